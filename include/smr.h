@@ -1,0 +1,331 @@
+/*
+ * smr: shape-matching registration. Deforms a prepared anatomical model onto a patient's data,
+ * one registration iteration per smr_tick(), in memory the caller hands over.
+ *
+ * Method: "Fast Musculoskeletal Registration Based on Shape Matching" ("the paper" below).
+ * Units: millimetres, nanoseconds, radians where not said otherwise. Axes are the caller's (LPS in the
+ * command line). Nothing here allocates, prints, or keeps globals; every pointer stays the caller's.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#ifndef SMR_H
+#define SMR_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------ 1. version, status, limits */
+
+#define SMR_VERSION_MAJOR 0
+#define SMR_VERSION_MINOR 1
+#define SMR_VERSION_PATCH 0
+
+typedef enum smr_status {
+    SMR_OK = 0,
+    SMR_PARTIAL = 1,    /* the budget ended within an iteration; the next tick resumes it */
+    SMR_E_NULL = -1,    /* a required pointer is NULL */
+    SMR_E_CONFIG = -2,  /* wrong cookie, or a field outside its stated range */
+    SMR_E_ARENA = -3,   /* the memory handed over is too small */
+    SMR_E_ALIGN = -4,   /* the memory handed over is not aligned to SMR_ALIGN */
+    SMR_E_MODEL = -5,   /* not a model image, other version, damaged, or inconsistent */
+    SMR_E_INPUT = -6,   /* a count, index or coordinate in the data is out of range */
+    SMR_E_STATE = -7,   /* the call is not possible in this state */
+    SMR_E_ABORTED = -8  /* the progress callback asked to stop */
+} smr_status;
+
+/* The status' name, for example "SMR_E_ARENA". Never NULL. */
+const char *smr_status_name(smr_status status);
+
+#define SMR_ALIGN 64u           /* bytes: every memory handed over starts on such an address */
+#define SMR_COORD_MAX 1.0e5f    /* mm: largest absolute coordinate accepted */
+#define SMR_VERTICES_MAX 4000000u
+#define SMR_TRIANGLES_MAX 8000000u
+#define SMR_STRUCTURES_MAX 1024u
+#define SMR_NAME_BYTES 64u      /* structure names, with the closing NUL */
+#define SMR_RADII_MAX 16u
+#define SMR_WORKERS_MAX 64u
+#define SMR_ALL 0xffffffffu     /* "every structure" */
+
+/* ------------------------------------------------------------------ 2. meshes and target surfaces */
+
+/* A triangle mesh in the caller's memory. Isolated or duplicate vertices, zero-area triangles,
+ * non-manifold edges and several components are legal. */
+typedef struct smr_mesh {
+    const float *xyz;          /* [n_vertices][3], mm, finite, within +-SMR_COORD_MAX */
+    const uint32_t *triangles; /* [n_triangles][3], each < n_vertices; NULL when n_triangles is 0 */
+    uint32_t n_vertices;       /* 1..SMR_VERTICES_MAX */
+    uint32_t n_triangles;      /* 0..SMR_TRIANGLES_MAX */
+} smr_mesh;
+
+/* A target surface made ready for closest-point search, in the caller's memory. */
+typedef struct smr_surface smr_surface;
+
+/* Bytes smr_surface_build() needs for a mesh of this size; 0 when a count is out of range. */
+size_t smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles);
+
+/* Copies the mesh into `memory` (SMR_ALIGN-aligned) and builds its search tree there.
+ * The mesh may go afterwards; `memory` must stay as long as the surface is used.
+ * Needs at least one triangle. Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT; *surface untouched then. */
+smr_status smr_surface_build(void *memory, size_t bytes, const smr_mesh *mesh, smr_surface **surface);
+
+typedef struct smr_closest {
+    float point[3];       /* mm, on the surface */
+    float normal[3];      /* unit, of that triangle */
+    float distance;       /* mm */
+    uint32_t triangle;    /* the caller's triangle index, SMR_ALL when nothing was found */
+    float weight[3];      /* barycentric, sums to 1 */
+    uint32_t on_border;   /* 1 when the point lies on an edge that has one triangle only */
+} smr_closest;
+
+/* Exact closest point of the surface within max_mm of `point` (3 floats). `normal` (3 floats, unit) and
+ * min_cos restrict the search to triangles whose normal agrees; NULL for any. Ties: smallest index. */
+smr_status smr_surface_closest(const smr_surface *surface, const float *point, const float *normal,
+                               float min_cos, float max_mm, smr_closest *hit);
+
+/* ------------------------------------------------------------------ 3. start pose */
+
+/* x' = m[r][0..2] . x + m[r][3]: rotation times scale, and translation. */
+typedef struct smr_pose {
+    float m[3][4];
+} smr_pose;
+
+typedef struct smr_align_config {
+    uint32_t cookie;
+    uint32_t similarity;  /* 0 rigid, 1 rigid with one scale; default 1 */
+    uint32_t iterations;  /* 1..1000, default 60: closest-point iterations of the last refinement */
+    uint32_t samples;     /* 16..100000, default 600: points taken from each surface */
+} smr_align_config;
+
+smr_align_config smr_align_config_default(void);
+
+/* Finds the pose that lays `model` onto `target` without landmarks: centroids and principal axes in all
+ * sign and order cases, each refined by iterative closest point in both directions; the best one is
+ * refined to the end. rms_mm (may be NULL): the remaining distance. Errors: E_NULL, E_CONFIG. */
+smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
+                     smr_pose *pose, float *rms_mm);
+
+/* ------------------------------------------------------------------ 4. prepare: surfaces -> model image */
+
+typedef struct smr_structure {
+    const char *name; /* "" or NULL for none; cut to SMR_NAME_BYTES - 1 */
+    smr_mesh mesh;
+} smr_structure;
+
+enum { SMR_DISTANCE_EUCLIDEAN = 0, SMR_DISTANCE_GEODESIC = 1 };
+enum { SMR_MASS_UNIT = 0, SMR_MASS_AREA = 1 };
+enum { SMR_ORDER_FOREST = 0, SMR_ORDER_BREADTH_FIRST = 1 };
+
+/* Called between bounded pieces of work; done of total. Return non-zero to stop (SMR_E_ABORTED). */
+typedef int (*smr_progress)(void *ctx, uint32_t done, uint32_t total);
+
+typedef struct smr_prepare_config {
+    uint32_t cookie;
+    uint32_t n_radii;                /* 0..SMR_RADII_MAX; default 0: chosen from size and edge length */
+    float radius_mm[SMR_RADII_MAX];  /* cluster radii s, coarse to fine, each in (0, SMR_COORD_MAX] */
+    float separate_below_mm;         /* radii below: clusters keep to their own structure. 0: always shared;
+                                        negative (default): a third of the largest radius */
+    uint32_t distance;               /* SMR_DISTANCE_...; default Euclidean (paper 2.2) */
+    uint32_t mass;                   /* SMR_MASS_...; default one per vertex */
+    uint32_t order;                  /* SMR_ORDER_...; default the minimum spanning forest */
+    uint32_t ring;                   /* 1 (default): a cluster also holds its vertex' mesh neighbours */
+    uint32_t block_vertices;         /* vertices per forest block, 16..65536; default 0: chosen */
+    smr_progress progress;           /* may be NULL */
+    void *progress_ctx;
+} smr_prepare_config;
+
+smr_prepare_config smr_prepare_config_default(void);
+
+/* Scratch bytes smr_prepare() needs for these structures. Reads counts only. */
+smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structures,
+                             const smr_prepare_config *config, size_t *scratch_bytes);
+
+/* Writes the model image. image NULL or too small: nothing useful is written and *image_bytes says what
+ * is needed (E_ARENA for too small, OK for NULL). scratch and image are SMR_ALIGN-aligned; scratch may go
+ * afterwards. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT, E_ABORTED. */
+smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
+                       void *scratch, size_t scratch_bytes, void *image, size_t image_capacity, size_t *image_bytes);
+
+/* ------------------------------------------------------------------ 5. the model image */
+
+/* The image in place: position-independent, little-endian on every host, checksummed. */
+typedef struct smr_model smr_model;
+
+/* Checks every byte that the runtime will trust and returns the image itself as a model. The image
+ * (SMR_ALIGN-aligned, may lie in flash) must stay as it is while the model is used.
+ * Errors: E_NULL, E_ALIGN, E_MODEL; *model untouched then. */
+smr_status smr_model_open(const void *image, size_t bytes, const smr_model **model);
+
+typedef struct smr_model_info {
+    uint32_t n_vertices, n_triangles, n_structures, n_radii;
+    float centre[3];                           /* mm: the origin of the model's internal coordinates */
+    float edge_mm;                             /* mean triangle edge, 0 without triangles */
+    float radius_mm[SMR_RADII_MAX];
+    float indexes_per_cluster[SMR_RADII_MAX];  /* stored: zeta+ and zeta- and roots, in the mean */
+    float direct_per_cluster[SMR_RADII_MAX];   /* mean |zeta|: what direct sums would read */
+    uint32_t largest_cluster[SMR_RADII_MAX];
+    uint32_t smallest_cluster[SMR_RADII_MAX];
+    uint32_t n_blocks[SMR_RADII_MAX];
+    uint32_t separate[SMR_RADII_MAX];          /* 1: clusters keep to their own structure */
+    uint32_t order;                            /* SMR_ORDER_... */
+    uint32_t checksum;
+    size_t bytes;
+} smr_model_info;
+
+smr_status smr_model_get_info(const smr_model *model, smr_model_info *info);
+
+typedef struct smr_structure_info {
+    char name[SMR_NAME_BYTES];
+    uint32_t n_vertices, n_triangles;
+} smr_structure_info;
+
+smr_status smr_model_structure(const smr_model *model, uint32_t structure, smr_structure_info *info);
+
+/* Copies a structure's rest shape in the caller's own vertex and triangle order, as it was given to
+ * smr_prepare: xyz [n_vertices][3], triangles [n_triangles][3]; either may be NULL. */
+smr_status smr_model_mesh(const smr_model *model, uint32_t structure, float *xyz, uint32_t *triangles);
+
+/* ------------------------------------------------------------------ 6. runtime */
+
+/* One task of a parallel loop. worker is in 0..n_workers-1 and used by one thread at a time. */
+typedef void (*smr_task)(void *arg, uint32_t task, uint32_t worker);
+
+/* What the platform lends to the library; see docs/PORTING.md. */
+typedef struct smr_port {
+    void *ctx;
+    uint32_t n_workers; /* 1..SMR_WORKERS_MAX */
+    /* Calls run(arg, t, w) once for each t < n_tasks, in any order, on any workers; returns when all are
+     * done and their writes are visible. NULL: a plain loop. */
+    void (*parallel)(void *ctx, smr_task run, void *arg, uint32_t n_tasks);
+    /* Monotonic nanoseconds. NULL: no clock; budgets and times are then 0. */
+    uint64_t (*now_ns)(void *ctx);
+} smr_port;
+
+enum { SMR_METHOD_RIGID = 0, SMR_METHOD_POLAR = 1 };
+enum { SMR_NORMALS_CARRIED = 0, SMR_NORMALS_EXACT = 1 };
+
+typedef struct smr_config {
+    uint32_t cookie;
+
+    /* memory */
+    uint32_t n_workers;          /* 1..SMR_WORKERS_MAX, default 1: at least the port's n_workers */
+    uint32_t n_target_vertices;  /* sum over all target surfaces set at one time; default 0: then
+                                    target-to-model attraction is off */
+
+    /* external forces, f = stiffness * (goal - x) (paper 2.1) */
+    float stiffness;             /* alpha_e, (0,1], default 0.8 */
+    float attraction;            /* 0..1, default 0.5: share of the target-to-model pull in the goal */
+    float search_mm;             /* (0, SMR_COORD_MAX], default 60: no closest point beyond this distance */
+    float normal_deg;            /* (0,180], default 75: source and target normals differ at most so much */
+    float reject_deviations;     /* 0 (default): off; else drop forces longer than mean + this many standard
+                                    deviations of the last iteration */
+    uint32_t reject_border;      /* 1: drop closest points on the border of an open target; default 0 */
+    uint32_t use_box;            /* 1: no force outside the box below; default 0 */
+    float box_min[3], box_max[3];
+    uint32_t node_budget;        /* 8..1000000, default 512: tree nodes one closest-point search may open */
+
+    /* matching and evolution (paper 2.3) */
+    uint32_t method;             /* SMR_METHOD_...; default rigid-body kinematics */
+    float relaxation;            /* (0,1], default 1: x += relaxation * (averaged goal - x) */
+    float plastic_um;            /* >= 0, default 50: x^r = x when the largest displacement falls below */
+    uint32_t plastic_every;      /* 0..1000, default 3: x^r = x also after so many iterations; 0 never */
+    uint32_t normals;            /* SMR_NORMALS_...; default carried by the cluster rotations, recomputed
+                                    from the triangles whenever x^r is */
+
+    /* schedule: from coarse to fine radius */
+    uint32_t radius_first;       /* index of the first radius used, default 0 */
+    uint32_t radius_last;        /* index of the last radius used; default SMR_ALL: the finest */
+    uint32_t iterations;         /* 1..100000, default 12: at most so many at each radius but the last */
+    uint32_t iterations_last;    /* 1..100000, default 40: at most so many at the last radius */
+} smr_config;
+
+smr_config smr_config_default(void);
+
+/* A registration in progress, inside the caller's arena. */
+typedef struct smr smr;
+
+/* Exact bytes smr_init() needs. Errors: E_NULL, E_CONFIG. */
+smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, size_t *bytes);
+
+/* The same as a compile-time upper bound, for static storage:
+ * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(nv, nt, ns, workers, target_vertices)]; */
+#define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices)        \
+    ((size_t)8192u + (size_t)360u * (n_vertices) + (size_t)36u * (n_triangles) +                    \
+     (size_t)1024u * (n_structures) + ((size_t)16u * (n_vertices) + 256u) * (n_workers) +           \
+     (size_t)8u * (n_target_vertices))
+
+/* Sets up a registration at the model's rest shape in arena (SMR_ALIGN-aligned, at least
+ * smr_arena_bytes). config and port are copied; port may be NULL (one worker, no clock). model and arena
+ * must stay. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA; *out untouched then. */
+smr_status smr_init(smr **out, const smr_model *model, const smr_config *config, const smr_port *port,
+                    void *arena, size_t arena_bytes);
+
+/* Starts again from these positions, per structure in the caller's vertex order: [n_vertices][3] mm.
+ * They become the reference shape x^r. The schedule starts over. Errors: E_NULL, E_INPUT, E_STATE. */
+smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz);
+
+/* Applies a pose to the whole model's rest shape and starts from there. Errors: E_NULL, E_INPUT. */
+smr_status smr_set_pose(smr *s, const smr_pose *pose);
+
+/* Gives a structure (or SMR_ALL) its target surface, borrowed until replaced; NULL takes it away, and the
+ * structure is then carried along by its neighbours. May be called between any two ticks.
+ * Errors: E_NULL, E_INPUT (no such structure), E_ARENA (more vertices than config.n_target_vertices). */
+smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface);
+
+/* The phases of an iteration, in order. */
+enum { SMR_PHASE_FORCES = 0, SMR_PHASE_SUMS, SMR_PHASE_MATCH, SMR_PHASE_AVERAGE, SMR_PHASE_EVOLVE, SMR_PHASES };
+
+typedef struct smr_tick_report {
+    uint32_t iteration;           /* complete iterations since the start */
+    uint32_t phase;               /* SMR_PHASE_...: the one to resume with; 0 after a whole iteration */
+    uint32_t radius;              /* index of the radius the iteration used */
+    uint32_t radius_iteration;    /* complete iterations at this radius */
+    uint32_t n_active;            /* vertices that could receive an external force */
+    uint32_t n_forces;            /* vertices that did */
+    uint32_t n_rejected;          /* vertices with a target but no acceptable goal */
+    uint32_t plastic_updates;     /* since the start */
+    uint32_t done;                /* 1: the schedule is done; further ticks change nothing */
+    uint32_t converged;           /* 1: done, and the last iteration moved no vertex by plastic_um */
+    float progress;               /* 0..1: share of the schedule's iterations done */
+    float residual_mean_mm;       /* of |goal - x| over the n_forces vertices */
+    float residual_rms_mm;
+    float residual_max_mm;
+    float displacement_max_mm;    /* of the last complete iteration */
+    uint64_t phase_ns[SMR_PHASES];/* time of this tick by phase; 0 without a clock */
+    uint64_t state_hash;          /* of the positions: equal bits, equal hash, on every processor */
+} smr_tick_report;
+
+/* One registration iteration (paper 2.3, the closing list): external forces, shape matching, averaging,
+ * evolution. budget_ns 0: a whole iteration, no clock. Otherwise the tick stops between two chunks of work
+ * once the time is over and returns SMR_PARTIAL; the last complete positions stay valid and the next tick
+ * goes on. report may be NULL. Errors: E_NULL. */
+smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report);
+
+/* ------------------------------------------------------------------ 7. results and diagnostics */
+
+/* Copies a structure's current positions or unit normals, [n_vertices][3], in the caller's vertex order.
+ * Errors: E_NULL, E_INPUT. */
+smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
+smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
+
+typedef struct smr_structure_report {
+    uint32_t has_target;          /* 0: carried along */
+    uint32_t n_forces;
+    uint32_t n_rejected;
+    float residual_mean_mm, residual_max_mm;
+    float moved_mean_mm, moved_max_mm; /* from the start positions */
+} smr_structure_report;
+
+smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report);
+
+/* Hash of the complete state (positions and reference shape). 0 for NULL. */
+uint64_t smr_state_hash(const smr *s);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* SMR_H */

@@ -1,0 +1,68 @@
+/* arena.c: slots in the caller's memory.
+ * SPDX-License-Identifier: MIT */
+#include "base/arena.h"
+
+#if defined(__SANITIZE_ADDRESS__)
+#define SMR_ASAN 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define SMR_ASAN 1
+#endif
+#endif
+
+#ifdef SMR_ASAN
+void __asan_poison_memory_region(void const volatile *addr, size_t size);
+void __asan_unpoison_memory_region(void const volatile *addr, size_t size);
+#define SMR_POISON(p, n) __asan_poison_memory_region((p), (n))
+#define SMR_UNPOISON(p, n) __asan_unpoison_memory_region((p), (n))
+#define SMR_RED_ZONE ((size_t)SMR_ALIGN)
+#else
+#define SMR_POISON(p, n) ((void)(p), (void)(n))
+#define SMR_UNPOISON(p, n) ((void)(p), (void)(n))
+#define SMR_RED_ZONE ((size_t)0)
+#endif
+
+smr_arena smr_arena_measure(void)
+{
+    smr_arena a = {NULL, 0, 0};
+    return a;
+}
+
+smr_status smr_arena_start(smr_arena *a, void *base, size_t capacity)
+{
+    if (base == NULL)
+        return SMR_E_NULL;
+    if ((uintptr_t)base % SMR_ALIGN != 0)
+        return SMR_E_ALIGN;
+    a->base = base;
+    a->capacity = capacity;
+    a->used = 0;
+    return SMR_OK;
+}
+
+void *smr_arena_take(smr_arena *a, size_t count, size_t size)
+{
+    size_t start = a->used;
+    if (start == SIZE_MAX || (size != 0 && count > (SIZE_MAX - start - 4u * SMR_ALIGN) / size)) {
+        a->used = SIZE_MAX;
+        return NULL;
+    }
+    size_t bytes = count * size;
+    size_t end = start + (bytes + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
+    a->used = end + SMR_RED_ZONE;
+    if (a->base == NULL || a->used > a->capacity)
+        return NULL;
+    SMR_UNPOISON(a->base + start, end - start);
+    SMR_POISON(a->base + start + bytes, a->used - start - bytes);
+    return a->base + start;
+}
+
+smr_status smr_arena_check(const smr_arena *a)
+{
+    return a->used > a->capacity ? SMR_E_ARENA : SMR_OK;
+}
+
+void smr_arena_release(void *base, size_t capacity)
+{
+    SMR_UNPOISON(base, capacity);
+}

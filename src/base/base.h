@@ -1,0 +1,44 @@
+/* base.h: what every file of the core stands on: the language's assumptions, small helpers, status checks.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_BASE_H
+#define SMR_BASE_H
+
+#include <float.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "smr.h"
+
+/* Bit-exact results need float arithmetic in float; see docs/SPEC.md, "Floating-point environment". */
+_Static_assert(FLT_EVAL_METHOD == 0, "float arithmetic must be done in float");
+_Static_assert(sizeof(float) == 4 && FLT_MANT_DIG == 24, "float must be IEEE 754 binary32");
+
+#define SMR_SQRT(x) __builtin_sqrtf(x)
+
+static inline float smr_max(float a, float b) { return a > b ? a : b; }
+static inline float smr_min(float a, float b) { return a < b ? a : b; }
+static inline float smr_abs(float a) { return a < 0.0f ? -a : a; }
+static inline float smr_clamp(float a, float lo, float hi) { return smr_min(smr_max(a, lo), hi); }
+static inline uint32_t smr_min_u32(uint32_t a, uint32_t b) { return a < b ? a : b; }
+static inline uint32_t smr_max_u32(uint32_t a, uint32_t b) { return a > b ? a : b; }
+static inline uint32_t smr_ceil_div(uint32_t a, uint32_t b) { return a / b + (a % b != 0u); }
+
+/* max(a, 0) without a branch, so that loops of it become vector code everywhere; -0 gives 0. */
+static inline float smr_positive(float a)
+{
+    int32_t bits;
+    memcpy(&bits, &a, sizeof bits);
+    bits &= ~(bits >> 31);
+    memcpy(&a, &bits, sizeof a);
+    return a;
+}
+
+/* True for a number within +-limit; false for NaN and infinities. */
+static inline int smr_within(float a, float limit) { return a >= -limit && a <= limit; }
+
+/* 16 bits that change with the struct's size and the library's minor version. */
+#define SMR_COOKIE(tag, type) \
+    (((uint32_t)(tag) << 24) | ((uint32_t)SMR_VERSION_MINOR << 16) | (uint32_t)(sizeof(type) & 0xffffu))
+
+#endif

@@ -1,0 +1,48 @@
+/* bytes.h: the model image's numbers are little-endian on every host; these read and write them.
+ * On little-endian hosts a load compiles to a plain load.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_BYTES_H
+#define SMR_BYTES_H
+
+#include "base/base.h"
+
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+#define SMR_BIG_ENDIAN 1
+#else
+#define SMR_BIG_ENDIAN 0
+#endif
+
+static inline uint16_t smr_le16(uint16_t v) { return SMR_BIG_ENDIAN ? (uint16_t)(v << 8 | v >> 8) : v; }
+
+static inline uint32_t smr_le32(uint32_t v)
+{
+    return SMR_BIG_ENDIAN ? (v << 24 | (v << 8 & 0xff0000u) | (v >> 8 & 0xff00u) | v >> 24) : v;
+}
+
+/* A float stored as its little-endian bits, and back. */
+static inline float smr_le_float(uint32_t stored)
+{
+    uint32_t bits = smr_le32(stored);
+    float v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+static inline uint32_t smr_float_le(float v)
+{
+    uint32_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return smr_le32(bits);
+}
+
+static inline uint32_t smr_float_bits(float v)
+{
+    uint32_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return bits;
+}
+
+/* CRC-32 (IEEE 802.3, reflected) of n bytes, continuing from crc (0 to start). */
+uint32_t smr_crc32(uint32_t crc, const void *data, size_t n);
+
+#endif

@@ -1,0 +1,64 @@
+/* vec.h: vectors of three floats and 3x3 matrices (row-major float[9]).
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_VEC_H
+#define SMR_VEC_H
+
+#include "base/base.h"
+
+typedef struct smr_vec {
+    float x, y, z;
+} smr_vec;
+
+static inline smr_vec smr_v(float x, float y, float z)
+{
+    smr_vec r;
+    r.x = x;
+    r.y = y;
+    r.z = z;
+    return r;
+}
+
+static inline smr_vec smr_load(const float *p) { return smr_v(p[0], p[1], p[2]); }
+
+static inline void smr_store(float *p, smr_vec a)
+{
+    p[0] = a.x;
+    p[1] = a.y;
+    p[2] = a.z;
+}
+
+static inline smr_vec smr_add(smr_vec a, smr_vec b) { return smr_v(a.x + b.x, a.y + b.y, a.z + b.z); }
+static inline smr_vec smr_sub(smr_vec a, smr_vec b) { return smr_v(a.x - b.x, a.y - b.y, a.z - b.z); }
+static inline smr_vec smr_scale(smr_vec a, float s) { return smr_v(a.x * s, a.y * s, a.z * s); }
+static inline float smr_dot(smr_vec a, smr_vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+static inline smr_vec smr_cross(smr_vec a, smr_vec b)
+{
+    return smr_v(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+static inline float smr_length(smr_vec a) { return SMR_SQRT(smr_dot(a, a)); }
+
+/* The unit vector along a; zero for a vector too short to have a direction. */
+static inline smr_vec smr_unit(smr_vec a)
+{
+    float l2 = smr_dot(a, a);
+    if (!(l2 > 1.0e-30f))
+        return smr_v(0.0f, 0.0f, 0.0f);
+    return smr_scale(a, 1.0f / SMR_SQRT(l2));
+}
+
+static inline smr_vec smr_mul(const float m[9], smr_vec a)
+{
+    return smr_v(m[0] * a.x + m[1] * a.y + m[2] * a.z, m[3] * a.x + m[4] * a.y + m[5] * a.z,
+                 m[6] * a.x + m[7] * a.y + m[8] * a.z);
+}
+
+static inline smr_vec smr_pose_apply(const smr_pose *p, smr_vec a)
+{
+    return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z + p->m[0][3],
+                 p->m[1][0] * a.x + p->m[1][1] * a.y + p->m[1][2] * a.z + p->m[1][3],
+                 p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z + p->m[2][3]);
+}
+
+#endif

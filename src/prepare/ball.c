@@ -1,0 +1,146 @@
+/* ball.c: the vertices around a vertex, as rows of bits, and its nearest ones (paper 2.2, clustering).
+ * The search tree's leaves are single vertices in curve order, so a node that lies wholly inside the ball is one run
+ * of bits. Membership is decided by one comparison, d^2 <= r^2, that is the same seen from either end.
+ * SPDX-License-Identifier: MIT */
+#include "prepare/plan.h"
+
+#define SMR_INSIDE 0.99999f  /* of r^2: a box this far inside holds only members, whatever the rounding */
+#define SMR_OUTSIDE 1.00001f
+
+static void set_run(uint64_t *row, uint32_t first, uint32_t last)
+{
+    for (uint32_t w = first / 64u; w <= (last - 1u) / 64u; w++) {
+        uint64_t mask = ~(uint64_t)0;
+        if (w == first / 64u)
+            mask &= ~(uint64_t)0 << (first % 64u);
+        if (w == (last - 1u) / 64u)
+            mask &= ~(uint64_t)0 >> (63u - (last - 1u) % 64u);
+        row[w] |= mask;
+    }
+}
+
+/* Squared distances from p to the near and far ends of the eight boxes. */
+static void box_ends(const smr_node *node, smr_vec p, float near2[SMR_TREE_WIDTH], float far2[SMR_TREE_WIDTH])
+{
+    const float at[3] = {p.x, p.y, p.z};
+    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
+        float n2 = 0.0f, f2 = 0.0f;
+        for (uint32_t axis = 0; axis < 3u; axis++) {
+            const float below = node->lo[axis][k] - at[axis], above = at[axis] - node->hi[axis][k];
+            const float out = smr_positive(below) + smr_positive(above); /* at most one is positive */
+            const float far = smr_positive(below - above) - below;
+            n2 += out * out;
+            f2 += far * far;
+        }
+        near2[k] = n2;
+        far2[k] = f2;
+    }
+}
+
+typedef struct visit {
+    uint32_t level, index;
+} visit;
+
+void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
+{
+    const smr_vec centre = smr_load(p->xyz + 3u * (size_t)v);
+    const float r2 = radius * radius;
+    visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
+    uint32_t top = 0;
+    memset(row, 0, p->words * sizeof *row);
+    stack[top++] = (visit){p->points.n_levels - 1u, 0u};
+    while (top > 0u) {
+        const visit at = stack[--top];
+        float near2[SMR_TREE_WIDTH], far2[SMR_TREE_WIDTH];
+        box_ends(&p->points.node[p->points.level[at.level] + at.index], centre, near2, far2);
+        for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
+            const uint32_t child = at.index * SMR_TREE_WIDTH + k;
+            const uint64_t first = (uint64_t)child << (3u * at.level), last = (uint64_t)(child + 1u) << (3u * at.level);
+            if (first >= p->n)
+                break;
+            if (at.level == 0u) {
+                if (near2[k] <= r2)
+                    row[child / 64u] |= (uint64_t)1 << (child % 64u);
+            } else if (far2[k] <= SMR_INSIDE * r2) {
+                set_run(row, (uint32_t)first, last < p->n ? (uint32_t)last : p->n);
+            } else if (near2[k] <= SMR_OUTSIDE * r2) {
+                stack[top++] = (visit){at.level - 1u, child};
+            }
+        }
+    }
+}
+
+uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t last, uint32_t k, uint32_t *found,
+                     float *distance2)
+{
+    const smr_vec centre = smr_load(p->xyz + 3u * (size_t)v);
+    float best[SMR_NEAREST], near2[SMR_TREE_WIDTH], far2[SMR_TREE_WIDTH];
+    visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
+    uint32_t top = 0, n = 0;
+    stack[top++] = (visit){p->points.n_levels - 1u, 0u};
+    while (top > 0u) {
+        const visit at = stack[--top];
+        box_ends(&p->points.node[p->points.level[at.level] + at.index], centre, near2, far2);
+        for (uint32_t c = 0; c < SMR_TREE_WIDTH; c++) {
+            /* on inner levels start with the child that holds v: good bounds early. It is pushed last. */
+            const uint32_t child = at.index * SMR_TREE_WIDTH + (at.level > 0u ? (c + 1u + (v >> (3u * at.level))) % 8u : c);
+            const uint32_t slot = child % SMR_TREE_WIDTH;
+            const uint64_t from = (uint64_t)child << (3u * at.level), to = (uint64_t)(child + 1u) << (3u * at.level);
+            if (from >= last || to <= first || from >= p->n || (n == k && near2[slot] >= best[k - 1u]))
+                continue;
+            if (at.level > 0u) {
+                stack[top++] = (visit){at.level - 1u, child};
+                continue;
+            }
+            if (child == v || (p->separate && p->owner[child] != p->owner[v]))
+                continue;
+            uint32_t i = n < k ? n++ : k - 1u;
+            for (; i > 0u && best[i - 1u] > near2[slot]; i--) {
+                best[i] = best[i - 1u];
+                found[i] = found[i - 1u];
+            }
+            best[i] = near2[slot];
+            found[i] = child;
+        }
+    }
+    if (distance2 != NULL)
+        memcpy(distance2, best, n * sizeof best[0]);
+    return n;
+}
+
+uint32_t smr_row_count(const uint64_t *row, uint32_t words)
+{
+    uint32_t count = 0;
+    for (uint32_t w = 0; w < words; w++) {
+        uint64_t x = row[w];
+        x = x - (x >> 1 & 0x5555555555555555u);
+        x = (x & 0x3333333333333333u) + (x >> 2 & 0x3333333333333333u);
+        x = (x + (x >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+        count += (uint32_t)((x * 0x0101010101010101u) >> 56);
+    }
+    return count;
+}
+
+/* Takes the vertices of other structures out of a row. */
+static void keep_owner(const smr_plan *p, uint32_t owner, uint64_t *row)
+{
+    for (uint32_t w = 0; w < p->words; w++) {
+        for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u) {
+            uint32_t bit = (uint32_t)__builtin_ctzll(rest);
+            if (p->owner[w * 64u + bit] != owner)
+                row[w] &= ~((uint64_t)1 << bit);
+        }
+    }
+}
+
+void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
+{
+    if (p->config->distance == SMR_DISTANCE_GEODESIC)
+        smr_geodesic_row(p, v, radius, row);
+    else
+        smr_ball_row(p, v, radius, row);
+    if (p->separate)
+        keep_owner(p, p->owner[v], row);
+    for (uint32_t i = p->ring_start[v]; p->config->ring && i < p->ring_start[v + 1u]; i++)
+        row[p->ring[i] / 64u] |= (uint64_t)1 << (p->ring[i] % 64u);
+}

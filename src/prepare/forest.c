@@ -1,0 +1,142 @@
+/* forest.c: the order L in which cluster sums are updated (paper 2.2, cluster optimisation), as a minimum spanning
+ * forest: each cluster's parent is chosen so that all differences together are as short as can be among spatial and
+ * mesh neighbours. A virtual root, at the price of a whole cluster, stands for "sum it directly". Blocks of the
+ * curve order have a forest each: they are independent at run time.
+ * Method: Kruskal 1956 with union-find; weights are |zeta_i symmetric-difference zeta_k| from rows of bits.
+ * SPDX-License-Identifier: MIT */
+#include "prepare/plan.h"
+
+#include "geometry/curve.h"
+
+static uint32_t difference_count(const uint64_t *a, const uint64_t *b, uint32_t words)
+{
+    uint32_t count = 0;
+    for (uint32_t w = 0; w < words; w++) {
+        uint64_t x = a[w] ^ b[w];
+        if (x == 0u)
+            continue;
+        x = x - (x >> 1 & 0x5555555555555555u);
+        x = (x & 0x3333333333333333u) + (x >> 2 & 0x3333333333333333u);
+        x = (x + (x >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+        count += (uint32_t)((x * 0x0101010101010101u) >> 56);
+    }
+    return count;
+}
+
+static uint32_t find(uint32_t *set, uint32_t i)
+{
+    while (set[i] != i) {
+        set[i] = set[set[i]];
+        i = set[i];
+    }
+    return i;
+}
+
+/* Candidate pairs (a < b, counted from first), each once: edge_a, edge_b. Returns their number. */
+static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
+{
+    const uint32_t size = last - first;
+    uint32_t n = 0;
+    for (uint32_t v = first; v < last; v++) {
+        uint32_t near[SMR_NEAREST + SMR_RING_TRIED];
+        uint32_t k = smr_nearest(p, v, first, last, SMR_NEAREST, near, NULL);
+        for (uint32_t i = p->ring_start[v], tried = 0; i < p->ring_start[v + 1u] && tried < SMR_RING_TRIED; i++, tried++)
+            if (p->ring[i] >= first && p->ring[i] < last)
+                near[k++] = p->ring[i];
+        for (uint32_t i = 0; i < k; i++) {
+            const uint32_t a = smr_min_u32(v, near[i]) - first, b = smr_max_u32(v, near[i]) - first;
+            p->key[n] = a * size + b;
+            p->item[n++] = a;
+        }
+    }
+    smr_curve_sort(p->key, p->item, p->tmp, n);
+    uint32_t unique = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        if (i > 0u && p->key[i] == p->key[i - 1u])
+            continue;
+        p->edge_a[unique] = p->item[i];
+        p->edge_b[unique++] = p->key[i] - p->item[i] * size;
+    }
+    return unique;
+}
+
+/* Keeps the edges of the minimum spanning tree over the block's vertices and the root (number size). */
+static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32_t n_edges)
+{
+    for (uint32_t e = 0; e < n_edges; e++) {
+        p->key[e] = difference_count(smr_plan_row(p, p->edge_a[e]), smr_plan_row(p, p->edge_b[e]), p->words);
+        p->item[e] = e;
+    }
+    for (uint32_t v = 0; v < size; v++) {
+        p->edge_a[n_edges + v] = v;
+        p->edge_b[n_edges + v] = size;
+        p->key[n_edges + v] = p->count[first + v];
+        p->item[n_edges + v] = n_edges + v;
+    }
+    n_edges += size;
+    smr_curve_sort(p->key, p->item, p->tmp, n_edges);
+    for (uint32_t v = 0; v <= size; v++)
+        p->set[v] = v;
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < n_edges && kept < size; i++) {
+        const uint32_t e = p->item[i];
+        const uint32_t a = find(p->set, p->edge_a[e]), b = find(p->set, p->edge_b[e]);
+        if (a != b) {
+            p->set[a] = b;
+            p->tmp[kept++] = e;
+        }
+    }
+    return kept;
+}
+
+/* The kept edges as neighbour lists. */
+static void link_up(smr_plan *p, uint32_t size, uint32_t kept)
+{
+    memset(p->link_start, 0, ((size_t)size + 2u) * sizeof(uint32_t));
+    for (uint32_t i = 0; i < kept; i++) {
+        p->link_start[p->edge_a[p->tmp[i]]]++;
+        p->link_start[p->edge_b[p->tmp[i]]]++;
+    }
+    for (uint32_t v = 0, sum = 0; v < size + 2u; v++) {
+        sum += p->link_start[v];
+        p->link_start[v] = sum;
+    }
+    for (uint32_t i = kept; i-- > 0u;) {
+        const uint32_t e = p->tmp[i];
+        p->link[--p->link_start[p->edge_a[e]]] = p->edge_b[e];
+        p->link[--p->link_start[p->edge_b[e]]] = p->edge_a[e];
+    }
+}
+
+void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t last, float radius)
+{
+    const uint32_t size = last - first, none = UINT32_MAX;
+    for (uint32_t v = first; v < last; v++) {
+        smr_cluster_row(p, v, radius, smr_plan_row(p, v - first));
+        p->count[v] = smr_row_count(smr_plan_row(p, v - first), p->words);
+    }
+    const uint32_t kept = spanning_tree(p, first, size, candidates(p, first, last));
+    link_up(p, size, kept);
+    smr_list_block(l, first);
+    /* from the root outwards: a parent always comes before its children. set[] now holds the parent. */
+    for (uint32_t v = 0; v < size; v++)
+        p->rank[first + v] = none;
+    uint32_t head = 0, tail = 0;
+    for (uint32_t i = p->link_start[size]; i < p->link_start[size + 1u]; i++) {
+        p->set[p->link[i]] = size;
+        p->queue[tail++] = p->link[i];
+    }
+    while (head < tail) {
+        const uint32_t v = p->queue[head];
+        const uint32_t up = p->set[v];
+        p->rank[first + v] = head++;
+        smr_list_entry(l, p, first + v, up == size ? p->rank[first + v] : p->rank[first + up], smr_plan_row(p, v),
+                       up == size ? NULL : smr_plan_row(p, up));
+        for (uint32_t i = p->link_start[v]; i < p->link_start[v + 1u]; i++) {
+            if (p->link[i] == up)
+                continue;
+            p->set[p->link[i]] = v;
+            p->queue[tail++] = p->link[i];
+        }
+    }
+}

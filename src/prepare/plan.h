@@ -1,0 +1,125 @@
+/* plan.h: what the steps of prepare share: the model in stored order, and scratch. All arrays lie in the caller's
+ * scratch memory. Stored order is the order along a space-filling curve: neighbours in space are neighbours in
+ * memory, and a ball of vertices is a few runs of consecutive indexes.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_PLAN_H
+#define SMR_PLAN_H
+
+#include "base/arena.h"
+#include "geometry/tree.h"
+#include "model/image.h"
+
+#define SMR_NEAREST 12u    /* spatial neighbours tried as parents in the forest */
+#define SMR_RING_TRIED 16u /* mesh neighbours tried as parents */
+
+typedef struct smr_plan {
+    const smr_structure *structures;
+    const smr_prepare_config *config;
+    uint32_t n_structures;
+    uint32_t n;              /* vertices of all structures */
+    uint32_t nt;             /* triangles of all structures */
+    uint32_t block;          /* most vertices in a block */
+    uint32_t words;          /* 64-bit words of a row of n bits */
+    uint32_t n_rows;
+    uint32_t separate;       /* of the radius in work */
+    float centre[3];         /* mm */
+    float edge_mm;           /* mean edge */
+    float edge_max;          /* longest edge */
+
+    /* written by order: the model in stored order */
+    float *xyz;              /* [n][3] relative to centre */
+    float *mass;             /* [n] */
+    uint16_t *owner;         /* [n] */
+    uint32_t *position;      /* [n] caller's vertex -> stored */
+    uint32_t *original;      /* [n] stored -> caller's */
+    uint32_t *triangle;      /* [nt][3] stored vertices, structures in a row, each in tree order */
+    uint32_t *facet;         /* [nt] the caller's index within the structure */
+    uint32_t *ring_start;    /* [n + 1] */
+    uint32_t *ring;          /* [6 nt] mesh neighbours of each vertex, each once */
+    smr_facets points;       /* box tree whose leaves are single vertices */
+
+    /* written per radius */
+    uint64_t *row;           /* [n_rows][words] clusters as bit rows */
+    uint32_t *count;         /* [n] |zeta| */
+    uint32_t *rank;          /* [n] entry number of a vertex */
+
+    /* scratch */
+    float *middle;           /* [nt][3] centres of triangles */
+    uint32_t *key;           /* [max(n, nt, pairs)] */
+    uint32_t *item;          /* [max(n, nt, pairs)] */
+    uint32_t *tmp;           /* [2 max(n, nt, pairs)] */
+    uint32_t *edge_a;        /* [pairs] candidate edges of a block's forest */
+    uint32_t *edge_b;        /* [pairs] */
+    uint32_t *set;           /* [block + 1] union-find */
+    uint32_t *link_start;    /* [block + 2] tree edges of a block */
+    uint32_t *link;          /* [2 (block + 1)] */
+    uint32_t *queue;         /* [n + 1] */
+    uint32_t *geo_distance;  /* [n] micrometres, geodesic only */
+    uint32_t *geo_heap;      /* [2 (6 nt + 1)], geodesic only */
+} smr_plan;
+
+/* Cuts the scratch (or measures it). counts are in the plan already. */
+void smr_plan_layout(smr_arena *a, smr_plan *p);
+
+/* Stored order, ring neighbours, masses, centre. */
+void smr_plan_order(smr_plan *p);
+void smr_plan_mass(smr_plan *p);
+
+static inline uint64_t *smr_plan_row(const smr_plan *p, uint32_t i) { return p->row + (size_t)i * p->words; }
+
+/* Fills a row with zeta of vertex v at this radius. */
+void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
+
+/* The Euclidean ball alone, over all structures. */
+void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row);
+
+/* The vertices within `radius` along mesh edges, as bits. */
+void smr_geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
+
+/* The k <= SMR_NEAREST vertices nearest to v among first..last-1 (same structure only when separate), v itself left
+ * out. Returns how many; distance2 may be NULL. */
+uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t last, uint32_t k, uint32_t *found,
+                     float *distance2);
+
+/* Bits set in a row. */
+uint32_t smr_row_count(const uint64_t *row, uint32_t words);
+
+/* Chooses radii from coarse to fine when the configuration leaves them open. Returns their number. */
+uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX]);
+
+/* The image as it grows: bytes beyond the capacity are counted, not written. */
+typedef struct smr_writer {
+    unsigned char *image; /* NULL: count only */
+    size_t capacity;
+    size_t used;
+} smr_writer;
+
+void smr_put16(smr_writer *w, size_t at, uint32_t value);
+void smr_put32(smr_writer *w, size_t at, uint32_t value);
+/* Reserves a section of zero bytes on the next SMR_ALIGN boundary; returns its offset. */
+size_t smr_put_section(smr_writer *w, size_t bytes);
+
+/* One radius' lists being written. */
+typedef struct smr_list_writer {
+    smr_writer *w;
+    uint32_t index_bytes;
+    size_t at_blocks, at_entries, at_count, at_indexes;
+    uint32_t n_blocks;   /* blocks begun so far */
+    uint32_t n_entries;
+    uint32_t n_indexes;
+    uint64_t n_members;  /* sum of |zeta| */
+    uint32_t largest, smallest;
+} smr_list_writer;
+
+void smr_list_block(smr_list_writer *l, uint32_t first_vertex);
+/* Appends an entry. own and parent_row: rows; parent_row NULL for a root. parent: entry number in the block. */
+void smr_list_entry(smr_list_writer *l, const smr_plan *p, uint32_t vertex, uint32_t parent, const uint64_t *own,
+                    const uint64_t *parent_row);
+
+/* Minimum spanning forest of the clusters of stored vertices first..last-1, written as one block. */
+void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t last, float radius);
+
+/* The paper's breadth-first order over the whole model, as one block. E_ABORTED when progress says so. */
+smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint32_t step, uint32_t steps);
+
+#endif

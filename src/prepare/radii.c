@@ -1,0 +1,42 @@
+/* radii.c: cluster radii for a model nobody chose any for: from a third of its size down to little more than an edge,
+ * each about two thirds of the one before (coarse to fine, paper 3, geometric registration).
+ * SPDX-License-Identifier: MIT */
+#include "geometry/curve.h"
+#include "prepare/plan.h"
+
+#define SMR_COARSEST 0.33f      /* of the box's diagonal */
+#define SMR_FINEST_EDGES 1.7f   /* edges */
+#define SMR_RATIO 0.66f
+#define SMR_MEMBERS_MAX 1500u   /* mean |zeta| above this makes iterations slow and deforms no better */
+#define SMR_PROBES 64u
+
+/* Mean size of clusters at this radius, from SMR_PROBES vertices spread over the model. */
+static uint32_t mean_members(smr_plan *p, float radius)
+{
+    uint64_t sum = 0;
+    const uint32_t probes = smr_min_u32(SMR_PROBES, p->n);
+    for (uint32_t i = 0; i < probes; i++) {
+        smr_ball_row(p, (uint32_t)((uint64_t)i * p->n / probes), radius, smr_plan_row(p, 0));
+        sum += smr_row_count(smr_plan_row(p, 0), p->words);
+    }
+    return (uint32_t)(sum / probes);
+}
+
+uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX])
+{
+    const smr_box box = smr_box_of(p->xyz, p->n);
+    const float size = smr_length(smr_sub(box.hi, box.lo));
+    float coarse = size * SMR_COARSEST;
+    if (!(coarse > 1.0e-3f)) { /* a single point */
+        radius[0] = 1.0f;
+        return 1u;
+    }
+    for (uint32_t i = 0; i < 40u && mean_members(p, coarse) > SMR_MEMBERS_MAX; i++)
+        coarse *= 0.9f;
+    const float fine = smr_max(p->edge_mm > 0.0f ? p->edge_mm * SMR_FINEST_EDGES : coarse * 0.1f, size * 1.0e-3f);
+    uint32_t n = 0;
+    for (float r = coarse; n < SMR_RADII_MAX - 1u && r > fine * 1.2f; r *= SMR_RATIO)
+        radius[n++] = r;
+    radius[n++] = smr_min(fine, coarse);
+    return n;
+}

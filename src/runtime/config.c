@@ -1,0 +1,51 @@
+/* config.c: the runtime configuration's defaults and ranges.
+ * SPDX-License-Identifier: MIT */
+#include "runtime/state.h"
+
+smr_config smr_config_default(void)
+{
+    smr_config c;
+    memset(&c, 0, sizeof c);
+    c.cookie = SMR_COOKIE('R', smr_config);
+    c.n_workers = 1;
+    c.stiffness = 0.8f;
+    c.attraction = 0.5f;
+    c.search_mm = 60.0f;
+    c.normal_deg = 75.0f;
+    c.node_budget = 512;
+    c.method = SMR_METHOD_RIGID;
+    c.relaxation = 1.0f;
+    c.plastic_um = 50.0f;
+    c.plastic_every = 3;
+    c.radius_last = SMR_ALL;
+    c.iterations = 12;
+    c.iterations_last = 40;
+    return c;
+}
+
+static int between(float v, float lo, float hi) { return v >= lo && v <= hi; }
+
+smr_status smr_config_check(const smr_config *c, const smr_model *m)
+{
+    const uint32_t n_radii = smr_le32(m->n_radii);
+    if (c->cookie != SMR_COOKIE('R', smr_config) || c->n_workers < 1u || c->n_workers > SMR_WORKERS_MAX ||
+        c->n_target_vertices > SMR_VERTICES_MAX)
+        return SMR_E_CONFIG;
+    if (!between(c->stiffness, FLT_MIN, 1.0f) || !between(c->attraction, 0.0f, 1.0f) ||
+        !between(c->search_mm, FLT_MIN, SMR_COORD_MAX) || !between(c->normal_deg, FLT_MIN, 180.0f) ||
+        !between(c->reject_deviations, 0.0f, 1.0e6f) || c->reject_border > 1u || c->use_box > 1u ||
+        c->node_budget < 8u || c->node_budget > 1000000u)
+        return SMR_E_CONFIG;
+    for (uint32_t i = 0; c->use_box && i < 3u; i++)
+        if (!smr_within(c->box_min[i], SMR_COORD_MAX) || !smr_within(c->box_max[i], SMR_COORD_MAX) ||
+            c->box_min[i] > c->box_max[i])
+            return SMR_E_CONFIG;
+    if (c->method > SMR_METHOD_POLAR || !between(c->relaxation, FLT_MIN, 1.0f) || !between(c->plastic_um, 0.0f, 1.0e8f) ||
+        c->plastic_every > 1000u || c->normals > SMR_NORMALS_EXACT)
+        return SMR_E_CONFIG;
+    if (c->radius_first >= n_radii || (c->radius_last != SMR_ALL && c->radius_last >= n_radii) ||
+        c->radius_last < c->radius_first || c->iterations < 1u || c->iterations > 100000u || c->iterations_last < 1u ||
+        c->iterations_last > 100000u)
+        return SMR_E_CONFIG;
+    return SMR_OK;
+}

@@ -1,0 +1,90 @@
+/* place.c: where a registration starts: the rest shape under a pose, or any positions.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/fit.h"
+#include "geometry/mesh.h"
+#include "runtime/state.h"
+
+static smr_vec rest_of(const smr *s, uint32_t v)
+{
+    const uint32_t *rest = (const uint32_t *)smr_at(s->model, s->model->at_rest) + 3u * (size_t)v;
+    return smr_v(smr_le_float(rest[0]), smr_le_float(rest[1]), smr_le_float(rest[2]));
+}
+
+/* Whole millimetres near a point, for an origin that costs no digits. */
+static smr_vec whole(smr_vec p)
+{
+    return smr_v((float)(int32_t)p.x, (float)(int32_t)p.y, (float)(int32_t)p.z);
+}
+
+/* x holds the start, relative to origin: everything else follows. */
+static void start_here(smr *s)
+{
+    const size_t bytes = 3u * (size_t)s->n * sizeof(float);
+    const smr_mesh mesh = {s->x, s->triangle, s->n, s->n_triangles};
+    smr_fit fit;
+    smr_fit_start(&fit);
+    for (uint32_t v = 0; v < s->n; v++)
+        smr_fit_add(&fit, rest_of(s, v), smr_load(smr_at3(s->x, v)), 1.0f);
+    s->fitted = smr_fit_solve(&fit, 1);
+    memcpy(s->start, s->x, bytes);
+    memcpy(s->x_ref, s->x, bytes);
+    memset(s->force, 0, bytes);
+    smr_mesh_normals(&mesh, s->normal, NULL);
+    memcpy(s->normal_ref, s->normal, bytes);
+    for (uint32_t v = 0; v < s->n; v++)
+        s->warm[v] = SMR_ALL;
+    for (uint32_t j = 0; s->target_warm != NULL && j < s->config.n_target_vertices; j++)
+        s->target_warm[j] = SMR_ALL;
+    for (size_t v = 0; s->eigen != NULL && v < s->n; v++)
+        for (size_t i = 0; i < 9u; i++)
+            s->eigen[9u * v + i] = i % 4u == 0u ? 1.0f : 0.0f;
+    memset(&s->report, 0, sizeof s->report);
+    smr_schedule_start(s);
+}
+
+smr_status smr_set_pose(smr *s, const smr_pose *pose)
+{
+    if (s == NULL || pose == NULL)
+        return SMR_E_NULL;
+    if (!smr_valid(s))
+        return SMR_E_STATE;
+    for (uint32_t i = 0; i < 12u; i++)
+        if (!smr_within(pose->m[i / 4u][i % 4u], SMR_COORD_MAX))
+            return SMR_E_INPUT;
+    const smr_vec centre = smr_v(smr_le_float(s->model->centre[0]), smr_le_float(s->model->centre[1]),
+                                 smr_le_float(s->model->centre[2]));
+    const smr_vec moved = smr_pose_apply(pose, centre);
+    for (uint32_t v = 0; v < s->n; v++) {
+        const smr_vec p = smr_pose_apply(pose, smr_add(rest_of(s, v), centre));
+        if (!smr_within(p.x, SMR_COORD_MAX) || !smr_within(p.y, SMR_COORD_MAX) || !smr_within(p.z, SMR_COORD_MAX))
+            return SMR_E_INPUT;
+    }
+    s->origin = whole(moved);
+    const smr_vec off = smr_sub(moved, s->origin);
+    smr_pose turn = *pose;
+    turn.m[0][3] = turn.m[1][3] = turn.m[2][3] = 0.0f;
+    for (uint32_t v = 0; v < s->n; v++)
+        smr_store(smr_at3(s->x, v), smr_add(smr_pose_apply(&turn, rest_of(s, v)), off));
+    start_here(s);
+    return SMR_OK;
+}
+
+smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz)
+{
+    if (s == NULL || xyz == NULL)
+        return SMR_E_NULL;
+    if (!smr_valid(s))
+        return SMR_E_STATE;
+    if (structure >= s->n_parts)
+        return SMR_E_INPUT;
+    const smr_part *part = &s->part[structure];
+    for (size_t i = 0; i < 3u * (size_t)part->n_vertices; i++)
+        if (!smr_within(xyz[i], SMR_COORD_MAX))
+            return SMR_E_INPUT;
+    for (uint32_t i = 0; i < part->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
+        smr_store(smr_at3(s->x, v), smr_sub(smr_load(xyz + 3u * (size_t)i), s->origin));
+    }
+    start_here(s);
+    return SMR_OK;
+}

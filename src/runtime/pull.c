@@ -1,0 +1,125 @@
+/* pull.c: target-to-model attraction. Every target vertex finds the closest point of the deforming model and pulls the
+ * corners of that triangle towards itself, weighted by area and barycentric coordinates. A projection of the model onto
+ * the target alone leaves whole parts of the target uncovered: nothing calls the model there.
+ * Pulls are summed as 64-bit whole numbers, per worker and then over workers: any order gives the same bits.
+ * Bounds: config.node_budget tree nodes for each target vertex and structure that shares its surface.
+ * SPDX-License-Identifier: MIT */
+#include "runtime/pull.h"
+
+#define SMR_LEAVES 32u          /* tree leaves of a refit task */
+#define SMR_AREA_MAX 16.0f      /* mean areas: a larger target triangle pulls no harder */
+
+int smr_pull_on(const smr *s) { return s->config.attraction > 0.0f && s->n_goals > 0u && s->target_warm != NULL; }
+
+uint32_t smr_pull_leaf_tasks(smr *s)
+{
+    const smr_part *last = &s->part[s->n_parts - 1u];
+    return smr_pull_on(s) ? smr_ceil_div(last->first_leaf + smr_tree_leaves(&last->facets), SMR_LEAVES) : 0u;
+}
+
+uint32_t smr_pull_tasks(smr *s) { return smr_pull_on(s) ? s->n_target_tasks : 0u; }
+
+void smr_pull_refit(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    (void)worker;
+    const uint32_t from = task * SMR_LEAVES, to = from + SMR_LEAVES;
+    for (uint32_t i = 0; i < s->n_parts; i++) {
+        smr_part *part = &s->part[i];
+        const uint32_t first = part->first_leaf, last = first + smr_tree_leaves(&part->facets);
+        if (part->target == NULL || last <= from || first >= to)
+            continue;
+        part->facets.xyz = s->x;
+        smr_tree_refit_leaves(&part->facets, smr_max_u32(first, from) - first, smr_min_u32(last, to) - first);
+    }
+}
+
+void smr_pull_refit_end(smr *s)
+{
+    for (uint32_t i = 0; i < s->n_parts; i++)
+        if (s->part[i].target != NULL)
+            smr_tree_refit_upper(&s->part[i].facets);
+}
+
+/* The closest acceptable model point over the structures that share this surface. Returns its structure or SMR_ALL. */
+static uint32_t closest_part(const smr *s, const smr_surface *surface, smr_query *q, uint32_t warm, smr_hit *hit)
+{
+    uint32_t found = SMR_ALL;
+    /* the structure of the last time first: its distance spares the others most of their search */
+    for (uint32_t round = 0; round < 2u; round++) {
+        for (uint32_t i = 0; i < s->n_parts; i++) {
+            const smr_part *part = &s->part[i];
+            const uint32_t local = warm - part->first_triangle;
+            const int is_warm = warm != SMR_ALL && local < part->facets.n_triangles;
+            if (part->target != surface || is_warm != (round == 0u))
+                continue;
+            q->warm = is_warm ? local : SMR_ALL;
+            smr_hit h = *hit;
+            h.triangle = SMR_ALL;
+            smr_tree_closest(&part->facets, q, &h);
+            if (h.triangle != SMR_ALL && (h.d2 < hit->d2 || found == SMR_ALL || i < found)) {
+                *hit = h;
+                found = i;
+            }
+        }
+    }
+    return found;
+}
+
+/* One target vertex: finds the model point it belongs to and adds its pull. */
+static void pull_one(const smr *s, const smr_surface *surface, uint32_t j, uint32_t *warm, int64_t *pull)
+{
+    const smr_vec y = smr_sub(smr_load(surface->xyz + 3u * (size_t)j), s->origin);
+    smr_query q = {y, smr_load(surface->normal + 3u * (size_t)j), s->min_cos, s->config.node_budget, SMR_ALL};
+    smr_hit hit = {s->config.search_mm * s->config.search_mm, SMR_ALL, {0, 0, 0}};
+    if (smr_dot(q.normal, q.normal) < 0.5f)
+        q.min_cos = -2.0f;
+    const uint32_t found = closest_part(s, surface, &q, *warm, &hit);
+    if (found == SMR_ALL)
+        return;
+    const smr_part *part = &s->part[found];
+    *warm = part->first_triangle + hit.triangle;
+    const smr_vec r = smr_sub(y, smr_facet_point(&part->facets, hit.triangle, hit.weight));
+    if (s->force_limit > 0.0f && smr_dot(r, r) > s->force_limit * s->force_limit)
+        return;
+    const float area = surface->area_mean > 0.0f ? smr_min(surface->area[j] / surface->area_mean, SMR_AREA_MAX) : 1.0f;
+    for (uint32_t c = 0; c < 3u; c++) {
+        int64_t *to = pull + 4u * (size_t)part->facets.triangle[3u * (size_t)hit.triangle + c];
+        const float w = area * hit.weight[c] * SMR_PULL_SCALE;
+        to[0] += (int64_t)(w * r.x);
+        to[1] += (int64_t)(w * r.y);
+        to[2] += (int64_t)(w * r.z);
+        to[3] += (int64_t)w;
+    }
+}
+
+void smr_pull_search(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    int64_t *pull = s->pull + 4u * (size_t)s->n * worker;
+    uint32_t g = 0;
+    while (g + 1u < s->n_goals && s->goal[g + 1u].first_task <= task)
+        g++;
+    const smr_goal *goal = &s->goal[g];
+    const uint32_t first = (task - goal->first_task) * SMR_CHUNK;
+    const uint32_t last = smr_min_u32(first + SMR_CHUNK, goal->surface->n_vertices);
+    for (uint32_t j = first; j < last; j++)
+        pull_one(s, goal->surface, j, &s->target_warm[goal->first_warm + j], pull);
+}
+
+int smr_pull_take(smr *s, uint32_t v, smr_vec *mean)
+{
+    int64_t sum[4] = {0, 0, 0, 0};
+    for (uint32_t w = 0; w < s->config.n_workers; w++) {
+        int64_t *p = s->pull + 4u * ((size_t)s->n * w + v);
+        for (uint32_t i = 0; i < 4u; i++) {
+            sum[i] += p[i];
+            p[i] = 0;
+        }
+    }
+    if (sum[3] < (int64_t)(SMR_PULL_SCALE * 1.0e-3f))
+        return 0;
+    const float inverse = 1.0f / (float)sum[3];
+    *mean = smr_v((float)sum[0] * inverse, (float)sum[1] * inverse, (float)sum[2] * inverse);
+    return 1;
+}

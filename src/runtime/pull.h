@@ -1,0 +1,16 @@
+/* pull.h: what force.c needs of the target-to-model attraction.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_PULL_H
+#define SMR_PULL_H
+
+#include "runtime/state.h"
+
+#define SMR_PULL_SCALE 1048576.0f /* 2^20: pulls are summed in micrometres times weight, and finer */
+
+/* 1 when target vertices pull in this iteration. */
+int smr_pull_on(const smr *s);
+
+/* The mean pull on a stored vertex, mm; clears it for the next iteration. Returns 0 when nothing pulls there. */
+int smr_pull_take(smr *s, uint32_t v, smr_vec *mean);
+
+#endif

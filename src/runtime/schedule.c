@@ -1,0 +1,63 @@
+/* schedule.c: what happens between iterations: plasticity (x^r = x), convergence, and the next finer radius.
+ * SPDX-License-Identifier: MIT */
+#include "runtime/state.h"
+
+static uint32_t last_radius(const smr *s) { return smr_min_u32(s->config.radius_last, s->n_radii - 1u); }
+
+static void use_radius(smr *s, uint32_t radius)
+{
+    s->radius = radius;
+    s->radius_iteration = 0;
+    s->lists = smr_model_lists(s->model, radius);
+    s->reference_stale = 1;
+}
+
+void smr_schedule_start(smr *s)
+{
+    s->iteration = 0;
+    s->since_plastic = 0;
+    s->plastic_updates = 0;
+    s->converged = s->done = 0;
+    s->step = 0;
+    s->next_task = 0;
+    s->force_limit = 0.0f;
+    use_radius(s, s->config.radius_first);
+}
+
+static void plastic_update(smr *s)
+{
+    memcpy(s->x_ref, s->x, 3u * (size_t)s->n * sizeof(float));
+    s->reference_stale = 1;
+    s->since_plastic = 0;
+    s->plastic_updates++;
+}
+
+/* After each iteration. A radius is done when an iteration right after x^r = x still moves less than the threshold, or
+ * after its number of iterations; the last radius' end is the registration's end. */
+void smr_schedule_next(smr *s)
+{
+    const int last = s->radius == last_radius(s);
+    const int small = s->report.displacement_max_mm * 1000.0f < s->config.plastic_um;
+    const int fresh = s->since_plastic == 1u;
+    const int settled = small && (fresh || s->config.plastic_um == 0.0f);
+    const int spent = s->radius_iteration >= (last ? s->config.iterations_last : s->config.iterations);
+    const int due = s->config.plastic_every != 0u && s->since_plastic >= s->config.plastic_every;
+    if (last && (settled || spent)) {
+        s->converged = (uint32_t)settled;
+        s->done = 1;
+        return;
+    }
+    if (small || due || settled || spent)
+        plastic_update(s);
+    if (!last && (settled || spent))
+        use_radius(s, s->radius + 1u);
+}
+
+float smr_schedule_progress(const smr *s)
+{
+    if (s->done)
+        return 1.0f;
+    const float level = (float)s->config.iterations, final = (float)s->config.iterations_last;
+    const float total = level * (float)(last_radius(s) - s->config.radius_first) + final;
+    return (level * (float)(s->radius - s->config.radius_first) + (float)s->radius_iteration) / total;
+}

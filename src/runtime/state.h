@@ -1,0 +1,154 @@
+/* state.h: a registration in progress. Arrays are grouped by the stage that writes them; all lie in the caller's arena.
+ * Vertices are in the model's stored order; positions are relative to `origin`.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_STATE_H
+#define SMR_STATE_H
+
+#include "base/arena.h"
+#include "base/fork.h"
+#include "geometry/surface.h"
+#include "model/image.h"
+
+#define SMR_WORDS 16u          /* 32-bit words of a record that is summed: one cache line */
+#define SMR_CHUNK 128u         /* vertices of a task */
+#define SMR_STATE_MAGIC 0x736d7254u
+
+/* One structure's triangles and target. */
+typedef struct smr_part {
+    uint32_t first_vertex, n_vertices;     /* caller's numbering */
+    uint32_t first_triangle;
+    uint32_t first_leaf;                   /* of its tree, counted over all structures */
+    smr_facets facets;                     /* of the deforming model */
+    const smr_surface *target;             /* NULL: carried along */
+} smr_part;
+
+/* A distinct target surface and the structures that share it. */
+typedef struct smr_goal {
+    const smr_surface *surface;
+    uint32_t first_task;                   /* of the target-to-model search */
+    uint32_t first_warm;                   /* its vertices' slots in target_warm */
+} smr_goal;
+
+/* What a task of vertices leaves for the step's end; reduced in task order. */
+typedef struct smr_tally {
+    float sum, sum2, max;                  /* of residuals or displacements, mm */
+    float largest[2];                      /* of the two kinds of summed quantities */
+    uint32_t n_forces, n_rejected, n_active;
+    uint64_t hash;
+} smr_tally;
+
+struct smr {
+    uint32_t magic;
+    const smr_model *model;
+    smr_config config;
+    smr_port port;
+    uint32_t n, n_triangles, n_parts, n_radii, n_tasks;
+    float mass_max, mass_unit;             /* masses are whole multiples of 1 / mass_unit */
+    smr_vec origin;                        /* mm */
+    smr_pose fitted;                       /* rest shape -> start positions, as near as a similarity comes */
+
+    /* schedule */
+    uint32_t radius, radius_iteration, iteration, since_plastic, plastic_updates;
+    uint32_t converged, done, reference_stale;
+    uint32_t n_goals, n_target_tasks;
+    uint32_t step, next_task;              /* where the tick stands: step of the iteration, tasks already done */
+    smr_lists lists;                       /* of the radius in use */
+    float force_limit;                     /* mm: longer forces are dropped; 0 none yet */
+
+    /* targets */
+    smr_part *part;                        /* [n_parts] */
+    smr_goal *goal;                        /* [n_parts] */
+    uint32_t *target_warm;                 /* [n_target_vertices] last closest triangle of the model */
+
+    /* written by evolve */
+    float *x;                              /* [n][3] last complete positions */
+    float *x_next;                         /* [n][3] */
+    float *normal;                         /* [n][3] unit, at x */
+    /* written by reference */
+    float *x_ref;                          /* [n][3] x^r */
+    float *normal_ref;                     /* [n][3] */
+    float *centre;                         /* [n][3] c^r of each cluster */
+    float *spread;                         /* [n][6] inverse inertia (rigid) or covariance (polar) */
+    float *cluster_mass;                   /* [n] M */
+    float quantum;                         /* mm: x^r is rounded to this where clusters' spreads are summed */
+    /* written by forces */
+    float *force;                          /* [n][3] f^e */
+    uint32_t *warm;                        /* [n] last closest triangle of the target */
+    int64_t *pull;                         /* [n_workers][n][4] target-to-model pulls: 3 sums and the weight */
+    /* written by sums and average */
+    uint32_t *record;                      /* [n][SMR_WORDS] fixed-point quantities of each vertex */
+    uint32_t *sum;                         /* [n][SMR_WORDS] their sums over each cluster */
+    uint32_t sum_words;                    /* words in use: 6, 10 or 12 */
+    float scale[2];                        /* of the two kinds of quantities */
+    /* written by match */
+    float *transform;                      /* [n][12] R - I row-major, t */
+    float *eigen;                          /* [n][9] warm start of the polar method; NULL for rigid */
+    /* all stages */
+    smr_tally *tally;                      /* [n_tasks] */
+    float *start;                          /* [n][3] start positions */
+    const uint32_t *triangle;              /* [n_triangles][3]; in the model image itself on little-endian hosts */
+    uint32_t *own_triangle;                /* the same on big-endian hosts */
+    float *facet_normal;                   /* [n_triangles][3] of the deforming model, for target-to-model search */
+    smr_node *node;                        /* [n_nodes] its box trees, one structure after the other */
+    uint32_t n_nodes;
+    float min_cos;                         /* of config.normal_deg */
+    smr_tick_report report;
+};
+
+static inline int smr_valid(const smr *s) { return s != NULL && s->magic == SMR_STATE_MAGIC; }
+static inline float *smr_at3(float *array, uint32_t i) { return array + 3u * (size_t)i; }
+
+static inline uint32_t smr_chunk_end(const smr *s, uint32_t task)
+{
+    return smr_min_u32((task + 1u) * SMR_CHUNK, s->n);
+}
+
+static inline float smr_mass_of(const smr *s, uint32_t vertex)
+{
+    return smr_le_float(((const uint32_t *)smr_at(s->model, s->model->at_mass))[vertex]);
+}
+
+smr_status smr_config_check(const smr_config *c, const smr_model *m);
+
+/* A step of the iteration: n_tasks(s) independent tasks (0: the step is skipped), then one serial end. */
+typedef struct smr_step {
+    uint32_t phase; /* SMR_PHASE_... */
+    uint32_t (*n_tasks)(smr *s);
+    smr_task run;
+    void (*end)(smr *s);
+} smr_step;
+
+/* The steps, by the file they live in. */
+uint32_t smr_reference_tasks(smr *s);        /* reference.c: x^r's cluster centres and spreads, when x^r is new */
+uint32_t smr_reference_blocks(smr *s);
+void smr_reference_record(void *arg, uint32_t task, uint32_t worker);
+void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker);
+void smr_reference_begin(smr *s);            /* chooses the quantum; called when x^r has changed */
+void smr_reference_end(smr *s);
+
+uint32_t smr_pull_leaf_tasks(smr *s);        /* pull.c: target-to-model attraction */
+uint32_t smr_pull_tasks(smr *s);
+void smr_pull_refit(void *arg, uint32_t task, uint32_t worker);
+void smr_pull_refit_end(smr *s);
+void smr_pull_search(void *arg, uint32_t task, uint32_t worker);
+
+uint32_t smr_vertex_tasks(smr *s);
+void smr_force_search(void *arg, uint32_t task, uint32_t worker); /* force.c: f^e */
+void smr_force_end(smr *s);
+
+uint32_t smr_block_tasks(smr *s);            /* sums.c */
+void smr_sums_record(void *arg, uint32_t task, uint32_t worker);
+void smr_sums_forest(void *arg, uint32_t task, uint32_t worker);
+void smr_average_record(void *arg, uint32_t task, uint32_t worker);
+
+void smr_match(void *arg, uint32_t task, uint32_t worker);        /* match.c: T_i */
+void smr_match_end(smr *s);
+
+void smr_evolve(void *arg, uint32_t task, uint32_t worker);       /* evolve.c: x */
+void smr_evolve_end(smr *s);
+
+void smr_schedule_start(smr *s);             /* schedule.c */
+void smr_schedule_next(smr *s);
+float smr_schedule_progress(const smr *s);
+
+#endif

@@ -1,0 +1,102 @@
+/* sums.c: fixed-point records of each vertex and their sums over every cluster, along the order L (paper 2.2):
+ * Sum_i = Sum_parent + Sum over zeta+ - Sum over zeta-. Exact, see base/fixed.h. Blocks are independent tasks.
+ * Bounds: one pass over a block's entries and indexes.
+ * SPDX-License-Identifier: MIT */
+#include "base/fixed.h"
+#include "runtime/state.h"
+
+uint32_t smr_block_tasks(smr *s) { return s->lists.n_blocks; }
+uint32_t smr_vertex_tasks(smr *s) { return s->n_tasks; }
+
+/* What the rigid or the polar method sums, of the displacement u = x + f^e - x^r: m u, and m x^r x u (rigid, 3 words)
+ * or m u x^r^T (polar, 9 words). */
+void smr_sums_record(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    (void)worker;
+    const float k = s->quantum, inverse_k = 1.0f / s->quantum;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
+        uint32_t *r = s->record + SMR_WORDS * (size_t)v;
+        const smr_vec ref = smr_load(smr_at3(s->x_ref, v));
+        const smr_vec q = smr_v(smr_snap(ref.x, inverse_k, k), smr_snap(ref.y, inverse_k, k), smr_snap(ref.z, inverse_k, k));
+        const smr_vec at = smr_add(smr_load(smr_at3(s->x, v)), smr_load(smr_at3(s->force, v)));
+        const smr_vec u = smr_scale(smr_sub(at, ref), smr_mass_of(s, v));
+        r[0] = smr_fixed(u.x * s->scale[0]);
+        r[1] = smr_fixed(u.y * s->scale[0]);
+        r[2] = smr_fixed(u.z * s->scale[0]);
+        if (s->config.method == SMR_METHOD_RIGID) {
+            const smr_vec l = smr_cross(q, u);
+            r[3] = smr_fixed(l.x * s->scale[1]);
+            r[4] = smr_fixed(l.y * s->scale[1]);
+            r[5] = smr_fixed(l.z * s->scale[1]);
+        } else {
+            const float a[3] = {u.x * s->scale[1], u.y * s->scale[1], u.z * s->scale[1]}, b[3] = {q.x, q.y, q.z};
+            for (uint32_t i = 0; i < 9u; i++)
+                r[3u + i] = smr_fixed(a[i / 3u] * b[i % 3u]);
+        }
+    }
+}
+
+/* The transforms T_i = [R_i - I, t_i] as records, for averaging. */
+void smr_average_record(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    (void)worker;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
+        uint32_t *r = s->record + SMR_WORDS * (size_t)v;
+        const float *t = s->transform + 12u * (size_t)v;
+        for (uint32_t i = 0; i < 9u; i++)
+            r[i] = smr_fixed(t[i] * s->scale[0]);
+        for (uint32_t i = 9; i < 12u; i++)
+            r[i] = smr_fixed(t[i] * s->scale[1]);
+    }
+}
+
+/* The loops below are written once for both index widths and three record lengths; `words` and `index` are
+ * constants at every call, so that each becomes a loop of its own with a fixed, vectorisable body. */
+#define SMR_DEFINE_CHAIN(name, index_type, entry_type, load)                                          \
+    static inline void name(const smr_lists *l, uint32_t block, const uint32_t *record, uint32_t *sum, \
+                            const uint32_t words)                                                     \
+    {                                                                                                 \
+        const uint32_t first = smr_le32(l->block[block].first), last = smr_le32(l->block[block + 1u].first); \
+        const entry_type *entry = (const entry_type *)l->entry + first;                               \
+        const index_type *index = (const index_type *)l->index + smr_le32(l->block[block].first_index); \
+        for (uint32_t e = 0; e < last - first; e++) {                                                 \
+            const uint32_t parent = load(entry[e].parent);                                            \
+            const uint32_t *from = sum + SMR_WORDS * (size_t)load(entry[parent].vertex);              \
+            uint32_t acc[SMR_WORDS] = {0};                                                            \
+            for (uint32_t w = 0; parent != e && w < words; w++)                                       \
+                acc[w] = from[w];                                                                     \
+            for (uint32_t n = load(entry[e].n_plus); n > 0u; n--) {                                   \
+                const uint32_t *r = record + SMR_WORDS * (size_t)load(*index++);                      \
+                for (uint32_t w = 0; w < words; w++)                                                  \
+                    acc[w] += r[w];                                                                   \
+            }                                                                                         \
+            for (uint32_t n = load(entry[e].n_minus); n > 0u; n--) {                                  \
+                const uint32_t *r = record + SMR_WORDS * (size_t)load(*index++);                      \
+                for (uint32_t w = 0; w < words; w++)                                                  \
+                    acc[w] -= r[w];                                                                   \
+            }                                                                                         \
+            uint32_t *to = sum + SMR_WORDS * (size_t)load(entry[e].vertex);                           \
+            for (uint32_t w = 0; w < words; w++)                                                      \
+                to[w] = acc[w];                                                                       \
+        }                                                                                             \
+    }
+
+SMR_DEFINE_CHAIN(chain16, uint16_t, smr_entry16, smr_le16)
+SMR_DEFINE_CHAIN(chain32, uint32_t, smr_entry32, smr_le32)
+
+void smr_sums_forest(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    (void)worker;
+    const int narrow = s->sum_words <= 8u, wide_index = s->lists.index_bytes == 4u;
+    if (narrow && !wide_index)
+        chain16(&s->lists, task, s->record, s->sum, 8u);
+    else if (narrow)
+        chain32(&s->lists, task, s->record, s->sum, 8u);
+    else if (!wide_index)
+        chain16(&s->lists, task, s->record, s->sum, 12u);
+    else
+        chain32(&s->lists, task, s->record, s->sum, 12u);
+}
