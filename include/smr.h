@@ -131,7 +131,8 @@ typedef struct smr_prepare_config {
     uint32_t distance;               /* SMR_DISTANCE_...; default Euclidean (paper 2.2) */
     uint32_t mass;                   /* SMR_MASS_...; default one per vertex */
     uint32_t order;                  /* SMR_ORDER_...; default the minimum spanning forest */
-    uint32_t ring;                   /* 1 (default): a cluster also holds its vertex' mesh neighbours */
+    uint32_t ring;                   /* 1 (default): a cluster also holds its vertex' mesh neighbours, at
+                                        radii not below the mean edge */
     uint32_t block_vertices;         /* vertices per forest block, 16..65536; default 0: chosen */
     smr_progress progress;           /* may be NULL */
     void *progress_ctx;
@@ -230,8 +231,10 @@ typedef struct smr_config {
     /* matching and evolution (paper 2.3) */
     uint32_t method;             /* SMR_METHOD_...; default rigid-body kinematics */
     float relaxation;            /* (0,1], default 1: x += relaxation * (averaged goal - x) */
+    float momentum;              /* [0,1), default 0.5: this share of the last displacement is added to the forces */
     float plastic_um;            /* >= 0, default 50: x^r = x when the largest displacement falls below */
     uint32_t plastic_every;      /* 0..1000, default 3: x^r = x also after so many iterations; 0 never */
+    uint32_t fold_guard;         /* 1 (default): steps that would turn triangles back on each other are smoothed */
     uint32_t normals;            /* SMR_NORMALS_...; default carried by the cluster rotations, recomputed
                                     from the triangles whenever x^r is */
 
@@ -286,6 +289,7 @@ typedef struct smr_tick_report {
     uint32_t n_active;            /* vertices that could receive an external force */
     uint32_t n_forces;            /* vertices that did */
     uint32_t n_rejected;          /* vertices with a target but no acceptable goal */
+    uint32_t n_guarded;           /* vertices whose step was smoothed because triangles would have folded */
     uint32_t plastic_updates;     /* since the start */
     uint32_t done;                /* 1: the schedule is done; further ticks change nothing */
     uint32_t converged;           /* 1: done, and the last iteration moved no vertex by plastic_um */

@@ -80,7 +80,7 @@ static void find_borders(smr_surface *s, const build *b, uint32_t nt)
         b->start[v] = 0;
     for (uint32_t k = 0; k < nt; k++)
         for (uint32_t e = 0; e < 3u; e++)
-            if (s->border[k] >> e & 1u)
+            if ((uint32_t)s->border[k] >> e & 1u)
                 b->start[s->triangle[3u * (size_t)k + e]] = b->start[s->triangle[3u * (size_t)k + (e + 1u) % 3u]] = 1u;
     for (uint32_t k = 0; k < nt; k++)
         for (uint32_t c = 0; c < 3u; c++)

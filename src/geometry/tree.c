@@ -53,22 +53,24 @@ static void set_child(smr_node *node, uint32_t k, smr_vec lo, smr_vec hi)
 void smr_tree_refit_leaves(const smr_facets *f, uint32_t first, uint32_t last)
 {
     for (uint32_t leaf = first; leaf < last; leaf++) {
-        smr_node *node = &f->node[leaf];
+        smr_node *node = f->node == NULL ? NULL : &f->node[leaf];
         uint32_t base = leaf * SMR_TREE_WIDTH;
         uint32_t n = smr_min_u32(f->n_triangles - base, SMR_TREE_WIDTH);
-        if (n < SMR_TREE_WIDTH)
+        if (node != NULL && n < SMR_TREE_WIDTH)
             clear_node(node);
         for (uint32_t k = 0; k < n; k++) {
             const uint32_t *t = f->triangle + 3u * (size_t)(base + k);
             smr_vec a = smr_load(f->xyz + 3u * (size_t)t[0]);
             smr_vec b = smr_load(f->xyz + 3u * (size_t)t[1]);
             smr_vec c = smr_load(f->xyz + 3u * (size_t)t[2]);
+            smr_store(f->normal + 3u * (size_t)(base + k), smr_unit(smr_triangle_cross(a, b, c)));
+            if (node == NULL)
+                continue;
             set_child(node, k,
                       smr_v(smr_min(a.x, smr_min(b.x, c.x)), smr_min(a.y, smr_min(b.y, c.y)),
                             smr_min(a.z, smr_min(b.z, c.z))),
                       smr_v(smr_max(a.x, smr_max(b.x, c.x)), smr_max(a.y, smr_max(b.y, c.y)),
                             smr_max(a.z, smr_max(b.z, c.z))));
-            smr_store(f->normal + 3u * (size_t)(base + k), smr_unit(smr_triangle_cross(a, b, c)));
         }
     }
 }

@@ -35,7 +35,7 @@ void smr_tree_shape(smr_facets *f, uint32_t n_triangles);
 
 static inline uint32_t smr_tree_leaves(const smr_facets *f) { return smr_ceil_div(f->n_triangles, SMR_TREE_WIDTH); }
 
-/* Recomputes boxes and normals of leaves first..last-1 from the positions. */
+/* Recomputes normals, and boxes when there are nodes, of leaves first..last-1 from the positions. */
 void smr_tree_refit_leaves(const smr_facets *f, uint32_t first, uint32_t last);
 
 /* Recomputes the levels above the leaves. */

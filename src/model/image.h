@@ -35,6 +35,8 @@ struct smr_model {
     uint32_t at_mass;         /* float [n_vertices] */
     uint32_t at_triangles;    /* uint32 [n_triangles][3]: stored vertices; structures in a row, each in tree order */
     uint32_t at_facets;       /* uint32 [n_triangles]: the caller's index of each within its structure */
+    uint32_t n_hinges;
+    uint32_t at_hinges;       /* smr_image_hinge [n_hinges] */
     uint32_t at_radii;        /* smr_image_radius [n_radii] */
 };
 
@@ -45,6 +47,18 @@ typedef struct smr_image_structure {
     uint32_t first_triangle;
     uint32_t n_triangles;
 } smr_image_structure;
+
+/* Two triangles that share an edge nobody else has. bend holds the second triangle in its low 24 bits and above them a code
+ * for the cosine between their normals below which the hinge counts as bent. */
+typedef struct smr_image_hinge {
+    uint32_t first;
+    uint32_t bend;
+} smr_image_hinge;
+
+#define SMR_HINGE_MASK 0xffffffu
+#define SMR_HINGE_UNIT 200.0f /* cosine = code / 200 - 1 */
+
+static inline float smr_hinge_limit(uint32_t bend) { return (float)(bend >> 24) / SMR_HINGE_UNIT - 1.0f; }
 
 typedef struct smr_image_radius {
     uint32_t radius;          /* float, mm */

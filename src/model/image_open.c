@@ -87,6 +87,18 @@ static int check_vertices(const smr_model *m)
            below_u32(smr_at(m, m->at_triangles), 3u * (size_t)nt, n);
 }
 
+static int check_hinges(const smr_model *m)
+{
+    const uint32_t n = smr_le32(m->n_hinges), nt = smr_le32(m->n_triangles);
+    if (!section(m, m->at_hinges, n, sizeof(smr_image_hinge)))
+        return 0;
+    const smr_image_hinge *h = smr_at(m, m->at_hinges);
+    for (uint32_t i = 0; i < n; i++)
+        if (smr_le32(h[i].first) >= nt || (smr_le32(h[i].bend) & SMR_HINGE_MASK) >= nt)
+            return 0;
+    return 1;
+}
+
 /* Triangles keep to their structure: corners and the caller's numbers. */
 static int check_facets(const smr_model *m)
 {
@@ -196,7 +208,8 @@ smr_status smr_model_open(const void *image, size_t bytes, const smr_model **mod
     if ((uintptr_t)image % SMR_ALIGN != 0u)
         return SMR_E_ALIGN;
     const smr_model *m = image;
-    if (bytes < sizeof *m || !check_header(m, bytes) || !check_structures(m) || !check_vertices(m) || !check_facets(m))
+    if (bytes < sizeof *m || !check_header(m, bytes) || !check_structures(m) || !check_vertices(m) || !check_facets(m) ||
+        !check_hinges(m))
         return SMR_E_MODEL;
     if (!section(m, m->at_radii, smr_le32(m->n_radii), sizeof(smr_image_radius)))
         return SMR_E_MODEL;

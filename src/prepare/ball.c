@@ -141,6 +141,6 @@ void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
         smr_ball_row(p, v, radius, row);
     if (p->separate)
         keep_owner(p, p->owner[v], row);
-    for (uint32_t i = p->ring_start[v]; p->config->ring && i < p->ring_start[v + 1u]; i++)
+    for (uint32_t i = p->ring_start[v]; smr_uses_ring(p, radius) && i < p->ring_start[v + 1u]; i++)
         row[p->ring[i] / 64u] |= (uint64_t)1 << (p->ring[i] % 64u);
 }

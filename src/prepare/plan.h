@@ -36,6 +36,8 @@ typedef struct smr_plan {
     uint32_t *facet;         /* [nt] the caller's index within the structure */
     uint32_t *ring_start;    /* [n + 1] */
     uint32_t *ring;          /* [6 nt] mesh neighbours of each vertex, each once */
+    uint32_t n_hinges;
+    smr_image_hinge *hinge;  /* [3 nt / 2] edges between two triangles, see image.h */
     smr_facets points;       /* box tree whose leaves are single vertices */
 
     /* written per radius */
@@ -65,7 +67,13 @@ void smr_plan_layout(smr_arena *a, smr_plan *p);
 void smr_plan_order(smr_plan *p);
 void smr_plan_mass(smr_plan *p);
 
+/* Edges with exactly two triangles. */
+void smr_plan_hinges(smr_plan *p);
+
 static inline uint64_t *smr_plan_row(const smr_plan *p, uint32_t i) { return p->row + (size_t)i * p->words; }
+
+/* 1 when clusters of this radius also hold mesh neighbours. */
+static inline int smr_uses_ring(const smr_plan *p, float radius) { return p->config->ring && radius >= p->edge_mm; }
 
 /* Fills a row with zeta of vertex v at this radius. */
 void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);

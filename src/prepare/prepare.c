@@ -77,6 +77,7 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
     p->facet = smr_arena_take(a, nt, u);
     p->ring_start = smr_arena_take(a, n + 1u, u);
     p->ring = smr_arena_take(a, nt, 6u * u);
+    p->hinge = smr_arena_take(a, nt + (nt + 1u) / 2u, sizeof(smr_image_hinge));
     smr_tree_shape(&p->points, p->n);
     p->points.node = smr_arena_take(a, smr_tree_nodes(p->n), sizeof(smr_node));
     p->row = smr_arena_take(a, p->n_rows, p->words * sizeof(uint64_t));
@@ -114,7 +115,7 @@ smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structu
 /* What smr_image_radius will say, while its lists are written behind it. */
 static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, const smr_plan *p, float radius)
 {
-    const int ring = p->config->ring && p->edge_max > radius;
+    const int ring = smr_uses_ring(p, radius) && p->edge_max > radius;
     const uint32_t field[12] = {smr_float_bits(radius),
                                 smr_float_bits(ring ? p->edge_max : radius),
                                 p->separate,
@@ -234,6 +235,8 @@ static smr_status write_image(smr_plan *p, smr_writer *w, const float *radius, u
     head.at_mass = write_floats(w, p->mass, p->n);
     head.at_triangles = write_u32(w, p->triangle, 3u * (size_t)p->nt);
     head.at_facets = write_u32(w, p->facet, p->nt);
+    head.n_hinges = p->n_hinges;
+    head.at_hinges = write_u32(w, &p->hinge[0].first, 2u * (size_t)p->n_hinges);
     head.at_radii = (uint32_t)smr_put_section(w, n_radii * sizeof(smr_image_radius));
     for (uint32_t i = 0; i < n_radii; i++) {
         p->separate = radius[i] < separate_below;
@@ -281,6 +284,7 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
     smr_plan_layout(&a, &p);
     smr_plan_order(&p);
     smr_plan_mass(&p);
+    smr_plan_hinges(&p);
     float radius[SMR_RADII_MAX];
     uint32_t n_radii = config->n_radii;
     memcpy(radius, config->radius_mm, sizeof radius);

@@ -15,6 +15,8 @@ smr_config smr_config_default(void)
     c.node_budget = 512;
     c.method = SMR_METHOD_RIGID;
     c.relaxation = 1.0f;
+    c.fold_guard = 1;
+    c.momentum = 0.5f;
     c.plastic_um = 50.0f;
     c.plastic_every = 3;
     c.radius_last = SMR_ALL;
@@ -40,8 +42,8 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
         if (!smr_within(c->box_min[i], SMR_COORD_MAX) || !smr_within(c->box_max[i], SMR_COORD_MAX) ||
             c->box_min[i] > c->box_max[i])
             return SMR_E_CONFIG;
-    if (c->method > SMR_METHOD_POLAR || !between(c->relaxation, FLT_MIN, 1.0f) || !between(c->plastic_um, 0.0f, 1.0e8f) ||
-        c->plastic_every > 1000u || c->normals > SMR_NORMALS_EXACT)
+    if (c->method > SMR_METHOD_POLAR || !between(c->relaxation, FLT_MIN, 1.0f) || !between(c->momentum, 0.0f, 0.99f) || !between(c->plastic_um, 0.0f, 1.0e8f) ||
+        c->plastic_every > 1000u || c->fold_guard > 1u || c->normals > SMR_NORMALS_EXACT)
         return SMR_E_CONFIG;
     if (c->radius_first >= n_radii || (c->radius_last != SMR_ALL && c->radius_last >= n_radii) ||
         c->radius_last < c->radius_first || c->iterations < 1u || c->iterations > 100000u || c->iterations_last < 1u ||

@@ -26,9 +26,6 @@ void smr_evolve(void *arg, uint32_t task, uint32_t worker)
     smr *s = arg;
     (void)worker;
     const float inverse_r = 1.0f / s->scale[0], inverse_t = 1.0f / s->scale[1];
-    smr_tally *tally = &s->tally[task];
-    tally->max = 0.0f;
-    tally->hash = 0;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
         const uint32_t *w = s->sum + SMR_WORDS * (size_t)v;
         const float share = 1.0f / (float)smr_list_count(&s->lists, v);
@@ -43,7 +40,25 @@ void smr_evolve(void *arg, uint32_t task, uint32_t worker)
         smr_store(smr_at3(s->x_next, v), next);
         const smr_vec n = smr_load(smr_at3(s->normal_ref, v));
         smr_store(smr_at3(s->normal, v), smr_unit(smr_add(n, smr_mul(r_minus_i, n))));
-        const smr_vec moved = smr_sub(next, old);
+    }
+}
+
+void smr_evolve_end(smr *s)
+{
+    for (uint32_t i = 0; i < s->n_parts; i++)
+        s->part[i].facets.xyz = s->x_next;
+}
+
+/* Displacements and the hash of the positions that stand. */
+void smr_settle(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    (void)worker;
+    smr_tally *tally = &s->tally[task];
+    tally->max = 0.0f;
+    tally->hash = 0;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
+        const smr_vec moved = smr_sub(smr_load(smr_at3(s->x_next, v)), smr_load(smr_at3(s->x, v)));
         tally->max = smr_max(tally->max, smr_dot(moved, moved));
         tally->hash += hash_point(v, smr_at3(s->x_next, v));
     }
@@ -56,7 +71,7 @@ static void exact_normals(smr *s)
     smr_mesh_normals(&mesh, s->normal, NULL);
 }
 
-void smr_evolve_end(smr *s)
+void smr_settle_end(smr *s)
 {
     float *swap = s->x;
     s->x = s->x_next;

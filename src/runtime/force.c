@@ -73,7 +73,10 @@ void smr_force_search(void *arg, uint32_t task, uint32_t worker)
                 tally->n_rejected++;
             }
         }
-        const smr_vec force = smr_scale(goal, s->config.stiffness);
+        smr_vec force = smr_scale(goal, s->config.stiffness);
+        if (s->config.momentum > 0.0f)
+            force = smr_add(force, smr_scale(smr_sub(smr_load(smr_at3(s->x, v)), smr_load(smr_at3(s->x_next, v))),
+                                             s->config.momentum));
         smr_store(smr_at3(s->force, v), force);
         measure(s, v, force, tally);
     }

@@ -28,12 +28,15 @@ static smr *layout(smr_arena *a, smr *s)
     s->sum = smr_arena_take(a, n, SMR_WORDS * sizeof(uint32_t));
     s->transform = smr_arena_take(a, n, 12u * sizeof(float));
     s->eigen = polar ? smr_arena_take(a, n, 9u * sizeof(float)) : NULL;
-    s->tally = smr_arena_take(a, s->n_tasks, sizeof *s->tally);
+    s->ring_sum = smr_arena_take(a, n, three);
+    s->ring_count = smr_arena_take(a, n, sizeof(uint32_t));
+    s->guard = smr_arena_take(a, n, 1);
+    s->tally = smr_arena_take(a, smr_max_u32(s->n_tasks, s->n_hinge_tasks), sizeof *s->tally);
+    s->facet_normal = smr_arena_take(a, s->n_triangles, three);
     if (SMR_BIG_ENDIAN)
         s->own_triangle = smr_arena_take(a, s->n_triangles, 3u * sizeof(uint32_t));
     s->target_warm = pulls ? smr_arena_take(a, s->config.n_target_vertices, sizeof(uint32_t)) : NULL;
     s->pull = pulls ? smr_arena_take(a, s->config.n_workers * n, 4u * sizeof(int64_t)) : NULL;
-    s->facet_normal = pulls ? smr_arena_take(a, s->n_triangles, three) : NULL;
     s->node = pulls ? smr_arena_take(a, s->n_nodes, sizeof *s->node) : NULL;
     return self;
 }
@@ -49,6 +52,8 @@ static void count(smr *s, const smr_model *model, const smr_config *config)
     s->n_parts = smr_le32(model->n_structures);
     s->n_radii = smr_le32(model->n_radii);
     s->n_tasks = smr_ceil_div(s->n, SMR_CHUNK);
+    s->n_hinges = smr_le32(model->n_hinges);
+    s->n_hinge_tasks = smr_ceil_div(s->n_hinges, SMR_HINGE_CHUNK);
     for (uint32_t i = 0; i < s->n_parts; i++)
         s->n_nodes += smr_tree_nodes(smr_le32(smr_model_record(model, i)->n_triangles));
 }
@@ -81,10 +86,8 @@ static void start_parts(smr *s)
         part->first_leaf = leaf;
         smr_tree_shape(&part->facets, smr_le32(r->n_triangles));
         part->facets.triangle = s->triangle + 3u * (size_t)part->first_triangle;
-        if (s->node != NULL) {
-            part->facets.normal = s->facet_normal + 3u * (size_t)part->first_triangle;
-            part->facets.node = s->node + node;
-        }
+        part->facets.normal = s->facet_normal + 3u * (size_t)part->first_triangle;
+        part->facets.node = s->node == NULL ? NULL : s->node + node;
         leaf += smr_tree_leaves(&part->facets);
         node += smr_tree_nodes(part->facets.n_triangles);
     }

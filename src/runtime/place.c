@@ -28,7 +28,11 @@ static void start_here(smr *s)
     s->fitted = smr_fit_solve(&fit, 1);
     memcpy(s->start, s->x, bytes);
     memcpy(s->x_ref, s->x, bytes);
+    memcpy(s->x_next, s->x, bytes);
     memset(s->force, 0, bytes);
+    memset(s->guard, 0, s->n);
+    s->n_guarded = 0;
+    smr_facets_now(s);
     smr_mesh_normals(&mesh, s->normal, NULL);
     memcpy(s->normal_ref, s->normal, bytes);
     for (uint32_t v = 0; v < s->n; v++)

@@ -6,40 +6,11 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/pull.h"
 
-#define SMR_LEAVES 32u          /* tree leaves of a refit task */
 #define SMR_AREA_MAX 16.0f      /* mean areas: a larger target triangle pulls no harder */
 
 int smr_pull_on(const smr *s) { return s->config.attraction > 0.0f && s->n_goals > 0u && s->target_warm != NULL; }
 
-uint32_t smr_pull_leaf_tasks(smr *s)
-{
-    const smr_part *last = &s->part[s->n_parts - 1u];
-    return smr_pull_on(s) ? smr_ceil_div(last->first_leaf + smr_tree_leaves(&last->facets), SMR_LEAVES) : 0u;
-}
-
 uint32_t smr_pull_tasks(smr *s) { return smr_pull_on(s) ? s->n_target_tasks : 0u; }
-
-void smr_pull_refit(void *arg, uint32_t task, uint32_t worker)
-{
-    smr *s = arg;
-    (void)worker;
-    const uint32_t from = task * SMR_LEAVES, to = from + SMR_LEAVES;
-    for (uint32_t i = 0; i < s->n_parts; i++) {
-        smr_part *part = &s->part[i];
-        const uint32_t first = part->first_leaf, last = first + smr_tree_leaves(&part->facets);
-        if (part->target == NULL || last <= from || first >= to)
-            continue;
-        part->facets.xyz = s->x;
-        smr_tree_refit_leaves(&part->facets, smr_max_u32(first, from) - first, smr_min_u32(last, to) - first);
-    }
-}
-
-void smr_pull_refit_end(smr *s)
-{
-    for (uint32_t i = 0; i < s->n_parts; i++)
-        if (s->part[i].target != NULL)
-            smr_tree_refit_upper(&s->part[i].facets);
-}
 
 /* The closest acceptable model point over the structures that share this surface. Returns its structure or SMR_ALL. */
 static uint32_t closest_part(const smr *s, const smr_surface *surface, smr_query *q, uint32_t warm, smr_hit *hit)

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/state.h"
 
-static uint32_t last_radius(const smr *s) { return smr_min_u32(s->config.radius_last, s->n_radii - 1u); }
+uint32_t smr_last_radius(const smr *s) { return smr_min_u32(s->config.radius_last, s->n_radii - 1u); }
 
 static void use_radius(smr *s, uint32_t radius)
 {
@@ -36,7 +36,7 @@ static void plastic_update(smr *s)
  * after its number of iterations; the last radius' end is the registration's end. */
 void smr_schedule_next(smr *s)
 {
-    const int last = s->radius == last_radius(s);
+    const int last = s->radius == smr_last_radius(s);
     const int small = s->report.displacement_max_mm * 1000.0f < s->config.plastic_um;
     const int fresh = s->since_plastic == 1u;
     const int settled = small && (fresh || s->config.plastic_um == 0.0f);
@@ -58,6 +58,6 @@ float smr_schedule_progress(const smr *s)
     if (s->done)
         return 1.0f;
     const float level = (float)s->config.iterations, final = (float)s->config.iterations_last;
-    const float total = level * (float)(last_radius(s) - s->config.radius_first) + final;
+    const float total = level * (float)(smr_last_radius(s) - s->config.radius_first) + final;
     return (level * (float)(s->radius - s->config.radius_first) + (float)s->radius_iteration) / total;
 }

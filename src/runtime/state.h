@@ -11,6 +11,7 @@
 
 #define SMR_WORDS 16u          /* 32-bit words of a record that is summed: one cache line */
 #define SMR_CHUNK 128u         /* vertices of a task */
+#define SMR_HINGE_CHUNK 1024u  /* hinges of a task */
 #define SMR_STATE_MAGIC 0x736d7254u
 
 /* One structure's triangles and target. */
@@ -20,6 +21,7 @@ typedef struct smr_part {
     uint32_t first_leaf;                   /* of its tree, counted over all structures */
     smr_facets facets;                     /* of the deforming model */
     const smr_surface *target;             /* NULL: carried along */
+    uint32_t folding;                      /* 1: the fold guard is at work here */
 } smr_part;
 
 /* A distinct target surface and the structures that share it. */
@@ -42,7 +44,7 @@ struct smr {
     const smr_model *model;
     smr_config config;
     smr_port port;
-    uint32_t n, n_triangles, n_parts, n_radii, n_tasks;
+    uint32_t n, n_triangles, n_parts, n_radii, n_tasks, n_hinges, n_hinge_tasks;
     float mass_max, mass_unit;             /* masses are whole multiples of 1 / mass_unit */
     smr_vec origin;                        /* mm */
     smr_pose fitted;                       /* rest shape -> start positions, as near as a similarity comes */
@@ -75,6 +77,11 @@ struct smr {
     float *force;                          /* [n][3] f^e */
     uint32_t *warm;                        /* [n] last closest triangle of the target */
     int64_t *pull;                         /* [n_workers][n][4] target-to-model pulls: 3 sums and the weight */
+    /* written by guard */
+    uint8_t *guard;                        /* [n] 1: the vertex' step is smoothed, in this iteration */
+    float *ring_sum;                       /* [n][3] sum over its mesh neighbours */
+    uint32_t *ring_count;                  /* [n] their number */
+    uint32_t n_guarded;                    /* vertices so marked */
     /* written by sums and average */
     uint32_t *record;                      /* [n][SMR_WORDS] fixed-point quantities of each vertex */
     uint32_t *sum;                         /* [n][SMR_WORDS] their sums over each cluster */
@@ -84,7 +91,7 @@ struct smr {
     float *transform;                      /* [n][12] R - I row-major, t */
     float *eigen;                          /* [n][9] warm start of the polar method; NULL for rigid */
     /* all stages */
-    smr_tally *tally;                      /* [n_tasks] */
+    smr_tally *tally;                      /* [max(n_tasks, n_hinge_tasks)] */
     float *start;                          /* [n][3] start positions */
     const uint32_t *triangle;              /* [n_triangles][3]; in the model image itself on little-endian hosts */
     uint32_t *own_triangle;                /* the same on big-endian hosts */
@@ -126,11 +133,17 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker);
 void smr_reference_begin(smr *s);            /* chooses the quantum; called when x^r has changed */
 void smr_reference_end(smr *s);
 
-uint32_t smr_pull_leaf_tasks(smr *s);        /* pull.c: target-to-model attraction */
-uint32_t smr_pull_tasks(smr *s);
-void smr_pull_refit(void *arg, uint32_t task, uint32_t worker);
-void smr_pull_refit_end(smr *s);
+uint32_t smr_pull_tasks(smr *s);             /* pull.c: target-to-model attraction */
 void smr_pull_search(void *arg, uint32_t task, uint32_t worker);
+
+uint32_t smr_facet_tasks(smr *s);            /* facets.c: triangles' normals and box trees at x_next */
+void smr_facet_refit(void *arg, uint32_t task, uint32_t worker);
+void smr_facets_end(smr *s);
+void smr_facets_now(smr *s);                 /* all of them, at x */
+
+uint32_t smr_guard_tasks(smr *s);            /* guard.c: folds */
+void smr_guard_search(void *arg, uint32_t task, uint32_t worker);
+void smr_guard_end(smr *s);
 
 uint32_t smr_vertex_tasks(smr *s);
 void smr_force_search(void *arg, uint32_t task, uint32_t worker); /* force.c: f^e */
@@ -145,10 +158,13 @@ void smr_match(void *arg, uint32_t task, uint32_t worker);        /* match.c: T_
 void smr_match_end(smr *s);
 
 void smr_evolve(void *arg, uint32_t task, uint32_t worker);       /* evolve.c: x */
-void smr_evolve_end(smr *s);
+void smr_evolve_end(smr *s);                 /* facets follow x_next from here on */
+void smr_settle(void *arg, uint32_t task, uint32_t worker);
+void smr_settle_end(smr *s);
 
 void smr_schedule_start(smr *s);             /* schedule.c */
 void smr_schedule_next(smr *s);
+uint32_t smr_last_radius(const smr *s);
 float smr_schedule_progress(const smr *s);
 
 #endif

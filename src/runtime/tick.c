@@ -1,6 +1,6 @@
 /* tick.c: one registration iteration, as the paper lists it at the end of section 2.3. The table is the method; the rest
  * keeps the time. A step is a number of independent tasks and a serial end; the clock is read between groups of tasks, and
- * a tick that runs out of time resumes at the task where it stopped. Only evolve's end makes new positions current.
+ * a tick that runs out of time resumes at the task where it stopped. Only the last step's end makes new positions current.
  * SPDX-License-Identifier: MIT */
 #include "runtime/state.h"
 
@@ -10,7 +10,6 @@ static const smr_step steps[] = {
     {SMR_PHASE_SUMS, smr_reference_blocks, smr_sums_forest, NULL},
     {SMR_PHASE_SUMS, smr_reference_tasks, smr_reference_cluster, smr_reference_end},
     /* compute external forces f^e: the target's pull, and the way to the target */
-    {SMR_PHASE_FORCES, smr_pull_leaf_tasks, smr_pull_refit, smr_pull_refit_end},
     {SMR_PHASE_FORCES, smr_pull_tasks, smr_pull_search, NULL},
     {SMR_PHASE_FORCES, smr_vertex_tasks, smr_force_search, smr_force_end},
     /* compute shape matching forces: for each cluster, T_i = argmin Sum m |T x^r - x - f^e|^2 */
@@ -20,8 +19,11 @@ static const smr_step steps[] = {
     /* average goal positions x~_i = Sum_i(T) x^r_i / |zeta_i| */
     {SMR_PHASE_AVERAGE, smr_vertex_tasks, smr_average_record, NULL},
     {SMR_PHASE_AVERAGE, smr_block_tasks, smr_sums_forest, NULL},
-    /* evolve positions, x = x~; update reference positions to simulate plasticity, x^r = x */
+    /* evolve positions, x = x~; hold back what would fold; update reference positions (plasticity), x^r = x */
     {SMR_PHASE_EVOLVE, smr_vertex_tasks, smr_evolve, smr_evolve_end},
+    {SMR_PHASE_EVOLVE, smr_facet_tasks, smr_facet_refit, smr_facets_end},
+    {SMR_PHASE_EVOLVE, smr_guard_tasks, smr_guard_search, smr_guard_end},
+    {SMR_PHASE_EVOLVE, smr_vertex_tasks, smr_settle, smr_settle_end},
 };
 
 #define SMR_STEPS ((uint32_t)(sizeof steps / sizeof steps[0]))
@@ -67,6 +69,7 @@ static void fill_report(smr *s, uint64_t *phase_ns)
     r->phase = s->step == 0u ? 0u : steps[s->step].phase;
     r->radius = s->radius;
     r->radius_iteration = s->radius_iteration;
+    r->n_guarded = s->n_guarded;
     r->plastic_updates = s->plastic_updates;
     r->converged = s->converged;
     r->done = s->done;

@@ -1,0 +1,206 @@
+# smr: build rules. GNU make only; `make help` lists the targets.
+# SPDX-License-Identifier: MIT
+#
+# BUILD names the build directory, so several compilers can build side by side:
+#   make BUILD=build/clang CC=clang
+
+BUILD   ?= build
+PREFIX  ?= /usr/local
+DESTDIR ?=
+NM      ?= nm
+SIZE    ?= size
+
+# The flags that the promise of equal bits rests on come first; the user's CFLAGS come last.
+STD      := -std=c11 -ffp-contract=off -fno-math-errno
+WARNINGS := -Wall -Wextra -Wconversion -Wshadow -Wcast-qual -Wcast-align -Wstrict-prototypes -Wvla \
+            -Wdouble-promotion
+ifneq ($(or $(filter true,$(CI)),$(filter 1,$(WERROR))),)
+WARNINGS += -Werror
+endif
+override ALL_CFLAGS := $(STD) -O3 $(WARNINGS) -MMD -MP $(CFLAGS)
+THREADS  := -pthread
+
+CORE_SRC    := $(sort $(wildcard src/*.c src/*/*.c src/*/*/*.c))
+PTHREAD_SRC := $(sort $(wildcard port/pthread/*.c))
+HOST_SRC    := $(sort $(wildcard port/host/*.c))
+HOST_MAIN   := $(if $(HOST_SRC),$(shell grep -lE '^int main' $(HOST_SRC)))
+FIXTURE_SRC := $(filter-out fixtures/fixture_write.c,$(sort $(wildcard fixtures/*.c)))
+BAREMETAL_SRC := $(sort $(wildcard port/baremetal/*.c))
+
+TEST_SRC    := $(sort $(wildcard tests/unit/test_*.c tests/property/test_*.c tests/golden/test_*.c))
+HOST_TEST_SRC := $(sort $(wildcard tests/host/test_*.c))
+BENCH_SRC   := $(sort $(wildcard tests/bench/bench_*.c))
+# Every other file beside the tests is a helper that all tests may call, except tests/host/*_tool.c:
+# programs that the scripts there compile for themselves.
+TOOL_SRC    := $(sort $(wildcard tests/host/*_tool.c))
+HELPER_SRC  := $(filter-out $(TEST_SRC) $(HOST_TEST_SRC) $(BENCH_SRC) $(TOOL_SRC), \
+               $(sort $(wildcard tests/*.c tests/unit/*.c tests/property/*.c tests/host/*.c tests/bench/*.c)))
+
+obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
+CORE_OBJ    := $(call obj,$(CORE_SRC))
+PTHREAD_OBJ := $(call obj,$(PTHREAD_SRC))
+HOST_OBJ    := $(call obj,$(HOST_SRC))
+HOST_LIB_OBJ := $(call obj,$(filter-out $(HOST_MAIN),$(HOST_SRC)))
+SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
+
+CORE_LIB    := $(BUILD)/libsmr.a
+PTHREAD_LIB := $(BUILD)/libsmr_pthread.a
+SUPPORT_LIB := $(BUILD)/libsupport.a
+PROGRAM     := $(if $(HOST_MAIN),$(BUILD)/smr)
+TESTS       := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
+HOST_TESTS  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(HOST_TEST_SRC))
+BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
+ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(SUPPORT_OBJ) \
+               $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(BENCH_SRC) $(BAREMETAL_SRC) \
+               fixtures/fixture_write.c tests/golden/golden.c tests/target/target_budget.c)
+
+M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-sections -fdata-sections
+
+.PHONY: all help demo check programs cmocka bench size stack hashes golden-update install clean
+.DELETE_ON_ERROR:
+
+all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM)
+
+help:
+	@echo 'make                 libsmr.a, libsmr_pthread.a and the program smr in $(BUILD)/'
+	@echo 'make demo            register a generated bone onto a deformed one and say how well'
+	@echo 'make check           all tests; the last line is the sum'
+	@echo 'make bench           benchmarks; writes $(BUILD)/bench.json'
+	@echo 'make size            code and data size of the library'
+	@echo 'make stack           largest stack frames; fails on an unbounded one'
+	@echo 'make hashes          state hash over threads, schedulers, compilers and processors'
+	@echo 'make golden-update   records the current state hash as the expected one'
+	@echo 'make install         to $$(DESTDIR)$$(PREFIX), default /usr/local'
+	@echo 'make clean           removes $(BUILD)/'
+	@echo 'Variables: CC, CFLAGS (appended), BUILD, WERROR=1, PREFIX, DESTDIR'
+
+# ---------------------------------------------------------------- objects and libraries
+
+# The core sees its own folders; everything else sees the public header and the ports.
+$(BUILD)/obj/src/%.o: src/%.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -Iinclude -Isrc -c $< -o $@
+
+$(BUILD)/obj/port/%.o: port/%.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) $(if $(findstring baremetal,$@),,$(THREADS)) -Iinclude -Iport/pthread -c $< -o $@
+
+$(BUILD)/obj/fixtures/%.o: fixtures/%.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -Ifixtures -c $< -o $@
+
+$(BUILD)/obj/tests/bench/%.o: tests/bench/%.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) $(THREADS) -Iinclude -Iport/pthread -Iport/host -Ifixtures -Itests/bench -c $< -o $@
+
+# Public header and ports only: these programs also run on the board.
+$(BUILD)/obj/tests/golden/%.o: tests/golden/%.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -Iinclude -Iport/pthread -Iport/baremetal -Ifixtures -c $< -o $@
+
+$(BUILD)/obj/tests/target/%.o: tests/target/%.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -Iinclude -Iport/baremetal -Ifixtures -c $< -o $@
+
+$(BUILD)/obj/tests/%.o: tests/%.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) $(THREADS) -Isrc -Iinclude -Iport/pthread -Iport/host -Ifixtures -Itests -c $< -o $@
+
+$(CORE_LIB): $(CORE_OBJ)
+$(PTHREAD_LIB): $(PTHREAD_OBJ)
+$(SUPPORT_LIB): $(SUPPORT_OBJ)
+$(CORE_LIB) $(PTHREAD_LIB) $(SUPPORT_LIB):
+	@mkdir -p $(@D)
+	@rm -f $@
+	$(AR) rcs $@ $^
+
+# ---------------------------------------------------------------- programs
+
+LINK = $(CC) $(ALL_CFLAGS) $(THREADS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LDLIBS)
+
+$(BUILD)/smr: $(HOST_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
+	$(LINK) -lm
+
+$(BUILD)/fixture_write: $(BUILD)/obj/fixtures/fixture_write.o $(SUPPORT_LIB)
+	$(LINK) -lm
+
+$(BUILD)/golden: $(BUILD)/obj/tests/golden/golden.o $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
+	$(LINK) -lm
+
+$(HOST_TESTS) $(BENCHES): $(HOST_LIB_OBJ)
+$(TESTS) $(HOST_TESTS): private LDLIBS += -lcmocka
+$(TESTS) $(HOST_TESTS) $(BENCHES): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o \
+                                            $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
+	@mkdir -p $(@D)
+	$(LINK) -lm
+
+# Programs for the emulated board; called with CC=arm-none-eabi-gcc CFLAGS="$(M7_CFLAGS) ...".
+$(BUILD)/golden_m7.elf: $(BUILD)/obj/tests/golden/golden.o
+$(BUILD)/target_budget_m7.elf: $(BUILD)/obj/tests/target/target_budget.o
+$(BUILD)/%_m7.elf: $(call obj,$(BAREMETAL_SRC) $(FIXTURE_SRC)) $(CORE_LIB) port/baremetal/mps2_an500.ld
+	$(CC) $(ALL_CFLAGS) -nostartfiles -Wl,--gc-sections -T port/baremetal/mps2_an500.ld -o $@ \
+	    $(filter %.o,$^) $(CORE_LIB) -lm -lc -lgcc
+
+# ---------------------------------------------------------------- what people call
+
+demo: $(BUILD)/fixture_write $(PROGRAM)
+	@sh tests/demo.sh $(BUILD)
+
+# CMocka must be there before a test is compiled, so it is an order-only prerequisite.
+cmocka:
+	@$(if $(TEST_SRC)$(HOST_TEST_SRC),sh tests/need_cmocka.sh "$(CC)",:)
+
+$(call obj,$(TEST_SRC) $(HOST_TEST_SRC)): | cmocka
+
+programs: all $(TESTS) $(HOST_TESTS) $(BUILD)/fixture_write $(if $(CORE_SRC),$(BUILD)/golden) $(call obj,$(wildcard port/template/*.c))
+
+check: programs
+	@BUILD="$(BUILD)" CC="$(CC)" NM="$(NM)" SMR="$(BUILD)/smr" FIXTURE_WRITE="$(BUILD)/fixture_write" \
+	    CFLAGS="$(CFLAGS)" \
+	    sh tests/run_checks.sh $(TESTS) $(HOST_TESTS)
+
+bench: $(BENCHES)
+	@BUILD="$(BUILD)" sh tests/run_bench.sh $(BENCHES)
+
+size: $(CORE_LIB)
+	@echo "libsmr.a, $$($(CC) -dumpmachine), -O3:"; $(SIZE) -t $(CORE_LIB) | sed -n '1p;$$p'
+	@if command -v arm-none-eabi-gcc >/dev/null; then \
+	    for o in -O2 -Os; do \
+	        $(MAKE) -s BUILD=$(BUILD)/m7$$o CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
+	            CFLAGS="$(M7_CFLAGS) $$o" $(BUILD)/m7$$o/libsmr.a || exit 1; \
+	        echo "libsmr.a, Cortex-M7, $$o:"; \
+	        arm-none-eabi-size -t $(BUILD)/m7$$o/libsmr.a | sed -n '1p;$$p'; \
+	    done; \
+	else echo 'Cortex-M7: skipped (needs gcc-arm-none-eabi)'; fi
+
+stack:
+	@$(MAKE) -s BUILD=$(BUILD)/stack CC=gcc CFLAGS=-fstack-usage $(BUILD)/stack/libsmr.a
+	@sh tests/check_stack.sh $(BUILD)/stack "$$(gcc -dumpmachine)"
+	@if command -v arm-none-eabi-gcc >/dev/null; then \
+	    $(MAKE) -s BUILD=$(BUILD)/stack-m7 CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
+	        CFLAGS="$(M7_CFLAGS) -O2 -fstack-usage" $(BUILD)/stack-m7/libsmr.a && \
+	    sh tests/check_stack.sh $(BUILD)/stack-m7 Cortex-M7; \
+	else echo 'Cortex-M7: skipped (needs gcc-arm-none-eabi)'; fi
+
+hashes:
+	@MAKE="$(MAKE)" BUILD="$(BUILD)" M7_CFLAGS="$(M7_CFLAGS)" sh tests/golden/hashes.sh
+
+golden-update: $(BUILD)/golden
+	$(BUILD)/golden > tests/golden/expected.txt
+	@cat tests/golden/expected.txt
+
+version = $(shell awk '/define SMR_VERSION_(MAJOR|MINOR|PATCH)/ {v = v s $$3; s = "."} END {print v}' include/smr.h)
+
+install: all
+	install -d $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/bin
+	install -m 644 include/smr.h port/pthread/smr_pthread.h $(DESTDIR)$(PREFIX)/include
+	install -m 644 $(CORE_LIB) $(PTHREAD_LIB) $(DESTDIR)$(PREFIX)/lib
+	$(if $(PROGRAM),install -m 755 $(PROGRAM) $(DESTDIR)$(PREFIX)/bin)
+	printf '%s\n' 'prefix=$(PREFIX)' 'Name: smr' 'Description: shape-matching registration' \
+	    'Version: $(version)' 'Cflags: -I$${prefix}/include' 'Libs: -L$${prefix}/lib -lsmr_pthread -lsmr' \
+	    'Libs.private: -pthread -lm' > $(DESTDIR)$(PREFIX)/lib/pkgconfig/smr.pc
+
+clean:
+	rm -rf $(BUILD)
+
+-include $(ALL_OBJ:.o=.d)

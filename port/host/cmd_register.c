@@ -1,0 +1,114 @@
+/* smr register: the steps in order.
+ * SPDX-License-Identifier: MIT */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "host_commands.h"
+#include "host_output.h"
+#include "register_job.h"
+
+/* Preparing the model and placing the targets need nothing from each other: two tasks. */
+typedef struct both {
+    host_job *job;
+    host_error error[2];
+    int failed[2];
+} both;
+
+static void run_half(void *arg, uint32_t task, uint32_t worker)
+{
+    both *const b = arg;
+    (void)worker;
+    if (task == 1)
+        b->failed[1] = host_job_start(b->job, &b->error[1]);
+    else if (!b->job->ready_image)
+        b->failed[0] = host_model_prepare(&b->job->model, &b->job->options->prepare, &b->error[0]);
+}
+
+static int prepare_and_start(host_job *job, host_error *error)
+{
+    both b;
+    memset(&b, 0, sizeof b);
+    b.job = job;
+    host_parallel(&job->port.port, run_half, &b, 2);
+    if (b.failed[0] || b.failed[1]) {
+        *error = b.failed[0] ? b.error[0] : b.error[1];
+        return -1;
+    }
+    return 0;
+}
+
+static int write_files(const host_job *job, host_output *output, host_error *error)
+{
+    host_buffer buffer;
+    uint32_t i = 0;
+    int result = 0;
+    memset(&buffer, 0, sizeof buffer);
+    for (i = 0; result == 0 && i < job->model.n_parts; i++) {
+        char name[SMR_NAME_BYTES + 4u];
+        (void)snprintf(name, sizeof name, "%s.ply", job->model.part[i].name);
+        buffer.size = 0;
+        host_mesh_write(&job->result[i].mesh, HOST_FORMAT_PLY, &buffer);
+        result = host_output_add(output, name, &buffer, error);
+    }
+    if (result == 0) {
+        buffer.size = 0;
+        host_job_report(job, &buffer);
+        result = host_output_add(output, "report.json", &buffer, error);
+    }
+    host_buffer_free(&buffer);
+    return result;
+}
+
+int host_job_write(host_job *job, host_error *error)
+{
+    host_output *const output = host_output_begin(job->options->out);
+    if (output == NULL)
+        return host_fail(error, "output", "free memory");
+    if (write_files(job, output, error) != 0) {
+        host_output_abandon(output);
+        return -1;
+    }
+    return host_output_commit(output, error);
+}
+
+void host_job_free(host_job *job)
+{
+    uint32_t i = 0;
+    for (i = 0; job->result != NULL && i < job->model.n_parts; i++)
+        host_mesh_free(&job->result[i].mesh);
+    for (i = 0; i < job->n_targets; i++) {
+        host_mesh_free(&job->target[i].mesh);
+        free(job->target[i].memory);
+    }
+    free(job->result);
+    free(job->target);
+    free(job->tick_ms);
+    free(job->arena);
+    host_model_free(&job->model);
+    host_port_close(&job->port);
+}
+
+static int run_steps(host_job *job, host_error *error)
+{
+    if (host_output_check(job->options->out, error) != 0 ||
+        host_port_open(&job->port, job->options->threads, error) != 0 || host_job_load(job, error) != 0 ||
+        host_job_match(job, error) != 0 || prepare_and_start(job, error) != 0 || host_job_run(job, error) != 0 ||
+        host_job_evaluate(job, error) != 0 || host_job_write(job, error) != 0)
+        return HOST_REFUSED;
+    if (!job->options->quiet)
+        host_job_summary(job);
+    return job->last.done ? HOST_DONE : HOST_NOT_CONVERGED;
+}
+
+int host_register(const host_options *options, host_error *error)
+{
+    host_job job;
+    int result = 0;
+    memset(&job, 0, sizeof job);
+    job.options = options;
+    job.begin_s = host_seconds();
+    result = run_steps(&job, error);
+    host_job_free(&job);
+    return result;
+}

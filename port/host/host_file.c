@@ -1,0 +1,106 @@
+/* Reading whole files. Sizes come from the file system, never from what a file claims about itself.
+ * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+
+#include "host_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "host_gzip.h"
+
+void *host_alloc(size_t bytes)
+{
+    const size_t slots = bytes / 64u + 1u;
+    return bytes > SIZE_MAX - 128u ? NULL : aligned_alloc(64u, slots * 64u);
+}
+
+void host_file_free(host_bytes *bytes)
+{
+    free(bytes->data);
+    bytes->data = NULL;
+    bytes->size = 0;
+}
+
+/* Reads until n bytes are there or the file ends. */
+static int read_up_to(int fd, unsigned char *to, size_t n, size_t *got, host_error *error)
+{
+    *got = 0;
+    while (*got < n) {
+        const ssize_t r = read(fd, to + *got, n - *got);
+        if (r < 0 && errno == EINTR)
+            continue;
+        if (r < 0)
+            return host_fail(error, "file", "a readable file (%s)", strerror(errno));
+        if (r == 0)
+            break;
+        *got += (size_t)r;
+    }
+    return 0;
+}
+
+static int read_plain(int fd, const char *path, size_t size, host_accept accept, host_bytes *bytes,
+                      host_error *error)
+{
+    const size_t first = size < HOST_HEAD_BYTES ? size : HOST_HEAD_BYTES;
+    unsigned char head[HOST_HEAD_BYTES] = {0};
+    size_t got = 0, rest = 0;
+    if (read_up_to(fd, head, first, &got, error) != 0)
+        return -1;
+    if (accept != NULL && accept(path, head, got, size, error) != 0)
+        return -1;
+    bytes->data = host_alloc(size);
+    if (bytes->data == NULL)
+        return host_fail(error, "file", "%zu bytes of free memory", size);
+    memcpy(bytes->data, head, got);
+    /* Shorter than it was a moment ago: what there is is read, and the reader calls it truncated. */
+    if (got == first && read_up_to(fd, bytes->data + got, size - got, &rest, error) != 0) {
+        host_file_free(bytes);
+        return -1;
+    }
+    bytes->size = got + rest;
+    return 0;
+}
+
+static int read_open(int fd, const char *path, host_accept accept, host_bytes *bytes, host_error *error)
+{
+    struct stat st;
+    unsigned char magic[2] = {0, 0};
+    size_t got = 0;
+    if (fstat(fd, &st) != 0)
+        return host_fail(error, "file", "a readable file (%s)", strerror(errno));
+    if (S_ISDIR(st.st_mode))
+        return host_fail(error, "file", "a regular file, not a directory");
+    if (!S_ISREG(st.st_mode))
+        return host_fail(error, "file", "a regular file");
+    if (st.st_size == 0)
+        return host_fail(error, "file", "data, but the file is empty");
+    if ((uint64_t)st.st_size > HOST_FILE_MAX)
+        return host_fail(error, "file", "at most %zu MB", HOST_FILE_MAX >> 20);
+    if (read_up_to(fd, magic, 2, &got, error) != 0)
+        return -1;
+    if (lseek(fd, 0, SEEK_SET) != 0)
+        return host_fail(error, "file", "a file that can be rewound (%s)", strerror(errno));
+    if (magic[0] == 0x1f && magic[1] == 0x8b)
+        return host_gzip_read(fd, path, accept, bytes, error);
+    return read_plain(fd, path, (size_t)st.st_size, accept, bytes, error);
+}
+
+int host_file_read(const char *path, host_accept accept, host_bytes *bytes, host_error *error)
+{
+    /* Without O_NONBLOCK a named pipe would hold the program here for ever. */
+    const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    int result = 0;
+    bytes->data = NULL;
+    bytes->size = 0;
+    error->file = path;
+    if (fd < 0)
+        return host_fail(error, "file", "a readable file (%s)", strerror(errno));
+    result = read_open(fd, path, accept, bytes, error);
+    (void)close(fd);
+    return result;
+}

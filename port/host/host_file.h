@@ -1,0 +1,34 @@
+/* Whole files in memory: reading with limits, .gz through the system's gzip.
+ * SPDX-License-Identifier: MIT */
+#ifndef HOST_FILE_H
+#define HOST_FILE_H
+
+#include <stddef.h>
+
+#include "host_error.h"
+
+/* Bytes: the largest file read. It holds the largest legal mesh as binary PLY. */
+#define HOST_FILE_MAX ((size_t)160u << 20)
+/* Bytes a compressed file may grow to: smaller, since a tiny file can claim it. */
+#define HOST_UNPACKED_MAX ((size_t)128u << 20)
+/* Bytes from the start of a file that a host_accept sees, at most. */
+#define HOST_HEAD_BYTES 4096u
+
+typedef struct host_bytes {
+    unsigned char *data; /* owned; on a 64-byte address unless it was unpacked */
+    size_t size;
+} host_bytes;
+
+/* Looks at the first bytes of a file; total is the file's size, 0 when it is not known (compressed).
+ * Returns 0 to read on, -1 with the error filled to stop before a large file is read in vain. */
+typedef int (*host_accept)(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error);
+
+/* Reads a regular file; unpacks it when it starts like a gzip file. 0, or -1 with the error filled. */
+int host_file_read(const char *path, host_accept accept, host_bytes *bytes, host_error *error);
+
+void host_file_free(host_bytes *bytes);
+
+/* Memory on a 64-byte address, at least one byte; NULL when there is none. Ends with free(). */
+void *host_alloc(size_t bytes);
+
+#endif

@@ -1,0 +1,48 @@
+/* The help text.
+ * SPDX-License-Identifier: MIT */
+#include <stdio.h>
+
+#include "host_options.h"
+
+void host_help(void)
+{
+    static const char *const lines[] = {
+        "smr: shape-matching registration of surfaces",
+        "",
+        "  smr register --model FILE... --target FILE... -o DIR   deform the model onto the targets",
+        "  smr build --model FILE... -o MODEL.smr                 prepare a model once",
+        "  smr info MODEL.smr | FILE...                           what a model is made of",
+        "  smr measure A B [--source S]                           distances both ways, Hausdorff, folds",
+        "  smr --help | --version",
+        "",
+        "Files: PLY, STL, OBJ, legacy VTK polydata, each also with .gz; coordinates are LPS millimetres",
+        "(a file that says SPACE=RAS is turned). Structures carry the base names of their files; several",
+        "targets are matched to them by name, one target serves all, the others are carried along.",
+        "register writes DIR/NAME.ply for every structure and DIR/report.json; a .smr may be its model.",
+        "",
+        "register, and its defaults:",
+        "  --align none|rigid|similarity   start pose without landmarks (none)",
+        "  --mirror-target x|y|z           negate a coordinate of the targets; --mirror-model likewise",
+        "  --threads N                     (as many as processors)   --ticks N       upper bound (the schedule)",
+        "  --budget-ms X                   time per tick, 0: no clock, deterministic (0)",
+        "  --method rigid|polar            (rigid)                   --search MM     (60)",
+        "  --stiffness X                   (0.8)                     --attraction X  target to model (0.5)",
+        "  --relaxation X                  (1)                       --normal-angle DEG  (75)",
+        "  --normals carried|exact         (carried)                 --node-budget N (512)",
+        "  --reject-deviations X           (0: off)                  --reject-border",
+        "  --plastic-um X                  (50)                      --plastic-every N (3)",
+        "  --iterations N                  per radius (12)           --iterations-last N (40)",
+        "  --quiet                         print nothing",
+        "preparing (register, build, info):",
+        "  --radius MM[,MM...]             cluster radii, coarse to fine (chosen from the surfaces)",
+        "  --clusters auto|shared|separate (auto: separate at small radii)",
+        "  --distance euclidean|geodesic   (euclidean)               --mass unit|area (unit)",
+        "  --order forest|breadth-first    (forest)                  --block N        (chosen)",
+        "build: --c-array NAME             C source instead when -o ends in .c, else beside it",
+        "",
+        "Exit status: 0 done, 1 not converged within --ticks (results are written), 2 bad usage or input.",
+    };
+    size_t i = 0;
+    for (i = 0; i < sizeof lines / sizeof lines[0]; i++)
+        (void)puts(lines[i]);
+}

@@ -1,0 +1,280 @@
+/* Option reading, driven by one table: name, commands, kind, field, range.
+ * SPDX-License-Identifier: MIT */
+#include "host_options.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "host_text.h"
+
+enum kind { KIND_FILES, KIND_TEXT, KIND_FLAG, KIND_COUNT, KIND_FLOAT, KIND_DOUBLE, KIND_WORD, KIND_RADII };
+
+typedef struct option {
+    const char *name;
+    int commands; /* HOST_REGISTER | ... */
+    enum kind kind;
+    size_t field;    /* offset in host_options */
+    double min, max; /* of numbers */
+    int open;        /* 1: above min, not equal */
+    int prepares;    /* 1: matters only when a model is prepared */
+    const char *words; /* KIND_WORD: "a|b|c", stored as 0, 1, 2 */
+} option;
+
+#define FIELD(name) offsetof(host_options, name)
+#define PREPARING (HOST_REGISTER | HOST_BUILD | HOST_INFO)
+#define COORD ((double)SMR_COORD_MAX)
+
+static const option table[] = {
+    {"--model", HOST_REGISTER | HOST_BUILD, KIND_FILES, FIELD(model), 0, 0, 0, 0, NULL},
+    {"--target", HOST_REGISTER, KIND_FILES, FIELD(target), 0, 0, 0, 0, NULL},
+    {"-o", HOST_REGISTER | HOST_BUILD, KIND_TEXT, FIELD(out), 0, 0, 0, 0, NULL},
+    {"--c-array", HOST_BUILD, KIND_TEXT, FIELD(c_array), 0, 0, 0, 0, NULL},
+    {"--source", HOST_MEASURE, KIND_TEXT, FIELD(source), 0, 0, 0, 0, NULL},
+    {"--mirror-model", PREPARING, KIND_WORD, FIELD(mirror_model), 0, 0, 0, 1, "x|y|z"},
+    {"--mirror-target", HOST_REGISTER, KIND_WORD, FIELD(mirror_target), 0, 0, 0, 0, "x|y|z"},
+    {"--threads", HOST_REGISTER | HOST_MEASURE, KIND_COUNT, FIELD(threads), 1, SMR_WORKERS_MAX, 0, 0, NULL},
+    {"--ticks", HOST_REGISTER, KIND_COUNT, FIELD(ticks), 1, 1e9, 0, 0, NULL},
+    {"--budget-ms", HOST_REGISTER, KIND_DOUBLE, FIELD(budget_ms), 0, 1e6, 0, 0, NULL},
+    {"--align", HOST_REGISTER, KIND_WORD, FIELD(align), 0, 0, 0, 0, "none|rigid|similarity"},
+    {"--quiet", HOST_REGISTER | HOST_BUILD, KIND_FLAG, FIELD(quiet), 0, 0, 0, 0, NULL},
+    {"--radius", PREPARING, KIND_RADII, FIELD(prepare), 0, COORD, 1, 1, NULL},
+    {"--clusters", PREPARING, KIND_WORD, FIELD(clusters), 0, 0, 0, 1, "auto|shared|separate"},
+    {"--distance", PREPARING, KIND_WORD, FIELD(prepare.distance), 0, 0, 0, 1, "euclidean|geodesic"},
+    {"--mass", PREPARING, KIND_WORD, FIELD(prepare.mass), 0, 0, 0, 1, "unit|area"},
+    {"--order", PREPARING, KIND_WORD, FIELD(prepare.order), 0, 0, 0, 1, "forest|breadth-first"},
+    {"--block", PREPARING, KIND_COUNT, FIELD(prepare.block_vertices), 16, 65536, 0, 1, NULL},
+    {"--method", HOST_REGISTER, KIND_WORD, FIELD(config.method), 0, 0, 0, 0, "rigid|polar"},
+    {"--normals", HOST_REGISTER, KIND_WORD, FIELD(config.normals), 0, 0, 0, 0, "carried|exact"},
+    {"--search", HOST_REGISTER, KIND_FLOAT, FIELD(config.search_mm), 0, COORD, 1, 0, NULL},
+    {"--normal-angle", HOST_REGISTER, KIND_FLOAT, FIELD(config.normal_deg), 0, 180, 1, 0, NULL},
+    {"--stiffness", HOST_REGISTER, KIND_FLOAT, FIELD(config.stiffness), 0, 1, 1, 0, NULL},
+    {"--attraction", HOST_REGISTER, KIND_FLOAT, FIELD(config.attraction), 0, 1, 0, 0, NULL},
+    {"--relaxation", HOST_REGISTER, KIND_FLOAT, FIELD(config.relaxation), 0, 1, 1, 0, NULL},
+    {"--reject-deviations", HOST_REGISTER, KIND_FLOAT, FIELD(config.reject_deviations), 0, 1000, 0, 0, NULL},
+    {"--reject-border", HOST_REGISTER, KIND_FLAG, FIELD(config.reject_border), 0, 0, 0, 0, NULL},
+    {"--node-budget", HOST_REGISTER, KIND_COUNT, FIELD(config.node_budget), 8, 1000000, 0, 0, NULL},
+    {"--plastic-um", HOST_REGISTER, KIND_FLOAT, FIELD(config.plastic_um), 0, 1e6, 0, 0, NULL},
+    {"--plastic-every", HOST_REGISTER, KIND_COUNT, FIELD(config.plastic_every), 0, 1000, 0, 0, NULL},
+    {"--iterations", HOST_REGISTER, KIND_COUNT, FIELD(config.iterations), 1, 100000, 0, 0, NULL},
+    {"--iterations-last", HOST_REGISTER, KIND_COUNT, FIELD(config.iterations_last), 1, 100000, 0, 0, NULL},
+};
+
+static const option *find_option(const char *name, int command)
+{
+    size_t i = 0;
+    for (i = 0; i < sizeof table / sizeof table[0]; i++)
+        if ((table[i].commands & command) != 0 && strcmp(table[i].name, name) == 0)
+            return &table[i];
+    return NULL;
+}
+
+static host_word word_of(const char *text)
+{
+    host_word word;
+    word.start = text;
+    word.n = strlen(text);
+    return word;
+}
+
+static int refuse_number(const option *o, host_word value, host_error *error)
+{
+    char place[64];
+    const size_t n = value.n < sizeof place - 3u ? value.n : sizeof place - 3u;
+    place[0] = '\'';
+    memcpy(place + 1, value.start, n);
+    place[n + 1u] = '\'';
+    place[n + 2u] = '\0';
+    return host_fail(error, place, "a %s %s %.10g and at most %.10g", o->kind == KIND_COUNT ? "whole number" : "number",
+                     o->open ? "above" : "of at least", o->min, o->max);
+}
+
+static int read_number(const option *o, host_word word, double *value, host_error *error)
+{
+    int64_t whole = 0;
+    int good = o->kind == KIND_COUNT ? host_word_int(word, &whole) : host_word_double(word, value);
+    if (o->kind == KIND_COUNT)
+        *value = (double)whole;
+    good = good && *value <= o->max && (o->open ? *value > o->min : *value >= o->min);
+    return good ? 0 : refuse_number(o, word, error);
+}
+
+/* "80,30,10": from coarse to fine. */
+static int read_radii(const option *o, const char *text, smr_prepare_config *prepare, host_error *error)
+{
+    uint32_t n = 0;
+    while (text != NULL) {
+        const char *const comma = strchr(text, ',');
+        host_word word = word_of(text);
+        double value = 0.0;
+        if (comma != NULL)
+            word.n = (size_t)(comma - text);
+        if (n == SMR_RADII_MAX)
+            return host_fail(error, text, "at most %u radii", SMR_RADII_MAX);
+        if (read_number(o, word, &value, error) != 0)
+            return -1;
+        if (n > 0 && (float)value >= prepare->radius_mm[n - 1u])
+            return host_fail(error, text, "radii that fall, from coarse to fine");
+        if (!((float)value > 0.0f))
+            return refuse_number(o, word, error);
+        prepare->radius_mm[n++] = (float)value;
+        text = comma != NULL ? comma + 1 : NULL;
+    }
+    prepare->n_radii = n;
+    return 0;
+}
+
+static int read_choice(const option *o, const char *text, uint32_t *choice, host_error *error)
+{
+    const char *word = o->words;
+    uint32_t i = 0;
+    while (word != NULL) {
+        const char *const bar = strchr(word, '|');
+        const size_t n = bar != NULL ? (size_t)(bar - word) : strlen(word);
+        if (strlen(text) == n && strncmp(text, word, n) == 0) {
+            *choice = i;
+            return 0;
+        }
+        i++;
+        word = bar != NULL ? bar + 1 : NULL;
+    }
+    return host_fail(error, text, "one of %s", o->words);
+}
+
+static int add_file(host_files *files, const char *path, host_error *error)
+{
+    if (files->n == SMR_STRUCTURES_MAX)
+        return host_fail(error, path, "at most %u files", SMR_STRUCTURES_MAX);
+    files->path[files->n++] = path;
+    return 0;
+}
+
+/* Stores one value in the option's field. */
+static int store(const option *o, const char *text, host_options *options, host_error *error)
+{
+    void *const field = (unsigned char *)options + o->field;
+    double value = 0.0;
+    if (o->kind == KIND_FILES)
+        return add_file(field, text, error);
+    if (o->kind == KIND_RADII)
+        return read_radii(o, text, field, error);
+    if (o->kind == KIND_WORD)
+        return read_choice(o, text, field, error);
+    if (o->kind == KIND_TEXT) {
+        if (text[0] == '\0')
+            return host_fail(error, "value", "a text that is not empty");
+        *(const char **)field = text;
+        return 0;
+    }
+    if (read_number(o, word_of(text), &value, error) != 0)
+        return -1;
+    if (o->kind == KIND_COUNT)
+        *(uint32_t *)field = (uint32_t)value;
+    else if (o->kind == KIND_DOUBLE)
+        *(double *)field = value;
+    else
+        *(float *)field = (float)value;
+    if (o->kind == KIND_FLOAT && o->open && !(*(float *)field > (float)o->min))
+        return refuse_number(o, word_of(text), error);
+    return 0;
+}
+
+static int is_option(const char *text)
+{
+    return text[0] == '-' && text[1] != '\0';
+}
+
+/* One option with its values; *at is left behind them. */
+static int read_option(int argc, char **argv, int *at, host_options *options, host_error *error)
+{
+    const char *const name = argv[*at];
+    const option *const o = find_option(name, options->command);
+    int n = 0;
+    error->file = name;
+    if (o == NULL)
+        return host_fail(error, "option", "an option of this command (see smr --help)");
+    *at += 1;
+    if (o->prepares && options->prepare_option == NULL)
+        options->prepare_option = o->name;
+    if (o->kind == KIND_FLAG) {
+        *(uint32_t *)(void *)((unsigned char *)options + o->field) = 1;
+        return 0;
+    }
+    /* A number may start with a minus sign; a file may not (write ./-name). */
+    while (*at < argc && ((n == 0 && o->kind != KIND_FILES && o->kind != KIND_TEXT) || !is_option(argv[*at])) &&
+           (n == 0 || o->kind == KIND_FILES)) {
+        if (store(o, argv[*at], options, error) != 0)
+            return -1;
+        *at += 1;
+        n++;
+    }
+    if (n == 0)
+        return host_fail(error, "value", o->kind == KIND_FILES ? "one file or more" : "a value");
+    return 0;
+}
+
+static int check_needs(host_options *options, host_error *error)
+{
+    error->file = "usage";
+    if (options->command == HOST_MEASURE && options->operands.n != 2)
+        return host_fail(error, "measure", "two surfaces: smr measure A B");
+    if (options->command == HOST_INFO && options->operands.n == 0)
+        return host_fail(error, "info", "a model or surfaces: smr info MODEL.smr");
+    if ((options->command & (HOST_REGISTER | HOST_BUILD)) != 0) {
+        if (options->model.n == 0)
+            return host_fail(error, "--model", "one file or more");
+        if (options->command == HOST_REGISTER && options->target.n == 0)
+            return host_fail(error, "--target", "one file or more");
+        if (options->out == NULL)
+            return host_fail(error, "-o", options->command == HOST_REGISTER ? "the directory for the results"
+                                                                           : "the file for the model");
+    }
+    return 0;
+}
+
+static int set_defaults(int command, host_options *options)
+{
+    memset(options, 0, sizeof *options);
+    options->command = command;
+    options->mirror_model = HOST_MIRROR_NONE;
+    options->mirror_target = HOST_MIRROR_NONE;
+    options->prepare = smr_prepare_config_default();
+    options->config = smr_config_default();
+    options->model.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    options->target.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    options->operands.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    return options->model.path == NULL || options->target.path == NULL || options->operands.path == NULL ? -1 : 0;
+}
+
+int host_options_read(int command, int argc, char **argv, host_options *options, host_error *error)
+{
+    int at = 2;
+    error->file = "usage";
+    if (set_defaults(command, options) != 0)
+        return host_fail(error, "start", "free memory");
+    while (at < argc) {
+        if (is_option(argv[at])) {
+            if (read_option(argc, argv, &at, options, error) != 0)
+                return -1;
+        } else {
+            error->file = argv[at];
+            if ((command & (HOST_INFO | HOST_MEASURE)) == 0)
+                return host_fail(error, "argument", "an option before it (see smr --help)");
+            if (add_file(&options->operands, argv[at++], error) != 0)
+                return -1;
+        }
+    }
+    if (options->clusters == HOST_CLUSTERS_SHARED)
+        options->prepare.separate_below_mm = 0.0f;
+    else if (options->clusters == HOST_CLUSTERS_SEPARATE)
+        options->prepare.separate_below_mm = 2.0f * SMR_COORD_MAX;
+    return check_needs(options, error);
+}
+
+void host_options_free(host_options *options)
+{
+    free(options->model.path);
+    free(options->target.path);
+    free(options->operands.path);
+    memset(options, 0, sizeof *options);
+}

@@ -1,0 +1,43 @@
+/* The command line's options, checked strictly and laid into one struct.
+ * SPDX-License-Identifier: MIT */
+#ifndef HOST_OPTIONS_H
+#define HOST_OPTIONS_H
+
+#include "host_error.h"
+#include "host_mesh.h"
+#include "smr.h"
+
+enum { HOST_REGISTER = 1, HOST_BUILD = 2, HOST_INFO = 4, HOST_MEASURE = 8 };
+enum { HOST_ALIGN_NONE = 0, HOST_ALIGN_RIGID, HOST_ALIGN_SIMILARITY };
+enum { HOST_CLUSTERS_AUTO = 0, HOST_CLUSTERS_SHARED, HOST_CLUSTERS_SEPARATE };
+
+/* File names; they point into argv. */
+typedef struct host_files {
+    const char **path; /* owned array */
+    uint32_t n;
+} host_files;
+
+typedef struct host_options {
+    int command;           /* HOST_REGISTER, ... */
+    host_files model, target, operands;
+    const char *out, *c_array, *source; /* NULL when not given */
+    int mirror_model, mirror_target;    /* HOST_MIRROR_... */
+    uint32_t threads;      /* 0: as many as processors */
+    uint32_t ticks;        /* 0: until the schedule ends */
+    double budget_ms;      /* 0: no clock */
+    uint32_t align;        /* HOST_ALIGN_... */
+    uint32_t clusters;     /* HOST_CLUSTERS_... */
+    uint32_t quiet;
+    const char *prepare_option; /* the first option given that a ready .smr has no use for */
+    smr_prepare_config prepare;
+    smr_config config;
+} host_options;
+
+/* Reads argv[2..] for the command. 0, or -1 with the error filled. Ends with host_options_free(). */
+int host_options_read(int command, int argc, char **argv, host_options *options, host_error *error);
+void host_options_free(host_options *options);
+
+/* The whole help text, on stdout. */
+void host_help(void);
+
+#endif

@@ -1,0 +1,68 @@
+/* One registration from files to files: what its steps share. cmd_register.c knows their order.
+ * SPDX-License-Identifier: MIT */
+#ifndef REGISTER_JOB_H
+#define REGISTER_JOB_H
+
+#include "host_distance.h"
+#include "host_model.h"
+#include "host_options.h"
+
+#define HOST_NO_TARGET 0xffffffffu
+
+/* A target surface. */
+typedef struct host_target {
+    const char *path;      /* borrowed */
+    char name[SMR_NAME_BYTES];
+    host_mesh mesh;        /* owned; mirrored when asked */
+    smr_surface *surface;  /* in memory */
+    void *memory;          /* owned */
+    uint32_t users;        /* structures that follow it */
+    uint32_t user;         /* the last of them */
+} host_target;
+
+/* What came out for one structure. */
+typedef struct host_result {
+    uint32_t target;      /* index, or HOST_NO_TARGET: carried along */
+    host_mesh mesh;       /* owned: the structure's triangles at their new place */
+    uint64_t folds, folds_absolute;
+    host_stats to_target; /* of its vertices to its own target */
+    host_stats to_result; /* of the target's vertices to it; none when others share the target */
+    smr_structure_report report;
+} host_result;
+
+typedef struct host_job {
+    const host_options *options;
+    host_port port;
+    host_model model;
+    int ready_image;           /* 1: the model came prepared */
+    host_target *target;       /* [n_targets] */
+    uint32_t n_targets;
+    host_result *result;       /* [model.n_parts] */
+    smr_pose pose;             /* the start */
+    float align_rms_mm;
+    void *arena;               /* owned */
+    size_t arena_bytes;
+    smr *state;                /* in the arena */
+    smr_tick_report last;      /* of the last tick */
+    uint32_t ticks, overruns;
+    float *tick_ms;            /* [ticks], owned */
+    size_t tick_capacity;
+    double start_s, register_s, load_s, measure_s, begin_s;
+    host_stats to_target, to_result; /* over all structures that have a target */
+    uint64_t folds, folds_absolute;
+} host_job;
+
+/* The steps, each 0 or -1 with the error filled. */
+int host_job_load(host_job *job, host_error *error);     /* files -> meshes, or a ready image */
+int host_job_match(host_job *job, host_error *error);    /* structures to targets, by name */
+int host_job_start(host_job *job, host_error *error);    /* target surfaces, start pose */
+int host_job_run(host_job *job, host_error *error);      /* ticks */
+int host_job_evaluate(host_job *job, host_error *error); /* results, distances, folds */
+int host_job_write(host_job *job, host_error *error);    /* files, all or none */
+void host_job_summary(const host_job *job);
+void host_job_free(host_job *job);
+
+/* report.json. */
+void host_job_report(const host_job *job, host_buffer *out);
+
+#endif

@@ -1,0 +1,187 @@
+/* report.json and the summary for people.
+ * SPDX-License-Identifier: MIT */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "host_json.h"
+#include "register_job.h"
+
+static void put_model(const host_job *job, host_json *json)
+{
+    const smr_model_info *const info = &job->model.info;
+    double stored = 0.0, direct = 0.0;
+    uint32_t i = 0;
+    for (i = 0; i < info->n_radii; i++) {
+        stored += (double)info->indexes_per_cluster[i] / info->n_radii;
+        direct += (double)info->direct_per_cluster[i] / info->n_radii;
+    }
+    host_json_count(json, "structures", info->n_structures);
+    host_json_count(json, "vertices", info->n_vertices);
+    host_json_count(json, "triangles", info->n_triangles);
+    host_json_count(json, "clusters", info->n_vertices); /* one about each vertex, at every radius */
+    host_json_number(json, "indexes_per_cluster", stored);
+    host_json_number(json, "indexes_per_cluster_direct", direct);
+    host_json_open(json, "radius_mm", '[');
+    for (i = 0; i < info->n_radii; i++)
+        host_json_number(json, NULL, (double)info->radius_mm[i]);
+    host_json_close(json, ']');
+    host_json_open(json, "radii", '[');
+    for (i = 0; i < info->n_radii; i++) {
+        host_json_open(json, NULL, '{');
+        host_json_number(json, "radius_mm", (double)info->radius_mm[i]);
+        host_json_number(json, "indexes_per_cluster", (double)info->indexes_per_cluster[i]);
+        host_json_number(json, "indexes_per_cluster_direct", (double)info->direct_per_cluster[i]);
+        host_json_flag(json, "separate", info->separate[i] != 0);
+        host_json_close(json, '}');
+    }
+    host_json_close(json, ']');
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const float *const x = a, *const y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+static void put_times(const host_job *job, host_json *json)
+{
+    const size_t n = job->ticks;
+    float *const ms = malloc((n + 1u) * sizeof *ms);
+    host_json_open(json, "time_s", '{');
+    host_json_number(json, "load", job->load_s);
+    host_json_number(json, "prepare", job->ready_image ? 0.0 : job->model.prepare_s);
+    host_json_number(json, "start", job->start_s);
+    host_json_number(json, "register", job->register_s);
+    host_json_number(json, "measure", job->measure_s);
+    host_json_number(json, "total", host_seconds() - job->begin_s);
+    host_json_close(json, '}');
+    if (ms == NULL || n == 0) {
+        host_json_null(json, "tick_ms");
+    } else {
+        memcpy(ms, job->tick_ms, n * sizeof *ms);
+        qsort(ms, n, sizeof *ms, by_value);
+        host_json_open(json, "tick_ms", '{');
+        host_json_number(json, "min", (double)ms[0]);
+        host_json_number(json, "median", (double)ms[n / 2u]);
+        host_json_number(json, "p99", (double)ms[(n * 99u + 99u) / 100u - 1u]);
+        host_json_number(json, "max", (double)ms[n - 1u]);
+        host_json_close(json, '}');
+    }
+    free(ms);
+    host_json_number(json, "budget_ms", job->options->budget_ms);
+    host_json_count(json, "overruns", job->overruns);
+    host_json_open(json, "memory_bytes", '{');
+    host_json_count(json, "model", job->model.image_bytes);
+    host_json_count(json, "arena", job->arena_bytes);
+    host_json_count(json, "volume", 0);
+    host_json_close(json, '}');
+}
+
+static void put_structure(const host_job *job, uint32_t i, host_json *json)
+{
+    const host_result *const result = &job->result[i];
+    const int carried = result->target == HOST_NO_TARGET;
+    host_json_open(json, NULL, '{');
+    host_json_text(json, "name", job->model.part[i].name);
+    host_json_count(json, "vertices", result->mesh.n_vertices);
+    host_json_count(json, "triangles", result->mesh.n_triangles);
+    host_json_flag(json, "has_target", !carried);
+    host_json_flag(json, "carried", carried);
+    if (carried)
+        host_json_null(json, "target");
+    else
+        host_json_text(json, "target", job->target[result->target].path);
+    host_json_open(json, "distance_mm", '{');
+    host_json_stats(json, "model_to_target", &result->to_target);
+    host_json_stats(json, "target_to_model", &result->to_result);
+    host_json_close(json, '}');
+    host_json_number(json, "moved_mean_mm", (double)result->report.moved_mean_mm);
+    host_json_number(json, "moved_max_mm", (double)result->report.moved_max_mm);
+    host_json_count(json, "folds", result->folds);
+    host_json_count(json, "folds_absolute", result->folds_absolute);
+    host_json_close(json, '}');
+}
+
+static void put_start(const host_job *job, host_json *json)
+{
+    static const char *const names[] = {"none", "rigid", "similarity"};
+    int r = 0, c = 0;
+    host_json_text(json, "align", names[job->options->align]);
+    if (job->options->align == HOST_ALIGN_NONE) {
+        host_json_null(json, "start_pose");
+        return;
+    }
+    host_json_number(json, "start_rms_mm", (double)job->align_rms_mm);
+    host_json_open(json, "start_pose", '[');
+    for (r = 0; r < 3; r++)
+        for (c = 0; c < 4; c++)
+            host_json_number(json, NULL, (double)job->pose.m[r][c]);
+    host_json_close(json, ']');
+}
+
+void host_job_report(const host_job *job, host_buffer *out)
+{
+    host_json json = {out, 0, 1};
+    char text[40];
+    uint32_t i = 0;
+    host_json_open(&json, NULL, '{');
+    (void)snprintf(text, sizeof text, "%d.%d.%d", SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH);
+    host_json_text(&json, "version", text);
+    put_model(job, &json);
+    host_json_count(&json, "ticks", job->ticks);
+    host_json_count(&json, "iterations", job->last.iteration);
+    /* Converged: the schedule came to its end, as the exit status says. Settled: the last iteration also moved
+     * nothing by more than the plastic threshold. */
+    host_json_flag(&json, "converged", job->last.done != 0);
+    host_json_flag(&json, "settled", job->last.converged != 0);
+    host_json_number(&json, "displacement_max_mm", (double)job->last.displacement_max_mm);
+    host_json_count(&json, "threads", job->port.port.n_workers);
+    host_json_text(&json, "method", job->options->config.method == SMR_METHOD_POLAR ? "polar" : "rigid");
+    put_start(job, &json);
+    put_times(job, &json);
+    host_json_open(&json, "distance_mm", '{');
+    host_json_stats(&json, "model_to_target", &job->to_target);
+    host_json_stats(&json, "target_to_model", &job->to_result);
+    host_json_close(&json, '}');
+    host_json_number(&json, "hausdorff_mm", job->to_target.max > job->to_result.max ? job->to_target.max
+                                                                                    : job->to_result.max);
+    host_json_number(&json, "residual_mean_mm", (double)job->last.residual_mean_mm);
+    host_json_count(&json, "folds", job->folds);
+    host_json_count(&json, "folds_absolute", job->folds_absolute);
+    (void)snprintf(text, sizeof text, "%016" PRIx64, smr_state_hash(job->state));
+    host_json_text(&json, "state_hash", text);
+    host_json_open(&json, "per_structure", '[');
+    for (i = 0; i < job->model.n_parts; i++)
+        put_structure(job, i, &json);
+    host_json_close(&json, ']');
+    host_json_open(&json, "targets_unused", '[');
+    for (i = 0; i < job->n_targets; i++)
+        if (job->target[i].users == 0)
+            host_json_text(&json, NULL, job->target[i].path);
+    host_json_close(&json, ']');
+    host_json_close(&json, '}');
+}
+
+void host_job_summary(const host_job *job)
+{
+    const host_stats *const a = &job->to_target, *const b = &job->to_result;
+    uint32_t i = 0, carried = 0;
+    (void)printf("%s after %u iterations, %.3f s (load %.3f, prepare %.3f, start %.3f, register %.3f), %u threads\n",
+                 job->last.done ? "converged" : "not converged", job->last.iteration,
+                 host_seconds() - job->begin_s, job->load_s, job->ready_image ? 0.0 : job->model.prepare_s,
+                 job->start_s, job->register_s, job->port.port.n_workers);
+    (void)printf("model to target: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", a->mean, a->rms, a->p95, a->max);
+    (void)printf("target to model: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", b->mean, b->rms, b->p95, b->max);
+    (void)printf("folds: %" PRIu64 "  state hash: %016" PRIx64 "\n", job->folds, smr_state_hash(job->state));
+    for (i = 0; i < job->model.n_parts; i++)
+        if (job->result[i].target == HOST_NO_TARGET)
+            (void)printf("%s%s", carried++ == 0 ? "carried along without a target: " : ", ", job->model.part[i].name);
+    if (carried > 0)
+        (void)putchar('\n');
+    for (i = 0; i < job->n_targets; i++)
+        if (job->target[i].users == 0)
+            (void)printf("not used, no structure has its name: %s\n", job->target[i].path);
+    (void)printf("results: %s\n", job->options->out);
+}

@@ -1,0 +1,316 @@
+/*
+ * smr_pthread: fork-join over persistent threads, tasks handed out by one atomic counter.
+ *
+ * `ticket` holds the loop's number (high half) and the tasks not yet handed out (low half). A worker takes
+ * a task by compare-and-swap of the whole word. So a worker that is late, because the system took its
+ * processor away, can neither take a task of a loop it does not know nor hold up a loop that the others
+ * have finished: the caller waits only for tasks that were really begun.
+ *
+ * Idle workers spin for a short time, because the loops of one tick follow each other closely, and then
+ * sleep. They do not spin when there are more workers than processors.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#if defined(__linux__) && !defined(_GNU_SOURCE)
+#define _GNU_SOURCE 1 /* sched_getaffinity: the processors this process may use */
+#elif !defined(_POSIX_C_SOURCE)
+#define _POSIX_C_SOURCE 200809L
+#endif
+
+#include "smr_pthread.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <stdatomic.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#define SMR_PTHREAD_SPIN_NS 40000u /* longest idle spin; about one wake-up of a sleeping thread */
+#define SMR_PTHREAD_SPIN_LOOKS 64u /* looks at the word between two looks at the clock */
+
+typedef struct smr_pthread_worker {
+    pthread_t thread;
+    smr_pthread *pool;
+    uint32_t index;
+} smr_pthread_worker;
+
+struct smr_pthread {
+    /* Written by every worker; alone on its cache line. */
+    _Alignas(SMR_ALIGN) _Atomic uint64_t ticket; /* loop number << 32 | tasks not handed out */
+    _Alignas(SMR_ALIGN) _Atomic uint32_t unfinished; /* tasks of this loop that have not returned */
+
+    /* The loop's description, written by the caller before it publishes the ticket. Atomic because a
+     * late worker may read it at that very time; its compare-and-swap then fails. */
+    _Alignas(SMR_ALIGN) _Atomic(smr_task) run;
+    _Atomic(void *) arg;
+    _Atomic uint32_t n_tasks;
+
+    _Atomic uint32_t sleepers;      /* workers inside pthread_cond_wait */
+    _Atomic uint32_t caller_sleeps; /* 1: the caller waits on `finished` */
+    _Atomic uint32_t stop;
+
+    pthread_mutex_t mutex;
+    pthread_cond_t work;     /* a loop was published, or stop */
+    pthread_cond_t finished; /* the last task returned */
+
+    uint32_t n_workers;
+    uint32_t n_started;
+    uint32_t spin; /* 0: sleep at once */
+    smr_pthread_worker workers[];
+};
+
+/* Monotonic nanoseconds; the ctx is not used. */
+static uint64_t smr_pthread_now(void *ctx)
+{
+    struct timespec t;
+    (void)ctx;
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
+}
+
+static void smr_pthread_pause(void)
+{
+#if defined(__x86_64__) || defined(__i386__)
+    __asm__ __volatile__("pause");
+#elif defined(__aarch64__)
+    __asm__ __volatile__("yield");
+#endif
+}
+
+static uint32_t smr_pthread_processors(void)
+{
+    long n = 0;
+#if defined(__linux__)
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    if (sched_getaffinity(0, sizeof set, &set) == 0) {
+        n = CPU_COUNT(&set);
+    }
+#endif
+    if (n <= 0) {
+        n = sysconf(_SC_NPROCESSORS_ONLN);
+    }
+    return n > 0 ? (uint32_t)n : 1u;
+}
+
+/* Takes and runs tasks until none is left to hand out. */
+static void smr_pthread_work(smr_pthread *p, uint32_t worker)
+{
+    uint64_t ticket = atomic_load_explicit(&p->ticket, memory_order_acquire);
+    while ((uint32_t)ticket != 0u) {
+        smr_task run = atomic_load_explicit(&p->run, memory_order_relaxed);
+        void *arg = atomic_load_explicit(&p->arg, memory_order_relaxed);
+        uint32_t n_tasks = atomic_load_explicit(&p->n_tasks, memory_order_relaxed);
+
+        /* Success means this loop was still open, so run, arg and n_tasks are its own: the caller
+         * cannot describe the next loop before the task taken here has returned. */
+        if (atomic_compare_exchange_weak_explicit(&p->ticket, &ticket, ticket - 1u, memory_order_acq_rel,
+                                                  memory_order_acquire)) {
+            run(arg, n_tasks - (uint32_t)ticket, worker);
+            /* Sequentially consistent, as caller_sleeps: one of the two sides sees the other. */
+            if (atomic_fetch_sub(&p->unfinished, 1u) == 1u && atomic_load(&p->caller_sleeps) != 0u) {
+                (void)pthread_mutex_lock(&p->mutex);
+                (void)pthread_cond_signal(&p->finished);
+                (void)pthread_mutex_unlock(&p->mutex);
+            }
+            ticket = atomic_load_explicit(&p->ticket, memory_order_acquire);
+        }
+    }
+}
+
+static int smr_pthread_has_work(smr_pthread *p)
+{
+    return (uint32_t)atomic_load(&p->ticket) != 0u || atomic_load(&p->stop) != 0u;
+}
+
+static int smr_pthread_all_done(smr_pthread *p)
+{
+    return atomic_load(&p->unfinished) == 0u;
+}
+
+/* Looks at `ready` for at most SMR_PTHREAD_SPIN_NS; its last answer. */
+static int smr_pthread_spin(smr_pthread *p, int (*ready)(smr_pthread *))
+{
+    uint64_t begin;
+    if (ready(p)) {
+        return 1;
+    }
+    if (p->spin == 0u) {
+        return 0;
+    }
+    begin = smr_pthread_now(NULL);
+    do {
+        for (uint32_t look = 0; look < SMR_PTHREAD_SPIN_LOOKS; ++look) {
+            if (ready(p)) {
+                return 1;
+            }
+            smr_pthread_pause();
+        }
+    } while (smr_pthread_now(NULL) - begin < SMR_PTHREAD_SPIN_NS);
+    return ready(p);
+}
+
+static void *smr_pthread_main(void *arg)
+{
+    smr_pthread_worker *self = (smr_pthread_worker *)arg;
+    smr_pthread *p = self->pool;
+    while (atomic_load(&p->stop) == 0u) {
+        if (!smr_pthread_spin(p, smr_pthread_has_work)) {
+            (void)pthread_mutex_lock(&p->mutex);
+            (void)atomic_fetch_add(&p->sleepers, 1u);
+            while (!smr_pthread_has_work(p)) {
+                (void)pthread_cond_wait(&p->work, &p->mutex);
+            }
+            (void)atomic_fetch_sub(&p->sleepers, 1u);
+            (void)pthread_mutex_unlock(&p->mutex);
+        }
+        smr_pthread_work(p, self->index);
+    }
+    return NULL;
+}
+
+/* Wakes as many sleepers as there are tasks for them. */
+static void smr_pthread_wake(smr_pthread *p, uint32_t n_tasks)
+{
+    uint32_t n = atomic_load(&p->sleepers);
+    if (n == 0u) {
+        return;
+    }
+    (void)pthread_mutex_lock(&p->mutex);
+    if (n_tasks - 1u >= n) {
+        (void)pthread_cond_broadcast(&p->work);
+    } else {
+        for (uint32_t i = 1; i < n_tasks; ++i) {
+            (void)pthread_cond_signal(&p->work);
+        }
+    }
+    (void)pthread_mutex_unlock(&p->mutex);
+}
+
+/* Waits until every task that was handed out has returned. */
+static void smr_pthread_join_tasks(smr_pthread *p)
+{
+    if (smr_pthread_spin(p, smr_pthread_all_done)) {
+        return;
+    }
+    (void)pthread_mutex_lock(&p->mutex);
+    atomic_store(&p->caller_sleeps, 1u);
+    while (!smr_pthread_all_done(p)) {
+        (void)pthread_cond_wait(&p->finished, &p->mutex);
+    }
+    atomic_store(&p->caller_sleeps, 0u);
+    (void)pthread_mutex_unlock(&p->mutex);
+}
+
+static void smr_pthread_parallel(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
+{
+    smr_pthread *p = (smr_pthread *)ctx;
+    uint64_t loop;
+    if (p->n_workers == 1u || n_tasks < 2u) {
+        for (uint32_t task = 0; task < n_tasks; ++task) {
+            run(arg, task, 0);
+        }
+        return;
+    }
+    atomic_store_explicit(&p->run, run, memory_order_relaxed);
+    atomic_store_explicit(&p->arg, arg, memory_order_relaxed);
+    atomic_store_explicit(&p->n_tasks, n_tasks, memory_order_relaxed);
+    atomic_store_explicit(&p->unfinished, n_tasks, memory_order_relaxed);
+    loop = (atomic_load_explicit(&p->ticket, memory_order_relaxed) >> 32) + 1u;
+    atomic_store(&p->ticket, loop << 32 | n_tasks);
+    smr_pthread_wake(p, n_tasks);
+    smr_pthread_work(p, 0);
+    smr_pthread_join_tasks(p);
+}
+
+size_t smr_pthread_bytes(uint32_t n_workers)
+{
+    size_t bytes;
+    if (n_workers < 1u || n_workers > SMR_WORKERS_MAX) {
+        return 0;
+    }
+    bytes = sizeof(smr_pthread) + (size_t)n_workers * sizeof(smr_pthread_worker);
+    return (bytes + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
+}
+
+static int smr_pthread_sync_init(smr_pthread *p)
+{
+    if (pthread_mutex_init(&p->mutex, NULL) != 0) {
+        return 0;
+    }
+    if (pthread_cond_init(&p->work, NULL) != 0) {
+        (void)pthread_mutex_destroy(&p->mutex);
+        return 0;
+    }
+    if (pthread_cond_init(&p->finished, NULL) != 0) {
+        (void)pthread_cond_destroy(&p->work);
+        (void)pthread_mutex_destroy(&p->mutex);
+        return 0;
+    }
+    return 1;
+}
+
+smr_status smr_pthread_create(smr_pthread **pool, void *memory, size_t bytes, uint32_t n_workers)
+{
+    smr_pthread *p = (smr_pthread *)memory;
+    if (pool == NULL || memory == NULL) {
+        return SMR_E_NULL;
+    }
+    if (smr_pthread_bytes(n_workers) == 0u) {
+        return SMR_E_CONFIG;
+    }
+    if ((uintptr_t)memory % SMR_ALIGN != 0u) {
+        return SMR_E_ALIGN;
+    }
+    if (bytes < smr_pthread_bytes(n_workers)) {
+        return SMR_E_ARENA;
+    }
+    memset(memory, 0, smr_pthread_bytes(n_workers));
+    p->n_workers = n_workers;
+    p->spin = n_workers <= smr_pthread_processors() ? 1u : 0u;
+    if (!smr_pthread_sync_init(p)) {
+        return SMR_E_STATE;
+    }
+    for (uint32_t i = 1; i < n_workers; ++i) {
+        smr_pthread_worker *w = &p->workers[i];
+        w->pool = p;
+        w->index = i;
+        if (pthread_create(&w->thread, NULL, smr_pthread_main, w) != 0) {
+            smr_pthread_destroy(p);
+            return SMR_E_STATE;
+        }
+        p->n_started = i;
+    }
+    *pool = p;
+    return SMR_OK;
+}
+
+smr_port smr_pthread_port(smr_pthread *pool)
+{
+    smr_port port = {NULL, 1u, NULL, NULL};
+    if (pool != NULL) {
+        port.ctx = pool;
+        port.n_workers = pool->n_workers;
+        port.parallel = smr_pthread_parallel;
+        port.now_ns = smr_pthread_now;
+    }
+    return port;
+}
+
+void smr_pthread_destroy(smr_pthread *pool)
+{
+    if (pool == NULL) {
+        return;
+    }
+    (void)pthread_mutex_lock(&pool->mutex);
+    atomic_store(&pool->stop, 1u);
+    (void)pthread_cond_broadcast(&pool->work);
+    (void)pthread_mutex_unlock(&pool->mutex);
+    for (uint32_t i = 1; i <= pool->n_started; ++i) {
+        (void)pthread_join(pool->workers[i].thread, NULL);
+    }
+    (void)pthread_cond_destroy(&pool->finished);
+    (void)pthread_cond_destroy(&pool->work);
+    (void)pthread_mutex_destroy(&pool->mutex);
+}

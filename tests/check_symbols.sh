@@ -1,0 +1,34 @@
+#!/bin/sh
+# check_symbols: the core calls nothing but a short list of functions and holds no writable memory.
+# SPDX-License-Identifier: MIT
+# usage: BUILD=... check_symbols.sh [archive [tool prefix]]
+set -u
+archive=${1:-${BUILD:-build}/libsmr.a}
+prefix=${2:-}
+# bcmp: what clang makes of memcmp(...) == 0; __aeabi_ and __: the compiler's own arithmetic on small cores
+# would be named here if a target needed it. None does so far.
+allowed='^(memcpy|memmove|memset|memcmp|bcmp|sqrtf)$'
+[ -f "$archive" ] || { echo "skip: no $archive"; exit 77; }
+if [ "$("${prefix}ar" t "$archive" | wc -l)" -eq 0 ]; then echo "skip: $archive is empty"; exit 77; fi
+tmp=$(mktemp -d) || exit 1
+trap 'rm -rf "$tmp"' EXIT
+"${prefix}ld" -r --whole-archive "$archive" -o "$tmp/all.o" || { echo "skip: no partial link"; exit 77; }
+"${prefix}nm" -P "$tmp/all.o" >"$tmp/symbols"
+if grep -qE '__(asan|ubsan|tsan|msan|gcov|llvm_prof)' "$tmp/symbols"; then
+    echo "skip: an instrumented build"
+    exit 77
+fi
+bad=0
+undefined=$(awk '$2 == "U" || $2 == "w" || $2 == "v" {print $1}' "$tmp/symbols" | grep -v '^_GLOBAL_OFFSET_TABLE_$' |
+    grep -vE "$allowed" || true)
+[ -z "$undefined" ] || { echo "FORBIDDEN: the core calls:" $undefined; bad=1; }
+common=$(awk '$2 == "C" {print $1}' "$tmp/symbols")
+[ -z "$common" ] || { echo "FORBIDDEN: common symbols:" $common; bad=1; }
+# Sections that would be writable or run code before main; .data.rel.ro is constant after loading.
+writable=$("${prefix}size" -A "$tmp/all.o" | awk '$2 > 0 && $1 !~ /^\.data\.rel\.ro/ &&
+    $1 ~ /^\.(data|bss|tdata|tbss|init_array|fini_array|ctors|dtors)/ {print $1 "=" $2}')
+[ -z "$writable" ] || { echo "FORBIDDEN: writable or start-up sections:" $writable; bad=1; }
+names=$(awk '$2 ~ /^[TDBRGSVW]$/ && $1 !~ /^smr_/ {print $1}' "$tmp/symbols")
+[ -z "$names" ] || { echo "FORBIDDEN: external names without smr_:" $names; bad=1; }
+[ "$bad" -eq 0 ] && echo "OK: externals:" $(awk '$2 == "U" {print $1}' "$tmp/symbols" | sort)
+exit "$bad"

@@ -1,0 +1,274 @@
+/*
+ * golden: one registration whose bits must be the same on every processor, compiler, thread count and order.
+ *
+ * Prints one line: smr-hash <state after the rigid run> <state after the polar run> <CRC-32 of the image>.
+ * Hosted: golden [threads N | workers N | reverse | shuffle | interleave]; no argument: a plain loop.
+ * Bare metal (SMR_BAREMETAL): no argument; the buffers go to the section .arena.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <smr.h>
+
+#include "fixture_bone.h"
+
+#ifdef SMR_BAREMETAL
+#include "smr_baremetal.h"
+#include "smr_semihost.h"
+#define GOLDEN_MEMORY static __attribute__((section(".arena"))) _Alignas(SMR_ALIGN)
+#else
+#include "smr_pthread.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#define GOLDEN_MEMORY static _Alignas(SMR_ALIGN)
+#endif
+
+#define GOLDEN_CELL FIXTURE_CELL_SMALL
+#define GOLDEN_WORKERS 8u
+#define GOLDEN_TICKS 40u
+
+/* Static, so the sizes are numbers; golden_sizes() checks that the queries agree. */
+GOLDEN_MEMORY unsigned char golden_arena[SMR_ARENA_BYTES(1024, 2048, 1, GOLDEN_WORKERS, 1024)];
+GOLDEN_MEMORY unsigned char golden_scratch[6u << 20];
+GOLDEN_MEMORY unsigned char golden_image[2u << 20];
+GOLDEN_MEMORY unsigned char golden_target[1u << 20];
+GOLDEN_MEMORY unsigned char golden_source[1u << 20];
+GOLDEN_MEMORY float golden_words[16384];
+GOLDEN_MEMORY float golden_xyz[2][3 * 1024];
+GOLDEN_MEMORY uint32_t golden_triangles[2][3 * 2048];
+
+static void golden_write(const char *text)
+{
+#ifdef SMR_BAREMETAL
+    smr_semihost_write(text);
+#else
+    (void)fputs(text, stdout);
+#endif
+}
+
+static void golden_hex(uint64_t value, uint32_t digits)
+{
+    char text[17];
+    for (uint32_t i = 0; i < digits; ++i) {
+        text[i] = "0123456789abcdef"[(value >> (4u * (digits - 1u - i))) & 15u];
+    }
+    text[digits] = '\0';
+    golden_write(text);
+}
+
+/* CRC-32 (IEEE 802.3), bit by bit: independent of the library's own. */
+static uint32_t golden_crc(const unsigned char *bytes, size_t n)
+{
+    uint32_t crc = 0xffffffffu;
+    for (size_t i = 0; i < n; ++i) {
+        crc ^= bytes[i];
+        for (int bit = 0; bit < 8; ++bit) {
+            crc = (crc >> 1) ^ (0xedb88320u & (0u - (crc & 1u)));
+        }
+    }
+    return ~crc;
+}
+
+/* 1 when ok; otherwise says which step failed. */
+static int golden_ok(const char *step, int status)
+{
+    if (status == SMR_OK) {
+        return 1;
+    }
+    golden_write("smr-hash error: ");
+    golden_write(step);
+    golden_write(" ");
+    golden_write(smr_status_name((smr_status)status));
+    golden_write("\n");
+    return 0;
+}
+
+/* Source and target meshes into golden_xyz and golden_triangles. */
+static int golden_meshes(smr_mesh *mesh)
+{
+    for (int i = 0; i < 2; ++i) {
+        fixture_grid grid = i == 0 ? fixture_grid_source(GOLDEN_CELL) : fixture_grid_target(GOLDEN_CELL);
+        fixture_mesh m = {golden_xyz[i], golden_triangles[i], 1024, 2048, 0, 0};
+        const size_t words = sizeof golden_words / sizeof golden_words[0];
+        int made = i == 0 ? fixture_bone_source(&grid, &m, golden_words, words)
+                          : fixture_bone_target(&grid, 1.0f, &m, golden_words, words);
+        if (!made) {
+            return golden_ok("fixture", SMR_E_ARENA);
+        }
+        mesh[i].xyz = m.xyz;
+        mesh[i].triangles = m.triangles;
+        mesh[i].n_vertices = m.n_vertices;
+        mesh[i].n_triangles = m.n_triangles;
+    }
+    return 1;
+}
+
+static int golden_prepare(const smr_mesh *mesh, const smr_model **model, size_t *bytes)
+{
+    smr_structure structure = {"bone", {NULL, NULL, 0, 0}};
+    smr_prepare_config config = smr_prepare_config_default();
+    size_t need = 0;
+    structure.mesh = *mesh;
+    config.n_radii = 3;
+    config.radius_mm[0] = 110.0f;
+    config.radius_mm[1] = 60.0f;
+    config.radius_mm[2] = 35.0f;
+    return golden_ok("prepare bytes", smr_prepare_bytes(&structure, 1, &config, &need)) &&
+           golden_ok("scratch size", need <= sizeof golden_scratch ? SMR_OK : SMR_E_ARENA) &&
+           golden_ok("prepare", smr_prepare(&structure, 1, &config, golden_scratch, sizeof golden_scratch,
+                                            golden_image, sizeof golden_image, bytes)) &&
+           golden_ok("open", smr_model_open(golden_image, *bytes, model));
+}
+
+/* One registration; *hash: of its state after GOLDEN_TICKS iterations. */
+static int golden_run(const smr_model *model, const smr_surface *target, const smr_port *port, uint32_t method,
+                      const smr_pose *pose, uint64_t *hash)
+{
+    smr_config config = smr_config_default();
+    smr_tick_report report;
+    smr *s = NULL;
+    config.n_workers = GOLDEN_WORKERS;
+    config.n_target_vertices = 1024;
+    config.method = method;
+    config.normals = method == SMR_METHOD_POLAR ? SMR_NORMALS_EXACT : SMR_NORMALS_CARRIED;
+    config.iterations = 12;
+    config.iterations_last = 40;
+    if (!golden_ok("init", smr_init(&s, model, &config, port, golden_arena, sizeof golden_arena)) ||
+        (pose != NULL && !golden_ok("pose", smr_set_pose(s, pose))) ||
+        !golden_ok("surface", smr_set_surface(s, SMR_ALL, target))) {
+        return 0;
+    }
+    for (uint32_t tick = 0; tick < GOLDEN_TICKS; ++tick) {
+        if (!golden_ok("tick", smr_tick(s, 0, &report))) {
+            return 0;
+        }
+    }
+    *hash = smr_state_hash(s);
+    return 1;
+}
+
+static int golden_main(const smr_port *port)
+{
+    smr_mesh mesh[2];
+    const smr_model *model = NULL;
+    smr_surface *source = NULL, *target = NULL;
+    smr_align_config align = smr_align_config_default();
+    smr_pose pose;
+    size_t image_bytes = 0;
+    uint64_t rigid = 0, polar = 0;
+    float rms = 0.0f;
+    align.samples = 200;
+    align.iterations = 10;
+    if (!golden_meshes(mesh) || !golden_prepare(&mesh[0], &model, &image_bytes) ||
+        !golden_ok("target", smr_surface_build(golden_target, sizeof golden_target, &mesh[1], &target)) ||
+        !golden_ok("source", smr_surface_build(golden_source, sizeof golden_source, &mesh[0], &source)) ||
+        !golden_ok("align", smr_align(source, target, &align, &pose, &rms)) ||
+        !golden_run(model, target, port, SMR_METHOD_RIGID, NULL, &rigid) ||
+        !golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &polar)) {
+        return 1;
+    }
+    golden_write("smr-hash ");
+    golden_hex(rigid, 16);
+    golden_write(" ");
+    golden_hex(polar, 16);
+    golden_write(" ");
+    golden_hex(golden_crc(golden_image, image_bytes), 8);
+    golden_write("\n");
+    return 0;
+}
+
+#ifdef SMR_BAREMETAL
+
+int main(void);
+
+int main(void)
+{
+    smr_baremetal clock;
+    smr_port port = smr_baremetal_port(&clock);
+    return golden_main(&port);
+}
+
+#else
+
+/* Schedulers that a correct library cannot notice. All run on one thread but claim many workers. */
+
+static void golden_reverse(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
+{
+    (void)ctx;
+    for (uint32_t i = n_tasks; i > 0u; --i) {
+        run(arg, i - 1u, 0);
+    }
+}
+
+/* A full cycle over the tasks in scrambled order: linear congruence modulo a power of two. */
+static void golden_shuffle(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
+{
+    uint32_t *seed = (uint32_t *)ctx;
+    uint32_t size = 1, at;
+    while (size < n_tasks) {
+        size *= 2u;
+    }
+    *seed = *seed * 1664525u + 1013904223u;
+    at = *seed & (size - 1u);
+    for (uint32_t i = 0; i < size; ++i) {
+        at = (at * 5u + 2u * (*seed >> 16) + 1u) & (size - 1u);
+        if (at < n_tasks) {
+            run(arg, at, at * 7u % GOLDEN_WORKERS);
+        }
+    }
+}
+
+/* Strides of three, each task on another worker than its neighbour. */
+static void golden_interleave(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
+{
+    (void)ctx;
+    for (uint32_t first = 0; first < 3u; ++first) {
+        for (uint32_t task = first; task < n_tasks; task += 3u) {
+            run(arg, task, task % GOLDEN_WORKERS);
+        }
+    }
+}
+
+static int golden_threads(uint32_t n)
+{
+    static _Alignas(SMR_ALIGN) unsigned char memory[16384];
+    smr_pthread *pool = NULL;
+    smr_port port;
+    int result;
+    if (!golden_ok("pool", smr_pthread_create(&pool, memory, sizeof memory, n))) {
+        return 1;
+    }
+    port = smr_pthread_port(pool);
+    result = golden_main(&port);
+    smr_pthread_destroy(pool);
+    return result;
+}
+
+int main(int argc, char **argv)
+{
+    uint32_t seed = 12345u;
+    smr_port port = {NULL, GOLDEN_WORKERS, NULL, NULL};
+    const char *mode = argc > 1 ? argv[1] : "";
+    unsigned long n = argc > 2 ? strtoul(argv[2], NULL, 10) : 1u;
+    port.ctx = &seed;
+    if (strcmp(mode, "threads") == 0 && n >= 1u && n <= GOLDEN_WORKERS) {
+        return golden_threads((uint32_t)n);
+    }
+    if (strcmp(mode, "workers") == 0 && n >= 1u && n <= GOLDEN_WORKERS) {
+        port.n_workers = (uint32_t)n;
+    } else if (strcmp(mode, "reverse") == 0) {
+        port.parallel = golden_reverse;
+    } else if (strcmp(mode, "shuffle") == 0) {
+        port.parallel = golden_shuffle;
+    } else if (strcmp(mode, "interleave") == 0) {
+        port.parallel = golden_interleave;
+    } else if (argc > 1) {
+        (void)fputs("usage: golden [threads N | workers N | reverse | shuffle | interleave], N 1..8\n", stderr);
+        return 2;
+    } else {
+        port.n_workers = 1;
+    }
+    return golden_main(argc > 1 ? &port : NULL);
+}
+
+#endif

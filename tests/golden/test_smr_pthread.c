@@ -1,0 +1,122 @@
+/*
+ * test_smr_pthread: every task once, worker numbers never shared, edges of creation, many short loops.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include <stdatomic.h>
+#include <string.h>
+
+#include "smr_pthread.h"
+
+#define TEST_TASKS 300u
+
+static _Alignas(SMR_ALIGN) unsigned char test_memory[16384];
+
+typedef struct test_loop {
+    _Atomic uint32_t hits[TEST_TASKS];
+    _Atomic uint32_t busy[SMR_WORKERS_MAX];
+    _Atomic uint32_t wrong;
+    uint32_t n_workers;
+    uint32_t plain[TEST_TASKS]; /* written without atomics: visible to the caller after the loop */
+} test_loop;
+
+static void test_task(void *arg, uint32_t task, uint32_t worker)
+{
+    test_loop *loop = (test_loop *)arg;
+    if (worker >= loop->n_workers || atomic_fetch_add(&loop->busy[worker], 1u) != 0u) {
+        atomic_fetch_add(&loop->wrong, 1u);
+    }
+    loop->plain[task] = task + 1u;
+    atomic_fetch_add(&loop->hits[task], 1u);
+    atomic_fetch_sub(&loop->busy[worker], 1u);
+}
+
+static void run_loop(const smr_port *port, uint32_t n_tasks)
+{
+    test_loop loop;
+    memset(&loop, 0, sizeof loop);
+    loop.n_workers = port->n_workers;
+    port->parallel(port->ctx, test_task, &loop, n_tasks);
+    assert_int_equal(0, atomic_load(&loop.wrong));
+    for (uint32_t t = 0; t < TEST_TASKS; ++t) {
+        assert_int_equal(t < n_tasks ? 1 : 0, atomic_load(&loop.hits[t]));
+        assert_int_equal(t < n_tasks ? t + 1 : 0, loop.plain[t]);
+    }
+}
+
+static void test_each_task_once(void **state)
+{
+    static const uint32_t counts[] = {1, 2, 3, 4, 8, 64};
+    (void)state;
+    for (size_t c = 0; c < sizeof counts / sizeof counts[0]; ++c) {
+        smr_pthread *pool = NULL;
+        smr_port port;
+        assert_int_equal(SMR_OK, smr_pthread_create(&pool, test_memory, sizeof test_memory, counts[c]));
+        port = smr_pthread_port(pool);
+        assert_int_equal(counts[c], port.n_workers);
+        for (uint32_t n = 0; n <= TEST_TASKS; n += n < 10 ? 1 : 29) {
+            run_loop(&port, n);
+        }
+        for (uint32_t i = 0; i < 300; ++i) {
+            run_loop(&port, 1 + i % 9);
+        }
+        smr_pthread_destroy(pool);
+    }
+}
+
+static void test_clock_goes_forward(void **state)
+{
+    smr_pthread *pool = NULL;
+    smr_port port;
+    uint64_t last;
+    (void)state;
+    assert_int_equal(SMR_OK, smr_pthread_create(&pool, test_memory, sizeof test_memory, 2));
+    port = smr_pthread_port(pool);
+    last = port.now_ns(port.ctx);
+    for (int i = 0; i < 1000; ++i) {
+        uint64_t now = port.now_ns(port.ctx);
+        assert_true(now >= last);
+        last = now;
+    }
+    smr_pthread_destroy(pool);
+}
+
+static void test_edges(void **state)
+{
+    smr_pthread *pool = NULL;
+    size_t bytes = smr_pthread_bytes(3);
+    smr_port port = smr_pthread_port(NULL);
+    (void)state;
+    assert_int_equal(1, port.n_workers);
+    assert_null(port.parallel);
+    assert_null(port.now_ns);
+    assert_int_equal(0, smr_pthread_bytes(0));
+    assert_int_equal(0, smr_pthread_bytes(SMR_WORKERS_MAX + 1));
+    assert_true(bytes > 0 && bytes % SMR_ALIGN == 0);
+    assert_int_equal(SMR_E_NULL, smr_pthread_create(NULL, test_memory, bytes, 3));
+    assert_int_equal(SMR_E_NULL, smr_pthread_create(&pool, NULL, bytes, 3));
+    assert_int_equal(SMR_E_CONFIG, smr_pthread_create(&pool, test_memory, bytes, 0));
+    assert_int_equal(SMR_E_CONFIG, smr_pthread_create(&pool, test_memory, bytes, SMR_WORKERS_MAX + 1));
+    assert_int_equal(SMR_E_ALIGN, smr_pthread_create(&pool, test_memory + 8, bytes, 3));
+    assert_int_equal(SMR_E_ARENA, smr_pthread_create(&pool, test_memory, bytes - 1, 3));
+    assert_null(pool);
+    assert_int_equal(SMR_OK, smr_pthread_create(&pool, test_memory, bytes, 3));
+    smr_pthread_destroy(pool);
+    smr_pthread_destroy(NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_each_task_once),
+        cmocka_unit_test(test_clock_goes_forward),
+        cmocka_unit_test(test_edges),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,207 @@
+#!/bin/sh
+# Hostile files and options: each gets exit status 2 and one line that names the file, the place and what was
+# expected, within 2 s and 200 MB, and nothing is written. SMR_TEST_KB: more memory for sanitized builds.
+# SPDX-License-Identifier: MIT
+cd "$(dirname "$0")/../.." || exit 1
+. tests/host/host_common.inc
+
+build_tool || { not_ok "the helper compiles"; finish; exit 1; }
+tool=$scratch/tool
+cd "$scratch" || exit 1
+blob 6 30 20 60 0 >good.ply
+"$tool" convert good.ply ply good_binary.ply
+mkdir kept
+echo mark >kept/mark
+listing() { ls -lA --full-time kept 2>/dev/null || ls -lA kept; }
+listing >kept.before
+
+# refused NAME FILE PLACE ARGUMENTS...: runs smr and looks at its status, its one line and the directories.
+refused() {
+    refused_name=$1 refused_file=$2 refused_place=$3
+    shift 3
+    "$tool" run 2000 "${SMR_TEST_KB:-204800}" "$SMR" "$@" >out.txt 2>err.txt
+    refused_status=$?
+    refused_why=
+    [ $refused_status -eq 2 ] || refused_why="status $refused_status"
+    [ "$(wc -l <err.txt)" -eq 1 ] || refused_why="$refused_why, $(wc -l <err.txt) lines"
+    grep -qF "smr: $refused_file: " err.txt || refused_why="$refused_why, no file"
+    grep -qE "^smr: .*: .*$refused_place.*: expected ." err.txt || refused_why="$refused_why, no place like $refused_place"
+    [ -s out.txt ] && refused_why="$refused_why, standard output not empty"
+    [ -e fresh ] && refused_why="$refused_why, the directory was made"
+    listing | cmp -s - kept.before || refused_why="$refused_why, the directory was touched"
+    if [ -z "$refused_why" ]; then ok "$refused_name"; else
+        not_ok "$refused_name ($refused_why)"
+        sed 's/^/#   /' err.txt | head -3
+    fi
+}
+
+# hostile NAME FILE PLACE: as a model into a new directory, as a target into one with content.
+hostile() {
+    refused "$1, as model" "$2" "$3" register --model "$2" --target good.ply -o fresh
+    refused "$1, as target" "$2" "$3" register --model good.ply --target "$2" -o kept
+}
+
+hostile "missing file" none.ply file
+mkdir dir.ply
+hostile "directory" dir.ply file
+: >empty.ply
+hostile "empty file" empty.ply file
+head -c 60 good_binary.ply >cut_header.ply
+hostile "truncated header" cut_header.ply "header line"
+size=$(wc -c <good_binary.ply)
+head -c $((size - 1)) good_binary.ply >cut1.ply
+hostile "one byte short" cut1.ply "header line|face"
+head -c $((size / 2)) good_binary.ply >cut2.ply
+hostile "half the file" cut2.ply "header line|vertex|face"
+head -20 good.ply >cut3.ply
+hostile "ASCII, cut in the vertices" cut3.ply "header line|vertex"
+ply() { printf 'ply\nformat %s 1.0\nelement vertex %s\nproperty float x\nproperty float y\nproperty float z\nelement face %s\nproperty list %s int vertex_indices\nend_header\n' "$1" "$2" "$3" "$4"; }
+body='0 0 0\n1 0 0\n0 1 0\n'
+{ ply ascii 4000000000 1 uchar; printf "$body"; } >claim.ply
+hostile "4,000,000,000 vertices claimed" claim.ply "header line 3"
+{ ply binary_little_endian 4000000000 1 uchar; printf "$body"; } >claim_binary.ply
+hostile "the same in binary" claim_binary.ply "header line 3"
+{ ply binary_little_endian 3999999 7999999 uchar; printf "$body"; } >claim_legal.ply
+hostile "legal counts that the file cannot hold" claim_legal.ply "header line 3"
+{ ply ascii 3 4000000000 uchar; printf "$body"; } >claim_faces.ply
+hostile "4,000,000,000 faces claimed" claim_faces.ply "header line 7"
+{ ply ascii -3 1 uchar; printf "$body"; } >negative.ply
+hostile "negative vertex count" negative.ply "header line 3"
+{ ply ascii 3 1 uchar; printf "${body}3 0 1 3\n"; } >range.ply
+hostile "face index out of range" range.ply "face 0"
+{ ply ascii 3 2 uchar; printf "${body}3 0 1 2\n3 0 1 -1\n"; } >minus.ply
+hostile "face index below 0" minus.ply "face 1"
+{ ply ascii 3 1 char; printf "${body}-3 0 1 2\n"; } >list.ply
+hostile "negative list count" list.ply "face 0"
+{ ply binary_little_endian 3 1 char; printf '\000\000\000\000\000\000\000\000\000\000\000\000\000\000\200\077\000\000\000\000\000\000\000\000\000\000\000\000\000\000\200\077\000\000\000\000\375\000\000\000\000\001\000\000\000\002\000\000\000'; } >list_binary.ply
+hostile "negative list count, binary" list_binary.ply "face 0"
+{ ply ascii 3 1 uint; printf "${body}4000000000 0 1 2\n"; } >list_claim.ply
+hostile "list count of 4,000,000,000" list_claim.ply "face 0"
+{ ply ascii 3 1 uchar; printf "${body}2 0 1\n"; } >two.ply
+hostile "face of two vertices" two.ply "face 0"
+for value in nan NaN inf -inf 1e30 -100001 abc; do
+    { ply ascii 3 1 uchar; printf "0 0 0\n1 0 0\n0 $value 0\n3 0 1 2\n"; } >"bad$value.ply"
+    hostile "coordinate $value" "bad$value.ply" "vertex 2"
+done
+{ ply binary_little_endian 3 1 uchar; printf '\000\000\300\177\000\000\000\000\000\000\000\000\000\000\200\077\000\000\000\000\000\000\000\000\000\000\000\000\000\000\200\077\000\000\000\000\003\000\000\000\000\001\000\000\000\002\000\000\000'; } >nan_binary.ply
+hostile "coordinate NaN, binary" nan_binary.ply "vertex 0"
+{ ply ascii 0 0 uchar; } >no_vertex.ply
+hostile "no vertices" no_vertex.ply "header"
+{ ply ascii 3 0 uchar; printf "$body"; } >no_face.ply
+hostile "no triangles" no_face.ply "faces"
+sed '/element face/d; /property list/d' no_face.ply >points.ply
+hostile "no face element" points.ply "faces"
+printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n' >no_z.ply
+hostile "no z" no_z.ply "header line 3"
+printf 'ply\nformat ebcdic 1.0\nelement vertex 1\n' >format.ply
+hostile "unknown PLY format" format.ply "header line 2"
+printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty quad x\nend_header\n' >type.ply
+hostile "unknown PLY type" type.ply "header line 4"
+printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty list float int x\nend_header\n' >list_float.ply
+hostile "list counted by floats" list_float.ply "header line 4"
+printf 'hello world\n' >hello.txt
+hostile "unknown format" hello.txt content
+printf 'hello world\n' >hello.ply
+hostile "no PLY in a .ply" hello.ply "header line 1"
+printf 'hello world\n' >hello.vtk
+hostile "no VTK in a .vtk" hello.vtk "line 1"
+printf 'hello world\n' >hello.stl
+hostile "no STL in a .stl" hello.stl header
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n' >range.obj
+hostile "OBJ index out of range" range.obj "line 4"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n' >zero.obj
+hostile "OBJ index 0" zero.obj "line 4"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf -4 2 1\n' >minus.obj
+hostile "OBJ index before the first" minus.obj "line 4"
+printf 'v 0 0 0\nv 1 0\n' >short.obj
+hostile "OBJ vertex of two numbers" short.obj "line 2"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n' >two.obj
+hostile "OBJ face of two" two.obj "line 4"
+printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n' >cut.stl
+hostile "STL ASCII, truncated" cut.stl line
+printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e30 0\nendloop\nendfacet\nendsolid\n' >far.stl
+hostile "STL coordinate 1e30" far.stl "line 6"
+printf 'solid a\nendsolid a\n' >none.stl
+hostile "STL without triangles" none.stl "vert"
+{ printf '%80s' x; printf '\377\377\377\377'; printf "$body"; } >claim.stl
+hostile "STL binary, 4,294,967,295 faces claimed" claim.stl header
+vtk='# vtk DataFile Version 3.0\nt\nASCII\nDATASET'
+printf "$vtk UNSTRUCTURED_GRID\n" >grid.vtk
+hostile "VTK, not polydata" grid.vtk "line 4"
+printf "$vtk POLYDATA\nPOINTS 4000000000 float\n0 0 0\n" >claim.vtk
+hostile "VTK, 4,000,000,000 points claimed" claim.vtk "line 5"
+printf "$vtk POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 3\n" >range.vtk
+hostile "VTK index out of range" range.vtk "face 0"
+printf "$vtk POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n-3 0 1 2\n" >minus.vtk
+hostile "VTK negative count" minus.vtk "face 0"
+printf "$vtk POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 nan 0\nPOLYGONS 1 4\n3 0 1 2\n" >nan.vtk
+hostile "VTK coordinate NaN" nan.vtk "vertex 2"
+printf "$vtk POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 2 3\nOFFSETS vtktypeint64\n0 9\nCONNECTIVITY vtktypeint64\n0 1 2\n" >offset.vtk
+hostile "VTK offset beyond the array" offset.vtk "face 1"
+printf '\037\213junk' >junk.ply.gz
+mkfifo pipe.ply && hostile "named pipe without a writer" pipe.ply file
+hostile "device" /dev/zero file
+if command -v gzip >/dev/null 2>&1; then
+    hostile "damaged .gz" junk.ply.gz file
+    gzip -c good.ply | head -c 300 >cut.ply.gz
+    hostile "truncated .gz" cut.ply.gz file
+    head -c 300000000 /dev/zero | gzip -1 >bomb.ply.gz
+    hostile ".gz of 300 MB of zeros" bomb.ply.gz "header line 1|content|file"
+    { printf 'ply\nformat ascii 1.0\ncomment '; head -c 300000000 /dev/zero; } | gzip -1 >bomb2.ply.gz
+    hostile ".gz of 300 MB that starts like a PLY" bomb2.ply.gz "file"
+else
+    skip "packed hostile files" "no gzip"
+fi
+printf 'SMR1xxxxxxxxxxxxxxxxxxxxxxxxxx' >junk.smr
+refused "damaged model image" junk.smr image register --model junk.smr --target good.ply -o fresh
+refused "damaged model image, info" junk.smr image info junk.smr
+refused "not a model image" hello.smr "file" info hello.smr
+
+# Options: --name value, as register's.
+for pair in "--radius 0" "--radius -5" "--radius nan" "--radius inf" "--radius x" "--radius 10,20" "--radius 10,," \
+    "--radius 1e-60" "--radius 1e9" "--search 0" "--search -1" "--search NaN" "--search 10mm" "--threads 0" "--threads -1" \
+    "--threads 65" "--threads 1.5" "--ticks 0" "--ticks -1" "--ticks 1e3" "--budget-ms -1" "--budget-ms nan" \
+    "--stiffness 0" "--stiffness 1.01" "--stiffness nan" "--attraction -0.1" "--attraction 2" "--align maybe" \
+    "--method polar2" "--mirror-target w" "--clusters none" "--relaxation 0" "--node-budget 7" "--iterations 0"; do
+    set -- $pair
+    refused "option $pair" "$1" "" register --model good.ply --target good.ply -o fresh "$1" "$2"
+done
+refused "unknown option" --frobnicate option register --model good.ply --target good.ply -o fresh --frobnicate
+refused "option of another command" --c-array option register --model good.ply --target good.ply -o fresh --c-array a
+refused "option without its value" --radius value register --model good.ply --target good.ply -o fresh --radius
+refused "no model" usage --model register --target good.ply -o fresh
+refused "no target" usage --target register --model good.ply -o fresh
+refused "no output" usage -o register --model good.ply --target good.ply
+refused "unknown command" dance command dance
+refused "no command" usage command
+refused "measure of one" usage measure measure good.ply
+refused "two structures of one name" ./good.ply name register --model good.ply ./good.ply --target good.ply -o fresh
+cp good.ply other_a.ply; cp good.ply other_b.ply
+refused "several targets, none named like a structure" --target names register --model good.ply --target other_a.ply other_b.ply -o fresh
+
+# Output that cannot be written.
+echo file >plain
+refused "output is a file" plain output register --model good.ply --target good.ply -o plain
+refused "output below a file" plain/sub output register --model good.ply --target good.ply -o plain/sub
+refused "output in /proc" /proc/smr output register --model good.ply --target good.ply -o /proc/smr
+mkdir taken && mkdir taken/report.json
+refused "a result's name is a directory" taken report.json register --model good.ply --target good.ply -o taken
+check "nothing is left behind then" [ "$(ls -A taken)" = report.json ]
+if [ -c /dev/full ]; then
+    refused "full disk" /dev/full output build --model good.ply -o /dev/full
+    check "the device is still there" [ -c /dev/full ]
+    mkdir full && ln -s /dev/full full/report.json
+    refused "full disk at the last file" full output register --model good.ply --target good.ply -o full
+    check "nothing is left behind then either" [ "$(ls -A full)" = report.json ]
+    "$SMR" --help >/dev/full 2>err.txt
+    check "full standard output" [ $? -eq 2 ]
+else
+    skip "full disk" "no /dev/full"
+fi
+(ulimit -f 8 && "$SMR" build --model good.ply -o limited.smr) >out.txt 2>err.txt
+check "file size limit: exit status 2" [ $? -eq 2 ]
+check "and no file" [ ! -e limited.smr ]
+
+# The checks can fail: a good run is not "refused".
+check "a good run is told from a refused one" sh -c "'$SMR' register --model good.ply --target good.ply -o fine --quiet; [ \$? -le 1 ]"
+finish
