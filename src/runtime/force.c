@@ -73,8 +73,8 @@ void smr_force_search(void *arg, uint32_t task, uint32_t worker)
                 tally->n_rejected++;
             }
         }
-        smr_vec force = smr_scale(goal, s->config.stiffness);
-        if (s->config.momentum > 0.0f)
+        smr_vec force = smr_scale(goal, s->repairing > 0u ? 0.0f : s->config.stiffness);
+        if (s->config.momentum > 0.0f && s->repairing == 0u)
             force = smr_add(force, smr_scale(smr_sub(smr_load(smr_at3(s->x, v)), smr_load(smr_at3(s->x_next, v))),
                                              s->config.momentum));
         smr_store(smr_at3(s->force, v), force);

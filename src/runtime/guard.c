@@ -1,9 +1,11 @@
 /* guard.c: keeps the surface from folding over itself at the finest radii. Shape matching makes folds rare; forces that
  * cross can still turn a triangle over, and a plastic reference would then keep it so. Coarse radii move the model almost
- * rigidly, and what bends there straightens again; at the last two
- * - triangles that already turn back on each other have their corners drawn half way to their mesh neighbours' mean;
- * - where an iteration would turn others back, the steps x_next - x of their corners become the mean of their
- *   neighbours' steps, in a patch that grows while that does not suffice: a patch that moves as a whole does not fold;
+ * rigidly, and most of what bends there straightens again. Before the last two radii
+ * - iterations without forces repair what folds by then: in a patch around it, that grows while this does not suffice,
+ *   the displacement from the start shape is made as smooth as the patch's surroundings.
+ * From then on, where an iteration would turn triangles back on each other,
+ * - the steps x_next - x of their corners become the mean of their neighbours' steps, again in a growing patch: a patch
+ *   that moves as a whole does not fold;
  * - what would fold even so has its steps halved, and at last stays where it was, which did not fold.
  * Bounds: one pass over the hinges; where any folds, SMR_ROUNDS passes over them and over its structure's triangles.
  * SPDX-License-Identifier: MIT */
@@ -14,8 +16,10 @@
 #define SMR_HALVINGS 3u   /* rounds that halve them; later ones take them back */
 #define SMR_ROUNDS 40u
 #define SMR_SWEEPS 3u
+#define SMR_REPAIR_SWEEPS 10u
+#define SMR_REPAIR_WIDEN 3u /* iterations until the patch grows by a ring */
 
-uint32_t smr_guard_tasks(smr *s) { return s->config.fold_guard && s->radius + 2u > smr_last_radius(s) ? s->n_hinge_tasks : 0u; }
+uint32_t smr_guard_tasks(smr *s) { return smr_guarded(s) ? s->n_hinge_tasks : 0u; }
 
 static const smr_image_hinge *hinge_at(const smr *s, uint32_t i)
 {
@@ -76,7 +80,7 @@ static void hold(smr *s, uint32_t triangle, float keep)
     }
 }
 
-/* Marks the corners of hinges that fold at x_next: those that did at x as well (old 1), or those that did not (0).
+/* Marks the corners of hinges that fold at x_next: all of them (old 1), or those that did not at x (old 0).
  * Returns how many. The first round looks where the search counted some, the others where something changed since. */
 static uint32_t mark_folds(smr *s, int old, uint32_t round)
 {
@@ -86,7 +90,7 @@ static uint32_t mark_folds(smr *s, int old, uint32_t round)
         const uint32_t first = smr_le32(h->first), second = second_of(h);
         const int look = s->tally[i / SMR_HINGE_CHUNK].n_rejected > 0u ||
                          (round > 0u && (any_marked(s, first) || any_marked(s, second)));
-        if (!look || !folds_at(s, s->x_next, h) || folds_at(s, s->x, h) != old)
+        if (!look || !folds_at(s, s->x_next, h) || (!old && folds_at(s, s->x, h)))
             continue;
         mark(s, first);
         mark(s, second);
@@ -113,9 +117,8 @@ static void widen(smr *s, const smr_part *part)
         s->guard[t[k]] = s->guard[t[k]] != 0u;
 }
 
-/* Sums over the mesh neighbours of marked vertices: their positions at x_next, less those at x when `steps`. A neighbour
- * counts once for each triangle it shares. */
-static void sum_rings(smr *s, const smr_part *part, int steps)
+/* Sums of the displacements x_next - base of marked vertices' mesh neighbours. */
+static void sum_rings(smr *s, const smr_part *part, float *base)
 {
     const uint32_t *t = part->facets.triangle;
     const uint32_t n = part->facets.n_triangles;
@@ -128,32 +131,59 @@ static void sum_rings(smr *s, const smr_part *part, int steps)
     for (uint32_t k = 0; k < n; k++, t += 3) {
         if (!(s->guard[t[0]] | s->guard[t[1]] | s->guard[t[2]]))
             continue;
-        smr_vec at[3];
-        for (uint32_t c = 0; c < 3u; c++) {
-            at[c] = smr_load(smr_at3(s->x_next, t[c]));
-            if (steps)
-                at[c] = smr_sub(at[c], smr_load(smr_at3(s->x, t[c])));
-        }
+        smr_vec d[3];
+        for (uint32_t c = 0; c < 3u; c++)
+            d[c] = smr_sub(smr_load(smr_at3(s->x_next, t[c])), smr_load(smr_at3(base, t[c])));
         for (uint32_t c = 0; c < 3u; c++) {
             float *sum = smr_at3(s->ring_sum, t[c]);
-            smr_store(sum, smr_add(smr_load(sum), smr_add(at[(c + 1u) % 3u], at[(c + 2u) % 3u])));
+            smr_store(sum, smr_add(smr_load(sum), smr_add(d[(c + 1u) % 3u], d[(c + 2u) % 3u])));
             s->ring_count[t[c]] += 2u;
         }
     }
 }
 
-/* Marked vertices step like their neighbours (steps), or move half way towards them. */
-static void smooth(smr *s, const smr_part *part, int steps)
+/* Displacements x_next - base of marked vertices become the mean of their mesh neighbours' displacements, over and over:
+ * a few sweeps towards the smoothest displacement that joins the patch's surroundings. A neighbour counts once for each
+ * triangle it shares. */
+static void smooth(smr *s, const smr_part *part, float *base, uint32_t sweeps)
 {
-    sum_rings(s, part, steps);
-    for (uint32_t i = 0; i < part->n_vertices; i++) {
-        const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
-        if (!s->guard[v])
+    for (uint32_t sweep = 0; sweep < sweeps; sweep++) {
+        sum_rings(s, part, base);
+        for (uint32_t i = 0; i < part->n_vertices; i++) {
+            const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
+            if (!s->guard[v])
+                continue;
+            const smr_vec mean = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / (float)s->ring_count[v]);
+            smr_store(smr_at3(s->x_next, v), smr_add(smr_load(smr_at3(base, v)), mean));
+        }
+    }
+}
+
+/* Gives their start shape back to patches around folds. */
+static void repair(smr *s)
+{
+    s->n_folding = mark_folds(s, 1, 0);
+    const uint32_t rings = 1u + s->repairing / SMR_REPAIR_WIDEN;
+    for (uint32_t i = 0; i < s->n_parts && s->n_folding > 0u; i++) {
+        if (!s->part[i].folding)
             continue;
-        const smr_vec mean = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / (float)s->ring_count[v]);
-        const smr_vec next = smr_load(smr_at3(s->x_next, v));
-        smr_store(smr_at3(s->x_next, v), steps ? smr_add(smr_load(smr_at3(s->x, v)), mean)
-                                               : smr_add(next, smr_scale(smr_sub(mean, next), 0.5f)));
+        for (uint32_t ring = 0; ring < rings; ring++)
+            widen(s, &s->part[i]);
+        smooth(s, &s->part[i], s->start, SMR_REPAIR_SWEEPS * rings);
+    }
+}
+
+/* Keeps what does not fold from folding. */
+static void prevent(smr *s)
+{
+    for (uint32_t round = 0; round < SMR_ROUNDS && mark_folds(s, 0, round) > 0u; round++) {
+        for (uint32_t i = 0; i < s->n_parts && round < SMR_SMOOTHINGS; i++) {
+            if (!s->part[i].folding)
+                continue;
+            if (round > 0u)
+                widen(s, &s->part[i]);
+            smooth(s, &s->part[i], s->x, SMR_SWEEPS);
+        }
     }
 }
 
@@ -161,6 +191,7 @@ void smr_guard_end(smr *s)
 {
     uint32_t n_bent = 0;
     s->n_guarded = 0;
+    s->n_folding = 0;
     for (uint32_t task = 0; task < s->n_hinge_tasks; task++)
         n_bent += s->tally[task].n_rejected;
     if (n_bent == 0u)
@@ -168,20 +199,10 @@ void smr_guard_end(smr *s)
     for (uint32_t i = 0; i < s->n_parts; i++)
         s->part[i].folding = 0;
     memset(s->guard, 0, s->n);
-    if (mark_folds(s, 1, 0) > 0u)
-        for (uint32_t i = 0; i < s->n_parts; i++)
-            if (s->part[i].folding)
-                smooth(s, &s->part[i], 0);
-    for (uint32_t round = 1; round < SMR_ROUNDS && mark_folds(s, 0, round) > 0u; round++) {
-        for (uint32_t i = 0; i < s->n_parts && round < SMR_SMOOTHINGS; i++) {
-            if (!s->part[i].folding)
-                continue;
-            if (round > 1u)
-                widen(s, &s->part[i]);
-            for (uint32_t sweep = 0; sweep < SMR_SWEEPS; sweep++)
-                smooth(s, &s->part[i], 1);
-        }
-    }
+    if (s->repairing > 0u)
+        repair(s);
+    else
+        prevent(s);
     for (uint32_t v = 0; v < s->n; v++)
         s->n_guarded += s->guard[v];
     for (uint32_t task = 0; task < smr_facet_tasks(s); task++)

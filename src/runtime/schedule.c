@@ -2,7 +2,11 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/state.h"
 
+#define SMR_REPAIR_MAX 60u
+
 uint32_t smr_last_radius(const smr *s) { return smr_min_u32(s->config.radius_last, s->n_radii - 1u); }
+
+int smr_guarded(const smr *s) { return s->config.fold_guard && s->radius + 2u > smr_last_radius(s); }
 
 static void use_radius(smr *s, uint32_t radius)
 {
@@ -10,6 +14,8 @@ static void use_radius(smr *s, uint32_t radius)
     s->radius_iteration = 0;
     s->lists = smr_model_lists(s->model, radius);
     s->reference_stale = 1;
+    if (smr_guarded(s) && s->n_hinges > 0u && (radius == s->config.radius_first || radius + 1u == smr_last_radius(s)))
+        s->repairing = 1;
 }
 
 void smr_schedule_start(smr *s)
@@ -17,7 +23,7 @@ void smr_schedule_start(smr *s)
     s->iteration = 0;
     s->since_plastic = 0;
     s->plastic_updates = 0;
-    s->converged = s->done = 0;
+    s->converged = s->done = s->repairing = 0;
     s->step = 0;
     s->next_task = 0;
     s->force_limit = 0.0f;
@@ -42,6 +48,12 @@ void smr_schedule_next(smr *s)
     const int settled = small && (fresh || s->config.plastic_um == 0.0f);
     const int spent = s->radius_iteration >= (last ? s->config.iterations_last : s->config.iterations);
     const int due = s->config.plastic_every != 0u && s->since_plastic >= s->config.plastic_every;
+    if (s->repairing > 0u) { /* these iterations do not count */
+        s->repairing = s->n_folding > 0u && s->repairing < SMR_REPAIR_MAX ? s->repairing + 1u : 0u;
+        s->radius_iteration = 0;
+        plastic_update(s);
+        return;
+    }
     if (last && (settled || spent)) {
         s->converged = (uint32_t)settled;
         s->done = 1;

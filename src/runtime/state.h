@@ -52,6 +52,7 @@ struct smr {
     /* schedule */
     uint32_t radius, radius_iteration, iteration, since_plastic, plastic_updates;
     uint32_t converged, done, reference_stale;
+    uint32_t repairing;                    /* iterations spent on repairing folds before a radius starts; 0: none */
     uint32_t n_goals, n_target_tasks;
     uint32_t step, next_task;              /* where the tick stands: step of the iteration, tasks already done */
     smr_lists lists;                       /* of the radius in use */
@@ -81,6 +82,7 @@ struct smr {
     uint8_t *guard;                        /* [n] 1: the vertex' step is smoothed, in this iteration */
     float *ring_sum;                       /* [n][3] sum over its mesh neighbours */
     uint32_t *ring_count;                  /* [n] their number */
+    uint32_t n_folding;                    /* hinges found folding while repairing */
     uint32_t n_guarded;                    /* vertices so marked */
     /* written by sums and average */
     uint32_t *record;                      /* [n][SMR_WORDS] fixed-point quantities of each vertex */
@@ -165,6 +167,7 @@ void smr_settle_end(smr *s);
 void smr_schedule_start(smr *s);             /* schedule.c */
 void smr_schedule_next(smr *s);
 uint32_t smr_last_radius(const smr *s);
+int smr_guarded(const smr *s);               /* 1: at this radius folds are guarded against */
 float smr_schedule_progress(const smr *s);
 
 #endif
