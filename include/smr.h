@@ -220,6 +220,8 @@ typedef struct smr_config {
     float stiffness;             /* alpha_e, (0,1], default 0.8 */
     float attraction;            /* 0..1, default 0.5: share of the target-to-model pull in the goal */
     float search_mm;             /* (0, SMR_COORD_MAX], default 60: no closest point beyond this distance */
+    float search_radii;          /* (0,1e6], default 1.5: nor beyond so many cluster radii, so that the search
+                                    narrows as the radius does */
     float normal_deg;            /* (0,180], default 75: source and target normals differ at most so much */
     float reject_deviations;     /* 0 (default): off; else drop forces longer than mean + this many standard
                                     deviations of the last iteration */
@@ -233,7 +235,8 @@ typedef struct smr_config {
     float relaxation;            /* (0,1], default 1: x += relaxation * (averaged goal - x) */
     float momentum;              /* [0,1), default 0.5: this share of the last displacement is added to the forces */
     float plastic_um;            /* >= 0, default 50: x^r = x when the largest displacement falls below */
-    uint32_t plastic_every;      /* 0..1000, default 3: x^r = x also after so many iterations; 0 never */
+    float settle_um;             /* >= 0, default 20: a radius is done when the largest displacement falls below */
+    uint32_t plastic_every;      /* 0..1000, default 1: x^r = x also after so many iterations; 0 never */
     uint32_t fold_guard;         /* 1 (default): steps that would turn triangles back on each other are smoothed */
     uint32_t normals;            /* SMR_NORMALS_...; default carried by the cluster rotations, recomputed
                                     from the triangles whenever x^r is */
@@ -241,8 +244,8 @@ typedef struct smr_config {
     /* schedule: from coarse to fine radius */
     uint32_t radius_first;       /* index of the first radius used, default 0 */
     uint32_t radius_last;        /* index of the last radius used; default SMR_ALL: the finest */
-    uint32_t iterations;         /* 1..100000, default 12: at most so many at each radius but the last */
-    uint32_t iterations_last;    /* 1..100000, default 40: at most so many at the last radius */
+    uint32_t iterations;         /* 1..100000, default 6: at most so many at each radius but the last */
+    uint32_t iterations_last;    /* 1..100000, default 60: at most so many at the last radius */
 } smr_config;
 
 smr_config smr_config_default(void);
@@ -292,7 +295,7 @@ typedef struct smr_tick_report {
     uint32_t n_guarded;           /* vertices whose step was smoothed because triangles would have folded */
     uint32_t plastic_updates;     /* since the start */
     uint32_t done;                /* 1: the schedule is done; further ticks change nothing */
-    uint32_t converged;           /* 1: done, and the last iteration moved no vertex by plastic_um */
+    uint32_t converged;           /* 1: done, and the last iteration moved no vertex by settle_um */
     float progress;               /* 0..1: share of the schedule's iterations done */
     float residual_mean_mm;       /* of |goal - x| over the n_forces vertices */
     float residual_rms_mm;

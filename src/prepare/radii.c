@@ -1,11 +1,13 @@
 /* radii.c: cluster radii for a model nobody chose any for: from a third of its size down to little more than an edge,
- * each about two thirds of the one before (coarse to fine, paper 3, geometric registration).
+ * each about two thirds of the one before (coarse to fine, paper 3, geometric registration), and a last one below an
+ * edge, at which most clusters are single vertices and only the fold guard holds the surface together.
  * SPDX-License-Identifier: MIT */
 #include "geometry/curve.h"
 #include "prepare/plan.h"
 
 #define SMR_COARSEST 0.33f      /* of the box's diagonal */
-#define SMR_FINEST_EDGES 1.7f   /* edges */
+#define SMR_FINE_EDGES 1.7f     /* edges */
+#define SMR_FREE_EDGES 0.95f
 #define SMR_RATIO 0.66f
 #define SMR_MEMBERS_MAX 1500u   /* mean |zeta| above this makes iterations slow and deforms no better */
 #define SMR_PROBES 64u
@@ -33,10 +35,14 @@ uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX])
     }
     for (uint32_t i = 0; i < 40u && mean_members(p, coarse) > SMR_MEMBERS_MAX; i++)
         coarse *= 0.9f;
-    const float fine = smr_max(p->edge_mm > 0.0f ? p->edge_mm * SMR_FINEST_EDGES : coarse * 0.1f, size * 1.0e-3f);
+    const float fine = smr_max(p->edge_mm > 0.0f ? p->edge_mm * SMR_FINE_EDGES : coarse * 0.1f, size * 1.0e-3f);
     uint32_t n = 0;
-    for (float r = coarse; n < SMR_RADII_MAX - 1u && r > fine * 1.2f; r *= SMR_RATIO)
+    for (float r = coarse; n < SMR_RADII_MAX - 2u && r > fine * 1.2f; r *= SMR_RATIO)
         radius[n++] = r;
     radius[n++] = smr_min(fine, coarse);
+    if (p->edge_mm > 0.0f) {
+        radius[n] = radius[n - 1u] * (SMR_FREE_EDGES / SMR_FINE_EDGES);
+        n++;
+    }
     return n;
 }

@@ -11,6 +11,7 @@ smr_config smr_config_default(void)
     c.stiffness = 0.8f;
     c.attraction = 0.5f;
     c.search_mm = 60.0f;
+    c.search_radii = 1.5f;
     c.normal_deg = 75.0f;
     c.node_budget = 512;
     c.method = SMR_METHOD_RIGID;
@@ -18,10 +19,11 @@ smr_config smr_config_default(void)
     c.fold_guard = 1;
     c.momentum = 0.5f;
     c.plastic_um = 50.0f;
-    c.plastic_every = 3;
+    c.settle_um = 20.0f;
+    c.plastic_every = 1;
     c.radius_last = SMR_ALL;
-    c.iterations = 12;
-    c.iterations_last = 40;
+    c.iterations = 6;
+    c.iterations_last = 60;
     return c;
 }
 
@@ -34,7 +36,7 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
         c->n_target_vertices > SMR_VERTICES_MAX)
         return SMR_E_CONFIG;
     if (!between(c->stiffness, FLT_MIN, 1.0f) || !between(c->attraction, 0.0f, 1.0f) ||
-        !between(c->search_mm, FLT_MIN, SMR_COORD_MAX) || !between(c->normal_deg, FLT_MIN, 180.0f) ||
+        !between(c->search_mm, FLT_MIN, SMR_COORD_MAX) || !between(c->search_radii, FLT_MIN, 1.0e6f) || !between(c->normal_deg, FLT_MIN, 180.0f) ||
         !between(c->reject_deviations, 0.0f, 1.0e6f) || c->reject_border > 1u || c->use_box > 1u ||
         c->node_budget < 8u || c->node_budget > 1000000u)
         return SMR_E_CONFIG;
@@ -43,7 +45,7 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
             c->box_min[i] > c->box_max[i])
             return SMR_E_CONFIG;
     if (c->method > SMR_METHOD_POLAR || !between(c->relaxation, FLT_MIN, 1.0f) || !between(c->momentum, 0.0f, 0.99f) || !between(c->plastic_um, 0.0f, 1.0e8f) ||
-        c->plastic_every > 1000u || c->fold_guard > 1u || c->normals > SMR_NORMALS_EXACT)
+        !between(c->settle_um, 0.0f, 1.0e8f) || c->plastic_every > 1000u || c->fold_guard > 1u || c->normals > SMR_NORMALS_EXACT)
         return SMR_E_CONFIG;
     if (c->radius_first >= n_radii || (c->radius_last != SMR_ALL && c->radius_last >= n_radii) ||
         c->radius_last < c->radius_first || c->iterations < 1u || c->iterations > 100000u || c->iterations_last < 1u ||

@@ -42,7 +42,7 @@ static void pull_one(const smr *s, const smr_surface *surface, uint32_t j, uint3
 {
     const smr_vec y = smr_sub(smr_load(surface->xyz + 3u * (size_t)j), s->origin);
     smr_query q = {y, smr_load(surface->normal + 3u * (size_t)j), s->min_cos, s->config.node_budget, SMR_ALL};
-    smr_hit hit = {s->config.search_mm * s->config.search_mm, SMR_ALL, {0, 0, 0}};
+    smr_hit hit = {s->search * s->search, SMR_ALL, {0, 0, 0}};
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f;
     const uint32_t found = closest_part(s, surface, &q, *warm, &hit);

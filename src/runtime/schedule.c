@@ -14,6 +14,7 @@ static void use_radius(smr *s, uint32_t radius)
     s->radius_iteration = 0;
     s->lists = smr_model_lists(s->model, radius);
     s->reference_stale = 1;
+    s->search = smr_min(s->config.search_mm, s->config.search_radii * s->lists.radius);
     if (smr_guarded(s) && s->n_hinges > 0u && (radius == s->config.radius_first || radius + 1u == smr_last_radius(s)))
         s->repairing = 1;
 }
@@ -38,16 +39,16 @@ static void plastic_update(smr *s)
     s->plastic_updates++;
 }
 
-/* After each iteration. A radius is done when an iteration right after x^r = x still moves less than the threshold, or
- * after its number of iterations; the last radius' end is the registration's end. */
+/* After each iteration. A radius is done when an iteration moves less than the threshold, or after its number of
+ * iterations; the last radius' end is the registration's end. */
 void smr_schedule_next(smr *s)
 {
     const int last = s->radius == smr_last_radius(s);
-    const int small = s->report.displacement_max_mm * 1000.0f < s->config.plastic_um;
-    const int fresh = s->since_plastic == 1u;
-    const int settled = small && (fresh || s->config.plastic_um == 0.0f);
+    const float moved_um = s->report.displacement_max_mm * 1000.0f;
+    const int settled = moved_um < s->config.settle_um;
     const int spent = s->radius_iteration >= (last ? s->config.iterations_last : s->config.iterations);
     const int due = s->config.plastic_every != 0u && s->since_plastic >= s->config.plastic_every;
+    const int small = moved_um < s->config.plastic_um;
     if (s->repairing > 0u) { /* these iterations do not count */
         s->repairing = s->n_folding > 0u && s->repairing < SMR_REPAIR_MAX ? s->repairing + 1u : 0u;
         s->radius_iteration = 0;

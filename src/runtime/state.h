@@ -56,6 +56,7 @@ struct smr {
     uint32_t n_goals, n_target_tasks;
     uint32_t step, next_task;              /* where the tick stands: step of the iteration, tasks already done */
     smr_lists lists;                       /* of the radius in use */
+    float search;                          /* mm: search distance at this radius */
     float force_limit;                     /* mm: longer forces are dropped; 0 none yet */
 
     /* targets */
