@@ -219,6 +219,8 @@ typedef struct smr_config {
     /* external forces, f = stiffness * (goal - x) (paper 2.1) */
     float stiffness;             /* alpha_e, (0,1], default 0.8 */
     float attraction;            /* 0..1, default 0.5: share of the target-to-model pull in the goal */
+    float slide;                 /* [0,1], default 1: share of a goal's way along the surface that counts at the last
+                                    radius: 0 keeps correspondence, 1 brings the surfaces closest */
     float search_mm;             /* (0, SMR_COORD_MAX], default 60: no closest point beyond this distance */
     float search_radii;          /* (0,1e6], default 1.5: nor beyond so many cluster radii, so that the search
                                     narrows as the radius does */
@@ -233,7 +235,7 @@ typedef struct smr_config {
     /* matching and evolution (paper 2.3) */
     uint32_t method;             /* SMR_METHOD_...; default rigid-body kinematics */
     float relaxation;            /* (0,1], default 1: x += relaxation * (averaged goal - x) */
-    float momentum;              /* [0,1), default 0.5: this share of the last displacement is added to the forces */
+    float momentum;              /* [0,0.99], default 0.8: this share of the last displacement is added to the forces */
     float plastic_um;            /* >= 0, default 50: x^r = x when the largest displacement falls below */
     float settle_um;             /* >= 0, default 20: a radius is done when the largest displacement falls below */
     uint32_t plastic_every;      /* 0..1000, default 1: x^r = x also after so many iterations; 0 never */
@@ -244,7 +246,7 @@ typedef struct smr_config {
     /* schedule: from coarse to fine radius */
     uint32_t radius_first;       /* index of the first radius used, default 0 */
     uint32_t radius_last;        /* index of the last radius used; default SMR_ALL: the finest */
-    uint32_t iterations;         /* 1..100000, default 6: at most so many at each radius but the last */
+    uint32_t iterations;         /* 1..100000, default 9: at most so many at each radius but the last */
     uint32_t iterations_last;    /* 1..100000, default 60: at most so many at the last radius */
 } smr_config;
 

@@ -62,6 +62,11 @@ void smr_force_search(void *arg, uint32_t task, uint32_t worker)
                 goal = smr_add(smr_scale(goal, 1.0f - share), smr_scale(pull, share));
             else if (has_pull)
                 goal = pull;
+            if (s->radius == smr_last_radius(s)) {
+                const smr_vec nn = smr_load(smr_at3(s->normal, v));
+                const smr_vec along = smr_scale(nn, smr_dot(nn, goal));
+                goal = smr_add(along, smr_scale(smr_sub(goal, along), s->config.slide));
+            }
             tally->n_active++;
             if (has_goal || has_pull) {
                 const float d2 = smr_dot(goal, goal), d = SMR_SQRT(d2);

@@ -1,0 +1,60 @@
+/* rig.h: what unit tests, property tests and benchmarks set up again and again: bone meshes, models, targets,
+ * registrations, odd schedulers and odd clocks. Nothing here is checked: what cannot be set up ends the program.
+ * SPDX-License-Identifier: MIT */
+#ifndef RIG_H
+#define RIG_H
+
+#include "smr.h"
+
+/* Memory on an SMR_ALIGN address; rig_free_all() gives all of it back. */
+void *rig_alloc(size_t bytes);
+void rig_free_all(void);
+
+/* A pair of bones: the source, and the target made from another grid and deformed. */
+void rig_bone(uint32_t cell_um, float strength, smr_mesh *source, smr_mesh *target);
+
+/* A closed ball of 2 + 6 * (rings - 1) .. vertices: rings circles of `around` vertices between two poles. */
+smr_mesh rig_ball(float radius, uint32_t rings, uint32_t around, const float centre[3]);
+
+/* A copy under x' = m x + t (m row-major). A mirroring m turns the triangles over. */
+smr_mesh rig_moved(const smr_mesh *mesh, const float m[9], const float t[3]);
+
+/* A reading model of one mesh or several. radius NULL: default radii. */
+const smr_model *rig_model(const smr_mesh *mesh, uint32_t n_structures, const smr_prepare_config *config);
+smr_prepare_config rig_radii(uint32_t n, float r0, float r1, float r2);
+
+smr_surface *rig_surface(const smr_mesh *mesh);
+
+/* A registration in memory of exactly the size that it needs. port may be NULL. */
+smr *rig_init(const smr_model *model, const smr_config *config, const smr_port *port);
+
+/* Ticks without a clock until done or n ticks; returns the last report. */
+smr_tick_report rig_run(smr *s, uint32_t n);
+
+/* Positions of all structures in the caller's order, one after the other: [n][3] in rig memory. */
+float *rig_positions(const smr *s, const smr_model *model);
+
+/* Largest distance between equally numbered points, and whether all are finite. */
+float rig_far(const float *a, const float *b, uint32_t n);
+int rig_finite(const float *xyz, uint32_t n);
+
+/* Schedulers that a correct library cannot notice. They run on one thread but use n_workers numbers. */
+enum { RIG_PLAIN, RIG_REVERSE, RIG_SHUFFLE, RIG_INTERLEAVE, RIG_SCHEDULERS };
+smr_port rig_port(uint32_t scheduler, uint32_t n_workers);
+
+/* Clocks. step_ns is added at each reading; the kind says how. */
+enum { RIG_CLOCK_CONSTANT, RIG_CLOCK_STEADY, RIG_CLOCK_JUMPING, RIG_CLOCK_BACKWARDS, RIG_CLOCK_COARSE, RIG_CLOCKS };
+typedef struct rig_clock {
+    uint32_t kind;
+    uint64_t time, step_ns, readings;
+} rig_clock;
+smr_port rig_clock_port(rig_clock *clock, uint32_t kind, uint64_t step_ns);
+
+/* Numbers that look random and are the same everywhere: 0..n-1, and lo..hi. */
+uint32_t rig_random(uint32_t *seed, uint32_t n);
+float rig_between(uint32_t *seed, float lo, float hi);
+
+/* A proper rotation matrix, row-major, of `degrees` about an axis. */
+void rig_rotation(float x, float y, float z, float degrees, float m[9]);
+
+#endif
