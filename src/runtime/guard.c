@@ -16,6 +16,7 @@
 #define SMR_HALVINGS 3u   /* rounds that halve them; later ones take them back */
 #define SMR_ROUNDS 40u
 #define SMR_SWEEPS 3u
+#define SMR_EDGE_FLOOR 1.0e-3f /* mm, added to edge lengths before they divide */
 #define SMR_REPAIR_SWEEPS 10u
 #define SMR_REPAIR_WIDEN 3u /* iterations until the patch grows by a ring */
 
@@ -117,7 +118,8 @@ static void widen(smr *s, const smr_part *part)
         s->guard[t[k]] = s->guard[t[k]] != 0u;
 }
 
-/* Sums of the displacements x_next - base of marked vertices' mesh neighbours. */
+/* Weighted sums of the displacements x_next - base of marked vertices' mesh neighbours. Near neighbours weigh more, so
+ * that the corners of a sliver, which the smallest difference turns over, move alike. */
 static void sum_rings(smr *s, const smr_part *part, float *base)
 {
     const uint32_t *t = part->facets.triangle;
@@ -126,25 +128,27 @@ static void sum_rings(smr *s, const smr_part *part, float *base)
         if (!s->guard[t[k]])
             continue;
         smr_store(smr_at3(s->ring_sum, t[k]), smr_v(0, 0, 0));
-        s->ring_count[t[k]] = 0;
+        s->ring_weight[t[k]] = 0.0f;
     }
     for (uint32_t k = 0; k < n; k++, t += 3) {
         if (!(s->guard[t[0]] | s->guard[t[1]] | s->guard[t[2]]))
             continue;
-        smr_vec d[3];
-        for (uint32_t c = 0; c < 3u; c++)
-            d[c] = smr_sub(smr_load(smr_at3(s->x_next, t[c])), smr_load(smr_at3(base, t[c])));
-        for (uint32_t c = 0; c < 3u; c++) {
-            float *sum = smr_at3(s->ring_sum, t[c]);
-            smr_store(sum, smr_add(smr_load(sum), smr_add(d[(c + 1u) % 3u], d[(c + 2u) % 3u])));
-            s->ring_count[t[c]] += 2u;
+        for (uint32_t c = 0; c < 3u; c++) { /* the edge from corner c to the next, both ways */
+            const uint32_t a = t[c], b = t[(c + 1u) % 3u];
+            const smr_vec at_a = smr_load(smr_at3(base, a)), at_b = smr_load(smr_at3(base, b));
+            const float w = 1.0f / (smr_length(smr_sub(at_a, at_b)) + SMR_EDGE_FLOOR);
+            const smr_vec d_a = smr_sub(smr_load(smr_at3(s->x_next, a)), at_a);
+            const smr_vec d_b = smr_sub(smr_load(smr_at3(s->x_next, b)), at_b);
+            smr_store(smr_at3(s->ring_sum, a), smr_add(smr_load(smr_at3(s->ring_sum, a)), smr_scale(d_b, w)));
+            smr_store(smr_at3(s->ring_sum, b), smr_add(smr_load(smr_at3(s->ring_sum, b)), smr_scale(d_a, w)));
+            s->ring_weight[a] += w;
+            s->ring_weight[b] += w;
         }
     }
 }
 
 /* Displacements x_next - base of marked vertices become the mean of their mesh neighbours' displacements, over and over:
- * a few sweeps towards the smoothest displacement that joins the patch's surroundings. A neighbour counts once for each
- * triangle it shares. */
+ * a few sweeps towards the smoothest displacement that joins the patch's surroundings. */
 static void smooth(smr *s, const smr_part *part, float *base, uint32_t sweeps)
 {
     for (uint32_t sweep = 0; sweep < sweeps; sweep++) {
@@ -153,7 +157,7 @@ static void smooth(smr *s, const smr_part *part, float *base, uint32_t sweeps)
             const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
             if (!s->guard[v])
                 continue;
-            const smr_vec mean = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / (float)s->ring_count[v]);
+            const smr_vec mean = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / s->ring_weight[v]);
             smr_store(smr_at3(s->x_next, v), smr_add(smr_load(smr_at3(base, v)), mean));
         }
     }

@@ -29,7 +29,7 @@ static smr *layout(smr_arena *a, smr *s)
     s->transform = smr_arena_take(a, n, 12u * sizeof(float));
     s->eigen = polar ? smr_arena_take(a, n, 9u * sizeof(float)) : NULL;
     s->ring_sum = smr_arena_take(a, n, three);
-    s->ring_count = smr_arena_take(a, n, sizeof(uint32_t));
+    s->ring_weight = smr_arena_take(a, n, sizeof(float));
     s->guard = smr_arena_take(a, n, 1);
     s->tally = smr_arena_take(a, smr_max_u32(s->n_tasks, s->n_hinge_tasks), sizeof *s->tally);
     s->facet_normal = smr_arena_take(a, s->n_triangles, three);

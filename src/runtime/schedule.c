@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/state.h"
 
-#define SMR_REPAIR_MAX 60u
+#define SMR_REPAIR_MAX 30u
 
 uint32_t smr_last_radius(const smr *s) { return smr_min_u32(s->config.radius_last, s->n_radii - 1u); }
 

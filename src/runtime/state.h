@@ -82,7 +82,7 @@ struct smr {
     /* written by guard */
     uint8_t *guard;                        /* [n] 1: the vertex' step is smoothed, in this iteration */
     float *ring_sum;                       /* [n][3] sum over its mesh neighbours */
-    uint32_t *ring_count;                  /* [n] their number */
+    float *ring_weight;                    /* [n] of that sum */
     uint32_t n_folding;                    /* hinges found folding while repairing */
     uint32_t n_guarded;                    /* vertices so marked */
     /* written by sums and average */

@@ -101,9 +101,8 @@ smr_mesh rig_moved(const smr_mesh *mesh, const float m[9], const float t[3])
 {
     float *xyz = rig_alloc(mesh->n_vertices * 3u * sizeof *xyz);
     uint32_t *triangles = rig_alloc(mesh->n_triangles * 3u * sizeof *triangles);
-    const double det = (double)m[0] * ((double)m[4] * m[8] - (double)m[5] * m[7]) -
-                       (double)m[1] * ((double)m[3] * m[8] - (double)m[5] * m[6]) +
-                       (double)m[2] * ((double)m[3] * m[7] - (double)m[4] * m[6]);
+    const float det = m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
+                      m[2] * (m[3] * m[7] - m[4] * m[6]);
     for (uint32_t i = 0; i < mesh->n_vertices; i++) {
         const float *p = mesh->xyz + 3u * (size_t)i;
         for (uint32_t r = 0; r < 3u; r++) {
@@ -113,7 +112,7 @@ smr_mesh rig_moved(const smr_mesh *mesh, const float m[9], const float t[3])
     }
     for (size_t i = 0; i < 3u * (size_t)mesh->n_triangles; i++) {
         const size_t corner = i % 3u;
-        triangles[i] = mesh->triangles[det < 0.0 && corner > 0u ? i / 3u * 3u + (3u - corner) : i];
+        triangles[i] = mesh->triangles[det < 0.0f && corner > 0u ? i / 3u * 3u + (3u - corner) : i];
     }
     return (smr_mesh){xyz, triangles, mesh->n_vertices, mesh->n_triangles};
 }
