@@ -237,7 +237,7 @@ typedef struct smr_config {
     float relaxation;            /* (0,1], default 1: x += relaxation * (averaged goal - x) */
     float momentum;              /* [0,0.99], default 0.8: this share of the last displacement is added to the forces */
     float plastic_um;            /* >= 0, default 50: x^r = x when the largest displacement falls below */
-    float settle_um;             /* >= 0, default 20: a radius is done when the largest displacement falls below */
+    float settle_um;             /* >= 0, default 1: a radius is done early when the largest displacement falls below */
     uint32_t plastic_every;      /* 0..1000, default 1: x^r = x also after so many iterations; 0 never */
     uint32_t fold_guard;         /* 1 (default): steps that would turn triangles back on each other are smoothed */
     uint32_t normals;            /* SMR_NORMALS_...; default carried by the cluster rotations, recomputed
@@ -297,7 +297,7 @@ typedef struct smr_tick_report {
     uint32_t n_guarded;           /* vertices whose step was smoothed because triangles would have folded */
     uint32_t plastic_updates;     /* since the start */
     uint32_t done;                /* 1: the schedule is done; further ticks change nothing */
-    uint32_t converged;           /* 1: done, and the last iteration moved no vertex by settle_um */
+    uint32_t converged;           /* 1: done, and the last iteration moved no vertex by plastic_um */
     float progress;               /* 0..1: share of the schedule's iterations done */
     float residual_mean_mm;       /* of |goal - x| over the n_forces vertices */
     float residual_rms_mm;

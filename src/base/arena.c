@@ -43,7 +43,7 @@ smr_status smr_arena_start(smr_arena *a, void *base, size_t capacity)
 void *smr_arena_take(smr_arena *a, size_t count, size_t size)
 {
     size_t start = a->used;
-    if (start == SIZE_MAX || (size != 0 && count > (SIZE_MAX - start - 4u * SMR_ALIGN) / size)) {
+    if (start > SIZE_MAX - 4u * SMR_ALIGN || (size != 0 && count > (SIZE_MAX - start - 4u * SMR_ALIGN) / size)) {
         a->used = SIZE_MAX;
         return NULL;
     }

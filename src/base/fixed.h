@@ -22,7 +22,8 @@ static inline float smr_fixed_scale(float bound)
     return s;
 }
 
-/* Rounds to the nearest integer, halves away from zero; beyond +-2^30 (and for NaN) to the limit. */
+/* Rounds to the nearest integer, halves away from zero (odd integers within 2^23 .. 2^24 to the even one above);
+ * beyond +-2^30 (and for NaN) to the limit. */
 static inline uint32_t smr_fixed(float v)
 {
     const float limit = 1073741824.0f;
@@ -30,12 +31,6 @@ static inline uint32_t smr_fixed(float v)
     r = r < limit ? r : limit;
     r = r > -limit ? r : -limit;
     return (uint32_t)(int32_t)r;
-}
-
-/* v rounded to a whole multiple of the quantum k (a power of two), as a float. */
-static inline float smr_snap(float v, float inverse_k, float k)
-{
-    return (float)(int32_t)smr_fixed(v * inverse_k) * k;
 }
 
 /* A final sum back to float. */

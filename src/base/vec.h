@@ -54,6 +54,13 @@ static inline smr_vec smr_mul(const float m[9], smr_vec a)
                  m[6] * a.x + m[7] * a.y + m[8] * a.z);
 }
 
+/* Each coordinate rounded to a whole number, for origins that cost no digits. Within +-2^30. */
+static inline smr_vec smr_whole(smr_vec a)
+{
+    return smr_v((float)(int32_t)(a.x + (a.x < 0.0f ? -0.5f : 0.5f)), (float)(int32_t)(a.y + (a.y < 0.0f ? -0.5f : 0.5f)),
+                 (float)(int32_t)(a.z + (a.z < 0.0f ? -0.5f : 0.5f)));
+}
+
 static inline smr_vec smr_pose_apply(const smr_pose *p, smr_vec a)
 {
     return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z + p->m[0][3],

@@ -198,6 +198,11 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
     const float mean = refine(model, target, config->samples, config->iterations, similarity, &p);
     if (!(mean < FLT_MAX))
         return SMR_E_INPUT;
+    /* both surfaces were seen from their own origins */
+    const smr_vec shift = smr_sub(target->origin, turn(&p, model->origin));
+    p.m[0][3] += shift.x;
+    p.m[1][3] += shift.y;
+    p.m[2][3] += shift.z;
     *pose = p;
     if (rms_mm != NULL)
         *rms_mm = SMR_SQRT(mean * 0.5f);

@@ -88,9 +88,35 @@ void smr_eigen(const float s[6], float value[3], float v[9])
     v[8] = third.z;
 }
 
+/* The plain inverse, by cofactors, when no eigenvalue can be below 1e-3 of the mean one; 0 when one might be. */
+static int cofactor_inverse(const float s[6], float out[6])
+{
+    const float trace = s[SMR_XX] + s[SMR_YY] + s[SMR_ZZ];
+    if (!(trace > 1.0e-15f && trace < 1.0e15f))
+        return 0;
+    float n[6], c[6];
+    for (int i = 0; i < 6; i++)
+        n[i] = s[i] * (3.0f / trace); /* eigenvalues now have the mean 1 */
+    c[SMR_XX] = n[SMR_YY] * n[SMR_ZZ] - n[SMR_YZ] * n[SMR_YZ];
+    c[SMR_XY] = n[SMR_XZ] * n[SMR_YZ] - n[SMR_XY] * n[SMR_ZZ];
+    c[SMR_XZ] = n[SMR_XY] * n[SMR_YZ] - n[SMR_XZ] * n[SMR_YY];
+    c[SMR_YY] = n[SMR_XX] * n[SMR_ZZ] - n[SMR_XZ] * n[SMR_XZ];
+    c[SMR_YZ] = n[SMR_XY] * n[SMR_XZ] - n[SMR_XX] * n[SMR_YZ];
+    c[SMR_ZZ] = n[SMR_XX] * n[SMR_YY] - n[SMR_XY] * n[SMR_XY];
+    const float det = n[SMR_XX] * c[SMR_XX] + n[SMR_XY] * c[SMR_XY] + n[SMR_XZ] * c[SMR_XZ];
+    if (!(det > 2.5e-3f)) /* the product of three values with mean 1: the smallest is above det / 2.25 */
+        return 0;
+    const float k = 3.0f / (trace * det);
+    for (int i = 0; i < 6; i++)
+        out[i] = c[i] * k;
+    return 1;
+}
+
 void smr_pseudo_inverse(const float s[6], float floor, float out[6])
 {
     float value[3], v[9], w[3];
+    if (floor <= 1.0e-3f && cofactor_inverse(s, out))
+        return;
     smr_eigen(s, value, v);
     for (int k = 0; k < 3; k++)
         w[k] = value[k] > floor * value[0] && value[k] > 1.0e-20f ? 1.0f / value[k] : 0.0f;

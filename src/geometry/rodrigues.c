@@ -38,7 +38,7 @@ void smr_rodrigues(smr_vec w, float m[9])
     float a2 = smr_dot(w, w);
     if (!(a2 <= SMR_ANGLE_MAX * SMR_ANGLE_MAX)) {
         if (!(a2 < 1.0e30f))
-            w = smr_scale(w, 1.0e-15f);
+            w = smr_scale(w, 1.0e-25f);
         w = smr_scale(smr_unit(w), SMR_ANGLE_MAX);
         a2 = SMR_ANGLE_MAX * SMR_ANGLE_MAX;
     }

@@ -4,6 +4,7 @@
 #include "geometry/surface.h"
 
 #include "base/arena.h"
+#include "geometry/curve.h"
 #include "geometry/mesh.h"
 
 typedef struct build {
@@ -110,7 +111,10 @@ smr_status smr_surface_build(void *memory, size_t bytes, const smr_mesh *mesh, s
     layout(&a, nv, nt, &b, &s);
     s.magic = SMR_SURFACE_MAGIC;
     s.n_vertices = nv;
-    memcpy(s.xyz, mesh->xyz, 3u * (size_t)nv * sizeof(float));
+    const smr_box box = smr_box_of(mesh->xyz, nv);
+    s.origin = smr_whole(smr_scale(smr_add(box.lo, box.hi), 0.5f));
+    for (uint32_t i = 0; i < nv; i++)
+        smr_store(s.xyz + 3u * (size_t)i, smr_sub(smr_load(mesh->xyz + 3u * (size_t)i), s.origin));
     smr_mesh_order(mesh, s.original, b.middle, b.key, b.tmp);
     for (uint32_t k = 0; k < nt; k++)
         memcpy(s.triangle + 3u * (size_t)k, mesh->triangles + 3u * (size_t)s.original[k], 3u * sizeof(uint32_t));
@@ -160,7 +164,7 @@ smr_status smr_surface_closest(const smr_surface *surface, const float *point, c
     if (!(max_mm >= 0.0f) || (normal != NULL && !smr_within(min_cos, 2.0f)))
         return SMR_E_INPUT;
     max_mm = smr_min(max_mm, 8.0f * SMR_COORD_MAX);
-    smr_query q = {smr_load(point), smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_ALL};
+    smr_query q = {smr_sub(smr_load(point), surface->origin), smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_ALL};
     if (normal != NULL) {
         q.normal = smr_load(normal);
         q.min_cos = min_cos;
@@ -171,7 +175,7 @@ smr_status smr_surface_closest(const smr_surface *surface, const float *point, c
     hit->triangle = SMR_ALL;
     if (h.triangle == SMR_ALL)
         return SMR_OK;
-    smr_store(hit->point, smr_facet_point(&surface->facets, h.triangle, h.weight));
+    smr_store(hit->point, smr_add(smr_facet_point(&surface->facets, h.triangle, h.weight), surface->origin));
     memcpy(hit->normal, surface->facets.normal + 3u * (size_t)h.triangle, sizeof hit->normal);
     memcpy(hit->weight, h.weight, sizeof hit->weight);
     hit->distance = SMR_SQRT(h.d2);

@@ -10,6 +10,7 @@ struct smr_surface {
     uint32_t n_vertices;
     uint32_t open;           /* 1 when some edge has one triangle only */
     float area_mean;         /* mm^2 per vertex */
+    smr_vec origin;          /* whole mm: positions are relative to it, so that moving everything costs no digits */
     float *xyz;              /* [n_vertices][3] in the caller's order */
     float *normal;           /* [n_vertices][3] unit */
     float *area;             /* [n_vertices] a third of the triangles around, mm^2 */

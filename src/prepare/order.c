@@ -5,9 +5,6 @@
 #include "geometry/mesh.h"
 #include "prepare/plan.h"
 
-/* Whole millimetres, so that taking the centre off loses as little as possible. */
-static float whole(float v) { return (float)(int32_t)(v < 0.0f ? v - 0.5f : v + 0.5f); }
-
 static const float *callers_vertex(const smr_plan *p, uint32_t structure, uint32_t i)
 {
     return p->structures[structure].mesh.xyz + 3u * (size_t)i;
@@ -27,10 +24,7 @@ static smr_box whole_box(const smr_plan *p)
 static void order_vertices(smr_plan *p)
 {
     const smr_box box = whole_box(p);
-    const smr_vec c = smr_scale(smr_add(box.lo, box.hi), 0.5f);
-    p->centre[0] = whole(c.x);
-    p->centre[1] = whole(c.y);
-    p->centre[2] = whole(c.z);
+    smr_store(p->centre, smr_whole(smr_scale(smr_add(box.lo, box.hi), 0.5f)));
     uint32_t k = 0;
     for (uint32_t s = 0; s < p->n_structures; s++) {
         for (uint32_t i = 0; i < p->structures[s].mesh.n_vertices; i++, k++) {

@@ -1,33 +1,48 @@
-/* radii.c: cluster radii for a model nobody chose any for: from a third of its size down to little more than an edge,
+/* radii.c: cluster radii for a model nobody chose any for: from a quarter of its length down to little more than an edge,
  * each about two thirds of the one before (coarse to fine, paper 3, geometric registration), and a last one below an
  * edge, at which most clusters are single vertices and only the fold guard holds the surface together.
  * SPDX-License-Identifier: MIT */
-#include "geometry/curve.h"
 #include "prepare/plan.h"
 
-#define SMR_COARSEST 0.33f      /* of the box's diagonal */
+#define SMR_COARSEST 0.25f      /* of the model's length */
 #define SMR_FINE_EDGES 1.7f     /* edges */
 #define SMR_FREE_EDGES 0.95f
 #define SMR_RATIO 0.66f
 #define SMR_MEMBERS_MAX 1500u   /* mean |zeta| above this makes iterations slow and deforms no better */
 #define SMR_PROBES 64u
 
-/* Mean size of clusters at this radius, from SMR_PROBES vertices spread over the model. */
+/* Mean size of clusters at this radius, from SMR_PROBES vertices spread over the caller's numbering: the same ones
+ * however the model is turned. */
 static uint32_t mean_members(smr_plan *p, float radius)
 {
     uint64_t sum = 0;
     const uint32_t probes = smr_min_u32(SMR_PROBES, p->n);
     for (uint32_t i = 0; i < probes; i++) {
-        smr_ball_row(p, (uint32_t)((uint64_t)i * p->n / probes), radius, smr_plan_row(p, 0));
+        smr_ball_row(p, p->position[(uint64_t)i * p->n / probes], radius, smr_plan_row(p, 0));
         sum += smr_row_count(smr_plan_row(p, 0), p->words);
     }
     return (uint32_t)(sum / probes);
 }
 
+/* The length of a rod whose points lie as far from their middle as the model's do: a size that does not depend on how
+ * the model is turned. */
+static float rod_length(const smr_plan *p)
+{
+    smr_vec mean = smr_v(0, 0, 0);
+    const float share = 1.0f / (float)p->n;
+    for (uint32_t v = 0; v < p->n; v++)
+        mean = smr_add(mean, smr_scale(smr_load(p->xyz + 3u * (size_t)v), share));
+    float spread = 0.0f;
+    for (uint32_t v = 0; v < p->n; v++) {
+        const smr_vec d = smr_sub(smr_load(p->xyz + 3u * (size_t)v), mean);
+        spread += share * smr_dot(d, d);
+    }
+    return SMR_SQRT(12.0f * spread);
+}
+
 uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX])
 {
-    const smr_box box = smr_box_of(p->xyz, p->n);
-    const float size = smr_length(smr_sub(box.hi, box.lo));
+    const float size = rod_length(p);
     float coarse = size * SMR_COARSEST;
     if (!(coarse > 1.0e-3f)) { /* a single point */
         radius[0] = 1.0f;

@@ -20,7 +20,7 @@ smr_config smr_config_default(void)
     c.fold_guard = 1;
     c.momentum = 0.8f;
     c.plastic_um = 50.0f;
-    c.settle_um = 20.0f;
+    c.settle_um = 1.0f;
     c.plastic_every = 1;
     c.radius_last = SMR_ALL;
     c.iterations = 9;

@@ -26,7 +26,7 @@ void smr_facet_refit(void *arg, uint32_t task, uint32_t worker)
 void smr_facets_end(smr *s)
 {
     for (uint32_t i = 0; i < s->n_parts; i++)
-        if (s->part[i].facets.node != NULL && s->part[i].target != NULL)
+        if (s->part[i].facets.node != NULL) /* without a target, too: it may get one before the next iteration */
             smr_tree_refit_upper(&s->part[i].facets);
 }
 

@@ -14,8 +14,9 @@ static int outside_box(const smr_config *c, smr_vec p)
 /* The way from vertex v to its goal on the target. Returns 0 when no point is acceptable. */
 static int project(smr *s, uint32_t v, const smr_surface *target, smr_vec *way)
 {
-    const smr_vec p = smr_add(smr_load(smr_at3(s->x, v)), s->origin);
-    if (outside_box(&s->config, p))
+    /* relative to the target's origin */
+    const smr_vec p = smr_add(smr_load(smr_at3(s->x, v)), smr_sub(s->origin, target->origin));
+    if (outside_box(&s->config, smr_add(p, target->origin)))
         return 0;
     smr_query q = {p, smr_load(smr_at3(s->normal, v)), s->min_cos, s->config.node_budget, s->warm[v]};
     if (smr_dot(q.normal, q.normal) < 0.5f)
@@ -30,7 +31,7 @@ static int project(smr *s, uint32_t v, const smr_surface *target, smr_vec *way)
     if (s->force_limit > 0.0f && hit.d2 > s->force_limit * s->force_limit)
         return 0;
     *way = smr_sub(smr_facet_point(&target->facets, hit.triangle, hit.weight), p);
-    return !outside_box(&s->config, smr_add(p, *way));
+    return !outside_box(&s->config, smr_add(smr_add(p, *way), target->origin));
 }
 
 /* Notes how large the quantities that sums.c will round are at this vertex. */
@@ -39,7 +40,7 @@ static void measure(const smr *s, uint32_t v, smr_vec force, smr_tally *tally)
     const smr_vec ref = smr_load(smr_at3(s->x_ref, v));
     const smr_vec u = smr_scale(smr_sub(smr_add(smr_load(smr_at3(s->x, v)), force), ref), smr_mass_of(s, v));
     const float largest = smr_max(smr_abs(u.x), smr_max(smr_abs(u.y), smr_abs(u.z)));
-    const float arm = smr_max(smr_abs(ref.x), smr_max(smr_abs(ref.y), smr_abs(ref.z))) + s->quantum;
+    const float arm = smr_max(smr_abs(ref.x), smr_max(smr_abs(ref.y), smr_abs(ref.z)));
     tally->largest[0] = smr_max(tally->largest[0], largest);
     tally->largest[1] = smr_max(tally->largest[1], (s->config.method == SMR_METHOD_RIGID ? 2.0f : 1.0f) * arm * largest);
 }
@@ -57,18 +58,18 @@ void smr_force_search(void *arg, uint32_t task, uint32_t worker)
         smr_vec goal = smr_v(0, 0, 0), pull = goal;
         if (target != NULL) {
             const int has_goal = project(s, v, target, &goal);
-            const int has_pull = pulled && smr_pull_take(s, v, &pull);
-            if (has_goal && has_pull)
-                goal = smr_add(smr_scale(goal, 1.0f - share), smr_scale(pull, share));
-            else if (has_pull)
-                goal = pull;
+            const float weight = pulled ? smr_pull_take(s, v, &pull) : 0.0f;
+            if (has_goal)
+                goal = smr_add(smr_scale(goal, 1.0f - share * weight), smr_scale(pull, share * weight));
+            else
+                goal = smr_scale(pull, weight);
             if (s->radius == smr_last_radius(s)) {
                 const smr_vec nn = smr_load(smr_at3(s->normal, v));
                 const smr_vec along = smr_scale(nn, smr_dot(nn, goal));
                 goal = smr_add(along, smr_scale(smr_sub(goal, along), s->config.slide));
             }
             tally->n_active++;
-            if (has_goal || has_pull) {
+            if (has_goal || weight > 0.0f) {
                 const float d2 = smr_dot(goal, goal), d = SMR_SQRT(d2);
                 tally->n_forces++;
                 tally->sum += d;

@@ -24,8 +24,15 @@ static void polar(const smr *s, uint32_t v, smr_vec mu, const uint32_t *w, float
     const float *c = smr_at3(s->centre, v), *i = s->spread + 6u * (size_t)v;
     const float u[3] = {mu.x, mu.y, mu.z};
     float a[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]};
-    for (uint32_t k = 0; k < 9u; k++)
-        a[k] += smr_unfix(w[k], inverse) - u[k / 3u] * c[k % 3u];
+    float change = 0.0f;
+    for (uint32_t k = 0; k < 9u; k++) {
+        const float d = smr_unfix(w[k], inverse) - u[k / 3u] * c[k % 3u];
+        a[k] += d;
+        change = smr_max(change, smr_abs(d));
+    }
+    memset(r_minus_i, 0, 9u * sizeof *r_minus_i);
+    if (!(change > 0.0f))
+        return; /* nothing turns: not even by the decomposition's rounding, which would add up over plastic updates */
     smr_polar(a, s->eigen + 9u * (size_t)v, r_minus_i);
 }
 

@@ -10,12 +10,6 @@ static smr_vec rest_of(const smr *s, uint32_t v)
     return smr_v(smr_le_float(rest[0]), smr_le_float(rest[1]), smr_le_float(rest[2]));
 }
 
-/* Whole millimetres near a point, for an origin that costs no digits. */
-static smr_vec whole(smr_vec p)
-{
-    return smr_v((float)(int32_t)p.x, (float)(int32_t)p.y, (float)(int32_t)p.z);
-}
-
 /* x holds the start, relative to origin: everything else follows. */
 static void start_here(smr *s)
 {
@@ -39,6 +33,8 @@ static void start_here(smr *s)
         s->warm[v] = SMR_ALL;
     for (uint32_t j = 0; s->target_warm != NULL && j < s->config.n_target_vertices; j++)
         s->target_warm[j] = SMR_ALL;
+    if (s->pull != NULL) /* an iteration under way is given up */
+        memset(s->pull, 0, s->config.n_workers * (size_t)s->n * 4u * sizeof *s->pull);
     for (size_t v = 0; s->eigen != NULL && v < s->n; v++)
         for (size_t i = 0; i < 9u; i++)
             s->eigen[9u * v + i] = i % 4u == 0u ? 1.0f : 0.0f;
@@ -63,7 +59,7 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
         if (!smr_within(p.x, SMR_COORD_MAX) || !smr_within(p.y, SMR_COORD_MAX) || !smr_within(p.z, SMR_COORD_MAX))
             return SMR_E_INPUT;
     }
-    s->origin = whole(moved);
+    s->origin = smr_whole(moved);
     const smr_vec off = smr_sub(moved, s->origin);
     smr_pose turn = *pose;
     turn.m[0][3] = turn.m[1][3] = turn.m[2][3] = 0.0f;

@@ -40,7 +40,7 @@ static uint32_t closest_part(const smr *s, const smr_surface *surface, smr_query
 /* One target vertex: finds the model point it belongs to and adds its pull. */
 static void pull_one(const smr *s, const smr_surface *surface, uint32_t j, uint32_t *warm, int64_t *pull)
 {
-    const smr_vec y = smr_sub(smr_load(surface->xyz + 3u * (size_t)j), s->origin);
+    const smr_vec y = smr_add(smr_load(surface->xyz + 3u * (size_t)j), smr_sub(surface->origin, s->origin));
     smr_query q = {y, smr_load(surface->normal + 3u * (size_t)j), s->min_cos, s->config.node_budget, SMR_ALL};
     smr_hit hit = {s->search * s->search, SMR_ALL, {0, 0, 0}};
     if (smr_dot(q.normal, q.normal) < 0.5f)
@@ -78,7 +78,7 @@ void smr_pull_search(void *arg, uint32_t task, uint32_t worker)
         pull_one(s, goal->surface, j, &s->target_warm[goal->first_warm + j], pull);
 }
 
-int smr_pull_take(smr *s, uint32_t v, smr_vec *mean)
+float smr_pull_take(smr *s, uint32_t v, smr_vec *mean)
 {
     int64_t sum[4] = {0, 0, 0, 0};
     for (uint32_t w = 0; w < s->config.n_workers; w++) {
@@ -88,9 +88,9 @@ int smr_pull_take(smr *s, uint32_t v, smr_vec *mean)
             p[i] = 0;
         }
     }
-    if (sum[3] < (int64_t)(SMR_PULL_SCALE * 1.0e-3f))
-        return 0;
+    if (sum[3] <= 0)
+        return 0.0f;
     const float inverse = 1.0f / (float)sum[3];
     *mean = smr_v((float)sum[0] * inverse, (float)sum[1] * inverse, (float)sum[2] * inverse);
-    return 1;
+    return smr_min((float)sum[3] * (1.0f / (SMR_PULL_SCALE * SMR_PULL_FULL)), 1.0f);
 }

@@ -1,13 +1,14 @@
 /* reference.c: what matching needs of the reference shape x^r, whenever it is new: each cluster's centre c^r, mass M and
- * covariance C^r or inverse inertia tensor (paper 2.3). x^r is rounded to a power of two of a millimetre, the quantum,
- * and the moments are summed as whole numbers with wrap-around; taken relative to the cluster's own vertex the final
- * values fit and are exact, however far the cluster lies from the origin. The quantum is about a thousandth of the
- * cluster's reach; it only enters lever arms, never positions.
+ * covariance C^r or inverse inertia tensor (paper 2.3). x^r is rounded to powers of two of a millimetre and the moments
+ * are summed as whole numbers with wrap-around; taken relative to the cluster's own vertex the final values fit and are
+ * exact, however far the cluster lies from the origin. Second moments use a coarse step, about a thousandth of the
+ * cluster's reach, and enter only as the spread; the centre has a fine step of its own.
  * SPDX-License-Identifier: MIT */
 #include "base/fixed.h"
 #include "geometry/jacobi.h"
 #include "runtime/state.h"
 
+#define SMR_FINE_SHARE (1.0f / 1024.0f) /* of the coarse step: finer gains nothing */
 #define SMR_INERTIA_FLOOR 1.0e-4f /* a cluster thinner than this share of its length is a line: no torque about it */
 
 uint32_t smr_reference_tasks(smr *s) { return s->reference_stale ? s->n_tasks : 0u; }
@@ -30,35 +31,53 @@ static float reach_bound(const smr *s)
     return 1.01f * (s->lists.reach * smr_length(column) + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
 }
 
+/* The smallest power of two k, from 2^-20 to 2^40 mm, with mass * (reach / k)^power <= 2^30. */
+static float step_for(float mass, float reach, int power)
+{
+    float k = 1.0f / 1048576.0f;
+    for (int i = 0; i < 60; i++, k *= 2.0f) {
+        const float steps = reach / k;
+        if (mass * (power == 2 ? steps * steps : steps) <= 1073741824.0f)
+            break;
+    }
+    return k;
+}
+
 void smr_reference_begin(smr *s)
 {
     const float reach = reach_bound(s);
     const float mass = (float)s->lists.largest * s->mass_max * s->mass_unit;
-    float k = 1.0f;
-    for (int i = 0; i < 40 && mass * (reach / k) * (reach / k) > 1073741824.0f; i++)
-        k *= 2.0f;
-    for (int i = 0; i < 20 && mass * (reach / k) * (reach / k) < 268435456.0f; i++)
-        k *= 0.5f;
-    s->quantum = smr_max(k, 1.0f / 4096.0f);
-    s->sum_words = 10;
+    s->coarse = step_for(mass, reach, 2);
+    s->fine = smr_max(step_for(mass, reach, 1), s->coarse * SMR_FINE_SHARE);
+    s->sum_words = SMR_WORDS;
+}
+
+/* x^r of a vertex in whole steps. Exact for |x| up to 2^30 steps. */
+static void steps_of(const float *x, float step, uint32_t out[3])
+{
+    const float inverse = 1.0f / step;
+    for (uint32_t a = 0; a < 3u; a++)
+        out[a] = smr_fixed(x[a] * inverse);
 }
 
 void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
-    const float inverse_k = 1.0f / s->quantum;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
         uint32_t *r = s->record + SMR_WORDS * (size_t)v;
-        const float *p = smr_at3(s->x_ref, v);
         const uint32_t m = (uint32_t)(smr_mass_of(s, v) * s->mass_unit);
-        const uint32_t q[3] = {smr_fixed(p[0] * inverse_k), smr_fixed(p[1] * inverse_k), smr_fixed(p[2] * inverse_k)};
+        uint32_t q[3], f[3];
+        steps_of(smr_at3(s->x_ref, v), s->coarse, q);
+        steps_of(smr_at3(s->x_ref, v), s->fine, f);
         r[0] = m;
         for (uint32_t a = 0, i = 4; a < 3u; a++) {
             r[1u + a] = m * q[a];
+            r[10u + a] = m * f[a];
             for (uint32_t b = a; b < 3u; b++, i++)
                 r[i] = m * q[a] * q[b];
         }
+        r[13] = r[14] = r[15] = 0;
     }
 }
 
@@ -74,11 +93,12 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
-    const float k = s->quantum, inverse_k = 1.0f / k, unit = 1.0f / s->mass_unit;
+    const float k = s->coarse, unit = 1.0f / s->mass_unit;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
         const uint32_t *w = s->sum + SMR_WORDS * (size_t)v;
-        const float *p = smr_at3(s->x_ref, v);
-        const uint32_t q[3] = {smr_fixed(p[0] * inverse_k), smr_fixed(p[1] * inverse_k), smr_fixed(p[2] * inverse_k)};
+        uint32_t q[3], f[3];
+        steps_of(smr_at3(s->x_ref, v), k, q);
+        steps_of(smr_at3(s->x_ref, v), s->fine, f);
         /* moments about the cluster's own vertex */
         const float mass = smr_max(smr_unfix(w[0], unit), unit);
         float d[3], c[6];
@@ -89,7 +109,8 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
                 c[i] = smr_unfix(w[4u + i] - q[a] * w[1u + b] - q[b] * w[1u + a] + w[0] * q[a] * q[b], k * k * unit) -
                        mass * d[a] * d[b];
         for (uint32_t a = 0; a < 3u; a++)
-            smr_at3(s->centre, v)[a] = smr_unfix(q[a], k) + d[a];
+            smr_at3(s->centre, v)[a] =
+                smr_unfix(f[a], s->fine) + smr_unfix(w[10u + a] - w[0] * f[a], s->fine * unit) / mass;
         s->cluster_mass[v] = mass;
         float *spread = s->spread + 6u * (size_t)v;
         if (s->config.method == SMR_METHOD_RIGID)

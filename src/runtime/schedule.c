@@ -56,7 +56,7 @@ void smr_schedule_next(smr *s)
         return;
     }
     if (last && (settled || spent)) {
-        s->converged = (uint32_t)settled;
+        s->converged = (uint32_t)(small || settled);
         s->done = 1;
         return;
     }

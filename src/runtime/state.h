@@ -74,7 +74,7 @@ struct smr {
     float *centre;                         /* [n][3] c^r of each cluster */
     float *spread;                         /* [n][6] inverse inertia (rigid) or covariance (polar) */
     float *cluster_mass;                   /* [n] M */
-    float quantum;                         /* mm: x^r is rounded to this where clusters' spreads are summed */
+    float coarse, fine;                    /* mm: x^r is rounded to these where spreads and centres are summed */
     /* written by forces */
     float *force;                          /* [n][3] f^e */
     uint32_t *warm;                        /* [n] last closest triangle of the target */
@@ -127,6 +127,8 @@ typedef struct smr_step {
     smr_task run;
     void (*end)(smr *s);
 } smr_step;
+
+int smr_forces_pending(const smr *s);        /* tick.c: 1 until an iteration has its forces */
 
 /* The steps, by the file they live in. */
 uint32_t smr_reference_tasks(smr *s);        /* reference.c: x^r's cluster centres and spreads, when x^r is new */

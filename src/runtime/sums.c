@@ -14,23 +14,21 @@ void smr_sums_record(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
-    const float k = s->quantum, inverse_k = 1.0f / s->quantum;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
         uint32_t *r = s->record + SMR_WORDS * (size_t)v;
         const smr_vec ref = smr_load(smr_at3(s->x_ref, v));
-        const smr_vec q = smr_v(smr_snap(ref.x, inverse_k, k), smr_snap(ref.y, inverse_k, k), smr_snap(ref.z, inverse_k, k));
         const smr_vec at = smr_add(smr_load(smr_at3(s->x, v)), smr_load(smr_at3(s->force, v)));
         const smr_vec u = smr_scale(smr_sub(at, ref), smr_mass_of(s, v));
         r[0] = smr_fixed(u.x * s->scale[0]);
         r[1] = smr_fixed(u.y * s->scale[0]);
         r[2] = smr_fixed(u.z * s->scale[0]);
         if (s->config.method == SMR_METHOD_RIGID) {
-            const smr_vec l = smr_cross(q, u);
+            const smr_vec l = smr_cross(ref, u);
             r[3] = smr_fixed(l.x * s->scale[1]);
             r[4] = smr_fixed(l.y * s->scale[1]);
             r[5] = smr_fixed(l.z * s->scale[1]);
         } else {
-            const float a[3] = {u.x * s->scale[1], u.y * s->scale[1], u.z * s->scale[1]}, b[3] = {q.x, q.y, q.z};
+            const float a[3] = {u.x * s->scale[1], u.y * s->scale[1], u.z * s->scale[1]}, b[3] = {ref.x, ref.y, ref.z};
             for (uint32_t i = 0; i < 9u; i++)
                 r[3u + i] = smr_fixed(a[i / 3u] * b[i % 3u]);
         }
@@ -90,13 +88,19 @@ void smr_sums_forest(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
-    const int narrow = s->sum_words <= 8u, wide_index = s->lists.index_bytes == 4u;
-    if (narrow && !wide_index)
-        chain16(&s->lists, task, s->record, s->sum, 8u);
-    else if (narrow)
-        chain32(&s->lists, task, s->record, s->sum, 8u);
-    else if (!wide_index)
-        chain16(&s->lists, task, s->record, s->sum, 12u);
-    else
-        chain32(&s->lists, task, s->record, s->sum, 12u);
+    if (s->lists.index_bytes == 2u) {
+        if (s->sum_words <= 8u)
+            chain16(&s->lists, task, s->record, s->sum, 8u);
+        else if (s->sum_words <= 12u)
+            chain16(&s->lists, task, s->record, s->sum, 12u);
+        else
+            chain16(&s->lists, task, s->record, s->sum, SMR_WORDS);
+    } else {
+        if (s->sum_words <= 8u)
+            chain32(&s->lists, task, s->record, s->sum, 8u);
+        else if (s->sum_words <= 12u)
+            chain32(&s->lists, task, s->record, s->sum, 12u);
+        else
+            chain32(&s->lists, task, s->record, s->sum, SMR_WORDS);
+    }
 }

@@ -55,10 +55,11 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
     (void)list_goals(s, s->part, s->goal, &s->n_goals, &s->n_target_tasks);
     for (uint32_t j = 0; s->target_warm != NULL && j < s->config.n_target_vertices; j++)
         s->target_warm[j] = SMR_ALL;
-    /* an iteration under way starts again with the new goals */
+    /* an iteration under way starts again with the new goals; one that has its forces ends with the old ones */
     if (s->pull != NULL)
         memset(s->pull, 0, s->config.n_workers * (size_t)s->n * 4u * sizeof *s->pull);
-    s->step = s->next_task = 0;
+    if (smr_forces_pending(s))
+        s->step = s->next_task = 0;
     s->force_limit = 0.0f;
     return SMR_OK;
 }

@@ -28,6 +28,15 @@ static const smr_step steps[] = {
 
 #define SMR_STEPS ((uint32_t)(sizeof steps / sizeof steps[0]))
 
+/* The iteration under way still looks at targets: what follows the forces has its own copies of them. */
+int smr_forces_pending(const smr *s)
+{
+    for (uint32_t i = s->step; i < SMR_STEPS; i++)
+        if (steps[i].run == smr_force_search)
+            return 1;
+    return 0;
+}
+
 static uint64_t now(const smr *s) { return s->port.now_ns == NULL ? 0u : s->port.now_ns(s->port.ctx); }
 
 /* Tasks of one step from `first` on, as a loop that counts from 0. */
@@ -43,14 +52,16 @@ static void run_task(void *arg, uint32_t task, uint32_t worker)
     p->run(p->s, p->first + task, worker);
 }
 
-/* Runs the current step; returns 0 when the deadline passed before its last task. deadline 0: none. */
-static int run_step(smr *s, const smr_step *step, uint64_t deadline)
+/* Runs the current step; returns 0 when the deadline passed before its last task. deadline 0: none. The tick's first group
+ * (*begun 0) runs whatever the clock says: a tick always gets on, however short its budget or coarse its clock. */
+static int run_step(smr *s, const smr_step *step, uint64_t deadline, int *begun)
 {
     const uint32_t n = step->n_tasks(s);
     const uint32_t group = deadline == 0u ? n : (s->port.n_workers > 1u ? s->port.n_workers : 1u);
     while (s->next_task < n) {
-        if (deadline != 0u && now(s) >= deadline)
+        if (deadline != 0u && *begun && now(s) >= deadline)
             return 0;
+        *begun = 1;
         part_of_step part = {s, step->run, s->next_task};
         const uint32_t count = smr_min_u32(group, n - s->next_task);
         smr_fork(&s->port, run_task, &part, count);
@@ -85,13 +96,15 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     if (!smr_valid(s))
         return SMR_E_STATE;
     uint64_t time = now(s);
-    const uint64_t deadline = budget_ns == 0u || s->port.now_ns == NULL ? 0u : time + budget_ns;
+    const int timed = budget_ns != 0u && s->port.now_ns != NULL;
+    const uint64_t deadline = !timed ? 0u : (budget_ns > UINT64_MAX - time ? UINT64_MAX : time + budget_ns);
+    int begun = 0;
     smr_status status = SMR_OK;
     if (s->reference_stale && s->step == 0u && s->next_task == 0u)
         smr_reference_begin(s);
     for (; !s->done && s->step < SMR_STEPS; s->step++) {
         const smr_step *step = &steps[s->step];
-        if (!run_step(s, step, deadline))
+        if (!run_step(s, step, deadline, &begun))
             status = SMR_PARTIAL;
         const uint64_t after = now(s);
         phase_ns[step->phase] += after > time ? after - time : 0u;

@@ -1,0 +1,369 @@
+/* test_hostile_runtime.c: whatever is handed to a registration is refused with a status and changes nothing, or is
+ * accepted and keeps every position finite.
+ * SPDX-License-Identifier: MIT */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "property/rig.h"
+
+static const float none[3] = {0, 0, 0};
+static smr_mesh ball, other;
+static const smr_model *model;
+static smr_surface *surface;
+
+static int set_up(void **state)
+{
+    const smr_prepare_config radii = rig_radii(2, 25, 12, 0);
+    (void)state;
+    ball = rig_ball(30, 7, 10, none);
+    other = rig_ball(33, 8, 11, none);
+    model = rig_model(&ball, 1, &radii);
+    surface = rig_surface(&other);
+    return 0;
+}
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+/* ---- NULL, cookies, ranges */
+
+static void test_null(void **state)
+{
+    smr_config config = smr_config_default();
+    const smr_pose pose = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    size_t bytes;
+    float xyz[3 * 128];
+    smr_structure_report part;
+    smr *s = rig_init(model, &config, NULL), *out = s;
+    (void)state;
+    assert_int_equal(SMR_E_NULL, smr_arena_bytes(NULL, &config, &bytes));
+    assert_int_equal(SMR_E_NULL, smr_arena_bytes(model, NULL, &bytes));
+    assert_int_equal(SMR_E_NULL, smr_arena_bytes(model, &config, NULL));
+    assert_int_equal(SMR_E_NULL, smr_init(NULL, model, &config, NULL, xyz, sizeof xyz));
+    assert_int_equal(SMR_E_NULL, smr_init(&out, NULL, &config, NULL, xyz, sizeof xyz));
+    assert_int_equal(SMR_E_NULL, smr_init(&out, model, NULL, NULL, xyz, sizeof xyz));
+    assert_int_equal(SMR_E_NULL, smr_init(&out, model, &config, NULL, NULL, 1u << 20));
+    assert_ptr_equal(s, out);
+    assert_int_equal(SMR_E_NULL, smr_set_positions(NULL, 0, xyz));
+    assert_int_equal(SMR_E_NULL, smr_set_positions(s, 0, NULL));
+    assert_int_equal(SMR_E_NULL, smr_set_pose(NULL, &pose));
+    assert_int_equal(SMR_E_NULL, smr_set_pose(s, NULL));
+    assert_int_equal(SMR_E_NULL, smr_set_surface(NULL, 0, surface));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, NULL));
+    assert_int_equal(SMR_E_NULL, smr_tick(NULL, 0, NULL));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_E_NULL, smr_get_positions(NULL, 0, xyz));
+    assert_int_equal(SMR_E_NULL, smr_get_positions(s, 0, NULL));
+    assert_int_equal(SMR_E_NULL, smr_get_normals(NULL, 0, xyz));
+    assert_int_equal(SMR_E_NULL, smr_get_normals(s, 0, NULL));
+    assert_int_equal(SMR_E_NULL, smr_get_structure_report(NULL, 0, &part));
+    assert_int_equal(SMR_E_NULL, smr_get_structure_report(s, 0, NULL));
+    assert_true(smr_state_hash(NULL) == 0u);
+}
+
+static void test_not_a_registration(void **state)
+{
+    float xyz[3 * 128];
+    smr_structure_report part;
+    const smr_pose pose = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    smr *s = rig_alloc(1u << 16); /* zero bytes */
+    smr_config config = smr_config_default();
+    smr *good = rig_init(model, &config, NULL);
+    (void)state;
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_E_STATE, smr_set_pose(s, &pose));
+    assert_int_equal(SMR_E_STATE, smr_set_positions(s, 0, ball.xyz));
+    assert_int_equal(SMR_E_STATE, smr_set_surface(s, 0, surface));
+    assert_int_equal(SMR_E_STATE, smr_get_positions(s, 0, xyz));
+    assert_int_equal(SMR_E_STATE, smr_get_normals(s, 0, xyz));
+    assert_int_equal(SMR_E_STATE, smr_get_structure_report(s, 0, &part));
+    assert_true(smr_state_hash(s) == 0u);
+    assert_int_equal(SMR_E_STATE, smr_set_surface(good, 0, (const smr_surface *)rig_alloc(4096)));
+    assert_int_equal(SMR_E_INPUT, smr_set_surface(good, 1, surface));
+    assert_int_equal(SMR_E_INPUT, smr_set_surface(good, SMR_ALL - 1u, NULL));
+    assert_int_equal(SMR_E_INPUT, smr_set_positions(good, 1, ball.xyz));
+    assert_int_equal(SMR_E_INPUT, smr_set_positions(good, SMR_ALL, ball.xyz));
+    assert_int_equal(SMR_E_INPUT, smr_get_positions(good, 1, xyz));
+    assert_int_equal(SMR_E_INPUT, smr_get_normals(good, SMR_ALL, xyz));
+    assert_int_equal(SMR_E_INPUT, smr_get_structure_report(good, 1, &part));
+}
+
+/* Refused by both calls, with *out and *bytes as they were. */
+static void refused(const smr_config *config, const char *field)
+{
+    unsigned char *memory = rig_alloc(1u << 18);
+    smr *const before = (smr *)(void *)memory;
+    smr *out = before;
+    size_t bytes = 77;
+    const smr_status a = smr_arena_bytes(model, config, &bytes);
+    const smr_status b = smr_init(&out, model, config, NULL, memory, 1u << 18);
+    if (a != SMR_E_CONFIG || b != SMR_E_CONFIG || out != before || bytes != 77u) {
+        fail_msg("%s: %s and %s, out %s", field, smr_status_name(a), smr_status_name(b), out == before ? "kept" : "written");
+    }
+}
+
+#define REFUSE(field, value)                       \
+    do {                                           \
+        smr_config c_ = smr_config_default();      \
+        c_.use_box = 1;                            \
+        c_.field = (value);                        \
+        refused(&c_, #field " = " #value);         \
+    } while (0)
+#define REFUSE_FLOAT(field) \
+    do {                    \
+        REFUSE(field, NAN); \
+        REFUSE(field, INFINITY); \
+        REFUSE(field, -INFINITY); \
+        REFUSE(field, -1.0f); \
+        REFUSE(field, -1.0e-30f); \
+        REFUSE(field, 1.0e30f); \
+    } while (0)
+
+static void test_every_field(void **state)
+{
+    (void)state;
+    REFUSE(cookie, 0);
+    REFUSE(cookie, smr_config_default().cookie + 1u);
+    REFUSE(cookie, smr_config_default().cookie ^ 0x10000u);
+    REFUSE(cookie, smr_prepare_config_default().cookie);
+    REFUSE(n_workers, 0);
+    REFUSE(n_workers, SMR_WORKERS_MAX + 1u);
+    REFUSE(n_workers, UINT32_MAX);
+    REFUSE(n_target_vertices, SMR_VERTICES_MAX + 1u);
+    REFUSE(n_target_vertices, UINT32_MAX);
+    REFUSE_FLOAT(stiffness);
+    REFUSE(stiffness, 0.0f);
+    REFUSE(stiffness, 1.001f);
+    REFUSE_FLOAT(attraction);
+    REFUSE(attraction, 1.001f);
+    REFUSE_FLOAT(slide);
+    REFUSE(slide, 1.001f);
+    REFUSE_FLOAT(search_mm);
+    REFUSE(search_mm, 0.0f);
+    REFUSE(search_mm, SMR_COORD_MAX * 1.001f);
+    REFUSE_FLOAT(search_radii);
+    REFUSE(search_radii, 0.0f);
+    REFUSE(search_radii, 1.1e6f);
+    REFUSE_FLOAT(normal_deg);
+    REFUSE(normal_deg, 0.0f);
+    REFUSE(normal_deg, 180.01f);
+    REFUSE_FLOAT(reject_deviations);
+    REFUSE(reject_border, 2);
+    REFUSE(use_box, 2);
+    REFUSE(node_budget, 7);
+    REFUSE(node_budget, 1000001);
+    REFUSE(node_budget, UINT32_MAX);
+    REFUSE(method, 2);
+    REFUSE(method, UINT32_MAX);
+    REFUSE_FLOAT(relaxation);
+    REFUSE(relaxation, 0.0f);
+    REFUSE(relaxation, 1.001f);
+    REFUSE_FLOAT(momentum);
+    REFUSE(momentum, 1.0f);
+    REFUSE_FLOAT(plastic_um);
+    REFUSE_FLOAT(settle_um);
+    REFUSE(plastic_every, 1001);
+    REFUSE(fold_guard, 2);
+    REFUSE(normals, 2);
+    REFUSE(radius_first, 2); /* the model has radii 0 and 1 */
+    REFUSE(radius_first, SMR_ALL);
+    REFUSE(radius_last, 2);
+    REFUSE(radius_last, SMR_ALL - 1u);
+    REFUSE(iterations, 0);
+    REFUSE(iterations, 100001);
+    REFUSE(iterations_last, 0);
+    REFUSE(iterations_last, 100001);
+    for (uint32_t i = 0; i < 3u; i++) {
+        REFUSE(box_min[i], NAN);
+        REFUSE(box_max[i], NAN);
+        REFUSE(box_min[i], -INFINITY);
+        REFUSE(box_max[i], INFINITY);
+        REFUSE(box_min[i], 1.0f); /* above the maximum, 0 */
+        REFUSE(box_max[i], 1.0e6f);
+    }
+    smr_config config = smr_config_default();
+    config.radius_first = 1;
+    config.radius_last = 0;
+    refused(&config, "radius_first > radius_last");
+    config = smr_config_default();
+    config.box_min[0] = NAN; /* not looked at without use_box */
+    (void)rig_init(model, &config, NULL);
+}
+
+static void test_port(void **state)
+{
+    smr_config config = smr_config_default();
+    unsigned char *memory = rig_alloc(1u << 18);
+    smr_port port = {NULL, 2, NULL, NULL};
+    smr *out = NULL;
+    (void)state;
+    assert_int_equal(SMR_E_CONFIG, smr_init(&out, model, &config, &port, memory, 1u << 18)); /* more than n_workers */
+    port.n_workers = 0;
+    assert_int_equal(SMR_E_CONFIG, smr_init(&out, model, &config, &port, memory, 1u << 18));
+    port.n_workers = UINT32_MAX;
+    assert_int_equal(SMR_E_CONFIG, smr_init(&out, model, &config, &port, memory, 1u << 18));
+    assert_null(out);
+    config.n_workers = 3; /* more than the port has is fine */
+    port.n_workers = 2;
+    assert_int_equal(SMR_OK, smr_init(&out, model, &config, &port, memory, 1u << 18));
+}
+
+/* ---- memory */
+
+static void test_arena_edges(void **state)
+{
+    (void)state;
+    for (uint32_t method = 0; method < 2u; method++) {
+        for (uint32_t workers = 1; workers <= 5u; workers += 2u) {
+            for (uint32_t targets = 0; targets <= 100u; targets += 100u) {
+                smr_config config = smr_config_default();
+                size_t bytes = 0;
+                config.method = method;
+                config.n_workers = workers;
+                config.n_target_vertices = targets;
+                assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &bytes));
+                unsigned char *memory = rig_alloc(bytes + 128u), *copy = rig_alloc(bytes + 128u);
+                memset(memory, 0xa5, bytes + 128u);
+                memcpy(copy, memory, bytes + 128u);
+                smr *mark = (smr *)(void *)memory, *out = mark;
+                assert_int_equal(SMR_E_ARENA, smr_init(&out, model, &config, NULL, memory, bytes - 1u));
+                assert_int_equal(SMR_E_ARENA, smr_init(&out, model, &config, NULL, memory, 0));
+                for (uint32_t off = 1; off < SMR_ALIGN; off++) {
+                    assert_int_equal(SMR_E_ALIGN, smr_init(&out, model, &config, NULL, memory + off, bytes));
+                }
+                assert_ptr_equal(mark, out);
+                assert_memory_equal(copy, memory, bytes + 128u); /* refused: not a byte written */
+                assert_int_equal(SMR_OK, smr_init(&out, model, &config, NULL, memory, bytes));
+                assert_int_equal(SMR_OK, smr_set_surface(out, 0, surface));
+                (void)rig_run(out, 5);
+                assert_memory_equal(copy + bytes, memory + bytes, 128); /* nothing beyond the end */
+            }
+        }
+    }
+}
+
+static void test_target_larger_than_promised(void **state)
+{
+    smr_config config = smr_config_default();
+    (void)state;
+    config.n_target_vertices = other.n_vertices - 1u;
+    smr *s = rig_init(model, &config, NULL);
+    const uint64_t before = smr_state_hash(s);
+    assert_int_equal(SMR_E_ARENA, smr_set_surface(s, 0, surface));
+    assert_int_equal(SMR_E_ARENA, smr_set_surface(s, SMR_ALL, surface));
+    assert_true(before == smr_state_hash(s));
+    smr_structure_report part;
+    assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &part));
+    assert_int_equal(0, part.has_target);
+    config.n_target_vertices = other.n_vertices;
+    s = rig_init(model, &config, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface));
+}
+
+/* The macro for static storage is never too small, and not wasteful. */
+static void test_arena_macro(void **state)
+{
+    static const uint32_t workers[] = {1, 2, 8, 64}, targets[] = {0, 1, 5000}, parts[] = {1, 7, 40};
+    const smr_prepare_config radii = rig_radii(1, 5, 0, 0);
+    smr_mesh mesh[40];
+    double worst = 0.0, waste = 0.0;
+    (void)state;
+    for (uint32_t size = 0; size < 5u; size++) {
+        for (uint32_t p = 0; p < 3u; p++) {
+            if (size >= 3u && p > 1u) {
+                continue;
+            }
+            for (uint32_t i = 0; i < parts[p]; i++) {
+                const float at[3] = {200.0f * (float)i, 0, 0};
+                mesh[i] = rig_ball(60, 3u + 5u * size, 4u + 8u * size, at);
+                mesh[i].n_triangles = size == 1u ? i % 3u : mesh[i].n_triangles;
+                mesh[i].n_vertices = size == 0u ? 1u : mesh[i].n_vertices;
+                mesh[i].n_triangles = size == 0u ? 0u : mesh[i].n_triangles;
+            }
+            const smr_model *m = rig_model(mesh, parts[p], &radii);
+            smr_model_info info;
+            assert_int_equal(SMR_OK, smr_model_get_info(m, &info));
+            for (uint32_t k = 0; k < 24u; k++) {
+                smr_config config = smr_config_default();
+                size_t bytes = 0;
+                config.n_workers = workers[k % 4u];
+                config.n_target_vertices = targets[k / 4u % 3u];
+                config.method = k / 12u;
+                assert_int_equal(SMR_OK, smr_arena_bytes(m, &config, &bytes));
+                const size_t bound = SMR_ARENA_BYTES(info.n_vertices, info.n_triangles, info.n_structures,
+                                                     config.n_workers, config.n_target_vertices);
+                const double ratio = (double)bytes / (double)bound;
+                worst = ratio > worst ? ratio : worst;
+                if (config.n_target_vertices > 0u && config.method == SMR_METHOD_POLAR && size == 4u) {
+                    waste = 1.0 / ratio > waste ? 1.0 / ratio : waste;
+                }
+                if (bytes > bound) {
+                    print_message("%u vertices %u triangles %u structures %u workers %u targets: %zu > %zu\n", info.n_vertices,
+                                  info.n_triangles, info.n_structures, config.n_workers, config.n_target_vertices, bytes, bound);
+                }
+            }
+        }
+    }
+    if (getenv("SMR_TEST_SHOW") != NULL) {
+        print_message("arena / macro: at most %.3f; macro / arena of a large polar model: at most %.3f\n", worst, waste);
+    }
+    assert_true(worst <= 1.0);
+    assert_true(waste <= 1.5);
+}
+
+/* ---- coordinates from outside */
+
+static void test_refused_positions_change_nothing(void **state)
+{
+    static const float bad[] = {NAN, INFINITY, -INFINITY, 1.001e5f, -1.001e5f, 3.0e38f};
+    smr_config config = smr_config_default();
+    smr *s = rig_init(model, &config, NULL), *twin = rig_init(model, &config, NULL);
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface));
+    assert_int_equal(SMR_OK, smr_set_surface(twin, 0, surface));
+    (void)rig_run(s, 4);
+    (void)rig_run(twin, 4);
+    float *xyz = rig_alloc(ball.n_vertices * 3u * sizeof *xyz);
+    for (uint32_t i = 0; i < 6u; i++) {
+        smr_pose pose = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+        memcpy(xyz, ball.xyz, ball.n_vertices * 3u * sizeof *xyz);
+        xyz[3u * ball.n_vertices - 1u - i] = bad[i];
+        assert_int_equal(SMR_E_INPUT, smr_set_positions(s, 0, xyz));
+        pose.m[i % 3u][i / 2u] = bad[i];
+        assert_int_equal(SMR_E_INPUT, smr_set_pose(s, &pose));
+    }
+    const smr_pose too_far = {{{1, 0, 0, 99990.0f}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    const smr_pose too_large = {{{4000, 0, 0, 0}, {0, 4000, 0, 0}, {0, 0, 4000, 0}}};
+    assert_int_equal(SMR_E_INPUT, smr_set_pose(s, &too_far));
+    assert_int_equal(SMR_E_INPUT, smr_set_pose(s, &too_large));
+    assert_true(smr_state_hash(s) == smr_state_hash(twin));
+    (void)rig_run(s, 10);
+    (void)rig_run(twin, 10);
+    assert_true(smr_state_hash(s) == smr_state_hash(twin));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_null, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_not_a_registration, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_every_field, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_port, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_arena_edges, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_target_larger_than_promised, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_arena_macro, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_refused_positions_change_nothing, set_up, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,274 @@
+/* test_properties.c: what must hold for any registration: moving or mirroring all inputs moves or mirrors the result, the
+ * order of points does not matter, nothing moves without a target, and neither threads nor schedulers matter.
+ * SMR_TEST_SHOW=1 prints the true figures.
+ * SPDX-License-Identifier: MIT */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "smr_pthread.h"
+
+#define TOLERANCE_MM 1.0e-3f
+#define CELL 9000u /* about 1,100 vertices */
+
+static const float identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, nowhere[3] = {0, 0, 0};
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static void show(const char *what, float mm)
+{
+    if (getenv("SMR_TEST_SHOW") != NULL) {
+        printf("%-44s %.3g mm\n", what, (double)mm);
+    }
+}
+
+/* A whole default registration; positions in the caller's order. */
+static float *registered(const smr_mesh *source, const smr_mesh *target)
+{
+    smr_config config = smr_config_default();
+    config.n_target_vertices = target->n_vertices;
+    const smr_model *model = rig_model(source, 1, NULL);
+    smr *s = rig_init(model, &config, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(target)));
+    const smr_tick_report report = rig_run(s, 2000);
+    assert_int_equal(1, report.done);
+    return rig_positions(s, model);
+}
+
+static float moved_difference(const smr_mesh *source, const smr_mesh *target, const float *plain, const float m[9],
+                              const float t[3])
+{
+    const smr_mesh source2 = rig_moved(source, m, t), target2 = rig_moved(target, m, t);
+    const smr_mesh result = {plain, NULL, source->n_vertices, 0};
+    const smr_mesh expected = rig_moved(&result, m, t);
+    return rig_far(expected.xyz, registered(&source2, &target2), source->n_vertices);
+}
+
+static void test_translation(void **state)
+{
+    static const float by[][3] = {{600, 0, 0}, {-600, 600, 0}, {0.25f, -0.5f, 600}, {-3, 5, 7}, {346.4f, -346.4f, 346.4f}};
+    smr_mesh source, target;
+    float worst = 0.0f;
+    (void)state;
+    rig_bone(CELL, 1.0f, &source, &target);
+    const float *plain = registered(&source, &target);
+    for (size_t i = 0; i < sizeof by / sizeof by[0]; i++) {
+        worst = fmaxf(worst, moved_difference(&source, &target, plain, identity, by[i]));
+    }
+    show("translated inputs", worst);
+    assert_true(worst <= TOLERANCE_MM);
+}
+
+static void test_rotation(void **state)
+{
+    static const float turn[][7] = {/* axis, degrees, translation */
+                                    {0, 0, 1, 90, 0, 0, 0},
+                                    {1, 2, 3, 37, 0, 0, 0},
+                                    {3, -1, 1, 120, -600, 0, 0},
+                                    {-1, 1, 2, 180, 0, 0, 600},
+                                    {1, 0, 0, 5, 100, 200, -300}};
+    smr_mesh source, target;
+    float worst = 0.0f;
+    (void)state;
+    rig_bone(CELL, 1.0f, &source, &target);
+    const float *plain = registered(&source, &target);
+    for (size_t i = 0; i < sizeof turn / sizeof turn[0]; i++) {
+        float m[9];
+        rig_rotation(turn[i][0], turn[i][1], turn[i][2], turn[i][3], m);
+        worst = fmaxf(worst, moved_difference(&source, &target, plain, m, turn[i] + 4));
+    }
+    show("rotated and translated inputs", worst);
+    assert_true(worst <= TOLERANCE_MM);
+}
+
+static void test_mirror(void **state)
+{
+    smr_mesh source, target;
+    float worst = 0.0f;
+    (void)state;
+    rig_bone(CELL, 1.0f, &source, &target);
+    const float *plain = registered(&source, &target);
+    for (uint32_t axis = 0; axis < 3u; axis++) {
+        float m[9];
+        memcpy(m, identity, sizeof m);
+        m[4u * axis] = -1.0f;
+        worst = fmaxf(worst, moved_difference(&source, &target, plain, m, nowhere));
+    }
+    show("mirrored inputs", worst);
+    assert_true(worst <= TOLERANCE_MM);
+}
+
+/* The same mesh with its vertices, triangles and corners in another order. new_of[old vertex]. */
+static smr_mesh shuffled(const smr_mesh *mesh, uint32_t *seed, uint32_t *new_of)
+{
+    float *xyz = rig_alloc(mesh->n_vertices * 3u * sizeof *xyz);
+    uint32_t *t = rig_alloc(mesh->n_triangles * 3u * sizeof *t);
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+        const uint32_t j = rig_random(seed, i + 1u);
+        new_of[i] = new_of[j];
+        new_of[j] = i;
+    }
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+        memcpy(xyz + 3u * (size_t)new_of[i], mesh->xyz + 3u * (size_t)i, 3u * sizeof *xyz);
+    }
+    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
+        const uint32_t j = rig_random(seed, i + 1u), turn = rig_random(seed, 3);
+        memcpy(t + 3u * (size_t)i, t + 3u * (size_t)j, 3u * sizeof *t);
+        for (uint32_t c = 0; c < 3u; c++) {
+            t[3u * (size_t)j + c] = new_of[mesh->triangles[3u * (size_t)i + (c + turn) % 3u]];
+        }
+    }
+    return (smr_mesh){xyz, t, mesh->n_vertices, mesh->n_triangles};
+}
+
+static void test_order_of_inputs(void **state)
+{
+    smr_mesh source, target;
+    uint32_t seed = 5;
+    float worst = 0.0f;
+    (void)state;
+    rig_bone(CELL, 1.0f, &source, &target);
+    const float *plain = registered(&source, &target);
+    uint32_t *new_of = rig_alloc(source.n_vertices * sizeof *new_of);
+    uint32_t *target_of = rig_alloc(target.n_vertices * sizeof *target_of);
+    float *expected = rig_alloc(source.n_vertices * 3u * sizeof *expected);
+    for (uint32_t round = 0; round < 3u; round++) {
+        const smr_mesh source2 = shuffled(&source, &seed, new_of), target2 = shuffled(&target, &seed, target_of);
+        const float *other = registered(&source2, &target2);
+        for (uint32_t i = 0; i < source.n_vertices; i++) {
+            memcpy(expected + 3u * (size_t)new_of[i], plain + 3u * (size_t)i, 3u * sizeof *expected);
+        }
+        worst = fmaxf(worst, rig_far(expected, other, source.n_vertices));
+    }
+    show("vertices and triangles in another order", worst);
+    assert_true(worst <= TOLERANCE_MM);
+}
+
+/* One iteration of every kind from the same start: no history in which small differences could grow. */
+static void test_one_iteration_moves_along(void **state)
+{
+    static const float turn[][7] = {{1, 2, 3, 37, 0, 0, 0}, {3, -1, 1, 120, -600, 0, 0}, {-1, 1, 2, 180, 0, 0, 600}};
+    smr_mesh source, target;
+    float worst = 0.0f;
+    (void)state;
+    rig_bone(CELL, 1.0f, &source, &target);
+    for (uint32_t k = 0; k < 6u; k++) {
+        float m[9], *x[2];
+        rig_rotation(turn[k / 2u][0], turn[k / 2u][1], turn[k / 2u][2], turn[k / 2u][3], m);
+        const smr_mesh from[2] = {source, rig_moved(&source, m, turn[k / 2u] + 4)};
+        const smr_mesh to[2] = {target, rig_moved(&target, m, turn[k / 2u] + 4)};
+        const smr_prepare_config radii = rig_radii(1, 60.0f + 7.13f * (float)k, 0, 0);
+        for (uint32_t i = 0; i < 2u; i++) {
+            smr_config config = smr_config_default();
+            config.method = k % 2u;
+            const smr_model *model = rig_model(&from[i], 1, &radii);
+            smr *s = rig_init(model, &config, NULL);
+            assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&to[i])));
+            (void)rig_run(s, 1);
+            x[i] = rig_positions(s, model);
+        }
+        const smr_mesh result = {x[0], NULL, source.n_vertices, 0};
+        const smr_mesh expected = rig_moved(&result, m, turn[k / 2u] + 4);
+        worst = fmaxf(worst, rig_far(expected.xyz, x[1], source.n_vertices));
+    }
+    show("one iteration, rotated and translated", worst);
+    assert_true(worst <= TOLERANCE_MM);
+}
+
+/* ---- no target */
+
+static void test_rest_stays(void **state)
+{
+    const float centre[3] = {301.3f, -12.7f, 44.4f};
+    (void)state;
+    for (uint32_t k = 0; k < 4u; k++) {
+        const smr_mesh mesh = rig_ball(30.0f, 9, 12, centre);
+        const smr_prepare_config radii = rig_radii(2, 25.0f, 12.0f, 0);
+        const smr_model *model = rig_model(&mesh, 1, &radii);
+        smr_config config = smr_config_default();
+        smr_tick_report report;
+        config.method = k % 2u;
+        config.iterations = config.iterations_last = 100000;
+        config.settle_um = 0.0f; /* nothing moves, so nothing else would keep the schedule from ending */
+        config.plastic_um = k < 2u ? 50.0f : 0.0f;
+        config.plastic_every = k < 2u ? 1u : 0u;
+        smr *s = rig_init(model, &config, NULL);
+        float *before = rig_positions(s, model);
+        for (uint32_t tick = 0; tick < 10000u; tick++) {
+            assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+        }
+        assert_int_equal(10000, report.iteration);
+        assert_int_equal(0, report.done);
+        assert_memory_equal(before, rig_positions(s, model), mesh.n_vertices * 3u * sizeof(float));
+        assert_true(report.displacement_max_mm == 0.0f);
+        assert_true(rig_far(before, mesh.xyz, mesh.n_vertices) <= 3.1e-5f); /* one rounding at 300 mm */
+    }
+}
+
+/* ---- workers and schedulers */
+
+static uint64_t hash_with(const smr_model *model, const smr_surface *target, uint32_t method, const smr_port *port)
+{
+    smr_config config = smr_config_default();
+    config.method = method;
+    config.n_workers = 8;
+    config.n_target_vertices = 4000;
+    smr *s = rig_init(model, &config, port);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target));
+    (void)rig_run(s, 25);
+    return smr_state_hash(s);
+}
+
+static void test_workers_and_schedulers(void **state)
+{
+    static const uint32_t workers[] = {1, 2, 3, 4, 8};
+    smr_mesh source, target;
+    (void)state;
+    rig_bone(CELL, 1.0f, &source, &target);
+    const smr_prepare_config radii = rig_radii(2, 60.0f, 15.0f, 0);
+    const smr_model *model = rig_model(&source, 1, &radii);
+    const smr_surface *surface = rig_surface(&target);
+    for (uint32_t method = 0; method < 2u; method++) {
+        const uint64_t expected = hash_with(model, surface, method, NULL);
+        for (uint32_t w = 0; w < sizeof workers / sizeof workers[0]; w++) {
+            smr_pthread *pool = NULL;
+            const size_t bytes = smr_pthread_bytes(workers[w]);
+            assert_int_equal(SMR_OK, smr_pthread_create(&pool, rig_alloc(bytes), bytes, workers[w]));
+            const smr_port threads = smr_pthread_port(pool);
+            const uint64_t hash = hash_with(model, surface, method, &threads);
+            smr_pthread_destroy(pool);
+            assert_true(hash == expected);
+            for (uint32_t scheduler = 0; scheduler < RIG_SCHEDULERS; scheduler++) {
+                const smr_port port = rig_port(scheduler, workers[w]);
+                assert_true(hash_with(model, surface, method, &port) == expected);
+            }
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_one_iteration_moves_along, tidy),
+        cmocka_unit_test_teardown(test_translation, tidy),
+        cmocka_unit_test_teardown(test_rotation, tidy),
+        cmocka_unit_test_teardown(test_mirror, tidy),
+        cmocka_unit_test_teardown(test_order_of_inputs, tidy),
+        cmocka_unit_test_teardown(test_rest_stays, tidy),
+        cmocka_unit_test_teardown(test_workers_and_schedulers, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,241 @@
+/* test_sums_exact.c: sums along the forest, along the paper's breadth-first chain, and summed directly over whole clusters
+ * are the same numbers, at every vertex, and stay so however long it runs. Clusters are found again by comparing all pairs.
+ * SPDX-License-Identifier: MIT */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <string.h>
+
+#include "property/model_lists.h"
+#include "property/rig.h"
+#include "property/rig_data.h"
+#include "runtime/state.h"
+
+static const float none[3] = {0, 0, 0};
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+/* Direct sums of the records over whole clusters against the registration's own; returns vertices that differ. */
+static uint32_t n_different(const smr *s, const rig_lists *l, uint32_t words)
+{
+    uint32_t wrong = 0;
+    for (uint32_t v = 0; v < s->n; v++) {
+        uint32_t sum[SMR_WORDS] = {0};
+        for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
+            const uint32_t *r = s->record + SMR_WORDS * (size_t)l->zeta[k];
+            for (uint32_t w = 0; w < words; w++) {
+                sum[w] += r[w];
+            }
+        }
+        wrong += memcmp(sum, s->sum + SMR_WORDS * (size_t)v, words * sizeof *sum) != 0;
+    }
+    return wrong;
+}
+
+static void run_all(smr *s, uint32_t n_tasks, smr_task run)
+{
+    for (uint32_t t = 0; t < n_tasks; t++) {
+        run(s, t, 0);
+    }
+}
+
+/* Sums of records that fill all 32 bits, so that partial sums wrap, for every number of words in use. */
+static void check_any_records(smr *s, const rig_lists *l)
+{
+    static const uint32_t in_use[] = {6, 10, 12};
+    uint32_t seed = 11;
+    for (size_t i = 0; i < SMR_WORDS * (size_t)s->n; i++) {
+        seed = seed * 1664525u + 1013904223u;
+        s->record[i] = seed ^ seed >> 15;
+    }
+    for (uint32_t i = 0; i < 3u; i++) {
+        s->sum_words = in_use[i];
+        memset(s->sum, 0x55, SMR_WORDS * (size_t)s->n * sizeof *s->sum);
+        run_all(s, smr_block_tasks(s), smr_sums_forest);
+        assert_int_equal(0, n_different(s, l, in_use[i]));
+    }
+}
+
+/* The sums that iterations leave behind. */
+static void check_iterations(smr *s, const rig_lists *l, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        assert_int_equal(12, s->sum_words);
+        assert_int_equal(0, n_different(s, l, 12));
+    }
+}
+
+static smr *start(const smr_model *model, const smr_surface *target, uint32_t method)
+{
+    smr_config config = smr_config_default();
+    config.method = method;
+    config.settle_um = 0.0f;
+    config.iterations = config.iterations_last = 100000;
+    smr *s = rig_init(model, &config, NULL);
+    if (target != NULL) {
+        assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target));
+    }
+    return s;
+}
+
+/* One radius of a model: both orders hold the clusters that all pairs give, and sum alike. */
+static void check_radius(const smr_mesh *mesh, uint32_t n_structures, float radius, float separate, const smr_surface *target)
+{
+    smr_prepare_config config = rig_radii(1, radius, 0, 0);
+    uint64_t hash[2];
+    rig_lists by_pairs;
+    memset(&by_pairs, 0, sizeof by_pairs);
+    config.separate_below_mm = separate;
+    for (uint32_t order = 0; order < 2u; order++) {
+        config.order = order;
+        const smr_model *model = rig_model(mesh, n_structures, &config);
+        smr_model_info info;
+        assert_int_equal(SMR_OK, smr_model_get_info(model, &info));
+        if (order == 0u) {
+            by_pairs = rig_decode(model, 0, radius >= info.edge_mm, 1);
+        }
+        const rig_lists chain = rig_decode(model, 0, 0, 0);
+        assert_memory_equal(by_pairs.zeta_start, chain.zeta_start, (chain.n + 1u) * sizeof(uint32_t));
+        assert_memory_equal(by_pairs.zeta, chain.zeta, chain.zeta_start[chain.n] * sizeof(uint32_t));
+        smr *s = start(model, target, order); /* either method */
+        check_any_records(s, &by_pairs);
+        check_iterations(s, &by_pairs, 2);
+        s = start(model, target, SMR_METHOD_RIGID);
+        (void)rig_run(s, 3);
+        hash[order] = smr_state_hash(s);
+    }
+    assert_true(hash[0] == hash[1]);
+}
+
+static void test_bone(void **state)
+{
+    static const float radii[] = {10, 30, 50};
+    smr_mesh source, target;
+    (void)state;
+    rig_bone(9000u, 1.0f, &source, &target);
+    const smr_surface *surface = rig_surface(&target);
+    for (uint32_t i = 0; i < 3u; i++) {
+        check_radius(&source, 1, radii[i], 0.0f, surface);
+    }
+}
+
+static void test_several_structures(void **state)
+{
+    const float a[3] = {0, 0, 0}, b[3] = {70, 5, 3}, c[3] = {35, 60, -2};
+    const smr_mesh mesh[3] = {rig_ball(38, 9, 14, a), rig_ball(36, 8, 15, b), rig_ball(30, 3, 3, c)};
+    (void)state;
+    for (float radius = 3.0f; radius < 130.0f; radius *= 1.7f) {
+        check_radius(mesh, 3, radius, 0.0f, NULL);
+        check_radius(mesh, 3, radius, 1000.0f, NULL);
+    }
+}
+
+static void test_thigh(void **state)
+{
+    static const float radii[] = {10, 30, 50};
+    static smr_mesh mesh[RIG_STRUCTURES_MAX];
+    (void)state;
+    const uint32_t n = rig_folder("hip_thigh_vhm", mesh, NULL);
+    if (n != 24u) {
+        print_message("skipped: the 24-structure model ../shared/data/hip_thigh_vhm is not there\n");
+        skip();
+    }
+    for (uint32_t i = 0; i < 3u; i++) {
+        check_radius(mesh, n, radii[i], 0.0f, NULL);
+        tidy(NULL); /* clusters at 50 mm take 100 MB */
+        (void)rig_folder("hip_thigh_vhm", mesh, NULL);
+    }
+}
+
+static void test_no_drift_at_rest(void **state)
+{
+    const smr_mesh mesh = rig_ball(30, 6, 10, none);
+    const smr_prepare_config radii = rig_radii(1, 18, 0, 0);
+    const smr_model *model = rig_model(&mesh, 1, &radii);
+    const rig_lists l = rig_decode(model, 0, 1, 1);
+    (void)state;
+    for (uint32_t method = 0; method < 2u; method++) {
+        smr *s = start(model, NULL, method);
+        const float *before = rig_positions(s, model);
+        smr_tick_report report;
+        for (uint32_t i = 0; i < 100000u; i++) {
+            (void)smr_tick(s, 0, &report);
+        }
+        assert_int_equal(100000, report.iteration);
+        assert_memory_equal(before, rig_positions(s, model), mesh.n_vertices * 3u * sizeof(float));
+        assert_int_equal(0, n_different(s, &l, 12));
+    }
+}
+
+static void test_no_drift_with_target(void **state)
+{
+    const float off[3] = {3, -2, 1};
+    const smr_mesh mesh = rig_ball(30, 6, 10, none), other = rig_ball(33, 9, 8, off);
+    const smr_prepare_config radii = rig_radii(1, 18, 0, 0);
+    const smr_model *model = rig_model(&mesh, 1, &radii);
+    const rig_lists l = rig_decode(model, 0, 1, 1);
+    (void)state;
+    smr *s = start(model, rig_surface(&other), SMR_METHOD_RIGID);
+    smr_tick_report report;
+    for (uint32_t i = 0; i < 99990u; i++) {
+        (void)smr_tick(s, 0, &report);
+    }
+    assert_int_equal(99990, report.iteration);
+    check_iterations(s, &l, 9);
+    assert_true(rig_finite(rig_positions(s, model), mesh.n_vertices));
+    check_any_records(s, &l);
+}
+
+/* The scales leave room for the largest final sum: as 64-bit numbers the sums are the same. */
+static void test_final_sums_fit(void **state)
+{
+    const smr_prepare_config radii = rig_radii(1, 60, 0, 0);
+    smr_mesh source, target;
+    (void)state;
+    rig_bone(12000u, 2.0f, &source, &target);
+    const smr_model *model = rig_model(&source, 1, &radii);
+    const rig_lists l = rig_decode(model, 0, 1, 1);
+    for (uint32_t method = 0; method < 2u; method++) {
+        smr *s = start(model, rig_surface(&target), method);
+        for (uint32_t i = 0; i < 10u; i++) {
+            assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+            int64_t largest = 0;
+            for (uint32_t v = 0; v < s->n; v++) {
+                for (uint32_t w = 0; w < 12u; w++) {
+                    int64_t sum = 0;
+                    for (uint32_t k = l.zeta_start[v]; k < l.zeta_start[v + 1u]; k++) {
+                        sum += (int32_t)s->record[SMR_WORDS * (size_t)l.zeta[k] + w];
+                    }
+                    assert_true(sum == (int32_t)s->sum[SMR_WORDS * (size_t)v + w]);
+                    largest = sum > largest ? sum : largest;
+                    largest = -sum > largest ? -sum : largest;
+                }
+            }
+            /* the first iteration may be one without forces; later ones use the room */
+            assert_true((i == 0u || largest > 1 << 24) && largest <= INT64_C(1) << 30);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_bone, tidy),
+        cmocka_unit_test_teardown(test_several_structures, tidy),
+        cmocka_unit_test_teardown(test_thigh, tidy),
+        cmocka_unit_test_teardown(test_no_drift_at_rest, tidy),
+        cmocka_unit_test_teardown(test_no_drift_with_target, tidy),
+        cmocka_unit_test_teardown(test_final_sums_fit, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,150 @@
+/* test_mesh.c: checks and measures of meshes. Budgets against double precision: vertex normals 2e-6 in each
+ * component, areas 2e-6 relative.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "geometry/mesh.h"
+#include "unit_mesh.h"
+
+static void refuses_bad_meshes(void **state)
+{
+    static const float bad[] = {NAN, INFINITY, -INFINITY, 1e30f, -1e30f, 100001.0f, -100001.0f};
+    unit_mesh m = unit_grid(3, 3, 2.0f);
+    smr_mesh v = unit_view(&m);
+    (void)state;
+    assert_int_equal(smr_mesh_check(&v), SMR_OK);
+    assert_int_equal(smr_mesh_check(NULL), SMR_E_NULL);
+    v.xyz = NULL;
+    assert_int_equal(smr_mesh_check(&v), SMR_E_NULL);
+    v = unit_view(&m);
+    v.triangles = NULL;
+    assert_int_equal(smr_mesh_check(&v), SMR_E_NULL);
+    v.n_triangles = 0;
+    assert_int_equal(smr_mesh_check(&v), SMR_OK);
+    v = unit_view(&m);
+    v.n_vertices = 0;
+    assert_int_equal(smr_mesh_check(&v), SMR_E_INPUT);
+    v.n_vertices = SMR_VERTICES_MAX + 1u; /* refused before anything is read */
+    assert_int_equal(smr_mesh_check(&v), SMR_E_INPUT);
+    v = unit_view(&m);
+    v.n_triangles = SMR_TRIANGLES_MAX + 1u;
+    assert_int_equal(smr_mesh_check(&v), SMR_E_INPUT);
+    v = unit_view(&m);
+    for (uint32_t i = 0; i < 3u * m.nv; i++) {
+        const float was = m.xyz[i];
+        for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
+            m.xyz[i] = bad[k];
+            assert_int_equal(smr_mesh_check(&v), SMR_E_INPUT);
+        }
+        m.xyz[i] = i % 2u ? SMR_COORD_MAX : -SMR_COORD_MAX;
+        assert_int_equal(smr_mesh_check(&v), SMR_OK);
+        m.xyz[i] = was;
+    }
+    for (uint32_t i = 0; i < 3u * m.nt; i++) {
+        const uint32_t was = m.triangles[i];
+        m.triangles[i] = m.nv;
+        assert_int_equal(smr_mesh_check(&v), SMR_E_INPUT);
+        m.triangles[i] = SMR_ALL;
+        assert_int_equal(smr_mesh_check(&v), SMR_E_INPUT);
+        m.triangles[i] = was;
+    }
+    unit_mesh_free(&m);
+}
+
+static void normals_and_areas(void **state)
+{
+    oracle_random r = oracle_seed(80);
+    double worst = 0.0, worst_area = 0.0;
+    (void)state;
+    for (uint32_t round = 0; round < 20u; round++) {
+        unit_mesh m = round % 2u ? unit_grid(20, 15, 3.0f) : unit_sphere(3, 40.0f, 10.0f);
+        for (uint32_t i = 0; i < 3u * m.nv; i++)
+            m.xyz[i] += oracle_uniformf(&r, -0.3f, 0.3f);
+        const smr_mesh v = unit_view(&m);
+        float *normal = unit_memory(12u * (size_t)m.nv), *area = unit_memory(4u * (size_t)m.nv);
+        double *want = unit_memory(32u * (size_t)m.nv);
+        for (uint32_t i = 0; i < 4u * m.nv; i++)
+            want[i] = 0.0;
+        for (uint32_t k = 0; k < m.nt; k++) {
+            double e[2][3], n[3];
+            const uint32_t *t = m.triangles + 3u * k;
+            for (int c = 0; c < 3; c++)
+                for (int j = 0; j < 2; j++)
+                    e[j][c] = (double)m.xyz[3u * t[j + 1] + (uint32_t)c] - (double)m.xyz[3u * t[0] + (uint32_t)c];
+            for (int c = 0; c < 3; c++)
+                n[c] = e[0][(c + 1) % 3] * e[1][(c + 2) % 3] - e[0][(c + 2) % 3] * e[1][(c + 1) % 3];
+            for (int c = 0; c < 3; c++) {
+                for (int j = 0; j < 3; j++)
+                    want[4u * t[c] + (uint32_t)j] += n[j];
+                want[4u * t[c] + 3u] += sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / 6.0;
+            }
+        }
+        smr_mesh_normals(&v, normal, area);
+        for (uint32_t i = 0; i < m.nv; i++) {
+            const double *n = want + 4u * i, l = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+            for (uint32_t c = 0; c < 3u; c++)
+                worst = fmax(worst, fabs((double)normal[3u * i + c] - n[c] / l));
+            worst_area = fmax(worst_area, fabs((double)area[i] / n[3] - 1.0));
+        }
+        unit_free(normal);
+        unit_free(area);
+        unit_free(want);
+        unit_mesh_free(&m);
+    }
+    assert_true(oracle_within("mesh: vertex normals", worst, 2e-6));
+    assert_true(oracle_within("mesh: areas, relative", worst_area, 2e-6));
+}
+
+/* Isolated vertices and vertices of zero-area triangles have no normal and no area; area may be NULL. */
+static void vertices_without_area(void **state)
+{
+    const float xyz[] = {0, 0, 0, 1, 0, 0, 2, 0, 0, 5, 5, 5, 7, 7, 7};
+    const uint32_t t[] = {0, 1, 2, 4, 4, 4, 0, 1, 1};
+    const smr_mesh m = {xyz, t, 5, 3};
+    float normal[15], area[5];
+    (void)state;
+    smr_mesh_normals(&m, normal, area);
+    for (int i = 0; i < 15; i++)
+        assert_true(normal[i] == 0.0f);
+    for (int i = 0; i < 5; i++)
+        assert_true(area[i] == 0.0f);
+    smr_mesh_normals(&m, normal, NULL);
+}
+
+static void around_lists_every_corner(void **state)
+{
+    oracle_random r = oracle_seed(81);
+    (void)state;
+    for (uint32_t round = 0; round < 20u; round++) {
+        unit_mesh m = unit_soup(&r, 1u + oracle_below(&r, 300u), 10.0f, 1);
+        const smr_mesh v = unit_view(&m);
+        uint32_t *start = unit_memory(4u * ((size_t)m.nv + 1u)), *around = unit_memory(12u * (size_t)m.nt);
+        smr_mesh_around(&v, start, around);
+        assert_int_equal(start[0], 0);
+        assert_int_equal(start[m.nv], 3u * m.nt);
+        for (uint32_t i = 0; i < m.nv; i++) {
+            uint32_t at = start[i];
+            for (uint32_t k = 0; k < 3u * m.nt; k++) /* ascending, with repeats */
+                if (m.triangles[k] == i)
+                    assert_int_equal(around[at++], k / 3u);
+            assert_int_equal(at, start[i + 1u]);
+        }
+        unit_free(start);
+        unit_free(around);
+        unit_mesh_free(&m);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(refuses_bad_meshes),
+        cmocka_unit_test(normals_and_areas),
+        cmocka_unit_test(vertices_without_area),
+        cmocka_unit_test(around_lists_every_corner),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,280 @@
+/* test_surface.c: target surfaces: sizes and refusals, closest points with normals and reach against a look at every
+ * triangle in double precision (2e-5 mm on a mesh of 100 mm), borders of open meshes.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "geometry/surface.h"
+#include "unit_mesh.h"
+
+static void refuses_and_leaves_alone(void **state)
+{
+    unit_mesh m = unit_grid(5, 4, 2.0f);
+    smr_mesh v = unit_view(&m);
+    const size_t bytes = smr_surface_bytes(m.nv, m.nt);
+    unsigned char *memory = unit_memory(bytes + SMR_ALIGN);
+    smr_surface mark, *s = &mark;
+    (void)state;
+    assert_int_equal(smr_surface_build(NULL, bytes, &v, &s), SMR_E_NULL);
+    assert_int_equal(smr_surface_build(memory, bytes, NULL, &s), SMR_E_NULL);
+    assert_int_equal(smr_surface_build(memory, bytes, &v, NULL), SMR_E_NULL);
+    for (size_t off = 1; off < SMR_ALIGN; off++)
+        assert_int_equal(smr_surface_build(memory + off, bytes, &v, &s), SMR_E_ALIGN);
+    assert_int_equal(smr_surface_build(memory, bytes - 1u, &v, &s), SMR_E_ARENA);
+    assert_int_equal(smr_surface_build(memory, 0, &v, &s), SMR_E_ARENA);
+    v.n_triangles = 0;
+    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_E_INPUT);
+    v = unit_view(&m);
+    v.triangles = NULL;
+    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_E_NULL);
+    v = unit_view(&m);
+    v.n_vertices = 0;
+    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_E_INPUT);
+    v.n_vertices = m.nv - 1u; /* the last corner is out of range now */
+    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_E_INPUT);
+    v = unit_view(&m);
+    m.xyz[17] = NAN;
+    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_E_INPUT);
+    m.xyz[17] = 1e30f;
+    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_E_INPUT);
+    assert_ptr_equal(s, &mark);
+    for (size_t i = 0; i < bytes; i++) /* no refused call wrote anything */
+        assert_int_equal(memory[i], 0xa5);
+    m.xyz[17] = 1.0f;
+    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_OK);
+    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_OK); /* the same memory again */
+    unit_free(memory);
+    unit_mesh_free(&m);
+}
+
+static void sizes(void **state)
+{
+    (void)state;
+    assert_int_equal(smr_surface_bytes(0, 1), 0);
+    assert_int_equal(smr_surface_bytes(3, 0), 0);
+    assert_int_equal(smr_surface_bytes(SMR_VERTICES_MAX + 1u, 1), 0);
+    assert_int_equal(smr_surface_bytes(3, SMR_TRIANGLES_MAX + 1u), 0);
+    assert_true(smr_surface_bytes(SMR_VERTICES_MAX, SMR_TRIANGLES_MAX) > (size_t)400u << 20);
+    for (uint32_t nt = 1; nt < 70u; nt++) { /* the mesh may go, odd sizes fit exactly */
+        oracle_random r = oracle_seed(nt);
+        unit_mesh m = unit_soup(&r, nt, 9.0f, (int)(nt % 2u));
+        smr_surface *s = unit_surface(&m);
+        unit_mesh_free(&m);
+        smr_closest hit;
+        const float p[3] = {20, 20, 20};
+        assert_int_equal(smr_surface_closest(s, p, NULL, 0, 1e5f, &hit), SMR_OK);
+        assert_true(hit.triangle < nt && hit.distance > 10.0f);
+        unit_free(s);
+    }
+}
+
+static void query_refusals(void **state)
+{
+    static const float bad[] = {NAN, INFINITY, -INFINITY, 1.1e5f, -1e30f};
+    unit_mesh m = unit_grid(2, 2, 2.0f);
+    smr_surface *s = unit_surface(&m);
+    float p[3] = {1, 1, 1}, n[3] = {0, 0, 1};
+    smr_closest hit;
+    smr_closest mark;
+    (void)state;
+    memset(&mark, 0x77, sizeof mark);
+    hit = mark;
+    assert_int_equal(smr_surface_closest(NULL, p, NULL, 0, 1, &hit), SMR_E_NULL);
+    assert_int_equal(smr_surface_closest(s, NULL, NULL, 0, 1, &hit), SMR_E_NULL);
+    assert_int_equal(smr_surface_closest(s, p, NULL, 0, 1, NULL), SMR_E_NULL);
+    for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
+        for (int c = 0; c < 3; c++) {
+            const float was = p[c], turn = n[c];
+            p[c] = bad[k];
+            assert_int_equal(smr_surface_closest(s, p, NULL, 0, 1, &hit), SMR_E_INPUT);
+            p[c] = was;
+            n[c] = bad[k];
+            assert_int_equal(smr_surface_closest(s, p, n, 0, 1, &hit), SMR_E_INPUT);
+            n[c] = turn;
+        }
+        assert_int_equal(smr_surface_closest(s, p, n, bad[k], 1, &hit), SMR_E_INPUT);
+    }
+    assert_int_equal(smr_surface_closest(s, p, NULL, 0, NAN, &hit), SMR_E_INPUT);
+    assert_int_equal(smr_surface_closest(s, p, NULL, 0, -1.0f, &hit), SMR_E_INPUT);
+    assert_memory_equal(&hit, &mark, sizeof hit);
+    assert_int_equal(smr_surface_closest(s, p, NULL, NAN, INFINITY, &hit), SMR_OK); /* min_cos unused, any reach */
+    assert_true(hit.triangle != SMR_ALL);
+    smr_surface *nothing = unit_memory(sizeof *nothing);
+    memset(nothing, 0, sizeof *nothing);
+    assert_int_equal(smr_surface_closest(nothing, p, NULL, 0, 1, &hit), SMR_E_STATE);
+    unit_free(nothing);
+    unit_free(s);
+    unit_mesh_free(&m);
+}
+
+static void corners(const unit_mesh *m, uint32_t k, double c[9])
+{
+    for (uint32_t j = 0; j < 9u; j++)
+        c[j] = (double)m->xyz[3u * (size_t)m->triangles[3u * (size_t)k + j / 3u] + j % 3u];
+}
+
+static double cosine(const double c[9], const float n[3])
+{
+    const double u[3] = {c[3] - c[0], c[4] - c[1], c[5] - c[2]}, v[3] = {c[6] - c[0], c[7] - c[1], c[8] - c[2]};
+    const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+    return (x * (double)n[0] + y * (double)n[1] + z * (double)n[2]) / sqrt(x * x + y * y + z * z);
+}
+
+/* With and without a normal, with every kind of reach. */
+static void equals_double(void **state)
+{
+    oracle_random r = oracle_seed(101);
+    double worst = 0.0;
+    (void)state;
+    for (uint32_t round = 0; round < 2u; round++) {
+        unit_mesh m = round ? unit_grid(17, 16, 6.0f) : unit_sphere(3, 50.0f, 0.0f);
+        smr_surface *s = unit_surface(&m);
+        for (uint32_t i = 0; i < 700u; i++) {
+            const float p[3] = {oracle_uniformf(&r, -80, 120), oracle_uniformf(&r, -80, 120), oracle_uniformf(&r, -80, 80)};
+            double turn[9], c[9], want = HUGE_VAL, near_edge = HUGE_VAL;
+            const double q[3] = {(double)p[0], (double)p[1], (double)p[2]};
+            oracle_rotation(&r, turn);
+            const float n[3] = {(float)turn[0], (float)turn[1], (float)turn[2]};
+            const float min_cos = oracle_uniformf(&r, -0.5f, 0.9f), reach = i % 4u ? 300.0f : 20.0f;
+            const int any = i % 3u == 0u;
+            for (uint32_t k = 0; k < m.nt; k++) {
+                corners(&m, k, c);
+                const double agree = any ? 2.0 : cosine(c, n) - (double)min_cos;
+                if (agree < 0.0)
+                    continue;
+                want = fmin(want, sqrt(oracle_triangle(q, c, c + 3, c + 6)));
+                near_edge = fmin(near_edge, agree);
+            }
+            smr_closest hit;
+            assert_int_equal(smr_surface_closest(s, p, any ? NULL : n, min_cos, reach, &hit), SMR_OK);
+            if (near_edge < 1e-5 || fabs(want - (double)reach) < 1e-3)
+                continue; /* too near a decision for floats */
+            if (want > (double)reach) {
+                assert_int_equal(hit.triangle, SMR_ALL);
+                continue;
+            }
+            assert_true(hit.triangle < m.nt);
+            worst = fmax(worst, fabs((double)hit.distance - want));
+            corners(&m, hit.triangle, c); /* the caller's index and the caller's weights */
+            assert_true(any || cosine(c, n) >= (double)min_cos - 1e-6);
+            assert_true(cosine(c, hit.normal) > 0.99999);
+            double d2 = 0.0;
+            for (int k = 0; k < 3; k++) {
+                const double at = c[k] * (double)hit.weight[0] + c[3 + k] * (double)hit.weight[1] + c[6 + k] * (double)hit.weight[2];
+                worst = fmax(worst, fabs(at - (double)hit.point[k]));
+                d2 += ((double)hit.point[k] - q[k]) * ((double)hit.point[k] - q[k]);
+            }
+            worst = fmax(worst, fabs(sqrt(d2) - want));
+        }
+        unit_free(s);
+        unit_mesh_free(&m);
+    }
+    assert_true(oracle_within("surface: closest point, mm", worst, 2e-5));
+}
+
+/* Right at a vertex all triangles around it are as near: the smallest of the caller's indexes is named. */
+static void ties_go_to_the_smallest_index(void **state)
+{
+    unit_mesh m = unit_grid(9, 7, 2.0f);
+    smr_surface *s = unit_surface(&m);
+    (void)state;
+    for (uint32_t v = 0; v < m.nv; v++) {
+        uint32_t want = SMR_ALL;
+        for (uint32_t k = 3u * m.nt; k-- > 0u;)
+            if (m.triangles[k] == v)
+                want = k / 3u;
+        smr_closest hit;
+        assert_int_equal(smr_surface_closest(s, m.xyz + 3u * (size_t)v, NULL, 0, 1.0f, &hit), SMR_OK);
+        assert_true(hit.distance == 0.0f);
+        assert_int_equal(hit.triangle, want);
+    }
+    unit_free(s);
+    unit_mesh_free(&m);
+}
+
+/* Points pulled out beyond the rim of a sheet land on its border; points above its middle do not; a closed surface has
+ * no border at all. */
+static void borders(void **state)
+{
+    oracle_random r = oracle_seed(102);
+    unit_mesh m = unit_grid(12, 10, 5.0f), ball = unit_sphere(3, 30.0f, 0.0f);
+    smr_surface *s = unit_surface(&m), *closed = unit_surface(&ball);
+    (void)state;
+    assert_int_equal(s->open, 1);
+    assert_int_equal(closed->open, 0);
+    for (uint32_t i = 0; i < 2000u; i++) {
+        smr_closest hit;
+        float p[3] = {oracle_uniformf(&r, -30, 90), oracle_uniformf(&r, -30, 80), oracle_uniformf(&r, -20, 20)};
+        assert_int_equal(smr_surface_closest(s, p, NULL, 0, 1e4f, &hit), SMR_OK);
+        const int rim = hit.point[0] == 0.0f || hit.point[0] == 60.0f || hit.point[1] == 0.0f || hit.point[1] == 50.0f;
+        assert_int_equal(hit.on_border, rim);
+        assert_int_equal(smr_surface_closest(closed, p, NULL, 0, 1e4f, &hit), SMR_OK);
+        assert_int_equal(hit.on_border, 0);
+    }
+    unit_free(s);
+    unit_free(closed);
+    unit_mesh_free(&m);
+    unit_mesh_free(&ball);
+}
+
+/* Border bits against a count over all triangles, on tangled soups: an edge with one triangle only. */
+static void border_bits_against_a_count(void **state)
+{
+    oracle_random r = oracle_seed(103);
+    (void)state;
+    for (uint32_t round = 0; round < 12u; round++) {
+        unit_mesh m = round % 3u ? unit_soup(&r, 1u + oracle_below(&r, 120u), 9.0f, 1) : unit_grid(1u + round, 3, 1.0f);
+        smr_surface *s = unit_surface(&m);
+        for (uint32_t k = 0; k < m.nt; k++) {
+            const uint32_t *t = s->triangle + 3u * (size_t)k;
+            assert_memory_equal(t, m.triangles + 3u * (size_t)s->original[k], 12u);
+            for (uint32_t e = 0; e < 3u; e++) {
+                uint32_t count = 0;
+                const uint32_t a = t[e], b = t[(e + 1u) % 3u];
+                if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
+                    continue; /* what an edge of such a triangle is, nobody says */
+                for (uint32_t j = 0; j < m.nt; j++) {
+                    const uint32_t *o = m.triangles + 3u * (size_t)j;
+                    count += (o[0] == a || o[1] == a || o[2] == a) && (o[0] == b || o[1] == b || o[2] == b);
+                }
+                assert_int_equal((uint32_t)s->border[k] >> e & 1u, count == 1u);
+            }
+        }
+        unit_free(s);
+        unit_mesh_free(&m);
+    }
+}
+
+/* A surface of nothing but points and segments still answers. */
+static void surfaces_without_area(void **state)
+{
+    const float xyz[] = {0, 0, 0, 10, 0, 0, 20, 0, 0, 3, 3, 3};
+    const uint32_t t[] = {0, 1, 2, 3, 3, 3, 0, 0, 1};
+    const smr_mesh m = {xyz, t, 4, 3};
+    const size_t bytes = smr_surface_bytes(4, 3);
+    void *memory = unit_memory(bytes);
+    smr_surface *s;
+    smr_closest hit;
+    float p[3] = {15, 4, 0}, n[3] = {0, 0, 1};
+    (void)state;
+    assert_int_equal(smr_surface_build(memory, bytes, &m, &s), SMR_OK);
+    assert_int_equal(smr_surface_closest(s, p, NULL, 0, 100, &hit), SMR_OK);
+    assert_true(hit.triangle == 0u && fabsf(hit.distance - 4.0f) < 1e-5f && fabsf(hit.point[0] - 15.0f) < 1e-5f);
+    assert_true(hit.normal[0] == 0.0f && hit.normal[1] == 0.0f && hit.normal[2] == 0.0f);
+    assert_int_equal(smr_surface_closest(s, p, n, 0.5f, 100, &hit), SMR_OK);
+    assert_int_equal(hit.triangle, SMR_ALL); /* no normal agrees with anything */
+    unit_free(memory);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(refuses_and_leaves_alone), cmocka_unit_test(sizes),
+        cmocka_unit_test(query_refusals),           cmocka_unit_test(equals_double),
+        cmocka_unit_test(ties_go_to_the_smallest_index), cmocka_unit_test(borders),
+        cmocka_unit_test(border_bits_against_a_count), cmocka_unit_test(surfaces_without_area),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,258 @@
+/* test_tree.c: the box tree finds what a look at every triangle finds: the same squared distance within 4e-7 of it
+ * (a box and a triangle round differently) and, on ties, the smallest index in tree order.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "geometry/mesh.h"
+#include "geometry/tree.h"
+#include "geometry/triangle.h"
+#include "unit_mesh.h"
+
+/* Triangles of m in tree order with boxes and normals; frees nothing of m. */
+static smr_facets plant(const unit_mesh *m, uint32_t **triangles)
+{
+    const smr_mesh view = unit_view(m);
+    smr_facets f;
+    memset(&f, 0, sizeof f);
+    smr_tree_shape(&f, m->nt);
+    uint32_t *order = unit_memory(4u * (size_t)m->nt), *key = unit_memory(4u * (size_t)m->nt);
+    uint32_t *tmp = unit_memory(8u * (size_t)m->nt);
+    float *centre = unit_memory(12u * (size_t)m->nt);
+    smr_mesh_order(&view, order, centre, key, tmp);
+    *triangles = unit_memory(12u * (size_t)m->nt);
+    for (uint32_t i = 0; i < m->nt; i++)
+        memcpy(*triangles + 3u * (size_t)i, m->triangles + 3u * (size_t)order[i], 12u);
+    unit_free(order);
+    unit_free(key);
+    unit_free(tmp);
+    f.xyz = m->xyz;
+    f.triangle = *triangles;
+    f.normal = centre; /* as large as the normals */
+    f.node = unit_memory(sizeof(smr_node) * smr_tree_nodes(m->nt));
+    smr_tree_refit_leaves(&f, 0, smr_tree_leaves(&f));
+    smr_tree_refit_upper(&f);
+    return f;
+}
+
+static void uproot(smr_facets *f, uint32_t *triangles)
+{
+    unit_free(f->normal);
+    unit_free(f->node);
+    unit_free(triangles);
+}
+
+static void brute_force(const smr_facets *f, const smr_query *q, smr_hit *hit)
+{
+    for (uint32_t i = 0; i < f->n_triangles; i++) {
+        const uint32_t *t = f->triangle + 3u * (size_t)i;
+        float w[3];
+        if (smr_dot(smr_load(f->normal + 3u * (size_t)i), q->normal) < q->min_cos)
+            continue;
+        const float d2 = smr_triangle_closest(q->point, smr_load(f->xyz + 3u * (size_t)t[0]),
+                                              smr_load(f->xyz + 3u * (size_t)t[1]), smr_load(f->xyz + 3u * (size_t)t[2]), w);
+        if (d2 < hit->d2 || (d2 == hit->d2 && hit->triangle == SMR_ALL)) {
+            hit->d2 = d2;
+            hit->triangle = i;
+            memcpy(hit->weight, w, sizeof w);
+        }
+    }
+}
+
+static smr_vec unit_direction(oracle_random *r)
+{
+    double m[9];
+    oracle_rotation(r, m);
+    return smr_v((float)m[0], (float)m[1], (float)m[2]);
+}
+
+static smr_query random_query(oracle_random *r, const unit_mesh *m, uint32_t kind)
+{
+    smr_query q = {smr_v(oracle_uniformf(r, -40, 140), oracle_uniformf(r, -40, 140), oracle_uniformf(r, -40, 140)),
+                   smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_ALL};
+    if (kind % 3u == 1u) /* a vertex of the mesh: many ties */
+        q.point = smr_load(m->xyz + 3u * (size_t)oracle_below(r, m->nv));
+    if (kind % 5u == 4u)
+        q.warm = oracle_below(r, m->nt);
+    if (kind % 4u == 3u) {
+        q.normal = unit_direction(r);
+        q.min_cos = oracle_uniformf(r, -0.5f, 0.9f);
+    }
+    return q;
+}
+
+static void same(const smr_hit *got, const smr_hit *want, double *worst)
+{
+    if (want->triangle == SMR_ALL || got->triangle == SMR_ALL) {
+        assert_int_equal(got->triangle, want->triangle);
+        return;
+    }
+    assert_true(got->d2 >= want->d2);
+    *worst = fmax(*worst, ((double)got->d2 - (double)want->d2) / fmax((double)want->d2, 1e-6));
+    if (got->d2 == want->d2) {
+        assert_int_equal(got->triangle, want->triangle);
+        assert_memory_equal(got->weight, want->weight, sizeof want->weight);
+    }
+}
+
+static void equals_brute_force(void **state)
+{
+    static const uint32_t sizes[] = {1, 2, 7, 8, 9, 63, 64, 65, 200, 512, 513, 1500};
+    static const float reach[] = {1e12f, 400.0f, 25.0f, 0.0f};
+    oracle_random r = oracle_seed(70);
+    double worst = 0.0;
+    (void)state;
+    for (uint32_t k = 0; k < 24u; k++) {
+        unit_mesh m = unit_soup(&r, sizes[k % 12u], 100.0f, k % 3u == 0u);
+        uint32_t *triangles;
+        smr_facets f = plant(&m, &triangles);
+        for (uint32_t i = 0; i < 240u; i++) {
+            const smr_query q = random_query(&r, &m, i);
+            smr_hit got = {reach[i % 4u], SMR_ALL, {0, 0, 0}}, want = got;
+            smr_tree_closest(&f, &q, &got);
+            brute_force(&f, &q, &want);
+            same(&got, &want, &worst);
+        }
+        uproot(&f, triangles);
+        unit_mesh_free(&m);
+    }
+    assert_true(oracle_within("tree: d2 beyond brute force, relative", worst, 4e-7));
+}
+
+/* Against double precision, on triangles that all have an area. */
+static void equals_double(void **state)
+{
+    oracle_random r = oracle_seed(71);
+    unit_mesh m = unit_sphere(3, 50.0f, 20.0f);
+    uint32_t *triangles;
+    smr_facets f = plant(&m, &triangles);
+    double worst = 0.0;
+    (void)state;
+    for (uint32_t i = 0; i < 1500u; i++) {
+        const smr_query q = {smr_v(oracle_uniformf(&r, -90, 140), oracle_uniformf(&r, -90, 140), oracle_uniformf(&r, -90, 140)),
+                             smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_ALL};
+        const double p[3] = {(double)q.point.x, (double)q.point.y, (double)q.point.z};
+        smr_hit hit = {1e12f, SMR_ALL, {0, 0, 0}};
+        double want = HUGE_VAL;
+        smr_tree_closest(&f, &q, &hit);
+        for (uint32_t k = 0; k < m.nt; k++) {
+            double c[9];
+            for (uint32_t j = 0; j < 9u; j++)
+                c[j] = (double)m.xyz[3u * (size_t)m.triangles[3u * k + j / 3u] + j % 3u];
+            want = fmin(want, oracle_triangle(p, c, c + 3, c + 6));
+        }
+        worst = fmax(worst, fabs(sqrt((double)hit.d2) - sqrt(want)));
+    }
+    assert_true(oracle_within("tree: distance against double, mm", worst, 3e-5));
+    uproot(&f, triangles);
+    unit_mesh_free(&m);
+}
+
+/* More nodes never give a worse answer; as many as there are give the exact one; none gives the warm start alone. */
+static void node_budgets(void **state)
+{
+    oracle_random r = oracle_seed(72);
+    unit_mesh m = unit_soup(&r, 700, 100.0f, 0);
+    uint32_t *triangles;
+    smr_facets f = plant(&m, &triangles);
+    (void)state;
+    for (uint32_t i = 0; i < 300u; i++) {
+        smr_query q = random_query(&r, &m, i);
+        smr_hit full = {1e12f, SMR_ALL, {0, 0, 0}}, last = full, warm = full;
+        smr_tree_closest(&f, &q, &full);
+        q.node_budget = 0;
+        smr_tree_closest(&f, &q, &warm);
+        assert_true(warm.triangle == SMR_ALL || warm.triangle == q.warm);
+        for (uint32_t budget = 1; budget <= smr_tree_nodes(m.nt); budget += budget / 2u + 1u) {
+            smr_hit hit = {1e12f, SMR_ALL, {0, 0, 0}};
+            q.node_budget = budget;
+            smr_tree_closest(&f, &q, &hit);
+            assert_true(hit.d2 <= last.d2 && hit.d2 >= full.d2);
+            last = hit;
+        }
+        q.node_budget = smr_tree_nodes(m.nt);
+        smr_hit hit = {1e12f, SMR_ALL, {0, 0, 0}};
+        smr_tree_closest(&f, &q, &hit);
+        assert_memory_equal(&hit, &full, sizeof hit);
+    }
+    uproot(&f, triangles);
+    unit_mesh_free(&m);
+}
+
+static void nothing_found_changes_nothing(void **state)
+{
+    oracle_random r = oracle_seed(73);
+    unit_mesh m = unit_soup(&r, 100, 10.0f, 0);
+    uint32_t *triangles;
+    smr_facets f = plant(&m, &triangles), none;
+    (void)state;
+    const smr_query far_away = {smr_v(500, 500, 500), smr_v(0, 0, 0), -2.0f, UINT32_MAX, 3u};
+    smr_hit hit = {4.0f, 77u, {0.25f, 0.5f, 0.25f}};
+    const smr_hit was = hit;
+    smr_tree_closest(&f, &far_away, &hit);
+    assert_memory_equal(&hit, &was, sizeof hit);
+    memset(&none, 0, sizeof none);
+    smr_tree_shape(&none, 0);
+    assert_int_equal(none.n_levels, 0);
+    smr_tree_closest(&none, &far_away, &hit);
+    assert_memory_equal(&hit, &was, sizeof hit);
+    uproot(&f, triangles);
+    unit_mesh_free(&m);
+}
+
+/* Moving the mesh and refitting, a few leaves at a time, is the same as planting anew. */
+static void refit_follows_the_mesh(void **state)
+{
+    oracle_random r = oracle_seed(74);
+    unit_mesh m = unit_soup(&r, 333, 100.0f, 1);
+    uint32_t *triangles;
+    smr_facets f = plant(&m, &triangles);
+    double worst = 0.0;
+    (void)state;
+    for (uint32_t i = 0; i < 3u * m.nv; i++)
+        m.xyz[i] = m.xyz[i] * 0.7f + oracle_uniformf(&r, -30, 30);
+    const uint32_t leaves = smr_tree_leaves(&f);
+    smr_tree_refit_leaves(&f, leaves / 2u, leaves);
+    smr_tree_refit_leaves(&f, 0, leaves / 2u);
+    smr_tree_refit_upper(&f);
+    for (uint32_t i = 0; i < 300u; i++) {
+        const smr_query q = random_query(&r, &m, i);
+        smr_hit got = {1e12f, SMR_ALL, {0, 0, 0}}, want = got;
+        smr_tree_closest(&f, &q, &got);
+        brute_force(&f, &q, &want);
+        same(&got, &want, &worst);
+    }
+    assert_true(oracle_within("tree: after a refit, relative", worst, 4e-7));
+    uproot(&f, triangles);
+    unit_mesh_free(&m);
+}
+
+static void shape_adds_up(void **state)
+{
+    static const struct {
+        uint32_t triangles, nodes, levels;
+    } table[] = {{0, 0, 0}, {1, 1, 1}, {8, 1, 1}, {9, 3, 2}, {64, 9, 2}, {65, 12, 3}, {512, 73, 3}, {513, 77, 4},
+                 {SMR_TRIANGLES_MAX, 1142860, 8}};
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        smr_facets f;
+        smr_tree_shape(&f, table[i].triangles);
+        assert_int_equal(smr_tree_nodes(table[i].triangles), table[i].nodes);
+        assert_int_equal(f.n_levels, table[i].levels);
+        assert_true(f.n_levels <= SMR_TREE_LEVELS);
+        for (uint32_t l = 1; l < f.n_levels; l++)
+            assert_true(f.level[l] > f.level[l - 1u] && f.level[l] < table[i].nodes);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(equals_brute_force), cmocka_unit_test(equals_double),
+        cmocka_unit_test(node_budgets),       cmocka_unit_test(nothing_found_changes_nothing),
+        cmocka_unit_test(refit_follows_the_mesh), cmocka_unit_test(shape_adds_up),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
