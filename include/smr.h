@@ -82,9 +82,24 @@ typedef struct smr_closest {
 } smr_closest;
 
 /* Exact closest point of the surface within max_mm of `point` (3 floats). `normal` (3 floats, unit) and
- * min_cos restrict the search to triangles whose normal agrees; NULL for any. Ties: smallest index. */
+ * min_cos restrict the search to triangles whose normal agrees; NULL for any. max_mm: 0 or more. Ties: the triangle
+ * that comes first in the search tree. Nothing found: SMR_OK and hit->triangle SMR_ALL.
+ * Errors: E_NULL, E_STATE (not a surface), E_INPUT. */
 smr_status smr_surface_closest(const smr_surface *surface, const float *point, const float *normal,
                                float min_cos, float max_mm, smr_closest *hit);
+
+/* Voxels in the caller's memory: borrowed, never written. */
+enum { SMR_VOXEL_UINT8 = 0, SMR_VOXEL_INT8, SMR_VOXEL_UINT16, SMR_VOXEL_INT16, SMR_VOXEL_FLOAT };
+
+typedef struct smr_volume {
+    const void *voxels;     /* [size[2]][size[1]][size[0]], host byte order, naturally aligned; NaN counts as outside */
+    const uint8_t *mask;    /* the same shape, 0 counts as outside; NULL: none */
+    uint32_t type;          /* SMR_VOXEL_... */
+    uint32_t size[3];       /* 1..65536 voxels along each axis */
+    float origin[3];        /* mm: centre of the first voxel */
+    float spacing[3];       /* mm, > 0 */
+    float direction[9];     /* row-major; columns are the axes' unit vectors */
+} smr_volume;
 
 /* ------------------------------------------------------------------ 3. start pose */
 
@@ -104,9 +119,31 @@ smr_align_config smr_align_config_default(void);
 
 /* Finds the pose that lays `model` onto `target` without landmarks: centroids and principal axes in all
  * sign and order cases, each refined by iterative closest point in both directions; the best one is
- * refined to the end. rms_mm (may be NULL): the remaining distance. Errors: E_NULL, E_CONFIG. */
+ * refined to the end. rms_mm (may be NULL): the remaining distance. Errors: E_NULL, E_STATE (not a surface),
+ * E_CONFIG, E_INPUT (no pose found); *pose untouched then. */
 smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
                      smr_pose *pose, float *rms_mm);
+
+typedef struct smr_warp smr_warp; /* a thin-plate spline in the caller's memory */
+
+#define SMR_LANDMARKS_MAX 64u
+
+enum { SMR_WARP_SPLINE = 0, SMR_WARP_SIMILARITY = 1, SMR_WARP_RIGID = 2, SMR_WARP_TRANSLATION = 3 };
+
+/* Bytes smr_warp_fit() needs for n landmarks; 0 when n is out of 1..SMR_LANDMARKS_MAX. */
+size_t smr_warp_bytes(uint32_t n);
+
+/* Fits a thin-plate spline (kernel |r| in three dimensions, Bookstein 1989) that takes from[i] to to[i], both [n][3] mm.
+ * smoothing >= 0: 0 passes through every landmark, larger follows the affine part more (mm). Sets that do not carry a
+ * spline get the best that they do carry, and *kind says which: fewer than 4, collinear or coplanar sets a similarity
+ * or rigid transform, one landmark or coincident ones a translation; duplicates are averaged. memory (SMR_ALIGN) stays
+ * the caller's and holds the warp. Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT (count, non-finite, beyond SMR_COORD_MAX,
+ * smoothing negative or NaN); *warp untouched then. */
+smr_status smr_warp_fit(void *memory, size_t bytes, const float *from, const float *to, uint32_t n, float smoothing,
+                        smr_warp **warp, uint32_t *kind);
+
+/* Carries n points xyz [n][3] by the warp, in place. */
+smr_status smr_warp_apply(const smr_warp *warp, float *xyz, uint32_t n);
 
 /* ------------------------------------------------------------------ 4. prepare: surfaces -> model image */
 
@@ -134,13 +171,17 @@ typedef struct smr_prepare_config {
     uint32_t ring;                   /* 1 (default): a cluster also holds its vertex' mesh neighbours, at
                                         radii not below the mean edge */
     uint32_t block_vertices;         /* vertices per forest block, 16..65536; default 0: chosen */
+    const smr_volume *reference;     /* the image that fits the model, for intensity profiles; NULL (default): none */
+    uint32_t profile_samples;        /* 3..64, default 30: along each vertex' normal (paper 3) */
+    float profile_step_mm;           /* (0,100], default 0.5 */
+    float profile_inward;            /* [0,1], default 0.5: share of the samples on the inner side */
     smr_progress progress;           /* may be NULL */
     void *progress_ctx;
 } smr_prepare_config;
 
 smr_prepare_config smr_prepare_config_default(void);
 
-/* Scratch bytes smr_prepare() needs for these structures. Reads counts only. */
+/* Scratch bytes smr_prepare() needs for these structures. Reads counts only. Errors: E_NULL, E_CONFIG, E_INPUT. */
 smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structures,
                              const smr_prepare_config *config, size_t *scratch_bytes);
 
@@ -172,6 +213,8 @@ typedef struct smr_model_info {
     uint32_t n_blocks[SMR_RADII_MAX];
     uint32_t separate[SMR_RADII_MAX];          /* 1: clusters keep to their own structure */
     uint32_t order;                            /* SMR_ORDER_... */
+    uint32_t profile_samples;                  /* 0: no intensity profiles */
+    float profile_step_mm;
     uint32_t checksum;
     size_t bytes;
 } smr_model_info;
@@ -206,6 +249,7 @@ typedef struct smr_port {
 } smr_port;
 
 enum { SMR_METHOD_RIGID = 0, SMR_METHOD_POLAR = 1 };
+enum { SMR_SIMILARITY_NCC = 0, SMR_SIMILARITY_SSD = 1 };
 enum { SMR_NORMALS_CARRIED = 0, SMR_NORMALS_EXACT = 1 };
 
 typedef struct smr_config {
@@ -232,6 +276,12 @@ typedef struct smr_config {
     float box_min[3], box_max[3];
     uint32_t node_budget;        /* 8..1000000, default 512: tree nodes one closest-point search may open */
 
+    /* image forces (paper 2.1): along the normal, both ways; distances fall linearly over the schedule */
+    float profile_mm, profile_end_mm;   /* search distance of profile matching, [0,60], default 10 to 0 */
+    float gradient_mm, gradient_end_mm; /* of the strongest edge, [0,60], default 5 to 0 */
+    uint32_t similarity;         /* SMR_SIMILARITY_...; default normalised cross-correlation */
+    float confidence;            /* [0,1], default 0.1: goals believed less give no force */
+
     /* matching and evolution (paper 2.3) */
     uint32_t method;             /* SMR_METHOD_...; default rigid-body kinematics */
     float relaxation;            /* (0,1], default 1: x += relaxation * (averaged goal - x) */
@@ -239,14 +289,16 @@ typedef struct smr_config {
     float plastic_um;            /* >= 0, default 50: x^r = x when the largest displacement falls below */
     float settle_um;             /* >= 0, default 1: a radius is done early when the largest displacement falls below */
     uint32_t plastic_every;      /* 0..1000, default 1: x^r = x also after so many iterations; 0 never */
-    uint32_t fold_guard;         /* 1 (default): steps that would turn triangles back on each other are smoothed */
+    uint32_t fold_guard;         /* 1 (default): at the last two radii folds are repaired, and steps that would turn
+                                    triangles back on each other are smoothed */
     uint32_t normals;            /* SMR_NORMALS_...; default carried by the cluster rotations, recomputed
                                     from the triangles whenever x^r is */
 
     /* schedule: from coarse to fine radius */
     uint32_t radius_first;       /* index of the first radius used, default 0 */
     uint32_t radius_last;        /* index of the last radius used; default SMR_ALL: the finest */
-    uint32_t iterations;         /* 1..100000, default 9: at most so many at each radius but the last */
+    uint32_t iterations;         /* 1..100000, default 9: at most so many at each radius but the last. Iterations
+                                    that only repair folds do not count */
     uint32_t iterations_last;    /* 1..100000, default 60: at most so many at the last radius */
 } smr_config;
 
@@ -255,7 +307,7 @@ smr_config smr_config_default(void);
 /* A registration in progress, inside the caller's arena. */
 typedef struct smr smr;
 
-/* Exact bytes smr_init() needs. Errors: E_NULL, E_CONFIG. */
+/* Exact bytes smr_init() needs. Errors: E_NULL, E_CONFIG, E_INPUT (more than size_t holds). */
 smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, size_t *bytes);
 
 /* The same as a compile-time upper bound, for static storage:
@@ -267,23 +319,31 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 
 /* Sets up a registration at the model's rest shape in arena (SMR_ALIGN-aligned, at least
  * smr_arena_bytes). config and port are copied; port may be NULL (one worker, no clock). model and arena
- * must stay. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA; *out untouched then. */
+ * must stay. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT; *out untouched then. */
 smr_status smr_init(smr **out, const smr_model *model, const smr_config *config, const smr_port *port,
                     void *arena, size_t arena_bytes);
 
-/* Starts again from these positions, per structure in the caller's vertex order: [n_vertices][3] mm.
- * They become the reference shape x^r. The schedule starts over. Errors: E_NULL, E_INPUT, E_STATE. */
+/* Puts a structure at these positions, in the caller's vertex order: [n_vertices][3] mm. All structures start again
+ * from where they are then: that becomes the reference shape x^r, and the schedule starts over.
+ * Errors: E_NULL, E_INPUT, E_STATE (not a registration). */
 smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz);
 
-/* Applies a pose to the whole model's rest shape and starts from there. Errors: E_NULL, E_INPUT. */
+/* Applies a pose to the whole model's rest shape and starts from there; the schedule starts over.
+ * Errors: E_NULL, E_INPUT (an entry or a moved vertex beyond SMR_COORD_MAX), E_STATE. */
 smr_status smr_set_pose(smr *s, const smr_pose *pose);
 
 /* Gives a structure (or SMR_ALL) its target surface, borrowed until replaced; NULL takes it away, and the
- * structure is then carried along by its neighbours. May be called between any two ticks.
- * Errors: E_NULL, E_INPUT (no such structure), E_ARENA (more vertices than config.n_target_vertices). */
+ * structure is then carried along by its neighbours. May be called between any two ticks; a schedule that is done
+ * stays done until smr_set_pose() or smr_set_positions().
+ * Errors: E_NULL, E_STATE (not a registration, or not a surface), E_INPUT (no such structure), E_ARENA (more vertices
+ * than config.n_target_vertices, where that is not 0). */
 smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface);
 
-/* The phases of an iteration, in order. */
+/* Gives every structure without a target surface this image, borrowed until replaced; NULL takes it away. The model needs
+ * intensity profiles. Errors: E_NULL (voxels), E_INPUT (the volume's fields), E_STATE (no profiles). */
+smr_status smr_set_volume(smr *s, const smr_volume *volume);
+
+/* The phases of an iteration. What a new reference shape implies is computed first and counts as SUMS. */
 enum { SMR_PHASE_FORCES = 0, SMR_PHASE_SUMS, SMR_PHASE_MATCH, SMR_PHASE_AVERAGE, SMR_PHASE_EVOLVE, SMR_PHASES };
 
 typedef struct smr_tick_report {
@@ -294,7 +354,7 @@ typedef struct smr_tick_report {
     uint32_t n_active;            /* vertices that could receive an external force */
     uint32_t n_forces;            /* vertices that did */
     uint32_t n_rejected;          /* vertices with a target but no acceptable goal */
-    uint32_t n_guarded;           /* vertices whose step was smoothed because triangles would have folded */
+    uint32_t n_guarded;           /* vertices moved by the fold guard: steps smoothed, or folds repaired */
     uint32_t plastic_updates;     /* since the start */
     uint32_t done;                /* 1: the schedule is done; further ticks change nothing */
     uint32_t converged;           /* 1: done, and the last iteration moved no vertex by plastic_um */
@@ -304,19 +364,21 @@ typedef struct smr_tick_report {
     float residual_max_mm;
     float displacement_max_mm;    /* of the last complete iteration */
     uint64_t phase_ns[SMR_PHASES];/* time of this tick by phase; 0 without a clock */
-    uint64_t state_hash;          /* of the positions: equal bits, equal hash, on every processor */
+    uint64_t state_hash;          /* of the positions (relative to the start's whole millimetres): equal bits, equal hash, on
+                                     every processor */
 } smr_tick_report;
 
 /* One registration iteration (paper 2.3, the closing list): external forces, shape matching, averaging,
- * evolution. budget_ns 0: a whole iteration, no clock. Otherwise the tick stops between two chunks of work
+ * evolution. budget_ns 0: a whole iteration, whatever the clock. Otherwise the tick stops between two chunks of work
  * once the time is over and returns SMR_PARTIAL; the last complete positions stay valid and the next tick
- * goes on. report may be NULL. Errors: E_NULL. */
+ * goes on. A tick always does some work, however short its budget. Once the schedule is done a tick changes nothing.
+ * report may be NULL. Errors: E_NULL, E_STATE. */
 smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report);
 
 /* ------------------------------------------------------------------ 7. results and diagnostics */
 
 /* Copies a structure's current positions or unit normals, [n_vertices][3], in the caller's vertex order.
- * Errors: E_NULL, E_INPUT. */
+ * Errors: E_NULL, E_INPUT, E_STATE. */
 smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
 

@@ -35,6 +35,11 @@ struct smr_model {
     uint32_t at_mass;         /* float [n_vertices] */
     uint32_t at_triangles;    /* uint32 [n_triangles][3]: stored vertices; structures in a row, each in tree order */
     uint32_t at_facets;       /* uint32 [n_triangles]: the caller's index of each within its structure */
+    uint32_t profile_samples; /* 0: no profiles */
+    uint32_t profile_inward;  /* samples before the vertex */
+    uint32_t profile_step;    /* float, mm */
+    uint32_t at_profiles;     /* uint8 [n_vertices][profile_samples], see geometry/profile.h */
+    uint32_t at_ranges;       /* float [n_vertices][2]: low and range of each profile; range 0: no use */
     uint32_t n_hinges;
     uint32_t at_hinges;       /* smr_image_hinge [n_hinges] */
     uint32_t at_radii;        /* smr_image_radius [n_radii] */

@@ -1,6 +1,7 @@
 /* image_open.c: smr_model_open() and its distrust. After it every count, offset and index in the image can be used
  * without a check. Work: one pass over the bytes, and over each radius' entries once per 4,096 vertices of a block.
  * SPDX-License-Identifier: MIT */
+#include "geometry/profile.h"
 #include "model/image.h"
 
 #define SMR_WINDOW 4096u /* vertices whose uniqueness is checked at a time: 512 bytes of stack */
@@ -97,6 +98,16 @@ static int check_hinges(const smr_model *m)
         if (smr_le32(h[i].first) >= nt || (smr_le32(h[i].bend) & SMR_HINGE_MASK) >= nt)
             return 0;
     return 1;
+}
+
+static int check_profiles(const smr_model *m)
+{
+    const uint32_t n = smr_le32(m->n_vertices), samples = smr_le32(m->profile_samples);
+    if (samples == 0u)
+        return 1;
+    return samples >= 3u && samples <= SMR_PROFILE_MAX && smr_le32(m->profile_inward) < samples &&
+           floats_within(&m->profile_step, 1, 1.0e-6f, 100.0f) && section(m, m->at_profiles, n, samples) &&
+           section(m, m->at_ranges, n, 8) && floats_within(smr_at(m, m->at_ranges), 2u * (size_t)n, -1.0e30f, 1.0e30f);
 }
 
 /* Triangles keep to their structure: corners and the caller's numbers. */
@@ -209,7 +220,7 @@ smr_status smr_model_open(const void *image, size_t bytes, const smr_model **mod
         return SMR_E_ALIGN;
     const smr_model *m = image;
     if (bytes < sizeof *m || !check_header(m, bytes) || !check_structures(m) || !check_vertices(m) || !check_facets(m) ||
-        !check_hinges(m))
+        !check_hinges(m) || !check_profiles(m))
         return SMR_E_MODEL;
     if (!section(m, m->at_radii, smr_le32(m->n_radii), sizeof(smr_image_radius)))
         return SMR_E_MODEL;

@@ -31,6 +31,8 @@ smr_status smr_model_get_info(const smr_model *model, smr_model_info *info)
         info->centre[i] = smr_le_float(model->centre[i]);
     info->edge_mm = smr_le_float(model->edge_mm);
     info->order = smr_le32(model->order);
+    info->profile_samples = smr_le32(model->profile_samples);
+    info->profile_step_mm = smr_le_float(model->profile_step);
     info->checksum = smr_le32(model->checksum);
     info->bytes = smr_le32(model->bytes);
     for (uint32_t i = 0; i < info->n_radii; i++) {

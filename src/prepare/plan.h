@@ -38,6 +38,9 @@ typedef struct smr_plan {
     uint32_t *ring;          /* [6 nt] mesh neighbours of each vertex, each once */
     uint32_t n_hinges;
     smr_image_hinge *hinge;  /* [3 nt / 2] edges between two triangles, see image.h */
+    uint8_t *profile;        /* [n][profile_samples], NULL without a reference */
+    float *range;            /* [n][2] */
+    float *normal;           /* [n][3] */
     smr_facets points;       /* box tree whose leaves are single vertices */
 
     /* written per radius */
@@ -66,6 +69,9 @@ void smr_plan_layout(smr_arena *a, smr_plan *p);
 /* Stored order, ring neighbours, masses, centre. */
 void smr_plan_order(smr_plan *p);
 void smr_plan_mass(smr_plan *p);
+
+/* Intensity profiles of the reference image along the normals. Errors: as smr_grid_open. */
+smr_status smr_plan_profiles(smr_plan *p);
 
 /* Edges with exactly two triangles. */
 void smr_plan_hinges(smr_plan *p);

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "geometry/mesh.h"
+#include "geometry/profile.h"
 #include "prepare/plan.h"
 
 #define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* for a block's rows, unless the caller names a block size */
@@ -16,6 +17,9 @@ smr_prepare_config smr_prepare_config_default(void)
     c.cookie = SMR_COOKIE('P', smr_prepare_config);
     c.separate_below_mm = -1.0f;
     c.ring = 1;
+    c.profile_samples = 30;
+    c.profile_step_mm = 0.5f;
+    c.profile_inward = 0.5f;
     return c;
 }
 
@@ -25,6 +29,10 @@ static smr_status check_config(const smr_prepare_config *c)
         c->distance > SMR_DISTANCE_GEODESIC || c->mass > SMR_MASS_AREA || c->order > SMR_ORDER_BREADTH_FIRST ||
         c->ring > 1u || !smr_within(c->separate_below_mm, SMR_COORD_MAX) ||
         (c->block_vertices != 0u && (c->block_vertices < 16u || c->block_vertices > 65536u)))
+        return SMR_E_CONFIG;
+    if (c->profile_samples < 3u || c->profile_samples > SMR_PROFILE_MAX ||
+        !(c->profile_step_mm > 1.0e-6f && c->profile_step_mm <= 100.0f) ||
+        !(c->profile_inward >= 0.0f && c->profile_inward <= 1.0f))
         return SMR_E_CONFIG;
     for (uint32_t i = 0; i < c->n_radii; i++)
         if (!(c->radius_mm[i] > 0.0f && c->radius_mm[i] <= SMR_COORD_MAX))
@@ -78,6 +86,10 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
     p->ring_start = smr_arena_take(a, n + 1u, u);
     p->ring = smr_arena_take(a, nt, 6u * u);
     p->hinge = smr_arena_take(a, nt + (nt + 1u) / 2u, sizeof(smr_image_hinge));
+    const int image = p->config->reference != NULL;
+    p->profile = image ? smr_arena_take(a, n, p->config->profile_samples) : NULL;
+    p->range = image ? smr_arena_take(a, n, 2u * sizeof(float)) : NULL;
+    p->normal = image ? smr_arena_take(a, n, 3u * sizeof(float)) : NULL;
     smr_tree_shape(&p->points, p->n);
     p->points.node = smr_arena_take(a, smr_tree_nodes(p->n), sizeof(smr_node));
     p->row = smr_arena_take(a, p->n_rows, p->words * sizeof(uint64_t));
@@ -204,6 +216,14 @@ static uint32_t write_floats(smr_writer *w, const float *value, size_t n)
     return (uint32_t)at;
 }
 
+static uint32_t write_bytes(smr_writer *w, const uint8_t *value, size_t n)
+{
+    const size_t at = smr_put_section(w, n);
+    if (w->image != NULL && at + n <= w->capacity)
+        memcpy(w->image + at, value, n);
+    return (uint32_t)at;
+}
+
 static uint32_t write_owner(smr_writer *w, const smr_plan *p)
 {
     const size_t at = smr_put_section(w, p->n * sizeof(uint16_t));
@@ -235,6 +255,14 @@ static smr_status write_image(smr_plan *p, smr_writer *w, const float *radius, u
     head.at_mass = write_floats(w, p->mass, p->n);
     head.at_triangles = write_u32(w, p->triangle, 3u * (size_t)p->nt);
     head.at_facets = write_u32(w, p->facet, p->nt);
+    if (p->profile != NULL) {
+        const uint32_t samples = p->config->profile_samples;
+        head.profile_samples = samples;
+        head.profile_inward = smr_min_u32((uint32_t)(p->config->profile_inward * (float)samples), samples - 1u);
+        head.profile_step = smr_float_bits(p->config->profile_step_mm);
+        head.at_profiles = write_bytes(w, p->profile, (size_t)p->n * samples);
+        head.at_ranges = write_floats(w, p->range, 2u * (size_t)p->n);
+    }
     head.n_hinges = p->n_hinges;
     head.at_hinges = write_u32(w, &p->hinge[0].first, 2u * (size_t)p->n_hinges);
     head.at_radii = (uint32_t)smr_put_section(w, n_radii * sizeof(smr_image_radius));
@@ -285,6 +313,11 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
     smr_plan_order(&p);
     smr_plan_mass(&p);
     smr_plan_hinges(&p);
+    status = smr_plan_profiles(&p);
+    if (status != SMR_OK) {
+        smr_arena_release(scratch, scratch_bytes);
+        return status;
+    }
     float radius[SMR_RADII_MAX];
     uint32_t n_radii = config->n_radii;
     memcpy(radius, config->radius_mm, sizeof radius);

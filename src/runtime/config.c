@@ -15,6 +15,9 @@ smr_config smr_config_default(void)
     c.search_radii = 1.5f;
     c.normal_deg = 75.0f;
     c.node_budget = 512;
+    c.profile_mm = 10.0f;
+    c.gradient_mm = 5.0f;
+    c.confidence = 0.1f;
     c.method = SMR_METHOD_RIGID;
     c.relaxation = 1.0f;
     c.fold_guard = 1;
@@ -45,6 +48,10 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
         if (!smr_within(c->box_min[i], SMR_COORD_MAX) || !smr_within(c->box_max[i], SMR_COORD_MAX) ||
             c->box_min[i] > c->box_max[i])
             return SMR_E_CONFIG;
+    if (!between(c->profile_mm, 0.0f, 60.0f) || !between(c->profile_end_mm, 0.0f, 60.0f) ||
+        !between(c->gradient_mm, 0.0f, 60.0f) || !between(c->gradient_end_mm, 0.0f, 60.0f) ||
+        c->similarity > SMR_SIMILARITY_SSD || !between(c->confidence, 0.0f, 1.0f))
+        return SMR_E_CONFIG;
     if (c->method > SMR_METHOD_POLAR || !between(c->relaxation, FLT_MIN, 1.0f) || !between(c->momentum, 0.0f, 0.99f) || !between(c->plastic_um, 0.0f, 1.0e8f) ||
         !between(c->settle_um, 0.0f, 1.0e8f) || c->plastic_every > 1000u || c->fold_guard > 1u || c->normals > SMR_NORMALS_EXACT)
         return SMR_E_CONFIG;

@@ -3,6 +3,7 @@
  * Bounds: config.node_budget tree nodes a vertex.
  * SPDX-License-Identifier: MIT */
 #include "base/fixed.h"
+#include "runtime/image_force.h"
 #include "runtime/pull.h"
 
 static int outside_box(const smr_config *c, smr_vec p)
@@ -35,14 +36,44 @@ static int project(smr *s, uint32_t v, const smr_surface *target, smr_vec *way)
 }
 
 /* Notes how large the quantities that sums.c will round are at this vertex. */
-static void measure(const smr *s, uint32_t v, smr_vec force, smr_tally *tally)
+static void measure(const smr *s, uint32_t v, smr_tally *tally)
 {
-    const smr_vec ref = smr_load(smr_at3(s->x_ref, v));
-    const smr_vec u = smr_scale(smr_sub(smr_add(smr_load(smr_at3(s->x, v)), force), ref), smr_mass_of(s, v));
+    const smr_vec ref = smr_load(smr_at3(s->x_ref, v)), u = smr_scale(smr_drive(s, v), smr_mass_of(s, v));
     const float largest = smr_max(smr_abs(u.x), smr_max(smr_abs(u.y), smr_abs(u.z)));
     const float arm = smr_max(smr_abs(ref.x), smr_max(smr_abs(ref.y), smr_abs(ref.z)));
     tally->largest[0] = smr_max(tally->largest[0], largest);
     tally->largest[1] = smr_max(tally->largest[1], (s->config.method == SMR_METHOD_RIGID ? 2.0f : 1.0f) * arm * largest);
+}
+
+/* The way to the surface target, blended with its pull. Returns 0 for no goal. */
+static int surface_goal(smr *s, uint32_t v, const smr_surface *target, smr_vec *way)
+{
+    smr_vec pull = smr_v(0, 0, 0), goal = pull;
+    const int has_goal = project(s, v, target, &goal);
+    const float weight = smr_pull_on(s) ? smr_pull_take(s, v, &pull) : 0.0f;
+    const float share = has_goal ? s->config.attraction * weight : weight;
+    goal = smr_add(smr_scale(goal, 1.0f - share), smr_scale(pull, share));
+    if (s->radius == smr_last_radius(s)) {
+        const smr_vec n = smr_load(smr_at3(s->normal, v));
+        const smr_vec along_normal = smr_scale(n, smr_dot(n, goal));
+        goal = smr_add(along_normal, smr_scale(smr_sub(goal, along_normal), s->config.slide));
+    }
+    *way = goal;
+    return has_goal || weight > 0.0f;
+}
+
+/* The way to the vertex' goal, whatever its target is. Returns 0 for none; *drawn says whether there is a target. */
+static int goal_of(smr *s, uint32_t v, smr_vec *way, int *drawn)
+{
+    const smr_surface *target = s->part[smr_model_owner(s->model, v)].target;
+    *way = smr_v(0, 0, 0);
+    *drawn = target != NULL || s->has_grid;
+    if (target != NULL)
+        return surface_goal(s, v, target, way);
+    if (!s->has_grid || smr_image_goal(s, v, way) > s->config.confidence)
+        return *drawn;
+    *way = smr_v(0, 0, 0);
+    return 0;
 }
 
 void smr_force_search(void *arg, uint32_t task, uint32_t worker)
@@ -50,41 +81,23 @@ void smr_force_search(void *arg, uint32_t task, uint32_t worker)
     smr *s = arg;
     (void)worker;
     smr_tally *tally = &s->tally[task];
-    const int pulled = smr_pull_on(s);
-    const float share = s->config.attraction;
+    const float stiffness = s->repairing > 0u ? 0.0f : s->config.stiffness;
     memset(tally, 0, sizeof *tally);
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
-        const smr_surface *target = s->part[smr_model_owner(s->model, v)].target;
-        smr_vec goal = smr_v(0, 0, 0), pull = goal;
-        if (target != NULL) {
-            const int has_goal = project(s, v, target, &goal);
-            const float weight = pulled ? smr_pull_take(s, v, &pull) : 0.0f;
-            if (has_goal)
-                goal = smr_add(smr_scale(goal, 1.0f - share * weight), smr_scale(pull, share * weight));
-            else
-                goal = smr_scale(pull, weight);
-            if (s->radius == smr_last_radius(s)) {
-                const smr_vec nn = smr_load(smr_at3(s->normal, v));
-                const smr_vec along = smr_scale(nn, smr_dot(nn, goal));
-                goal = smr_add(along, smr_scale(smr_sub(goal, along), s->config.slide));
-            }
-            tally->n_active++;
-            if (has_goal || weight > 0.0f) {
-                const float d2 = smr_dot(goal, goal), d = SMR_SQRT(d2);
-                tally->n_forces++;
-                tally->sum += d;
-                tally->sum2 += d2;
-                tally->max = smr_max(tally->max, d);
-            } else {
-                tally->n_rejected++;
-            }
+        smr_vec way;
+        int drawn;
+        const int found = goal_of(s, v, &way, &drawn);
+        tally->n_active += (uint32_t)drawn;
+        tally->n_forces += (uint32_t)found;
+        tally->n_rejected += (uint32_t)(drawn && !found);
+        if (found) {
+            const float d2 = smr_dot(way, way), d = SMR_SQRT(d2);
+            tally->sum += d;
+            tally->sum2 += d2;
+            tally->max = smr_max(tally->max, d);
         }
-        smr_vec force = smr_scale(goal, s->repairing > 0u ? 0.0f : s->config.stiffness);
-        if (s->config.momentum > 0.0f && s->repairing == 0u)
-            force = smr_add(force, smr_scale(smr_sub(smr_load(smr_at3(s->x, v)), smr_load(smr_at3(s->x_next, v))),
-                                             s->config.momentum));
-        smr_store(smr_at3(s->force, v), force);
-        measure(s, v, force, tally);
+        smr_store(smr_at3(s->force, v), smr_scale(way, stiffness));
+        measure(s, v, tally);
     }
 }
 

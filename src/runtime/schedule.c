@@ -66,6 +66,14 @@ void smr_schedule_next(smr *s)
         use_radius(s, s->radius + 1u);
 }
 
+/* Search distances of the coming iteration. */
+void smr_schedule_distances(smr *s)
+{
+    const float done = smr_schedule_progress(s);
+    s->profile_mm = s->config.profile_mm + done * (s->config.profile_end_mm - s->config.profile_mm);
+    s->gradient_mm = s->config.gradient_mm + done * (s->config.gradient_end_mm - s->config.gradient_mm);
+}
+
 float smr_schedule_progress(const smr *s)
 {
     if (s->done)

@@ -7,6 +7,7 @@
 #include "base/arena.h"
 #include "base/fork.h"
 #include "geometry/surface.h"
+#include "geometry/volume.h"
 #include "model/image.h"
 
 #define SMR_WORDS 16u          /* 32-bit words of a record that is summed: one cache line */
@@ -57,9 +58,12 @@ struct smr {
     uint32_t step, next_task;              /* where the tick stands: step of the iteration, tasks already done */
     smr_lists lists;                       /* of the radius in use */
     float search;                          /* mm: search distance at this radius */
+    float profile_mm, gradient_mm;         /* search distances in the image in this iteration */
     float force_limit;                     /* mm: longer forces are dropped; 0 none yet */
 
     /* targets */
+    uint32_t has_grid;                     /* 1: structures without a surface follow the image */
+    smr_grid grid;
     smr_part *part;                        /* [n_parts] */
     smr_goal *goal;                        /* [n_parts] */
     uint32_t *target_warm;                 /* [n_target_vertices] last closest triangle of the model */
@@ -118,6 +122,17 @@ static inline float smr_mass_of(const smr *s, uint32_t vertex)
     return smr_le_float(((const uint32_t *)smr_at(s->model, s->model->at_mass))[vertex]);
 }
 
+/* The displacement that matching sees: x + f^e - x^r, and a share of the last iteration's step (momentum; Polyak 1964).
+ * Until evolve writes it, x_next holds the positions before x. */
+static inline smr_vec smr_drive(const smr *s, uint32_t v)
+{
+    const smr_vec x = smr_load(smr_at3(s->x, v));
+    const smr_vec step = smr_sub(x, smr_load(smr_at3(s->x_next, v)));
+    const float share = s->repairing > 0u ? 0.0f : s->config.momentum;
+    const smr_vec u = smr_sub(smr_add(x, smr_load(smr_at3(s->force, v))), smr_load(smr_at3(s->x_ref, v)));
+    return smr_add(u, smr_scale(step, share));
+}
+
 smr_status smr_config_check(const smr_config *c, const smr_model *m);
 
 /* A step of the iteration: n_tasks(s) independent tasks (0: the step is skipped), then one serial end. */
@@ -172,5 +187,6 @@ void smr_schedule_next(smr *s);
 uint32_t smr_last_radius(const smr *s);
 int smr_guarded(const smr *s);               /* 1: at this radius folds are guarded against */
 float smr_schedule_progress(const smr *s);
+void smr_schedule_distances(smr *s);
 
 #endif

@@ -17,8 +17,7 @@ void smr_sums_record(void *arg, uint32_t task, uint32_t worker)
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
         uint32_t *r = s->record + SMR_WORDS * (size_t)v;
         const smr_vec ref = smr_load(smr_at3(s->x_ref, v));
-        const smr_vec at = smr_add(smr_load(smr_at3(s->x, v)), smr_load(smr_at3(s->force, v)));
-        const smr_vec u = smr_scale(smr_sub(at, ref), smr_mass_of(s, v));
+        const smr_vec u = smr_scale(smr_drive(s, v), smr_mass_of(s, v));
         r[0] = smr_fixed(u.x * s->scale[0]);
         r[1] = smr_fixed(u.y * s->scale[0]);
         r[2] = smr_fixed(u.z * s->scale[0]);

@@ -102,6 +102,8 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     smr_status status = SMR_OK;
     if (s->reference_stale && s->step == 0u && s->next_task == 0u)
         smr_reference_begin(s);
+    if (s->step == 0u && s->next_task == 0u)
+        smr_schedule_distances(s);
     for (; !s->done && s->step < SMR_STEPS; s->step++) {
         const smr_step *step = &steps[s->step];
         if (!run_step(s, step, deadline, &begun))

@@ -1,0 +1,142 @@
+/* profile.c: one-dimensional registration of intensity profiles (paper 2.1; normalised cross-correlation as in Lewis 1995,
+ * with running sums) and gradient search along the normal.
+ * Bounds: (m - n + 1) * n multiply-adds, no allocation. The peak is refined by a parabola through its neighbours.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/profile.h"
+
+#define SMR_SCORE_MIN 0.3f      /* correlations below carry no confidence */
+#define SMR_APART 4u            /* samples between a peak and another one that makes it less distinct */
+#define SMR_DISTINCT 5.0f       /* confidence per correlation that the peak stands above others */
+#define SMR_DISTINCT_MIN 0.2f
+#define SMR_EDGE_NEAR 3u        /* samples around the surface in which the reference's edge is looked for */
+#define SMR_EDGE_MIN 0.08f      /* of the profile's range per sample: weaker is no edge */
+
+static const smr_peak none = {0.0f, 0.0f};
+
+void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t n, uint8_t *packed, float *low, float *range)
+{
+    float lo = value[0], hi = value[0];
+    int whole = 1;
+    for (uint32_t k = 0; k < n; k++) {
+        whole &= inside[k] != 0;
+        lo = smr_min(lo, value[k]);
+        hi = smr_max(hi, value[k]);
+    }
+    *low = whole ? lo : 0.0f;
+    *range = whole && hi - lo > 1.0e-6f * (smr_abs(lo) + smr_abs(hi)) ? hi - lo : 0.0f;
+    for (uint32_t k = 0; k < n; k++)
+        packed[k] = *range > 0.0f ? (uint8_t)((value[k] - lo) * (255.0f / *range) + 0.5f) : 0u;
+}
+
+/* Vertex of the parabola through three equally spaced scores, -0.5 .. 0.5. */
+static float refine(float before, float at, float after)
+{
+    const float bend = before - 2.0f * at + after;
+    return bend < 0.0f ? smr_clamp(0.5f * (before - after) / bend, -0.5f, 0.5f) : 0.0f;
+}
+
+/* Correlations (or 1 - relative squared differences) at every offset; -1 where the window is not all inside. */
+static void scores_of(const float *ref, float ref_norm, uint32_t n, const float *line, const unsigned char *inside,
+                      uint32_t offsets, int ssd, float *score)
+{
+    float sum = 0.0f, square = 0.0f;
+    uint32_t missing = 0;
+    for (uint32_t k = 0; k < n; k++) {
+        sum += line[k];
+        square += line[k] * line[k];
+        missing += !inside[k];
+    }
+    for (uint32_t o = 0; o < offsets; o++) {
+        if (o > 0u) {
+            const float out = line[o - 1u], in = line[o + n - 1u];
+            sum += in - out;
+            square += in * in - out * out;
+            missing += (uint32_t)!inside[o + n - 1u] - (uint32_t)!inside[o - 1u];
+        }
+        float dot = 0.0f;
+        for (uint32_t k = 0; k < n; k++)
+            dot += ref[k] * line[o + k];
+        if (ssd) {
+            score[o] = 1.0f - (square - 2.0f * dot + ref_norm * ref_norm) / (ref_norm * ref_norm);
+        } else {
+            const float variance = square - sum * sum / (float)n;
+            score[o] = variance > 1.0e-4f * ref_norm * ref_norm ? dot / (SMR_SQRT(variance) * ref_norm) : 0.0f;
+        }
+        score[o] = missing > 0u ? -1.0f : smr_clamp(score[o], -1.0f, 1.0f);
+    }
+}
+
+smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32_t n, const float *line,
+                           const unsigned char *inside, uint32_t m, int ssd)
+{
+    float ref[SMR_PROFILE_MAX], centred[SMR_LINE_MAX], score[SMR_LINE_MAX];
+    if (!(range > 0.0f) || m < n || n < 3u || n > SMR_PROFILE_MAX || m > SMR_LINE_MAX)
+        return none;
+    const uint32_t offsets = m - n + 1u;
+    /* everything relative to the reference's mean, in its units, so that sums lose no digits */
+    float mean = 0.0f, norm = 0.0f;
+    for (uint32_t k = 0; k < n; k++)
+        mean += (float)packed[k] * (1.0f / 255.0f);
+    mean /= (float)n;
+    for (uint32_t k = 0; k < n; k++) {
+        ref[k] = (float)packed[k] * (1.0f / 255.0f) - mean;
+        norm += ref[k] * ref[k];
+    }
+    for (uint32_t k = 0; k < m; k++)
+        centred[k] = inside[k] ? (line[k] - low) / range - mean : 0.0f;
+    scores_of(ref, SMR_SQRT(norm), n, centred, inside, offsets, ssd, score);
+    uint32_t best = 0;
+    for (uint32_t o = 1; o < offsets; o++)
+        if (score[o] > score[best])
+            best = o;
+    float second = -1.0f;
+    for (uint32_t o = 1; o + 1u < offsets; o++)
+        if (score[o] > second && score[o] >= score[o - 1u] && score[o] >= score[o + 1u] &&
+            (o > best ? o - best : best - o) >= SMR_APART)
+            second = score[o];
+    smr_peak peak = {(float)best, 0.0f};
+    if (best > 0u && best + 1u < offsets && score[best - 1u] > -1.0f && score[best + 1u] > -1.0f)
+        peak.at += refine(score[best - 1u], score[best], score[best + 1u]);
+    peak.confidence = smr_max(score[best] - SMR_SCORE_MIN, 0.0f) * (1.0f / (1.0f - SMR_SCORE_MIN)) *
+                      smr_clamp((score[best] - second) * SMR_DISTINCT, SMR_DISTINCT_MIN, 1.0f);
+    return peak;
+}
+
+smr_peak smr_profile_edge(const uint8_t *packed, float range, uint32_t n, uint32_t zero, const float *line,
+                          const unsigned char *inside, uint32_t m, uint32_t centre, uint32_t reach)
+{
+    if (!(range > 0.0f) || n < 3u)
+        return none;
+    /* the reference's strongest edge near the surface: its size is the measure, its sign the polarity */
+    float edge = 0.0f, miss = 0.0f;
+    for (uint32_t k = 1; k + 1u < n; k++) {
+        const float slope = ((float)packed[k + 1u] - (float)packed[k - 1u]) * (0.5f / 255.0f);
+        if ((k > zero ? k - zero : zero - k) <= SMR_EDGE_NEAR && smr_abs(slope) > smr_abs(edge)) {
+            edge = slope;
+            miss = (float)k - (float)zero;
+        }
+    }
+    if (smr_abs(edge) < SMR_EDGE_MIN)
+        return none;
+    const uint32_t first = centre > reach ? centre - reach : 1u;
+    const uint32_t last = smr_min_u32(centre + reach, m - 2u);
+    float best = 0.0f, slope_at[3] = {0, 0, 0};
+    uint32_t at = 0;
+    for (uint32_t k = smr_max_u32(first, 2u); k <= last && k + 2u < m; k++) {
+        if (!inside[k - 2u] || !inside[k - 1u] || !inside[k + 1u] || !inside[k + 2u])
+            continue;
+        const float away = (float)(k > centre ? k - centre : centre - k) / (float)(reach + 1u);
+        const float slope = (line[k + 1u] - line[k - 1u]) * (0.5f / (range * edge));
+        if (slope * (1.0f - 0.5f * away) > best) {
+            best = slope * (1.0f - 0.5f * away);
+            at = k;
+            slope_at[0] = (line[k] - line[k - 2u]) / (range * edge);
+            slope_at[1] = (line[k + 1u] - line[k - 1u]) / (range * edge);
+            slope_at[2] = (line[k + 2u] - line[k]) / (range * edge);
+        }
+    }
+    if (!(best > 0.0f))
+        return none;
+    const smr_peak peak = {(float)at + refine(slope_at[0], slope_at[1], slope_at[2]) - miss, smr_min(best, 1.0f)};
+    return peak;
+}

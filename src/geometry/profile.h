@@ -1,0 +1,31 @@
+/* profile.h: intensity profiles along vertex normals, and their registration in one dimension.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_PROFILE_H
+#define SMR_PROFILE_H
+
+#include "base/vec.h"
+
+#define SMR_PROFILE_MAX 64u  /* samples of a reference profile */
+#define SMR_LINE_MAX 320u    /* samples of a line searched */
+
+/* Where a goal lies along the line, in samples, and how much it is to be believed, 0..1 (0: no goal). */
+typedef struct smr_peak {
+    float at;
+    float confidence;
+} smr_peak;
+
+/* Packs n samples into bytes between their minimum and maximum. low, range: value = low + byte * range / 255. range is 0
+ * when the profile is flat or not all of it is inside: such a profile never gives a goal. */
+void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t n, uint8_t *packed, float *low, float *range);
+
+/* The offset 0 .. m - n at which the n samples of the reference fit the line best: by normalised cross-correlation, or by
+ * the sum of squared differences when ssd (low and range then matter). */
+smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32_t n, const float *line,
+                           const unsigned char *inside, uint32_t m, int ssd);
+
+/* The strongest edge of the reference's polarity within `reach` samples of line sample `centre`; the reference's own
+ * strongest edge lies near its sample `zero`, and the goal is moved by as much as it misses it. */
+smr_peak smr_profile_edge(const uint8_t *packed, float range, uint32_t n, uint32_t zero, const float *line,
+                          const unsigned char *inside, uint32_t m, uint32_t centre, uint32_t reach);
+
+#endif

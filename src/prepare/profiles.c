@@ -1,0 +1,31 @@
+/* profiles.c: intensity profiles of the reference image along the model's normals (paper 2.1).
+ * SPDX-License-Identifier: MIT */
+#include "geometry/mesh.h"
+#include "geometry/profile.h"
+#include "geometry/volume.h"
+#include "prepare/plan.h"
+
+smr_status smr_plan_profiles(smr_plan *p)
+{
+    const smr_prepare_config *c = p->config;
+    smr_grid grid;
+    if (p->profile == NULL)
+        return SMR_OK;
+    smr_status status = smr_grid_open(c->reference, &grid);
+    if (status != SMR_OK)
+        return status;
+    const uint32_t n = c->profile_samples;
+    const uint32_t inward = smr_min_u32((uint32_t)(c->profile_inward * (float)n), n - 1u);
+    const smr_mesh mesh = {p->xyz, p->triangle, p->n, p->nt};
+    smr_mesh_normals(&mesh, p->normal, NULL);
+    for (uint32_t v = 0; v < p->n; v++) {
+        float value[SMR_PROFILE_MAX];
+        unsigned char inside[SMR_PROFILE_MAX];
+        const smr_vec step = smr_scale(smr_load(p->normal + 3u * (size_t)v), c->profile_step_mm);
+        const smr_vec at = smr_add(smr_load(p->xyz + 3u * (size_t)v), smr_load(p->centre));
+        (void)smr_grid_line(&grid, smr_sub(at, smr_scale(step, (float)inward)), step, n, value, inside);
+        smr_profile_pack(value, inside, n, p->profile + (size_t)v * n, &p->range[2u * (size_t)v],
+                         &p->range[2u * (size_t)v + 1u]);
+    }
+    return SMR_OK;
+}
