@@ -103,7 +103,7 @@ typedef struct smr_lists {
     const void *index;
     uint32_t index_bytes;
     uint32_t n_blocks;
-    uint32_t largest;
+    uint32_t largest, smallest;
     float radius, reach;
 } smr_lists;
 

@@ -13,6 +13,7 @@ smr_lists smr_model_lists(const smr_model *m, uint32_t radius)
     l.index_bytes = smr_le32(m->index_bytes);
     l.n_blocks = smr_le32(r->n_blocks);
     l.largest = smr_le32(r->largest);
+    l.smallest = smr_le32(r->smallest);
     l.radius = smr_le_float(r->radius);
     l.reach = smr_le_float(r->reach);
     return l;

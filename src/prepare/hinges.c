@@ -58,7 +58,7 @@ void smr_plan_hinges(smr_plan *p)
             if (low2 != low || high2 != high)
                 break;
         }
-        if (next - i == 2u && low != high)
+        if (next - i == 2u && low != high && p->item[i] / 3u != p->item[i + 1u] / 3u)
             add_hinge(p, p->item[i] / 3u, p->item[i + 1u] / 3u);
     }
 }

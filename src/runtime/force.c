@@ -67,11 +67,13 @@ static int goal_of(smr *s, uint32_t v, smr_vec *way, int *drawn)
 {
     const smr_surface *target = s->part[smr_model_owner(s->model, v)].target;
     *way = smr_v(0, 0, 0);
-    *drawn = target != NULL || s->has_grid;
+    *drawn = (target != NULL || s->has_grid) && smr_active(s, v);
+    if (!*drawn)
+        return 0;
     if (target != NULL)
         return surface_goal(s, v, target, way);
-    if (!s->has_grid || smr_image_goal(s, v, way) > s->config.confidence)
-        return *drawn;
+    if (smr_image_goal(s, v, way) > s->config.confidence)
+        return 1;
     *way = smr_v(0, 0, 0);
     return 0;
 }

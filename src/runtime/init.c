@@ -97,7 +97,7 @@ static void start_masses(smr *s)
 {
     s->mass_unit = 1.0f;
     for (uint32_t v = 0; v < s->n; v++) {
-        const float m = smr_mass_of(s, v);
+        const float m = smr_full_mass(s, v);
         s->mass_max = smr_max(s->mass_max, m);
         if (m != (float)(uint32_t)m)
             s->mass_unit = SMR_MASS_UNITS;

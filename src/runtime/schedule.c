@@ -3,10 +3,18 @@
 #include "runtime/state.h"
 
 #define SMR_REPAIR_MAX 30u
+#define SMR_ENOUGH 8u /* vertices left in a cluster, about */
 
 uint32_t smr_last_radius(const smr *s) { return smr_min_u32(s->config.radius_last, s->n_radii - 1u); }
 
 int smr_guarded(const smr *s) { return s->config.fold_guard && s->radius + 2u > smr_last_radius(s); }
+
+/* Image forces cost most of the time, and a large cluster needs few of them: so many are left out that the smallest
+ * cluster still keeps SMR_ENOUGH. */
+static uint32_t stride_for(const smr *s)
+{
+    return s->has_grid ? smr_max_u32(s->lists.smallest / SMR_ENOUGH, 1u) : 1u;
+}
 
 static void use_radius(smr *s, uint32_t radius)
 {
@@ -14,6 +22,7 @@ static void use_radius(smr *s, uint32_t radius)
     s->radius_iteration = 0;
     s->lists = smr_model_lists(s->model, radius);
     s->reference_stale = 1;
+    s->stride = stride_for(s);
     s->search = smr_min(s->config.search_mm, s->config.search_radii * s->lists.radius);
     if (smr_guarded(s) && s->n_hinges > 0u && (radius == s->config.radius_first || radius + 1u == smr_last_radius(s)))
         s->repairing = 1;

@@ -57,6 +57,7 @@ struct smr {
     uint32_t n_goals, n_target_tasks;
     uint32_t step, next_task;              /* where the tick stands: step of the iteration, tasks already done */
     smr_lists lists;                       /* of the radius in use */
+    uint32_t stride;                       /* every so many vertices are active at this radius */
     float search;                          /* mm: search distance at this radius */
     float profile_mm, gradient_mm;         /* search distances in the image in this iteration */
     float force_limit;                     /* mm: longer forces are dropped; 0 none yet */
@@ -117,9 +118,21 @@ static inline uint32_t smr_chunk_end(const smr *s, uint32_t task)
     return smr_min_u32((task + 1u) * SMR_CHUNK, s->n);
 }
 
-static inline float smr_mass_of(const smr *s, uint32_t vertex)
+static inline float smr_full_mass(const smr *s, uint32_t vertex)
 {
     return smr_le_float(((const uint32_t *)smr_at(s->model, s->model->at_mass))[vertex]);
+}
+
+/* 1 when a vertex takes part in matching: every stride-th of a scattered numbering that follows the caller's, not space. */
+static inline int smr_active(const smr *s, uint32_t vertex)
+{
+    return s->stride <= 1u || (smr_model_original(s->model, vertex) * 2654435761u >> 16) % s->stride == 0u;
+}
+
+/* A vertex' mass in the sums: an ignored one is out of every cluster, but its own cluster still carries it. */
+static inline float smr_mass_of(const smr *s, uint32_t vertex)
+{
+    return smr_active(s, vertex) ? smr_full_mass(s, vertex) : 0.0f;
 }
 
 /* The displacement that matching sees: x + f^e - x^r, and a share of the last iteration's step (momentum; Polyak 1964).

@@ -1,0 +1,214 @@
+/* test_schedule.c: from radius to radius: how many iterations, when x^r follows x, when it ends.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/state.h"
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static const float none[3] = {0, 0, 0};
+
+/* No hinges, so nothing is repaired, when faces is 0. */
+static smr *start(const smr_config *config, int with_target, int faces)
+{
+    const float off[3] = {5, -4, 3};
+    smr_mesh mesh = rig_ball(30, 6, 9, none);
+    const smr_mesh goal = rig_ball(36, 9, 14, off);
+    const smr_prepare_config radii = rig_radii(3, 40, 25, 15);
+    mesh.n_triangles = faces ? mesh.n_triangles : 0u;
+    smr *s = rig_init(rig_model(&mesh, 1, &radii), config, NULL);
+    if (with_target) {
+        assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
+    }
+    return s;
+}
+
+static smr_config steady(void)
+{
+    smr_config c = smr_config_default();
+    c.settle_um = c.plastic_um = 0.0f;
+    c.plastic_every = 0;
+    return c;
+}
+
+static void test_iterations_of_each_radius(void **state)
+{
+    (void)state;
+    for (uint32_t first = 0; first < 3u; first++) {
+        for (uint32_t last = first; last < 4u; last++) {
+            smr_config c = steady();
+            uint32_t at[3] = {0, 0, 0}, total = 0;
+            smr_tick_report report = {0};
+            c.radius_first = first;
+            c.radius_last = last == 3u ? SMR_ALL : last;
+            c.iterations = 4;
+            c.iterations_last = 7;
+            smr *s = start(&c, 1, 0);
+            while (!report.done && total < 100u) {
+                const uint32_t radius = s->radius;
+                assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+                at[radius]++;
+                total++;
+                assert_int_equal(total, report.iteration);
+            }
+            for (uint32_t r = 0; r < 3u; r++) {
+                const uint32_t end = last == 3u ? 2u : last;
+                assert_int_equal(r < first || r > end ? 0 : r == end ? 7 : 4, at[r]);
+            }
+        }
+    }
+}
+
+static void test_progress(void **state)
+{
+    smr_config c = steady();
+    float before = 0.0f;
+    smr_tick_report report = {0};
+    (void)state;
+    c.iterations = 5;
+    c.iterations_last = 10;
+    smr *s = start(&c, 1, 0);
+    for (uint32_t i = 1; i <= 20u; i++) {
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+        assert_true(report.progress > before && fabsf(report.progress - (float)i / 20.0f) < 1.0e-5f);
+        before = report.progress;
+    }
+    assert_int_equal(1, report.done);
+    assert_true(report.progress == 1.0f);
+}
+
+static void test_done_is_done(void **state)
+{
+    smr_config c = steady();
+    smr_tick_report report, later;
+    (void)state;
+    c.iterations = c.iterations_last = 2;
+    smr *s = start(&c, 1, 1);
+    report = rig_run(s, 500);
+    assert_int_equal(1, report.done);
+    const uint64_t hash = smr_state_hash(s);
+    for (uint32_t i = 0; i < 5u; i++) {
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &later));
+        assert_int_equal(report.iteration, later.iteration);
+        assert_int_equal(1, later.done);
+        assert_true(later.state_hash == report.state_hash);
+    }
+    assert_true(hash == smr_state_hash(s));
+}
+
+static void test_settles(void **state)
+{
+    smr_config c = steady();
+    smr_tick_report report;
+    (void)state;
+    c.settle_um = 5.0f;
+    smr *s = start(&c, 0, 0); /* nothing moves: one iteration for each radius */
+    report = rig_run(s, 100);
+    assert_int_equal(3, report.iteration);
+    assert_int_equal(1, report.done);
+    assert_int_equal(1, report.converged);
+    c.iterations_last = 1000;
+    s = start(&c, 1, 0);
+    report = rig_run(s, 2000);
+    assert_true(report.done && report.converged);
+    assert_true(report.displacement_max_mm < 0.005f);
+    c.settle_um = 0.0f;
+    c.iterations = c.iterations_last = 1;
+    s = start(&c, 1, 0);
+    report = rig_run(s, 2000);
+    assert_int_equal(1, report.done);
+    assert_int_equal(0, report.converged); /* it still moved */
+}
+
+static void test_plasticity(void **state)
+{
+    (void)state;
+    for (uint32_t every = 0; every < 4u; every++) {
+        smr_config c = steady();
+        smr_tick_report report = {0};
+        uint32_t since = 0;
+        c.plastic_every = every;
+        c.iterations_last = 12;
+        c.radius_first = 2;
+        smr *s = start(&c, 1, 0);
+        for (uint32_t i = 0; i < 11u; i++) {
+            const uint32_t updates = report.plastic_updates;
+            assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+            since++;
+            const int due = every > 0u && since == every;
+            assert_int_equal(updates + (due ? 1u : 0u), report.plastic_updates);
+            assert_int_equal(due, memcmp(s->x, s->x_ref, 3u * s->n * sizeof(float)) == 0);
+            assert_int_equal(due, s->reference_stale);
+            since = due ? 0u : since;
+        }
+    }
+}
+
+static void test_plastic_when_small(void **state)
+{
+    smr_config c = steady();
+    smr_tick_report report;
+    (void)state;
+    c.plastic_um = 1.0e8f; /* always small */
+    c.iterations_last = 50;
+    c.radius_first = 2;
+    smr *s = start(&c, 1, 0);
+    report = rig_run(s, 20);
+    assert_int_equal(20, report.plastic_updates);
+}
+
+static void test_search_follows_the_radius(void **state)
+{
+    smr_config c = steady();
+    (void)state;
+    c.search_mm = 50.0f;
+    c.search_radii = 1.5f;
+    c.iterations = 1;
+    smr *s = start(&c, 1, 0);
+    assert_true(fabsf(s->search - 50.0f) < 1.0e-4f); /* 60 is more than search_mm */
+    (void)rig_run(s, 1);
+    assert_true(fabsf(s->search - 37.5f) < 1.0e-4f);
+    (void)rig_run(s, 1);
+    assert_true(fabsf(s->search - 22.5f) < 1.0e-4f);
+}
+
+/* Repairing iterations come before a radius and do not count, and there is an end to them. */
+static void test_repair_ends(void **state)
+{
+    smr_config c = steady();
+    smr_tick_report report = {0};
+    uint32_t extra = 0;
+    (void)state;
+    c.iterations = c.iterations_last = 3;
+    smr *s = start(&c, 1, 1);
+    for (uint32_t i = 0; i < 500u && !report.done; i++) {
+        extra += s->repairing > 0u;
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+    }
+    assert_int_equal(1, report.done);
+    assert_int_equal(9u + extra, report.iteration);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_iterations_of_each_radius, tidy),
+        cmocka_unit_test_teardown(test_progress, tidy),
+        cmocka_unit_test_teardown(test_done_is_done, tidy),
+        cmocka_unit_test_teardown(test_settles, tidy),
+        cmocka_unit_test_teardown(test_plasticity, tidy),
+        cmocka_unit_test_teardown(test_plastic_when_small, tidy),
+        cmocka_unit_test_teardown(test_search_follows_the_radius, tidy),
+        cmocka_unit_test_teardown(test_repair_ends, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

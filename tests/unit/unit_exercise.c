@@ -1,0 +1,108 @@
+/* unit_exercise.c: uses an opened model image in every way there is.
+ * SPDX-License-Identifier: MIT */
+#include "unit_exercise.h"
+
+#include <string.h>
+
+#define EXERCISE_TICKS 3
+
+static void put32(unsigned char *p, uint32_t v)
+{
+    for (int i = 0; i < 4; i++)
+        p[i] = (unsigned char)(v >> 8 * i);
+}
+
+void unit_repair(unsigned char *image, size_t bytes)
+{
+    if (bytes < 16u)
+        return;
+    put32(image + 8, (uint32_t)bytes);
+    put32(image + 12, oracle_crc(image + 16, bytes - 16u));
+}
+
+static const char *read_out(const smr_model *model, const smr_model_info *info)
+{
+    const char *wrong = NULL;
+    for (uint32_t s = 0; s < info->n_structures && wrong == NULL; s++) {
+        smr_structure_info one;
+        if (smr_model_structure(model, s, &one) != SMR_OK)
+            return "smr_model_structure";
+        if (memchr(one.name, '\0', sizeof one.name) == NULL)
+            return "a name without an end";
+        float *xyz = unit_memory(12u * (size_t)one.n_vertices);
+        uint32_t *t = unit_memory(12u * (size_t)one.n_triangles); /* filled with 0xa5: not a vertex */
+        if (smr_model_mesh(model, s, xyz, t) != SMR_OK)
+            wrong = "smr_model_mesh";
+        else if (!unit_finite(xyz, 3u * (size_t)one.n_vertices, 4.0f * SMR_COORD_MAX))
+            wrong = "rest positions";
+        for (size_t i = 0; i < 3u * (size_t)one.n_triangles && wrong == NULL; i++)
+            if (t[i] >= one.n_vertices)
+                wrong = "a triangle's corner out of range or never written";
+        unit_free(xyz);
+        unit_free(t);
+    }
+    return wrong;
+}
+
+static const char *check_positions(const smr *s, const smr_model_info *info, const smr_model *model)
+{
+    const char *wrong = NULL;
+    for (uint32_t k = 0; k < info->n_structures && wrong == NULL; k++) {
+        smr_structure_info one;
+        (void)smr_model_structure(model, k, &one);
+        float *xyz = unit_memory(12u * (size_t)one.n_vertices);
+        const size_t n = 3u * (size_t)one.n_vertices;
+        if (smr_get_positions(s, k, xyz) != SMR_OK || !unit_finite(xyz, n, 1e30f))
+            wrong = "positions";
+        else if (smr_get_normals(s, k, xyz) != SMR_OK || !unit_finite(xyz, n, 1.01f))
+            wrong = "normals";
+        unit_free(xyz);
+    }
+    return wrong;
+}
+
+static const char *run(const smr_model *model, const smr_model_info *info, const smr_surface *target, smr_config *c)
+{
+    size_t bytes = 0;
+    smr *s = NULL;
+    const char *wrong = NULL;
+    if (smr_arena_bytes(model, c, &bytes) != SMR_OK)
+        return "smr_arena_bytes";
+    if (bytes > (size_t)256 << 20)
+        return NULL; /* large images are not what this is about */
+    void *arena = unit_memory(bytes);
+    if (smr_init(&s, model, c, NULL, arena, bytes) != SMR_OK)
+        wrong = "smr_init";
+    else if (target != NULL && smr_set_surface(s, SMR_ALL, target) != SMR_OK)
+        wrong = "smr_set_surface";
+    for (int i = 0; i < EXERCISE_TICKS && wrong == NULL; i++) {
+        smr_tick_report report;
+        if (smr_tick(s, 0, &report) != SMR_OK)
+            wrong = "smr_tick";
+        else if (!unit_finite(&report.residual_mean_mm, 1, 1e30f) || !unit_finite(&report.displacement_max_mm, 1, 1e30f))
+            wrong = "the report";
+        else
+            wrong = check_positions(s, info, model);
+    }
+    unit_free(arena);
+    return wrong;
+}
+
+const char *unit_exercise(const smr_model *model, const smr_surface *target, uint32_t target_vertices, int both)
+{
+    smr_model_info info;
+    if (smr_model_get_info(model, &info) != SMR_OK)
+        return "smr_model_get_info";
+    const char *wrong = read_out(model, &info);
+    smr_config c = smr_config_default();
+    c.n_target_vertices = target_vertices;
+    c.iterations = c.iterations_last = 1; /* each tick another radius */
+    if (wrong == NULL)
+        wrong = run(model, &info, target, &c);
+    c.method = SMR_METHOD_POLAR;
+    c.normals = SMR_NORMALS_EXACT;
+    c.radius_first = info.n_radii - 1u;
+    if (wrong == NULL && both)
+        wrong = run(model, &info, target, &c);
+    return wrong;
+}
