@@ -138,11 +138,12 @@ size_t smr_warp_bytes(uint32_t n);
  * spline get the best that they do carry, and *kind says which: fewer than 4, collinear or coplanar sets a similarity
  * or rigid transform, one landmark or coincident ones a translation; duplicates are averaged. memory (SMR_ALIGN) stays
  * the caller's and holds the warp. Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT (count, non-finite, beyond SMR_COORD_MAX,
- * smoothing negative or NaN); *warp untouched then. */
+ * smoothing negative or not finite); *warp untouched then. */
 smr_status smr_warp_fit(void *memory, size_t bytes, const float *from, const float *to, uint32_t n, float smoothing,
                         smr_warp **warp, uint32_t *kind);
 
-/* Carries n points xyz [n][3] by the warp, in place. */
+/* Carries n points xyz [n][3] mm by the warp, in place. Errors: E_NULL, E_STATE (not a warp), E_INPUT (a point not finite or
+ * beyond SMR_COORD_MAX; nothing changed then). */
 smr_status smr_warp_apply(const smr_warp *warp, float *xyz, uint32_t n);
 
 /* ------------------------------------------------------------------ 4. prepare: surfaces -> model image */

@@ -109,18 +109,6 @@ static void any_order_any_wrap_same_bits(void **state)
     assert_true(oracle_within("fixed: sum of 4096, of n/2 units", worst, 1.0));
 }
 
-static void snap_gives_whole_multiples(void **state)
-{
-    oracle_random r = oracle_seed(6);
-    (void)state;
-    for (int i = 0; i < 10000; i++) {
-        const float k = (float)ldexp(1.0, (int)oracle_below(&r, 12u) - 12), v = oracle_uniformf(&r, -900.0f, 900.0f);
-        const double s = (double)smr_snap(v, 1.0f / k, k);
-        assert_true(fabs(s - (double)v) <= 0.5 * (double)k);
-        assert_true(s / (double)k == floor(s / (double)k));
-    }
-}
-
 static void small_helpers(void **state)
 {
     (void)state;
@@ -138,7 +126,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scale_is_the_largest_power_of_two), cmocka_unit_test(rounds_to_nearest),
-        cmocka_unit_test(any_order_any_wrap_same_bits),      cmocka_unit_test(snap_gives_whole_multiples),
+        cmocka_unit_test(any_order_any_wrap_same_bits),
         cmocka_unit_test(small_helpers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

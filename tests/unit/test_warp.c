@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "geometry/warp_solve.h"
 #include "unit_mesh.h"
 #include "unit_warp.h"
 
@@ -192,6 +193,35 @@ static void duplicates_are_averaged(void **state)
     assert_true(oracle_within("warp: duplicates", worst, 1e-3));
 }
 
+/* Equations with a condition number of 5e5 (Hilbert's matrix): three right-hand sides whose solution is known, since all
+ * products and sums of the integers with these entries fit a float. */
+static void solves_hard_equations(void **state)
+{
+    enum { N = 5 };
+    float a[N * N], b[N * 3], x[N * 3], lu[N * N], rest[N * 3];
+    uint32_t pivot[N];
+    const smr_system s = {N, a, b, x, lu, rest, pivot};
+    double worst = 0.0;
+    (void)state;
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < N; j++)
+            a[N * i + j] = 2520.0f / (float)(i + j + 1) / 4096.0f; /* 2520 / 1..9 are whole numbers */
+    for (int i = 0; i < N; i++)
+        for (int c = 0; c < 3; c++) {
+            b[3 * i + c] = 0.0f;
+            for (int j = 0; j < N; j++)
+                b[3 * i + c] += a[N * i + j] * (float)((j * 7 + c * 3) % 11 - 5);
+        }
+    assert_int_equal(smr_system_solve(&s), 1);
+    for (int j = 0; j < N; j++)
+        for (int c = 0; c < 3; c++)
+            worst = fmax(worst, fabs((double)x[3 * j + c] - (double)((j * 7 + c * 3) % 11 - 5)));
+    assert_true(oracle_within("warp: hard equations", worst, 1e-6));
+    for (int j = 0; j < N; j++) /* two rows alike: no inverse */
+        a[N + j] = a[j];
+    assert_int_equal(smr_system_solve(&s), 0);
+}
+
 /* The warp does not depend on what lay in memory, nor do carried points on their company. */
 static void repeats_bit_for_bit(void **state)
 {
@@ -226,6 +256,7 @@ int main(void)
         cmocka_unit_test(keeps_affine_maps),
         cmocka_unit_test(smoothing_ends_at_affine),
         cmocka_unit_test(duplicates_are_averaged),
+        cmocka_unit_test(solves_hard_equations),
         cmocka_unit_test(repeats_bit_for_bit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -106,6 +106,27 @@ static void weak_fits_are_centred(void **state)
     unit_free(w);
 }
 
+/* Goals in one place: a plane or a line would collapse, so it keeps its size; a full set goes where it is told. */
+static void collapsed_goals(void **state)
+{
+    oracle_random r = oracle_seed(312);
+    (void)state;
+    for (int rank = 1; rank <= 3; rank++) {
+        unit_affine map;
+        uint32_t kind;
+        unit_landmarks s = flat_set(&r, 8, rank, 1.0, &map);
+        for (uint32_t i = 0; i < 3u * s.n; i++)
+            s.to[i] = 10.0f * (float)(i % 3u);
+        smr_warp *w = unit_warp_fit(&s, 0.0f, &kind);
+        assert_int_equal(kind, rank == 3 ? SMR_WARP_SPLINE : SMR_WARP_TRANSLATION);
+        float a[] = {0, 0, 0}, b[] = {100, 0, 0};
+        assert_int_equal(smr_warp_apply(w, a, 1), SMR_OK);
+        assert_int_equal(smr_warp_apply(w, b, 1), SMR_OK);
+        assert_true(fabs(unit_apart(a, b) - (rank == 3 ? 0.0 : 100.0)) < 1e-3);
+        unit_free(w);
+    }
+}
+
 /* Nothing legal makes a number that is not finite: tiny, huge, far, thin and collapsed sets. */
 static void odd_sets_stay_finite(void **state)
 {
@@ -187,7 +208,7 @@ static void refuses_and_leaves_alone(void **state)
     assert_int_equal(smr_warp_apply(w, p, 0), SMR_OK);
     for (int i = 0; i < 5; i++)
         assert_true(p[i] == (float)(i + 1));
-    memset(memory, 0, bytes);
+    memset(memory, 0, sizeof(uint32_t)); /* no longer a warp */
     assert_int_equal(smr_warp_apply(w, p, 1), SMR_E_STATE);
     unit_free(memory);
 }
@@ -220,6 +241,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(weaker_sets_get_weaker_kinds),
         cmocka_unit_test(weak_fits_are_centred),
+        cmocka_unit_test(collapsed_goals),
         cmocka_unit_test(odd_sets_stay_finite),
         cmocka_unit_test(refuses_and_leaves_alone),
         cmocka_unit_test(memory_is_exact),

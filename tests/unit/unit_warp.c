@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "unit_warp.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -80,11 +81,11 @@ double unit_warp_miss(const smr_warp *w, const unit_landmarks *s)
     unit_landmarks at = *s;
     double worst = 0.0;
     if (smr_warp_apply(w, at.from, at.n) != SMR_OK)
-        return INFINITY;
+        return DBL_MAX;
     for (uint32_t i = 0; i < s->n; i++) {
         const double d = unit_apart(at.from + 3 * i, s->to + 3 * i);
         if (!isfinite(d))
-            return INFINITY;
+            return DBL_MAX;
         worst = fmax(worst, d);
     }
     return worst;

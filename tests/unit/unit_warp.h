@@ -27,7 +27,7 @@ double unit_apart(const float *a, const float *b);
 
 /* Fits in memory of exactly the size asked for, or ends the program; release with unit_free(). */
 smr_warp *unit_warp_fit(const unit_landmarks *s, float smoothing, uint32_t *kind);
-/* The largest distance of a carried landmark from its goal; infinite when a carried one is not finite. */
+/* The largest distance of a carried landmark from its goal; DBL_MAX when a carried one is not finite. */
 double unit_warp_miss(const smr_warp *w, const unit_landmarks *s);
 
 /* The spline of distinct landmarks in double precision and mm: kernel -r, lambda on the diagonal. */

@@ -1,0 +1,53 @@
+/* fuzz_model_open.c: any bytes as a model image: refused, or harmless in use. Length and checksum are repaired first, so
+ * that the fuzzer gets behind them. Runs as a plain regression test in tests/unit/test_fuzz.c. As a fuzzer:
+ *   clang -g -O1 -std=c11 -ffp-contract=off -fsanitize=fuzzer,address,undefined -DSMR_LIBFUZZER -Isrc -Iinclude \
+ *     -Ifixtures -Itests tests/fuzz/fuzz_model_open.c tests/unit/unit_mesh.c tests/unit/unit_exercise.c \
+ *     tests/unit/oracle.c fixtures/fixture_bone.c fixtures/fixture_shape.c fixtures/fixture_deform.c \
+ *     $(find src -name '*.c') -lm -o fuzz_model_open
+ * Seeds: run the program test_fuzz with SMR_FUZZ_CORPUS=dir.
+ * SPDX-License-Identifier: MIT */
+#include "fuzz/fuzz_targets.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "unit/unit_exercise.h"
+
+int fuzz_model_open(const uint8_t *data, size_t size)
+{
+    static smr_surface *target; /* made once, kept */
+    if (target == NULL) {
+        unit_mesh ball = unit_sphere(1, 5.0f, 2.0f);
+        target = unit_surface(&ball);
+        unit_mesh_free(&ball);
+    }
+    if (size > 1u << 20)
+        return 0;
+    unsigned char *image = unit_memory(size);
+    if (size > 0u)
+        memcpy(image, data, size);
+    unit_repair(image, size);
+    const smr_model *model = NULL;
+    int opened = 0;
+    if (smr_model_open(image, size, &model) == SMR_OK) {
+        const char *wrong = unit_exercise(model, target, 18, 1);
+        opened = 1;
+        if (wrong != NULL) {
+            (void)fprintf(stderr, "fuzz_model_open: %s\n", wrong);
+            opened = -1;
+        }
+    }
+    unit_free(image);
+    return opened;
+}
+
+#ifdef SMR_LIBFUZZER
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (fuzz_model_open(data, size) < 0)
+        abort();
+    return 0;
+}
+#endif

@@ -1,0 +1,13 @@
+/* fuzz_targets.h: functions that take any bytes. They return 1 when the bytes were accepted, 0 when they were refused, and
+ * -1 (with a line on stderr) when something accepted did not work.
+ * SPDX-License-Identifier: MIT */
+#ifndef FUZZ_TARGETS_H
+#define FUZZ_TARGETS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+int fuzz_model_open(const uint8_t *data, size_t size);
+int fuzz_mesh(const uint8_t *data, size_t size);
+
+#endif

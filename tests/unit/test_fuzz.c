@@ -1,0 +1,106 @@
+/* test_fuzz.c: the fuzz targets as a plain regression test: a corpus made here, and changes to it that are the same every
+ * time. SMR_FUZZ_CORPUS=dir writes the seeds there (model-N, mesh-N) for a real fuzzer to start from.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fuzz/fuzz_mesh.c"
+#include "fuzz/fuzz_model_open.c"
+
+#define SEEDS 6u
+
+static void save(const char *kind, uint32_t number, const void *bytes, size_t size)
+{
+    const char *folder = getenv("SMR_FUZZ_CORPUS");
+    char path[512];
+    if (folder == NULL)
+        return;
+    (void)snprintf(path, sizeof path, "%s/%s-%u", folder, kind, (unsigned)number);
+    FILE *f = fopen(path, "wb");
+    assert_non_null(f);
+    assert_int_equal(fwrite(bytes, 1, size, f), size);
+    assert_int_equal(fclose(f), 0);
+}
+
+/* Small models of every kind: orders, both distances, one and two structures, points only. */
+static unit_image seed_image(uint32_t number)
+{
+    oracle_random r = oracle_seed(200u + number);
+    unit_mesh a = number == 5u ? unit_points(&r, 9, 0.0f, 9.0f) : unit_sphere(0, 4.0f, 1.0f);
+    unit_mesh b = unit_grid(2, 1u + number % 2u, 3.0f);
+    const smr_structure two[2] = {{"a", unit_view(&a)}, {"b", unit_view(&b)}};
+    smr_prepare_config c = smr_prepare_config_default();
+    c.order = number & 1u;
+    c.distance = number >> 1 & 1u;
+    c.n_radii = 1u + number % 3u;
+    for (uint32_t i = 0; i < c.n_radii; i++)
+        c.radius_mm[i] = 6.0f / (float)(i + 1u);
+    unit_image image = unit_prepare(two, number > 3u ? 1u : 2u, &c);
+    unit_mesh_free(&a);
+    unit_mesh_free(&b);
+    return image;
+}
+
+static void models(void **state)
+{
+    oracle_random r = oracle_seed(201);
+    uint32_t opened = 0;
+    (void)state;
+    assert_int_equal(fuzz_model_open(NULL, 0), 0);
+    for (uint32_t number = 0; number < SEEDS; number++) {
+        unit_image seed = seed_image(number);
+        uint8_t *copy = unit_memory(seed.size);
+        save("model", number, seed.bytes, seed.size);
+        assert_int_equal(fuzz_model_open(seed.bytes, seed.size), 1);
+        for (uint32_t i = 0; i < 1200u; i++) {
+            memcpy(copy, seed.bytes, seed.size);
+            size_t size = seed.size;
+            for (uint32_t k = 1u + oracle_below(&r, 3u); k > 0u; k--) {
+                const uint32_t at = oracle_below(&r, (uint32_t)size), from = oracle_below(&r, (uint32_t)size);
+                switch (oracle_below(&r, 4u)) {
+                case 0: copy[at] = (uint8_t)oracle_next(&r); break;
+                case 1: copy[at] = (uint8_t)(copy[at] + 1u); break;
+                case 2: copy[at / 4u * 4u] = copy[from / 4u * 4u]; break;
+                default: size -= i % 16u == 0u && size > 64u ? 32u : 0u; break;
+                }
+            }
+            const int result = fuzz_model_open(copy, size);
+            assert_true(result >= 0);
+            opened += (uint32_t)result;
+        }
+        unit_free(copy);
+        unit_image_free(&seed);
+    }
+    assert_true(opened > 100u); /* changes are small enough to get through at times */
+}
+
+static void meshes(void **state)
+{
+    oracle_random r = oracle_seed(202);
+    uint32_t accepted = 0;
+    (void)state;
+    for (uint32_t number = 0; number < 1500u; number++) {
+        uint8_t bytes[900];
+        const uint32_t size = oracle_below(&r, sizeof bytes);
+        for (uint32_t i = 0; i < size; i++)
+            bytes[i] = (uint8_t)oracle_next(&r);
+        for (uint32_t i = 16; i < size && number % 2u; i += 2u) /* half of them small and dense, with many copies */
+            bytes[i + 1u < size ? i + 1u : i] = (uint8_t)(128u + oracle_below(&r, 2u));
+        if (number < SEEDS)
+            save("mesh", number, bytes, size);
+        const int result = fuzz_mesh(bytes, size);
+        if (result < 0)
+            fail_msg("mesh %u", (unsigned)number);
+        accepted += (uint32_t)result;
+    }
+    assert_true(accepted > 700u);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(models), cmocka_unit_test(meshes)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
