@@ -113,6 +113,9 @@ void smr_put32(smr_writer *w, size_t at, uint32_t value);
 /* Reserves a section of zero bytes on the next SMR_ALIGN boundary; returns its offset. */
 size_t smr_put_section(smr_writer *w, size_t bytes);
 
+/* The whole image but its checksum. Errors: E_ABORTED, E_INPUT (more than 4 GiB). */
+smr_status smr_write_image(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below);
+
 /* One radius' lists being written. */
 typedef struct smr_list_writer {
     smr_writer *w;

@@ -1,0 +1,209 @@
+/* test_match.c: clusters find the rigid motion they were given, by both methods; without a motion the answer is exactly none.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/state.h"
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static const float none[3] = {0, 0, 0};
+
+static smr *start(uint32_t method, const smr_mesh *mesh, float radius)
+{
+    const smr_prepare_config prepare = rig_radii(1, radius, 0, 0);
+    smr_config config = smr_config_default();
+    config.method = method;
+    config.momentum = 0.0f;
+    config.fold_guard = 0;
+    config.plastic_every = 0;
+    config.plastic_um = config.settle_um = 0.0f;
+    smr *s = rig_init(rig_model(mesh, 1, &prepare), &config, NULL);
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL)); /* for the reference's own figures */
+    return s;
+}
+
+static void run_all(smr *s, uint32_t n, smr_task run)
+{
+    for (uint32_t t = 0; t < n; t++) {
+        run(s, t, 0);
+    }
+}
+
+/* Forces that carry x^r to m x^r + t, and the transforms that clusters make of them. */
+static void drive(smr *s, const float m[9], smr_vec t)
+{
+    float u_max = 0.0f, l_max = 0.0f;
+    for (uint32_t v = 0; v < s->n; v++) {
+        const smr_vec x = smr_load(smr_at3(s->x, v)), f = smr_sub(smr_add(smr_mul(m, x), t), x);
+        smr_store(smr_at3(s->force, v), f);
+        u_max = fmaxf(u_max, smr_length(f));
+        l_max = fmaxf(l_max, 2.0f * smr_length(f) * smr_length(x));
+    }
+    s->scale[0] = exp2f(floorf(log2f(1.0e9f / ((float)s->lists.largest * (u_max + 1.0e-9f)))));
+    s->scale[1] = exp2f(floorf(log2f(1.0e9f / ((float)s->lists.largest * (l_max + 1.0e-9f)))));
+    s->sum_words = 12;
+    run_all(s, s->n_tasks, smr_sums_record);
+    run_all(s, smr_block_tasks(s), smr_sums_forest);
+    run_all(s, s->n_tasks, smr_match);
+}
+
+/* Largest distance between where clusters carry their own vertex and where it should go. */
+static float miss(const smr *s, const float m[9], smr_vec t)
+{
+    float worst = 0.0f;
+    for (uint32_t v = 0; v < s->n; v++) {
+        const float *own = s->transform + 12u * (size_t)v;
+        const smr_vec x = smr_load(smr_at3(s->x_ref, v));
+        const smr_vec got = smr_add(x, smr_add(smr_mul(own, x), smr_load(own + 9)));
+        worst = fmaxf(worst, smr_length(smr_sub(got, smr_add(smr_mul(m, x), t))));
+    }
+    return worst;
+}
+
+static float not_rotation(const float *r_minus_i)
+{
+    float worst = 0.0f;
+    for (uint32_t i = 0; i < 9u; i++) {
+        float dot = 0.0f;
+        for (uint32_t k = 0; k < 3u; k++) {
+            const float a = r_minus_i[3u * k + i / 3u] + (k == i / 3u ? 1.0f : 0.0f);
+            const float b = r_minus_i[3u * k + i % 3u] + (k == i % 3u ? 1.0f : 0.0f);
+            dot += a * b;
+        }
+        worst = fmaxf(worst, fabsf(dot - (i % 4u == 0u ? 1.0f : 0.0f)));
+    }
+    return worst;
+}
+
+static void test_polar_finds_any_rotation(void **state)
+{
+    const smr_mesh mesh = rig_ball(30, 9, 12, none);
+    smr *s = start(SMR_METHOD_POLAR, &mesh, 18);
+    (void)state;
+    for (uint32_t k = 0; k < 8u; k++) {
+        float m[9];
+        rig_rotation(1, (float)k - 3.0f, 0.3f, 22.0f * (float)k, m); /* up to 154 degrees */
+        drive(s, m, smr_v(3, -2, (float)k));
+        assert_true(miss(s, m, smr_v(3, -2, (float)k)) < 5.0e-3f);
+    }
+}
+
+/* Kinematics turn by |omega| = I^-1 L, which is the sine of the angle: exact to third order in small turns. */
+static void test_rigid_finds_small_rotations(void **state)
+{
+    const smr_mesh mesh = rig_ball(30, 9, 12, none);
+    smr *s = start(SMR_METHOD_RIGID, &mesh, 18);
+    (void)state;
+    for (uint32_t k = 0; k < 6u; k++) {
+        const float degrees = 0.05f + 0.5f * (float)k, a = degrees * 0.0174533f;
+        float m[9];
+        rig_rotation(1, (float)k - 3.0f, 0.3f, degrees, m);
+        drive(s, m, smr_v(3, -2, 1));
+        assert_true(miss(s, m, smr_v(3, -2, 1)) < 2.0e-3f + 35.0f * a * a);
+    }
+}
+
+static void test_translation(void **state)
+{
+    static const float identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const smr_mesh mesh = rig_ball(30, 9, 12, none);
+    (void)state;
+    for (uint32_t method = 0; method < 2u; method++) {
+        smr *s = start(method, &mesh, 18);
+        drive(s, identity, smr_v(7, -11, 0.5f));
+        assert_true(miss(s, identity, smr_v(7, -11, 0.5f)) < 1.0e-4f);
+        for (uint32_t v = 0; v < s->n; v++) {
+            assert_true(not_rotation(s->transform + 12u * (size_t)v) < 1.0e-5f);
+        }
+    }
+}
+
+static void test_nothing_is_exactly_nothing(void **state)
+{
+    static const float identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const float at[3] = {11, 7, -3};
+    const smr_mesh mesh = rig_ball(30, 9, 12, at);
+    (void)state;
+    for (uint32_t method = 0; method < 2u; method++) {
+        smr *s = start(method, &mesh, 18);
+        drive(s, identity, smr_v(0, 0, 0));
+        for (size_t i = 0; i < 12u * (size_t)s->n; i++) {
+            assert_true(s->transform[i] == 0.0f);
+        }
+    }
+}
+
+/* Whatever pulls, the answer is a rotation. */
+static void test_always_a_rotation(void **state)
+{
+    static float line[30], plane[30], point[30];
+    const smr_mesh ball = rig_ball(30, 5, 6, none);
+    uint32_t seed = 8;
+    (void)state;
+    for (uint32_t i = 0; i < 10u; i++) {
+        line[3u * i + 1u] = 3.0f * (float)i;
+        plane[3u * i] = 3.0f * (float)(i % 3u);
+        plane[3u * i + 2u] = 3.0f * (float)(i / 3u);
+    }
+    const smr_mesh shapes[] = {ball, {line, NULL, 10, 0}, {plane, NULL, 10, 0}, {point, NULL, 10, 0}, {line, NULL, 2, 0}, {line, NULL, 1, 0}};
+    for (uint32_t k = 0; k < 12u; k++) {
+        smr *s = start(k % 2u, &shapes[k / 2u], 18);
+        for (uint32_t round = 0; round < 20u; round++) {
+            float m[9];
+            for (uint32_t i = 0; i < 9u; i++) { /* any linear map: reflections, flattening, and nothing at all */
+                m[i] = round % 5u == 4u ? 0.0f : rig_between(&seed, -3, 3);
+            }
+            drive(s, m, smr_v(rig_between(&seed, -9, 9), 2, 1));
+            for (uint32_t v = 0; v < s->n; v++) {
+                for (uint32_t i = 0; i < 12u; i++) {
+                    assert_true(isfinite(s->transform[12u * (size_t)v + i]));
+                }
+                assert_true(not_rotation(s->transform + 12u * (size_t)v) < 1.0e-4f);
+            }
+        }
+    }
+}
+
+static void test_scales_for_averaging(void **state)
+{
+    const smr_mesh mesh = rig_ball(30, 9, 12, none);
+    smr *s = start(SMR_METHOD_RIGID, &mesh, 18);
+    float m[9], r = 0.0f, t = 0.0f;
+    (void)state;
+    rig_rotation(1, 2, 3, 10, m);
+    drive(s, m, smr_v(3, -2, 1));
+    smr_match_end(s);
+    for (size_t v = 0; v < s->n; v++) {
+        for (uint32_t i = 0; i < 12u; i++) {
+            r = i < 9u ? fmaxf(r, fabsf(s->transform[12u * v + i])) : r;
+            t = i < 9u ? t : fmaxf(t, fabsf(s->transform[12u * v + i]));
+        }
+    }
+    assert_int_equal(12, s->sum_words);
+    const float room[2] = {(float)s->lists.largest * r * s->scale[0], (float)s->lists.largest * t * s->scale[1]};
+    for (uint32_t i = 0; i < 2u; i++) {
+        assert_true(room[i] <= 1073741824.0f && room[i] > 536870912.0f * 0.99f);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_polar_finds_any_rotation, tidy),
+        cmocka_unit_test_teardown(test_rigid_finds_small_rotations, tidy),
+        cmocka_unit_test_teardown(test_translation, tidy),
+        cmocka_unit_test_teardown(test_nothing_is_exactly_nothing, tidy),
+        cmocka_unit_test_teardown(test_always_a_rotation, tidy),
+        cmocka_unit_test_teardown(test_scales_for_averaging, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
