@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "host_file.h"
+#include "host_mesh.h"
 #include "landmarks_reader.h"
-#include "smr.h"
 
 #define FILE_BYTES_MAX ((size_t)4u << 20) /* 64 landmarks take a few kilobytes */
 
@@ -89,7 +89,7 @@ int host_landmarks_read(const char *path, host_landmarks *landmarks, host_error 
     if (host_text_word(&text, &word) && word.start[0] == '{')
         result = host_read_markups(landmarks, data, n, error);
     else
-        result = host_read_landmark_table(landmarks, data, n, error);
+        result = host_read_landmark_table(landmarks, data, n, host_has_extension(path, ".fcsv"), error);
     if (result == 0 && landmarks->n == 0)
         result = host_fail(error, "landmarks", "at least one landmark (Slicer .mrk.json or .fcsv, or CSV label,x,y,z)");
     host_file_free(&bytes);

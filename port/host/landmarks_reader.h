@@ -17,7 +17,8 @@ int host_landmarks_turn(host_landmarks *landmarks, host_error *error, uint32_t l
                         uint32_t first);
 
 int host_read_markups(host_landmarks *landmarks, const char *data, size_t n, host_error *error);
-int host_read_landmark_table(host_landmarks *landmarks, const char *data, size_t n, host_error *error);
+/* slicer 1: the file's name says .fcsv, so that it must name its coordinate system. */
+int host_read_landmark_table(host_landmarks *landmarks, const char *data, size_t n, int slicer, host_error *error);
 
 /* A JSON text being read. Every function returns 0, or -1 with the error filled. */
 typedef struct host_scan {

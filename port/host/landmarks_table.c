@@ -104,16 +104,22 @@ static int read_columns(table *t, host_word value)
     return 0;
 }
 
+/* Where the two formats have their fields when no remark says so. */
+static void set_columns(table *t, int fcsv)
+{
+    t->fcsv = fcsv;
+    t->label = fcsv ? 11 : 0;
+    t->x = 1;
+    t->y = 2;
+    t->z = 3;
+}
+
 static int read_remark(table *t, host_word line)
 {
     const host_word rest = trimmed(line.start + 1, line.start + line.n);
     host_word value;
     if (host_word_has(rest, "Markups fiducial file") && t->rows == 0) {
-        t->fcsv = 1;
-        t->x = 1;
-        t->y = 2;
-        t->z = 3;
-        t->label = 11;
+        set_columns(t, 1);
     } else if (remark_is(rest, "CoordinateSystem", &value)) {
         if (t->system_line != 0)
             return host_fail_at(t->error, "line", t->line, "one CoordinateSystem, found a second");
@@ -158,7 +164,7 @@ static int read_row(table *t, host_word line)
     return host_landmarks_add(t->landmarks, t->error, t->line, label, xyz);
 }
 
-int host_read_landmark_table(host_landmarks *landmarks, const char *data, size_t n, host_error *error)
+int host_read_landmark_table(host_landmarks *landmarks, const char *data, size_t n, int slicer, host_error *error)
 {
     table t;
     host_text text = host_text_over(data, n);
@@ -166,9 +172,7 @@ int host_read_landmark_table(host_landmarks *landmarks, const char *data, size_t
     memset(&t, 0, sizeof t);
     t.landmarks = landmarks;
     t.error = error;
-    t.x = 1;
-    t.y = 2;
-    t.z = 3;
+    set_columns(&t, slicer);
     for (t.line = text.line; host_text_line(&text, &line); t.line = text.line) {
         const host_word inner = trimmed(line.start, line.start + line.n);
         if (inner.n == 0)

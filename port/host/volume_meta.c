@@ -250,6 +250,12 @@ static int locate(host_volume_reader *reader, const meta_header *header, const h
     if (header->packed && (uint64_t)header->packed_bytes > reader->n)
         return host_fail(reader->error, "CompressedDataSize", "at most the file's %zu bytes, found %lld", reader->n,
                          (long long)header->packed_bytes);
+    if (header->packed && header->header_bytes > 0) { /* the skipped bytes are not part of the stream */
+        const size_t skip = (uint64_t)header->header_bytes < reader->n ? (size_t)header->header_bytes : reader->n;
+        reader->data += skip;
+        reader->n -= skip;
+        reader->byte_skip = 0;
+    }
     return 0;
 }
 

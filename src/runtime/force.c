@@ -68,8 +68,12 @@ static int goal_of(smr *s, uint32_t v, smr_vec *way, int *drawn)
     const smr_surface *target = s->part[smr_model_owner(s->model, v)].target;
     *way = smr_v(0, 0, 0);
     *drawn = (target != NULL || s->has_grid) && smr_active(s, v);
-    if (!*drawn)
+    if (!*drawn) {
+        if (smr_pull_on(s))
+            (void)smr_pull_take(s, v, way); /* what pulls an ignored vertex must not wait for the next iteration */
+        *way = smr_v(0, 0, 0);
         return 0;
+    }
     if (target != NULL)
         return surface_goal(s, v, target, way);
     if (smr_image_goal(s, v, way) > s->config.confidence)

@@ -21,8 +21,8 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
         s->grid = grid;
     }
     s->has_grid = volume != NULL;
+    smr_abandon_iteration(s);
     smr_schedule_start(s);
-    s->step = s->next_task = 0; /* an iteration under way starts again with the new goals */
     return SMR_OK;
 }
 

@@ -1,5 +1,6 @@
 /* place.c: where a registration starts: the rest shape under a pose, or any positions.
  * SPDX-License-Identifier: MIT */
+#include "geometry/curve.h"
 #include "geometry/fit.h"
 #include "geometry/mesh.h"
 #include "runtime/state.h"
@@ -10,10 +11,21 @@ static smr_vec rest_of(const smr *s, uint32_t v)
     return smr_v(smr_le_float(rest[0]), smr_le_float(rest[1]), smr_le_float(rest[2]));
 }
 
+/* Moves the origin into the model's middle, by whole millimetres. */
+static void centre_origin(smr *s)
+{
+    const smr_box box = smr_box_of(s->x, s->n);
+    const smr_vec shift = smr_whole(smr_scale(smr_add(box.lo, box.hi), 0.5f));
+    for (uint32_t v = 0; v < s->n; v++)
+        smr_store(smr_at3(s->x, v), smr_sub(smr_load(smr_at3(s->x, v)), shift));
+    s->origin = smr_add(s->origin, shift);
+}
+
 /* x holds the start, relative to origin: everything else follows. */
 static void start_here(smr *s)
 {
     const size_t bytes = 3u * (size_t)s->n * sizeof(float);
+    centre_origin(s);
     const smr_mesh mesh = {s->x, s->triangle, s->n, s->n_triangles};
     smr_fit fit;
     smr_fit_start(&fit);
@@ -33,8 +45,7 @@ static void start_here(smr *s)
         s->warm[v] = SMR_ALL;
     for (uint32_t j = 0; s->target_warm != NULL && j < s->config.n_target_vertices; j++)
         s->target_warm[j] = SMR_ALL;
-    if (s->pull != NULL) /* an iteration under way is given up */
-        memset(s->pull, 0, s->config.n_workers * (size_t)s->n * 4u * sizeof *s->pull);
+    smr_abandon_iteration(s);
     for (size_t v = 0; s->eigen != NULL && v < s->n; v++)
         for (size_t i = 0; i < 9u; i++)
             s->eigen[9u * v + i] = i % 4u == 0u ? 1.0f : 0.0f;

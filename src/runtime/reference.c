@@ -52,12 +52,21 @@ void smr_reference_begin(smr *s)
     s->sum_words = SMR_WORDS;
 }
 
-/* x^r of a vertex in whole steps. Exact for |x| up to 2^30 steps. */
+/* x^r of a vertex in whole steps, modulo 2^32: sums wrap anyway, and only differences within a cluster have to fit. */
 static void steps_of(const float *x, float step, uint32_t out[3])
 {
     const float inverse = 1.0f / step;
-    for (uint32_t a = 0; a < 3u; a++)
-        out[a] = smr_fixed(x[a] * inverse);
+    for (uint32_t a = 0; a < 3u; a++) {
+        const float v = smr_clamp(x[a] * inverse, -1.0e18f, 1.0e18f);
+        out[a] = (uint32_t)(uint64_t)(int64_t)(v + (v < 0.0f ? -0.5f : 0.5f));
+    }
+}
+
+/* The same rounding as a position, mm. */
+static float stepped(float x, float step)
+{
+    const float v = smr_clamp(x / step, -1.0e18f, 1.0e18f);
+    return (float)(int64_t)(v + (v < 0.0f ? -0.5f : 0.5f)) * step;
 }
 
 void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
@@ -110,7 +119,7 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
                        mass * d[a] * d[b];
         for (uint32_t a = 0; a < 3u; a++)
             smr_at3(s->centre, v)[a] =
-                smr_unfix(f[a], s->fine) + smr_unfix(w[10u + a] - w[0] * f[a], s->fine * unit) / mass;
+                stepped(smr_at3(s->x_ref, v)[a], s->fine) + smr_unfix(w[10u + a] - w[0] * f[a], s->fine * unit) / mass;
         s->cluster_mass[v] = mass;
         float *spread = s->spread + 6u * (size_t)v;
         if (s->config.method == SMR_METHOD_RIGID)

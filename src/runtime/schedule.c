@@ -28,6 +28,18 @@ static void use_radius(smr *s, uint32_t radius)
         s->repairing = 1;
 }
 
+/* Gives up an iteration under way: x stands, as if it had just been reached without a step. */
+void smr_abandon_iteration(smr *s)
+{
+    if (s->pull != NULL)
+        memset(s->pull, 0, s->config.n_workers * (size_t)s->n * 4u * sizeof *s->pull);
+    memcpy(s->x_next, s->x, 3u * (size_t)s->n * sizeof(float));
+    for (uint32_t i = 0; i < s->n_parts; i++)
+        s->part[i].facets.xyz = s->x;
+    smr_facets_now(s);
+    s->step = s->next_task = 0;
+}
+
 void smr_schedule_start(smr *s)
 {
     s->iteration = 0;

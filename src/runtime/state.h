@@ -195,6 +195,7 @@ void smr_evolve_end(smr *s);                 /* facets follow x_next from here o
 void smr_settle(void *arg, uint32_t task, uint32_t worker);
 void smr_settle_end(smr *s);
 
+void smr_abandon_iteration(smr *s);
 void smr_schedule_start(smr *s);             /* schedule.c */
 void smr_schedule_next(smr *s);
 uint32_t smr_last_radius(const smr *s);

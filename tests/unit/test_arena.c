@@ -36,8 +36,15 @@ static void measures_what_it_places(void **state)
     smr_arena measure = smr_arena_measure(), a;
     (void)state;
     const size_t bytes = take_all(&measure, slot);
-    for (int i = 0; i < N_SIZES; i++)
+    size_t want = 0;
+    for (int i = 0; i < N_SIZES; i++) {
         assert_null(slot[i]);
+        want += (sizes[i] + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
+#ifdef UNIT_ASAN
+        want += SMR_ALIGN; /* a red zone each */
+#endif
+    }
+    assert_int_equal(bytes, want);
     unsigned char *memory = unit_memory(bytes);
     assert_int_equal(smr_arena_start(&a, memory, bytes), SMR_OK);
     assert_int_equal(take_all(&a, slot), bytes);

@@ -50,6 +50,23 @@ static void equals_shortest_paths(void **state)
         unit_mesh_free(&m[i]);
 }
 
+/* A flat lattice and a radius of whole edges: paths as long as the radius are in. */
+static void exact_ties_are_in(void **state)
+{
+    unit_mesh m = unit_grid(6, 5, 2.0f);
+    smr_prepare_config c = smr_prepare_config_default();
+    (void)state;
+    for (uint32_t i = 0; i < m.nv; i++)
+        m.xyz[3u * i + 2u] = 0.0f;
+    const smr_structure one = {"m", unit_view(&m)};
+    c.n_radii = 2;
+    c.radius_mm[0] = 6.0f;
+    c.radius_mm[1] = 2.0f;
+    c.ring = 0;
+    check(&one, 1, &c);
+    unit_mesh_free(&m);
+}
+
 /* The two shores of a slit are near in space and far along the surface: only the geodesic tells them apart. */
 static void does_not_jump_a_slit(void **state)
 {
@@ -93,6 +110,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equals_shortest_paths),
+        cmocka_unit_test(exact_ties_are_in),
         cmocka_unit_test(does_not_jump_a_slit),
         cmocka_unit_test(points_without_edges_are_alone),
     };

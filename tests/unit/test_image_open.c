@@ -91,7 +91,8 @@ static void null_and_misaligned(void **state)
 static void cut_at_every_length(void **state)
 {
     small_world w = make(0);
-    uint32_t opened = 0;
+    const smr_image_radius *last = (const smr_image_radius *)smr_at(w.image.model, w.image.model->at_radii) + 1;
+    const size_t end = smr_le32(last->at_indexes) + 2u * (size_t)smr_le32(last->n_indexes);
     (void)state;
     for (size_t size = 0; size < w.image.size; size++) {
         unsigned char *cut = unit_memory(size);
@@ -100,11 +101,10 @@ static void cut_at_every_length(void **state)
         assert_int_equal(smr_model_open(cut, size, &model), SMR_E_MODEL);
         if (size % 4u == 0u || size < 200u) { /* now with the shorter length in the head, and a checksum to it */
             unit_repair(cut, size);
-            opened += try_image(&w, cut, size, "cut", size);
+            assert_int_equal(try_image(&w, cut, size, "cut", size), size >= end); /* behind the last list is nothing */
         }
         unit_free(cut);
     }
-    assert_true(opened < SMR_ALIGN); /* only what lies behind the last list may be missing */
     unmake(&w);
 }
 

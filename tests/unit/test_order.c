@@ -142,6 +142,22 @@ static void edges_and_masses(void **state)
     assert_true(oracle_within("order: masses", worst_mass, 0.5 / 16.0 + 1e-4));
 }
 
+/* A triangle that names a vertex twice has one edge, and no edge of length 0 from that vertex to itself. */
+static void edges_of_zero_area_triangles(void **state)
+{
+    unit_mesh m = unit_mesh_new(2, 3);
+    const float xyz[6] = {0, 0, 0, 3, 4, 0};
+    const uint32_t t[9] = {0, 1, 1, 1, 1, 1, 0, 0, 1};
+    smr_prepare_config c = smr_prepare_config_default();
+    (void)state;
+    memcpy(m.xyz, xyz, sizeof xyz);
+    memcpy(m.triangles, t, sizeof t);
+    unit_image image = unit_prepare_mesh(&m, &c);
+    assert_true(smr_le_float(image.model->edge_mm) == 5.0f);
+    unit_image_free(&image);
+    unit_mesh_free(&m);
+}
+
 /* Names are cut to what fits, with the closing NUL. */
 static void long_names_are_cut(void **state)
 {
@@ -171,6 +187,7 @@ int main(void)
         cmocka_unit_test(numbering_and_curve),
         cmocka_unit_test(the_callers_mesh_comes_back),
         cmocka_unit_test(edges_and_masses),
+        cmocka_unit_test(edges_of_zero_area_triangles),
         cmocka_unit_test(long_names_are_cut),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

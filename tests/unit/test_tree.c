@@ -165,6 +165,9 @@ static void node_budgets(void **state)
         q.node_budget = 0;
         smr_tree_closest(&f, &q, &warm);
         assert_true(warm.triangle == SMR_ALL || warm.triangle == q.warm);
+        q.node_budget = 1;
+        smr_tree_closest(&f, &q, &warm);
+        assert_true(warm.triangle == SMR_ALL || warm.triangle == q.warm); /* the root has no triangles of its own */
         for (uint32_t budget = 1; budget <= smr_tree_nodes(m.nt); budget += budget / 2u + 1u) {
             smr_hit hit = {1e12f, SMR_ALL, {0, 0, 0}};
             q.node_budget = budget;
