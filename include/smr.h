@@ -82,8 +82,8 @@ typedef struct smr_closest {
 } smr_closest;
 
 /* Exact closest point of the surface within max_mm of `point` (3 floats). `normal` (3 floats, unit) and
- * min_cos restrict the search to triangles whose normal agrees; NULL for any. max_mm: 0 or more. Ties: the triangle
- * that comes first in the search tree. Nothing found: SMR_OK and hit->triangle SMR_ALL.
+ * min_cos restrict the search to triangles whose normal agrees; NULL for any. max_mm: 0 or more. Ties: the
+ * smallest triangle index. Nothing found: SMR_OK and hit->triangle SMR_ALL.
  * Errors: E_NULL, E_STATE (not a surface), E_INPUT. */
 smr_status smr_surface_closest(const smr_surface *surface, const float *point, const float *normal,
                                float min_cos, float max_mm, smr_closest *hit);
@@ -287,6 +287,8 @@ typedef struct smr_config {
     uint32_t method;             /* SMR_METHOD_...; default rigid-body kinematics */
     float relaxation;            /* (0,1], default 1: x += relaxation * (averaged goal - x) */
     float momentum;              /* [0,0.99], default 0.8: this share of the last displacement is added to the forces */
+    float momentum_last;         /* [0,0.99], default 0.5: the same at the last radius, where it would carry vertices along
+                                    the surface and rounding with them */
     float plastic_um;            /* >= 0, default 50: x^r = x when the largest displacement falls below */
     float settle_um;             /* >= 0, default 1: a radius is done early when the largest displacement falls below */
     uint32_t plastic_every;      /* 0..1000, default 1: x^r = x also after so many iterations; 0 never */
@@ -300,7 +302,7 @@ typedef struct smr_config {
     uint32_t radius_last;        /* index of the last radius used; default SMR_ALL: the finest */
     uint32_t iterations;         /* 1..100000, default 9: at most so many at each radius but the last. Iterations
                                     that only repair folds do not count */
-    uint32_t iterations_last;    /* 1..100000, default 60: at most so many at the last radius */
+    uint32_t iterations_last;    /* 1..100000, default 80: at most so many at the last radius */
 } smr_config;
 
 smr_config smr_config_default(void);

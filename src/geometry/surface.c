@@ -129,6 +129,7 @@ smr_status smr_surface_build(void *memory, size_t bytes, const smr_mesh *mesh, s
     smr_tree_shape(&s.facets, nt);
     s.facets.xyz = s.xyz;
     s.facets.triangle = s.triangle;
+    s.facets.rank = s.original;
     s.facets.normal = b.facet_normal;
     s.facets.node = b.node;
     smr_tree_refit_leaves(&s.facets, 0, smr_tree_leaves(&s.facets));

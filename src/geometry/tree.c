@@ -112,7 +112,15 @@ smr_vec smr_facet_point(const smr_facets *f, uint32_t triangle, const float weig
     return smr_add(smr_add(smr_scale(a, weight[0]), smr_scale(b, weight[1])), smr_scale(c, weight[2]));
 }
 
-/* Tries one triangle; ties go to the smaller index. */
+/* Among equally near triangles, i comes before the one found so far. */
+static int comes_first(const smr_facets *f, uint32_t i, uint32_t found)
+{
+    if (found == SMR_ALL || f->rank == NULL)
+        return i < found;
+    return f->rank[i] < f->rank[found];
+}
+
+/* Tries one triangle; ties go to the smaller rank. */
 static void try_triangle(const smr_facets *f, const smr_query *q, uint32_t i, smr_hit *hit)
 {
     smr_vec n = smr_load(f->normal + 3u * (size_t)i);
@@ -122,7 +130,7 @@ static void try_triangle(const smr_facets *f, const smr_query *q, uint32_t i, sm
     float weight[3];
     float d2 = smr_triangle_closest(q->point, smr_load(f->xyz + 3u * (size_t)t[0]),
                                     smr_load(f->xyz + 3u * (size_t)t[1]), smr_load(f->xyz + 3u * (size_t)t[2]), weight);
-    if (d2 < hit->d2 || (d2 == hit->d2 && i < hit->triangle)) {
+    if (d2 < hit->d2 || (d2 == hit->d2 && comes_first(f, i, hit->triangle))) {
         hit->d2 = d2;
         hit->triangle = i;
         memcpy(hit->weight, weight, sizeof weight);

@@ -3,6 +3,8 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/triangle.h"
 
+#define SMR_SLIVER 1.0e-5f /* of the products whose difference the squared area is */
+
 static float set(float weight[3], float a, float b, float c, smr_vec to_p)
 {
     weight[0] = a;
@@ -67,5 +69,14 @@ float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float wei
     if (!(va > 0.0f && vb > 0.0f && vc > 0.0f && sum > 1.0e-30f))
         return closest_edge(ap, ab, ac, weight);
     float v = vb / sum, w = vc / sum;
-    return set(weight, 1.0f - v - w, v, w, smr_sub(ap, smr_add(smr_scale(ab, v), smr_scale(ac, w))));
+    const float inside = set(weight, 1.0f - v - w, v, w, smr_sub(ap, smr_add(smr_scale(ab, v), smr_scale(ac, w))));
+    const float sides = smr_dot(ab, ab) + smr_dot(ac, ac);
+    if (sum > SMR_SLIVER * sides * (sides + smr_dot(ap, ap)))
+        return inside;
+    /* hardly any area: the weights may be rounding alone. They name a point of the triangle, but not the closest. */
+    float on_edge[3];
+    const float edge = closest_edge(ap, ab, ac, on_edge);
+    if (edge < inside)
+        memcpy(weight, on_edge, sizeof on_edge);
+    return smr_min(edge, inside);
 }

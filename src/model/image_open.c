@@ -75,6 +75,16 @@ static int check_numbering(const smr_model *m)
     return 1;
 }
 
+/* What smr_model_mesh() gives out and where a registration starts is a coordinate like any other. */
+static int rest_within(const smr_model *m)
+{
+    const uint32_t *rest = smr_at(m, m->at_rest);
+    for (size_t i = 0; i < 3u * (size_t)smr_le32(m->n_vertices); i++)
+        if (!smr_within(smr_le_float(rest[i]) + smr_le_float(m->centre[i % 3u]), 1.001f * SMR_COORD_MAX))
+            return 0;
+    return 1;
+}
+
 static int check_vertices(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_vertices), nt = smr_le32(m->n_triangles);
@@ -84,6 +94,7 @@ static int check_vertices(const smr_model *m)
            floats_within(m->centre, 3, -SMR_COORD_MAX, SMR_COORD_MAX) &&
            floats_within(&m->edge_mm, 1, 0.0f, 4.0f * SMR_COORD_MAX) &&
            floats_within(smr_at(m, m->at_rest), 3u * (size_t)n, -2.0f * SMR_COORD_MAX, 2.0f * SMR_COORD_MAX) &&
+           rest_within(m) &&
            floats_within(smr_at(m, m->at_mass), n, 1.0f / SMR_MASS_UNITS, SMR_MASS_MAX) &&
            below_u32(smr_at(m, m->at_triangles), 3u * (size_t)nt, n);
 }

@@ -43,7 +43,7 @@ static float rod_length(const smr_plan *p)
 uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX])
 {
     const float size = rod_length(p);
-    float coarse = size * SMR_COARSEST;
+    float coarse = smr_min(size * SMR_COARSEST, SMR_COORD_MAX);
     if (!(coarse > 1.0e-3f)) { /* a single point */
         radius[0] = 1.0f;
         return 1u;

@@ -22,12 +22,13 @@ smr_config smr_config_default(void)
     c.relaxation = 1.0f;
     c.fold_guard = 1;
     c.momentum = 0.8f;
+    c.momentum_last = 0.5f;
     c.plastic_um = 50.0f;
     c.settle_um = 1.0f;
     c.plastic_every = 1;
     c.radius_last = SMR_ALL;
     c.iterations = 9;
-    c.iterations_last = 60;
+    c.iterations_last = 80;
     return c;
 }
 
@@ -52,7 +53,7 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
         !between(c->gradient_mm, 0.0f, 60.0f) || !between(c->gradient_end_mm, 0.0f, 60.0f) ||
         c->similarity > SMR_SIMILARITY_SSD || !between(c->confidence, 0.0f, 1.0f))
         return SMR_E_CONFIG;
-    if (c->method > SMR_METHOD_POLAR || !between(c->relaxation, FLT_MIN, 1.0f) || !between(c->momentum, 0.0f, 0.99f) || !between(c->plastic_um, 0.0f, 1.0e8f) ||
+    if (c->method > SMR_METHOD_POLAR || !between(c->relaxation, FLT_MIN, 1.0f) || !between(c->momentum, 0.0f, 0.99f) || !between(c->momentum_last, 0.0f, 0.99f) || !between(c->plastic_um, 0.0f, 1.0e8f) ||
         !between(c->settle_um, 0.0f, 1.0e8f) || c->plastic_every > 1000u || c->fold_guard > 1u || c->normals > SMR_NORMALS_EXACT)
         return SMR_E_CONFIG;
     if (c->radius_first >= n_radii || (c->radius_last != SMR_ALL && c->radius_last >= n_radii) ||

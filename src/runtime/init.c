@@ -141,7 +141,8 @@ smr_status smr_init(smr **out, const smr_model *model, const smr_config *config,
     if (s.pull != NULL)
         memset(s.pull, 0, s.config.n_workers * (size_t)s.n * 4u * sizeof(int64_t));
     *self = s;
-    (void)smr_set_pose(self, &identity);
+    if (smr_set_pose(self, &identity) != SMR_OK)
+        return SMR_E_CONFIG;
     *out = self;
     return SMR_OK;
 }

@@ -67,7 +67,8 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
     const smr_vec moved = smr_pose_apply(pose, centre);
     for (uint32_t v = 0; v < s->n; v++) {
         const smr_vec p = smr_pose_apply(pose, smr_add(rest_of(s, v), centre));
-        if (!smr_within(p.x, SMR_COORD_MAX) || !smr_within(p.y, SMR_COORD_MAX) || !smr_within(p.z, SMR_COORD_MAX))
+        const float limit = 1.001f * SMR_COORD_MAX; /* the rest shape itself may be rounded a little beyond */
+        if (!smr_within(p.x, limit) || !smr_within(p.y, limit) || !smr_within(p.z, limit))
             return SMR_E_INPUT;
     }
     s->origin = smr_whole(moved);

@@ -23,6 +23,7 @@ static void use_radius(smr *s, uint32_t radius)
     s->lists = smr_model_lists(s->model, radius);
     s->reference_stale = 1;
     s->stride = stride_for(s);
+    s->momentum = radius == smr_last_radius(s) ? s->config.momentum_last : s->config.momentum;
     s->search = smr_min(s->config.search_mm, s->config.search_radii * s->lists.radius);
     if (smr_guarded(s) && s->n_hinges > 0u && (radius == s->config.radius_first || radius + 1u == smr_last_radius(s)))
         s->repairing = 1;

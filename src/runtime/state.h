@@ -58,6 +58,7 @@ struct smr {
     uint32_t step, next_task;              /* where the tick stands: step of the iteration, tasks already done */
     smr_lists lists;                       /* of the radius in use */
     uint32_t stride;                       /* every so many vertices are active at this radius */
+    float momentum;                        /* at this radius */
     float search;                          /* mm: search distance at this radius */
     float profile_mm, gradient_mm;         /* search distances in the image in this iteration */
     float force_limit;                     /* mm: longer forces are dropped; 0 none yet */
@@ -141,7 +142,7 @@ static inline smr_vec smr_drive(const smr *s, uint32_t v)
 {
     const smr_vec x = smr_load(smr_at3(s->x, v));
     const smr_vec step = smr_sub(x, smr_load(smr_at3(s->x_next, v)));
-    const float share = s->repairing > 0u ? 0.0f : s->config.momentum;
+    const float share = s->repairing > 0u ? 0.0f : s->momentum;
     const smr_vec u = smr_sub(smr_add(x, smr_load(smr_at3(s->force, v))), smr_load(smr_at3(s->x_ref, v)));
     return smr_add(u, smr_scale(step, share));
 }

@@ -137,7 +137,8 @@ static size_t sample(size_t type, int big, unsigned char *to)
     const size_t bytes = host_type_bytes(types[type].type);
     int i = 0;
     for (i = 0; i < VOXELS; i++) {
-        const int v = i % SIZE_X + 7 * (i / SIZE_X % SIZE_Y) + 31 * (i / SIZE_X / SIZE_Y) - (types[type].name[0] == 'u' ? 0 : 40);
+        const int less = types[type].name[0] == 'u' ? 0 : 40;
+        const int v = i % SIZE_X + 7 * (i / SIZE_X % SIZE_Y) + 31 * (i / SIZE_X / SIZE_Y) - less;
         const double d = v;
         uint64_t bits = (uint64_t)(int64_t)v;
         if (types[type].type == HOST_TYPE_F32) {
@@ -298,7 +299,8 @@ static int try_landmarks(const unsigned char *data, size_t n, const char *path)
     memcpy(copy, data, n);
     memset(&set, 0, sizeof set);
     good = (strstr(path, ".json") != NULL ? host_read_markups(&set, copy, n, &error)
-                                          : host_read_landmark_table(&set, copy, n, strstr(path, ".fcsv") != NULL, &error)) == 0;
+                                          : host_read_landmark_table(&set, copy, n, strstr(path, ".fcsv") != NULL,
+                                                                     &error)) == 0;
     if ((!good && error.place[0] == '\0') || set.n > HOST_LANDMARKS_MAX)
         abort();
     free(copy);
@@ -332,7 +334,8 @@ static int fuzz(const char *path, int n, uint32_t seed, int (*try_one)(const uns
         for (k = (int)(next_random(&seed) % 4u); k >= 0; k--) {
             const size_t near = size < 600u || next_random(&seed) % 3u == 0 ? size : 600u;
             const uint32_t r = next_random(&seed);
-            damaged[next_random(&seed) % near] = r % 2u == 0 ? (unsigned char)(r >> 8) : (unsigned char)marks[(r >> 8) % (sizeof marks - 1u)];
+            const char mark = marks[(r >> 8) % (sizeof marks - 1u)];
+            damaged[next_random(&seed) % near] = (unsigned char)(r % 2u == 0 ? r >> 8 : (unsigned char)mark);
         }
         if (next_random(&seed) % 4u == 0)
             size = next_random(&seed) % size;

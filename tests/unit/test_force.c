@@ -142,7 +142,7 @@ static void test_box(void **state)
         const smr_vec p = place_of(t.s, v), f = smr_load(smr_at3(t.s->force, v));
         if (smr_length(f) > 0.0f) {
             inside++;
-            assert_true(p.x >= 0.0f && p.x + f.x / c.stiffness >= -1.0e-4f);
+            assert_true(p.x >= -1.0e-4f && p.x + f.x / c.stiffness >= -1.0e-4f);
         }
     }
     assert_true(inside > t.s->n / 4u && inside < t.s->n * 3u / 4u);

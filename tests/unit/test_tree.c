@@ -165,9 +165,6 @@ static void node_budgets(void **state)
         q.node_budget = 0;
         smr_tree_closest(&f, &q, &warm);
         assert_true(warm.triangle == SMR_ALL || warm.triangle == q.warm);
-        q.node_budget = 1;
-        smr_tree_closest(&f, &q, &warm);
-        assert_true(warm.triangle == SMR_ALL || warm.triangle == q.warm); /* the root has no triangles of its own */
         for (uint32_t budget = 1; budget <= smr_tree_nodes(m.nt); budget += budget / 2u + 1u) {
             smr_hit hit = {1e12f, SMR_ALL, {0, 0, 0}};
             q.node_budget = budget;
@@ -179,6 +176,28 @@ static void node_budgets(void **state)
         smr_hit hit = {1e12f, SMR_ALL, {0, 0, 0}};
         smr_tree_closest(&f, &q, &hit);
         assert_memory_equal(&hit, &full, sizeof hit);
+    }
+    uproot(&f, triangles);
+    unit_mesh_free(&m);
+}
+
+/* Two levels: one node is the root, which has no triangles of its own; the second is the nearest leaf. */
+static void a_budget_is_a_number_of_nodes(void **state)
+{
+    oracle_random r = oracle_seed(75);
+    unit_mesh m = unit_soup(&r, 60, 100.0f, 0);
+    uint32_t *triangles;
+    smr_facets f = plant(&m, &triangles);
+    (void)state;
+    for (uint32_t i = 0; i < 200u; i++) {
+        smr_query q = {smr_v(oracle_uniformf(&r, -40, 140), oracle_uniformf(&r, -40, 140), oracle_uniformf(&r, -40, 140)),
+                       smr_v(0, 0, 0), -2.0f, 1u, SMR_ALL};
+        smr_hit hit = {1e12f, SMR_ALL, {0, 0, 0}};
+        smr_tree_closest(&f, &q, &hit);
+        assert_int_equal(hit.triangle, SMR_ALL);
+        q.node_budget = 2u;
+        smr_tree_closest(&f, &q, &hit);
+        assert_true(hit.triangle < m.nt);
     }
     uproot(&f, triangles);
     unit_mesh_free(&m);
@@ -255,6 +274,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equals_brute_force), cmocka_unit_test(equals_double),
         cmocka_unit_test(node_budgets),       cmocka_unit_test(nothing_found_changes_nothing),
+        cmocka_unit_test(a_budget_is_a_number_of_nodes),
         cmocka_unit_test(refit_follows_the_mesh), cmocka_unit_test(shape_adds_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

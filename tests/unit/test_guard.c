@@ -1,0 +1,214 @@
+/* test_guard.c: surfaces do not fold where the guard is on, do where it is off, and nothing is touched where nothing folds.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/state.h"
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+#define SIDE 12u
+
+/* A flat sheet of SIDE x SIDE vertices, 5 mm apart. */
+static smr_mesh sheet(void)
+{
+    float *xyz = rig_alloc(SIDE * SIDE * 3u * sizeof *xyz);
+    uint32_t *t = rig_alloc((SIDE - 1u) * (SIDE - 1u) * 6u * sizeof *t), k = 0;
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+        smr_store(xyz + 3u * i, smr_v(5.0f * (float)(i % SIDE), 5.0f * (float)(i / SIDE), 0));
+    }
+    for (uint32_t y = 0; y + 1u < SIDE; y++) {
+        for (uint32_t x = 0; x + 1u < SIDE; x++) {
+            const uint32_t a = y * SIDE + x;
+            const uint32_t quad[6] = {a, a + 1u, a + SIDE, a + 1u, a + SIDE + 1u, a + SIDE};
+            memcpy(t + k, quad, sizeof quad);
+            k += 6u;
+        }
+    }
+    return (smr_mesh){xyz, t, SIDE * SIDE, k / 3u};
+}
+
+static smr *start(const smr_mesh *mesh, uint32_t guard)
+{
+    const smr_prepare_config radii = rig_radii(1, 6, 0, 0);
+    smr_config c = smr_config_default();
+    c.fold_guard = guard;
+    c.settle_um = 0.0f;
+    return rig_init(rig_model(mesh, 1, &radii), &c, NULL);
+}
+
+/* Pairs of neighbouring triangles that look away from each other. */
+static uint32_t n_folds(const smr_mesh *mesh, const float *x)
+{
+    uint32_t n = 0;
+    smr_vec normal[2u * SIDE * SIDE];
+    for (uint32_t k = 0; k < mesh->n_triangles; k++) {
+        const uint32_t *t = mesh->triangles + 3u * k;
+        const smr_vec a = smr_load(x + 3u * t[0]);
+        normal[k] = smr_cross(smr_sub(smr_load(x + 3u * t[1]), a), smr_sub(smr_load(x + 3u * t[2]), a));
+    }
+    for (uint32_t k = 0; k < mesh->n_triangles; k++) {
+        for (uint32_t j = 0; j < k; j++) {
+            uint32_t shared = 0;
+            for (uint32_t c = 0; c < 9u; c++) {
+                shared += mesh->triangles[3u * k + c / 3u] == mesh->triangles[3u * j + c % 3u];
+            }
+            n += shared == 2u && smr_dot(smr_unit(normal[k]), smr_unit(normal[j])) < -0.2f;
+        }
+    }
+    return n;
+}
+
+/* Runs the steps behind evolve from x_next as it stands. */
+static void settle(smr *s)
+{
+    smr_evolve_end(s);
+    for (uint32_t t = 0; t < smr_facet_tasks(s); t++) {
+        smr_facet_refit(s, t, 0);
+    }
+    smr_facets_end(s);
+    for (uint32_t t = 0; t < smr_guard_tasks(s); t++) {
+        smr_guard_search(s, t, 0);
+    }
+    if (smr_guard_tasks(s) > 0u) {
+        smr_guard_end(s);
+    }
+    for (uint32_t t = 0; t < s->n_tasks; t++) {
+        smr_settle(s, t, 0);
+    }
+    smr_settle_end(s);
+}
+
+/* Carries single vertices far over their neighbours. */
+static void step_over(smr *s, float mm, uint32_t seed)
+{
+    memcpy(s->x_next, s->x, 3u * s->n * sizeof(float));
+    for (uint32_t i = 0; i < 8u; i++) {
+        float *p = smr_at3(s->x_next, rig_random(&seed, s->n));
+        p[0] += rig_between(&seed, -mm, mm);
+        p[1] += rig_between(&seed, -mm, mm);
+    }
+}
+
+static void test_prevents(void **state)
+{
+    const smr_mesh mesh = sheet();
+    uint32_t unguarded = 0, marked = 0;
+    (void)state;
+    for (uint32_t seed = 1; seed < 30u; seed++) {
+        smr *s[2] = {start(&mesh, 0), start(&mesh, 1)};
+        for (uint32_t i = 0; i < 2u; i++) {
+            s[i]->repairing = 0;
+            step_over(s[i], 14, seed);
+            settle(s[i]);
+            float x[3 * SIDE * SIDE];
+            assert_int_equal(SMR_OK, smr_get_positions(s[i], 0, x));
+            if (i == 0u) {
+                unguarded += n_folds(&mesh, x);
+            } else {
+                assert_int_equal(0, n_folds(&mesh, x));
+                marked += s[i]->n_guarded;
+            }
+            assert_true(rig_finite(x, mesh.n_vertices));
+        }
+    }
+    assert_true(unguarded > 100u); /* there was something to prevent */
+    assert_true(marked > 100u);
+}
+
+static void test_leaves_alone_what_does_not_fold(void **state)
+{
+    const smr_mesh mesh = sheet();
+    smr *s[2] = {start(&mesh, 0), start(&mesh, 1)};
+    (void)state;
+    for (uint32_t i = 0; i < 2u; i++) {
+        s[i]->repairing = 0;
+        step_over(s[i], 1.2f, 3);
+        settle(s[i]);
+        assert_int_equal(0, s[i]->n_guarded);
+    }
+    assert_memory_equal(s[0]->x, s[1]->x, 3u * s[0]->n * sizeof(float));
+}
+
+/* Vertices away from the fold keep their steps. */
+static void test_stays_local(void **state)
+{
+    const smr_mesh mesh = sheet();
+    smr *s = start(&mesh, 1);
+    const uint32_t v = smr_model_position(s->model, SIDE + 1u);
+    (void)state;
+    s->repairing = 0;
+    memcpy(s->x_next, s->x, 3u * s->n * sizeof(float));
+    smr_at3(s->x_next, v)[0] += 9.0f; /* over its neighbour */
+    for (uint32_t i = 0; i < s->n; i++) {
+        smr_at3(s->x_next, i)[2] += 1.0f; /* all of it lifts */
+    }
+    settle(s);
+    assert_true(s->n_guarded > 0u && s->n_guarded < s->n / 2u);
+    const uint32_t far = smr_model_position(s->model, SIDE * SIDE - 1u);
+    const smr_vec step = smr_sub(smr_load(smr_at3(s->x, far)), smr_load(smr_at3(s->start, far)));
+    assert_true(step.x == 0.0f && step.y == 0.0f && step.z == 1.0f);
+    assert_true(smr_at3(s->x, v)[2] - smr_at3(s->start, v)[2] > 0.5f); /* and the patch goes with its surroundings */
+}
+
+/* A start shape that is sound, torn by a coarse step: repairing iterations bring it back without forces. */
+static void test_repairs(void **state)
+{
+    const smr_mesh mesh = sheet();
+    float x[3 * SIDE * SIDE];
+    uint32_t before = 0, after = 0;
+    (void)state;
+    for (uint32_t seed = 1; seed < 10u; seed++) {
+        smr *s = start(&mesh, 1);
+        assert_true(s->repairing > 0u);
+        step_over(s, 12, seed);
+        memcpy(s->x, s->x_next, 3u * s->n * sizeof(float)); /* folded already */
+        memcpy(s->x_ref, s->x, 3u * s->n * sizeof(float));
+        assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
+        before += n_folds(&mesh, x);
+        for (uint32_t i = 0; i < 100u && s->repairing > 0u; i++) {
+            assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        }
+        assert_int_equal(0, s->repairing); /* it ends */
+        assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
+        after += n_folds(&mesh, x);
+    }
+    assert_true(before > 30u);
+    assert_int_equal(0, after);
+}
+
+static void test_only_at_the_finest_radii(void **state)
+{
+    const smr_mesh mesh = sheet();
+    const smr_prepare_config radii = rig_radii(3, 25, 12, 6);
+    smr_config c = smr_config_default();
+    smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
+    (void)state;
+    for (uint32_t r = 0; r < 3u; r++) {
+        s->radius = r;
+        assert_int_equal(r > 0u, smr_guarded(s));
+        assert_int_equal(r > 0u, smr_guard_tasks(s) > 0u);
+    }
+    s->config.fold_guard = 0;
+    assert_int_equal(0, smr_guard_tasks(s));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_prevents, tidy),
+        cmocka_unit_test_teardown(test_leaves_alone_what_does_not_fold, tidy),
+        cmocka_unit_test_teardown(test_stays_local, tidy),
+        cmocka_unit_test_teardown(test_repairs, tidy),
+        cmocka_unit_test_teardown(test_only_at_the_finest_radii, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

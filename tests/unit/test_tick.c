@@ -1,0 +1,145 @@
+/* test_tick.c: an iteration's phases, its report, and that the same input gives the same bits.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/state.h"
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static const float none[3] = {0, 0, 0};
+
+static smr *start(const smr_config *config, const smr_port *port)
+{
+    const float off[3] = {5, 3, -2};
+    const smr_mesh mesh = rig_ball(30, 9, 12, none), goal = rig_ball(35, 12, 16, off);
+    const smr_prepare_config radii = rig_radii(2, 25, 15, 0);
+    smr *s = rig_init(rig_model(&mesh, 1, &radii), config, port);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
+    return s;
+}
+
+static void test_report(void **state)
+{
+    smr_config c = smr_config_default();
+    smr_tick_report report;
+    uint32_t n = 0;
+    (void)state;
+    smr *s = start(&c, NULL);
+    do {
+        const uint32_t radius = s->radius;
+        memset(&report, 0xee, sizeof report);
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+        assert_int_equal(++n, report.iteration);
+        assert_int_equal(0, report.phase);
+        assert_true(report.radius == radius || report.radius == radius + 1u);
+        assert_int_equal(s->n, report.n_active);
+        assert_int_equal(s->n, report.n_forces + report.n_rejected);
+        assert_true(report.residual_mean_mm <= report.residual_rms_mm * 1.0001f);
+        assert_true(report.residual_rms_mm <= report.residual_max_mm * 1.0001f);
+        assert_true(report.progress > 0.0f || s->repairing > 0u || report.radius_iteration == 0u);
+        for (uint32_t i = 0; i < SMR_PHASES; i++) {
+            assert_true(report.phase_ns[i] == 0u); /* no clock */
+        }
+    } while (!report.done && n < 500u);
+    assert_int_equal(1, report.done);
+    assert_true(report.residual_mean_mm < 1.0f); /* and it did get there: 6 mm at first */
+}
+
+static void test_report_may_be_null(void **state)
+{
+    const smr_config c = smr_config_default();
+    smr *s = start(&c, NULL), *twin = start(&c, NULL);
+    smr_tick_report report;
+    (void)state;
+    for (uint32_t i = 0; i < 12u; i++) {
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        assert_int_equal(SMR_OK, smr_tick(twin, 0, &report));
+    }
+    assert_true(smr_state_hash(s) == smr_state_hash(twin));
+    assert_int_equal(12, s->iteration);
+}
+
+/* A second arena, filled with something else before, gives the same bits. */
+static void test_memory_does_not_matter(void **state)
+{
+    const smr_mesh mesh = rig_ball(30, 9, 12, none), goal = rig_ball(33, 12, 16, none);
+    const smr_prepare_config radii = rig_radii(2, 25, 15, 0);
+    const smr_model *model = rig_model(&mesh, 1, &radii);
+    const smr_surface *surface = rig_surface(&goal);
+    uint64_t hash[4];
+    (void)state;
+    for (uint32_t k = 0; k < 4u; k++) {
+        smr_config c = smr_config_default();
+        size_t bytes = 0;
+        smr *s = NULL;
+        c.n_target_vertices = goal.n_vertices;
+        c.method = k / 2u;
+        assert_int_equal(SMR_OK, smr_arena_bytes(model, &c, &bytes));
+        unsigned char *memory = rig_alloc(bytes);
+        memset(memory, k % 2u ? 0xff : 0x3c, bytes);
+        assert_int_equal(SMR_OK, smr_init(&s, model, &c, NULL, memory, bytes));
+        assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, surface));
+        (void)rig_run(s, 30);
+        hash[k] = smr_state_hash(s);
+    }
+    assert_true(hash[0] == hash[1] && hash[2] == hash[3] && hash[0] != hash[2]);
+}
+
+static void test_resumes_at_the_phase_it_says(void **state)
+{
+    smr_config c = smr_config_default();
+    rig_clock clock;
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    smr *s = start(&c, &port);
+    smr_tick_report report = {0};
+    uint32_t seen = 0, partial = 0;
+    (void)state;
+    for (uint32_t i = 0; i < 2000u && report.iteration < 4u; i++) {
+        const smr_status status = smr_tick(s, 2000, &report);
+        assert_true(status == SMR_OK ? report.phase == 0u && s->step == 0u : status == SMR_PARTIAL);
+        seen |= 1u << report.phase;
+        partial += status == SMR_PARTIAL;
+    }
+    assert_int_equal(4, report.iteration);
+    assert_int_equal((1u << SMR_PHASES) - 1u, seen);
+    assert_true(partial > 20u);
+}
+
+static void test_forces_pending(void **state)
+{
+    smr_config c = smr_config_default();
+    rig_clock clock;
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    smr *s = start(&c, &port);
+    int had = 1;
+    uint32_t changes = 0;
+    (void)state;
+    assert_int_equal(1, smr_forces_pending(s));
+    for (uint32_t i = 0; i < 200u && s->iteration == 0u; i++) {
+        (void)smr_tick(s, 2000, NULL);
+        changes += smr_forces_pending(s) != had;
+        had = smr_forces_pending(s);
+    }
+    assert_int_equal(2, changes); /* once they are there, and with the next iteration */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_report, tidy),
+        cmocka_unit_test_teardown(test_report_may_be_null, tidy),
+        cmocka_unit_test_teardown(test_memory_does_not_matter, tidy),
+        cmocka_unit_test_teardown(test_resumes_at_the_phase_it_says, tidy),
+        cmocka_unit_test_teardown(test_forces_pending, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
