@@ -40,7 +40,7 @@ grep -rnE --include='*.[ch]' '^[[:space:]]*#[[:space:]]*include' src | awk -v st
             print where ": " layer " must not include " name
     }' >"$tmp"
 
-# 2. One public header; ports and benchmarks see only it, each other and the fixtures.
+# 2. One public header; ports and benchmarks see only it, each other, the fixtures and the tests' own helpers.
 find include -type f ! -path include/smr.h -printf '%p: not the public header\n' >>"$tmp"
 set --
 for folder in port tests/bench; do [ -d "$folder" ] && set -- "$@" "$folder"; done
@@ -49,7 +49,7 @@ if [ $# -gt 0 ]; then
         name=$(echo "$line" | sed 's/^[^"]*"\([^"]*\)".*/\1/')
         base=${name##*/}
         [ "$name" = smr.h ] && continue
-        if [ -n "$(find port tests/bench fixtures -name "$base" 2>/dev/null | head -n 1)" ] &&
+        if [ -n "$(find port tests/bench tests/property fixtures -name "$base" 2>/dev/null | head -n 1)" ] &&
             [ -z "$(find src -name "$base" | head -n 1)" ]; then continue; fi
         echo "$(echo "$line" | cut -d: -f1,2): only smr.h and port headers, not $name"
     done >>"$tmp"

@@ -31,7 +31,7 @@ void host_help(void)
         "  --normals carried|exact         (carried)                 --node-budget N (512)",
         "  --reject-deviations X           (0: off)                  --reject-border",
         "  --plastic-um X                  (50)                      --plastic-every N (1)",
-        "  --iterations N                  per radius (9)            --iterations-last N (60)",
+        "  --iterations N                  per radius (9)            --iterations-last N (80)",
         "  --quiet                         print nothing",
         "preparing (register, build, info):",
         "  --radius MM[,MM...]             cluster radii, coarse to fine (chosen from the surfaces)",

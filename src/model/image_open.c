@@ -80,7 +80,7 @@ static int rest_within(const smr_model *m)
 {
     const uint32_t *rest = smr_at(m, m->at_rest);
     for (size_t i = 0; i < 3u * (size_t)smr_le32(m->n_vertices); i++)
-        if (!smr_within(smr_le_float(rest[i]) + smr_le_float(m->centre[i % 3u]), 1.001f * SMR_COORD_MAX))
+        if (!smr_within(smr_le_float(rest[i]) + smr_le_float(m->centre[i % 3u]), SMR_COORD_MAX + 1.0f))
             return 0;
     return 1;
 }

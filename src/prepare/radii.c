@@ -40,6 +40,16 @@ static float rod_length(const smr_plan *p)
     return SMR_SQRT(12.0f * spread);
 }
 
+/* A radius rounded to eight binary digits, so that the last bits of a measured size do not decide which vertices lie just
+ * within it. */
+static float rounded(float radius)
+{
+    uint32_t bits = smr_float_bits(radius) + 0x8000u;
+    bits &= 0xffff0000u;
+    memcpy(&radius, &bits, sizeof radius);
+    return radius;
+}
+
 uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX])
 {
     const float size = rod_length(p);
@@ -59,5 +69,7 @@ uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX])
         radius[n] = radius[n - 1u] * (SMR_FREE_EDGES / SMR_FINE_EDGES);
         n++;
     }
+    for (uint32_t i = 0; i < n; i++)
+        radius[i] = rounded(radius[i]);
     return n;
 }

@@ -50,7 +50,11 @@ static int surface_goal(smr *s, uint32_t v, const smr_surface *target, smr_vec *
 {
     smr_vec pull = smr_v(0, 0, 0), goal = pull;
     const int has_goal = project(s, v, target, &goal);
-    const float weight = smr_pull_on(s) ? smr_pull_take(s, v, &pull) : 0.0f;
+    float weight = smr_pull_on(s) ? smr_pull_take(s, v, &pull) : 0.0f;
+    if (!has_goal)
+        goal = smr_v(0, 0, 0);
+    if (!has_goal && s->config.use_box) /* outside the box nothing pulls either */
+        weight = 0.0f;
     const float share = has_goal ? s->config.attraction * weight : weight;
     goal = smr_add(smr_scale(goal, 1.0f - share), smr_scale(pull, share));
     if (s->radius == smr_last_radius(s)) {

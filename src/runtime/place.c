@@ -5,17 +5,21 @@
 #include "geometry/mesh.h"
 #include "runtime/state.h"
 
+#define SMR_FAR_OFF 500.0f /* mm */
+
 static smr_vec rest_of(const smr *s, uint32_t v)
 {
     const uint32_t *rest = (const uint32_t *)smr_at(s->model, s->model->at_rest) + 3u * (size_t)v;
     return smr_v(smr_le_float(rest[0]), smr_le_float(rest[1]), smr_le_float(rest[2]));
 }
 
-/* Moves the origin into the model's middle, by whole millimetres. */
+/* Moves the origin into the middle of a model that lies far from it, by whole millimetres. */
 static void centre_origin(smr *s)
 {
     const smr_box box = smr_box_of(s->x, s->n);
     const smr_vec shift = smr_whole(smr_scale(smr_add(box.lo, box.hi), 0.5f));
+    if (smr_dot(shift, shift) < SMR_FAR_OFF * SMR_FAR_OFF)
+        return;
     for (uint32_t v = 0; v < s->n; v++)
         smr_store(smr_at3(s->x, v), smr_sub(smr_load(smr_at3(s->x, v)), shift));
     s->origin = smr_add(s->origin, shift);
@@ -67,7 +71,7 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
     const smr_vec moved = smr_pose_apply(pose, centre);
     for (uint32_t v = 0; v < s->n; v++) {
         const smr_vec p = smr_pose_apply(pose, smr_add(rest_of(s, v), centre));
-        const float limit = 1.001f * SMR_COORD_MAX; /* the rest shape itself may be rounded a little beyond */
+        const float limit = SMR_COORD_MAX + 1.0f; /* the rest shape itself may be rounded a little beyond */
         if (!smr_within(p.x, limit) || !smr_within(p.y, limit) || !smr_within(p.z, limit))
             return SMR_E_INPUT;
     }
