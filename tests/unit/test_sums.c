@@ -60,6 +60,7 @@ static void test_records(void **state)
             for (uint32_t a = 0; a < 3u; a++) {
                 ref[a] = (double)smr_at3(s->x_ref, v)[a];
                 u[a] = (double)smr_at3(s->x, v)[a] + (double)smr_at3(s->force, v)[a] - ref[a];
+                u[a] += (double)s->momentum * ((double)smr_at3(s->x, v)[a] - (double)smr_at3(s->x_next, v)[a]);
                 assert_true(fabs(rounded(u[a], 1024.0f) - (double)(int32_t)r[a]) <= 1.0);
             }
             for (uint32_t i = 0; i < (method == SMR_METHOD_RIGID ? 3u : 9u); i++) {
