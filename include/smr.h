@@ -163,7 +163,7 @@ typedef int (*smr_progress)(void *ctx, uint32_t done, uint32_t total);
 typedef struct smr_prepare_config {
     uint32_t cookie;
     uint32_t n_radii;                /* 0..SMR_RADII_MAX; default 0: chosen from size and edge length */
-    float radius_mm[SMR_RADII_MAX];  /* cluster radii s, coarse to fine, each in (0, SMR_COORD_MAX] */
+    float radius_mm[SMR_RADII_MAX];  /* cluster radii s, coarse to fine, each in [1e-6, SMR_COORD_MAX] */
     float separate_below_mm;         /* radii below: clusters keep to their own structure. 0: always shared;
                                         negative (default): a third of the largest radius */
     uint32_t distance;               /* SMR_DISTANCE_...; default Euclidean (paper 2.2) */
@@ -342,8 +342,8 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose);
  * than config.n_target_vertices, where that is not 0). */
 smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface);
 
-/* Gives every structure without a target surface this image, borrowed until replaced; NULL takes it away. The model needs
- * intensity profiles. Errors: E_NULL (voxels), E_INPUT (the volume's fields), E_STATE (no profiles). */
+/* Gives every structure without a target surface this image, borrowed until replaced; NULL takes it away. The schedule
+ * starts over from the present positions. The model needs intensity profiles. Errors: E_NULL (voxels), E_INPUT (the volume's fields), E_STATE (no profiles). */
 smr_status smr_set_volume(smr *s, const smr_volume *volume);
 
 /* The phases of an iteration. What a new reference shape implies is computed first and counts as SUMS. */

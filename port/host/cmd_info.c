@@ -23,6 +23,9 @@ static void print_info(const host_model *model, int prepared_here)
                      (double)info->radius_mm[i], (double)info->indexes_per_cluster[i],
                      (double)info->direct_per_cluster[i], info->largest_cluster[i], info->smallest_cluster[i],
                      info->n_blocks[i], info->separate[i] ? "separate" : "shared");
+    if (info->profile_samples > 0)
+        (void)printf("intensity profiles of %u samples every %.2f mm\n", info->profile_samples,
+                     (double)info->profile_step_mm);
     if (prepared_here)
         (void)printf("prepared in %.3f s\n", model->prepare_s);
 }

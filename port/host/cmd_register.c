@@ -15,6 +15,17 @@ typedef struct both {
     int failed[2];
 } both;
 
+static int prepare(host_job *job, host_error *error)
+{
+    smr_prepare_config config = job->options->prepare;
+    int result = 0;
+    if (job->options->reference != NULL)
+        config.reference = &job->reference.view;
+    result = host_model_prepare(&job->model, &config, error);
+    host_image_free(&job->reference);
+    return result;
+}
+
 static void run_half(void *arg, uint32_t task, uint32_t worker)
 {
     both *const b = arg;
@@ -22,7 +33,7 @@ static void run_half(void *arg, uint32_t task, uint32_t worker)
     if (task == 1)
         b->failed[1] = host_job_start(b->job, &b->error[1]);
     else if (!b->job->ready_image)
-        b->failed[0] = host_model_prepare(&b->job->model, &b->job->options->prepare, &b->error[0]);
+        b->failed[0] = prepare(b->job, &b->error[0]);
 }
 
 static int prepare_and_start(host_job *job, host_error *error)
@@ -85,6 +96,10 @@ void host_job_free(host_job *job)
     free(job->target);
     free(job->tick_ms);
     free(job->arena);
+    free(job->start_xyz);
+    free(job->truth_paths);
+    host_image_free(&job->reference);
+    host_image_free(&job->image);
     host_model_free(&job->model);
     host_port_close(&job->port);
 }

@@ -4,6 +4,7 @@
 
 #include "host_file.h"
 
+#include <pthread.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -66,6 +67,45 @@ static int read_plain(int fd, const char *path, size_t size, host_accept accept,
     return 0;
 }
 
+/* Files read so far, by device and number. Reading goes on in several threads. */
+static struct {
+    pthread_mutex_t lock;
+    struct file_id {
+        dev_t device;
+        ino_t number;
+    } *file;
+    size_t n;
+} seen = {PTHREAD_MUTEX_INITIALIZER, NULL, 0};
+
+static int remember(const struct stat *st)
+{
+    struct file_id *grown = NULL;
+    (void)pthread_mutex_lock(&seen.lock);
+    grown = realloc(seen.file, (seen.n + 1u) * sizeof *grown);
+    if (grown != NULL) {
+        seen.file = grown;
+        seen.file[seen.n].device = st->st_dev;
+        seen.file[seen.n].number = st->st_ino;
+        seen.n++;
+    }
+    (void)pthread_mutex_unlock(&seen.lock);
+    return grown != NULL ? 0 : -1;
+}
+
+int host_file_was_read(const char *path)
+{
+    struct stat st;
+    int found = 0;
+    size_t i = 0;
+    if (stat(path, &st) != 0)
+        return 0;
+    (void)pthread_mutex_lock(&seen.lock);
+    for (i = 0; i < seen.n && !found; i++)
+        found = seen.file[i].device == st.st_dev && seen.file[i].number == st.st_ino;
+    (void)pthread_mutex_unlock(&seen.lock);
+    return found;
+}
+
 static int read_open(int fd, const char *path, host_accept accept, host_bytes *bytes, host_error *error)
 {
     struct stat st;
@@ -77,6 +117,8 @@ static int read_open(int fd, const char *path, host_accept accept, host_bytes *b
         return host_fail(error, "file", "a regular file, not a directory");
     if (!S_ISREG(st.st_mode))
         return host_fail(error, "file", "a regular file");
+    if (remember(&st) != 0)
+        return host_fail(error, "file", "free memory");
     if (st.st_size == 0)
         return host_fail(error, "file", "data, but the file is empty");
     if ((uint64_t)st.st_size > HOST_FILE_MAX)

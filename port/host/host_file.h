@@ -26,6 +26,9 @@ typedef int (*host_accept)(const char *path, const unsigned char *head, size_t n
 /* Reads a regular file; unpacks it when it starts like a gzip file. 0, or -1 with the error filled. */
 int host_file_read(const char *path, host_accept accept, host_bytes *bytes, host_error *error);
 
+/* 1 when this file was read by this run: results must not replace it. path need not be how it was named then. */
+int host_file_was_read(const char *path);
+
 void host_file_free(host_bytes *bytes);
 
 /* Memory on a 64-byte address, at least one byte; NULL when there is none. Ends with free(). */

@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 
 #include "host_file.h"
+#include "host_image.h"
 
 #define MAGIC "SMR1" /* the first bytes of every model image */
 
@@ -204,10 +205,34 @@ int host_model_prepare(host_model *model, const smr_prepare_config *config, host
     if (status == SMR_E_ARENA)
         return host_fail(error, "prepare", "more free memory");
     if (status != SMR_OK)
-        return host_fail(error, "prepare", "surfaces and options within the library's limits (%s)",
+        return host_fail(error, "prepare", "%s within the library's limits (%s)",
+                         config->reference != NULL ? "surfaces, reference image and options" : "surfaces and options",
                          smr_status_name(status));
     model->prepare_s += host_seconds() - start;
     return open_bytes(model, error);
+}
+
+static int refuse_prepared(const host_options *options, host_error *error)
+{
+    error->file = options->prepare_option;
+    return host_fail(error, "option", "a model of surfaces: a .smr is prepared already");
+}
+
+/* With profiles of the reference image when there is one. */
+static int prepare_with(host_model *model, const host_options *options, host_error *error)
+{
+    smr_prepare_config config = options->prepare;
+    host_image reference;
+    int result = 0;
+    memset(&reference, 0, sizeof reference);
+    if (options->reference != NULL) {
+        result = host_image_read(options->reference, options->mirror_model, &reference, error);
+        config.reference = &reference.view;
+    }
+    if (result == 0)
+        result = host_model_prepare(model, &config, error);
+    host_image_free(&reference);
+    return result;
 }
 
 int host_model_load(const host_files *files, const host_options *options, const smr_port *port, host_model *model,
@@ -218,7 +243,8 @@ int host_model_load(const host_files *files, const host_options *options, const 
     int result = 0;
     memset(model, 0, sizeof *model);
     if (files->n == 1 && host_model_is_image(files->path[0]))
-        return host_model_open_image(files->path[0], model, error);
+        return options->prepare_option != NULL ? refuse_prepared(options, error)
+                                               : host_model_open_image(files->path[0], model, error);
     loads = calloc(files->n, sizeof *loads);
     if (loads == NULL)
         return host_fail(error, "start", "free memory");
@@ -232,7 +258,7 @@ int host_model_load(const host_files *files, const host_options *options, const 
         result = host_model_take(loads, files->n, model, error);
     free(loads);
     if (result == 0)
-        result = host_model_prepare(model, &options->prepare, error);
+        result = prepare_with(model, options, error);
     if (result != 0)
         host_model_free(model);
     return result;

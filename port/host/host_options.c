@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "host_text.h"
+#include "host_volume.h"
 
 enum kind { KIND_FILES, KIND_TEXT, KIND_FLAG, KIND_COUNT, KIND_FLOAT, KIND_DOUBLE, KIND_WORD, KIND_RADII };
 
@@ -19,46 +20,56 @@ typedef struct option {
     int open;        /* 1: above min, not equal */
     int prepares;    /* 1: matters only when a model is prepared */
     const char *words; /* KIND_WORD: "a|b|c", stored as 0, 1, 2 */
+    int targets;       /* FOR_SURFACES, FOR_IMAGES, 0 for both */
 } option;
+
+enum { FOR_SURFACES = 1, FOR_IMAGES = 2 };
 
 #define FIELD(name) offsetof(host_options, name)
 #define PREPARING (HOST_REGISTER | HOST_BUILD | HOST_INFO)
+#define IMAGE_SEARCH_MAX 60.0 /* mm: the library's */
 #define COORD ((double)SMR_COORD_MAX)
 
 static const option table[] = {
-    {"--model", HOST_REGISTER | HOST_BUILD, KIND_FILES, FIELD(model), 0, 0, 0, 0, NULL},
-    {"--target", HOST_REGISTER, KIND_FILES, FIELD(target), 0, 0, 0, 0, NULL},
-    {"-o", HOST_REGISTER | HOST_BUILD, KIND_TEXT, FIELD(out), 0, 0, 0, 0, NULL},
-    {"--c-array", HOST_BUILD, KIND_TEXT, FIELD(c_array), 0, 0, 0, 0, NULL},
-    {"--source", HOST_MEASURE, KIND_TEXT, FIELD(source), 0, 0, 0, 0, NULL},
-    {"--mirror-model", PREPARING, KIND_WORD, FIELD(mirror_model), 0, 0, 0, 1, "x|y|z"},
-    {"--mirror-target", HOST_REGISTER, KIND_WORD, FIELD(mirror_target), 0, 0, 0, 0, "x|y|z"},
-    {"--threads", HOST_REGISTER | HOST_MEASURE, KIND_COUNT, FIELD(threads), 1, SMR_WORKERS_MAX, 0, 0, NULL},
-    {"--ticks", HOST_REGISTER, KIND_COUNT, FIELD(ticks), 1, 1e9, 0, 0, NULL},
-    {"--budget-ms", HOST_REGISTER, KIND_DOUBLE, FIELD(budget_ms), 0, 1e6, 0, 0, NULL},
-    {"--align", HOST_REGISTER, KIND_WORD, FIELD(align), 0, 0, 0, 0, "none|rigid|similarity"},
-    {"--quiet", HOST_REGISTER | HOST_BUILD, KIND_FLAG, FIELD(quiet), 0, 0, 0, 0, NULL},
-    {"--radius", PREPARING, KIND_RADII, FIELD(prepare), 0, COORD, 1, 1, NULL},
-    {"--clusters", PREPARING, KIND_WORD, FIELD(clusters), 0, 0, 0, 1, "auto|shared|separate"},
-    {"--distance", PREPARING, KIND_WORD, FIELD(prepare.distance), 0, 0, 0, 1, "euclidean|geodesic"},
-    {"--mass", PREPARING, KIND_WORD, FIELD(prepare.mass), 0, 0, 0, 1, "unit|area"},
-    {"--order", PREPARING, KIND_WORD, FIELD(prepare.order), 0, 0, 0, 1, "forest|breadth-first"},
-    {"--block", PREPARING, KIND_COUNT, FIELD(prepare.block_vertices), 16, 65536, 0, 1, NULL},
-    {"--method", HOST_REGISTER, KIND_WORD, FIELD(config.method), 0, 0, 0, 0, "rigid|polar"},
-    {"--normals", HOST_REGISTER, KIND_WORD, FIELD(config.normals), 0, 0, 0, 0, "carried|exact"},
-    {"--search", HOST_REGISTER, KIND_FLOAT, FIELD(config.search_mm), 0, COORD, 1, 0, NULL},
-    {"--normal-angle", HOST_REGISTER, KIND_FLOAT, FIELD(config.normal_deg), 0, 180, 1, 0, NULL},
-    {"--stiffness", HOST_REGISTER, KIND_FLOAT, FIELD(config.stiffness), 0, 1, 1, 0, NULL},
-    {"--attraction", HOST_REGISTER, KIND_FLOAT, FIELD(config.attraction), 0, 1, 0, 0, NULL},
-    {"--relaxation", HOST_REGISTER, KIND_FLOAT, FIELD(config.relaxation), 0, 1, 1, 0, NULL},
-    {"--reject-deviations", HOST_REGISTER, KIND_FLOAT, FIELD(config.reject_deviations), 0, 1000, 0, 0, NULL},
-    {"--reject-border", HOST_REGISTER, KIND_FLAG, FIELD(config.reject_border), 0, 0, 0, 0, NULL},
-    {"--node-budget", HOST_REGISTER, KIND_COUNT, FIELD(config.node_budget), 8, 1000000, 0, 0, NULL},
-    {"--plastic-um", HOST_REGISTER, KIND_FLOAT, FIELD(config.plastic_um), 0, 1e6, 0, 0, NULL},
-    {"--plastic-every", HOST_REGISTER, KIND_COUNT, FIELD(config.plastic_every), 0, 1000, 0, 0, NULL},
-    {"--iterations", HOST_REGISTER, KIND_COUNT, FIELD(config.iterations), 1, 100000, 0, 0, NULL},
-    {"--iterations-last", HOST_REGISTER, KIND_COUNT, FIELD(config.iterations_last), 1, 100000, 0, 0, NULL},
+    {"--model", HOST_REGISTER | HOST_BUILD, KIND_FILES, FIELD(model), 0, 0, 0, 0, NULL, 0},
+    {"--target", HOST_REGISTER, KIND_FILES, FIELD(target), 0, 0, 0, 0, NULL, 0},
+    {"-o", HOST_REGISTER | HOST_BUILD, KIND_TEXT, FIELD(out), 0, 0, 0, 0, NULL, 0},
+    {"--reference", HOST_REGISTER | HOST_BUILD, KIND_TEXT, FIELD(reference), 0, 0, 0, 1, NULL, FOR_IMAGES},
+    {"--landmarks", HOST_REGISTER, KIND_FILES, FIELD(landmarks), 0, 0, 0, 0, NULL, 0},
+    {"--truth", HOST_REGISTER, KIND_TEXT, FIELD(truth), 0, 0, 0, 0, NULL, FOR_IMAGES},
+    {"--c-array", HOST_BUILD, KIND_TEXT, FIELD(c_array), 0, 0, 0, 0, NULL, 0},
+    {"--source", HOST_MEASURE, KIND_TEXT, FIELD(source), 0, 0, 0, 0, NULL, 0},
+    {"--mirror-model", PREPARING, KIND_WORD, FIELD(mirror_model), 0, 0, 0, 1, "x|y|z", 0},
+    {"--mirror-target", HOST_REGISTER, KIND_WORD, FIELD(mirror_target), 0, 0, 0, 0, "x|y|z", 0},
+    {"--threads", HOST_REGISTER | HOST_MEASURE, KIND_COUNT, FIELD(threads), 1, SMR_WORKERS_MAX, 0, 0, NULL, 0},
+    {"--ticks", HOST_REGISTER, KIND_COUNT, FIELD(ticks), 1, 1e9, 0, 0, NULL, 0},
+    {"--budget-ms", HOST_REGISTER, KIND_DOUBLE, FIELD(budget_ms), 0, 1e6, 0, 0, NULL, 0},
+    {"--align", HOST_REGISTER, KIND_WORD, FIELD(align), 0, 0, 0, 0, "none|rigid|similarity", FOR_SURFACES},
+    {"--quiet", HOST_REGISTER | HOST_BUILD, KIND_FLAG, FIELD(quiet), 0, 0, 0, 0, NULL, 0},
+    {"--radius", PREPARING, KIND_RADII, FIELD(prepare), 0, COORD, 1, 1, NULL, 0},
+    {"--clusters", PREPARING, KIND_WORD, FIELD(clusters), 0, 0, 0, 1, "auto|shared|separate", 0},
+    {"--distance", PREPARING, KIND_WORD, FIELD(prepare.distance), 0, 0, 0, 1, "euclidean|geodesic", 0},
+    {"--mass", PREPARING, KIND_WORD, FIELD(prepare.mass), 0, 0, 0, 1, "unit|area", 0},
+    {"--order", PREPARING, KIND_WORD, FIELD(prepare.order), 0, 0, 0, 1, "forest|breadth-first", 0},
+    {"--block", PREPARING, KIND_COUNT, FIELD(prepare.block_vertices), 16, 65536, 0, 1, NULL, 0},
+    {"--method", HOST_REGISTER, KIND_WORD, FIELD(config.method), 0, 0, 0, 0, "rigid|polar", 0},
+    {"--normals", HOST_REGISTER, KIND_WORD, FIELD(config.normals), 0, 0, 0, 0, "carried|exact", 0},
+    {"--search", HOST_REGISTER, KIND_FLOAT, FIELD(config.search_mm), 0, COORD, 0, 0, NULL, 0},
+    {"--normal-angle", HOST_REGISTER, KIND_FLOAT, FIELD(config.normal_deg), 0, 180, 1, 0, NULL, FOR_SURFACES},
+    {"--stiffness", HOST_REGISTER, KIND_FLOAT, FIELD(config.stiffness), 0, 1, 1, 0, NULL, 0},
+    {"--attraction", HOST_REGISTER, KIND_FLOAT, FIELD(config.attraction), 0, 1, 0, 0, NULL, FOR_SURFACES},
+    {"--relaxation", HOST_REGISTER, KIND_FLOAT, FIELD(config.relaxation), 0, 1, 1, 0, NULL, 0},
+    {"--reject-deviations", HOST_REGISTER, KIND_FLOAT, FIELD(config.reject_deviations), 0, 1000, 0, 0, NULL,
+     FOR_SURFACES},
+    {"--reject-border", HOST_REGISTER, KIND_FLAG, FIELD(config.reject_border), 0, 0, 0, 0, NULL, FOR_SURFACES},
+    {"--node-budget", HOST_REGISTER, KIND_COUNT, FIELD(config.node_budget), 8, 1000000, 0, 0, NULL, FOR_SURFACES},
+    {"--plastic-um", HOST_REGISTER, KIND_FLOAT, FIELD(config.plastic_um), 0, 1e6, 0, 0, NULL, 0},
+    {"--plastic-every", HOST_REGISTER, KIND_COUNT, FIELD(config.plastic_every), 0, 1000, 0, 0, NULL, 0},
+    {"--iterations", HOST_REGISTER, KIND_COUNT, FIELD(config.iterations), 1, 100000, 0, 0, NULL, 0},
+    {"--iterations-last", HOST_REGISTER, KIND_COUNT, FIELD(config.iterations_last), 1, 100000, 0, 0, NULL, 0},
 };
+
+_Static_assert(sizeof table / sizeof table[0] <= 64, "one bit for each option");
 
 static const option *find_option(const char *name, int command)
 {
@@ -194,6 +205,7 @@ static int read_option(int argc, char **argv, int *at, host_options *options, ho
     if (o == NULL)
         return host_fail(error, "option", "an option of this command (see smr --help)");
     *at += 1;
+    options->given |= (uint64_t)1 << (size_t)(o - table);
     if (o->prepares && options->prepare_option == NULL)
         options->prepare_option = o->name;
     if (o->kind == KIND_FLAG) {
@@ -232,6 +244,90 @@ static int check_needs(host_options *options, host_error *error)
     return 0;
 }
 
+static int is_given(const host_options *options, const char *name)
+{
+    const option *const o = find_option(name, options->command);
+    return o != NULL && (options->given >> (size_t)(o - table) & 1u) != 0;
+}
+
+/* The options that do not go with this kind of target, and those that exclude each other. */
+static int check_targets(const host_options *options, host_error *error)
+{
+    const int unfit = options->image_target ? FOR_SURFACES : FOR_IMAGES;
+    size_t i = 0;
+    for (i = 0; i < sizeof table / sizeof table[0]; i++) {
+        error->file = table[i].name;
+        if ((options->given >> i & 1u) != 0 && table[i].targets == unfit)
+            return host_fail(error, "option", options->image_target ? "surfaces as the target, it is a volume"
+                                                                    : "a volume as the target, it is a surface");
+    }
+    if (options->image_target && options->target.n != 1) {
+        error->file = "--target";
+        return host_fail(error, "files", "one volume alone, or surfaces");
+    }
+    error->file = "--landmarks";
+    if (is_given(options, "--landmarks") && options->landmarks.n != 2)
+        return host_fail(error, "files", "two of them, the model's landmarks and the target's");
+    if (is_given(options, "--landmarks") && options->align != HOST_ALIGN_NONE)
+        return host_fail(error, "option", "no --align beside it, landmarks are the start");
+    return 0;
+}
+
+/* What image forces need of the model: large radii that tie all structures together. */
+static void set_image_prepare(host_options *options)
+{
+    static const float radius_mm[] = {60.0f, 40.0f, 25.0f, 15.0f};
+    if (!is_given(options, "--radius")) {
+        memcpy(options->prepare.radius_mm, radius_mm, sizeof radius_mm);
+        options->prepare.n_radii = sizeof radius_mm / sizeof radius_mm[0];
+    }
+    if (!is_given(options, "--clusters"))
+        options->prepare.separate_below_mm = 0.0f;
+}
+
+/* Image forces are noisy and change slowly: no momentum, a reference shape that follows now and then. */
+static void set_image_config(host_options *options)
+{
+    smr_config *const config = &options->config;
+    config->profile_mm = is_given(options, "--search") ? config->search_mm : 20.0f;
+    config->search_mm = smr_config_default().search_mm;
+    config->profile_end_mm = config->profile_mm < 3.0f ? config->profile_mm : 3.0f;
+    config->gradient_mm = 5.0f;
+    config->gradient_end_mm = 1.0f;
+    config->momentum = 0.0f;
+    config->momentum_last = 0.0f;
+    config->n_target_vertices = 0;
+    if (!is_given(options, "--stiffness"))
+        config->stiffness = 0.8f;
+    if (!is_given(options, "--plastic-every"))
+        config->plastic_every = 8;
+    if (!is_given(options, "--iterations"))
+        config->iterations = 30;
+    if (!is_given(options, "--iterations-last"))
+        config->iterations_last = 30;
+}
+
+/* What depends on the kind of target, after all options are read. */
+static int settle_targets(host_options *options, host_error *error)
+{
+    uint32_t i = 0;
+    for (i = 0; i < options->target.n; i++)
+        options->image_target |= host_is_volume_path(options->target.path[i]);
+    if (options->command == HOST_REGISTER && check_targets(options, error) != 0)
+        return -1;
+    error->file = "--search";
+    if (is_given(options, "--search") && options->image_target && (double)options->config.search_mm > IMAGE_SEARCH_MAX)
+        return host_fail(error, "value", "at most %g mm along the normal, for the target is a volume",
+                         IMAGE_SEARCH_MAX);
+    if (is_given(options, "--search") && !options->image_target && !(options->config.search_mm > 0.0f))
+        return host_fail(error, "value", "a number above 0, for the target is a surface");
+    if (options->image_target || options->reference != NULL)
+        set_image_prepare(options);
+    if (options->image_target)
+        set_image_config(options);
+    return 0;
+}
+
 static int set_defaults(int command, host_options *options)
 {
     memset(options, 0, sizeof *options);
@@ -243,7 +339,11 @@ static int set_defaults(int command, host_options *options)
     options->model.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->target.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->operands.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
-    return options->model.path == NULL || options->target.path == NULL || options->operands.path == NULL ? -1 : 0;
+    options->landmarks.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    return options->model.path == NULL || options->target.path == NULL || options->operands.path == NULL ||
+                   options->landmarks.path == NULL
+               ? -1
+               : 0;
 }
 
 int host_options_read(int command, int argc, char **argv, host_options *options, host_error *error)
@@ -268,7 +368,7 @@ int host_options_read(int command, int argc, char **argv, host_options *options,
         options->prepare.separate_below_mm = 0.0f;
     else if (options->clusters == HOST_CLUSTERS_SEPARATE)
         options->prepare.separate_below_mm = 2.0f * SMR_COORD_MAX;
-    return check_needs(options, error);
+    return check_needs(options, error) != 0 ? -1 : settle_targets(options, error);
 }
 
 void host_options_free(host_options *options)
@@ -276,5 +376,6 @@ void host_options_free(host_options *options)
     free(options->model.path);
     free(options->target.path);
     free(options->operands.path);
+    free(options->landmarks.path);
     memset(options, 0, sizeof *options);
 }

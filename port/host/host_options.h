@@ -20,7 +20,12 @@ typedef struct host_files {
 typedef struct host_options {
     int command;           /* HOST_REGISTER, ... */
     host_files model, target, operands;
+    host_files landmarks;  /* none, or the model's and the target's */
     const char *out, *c_array, *source; /* NULL when not given */
+    const char *reference; /* the image that fits the model; NULL */
+    const char *truth;     /* directory of the true surfaces, for measuring; NULL */
+    int image_target;      /* 1: the target is one volume */
+    uint64_t given;        /* bit i: the table's option i was given */
     int mirror_model, mirror_target;    /* HOST_MIRROR_... */
     uint32_t threads;      /* 0: as many as processors */
     uint32_t ticks;        /* 0: until the schedule ends */

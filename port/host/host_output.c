@@ -4,6 +4,7 @@
 #define _POSIX_C_SOURCE 200809L
 
 #include "host_output.h"
+#include "host_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -158,6 +159,8 @@ int host_output_add(host_output *output, const char *name, const host_buffer *co
     file->replaced = stat(file->path, &st) == 0;
     if (file->replaced && S_ISDIR(st.st_mode))
         return host_fail(error, name, "a file there, not a directory");
+    if (file->replaced && host_file_was_read(file->path))
+        return host_fail(error, name, "a path that is not one of the inputs");
     if (!file->replaced || S_ISREG(st.st_mode)) {
         (void)snprintf(tail, sizeof tail, ".%ld.tmp", (long)getpid());
         file->temporary = join(output->directory, name, tail);

@@ -1,5 +1,6 @@
 /* What a registration reached: positions, distances both ways, folds.
  * SPDX-License-Identifier: MIT */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -136,26 +137,70 @@ static int measure(host_job *job, pair *pairs, host_query *query)
     return result;
 }
 
-int host_job_evaluate(host_job *job, host_error *error)
+/* Distances between vertices of the same index, where the truth has as many. */
+static int measure_vertices(host_job *job)
 {
-    const double start = host_seconds();
-    pair *const pairs = calloc(job->n_targets, sizeof *pairs);
-    host_query *const query = calloc(job->n_targets + job->model.n_parts, sizeof *query);
     uint32_t i = 0;
-    int result = pairs == NULL || query == NULL ? -1 : 0;
-    for (i = 0; result == 0 && i < job->model.n_parts; i++)
-        if (copy_result(job, i, error) != 0) {
-            free(pairs);
-            free(query);
-            return -1;
+    size_t n = 0, all = 0, k = 0;
+    float *mm = NULL;
+    for (i = 0; i < job->model.n_parts; i++)
+        n += job->result[i].mesh.n_vertices;
+    mm = malloc((n + 1u) * sizeof *mm);
+    if (mm == NULL)
+        return -1;
+    for (i = 0; i < job->model.n_parts; i++) {
+        host_result *const result = &job->result[i];
+        const host_mesh *const truth = &job->target[result->target].mesh;
+        if (truth->n_vertices != result->mesh.n_vertices)
+            continue;
+        for (k = 0; k < truth->n_vertices; k++) {
+            const float *const a = truth->xyz + 3u * k, *const b = result->mesh.xyz + 3u * k;
+            const double x = (double)a[0] - (double)b[0], y = (double)a[1] - (double)b[1];
+            const double z = (double)a[2] - (double)b[2];
+            mm[all + k] = (float)sqrt(x * x + y * y + z * z);
         }
-    if (result == 0)
+        result->by_vertex = host_stats_of(mm + all, k);
+        all += k;
+    }
+    job->by_vertex = host_stats_of(mm, all);
+    free(mm);
+    return 0;
+}
+
+/* Distances to all targets; with an image, to the truth. */
+static int measure_all(host_job *job, host_error *error)
+{
+    pair *pairs = NULL;
+    host_query *query = NULL;
+    int result = -1;
+    if (job->n_targets == 0)
+        return 0;
+    if (job->options->image_target && host_job_make_surfaces(job, error) != 0) {
+        error->file = job->options->truth; /* the path goes with the job */
+        return -1;
+    }
+    pairs = calloc(job->n_targets, sizeof *pairs);
+    query = calloc((size_t)job->n_targets + job->model.n_parts, sizeof *query);
+    if (pairs != NULL && query != NULL)
         result = measure(job, pairs, query);
+    if (result == 0 && job->options->image_target)
+        result = measure_vertices(job);
     free(pairs);
     free(query);
     error->file = "register";
-    if (result != 0)
-        return host_fail(error, "result", "surfaces that can be measured, and free memory for it");
+    return result == 0 ? 0 : host_fail(error, "result", "surfaces that can be measured, and free memory for it");
+}
+
+int host_job_evaluate(host_job *job, host_error *error)
+{
+    const double start = host_seconds();
+    uint32_t i = 0;
+    for (i = 0; i < job->model.n_parts; i++)
+        if (copy_result(job, i, error) != 0)
+            return -1;
+    if (measure_all(job, error) != 0)
+        return -1;
+    error->file = "register";
     host_parallel(&job->port.port, count_folds, job, job->model.n_parts);
     for (i = 0; i < job->model.n_parts; i++) {
         if (job->result[i].folds_absolute == UINT64_MAX)
@@ -163,6 +208,6 @@ int host_job_evaluate(host_job *job, host_error *error)
         job->folds += job->result[i].folds;
         job->folds_absolute += job->result[i].folds_absolute;
     }
-    job->measure_s = host_seconds() - start;
+    job->measure_s += host_seconds() - start;
     return 0;
 }

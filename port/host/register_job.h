@@ -4,12 +4,13 @@
 #define REGISTER_JOB_H
 
 #include "host_distance.h"
+#include "host_image.h"
 #include "host_model.h"
 #include "host_options.h"
 
 #define HOST_NO_TARGET 0xffffffffu
 
-/* A target surface. */
+/* A target surface; with an image as the target, a structure's true surface. */
 typedef struct host_target {
     const char *path;      /* borrowed */
     char name[SMR_NAME_BYTES];
@@ -27,6 +28,7 @@ typedef struct host_result {
     uint64_t folds, folds_absolute;
     host_stats to_target; /* of its vertices to its own target */
     host_stats to_result; /* of the target's vertices to it; none when others share the target */
+    host_stats by_vertex; /* of its vertices to the truth's of the same index; none without such a truth */
     smr_structure_report report;
 } host_result;
 
@@ -35,11 +37,15 @@ typedef struct host_job {
     host_port port;
     host_model model;
     int ready_image;           /* 1: the model came prepared */
-    host_target *target;       /* [n_targets] */
+    host_image reference, image; /* with an image as the target; the reference goes once the model is prepared */
+    host_target *target;       /* [n_targets]: the target surfaces, or the true ones when the target is an image */
+    char *truth_paths;         /* texts the targets' paths point to, with an image as the target; owned */
     uint32_t n_targets;
     host_result *result;       /* [model.n_parts] */
     smr_pose pose;             /* the start */
     float align_rms_mm;
+    float *start_xyz;          /* [all vertices][3] where landmarks put them, structure by structure; NULL; owned */
+    uint32_t n_landmarks, warp_kind; /* SMR_WARP_... */
     void *arena;               /* owned */
     size_t arena_bytes;
     smr *state;                /* in the arena */
@@ -48,19 +54,25 @@ typedef struct host_job {
     float *tick_ms;            /* [ticks], owned */
     size_t tick_capacity;
     double start_s, register_s, load_s, measure_s, begin_s;
-    host_stats to_target, to_result; /* over all structures that have a target */
+    host_stats to_target, to_result, by_vertex; /* over all structures that have a target */
     uint64_t folds, folds_absolute;
 } host_job;
 
 /* The steps, each 0 or -1 with the error filled. */
 int host_job_load(host_job *job, host_error *error);     /* files -> meshes, or a ready image */
 int host_job_match(host_job *job, host_error *error);    /* structures to targets, by name */
-int host_job_start(host_job *job, host_error *error);    /* target surfaces, start pose */
+int host_job_start(host_job *job, host_error *error);    /* target surfaces, start pose or start positions */
 int host_job_run(host_job *job, host_error *error);      /* ticks */
 int host_job_evaluate(host_job *job, host_error *error); /* results, distances, folds */
 int host_job_write(host_job *job, host_error *error);    /* files, all or none */
 void host_job_summary(const host_job *job);
 void host_job_free(host_job *job);
+
+/* Parts of the steps for images: the volumes, the true surfaces, landmarks to start positions. */
+int host_job_load_images(host_job *job, host_error *error);
+int host_job_load_truth(host_job *job, host_error *error);
+int host_job_place(host_job *job, host_error *error);
+int host_job_make_surfaces(host_job *job, host_error *error);
 
 /* report.json. */
 void host_job_report(const host_job *job, host_buffer *out);

@@ -1,12 +1,22 @@
 /* report.json and the summary for people.
  * SPDX-License-Identifier: MIT */
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "host_json.h"
 #include "register_job.h"
+
+/* By SMR_WARP_... */
+static const char *const warp_names[] = {"spline", "similarity", "rigid", "translation"};
+
+/* Of the vertices that could have a goal, how many had one at the end. Not a number when there were none. */
+static double matched_share(const host_job *job)
+{
+    return job->last.n_active > 0 ? (double)job->last.n_forces / (double)job->last.n_active : (double)NAN;
+}
 
 static void put_model(const host_job *job, host_json *json)
 {
@@ -75,14 +85,62 @@ static void put_times(const host_job *job, host_json *json)
     host_json_open(json, "memory_bytes", '{');
     host_json_count(json, "model", job->model.image_bytes);
     host_json_count(json, "arena", job->arena_bytes);
-    host_json_count(json, "volume", 0);
+    host_json_count(json, "volume", job->image.bytes);
     host_json_close(json, '}');
+}
+
+/* Distances both ways; null when there was nothing to measure by. */
+static void put_distances(host_json *json, int measured, const host_stats *to_target, const host_stats *to_model)
+{
+    if (!measured) {
+        host_json_null(json, "distance_mm");
+        return;
+    }
+    host_json_open(json, "distance_mm", '{');
+    host_json_stats(json, "model_to_target", to_target);
+    host_json_stats(json, "target_to_model", to_model);
+    host_json_close(json, '}');
+}
+
+static void put_by_vertex(host_json *json, const host_stats *stats)
+{
+    if (stats->n == 0) {
+        host_json_null(json, "vertex_to_vertex_mm");
+        return;
+    }
+    host_json_open(json, "vertex_to_vertex_mm", '{');
+    host_json_number(json, "mean", stats->mean);
+    host_json_number(json, "max", stats->max);
+    host_json_close(json, '}');
+}
+
+/* The result against the targets; with an image, against the truth when it was given. */
+static void put_result(const host_job *job, host_json *json)
+{
+    const int measured = job->n_targets > 0;
+    const double a = job->to_target.max, b = job->to_result.max;
+    put_distances(json, measured, &job->to_target, &job->to_result);
+    if (measured)
+        host_json_number(json, "hausdorff_mm", a > b ? a : b);
+    else
+        host_json_null(json, "hausdorff_mm");
+    if (measured && job->options->image_target) {
+        host_json_open(json, "truth", '{');
+        host_json_text(json, "directory", job->options->truth);
+        host_json_count(json, "vertices_compared", job->by_vertex.n);
+        put_by_vertex(json, &job->by_vertex);
+        host_json_close(json, '}');
+    }
+    host_json_number(json, "matched_share", matched_share(job));
+    host_json_number(json, "residual_mean_mm", (double)job->last.residual_mean_mm);
+    host_json_count(json, "folds", job->folds);
+    host_json_count(json, "folds_absolute", job->folds_absolute);
 }
 
 static void put_structure(const host_job *job, uint32_t i, host_json *json)
 {
     const host_result *const result = &job->result[i];
-    const int carried = result->target == HOST_NO_TARGET;
+    const int image = job->options->image_target, carried = !image && result->target == HOST_NO_TARGET;
     host_json_open(json, NULL, '{');
     host_json_text(json, "name", job->model.part[i].name);
     host_json_count(json, "vertices", result->mesh.n_vertices);
@@ -92,11 +150,14 @@ static void put_structure(const host_job *job, uint32_t i, host_json *json)
     if (carried)
         host_json_null(json, "target");
     else
-        host_json_text(json, "target", job->target[result->target].path);
-    host_json_open(json, "distance_mm", '{');
-    host_json_stats(json, "model_to_target", &result->to_target);
-    host_json_stats(json, "target_to_model", &result->to_result);
-    host_json_close(json, '}');
+        host_json_text(json, "target", image ? job->options->target.path[0] : job->target[result->target].path);
+    put_distances(json, result->target != HOST_NO_TARGET || !image, &result->to_target, &result->to_result);
+    if (result->target != HOST_NO_TARGET && image) {
+        host_json_open(json, "truth", '{');
+        host_json_text(json, "file", job->target[result->target].path);
+        put_by_vertex(json, &result->by_vertex);
+        host_json_close(json, '}');
+    }
     host_json_number(json, "moved_mean_mm", (double)result->report.moved_mean_mm);
     host_json_number(json, "moved_max_mm", (double)result->report.moved_max_mm);
     host_json_count(json, "folds", result->folds);
@@ -109,6 +170,14 @@ static void put_start(const host_job *job, host_json *json)
     static const char *const names[] = {"none", "rigid", "similarity"};
     int r = 0, c = 0;
     host_json_text(json, "align", names[job->options->align]);
+    if (job->n_landmarks > 0) {
+        host_json_open(json, "landmarks", '{');
+        host_json_count(json, "count", job->n_landmarks);
+        host_json_text(json, "fit", warp_names[job->warp_kind]);
+        host_json_close(json, '}');
+    } else {
+        host_json_null(json, "landmarks");
+    }
     if (job->options->align == HOST_ALIGN_NONE) {
         host_json_null(json, "start_pose");
         return;
@@ -141,15 +210,7 @@ void host_job_report(const host_job *job, host_buffer *out)
     host_json_text(&json, "method", job->options->config.method == SMR_METHOD_POLAR ? "polar" : "rigid");
     put_start(job, &json);
     put_times(job, &json);
-    host_json_open(&json, "distance_mm", '{');
-    host_json_stats(&json, "model_to_target", &job->to_target);
-    host_json_stats(&json, "target_to_model", &job->to_result);
-    host_json_close(&json, '}');
-    host_json_number(&json, "hausdorff_mm", job->to_target.max > job->to_result.max ? job->to_target.max
-                                                                                    : job->to_result.max);
-    host_json_number(&json, "residual_mean_mm", (double)job->last.residual_mean_mm);
-    host_json_count(&json, "folds", job->folds);
-    host_json_count(&json, "folds_absolute", job->folds_absolute);
+    put_result(job, &json);
     (void)snprintf(text, sizeof text, "%016" PRIx64, smr_state_hash(job->state));
     host_json_text(&json, "state_hash", text);
     host_json_open(&json, "per_structure", '[');
@@ -167,16 +228,27 @@ void host_job_report(const host_job *job, host_buffer *out)
 void host_job_summary(const host_job *job)
 {
     const host_stats *const a = &job->to_target, *const b = &job->to_result;
+    const char *const name = job->options->image_target ? "truth" : "target";
     uint32_t i = 0, carried = 0;
     (void)printf("%s after %u iterations, %.3f s (load %.3f, prepare %.3f, start %.3f, register %.3f), %u threads\n",
                  job->last.done ? "converged" : "not converged", job->last.iteration,
                  host_seconds() - job->begin_s, job->load_s, job->ready_image ? 0.0 : job->model.prepare_s,
                  job->start_s, job->register_s, job->port.port.n_workers);
-    (void)printf("model to target: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", a->mean, a->rms, a->p95, a->max);
-    (void)printf("target to model: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", b->mean, b->rms, b->p95, b->max);
+    if (job->n_landmarks > 0 && job->warp_kind != SMR_WARP_SPLINE)
+        (void)printf("start: %u landmarks as they lie carry no spline, a %s fit instead\n", job->n_landmarks,
+                     warp_names[job->warp_kind]);
+    if (job->n_targets > 0) {
+        (void)printf("model to %s: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, a->mean, a->rms, a->p95, a->max);
+        (void)printf("%s to model: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, b->mean, b->rms, b->p95, b->max);
+    }
+    if (job->by_vertex.n > 0)
+        (void)printf("vertex to vertex: mean %.3f  max %.3f mm\n", job->by_vertex.mean, job->by_vertex.max);
+    if (job->options->image_target)
+        (void)printf("vertices with a goal in the image: %.1f %%\n",
+                     job->last.n_active > 0 ? 100.0 * matched_share(job) : 0.0);
     (void)printf("folds: %" PRIu64 "  state hash: %016" PRIx64 "\n", job->folds, smr_state_hash(job->state));
     for (i = 0; i < job->model.n_parts; i++)
-        if (job->result[i].target == HOST_NO_TARGET)
+        if (!job->options->image_target && job->result[i].target == HOST_NO_TARGET)
             (void)printf("%s%s", carried++ == 0 ? "carried along without a target: " : ", ", job->model.part[i].name);
     if (carried > 0)
         (void)putchar('\n');

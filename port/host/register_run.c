@@ -18,13 +18,40 @@ static int refuse(host_error *error, const char *place, smr_status status)
     return host_fail(error, place, "input and options within the library's limits (%s)", smr_status_name(status));
 }
 
+/* Every structure where the landmarks put it. */
+static smr_status put_start(const host_job *job)
+{
+    const float *xyz = job->start_xyz;
+    smr_status status = SMR_OK;
+    uint32_t i = 0;
+    for (i = 0; status == SMR_OK && i < job->model.n_parts; i++) {
+        status = smr_set_positions(job->state, i, xyz);
+        xyz += 3u * (size_t)job->model.part[i].mesh.n_vertices;
+    }
+    return status;
+}
+
+static int set_targets(const host_job *job, host_error *error)
+{
+    smr_status status = SMR_OK;
+    uint32_t i = 0;
+    if (job->options->image_target)
+        status = smr_set_volume(job->state, &job->image.view);
+    else if (job->n_targets == 1)
+        status = smr_set_surface(job->state, SMR_ALL, job->target[0].surface);
+    for (i = 0; !job->options->image_target && status == SMR_OK && job->n_targets > 1 && i < job->model.n_parts; i++)
+        if (job->result[i].target != HOST_NO_TARGET)
+            status = smr_set_surface(job->state, i, job->target[job->result[i].target].surface);
+    return status == SMR_OK ? 0 : refuse(error, "set up", status);
+}
+
 static int set_up(host_job *job, host_error *error)
 {
     smr_config config = job->options->config;
     smr_status status = SMR_OK;
     uint32_t i = 0;
     config.n_workers = job->port.port.n_workers;
-    for (i = 0; i < job->n_targets; i++)
+    for (i = 0; !job->options->image_target && i < job->n_targets; i++)
         config.n_target_vertices += job->target[i].users > 0 ? job->target[i].mesh.n_vertices : 0;
     status = smr_arena_bytes(job->model.model, &config, &job->arena_bytes);
     if (status != SMR_OK)
@@ -35,12 +62,9 @@ static int set_up(host_job *job, host_error *error)
     status = smr_init(&job->state, job->model.model, &config, &job->port.port, job->arena, job->arena_bytes);
     if (status == SMR_OK && job->options->align != HOST_ALIGN_NONE)
         status = smr_set_pose(job->state, &job->pose);
-    if (status == SMR_OK && job->n_targets == 1)
-        status = smr_set_surface(job->state, SMR_ALL, job->target[0].surface);
-    for (i = 0; status == SMR_OK && job->n_targets > 1 && i < job->model.n_parts; i++)
-        if (job->result[i].target != HOST_NO_TARGET)
-            status = smr_set_surface(job->state, i, job->target[job->result[i].target].surface);
-    return status == SMR_OK ? 0 : refuse(error, "set up", status);
+    if (status == SMR_OK && job->start_xyz != NULL)
+        status = put_start(job);
+    return status == SMR_OK ? set_targets(job, error) : refuse(error, "set up", status);
 }
 
 static int record(host_job *job, double seconds, host_error *error)

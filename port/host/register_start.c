@@ -5,10 +5,15 @@
 
 #include "register_job.h"
 
+static uint32_t n_surfaces(const host_options *options)
+{
+    return options->image_target ? 0 : options->target.n;
+}
+
 static int take_targets(host_job *job, host_load *loads, host_error *error)
 {
     uint32_t i = 0, k = 0;
-    const uint32_t n = job->options->target.n;
+    const uint32_t n = n_surfaces(job->options);
     job->target = calloc(n, sizeof *job->target);
     if (job->target == NULL)
         return host_fail(error, "start", "free memory");
@@ -31,8 +36,8 @@ static int take_targets(host_job *job, host_load *loads, host_error *error)
 static int load_surfaces(host_job *job, const host_files *models, host_error *error)
 {
     const host_options *const options = job->options;
-    const uint32_t n = models->n + options->target.n;
-    host_load *const loads = calloc(n, sizeof *loads);
+    const uint32_t n = models->n + n_surfaces(options);
+    host_load *const loads = calloc(n + 1u, sizeof *loads);
     uint32_t i = 0;
     int result = 0;
     if (loads == NULL)
@@ -46,7 +51,7 @@ static int load_surfaces(host_job *job, const host_files *models, host_error *er
     result = host_load_all(&job->port.port, loads, n, error);
     if (result == 0 && models->n > 0)
         result = host_model_take(loads, models->n, &job->model, error);
-    if (result == 0)
+    if (result == 0 && !options->image_target)
         result = take_targets(job, loads + models->n, error);
     for (i = 0; i < n; i++) /* those that nobody took */
         host_mesh_free(&loads[i].mesh);
@@ -63,7 +68,10 @@ int host_job_load(host_job *job, host_error *error)
     uint32_t i = 0;
     for (i = 0; i < options->model.n; i++)
         job->ready_image |= host_model_is_image(options->model.path[i]);
-    if (!job->ready_image) {
+    if (!job->ready_image && options->image_target && options->reference == NULL) {
+        error->file = "--reference";
+        result = host_fail(error, "option", "the image that fits the model's surfaces, for the target is a volume");
+    } else if (!job->ready_image) {
         result = load_surfaces(job, &options->model, error);
     } else if (options->model.n > 1) {
         error->file = "--model";
@@ -76,6 +84,8 @@ int host_job_load(host_job *job, host_error *error)
         if (result == 0)
             result = load_surfaces(job, &none, error);
     }
+    if (result == 0 && options->image_target)
+        result = host_job_load_images(job, error);
     job->load_s = host_seconds() - start;
     return result;
 }
@@ -94,8 +104,11 @@ int host_job_match(host_job *job, host_error *error)
     job->result = calloc(job->model.n_parts, sizeof *job->result);
     if (job->result == NULL)
         return host_fail(error, "start", "free memory");
-    for (i = 0; i < job->model.n_parts; i++) {
+    for (i = 0; i < job->model.n_parts; i++)
         job->result[i].target = HOST_NO_TARGET;
+    if (job->options->image_target) /* targets are the truth, if any: one for each structure */
+        return host_job_load_truth(job, error);
+    for (i = 0; i < job->model.n_parts; i++) {
         for (k = 0; k < job->n_targets && job->result[i].target == HOST_NO_TARGET; k++)
             if (job->n_targets == 1 || strcmp(job->target[k].name, job->model.part[i].name) == 0)
                 give(job, i, k);
@@ -154,11 +167,9 @@ static int align(host_job *job, host_error *error)
     return host_fail(error, "start pose", "surfaces that can be aligned (%s)", smr_status_name(status));
 }
 
-int host_job_start(host_job *job, host_error *error)
+int host_job_make_surfaces(host_job *job, host_error *error)
 {
-    const double start = host_seconds();
     uint32_t i = 0;
-    int result = 0;
     for (i = 0; i < job->n_targets; i++)
         build_target(job->target, i, 0);
     for (i = 0; i < job->n_targets; i++)
@@ -166,7 +177,16 @@ int host_job_start(host_job *job, host_error *error)
             error->file = job->target[i].path;
             return host_fail(error, "surface", "a surface within the library's limits and free memory for it");
         }
-    if (job->options->align != HOST_ALIGN_NONE)
+    return 0;
+}
+
+int host_job_start(host_job *job, host_error *error)
+{
+    const double start = host_seconds();
+    int result = job->options->image_target ? 0 : host_job_make_surfaces(job, error);
+    if (result == 0 && job->options->landmarks.n > 0)
+        result = host_job_place(job, error);
+    else if (result == 0 && job->options->align != HOST_ALIGN_NONE)
         result = align(job, error);
     job->start_s = host_seconds() - start;
     return result;

@@ -28,13 +28,6 @@ static inline float smr_le_float(uint32_t stored)
     return v;
 }
 
-static inline uint32_t smr_float_le(float v)
-{
-    uint32_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return smr_le32(bits);
-}
-
 static inline uint32_t smr_float_bits(float v)
 {
     uint32_t bits;

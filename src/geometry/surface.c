@@ -49,7 +49,7 @@ size_t smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles)
     return a.used == SIZE_MAX ? 0 : a.used;
 }
 
-/* How many triangles hold the edge v-w; looks around the corner with fewer triangles. */
+/* How many triangles hold the edge v-w, 2 for more; looks around the corner with fewer triangles. */
 static uint32_t edge_count(const smr_surface *s, const build *b, uint32_t v, uint32_t w)
 {
     uint32_t count = 0;
@@ -58,7 +58,7 @@ static uint32_t edge_count(const smr_surface *s, const build *b, uint32_t v, uin
         v = w;
         w = swap;
     }
-    for (uint32_t i = b->start[v]; i < b->start[v + 1u]; i++) {
+    for (uint32_t i = b->start[v]; i < b->start[v + 1u] && count < 2u; i++) {
         const uint32_t *t = s->triangle + 3u * (size_t)b->around[i];
         count += t[0] == w || t[1] == w || t[2] == w;
     }

@@ -149,6 +149,8 @@ static void box_distances(const smr_node *node, smr_vec p, float d2[SMR_TREE_WID
     }
 }
 
+#define SMR_TIES 64u /* nodes opened for triangles that can only be as near as the best one */
+
 typedef struct visit {
     float d2;
     uint32_t level, index;
@@ -157,7 +159,7 @@ typedef struct visit {
 void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit)
 {
     visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
-    uint32_t top = 0, opened = 0;
+    uint32_t top = 0, opened = 0, ties = 0;
     if (f->n_levels == 0u)
         return;
     if (q->warm < f->n_triangles)
@@ -165,7 +167,7 @@ void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit)
     stack[top++] = (visit){0.0f, f->n_levels - 1u, 0u};
     while (top > 0u && opened < q->node_budget) {
         const visit v = stack[--top];
-        if (v.d2 > hit->d2)
+        if (v.d2 > hit->d2 || (v.d2 == hit->d2 && hit->triangle != SMR_ALL && ++ties > SMR_TIES))
             continue;
         opened++;
         float d2[SMR_TREE_WIDTH];

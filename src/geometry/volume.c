@@ -21,13 +21,18 @@ static int invert3(const float m[9], float out[9])
     return 1;
 }
 
+static uint32_t voxel_bytes(uint32_t type)
+{
+    return type <= SMR_VOXEL_INT8 ? 1u : (type <= SMR_VOXEL_INT16 ? 2u : 4u);
+}
+
 smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
 {
     float axes[9];
     uint64_t voxels = 1;
     if (volume == NULL || volume->voxels == NULL)
         return SMR_E_NULL;
-    if (volume->type > SMR_VOXEL_FLOAT)
+    if (volume->type > SMR_VOXEL_FLOAT || (uintptr_t)volume->voxels % voxel_bytes(volume->type) != 0u)
         return SMR_E_INPUT;
     for (uint32_t a = 0; a < 3u; a++) {
         const float spacing = volume->spacing[a];

@@ -7,8 +7,9 @@
 #define SMR_INSIDE 0.99999f  /* of r^2: a box this far inside holds only members, whatever the rounding */
 #define SMR_OUTSIDE 1.00001f
 
-static void set_run(uint64_t *row, uint32_t first, uint32_t last)
+static void set_run(uint64_t *row, uint32_t words, uint32_t first, uint32_t last)
 {
+    smr_row_cover(row, words, first / 64u, (last - 1u) / 64u + 1u);
     for (uint32_t w = first / 64u; w <= (last - 1u) / 64u; w++) {
         uint64_t mask = ~(uint64_t)0;
         if (w == first / 64u)
@@ -47,7 +48,7 @@ void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
     const float r2 = radius * radius;
     visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0;
-    memset(row, 0, p->words * sizeof *row);
+    smr_row_clear(row, p->words);
     stack[top++] = (visit){p->points.n_levels - 1u, 0u};
     while (top > 0u) {
         const visit at = stack[--top];
@@ -60,9 +61,9 @@ void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
                 break;
             if (at.level == 0u) {
                 if (near2[k] <= r2)
-                    row[child / 64u] |= (uint64_t)1 << (child % 64u);
+                    smr_row_set(row, p->words, child);
             } else if (far2[k] <= SMR_INSIDE * r2) {
-                set_run(row, (uint32_t)first, last < p->n ? (uint32_t)last : p->n);
+                set_run(row, p->words, (uint32_t)first, last < p->n ? (uint32_t)last : p->n);
             } else if (near2[k] <= SMR_OUTSIDE * r2) {
                 stack[top++] = (visit){at.level - 1u, child};
             }
@@ -111,7 +112,7 @@ uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t las
 uint32_t smr_row_count(const uint64_t *row, uint32_t words)
 {
     uint32_t count = 0;
-    for (uint32_t w = 0; w < words; w++) {
+    for (uint32_t w = smr_row_first(row, words); w < smr_row_last(row, words); w++) {
         uint64_t x = row[w];
         x = x - (x >> 1 & 0x5555555555555555u);
         x = (x & 0x3333333333333333u) + (x >> 2 & 0x3333333333333333u);
@@ -124,7 +125,7 @@ uint32_t smr_row_count(const uint64_t *row, uint32_t words)
 /* Takes the vertices of other structures out of a row. */
 static void keep_owner(const smr_plan *p, uint32_t owner, uint64_t *row)
 {
-    for (uint32_t w = 0; w < p->words; w++) {
+    for (uint32_t w = smr_row_first(row, p->words); w < smr_row_last(row, p->words); w++) {
         for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u) {
             uint32_t bit = (uint32_t)__builtin_ctzll(rest);
             if (p->owner[w * 64u + bit] != owner)
@@ -142,5 +143,5 @@ void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
     if (p->separate)
         keep_owner(p, p->owner[v], row);
     for (uint32_t i = p->ring_start[v]; smr_uses_ring(p, radius) && i < p->ring_start[v + 1u]; i++)
-        row[p->ring[i] / 64u] |= (uint64_t)1 << (p->ring[i] % 64u);
+        smr_row_set(row, p->words, p->ring[i]);
 }

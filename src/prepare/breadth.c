@@ -22,7 +22,7 @@ static float one_ring_radius(smr_plan *p)
 static void one_ring(smr_plan *p, uint32_t v, float s_min, uint64_t *row)
 {
     smr_ball_row(p, v, s_min, row);
-    for (uint32_t w = 0; p->separate && w < p->words; w++)
+    for (uint32_t w = smr_row_first(row, p->words); p->separate && w < smr_row_last(row, p->words); w++)
         for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u)
             if (p->owner[w * 64u + (uint32_t)__builtin_ctzll(rest)] != p->owner[v])
                 row[w] &= ~(rest & (~rest + 1u));
@@ -66,7 +66,7 @@ smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint
             smr_cluster_row(p, from, radius, parent);
         smr_list_entry(l, p, v, p->rank[from], own, from == v ? NULL : parent);
         one_ring(p, v, s_min, ring);
-        for (uint32_t w = 0; w < p->words; w++) {
+        for (uint32_t w = smr_row_first(ring, p->words); w < smr_row_last(ring, p->words); w++) {
             for (uint64_t rest = ring[w]; rest != 0u; rest &= rest - 1u) {
                 const uint32_t next = w * 64u + (uint32_t)__builtin_ctzll(rest);
                 if (p->rank[next] != none)

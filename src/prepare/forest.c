@@ -10,8 +10,10 @@
 
 static uint32_t difference_count(const uint64_t *a, const uint64_t *b, uint32_t words)
 {
+    const uint32_t first = smr_min_u32(smr_row_first(a, words), smr_row_first(b, words));
+    const uint32_t last = smr_max_u32(smr_row_last(a, words), smr_row_last(b, words));
     uint32_t count = 0;
-    for (uint32_t w = 0; w < words; w++) {
+    for (uint32_t w = first; w < last; w++) {
         uint64_t x = a[w] ^ b[w];
         if (x == 0u)
             continue;

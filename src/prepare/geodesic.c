@@ -56,9 +56,9 @@ void smr_geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
 {
     const uint32_t limit = (uint32_t)smr_min(radius * 1000.0f, 4.0e9f);
     heap h = {p->geo_heap, 0};
-    memset(row, 0, p->words * sizeof *row);
+    smr_row_clear(row, p->words);
     p->geo_distance[v] = 0;
-    row[v / 64u] |= (uint64_t)1 << (v % 64u);
+    smr_row_set(row, p->words, v);
     push(&h, 0, v);
     while (h.n > 0u) {
         uint32_t distance, from;
@@ -71,11 +71,11 @@ void smr_geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
             if (step > limit - distance || distance + step >= p->geo_distance[to])
                 continue;
             p->geo_distance[to] = distance + step;
-            row[to / 64u] |= (uint64_t)1 << (to % 64u);
+            smr_row_set(row, p->words, to);
             push(&h, distance + step, to);
         }
     }
-    for (uint32_t w = 0; w < p->words; w++)
+    for (uint32_t w = smr_row_first(row, p->words); w < smr_row_last(row, p->words); w++)
         for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u)
             p->geo_distance[w * 64u + (uint32_t)__builtin_ctzll(rest)] = UINT32_MAX;
 }

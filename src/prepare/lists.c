@@ -47,7 +47,7 @@ void smr_list_block(smr_list_writer *l, uint32_t first_vertex)
 static uint32_t put_difference(smr_list_writer *l, const smr_plan *p, const uint64_t *own, const uint64_t *other)
 {
     uint32_t n = 0;
-    for (uint32_t w = 0; w < p->words; w++) {
+    for (uint32_t w = smr_row_first(own, p->words); w < smr_row_last(own, p->words); w++) {
         uint64_t bits = own[w] & ~(other == NULL ? 0u : other[w]);
         for (; bits != 0u; bits &= bits - 1u, n++)
             put_index(l, l->at_indexes + (size_t)(l->n_indexes + n) * l->index_bytes,

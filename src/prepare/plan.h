@@ -44,7 +44,7 @@ typedef struct smr_plan {
     smr_facets points;       /* box tree whose leaves are single vertices */
 
     /* written per radius */
-    uint64_t *row;           /* [n_rows][words] clusters as bit rows */
+    uint64_t *row;           /* [n_rows][words + 1] clusters as bit rows, see smr_plan_row() */
     uint32_t *count;         /* [n] |zeta| */
     uint32_t *rank;          /* [n] entry number of a vertex */
 
@@ -76,7 +76,33 @@ smr_status smr_plan_profiles(smr_plan *p);
 /* Edges with exactly two triangles. */
 void smr_plan_hinges(smr_plan *p);
 
-static inline uint64_t *smr_plan_row(const smr_plan *p, uint32_t i) { return p->row + (size_t)i * p->words; }
+/* A row of n bits; the word behind them names the words first .. last - 1 that may hold any (first | last << 32), so that
+ * small clusters cost little in large models. */
+static inline uint64_t *smr_plan_row(const smr_plan *p, uint32_t i) { return p->row + (size_t)i * (p->words + 1u); }
+
+static inline uint32_t smr_row_first(const uint64_t *row, uint32_t words) { return (uint32_t)row[words]; }
+static inline uint32_t smr_row_last(const uint64_t *row, uint32_t words) { return (uint32_t)(row[words] >> 32); }
+
+/* Widens the range to words first .. last - 1. */
+static inline void smr_row_cover(uint64_t *row, uint32_t words, uint32_t first, uint32_t last)
+{
+    first = smr_min_u32(first, smr_row_first(row, words));
+    last = smr_max_u32(last, smr_row_last(row, words));
+    row[words] = (uint64_t)last << 32 | first;
+}
+
+static inline void smr_row_set(uint64_t *row, uint32_t words, uint32_t bit)
+{
+    row[bit / 64u] |= (uint64_t)1 << (bit % 64u);
+    smr_row_cover(row, words, bit / 64u, bit / 64u + 1u);
+}
+
+static inline void smr_row_clear(uint64_t *row, uint32_t words)
+{
+    for (uint32_t w = smr_row_first(row, words); w < smr_row_last(row, words); w++)
+        row[w] = 0;
+    row[words] = words;
+}
 
 /* 1 when clusters of this radius also hold mesh neighbours. */
 static inline int smr_uses_ring(const smr_plan *p, float radius) { return p->config->ring && radius >= p->edge_mm; }

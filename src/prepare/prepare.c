@@ -35,7 +35,7 @@ static smr_status check_config(const smr_prepare_config *c)
         !(c->profile_inward >= 0.0f && c->profile_inward <= 1.0f))
         return SMR_E_CONFIG;
     for (uint32_t i = 0; i < c->n_radii; i++)
-        if (!(c->radius_mm[i] > 0.0f && c->radius_mm[i] <= SMR_COORD_MAX))
+        if (!(c->radius_mm[i] >= 1.0e-6f && c->radius_mm[i] <= SMR_COORD_MAX))
             return SMR_E_CONFIG;
     return SMR_OK;
 }
@@ -92,7 +92,7 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
     p->normal = image ? smr_arena_take(a, n, 3u * sizeof(float)) : NULL;
     smr_tree_shape(&p->points, p->n);
     p->points.node = smr_arena_take(a, smr_tree_nodes(p->n), sizeof(smr_node));
-    p->row = smr_arena_take(a, p->n_rows, p->words * sizeof(uint64_t));
+    p->row = smr_arena_take(a, p->n_rows, (p->words + (size_t)1u) * sizeof(uint64_t));
     p->count = smr_arena_take(a, n, u);
     p->rank = smr_arena_take(a, n, u);
     p->middle = smr_arena_take(a, nt, 3u * sizeof(float));
@@ -147,6 +147,10 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
     (void)start_plan(&p, structures, n_structures, config);
     smr_arena_release(scratch, scratch_bytes);
     smr_plan_layout(&a, &p);
+    for (uint32_t i = 0; i < p.n_rows; i++) {
+        memset(smr_plan_row(&p, i), 0, p.words * sizeof(uint64_t));
+        smr_plan_row(&p, i)[p.words] = p.words;
+    }
     smr_plan_order(&p);
     smr_plan_mass(&p);
     smr_plan_hinges(&p);

@@ -5,6 +5,8 @@
 #include "geometry/mesh.h"
 #include "runtime/state.h"
 
+#define SMR_SPARE 12u /* words of a sum that averaging does not use */
+
 /* A vertex' part of the hash: the sum over vertices does not depend on their order or on the number of threads.
  * Mixing: the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
 static uint64_t mix(uint64_t z)
@@ -39,7 +41,8 @@ void smr_evolve(void *arg, uint32_t task, uint32_t worker)
         const smr_vec next = smr_add(old, step);
         smr_store(smr_at3(s->x_next, v), next);
         const smr_vec n = smr_load(smr_at3(s->normal_ref, v));
-        smr_store(smr_at3(s->normal, v), smr_unit(smr_add(n, smr_mul(r_minus_i, n))));
+        const smr_vec turned = smr_unit(smr_add(n, smr_mul(r_minus_i, n)));
+        memcpy(s->sum + SMR_WORDS * (size_t)v + SMR_SPARE, &turned, sizeof turned); /* until the iteration stands */
     }
 }
 
@@ -76,6 +79,8 @@ void smr_settle_end(smr *s)
     float *swap = s->x;
     s->x = s->x_next;
     s->x_next = swap;
+    for (uint32_t v = 0; v < s->n; v++)
+        memcpy(smr_at3(s->normal, v), s->sum + SMR_WORDS * (size_t)v + SMR_SPARE, 3u * sizeof(float));
     float max2 = 0.0f;
     uint64_t hash = 0;
     for (uint32_t t = 0; t < s->n_tasks; t++) {

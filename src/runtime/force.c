@@ -97,6 +97,7 @@ void smr_force_search(void *arg, uint32_t task, uint32_t worker)
         smr_vec way;
         int drawn;
         const int found = goal_of(s, v, &way, &drawn);
+        s->found[v] = (uint8_t)(found ? 1 : (drawn ? 2 : 0));
         tally->n_active += (uint32_t)drawn;
         tally->n_forces += (uint32_t)found;
         tally->n_rejected += (uint32_t)(drawn && !found);

@@ -20,6 +20,8 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
             return status;
         s->grid = grid;
     }
+    if (volume == NULL && !s->has_grid)
+        return SMR_OK;
     s->has_grid = volume != NULL;
     smr_abandon_iteration(s);
     smr_schedule_start(s);

@@ -41,6 +41,7 @@ static void start_here(smr *s)
     memcpy(s->x_next, s->x, bytes);
     memset(s->force, 0, bytes);
     memset(s->guard, 0, s->n);
+    memset(s->found, 0, s->n);
     s->n_guarded = 0;
     smr_facets_now(s);
     smr_mesh_normals(&mesh, s->normal, NULL);
@@ -69,10 +70,12 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
     const smr_vec centre = smr_v(smr_le_float(s->model->centre[0]), smr_le_float(s->model->centre[1]),
                                  smr_le_float(s->model->centre[2]));
     const smr_vec moved = smr_pose_apply(pose, centre);
+    const float border = SMR_COORD_MAX + 1.0f; /* the rest shape itself may be rounded a little beyond */
+    if (!smr_within(moved.x, border) || !smr_within(moved.y, border) || !smr_within(moved.z, border))
+        return SMR_E_INPUT;
     for (uint32_t v = 0; v < s->n; v++) {
         const smr_vec p = smr_pose_apply(pose, smr_add(rest_of(s, v), centre));
-        const float limit = SMR_COORD_MAX + 1.0f; /* the rest shape itself may be rounded a little beyond */
-        if (!smr_within(p.x, limit) || !smr_within(p.y, limit) || !smr_within(p.z, limit))
+        if (!smr_within(p.x, border) || !smr_within(p.y, border) || !smr_within(p.z, border))
             return SMR_E_INPUT;
     }
     s->origin = smr_whole(moved);

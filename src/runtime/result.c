@@ -43,12 +43,13 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
     const smr_part *part = &s->part[structure];
     float residual = 0.0f, moved_sum = 0.0f;
     memset(report, 0, sizeof *report);
-    report->has_target = part->target != NULL;
+    report->has_target = part->target != NULL || s->has_grid;
     for (uint32_t i = 0; i < part->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
         const float d = smr_length(smr_load(smr_at3(s->force, v))) / s->config.stiffness;
         const float moved = smr_length(smr_sub(smr_load(smr_at3(s->x, v)), smr_load(smr_at3(s->start, v))));
-        report->n_forces += d > 0.0f;
+        report->n_forces += s->found[v] == 1u;
+        report->n_rejected += s->found[v] == 2u;
         residual += d;
         report->residual_max_mm = smr_max(report->residual_max_mm, d);
         moved_sum += moved;
@@ -58,6 +59,5 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
         report->moved_mean_mm = moved_sum / (float)part->n_vertices;
     if (report->n_forces > 0u)
         report->residual_mean_mm = residual / (float)report->n_forces;
-    report->n_rejected = report->has_target ? part->n_vertices - report->n_forces : 0u;
     return SMR_OK;
 }

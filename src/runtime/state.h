@@ -29,6 +29,7 @@ typedef struct smr_part {
 typedef struct smr_goal {
     const smr_surface *surface;
     uint32_t first_task;                   /* of the target-to-model search */
+    uint32_t n_vertices;                   /* when it was set: a surface rebuilt since must be set again */
     uint32_t first_warm;                   /* its vertices' slots in target_warm */
 } smr_goal;
 
@@ -86,9 +87,10 @@ struct smr {
     uint32_t *warm;                        /* [n] last closest triangle of the target */
     int64_t *pull;                         /* [n_workers][n][4] target-to-model pulls: 3 sums and the weight */
     /* written by guard */
+    uint8_t *found;                        /* [n] of the last forces: 0 no target, 1 a goal, 2 none acceptable */
     uint8_t *guard;                        /* [n] 1: the vertex' step is smoothed, in this iteration */
-    float *ring_sum;                       /* [n][3] sum over its mesh neighbours */
-    float *ring_weight;                    /* [n] of that sum */
+    float *ring_sum;                       /* [n][3] sum over its mesh neighbours; lies over record */
+    float *ring_weight;                    /* [n] of that sum; lies over record */
     uint32_t n_folding;                    /* hinges found folding while repairing */
     uint32_t n_guarded;                    /* vertices so marked */
     /* written by sums and average */

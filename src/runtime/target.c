@@ -14,7 +14,7 @@ static uint64_t list_goals(const smr *s, const smr_part *part, smr_goal *goal, u
         if (part[i].target == NULL || known < i)
             continue;
         if (goal != NULL)
-            goal[*n_goals] = (smr_goal){part[i].target, *n_tasks, (uint32_t)slots};
+            goal[*n_goals] = (smr_goal){part[i].target, *n_tasks, part[i].target->n_vertices, (uint32_t)slots};
         ++*n_goals;
         *n_tasks += smr_ceil_div(part[i].target->n_vertices, SMR_CHUNK);
         slots += part[i].target->n_vertices;

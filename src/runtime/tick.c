@@ -88,12 +88,21 @@ static void fill_report(smr *s, uint64_t *phase_ns)
     memcpy(r->phase_ns, phase_ns, sizeof r->phase_ns);
 }
 
+/* Every target surface is still the one that was set. */
+static int targets_stand(const smr *s)
+{
+    for (uint32_t g = 0; g < s->n_goals; g++)
+        if (!smr_surface_valid(s->goal[g].surface) || s->goal[g].surface->n_vertices != s->goal[g].n_vertices)
+            return 0;
+    return 1;
+}
+
 smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
 {
     uint64_t phase_ns[SMR_PHASES] = {0};
     if (s == NULL)
         return SMR_E_NULL;
-    if (!smr_valid(s))
+    if (!smr_valid(s) || !targets_stand(s))
         return SMR_E_STATE;
     uint64_t time = now(s);
     const int timed = budget_ns != 0u && s->port.now_ns != NULL;

@@ -186,4 +186,10 @@ check "one direction only" [ "$(grep -c ' to ' out.txt)" -eq 1 ]
 check "points to points are refused" has_status 2 "$SMR" measure points.obj points.obj
 
 check "the checks can fail" sh -c "! '$SMR' measure none.obj a.obj 2>/dev/null"
+# Results never replace an input.
+mkdir keep && cp bone.ply keep/bone.ply 2>/dev/null || cp "$(ls *.ply | head -n 1)" keep/bone.ply
+sum=$(cksum <keep/bone.ply)
+check "an input is not overwritten by its result" has_status 2 $SMR register --model keep/bone.ply --target keep/bone.ply -o keep
+check "nor by an image" has_status 2 $SMR build --model keep/bone.ply -o keep/bone.ply
+check "it is as it was" [ "$sum" = "$(cksum <keep/bone.ply)" ]
 finish

@@ -59,8 +59,8 @@ static void little_endian_helpers(void **state)
     memcpy(&b, four, sizeof b);
     assert_int_equal(smr_le16(a), 0x1234);
     assert_int_equal(smr_le32(b), 0x12345678);
-    assert_true(smr_le_float(smr_float_le(-1.25f)) == -1.25f);
-    assert_int_equal(smr_le32(smr_float_le(1.0f)), 0x3f800000);
+    assert_true(smr_le_float(smr_le32(smr_float_bits(-1.25f))) == -1.25f);
+    assert_int_equal(smr_float_bits(1.0f), 0x3f800000);
 }
 
 int main(void)
