@@ -1,9 +1,10 @@
 /* Threads and the clock for the command line.
  * SPDX-License-Identifier: MIT */
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE /* sched_getaffinity */
 
 #include "host_port.h"
 
+#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -20,7 +21,10 @@ double host_seconds(void)
 
 static uint32_t processors(void)
 {
-    const long n = sysconf(_SC_NPROCESSORS_ONLN);
+    cpu_set_t allowed;
+    const long online = sysconf(_SC_NPROCESSORS_ONLN);
+    /* a container or taskset may allow fewer than there are */
+    const long n = sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? CPU_COUNT(&allowed) : online;
     if (n < 1)
         return 1;
     return n > (long)SMR_WORKERS_MAX ? SMR_WORKERS_MAX : (uint32_t)n;

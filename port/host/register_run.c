@@ -95,7 +95,9 @@ static void show(const host_job *job, double elapsed)
 
 int host_job_run(host_job *job, host_error *error)
 {
-    const uint64_t budget_ns = (uint64_t)(job->options->budget_ms * 1e6);
+    /* 0 would mean no clock at all */
+    const uint64_t whole_ns = (uint64_t)(job->options->budget_ms * 1e6);
+    const uint64_t budget_ns = job->options->budget_ms > 0.0 && whole_ns == 0u ? 1u : whole_ns;
     const uint32_t limit = job->options->ticks > 0 ? job->options->ticks : TICKS_MAX;
     const int talk = !job->options->quiet && isatty(2);
     const double start = host_seconds();
