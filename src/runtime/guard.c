@@ -2,7 +2,7 @@
  * cross can still turn a triangle over, and a plastic reference would then keep it so. Coarse radii move the model almost
  * rigidly, and most of what bends there straightens again. Before the last two radii
  * - iterations without forces repair what folds by then: in a patch around it, that grows while this does not suffice,
- *   the displacement from the start shape is made as smooth as the patch's surroundings.
+ *   the displacement from the rest shape is made as smooth as the patch's surroundings.
  * From then on, where an iteration would turn triangles back on each other,
  * - the steps x_next - x of their corners become the mean of their neighbours' steps, again in a growing patch: a patch
  *   that moves as a whole does not fold;
@@ -118,6 +118,15 @@ static void widen(smr *s, const smr_part *part)
         s->guard[t[k]] = s->guard[t[k]] != 0u;
 }
 
+/* Where a vertex' displacement is counted from: base, or the rest shape in its fitted pose when base is NULL. */
+static smr_vec base_at(const smr *s, float *base, uint32_t v)
+{
+    if (base != NULL)
+        return smr_load(smr_at3(base, v));
+    const uint32_t *r = (const uint32_t *)smr_at(s->model, s->model->at_rest) + 3u * (size_t)v;
+    return smr_pose_apply(&s->fitted, smr_v(smr_le_float(r[0]), smr_le_float(r[1]), smr_le_float(r[2])));
+}
+
 /* Weighted sums of the displacements x_next - base of marked vertices' mesh neighbours. Near neighbours weigh more, so
  * that the corners of a sliver, which the smallest difference turns over, move alike. */
 static void sum_rings(smr *s, const smr_part *part, float *base)
@@ -135,7 +144,7 @@ static void sum_rings(smr *s, const smr_part *part, float *base)
             continue;
         for (uint32_t c = 0; c < 3u; c++) { /* the edge from corner c to the next, both ways */
             const uint32_t a = t[c], b = t[(c + 1u) % 3u];
-            const smr_vec at_a = smr_load(smr_at3(base, a)), at_b = smr_load(smr_at3(base, b));
+            const smr_vec at_a = base_at(s, base, a), at_b = base_at(s, base, b);
             const float w = 1.0f / (smr_length(smr_sub(at_a, at_b)) + SMR_EDGE_FLOOR);
             const smr_vec d_a = smr_sub(smr_load(smr_at3(s->x_next, a)), at_a);
             const smr_vec d_b = smr_sub(smr_load(smr_at3(s->x_next, b)), at_b);
@@ -158,12 +167,12 @@ static void smooth(smr *s, const smr_part *part, float *base, uint32_t sweeps)
             if (!s->guard[v])
                 continue;
             const smr_vec mean = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / s->ring_weight[v]);
-            smr_store(smr_at3(s->x_next, v), smr_add(smr_load(smr_at3(base, v)), mean));
+            smr_store(smr_at3(s->x_next, v), smr_add(base_at(s, base, v), mean));
         }
     }
 }
 
-/* Gives their start shape back to patches around folds. */
+/* Gives their rest shape back to patches around folds. */
 static void repair(smr *s)
 {
     s->n_folding = mark_folds(s, 1, 0);
@@ -173,7 +182,7 @@ static void repair(smr *s)
             continue;
         for (uint32_t ring = 0; ring < rings; ring++)
             widen(s, &s->part[i]);
-        smooth(s, &s->part[i], s->start, SMR_REPAIR_SWEEPS * rings);
+        smooth(s, &s->part[i], NULL, SMR_REPAIR_SWEEPS * rings);
     }
 }
 
