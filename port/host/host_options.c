@@ -285,7 +285,7 @@ static void set_image_prepare(host_options *options)
         options->prepare.separate_below_mm = 0.0f;
 }
 
-/* Image forces are noisy and change slowly: no momentum, a reference shape that follows now and then. */
+/* Image forces are noisy and change slowly: a reference shape that follows now and then, few and fine radii. */
 static void set_image_config(host_options *options)
 {
     smr_config *const config = &options->config;
@@ -294,8 +294,8 @@ static void set_image_config(host_options *options)
     config->profile_end_mm = config->profile_mm < 3.0f ? config->profile_mm : 3.0f;
     config->gradient_mm = 5.0f;
     config->gradient_end_mm = 1.0f;
-    config->momentum = 0.0f;
-    config->momentum_last = 0.0f;
+    config->momentum = 0.7f;
+    config->momentum_last = 0.6f;
     config->n_target_vertices = 0;
     if (!is_given(options, "--stiffness"))
         config->stiffness = 0.8f;
