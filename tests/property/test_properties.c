@@ -80,7 +80,7 @@ static void compare(const float *a, const float *b, uint32_t n, apart *most)
 }
 
 /* Where the inputs are not the very same numbers again, a vertex here and there goes another way: its cluster gains or loses a
- * member at the very rim, or its closest point changes sides, by a difference in the last bit. They must be few. */
+ * member at the very rim, or some other choice falls differently, by a difference in the last bit. They must be few. */
 static void assert_but_for_few(const char *what, const apart *a)
 {
     if (getenv("SMR_TEST_SHOW") != NULL) {
