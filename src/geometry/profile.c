@@ -84,6 +84,13 @@ smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32
     }
     for (uint32_t k = 0; k < m; k++)
         centred[k] = inside[k] ? (line[k] - low) / range - mean : 0.0f;
+    float level = 0.0f, count = 0.0f;
+    for (uint32_t k = 0; !ssd && k < m; k++) {
+        level += centred[k];
+        count += inside[k] ? 1.0f : 0.0f;
+    }
+    for (uint32_t k = 0; !ssd && k < m; k++)
+        centred[k] -= inside[k] ? level / count : 0.0f;
     scores_of(ref, SMR_SQRT(norm), n, centred, inside, offsets, ssd, score);
     uint32_t best = 0;
     for (uint32_t o = 1; o < offsets; o++)
@@ -123,7 +130,7 @@ smr_peak smr_profile_edge(const uint8_t *packed, float range, uint32_t n, uint32
     float best = 0.0f, slope_at[3] = {0, 0, 0};
     uint32_t at = 0;
     for (uint32_t k = smr_max_u32(first, 2u); k <= last && k + 2u < m; k++) {
-        if (!inside[k - 2u] || !inside[k - 1u] || !inside[k + 1u] || !inside[k + 2u])
+        if (!inside[k - 2u] || !inside[k - 1u] || !inside[k] || !inside[k + 1u] || !inside[k + 2u])
             continue;
         const float away = (float)(k > centre ? k - centre : centre - k) / (float)(reach + 1u);
         const float slope = (line[k + 1u] - line[k - 1u]) * (0.5f / (range * edge));

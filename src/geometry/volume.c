@@ -28,7 +28,6 @@ static uint32_t voxel_bytes(uint32_t type)
 
 smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
 {
-    float axes[9];
     uint64_t voxels = 1;
     if (volume == NULL || volume->voxels == NULL)
         return SMR_E_NULL;
@@ -43,11 +42,12 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
         for (uint32_t r = 0; r < 3u; r++) {
             if (!smr_within(volume->direction[3u * r + a], 2.0f))
                 return SMR_E_INPUT;
-            axes[3u * r + a] = volume->direction[3u * r + a] * spacing;
         }
     }
-    if (voxels > SMR_VOXELS_MAX || !invert3(axes, grid->to_index))
+    if (voxels > SMR_VOXELS_MAX || !invert3(volume->direction, grid->to_index))
         return SMR_E_INPUT;
+    for (uint32_t i = 0; i < 9u; i++)
+        grid->to_index[i] /= volume->spacing[i / 3u];
     grid->volume = *volume;
     return SMR_OK;
 }
