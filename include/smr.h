@@ -124,9 +124,17 @@ smr_align_config smr_align_config_default(void);
 smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
                      smr_pose *pose, float *rms_mm);
 
-typedef struct smr_warp smr_warp; /* a thin-plate spline in the caller's memory */
-
 #define SMR_LANDMARKS_MAX 64u
+
+/* The pose that lays from[i] onto to[i], both [n][3] mm, by least squares: rigid, or with one scale (the ratio of the
+ * spreads) when similarity is 1. Pairs that leave a rotation open (fewer than 3, all on one line) get one that fits as
+ * well as any. rms_mm (may be NULL): the remaining distance.
+ * Errors: E_NULL, E_INPUT (count not in 1..SMR_LANDMARKS_MAX, similarity above 1, non-finite, beyond SMR_COORD_MAX);
+ * *pose untouched then. */
+smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t similarity, smr_pose *pose,
+                               float *rms_mm);
+
+typedef struct smr_warp smr_warp; /* a thin-plate spline in the caller's memory */
 
 enum { SMR_WARP_SPLINE = 0, SMR_WARP_SIMILARITY = 1, SMR_WARP_RIGID = 2, SMR_WARP_TRANSLATION = 3 };
 
