@@ -9,7 +9,7 @@
 #include "host_text.h"
 #include "host_volume.h"
 
-enum kind { KIND_FILES, KIND_TEXT, KIND_FLAG, KIND_COUNT, KIND_FLOAT, KIND_DOUBLE, KIND_WORD, KIND_RADII };
+enum kind { KIND_FILES, KIND_TEXT, KIND_FLAG, KIND_COUNT, KIND_FLOAT, KIND_DOUBLE, KIND_WORD, KIND_RADII, KIND_SPAN };
 
 typedef struct option {
     const char *name;
@@ -44,7 +44,8 @@ static const option table[] = {
     {"--threads", HOST_REGISTER | HOST_MEASURE, KIND_COUNT, FIELD(threads), 1, SMR_WORKERS_MAX, 0, 0, NULL, 0},
     {"--ticks", HOST_REGISTER, KIND_COUNT, FIELD(ticks), 1, 1e9, 0, 0, NULL, 0},
     {"--budget-ms", HOST_REGISTER, KIND_DOUBLE, FIELD(budget_ms), 0, 1e6, 0, 0, NULL, 0},
-    {"--align", HOST_REGISTER, KIND_WORD, FIELD(align), 0, 0, 0, 0, "none|rigid|similarity", FOR_SURFACES},
+    {"--align", HOST_REGISTER, KIND_WORD, FIELD(align), 0, 0, 0, 0, "none|rigid|similarity", 0},
+    {"--smoothing", HOST_REGISTER, KIND_FLOAT, FIELD(smoothing), 0, 1e9, 0, 0, NULL, 0},
     {"--quiet", HOST_REGISTER | HOST_BUILD, KIND_FLAG, FIELD(quiet), 0, 0, 0, 0, NULL, 0},
     {"--radius", PREPARING, KIND_RADII, FIELD(prepare), 0, COORD, 1, 1, NULL, 0},
     {"--clusters", PREPARING, KIND_WORD, FIELD(clusters), 0, 0, 0, 1, "auto|shared|separate", 0},
@@ -52,9 +53,15 @@ static const option table[] = {
     {"--mass", PREPARING, KIND_WORD, FIELD(prepare.mass), 0, 0, 0, 1, "unit|area", 0},
     {"--order", PREPARING, KIND_WORD, FIELD(prepare.order), 0, 0, 0, 1, "forest|breadth-first", 0},
     {"--block", PREPARING, KIND_COUNT, FIELD(prepare.block_vertices), 16, 65536, 0, 1, NULL, 0},
+    {"--profile-samples", HOST_REGISTER | HOST_BUILD, KIND_COUNT, FIELD(prepare.profile_samples), 3, 64, 0, 1, NULL, FOR_IMAGES},
+    {"--profile-step", HOST_REGISTER | HOST_BUILD, KIND_FLOAT, FIELD(prepare.profile_step_mm), 0, 100, 1, 1, NULL, FOR_IMAGES},
+    {"--profile-inward", HOST_REGISTER | HOST_BUILD, KIND_FLOAT, FIELD(prepare.profile_inward), 0, 1, 0, 1, NULL, FOR_IMAGES},
     {"--method", HOST_REGISTER, KIND_WORD, FIELD(config.method), 0, 0, 0, 0, "rigid|polar", 0},
     {"--normals", HOST_REGISTER, KIND_WORD, FIELD(config.normals), 0, 0, 0, 0, "carried|exact", 0},
-    {"--search", HOST_REGISTER, KIND_FLOAT, FIELD(config.search_mm), 0, COORD, 0, 0, NULL, 0},
+    {"--search", HOST_REGISTER, KIND_SPAN, FIELD(search), 0, COORD, 0, 0, NULL, 0},
+    {"--gradient", HOST_REGISTER, KIND_SPAN, FIELD(gradient), 0, IMAGE_SEARCH_MAX, 0, 0, NULL, FOR_IMAGES},
+    {"--similarity", HOST_REGISTER, KIND_WORD, FIELD(config.similarity), 0, 0, 0, 0, "ncc|ssd", FOR_IMAGES},
+    {"--confidence", HOST_REGISTER, KIND_FLOAT, FIELD(config.confidence), 0, 1, 0, 0, NULL, FOR_IMAGES},
     {"--normal-angle", HOST_REGISTER, KIND_FLOAT, FIELD(config.normal_deg), 0, 180, 1, 0, NULL, FOR_SURFACES},
     {"--stiffness", HOST_REGISTER, KIND_FLOAT, FIELD(config.stiffness), 0, 1, 1, 0, NULL, 0},
     {"--attraction", HOST_REGISTER, KIND_FLOAT, FIELD(config.attraction), 0, 1, 0, 0, NULL, FOR_SURFACES},
@@ -135,6 +142,23 @@ static int read_radii(const option *o, const char *text, smr_prepare_config *pre
     return 0;
 }
 
+/* "5" or "5,0": from the start of the schedule to its end. */
+static int read_span(const option *o, const char *text, host_span *span, host_error *error)
+{
+    const char *const comma = strchr(text, ',');
+    host_word word = word_of(text);
+    double from = 0.0, to = 0.0;
+    if (comma != NULL)
+        word.n = (size_t)(comma - text);
+    if (read_number(o, word, &from, error) != 0 ||
+        (comma != NULL && read_number(o, word_of(comma + 1), &to, error) != 0))
+        return -1;
+    span->from = (float)from;
+    span->to = (float)to;
+    span->n = comma != NULL ? 2 : 1;
+    return 0;
+}
+
 static int read_choice(const option *o, const char *text, uint32_t *choice, host_error *error)
 {
     const char *word = o->words;
@@ -171,6 +195,8 @@ static int store(const option *o, const char *text, host_options *options, host_
         return read_radii(o, text, field, error);
     if (o->kind == KIND_WORD)
         return read_choice(o, text, field, error);
+    if (o->kind == KIND_SPAN)
+        return read_span(o, text, field, error);
     if (o->kind == KIND_TEXT) {
         if (text[0] == '\0')
             return host_fail(error, "value", "a text that is not empty");
@@ -250,6 +276,20 @@ static int is_given(const host_options *options, const char *name)
     return o != NULL && (options->given >> (size_t)(o - table) & 1u) != 0;
 }
 
+/* The options of the start: landmarks, a pose, both. */
+static int check_start(const host_options *options, host_error *error)
+{
+    const int landmarks = is_given(options, "--landmarks");
+    if (options->image_target && options->align != HOST_ALIGN_NONE && !landmarks) {
+        error->file = "--align";
+        return host_fail(error, "option", "--landmarks beside it or surfaces as the target, it is a volume");
+    }
+    error->file = "--smoothing";
+    if (is_given(options, "--smoothing") && (!landmarks || options->align != HOST_ALIGN_NONE))
+        return host_fail(error, "option", "--landmarks and no --align beside it, it smooths their spline");
+    return 0;
+}
+
 /* The options that do not go with this kind of target, and those that exclude each other. */
 static int check_targets(const host_options *options, host_error *error)
 {
@@ -268,9 +308,7 @@ static int check_targets(const host_options *options, host_error *error)
     error->file = "--landmarks";
     if (is_given(options, "--landmarks") && options->landmarks.n != 2)
         return host_fail(error, "files", "two of them, the model's landmarks and the target's");
-    if (is_given(options, "--landmarks") && options->align != HOST_ALIGN_NONE)
-        return host_fail(error, "option", "no --align beside it, landmarks are the start");
-    return 0;
+    return check_start(options, error);
 }
 
 /* What image forces need of the model: large radii that tie all structures together. */
@@ -285,15 +323,16 @@ static void set_image_prepare(host_options *options)
         options->prepare.separate_below_mm = 0.0f;
 }
 
+static float low_of(float a, float b) { return a < b ? a : b; }
+
 /* Image forces are noisy and change slowly: a reference shape that follows now and then, few and fine radii. */
 static void set_image_config(host_options *options)
 {
     smr_config *const config = &options->config;
-    config->profile_mm = is_given(options, "--search") ? config->search_mm : 20.0f;
-    config->search_mm = smr_config_default().search_mm;
-    config->profile_end_mm = config->profile_mm < 3.0f ? config->profile_mm : 3.0f;
-    config->gradient_mm = 5.0f;
-    config->gradient_end_mm = 1.0f;
+    config->profile_mm = options->search.n > 0 ? options->search.from : 20.0f;
+    config->profile_end_mm = options->search.n > 1 ? options->search.to : low_of(3.0f, config->profile_mm);
+    config->gradient_mm = options->gradient.n > 0 ? options->gradient.from : 5.0f;
+    config->gradient_end_mm = options->gradient.n > 1 ? options->gradient.to : low_of(1.0f, config->gradient_mm);
     config->momentum = 0.7f;
     config->momentum_last = 0.6f;
     config->n_target_vertices = 0;
@@ -307,6 +346,34 @@ static void set_image_config(host_options *options)
         config->iterations_last = 30;
 }
 
+/* What --search may be depends on the kind of target. */
+static int check_search(const host_options *options, host_error *error)
+{
+    const host_span *const search = &options->search;
+    error->file = "--search";
+    if (options->image_target && ((double)search->from > IMAGE_SEARCH_MAX || (double)search->to > IMAGE_SEARCH_MAX))
+        return host_fail(error, "value", "at most %g mm along the normal, for the target is a volume",
+                         IMAGE_SEARCH_MAX);
+    if (search->n > 0 && !options->image_target && !(search->from > 0.0f))
+        return host_fail(error, "value", "a number above 0, for the target is a surface");
+    if (search->n > 1 && !options->image_target)
+        return host_fail(error, "value", "one number, for the target is a surface");
+    return 0;
+}
+
+/* Profiles come from a reference image. */
+static int check_profiles(const host_options *options, host_error *error)
+{
+    static const char *const names[] = {"--profile-samples", "--profile-step", "--profile-inward"};
+    size_t i = 0;
+    for (i = 0; i < sizeof names / sizeof names[0]; i++) {
+        error->file = names[i];
+        if (is_given(options, names[i]) && options->reference == NULL && options->command == HOST_BUILD)
+            return host_fail(error, "option", "--reference beside it, the image that profiles are taken from");
+    }
+    return 0;
+}
+
 /* What depends on the kind of target, after all options are read. */
 static int settle_targets(host_options *options, host_error *error)
 {
@@ -315,12 +382,10 @@ static int settle_targets(host_options *options, host_error *error)
         options->image_target |= host_is_volume_path(options->target.path[i]);
     if (options->command == HOST_REGISTER && check_targets(options, error) != 0)
         return -1;
-    error->file = "--search";
-    if (is_given(options, "--search") && options->image_target && (double)options->config.search_mm > IMAGE_SEARCH_MAX)
-        return host_fail(error, "value", "at most %g mm along the normal, for the target is a volume",
-                         IMAGE_SEARCH_MAX);
-    if (is_given(options, "--search") && !options->image_target && !(options->config.search_mm > 0.0f))
-        return host_fail(error, "value", "a number above 0, for the target is a surface");
+    if (check_search(options, error) != 0 || check_profiles(options, error) != 0)
+        return -1;
+    if (!options->image_target && options->search.n > 0)
+        options->config.search_mm = options->search.from;
     if (options->image_target || options->reference != NULL)
         set_image_prepare(options);
     if (options->image_target)

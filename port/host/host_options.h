@@ -11,6 +11,12 @@ enum { HOST_REGISTER = 1, HOST_BUILD = 2, HOST_INFO = 4, HOST_MEASURE = 8 };
 enum { HOST_ALIGN_NONE = 0, HOST_ALIGN_RIGID, HOST_ALIGN_SIMILARITY };
 enum { HOST_CLUSTERS_AUTO = 0, HOST_CLUSTERS_SHARED, HOST_CLUSTERS_SEPARATE };
 
+/* A value that falls linearly over the schedule: "5" or "5,0". */
+typedef struct host_span {
+    float from, to; /* mm */
+    uint32_t n;     /* numbers given: 0, 1, 2 */
+} host_span;
+
 /* File names; they point into argv. */
 typedef struct host_files {
     const char **path; /* owned array */
@@ -30,7 +36,9 @@ typedef struct host_options {
     uint32_t threads;      /* 0: as many as processors */
     uint32_t ticks;        /* 0: until the schedule ends */
     double budget_ms;      /* 0: no clock */
-    uint32_t align;        /* HOST_ALIGN_... */
+    uint32_t align;        /* HOST_ALIGN_...; with landmarks: fitted to them */
+    float smoothing;       /* mm: of the landmarks' spline */
+    host_span search, gradient;         /* of image forces; search.from: of surfaces too */
     uint32_t clusters;     /* HOST_CLUSTERS_... */
     uint32_t quiet;
     const char *prepare_option; /* the first option given that a ready .smr has no use for */

@@ -159,23 +159,39 @@ static int warp_all(host_job *job, const smr_warp *warp, host_error *error)
     return 0;
 }
 
-int host_job_place(host_job *job, host_error *error)
+/* By least squares, where --align asks for that instead of the spline. */
+static int pose_by_pairs(host_job *job, const float *from, const float *to, host_error *error)
 {
-    float from[HOST_LANDMARKS_MAX][3], to[HOST_LANDMARKS_MAX][3];
+    const int similarity = job->options->align == HOST_ALIGN_SIMILARITY;
+    const smr_status status =
+        smr_align_landmarks(from, to, job->n_landmarks, (uint32_t)similarity, &job->pose, &job->align_rms_mm);
+    job->warp_kind = similarity ? SMR_WARP_SIMILARITY : SMR_WARP_RIGID;
+    return status == SMR_OK ? 0
+                            : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(status));
+}
+
+static int warp_by_pairs(host_job *job, const float *from, const float *to, host_error *error)
+{
+    const float smoothing = job->options->smoothing;
+    const size_t bytes = smr_warp_bytes(job->n_landmarks);
+    void *const memory = bytes > 0 ? host_alloc(bytes) : NULL;
     smr_warp *warp = NULL;
     smr_status status = SMR_E_ARENA;
-    size_t bytes = 0;
-    void *memory = NULL;
     int result = 0;
-    if (read_pairs(job->options, from, to, &job->n_landmarks, error) != 0)
-        return -1;
-    error->file = job->options->landmarks.path[0];
-    bytes = smr_warp_bytes(job->n_landmarks);
-    memory = bytes > 0 ? host_alloc(bytes) : NULL;
     if (memory != NULL)
-        status = smr_warp_fit(memory, bytes, from[0], to[0], job->n_landmarks, 0.0f, &warp, &job->warp_kind);
+        status = smr_warp_fit(memory, bytes, from, to, job->n_landmarks, smoothing, &warp, &job->warp_kind);
     result = status == SMR_OK ? warp_all(job, warp, error)
                               : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(status));
     free(memory);
     return result;
+}
+
+int host_job_place(host_job *job, host_error *error)
+{
+    float from[HOST_LANDMARKS_MAX][3], to[HOST_LANDMARKS_MAX][3];
+    if (read_pairs(job->options, from, to, &job->n_landmarks, error) != 0)
+        return -1;
+    error->file = job->options->landmarks.path[0];
+    return job->options->align != HOST_ALIGN_NONE ? pose_by_pairs(job, from[0], to[0], error)
+                                                  : warp_by_pairs(job, from[0], to[0], error);
 }

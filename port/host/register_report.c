@@ -12,10 +12,29 @@
 /* By SMR_WARP_... */
 static const char *const warp_names[] = {"spline", "similarity", "rigid", "translation"};
 
-/* Of the vertices that could have a goal, how many had one at the end. Not a number when there were none. */
+/* Of the vertices that looked for a goal, how many had one. Not a number when none looked. */
+static double share_of(uint32_t found, uint32_t rejected)
+{
+    const double all = (double)found + (double)rejected;
+    return all > 0.0 ? (double)found / all : (double)NAN;
+}
+
+/* At the end, over all structures. */
 static double matched_share(const host_job *job)
 {
-    return job->last.n_active > 0 ? (double)job->last.n_forces / (double)job->last.n_active : (double)NAN;
+    return share_of(job->last.n_forces, job->last.n_rejected);
+}
+
+/* The kind of start. */
+static void put_kind(const host_job *job, host_json *json)
+{
+    static const char *const poses[] = {"none", "surfaces rigid", "surfaces similarity"};
+    char text[40];
+    if (job->n_landmarks > 0)
+        (void)snprintf(text, sizeof text, "landmarks %s", warp_names[job->warp_kind]);
+    else
+        (void)snprintf(text, sizeof text, "%s", poses[job->options->align]);
+    host_json_text(json, "start_kind", text);
 }
 
 static void put_model(const host_job *job, host_json *json)
@@ -114,11 +133,28 @@ static void put_by_vertex(host_json *json, const host_stats *stats)
     host_json_close(json, '}');
 }
 
+/* Of the last iteration's goals, and from the start positions. */
+static void put_moved(host_json *json, double residual_mean, double residual_max, double moved_mean, double moved_max)
+{
+    host_json_number(json, "residual_mean_mm", residual_mean);
+    host_json_number(json, "residual_max_mm", residual_max);
+    host_json_number(json, "moved_mean_mm", moved_mean);
+    host_json_number(json, "moved_max_mm", moved_max);
+}
+
 /* The result against the targets; with an image, against the truth when it was given. */
 static void put_result(const host_job *job, host_json *json)
 {
     const int measured = job->n_targets > 0;
     const double a = job->to_target.max, b = job->to_result.max;
+    double mean = 0.0, max = 0.0, n = 0.0;
+    uint32_t i = 0;
+    for (i = 0; i < job->model.n_parts; i++) {
+        const double vertices = (double)job->result[i].mesh.n_vertices, most = (double)job->result[i].report.moved_max_mm;
+        mean += (double)job->result[i].report.moved_mean_mm * vertices;
+        n += vertices;
+        max = most > max ? most : max;
+    }
     put_distances(json, measured, &job->to_target, &job->to_result);
     if (measured)
         host_json_number(json, "hausdorff_mm", a > b ? a : b);
@@ -132,7 +168,7 @@ static void put_result(const host_job *job, host_json *json)
         host_json_close(json, '}');
     }
     host_json_number(json, "matched_share", matched_share(job));
-    host_json_number(json, "residual_mean_mm", (double)job->last.residual_mean_mm);
+    put_moved(json, (double)job->last.residual_mean_mm, (double)job->last.residual_max_mm, mean / n, max);
     host_json_count(json, "folds", job->folds);
     host_json_count(json, "folds_absolute", job->folds_absolute);
 }
@@ -158,8 +194,9 @@ static void put_structure(const host_job *job, uint32_t i, host_json *json)
         put_by_vertex(json, &result->by_vertex);
         host_json_close(json, '}');
     }
-    host_json_number(json, "moved_mean_mm", (double)result->report.moved_mean_mm);
-    host_json_number(json, "moved_max_mm", (double)result->report.moved_max_mm);
+    host_json_number(json, "matched_share", share_of(result->report.n_forces, result->report.n_rejected));
+    put_moved(json, (double)result->report.residual_mean_mm, (double)result->report.residual_max_mm,
+              (double)result->report.moved_mean_mm, (double)result->report.moved_max_mm);
     host_json_count(json, "folds", result->folds);
     host_json_count(json, "folds_absolute", result->folds_absolute);
     host_json_close(json, '}');
@@ -169,6 +206,7 @@ static void put_start(const host_job *job, host_json *json)
 {
     static const char *const names[] = {"none", "rigid", "similarity"};
     int r = 0, c = 0;
+    put_kind(job, json);
     host_json_text(json, "align", names[job->options->align]);
     if (job->n_landmarks > 0) {
         host_json_open(json, "landmarks", '{');
@@ -208,6 +246,10 @@ void host_job_report(const host_job *job, host_buffer *out)
     host_json_number(&json, "displacement_max_mm", (double)job->last.displacement_max_mm);
     host_json_count(&json, "threads", job->port.port.n_workers);
     host_json_text(&json, "method", job->options->config.method == SMR_METHOD_POLAR ? "polar" : "rigid");
+    if (job->options->image_target)
+        host_json_text(&json, "similarity", job->options->config.similarity == SMR_SIMILARITY_SSD ? "ssd" : "ncc");
+    else
+        host_json_null(&json, "similarity");
     put_start(job, &json);
     put_times(job, &json);
     put_result(job, &json);
@@ -234,7 +276,7 @@ void host_job_summary(const host_job *job)
                  job->last.done ? "converged" : "not converged", job->last.iteration,
                  host_seconds() - job->begin_s, job->load_s, job->ready_image ? 0.0 : job->model.prepare_s,
                  job->start_s, job->register_s, job->port.port.n_workers);
-    if (job->n_landmarks > 0 && job->warp_kind != SMR_WARP_SPLINE)
+    if (job->n_landmarks > 0 && job->warp_kind != SMR_WARP_SPLINE && job->options->align == HOST_ALIGN_NONE)
         (void)printf("start: %u landmarks as they lie carry no spline, a %s fit instead\n", job->n_landmarks,
                      warp_names[job->warp_kind]);
     if (job->n_targets > 0) {

@@ -86,7 +86,17 @@ refused "landmarks of NaN" "nan.csv" $reg $image4 --landmarks five.csv nan.csv
 refused "landmarks that are not there" "none.csv" $reg $image4 --landmarks five.csv none.csv
 refused "one file of landmarks" "--landmarks" $reg $image4 --landmarks five.csv
 refused "three files of landmarks" "--landmarks" $reg $image4 --landmarks five.csv five_to.csv five.csv
-refused "landmarks and --align" "--landmarks" $reg --target target.ply --align rigid --landmarks five.csv five_to.csv
+refused "--smoothing without landmarks" "--smoothing" $reg $image4 --smoothing 5
+refused "--smoothing of a fit that is no spline" "--smoothing" $reg $image4 --landmarks five.csv five_to.csv --align rigid --smoothing 5
+refused "--smoothing -1" "--smoothing" $reg $image4 --landmarks five.csv five_to.csv --smoothing -1
+for option in "--gradient 3" "--similarity ssd" "--confidence 0.2" "--search 9,1" "--profile-samples 20" "--profile-step 1"; do
+    refused "$option for a surface" "${option%% *}" $reg --target target.ply $option
+done
+for option in "--gradient 61" "--gradient 3,-1" "--gradient 3," "--gradient 1,2,3" "--search 9,61" "--similarity sad" "--confidence 1.1" \
+    "--profile-samples 2" "--profile-samples 65" "--profile-step 0" "--profile-step nan" "--profile-inward 1.5"; do
+    refused "$option" "${option%% *}" $reg $image4 $option
+done
+refused "--profile-step without a reference" "--profile-step" "$SMR" build --model bone.ply --profile-step 1 -o out.smr
 refused "truth that is not there" "none" $reg $image4 --truth none
 mkdir -p truth bad
 cp target.ply truth/bone.ply
@@ -118,6 +128,25 @@ check "three landmarks" has_status 0 $SMR register --model bone.ply -o weak $ima
 check "a weaker fit is named" grep -q 'similarity fit instead' out.txt
 check "one landmark" has_status 0 $SMR register --model bone.ply -o weak --target target.ply --landmarks one.csv one.csv
 check "is a translation" grep -q 'translation fit instead' out.txt
+check "--align rigid with landmarks" has_status 0 $SMR register --model bone.ply -o rigid $image4 --landmarks five.csv five_to.csv --align rigid
+check "is what the report says" [ "$(value rigid/report.json start_kind)$(value rigid/report.json fit)" = "landmarks rigidrigid" ]
+check "and no weaker fit" sh -c "! grep -q 'fit instead' out.txt"
+check "--align similarity with landmarks" has_status 0 $SMR register --model bone.ply -o same $image4 --landmarks five.csv five.csv --align similarity
+check "of themselves: nothing moved at the start" less "$(value same/report.json start_rms_mm)" 0.001
+check "--align rigid with landmarks of a surface" has_status 0 $SMR register --model bone.ply -o same --target target.ply --landmarks five.csv five_to.csv --align rigid
+# A spline that is smoothed without end is an affine map; one that is not passes through the landmarks.
+check "--smoothing" has_status 1 $SMR register --model bone.ply -o smooth $image4 --landmarks five.csv five_to.csv --smoothing 1e6 --ticks 1
+check "is another start" sh -c "'$SMR' register --model bone.ply -o sharp $image4 --landmarks five.csv five_to.csv --ticks 1 --quiet; ! cmp -s smooth/bone.ply sharp/bone.ply"
+check "--smoothing 0 is the default" sh -c "'$SMR' register --model bone.ply -o smooth $image4 --landmarks five.csv five_to.csv --smoothing 0 --ticks 1 --quiet; cmp -s smooth/bone.ply sharp/bone.ply"
+for key in start_kind similarity method residual_mean_mm residual_max_mm moved_mean_mm moved_max_mm matched_share folds; do
+    check "the report has $key" [ -n "$(value plain/report.json $key)" ]
+done
+check "of structures too" [ "$(sed '1,/per_structure/d' plain/report.json | grep -cE '"(residual_mean_mm|residual_max_mm|moved_mean_mm|moved_max_mm|matched_share|folds)"')" -eq 6 ]
+for option in "--search 14.5,1.25" "--gradient 3.25,0.25" "--similarity ssd" "--confidence 1" "--profile-samples 21" \
+    "--profile-step 0.9" "--profile-inward 0.3"; do
+    check "$option" has_status 0 $SMR register --model bone.ply -o plain2 $image4 $option
+    check "$option is heard" [ "$(value plain2/report.json state_hash)" != "$(value plain/report.json state_hash)" ]
+done
 check "landmarks for a surface" has_status 0 $SMR register --model bone.ply -o surface --target target.ply --landmarks five.csv five_to.csv
 check "both sides mirrored" has_status 0 $SMR register --model bone.ply -o mirror $image4 --mirror-model x --mirror-target x --landmarks five.csv five_to.csv --truth truth
 check "measure the same as unmirrored" awk -v a="$(mean spline/report.json vertex_to_vertex_mm)" -v b="$(mean mirror/report.json vertex_to_vertex_mm)" 'BEGIN { d = a - b; exit !(d < 0.1 && d > -0.1) }'
