@@ -29,6 +29,8 @@ BAREMETAL_SRC := $(sort $(wildcard port/baremetal/*.c))
 
 TEST_SRC    := $(sort $(wildcard tests/unit/test_*.c tests/property/test_*.c tests/golden/test_*.c))
 HOST_TEST_SRC := $(sort $(wildcard tests/host/test_*.c))
+EXPERIMENT_SRC := $(sort $(wildcard tests/experiments/test_*.c))
+EXPERIMENT_HELPER_SRC := $(filter-out $(EXPERIMENT_SRC),$(sort $(wildcard tests/experiments/*.c)))
 BENCH_SRC   := $(sort $(wildcard tests/bench/bench_*.c))
 # Every other file beside the tests is a helper that all tests may call, except tests/host/*_tool.c:
 # programs that the scripts there compile for themselves.
@@ -49,14 +51,15 @@ SUPPORT_LIB := $(BUILD)/libsupport.a
 PROGRAM     := $(if $(HOST_MAIN),$(BUILD)/smr)
 TESTS       := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 HOST_TESTS  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(HOST_TEST_SRC))
+EXPERIMENTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(EXPERIMENT_SRC))
 BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(SUPPORT_OBJ) \
-               $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(BENCH_SRC) $(BAREMETAL_SRC) \
+               $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC) $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) $(BAREMETAL_SRC) \
                fixtures/fixture_write.c tests/golden/golden.c tests/target/target_budget.c)
 
 M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-sections -fdata-sections
 
-.PHONY: all help demo check programs cmocka bench size stack hashes golden-update install clean
+.PHONY: all help demo check experiments programs cmocka bench size stack hashes golden-update install clean
 .DELETE_ON_ERROR:
 
 all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM)
@@ -65,6 +68,7 @@ help:
 	@echo 'make                 libsmr.a, libsmr_pthread.a and the program smr in $(BUILD)/'
 	@echo 'make demo            register a generated bone onto a deformed one and say how well'
 	@echo 'make check           all tests; the last line is the sum'
+	@echo 'make experiments     accuracy on real data, as tables; minutes; skipped without ../shared'
 	@echo 'make bench           benchmarks; writes $(BUILD)/bench.json'
 	@echo 'make size            code and data size of the library'
 	@echo 'make stack           largest stack frames; fails on an unbounded one'
@@ -127,9 +131,10 @@ $(BUILD)/fixture_write: $(BUILD)/obj/fixtures/fixture_write.o $(SUPPORT_LIB)
 $(BUILD)/golden: $(BUILD)/obj/tests/golden/golden.o $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
 	$(LINK) -lm
 
-$(HOST_TESTS) $(BENCHES): $(HOST_LIB_OBJ)
-$(TESTS) $(HOST_TESTS): private LDLIBS += -lcmocka
-$(TESTS) $(HOST_TESTS) $(BENCHES): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o \
+$(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(HOST_LIB_OBJ)
+$(EXPERIMENTS): $(call obj,$(EXPERIMENT_HELPER_SRC))
+$(TESTS) $(HOST_TESTS) $(EXPERIMENTS): private LDLIBS += -lcmocka
+$(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o \
                                             $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
 	@mkdir -p $(@D)
 	$(LINK) -lm
@@ -148,16 +153,19 @@ demo: $(BUILD)/fixture_write $(PROGRAM)
 
 # CMocka must be there before a test is compiled, so it is an order-only prerequisite.
 cmocka:
-	@$(if $(TEST_SRC)$(HOST_TEST_SRC),sh tests/need_cmocka.sh "$(CC)",:)
+	@$(if $(TEST_SRC)$(HOST_TEST_SRC)$(EXPERIMENT_SRC),sh tests/need_cmocka.sh "$(CC)",:)
 
-$(call obj,$(TEST_SRC) $(HOST_TEST_SRC)): | cmocka
+$(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC)): | cmocka
 
-programs: all $(TESTS) $(HOST_TESTS) $(BUILD)/fixture_write $(if $(CORE_SRC),$(BUILD)/golden) $(call obj,$(wildcard port/template/*.c))
+programs: all $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BUILD)/fixture_write $(if $(CORE_SRC),$(BUILD)/golden) $(call obj,$(wildcard port/template/*.c))
 
 check: programs
 	@BUILD="$(BUILD)" CC="$(CC)" NM="$(NM)" SMR="$(BUILD)/smr" FIXTURE_WRITE="$(BUILD)/fixture_write" \
 	    CFLAGS="$(CFLAGS)" \
-	    sh tests/run_checks.sh $(TESTS) $(HOST_TESTS)
+	    sh tests/run_checks.sh $(TESTS) $(HOST_TESTS) $(EXPERIMENTS)
+
+experiments: all $(EXPERIMENTS)
+	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" SMR_EXPERIMENTS=full sh tests/run_experiments.sh $(EXPERIMENTS)
 
 bench: $(BENCHES)
 	@BUILD="$(BUILD)" sh tests/run_bench.sh $(BENCHES)

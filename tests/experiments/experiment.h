@@ -1,0 +1,90 @@
+/* experiment.h: what the experiments on real data share: the real command line as a child process, its report, bounds.
+ * SPDX-License-Identifier: MIT */
+#ifndef EXPERIMENT_H
+#define EXPERIMENT_H
+
+#include <stdint.h>
+
+#include "host_landmarks.h"
+#include "host_mesh.h"
+
+/* Fails the test that calls it, saying what could not be done. */
+#define EXPERIMENT_NEED(done)                    \
+    do {                                         \
+        if (!(done))                             \
+            fail_msg("could not: %s", #done);    \
+    } while (0)
+
+/* The words of one run of smr. */
+typedef struct experiment_command {
+    char *word[96]; /* owned; NULL behind the last */
+    int n;
+} experiment_command;
+
+/* One structure of report.json. */
+typedef struct experiment_structure {
+    char name[64];
+    double to_truth, to_model; /* means, mm */
+    double residual, matched, folds;
+} experiment_structure;
+
+/* What report.json says. Distances in mm, of vertices to the other surface; -1: not in the report. */
+typedef struct experiment_result {
+    int status;                      /* the exit status */
+    double to_truth, to_model;       /* means over all structures */
+    double worst_to_truth, worst_to_model; /* the largest mean of one structure */
+    char worst[64];                  /* that structure, by the larger of both */
+    double by_vertex;                /* mean distance to the true place of each vertex */
+    double folds, matched, seconds, residual;
+    char method[16], start[40];
+    experiment_structure structure[32];
+    uint32_t n_structures;
+} experiment_result;
+
+/* 1: all seeds and tables; 0: the short form that `make check` runs. SMR_EXPERIMENTS=full asks for all. */
+int experiment_full(void);
+
+/* The data's path of this name, in SMR_TEST_DATA or ../shared/data; NULL with a line when it is not there, and
+ * for the short form in an instrumented build. The texts of the last 16 calls stay. */
+const char *experiment_data(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* A path in this program's own directory of scratch files, which goes when the program ends. */
+const char *experiment_scratch(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* Makes a directory; 1 when it is there. */
+int experiment_directory(const char *path);
+
+void experiment_add(experiment_command *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Every DIR/NAME.ply, sorted by name. */
+void experiment_add_surfaces(experiment_command *command, const char *directory);
+
+experiment_command experiment_copy(const experiment_command *command);
+void experiment_free(experiment_command *command);
+
+/* smr WORDS...: the exit status; frees the command. Output goes to a log that is shown when the status is above 1. */
+int experiment_run(experiment_command *command);
+
+/* smr register --threads 2 WORDS... -o OUT: runs it, reads OUT/report.json, frees the command. */
+experiment_result experiment_register(experiment_command *command, const char *out);
+
+/* The result's larger mean. */
+double experiment_mean(const experiment_result *result);
+
+/* One line of a table about a registration; `before` the names of its columns. */
+void experiment_print_head(void);
+void experiment_print(const char *name, const experiment_result *result);
+
+/* Tells whether value <= limit, remembers a miss. */
+void experiment_bound(const char *what, double value, double limit);
+
+/* Misses since the last call. */
+int experiment_misses(void);
+
+/* Landmarks as CSV, LPS. */
+int experiment_write_landmarks(const char *path, const host_landmarks *landmarks);
+
+/* Distances of the points of `from` for which use is not 0 (NULL: all) to `to`: mean and largest, mm. */
+int experiment_distance(const host_mesh *from, const unsigned char *use, const host_mesh *to, double *mean, double *max);
+
+#endif
