@@ -137,13 +137,33 @@ void experiment_add_surfaces(experiment_command *command, const char *directory)
     free(list);
 }
 
-experiment_command experiment_copy(const experiment_command *command)
+void experiment_add_environment(experiment_command *command, const char *name)
 {
-    experiment_command copy = {{NULL}, 0};
-    int i = 0;
-    for (i = 0; i < command->n; i++)
-        experiment_add(&copy, "%s", command->word[i]);
-    return copy;
+    const char *at = getenv(name);
+    while (at != NULL && *at != '\0') {
+        const size_t n = strcspn(at, " ");
+        if (n > 0)
+            experiment_add(command, "%.*s", (int)n, at);
+        at += n + (at[n] == ' ');
+    }
+}
+
+int experiment_build(const char *surfaces, const char *reference, const char *out)
+{
+    experiment_command c = {{NULL}, 0};
+    struct stat found;
+    experiment_add(&c, "build");
+    experiment_add(&c, "--model");
+    if (stat(surfaces, &found) == 0 && S_ISDIR(found.st_mode))
+        experiment_add_surfaces(&c, surfaces);
+    else
+        experiment_add(&c, "%s", surfaces);
+    experiment_add(&c, "--reference");
+    experiment_add(&c, "%s", reference);
+    experiment_add(&c, "-o");
+    experiment_add(&c, "%s", out);
+    experiment_add_environment(&c, "SMR_EXPERIMENT_BUILD");
+    return experiment_run(&c) == 0;
 }
 
 void experiment_free(experiment_command *command)

@@ -59,11 +59,17 @@ void experiment_add(experiment_command *command, const char *format, ...) __attr
 /* Every DIR/NAME.ply, sorted by name. */
 void experiment_add_surfaces(experiment_command *command, const char *directory);
 
-experiment_command experiment_copy(const experiment_command *command);
 void experiment_free(experiment_command *command);
 
 /* smr WORDS...: the exit status; frees the command. Output goes to a log that is shown when the status is above 1. */
 int experiment_run(experiment_command *command);
+
+/* smr build of a surface or of a directory of them. 1 when it is done. */
+int experiment_build(const char *surfaces, const char *reference, const char *out);
+
+/* The words of an environment variable. For trying things out, SMR_EXPERIMENT_OPTIONS go to every registration and
+ * SMR_EXPERIMENT_BUILD wherever a model is prepared. */
+void experiment_add_environment(experiment_command *command, const char *name);
 
 /* smr register --threads 2 WORDS... -o OUT: runs it, reads OUT/report.json, frees the command. */
 experiment_result experiment_register(experiment_command *command, const char *out);

@@ -82,16 +82,21 @@ experiment_result experiment_register(experiment_command *command, const char *o
     host_bytes bytes;
     host_error error;
     char path[1200];
-    int i = 0;
+    int i = 0, prepares = 0;
     memset(&r, 0, sizeof r);
     r.to_truth = r.to_model = r.worst_to_truth = r.worst_to_model = r.by_vertex = r.folds = -1.0;
     (void)snprintf(path, sizeof path, "%s/report.json", out);
     experiment_add(&whole, "register");
     experiment_add(&whole, "--threads");
     experiment_add(&whole, "2");
-    for (i = 0; i < command->n; i++)
+    experiment_add_environment(&whole, "SMR_EXPERIMENT_OPTIONS"); /* first, so that the experiment's own win */
+    for (i = 0; i < command->n; i++) {
         experiment_add(&whole, "%s", command->word[i]);
+        prepares |= strcmp(command->word[i], "--reference") == 0;
+    }
     experiment_free(command);
+    if (prepares)
+        experiment_add_environment(&whole, "SMR_EXPERIMENT_BUILD");
     experiment_add(&whole, "-o");
     experiment_add(&whole, "%s", out);
     r.status = experiment_run(&whole);

@@ -63,7 +63,6 @@ static int set_up(void **state)
 {
     const char *const surface = experiment_data("femurs/femur_m_right.ply");
     const char *const image = experiment_data("volumes/mri_hip_thigh_m.mha");
-    experiment_command c = {{NULL}, 0};
     host_volume volume;
     host_error error;
     (void)state;
@@ -76,14 +75,7 @@ static int set_up(void **state)
     host_volume_free(&volume);
     spread_landmarks();
     (void)snprintf(model, sizeof model, "%s", experiment_scratch("femur.smr"));
-    experiment_add(&c, "build");
-    experiment_add(&c, "--model");
-    experiment_add(&c, "%s", surface);
-    experiment_add(&c, "--reference");
-    experiment_add(&c, "%s", image);
-    experiment_add(&c, "-o");
-    experiment_add(&c, "%s", model);
-    return experiment_run(&c) == 0 ? 0 : -1;
+    return experiment_build(surface, image, model) ? 0 : -1;
 }
 
 static int clean_up(void **state)

@@ -52,19 +52,11 @@ static int build(void **state)
 {
     const char *const surfaces = experiment_data("hip_thigh_vhm");
     const char *const reference = experiment_data("thigh_patient/mri_reference.mha");
-    experiment_command c = {{NULL}, 0};
     (void)state;
     if (surfaces == NULL || reference == NULL)
         return 0;
     (void)snprintf(model, sizeof model, "%s", experiment_scratch("thigh.smr"));
-    experiment_add(&c, "build");
-    experiment_add(&c, "--model");
-    experiment_add_surfaces(&c, surfaces);
-    experiment_add(&c, "--reference");
-    experiment_add(&c, "%s", reference);
-    experiment_add(&c, "-o");
-    experiment_add(&c, "%s", model);
-    return experiment_run(&c) == 0 ? 0 : -1;
+    return experiment_build(surfaces, reference, model) ? 0 : -1;
 }
 
 typedef struct spread {

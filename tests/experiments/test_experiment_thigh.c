@@ -92,18 +92,12 @@ static void finds_another_person(void **state)
 static const char *built_model(void)
 {
     static char path[1024];
-    experiment_command c = {{NULL}, 0};
-    if (path[0] != '\0')
-        return path;
-    experiment_add(&c, "build");
-    if (!add_model(&c)) {
-        experiment_free(&c);
-        return NULL;
-    }
+    const char *const surfaces = experiment_data("hip_thigh_vhm");
+    const char *const reference = experiment_data("thigh_patient/mri_reference.mha");
+    if (path[0] != '\0' || surfaces == NULL || reference == NULL)
+        return path[0] != '\0' ? path : NULL;
     (void)snprintf(path, sizeof path, "%s", experiment_scratch("thigh.smr"));
-    experiment_add(&c, "-o");
-    experiment_add(&c, "%s", path);
-    EXPERIMENT_NEED(experiment_run(&c) == 0);
+    EXPERIMENT_NEED(experiment_build(surfaces, reference, path));
     return path;
 }
 
