@@ -46,7 +46,7 @@ static int prepare_and_start(host_job *job, host_error *error)
         *error = b.failed[0] ? b.error[0] : b.error[1];
         return -1;
     }
-    return 0;
+    return host_job_warp(job, error);
 }
 
 static int write_files(const host_job *job, host_output *output, host_error *error)
@@ -97,6 +97,7 @@ void host_job_free(host_job *job)
     free(job->tick_ms);
     free(job->arena);
     free(job->start_xyz);
+    free(job->warp_memory);
     free(job->truth_paths);
     host_image_free(&job->reference);
     host_image_free(&job->image);

@@ -132,23 +132,27 @@ static int read_pairs(const host_options *options, float from[HOST_LANDMARKS_MAX
     return result;
 }
 
-/* All rest positions, carried by the warp. */
-static int warp_all(host_job *job, const smr_warp *warp, host_error *error)
+/* All rest positions, carried by the warp. They come from the prepared model, whose rounding they have then, so that a
+ * .smr and the surfaces that it was built from start from the same bits. */
+int host_job_warp(host_job *job, host_error *error)
 {
     size_t n = 0;
     uint32_t i = 0;
     float *xyz = NULL;
+    if (job->warp == NULL)
+        return 0;
+    error->file = job->options->landmarks.path[0];
     for (i = 0; i < job->model.n_parts; i++)
         n += job->model.part[i].mesh.n_vertices;
     job->start_xyz = xyz = malloc(n * 3u * sizeof *xyz);
     if (xyz == NULL)
         return host_fail(error, "start", "free memory");
     for (i = 0; i < job->model.n_parts; i++) {
-        const host_mesh *const mesh = &job->model.part[i].mesh;
-        const size_t count = 3u * (size_t)mesh->n_vertices;
+        const uint32_t vertices = job->model.part[i].mesh.n_vertices;
+        const size_t count = 3u * (size_t)vertices;
         size_t k = 0;
-        memcpy(xyz, mesh->xyz, count * sizeof *xyz);
-        if (smr_warp_apply(warp, xyz, mesh->n_vertices) != SMR_OK)
+        if (smr_model_mesh(job->model.model, i, xyz, NULL) != SMR_OK ||
+            smr_warp_apply(job->warp, xyz, vertices) != SMR_OK)
             return host_fail_at(error, "structure", i, "a model that the landmarks' warp can carry");
         for (k = 0; k < count; k++)
             if (!(xyz[k] >= -SMR_COORD_MAX && xyz[k] <= SMR_COORD_MAX)) /* written so that NaN fails */
@@ -172,18 +176,14 @@ static int pose_by_pairs(host_job *job, const float *from, const float *to, host
 
 static int warp_by_pairs(host_job *job, const float *from, const float *to, host_error *error)
 {
-    const float smoothing = job->options->smoothing;
     const size_t bytes = smr_warp_bytes(job->n_landmarks);
-    void *const memory = bytes > 0 ? host_alloc(bytes) : NULL;
-    smr_warp *warp = NULL;
     smr_status status = SMR_E_ARENA;
-    int result = 0;
-    if (memory != NULL)
-        status = smr_warp_fit(memory, bytes, from, to, job->n_landmarks, smoothing, &warp, &job->warp_kind);
-    result = status == SMR_OK ? warp_all(job, warp, error)
-                              : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(status));
-    free(memory);
-    return result;
+    job->warp_memory = bytes > 0 ? host_alloc(bytes) : NULL;
+    if (job->warp_memory != NULL)
+        status = smr_warp_fit(job->warp_memory, bytes, from, to, job->n_landmarks, job->options->smoothing, &job->warp,
+                              &job->warp_kind);
+    return status == SMR_OK ? 0
+                            : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(status));
 }
 
 int host_job_place(host_job *job, host_error *error)

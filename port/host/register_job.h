@@ -44,6 +44,8 @@ typedef struct host_job {
     host_result *result;       /* [model.n_parts] */
     smr_pose pose;             /* the start */
     float align_rms_mm;
+    smr_warp *warp;            /* of the landmarks, in warp_memory; NULL */
+    void *warp_memory;         /* owned */
     float *start_xyz;          /* [all vertices][3] where landmarks put them, structure by structure; NULL; owned */
     uint32_t n_landmarks, warp_kind; /* SMR_WARP_... */
     void *arena;               /* owned */
@@ -72,6 +74,7 @@ void host_job_free(host_job *job);
 int host_job_load_images(host_job *job, host_error *error);
 int host_job_load_truth(host_job *job, host_error *error);
 int host_job_place(host_job *job, host_error *error);
+int host_job_warp(host_job *job, host_error *error); /* after the model is prepared */
 int host_job_make_surfaces(host_job *job, host_error *error);
 
 /* report.json. */

@@ -189,6 +189,14 @@ check "are the same field: a step differs by $apart mm" less "$apart" 0.001
 apart=$("$SMR" measure off/bone.ply bone.ply | sed -n 's/^Hausdorff: \([0-9.]*\).*/\1/p')
 check "and it moved: $apart mm" less 0.01 "$apart"
 
+# A .smr and its surfaces start from the same bits, far from the origin too.
+awk '$1 == "v" { $2 += 300.3; $4 -= 77.7 } { print }' bone.obj >away.obj
+awk -F, -v OFS=, '{ $2 += 300.3; $4 -= 77.7 } { print }' five.csv >five_away.csv
+check "build of a model far away" has_status 0 "$SMR" build --model away.obj -o away.smr
+check "landmarks with it" has_status 0 "$SMR" register --model away.smr --target target.ply --landmarks five_away.csv five_to.csv -o away_smr
+check "landmarks with its surface" has_status 0 "$SMR" register --model away.obj --target target.ply --landmarks five_away.csv five_to.csv -o away
+check "the same state" [ "$(hash away_smr)" = "$(hash away)" ]
+
 thigh=$DATA/thigh_patient
 if [ -d "$DATA/hip_thigh_vhm" ] && [ -f "$thigh/mri_patient.mha" ]; then
     check "thigh_patient: status 0" has_status 0 "$SMR" register --model "$DATA"/hip_thigh_vhm/*.ply \
