@@ -170,10 +170,12 @@ typedef int (*smr_progress)(void *ctx, uint32_t done, uint32_t total);
 
 typedef struct smr_prepare_config {
     uint32_t cookie;
-    uint32_t n_radii;                /* 0..SMR_RADII_MAX; default 0: chosen from size and edge length */
+    uint32_t n_radii;                /* 0..SMR_RADII_MAX; default 0: chosen from size and edge length; with a reference
+                                        image 60, 40, 25, 15, 10, for a structure alone its size and a third first */
     float radius_mm[SMR_RADII_MAX];  /* cluster radii s, coarse to fine, each in [1e-6, SMR_COORD_MAX] */
     float separate_below_mm;         /* radii below: clusters keep to their own structure. 0: always shared;
-                                        negative (default): a third of the largest radius */
+                                        negative (default): a third of the largest radius; with a reference image all
+                                        but the finest are shared */
     uint32_t distance;               /* SMR_DISTANCE_...; default Euclidean (paper 2.2) */
     uint32_t mass;                   /* SMR_MASS_...; default one per vertex */
     uint32_t order;                  /* SMR_ORDER_...; default the minimum spanning forest */
@@ -181,9 +183,9 @@ typedef struct smr_prepare_config {
                                         radii not below the mean edge */
     uint32_t block_vertices;         /* vertices per forest block, 16..65536; default 0: chosen */
     const smr_volume *reference;     /* the image that fits the model, for intensity profiles; NULL (default): none */
-    uint32_t profile_samples;        /* 3..64, default 30: along each vertex' normal (paper 3) */
+    uint32_t profile_samples;        /* 3..64, default 20: along each vertex' normal (paper 3: 30) */
     float profile_step_mm;           /* (0,100], default 0.5 */
-    float profile_inward;            /* [0,1], default 0.5: share of the samples on the inner side */
+    float profile_inward;            /* [0,1], default 0.75: share of the samples on the inner side */
     smr_progress progress;           /* may be NULL */
     void *progress_ctx;
 } smr_prepare_config;
@@ -258,7 +260,7 @@ typedef struct smr_port {
 } smr_port;
 
 enum { SMR_METHOD_RIGID = 0, SMR_METHOD_POLAR = 1 };
-enum { SMR_SIMILARITY_NCC = 0, SMR_SIMILARITY_SSD = 1 };
+enum { SMR_SIMILARITY_NCC = 0, SMR_SIMILARITY_SSD = 1, SMR_SIMILARITY_CONCORDANCE = 2 };
 enum { SMR_NORMALS_CARRIED = 0, SMR_NORMALS_EXACT = 1 };
 
 typedef struct smr_config {
@@ -287,9 +289,14 @@ typedef struct smr_config {
 
     /* image forces (paper 2.1): along the normal, both ways; distances fall linearly over the schedule */
     float profile_mm, profile_end_mm;   /* search distance of profile matching, [0,60], default 10 to 0 */
+    float profile_radii;         /* (0,1e6], default 0.5: nor beyond so many cluster radii: what a cluster can still pull apart
+                                    must not find the far side of its neighbour */
     float gradient_mm, gradient_end_mm; /* of the strongest edge, [0,60], default 5 to 0 */
-    uint32_t similarity;         /* SMR_SIMILARITY_...; default normalised cross-correlation */
-    float confidence;            /* [0,1], default 0.1: goals believed less give no force */
+    uint32_t similarity;         /* SMR_SIMILARITY_...: normalised cross-correlation, sum of squared differences, or (default)
+                                    concordance: a correlation that other contrast than the reference's lowers */
+    float confidence;            /* [0,1], default 0.4: goals believed less give no force */
+    float smoothing;             /* [0,1], default 1: a vertex without such a goal is drawn so far towards the middle of its
+                                    mesh neighbours; falls to 0 over the schedule */
 
     /* matching and evolution (paper 2.3) */
     uint32_t method;             /* SMR_METHOD_...; default rigid-body kinematics */

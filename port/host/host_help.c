@@ -46,7 +46,7 @@ void host_help(void)
         "--attraction, --normal-angle, --node-budget and --reject-... are for surfaces. More of images:",
         "  --search MM[,MM]                of profiles, first and last (20,3)",
         "  --gradient MM[,MM]              search for the edge, first and last (5,1)",
-        "  --similarity ncc|ssd            of profiles (ncc)         --confidence X  least of a goal (0.1)",
+        "  --similarity ncc|ssd|concordance (the last)               --confidence X  least of a goal (0.4)",
         "  --profile-samples N             (30)                      --profile-step MM (0.5)",
         "  --profile-inward X              share of the samples on the inner side (0.5)",
         "preparing (register, build, info):",

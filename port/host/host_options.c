@@ -60,7 +60,7 @@ static const option table[] = {
     {"--normals", HOST_REGISTER, KIND_WORD, FIELD(config.normals), 0, 0, 0, 0, "carried|exact", 0},
     {"--search", HOST_REGISTER, KIND_SPAN, FIELD(search), 0, COORD, 0, 0, NULL, 0},
     {"--gradient", HOST_REGISTER, KIND_SPAN, FIELD(gradient), 0, IMAGE_SEARCH_MAX, 0, 0, NULL, FOR_IMAGES},
-    {"--similarity", HOST_REGISTER, KIND_WORD, FIELD(config.similarity), 0, 0, 0, 0, "ncc|ssd", FOR_IMAGES},
+    {"--similarity", HOST_REGISTER, KIND_WORD, FIELD(config.similarity), 0, 0, 0, 0, "ncc|ssd|concordance", FOR_IMAGES},
     {"--confidence", HOST_REGISTER, KIND_FLOAT, FIELD(config.confidence), 0, 1, 0, 0, NULL, FOR_IMAGES},
     {"--normal-angle", HOST_REGISTER, KIND_FLOAT, FIELD(config.normal_deg), 0, 180, 1, 0, NULL, FOR_SURFACES},
     {"--stiffness", HOST_REGISTER, KIND_FLOAT, FIELD(config.stiffness), 0, 1, 1, 0, NULL, 0},
@@ -311,37 +311,25 @@ static int check_targets(const host_options *options, host_error *error)
     return check_start(options, error);
 }
 
-/* What image forces need of the model: large radii that tie all structures together. */
-static void set_image_prepare(host_options *options)
-{
-    static const float radius_mm[] = {60.0f, 40.0f, 25.0f, 15.0f};
-    if (!is_given(options, "--radius")) {
-        memcpy(options->prepare.radius_mm, radius_mm, sizeof radius_mm);
-        options->prepare.n_radii = sizeof radius_mm / sizeof radius_mm[0];
-    }
-    if (!is_given(options, "--clusters"))
-        options->prepare.separate_below_mm = 0.0f;
-}
-
 static float low_of(float a, float b) { return a < b ? a : b; }
 
 /* Image forces are noisy and change slowly: a reference shape that follows now and then, few and fine radii. */
 static void set_image_config(host_options *options)
 {
     smr_config *const config = &options->config;
-    config->profile_mm = options->search.n > 0 ? options->search.from : 20.0f;
+    config->profile_mm = options->search.n > 0 ? options->search.from : 30.0f;
     config->profile_end_mm = options->search.n > 1 ? options->search.to : low_of(3.0f, config->profile_mm);
     config->gradient_mm = options->gradient.n > 0 ? options->gradient.from : 5.0f;
-    config->gradient_end_mm = options->gradient.n > 1 ? options->gradient.to : low_of(1.0f, config->gradient_mm);
+    config->gradient_end_mm = options->gradient.n > 1 ? options->gradient.to : low_of(2.0f, config->gradient_mm);
     config->momentum = 0.7f;
     config->momentum_last = 0.6f;
     config->n_target_vertices = 0;
     if (!is_given(options, "--stiffness"))
         config->stiffness = 0.8f;
     if (!is_given(options, "--plastic-every"))
-        config->plastic_every = 8;
+        config->plastic_every = 5;
     if (!is_given(options, "--iterations"))
-        config->iterations = 30;
+        config->iterations = 20;
     if (!is_given(options, "--iterations-last"))
         config->iterations_last = 30;
 }
@@ -386,8 +374,6 @@ static int settle_targets(host_options *options, host_error *error)
         return -1;
     if (!options->image_target && options->search.n > 0)
         options->config.search_mm = options->search.from;
-    if (options->image_target || options->reference != NULL)
-        set_image_prepare(options);
     if (options->image_target)
         set_image_config(options);
     return 0;

@@ -228,6 +228,18 @@ static void put_start(const host_job *job, host_json *json)
     host_json_close(json, ']');
 }
 
+static const char *similarity_name(uint32_t similarity)
+{
+    switch (similarity) {
+    case SMR_SIMILARITY_NCC:
+        return "ncc";
+    case SMR_SIMILARITY_SSD:
+        return "ssd";
+    default:
+        return "concordance";
+    }
+}
+
 void host_job_report(const host_job *job, host_buffer *out)
 {
     host_json json = {out, 0, 1};
@@ -247,7 +259,7 @@ void host_job_report(const host_job *job, host_buffer *out)
     host_json_count(&json, "threads", job->port.port.n_workers);
     host_json_text(&json, "method", job->options->config.method == SMR_METHOD_POLAR ? "polar" : "rigid");
     if (job->options->image_target)
-        host_json_text(&json, "similarity", job->options->config.similarity == SMR_SIMILARITY_SSD ? "ssd" : "ncc");
+        host_json_text(&json, "similarity", similarity_name(job->options->config.similarity));
     else
         host_json_null(&json, "similarity");
     put_start(job, &json);

@@ -1,9 +1,11 @@
-/* profile.c: one-dimensional registration of intensity profiles (paper 2.1; normalised cross-correlation as in Lewis 1995,
- * with running sums) and gradient search along the normal.
+/* profile.c: one-dimensional registration of intensity profiles (paper 2.1) and gradient search along the normal. Likeness is
+ * normalised cross-correlation (Lewis 1995, with running sums), the sum of squared differences, or the concordance of
+ * contrast, 2 s_xy / (s_x^2 + s_y^2) (Lin 1989, without its term for the means).
  * Bounds: (m - n + 1) * n multiply-adds, no allocation. The peak is refined by a parabola through its neighbours.
  * SPDX-License-Identifier: MIT */
 #include "geometry/profile.h"
 
+#define SMR_SCORE_LOW -0.999f  /* -1 is kept for windows that are not all inside */
 #define SMR_SCORE_MIN 0.3f      /* correlations below carry no confidence */
 #define SMR_APART 4u            /* samples between a peak and another one that makes it less distinct */
 #define SMR_DISTINCT 5.0f       /* confidence per correlation that the peak stands above others */
@@ -35,10 +37,22 @@ static float refine(float before, float at, float after)
     return bend < 0.0f ? smr_clamp(0.5f * (before - after) / bend, -0.5f, 0.5f) : 0.0f;
 }
 
-/* Correlations (or 1 - relative squared differences) at every offset; -1 where the window is not all inside. */
-static void scores_of(const float *ref, float ref_norm, uint32_t n, const float *line, const unsigned char *inside,
-                      uint32_t offsets, int ssd, float *score)
+/* One score: dot, sum and square are of the window's samples with the reference, alone and squared. */
+static float score_of(const smr_likeness *how, float ref_norm, float noise2, float n, float dot, float sum, float square)
 {
+    const float ref2 = ref_norm * ref_norm, variance = square - sum * sum / n;
+    if (how->kind == SMR_SIMILARITY_SSD)
+        return 1.0f - (square - 2.0f * dot + ref2) / ref2;
+    if (how->kind == SMR_SIMILARITY_CONCORDANCE)
+        return 2.0f * dot / (smr_max(variance, 0.0f) + ref2 + n * noise2);
+    return variance > 1.0e-4f * ref2 ? dot / (SMR_SQRT(variance) * ref_norm) : 0.0f;
+}
+
+/* Scores at every offset; -1 where the window is not all inside. noise2: squared, in units of the reference's range. */
+static void scores_of(const float *ref, float ref_norm, float noise2, uint32_t n, const float *line,
+                      const unsigned char *inside, uint32_t offsets, const smr_likeness *how, float *score)
+{
+    const float middle = 0.5f * (float)(offsets - 1u), per_sample = offsets > 1u ? 1.0f / middle : 0.0f;
     float sum = 0.0f, square = 0.0f;
     uint32_t missing = 0;
     for (uint32_t k = 0; k < n; k++) {
@@ -56,19 +70,16 @@ static void scores_of(const float *ref, float ref_norm, uint32_t n, const float 
         float dot = 0.0f;
         for (uint32_t k = 0; k < n; k++)
             dot += ref[k] * line[o + k];
-        if (ssd) {
-            score[o] = 1.0f - (square - 2.0f * dot + ref_norm * ref_norm) / (ref_norm * ref_norm);
-        } else {
-            const float variance = square - sum * sum / (float)n;
-            score[o] = variance > 1.0e-4f * ref_norm * ref_norm ? dot / (SMR_SQRT(variance) * ref_norm) : 0.0f;
-        }
-        score[o] = missing > 0u ? -1.0f : smr_clamp(score[o], -1.0f, 1.0f);
+        const float away = ((float)o - middle) * per_sample;
+        const float like = score_of(how, ref_norm, noise2, (float)n, dot, sum, square) - how->nearer * away * away;
+        score[o] = missing > 0u ? -1.0f : smr_clamp(like, SMR_SCORE_LOW, 1.0f);
     }
 }
 
 smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32_t n, const float *line,
-                           const unsigned char *inside, uint32_t m, int ssd)
+                           const unsigned char *inside, uint32_t m, const smr_likeness *how)
 {
+    const int ssd = how->kind == SMR_SIMILARITY_SSD;
     float ref[SMR_PROFILE_MAX], centred[SMR_LINE_MAX], score[SMR_LINE_MAX];
     if (!(range > 0.0f) || m < n || n < 3u || n > SMR_PROFILE_MAX || m > SMR_LINE_MAX)
         return none;
@@ -91,7 +102,8 @@ smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32
     }
     for (uint32_t k = 0; !ssd && k < m; k++)
         centred[k] -= inside[k] ? level / count : 0.0f;
-    scores_of(ref, SMR_SQRT(norm), n, centred, inside, offsets, ssd, score);
+    const float noise = how->noise / range;
+    scores_of(ref, SMR_SQRT(norm), noise * noise, n, centred, inside, offsets, how, score);
     uint32_t best = 0;
     for (uint32_t o = 1; o < offsets; o++)
         if (score[o] > score[best])
@@ -109,25 +121,42 @@ smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32
     return peak;
 }
 
+static float slope_at(const uint8_t *packed, uint32_t k)
+{
+    return ((float)packed[k + 1u] - (float)packed[k - 1u]) * (0.5f / 255.0f);
+}
+
+/* The reference's strongest edge near its surface: *edge is its slope, whose size is the measure and whose sign the polarity.
+ * Returns how many samples, and parts of one, it lies beyond the surface. */
+static float own_edge(const uint8_t *packed, uint32_t n, uint32_t zero, float *edge)
+{
+    uint32_t at = 0;
+    *edge = 0.0f;
+    for (uint32_t k = 1; k + 1u < n; k++) {
+        const float slope = slope_at(packed, k);
+        if ((k > zero ? k - zero : zero - k) <= SMR_EDGE_NEAR && smr_abs(slope) > smr_abs(*edge)) {
+            *edge = slope;
+            at = k;
+        }
+    }
+    float part = 0.0f;
+    if (at >= 2u && at + 2u < n)
+        part = refine(slope_at(packed, at - 1u) / *edge, slope_at(packed, at) / *edge, slope_at(packed, at + 1u) / *edge);
+    return (float)at + part - (float)zero;
+}
+
 smr_peak smr_profile_edge(const uint8_t *packed, float range, uint32_t n, uint32_t zero, const float *line,
                           const unsigned char *inside, uint32_t m, uint32_t centre, uint32_t reach)
 {
     if (!(range > 0.0f) || n < 3u)
         return none;
-    /* the reference's strongest edge near the surface: its size is the measure, its sign the polarity */
-    float edge = 0.0f, miss = 0.0f;
-    for (uint32_t k = 1; k + 1u < n; k++) {
-        const float slope = ((float)packed[k + 1u] - (float)packed[k - 1u]) * (0.5f / 255.0f);
-        if ((k > zero ? k - zero : zero - k) <= SMR_EDGE_NEAR && smr_abs(slope) > smr_abs(edge)) {
-            edge = slope;
-            miss = (float)k - (float)zero;
-        }
-    }
+    float edge = 0.0f;
+    const float miss = own_edge(packed, n, zero, &edge);
     if (smr_abs(edge) < SMR_EDGE_MIN)
         return none;
     const uint32_t first = centre > reach ? centre - reach : 1u;
     const uint32_t last = smr_min_u32(centre + reach, m - 2u);
-    float best = 0.0f, slope_at[3] = {0, 0, 0};
+    float best = 0.0f, slopes[3] = {0, 0, 0};
     uint32_t at = 0;
     for (uint32_t k = smr_max_u32(first, 2u); k <= last && k + 2u < m; k++) {
         if (!inside[k - 2u] || !inside[k - 1u] || !inside[k] || !inside[k + 1u] || !inside[k + 2u])
@@ -137,13 +166,13 @@ smr_peak smr_profile_edge(const uint8_t *packed, float range, uint32_t n, uint32
         if (slope * (1.0f - 0.5f * away) > best) {
             best = slope * (1.0f - 0.5f * away);
             at = k;
-            slope_at[0] = (line[k] - line[k - 2u]) / (range * edge);
-            slope_at[1] = (line[k + 1u] - line[k - 1u]) / (range * edge);
-            slope_at[2] = (line[k + 2u] - line[k]) / (range * edge);
+            slopes[0] = (line[k] - line[k - 2u]) / (range * edge);
+            slopes[1] = (line[k + 1u] - line[k - 1u]) / (range * edge);
+            slopes[2] = (line[k + 2u] - line[k]) / (range * edge);
         }
     }
     if (!(best > 0.0f))
         return none;
-    const smr_peak peak = {(float)at + refine(slope_at[0], slope_at[1], slope_at[2]) - miss, smr_min(best, 1.0f)};
+    const smr_peak peak = {(float)at + refine(slopes[0], slopes[1], slopes[2]) - miss, smr_min(best, 1.0f)};
     return peak;
 }

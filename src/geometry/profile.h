@@ -18,10 +18,17 @@ typedef struct smr_peak {
  * when the profile is flat or not all of it is inside: such a profile never gives a goal. */
 void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t n, uint8_t *packed, float *low, float *range);
 
-/* The offset 0 .. m - n at which the n samples of the reference fit the line best: by normalised cross-correlation, or by
- * the sum of squared differences when ssd (low and range then matter). */
+/* How likeness is scored. */
+typedef struct smr_likeness {
+    uint32_t kind;  /* SMR_SIMILARITY_... */
+    float noise;    /* intensity: concordance takes contrast below it for none */
+    float nearer;   /* what a score loses at the ends of the line, less towards its middle: of like peaks the nearer wins */
+} smr_likeness;
+
+/* The offset 0 .. m - n at which the n samples of the reference fit the line best. For squared differences low and range
+ * matter, for concordance range. */
 smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32_t n, const float *line,
-                           const unsigned char *inside, uint32_t m, int ssd);
+                           const unsigned char *inside, uint32_t m, const smr_likeness *how);
 
 /* The strongest edge of the reference's polarity within `reach` samples of line sample `centre`; the reference's own
  * strongest edge lies near its sample `zero`, and the goal is moved by as much as it misses it. */

@@ -17,9 +17,9 @@ smr_prepare_config smr_prepare_config_default(void)
     c.cookie = SMR_COOKIE('P', smr_prepare_config);
     c.separate_below_mm = -1.0f;
     c.ring = 1;
-    c.profile_samples = 30;
+    c.profile_samples = 20;
     c.profile_step_mm = 0.5f;
-    c.profile_inward = 0.5f;
+    c.profile_inward = 0.75f;
     return c;
 }
 
@@ -124,6 +124,22 @@ smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structu
     return a.used == SIZE_MAX ? SMR_E_INPUT : SMR_OK;
 }
 
+/* The radius below which clusters keep to their own structure. Images show where structures slide on each other less well
+ * than surfaces do: there only the finest radius frees them. */
+static float separate_below(const smr_prepare_config *config, const float *radius, uint32_t n_radii)
+{
+    float largest = 0.0f, finest = SMR_FAR;
+    for (uint32_t i = 0; i < n_radii; i++) {
+        largest = smr_max(largest, radius[i]);
+        finest = smr_min(finest, radius[i]);
+    }
+    if (config->separate_below_mm >= 0.0f)
+        return config->separate_below_mm;
+    if (config->reference == NULL)
+        return largest / 3.0f;
+    return finest < largest ? 1.01f * finest : 0.0f;
+}
+
 smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
                        void *scratch, size_t scratch_bytes, void *image, size_t image_capacity, size_t *image_bytes)
 {
@@ -164,10 +180,7 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
     memcpy(radius, config->radius_mm, sizeof radius);
     if (n_radii == 0u)
         n_radii = smr_choose_radii(&p, radius);
-    float largest = 0.0f;
-    for (uint32_t i = 0; i < n_radii; i++)
-        largest = smr_max(largest, radius[i]);
-    const float below = config->separate_below_mm < 0.0f ? largest / 3.0f : config->separate_below_mm;
+    const float below = separate_below(config, radius, n_radii);
     smr_writer w = {image, image == NULL ? 0u : image_capacity, 0};
     status = smr_write_image(&p, &w, radius, n_radii, below);
     smr_arena_release(scratch, scratch_bytes);

@@ -1,6 +1,8 @@
-/* radii.c: cluster radii for a model nobody chose any for: from a quarter of its length down to little more than an edge,
+/* radii.c: cluster radii for a model nobody chose any for. For surface targets: from a quarter of its length down to little more than an edge,
  * each about two thirds of the one before (coarse to fine, paper 3, geometric registration), and a last one below an
- * edge, at which most clusters are single vertices and only the fold guard holds the surface together.
+ * edge, at which most clusters are single vertices and only the fold guard holds the surface together. For images, which
+ * are noisy: fixed radii of a human size; before them, for a structure alone, which starts with the error of its pose and has
+ * no neighbours to lead it, the whole structure as one cluster and a third of it.
  * SPDX-License-Identifier: MIT */
 #include "prepare/plan.h"
 
@@ -50,8 +52,25 @@ static float rounded(float radius)
     return radius;
 }
 
+static uint32_t image_radii(const smr_plan *p, float radius[SMR_RADII_MAX])
+{
+    static const float local[] = {60.0f, 40.0f, 25.0f, 15.0f, 10.0f}; /* mm */
+    const float size = rounded(rod_length(p));
+    uint32_t n = 0;
+    for (uint32_t k = 0; p->n_structures == 1u && k < 2u; k++) {
+        const float whole = smr_min(k == 0u ? size : size * (1.0f / 3.0f), SMR_COORD_MAX);
+        if (whole > 1.25f * local[0])
+            radius[n++] = rounded(whole);
+    }
+    for (uint32_t k = 0; k < sizeof local / sizeof local[0]; k++)
+        radius[n++] = local[k];
+    return n;
+}
+
 uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX])
 {
+    if (p->config->reference != NULL)
+        return image_radii(p, radius);
     const float size = rod_length(p);
     float coarse = smr_min(size * SMR_COARSEST, SMR_COORD_MAX);
     if (!(coarse > 1.0e-3f)) { /* a single point */

@@ -16,8 +16,11 @@ smr_config smr_config_default(void)
     c.normal_deg = 75.0f;
     c.node_budget = 512;
     c.profile_mm = 10.0f;
+    c.profile_radii = 0.5f;
     c.gradient_mm = 5.0f;
-    c.confidence = 0.1f;
+    c.similarity = SMR_SIMILARITY_CONCORDANCE;
+    c.confidence = 0.4f;
+    c.smoothing = 1.0f;
     c.method = SMR_METHOD_RIGID;
     c.relaxation = 1.0f;
     c.fold_guard = 1;
@@ -50,8 +53,10 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
             c->box_min[i] > c->box_max[i])
             return SMR_E_CONFIG;
     if (!between(c->profile_mm, 0.0f, 60.0f) || !between(c->profile_end_mm, 0.0f, 60.0f) ||
+        !between(c->profile_radii, FLT_MIN, 1.0e6f) ||
         !between(c->gradient_mm, 0.0f, 60.0f) || !between(c->gradient_end_mm, 0.0f, 60.0f) ||
-        c->similarity > SMR_SIMILARITY_SSD || !between(c->confidence, 0.0f, 1.0f))
+        c->similarity > SMR_SIMILARITY_CONCORDANCE || !between(c->confidence, 0.0f, 1.0f) ||
+        !between(c->smoothing, 0.0f, 1.0f))
         return SMR_E_CONFIG;
     if (c->method > SMR_METHOD_POLAR || !between(c->relaxation, FLT_MIN, 1.0f) || !between(c->momentum, 0.0f, 0.99f) || !between(c->momentum_last, 0.0f, 0.99f) || !between(c->plastic_um, 0.0f, 1.0e8f) ||
         !between(c->settle_um, 0.0f, 1.0e8f) || c->plastic_every > 1000u || c->fold_guard > 1u || c->normals > SMR_NORMALS_EXACT)

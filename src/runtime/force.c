@@ -80,10 +80,10 @@ static int goal_of(smr *s, uint32_t v, smr_vec *way, int *drawn)
     }
     if (target != NULL)
         return surface_goal(s, v, target, way);
-    if (smr_image_goal(s, v, way) > s->config.confidence)
-        return 1;
-    *way = smr_v(0, 0, 0);
-    return 0;
+    const int seen = smr_image_goal(s, v, way);
+    if (seen == SMR_NO_GOAL)
+        *way = smr_smooth_way(s, v);
+    return seen == SMR_GOAL;
 }
 
 void smr_force_search(void *arg, uint32_t task, uint32_t worker)
@@ -91,7 +91,7 @@ void smr_force_search(void *arg, uint32_t task, uint32_t worker)
     smr *s = arg;
     (void)worker;
     smr_tally *tally = &s->tally[task];
-    const float stiffness = s->repairing > 0u ? 0.0f : s->config.stiffness;
+    const float stiffness = s->repairing > 0u ? 0.0f : s->config.stiffness * s->ease;
     memset(tally, 0, sizeof *tally);
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
         smr_vec way;

@@ -5,7 +5,10 @@
 
 #include "runtime/state.h"
 
-/* The way from vertex v to its goal in the image, along its normal. Returns the confidence, 0 for no goal. */
-float smr_image_goal(const smr *s, uint32_t v, smr_vec *way);
+enum { SMR_NO_GOAL = 0, SMR_GOAL, SMR_UNSEEN };
+
+/* The way from vertex v to its goal in the image, along its normal: SMR_GOAL, and *way is set. SMR_NO_GOAL: the image shows none that
+ * is to be believed. SMR_UNSEEN: it cannot tell, for the vertex has no profile or the search leaves the image. */
+int smr_image_goal(const smr *s, uint32_t v, smr_vec *way);
 
 #endif

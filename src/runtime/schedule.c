@@ -3,17 +3,19 @@
 #include "runtime/state.h"
 
 #define SMR_REPAIR_MAX 30u
-#define SMR_ENOUGH 8u /* vertices left in a cluster, about */
+#define SMR_ENOUGH 8u       /* vertices left in a cluster, about */
+#define SMR_ENOUGH_ALL 1000u /* and in all clusters together */
 
 uint32_t smr_last_radius(const smr *s) { return smr_min_u32(s->config.radius_last, s->n_radii - 1u); }
 
 int smr_guarded(const smr *s) { return s->config.fold_guard && s->radius + 2u > smr_last_radius(s); }
 
 /* Image forces cost most of the time, and a large cluster needs few of them: so many are left out that the smallest
- * cluster still keeps SMR_ENOUGH. */
+ * cluster still keeps SMR_ENOUGH, and the whole model SMR_ENOUGH_ALL: clusters that span the model share their vertices. */
 static uint32_t stride_for(const smr *s)
 {
-    return s->has_grid ? smr_max_u32(s->lists.smallest / SMR_ENOUGH, 1u) : 1u;
+    const uint32_t stride = smr_min_u32(s->lists.smallest / SMR_ENOUGH, s->n / SMR_ENOUGH_ALL);
+    return s->has_grid ? smr_max_u32(stride, 1u) : 1u;
 }
 
 static void use_radius(smr *s, uint32_t radius)
@@ -88,11 +90,23 @@ void smr_schedule_next(smr *s)
         use_radius(s, s->radius + 1u);
 }
 
-/* Search distances of the coming iteration. */
+/* Image goals jump from sample to sample where the image is poor: over the last radius' second half forces and momentum
+ * fall to 0, in equal steps, so that the model comes to rest in their mean. */
+static float ease_of(const smr *s)
+{
+    const uint32_t all = s->config.iterations_last, left = all - smr_min_u32(s->radius_iteration + 1u, all);
+    if (!s->has_grid || s->radius != smr_last_radius(s) || left >= all / 2u)
+        return 1.0f;
+    return (float)left / (float)(all / 2u);
+}
+
+/* Search distances and strength of the coming iteration. */
 void smr_schedule_distances(smr *s)
 {
+    s->ease = ease_of(s);
     const float done = smr_schedule_progress(s);
     s->profile_mm = s->config.profile_mm + done * (s->config.profile_end_mm - s->config.profile_mm);
+    s->profile_mm = smr_min(s->profile_mm, s->config.profile_radii * s->lists.radius);
     s->gradient_mm = s->config.gradient_mm + done * (s->config.gradient_end_mm - s->config.gradient_mm);
 }
 

@@ -62,11 +62,13 @@ struct smr {
     float momentum;                        /* at this radius */
     float search;                          /* mm: search distance at this radius */
     float profile_mm, gradient_mm;         /* search distances in the image in this iteration */
+    float ease;                            /* share of forces and momentum left: falls to 0 where an image registration ends */
     float force_limit;                     /* mm: longer forces are dropped; 0 none yet */
 
     /* targets */
     uint32_t has_grid;                     /* 1: structures without a surface follow the image */
     smr_grid grid;
+    float noise;                           /* intensity: contrast of profiles below it counts as none */
     smr_part *part;                        /* [n_parts] */
     smr_goal *goal;                        /* [n_parts] */
     uint32_t *target_warm;                 /* [n_target_vertices] last closest triangle of the model */
@@ -89,8 +91,9 @@ struct smr {
     /* written by guard */
     uint8_t *found;                        /* [n] of the last forces: 0 no target, 1 a goal, 2 none acceptable */
     uint8_t *guard;                        /* [n] 1: the vertex' step is smoothed, in this iteration */
-    float *ring_sum;                       /* [n][3] sum over its mesh neighbours; lies over record */
-    float *ring_weight;                    /* [n] of that sum; lies over record */
+    /* written by smooth and by guard, over record */
+    float *ring_sum;                       /* [n][3] sum over a vertex' mesh neighbours */
+    float *ring_weight;                    /* [n] of that sum */
     uint32_t n_folding;                    /* hinges found folding while repairing */
     uint32_t n_guarded;                    /* vertices so marked */
     /* written by sums and average */
@@ -144,7 +147,7 @@ static inline smr_vec smr_drive(const smr *s, uint32_t v)
 {
     const smr_vec x = smr_load(smr_at3(s->x, v));
     const smr_vec step = smr_sub(x, smr_load(smr_at3(s->x_next, v)));
-    const float share = s->repairing > 0u ? 0.0f : s->momentum;
+    const float share = s->repairing > 0u ? 0.0f : s->momentum * s->ease;
     const smr_vec u = smr_sub(smr_add(x, smr_load(smr_at3(s->force, v))), smr_load(smr_at3(s->x_ref, v)));
     return smr_add(u, smr_scale(step, share));
 }
@@ -180,6 +183,10 @@ void smr_facets_now(smr *s);                 /* all of them, at x */
 uint32_t smr_guard_tasks(smr *s);            /* guard.c: folds */
 void smr_guard_search(void *arg, uint32_t task, uint32_t worker);
 void smr_guard_end(smr *s);
+
+uint32_t smr_smooth_tasks(smr *s);           /* smooth.c: mesh neighbours' sums, for vertices without a goal */
+void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker);
+smr_vec smr_smooth_way(const smr *s, uint32_t v);
 
 uint32_t smr_vertex_tasks(smr *s);
 void smr_force_search(void *arg, uint32_t task, uint32_t worker); /* force.c: f^e */

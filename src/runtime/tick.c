@@ -9,8 +9,9 @@ static const smr_step steps[] = {
     {SMR_PHASE_SUMS, smr_reference_tasks, smr_reference_record, NULL},
     {SMR_PHASE_SUMS, smr_reference_blocks, smr_sums_forest, NULL},
     {SMR_PHASE_SUMS, smr_reference_tasks, smr_reference_cluster, smr_reference_end},
-    /* compute external forces f^e: the target's pull, and the way to the target */
+    /* compute external forces f^e: the target's pull, smoothing, and the way to the target */
     {SMR_PHASE_FORCES, smr_pull_tasks, smr_pull_search, NULL},
+    {SMR_PHASE_FORCES, smr_smooth_tasks, smr_smooth_sum, NULL},
     {SMR_PHASE_FORCES, smr_vertex_tasks, smr_force_search, smr_force_end},
     /* compute shape matching forces: for each cluster, T_i = argmin Sum m |T x^r - x - f^e|^2 */
     {SMR_PHASE_SUMS, smr_vertex_tasks, smr_sums_record, NULL},

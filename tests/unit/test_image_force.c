@@ -79,7 +79,7 @@ static void test_follows_image(void **state)
     const smr_volume reference = image(RADIUS, none), target = image(RADIUS + 2.0f, shift);
     const smr_model *model = ball_model(&reference);
     (void)state;
-    for (uint32_t similarity = 0; similarity < 2u; similarity++) {
+    for (uint32_t similarity = 0; similarity <= SMR_SIMILARITY_CONCORDANCE; similarity++) {
         smr_config c = smr_config_default();
         c.similarity = similarity;
         smr *s = rig_init(model, &c, NULL);

@@ -11,6 +11,9 @@
 #define N 30u
 #define M 70u
 
+static const smr_likeness likeness[] = {{SMR_SIMILARITY_NCC, 0.0f, 0.0f}, {SMR_SIMILARITY_SSD, 0.0f, 0.0f},
+                                        {SMR_SIMILARITY_CONCORDANCE, 0.0f, 0.0f}};
+
 static float value_of(uint32_t kind, float t)
 {
     const double x = (double)t;
@@ -98,7 +101,7 @@ static void test_flat(void **state)
         assert_true(p.range == 0.0f);
         line_of(0, 20, 1, 0, line, inside);
         for (int ssd = 0; ssd < 2; ssd++) {
-            assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, ssd).confidence == 0.0f);
+            assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[ssd]).confidence == 0.0f);
         }
         assert_true(smr_profile_edge(p.byte, p.range, N, 15, line, inside, M, 35, 10).confidence == 0.0f);
     }
@@ -110,7 +113,7 @@ static void test_flat(void **state)
             line[i] = level[k];
             inside[i] = 1;
         }
-        assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, 0).confidence == 0.0f);
+        assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[0]).confidence == 0.0f);
         assert_true(smr_profile_edge(p.byte, p.range, N, 14, line, inside, M, 35, 10).confidence == 0.0f);
     }
 }
@@ -128,7 +131,7 @@ static void test_shifts(void **state)
         unsigned char inside[M];
         /* the fourth light is the same as the reference's, by squared differences */
         line_of(kind, shift, light < 3u ? gains[light] : 1.0f, light < 3u ? adds[light] : 0.0f, line, inside);
-        const smr_peak peak = smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, light == 3u);
+        const smr_peak peak = smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[light == 3u]);
         assert_true(peak.confidence > 0.1f && peak.confidence <= 1.0f);
         assert_true(fabsf(peak.at - shift) < 0.1f);
     }
@@ -142,15 +145,58 @@ static void test_ssd_sees_level(void **state)
     unsigned char inside[M];
     (void)state;
     line_of(2, 20, 1.0f, 30.0f, line, inside);
-    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, 0).confidence > 0.1f);
-    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, 1).confidence == 0.0f);
+    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[0]).confidence > 0.1f);
+    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[1]).confidence == 0.0f);
+}
+
+/* Concordance knows the reference's contrast: of two places of the same form the one of like contrast wins, and what is less
+ * than noise is nothing; correlation takes either. */
+static void test_concordance_sees_contrast(void **state)
+{
+    const packed_profile p = reference(0);
+    const smr_likeness noisy = {SMR_SIMILARITY_CONCORDANCE, 4.0f, 0.0f};
+    float line[2u * M];
+    unsigned char inside[2u * M];
+    (void)state;
+    for (uint32_t faint = 0; faint < 2u; faint++) {
+        line_of(0, 20, faint == 0u ? 0.3f : 1.0f, 0.0f, line, inside);
+        line_of(0, 20, faint == 1u ? 0.3f : 1.0f, 0.0f, line + M, inside + M);
+        const float wanted = faint == 0u ? 20.0f + (float)M : 20.0f;
+        const smr_peak peak = smr_profile_match(p.byte, p.low, p.range, N, line, inside, 2u * M, &likeness[2]);
+        assert_true(fabsf(peak.at - wanted) < 0.1f && peak.confidence > 0.5f);
+        const smr_peak none = smr_profile_match(p.byte, p.low, p.range, N, line, inside, 2u * M, &noisy);
+        assert_true(none.confidence < 0.5f * peak.confidence);
+    }
+}
+
+/* Of two like places the nearer to the line's middle wins, on whichever side it lies. */
+static void test_nearer_wins(void **state)
+{
+    const packed_profile p = reference(2);
+    (void)state;
+    for (uint32_t kind = 0; kind < 3u; kind++) {
+        const smr_likeness how = {kind, 0.0f, 0.2f};
+        for (uint32_t side = 0; side < 2u; side++) {
+            float line[3u * M];
+            unsigned char inside[3u * M];
+            for (uint32_t k = 0; k < 3u * M; k++) {
+                line[k] = 0.0f;
+                inside[k] = 1;
+            }
+            const uint32_t far_at = side == 0u ? 10u : 3u * M - N - 10u, near_at = side == 0u ? 120u : 60u;
+            for (uint32_t k = 0; k < N; k++)
+                line[far_at + k] = line[near_at + k] = value_of(2, (float)k);
+            const smr_peak peak = smr_profile_match(p.byte, p.low, p.range, N, line, inside, 3u * M, &how);
+            assert_true(fabsf(peak.at - (float)near_at) < 0.6f);
+        }
+    }
 }
 
 /* A window that is not all inside cannot win, however well it fits. */
 static void test_outside_windows(void **state)
 {
     (void)state;
-    for (uint32_t ssd = 0; ssd < 2u; ssd++) {
+    for (uint32_t ssd = 0; ssd < 3u; ssd++) {
         for (uint32_t hole = 0; hole < M; hole++) {
             const packed_profile p = reference(0);
             float line[M];
@@ -158,7 +204,7 @@ static void test_outside_windows(void **state)
             line_of(0, 20, 1, 0, line, inside);
             line[hole] = 0.0f;
             inside[hole] = 0;
-            const smr_peak peak = smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, (int)ssd);
+            const smr_peak peak = smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[ssd]);
             const uint32_t o = (uint32_t)(peak.at + 0.5f);
             if (hole < 19u || hole >= 21u + N) {
                 assert_true(fabsf(peak.at - 20.0f) < 0.1f && peak.confidence > 0.1f);
@@ -175,10 +221,10 @@ static void test_outside_windows(void **state)
         inside[k] = 0; /* one in each window */
         line[k] = 0.0f;
     }
-    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, 0).confidence == 0.0f);
-    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, 1).confidence == 0.0f);
+    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[0]).confidence == 0.0f);
+    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[1]).confidence == 0.0f);
     memset(inside, 0, sizeof inside);
-    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, 0).confidence == 0.0f);
+    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[0]).confidence == 0.0f);
     assert_true(smr_profile_edge(p.byte, p.range, N, 14, line, inside, M, 35, 10).confidence == 0.0f);
 }
 
@@ -296,7 +342,7 @@ static void test_ranges(void **state)
             line[k] = inside[k] ? rig_between(&seed, -1, 1) * scale : 0.0f;
         }
         const float low = rig_between(&seed, -1, 1) * scale, range = rig_between(&seed, 0.01f, 10.0f) * (round % 7u ? scale : 1.0f);
-        const smr_peak match = smr_profile_match(byte, low, range, n, line, inside, m, (int)(round & 1u));
+        const smr_peak match = smr_profile_match(byte, low, range, n, line, inside, m, &likeness[round % 3u]);
         assert_true(match.confidence >= 0.0f && match.confidence <= 1.0f);
         assert_true(match.at >= 0.0f && match.at <= (float)(m - n));
         if (m >= 8u) {
@@ -312,7 +358,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pack),          cmocka_unit_test(test_flat),       cmocka_unit_test(test_shifts),
-        cmocka_unit_test(test_ssd_sees_level), cmocka_unit_test(test_outside_windows), cmocka_unit_test(test_edge_place),
+        cmocka_unit_test(test_ssd_sees_level), cmocka_unit_test(test_outside_windows), cmocka_unit_test(test_concordance_sees_contrast),
+        cmocka_unit_test(test_nearer_wins),   cmocka_unit_test(test_edge_place),
         cmocka_unit_test(test_edge_polarity), cmocka_unit_test(test_edge_holes), cmocka_unit_test(test_ranges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

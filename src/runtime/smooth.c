@@ -1,0 +1,42 @@
+/* smooth.c: the smoothing force (paper 2.3: other forces): where the image shows no goal, a vertex is drawn towards the middle
+ * of its mesh neighbours. What the image does not have, such as the longer tendon of another person's muscle, so shrinks
+ * back instead of staying where the start put it; where the image does show the surface, nothing is smoothed. The force
+ * falls to 0 over the schedule.
+ * Bounds: one pass over a structure's triangles.
+ * SPDX-License-Identifier: MIT */
+#include "runtime/state.h"
+
+uint32_t smr_smooth_tasks(smr *s) { return s->has_grid && s->config.smoothing > 0.0f ? s->n_parts : 0u; }
+
+/* Sums over the mesh neighbours of one structure's vertices; a neighbour counts once for each triangle between. */
+void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    const smr_part *part = &s->part[task];
+    const uint32_t *t = part->facets.triangle;
+    (void)worker;
+    for (uint32_t i = 0; i < part->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
+        smr_store(smr_at3(s->ring_sum, v), smr_v(0, 0, 0));
+        s->ring_weight[v] = 0.0f;
+    }
+    for (uint32_t k = 0; k < part->facets.n_triangles; k++, t += 3) {
+        const smr_vec a = smr_load(smr_at3(s->x, t[0])), b = smr_load(smr_at3(s->x, t[1])), c = smr_load(smr_at3(s->x, t[2]));
+        const smr_vec all = smr_add(a, smr_add(b, c)), corner[3] = {a, b, c};
+        for (uint32_t i = 0; i < 3u; i++) {
+            float *sum = smr_at3(s->ring_sum, t[i]);
+            smr_store(sum, smr_add(smr_load(sum), smr_sub(all, corner[i])));
+            s->ring_weight[t[i]] += 2.0f;
+        }
+    }
+}
+
+/* The way of a vertex without a goal. */
+smr_vec smr_smooth_way(const smr *s, uint32_t v)
+{
+    if (!(s->config.smoothing > 0.0f) || !(s->ring_weight[v] > 0.0f))
+        return smr_v(0, 0, 0);
+    const smr_vec middle = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / s->ring_weight[v]);
+    const float share = s->config.smoothing * s->ease;
+    return smr_scale(smr_sub(middle, smr_load(smr_at3(s->x, v))), share);
+}

@@ -1,0 +1,129 @@
+/* test_smooth.c: vertices that the image shows nothing of shrink towards their neighbours, what it cannot tell of stays.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/state.h"
+
+#define SIDE 60u     /* voxels of 2 mm */
+#define RADIUS 30.0f /* mm */
+
+static const float none[3] = {0, 0, 0};
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+/* A ball, or nothing: a texture that is nothing like a ball's surface. Cut off above z = top. */
+static smr_volume image(int ball, float top)
+{
+    smr_volume v;
+    float *voxels = rig_alloc(SIDE * SIDE * SIDE * sizeof *voxels);
+    memset(&v, 0, sizeof v);
+    v.voxels = voxels;
+    v.type = SMR_VOXEL_FLOAT;
+    for (uint32_t a = 0; a < 3u; a++) {
+        v.size[a] = SIDE;
+        v.spacing[a] = 2.0f;
+        v.origin[a] = -(float)(SIDE - 1u);
+        v.direction[4u * a] = 1.0f;
+    }
+    for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const float x = v.origin[0] + 2.0f * (float)(i % SIDE), y = v.origin[1] + 2.0f * (float)(i / SIDE % SIDE);
+        const float z = v.origin[2] + 2.0f * (float)(i / SIDE / SIDE);
+        const double r = sqrt((double)(x * x + y * y + z * z));
+        voxels[i] = ball ? (float)(500.0 + 400.0 * tanh(((double)RADIUS - r) / 2.0)) : 100.0f;
+        if (z > top)
+            voxels[i] = NAN;
+    }
+    return v;
+}
+
+static double mean_radius(const smr *s, const smr_model *model)
+{
+    const float *x = rig_positions(s, model);
+    double sum = 0.0;
+    for (uint32_t i = 0; i < s->n; i++)
+        sum += sqrt((double)(x[3u * i] * x[3u * i] + x[3u * i + 1u] * x[3u * i + 1u] + x[3u * i + 2u] * x[3u * i + 2u]));
+    return sum / s->n;
+}
+
+/* The ball's mean radius after `ticks` iterations on a target. */
+static double after(const smr_volume *target, float smoothing, uint32_t ticks)
+{
+    const smr_volume reference = image(1, 1.0e6f);
+    const smr_mesh mesh = rig_ball(RADIUS, 13, 20, none);
+    smr_prepare_config p = rig_radii(2, 20, 10, 0);
+    smr_config c = smr_config_default();
+    p.reference = &reference;
+    c.smoothing = smoothing;
+    const smr_model *model = rig_model(&mesh, 1, &p);
+    smr *s = rig_init(model, &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_volume(s, target));
+    (void)rig_run(s, ticks);
+    assert_true(rig_finite(rig_positions(s, model), s->n));
+    return mean_radius(s, model);
+}
+
+static void test_nothing_shrinks(void **state)
+{
+    const smr_volume nothing = image(0, 1.0e6f);
+    (void)state;
+    assert_true(fabs(after(&nothing, 0.0f, 5) - (double)RADIUS) < 0.01);
+    const double half = after(&nothing, 0.5f, 5), whole = after(&nothing, 1.0f, 5);
+    assert_true(half < (double)RADIUS - 0.3);
+    assert_true(whole < half - 0.1);
+    assert_true(whole > 0.5 * (double)RADIUS);
+}
+
+static void test_seen_stays(void **state)
+{
+    const smr_volume ball = image(1, 1.0e6f);
+    (void)state;
+    const double r = after(&ball, 1.0f, 10000);
+    assert_true(fabs(r - (double)RADIUS) < 0.1);
+}
+
+/* Where the image ends it says nothing: no goal, and no smoothing either. */
+static void test_unseen_stays(void **state)
+{
+    const smr_volume dark = image(0, -1.0e6f);
+    (void)state;
+    assert_true(fabs(after(&dark, 1.0f, 20) - (double)RADIUS) < 0.01);
+}
+
+static void test_range(void **state)
+{
+    const smr_volume reference = image(1, 1.0e6f);
+    const smr_mesh mesh = rig_ball(RADIUS, 13, 20, none);
+    smr_prepare_config p = rig_radii(1, 20, 0, 0);
+    smr_config c = smr_config_default();
+    size_t bytes = 0;
+    (void)state;
+    p.reference = &reference;
+    const smr_model *model = rig_model(&mesh, 1, &p);
+    static const float bad[] = {-0.1f, 1.1f, NAN};
+    for (uint32_t i = 0; i < 3u; i++) {
+        c.smoothing = bad[i];
+        assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(model, &c, &bytes));
+    }
+    c.smoothing = 0.0f;
+    assert_int_equal(SMR_OK, smr_arena_bytes(model, &c, &bytes));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_nothing_shrinks, tidy),
+        cmocka_unit_test_teardown(test_seen_stays, tidy),
+        cmocka_unit_test_teardown(test_unseen_stays, tidy),
+        cmocka_unit_test_teardown(test_range, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
