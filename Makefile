@@ -41,6 +41,7 @@ CORE_OBJ    := $(call obj,$(CORE_SRC))
 PTHREAD_OBJ := $(call obj,$(PTHREAD_SRC))
 HOST_OBJ    := $(call obj,$(HOST_SRC))
 HOST_LIB_OBJ := $(call obj,$(filter-out $(HOST_MAIN),$(HOST_SRC)))
+FIXTURE_OBJ := $(call obj,$(FIXTURE_SRC))
 SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
 
 CORE_LIB    := $(BUILD)/libsmr.a
@@ -83,7 +84,7 @@ $(BUILD)/obj/src/%.o: src/%.c
 
 $(BUILD)/obj/port/%.o: port/%.c
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) $(if $(findstring baremetal,$@),,$(THREADS)) -Iinclude -Iport/pthread -c $< -o $@
+	$(CC) $(ALL_CFLAGS) $(if $(findstring baremetal,$@),,$(THREADS)) -Iinclude -Iport/pthread -Ifixtures -c $< -o $@
 
 $(BUILD)/obj/fixtures/%.o: fixtures/%.c
 	@mkdir -p $(@D)
@@ -118,7 +119,7 @@ $(CORE_LIB) $(PTHREAD_LIB) $(SUPPORT_LIB):
 
 LINK = $(CC) $(ALL_CFLAGS) $(THREADS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LDLIBS)
 
-$(BUILD)/smr: $(HOST_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
+$(BUILD)/smr: $(HOST_OBJ) $(FIXTURE_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
 	$(LINK) -lm
 
 $(BUILD)/fixture_write: $(BUILD)/obj/fixtures/fixture_write.o $(SUPPORT_LIB)
