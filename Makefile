@@ -57,14 +57,15 @@ ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(SUPPORT_OBJ) \
 
 M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-sections -fdata-sections
 
-.PHONY: all help demo check programs cmocka bench size stack hashes golden-update install clean
+.PHONY: all help demo demo-bone check programs cmocka bench size stack hashes golden-update install clean
 .DELETE_ON_ERROR:
 
 all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM)
 
 help:
 	@echo 'make                 libsmr.a, libsmr_pthread.a and the program smr in $(BUILD)/'
-	@echo 'make demo            register a generated bone onto a deformed one and say how well'
+	@echo 'make demo            a computed thigh of 24 structures onto a patient'"'"'s MRI, and how well'
+	@echo 'make demo-bone       a generated bone onto a deformed one'
 	@echo 'make check           all tests; the last line is the sum'
 	@echo 'make bench           benchmarks; writes $(BUILD)/bench.json'
 	@echo 'make size            code and data size of the library'
@@ -146,6 +147,9 @@ $(BUILD)/%_m7.elf: $(call obj,$(BAREMETAL_SRC) $(FIXTURE_SRC)) $(CORE_LIB) port/
 
 demo: $(BUILD)/fixture_write $(PROGRAM)
 	@sh tests/demo.sh $(BUILD)
+
+demo-bone: $(BUILD)/fixture_write $(PROGRAM)
+	@sh tests/demo_bone.sh $(BUILD)
 
 # CMocka must be there before a test is compiled, so it is an order-only prerequisite.
 cmocka:
