@@ -43,6 +43,7 @@ CORE_OBJ    := $(call obj,$(CORE_SRC))
 PTHREAD_OBJ := $(call obj,$(PTHREAD_SRC))
 HOST_OBJ    := $(call obj,$(HOST_SRC))
 HOST_LIB_OBJ := $(call obj,$(filter-out $(HOST_MAIN),$(HOST_SRC)))
+FIXTURE_OBJ := $(call obj,$(FIXTURE_SRC))
 SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
 
 CORE_LIB    := $(BUILD)/libsmr.a
@@ -59,14 +60,15 @@ ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(SUPPORT_OBJ) \
 
 M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-sections -fdata-sections
 
-.PHONY: all help demo check experiments programs cmocka bench size stack hashes golden-update install clean
+.PHONY: all help demo demo-bone check experiments programs cmocka bench size stack hashes golden-update install clean
 .DELETE_ON_ERROR:
 
 all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM)
 
 help:
 	@echo 'make                 libsmr.a, libsmr_pthread.a and the program smr in $(BUILD)/'
-	@echo 'make demo            register a generated bone onto a deformed one and say how well'
+	@echo 'make demo            a computed thigh of 24 structures onto a patient'"'"'s MRI, and how well'
+	@echo 'make demo-bone       a generated bone onto a deformed one'
 	@echo 'make check           all tests; the last line is the sum'
 	@echo 'make experiments     accuracy on real data, as tables; minutes; skipped without ../shared'
 	@echo 'make bench           benchmarks; writes $(BUILD)/bench.json'
@@ -87,7 +89,7 @@ $(BUILD)/obj/src/%.o: src/%.c
 
 $(BUILD)/obj/port/%.o: port/%.c
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) $(if $(findstring baremetal,$@),,$(THREADS)) -Iinclude -Iport/pthread -c $< -o $@
+	$(CC) $(ALL_CFLAGS) $(if $(findstring baremetal,$@),,$(THREADS)) -Iinclude -Iport/pthread -Ifixtures -c $< -o $@
 
 $(BUILD)/obj/fixtures/%.o: fixtures/%.c
 	@mkdir -p $(@D)
@@ -122,7 +124,7 @@ $(CORE_LIB) $(PTHREAD_LIB) $(SUPPORT_LIB):
 
 LINK = $(CC) $(ALL_CFLAGS) $(THREADS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LDLIBS)
 
-$(BUILD)/smr: $(HOST_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
+$(BUILD)/smr: $(HOST_OBJ) $(FIXTURE_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
 	$(LINK) -lm
 
 $(BUILD)/fixture_write: $(BUILD)/obj/fixtures/fixture_write.o $(SUPPORT_LIB)
@@ -150,6 +152,9 @@ $(BUILD)/%_m7.elf: $(call obj,$(BAREMETAL_SRC) $(FIXTURE_SRC)) $(CORE_LIB) port/
 
 demo: $(BUILD)/fixture_write $(PROGRAM)
 	@sh tests/demo.sh $(BUILD)
+
+demo-bone: $(BUILD)/fixture_write $(PROGRAM)
+	@sh tests/demo_bone.sh $(BUILD)
 
 # CMocka must be there before a test is compiled, so it is an order-only prerequisite.
 cmocka:

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-# make_figures: draws docs/figures/demo.svg from what `make demo` left behind. Needs the standard library only.
+# make_figures: draws docs/figures/demo.svg from what `make demo-bone` left behind. Needs the standard library only.
 # SPDX-License-Identifier: MIT
-# usage: python3 docs/figures/make_figures.py [BUILD]      (default: build; run `make demo` first)
+# usage: python3 docs/figures/make_figures.py [BUILD]      (default: build; run `make demo-bone` first)
 #
 # Two views of the model on the target, before and after, seen from the front with the knee on the left. A triangle's
 # colour is the mean distance of its corners from their true places, which the demo's generator knows.
@@ -138,7 +138,7 @@ def summary(error):
 
 
 build = sys.argv[1] if len(sys.argv) > 1 else "build"
-demo = os.path.join(build, "demo")
+demo = os.path.join(build, "demo-bone")
 source, faces = read_ply(os.path.join(demo, "source.ply"))
 target, target_faces = read_ply(os.path.join(demo, "target.ply"))
 truth, _ = read_ply(os.path.join(demo, "truth.ply"))

@@ -10,6 +10,7 @@ enum { HOST_DONE = 0, HOST_NOT_CONVERGED = 1, HOST_REFUSED = 2 };
 int host_register(const host_options *options, host_error *error);
 int host_build(const host_options *options, host_error *error);
 int host_info(const host_options *options, host_error *error);
+int host_phantom(const host_options *options, host_error *error);
 int host_measure(const host_options *options, host_error *error);
 
 #endif

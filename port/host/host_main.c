@@ -33,6 +33,8 @@ static int run(int command, int argc, char **argv, host_error *error)
             result = host_build(&options, error);
         else if (command == HOST_INFO)
             result = host_info(&options, error);
+        else if (command == HOST_PHANTOM)
+            result = host_phantom(&options, error);
         else
             result = host_measure(&options, error);
     }
@@ -47,7 +49,7 @@ static int dispatch(int argc, char **argv, host_error *error)
     static const struct {
         const char *name;
         int command;
-    } commands[] = {{"register", HOST_REGISTER}, {"build", HOST_BUILD}, {"info", HOST_INFO}, {"measure", HOST_MEASURE}};
+    } commands[] = {{"register", HOST_REGISTER}, {"build", HOST_BUILD}, {"info", HOST_INFO}, {"measure", HOST_MEASURE}, {"phantom", HOST_PHANTOM}};
     size_t i = 0;
     int k = 0;
     for (k = 1; k < argc; k++)
@@ -63,7 +65,7 @@ static int dispatch(int argc, char **argv, host_error *error)
         if (strcmp(argv[1], commands[i].name) == 0)
             return run(commands[i].command, argc, argv, error);
     error->file = argc > 1 ? argv[1] : "usage";
-    (void)host_fail(error, "command", "register, build, info, measure, --help or --version");
+    (void)host_fail(error, "command", "register, build, info, measure, phantom, --help or --version");
     host_error_print(error);
     return HOST_REFUSED;
 }

@@ -33,7 +33,7 @@ enum { FOR_SURFACES = 1, FOR_IMAGES = 2 };
 static const option table[] = {
     {"--model", HOST_REGISTER | HOST_BUILD, KIND_FILES, FIELD(model), 0, 0, 0, 0, NULL, 0},
     {"--target", HOST_REGISTER, KIND_FILES, FIELD(target), 0, 0, 0, 0, NULL, 0},
-    {"-o", HOST_REGISTER | HOST_BUILD, KIND_TEXT, FIELD(out), 0, 0, 0, 0, NULL, 0},
+    {"-o", HOST_REGISTER | HOST_BUILD | HOST_PHANTOM, KIND_TEXT, FIELD(out), 0, 0, 0, 0, NULL, 0},
     {"--reference", HOST_REGISTER | HOST_BUILD, KIND_TEXT, FIELD(reference), 0, 0, 0, 1, NULL, FOR_IMAGES},
     {"--landmarks", HOST_REGISTER, KIND_FILES, FIELD(landmarks), 0, 0, 0, 0, NULL, 0},
     {"--truth", HOST_REGISTER, KIND_TEXT, FIELD(truth), 0, 0, 0, 0, NULL, FOR_IMAGES},
@@ -41,12 +41,12 @@ static const option table[] = {
     {"--source", HOST_MEASURE, KIND_TEXT, FIELD(source), 0, 0, 0, 0, NULL, 0},
     {"--mirror-model", PREPARING, KIND_WORD, FIELD(mirror_model), 0, 0, 0, 1, "x|y|z", 0},
     {"--mirror-target", HOST_REGISTER, KIND_WORD, FIELD(mirror_target), 0, 0, 0, 0, "x|y|z", 0},
-    {"--threads", HOST_REGISTER | HOST_MEASURE, KIND_COUNT, FIELD(threads), 1, SMR_WORKERS_MAX, 0, 0, NULL, 0},
+    {"--threads", HOST_REGISTER | HOST_MEASURE | HOST_PHANTOM, KIND_COUNT, FIELD(threads), 1, SMR_WORKERS_MAX, 0, 0, NULL, 0},
     {"--ticks", HOST_REGISTER, KIND_COUNT, FIELD(ticks), 1, 1e9, 0, 0, NULL, 0},
     {"--budget-ms", HOST_REGISTER, KIND_DOUBLE, FIELD(budget_ms), 0, 1e6, 0, 0, NULL, 0},
     {"--align", HOST_REGISTER, KIND_WORD, FIELD(align), 0, 0, 0, 0, "none|rigid|similarity", 0},
     {"--smoothing", HOST_REGISTER, KIND_FLOAT, FIELD(smoothing), 0, 1e9, 0, 0, NULL, 0},
-    {"--quiet", HOST_REGISTER | HOST_BUILD, KIND_FLAG, FIELD(quiet), 0, 0, 0, 0, NULL, 0},
+    {"--quiet", HOST_REGISTER | HOST_BUILD | HOST_PHANTOM, KIND_FLAG, FIELD(quiet), 0, 0, 0, 0, NULL, 0},
     {"--radius", PREPARING, KIND_RADII, FIELD(prepare), 0, COORD, 1, 1, NULL, 0},
     {"--clusters", PREPARING, KIND_WORD, FIELD(clusters), 0, 0, 0, 1, "auto|shared|separate", 0},
     {"--distance", PREPARING, KIND_WORD, FIELD(prepare.distance), 0, 0, 0, 1, "euclidean|geodesic", 0},
@@ -72,6 +72,8 @@ static const option table[] = {
     {"--node-budget", HOST_REGISTER, KIND_COUNT, FIELD(config.node_budget), 8, 1000000, 0, 0, NULL, FOR_SURFACES},
     {"--plastic-um", HOST_REGISTER, KIND_FLOAT, FIELD(config.plastic_um), 0, 1e6, 0, 0, NULL, 0},
     {"--plastic-every", HOST_REGISTER, KIND_COUNT, FIELD(config.plastic_every), 0, 1000, 0, 0, NULL, 0},
+    {"--seed", HOST_PHANTOM, KIND_COUNT, FIELD(seed), 1, 1e9, 0, 0, NULL, 0},
+    {"--small", HOST_PHANTOM, KIND_FLAG, FIELD(small), 0, 0, 0, 0, NULL, 0},
     {"--iterations", HOST_REGISTER, KIND_COUNT, FIELD(config.iterations), 1, 100000, 0, 0, NULL, 0},
     {"--iterations-last", HOST_REGISTER, KIND_COUNT, FIELD(config.iterations_last), 1, 100000, 0, 0, NULL, 0},
 };
@@ -258,6 +260,8 @@ static int check_needs(host_options *options, host_error *error)
         return host_fail(error, "measure", "two surfaces: smr measure A B");
     if (options->command == HOST_INFO && options->operands.n == 0)
         return host_fail(error, "info", "a model or surfaces: smr info MODEL.smr");
+    if (options->command == HOST_PHANTOM && options->out == NULL)
+        return host_fail(error, "-o", "the directory for the phantom");
     if ((options->command & (HOST_REGISTER | HOST_BUILD)) != 0) {
         if (options->model.n == 0)
             return host_fail(error, "--model", "one file or more");
@@ -383,6 +387,7 @@ static int set_defaults(int command, host_options *options)
 {
     memset(options, 0, sizeof *options);
     options->command = command;
+    options->seed = 1;
     options->mirror_model = HOST_MIRROR_NONE;
     options->mirror_target = HOST_MIRROR_NONE;
     options->prepare = smr_prepare_config_default();

@@ -7,7 +7,7 @@
 #include "host_mesh.h"
 #include "smr.h"
 
-enum { HOST_REGISTER = 1, HOST_BUILD = 2, HOST_INFO = 4, HOST_MEASURE = 8 };
+enum { HOST_REGISTER = 1, HOST_BUILD = 2, HOST_INFO = 4, HOST_MEASURE = 8, HOST_PHANTOM = 16 };
 enum { HOST_ALIGN_NONE = 0, HOST_ALIGN_RIGID, HOST_ALIGN_SIMILARITY };
 enum { HOST_CLUSTERS_AUTO = 0, HOST_CLUSTERS_SHARED, HOST_CLUSTERS_SEPARATE };
 
@@ -41,6 +41,8 @@ typedef struct host_options {
     host_span search, gradient;         /* of image forces; search.from: of surfaces too */
     uint32_t clusters;     /* HOST_CLUSTERS_... */
     uint32_t quiet;
+    uint32_t seed;         /* of the phantom's patient */
+    uint32_t small;        /* 1: a coarse phantom */
     const char *prepare_option; /* the first option given that a ready .smr has no use for */
     smr_prepare_config prepare;
     smr_config config;

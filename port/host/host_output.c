@@ -23,7 +23,8 @@ typedef struct output_file {
 
 struct host_output {
     const char *directory;
-    char *made;     /* owned: the topmost directory made, NULL for none */
+    char **made;       /* owned: the directories made, each after the one it lies in */
+    size_t n_made;
     output_file *file; /* owned */
     size_t n;
 };
@@ -73,26 +74,38 @@ int host_output_check(const char *directory, host_error *error)
     return result;
 }
 
-/* Makes the directory and those above it; remembers the topmost one made. */
-static int make_directories(host_output *output, host_error *error)
+static int make_directory(host_output *output, const char *path, host_error *error)
 {
-    char *const path = join(NULL, output->directory, "");
+    char **grown = NULL;
+    if (mkdir(path, 0777) != 0)
+        return errno == EEXIST ? 0 : host_fail(error, "output", "a directory that can be made (%s)", strerror(errno));
+    grown = realloc(output->made, (output->n_made + 1u) * sizeof *grown);
+    if (grown != NULL) {
+        output->made = grown;
+        grown[output->n_made] = join(NULL, path, "");
+    }
+    if (grown == NULL || grown[output->n_made] == NULL) {
+        (void)rmdir(path);
+        return host_fail(error, "output", "free memory");
+    }
+    output->n_made++;
+    return 0;
+}
+
+/* Makes the directories that a file lies in. */
+static int make_directories(host_output *output, const char *file, host_error *error)
+{
+    char *const path = join(NULL, file, "");
     size_t i = 0;
     int result = 0;
     if (path == NULL)
         return host_fail(error, "output", "free memory");
-    for (i = 1; result == 0 && path[i - 1u] != '\0'; i++) {
-        const char c = path[i];
-        if (c != '/' && c != '\0')
+    for (i = 1; result == 0 && path[i] != '\0'; i++) {
+        if (path[i] != '/')
             continue;
         path[i] = '\0';
-        if (mkdir(path, 0777) == 0) {
-            if (output->made == NULL)
-                output->made = join(NULL, path, "");
-        } else if (errno != EEXIST) {
-            result = host_fail(error, "output", "a directory that can be made (%s)", strerror(errno));
-        }
-        path[i] = c;
+        result = make_directory(output, path, error);
+        path[i] = '/';
     }
     free(path);
     return result;
@@ -154,7 +167,7 @@ int host_output_add(host_output *output, const char *name, const host_buffer *co
     if (file->path == NULL)
         return host_fail(error, "output", "free memory");
     output->n++;
-    if (output->n == 1 && output->directory != NULL && make_directories(output, error) != 0)
+    if (output->directory != NULL && make_directories(output, file->path, error) != 0)
         return -1;
     file->replaced = stat(file->path, &st) == 0;
     if (file->replaced && S_ISDIR(st.st_mode))
@@ -177,21 +190,11 @@ static void free_output(host_output *output)
         free(output->file[i].path);
         free(output->file[i].temporary);
     }
+    for (i = 0; i < output->n_made; i++)
+        free(output->made[i]);
     free(output->file);
     free(output->made);
     free(output);
-}
-
-/* Removes the directories made, from the deepest up to the topmost of them. */
-static void remove_directories(const host_output *output)
-{
-    char *const path = join(NULL, output->directory, "");
-    while (path != NULL && strlen(path) >= strlen(output->made)) {
-        if (rmdir(path) != 0)
-            break;
-        to_parent(path);
-    }
-    free(path);
 }
 
 void host_output_abandon(host_output *output)
@@ -206,8 +209,8 @@ void host_output_abandon(host_output *output)
         else if (file->temporary != NULL && !file->renamed)
             (void)unlink(file->temporary);
     }
-    if (output->made != NULL)
-        remove_directories(output);
+    for (i = output->n_made; i > 0; i--)
+        (void)rmdir(output->made[i - 1u]);
     free_output(output);
 }
 

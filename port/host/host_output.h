@@ -14,7 +14,8 @@ int host_output_check(const char *directory, host_error *error);
  * The directory's text is borrowed. */
 host_output *host_output_begin(const char *directory);
 
-/* Writes one file's content. After a failure the set can only be abandoned. */
+/* Writes one file's content; its name may begin with directories of its own.
+ * After a failure the set can only be abandoned. */
 int host_output_add(host_output *output, const char *name, const host_buffer *content, host_error *error);
 
 /* Gives all files their names; on failure takes back what it can. Frees the set either way. */

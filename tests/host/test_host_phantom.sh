@@ -1,0 +1,114 @@
+#!/bin/sh
+# smr phantom: all files or none, the same bytes for any number of threads, read back by our own readers, fit for
+# a registration; bad options.
+# SPDX-License-Identifier: MIT
+# SMR_TEST_CFLAGS: for the helpers.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/host/host_common.inc
+
+build_tool || { not_ok "the mesh helper compiles"; finish; exit 1; }
+# shellcheck disable=SC2086
+"$CC" -std=c11 -O2 ${SMR_TEST_CFLAGS:-} -Iinclude -Iport/host tests/host/volume_tool.c port/host/volume_*.c \
+    port/host/landmarks_*.c port/host/mesh_*.c port/host/vtk_*.c port/host/ply_header.c port/host/host_mesh.c \
+    port/host/host_text.c port/host/host_file.c port/host/host_gzip.c port/host/host_buffer.c port/host/host_error.c \
+    -lm -o "$scratch/volume" || { not_ok "the helper compiles"; finish; exit 1; }
+cd "$scratch" || exit 1
+
+# refused NAME FILE COMMAND...: status 2, one line that starts with the file, nothing new in the directory.
+refused() {
+    refused_name=$1
+    refused_file=$2
+    shift 2
+    ls -R . >before.txt
+    ls -R . >before.txt # now it lists itself
+    "$@" >out.txt 2>err.txt
+    refused_got=$?
+    ls -R . | grep -vxE 'out.txt|err.txt|after.txt' >after.txt
+    if [ $refused_got -eq 2 ] && [ "$(wc -l <err.txt)" -eq 1 ] && [ ! -s out.txt ] &&
+        grep -qF "smr: $refused_file: " err.txt && grep -vxE 'out.txt|err.txt|after.txt' before.txt | cmp -s - after.txt; then
+        ok "$refused_name"
+    else
+        not_ok "$refused_name"
+        echo "#   status $refused_got: $(head -2 err.txt)"
+    fi
+}
+value() { sed -n "s/^ *\"$2\": \"\{0,1\}\([^,\"]*\)\"\{0,1\},\{0,1\}\$/\1/p" "$1" | head -1; }
+mean() { sed -n "/\"$2\": {/,/}/s/^ *\"mean\": \([^,]*\),\{0,1\}\$/\1/p" "$1" | head -1; }
+
+# The whole resolution once, the small one in all variations.
+check "made" "$SMR" phantom -o whole
+check "made small" "$SMR" phantom -o one/small --small --threads 1
+for threads in 2 4; do
+    check "made small by $threads threads" "$SMR" phantom -o "by$threads" --small --threads $threads --quiet
+    check "the same bytes" diff -r one/small "by$threads"
+done
+check "seed 1 is the default" sh -c "'$SMR' phantom -o seed1 --small --seed 1 && diff -r one/small seed1"
+check "another seed" "$SMR" phantom -o other --small --seed 2
+check "the same model" diff -r one/small/model other/model
+check "the same reference" cmp one/small/mri_reference.mha other/mri_reference.mha
+check "another patient" sh -c "! cmp -s one/small/mri_patient.mha other/mri_patient.mha && ! cmp -s one/small/truth/femur.ply other/truth/femur.ply"
+check "--quiet is quiet" [ -z "$("$SMR" phantom -o by4 --small --quiet)" ]
+check "over an older one: the same" diff -r one/small by4
+
+check "52 files" [ "$(find whole -type f | wc -l)" -eq 52 ]
+n=0
+for file in whole/model/*.ply; do
+    name=${file##*/}
+    n=$((n + 1))
+    # vertices, triangles
+    a=$("$scratch/tool" count "$file" 2>&1 | cut -d ' ' -f 1,2)
+    b=$("$scratch/tool" count "whole/truth/$name" 2>&1 | cut -d ' ' -f 1,2)
+    [ -n "$a" ] && [ "$a" = "$b" ] || { not_ok "$name: model $a, truth $b"; continue; }
+    for set in model truth; do
+        "$SMR" measure whole/$set/"$name" whole/$set/"$name" >measure.txt 2>&1
+        grep -q '^folds: 0 ' measure.txt || not_ok "$set/$name: $(grep folds measure.txt)"
+    done
+done
+check "24 structures without folds" [ $n -eq 24 ]
+for name in femur hip_bone patella gluteus_maximus rectus_femoris vastus_medialis; do
+    check "there is $name" [ -f whole/model/$name.ply ]
+done
+for image in reference patient; do
+    check "mri_$image.mha: $("$scratch/volume" info whole/mri_$image.mha | cut -c 1-60)" sh -c \
+        "'$scratch/volume' info whole/mri_$image.mha | grep -qE '^uint8 2[0-9]{2} 2[0-9]{2} 2[0-9]{2} o .* s 1.000 1.000 3.000 d 1.000 0.000 0.000 0.000 1.000'"
+done
+
+# near LANDMARKS SET MM: every landmark lies by a vertex of the structure that its description names.
+near() {
+    sed -n 's/.*"description": "\([^"]*\)", "position": \[\(.*\), \(.*\), \(.*\)\].*/\1 \2 \3 \4/p' "$1" >marks.txt
+    [ "$(wc -l <marks.txt)" -eq 15 ] || return 1
+    while read -r part x y z; do
+        "$scratch/tool" convert "$2/$part.ply" obj part.obj || return 1
+        awk -v x="$x" -v y="$y" -v z="$z" -v most="$3" -v part="$part" '
+            $1 == "v" { d = ($2 - x) ^ 2 + ($3 - y) ^ 2 + ($4 - z) ^ 2; if (!n++ || d < best) best = d }
+            END { if (sqrt(best) > most) print part " " x " " y " " z ": " sqrt(best) " mm beside"
+                  exit !(n && sqrt(best) <= most) }' part.obj || return 1
+    done <marks.txt
+}
+check "landmarks of the reference are vertices" near whole/landmarks_reference.mrk.json whole/model 0.01
+check "landmarks of the patient are near vertices" near whole/landmarks_patient.mrk.json whole/truth 1.8
+check "the landmarks are pairs" sh -c \
+    "[ \$('$scratch/volume' pair whole/landmarks_reference.mrk.json whole/landmarks_patient.mrk.json | wc -l) -ge 15 ]"
+
+small=one/small
+check "a registration with it" "$SMR" register --model $small/model/*.ply --reference $small/mri_reference.mha \
+    --target $small/mri_patient.mha --landmarks $small/landmarks_reference.mrk.json \
+    $small/landmarks_patient.mrk.json --truth $small/truth -o result --quiet
+to=$(mean result/report.json model_to_target)
+check "model to truth $to mm in the mean, below a voxel" awk -v a="$to" 'BEGIN { exit !(a != "" && a < 3) }'
+check "no folds" [ "$(value result/report.json folds)" = 0 ]
+
+touch file
+mkdir -p full/model/femur.ply
+for option in "--seed 0" "--seed -1" "--seed 1.5" "--seed x" "--seed 2000000000" "--seed" "--threads 0" "--radius 30" \
+    "--model femur.ply" "--bad"; do
+    # shellcheck disable=SC2086
+    refused "$option" "${option%% *}" "$SMR" phantom -o new $option
+done
+refused "no -o" usage "$SMR" phantom
+refused "an operand" femur.ply "$SMR" phantom femur.ply -o new
+refused "-o a file" file "$SMR" phantom -o file --small
+refused "-o in a file" file/new "$SMR" phantom -o file/new --small
+refused "a directory where a file belongs" full "$SMR" phantom -o full --small
+refused "no room for the images" new/deep sh -c "ulimit -f 100; '$SMR' phantom -o new/deep --small"
+finish
