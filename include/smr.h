@@ -185,7 +185,8 @@ typedef struct smr_prepare_config {
     const smr_volume *reference;     /* the image that fits the model, for intensity profiles; NULL (default): none */
     uint32_t profile_samples;        /* 3..64, default 20: along each vertex' normal (paper 3: 30) */
     float profile_step_mm;           /* (0,100], default 0.5 */
-    float profile_inward;            /* [0,1], default 0.75: share of the samples on the inner side */
+    float profile_inward;            /* [0,1]: share of the samples on the inner side, which differs less between people than
+                                        what lies around; negative (default): all but 1.6 voxels of the reference */
     smr_progress progress;           /* may be NULL */
     void *progress_ctx;
 } smr_prepare_config;

@@ -49,7 +49,7 @@ void host_help(void)
         "  --gradient MM[,MM]              search for the edge, first and last (5,2)",
         "  --similarity ncc|ssd|concordance (the last)               --confidence X  least of a goal (0.4)",
         "  --profile-samples N             (20)                      --profile-step MM (0.5)",
-        "  --profile-inward X              share of the samples on the inner side (0.75)",
+        "  --profile-inward X              share of the samples on the inner side (chosen from the voxels)",
         "phantom: --seed N another patient (1); --small fewer vertices and voxels; --threads N; --quiet",
         "preparing (register, build, info):",
         "  --radius MM[,MM...]             cluster radii, coarse to fine (chosen from the surfaces)",

@@ -1,10 +1,12 @@
 /* profile.c: one-dimensional registration of intensity profiles (paper 2.1) and gradient search along the normal. Likeness is
- * normalised cross-correlation (Lewis 1995, with running sums), the sum of squared differences, or the concordance of
- * contrast, 2 s_xy / (s_x^2 + s_y^2) (Lin 1989, without its term for the means).
+ * normalised cross-correlation (Lewis 1995, with running sums), the sum of squared differences, or concordance,
+ * 2 s_xy / (s_x^2 + s_y^2 + SMR_LEVEL (mean_x - mean_y)^2) (Lin 1989 has 1 for SMR_LEVEL: brightness differs between images
+ * of one kind, but not by as much as between tissues).
  * Bounds: (m - n + 1) * n multiply-adds, no allocation. The peak is refined by a parabola through its neighbours.
  * SPDX-License-Identifier: MIT */
 #include "geometry/profile.h"
 
+#define SMR_LEVEL 0.1f
 #define SMR_SCORE_LOW -0.999f  /* -1 is kept for windows that are not all inside */
 #define SMR_SCORE_MIN 0.3f      /* correlations below carry no confidence */
 #define SMR_APART 4u            /* samples between a peak and another one that makes it less distinct */
@@ -44,7 +46,7 @@ static float score_of(const smr_likeness *how, float ref_norm, float noise2, flo
     if (how->kind == SMR_SIMILARITY_SSD)
         return 1.0f - (square - 2.0f * dot + ref2) / ref2;
     if (how->kind == SMR_SIMILARITY_CONCORDANCE)
-        return 2.0f * dot / (smr_max(variance, 0.0f) + ref2 + n * noise2);
+        return 2.0f * dot / (smr_max(variance, 0.0f) + ref2 + n * noise2 + SMR_LEVEL * sum * sum / n);
     return variance > 1.0e-4f * ref2 ? dot / (SMR_SQRT(variance) * ref_norm) : 0.0f;
 }
 
@@ -79,7 +81,7 @@ static void scores_of(const float *ref, float ref_norm, float noise2, uint32_t n
 smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32_t n, const float *line,
                            const unsigned char *inside, uint32_t m, const smr_likeness *how)
 {
-    const int ssd = how->kind == SMR_SIMILARITY_SSD;
+    const int level_counts = how->kind != SMR_SIMILARITY_NCC;
     float ref[SMR_PROFILE_MAX], centred[SMR_LINE_MAX], score[SMR_LINE_MAX];
     if (!(range > 0.0f) || m < n || n < 3u || n > SMR_PROFILE_MAX || m > SMR_LINE_MAX)
         return none;
@@ -96,11 +98,11 @@ smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32
     for (uint32_t k = 0; k < m; k++)
         centred[k] = inside[k] ? (line[k] - low) / range - mean : 0.0f;
     float level = 0.0f, count = 0.0f;
-    for (uint32_t k = 0; !ssd && k < m; k++) {
+    for (uint32_t k = 0; !level_counts && k < m; k++) {
         level += centred[k];
         count += inside[k] ? 1.0f : 0.0f;
     }
-    for (uint32_t k = 0; !ssd && k < m; k++)
+    for (uint32_t k = 0; !level_counts && k < m; k++)
         centred[k] -= inside[k] ? level / count : 0.0f;
     const float noise = how->noise / range;
     scores_of(ref, SMR_SQRT(norm), noise * noise, n, centred, inside, offsets, how, score);

@@ -25,8 +25,7 @@ typedef struct smr_likeness {
     float nearer;   /* what a score loses at the ends of the line, less towards its middle: of like peaks the nearer wins */
 } smr_likeness;
 
-/* The offset 0 .. m - n at which the n samples of the reference fit the line best. For squared differences low and range
- * matter, for concordance range. */
+/* The offset 0 .. m - n at which the n samples of the reference fit the line best. low and range matter but for correlation. */
 smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32_t n, const float *line,
                            const unsigned char *inside, uint32_t m, const smr_likeness *how);
 

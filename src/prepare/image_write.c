@@ -135,7 +135,7 @@ smr_status smr_write_image(smr_plan *p, smr_writer *w, const float *radius, uint
     if (p->profile != NULL) {
         const uint32_t samples = p->config->profile_samples;
         head.profile_samples = samples;
-        head.profile_inward = smr_min_u32((uint32_t)(p->config->profile_inward * (float)samples), samples - 1u);
+        head.profile_inward = smr_profile_inward(p->config);
         head.profile_step = smr_float_bits(p->config->profile_step_mm);
         head.at_profiles = write_bytes(w, p->profile, (size_t)p->n * samples);
         head.at_ranges = write_floats(w, p->range, 2u * (size_t)p->n);

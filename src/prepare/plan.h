@@ -72,6 +72,7 @@ void smr_plan_mass(smr_plan *p);
 
 /* Intensity profiles of the reference image along the normals. Errors: as smr_grid_open. */
 smr_status smr_plan_profiles(smr_plan *p);
+uint32_t smr_profile_inward(const smr_prepare_config *c); /* samples before the vertex; needs a reference image */
 
 /* Edges with exactly two triangles. */
 void smr_plan_hinges(smr_plan *p);

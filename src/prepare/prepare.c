@@ -19,7 +19,7 @@ smr_prepare_config smr_prepare_config_default(void)
     c.ring = 1;
     c.profile_samples = 20;
     c.profile_step_mm = 0.5f;
-    c.profile_inward = 0.75f;
+    c.profile_inward = -1.0f;
     return c;
 }
 
@@ -32,7 +32,7 @@ static smr_status check_config(const smr_prepare_config *c)
         return SMR_E_CONFIG;
     if (c->profile_samples < 3u || c->profile_samples > SMR_PROFILE_MAX ||
         !(c->profile_step_mm > 1.0e-6f && c->profile_step_mm <= 100.0f) ||
-        !(c->profile_inward >= 0.0f && c->profile_inward <= 1.0f))
+        !(c->profile_inward >= -1.0f && c->profile_inward <= 1.0f))
         return SMR_E_CONFIG;
     for (uint32_t i = 0; i < c->n_radii; i++)
         if (!(c->radius_mm[i] >= 1.0e-6f && c->radius_mm[i] <= SMR_COORD_MAX))

@@ -5,6 +5,19 @@
 #include "geometry/volume.h"
 #include "prepare/plan.h"
 
+#define SMR_OUTWARD 1.6f /* voxels */
+
+uint32_t smr_profile_inward(const smr_prepare_config *c)
+{
+    const float n = (float)c->profile_samples, *spacing = c->reference->spacing;
+    float share = c->profile_inward;
+    if (share < 0.0f) {
+        const float outward = SMR_OUTWARD * (spacing[0] + spacing[1] + spacing[2]) * (1.0f / 3.0f);
+        share = smr_clamp(1.0f - outward / (n * c->profile_step_mm), 0.0f, 1.0f);
+    }
+    return smr_min_u32((uint32_t)(share * n), c->profile_samples - 1u);
+}
+
 smr_status smr_plan_profiles(smr_plan *p)
 {
     const smr_prepare_config *c = p->config;
@@ -15,7 +28,7 @@ smr_status smr_plan_profiles(smr_plan *p)
     if (status != SMR_OK)
         return status;
     const uint32_t n = c->profile_samples;
-    const uint32_t inward = smr_min_u32((uint32_t)(c->profile_inward * (float)n), n - 1u);
+    const uint32_t inward = smr_profile_inward(c);
     const smr_mesh mesh = {p->xyz, p->triangle, p->n, p->nt};
     smr_mesh_normals(&mesh, p->normal, NULL);
     for (uint32_t v = 0; v < p->n; v++) {
