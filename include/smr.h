@@ -47,6 +47,7 @@ const char *smr_status_name(smr_status status);
 #define SMR_STRUCTURES_MAX 1024u
 #define SMR_NAME_BYTES 64u      /* structure names, with the closing NUL */
 #define SMR_RADII_MAX 16u
+#define SMR_LEVELS_MAX 24u      /* of priority, in a model image */
 #define SMR_WORKERS_MAX 64u
 #define SMR_ALL 0xffffffffu     /* "every structure" */
 
@@ -179,6 +180,9 @@ typedef struct smr_prepare_config {
     uint32_t order;                  /* SMR_ORDER_...; default the minimum spanning forest */
     uint32_t ring;                   /* 1 (default): a cluster also holds its vertex' mesh neighbours, at
                                         radii not below the mean edge */
+    uint32_t priority;               /* 1 (default): vertices are stored in the order in which they matter (paper
+                                        2.2, complexity tuning), so that a registration may leave out the last
+                                        ones; 0: no such order, all vertices always take part */
     uint32_t block_vertices;         /* vertices per forest block, 16..65536; default 0: chosen */
     const smr_volume *reference;     /* the image that fits the model, for intensity profiles; NULL (default): none */
     uint32_t profile_samples;        /* 3..64, default 30: along each vertex' normal (paper 3) */
@@ -221,6 +225,9 @@ typedef struct smr_model_info {
     uint32_t smallest_cluster[SMR_RADII_MAX];
     uint32_t n_blocks[SMR_RADII_MAX];
     uint32_t separate[SMR_RADII_MAX];          /* 1: clusters keep to their own structure */
+    uint32_t active_min[SMR_RADII_MAX];        /* active vertices needed so that every cluster keeps 3, or all it has */
+    uint32_t n_levels;                         /* of priority, the most important first; 1 without priority */
+    uint32_t level_end[SMR_LEVELS_MAX];        /* vertices in a level and all before it */
     uint32_t order;                            /* SMR_ORDER_... */
     uint32_t profile_samples;                  /* 0: no intensity profiles */
     float profile_step_mm;
