@@ -312,6 +312,14 @@ typedef struct smr_config {
     uint32_t normals;            /* SMR_NORMALS_...; default carried by the cluster rotations, recomputed
                                     from the triangles whenever x^r is */
 
+    /* complexity tuning (paper 2.2): the first vertices in the order of priority are active. The others get no force, are out
+     * of the clusters, and are carried along by them. At least smr_model_info.active_min[radius] always are active */
+    float active_share;          /* [0,1], default 1: share of the vertices */
+    float active_first;          /* [0,1], default 1: below active_share, the share at the schedule's start; from there it
+                                    grows evenly to active_share at the end */
+    uint32_t active_enough;      /* 0..1e6, default 8: with an image, so many active vertices in the smallest cluster are
+                                    enough, about; at large radii most are then ignored. 0: active_share alone decides */
+
     /* schedule: from coarse to fine radius */
     uint32_t radius_first;       /* index of the first radius used, default 0 */
     uint32_t radius_last;        /* index of the last radius used; default SMR_ALL: the finest */
@@ -331,7 +339,7 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 /* The same as a compile-time upper bound, for static storage:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(nv, nt, ns, workers, target_vertices)]; */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices)        \
-    ((size_t)8192u + (size_t)348u * (n_vertices) + (size_t)54u * (n_triangles) +                    \
+    ((size_t)8192u + (size_t)352u * (n_vertices) + (size_t)54u * (n_triangles) +                    \
      (size_t)2048u * (n_structures) + ((size_t)32u * (n_vertices) + 256u) * (n_workers) +           \
      (size_t)8u * (n_target_vertices))
 
