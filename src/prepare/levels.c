@@ -6,7 +6,7 @@
 
 #include "geometry/curve.h"
 
-#define SMR_LEVEL_EIGHTHS 10u /* a level and all before it, against all before it: about 10 / 8 */
+#define SMR_LEVEL_EIGHTHS 16u /* a level and all before it, against all before it: about 16 / 8 */
 
 /* Ends of levels from the last to the first: those in need[n] (ascending), and steps in between while there is room. */
 static void choose_ends(smr_plan *p, const uint32_t *need, uint32_t n)

@@ -1,6 +1,6 @@
 /* priority.c: the priority list S (paper 2.2, complexity tuning): which vertices can be left out of all clusters, least
- * significant first. m_i = min over j in zeta_i of |zeta_j|; the vertex of the largest m_i goes first (ties: the one that
- * comes first along the curve) and is taken out of the clusters that hold it, its own included, until every m_i is
+ * significant first. m_i = min over j in zeta_i of |zeta_j|; the vertex of the largest m_i goes first (ties: the caller's
+ * smallest index, so that the list does not depend on how the model lies) and is taken out of the clusters that hold it, its own included, until every m_i is
  * SMR_KEPT or less. Clusters smaller than that from the start therefore stay whole.
  * Several radii share one list: the rule runs at the finest radius until nothing can go, then at the next coarser one
  * among what remains.
@@ -50,25 +50,37 @@ static smr_status count_remaining(smr_plan *p, float radius)
     return SMR_OK;
 }
 
+/* The member of a row that is on the list and has the smallest of the caller's indexes; SMR_REMAINS for none. */
+static uint32_t first_listed(const smr_plan *p, const uint64_t *row)
+{
+    uint32_t first = SMR_REMAINS;
+    for (uint32_t w = smr_row_first(row, p->words); w < smr_row_last(row, p->words); w++) {
+        for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u) {
+            const uint32_t k = w * 64u + (uint32_t)__builtin_ctzll(rest);
+            if (p->place[k] != SMR_REMAINS && (first == SMR_REMAINS || p->original[k] < p->original[first]))
+                first = k;
+        }
+    }
+    return first;
+}
+
 /* A finer radius does not watch over what its small clusters hold at this one: takes vertices off the list again where
  * fewer than SMR_KEPT are left of a cluster that had more. */
 static smr_status restore(smr_plan *p, float radius)
 {
-    uint64_t *row = smr_plan_row(p, 0), *other = smr_plan_row(p, 1);
-    for (uint32_t v = 0; p->n_listed > 0u && v < p->n; v++) {
+    for (uint32_t i = 0; p->n_listed > 0u && i < p->n; i++) {
+        const uint32_t v = p->position[i];
         if (p->count[v] >= SMR_KEPT)
             continue;
-        smr_cluster_row(p, v, radius, row);
-        for (uint32_t w = smr_row_first(row, p->words); w < smr_row_last(row, p->words); w++) {
-            for (uint64_t rest = row[w]; rest != 0u && p->count[v] < SMR_KEPT; rest &= rest - 1u) {
-                const uint32_t k = w * 64u + (uint32_t)__builtin_ctzll(rest);
-                if (p->place[k] == SMR_REMAINS)
-                    continue;
-                p->list[p->place[k]] = SMR_REMAINS;
-                p->place[k] = SMR_REMAINS;
-                smr_cluster_row(p, k, radius, other);
-                change_counts(p, other, 1u);
-            }
+        smr_cluster_row(p, v, radius, smr_plan_row(p, 0));
+        while (p->count[v] < SMR_KEPT) {
+            const uint32_t k = first_listed(p, smr_plan_row(p, 0));
+            if (k == SMR_REMAINS)
+                break;
+            p->list[p->place[k]] = SMR_REMAINS;
+            p->place[k] = SMR_REMAINS;
+            smr_cluster_row(p, k, radius, smr_plan_row(p, 1));
+            change_counts(p, smr_plan_row(p, 1), 1u);
         }
         if (asked_to_stop(p))
             return SMR_E_ABORTED;
@@ -130,19 +142,20 @@ static uint32_t scan(smr_plan *p, uint32_t v, float radius)
     return m;
 }
 
-/* The vertices that wait in bucket m, ascending, into key[]; empties the bucket. Returns how many. */
+/* The vertices that wait in bucket m, by the caller's index, into item[]; empties the bucket. Returns how many. */
 static uint32_t take_bucket(smr_plan *p, uint32_t m)
 {
     uint32_t n = 0, falling = 1;
     for (uint32_t v = p->bucket[m]; v != SMR_REMAINS; v = p->next[v], n++) {
-        falling &= n == 0u || v < p->key[n - 1u];
-        p->key[n] = p->item[n] = v;
+        p->key[n] = p->original[v];
+        p->item[n] = v;
+        falling &= n == 0u || p->key[n] < p->key[n - 1u];
     }
     p->bucket[m] = SMR_REMAINS;
     for (uint32_t i = 0; falling && i < n / 2u; i++) { /* put there in one go: the last comes first */
-        const uint32_t v = p->key[i];
-        p->key[i] = p->key[n - 1u - i];
-        p->key[n - 1u - i] = v;
+        const uint32_t v = p->item[i];
+        p->item[i] = p->item[n - 1u - i];
+        p->item[n - 1u - i] = v;
     }
     if (!falling)
         smr_curve_sort(p->key, p->item, p->tmp, n);
@@ -157,7 +170,8 @@ static smr_status discard(smr_plan *p, float radius)
         most = smr_max_u32(most, p->count[v]);
     for (uint32_t m = 0; m <= most; m++)
         p->bucket[m] = SMR_REMAINS;
-    for (uint32_t v = 0; v < p->n; v++) {
+    for (uint32_t i = 0; i < p->n; i++) {
+        const uint32_t v = p->position[i];
         p->witness[v] = v;
         if (p->place[v] == SMR_REMAINS)
             put_in_bucket(p, v, p->count[v]);
@@ -165,7 +179,7 @@ static smr_status discard(smr_plan *p, float radius)
     for (uint32_t m = most; m > SMR_KEPT; m--) {
         const uint32_t n = take_bucket(p, m);
         for (uint32_t i = 0; i < n; i++) {
-            const uint32_t v = p->key[i];
+            const uint32_t v = p->item[i];
             uint32_t now = p->count[p->witness[v]];
             if (now == m)
                 now = ask_neighbours(p, v, radius);

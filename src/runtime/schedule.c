@@ -4,20 +4,31 @@
 
 #define SMR_REPAIR_MAX 30u
 #define SMR_ACTIVE_EVERY 8u /* iterations */
+#define SMR_ABOUT 0.75f
 
 uint32_t smr_last_radius(const smr *s) { return smr_min_u32(s->config.radius_last, s->n_radii - 1u); }
 
 int smr_guarded(const smr *s) { return s->config.fold_guard && s->radius + 2u > smr_last_radius(s); }
 
+/* Image forces cost most of the time, and a large cluster needs few of them: about so many that the smallest cluster keeps
+ * active_enough. Whole levels: which vertices they hold does not depend on how the curve runs through the model. */
+static float enough_for_image(const smr *s)
+{
+    const float enough = (float)s->n * (float)s->config.active_enough / (float)smr_max_u32(s->lists.smallest, 1u);
+    uint32_t level = 0;
+    while (level + 1u < smr_le32(s->model->n_levels) && (float)smr_le32(s->model->level_end[level]) < SMR_ABOUT * enough)
+        level++;
+    return (float)smr_le32(s->model->level_end[level]);
+}
+
 /* The first vertices in the order in which they matter that take part now: the share that the configuration asks for, but
- * never too few for the clusters of this radius. Image forces cost most of the time, and a large cluster needs few of them:
- * with an image about so many are left that the smallest cluster keeps active_enough. */
+ * never too few for the clusters of this radius. */
 static uint32_t active_count(const smr *s)
 {
     const float n = (float)s->n, last = s->config.active_share, first = smr_min(s->config.active_first, last);
     float count = n * (first + (last - first) * smr_schedule_progress(s));
     if (s->has_grid && s->config.active_enough > 0u)
-        count = smr_min(count, n * (float)s->config.active_enough / (float)smr_max_u32(s->lists.smallest, 1u));
+        count = smr_min(count, enough_for_image(s));
     const uint32_t whole = (uint32_t)count;
     return smr_min_u32(smr_max_u32(whole + ((float)whole < count), s->lists.active_min), s->n);
 }

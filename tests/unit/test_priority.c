@@ -9,7 +9,7 @@
 #include "prepare/plan.h"
 #include "unit_lists.h"
 
-/* member[r]: clusters as sets in curve numbers. */
+/* member[r]: clusters as sets in the caller's numbers. */
 typedef struct world {
     unit_mesh mesh[2];
     smr_structure structure[2];
@@ -45,7 +45,7 @@ static void unmake(world *w)
     unit_mesh_free(&w->mesh[1]);
 }
 
-/* Clusters of the image by looking at every pair, renumbered along the curve. */
+/* Clusters of the image by looking at every pair, in the caller's numbers. */
 static void find_members(world *w, const smr_model *m)
 {
     smr_model_info info;
@@ -59,7 +59,7 @@ static void find_members(world *w, const smr_model *m)
         w->member[k] = unit_memory((size_t)n * n);
         for (uint32_t a = 0; a < n; a++)
             for (uint32_t b = 0; b < n; b++)
-                w->member[k][(size_t)smr_model_along(m, a) * n + smr_model_along(m, b)] = stored[(size_t)a * n + b];
+                w->member[k][(size_t)smr_model_original(m, a) * n + smr_model_original(m, b)] = stored[(size_t)a * n + b];
     }
     unit_free(stored);
 }
@@ -148,7 +148,8 @@ static void check_list(const world *w, const uint32_t *list, uint32_t listed, co
     smr_plan_order(&p);
     assert_int_equal(smr_plan_priority(&p, w->config.radius_mm, w->config.n_radii, w->config.separate_below_mm), SMR_OK);
     assert_int_equal(p.n_listed, listed);
-    assert_memory_equal(p.list, list, listed * sizeof *list);
+    for (uint32_t i = 0; i < listed; i++)
+        assert_int_equal(p.original[p.list[i]], list[i]);
     assert_memory_equal(p.active_min, need, w->config.n_radii * sizeof *need);
     smr_arena_release(scratch, bytes);
     unit_free(scratch);
@@ -167,8 +168,8 @@ static void check_levels(const world *w, const smr_model *m, const uint32_t *lis
         rank[list[i]] = w->n - 1u - i;
     for (uint32_t v = 0, level = 0; v < w->n; v++) {
         level += v == info.level_end[level];
-        assert_true(rank[smr_model_along(m, v)] < info.level_end[level]);
-        assert_true(level == 0u || rank[smr_model_along(m, v)] >= info.level_end[level - 1u]);
+        assert_true(rank[smr_model_original(m, v)] < info.level_end[level]);
+        assert_true(level == 0u || rank[smr_model_original(m, v)] >= info.level_end[level - 1u]);
         assert_true(v == 0u || v == (level > 0u ? info.level_end[level - 1u] : 0u) ||
                     smr_model_along(m, v) > smr_model_along(m, v - 1u));
     }
@@ -190,7 +191,7 @@ static void check_prefixes(const world *w, const smr_model *m, const uint32_t *n
     for (uint32_t r = 0; r < w->config.n_radii; r++) {
         memset(gone, 1, w->n);
         for (uint32_t v = 0; v < w->n; v++) {
-            gone[smr_model_along(m, v)] = 0;
+            gone[smr_model_original(m, v)] = 0;
             if (v + 1u < need[r] || (v + 1u > need[r] && v % 5u != 0u))
                 continue;
             for (uint32_t a = 0; a < w->n; a++) {
