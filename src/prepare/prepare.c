@@ -134,14 +134,14 @@ smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structu
 }
 
 /* The stored order. The image's size does not depend on it, so that who only asks for the size need not wait for it. */
-static smr_status put_in_order(smr_plan *p, const float *radius, uint32_t n_radii, float separate_below, int wanted)
+static smr_status put_in_order(smr_plan *p, const float *radius, uint32_t n_radii, float below, int wanted)
 {
     const int forest = p->config->order == SMR_ORDER_FOREST;
     p->progress_total = n_radii * (forest ? smr_ceil_div(p->n, p->block) : 1u);
     smr_plan_one_level(p, n_radii);
     if (!wanted || !p->config->priority)
         return SMR_OK;
-    const smr_status status = smr_plan_priority(p, radius, n_radii, separate_below);
+    const smr_status status = smr_plan_priority(p, radius, n_radii, below);
     if (status == SMR_OK)
         smr_plan_levels(p, n_radii);
     return status;
