@@ -47,6 +47,7 @@ const char *smr_status_name(smr_status status);
 #define SMR_STRUCTURES_MAX 1024u
 #define SMR_NAME_BYTES 64u      /* structure names, with the closing NUL */
 #define SMR_RADII_MAX 16u
+#define SMR_LEVELS_MAX 24u      /* of priority, in a model image */
 #define SMR_WORKERS_MAX 64u
 #define SMR_ALL 0xffffffffu     /* "every structure" */
 
@@ -181,6 +182,9 @@ typedef struct smr_prepare_config {
     uint32_t order;                  /* SMR_ORDER_...; default the minimum spanning forest */
     uint32_t ring;                   /* 1 (default): a cluster also holds its vertex' mesh neighbours, at
                                         radii not below the mean edge */
+    uint32_t priority;               /* 1 (default): vertices are stored in the order in which they matter (paper
+                                        2.2, complexity tuning), so that a registration may leave out the last
+                                        ones; 0: no such order, all vertices always take part */
     uint32_t block_vertices;         /* vertices per forest block, 16..65536; default 0: chosen */
     const smr_volume *reference;     /* the image that fits the model, for intensity profiles; NULL (default): none */
     uint32_t profile_samples;        /* 3..64, default 20: along each vertex' normal (paper 3: 30) */
@@ -224,6 +228,9 @@ typedef struct smr_model_info {
     uint32_t smallest_cluster[SMR_RADII_MAX];
     uint32_t n_blocks[SMR_RADII_MAX];
     uint32_t separate[SMR_RADII_MAX];          /* 1: clusters keep to their own structure */
+    uint32_t active_min[SMR_RADII_MAX];        /* active vertices needed so that every cluster keeps 3, or all it has */
+    uint32_t n_levels;                         /* of priority, the most important first; 1 without priority */
+    uint32_t level_end[SMR_LEVELS_MAX];        /* vertices in a level and all before it */
     uint32_t order;                            /* SMR_ORDER_... */
     uint32_t profile_samples;                  /* 0: no intensity profiles */
     float profile_step_mm;
@@ -313,6 +320,15 @@ typedef struct smr_config {
     uint32_t normals;            /* SMR_NORMALS_...; default carried by the cluster rotations, recomputed
                                     from the triangles whenever x^r is */
 
+    /* complexity tuning (paper 2.2): the first vertices in the order of priority are active. The others get no force, are out
+     * of the clusters, and are carried along by them. At least smr_model_info.active_min[radius] always are active */
+    float active_share;          /* [0,1], default 1: share of the vertices */
+    float active_first;          /* [0,1], default 1: below active_share, the share at the schedule's start; from there it
+                                    grows evenly to active_share at the end */
+    uint32_t active_enough;      /* 0..1e6, default 12: with an image, so many active vertices in the smallest cluster are
+                                    enough, about (whole levels are taken); at large radii most are then ignored.
+                                    0: active_share alone decides */
+
     /* schedule: from coarse to fine radius */
     uint32_t radius_first;       /* index of the first radius used, default 0 */
     uint32_t radius_last;        /* index of the last radius used; default SMR_ALL: the finest */
@@ -332,7 +348,7 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 /* The same as a compile-time upper bound, for static storage:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(nv, nt, ns, workers, target_vertices)]; */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices)        \
-    ((size_t)8192u + (size_t)348u * (n_vertices) + (size_t)54u * (n_triangles) +                    \
+    ((size_t)8192u + (size_t)352u * (n_vertices) + (size_t)54u * (n_triangles) +                    \
      (size_t)2048u * (n_structures) + ((size_t)32u * (n_vertices) + 256u) * (n_workers) +           \
      (size_t)8u * (n_target_vertices))
 

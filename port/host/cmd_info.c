@@ -19,10 +19,14 @@ static void print_info(const host_model *model, int prepared_here)
     (void)printf("order %s\n", info->order == SMR_ORDER_FOREST ? "forest" : "breadth-first");
     for (i = 0; i < info->n_radii; i++)
         (void)printf("radius %8.3f mm  indexes per cluster %8.2f  direct %8.2f  largest %5u  smallest %4u  "
-                     "blocks %4u  %s\n",
+                     "blocks %4u  %s  needs %u active\n",
                      (double)info->radius_mm[i], (double)info->indexes_per_cluster[i],
                      (double)info->direct_per_cluster[i], info->largest_cluster[i], info->smallest_cluster[i],
-                     info->n_blocks[i], info->separate[i] ? "separate" : "shared");
+                     info->n_blocks[i], info->separate[i] ? "separate" : "shared", info->active_min[i]);
+    (void)printf("priority levels %u, vertices up to each:", info->n_levels);
+    for (i = 0; i < info->n_levels; i++)
+        (void)printf(" %u", info->level_end[i]);
+    (void)printf("\n");
     if (info->profile_samples > 0)
         (void)printf("intensity profiles of %u samples every %.2f mm\n", info->profile_samples,
                      (double)info->profile_step_mm);

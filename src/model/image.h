@@ -9,7 +9,7 @@
 #include "base/vec.h"
 
 #define SMR_IMAGE_MAGIC 0x31524d53u /* "SMR1" */
-#define SMR_IMAGE_VERSION 1u
+#define SMR_IMAGE_VERSION 2u
 #define SMR_IMAGE_HEAD 16u          /* the checksum covers the bytes from here on */
 #define SMR_MASS_UNITS 16.0f        /* masses are whole multiples of 1/16 */
 #define SMR_MASS_MAX 64.0f
@@ -43,6 +43,9 @@ struct smr_model {
     uint32_t n_hinges;
     uint32_t at_hinges;       /* smr_image_hinge [n_hinges] */
     uint32_t at_radii;        /* smr_image_radius [n_radii] */
+    uint32_t at_along;        /* uint32 [n_vertices]: stored vertex -> its place along the curve; ascending in each level */
+    uint32_t n_levels;
+    uint32_t level_end[SMR_LEVELS_MAX]; /* stored vertices in a level and all before it; unused ones are 0 */
 };
 
 typedef struct smr_image_structure {
@@ -78,9 +81,10 @@ typedef struct smr_image_radius {
     uint32_t at_entries;      /* smr_entry16 or smr_entry32 [n_vertices]: the order L, block after block */
     uint32_t at_count;        /* uint16 or uint32 [n_vertices]: |zeta| of each stored vertex */
     uint32_t at_indexes;      /* uint16 or uint32 [n_indexes]: zeta+ then zeta- of each entry, ascending */
+    uint32_t active_min;      /* so many first stored vertices at least keep every cluster large enough */
 } smr_image_radius;
 
-/* Vertices of a block are the stored vertices first .. next block's first - 1; its entries have the same numbers. */
+/* A block is the entries first .. next block's first - 1; their vertices are those with the same places along the curve. */
 typedef struct smr_image_block {
     uint32_t first;
     uint32_t first_index;
@@ -103,7 +107,7 @@ typedef struct smr_lists {
     const void *index;
     uint32_t index_bytes;
     uint32_t n_blocks;
-    uint32_t largest, smallest;
+    uint32_t largest, smallest, active_min;
     float radius, reach;
 } smr_lists;
 
@@ -128,6 +132,12 @@ static inline uint32_t smr_model_owner(const smr_model *m, uint32_t vertex)
 static inline const smr_image_structure *smr_model_record(const smr_model *m, uint32_t structure)
 {
     return (const smr_image_structure *)smr_at(m, m->at_structures) + structure;
+}
+
+/* A stored vertex' place along the curve. */
+static inline uint32_t smr_model_along(const smr_model *m, uint32_t vertex)
+{
+    return smr_le32(((const uint32_t *)smr_at(m, m->at_along))[vertex]);
 }
 
 /* Stored vertex of a caller's vertex. */

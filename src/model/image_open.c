@@ -75,6 +75,32 @@ static int check_numbering(const smr_model *m)
     return 1;
 }
 
+/* Levels are runs of the stored vertices, and along the curve each of them ascends: merged they are 0 .. n - 1, each once. */
+static int check_levels(const smr_model *m)
+{
+    const uint32_t n = smr_le32(m->n_vertices), n_levels = smr_le32(m->n_levels);
+    uint32_t at[SMR_LEVELS_MAX], begin = 0;
+    if (n_levels == 0u || n_levels > SMR_LEVELS_MAX || !section(m, m->at_along, n, 4))
+        return 0;
+    for (uint32_t i = 0; i < n_levels; i++) {
+        at[i] = begin;
+        if (smr_le32(m->level_end[i]) <= begin || smr_le32(m->level_end[i]) > n)
+            return 0;
+        begin = smr_le32(m->level_end[i]);
+    }
+    if (begin != n)
+        return 0;
+    for (uint32_t place = 0; place < n; place++) {
+        uint32_t i = 0;
+        while (i < n_levels && (at[i] == smr_le32(m->level_end[i]) || smr_model_along(m, at[i]) != place))
+            i++;
+        if (i == n_levels)
+            return 0;
+        at[i]++;
+    }
+    return 1;
+}
+
 /* What smr_model_mesh() gives out and where a registration starts is a coordinate like any other. */
 static int rest_within(const smr_model *m)
 {
@@ -90,7 +116,7 @@ static int check_vertices(const smr_model *m)
     const uint32_t n = smr_le32(m->n_vertices), nt = smr_le32(m->n_triangles);
     return section(m, m->at_position, n, 4) && section(m, m->at_original, n, 4) && section(m, m->at_owner, n, 2) && section(m, m->at_rest, n, 12) &&
            section(m, m->at_mass, n, 4) && section(m, m->at_triangles, nt, 12) && section(m, m->at_facets, nt, 4) &&
-           check_numbering(m) &&
+           check_numbering(m) && check_levels(m) &&
            floats_within(m->centre, 3, -SMR_COORD_MAX, SMR_COORD_MAX) &&
            floats_within(&m->edge_mm, 1, 0.0f, 4.0f * SMR_COORD_MAX) &&
            floats_within(smr_at(m, m->at_rest), 3u * (size_t)n, -2.0f * SMR_COORD_MAX, 2.0f * SMR_COORD_MAX) &&
@@ -150,13 +176,13 @@ static smr_entry32 entry_at(const smr_lists *l, uint32_t i)
     return e;
 }
 
-/* Every vertex of the block first..last-1 has exactly one entry: as many entries as vertices, none twice. */
-static int each_once(const smr_lists *l, uint32_t first, uint32_t last)
+/* Every vertex of the block first..last-1 of the curve has exactly one entry: as many entries as vertices, none twice. */
+static int each_once(const smr_model *m, const smr_lists *l, uint32_t first, uint32_t last)
 {
     for (uint32_t lo = first; lo < last; lo += SMR_WINDOW) {
         uint32_t seen[SMR_WINDOW / 32u] = {0};
         for (uint32_t i = first; i < last; i++) {
-            uint32_t v = entry_at(l, i).vertex - lo;
+            uint32_t v = smr_model_along(m, entry_at(l, i).vertex) - lo;
             if (v >= SMR_WINDOW)
                 continue;
             if (seen[v / 32u] >> (v % 32u) & 1u)
@@ -167,16 +193,18 @@ static int each_once(const smr_lists *l, uint32_t first, uint32_t last)
     return 1;
 }
 
-static int check_block(const smr_lists *l, uint32_t first, uint32_t last, uint64_t n_indexes)
+static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, uint32_t last, uint64_t n_indexes)
 {
+    const uint32_t n = smr_le32(m->n_vertices);
     uint64_t used = 0;
     for (uint32_t i = first; i < last; i++) {
         const smr_entry32 e = entry_at(l, i);
-        if (e.vertex < first || e.vertex >= last || e.parent > i - first)
+        if (e.vertex >= n || smr_model_along(m, e.vertex) < first || smr_model_along(m, e.vertex) >= last ||
+            e.parent > i - first)
             return 0;
         used += (uint64_t)e.n_plus + e.n_minus;
     }
-    return used == n_indexes && each_once(l, first, last);
+    return used == n_indexes && each_once(m, l, first, last);
 }
 
 static int check_radius(const smr_model *m, const smr_image_radius *r, uint32_t index)
@@ -187,7 +215,8 @@ static int check_radius(const smr_model *m, const smr_image_radius *r, uint32_t 
         !section(m, r->at_entries, n, 4u * (uint64_t)width) || !section(m, r->at_count, n, width) ||
         !section(m, r->at_indexes, n_indexes, width) || !floats_within(&r->radius, 1, FLT_MIN, SMR_COORD_MAX) ||
         !floats_within(&r->reach, 1, 0.0f, 4.0f * SMR_COORD_MAX) || !floats_within(&r->mean, 1, 0.0f, 1.0e7f) ||
-        smr_le32(r->largest) == 0u || smr_le32(r->largest) > n)
+        smr_le32(r->largest) == 0u || smr_le32(r->largest) > n || smr_le32(r->active_min) == 0u ||
+        smr_le32(r->active_min) > n)
         return 0;
     const smr_lists l = smr_model_lists(m, index);
     for (uint32_t v = 0; v < n; v++) {
@@ -203,7 +232,7 @@ static int check_radius(const smr_model *m, const smr_image_radius *r, uint32_t 
     for (uint32_t b = 0; b < n_blocks; b++) {
         uint32_t first = smr_le32(l.block[b].first), last = smr_le32(l.block[b + 1u].first);
         uint32_t from = smr_le32(l.block[b].first_index), to = smr_le32(l.block[b + 1u].first_index);
-        if (first >= last || last > n || from > to || to > n_indexes || !check_block(&l, first, last, to - from))
+        if (first >= last || last > n || from > to || to > n_indexes || !check_block(m, &l, first, last, to - from))
             return 0;
     }
     return 1;

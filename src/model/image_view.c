@@ -14,6 +14,7 @@ smr_lists smr_model_lists(const smr_model *m, uint32_t radius)
     l.n_blocks = smr_le32(r->n_blocks);
     l.largest = smr_le32(r->largest);
     l.smallest = smr_le32(r->smallest);
+    l.active_min = smr_le32(r->active_min);
     l.radius = smr_le_float(r->radius);
     l.reach = smr_le_float(r->reach);
     return l;
@@ -36,6 +37,9 @@ smr_status smr_model_get_info(const smr_model *model, smr_model_info *info)
     info->profile_step_mm = smr_le_float(model->profile_step);
     info->checksum = smr_le32(model->checksum);
     info->bytes = smr_le32(model->bytes);
+    info->n_levels = smr_le32(model->n_levels);
+    for (uint32_t i = 0; i < info->n_levels; i++)
+        info->level_end[i] = smr_le32(model->level_end[i]);
     for (uint32_t i = 0; i < info->n_radii; i++) {
         const smr_image_radius *r = (const smr_image_radius *)smr_at(model, model->at_radii) + i;
         info->radius_mm[i] = smr_le_float(r->radius);
@@ -43,6 +47,7 @@ smr_status smr_model_get_info(const smr_model *model, smr_model_info *info)
         info->direct_per_cluster[i] = smr_le_float(r->mean);
         info->largest_cluster[i] = smr_le32(r->largest);
         info->smallest_cluster[i] = smr_le32(r->smallest);
+        info->active_min[i] = smr_le32(r->active_min);
         info->n_blocks[i] = smr_le32(r->n_blocks);
         info->separate[i] = smr_le32(r->separate);
     }

@@ -38,6 +38,19 @@ static void box_ends(const smr_node *node, smr_vec p, float near2[SMR_TREE_WIDTH
     }
 }
 
+/* The members among a leaf's eight vertices. Behind the last vertex lies nothing: boxes there are SMR_FAR away. */
+static void set_leaf(const smr_plan *p, uint32_t leaf, const float near2[SMR_TREE_WIDTH], float r2, uint64_t *row)
+{
+    const uint32_t first = leaf * SMR_TREE_WIDTH;
+    uint64_t mask = 0;
+    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++)
+        mask |= (uint64_t)(near2[k] <= r2) << k;
+    if (mask == 0u)
+        return;
+    row[first / 64u] |= mask << (first % 64u);
+    smr_row_cover(row, p->words, first / 64u, first / 64u + 1u);
+}
+
 typedef struct visit {
     uint32_t level, index;
 } visit;
@@ -54,19 +67,19 @@ void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
         const visit at = stack[--top];
         float near2[SMR_TREE_WIDTH], far2[SMR_TREE_WIDTH];
         box_ends(&p->points.node[p->points.level[at.level] + at.index], centre, near2, far2);
+        if (at.level == 0u) {
+            set_leaf(p, at.index, near2, r2, row);
+            continue;
+        }
         for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
             const uint32_t child = at.index * SMR_TREE_WIDTH + k;
             const uint64_t first = (uint64_t)child << (3u * at.level), last = (uint64_t)(child + 1u) << (3u * at.level);
             if (first >= p->n)
                 break;
-            if (at.level == 0u) {
-                if (near2[k] <= r2)
-                    smr_row_set(row, p->words, child);
-            } else if (far2[k] <= SMR_INSIDE * r2) {
+            if (far2[k] <= SMR_INSIDE * r2)
                 set_run(row, p->words, (uint32_t)first, last < p->n ? (uint32_t)last : p->n);
-            } else if (near2[k] <= SMR_OUTSIDE * r2) {
+            else if (near2[k] <= SMR_OUTSIDE * r2)
                 stack[top++] = (visit){at.level - 1u, child};
-            }
         }
     }
 }

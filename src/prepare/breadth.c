@@ -49,7 +49,7 @@ smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint
     seeds(p, s_min, ring);
     for (uint32_t v = 0; v < p->n; v++)
         p->rank[v] = none;
-    smr_list_block(l, 0);
+    smr_list_block(l);
     while (head < p->n) {
         if (head == tail) { /* a seed, summed directly */
             while (p->rank[p->item[seed]] != none)

@@ -119,7 +119,7 @@ void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t 
     }
     const uint32_t kept = spanning_tree(p, first, size, candidates(p, first, last));
     link_up(p, size, kept);
-    smr_list_block(l, first);
+    smr_list_block(l);
     /* from the root outwards: a parent always comes before its children. set[] now holds the parent. */
     for (uint32_t v = 0; v < size; v++)
         p->rank[first + v] = none;

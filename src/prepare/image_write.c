@@ -3,10 +3,10 @@
 #include "prepare/plan.h"
 
 /* What smr_image_radius will say, while its lists are written behind it. */
-static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, const smr_plan *p, float radius)
+static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, const smr_plan *p, float radius, uint32_t active_min)
 {
     const int ring = smr_uses_ring(p, radius) && p->edge_max > radius;
-    const uint32_t field[12] = {smr_float_bits(radius),
+    const uint32_t field[13] = {smr_float_bits(radius),
                                 smr_float_bits(ring ? p->edge_max : radius),
                                 p->separate,
                                 l->n_blocks,
@@ -17,8 +17,9 @@ static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, con
                                 (uint32_t)l->at_blocks,
                                 (uint32_t)l->at_entries,
                                 (uint32_t)l->at_count,
-                                (uint32_t)l->at_indexes};
-    for (uint32_t i = 0; i < 12u; i++)
+                                (uint32_t)l->at_indexes,
+                                active_min};
+    for (uint32_t i = 0; i < 13u; i++)
         smr_put32(w, at + 4u * i, field[i]);
 }
 
@@ -52,9 +53,9 @@ static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radiu
             return status;
     }
     const uint32_t n_written = l.n_blocks;
-    smr_list_block(&l, p->n);
+    smr_list_block(&l);
     l.n_blocks = n_written;
-    write_radius(w, at, &l, p, radius);
+    write_radius(w, at, &l, p, radius, p->active_min[step]);
     return w->used > UINT32_MAX ? SMR_E_INPUT : SMR_OK;
 }
 
@@ -86,19 +87,31 @@ static uint32_t write_u32(smr_writer *w, const uint32_t *value, size_t n)
     return (uint32_t)at;
 }
 
-static uint32_t write_floats(smr_writer *w, const float *value, size_t n)
+/* Through a table: value[table[i]]. */
+static uint32_t write_through(smr_writer *w, const uint32_t *value, const uint32_t *table, size_t n)
 {
     const size_t at = smr_put_section(w, n * sizeof *value);
     for (size_t i = 0; i < n; i++)
-        smr_put32(w, at + 4u * i, smr_float_bits(value[i]));
+        smr_put32(w, at + 4u * i, value[table[i]]);
     return (uint32_t)at;
 }
 
-static uint32_t write_bytes(smr_writer *w, const uint8_t *value, size_t n)
+/* `width` floats of each vertex, in stored order. */
+static uint32_t write_floats(smr_writer *w, const smr_plan *p, const float *value, size_t width)
 {
-    const size_t at = smr_put_section(w, n);
-    if (w->image != NULL && at + n <= w->capacity)
-        memcpy(w->image + at, value, n);
+    const size_t at = smr_put_section(w, p->n * width * sizeof *value);
+    for (size_t i = 0; i < p->n * width; i++)
+        smr_put32(w, at + 4u * i, smr_float_bits(value[p->along[i / width] * width + i % width]));
+    return (uint32_t)at;
+}
+
+/* `width` bytes of each vertex, in stored order. */
+static uint32_t write_bytes(smr_writer *w, const smr_plan *p, const uint8_t *value, size_t width)
+{
+    const size_t at = smr_put_section(w, p->n * width);
+    for (size_t v = 0; v < p->n; v++)
+        if (w->image != NULL && at + (v + 1u) * width <= w->capacity)
+            memcpy(w->image + at + v * width, value + p->along[v] * width, width);
     return (uint32_t)at;
 }
 
@@ -106,8 +119,31 @@ static uint32_t write_owner(smr_writer *w, const smr_plan *p)
 {
     const size_t at = smr_put_section(w, p->n * sizeof(uint16_t));
     for (uint32_t v = 0; v < p->n; v++)
-        smr_put16(w, at + 2u * (size_t)v, p->owner[v]);
+        smr_put16(w, at + 2u * (size_t)v, p->owner[p->along[v]]);
     return (uint32_t)at;
+}
+
+/* Everything that has one value a vertex or a triangle. */
+static void write_mesh(smr_plan *p, smr_writer *w, struct smr_model *head)
+{
+    head->at_position = write_through(w, p->stored, p->position, p->n);
+    head->at_original = write_through(w, p->original, p->along, p->n);
+    head->at_along = write_u32(w, p->along, p->n);
+    head->at_owner = write_owner(w, p);
+    head->at_rest = write_floats(w, p, p->xyz, 3);
+    head->at_mass = write_floats(w, p, p->mass, 1);
+    head->at_triangles = write_through(w, p->stored, p->triangle, 3u * (size_t)p->nt);
+    head->at_facets = write_u32(w, p->facet, p->nt);
+    if (p->profile != NULL) {
+        const uint32_t samples = p->config->profile_samples;
+        head->profile_samples = samples;
+        head->profile_inward = smr_profile_inward(p->config);
+        head->profile_step = smr_float_bits(p->config->profile_step_mm);
+        head->at_profiles = write_bytes(w, p, p->profile, samples);
+        head->at_ranges = write_floats(w, p, p->range, 2);
+    }
+    head->n_hinges = p->n_hinges;
+    head->at_hinges = write_u32(w, &p->hinge[0].first, 2u * (size_t)p->n_hinges);
 }
 
 smr_status smr_write_image(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below)
@@ -124,24 +160,10 @@ smr_status smr_write_image(smr_plan *p, smr_writer *w, const float *radius, uint
     for (uint32_t c = 0; c < 3u; c++)
         head.centre[c] = smr_float_bits(p->centre[c]);
     head.edge_mm = smr_float_bits(p->edge_mm);
+    head.n_levels = p->n_levels;
+    memcpy(head.level_end, p->level_end, p->n_levels * sizeof head.level_end[0]);
     head.at_structures = (uint32_t)write_structures(p, w);
-    head.at_position = write_u32(w, p->position, p->n);
-    head.at_original = write_u32(w, p->original, p->n);
-    head.at_owner = write_owner(w, p);
-    head.at_rest = write_floats(w, p->xyz, 3u * (size_t)p->n);
-    head.at_mass = write_floats(w, p->mass, p->n);
-    head.at_triangles = write_u32(w, p->triangle, 3u * (size_t)p->nt);
-    head.at_facets = write_u32(w, p->facet, p->nt);
-    if (p->profile != NULL) {
-        const uint32_t samples = p->config->profile_samples;
-        head.profile_samples = samples;
-        head.profile_inward = smr_profile_inward(p->config);
-        head.profile_step = smr_float_bits(p->config->profile_step_mm);
-        head.at_profiles = write_bytes(w, p->profile, (size_t)p->n * samples);
-        head.at_ranges = write_floats(w, p->range, 2u * (size_t)p->n);
-    }
-    head.n_hinges = p->n_hinges;
-    head.at_hinges = write_u32(w, &p->hinge[0].first, 2u * (size_t)p->n_hinges);
+    write_mesh(p, w, &head);
     head.at_radii = (uint32_t)smr_put_section(w, n_radii * sizeof(smr_image_radius));
     for (uint32_t i = 0; i < n_radii; i++) {
         p->separate = radius[i] < separate_below;

@@ -1,6 +1,7 @@
-/* plan.h: what the steps of prepare share: the model in stored order, and scratch. All arrays lie in the caller's
- * scratch memory. Stored order is the order along a space-filling curve: neighbours in space are neighbours in
- * memory, and a ball of vertices is a few runs of consecutive indexes.
+/* plan.h: what the steps of prepare share: the model in curve order, and scratch. All arrays lie in the caller's
+ * scratch memory. Vertices are numbered along a space-filling curve: neighbours in space are neighbours in memory, and a
+ * ball of vertices is a few runs of consecutive numbers. The stored order (levels.c) is only put on by what writes the
+ * image.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_PLAN_H
 #define SMR_PLAN_H
@@ -11,6 +12,7 @@
 
 #define SMR_NEAREST 12u    /* spatial neighbours tried as parents in the forest */
 #define SMR_RING_TRIED 16u /* mesh neighbours tried as parents */
+#define SMR_REMAINS UINT32_MAX /* no place in the priority list: never left out */
 
 typedef struct smr_plan {
     const smr_structure *structures;
@@ -26,13 +28,13 @@ typedef struct smr_plan {
     float edge_mm;           /* mean edge */
     float edge_max;          /* longest edge */
 
-    /* written by order: the model in stored order */
+    /* written by order: the model along the curve */
     float *xyz;              /* [n][3] relative to centre */
     float *mass;             /* [n] */
     uint16_t *owner;         /* [n] */
-    uint32_t *position;      /* [n] caller's vertex -> stored */
-    uint32_t *original;      /* [n] stored -> caller's */
-    uint32_t *triangle;      /* [nt][3] stored vertices, structures in a row, each in tree order */
+    uint32_t *position;      /* [n] caller's vertex -> along the curve */
+    uint32_t *original;      /* [n] along the curve -> caller's */
+    uint32_t *triangle;      /* [nt][3] vertices, structures in a row, each in tree order */
     uint32_t *facet;         /* [nt] the caller's index within the structure */
     uint32_t *ring_start;    /* [n + 1] */
     uint32_t *ring;          /* [6 nt] mesh neighbours of each vertex, each once */
@@ -43,10 +45,28 @@ typedef struct smr_plan {
     float *normal;           /* [n][3] */
     smr_facets points;       /* box tree whose leaves are single vertices */
 
+    /* written by priority */
+    uint32_t n_listed;
+    uint32_t *list;          /* [n_listed] the priority list S, the least significant first */
+    uint32_t *place;         /* [n] in that list, or SMR_REMAINS */
+    uint32_t active_min[SMR_RADII_MAX]; /* vertices that keep clusters large enough at this radius */
+    uint32_t *witness;       /* [n] scratch: see priority.c */
+    uint32_t *next;          /* [n] scratch */
+    uint32_t *bucket;        /* [n + 1] scratch */
+    uint32_t n_scanned;      /* clusters found since the start */
+    uint32_t progress_total; /* what progress counts to */
+    /* written by levels: the stored order */
+    uint32_t n_levels;
+    uint32_t level_end[SMR_LEVELS_MAX]; /* stored vertices of a level and all before it */
+    uint32_t *stored;        /* [n] along the curve -> stored */
+    uint32_t *along;         /* [n] stored -> along the curve */
+
     /* written per radius */
     uint64_t *row;           /* [n_rows][words + 1] clusters as bit rows, see smr_plan_row() */
     uint32_t *count;         /* [n] |zeta| */
     uint32_t *rank;          /* [n] entry number of a vertex */
+    uint32_t *member;        /* [n] stored numbers of a list, and their levels; the priority list is done with its scratch */
+    uint32_t *level;         /* [n] */
 
     /* scratch */
     float *middle;           /* [nt][3] centres of triangles */
@@ -63,10 +83,13 @@ typedef struct smr_plan {
     uint32_t *geo_heap;      /* [2 (6 nt + 1)], geodesic only */
 } smr_plan;
 
+/* Counts and pointers only; reads no mesh. Errors: E_NULL, E_INPUT, E_CONFIG. */
+smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t n, const smr_prepare_config *config);
+
 /* Cuts the scratch (or measures it). counts are in the plan already. */
 void smr_plan_layout(smr_arena *a, smr_plan *p);
 
-/* Stored order, ring neighbours, masses, centre. */
+/* Order along the curve, ring neighbours, masses, centre. */
 void smr_plan_order(smr_plan *p);
 void smr_plan_mass(smr_plan *p);
 
@@ -76,6 +99,13 @@ uint32_t smr_profile_inward(const smr_prepare_config *c); /* samples before the 
 
 /* Edges with exactly two triangles. */
 void smr_plan_hinges(smr_plan *p);
+
+/* The priority list over all radii, and what each radius needs. Errors: E_ABORTED. */
+smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii, float separate_below);
+
+/* The stored order that follows from it; or without a list, one level along the curve. */
+void smr_plan_levels(smr_plan *p, uint32_t n_radii);
+void smr_plan_one_level(smr_plan *p, uint32_t n_radii);
 
 /* A row of n bits; the word behind them names the words first .. last - 1 that may hold any (first | last << 32), so that
  * small clusters cost little in large models. */
@@ -155,12 +185,12 @@ typedef struct smr_list_writer {
     uint32_t largest, smallest;
 } smr_list_writer;
 
-void smr_list_block(smr_list_writer *l, uint32_t first_vertex);
-/* Appends an entry. own and parent_row: rows; parent_row NULL for a root. parent: entry number in the block. */
-void smr_list_entry(smr_list_writer *l, const smr_plan *p, uint32_t vertex, uint32_t parent, const uint64_t *own,
+void smr_list_block(smr_list_writer *l);
+/* Appends an entry, in stored numbers. own and parent_row: rows; parent_row NULL for a root. parent: entry number in the block. */
+void smr_list_entry(smr_list_writer *l, smr_plan *p, uint32_t vertex, uint32_t parent, const uint64_t *own,
                     const uint64_t *parent_row);
 
-/* Minimum spanning forest of the clusters of stored vertices first..last-1, written as one block. */
+/* Minimum spanning forest of the clusters of the curve's vertices first..last-1, written as one block. */
 void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t last, float radius);
 
 /* The paper's breadth-first order over the whole model, as one block. E_ABORTED when progress says so. */

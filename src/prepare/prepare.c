@@ -17,6 +17,7 @@ smr_prepare_config smr_prepare_config_default(void)
     c.cookie = SMR_COOKIE('P', smr_prepare_config);
     c.separate_below_mm = -1.0f;
     c.ring = 1;
+    c.priority = 1;
     c.profile_samples = 20;
     c.profile_step_mm = 0.5f;
     c.profile_inward = -1.0f;
@@ -27,7 +28,7 @@ static smr_status check_config(const smr_prepare_config *c)
 {
     if (c->cookie != SMR_COOKIE('P', smr_prepare_config) || c->n_radii > SMR_RADII_MAX ||
         c->distance > SMR_DISTANCE_GEODESIC || c->mass > SMR_MASS_AREA || c->order > SMR_ORDER_BREADTH_FIRST ||
-        c->ring > 1u || !smr_within(c->separate_below_mm, SMR_COORD_MAX) ||
+        c->ring > 1u || c->priority > 1u || !smr_within(c->separate_below_mm, SMR_COORD_MAX) ||
         (c->block_vertices != 0u && (c->block_vertices < 16u || c->block_vertices > 65536u)))
         return SMR_E_CONFIG;
     if (c->profile_samples < 3u || c->profile_samples > SMR_PROFILE_MAX ||
@@ -40,8 +41,7 @@ static smr_status check_config(const smr_prepare_config *c)
     return SMR_OK;
 }
 
-/* Counts only; the meshes' contents are looked at by smr_prepare(). */
-static smr_status start_plan(smr_plan *p, const smr_structure *structures, uint32_t n, const smr_prepare_config *config)
+smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t n, const smr_prepare_config *config)
 {
     memset(p, 0, sizeof *p);
     if (structures == NULL || config == NULL)
@@ -92,6 +92,15 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
     p->normal = image ? smr_arena_take(a, n, 3u * sizeof(float)) : NULL;
     smr_tree_shape(&p->points, p->n);
     p->points.node = smr_arena_take(a, smr_tree_nodes(p->n), sizeof(smr_node));
+    p->list = smr_arena_take(a, n, u);
+    p->place = smr_arena_take(a, n, u);
+    p->witness = smr_arena_take(a, n, u);
+    p->next = smr_arena_take(a, n, u);
+    p->member = p->witness;
+    p->level = p->next;
+    p->bucket = smr_arena_take(a, n + 1u, u);
+    p->stored = smr_arena_take(a, n, u);
+    p->along = smr_arena_take(a, n, u);
     p->row = smr_arena_take(a, p->n_rows, (p->words + (size_t)1u) * sizeof(uint64_t));
     p->count = smr_arena_take(a, n, u);
     p->rank = smr_arena_take(a, n, u);
@@ -115,7 +124,7 @@ smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structu
     smr_plan p;
     if (scratch_bytes == NULL)
         return SMR_E_NULL;
-    smr_status status = start_plan(&p, structures, n_structures, config);
+    smr_status status = smr_plan_start(&p, structures, n_structures, config);
     if (status != SMR_OK)
         return status;
     smr_arena a = smr_arena_measure();
@@ -140,6 +149,20 @@ static float separate_below(const smr_prepare_config *config, const float *radiu
     return finest < largest ? 1.01f * finest : 0.0f;
 }
 
+/* The stored order. The image's size does not depend on it, so that who only asks for the size need not wait for it. */
+static smr_status put_in_order(smr_plan *p, const float *radius, uint32_t n_radii, float below, int wanted)
+{
+    const int forest = p->config->order == SMR_ORDER_FOREST;
+    p->progress_total = n_radii * (forest ? smr_ceil_div(p->n, p->block) : 1u);
+    smr_plan_one_level(p, n_radii);
+    if (!wanted || !p->config->priority)
+        return SMR_OK;
+    const smr_status status = smr_plan_priority(p, radius, n_radii, below);
+    if (status == SMR_OK)
+        smr_plan_levels(p, n_radii);
+    return status;
+}
+
 smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
                        void *scratch, size_t scratch_bytes, void *image, size_t image_capacity, size_t *image_bytes)
 {
@@ -160,7 +183,7 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
         status = SMR_E_ARENA;
     if (status != SMR_OK)
         return status;
-    (void)start_plan(&p, structures, n_structures, config);
+    (void)smr_plan_start(&p, structures, n_structures, config);
     smr_arena_release(scratch, scratch_bytes);
     smr_plan_layout(&a, &p);
     for (uint32_t i = 0; i < p.n_rows; i++) {
@@ -182,7 +205,9 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
         n_radii = smr_choose_radii(&p, radius);
     const float below = separate_below(config, radius, n_radii);
     smr_writer w = {image, image == NULL ? 0u : image_capacity, 0};
-    status = smr_write_image(&p, &w, radius, n_radii, below);
+    status = put_in_order(&p, radius, n_radii, below, image != NULL);
+    if (status == SMR_OK)
+        status = smr_write_image(&p, &w, radius, n_radii, below);
     smr_arena_release(scratch, scratch_bytes);
     if (status != SMR_OK)
         return status;

@@ -30,6 +30,9 @@ smr_config smr_config_default(void)
     c.settle_um = 1.0f;
     c.plastic_every = 1;
     c.radius_last = SMR_ALL;
+    c.active_share = 1.0f;
+    c.active_first = 1.0f;
+    c.active_enough = 12;
     c.iterations = 9;
     c.iterations_last = 80;
     return c;
@@ -60,6 +63,8 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
         return SMR_E_CONFIG;
     if (c->method > SMR_METHOD_POLAR || !between(c->relaxation, FLT_MIN, 1.0f) || !between(c->momentum, 0.0f, 0.99f) || !between(c->momentum_last, 0.0f, 0.99f) || !between(c->plastic_um, 0.0f, 1.0e8f) ||
         !between(c->settle_um, 0.0f, 1.0e8f) || c->plastic_every > 1000u || c->fold_guard > 1u || c->normals > SMR_NORMALS_EXACT)
+        return SMR_E_CONFIG;
+    if (!between(c->active_share, 0.0f, 1.0f) || !between(c->active_first, 0.0f, 1.0f) || c->active_enough > 1000000u)
         return SMR_E_CONFIG;
     if (c->radius_first >= n_radii || (c->radius_last != SMR_ALL && c->radius_last >= n_radii) ||
         c->radius_last < c->radius_first || c->iterations < 1u || c->iterations > 100000u || c->iterations_last < 1u ||

@@ -30,7 +30,7 @@ void smr_evolve(void *arg, uint32_t task, uint32_t worker)
     const float inverse_r = 1.0f / s->scale[0], inverse_t = 1.0f / s->scale[1];
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
         const uint32_t *w = s->sum + SMR_WORDS * (size_t)v;
-        const float share = 1.0f / (float)smr_list_count(&s->lists, v);
+        const float share = s->share[v];
         float r_minus_i[9];
         for (uint32_t i = 0; i < 9u; i++)
             r_minus_i[i] = smr_unfix(w[i], inverse_r) * share;

@@ -38,7 +38,7 @@ static int project(smr *s, uint32_t v, const smr_surface *target, smr_vec *way)
 /* Notes how large the quantities that sums.c will round are at this vertex. */
 static void measure(const smr *s, uint32_t v, smr_tally *tally)
 {
-    const smr_vec ref = smr_load(smr_at3(s->x_ref, v)), u = smr_scale(smr_drive(s, v), smr_mass_of(s, v));
+    const smr_vec ref = smr_load(smr_at3(s->x_ref, v)), u = smr_scale(smr_drive(s, v), smr_full_mass(s, v));
     const float largest = smr_max(smr_abs(u.x), smr_max(smr_abs(u.y), smr_abs(u.z)));
     const float arm = smr_max(smr_abs(ref.x), smr_max(smr_abs(ref.y), smr_abs(ref.z)));
     tally->largest[0] = smr_max(tally->largest[0], largest);
@@ -108,7 +108,8 @@ void smr_force_search(void *arg, uint32_t task, uint32_t worker)
             tally->max = smr_max(tally->max, d);
         }
         smr_store(smr_at3(s->force, v), smr_scale(way, stiffness));
-        measure(s, v, tally);
+        if (smr_active(s, v))
+            measure(s, v, tally);
     }
 }
 

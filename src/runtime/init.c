@@ -23,6 +23,7 @@ static smr *layout(smr_arena *a, smr *s)
     s->centre = smr_arena_take(a, n, three);
     s->spread = smr_arena_take(a, n, 6u * sizeof(float));
     s->cluster_mass = smr_arena_take(a, n, sizeof(float));
+    s->share = smr_arena_take(a, n, sizeof(float));
     s->warm = smr_arena_take(a, n, sizeof(uint32_t));
     s->record = smr_arena_take(a, n, SMR_WORDS * sizeof(uint32_t));
     s->sum = smr_arena_take(a, n, SMR_WORDS * sizeof(uint32_t));

@@ -11,6 +11,7 @@
 #define SMR_FINE_SHARE (1.0f / 1024.0f) /* of the coarse step: finer gains nothing */
 #define SMR_INERTIA_FLOOR 1.0e-4f /* a cluster thinner than this share of its length is a line: no torque about it */
 
+uint32_t smr_reference_records(smr *s) { return s->reference_stale ? smr_active_tasks(s) : 0u; }
 uint32_t smr_reference_tasks(smr *s) { return s->reference_stale ? s->n_tasks : 0u; }
 uint32_t smr_reference_blocks(smr *s) { return s->reference_stale ? s->lists.n_blocks : 0u; }
 
@@ -73,9 +74,9 @@ void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
+    for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(s, task); v++) {
         uint32_t *r = s->record + SMR_WORDS * (size_t)v;
-        const uint32_t m = (uint32_t)(smr_mass_of(s, v) * s->mass_unit);
+        const uint32_t m = (uint32_t)(smr_full_mass(s, v) * s->mass_unit);
         uint32_t q[3], f[3];
         steps_of(smr_at3(s->x_ref, v), s->coarse, q);
         steps_of(smr_at3(s->x_ref, v), s->fine, f);
@@ -86,7 +87,8 @@ void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
             for (uint32_t b = a; b < 3u; b++, i++)
                 r[i] = m * q[a] * q[b];
         }
-        r[13] = r[14] = r[15] = 0;
+        r[13] = 1; /* counts members */
+        r[14] = r[15] = 0;
     }
 }
 
@@ -106,6 +108,9 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
         const uint32_t *w = s->sum + SMR_WORDS * (size_t)v;
         uint32_t q[3], f[3];
+        s->share[v] = w[13] > 0u ? 1.0f / (float)w[13] : 0.0f;
+        if (!smr_active(s, v))
+            continue;
         steps_of(smr_at3(s->x_ref, v), k, q);
         steps_of(smr_at3(s->x_ref, v), s->fine, f);
         /* moments about the cluster's own vertex */

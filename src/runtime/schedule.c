@@ -3,19 +3,46 @@
 #include "runtime/state.h"
 
 #define SMR_REPAIR_MAX 30u
-#define SMR_ENOUGH 8u       /* vertices left in a cluster, about */
-#define SMR_ENOUGH_ALL 1000u /* and in all clusters together */
+#define SMR_ENOUGH_ALL 1000.0f /* active vertices of the whole model with an image */
+#define SMR_ACTIVE_EVERY 8u /* iterations */
+#define SMR_ABOUT 0.75f
 
 uint32_t smr_last_radius(const smr *s) { return smr_min_u32(s->config.radius_last, s->n_radii - 1u); }
 
 int smr_guarded(const smr *s) { return s->config.fold_guard && s->radius + 2u > smr_last_radius(s); }
 
-/* Image forces cost most of the time, and a large cluster needs few of them: so many are left out that the smallest
- * cluster still keeps SMR_ENOUGH, and the whole model SMR_ENOUGH_ALL: clusters that span the model share their vertices. */
-static uint32_t stride_for(const smr *s)
+/* Image forces cost most of the time, and a large cluster needs few of them: about so many that the smallest cluster keeps
+ * active_enough. Whole levels: which vertices they hold does not depend on how the curve runs through the model. */
+static float enough_for_image(const smr *s)
 {
-    const uint32_t stride = smr_min_u32(s->lists.smallest / SMR_ENOUGH, s->n / SMR_ENOUGH_ALL);
-    return s->has_grid ? smr_max_u32(stride, 1u) : 1u;
+    const float cluster = (float)s->n * (float)s->config.active_enough / (float)smr_max_u32(s->lists.smallest, 1u);
+    const float enough = smr_max(cluster, SMR_ENOUGH_ALL); /* clusters that span the model share their vertices */
+    uint32_t level = 0;
+    while (level + 1u < smr_le32(s->model->n_levels) && (float)smr_le32(s->model->level_end[level]) < SMR_ABOUT * enough)
+        level++;
+    return (float)smr_le32(s->model->level_end[level]);
+}
+
+/* The first vertices in the order in which they matter that take part now: the share that the configuration asks for, but
+ * never too few for the clusters of this radius. */
+static uint32_t active_count(const smr *s)
+{
+    const float n = (float)s->n, last = s->config.active_share, first = smr_min(s->config.active_first, last);
+    float count = n * (first + (last - first) * smr_schedule_progress(s));
+    if (s->has_grid && s->config.active_enough > 0u)
+        count = smr_min(count, enough_for_image(s));
+    const uint32_t whole = (uint32_t)count;
+    return smr_min_u32(smr_max_u32(whole + ((float)whole < count), s->lists.active_min), s->n);
+}
+
+/* A new number makes cluster centres anew, so it waits for a new reference shape, which does so anyway, but not for ever. */
+void smr_schedule_active(smr *s)
+{
+    const uint32_t count = active_count(s);
+    if (count == s->n_active || (!s->reference_stale && s->radius_iteration % SMR_ACTIVE_EVERY != 0u))
+        return;
+    s->n_active = count;
+    s->reference_stale = 1;
 }
 
 static void use_radius(smr *s, uint32_t radius)
@@ -24,7 +51,7 @@ static void use_radius(smr *s, uint32_t radius)
     s->radius_iteration = 0;
     s->lists = smr_model_lists(s->model, radius);
     s->reference_stale = 1;
-    s->stride = stride_for(s);
+    s->n_active = active_count(s);
     s->momentum = radius == smr_last_radius(s) ? s->config.momentum_last : s->config.momentum;
     s->search = smr_min(s->config.search_mm, s->config.search_radii * s->lists.radius);
     if (smr_guarded(s) && s->n_hinges > 0u && (radius == s->config.radius_first || radius + 1u == smr_last_radius(s)))

@@ -58,7 +58,7 @@ struct smr {
     uint32_t n_goals, n_target_tasks;
     uint32_t step, next_task;              /* where the tick stands: step of the iteration, tasks already done */
     smr_lists lists;                       /* of the radius in use */
-    uint32_t stride;                       /* every so many vertices are active at this radius */
+    uint32_t n_active;                     /* the first so many vertices take part; the others are carried along */
     float momentum;                        /* at this radius */
     float search;                          /* mm: search distance at this radius */
     float profile_mm, gradient_mm;         /* search distances in the image in this iteration */
@@ -82,7 +82,8 @@ struct smr {
     float *normal_ref;                     /* [n][3] */
     float *centre;                         /* [n][3] c^r of each cluster */
     float *spread;                         /* [n][6] inverse inertia (rigid) or covariance (polar) */
-    float *cluster_mass;                   /* [n] M */
+    float *cluster_mass;                   /* [n] M; this and the two above only of active vertices' clusters */
+    float *share;                          /* [n] 1 / |zeta|, of active members; 0 for none */
     float coarse, fine;                    /* mm: x^r is rounded to these where spreads and centres are summed */
     /* written by forces */
     float *force;                          /* [n][3] f^e */
@@ -129,10 +130,14 @@ static inline float smr_full_mass(const smr *s, uint32_t vertex)
     return smr_le_float(((const uint32_t *)smr_at(s->model, s->model->at_mass))[vertex]);
 }
 
-/* 1 when a vertex takes part in matching: every stride-th of a scattered numbering that follows the caller's, not space. */
-static inline int smr_active(const smr *s, uint32_t vertex)
+/* 1 when a vertex takes part: it gets a force and is in its neighbours' clusters (paper 2.2, complexity tuning). The others
+ * are still carried by the clusters' transforms. */
+static inline int smr_active(const smr *s, uint32_t vertex) { return vertex < s->n_active; }
+
+/* The end of a task's active vertices. */
+static inline uint32_t smr_active_end(const smr *s, uint32_t task)
 {
-    return s->stride <= 1u || (smr_model_original(s->model, vertex) * 2654435761u >> 16) % s->stride == 0u;
+    return smr_min_u32((task + 1u) * SMR_CHUNK, s->n_active);
 }
 
 /* A vertex' mass in the sums: an ignored one is out of every cluster, but its own cluster still carries it. */
@@ -165,7 +170,8 @@ typedef struct smr_step {
 int smr_forces_pending(const smr *s);        /* tick.c: 1 until an iteration has its forces */
 
 /* The steps, by the file they live in. */
-uint32_t smr_reference_tasks(smr *s);        /* reference.c: x^r's cluster centres and spreads, when x^r is new */
+uint32_t smr_reference_records(smr *s);      /* reference.c: x^r's cluster centres and spreads, when x^r is new */
+uint32_t smr_reference_tasks(smr *s);
 uint32_t smr_reference_blocks(smr *s);
 void smr_reference_record(void *arg, uint32_t task, uint32_t worker);
 void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker);
@@ -189,6 +195,7 @@ void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker);
 smr_vec smr_smooth_way(const smr *s, uint32_t v);
 
 uint32_t smr_vertex_tasks(smr *s);
+uint32_t smr_active_tasks(smr *s);           /* those that have active vertices */
 void smr_force_search(void *arg, uint32_t task, uint32_t worker); /* force.c: f^e */
 void smr_force_end(smr *s);
 
@@ -212,5 +219,6 @@ uint32_t smr_last_radius(const smr *s);
 int smr_guarded(const smr *s);               /* 1: at this radius folds are guarded against */
 float smr_schedule_progress(const smr *s);
 void smr_schedule_distances(smr *s);
+void smr_schedule_active(smr *s);            /* chooses n_active, before an iteration */
 
 #endif

@@ -7,6 +7,7 @@
 
 uint32_t smr_block_tasks(smr *s) { return s->lists.n_blocks; }
 uint32_t smr_vertex_tasks(smr *s) { return s->n_tasks; }
+uint32_t smr_active_tasks(smr *s) { return smr_ceil_div(s->n_active, SMR_CHUNK); }
 
 /* What the rigid or the polar method sums, of the displacement u = x + f^e - x^r: m u, and m x^r x u (rigid, 3 words)
  * or m u x^r^T (polar, 9 words). */
@@ -14,10 +15,10 @@ void smr_sums_record(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
+    for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(s, task); v++) {
         uint32_t *r = s->record + SMR_WORDS * (size_t)v;
         const smr_vec ref = smr_load(smr_at3(s->x_ref, v));
-        const smr_vec u = smr_scale(smr_drive(s, v), smr_mass_of(s, v));
+        const smr_vec u = smr_scale(smr_drive(s, v), smr_full_mass(s, v));
         r[0] = smr_fixed(u.x * s->scale[0]);
         r[1] = smr_fixed(u.y * s->scale[0]);
         r[2] = smr_fixed(u.z * s->scale[0]);
@@ -39,7 +40,7 @@ void smr_average_record(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
+    for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(s, task); v++) {
         uint32_t *r = s->record + SMR_WORDS * (size_t)v;
         const float *t = s->transform + 12u * (size_t)v;
         for (uint32_t i = 0; i < 9u; i++)
@@ -49,35 +50,60 @@ void smr_average_record(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-/* The loops below are written once for both index widths and three record lengths; `words` and `index` are
- * constants at every call, so that each becomes a loop of its own with a fixed, vectorisable body. */
-#define SMR_DEFINE_CHAIN(name, index_type, entry_type, load)                                          \
-    static inline void name(const smr_lists *l, uint32_t block, const uint32_t *record, uint32_t *sum, \
-                            const uint32_t words)                                                     \
-    {                                                                                                 \
-        const uint32_t first = smr_le32(l->block[block].first), last = smr_le32(l->block[block + 1u].first); \
-        const entry_type *entry = (const entry_type *)l->entry + first;                               \
-        const index_type *index = (const index_type *)l->index + smr_le32(l->block[block].first_index); \
-        for (uint32_t e = 0; e < last - first; e++) {                                                 \
-            const uint32_t parent = load(entry[e].parent);                                            \
-            const uint32_t *from = sum + SMR_WORDS * (size_t)load(entry[parent].vertex);              \
-            uint32_t acc[SMR_WORDS] = {0};                                                            \
-            for (uint32_t w = 0; parent != e && w < words; w++)                                       \
-                acc[w] = from[w];                                                                     \
-            for (uint32_t n = load(entry[e].n_plus); n > 0u; n--) {                                   \
-                const uint32_t *r = record + SMR_WORDS * (size_t)load(*index++);                      \
-                for (uint32_t w = 0; w < words; w++)                                                  \
-                    acc[w] += r[w];                                                                   \
-            }                                                                                         \
-            for (uint32_t n = load(entry[e].n_minus); n > 0u; n--) {                                  \
-                const uint32_t *r = record + SMR_WORDS * (size_t)load(*index++);                      \
-                for (uint32_t w = 0; w < words; w++)                                                  \
-                    acc[w] -= r[w];                                                                   \
-            }                                                                                         \
-            uint32_t *to = sum + SMR_WORDS * (size_t)load(entry[e].vertex);                           \
-            for (uint32_t w = 0; w < words; w++)                                                      \
-                to[w] = acc[w];                                                                       \
-        }                                                                                             \
+/* Four words that are added together: compilers do not always find that out for themselves. */
+typedef uint32_t lanes __attribute__((vector_size(16)));
+
+static inline lanes load_lanes(const uint32_t *from)
+{
+    lanes l;
+    memcpy(&l, from, sizeof l);
+    return l;
+}
+
+static inline void store_lanes(uint32_t *to, lanes l) { memcpy(to, &l, sizeof l); }
+
+/* The loops below are written once for both index widths and three record lengths; `n_lanes` and the index width are
+ * constants at every call, so that each becomes a loop of its own with a fixed body. Lists ascend, so the first ignored
+ * vertex (`limit` or above) ends one; lists without one, and all at full activity, need not be asked at each index. */
+#define SMR_ADD(operation, vertex)                                                                                     \
+    {                                                                                                                  \
+        const uint32_t *r = record + SMR_WORDS * (size_t)(vertex);                                                     \
+        for (uint32_t k = 0; k < n_lanes; k++)                                                                         \
+            acc[k] operation load_lanes(r + 4u * k);                                                                   \
+    }
+
+#define SMR_DEFINE_CHAIN(name, index_type, entry_type, load)                                                           \
+    static inline void name(const smr_lists *l, uint32_t block, uint32_t limit, const uint32_t *record, uint32_t *sum, \
+                            const uint32_t n_lanes)                                                                    \
+    {                                                                                                                  \
+        const uint32_t first = smr_le32(l->block[block].first), last = smr_le32(l->block[block + 1u].first);           \
+        const entry_type *entry = (const entry_type *)l->entry + first;                                                \
+        const index_type *index = (const index_type *)l->index + smr_le32(l->block[block].first_index);                \
+        const int all = limit >= smr_le32(l->block[l->n_blocks].first);                                                \
+        for (uint32_t e = 0; e < last - first; e++) {                                                                  \
+            const uint32_t parent = load(entry[e].parent);                                                             \
+            const uint32_t *from = sum + SMR_WORDS * (size_t)load(entry[parent].vertex);                               \
+            const index_type *const minus = index + load(entry[e].n_plus), *const next = minus + load(entry[e].n_minus);\
+            lanes acc[SMR_WORDS / 4u] = {{0}};                                                                         \
+            for (uint32_t k = 0; parent != e && k < n_lanes; k++)                                                      \
+                acc[k] = load_lanes(from + 4u * k);                                                                    \
+            if (all || index == minus || load(minus[-1]) < limit)                                                      \
+                for (uint32_t n = load(entry[e].n_plus); n > 0u; n--)                                                  \
+                    SMR_ADD(+=, load(*index++))                                                                        \
+            else                                                                                                       \
+                for (; load(*index) < limit; index++)                                                                  \
+                    SMR_ADD(+=, load(*index))                                                                          \
+            index = minus;                                                                                             \
+            if (all || index == next || load(next[-1]) < limit)                                                        \
+                for (uint32_t n = load(entry[e].n_minus); n > 0u; n--)                                                 \
+                    SMR_ADD(-=, load(*index++))                                                                        \
+            else                                                                                                       \
+                for (; load(*index) < limit; index++)                                                                  \
+                    SMR_ADD(-=, load(*index))                                                                          \
+            index = next;                                                                                              \
+            for (uint32_t k = 0; k < n_lanes; k++)                                                                     \
+                store_lanes(sum + SMR_WORDS * (size_t)load(entry[e].vertex) + 4u * k, acc[k]);                         \
+        }                                                                                                              \
     }
 
 SMR_DEFINE_CHAIN(chain16, uint16_t, smr_entry16, smr_le16)
@@ -89,17 +115,17 @@ void smr_sums_forest(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     if (s->lists.index_bytes == 2u) {
         if (s->sum_words <= 8u)
-            chain16(&s->lists, task, s->record, s->sum, 8u);
+            chain16(&s->lists, task, s->n_active, s->record, s->sum, 2u);
         else if (s->sum_words <= 12u)
-            chain16(&s->lists, task, s->record, s->sum, 12u);
+            chain16(&s->lists, task, s->n_active, s->record, s->sum, 3u);
         else
-            chain16(&s->lists, task, s->record, s->sum, SMR_WORDS);
+            chain16(&s->lists, task, s->n_active, s->record, s->sum, 4u);
     } else {
         if (s->sum_words <= 8u)
-            chain32(&s->lists, task, s->record, s->sum, 8u);
+            chain32(&s->lists, task, s->n_active, s->record, s->sum, 2u);
         else if (s->sum_words <= 12u)
-            chain32(&s->lists, task, s->record, s->sum, 12u);
+            chain32(&s->lists, task, s->n_active, s->record, s->sum, 3u);
         else
-            chain32(&s->lists, task, s->record, s->sum, SMR_WORDS);
+            chain32(&s->lists, task, s->n_active, s->record, s->sum, 4u);
     }
 }

@@ -6,7 +6,7 @@
 
 static const smr_step steps[] = {
     /* what x^r implies, when it is new: cluster centres, masses and spreads */
-    {SMR_PHASE_SUMS, smr_reference_tasks, smr_reference_record, NULL},
+    {SMR_PHASE_SUMS, smr_reference_records, smr_reference_record, NULL},
     {SMR_PHASE_SUMS, smr_reference_blocks, smr_sums_forest, NULL},
     {SMR_PHASE_SUMS, smr_reference_tasks, smr_reference_cluster, smr_reference_end},
     /* compute external forces f^e: the target's pull, smoothing, and the way to the target */
@@ -14,11 +14,11 @@ static const smr_step steps[] = {
     {SMR_PHASE_FORCES, smr_smooth_tasks, smr_smooth_sum, NULL},
     {SMR_PHASE_FORCES, smr_vertex_tasks, smr_force_search, smr_force_end},
     /* compute shape matching forces: for each cluster, T_i = argmin Sum m |T x^r - x - f^e|^2 */
-    {SMR_PHASE_SUMS, smr_vertex_tasks, smr_sums_record, NULL},
+    {SMR_PHASE_SUMS, smr_active_tasks, smr_sums_record, NULL},
     {SMR_PHASE_SUMS, smr_block_tasks, smr_sums_forest, NULL},
-    {SMR_PHASE_MATCH, smr_vertex_tasks, smr_match, smr_match_end},
+    {SMR_PHASE_MATCH, smr_active_tasks, smr_match, smr_match_end},
     /* average goal positions x~_i = Sum_i(T) x^r_i / |zeta_i| */
-    {SMR_PHASE_AVERAGE, smr_vertex_tasks, smr_average_record, NULL},
+    {SMR_PHASE_AVERAGE, smr_active_tasks, smr_average_record, NULL},
     {SMR_PHASE_AVERAGE, smr_block_tasks, smr_sums_forest, NULL},
     /* evolve positions, x = x~; hold back what would fold; update reference positions (plasticity), x^r = x */
     {SMR_PHASE_EVOLVE, smr_vertex_tasks, smr_evolve, smr_evolve_end},
@@ -110,6 +110,8 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     const uint64_t deadline = !timed ? 0u : (budget_ns > UINT64_MAX - time ? UINT64_MAX : time + budget_ns);
     int begun = 0;
     smr_status status = SMR_OK;
+    if (s->step == 0u && s->next_task == 0u && !s->done)
+        smr_schedule_active(s);
     if (s->reference_stale && s->step == 0u && s->next_task == 0u)
         smr_reference_begin(s);
     if (s->step == 0u && s->next_task == 0u)

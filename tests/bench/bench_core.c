@@ -83,8 +83,9 @@ static void read_input(bench_input *in)
 
 static void bench_prepare(const bench_input *in, const smr_prepare_config *config)
 {
-    double time[5];
+    double time[5], list[5];
     size_t scratch = 0, bytes = 0;
+    smr_prepare_config without = *config;
     smr_structure structure[RIG_STRUCTURES_MAX];
     memset(structure, 0, sizeof structure);
     for (uint32_t i = 0; i < in->n; i++) {
@@ -94,14 +95,21 @@ static void bench_prepare(const bench_input *in, const smr_prepare_config *confi
     void *memory = rig_alloc(scratch);
     (void)smr_prepare(structure, in->n, config, memory, scratch, NULL, 0, &bytes);
     void *image = rig_alloc(bytes);
+    without.priority = 0;
     for (uint32_t i = 0; i < 5u; i++) {
-        const double before = seconds();
+        double before = seconds();
         if (smr_prepare(structure, in->n, config, memory, scratch, image, bytes, &bytes) != SMR_OK) {
             abort();
         }
         time[i] = seconds() - before;
+        before = seconds();
+        if (smr_prepare(structure, in->n, &without, memory, scratch, image, bytes, &bytes) != SMR_OK) {
+            abort();
+        }
+        list[i] = time[i] - (seconds() - before);
     }
     (void)tell("prepare_s", time, 5);
+    (void)tell("priority_s", list, 5);
 }
 
 static void set_targets(const bench_input *in, smr *s)

@@ -1,5 +1,5 @@
 /* test_breadth.c: the paper's own order equals a plain breadth-first walk written here: one-rings of radius s_min, seeds
- * with the largest one-ring first, neighbours in ascending order.
+ * with the largest one-ring first, neighbours in ascending order along the curve.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -8,8 +8,8 @@
 
 #include "unit_lists.h"
 
-/* near[a * n + b]: b is in the one-ring of a. */
-static void one_rings(const smr_model *m, int separate, unsigned char *near)
+/* near[a * n + b]: b is in the one-ring of a; at: [n] the stored vertex at each place of the curve. */
+static void one_rings(const smr_model *m, const uint32_t *at, int separate, unsigned char *near)
 {
     const uint32_t n = smr_le32(m->n_vertices);
     float *xyz = unit_stored(m), s_min2 = 0.0f;
@@ -18,9 +18,9 @@ static void one_rings(const smr_model *m, int separate, unsigned char *near)
         for (uint32_t a = 0; a < n; a++) {
             float nearest = -1.0f;
             for (uint32_t b = 0; b < n; b++) {
-                const float *p = xyz + 3u * (size_t)a, *q = xyz + 3u * (size_t)b;
+                const float *p = xyz + 3u * (size_t)at[a], *q = xyz + 3u * (size_t)at[b];
                 const float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2], d2 = x * x + y * y + z * z;
-                const int apart = separate && smr_model_owner(m, a) != smr_model_owner(m, b);
+                const int apart = separate && smr_model_owner(m, at[a]) != smr_model_owner(m, at[b]);
                 if (a != b && !apart && (nearest < 0.0f || d2 < nearest))
                     nearest = d2;
                 near[(size_t)a * n + b] = !apart && d2 <= s_min * s_min;
@@ -67,16 +67,22 @@ static void check(const smr_structure *structures, uint32_t n_structures, const 
 {
     unit_image image = unit_prepare(structures, n_structures, c);
     const uint32_t n = smr_le32(image.model->n_vertices);
-    uint32_t *v = unit_memory(16u * (size_t)n), *up = v + n, *want = up + n, *want_up = want + n;
+    uint32_t *v = unit_memory(20u * (size_t)n), *up = v + n, *want = up + n, *want_up = want + n, *at = want_up + n;
     unsigned char *near = unit_memory((size_t)n * n);
+    for (uint32_t i = 0; i < n; i++)
+        at[smr_model_along(image.model, i)] = i;
     for (uint32_t k = 0; k < c->n_radii; k++) {
         smr_model_info info;
         assert_int_equal(smr_model_get_info(image.model, &info), SMR_OK);
         assert_int_equal(info.n_blocks[k], 1);
         assert_int_equal(info.order, SMR_ORDER_BREADTH_FIRST);
-        one_rings(image.model, (int)info.separate[k], near);
+        one_rings(image.model, at, (int)info.separate[k], near);
         plain_walk(near, n, want, want_up);
         unit_chain_order(image.model, k, v, up);
+        for (uint32_t i = 0; i < n; i++) {
+            want[i] = at[want[i]];
+            want_up[i] = at[want_up[i]];
+        }
         assert_memory_equal(v, want, 4u * (size_t)n);
         assert_memory_equal(up, want_up, 4u * (size_t)n);
     }

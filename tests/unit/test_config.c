@@ -92,6 +92,10 @@ static void test_limits(void **state)
     LIMITS(plastic_every, 0, 1000, UINT32_MAX, 1001);
     LIMITS(fold_guard, 0, 1, UINT32_MAX, 2);
     LIMITS(normals, SMR_NORMALS_CARRIED, SMR_NORMALS_EXACT, UINT32_MAX, SMR_NORMALS_EXACT + 1u);
+    LIMITS(active_share, 0.0f, 1.0f, nextafterf(0.0f, -1.0f), nextafterf(1.0f, 2.0f));
+    LIMITS(active_first, 0.0f, 1.0f, nextafterf(0.0f, -1.0f), nextafterf(1.0f, 2.0f));
+    LIMITS(active_enough, 0, 1000000, UINT32_MAX, 1000001);
+    REFUSE(active_share, NAN);
     LIMITS(radius_first, 0, 2, UINT32_MAX, 3);
     LIMITS(radius_last, 0, 2, SMR_ALL - 1u, 3);
     LIMITS(iterations, 1, 100000, 0, 100001);

@@ -192,6 +192,53 @@ static void random_damage(void **state)
     unmake(&w);
 }
 
+/* Writes a word of the image, repairs the checksum and opens it; then everything is as before. */
+static smr_status open_with(small_world *w, const uint32_t *word, uint32_t value)
+{
+    unsigned char *const at = (unsigned char *)w->image.bytes + ((const unsigned char *)word - (const unsigned char *)w->image.bytes);
+    const uint32_t was = *word, stored = smr_le32(value);
+    const smr_model *model;
+    memcpy(at, &stored, sizeof stored);
+    unit_repair(w->image.bytes, w->image.size);
+    const smr_status status = smr_model_open(w->image.bytes, w->image.size, &model);
+    memcpy(at, &was, sizeof was);
+    unit_repair(w->image.bytes, w->image.size);
+    return status;
+}
+
+/* The stored order: levels that do not follow each other, places along the curve twice or out of order. */
+static void forged_levels(void **state)
+{
+    (void)state;
+    for (uint32_t order = 0; order < 2u; order++) {
+        small_world w = make(order);
+        const smr_model *m = w.image.model;
+        const uint32_t n = smr_le32(m->n_vertices), n_levels = smr_le32(m->n_levels);
+        const uint32_t *along = smr_at(m, m->at_along);
+        const smr_image_radius *r = smr_at(m, m->at_radii);
+        assert_true(n_levels >= 2u && n_levels < SMR_LEVELS_MAX);
+        assert_int_equal(open_with(&w, &m->n_levels, n_levels), SMR_OK);
+        const uint32_t bad[] = {0u, n_levels - 1u, n_levels + 1u, SMR_LEVELS_MAX + 1u, SMR_ALL};
+        for (uint32_t i = 0; i < 5u; i++)
+            assert_int_equal(open_with(&w, &m->n_levels, bad[i]), SMR_E_MODEL);
+        for (uint32_t i = 0; i < n_levels; i++) {
+            const uint32_t end[] = {0u, n + 1u, SMR_ALL, smr_le32(m->level_end[i > 0u ? i - 1u : n_levels - 1u])};
+            for (uint32_t k = 0; k < (i > 0u || n_levels > 1u ? 4u : 3u); k++)
+                assert_int_equal(open_with(&w, &m->level_end[i], end[k]), SMR_E_MODEL);
+        }
+        for (uint32_t v = 0; v < n; v++) {
+            assert_int_equal(open_with(&w, &along[v], smr_le32(along[(v + 1u) % n])), SMR_E_MODEL);
+            assert_int_equal(open_with(&w, &along[v], n), SMR_E_MODEL);
+        }
+        for (uint32_t k = 0; k < 2u; k++) {
+            assert_int_equal(open_with(&w, &r[k].active_min, 0u), SMR_E_MODEL);
+            assert_int_equal(open_with(&w, &r[k].active_min, n + 1u), SMR_E_MODEL);
+            assert_int_equal(open_with(&w, &r[k].active_min, 1u), SMR_OK); /* too few, but harmless */
+        }
+        unmake(&w);
+    }
+}
+
 static void views_refuse_politely(void **state)
 {
     small_world w = make(0);
@@ -219,7 +266,8 @@ int main(void)
         cmocka_unit_test(a_sound_image_works),  cmocka_unit_test(null_and_misaligned),
         cmocka_unit_test(cut_at_every_length),  cmocka_unit_test(the_checksum_sees_every_bit),
         cmocka_unit_test(every_byte_changed),   cmocka_unit_test(every_word_replaced),
-        cmocka_unit_test(random_damage),        cmocka_unit_test(views_refuse_politely),
+        cmocka_unit_test(random_damage),        cmocka_unit_test(forged_levels),
+        cmocka_unit_test(views_refuse_politely),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -26,24 +26,28 @@ static void numbering_and_curve(void **state)
     memcpy(all + 3u * a.nv, b.xyz, 12u * (size_t)b.nv);
     memcpy(all + 3u * (a.nv + b.nv), one.xyz, 12u);
     const smr_box box = smr_box_of(all, n);
-    uint32_t last = 0;
+    uint32_t *key = unit_memory(4u * (size_t)n), *at = unit_memory(4u * (size_t)n);
     assert_int_equal(n, a.nv + b.nv + 1u);
     for (uint32_t v = 0; v < n; v++) {
         const uint32_t i = smr_model_original(m, v);
         assert_true(i < n);
         assert_int_equal(smr_model_position(m, i), v);
         assert_int_equal(smr_model_owner(m, v), (i >= a.nv) + (i >= a.nv + b.nv));
-        const uint32_t key = smr_curve_key(box, smr_load(all + 3u * (size_t)i));
-        assert_true(v == 0u || key > last || (key == last && i > smr_model_original(m, v - 1u)));
-        last = key;
+        key[v] = smr_curve_key(box, smr_load(all + 3u * (size_t)i));
+        at[smr_model_along(m, v)] = v;
         for (uint32_t k = 0; k < 3u; k++)
             assert_true(stored[3u * v + k] == all[3u * i + k] - smr_le_float(m->centre[k]));
     }
+    for (uint32_t i = 1; i < n; i++)
+        assert_true(key[at[i]] > key[at[i - 1u]] || (key[at[i]] == key[at[i - 1u]] &&
+                                                     smr_model_original(m, at[i]) > smr_model_original(m, at[i - 1u])));
     for (uint32_t k = 0; k < 3u; k++) {
         const float centre = smr_le_float(m->centre[k]);
         assert_true(centre == rintf(centre)); /* whole millimetres */
     }
     unit_free(all);
+    unit_free(key);
+    unit_free(at);
     unit_free(stored);
     unit_image_free(&image);
     unit_mesh_free(&a);
