@@ -325,7 +325,7 @@ typedef struct smr_config {
     float active_share;          /* [0,1], default 1: share of the vertices */
     float active_first;          /* [0,1], default 1: below active_share, the share at the schedule's start; from there it
                                     grows evenly to active_share at the end */
-    uint32_t active_enough;      /* 0..1e6, default 12: with an image, so many active vertices in the smallest cluster are
+    uint32_t active_enough;      /* 0..1e6, default 20: with an image, so many active vertices in the smallest cluster are
                                     enough, about (whole levels are taken); at large radii most are then ignored.
                                     0: active_share alone decides */
 

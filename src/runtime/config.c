@@ -32,7 +32,7 @@ smr_config smr_config_default(void)
     c.radius_last = SMR_ALL;
     c.active_share = 1.0f;
     c.active_first = 1.0f;
-    c.active_enough = 12;
+    c.active_enough = 20;
     c.iterations = 9;
     c.iterations_last = 80;
     return c;
