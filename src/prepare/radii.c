@@ -1,12 +1,12 @@
 /* radii.c: cluster radii for a model nobody chose any for: from a quarter of its length down to little more than an edge,
- * each about two thirds of the one before (coarse to fine, paper 3, geometric registration), and a last one below an
- * edge, at which most clusters are single vertices and only the fold guard holds the surface together.
+ * each about two thirds of the one before (coarse to fine, paper 3, geometric registration), and a last one far
+ * below an edge, at which clusters are single vertices.
  * SPDX-License-Identifier: MIT */
 #include "prepare/plan.h"
 
 #define SMR_COARSEST 0.25f      /* of the model's length */
 #define SMR_FINE_EDGES 1.7f     /* edges */
-#define SMR_FREE_EDGES 0.95f
+#define SMR_FREE_EDGES 0.01f
 #define SMR_RATIO 0.66f
 #define SMR_MEMBERS_MAX 1500u   /* mean |zeta| above this makes iterations slow and deforms no better */
 #define SMR_PROBES 64u

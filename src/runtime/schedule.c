@@ -3,6 +3,7 @@
 #include "runtime/state.h"
 
 #define SMR_REPAIR_MAX 30u
+#define SMR_NARROWING 0.5f /* search distances shrink to this share at most, from one radius to the next */
 #define SMR_ENOUGH 8u /* vertices left in a cluster, about */
 
 uint32_t smr_last_radius(const smr *s) { return smr_min_u32(s->config.radius_last, s->n_radii - 1u); }
@@ -24,7 +25,10 @@ static void use_radius(smr *s, uint32_t radius)
     s->reference_stale = 1;
     s->stride = stride_for(s);
     s->momentum = radius == smr_last_radius(s) ? s->config.momentum_last : s->config.momentum;
-    s->search = smr_min(s->config.search_mm, s->config.search_radii * s->lists.radius);
+    const float before = radius > 0u ? smr_model_lists(s->model, radius - 1u).radius : 0.0f;
+    s->search = smr_min(s->config.search_mm, s->config.search_radii * smr_max(s->lists.radius, SMR_NARROWING * before));
+    if (radius == smr_last_radius(s))
+        smr_even_start(s);
     if (smr_guarded(s) && s->n_hinges > 0u && (radius == s->config.radius_first || radius + 1u == smr_last_radius(s)))
         s->repairing = 1;
 }
@@ -88,9 +92,11 @@ void smr_schedule_next(smr *s)
         use_radius(s, s->radius + 1u);
 }
 
-/* Search distances of the coming iteration. */
+/* Search distances and shares of the coming iteration. */
 void smr_schedule_distances(smr *s)
 {
+    if (!s->done)
+        smr_even_share(s);
     const float done = smr_schedule_progress(s);
     s->profile_mm = s->config.profile_mm + done * (s->config.profile_end_mm - s->config.profile_mm);
     s->gradient_mm = s->config.gradient_mm + done * (s->config.gradient_end_mm - s->config.gradient_mm);
