@@ -282,11 +282,14 @@ typedef struct smr_config {
     /* external forces, f = stiffness * (goal - x) (paper 2.1) */
     float stiffness;             /* alpha_e, (0,1], default 0.8 */
     float attraction;            /* 0..1, default 0.5: share of the target-to-model pull in the goal */
-    float slide;                 /* [0,1], default 1: share of a goal's way along the surface that counts at the last
+    float slide;                 /* [0,1], default 0: share of a goal's way along the surface that counts at the last
                                     radius: 0 keeps correspondence, 1 brings the surfaces closest */
+    float even;                  /* [0,1], default 0.5: at the last radius so much of what a vertex moved differently from
+                                    its mesh neighbours, along the surface, is taken back in the first iteration; it
+                                    fades to the last. 0: never. Only where there is a target surface */
     float search_mm;             /* (0, SMR_COORD_MAX], default 60: no closest point beyond this distance */
     float search_radii;          /* (0,1e6], default 1.5: nor beyond so many cluster radii, so that the search
-                                    narrows as the radius does */
+                                    narrows as the radius does; by half at most, from one radius to the next */
     float normal_deg;            /* (0,180], default 75: source and target normals differ at most so much */
     float reject_deviations;     /* 0 (default): off; else drop forces longer than mean + this many standard
                                     deviations of the last iteration */
@@ -310,7 +313,7 @@ typedef struct smr_config {
     uint32_t method;             /* SMR_METHOD_...; default rigid-body kinematics */
     float relaxation;            /* (0,1], default 1: x += relaxation * (averaged goal - x) */
     float momentum;              /* [0,0.99], default 0.8: this share of the last displacement is added to the forces */
-    float momentum_last;         /* [0,0.99], default 0.5: the same at the last radius, where it would carry vertices along
+    float momentum_last;         /* [0,0.99], default 0: the same at the last radius, where it would carry vertices along
                                     the surface and rounding with them */
     float plastic_um;            /* >= 0, default 50: x^r = x when the largest displacement falls below */
     float settle_um;             /* >= 0, default 1: a radius is done early when the largest displacement falls below */
@@ -334,7 +337,7 @@ typedef struct smr_config {
     uint32_t radius_last;        /* index of the last radius used; default SMR_ALL: the finest */
     uint32_t iterations;         /* 1..100000, default 9: at most so many at each radius but the last. Iterations
                                     that only repair folds do not count */
-    uint32_t iterations_last;    /* 1..100000, default 80: at most so many at the last radius */
+    uint32_t iterations_last;    /* 1..100000, default 60: at most so many at the last radius */
 } smr_config;
 
 smr_config smr_config_default(void);

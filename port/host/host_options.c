@@ -65,6 +65,8 @@ static const option table[] = {
     {"--normal-angle", HOST_REGISTER, KIND_FLOAT, FIELD(config.normal_deg), 0, 180, 1, 0, NULL, FOR_SURFACES},
     {"--stiffness", HOST_REGISTER, KIND_FLOAT, FIELD(config.stiffness), 0, 1, 1, 0, NULL, 0},
     {"--attraction", HOST_REGISTER, KIND_FLOAT, FIELD(config.attraction), 0, 1, 0, 0, NULL, FOR_SURFACES},
+    {"--slide", HOST_REGISTER, KIND_FLOAT, FIELD(config.slide), 0, 1, 0, 0, NULL, FOR_SURFACES},
+    {"--even", HOST_REGISTER, KIND_FLOAT, FIELD(config.even), 0, 1, 0, 0, NULL, FOR_SURFACES},
     {"--relaxation", HOST_REGISTER, KIND_FLOAT, FIELD(config.relaxation), 0, 1, 1, 0, NULL, 0},
     {"--reject-deviations", HOST_REGISTER, KIND_FLOAT, FIELD(config.reject_deviations), 0, 1000, 0, 0, NULL,
      FOR_SURFACES},

@@ -1,14 +1,14 @@
-/* radii.c: cluster radii for a model nobody chose any for. For surface targets: from a quarter of its length down to little more than an edge,
- * each about two thirds of the one before (coarse to fine, paper 3, geometric registration), and a last one below an
- * edge, at which most clusters are single vertices and only the fold guard holds the surface together. For images, which
- * are noisy: fixed radii of a human size; before them, for a structure alone, which starts with the error of its pose and has
- * no neighbours to lead it, the whole structure as one cluster and a third of it.
+/* radii.c: cluster radii for a model nobody chose any for. For surface targets: from a quarter of its length down to little
+ * more than an edge, each about two thirds of the one before (coarse to fine, paper 3, geometric registration), and a last
+ * one far below an edge, at which clusters are single vertices. For images, which are noisy: fixed radii of a human size;
+ * before them, for a structure alone, which starts with the error of its pose and has no neighbours to lead it, the whole
+ * structure as one cluster and a third of it.
  * SPDX-License-Identifier: MIT */
 #include "prepare/plan.h"
 
 #define SMR_COARSEST 0.25f      /* of the model's length */
 #define SMR_FINE_EDGES 1.7f     /* edges */
-#define SMR_FREE_EDGES 0.95f
+#define SMR_FREE_EDGES 0.01f
 #define SMR_RATIO 0.66f
 #define SMR_MEMBERS_MAX 1500u   /* mean |zeta| above this makes iterations slow and deforms no better */
 #define SMR_PROBES 64u

@@ -10,7 +10,8 @@ smr_config smr_config_default(void)
     c.n_workers = 1;
     c.stiffness = 0.8f;
     c.attraction = 0.5f;
-    c.slide = 1.0f;
+    c.slide = 0.0f;
+    c.even = 0.5f;
     c.search_mm = 60.0f;
     c.search_radii = 1.5f;
     c.normal_deg = 75.0f;
@@ -25,7 +26,7 @@ smr_config smr_config_default(void)
     c.relaxation = 1.0f;
     c.fold_guard = 1;
     c.momentum = 0.8f;
-    c.momentum_last = 0.5f;
+    c.momentum_last = 0.0f;
     c.plastic_um = 50.0f;
     c.settle_um = 1.0f;
     c.plastic_every = 1;
@@ -34,7 +35,7 @@ smr_config smr_config_default(void)
     c.active_first = 1.0f;
     c.active_enough = 20;
     c.iterations = 9;
-    c.iterations_last = 80;
+    c.iterations_last = 60;
     return c;
 }
 
@@ -47,7 +48,7 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
         c->n_target_vertices > SMR_VERTICES_MAX)
         return SMR_E_CONFIG;
     if (!between(c->stiffness, FLT_MIN, 1.0f) || !between(c->attraction, 0.0f, 1.0f) ||
-        !between(c->slide, 0.0f, 1.0f) || !between(c->search_mm, FLT_MIN, SMR_COORD_MAX) || !between(c->search_radii, FLT_MIN, 1.0e6f) || !between(c->normal_deg, FLT_MIN, 180.0f) ||
+        !between(c->slide, 0.0f, 1.0f) || !between(c->even, 0.0f, 1.0f) || !between(c->search_mm, FLT_MIN, SMR_COORD_MAX) || !between(c->search_radii, FLT_MIN, 1.0e6f) || !between(c->normal_deg, FLT_MIN, 180.0f) ||
         !between(c->reject_deviations, 0.0f, 1.0e6f) || c->reject_border > 1u || c->use_box > 1u ||
         c->node_budget < 8u || c->node_budget > 1000000u)
         return SMR_E_CONFIG;

@@ -38,7 +38,7 @@ void smr_evolve(void *arg, uint32_t task, uint32_t worker)
         const smr_vec ref = smr_load(smr_at3(s->x_ref, v)), old = smr_load(smr_at3(s->x, v));
         const smr_vec goal = smr_add(ref, smr_add(smr_mul(r_minus_i, ref), smr_scale(t, share)));
         const smr_vec step = smr_scale(smr_sub(goal, old), s->config.relaxation);
-        const smr_vec next = smr_add(old, step);
+        const smr_vec next = smr_add(smr_add(old, step), smr_even_step(s, v));
         smr_store(smr_at3(s->x_next, v), next);
         const smr_vec n = smr_load(smr_at3(s->normal_ref, v));
         const smr_vec turned = smr_unit(smr_add(n, smr_mul(r_minus_i, n)));

@@ -6,6 +6,7 @@
 #define SMR_ENOUGH_ALL 1000.0f /* active vertices of the whole model with an image */
 #define SMR_ACTIVE_EVERY 8u /* iterations */
 #define SMR_ABOUT 0.75f
+#define SMR_NARROWING 0.5f /* search distances shrink to this share at most, from one radius to the next */
 
 uint32_t smr_last_radius(const smr *s) { return smr_min_u32(s->config.radius_last, s->n_radii - 1u); }
 
@@ -53,7 +54,10 @@ static void use_radius(smr *s, uint32_t radius)
     s->reference_stale = 1;
     s->n_active = active_count(s);
     s->momentum = radius == smr_last_radius(s) ? s->config.momentum_last : s->config.momentum;
-    s->search = smr_min(s->config.search_mm, s->config.search_radii * s->lists.radius);
+    const float before = radius > 0u ? smr_model_lists(s->model, radius - 1u).radius : 0.0f;
+    s->search = smr_min(s->config.search_mm, s->config.search_radii * smr_max(s->lists.radius, SMR_NARROWING * before));
+    if (radius == smr_last_radius(s))
+        smr_even_start(s);
     if (smr_guarded(s) && s->n_hinges > 0u && (radius == s->config.radius_first || radius + 1u == smr_last_radius(s)))
         s->repairing = 1;
 }
@@ -131,6 +135,8 @@ static float ease_of(const smr *s)
 void smr_schedule_distances(smr *s)
 {
     s->ease = ease_of(s);
+    if (!s->done)
+        smr_even_share(s);
     const float done = smr_schedule_progress(s);
     s->profile_mm = s->config.profile_mm + done * (s->config.profile_end_mm - s->config.profile_mm);
     s->profile_mm = smr_min(s->profile_mm, s->config.profile_radii * s->lists.radius);

@@ -61,6 +61,7 @@ struct smr {
     uint32_t n_active;                     /* the first so many vertices take part; the others are carried along */
     float momentum;                        /* at this radius */
     float search;                          /* mm: search distance at this radius */
+    float even;                            /* in this iteration: of the way to the neighbours' mean (even.c) */
     float profile_mm, gradient_mm;         /* search distances in the image in this iteration */
     float ease;                            /* share of forces and momentum left: falls to 0 where an image registration ends */
     float force_limit;                     /* mm: longer forces are dropped; 0 none yet */
@@ -211,6 +212,11 @@ void smr_evolve(void *arg, uint32_t task, uint32_t worker);       /* evolve.c: x
 void smr_evolve_end(smr *s);                 /* facets follow x_next from here on */
 void smr_settle(void *arg, uint32_t task, uint32_t worker);
 void smr_settle_end(smr *s);
+
+void smr_even_start(smr *s);                 /* even.c: neighbours' displacements, at the last radius */
+void smr_even_share(smr *s);
+void smr_even_rings(smr *s);
+smr_vec smr_even_step(smr *s, uint32_t v);   /* valid after smr_even_rings, until the guard */
 
 void smr_abandon_iteration(smr *s);
 void smr_schedule_start(smr *s);             /* schedule.c */

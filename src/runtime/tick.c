@@ -19,8 +19,9 @@ static const smr_step steps[] = {
     {SMR_PHASE_MATCH, smr_active_tasks, smr_match, smr_match_end},
     /* average goal positions x~_i = Sum_i(T) x^r_i / |zeta_i| */
     {SMR_PHASE_AVERAGE, smr_active_tasks, smr_average_record, NULL},
-    {SMR_PHASE_AVERAGE, smr_block_tasks, smr_sums_forest, NULL},
-    /* evolve positions, x = x~; hold back what would fold; update reference positions (plasticity), x^r = x */
+    {SMR_PHASE_AVERAGE, smr_block_tasks, smr_sums_forest, smr_even_rings},
+    /* evolve positions, x = x~; even out along the surface; hold back what would fold; update reference positions (plasticity),
+     * x^r = x */
     {SMR_PHASE_EVOLVE, smr_vertex_tasks, smr_evolve, smr_evolve_end},
     {SMR_PHASE_EVOLVE, smr_facet_tasks, smr_facet_refit, smr_facets_end},
     {SMR_PHASE_EVOLVE, smr_guard_tasks, smr_guard_search, smr_guard_end},

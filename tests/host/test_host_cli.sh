@@ -140,13 +140,13 @@ fi
 
 # The progress line: only on a terminal.
 if script -qec true /dev/null >/dev/null 2>&1; then
-    script -qec "'$SMR' register --model bone.ply --target target.ply -o slow --plastic-um 0 --iterations-last 20000 --ticks 3000" \
+    script -qec "'$SMR' register --model bone.ply --target target.ply -o slow --slide 1 --even 0 --iterations-last 20000 --ticks 3000" \
         /dev/null >progress.txt 2>&1 </dev/null
     check "progress on a terminal: iteration, residual, time left" grep -qE "iteration [0-9]+  residual [0-9.]+ mm  [0-9.]+ s left" progress.txt
 else
     skip "progress on a terminal" "no script command"
 fi
-check "none when piped" has_status 1 "$SMR" register --model bone.ply --target target.ply -o slow --plastic-um 0 --iterations-last 20000 --ticks 300
+check "none when piped" has_status 1 "$SMR" register --model bone.ply --target target.ply -o slow --slide 1 --even 0 --iterations-last 20000 --ticks 50
 check "the error stream stays empty" [ ! -s err.txt ]
 
 # Legal oddities: all of them in one surface.

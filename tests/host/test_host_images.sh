@@ -75,7 +75,7 @@ refused "two volumes" "--target" $reg $image4 ref.mha
 refused "a volume and a surface" "--target" $reg $image4 target.ply
 refused "a reference for a surface" "--reference" $reg --reference ref.mha --target target.ply
 refused "the truth for a surface" "--truth" $reg --target target.ply --truth .
-for option in "--align rigid" "--attraction 0.5" "--normal-angle 60" "--node-budget 100" "--reject-border" "--reject-deviations 3"; do
+for option in "--align rigid" "--attraction 0.5" "--slide 1" "--even 0" "--normal-angle 60" "--node-budget 100" "--reject-border" "--reject-deviations 3"; do
     refused "$option with a volume" "${option%% *}" $reg $image4 $option
 done
 refused "--search 61" "--search" $reg $image4 --search 61

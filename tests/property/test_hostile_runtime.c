@@ -149,6 +149,8 @@ static void test_every_field(void **state)
     REFUSE(attraction, 1.001f);
     REFUSE_FLOAT(slide);
     REFUSE(slide, 1.001f);
+    REFUSE_FLOAT(even);
+    REFUSE(even, 1.001f);
     REFUSE_FLOAT(search_mm);
     REFUSE(search_mm, 0.0f);
     REFUSE(search_mm, SMR_COORD_MAX * 1.001f);

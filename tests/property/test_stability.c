@@ -178,6 +178,7 @@ static smr_config random_config(uint32_t *seed, uint32_t n_radii)
     c.stiffness = pick(seed, 0.01f, 1.0f, 1.0e-30f, 1.0f);
     c.attraction = pick(seed, 0.0f, 1.0f, 0.0f, 1.0f);
     c.slide = pick(seed, 0.0f, 1.0f, 0.0f, 1.0f);
+    c.even = pick(seed, 0.0f, 1.0f, 0.0f, 1.0f);
     c.search_mm = pick(seed, 0.1f, 200.0f, 1.0e-30f, SMR_COORD_MAX);
     c.search_radii = pick(seed, 0.1f, 20.0f, 1.0e-30f, 1.0e6f);
     c.normal_deg = pick(seed, 5.0f, 180.0f, 1.0e-30f, 180.0f);

@@ -80,6 +80,7 @@ static smr *start(const smr_model *model, const smr_surface *target, uint32_t me
     smr_config config = smr_config_default();
     config.method = method;
     config.settle_um = 0.0f;
+    config.even = 0.0f; /* it sums over neighbours where the records were */
     config.iterations = config.iterations_last = 100000;
     smr *s = rig_init(model, &config, NULL);
     if (target != NULL) {

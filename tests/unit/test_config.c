@@ -74,6 +74,7 @@ static void test_limits(void **state)
     LIMITS(stiffness, 1.0e-6f, 1.0f, 0.0f, nextafterf(1.0f, 2.0f));
     LIMITS(attraction, 0.0f, 1.0f, nextafterf(0.0f, -1.0f), nextafterf(1.0f, 2.0f));
     LIMITS(slide, 0.0f, 1.0f, nextafterf(0.0f, -1.0f), nextafterf(1.0f, 2.0f));
+    LIMITS(even, 0.0f, 1.0f, nextafterf(0.0f, -1.0f), nextafterf(1.0f, 2.0f));
     LIMITS(search_mm, 1.0e-6f, SMR_COORD_MAX, 0.0f, nextafterf(SMR_COORD_MAX, 1.0e9f));
     LIMITS(search_radii, 1.0e-6f, 1.0e6f, 0.0f, nextafterf(1.0e6f, 1.0e9f));
     LIMITS(normal_deg, 1.0e-6f, 180.0f, 0.0f, nextafterf(180.0f, 200.0f));

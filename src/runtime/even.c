@@ -1,0 +1,72 @@
+/* even.c: evens out, along the surface, how neighbours have moved, at the last radius. Nothing else there decides where on
+ * the surface a vertex comes to lie: vertices are single, forces are normal to the target. So every choice that a last bit
+ * decided on the way (which triangle is nearer, who is just within a cluster) would stay in the result, and grow.
+ * Evened is the displacement from the rest shape in its pose of that moment: x moves towards the place where its
+ * displacement is the mean of its mesh neighbours', tangentially only. Towards the end this fades.
+ * Bounds: one pass over triangles and vertices, at a step's end.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/fit.h"
+#include "runtime/state.h"
+
+static smr_vec rest_of(const smr *s, uint32_t v)
+{
+    const uint32_t *r = (const uint32_t *)smr_at(s->model, s->model->at_rest) + 3u * (size_t)v;
+    return smr_v(smr_le_float(r[0]), smr_le_float(r[1]), smr_le_float(r[2]));
+}
+
+/* The last radius starts: the pose from which displacements are counted, and in which the clusters' reach is bounded. */
+void smr_even_start(smr *s)
+{
+    smr_fit fit;
+    smr_fit_start(&fit);
+    for (uint32_t v = 0; v < s->n; v++)
+        smr_fit_add(&fit, rest_of(s, v), smr_load(smr_at3(s->x, v)), 1.0f);
+    s->fitted = smr_fit_solve(&fit, 1);
+}
+
+/* The share of the way to the neighbours' mean, in the coming iteration. */
+void smr_even_share(smr *s)
+{
+    s->even = 0.0f;
+    if (s->radius != smr_last_radius(s) || s->repairing > 0u || s->n_goals == 0u)
+        return;
+    const float left = 1.0f - (float)s->radius_iteration / (float)s->config.iterations_last;
+    s->even = s->config.even * left * left;
+}
+
+static smr_vec moved(smr *s, uint32_t v)
+{
+    return smr_sub(smr_load(smr_at3(s->x, v)), smr_pose_apply(&s->fitted, rest_of(s, v)));
+}
+
+static void add(smr *s, uint32_t v, smr_vec a, smr_vec b)
+{
+    float *sum = smr_at3(s->ring_sum, v);
+    smr_store(sum, smr_add(smr_load(sum), smr_add(a, b)));
+    s->ring_weight[v] += 2.0f;
+}
+
+/* Sums of the mesh neighbours' displacements. */
+void smr_even_rings(smr *s)
+{
+    if (!(s->even > 0.0f))
+        return;
+    memset(s->ring_sum, 0, 3u * (size_t)s->n * sizeof(float));
+    memset(s->ring_weight, 0, s->n * sizeof(float));
+    for (uint32_t k = 0; k < s->n_triangles; k++) {
+        const uint32_t *t = s->triangle + 3u * (size_t)k;
+        const smr_vec a = moved(s, t[0]), b = moved(s, t[1]), c = moved(s, t[2]);
+        add(s, t[0], b, c);
+        add(s, t[1], c, a);
+        add(s, t[2], a, b);
+    }
+}
+
+smr_vec smr_even_step(smr *s, uint32_t v)
+{
+    if (!(s->even > 0.0f) || s->part[smr_model_owner(s->model, v)].target == NULL || !(s->ring_weight[v] > 0.0f))
+        return smr_v(0, 0, 0);
+    const smr_vec mean = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / s->ring_weight[v]);
+    const smr_vec way = smr_sub(mean, moved(s, v)), n = smr_load(smr_at3(s->normal, v));
+    return smr_scale(smr_sub(way, smr_scale(n, smr_dot(n, way))), s->even);
+}
