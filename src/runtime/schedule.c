@@ -83,6 +83,7 @@ void smr_schedule_start(smr *s)
     s->step = 0;
     s->next_task = 0;
     s->force_limit = 0.0f;
+    s->ease = 1.0f;
     use_radius(s, s->config.radius_first);
 }
 

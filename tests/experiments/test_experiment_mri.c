@@ -258,7 +258,7 @@ static void finds_back_in_the_mri(void **state)
     }
     experiment_bound("worst seed, mean to the true surface", worst, 1.0);
     experiment_bound("worst seed, mean from the true surface", worst_from, 1.0);
-    assert_int_equal(experiment_misses(), 0);
+    EXPERIMENT_END();
 }
 
 int main(void)

@@ -95,7 +95,7 @@ static void patient_from_spoiled_starts(void **state)
     (void)state;
     experiment_bound("mean over the seeds against the unspoiled", fabs(s.mean - s.unspoiled), 0.1);
     experiment_bound("worst seed", s.worst, 0.5);
-    assert_int_equal(experiment_misses(), 0);
+    EXPERIMENT_END();
 }
 
 static void person_from_spoiled_starts(void **state)
@@ -103,8 +103,8 @@ static void person_from_spoiled_starts(void **state)
     const spread s = spoil("person", 10);
     (void)state;
     experiment_bound("mean over the seeds against the unspoiled", fabs(s.mean - s.unspoiled), 0.5);
-    experiment_bound("the farthest seed against the unspoiled", s.farthest, 0.5);
-    assert_int_equal(experiment_misses(), 0);
+    experiment_aim("the farthest seed against the unspoiled", s.farthest, 0.5, 1.0);
+    EXPERIMENT_END();
 }
 
 int main(void)

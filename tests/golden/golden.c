@@ -1,7 +1,8 @@
 /*
  * golden: one registration whose bits must be the same on every processor, compiler, thread count and order.
  *
- * Prints one line: smr-hash <state after the rigid run> <state after the polar run> <CRC-32 of the image>.
+ * Prints one line: smr-hash <state after the rigid run> <after the polar run> <after an image run> <CRC-32 of the model
+ * images of surfaces and with profiles>.
  * Hosted: golden [threads N | workers N | reverse | shuffle | interleave]; no argument: a plain loop.
  * Bare metal (SMR_BAREMETAL): no argument; the buffers go to the section .arena.
  *
@@ -10,6 +11,7 @@
 #include <smr.h>
 
 #include "fixture_bone.h"
+#include "fixture_thigh.h"
 
 #ifdef SMR_BAREMETAL
 #include "smr_baremetal.h"
@@ -151,6 +153,129 @@ static int golden_run(const smr_model *model, const smr_surface *target, const s
     return 1;
 }
 
+/* Two structures of the computed thigh in a coarse image, and a patient's. */
+#define GOLDEN_PARTS 2u
+#define GOLDEN_VOXELS (48u * 48u * 48u)
+GOLDEN_MEMORY unsigned char golden_voxels[2][GOLDEN_VOXELS];
+GOLDEN_MEMORY fixture_thigh golden_thigh;
+GOLDEN_MEMORY float golden_thigh_words[FIXTURE_THIGH_SCRATCH];
+GOLDEN_MEMORY float golden_slice[FIXTURE_IMAGE_SCRATCH(48, 48)];
+GOLDEN_MEMORY float golden_truth[GOLDEN_PARTS][3 * 1024];
+
+/* The box around points [n][3] of all parts, in voxels of 4 mm; at most GOLDEN_VOXELS of them. */
+static fixture_box golden_box(const smr_structure *part, float xyz[GOLDEN_PARTS][3 * 1024])
+{
+    fixture_box box = {{1e9f, 1e9f, 1e9f}, {4.0f, 4.0f, 4.0f}, {0, 0, 0}};
+    float high[3] = {-1e9f, -1e9f, -1e9f};
+    for (uint32_t i = 0; i < GOLDEN_PARTS; ++i) {
+        for (uint32_t k = 0; k < 3u * part[i].mesh.n_vertices; ++k) {
+            const float x = xyz[i][k];
+            box.low[k % 3u] = x < box.low[k % 3u] ? x : box.low[k % 3u];
+            high[k % 3u] = x > high[k % 3u] ? x : high[k % 3u];
+        }
+    }
+    for (uint32_t a = 0; a < 3u; ++a) {
+        box.low[a] -= 20.0f;
+        box.n[a] = (uint32_t)((high[a] + 20.0f - box.low[a]) / box.spacing[a]) + 1u;
+    }
+    return box;
+}
+
+static int golden_volume(const fixture_pose *pose, const fixture_box *box, unsigned char *voxels, smr_volume *volume)
+{
+    static const float axes[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    if (box->n[0] > 48u || box->n[1] > 48u || box->n[0] * box->n[1] * box->n[2] > GOLDEN_VOXELS) {
+        return golden_ok("volume", SMR_E_ARENA);
+    }
+    for (uint32_t z = 0; z < box->n[2]; ++z) {
+        fixture_thigh_slice(&golden_thigh, pose, box, z, voxels + (size_t)z * box->n[0] * box->n[1], golden_slice);
+    }
+    volume->voxels = voxels;
+    volume->mask = NULL;
+    volume->type = SMR_VOXEL_UINT8;
+    for (uint32_t a = 0; a < 3u; ++a) {
+        volume->size[a] = box->n[a];
+        volume->origin[a] = box->low[a];
+        volume->spacing[a] = box->spacing[a];
+    }
+    for (uint32_t a = 0; a < 9u; ++a) {
+        volume->direction[a] = axes[a];
+    }
+    return 1;
+}
+
+/* Meshes, both images and the model with profiles. */
+static int golden_image_set_up(smr_structure *part, smr_volume *volume, const smr_model **model, size_t *bytes)
+{
+    static const uint32_t which[GOLDEN_PARTS] = {13, 23}; /* patella, vastus medialis */
+    smr_prepare_config config = smr_prepare_config_default();
+    fixture_pose pose[2];
+    size_t need = 0;
+    fixture_thigh_init(&golden_thigh);
+    for (uint32_t i = 0; i < GOLDEN_PARTS; ++i) {
+        fixture_mesh m = {golden_xyz[i], golden_triangles[i], 1024, 2048, 0, 0};
+        if (!fixture_thigh_mesh(&golden_thigh, which[i], 1.6f, &m, golden_thigh_words)) {
+            return golden_ok("thigh", SMR_E_ARENA);
+        }
+        part[i].name = golden_thigh.part[which[i]].name;
+        part[i].mesh = (smr_mesh){m.xyz, m.triangles, m.n_vertices, m.n_triangles};
+        fixture_thigh_pose(1, &pose[1]);
+        fixture_thigh_truth(&pose[1], m.xyz, m.n_vertices, golden_truth[i]);
+    }
+    fixture_thigh_pose(0, &pose[0]);
+    fixture_box box[2] = {golden_box(part, golden_xyz), golden_box(part, golden_truth)};
+    if (!golden_volume(&pose[0], &box[0], golden_voxels[0], &volume[0]) ||
+        !golden_volume(&pose[1], &box[1], golden_voxels[1], &volume[1])) {
+        return 0;
+    }
+    config.reference = &volume[0];
+    return golden_ok("image bytes", smr_prepare_bytes(part, GOLDEN_PARTS, &config, &need)) &&
+           golden_ok("image scratch", need <= sizeof golden_scratch ? SMR_OK : SMR_E_ARENA) &&
+           golden_ok("image prepare", smr_prepare(part, GOLDEN_PARTS, &config, golden_scratch, sizeof golden_scratch,
+                                                  golden_image, sizeof golden_image, bytes)) &&
+           golden_ok("image open", smr_model_open(golden_image, *bytes, model));
+}
+
+/* From 4 mm beside the truth back onto the patient's image. */
+static int golden_image_run(const smr_port *port, uint64_t *hash, uint32_t *crc)
+{
+    smr_config config = smr_config_default();
+    smr_structure part[GOLDEN_PARTS];
+    smr_volume volume[2];
+    const smr_model *model = NULL;
+    smr_tick_report report;
+    smr *s = NULL;
+    size_t bytes = 0;
+    config.n_workers = GOLDEN_WORKERS;
+    config.plastic_every = 3;
+    config.iterations = 4;
+    config.iterations_last = 6;
+    config.active_enough = 6;
+    if (!golden_image_set_up(part, volume, &model, &bytes) ||
+        !golden_ok("image init", smr_init(&s, model, &config, port, golden_arena, sizeof golden_arena))) {
+        return 0;
+    }
+    for (uint32_t i = 0; i < GOLDEN_PARTS; ++i) {
+        for (uint32_t k = 0; k < part[i].mesh.n_vertices; ++k) {
+            golden_truth[i][3u * k] += 4.0f;
+        }
+        if (!golden_ok("image start", smr_set_positions(s, i, golden_truth[i]))) {
+            return 0;
+        }
+    }
+    if (!golden_ok("image volume", smr_set_volume(s, &volume[1]))) {
+        return 0;
+    }
+    for (uint32_t tick = 0; tick < GOLDEN_TICKS; ++tick) {
+        if (!golden_ok("image tick", smr_tick(s, 0, &report))) {
+            return 0;
+        }
+    }
+    *hash = smr_state_hash(s);
+    *crc = golden_crc(golden_image, bytes);
+    return golden_ok("image forces", report.done && report.n_forces > 100u ? SMR_OK : SMR_E_STATE);
+}
+
 static int golden_main(const smr_port *port)
 {
     smr_mesh mesh[2];
@@ -159,7 +284,8 @@ static int golden_main(const smr_port *port)
     smr_align_config align = smr_align_config_default();
     smr_pose pose;
     size_t image_bytes = 0;
-    uint64_t rigid = 0, polar = 0;
+    uint64_t rigid = 0, polar = 0, image = 0;
+    uint32_t crc = 0, crc_image = 0;
     float rms = 0.0f;
     align.samples = 200;
     align.iterations = 10;
@@ -171,12 +297,18 @@ static int golden_main(const smr_port *port)
         !golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &polar)) {
         return 1;
     }
+    crc = golden_crc(golden_image, image_bytes);
+    if (!golden_image_run(port, &image, &crc_image)) {
+        return 1;
+    }
     golden_write("smr-hash ");
     golden_hex(rigid, 16);
     golden_write(" ");
     golden_hex(polar, 16);
     golden_write(" ");
-    golden_hex(golden_crc(golden_image, image_bytes), 8);
+    golden_hex(image, 16);
+    golden_write(" ");
+    golden_hex(crc ^ crc_image, 8);
     golden_write("\n");
     return 0;
 }

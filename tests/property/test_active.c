@@ -199,7 +199,7 @@ static void test_an_iteration(void **state)
         c.active_share = (float)i / 20.0f;
         c.n_target_vertices = goal.n_vertices;
         c.fold_guard = c.plastic_every = 0;
-        c.plastic_um = c.settle_um = 0.0f;
+        c.plastic_um = c.settle_um = c.even = 0.0f;
         smr *s = rig_init(model, &c, NULL);
         const uint32_t share = (uint32_t)ceilf(c.active_share * (float)s->n), need = s->lists.active_min;
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
@@ -304,7 +304,8 @@ static void test_image_needs_few(void **state)
         for (uint32_t k = 0; k < 6u; k++) {
             float want = c.active_share * (float)s->n;
             if (c.active_enough > 0u) { /* whole levels, about as many */
-                want = fminf(want, level_with(&info, 0.75f * (float)s->n * (float)c.active_enough / (float)s->lists.smallest));
+                const float cluster = (float)s->n * (float)c.active_enough / (float)s->lists.smallest;
+                want = fminf(want, level_with(&info, 0.75f * fmaxf(cluster, 1000.0f)));
             }
             want = fmaxf(want, (float)s->lists.active_min);
             const uint32_t n_active = s->n_active;
