@@ -74,6 +74,14 @@ static reference_profile reference_of(const smr *s, uint32_t v)
     return r;
 }
 
+static int varies(const float *line, uint32_t n)
+{
+    uint32_t k = 1;
+    while (k < n && !(line[k] < line[0]) && !(line[k] > line[0]))
+        k++;
+    return k < n;
+}
+
 int smr_image_goal(const smr *s, uint32_t v, smr_vec *way)
 {
     const reference_profile r = reference_of(s, v);
@@ -99,8 +107,8 @@ int smr_image_goal(const smr *s, uint32_t v, smr_vec *way)
     if (edge_reach > 0u)
         edge = smr_profile_edge(r.value, r.range, r.n, r.inward, line, inside, before + after, before, edge_reach);
     const float total = match.confidence + edge.confidence;
-    if (!(total > s->config.confidence))
-        return whole ? SMR_NO_GOAL : SMR_UNSEEN;
+    if (!(smr_min(total, 1.0f) > s->config.confidence))
+        return whole && varies(line, before + after) ? SMR_NO_GOAL : SMR_UNSEEN;
     const float offset = (match.confidence * (match.at - (float)reach) + edge.confidence * (edge.at - (float)before)) / total;
     *way = smr_scale(step, offset);
     return SMR_GOAL;

@@ -20,7 +20,7 @@ static int tidy(void **state)
     return 0;
 }
 
-/* A ball, or nothing: a texture that is nothing like a ball's surface. Cut off above z = top. */
+/* A ball (1), a texture that is nothing like its surface (0), or one value (2). Cut off above z = top. */
 static smr_volume image(int ball, float top)
 {
     smr_volume v;
@@ -38,7 +38,9 @@ static smr_volume image(int ball, float top)
         const float x = v.origin[0] + 2.0f * (float)(i % SIDE), y = v.origin[1] + 2.0f * (float)(i / SIDE % SIDE);
         const float z = v.origin[2] + 2.0f * (float)(i / SIDE / SIDE);
         const double r = sqrt((double)(x * x + y * y + z * z));
-        voxels[i] = ball ? (float)(500.0 + 400.0 * tanh(((double)RADIUS - r) / 2.0)) : 100.0f;
+        voxels[i] = ball == 1 ? (float)(500.0 + 400.0 * tanh(((double)RADIUS - r) / 2.0)) : 100.0f;
+        if (ball == 0 && i % 7u == 3u)
+            voxels[i] = 103.0f;
         if (z > top)
             voxels[i] = NAN;
     }
@@ -90,6 +92,14 @@ static void test_seen_stays(void **state)
     assert_true(fabs(r - (double)RADIUS) < 0.1);
 }
 
+/* One value everywhere says nothing either. */
+static void test_constant_stays(void **state)
+{
+    const smr_volume nothing = image(2, 1.0e6f);
+    (void)state;
+    assert_true(fabs(after(&nothing, 1.0f, 20) - (double)RADIUS) < 0.01);
+}
+
 /* Where the image ends it says nothing: no goal, and no smoothing either. */
 static void test_unseen_stays(void **state)
 {
@@ -122,6 +132,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_nothing_shrinks, tidy),
         cmocka_unit_test_teardown(test_seen_stays, tidy),
+        cmocka_unit_test_teardown(test_constant_stays, tidy),
         cmocka_unit_test_teardown(test_unseen_stays, tidy),
         cmocka_unit_test_teardown(test_range, tidy),
     };
