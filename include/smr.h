@@ -172,7 +172,8 @@ typedef int (*smr_progress)(void *ctx, uint32_t done, uint32_t total);
 typedef struct smr_prepare_config {
     uint32_t cookie;
     uint32_t n_radii;                /* 0..SMR_RADII_MAX; default 0: chosen from size and edge length; with a reference
-                                        image 60, 40, 25, 15, 10, for a structure alone its size and a third first */
+                                        image 60, 40, 25, 15, 10, for a structure alone its size and a third first,
+                                        where larger */
     float radius_mm[SMR_RADII_MAX];  /* cluster radii s, coarse to fine, each in [1e-6, SMR_COORD_MAX] */
     float separate_below_mm;         /* radii below: clusters keep to their own structure. 0: always shared;
                                         negative (default): a third of the largest radius; with a reference image all
@@ -188,9 +189,9 @@ typedef struct smr_prepare_config {
     uint32_t block_vertices;         /* vertices per forest block, 16..65536; default 0: chosen */
     const smr_volume *reference;     /* the image that fits the model, for intensity profiles; NULL (default): none */
     uint32_t profile_samples;        /* 3..64, default 20: along each vertex' normal (paper 3: 30) */
-    float profile_step_mm;           /* (0,100], default 0.5 */
+    float profile_step_mm;           /* (1e-6,100], default 0.5 */
     float profile_inward;            /* [0,1]: share of the samples on the inner side, which differs less between people than
-                                        what lies around; negative (default): all but 1.6 voxels of the reference */
+                                        what lies around; [-1,0), default -1: all but 1.6 voxels of the reference */
     smr_progress progress;           /* may be NULL */
     void *progress_ctx;
 } smr_prepare_config;
@@ -298,16 +299,20 @@ typedef struct smr_config {
     float box_min[3], box_max[3];
     uint32_t node_budget;        /* 8..1000000, default 512: tree nodes one closest-point search may open */
 
-    /* image forces (paper 2.1): along the normal, both ways; distances fall linearly over the schedule */
+    /* image forces (paper 2.1): along the normal, both ways; distances fall linearly over the schedule. Over the second half
+     * of the last radius all forces and the momentum fall to 0 while there is an image */
     float profile_mm, profile_end_mm;   /* search distance of profile matching, [0,60], default 10 to 0 */
-    float profile_radii;         /* (0,1e6], default 0.5: nor beyond so many cluster radii: what a cluster can still pull apart
-                                    must not find the far side of its neighbour */
+    float profile_radii;         /* (0,1e6], default 0.5: profiles are not sought beyond so many cluster radii: what a cluster
+                                    can still pull apart must not find the far side of its neighbour */
     float gradient_mm, gradient_end_mm; /* of the strongest edge, [0,60], default 5 to 0 */
     uint32_t similarity;         /* SMR_SIMILARITY_...: normalised cross-correlation, sum of squared differences, or (default)
-                                    concordance: a correlation that other contrast than the reference's lowers */
-    float confidence;            /* [0,1], default 0.4: goals believed less give no force */
+                                    concordance: a correlation that other contrast than the reference's lowers, and other
+                                    brightness a little */
+    float confidence;            /* [0,1], default 0.4: goals of profile and edge that together are believed no more than this
+                                    give no force; 1: none does */
     float smoothing;             /* [0,1], default 1: a vertex without such a goal is drawn so far towards the middle of its
-                                    mesh neighbours; falls to 0 over the schedule */
+                                    mesh neighbours. Not where the image cannot tell: no profile, or the search leaves the
+                                    image or meets one value only */
 
     /* matching and evolution (paper 2.3) */
     uint32_t method;             /* SMR_METHOD_...; default rigid-body kinematics */
