@@ -172,7 +172,7 @@ typedef int (*smr_progress)(void *ctx, uint32_t done, uint32_t total);
 typedef struct smr_prepare_config {
     uint32_t cookie;
     uint32_t n_radii;                /* 0..SMR_RADII_MAX; default 0: chosen from size and edge length; with a reference
-                                        image 60, 40, 25, 15, 10, for a structure alone its size and a third first,
+                                        image 60, 40, 25, 15, for a structure alone its size and a third first,
                                         where larger */
     float radius_mm[SMR_RADII_MAX];  /* cluster radii s, coarse to fine, each in [1e-6, SMR_COORD_MAX] */
     float separate_below_mm;         /* radii below: clusters keep to their own structure. 0: always shared;

@@ -337,7 +337,7 @@ static void set_image_config(host_options *options)
     if (!is_given(options, "--iterations"))
         config->iterations = 20;
     if (!is_given(options, "--iterations-last"))
-        config->iterations_last = 30;
+        config->iterations_last = 40;
 }
 
 /* What --search may be depends on the kind of target. */
