@@ -329,8 +329,8 @@ typedef struct smr_config {
     float active_first;          /* [0,1], default 1: below active_share, the share at the schedule's start; from there it
                                     grows evenly to active_share at the end */
     uint32_t active_enough;      /* 0..1e6, default 20: with an image, so many active vertices in the smallest cluster are
-                                    enough, about (whole levels are taken); at large radii most are then ignored.
-                                    0: active_share alone decides */
+                                    enough, about (whole levels are taken), and 1,000 of the whole model; at large radii
+                                    most are then ignored. 0: active_share alone decides */
 
     /* schedule: from coarse to fine radius */
     uint32_t radius_first;       /* index of the first radius used, default 0 */
