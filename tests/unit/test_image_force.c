@@ -99,6 +99,27 @@ static void test_follows_image(void **state)
     }
 }
 
+/* Whatever a volume may hold, the model that is prepared with it can be opened. */
+static void test_extreme_reference(void **state)
+{
+    (void)state;
+    for (uint32_t k = 0; k < 2u; k++) {
+        const smr_volume source = image(RADIUS, none);
+        float *voxels = rig_alloc(SIDE * SIDE * SIDE * sizeof *voxels);
+        smr_volume reference = source;
+        for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) { /* -0.99 .. 0.99 of the limit, and next to nothing */
+            voxels[i] = (((const float *)source.voxels)[i] - 500.0f) / 400.0f * (k == 0u ? 0.99e30f : 1.0e-37f);
+        }
+        reference.voxels = voxels;
+        const smr_model *model = ball_model(&reference); /* ends the program when it cannot be opened */
+        const smr_config c = smr_config_default();
+        smr *s = rig_init(model, &c, NULL);
+        assert_int_equal(SMR_OK, smr_set_volume(s, &reference));
+        (void)rig_run(s, 10000);
+        assert_true(rig_finite(rig_positions(s, model), s->n));
+    }
+}
+
 static void test_needs_profiles(void **state)
 {
     const smr_volume target = image(RADIUS, none);
@@ -271,10 +292,10 @@ static void test_surface_first(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_follows_image, tidy),   cmocka_unit_test_teardown(test_needs_profiles, tidy),
-        cmocka_unit_test_teardown(test_refused, tidy),         cmocka_unit_test_teardown(test_image_elsewhere, tidy),
-        cmocka_unit_test_teardown(test_equal_bits, tidy),      cmocka_unit_test_teardown(test_take_away, tidy),
-        cmocka_unit_test_teardown(test_surface_first, tidy),
+        cmocka_unit_test_teardown(test_follows_image, tidy), cmocka_unit_test_teardown(test_extreme_reference, tidy),
+        cmocka_unit_test_teardown(test_needs_profiles, tidy), cmocka_unit_test_teardown(test_refused, tidy),
+        cmocka_unit_test_teardown(test_image_elsewhere, tidy), cmocka_unit_test_teardown(test_equal_bits, tidy),
+        cmocka_unit_test_teardown(test_take_away, tidy), cmocka_unit_test_teardown(test_surface_first, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
