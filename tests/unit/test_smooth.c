@@ -108,6 +108,23 @@ static void test_unseen_stays(void **state)
     assert_true(fabs(after(&dark, 1.0f, 20) - (double)RADIUS) < 0.01);
 }
 
+/* Who does not search has not seen either. */
+static void test_no_search_stays(void **state)
+{
+    const smr_volume reference = image(1, 1.0e6f), nothing = image(0, 1.0e6f);
+    const smr_mesh mesh = rig_ball(RADIUS, 13, 20, none);
+    smr_prepare_config p = rig_radii(2, 20, 10, 0);
+    smr_config c = smr_config_default();
+    (void)state;
+    p.reference = &reference;
+    c.profile_mm = c.profile_end_mm = c.gradient_mm = c.gradient_end_mm = 0.0f;
+    const smr_model *model = rig_model(&mesh, 1, &p);
+    smr *s = rig_init(model, &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &nothing));
+    (void)rig_run(s, 10000);
+    assert_true(fabs(mean_radius(s, model) - (double)RADIUS) < 0.01);
+}
+
 static void test_range(void **state)
 {
     const smr_volume reference = image(1, 1.0e6f);
@@ -134,6 +151,7 @@ int main(void)
         cmocka_unit_test_teardown(test_seen_stays, tidy),
         cmocka_unit_test_teardown(test_constant_stays, tidy),
         cmocka_unit_test_teardown(test_unseen_stays, tidy),
+        cmocka_unit_test_teardown(test_no_search_stays, tidy),
         cmocka_unit_test_teardown(test_range, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
