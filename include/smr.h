@@ -174,8 +174,8 @@ typedef struct smr_prepare_config {
     uint32_t n_radii;                /* 0..SMR_RADII_MAX; default 0: chosen from size and edge length; with a reference
                                         image 60, 40, 25, 15, 10, for a structure alone its size and a third first */
     float radius_mm[SMR_RADII_MAX];  /* cluster radii s, coarse to fine, each in [1e-6, SMR_COORD_MAX] */
-    float separate_below_mm;         /* radii below: clusters keep to their own structure. 0: always shared;
-                                        negative (default): a third of the largest radius; with a reference image all
+    float separate_below_mm;         /* within +-SMR_COORD_MAX; radii below: clusters keep to their own structure.
+                                        0: always shared; negative (default): a third of the largest radius; with a reference image all
                                         but the finest are shared */
     uint32_t distance;               /* SMR_DISTANCE_...; default Euclidean (paper 2.2) */
     uint32_t mass;                   /* SMR_MASS_...; default one per vertex */

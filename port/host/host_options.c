@@ -425,7 +425,7 @@ int host_options_read(int command, int argc, char **argv, host_options *options,
     if (options->clusters == HOST_CLUSTERS_SHARED)
         options->prepare.separate_below_mm = 0.0f;
     else if (options->clusters == HOST_CLUSTERS_SEPARATE)
-        options->prepare.separate_below_mm = 2.0f * SMR_COORD_MAX;
+        options->prepare.separate_below_mm = SMR_COORD_MAX; /* the most that smr_prepare() takes */
     return check_needs(options, error) != 0 ? -1 : settle_targets(options, error);
 }
 
