@@ -188,9 +188,9 @@ typedef struct smr_prepare_config {
     uint32_t block_vertices;         /* vertices per forest block, 16..65536; default 0: chosen */
     const smr_volume *reference;     /* the image that fits the model, for intensity profiles; NULL (default): none */
     uint32_t profile_samples;        /* 3..64, default 20: along each vertex' normal (paper 3: 30) */
-    float profile_step_mm;           /* (0,100], default 0.5 */
+    float profile_step_mm;           /* (1e-6,100], default 0.5 */
     float profile_inward;            /* [0,1]: share of the samples on the inner side, which differs less between people than
-                                        what lies around; negative (default): all but 1.6 voxels of the reference */
+                                        what lies around; -1 (default): all but 1.6 voxels of the reference */
     smr_progress progress;           /* may be NULL */
     void *progress_ctx;
 } smr_prepare_config;
@@ -307,7 +307,7 @@ typedef struct smr_config {
                                     concordance: a correlation that other contrast than the reference's lowers */
     float confidence;            /* [0,1], default 0.4: goals believed less give no force */
     float smoothing;             /* [0,1], default 1: a vertex without such a goal is drawn so far towards the middle of its
-                                    mesh neighbours; falls to 0 over the schedule */
+                                    mesh neighbours; falls to 0 in the last half of the last radius, as all image forces do */
 
     /* matching and evolution (paper 2.3) */
     uint32_t method;             /* SMR_METHOD_...; default rigid-body kinematics */

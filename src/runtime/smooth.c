@@ -1,7 +1,7 @@
 /* smooth.c: the smoothing force (paper 2.3: other forces): where the image shows no goal, a vertex is drawn towards the middle
  * of its mesh neighbours. What the image does not have, such as the longer tendon of another person's muscle, so shrinks
  * back instead of staying where the start put it; where the image does show the surface, nothing is smoothed. The force
- * falls to 0 over the schedule.
+ * falls to 0 where the registration ends, as the square of the other image forces' ease.
  * Bounds: one pass over a structure's triangles.
  * SPDX-License-Identifier: MIT */
 #include "runtime/state.h"
