@@ -175,8 +175,8 @@ typedef struct smr_prepare_config {
                                         image 60, 40, 25, 15, for a structure alone its size and a third first,
                                         where larger */
     float radius_mm[SMR_RADII_MAX];  /* cluster radii s, coarse to fine, each in [1e-6, SMR_COORD_MAX] */
-    float separate_below_mm;         /* radii below: clusters keep to their own structure. 0: always shared;
-                                        negative (default): a third of the largest radius; with a reference image all
+    float separate_below_mm;         /* within +-SMR_COORD_MAX; radii below: clusters keep to their own structure.
+                                        0: always shared; negative (default): a third of the largest radius; with a reference image all
                                         but the finest are shared */
     uint32_t distance;               /* SMR_DISTANCE_...; default Euclidean (paper 2.2) */
     uint32_t mass;                   /* SMR_MASS_...; default one per vertex */
@@ -312,7 +312,7 @@ typedef struct smr_config {
                                     give no force; 1: none does */
     float smoothing;             /* [0,1], default 1: a vertex without such a goal is drawn so far towards the middle of its
                                     mesh neighbours. Not where the image cannot tell: no profile, or the search leaves the
-                                    image or meets one value only */
+                                    image or meets one value only; nor in a structure of which hardly anything has a goal */
 
     /* matching and evolution (paper 2.3) */
     uint32_t method;             /* SMR_METHOD_...; default rigid-body kinematics */
@@ -334,8 +334,8 @@ typedef struct smr_config {
     float active_first;          /* [0,1], default 1: below active_share, the share at the schedule's start; from there it
                                     grows evenly to active_share at the end */
     uint32_t active_enough;      /* 0..1e6, default 20: with an image, so many active vertices in the smallest cluster are
-                                    enough, about (whole levels are taken); at large radii most are then ignored.
-                                    0: active_share alone decides */
+                                    enough, about (whole levels are taken), and 1,000 of the whole model; at large radii
+                                    most are then ignored. 0: active_share alone decides */
 
     /* schedule: from coarse to fine radius */
     uint32_t radius_first;       /* index of the first radius used, default 0 */
@@ -346,6 +346,10 @@ typedef struct smr_config {
 } smr_config;
 
 smr_config smr_config_default(void);
+
+/* The same for a registration into an image: search 30 to 3 mm and 5 to 2 mm, momentum 0.7 and 0.6, plastic_every 5, 20 iterations
+ * and 40 at the last radius, no target vertices. */
+smr_config smr_config_default_image(void);
 
 /* A registration in progress, inside the caller's arena. */
 typedef struct smr smr;

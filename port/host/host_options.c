@@ -319,25 +319,25 @@ static int check_targets(const host_options *options, host_error *error)
 
 static float low_of(float a, float b) { return a < b ? a : b; }
 
-/* Image forces are noisy and change slowly: a reference shape that follows now and then, few and fine radii. */
+/* The library's defaults for images, where no option says otherwise. */
 static void set_image_config(host_options *options)
 {
+    const smr_config image = smr_config_default_image();
     smr_config *const config = &options->config;
-    config->profile_mm = options->search.n > 0 ? options->search.from : 30.0f;
-    config->profile_end_mm = options->search.n > 1 ? options->search.to : low_of(3.0f, config->profile_mm);
-    config->gradient_mm = options->gradient.n > 0 ? options->gradient.from : 5.0f;
-    config->gradient_end_mm = options->gradient.n > 1 ? options->gradient.to : low_of(2.0f, config->gradient_mm);
-    config->momentum = 0.7f;
-    config->momentum_last = 0.6f;
+    config->profile_mm = options->search.n > 0 ? options->search.from : image.profile_mm;
+    config->profile_end_mm = options->search.n > 1 ? options->search.to : low_of(image.profile_end_mm, config->profile_mm);
+    config->gradient_mm = options->gradient.n > 0 ? options->gradient.from : image.gradient_mm;
+    config->gradient_end_mm =
+        options->gradient.n > 1 ? options->gradient.to : low_of(image.gradient_end_mm, config->gradient_mm);
+    config->momentum = image.momentum;
+    config->momentum_last = image.momentum_last;
     config->n_target_vertices = 0;
-    if (!is_given(options, "--stiffness"))
-        config->stiffness = 0.8f;
     if (!is_given(options, "--plastic-every"))
-        config->plastic_every = 5;
+        config->plastic_every = image.plastic_every;
     if (!is_given(options, "--iterations"))
-        config->iterations = 20;
+        config->iterations = image.iterations;
     if (!is_given(options, "--iterations-last"))
-        config->iterations_last = 40;
+        config->iterations_last = image.iterations_last;
 }
 
 /* What --search may be depends on the kind of target. */
@@ -425,7 +425,7 @@ int host_options_read(int command, int argc, char **argv, host_options *options,
     if (options->clusters == HOST_CLUSTERS_SHARED)
         options->prepare.separate_below_mm = 0.0f;
     else if (options->clusters == HOST_CLUSTERS_SEPARATE)
-        options->prepare.separate_below_mm = 2.0f * SMR_COORD_MAX;
+        options->prepare.separate_below_mm = SMR_COORD_MAX; /* the most that smr_prepare() takes */
     return check_needs(options, error) != 0 ? -1 : settle_targets(options, error);
 }
 

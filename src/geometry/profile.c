@@ -6,6 +6,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/profile.h"
 
+#define SMR_FLAT 1.0e-30f       /* intensity: a smaller range counts as none; 255 / range must stay finite */
 #define SMR_LEVEL 0.1f
 #define SMR_SCORE_LOW -0.999f  /* -1 is kept for windows that are not all inside */
 #define SMR_SCORE_MIN 0.3f      /* correlations below carry no confidence */
@@ -27,7 +28,7 @@ void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t 
         hi = smr_max(hi, value[k]);
     }
     *low = whole ? lo : 0.0f;
-    *range = whole && hi - lo > 1.0e-6f * (smr_abs(lo) + smr_abs(hi)) ? hi - lo : 0.0f;
+    *range = whole && hi - lo > smr_max(1.0e-6f * (smr_abs(lo) + smr_abs(hi)), SMR_FLAT) ? hi - lo : 0.0f;
     for (uint32_t k = 0; k < n; k++)
         packed[k] = *range > 0.0f ? (uint8_t)((value[k] - lo) * (255.0f / *range) + 0.5f) : 0u;
 }

@@ -4,6 +4,7 @@
 #include "geometry/profile.h"
 #include "model/image.h"
 
+#define SMR_RANGE_MAX 2.0e30f /* of a profile: voxel values lie within half of it on either side of 0 (geometry/volume.c) */
 #define SMR_WINDOW 4096u /* vertices whose uniqueness is checked at a time: 512 bytes of stack */
 
 /* A section of count * size bytes at a stored offset lies inside the image. */
@@ -144,7 +145,8 @@ static int check_profiles(const smr_model *m)
         return 1;
     return samples >= 3u && samples <= SMR_PROFILE_MAX && smr_le32(m->profile_inward) < samples &&
            floats_within(&m->profile_step, 1, 1.0e-6f, 100.0f) && section(m, m->at_profiles, n, samples) &&
-           section(m, m->at_ranges, n, 8) && floats_within(smr_at(m, m->at_ranges), 2u * (size_t)n, -1.0e30f, 1.0e30f);
+           section(m, m->at_ranges, n, 8) &&
+           floats_within(smr_at(m, m->at_ranges), 2u * (size_t)n, -SMR_RANGE_MAX, SMR_RANGE_MAX);
 }
 
 /* Triangles keep to their structure: corners and the caller's numbers. */

@@ -39,6 +39,22 @@ smr_config smr_config_default(void)
     return c;
 }
 
+/* Image forces are noisy and reach far: a reference shape that follows now and then, and more iterations. */
+smr_config smr_config_default_image(void)
+{
+    smr_config c = smr_config_default();
+    c.profile_mm = 30.0f;
+    c.profile_end_mm = 3.0f;
+    c.gradient_mm = 5.0f;
+    c.gradient_end_mm = 2.0f;
+    c.momentum = 0.7f;
+    c.momentum_last = 0.6f;
+    c.plastic_every = 5;
+    c.iterations = 20;
+    c.iterations_last = 40;
+    return c;
+}
+
 static int between(float v, float lo, float hi) { return v >= lo && v <= hi; }
 
 smr_status smr_config_check(const smr_config *c, const smr_model *m)

@@ -86,12 +86,18 @@ static int goal_of(smr *s, uint32_t v, smr_vec *way, int *drawn)
     return seen == SMR_GOAL;
 }
 
+/* Only what follows the image is eased. */
+static float ease_at(const smr *s, uint32_t v)
+{
+    return s->part[smr_model_owner(s->model, v)].target == NULL ? s->ease : 1.0f;
+}
+
 void smr_force_search(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
     smr_tally *tally = &s->tally[task];
-    const float stiffness = s->repairing > 0u ? 0.0f : s->config.stiffness * s->ease;
+    const float stiffness = s->repairing > 0u ? 0.0f : s->config.stiffness;
     memset(tally, 0, sizeof *tally);
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
         smr_vec way;
@@ -107,7 +113,7 @@ void smr_force_search(void *arg, uint32_t task, uint32_t worker)
             tally->sum2 += d2;
             tally->max = smr_max(tally->max, d);
         }
-        smr_store(smr_at3(s->force, v), smr_scale(way, stiffness));
+        smr_store(smr_at3(s->force, v), smr_scale(way, stiffness * ease_at(s, v)));
         if (smr_active(s, v))
             measure(s, v, tally);
     }

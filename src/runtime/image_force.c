@@ -93,7 +93,7 @@ int smr_image_goal(const smr *s, uint32_t v, smr_vec *way)
     const uint32_t after = smr_max_u32(reach + r.n - r.inward, edge_reach + 3u);
     float line[SMR_LINE_MAX];
     unsigned char inside[SMR_LINE_MAX];
-    if (!(r.range > 0.0f) || smr_dot(normal, normal) < 0.5f || before + after > SMR_LINE_MAX)
+    if (!(r.range > 0.0f) || smr_dot(normal, normal) < 0.5f || before + after > SMR_LINE_MAX || reach + edge_reach == 0u)
         return SMR_UNSEEN;
     const smr_vec step = smr_scale(normal, r.step_mm);
     const smr_vec at = smr_add(smr_load(smr_at3(s->x, v)), s->origin);

@@ -51,9 +51,6 @@ static void start_here(smr *s)
     for (uint32_t j = 0; s->target_warm != NULL && j < s->config.n_target_vertices; j++)
         s->target_warm[j] = SMR_ALL;
     smr_abandon_iteration(s);
-    for (size_t v = 0; s->eigen != NULL && v < s->n; v++)
-        for (size_t i = 0; i < 9u; i++)
-            s->eigen[9u * v + i] = i % 4u == 0u ? 1.0f : 0.0f;
     memset(&s->report, 0, sizeof s->report);
     smr_schedule_start(s);
 }

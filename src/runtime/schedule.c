@@ -62,9 +62,12 @@ static void use_radius(smr *s, uint32_t radius)
         s->repairing = 1;
 }
 
-/* Gives up an iteration under way: x stands, as if it had just been reached without a step. */
+/* Gives up an iteration under way: x stands, as if it had just been reached without a step, however far it had come. */
 void smr_abandon_iteration(smr *s)
 {
+    for (size_t v = 0; s->eigen != NULL && v < s->n; v++)
+        for (size_t i = 0; i < 9u; i++)
+            s->eigen[9u * v + i] = i % 4u == 0u ? 1.0f : 0.0f;
     if (s->pull != NULL)
         memset(s->pull, 0, s->config.n_workers * (size_t)s->n * 4u * sizeof *s->pull);
     memcpy(s->x_next, s->x, 3u * (size_t)s->n * sizeof(float));

@@ -1,10 +1,13 @@
 /* smooth.c: the smoothing force (paper 2.3: other forces): where the image shows no goal, a vertex is drawn towards the middle
  * of its mesh neighbours. What the image does not have, such as the longer tendon of another person's muscle, so shrinks
- * back instead of staying where the start put it; where the image does show the surface, nothing is smoothed. The force
+ * back instead of staying where the start put it; where the image does show the surface, nothing is smoothed, nor in a
+ * structure of which hardly a vertex had a goal: what is missing as a whole must not collapse. The force
  * falls to 0 where the schedule ends, as all others do (schedule.c).
  * Bounds: one pass over a structure's triangles.
  * SPDX-License-Identifier: MIT */
 #include "runtime/state.h"
+
+#define SMR_SEEN_SHARE 10u /* of a structure's vertices one in so many must have had a goal in the last iteration */
 
 uint32_t smr_smooth_tasks(smr *s) { return s->has_grid && s->config.smoothing > 0.0f ? s->n_parts : 0u; }
 
@@ -14,12 +17,17 @@ void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker)
     smr *s = arg;
     const smr_part *part = &s->part[task];
     const uint32_t *t = part->facets.triangle;
+    uint32_t seen = 0, looked = 0;
     (void)worker;
     for (uint32_t i = 0; i < part->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
+        seen += s->found[v] == 1u;
+        looked += s->found[v] != 0u;
         smr_store(smr_at3(s->ring_sum, v), smr_v(0, 0, 0));
         s->ring_weight[v] = 0.0f;
     }
+    if (seen == 0u || seen * SMR_SEEN_SHARE < looked)
+        return; /* no ring has a weight: nothing is smoothed */
     for (uint32_t k = 0; k < part->facets.n_triangles; k++, t += 3) {
         const smr_vec a = smr_load(smr_at3(s->x, t[0])), b = smr_load(smr_at3(s->x, t[1])), c = smr_load(smr_at3(s->x, t[2]));
         const smr_vec all = smr_add(a, smr_add(b, c)), corner[3] = {a, b, c};
@@ -37,6 +45,5 @@ smr_vec smr_smooth_way(const smr *s, uint32_t v)
     if (!(s->config.smoothing > 0.0f) || !(s->ring_weight[v] > 0.0f))
         return smr_v(0, 0, 0);
     const smr_vec middle = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / s->ring_weight[v]);
-    const float share = s->config.smoothing * s->ease;
-    return smr_scale(smr_sub(middle, smr_load(smr_at3(s->x, v))), share);
+    return smr_scale(smr_sub(middle, smr_load(smr_at3(s->x, v))), s->config.smoothing);
 }

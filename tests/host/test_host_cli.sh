@@ -74,6 +74,8 @@ check "a budget" has_status 0 "$SMR" register --model bone.ply --target target.p
 check "polar" has_status 0 "$SMR" register --model bone.ply --target target.ply -o polar --quiet --method polar
 check "several radii" has_status 0 "$SMR" register --model bone.ply --target target.ply -o radii --quiet --radius 60,30,15 --clusters shared
 check "they are the report's" [ "$(grep -c radius_mm radii/report.json)" -ge 1 ]
+check "separate clusters" has_status 0 "$SMR" info bone.ply target.ply --radius 99999,30 --clusters separate
+check "all of them" [ "$(grep -c ' separate ' out.txt)" = 2 ]
 
 # A model image gives what its surfaces give.
 check "build" has_status 0 "$SMR" build --model bone_binary.ply -o bone.smr

@@ -199,7 +199,7 @@ static void test_an_iteration(void **state)
         c.active_share = (float)i / 20.0f;
         c.n_target_vertices = goal.n_vertices;
         c.fold_guard = c.plastic_every = 0;
-        c.plastic_um = c.settle_um = c.even = 0.0f;
+        c.plastic_um = c.settle_um = c.even = 0.0f; /* averages alone */
         smr *s = rig_init(model, &c, NULL);
         const uint32_t share = (uint32_t)ceilf(c.active_share * (float)s->n), need = s->lists.active_min;
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
@@ -269,12 +269,14 @@ static float level_with(const smr_model_info *info, float least)
     return (float)info->n_vertices;
 }
 
-/* With an image about active_enough vertices of the smallest cluster are enough; active_share is the upper limit. */
+/* With an image about active_enough vertices of the smallest cluster are enough, and ENOUGH_ALL of the whole model, which is larger
+ * here; active_share is the upper limit. */
 static void test_image_needs_few(void **state)
 {
-    enum { SIDE = 24 };
+    enum { SIDE = 24, ENOUGH_ALL = 1000 };
     const float off[3] = {1, 2, -1};
-    const smr_mesh mesh = rig_ball(30, 20, 30, none);
+    const smr_mesh mesh = rig_ball(30, 50, 60, none);
+    uint32_t limited[2] = {0, 0}; /* how often each of the two decided */
     uint8_t *voxels = rig_alloc(SIDE * SIDE * SIDE);
     smr_volume volume = {voxels, NULL, SMR_VOXEL_UINT8, {SIDE, SIDE, SIDE}, {-46, -46, -46}, {4, 4, 4}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     smr_prepare_config prepare = rig_radii(2, 60, 15, 0);
@@ -305,7 +307,8 @@ static void test_image_needs_few(void **state)
             float want = c.active_share * (float)s->n;
             if (c.active_enough > 0u) { /* whole levels, about as many */
                 const float cluster = (float)s->n * (float)c.active_enough / (float)s->lists.smallest;
-                want = fminf(want, level_with(&info, 0.75f * fmaxf(cluster, 1000.0f)));
+                limited[cluster < ENOUGH_ALL]++;
+                want = fminf(want, level_with(&info, 0.75f * fmaxf(cluster, ENOUGH_ALL)));
             }
             want = fmaxf(want, (float)s->lists.active_min);
             const uint32_t n_active = s->n_active;
@@ -315,6 +318,7 @@ static void test_image_needs_few(void **state)
             assert_true(report.n_forces > 0u && report.n_forces <= n_active);
         }
     }
+    assert_true(limited[0] > 0u && limited[1] > 0u);
 }
 
 /* A run as a number: hash after hash. */

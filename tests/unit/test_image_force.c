@@ -99,6 +99,27 @@ static void test_follows_image(void **state)
     }
 }
 
+/* Whatever a volume may hold, the model that is prepared with it can be opened. */
+static void test_extreme_reference(void **state)
+{
+    (void)state;
+    for (uint32_t k = 0; k < 2u; k++) {
+        const smr_volume source = image(RADIUS, none);
+        float *voxels = rig_alloc(SIDE * SIDE * SIDE * sizeof *voxels);
+        smr_volume reference = source;
+        for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) { /* -0.99 .. 0.99 of the limit, and next to nothing */
+            voxels[i] = (((const float *)source.voxels)[i] - 500.0f) / 400.0f * (k == 0u ? 0.99e30f : 1.0e-37f);
+        }
+        reference.voxels = voxels;
+        const smr_model *model = ball_model(&reference); /* ends the program when it cannot be opened */
+        const smr_config c = smr_config_default();
+        smr *s = rig_init(model, &c, NULL);
+        assert_int_equal(SMR_OK, smr_set_volume(s, &reference));
+        (void)rig_run(s, 10000);
+        assert_true(rig_finite(rig_positions(s, model), s->n));
+    }
+}
+
 static void test_needs_profiles(void **state)
 {
     const smr_volume target = image(RADIUS, none);
@@ -178,6 +199,42 @@ static void test_refused(void **state)
         end[refused] = smr_state_hash(s);
     }
     assert_true(end[0] == end[1]);
+}
+
+/* Another volume in the midst of an iteration: how far that had come does not matter. */
+static void test_abandoned(void **state)
+{
+    const smr_volume reference = image(RADIUS, none), first = image(RADIUS + 2.0f, shift), second = image(RADIUS - 1.0f, shift);
+    const smr_model *model = ball_model(&reference);
+    uint32_t n_partial = 0;
+    (void)state;
+    for (uint32_t method = 0; method < 2u; method++) {
+        uint64_t undisturbed = 0;
+        smr_status status = SMR_PARTIAL;
+        for (uint32_t cut = 0; cut < 200u && status == SMR_PARTIAL; cut++) {
+            rig_clock clock;
+            smr_config c = smr_config_default();
+            smr_tick_report report;
+            c.method = method;
+            c.iterations = c.iterations_last = 3;
+            const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+            smr *s = rig_init(model, &c, &port);
+            assert_int_equal(SMR_OK, smr_set_volume(s, &first));
+            assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+            if (cut > 0u) {
+                status = smr_tick(s, 1000u * (uint64_t)cut, &report);
+            }
+            assert_int_equal(SMR_OK, smr_set_volume(s, &second));
+            (void)rig_run(s, 100);
+            if (cut == 0u) {
+                undisturbed = smr_state_hash(s);
+            }
+            assert_true(status != SMR_PARTIAL || smr_state_hash(s) == undisturbed);
+            n_partial += cut > 0u && status == SMR_PARTIAL;
+        }
+        assert_int_equal(SMR_OK, status); /* every place to stop at was tried */
+    }
+    assert_true(n_partial > 20u);
 }
 
 static void test_image_elsewhere(void **state)
@@ -271,10 +328,11 @@ static void test_surface_first(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_follows_image, tidy),   cmocka_unit_test_teardown(test_needs_profiles, tidy),
-        cmocka_unit_test_teardown(test_refused, tidy),         cmocka_unit_test_teardown(test_image_elsewhere, tidy),
-        cmocka_unit_test_teardown(test_equal_bits, tidy),      cmocka_unit_test_teardown(test_take_away, tidy),
-        cmocka_unit_test_teardown(test_surface_first, tidy),
+        cmocka_unit_test_teardown(test_follows_image, tidy), cmocka_unit_test_teardown(test_extreme_reference, tidy),
+        cmocka_unit_test_teardown(test_needs_profiles, tidy), cmocka_unit_test_teardown(test_refused, tidy),
+        cmocka_unit_test_teardown(test_image_elsewhere, tidy), cmocka_unit_test_teardown(test_equal_bits, tidy),
+        cmocka_unit_test_teardown(test_take_away, tidy), cmocka_unit_test_teardown(test_surface_first, tidy),
+        cmocka_unit_test_teardown(test_abandoned, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -105,6 +105,14 @@ static void test_flat(void **state)
         }
         assert_true(smr_profile_edge(p.byte, p.range, N, 15, line, inside, M, 35, 10).confidence == 0.0f);
     }
+    for (float scale = 1.0e-30f; scale > 0.0f; scale *= 0.1f) { /* as good as flat: 255 / range would be infinite */
+        float value[N];
+        for (uint32_t i = 0; i < N; i++) {
+            value[i] = i < 15u ? 0.0f : scale;
+        }
+        const packed_profile p = pack(value);
+        assert_true(p.range == 0.0f && p.byte[0] == 0u && p.byte[N - 1u] == 0u);
+    }
     for (uint32_t k = 0; k < 4u; k++) { /* a flat line has nothing either, whatever the reference */
         const packed_profile p = reference(k % 3u);
         float line[M];

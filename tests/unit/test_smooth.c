@@ -20,7 +20,8 @@ static int tidy(void **state)
     return 0;
 }
 
-/* A ball (1), a texture that is nothing like its surface (0), or one value (2). Cut off above z = top. */
+/* A ball (1), a texture that is nothing like its surface (0), one value (2), or the ball's lower part below that texture (3).
+ * Cut off above z = top. */
 static smr_volume image(int ball, float top)
 {
     smr_volume v;
@@ -38,8 +39,9 @@ static smr_volume image(int ball, float top)
         const float x = v.origin[0] + 2.0f * (float)(i % SIDE), y = v.origin[1] + 2.0f * (float)(i / SIDE % SIDE);
         const float z = v.origin[2] + 2.0f * (float)(i / SIDE / SIDE);
         const double r = sqrt((double)(x * x + y * y + z * z));
-        voxels[i] = ball == 1 ? (float)(500.0 + 400.0 * tanh(((double)RADIUS - r) / 2.0)) : 100.0f;
-        if (ball == 0 && i % 7u == 3u)
+        const int shown = ball == 1 || (ball == 3 && z < 8.0f);
+        voxels[i] = shown ? (float)(500.0 + 400.0 * tanh(((double)RADIUS - r) / 2.0)) : 100.0f;
+        if (!shown && ball != 2 && i % 7u == 3u)
             voxels[i] = 103.0f;
         if (z > top)
             voxels[i] = NAN;
@@ -73,15 +75,23 @@ static double after(const smr_volume *target, float smoothing, uint32_t ticks)
     return mean_radius(s, model);
 }
 
-static void test_nothing_shrinks(void **state)
+static void test_missing_shrinks(void **state)
+{
+    const smr_volume part = image(3, 1.0e6f);
+    (void)state;
+    const double unsmoothed = after(&part, 0.0f, 8), half = after(&part, 0.5f, 8), whole = after(&part, 1.0f, 8);
+    assert_true(fabs(unsmoothed - (double)RADIUS) < 1.5);
+    assert_true(half < unsmoothed - 0.1);
+    assert_true(whole < half - 0.1);
+    assert_true(whole > 0.7 * (double)RADIUS);
+}
+
+/* A structure that is not there at all stays: nothing says where to shrink to. */
+static void test_absent_stays(void **state)
 {
     const smr_volume nothing = image(0, 1.0e6f);
     (void)state;
-    assert_true(fabs(after(&nothing, 0.0f, 5) - (double)RADIUS) < 0.01);
-    const double half = after(&nothing, 0.5f, 5), whole = after(&nothing, 1.0f, 5);
-    assert_true(half < (double)RADIUS - 0.3);
-    assert_true(whole < half - 0.1);
-    assert_true(whole > 0.5 * (double)RADIUS);
+    assert_true(fabs(after(&nothing, 1.0f, 10000) - (double)RADIUS) < 0.01);
 }
 
 static void test_seen_stays(void **state)
@@ -108,6 +118,23 @@ static void test_unseen_stays(void **state)
     assert_true(fabs(after(&dark, 1.0f, 20) - (double)RADIUS) < 0.01);
 }
 
+/* Who does not search has not seen either. */
+static void test_no_search_stays(void **state)
+{
+    const smr_volume reference = image(1, 1.0e6f), nothing = image(0, 1.0e6f);
+    const smr_mesh mesh = rig_ball(RADIUS, 13, 20, none);
+    smr_prepare_config p = rig_radii(2, 20, 10, 0);
+    smr_config c = smr_config_default();
+    (void)state;
+    p.reference = &reference;
+    c.profile_mm = c.profile_end_mm = c.gradient_mm = c.gradient_end_mm = 0.0f;
+    const smr_model *model = rig_model(&mesh, 1, &p);
+    smr *s = rig_init(model, &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &nothing));
+    (void)rig_run(s, 10000);
+    assert_true(fabs(mean_radius(s, model) - (double)RADIUS) < 0.01);
+}
+
 static void test_range(void **state)
 {
     const smr_volume reference = image(1, 1.0e6f);
@@ -130,10 +157,12 @@ static void test_range(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_nothing_shrinks, tidy),
+        cmocka_unit_test_teardown(test_missing_shrinks, tidy),
+        cmocka_unit_test_teardown(test_absent_stays, tidy),
         cmocka_unit_test_teardown(test_seen_stays, tidy),
         cmocka_unit_test_teardown(test_constant_stays, tidy),
         cmocka_unit_test_teardown(test_unseen_stays, tidy),
+        cmocka_unit_test_teardown(test_no_search_stays, tidy),
         cmocka_unit_test_teardown(test_range, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
