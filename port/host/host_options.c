@@ -78,6 +78,9 @@ static const option table[] = {
     {"--small", HOST_PHANTOM, KIND_FLAG, FIELD(small), 0, 0, 0, 0, NULL, 0},
     {"--iterations", HOST_REGISTER, KIND_COUNT, FIELD(config.iterations), 1, 100000, 0, 0, NULL, 0},
     {"--iterations-last", HOST_REGISTER, KIND_COUNT, FIELD(config.iterations_last), 1, 100000, 0, 0, NULL, 0},
+    {"--active", HOST_REGISTER, KIND_FLOAT, FIELD(config.active_share), 0, 1, 0, 0, NULL, 0},
+    {"--active-first", HOST_REGISTER, KIND_FLOAT, FIELD(config.active_first), 0, 1, 0, 0, NULL, 0},
+    {"--active-enough", HOST_REGISTER, KIND_COUNT, FIELD(config.active_enough), 0, 1000000, 0, 0, NULL, FOR_IMAGES},
 };
 
 _Static_assert(sizeof table / sizeof table[0] <= 64, "one bit for each option");
