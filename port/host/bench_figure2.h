@@ -25,7 +25,8 @@ typedef struct host_figure2 {
     double ignored[HOST_SHARES];                     /* %, as it was */
     double ms[2][HOST_TIMES][HOST_SHARES];           /* [SMR_METHOD_...]: medians */
     double least_ms[2][HOST_TIMES][HOST_SHARES];
-    host_line line[2][HOST_TIMES];
+    host_line line[2][HOST_TIMES];                   /* through the shares in equal steps */
+    host_line line_all[2][HOST_TIMES];               /* and the last one, of as many ignored as can be */
     uint32_t n_errors;                               /* shares with an error */
     double asked[HOST_SHARES];                       /* % ignored, as asked for */
     uint32_t last_active[HOST_ERRORS][HOST_SHARES];  /* active vertices at the end: the finest radius may need more */
@@ -37,6 +38,6 @@ typedef struct host_figure2 {
 extern const char *const host_figure2_methods[2];
 
 /* figure2.csv and figure2.svg into the directory, and the figures in words on stdout unless quiet. */
-int host_figure2_write(const host_figure2 *figure, const host_options *options, host_error *error);
+int host_figure2_write(host_figure2 *figure, const host_options *options, host_error *error);
 
 #endif

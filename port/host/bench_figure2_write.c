@@ -12,8 +12,17 @@ const char *const host_figure2_methods[2] = {"rigid", "polar"};
 static const char *const time_names[HOST_TIMES] = {"with_forces", "without_forces", "matching"};
 static const char *const error_names[HOST_ERRORS][2] = {{"rigid", "fixed"}, {"polar", "fixed"}, {"rigid", "growing"}};
 
+static void put_fits(const char *name, host_line line[2][HOST_TIMES], host_buffer *out)
+{
+    uint32_t m = 0, p = 0;
+    for (m = 0; m < 2; m++)
+        for (p = 0; p < HOST_TIMES; p++)
+            host_buffer_print(out, "%s,%s,%s,,,,,,,,,%.6f,%.6f,%.6f,%.6f\n", name, host_figure2_methods[m], time_names[p],
+                              line[m][p].at_0, line[m][p].at_100, line[m][p].slope, line[m][p].r2);
+}
+
 /* One table for all: columns that a row has no value for are empty. */
-static void put_csv(const host_figure2 *f, host_buffer *out)
+static void put_csv(host_figure2 *f, host_buffer *out)
 {
     uint32_t m = 0, p = 0, i = 0;
     host_buffer_print(out, "row,method,part,ignored_percent,active_vertices,median_ms,least_ms,samples,"
@@ -32,10 +41,8 @@ static void put_csv(const host_figure2 *f, host_buffer *out)
                 host_buffer_print(out, "%.6f", f->by_vertex[p][i]);
             host_buffer_print(out, ",,,,\n");
         }
-    for (m = 0; m < 2; m++)
-        for (p = 0; p < HOST_TIMES; p++)
-            host_buffer_print(out, "fit,%s,%s,,,,,,,,,%.6f,%.6f,%.6f,%.6f\n", host_figure2_methods[m], time_names[p],
-                              f->line[m][p].at_0, f->line[m][p].at_100, f->line[m][p].slope, f->line[m][p].r2);
+    put_fits("fit", f->line, out);
+    put_fits("fit_all", f->line_all, out);
 }
 
 static void put_svg(const host_figure2 *f, host_buffer *out)
@@ -76,13 +83,13 @@ static void put_svg(const host_figure2 *f, host_buffer *out)
 static void tell(const host_figure2 *f, const char *out)
 {
     uint32_t m = 0, p = 0, i = 0;
-    (void)printf("%u structures, %u vertices; time of an iteration, ms, median of %u\n", f->n_structures, f->n_vertices,
-                 f->n_samples);
+    (void)printf("%u structures, %u vertices; time of an iteration, ms, median of %u; fit to equal steps (and the last share)\n",
+                 f->n_structures, f->n_vertices, f->n_samples);
     for (m = 0; m < 2; m++)
         for (p = 0; p < HOST_TIMES; p++)
-            (void)printf("%-6s %-15s %7.3f with all vertices, %7.3f with %u; fit: %7.3f at 100 %% ignored, R^2 %.4f\n",
+            (void)printf("%-6s %-15s %7.3f with all vertices, %7.3f with %u; fit: %7.3f at 100 %% ignored, R^2 %.4f (%.4f)\n",
                          host_figure2_methods[m], time_names[p], f->ms[m][p][0], f->ms[m][p][f->n_times - 1u],
-                         f->active[f->n_times - 1u], f->line[m][p].at_100, f->line[m][p].r2);
+                         f->active[f->n_times - 1u], f->line[m][p].at_100, f->line[m][p].r2, f->line_all[m][p].r2);
     for (p = 0; p < HOST_TIMES; p++)
         (void)printf("%s: rigid takes %.1f %% less time than polar with all vertices\n", time_names[p],
                      100.0 * (1.0 - f->ms[SMR_METHOD_RIGID][p][0] / f->ms[SMR_METHOD_POLAR][p][0]));
@@ -96,7 +103,7 @@ static void tell(const host_figure2 *f, const char *out)
     (void)printf("%s: figure2.csv, figure2.svg\n", out);
 }
 
-int host_figure2_write(const host_figure2 *figure, const host_options *options, host_error *error)
+int host_figure2_write(host_figure2 *figure, const host_options *options, host_error *error)
 {
     host_output *const output = host_output_begin(options->out);
     host_buffer csv, svg;
