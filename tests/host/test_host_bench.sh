@@ -129,7 +129,9 @@ case ${CFLAGS:-} in
     ;;
 esac
 check "--quiet is quiet" sh -c "[ -z \"\$('$SMR' bench --soak --seconds 0.01 --small --quiet -o soak)\" ]"
-check "a soak: bins of both targets" awk -F, 'NR == 1 { bad = NF != 5; next } { n[$1]++; ticks[$1 $2] += $5; bad += NF != 5 }
-    END { for (k in ticks) bad += ticks[k] == 0; exit !(!bad && n["surface"] == 72 && n["image"] == 72) }' soak/soak.csv
+check "a soak: bins of both targets" awk -F, 'NR == 1 { bad = NF != 6; next } { n[$1]++; ticks[$1 $2 $3] += $6; bad += NF != 6 }
+    END { for (k in ticks) bad += ticks[k] == 0; exit !(!bad && n["surface"] == 144 && n["image"] == 144) }' soak/soak.csv
+check "both clocks saw the same ticks" awk -F, 'NR > 1 { if ($3 == "wall") d[$1 $2] += $6; else d[$1 $2] -= $6; n++ }
+    END { for (k in d) bad += d[k] != 0; exit !(n == 288 && !bad) }' soak/soak.csv
 check "a soak with one thread" sh -c "'$SMR' bench --soak --seconds 0.01 --small --threads 1 -o one | grep -q '^image *33 ms'"
 finish
