@@ -60,7 +60,7 @@ ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(SUPPORT_OBJ) \
 
 M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-sections -fdata-sections
 
-.PHONY: all help demo demo-bone check experiments programs cmocka bench size stack hashes golden-update install clean
+.PHONY: all help demo demo-bone check experiments programs cmocka bench figure2 soak size stack hashes golden-update install clean
 .DELETE_ON_ERROR:
 
 all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM)
@@ -72,6 +72,8 @@ help:
 	@echo 'make check           all tests; the last line is the sum'
 	@echo 'make experiments     accuracy on real data, as tables; minutes; skipped without ../shared'
 	@echo 'make bench           benchmarks; writes $(BUILD)/bench.json'
+	@echo 'make figure2         the paper'"'"'s figure 2: time and error against ignored vertices, into docs/figures'
+	@echo 'make soak            how far ticks end beyond budgets of 1 to 33 ms here and now; judged by nobody'
 	@echo 'make size            code and data size of the library'
 	@echo 'make stack           largest stack frames; fails on an unbounded one'
 	@echo 'make hashes          state hash over threads, schedulers, compilers and processors'
@@ -174,6 +176,12 @@ experiments: all $(EXPERIMENTS)
 
 bench: $(BENCHES)
 	@BUILD="$(BUILD)" sh tests/run_bench.sh $(BENCHES)
+
+figure2: $(PROGRAM)
+	$(BUILD)/smr bench --figure2 -o docs/figures
+
+soak: $(PROGRAM)
+	$(BUILD)/smr bench --soak -o $(BUILD)/soak
 
 size: $(CORE_LIB)
 	@echo "libsmr.a, $$($(CC) -dumpmachine), -O3:"; $(SIZE) -t $(CORE_LIB) | sed -n '1p;$$p'

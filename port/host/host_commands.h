@@ -11,6 +11,7 @@ int host_register(const host_options *options, host_error *error);
 int host_build(const host_options *options, host_error *error);
 int host_info(const host_options *options, host_error *error);
 int host_phantom(const host_options *options, host_error *error);
+int host_bench_run(const host_options *options, host_error *error);
 int host_measure(const host_options *options, host_error *error);
 
 #endif

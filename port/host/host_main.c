@@ -35,6 +35,8 @@ static int run(int command, int argc, char **argv, host_error *error)
             result = host_info(&options, error);
         else if (command == HOST_PHANTOM)
             result = host_phantom(&options, error);
+        else if (command == HOST_BENCH)
+            result = host_bench_run(&options, error);
         else
             result = host_measure(&options, error);
     }
@@ -49,7 +51,8 @@ static int dispatch(int argc, char **argv, host_error *error)
     static const struct {
         const char *name;
         int command;
-    } commands[] = {{"register", HOST_REGISTER}, {"build", HOST_BUILD}, {"info", HOST_INFO}, {"measure", HOST_MEASURE}, {"phantom", HOST_PHANTOM}};
+    } commands[] = {{"register", HOST_REGISTER}, {"build", HOST_BUILD},     {"info", HOST_INFO},
+                    {"measure", HOST_MEASURE},   {"phantom", HOST_PHANTOM}, {"bench", HOST_BENCH}};
     size_t i = 0;
     int k = 0;
     for (k = 1; k < argc; k++)
@@ -65,7 +68,7 @@ static int dispatch(int argc, char **argv, host_error *error)
         if (strcmp(argv[1], commands[i].name) == 0)
             return run(commands[i].command, argc, argv, error);
     error->file = argc > 1 ? argv[1] : "usage";
-    (void)host_fail(error, "command", "register, build, info, measure, phantom, --help or --version");
+    (void)host_fail(error, "command", "register, build, info, measure, phantom, bench, --help or --version");
     host_error_print(error);
     return HOST_REFUSED;
 }

@@ -31,22 +31,23 @@ enum { FOR_SURFACES = 1, FOR_IMAGES = 2 };
 #define COORD ((double)SMR_COORD_MAX)
 
 static const option table[] = {
-    {"--model", HOST_REGISTER | HOST_BUILD, KIND_FILES, FIELD(model), 0, 0, 0, 0, NULL, 0},
-    {"--target", HOST_REGISTER, KIND_FILES, FIELD(target), 0, 0, 0, 0, NULL, 0},
-    {"-o", HOST_REGISTER | HOST_BUILD | HOST_PHANTOM, KIND_TEXT, FIELD(out), 0, 0, 0, 0, NULL, 0},
-    {"--reference", HOST_REGISTER | HOST_BUILD, KIND_TEXT, FIELD(reference), 0, 0, 0, 1, NULL, FOR_IMAGES},
-    {"--landmarks", HOST_REGISTER, KIND_FILES, FIELD(landmarks), 0, 0, 0, 0, NULL, 0},
-    {"--truth", HOST_REGISTER, KIND_TEXT, FIELD(truth), 0, 0, 0, 0, NULL, FOR_IMAGES},
+    {"--model", HOST_REGISTER | HOST_BUILD | HOST_BENCH, KIND_FILES, FIELD(model), 0, 0, 0, 0, NULL, 0},
+    {"--target", HOST_REGISTER | HOST_BENCH, KIND_FILES, FIELD(target), 0, 0, 0, 0, NULL, 0},
+    {"-o", HOST_REGISTER | HOST_BUILD | HOST_PHANTOM | HOST_BENCH, KIND_TEXT, FIELD(out), 0, 0, 0, 0, NULL, 0},
+    {"--reference", HOST_REGISTER | HOST_BUILD | HOST_BENCH, KIND_TEXT, FIELD(reference), 0, 0, 0, 1, NULL, FOR_IMAGES},
+    {"--landmarks", HOST_REGISTER | HOST_BENCH, KIND_FILES, FIELD(landmarks), 0, 0, 0, 0, NULL, 0},
+    {"--truth", HOST_REGISTER | HOST_BENCH, KIND_TEXT, FIELD(truth), 0, 0, 0, 0, NULL, FOR_IMAGES},
     {"--c-array", HOST_BUILD, KIND_TEXT, FIELD(c_array), 0, 0, 0, 0, NULL, 0},
     {"--source", HOST_MEASURE, KIND_TEXT, FIELD(source), 0, 0, 0, 0, NULL, 0},
-    {"--mirror-model", PREPARING, KIND_WORD, FIELD(mirror_model), 0, 0, 0, 1, "x|y|z", 0},
-    {"--mirror-target", HOST_REGISTER, KIND_WORD, FIELD(mirror_target), 0, 0, 0, 0, "x|y|z", 0},
-    {"--threads", HOST_REGISTER | HOST_MEASURE | HOST_PHANTOM, KIND_COUNT, FIELD(threads), 1, SMR_WORKERS_MAX, 0, 0, NULL, 0},
+    {"--mirror-model", PREPARING | HOST_BENCH, KIND_WORD, FIELD(mirror_model), 0, 0, 0, 1, "x|y|z", 0},
+    {"--mirror-target", HOST_REGISTER | HOST_BENCH, KIND_WORD, FIELD(mirror_target), 0, 0, 0, 0, "x|y|z", 0},
+    {"--threads", HOST_REGISTER | HOST_MEASURE | HOST_PHANTOM | HOST_BENCH, KIND_COUNT, FIELD(threads), 1,
+     SMR_WORKERS_MAX, 0, 0, NULL, 0},
     {"--ticks", HOST_REGISTER, KIND_COUNT, FIELD(ticks), 1, 1e9, 0, 0, NULL, 0},
     {"--budget-ms", HOST_REGISTER, KIND_DOUBLE, FIELD(budget_ms), 0, 1e6, 0, 0, NULL, 0},
     {"--align", HOST_REGISTER, KIND_WORD, FIELD(align), 0, 0, 0, 0, "none|rigid|similarity", 0},
     {"--smoothing", HOST_REGISTER, KIND_FLOAT, FIELD(smoothing), 0, 1e9, 0, 0, NULL, 0},
-    {"--quiet", HOST_REGISTER | HOST_BUILD | HOST_PHANTOM, KIND_FLAG, FIELD(quiet), 0, 0, 0, 0, NULL, 0},
+    {"--quiet", HOST_REGISTER | HOST_BUILD | HOST_PHANTOM | HOST_BENCH, KIND_FLAG, FIELD(quiet), 0, 0, 0, 0, NULL, 0},
     {"--radius", PREPARING, KIND_RADII, FIELD(prepare), 0, COORD, 1, 1, NULL, 0},
     {"--clusters", PREPARING, KIND_WORD, FIELD(clusters), 0, 0, 0, 1, "auto|shared|separate", 0},
     {"--distance", PREPARING, KIND_WORD, FIELD(prepare.distance), 0, 0, 0, 1, "euclidean|geodesic", 0},
@@ -74,10 +75,18 @@ static const option table[] = {
     {"--node-budget", HOST_REGISTER, KIND_COUNT, FIELD(config.node_budget), 8, 1000000, 0, 0, NULL, FOR_SURFACES},
     {"--plastic-um", HOST_REGISTER, KIND_FLOAT, FIELD(config.plastic_um), 0, 1e6, 0, 0, NULL, 0},
     {"--plastic-every", HOST_REGISTER, KIND_COUNT, FIELD(config.plastic_every), 0, 1000, 0, 0, NULL, 0},
-    {"--seed", HOST_PHANTOM, KIND_COUNT, FIELD(seed), 1, 1e9, 0, 0, NULL, 0},
-    {"--small", HOST_PHANTOM, KIND_FLAG, FIELD(small), 0, 0, 0, 0, NULL, 0},
+    {"--seed", HOST_PHANTOM | HOST_BENCH, KIND_COUNT, FIELD(seed), 1, 1e9, 0, 0, NULL, 0},
+    {"--small", HOST_PHANTOM | HOST_BENCH, KIND_FLAG, FIELD(small), 0, 0, 0, 0, NULL, 0},
+    {"--figure2", HOST_BENCH, KIND_FLAG, FIELD(figure2), 0, 0, 0, 0, NULL, 0},
+    {"--soak", HOST_BENCH, KIND_FLAG, FIELD(soak), 0, 0, 0, 0, NULL, 0},
+    {"--repeats", HOST_BENCH, KIND_COUNT, FIELD(repeats), 1, 1000, 0, 0, NULL, 0},
+    {"--step", HOST_BENCH, KIND_COUNT, FIELD(step), 5, 50, 0, 0, NULL, 0},
+    {"--seconds", HOST_BENCH, KIND_DOUBLE, FIELD(seconds), 0, 1e5, 1, 0, NULL, 0},
     {"--iterations", HOST_REGISTER, KIND_COUNT, FIELD(config.iterations), 1, 100000, 0, 0, NULL, 0},
     {"--iterations-last", HOST_REGISTER, KIND_COUNT, FIELD(config.iterations_last), 1, 100000, 0, 0, NULL, 0},
+    {"--active", HOST_REGISTER, KIND_FLOAT, FIELD(config.active_share), 0, 1, 0, 0, NULL, 0},
+    {"--active-first", HOST_REGISTER, KIND_FLOAT, FIELD(config.active_first), 0, 1, 0, 0, NULL, 0},
+    {"--active-enough", HOST_REGISTER, KIND_COUNT, FIELD(config.active_enough), 0, 1000000, 0, 0, NULL, FOR_IMAGES},
 };
 
 _Static_assert(sizeof table / sizeof table[0] <= 64, "one bit for each option");
@@ -255,9 +264,56 @@ static int read_option(int argc, char **argv, int *at, host_options *options, ho
     return 0;
 }
 
+static int is_given(const host_options *options, const char *name)
+{
+    const option *const o = find_option(name, options->command);
+    return o != NULL && (options->given >> (size_t)(o - table) & 1u) != 0;
+}
+
+/* A benchmark of the computed thigh, or of files: then the model, both images and the truth. */
+static int check_bench(const host_options *options, host_error *error)
+{
+    static const char *const needed[] = {"--model", "--target", "--reference", "--truth"};
+    static const char *const optional[] = {"--landmarks", "--mirror-model", "--mirror-target"};
+    static const char *const computed[] = {"--seed", "--small"};
+    static const char *const figure[] = {"--repeats", "--step"};
+    const int files = options->model.n > 0;
+    size_t i = 0;
+    if (options->figure2 + options->soak != 1u)
+        return host_fail(error, "bench", "either --figure2 or --soak");
+    if (options->out == NULL)
+        return host_fail(error, "-o", "the directory for the results");
+    error->file = "--seconds";
+    if (is_given(options, error->file) && !options->soak)
+        return host_fail(error, "option", "--soak beside it");
+    for (i = 0; i < sizeof figure / sizeof figure[0]; i++) {
+        error->file = figure[i];
+        if (is_given(options, figure[i]) && !options->figure2)
+            return host_fail(error, "option", "--figure2 beside it");
+    }
+    for (i = 0; i < sizeof computed / sizeof computed[0]; i++) {
+        error->file = computed[i];
+        if (files && is_given(options, computed[i]))
+            return host_fail(error, "option", "no --model beside it, it is of the computed thigh");
+    }
+    for (i = 0; i < sizeof optional / sizeof optional[0]; i++) {
+        error->file = optional[i];
+        if (!files && is_given(options, optional[i]))
+            return host_fail(error, "option", "--model beside it");
+    }
+    for (i = 0; i < sizeof needed / sizeof needed[0]; i++) {
+        error->file = needed[i];
+        if (files != is_given(options, needed[i]))
+            return host_fail(error, "option", "all of --model, --target, --reference and --truth, or none");
+    }
+    return 0;
+}
+
 static int check_needs(host_options *options, host_error *error)
 {
     error->file = "usage";
+    if (options->command == HOST_BENCH)
+        return check_bench(options, error);
     if (options->command == HOST_MEASURE && options->operands.n != 2)
         return host_fail(error, "measure", "two surfaces: smr measure A B");
     if (options->command == HOST_INFO && options->operands.n == 0)
@@ -274,12 +330,6 @@ static int check_needs(host_options *options, host_error *error)
                                                                            : "the file for the model");
     }
     return 0;
-}
-
-static int is_given(const host_options *options, const char *name)
-{
-    const option *const o = find_option(name, options->command);
-    return o != NULL && (options->given >> (size_t)(o - table) & 1u) != 0;
 }
 
 /* The options of the start: landmarks, a pose, both. */
@@ -374,7 +424,12 @@ static int settle_targets(host_options *options, host_error *error)
     uint32_t i = 0;
     for (i = 0; i < options->target.n; i++)
         options->image_target |= host_is_volume_path(options->target.path[i]);
-    if (options->command == HOST_REGISTER && check_targets(options, error) != 0)
+    if (options->command == HOST_BENCH && options->target.n > 0 && !options->image_target) {
+        error->file = "--target";
+        return host_fail(error, "files", "one volume");
+    }
+    options->image_target |= options->command == HOST_BENCH;
+    if ((options->command == HOST_REGISTER || options->target.n > 0) && check_targets(options, error) != 0)
         return -1;
     if (check_search(options, error) != 0 || check_profiles(options, error) != 0)
         return -1;
@@ -390,6 +445,9 @@ static int set_defaults(int command, host_options *options)
     memset(options, 0, sizeof *options);
     options->command = command;
     options->seed = 1;
+    options->repeats = 7;
+    options->step = 10;
+    options->seconds = 4.0;
     options->mirror_model = HOST_MIRROR_NONE;
     options->mirror_target = HOST_MIRROR_NONE;
     options->prepare = smr_prepare_config_default();

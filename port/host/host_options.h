@@ -7,7 +7,7 @@
 #include "host_mesh.h"
 #include "smr.h"
 
-enum { HOST_REGISTER = 1, HOST_BUILD = 2, HOST_INFO = 4, HOST_MEASURE = 8, HOST_PHANTOM = 16 };
+enum { HOST_REGISTER = 1, HOST_BUILD = 2, HOST_INFO = 4, HOST_MEASURE = 8, HOST_PHANTOM = 16, HOST_BENCH = 32 };
 enum { HOST_ALIGN_NONE = 0, HOST_ALIGN_RIGID, HOST_ALIGN_SIMILARITY };
 enum { HOST_CLUSTERS_AUTO = 0, HOST_CLUSTERS_SHARED, HOST_CLUSTERS_SEPARATE };
 
@@ -43,6 +43,9 @@ typedef struct host_options {
     uint32_t quiet;
     uint32_t seed;         /* of the phantom's patient */
     uint32_t small;        /* 1: a coarse phantom */
+    uint32_t figure2, soak; /* 1: what to measure */
+    uint32_t repeats, step; /* of the figure: of its times; % ignored from point to point */
+    double seconds;        /* of a soak, at each budget */
     const char *prepare_option; /* the first option given that a ready .smr has no use for */
     smr_prepare_config prepare;
     smr_config config;

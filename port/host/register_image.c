@@ -141,7 +141,7 @@ int host_job_warp(host_job *job, host_error *error)
     float *xyz = NULL;
     if (job->warp == NULL)
         return 0;
-    error->file = job->options->landmarks.path[0];
+    error->file = job->options->landmarks.n > 0 ? job->options->landmarks.path[0] : "landmarks";
     for (i = 0; i < job->model.n_parts; i++)
         n += job->model.part[i].mesh.n_vertices;
     job->start_xyz = xyz = malloc(n * 3u * sizeof *xyz);
@@ -186,12 +186,17 @@ static int warp_by_pairs(host_job *job, const float *from, const float *to, host
                             : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(status));
 }
 
+int host_job_place_pairs(host_job *job, const float *from, const float *to, host_error *error)
+{
+    return job->options->align != HOST_ALIGN_NONE ? pose_by_pairs(job, from, to, error)
+                                                  : warp_by_pairs(job, from, to, error);
+}
+
 int host_job_place(host_job *job, host_error *error)
 {
     float from[HOST_LANDMARKS_MAX][3], to[HOST_LANDMARKS_MAX][3];
     if (read_pairs(job->options, from, to, &job->n_landmarks, error) != 0)
         return -1;
     error->file = job->options->landmarks.path[0];
-    return job->options->align != HOST_ALIGN_NONE ? pose_by_pairs(job, from[0], to[0], error)
-                                                  : warp_by_pairs(job, from[0], to[0], error);
+    return host_job_place_pairs(job, from[0], to[0], error);
 }

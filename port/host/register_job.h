@@ -74,6 +74,8 @@ void host_job_free(host_job *job);
 int host_job_load_images(host_job *job, host_error *error);
 int host_job_load_truth(host_job *job, host_error *error);
 int host_job_place(host_job *job, host_error *error);
+/* The same with n_landmarks pairs at hand, both [n_landmarks][3] mm. */
+int host_job_place_pairs(host_job *job, const float *from, const float *to, host_error *error);
 int host_job_warp(host_job *job, host_error *error); /* after the model is prepared */
 int host_job_make_surfaces(host_job *job, host_error *error);
 

@@ -1,6 +1,6 @@
 /* test_experiment_thigh.c: the paper's experiment with the defaults: 24 structures into the image of a known patient and
- * of another real person; rigid against polar matching; robustness to stiffness and search distance. Times are shown,
- * never judged.
+ * of another real person; rigid against polar matching; robustness to stiffness, search distance and ignored vertices.
+ * Times are shown, never judged.
  * SPDX-License-Identifier: MIT */
 #include "unit/cmocka_first.h"
 
@@ -101,8 +101,8 @@ static const char *built_model(void)
     return path;
 }
 
-/* One run on the patient with one option more. */
-static experiment_result run_with(const char *option, const char *value, const char *out)
+/* One run on the patient with more options: words up to NULL. */
+static experiment_result run_words(const char *const *words, const char *out)
 {
     experiment_command c = {{NULL}, 0};
     const char *const model = built_model();
@@ -112,9 +112,15 @@ static experiment_result run_with(const char *option, const char *value, const c
     }
     experiment_add(&c, "--model");
     experiment_add(&c, "%s", model);
-    experiment_add(&c, "%s", option);
-    experiment_add(&c, "%s", value);
+    for (; *words != NULL; words++)
+        experiment_add(&c, "%s", *words);
     return experiment_register(&c, out);
+}
+
+static experiment_result run_with(const char *option, const char *value, const char *out)
+{
+    const char *const words[] = {option, value, NULL};
+    return run_words(words, out);
 }
 
 static void is_robust_to_parameters(void **state)
@@ -140,6 +146,30 @@ static void is_robust_to_parameters(void **state)
         experiment_bound(name, experiment_mean(&r[i]), 0.5);
     }
     EXPERIMENT_END();
+}
+
+/* The share of active vertices, all through the schedule and growing from there to all. The share alone decides. */
+static void is_robust_to_ignored_vertices(void **state)
+{
+    static const char *const shares[] = {"0.2", "0.4", "0.6", "0.8", "1"};
+    enum { SHARES = sizeof shares / sizeof shares[0], RUNS = 2 * SHARES };
+    experiment_result r[RUNS];
+    char name[RUNS][40];
+    size_t i = 0;
+    (void)state;
+    (void)printf("thigh_patient, share of active vertices\n");
+    for (i = 0; i < RUNS; i++) {
+        const char *const share = shares[i % SHARES];
+        const char *const words[] = {"--active-enough", "0", i < SHARES ? "--active" : "--active-first", share, NULL};
+        r[i] = run_words(words, experiment_scratch("active"));
+        if (i == 0)
+            experiment_print_head();
+        (void)snprintf(name[i], sizeof name[i], i < SHARES ? "%s throughout" : "from %s to 1", share);
+        experiment_print(name[i], &r[i]);
+    }
+    for (i = 0; i < RUNS; i++)
+        experiment_bound(name[i], experiment_mean(&r[i]), 0.5);
+    assert_int_equal(experiment_misses(), 0);
 }
 
 /* Mean distance between vertices of the same index over all structures of two results. */
@@ -201,6 +231,7 @@ int main(void)
         cmocka_unit_test(finds_the_patient),
         cmocka_unit_test(finds_another_person),
         cmocka_unit_test(is_robust_to_parameters),
+        cmocka_unit_test(is_robust_to_ignored_vertices),
         cmocka_unit_test(rigid_and_polar_agree),
     };
     return experiment_full() ? cmocka_run_group_tests(full, NULL, NULL) : cmocka_run_group_tests(quick, NULL, NULL);

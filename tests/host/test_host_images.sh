@@ -97,6 +97,11 @@ for option in "--gradient 61" "--gradient 3,-1" "--gradient 3," "--gradient 1,2,
     "--profile-samples 2" "--profile-samples 65" "--profile-step 0" "--profile-step nan" "--profile-inward 1.5"; do
     refused "$option" "${option%% *}" $reg $image4 $option
 done
+for option in "--active 1.1" "--active -0.1" "--active nan" "--active-first 2" "--active-first x" "--active-enough -1" "--active-enough 1.5"; do
+    refused "$option" "${option%% *}" $reg $image4 $option
+done
+refused "--active-enough for a surface" "--active-enough" $reg --target target.ply --active-enough 0
+refused "--active for a build" "--active" "$SMR" build --model bone.ply --active 0.5 -o out.smr
 refused "--profile-step without a reference" "--profile-step" "$SMR" build --model bone.ply --profile-step 1 -o out.smr
 refused "truth that is not there" "none" $reg $image4 --truth none
 mkdir -p truth bad
@@ -116,6 +121,18 @@ check "info tells the profiles" sh -c "'$SMR' info bone.smr | grep -q profiles"
 check "the .smr as the model" has_status 0 "$SMR" register --model bone.smr --target pat.mha -o image
 check "gives the same bytes" cmp plain/bone.ply image/bone.ply
 refused "a .smr with a reference" "--reference" "$SMR" register --model bone.smr $image4 -o out
+# differs NAME OPTION...: the options are taken, and change the result.
+differs() {
+    differs_name=$1
+    shift
+    check "$differs_name" has_status 0 "$SMR" register --model bone.smr --target pat.mha -o changed --quiet "$@"
+    check "$differs_name: another result" sh -c "[ -f changed/bone.ply ] && ! cmp -s image/bone.ply changed/bone.ply"
+    rm -rf changed
+}
+differs "few vertices take part" --active 0.3 --active-enough 0
+differs "few vertices at the start" --active-first 0.3 --active-enough 0
+check "the defaults of both shares" has_status 0 "$SMR" register --model bone.smr --target pat.mha -o shares --active 1 --active-first 1 --active-enough 20
+check "change nothing" cmp image/bone.ply shares/bone.ply
 for threads in 1 3; do
     "$SMR" register --model bone.smr --target pat.mha -o threads --quiet --threads $threads
     check "$threads threads: the same state" [ "$(value threads/report.json state_hash)" = "$(value plain/report.json state_hash)" ]
