@@ -36,11 +36,13 @@ static uint32_t active_count(const smr *s)
     return smr_min_u32(smr_max_u32(whole + ((float)whole < count), s->lists.active_min), s->n);
 }
 
-/* A new number makes cluster centres anew, so it waits for a new reference shape, which does so anyway, but not for ever. */
+/* A new number makes cluster centres anew, so it waits for a new reference shape, which does so anyway, but not for ever.
+ * The caller's own choice does not wait. */
 void smr_schedule_active(smr *s)
 {
-    const uint32_t count = active_count(s);
-    if (count == s->n_active || (!s->reference_stale && s->radius_iteration % SMR_ACTIVE_EVERY != 0u))
+    const uint32_t count = s->n_pinned > 0u ? smr_max_u32(s->n_pinned, s->lists.active_min) : active_count(s);
+    if (count == s->n_active ||
+        (s->n_pinned == 0u && !s->reference_stale && s->radius_iteration % SMR_ACTIVE_EVERY != 0u))
         return;
     s->n_active = count;
     s->reference_stale = 1;

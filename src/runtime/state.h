@@ -12,6 +12,8 @@
 
 #define SMR_WORDS 16u          /* 32-bit words of a record that is summed: one cache line */
 #define SMR_CHUNK 128u         /* vertices of a task */
+#define SMR_FORCE_CHUNK 32u    /* vertices of a task that looks for goals */
+#define SMR_STEPS_MAX 24u      /* of an iteration */
 #define SMR_HINGE_CHUNK 1024u  /* hinges of a task */
 #define SMR_STATE_MAGIC 0x736d7254u
 
@@ -41,6 +43,15 @@ typedef struct smr_tally {
     uint64_t hash;
 } smr_tally;
 
+/* What the controller knows of the time that an iteration takes (control.c). */
+typedef struct smr_control {
+    float rate[SMR_STEPS_MAX];             /* ns a unit of work, by step; negative: not known yet */
+    uint64_t spent;                        /* ns, in the step under way */
+    uint32_t count;                        /* active vertices when the sums' rates were learnt */
+    uint32_t ticks;                        /* the iteration under way is meant to end with this one of its ticks, from now */
+    uint32_t odd;                          /* 1: the clock ran backwards in the step under way */
+} smr_control;
+
 struct smr {
     uint32_t magic;
     const smr_model *model;
@@ -59,6 +70,8 @@ struct smr {
     uint32_t step, next_task;              /* where the tick stands: step of the iteration, tasks already done */
     smr_lists lists;                       /* of the radius in use */
     uint32_t n_active;                     /* the first so many vertices take part; the others are carried along */
+    uint32_t n_pinned;                     /* smr_set_active: the caller's choice; 0 none */
+    smr_control control;
     float momentum;                        /* at this radius */
     float search;                          /* mm: search distance at this radius */
     float even;                            /* in this iteration: of the way to the neighbours' mean (even.c) */
@@ -160,23 +173,38 @@ static inline smr_vec smr_drive(const smr *s, uint32_t v)
 
 smr_status smr_config_check(const smr_config *c, const smr_model *m);
 
+/* What a step's time is in proportion to: active vertices, what the forest reads, or nothing but its number of tasks. */
+enum { SMR_WORK_TASKS = 0, SMR_WORK_ACTIVE, SMR_WORK_LISTS };
+
+static inline uint32_t smr_method_words(const smr *s) { return s->config.method == SMR_METHOD_RIGID ? 6u : 12u; }
+
 /* A step of the iteration: n_tasks(s) independent tasks (0: the step is skipped), then one serial end. */
 typedef struct smr_step {
     uint32_t phase; /* SMR_PHASE_... */
+    uint32_t work;  /* SMR_WORK_... */
     uint32_t (*n_tasks)(smr *s);
     smr_task run;
     void (*end)(smr *s);
+    uint32_t serial; /* 1: its tasks run one after the other, in their order */
 } smr_step;
 
-int smr_forces_pending(const smr *s);        /* tick.c: 1 until an iteration has its forces */
+extern const smr_step smr_steps[];           /* tick.c: in the order in which they are done */
+extern const uint32_t smr_n_steps;
+int smr_forces_pending(const smr *s);        /* 1 until an iteration has its forces */
+
+void smr_control_start(smr *s);              /* control.c: nothing is known */
+void smr_control_plan(smr *s, uint64_t budget_ns); /* before an iteration */
+int smr_control_reached(smr *s, uint64_t left_ns, uint32_t group); /* 1: the time is for the rest of the iteration */
+void smr_control_learn(smr *s, uint32_t n_tasks); /* the step under way is complete */
 
 /* The steps, by the file they live in. */
 uint32_t smr_reference_records(smr *s);      /* reference.c: x^r's cluster centres and spreads, when x^r is new */
 uint32_t smr_reference_tasks(smr *s);
 uint32_t smr_reference_blocks(smr *s);
+void smr_reference_reach(void *arg, uint32_t task, uint32_t worker);
 void smr_reference_record(void *arg, uint32_t task, uint32_t worker);
 void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker);
-void smr_reference_begin(smr *s);            /* chooses the quantum; called when x^r has changed */
+void smr_reference_begin(smr *s);            /* chooses the quantum */
 void smr_reference_end(smr *s);
 
 uint32_t smr_pull_tasks(smr *s);             /* pull.c: target-to-model attraction */
@@ -197,7 +225,9 @@ smr_vec smr_smooth_way(const smr *s, uint32_t v);
 
 uint32_t smr_vertex_tasks(smr *s);
 uint32_t smr_active_tasks(smr *s);           /* those that have active vertices */
-void smr_force_search(void *arg, uint32_t task, uint32_t worker); /* force.c: f^e */
+uint32_t smr_force_tasks(smr *s);            /* force.c: f^e */
+void smr_force_search(void *arg, uint32_t task, uint32_t worker);
+void smr_force_take(void *arg, uint32_t task, uint32_t worker);
 void smr_force_end(smr *s);
 
 uint32_t smr_block_tasks(smr *s);            /* sums.c */

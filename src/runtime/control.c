@@ -1,0 +1,133 @@
+/* control.c: fits an iteration into a budget. From the port's clock it learns what each step costs: so many nanoseconds a
+ * unit of its work. While forces are looked for, in the order in which vertices matter, it keeps in reserve what the rest of
+ * the iteration will take with the vertices reached so far; when the time left comes down to that, the vertices not
+ * reached are ignored in this iteration (paper 2.2, complexity tuning). Everything that depends on how many take part is
+ * computed after the forces, so a cut iteration has the bits of one that was given that number from the start.
+ * Where not even the vertices that the radius needs fit, the iteration is planned over several ticks.
+ * Bounds: SMR_STEPS_MAX, for each group of forces.
+ * SPDX-License-Identifier: MIT */
+#include "runtime/state.h"
+
+#define SMR_UNKNOWN (-1.0f)
+#define SMR_FOREVER 1.0e18f     /* ns */
+#define SMR_RISE 0.5f           /* a sample above the rate counts so much, */
+#define SMR_FALL 0.125f         /* one below so much: the rate stays near the dear end of what is usual */
+#define SMR_OUTLIER 2.0f        /* a sample counts as at most so many times the rate */
+#define SMR_MARGIN 1.0625f      /* of the reserve */
+#define SMR_TICKS_AHEAD 1000000u
+
+void smr_control_start(smr *s)
+{
+    memset(&s->control, 0, sizeof s->control);
+    for (uint32_t i = 0; i < SMR_STEPS_MAX; i++)
+        s->control.rate[i] = SMR_UNKNOWN;
+}
+
+/* What the forest reads: every entry and index. With fewer active vertices less, but by how much is not known beforehand. */
+static float lists_units(const smr *s)
+{
+    return (float)s->n + (float)smr_le32(s->lists.block[s->lists.n_blocks].first_index);
+}
+
+static float units_of(const smr *s, const smr_step *step, uint32_t n_tasks)
+{
+    if (step->work == SMR_WORK_ACTIVE)
+        return (float)s->n_active;
+    return step->work == SMR_WORK_LISTS ? lists_units(s) : (float)n_tasks;
+}
+
+/* One sample into a rate. */
+static float blend(float rate, float sample)
+{
+    if (rate < 0.0f || !(rate > 0.0f))
+        return sample;
+    sample = smr_min(sample, SMR_OUTLIER * rate);
+    return rate + (sample > rate ? SMR_RISE : SMR_FALL) * (sample - rate);
+}
+
+void smr_control_learn(smr *s, uint32_t n_tasks)
+{
+    smr_control *c = &s->control;
+    const smr_step *step = &smr_steps[s->step];
+    const float spent = smr_min((float)c->spent, SMR_FOREVER), units = units_of(s, step, n_tasks);
+    const int odd = c->odd != 0u || s->port.now_ns == NULL || n_tasks == 0u || !(units > 0.0f);
+    c->spent = 0;
+    c->odd = 0;
+    if (odd)
+        return;
+    c->rate[s->step] = blend(c->rate[s->step], spent / units);
+    if (step->work == SMR_WORK_LISTS)
+        c->count = s->n_active;
+}
+
+/* A step never met: as dear, a task, as the dearest that is known. Tasks are of about one size. */
+static float dearest(const smr_control *c)
+{
+    float rate = SMR_UNKNOWN;
+    for (uint32_t i = 0; i < smr_n_steps; i++)
+        if (smr_steps[i].work != SMR_WORK_LISTS && smr_steps[i].phase != SMR_PHASE_FORCES)
+            rate = smr_max(rate, c->rate[i] * (smr_steps[i].work == SMR_WORK_ACTIVE ? (float)SMR_CHUNK : 1.0f));
+    return rate;
+}
+
+/* The steps from `first` on, with so many active vertices: ns, SMR_FOREVER when that is not known. */
+static float cost_of(smr *s, uint32_t first, uint32_t count)
+{
+    const smr_control *c = &s->control;
+    const uint32_t active = s->n_active, stale = s->reference_stale;
+    const float unknown = dearest(c);
+    const float more = c->count > 0u && count > c->count ? (float)count / (float)c->count : 1.0f;
+    float sum = 0.0f;
+    s->n_active = count;
+    s->reference_stale = stale || count != active;
+    for (uint32_t i = first; i < smr_n_steps; i++) {
+        const smr_step *step = &smr_steps[i];
+        const uint32_t n_tasks = step->n_tasks(s);
+        if (n_tasks == 0u)
+            continue;
+        float rate = c->rate[i];
+        if (rate < 0.0f && step->work != SMR_WORK_LISTS)
+            rate = step->work == SMR_WORK_ACTIVE ? unknown / (float)SMR_CHUNK : unknown;
+        if (rate < 0.0f)
+            sum = SMR_FOREVER;
+        sum += rate * units_of(s, step, n_tasks) * (step->work == SMR_WORK_LISTS ? more : 1.0f);
+    }
+    s->n_active = active;
+    s->reference_stale = stale;
+    return smr_min(smr_max(sum, 0.0f) * SMR_MARGIN, SMR_FOREVER);
+}
+
+/* As few vertices as this radius allows. */
+static uint32_t fewest(const smr *s)
+{
+    return s->n_pinned > 0u ? s->n_active : smr_min_u32(smr_max_u32(s->lists.active_min, 1u), s->n_active);
+}
+
+void smr_control_plan(smr *s, uint64_t budget_ns)
+{
+    const float cost = cost_of(s, 0, fewest(s)), budget = smr_max((float)budget_ns, 1.0f);
+    const float ticks = smr_min(cost / budget, (float)SMR_TICKS_AHEAD);
+    s->control.spent = 0;
+    s->control.odd = 0;
+    s->control.ticks = cost >= SMR_FOREVER ? 1u : (uint32_t)ticks + 1u;
+}
+
+int smr_control_reached(smr *s, uint64_t left_ns, uint32_t group)
+{
+    const uint32_t reached = s->next_task * SMR_FORCE_CHUNK, more = group * SMR_FORCE_CHUNK;
+    if (s->n_pinned > 0u || reached < fewest(s) || reached >= s->n_active)
+        return 0;
+    const uint32_t next = smr_min_u32(reached + more, s->n_active);
+    const float force = smr_max(s->control.rate[s->step], 0.0f) * (float)(next - reached);
+    return force + cost_of(s, s->step + 1u, next) > (float)left_ns;
+}
+
+smr_status smr_set_active(smr *s, uint32_t n_active)
+{
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!smr_valid(s))
+        return SMR_E_STATE;
+    s->n_pinned = smr_min_u32(n_active, s->n);
+    return SMR_OK;
+}
