@@ -96,31 +96,46 @@ static void plastic_update(smr *s)
     s->plastic_updates++;
 }
 
-/* After each iteration. A radius is done when an iteration moves less than the threshold, or after its number of
- * iterations; the last radius' end is the registration's end. */
-void smr_schedule_next(smr *s)
+/* How an iteration ends that is number radius_iteration at its radius, and since_plastic since x^r was new. */
+typedef struct ending {
+    int small, spent, settled, done, plastic;
+} ending;
+
+/* A radius is done when an iteration moves less than the threshold, or after its number of iterations; the last radius' end
+ * is the registration's end. */
+static ending ending_of(const smr *s, uint32_t radius_iteration, uint32_t since_plastic)
 {
     const int last = s->radius == smr_last_radius(s);
-    const float moved_um = s->report.displacement_max_mm * 1000.0f;
-    const int settled = moved_um < s->config.settle_um;
-    const int spent = s->radius_iteration >= (last ? s->config.iterations_last : s->config.iterations);
-    const int due = s->config.plastic_every != 0u && s->since_plastic >= s->config.plastic_every;
-    const int small = moved_um < s->config.plastic_um;
-    if (s->repairing > 0u) { /* these iterations do not count */
+    const float moved_um = s->moved_mm * 1000.0f;
+    ending e;
+    e.settled = moved_um < s->config.settle_um;
+    e.spent = radius_iteration >= (last ? s->config.iterations_last : s->config.iterations);
+    e.small = moved_um < s->config.plastic_um;
+    e.done = s->repairing == 0u && last && (e.settled || e.spent);
+    const int due = s->config.plastic_every != 0u && since_plastic >= s->config.plastic_every;
+    e.plastic = s->repairing > 0u || (!e.done && (e.small || due || e.settled || e.spent));
+    return e;
+}
+
+int smr_schedule_plastic(const smr *s) { return ending_of(s, s->radius_iteration + 1u, s->since_plastic + 1u).plastic; }
+
+/* After each iteration. */
+void smr_schedule_next(smr *s)
+{
+    const ending e = ending_of(s, s->radius_iteration, s->since_plastic);
+    const int repairs = s->repairing > 0u; /* these iterations do not count */
+    if (repairs) {
         s->repairing = s->n_folding > 0u && s->repairing < SMR_REPAIR_MAX ? s->repairing + 1u : 0u;
         s->radius_iteration = 0;
-        plastic_update(s);
-        return;
     }
-    if (last && (settled || spent)) {
-        s->converged = (uint32_t)(small || settled);
+    if (e.plastic)
+        plastic_update(s);
+    if (e.done) {
+        s->converged = (uint32_t)(e.small || e.settled);
         s->done = 1;
-        return;
-    }
-    if (small || due || settled || spent)
-        plastic_update(s);
-    if (!last && (settled || spent))
+    } else if (!repairs && s->radius != smr_last_radius(s) && (e.settled || e.spent)) {
         use_radius(s, s->radius + 1u);
+    }
 }
 
 /* Image goals jump from sample to sample where the image is poor: over the last radius' second half forces and momentum

@@ -12,7 +12,8 @@
 
 #define SMR_WORDS 16u          /* 32-bit words of a record that is summed: one cache line */
 #define SMR_CHUNK 128u         /* vertices of a task */
-#define SMR_FORCE_CHUNK 32u    /* vertices of a task that looks for goals */
+#define SMR_FORCE_CHUNK 32u    /* vertices of a task that looks for goals, or for the model from a target */
+#define SMR_TRIANGLE_CHUNK 256u /* triangles of a task that sums over vertices' neighbours */
 #define SMR_STEPS_MAX 24u      /* of an iteration */
 #define SMR_HINGE_CHUNK 1024u  /* hinges of a task */
 #define SMR_STATE_MAGIC 0x736d7254u
@@ -91,6 +92,9 @@ struct smr {
     float *x;                              /* [n][3] last complete positions */
     float *x_next;                         /* [n][3] */
     float *normal;                         /* [n][3] unit, at x */
+    float moved_mm;                        /* largest displacement and hash of the iteration under way */
+    uint64_t hash;
+    uint32_t exact;                        /* 1: it ends with normals of the triangles */
     /* written by reference */
     float *x_ref;                          /* [n][3] x^r */
     float *normal_ref;                     /* [n][3] */
@@ -158,6 +162,21 @@ static inline uint32_t smr_active_end(const smr *s, uint32_t task)
 static inline float smr_mass_of(const smr *s, uint32_t vertex)
 {
     return smr_active(s, vertex) ? smr_full_mass(s, vertex) : 0.0f;
+}
+
+#define SMR_SPARE 12u /* first word of a sum that averaging does not use */
+
+/* A vertex' next normal, until the iteration stands. */
+static inline smr_vec smr_spare(const smr *s, uint32_t v)
+{
+    smr_vec normal;
+    memcpy(&normal, s->sum + SMR_WORDS * (size_t)v + SMR_SPARE, sizeof normal);
+    return normal;
+}
+
+static inline void smr_spare_set(smr *s, uint32_t v, smr_vec normal)
+{
+    memcpy(s->sum + SMR_WORDS * (size_t)v + SMR_SPARE, &normal, sizeof normal);
 }
 
 /* The displacement that matching sees: x + f^e - x^r, and a share of the last iteration's step (momentum; Polyak 1964).
@@ -242,15 +261,27 @@ void smr_evolve(void *arg, uint32_t task, uint32_t worker);       /* evolve.c: x
 void smr_evolve_end(smr *s);                 /* facets follow x_next from here on */
 void smr_settle(void *arg, uint32_t task, uint32_t worker);
 void smr_settle_end(smr *s);
+uint32_t smr_stand_tasks(smr *s);
+void smr_stand(void *arg, uint32_t task, uint32_t worker);        /* everything becomes current at once */
+
+uint32_t smr_exact_tasks(smr *s);            /* exact.c: normals of the triangles */
+uint32_t smr_exact_facet_tasks(smr *s);
+void smr_exact_clear(void *arg, uint32_t task, uint32_t worker);
+void smr_exact_facets(void *arg, uint32_t task, uint32_t worker);
+void smr_exact_unit(void *arg, uint32_t task, uint32_t worker);
 
 void smr_even_start(smr *s);                 /* even.c: neighbours' displacements, at the last radius */
 void smr_even_share(smr *s);
-void smr_even_rings(smr *s);
+uint32_t smr_even_tasks(smr *s);
+uint32_t smr_even_facet_tasks(smr *s);
+void smr_even_clear(void *arg, uint32_t task, uint32_t worker);
+void smr_even_rings(void *arg, uint32_t task, uint32_t worker);
 smr_vec smr_even_step(smr *s, uint32_t v);   /* valid after smr_even_rings, until the guard */
 
 void smr_abandon_iteration(smr *s);
 void smr_schedule_start(smr *s);             /* schedule.c */
 void smr_schedule_next(smr *s);
+int smr_schedule_plastic(const smr *s);      /* 1: the iteration about to stand ends with x^r = x */
 uint32_t smr_last_radius(const smr *s);
 int smr_guarded(const smr *s);               /* 1: at this radius folds are guarded against */
 float smr_schedule_progress(const smr *s);

@@ -22,13 +22,19 @@ const smr_step smr_steps[] = {
     {SMR_PHASE_MATCH, SMR_WORK_ACTIVE, smr_active_tasks, smr_match, smr_match_end, 0},
     /* average goal positions x~_i = Sum_i(T) x^r_i / |zeta_i| */
     {SMR_PHASE_AVERAGE, SMR_WORK_ACTIVE, smr_active_tasks, smr_average_record, NULL, 0},
-    {SMR_PHASE_AVERAGE, SMR_WORK_LISTS, smr_block_tasks, smr_sums_forest, smr_even_rings, 0},
+    {SMR_PHASE_AVERAGE, SMR_WORK_LISTS, smr_block_tasks, smr_sums_forest, NULL, 0},
     /* evolve positions, x = x~; even out along the surface; hold back what would fold; update reference positions (plasticity),
      * x^r = x */
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_even_tasks, smr_even_clear, NULL, 0},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_even_facet_tasks, smr_even_rings, NULL, 1},
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_vertex_tasks, smr_evolve, smr_evolve_end, 0},
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_facet_tasks, smr_facet_refit, smr_facets_end, 0},
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_guard_tasks, smr_guard_search, smr_guard_end, 0},
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_vertex_tasks, smr_settle, smr_settle_end, 0},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_exact_tasks, smr_exact_clear, NULL, 0},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_exact_facet_tasks, smr_exact_facets, NULL, 1},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_exact_tasks, smr_exact_unit, NULL, 0},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_stand_tasks, smr_stand, NULL, 1},
 };
 
 #define SMR_STEPS ((uint32_t)(sizeof smr_steps / sizeof smr_steps[0]))
