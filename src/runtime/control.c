@@ -12,13 +12,18 @@
 #define SMR_FOREVER 1.0e18f     /* ns */
 #define SMR_RISE 0.5f           /* a sample above the rate counts so much, */
 #define SMR_FALL 0.125f         /* one below so much: the rate stays near the dear end of what is usual */
-#define SMR_OUTLIER 2.0f        /* a sample counts as at most so many times the rate */
-#define SMR_MARGIN 1.0625f      /* of the reserve */
+#define SMR_OUTLIER 0.0625f     /* of an iteration: more than that is not believed at once */
+#define SMR_MARGIN_MIN 1.03f    /* of the reserve; an iteration that needs more ticks than planned raises it, */
+#define SMR_MARGIN_MAX 1.5f
+#define SMR_LATE 0.0625f        /* by so much; */
+#define SMR_IN_TIME 0.001f      /* one that does not lowers it by so much: about one in sixty is late */
+#define SMR_FIRST 0.75f         /* of the time left in reserve while the rest's cost is not known */
 #define SMR_TICKS_AHEAD 1000000u
 
 void smr_control_start(smr *s)
 {
     memset(&s->control, 0, sizeof s->control);
+    s->control.margin = SMR_MARGIN_MIN;
     for (uint32_t i = 0; i < SMR_STEPS_MAX; i++)
         s->control.rate[i] = SMR_UNKNOWN;
 }
@@ -29,19 +34,22 @@ static float lists_units(const smr *s)
     return (float)s->n + (float)smr_le32(s->lists.block[s->lists.n_blocks].first_index);
 }
 
-static float units_of(const smr *s, const smr_step *step, uint32_t n_tasks)
+static float units_of(smr *s, const smr_step *step, uint32_t n_tasks)
 {
     if (step->work == SMR_WORK_ACTIVE)
         return (float)s->n_active;
+    if (step->work == SMR_WORK_FOLDS)
+        return smr_guard_tasks(s) > 0u ? 1.0f : 0.0f;
     return step->work == SMR_WORK_LISTS ? lists_units(s) : (float)n_tasks;
 }
 
-/* One sample into a rate. */
-static float blend(float rate, float sample)
+/* One sample into a rate. A stretch in which something else ran counts as at most twice what is usual for the step, or as
+ * a small share of an iteration where that is more: a clock may show nothing for long, folds may come all at once. */
+static float blend(const smr_control *c, float rate, float sample, float units)
 {
-    if (rate < 0.0f || !(rate > 0.0f))
+    if (rate < 0.0f)
         return sample;
-    sample = smr_min(sample, SMR_OUTLIER * rate);
+    sample = smr_min(sample, rate + smr_max(rate, SMR_OUTLIER * c->whole / units));
     return rate + (sample > rate ? SMR_RISE : SMR_FALL) * (sample - rate);
 }
 
@@ -50,12 +58,14 @@ void smr_control_learn(smr *s, uint32_t n_tasks)
     smr_control *c = &s->control;
     const smr_step *step = &smr_steps[s->step];
     const float spent = smr_min((float)c->spent, SMR_FOREVER), units = units_of(s, step, n_tasks);
-    const int odd = c->odd != 0u || s->port.now_ns == NULL || n_tasks == 0u || !(units > 0.0f);
+    const int odd = c->odd != 0u || s->port.now_ns == NULL || !(units > 0.0f) ||
+                    (n_tasks == 0u && step->work != SMR_WORK_FOLDS);
+    c->sum += spent;
     c->spent = 0;
     c->odd = 0;
     if (odd)
         return;
-    c->rate[s->step] = blend(c->rate[s->step], spent / units);
+    c->rate[s->step] = blend(c, c->rate[s->step], spent / units, units);
     if (step->work == SMR_WORK_LISTS)
         c->count = s->n_active;
 }
@@ -83,18 +93,21 @@ static float cost_of(smr *s, uint32_t first, uint32_t count)
     for (uint32_t i = first; i < smr_n_steps; i++) {
         const smr_step *step = &smr_steps[i];
         const uint32_t n_tasks = step->n_tasks(s);
-        if (n_tasks == 0u)
-            continue;
+        const float units = units_of(s, step, n_tasks);
         float rate = c->rate[i];
+        if ((n_tasks == 0u && step->work != SMR_WORK_FOLDS) || !(units > 0.0f))
+            continue;
+        if (step->work == SMR_WORK_FOLDS)
+            rate = smr_max(rate, 0.0f);
         if (rate < 0.0f && step->work != SMR_WORK_LISTS)
             rate = step->work == SMR_WORK_ACTIVE ? unknown / (float)SMR_CHUNK : unknown;
         if (rate < 0.0f)
             sum = SMR_FOREVER;
-        sum += rate * units_of(s, step, n_tasks) * (step->work == SMR_WORK_LISTS ? more : 1.0f);
+        sum += rate * units * (step->work == SMR_WORK_LISTS ? more : 1.0f);
     }
     s->n_active = active;
     s->reference_stale = stale;
-    return smr_min(smr_max(sum, 0.0f) * SMR_MARGIN, SMR_FOREVER);
+    return smr_min(smr_max(sum, 0.0f) * c->margin, SMR_FOREVER);
 }
 
 /* As few vertices as this radius allows. */
@@ -108,18 +121,41 @@ void smr_control_plan(smr *s, uint64_t budget_ns)
     const float cost = cost_of(s, 0, fewest(s)), budget = smr_max((float)budget_ns, 1.0f);
     const float ticks = smr_min(cost / budget, (float)SMR_TICKS_AHEAD);
     s->control.spent = 0;
-    s->control.odd = 0;
+    s->control.sum = 0.0f;
+    s->control.odd = s->control.late = 0;
+    s->control.budget = budget_ns;
     s->control.ticks = cost >= SMR_FOREVER ? 1u : (uint32_t)ticks + 1u;
+}
+
+void smr_control_resume(smr *s)
+{
+    s->control.late |= s->control.ticks <= 1u;
+    s->control.ticks = smr_max_u32(s->control.ticks, 2u) - 1u;
+}
+
+void smr_control_done(smr *s)
+{
+    smr_control *c = &s->control;
+    const float whole = c->whole > 0.0f ? smr_min(c->sum, 2.0f * c->whole) : c->sum;
+    c->whole += (c->whole > 0.0f ? SMR_FALL : 1.0f) * (whole - c->whole);
+    for (uint32_t i = 0; i < smr_n_steps && c->repairing && s->repairing == 0u; i++)
+        if (smr_steps[i].work == SMR_WORK_FOLDS)
+            c->rate[i] = SMR_UNKNOWN; /* repairs cost more than what comes after them */
+    c->repairing = s->repairing > 0u;
+    c->margin = smr_clamp(c->margin + (c->late ? SMR_LATE : -SMR_IN_TIME), SMR_MARGIN_MIN, SMR_MARGIN_MAX);
 }
 
 int smr_control_reached(smr *s, uint64_t left_ns, uint32_t group)
 {
     const uint32_t reached = s->next_task * SMR_FORCE_CHUNK, more = group * SMR_FORCE_CHUNK;
-    if (s->n_pinned > 0u || reached < fewest(s) || reached >= s->n_active)
+    if (s->n_pinned > 0u || reached < fewest(s))
         return 0;
+    if (s->repairing > 0u)
+        return 1; /* no forces act now */
     const uint32_t next = smr_min_u32(reached + more, s->n_active);
     const float force = smr_max(s->control.rate[s->step], 0.0f) * (float)(next - reached);
-    return force + cost_of(s, s->step + 1u, next) > (float)left_ns;
+    const float rest = cost_of(s, s->step + 1u, next);
+    return force + (rest < SMR_FOREVER ? rest : SMR_FIRST * (float)s->control.budget) > (float)left_ns;
 }
 
 smr_status smr_set_active(smr *s, uint32_t n_active)

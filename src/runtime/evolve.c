@@ -91,6 +91,7 @@ void smr_stand(void *arg, uint32_t task, uint32_t worker)
     s->x_next = swap;
     for (uint32_t v = 0; v < s->n; v++)
         smr_store(smr_at3(s->normal, v), smr_spare(s, v));
+    smr_mend_abandon(s);
     s->report.displacement_max_mm = s->moved_mm;
     s->report.state_hash = s->hash;
     s->iteration++;

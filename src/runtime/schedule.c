@@ -41,6 +41,7 @@ static uint32_t active_count(const smr *s)
 void smr_schedule_active(smr *s)
 {
     const uint32_t count = s->n_pinned > 0u ? smr_max_u32(s->n_pinned, s->lists.active_min) : active_count(s);
+    s->report.n_wanted = count;
     if (count == s->n_active ||
         (s->n_pinned == 0u && !s->reference_stale && s->radius_iteration % SMR_ACTIVE_EVERY != 0u))
         return;
@@ -73,6 +74,7 @@ void smr_abandon_iteration(smr *s)
     for (uint32_t i = 0; i < s->n_parts; i++)
         s->part[i].facets.xyz = s->x;
     smr_facets_now(s);
+    smr_mend_abandon(s);
     s->step = s->next_task = 0;
 }
 

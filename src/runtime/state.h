@@ -14,7 +14,7 @@
 #define SMR_CHUNK 128u         /* vertices of a task */
 #define SMR_FORCE_CHUNK 32u    /* vertices of a task that looks for goals, or for the model from a target */
 #define SMR_TRIANGLE_CHUNK 256u /* triangles of a task that sums over vertices' neighbours */
-#define SMR_STEPS_MAX 24u      /* of an iteration */
+#define SMR_STEPS_MAX 32u      /* of an iteration */
 #define SMR_HINGE_CHUNK 1024u  /* hinges of a task */
 #define SMR_STATE_MAGIC 0x736d7254u
 
@@ -44,12 +44,25 @@ typedef struct smr_tally {
     uint64_t hash;
 } smr_tally;
 
+/* Where the mending of folds stands (mend.c). */
+typedef struct smr_mend {
+    uint32_t stage, at;                    /* the pass under way, and how far it is; stage 0: none */
+    uint32_t round, part, ring, sweep;
+    uint32_t n_folds;                      /* found in this round */
+    uint32_t moved;                        /* 1: x_next has changed, the facets must follow */
+} smr_mend;
+
 /* What the controller knows of the time that an iteration takes (control.c). */
 typedef struct smr_control {
     float rate[SMR_STEPS_MAX];             /* ns a unit of work, by step; negative: not known yet */
     uint64_t spent;                        /* ns, in the step under way */
+    float sum, whole;                      /* ns, of the iteration under way so far, and of iterations in the mean */
+    uint64_t budget;                       /* ns, of the tick that began the iteration */
     uint32_t count;                        /* active vertices when the sums' rates were learnt */
     uint32_t ticks;                        /* the iteration under way is meant to end with this one of its ticks, from now */
+    uint32_t late;                         /* 1: it has not */
+    uint32_t repairing;                    /* 1: the last iteration was a repair */
+    float margin;                          /* times the reserve */
     uint32_t odd;                          /* 1: the clock ran backwards in the step under way */
 } smr_control;
 
@@ -115,6 +128,7 @@ struct smr {
     float *ring_weight;                    /* [n] of that sum */
     uint32_t n_folding;                    /* hinges found folding while repairing */
     uint32_t n_guarded;                    /* vertices so marked */
+    smr_mend mend;
     /* written by sums and average */
     uint32_t *record;                      /* [n][SMR_WORDS] fixed-point quantities of each vertex */
     uint32_t *sum;                         /* [n][SMR_WORDS] their sums over each cluster */
@@ -192,8 +206,9 @@ static inline smr_vec smr_drive(const smr *s, uint32_t v)
 
 smr_status smr_config_check(const smr_config *c, const smr_model *m);
 
-/* What a step's time is in proportion to: active vertices, what the forest reads, or nothing but its number of tasks. */
-enum { SMR_WORK_TASKS = 0, SMR_WORK_ACTIVE, SMR_WORK_LISTS };
+/* What a step's time is in proportion to: active vertices, what the forest reads, its number of tasks, or nothing that is
+ * known beforehand. */
+enum { SMR_WORK_TASKS = 0, SMR_WORK_ACTIVE, SMR_WORK_LISTS, SMR_WORK_FOLDS };
 
 static inline uint32_t smr_method_words(const smr *s) { return s->config.method == SMR_METHOD_RIGID ? 6u : 12u; }
 
@@ -213,6 +228,8 @@ int smr_forces_pending(const smr *s);        /* 1 until an iteration has its for
 
 void smr_control_start(smr *s);              /* control.c: nothing is known */
 void smr_control_plan(smr *s, uint64_t budget_ns); /* before an iteration */
+void smr_control_resume(smr *s);             /* a tick goes on with an iteration */
+void smr_control_done(smr *s);               /* an iteration is complete */
 int smr_control_reached(smr *s, uint64_t left_ns, uint32_t group); /* 1: the time is for the rest of the iteration */
 void smr_control_learn(smr *s, uint32_t n_tasks); /* the step under way is complete */
 
@@ -237,6 +254,12 @@ void smr_facets_now(smr *s);                 /* all of them, at x */
 uint32_t smr_guard_tasks(smr *s);            /* guard.c: folds */
 void smr_guard_search(void *arg, uint32_t task, uint32_t worker);
 void smr_guard_end(smr *s);
+void smr_mend_start(smr *s);                 /* mend.c: what folds */
+uint32_t smr_mend_tasks(smr *s);             /* one more, as long as there is work */
+void smr_mend_pass(void *arg, uint32_t task, uint32_t worker);
+void smr_mend_end(smr *s);
+uint32_t smr_mend_facet_tasks(smr *s);
+void smr_mend_abandon(smr *s);
 
 uint32_t smr_smooth_tasks(smr *s);           /* smooth.c: mesh neighbours' sums, for vertices without a goal */
 void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker);

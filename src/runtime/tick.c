@@ -9,8 +9,8 @@ const smr_step smr_steps[] = {
     {SMR_PHASE_FORCES, SMR_WORK_TASKS, smr_pull_tasks, smr_pull_search, NULL, 0},
     {SMR_PHASE_FORCES, SMR_WORK_TASKS, smr_smooth_tasks, smr_smooth_sum, NULL, 0},
     {SMR_PHASE_FORCES, SMR_WORK_ACTIVE, smr_force_tasks, smr_force_search, NULL, 0},
-    /* who takes part is known from here on */
-    {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_vertex_tasks, smr_force_take, smr_force_end, 0},
+    /* who takes part is known now */
+    {SMR_PHASE_FORCES, SMR_WORK_TASKS, smr_vertex_tasks, smr_force_take, smr_force_end, 0},
     /* what x^r and they imply, when either is new: cluster centres, masses and spreads */
     {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_reference_tasks, smr_reference_reach, smr_reference_begin, 0},
     {SMR_PHASE_SUMS, SMR_WORK_ACTIVE, smr_reference_records, smr_reference_record, NULL, 0},
@@ -30,6 +30,8 @@ const smr_step smr_steps[] = {
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_vertex_tasks, smr_evolve, smr_evolve_end, 0},
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_facet_tasks, smr_facet_refit, smr_facets_end, 0},
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_guard_tasks, smr_guard_search, smr_guard_end, 0},
+    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, smr_mend_tasks, smr_mend_pass, smr_mend_end, 1},
+    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, smr_mend_facet_tasks, smr_facet_refit, smr_facets_end, 0},
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_vertex_tasks, smr_settle, smr_settle_end, 0},
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_exact_tasks, smr_exact_clear, NULL, 0},
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_exact_facet_tasks, smr_exact_facets, NULL, 1},
@@ -45,7 +47,7 @@ const uint32_t smr_n_steps = SMR_STEPS;
 int smr_forces_pending(const smr *s)
 {
     for (uint32_t i = s->step; i < SMR_STEPS; i++)
-        if (smr_steps[i].run == smr_force_search)
+        if (smr_steps[i].run == smr_force_take)
             return 1;
     return 0;
 }
@@ -98,10 +100,10 @@ static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
 /* Runs the current step; returns 0 when the deadline passed before its last task. */
 static int run_step(smr *s, const smr_step *step, watch *w)
 {
-    const uint32_t n = step->n_tasks(s);
+    uint32_t n = step->n_tasks(s);
     const uint32_t workers = s->port.n_workers > 1u ? s->port.n_workers : 1u;
     const uint32_t group = step->serial ? 1u : (w->deadline == 0u ? n : workers);
-    while (s->next_task < n) {
+    for (; s->next_task < n; n = step->n_tasks(s)) { /* what folds asks for more as it goes */
         if (w->deadline != 0u && w->begun && over(s, w))
             return 0;
         w->begun = 1;
@@ -150,10 +152,10 @@ static watch begin(smr *s, uint64_t budget_ns)
     watch w = {0, 0, now(s), 0};
     const int timed = budget_ns != 0u && s->port.now_ns != NULL;
     if (s->step > 0u || s->next_task > 0u) {
-        s->control.ticks = smr_max_u32(s->control.ticks, 2u) - 1u;
+        smr_control_resume(s);
     } else if (!s->done) {
         smr_schedule_active(s);
-        s->report.n_wanted = s->report.n_taken = s->n_active;
+        s->report.n_taken = s->n_active;
         smr_schedule_distances(s);
         smr_control_plan(s, timed ? budget_ns : UINT64_MAX);
     }
@@ -186,8 +188,10 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
             break;
         smr_control_learn(s, n_tasks);
     }
-    if (s->step == SMR_STEPS)
+    if (s->step == SMR_STEPS) {
+        smr_control_done(s);
         s->step = 0;
+    }
     fill_report(s, phase_ns);
     if (report != NULL)
         *report = s->report;

@@ -72,13 +72,13 @@ static void settle(smr *s)
 {
     smr_evolve_end(s);
     for (uint32_t i = 0, behind = 0; i < smr_n_steps; behind |= smr_steps[i++].run == smr_evolve) {
-        const uint32_t n = behind ? smr_steps[i].n_tasks(s) : 0u;
-        for (uint32_t t = 0; t < n; t++) {
-            smr_steps[i].run(s, t, 0);
+        for (s->next_task = 0; behind && s->next_task < smr_steps[i].n_tasks(s); s->next_task++) {
+            smr_steps[i].run(s, s->next_task, 0);
         }
-        if (n > 0u && smr_steps[i].end != NULL) {
+        if (s->next_task > 0u && smr_steps[i].end != NULL) {
             smr_steps[i].end(s);
         }
+        s->next_task = 0;
     }
 }
 
