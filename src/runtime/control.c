@@ -17,6 +17,8 @@
 #define SMR_MARGIN_MAX 1.5f
 #define SMR_LATE 0.0625f        /* by so much; */
 #define SMR_IN_TIME 0.001f      /* one that does not lowers it by so much: about one in sixty is late */
+#define SMR_FORK_NS 50000.0f    /* several workers: tasks for so long at a time, */
+#define SMR_FORK_TASKS 16.0f    /* and at most so many each, are worth bringing them together */
 #define SMR_FIRST 0.75f         /* of the time left in reserve while the rest's cost is not known */
 #define SMR_TICKS_AHEAD 1000000u
 
@@ -125,6 +127,27 @@ void smr_control_plan(smr *s, uint64_t budget_ns)
     s->control.odd = s->control.late = 0;
     s->control.budget = budget_ns;
     s->control.ticks = cost >= SMR_FOREVER ? 1u : (uint32_t)ticks + 1u;
+}
+
+uint32_t smr_control_group(smr *s, uint32_t n_tasks)
+{
+    const smr_step *step = &smr_steps[s->step];
+    const uint32_t workers = smr_max_u32(s->port.n_workers, 1u);
+    const float rate = s->control.rate[s->step];
+    if (workers == 1u || n_tasks == 0u || !(rate >= 0.0f))
+        return workers;
+    const float task_ns = smr_max(rate * units_of(s, step, n_tasks) * (float)workers / (float)n_tasks, 1.0f);
+    return workers * smr_max_u32((uint32_t)smr_min(SMR_FORK_NS / task_ns, SMR_FORK_TASKS), 1u);
+}
+
+uint64_t smr_control_ahead(smr *s, uint32_t n_tasks, uint32_t group)
+{
+    const smr_step *step = &smr_steps[s->step];
+    const float rate = s->control.rate[s->step];
+    if (rate < 0.0f || n_tasks == 0u || step->work == SMR_WORK_FOLDS)
+        return 0;
+    const float tasks = (float)smr_min_u32(group, n_tasks);
+    return (uint64_t)smr_min(rate * units_of(s, step, n_tasks) * tasks / (float)n_tasks, SMR_FOREVER);
 }
 
 void smr_control_resume(smr *s)

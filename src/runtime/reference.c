@@ -13,7 +13,7 @@
 
 uint32_t smr_reference_records(smr *s) { return s->reference_stale ? smr_active_tasks(s) : 0u; }
 uint32_t smr_reference_tasks(smr *s) { return s->reference_stale ? s->n_tasks : 0u; }
-uint32_t smr_reference_blocks(smr *s) { return s->reference_stale ? s->lists.n_blocks : 0u; }
+uint32_t smr_reference_blocks(smr *s) { return s->reference_stale ? smr_block_tasks(s) : 0u; }
 
 /* How far x^r deviates from the start pose, of a chunk; mm squared. */
 void smr_reference_reach(void *arg, uint32_t task, uint32_t worker)

@@ -12,8 +12,9 @@
 
 #define SMR_WORDS 16u          /* 32-bit words of a record that is summed: one cache line */
 #define SMR_CHUNK 128u         /* vertices of a task */
-#define SMR_FORCE_CHUNK 32u    /* vertices of a task that looks for goals, or for the model from a target */
+#define SMR_FORCE_CHUNK 8u     /* vertices of a task that looks for goals, or for the model from a target */
 #define SMR_TRIANGLE_CHUNK 256u /* triangles of a task that sums over vertices' neighbours */
+#define SMR_ENTRY_CHUNK 64u    /* entries of a piece of a block */
 #define SMR_STEPS_MAX 32u      /* of an iteration */
 #define SMR_HINGE_CHUNK 1024u  /* hinges of a task */
 #define SMR_STATE_MAGIC 0x736d7254u
@@ -41,6 +42,7 @@ typedef struct smr_tally {
     float sum, sum2, max;                  /* of residuals or displacements, mm */
     float largest[2];                      /* of the two kinds of summed quantities */
     uint32_t n_forces, n_rejected, n_active;
+    uint32_t index;                        /* of a block in pieces: how far its lists are read */
     uint64_t hash;
 } smr_tally;
 
@@ -132,6 +134,7 @@ struct smr {
     /* written by sums and average */
     uint32_t *record;                      /* [n][SMR_WORDS] fixed-point quantities of each vertex */
     uint32_t *sum;                         /* [n][SMR_WORDS] their sums over each cluster */
+    uint32_t pieces;                       /* of a block, in the step under way; 0 and 1: whole */
     uint32_t sum_words;                    /* words in use: 6, 10 or 12 */
     float scale[2];                        /* of the two kinds of quantities */
     /* written by match */
@@ -231,6 +234,8 @@ void smr_control_plan(smr *s, uint64_t budget_ns); /* before an iteration */
 void smr_control_resume(smr *s);             /* a tick goes on with an iteration */
 void smr_control_done(smr *s);               /* an iteration is complete */
 int smr_control_reached(smr *s, uint64_t left_ns, uint32_t group); /* 1: the time is for the rest of the iteration */
+uint32_t smr_control_group(smr *s, uint32_t n_tasks); /* tasks between two readings of the clock */
+uint64_t smr_control_ahead(smr *s, uint32_t n_tasks, uint32_t group); /* ns that so many will take; 0 not known */
 void smr_control_learn(smr *s, uint32_t n_tasks); /* the step under way is complete */
 
 /* The steps, by the file they live in. */
@@ -273,6 +278,7 @@ void smr_force_take(void *arg, uint32_t task, uint32_t worker);
 void smr_force_end(smr *s);
 
 uint32_t smr_block_tasks(smr *s);            /* sums.c */
+void smr_block_pieces(smr *s, int cut);       /* before the first task of a forest */
 void smr_sums_record(void *arg, uint32_t task, uint32_t worker);
 void smr_sums_forest(void *arg, uint32_t task, uint32_t worker);
 void smr_average_record(void *arg, uint32_t task, uint32_t worker);

@@ -75,15 +75,16 @@ typedef struct watch {
     int begun;                     /* the first group runs whatever the clock says: a tick always gets on */
 } watch;
 
-/* Reads the clock; returns 1 when the time is over. A clock that runs backwards ends the tick, too. */
-static int over(smr *s, watch *w)
+/* Reads the clock; returns 1 when the time is over, or will be after so many ns more. A clock that runs backwards ends the
+ * tick, too. */
+static int over(smr *s, watch *w, uint64_t ahead)
 {
     const uint64_t time = now(s);
     const int back = time < w->last;
     s->control.odd |= (uint32_t)back;
     s->control.spent += back ? 0u : time - w->last;
     w->last = time;
-    return back || time >= w->deadline;
+    return back || time >= w->deadline || ahead > w->deadline - time;
 }
 
 /* 1 when the vertices from the next task on must be ignored, so that the iteration ends in time. */
@@ -100,17 +101,21 @@ static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
 /* Runs the current step; returns 0 when the deadline passed before its last task. */
 static int run_step(smr *s, const smr_step *step, watch *w)
 {
+    if (s->next_task == 0u && step->work == SMR_WORK_LISTS)
+        smr_block_pieces(s, w->deadline != 0u);
     uint32_t n = step->n_tasks(s);
-    const uint32_t workers = s->port.n_workers > 1u ? s->port.n_workers : 1u;
-    const uint32_t group = step->serial ? 1u : (w->deadline == 0u ? n : workers);
+    const uint32_t group = step->serial ? 1u : (w->deadline == 0u ? n : smr_control_group(s, n));
+    const uint64_t ahead = w->deadline == 0u ? 0u : smr_control_ahead(s, n, group);
     for (; s->next_task < n; n = step->n_tasks(s)) { /* what folds asks for more as it goes */
-        if (w->deadline != 0u && w->begun && over(s, w))
+        if (w->deadline != 0u && w->begun && over(s, w, ahead))
             return 0;
         w->begun = 1;
         if (cut(s, step, w, group))
             break;
         part_of_step part = {s, step->run, s->next_task};
-        const uint32_t count = smr_min_u32(group, n - s->next_task);
+        uint32_t count = smr_min_u32(group, n - s->next_task);
+        if (step->work == SMR_WORK_LISTS) /* the next piece of a block needs the one before */
+            count = smr_min_u32(count, s->lists.n_blocks - s->next_task % s->lists.n_blocks);
         smr_fork(&s->port, run_task, &part, count);
         s->next_task += count;
     }
@@ -182,7 +187,7 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
         const uint64_t before = w.last;
         if (!run_step(s, step, &w))
             status = SMR_PARTIAL;
-        (void)over(s, &w);
+        (void)over(s, &w, 0);
         phase_ns[step->phase] += w.last > before ? w.last - before : 0u;
         if (status == SMR_PARTIAL)
             break;
