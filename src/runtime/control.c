@@ -3,7 +3,8 @@
  * the iteration will take with the vertices reached so far; when the time left comes down to that, the vertices not
  * reached are ignored in this iteration (paper 2.2, complexity tuning). Everything that depends on how many take part is
  * computed after the forces, so a cut iteration has the bits of one that was given that number from the start.
- * Where not even the vertices that the radius needs fit, the iteration is planned over several ticks.
+ * Where not even the vertices that the radius needs fit, there is no iteration in every tick anyway: nothing is left out, and
+ * the iteration takes the ticks it takes.
  * Bounds: SMR_STEPS_MAX, for each group of forces.
  * SPDX-License-Identifier: MIT */
 #include "runtime/state.h"
@@ -13,14 +14,13 @@
 #define SMR_RISE 0.5f           /* a sample above the rate counts so much, */
 #define SMR_FALL 0.125f         /* one below so much: the rate stays near the dear end of what is usual */
 #define SMR_OUTLIER 0.0625f     /* of an iteration: more than that is not believed at once */
-#define SMR_MARGIN_MIN 1.03f    /* of the reserve; an iteration that needs more ticks than planned raises it, */
+#define SMR_MARGIN_MIN 1.03f    /* of the reserve; an iteration that did not end in its tick raises it */
 #define SMR_MARGIN_MAX 1.5f
 #define SMR_LATE 0.0625f        /* by so much; */
 #define SMR_IN_TIME 0.001f      /* one that does not lowers it by so much: about one in sixty is late */
 #define SMR_FORK_NS 50000.0f    /* several workers: tasks for so long at a time, */
 #define SMR_FORK_TASKS 16.0f    /* and at most so many each, are worth bringing them together */
 #define SMR_FIRST 0.75f         /* of the time left in reserve while the rest's cost is not known */
-#define SMR_TICKS_AHEAD 1000000u
 
 void smr_control_start(smr *s)
 {
@@ -120,13 +120,12 @@ static uint32_t fewest(const smr *s)
 
 void smr_control_plan(smr *s, uint64_t budget_ns)
 {
-    const float cost = cost_of(s, 0, fewest(s)), budget = smr_max((float)budget_ns, 1.0f);
-    const float ticks = smr_min(cost / budget, (float)SMR_TICKS_AHEAD);
+    const float cost = cost_of(s, 0, fewest(s));
     s->control.spent = 0;
     s->control.sum = 0.0f;
     s->control.odd = s->control.late = 0;
     s->control.budget = budget_ns;
-    s->control.ticks = cost >= SMR_FOREVER ? 1u : (uint32_t)ticks + 1u;
+    s->control.uncut = cost < SMR_FOREVER && cost > (float)budget_ns;
 }
 
 uint32_t smr_control_group(smr *s, uint32_t n_tasks)
@@ -150,11 +149,7 @@ uint64_t smr_control_ahead(smr *s, uint32_t n_tasks, uint32_t group)
     return (uint64_t)smr_min(rate * units_of(s, step, n_tasks) * tasks / (float)n_tasks, SMR_FOREVER);
 }
 
-void smr_control_resume(smr *s)
-{
-    s->control.late |= s->control.ticks <= 1u;
-    s->control.ticks = smr_max_u32(s->control.ticks, 2u) - 1u;
-}
+void smr_control_resume(smr *s) { s->control.late = !s->control.uncut; }
 
 void smr_control_done(smr *s)
 {
@@ -175,6 +170,8 @@ int smr_control_reached(smr *s, uint64_t left_ns, uint32_t group)
         return 0;
     if (s->repairing > 0u)
         return 1; /* no forces act now */
+    if (s->control.uncut)
+        return 0;
     const uint32_t next = smr_min_u32(reached + more, s->n_active);
     const float force = smr_max(s->control.rate[s->step], 0.0f) * (float)(next - reached);
     const float rest = cost_of(s, s->step + 1u, next);

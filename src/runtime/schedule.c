@@ -37,16 +37,17 @@ static uint32_t active_count(const smr *s)
 }
 
 /* A new number makes cluster centres anew, so it waits for a new reference shape, which does so anyway, but not for ever.
- * The caller's own choice does not wait. */
+ * The caller's own choice does not wait, nor do vertices that the last budget left out. */
 void smr_schedule_active(smr *s)
 {
     const uint32_t count = s->n_pinned > 0u ? smr_max_u32(s->n_pinned, s->lists.active_min) : active_count(s);
     s->report.n_wanted = count;
     if (count == s->n_active ||
-        (s->n_pinned == 0u && !s->reference_stale && s->radius_iteration % SMR_ACTIVE_EVERY != 0u))
+        (s->n_pinned == 0u && !s->control.cut && !s->reference_stale && s->radius_iteration % SMR_ACTIVE_EVERY != 0u))
         return;
     s->n_active = count;
     s->reference_stale = 1;
+    s->control.cut = 0;
 }
 
 static void use_radius(smr *s, uint32_t radius)

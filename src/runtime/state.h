@@ -61,8 +61,9 @@ typedef struct smr_control {
     float sum, whole;                      /* ns, of the iteration under way so far, and of iterations in the mean */
     uint64_t budget;                       /* ns, of the tick that began the iteration */
     uint32_t count;                        /* active vertices when the sums' rates were learnt */
-    uint32_t ticks;                        /* the iteration under way is meant to end with this one of its ticks, from now */
-    uint32_t late;                         /* 1: it has not */
+    uint32_t uncut;                        /* 1: the iteration under way takes several ticks, and leaves nothing out */
+    uint32_t late;                         /* 1: it was meant to end in one tick, and has not */
+    uint32_t cut;                          /* 1: n_active is less than the configuration asks for, for want of time */
     uint32_t repairing;                    /* 1: the last iteration was a repair */
     float margin;                          /* times the reserve */
     uint32_t odd;                          /* 1: the clock ran backwards in the step under way */

@@ -70,7 +70,6 @@ static void run_task(void *arg, uint32_t task, uint32_t worker)
 /* A tick's time. */
 typedef struct watch {
     uint64_t deadline;             /* of this tick; 0: none */
-    uint64_t end;                  /* when the iteration should be complete, perhaps in a later tick */
     uint64_t last;                 /* reading */
     int begun;                     /* the first group runs whatever the clock says: a tick always gets on */
 } watch;
@@ -90,11 +89,11 @@ static int over(smr *s, watch *w, uint64_t ahead)
 /* 1 when the vertices from the next task on must be ignored, so that the iteration ends in time. */
 static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
 {
-    const uint64_t left = w->end > w->last ? w->end - w->last : 0u;
+    const uint64_t left = w->deadline > w->last ? w->deadline - w->last : 0u;
     if (step->run != smr_force_search || w->deadline == 0u || !smr_control_reached(s, left, group))
         return 0;
     s->n_active = s->next_task * SMR_FORCE_CHUNK;
-    s->reference_stale = 1;
+    s->reference_stale = s->control.cut = 1;
     return 1;
 }
 
@@ -154,7 +153,7 @@ static uint64_t later(uint64_t time, uint64_t ns) { return ns > UINT64_MAX - tim
 /* What comes before an iteration, and the time of this tick. */
 static watch begin(smr *s, uint64_t budget_ns)
 {
-    watch w = {0, 0, now(s), 0};
+    watch w = {0, now(s), 0};
     const int timed = budget_ns != 0u && s->port.now_ns != NULL;
     if (s->step > 0u || s->next_task > 0u) {
         smr_control_resume(s);
@@ -164,11 +163,8 @@ static watch begin(smr *s, uint64_t budget_ns)
         smr_schedule_distances(s);
         smr_control_plan(s, timed ? budget_ns : UINT64_MAX);
     }
-    if (timed) {
-        const uint64_t more = s->control.ticks - 1u;
+    if (timed)
         w.deadline = later(w.last, budget_ns);
-        w.end = more > 0u && budget_ns > UINT64_MAX / more ? UINT64_MAX : later(w.deadline, more * budget_ns);
-    }
     return w;
 }
 
