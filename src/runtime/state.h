@@ -42,7 +42,6 @@ typedef struct smr_tally {
     float sum, sum2, max;                  /* of residuals or displacements, mm */
     float largest[2];                      /* of the two kinds of summed quantities */
     uint32_t n_forces, n_rejected, n_active;
-    uint32_t index;                        /* of a block in pieces: how far its lists are read */
     uint64_t hash;
 } smr_tally;
 

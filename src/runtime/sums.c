@@ -156,8 +156,8 @@ void smr_sums_forest(void *arg, uint32_t task, uint32_t worker)
         p.from = smr_min_u32(i * SMR_ENTRY_CHUNK, length);
         p.to = smr_min_u32(p.from + SMR_ENTRY_CHUNK, length);
         if (i > 0u)
-            p.index = s->tally[block].index; /* where the piece before ended */
-        s->tally[block].index = chain(s, p);
+            p.index = s->tally[block].n_forces; /* where the piece before ended: nobody else uses tallies now */
+        s->tally[block].n_forces = chain(s, p);
         return;
     }
     (void)chain(s, p);
