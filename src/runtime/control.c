@@ -18,6 +18,7 @@
 #define SMR_MARGIN_MAX 1.5f
 #define SMR_LATE 0.0625f        /* by so much; */
 #define SMR_IN_TIME 0.001f      /* one that does not lowers it by so much: about one in sixty is late */
+#define SMR_STRETCH_NS 100000000u /* between two readings: longer, and longer than the budget, is a jump of the clock */
 #define SMR_FORK_NS 50000.0f    /* several workers: tasks for so long at a time, */
 #define SMR_FORK_TASKS 16.0f    /* and at most so many each, are worth bringing them together */
 #define SMR_FIRST 0.75f         /* of the time left in reserve while the rest's cost is not known */
@@ -53,6 +54,12 @@ static float blend(const smr_control *c, float rate, float sample, float units)
         return sample;
     sample = smr_min(sample, rate + smr_max(rate, SMR_OUTLIER * c->whole / units));
     return rate + (sample > rate ? SMR_RISE : SMR_FALL) * (sample - rate);
+}
+
+void smr_control_spend(smr *s, uint64_t ns, uint64_t budget_ns)
+{
+    const uint64_t most = budget_ns > SMR_STRETCH_NS ? budget_ns : SMR_STRETCH_NS;
+    s->control.spent += smr_min_u64(ns, smr_min_u64(most, UINT64_MAX - s->control.spent));
 }
 
 void smr_control_learn(smr *s, uint32_t n_tasks)

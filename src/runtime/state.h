@@ -236,6 +236,7 @@ void smr_control_done(smr *s);               /* an iteration is complete */
 int smr_control_reached(smr *s, uint64_t left_ns, uint32_t group); /* 1: the time is for the rest of the iteration */
 uint32_t smr_control_group(smr *s, uint32_t n_tasks); /* tasks between two readings of the clock */
 uint64_t smr_control_ahead(smr *s, uint32_t n_tasks, uint32_t group); /* ns that so many will take; 0 not known */
+void smr_control_spend(smr *s, uint64_t ns, uint64_t budget_ns); /* between two readings */
 void smr_control_learn(smr *s, uint32_t n_tasks); /* the step under way is complete */
 
 /* The steps, by the file they live in. */

@@ -70,6 +70,7 @@ static void run_task(void *arg, uint32_t task, uint32_t worker)
 /* A tick's time. */
 typedef struct watch {
     uint64_t deadline;             /* of this tick; 0: none */
+    uint64_t budget;               /* ns; 0: none */
     uint64_t last;                 /* reading */
     int begun;                     /* the first group runs whatever the clock says: a tick always gets on */
 } watch;
@@ -81,7 +82,8 @@ static int over(smr *s, watch *w, uint64_t ahead)
     const uint64_t time = now(s);
     const int back = time < w->last;
     s->control.odd |= (uint32_t)back;
-    s->control.spent += back ? 0u : time - w->last;
+    if (!back)
+        smr_control_spend(s, time - w->last, w->budget);
     w->last = time;
     return back || time >= w->deadline || ahead > w->deadline - time;
 }
@@ -104,7 +106,7 @@ static int run_step(smr *s, const smr_step *step, watch *w)
         smr_block_pieces(s, w->deadline != 0u);
     uint32_t n = step->n_tasks(s);
     const uint32_t group = step->serial ? 1u : (w->deadline == 0u ? n : smr_control_group(s, n));
-    const uint64_t ahead = w->deadline == 0u ? 0u : smr_control_ahead(s, n, group);
+    const uint64_t ahead = w->deadline == 0u ? 0u : smr_min_u64(smr_control_ahead(s, n, group), w->budget / 4u);
     for (; s->next_task < n; n = step->n_tasks(s)) { /* what folds asks for more as it goes */
         if (w->deadline != 0u && w->begun && over(s, w, ahead))
             return 0;
@@ -153,7 +155,7 @@ static uint64_t later(uint64_t time, uint64_t ns) { return ns > UINT64_MAX - tim
 /* What comes before an iteration, and the time of this tick. */
 static watch begin(smr *s, uint64_t budget_ns)
 {
-    watch w = {0, now(s), 0};
+    watch w = {0, 0, now(s), 0};
     const int timed = budget_ns != 0u && s->port.now_ns != NULL;
     if (s->step > 0u || s->next_task > 0u) {
         smr_control_resume(s);
@@ -163,8 +165,10 @@ static watch begin(smr *s, uint64_t budget_ns)
         smr_schedule_distances(s);
         smr_control_plan(s, timed ? budget_ns : UINT64_MAX);
     }
-    if (timed)
+    if (timed) {
+        w.budget = budget_ns;
         w.deadline = later(w.last, budget_ns);
+    }
     return w;
 }
 

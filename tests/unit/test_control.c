@@ -142,6 +142,22 @@ static void test_an_outlier_is_forgotten(void **state)
     }
 }
 
+/* The first thing that is learnt is nonsense. */
+static void test_a_clock_that_is_set(void **state)
+{
+    const uint64_t budget = full_time(1000) * 9u / 10u;
+    rig_clock clock;
+    smr *s = start(&clock, 1000);
+    (void)state;
+    clock.step_ns = (uint64_t)1 << 50;
+    (void)run(s, &clock, budget, 300); /* a group each */
+    clock.step_ns = 1000;
+    (void)run(s, &clock, budget, 400);
+    const outcome o = run(s, &clock, budget, 40);
+    assert_true(o.longest <= budget + 3000u && o.whole >= 36u);
+    assert_true(4u * o.most >= 3u * s->n);
+}
+
 static void test_a_slower_machine(void **state)
 {
     const uint64_t budget = full_time(1000) * 9u / 10u;
@@ -206,6 +222,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_learns_what_it_meets, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_in_time_and_not_idle, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_an_outlier_is_forgotten, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_a_clock_that_is_set, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_a_slower_machine, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_several_ticks, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_set_active, set_up, tidy),
