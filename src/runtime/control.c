@@ -4,7 +4,7 @@
  * reached are ignored in this iteration (paper 2.2, complexity tuning). Everything that depends on how many take part is
  * computed after the forces, so a cut iteration has the bits of one that was given that number from the start.
  * Where not even the vertices that the radius needs fit, there is no iteration in every tick anyway: nothing is left out, and
- * the iteration takes the ticks it takes.
+ * the iteration takes the ticks it takes. So it does where the schedule closes: what is left out there is never found.
  * Bounds: SMR_STEPS_MAX, for each group of forces.
  * SPDX-License-Identifier: MIT */
 #include "runtime/state.h"
@@ -21,6 +21,7 @@
 #define SMR_STRETCH_NS 100000000u /* between two readings: longer, and longer than the budget, is a jump of the clock */
 #define SMR_FORK_NS 50000.0f    /* several workers: tasks for so long at a time, */
 #define SMR_FORK_TASKS 16.0f    /* and at most so many each, are worth bringing them together */
+#define SMR_CLOSING 3u          /* the last radius' first third may be cut, the rest decides where vertices come to lie */
 #define SMR_FIRST 0.75f         /* of the time left in reserve while the rest's cost is not known */
 
 void smr_control_start(smr *s)
@@ -132,7 +133,8 @@ void smr_control_plan(smr *s, uint64_t budget_ns)
     s->control.sum = 0.0f;
     s->control.odd = s->control.late = 0;
     s->control.budget = budget_ns;
-    s->control.uncut = cost < SMR_FOREVER && cost > (float)budget_ns;
+    const int closing = s->radius == smr_last_radius(s) && SMR_CLOSING * s->radius_iteration >= s->config.iterations_last;
+    s->control.uncut = cost < SMR_FOREVER && (closing || cost > (float)budget_ns);
 }
 
 uint32_t smr_control_group(smr *s, uint32_t n_tasks)

@@ -1,6 +1,6 @@
 /* test_active.c: ignored vertices. Sums along the forest and along the paper's chain equal sums over the active members
  * alone, bit for bit, for any number of active vertices, both index widths and any model; averages, centres and forces know
- * nobody else; workers, schedulers and budgets change no bit; positions stay finite.
+ * nobody else; workers and schedulers change no bit, what a budget left out can be repeated; positions stay finite.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>

@@ -124,7 +124,7 @@ static smr *target_start(const smr_model *model, const smr_surface *surface, con
     smr_config config = smr_config_default();
     smr *s = NULL;
     config.n_target_vertices = 1024;
-    config.iterations = 10;
+    config.iterations = 30;
     if (smr_init(&s, model, &config, port, target_arena[arena], sizeof target_arena[arena]) != SMR_OK ||
         smr_set_surface(s, SMR_ALL, surface) != SMR_OK) {
         return NULL;

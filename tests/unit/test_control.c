@@ -189,6 +189,24 @@ static void test_several_ticks(void **state)
     assert_true(o.sum >= 300u * (budget * 7u / 10u));       /* and no tick goes to waste */
 }
 
+static void test_nothing_is_left_out_at_the_end(void **state)
+{
+    const uint64_t budget = full_time(1000) * 3u / 4u;
+    rig_clock clock;
+    smr *s = start(&clock, 1000);
+    smr_tick_report r = {0};
+    uint32_t cut = 0;
+    (void)state;
+    s->config.iterations_last = 30;
+    for (uint32_t i = 0; i < 200u && !r.done; i++) {
+        if (smr_tick(s, budget, &r) == SMR_OK) {
+            cut += r.n_taken < s->n;
+            assert_true(r.radius_iteration <= 10u || r.n_taken == s->n);
+        }
+    }
+    assert_true(r.done && cut >= 8u);
+}
+
 static void test_set_active(void **state)
 {
     rig_clock clock;
@@ -225,6 +243,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_a_clock_that_is_set, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_a_slower_machine, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_several_ticks, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_nothing_is_left_out_at_the_end, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_set_active, set_up, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
