@@ -39,6 +39,15 @@ static uint64_t read_evil(void *ctx)
     return c->time;
 }
 
+/* Any order is allowed; a number of worker is in use once at a time. */
+static void run_backwards(void *ctx, smr_task task, void *arg, uint32_t n_tasks)
+{
+    (void)ctx;
+    for (uint32_t t = n_tasks; t > 0u; t--) {
+        task(arg, t - 1u, 0);
+    }
+}
+
 static struct world {
     const smr_model *model[MODELS];
     const smr_surface *surface[2];
@@ -51,7 +60,7 @@ static int set_up(void **state)
     for (uint32_t i = 0; i < MODELS; i++) {
         const smr_mesh ball = rig_ball(30.0f, 8u + 3u * i, 10u + 4u * i, none);
         smr_prepare_config c = rig_radii(1u + i % 3u, 40.0f, 18.0f, 7.0f);
-        c.block_vertices = 32u;
+        c.block_vertices = i % 2u ? 150u : 32u; /* in pieces, and whole */
         assert_true(ball.n_vertices <= VERTICES_MAX);
         world.model[i] = rig_model(&ball, 1, &c);
     }
@@ -84,6 +93,7 @@ static smr_config random_config(uint32_t *seed, const smr_model *model)
     c.reject_deviations = rig_random(seed, 3) ? 0.0f : 2.0f;
     c.n_target_vertices = rig_random(seed, 2) ? 400u : 0u;
     c.settle_um = 0.0f;
+    c.n_workers = 4;
     return c;
 }
 
@@ -202,7 +212,7 @@ static void test_a_thousand_runs(void **state)
     (void)state;
     for (uint32_t r = 0; r < RUNS; r++) {
         evil_clock clock = {rig_random(&seed, 1u << 27), r % 8u, 1000000u};
-        const smr_port port = {&clock, 1, NULL, read_evil};
+        const smr_port port = {&clock, 1u + r / 8u % 4u, run_backwards, read_evil};
         run_pair p;
         smr_model_info info;
         memset(&p, 0, sizeof p);
