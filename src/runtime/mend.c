@@ -163,7 +163,7 @@ static uint32_t sweeps_of(const smr *s) { return s->repairing > 0u ? SMR_REPAIR_
 static void next_round(smr *s)
 {
     smr_mend *m = &s->mend;
-    m->n_folds = 0;
+    m->n_folds = m->part = 0;
     m->stage = s->repairing == 0u && ++m->round < SMR_ROUNDS ? SMR_MEND_MARK : SMR_MEND_IDLE;
 }
 
