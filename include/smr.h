@@ -398,7 +398,10 @@ typedef struct smr_tick_report {
     uint32_t phase;               /* SMR_PHASE_...: the one to resume with; 0 after a whole iteration */
     uint32_t radius;              /* index of the radius the iteration used */
     uint32_t radius_iteration;    /* complete iterations at this radius */
-    uint32_t n_active;            /* vertices that could receive an external force */
+    uint32_t n_taken;             /* vertices that take part in the iteration: the first so many in the order of priority, the
+                                     others are ignored; after a partial tick that has not its forces yet, so many at most */
+    uint32_t n_wanted;            /* so many would without a budget */
+    uint32_t n_active;            /* those of them that could receive an external force */
     uint32_t n_forces;            /* vertices that did */
     uint32_t n_rejected;          /* vertices with a target but no acceptable goal */
     uint32_t n_guarded;           /* vertices moved by the fold guard: steps smoothed, or folds repaired */
@@ -416,11 +419,18 @@ typedef struct smr_tick_report {
 } smr_tick_report;
 
 /* One registration iteration (paper 2.3, the closing list): external forces, shape matching, averaging,
- * evolution. budget_ns 0: a whole iteration, whatever the clock. Otherwise the tick stops between two chunks of work
- * once the time is over and returns SMR_PARTIAL; the last complete positions stay valid and the next tick
- * goes on. A tick always does some work, however short its budget. Once the schedule is done a tick changes nothing.
- * report may be NULL. Errors: E_NULL, E_STATE. */
+ * evolution. budget_ns 0, or a port without a clock: a whole iteration, whatever it takes. Otherwise forces are evaluated in
+ * the order of priority until the time left is needed for the rest of the iteration; vertices not reached are ignored in
+ * this iteration. Where the time still ends within an iteration, the tick stops between two chunks of work and returns
+ * SMR_PARTIAL; the last complete positions stay valid and the next tick goes on. A tick always does some work, however
+ * short its budget. Once the schedule is done a tick changes nothing. report may be NULL. Errors: E_NULL, E_STATE. */
 smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report);
+
+/* From the next iteration on exactly the first n_active vertices in the order of priority take part, whatever the
+ * configuration and the budget say; at least smr_model_info.active_min of the radius do. Counts above the model's are the
+ * model's; 0 (the start) gives the choice back. Ticks without a clock, each given the n_taken of a recorded iteration, repeat
+ * it to the last bit. Stays over smr_set_pose() and smr_set_positions(). Errors: E_NULL, E_STATE. */
+smr_status smr_set_active(smr *s, uint32_t n_active);
 
 /* ------------------------------------------------------------------ 7. results and diagnostics */
 

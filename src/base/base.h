@@ -22,6 +22,7 @@ static inline float smr_abs(float a) { return a < 0.0f ? -a : a; }
 static inline float smr_clamp(float a, float lo, float hi) { return smr_min(smr_max(a, lo), hi); }
 static inline uint32_t smr_min_u32(uint32_t a, uint32_t b) { return a < b ? a : b; }
 static inline uint32_t smr_max_u32(uint32_t a, uint32_t b) { return a > b ? a : b; }
+static inline uint64_t smr_min_u64(uint64_t a, uint64_t b) { return a < b ? a : b; }
 static inline uint32_t smr_ceil_div(uint32_t a, uint32_t b) { return a / b + (a % b != 0u); }
 
 /* max(a, 0) without a branch, so that loops of it become vector code everywhere; -0 gives 0. */

@@ -3,7 +3,7 @@
  * decided on the way (which triangle is nearer, who is just within a cluster) would stay in the result, and grow.
  * Evened is the displacement from the rest shape in its pose of that moment: x moves towards the place where its
  * displacement is the mean of its mesh neighbours', tangentially only. Towards the end this fades.
- * Bounds: one pass over triangles and vertices, at a step's end.
+ * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/fit.h"
 #include "runtime/state.h"
@@ -46,14 +46,26 @@ static void add(smr *s, uint32_t v, smr_vec a, smr_vec b)
     s->ring_weight[v] += 2.0f;
 }
 
-/* Sums of the mesh neighbours' displacements. */
-void smr_even_rings(smr *s)
+uint32_t smr_even_tasks(smr *s) { return s->even > 0.0f ? s->n_tasks : 0u; }
+uint32_t smr_even_facet_tasks(smr *s) { return s->even > 0.0f ? smr_ceil_div(s->n_triangles, SMR_TRIANGLE_CHUNK) : 0u; }
+
+void smr_even_clear(void *arg, uint32_t task, uint32_t worker)
 {
-    if (!(s->even > 0.0f))
-        return;
-    memset(s->ring_sum, 0, 3u * (size_t)s->n * sizeof(float));
-    memset(s->ring_weight, 0, s->n * sizeof(float));
-    for (uint32_t k = 0; k < s->n_triangles; k++) {
+    smr *s = arg;
+    (void)worker;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
+        smr_store(smr_at3(s->ring_sum, v), smr_v(0, 0, 0));
+        s->ring_weight[v] = 0.0f;
+    }
+}
+
+/* Sums of the mesh neighbours' displacements. Triangles share vertices: one task after the other. */
+void smr_even_rings(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    (void)worker;
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_TRIANGLE_CHUNK, s->n_triangles);
+    for (uint32_t k = task * SMR_TRIANGLE_CHUNK; k < last; k++) {
         const uint32_t *t = s->triangle + 3u * (size_t)k;
         const smr_vec a = moved(s, t[0]), b = moved(s, t[1]), c = moved(s, t[2]);
         add(s, t[0], b, c);

@@ -2,10 +2,7 @@
  * by the averaged rotation, and the state hash (paper 2.3, evolution).
  * SPDX-License-Identifier: MIT */
 #include "base/fixed.h"
-#include "geometry/mesh.h"
 #include "runtime/state.h"
-
-#define SMR_SPARE 12u /* words of a sum that averaging does not use */
 
 /* A vertex' part of the hash: the sum over vertices does not depend on their order or on the number of threads.
  * Mixing: the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
@@ -41,8 +38,7 @@ void smr_evolve(void *arg, uint32_t task, uint32_t worker)
         const smr_vec next = smr_add(smr_add(old, step), smr_even_step(s, v));
         smr_store(smr_at3(s->x_next, v), next);
         const smr_vec n = smr_load(smr_at3(s->normal_ref, v));
-        const smr_vec turned = smr_unit(smr_add(n, smr_mul(r_minus_i, n)));
-        memcpy(s->sum + SMR_WORDS * (size_t)v + SMR_SPARE, &turned, sizeof turned); /* until the iteration stands */
+        smr_spare_set(s, v, smr_unit(smr_add(n, smr_mul(r_minus_i, n))));
     }
 }
 
@@ -67,34 +63,41 @@ void smr_settle(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-/* Vertex normals from the triangles at the positions x. */
-static void exact_normals(smr *s)
-{
-    const smr_mesh mesh = {s->x, s->triangle, s->n, s->n_triangles};
-    smr_mesh_normals(&mesh, s->normal, NULL);
-}
-
 void smr_settle_end(smr *s)
 {
+    float max2 = 0.0f;
+    s->hash = 0;
+    for (uint32_t t = 0; t < s->n_tasks; t++) {
+        max2 = smr_max(max2, s->tally[t].max);
+        s->hash += s->tally[t].hash;
+    }
+    s->moved_mm = SMR_SQRT(max2);
+    s->exact = s->config.normals == SMR_NORMALS_EXACT || smr_schedule_plastic(s);
+}
+
+uint32_t smr_stand_tasks(smr *s)
+{
+    (void)s;
+    return 1;
+}
+
+void smr_stand(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
     float *swap = s->x;
+    (void)task;
+    (void)worker;
     s->x = s->x_next;
     s->x_next = swap;
     for (uint32_t v = 0; v < s->n; v++)
-        memcpy(smr_at3(s->normal, v), s->sum + SMR_WORDS * (size_t)v + SMR_SPARE, 3u * sizeof(float));
-    float max2 = 0.0f;
-    uint64_t hash = 0;
-    for (uint32_t t = 0; t < s->n_tasks; t++) {
-        max2 = smr_max(max2, s->tally[t].max);
-        hash += s->tally[t].hash;
-    }
-    s->report.displacement_max_mm = SMR_SQRT(max2);
-    s->report.state_hash = hash;
+        smr_store(smr_at3(s->normal, v), smr_spare(s, v));
+    smr_mend_abandon(s);
+    s->report.displacement_max_mm = s->moved_mm;
+    s->report.state_hash = s->hash;
     s->iteration++;
     s->radius_iteration++;
     s->since_plastic++;
     smr_schedule_next(s);
-    if (s->config.normals == SMR_NORMALS_EXACT || s->since_plastic == 0u)
-        exact_normals(s);
     if (s->since_plastic == 0u)
         memcpy(s->normal_ref, s->normal, 3u * (size_t)s->n * sizeof(float));
 }

@@ -71,10 +71,10 @@ static int goal_of(smr *s, uint32_t v, smr_vec *way, int *drawn)
 {
     const smr_surface *target = s->part[smr_model_owner(s->model, v)].target;
     *way = smr_v(0, 0, 0);
-    *drawn = (target != NULL || s->has_grid) && smr_active(s, v);
+    *drawn = target != NULL || s->has_grid;
     if (!*drawn) {
         if (smr_pull_on(s))
-            (void)smr_pull_take(s, v, way); /* what pulls an ignored vertex must not wait for the next iteration */
+            (void)smr_pull_take(s, v, way); /* what pulls it must not wait for the next iteration */
         *way = smr_v(0, 0, 0);
         return 0;
     }
@@ -92,7 +92,35 @@ static float ease_at(const smr *s, uint32_t v)
     return s->part[smr_model_owner(s->model, v)].target == NULL ? s->ease : 1.0f;
 }
 
+uint32_t smr_force_tasks(smr *s) { return smr_ceil_div(s->n_active, SMR_FORCE_CHUNK); }
+
+/* The ways of a few active vertices, into `force`: the dearest part of an iteration, so the tasks are small. */
 void smr_force_search(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    (void)worker;
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_FORCE_CHUNK, s->n_active);
+    for (uint32_t v = task * SMR_FORCE_CHUNK; v < last; v++) {
+        smr_vec way;
+        int drawn;
+        const int found = goal_of(s, v, &way, &drawn);
+        s->found[v] = (uint8_t)(found ? 1 : (drawn ? 2 : 0));
+        smr_store(smr_at3(s->force, v), way);
+    }
+}
+
+/* Ignored vertices: no force, and what pulls them must not wait for the next iteration. */
+static void ignore(smr *s, uint32_t v)
+{
+    smr_vec way;
+    if (smr_pull_on(s))
+        (void)smr_pull_take(s, v, &way);
+    s->found[v] = 0;
+    smr_store(smr_at3(s->force, v), smr_v(0, 0, 0));
+}
+
+/* From ways to forces, when it is known how many vertices take part. */
+void smr_force_take(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
@@ -100,22 +128,22 @@ void smr_force_search(void *arg, uint32_t task, uint32_t worker)
     const float stiffness = s->repairing > 0u ? 0.0f : s->config.stiffness;
     memset(tally, 0, sizeof *tally);
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
-        smr_vec way;
-        int drawn;
-        const int found = goal_of(s, v, &way, &drawn);
-        s->found[v] = (uint8_t)(found ? 1 : (drawn ? 2 : 0));
-        tally->n_active += (uint32_t)drawn;
-        tally->n_forces += (uint32_t)found;
-        tally->n_rejected += (uint32_t)(drawn && !found);
-        if (found) {
+        if (!smr_active(s, v)) {
+            ignore(s, v);
+            continue;
+        }
+        const smr_vec way = smr_load(smr_at3(s->force, v));
+        tally->n_active += s->found[v] != 0u;
+        tally->n_forces += s->found[v] == 1u;
+        tally->n_rejected += s->found[v] == 2u;
+        if (s->found[v] == 1u) {
             const float d2 = smr_dot(way, way), d = SMR_SQRT(d2);
             tally->sum += d;
             tally->sum2 += d2;
             tally->max = smr_max(tally->max, d);
         }
         smr_store(smr_at3(s->force, v), smr_scale(way, stiffness * ease_at(s, v)));
-        if (smr_active(s, v))
-            measure(s, v, tally);
+        measure(s, v, tally);
     }
 }
 
@@ -136,6 +164,7 @@ void smr_force_end(smr *s)
     }
     const float n = all.n_forces > 0u ? (float)all.n_forces : 1.0f;
     const float mean = all.sum / n, square = all.sum2 / n;
+    s->report.n_taken = s->n_active;
     s->report.n_active = all.n_active;
     s->report.n_forces = all.n_forces;
     s->report.n_rejected = all.n_rejected;
@@ -147,5 +176,5 @@ void smr_force_end(smr *s)
     s->force_limit = k > 0.0f && all.n_forces > 0u ? smr_max(mean + k * deviation, 1.0e-3f) : 0.0f;
     s->scale[0] = smr_fixed_scale((float)s->lists.largest * all.largest[0]);
     s->scale[1] = smr_fixed_scale((float)s->lists.largest * all.largest[1]);
-    s->sum_words = s->config.method == SMR_METHOD_RIGID ? 6u : 12u;
+    s->sum_words = smr_method_words(s);
 }

@@ -142,6 +142,7 @@ smr_status smr_init(smr **out, const smr_model *model, const smr_config *config,
     start_masses(&s);
     if (s.pull != NULL)
         memset(s.pull, 0, s.config.n_workers * (size_t)s.n * 4u * sizeof(int64_t));
+    smr_control_start(&s);
     *self = s;
     if (smr_set_pose(self, &identity) != SMR_OK)
         return SMR_E_CONFIG;

@@ -72,8 +72,8 @@ void smr_pull_search(void *arg, uint32_t task, uint32_t worker)
     while (g + 1u < s->n_goals && s->goal[g + 1u].first_task <= task)
         g++;
     const smr_goal *goal = &s->goal[g];
-    const uint32_t first = (task - goal->first_task) * SMR_CHUNK;
-    const uint32_t last = smr_min_u32(first + SMR_CHUNK, goal->n_vertices);
+    const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK;
+    const uint32_t last = smr_min_u32(first + SMR_FORCE_CHUNK, goal->n_vertices);
     for (uint32_t j = first; j < last; j++)
         pull_one(s, goal->surface, j, &s->target_warm[goal->first_warm + j], pull);
 }

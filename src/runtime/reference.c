@@ -13,21 +13,32 @@
 
 uint32_t smr_reference_records(smr *s) { return s->reference_stale ? smr_active_tasks(s) : 0u; }
 uint32_t smr_reference_tasks(smr *s) { return s->reference_stale ? s->n_tasks : 0u; }
-uint32_t smr_reference_blocks(smr *s) { return s->reference_stale ? s->lists.n_blocks : 0u; }
+uint32_t smr_reference_blocks(smr *s) { return s->reference_stale ? smr_block_tasks(s) : 0u; }
+
+/* How far x^r deviates from the start pose, of a chunk; mm squared. */
+void smr_reference_reach(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    const uint32_t *rest = smr_at(s->model, s->model->at_rest);
+    float off2 = 0.0f;
+    (void)worker;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
+        const uint32_t *r = rest + 3u * (size_t)v;
+        const smr_vec at = smr_pose_apply(&s->fitted, smr_v(smr_le_float(r[0]), smr_le_float(r[1]), smr_le_float(r[2])));
+        const smr_vec d = smr_sub(at, smr_load(smr_at3(s->x_ref, v)));
+        off2 = smr_max(off2, smr_dot(d, d));
+    }
+    s->tally[task].max = off2;
+}
 
 /* How far a member of a cluster can be from its own vertex in x^r: the rest distance, scaled as the start pose did, and
  * both ends' deviations from that pose. */
 static float reach_bound(const smr *s)
 {
-    const uint32_t *rest = smr_at(s->model, s->model->at_rest);
     const smr_pose *p = &s->fitted;
     float off2 = 0.0f;
-    for (uint32_t v = 0; v < s->n; v++) {
-        const uint32_t *r = rest + 3u * (size_t)v;
-        const smr_vec at = smr_pose_apply(p, smr_v(smr_le_float(r[0]), smr_le_float(r[1]), smr_le_float(r[2])));
-        const smr_vec d = smr_sub(at, smr_load(smr_at3(s->x_ref, v)));
-        off2 = smr_max(off2, smr_dot(d, d));
-    }
+    for (uint32_t t = 0; t < s->n_tasks; t++)
+        off2 = smr_max(off2, s->tally[t].max);
     const smr_vec column = smr_v(p->m[0][0], p->m[1][0], p->m[2][0]);
     return 1.01f * (s->lists.reach * smr_length(column) + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
 }
@@ -134,4 +145,8 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-void smr_reference_end(smr *s) { s->reference_stale = 0; }
+void smr_reference_end(smr *s)
+{
+    s->reference_stale = 0;
+    s->sum_words = smr_method_words(s);
+}

@@ -36,14 +36,18 @@ static uint32_t active_count(const smr *s)
     return smr_min_u32(smr_max_u32(whole + ((float)whole < count), s->lists.active_min), s->n);
 }
 
-/* A new number makes cluster centres anew, so it waits for a new reference shape, which does so anyway, but not for ever. */
+/* A new number makes cluster centres anew, so it waits for a new reference shape, which does so anyway, but not for ever.
+ * The caller's own choice does not wait, nor do vertices that the last budget left out. */
 void smr_schedule_active(smr *s)
 {
-    const uint32_t count = active_count(s);
-    if (count == s->n_active || (!s->reference_stale && s->radius_iteration % SMR_ACTIVE_EVERY != 0u))
+    const uint32_t count = s->n_pinned > 0u ? smr_max_u32(s->n_pinned, s->lists.active_min) : active_count(s);
+    s->report.n_wanted = count;
+    if (count == s->n_active ||
+        (s->n_pinned == 0u && !s->control.cut && !s->reference_stale && s->radius_iteration % SMR_ACTIVE_EVERY != 0u))
         return;
     s->n_active = count;
     s->reference_stale = 1;
+    s->control.cut = 0;
 }
 
 static void use_radius(smr *s, uint32_t radius)
@@ -74,6 +78,7 @@ void smr_abandon_iteration(smr *s)
     for (uint32_t i = 0; i < s->n_parts; i++)
         s->part[i].facets.xyz = s->x;
     smr_facets_now(s);
+    smr_mend_abandon(s);
     s->step = s->next_task = 0;
 }
 
@@ -98,31 +103,46 @@ static void plastic_update(smr *s)
     s->plastic_updates++;
 }
 
-/* After each iteration. A radius is done when an iteration moves less than the threshold, or after its number of
- * iterations; the last radius' end is the registration's end. */
-void smr_schedule_next(smr *s)
+/* How an iteration ends that is number radius_iteration at its radius, and since_plastic since x^r was new. */
+typedef struct ending {
+    int small, spent, settled, done, plastic;
+} ending;
+
+/* A radius is done when an iteration moves less than the threshold, or after its number of iterations; the last radius' end
+ * is the registration's end. */
+static ending ending_of(const smr *s, uint32_t radius_iteration, uint32_t since_plastic)
 {
     const int last = s->radius == smr_last_radius(s);
-    const float moved_um = s->report.displacement_max_mm * 1000.0f;
-    const int settled = moved_um < s->config.settle_um;
-    const int spent = s->radius_iteration >= (last ? s->config.iterations_last : s->config.iterations);
-    const int due = s->config.plastic_every != 0u && s->since_plastic >= s->config.plastic_every;
-    const int small = moved_um < s->config.plastic_um;
-    if (s->repairing > 0u) { /* these iterations do not count */
+    const float moved_um = s->moved_mm * 1000.0f;
+    ending e;
+    e.settled = moved_um < s->config.settle_um;
+    e.spent = radius_iteration >= (last ? s->config.iterations_last : s->config.iterations);
+    e.small = moved_um < s->config.plastic_um;
+    e.done = s->repairing == 0u && last && (e.settled || e.spent);
+    const int due = s->config.plastic_every != 0u && since_plastic >= s->config.plastic_every;
+    e.plastic = s->repairing > 0u || (!e.done && (e.small || due || e.settled || e.spent));
+    return e;
+}
+
+int smr_schedule_plastic(const smr *s) { return ending_of(s, s->radius_iteration + 1u, s->since_plastic + 1u).plastic; }
+
+/* After each iteration. */
+void smr_schedule_next(smr *s)
+{
+    const ending e = ending_of(s, s->radius_iteration, s->since_plastic);
+    const int repairs = s->repairing > 0u; /* these iterations do not count */
+    if (repairs) {
         s->repairing = s->n_folding > 0u && s->repairing < SMR_REPAIR_MAX ? s->repairing + 1u : 0u;
         s->radius_iteration = 0;
-        plastic_update(s);
-        return;
     }
-    if (last && (settled || spent)) {
-        s->converged = (uint32_t)(small || settled);
+    if (e.plastic)
+        plastic_update(s);
+    if (e.done) {
+        s->converged = (uint32_t)(e.small || e.settled);
         s->done = 1;
-        return;
-    }
-    if (small || due || settled || spent)
-        plastic_update(s);
-    if (!last && (settled || spent))
+    } else if (!repairs && s->radius != smr_last_radius(s) && (e.settled || e.spent)) {
         use_radius(s, s->radius + 1u);
+    }
 }
 
 /* Image goals jump from sample to sample where the image is poor: over the last radius' second half forces and momentum

@@ -12,6 +12,10 @@
 
 #define SMR_WORDS 16u          /* 32-bit words of a record that is summed: one cache line */
 #define SMR_CHUNK 128u         /* vertices of a task */
+#define SMR_FORCE_CHUNK 8u     /* vertices of a task that looks for goals, or for the model from a target */
+#define SMR_TRIANGLE_CHUNK 256u /* triangles of a task that sums over vertices' neighbours */
+#define SMR_ENTRY_CHUNK 64u    /* entries of a piece of a block */
+#define SMR_STEPS_MAX 32u      /* of an iteration */
 #define SMR_HINGE_CHUNK 1024u  /* hinges of a task */
 #define SMR_STATE_MAGIC 0x736d7254u
 
@@ -41,6 +45,29 @@ typedef struct smr_tally {
     uint64_t hash;
 } smr_tally;
 
+/* Where the mending of folds stands (mend.c). */
+typedef struct smr_mend {
+    uint32_t stage, at;                    /* the pass under way, and how far it is; stage 0: none */
+    uint32_t round, part, ring, sweep;
+    uint32_t n_folds;                      /* found in this round */
+    uint32_t moved;                        /* 1: x_next has changed, the facets must follow */
+} smr_mend;
+
+/* What the controller knows of the time that an iteration takes (control.c). */
+typedef struct smr_control {
+    float rate[SMR_STEPS_MAX];             /* ns a unit of work, by step; negative: not known yet */
+    uint64_t spent;                        /* ns, in the step under way */
+    float sum, whole;                      /* ns, of the iteration under way so far, and of iterations in the mean */
+    uint64_t budget;                       /* ns, of the tick that began the iteration */
+    uint32_t count;                        /* active vertices when the sums' rates were learnt */
+    uint32_t uncut;                        /* 1: the iteration under way takes several ticks, and leaves nothing out */
+    uint32_t late;                         /* 1: it was meant to end in one tick, and has not */
+    uint32_t cut;                          /* 1: n_active is less than the configuration asks for, for want of time */
+    uint32_t repairing;                    /* 1: the last iteration was a repair */
+    float margin;                          /* times the reserve */
+    uint32_t odd;                          /* 1: the clock ran backwards in the step under way */
+} smr_control;
+
 struct smr {
     uint32_t magic;
     const smr_model *model;
@@ -59,6 +86,8 @@ struct smr {
     uint32_t step, next_task;              /* where the tick stands: step of the iteration, tasks already done */
     smr_lists lists;                       /* of the radius in use */
     uint32_t n_active;                     /* the first so many vertices take part; the others are carried along */
+    uint32_t n_pinned;                     /* smr_set_active: the caller's choice; 0 none */
+    smr_control control;
     float momentum;                        /* at this radius */
     float search;                          /* mm: search distance at this radius */
     float even;                            /* in this iteration: of the way to the neighbours' mean (even.c) */
@@ -78,6 +107,9 @@ struct smr {
     float *x;                              /* [n][3] last complete positions */
     float *x_next;                         /* [n][3] */
     float *normal;                         /* [n][3] unit, at x */
+    float moved_mm;                        /* largest displacement and hash of the iteration under way */
+    uint64_t hash;
+    uint32_t exact;                        /* 1: it ends with normals of the triangles */
     /* written by reference */
     float *x_ref;                          /* [n][3] x^r */
     float *normal_ref;                     /* [n][3] */
@@ -98,9 +130,11 @@ struct smr {
     float *ring_weight;                    /* [n] of that sum */
     uint32_t n_folding;                    /* hinges found folding while repairing */
     uint32_t n_guarded;                    /* vertices so marked */
+    smr_mend mend;
     /* written by sums and average */
     uint32_t *record;                      /* [n][SMR_WORDS] fixed-point quantities of each vertex */
     uint32_t *sum;                         /* [n][SMR_WORDS] their sums over each cluster */
+    uint32_t pieces;                       /* of a block, in the step under way; 0 and 1: whole */
     uint32_t sum_words;                    /* words in use: 6, 10 or 12 */
     float scale[2];                        /* of the two kinds of quantities */
     /* written by match */
@@ -147,6 +181,21 @@ static inline float smr_mass_of(const smr *s, uint32_t vertex)
     return smr_active(s, vertex) ? smr_full_mass(s, vertex) : 0.0f;
 }
 
+#define SMR_SPARE 12u /* first word of a sum that averaging does not use */
+
+/* A vertex' next normal, until the iteration stands. */
+static inline smr_vec smr_spare(const smr *s, uint32_t v)
+{
+    smr_vec normal;
+    memcpy(&normal, s->sum + SMR_WORDS * (size_t)v + SMR_SPARE, sizeof normal);
+    return normal;
+}
+
+static inline void smr_spare_set(smr *s, uint32_t v, smr_vec normal)
+{
+    memcpy(s->sum + SMR_WORDS * (size_t)v + SMR_SPARE, &normal, sizeof normal);
+}
+
 /* The displacement that matching sees: x + f^e - x^r, and a share of the last iteration's step (momentum; Polyak 1964).
  * Until evolve writes it, x_next holds the positions before x. */
 static inline smr_vec smr_drive(const smr *s, uint32_t v)
@@ -160,23 +209,44 @@ static inline smr_vec smr_drive(const smr *s, uint32_t v)
 
 smr_status smr_config_check(const smr_config *c, const smr_model *m);
 
+/* What a step's time is in proportion to: active vertices, what the forest reads, its number of tasks, or nothing that is
+ * known beforehand. */
+enum { SMR_WORK_TASKS = 0, SMR_WORK_ACTIVE, SMR_WORK_LISTS, SMR_WORK_FOLDS };
+
+static inline uint32_t smr_method_words(const smr *s) { return s->config.method == SMR_METHOD_RIGID ? 6u : 12u; }
+
 /* A step of the iteration: n_tasks(s) independent tasks (0: the step is skipped), then one serial end. */
 typedef struct smr_step {
     uint32_t phase; /* SMR_PHASE_... */
+    uint32_t work;  /* SMR_WORK_... */
     uint32_t (*n_tasks)(smr *s);
     smr_task run;
     void (*end)(smr *s);
+    uint32_t serial; /* 1: its tasks run one after the other, in their order */
 } smr_step;
 
-int smr_forces_pending(const smr *s);        /* tick.c: 1 until an iteration has its forces */
+extern const smr_step smr_steps[];           /* tick.c: in the order in which they are done */
+extern const uint32_t smr_n_steps;
+int smr_forces_pending(const smr *s);        /* 1 until an iteration has its forces */
+
+void smr_control_start(smr *s);              /* control.c: nothing is known */
+void smr_control_plan(smr *s, uint64_t budget_ns); /* before an iteration */
+void smr_control_resume(smr *s);             /* a tick goes on with an iteration */
+void smr_control_done(smr *s);               /* an iteration is complete */
+int smr_control_reached(smr *s, uint64_t left_ns, uint32_t group); /* 1: the time is for the rest of the iteration */
+uint32_t smr_control_group(smr *s, uint32_t n_tasks); /* tasks between two readings of the clock */
+uint64_t smr_control_ahead(smr *s, uint32_t n_tasks, uint32_t group); /* ns that so many will take; 0 not known */
+void smr_control_spend(smr *s, uint64_t ns, uint64_t budget_ns); /* between two readings */
+void smr_control_learn(smr *s, uint32_t n_tasks); /* the step under way is complete */
 
 /* The steps, by the file they live in. */
 uint32_t smr_reference_records(smr *s);      /* reference.c: x^r's cluster centres and spreads, when x^r is new */
 uint32_t smr_reference_tasks(smr *s);
 uint32_t smr_reference_blocks(smr *s);
+void smr_reference_reach(void *arg, uint32_t task, uint32_t worker);
 void smr_reference_record(void *arg, uint32_t task, uint32_t worker);
 void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker);
-void smr_reference_begin(smr *s);            /* chooses the quantum; called when x^r has changed */
+void smr_reference_begin(smr *s);            /* chooses the quantum */
 void smr_reference_end(smr *s);
 
 uint32_t smr_pull_tasks(smr *s);             /* pull.c: target-to-model attraction */
@@ -190,6 +260,12 @@ void smr_facets_now(smr *s);                 /* all of them, at x */
 uint32_t smr_guard_tasks(smr *s);            /* guard.c: folds */
 void smr_guard_search(void *arg, uint32_t task, uint32_t worker);
 void smr_guard_end(smr *s);
+void smr_mend_start(smr *s);                 /* mend.c: what folds */
+uint32_t smr_mend_tasks(smr *s);             /* one more, as long as there is work */
+void smr_mend_pass(void *arg, uint32_t task, uint32_t worker);
+void smr_mend_end(smr *s);
+uint32_t smr_mend_facet_tasks(smr *s);
+void smr_mend_abandon(smr *s);
 
 uint32_t smr_smooth_tasks(smr *s);           /* smooth.c: mesh neighbours' sums, for vertices without a goal */
 void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker);
@@ -197,10 +273,13 @@ smr_vec smr_smooth_way(const smr *s, uint32_t v);
 
 uint32_t smr_vertex_tasks(smr *s);
 uint32_t smr_active_tasks(smr *s);           /* those that have active vertices */
-void smr_force_search(void *arg, uint32_t task, uint32_t worker); /* force.c: f^e */
+uint32_t smr_force_tasks(smr *s);            /* force.c: f^e */
+void smr_force_search(void *arg, uint32_t task, uint32_t worker);
+void smr_force_take(void *arg, uint32_t task, uint32_t worker);
 void smr_force_end(smr *s);
 
 uint32_t smr_block_tasks(smr *s);            /* sums.c */
+void smr_block_pieces(smr *s, int cut);       /* before the first task of a forest */
 void smr_sums_record(void *arg, uint32_t task, uint32_t worker);
 void smr_sums_forest(void *arg, uint32_t task, uint32_t worker);
 void smr_average_record(void *arg, uint32_t task, uint32_t worker);
@@ -212,15 +291,27 @@ void smr_evolve(void *arg, uint32_t task, uint32_t worker);       /* evolve.c: x
 void smr_evolve_end(smr *s);                 /* facets follow x_next from here on */
 void smr_settle(void *arg, uint32_t task, uint32_t worker);
 void smr_settle_end(smr *s);
+uint32_t smr_stand_tasks(smr *s);
+void smr_stand(void *arg, uint32_t task, uint32_t worker);        /* everything becomes current at once */
+
+uint32_t smr_exact_tasks(smr *s);            /* exact.c: normals of the triangles */
+uint32_t smr_exact_facet_tasks(smr *s);
+void smr_exact_clear(void *arg, uint32_t task, uint32_t worker);
+void smr_exact_facets(void *arg, uint32_t task, uint32_t worker);
+void smr_exact_unit(void *arg, uint32_t task, uint32_t worker);
 
 void smr_even_start(smr *s);                 /* even.c: neighbours' displacements, at the last radius */
 void smr_even_share(smr *s);
-void smr_even_rings(smr *s);
+uint32_t smr_even_tasks(smr *s);
+uint32_t smr_even_facet_tasks(smr *s);
+void smr_even_clear(void *arg, uint32_t task, uint32_t worker);
+void smr_even_rings(void *arg, uint32_t task, uint32_t worker);
 smr_vec smr_even_step(smr *s, uint32_t v);   /* valid after smr_even_rings, until the guard */
 
 void smr_abandon_iteration(smr *s);
 void smr_schedule_start(smr *s);             /* schedule.c */
 void smr_schedule_next(smr *s);
+int smr_schedule_plastic(const smr *s);      /* 1: the iteration about to stand ends with x^r = x */
 uint32_t smr_last_radius(const smr *s);
 int smr_guarded(const smr *s);               /* 1: at this radius folds are guarded against */
 float smr_schedule_progress(const smr *s);

@@ -5,7 +5,19 @@
 #include "base/fixed.h"
 #include "runtime/state.h"
 
-uint32_t smr_block_tasks(smr *s) { return s->lists.n_blocks; }
+/* A block is one task, or several one after the other: task = piece * n_blocks + block, and all blocks' pieces are done before
+ * the next ones start. */
+uint32_t smr_block_tasks(smr *s) { return s->lists.n_blocks * smr_max_u32(s->pieces, 1u); }
+
+void smr_block_pieces(smr *s, int cut)
+{
+    const smr_image_block *b = s->lists.block;
+    uint32_t largest = 0;
+    for (uint32_t i = 0; cut && i < s->lists.n_blocks; i++)
+        largest = smr_max_u32(largest, smr_le32(b[i + 1u].first) - smr_le32(b[i].first));
+    s->pieces = s->lists.n_blocks > s->n_tasks ? 1u : smr_max_u32(smr_ceil_div(largest, SMR_ENTRY_CHUNK), 1u);
+}
+
 uint32_t smr_vertex_tasks(smr *s) { return s->n_tasks; }
 uint32_t smr_active_tasks(smr *s) { return smr_ceil_div(s->n_active, SMR_CHUNK); }
 
@@ -72,15 +84,19 @@ static inline void store_lanes(uint32_t *to, lanes l) { memcpy(to, &l, sizeof l)
             acc[k] operation load_lanes(r + 4u * k);                                                                   \
     }
 
+/* A piece of a block: entries from..to, whose first index is the index-th of all. Returns the next one. */
+typedef struct piece {
+    uint32_t block, from, to, index;
+} piece;
+
 #define SMR_DEFINE_CHAIN(name, index_type, entry_type, load)                                                           \
-    static inline void name(const smr_lists *l, uint32_t block, uint32_t limit, const uint32_t *record, uint32_t *sum, \
-                            const uint32_t n_lanes)                                                                    \
+    static inline uint32_t name(const smr_lists *l, piece p, uint32_t limit, const uint32_t *record, uint32_t *sum,    \
+                                const uint32_t n_lanes)                                                                \
     {                                                                                                                  \
-        const uint32_t first = smr_le32(l->block[block].first), last = smr_le32(l->block[block + 1u].first);           \
-        const entry_type *entry = (const entry_type *)l->entry + first;                                                \
-        const index_type *index = (const index_type *)l->index + smr_le32(l->block[block].first_index);                \
+        const entry_type *entry = (const entry_type *)l->entry + smr_le32(l->block[p.block].first);                    \
+        const index_type *index = (const index_type *)l->index + p.index;                                              \
         const int all = limit >= smr_le32(l->block[l->n_blocks].first);                                                \
-        for (uint32_t e = 0; e < last - first; e++) {                                                                  \
+        for (uint32_t e = p.from; e < p.to; e++) {                                                                     \
             const uint32_t parent = load(entry[e].parent);                                                             \
             const uint32_t *from = sum + SMR_WORDS * (size_t)load(entry[parent].vertex);                               \
             const index_type *const minus = index + load(entry[e].n_plus), *const next = minus + load(entry[e].n_minus);\
@@ -104,28 +120,45 @@ static inline void store_lanes(uint32_t *to, lanes l) { memcpy(to, &l, sizeof l)
             for (uint32_t k = 0; k < n_lanes; k++)                                                                     \
                 store_lanes(sum + SMR_WORDS * (size_t)load(entry[e].vertex) + 4u * k, acc[k]);                         \
         }                                                                                                              \
+        return (uint32_t)(index - (const index_type *)l->index);                                                       \
     }
 
 SMR_DEFINE_CHAIN(chain16, uint16_t, smr_entry16, smr_le16)
 SMR_DEFINE_CHAIN(chain32, uint32_t, smr_entry32, smr_le32)
 
+/* The chain of one piece. */
+static uint32_t chain(const smr *s, piece p)
+{
+    const uint32_t lanes_used = s->sum_words <= 8u ? 2u : (s->sum_words <= 12u ? 3u : 4u);
+    if (s->lists.index_bytes == 2u) {
+        if (lanes_used == 2u)
+            return chain16(&s->lists, p, s->n_active, s->record, s->sum, 2u);
+        if (lanes_used == 3u)
+            return chain16(&s->lists, p, s->n_active, s->record, s->sum, 3u);
+        return chain16(&s->lists, p, s->n_active, s->record, s->sum, 4u);
+    }
+    if (lanes_used == 2u)
+        return chain32(&s->lists, p, s->n_active, s->record, s->sum, 2u);
+    if (lanes_used == 3u)
+        return chain32(&s->lists, p, s->n_active, s->record, s->sum, 3u);
+    return chain32(&s->lists, p, s->n_active, s->record, s->sum, 4u);
+}
+
 void smr_sums_forest(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
-    if (s->lists.index_bytes == 2u) {
-        if (s->sum_words <= 8u)
-            chain16(&s->lists, task, s->n_active, s->record, s->sum, 2u);
-        else if (s->sum_words <= 12u)
-            chain16(&s->lists, task, s->n_active, s->record, s->sum, 3u);
-        else
-            chain16(&s->lists, task, s->n_active, s->record, s->sum, 4u);
-    } else {
-        if (s->sum_words <= 8u)
-            chain32(&s->lists, task, s->n_active, s->record, s->sum, 2u);
-        else if (s->sum_words <= 12u)
-            chain32(&s->lists, task, s->n_active, s->record, s->sum, 3u);
-        else
-            chain32(&s->lists, task, s->n_active, s->record, s->sum, 4u);
+    const uint32_t pieces = smr_max_u32(s->pieces, 1u), block = task % s->lists.n_blocks, i = task / s->lists.n_blocks;
+    const smr_image_block *b = &s->lists.block[block];
+    const uint32_t length = smr_le32(b[1].first) - smr_le32(b[0].first);
+    piece p = {block, 0, length, smr_le32(b->first_index)};
+    if (pieces > 1u) {
+        p.from = smr_min_u32(i * SMR_ENTRY_CHUNK, length);
+        p.to = smr_min_u32(p.from + SMR_ENTRY_CHUNK, length);
+        if (i > 0u)
+            p.index = s->tally[block].n_forces; /* where the piece before ended: nobody else uses tallies now */
+        s->tally[block].n_forces = chain(s, p);
+        return;
     }
+    (void)chain(s, p);
 }

@@ -16,7 +16,7 @@ static uint64_t list_goals(const smr *s, const smr_part *part, smr_goal *goal, u
         if (goal != NULL)
             goal[*n_goals] = (smr_goal){part[i].target, *n_tasks, part[i].target->n_vertices, (uint32_t)slots};
         ++*n_goals;
-        *n_tasks += smr_ceil_div(part[i].target->n_vertices, SMR_CHUNK);
+        *n_tasks += smr_ceil_div(part[i].target->n_vertices, SMR_FORCE_CHUNK);
         slots += part[i].target->n_vertices;
     }
     return slots;

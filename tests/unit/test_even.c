@@ -102,7 +102,12 @@ static void test_step(void **state)
     s->radius_iteration = 5;
     smr_even_share(s);
     assert_true(fabsf(s->even - 0.8f * 0.25f) < 1.0e-6f);
-    smr_even_rings(s);
+    for (uint32_t t = 0; t < smr_even_tasks(s); t++) {
+        smr_even_clear(s, t, 0);
+    }
+    for (uint32_t t = 0; t < smr_even_facet_tasks(s); t++) {
+        smr_even_rings(s, t, 0);
+    }
     for (uint32_t v = 0; v < s->n; v += 11u) {
         double sum[3] = {0, 0, 0}, n = 0.0, way[3], along = 0.0;
         for (uint32_t k = 0; k < 3u * s->n_triangles; k++) {

@@ -51,8 +51,11 @@ static setting start(const smr_config *config, const smr_mesh *goal)
 
 static void search(smr *s)
 {
-    for (uint32_t i = 0; i < s->n_tasks; i++) {
+    for (uint32_t i = 0; i < smr_force_tasks(s); i++) {
         smr_force_search(s, i, 0);
+    }
+    for (uint32_t i = 0; i < s->n_tasks; i++) {
+        smr_force_take(s, i, 0);
     }
     smr_force_end(s);
 }

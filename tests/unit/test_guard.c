@@ -71,20 +71,15 @@ static uint32_t n_folds(const smr_mesh *mesh, const float *x)
 static void settle(smr *s)
 {
     smr_evolve_end(s);
-    for (uint32_t t = 0; t < smr_facet_tasks(s); t++) {
-        smr_facet_refit(s, t, 0);
+    for (uint32_t i = 0, behind = 0; i < smr_n_steps; behind |= smr_steps[i++].run == smr_evolve) {
+        for (s->next_task = 0; behind && s->next_task < smr_steps[i].n_tasks(s); s->next_task++) {
+            smr_steps[i].run(s, s->next_task, 0);
+        }
+        if (s->next_task > 0u && smr_steps[i].end != NULL) {
+            smr_steps[i].end(s);
+        }
+        s->next_task = 0;
     }
-    smr_facets_end(s);
-    for (uint32_t t = 0; t < smr_guard_tasks(s); t++) {
-        smr_guard_search(s, t, 0);
-    }
-    if (smr_guard_tasks(s) > 0u) {
-        smr_guard_end(s);
-    }
-    for (uint32_t t = 0; t < s->n_tasks; t++) {
-        smr_settle(s, t, 0);
-    }
-    smr_settle_end(s);
 }
 
 /* Carries single vertices far over their neighbours. */

@@ -39,7 +39,7 @@ static void test_on_and_off(void **state)
     const smr_mesh goal = rig_ball(33, 9, 12, none);
     (void)state;
     smr *s = start(1, &goal, 0.5f);
-    assert_true(smr_pull_on(s) && smr_pull_tasks(s) == smr_ceil_div(goal.n_vertices, SMR_CHUNK));
+    assert_true(smr_pull_on(s) && smr_pull_tasks(s) == smr_ceil_div(goal.n_vertices, SMR_FORCE_CHUNK));
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, NULL));
     assert_true(!smr_pull_on(s) && smr_pull_tasks(s) == 0u);
     s = start(1, &goal, 0.0f);

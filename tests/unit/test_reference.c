@@ -22,6 +22,9 @@ static const float none[3] = {0, 0, 0};
 static void settle(smr *s)
 {
     s->reference_stale = 1;
+    for (uint32_t t = 0; t < smr_reference_tasks(s); t++) {
+        smr_reference_reach(s, t, 0);
+    }
     smr_reference_begin(s);
     for (uint32_t t = 0; t < smr_reference_tasks(s); t++) {
         smr_reference_record(s, t, 0);

@@ -40,13 +40,13 @@ static void test_goals(void **state)
     assert_int_equal(0, s->n_goals);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, surface[2]));
     assert_int_equal(1, s->n_goals); /* shared, searched once */
-    assert_int_equal(smr_ceil_div(nv[2], SMR_CHUNK), s->n_target_tasks);
+    assert_int_equal(smr_ceil_div(nv[2], SMR_FORCE_CHUNK), s->n_target_tasks);
     assert_int_equal(SMR_OK, smr_set_surface(s, 1, surface[0]));
     assert_int_equal(2, s->n_goals);
     assert_ptr_equal(surface[2], s->goal[0].surface);
     assert_ptr_equal(surface[0], s->goal[1].surface);
     assert_int_equal(nv[2], s->goal[1].first_warm);
-    assert_int_equal(smr_ceil_div(nv[2], SMR_CHUNK), s->goal[1].first_task);
+    assert_int_equal(smr_ceil_div(nv[2], SMR_FORCE_CHUNK), s->goal[1].first_task);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface[1]));
     assert_int_equal(3, s->n_goals);
     assert_int_equal(SMR_OK, smr_set_surface(s, 2, NULL));
