@@ -54,17 +54,30 @@ int smr_forces_pending(const smr *s)
 
 static uint64_t now(const smr *s) { return s->port.now_ns == NULL ? 0u : s->port.now_ns(s->port.ctx); }
 
-/* Tasks of one step from `first` on, as a loop that counts from 0. */
+/* `count` tasks of one step from `first` on, as a loop over bundles that counts from 0. Where no clock is watched tasks are
+ * bundled: handing out one takes its time, too. */
 typedef struct part_of_step {
     smr *s;
     smr_task run;
-    uint32_t first;
+    uint32_t first, count, bundle;
 } part_of_step;
 
-static void run_task(void *arg, uint32_t task, uint32_t worker)
+#define SMR_BUNDLES 64u /* of a step, about */
+
+static void run_bundle(void *arg, uint32_t bundle, uint32_t worker)
 {
     const part_of_step *p = arg;
-    p->run(p->s, p->first + task, worker);
+    const uint32_t last = smr_min_u32((bundle + 1u) * p->bundle, p->count);
+    for (uint32_t task = bundle * p->bundle; task < last; task++)
+        p->run(p->s, p->first + task, worker);
+}
+
+static void run_part(smr *s, const smr_step *step, uint32_t count, int timed)
+{
+    const uint32_t bundle = timed ? 1u : smr_max_u32(count / SMR_BUNDLES, 1u);
+    part_of_step part = {s, step->run, s->next_task, count, bundle};
+    smr_fork(&s->port, run_bundle, &part, smr_ceil_div(count, bundle));
+    s->next_task += count;
 }
 
 /* A tick's time. */
@@ -113,12 +126,10 @@ static int run_step(smr *s, const smr_step *step, watch *w)
         w->begun = 1;
         if (cut(s, step, w, group))
             break;
-        part_of_step part = {s, step->run, s->next_task};
         uint32_t count = smr_min_u32(group, n - s->next_task);
         if (step->work == SMR_WORK_LISTS) /* the next piece of a block needs the one before */
             count = smr_min_u32(count, s->lists.n_blocks - s->next_task % s->lists.n_blocks);
-        smr_fork(&s->port, run_task, &part, count);
-        s->next_task += count;
+        run_part(s, step, count, w->deadline != 0u);
     }
     if (n > 0u && step->end != NULL)
         step->end(s);
