@@ -9,6 +9,8 @@
 
 #define SMR_CASES 24u
 #define SMR_FINALISTS 4u
+#define SMR_STEADY 12u     /* iterations before a refinement may end early: where it does is a choice that a last bit decides */
+#define SMR_STANDS 0.9995f  /* of the mean square distance: it does when an iteration leaves more */
 #define SMR_MISS_MM 100.0f /* what a point without any agreeing triangle counts as */
 
 smr_align_config smr_align_config_default(void)
@@ -118,12 +120,12 @@ static float refine(const smr_surface *model, const smr_surface *target, uint32_
         const smr_pose back = invert(pose);
         const float scale = smr_length(smr_v(pose->m[0][0], pose->m[1][0], pose->m[2][0]));
         smr_fit fit;
-        smr_fit_start(&fit);
+        smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
         float mean = collect(model, target, pose, samples, 1, 1.0f, &fit);
         mean += collect(target, model, &back, samples, 0, scale, &fit);
         if (!(fit.weight >= 3.0f))
             return FLT_MAX;
-        if (i > 4u && mean > last * 0.9995f)
+        if (i >= SMR_STEADY && mean > last * SMR_STANDS)
             return last;
         last = smr_min(last, mean);
         const smr_pose next = smr_fit_solve(&fit, similarity);

@@ -16,7 +16,7 @@ smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, u
     for (size_t i = 0; i < 3u * (size_t)n; i++)
         if (!smr_within(from[i], SMR_COORD_MAX) || !smr_within(to[i], SMR_COORD_MAX))
             return SMR_E_INPUT;
-    smr_fit_start(&fit);
+    smr_fit_start(&fit, smr_load(from), smr_load(to));
     for (size_t i = 0; i < n; i++)
         smr_fit_add(&fit, smr_load(from + 3u * i), smr_load(to + 3u * i), 1.0f);
     const smr_pose found = smr_fit_solve(&fit, similarity != 0u);

@@ -223,7 +223,7 @@ static void fit_pose(const job *j, smr_warp *w, uint32_t kind)
     smr_pose p = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}; /* mean onto mean: those are the origins */
     if (kind != SMR_WARP_TRANSLATION) {
         smr_fit fit;
-        smr_fit_start(&fit);
+        smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
         for (uint32_t k = 0; k < j->n; k++)
             smr_fit_add(&fit, smr_scale(smr_load(w->centre + 3u * (size_t)k), unit), smr_load(j->goal + 3u * (size_t)k),
                         j->count[k]);

@@ -45,6 +45,16 @@ static void measure(const smr *s, uint32_t v, smr_tally *tally)
     tally->largest[1] = smr_max(tally->largest[1], (s->config.method == SMR_METHOD_RIGID ? 2.0f : 1.0f) * arm * largest);
 }
 
+/* A way without what runs along the model's surface, except the share that may count: where goals jump from one place of the
+ * target to another, they jump along the surface. Vertices without triangles have no surface. */
+static smr_vec off_surface(const smr *s, uint32_t v, smr_vec way)
+{
+    const smr_vec n = smr_load(smr_at3(s->normal, v)), along_normal = smr_scale(n, smr_dot(n, way));
+    if (smr_dot(n, n) < 0.5f)
+        return way;
+    return smr_add(along_normal, smr_scale(smr_sub(way, along_normal), s->config.slide));
+}
+
 /* The way to the surface target, blended with its pull. Returns 0 for no goal. */
 static int surface_goal(smr *s, uint32_t v, const smr_surface *target, smr_vec *way)
 {
@@ -57,12 +67,7 @@ static int surface_goal(smr *s, uint32_t v, const smr_surface *target, smr_vec *
         weight = 0.0f;
     const float share = has_goal ? s->config.attraction * weight : weight;
     goal = smr_add(smr_scale(goal, 1.0f - share), smr_scale(pull, share));
-    if (s->radius == smr_last_radius(s)) {
-        const smr_vec n = smr_load(smr_at3(s->normal, v));
-        const smr_vec along_normal = smr_scale(n, smr_dot(n, goal));
-        goal = smr_add(along_normal, smr_scale(smr_sub(goal, along_normal), s->config.slide));
-    }
-    *way = goal;
+    *way = off_surface(s, v, goal);
     return has_goal || weight > 0.0f;
 }
 

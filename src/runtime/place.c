@@ -32,7 +32,7 @@ static void start_here(smr *s)
     centre_origin(s);
     const smr_mesh mesh = {s->x, s->triangle, s->n, s->n_triangles};
     smr_fit fit;
-    smr_fit_start(&fit);
+    smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
     for (uint32_t v = 0; v < s->n; v++)
         smr_fit_add(&fit, rest_of(s, v), smr_load(smr_at3(s->x, v)), 1.0f);
     s->fitted = smr_fit_solve(&fit, 1);

@@ -211,7 +211,7 @@ static void test_no_target_no_force(void **state)
     }
 }
 
-/* At the last radius `slide` takes away the part of the way that runs along the surface. */
+/* `slide` takes away the part of the way that runs along the surface, where there is one. */
 static void test_slide(void **state)
 {
     const float off[3] = {4, -3, 2};
@@ -225,6 +225,9 @@ static void test_slide(void **state)
         const smr_vec f = smr_load(smr_at3(t.s->force, v)), n = smr_load(smr_at3(t.s->normal, v));
         assert_true(smr_length(smr_cross(f, n)) < 1.0e-4f);
     }
+    smr_store(smr_at3(t.s->normal, 5), smr_v(0, 0, 0)); /* a vertex without triangles */
+    search(t.s);
+    assert_true(smr_length(smr_load(smr_at3(t.s->force, 5))) > 0.5f);
 }
 
 int main(void)
