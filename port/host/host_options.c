@@ -200,13 +200,15 @@ int host_options_read(int command, int argc, char **argv, host_options *options,
     error->file = "usage";
     if (set_defaults(command, options) != 0)
         return host_fail(error, "start", "free memory");
+    options->arguments = argv + at;
+    options->n_arguments = argc - at;
     while (at < argc) {
         if (is_option(argv[at])) {
             if (read_option(argc, argv, &at, options, error) != 0)
                 return -1;
         } else {
             error->file = argv[at];
-            if ((command & (HOST_INFO | HOST_MEASURE)) == 0)
+            if ((command & (HOST_INFO | HOST_MEASURE | HOST_REPLAY)) == 0)
                 return host_fail(error, "argument", "an option before it (see smr --help)");
             if (add_file(&options->operands, argv[at++], error) != 0)
                 return -1;

@@ -74,6 +74,25 @@ int host_output_check(const char *directory, host_error *error)
     return result;
 }
 
+int host_output_check_file(const char *path, host_error *error)
+{
+    struct stat st;
+    char *const parent = join(NULL, path, "");
+    int result = 0;
+    error->file = path;
+    if (parent == NULL)
+        return host_fail(error, "output", "free memory");
+    to_parent(parent);
+    if (stat(path, &st) == 0 && S_ISDIR(st.st_mode))
+        result = host_fail(error, "output", "a file, not a directory");
+    else if (stat(parent, &st) != 0 || !S_ISDIR(st.st_mode))
+        result = host_fail(error, "output", "a directory that is there, %.80s is none", parent);
+    else if (access(parent, W_OK | X_OK) != 0)
+        result = host_fail(error, "output", "a directory that can be written (%s)", strerror(errno));
+    free(parent);
+    return result;
+}
+
 static int make_directory(host_output *output, const char *path, host_error *error)
 {
     char **grown = NULL;

@@ -50,6 +50,8 @@ static int check_needs(host_options *options, host_error *error)
         return check_bench(options, error);
     if (options->command == HOST_MEASURE && options->operands.n != 2)
         return host_fail(error, "measure", "two surfaces: smr measure A B");
+    if (options->command == HOST_REPLAY && options->operands.n != 1)
+        return host_fail(error, "replay", "one log: smr replay LOG");
     if (options->command == HOST_INFO && options->operands.n == 0)
         return host_fail(error, "info", "a model or surfaces: smr info MODEL.smr");
     if (options->command == HOST_PHANTOM && options->out == NULL)
