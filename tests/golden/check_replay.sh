@@ -1,7 +1,8 @@
 #!/bin/sh
 # check_replay: a log of 500 ticks, recorded on two threads under a jittering clock, replays to the same bits everywhere.
 # SPDX-License-Identifier: MIT
-# On 1 and 4 threads, built by clang, on AArch64 (qemu-user), and the small model's on a Cortex-M7 board (QEMU).
+# On 1 and 4 threads, built by clang, on AArch64, and the small model's on big-endian s390x (both qemu-user) and a Cortex-M7
+# board (QEMU).
 set -u
 build=${BUILD:-build}
 program=$build/replay_run
@@ -40,13 +41,16 @@ if have clang; then
     agrees 'big, clang' "$state_big" "$build/replay-clang/replay_run" replay "$logs/big.log" 4
 else skip 'big, clang' clang; fi
 
-if ! have aarch64-linux-gnu-gcc; then skip 'big, AArch64' 'gcc-aarch64-linux-gnu libc6-dev-arm64-cross'
-elif ! have qemu-aarch64; then skip 'big, AArch64' qemu-user
-else
-    $make -s BUILD="$build/replay-aarch64" CC=aarch64-linux-gnu-gcc AR=aarch64-linux-gnu-ar CFLAGS=-O2 LDFLAGS=-static \
-        "$build/replay-aarch64/replay_run" || failed=$((failed + 1))
-    agrees 'big, AArch64' "$state_big" qemu-aarch64 "$build/replay-aarch64/replay_run" replay "$logs/big.log" 2
-fi
+cross() { # name, log, state, compiler prefix, qemu, package of the C library, more flags
+    if ! have "$4-gcc"; then skip "$1" "gcc-$4 $6"; return; fi
+    if ! have "$5"; then skip "$1" qemu-user; return; fi
+    $make -s BUILD="$build/replay-$4" CC="$4-gcc" AR="$4-ar" CFLAGS="-O2 $7" LDFLAGS=-static \
+        "$build/replay-$4/replay_run" || failed=$((failed + 1))
+    agrees "$1" "$3" "$5" "$build/replay-$4/replay_run" replay "$logs/$2.log" 2
+}
+cross 'big, AArch64' big "$state_big" aarch64-linux-gnu qemu-aarch64 libc6-dev-arm64-cross ''
+# s390x, big-endian: strict C11 would evaluate floats in double there.
+cross 'small, s390x' small "$state_small" s390x-linux-gnu qemu-s390x libc6-dev-s390x-cross -fexcess-precision=fast
 
 if ! have arm-none-eabi-gcc; then skip 'small, Cortex-M7' 'gcc-arm-none-eabi libnewlib-arm-none-eabi'
 elif ! have qemu-system-arm; then skip 'small, Cortex-M7' qemu-system-arm
