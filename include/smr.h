@@ -381,8 +381,9 @@ smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz);
 smr_status smr_set_pose(smr *s, const smr_pose *pose);
 
 /* Gives a structure (or SMR_ALL) its target surface, borrowed until replaced; NULL takes it away, and the
- * structure is then carried along by its neighbours. May be called between any two ticks; a schedule that is done
- * stays done until smr_set_pose() or smr_set_positions().
+ * structure is then carried along by its neighbours. May be called between any two ticks: an iteration under way that has not all
+ * its forces yet starts them again, one that has them ends with the old target. A schedule that is done stays done until
+ * smr_set_pose() or smr_set_positions().
  * Errors: E_NULL, E_STATE (not a registration, or not a surface), E_INPUT (no such structure), E_ARENA (more vertices
  * than config.n_target_vertices, where that is not 0). */
 smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface);

@@ -90,13 +90,13 @@ int host_job_write(host_job *job, host_error *error)
     int result = 0;
     if (output == NULL || log == NULL)
         result = host_fail(error, "output", "free memory");
-    if (result == 0 && job->options->log != NULL)
-        result = write_log(job, log, error);
     if (result == 0)
         result = write_files(job, output, error);
+    if (result == 0 && job->options->log != NULL) /* perhaps into the directory that was just made */
+        result = write_log(job, log, error);
     if (result != 0) {
-        host_output_abandon(output);
         host_output_abandon(log);
+        host_output_abandon(output);
         return -1;
     }
     if (host_output_commit(output, error) == 0)
@@ -131,7 +131,7 @@ void host_job_free(host_job *job)
 static int run_steps(host_job *job, host_error *error)
 {
     if (host_output_check(job->options->out, error) != 0 ||
-        (job->options->log != NULL && host_output_check_file(job->options->log, error) != 0) ||
+        (job->options->log != NULL && host_output_check_file(job->options->log, job->options->out, error) != 0) ||
         host_port_open(&job->port, job->options->threads, error) != 0 || host_job_load(job, error) != 0 ||
         host_job_match(job, error) != 0 || host_job_prepare(job, error) != 0 || host_job_run(job, error) != 0 ||
         host_job_evaluate(job, error) != 0 || host_job_write(job, error) != 0)

@@ -33,20 +33,20 @@ for size in small big; do
     for n in 1 4; do agrees "$size, $n threads" "${line##* }" "$program" replay "$log" $n; done
 done
 
-# The host's own flags (a sanitiser, perhaps) are not for other compilers and processors.
+# The host's own flags (a sanitiser, perhaps) are not for other compilers and processors; whatever BUILD is, these are the same.
 unset CFLAGS LDFLAGS
 make=${MAKE:-make}
 if have clang; then
-    $make -s BUILD="$build/replay-clang" CC=clang CFLAGS=-O2 "$build/replay-clang/replay_run" || failed=$((failed + 1))
-    agrees 'big, clang' "$state_big" "$build/replay-clang/replay_run" replay "$logs/big.log" 4
+    $make -s BUILD="build/replay-clang" CC=clang CFLAGS=-O2 "build/replay-clang/replay_run" || failed=$((failed + 1))
+    agrees 'big, clang' "$state_big" "build/replay-clang/replay_run" replay "$logs/big.log" 4
 else skip 'big, clang' clang; fi
 
 cross() { # name, log, state, compiler prefix, qemu, package of the C library, more flags
     if ! have "$4-gcc"; then skip "$1" "gcc-$4 $6"; return; fi
     if ! have "$5"; then skip "$1" qemu-user; return; fi
-    $make -s BUILD="$build/replay-$4" CC="$4-gcc" AR="$4-ar" CFLAGS="-O2 $7" LDFLAGS=-static \
-        "$build/replay-$4/replay_run" || failed=$((failed + 1))
-    agrees "$1" "$3" "$5" "$build/replay-$4/replay_run" replay "$logs/$2.log" 2
+    $make -s BUILD="build/replay-$4" CC="$4-gcc" AR="$4-ar" CFLAGS="-O2 $7" LDFLAGS=-static \
+        "build/replay-$4/replay_run" || failed=$((failed + 1))
+    agrees "$1" "$3" "$5" "build/replay-$4/replay_run" replay "$logs/$2.log" 2
 }
 cross 'big, AArch64' big "$state_big" aarch64-linux-gnu qemu-aarch64 libc6-dev-arm64-cross ''
 # s390x, big-endian: strict C11 would evaluate floats in double there.

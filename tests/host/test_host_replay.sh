@@ -74,6 +74,8 @@ recorded "an image, all structures" --model thigh/model/*.ply "$@" $landmarks --
 check "recording changes no result" cmp plain/bone.ply logged/bone.ply
 check "a run that did not converge repeats, too" has_status 0 "$SMR" replay short.log
 check "all of its ticks" grep -q "all 30 ticks agree" out.txt
+check "a log into the directory of the results" has_status 0 "$SMR" register --model bone.ply --target target.ply -o new/dir --log new/dir/run.log --quiet
+check "which was made" has_status 0 "$SMR" replay new/dir/run.log
 check "a log in a directory that is not there" has_status 2 "$SMR" register --model bone.ply --target target.ply -o never --log none/run.log
 check "is refused before anything is done" [ ! -e never ]
 check "a log over an input" has_status 2 "$SMR" register --model bone.ply --target target.ply -o never --log bone.ply
