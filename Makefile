@@ -56,7 +56,7 @@ EXPERIMENTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(EXPERIMENT_SRC))
 BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(SUPPORT_OBJ) \
                $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC) $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) $(BAREMETAL_SRC) \
-               fixtures/fixture_write.c tests/golden/golden.c tests/target/target_budget.c)
+               fixtures/fixture_write.c tests/golden/golden.c tests/golden/replay_run.c tests/target/target_budget.c)
 
 M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-sections -fdata-sections
 
@@ -135,6 +135,9 @@ $(BUILD)/fixture_write: $(BUILD)/obj/fixtures/fixture_write.o $(SUPPORT_LIB)
 $(BUILD)/golden: $(BUILD)/obj/tests/golden/golden.o $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
 	$(LINK) -lm
 
+$(BUILD)/replay_run: $(BUILD)/obj/tests/golden/replay_run.o $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
+	$(LINK) -lm
+
 $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(HOST_LIB_OBJ)
 $(EXPERIMENTS): $(call obj,$(EXPERIMENT_HELPER_SRC))
 $(TESTS) $(HOST_TESTS) $(EXPERIMENTS): private LDLIBS += -lcmocka
@@ -145,6 +148,7 @@ $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(BUILD)/tests/%: $(BUILD)/obj
 
 # Programs for the emulated board; called with CC=arm-none-eabi-gcc CFLAGS="$(M7_CFLAGS) ...".
 $(BUILD)/golden_m7.elf: $(BUILD)/obj/tests/golden/golden.o
+$(BUILD)/replay_run_m7.elf: $(BUILD)/obj/tests/golden/replay_run.o
 $(BUILD)/target_budget_m7.elf: $(BUILD)/obj/tests/target/target_budget.o
 $(BUILD)/%_m7.elf: $(call obj,$(BAREMETAL_SRC) $(FIXTURE_SRC)) $(CORE_LIB) port/baremetal/mps2_an500.ld
 	$(CC) $(ALL_CFLAGS) -nostartfiles -Wl,--gc-sections -T port/baremetal/mps2_an500.ld -o $@ \
@@ -164,7 +168,7 @@ cmocka:
 
 $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC)): | cmocka
 
-programs: all $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BUILD)/fixture_write $(if $(CORE_SRC),$(BUILD)/golden) $(call obj,$(wildcard port/template/*.c))
+programs: all $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BUILD)/fixture_write $(if $(CORE_SRC),$(BUILD)/golden $(BUILD)/replay_run) $(call obj,$(wildcard port/template/*.c))
 
 check: programs
 	@BUILD="$(BUILD)" CC="$(CC)" NM="$(NM)" SMR="$(BUILD)/smr" FIXTURE_WRITE="$(BUILD)/fixture_write" \

@@ -67,29 +67,56 @@ static int read_plain(int fd, const char *path, size_t size, host_accept accept,
     return 0;
 }
 
-/* Files read so far, by device and number. Reading goes on in several threads. */
+/* Files read so far, by device and number, and by name. Reading goes on in several threads. */
 static struct {
     pthread_mutex_t lock;
     struct file_id {
         dev_t device;
         ino_t number;
+        char *name; /* owned, until the program ends */
     } *file;
     size_t n;
 } seen = {PTHREAD_MUTEX_INITIALIZER, NULL, 0};
 
-static int remember(const struct stat *st)
+static int remember(const char *path, const struct stat *st)
 {
+    const size_t bytes = strlen(path) + 1u;
+    char *const name = malloc(bytes);
     struct file_id *grown = NULL;
+    if (name == NULL)
+        return -1;
+    memcpy(name, path, bytes);
     (void)pthread_mutex_lock(&seen.lock);
     grown = realloc(seen.file, (seen.n + 1u) * sizeof *grown);
     if (grown != NULL) {
         seen.file = grown;
+        seen.file[seen.n].name = name;
         seen.file[seen.n].device = st->st_dev;
         seen.file[seen.n].number = st->st_ino;
         seen.n++;
     }
     (void)pthread_mutex_unlock(&seen.lock);
+    if (grown == NULL)
+        free(name);
     return grown != NULL ? 0 : -1;
+}
+
+size_t host_file_count(void)
+{
+    size_t n = 0;
+    (void)pthread_mutex_lock(&seen.lock);
+    n = seen.n;
+    (void)pthread_mutex_unlock(&seen.lock);
+    return n;
+}
+
+const char *host_file_name(size_t i)
+{
+    const char *name = NULL;
+    (void)pthread_mutex_lock(&seen.lock);
+    name = seen.file[i].name;
+    (void)pthread_mutex_unlock(&seen.lock);
+    return name;
 }
 
 int host_file_was_read(const char *path)
@@ -117,7 +144,7 @@ static int read_open(int fd, const char *path, host_accept accept, host_bytes *b
         return host_fail(error, "file", "a regular file, not a directory");
     if (!S_ISREG(st.st_mode))
         return host_fail(error, "file", "a regular file");
-    if (remember(&st) != 0)
+    if (remember(path, &st) != 0)
         return host_fail(error, "file", "free memory");
     if (st.st_size == 0)
         return host_fail(error, "file", "data, but the file is empty");

@@ -29,6 +29,10 @@ int host_file_read(const char *path, host_accept accept, host_bytes *bytes, host
 /* 1 when this file was read by this run: results must not replace it. path need not be how it was named then. */
 int host_file_was_read(const char *path);
 
+/* The files read by this run so far, in the order in which they were opened; names as they were given then. */
+size_t host_file_count(void);
+const char *host_file_name(size_t i);
+
 void host_file_free(host_bytes *bytes);
 
 /* Memory on a 64-byte address, at least one byte; NULL when there is none. Ends with free(). */

@@ -7,7 +7,7 @@
  * the iteration takes the ticks it takes. So it does where the schedule closes: what is left out there is never found.
  * Bounds: SMR_STEPS_MAX, for each group of forces.
  * SPDX-License-Identifier: MIT */
-#include "runtime/state.h"
+#include "runtime/log.h"
 
 #define SMR_UNKNOWN (-1.0f)
 #define SMR_FOREVER 1.0e18f     /* ns */
@@ -194,5 +194,6 @@ smr_status smr_set_active(smr *s, uint32_t n_active)
     if (!smr_valid(s))
         return SMR_E_STATE;
     s->n_pinned = smr_min_u32(n_active, s->n);
+    smr_log_active(s, n_active);
     return SMR_OK;
 }

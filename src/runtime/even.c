@@ -28,6 +28,8 @@ void smr_even_start(smr *s)
 void smr_even_share(smr *s)
 {
     s->even = 0.0f;
+    for (uint32_t i = 0; i < s->n_parts; i++) /* a new target counts from the next iteration on */
+        s->part[i].drawn = s->part[i].target != NULL;
     if (s->radius != smr_last_radius(s) || s->repairing > 0u || s->n_goals == 0u)
         return;
     const float left = 1.0f - (float)s->radius_iteration / (float)s->config.iterations_last;
@@ -76,7 +78,7 @@ void smr_even_rings(void *arg, uint32_t task, uint32_t worker)
 
 smr_vec smr_even_step(smr *s, uint32_t v)
 {
-    if (!(s->even > 0.0f) || s->part[smr_model_owner(s->model, v)].target == NULL || !(s->ring_weight[v] > 0.0f))
+    if (!(s->even > 0.0f) || !s->part[smr_model_owner(s->model, v)].drawn || !(s->ring_weight[v] > 0.0f))
         return smr_v(0, 0, 0);
     const smr_vec mean = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / s->ring_weight[v]);
     const smr_vec way = smr_sub(mean, moved(s, v)), n = smr_load(smr_at3(s->normal, v));

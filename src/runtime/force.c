@@ -17,6 +17,7 @@ static int project(smr *s, uint32_t v, const smr_surface *target, smr_vec *way)
 {
     /* relative to the target's origin */
     const smr_vec p = smr_add(smr_load(smr_at3(s->x, v)), smr_sub(s->origin, target->origin));
+    s->warm_next[v] = s->warm[v];
     if (outside_box(&s->config, smr_add(p, target->origin)))
         return 0;
     smr_query q = {p, smr_load(smr_at3(s->normal, v)), s->min_cos, s->config.node_budget, s->warm[v]};
@@ -26,7 +27,7 @@ static int project(smr *s, uint32_t v, const smr_surface *target, smr_vec *way)
     smr_tree_closest(&target->facets, &q, &hit);
     if (hit.triangle == SMR_ALL)
         return 0;
-    s->warm[v] = hit.triangle;
+    s->warm_next[v] = hit.triangle;
     if (s->config.reject_border && smr_surface_on_border(target, hit.triangle, hit.weight))
         return 0;
     if (s->force_limit > 0.0f && hit.d2 > s->force_limit * s->force_limit)
@@ -177,4 +178,7 @@ void smr_force_end(smr *s)
     s->scale[0] = smr_fixed_scale((float)s->lists.largest * all.largest[0]);
     s->scale[1] = smr_fixed_scale((float)s->lists.largest * all.largest[1]);
     s->sum_words = smr_method_words(s);
+    /* what the next forces start from: until here they could have been asked to start again */
+    memcpy(s->seen, s->found, s->n);
+    memcpy(s->warm, s->warm_next, s->n_active * sizeof *s->warm);
 }

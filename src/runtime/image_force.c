@@ -6,6 +6,7 @@
 #include "runtime/image_force.h"
 
 #include "geometry/profile.h"
+#include "runtime/log.h"
 
 #define SMR_LONG 16.0f   /* samples: beyond such a search distance every SMR_HOP-th sample tells as much */
 #define SMR_HOP 2u
@@ -44,6 +45,7 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
     s->has_grid = volume != NULL;
     smr_abandon_iteration(s);
     smr_schedule_start(s);
+    smr_log_volume(s, volume);
     return SMR_OK;
 }
 

@@ -66,7 +66,8 @@ static void use_radius(smr *s, uint32_t radius)
         s->repairing = 1;
 }
 
-/* Gives up an iteration under way: x stands, as if it had just been reached without a step, however far it had come. */
+/* Gives up an iteration under way: x stands, as if it had just been reached without a step, however far it had come. Nothing
+ * of it is left, nor of what searches could start from, so that a replay need not know how far that was. */
 void smr_abandon_iteration(smr *s)
 {
     for (size_t v = 0; s->eigen != NULL && v < s->n; v++)
@@ -75,6 +76,12 @@ void smr_abandon_iteration(smr *s)
     if (s->pull != NULL)
         memset(s->pull, 0, s->config.n_workers * (size_t)s->n * 4u * sizeof *s->pull);
     memcpy(s->x_next, s->x, 3u * (size_t)s->n * sizeof(float));
+    memset(s->found, 0, s->n);
+    memset(s->seen, 0, s->n);
+    for (uint32_t v = 0; v < s->n; v++)
+        s->warm[v] = s->warm_next[v] = SMR_ALL;
+    for (uint32_t j = 0; s->target_warm != NULL && j < s->config.n_target_vertices; j++)
+        s->target_warm[j] = SMR_ALL;
     for (uint32_t i = 0; i < s->n_parts; i++)
         s->part[i].facets.xyz = s->x;
     smr_facets_now(s);

@@ -21,8 +21,8 @@ void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     for (uint32_t i = 0; i < part->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
-        seen += s->found[v] == 1u;
-        looked += s->found[v] != 0u;
+        seen += s->seen[v] == 1u;
+        looked += s->seen[v] != 0u;
         smr_store(smr_at3(s->ring_sum, v), smr_v(0, 0, 0));
         s->ring_weight[v] = 0.0f;
     }

@@ -27,6 +27,7 @@ typedef struct smr_part {
     smr_facets facets;                     /* of the deforming model */
     const smr_surface *target;             /* NULL: carried along */
     uint32_t folding;                      /* 1: the fold guard is at work here */
+    uint32_t drawn;                        /* 1: had a target when the iteration under way began */
 } smr_part;
 
 /* A distinct target surface and the structures that share it. */
@@ -68,8 +69,19 @@ typedef struct smr_control {
     uint32_t odd;                          /* 1: the clock ran backwards in the step under way */
 } smr_control;
 
+/* Where recording stands (log.c). */
+typedef struct smr_log {
+    unsigned char *memory;                 /* the caller's; NULL: nothing is recorded */
+    size_t bytes, used;
+    uint32_t crc;                          /* of the last record */
+    uint32_t n_ticks;
+    uint32_t full;                         /* 1: a record did not fit, and none follows */
+} smr_log;
+
 struct smr {
     uint32_t magic;
+    uint32_t fresh;                        /* 1: as smr_init left it */
+    smr_log log;
     const smr_model *model;
     smr_config config;
     smr_port port;
@@ -120,10 +132,12 @@ struct smr {
     float coarse, fine;                    /* mm: x^r is rounded to these where spreads and centres are summed */
     /* written by forces */
     float *force;                          /* [n][3] f^e */
-    uint32_t *warm;                        /* [n] last closest triangle of the target */
+    uint32_t *warm;                        /* [n] closest triangle of the target, of the last complete forces */
+    uint32_t *warm_next;                   /* [n] the same, of those under way: they may have to start again */
     int64_t *pull;                         /* [n_workers][n][4] target-to-model pulls: 3 sums and the weight */
     /* written by guard */
-    uint8_t *found;                        /* [n] of the last forces: 0 no target, 1 a goal, 2 none acceptable */
+    uint8_t *found;                        /* [n] 0 no target, 1 a goal, 2 none acceptable */
+    uint8_t *seen;                         /* [n] found, of the last complete forces */
     uint8_t *guard;                        /* [n] 1: the vertex' step is smoothed, in this iteration */
     /* written by smooth and by guard, over record */
     float *ring_sum;                       /* [n][3] sum over a vertex' mesh neighbours */

@@ -2,7 +2,7 @@
  * keeps the time. A step is a number of independent tasks and a serial end; the clock is read between groups of tasks, and
  * a tick that runs out of time resumes at the task where it stopped. Only the last step's end makes new positions current.
  * SPDX-License-Identifier: MIT */
-#include "runtime/state.h"
+#include "runtime/log.h"
 
 const smr_step smr_steps[] = {
     /* compute external forces f^e: the target's pull, smoothing, the way to the target in the order in which vertices matter */
@@ -209,6 +209,7 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
         s->step = 0;
     }
     fill_report(s, phase_ns);
+    smr_log_tick(s, status);
     if (report != NULL)
         *report = s->report;
     return status;
