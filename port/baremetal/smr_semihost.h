@@ -9,6 +9,10 @@
 /* Writes a NUL-terminated text to the host's console. */
 void smr_semihost_write(const char *text);
 
+/* The words after the program's name on the emulator's command line (arg=NAME,arg=WORD,...), as one text in buffer [size];
+ * empty where there are none. */
+void smr_semihost_words(char *buffer, int size);
+
 /* Ends the emulation with this exit status. Does not return. */
 void smr_semihost_exit(int status);
 

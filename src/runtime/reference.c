@@ -43,14 +43,13 @@ static float reach_bound(const smr *s)
     return 1.01f * (s->lists.reach * smr_length(column) + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
 }
 
-/* The smallest power of two k, from 2^-20 to 2^40 mm, with mass * (reach / k)^power <= 2^30. */
+/* The smallest power of two k, from 2^-20 to 2^40 mm, with mass * (reach / k)^power <= 2^30. Takes as long whatever k is. */
 static float step_for(float mass, float reach, int power)
 {
     float k = 1.0f / 1048576.0f;
-    for (int i = 0; i < 60; i++, k *= 2.0f) {
+    for (int i = 0; i < 60; i++) {
         const float steps = reach / k;
-        if (mass * (power == 2 ? steps * steps : steps) <= 1073741824.0f)
-            break;
+        k *= mass * (power == 2 ? steps * steps : steps) <= 1073741824.0f ? 1.0f : 2.0f;
     }
     return k;
 }
@@ -111,12 +110,15 @@ static void invert_inertia(const float c[6], float out[6])
     smr_pseudo_inverse(inertia, SMR_INERTIA_FLOOR, out);
 }
 
+uint32_t smr_reference_clusters(smr *s) { return s->reference_stale ? smr_ceil_div(s->n, SMR_MATCH_CHUNK) : 0u; }
+
 void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
     const float k = s->coarse, unit = 1.0f / s->mass_unit;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, s->n);
+    for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
         const uint32_t *w = s->sum + SMR_WORDS * (size_t)v;
         uint32_t q[3], f[3];
         s->share[v] = w[13] > 0u ? 1.0f / (float)w[13] : 0.0f;

@@ -60,8 +60,7 @@ static void use_radius(smr *s, uint32_t radius)
     s->momentum = radius == smr_last_radius(s) ? s->config.momentum_last : s->config.momentum;
     const float before = radius > 0u ? smr_model_lists(s->model, radius - 1u).radius : 0.0f;
     s->search = smr_min(s->config.search_mm, s->config.search_radii * smr_max(s->lists.radius, SMR_NARROWING * before));
-    if (radius == smr_last_radius(s))
-        smr_even_start(s);
+    s->fit_due = radius == smr_last_radius(s);
     if (smr_guarded(s) && s->n_hinges > 0u && (radius == s->config.radius_first || radius + 1u == smr_last_radius(s)))
         s->repairing = 1;
 }

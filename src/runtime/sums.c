@@ -18,6 +18,7 @@ void smr_block_pieces(smr *s, int cut)
     s->pieces = s->lists.n_blocks > s->n_tasks ? 1u : smr_max_u32(smr_ceil_div(largest, SMR_ENTRY_CHUNK), 1u);
 }
 
+uint32_t smr_block_abreast(const smr *s) { return s->lists.n_blocks; }
 uint32_t smr_vertex_tasks(smr *s) { return s->n_tasks; }
 uint32_t smr_active_tasks(smr *s) { return smr_ceil_div(s->n_active, SMR_CHUNK); }
 

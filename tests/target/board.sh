@@ -3,7 +3,7 @@
 # board_set BOARD          m7 or m55: sets board_name, board_machine, board_cflags
 # board_need               ends the script as skipped where a tool is missing
 # board_build PROGRAM      prints the program's file; flags for the compiler may follow
-# board_run SHIFT FILE     runs it: an instruction takes 2^SHIFT nanoseconds of the board's time
+# board_run SHIFT FILE     runs it: an instruction takes 2^SHIFT nanoseconds of the board's time; words for it may follow
 
 board_set() {
     case $1 in
@@ -33,6 +33,10 @@ board_build() {
 }
 
 board_run() {
+    board_shift=$1; board_file=$2; shift 2
+    board_words=arg=smr
+    for word in "$@"; do board_words=$board_words,arg=$word; done
     timeout "${SMR_BOARD_SECONDS:-800}" qemu-system-arm -M "$board_machine" -nographic -monitor none -serial none \
-        -semihosting-config enable=on,target=native -icount "shift=$1" -kernel "$2" 2>&1 </dev/null
+        -semihosting-config "enable=on,target=native,$board_words" -icount "shift=$board_shift" \
+        -kernel "$board_file" 2>&1 </dev/null
 }
