@@ -64,7 +64,7 @@ M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-
 M55_CFLAGS := -mthumb -mcpu=cortex-m55+nomve.fp -mfloat-abi=hard -ffunction-sections -fdata-sections
 export M7_CFLAGS M55_CFLAGS
 
-.PHONY: all help demo demo-bone check experiments programs cmocka bench figure2 soak size stack hashes golden-update install clean
+.PHONY: all help demo demo-bone check experiments programs cmocka bench figure2 soak size stack hashes golden-update timing timing-update install clean
 .DELETE_ON_ERROR:
 
 all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM)
@@ -82,6 +82,8 @@ help:
 	@echo 'make stack           largest stack frames; fails on an unbounded one'
 	@echo 'make hashes          state hash over threads, schedulers, compilers and processors'
 	@echo 'make golden-update   records the current state hash as the expected one'
+	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of instructions; minutes'
+	@echo 'make timing-update   records that table in tests/timing/results'
 	@echo 'make install         to $$(DESTDIR)$$(PREFIX), default /usr/local'
 	@echo 'make clean           removes $(BUILD)/'
 	@echo 'Variables: CC, CFLAGS (appended), BUILD, WERROR=1, PREFIX, DESTDIR'
@@ -220,6 +222,14 @@ hashes:
 golden-update: $(BUILD)/golden
 	$(BUILD)/golden > tests/golden/expected.txt
 	@cat tests/golden/expected.txt
+
+timing:
+	@BUILD="$(BUILD)" sh tests/target/check_budget.sh 10000
+	@BUILD="$(BUILD)" sh tests/target/check_interrupt.sh
+	@BUILD="$(BUILD)" sh tests/target/check_timing.sh
+
+timing-update:
+	@BUILD="$(BUILD)" sh tests/target/check_timing.sh --update
 
 version = $(shell awk '/define SMR_VERSION_(MAJOR|MINOR|PATCH)/ {v = v s $$3; s = "."} END {print v}' include/smr.h)
 

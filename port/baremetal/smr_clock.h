@@ -1,5 +1,5 @@
 /*
- * smr_clock: the board's free-running counter. A board has one file with these three functions, about ten lines:
+ * smr_clock: the board's free-running counter. A board has one file with these functions, about ten lines:
  * smr_clock_mps2.c and smr_clock_mps3.c are two of them, and one is linked.
  *
  * On a chip with a cycle counter (DWT CYCCNT, which the emulator does not have) read that.
@@ -19,5 +19,8 @@ uint32_t smr_clock_count(void);
 
 /* So many of its steps in nanoseconds, rounded down. */
 uint64_t smr_clock_ns(uint64_t steps);
+
+/* The core's own clock, which smr_systick.h counts. */
+uint32_t smr_clock_core_hz(void);
 
 #endif /* SMR_CLOCK_H */

@@ -29,4 +29,6 @@ void smr_clock_start(void)
 
 uint32_t smr_clock_count(void) { return ~smr_clock_registers()->value; }
 
+uint32_t smr_clock_core_hz(void) { return 25000000u; }
+
 uint64_t smr_clock_ns(uint64_t steps) { return steps * SMR_CLOCK_NS; }

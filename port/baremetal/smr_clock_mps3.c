@@ -16,4 +16,6 @@ void smr_clock_start(void)
 
 uint32_t smr_clock_count(void) { return *(const volatile uint32_t *)SMR_CLOCK_STATUS; }
 
+uint32_t smr_clock_core_hz(void) { return 32000000u; }
+
 uint64_t smr_clock_ns(uint64_t steps) { return steps * 125u / 4u; } /* 31.25 ns */

@@ -11,7 +11,7 @@
 #define SMR_FINE_SHARE (1.0f / 1024.0f) /* of the coarse step: finer gains nothing */
 #define SMR_INERTIA_FLOOR 1.0e-4f /* a cluster thinner than this share of its length is a line: no torque about it */
 
-uint32_t smr_reference_records(smr *s) { return s->reference_stale ? smr_active_tasks(s) : 0u; }
+uint32_t smr_reference_records(smr *s) { return s->reference_stale ? smr_match_tasks(s) : 0u; }
 uint32_t smr_reference_tasks(smr *s) { return s->reference_stale ? s->n_tasks : 0u; }
 uint32_t smr_reference_blocks(smr *s) { return s->reference_stale ? smr_block_tasks(s) : 0u; }
 
@@ -84,7 +84,8 @@ void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(s, task); v++) {
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, s->n_active);
+    for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
         uint32_t *r = s->record + SMR_WORDS * (size_t)v;
         const uint32_t m = (uint32_t)(smr_full_mass(s, v) * s->mass_unit);
         uint32_t q[3], f[3];

@@ -13,11 +13,11 @@
 
 #define SMR_WORDS 16u          /* 32-bit words of a record that is summed: one cache line */
 #define SMR_CHUNK 128u         /* vertices of a task */
-#define SMR_MATCH_CHUNK 32u    /* of one that does much for each: transforms, centres and spreads */
+#define SMR_MATCH_CHUNK 32u    /* of one that does much for each: transforms, moments, centres and spreads */
 #define SMR_FORCE_CHUNK 4u     /* of one that looks for goals on a surface, or for the model from a target */
-#define SMR_IMAGE_CHUNK 2u     /* of one that looks for goals where there is an image */
+#define SMR_IMAGE_CHUNK 1u     /* of one that looks for goals where there is an image: a vertex costs as much as forty elsewhere */
 #define SMR_TRIANGLE_CHUNK 256u /* triangles of a task that sums over vertices' neighbours */
-#define SMR_ENTRY_CHUNK 32u    /* entries of a piece of a block */
+#define SMR_ENTRY_CHUNK 32u    /* entries of a piece of a block, half as many of the reference shape's long records */
 #define SMR_STEPS_MAX 32u      /* of an iteration */
 #define SMR_HINGE_CHUNK 1024u  /* hinges of a task */
 #define SMR_STATE_MAGIC 0x736d7254u

@@ -87,40 +87,43 @@ uint64_t target_tick(smr *s, target_clock *clock, uint64_t budget_ns, smr_tick_r
 /* By what they run, and where that is not enough by their phase: steps may come and go. */
 static const struct {
     smr_task run;
-    uint32_t phase;
+    uint32_t phase, unit;
     const char *name;
 } target_steps[] = {
-    {smr_pull_search, SMR_PHASE_FORCES, "target pulls"},
-    {smr_smooth_sum, SMR_PHASE_FORCES, "neighbours' sums"},
-    {smr_force_search, SMR_PHASE_FORCES, "goals"},
-    {smr_force_take, SMR_PHASE_FORCES, "forces"},
-    {smr_reference_reach, SMR_PHASE_SUMS, "reach"},
-    {smr_reference_record, SMR_PHASE_SUMS, "reference records"},
-    {smr_reference_cluster, SMR_PHASE_SUMS, "cluster centres"},
-    {smr_sums_record, SMR_PHASE_SUMS, "displacement records"},
-    {smr_sums_forest, SMR_PHASE_SUMS, "forest, sums"},
-    {smr_match, SMR_PHASE_MATCH, "match"},
-    {smr_average_record, SMR_PHASE_AVERAGE, "transform records"},
-    {smr_sums_forest, SMR_PHASE_AVERAGE, "forest, average"},
-    {smr_even_clear, SMR_PHASE_EVOLVE, "evening out, clear"},
-    {smr_even_rings, SMR_PHASE_EVOLVE, "evening out, sums"},
-    {smr_evolve, SMR_PHASE_EVOLVE, "positions"},
-    {smr_facet_refit, SMR_PHASE_EVOLVE, "facets and boxes"},
-    {smr_guard_search, SMR_PHASE_EVOLVE, "search for folds"},
-    {smr_mend_pass, SMR_PHASE_EVOLVE, "mending of folds"},
-    {smr_settle, SMR_PHASE_EVOLVE, "displacements, hash"},
-    {smr_exact_clear, SMR_PHASE_EVOLVE, "normals, clear"},
-    {smr_exact_facets, SMR_PHASE_EVOLVE, "normals, sums"},
-    {smr_exact_unit, SMR_PHASE_EVOLVE, "normals, length"},
-    {smr_stand, SMR_PHASE_EVOLVE, "becoming current"},
+    {smr_pull_search, SMR_PHASE_FORCES, TARGET_GOALS, "target pulls"},
+    {smr_smooth_sum, SMR_PHASE_FORCES, TARGET_TRIANGLES, "neighbours' sums"},
+    {smr_force_search, SMR_PHASE_FORCES, TARGET_VERTICES, "goals"},
+    {smr_force_take, SMR_PHASE_FORCES, TARGET_VERTICES, "forces"},
+    {smr_even_fit, SMR_PHASE_SUMS, TARGET_VERTICES, "the last radius' pose"},
+    {smr_reference_reach, SMR_PHASE_SUMS, TARGET_VERTICES, "reach"},
+    {smr_reference_record, SMR_PHASE_SUMS, TARGET_VERTICES, "reference records"},
+    {smr_reference_cluster, SMR_PHASE_SUMS, TARGET_VERTICES, "cluster centres"},
+    {smr_sums_record, SMR_PHASE_SUMS, TARGET_VERTICES, "displacement records"},
+    {smr_sums_forest, SMR_PHASE_SUMS, TARGET_INDEXES, "forest, sums"},
+    {smr_match, SMR_PHASE_MATCH, TARGET_VERTICES, "match"},
+    {smr_average_record, SMR_PHASE_AVERAGE, TARGET_VERTICES, "transform records"},
+    {smr_sums_forest, SMR_PHASE_AVERAGE, TARGET_INDEXES, "forest, average"},
+    {smr_even_clear, SMR_PHASE_EVOLVE, TARGET_VERTICES, "evening out, clear"},
+    {smr_even_rings, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "evening out, sums"},
+    {smr_evolve, SMR_PHASE_EVOLVE, TARGET_VERTICES, "positions"},
+    {smr_facet_refit, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "facets and boxes"},
+    {smr_guard_search, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "search for folds"},
+    {smr_mend_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "mending of folds"},
+    {smr_settle, SMR_PHASE_EVOLVE, TARGET_VERTICES, "displacements, hash"},
+    {smr_exact_clear, SMR_PHASE_EVOLVE, TARGET_VERTICES, "normals, clear"},
+    {smr_exact_facets, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "normals, sums"},
+    {smr_exact_unit, SMR_PHASE_EVOLVE, TARGET_VERTICES, "normals, length"},
+    {smr_stand, SMR_PHASE_EVOLVE, TARGET_VERTICES, "becoming current"},
 };
 
-const char *target_step_name(uint32_t number)
+const char *target_step_name(uint32_t number, uint32_t *unit)
 {
     for (uint32_t i = 0; i < sizeof target_steps / sizeof target_steps[0]; ++i) {
         if (target_steps[i].run == smr_steps[number].run && target_steps[i].phase == smr_steps[number].phase) {
+            *unit = target_steps[i].unit;
             return target_steps[i].name;
         }
     }
+    *unit = TARGET_VERTICES;
     return "another step";
 }

@@ -39,7 +39,7 @@ smr *target_start(const target_scene *scene, const smr_config *config, const smr
 /* Puts it where it started. */
 int target_again(const target_scene *scene, smr *s);
 
-/* The configuration for the scene's kind: all vertices may take part. */
+/* The configuration for the scene's kind: all vertices may take part, a short schedule. */
 smr_config target_config(const target_scene *scene);
 
 /* The board's clock, and the longest stretch between two readings within a tick. */
@@ -57,8 +57,12 @@ void target_forget(target_clock *clock);
 /* One tick of the watched registration; returns the time it took, ns. */
 uint64_t target_tick(smr *s, target_clock *clock, uint64_t budget_ns, smr_tick_report *report, smr_status *status);
 
-/* A step in words; number is its place in smr_steps. */
-const char *target_step_name(uint32_t number);
+/* What a step's work is in proportion to: the model's vertices, triangles, or vertices and indexes of the radius' lists
+ * together; or the target's vertices. */
+enum { TARGET_VERTICES = 0, TARGET_TRIANGLES, TARGET_INDEXES, TARGET_GOALS, TARGET_UNITS };
+
+/* A step in words, and its unit; number is its place in smr_steps. */
+const char *target_step_name(uint32_t number, uint32_t *unit);
 
 void target_text(const char *text);
 void target_number(uint64_t value);                    /* digits alone */

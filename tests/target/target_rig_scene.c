@@ -10,28 +10,28 @@
 
 #define TARGET_MEMORY static __attribute__((section(".arena"))) _Alignas(SMR_ALIGN)
 #define TARGET_PARTS 2u
-#define TARGET_VERTICES 1024u /* of a structure */
-#define TARGET_TRIANGLES 2048u
+#define TARGET_POINTS 1024u   /* of a structure */
+#define TARGET_FACETS 2048u
 #define TARGET_SIDE 48u       /* voxels */
 #define TARGET_VOXELS (TARGET_SIDE * TARGET_SIDE * TARGET_SIDE)
 #define TARGET_OFF_MM 4.0f    /* an image registration starts so far beside the truth */
 
 TARGET_MEMORY unsigned char
-    target_arena[2][SMR_ARENA_BYTES(TARGET_PARTS * TARGET_VERTICES, TARGET_PARTS * TARGET_TRIANGLES, TARGET_PARTS, 1, TARGET_VERTICES)];
+    target_arena[2][SMR_ARENA_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS * TARGET_FACETS, TARGET_PARTS, 1, TARGET_POINTS)];
 TARGET_MEMORY unsigned char target_scratch[6u << 20];
 TARGET_MEMORY unsigned char target_image[3u << 20];
 TARGET_MEMORY unsigned char target_surface[1u << 20];
 TARGET_MEMORY float target_words[FIXTURE_THIGH_SCRATCH];
-TARGET_MEMORY float target_xyz[TARGET_PARTS][3 * TARGET_VERTICES];
-TARGET_MEMORY uint32_t target_triangles[TARGET_PARTS][3 * TARGET_TRIANGLES];
+TARGET_MEMORY float target_xyz[TARGET_PARTS][3 * TARGET_POINTS];
+TARGET_MEMORY uint32_t target_triangles[TARGET_PARTS][3 * TARGET_FACETS];
 TARGET_MEMORY fixture_thigh target_thigh;
 TARGET_MEMORY unsigned char target_voxels[2][TARGET_VOXELS];
 TARGET_MEMORY float target_slice[FIXTURE_IMAGE_SCRATCH(TARGET_SIDE, TARGET_SIDE)];
-TARGET_MEMORY float target_begin[TARGET_PARTS][3 * TARGET_VERTICES]; /* where an image registration starts */
+TARGET_MEMORY float target_begin[TARGET_PARTS][3 * TARGET_POINTS]; /* where an image registration starts */
 
 static fixture_mesh target_room(uint32_t i)
 {
-    return (fixture_mesh){target_xyz[i], target_triangles[i], TARGET_VERTICES, TARGET_TRIANGLES, 0, 0};
+    return (fixture_mesh){target_xyz[i], target_triangles[i], TARGET_POINTS, TARGET_FACETS, 0, 0};
 }
 
 static smr_mesh target_mesh(const fixture_mesh *m)
@@ -67,7 +67,7 @@ static int target_bone(target_scene *scene)
 }
 
 /* The box around points [n][3] of all parts, in voxels of 4 mm. */
-static fixture_box target_box(const smr_structure *part, float xyz[TARGET_PARTS][3 * TARGET_VERTICES])
+static fixture_box target_box(const smr_structure *part, float xyz[TARGET_PARTS][3 * TARGET_POINTS])
 {
     fixture_box box = {{1e9f, 1e9f, 1e9f}, {4.0f, 4.0f, 4.0f}, {0, 0, 0}};
     float high[3] = {-1e9f, -1e9f, -1e9f};
@@ -144,7 +144,9 @@ smr_config target_config(const target_scene *scene)
     smr_config config = scene->what->image ? smr_config_default_image() : smr_config_default();
     config.method = scene->what->method;
     config.active_enough = 0;
-    config.n_target_vertices = scene->what->image ? 0u : TARGET_VERTICES;
+    config.iterations = 5;
+    config.iterations_last = 12;
+    config.n_target_vertices = scene->what->image ? 0u : TARGET_POINTS;
     return config;
 }
 
