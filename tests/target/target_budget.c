@@ -14,6 +14,7 @@
 #define TARGET_TICKS_MAX 100000u
 #define TARGET_ENDLESS (UINT64_MAX / 4u) /* a budget that never ends, but the clock is read */
 #define TARGET_READING_NS 2000u /* what the readings before and after a tick may take */
+#define TARGET_TWIN_TICKS 250u  /* so long a twin without a clock goes along */
 #define TARGET_SHARE 20u        /* a chunk is at most one in so many parts of an iteration's fixed part */
 
 /* What a run through the schedule showed. */
@@ -67,7 +68,7 @@ static int target_repeat(smr *s, smr *twin, uint32_t n_taken)
     return smr_set_active(twin, n_taken) == SMR_OK && smr_tick(twin, 0, NULL) == SMR_OK && smr_state_hash(twin) == smr_state_hash(s);
 }
 
-/* Ticks of 5 to 150 % of a whole iteration, at the controller's choice; a twin without a clock repeats each iteration. */
+/* Ticks of 5 to 150 % of a whole iteration, at the controller's choice; at first a twin without a clock repeats each iteration. */
 static int target_random(const target_scene *scene, target_clock *clock, uint64_t whole, uint32_t ticks, target_tally *t)
 {
     const smr_port port = {clock, 1u, NULL, target_now};
@@ -100,8 +101,10 @@ static int target_random(const target_scene *scene, target_clock *clock, uint64_
         known = 1;
         ++t->done;
         t->cut += report.n_taken < report.n_wanted ? 1u : 0u;
-        if (!target_ok("the same again", target_repeat(s, twin, report.n_taken)) ||
-            (report.done && (!target_again(scene, s) || !target_again(scene, twin)))) {
+        if (i < TARGET_TWIN_TICKS && !target_ok("the same again", target_repeat(s, twin, report.n_taken))) {
+            return 0;
+        }
+        if (report.done && (!target_again(scene, s) || !target_again(scene, twin))) {
             return 0;
         }
     }

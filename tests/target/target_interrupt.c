@@ -18,7 +18,8 @@
 #define TARGET_TICK_NS 4000000u    /* the budget; a chunk and the interrupt's own work fit into the rest, the background has what is left */
 #define TARGET_LOG 256u            /* iterations */
 #define TARGET_READS 4096u
-#define TARGET_POINTS 1024u        /* of a structure */
+#define TARGET_POINTS 2048u        /* of all structures */
+#define TARGET_PARTS 2u
 
 /* Written by the interrupt, read by the background once `stop` is set; `done` and `stop` at any time. */
 static struct {
@@ -58,12 +59,45 @@ void smr_systick_handler(void)
     }
 }
 
+static struct {
+    float xyz[3u * TARGET_POINTS];
+    uint32_t n, n_parts, part[TARGET_PARTS]; /* points in all, and of each structure */
+} target_points;
+
+static int target_count(const smr_model *model)
+{
+    smr_model_info info;
+    if (smr_model_get_info(model, &info) != SMR_OK || info.n_structures > TARGET_PARTS || info.n_vertices > TARGET_POINTS) {
+        return 0;
+    }
+    target_points.n = info.n_vertices;
+    target_points.n_parts = info.n_structures;
+    for (uint32_t i = 0; i < info.n_structures; ++i) {
+        smr_structure_info part;
+        if (smr_model_structure(model, i, &part) != SMR_OK) {
+            return 0;
+        }
+        target_points.part[i] = part.n_vertices;
+    }
+    return 1;
+}
+
+/* All structures' positions. */
+static void target_copy(const smr *s)
+{
+    float *xyz = target_points.xyz;
+    for (uint32_t i = 0; i < target_points.n_parts; ++i) {
+        (void)smr_get_positions(s, i, xyz);
+        xyz += 3u * target_points.part[i];
+    }
+}
+
 /* Positions as the background reads them: again, when an iteration ended meanwhile. Returns which iteration they are of. */
-static uint32_t target_positions(const smr *s, float *xyz, uint32_t *again)
+static uint32_t target_positions(const smr *s, uint32_t *again)
 {
     for (;;) {
         const uint32_t before = atomic_load(&target_isr.done);
-        (void)smr_get_positions(s, 0, xyz);
+        target_copy(s);
         if (atomic_load(&target_isr.done) == before) {
             return before;
         }
@@ -71,12 +105,12 @@ static uint32_t target_positions(const smr *s, float *xyz, uint32_t *again)
     }
 }
 
-static uint32_t target_sum(const float *xyz, uint32_t n)
+static uint32_t target_sum(void)
 {
     uint32_t sum = 2166136261u; /* FNV-1a, by words */
-    for (uint32_t i = 0; i < n; ++i) {
+    for (uint32_t i = 0; i < 3u * target_points.n; ++i) {
         uint32_t bits;
-        memcpy(&bits, &xyz[i], sizeof bits);
+        memcpy(&bits, &target_points.xyz[i], sizeof bits);
         sum = (sum ^ bits) * 16777619u;
     }
     return sum;
@@ -91,23 +125,21 @@ static struct {
     } seen[TARGET_READS];
 } target_background;
 
-static float target_points[3u * TARGET_POINTS];
-
-static void target_loop(const smr *s, uint32_t n_points)
+static void target_loop(const smr *s)
 {
     memset(&target_background, 0, sizeof target_background);
     while (atomic_load(&target_isr.stop) == 0u) {
         ++target_background.loops;
-        const uint32_t iteration = target_positions(s, target_points, &target_background.again);
+        const uint32_t iteration = target_positions(s, &target_background.again);
         if (target_background.n < TARGET_READS) {
             target_background.seen[target_background.n].iteration = iteration;
-            target_background.seen[target_background.n++].sum = target_sum(target_points, 3u * n_points);
+            target_background.seen[target_background.n++].sum = target_sum();
         }
     }
 }
 
 /* The same without a clock. Every read must be of whole positions. */
-static int target_replay(const target_scene *scene, const smr_config *config, uint32_t n_points, uint32_t *torn)
+static int target_replay(const target_scene *scene, const smr_config *config, uint32_t *torn)
 {
     smr *s = target_start(scene, config, NULL, 1);
     uint32_t at = 0;
@@ -119,8 +151,8 @@ static int target_replay(const target_scene *scene, const smr_config *config, ui
         if (i > 0u && (smr_set_active(s, target_isr.taken[i - 1u]) != SMR_OK || smr_tick(s, 0, NULL) != SMR_OK)) {
             return 0;
         }
-        (void)smr_get_positions(s, 0, target_points);
-        const uint32_t sum = target_sum(target_points, 3u * n_points);
+        target_copy(s);
+        const uint32_t sum = target_sum();
         for (; at < target_background.n && target_background.seen[at].iteration == i; ++at) {
             *torn += target_background.seen[at].sum != sum ? 1u : 0u;
         }
@@ -134,10 +166,9 @@ static int target_run(const target_scene *scene)
 {
     const smr_port port = {&target_isr.clock, 1u, NULL, target_now};
     const smr_config config = target_config(scene);
-    smr_structure_info info;
     uint32_t torn;
     target_isr.s = target_start(scene, &config, &port, 0);
-    if (target_isr.s == NULL || smr_model_structure(scene->model, 0, &info) != SMR_OK) {
+    if (target_isr.s == NULL || !target_count(scene->model)) {
         return 0;
     }
     atomic_store(&target_isr.done, 0u);
@@ -146,7 +177,7 @@ static int target_run(const target_scene *scene)
     target_isr.longest = 0;
     target_forget(&target_isr.clock);
     smr_systick_start(smr_clock_core_hz() / 1000u * (TARGET_PERIOD_NS / 1000000u));
-    target_loop(target_isr.s, info.n_vertices);
+    target_loop(target_isr.s);
     smr_systick_stop();
     target_line("  periods:          ", target_isr.ticks);
     target_line("    missed:         ", target_isr.missed);
@@ -159,7 +190,7 @@ static int target_run(const target_scene *scene)
     return target_ok("status", target_isr.status >= 0) && target_ok("the log is long enough", atomic_load(&target_isr.done) <= TARGET_LOG) &&
            target_ok("no period is missed", target_isr.missed == 0u) &&
            target_ok("the background goes on", target_background.loops > target_isr.ticks / 2u) &&
-           target_ok("the replay", target_replay(scene, &config, info.n_vertices, &torn)) && target_ok("reads are whole", torn == 0u);
+           target_ok("the replay", target_replay(scene, &config, &torn)) && target_ok("reads are whole", torn == 0u);
 }
 
 int main(void);
