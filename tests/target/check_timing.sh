@@ -46,6 +46,23 @@ awk -v same=$same -F '; ' '
           if (n != 32 || c != 8 || p != 4) { print "rows are missing: " n " fixed, " c " stretches, " p " bounds"; bad = 1 }
           exit bad }' "$new" || exit 1
 
+# The bound that docs/TIMING.md derives holds for what was measured, and is not far above it.
+for board in m7 m55; do
+    for kind in surface image; do
+        for method in rigid polar; do
+            numbers=$(awk -F '; ' -v b=$board -v c="$kind $method" '$1 == b && $3 == c && $2 == "model" {
+                if ($4 == "vertices, triangles") { n = $5; t = $6 } else { i = $5 } }
+                END { print n, t, i / n - 1 }' "$new")
+            # shellcheck disable=SC2086
+            bound=$(SMR_TIMING_TABLE=$new sh tests/timing/bound.sh $board $kind $method $numbers | awk '/^fixed part, at most/ { print $5 }')
+            seen=$(awk -F '; ' -v b=$board -v c="$kind $method" '$1 == b && $2 == "schedule" && $3 == c && $4 == "fixed part" { print $6 }' "$new")
+            [ "${bound:-0}" -ge "$seen" ] && [ "$bound" -le $((seen + seen / 4)) ] && continue
+            echo "tests/timing/bound.sh: $board, $kind, $method: bound ${bound:-none}, measured $seen"
+            exit 1
+        done
+    done
+done
+
 if [ "${1:-}" = --update ]; then cp "$new" "$table" && echo "$table"; exit $?; fi
 [ -f "$table" ] || { echo "skip: no $table (make timing-update writes it)"; exit 77; }
 if [ $same -eq 0 ]; then
