@@ -1,6 +1,7 @@
 /*
  * smr_semihost: Arm semihosting by `bkpt 0xab`, the M profile's form.
- * Source: Arm, "Semihosting for AArch32 and AArch64": SYS_OPEN, SYS_CLOSE, SYS_WRITE0, SYS_READ, SYS_EXIT_EXTENDED.
+ * Source: Arm, "Semihosting for AArch32 and AArch64": SYS_OPEN, SYS_CLOSE, SYS_WRITE0, SYS_READ, SYS_GET_CMDLINE,
+ * SYS_EXIT_EXTENDED.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -12,6 +13,7 @@
 #define SMR_SEMIHOST_CLOSE 0x02u
 #define SMR_SEMIHOST_WRITE0 0x04u
 #define SMR_SEMIHOST_READ 0x06u
+#define SMR_SEMIHOST_GET_CMDLINE 0x15u
 #define SMR_SEMIHOST_EXIT_EXTENDED 0x20u
 #define SMR_SEMIHOST_APPLICATION_EXIT 0x20026u
 
@@ -43,6 +45,25 @@ size_t smr_semihost_read_file(const char *name, void *to, size_t bytes)
     const uint32_t missing = smr_semihost_call(SMR_SEMIHOST_READ, read);
     (void)smr_semihost_call(SMR_SEMIHOST_CLOSE, &handle);
     return missing <= bytes ? bytes - missing : 0u;
+}
+
+void smr_semihost_words(char *buffer, int size)
+{
+    const uint32_t block[2] = {(uint32_t)buffer, (uint32_t)size};
+    int from = 0, to = 0;
+    buffer[0] = '\0';
+    if (smr_semihost_call(SMR_SEMIHOST_GET_CMDLINE, block) != 0u) {
+        buffer[0] = '\0';
+    }
+    while (buffer[from] != '\0' && buffer[from] != ' ') {
+        ++from; /* the program's name */
+    }
+    while (buffer[from] == ' ') {
+        ++from;
+    }
+    do {
+        buffer[to] = buffer[from++];
+    } while (buffer[to++] != '\0');
 }
 
 void smr_semihost_exit(int status)

@@ -5,7 +5,6 @@
  * displacement is the mean of its mesh neighbours', tangentially only. Towards the end this fades.
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
-#include "geometry/fit.h"
 #include "runtime/state.h"
 
 static smr_vec rest_of(const smr *s, uint32_t v)
@@ -14,14 +13,24 @@ static smr_vec rest_of(const smr *s, uint32_t v)
     return smr_v(smr_le_float(r[0]), smr_le_float(r[1]), smr_le_float(r[2]));
 }
 
-/* The last radius starts: the pose from which displacements are counted, and in which the clusters' reach is bounded. */
-void smr_even_start(smr *s)
+/* The last radius starts: the pose from which displacements are counted, and in which the clusters' reach is bounded. Nobody
+ * asks for it before the sums. One task after the other. */
+uint32_t smr_even_fit_tasks(smr *s) { return s->fit_due ? s->n_tasks : 0u; }
+
+void smr_even_fit(void *arg, uint32_t task, uint32_t worker)
 {
-    smr_fit fit;
-    smr_fit_start(&fit);
-    for (uint32_t v = 0; v < s->n; v++)
-        smr_fit_add(&fit, rest_of(s, v), smr_load(smr_at3(s->x, v)), 1.0f);
-    s->fitted = smr_fit_solve(&fit, 1);
+    smr *s = arg;
+    (void)worker;
+    if (task == 0u)
+        smr_fit_start(&s->fit);
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++)
+        smr_fit_add(&s->fit, rest_of(s, v), smr_load(smr_at3(s->x, v)), 1.0f);
+}
+
+void smr_even_fit_end(smr *s)
+{
+    s->fitted = smr_fit_solve(&s->fit, 1);
+    s->fit_due = 0;
 }
 
 /* The share of the way to the neighbours' mean, in the coming iteration. */

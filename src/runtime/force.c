@@ -93,15 +93,16 @@ static float ease_at(const smr *s, uint32_t v)
     return s->part[smr_model_owner(s->model, v)].target == NULL ? s->ease : 1.0f;
 }
 
-uint32_t smr_force_tasks(smr *s) { return smr_ceil_div(s->n_active, SMR_FORCE_CHUNK); }
+uint32_t smr_force_chunk(const smr *s) { return s->has_grid ? SMR_IMAGE_CHUNK : SMR_FORCE_CHUNK; }
+uint32_t smr_force_tasks(smr *s) { return smr_ceil_div(s->n_active, smr_force_chunk(s)); }
 
 /* The ways of a few active vertices, into `force`: the dearest part of an iteration, so the tasks are small. */
 void smr_force_search(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
-    const uint32_t last = smr_min_u32((task + 1u) * SMR_FORCE_CHUNK, s->n_active);
-    for (uint32_t v = task * SMR_FORCE_CHUNK; v < last; v++) {
+    const uint32_t chunk = smr_force_chunk(s), last = smr_min_u32((task + 1u) * chunk, s->n_active);
+    for (uint32_t v = task * chunk; v < last; v++) {
         smr_vec way;
         int drawn;
         const int found = goal_of(s, v, &way, &drawn);

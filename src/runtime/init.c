@@ -35,7 +35,7 @@ static smr *layout(smr_arena *a, smr *s)
     s->guard = smr_arena_take(a, n, 1);
     s->found = smr_arena_take(a, n, 1);
     s->seen = smr_arena_take(a, n, 1);
-    s->tally = smr_arena_take(a, smr_max_u32(s->n_tasks, s->n_hinge_tasks), sizeof *s->tally);
+    s->tally = smr_arena_take(a, smr_max_u32(smr_ceil_div(s->n, SMR_MATCH_CHUNK), s->n_hinge_tasks), sizeof *s->tally);
     s->facet_normal = smr_arena_take(a, s->n_triangles, three);
     if (SMR_BIG_ENDIAN)
         s->own_triangle = smr_arena_take(a, s->n_triangles, 3u * sizeof(uint32_t));

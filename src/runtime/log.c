@@ -111,7 +111,7 @@ static uint32_t evaluated(const smr *s, int complete)
     if (complete)
         return s->report.n_taken;
     if (smr_steps[s->step].run == smr_force_search)
-        return smr_min_u32(s->next_task * SMR_FORCE_CHUNK, s->n_active);
+        return smr_min_u32(s->next_task * smr_force_chunk(s), s->n_active);
     return s->step > 0u && (!smr_forces_pending(s) || smr_steps[s->step].run == smr_force_take) ? s->n_active : 0u;
 }
 

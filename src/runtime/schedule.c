@@ -60,8 +60,7 @@ static void use_radius(smr *s, uint32_t radius)
     s->momentum = radius == smr_last_radius(s) ? s->config.momentum_last : s->config.momentum;
     const float before = radius > 0u ? smr_model_lists(s->model, radius - 1u).radius : 0.0f;
     s->search = smr_min(s->config.search_mm, s->config.search_radii * smr_max(s->lists.radius, SMR_NARROWING * before));
-    if (radius == smr_last_radius(s))
-        smr_even_start(s);
+    s->fit_due = radius == smr_last_radius(s);
     if (smr_guarded(s) && s->n_hinges > 0u && (radius == s->config.radius_first || radius + 1u == smr_last_radius(s)))
         s->repairing = 1;
 }
@@ -100,6 +99,7 @@ void smr_schedule_start(smr *s)
     s->force_limit = 0.0f;
     s->ease = 1.0f;
     use_radius(s, s->config.radius_first);
+    s->fit_due = 1; /* an abandoned iteration may have made it of other positions */
 }
 
 static void plastic_update(smr *s)
