@@ -51,7 +51,8 @@ static inline float score_of(uint32_t kind, float ref_norm, float noise2, float 
     return variance > 1.0e-4f * ref2 ? dot / (SMR_SQRT(variance) * ref_norm) : 0.0f;
 }
 
-#define SMR_SIDE 8u /* offsets scored side by side: loops over them are vector code */
+#define SMR_SIDE 32u /* offsets scored side by side, at most: loops over them are vector code */
+#define SMR_WIDTH 4u /* their number is rounded up to a multiple of this */
 
 /* Sums over a window's samples that go along with it from offset to offset. */
 typedef struct running {
@@ -88,10 +89,11 @@ typedef struct scoring {
     float nearer;
 } scoring;
 
-/* Scores of windows side by side, the first at offset o; -1 where a window is not all inside. */
-static inline void score_side(uint32_t kind, const scoring *s, uint32_t o, const float *dot, const windows *w, float *score)
+/* Scores of `count` windows side by side, the first at offset o; -1 where a window is not all inside. */
+static inline void score_side(uint32_t kind, const scoring *s, uint32_t o, uint32_t count, const float *dot, const windows *w,
+                              float *score)
 {
-    for (uint32_t i = 0; i < SMR_SIDE; i++) {
+    for (uint32_t i = 0; i < count; i++) {
         const float away = ((float)(int32_t)(o + i) - s->middle) * s->per_sample;
         const float like = score_of(kind, s->ref_norm, s->noise2, s->n, dot[i], w->sum[i], w->square[i]) - s->nearer * away * away;
         const float score_in = smr_clamp(like, SMR_SCORE_LOW, 1.0f);
@@ -99,10 +101,21 @@ static inline void score_side(uint32_t kind, const scoring *s, uint32_t o, const
     }
 }
 
-/* Scores at every offset. line and score have room for SMR_SIDE - 1 more. */
+/* dot[i]: sum over k of ref[k] line[k + i], in that order. */
+static void dots(const float *ref, uint32_t n, const float *line, uint32_t count, float *dot)
+{
+    for (size_t i = 0; i < count; i++)
+        dot[i] = 0.0f;
+    for (size_t k = 0; k < n; k++)
+        for (size_t i = 0; i < count; i++)
+            dot[i] += ref[k] * line[k + i];
+}
+
+/* Scores at every offset. line and score have room for SMR_WIDTH - 1 more. */
 static void scores_of(uint32_t kind, const scoring *s, const float *ref, uint32_t n, const float *line, const unsigned char *inside,
                       uint32_t offsets, float *score)
 {
+    float dot[SMR_SIDE];
     running r = {0.0f, 0.0f, 0};
     windows w;
     memset(&w, 0, sizeof w);
@@ -112,18 +125,15 @@ static void scores_of(uint32_t kind, const scoring *s, const float *ref, uint32_
         r.missing += !inside[k];
     }
     for (uint32_t o = 0; o < offsets; o += SMR_SIDE) {
-        float dot[SMR_SIDE] = {0.0f};
-        const float *from = line + o;
-        run_on(&r, line, inside, n, o, smr_min_u32(offsets - o, SMR_SIDE), &w);
-        for (size_t k = 0; k < n; k++)
-            for (size_t i = 0; i < SMR_SIDE; i++)
-                dot[i] += ref[k] * from[k + i];
+        const uint32_t some = smr_min_u32(offsets - o, SMR_SIDE), count = smr_ceil_div(some, SMR_WIDTH) * SMR_WIDTH;
+        run_on(&r, line, inside, n, o, some, &w);
+        dots(ref, n, line + o, count, dot);
         if (kind == SMR_SIMILARITY_SSD) /* each a loop of its own, without a branch */
-            score_side(SMR_SIMILARITY_SSD, s, o, dot, &w, score + o);
+            score_side(SMR_SIMILARITY_SSD, s, o, count, dot, &w, score + o);
         else if (kind == SMR_SIMILARITY_CONCORDANCE)
-            score_side(SMR_SIMILARITY_CONCORDANCE, s, o, dot, &w, score + o);
+            score_side(SMR_SIMILARITY_CONCORDANCE, s, o, count, dot, &w, score + o);
         else
-            score_side(SMR_SIMILARITY_NCC, s, o, dot, &w, score + o);
+            score_side(SMR_SIMILARITY_NCC, s, o, count, dot, &w, score + o);
     }
 }
 
@@ -131,7 +141,7 @@ smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32
                            const unsigned char *inside, uint32_t m, const smr_likeness *how)
 {
     const int level_counts = how->kind != SMR_SIMILARITY_NCC;
-    float ref[SMR_PROFILE_MAX], centred[SMR_LINE_MAX + SMR_SIDE], score[SMR_LINE_MAX + SMR_SIDE];
+    float ref[SMR_PROFILE_MAX], centred[SMR_LINE_MAX + SMR_WIDTH], score[SMR_LINE_MAX + SMR_WIDTH];
     if (!(range > 0.0f) || m < n || n < 3u || n > SMR_PROFILE_MAX || m > SMR_LINE_MAX)
         return none;
     const uint32_t offsets = m - n + 1u;
@@ -146,7 +156,7 @@ smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32
     }
     for (uint32_t k = 0; k < m; k++)
         centred[k] = inside[k] ? (line[k] - low) / range - mean : 0.0f;
-    memset(centred + m, 0, SMR_SIDE * sizeof *centred);
+    memset(centred + m, 0, SMR_WIDTH * sizeof *centred);
     float level = 0.0f, count = 0.0f;
     for (uint32_t k = 0; !level_counts && k < m; k++) {
         level += centred[k];
@@ -209,13 +219,16 @@ smr_peak smr_profile_edge(const uint8_t *packed, float range, uint32_t n, uint32
         return none;
     const uint32_t first = centre > reach ? centre - reach : 1u;
     const uint32_t last = smr_min_u32(centre + reach, m - 2u);
+    const float scale = 0.5f / (range * edge);
     float best = 0.0f, slopes[3] = {0, 0, 0};
     uint32_t at = 0;
     for (uint32_t k = smr_max_u32(first, 2u); k <= last && k + 2u < m; k++) {
+        const float slope = (line[k + 1u] - line[k - 1u]) * scale;
+        if (!(slope > best)) /* nor is it when it counts less for being away */
+            continue;
         if (!inside[k - 2u] || !inside[k - 1u] || !inside[k] || !inside[k + 1u] || !inside[k + 2u])
             continue;
         const float away = (float)(k > centre ? k - centre : centre - k) / (float)(reach + 1u);
-        const float slope = (line[k + 1u] - line[k - 1u]) * (0.5f / (range * edge));
         if (slope * (1.0f - 0.5f * away) > best) {
             best = slope * (1.0f - 0.5f * away);
             at = k;

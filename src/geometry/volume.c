@@ -203,3 +203,26 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec step, uint32
     }
     return count;
 }
+
+#define SMR_AHEAD 2u /* every second sample's voxels: a voxel is mostly more than a step */
+
+void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec step, uint32_t n)
+{
+    const smr_volume *v = &grid->volume;
+    const size_t bytes = voxel_bytes(v->type), row = bytes * v->size[0], slice = row * v->size[1];
+    const unsigned char *voxels = v->voxels;
+    const smr_vec first = smr_mul(grid->to_index, smr_sub(start, smr_load(v->origin)));
+    const smr_vec move = smr_mul(grid->to_index, step);
+    const smr_vec top = smr_v((float)(v->size[0] - 1u), (float)(v->size[1] - 1u), (float)(v->size[2] - 1u));
+    for (uint32_t k = 0; k < n; k += SMR_AHEAD) {
+        const smr_vec at = smr_add(first, smr_scale(move, (float)(int32_t)k));
+        if (!(at.x >= 0.0f && at.x < top.x && at.y >= 0.0f && at.y < top.y && at.z >= 0.0f && at.z < top.z))
+            continue;
+        const unsigned char *cell =
+            voxels + bytes * (size_t)(int32_t)at.x + row * (size_t)(int32_t)at.y + slice * (size_t)(int32_t)at.z;
+        __builtin_prefetch(cell);
+        __builtin_prefetch(cell + row);
+        __builtin_prefetch(cell + slice);
+        __builtin_prefetch(cell + slice + row);
+    }
+}
