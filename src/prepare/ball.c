@@ -38,16 +38,26 @@ static void box_ends(const smr_node *node, smr_vec p, float near2[SMR_TREE_WIDTH
     }
 }
 
-/* The members among a leaf's eight vertices. Behind the last vertex lies nothing: boxes there are SMR_FAR away. */
-static void set_leaf(const smr_plan *p, uint32_t leaf, const float near2[SMR_TREE_WIDTH], float r2, uint64_t *row)
+/* Which of a leaf's eight vertices lie within r2 of p, a bit each: for boxes without extent the same as box_ends(). Behind the
+ * last vertex lies nothing: boxes there are SMR_FAR away. Kept apart: GCC unrolls it where it is inlined, and then it is not
+ * vector code any more. */
+__attribute__((noinline)) static uint32_t leaf_members(const smr_node *leaf, smr_vec p, float r2)
 {
-    const uint32_t first = leaf * SMR_TREE_WIDTH;
-    uint64_t mask = 0;
-    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++)
-        mask |= (uint64_t)(near2[k] <= r2) << k;
-    if (mask == 0u)
+    static const uint32_t bit[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};
+    uint32_t members = 0;
+    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
+        const float x = leaf->lo[0][k] - p.x, y = leaf->lo[1][k] - p.y, z = leaf->lo[2][k] - p.z;
+        members |= x * x + y * y + z * z <= r2 ? bit[k] : 0u;
+    }
+    return members;
+}
+
+static void set_leaf(const smr_plan *p, uint32_t leaf, smr_vec centre, float r2, uint64_t *row)
+{
+    const uint32_t first = leaf * SMR_TREE_WIDTH, members = leaf_members(&p->points.node[leaf], centre, r2);
+    if (members == 0u)
         return;
-    row[first / 64u] |= mask << (first % 64u);
+    row[first / 64u] |= (uint64_t)members << (first % 64u);
     smr_row_cover(row, p->words, first / 64u, first / 64u + 1u);
 }
 
@@ -58,7 +68,7 @@ typedef struct visit {
 void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
 {
     const smr_vec centre = smr_load(p->xyz + 3u * (size_t)v);
-    const float r2 = radius * radius;
+    const float r2 = radius * radius, inside = SMR_INSIDE * r2, outside = SMR_OUTSIDE * r2;
     visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0;
     smr_row_clear(row, p->words);
@@ -66,19 +76,19 @@ void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
     while (top > 0u) {
         const visit at = stack[--top];
         float near2[SMR_TREE_WIDTH], far2[SMR_TREE_WIDTH];
-        box_ends(&p->points.node[p->points.level[at.level] + at.index], centre, near2, far2);
         if (at.level == 0u) {
-            set_leaf(p, at.index, near2, r2, row);
+            set_leaf(p, at.index, centre, r2, row);
             continue;
         }
+        box_ends(&p->points.node[p->points.level[at.level] + at.index], centre, near2, far2);
         for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
             const uint32_t child = at.index * SMR_TREE_WIDTH + k;
             const uint64_t first = (uint64_t)child << (3u * at.level), last = (uint64_t)(child + 1u) << (3u * at.level);
             if (first >= p->n)
                 break;
-            if (far2[k] <= SMR_INSIDE * r2)
+            if (far2[k] <= inside)
                 set_run(row, p->words, (uint32_t)first, last < p->n ? (uint32_t)last : p->n);
-            else if (near2[k] <= SMR_OUTSIDE * r2)
+            else if (near2[k] <= outside)
                 stack[top++] = (visit){at.level - 1u, child};
         }
     }
