@@ -60,13 +60,13 @@ typedef struct smr_plan {
     uint32_t level_end[SMR_LEVELS_MAX]; /* stored vertices of a level and all before it */
     uint32_t *stored;        /* [n] along the curve -> stored */
     uint32_t *along;         /* [n] stored -> along the curve */
+    uint32_t *level;         /* [n] of each vertex along the curve; the priority list is done with its scratch */
 
     /* written per radius */
     uint64_t *row;           /* [n_rows][words + 1] clusters as bit rows, see smr_plan_row() */
     uint32_t *count;         /* [n] |zeta| */
     uint32_t *rank;          /* [n] entry number of a vertex */
-    uint32_t *member;        /* [n] stored numbers of a list, and their levels; the priority list is done with its scratch */
-    uint32_t *level;         /* [n] */
+    uint32_t *member;        /* [n] of a list; the same scratch */
 
     /* scratch */
     float *middle;           /* [nt][3] centres of triangles */
