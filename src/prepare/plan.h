@@ -7,6 +7,7 @@
 #define SMR_PLAN_H
 
 #include "base/arena.h"
+#include "base/fork.h"
 #include "geometry/tree.h"
 #include "model/image.h"
 
@@ -24,6 +25,7 @@ typedef struct smr_plan {
     uint32_t words;          /* 64-bit words of a row of n bits */
     uint32_t n_rows;
     uint32_t separate;       /* of the radius in work */
+    smr_port port;           /* for loops over a block; none for geodesic clusters, which share scratch */
     float centre[3];         /* mm */
     float edge_mm;           /* mean edge */
     float edge_max;          /* longest edge */
@@ -73,6 +75,8 @@ typedef struct smr_plan {
     uint32_t *key;           /* [max(n, nt, pairs)] */
     uint32_t *item;          /* [max(n, nt, pairs)] */
     uint32_t *tmp;           /* [2 max(n, nt, pairs)] */
+    uint32_t near_kind;      /* what near holds: 1 + separate; 0 nothing yet */
+    uint32_t *near;          /* [n][SMR_NEAREST] the nearest vertices within a vertex' block, SMR_ALL behind the last */
     uint32_t *edge_a;        /* [pairs] candidate edges of a block's forest */
     uint32_t *edge_b;        /* [pairs] */
     uint32_t *set;           /* [block + 1] union-find */
