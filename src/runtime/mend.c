@@ -47,6 +47,19 @@ static smr_vec next_normal(const smr *s, uint32_t triangle, int marked)
     return marked ? normal_at(s, s->x_next, triangle) : smr_load(s->facet_normal + 3u * (size_t)triangle);
 }
 
+/* Runs of triangles in which something is marked: the others are passed over without a look at their corners. */
+static void touch(smr *s, uint32_t triangle)
+{
+    const uint32_t run = triangle >> s->mend.run_bits;
+    s->mend.touched[run / 64u] |= (uint64_t)1 << (run % 64u);
+}
+
+static int touched(const smr *s, uint32_t triangle)
+{
+    const uint32_t run = triangle >> s->mend.run_bits;
+    return (int)(s->mend.touched[run / 64u] >> (run % 64u) & 1u);
+}
+
 static void mark(smr *s, uint32_t triangle)
 {
     const uint32_t *t = s->triangle + 3u * (size_t)triangle;
@@ -67,7 +80,8 @@ static void hold(smr *s, uint32_t triangle, float keep)
 }
 
 /* Marks the corners of hinges that fold at x_next: all of them in a repair, otherwise those that did not at x. The first
- * round looks where the search counted some, the others where marks are: nothing else has moved since. */
+ * round looks where the search counted some, the others where marks are: nothing else has moved since. Runs do not know of
+ * what a pass holds back itself. */
 static void mark_folds(smr *s, uint32_t from, uint32_t to)
 {
     const int repairs = s->repairing > 0u;
@@ -75,7 +89,8 @@ static void mark_folds(smr *s, uint32_t from, uint32_t to)
     for (uint32_t i = from; i < to; i++) {
         const smr_image_hinge *h = smr_hinge_at(s, i);
         const uint32_t first = smr_le32(h->first), second = smr_hinge_second(h);
-        if (round == 0u && s->tally[i / SMR_HINGE_CHUNK].n_rejected == 0u)
+        if (round == 0u ? s->tally[i / SMR_HINGE_CHUNK].n_rejected == 0u
+                        : round < SMR_SMOOTHINGS && !touched(s, first) && !touched(s, second))
             continue;
         const int first_marked = any_marked(s, first), second_marked = any_marked(s, second);
         if (round > 0u && !first_marked && !second_marked)
@@ -119,23 +134,32 @@ static smr_vec base_at(const smr *s, float *base, uint32_t v)
     return smr_pose_apply(&s->fitted, smr_v(smr_le_float(r[0]), smr_le_float(r[1]), smr_le_float(r[2])));
 }
 
-static void clear_rings(smr *s, const uint32_t *t, const uint32_t *end)
+static void clear_rings(smr *s, uint32_t triangle, uint32_t last)
 {
-    for (; t < end; t++) {
-        if (!s->guard[*t])
+    for (; triangle < last; triangle++) {
+        const uint32_t *t = s->triangle + 3u * (size_t)triangle;
+        if (!any_marked(s, triangle))
             continue;
-        smr_store(smr_at3(s->ring_sum, *t), smr_v(0, 0, 0));
-        s->ring_weight[*t] = 0.0f;
+        touch(s, triangle);
+        for (uint32_t c = 0; c < 3u; c++) {
+            smr_store(smr_at3(s->ring_sum, t[c]), smr_v(0, 0, 0));
+            s->ring_weight[t[c]] = 0.0f;
+        }
     }
 }
 
 /* Weighted sums of the displacements x_next - base of marked vertices' mesh neighbours. Near neighbours weigh more, so
  * that the corners of a sliver, which the smallest difference turns over, move alike. */
-static void sum_rings(smr *s, const uint32_t *t, const uint32_t *end, float *base)
+static void sum_rings(smr *s, uint32_t triangle, uint32_t last, float *base)
 {
-    for (; t < end; t += 3) {
+    for (; triangle < last; triangle++) {
+        const uint32_t *t = s->triangle + 3u * (size_t)triangle;
         smr_vec at[3], moved[3];
-        if (!(s->guard[t[0]] | s->guard[t[1]] | s->guard[t[2]]))
+        if (!touched(s, triangle)) {
+            triangle |= ((uint32_t)1 << s->mend.run_bits) - 1u; /* to the end of the run */
+            continue;
+        }
+        if (!any_marked(s, triangle))
             continue;
         for (uint32_t c = 0; c < 3u; c++) {
             at[c] = base_at(s, base, t[c]);
@@ -232,6 +256,8 @@ void smr_mend_start(smr *s)
 {
     memset(&s->mend, 0, sizeof s->mend);
     s->mend.stage = SMR_MEND_MARK;
+    while (s->n_triangles >> s->mend.run_bits >= SMR_MEND_RUNS)
+        s->mend.run_bits++;
 }
 
 uint32_t smr_mend_tasks(smr *s) { return s->mend.stage == SMR_MEND_IDLE ? s->next_task : s->next_task + 1u; }
@@ -256,9 +282,9 @@ void smr_mend_pass(void *arg, uint32_t task, uint32_t worker)
     else if (m->stage == SMR_MEND_SPREAD)
         spread(s, t, end);
     else if (m->stage == SMR_MEND_CLEAR)
-        clear_rings(s, t, end);
+        clear_rings(s, part->first_triangle + from, part->first_triangle + to);
     else if (m->stage == SMR_MEND_SUM)
-        sum_rings(s, t, end, base);
+        sum_rings(s, part->first_triangle + from, part->first_triangle + to, base);
     else if (m->stage == SMR_MEND_MOVE)
         move(s, part->first_vertex + from, part->first_vertex + to, base);
     m->at = to;

@@ -17,6 +17,7 @@
 #define SMR_ENTRY_CHUNK 64u    /* entries of a piece of a block */
 #define SMR_STEPS_MAX 32u      /* of an iteration */
 #define SMR_HINGE_CHUNK 1024u  /* hinges of a task */
+#define SMR_MEND_RUNS 2048u    /* runs of triangles that are looked at or left out as one */
 #define SMR_STATE_MAGIC 0x736d7254u
 
 /* One structure's triangles and target. */
@@ -51,6 +52,8 @@ typedef struct smr_mend {
     uint32_t round, part, ring, sweep;
     uint32_t n_folds;                      /* found in this round */
     uint32_t moved;                        /* 1: x_next has changed, the facets must follow */
+    uint32_t run_bits;                     /* 2^run_bits triangles are a run */
+    uint64_t touched[SMR_MEND_RUNS / 64u]; /* a bit each run: a corner in it is marked */
 } smr_mend;
 
 /* What the controller knows of the time that an iteration takes (control.c). */
