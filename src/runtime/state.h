@@ -131,6 +131,7 @@ struct smr {
     /* written by smooth and by guard, over record */
     float *ring_sum;                       /* [n][3] sum over a vertex' mesh neighbours */
     float *ring_weight;                    /* [n] of that sum */
+    float *displaced;                      /* [n][3] even.c: from the rest shape in its pose */
     uint32_t n_folding;                    /* hinges found folding while repairing */
     uint32_t n_guarded;                    /* vertices so marked */
     smr_mend mend;
