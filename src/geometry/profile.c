@@ -137,6 +137,39 @@ static void scores_of(uint32_t kind, const scoring *s, const float *ref, uint32_
     }
 }
 
+/* The highest score from .. to-1 that is not below its neighbours; -1 for none. peak: scratch. Two loops without branches:
+ * where scores rise and fall nobody can foretell. */
+static float highest_peak(const float *score, uint32_t from, uint32_t to, float *peak)
+{
+    float highest = -1.0f;
+    for (size_t o = from; o < to; o++) {
+        const float above = score[o] >= score[o - 1u] ? score[o] : -1.0f;
+        peak[o] = score[o] >= score[o + 1u] ? above : -1.0f;
+    }
+    for (size_t o = from; o < to; o++)
+        highest = smr_max(peak[o], highest);
+    return highest;
+}
+
+/* The best offset between samples, and how far it is to be believed. */
+static smr_peak peak_of(const float *score, uint32_t offsets, float *scratch)
+{
+    uint32_t best = 0;
+    float top = -1.0f;
+    for (uint32_t o = 0; o < offsets; o++) {
+        best = score[o] > top ? o : best;
+        top = smr_max(score[o], top);
+    }
+    const float left = highest_peak(score, 1u, best > SMR_APART ? best - SMR_APART + 1u : 1u, scratch);
+    const float second = smr_max(left, highest_peak(score, best + SMR_APART, offsets - 1u, scratch));
+    smr_peak peak = {(float)best, 0.0f};
+    if (best > 0u && best + 1u < offsets && score[best - 1u] > -1.0f && score[best + 1u] > -1.0f)
+        peak.at += refine(score[best - 1u], score[best], score[best + 1u]);
+    peak.confidence = smr_max(top - SMR_SCORE_MIN, 0.0f) * (1.0f / (1.0f - SMR_SCORE_MIN)) *
+                      smr_clamp((top - second) * SMR_DISTINCT, SMR_DISTINCT_MIN, 1.0f);
+    return peak;
+}
+
 smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32_t n, const float *line,
                            const unsigned char *inside, uint32_t m, const smr_likeness *how)
 {
@@ -166,22 +199,9 @@ smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32
         centred[k] -= inside[k] ? level / count : 0.0f;
     const float noise = how->noise / range, middle = 0.5f * (float)(offsets - 1u);
     const scoring how_to = {SMR_SQRT(norm), noise * noise, (float)n, middle, offsets > 1u ? 1.0f / middle : 0.0f, how->nearer};
+    score[0] = -1.0f; /* compilers do not see that there is always an offset */
     scores_of(how->kind, &how_to, ref, n, centred, inside, offsets, score);
-    uint32_t best = 0;
-    for (uint32_t o = 1; o < offsets; o++)
-        if (score[o] > score[best])
-            best = o;
-    float second = -1.0f;
-    for (uint32_t o = 1; o + 1u < offsets; o++)
-        if (score[o] > second && score[o] >= score[o - 1u] && score[o] >= score[o + 1u] &&
-            (o > best ? o - best : best - o) >= SMR_APART)
-            second = score[o];
-    smr_peak peak = {(float)best, 0.0f};
-    if (best > 0u && best + 1u < offsets && score[best - 1u] > -1.0f && score[best + 1u] > -1.0f)
-        peak.at += refine(score[best - 1u], score[best], score[best + 1u]);
-    peak.confidence = smr_max(score[best] - SMR_SCORE_MIN, 0.0f) * (1.0f / (1.0f - SMR_SCORE_MIN)) *
-                      smr_clamp((score[best] - second) * SMR_DISTINCT, SMR_DISTINCT_MIN, 1.0f);
-    return peak;
+    return peak_of(score, offsets, centred);
 }
 
 static float slope_at(const uint8_t *packed, uint32_t k)
