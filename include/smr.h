@@ -195,6 +195,8 @@ typedef struct smr_prepare_config {
                                         what lies around; [-1,0), default -1: all but 1.6 voxels of the reference */
     smr_progress progress;           /* may be NULL */
     void *progress_ctx;
+    const struct smr_port *port;     /* section 6; lent while smr_prepare() runs; NULL (default): one core. The image is
+                                        the same */
 } smr_prepare_config;
 
 smr_prepare_config smr_prepare_config_default(void);

@@ -15,12 +15,14 @@ typedef struct both {
     int failed[2];
 } both;
 
-static int prepare(host_job *job, host_error *error)
+/* port: NULL for one core. */
+static int prepare(host_job *job, const smr_port *port, host_error *error)
 {
     smr_prepare_config config = job->options->prepare;
     int result = 0;
     if (job->options->reference != NULL)
         config.reference = &job->reference.view;
+    config.port = port;
     result = host_model_prepare(&job->model, &config, error);
     host_image_free(&job->reference);
     return result;
@@ -33,7 +35,7 @@ static void run_half(void *arg, uint32_t task, uint32_t worker)
     if (task == 1)
         b->failed[1] = host_job_start(b->job, &b->error[1]);
     else if (!b->job->ready_image)
-        b->failed[0] = prepare(b->job, &b->error[0]);
+        b->failed[0] = prepare(b->job, NULL, &b->error[0]);
 }
 
 int host_job_prepare(host_job *job, host_error *error)
@@ -41,7 +43,12 @@ int host_job_prepare(host_job *job, host_error *error)
     both b;
     memset(&b, 0, sizeof b);
     b.job = job;
-    host_parallel(&job->port.port, run_half, &b, 2);
+    if (job->options->align != HOST_ALIGN_NONE) {
+        host_parallel(&job->port.port, run_half, &b, 2);
+    } else { /* hardly anything but preparation: all workers share that */
+        b.failed[0] = job->ready_image ? 0 : prepare(job, &job->port.port, &b.error[0]);
+        b.failed[1] = b.failed[0] ? 0 : host_job_start(job, &b.error[1]);
+    }
     if (b.failed[0] || b.failed[1]) {
         *error = b.failed[0] ? b.error[0] : b.error[1];
         return -1;

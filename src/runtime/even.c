@@ -45,11 +45,6 @@ void smr_even_share(smr *s)
     s->even = s->config.even * left * left;
 }
 
-static smr_vec moved(smr *s, uint32_t v)
-{
-    return smr_sub(smr_load(smr_at3(s->x, v)), smr_pose_apply(&s->fitted, rest_of(s, v)));
-}
-
 static void add(smr *s, uint32_t v, smr_vec a, smr_vec b)
 {
     float *sum = smr_at3(s->ring_sum, v);
@@ -67,6 +62,7 @@ void smr_even_clear(void *arg, uint32_t task, uint32_t worker)
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
         smr_store(smr_at3(s->ring_sum, v), smr_v(0, 0, 0));
         s->ring_weight[v] = 0.0f;
+        smr_store(smr_at3(s->displaced, v), smr_sub(smr_load(smr_at3(s->x, v)), smr_pose_apply(&s->fitted, rest_of(s, v))));
     }
 }
 
@@ -78,7 +74,8 @@ void smr_even_rings(void *arg, uint32_t task, uint32_t worker)
     const uint32_t last = smr_min_u32((task + 1u) * SMR_TRIANGLE_CHUNK, s->n_triangles);
     for (uint32_t k = task * SMR_TRIANGLE_CHUNK; k < last; k++) {
         const uint32_t *t = s->triangle + 3u * (size_t)k;
-        const smr_vec a = moved(s, t[0]), b = moved(s, t[1]), c = moved(s, t[2]);
+        const smr_vec a = smr_load(smr_at3(s->displaced, t[0])), b = smr_load(smr_at3(s->displaced, t[1]));
+        const smr_vec c = smr_load(smr_at3(s->displaced, t[2]));
         add(s, t[0], b, c);
         add(s, t[1], c, a);
         add(s, t[2], a, b);
@@ -90,6 +87,6 @@ smr_vec smr_even_step(smr *s, uint32_t v)
     if (!(s->even > 0.0f) || !s->part[smr_model_owner(s->model, v)].drawn || !(s->ring_weight[v] > 0.0f))
         return smr_v(0, 0, 0);
     const smr_vec mean = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / s->ring_weight[v]);
-    const smr_vec way = smr_sub(mean, moved(s, v)), n = smr_load(smr_at3(s->normal, v));
+    const smr_vec way = smr_sub(mean, smr_load(smr_at3(s->displaced, v))), n = smr_load(smr_at3(s->normal, v));
     return smr_scale(smr_sub(way, smr_scale(n, smr_dot(n, way))), s->even);
 }

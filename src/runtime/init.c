@@ -32,6 +32,7 @@ static smr *layout(smr_arena *a, smr *s)
     s->eigen = polar ? smr_arena_take(a, n, 9u * sizeof(float)) : NULL;
     s->ring_sum = (float *)s->record; /* records are done when folds are looked for */
     s->ring_weight = s->ring_sum == NULL ? NULL : s->ring_sum + 3u * n;
+    s->displaced = s->ring_sum == NULL ? NULL : s->ring_sum + 4u * n;
     s->guard = smr_arena_take(a, n, 1);
     s->found = smr_arena_take(a, n, 1);
     s->seen = smr_arena_take(a, n, 1);

@@ -20,6 +20,7 @@
 #define SMR_ENTRY_CHUNK 32u    /* entries of a piece of a block, half as many of the reference shape's long records */
 #define SMR_STEPS_MAX 32u      /* of an iteration */
 #define SMR_HINGE_CHUNK 1024u  /* hinges of a task */
+#define SMR_MEND_RUNS 2048u    /* runs of triangles that are looked at or left out as one */
 #define SMR_STATE_MAGIC 0x736d7254u
 
 /* One structure's triangles and target. */
@@ -56,6 +57,8 @@ typedef struct smr_mend {
     uint32_t round, part, ring, sweep;
     uint32_t n_folds;                      /* found in this round */
     uint32_t moved;                        /* 1: x_next has changed, the facets must follow */
+    uint32_t run_bits;                     /* 2^run_bits triangles are a run */
+    uint64_t touched[SMR_MEND_RUNS / 64u]; /* a bit each run: a corner in it is marked */
 } smr_mend;
 
 /* What the controller knows of the time that an iteration takes (control.c). */
@@ -149,6 +152,7 @@ struct smr {
     /* written by smooth and by guard, over record */
     float *ring_sum;                       /* [n][3] sum over a vertex' mesh neighbours */
     float *ring_weight;                    /* [n] of that sum */
+    float *displaced;                      /* [n][3] even.c: from the rest shape in its pose */
     uint32_t n_folding;                    /* hinges found folding while repairing */
     uint32_t n_guarded;                    /* vertices so marked */
     smr_mend mend;
