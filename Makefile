@@ -26,6 +26,7 @@ HOST_SRC    := $(sort $(wildcard port/host/*.c))
 HOST_MAIN   := $(if $(HOST_SRC),$(shell grep -lE '^int main' $(HOST_SRC)))
 FIXTURE_SRC := $(filter-out fixtures/fixture_write.c,$(sort $(wildcard fixtures/*.c)))
 BAREMETAL_SRC := $(sort $(wildcard port/baremetal/*.c))
+TARGET_SRC  := $(sort $(wildcard tests/target/target_*.c))
 
 TEST_SRC    := $(sort $(wildcard tests/unit/test_*.c tests/property/test_*.c tests/golden/test_*.c))
 HOST_TEST_SRC := $(sort $(wildcard tests/host/test_*.c))
@@ -56,11 +57,14 @@ EXPERIMENTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(EXPERIMENT_SRC))
 BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(SUPPORT_OBJ) \
                $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC) $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) $(BAREMETAL_SRC) \
-               fixtures/fixture_write.c tests/golden/golden.c tests/target/target_budget.c)
+               fixtures/fixture_write.c tests/golden/golden.c tests/golden/replay_run.c $(TARGET_SRC))
 
+# The emulated boards. The M55's vector unit would flush denormals: nomve.fp keeps it to integers.
 M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-sections -fdata-sections
+M55_CFLAGS := -mthumb -mcpu=cortex-m55+nomve.fp -mfloat-abi=hard -ffunction-sections -fdata-sections
+export M7_CFLAGS M55_CFLAGS
 
-.PHONY: all help demo demo-bone check experiments programs cmocka bench figure2 soak size stack hashes golden-update install clean
+.PHONY: all help demo demo-bone check experiments programs cmocka bench figure2 soak size stack hashes golden-update timing timing-update install clean
 .DELETE_ON_ERROR:
 
 all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM)
@@ -78,6 +82,8 @@ help:
 	@echo 'make stack           largest stack frames; fails on an unbounded one'
 	@echo 'make hashes          state hash over threads, schedulers, compilers and processors'
 	@echo 'make golden-update   records the current state hash as the expected one'
+	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of instructions; minutes'
+	@echo 'make timing-update   records that table in tests/timing/results'
 	@echo 'make install         to $$(DESTDIR)$$(PREFIX), default /usr/local'
 	@echo 'make clean           removes $(BUILD)/'
 	@echo 'Variables: CC, CFLAGS (appended), BUILD, WERROR=1, PREFIX, DESTDIR'
@@ -101,14 +107,15 @@ $(BUILD)/obj/tests/bench/%.o: tests/bench/%.c
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) $(THREADS) -Iinclude -Iport/pthread -Iport/host -Ifixtures -Itests/bench -c $< -o $@
 
-# Public header and ports only: these programs also run on the board.
+# Public header and ports only: this program also runs on the boards.
 $(BUILD)/obj/tests/golden/%.o: tests/golden/%.c
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) -Iinclude -Iport/pthread -Iport/baremetal -Ifixtures -c $< -o $@
 
+# These look which step the clock is read in, so they see the core's folders, too.
 $(BUILD)/obj/tests/target/%.o: tests/target/%.c
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) -Iinclude -Iport/baremetal -Ifixtures -c $< -o $@
+	$(CC) $(ALL_CFLAGS) -Iinclude -Isrc -Iport/baremetal -Ifixtures -Itests/target -c $< -o $@
 
 $(BUILD)/obj/tests/%.o: tests/%.c
 	@mkdir -p $(@D)
@@ -135,6 +142,9 @@ $(BUILD)/fixture_write: $(BUILD)/obj/fixtures/fixture_write.o $(SUPPORT_LIB)
 $(BUILD)/golden: $(BUILD)/obj/tests/golden/golden.o $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
 	$(LINK) -lm
 
+$(BUILD)/replay_run: $(BUILD)/obj/tests/golden/replay_run.o $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
+	$(LINK) -lm
+
 $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(HOST_LIB_OBJ)
 $(EXPERIMENTS): $(call obj,$(EXPERIMENT_HELPER_SRC))
 $(TESTS) $(HOST_TESTS) $(EXPERIMENTS): private LDLIBS += -lcmocka
@@ -143,12 +153,19 @@ $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(BUILD)/tests/%: $(BUILD)/obj
 	@mkdir -p $(@D)
 	$(LINK) -lm
 
-# Programs for the emulated board; called with CC=arm-none-eabi-gcc CFLAGS="$(M7_CFLAGS) ...".
-$(BUILD)/golden_m7.elf: $(BUILD)/obj/tests/golden/golden.o
-$(BUILD)/target_budget_m7.elf: $(BUILD)/obj/tests/target/target_budget.o
-$(BUILD)/%_m7.elf: $(call obj,$(BAREMETAL_SRC) $(FIXTURE_SRC)) $(CORE_LIB) port/baremetal/mps2_an500.ld
-	$(CC) $(ALL_CFLAGS) -nostartfiles -Wl,--gc-sections -T port/baremetal/mps2_an500.ld -o $@ \
-	    $(filter %.o,$^) $(CORE_LIB) -lm -lc -lgcc
+# Programs for the emulated boards, NAME_m7.elf and NAME_m55.elf; called with CC=arm-none-eabi-gcc CFLAGS="$(M7_CFLAGS) ...".
+# A board is a linker script and a clock.
+BAREMETAL_OBJ := $(call obj,$(filter-out port/baremetal/smr_clock_%,$(BAREMETAL_SRC)) $(FIXTURE_SRC))
+link_board = $(CC) $(ALL_CFLAGS) -nostartfiles -Wl,--gc-sections -L port/baremetal -T $(1) -o $@ $(filter %.o,$^) \
+             $(CORE_LIB) -lm -lc -lgcc
+$(BUILD)/golden_m7.elf $(BUILD)/golden_m55.elf: $(BUILD)/obj/tests/golden/golden.o
+$(BUILD)/replay_run_m7.elf: $(BUILD)/obj/tests/golden/replay_run.o
+$(foreach t,$(patsubst tests/target/%.c,%,$(filter-out tests/target/target_rig%,$(TARGET_SRC))),\
+    $(eval $(BUILD)/$(t)_m7.elf $(BUILD)/$(t)_m55.elf: $(call obj,tests/target/$(t).c $(filter tests/target/target_rig%,$(TARGET_SRC)))))
+$(BUILD)/%_m7.elf: $(BAREMETAL_OBJ) $(call obj,port/baremetal/smr_clock_mps2.c) $(CORE_LIB) port/baremetal/mps2_an500.ld port/baremetal/smr_sections.ld
+	$(call link_board,mps2_an500.ld)
+$(BUILD)/%_m55.elf: $(BAREMETAL_OBJ) $(call obj,port/baremetal/smr_clock_mps3.c) $(CORE_LIB) port/baremetal/mps3_an547.ld port/baremetal/smr_sections.ld
+	$(call link_board,mps3_an547.ld)
 
 # ---------------------------------------------------------------- what people call
 
@@ -164,7 +181,7 @@ cmocka:
 
 $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC)): | cmocka
 
-programs: all $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BUILD)/fixture_write $(if $(CORE_SRC),$(BUILD)/golden) $(call obj,$(wildcard port/template/*.c))
+programs: all $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BUILD)/fixture_write $(if $(CORE_SRC),$(BUILD)/golden $(BUILD)/replay_run) $(call obj,$(wildcard port/template/*.c))
 
 check: programs
 	@BUILD="$(BUILD)" CC="$(CC)" NM="$(NM)" SMR="$(BUILD)/smr" FIXTURE_WRITE="$(BUILD)/fixture_write" \
@@ -204,11 +221,19 @@ stack:
 	else echo 'Cortex-M7: skipped (needs gcc-arm-none-eabi)'; fi
 
 hashes:
-	@MAKE="$(MAKE)" BUILD="$(BUILD)" M7_CFLAGS="$(M7_CFLAGS)" sh tests/golden/hashes.sh
+	@MAKE="$(MAKE)" BUILD="$(BUILD)" sh tests/golden/hashes.sh
 
 golden-update: $(BUILD)/golden
 	$(BUILD)/golden > tests/golden/expected.txt
 	@cat tests/golden/expected.txt
+
+timing:
+	@BUILD="$(BUILD)" sh tests/target/check_budget.sh 10000
+	@BUILD="$(BUILD)" sh tests/target/check_interrupt.sh
+	@BUILD="$(BUILD)" sh tests/target/check_timing.sh
+
+timing-update:
+	@BUILD="$(BUILD)" sh tests/target/check_timing.sh --update
 
 version = $(shell awk '/define SMR_VERSION_(MAJOR|MINOR|PATCH)/ {v = v s $$3; s = "."} END {print v}' include/smr.h)
 

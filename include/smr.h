@@ -34,7 +34,8 @@ typedef enum smr_status {
     SMR_E_MODEL = -5,   /* not a model image, other version, damaged, or inconsistent */
     SMR_E_INPUT = -6,   /* a count, index or coordinate in the data is out of range */
     SMR_E_STATE = -7,   /* the call is not possible in this state */
-    SMR_E_ABORTED = -8  /* the progress callback asked to stop */
+    SMR_E_ABORTED = -8, /* the progress callback asked to stop */
+    SMR_E_LOG = -9      /* not a log, other version, damaged, or cut off within a record */
 } smr_status;
 
 /* The status' name, for example "SMR_E_ARENA". Never NULL. */
@@ -194,6 +195,8 @@ typedef struct smr_prepare_config {
                                         what lies around; [-1,0), default -1: all but 1.6 voxels of the reference */
     smr_progress progress;           /* may be NULL */
     void *progress_ctx;
+    const struct smr_port *port;     /* section 6; lent while smr_prepare() runs; NULL (default): one core. The image is
+                                        the same */
 } smr_prepare_config;
 
 smr_prepare_config smr_prepare_config_default(void);
@@ -360,7 +363,7 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 /* The same as a compile-time upper bound, for static storage:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(nv, nt, ns, workers, target_vertices)]; */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices)        \
-    ((size_t)8192u + (size_t)352u * (n_vertices) + (size_t)54u * (n_triangles) +                    \
+    ((size_t)8192u + (size_t)360u * (n_vertices) + (size_t)54u * (n_triangles) +                    \
      (size_t)2048u * (n_structures) + ((size_t)32u * (n_vertices) + 256u) * (n_workers) +           \
      (size_t)8u * (n_target_vertices))
 
@@ -380,8 +383,9 @@ smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz);
 smr_status smr_set_pose(smr *s, const smr_pose *pose);
 
 /* Gives a structure (or SMR_ALL) its target surface, borrowed until replaced; NULL takes it away, and the
- * structure is then carried along by its neighbours. May be called between any two ticks; a schedule that is done
- * stays done until smr_set_pose() or smr_set_positions().
+ * structure is then carried along by its neighbours. May be called between any two ticks: an iteration under way that has not all
+ * its forces yet starts them again, one that has them ends with the old target. A schedule that is done stays done until
+ * smr_set_pose() or smr_set_positions().
  * Errors: E_NULL, E_STATE (not a registration, or not a surface), E_INPUT (no such structure), E_ARENA (more vertices
  * than config.n_target_vertices, where that is not 0). */
 smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface);
@@ -451,6 +455,109 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
 
 /* Hash of the complete state (positions and reference shape). 0 for NULL. */
 uint64_t smr_state_hash(const smr *s);
+
+/* ------------------------------------------------------------------ 8. record and replay */
+
+/* Enough memory for a log of so many ticks and so many calls of smr_set_...(); any memory will do. */
+#define SMR_LOG_BYTES(n_ticks, n_sets) ((size_t)512u + (size_t)40u * (n_ticks) + (size_t)56u * (n_sets))
+
+/* Records in memory[bytes], of any alignment, what is done to s from here on: the configuration, each input that is set (a pose
+ * itself, of others a checksum), each tick, how far it came and the state's hash. Borrowed until replaced; NULL takes it away.
+ * Only right after smr_init, so that the log says all. Where a record does not fit recording ends, a last record says so,
+ * and the registration goes on. Costs of a tick some 0.2 us; of an input one pass over it. Results are the same with and without a log.
+ * Errors: E_NULL, E_STATE (not a registration, or not right after smr_init), E_ARENA (no room for the header: SMR_LOG_BYTES(0, 0)). */
+smr_status smr_set_log(smr *s, void *memory, size_t bytes);
+
+typedef struct smr_log_state {
+    size_t bytes;       /* written so far: the log is the first so many; complete after each call */
+    uint32_t n_ticks;   /* recorded */
+    uint32_t full;      /* 1: the memory was too small, recording has ended */
+} smr_log_state;
+
+/* How far the log of s is; all 0 without one. Errors: E_NULL, E_STATE. */
+smr_status smr_get_log(const smr *s, smr_log_state *state);
+
+typedef struct smr_log_info {
+    uint32_t library;        /* version that wrote it: major << 16 | minor << 8 | patch */
+    uint32_t model_checksum; /* smr_model_info.checksum */
+    uint32_t n_vertices;     /* of the model */
+    smr_config config;       /* as it was given to smr_init; unchecked */
+} smr_log_info;
+
+enum {
+    SMR_LOG_TICK = 1,  /* smr_tick */
+    SMR_LOG_SURFACE,   /* smr_set_surface, and so on */
+    SMR_LOG_VOLUME,
+    SMR_LOG_POSE,
+    SMR_LOG_POSITIONS,
+    SMR_LOG_ACTIVE,
+    SMR_LOG_FULL       /* the memory ended here */
+};
+
+/* One record. Fields that its kind does not have are 0. */
+typedef struct smr_log_record {
+    uint32_t kind;            /* SMR_LOG_...; 0: the log ends here */
+    /* inputs */
+    uint32_t structure;       /* surface, positions: whose; SMR_ALL */
+    uint32_t present;         /* 0: it was taken away (NULL) */
+    uint64_t checksum;        /* of a surface, volume or positions */
+    smr_pose pose;
+    /* ticks: what the tick's report said */
+    uint32_t complete;        /* 1: an iteration was completed, or the schedule was done already; 0: SMR_PARTIAL */
+    uint32_t done, phase, iteration;
+    uint32_t n_taken;         /* also of SMR_LOG_ACTIVE: what was asked for */
+    uint32_t n_evaluated;     /* vertices whose forces were looked for, so far in the iteration */
+    uint32_t n_forces, plastic_updates;
+    uint64_t state_hash;
+} smr_log_record;
+
+/* Where reading stands; the fields are the library's. */
+typedef struct smr_log_reader {
+    const unsigned char *log; /* borrowed */
+    size_t bytes, at;
+    uint32_t checksum;
+} smr_log_reader;
+
+/* Opens a log of `bytes` bytes (of any alignment), which may come from anywhere. info may be NULL.
+ * Errors: E_NULL, E_LOG; nothing is written then. */
+smr_status smr_log_open(const void *log, size_t bytes, smr_log_reader *reader, smr_log_info *info);
+
+/* The next record; of kind 0 at the end. Errors: E_NULL, E_LOG (*record is of kind 0 then, and the reader stays). */
+smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record);
+
+/* Gives a replay the input that a record of kind surface, volume or positions names: a const smr_surface *, const smr_volume *
+ * or const float * ([n_vertices][3], mm); NULL when it is not there. It is borrowed as in smr_set_...(). */
+typedef const void *(*smr_log_input)(void *ctx, const smr_log_record *record);
+
+/* A replay under way; the fields are the library's. */
+typedef struct smr_replay {
+    smr *s;
+    smr_log_reader reader, later;
+    smr_log_input input;
+    void *ctx;
+    uint32_t n_ticks, has_forces, has_later;
+} smr_replay;
+
+/* Prepares to repeat a log on s, which is as smr_init left it, with the log's model and configuration (n_workers may differ,
+ * and so may the port). log and s must stay. input may be NULL when there are only poses.
+ * Errors: E_NULL, E_STATE (not a registration, or not right after smr_init), E_LOG, E_MODEL (another model), E_CONFIG (another
+ * configuration). */
+smr_status smr_replay_start(smr_replay *replay, smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx);
+
+typedef struct smr_replay_report {
+    uint32_t tick;            /* the log's, from 1; at its end: how many there were */
+    uint32_t ended;           /* 1: the log has no further tick */
+    uint32_t full;            /* 1: and it ended because its memory did */
+    uint32_t differs;         /* 1: the repeated tick came to something else */
+    smr_log_record record;    /* the tick; with an error: the record it is about */
+    smr_log_record found;     /* what the repeated tick came to */
+} smr_replay_report;
+
+/* Repeats the log's next tick and the inputs set before it, without a clock, and compares what it came to. A complete iteration is
+ * computed in one piece; a partial tick changes nothing yet, so its time falls on the tick that completes the iteration.
+ * Errors: E_NULL, E_LOG, E_INPUT (an input is missing or has another checksum, or was refused), and what smr_set_...() and smr_tick()
+ * return. After an error or a difference the rest of the replay means little. */
+smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 
 #ifdef __cplusplus
 }

@@ -1,5 +1,5 @@
 /*
- * smr_baremetal: the port for one Cortex-M core without an operating system, shown on the MPS2 boards.
+ * smr_baremetal: the port for one Cortex-M core without an operating system, shown on the MPS2 and MPS3 boards.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -12,14 +12,15 @@
 extern "C" {
 #endif
 
-/* The clock's memory: extends the 32-bit timer to 64 bits. The caller owns it. */
+/* The clock's memory: extends the board's 32-bit counter to 64 bits. The caller owns it. */
 typedef struct smr_baremetal {
-    uint64_t ticks;   /* timer ticks up to `last` */
-    uint32_t last;    /* the timer's value at the last reading; it counts down */
+    uint64_t steps;   /* of the counter, up to `last` */
+    uint32_t last;    /* the counter when it was last read */
 } smr_baremetal;
 
-/* Starts the board's CMSDK timer 0 and returns a port with one worker and this clock. The clock must be
- * read at least once per wrap of the timer (171 s at 25 MHz), which every tick with a budget does.
+/* Starts the board's counter (smr_clock.h) and returns a port with one worker and this clock. The clock must be
+ * read at least once per wrap of the counter (171 s at 25 MHz, 134 s at 32 MHz), which every tick with a budget does, and
+ * only from one place at a time: from the interrupt that ticks, or outside of it.
  * *state must stay as long as the port is used. */
 smr_port smr_baremetal_port(smr_baremetal *state);
 

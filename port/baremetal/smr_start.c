@@ -4,8 +4,7 @@
  * SPDX-License-Identifier: MIT
  */
 #include "smr_semihost.h"
-
-#include <stdint.h>
+#include "smr_systick.h"
 
 #define SMR_START_CPACR 0xE000ED88u /* coprocessor access control */
 
@@ -38,7 +37,7 @@ __attribute__((section(".vectors"), used)) static const smr_start_entry SMR_STAR
     {.handler = smr_start_fault}, /* SVCall */
     {.handler = smr_start_fault}, {.handler = smr_start_fault},
     {.handler = smr_start_fault}, /* PendSV */
-    {.handler = smr_start_fault}, /* SysTick */
+    {.handler = smr_systick_handler},
 };
 
 void smr_start_reset(void)
@@ -57,6 +56,9 @@ void smr_start_reset(void)
     }
     smr_semihost_exit(main());
 }
+
+/* A program that starts the timer has a handler of its own. */
+__attribute__((weak)) void smr_systick_handler(void) { smr_start_fault(); }
 
 void smr_start_fault(void)
 {

@@ -15,12 +15,14 @@ typedef struct both {
     int failed[2];
 } both;
 
-static int prepare(host_job *job, host_error *error)
+/* port: NULL for one core. */
+static int prepare(host_job *job, const smr_port *port, host_error *error)
 {
     smr_prepare_config config = job->options->prepare;
     int result = 0;
     if (job->options->reference != NULL)
         config.reference = &job->reference.view;
+    config.port = port;
     result = host_model_prepare(&job->model, &config, error);
     host_image_free(&job->reference);
     return result;
@@ -33,15 +35,20 @@ static void run_half(void *arg, uint32_t task, uint32_t worker)
     if (task == 1)
         b->failed[1] = host_job_start(b->job, &b->error[1]);
     else if (!b->job->ready_image)
-        b->failed[0] = prepare(b->job, &b->error[0]);
+        b->failed[0] = prepare(b->job, NULL, &b->error[0]);
 }
 
-static int prepare_and_start(host_job *job, host_error *error)
+int host_job_prepare(host_job *job, host_error *error)
 {
     both b;
     memset(&b, 0, sizeof b);
     b.job = job;
-    host_parallel(&job->port.port, run_half, &b, 2);
+    if (job->options->align != HOST_ALIGN_NONE) {
+        host_parallel(&job->port.port, run_half, &b, 2);
+    } else { /* hardly anything but preparation: all workers share that */
+        b.failed[0] = job->ready_image ? 0 : prepare(job, &job->port.port, &b.error[0]);
+        b.failed[1] = b.failed[0] ? 0 : host_job_start(job, &b.error[1]);
+    }
     if (b.failed[0] || b.failed[1]) {
         *error = b.failed[0] ? b.error[0] : b.error[1];
         return -1;
@@ -71,16 +78,38 @@ static int write_files(const host_job *job, host_output *output, host_error *err
     return result;
 }
 
+static int write_log(const host_job *job, host_output *output, host_error *error)
+{
+    host_buffer buffer;
+    int result = 0;
+    memset(&buffer, 0, sizeof buffer);
+    result = host_job_log(job, &buffer, error);
+    if (result == 0)
+        result = host_output_add(output, job->options->log, &buffer, error);
+    host_buffer_free(&buffer);
+    return result;
+}
+
+/* Results and log: all of them or, as far as renaming allows, none. */
 int host_job_write(host_job *job, host_error *error)
 {
-    host_output *const output = host_output_begin(job->options->out);
-    if (output == NULL)
-        return host_fail(error, "output", "free memory");
-    if (write_files(job, output, error) != 0) {
+    host_output *const output = host_output_begin(job->options->out), *const log = host_output_begin(NULL);
+    int result = 0;
+    if (output == NULL || log == NULL)
+        result = host_fail(error, "output", "free memory");
+    if (result == 0)
+        result = write_files(job, output, error);
+    if (result == 0 && job->options->log != NULL) /* perhaps into the directory that was just made */
+        result = write_log(job, log, error);
+    if (result != 0) {
+        host_output_abandon(log);
         host_output_abandon(output);
         return -1;
     }
-    return host_output_commit(output, error);
+    if (host_output_commit(output, error) == 0)
+        return host_output_commit(log, error);
+    host_output_abandon(log);
+    return -1;
 }
 
 void host_job_free(host_job *job)
@@ -96,6 +125,7 @@ void host_job_free(host_job *job)
     free(job->target);
     free(job->tick_ms);
     free(job->arena);
+    free(job->log_memory);
     free(job->start_xyz);
     free(job->warp_memory);
     free(job->truth_paths);
@@ -108,8 +138,9 @@ void host_job_free(host_job *job)
 static int run_steps(host_job *job, host_error *error)
 {
     if (host_output_check(job->options->out, error) != 0 ||
+        (job->options->log != NULL && host_output_check_file(job->options->log, job->options->out, error) != 0) ||
         host_port_open(&job->port, job->options->threads, error) != 0 || host_job_load(job, error) != 0 ||
-        host_job_match(job, error) != 0 || prepare_and_start(job, error) != 0 || host_job_run(job, error) != 0 ||
+        host_job_match(job, error) != 0 || host_job_prepare(job, error) != 0 || host_job_run(job, error) != 0 ||
         host_job_evaluate(job, error) != 0 || host_job_write(job, error) != 0)
         return HOST_REFUSED;
     if (!job->options->quiet)

@@ -5,13 +5,14 @@
 
 #include "host_options.h"
 
-enum { HOST_DONE = 0, HOST_NOT_CONVERGED = 1, HOST_REFUSED = 2 };
+enum { HOST_DONE = 0, HOST_NOT_CONVERGED = 1, HOST_DIFFERS = 1, HOST_REFUSED = 2 };
 
 int host_register(const host_options *options, host_error *error);
 int host_build(const host_options *options, host_error *error);
 int host_info(const host_options *options, host_error *error);
 int host_phantom(const host_options *options, host_error *error);
 int host_bench_run(const host_options *options, host_error *error);
+int host_replay(const host_options *options, host_error *error);
 int host_measure(const host_options *options, host_error *error);
 
 #endif

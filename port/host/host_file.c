@@ -1,6 +1,6 @@
 /* Reading whole files. Sizes come from the file system, never from what a file claims about itself.
  * SPDX-License-Identifier: MIT */
-#define _POSIX_C_SOURCE 200809L
+#define _DEFAULT_SOURCE /* madvise */
 
 #include "host_file.h"
 
@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -18,6 +19,21 @@ void *host_alloc(size_t bytes)
 {
     const size_t slots = bytes / 64u + 1u;
     return bytes > SIZE_MAX - 128u ? NULL : aligned_alloc(64u, slots * 64u);
+}
+
+#define HUGE_PAGE ((size_t)2u << 20)
+
+void *host_alloc_scattered(size_t bytes)
+{
+    void *data = NULL;
+    if (bytes < HUGE_PAGE || bytes > SIZE_MAX - 2u * HUGE_PAGE)
+        return host_alloc(bytes);
+    data = aligned_alloc(HUGE_PAGE, (bytes / HUGE_PAGE + 1u) * HUGE_PAGE);
+#if defined(MADV_HUGEPAGE)
+    if (data != NULL) /* where the system has none nothing is lost; the last, partly used page stays small */
+        (void)madvise(data, bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
+#endif
+    return data;
 }
 
 void host_file_free(host_bytes *bytes)
@@ -67,29 +83,56 @@ static int read_plain(int fd, const char *path, size_t size, host_accept accept,
     return 0;
 }
 
-/* Files read so far, by device and number. Reading goes on in several threads. */
+/* Files read so far, by device and number, and by name. Reading goes on in several threads. */
 static struct {
     pthread_mutex_t lock;
     struct file_id {
         dev_t device;
         ino_t number;
+        char *name; /* owned, until the program ends */
     } *file;
     size_t n;
 } seen = {PTHREAD_MUTEX_INITIALIZER, NULL, 0};
 
-static int remember(const struct stat *st)
+static int remember(const char *path, const struct stat *st)
 {
+    const size_t bytes = strlen(path) + 1u;
+    char *const name = malloc(bytes);
     struct file_id *grown = NULL;
+    if (name == NULL)
+        return -1;
+    memcpy(name, path, bytes);
     (void)pthread_mutex_lock(&seen.lock);
     grown = realloc(seen.file, (seen.n + 1u) * sizeof *grown);
     if (grown != NULL) {
         seen.file = grown;
+        seen.file[seen.n].name = name;
         seen.file[seen.n].device = st->st_dev;
         seen.file[seen.n].number = st->st_ino;
         seen.n++;
     }
     (void)pthread_mutex_unlock(&seen.lock);
+    if (grown == NULL)
+        free(name);
     return grown != NULL ? 0 : -1;
+}
+
+size_t host_file_count(void)
+{
+    size_t n = 0;
+    (void)pthread_mutex_lock(&seen.lock);
+    n = seen.n;
+    (void)pthread_mutex_unlock(&seen.lock);
+    return n;
+}
+
+const char *host_file_name(size_t i)
+{
+    const char *name = NULL;
+    (void)pthread_mutex_lock(&seen.lock);
+    name = seen.file[i].name;
+    (void)pthread_mutex_unlock(&seen.lock);
+    return name;
 }
 
 int host_file_was_read(const char *path)
@@ -117,7 +160,7 @@ static int read_open(int fd, const char *path, host_accept accept, host_bytes *b
         return host_fail(error, "file", "a regular file, not a directory");
     if (!S_ISREG(st.st_mode))
         return host_fail(error, "file", "a regular file");
-    if (remember(&st) != 0)
+    if (remember(path, &st) != 0)
         return host_fail(error, "file", "free memory");
     if (st.st_size == 0)
         return host_fail(error, "file", "data, but the file is empty");

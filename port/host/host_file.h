@@ -29,9 +29,17 @@ int host_file_read(const char *path, host_accept accept, host_bytes *bytes, host
 /* 1 when this file was read by this run: results must not replace it. path need not be how it was named then. */
 int host_file_was_read(const char *path);
 
+/* The files read by this run so far, in the order in which they were opened; names as they were given then. */
+size_t host_file_count(void);
+const char *host_file_name(size_t i);
+
 void host_file_free(host_bytes *bytes);
 
 /* Memory on a 64-byte address, at least one byte; NULL when there is none. Ends with free(). */
 void *host_alloc(size_t bytes);
+
+/* The same for many MB that are read all over, voxels above all: on huge pages if the system has them. With pages of 4 KB
+ * the processor looks for their addresses as long as for the bytes. */
+void *host_alloc_scattered(size_t bytes);
 
 #endif

@@ -13,6 +13,7 @@ static const char *const lines[] = {
     "  smr build --model FILE... -o MODEL.smr                 prepare a model (--reference: for images)",
     "  smr info MODEL.smr | FILE...                           what a model is made of",
     "  smr measure A B [--source S]                           distances both ways, Hausdorff, folds",
+    "  smr replay LOG [--threads N]                           repeat a registration that register --log recorded",
     "  smr phantom -o DIR [--seed N] [--small]                a computed thigh to try it on: model, images, truth",
     "  smr bench --figure2 | --soak -o DIR                    time and error against ignored vertices; budgets",
     "  smr --help | --version",
@@ -43,6 +44,7 @@ static const char *const lines[] = {
     "  --iterations N                  per radius (9)            --iterations-last N (60)",
     "  --active X                      share of the vertices that take part, the most important first (1)",
     "  --active-first X                the same at the start of the schedule, from where it grows (1)",
+    "  --log FILE                      record what is done, for smr replay: the command line, checksums of the inputs, each tick",
     "  --quiet                         print nothing",
     "with a volume as the target the defaults are --radius 60,40,25,15 (larger ones first for a single structure) --search 30,3 (along the",
     "normal, at most 60) --plastic-every 5 --iterations 20 --iterations-last 40; --align without landmarks,",
@@ -65,7 +67,8 @@ static const char *const lines[] = {
     "  --order forest|breadth-first    (forest)                  --block N        (chosen)",
     "build: --c-array NAME             C source instead when -o ends in .c, else beside it",
     "",
-    "Exit status: 0 done, 1 not converged within --ticks (results are written), 2 bad usage or input.",
+    "replay reads the inputs again, from where it is called, and says that all ticks agree, or which one differs; --threads N",
+    "Exit status: 0 done, 1 not converged within --ticks (results are written) or a replay that differs, 2 bad usage or input.",
 };
 
 void host_help(void)

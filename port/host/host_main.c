@@ -37,6 +37,8 @@ static int run(int command, int argc, char **argv, host_error *error)
             result = host_phantom(&options, error);
         else if (command == HOST_BENCH)
             result = host_bench_run(&options, error);
+        else if (command == HOST_REPLAY)
+            result = host_replay(&options, error);
         else
             result = host_measure(&options, error);
     }
@@ -52,7 +54,8 @@ static int dispatch(int argc, char **argv, host_error *error)
         const char *name;
         int command;
     } commands[] = {{"register", HOST_REGISTER}, {"build", HOST_BUILD},     {"info", HOST_INFO},
-                    {"measure", HOST_MEASURE},   {"phantom", HOST_PHANTOM}, {"bench", HOST_BENCH}};
+                    {"measure", HOST_MEASURE},   {"phantom", HOST_PHANTOM}, {"bench", HOST_BENCH},
+                    {"replay", HOST_REPLAY}};
     size_t i = 0;
     int k = 0;
     for (k = 1; k < argc; k++)
@@ -68,7 +71,7 @@ static int dispatch(int argc, char **argv, host_error *error)
         if (strcmp(argv[1], commands[i].name) == 0)
             return run(commands[i].command, argc, argv, error);
     error->file = argc > 1 ? argv[1] : "usage";
-    (void)host_fail(error, "command", "register, build, info, measure, phantom, bench, --help or --version");
+    (void)host_fail(error, "command", "register, build, info, measure, phantom, bench, replay, --help or --version");
     host_error_print(error);
     return HOST_REFUSED;
 }

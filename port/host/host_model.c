@@ -219,12 +219,13 @@ static int refuse_prepared(const host_options *options, host_error *error)
 }
 
 /* With profiles of the reference image when there is one. */
-static int prepare_with(host_model *model, const host_options *options, host_error *error)
+static int prepare_with(host_model *model, const host_options *options, const smr_port *port, host_error *error)
 {
     smr_prepare_config config = options->prepare;
     host_image reference;
     int result = 0;
     memset(&reference, 0, sizeof reference);
+    config.port = port;
     if (options->reference != NULL) {
         result = host_image_read(options->reference, options->mirror_model, &reference, error);
         config.reference = &reference.view;
@@ -258,7 +259,7 @@ int host_model_load(const host_files *files, const host_options *options, const 
         result = host_model_take(loads, files->n, model, error);
     free(loads);
     if (result == 0)
-        result = prepare_with(model, options, error);
+        result = prepare_with(model, options, port, error);
     if (result != 0)
         host_model_free(model);
     return result;

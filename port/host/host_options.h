@@ -7,7 +7,7 @@
 #include "host_mesh.h"
 #include "smr.h"
 
-enum { HOST_REGISTER = 1, HOST_BUILD = 2, HOST_INFO = 4, HOST_MEASURE = 8, HOST_PHANTOM = 16, HOST_BENCH = 32 };
+enum { HOST_REGISTER = 1, HOST_BUILD = 2, HOST_INFO = 4, HOST_MEASURE = 8, HOST_PHANTOM = 16, HOST_BENCH = 32, HOST_REPLAY = 64 };
 enum { HOST_ALIGN_NONE = 0, HOST_ALIGN_RIGID, HOST_ALIGN_SIMILARITY };
 enum { HOST_CLUSTERS_AUTO = 0, HOST_CLUSTERS_SHARED, HOST_CLUSTERS_SEPARATE };
 
@@ -29,6 +29,9 @@ typedef struct host_options {
     host_files landmarks;  /* none, or the model's and the target's */
     const char *out, *c_array, *source; /* NULL when not given */
     const char *reference; /* the image that fits the model; NULL */
+    const char *log;       /* file for the log; NULL: none */
+    char **arguments;      /* as they were given behind the command; they point into argv */
+    int n_arguments;
     const char *truth;     /* directory of the true surfaces, for measuring; NULL */
     int image_target;      /* 1: the target is one volume */
     uint64_t given;        /* bit i: the table's option i was given */

@@ -74,6 +74,38 @@ int host_output_check(const char *directory, host_error *error)
     return result;
 }
 
+/* The same path, slashes at the end aside. */
+static int same_path(const char *a, const char *b)
+{
+    size_t n = strlen(a), m = strlen(b);
+    while (n > 1 && a[n - 1u] == '/')
+        n--;
+    while (m > 1 && b[m - 1u] == '/')
+        m--;
+    return n == m && memcmp(a, b, n) == 0;
+}
+
+int host_output_check_file(const char *path, const char *directory, host_error *error)
+{
+    struct stat st;
+    char *const parent = join(NULL, path, "");
+    int result = 0;
+    error->file = path;
+    if (parent == NULL)
+        return host_fail(error, "output", "free memory");
+    to_parent(parent);
+    if (stat(path, &st) == 0 && S_ISDIR(st.st_mode))
+        result = host_fail(error, "output", "a file, not a directory");
+    else if (same_path(parent, directory))
+        result = 0; /* checked on its own */
+    else if (stat(parent, &st) != 0 || !S_ISDIR(st.st_mode))
+        result = host_fail(error, "output", "a directory that is there, %.80s is none", parent);
+    else if (access(parent, W_OK | X_OK) != 0)
+        result = host_fail(error, "output", "a directory that can be written (%s)", strerror(errno));
+    free(parent);
+    return result;
+}
+
 static int make_directory(host_output *output, const char *path, host_error *error)
 {
     char **grown = NULL;

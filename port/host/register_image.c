@@ -83,6 +83,7 @@ int host_job_load_truth(host_job *job, host_error *error)
     loads = calloc(n, sizeof *loads);
     if (loads == NULL)
         return host_fail(error, "start", "free memory");
+    job->truth_first = host_file_count();
     result = name_truth(job, error);
     for (i = 0; result == 0 && i < n; i++) {
         loads[i].path = job->target[i].path;
@@ -91,6 +92,7 @@ int host_job_load_truth(host_job *job, host_error *error)
     }
     if (result == 0)
         result = host_load_all(&job->port.port, loads, n, error);
+    job->truth_end = host_file_count();
     for (i = 0; result == 0 && i < n; i++) {
         host_target *const target = &job->target[i];
         target->mesh = loads[i].mesh;

@@ -51,6 +51,8 @@ typedef struct host_job {
     void *arena;               /* owned */
     size_t arena_bytes;
     smr *state;                /* in the arena */
+    void *log_memory;          /* of the log, when there is one; owned */
+    size_t truth_first, truth_end; /* of the files read, those that only measuring needs */
     smr_tick_report last;      /* of the last tick */
     uint32_t ticks, overruns;
     float *tick_ms;            /* [ticks], owned */
@@ -64,6 +66,8 @@ typedef struct host_job {
 int host_job_load(host_job *job, host_error *error);     /* files -> meshes, or a ready image */
 int host_job_match(host_job *job, host_error *error);    /* structures to targets, by name */
 int host_job_start(host_job *job, host_error *error);    /* target surfaces, start pose or start positions */
+int host_job_prepare(host_job *job, host_error *error);  /* the model, and beside it host_job_start */
+int host_job_begin(host_job *job, host_error *error);    /* arena and registration, as smr_init leaves it */
 int host_job_run(host_job *job, host_error *error);      /* ticks */
 int host_job_evaluate(host_job *job, host_error *error); /* results, distances, folds */
 int host_job_write(host_job *job, host_error *error);    /* files, all or none */
@@ -78,6 +82,10 @@ int host_job_place(host_job *job, host_error *error);
 int host_job_place_pairs(host_job *job, const float *from, const float *to, host_error *error);
 int host_job_warp(host_job *job, host_error *error); /* after the model is prepared */
 int host_job_make_surfaces(host_job *job, host_error *error);
+
+/* register_log.c: recording, from right after host_job_begin on, and the log file's content. */
+int host_job_record(host_job *job, host_error *error);
+int host_job_log(const host_job *job, host_buffer *out, host_error *error);
 
 /* report.json. */
 void host_job_report(const host_job *job, host_buffer *out);

@@ -283,6 +283,7 @@ void host_job_summary(const host_job *job)
 {
     const host_stats *const a = &job->to_target, *const b = &job->to_result;
     const char *const name = job->options->image_target ? "truth" : "target";
+    smr_log_state log;
     uint32_t i = 0, carried = 0;
     (void)printf("%s after %u iterations, %.3f s (load %.3f, prepare %.3f, start %.3f, register %.3f), %u threads\n",
                  job->last.done ? "converged" : "not converged", job->last.iteration,
@@ -309,5 +310,7 @@ void host_job_summary(const host_job *job)
     for (i = 0; i < job->n_targets; i++)
         if (job->target[i].users == 0)
             (void)printf("not used, no structure has its name: %s\n", job->target[i].path);
+    if (job->options->log != NULL && smr_get_log(job->state, &log) == SMR_OK)
+        (void)printf("log: %s, %u ticks%s\n", job->options->log, log.n_ticks, log.full ? ", then it was full" : "");
     (void)printf("results: %s\n", job->options->out);
 }

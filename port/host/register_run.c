@@ -45,7 +45,7 @@ static int set_targets(const host_job *job, host_error *error)
     return status == SMR_OK ? 0 : refuse(error, "set up", status);
 }
 
-static int set_up(host_job *job, host_error *error)
+int host_job_begin(host_job *job, host_error *error)
 {
     smr_config config = job->options->config;
     smr_status status = SMR_OK;
@@ -60,7 +60,15 @@ static int set_up(host_job *job, host_error *error)
     if (job->arena == NULL)
         return refuse(error, "memory", SMR_E_ARENA);
     status = smr_init(&job->state, job->model.model, &config, &job->port.port, job->arena, job->arena_bytes);
-    if (status == SMR_OK && job->options->align != HOST_ALIGN_NONE)
+    return status == SMR_OK ? 0 : refuse(error, "set up", status);
+}
+
+static int set_up(host_job *job, host_error *error)
+{
+    smr_status status = SMR_OK;
+    if (host_job_begin(job, error) != 0 || (job->options->log != NULL && host_job_record(job, error) != 0))
+        return -1;
+    if (job->options->align != HOST_ALIGN_NONE)
         status = smr_set_pose(job->state, &job->pose);
     if (status == SMR_OK && job->start_xyz != NULL)
         status = put_start(job);

@@ -88,7 +88,7 @@ static void convert_voxels(const host_volume_reader *reader, const unsigned char
 static int allocate(const host_volume_reader *reader, size_t n)
 {
     const size_t bytes = n * host_volume_voxel_bytes(reader->volume->type);
-    reader->volume->voxels = host_alloc(bytes);
+    reader->volume->voxels = host_alloc_scattered(bytes);
     if (reader->volume->voxels == NULL)
         return host_fail(reader->error, "voxels", "%zu bytes of free memory", bytes);
     return 0;

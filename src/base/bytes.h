@@ -35,6 +35,14 @@ static inline uint32_t smr_float_bits(float v)
     return bits;
 }
 
+/* Mixes 64 bits: the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
+static inline uint64_t smr_mix(uint64_t z)
+{
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
 /* CRC-32 (IEEE 802.3, reflected) of n bytes, continuing from crc (0 to start). */
 uint32_t smr_crc32(uint32_t crc, const void *data, size_t n);
 

@@ -6,19 +6,21 @@
 #ifndef SMR_FIXED_H
 #define SMR_FIXED_H
 
-#include "base/base.h"
+#include "base/bytes.h"
 
 /* The largest power of two s with bound * s <= 2^30, within 2^-60 .. 2^60; 1 for a bound of zero.
  * bound: largest absolute final sum, finite and not negative. */
 static inline float smr_fixed_scale(float bound)
 {
-    float s = 1.0f;
     if (!(bound > 0.0f))
         return 1.0f;
-    for (int i = 0; i < 60 && bound * s > 1073741824.0f; i++)
-        s *= 0.5f;
-    for (int i = 0; i < 60 && bound * s <= 536870912.0f; i++)
-        s *= 2.0f;
+    /* bound = m 2^e with 1 <= m < 2: s = 2^(29 - e), or twice that when m is 1. Read from the bits, so that it always takes as long. */
+    const uint32_t bits = smr_float_bits(bound);
+    const int e = (int)(bits >> 23) - 127, fits = 29 - e + ((bits & 0x7fffffu) == 0u ? 1 : 0);
+    const int power = fits < -60 ? -60 : (fits > 60 ? 60 : fits);
+    const uint32_t scale = (uint32_t)(power + 127) << 23;
+    float s;
+    memcpy(&s, &scale, sizeof s);
     return s;
 }
 

@@ -41,49 +41,140 @@ static float refine(float before, float at, float after)
 }
 
 /* One score: dot, sum and square are of the window's samples with the reference, alone and squared. */
-static float score_of(const smr_likeness *how, float ref_norm, float noise2, float n, float dot, float sum, float square)
+static inline float score_of(uint32_t kind, float ref_norm, float noise2, float n, float dot, float sum, float square)
 {
     const float ref2 = ref_norm * ref_norm, variance = square - sum * sum / n;
-    if (how->kind == SMR_SIMILARITY_SSD)
+    if (kind == SMR_SIMILARITY_SSD)
         return 1.0f - (square - 2.0f * dot + ref2) / ref2;
-    if (how->kind == SMR_SIMILARITY_CONCORDANCE)
+    if (kind == SMR_SIMILARITY_CONCORDANCE)
         return 2.0f * dot / (smr_max(variance, 0.0f) + ref2 + n * noise2 + SMR_LEVEL * sum * sum / n);
     return variance > 1.0e-4f * ref2 ? dot / (SMR_SQRT(variance) * ref_norm) : 0.0f;
 }
 
-/* Scores at every offset; -1 where the window is not all inside. noise2: squared, in units of the reference's range. */
-static void scores_of(const float *ref, float ref_norm, float noise2, uint32_t n, const float *line,
-                      const unsigned char *inside, uint32_t offsets, const smr_likeness *how, float *score)
+#define SMR_SIDE 32u /* offsets scored side by side, at most: loops over them are vector code */
+#define SMR_WIDTH 4u /* their number is rounded up to a multiple of this */
+
+/* Sums over a window's samples that go along with it from offset to offset. */
+typedef struct running {
+    float sum, square;
+    uint32_t missing;
+} running;
+
+/* The same at neighbouring offsets. */
+typedef struct windows {
+    float sum[SMR_SIDE], square[SMR_SIDE];
+    uint32_t missing[SMR_SIDE]; /* samples that are not inside */
+} windows;
+
+/* Takes the sums on to the windows at offsets o .. o+count-1. */
+static void run_on(running *r, const float *line, const unsigned char *inside, uint32_t n, uint32_t o, uint32_t count, windows *w)
 {
-    const float middle = 0.5f * (float)(offsets - 1u), per_sample = offsets > 1u ? 1.0f / middle : 0.0f;
-    float sum = 0.0f, square = 0.0f;
-    uint32_t missing = 0;
-    for (uint32_t k = 0; k < n; k++) {
-        sum += line[k];
-        square += line[k] * line[k];
-        missing += !inside[k];
-    }
-    for (uint32_t o = 0; o < offsets; o++) {
-        if (o > 0u) {
-            const float out = line[o - 1u], in = line[o + n - 1u];
-            sum += in - out;
-            square += in * in - out * out;
-            missing += (uint32_t)!inside[o + n - 1u] - (uint32_t)!inside[o - 1u];
+    for (uint32_t i = 0; i < count; i++) {
+        if (o + i > 0u) {
+            const float out = line[o + i - 1u], in = line[o + i + n - 1u];
+            r->sum += in - out;
+            r->square += in * in - out * out;
+            r->missing += (uint32_t)!inside[o + i + n - 1u] - (uint32_t)!inside[o + i - 1u];
         }
-        float dot = 0.0f;
-        for (uint32_t k = 0; k < n; k++)
-            dot += ref[k] * line[o + k];
-        const float away = ((float)o - middle) * per_sample;
-        const float like = score_of(how, ref_norm, noise2, (float)n, dot, sum, square) - how->nearer * away * away;
-        score[o] = missing > 0u ? -1.0f : smr_clamp(like, SMR_SCORE_LOW, 1.0f);
+        w->sum[i] = r->sum;
+        w->square[i] = r->square;
+        w->missing[i] = r->missing;
     }
+}
+
+/* What all scores of one profile share. */
+typedef struct scoring {
+    float ref_norm, noise2, n; /* noise2: squared, in units of the reference's range */
+    float middle, per_sample;  /* offset halfway, and 1 over it */
+    float nearer;
+} scoring;
+
+/* Scores of `count` windows side by side, the first at offset o; -1 where a window is not all inside. */
+static inline void score_side(uint32_t kind, const scoring *s, uint32_t o, uint32_t count, const float *dot, const windows *w,
+                              float *score)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const float away = ((float)(int32_t)(o + i) - s->middle) * s->per_sample;
+        const float like = score_of(kind, s->ref_norm, s->noise2, s->n, dot[i], w->sum[i], w->square[i]) - s->nearer * away * away;
+        const float score_in = smr_clamp(like, SMR_SCORE_LOW, 1.0f);
+        score[i] = w->missing[i] > 0u ? -1.0f : score_in;
+    }
+}
+
+/* dot[i]: sum over k of ref[k] line[k + i], in that order. */
+static void dots(const float *ref, uint32_t n, const float *line, uint32_t count, float *dot)
+{
+    for (size_t i = 0; i < count; i++)
+        dot[i] = 0.0f;
+    for (size_t k = 0; k < n; k++)
+        for (size_t i = 0; i < count; i++)
+            dot[i] += ref[k] * line[k + i];
+}
+
+/* Scores at every offset. line and score have room for SMR_WIDTH - 1 more. */
+static void scores_of(uint32_t kind, const scoring *s, const float *ref, uint32_t n, const float *line, const unsigned char *inside,
+                      uint32_t offsets, float *score)
+{
+    float dot[SMR_SIDE];
+    running r = {0.0f, 0.0f, 0};
+    windows w;
+    memset(&w, 0, sizeof w);
+    for (uint32_t k = 0; k < n; k++) {
+        r.sum += line[k];
+        r.square += line[k] * line[k];
+        r.missing += !inside[k];
+    }
+    for (uint32_t o = 0; o < offsets; o += SMR_SIDE) {
+        const uint32_t some = smr_min_u32(offsets - o, SMR_SIDE), count = smr_ceil_div(some, SMR_WIDTH) * SMR_WIDTH;
+        run_on(&r, line, inside, n, o, some, &w);
+        dots(ref, n, line + o, count, dot);
+        if (kind == SMR_SIMILARITY_SSD) /* each a loop of its own, without a branch */
+            score_side(SMR_SIMILARITY_SSD, s, o, count, dot, &w, score + o);
+        else if (kind == SMR_SIMILARITY_CONCORDANCE)
+            score_side(SMR_SIMILARITY_CONCORDANCE, s, o, count, dot, &w, score + o);
+        else
+            score_side(SMR_SIMILARITY_NCC, s, o, count, dot, &w, score + o);
+    }
+}
+
+/* The highest score from .. to-1 that is not below its neighbours; -1 for none. peak: scratch. Two loops without branches:
+ * where scores rise and fall nobody can foretell. */
+static float highest_peak(const float *score, uint32_t from, uint32_t to, float *peak)
+{
+    float highest = -1.0f;
+    for (size_t o = from; o < to; o++) {
+        const float above = score[o] >= score[o - 1u] ? score[o] : -1.0f;
+        peak[o] = score[o] >= score[o + 1u] ? above : -1.0f;
+    }
+    for (size_t o = from; o < to; o++)
+        highest = smr_max(peak[o], highest);
+    return highest;
+}
+
+/* The best offset between samples, and how far it is to be believed. */
+static smr_peak peak_of(const float *score, uint32_t offsets, float *scratch)
+{
+    uint32_t best = 0;
+    float top = -1.0f;
+    for (uint32_t o = 0; o < offsets; o++) {
+        best = score[o] > top ? o : best;
+        top = smr_max(score[o], top);
+    }
+    const float left = highest_peak(score, 1u, best > SMR_APART ? best - SMR_APART + 1u : 1u, scratch);
+    const float second = smr_max(left, highest_peak(score, best + SMR_APART, offsets - 1u, scratch));
+    smr_peak peak = {(float)best, 0.0f};
+    if (best > 0u && best + 1u < offsets && score[best - 1u] > -1.0f && score[best + 1u] > -1.0f)
+        peak.at += refine(score[best - 1u], score[best], score[best + 1u]);
+    peak.confidence = smr_max(top - SMR_SCORE_MIN, 0.0f) * (1.0f / (1.0f - SMR_SCORE_MIN)) *
+                      smr_clamp((top - second) * SMR_DISTINCT, SMR_DISTINCT_MIN, 1.0f);
+    return peak;
 }
 
 smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32_t n, const float *line,
                            const unsigned char *inside, uint32_t m, const smr_likeness *how)
 {
     const int level_counts = how->kind != SMR_SIMILARITY_NCC;
-    float ref[SMR_PROFILE_MAX], centred[SMR_LINE_MAX], score[SMR_LINE_MAX];
+    float ref[SMR_PROFILE_MAX], centred[SMR_LINE_MAX + SMR_WIDTH], score[SMR_LINE_MAX + SMR_WIDTH];
     if (!(range > 0.0f) || m < n || n < 3u || n > SMR_PROFILE_MAX || m > SMR_LINE_MAX)
         return none;
     const uint32_t offsets = m - n + 1u;
@@ -98,6 +189,7 @@ smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32
     }
     for (uint32_t k = 0; k < m; k++)
         centred[k] = inside[k] ? (line[k] - low) / range - mean : 0.0f;
+    memset(centred + m, 0, SMR_WIDTH * sizeof *centred);
     float level = 0.0f, count = 0.0f;
     for (uint32_t k = 0; !level_counts && k < m; k++) {
         level += centred[k];
@@ -105,23 +197,11 @@ smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32
     }
     for (uint32_t k = 0; !level_counts && k < m; k++)
         centred[k] -= inside[k] ? level / count : 0.0f;
-    const float noise = how->noise / range;
-    scores_of(ref, SMR_SQRT(norm), noise * noise, n, centred, inside, offsets, how, score);
-    uint32_t best = 0;
-    for (uint32_t o = 1; o < offsets; o++)
-        if (score[o] > score[best])
-            best = o;
-    float second = -1.0f;
-    for (uint32_t o = 1; o + 1u < offsets; o++)
-        if (score[o] > second && score[o] >= score[o - 1u] && score[o] >= score[o + 1u] &&
-            (o > best ? o - best : best - o) >= SMR_APART)
-            second = score[o];
-    smr_peak peak = {(float)best, 0.0f};
-    if (best > 0u && best + 1u < offsets && score[best - 1u] > -1.0f && score[best + 1u] > -1.0f)
-        peak.at += refine(score[best - 1u], score[best], score[best + 1u]);
-    peak.confidence = smr_max(score[best] - SMR_SCORE_MIN, 0.0f) * (1.0f / (1.0f - SMR_SCORE_MIN)) *
-                      smr_clamp((score[best] - second) * SMR_DISTINCT, SMR_DISTINCT_MIN, 1.0f);
-    return peak;
+    const float noise = how->noise / range, middle = 0.5f * (float)(offsets - 1u);
+    const scoring how_to = {SMR_SQRT(norm), noise * noise, (float)n, middle, offsets > 1u ? 1.0f / middle : 0.0f, how->nearer};
+    score[0] = -1.0f; /* compilers do not see that there is always an offset */
+    scores_of(how->kind, &how_to, ref, n, centred, inside, offsets, score);
+    return peak_of(score, offsets, centred);
 }
 
 static float slope_at(const uint8_t *packed, uint32_t k)
@@ -159,13 +239,16 @@ smr_peak smr_profile_edge(const uint8_t *packed, float range, uint32_t n, uint32
         return none;
     const uint32_t first = centre > reach ? centre - reach : 1u;
     const uint32_t last = smr_min_u32(centre + reach, m - 2u);
+    const float scale = 0.5f / (range * edge);
     float best = 0.0f, slopes[3] = {0, 0, 0};
     uint32_t at = 0;
     for (uint32_t k = smr_max_u32(first, 2u); k <= last && k + 2u < m; k++) {
+        const float slope = (line[k + 1u] - line[k - 1u]) * scale;
+        if (!(slope > best)) /* nor is it when it counts less for being away */
+            continue;
         if (!inside[k - 2u] || !inside[k - 1u] || !inside[k] || !inside[k + 1u] || !inside[k + 2u])
             continue;
         const float away = (float)(k > centre ? k - centre : centre - k) / (float)(reach + 1u);
-        const float slope = (line[k + 1u] - line[k - 1u]) * (0.5f / (range * edge));
         if (slope * (1.0f - 0.5f * away) > best) {
             best = slope * (1.0f - 0.5f * away);
             at = k;

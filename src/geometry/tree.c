@@ -137,16 +137,22 @@ static void try_triangle(const smr_facets *f, const smr_query *q, uint32_t i, sm
     }
 }
 
-/* Squared distances from p to the eight child boxes. */
-static void box_distances(const smr_node *node, smr_vec p, float d2[SMR_TREE_WIDTH])
+/* Squared distances from p to the eight child boxes. Returns those within `bound`, a bit each: what is far off is sorted out
+ * without a branch. */
+static uint32_t box_distances(const smr_node *node, smr_vec p, float bound, float d2[SMR_TREE_WIDTH])
 {
+    static const uint32_t bit[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};
+    uint32_t near = 0;
     /* below or above: at most one of the two is positive */
     for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
         const float x = smr_positive(node->lo[0][k] - p.x) + smr_positive(p.x - node->hi[0][k]);
         const float y = smr_positive(node->lo[1][k] - p.y) + smr_positive(p.y - node->hi[1][k]);
         const float z = smr_positive(node->lo[2][k] - p.z) + smr_positive(p.z - node->hi[2][k]);
-        d2[k] = x * x + y * y + z * z;
+        const float sum = x * x + y * y + z * z;
+        d2[k] = sum;
+        near |= sum <= bound ? bit[k] : 0u;
     }
+    return near;
 }
 
 #define SMR_TIES 64u /* nodes opened for triangles that can only be as near as the best one */
@@ -171,18 +177,21 @@ void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit)
             continue;
         opened++;
         float d2[SMR_TREE_WIDTH];
-        box_distances(&f->node[f->level[v.level] + v.index], q->point, d2);
+        uint32_t near = box_distances(&f->node[f->level[v.level] + v.index], q->point, hit->d2, d2);
         uint32_t base = v.index * SMR_TREE_WIDTH;
         if (v.level == 0u) {
-            for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++)
+            for (; near != 0u; near &= near - 1u) {
+                const uint32_t k = (uint32_t)__builtin_ctz(near);
                 if (d2[k] <= hit->d2 && base + k < f->n_triangles)
                     try_triangle(f, q, base + k, hit);
+            }
             continue;
         }
         /* push the near children, nearest on top */
         const uint32_t bottom = top;
-        for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-            if (d2[k] > hit->d2 || d2[k] >= SMR_FAR)
+        for (; near != 0u; near &= near - 1u) {
+            const uint32_t k = (uint32_t)__builtin_ctz(near);
+            if (d2[k] >= SMR_FAR)
                 continue;
             uint32_t at = top++;
             for (; at > bottom && stack[at - 1u].d2 < d2[k]; at--)

@@ -20,34 +20,59 @@ static void set_run(uint64_t *row, uint32_t words, uint32_t first, uint32_t last
     }
 }
 
-/* Squared distances from p to the near and far ends of the eight boxes. */
-static void box_ends(const smr_node *node, smr_vec p, float near2[SMR_TREE_WIDTH], float far2[SMR_TREE_WIDTH])
+static const uint32_t bit_of[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};
+
+/* Which of a node's eight boxes lie inside the ball around p, a bit each; *reaching: which others reach into it. Behind the
+ * last vertex lies nothing: boxes there are SMR_FAR away. */
+static uint32_t box_kinds(const smr_node *node, smr_vec p, float inside2, float outside2, uint32_t *reaching)
 {
     const float at[3] = {p.x, p.y, p.z};
+    uint32_t near = 0, inner = 0;
     for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-        float n2 = 0.0f, f2 = 0.0f;
+        float near2 = 0.0f, far2 = 0.0f; /* squared distances to the near and far ends */
         for (uint32_t axis = 0; axis < 3u; axis++) {
             const float below = node->lo[axis][k] - at[axis], above = at[axis] - node->hi[axis][k];
             const float out = smr_positive(below) + smr_positive(above); /* at most one is positive */
             const float far = smr_positive(below - above) - below;
-            n2 += out * out;
-            f2 += far * far;
+            near2 += out * out;
+            far2 += far * far;
         }
-        near2[k] = n2;
-        far2[k] = f2;
+        near |= near2 <= outside2 ? bit_of[k] : 0u;
+        inner |= far2 <= inside2 ? bit_of[k] : 0u;
+    }
+    *reaching = near & ~inner;
+    return inner;
+}
+
+/* Squared distances from p to the eight boxes. */
+static void box_distances(const smr_node *node, smr_vec p, float d2[SMR_TREE_WIDTH])
+{
+    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
+        const float x = smr_positive(node->lo[0][k] - p.x) + smr_positive(p.x - node->hi[0][k]);
+        const float y = smr_positive(node->lo[1][k] - p.y) + smr_positive(p.y - node->hi[1][k]);
+        const float z = smr_positive(node->lo[2][k] - p.z) + smr_positive(p.z - node->hi[2][k]);
+        d2[k] = x * x + y * y + z * z;
     }
 }
 
-/* The members among a leaf's eight vertices. Behind the last vertex lies nothing: boxes there are SMR_FAR away. */
-static void set_leaf(const smr_plan *p, uint32_t leaf, const float near2[SMR_TREE_WIDTH], float r2, uint64_t *row)
+/* Which of a leaf's eight vertices lie within r2 of p, a bit each: for boxes without extent the same as box_kinds(). Kept apart: GCC unrolls it where it is inlined, and then it is not
+ * vector code any more. */
+__attribute__((noinline)) static uint32_t leaf_members(const smr_node *leaf, smr_vec p, float r2)
 {
-    const uint32_t first = leaf * SMR_TREE_WIDTH;
-    uint64_t mask = 0;
-    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++)
-        mask |= (uint64_t)(near2[k] <= r2) << k;
-    if (mask == 0u)
+    uint32_t members = 0;
+    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
+        const float x = leaf->lo[0][k] - p.x, y = leaf->lo[1][k] - p.y, z = leaf->lo[2][k] - p.z;
+        members |= x * x + y * y + z * z <= r2 ? bit_of[k] : 0u;
+    }
+    return members;
+}
+
+static void set_leaf(const smr_plan *p, uint32_t leaf, smr_vec centre, float r2, uint64_t *row)
+{
+    const uint32_t first = leaf * SMR_TREE_WIDTH, members = leaf_members(&p->points.node[leaf], centre, r2);
+    if (members == 0u)
         return;
-    row[first / 64u] |= mask << (first % 64u);
+    row[first / 64u] |= (uint64_t)members << (first % 64u);
     smr_row_cover(row, p->words, first / 64u, first / 64u + 1u);
 }
 
@@ -58,29 +83,26 @@ typedef struct visit {
 void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
 {
     const smr_vec centre = smr_load(p->xyz + 3u * (size_t)v);
-    const float r2 = radius * radius;
+    const float r2 = radius * radius, inside = SMR_INSIDE * r2, outside = SMR_OUTSIDE * r2;
     visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0;
     smr_row_clear(row, p->words);
     stack[top++] = (visit){p->points.n_levels - 1u, 0u};
     while (top > 0u) {
         const visit at = stack[--top];
-        float near2[SMR_TREE_WIDTH], far2[SMR_TREE_WIDTH];
-        box_ends(&p->points.node[p->points.level[at.level] + at.index], centre, near2, far2);
         if (at.level == 0u) {
-            set_leaf(p, at.index, near2, r2, row);
+            set_leaf(p, at.index, centre, r2, row);
             continue;
         }
-        for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-            const uint32_t child = at.index * SMR_TREE_WIDTH + k;
-            const uint64_t first = (uint64_t)child << (3u * at.level), last = (uint64_t)(child + 1u) << (3u * at.level);
-            if (first >= p->n)
-                break;
-            if (far2[k] <= SMR_INSIDE * r2)
-                set_run(row, p->words, (uint32_t)first, last < p->n ? (uint32_t)last : p->n);
-            else if (near2[k] <= SMR_OUTSIDE * r2)
-                stack[top++] = (visit){at.level - 1u, child};
+        const smr_node *node = &p->points.node[p->points.level[at.level] + at.index];
+        uint32_t reaching = 0;
+        for (uint32_t inner = box_kinds(node, centre, inside, outside, &reaching); inner != 0u; inner &= inner - 1u) {
+            const uint32_t child = at.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(inner);
+            const uint64_t last = (uint64_t)(child + 1u) << (3u * at.level);
+            set_run(row, p->words, child << (3u * at.level), last < p->n ? (uint32_t)last : p->n);
         }
+        for (; reaching != 0u; reaching &= reaching - 1u)
+            stack[top++] = (visit){at.level - 1u, at.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(reaching)};
     }
 }
 
@@ -88,13 +110,16 @@ uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t las
                      float *distance2)
 {
     const smr_vec centre = smr_load(p->xyz + 3u * (size_t)v);
-    float best[SMR_NEAREST], near2[SMR_TREE_WIDTH], far2[SMR_TREE_WIDTH];
-    visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
+    float best[SMR_NEAREST], near2[SMR_TREE_WIDTH], from2[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
+    visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH]; /* from2: how near those boxes are */
     uint32_t top = 0, n = 0;
+    from2[top] = 0.0f;
     stack[top++] = (visit){p->points.n_levels - 1u, 0u};
     while (top > 0u) {
         const visit at = stack[--top];
-        box_ends(&p->points.node[p->points.level[at.level] + at.index], centre, near2, far2);
+        if (n == k && from2[top] >= best[k - 1u])
+            continue; /* nearer ones were found since */
+        box_distances(&p->points.node[p->points.level[at.level] + at.index], centre, near2);
         for (uint32_t c = 0; c < SMR_TREE_WIDTH; c++) {
             /* on inner levels start with the child that holds v: good bounds early. It is pushed last. */
             const uint32_t child = at.index * SMR_TREE_WIDTH + (at.level > 0u ? (c + 1u + (v >> (3u * at.level))) % 8u : c);
@@ -103,6 +128,7 @@ uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t las
             if (from >= last || to <= first || from >= p->n || (n == k && near2[slot] >= best[k - 1u]))
                 continue;
             if (at.level > 0u) {
+                from2[top] = near2[slot];
                 stack[top++] = (visit){at.level - 1u, child};
                 continue;
             }

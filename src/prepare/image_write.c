@@ -47,6 +47,7 @@ static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radiu
             if (w->used > UINT32_MAX)
                 return SMR_E_INPUT;
         }
+        p->near_kind = 1u + p->separate;
     } else {
         smr_status status = smr_breadth_first(p, &l, radius, step, steps);
         if (status != SMR_OK)

@@ -48,8 +48,10 @@ void smr_plan_one_level(smr_plan *p, uint32_t n_radii)
     p->level_end[0] = p->n;
     for (uint32_t r = 0; r < n_radii; r++)
         p->active_min[r] = p->n;
-    for (uint32_t v = 0; v < p->n; v++)
+    for (uint32_t v = 0; v < p->n; v++) {
         p->stored[v] = p->along[v] = v;
+        p->level[v] = 0;
+    }
 }
 
 void smr_plan_levels(smr_plan *p, uint32_t n_radii)
@@ -61,7 +63,7 @@ void smr_plan_levels(smr_plan *p, uint32_t n_radii)
         uint32_t level = 0;
         while (rank >= p->level_end[level])
             level++;
-        p->key[v] = level;
+        p->key[v] = p->level[v] = level;
         p->along[v] = v;
     }
     smr_curve_sort(p->key, p->along, p->tmp, p->n); /* stable */

@@ -51,19 +51,17 @@ static uint32_t put_difference(smr_list_writer *l, smr_plan *p, const uint64_t *
     for (uint32_t w = smr_row_first(own, p->words); w < smr_row_last(own, p->words); w++) {
         uint64_t bits = own[w] & ~(other == NULL ? 0u : other[w]);
         for (; bits != 0u; bits &= bits - 1u, n++) {
-            const uint32_t stored = p->stored[w * 64u + (uint32_t)__builtin_ctzll(bits)];
-            uint32_t level = 0;
-            while (stored >= p->level_end[level])
-                level++;
-            p->member[n] = stored;
-            p->level[n] = level;
-            to[level + 1u]++;
+            const uint32_t v = w * 64u + (uint32_t)__builtin_ctzll(bits);
+            p->member[n] = v;
+            to[p->level[v] + 1u]++;
         }
     }
     for (uint32_t level = 1; level < p->n_levels; level++)
         to[level] += to[level - 1u];
-    for (uint32_t i = 0; i < n; i++)
-        put_index(l, l->at_indexes + (size_t)(l->n_indexes + to[p->level[i]]++) * l->index_bytes, p->member[i]);
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t v = p->member[i], at = l->n_indexes + to[p->level[v]]++;
+        put_index(l, l->at_indexes + (size_t)at * l->index_bytes, p->stored[v]);
+    }
     l->n_indexes += n;
     l->w->used = l->at_indexes + (size_t)l->n_indexes * l->index_bytes;
     return n;

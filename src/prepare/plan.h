@@ -7,6 +7,7 @@
 #define SMR_PLAN_H
 
 #include "base/arena.h"
+#include "base/fork.h"
 #include "geometry/tree.h"
 #include "model/image.h"
 
@@ -24,6 +25,7 @@ typedef struct smr_plan {
     uint32_t words;          /* 64-bit words of a row of n bits */
     uint32_t n_rows;
     uint32_t separate;       /* of the radius in work */
+    smr_port port;           /* for loops over a block; none for geodesic clusters, which share scratch */
     float centre[3];         /* mm */
     float edge_mm;           /* mean edge */
     float edge_max;          /* longest edge */
@@ -60,19 +62,21 @@ typedef struct smr_plan {
     uint32_t level_end[SMR_LEVELS_MAX]; /* stored vertices of a level and all before it */
     uint32_t *stored;        /* [n] along the curve -> stored */
     uint32_t *along;         /* [n] stored -> along the curve */
+    uint32_t *level;         /* [n] of each vertex along the curve; the priority list is done with its scratch */
 
     /* written per radius */
     uint64_t *row;           /* [n_rows][words + 1] clusters as bit rows, see smr_plan_row() */
     uint32_t *count;         /* [n] |zeta| */
     uint32_t *rank;          /* [n] entry number of a vertex */
-    uint32_t *member;        /* [n] stored numbers of a list, and their levels; the priority list is done with its scratch */
-    uint32_t *level;         /* [n] */
+    uint32_t *member;        /* [n] of a list; the same scratch */
 
     /* scratch */
     float *middle;           /* [nt][3] centres of triangles */
     uint32_t *key;           /* [max(n, nt, pairs)] */
     uint32_t *item;          /* [max(n, nt, pairs)] */
     uint32_t *tmp;           /* [2 max(n, nt, pairs)] */
+    uint32_t near_kind;      /* what near holds: 1 + separate; 0 nothing yet */
+    uint32_t *near;          /* [n][SMR_NEAREST] the nearest vertices within a vertex' block, SMR_ALL behind the last */
     uint32_t *edge_a;        /* [pairs] candidate edges of a block's forest */
     uint32_t *edge_b;        /* [pairs] */
     uint32_t *set;           /* [block + 1] union-find */

@@ -50,6 +50,8 @@ smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t
         return SMR_E_INPUT;
     p->structures = structures;
     p->config = config;
+    if (config->port != NULL && config->distance != SMR_DISTANCE_GEODESIC)
+        p->port = *config->port;
     p->n_structures = n;
     for (uint32_t i = 0; i < n; i++) {
         const smr_mesh *mesh = &structures[i].mesh;
@@ -108,6 +110,7 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
     p->key = smr_arena_take(a, most, u);
     p->item = smr_arena_take(a, most, u);
     p->tmp = smr_arena_take(a, most, 2u * u);
+    p->near = smr_arena_take(a, n, SMR_NEAREST * u);
     p->edge_a = smr_arena_take(a, pairs, u);
     p->edge_b = smr_arena_take(a, pairs, u);
     p->set = smr_arena_take(a, (size_t)p->block + 1u, u);

@@ -7,7 +7,7 @@
  * the iteration takes the ticks it takes. So it does where the schedule closes: what is left out there is never found.
  * Bounds: SMR_STEPS_MAX, for each group of forces.
  * SPDX-License-Identifier: MIT */
-#include "runtime/state.h"
+#include "runtime/log.h"
 
 #define SMR_UNKNOWN (-1.0f)
 #define SMR_FOREVER 1.0e18f     /* ns */
@@ -20,7 +20,8 @@
 #define SMR_IN_TIME 0.001f      /* one that does not lowers it by so much: about one in sixty is late */
 #define SMR_STRETCH_NS 100000000u /* between two readings: longer, and longer than the budget, is a jump of the clock */
 #define SMR_FORK_NS 50000.0f    /* several workers: tasks for so long at a time, */
-#define SMR_FORK_TASKS 16.0f    /* and at most so many each, are worth bringing them together */
+#define SMR_FORK_TASKS 64.0f    /* and at most so many each, are worth bringing them together */
+#define SMR_LOOK 16u            /* vertices: so many more forces are looked for at least, before it is asked again */
 #define SMR_CLOSING 3u          /* the last radius' first third may be cut, the rest decides where vertices come to lie */
 #define SMR_FIRST 0.75f         /* of the time left in reserve while the rest's cost is not known */
 
@@ -131,7 +132,7 @@ void smr_control_plan(smr *s, uint64_t budget_ns)
     const float cost = cost_of(s, 0, fewest(s));
     s->control.spent = 0;
     s->control.sum = 0.0f;
-    s->control.odd = s->control.late = 0;
+    s->control.odd = s->control.late = s->control.look = 0;
     s->control.budget = budget_ns;
     const int closing = s->radius == smr_last_radius(s) && SMR_CLOSING * s->radius_iteration >= s->config.iterations_last;
     s->control.uncut = cost < SMR_FOREVER && (closing || cost > (float)budget_ns);
@@ -174,13 +175,14 @@ void smr_control_done(smr *s)
 
 int smr_control_reached(smr *s, uint64_t left_ns, uint32_t group)
 {
-    const uint32_t reached = s->next_task * SMR_FORCE_CHUNK, more = group * SMR_FORCE_CHUNK;
+    const uint32_t chunk = smr_force_chunk(s), reached = s->next_task * chunk, more = smr_max_u32(group * chunk, SMR_LOOK);
     if (s->n_pinned > 0u || reached < fewest(s))
         return 0;
     if (s->repairing > 0u)
         return 1; /* no forces act now */
-    if (s->control.uncut)
+    if (s->control.uncut || reached < s->control.look)
         return 0;
+    s->control.look = reached + more;
     const uint32_t next = smr_min_u32(reached + more, s->n_active);
     const float force = smr_max(s->control.rate[s->step], 0.0f) * (float)(next - reached);
     const float rest = cost_of(s, s->step + 1u, next);
@@ -194,5 +196,6 @@ smr_status smr_set_active(smr *s, uint32_t n_active)
     if (!smr_valid(s))
         return SMR_E_STATE;
     s->n_pinned = smr_min_u32(n_active, s->n);
+    smr_log_active(s, n_active);
     return SMR_OK;
 }

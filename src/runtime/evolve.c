@@ -4,20 +4,12 @@
 #include "base/fixed.h"
 #include "runtime/state.h"
 
-/* A vertex' part of the hash: the sum over vertices does not depend on their order or on the number of threads.
- * Mixing: the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
-static uint64_t mix(uint64_t z)
-{
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
+/* A vertex' part of the hash: the sum over vertices does not depend on their order or on the number of threads. */
 static uint64_t hash_point(uint32_t index, const float *p)
 {
     const uint64_t xy = (uint64_t)smr_float_bits(p[0] + 0.0f) << 32 | smr_float_bits(p[1] + 0.0f);
     const uint64_t zi = (uint64_t)smr_float_bits(p[2] + 0.0f) << 32 | index;
-    return mix(xy + 0x9e3779b97f4a7c15u * mix(zi));
+    return smr_mix(xy + 0x9e3779b97f4a7c15u * smr_mix(zi));
 }
 
 void smr_evolve(void *arg, uint32_t task, uint32_t worker)

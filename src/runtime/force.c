@@ -17,6 +17,7 @@ static int project(smr *s, uint32_t v, const smr_surface *target, smr_vec *way)
 {
     /* relative to the target's origin */
     const smr_vec p = smr_add(smr_load(smr_at3(s->x, v)), smr_sub(s->origin, target->origin));
+    s->warm_next[v] = s->warm[v];
     if (outside_box(&s->config, smr_add(p, target->origin)))
         return 0;
     smr_query q = {p, smr_load(smr_at3(s->normal, v)), s->min_cos, s->config.node_budget, s->warm[v]};
@@ -26,7 +27,7 @@ static int project(smr *s, uint32_t v, const smr_surface *target, smr_vec *way)
     smr_tree_closest(&target->facets, &q, &hit);
     if (hit.triangle == SMR_ALL)
         return 0;
-    s->warm[v] = hit.triangle;
+    s->warm_next[v] = hit.triangle;
     if (s->config.reject_border && smr_surface_on_border(target, hit.triangle, hit.weight))
         return 0;
     if (s->force_limit > 0.0f && hit.d2 > s->force_limit * s->force_limit)
@@ -97,17 +98,20 @@ static float ease_at(const smr *s, uint32_t v)
     return s->part[smr_model_owner(s->model, v)].target == NULL ? s->ease : 1.0f;
 }
 
-uint32_t smr_force_tasks(smr *s) { return smr_ceil_div(s->n_active, SMR_FORCE_CHUNK); }
+uint32_t smr_force_chunk(const smr *s) { return s->has_grid ? SMR_IMAGE_CHUNK : SMR_FORCE_CHUNK; }
+uint32_t smr_force_tasks(smr *s) { return smr_ceil_div(s->n_active, smr_force_chunk(s)); }
 
 /* The ways of a few active vertices, into `force`: the dearest part of an iteration, so the tasks are small. */
 void smr_force_search(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
-    const uint32_t last = smr_min_u32((task + 1u) * SMR_FORCE_CHUNK, s->n_active);
-    for (uint32_t v = task * SMR_FORCE_CHUNK; v < last; v++) {
+    const uint32_t chunk = smr_force_chunk(s), last = smr_min_u32((task + 1u) * chunk, s->n_active);
+    for (uint32_t v = task * chunk; v < last; v++) {
         smr_vec way;
         int drawn;
+        if (s->has_grid && v + 1u < s->n_active) /* voxels lie far apart: their way takes as long as the work on a vertex */
+            smr_image_ahead(s, v + 1u);
         const int found = goal_of(s, v, &way, &drawn);
         s->found[v] = (uint8_t)(found ? 1 : (drawn ? 2 : 0));
         smr_store(smr_at3(s->force, v), way);
@@ -182,4 +186,7 @@ void smr_force_end(smr *s)
     s->scale[0] = smr_fixed_scale((float)s->lists.largest * all.largest[0]);
     s->scale[1] = smr_fixed_scale((float)s->lists.largest * all.largest[1]);
     s->sum_words = smr_method_words(s);
+    /* what the next forces start from: until here they could have been asked to start again */
+    memcpy(s->seen, s->found, s->n);
+    memcpy(s->warm, s->warm_next, s->n_active * sizeof *s->warm);
 }

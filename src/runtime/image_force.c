@@ -6,6 +6,7 @@
 #include "runtime/image_force.h"
 
 #include "geometry/profile.h"
+#include "runtime/log.h"
 
 #define SMR_LONG 16.0f   /* samples: beyond such a search distance every SMR_HOP-th sample tells as much */
 #define SMR_HOP 2u
@@ -44,34 +45,41 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
     s->has_grid = volume != NULL;
     smr_abandon_iteration(s);
     smr_schedule_start(s);
+    smr_log_volume(s, volume);
     return SMR_OK;
 }
 
 /* A vertex' reference profile as it is compared: every sample, or every second one where the search is long. */
 typedef struct reference_profile {
-    uint8_t value[SMR_PROFILE_MAX];
     float low, range, step_mm;
-    uint32_t n, inward; /* samples, and those before the vertex */
+    uint32_t n, inward;  /* samples, and those before the vertex */
+    uint32_t hop, first; /* of the stored ones every hop-th from the first on */
 } reference_profile;
 
-static reference_profile reference_of(const smr *s, uint32_t v)
+/* Without its samples. */
+static reference_profile reference_shape(const smr *s, uint32_t v)
 {
     const smr_model *m = s->model;
     const uint32_t n = smr_le32(m->profile_samples), inward = smr_le32(m->profile_inward);
     const float step = smr_le_float(m->profile_step);
-    const uint8_t *stored = (const uint8_t *)smr_at(m, m->at_profiles) + (size_t)v * n;
     const uint32_t *ranges = (const uint32_t *)smr_at(m, m->at_ranges) + 2u * (size_t)v;
-    const uint32_t hop = s->profile_mm > SMR_LONG * step && n >= 4u * SMR_HOP ? SMR_HOP : 1u;
-    const uint32_t first = inward % hop;
     reference_profile r;
-    r.n = smr_ceil_div(n - first, hop);
-    r.inward = inward / hop;
-    r.step_mm = step * (float)hop;
+    r.hop = s->profile_mm > SMR_LONG * step && n >= 4u * SMR_HOP ? SMR_HOP : 1u;
+    r.first = inward % r.hop;
+    r.n = smr_ceil_div(n - r.first, r.hop);
+    r.inward = inward / r.hop;
+    r.step_mm = step * (float)r.hop;
     r.low = smr_le_float(ranges[0]);
     r.range = smr_le_float(ranges[1]);
-    for (uint32_t k = 0; k < r.n; k++)
-        r.value[k] = stored[first + k * hop];
     return r;
+}
+
+static void take_samples(const smr *s, uint32_t v, const reference_profile *r, uint8_t *value)
+{
+    const smr_model *m = s->model;
+    const uint8_t *stored = (const uint8_t *)smr_at(m, m->at_profiles) + (size_t)v * smr_le32(m->profile_samples);
+    for (uint32_t k = 0; k < r->n; k++)
+        value[k] = stored[r->first + k * r->hop];
 }
 
 static int varies(const float *line, uint32_t n)
@@ -82,34 +90,60 @@ static int varies(const float *line, uint32_t n)
     return k < n;
 }
 
-int smr_image_goal(const smr *s, uint32_t v, smr_vec *way)
+/* The line through the volume on which a vertex' goal is sought. */
+typedef struct search_line {
+    smr_vec start, step;        /* world mm */
+    uint32_t reach, edge_reach; /* samples to either side in which profile and edge are sought */
+    uint32_t before, n;         /* samples before the vertex, and all of them; 0: nothing is sought */
+} search_line;
+
+static search_line line_of(const smr *s, uint32_t v, const reference_profile *r)
 {
-    const reference_profile r = reference_of(s, v);
     const smr_vec normal = smr_load(smr_at3(s->normal, v));
     const uint32_t room = (SMR_LINE_MAX - SMR_PROFILE_MAX) / 2u;
-    const uint32_t reach = smr_min_u32((uint32_t)(s->profile_mm / r.step_mm + 0.5f), room);
-    const uint32_t edge_reach = smr_min_u32((uint32_t)(s->gradient_mm / r.step_mm + 0.5f), room);
-    const uint32_t before = smr_max_u32(reach + r.inward, edge_reach + 2u);
-    const uint32_t after = smr_max_u32(reach + r.n - r.inward, edge_reach + 3u);
+    search_line l;
+    l.reach = smr_min_u32((uint32_t)(s->profile_mm / r->step_mm + 0.5f), room);
+    l.edge_reach = smr_min_u32((uint32_t)(s->gradient_mm / r->step_mm + 0.5f), room);
+    l.before = smr_max_u32(l.reach + r->inward, l.edge_reach + 2u);
+    l.n = l.before + smr_max_u32(l.reach + r->n - r->inward, l.edge_reach + 3u);
+    if (!(r->range > 0.0f) || smr_dot(normal, normal) < 0.5f || l.n > SMR_LINE_MAX || l.reach + l.edge_reach == 0u)
+        l.n = 0;
+    l.step = smr_scale(normal, r->step_mm);
+    const smr_vec at = smr_add(smr_load(smr_at3(s->x, v)), s->origin);
+    l.start = smr_sub(at, smr_scale(l.step, (float)l.before));
+    return l;
+}
+
+void smr_image_ahead(const smr *s, uint32_t v)
+{
+    const reference_profile r = reference_shape(s, v);
+    const search_line l = line_of(s, v, &r);
+    if (l.n > 0u)
+        smr_grid_ahead(&s->grid, l.start, l.step, l.n);
+}
+
+int smr_image_goal(const smr *s, uint32_t v, smr_vec *way)
+{
+    const reference_profile r = reference_shape(s, v);
+    const search_line l = line_of(s, v, &r);
     float line[SMR_LINE_MAX];
     unsigned char inside[SMR_LINE_MAX];
-    if (!(r.range > 0.0f) || smr_dot(normal, normal) < 0.5f || before + after > SMR_LINE_MAX || reach + edge_reach == 0u)
+    uint8_t value[SMR_PROFILE_MAX];
+    if (l.n == 0u)
         return SMR_UNSEEN;
-    const smr_vec step = smr_scale(normal, r.step_mm);
-    const smr_vec at = smr_add(smr_load(smr_at3(s->x, v)), s->origin);
-    const smr_vec start = smr_sub(at, smr_scale(step, (float)before));
-    const int whole = smr_grid_line(&s->grid, start, step, before + after, line, inside) == before + after;
+    take_samples(s, v, &r, value);
+    const int whole = smr_grid_line(&s->grid, l.start, l.step, l.n, line, inside) == l.n;
     smr_peak match = {0, 0}, edge = {0, 0};
-    const uint32_t first = before - reach - r.inward;
+    const uint32_t first = l.before - l.reach - r.inward;
     const smr_likeness how = {s->config.similarity, s->noise, SMR_NEARER * s->profile_mm};
-    if (reach > 0u)
-        match = smr_profile_match(r.value, r.low, r.range, r.n, line + first, inside + first, r.n + 2u * reach, &how);
-    if (edge_reach > 0u)
-        edge = smr_profile_edge(r.value, r.range, r.n, r.inward, line, inside, before + after, before, edge_reach);
+    if (l.reach > 0u)
+        match = smr_profile_match(value, r.low, r.range, r.n, line + first, inside + first, r.n + 2u * l.reach, &how);
+    if (l.edge_reach > 0u)
+        edge = smr_profile_edge(value, r.range, r.n, r.inward, line, inside, l.n, l.before, l.edge_reach);
     const float total = match.confidence + edge.confidence;
     if (!(smr_min(total, 1.0f) > s->config.confidence))
-        return whole && varies(line, before + after) ? SMR_NO_GOAL : SMR_UNSEEN;
-    const float offset = (match.confidence * (match.at - (float)reach) + edge.confidence * (edge.at - (float)before)) / total;
-    *way = smr_scale(step, offset);
+        return whole && varies(line, l.n) ? SMR_NO_GOAL : SMR_UNSEEN;
+    const float offset = (match.confidence * (match.at - (float)l.reach) + edge.confidence * (edge.at - (float)l.before)) / total;
+    *way = smr_scale(l.step, offset);
     return SMR_GOAL;
 }

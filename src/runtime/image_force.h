@@ -12,4 +12,7 @@ enum { SMR_NO_GOAL = 0, SMR_GOAL, SMR_UNSEEN };
  * meets nothing but one value, or search distances are below a sample. */
 int smr_image_goal(const smr *s, uint32_t v, smr_vec *way);
 
+/* Asks for the voxels that the goal of v will need. */
+void smr_image_ahead(const smr *s, uint32_t v);
+
 #endif

@@ -25,15 +25,18 @@ static smr *layout(smr_arena *a, smr *s)
     s->cluster_mass = smr_arena_take(a, n, sizeof(float));
     s->share = smr_arena_take(a, n, sizeof(float));
     s->warm = smr_arena_take(a, n, sizeof(uint32_t));
+    s->warm_next = smr_arena_take(a, n, sizeof(uint32_t));
     s->record = smr_arena_take(a, n, SMR_WORDS * sizeof(uint32_t));
     s->sum = smr_arena_take(a, n, SMR_WORDS * sizeof(uint32_t));
     s->transform = smr_arena_take(a, n, 12u * sizeof(float));
     s->eigen = polar ? smr_arena_take(a, n, 9u * sizeof(float)) : NULL;
     s->ring_sum = (float *)s->record; /* records are done when folds are looked for */
     s->ring_weight = s->ring_sum == NULL ? NULL : s->ring_sum + 3u * n;
+    s->displaced = s->ring_sum == NULL ? NULL : s->ring_sum + 4u * n;
     s->guard = smr_arena_take(a, n, 1);
     s->found = smr_arena_take(a, n, 1);
-    s->tally = smr_arena_take(a, smr_max_u32(s->n_tasks, s->n_hinge_tasks), sizeof *s->tally);
+    s->seen = smr_arena_take(a, n, 1);
+    s->tally = smr_arena_take(a, smr_max_u32(smr_ceil_div(s->n, SMR_MATCH_CHUNK), s->n_hinge_tasks), sizeof *s->tally);
     s->facet_normal = smr_arena_take(a, s->n_triangles, three);
     if (SMR_BIG_ENDIAN)
         s->own_triangle = smr_arena_take(a, s->n_triangles, 3u * sizeof(uint32_t));
@@ -146,6 +149,7 @@ smr_status smr_init(smr **out, const smr_model *model, const smr_config *config,
     *self = s;
     if (smr_set_pose(self, &identity) != SMR_OK)
         return SMR_E_CONFIG;
+    self->fresh = 1;
     *out = self;
     return SMR_OK;
 }

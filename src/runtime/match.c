@@ -36,13 +36,16 @@ static void polar(const smr *s, uint32_t v, smr_vec mu, const uint32_t *w, float
     smr_polar(a, s->eigen + 9u * (size_t)v, r_minus_i);
 }
 
+uint32_t smr_match_tasks(smr *s) { return smr_ceil_div(s->n_active, SMR_MATCH_CHUNK); }
+
 void smr_match(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
     const float inverse0 = 1.0f / s->scale[0], inverse1 = 1.0f / s->scale[1];
     float largest_r = 0.0f, largest_t = 0.0f;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(s, task); v++) {
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, s->n_active);
+    for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
         const uint32_t *w = s->sum + SMR_WORDS * (size_t)v;
         float *t = s->transform + 12u * (size_t)v;
         const smr_vec mu = smr_v(smr_unfix(w[0], inverse0), smr_unfix(w[1], inverse0), smr_unfix(w[2], inverse0));
@@ -64,7 +67,7 @@ void smr_match(void *arg, uint32_t task, uint32_t worker)
 void smr_match_end(smr *s)
 {
     float largest_r = 0.0f, largest_t = 0.0f;
-    for (uint32_t t = 0; t < smr_active_tasks(s); t++) {
+    for (uint32_t t = 0; t < smr_match_tasks(s); t++) {
         largest_r = smr_max(largest_r, s->tally[t].largest[0]);
         largest_t = smr_max(largest_t, s->tally[t].largest[1]);
     }

@@ -7,8 +7,8 @@
  * - what would fold even so has its steps halved, and at last stays where it was, which did not fold.
  * How many passes that takes is seen on the way, and each depends on the one before. So it is one task after the other, each a
  * piece of a pass over hinges, triangles or vertices; `s->mend` says which comes next.
- * Bounds: SMR_ROUNDS passes over the hinges and SMR_SMOOTHINGS times 2 + 3 SMR_SWEEPS over the structures that fold; a repair
- * one, and 2 + 3 SMR_REPAIR_SWEEPS for each ring of its patch.
+ * Bounds: SMR_ROUNDS passes over the hinges and SMR_SMOOTHINGS times 3 + 2 SMR_SWEEPS over the structures that fold; a repair
+ * one, and 3 + 2 SMR_REPAIR_SWEEPS for each ring of its patch.
  * SPDX-License-Identifier: MIT */
 #include "geometry/triangle.h"
 #include "runtime/guard.h"
@@ -30,15 +30,34 @@ static smr_vec normal_at(const smr *s, float *x, uint32_t triangle)
     return smr_unit(smr_triangle_cross(smr_load(smr_at3(x, t[0])), smr_load(smr_at3(x, t[1])), smr_load(smr_at3(x, t[2]))));
 }
 
-static int folds_at(const smr *s, float *x, const smr_image_hinge *h)
+static int folds_between(smr_vec first, smr_vec second, const smr_image_hinge *h)
 {
-    return smr_dot(normal_at(s, x, smr_le32(h->first)), normal_at(s, x, smr_hinge_second(h))) < smr_hinge_limit(smr_le32(h->bend));
+    return smr_dot(first, second) < smr_hinge_limit(smr_le32(h->bend));
 }
 
 static int any_marked(const smr *s, uint32_t triangle)
 {
     const uint32_t *t = s->triangle + 3u * (size_t)triangle;
     return s->guard[t[0]] | s->guard[t[1]] | s->guard[t[2]];
+}
+
+/* At x_next: as the facets have it, unless a corner may have moved since. */
+static smr_vec next_normal(const smr *s, uint32_t triangle, int marked)
+{
+    return marked ? normal_at(s, s->x_next, triangle) : smr_load(s->facet_normal + 3u * (size_t)triangle);
+}
+
+/* Runs of triangles in which something is marked: the others are passed over without a look at their corners. */
+static void touch(smr *s, uint32_t triangle)
+{
+    const uint32_t run = triangle >> s->mend.run_bits;
+    s->mend.touched[run / 64u] |= (uint64_t)1 << (run % 64u);
+}
+
+static int touched(const smr *s, uint32_t triangle)
+{
+    const uint32_t run = triangle >> s->mend.run_bits;
+    return (int)(s->mend.touched[run / 64u] >> (run % 64u) & 1u);
 }
 
 static void mark(smr *s, uint32_t triangle)
@@ -61,7 +80,8 @@ static void hold(smr *s, uint32_t triangle, float keep)
 }
 
 /* Marks the corners of hinges that fold at x_next: all of them in a repair, otherwise those that did not at x. The first
- * round looks where the search counted some, the others where something changed since. */
+ * round looks where the search counted some, the others where marks are: nothing else has moved since. Runs do not know of
+ * what a pass holds back itself. */
 static void mark_folds(smr *s, uint32_t from, uint32_t to)
 {
     const int repairs = s->repairing > 0u;
@@ -69,9 +89,14 @@ static void mark_folds(smr *s, uint32_t from, uint32_t to)
     for (uint32_t i = from; i < to; i++) {
         const smr_image_hinge *h = smr_hinge_at(s, i);
         const uint32_t first = smr_le32(h->first), second = smr_hinge_second(h);
-        const int look = s->tally[i / SMR_HINGE_CHUNK].n_rejected > 0u ||
-                         (round > 0u && (any_marked(s, first) || any_marked(s, second)));
-        if (!look || !folds_at(s, s->x_next, h) || (!repairs && folds_at(s, s->x, h)))
+        if (round == 0u ? s->tally[i / SMR_HINGE_CHUNK].n_rejected == 0u
+                        : round < SMR_SMOOTHINGS && !touched(s, first) && !touched(s, second))
+            continue;
+        const int first_marked = any_marked(s, first), second_marked = any_marked(s, second);
+        if (round > 0u && !first_marked && !second_marked)
+            continue;
+        if (!folds_between(next_normal(s, first, first_marked), next_normal(s, second, second_marked), h) ||
+            (!repairs && folds_between(normal_at(s, s->x, first), normal_at(s, s->x, second), h)))
             continue;
         mark(s, first);
         mark(s, second);
@@ -109,33 +134,45 @@ static smr_vec base_at(const smr *s, float *base, uint32_t v)
     return smr_pose_apply(&s->fitted, smr_v(smr_le_float(r[0]), smr_le_float(r[1]), smr_le_float(r[2])));
 }
 
-static void clear_rings(smr *s, const uint32_t *t, const uint32_t *end)
+static void clear_rings(smr *s, uint32_t triangle, uint32_t last)
 {
-    for (; t < end; t++) {
-        if (!s->guard[*t])
+    for (; triangle < last; triangle++) {
+        const uint32_t *t = s->triangle + 3u * (size_t)triangle;
+        if (!any_marked(s, triangle))
             continue;
-        smr_store(smr_at3(s->ring_sum, *t), smr_v(0, 0, 0));
-        s->ring_weight[*t] = 0.0f;
+        touch(s, triangle);
+        for (uint32_t c = 0; c < 3u; c++) {
+            smr_store(smr_at3(s->ring_sum, t[c]), smr_v(0, 0, 0));
+            s->ring_weight[t[c]] = 0.0f;
+        }
     }
 }
 
 /* Weighted sums of the displacements x_next - base of marked vertices' mesh neighbours. Near neighbours weigh more, so
  * that the corners of a sliver, which the smallest difference turns over, move alike. */
-static void sum_rings(smr *s, const uint32_t *t, const uint32_t *end, float *base)
+static void sum_rings(smr *s, uint32_t triangle, uint32_t last, float *base)
 {
-    for (; t < end; t += 3) {
-        if (!(s->guard[t[0]] | s->guard[t[1]] | s->guard[t[2]]))
+    for (; triangle < last; triangle++) {
+        const uint32_t *t = s->triangle + 3u * (size_t)triangle;
+        smr_vec at[3], moved[3];
+        if (!touched(s, triangle)) {
+            triangle |= ((uint32_t)1 << s->mend.run_bits) - 1u; /* to the end of the run */
             continue;
-        for (uint32_t c = 0; c < 3u; c++) { /* the edge from corner c to the next, both ways */
-            const uint32_t a = t[c], b = t[(c + 1u) % 3u];
-            const smr_vec at_a = base_at(s, base, a), at_b = base_at(s, base, b);
-            const float w = 1.0f / (smr_length(smr_sub(at_a, at_b)) + SMR_EDGE_FLOOR);
-            const smr_vec d_a = smr_sub(smr_load(smr_at3(s->x_next, a)), at_a);
-            const smr_vec d_b = smr_sub(smr_load(smr_at3(s->x_next, b)), at_b);
-            smr_store(smr_at3(s->ring_sum, a), smr_add(smr_load(smr_at3(s->ring_sum, a)), smr_scale(d_b, w)));
-            smr_store(smr_at3(s->ring_sum, b), smr_add(smr_load(smr_at3(s->ring_sum, b)), smr_scale(d_a, w)));
-            s->ring_weight[a] += w;
-            s->ring_weight[b] += w;
+        }
+        if (!any_marked(s, triangle))
+            continue;
+        for (uint32_t c = 0; c < 3u; c++) {
+            at[c] = base_at(s, base, t[c]);
+            moved[c] = smr_sub(smr_load(smr_at3(s->x_next, t[c])), at[c]);
+        }
+        for (uint32_t a = 0; a < 3u; a++) { /* the edge from corner a to the next, both ways */
+            const uint32_t b = (a + 1u) % 3u;
+            const float w = 1.0f / (smr_length(smr_sub(at[a], at[b])) + SMR_EDGE_FLOOR);
+            float *sum_a = smr_at3(s->ring_sum, t[a]), *sum_b = smr_at3(s->ring_sum, t[b]);
+            smr_store(sum_a, smr_add(smr_load(sum_a), smr_scale(moved[b], w)));
+            smr_store(sum_b, smr_add(smr_load(sum_b), smr_scale(moved[a], w)));
+            s->ring_weight[t[a]] += w;
+            s->ring_weight[t[b]] += w;
         }
     }
 }
@@ -150,6 +187,8 @@ static void move(smr *s, uint32_t from, uint32_t to, float *base)
             continue;
         const smr_vec mean = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / s->ring_weight[v]);
         smr_store(smr_at3(s->x_next, v), smr_add(base_at(s, base, v), mean));
+        smr_store(smr_at3(s->ring_sum, v), smr_v(0, 0, 0)); /* for the next sweep */
+        s->ring_weight[v] = 0.0f;
     }
 }
 
@@ -206,7 +245,7 @@ static void next_pass(smr *s)
     } else if (m->stage != SMR_MEND_MOVE) {
         m->stage++;
     } else if (++m->sweep < sweeps_of(s)) {
-        m->stage = SMR_MEND_CLEAR;
+        m->stage = SMR_MEND_SUM;
     } else {
         m->part++;
         next_part(s);
@@ -217,6 +256,8 @@ void smr_mend_start(smr *s)
 {
     memset(&s->mend, 0, sizeof s->mend);
     s->mend.stage = SMR_MEND_MARK;
+    while (s->n_triangles >> s->mend.run_bits >= SMR_MEND_RUNS)
+        s->mend.run_bits++;
 }
 
 uint32_t smr_mend_tasks(smr *s) { return s->mend.stage == SMR_MEND_IDLE ? s->next_task : s->next_task + 1u; }
@@ -241,9 +282,9 @@ void smr_mend_pass(void *arg, uint32_t task, uint32_t worker)
     else if (m->stage == SMR_MEND_SPREAD)
         spread(s, t, end);
     else if (m->stage == SMR_MEND_CLEAR)
-        clear_rings(s, t, end);
+        clear_rings(s, part->first_triangle + from, part->first_triangle + to);
     else if (m->stage == SMR_MEND_SUM)
-        sum_rings(s, t, end, base);
+        sum_rings(s, part->first_triangle + from, part->first_triangle + to, base);
     else if (m->stage == SMR_MEND_MOVE)
         move(s, part->first_vertex + from, part->first_vertex + to, base);
     m->at = to;

@@ -3,7 +3,7 @@
 #include "geometry/curve.h"
 #include "geometry/fit.h"
 #include "geometry/mesh.h"
-#include "runtime/state.h"
+#include "runtime/log.h"
 
 #define SMR_FAR_OFF 500.0f /* mm */
 
@@ -41,15 +41,10 @@ static void start_here(smr *s)
     memcpy(s->x_next, s->x, bytes);
     memset(s->force, 0, bytes);
     memset(s->guard, 0, s->n);
-    memset(s->found, 0, s->n);
     s->n_guarded = 0;
     smr_facets_now(s);
     smr_mesh_normals(&mesh, s->normal, NULL);
     memcpy(s->normal_ref, s->normal, bytes);
-    for (uint32_t v = 0; v < s->n; v++)
-        s->warm[v] = SMR_ALL;
-    for (uint32_t j = 0; s->target_warm != NULL && j < s->config.n_target_vertices; j++)
-        s->target_warm[j] = SMR_ALL;
     smr_abandon_iteration(s);
     memset(&s->report, 0, sizeof s->report);
     smr_schedule_start(s);
@@ -82,6 +77,7 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
     for (uint32_t v = 0; v < s->n; v++)
         smr_store(smr_at3(s->x, v), smr_add(smr_pose_apply(&turn, rest_of(s, v)), off));
     start_here(s);
+    smr_log_pose(s, pose);
     return SMR_OK;
 }
 
@@ -102,5 +98,6 @@ smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz)
         smr_store(smr_at3(s->x, v), smr_sub(smr_load(xyz + 3u * (size_t)i), s->origin));
     }
     start_here(s);
+    smr_log_positions(s, structure, xyz);
     return SMR_OK;
 }

@@ -11,7 +11,7 @@
 #define SMR_FINE_SHARE (1.0f / 1024.0f) /* of the coarse step: finer gains nothing */
 #define SMR_INERTIA_FLOOR 1.0e-4f /* a cluster thinner than this share of its length is a line: no torque about it */
 
-uint32_t smr_reference_records(smr *s) { return s->reference_stale ? smr_active_tasks(s) : 0u; }
+uint32_t smr_reference_records(smr *s) { return s->reference_stale ? smr_match_tasks(s) : 0u; }
 uint32_t smr_reference_tasks(smr *s) { return s->reference_stale ? s->n_tasks : 0u; }
 uint32_t smr_reference_blocks(smr *s) { return s->reference_stale ? smr_block_tasks(s) : 0u; }
 
@@ -43,14 +43,13 @@ static float reach_bound(const smr *s)
     return 1.01f * (s->lists.reach * smr_length(column) + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
 }
 
-/* The smallest power of two k, from 2^-20 to 2^40 mm, with mass * (reach / k)^power <= 2^30. */
+/* The smallest power of two k, from 2^-20 to 2^40 mm, with mass * (reach / k)^power <= 2^30. Takes as long whatever k is. */
 static float step_for(float mass, float reach, int power)
 {
     float k = 1.0f / 1048576.0f;
-    for (int i = 0; i < 60; i++, k *= 2.0f) {
+    for (int i = 0; i < 60; i++) {
         const float steps = reach / k;
-        if (mass * (power == 2 ? steps * steps : steps) <= 1073741824.0f)
-            break;
+        k *= mass * (power == 2 ? steps * steps : steps) <= 1073741824.0f ? 1.0f : 2.0f;
     }
     return k;
 }
@@ -85,7 +84,8 @@ void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(s, task); v++) {
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, s->n_active);
+    for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
         uint32_t *r = s->record + SMR_WORDS * (size_t)v;
         const uint32_t m = (uint32_t)(smr_full_mass(s, v) * s->mass_unit);
         uint32_t q[3], f[3];
@@ -111,12 +111,15 @@ static void invert_inertia(const float c[6], float out[6])
     smr_pseudo_inverse(inertia, SMR_INERTIA_FLOOR, out);
 }
 
+uint32_t smr_reference_clusters(smr *s) { return s->reference_stale ? smr_ceil_div(s->n, SMR_MATCH_CHUNK) : 0u; }
+
 void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     (void)worker;
     const float k = s->coarse, unit = 1.0f / s->mass_unit;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, s->n);
+    for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
         const uint32_t *w = s->sum + SMR_WORDS * (size_t)v;
         uint32_t q[3], f[3];
         s->share[v] = w[13] > 0u ? 1.0f / (float)w[13] : 0.0f;

@@ -60,13 +60,13 @@ static void use_radius(smr *s, uint32_t radius)
     s->momentum = radius == smr_last_radius(s) ? s->config.momentum_last : s->config.momentum;
     const float before = radius > 0u ? smr_model_lists(s->model, radius - 1u).radius : 0.0f;
     s->search = smr_min(s->config.search_mm, s->config.search_radii * smr_max(s->lists.radius, SMR_NARROWING * before));
-    if (radius == smr_last_radius(s))
-        smr_even_start(s);
+    s->fit_due = radius == smr_last_radius(s);
     if (smr_guarded(s) && s->n_hinges > 0u && (radius == s->config.radius_first || radius + 1u == smr_last_radius(s)))
         s->repairing = 1;
 }
 
-/* Gives up an iteration under way: x stands, as if it had just been reached without a step, however far it had come. */
+/* Gives up an iteration under way: x stands, as if it had just been reached without a step, however far it had come. Nothing
+ * of it is left, nor of what searches could start from, so that a replay need not know how far that was. */
 void smr_abandon_iteration(smr *s)
 {
     for (size_t v = 0; s->eigen != NULL && v < s->n; v++)
@@ -75,6 +75,12 @@ void smr_abandon_iteration(smr *s)
     if (s->pull != NULL)
         memset(s->pull, 0, s->config.n_workers * (size_t)s->n * 4u * sizeof *s->pull);
     memcpy(s->x_next, s->x, 3u * (size_t)s->n * sizeof(float));
+    memset(s->found, 0, s->n);
+    memset(s->seen, 0, s->n);
+    for (uint32_t v = 0; v < s->n; v++)
+        s->warm[v] = s->warm_next[v] = SMR_ALL;
+    for (uint32_t j = 0; s->target_warm != NULL && j < s->config.n_target_vertices; j++)
+        s->target_warm[j] = SMR_ALL;
     for (uint32_t i = 0; i < s->n_parts; i++)
         s->part[i].facets.xyz = s->x;
     smr_facets_now(s);
@@ -93,6 +99,7 @@ void smr_schedule_start(smr *s)
     s->force_limit = 0.0f;
     s->ease = 1.0f;
     use_radius(s, s->config.radius_first);
+    s->fit_due = 1; /* an abandoned iteration may have made it of other positions */
 }
 
 static void plastic_update(smr *s)

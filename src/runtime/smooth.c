@@ -9,26 +9,46 @@
 
 #define SMR_SEEN_SHARE 10u /* of a structure's vertices one in so many must have had a goal in the last iteration */
 
-uint32_t smr_smooth_tasks(smr *s) { return s->has_grid && s->config.smoothing > 0.0f ? s->n_parts : 0u; }
-
-/* Sums over the mesh neighbours of one structure's vertices; a neighbour counts once for each triangle between. */
-void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker)
+/* Without a budget a structure is one task. Otherwise it is cut into pieces, first of its vertices, then of its triangles; all
+ * structures' pieces are done before the next ones start: task = piece * n_parts + structure. */
+uint32_t smr_smooth_tasks(smr *s)
 {
-    smr *s = arg;
-    const smr_part *part = &s->part[task];
-    const uint32_t *t = part->facets.triangle;
-    uint32_t seen = 0, looked = 0;
-    (void)worker;
-    for (uint32_t i = 0; i < part->n_vertices; i++) {
+    return s->has_grid && s->config.smoothing > 0.0f ? s->n_parts * smr_max_u32(s->ring_pieces, 1u) : 0u;
+}
+
+uint32_t smr_smooth_abreast(const smr *s) { return s->n_parts; }
+
+static uint32_t vertex_pieces(const smr_part *part) { return smr_ceil_div(part->n_vertices, SMR_TRIANGLE_CHUNK); }
+
+void smr_smooth_pieces(smr *s, int cut)
+{
+    s->ring_pieces = 1;
+    for (uint32_t i = 0; cut && i < s->n_parts; i++)
+        s->ring_pieces = smr_max_u32(s->ring_pieces, vertex_pieces(&s->part[i]) +
+                                                         smr_ceil_div(s->part[i].facets.n_triangles, SMR_TRIANGLE_CHUNK));
+}
+
+/* Counts who had a goal, and clears the sums. */
+static void look_back(smr *s, smr_part *part, uint32_t from, uint32_t to)
+{
+    if (from == 0u)
+        part->seen = part->looked = 0;
+    for (uint32_t i = from; i < to; i++) {
         const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
-        seen += s->found[v] == 1u;
-        looked += s->found[v] != 0u;
+        part->seen += s->seen[v] == 1u;
+        part->looked += s->seen[v] != 0u;
         smr_store(smr_at3(s->ring_sum, v), smr_v(0, 0, 0));
         s->ring_weight[v] = 0.0f;
     }
-    if (seen == 0u || seen * SMR_SEEN_SHARE < looked)
+}
+
+/* Sums over the mesh neighbours; a neighbour counts once for each triangle between. */
+static void add_rings(smr *s, const smr_part *part, uint32_t from, uint32_t to)
+{
+    if (part->seen == 0u || part->seen * SMR_SEEN_SHARE < part->looked)
         return; /* no ring has a weight: nothing is smoothed */
-    for (uint32_t k = 0; k < part->facets.n_triangles; k++, t += 3) {
+    for (uint32_t k = from; k < to; k++) {
+        const uint32_t *t = part->facets.triangle + 3u * (size_t)k;
         const smr_vec a = smr_load(smr_at3(s->x, t[0])), b = smr_load(smr_at3(s->x, t[1])), c = smr_load(smr_at3(s->x, t[2]));
         const smr_vec all = smr_add(a, smr_add(b, c)), corner[3] = {a, b, c};
         for (uint32_t i = 0; i < 3u; i++) {
@@ -36,6 +56,22 @@ void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker)
             smr_store(sum, smr_add(smr_load(sum), smr_sub(all, corner[i])));
             s->ring_weight[t[i]] += 2.0f;
         }
+    }
+}
+
+void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    smr_part *part = &s->part[task % s->n_parts];
+    const uint32_t piece = task / s->n_parts, first = vertex_pieces(part), size = SMR_TRIANGLE_CHUNK;
+    (void)worker;
+    if (s->ring_pieces <= 1u) {
+        look_back(s, part, 0, part->n_vertices);
+        add_rings(s, part, 0, part->facets.n_triangles);
+    } else if (piece < first) {
+        look_back(s, part, piece * size, smr_min_u32((piece + 1u) * size, part->n_vertices));
+    } else {
+        add_rings(s, part, (piece - first) * size, smr_min_u32((piece - first + 1u) * size, part->facets.n_triangles));
     }
 }
 

@@ -6,17 +6,21 @@
 
 #include "base/arena.h"
 #include "base/fork.h"
+#include "geometry/fit.h"
 #include "geometry/surface.h"
 #include "geometry/volume.h"
 #include "model/image.h"
 
 #define SMR_WORDS 16u          /* 32-bit words of a record that is summed: one cache line */
 #define SMR_CHUNK 128u         /* vertices of a task */
-#define SMR_FORCE_CHUNK 8u     /* vertices of a task that looks for goals, or for the model from a target */
+#define SMR_MATCH_CHUNK 32u    /* of one that does much for each: transforms, moments, centres and spreads */
+#define SMR_FORCE_CHUNK 4u     /* of one that looks for goals on a surface, or for the model from a target */
+#define SMR_IMAGE_CHUNK 1u     /* of one that looks for goals where there is an image: a vertex costs as much as forty elsewhere */
 #define SMR_TRIANGLE_CHUNK 256u /* triangles of a task that sums over vertices' neighbours */
-#define SMR_ENTRY_CHUNK 64u    /* entries of a piece of a block */
+#define SMR_ENTRY_CHUNK 32u    /* entries of a piece of a block, half as many of the reference shape's long records */
 #define SMR_STEPS_MAX 32u      /* of an iteration */
 #define SMR_HINGE_CHUNK 1024u  /* hinges of a task */
+#define SMR_MEND_RUNS 2048u    /* runs of triangles that are looked at or left out as one */
 #define SMR_STATE_MAGIC 0x736d7254u
 
 /* One structure's triangles and target. */
@@ -27,6 +31,8 @@ typedef struct smr_part {
     smr_facets facets;                     /* of the deforming model */
     const smr_surface *target;             /* NULL: carried along */
     uint32_t folding;                      /* 1: the fold guard is at work here */
+    uint32_t drawn;                        /* 1: had a target when the iteration under way began */
+    uint32_t seen, looked;                 /* vertices that had a goal in the last iteration, and that looked for one */
 } smr_part;
 
 /* A distinct target surface and the structures that share it. */
@@ -51,6 +57,8 @@ typedef struct smr_mend {
     uint32_t round, part, ring, sweep;
     uint32_t n_folds;                      /* found in this round */
     uint32_t moved;                        /* 1: x_next has changed, the facets must follow */
+    uint32_t run_bits;                     /* 2^run_bits triangles are a run */
+    uint64_t touched[SMR_MEND_RUNS / 64u]; /* a bit each run: a corner in it is marked */
 } smr_mend;
 
 /* What the controller knows of the time that an iteration takes (control.c). */
@@ -65,11 +73,23 @@ typedef struct smr_control {
     uint32_t cut;                          /* 1: n_active is less than the configuration asks for, for want of time */
     uint32_t repairing;                    /* 1: the last iteration was a repair */
     float margin;                          /* times the reserve */
+    uint32_t look;                         /* forces so far at which it is asked again whether the time is up */
     uint32_t odd;                          /* 1: the clock ran backwards in the step under way */
 } smr_control;
 
+/* Where recording stands (log.c). */
+typedef struct smr_log {
+    unsigned char *memory;                 /* the caller's; NULL: nothing is recorded */
+    size_t bytes, used;
+    uint32_t crc;                          /* of the last record */
+    uint32_t n_ticks;
+    uint32_t full;                         /* 1: a record did not fit, and none follows */
+} smr_log;
+
 struct smr {
     uint32_t magic;
+    uint32_t fresh;                        /* 1: as smr_init left it */
+    smr_log log;
     const smr_model *model;
     smr_config config;
     smr_port port;
@@ -90,6 +110,8 @@ struct smr {
     smr_control control;
     float momentum;                        /* at this radius */
     float search;                          /* mm: search distance at this radius */
+    uint32_t fit_due;                      /* 1: `fitted` is to be made of the present positions */
+    smr_fit fit;                           /* its sums so far */
     float even;                            /* in this iteration: of the way to the neighbours' mean (even.c) */
     float profile_mm, gradient_mm;         /* search distances in the image in this iteration */
     float ease;                            /* share of forces and momentum left: falls to 0 where an image registration ends */
@@ -120,14 +142,17 @@ struct smr {
     float coarse, fine;                    /* mm: x^r is rounded to these where spreads and centres are summed */
     /* written by forces */
     float *force;                          /* [n][3] f^e */
-    uint32_t *warm;                        /* [n] last closest triangle of the target */
+    uint32_t *warm;                        /* [n] closest triangle of the target, of the last complete forces */
+    uint32_t *warm_next;                   /* [n] the same, of those under way: they may have to start again */
     int64_t *pull;                         /* [n_workers][n][4] target-to-model pulls: 3 sums and the weight */
     /* written by guard */
-    uint8_t *found;                        /* [n] of the last forces: 0 no target, 1 a goal, 2 none acceptable */
+    uint8_t *found;                        /* [n] 0 no target, 1 a goal, 2 none acceptable */
+    uint8_t *seen;                         /* [n] found, of the last complete forces */
     uint8_t *guard;                        /* [n] 1: the vertex' step is smoothed, in this iteration */
     /* written by smooth and by guard, over record */
     float *ring_sum;                       /* [n][3] sum over a vertex' mesh neighbours */
     float *ring_weight;                    /* [n] of that sum */
+    float *displaced;                      /* [n][3] even.c: from the rest shape in its pose */
     uint32_t n_folding;                    /* hinges found folding while repairing */
     uint32_t n_guarded;                    /* vertices so marked */
     smr_mend mend;
@@ -135,13 +160,14 @@ struct smr {
     uint32_t *record;                      /* [n][SMR_WORDS] fixed-point quantities of each vertex */
     uint32_t *sum;                         /* [n][SMR_WORDS] their sums over each cluster */
     uint32_t pieces;                       /* of a block, in the step under way; 0 and 1: whole */
+    uint32_t ring_pieces;                  /* of a structure in smooth.c, the same */
     uint32_t sum_words;                    /* words in use: 6, 10 or 12 */
     float scale[2];                        /* of the two kinds of quantities */
     /* written by match */
     float *transform;                      /* [n][12] R - I row-major, t */
     float *eigen;                          /* [n][9] warm start of the polar method; NULL for rigid */
     /* all stages */
-    smr_tally *tally;                      /* [max(n_tasks, n_hinge_tasks)] */
+    smr_tally *tally;                      /* [max(ceil(n / SMR_MATCH_CHUNK), n_hinge_tasks)] */
     float *start;                          /* [n][3] start positions */
     const uint32_t *triangle;              /* [n_triangles][3]; in the model image itself on little-endian hosts */
     uint32_t *own_triangle;                /* the same on big-endian hosts */
@@ -215,7 +241,8 @@ enum { SMR_WORK_TASKS = 0, SMR_WORK_ACTIVE, SMR_WORK_LISTS, SMR_WORK_FOLDS };
 
 static inline uint32_t smr_method_words(const smr *s) { return s->config.method == SMR_METHOD_RIGID ? 6u : 12u; }
 
-/* A step of the iteration: n_tasks(s) independent tasks (0: the step is skipped), then one serial end. */
+/* A step of the iteration: n_tasks(s) independent tasks (0: the step is skipped), then one serial end. Where tasks are pieces of
+ * something that is one task without a budget, `abreast` pieces are independent and the next so many need them. */
 typedef struct smr_step {
     uint32_t phase; /* SMR_PHASE_... */
     uint32_t work;  /* SMR_WORK_... */
@@ -223,6 +250,8 @@ typedef struct smr_step {
     smr_task run;
     void (*end)(smr *s);
     uint32_t serial; /* 1: its tasks run one after the other, in their order */
+    void (*pieces)(smr *s, int cut);   /* before the first task: whether to cut. NULL: its tasks are what they are */
+    uint32_t (*abreast)(const smr *s);
 } smr_step;
 
 extern const smr_step smr_steps[];           /* tick.c: in the order in which they are done */
@@ -242,6 +271,7 @@ void smr_control_learn(smr *s, uint32_t n_tasks); /* the step under way is compl
 /* The steps, by the file they live in. */
 uint32_t smr_reference_records(smr *s);      /* reference.c: x^r's cluster centres and spreads, when x^r is new */
 uint32_t smr_reference_tasks(smr *s);
+uint32_t smr_reference_clusters(smr *s);
 uint32_t smr_reference_blocks(smr *s);
 void smr_reference_reach(void *arg, uint32_t task, uint32_t worker);
 void smr_reference_record(void *arg, uint32_t task, uint32_t worker);
@@ -268,22 +298,27 @@ uint32_t smr_mend_facet_tasks(smr *s);
 void smr_mend_abandon(smr *s);
 
 uint32_t smr_smooth_tasks(smr *s);           /* smooth.c: mesh neighbours' sums, for vertices without a goal */
+void smr_smooth_pieces(smr *s, int cut);
+uint32_t smr_smooth_abreast(const smr *s);
 void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker);
 smr_vec smr_smooth_way(const smr *s, uint32_t v);
 
 uint32_t smr_vertex_tasks(smr *s);
 uint32_t smr_active_tasks(smr *s);           /* those that have active vertices */
-uint32_t smr_force_tasks(smr *s);            /* force.c: f^e */
+uint32_t smr_force_chunk(const smr *s);      /* force.c: f^e; vertices of a task */
+uint32_t smr_force_tasks(smr *s);
 void smr_force_search(void *arg, uint32_t task, uint32_t worker);
 void smr_force_take(void *arg, uint32_t task, uint32_t worker);
 void smr_force_end(smr *s);
 
 uint32_t smr_block_tasks(smr *s);            /* sums.c */
-void smr_block_pieces(smr *s, int cut);       /* before the first task of a forest */
+void smr_block_pieces(smr *s, int cut);      /* before the first task of a forest */
+uint32_t smr_block_abreast(const smr *s);
 void smr_sums_record(void *arg, uint32_t task, uint32_t worker);
 void smr_sums_forest(void *arg, uint32_t task, uint32_t worker);
 void smr_average_record(void *arg, uint32_t task, uint32_t worker);
 
+uint32_t smr_match_tasks(smr *s);
 void smr_match(void *arg, uint32_t task, uint32_t worker);        /* match.c: T_i */
 void smr_match_end(smr *s);
 
@@ -300,7 +335,9 @@ void smr_exact_clear(void *arg, uint32_t task, uint32_t worker);
 void smr_exact_facets(void *arg, uint32_t task, uint32_t worker);
 void smr_exact_unit(void *arg, uint32_t task, uint32_t worker);
 
-void smr_even_start(smr *s);                 /* even.c: neighbours' displacements, at the last radius */
+uint32_t smr_even_fit_tasks(smr *s);         /* even.c: the last radius' pose */
+void smr_even_fit(void *arg, uint32_t task, uint32_t worker);
+void smr_even_fit_end(smr *s);               /* neighbours' displacements, at the last radius */
 void smr_even_share(smr *s);
 uint32_t smr_even_tasks(smr *s);
 uint32_t smr_even_facet_tasks(smr *s);

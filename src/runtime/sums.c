@@ -9,15 +9,19 @@
  * the next ones start. */
 uint32_t smr_block_tasks(smr *s) { return s->lists.n_blocks * smr_max_u32(s->pieces, 1u); }
 
+/* Entries of a piece: fewer where records are longest, those of the reference shape. */
+static uint32_t entries_of(const smr *s) { return s->sum_words > 12u ? SMR_ENTRY_CHUNK / 2u : SMR_ENTRY_CHUNK; }
+
 void smr_block_pieces(smr *s, int cut)
 {
     const smr_image_block *b = s->lists.block;
     uint32_t largest = 0;
     for (uint32_t i = 0; cut && i < s->lists.n_blocks; i++)
         largest = smr_max_u32(largest, smr_le32(b[i + 1u].first) - smr_le32(b[i].first));
-    s->pieces = s->lists.n_blocks > s->n_tasks ? 1u : smr_max_u32(smr_ceil_div(largest, SMR_ENTRY_CHUNK), 1u);
+    s->pieces = s->lists.n_blocks > s->n_tasks ? 1u : smr_max_u32(smr_ceil_div(largest, entries_of(s)), 1u);
 }
 
+uint32_t smr_block_abreast(const smr *s) { return s->lists.n_blocks; }
 uint32_t smr_vertex_tasks(smr *s) { return s->n_tasks; }
 uint32_t smr_active_tasks(smr *s) { return smr_ceil_div(s->n_active, SMR_CHUNK); }
 
@@ -153,8 +157,8 @@ void smr_sums_forest(void *arg, uint32_t task, uint32_t worker)
     const uint32_t length = smr_le32(b[1].first) - smr_le32(b[0].first);
     piece p = {block, 0, length, smr_le32(b->first_index)};
     if (pieces > 1u) {
-        p.from = smr_min_u32(i * SMR_ENTRY_CHUNK, length);
-        p.to = smr_min_u32(p.from + SMR_ENTRY_CHUNK, length);
+        p.from = smr_min_u32(i * entries_of(s), length);
+        p.to = smr_min_u32(p.from + entries_of(s), length);
         if (i > 0u)
             p.index = s->tally[block].n_forces; /* where the piece before ended: nobody else uses tallies now */
         s->tally[block].n_forces = chain(s, p);

@@ -1,6 +1,6 @@
 /* target.c: which structure is drawn to which surface.
  * SPDX-License-Identifier: MIT */
-#include "runtime/state.h"
+#include "runtime/log.h"
 
 /* Distinct surfaces, their tasks and slots. Returns the slots they need. */
 static uint64_t list_goals(const smr *s, const smr_part *part, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks)
@@ -61,5 +61,6 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
     if (smr_forces_pending(s))
         s->step = s->next_task = 0;
     s->force_limit = 0.0f;
+    smr_log_surface(s, structure, surface);
     return SMR_OK;
 }

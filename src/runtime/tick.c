@@ -2,41 +2,42 @@
  * keeps the time. A step is a number of independent tasks and a serial end; the clock is read between groups of tasks, and
  * a tick that runs out of time resumes at the task where it stopped. Only the last step's end makes new positions current.
  * SPDX-License-Identifier: MIT */
-#include "runtime/state.h"
+#include "runtime/log.h"
 
 const smr_step smr_steps[] = {
     /* compute external forces f^e: the target's pull, smoothing, the way to the target in the order in which vertices matter */
-    {SMR_PHASE_FORCES, SMR_WORK_TASKS, smr_pull_tasks, smr_pull_search, NULL, 0},
-    {SMR_PHASE_FORCES, SMR_WORK_TASKS, smr_smooth_tasks, smr_smooth_sum, NULL, 0},
-    {SMR_PHASE_FORCES, SMR_WORK_ACTIVE, smr_force_tasks, smr_force_search, NULL, 0},
+    {SMR_PHASE_FORCES, SMR_WORK_TASKS, smr_pull_tasks, smr_pull_search, NULL, 0, NULL, NULL},
+    {SMR_PHASE_FORCES, SMR_WORK_TASKS, smr_smooth_tasks, smr_smooth_sum, NULL, 0, smr_smooth_pieces, smr_smooth_abreast},
+    {SMR_PHASE_FORCES, SMR_WORK_ACTIVE, smr_force_tasks, smr_force_search, NULL, 0, NULL, NULL},
     /* who takes part is known now */
-    {SMR_PHASE_FORCES, SMR_WORK_TASKS, smr_vertex_tasks, smr_force_take, smr_force_end, 0},
+    {SMR_PHASE_FORCES, SMR_WORK_TASKS, smr_vertex_tasks, smr_force_take, smr_force_end, 0, NULL, NULL},
     /* what x^r and they imply, when either is new: cluster centres, masses and spreads */
-    {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_reference_tasks, smr_reference_reach, smr_reference_begin, 0},
-    {SMR_PHASE_SUMS, SMR_WORK_ACTIVE, smr_reference_records, smr_reference_record, NULL, 0},
-    {SMR_PHASE_SUMS, SMR_WORK_LISTS, smr_reference_blocks, smr_sums_forest, NULL, 0},
-    {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_reference_tasks, smr_reference_cluster, smr_reference_end, 0},
+    {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_even_fit_tasks, smr_even_fit, smr_even_fit_end, 1, NULL, NULL},
+    {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_reference_tasks, smr_reference_reach, smr_reference_begin, 0, NULL, NULL},
+    {SMR_PHASE_SUMS, SMR_WORK_ACTIVE, smr_reference_records, smr_reference_record, NULL, 0, NULL, NULL},
+    {SMR_PHASE_SUMS, SMR_WORK_LISTS, smr_reference_blocks, smr_sums_forest, NULL, 0, smr_block_pieces, smr_block_abreast},
+    {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_reference_clusters, smr_reference_cluster, smr_reference_end, 0, NULL, NULL},
     /* compute shape matching forces: for each cluster, T_i = argmin Sum m |T x^r - x - f^e|^2 */
-    {SMR_PHASE_SUMS, SMR_WORK_ACTIVE, smr_active_tasks, smr_sums_record, NULL, 0},
-    {SMR_PHASE_SUMS, SMR_WORK_LISTS, smr_block_tasks, smr_sums_forest, NULL, 0},
-    {SMR_PHASE_MATCH, SMR_WORK_ACTIVE, smr_active_tasks, smr_match, smr_match_end, 0},
+    {SMR_PHASE_SUMS, SMR_WORK_ACTIVE, smr_active_tasks, smr_sums_record, NULL, 0, NULL, NULL},
+    {SMR_PHASE_SUMS, SMR_WORK_LISTS, smr_block_tasks, smr_sums_forest, NULL, 0, smr_block_pieces, smr_block_abreast},
+    {SMR_PHASE_MATCH, SMR_WORK_ACTIVE, smr_match_tasks, smr_match, smr_match_end, 0, NULL, NULL},
     /* average goal positions x~_i = Sum_i(T) x^r_i / |zeta_i| */
-    {SMR_PHASE_AVERAGE, SMR_WORK_ACTIVE, smr_active_tasks, smr_average_record, NULL, 0},
-    {SMR_PHASE_AVERAGE, SMR_WORK_LISTS, smr_block_tasks, smr_sums_forest, NULL, 0},
+    {SMR_PHASE_AVERAGE, SMR_WORK_ACTIVE, smr_active_tasks, smr_average_record, NULL, 0, NULL, NULL},
+    {SMR_PHASE_AVERAGE, SMR_WORK_LISTS, smr_block_tasks, smr_sums_forest, NULL, 0, smr_block_pieces, smr_block_abreast},
     /* evolve positions, x = x~; even out along the surface; hold back what would fold; update reference positions (plasticity),
      * x^r = x */
-    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_even_tasks, smr_even_clear, NULL, 0},
-    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_even_facet_tasks, smr_even_rings, NULL, 1},
-    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_vertex_tasks, smr_evolve, smr_evolve_end, 0},
-    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_facet_tasks, smr_facet_refit, smr_facets_end, 0},
-    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_guard_tasks, smr_guard_search, smr_guard_end, 0},
-    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, smr_mend_tasks, smr_mend_pass, smr_mend_end, 1},
-    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, smr_mend_facet_tasks, smr_facet_refit, smr_facets_end, 0},
-    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_vertex_tasks, smr_settle, smr_settle_end, 0},
-    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_exact_tasks, smr_exact_clear, NULL, 0},
-    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_exact_facet_tasks, smr_exact_facets, NULL, 1},
-    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_exact_tasks, smr_exact_unit, NULL, 0},
-    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_stand_tasks, smr_stand, NULL, 1},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_even_tasks, smr_even_clear, NULL, 0, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_even_facet_tasks, smr_even_rings, NULL, 1, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_vertex_tasks, smr_evolve, smr_evolve_end, 0, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_facet_tasks, smr_facet_refit, smr_facets_end, 0, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_guard_tasks, smr_guard_search, smr_guard_end, 0, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, smr_mend_tasks, smr_mend_pass, smr_mend_end, 1, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, smr_mend_facet_tasks, smr_facet_refit, smr_facets_end, 0, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_vertex_tasks, smr_settle, smr_settle_end, 0, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_exact_tasks, smr_exact_clear, NULL, 0, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_exact_facet_tasks, smr_exact_facets, NULL, 1, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_exact_tasks, smr_exact_unit, NULL, 0, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_stand_tasks, smr_stand, NULL, 1, NULL, NULL},
 };
 
 #define SMR_STEPS ((uint32_t)(sizeof smr_steps / sizeof smr_steps[0]))
@@ -107,7 +108,7 @@ static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
     const uint64_t left = w->deadline > w->last ? w->deadline - w->last : 0u;
     if (step->run != smr_force_search || w->deadline == 0u || !smr_control_reached(s, left, group))
         return 0;
-    s->n_active = s->next_task * SMR_FORCE_CHUNK;
+    s->n_active = s->next_task * smr_force_chunk(s);
     s->reference_stale = s->control.cut = 1;
     return 1;
 }
@@ -115,8 +116,6 @@ static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
 /* Runs the current step; returns 0 when the deadline passed before its last task. */
 static int run_step(smr *s, const smr_step *step, watch *w)
 {
-    if (s->next_task == 0u && step->work == SMR_WORK_LISTS)
-        smr_block_pieces(s, w->deadline != 0u);
     uint32_t n = step->n_tasks(s);
     const uint32_t group = step->serial ? 1u : (w->deadline == 0u ? n : smr_control_group(s, n));
     const uint64_t ahead = w->deadline == 0u ? 0u : smr_min_u64(smr_control_ahead(s, n, group), w->budget / 4u);
@@ -127,8 +126,8 @@ static int run_step(smr *s, const smr_step *step, watch *w)
         if (cut(s, step, w, group))
             break;
         uint32_t count = smr_min_u32(group, n - s->next_task);
-        if (step->work == SMR_WORK_LISTS) /* the next piece of a block needs the one before */
-            count = smr_min_u32(count, s->lists.n_blocks - s->next_task % s->lists.n_blocks);
+        if (step->abreast != NULL) /* the next pieces need the ones before */
+            count = smr_min_u32(count, step->abreast(s) - s->next_task % step->abreast(s));
         run_part(s, step, count, w->deadline != 0u);
     }
     if (n > 0u && step->end != NULL)
@@ -194,6 +193,8 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     watch w = begin(s, budget_ns);
     for (; !s->done && s->step < SMR_STEPS; s->step++) {
         const smr_step *step = &smr_steps[s->step];
+        if (s->next_task == 0u && step->pieces != NULL)
+            step->pieces(s, w.deadline != 0u);
         const uint32_t n_tasks = step->n_tasks(s);
         const uint64_t before = w.last;
         if (!run_step(s, step, &w))
@@ -209,6 +210,7 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
         s->step = 0;
     }
     fill_report(s, phase_ns);
+    smr_log_tick(s, status);
     if (report != NULL)
         *report = s->report;
     return status;

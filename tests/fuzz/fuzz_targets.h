@@ -9,5 +9,6 @@
 
 int fuzz_model_open(const uint8_t *data, size_t size);
 int fuzz_mesh(const uint8_t *data, size_t size);
+int fuzz_log(const uint8_t *data, size_t size);
 
 #endif

@@ -1,7 +1,7 @@
 #!/bin/sh
 # hashes: one table of state hashes over threads, schedulers, compilers, optimisation and processors.
 # SPDX-License-Identifier: MIT
-# usage: MAKE=... BUILD=... M7_CFLAGS=... hashes.sh     (called by `make hashes`)
+# usage: MAKE=... BUILD=... hashes.sh     (called by `make hashes`)
 # Ends with 1 when a configuration gives another hash or does not build.
 set -u
 make=${MAKE:-make}
@@ -59,13 +59,16 @@ cross 'RISC-V 64 (qemu-user)' riscv64-linux-gnu qemu-riscv64 libc6-dev-riscv64-c
 # s390x: strict C11 would evaluate floats in double there.
 cross 's390x, big-endian (qemu-user)' s390x-linux-gnu qemu-s390x libc6-dev-s390x-cross -fexcess-precision=fast
 
-name='Cortex-M7 bare metal (mps2-an500)'
-if ! have arm-none-eabi-gcc; then skip "$name" 'gcc-arm-none-eabi libnewlib-arm-none-eabi'
-elif ! have qemu-system-arm; then skip "$name" qemu-system-arm
-elif compile "$name" m7 golden_m7.elf CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
-    CFLAGS="${M7_CFLAGS:-} -O2 -DSMR_BAREMETAL"; then
-    judge "$name" "$(timeout 300 qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none \
-        -semihosting-config enable=on,target=native -icount shift=6 -kernel "$build/m7/golden_m7.elf" 2>&1 </dev/null | tail -n 1)"
-fi
+. tests/target/board.sh
+for board in m7 m55; do
+    board_set $board
+    name="$board_name bare metal ($board_machine)"
+    if ! have arm-none-eabi-gcc; then skip "$name" 'gcc-arm-none-eabi libnewlib-arm-none-eabi'
+    elif ! have qemu-system-arm; then skip "$name" qemu-system-arm
+    elif compile "$name" $board golden_$board.elf CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
+        CFLAGS="$board_cflags -O2 -DSMR_BAREMETAL"; then
+        judge "$name" "$(board_run 6 "$build/$board/golden_$board.elf" | tail -n 1)"
+    fi
+done
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]

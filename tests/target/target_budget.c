@@ -1,192 +1,87 @@
 /*
- * target_budget: on the emulated Cortex-M7, ticks keep to their time, cutting the work changes no bit, and what a budget left
- * out can be left out again without a clock.
+ * target_budget: on an emulated board ticks keep to their time, cutting the work changes no bit, and what a budget left out can be
+ * left out again without a clock; for a surface and an image, rigid and polar.
  *
- * Under `-icount shift=0` one instruction takes one nanosecond of the board's timer, so the times are the
- * same in every run. A chunk is the longest stretch between two readings of the clock. Prints what it finds; ends with 0 when all holds.
+ * Under `-icount shift=0` one instruction takes one nanosecond of the board's time, so the times are the same in every run. A
+ * chunk is the longest stretch between two readings of the clock. The command line says how many ticks of random
+ * budgets each case runs. Prints what it finds; ends with 0 when all holds.
  *
  * SPDX-License-Identifier: MIT
  */
-#include <smr.h>
+#include "target_rig.h"
 
-#include "fixture_bone.h"
-#include "smr_baremetal.h"
-#include "smr_semihost.h"
-
-#define TARGET_MEMORY static __attribute__((section(".arena"))) _Alignas(SMR_ALIGN)
-#define TARGET_ITERATIONS 20u
 #define TARGET_BUDGET_NS 200000u
 #define TARGET_TICKS_MAX 100000u
 #define TARGET_ENDLESS (UINT64_MAX / 4u) /* a budget that never ends, but the clock is read */
-#ifndef TARGET_RANDOM_TICKS
-#define TARGET_RANDOM_TICKS 1000u
-#endif
 #define TARGET_READING_NS 2000u /* what the readings before and after a tick may take */
+#define TARGET_TWIN_TICKS 250u  /* so long a twin without a clock goes along */
+#define TARGET_SHARE 20u        /* a chunk is at most one in so many parts of an iteration's fixed part */
 
-TARGET_MEMORY unsigned char target_arena[2][SMR_ARENA_BYTES(1024, 2048, 1, 1, 1024)];
-TARGET_MEMORY unsigned char target_scratch[6u << 20];
-TARGET_MEMORY unsigned char target_image[2u << 20];
-TARGET_MEMORY unsigned char target_surface[1u << 20];
-TARGET_MEMORY float target_words[16384];
-TARGET_MEMORY float target_xyz[2][3 * 1024];
-TARGET_MEMORY uint32_t target_triangles[2][3 * 2048];
+/* What a run through the schedule showed. */
+typedef struct target_times {
+    uint64_t hash;
+    uint64_t whole;          /* ns: the longest iteration */
+    uint64_t fixed;          /* ns: the shortest iteration of all vertices, its forces taken off */
+    uint64_t longest;        /* tick */
+    uint32_t ticks, partial;
+} target_times;
 
-static void target_number(const char *name, uint64_t value)
-{
-    char text[24];
-    uint32_t at = sizeof text - 1u;
-    text[at] = '\0';
-    text[--at] = '\n';
-    do {
-        text[--at] = (char)('0' + (char)(value % 10u));
-        value /= 10u;
-    } while (value != 0u);
-    smr_semihost_write(name);
-    smr_semihost_write(text + at);
-}
-
-static int target_ok(const char *what, int good)
-{
-    if (!good) {
-        smr_semihost_write("failed: ");
-        smr_semihost_write(what);
-        smr_semihost_write("\n");
-    }
-    return good;
-}
-
-static int target_meshes(smr_mesh *mesh)
-{
-    for (int i = 0; i < 2; ++i) {
-        fixture_grid grid = i == 0 ? fixture_grid_source(FIXTURE_CELL_SMALL) : fixture_grid_target(FIXTURE_CELL_SMALL);
-        fixture_mesh m = {target_xyz[i], target_triangles[i], 1024, 2048, 0, 0};
-        const size_t words = sizeof target_words / sizeof target_words[0];
-        if (!(i == 0 ? fixture_bone_source(&grid, &m, target_words, words)
-                     : fixture_bone_target(&grid, 1.0f, &m, target_words, words))) {
-            return 0;
-        }
-        mesh[i].xyz = m.xyz;
-        mesh[i].triangles = m.triangles;
-        mesh[i].n_vertices = m.n_vertices;
-        mesh[i].n_triangles = m.n_triangles;
-    }
-    return 1;
-}
-
-static int target_model(const smr_model **model, smr_surface **surface)
-{
-    smr_mesh mesh[2];
-    smr_structure structure = {"bone", {NULL, NULL, 0, 0}};
-    smr_prepare_config config = smr_prepare_config_default();
-    size_t bytes = 0;
-    if (!target_meshes(mesh)) {
-        return 0;
-    }
-    structure.mesh = mesh[0];
-    config.n_radii = 2;
-    config.radius_mm[0] = 90.0f;
-    config.radius_mm[1] = 45.0f;
-    return smr_prepare(&structure, 1, &config, target_scratch, sizeof target_scratch, target_image,
-                       sizeof target_image, &bytes) == SMR_OK &&
-           smr_model_open(target_image, bytes, model) == SMR_OK &&
-           smr_surface_build(target_surface, sizeof target_surface, &mesh[1], surface) == SMR_OK;
-}
-
-/* The board's clock, and the longest stretch between two readings. */
-typedef struct target_clock {
-    smr_port port;
-    uint64_t last, longest;
-    uint32_t running;
-} target_clock;
-
-static uint64_t target_now(void *ctx)
-{
-    target_clock *clock = (target_clock *)ctx;
-    const uint64_t time = clock->port.now_ns(clock->port.ctx);
-    if (clock->running && time - clock->last > clock->longest) {
-        clock->longest = time - clock->last;
-    }
-    clock->last = time;
-    return time;
-}
-
-static uint64_t target_tick(smr *s, target_clock *clock, uint64_t budget_ns, smr_tick_report *report, smr_status *status)
-{
-    const uint64_t begin = target_now(clock);
-    clock->running = 1;
-    *status = smr_tick(s, budget_ns, report);
-    clock->running = 0;
-    return target_now(clock) - begin;
-}
-
-static smr *target_start(const smr_model *model, const smr_surface *surface, const smr_port *port, uint32_t arena)
-{
-    smr_config config = smr_config_default();
-    smr *s = NULL;
-    config.n_target_vertices = 1024;
-    config.iterations = 30;
-    if (smr_init(&s, model, &config, port, target_arena[arena], sizeof target_arena[arena]) != SMR_OK ||
-        smr_set_surface(s, SMR_ALL, surface) != SMR_OK) {
-        return NULL;
-    }
-    return s;
-}
-
-/* Runs TARGET_ITERATIONS iterations of all vertices in ticks of this budget; 0: no limit. *hash: the state after them. */
-static int target_run(const smr_model *model, const smr_surface *surface, target_clock *clock, uint64_t budget_ns,
-                      uint64_t *hash, uint64_t *whole, uint64_t *fixed)
+/* All vertices through the schedule in ticks of this budget; 0: no clock is watched. */
+static int target_run(const target_scene *scene, target_clock *clock, uint64_t budget_ns, target_times *t)
 {
     const smr_port port = {clock, 1u, NULL, target_now};
+    const smr_config config = target_config(scene);
     smr_tick_report report = {0};
-    uint64_t longest = 0;
-    uint32_t ticks = 0, partial = 0;
-    smr *s = target_start(model, surface, &port, 0);
+    smr *s = target_start(scene, &config, &port, 0);
+    memset(t, 0, sizeof *t);
     if (s == NULL || smr_set_active(s, SMR_ALL) != SMR_OK) {
         return 0;
     }
-    clock->longest = 0;
-    while (report.iteration < TARGET_ITERATIONS && ticks < TARGET_TICKS_MAX) {
+    while (!report.done && t->ticks < TARGET_TICKS_MAX) {
         smr_status status;
-        const uint64_t time = target_tick(s, clock, budget_ns, &report, &status);
-        if (time > longest) {
-            longest = time;
-            *fixed = time - report.phase_ns[SMR_PHASE_FORCES];
+        const uint32_t repairs = s->repairing;
+        const uint64_t time = target_tick(s, clock, budget_ns, &report, &status), fixed = time - report.phase_ns[SMR_PHASE_FORCES];
+        t->longest = time > t->longest ? time : t->longest;
+        t->partial += status == SMR_PARTIAL ? 1u : 0u;
+        ++t->ticks;
+        if (repairs == 0u && (t->fixed == 0u || fixed < t->fixed)) {
+            t->fixed = fixed;
         }
-        partial += status == SMR_PARTIAL ? 1u : 0u;
-        ++ticks;
         if (status != SMR_OK && status != SMR_PARTIAL) {
             return 0;
         }
     }
-    *hash = smr_state_hash(s);
-    *whole = longest;
-    target_number("budget ns:        ", budget_ns);
-    target_number("  ticks:          ", ticks);
-    target_number("  partial ticks:  ", partial);
-    target_number("  longest tick:   ", longest);
-    target_number("  longest chunk:  ", clock->longest);
-    return target_ok("iterations", report.iteration == TARGET_ITERATIONS) &&
-           target_ok("whole ticks without a budget", budget_ns == TARGET_BUDGET_NS || partial == 0u) &&
-           target_ok("partial ticks with a budget", budget_ns != TARGET_BUDGET_NS || partial > 0u) &&
-           target_ok("time", budget_ns != TARGET_BUDGET_NS || longest <= budget_ns + clock->longest + TARGET_READING_NS);
+    t->whole = t->longest;
+    t->hash = smr_state_hash(s);
+    return target_ok("the schedule ends", report.done == 1u);
 }
 
-/* Thousands of ticks of 5 to 150 % of a whole iteration, at the controller's choice; a twin without a clock repeats each
- * iteration. */
-static int target_random(const smr_model *model, const smr_surface *surface, target_clock *clock, uint64_t whole)
+/* What random budgets did. */
+typedef struct target_tally {
+    uint64_t over; /* ns: the longest time beyond a budget */
+    uint32_t late, done, cut, enough, enough_done;
+} target_tally;
+
+/* The iteration that s has completed, without a clock. */
+static int target_repeat(smr *s, smr *twin, uint32_t n_taken)
 {
-    static const smr_pose same = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    return smr_set_active(twin, n_taken) == SMR_OK && smr_tick(twin, 0, NULL) == SMR_OK && smr_state_hash(twin) == smr_state_hash(s);
+}
+
+/* Ticks of 5 to 150 % of a whole iteration, at the controller's choice; at first a twin without a clock repeats each iteration. */
+static int target_random(const target_scene *scene, target_clock *clock, uint64_t whole, uint32_t ticks, target_tally *t)
+{
     const smr_port port = {clock, 1u, NULL, target_now};
-    smr_tick_report report = {0}, again = {0};
-    smr *s = target_start(model, surface, &port, 0), *twin = target_start(model, surface, NULL, 1);
-    uint64_t over = 0;
-    uint32_t seed = 1, late = 0, done = 0, cut = 0, enough = 0, enough_done = 0, known = 0;
+    const smr_config config = target_config(scene);
+    smr_tick_report report = {0};
+    smr *s = target_start(scene, &config, &port, 0), *twin = target_start(scene, &config, NULL, 1);
+    uint32_t seed = 1, known = 0;
     smr_status status = SMR_OK;
+    memset(t, 0, sizeof *t);
     if (s == NULL || twin == NULL) {
         return 0;
     }
-    clock->longest = 0;
-    for (uint32_t i = 0; i < TARGET_RANDOM_TICKS; ++i) {
+    for (uint32_t i = 0; i < ticks; ++i) {
         const int fresh = status == SMR_OK;
         seed = seed * 1664525u + 1013904223u;
         const uint64_t budget = whole / 100u * (5u + (seed >> 8) % 146u);
@@ -194,59 +89,89 @@ static int target_random(const smr_model *model, const smr_surface *surface, tar
         if (status < 0) {
             return 0;
         }
-        late += time > budget ? 1u : 0u;
-        over = time > budget && time - budget > over ? time - budget : over;
+        t->late += time > budget ? 1u : 0u;
+        t->over = time > budget && time - budget > t->over ? time - budget : t->over;
         if (fresh && known && budget >= whole) {
-            ++enough;
-            enough_done += status == SMR_OK ? 1u : 0u;
+            ++t->enough;
+            t->enough_done += status == SMR_OK ? 1u : 0u;
         }
         if (status != SMR_OK) {
             continue;
         }
         known = 1;
-        ++done;
-        cut += report.n_taken < report.n_wanted ? 1u : 0u;
-        if (smr_set_active(twin, report.n_taken) != SMR_OK || smr_tick(twin, 0, &again) != SMR_OK ||
-            !target_ok("the same again", smr_state_hash(twin) == smr_state_hash(s))) {
+        ++t->done;
+        t->cut += report.n_taken < report.n_wanted ? 1u : 0u;
+        if (i < TARGET_TWIN_TICKS && !target_ok("the same again", target_repeat(s, twin, report.n_taken))) {
             return 0;
         }
-        if (report.done && (smr_set_pose(s, &same) != SMR_OK || smr_set_pose(twin, &same) != SMR_OK)) {
+        if (report.done && (!target_again(scene, s) || !target_again(scene, twin))) {
             return 0;
         }
     }
-    target_number("random budgets:   ", TARGET_RANDOM_TICKS);
-    target_number("  iterations:     ", done);
-    target_number("  of them cut:    ", cut);
-    target_number("  late ticks:     ", late);
-    target_number("  longest overrun:", over);
-    target_number("  longest chunk:  ", clock->longest);
-    target_number("  with enough:    ", enough);
-    target_number("  then complete:  ", enough_done);
-    return target_ok("overrun of at most a chunk", over <= clock->longest + TARGET_READING_NS) &&
-           target_ok("cut iterations", cut > done / 10u) && target_ok("whole iterations", cut < done) &&
-           target_ok("enough is enough", enough > 0u && enough_done == enough);
+    return 1;
+}
+
+/* In hundredths. */
+static void target_chunks(uint64_t ns, uint64_t chunk)
+{
+    const uint64_t hundredths = chunk == 0u ? 0u : (100u * ns + chunk - 1u) / chunk;
+    target_number(hundredths / 100u);
+    target_text(hundredths % 100u < 10u ? ".0" : ".");
+    target_number(hundredths % 100u);
+    target_text(" chunks\n");
+}
+
+static int target_judge(const target_scene *scene, target_clock *clock, uint32_t ticks)
+{
+    target_times plain, whole, cut;
+    target_tally random;
+    if (!target_ok("run", target_run(scene, clock, 0, &plain))) {
+        return 0;
+    }
+    target_forget(clock);
+    if (!target_ok("run with a long budget", target_run(scene, clock, TARGET_ENDLESS, &whole)) ||
+        !target_ok("run with a short budget", target_run(scene, clock, TARGET_BUDGET_NS, &cut)) ||
+        !target_ok("random budgets", target_random(scene, clock, whole.whole, ticks, &random))) {
+        return 0;
+    }
+    target_line("  iteration, ns:            ", whole.whole);
+    target_line("  its fixed part, ns:       ", whole.fixed);
+    target_line("  a chunk, ns:              ", clock->longest);
+    target_line("  iterations cut to pieces: ", plain.ticks);
+    target_line("    into ticks:             ", cut.ticks);
+    target_line("    longest beyond, ns:     ", cut.longest - TARGET_BUDGET_NS);
+    target_line("  random budgets:           ", ticks);
+    target_line("    iterations:             ", random.done);
+    target_line("    of them not all took part: ", random.cut);
+    target_line("    late ticks:             ", random.late);
+    target_line("    longest beyond, ns:     ", random.over);
+    target_text("                            ");
+    target_chunks(random.over, clock->longest);
+    target_line("    with enough time:       ", random.enough);
+    target_line("    of them complete:       ", random.enough_done);
+    return target_ok("the same bits", plain.hash == cut.hash && plain.hash == whole.hash) &&
+           target_ok("whole ticks without a budget, partial ones with", plain.partial + whole.partial == 0u && cut.partial > 0u) &&
+           target_ok("a chunk is a small part of the fixed part", TARGET_SHARE * clock->longest <= whole.fixed) &&
+           target_ok("at most a chunk beyond the short budget", cut.longest <= TARGET_BUDGET_NS + clock->longest + TARGET_READING_NS) &&
+           target_ok("at most a chunk beyond random budgets", random.over <= clock->longest + TARGET_READING_NS) &&
+           target_ok("some iterations are cut, others not", random.cut > random.done / 20u && random.cut < random.done) &&
+           target_ok("enough is enough", random.enough > 0u && random.enough == random.enough_done);
 }
 
 int main(void);
 
 int main(void)
 {
+    static target_scene scene;
+    static target_clock clock;
     smr_baremetal board;
-    target_clock clock = {smr_baremetal_port(&board), 0, 0, 0};
-    const smr_model *model = NULL;
-    smr_surface *surface = NULL;
-    uint64_t plain = 0, whole = 1, cut = 2, time = 0, fixed = 0, chunk, other;
-    if (!target_ok("model", target_model(&model, &surface)) ||
-        !target_ok("run", target_run(model, surface, &clock, 0, &plain, &time, &fixed)) ||
-        !target_ok("run with a long budget", target_run(model, surface, &clock, TARGET_ENDLESS, &whole, &time, &fixed))) {
-        return 1;
+    int good = 1;
+    clock.port = smr_baremetal_port(&board);
+    const uint32_t ticks = target_word(125u);
+    for (uint32_t i = 0; i < TARGET_CASES; ++i) {
+        target_text(target_cases[i].name);
+        target_text("\n");
+        good = target_ok("scene", target_set_up(&target_cases[i], &scene)) && target_judge(&scene, &clock, ticks) && good;
     }
-    chunk = clock.longest;
-    target_number("fixed part ns:    ", fixed);
-    return target_ok("chunk of at most 5 % of the fixed part", 20u * chunk <= fixed) &&
-                   target_ok("run with a budget", target_run(model, surface, &clock, TARGET_BUDGET_NS, &cut, &other, &other)) &&
-                   target_ok("same bits", plain == cut && plain == whole) &&
-                   target_ok("random budgets", target_random(model, surface, &clock, time))
-               ? 0
-               : 1;
+    return good ? 0 : 1;
 }

@@ -1,5 +1,5 @@
 /* test_fuzz.c: the fuzz targets as a plain regression test: a corpus made here, and changes to it that are the same every
- * time. SMR_FUZZ_CORPUS=dir writes the seeds there (model-N, mesh-N) for a real fuzzer to start from.
+ * time. SMR_FUZZ_CORPUS=dir writes the seeds there (model-N, mesh-N, log-N) for a real fuzzer to start from.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fuzz/fuzz_log.c"
 #include "fuzz/fuzz_mesh.c"
 #include "fuzz/fuzz_model_open.c"
 
@@ -99,8 +100,45 @@ static void meshes(void **state)
     assert_true(accepted > 700u);
 }
 
+/* Records of a real log: bytes changed, records copied over others, the end cut off. */
+static void logs(void **state)
+{
+    static unit_log seed;
+    static uint8_t copy[UNIT_LOG_BYTES];
+    oracle_random r = oracle_seed(203);
+    uint32_t repeated = 0;
+    (void)state;
+    unit_log_make(&seed);
+    const uint8_t *records = seed.log + SMR_LOG_HEADER;
+    const uint32_t whole = (uint32_t)(seed.bytes - SMR_LOG_HEADER);
+    save("log", 0, records, whole);
+    assert_int_equal(fuzz_log(NULL, 0), 1);
+    assert_int_equal(fuzz_log(records, whole), 1);
+    for (uint32_t i = 0; i < 1500u; i++) {
+        uint32_t size = whole;
+        memcpy(copy, records, whole);
+        for (uint32_t k = 1u + oracle_below(&r, 3u); k > 0u; k--) {
+            size_t to_bytes, from_bytes;
+            const size_t to = unit_log_record(seed.log, seed.bytes, oracle_below(&r, 43u), &to_bytes) - SMR_LOG_HEADER;
+            const size_t from = unit_log_record(seed.log, seed.bytes, oracle_below(&r, 43u), &from_bytes) - SMR_LOG_HEADER;
+            switch (oracle_below(&r, 4u)) {
+            case 0: copy[oracle_below(&r, size)] = (uint8_t)oracle_next(&r); break;
+            case 1: copy[to + 4u + oracle_below(&r, 8u)] ^= (uint8_t)(1u << oracle_below(&r, 8u)); break;
+            case 2: memcpy(copy + to, records + from, to_bytes < from_bytes ? to_bytes : from_bytes); break;
+            default: size = (uint32_t)to + 1u; break;
+            }
+        }
+        const int result = fuzz_log(copy, size);
+        if (result < 0)
+            fail_msg("log %u", (unsigned)i);
+        repeated += (uint32_t)result;
+    }
+    assert_true(repeated > 100u);
+    rig_free_all();
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(models), cmocka_unit_test(meshes)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(models), cmocka_unit_test(meshes), cmocka_unit_test(logs)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -211,7 +211,7 @@ static void test_abandoned(void **state)
     for (uint32_t method = 0; method < 2u; method++) {
         uint64_t undisturbed = 0;
         smr_status status = SMR_PARTIAL;
-        for (uint32_t cut = 0; cut < 200u && status == SMR_PARTIAL; cut++) {
+        for (uint32_t cut = 0; cut < 2000u && status == SMR_PARTIAL; cut++) {
             rig_clock clock;
             smr_config c = smr_config_default();
             smr_tick_report report;

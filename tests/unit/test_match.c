@@ -53,7 +53,7 @@ static void drive(smr *s, const float m[9], smr_vec t)
     s->sum_words = 12;
     run_all(s, s->n_tasks, smr_sums_record);
     run_all(s, smr_block_tasks(s), smr_sums_forest);
-    run_all(s, s->n_tasks, smr_match);
+    run_all(s, smr_match_tasks(s), smr_match);
 }
 
 /* Largest distance between where clusters carry their own vertex and where it should go. */

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "property/rig.h"
 #include "unit_exercise.h"
 
 typedef struct bench {
@@ -188,6 +189,37 @@ static void the_same_image_every_time(void **state)
     }
 }
 
+/* The workers and the order of tasks are the port's own affair. */
+static void the_same_image_whoever_works(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 4u; i++) {
+        bench b = set_up();
+        unit_mesh_free(&b.mesh);
+        b.mesh = unit_grid(40, 25, 3.0f);
+        const smr_structure two[2] = {{"a", unit_view(&b.mesh)}, {"b", unit_view(&b.mesh)}};
+        b.config.block_vertices = 700; /* many tasks a block, the last ones not full */
+        b.config.n_radii = 3;
+        b.config.radius_mm[2] = 4.0f;
+        b.config.separate_below_mm = 10.0f; /* the first radius shares clusters, the others do not */
+        b.config.order = i & 1u;
+        b.config.distance = i >> 1 & 1u;
+        const unit_image alone = unit_prepare(two, 2, &b.config);
+        for (uint32_t scheduler = 0; scheduler < RIG_SCHEDULERS; scheduler++) {
+            const smr_port port = rig_port(scheduler, 3);
+            b.config.port = &port;
+            unit_image shared = unit_prepare(two, 2, &b.config);
+            assert_int_equal(shared.size, alone.size);
+            assert_memory_equal(shared.bytes, alone.bytes, alone.size);
+            unit_image_free(&shared);
+        }
+        unit_image first = alone;
+        unit_image_free(&first);
+        rig_free_all();
+        tear_down(&b);
+    }
+}
+
 typedef struct watch {
     uint32_t calls, stop_at, last, total;
 } watch;
@@ -333,7 +365,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(null_everywhere),       cmocka_unit_test(configurations_out_of_range),
         cmocka_unit_test(all_sixteen_radii),     cmocka_unit_test(memory_to_the_byte),
-        cmocka_unit_test(the_same_image_every_time), cmocka_unit_test(progress_and_abort),
+        cmocka_unit_test(the_same_image_every_time), cmocka_unit_test(the_same_image_whoever_works),
+        cmocka_unit_test(progress_and_abort),
         cmocka_unit_test(bad_coordinates_and_indexes), cmocka_unit_test(counts_out_of_range),
         cmocka_unit_test(odd_meshes_work),
     };

@@ -26,13 +26,13 @@ static void settle(smr *s)
         smr_reference_reach(s, t, 0);
     }
     smr_reference_begin(s);
-    for (uint32_t t = 0; t < smr_reference_tasks(s); t++) {
+    for (uint32_t t = 0; t < smr_reference_records(s); t++) {
         smr_reference_record(s, t, 0);
     }
     for (uint32_t t = 0; t < smr_reference_blocks(s); t++) {
         smr_sums_forest(s, t, 0);
     }
-    for (uint32_t t = 0; t < smr_reference_tasks(s); t++) {
+    for (uint32_t t = 0; t < smr_reference_clusters(s); t++) {
         smr_reference_cluster(s, t, 0);
     }
     smr_reference_end(s);

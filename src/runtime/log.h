@@ -1,0 +1,46 @@
+/* log.h: the log of a registration: how its records lie in bytes, and what the calls leave in it.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_LOG_H
+#define SMR_LOG_H
+
+#include "runtime/state.h"
+
+#define SMR_LOG_MAGIC 0x4c524d53u  /* "SMRL" */
+#define SMR_LOG_VERSION 1u
+#define SMR_LOG_FIXED 28u          /* bytes of a header before the configuration */
+#define SMR_LOG_FRAME 8u           /* bytes of a record around its content: its head and its checksum */
+#define SMR_LOG_WORDS 12u          /* of the largest content */
+#define SMR_CONFIG_WORDS ((uint32_t)(sizeof(smr_config) / 4u)) /* all fields are of 4 bytes */
+#define SMR_LOG_HEADER (SMR_LOG_FIXED + 4u * SMR_CONFIG_WORDS + 4u)
+#define SMR_LOG_FULL_BYTES (SMR_LOG_FRAME + 4u) /* kept free until recording ends */
+
+/* Words of a record's content; 0: no such kind. */
+uint32_t smr_log_words(uint32_t kind);
+
+static inline void smr_log_put32(unsigned char *to, uint32_t v)
+{
+    to[0] = (unsigned char)(v & 255u);
+    to[1] = (unsigned char)(v >> 8 & 255u);
+    to[2] = (unsigned char)(v >> 16 & 255u);
+    to[3] = (unsigned char)(v >> 24);
+}
+
+static inline uint32_t smr_log_get32(const unsigned char *from)
+{
+    return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 | (uint32_t)from[3] << 24;
+}
+
+/* input_checksum.c: of the numbers, not of their bytes in memory: the same on every processor. Never 0. */
+uint64_t smr_points_checksum(const float *xyz, uint32_t n);
+uint64_t smr_surface_checksum(const smr_surface *surface);
+uint64_t smr_volume_checksum(const smr_volume *volume);
+
+/* log.c: a call that has succeeded. */
+void smr_log_surface(smr *s, uint32_t structure, const smr_surface *surface);
+void smr_log_volume(smr *s, const smr_volume *volume);
+void smr_log_pose(smr *s, const smr_pose *pose);
+void smr_log_positions(smr *s, uint32_t structure, const float *xyz);
+void smr_log_active(smr *s, uint32_t n_active);
+void smr_log_tick(smr *s, smr_status status);
+
+#endif

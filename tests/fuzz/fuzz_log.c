@@ -1,0 +1,78 @@
+/* fuzz_log.c: any bytes as the records of a log: refused, or repeated without harm. The header is a good one and checksums are
+ * repaired first, so that the fuzzer gets behind them. Runs as a plain regression test in tests/unit/test_fuzz.c. As a fuzzer:
+ *   clang -g -O1 -std=c11 -ffp-contract=off -fsanitize=fuzzer,address,undefined -DSMR_LIBFUZZER -Isrc -Iinclude \
+ *     -Ifixtures -Itests tests/fuzz/fuzz_log.c tests/unit/unit_log.c tests/property/rig.c fixtures/fixture_bone.c \
+ *     fixtures/fixture_net.c fixtures/fixture_shape.c fixtures/fixture_deform.c $(find src -name '*.c') -lm -o fuzz_log
+ * Seeds: run the program test_fuzz with SMR_FUZZ_CORPUS=dir.
+ * SPDX-License-Identifier: MIT */
+#include "fuzz/fuzz_targets.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/log.h"
+#include "unit/unit_log.h"
+
+#define FUZZ_LOG_RECORDS 8192u /* bytes at most */
+
+static const void *fuzz_log_input(void *ctx, const smr_log_record *record)
+{
+    const unit_log *u = ctx;
+    if (record->kind == SMR_LOG_POSITIONS) {
+        return u->ball.xyz;
+    }
+    return record->kind == SMR_LOG_SURFACE ? u->surface[record->checksum == smr_surface_checksum(u->surface[1])] : NULL;
+}
+
+int fuzz_log(const uint8_t *data, size_t size)
+{
+    static unit_log u; /* made once, kept */
+    static void *arena;
+    static size_t arena_bytes;
+    static unsigned char log[SMR_LOG_HEADER + FUZZ_LOG_RECORDS];
+    smr_replay replay;
+    smr_replay_report report = {0};
+    smr *s = NULL;
+    if (arena == NULL) {
+        unit_log_make(&u);
+        (void)smr_arena_bytes(u.model, &u.config, &arena_bytes);
+        arena = rig_alloc(arena_bytes);
+    }
+    if (size > FUZZ_LOG_RECORDS) {
+        return 0;
+    }
+    memcpy(log, u.log, SMR_LOG_HEADER);
+    if (size > 0u) {
+        memcpy(log + SMR_LOG_HEADER, data, size);
+    }
+    unit_log_seal(log, SMR_LOG_HEADER + size);
+    if (smr_init(&s, u.model, &u.config, NULL, arena, arena_bytes) != SMR_OK ||
+        smr_replay_start(&replay, s, log, SMR_LOG_HEADER + size, fuzz_log_input, &u) != SMR_OK) {
+        (void)fprintf(stderr, "fuzz_log: a good header is refused\n");
+        return -1;
+    }
+    smr_status status = SMR_OK;
+    for (size_t ticks = 0; status == SMR_OK && !report.ended; ticks++) {
+        status = smr_replay_tick(&replay, &report);
+        if (ticks > size / SMR_LOG_FRAME + 1u) {
+            (void)fprintf(stderr, "fuzz_log: it does not end\n");
+            return -1;
+        }
+    }
+    float *xyz = malloc(3u * u.ball.n_vertices * sizeof *xyz);
+    const int good = xyz != NULL && smr_get_positions(s, 0, xyz) == SMR_OK && rig_finite(xyz, u.ball.n_vertices);
+    free(xyz);
+    return good ? status == SMR_OK : -1;
+}
+
+#ifdef SMR_LIBFUZZER
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (fuzz_log(data, size) < 0)
+        abort();
+    return 0;
+}
+#endif

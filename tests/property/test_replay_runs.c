@@ -1,0 +1,278 @@
+/* test_replay_runs.c: random registrations of several structures to surfaces and images, under clocks that cut iterations and stop
+ * within them, with inputs set between partial ticks, replay from their logs to the last bit: with other numbers of workers,
+ * other orders of tasks, without a clock. Searches may open so few tree nodes that where they start matters.
+ * SPDX-License-Identifier: MIT */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "property/rig.h"
+
+#define RUNS 600u
+#define STEPS 70u
+#define PARTS 3u
+#define SURFACES 3u
+#define SIDE 36u            /* voxels of an image */
+#define VERTICES_MAX 160u   /* of a structure */
+
+/* Runs forward, now and then by a lot. */
+typedef struct jitter {
+    uint32_t seed;
+    uint64_t time;
+} jitter;
+
+static uint64_t read_jitter(void *ctx)
+{
+    jitter *c = ctx;
+    c->time += 200u + rig_random(&c->seed, 3000) + (rig_random(&c->seed, 40) == 0u ? 60000u : 0u);
+    return c->time;
+}
+
+static struct world {
+    smr_mesh part[PARTS];
+    const smr_model *model[2];          /* the second with intensity profiles */
+    const smr_surface *surface[SURFACES];
+    smr_volume volume[2];
+} world;
+
+/* Two balls in each other's reach and one more, bright on dark. */
+static smr_volume image_of(float shift)
+{
+    uint8_t *voxels = rig_alloc(SIDE * SIDE * SIDE);
+    for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const float p[3] = {4.0f * (float)(i % SIDE) - 60.0f - shift, 4.0f * (float)(i / SIDE % SIDE) - 70.0f,
+                            4.0f * (float)(i / SIDE / SIDE) - 70.0f};
+        float inside = 0.0f;
+        for (uint32_t k = 0; k < PARTS; k++) {
+            const float x = p[0] - 32.0f * (float)k;
+            const float d2 = x * x + p[1] * p[1] + p[2] * p[2];
+            inside = d2 < 400.0f ? 1.0f : (d2 < 625.0f && inside < 0.5f ? 0.4f : inside);
+        }
+        voxels[i] = (uint8_t)(20.0f + 200.0f * inside);
+    }
+    return (smr_volume){voxels, NULL, SMR_VOXEL_UINT8, {SIDE, SIDE, SIDE}, {-60, -70, -70}, {4, 4, 4}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < PARTS; i++) {
+        const float centre[3] = {32.0f * (float)i, 0, 0};
+        world.part[i] = rig_ball(22.0f, 8, 12u + 2u * i, centre);
+        assert_true(world.part[i].n_vertices <= VERTICES_MAX);
+    }
+    for (uint32_t i = 0; i < SURFACES; i++) {
+        const float centre[3] = {32.0f * (float)i + 3.0f, 2, -3};
+        const smr_mesh goal = rig_ball(24.0f + (float)i, 11, 17, centre);
+        world.surface[i] = rig_surface(&goal);
+    }
+    for (uint32_t i = 0; i < 2u; i++) {
+        world.volume[i] = image_of(3.0f * (float)i);
+    }
+    smr_prepare_config c = rig_radii(2, 40.0f, 18.0f, 0.0f);
+    c.block_vertices = 64;
+    world.model[0] = rig_model(world.part, PARTS, &c);
+    c.reference = &world.volume[0];
+    world.model[1] = rig_model(world.part, PARTS, &c);
+    return 0;
+}
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static smr_config random_config(uint32_t *seed)
+{
+    smr_config c = rig_random(seed, 2) ? smr_config_default() : smr_config_default_image();
+    c.method = rig_random(seed, 2);
+    c.plastic_every = rig_random(seed, 3);
+    c.normals = rig_random(seed, 2);
+    c.iterations = 1u + rig_random(seed, 4);
+    c.iterations_last = 4u + rig_random(seed, 12);
+    c.reject_deviations = rig_random(seed, 3) ? 0.0f : 2.0f;
+    c.node_budget = rig_random(seed, 2) ? 8u : 512u;
+    c.n_target_vertices = rig_random(seed, 3) ? 800u : 0u;
+    c.settle_um = 0.0f;
+    c.fold_guard = rig_random(seed, 2);
+    c.active_enough = rig_random(seed, 30);
+    c.confidence = rig_random(seed, 2) ? 0.4f : rig_between(seed, 0.75f, 0.98f); /* so that many find no goal */
+    c.n_workers = 4;
+    return c;
+}
+
+/* What was set, in order, for the replay. */
+typedef struct inputs {
+    const void *given[STEPS];
+    uint32_t n, next;
+} inputs;
+
+static const void *next_input(void *ctx, const smr_log_record *record)
+{
+    inputs *all = ctx;
+    (void)record;
+    return all->next < all->n ? all->given[all->next++] : NULL;
+}
+
+typedef struct run {
+    smr *s;
+    uint32_t seed, model, ticks, partial, cut, early, late, done;
+    int has_forces, gathers;         /* an iteration is under way, and has its forces, or not yet */
+    inputs all;
+    float xyz[STEPS][3 * VERTICES_MAX];
+    unsigned char log[SMR_LOG_BYTES(STEPS, STEPS)];
+} run;
+
+static uint64_t random_budget(uint32_t *seed)
+{
+    const uint32_t i = rig_random(seed, 12);
+    return i == 0u ? 0u : (i == 1u ? 1u : (uint64_t)(10u + rig_random(seed, 1000)) << rig_random(seed, 12));
+}
+
+static void tick(run *r)
+{
+    smr_tick_report report;
+    const smr_status status = smr_tick(r->s, random_budget(&r->seed), &report);
+    assert_true(status == SMR_OK || status == SMR_PARTIAL);
+    r->ticks++;
+    r->partial += status == SMR_PARTIAL;
+    r->cut += status == SMR_OK && report.n_taken < report.n_wanted;
+    r->has_forces = status == SMR_PARTIAL && report.phase != SMR_PHASE_FORCES;
+    r->gathers = status == SMR_PARTIAL && report.phase == SMR_PHASE_FORCES;
+    r->done = report.done;
+}
+
+static void give(run *r, const void *input)
+{
+    if (input != NULL) {
+        r->all.given[r->all.n++] = input;
+    }
+}
+
+static void set_surface(run *r)
+{
+    const uint32_t which = rig_random(&r->seed, SURFACES + 1u), structure = rig_random(&r->seed, PARTS + 1u);
+    const smr_surface *surface = which < SURFACES ? world.surface[which] : NULL;
+    r->late += (uint32_t)r->has_forces;
+    r->early += (uint32_t)r->gathers;
+    r->gathers = 0;
+    assert_int_equal(SMR_OK, smr_set_surface(r->s, structure < PARTS ? structure : SMR_ALL, surface));
+    give(r, surface);
+}
+
+static void start_over(run *r, uint32_t step)
+{
+    const uint32_t what = step == 1u ? 2u : rig_random(&r->seed, 3), structure = rig_random(&r->seed, PARTS);
+    const smr_pose pose = {{{1, 0, 0, rig_between(&r->seed, -3, 3)}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    r->has_forces = r->gathers = 0;
+    if (what == 0u) {
+        assert_int_equal(SMR_OK, smr_set_pose(r->s, &pose));
+    } else if (what == 1u) {
+        const smr_mesh *mesh = &world.part[structure];
+        for (uint32_t i = 0; i < 3u * mesh->n_vertices; i++) {
+            r->xyz[step][i] = mesh->xyz[i] + rig_between(&r->seed, -1, 1);
+        }
+        assert_int_equal(SMR_OK, smr_set_positions(r->s, structure, r->xyz[step]));
+        give(r, r->xyz[step]);
+    } else if (r->model == 1u) {
+        const uint32_t which = rig_random(&r->seed, 3);
+        const smr_volume *volume = which < 2u ? &world.volume[which] : NULL;
+        assert_int_equal(SMR_OK, smr_set_volume(r->s, volume));
+        give(r, volume);
+    }
+}
+
+static smr *begin(const run *r, const smr_config *config, const smr_port *port, void *arena, size_t bytes)
+{
+    smr *s = NULL;
+    assert_int_equal(SMR_OK, smr_init(&s, world.model[r->model], config, port, arena, bytes));
+    return s;
+}
+
+static void record(run *r)
+{
+    assert_int_equal(SMR_OK, smr_set_log(r->s, r->log, sizeof r->log));
+    for (uint32_t i = 0; i < STEPS; i++) {
+        const uint32_t what = rig_random(&r->seed, 40);
+        if (i == 0u || ((what < 5u || (r->gathers && what < 15u)) && i > 1u)) {
+            set_surface(r);
+        } else if (i == 1u || what == 5u || (r->has_forces && what < 9u && what > 6u) || (r->done && what < 20u)) {
+            start_over(r, i);
+            r->done = 0;
+        } else if (what == 6u) {
+            assert_int_equal(SMR_OK, smr_set_active(r->s, rig_random(&r->seed, 500)));
+        } else {
+            tick(r);
+        }
+    }
+}
+
+static void replay(run *r, smr *twin, uint32_t number)
+{
+    smr_log_state state;
+    smr_replay again;
+    smr_replay_report report;
+    assert_int_equal(SMR_OK, smr_get_log(r->s, &state));
+    assert_true(state.n_ticks == r->ticks && state.full == 0u);
+    assert_int_equal(SMR_OK, smr_replay_start(&again, twin, r->log, state.bytes, next_input, &r->all));
+    for (uint32_t i = 1; i <= r->ticks; i++) {
+        assert_int_equal(SMR_OK, smr_replay_tick(&again, &report));
+        assert_true(report.tick == i && report.ended == 0u);
+        if (report.differs) {
+            print_message("run %u, tick %u: iteration %u, %u vertices\n", number, i, report.record.iteration, report.record.n_taken);
+        }
+        assert_int_equal(0, report.differs);
+    }
+    assert_int_equal(SMR_OK, smr_replay_tick(&again, &report));
+    assert_true(report.ended == 1u && report.full == 0u && report.tick == r->ticks);
+    assert_true(smr_state_hash(twin) == smr_state_hash(r->s));
+}
+
+static void test_replays(void **state)
+{
+    static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
+    static run r;
+    uint32_t seed = 7, ticks = 0, partial = 0, cut = 0, early = 0, late = 0;
+    (void)state;
+    for (uint32_t n = 0; n < RUNS; n++) {
+        jitter clock = {rig_random(&seed, 1u << 27), 1000000u};
+        const smr_port other = rig_port(n % RIG_SCHEDULERS, 1u + n / 4u % 4u);
+        const smr_port recording = {&clock, 1u + n % 4u, NULL, read_jitter};
+        size_t bytes = 0;
+        memset(&r, 0, sizeof r);
+        r.seed = rig_random(&seed, 1u << 27);
+        r.model = n % 2u;
+        const smr_config config = random_config(&r.seed);
+        smr_config others = config;
+        others.n_workers = other.n_workers;
+        assert_int_equal(SMR_OK, smr_arena_bytes(world.model[r.model], &config, &bytes));
+        assert_true(bytes <= sizeof memory[0]);
+        r.s = begin(&r, &config, &recording, memory[0], bytes);
+        record(&r);
+        replay(&r, begin(&r, &others, &other, memory[1], bytes), n);
+        ticks += r.ticks;
+        partial += r.partial;
+        cut += r.cut;
+        early += r.early;
+        late += r.late;
+    }
+    if (getenv("SMR_TEST_SHOW") != NULL) {
+        print_message("%u runs: %u ticks, %u partial, %u cut; surfaces set while forces were gathered: %u, after that: %u\n", RUNS, ticks, partial,
+                      cut, early, late);
+    }
+    assert_true(partial > 10u * RUNS && cut > RUNS / 4u && early > RUNS && late > RUNS / 2u); /* the clock meant something */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test_setup_teardown(test_replays, set_up, tidy)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

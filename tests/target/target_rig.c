@@ -1,0 +1,129 @@
+/*
+ * target_rig: text, clock and steps.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "target_rig.h"
+
+const target_case target_cases[TARGET_CASES] = {
+    {"surface rigid", 0, SMR_METHOD_RIGID},
+    {"surface polar", 0, SMR_METHOD_POLAR},
+    {"image rigid", 1, SMR_METHOD_RIGID},
+    {"image polar", 1, SMR_METHOD_POLAR},
+};
+
+void target_text(const char *text) { smr_semihost_write(text); }
+
+void target_number(uint64_t value)
+{
+    char text[24];
+    uint32_t at = sizeof text - 1u;
+    text[at] = '\0';
+    do {
+        text[--at] = (char)('0' + (char)(value % 10u));
+        value /= 10u;
+    } while (value != 0u);
+    smr_semihost_write(text + at);
+}
+
+void target_line(const char *name, uint64_t value)
+{
+    target_text(name);
+    target_number(value);
+    target_text("\n");
+}
+
+int target_ok(const char *what, int good)
+{
+    if (!good) {
+        target_text("failed: ");
+        target_text(what);
+        target_text("\n");
+    }
+    return good;
+}
+
+uint32_t target_word(uint32_t otherwise)
+{
+    char text[64];
+    uint32_t value = 0;
+    smr_semihost_words(text, sizeof text);
+    for (uint32_t i = 0; text[i] >= '0' && text[i] <= '9'; ++i) {
+        value = 10u * value + (uint32_t)(text[i] - '0');
+    }
+    return value > 0u ? value : otherwise;
+}
+
+uint64_t target_now(void *ctx)
+{
+    target_clock *clock = (target_clock *)ctx;
+    const uint64_t time = clock->port.now_ns(clock->port.ctx);
+    if (clock->running) {
+        const uint64_t stretch = time - clock->last;
+        uint64_t *in_step = &clock->in_step[clock->watched == NULL ? 0u : clock->watched->step];
+        clock->longest = stretch > clock->longest ? stretch : clock->longest;
+        *in_step = stretch > *in_step ? stretch : *in_step;
+    }
+    clock->last = time;
+    return time;
+}
+
+void target_forget(target_clock *clock)
+{
+    clock->longest = 0;
+    memset(clock->in_step, 0, sizeof clock->in_step);
+}
+
+uint64_t target_tick(smr *s, target_clock *clock, uint64_t budget_ns, smr_tick_report *report, smr_status *status)
+{
+    const uint64_t begin = target_now(clock);
+    clock->watched = s;
+    clock->running = 1;
+    *status = smr_tick(s, budget_ns, report);
+    clock->running = 0;
+    return target_now(clock) - begin;
+}
+
+/* By what they run, and where that is not enough by their phase: steps may come and go. */
+static const struct {
+    smr_task run;
+    uint32_t phase, unit;
+    const char *name;
+} target_steps[] = {
+    {smr_pull_search, SMR_PHASE_FORCES, TARGET_GOALS, "target pulls"},
+    {smr_smooth_sum, SMR_PHASE_FORCES, TARGET_TRIANGLES, "neighbours' sums"},
+    {smr_force_search, SMR_PHASE_FORCES, TARGET_VERTICES, "goals"},
+    {smr_force_take, SMR_PHASE_FORCES, TARGET_VERTICES, "forces"},
+    {smr_even_fit, SMR_PHASE_SUMS, TARGET_VERTICES, "the last radius' pose"},
+    {smr_reference_reach, SMR_PHASE_SUMS, TARGET_VERTICES, "reach"},
+    {smr_reference_record, SMR_PHASE_SUMS, TARGET_VERTICES, "reference records"},
+    {smr_reference_cluster, SMR_PHASE_SUMS, TARGET_VERTICES, "cluster centres"},
+    {smr_sums_record, SMR_PHASE_SUMS, TARGET_VERTICES, "displacement records"},
+    {smr_sums_forest, SMR_PHASE_SUMS, TARGET_INDEXES, "forest, sums"},
+    {smr_match, SMR_PHASE_MATCH, TARGET_VERTICES, "match"},
+    {smr_average_record, SMR_PHASE_AVERAGE, TARGET_VERTICES, "transform records"},
+    {smr_sums_forest, SMR_PHASE_AVERAGE, TARGET_INDEXES, "forest, average"},
+    {smr_even_clear, SMR_PHASE_EVOLVE, TARGET_VERTICES, "evening out, clear"},
+    {smr_even_rings, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "evening out, sums"},
+    {smr_evolve, SMR_PHASE_EVOLVE, TARGET_VERTICES, "positions"},
+    {smr_facet_refit, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "facets and boxes"},
+    {smr_guard_search, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "search for folds"},
+    {smr_mend_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "mending of folds"},
+    {smr_settle, SMR_PHASE_EVOLVE, TARGET_VERTICES, "displacements, hash"},
+    {smr_exact_clear, SMR_PHASE_EVOLVE, TARGET_VERTICES, "normals, clear"},
+    {smr_exact_facets, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "normals, sums"},
+    {smr_exact_unit, SMR_PHASE_EVOLVE, TARGET_VERTICES, "normals, length"},
+    {smr_stand, SMR_PHASE_EVOLVE, TARGET_VERTICES, "becoming current"},
+};
+
+const char *target_step_name(uint32_t number, uint32_t *unit)
+{
+    for (uint32_t i = 0; i < sizeof target_steps / sizeof target_steps[0]; ++i) {
+        if (target_steps[i].run == smr_steps[number].run && target_steps[i].phase == smr_steps[number].phase) {
+            *unit = target_steps[i].unit;
+            return target_steps[i].name;
+        }
+    }
+    *unit = TARGET_VERTICES;
+    return "another step";
+}

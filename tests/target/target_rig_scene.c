@@ -1,0 +1,174 @@
+/*
+ * target_rig_scene: a bone onto a deformed one, or two structures of the computed thigh into a coarse image of a patient.
+ *
+ * SPDX-License-Identifier: MIT
+ */
+#include "target_rig.h"
+
+#include "fixture_bone.h"
+#include "fixture_thigh.h"
+
+#define TARGET_MEMORY static __attribute__((section(".arena"))) _Alignas(SMR_ALIGN)
+#define TARGET_PARTS 2u
+#define TARGET_POINTS 1024u   /* of a structure */
+#define TARGET_FACETS 2048u
+#define TARGET_SIDE 48u       /* voxels */
+#define TARGET_VOXELS (TARGET_SIDE * TARGET_SIDE * TARGET_SIDE)
+#define TARGET_OFF_MM 4.0f    /* an image registration starts so far beside the truth */
+
+TARGET_MEMORY unsigned char
+    target_arena[2][SMR_ARENA_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS * TARGET_FACETS, TARGET_PARTS, 1, TARGET_POINTS)];
+TARGET_MEMORY unsigned char target_scratch[6u << 20];
+TARGET_MEMORY unsigned char target_image[3u << 20];
+TARGET_MEMORY unsigned char target_surface[1u << 20];
+TARGET_MEMORY float target_words[FIXTURE_THIGH_SCRATCH];
+TARGET_MEMORY float target_xyz[TARGET_PARTS][3 * TARGET_POINTS];
+TARGET_MEMORY uint32_t target_triangles[TARGET_PARTS][3 * TARGET_FACETS];
+TARGET_MEMORY fixture_thigh target_thigh;
+TARGET_MEMORY unsigned char target_voxels[2][TARGET_VOXELS];
+TARGET_MEMORY float target_slice[FIXTURE_IMAGE_SCRATCH(TARGET_SIDE, TARGET_SIDE)];
+TARGET_MEMORY float target_begin[TARGET_PARTS][3 * TARGET_POINTS]; /* where an image registration starts */
+
+static fixture_mesh target_room(uint32_t i)
+{
+    return (fixture_mesh){target_xyz[i], target_triangles[i], TARGET_POINTS, TARGET_FACETS, 0, 0};
+}
+
+static smr_mesh target_mesh(const fixture_mesh *m)
+{
+    return (smr_mesh){m->xyz, m->triangles, m->n_vertices, m->n_triangles};
+}
+
+static int target_prepare(const smr_structure *part, uint32_t n, const smr_prepare_config *config, target_scene *scene)
+{
+    size_t bytes = 0;
+    return smr_prepare(part, n, config, target_scratch, sizeof target_scratch, target_image, sizeof target_image, &bytes) == SMR_OK &&
+           smr_model_open(target_image, bytes, &scene->model) == SMR_OK;
+}
+
+static int target_bone(target_scene *scene)
+{
+    fixture_grid grid[2] = {fixture_grid_source(FIXTURE_CELL_SMALL), fixture_grid_target(FIXTURE_CELL_SMALL)};
+    fixture_mesh m[2] = {target_room(0), target_room(1)};
+    smr_structure structure = {"bone", {NULL, NULL, 0, 0}};
+    smr_prepare_config config = smr_prepare_config_default();
+    const size_t words = sizeof target_words / sizeof target_words[0];
+    if (!fixture_bone_source(&grid[0], &m[0], target_words, words) ||
+        !fixture_bone_target(&grid[1], 1.0f, &m[1], target_words, words)) {
+        return 0;
+    }
+    structure.mesh = target_mesh(&m[0]);
+    const smr_mesh goal = target_mesh(&m[1]);
+    config.n_radii = 2;
+    config.radius_mm[0] = 90.0f;
+    config.radius_mm[1] = 45.0f;
+    return target_prepare(&structure, 1, &config, scene) &&
+           smr_surface_build(target_surface, sizeof target_surface, &goal, &scene->surface) == SMR_OK;
+}
+
+/* The box around points [n][3] of all parts, in voxels of 4 mm. */
+static fixture_box target_box(const smr_structure *part, float xyz[TARGET_PARTS][3 * TARGET_POINTS])
+{
+    fixture_box box = {{1e9f, 1e9f, 1e9f}, {4.0f, 4.0f, 4.0f}, {0, 0, 0}};
+    float high[3] = {-1e9f, -1e9f, -1e9f};
+    for (uint32_t i = 0; i < TARGET_PARTS; ++i) {
+        for (uint32_t k = 0; k < 3u * part[i].mesh.n_vertices; ++k) {
+            const float x = xyz[i][k];
+            box.low[k % 3u] = x < box.low[k % 3u] ? x : box.low[k % 3u];
+            high[k % 3u] = x > high[k % 3u] ? x : high[k % 3u];
+        }
+    }
+    for (uint32_t a = 0; a < 3u; ++a) {
+        box.low[a] -= 20.0f;
+        box.n[a] = (uint32_t)((high[a] + 20.0f - box.low[a]) / box.spacing[a]) + 1u;
+    }
+    return box;
+}
+
+static int target_volume(const fixture_pose *pose, const fixture_box *box, unsigned char *voxels, smr_volume *volume)
+{
+    const smr_volume plain = {voxels, NULL, SMR_VOXEL_UINT8, {box->n[0], box->n[1], box->n[2]}, {box->low[0], box->low[1], box->low[2]},
+                              {box->spacing[0], box->spacing[1], box->spacing[2]}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    if (box->n[0] > TARGET_SIDE || box->n[1] > TARGET_SIDE || box->n[0] * box->n[1] * box->n[2] > TARGET_VOXELS) {
+        return 0;
+    }
+    for (uint32_t z = 0; z < box->n[2]; ++z) {
+        fixture_thigh_slice(&target_thigh, pose, box, z, voxels + (size_t)z * box->n[0] * box->n[1], target_slice);
+    }
+    *volume = plain;
+    return 1;
+}
+
+static int target_thigh_in_image(target_scene *scene)
+{
+    static const uint32_t which[TARGET_PARTS] = {13, 23}; /* patella, vastus medialis */
+    smr_prepare_config config = smr_prepare_config_default();
+    smr_structure part[TARGET_PARTS];
+    fixture_pose pose[2];
+    smr_volume reference;
+    fixture_thigh_init(&target_thigh);
+    fixture_thigh_pose(0, &pose[0]);
+    fixture_thigh_pose(1, &pose[1]);
+    for (uint32_t i = 0; i < TARGET_PARTS; ++i) {
+        fixture_mesh m = target_room(i);
+        if (!fixture_thigh_mesh(&target_thigh, which[i], 1.6f, &m, target_words)) {
+            return 0;
+        }
+        part[i].name = target_thigh.part[which[i]].name;
+        part[i].mesh = target_mesh(&m);
+        fixture_thigh_truth(&pose[1], m.xyz, m.n_vertices, target_begin[i]);
+    }
+    const fixture_box box[2] = {target_box(part, target_xyz), target_box(part, target_begin)};
+    if (!target_volume(&pose[0], &box[0], target_voxels[0], &reference) ||
+        !target_volume(&pose[1], &box[1], target_voxels[1], &scene->volume)) {
+        return 0;
+    }
+    for (uint32_t i = 0; i < TARGET_PARTS; ++i) {
+        for (uint32_t k = 0; k < part[i].mesh.n_vertices; ++k) {
+            target_begin[i][3u * k] += TARGET_OFF_MM;
+        }
+    }
+    config.reference = &reference;
+    return target_prepare(part, TARGET_PARTS, &config, scene);
+}
+
+int target_set_up(const target_case *what, target_scene *scene)
+{
+    memset(scene, 0, sizeof *scene);
+    scene->what = what;
+    return what->image ? target_thigh_in_image(scene) : target_bone(scene);
+}
+
+smr_config target_config(const target_scene *scene)
+{
+    smr_config config = scene->what->image ? smr_config_default_image() : smr_config_default();
+    config.method = scene->what->method;
+    config.active_enough = 0;
+    config.iterations = 5;
+    config.iterations_last = 12;
+    config.n_target_vertices = scene->what->image ? 0u : TARGET_POINTS;
+    return config;
+}
+
+int target_again(const target_scene *scene, smr *s)
+{
+    static const smr_pose same = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    for (uint32_t i = 0; scene->what->image && i < TARGET_PARTS; ++i) {
+        if (smr_set_positions(s, i, target_begin[i]) != SMR_OK) {
+            return 0;
+        }
+    }
+    return scene->what->image || smr_set_pose(s, &same) == SMR_OK;
+}
+
+smr *target_start(const target_scene *scene, const smr_config *config, const smr_port *port, uint32_t arena)
+{
+    smr *s = NULL;
+    if (smr_init(&s, scene->model, config, port, target_arena[arena], sizeof target_arena[arena]) != SMR_OK || !target_again(scene, s)) {
+        return NULL;
+    }
+    if ((scene->what->image ? smr_set_volume(s, &scene->volume) : smr_set_surface(s, SMR_ALL, scene->surface)) != SMR_OK) {
+        return NULL;
+    }
+    return s;
+}

@@ -1,0 +1,103 @@
+/* test_input_checksum.c: any one bit of any input changes its checksum, and so do counts, order, the mask and the type.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/log.h"
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static void test_points(void **state)
+{
+    float xyz[3 * 7], other[3 * 7];
+    (void)state;
+    for (uint32_t i = 0; i < 21u; i++) {
+        xyz[i] = 1.5f * (float)i - 7.0f;
+    }
+    const uint64_t sum = smr_points_checksum(xyz, 7);
+    assert_true(sum != 0u);
+    for (size_t bit = 0; bit < 8u * sizeof xyz; bit++) {
+        memcpy(other, xyz, sizeof xyz);
+        ((unsigned char *)other)[bit / 8u] ^= (unsigned char)(1u << bit % 8u);
+        assert_true(smr_points_checksum(other, 7) != sum);
+    }
+    assert_true(smr_points_checksum(xyz, 6) != sum);
+    memcpy(other, xyz + 3, 3u * sizeof(float)); /* the first two change places */
+    memcpy(other + 3, xyz, 3u * sizeof(float));
+    memcpy(other + 6, xyz + 6, 15u * sizeof(float));
+    assert_true(smr_points_checksum(other, 7) != sum);
+}
+
+static void test_surfaces(void **state)
+{
+    const float centre[3] = {100, 0, 0};
+    const smr_mesh ball = rig_ball(20, 5, 8, centre);
+    const uint64_t sum = smr_surface_checksum(rig_surface(&ball));
+    (void)state;
+    assert_true(smr_surface_checksum(rig_surface(&ball)) == sum); /* elsewhere in memory */
+    for (uint32_t i = 0; i < 3u * ball.n_vertices; i++) {
+        float *xyz = rig_alloc(ball.n_vertices * 3u * sizeof *xyz);
+        smr_mesh other = ball;
+        memcpy(xyz, ball.xyz, ball.n_vertices * 3u * sizeof *xyz);
+        xyz[i] += 0.0625f;
+        other.xyz = xyz;
+        assert_true(smr_surface_checksum(rig_surface(&other)) != sum);
+    }
+    for (uint32_t k = 0; k < ball.n_triangles; k++) { /* a triangle turned over */
+        uint32_t *triangles = rig_alloc(ball.n_triangles * 3u * sizeof *triangles);
+        smr_mesh other = ball;
+        memcpy(triangles, ball.triangles, ball.n_triangles * 3u * sizeof *triangles);
+        triangles[3u * k] = ball.triangles[3u * k + 1u];
+        triangles[3u * k + 1u] = ball.triangles[3u * k];
+        other.triangles = triangles;
+        assert_true(smr_surface_checksum(rig_surface(&other)) != sum);
+    }
+}
+
+/* Voxels of every type: sizes that do not fill the last word. */
+static void test_volumes(void **state)
+{
+    static const uint32_t bytes[] = {1, 1, 2, 2, 4};
+    static _Alignas(8) unsigned char voxels[4 * 3 * 3 * 3], mask[27];
+    (void)state;
+    for (uint32_t type = 0; type < 5u; type++) {
+        smr_volume v = {voxels, NULL, type, {3, 3, 3}, {1, 2, 3}, {1, 1, 2}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+        for (size_t i = 0; i < sizeof voxels; i++) {
+            voxels[i] = (unsigned char)(i * 37u % 60u);
+        }
+        const uint64_t sum = smr_volume_checksum(&v);
+        for (size_t bit = 0; bit < 8u * 27u * bytes[type]; bit++) {
+            voxels[bit / 8u] ^= (unsigned char)(1u << bit % 8u);
+            assert_true(smr_volume_checksum(&v) != sum);
+            voxels[bit / 8u] ^= (unsigned char)(1u << bit % 8u);
+        }
+        assert_true(smr_volume_checksum(&v) == sum);
+        v.mask = mask;
+        memset(mask, 1, sizeof mask);
+        const uint64_t masked = smr_volume_checksum(&v);
+        assert_true(masked != sum);
+        mask[26] = 0;
+        assert_true(smr_volume_checksum(&v) != masked);
+        v.mask = NULL;
+        v.spacing[1] = 1.5f;
+        assert_true(smr_volume_checksum(&v) != sum);
+        v.spacing[1] = 1.0f;
+        v.size[0] = 1;
+        v.size[1] = 9;
+        assert_true(smr_volume_checksum(&v) != sum);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_points), cmocka_unit_test_teardown(test_surfaces, tidy),
+                                       cmocka_unit_test(test_volumes)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

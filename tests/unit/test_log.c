@@ -1,0 +1,173 @@
+/* test_log.c: what recording writes, byte by byte; what it refuses; what happens when its memory ends; that it changes nothing.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/log.h"
+#include "unit/unit_log.h"
+
+static unit_log u;
+
+static int set_up(void **state)
+{
+    (void)state;
+    unit_log_make(&u);
+    return 0;
+}
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+/* The header as docs/SPEC.md has it, without the code's own names. */
+static void test_header(void **state)
+{
+    static const unsigned char magic[] = {'S', 'M', 'R', 'L', 1, 0, 0, 0};
+    uint32_t word[256];
+    smr_model_info info;
+    (void)state;
+    assert_memory_equal(magic, u.log, sizeof magic);
+    const uint32_t n = (uint32_t)sizeof u.config / 4u;
+    for (uint32_t i = 0; i < 7u + n + 1u; i++) {
+        const unsigned char *p = u.log + 4u * i;
+        word[i] = (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+    }
+    assert_int_equal(SMR_OK, smr_model_get_info(u.model, &info));
+    assert_int_equal(28u + 4u * n + 4u, word[2]);
+    assert_int_equal(SMR_VERSION_MAJOR << 16 | SMR_VERSION_MINOR << 8 | SMR_VERSION_PATCH, word[3]);
+    assert_int_equal(info.checksum, word[4]);
+    assert_int_equal(info.n_vertices, word[5]);
+    assert_int_equal(n, word[6]);
+    assert_memory_equal(&u.config, word + 7, sizeof u.config);
+    assert_int_equal(smr_crc32(0, u.log, 28u + 4u * n), word[7u + n]);
+}
+
+/* The inputs and ticks of unit_log_make, in order; partial ticks, whole ones and cut ones among them. */
+static void test_records(void **state)
+{
+    smr_log_reader reader;
+    smr_log_record r;
+    uint32_t ticks = 0, partial = 0, cut = 0, surfaces = 0, iteration = 0;
+    (void)state;
+    assert_int_equal(SMR_OK, smr_log_open(u.log, u.bytes, &reader, NULL));
+    assert_int_equal(SMR_OK, smr_log_next(&reader, &r));
+    assert_int_equal(SMR_LOG_POSE, r.kind);
+    assert_true(r.pose.m[0][3] == 1.5f && r.pose.m[1][3] == -0.5f && r.pose.m[2][2] == 1.0f);
+    for (;;) {
+        assert_int_equal(SMR_OK, smr_log_next(&reader, &r));
+        if (r.kind == 0u) {
+            break;
+        }
+        if (r.kind == SMR_LOG_SURFACE) {
+            assert_true(r.structure == SMR_ALL && r.present == 1u);
+            assert_true(r.checksum == smr_surface_checksum(u.surface[surfaces]));
+            assert_int_equal(20u * surfaces++, ticks);
+            continue;
+        }
+        assert_int_equal(SMR_LOG_TICK, r.kind);
+        ticks++;
+        partial += !r.complete;
+        iteration += r.complete;
+        cut += r.complete && r.n_taken < u.ball.n_vertices;
+        assert_int_equal(iteration, r.iteration);
+        assert_true(r.n_evaluated <= r.n_taken && (r.complete ? r.n_evaluated == r.n_taken : 1));
+    }
+    assert_true(ticks == 40u && u.ticks == 40u && surfaces == 2u && partial > 0u && iteration > 2u && cut > 0u);
+}
+
+/* Every length from nothing to enough: what was recorded is a part of the whole, the rest goes on as without a log. */
+static void test_memory_ends(void **state)
+{
+    static unsigned char log[UNIT_LOG_BYTES];
+    smr_log_state is;
+    const smr_pose pose = {{{1, 0, 0, 1}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    smr *plain = unit_log_begin(&u, NULL);
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_pose(plain, &pose));
+    assert_int_equal(SMR_OK, smr_set_surface(plain, 0, u.surface[0]));
+    (void)rig_run(plain, 4);
+    for (size_t bytes = 0; bytes < SMR_LOG_HEADER + 320u; bytes += 7u) {
+        smr *s = unit_log_begin(&u, NULL);
+        memset(log, 0xa5, sizeof log);
+        const smr_status status = smr_set_log(s, log + 1, bytes); /* of any alignment */
+        assert_int_equal(bytes < SMR_LOG_HEADER + SMR_LOG_FULL_BYTES ? SMR_E_ARENA : SMR_OK, status);
+        assert_int_equal(SMR_OK, smr_set_pose(s, &pose));
+        assert_int_equal(SMR_OK, smr_set_surface(s, 0, u.surface[0]));
+        (void)rig_run(s, 4);
+        assert_true(smr_state_hash(s) == smr_state_hash(plain));
+        assert_int_equal(SMR_OK, smr_get_log(s, &is));
+        assert_true(is.bytes <= bytes && is.n_ticks <= 4u && is.full == (status == SMR_OK && is.n_ticks < 4u));
+        for (size_t i = 1u + is.bytes; i < sizeof log; i++) {
+            assert_int_equal(0xa5, log[i]); /* nothing behind it was written */
+        }
+        if (status != SMR_OK) {
+            continue;
+        }
+        smr_log_reader reader;
+        smr_log_record r = {0};
+        uint32_t ticks = 0;
+        assert_int_equal(SMR_OK, smr_log_open(log + 1, is.bytes, &reader, NULL));
+        do {
+            assert_int_equal(SMR_OK, smr_log_next(&reader, &r));
+            ticks += r.kind == SMR_LOG_TICK;
+        } while (r.kind != 0u && r.kind != SMR_LOG_FULL);
+        assert_true(ticks == is.n_ticks && (r.kind == SMR_LOG_FULL) == (is.full == 1u));
+    }
+}
+
+static void test_bytes_macro(void **state)
+{
+    (void)state;
+    assert_true(SMR_LOG_BYTES(40, 3) >= u.bytes);
+    assert_true(SMR_LOG_BYTES(1, 0) - SMR_LOG_BYTES(0, 0) >= SMR_LOG_FRAME + 4u * smr_log_words(SMR_LOG_TICK));
+    for (uint32_t kind = SMR_LOG_SURFACE; kind <= SMR_LOG_FULL; kind++) {
+        assert_true(SMR_LOG_BYTES(0, 1) - SMR_LOG_BYTES(0, 0) >= SMR_LOG_FRAME + 4u * smr_log_words(kind));
+        assert_true(smr_log_words(kind) >= 1u && smr_log_words(kind) <= SMR_LOG_WORDS);
+    }
+    assert_int_equal(0, smr_log_words(0));
+    assert_int_equal(0, smr_log_words(SMR_LOG_FULL + 1u));
+}
+
+static void test_refusals(void **state)
+{
+    static unsigned char log[UNIT_LOG_BYTES];
+    static _Alignas(SMR_ALIGN) unsigned char zeros[8192];
+    smr *not_one = (smr *)(void *)zeros, *s = unit_log_begin(&u, NULL);
+    smr_log_state is = {1, 1, 1};
+    (void)state;
+    assert_int_equal(SMR_E_NULL, smr_set_log(NULL, log, sizeof log));
+    assert_int_equal(SMR_E_STATE, smr_set_log(not_one, log, sizeof log));
+    assert_int_equal(SMR_E_NULL, smr_get_log(NULL, &is));
+    assert_int_equal(SMR_E_NULL, smr_get_log(s, NULL));
+    assert_int_equal(SMR_E_STATE, smr_get_log(not_one, &is));
+    assert_int_equal(SMR_OK, smr_get_log(s, &is));
+    assert_true(is.bytes == 0u && is.n_ticks == 0u && is.full == 0u);
+    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
+    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log)); /* still right after smr_init */
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_E_STATE, smr_set_log(s, log, sizeof log));
+    assert_int_equal(SMR_OK, smr_get_log(s, &is));
+    assert_int_equal(1, is.n_ticks);
+    assert_int_equal(SMR_E_INPUT, smr_set_surface(s, 7, u.surface[0])); /* what is refused is not recorded */
+    const size_t before = is.bytes;
+    assert_int_equal(SMR_OK, smr_get_log(s, &is));
+    assert_int_equal(before, is.bytes);
+    assert_int_equal(SMR_OK, smr_set_log(s, NULL, 0));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_get_log(s, &is));
+    assert_int_equal(0, is.bytes);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_header),  cmocka_unit_test(test_records),    cmocka_unit_test(test_memory_ends),
+        cmocka_unit_test(test_bytes_macro), cmocka_unit_test(test_refusals),
+    };
+    return cmocka_run_group_tests(tests, set_up, tidy);
+}

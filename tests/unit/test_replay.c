@@ -1,0 +1,263 @@
+/* test_replay.c: a replay agrees with its log; one number of a log or one byte of an input changed is found, at the tick where
+ * it is; other models, configurations and inputs are told from a replay that differs.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/log.h"
+#include "unit/unit_log.h"
+
+static unit_log u;
+
+static int set_up(void **state)
+{
+    (void)state;
+    unit_log_make(&u);
+    return 0;
+}
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+/* Surfaces in the order in which they were set. */
+typedef struct given {
+    const smr_surface *surface[2];
+    uint32_t next;
+} given;
+
+static const void *next_surface(void *ctx, const smr_log_record *record)
+{
+    given *g = ctx;
+    assert_true(record->kind == SMR_LOG_SURFACE && record->present == 1u && record->checksum != 0u);
+    return g->next < 2u ? g->surface[g->next++] : NULL;
+}
+
+/* The first tick that differs, 0 for none; *status: how it ended. */
+static uint32_t first_difference(const unsigned char *log, size_t bytes, given g, smr_status *status)
+{
+    smr_replay replay;
+    smr_replay_report report = {0};
+    *status = smr_replay_start(&replay, unit_log_begin(&u, NULL), log, bytes, next_surface, &g);
+    while (*status == SMR_OK && !report.ended) {
+        *status = smr_replay_tick(&replay, &report);
+        if (*status == SMR_OK && report.differs) {
+            return report.tick;
+        }
+    }
+    return *status == SMR_OK ? 0u : report.tick;
+}
+
+static void test_agrees(void **state)
+{
+    const given g = {{u.surface[0], u.surface[1]}, 0};
+    smr_replay replay;
+    smr_replay_report report;
+    given own = g;
+    smr_status status;
+    (void)state;
+    assert_int_equal(0, first_difference(u.log, u.bytes, g, &status));
+    assert_int_equal(SMR_OK, status);
+    /* at the end it stays */
+    assert_int_equal(SMR_OK, smr_replay_start(&replay, unit_log_begin(&u, NULL), u.log, u.bytes, next_surface, &own));
+    for (uint32_t i = 1; i <= u.ticks + 3u; i++) {
+        assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));
+        assert_true(report.ended == (i > u.ticks) && report.tick == (i < u.ticks ? i : u.ticks) && !report.full && !report.differs);
+        assert_true(report.ended || report.record.state_hash == report.found.state_hash);
+    }
+}
+
+/* Record i, and the tick that it is. */
+static size_t tick_record(uint32_t tick, size_t *bytes)
+{
+    const uint32_t inputs = tick <= 20u ? 2u : 3u;
+    return unit_log_record(u.log, u.bytes, tick - 1u + inputs, bytes);
+}
+
+/* Each word of each complete tick, changed alone. */
+static void test_one_number_changed(void **state)
+{
+    static unsigned char log[UNIT_LOG_BYTES];
+    const given g = {{u.surface[0], u.surface[1]}, 0};
+    smr_status status;
+    size_t bytes;
+    uint32_t tried = 0;
+    (void)state;
+    for (uint32_t tick = 1; tick <= u.ticks; tick++) {
+        const size_t at = tick_record(tick, &bytes);
+        if (smr_log_get32(u.log + at) != (SMR_LOG_TICK | 40u << 8) || (u.log[at + 4u] & 1u) == 0u) {
+            continue; /* a partial tick did not take so many vertices yet */
+        }
+        for (uint32_t word = 0; word < 8u; word++) {
+            if (word == 3u) {
+                continue; /* n_evaluated tells only */
+            }
+            memcpy(log, u.log, u.bytes);
+            unsigned char *p = log + at + 4u + 4u * word;
+            const uint32_t v = smr_log_get32(p);
+            smr_log_put32(p, word == 0u ? v ^ 2u : (word == 2u ? v - 8u : v + 1u)); /* n_taken: a chunk of forces less */
+            unit_log_seal(log, u.bytes);
+            assert_int_equal(tick, first_difference(log, u.bytes, g, &status));
+            assert_int_equal(SMR_OK, status);
+            tried++;
+        }
+    }
+    assert_true(tried >= 7u * 3u);
+}
+
+/* The second target with one bit of one coordinate changed. */
+static const smr_surface *spoiled(void)
+{
+    smr_mesh mesh = u.goal[1];
+    float *xyz = rig_alloc(mesh.n_vertices * 3u * sizeof *xyz);
+    memcpy(xyz, mesh.xyz, mesh.n_vertices * 3u * sizeof *xyz);
+    ((unsigned char *)xyz)[2] ^= 1u;
+    mesh.xyz = xyz;
+    return rig_surface(&mesh);
+}
+
+/* Where the target counts, its checksum is found to be another; where that is forged, the bits are. */
+static void test_one_byte_of_a_target_changed(void **state)
+{
+    static unsigned char log[UNIT_LOG_BYTES];
+    const given g = {{u.surface[0], spoiled()}, 0};
+    smr_status status;
+    size_t bytes, at;
+    uint32_t whole = 21;
+    (void)state;
+    const uint32_t found = first_difference(u.log, u.bytes, g, &status);
+    assert_int_equal(SMR_E_INPUT, status);
+    memcpy(log, u.log, u.bytes);
+    at = unit_log_record(log, u.bytes, 22, &bytes);
+    assert_int_equal(SMR_LOG_SURFACE, log[at]);
+    const uint64_t sum = smr_surface_checksum(g.surface[1]);
+    smr_log_put32(log + at + 12u, (uint32_t)sum);
+    smr_log_put32(log + at + 16u, (uint32_t)(sum >> 32));
+    unit_log_seal(log, u.bytes);
+    const uint32_t differs = first_difference(log, u.bytes, g, &status);
+    assert_int_equal(SMR_OK, status);
+    /* the iteration under way when it was set may have its forces already: it counts for the one after then */
+    at = tick_record(20, &bytes);
+    const int has_forces = (u.log[at + 4u] & 1u) == 0u && u.log[at + 5u] != SMR_PHASE_FORCES;
+    for (uint32_t passed = 0; whole <= u.ticks; whole++) {
+        at = tick_record(whole, &bytes);
+        passed += u.log[at + 4u] & 1u;
+        if (passed == 1u + (uint32_t)has_forces) {
+            break;
+        }
+    }
+    assert_int_equal(whole, differs);
+    assert_true(found >= 20u && found <= differs);
+}
+
+static void test_not_these_inputs(void **state)
+{
+    const given swapped = {{u.surface[1], u.surface[0]}, 0}, missing = {{NULL, NULL}, 0};
+    given g = {{u.surface[0], u.surface[1]}, 0};
+    smr_status status;
+    smr_replay replay;
+    smr_replay_report report;
+    smr_config config = u.config;
+    const smr_prepare_config radii = rig_radii(1, 20.0f, 0.0f, 0.0f);
+    (void)state;
+    assert_int_equal(1, first_difference(u.log, u.bytes, swapped, &status));
+    assert_int_equal(SMR_E_INPUT, status);
+    assert_int_equal(1, first_difference(u.log, u.bytes, missing, &status));
+    assert_int_equal(SMR_E_INPUT, status);
+    assert_int_equal(SMR_OK, smr_replay_start(&replay, unit_log_begin(&u, NULL), u.log, u.bytes, NULL, NULL));
+    assert_int_equal(SMR_E_INPUT, smr_replay_tick(&replay, &report));
+    assert_int_equal(SMR_LOG_SURFACE, report.record.kind);
+    smr *other = rig_init(rig_model(&u.ball, 1, &radii), &config, NULL);
+    assert_int_equal(SMR_E_MODEL, smr_replay_start(&replay, other, u.log, u.bytes, next_surface, &g));
+    config.relaxation = 0.5f;
+    other = rig_init(u.model, &config, NULL);
+    assert_int_equal(SMR_E_CONFIG, smr_replay_start(&replay, other, u.log, u.bytes, next_surface, &g));
+    config = u.config;
+    config.n_workers = 7;
+    other = rig_init(u.model, &config, NULL);
+    assert_int_equal(SMR_OK, smr_replay_start(&replay, other, u.log, u.bytes, next_surface, &g));
+}
+
+static const void *any_input(void *ctx, const smr_log_record *record)
+{
+    static const uint8_t voxels[8] = {0};
+    static const smr_volume volume = {voxels, NULL, SMR_VOXEL_UINT8, {2, 2, 2}, {0, 0, 0}, {1, 1, 1}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    uint32_t *turn = ctx;
+    if (record->kind == SMR_LOG_VOLUME) {
+        return &volume;
+    }
+    return record->kind == SMR_LOG_POSITIONS ? (const void *)u.ball.xyz : u.surface[(*turn)++ % 2u];
+}
+
+/* Numbers of a log changed at random, its checksums made right: it is refused or repeated, and nothing breaks. */
+static void test_forged_logs_are_harmless(void **state)
+{
+    static unsigned char log[UNIT_LOG_BYTES];
+    float xyz[3 * 128];
+    uint32_t seed = 11, ended = 0, refused = 0;
+    (void)state;
+    assert_true(u.ball.n_vertices <= 128u);
+    smr *s = NULL;
+    size_t arena_bytes = 0;
+    assert_int_equal(SMR_OK, smr_arena_bytes(u.model, &u.config, &arena_bytes));
+    void *arena = rig_alloc(arena_bytes);
+    for (uint32_t i = 0; i < 1500u; i++) {
+        smr_replay replay;
+        smr_replay_report report = {0};
+        uint32_t turn = 0;
+        memcpy(log, u.log, u.bytes);
+        for (uint32_t k = 1u + rig_random(&seed, 4); k > 0u; k--) {
+            const uint32_t at = SMR_LOG_HEADER + rig_random(&seed, (uint32_t)(u.bytes - SMR_LOG_HEADER));
+            log[at] = (unsigned char)(rig_random(&seed, 2) ? rig_random(&seed, 256) : log[at] + 1u);
+        }
+        unit_log_seal(log, u.bytes);
+        assert_int_equal(SMR_OK, smr_init(&s, u.model, &u.config, NULL, arena, arena_bytes));
+        smr_status status = smr_replay_start(&replay, s, log, u.bytes, any_input, &turn);
+        for (uint32_t tick = 0; status == SMR_OK && !report.ended; tick++) {
+            assert_true(tick <= u.ticks);
+            status = smr_replay_tick(&replay, &report);
+        }
+        assert_true(status == SMR_OK || status == SMR_E_LOG || status == SMR_E_INPUT || status == SMR_E_STATE);
+        ended += status == SMR_OK;
+        refused += status != SMR_OK;
+        assert_int_equal(SMR_OK, smr_get_positions(s, 0, xyz));
+        assert_true(rig_finite(xyz, u.ball.n_vertices));
+    }
+    assert_true(ended > 100u && refused > 100u);
+}
+
+static void test_refusals(void **state)
+{
+    static _Alignas(SMR_ALIGN) unsigned char zeros[8192];
+    smr *s = unit_log_begin(&u, NULL);
+    smr_replay replay;
+    smr_replay_report report;
+    (void)state;
+    assert_int_equal(SMR_E_NULL, smr_replay_start(NULL, s, u.log, u.bytes, NULL, NULL));
+    assert_int_equal(SMR_E_NULL, smr_replay_start(&replay, NULL, u.log, u.bytes, NULL, NULL));
+    assert_int_equal(SMR_E_NULL, smr_replay_start(&replay, s, NULL, u.bytes, NULL, NULL));
+    assert_int_equal(SMR_E_STATE, smr_replay_start(&replay, (smr *)(void *)zeros, u.log, u.bytes, NULL, NULL));
+    assert_int_equal(SMR_E_LOG, smr_replay_start(&replay, s, u.log, 30, NULL, NULL));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_E_STATE, smr_replay_start(&replay, s, u.log, u.bytes, NULL, NULL));
+    assert_int_equal(SMR_E_NULL, smr_replay_tick(NULL, &report));
+    assert_int_equal(SMR_E_NULL, smr_replay_tick(&replay, NULL));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_agrees),
+        cmocka_unit_test(test_one_number_changed),
+        cmocka_unit_test(test_one_byte_of_a_target_changed),
+        cmocka_unit_test(test_not_these_inputs),
+        cmocka_unit_test(test_forged_logs_are_harmless),
+        cmocka_unit_test(test_refusals),
+    };
+    return cmocka_run_group_tests(tests, set_up, tidy);
+}

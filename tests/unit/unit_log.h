@@ -1,0 +1,33 @@
+/* unit_log.h: a small registration, its inputs and its log, for the tests of recording and replaying.
+ * SPDX-License-Identifier: MIT */
+#ifndef UNIT_LOG_H
+#define UNIT_LOG_H
+
+#include "smr.h"
+
+#define UNIT_LOG_BYTES SMR_LOG_BYTES(200, 20)
+
+/* A ball between two target surfaces. */
+typedef struct unit_log {
+    const smr_model *model;
+    smr_mesh ball, goal[2];
+    const smr_surface *surface[2];
+    smr_config config;
+    uint32_t ticks;
+    unsigned char log[UNIT_LOG_BYTES];
+    size_t bytes;
+} unit_log;
+
+/* Sets up and records: a pose, a surface, 20 ticks cut by a clock, the other surface, as many again. rig_free_all() ends it. */
+void unit_log_make(unit_log *u);
+
+/* A registration of it as smr_init leaves it. port may be NULL. */
+smr *unit_log_begin(const unit_log *u, const smr_port *port);
+
+/* The log's record number i from 0: where it begins, and its bytes; 0 past the end. */
+size_t unit_log_record(const unsigned char *log, size_t bytes, uint32_t i, size_t *record_bytes);
+
+/* Makes the checksums of header and records right again after a change. */
+void unit_log_seal(unsigned char *log, size_t bytes);
+
+#endif
