@@ -324,7 +324,8 @@ typedef struct smr_config {
     float settle_um;             /* >= 0, default 1: a radius is done early when the largest displacement falls below */
     uint32_t plastic_every;      /* 0..1000, default 1: x^r = x also after so many iterations; 0 never */
     uint32_t fold_guard;         /* 1 (default): at the last two radii folds are repaired, and steps that would turn
-                                    triangles back on each other are smoothed */
+                                    triangles back on each other are smoothed; at the last one edges that are folded all the
+                                    same are opened */
     uint32_t normals;            /* SMR_NORMALS_...; default carried by the cluster rotations, recomputed
                                     from the triangles whenever x^r is */
 

@@ -53,6 +53,12 @@ typedef struct smr_mend {
     uint32_t moved;                        /* 1: x_next has changed, the facets must follow */
 } smr_mend;
 
+/* Where unfolding stands (unfold.c). */
+typedef struct smr_unfold {
+    uint32_t pass, chunk;                  /* the chunk of hinges to come; pass 0: none */
+    uint32_t n_folds;                      /* found in this pass so far */
+} smr_unfold;
+
 /* What the controller knows of the time that an iteration takes (control.c). */
 typedef struct smr_control {
     float rate[SMR_STEPS_MAX];             /* ns a unit of work, by step; negative: not known yet */
@@ -131,6 +137,7 @@ struct smr {
     uint32_t n_folding;                    /* hinges found folding while repairing */
     uint32_t n_guarded;                    /* vertices so marked */
     smr_mend mend;
+    smr_unfold unfold;
     /* written by sums and average */
     uint32_t *record;                      /* [n][SMR_WORDS] fixed-point quantities of each vertex */
     uint32_t *sum;                         /* [n][SMR_WORDS] their sums over each cluster */
@@ -266,6 +273,10 @@ void smr_mend_pass(void *arg, uint32_t task, uint32_t worker);
 void smr_mend_end(smr *s);
 uint32_t smr_mend_facet_tasks(smr *s);
 void smr_mend_abandon(smr *s);
+
+void smr_unfold_start(smr *s);               /* unfold.c: what is folded all the same */
+uint32_t smr_unfold_tasks(smr *s);           /* one more, as long as there is work */
+void smr_unfold_pass(void *arg, uint32_t task, uint32_t worker);
 
 uint32_t smr_smooth_tasks(smr *s);           /* smooth.c: mesh neighbours' sums, for vertices without a goal */
 void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker);
