@@ -50,6 +50,14 @@ void smr_schedule_active(smr *s)
     s->control.cut = 0;
 }
 
+/* With an image alone nothing is repaired: its last radius is not single vertices, so what is folded straightens again, and
+ * unfold.c opens the rest. A repair's patches would lose what forces had found there. */
+static int repairs_before(const smr *s, uint32_t radius)
+{
+    return smr_guarded(s) && s->n_hinges > 0u && (s->n_goals > 0u || !s->has_grid) &&
+           (radius == s->config.radius_first || radius + 1u == smr_last_radius(s));
+}
+
 static void use_radius(smr *s, uint32_t radius)
 {
     s->radius = radius;
@@ -62,8 +70,7 @@ static void use_radius(smr *s, uint32_t radius)
     s->search = smr_min(s->config.search_mm, s->config.search_radii * smr_max(s->lists.radius, SMR_NARROWING * before));
     if (radius == smr_last_radius(s))
         smr_even_start(s);
-    if (smr_guarded(s) && s->n_hinges > 0u && (radius == s->config.radius_first || radius + 1u == smr_last_radius(s)))
-        s->repairing = 1;
+    s->repairing = (uint32_t)repairs_before(s, radius);
 }
 
 /* Gives up an iteration under way: x stands, as if it had just been reached without a step, however far it had come. */

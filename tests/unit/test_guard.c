@@ -246,6 +246,22 @@ static void test_unfolds(void **state)
     assert_true(before == after && before == SIDE - 1u && moved < 1.0e-5f);
 }
 
+/* With an image alone nothing is repaired, with a surface beside it, it is. */
+static void test_repairs_only_with_surfaces(void **state)
+{
+    const smr_mesh mesh = sheet();
+    smr *s = start(&mesh, 1);
+    (void)state;
+    for (uint32_t grid = 0; grid < 2u; grid++) {
+        for (uint32_t goals = 0; goals < 2u; goals++) {
+            s->has_grid = grid;
+            s->n_goals = goals;
+            smr_schedule_start(s);
+            assert_int_equal(grid == 0u || goals > 0u, s->repairing > 0u);
+        }
+    }
+}
+
 static void test_only_at_the_finest_radii(void **state)
 {
     const smr_mesh mesh = sheet();
@@ -269,6 +285,7 @@ int main(void)
         cmocka_unit_test_teardown(test_leaves_alone_what_does_not_fold, tidy),
         cmocka_unit_test_teardown(test_stays_local, tidy),
         cmocka_unit_test_teardown(test_repairs, tidy),
+        cmocka_unit_test_teardown(test_repairs_only_with_surfaces, tidy),
         cmocka_unit_test_teardown(test_unfolds, tidy),
         cmocka_unit_test_teardown(test_only_at_the_finest_radii, tidy),
     };
