@@ -28,6 +28,7 @@ enum { FOR_SURFACES = 1, FOR_IMAGES = 2 };
 #define FIELD(name) offsetof(host_options, name)
 #define PREPARING (HOST_REGISTER | HOST_BUILD | HOST_INFO)
 #define IMAGE_SEARCH_MAX 60.0 /* mm: the library's */
+#define IMAGE_SMOOTHING 100.0f /* mm: about what clusters of the coarsest radius put right themselves; points clicked in an image are uncertain */
 #define COORD ((double)SMR_COORD_MAX)
 
 static const option table[] = {
@@ -382,6 +383,8 @@ static void set_image_config(host_options *options)
     config->momentum = image.momentum;
     config->momentum_last = image.momentum_last;
     config->n_target_vertices = 0;
+    if (!is_given(options, "--smoothing"))
+        options->smoothing = IMAGE_SMOOTHING;
     if (!is_given(options, "--plastic-every"))
         config->plastic_every = image.plastic_every;
     if (!is_given(options, "--iterations"))
