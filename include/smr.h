@@ -303,7 +303,8 @@ typedef struct smr_config {
      * of the last radius all forces and the momentum fall to 0 while there is an image */
     float profile_mm, profile_end_mm;   /* search distance of profile matching, [0,60], default 10 to 0 */
     float profile_radii;         /* (0,1e6], default 0.5: profiles are not sought beyond so many cluster radii: what a cluster
-                                    can still pull apart must not find the far side of its neighbour */
+                                    can still pull apart must not find the far side of its neighbour. Up to a whole radius
+                                    where less than 80 % of a structure's vertices had a goal */
     float gradient_mm, gradient_end_mm; /* of the strongest edge, [0,60], default 5 to 0 */
     uint32_t similarity;         /* SMR_SIMILARITY_...: normalised cross-correlation, sum of squared differences, or (default)
                                     concordance: a correlation that other contrast than the reference's lowers, and other
@@ -341,7 +342,8 @@ typedef struct smr_config {
     /* schedule: from coarse to fine radius */
     uint32_t radius_first;       /* index of the first radius used, default 0 */
     uint32_t radius_last;        /* index of the last radius used; default SMR_ALL: the finest */
-    uint32_t iterations;         /* 1..100000, default 9: at most so many at each radius but the last. Iterations
+    uint32_t iterations;         /* 1..100000, default 9: at most so many at each radius but the last, with an image twice as
+                                    many at the first of several. Iterations
                                     that only repair folds do not count */
     uint32_t iterations_last;    /* 1..100000, default 60: at most so many at the last radius */
 } smr_config;

@@ -54,14 +54,14 @@ typedef struct reference_profile {
     uint32_t n, inward; /* samples, and those before the vertex */
 } reference_profile;
 
-static reference_profile reference_of(const smr *s, uint32_t v)
+static reference_profile reference_of(const smr *s, uint32_t v, float profile_mm)
 {
     const smr_model *m = s->model;
     const uint32_t n = smr_le32(m->profile_samples), inward = smr_le32(m->profile_inward);
     const float step = smr_le_float(m->profile_step);
     const uint8_t *stored = (const uint8_t *)smr_at(m, m->at_profiles) + (size_t)v * n;
     const uint32_t *ranges = (const uint32_t *)smr_at(m, m->at_ranges) + 2u * (size_t)v;
-    const uint32_t hop = s->profile_mm > SMR_LONG * step && n >= 4u * SMR_HOP ? SMR_HOP : 1u;
+    const uint32_t hop = profile_mm > SMR_LONG * step && n >= 4u * SMR_HOP ? SMR_HOP : 1u;
     const uint32_t first = inward % hop;
     reference_profile r;
     r.n = smr_ceil_div(n - first, hop);
@@ -84,10 +84,11 @@ static int varies(const float *line, uint32_t n)
 
 int smr_image_goal(const smr *s, uint32_t v, smr_vec *way)
 {
-    const reference_profile r = reference_of(s, v);
+    const float profile_mm = smr_max(s->profile_mm, s->part[smr_model_owner(s->model, v)].wide_mm);
+    const reference_profile r = reference_of(s, v, profile_mm);
     const smr_vec normal = smr_load(smr_at3(s->normal, v));
     const uint32_t room = (SMR_LINE_MAX - SMR_PROFILE_MAX) / 2u;
-    const uint32_t reach = smr_min_u32((uint32_t)(s->profile_mm / r.step_mm + 0.5f), room);
+    const uint32_t reach = smr_min_u32((uint32_t)(profile_mm / r.step_mm + 0.5f), room);
     const uint32_t edge_reach = smr_min_u32((uint32_t)(s->gradient_mm / r.step_mm + 0.5f), room);
     const uint32_t before = smr_max_u32(reach + r.inward, edge_reach + 2u);
     const uint32_t after = smr_max_u32(reach + r.n - r.inward, edge_reach + 3u);
@@ -101,7 +102,7 @@ int smr_image_goal(const smr *s, uint32_t v, smr_vec *way)
     const int whole = smr_grid_line(&s->grid, start, step, before + after, line, inside) == before + after;
     smr_peak match = {0, 0}, edge = {0, 0};
     const uint32_t first = before - reach - r.inward;
-    const smr_likeness how = {s->config.similarity, s->noise, SMR_NEARER * s->profile_mm};
+    const smr_likeness how = {s->config.similarity, s->noise, SMR_NEARER * profile_mm};
     if (reach > 0u)
         match = smr_profile_match(r.value, r.low, r.range, r.n, line + first, inside + first, r.n + 2u * reach, &how);
     if (edge_reach > 0u)

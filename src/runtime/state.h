@@ -27,6 +27,7 @@ typedef struct smr_part {
     smr_facets facets;                     /* of the deforming model */
     const smr_surface *target;             /* NULL: carried along */
     uint32_t folding;                      /* 1: the fold guard is at work here */
+    float wide_mm;                         /* profiles of a structure that is hardly seen are sought so far, if that is farther */
 } smr_part;
 
 /* A distinct target surface and the structures that share it. */
@@ -98,6 +99,7 @@ struct smr {
     float search;                          /* mm: search distance at this radius */
     float even;                            /* in this iteration: of the way to the neighbours' mean (even.c) */
     float profile_mm, gradient_mm;         /* search distances in the image in this iteration */
+    float farthest_mm;                     /* of profiles, were it not for the radius */
     float ease;                            /* share of forces and momentum left: falls to 0 where an image registration ends */
     float force_limit;                     /* mm: longer forces are dropped; 0 none yet */
 
@@ -129,7 +131,7 @@ struct smr {
     uint32_t *warm;                        /* [n] last closest triangle of the target */
     int64_t *pull;                         /* [n_workers][n][4] target-to-model pulls: 3 sums and the weight */
     /* written by guard */
-    uint8_t *found;                        /* [n] of the last forces: 0 no target, 1 a goal, 2 none acceptable */
+    uint8_t *found;                        /* [n] of the last forces: 0 no target, 1 a goal, 2 none acceptable, 3 nor can the image tell */
     uint8_t *guard;                        /* [n] 1: the vertex' step is smoothed, in this iteration */
     /* written by smooth and by guard, over record */
     float *ring_sum;                       /* [n][3] sum over a vertex' mesh neighbours */
