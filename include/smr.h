@@ -304,7 +304,7 @@ typedef struct smr_config {
     float profile_mm, profile_end_mm;   /* search distance of profile matching, [0,60], default 10 to 0 */
     float profile_radii;         /* (0,1e6], default 0.5: profiles are not sought beyond so many cluster radii: what a cluster
                                     can still pull apart must not find the far side of its neighbour. Up to a whole radius
-                                    where less than 80 % of a structure's vertices had a goal */
+                                    where less than 80 % of a structure's vertices had a goal, and half its thickness */
     float gradient_mm, gradient_end_mm; /* of the strongest edge, [0,60], default 5 to 0 */
     uint32_t similarity;         /* SMR_SIMILARITY_...: normalised cross-correlation, sum of squared differences, or (default)
                                     concordance: a correlation that other contrast than the reference's lowers, and other
@@ -313,7 +313,7 @@ typedef struct smr_config {
                                     give no force; 1: none does */
     float smoothing;             /* [0,1], default 1: a vertex without such a goal is drawn so far towards the middle of its
                                     mesh neighbours. Not where the image cannot tell: no profile, or the search leaves the
-                                    image or meets one value only; nor in a structure of which hardly anything has a goal */
+                                    image or meets one value only; nor in a structure of which less than half has a goal */
 
     /* matching and evolution (paper 2.3) */
     uint32_t method;             /* SMR_METHOD_...; default rigid-body kinematics */
