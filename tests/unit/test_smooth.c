@@ -155,7 +155,7 @@ static void test_range(void **state)
 }
 
 /* How far profiles are sought: farther than half a radius where few of those that look have a goal. */
-static float reach(uint32_t seen, uint32_t missing, uint32_t blind)
+static float reach(uint32_t seen, uint32_t missing, uint32_t blind, float flat)
 {
     const smr_volume reference = image(1, 1.0e6f);
     const smr_mesh mesh = rig_ball(RADIUS, 13, 20, none);
@@ -165,6 +165,8 @@ static float reach(uint32_t seen, uint32_t missing, uint32_t blind)
     smr *s = rig_init(rig_model(&mesh, 1, &p), &c, NULL);
     assert_int_equal(SMR_OK, smr_set_volume(s, &reference));
     assert_true(seen + missing + blind <= s->n);
+    for (uint32_t v = 0; v < s->n; v++)
+        smr_at3(s->x, v)[2] *= flat;
     for (uint32_t v = 0; v < s->n; v++)
         s->found[v] = (uint8_t)(v < seen ? 1 : v < seen + missing ? 2 : v < seen + missing + blind ? 3 : 0);
     smr_schedule_distances(s);
@@ -176,12 +178,13 @@ static float reach(uint32_t seen, uint32_t missing, uint32_t blind)
 static void test_lost_looks_farther(void **state)
 {
     (void)state;
-    assert_true(reach(0, 0, 0) == 10.0f);
-    assert_true(reach(100, 0, 0) == 10.0f);
-    assert_true(reach(90, 10, 0) == 10.0f);
-    assert_true(reach(65, 35, 0) > 12.0f && reach(65, 35, 0) < 18.0f);
-    assert_true(reach(40, 60, 0) == 20.0f); /* a whole one */
-    assert_true(reach(40, 5, 100) == 10.0f); /* who cannot see is not lost */
+    assert_true(reach(0, 0, 0, 1) == 10.0f);
+    assert_true(reach(100, 0, 0, 1) == 10.0f);
+    assert_true(reach(90, 10, 0, 1) == 10.0f);
+    assert_true(reach(65, 35, 0, 1) > 12.0f && reach(65, 35, 0, 1) < 18.0f);
+    assert_true(reach(40, 60, 0, 1) == 20.0f); /* a whole one */
+    assert_true(fabsf(reach(40, 60, 0, 0.4f) - 12.0f) < 0.5f); /* half of what is 24 mm thick */
+    assert_true(reach(40, 5, 100, 1) == 10.0f); /* who cannot see is not lost */
 }
 
 int main(void)
