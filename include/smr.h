@@ -306,7 +306,8 @@ typedef struct smr_config {
      * of the last radius all forces and the momentum fall to 0 while there is an image */
     float profile_mm, profile_end_mm;   /* search distance of profile matching, [0,60], default 10 to 0 */
     float profile_radii;         /* (0,1e6], default 0.5: profiles are not sought beyond so many cluster radii: what a cluster
-                                    can still pull apart must not find the far side of its neighbour */
+                                    can still pull apart must not find the far side of its neighbour. Up to a whole radius
+                                    where less than 80 % of a structure's vertices had a goal, and half its thickness */
     float gradient_mm, gradient_end_mm; /* of the strongest edge, [0,60], default 5 to 0 */
     uint32_t similarity;         /* SMR_SIMILARITY_...: normalised cross-correlation, sum of squared differences, or (default)
                                     concordance: a correlation that other contrast than the reference's lowers, and other
@@ -315,7 +316,7 @@ typedef struct smr_config {
                                     give no force; 1: none does */
     float smoothing;             /* [0,1], default 1: a vertex without such a goal is drawn so far towards the middle of its
                                     mesh neighbours. Not where the image cannot tell: no profile, or the search leaves the
-                                    image or meets one value only; nor in a structure of which hardly anything has a goal */
+                                    image or meets one value only; nor in a structure of which less than half has a goal */
 
     /* matching and evolution (paper 2.3) */
     uint32_t method;             /* SMR_METHOD_...; default rigid-body kinematics */
@@ -327,7 +328,8 @@ typedef struct smr_config {
     float settle_um;             /* >= 0, default 1: a radius is done early when the largest displacement falls below */
     uint32_t plastic_every;      /* 0..1000, default 1: x^r = x also after so many iterations; 0 never */
     uint32_t fold_guard;         /* 1 (default): at the last two radii folds are repaired, and steps that would turn
-                                    triangles back on each other are smoothed */
+                                    triangles back on each other are smoothed; at the last one edges that are folded all the
+                                    same are opened */
     uint32_t normals;            /* SMR_NORMALS_...; default carried by the cluster rotations, recomputed
                                     from the triangles whenever x^r is */
 
@@ -343,7 +345,8 @@ typedef struct smr_config {
     /* schedule: from coarse to fine radius */
     uint32_t radius_first;       /* index of the first radius used, default 0 */
     uint32_t radius_last;        /* index of the last radius used; default SMR_ALL: the finest */
-    uint32_t iterations;         /* 1..100000, default 9: at most so many at each radius but the last. Iterations
+    uint32_t iterations;         /* 1..100000, default 9: at most so many at each radius but the last, with an image twice as
+                                    many at the first of several. Iterations
                                     that only repair folds do not count */
     uint32_t iterations_last;    /* 1..100000, default 60: at most so many at the last radius */
 } smr_config;

@@ -29,7 +29,7 @@ static const char *const lines[] = {
     "register, and its defaults:",
     "  --landmarks MODEL TARGET        start by landmarks, matched by label: a thin-plate spline",
     "  --truth DIR                     with an image: measure the result against DIR/NAME.ply",
-    "  --smoothing MM                  of that spline: 0 passes through every landmark (0)",
+    "  --smoothing MM                  of that spline: 0 passes through every landmark (0; into an image 100)",
     "  --align none|rigid|similarity   start pose from the surfaces (none); with landmarks: fitted to them, no spline",
     "  --mirror-target x|y|z           negate a coordinate of the targets; --mirror-model likewise",
     "  --threads N                     (as many as processors)   --ticks N       upper bound (the schedule)",

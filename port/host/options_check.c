@@ -4,6 +4,9 @@
 
 #include "host_volume.h"
 
+/* mm: about what clusters of the coarsest radius put right themselves; points clicked in an image are uncertain */
+#define IMAGE_SMOOTHING 100.0f
+
 /* A benchmark of the computed thigh, or of files: then the model, both images and the truth. */
 static int check_bench(const host_options *options, host_error *error)
 {
@@ -118,6 +121,8 @@ static void set_image_config(host_options *options)
     config->momentum = image.momentum;
     config->momentum_last = image.momentum_last;
     config->n_target_vertices = 0;
+    if (!host_option_given(options, "--smoothing"))
+        options->smoothing = IMAGE_SMOOTHING;
     if (!host_option_given(options, "--plastic-every"))
         config->plastic_every = image.plastic_every;
     if (!host_option_given(options, "--iterations"))

@@ -64,6 +64,7 @@ typedef struct smr_image_hinge {
 } smr_image_hinge;
 
 #define SMR_HINGE_MASK 0xffffffu
+#define SMR_HINGE_OPEN (-0.4f) /* a limit above it: the normals' angle is no more than a right one at rest */
 #define SMR_HINGE_UNIT 200.0f /* cosine = code / 200 - 1 */
 
 static inline float smr_hinge_limit(uint32_t bend) { return (float)(bend >> 24) / SMR_HINGE_UNIT - 1.0f; }

@@ -7,6 +7,8 @@
 
 #define SMR_RIGHT 0.02f       /* cosine: flat hinges fold when their triangles' normals come to 89 degrees */
 #define SMR_BACK (-0.48f)     /* sharper ones at about 119 degrees */
+#define SMR_ROUNDING 1.0e-4f  /* of a cosine: right angles, which caps and corners have, */
+#define SMR_RIGHT_BACK (-0.25f) /* have some room on the way, too, but count as open at last (SMR_HINGE_OPEN) */
 #define SMR_TURNED_BACK (-0.75f) /* at rest: nothing left to guard */
 
 static void edge_of(const smr_plan *p, uint32_t i, uint32_t *low, uint32_t *high)
@@ -30,7 +32,9 @@ static void add_hinge(smr_plan *p, uint32_t a, uint32_t b)
     if (rest < SMR_TURNED_BACK || a > SMR_HINGE_MASK || b > SMR_HINGE_MASK)
         return;
     /* edges sharper than a right angle at rest have room until they are clearly turned back */
-    const float limit = rest > 0.0f ? smr_min(SMR_RIGHT, 0.5f * rest) : smr_min(SMR_BACK, rest - 0.2f);
+    float limit = rest > 0.0f ? smr_min(SMR_RIGHT, 0.5f * rest) : SMR_RIGHT_BACK;
+    if (rest < -SMR_ROUNDING)
+        limit = smr_min(SMR_BACK, rest - 0.2f);
     p->hinge[p->n_hinges++] = (smr_image_hinge){a, b | (uint32_t)((limit + 1.0f) * SMR_HINGE_UNIT) << 24};
 }
 

@@ -72,7 +72,8 @@ static int surface_goal(smr *s, uint32_t v, const smr_surface *target, smr_vec *
     return has_goal || weight > 0.0f;
 }
 
-/* The way to the vertex' goal, whatever its target is. Returns 0 for none; *drawn says whether there is a target. */
+/* The way to the vertex' goal, whatever its target is. Returns 0 for none; *drawn says whether there is a target, 2 for an
+ * image that cannot tell. */
 static int goal_of(smr *s, uint32_t v, smr_vec *way, int *drawn)
 {
     const smr_surface *target = s->part[smr_model_owner(s->model, v)].target;
@@ -89,6 +90,8 @@ static int goal_of(smr *s, uint32_t v, smr_vec *way, int *drawn)
     const int seen = smr_image_goal(s, v, way);
     if (seen == SMR_NO_GOAL)
         *way = smr_smooth_way(s, v);
+    if (seen == SMR_UNSEEN)
+        *drawn = 2;
     return seen == SMR_GOAL;
 }
 
@@ -113,7 +116,7 @@ void smr_force_search(void *arg, uint32_t task, uint32_t worker)
         if (s->has_grid && v + 1u < s->n_active) /* voxels lie far apart: their way takes as long as the work on a vertex */
             smr_image_ahead(s, v + 1u);
         const int found = goal_of(s, v, &way, &drawn);
-        s->found[v] = (uint8_t)(found ? 1 : (drawn ? 2 : 0));
+        s->found[v] = (uint8_t)(found ? 1 : (drawn > 0 ? drawn + 1 : 0));
         smr_store(smr_at3(s->force, v), way);
     }
 }
@@ -144,7 +147,7 @@ void smr_force_take(void *arg, uint32_t task, uint32_t worker)
         const smr_vec way = smr_load(smr_at3(s->force, v));
         tally->n_active += s->found[v] != 0u;
         tally->n_forces += s->found[v] == 1u;
-        tally->n_rejected += s->found[v] == 2u;
+        tally->n_rejected += s->found[v] >= 2u;
         if (s->found[v] == 1u) {
             const float d2 = smr_dot(way, way), d = SMR_SQRT(d2);
             tally->sum += d;

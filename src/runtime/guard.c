@@ -1,6 +1,7 @@
 /* guard.c: watches for triangles that turn over. Shape matching makes folds rare; forces that cross can still turn a triangle
  * over, and a plastic reference would then keep it so. Coarse radii move the model almost rigidly, and most of what bends
- * there straightens again. From the last radius but one on hinges are searched; mend.c then deals with what folds.
+ * there straightens again. From the last radius but one on hinges are searched; mend.c then deals with what folds, and unfold.c,
+ * at the last radius, with what turned back all the same.
  * Bounds: one pass over the hinges.
  * SPDX-License-Identifier: MIT */
 #include "runtime/guard.h"
@@ -13,27 +14,33 @@ void smr_guard_search(void *arg, uint32_t task, uint32_t worker)
     smr *s = arg;
     (void)worker;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_HINGE_CHUNK, s->n_hinges);
-    uint32_t n = 0;
+    uint32_t n = 0, n_open = 0;
     for (uint32_t i = task * SMR_HINGE_CHUNK; i < last; i++) {
         const smr_image_hinge *h = smr_hinge_at(s, i);
         const smr_vec a = smr_load(s->facet_normal + 3u * (size_t)smr_le32(h->first));
         const smr_vec b = smr_load(s->facet_normal + 3u * (size_t)smr_hinge_second(h));
         n += smr_dot(a, b) < smr_hinge_limit(smr_le32(h->bend));
+        n_open += smr_hinge_open(h) && smr_dot(a, b) < SMR_FOLD_COS;
     }
     s->tally[task].n_rejected = n;
+    s->tally[task].n_active = n_open;
 }
 
 void smr_guard_end(smr *s)
 {
-    uint32_t n_bent = 0;
+    uint32_t n_bent = 0, n_open = 0;
     s->n_guarded = 0;
     s->n_folding = 0;
-    for (uint32_t task = 0; task < s->n_hinge_tasks; task++)
+    for (uint32_t task = 0; task < s->n_hinge_tasks; task++) {
         n_bent += s->tally[task].n_rejected;
-    if (n_bent == 0u)
+        n_open += s->tally[task].n_active;
+    }
+    if (n_bent + n_open == 0u)
         return;
     for (uint32_t i = 0; i < s->n_parts; i++)
         s->part[i].folding = 0;
     memset(s->guard, 0, s->n);
-    smr_mend_start(s);
+    if (n_bent > 0u)
+        smr_mend_start(s);
+    smr_unfold_start(s);
 }

@@ -56,15 +56,21 @@ typedef struct reference_profile {
     uint32_t hop, first; /* of the stored ones every hop-th from the first on */
 } reference_profile;
 
-/* Without its samples. */
-static reference_profile reference_shape(const smr *s, uint32_t v)
+/* How far a vertex' profile is sought. */
+static float sought_mm(const smr *s, uint32_t v)
+{
+    return smr_max(s->profile_mm, s->part[smr_model_owner(s->model, v)].wide_mm);
+}
+
+/* Without its samples. profile_mm: how far it is sought. */
+static reference_profile reference_shape(const smr *s, uint32_t v, float profile_mm)
 {
     const smr_model *m = s->model;
     const uint32_t n = smr_le32(m->profile_samples), inward = smr_le32(m->profile_inward);
     const float step = smr_le_float(m->profile_step);
     const uint32_t *ranges = (const uint32_t *)smr_at(m, m->at_ranges) + 2u * (size_t)v;
     reference_profile r;
-    r.hop = s->profile_mm > SMR_LONG * step && n >= 4u * SMR_HOP ? SMR_HOP : 1u;
+    r.hop = profile_mm > SMR_LONG * step && n >= 4u * SMR_HOP ? SMR_HOP : 1u;
     r.first = inward % r.hop;
     r.n = smr_ceil_div(n - r.first, r.hop);
     r.inward = inward / r.hop;
@@ -97,12 +103,12 @@ typedef struct search_line {
     uint32_t before, n;         /* samples before the vertex, and all of them; 0: nothing is sought */
 } search_line;
 
-static search_line line_of(const smr *s, uint32_t v, const reference_profile *r)
+static search_line line_of(const smr *s, uint32_t v, const reference_profile *r, float profile_mm)
 {
     const smr_vec normal = smr_load(smr_at3(s->normal, v));
     const uint32_t room = (SMR_LINE_MAX - SMR_PROFILE_MAX) / 2u;
     search_line l;
-    l.reach = smr_min_u32((uint32_t)(s->profile_mm / r->step_mm + 0.5f), room);
+    l.reach = smr_min_u32((uint32_t)(profile_mm / r->step_mm + 0.5f), room);
     l.edge_reach = smr_min_u32((uint32_t)(s->gradient_mm / r->step_mm + 0.5f), room);
     l.before = smr_max_u32(l.reach + r->inward, l.edge_reach + 2u);
     l.n = l.before + smr_max_u32(l.reach + r->n - r->inward, l.edge_reach + 3u);
@@ -116,16 +122,18 @@ static search_line line_of(const smr *s, uint32_t v, const reference_profile *r)
 
 void smr_image_ahead(const smr *s, uint32_t v)
 {
-    const reference_profile r = reference_shape(s, v);
-    const search_line l = line_of(s, v, &r);
+    const float profile_mm = sought_mm(s, v);
+    const reference_profile r = reference_shape(s, v, profile_mm);
+    const search_line l = line_of(s, v, &r, profile_mm);
     if (l.n > 0u)
         smr_grid_ahead(&s->grid, l.start, l.step, l.n);
 }
 
 int smr_image_goal(const smr *s, uint32_t v, smr_vec *way)
 {
-    const reference_profile r = reference_shape(s, v);
-    const search_line l = line_of(s, v, &r);
+    const float profile_mm = sought_mm(s, v);
+    const reference_profile r = reference_shape(s, v, profile_mm);
+    const search_line l = line_of(s, v, &r, profile_mm);
     float line[SMR_LINE_MAX];
     unsigned char inside[SMR_LINE_MAX];
     uint8_t value[SMR_PROFILE_MAX];
@@ -135,7 +143,7 @@ int smr_image_goal(const smr *s, uint32_t v, smr_vec *way)
     const int whole = smr_grid_line(&s->grid, l.start, l.step, l.n, line, inside) == l.n;
     smr_peak match = {0, 0}, edge = {0, 0};
     const uint32_t first = l.before - l.reach - r.inward;
-    const smr_likeness how = {s->config.similarity, s->noise, SMR_NEARER * s->profile_mm};
+    const smr_likeness how = {s->config.similarity, s->noise, SMR_NEARER * profile_mm};
     if (l.reach > 0u)
         match = smr_profile_match(value, r.low, r.range, r.n, line + first, inside + first, r.n + 2u * l.reach, &how);
     if (l.edge_reach > 0u)

@@ -294,6 +294,7 @@ void smr_mend_pass(void *arg, uint32_t task, uint32_t worker)
 
 void smr_mend_end(smr *s)
 {
+    s->n_guarded = 0;
     for (uint32_t v = 0; v < s->n; v++)
         s->n_guarded += s->guard[v];
     s->mend.moved = 1;
@@ -302,4 +303,8 @@ void smr_mend_end(smr *s)
 /* Facets once more, where the above moved anything. */
 uint32_t smr_mend_facet_tasks(smr *s) { return s->mend.moved ? smr_facet_tasks(s) : 0u; }
 
-void smr_mend_abandon(smr *s) { memset(&s->mend, 0, sizeof s->mend); }
+void smr_mend_abandon(smr *s)
+{
+    memset(&s->mend, 0, sizeof s->mend);
+    memset(&s->unfold, 0, sizeof s->unfold);
+}

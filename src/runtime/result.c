@@ -49,7 +49,7 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
         const float d = smr_length(smr_load(smr_at3(s->force, v))) / s->config.stiffness;
         const float moved = smr_length(smr_sub(smr_load(smr_at3(s->x, v)), smr_load(smr_at3(s->start, v))));
         report->n_forces += s->found[v] == 1u;
-        report->n_rejected += s->found[v] == 2u;
+        report->n_rejected += s->found[v] >= 2u;
         residual += d;
         report->residual_max_mm = smr_max(report->residual_max_mm, d);
         moved_sum += moved;

@@ -6,6 +6,7 @@
 #define SMR_ENOUGH_ALL 1000.0f /* active vertices of the whole model with an image */
 #define SMR_ACTIVE_EVERY 8u /* iterations */
 #define SMR_ABOUT 0.75f
+#define SMR_FIRST_TIMES 2u /* with an image, iterations at the first radius: few vertices have goals, and most of the way is made */
 #define SMR_NARROWING 0.5f /* search distances shrink to this share at most, from one radius to the next */
 
 uint32_t smr_last_radius(const smr *s) { return smr_min_u32(s->config.radius_last, s->n_radii - 1u); }
@@ -50,6 +51,14 @@ void smr_schedule_active(smr *s)
     s->control.cut = 0;
 }
 
+/* With an image alone nothing is repaired: its last radius is not single vertices, so what is folded straightens again, and
+ * unfold.c opens the rest. A repair's patches would lose what forces had found there. */
+static int repairs_before(const smr *s, uint32_t radius)
+{
+    return smr_guarded(s) && s->n_hinges > 0u && (s->n_goals > 0u || !s->has_grid) &&
+           (radius == s->config.radius_first || radius + 1u == smr_last_radius(s));
+}
+
 static void use_radius(smr *s, uint32_t radius)
 {
     s->radius = radius;
@@ -61,8 +70,7 @@ static void use_radius(smr *s, uint32_t radius)
     const float before = radius > 0u ? smr_model_lists(s->model, radius - 1u).radius : 0.0f;
     s->search = smr_min(s->config.search_mm, s->config.search_radii * smr_max(s->lists.radius, SMR_NARROWING * before));
     s->fit_due = radius == smr_last_radius(s);
-    if (smr_guarded(s) && s->n_hinges > 0u && (radius == s->config.radius_first || radius + 1u == smr_last_radius(s)))
-        s->repairing = 1;
+    s->repairing = (uint32_t)repairs_before(s, radius);
 }
 
 /* Gives up an iteration under way: x stands, as if it had just been reached without a step, however far it had come. Nothing
@@ -110,6 +118,20 @@ static void plastic_update(smr *s)
     s->plastic_updates++;
 }
 
+/* At most so many iterations at the radius in use; at the first one in any case. */
+static uint32_t first_iterations(const smr *s)
+{
+    const int alone = s->config.radius_first == smr_last_radius(s);
+    return alone ? s->config.iterations_last : s->config.iterations * (s->has_grid ? SMR_FIRST_TIMES : 1u);
+}
+
+static uint32_t radius_iterations(const smr *s)
+{
+    if (s->radius == s->config.radius_first)
+        return first_iterations(s);
+    return s->radius == smr_last_radius(s) ? s->config.iterations_last : s->config.iterations;
+}
+
 /* How an iteration ends that is number radius_iteration at its radius, and since_plastic since x^r was new. */
 typedef struct ending {
     int small, spent, settled, done, plastic;
@@ -123,7 +145,7 @@ static ending ending_of(const smr *s, uint32_t radius_iteration, uint32_t since_
     const float moved_um = s->moved_mm * 1000.0f;
     ending e;
     e.settled = moved_um < s->config.settle_um;
-    e.spent = radius_iteration >= (last ? s->config.iterations_last : s->config.iterations);
+    e.spent = radius_iteration >= radius_iterations(s);
     e.small = moved_um < s->config.plastic_um;
     e.done = s->repairing == 0u && last && (e.settled || e.spent);
     const int due = s->config.plastic_every != 0u && since_plastic >= s->config.plastic_every;
@@ -169,8 +191,8 @@ void smr_schedule_distances(smr *s)
     if (!s->done)
         smr_even_share(s);
     const float done = smr_schedule_progress(s);
-    s->profile_mm = s->config.profile_mm + done * (s->config.profile_end_mm - s->config.profile_mm);
-    s->profile_mm = smr_min(s->profile_mm, s->config.profile_radii * s->lists.radius);
+    s->farthest_mm = s->config.profile_mm + done * (s->config.profile_end_mm - s->config.profile_mm);
+    s->profile_mm = smr_min(s->farthest_mm, s->config.profile_radii * s->lists.radius);
     s->gradient_mm = s->config.gradient_mm + done * (s->config.gradient_end_mm - s->config.gradient_mm);
 }
 
@@ -178,7 +200,8 @@ float smr_schedule_progress(const smr *s)
 {
     if (s->done)
         return 1.0f;
-    const float level = (float)s->config.iterations, final = (float)s->config.iterations_last;
-    const float total = level * (float)(smr_last_radius(s) - s->config.radius_first) + final;
-    return (level * (float)(s->radius - s->config.radius_first) + (float)s->radius_iteration) / total;
+    const float first = (float)first_iterations(s), level = (float)s->config.iterations;
+    const uint32_t steps = smr_last_radius(s) - s->config.radius_first, at = s->radius - s->config.radius_first;
+    const float total = steps > 0u ? first + level * (float)(steps - 1u) + (float)s->config.iterations_last : first;
+    return ((at > 0u ? first + level * (float)(at - 1u) : 0.0f) + (float)s->radius_iteration) / total;
 }

@@ -1,19 +1,20 @@
 /* smooth.c: the smoothing force (paper 2.3: other forces): where the image shows no goal, a vertex is drawn towards the middle
  * of its mesh neighbours. What the image does not have, such as the longer tendon of another person's muscle, so shrinks
  * back instead of staying where the start put it; where the image does show the surface, nothing is smoothed, nor in a
- * structure of which hardly a vertex had a goal: what is missing as a whole must not collapse. The force
- * falls to 0 where the schedule ends, as all others do (schedule.c).
+ * structure of which less than half had a goal: what is lost or missing as a whole must not collapse. The force
+ * falls to 0 where the schedule ends, as all others do (schedule.c). The same counts say how far goals are sought.
  * Bounds: one pass over a structure's triangles.
  * SPDX-License-Identifier: MIT */
 #include "runtime/state.h"
 
-#define SMR_SEEN_SHARE 10u /* of a structure's vertices one in so many must have had a goal in the last iteration */
+#define SMR_SEEN_WELL 0.8f /* share of a structure's vertices that had a goal: so many, and it is where it belongs; */
+#define SMR_SEEN_BADLY 0.5f /* so few, and it is lost */
 
 /* Without a budget a structure is one task. Otherwise it is cut into pieces, first of its vertices, then of its triangles; all
  * structures' pieces are done before the next ones start: task = piece * n_parts + structure. */
 uint32_t smr_smooth_tasks(smr *s)
 {
-    return s->has_grid && s->config.smoothing > 0.0f ? s->n_parts * smr_max_u32(s->ring_pieces, 1u) : 0u;
+    return s->has_grid ? s->n_parts * smr_max_u32(s->ring_pieces, 1u) : 0u;
 }
 
 uint32_t smr_smooth_abreast(const smr *s) { return s->n_parts; }
@@ -28,24 +29,48 @@ void smr_smooth_pieces(smr *s, int cut)
                                                          smr_ceil_div(s->part[i].facets.n_triangles, SMR_TRIANGLE_CHUNK));
 }
 
+/* How far profiles of a structure are sought that is badly seen: what is near it there is not what belongs to it, so half a
+ * radius, which keeps a structure from its neighbours' far sides, keeps this one from its own place. */
+static float wide_of(const smr *s, const smr_part *part)
+{
+    const smr_vec size = smr_sub(part->box.hi, part->box.lo);
+    if (part->looked == 0u)
+        return 0.0f;
+    const float share = (float)part->seen / (float)part->looked;
+    const float lost = smr_clamp((SMR_SEEN_WELL - share) / (SMR_SEEN_WELL - SMR_SEEN_BADLY), 0.0f, 1.0f);
+    /* as far as at the start: only the last radius, which comes to rest, narrows with the schedule */
+    const float most = s->radius == smr_last_radius(s) ? s->farthest_mm : s->config.profile_mm;
+    const float half = 0.5f * smr_min(size.x, smr_min(size.y, size.z)); /* beyond lies what is not its own */
+    const float far = smr_min(smr_min(most, s->lists.radius), half);
+    return s->profile_mm + lost * smr_max(far - s->profile_mm, 0.0f);
+}
+
 /* Counts who had a goal, and clears the sums. */
 static void look_back(smr *s, smr_part *part, uint32_t from, uint32_t to)
 {
-    if (from == 0u)
+    if (from == 0u) {
         part->seen = part->looked = 0;
+        part->box = (smr_box){{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
+    }
     for (uint32_t i = from; i < to; i++) {
         const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
+        const smr_vec at = smr_load(smr_at3(s->x, v));
+        smr_box *b = &part->box;
+        b->lo = smr_v(smr_min(b->lo.x, at.x), smr_min(b->lo.y, at.y), smr_min(b->lo.z, at.z));
+        b->hi = smr_v(smr_max(b->hi.x, at.x), smr_max(b->hi.y, at.y), smr_max(b->hi.z, at.z));
         part->seen += s->seen[v] == 1u;
-        part->looked += s->seen[v] != 0u;
+        part->looked += s->seen[v] == 1u || s->seen[v] == 2u;
         smr_store(smr_at3(s->ring_sum, v), smr_v(0, 0, 0));
         s->ring_weight[v] = 0.0f;
     }
+    if (to == part->n_vertices)
+        part->wide_mm = wide_of(s, part);
 }
 
 /* Sums over the mesh neighbours; a neighbour counts once for each triangle between. */
 static void add_rings(smr *s, const smr_part *part, uint32_t from, uint32_t to)
 {
-    if (part->seen == 0u || part->seen * SMR_SEEN_SHARE < part->looked)
+    if (!(s->config.smoothing > 0.0f) || part->seen == 0u || (float)part->seen < SMR_SEEN_BADLY * (float)part->looked)
         return; /* no ring has a weight: nothing is smoothed */
     for (uint32_t k = from; k < to; k++) {
         const uint32_t *t = part->facets.triangle + 3u * (size_t)k;

@@ -6,6 +6,7 @@
 
 #include "base/arena.h"
 #include "base/fork.h"
+#include "geometry/curve.h"
 #include "geometry/fit.h"
 #include "geometry/surface.h"
 #include "geometry/volume.h"
@@ -32,7 +33,9 @@ typedef struct smr_part {
     const smr_surface *target;             /* NULL: carried along */
     uint32_t folding;                      /* 1: the fold guard is at work here */
     uint32_t drawn;                        /* 1: had a target when the iteration under way began */
-    uint32_t seen, looked;                 /* vertices that had a goal in the last iteration, and that looked for one */
+    uint32_t seen, looked;                 /* vertices that had a goal in the last iteration, and those of which the image can tell */
+    smr_box box;                           /* of its vertices */
+    float wide_mm;                         /* profiles of a structure that is hardly seen are sought so far, if that is farther */
 } smr_part;
 
 /* A distinct target surface and the structures that share it. */
@@ -60,6 +63,12 @@ typedef struct smr_mend {
     uint32_t run_bits;                     /* 2^run_bits triangles are a run */
     uint64_t touched[SMR_MEND_RUNS / 64u]; /* a bit each run: a corner in it is marked */
 } smr_mend;
+
+/* Where unfolding stands (unfold.c). */
+typedef struct smr_unfold {
+    uint32_t pass, chunk;                  /* the chunk of hinges to come; pass 0: none */
+    uint32_t n_folds;                      /* found in this pass so far */
+} smr_unfold;
 
 /* What the controller knows of the time that an iteration takes (control.c). */
 typedef struct smr_control {
@@ -114,6 +123,7 @@ struct smr {
     smr_fit fit;                           /* its sums so far */
     float even;                            /* in this iteration: of the way to the neighbours' mean (even.c) */
     float profile_mm, gradient_mm;         /* search distances in the image in this iteration */
+    float farthest_mm;                     /* of profiles, were it not for the radius */
     float ease;                            /* share of forces and momentum left: falls to 0 where an image registration ends */
     float force_limit;                     /* mm: longer forces are dropped; 0 none yet */
 
@@ -146,7 +156,7 @@ struct smr {
     uint32_t *warm_next;                   /* [n] the same, of those under way: they may have to start again */
     int64_t *pull;                         /* [n_workers][n][4] target-to-model pulls: 3 sums and the weight */
     /* written by guard */
-    uint8_t *found;                        /* [n] 0 no target, 1 a goal, 2 none acceptable */
+    uint8_t *found;                        /* [n] 0 no target, 1 a goal, 2 none acceptable, 3 nor can the image tell */
     uint8_t *seen;                         /* [n] found, of the last complete forces */
     uint8_t *guard;                        /* [n] 1: the vertex' step is smoothed, in this iteration */
     /* written by smooth and by guard, over record */
@@ -156,6 +166,7 @@ struct smr {
     uint32_t n_folding;                    /* hinges found folding while repairing */
     uint32_t n_guarded;                    /* vertices so marked */
     smr_mend mend;
+    smr_unfold unfold;
     /* written by sums and average */
     uint32_t *record;                      /* [n][SMR_WORDS] fixed-point quantities of each vertex */
     uint32_t *sum;                         /* [n][SMR_WORDS] their sums over each cluster */
@@ -296,6 +307,10 @@ void smr_mend_pass(void *arg, uint32_t task, uint32_t worker);
 void smr_mend_end(smr *s);
 uint32_t smr_mend_facet_tasks(smr *s);
 void smr_mend_abandon(smr *s);
+
+void smr_unfold_start(smr *s);               /* unfold.c: what is folded all the same */
+uint32_t smr_unfold_tasks(smr *s);           /* one more, as long as there is work */
+void smr_unfold_pass(void *arg, uint32_t task, uint32_t worker);
 
 uint32_t smr_smooth_tasks(smr *s);           /* smooth.c: mesh neighbours' sums, for vertices without a goal */
 void smr_smooth_pieces(smr *s, int cut);

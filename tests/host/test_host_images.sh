@@ -155,7 +155,9 @@ check "--align rigid with landmarks of a surface" has_status 0 $SMR register --m
 # A spline that is smoothed without end is an affine map; one that is not passes through the landmarks.
 check "--smoothing" has_status 1 $SMR register --model bone.ply -o smooth $image4 --landmarks five.csv five_to.csv --smoothing 1e6 --ticks 1
 check "is another start" sh -c "'$SMR' register --model bone.ply -o sharp $image4 --landmarks five.csv five_to.csv --ticks 1 --quiet; ! cmp -s smooth/bone.ply sharp/bone.ply"
-check "--smoothing 0 is the default" sh -c "'$SMR' register --model bone.ply -o smooth $image4 --landmarks five.csv five_to.csv --smoothing 0 --ticks 1 --quiet; cmp -s smooth/bone.ply sharp/bone.ply"
+check "--smoothing 100 is the default with an image" sh -c "'$SMR' register --model bone.ply -o smooth $image4 --landmarks five.csv five_to.csv --smoothing 100 --ticks 1 --quiet; cmp -s smooth/bone.ply sharp/bone.ply"
+surface="--target target.ply --landmarks five.csv five_to.csv --ticks 1 --quiet"
+check "--smoothing 0 with a surface" sh -c "'$SMR' register --model bone.ply -o smooth $surface --smoothing 0; '$SMR' register --model bone.ply -o sharp $surface; cmp -s smooth/bone.ply sharp/bone.ply"
 for key in start_kind similarity method residual_mean_mm residual_max_mm moved_mean_mm moved_max_mm matched_share folds; do
     check "the report has $key" [ -n "$(value plain/report.json $key)" ]
 done

@@ -303,7 +303,7 @@ static void test_image_needs_few(void **state)
             moved.origin[a] += off[a];
         }
         assert_int_equal(SMR_OK, smr_set_volume(s, &moved));
-        for (uint32_t k = 0; k < 6u; k++) {
+        for (uint32_t k = 0; k < 9u; k++) { /* both radii */
             float want = c.active_share * (float)s->n;
             if (c.active_enough > 0u) { /* whole levels, about as many */
                 const float cluster = (float)s->n * (float)c.active_enough / (float)s->lists.smallest;

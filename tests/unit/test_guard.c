@@ -45,8 +45,32 @@ static smr *start(const smr_mesh *mesh, uint32_t guard)
     return rig_init(rig_model(mesh, 1, &radii), &c, NULL);
 }
 
+/* The sheet with its farther part bent down about the line y = CREASE, as far as the cosine says. */
+#define CREASE 25.0f
+
+static void bend(float *xyz, float cosine)
+{
+    const float sine = sqrtf(1.0f - cosine * cosine);
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+        const float beyond = xyz[3u * i + 1u] - CREASE;
+        if (beyond > 0.0f) {
+            xyz[3u * i + 1u] = CREASE + beyond * cosine;
+            xyz[3u * i + 2u] = -beyond * sine;
+        }
+    }
+}
+
+static smr_mesh bent_sheet(float cosine)
+{
+    const smr_mesh flat = sheet();
+    float *xyz = rig_alloc(3u * SIDE * SIDE * sizeof *xyz);
+    memcpy(xyz, flat.xyz, 3u * SIDE * SIDE * sizeof *xyz);
+    bend(xyz, cosine);
+    return (smr_mesh){xyz, flat.triangles, flat.n_vertices, flat.n_triangles};
+}
+
 /* Pairs of neighbouring triangles that look away from each other. */
-static uint32_t n_folds(const smr_mesh *mesh, const float *x)
+static uint32_t n_below(const smr_mesh *mesh, const float *x, float limit)
 {
     uint32_t n = 0;
     smr_vec normal[2u * SIDE * SIDE];
@@ -61,11 +85,13 @@ static uint32_t n_folds(const smr_mesh *mesh, const float *x)
             for (uint32_t c = 0; c < 9u; c++) {
                 shared += mesh->triangles[3u * k + c / 3u] == mesh->triangles[3u * j + c % 3u];
             }
-            n += shared == 2u && smr_dot(smr_unit(normal[k]), smr_unit(normal[j])) < -0.2f;
+            n += shared == 2u && smr_dot(smr_unit(normal[k]), smr_unit(normal[j])) < limit;
         }
     }
     return n;
 }
+
+static uint32_t n_folds(const smr_mesh *mesh, const float *x) { return n_below(mesh, x, -0.2f); }
 
 /* Runs the steps behind evolve from x_next as it stands. */
 static void settle(smr *s)
@@ -180,6 +206,62 @@ static void test_repairs(void **state)
     assert_int_equal(0, after);
 }
 
+/* A model with a crease, whose next positions have it sharper; how many hinges there turn back before and after. */
+static void sharpen(float rest, float next, uint32_t radius, uint32_t *before, uint32_t *after, float *moved)
+{
+    const smr_mesh mesh = bent_sheet(rest), sharp = bent_sheet(next);
+    const smr_prepare_config radii = rig_radii(2, 6, 5, 0);
+    smr_config c = smr_config_default();
+    float x[3 * SIDE * SIDE];
+    smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_positions(s, 0, sharp.xyz));
+    s->repairing = 0;
+    s->radius = radius;
+    memcpy(s->x_next, s->x, 3u * s->n * sizeof(float));
+    *before = n_below(&mesh, sharp.xyz, 0.0f);
+    settle(s);
+    assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
+    *after = n_below(&mesh, x, 0.0f);
+    *moved = 0.0f;
+    for (uint32_t i = 0; i < 3u * SIDE * SIDE; i++)
+        *moved = smr_max(*moved, smr_abs(x[i] - sharp.xyz[i]));
+}
+
+/* Edges that are right angles at rest, or sharper ones that still were open, do not stay turned back. */
+static void test_unfolds(void **state)
+{
+    uint32_t before, after;
+    float moved;
+    (void)state;
+    for (uint32_t i = 0; i < 3u; i++) {
+        static const float rest[] = {0.0f, 0.004f, 0.3f};
+        sharpen(rest[i], -0.05f, 1, &before, &after, &moved);
+        assert_int_equal(SIDE - 1u, before);
+        assert_int_equal(0, after);
+        assert_true(moved > 0.0f && moved < 0.5f); /* of edges of 5 mm */
+    }
+    sharpen(0.0f, -0.05f, 0, &before, &after, &moved); /* not before the last radius */
+    assert_int_equal(before, after);
+    sharpen(-0.05f, -0.1f, 1, &before, &after, &moved); /* they looked away from each other at rest */
+    assert_true(before == after && before == SIDE - 1u && moved < 1.0e-5f);
+}
+
+/* With an image alone nothing is repaired, with a surface beside it, it is. */
+static void test_repairs_only_with_surfaces(void **state)
+{
+    const smr_mesh mesh = sheet();
+    smr *s = start(&mesh, 1);
+    (void)state;
+    for (uint32_t grid = 0; grid < 2u; grid++) {
+        for (uint32_t goals = 0; goals < 2u; goals++) {
+            s->has_grid = grid;
+            s->n_goals = goals;
+            smr_schedule_start(s);
+            assert_int_equal(grid == 0u || goals > 0u, s->repairing > 0u);
+        }
+    }
+}
+
 static void test_only_at_the_finest_radii(void **state)
 {
     const smr_mesh mesh = sheet();
@@ -203,6 +285,8 @@ int main(void)
         cmocka_unit_test_teardown(test_leaves_alone_what_does_not_fold, tidy),
         cmocka_unit_test_teardown(test_stays_local, tidy),
         cmocka_unit_test_teardown(test_repairs, tidy),
+        cmocka_unit_test_teardown(test_repairs_only_with_surfaces, tidy),
+        cmocka_unit_test_teardown(test_unfolds, tidy),
         cmocka_unit_test_teardown(test_only_at_the_finest_radii, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

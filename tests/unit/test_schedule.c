@@ -68,6 +68,28 @@ static void test_iterations_of_each_radius(void **state)
     }
 }
 
+/* With an image the first of several radii has twice as many iterations, and progress goes on evenly. */
+static void test_first_radius_with_an_image(void **state)
+{
+    (void)state;
+    for (uint32_t last = 0; last < 3u; last++) {
+        smr_config c = steady();
+        c.radius_last = last;
+        c.iterations = 4;
+        c.iterations_last = 7;
+        smr *s = start(&c, 1, 0);
+        s->has_grid = 1;
+        const uint32_t want = last == 0u ? 7u : 8u + 4u * (last - 1u) + 7u;
+        smr_tick_report report = {0};
+        for (uint32_t i = 1; i <= want; i++) {
+            assert_int_equal(0, report.done);
+            assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+            assert_true(fabsf(report.progress - (float)i / (float)want) < 1.0e-5f);
+        }
+        assert_int_equal(1, report.done);
+    }
+}
+
 static void test_progress(void **state)
 {
     smr_config c = steady();
@@ -205,6 +227,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_iterations_of_each_radius, tidy),
         cmocka_unit_test_teardown(test_progress, tidy),
+        cmocka_unit_test_teardown(test_first_radius_with_an_image, tidy),
         cmocka_unit_test_teardown(test_done_is_done, tidy),
         cmocka_unit_test_teardown(test_settles, tidy),
         cmocka_unit_test_teardown(test_plasticity, tidy),

@@ -154,12 +154,46 @@ static void test_range(void **state)
     assert_int_equal(SMR_OK, smr_arena_bytes(model, &c, &bytes));
 }
 
+/* How far profiles are sought: farther than half a radius where few of those that look have a goal. */
+static float reach(uint32_t seen, uint32_t missing, uint32_t blind, float flat)
+{
+    const smr_volume reference = image(1, 1.0e6f);
+    const smr_mesh mesh = rig_ball(RADIUS, 13, 20, none);
+    smr_prepare_config p = rig_radii(2, 20, 10, 0);
+    const smr_config c = smr_config_default_image();
+    p.reference = &reference;
+    smr *s = rig_init(rig_model(&mesh, 1, &p), &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &reference));
+    assert_true(seen + missing + blind <= s->n);
+    for (uint32_t v = 0; v < s->n; v++)
+        smr_at3(s->x, v)[2] *= flat;
+    for (uint32_t v = 0; v < s->n; v++)
+        s->found[v] = (uint8_t)(v < seen ? 1 : v < seen + missing ? 2 : v < seen + missing + blind ? 3 : 0);
+    smr_schedule_distances(s);
+    smr_smooth_sum(s, 0, 0);
+    assert_true(s->profile_mm == 10.0f); /* half a radius */
+    return smr_max(s->profile_mm, s->part[0].wide_mm);
+}
+
+static void test_lost_looks_farther(void **state)
+{
+    (void)state;
+    assert_true(reach(0, 0, 0, 1) == 10.0f);
+    assert_true(reach(100, 0, 0, 1) == 10.0f);
+    assert_true(reach(90, 10, 0, 1) == 10.0f);
+    assert_true(reach(65, 35, 0, 1) > 12.0f && reach(65, 35, 0, 1) < 18.0f);
+    assert_true(reach(40, 60, 0, 1) == 20.0f); /* a whole one */
+    assert_true(fabsf(reach(40, 60, 0, 0.4f) - 12.0f) < 0.5f); /* half of what is 24 mm thick */
+    assert_true(reach(40, 5, 100, 1) == 10.0f); /* who cannot see is not lost */
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_missing_shrinks, tidy),
         cmocka_unit_test_teardown(test_absent_stays, tidy),
         cmocka_unit_test_teardown(test_seen_stays, tidy),
+        cmocka_unit_test_teardown(test_lost_looks_farther, tidy),
         cmocka_unit_test_teardown(test_constant_stays, tidy),
         cmocka_unit_test_teardown(test_unseen_stays, tidy),
         cmocka_unit_test_teardown(test_no_search_stays, tidy),
