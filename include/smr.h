@@ -286,8 +286,8 @@ typedef struct smr_config {
     /* external forces, f = stiffness * (goal - x) (paper 2.1) */
     float stiffness;             /* alpha_e, (0,1], default 0.8 */
     float attraction;            /* 0..1, default 0.5: share of the target-to-model pull in the goal */
-    float slide;                 /* [0,1], default 0: share of a goal's way along the surface that counts at the last
-                                    radius: 0 keeps correspondence, 1 brings the surfaces closest */
+    float slide;                 /* [0,1], default 0: share of a goal's way along the model's surface that counts: 0 makes
+                                    the result independent of the inputs' pose, 1 brings the surfaces closest */
     float even;                  /* [0,1], default 0.5: at the last radius so much of what a vertex moved differently from
                                     its mesh neighbours, along the surface, is taken back in the first iteration; it
                                     fades to the last. 0: never. Only where there is a target surface */
@@ -325,7 +325,8 @@ typedef struct smr_config {
     float momentum_last;         /* [0,0.99], default 0: the same at the last radius, where it would carry vertices along
                                     the surface and rounding with them */
     float plastic_um;            /* >= 0, default 50: x^r = x when the largest displacement falls below */
-    float settle_um;             /* >= 0, default 1: a radius is done early when the largest displacement falls below */
+    float settle_um;             /* >= 0, default 1: a radius is done early when the largest displacement falls below; not
+                                    the last one while `even` works on a target surface and anything moves */
     uint32_t plastic_every;      /* 0..1000, default 1: x^r = x also after so many iterations; 0 never */
     uint32_t fold_guard;         /* 1 (default): at the last two radii folds are repaired, and steps that would turn
                                     triangles back on each other are smoothed; at the last one edges that are folded all the

@@ -137,6 +137,12 @@ typedef struct ending {
     int small, spent, settled, done, plastic;
 } ending;
 
+/* Evening out takes the whole last radius: an end that comes early is a choice which last bits decide. Rest is rest. */
+static int may_end_early(const smr *s)
+{
+    return !(s->moved_mm > 0.0f) || s->radius != smr_last_radius(s) || s->n_goals == 0u || !(s->config.even > 0.0f);
+}
+
 /* A radius is done when an iteration moves less than the threshold, or after its number of iterations; the last radius' end
  * is the registration's end. */
 static ending ending_of(const smr *s, uint32_t radius_iteration, uint32_t since_plastic)
@@ -144,7 +150,7 @@ static ending ending_of(const smr *s, uint32_t radius_iteration, uint32_t since_
     const int last = s->radius == smr_last_radius(s);
     const float moved_um = s->moved_mm * 1000.0f;
     ending e;
-    e.settled = moved_um < s->config.settle_um;
+    e.settled = moved_um < s->config.settle_um && may_end_early(s);
     e.spent = radius_iteration >= radius_iterations(s);
     e.small = moved_um < s->config.plastic_um;
     e.done = s->repairing == 0u && last && (e.settled || e.spent);
