@@ -36,7 +36,7 @@ static const char *const lines[] = {
     "  --budget-ms X                   time per tick, 0: no clock, deterministic (0)",
     "  --method rigid|polar            (rigid)                   --search MM     (60)",
     "  --stiffness X                   (0.8)                     --attraction X  target to model (0.5)",
-    "  --slide X  last radius: along the surface (0)             --even X  last radius: as neighbours (0.5)",
+    "  --slide X  share of goals along the surface (0)           --even X  last radius: as neighbours (0.5)",
     "  --relaxation X                  (1)                       --normal-angle DEG  (75)",
     "  --normals carried|exact         (carried)                 --node-budget N (512)",
     "  --reject-deviations X           (0: off)                  --reject-border",

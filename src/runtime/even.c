@@ -2,7 +2,8 @@
  * the surface a vertex comes to lie: vertices are single, forces are normal to the target. So every choice that a last bit
  * decided on the way (which triangle is nearer, who is just within a cluster) would stay in the result, and grow.
  * Evened is the displacement from the rest shape in its pose of that moment: x moves towards the place where its
- * displacement is the mean of its mesh neighbours', tangentially only. Towards the end this fades.
+ * displacement is the mean of its mesh neighbours', tangentially only. Towards the end this fades. Where the fold guard had to
+ * act it ends: it would push against the guard again and again, and how far that gives way is a matter of last bits.
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
 #include "runtime/state.h"
@@ -60,6 +61,8 @@ void smr_even_clear(void *arg, uint32_t task, uint32_t worker)
     smr *s = arg;
     (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
+        if (s->radius_iteration == 0u)
+            s->held[v] = 0;
         smr_store(smr_at3(s->ring_sum, v), smr_v(0, 0, 0));
         s->ring_weight[v] = 0.0f;
         smr_store(smr_at3(s->displaced, v), smr_sub(smr_load(smr_at3(s->x, v)), smr_pose_apply(&s->fitted, rest_of(s, v))));
@@ -84,7 +87,7 @@ void smr_even_rings(void *arg, uint32_t task, uint32_t worker)
 
 smr_vec smr_even_step(smr *s, uint32_t v)
 {
-    if (!(s->even > 0.0f) || !s->part[smr_model_owner(s->model, v)].drawn || !(s->ring_weight[v] > 0.0f))
+    if (!(s->even > 0.0f) || s->held[v] || !s->part[smr_model_owner(s->model, v)].drawn || !(s->ring_weight[v] > 0.0f))
         return smr_v(0, 0, 0);
     const smr_vec mean = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / s->ring_weight[v]);
     const smr_vec way = smr_sub(mean, smr_load(smr_at3(s->displaced, v))), n = smr_load(smr_at3(s->normal, v));

@@ -34,6 +34,7 @@ static smr *layout(smr_arena *a, smr *s)
     s->ring_weight = s->ring_sum == NULL ? NULL : s->ring_sum + 3u * n;
     s->displaced = s->ring_sum == NULL ? NULL : s->ring_sum + 4u * n;
     s->guard = smr_arena_take(a, n, 1);
+    s->held = smr_arena_take(a, n, 1);
     s->found = smr_arena_take(a, n, 1);
     s->seen = smr_arena_take(a, n, 1);
     s->tally = smr_arena_take(a, smr_max_u32(smr_ceil_div(s->n, SMR_MATCH_CHUNK), s->n_hinge_tasks), sizeof *s->tally);

@@ -294,9 +294,12 @@ void smr_mend_pass(void *arg, uint32_t task, uint32_t worker)
 
 void smr_mend_end(smr *s)
 {
+    const int hold = s->radius == smr_last_radius(s) && s->repairing == 0u;
     s->n_guarded = 0;
-    for (uint32_t v = 0; v < s->n; v++)
+    for (uint32_t v = 0; v < s->n; v++) {
         s->n_guarded += s->guard[v];
+        s->held[v] |= (uint8_t)(hold && s->guard[v]);
+    }
     s->mend.moved = 1;
 }
 

@@ -85,6 +85,7 @@ void smr_abandon_iteration(smr *s)
     memcpy(s->x_next, s->x, 3u * (size_t)s->n * sizeof(float));
     memset(s->found, 0, s->n);
     memset(s->seen, 0, s->n);
+    memset(s->held, 0, s->n);
     for (uint32_t v = 0; v < s->n; v++)
         s->warm[v] = s->warm_next[v] = SMR_ALL;
     for (uint32_t j = 0; s->target_warm != NULL && j < s->config.n_target_vertices; j++)

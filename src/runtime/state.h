@@ -159,6 +159,7 @@ struct smr {
     uint8_t *found;                        /* [n] 0 no target, 1 a goal, 2 none acceptable, 3 nor can the image tell */
     uint8_t *seen;                         /* [n] found, of the last complete forces */
     uint8_t *guard;                        /* [n] 1: the vertex' step is smoothed, in this iteration */
+    uint8_t *held;                         /* [n] 1: it was so once since the last radius began */
     /* written by smooth and by guard, over record */
     float *ring_sum;                       /* [n][3] sum over a vertex' mesh neighbours */
     float *ring_weight;                    /* [n] of that sum */
