@@ -9,6 +9,7 @@
 #include "runtime/guard.h"
 
 #define SMR_UNFOLD_PASSES 16u
+#define SMR_UNFOLD_CHUNK 64u  /* hinges of a task */
 #define SMR_OPEN_COS 0.01f    /* so far hinges open */
 #define SMR_CORNER_REACH 0.25f /* of the hinge's shortest edge: a corner's largest way in a pass */
 #define SMR_AREA_FLOOR 1.0e-6f /* mm^2, twice the area: less has no normal */
@@ -90,9 +91,9 @@ static int any_marked(const smr *s, const uint32_t *t) { return s->guard[t[0]] |
 /* A chunk of hinges: those that the search found, and those where something moved since. */
 static void unfold(smr *s, uint32_t chunk)
 {
-    const uint32_t last = smr_min_u32((chunk + 1u) * SMR_HINGE_CHUNK, s->n_hinges);
-    const int found = s->tally[chunk].n_active > 0u;
-    for (uint32_t i = chunk * SMR_HINGE_CHUNK; i < last; i++) {
+    const uint32_t from = chunk * SMR_UNFOLD_CHUNK, to = smr_min_u32(from + SMR_UNFOLD_CHUNK, s->n_hinges);
+    const int found = s->tally[from / SMR_HINGE_CHUNK].n_active > 0u;
+    for (uint32_t i = from; i < to; i++) {
         const smr_image_hinge *h = smr_hinge_at(s, i);
         const uint32_t first = smr_le32(h->first), second = smr_hinge_second(h);
         if (!smr_hinge_open(h) || !(found || any_marked(s, s->triangle + 3u * (size_t)first) ||
@@ -115,7 +116,7 @@ void smr_unfold_pass(void *arg, uint32_t task, uint32_t worker)
     (void)task;
     (void)worker;
     unfold(s, u->chunk);
-    if (++u->chunk < s->n_hinge_tasks)
+    if (++u->chunk < smr_ceil_div(s->n_hinges, SMR_UNFOLD_CHUNK))
         return;
     u->chunk = 0;
     u->pass = u->n_folds > 0u && u->pass < SMR_UNFOLD_PASSES ? u->pass + 1u : 0u;
