@@ -112,6 +112,7 @@ struct smr {
     uint32_t converged, done, reference_stale;
     uint32_t repairing;                    /* iterations spent on repairing folds before a radius starts; 0: none */
     uint32_t n_goals, n_target_tasks;
+    uint32_t begun_goals;                  /* n_goals when the iteration under way began: a later one does not count in it */
     uint32_t step, next_task;              /* where the tick stands: step of the iteration, tasks already done */
     smr_lists lists;                       /* of the radius in use */
     uint32_t n_active;                     /* the first so many vertices take part; the others are carried along */
