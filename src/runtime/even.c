@@ -15,7 +15,7 @@ static smr_vec rest_of(const smr *s, uint32_t v)
 
 /* The last radius starts: the pose from which displacements are counted, and in which the clusters' reach is bounded. Nobody
  * asks for it before the sums. One task after the other. */
-uint32_t smr_even_fit_tasks(smr *s) { return s->fit_due ? s->n_tasks : 0u; }
+uint32_t smr_even_fit_tasks(smr *s) { return s->fit_due ? smr_ceil_div(s->n, SMR_MATCH_CHUNK) : 0u; }
 
 void smr_even_fit(void *arg, uint32_t task, uint32_t worker)
 {
@@ -23,7 +23,8 @@ void smr_even_fit(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     if (task == 0u)
         smr_fit_start(&s->fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++)
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, s->n);
+    for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++)
         smr_fit_add(&s->fit, rest_of(s, v), smr_load(smr_at3(s->x, v)), 1.0f);
 }
 
