@@ -145,7 +145,7 @@ static int run_steps(host_job *job, host_error *error)
         return HOST_REFUSED;
     if (!job->options->quiet)
         host_job_summary(job);
-    return job->last.done ? HOST_DONE : HOST_NOT_CONVERGED;
+    return host_job_converged(job) ? HOST_DONE : HOST_NOT_CONVERGED;
 }
 
 int host_register(const host_options *options, host_error *error)

@@ -68,7 +68,8 @@ static const char *const lines[] = {
     "build: --c-array NAME             C source instead when -o ends in .c, else beside it",
     "",
     "replay reads the inputs again, from where it is called, and says that all ticks agree, or which one differs; --threads N",
-    "Exit status: 0 done, 1 not converged within --ticks (results are written) or a replay that differs, 2 bad usage or input.",
+    "Exit status: 0 done, 1 not converged within --ticks, nothing of the target seen (results are written) or a replay that",
+    "differs, 2 bad usage or input.",
 };
 
 void host_help(void)

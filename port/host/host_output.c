@@ -85,6 +85,22 @@ static int same_path(const char *a, const char *b)
     return n == m && memcmp(a, b, n) == 0;
 }
 
+/* The same, under whatever names. */
+static int same_directory(const char *a, const char *b)
+{
+    struct stat of_a, of_b;
+    return same_path(a, b) || (stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
+                               of_a.st_ino == of_b.st_ino);
+}
+
+/* A result could have this file's name. */
+static int is_result(const char *path)
+{
+    const char *const slash = strrchr(path, '/'), *const name = slash != NULL ? slash + 1 : path;
+    const size_t n = strlen(name);
+    return strcmp(name, "report.json") == 0 || (n > 4u && strcmp(name + n - 4u, ".ply") == 0);
+}
+
 int host_output_check_file(const char *path, const char *directory, host_error *error)
 {
     struct stat st;
@@ -94,8 +110,10 @@ int host_output_check_file(const char *path, const char *directory, host_error *
     if (parent == NULL)
         return host_fail(error, "output", "free memory");
     to_parent(parent);
-    if (stat(path, &st) == 0 && S_ISDIR(st.st_mode))
+    if ((stat(path, &st) == 0 && S_ISDIR(st.st_mode)) || path[strlen(path) - 1u] == '/' || same_path(path, directory))
         result = host_fail(error, "output", "a file, not a directory");
+    else if (same_directory(parent, directory) && is_result(path))
+        result = host_fail(error, "output", "a name that no result has");
     else if (same_path(parent, directory))
         result = 0; /* checked on its own */
     else if (stat(parent, &st) != 0 || !S_ISDIR(st.st_mode))

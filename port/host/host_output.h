@@ -10,7 +10,8 @@ typedef struct host_output host_output;
 /* Checks early, without changing anything, that the directory is there or could be made. */
 int host_output_check(const char *directory, host_error *error);
 
-/* The same for a file, whose directory must be there, or is `directory`, which will be made. */
+/* The same for a file, whose directory must be there, or is `directory`, which will be made and gets report.json
+ * and NAME.ply. */
 int host_output_check_file(const char *path, const char *directory, host_error *error);
 
 /* Starts a set of files in a directory, made when needed; NULL: names are paths. NULL without memory.

@@ -54,6 +54,7 @@ typedef struct host_job {
     void *log_memory;          /* of the log, when there is one; owned */
     size_t truth_first, truth_end; /* of the files read, those that only measuring needs */
     smr_tick_report last;      /* of the last tick */
+    int target_seen;           /* 1: in some iteration a vertex had a goal */
     uint32_t ticks, overruns;
     float *tick_ms;            /* [ticks], owned */
     size_t tick_capacity;
@@ -86,6 +87,9 @@ int host_job_make_surfaces(host_job *job, host_error *error);
 /* register_log.c: recording, from right after host_job_begin on, and the log file's content. */
 int host_job_record(host_job *job, host_error *error);
 int host_job_log(const host_job *job, host_buffer *out, host_error *error);
+
+/* The schedule came to its end, and not for want of anything to do. */
+static inline int host_job_converged(const host_job *job) { return job->last.done != 0 && job->target_seen; }
 
 /* report.json. */
 void host_job_report(const host_job *job, host_buffer *out);

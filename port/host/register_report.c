@@ -251,10 +251,11 @@ void host_job_report(const host_job *job, host_buffer *out)
     put_model(job, &json);
     host_json_count(&json, "ticks", job->ticks);
     host_json_count(&json, "iterations", job->last.iteration);
-    /* Converged: the schedule came to its end, as the exit status says. Settled: the last iteration also moved
-     * nothing by more than the plastic threshold. */
-    host_json_flag(&json, "converged", job->last.done != 0);
-    host_json_flag(&json, "settled", job->last.converged != 0);
+    /* Converged: the schedule came to its end and the target was seen on the way, as the exit status says. Settled: the last
+     * iteration also moved nothing by more than the plastic threshold. */
+    host_json_flag(&json, "converged", host_job_converged(job));
+    host_json_flag(&json, "target_seen", job->target_seen);
+    host_json_flag(&json, "settled", job->last.converged != 0 && job->target_seen);
     host_json_number(&json, "displacement_max_mm", (double)job->last.displacement_max_mm);
     host_json_count(&json, "threads", job->port.port.n_workers);
     host_json_text(&json, "method", job->options->config.method == SMR_METHOD_POLAR ? "polar" : "rigid");
@@ -286,9 +287,11 @@ void host_job_summary(const host_job *job)
     smr_log_state log;
     uint32_t i = 0, carried = 0;
     (void)printf("%s after %u iterations, %.3f s (load %.3f, prepare %.3f, start %.3f, register %.3f), %u threads\n",
-                 job->last.done ? "converged" : "not converged", job->last.iteration,
+                 host_job_converged(job) ? "converged" : "not converged", job->last.iteration,
                  host_seconds() - job->begin_s, job->load_s, job->ready_image ? 0.0 : job->model.prepare_s,
                  job->start_s, job->register_s, job->port.port.n_workers);
+    if (job->last.iteration > 0 && !job->target_seen)
+        (void)printf("nothing of the target was seen: no vertex had a goal in any iteration; look at the start and at --search\n");
     if (job->n_landmarks > 0 && job->warp_kind != SMR_WARP_SPLINE && job->options->align == HOST_ALIGN_NONE)
         (void)printf("start: %u landmarks as they lie carry no spline, a %s fit instead\n", job->n_landmarks,
                      warp_names[job->warp_kind]);

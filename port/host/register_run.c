@@ -119,6 +119,7 @@ int host_job_run(host_job *job, host_error *error)
         now = host_seconds();
         if (status < 0)
             return refuse(error, "tick", status);
+        job->target_seen |= job->last.n_forces > 0;
         if (record(job, now - before, error) != 0)
             return -1;
         if (talk && now - shown > PROGRESS_EVERY_S) {

@@ -209,6 +209,22 @@ static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, u
     return used == n_indexes && each_once(m, l, first, last);
 }
 
+/* A radius' sections lie one behind the other, the first one behind the radius before. Lists that share bytes would be few
+ * bytes that take long to check. */
+static int sections_in_order(const smr_model *m, const smr_image_radius *r, uint64_t *end)
+{
+    const uint64_t n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
+    const uint64_t at[4] = {smr_le32(r->at_blocks), smr_le32(r->at_entries), smr_le32(r->at_count), smr_le32(r->at_indexes)};
+    const uint64_t bytes[4] = {((uint64_t)smr_le32(r->n_blocks) + 1u) * sizeof(smr_image_block), n * 4u * width, n * width,
+                               (uint64_t)smr_le32(r->n_indexes) * width};
+    for (uint32_t i = 0; i < 4u; i++) {
+        if (at[i] < *end)
+            return 0;
+        *end = at[i] + bytes[i];
+    }
+    return 1;
+}
+
 static int check_radius(const smr_model *m, const smr_image_radius *r, uint32_t index)
 {
     const uint32_t n = smr_le32(m->n_vertices), n_blocks = smr_le32(r->n_blocks), width = smr_le32(m->index_bytes);
@@ -266,8 +282,10 @@ smr_status smr_model_open(const void *image, size_t bytes, const smr_model **mod
         return SMR_E_MODEL;
     if (!section(m, m->at_radii, smr_le32(m->n_radii), sizeof(smr_image_radius)))
         return SMR_E_MODEL;
+    const smr_image_radius *r = smr_at(m, m->at_radii);
+    uint64_t end = sizeof *m;
     for (uint32_t i = 0; i < smr_le32(m->n_radii); i++)
-        if (!check_radius(m, (const smr_image_radius *)smr_at(m, m->at_radii) + i, i))
+        if (!sections_in_order(m, &r[i], &end) || !check_radius(m, &r[i], i))
             return SMR_E_MODEL;
     *model = m;
     return SMR_OK;

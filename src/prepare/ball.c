@@ -55,8 +55,8 @@ static void box_distances(const smr_node *node, smr_vec p, float d2[SMR_TREE_WID
     }
 }
 
-/* Which of a leaf's eight vertices lie within r2 of p, a bit each: for boxes without extent the same as box_kinds(). Kept apart: GCC unrolls it where it is inlined, and then it is not
- * vector code any more. */
+/* Which of a leaf's eight vertices lie within r2 of p, a bit each: for boxes without extent the same as box_kinds(). Kept
+ * apart: GCC unrolls it where it is inlined, and then it is not vector code any more. */
 __attribute__((noinline)) static uint32_t leaf_members(const smr_node *leaf, smr_vec p, float r2)
 {
     uint32_t members = 0;

@@ -39,6 +39,7 @@ void smr_even_fit_end(smr *s)
 void smr_even_share(smr *s)
 {
     s->even = 0.0f;
+    s->begun_goals = s->n_goals;
     for (uint32_t i = 0; i < s->n_parts; i++) /* a new target counts from the next iteration on */
         s->part[i].drawn = s->part[i].target != NULL;
     if (s->radius != smr_last_radius(s) || s->repairing > 0u || s->n_goals == 0u)

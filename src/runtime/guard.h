@@ -1,4 +1,4 @@
-/* guard.h: what guard.c and mend.c share: hinges.
+/* guard.h: what guard.c, mend.c and unfold.c share: hinges.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_GUARD_H
 #define SMR_GUARD_H

@@ -55,7 +55,7 @@ void smr_schedule_active(smr *s)
  * unfold.c opens the rest. A repair's patches would lose what forces had found there. */
 static int repairs_before(const smr *s, uint32_t radius)
 {
-    return smr_guarded(s) && s->n_hinges > 0u && (s->n_goals > 0u || !s->has_grid) &&
+    return smr_guarded(s) && s->n_hinges > 0u && (s->begun_goals > 0u || !s->has_grid) &&
            (radius == s->config.radius_first || radius + 1u == smr_last_radius(s));
 }
 
@@ -107,6 +107,7 @@ void smr_schedule_start(smr *s)
     s->next_task = 0;
     s->force_limit = 0.0f;
     s->ease = 1.0f;
+    s->begun_goals = s->n_goals;
     use_radius(s, s->config.radius_first);
     s->fit_due = 1; /* an abandoned iteration may have made it of other positions */
 }

@@ -14,7 +14,7 @@
 
 #define SMR_WORDS 16u          /* 32-bit words of a record that is summed: one cache line */
 #define SMR_CHUNK 128u         /* vertices of a task */
-#define SMR_MATCH_CHUNK 32u    /* of one that does much for each: transforms, moments, centres and spreads */
+#define SMR_MATCH_CHUNK 32u    /* of one that does much for each: transforms, moments, centres and spreads, a fitted pose */
 #define SMR_FORCE_CHUNK 4u     /* of one that looks for goals on a surface, or for the model from a target */
 #define SMR_IMAGE_CHUNK 1u     /* of one that looks for goals where there is an image: a vertex costs as much as forty elsewhere */
 #define SMR_TRIANGLE_CHUNK 256u /* triangles of a task that sums over vertices' neighbours */
@@ -112,6 +112,7 @@ struct smr {
     uint32_t converged, done, reference_stale;
     uint32_t repairing;                    /* iterations spent on repairing folds before a radius starts; 0: none */
     uint32_t n_goals, n_target_tasks;
+    uint32_t begun_goals;                  /* n_goals when the iteration under way began: a later one does not count in it */
     uint32_t step, next_task;              /* where the tick stands: step of the iteration, tasks already done */
     smr_lists lists;                       /* of the radius in use */
     uint32_t n_active;                     /* the first so many vertices take part; the others are carried along */

@@ -69,6 +69,13 @@ done
 check "--ticks 1 ends with status 1" has_status 1 "$SMR" register --model bone.ply --target target.ply -o one --ticks 1
 check "and writes its results" [ -s one/bone.ply ]
 check "and says so" [ "$(value one/report.json converged)" = false ]
+# A target out of reach: the schedule comes to its end, but nothing was registered.
+awk '/^end_header/ { behind = 1; print; next } behind && NF == 3 { $1 += 900 } { print }' target.ply >far.ply
+check "a target that is never seen ends with status 1" has_status 1 "$SMR" register --model bone.ply --target far.ply -o far
+check "and says so in a line" grep -q '^nothing of the target was seen: ' out.txt
+check "and in the report" [ "$(value far/report.json converged) $(value far/report.json settled) $(value far/report.json target_seen)" = "false false false" ]
+check "its results are there, the model as it was" [ -s far/bone.ply ]
+check "one that is seen is" [ "$(value out/report.json converged) $(value out/report.json target_seen)" = "true true" ]
 check "a deeper directory is made" has_status 0 "$SMR" register --model bone.ply --target target.ply -o deep/er/out --quiet
 check "a budget" has_status 0 "$SMR" register --model bone.ply --target target.ply -o budget --quiet --budget-ms 1
 check "polar" has_status 0 "$SMR" register --model bone.ply --target target.ply -o polar --quiet --method polar

@@ -80,6 +80,17 @@ check "a log in a directory that is not there" has_status 2 "$SMR" register --mo
 check "is refused before anything is done" [ ! -e never ]
 check "a log over an input" has_status 2 "$SMR" register --model bone.ply --target target.ply -o never --log bone.ply
 check "is refused, with the results" [ ! -e never ]
+refused_early() { # NAME LOG: before the model is prepared, so with one that is not even there
+    "$SMR" register --model absent.ply --target target.ply -o never --log "$2" >out.txt 2>err.txt
+    check "$1 is refused before anything is done" sh -c "grep -q '^smr: $2: output: expected a ' err.txt && [ ! -e never ]"
+}
+refused_early "a log over a result" never/bone.ply
+refused_early "a log over the report" never/report.json
+refused_early "a log with a directory's name" none/
+refused_early "a log in place of the results" never
+mkdir here
+"$SMR" register --model absent.ply --target target.ply -o here --log here/../here/bone.ply 2>err.txt
+check "a log over a result, under another name" grep -q ': output: expected a name that no result has' err.txt
 
 # Inputs that changed: the line names the file.
 "$SMR" register --model several/a.ply several/b.ply --target others/a.ply several/b.ply -o results --quiet --log run.log --budget-ms 1

@@ -75,7 +75,7 @@ static int set_up(void **state)
     for (uint32_t i = 0; i < 2u; i++) {
         world.volume[i] = image_of(3.0f * (float)i);
     }
-    smr_prepare_config c = rig_radii(2, 40.0f, 18.0f, 0.0f);
+    smr_prepare_config c = rig_radii(3, 60.0f, 40.0f, 18.0f);
     c.block_vertices = 64;
     world.model[0] = rig_model(world.part, PARTS, &c);
     c.reference = &world.volume[0];
@@ -271,8 +271,46 @@ static void test_replays(void **state)
     assert_true(partial > 10u * RUNS && cut > RUNS / 4u && early > RUNS && late > RUNS / 2u); /* the clock meant something */
 }
 
+/* The last surface is taken away while the iteration that ends the first radius has its forces already: whether the next radius
+ * starts with a repair is decided in that iteration, where the surface still counts. */
+static void test_last_surface_goes_late(void **state)
+{
+    static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
+    static run r;
+    jitter clock = {3, 1000000u};
+    const smr_port port = {&clock, 1, NULL, read_jitter};
+    smr_config config = smr_config_default_image();
+    smr_tick_report report = {0};
+    size_t bytes = 0;
+    (void)state;
+    memset(&r, 0, sizeof r);
+    r.model = 1;
+    config.iterations = 1; /* twice as many at the first radius */
+    config.settle_um = 0.0f;
+    assert_int_equal(SMR_OK, smr_arena_bytes(world.model[1], &config, &bytes));
+    assert_true(bytes <= sizeof memory[0]);
+    r.s = begin(&r, &config, &port, memory[0], bytes);
+    assert_int_equal(SMR_OK, smr_set_log(r.s, r.log, sizeof r.log));
+    assert_int_equal(SMR_OK, smr_set_volume(r.s, &world.volume[1]));
+    give(&r, &world.volume[1]);
+    assert_int_equal(SMR_OK, smr_set_surface(r.s, 0, world.surface[0]));
+    give(&r, world.surface[0]);
+    assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
+    assert_int_equal(0, report.radius);
+    for (r.ticks = 1; report.phase == SMR_PHASE_FORCES; r.ticks++) {
+        assert_int_equal(SMR_PARTIAL, smr_tick(r.s, 20000, &report));
+    }
+    assert_true(report.radius == 0u && report.iteration == 1u);
+    assert_int_equal(SMR_OK, smr_set_surface(r.s, SMR_ALL, NULL));
+    for (uint32_t i = 0; i < 5u; i++, r.ticks++) {
+        assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
+    }
+    replay(&r, begin(&r, &config, NULL, memory[1], bytes), 0);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test_setup_teardown(test_replays, set_up, tidy)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test_setup_teardown(test_replays, set_up, tidy),
+                                       cmocka_unit_test_setup_teardown(test_last_surface_goes_late, set_up, tidy)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

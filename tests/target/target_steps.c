@@ -106,8 +106,8 @@ static int target_phases(const target_scene *scene, target_clock *clock, int sti
         return 0;
     }
     for (uint32_t i = 0; i < TARGET_FIXED_ITERATIONS; ++i) {
-        const int repairs = s->repairing > 0u || (s->reference_stale != 0u) == stiff; /* other work */
-        const int other = repairs || s->fit_due != 0u; /* a schedule's first iteration fits a pose, too */
+        /* the first iteration also fits the last radius' pose, repairs are other work */
+        const int other = i == 0u || s->repairing > 0u || (s->reference_stale != 0u) == stiff;
         smr_status status;
         target_forget(clock);
         (void)target_tick(s, clock, 0, &report, &status); /* the clock is read after each step only */
@@ -116,8 +116,9 @@ static int target_phases(const target_scene *scene, target_clock *clock, int sti
             smallest[p] = smallest[p] == 0u || n < smallest[p] ? n : smallest[p];
             largest[p] = n > largest[p] ? n : largest[p];
         }
-        for (uint32_t k = 0; k < smr_n_steps && !repairs; ++k) {
-            steps[k] = clock->in_step[k] > steps[k] ? clock->in_step[k] : steps[k];
+        for (uint32_t k = 0; k < smr_n_steps; ++k) {
+            const int counts = !other || smr_steps[k].run == smr_even_fit;
+            steps[k] = counts && clock->in_step[k] > steps[k] ? clock->in_step[k] : steps[k];
         }
         if (status != SMR_OK) {
             return 0;

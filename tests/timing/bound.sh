@@ -45,7 +45,7 @@ awk -F '; ' -v board="$1" -v kind="$2" -v method="$3" -v n="$4" -v nt="$5" -v pe
         if (!(("surface " method) in vertices) || (kind != "surface" && kind != "image")) { print "no such row in the table"; exit 2 }
         for (i = 0; i < 100; i++) {
             step = sprintf("step %02d", i)
-            if (!(step in name) || name[step] ~ /^(target pulls|neighbours.|goals|forces|mending)/) continue
+            if (!(step in name) || name[step] ~ /^(target pulls|neighbours.|goals|forces|mending|opening)/) continue
             if (name[step] ~ /^forest/) sum += forest(step)
             else if (name[step] == "match" && method == "polar")
                 { printf "    %-24s %9.1f a vertex\n", name[step], still["surface polar"] / vertices["surface polar"] + rotations

@@ -239,6 +239,26 @@ static void forged_levels(void **state)
     }
 }
 
+/* Radii that share their lists' bytes: a few bytes, checked over and over. */
+static void shared_lists(void **state)
+{
+    (void)state;
+    for (uint32_t order = 0; order < 2u; order++) {
+        small_world w = make(order);
+        smr_image_radius *r = (smr_image_radius *)((unsigned char *)w.image.bytes + smr_le32(w.image.model->at_radii));
+        const smr_image_radius own = r[1];
+        const smr_model *model;
+        r[1] = r[0]; /* sound lists, but those of the other radius */
+        unit_repair(w.image.bytes, w.image.size);
+        assert_int_equal(smr_model_open(w.image.bytes, w.image.size, &model), SMR_E_MODEL);
+        r[1] = own;
+        assert_int_equal(open_with(&w, &r[1].at_count, smr_le32(r[0].at_count)), SMR_E_MODEL);
+        assert_int_equal(open_with(&w, &r[1].at_indexes, smr_le32(r[0].at_indexes)), SMR_E_MODEL);
+        assert_int_equal(open_with(&w, &r[1].at_count, smr_le32(own.at_count)), SMR_OK);
+        unmake(&w);
+    }
+}
+
 static void views_refuse_politely(void **state)
 {
     small_world w = make(0);
@@ -267,7 +287,7 @@ int main(void)
         cmocka_unit_test(cut_at_every_length),  cmocka_unit_test(the_checksum_sees_every_bit),
         cmocka_unit_test(every_byte_changed),   cmocka_unit_test(every_word_replaced),
         cmocka_unit_test(random_damage),        cmocka_unit_test(forged_levels),
-        cmocka_unit_test(views_refuse_politely),
+        cmocka_unit_test(shared_lists),         cmocka_unit_test(views_refuse_politely),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

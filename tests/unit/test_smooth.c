@@ -168,7 +168,7 @@ static float reach(uint32_t seen, uint32_t missing, uint32_t blind, float flat)
     for (uint32_t v = 0; v < s->n; v++)
         smr_at3(s->x, v)[2] *= flat;
     for (uint32_t v = 0; v < s->n; v++)
-        s->found[v] = (uint8_t)(v < seen ? 1 : v < seen + missing ? 2 : v < seen + missing + blind ? 3 : 0);
+        s->seen[v] = (uint8_t)(v < seen ? 1 : v < seen + missing ? 2 : v < seen + missing + blind ? 3 : 0);
     smr_schedule_distances(s);
     smr_smooth_sum(s, 0, 0);
     assert_true(s->profile_mm == 10.0f); /* half a radius */
