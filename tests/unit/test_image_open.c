@@ -245,7 +245,7 @@ static void shared_lists(void **state)
     (void)state;
     for (uint32_t order = 0; order < 2u; order++) {
         small_world w = make(order);
-        smr_image_radius *r = (smr_image_radius *)((unsigned char *)w.image.bytes + smr_le32(w.image.model->at_radii));
+        smr_image_radius *r = (smr_image_radius *)(void *)((unsigned char *)w.image.bytes + smr_le32(w.image.model->at_radii));
         const smr_image_radius own = r[1];
         const smr_model *model;
         r[1] = r[0]; /* sound lists, but those of the other radius */
