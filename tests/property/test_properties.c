@@ -80,11 +80,16 @@ static void compare(const float *a, const float *b, uint32_t n, apart *most)
     most->share = fmaxf(most->share, beyond / (float)n);
 }
 
+static void tell(const char *what, const apart *a)
+{
+    printf("%-44s mean %.3g mm, largest %.3g mm, %.2f %% beyond the tolerance%s\n", what, (double)a->mean, (double)a->worst,
+           100.0 * (double)a->share, no_momentum ? ", no momentum" : "");
+}
+
 static void assert_moves_along(const char *what, const apart *a)
 {
     if (getenv("SMR_TEST_SHOW") != NULL) {
-        printf("%-44s mean %.3g mm, largest %.3g mm, %.2f %% beyond the tolerance%s\n", what, (double)a->mean,
-               (double)a->worst, 100.0 * (double)a->share, no_momentum ? ", no momentum" : "");
+        tell(what, a);
     }
     assert_true(a->worst <= TOLERANCE_MM);
 }
@@ -185,7 +190,7 @@ static float *aligned(const smr_mesh *source, const smr_mesh *target)
     return rig_positions(s, model);
 }
 
-static void femurs_moved(const char *what, const smr_mesh *source, const smr_mesh *target)
+static apart femurs_moved(const smr_mesh *source, const smr_mesh *target)
 {
     static const float turn[][7] = {/* axis, degrees, translation */
                                     {0, 0, 1, 90, 600, 0, 0},
@@ -203,25 +208,54 @@ static void femurs_moved(const char *what, const smr_mesh *source, const smr_mes
         const smr_mesh expected = rig_moved(&result, m, turn[i] + 4);
         compare(expected.xyz, aligned(&source2, &target2), source->n_vertices, &most);
     }
-    assert_moves_along(what, &most);
+    return most;
+}
+
+/* A surface of the folder; a mirrored one is turned over. Returns 0 without the data. */
+static int femur(const char *part_of_name, int mirrored, smr_mesh *found)
+{
+    static const float across[9] = {-1, 0, 0, 0, 1, 0, 0, 0, 1};
+    smr_mesh mesh[RIG_STRUCTURES_MAX];
+    char name[RIG_STRUCTURES_MAX][SMR_NAME_BYTES];
+    const uint32_t n = rig_folder("femurs", mesh, name);
+    for (uint32_t i = 0; i < n; i++) {
+        if (strstr(name[i], part_of_name) != NULL) {
+            *found = mirrored ? rig_moved(&mesh[i], across, nowhere) : mesh[i];
+            return 1;
+        }
+    }
+    return 0;
 }
 
 static void test_femurs(void **state)
 {
-    smr_mesh mesh[RIG_STRUCTURES_MAX];
-    char name[RIG_STRUCTURES_MAX][SMR_NAME_BYTES];
+    smr_mesh source, target;
     (void)state;
-    const uint32_t n = rig_folder("femurs", mesh, name);
-    const smr_mesh *source = NULL, *target = NULL;
-    for (uint32_t i = 0; i < n; i++) {
-        source = strstr(name[i], "2008_0019_left_3k") != NULL ? &mesh[i] : source;
-        target = strstr(name[i], "2007_5028_left_3k") != NULL ? &mesh[i] : target;
-    }
-    if (source == NULL || target == NULL) {
+    if (!femur("2008_0019_left_3k", 0, &source) || !femur("2007_5028_left_3k", 0, &target)) {
         skip();
     }
-    femurs_moved("femurs", source, target);
-    femurs_moved("femurs, the other way round", target, source);
+    apart most = femurs_moved(&source, &target);
+    assert_moves_along("femurs", &most);
+    most = femurs_moved(&target, &source);
+    assert_moves_along("femurs, the other way round", &most);
+}
+
+/* A dense mesh with slivers onto a coarse one: the fold guard acts throughout, and how far it gives way is decided by last
+ * bits. The mean has to be within the tolerance; the largest is known not to be yet, and then this ends as skipped, not as
+ * passed. docs/DESIGN.md has the figures. */
+static void test_slivers(void **state)
+{
+    smr_mesh source, target;
+    (void)state;
+    if (!femur("vhm_left", 1, &source) || !femur("m_right", 0, &target)) {
+        skip();
+    }
+    const apart most = femurs_moved(&source, &target);
+    assert_true(most.mean <= TOLERANCE_MM);
+    if (most.worst > TOLERANCE_MM) {
+        tell("short of the tolerance: skipped, slivers", &most);
+        skip();
+    }
 }
 
 static void test_mirror(void **state)
@@ -397,6 +431,7 @@ int main(void)
         cmocka_unit_test_teardown(test_rotation, tidy),
         cmocka_unit_test_teardown(test_rounded_inputs, tidy),
         cmocka_unit_test_teardown(test_femurs, tidy),
+        cmocka_unit_test_teardown(test_slivers, tidy),
         cmocka_unit_test_teardown(test_mirror, tidy),
         cmocka_unit_test_teardown(test_order_of_inputs, tidy),
         TEST_WITHOUT_MOMENTUM(test_translation),
