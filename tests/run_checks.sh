@@ -20,7 +20,9 @@ tell() { # name passed failed skipped log
     [ "$4" -gt 0 ] && verdict=skip
     [ "$3" -gt 0 ] && verdict=FAIL
     printf '%-4s  %-44s %s passed, %s failed, %s skipped\n' "$verdict" "$1" "$2" "$3" "$4"
-    if [ "$verdict" = FAIL ]; then sed 's/^/      | /' "$5" | tail -n 60; fi
+    if [ "$verdict" = FAIL ]; then # what failed, wherever it stands, then the end
+        { grep -n -A 5 -E '^not ok |^\[  FAILED|^\[   LINE' "$5" | head -n 40; echo ...; tail -n 30 "$5"; } | sed 's/^/      | /'
+    fi
     if [ "$verdict" = skip ]; then grep -i 'skip' "$5" | head -n 3 | sed 's/^/      | /'; fi
     return 0
 }

@@ -94,7 +94,8 @@ static int count(const char *in)
     return 0;
 }
 
-/* Runs a command; its exit status, 98 when it took too long, 97 when it took too much memory, 96 for a signal. */
+/* Runs a command; its exit status, 98 when it took too long (processor time; ten times as much by the clock on the wall),
+ * 97 when it took too much memory, 96 for a signal. */
 static int run_limited(int most_ms, long most_kb, char **command)
 {
     struct timespec a, b;
@@ -116,21 +117,23 @@ static int run_limited(int most_ms, long most_kb, char **command)
         return 96;
     if (usage.ru_maxrss > most_kb)
         return 97;
-    return ms > most_ms ? 98 : WEXITSTATUS(status);
+    const double cpu_ms = (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) * 1e3 +
+                          (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec) * 1e-3;
+    return cpu_ms > most_ms || ms > 10.0 * most_ms ? 98 : WEXITSTATUS(status);
 }
 
 static int time_reading(const char *in, int n)
 {
     struct timespec a, b;
     int i = 0;
-    (void)clock_gettime(CLOCK_MONOTONIC, &a);
+    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &a);
     for (i = 0; i < n; i++) {
         host_mesh mesh;
         if (read_mesh(in, &mesh) != 0)
             return 2;
         host_mesh_free(&mesh);
     }
-    (void)clock_gettime(CLOCK_MONOTONIC, &b);
+    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &b);
     printf("%.3f ms\n", ((double)(b.tv_sec - a.tv_sec) * 1e3 + (double)(b.tv_nsec - a.tv_nsec) * 1e-6) / n);
     return 0;
 }

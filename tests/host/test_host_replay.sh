@@ -48,6 +48,7 @@ recorded() {
 
 recorded "surfaces" --model bone.ply --target target.ply
 recorded "a budget" --model bone.ply --target target.ply --budget-ms 0.3 --method polar
+recorded "a budget that no iteration keeps" --model bone.ply --target target.ply --budget-ms 0.001
 check "with ticks within iterations" sh -c "! grep -q '(0 partial' out.txt"
 recorded "an aligned start" --model bone.ply --target target.ply --align similarity --mirror-target x --budget-ms 1
 "$SMR" build --model bone.ply -o bone.smr >/dev/null

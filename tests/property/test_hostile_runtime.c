@@ -168,6 +168,11 @@ static void test_every_field(void **state)
     REFUSE(node_budget, UINT32_MAX);
     REFUSE(method, 2);
     REFUSE(method, UINT32_MAX);
+}
+
+static void test_every_field_of_the_schedule(void **state)
+{
+    (void)state;
     REFUSE_FLOAT(relaxation);
     REFUSE(relaxation, 0.0f);
     REFUSE(relaxation, 1.001f);
@@ -361,6 +366,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_null, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_not_a_registration, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_every_field, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_every_field_of_the_schedule, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_port, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_arena_edges, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_target_larger_than_promised, set_up, tidy),

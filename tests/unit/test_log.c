@@ -8,22 +8,6 @@
 #include "runtime/log.h"
 #include "unit/unit_log.h"
 
-static unit_log u;
-
-static int set_up(void **state)
-{
-    (void)state;
-    unit_log_make(&u);
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
-
 /* The header as docs/SPEC.md has it, without the code's own names. */
 static void test_header(void **state)
 {
@@ -31,20 +15,20 @@ static void test_header(void **state)
     uint32_t word[256];
     smr_model_info info;
     (void)state;
-    assert_memory_equal(magic, u.log, sizeof magic);
-    const uint32_t n = (uint32_t)sizeof u.config / 4u;
+    assert_memory_equal(magic, unit_recorded.log, sizeof magic);
+    const uint32_t n = (uint32_t)sizeof unit_recorded.config / 4u;
     for (uint32_t i = 0; i < 7u + n + 1u; i++) {
-        const unsigned char *p = u.log + 4u * i;
+        const unsigned char *p = unit_recorded.log + 4u * i;
         word[i] = (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
     }
-    assert_int_equal(SMR_OK, smr_model_get_info(u.model, &info));
+    assert_int_equal(SMR_OK, smr_model_get_info(unit_recorded.model, &info));
     assert_int_equal(28u + 4u * n + 4u, word[2]);
     assert_int_equal(SMR_VERSION_MAJOR << 16 | SMR_VERSION_MINOR << 8 | SMR_VERSION_PATCH, word[3]);
     assert_int_equal(info.checksum, word[4]);
     assert_int_equal(info.n_vertices, word[5]);
     assert_int_equal(n, word[6]);
-    assert_memory_equal(&u.config, word + 7, sizeof u.config);
-    assert_int_equal(smr_crc32(0, u.log, 28u + 4u * n), word[7u + n]);
+    assert_memory_equal(&unit_recorded.config, word + 7, sizeof unit_recorded.config);
+    assert_int_equal(smr_crc32(0, unit_recorded.log, 28u + 4u * n), word[7u + n]);
 }
 
 /* The inputs and ticks of unit_log_make, in order; partial ticks, whole ones and cut ones among them. */
@@ -54,7 +38,7 @@ static void test_records(void **state)
     smr_log_record r;
     uint32_t ticks = 0, partial = 0, cut = 0, surfaces = 0, iteration = 0;
     (void)state;
-    assert_int_equal(SMR_OK, smr_log_open(u.log, u.bytes, &reader, NULL));
+    assert_int_equal(SMR_OK, smr_log_open(unit_recorded.log, unit_recorded.bytes, &reader, NULL));
     assert_int_equal(SMR_OK, smr_log_next(&reader, &r));
     assert_int_equal(SMR_LOG_POSE, r.kind);
     assert_true(r.pose.m[0][3] == 1.5f && r.pose.m[1][3] == -0.5f && r.pose.m[2][2] == 1.0f);
@@ -65,7 +49,7 @@ static void test_records(void **state)
         }
         if (r.kind == SMR_LOG_SURFACE) {
             assert_true(r.structure == SMR_ALL && r.present == 1u);
-            assert_true(r.checksum == smr_surface_checksum(u.surface[surfaces]));
+            assert_true(r.checksum == smr_surface_checksum(unit_recorded.surface[surfaces]));
             assert_int_equal(20u * surfaces++, ticks);
             continue;
         }
@@ -73,11 +57,11 @@ static void test_records(void **state)
         ticks++;
         partial += !r.complete;
         iteration += r.complete;
-        cut += r.complete && r.n_taken < u.ball.n_vertices;
+        cut += r.complete && r.n_taken < unit_recorded.ball.n_vertices;
         assert_int_equal(iteration, r.iteration);
         assert_true(r.n_evaluated <= r.n_taken && (r.complete ? r.n_evaluated == r.n_taken : 1));
     }
-    assert_true(ticks == 40u && u.ticks == 40u && surfaces == 2u && partial > 0u && iteration > 2u && cut > 0u);
+    assert_true(ticks == 40u && unit_recorded.ticks == 40u && surfaces == 2u && partial > 0u && iteration > 2u && cut > 0u);
 }
 
 /* Every length from nothing to enough: what was recorded is a part of the whole, the rest goes on as without a log. */
@@ -86,18 +70,18 @@ static void test_memory_ends(void **state)
     static unsigned char log[UNIT_LOG_BYTES];
     smr_log_state is;
     const smr_pose pose = {{{1, 0, 0, 1}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    smr *plain = unit_log_begin(&u, NULL);
+    smr *plain = unit_log_begin(&unit_recorded, NULL);
     (void)state;
     assert_int_equal(SMR_OK, smr_set_pose(plain, &pose));
-    assert_int_equal(SMR_OK, smr_set_surface(plain, 0, u.surface[0]));
+    assert_int_equal(SMR_OK, smr_set_surface(plain, 0, unit_recorded.surface[0]));
     (void)rig_run(plain, 4);
     for (size_t bytes = 0; bytes < SMR_LOG_HEADER + 320u; bytes += 7u) {
-        smr *s = unit_log_begin(&u, NULL);
+        smr *s = unit_log_begin(&unit_recorded, NULL);
         memset(log, 0xa5, sizeof log);
         const smr_status status = smr_set_log(s, log + 1, bytes); /* of any alignment */
         assert_int_equal(bytes < SMR_LOG_HEADER + SMR_LOG_FULL_BYTES ? SMR_E_ARENA : SMR_OK, status);
         assert_int_equal(SMR_OK, smr_set_pose(s, &pose));
-        assert_int_equal(SMR_OK, smr_set_surface(s, 0, u.surface[0]));
+        assert_int_equal(SMR_OK, smr_set_surface(s, 0, unit_recorded.surface[0]));
         (void)rig_run(s, 4);
         assert_true(smr_state_hash(s) == smr_state_hash(plain));
         assert_int_equal(SMR_OK, smr_get_log(s, &is));
@@ -123,7 +107,7 @@ static void test_memory_ends(void **state)
 static void test_bytes_macro(void **state)
 {
     (void)state;
-    assert_true(SMR_LOG_BYTES(40, 3) >= u.bytes);
+    assert_true(SMR_LOG_BYTES(40, 3) >= unit_recorded.bytes);
     assert_true(SMR_LOG_BYTES(1, 0) - SMR_LOG_BYTES(0, 0) >= SMR_LOG_FRAME + 4u * smr_log_words(SMR_LOG_TICK));
     for (uint32_t kind = SMR_LOG_SURFACE; kind <= SMR_LOG_FULL; kind++) {
         assert_true(SMR_LOG_BYTES(0, 1) - SMR_LOG_BYTES(0, 0) >= SMR_LOG_FRAME + 4u * smr_log_words(kind));
@@ -137,7 +121,7 @@ static void test_refusals(void **state)
 {
     static unsigned char log[UNIT_LOG_BYTES];
     static _Alignas(SMR_ALIGN) unsigned char zeros[8192];
-    smr *not_one = (smr *)(void *)zeros, *s = unit_log_begin(&u, NULL);
+    smr *not_one = (smr *)(void *)zeros, *s = unit_log_begin(&unit_recorded, NULL);
     smr_log_state is = {1, 1, 1};
     (void)state;
     assert_int_equal(SMR_E_NULL, smr_set_log(NULL, log, sizeof log));
@@ -153,7 +137,7 @@ static void test_refusals(void **state)
     assert_int_equal(SMR_E_STATE, smr_set_log(s, log, sizeof log));
     assert_int_equal(SMR_OK, smr_get_log(s, &is));
     assert_int_equal(1, is.n_ticks);
-    assert_int_equal(SMR_E_INPUT, smr_set_surface(s, 7, u.surface[0])); /* what is refused is not recorded */
+    assert_int_equal(SMR_E_INPUT, smr_set_surface(s, 7, unit_recorded.surface[0])); /* what is refused is not recorded */
     const size_t before = is.bytes;
     assert_int_equal(SMR_OK, smr_get_log(s, &is));
     assert_int_equal(before, is.bytes);
@@ -169,5 +153,5 @@ int main(void)
         cmocka_unit_test(test_header),  cmocka_unit_test(test_records),    cmocka_unit_test(test_memory_ends),
         cmocka_unit_test(test_bytes_macro), cmocka_unit_test(test_refusals),
     };
-    return cmocka_run_group_tests(tests, set_up, tidy);
+    return cmocka_run_group_tests(tests, unit_log_set_up, unit_log_tidy);
 }

@@ -10,22 +10,6 @@
 #include "runtime/log.h"
 #include "unit/unit_log.h"
 
-static unit_log u;
-
-static int set_up(void **state)
-{
-    (void)state;
-    unit_log_make(&u);
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
-
 /* Reads all of it from memory of exactly its size, so that a sanitiser sees a step outside. Returns the records, -1 when
  * refused; *seen counts those before that. */
 static int read_all(const unsigned char *log, size_t bytes, uint32_t *seen)
@@ -63,7 +47,7 @@ static void test_whole(void **state)
 {
     uint32_t seen;
     (void)state;
-    assert_int_equal(43, read_all(u.log, u.bytes, &seen)); /* 40 ticks, a pose, two surfaces */
+    assert_int_equal(43, read_all(unit_recorded.log, unit_recorded.bytes, &seen)); /* 40 ticks, a pose, two surfaces */
 }
 
 /* Cut between two records it is a shorter log; anywhere else it is damaged. */
@@ -71,8 +55,8 @@ static void test_cut(void **state)
 {
     uint32_t seen, whole = 0;
     (void)state;
-    for (size_t bytes = 0; bytes < u.bytes; bytes++) {
-        const int n = read_all(u.log, bytes, &seen);
+    for (size_t bytes = 0; bytes < unit_recorded.bytes; bytes++) {
+        const int n = read_all(unit_recorded.log, bytes, &seen);
         whole += n >= 0;
         assert_true(n < 0 || (uint32_t)n + 1u == whole);
     }
@@ -84,10 +68,10 @@ static void test_every_bit(void **state)
     static unsigned char log[UNIT_LOG_BYTES];
     uint32_t seen;
     (void)state;
-    for (size_t bit = 0; bit < 8u * u.bytes; bit++) {
-        memcpy(log, u.log, u.bytes);
+    for (size_t bit = 0; bit < 8u * unit_recorded.bytes; bit++) {
+        memcpy(log, unit_recorded.log, unit_recorded.bytes);
         log[bit / 8u] = (unsigned char)(log[bit / 8u] ^ 1u << bit % 8u);
-        assert_int_equal(-1, read_all(log, u.bytes, &seen));
+        assert_int_equal(-1, read_all(log, unit_recorded.bytes, &seen));
     }
 }
 
@@ -98,15 +82,15 @@ static void test_forged(void **state)
     static unsigned char log[UNIT_LOG_BYTES];
     uint32_t seen, refused = 0;
     (void)state;
-    for (size_t at = 0; at < u.bytes; at++) {
+    for (size_t at = 0; at < unit_recorded.bytes; at++) {
         for (size_t k = 0; k < sizeof value; k++) {
-            memcpy(log, u.log, u.bytes);
+            memcpy(log, unit_recorded.log, unit_recorded.bytes);
             log[at] = value[k];
-            unit_log_seal(log, u.bytes);
-            refused += read_all(log, u.bytes, &seen) < 0;
+            unit_log_seal(log, unit_recorded.bytes);
+            refused += read_all(log, unit_recorded.bytes, &seen) < 0;
         }
     }
-    assert_true(refused > u.bytes); /* heads, lengths, kinds, flags */
+    assert_true(refused > unit_recorded.bytes); /* heads, lengths, kinds, flags */
 }
 
 static void test_swapped_and_noise(void **state)
@@ -115,17 +99,17 @@ static void test_swapped_and_noise(void **state)
     uint32_t seen, seed = 3;
     size_t bytes = 0, next = 0;
     (void)state;
-    memcpy(log, u.log, u.bytes); /* two ticks of equal length change places: each one's checksum knows what came before */
-    const size_t a = unit_log_record(log, u.bytes, 5, &bytes), b = unit_log_record(log, u.bytes, 6, &next);
+    memcpy(log, unit_recorded.log, unit_recorded.bytes); /* two ticks of equal length change places: each one's checksum knows what came before */
+    const size_t a = unit_log_record(log, unit_recorded.bytes, 5, &bytes), b = unit_log_record(log, unit_recorded.bytes, 6, &next);
     assert_true(bytes == next && bytes <= sizeof one && b == a + bytes);
     memcpy(one, log + a, bytes);
     memmove(log + a, log + b, bytes);
     memcpy(log + b, one, bytes);
-    assert_int_equal(-1, read_all(log, u.bytes, &seen));
+    assert_int_equal(-1, read_all(log, unit_recorded.bytes, &seen));
     assert_int_equal(5, seen);
     for (uint32_t i = 0; i < 20000u; i++) {
         const size_t n = rig_random(&seed, 400), good = rig_random(&seed, 2) ? SMR_LOG_HEADER : 0u;
-        memcpy(log, u.log, good);
+        memcpy(log, unit_recorded.log, good);
         for (size_t k = good; k < good + n; k++) {
             log[k] = (unsigned char)rig_random(&seed, 256);
         }
@@ -141,15 +125,15 @@ static void test_refusals(void **state)
     smr_log_info info;
     (void)state;
     assert_int_equal(SMR_E_NULL, smr_log_open(NULL, 9, &reader, &info));
-    assert_int_equal(SMR_E_NULL, smr_log_open(u.log, u.bytes, NULL, &info));
-    assert_int_equal(SMR_E_LOG, smr_log_open(u.log, 3, &reader, &info));
+    assert_int_equal(SMR_E_NULL, smr_log_open(unit_recorded.log, unit_recorded.bytes, NULL, &info));
+    assert_int_equal(SMR_E_LOG, smr_log_open(unit_recorded.log, 3, &reader, &info));
     assert_memory_equal(&reader, &untouched, sizeof reader);
     assert_int_equal(SMR_E_NULL, smr_log_next(NULL, &r));
     assert_int_equal(SMR_E_NULL, smr_log_next(&reader, NULL));
     assert_int_equal(SMR_E_LOG, smr_log_next(&reader, &r)); /* not opened */
-    assert_int_equal(SMR_OK, smr_log_open(u.log, u.bytes, &reader, &info));
-    assert_memory_equal(&info.config, &u.config, sizeof info.config);
-    assert_int_equal(u.ball.n_vertices, info.n_vertices);
+    assert_int_equal(SMR_OK, smr_log_open(unit_recorded.log, unit_recorded.bytes, &reader, &info));
+    assert_memory_equal(&info.config, &unit_recorded.config, sizeof info.config);
+    assert_int_equal(unit_recorded.ball.n_vertices, info.n_vertices);
 }
 
 int main(void)
@@ -158,5 +142,5 @@ int main(void)
         cmocka_unit_test(test_whole),  cmocka_unit_test(test_cut),               cmocka_unit_test(test_every_bit),
         cmocka_unit_test(test_forged), cmocka_unit_test(test_swapped_and_noise), cmocka_unit_test(test_refusals),
     };
-    return cmocka_run_group_tests(tests, set_up, tidy);
+    return cmocka_run_group_tests(tests, unit_log_set_up, unit_log_tidy);
 }

@@ -9,22 +9,6 @@
 #include "runtime/log.h"
 #include "unit/unit_log.h"
 
-static unit_log u;
-
-static int set_up(void **state)
-{
-    (void)state;
-    unit_log_make(&u);
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
-
 /* Surfaces in the order in which they were set. */
 typedef struct given {
     const smr_surface *surface[2];
@@ -43,7 +27,7 @@ static uint32_t first_difference(const unsigned char *log, size_t bytes, given g
 {
     smr_replay replay;
     smr_replay_report report = {0};
-    *status = smr_replay_start(&replay, unit_log_begin(&u, NULL), log, bytes, next_surface, &g);
+    *status = smr_replay_start(&replay, unit_log_begin(&unit_recorded, NULL), log, bytes, next_surface, &g);
     while (*status == SMR_OK && !report.ended) {
         *status = smr_replay_tick(&replay, &report);
         if (*status == SMR_OK && report.differs) {
@@ -55,19 +39,19 @@ static uint32_t first_difference(const unsigned char *log, size_t bytes, given g
 
 static void test_agrees(void **state)
 {
-    const given g = {{u.surface[0], u.surface[1]}, 0};
+    const given g = {{unit_recorded.surface[0], unit_recorded.surface[1]}, 0};
     smr_replay replay;
     smr_replay_report report;
     given own = g;
     smr_status status;
     (void)state;
-    assert_int_equal(0, first_difference(u.log, u.bytes, g, &status));
+    assert_int_equal(0, first_difference(unit_recorded.log, unit_recorded.bytes, g, &status));
     assert_int_equal(SMR_OK, status);
     /* at the end it stays */
-    assert_int_equal(SMR_OK, smr_replay_start(&replay, unit_log_begin(&u, NULL), u.log, u.bytes, next_surface, &own));
-    for (uint32_t i = 1; i <= u.ticks + 3u; i++) {
+    assert_int_equal(SMR_OK, smr_replay_start(&replay, unit_log_begin(&unit_recorded, NULL), unit_recorded.log, unit_recorded.bytes, next_surface, &own));
+    for (uint32_t i = 1; i <= unit_recorded.ticks + 3u; i++) {
         assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));
-        assert_true(report.ended == (i > u.ticks) && report.tick == (i < u.ticks ? i : u.ticks) && !report.full && !report.differs);
+        assert_true(report.ended == (i > unit_recorded.ticks) && report.tick == (i < unit_recorded.ticks ? i : unit_recorded.ticks) && !report.full && !report.differs);
         assert_true(report.ended || report.record.state_hash == report.found.state_hash);
     }
 }
@@ -76,33 +60,33 @@ static void test_agrees(void **state)
 static size_t tick_record(uint32_t tick, size_t *bytes)
 {
     const uint32_t inputs = tick <= 20u ? 2u : 3u;
-    return unit_log_record(u.log, u.bytes, tick - 1u + inputs, bytes);
+    return unit_log_record(unit_recorded.log, unit_recorded.bytes, tick - 1u + inputs, bytes);
 }
 
 /* Each word of each complete tick, changed alone. */
 static void test_one_number_changed(void **state)
 {
     static unsigned char log[UNIT_LOG_BYTES];
-    const given g = {{u.surface[0], u.surface[1]}, 0};
+    const given g = {{unit_recorded.surface[0], unit_recorded.surface[1]}, 0};
     smr_status status;
     size_t bytes;
     uint32_t tried = 0;
     (void)state;
-    for (uint32_t tick = 1; tick <= u.ticks; tick++) {
+    for (uint32_t tick = 1; tick <= unit_recorded.ticks; tick++) {
         const size_t at = tick_record(tick, &bytes);
-        if (smr_log_get32(u.log + at) != (SMR_LOG_TICK | 40u << 8) || (u.log[at + 4u] & 1u) == 0u) {
+        if (smr_log_get32(unit_recorded.log + at) != (SMR_LOG_TICK | 40u << 8) || (unit_recorded.log[at + 4u] & 1u) == 0u) {
             continue; /* a partial tick did not take so many vertices yet */
         }
         for (uint32_t word = 0; word < 8u; word++) {
             if (word == 3u) {
                 continue; /* n_evaluated tells only */
             }
-            memcpy(log, u.log, u.bytes);
+            memcpy(log, unit_recorded.log, unit_recorded.bytes);
             unsigned char *p = log + at + 4u + 4u * word;
             const uint32_t v = smr_log_get32(p);
             smr_log_put32(p, word == 0u ? v ^ 2u : (word == 2u ? v - 8u : v + 1u)); /* n_taken: a chunk of forces less */
-            unit_log_seal(log, u.bytes);
-            assert_int_equal(tick, first_difference(log, u.bytes, g, &status));
+            unit_log_seal(log, unit_recorded.bytes);
+            assert_int_equal(tick, first_difference(log, unit_recorded.bytes, g, &status));
             assert_int_equal(SMR_OK, status);
             tried++;
         }
@@ -113,7 +97,7 @@ static void test_one_number_changed(void **state)
 /* The second target with one bit of one coordinate changed. */
 static const smr_surface *spoiled(void)
 {
-    smr_mesh mesh = u.goal[1];
+    smr_mesh mesh = unit_recorded.goal[1];
     float *xyz = rig_alloc(mesh.n_vertices * 3u * sizeof *xyz);
     memcpy(xyz, mesh.xyz, mesh.n_vertices * 3u * sizeof *xyz);
     ((unsigned char *)xyz)[2] ^= 1u;
@@ -125,28 +109,28 @@ static const smr_surface *spoiled(void)
 static void test_one_byte_of_a_target_changed(void **state)
 {
     static unsigned char log[UNIT_LOG_BYTES];
-    const given g = {{u.surface[0], spoiled()}, 0};
+    const given g = {{unit_recorded.surface[0], spoiled()}, 0};
     smr_status status;
     size_t bytes, at;
     uint32_t whole = 21;
     (void)state;
-    const uint32_t found = first_difference(u.log, u.bytes, g, &status);
+    const uint32_t found = first_difference(unit_recorded.log, unit_recorded.bytes, g, &status);
     assert_int_equal(SMR_E_INPUT, status);
-    memcpy(log, u.log, u.bytes);
-    at = unit_log_record(log, u.bytes, 22, &bytes);
+    memcpy(log, unit_recorded.log, unit_recorded.bytes);
+    at = unit_log_record(log, unit_recorded.bytes, 22, &bytes);
     assert_int_equal(SMR_LOG_SURFACE, log[at]);
     const uint64_t sum = smr_surface_checksum(g.surface[1]);
     smr_log_put32(log + at + 12u, (uint32_t)sum);
     smr_log_put32(log + at + 16u, (uint32_t)(sum >> 32));
-    unit_log_seal(log, u.bytes);
-    const uint32_t differs = first_difference(log, u.bytes, g, &status);
+    unit_log_seal(log, unit_recorded.bytes);
+    const uint32_t differs = first_difference(log, unit_recorded.bytes, g, &status);
     assert_int_equal(SMR_OK, status);
     /* the iteration under way when it was set may have its forces already: it counts for the one after then */
     at = tick_record(20, &bytes);
-    const int has_forces = (u.log[at + 4u] & 1u) == 0u && u.log[at + 5u] != SMR_PHASE_FORCES;
-    for (uint32_t passed = 0; whole <= u.ticks; whole++) {
+    const int has_forces = (unit_recorded.log[at + 4u] & 1u) == 0u && unit_recorded.log[at + 5u] != SMR_PHASE_FORCES;
+    for (uint32_t passed = 0; whole <= unit_recorded.ticks; whole++) {
         at = tick_record(whole, &bytes);
-        passed += u.log[at + 4u] & 1u;
+        passed += unit_recorded.log[at + 4u] & 1u;
         if (passed == 1u + (uint32_t)has_forces) {
             break;
         }
@@ -157,30 +141,30 @@ static void test_one_byte_of_a_target_changed(void **state)
 
 static void test_not_these_inputs(void **state)
 {
-    const given swapped = {{u.surface[1], u.surface[0]}, 0}, missing = {{NULL, NULL}, 0};
-    given g = {{u.surface[0], u.surface[1]}, 0};
+    const given swapped = {{unit_recorded.surface[1], unit_recorded.surface[0]}, 0}, missing = {{NULL, NULL}, 0};
+    given g = {{unit_recorded.surface[0], unit_recorded.surface[1]}, 0};
     smr_status status;
     smr_replay replay;
     smr_replay_report report;
-    smr_config config = u.config;
+    smr_config config = unit_recorded.config;
     const smr_prepare_config radii = rig_radii(1, 20.0f, 0.0f, 0.0f);
     (void)state;
-    assert_int_equal(1, first_difference(u.log, u.bytes, swapped, &status));
+    assert_int_equal(1, first_difference(unit_recorded.log, unit_recorded.bytes, swapped, &status));
     assert_int_equal(SMR_E_INPUT, status);
-    assert_int_equal(1, first_difference(u.log, u.bytes, missing, &status));
+    assert_int_equal(1, first_difference(unit_recorded.log, unit_recorded.bytes, missing, &status));
     assert_int_equal(SMR_E_INPUT, status);
-    assert_int_equal(SMR_OK, smr_replay_start(&replay, unit_log_begin(&u, NULL), u.log, u.bytes, NULL, NULL));
+    assert_int_equal(SMR_OK, smr_replay_start(&replay, unit_log_begin(&unit_recorded, NULL), unit_recorded.log, unit_recorded.bytes, NULL, NULL));
     assert_int_equal(SMR_E_INPUT, smr_replay_tick(&replay, &report));
     assert_int_equal(SMR_LOG_SURFACE, report.record.kind);
-    smr *other = rig_init(rig_model(&u.ball, 1, &radii), &config, NULL);
-    assert_int_equal(SMR_E_MODEL, smr_replay_start(&replay, other, u.log, u.bytes, next_surface, &g));
+    smr *other = rig_init(rig_model(&unit_recorded.ball, 1, &radii), &config, NULL);
+    assert_int_equal(SMR_E_MODEL, smr_replay_start(&replay, other, unit_recorded.log, unit_recorded.bytes, next_surface, &g));
     config.relaxation = 0.5f;
-    other = rig_init(u.model, &config, NULL);
-    assert_int_equal(SMR_E_CONFIG, smr_replay_start(&replay, other, u.log, u.bytes, next_surface, &g));
-    config = u.config;
+    other = rig_init(unit_recorded.model, &config, NULL);
+    assert_int_equal(SMR_E_CONFIG, smr_replay_start(&replay, other, unit_recorded.log, unit_recorded.bytes, next_surface, &g));
+    config = unit_recorded.config;
     config.n_workers = 7;
-    other = rig_init(u.model, &config, NULL);
-    assert_int_equal(SMR_OK, smr_replay_start(&replay, other, u.log, u.bytes, next_surface, &g));
+    other = rig_init(unit_recorded.model, &config, NULL);
+    assert_int_equal(SMR_OK, smr_replay_start(&replay, other, unit_recorded.log, unit_recorded.bytes, next_surface, &g));
 }
 
 static const void *any_input(void *ctx, const smr_log_record *record)
@@ -191,7 +175,7 @@ static const void *any_input(void *ctx, const smr_log_record *record)
     if (record->kind == SMR_LOG_VOLUME) {
         return &volume;
     }
-    return record->kind == SMR_LOG_POSITIONS ? (const void *)u.ball.xyz : u.surface[(*turn)++ % 2u];
+    return record->kind == SMR_LOG_POSITIONS ? (const void *)unit_recorded.ball.xyz : unit_recorded.surface[(*turn)++ % 2u];
 }
 
 /* Numbers of a log changed at random, its checksums made right: it is refused or repeated, and nothing breaks. */
@@ -201,32 +185,32 @@ static void test_forged_logs_are_harmless(void **state)
     float xyz[3 * 128];
     uint32_t seed = 11, ended = 0, refused = 0;
     (void)state;
-    assert_true(u.ball.n_vertices <= 128u);
+    assert_true(unit_recorded.ball.n_vertices <= 128u);
     smr *s = NULL;
     size_t arena_bytes = 0;
-    assert_int_equal(SMR_OK, smr_arena_bytes(u.model, &u.config, &arena_bytes));
+    assert_int_equal(SMR_OK, smr_arena_bytes(unit_recorded.model, &unit_recorded.config, &arena_bytes));
     void *arena = rig_alloc(arena_bytes);
     for (uint32_t i = 0; i < 1500u; i++) {
         smr_replay replay;
         smr_replay_report report = {0};
         uint32_t turn = 0;
-        memcpy(log, u.log, u.bytes);
+        memcpy(log, unit_recorded.log, unit_recorded.bytes);
         for (uint32_t k = 1u + rig_random(&seed, 4); k > 0u; k--) {
-            const uint32_t at = SMR_LOG_HEADER + rig_random(&seed, (uint32_t)(u.bytes - SMR_LOG_HEADER));
+            const uint32_t at = SMR_LOG_HEADER + rig_random(&seed, (uint32_t)(unit_recorded.bytes - SMR_LOG_HEADER));
             log[at] = (unsigned char)(rig_random(&seed, 2) ? rig_random(&seed, 256) : log[at] + 1u);
         }
-        unit_log_seal(log, u.bytes);
-        assert_int_equal(SMR_OK, smr_init(&s, u.model, &u.config, NULL, arena, arena_bytes));
-        smr_status status = smr_replay_start(&replay, s, log, u.bytes, any_input, &turn);
+        unit_log_seal(log, unit_recorded.bytes);
+        assert_int_equal(SMR_OK, smr_init(&s, unit_recorded.model, &unit_recorded.config, NULL, arena, arena_bytes));
+        smr_status status = smr_replay_start(&replay, s, log, unit_recorded.bytes, any_input, &turn);
         for (uint32_t tick = 0; status == SMR_OK && !report.ended; tick++) {
-            assert_true(tick <= u.ticks);
+            assert_true(tick <= unit_recorded.ticks);
             status = smr_replay_tick(&replay, &report);
         }
         assert_true(status == SMR_OK || status == SMR_E_LOG || status == SMR_E_INPUT || status == SMR_E_STATE);
         ended += status == SMR_OK;
         refused += status != SMR_OK;
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, xyz));
-        assert_true(rig_finite(xyz, u.ball.n_vertices));
+        assert_true(rig_finite(xyz, unit_recorded.ball.n_vertices));
     }
     assert_true(ended > 100u && refused > 100u);
 }
@@ -234,17 +218,17 @@ static void test_forged_logs_are_harmless(void **state)
 static void test_refusals(void **state)
 {
     static _Alignas(SMR_ALIGN) unsigned char zeros[8192];
-    smr *s = unit_log_begin(&u, NULL);
+    smr *s = unit_log_begin(&unit_recorded, NULL);
     smr_replay replay;
     smr_replay_report report;
     (void)state;
-    assert_int_equal(SMR_E_NULL, smr_replay_start(NULL, s, u.log, u.bytes, NULL, NULL));
-    assert_int_equal(SMR_E_NULL, smr_replay_start(&replay, NULL, u.log, u.bytes, NULL, NULL));
-    assert_int_equal(SMR_E_NULL, smr_replay_start(&replay, s, NULL, u.bytes, NULL, NULL));
-    assert_int_equal(SMR_E_STATE, smr_replay_start(&replay, (smr *)(void *)zeros, u.log, u.bytes, NULL, NULL));
-    assert_int_equal(SMR_E_LOG, smr_replay_start(&replay, s, u.log, 30, NULL, NULL));
+    assert_int_equal(SMR_E_NULL, smr_replay_start(NULL, s, unit_recorded.log, unit_recorded.bytes, NULL, NULL));
+    assert_int_equal(SMR_E_NULL, smr_replay_start(&replay, NULL, unit_recorded.log, unit_recorded.bytes, NULL, NULL));
+    assert_int_equal(SMR_E_NULL, smr_replay_start(&replay, s, NULL, unit_recorded.bytes, NULL, NULL));
+    assert_int_equal(SMR_E_STATE, smr_replay_start(&replay, (smr *)(void *)zeros, unit_recorded.log, unit_recorded.bytes, NULL, NULL));
+    assert_int_equal(SMR_E_LOG, smr_replay_start(&replay, s, unit_recorded.log, 30, NULL, NULL));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
-    assert_int_equal(SMR_E_STATE, smr_replay_start(&replay, s, u.log, u.bytes, NULL, NULL));
+    assert_int_equal(SMR_E_STATE, smr_replay_start(&replay, s, unit_recorded.log, unit_recorded.bytes, NULL, NULL));
     assert_int_equal(SMR_E_NULL, smr_replay_tick(NULL, &report));
     assert_int_equal(SMR_E_NULL, smr_replay_tick(&replay, NULL));
 }
@@ -259,5 +243,5 @@ int main(void)
         cmocka_unit_test(test_forged_logs_are_harmless),
         cmocka_unit_test(test_refusals),
     };
-    return cmocka_run_group_tests(tests, set_up, tidy);
+    return cmocka_run_group_tests(tests, unit_log_set_up, unit_log_tidy);
 }

@@ -358,6 +358,18 @@ static void test_refusals(void **state)
             assert_int_equal(k < 2u, smr_grid_open(&v, k < 2u ? &(smr_grid){0} : &grid) == SMR_OK);
         }
     }
+    assert_memory_equal(&before, &grid, sizeof grid);
+    free(voxels);
+}
+
+static void test_refused_shapes(void **state)
+{
+    (void)state;
+    smr_volume good = shaped(SMR_VOXEL_FLOAT, 2, 2, 2), v;
+    void *voxels = fill(&good, 1);
+    smr_grid grid, before;
+    memset(&grid, 7, sizeof grid);
+    before = grid;
     for (uint32_t i = 0; i < 9u; i++) {
         v = good;
         v.direction[i] = (float)NAN;
@@ -386,7 +398,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_values, tidy),       cmocka_unit_test_teardown(test_thick_slices, tidy),
         cmocka_unit_test_teardown(test_ends, tidy),         cmocka_unit_test_teardown(test_holes, tidy),
-        cmocka_unit_test_teardown(test_refusals, tidy),
+        cmocka_unit_test_teardown(test_refusals, tidy),     cmocka_unit_test_teardown(test_refused_shapes, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -76,3 +76,19 @@ void unit_log_seal(unsigned char *log, size_t bytes)
         smr_log_put32(log + at + size - 4u, crc);
     }
 }
+
+unit_log unit_recorded;
+
+int unit_log_set_up(void **state)
+{
+    (void)state;
+    unit_log_make(&unit_recorded);
+    return 0;
+}
+
+int unit_log_tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}

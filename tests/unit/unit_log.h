@@ -21,6 +21,11 @@ typedef struct unit_log {
 /* Sets up and records: a pose, a surface, 20 ticks cut by a clock, the other surface, as many again. rig_free_all() ends it. */
 void unit_log_make(unit_log *u);
 
+/* The one that a test program shares, and its CMocka fixtures. */
+extern unit_log unit_recorded;
+int unit_log_set_up(void **state);
+int unit_log_tidy(void **state);
+
 /* A registration of it as smr_init leaves it. port may be NULL. */
 smr *unit_log_begin(const unit_log *u, const smr_port *port);
 
