@@ -29,8 +29,11 @@ board_need() {
 board_build() {
     board_program=$1; shift
     board_dir=${BUILD:-build}/$board-board
-    ${MAKE:-make} -s BUILD="$board_dir" CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
-        CFLAGS="$board_cflags -O2 -DSMR_BAREMETAL $*" "$board_dir/${board_program}_$board.elf" >&2 || return 1
+    mkdir -p "$board_dir" || return 1
+    set -- ${MAKE:-make} -s BUILD="$board_dir" CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
+        CFLAGS="$board_cflags -O2 -DSMR_BAREMETAL $*" "$board_dir/${board_program}_$board.elf"
+    if command -v flock >/dev/null; then flock "$board_dir/lock" "$@" >&2 || return 1 # other scripts build here, too
+    else "$@" >&2 || return 1; fi
     echo "$board_dir/${board_program}_$board.elf"
 }
 
