@@ -449,7 +449,7 @@ smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
 
 typedef struct smr_structure_report {
     uint32_t has_target;          /* 0: carried along */
-    uint32_t n_forces;
+    uint32_t n_forces;            /* as in smr_tick_report, of the last complete forces */
     uint32_t n_rejected;
     float residual_mean_mm, residual_max_mm;
     float moved_mean_mm, moved_max_mm; /* from the start positions */
