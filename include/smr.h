@@ -443,7 +443,8 @@ smr_status smr_set_active(smr *s, uint32_t n_active);
 
 /* ------------------------------------------------------------------ 7. results and diagnostics */
 
-/* Copies a structure's current positions or unit normals, [n_vertices][3], in the caller's vertex order.
+/* Copies a structure's current positions or unit normals (0 where no triangle has an area), [n_vertices][3], in the caller's
+ * vertex order.
  * Errors: E_NULL, E_INPUT, E_STATE. */
 smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
