@@ -101,7 +101,7 @@ typedef struct smr_volume {
     uint32_t size[3];       /* 1..65536 voxels along each axis */
     float origin[3];        /* mm: centre of the first voxel */
     float spacing[3];       /* mm, > 0 */
-    float direction[9];     /* row-major; columns are the axes' unit vectors */
+    float direction[9];     /* row-major; columns are the axes' unit vectors, without the spacing; in no one plane */
 } smr_volume;
 
 /* ------------------------------------------------------------------ 3. start pose */
