@@ -10,6 +10,10 @@ DESTDIR ?=
 NM      ?= nm
 SIZE    ?= size
 
+ifneq ($(words $(BUILD)),1)
+$(error BUILD is "$(BUILD)": make takes one word, without spaces)
+endif
+
 # The flags that the promise of equal bits rests on come first; the user's CFLAGS come last.
 STD      := -std=c11 -ffp-contract=off -fno-math-errno
 WARNINGS := -Wall -Wextra -Wconversion -Wshadow -Wcast-qual -Wcast-align -Wstrict-prototypes -Wvla \
@@ -237,14 +241,15 @@ timing-update:
 
 version = $(shell awk '/define SMR_VERSION_(MAJOR|MINOR|PATCH)/ {v = v s $$3; s = "."} END {print v}' include/smr.h)
 
+# The libraries are archives: who links them needs what they need.
 install: all
-	install -d $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/bin
-	install -m 644 include/smr.h port/pthread/smr_pthread.h $(DESTDIR)$(PREFIX)/include
-	install -m 644 $(CORE_LIB) $(PTHREAD_LIB) $(DESTDIR)$(PREFIX)/lib
-	$(if $(PROGRAM),install -m 755 $(PROGRAM) $(DESTDIR)$(PREFIX)/bin)
+	install -d '$(DESTDIR)$(PREFIX)/include' '$(DESTDIR)$(PREFIX)/lib/pkgconfig' '$(DESTDIR)$(PREFIX)/bin'
+	install -m 644 include/smr.h port/pthread/smr_pthread.h '$(DESTDIR)$(PREFIX)/include'
+	install -m 644 $(CORE_LIB) $(PTHREAD_LIB) '$(DESTDIR)$(PREFIX)/lib'
+	$(if $(PROGRAM),install -m 755 $(PROGRAM) '$(DESTDIR)$(PREFIX)/bin')
 	printf '%s\n' 'prefix=$(PREFIX)' 'Name: smr' 'Description: shape-matching registration' \
-	    'Version: $(version)' 'Cflags: -I$${prefix}/include' 'Libs: -L$${prefix}/lib -lsmr_pthread -lsmr' \
-	    'Libs.private: -pthread -lm' > $(DESTDIR)$(PREFIX)/lib/pkgconfig/smr.pc
+	    'Version: $(version)' 'Cflags: -I$${prefix}/include' \
+	    'Libs: -L$${prefix}/lib -lsmr_pthread -lsmr -pthread -lm' > '$(DESTDIR)$(PREFIX)/lib/pkgconfig/smr.pc'
 
 clean:
 	rm -rf $(BUILD)

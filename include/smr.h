@@ -4,7 +4,8 @@
  *
  * Method: "Fast Musculoskeletal Registration Based on Shape Matching" ("the paper" below).
  * Units: millimetres, nanoseconds, radians where not said otherwise. Axes are the caller's (LPS in the
- * command line). Nothing here allocates, prints, or keeps globals; every pointer stays the caller's.
+ * command line). Nothing here allocates, prints, or keeps globals; every pointer stays the caller's. Memory handed over
+ * must not overlap anything else that a call is given, nor what is still in use: nobody checks that.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -100,7 +101,7 @@ typedef struct smr_volume {
     uint32_t size[3];       /* 1..65536 voxels along each axis */
     float origin[3];        /* mm: centre of the first voxel */
     float spacing[3];       /* mm, > 0 */
-    float direction[9];     /* row-major; columns are the axes' unit vectors */
+    float direction[9];     /* row-major; columns are the axes' unit vectors, without the spacing; in no one plane */
 } smr_volume;
 
 /* ------------------------------------------------------------------ 3. start pose */
@@ -280,7 +281,7 @@ typedef struct smr_config {
 
     /* memory */
     uint32_t n_workers;          /* 1..SMR_WORKERS_MAX, default 1: at least the port's n_workers */
-    uint32_t n_target_vertices;  /* sum over all target surfaces set at one time; default 0: then
+    uint32_t n_target_vertices;  /* 0..SMR_VERTICES_MAX: sum over all target surfaces set at one time; default 0: then
                                     target-to-model attraction is off */
 
     /* external forces, f = stiffness * (goal - x) (paper 2.1) */
@@ -295,11 +296,11 @@ typedef struct smr_config {
     float search_radii;          /* (0,1e6], default 1.5: nor beyond so many cluster radii, so that the search
                                     narrows as the radius does; by half at most, from one radius to the next */
     float normal_deg;            /* (0,180], default 75: source and target normals differ at most so much */
-    float reject_deviations;     /* 0 (default): off; else drop forces longer than mean + this many standard
+    float reject_deviations;     /* [0,1e6], 0 (default): off; else drop forces longer than mean + this many standard
                                     deviations of the last iteration */
     uint32_t reject_border;      /* 1: drop closest points on the border of an open target; default 0 */
     uint32_t use_box;            /* 1: no force outside the box below; default 0 */
-    float box_min[3], box_max[3];
+    float box_min[3], box_max[3]; /* mm, within +-SMR_COORD_MAX, min <= max; looked at with use_box only */
     uint32_t node_budget;        /* 8..1000000, default 512: tree nodes one closest-point search may open */
 
     /* image forces (paper 2.1): along the normal, both ways; distances fall linearly over the schedule. Over the second half
@@ -324,8 +325,8 @@ typedef struct smr_config {
     float momentum;              /* [0,0.99], default 0.8: this share of the last displacement is added to the forces */
     float momentum_last;         /* [0,0.99], default 0: the same at the last radius, where it would carry vertices along
                                     the surface and rounding with them */
-    float plastic_um;            /* >= 0, default 50: x^r = x when the largest displacement falls below */
-    float settle_um;             /* >= 0, default 1: a radius is done early when the largest displacement falls below; not
+    float plastic_um;            /* [0,1e8], default 50: x^r = x when the largest displacement falls below */
+    float settle_um;             /* [0,1e8], default 1: a radius is done early when the largest displacement falls below; not
                                     the last one while `even` works on a target surface and anything moves */
     uint32_t plastic_every;      /* 0..1000, default 1: x^r = x also after so many iterations; 0 never */
     uint32_t fold_guard;         /* 1 (default): at the last two radii folds are repaired, and steps that would turn
@@ -345,7 +346,7 @@ typedef struct smr_config {
 
     /* schedule: from coarse to fine radius */
     uint32_t radius_first;       /* index of the first radius used, default 0 */
-    uint32_t radius_last;        /* index of the last radius used; default SMR_ALL: the finest */
+    uint32_t radius_last;        /* index of the last radius used, not below the first; default SMR_ALL: the finest */
     uint32_t iterations;         /* 1..100000, default 9: at most so many at each radius but the last, with an image twice as
                                     many at the first of several. Iterations
                                     that only repair folds do not count */
@@ -442,14 +443,15 @@ smr_status smr_set_active(smr *s, uint32_t n_active);
 
 /* ------------------------------------------------------------------ 7. results and diagnostics */
 
-/* Copies a structure's current positions or unit normals, [n_vertices][3], in the caller's vertex order.
+/* Copies a structure's current positions or unit normals (0 where no triangle has an area), [n_vertices][3], in the caller's
+ * vertex order.
  * Errors: E_NULL, E_INPUT, E_STATE. */
 smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
 
 typedef struct smr_structure_report {
     uint32_t has_target;          /* 0: carried along */
-    uint32_t n_forces;
+    uint32_t n_forces;            /* as in smr_tick_report, of the last complete forces */
     uint32_t n_rejected;
     float residual_mean_mm, residual_max_mm;
     float moved_mean_mm, moved_max_mm; /* from the start positions */

@@ -8,6 +8,21 @@
 #include "host_model.h"
 #include "host_output.h"
 
+/* C's own words; those with an underscore and a capital are out for that. */
+static int is_keyword(const char *text)
+{
+    static const char *const words[] = {"auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else",
+                                        "enum", "extern", "float", "for", "goto", "if", "inline", "int", "long", "register",
+                                        "restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch",
+                                        "typedef", "union", "unsigned", "void", "volatile", "while"};
+    size_t i = 0;
+    while (i < sizeof words / sizeof words[0] && strcmp(text, words[i]) != 0)
+        i++;
+    return i < sizeof words / sizeof words[0] || (text[0] == '_' && text[1] >= 'A' && text[1] <= 'Z');
+}
+
+static int is_source(const char *path) { return host_has_extension(path, ".c") || host_has_extension(path, ".h"); }
+
 static int is_identifier(const char *text)
 {
     const char *c = text;
@@ -16,7 +31,7 @@ static int is_identifier(const char *text)
         if (!letter && !(c > text && *c >= '0' && *c <= '9'))
             return 0;
     }
-    return c > text && c - text < 200;
+    return c > text && c - text < 200 && !is_keyword(text);
 }
 
 static void put_c_array(const host_model *model, const char *name, host_buffer *out)
@@ -50,16 +65,16 @@ static char *beside(const char *path)
 
 static int add_c_array(const host_model *model, const host_options *options, host_output *output, host_error *error)
 {
-    const int is_source = host_has_extension(options->out, ".c") || host_has_extension(options->out, ".h");
-    char *const path = is_source ? NULL : beside(options->out);
+    const int alone = is_source(options->out);
+    char *const path = alone ? NULL : beside(options->out);
     host_buffer text;
     int result = 0;
     memset(&text, 0, sizeof text);
     put_c_array(model, options->c_array, &text);
-    if (!is_source && path == NULL)
+    if (!alone && path == NULL)
         result = host_fail(error, "output", "free memory");
     else
-        result = host_output_add(output, is_source ? options->out : path, &text, error);
+        result = host_output_add(output, alone ? options->out : path, &text, error);
     host_buffer_free(&text);
     /* The set keeps its own copy of the name, but the error may still point to this one. */
     if (result != 0)
@@ -70,8 +85,7 @@ static int add_c_array(const host_model *model, const host_options *options, hos
 
 static int write_model(const host_model *model, const host_options *options, host_error *error)
 {
-    const int source_only = options->c_array != NULL && (host_has_extension(options->out, ".c") ||
-                                                         host_has_extension(options->out, ".h"));
+    const int source_only = options->c_array != NULL && is_source(options->out);
     host_output *const output = host_output_begin(NULL);
     host_buffer image;
     int result = 0;
@@ -101,6 +115,10 @@ int host_build(const host_options *options, host_error *error)
     error->file = "--c-array";
     if (options->c_array != NULL && !is_identifier(options->c_array)) {
         (void)host_fail(error, options->c_array, "a C identifier");
+        return HOST_REFUSED;
+    }
+    if (options->c_array == NULL && is_source(options->out)) {
+        (void)host_fail(error, "value", "a name for the array, for %s is C source", options->out);
         return HOST_REFUSED;
     }
     if (host_port_open(&port, 0, error) == 0 &&

@@ -54,11 +54,17 @@ static inline smr_vec smr_mul(const float m[9], smr_vec a)
                  m[6] * a.x + m[7] * a.y + m[8] * a.z);
 }
 
-/* Each coordinate rounded to a whole number, for origins that cost no digits. Within +-2^30. */
+/* Rounded to a whole number; what is beyond +-2^30, or no number, to the limit. */
+static inline float smr_whole_number(float a)
+{
+    const float v = smr_clamp(a, -1073741824.0f, 1073741824.0f);
+    return (float)(int32_t)(v + (v < 0.0f ? -0.5f : 0.5f));
+}
+
+/* Each coordinate rounded, for origins that cost no digits. */
 static inline smr_vec smr_whole(smr_vec a)
 {
-    return smr_v((float)(int32_t)(a.x + (a.x < 0.0f ? -0.5f : 0.5f)), (float)(int32_t)(a.y + (a.y < 0.0f ? -0.5f : 0.5f)),
-                 (float)(int32_t)(a.z + (a.z < 0.0f ? -0.5f : 0.5f)));
+    return smr_v(smr_whole_number(a.x), smr_whole_number(a.y), smr_whole_number(a.z));
 }
 
 static inline smr_vec smr_pose_apply(const smr_pose *p, smr_vec a)

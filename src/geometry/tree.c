@@ -166,8 +166,8 @@ void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit)
 {
     visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0, opened = 0, ties = 0;
-    if (f->n_levels == 0u)
-        return;
+    if (f->n_levels == 0u || !(smr_dot(q->point, q->point) < SMR_FAR))
+        return; /* no number, or so far off that empty boxes are near: a forged model's positions */
     if (q->warm < f->n_triangles)
         try_triangle(f, q, q->warm, hit);
     stack[top++] = (visit){0.0f, f->n_levels - 1u, 0u};

@@ -8,6 +8,7 @@
 
 #define SMR_AXIS_MAX 65536u
 #define SMR_VOXELS_MAX ((uint64_t)1 << 40)
+#define SMR_NOT_UNIT 0.01f /* of a direction's squared length */
 #define SMR_HUGE 1.0e30f /* larger voxel values count as not there */
 
 static int invert3(const float m[9], float out[9])
@@ -41,10 +42,9 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
             !smr_within(volume->origin[a], SMR_COORD_MAX))
             return SMR_E_INPUT;
         voxels *= volume->size[a];
-        for (uint32_t r = 0; r < 3u; r++) {
-            if (!smr_within(volume->direction[3u * r + a], 2.0f))
-                return SMR_E_INPUT;
-        }
+        const smr_vec axis = smr_v(volume->direction[a], volume->direction[3u + a], volume->direction[6u + a]);
+        if (!smr_within(smr_dot(axis, axis) - 1.0f, SMR_NOT_UNIT)) /* axes that have the spacing in them, perhaps */
+            return SMR_E_INPUT;
     }
     if (voxels > SMR_VOXELS_MAX || !invert3(volume->direction, grid->to_index))
         return SMR_E_INPUT;

@@ -153,6 +153,7 @@ void smr_force_take(void *arg, uint32_t task, uint32_t worker)
             tally->sum += d;
             tally->sum2 += d2;
             tally->max = smr_max(tally->max, d);
+            s->residual[v] = d;
         }
         smr_store(smr_at3(s->force, v), smr_scale(way, stiffness * ease_at(s, v)));
         measure(s, v, tally);

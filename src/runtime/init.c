@@ -20,6 +20,7 @@ static smr *layout(smr_arena *a, smr *s)
     s->normal_ref = smr_arena_take(a, n, three);
     s->start = smr_arena_take(a, n, three);
     s->force = smr_arena_take(a, n, three);
+    s->residual = smr_arena_take(a, n, sizeof(float));
     s->centre = smr_arena_take(a, n, three);
     s->spread = smr_arena_take(a, n, 6u * sizeof(float));
     s->cluster_mass = smr_arena_take(a, n, sizeof(float));

@@ -46,10 +46,10 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
     report->has_target = part->target != NULL || s->has_grid;
     for (uint32_t i = 0; i < part->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
-        const float d = smr_length(smr_load(smr_at3(s->force, v))) / s->config.stiffness;
+        const float d = s->seen[v] == 1u ? s->residual[v] : 0.0f;
         const float moved = smr_length(smr_sub(smr_load(smr_at3(s->x, v)), smr_load(smr_at3(s->start, v))));
-        report->n_forces += s->found[v] == 1u;
-        report->n_rejected += s->found[v] >= 2u;
+        report->n_forces += s->seen[v] == 1u;
+        report->n_rejected += s->seen[v] >= 2u;
         residual += d;
         report->residual_max_mm = smr_max(report->residual_max_mm, d);
         moved_sum += moved;

@@ -139,10 +139,11 @@ typedef struct ending {
     int small, spent, settled, done, plastic;
 } ending;
 
-/* Evening out takes the whole last radius: an end that comes early is a choice which last bits decide. Rest is rest. */
+/* Evening out takes the whole last radius: an end that comes early is a choice which last bits decide. Rest is rest. A target
+ * that is set or taken away in the iteration counts from the next one on, as in a replay. */
 static int may_end_early(const smr *s)
 {
-    return !(s->moved_mm > 0.0f) || s->radius != smr_last_radius(s) || s->n_goals == 0u || !(s->config.even > 0.0f);
+    return !(s->moved_mm > 0.0f) || s->radius != smr_last_radius(s) || s->begun_goals == 0u || !(s->config.even > 0.0f);
 }
 
 /* A radius is done when an iteration moves less than the threshold, or after its number of iterations; the last radius' end

@@ -153,6 +153,7 @@ struct smr {
     float coarse, fine;                    /* mm: x^r is rounded to these where spreads and centres are summed */
     /* written by forces */
     float *force;                          /* [n][3] f^e */
+    float *residual;                       /* [n] mm to the goal, where there is one; f^e fades where an image registration ends */
     uint32_t *warm;                        /* [n] closest triangle of the target, of the last complete forces */
     uint32_t *warm_next;                   /* [n] the same, of those under way: they may have to start again */
     int64_t *pull;                         /* [n_workers][n][4] target-to-model pulls: 3 sums and the weight */

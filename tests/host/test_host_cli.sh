@@ -101,6 +101,9 @@ check "and holds the image" sh -c "./dump | cmp - bone.smr"
 check "--c-array alone" has_status 0 "$SMR" build --model bone_binary.ply -o alone.c --c-array bone_model
 check "gives the same source" cmp alone.c carray.c
 check "a name that is no identifier" has_status 2 "$SMR" build --model bone_binary.ply -o x.c --c-array 7up
+check "a name that is C's own" has_status 2 "$SMR" build --model bone_binary.ply -o x.c --c-array while
+check "C source without a name" has_status 2 "$SMR" build --model bone_binary.ply -o x.c
+check "neither leaves a file" test ! -e x.c
 for cut in 1 40 300 -1; do
     if [ $cut -gt 0 ]; then head -c $cut bone.smr >cut.smr; else head -c $(($(wc -c <bone.smr) - 1)) bone.smr >cut.smr; fi
     check "image cut ($cut) is refused" has_status 2 "$SMR" info cut.smr

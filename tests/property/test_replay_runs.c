@@ -308,9 +308,43 @@ static void test_last_surface_goes_late(void **state)
     replay(&r, begin(&r, &config, NULL, memory[1], bytes), 0);
 }
 
+/* The same in an iteration of the last radius: whether evening out lets it end early is decided where the surface still counts. */
+static void test_last_surface_goes_before_the_end(void **state)
+{
+    static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
+    static run r;
+    jitter clock = {3, 1000000u};
+    const smr_port port = {&clock, 1, NULL, read_jitter};
+    smr_config config = smr_config_default();
+    smr_tick_report report = {0};
+    size_t bytes = 0;
+    (void)state;
+    memset(&r, 0, sizeof r);
+    config.radius_first = 2;
+    config.settle_um = 1.0e6f; /* whatever moves is settled */
+    assert_int_equal(SMR_OK, smr_arena_bytes(world.model[0], &config, &bytes));
+    assert_true(bytes <= sizeof memory[0]);
+    r.s = begin(&r, &config, &port, memory[0], bytes);
+    assert_int_equal(SMR_OK, smr_set_log(r.s, r.log, sizeof r.log));
+    assert_int_equal(SMR_OK, smr_set_surface(r.s, 0, world.surface[0]));
+    give(&r, world.surface[0]);
+    assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
+    for (r.ticks = 1; report.phase == SMR_PHASE_FORCES; r.ticks++) {
+        assert_int_equal(SMR_PARTIAL, smr_tick(r.s, 20000, &report));
+    }
+    assert_true(report.iteration == 1u && report.done == 0u);
+    assert_int_equal(SMR_OK, smr_set_surface(r.s, SMR_ALL, NULL));
+    for (uint32_t i = 0; i < 3u; i++, r.ticks++) {
+        assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
+    }
+    assert_int_equal(1, report.done); /* the iteration after it had no target and ended the schedule */
+    replay(&r, begin(&r, &config, NULL, memory[1], bytes), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test_setup_teardown(test_replays, set_up, tidy),
-                                       cmocka_unit_test_setup_teardown(test_last_surface_goes_late, set_up, tidy)};
+                                       cmocka_unit_test_setup_teardown(test_last_surface_goes_late, set_up, tidy),
+                                       cmocka_unit_test_setup_teardown(test_last_surface_goes_before_the_end, set_up, tidy)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
 #!/bin/sh
-# check_boards: the golden run on emulated Cortex-M7 and Cortex-M55 boards gives this machine's bits.
+# check_boards: the golden run on emulated Cortex-M7 and Cortex-M55 boards gives this machine's bits, and the core calls nothing
+# foreign there either.
 # SPDX-License-Identifier: MIT
 set -u
 . tests/target/board.sh
@@ -15,6 +16,7 @@ for board in m7 m55; do
     got=$(board_run 6 "$file"); rc=$?
     echo "$board_name: $got (status $rc)"
     if [ "$rc" -eq 0 ] && [ "$got" = "$want" ]; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
+    if sh tests/check_symbols.sh "${file%/*}/libsmr.a" arm-none-eabi-; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
 done
 echo "$passed passed, $failed failed, 0 skipped"
 [ "$failed" -eq 0 ]

@@ -325,6 +325,37 @@ static void test_surface_first(void **state)
     assert_true(off_ball(s, model, (double)RADIUS - 2.0, none) < 0.5);
 }
 
+/* Forces fade to 0 where the schedule ends, and vertices without a goal are smoothed: a structure's residuals are the
+ * distances to goals all the same. */
+static void test_structure_report(void **state)
+{
+    const smr_volume reference = image(RADIUS, none);
+    smr_volume target = image(RADIUS + 2.0f, shift);
+    const smr_model *model = ball_model(&reference);
+    const smr_config c = smr_config_default_image();
+    smr_structure_report part;
+    smr_tick_report r = {0};
+    (void)state;
+    uint32_t rejected = 0;
+    float *voxels = rig_alloc(SIDE * SIDE * SIDE * sizeof *voxels);
+    memcpy(voxels, target.voxels, SIDE * SIDE * SIDE * sizeof *voxels);
+    for (uint32_t i = SIDE * SIDE * (SIDE / 2u + 5u); i < SIDE * SIDE * SIDE; i++) {
+        voxels[i] = (float)(i % SIDE); /* no goal where this is */
+    }
+    target.voxels = voxels;
+    smr *s = rig_init(model, &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &target));
+    while (r.done == 0u) {
+        r = rig_run(s, 1);
+        rejected += r.n_rejected;
+        assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &part));
+        assert_true(part.n_forces == r.n_forces && part.n_rejected == r.n_rejected);
+        assert_true(fabsf(part.residual_mean_mm - r.residual_mean_mm) < 1.0e-4f);
+        assert_true(fabsf(part.residual_max_mm - r.residual_max_mm) < 1.0e-4f);
+    }
+    assert_true(rejected > 0u && r.n_forces > 0u && part.residual_mean_mm > 0.0f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -332,7 +363,7 @@ int main(void)
         cmocka_unit_test_teardown(test_needs_profiles, tidy), cmocka_unit_test_teardown(test_refused, tidy),
         cmocka_unit_test_teardown(test_image_elsewhere, tidy), cmocka_unit_test_teardown(test_equal_bits, tidy),
         cmocka_unit_test_teardown(test_take_away, tidy), cmocka_unit_test_teardown(test_surface_first, tidy),
-        cmocka_unit_test_teardown(test_abandoned, tidy),
+        cmocka_unit_test_teardown(test_abandoned, tidy), cmocka_unit_test_teardown(test_structure_report, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

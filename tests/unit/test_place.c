@@ -138,6 +138,21 @@ static void test_starts_over(void **state)
     assert_true(hash == smr_state_hash(s));
 }
 
+/* Origins are whole millimetres. A forged model's positions can be as large as floats go, or no numbers, when others are set. */
+static void test_whole_numbers(void **state)
+{
+    const float limit = 1073741824.0f;
+    const struct {
+        float given, whole;
+    } table[] = {{0.4f, 0},      {0.5f, 1},       {-0.5f, -1},       {-2.4f, -2},       {100000.4f, 100000},    {limit, limit},
+                 {4.8e12f, limit}, {-FLT_MAX, -limit}, {INFINITY, limit}, {-INFINITY, -limit}, {NAN, -limit}};
+    (void)state;
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        const smr_vec got = smr_whole(smr_v(table[i].given, 0, table[i].given));
+        assert_true(got.x == table[i].whole && got.y == 0.0f && got.z == table[i].whole);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -146,6 +161,7 @@ int main(void)
         cmocka_unit_test_teardown(test_normals_follow_the_pose, tidy),
         cmocka_unit_test_teardown(test_positions_in_the_callers_order, tidy),
         cmocka_unit_test_teardown(test_starts_over, tidy),
+        cmocka_unit_test(test_whole_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

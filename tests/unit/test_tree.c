@@ -251,6 +251,36 @@ static void refit_follows_the_mesh(void **state)
     unit_mesh_free(&m);
 }
 
+/* A forged model's positions can come to be no numbers, or lie where empty boxes do: the search stays in the tree. */
+static void points_that_are_nowhere(void **state)
+{
+    const float nowhere[] = {NAN, -NAN, INFINITY, -INFINITY, SMR_FAR, -SMR_FAR, FLT_MAX, 1.0e9f};
+    smr_facets f;
+    (void)state;
+    memset(&f, 0, sizeof f);
+    smr_tree_shape(&f, 262145u); /* most children of its top nodes are empty */
+    const size_t n_nodes = smr_tree_nodes(f.n_triangles), nt = f.n_triangles;
+    smr_node *node = unit_memory(n_nodes * sizeof *node);
+    float *normal = unit_memory(12u * nt), xyz[3] = {0, 0, 0};
+    uint32_t *triangle = unit_memory(12u * nt);
+    memset(triangle, 0, 12u * nt);
+    f.node = node;
+    f.normal = normal;
+    f.xyz = xyz;
+    f.triangle = triangle;
+    smr_tree_refit_leaves(&f, 0, smr_tree_leaves(&f));
+    smr_tree_refit_upper(&f);
+    for (size_t i = 0; i < sizeof nowhere / sizeof nowhere[0]; i++) {
+        const smr_query q = {smr_v(nowhere[i], nowhere[i], nowhere[i]), smr_v(0, 0, 0), -2.0f, 100000u, SMR_ALL};
+        smr_hit hit = {3600.0f, SMR_ALL, {0, 0, 0}};
+        smr_tree_closest(&f, &q, &hit);
+        assert_true(hit.triangle == SMR_ALL && hit.d2 == 3600.0f);
+    }
+    unit_free(node);
+    unit_free(normal);
+    unit_free(triangle);
+}
+
 static void shape_adds_up(void **state)
 {
     static const struct {
@@ -276,6 +306,7 @@ int main(void)
         cmocka_unit_test(node_budgets),       cmocka_unit_test(nothing_found_changes_nothing),
         cmocka_unit_test(a_budget_is_a_number_of_nodes),
         cmocka_unit_test(refit_follows_the_mesh), cmocka_unit_test(shape_adds_up),
+        cmocka_unit_test(points_that_are_nowhere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -384,6 +384,16 @@ static void test_refused_shapes(void **state)
         memcpy(v.direction, singular[k], sizeof v.direction);
         assert_int_equal(SMR_E_INPUT, smr_grid_open(&v, &grid));
     }
+    for (uint32_t a = 0; a < 3u; a++) { /* an axis that is no unit vector, such as one with the spacing in it; rounding is none */
+        static const float lengths[] = {1.5f, 0.5f, 0.9f, 1.0e-13f, 2.0e19f};
+        for (uint32_t k = 0; k < 5u; k++) {
+            v = good;
+            v.direction[4u * a] = lengths[k];
+            assert_int_equal(SMR_E_INPUT, smr_grid_open(&v, &grid));
+        }
+        v.direction[4u * a] = 0.9999f;
+        assert_int_equal(SMR_OK, smr_grid_open(&v, &(smr_grid){0}));
+    }
     v = good; /* more voxels than any memory holds */
     v.size[0] = v.size[1] = v.size[2] = 65536;
     assert_int_equal(SMR_E_INPUT, smr_grid_open(&v, &grid));

@@ -1,0 +1,42 @@
+#!/bin/sh
+# check_install: what `make install` puts down is all that a program needs: headers, archives and flags by pkg-config.
+# SPDX-License-Identifier: MIT
+set -u
+build=${BUILD:-build}
+[ -f "$build/libsmr_pthread.a" ] || { echo "skip: no library"; exit 77; }
+tmp=$(mktemp -d) || exit 1
+trap 'rm -rf "$tmp"' EXIT
+put() { ${MAKE:-make} -s BUILD="$build" CC="${CC:-cc}" CFLAGS="${CFLAGS:-}" install "$@" >"$tmp/log" 2>&1 || { cat "$tmp/log"; exit 1; }; }
+put DESTDIR="$tmp/a place" PREFIX=/usr
+for file in include/smr.h include/smr_pthread.h lib/libsmr.a lib/libsmr_pthread.a lib/pkgconfig/smr.pc bin/smr; do
+    [ -f "$tmp/a place/usr/$file" ] || { echo "not installed: $file"; exit 1; }
+done
+if ${MAKE:-make} -s BUILD='a b' all >"$tmp/log" 2>&1 || ! grep -q 'without spaces' "$tmp/log"; then
+    echo "a build directory with a space is not refused"
+    exit 1
+fi
+command -v pkg-config >/dev/null || { echo "skip: needs pkg-config"; exit 77; }
+put DESTDIR= PREFIX="$tmp/root"
+PKG_CONFIG_PATH=$tmp/root/lib/pkgconfig
+export PKG_CONFIG_PATH
+version=$("$tmp/root/bin/smr" --version) || exit 1
+[ "$version" = "smr $(pkg-config --modversion smr)" ] || { echo "smr.pc has another version than $version"; exit 1; }
+case $(pkg-config --libs smr) in
+*-pthread*) ;;
+*) echo "smr.pc leaves out -pthread, which the archives need"; exit 1 ;;
+esac
+cat >"$tmp/user.c" <<'END'
+#include <smr_pthread.h>
+static _Alignas(SMR_ALIGN) unsigned char memory[65536];
+int main(void)
+{
+    smr_pthread *pool;
+    const smr_config config = smr_config_default();
+    const smr_status status = smr_pthread_create(&pool, memory, sizeof memory, 2);
+    if (status == SMR_OK) smr_pthread_destroy(pool);
+    return status != SMR_OK || config.cookie == 0u;
+}
+END
+# shellcheck disable=SC2046
+${CC:-cc} -std=c11 ${CFLAGS:-} "$tmp/user.c" -o "$tmp/user" $(pkg-config --cflags --libs smr) || exit 1
+"$tmp/user" || { echo "the program ended with status $?"; exit 1; }
