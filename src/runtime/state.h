@@ -220,6 +220,21 @@ static inline float smr_mass_of(const smr *s, uint32_t vertex)
     return smr_active(s, vertex) ? smr_full_mass(s, vertex) : 0.0f;
 }
 
+/* A whole number that wrapped, as it was meant. */
+static inline int32_t smr_signed(uint32_t word)
+{
+    int32_t value;
+    memcpy(&value, &word, sizeof value);
+    return value;
+}
+
+/* value / SMR_RIM_UNITS, to the nearest, for values within +-2^61. Takes as long whatever its sign. */
+static inline uint32_t smr_rim_part(int64_t value)
+{
+    const uint64_t up = (uint64_t)1 << 62;
+    return (uint32_t)(((uint64_t)value + up + SMR_RIM_UNITS / 2) / SMR_RIM_UNITS) - (uint32_t)(up / SMR_RIM_UNITS);
+}
+
 #define SMR_SPARE 12u /* first word of a sum that averaging does not use */
 
 /* A vertex' next normal, until the iteration stands. */
@@ -289,6 +304,7 @@ uint32_t smr_reference_blocks(smr *s);
 void smr_reference_reach(void *arg, uint32_t task, uint32_t worker);
 void smr_reference_record(void *arg, uint32_t task, uint32_t worker);
 void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker);
+void smr_reference_add(smr *s, uint32_t to, uint32_t from, int32_t share);
 void smr_reference_begin(smr *s);            /* chooses the quantum */
 void smr_reference_end(smr *s);
 
@@ -334,6 +350,11 @@ uint32_t smr_block_abreast(const smr *s);
 void smr_sums_record(void *arg, uint32_t task, uint32_t worker);
 void smr_sums_forest(void *arg, uint32_t task, uint32_t worker);
 void smr_average_record(void *arg, uint32_t task, uint32_t worker);
+
+uint32_t smr_rim_tasks(smr *s);              /* rim.c: members about a radius away, after each forest */
+uint32_t smr_rim_reference_tasks(smr *s);
+void smr_rim_reference(void *arg, uint32_t task, uint32_t worker);
+void smr_rim_sums(void *arg, uint32_t task, uint32_t worker);
 
 uint32_t smr_match_tasks(smr *s);
 void smr_match(void *arg, uint32_t task, uint32_t worker);        /* match.c: T_i */

@@ -92,7 +92,7 @@ static void cut_at_every_length(void **state)
 {
     small_world w = make(0);
     const smr_image_radius *last = (const smr_image_radius *)smr_at(w.image.model, w.image.model->at_radii) + 1;
-    const size_t end = smr_le32(last->at_indexes) + 2u * (size_t)smr_le32(last->n_indexes);
+    const size_t end = smr_le32(last->at_rim) + sizeof(smr_image_rim) * (size_t)smr_le32(last->n_rim);
     (void)state;
     for (size_t size = 0; size < w.image.size; size++) {
         unsigned char *cut = unit_memory(size);
