@@ -35,6 +35,7 @@ const smr_step smr_steps[] = {
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_facet_tasks, smr_facet_refit, smr_facets_end, 0, NULL, NULL},
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_guard_tasks, smr_guard_search, smr_guard_end, 0, NULL, NULL},
     {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, smr_mend_tasks, smr_mend_pass, smr_mend_end, 1, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, smr_brake_tasks, smr_brake_pass, smr_mend_end, 1, NULL, NULL},
     {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, smr_unfold_tasks, smr_unfold_pass, smr_mend_end, 1, NULL, NULL},
     {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, smr_mend_facet_tasks, smr_facet_refit, smr_facets_end, 0, NULL, NULL},
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_vertex_tasks, smr_settle, smr_settle_end, 0, NULL, NULL},

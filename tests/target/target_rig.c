@@ -112,6 +112,7 @@ static const struct {
     {smr_facet_refit, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "facets and boxes"},
     {smr_guard_search, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "search for folds"},
     {smr_mend_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "mending of folds"},
+    {smr_brake_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "mending of folds, brake"},
     {smr_unfold_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "opening of folds"},
     {smr_settle, SMR_PHASE_EVOLVE, TARGET_VERTICES, "displacements, hash"},
     {smr_exact_clear, SMR_PHASE_EVOLVE, TARGET_VERTICES, "normals, clear"},
