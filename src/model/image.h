@@ -9,7 +9,7 @@
 #include "base/vec.h"
 
 #define SMR_IMAGE_MAGIC 0x31524d53u /* "SMR1" */
-#define SMR_IMAGE_VERSION 2u
+#define SMR_IMAGE_VERSION 3u
 #define SMR_IMAGE_HEAD 16u          /* the checksum covers the bytes from here on */
 #define SMR_MASS_UNITS 16.0f        /* masses are whole multiples of 1/16 */
 #define SMR_MASS_MAX 64.0f
@@ -83,7 +83,18 @@ typedef struct smr_image_radius {
     uint32_t at_count;        /* uint16 or uint32 [n_vertices]: |zeta| of each stored vertex */
     uint32_t at_indexes;      /* uint16 or uint32 [n_indexes]: zeta+ then zeta- of each entry, ascending */
     uint32_t active_min;      /* so many first stored vertices at least keep every cluster large enough */
+    uint32_t n_rim;
+    uint32_t at_rim;          /* smr_image_rim [n_rim] */
 } smr_image_radius;
+
+/* Two vertices about a radius apart, each of which counts in the other's cluster with a share of its mass only. The lists
+ * have them in whole or not at all; `share` is what is added to that: share / SMR_RIM_UNITS - 1/2. */
+typedef struct smr_image_rim {
+    uint32_t first, second;   /* stored numbers */
+    uint32_t share;           /* 0 .. SMR_RIM_UNITS */
+} smr_image_rim;
+
+#define SMR_RIM_UNITS 256
 
 /* A block is the entries first .. next block's first - 1; their vertices are those with the same places along the curve. */
 typedef struct smr_image_block {
@@ -106,6 +117,8 @@ typedef struct smr_lists {
     const void *entry;
     const void *count;
     const void *index;
+    const smr_image_rim *rim;
+    uint32_t n_rim;
     uint32_t index_bytes;
     uint32_t n_blocks;
     uint32_t largest, smallest, active_min;

@@ -214,14 +214,24 @@ static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, u
 static int sections_in_order(const smr_model *m, const smr_image_radius *r, uint64_t *end)
 {
     const uint64_t n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
-    const uint64_t at[4] = {smr_le32(r->at_blocks), smr_le32(r->at_entries), smr_le32(r->at_count), smr_le32(r->at_indexes)};
-    const uint64_t bytes[4] = {((uint64_t)smr_le32(r->n_blocks) + 1u) * sizeof(smr_image_block), n * 4u * width, n * width,
-                               (uint64_t)smr_le32(r->n_indexes) * width};
-    for (uint32_t i = 0; i < 4u; i++) {
+    const uint64_t at[5] = {smr_le32(r->at_blocks), smr_le32(r->at_entries), smr_le32(r->at_count), smr_le32(r->at_indexes), smr_le32(r->at_rim)};
+    const uint64_t bytes[5] = {((uint64_t)smr_le32(r->n_blocks) + 1u) * sizeof(smr_image_block), n * 4u * width, n * width,
+                               (uint64_t)smr_le32(r->n_indexes) * width, (uint64_t)smr_le32(r->n_rim) * sizeof(smr_image_rim)};
+    for (uint32_t i = 0; i < 5u; i++) {
         if (at[i] < *end)
             return 0;
         *end = at[i] + bytes[i];
     }
+    return 1;
+}
+
+static int check_rim(const smr_model *m, const smr_image_radius *r)
+{
+    const uint32_t n = smr_le32(m->n_vertices);
+    const smr_image_rim *pair = smr_at(m, r->at_rim);
+    for (uint32_t i = 0; i < smr_le32(r->n_rim); i++)
+        if (smr_le32(pair[i].first) >= n || smr_le32(pair[i].second) >= n || smr_le32(pair[i].share) > SMR_RIM_UNITS)
+            return 0;
     return 1;
 }
 
@@ -231,7 +241,7 @@ static int check_radius(const smr_model *m, const smr_image_radius *r, uint32_t 
     const uint32_t n_indexes = smr_le32(r->n_indexes);
     if (n_blocks == 0u || n_blocks > n || !section(m, r->at_blocks, (uint64_t)n_blocks + 1u, sizeof(smr_image_block)) ||
         !section(m, r->at_entries, n, 4u * (uint64_t)width) || !section(m, r->at_count, n, width) ||
-        !section(m, r->at_indexes, n_indexes, width) || !floats_within(&r->radius, 1, FLT_MIN, SMR_COORD_MAX) ||
+        !section(m, r->at_indexes, n_indexes, width) || !section(m, r->at_rim, smr_le32(r->n_rim), sizeof(smr_image_rim)) || !check_rim(m, r) || !floats_within(&r->radius, 1, FLT_MIN, SMR_COORD_MAX) ||
         !floats_within(&r->reach, 1, 0.0f, 4.0f * SMR_COORD_MAX) || !floats_within(&r->mean, 1, 0.0f, 1.0e7f) ||
         smr_le32(r->largest) == 0u || smr_le32(r->largest) > n || smr_le32(r->active_min) == 0u ||
         smr_le32(r->active_min) > n)

@@ -10,6 +10,8 @@ smr_lists smr_model_lists(const smr_model *m, uint32_t radius)
     l.entry = smr_at(m, r->at_entries);
     l.count = smr_at(m, r->at_count);
     l.index = smr_at(m, r->at_indexes);
+    l.rim = smr_at(m, r->at_rim);
+    l.n_rim = smr_le32(r->n_rim);
     l.index_bytes = smr_le32(m->index_bytes);
     l.n_blocks = smr_le32(r->n_blocks);
     l.largest = smr_le32(r->largest);

@@ -6,7 +6,7 @@
 static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, const smr_plan *p, float radius, uint32_t active_min)
 {
     const int ring = smr_uses_ring(p, radius) && p->edge_max > radius;
-    const uint32_t field[13] = {smr_float_bits(radius),
+    const uint32_t field[15] = {smr_float_bits(radius),
                                 smr_float_bits(ring ? p->edge_max : radius),
                                 p->separate,
                                 l->n_blocks,
@@ -18,8 +18,10 @@ static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, con
                                 (uint32_t)l->at_entries,
                                 (uint32_t)l->at_count,
                                 (uint32_t)l->at_indexes,
-                                active_min};
-    for (uint32_t i = 0; i < 13u; i++)
+                                active_min,
+                                l->n_rim,
+                                (uint32_t)l->at_rim};
+    for (uint32_t i = 0; i < 15u; i++)
         smr_put32(w, at + 4u * i, field[i]);
 }
 
@@ -56,6 +58,7 @@ static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radiu
     const uint32_t n_written = l.n_blocks;
     smr_list_block(&l);
     l.n_blocks = n_written;
+    smr_write_rim(p, &l, radius);
     write_radius(w, at, &l, p, radius, p->active_min[step]);
     return w->used > UINT32_MAX ? SMR_E_INPUT : SMR_OK;
 }

@@ -181,10 +181,11 @@ smr_status smr_write_image(smr_plan *p, smr_writer *w, const float *radius, uint
 typedef struct smr_list_writer {
     smr_writer *w;
     uint32_t index_bytes;
-    size_t at_blocks, at_entries, at_count, at_indexes;
+    size_t at_blocks, at_entries, at_count, at_indexes, at_rim;
     uint32_t n_blocks;   /* blocks begun so far */
     uint32_t n_entries;
     uint32_t n_indexes;
+    uint32_t n_rim;
     uint64_t n_members;  /* sum of |zeta| */
     uint32_t largest, smallest;
 } smr_list_writer;
@@ -193,6 +194,9 @@ void smr_list_block(smr_list_writer *l);
 /* Appends an entry, in stored numbers. own and parent_row: rows; parent_row NULL for a root. parent: entry number in the block. */
 void smr_list_entry(smr_list_writer *l, smr_plan *p, uint32_t vertex, uint32_t parent, const uint64_t *own,
                     const uint64_t *parent_row);
+
+/* The radius' rim, behind its lists; the largest cluster with it. */
+void smr_write_rim(smr_plan *p, smr_list_writer *l, float radius);
 
 /* Minimum spanning forest of the clusters of the curve's vertices first..last-1, written as one block. */
 void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t last, float radius);

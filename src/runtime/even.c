@@ -89,9 +89,9 @@ void smr_even_rings(void *arg, uint32_t task, uint32_t worker)
 
 smr_vec smr_even_step(smr *s, uint32_t v)
 {
-    if (!(s->even > 0.0f) || s->held[v] || !s->part[smr_model_owner(s->model, v)].drawn || !(s->ring_weight[v] > 0.0f))
+    if (!(s->even > 0.0f) || !s->part[smr_model_owner(s->model, v)].drawn || !(s->ring_weight[v] > 0.0f))
         return smr_v(0, 0, 0);
     const smr_vec mean = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / s->ring_weight[v]);
     const smr_vec way = smr_sub(mean, smr_load(smr_at3(s->displaced, v))), n = smr_load(smr_at3(s->normal, v));
-    return smr_scale(smr_sub(way, smr_scale(n, smr_dot(n, way))), s->even);
+    return smr_scale(smr_sub(way, smr_scale(n, smr_dot(n, way))), s->even * (1.0f - (float)s->held[v] / SMR_HELD));
 }

@@ -98,9 +98,39 @@ void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
             for (uint32_t b = a; b < 3u; b++, i++)
                 r[i] = m * q[a] * q[b];
         }
-        r[13] = 1; /* counts members */
+        r[13] = SMR_RIM_UNITS; /* counts members */
         r[14] = r[15] = 0;
     }
+}
+
+/* a - b steps. Members of a cluster are nearer than this bound; what a forged image names need not be. */
+static int64_t steps_apart(uint32_t a, uint32_t b)
+{
+    const int32_t d = smr_signed(a - b), most = 1 << 20;
+    return d > most ? most : (d < -most ? -most : d);
+}
+
+/* Adds a part of one vertex to the sums of another's cluster: share / SMR_RIM_UNITS of its moments about that cluster's
+ * vertex, which are small whole numbers. What is left of its mass has a word of its own. */
+void smr_reference_add(smr *s, uint32_t to, uint32_t from, int32_t share)
+{
+    uint32_t *w = s->sum + SMR_WORDS * (size_t)to, q[3], f[3], there[3], fine[3], first[3];
+    const int64_t m = (int64_t)(smr_full_mass(s, from) * s->mass_unit) * share;
+    steps_of(smr_at3(s->x_ref, from), s->coarse, q);
+    steps_of(smr_at3(s->x_ref, from), s->fine, f);
+    steps_of(smr_at3(s->x_ref, to), s->coarse, there);
+    steps_of(smr_at3(s->x_ref, to), s->fine, fine);
+    for (uint32_t a = 0; a < 3u; a++) {
+        first[a] = smr_rim_part(m * steps_apart(q[a], there[a]));
+        w[1u + a] += first[a];
+        w[10u + a] += smr_rim_part(m * smr_signed(f[a] - fine[a]));
+    }
+    for (uint32_t a = 0, i = 4; a < 3u; a++)
+        for (uint32_t b = a; b < 3u; b++, i++)
+            w[i] += smr_rim_part(m * steps_apart(q[a], there[a]) * steps_apart(q[b], there[b])) + there[a] * first[b] +
+                    there[b] * first[a];
+    w[13] += (uint32_t)share;
+    w[14] += (uint32_t)m;
 }
 
 /* Covariance -> inverse inertia tensor, with a defined answer for lines and points. */
@@ -122,13 +152,13 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
     for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
         const uint32_t *w = s->sum + SMR_WORDS * (size_t)v;
         uint32_t q[3], f[3];
-        s->share[v] = w[13] > 0u ? 1.0f / (float)w[13] : 0.0f;
+        s->share[v] = w[13] > 0u ? (float)SMR_RIM_UNITS / (float)w[13] : 0.0f;
         if (!smr_active(s, v))
             continue;
         steps_of(smr_at3(s->x_ref, v), k, q);
         steps_of(smr_at3(s->x_ref, v), s->fine, f);
         /* moments about the cluster's own vertex */
-        const float mass = smr_max(smr_unfix(w[0], unit), unit);
+        const float mass = smr_max(smr_unfix(w[0], unit) + smr_unfix(w[14], unit / (float)SMR_RIM_UNITS), unit);
         float d[3], c[6];
         for (uint32_t a = 0; a < 3u; a++)
             d[a] = smr_unfix(w[1u + a] - w[0] * q[a], k * unit) / mass;

@@ -21,6 +21,7 @@
 #define SMR_ENTRY_CHUNK 32u    /* entries of a piece of a block, half as many of the reference shape's long records */
 #define SMR_STEPS_MAX 32u      /* of an iteration */
 #define SMR_HINGE_CHUNK 1024u  /* hinges of a task */
+#define SMR_HELD 255.0f        /* held back altogether */
 #define SMR_MEND_RUNS 2048u    /* runs of triangles that are looked at or left out as one */
 #define SMR_STATE_MAGIC 0x736d7254u
 
@@ -57,12 +58,20 @@ typedef struct smr_tally {
 /* Where the mending of folds stands (mend.c). */
 typedef struct smr_mend {
     uint32_t stage, at;                    /* the pass under way, and how far it is; stage 0: none */
-    uint32_t round, part, ring, sweep;
-    uint32_t n_folds;                      /* found in this round */
+    uint32_t part, ring, sweep;
+    uint32_t n_folds;
     uint32_t moved;                        /* 1: x_next has changed, the facets must follow */
     uint32_t run_bits;                     /* 2^run_bits triangles are a run */
     uint64_t touched[SMR_MEND_RUNS / 64u]; /* a bit each run: a corner in it is marked */
 } smr_mend;
+
+/* Where holding back stands (brake.c). */
+typedef struct smr_brake {
+    uint32_t stage, at, round, part;
+    float most;                            /* asked for in this round */
+    uint32_t run_bits;                     /* 2^run_bits triangles are a run */
+    uint64_t touched[SMR_MEND_RUNS / 64u]; /* a bit each run: a corner in it is marked */
+} smr_brake;
 
 /* Where unfolding stands (unfold.c). */
 typedef struct smr_unfold {
@@ -161,7 +170,7 @@ struct smr {
     uint8_t *found;                        /* [n] 0 no target, 1 a goal, 2 none acceptable, 3 nor can the image tell */
     uint8_t *seen;                         /* [n] found, of the last complete forces */
     uint8_t *guard;                        /* [n] 1: the vertex' step is smoothed, in this iteration */
-    uint8_t *held;                         /* [n] 1: it was so once since the last radius began */
+    uint8_t *held;                         /* [n] the most that its step was held back since the last radius began */
     /* written by smooth and by guard, over record */
     float *ring_sum;                       /* [n][3] sum over a vertex' mesh neighbours */
     float *ring_weight;                    /* [n] of that sum */
@@ -169,6 +178,7 @@ struct smr {
     uint32_t n_folding;                    /* hinges found folding while repairing */
     uint32_t n_guarded;                    /* vertices so marked */
     smr_mend mend;
+    smr_brake brake;
     smr_unfold unfold;
     /* written by sums and average */
     uint32_t *record;                      /* [n][SMR_WORDS] fixed-point quantities of each vertex */
@@ -219,6 +229,21 @@ static inline uint32_t smr_active_end(const smr *s, uint32_t task)
 static inline float smr_mass_of(const smr *s, uint32_t vertex)
 {
     return smr_active(s, vertex) ? smr_full_mass(s, vertex) : 0.0f;
+}
+
+/* A whole number that wrapped, as it was meant. */
+static inline int32_t smr_signed(uint32_t word)
+{
+    int32_t value;
+    memcpy(&value, &word, sizeof value);
+    return value;
+}
+
+/* value / SMR_RIM_UNITS, to the nearest, for values within +-2^61. Takes as long whatever its sign. */
+static inline uint32_t smr_rim_part(int64_t value)
+{
+    const uint64_t up = (uint64_t)1 << 62;
+    return (uint32_t)(((uint64_t)value + up + SMR_RIM_UNITS / 2) / SMR_RIM_UNITS) - (uint32_t)(up / SMR_RIM_UNITS);
 }
 
 #define SMR_SPARE 12u /* first word of a sum that averaging does not use */
@@ -290,6 +315,7 @@ uint32_t smr_reference_blocks(smr *s);
 void smr_reference_reach(void *arg, uint32_t task, uint32_t worker);
 void smr_reference_record(void *arg, uint32_t task, uint32_t worker);
 void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker);
+void smr_reference_add(smr *s, uint32_t to, uint32_t from, int32_t share);
 void smr_reference_begin(smr *s);            /* chooses the quantum */
 void smr_reference_end(smr *s);
 
@@ -304,12 +330,16 @@ void smr_facets_now(smr *s);                 /* all of them, at x */
 uint32_t smr_guard_tasks(smr *s);            /* guard.c: folds */
 void smr_guard_search(void *arg, uint32_t task, uint32_t worker);
 void smr_guard_end(smr *s);
-void smr_mend_start(smr *s);                 /* mend.c: what folds */
+void smr_mend_start(smr *s);                 /* mend.c: repairs what folds */
 uint32_t smr_mend_tasks(smr *s);             /* one more, as long as there is work */
 void smr_mend_pass(void *arg, uint32_t task, uint32_t worker);
 void smr_mend_end(smr *s);
 uint32_t smr_mend_facet_tasks(smr *s);
 void smr_mend_abandon(smr *s);
+
+void smr_brake_start(smr *s);                /* brake.c: what would fold */
+uint32_t smr_brake_tasks(smr *s);            /* one more, as long as there is work */
+void smr_brake_pass(void *arg, uint32_t task, uint32_t worker);
 
 void smr_unfold_start(smr *s);               /* unfold.c: what is folded all the same */
 uint32_t smr_unfold_tasks(smr *s);           /* one more, as long as there is work */
@@ -335,6 +365,11 @@ uint32_t smr_block_abreast(const smr *s);
 void smr_sums_record(void *arg, uint32_t task, uint32_t worker);
 void smr_sums_forest(void *arg, uint32_t task, uint32_t worker);
 void smr_average_record(void *arg, uint32_t task, uint32_t worker);
+
+uint32_t smr_rim_tasks(smr *s);              /* rim.c: members about a radius away, after each forest */
+uint32_t smr_rim_reference_tasks(smr *s);
+void smr_rim_reference(void *arg, uint32_t task, uint32_t worker);
+void smr_rim_sums(void *arg, uint32_t task, uint32_t worker);
 
 uint32_t smr_match_tasks(smr *s);
 void smr_match(void *arg, uint32_t task, uint32_t worker);        /* match.c: T_i */

@@ -16,14 +16,17 @@ const smr_step smr_steps[] = {
     {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_reference_tasks, smr_reference_reach, smr_reference_begin, 0, NULL, NULL},
     {SMR_PHASE_SUMS, SMR_WORK_ACTIVE, smr_reference_records, smr_reference_record, NULL, 0, NULL, NULL},
     {SMR_PHASE_SUMS, SMR_WORK_LISTS, smr_reference_blocks, smr_sums_forest, NULL, 0, smr_block_pieces, smr_block_abreast},
+    {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_rim_reference_tasks, smr_rim_reference, NULL, 1, NULL, NULL},
     {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_reference_clusters, smr_reference_cluster, smr_reference_end, 0, NULL, NULL},
     /* compute shape matching forces: for each cluster, T_i = argmin Sum m |T x^r - x - f^e|^2 */
     {SMR_PHASE_SUMS, SMR_WORK_ACTIVE, smr_active_tasks, smr_sums_record, NULL, 0, NULL, NULL},
     {SMR_PHASE_SUMS, SMR_WORK_LISTS, smr_block_tasks, smr_sums_forest, NULL, 0, smr_block_pieces, smr_block_abreast},
+    {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_rim_tasks, smr_rim_sums, NULL, 1, NULL, NULL},
     {SMR_PHASE_MATCH, SMR_WORK_ACTIVE, smr_match_tasks, smr_match, smr_match_end, 0, NULL, NULL},
     /* average goal positions x~_i = Sum_i(T) x^r_i / |zeta_i| */
     {SMR_PHASE_AVERAGE, SMR_WORK_ACTIVE, smr_active_tasks, smr_average_record, NULL, 0, NULL, NULL},
     {SMR_PHASE_AVERAGE, SMR_WORK_LISTS, smr_block_tasks, smr_sums_forest, NULL, 0, smr_block_pieces, smr_block_abreast},
+    {SMR_PHASE_AVERAGE, SMR_WORK_TASKS, smr_rim_tasks, smr_rim_sums, NULL, 1, NULL, NULL},
     /* evolve positions, x = x~; even out along the surface; hold back what would fold; update reference positions (plasticity),
      * x^r = x */
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_even_tasks, smr_even_clear, NULL, 0, NULL, NULL},
@@ -32,6 +35,7 @@ const smr_step smr_steps[] = {
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_facet_tasks, smr_facet_refit, smr_facets_end, 0, NULL, NULL},
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_guard_tasks, smr_guard_search, smr_guard_end, 0, NULL, NULL},
     {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, smr_mend_tasks, smr_mend_pass, smr_mend_end, 1, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, smr_brake_tasks, smr_brake_pass, smr_mend_end, 1, NULL, NULL},
     {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, smr_unfold_tasks, smr_unfold_pass, smr_mend_end, 1, NULL, NULL},
     {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, smr_mend_facet_tasks, smr_facet_refit, smr_facets_end, 0, NULL, NULL},
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, smr_vertex_tasks, smr_settle, smr_settle_end, 0, NULL, NULL},

@@ -1,6 +1,6 @@
 /* unfold.c: opens what is folded all the same, at the last radius: hinges whose triangles look away from each other and did
- * not at rest. mend.c leaves hinges that are right angles at rest some room, since holding these back would hold back
- * whole caps and corners; and what has been folded for long it does not hold at all. Here the corners of such a hinge go the
+ * not at rest. brake.c leaves hinges that are right angles at rest some room, since holding these back would hold back
+ * whole caps and corners; and what has been folded for long it only keeps from folding further. Here the corners of such a hinge go the
  * shortest way along which the cosine between its normals comes back above zero (a constraint's projection: Müller et al.,
  * Position based dynamics, 2006), one hinge after the other, over and over, for one may turn its neighbour.
  * Bounds: SMR_UNFOLD_PASSES passes over the hinges.
@@ -83,6 +83,7 @@ static void open_hinge(smr *s, const side *a, const side *b, float cosine)
         float *x = smr_at3(s->x_next, corner[c]);
         smr_store(x, smr_add(smr_load(x), smr_scale(gradient[c], share)));
         s->guard[corner[c]] = 1;
+        smr_hold(s, corner[c], 1.0f);
     }
 }
 

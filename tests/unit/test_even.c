@@ -128,7 +128,9 @@ static void test_step(void **state)
         for (uint32_t a = 0; a < 3u; a++) {
             assert_true(fabs(got[a] - 0.2 * (way[a] - along * (double)s->normal[3u * v + a])) < 1.0e-5);
         }
-        s->held[v] = 1; /* where the fold guard acted nothing is evened out any more */
+        s->held[v] = 51; /* where the fold guard held back a fifth of a step, four fifths of it are left */
+        assert_true(fabs((double)smr_length(smr_even_step(s, v)) - 0.8 * (double)smr_length(step)) < 1.0e-6);
+        s->held[v] = 255; /* where it held back all of it nothing is evened out any more */
         assert_true(smr_length(smr_even_step(s, v)) == 0.0f);
     }
 }

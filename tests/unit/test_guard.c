@@ -180,6 +180,31 @@ static void test_stays_local(void **state)
     assert_true(smr_at3(s->x, v)[2] - smr_at3(s->start, v)[2] > 0.5f); /* and the patch goes with its surroundings */
 }
 
+/* Held back as much as need be, not more by a jump: a vertex carried ever farther over its neighbours ends, step for step, near
+ * where it ended before, and so do they. */
+static void test_gives_way_gradually(void **state)
+{
+    float before[3 * SIDE * SIDE], x[3 * SIDE * SIDE];
+    uint32_t marked = 0;
+    (void)state;
+    for (uint32_t k = 0; k < 1200u; k++) {
+        const smr_mesh mesh = sheet();
+        smr *s = start(&mesh, 1);
+        float *p = smr_at3(s->x_next, smr_model_position(s->model, 5u * SIDE + 5u));
+        s->repairing = 0;
+        memcpy(s->x_next, s->x, 3u * s->n * sizeof(float));
+        p[0] += 0.01f * (float)k;
+        p[2] += 3.0f;
+        settle(s);
+        assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
+        marked += s->n_guarded > 0u;
+        assert_true(k == 0u || rig_far(x, before, SIDE * SIDE) < 0.05f); /* it was carried 0.01 mm farther */
+        memcpy(before, x, sizeof x);
+        rig_free_all();
+    }
+    assert_true(marked > 100u && marked < 1100u);
+}
+
 /* A start shape that is sound, torn by a coarse step: repairing iterations bring it back without forces. */
 static void test_repairs(void **state)
 {
@@ -284,6 +309,7 @@ int main(void)
         cmocka_unit_test_teardown(test_prevents, tidy),
         cmocka_unit_test_teardown(test_leaves_alone_what_does_not_fold, tidy),
         cmocka_unit_test_teardown(test_stays_local, tidy),
+        cmocka_unit_test_teardown(test_gives_way_gradually, tidy),
         cmocka_unit_test_teardown(test_repairs, tidy),
         cmocka_unit_test_teardown(test_repairs_only_with_surfaces, tidy),
         cmocka_unit_test_teardown(test_unfolds, tidy),

@@ -27,7 +27,7 @@ static small_world make(uint32_t order)
     const smr_structure two[2] = {{"ball", unit_view(&w.a)}, {"sheet", unit_view(&w.b)}};
     smr_prepare_config c = smr_prepare_config_default();
     c.n_radii = 2;
-    c.radius_mm[0] = 7.0f;
+    c.radius_mm[0] = 4.2426407f; /* some vertices are as far apart: there is a rim */
     c.radius_mm[1] = 2.5f;
     c.order = order;
     w.image = unit_prepare(two, 2, &c);
@@ -92,7 +92,7 @@ static void cut_at_every_length(void **state)
 {
     small_world w = make(0);
     const smr_image_radius *last = (const smr_image_radius *)smr_at(w.image.model, w.image.model->at_radii) + 1;
-    const size_t end = smr_le32(last->at_indexes) + 2u * (size_t)smr_le32(last->n_indexes);
+    const size_t end = smr_le32(last->at_rim) + sizeof(smr_image_rim) * (size_t)smr_le32(last->n_rim);
     (void)state;
     for (size_t size = 0; size < w.image.size; size++) {
         unsigned char *cut = unit_memory(size);
@@ -254,7 +254,17 @@ static void shared_lists(void **state)
         r[1] = own;
         assert_int_equal(open_with(&w, &r[1].at_count, smr_le32(r[0].at_count)), SMR_E_MODEL);
         assert_int_equal(open_with(&w, &r[1].at_indexes, smr_le32(r[0].at_indexes)), SMR_E_MODEL);
+        assert_int_equal(open_with(&w, &r[1].at_rim, smr_le32(r[0].at_indexes)), SMR_E_MODEL);
+        assert_int_equal(open_with(&w, &r[1].n_rim, SMR_ALL), SMR_E_MODEL);
         assert_int_equal(open_with(&w, &r[1].at_count, smr_le32(own.at_count)), SMR_OK);
+        const smr_image_rim *rim = smr_at(w.image.model, r[0].at_rim);
+        assert_true(smr_le32(r[0].n_rim) > 0u);
+        for (uint32_t i = 0; i < smr_le32(r[0].n_rim); i++) {
+            assert_int_equal(open_with(&w, &rim[i].first, smr_le32(w.image.model->n_vertices)), SMR_E_MODEL);
+            assert_int_equal(open_with(&w, &rim[i].second, SMR_ALL), SMR_E_MODEL);
+            assert_int_equal(open_with(&w, &rim[i].share, SMR_RIM_UNITS + 1u), SMR_E_MODEL);
+            assert_int_equal(open_with(&w, &rim[i].share, 0u), SMR_OK);
+        }
         unmake(&w);
     }
 }
