@@ -1,4 +1,4 @@
-/* tree.c: refitting and searching the box tree.
+/* tree.c: refitting and searching the box tree: the closest triangle, and those nearly as close.
  * Search: nearest child first, depth first, pruned by the best distance so far; the warm start usually makes the
  * first guess the answer. Worst case: node_budget nodes opened, 8 box tests and at most 8 triangles each; the
  * stack never holds more than 7 entries a level and 8 at the bottom.
@@ -120,8 +120,27 @@ static int comes_first(const smr_facets *f, uint32_t i, uint32_t found)
     return f->rank[i] < f->rank[found];
 }
 
+#define SMR_NEARLY 0.2f      /* of the distance: what is so much farther is not near */
+#define SMR_NORMAL_RAMP 0.2f /* cosine above the least that is accepted: shares fall to 0 over it, too */
+
+/* Notes a triangle for smr_tree_near; where there is no room the farthest goes. */
+static void note(smr_near_list *list, uint32_t triangle, float d2, const float weight[3])
+{
+    uint32_t at = list->n;
+    if (at == SMR_NEAR_MOST) {
+        at = 0;
+        for (uint32_t i = 1; i < list->n; i++)
+            if (list->item[i].d2 > list->item[at].d2)
+                at = i;
+        if (list->item[at].d2 <= d2)
+            return;
+    } else
+        list->n++;
+    list->item[at] = (smr_near){0.0f, d2, triangle, {weight[0], weight[1], weight[2]}};
+}
+
 /* Tries one triangle; ties go to the smaller rank. */
-static void try_triangle(const smr_facets *f, const smr_query *q, uint32_t i, smr_hit *hit)
+static void try_triangle(const smr_facets *f, const smr_query *q, uint32_t i, smr_hit *hit, float widen, smr_near_list *list)
 {
     smr_vec n = smr_load(f->normal + 3u * (size_t)i);
     if (smr_dot(n, q->normal) < q->min_cos)
@@ -130,6 +149,8 @@ static void try_triangle(const smr_facets *f, const smr_query *q, uint32_t i, sm
     float weight[3];
     float d2 = smr_triangle_closest(q->point, smr_load(f->xyz + 3u * (size_t)t[0]),
                                     smr_load(f->xyz + 3u * (size_t)t[1]), smr_load(f->xyz + 3u * (size_t)t[2]), weight);
+    if (list != NULL && d2 < hit->d2 * widen)
+        note(list, i, d2, weight);
     if (d2 < hit->d2 || (d2 == hit->d2 && comes_first(f, i, hit->triangle))) {
         hit->d2 = d2;
         hit->triangle = i;
@@ -162,28 +183,29 @@ typedef struct visit {
     uint32_t level, index;
 } visit;
 
-void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit)
+/* widen: boxes are opened up to this share of the squared distance found; all triangles within go into the list. */
+static void search(const smr_facets *f, const smr_query *q, smr_hit *hit, float widen, smr_near_list *list)
 {
     visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0, opened = 0, ties = 0;
     if (f->n_levels == 0u || !(smr_dot(q->point, q->point) < SMR_FAR))
         return; /* no number, or so far off that empty boxes are near: a forged model's positions */
     if (q->warm < f->n_triangles)
-        try_triangle(f, q, q->warm, hit);
+        try_triangle(f, q, q->warm, hit, widen, NULL);
     stack[top++] = (visit){0.0f, f->n_levels - 1u, 0u};
     while (top > 0u && opened < q->node_budget) {
         const visit v = stack[--top];
-        if (v.d2 > hit->d2 || (v.d2 == hit->d2 && hit->triangle != SMR_ALL && ++ties > SMR_TIES))
+        if (v.d2 > hit->d2 * widen || (v.d2 == hit->d2 && hit->triangle != SMR_ALL && ++ties > SMR_TIES))
             continue;
         opened++;
         float d2[SMR_TREE_WIDTH];
-        uint32_t near = box_distances(&f->node[f->level[v.level] + v.index], q->point, hit->d2, d2);
+        uint32_t near = box_distances(&f->node[f->level[v.level] + v.index], q->point, hit->d2 * widen, d2);
         uint32_t base = v.index * SMR_TREE_WIDTH;
         if (v.level == 0u) {
             for (; near != 0u; near &= near - 1u) {
                 const uint32_t k = (uint32_t)__builtin_ctz(near);
-                if (d2[k] <= hit->d2 && base + k < f->n_triangles)
-                    try_triangle(f, q, base + k, hit);
+                if (d2[k] <= hit->d2 * widen && base + k < f->n_triangles)
+                    try_triangle(f, q, base + k, hit, widen, list);
             }
             continue;
         }
@@ -199,4 +221,29 @@ void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit)
             stack[at] = (visit){d2[k], v.level - 1u, base + k};
         }
     }
+}
+
+void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit) { search(f, q, hit, 1.0f, NULL); }
+
+void smr_tree_near(const smr_facets *f, const smr_query *q, smr_hit *hit, smr_near_list *list)
+{
+    list->n = 0;
+    search(f, q, hit, (1.0f + SMR_NEARLY) * (1.0f + SMR_NEARLY), list);
+    if (hit->triangle == SMR_ALL)
+        list->n = 0; /* what lies within reach of the search, but not in it */
+    const float distance = SMR_SQRT(hit->d2);
+    float total = 0.0f;
+    for (uint32_t i = 0; i < list->n; i++) {
+        smr_near *near = &list->item[i];
+        const float beyond = (SMR_SQRT(near->d2) - distance) / (SMR_NEARLY * distance);
+        const float above = smr_dot(smr_load(f->normal + 3u * (size_t)near->triangle), q->normal) - q->min_cos;
+        near->share = distance > 0.0f ? smr_clamp(1.0f - beyond, 0.0f, 1.0f) * smr_clamp(above / SMR_NORMAL_RAMP, 0.0f, 1.0f) : 0.0f;
+        total += near->share;
+    }
+    for (uint32_t i = 0; i < list->n; i++)
+        list->item[i].share /= total > 0.0f ? total : 1.0f;
+    if (total > 0.0f || hit->triangle == SMR_ALL)
+        return;
+    list->n = 1; /* it lies on the surface, or nothing looks its way enough */
+    list->item[0] = (smr_near){1.0f, hit->d2, hit->triangle, {hit->weight[0], hit->weight[1], hit->weight[2]}};
 }

@@ -59,6 +59,25 @@ typedef struct smr_hit {
 /* The closest acceptable point within hit->d2. hit is left as it was when there is none. */
 void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit);
 
+#define SMR_NEAR_MOST 24u /* triangles around a vertex, and some */
+
+/* The triangles that are nearest, or nearly. */
+typedef struct smr_near {
+    float share; /* 0 .. 1 */
+    float d2;
+    uint32_t triangle;
+    float weight[3];
+} smr_near;
+
+typedef struct smr_near_list {
+    uint32_t n; /* 0 when nothing was found */
+    smr_near item[SMR_NEAR_MOST];
+} smr_near_list;
+
+/* The same, and all acceptable triangles that are farther by less than a fifth, of more than SMR_NEAR_MOST the nearest. Their
+ * shares add up to 1 and fall to 0 there, so that it does not matter which of two is nearer by a last bit. */
+void smr_tree_near(const smr_facets *f, const smr_query *q, smr_hit *hit, smr_near_list *list);
+
 /* The point that weights name on a triangle. */
 smr_vec smr_facet_point(const smr_facets *f, uint32_t triangle, const float weight[3]);
 
