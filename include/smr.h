@@ -229,7 +229,7 @@ typedef struct smr_model_info {
     float radius_mm[SMR_RADII_MAX];
     float indexes_per_cluster[SMR_RADII_MAX];  /* stored: zeta+ and zeta- and roots, in the mean */
     float direct_per_cluster[SMR_RADII_MAX];   /* mean |zeta|: what direct sums would read */
-    uint32_t largest_cluster[SMR_RADII_MAX];
+    uint32_t largest_cluster[SMR_RADII_MAX];   /* vertices; of those within a micrometre beyond the radius half */
     uint32_t smallest_cluster[SMR_RADII_MAX];
     uint32_t n_blocks[SMR_RADII_MAX];
     uint32_t separate[SMR_RADII_MAX];          /* 1: clusters keep to their own structure */
@@ -413,7 +413,7 @@ typedef struct smr_tick_report {
     uint32_t n_active;            /* those of them that could receive an external force */
     uint32_t n_forces;            /* vertices that did */
     uint32_t n_rejected;          /* vertices with a target but no acceptable goal */
-    uint32_t n_guarded;           /* vertices moved by the fold guard: steps smoothed, or folds repaired */
+    uint32_t n_guarded;           /* vertices moved by the fold guard: held back, unfolded or repaired */
     uint32_t plastic_updates;     /* since the start */
     uint32_t done;                /* 1: the schedule is done; further ticks change nothing */
     uint32_t converged;           /* 1: done, and the last iteration moved no vertex by plastic_um */

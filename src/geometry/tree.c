@@ -5,6 +5,8 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/tree.h"
 
+#include <float.h>
+
 #include "geometry/triangle.h"
 
 uint32_t smr_tree_nodes(uint32_t n_triangles)
@@ -120,10 +122,10 @@ static int comes_first(const smr_facets *f, uint32_t i, uint32_t found)
     return f->rank[i] < f->rank[found];
 }
 
-#define SMR_NEARLY 0.2f      /* of the distance: what is so much farther is not near */
+#define SMR_NEARLY 0.1f      /* of the distance: what is so much farther is not near */
 #define SMR_NORMAL_RAMP 0.2f /* cosine above the least that is accepted: shares fall to 0 over it, too */
 
-/* Notes a triangle for smr_tree_near; where there is no room the farthest goes. */
+/* Notes a triangle for smr_tree_near; where there is no room the farthest goes, and what is as far from then on is not near. */
 static void note(smr_near_list *list, uint32_t triangle, float d2, const float weight[3])
 {
     uint32_t at = list->n;
@@ -132,6 +134,7 @@ static void note(smr_near_list *list, uint32_t triangle, float d2, const float w
         for (uint32_t i = 1; i < list->n; i++)
             if (list->item[i].d2 > list->item[at].d2)
                 at = i;
+        list->cut2 = smr_min(list->cut2, smr_max(list->item[at].d2, d2));
         if (list->item[at].d2 <= d2)
             return;
     } else
@@ -221,6 +224,8 @@ static void search(const smr_facets *f, const smr_query *q, smr_hit *hit, float 
             stack[at] = (visit){d2[k], v.level - 1u, base + k};
         }
     }
+    while (list != NULL && top > 0u) /* the budget is used up: what lies in boxes that stayed closed is not near */
+        list->cut2 = smr_min(list->cut2, stack[--top].d2);
 }
 
 void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit) { search(f, q, hit, 1.0f, NULL); }
@@ -228,22 +233,23 @@ void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit) { s
 void smr_tree_near(const smr_facets *f, const smr_query *q, smr_hit *hit, smr_near_list *list)
 {
     list->n = 0;
+    list->cut2 = FLT_MAX;
     search(f, q, hit, (1.0f + SMR_NEARLY) * (1.0f + SMR_NEARLY), list);
     if (hit->triangle == SMR_ALL)
         list->n = 0; /* what lies within reach of the search, but not in it */
-    const float distance = SMR_SQRT(hit->d2);
+    const float distance = SMR_SQRT(hit->d2), width = smr_min(SMR_NEARLY * distance, SMR_SQRT(list->cut2) - distance);
     float total = 0.0f;
     for (uint32_t i = 0; i < list->n; i++) {
         smr_near *near = &list->item[i];
-        const float beyond = (SMR_SQRT(near->d2) - distance) / (SMR_NEARLY * distance);
+        const float beyond = width > 0.0f ? (SMR_SQRT(near->d2) - distance) / width : 1.0f;
         const float above = smr_dot(smr_load(f->normal + 3u * (size_t)near->triangle), q->normal) - q->min_cos;
-        near->share = distance > 0.0f ? smr_clamp(1.0f - beyond, 0.0f, 1.0f) * smr_clamp(above / SMR_NORMAL_RAMP, 0.0f, 1.0f) : 0.0f;
+        near->share = smr_clamp(1.0f - beyond, 0.0f, 1.0f) * smr_clamp(above / SMR_NORMAL_RAMP, 0.0f, 1.0f);
         total += near->share;
     }
     for (uint32_t i = 0; i < list->n; i++)
         list->item[i].share /= total > 0.0f ? total : 1.0f;
     if (total > 0.0f || hit->triangle == SMR_ALL)
         return;
-    list->n = 1; /* it lies on the surface, or nothing looks its way enough */
+    list->n = 1; /* it lies on the surface, or others are as near, or nothing looks its way enough */
     list->item[0] = (smr_near){1.0f, hit->d2, hit->triangle, {hit->weight[0], hit->weight[1], hit->weight[2]}};
 }

@@ -71,11 +71,13 @@ typedef struct smr_near {
 
 typedef struct smr_near_list {
     uint32_t n; /* 0 when nothing was found */
+    float cut2; /* squared distance of the nearest that had no room, or that the budget left out */
     smr_near item[SMR_NEAR_MOST];
 } smr_near_list;
 
-/* The same, and all acceptable triangles that are farther by less than a fifth, of more than SMR_NEAR_MOST the nearest. Their
- * shares add up to 1 and fall to 0 there, so that it does not matter which of two is nearer by a last bit. */
+/* The same, and all acceptable triangles that are farther by less than a tenth, or than the first that SMR_NEAR_MOST or the
+ * node budget left out. Their shares add up to 1 and fall to 0 there, so that it does not matter which of two is nearer by a
+ * last bit. */
 void smr_tree_near(const smr_facets *f, const smr_query *q, smr_hit *hit, smr_near_list *list);
 
 /* The point that weights name on a triangle. */

@@ -74,7 +74,7 @@ typedef struct smr_image_radius {
     uint32_t reach;           /* float, mm: largest distance within a cluster from its own vertex */
     uint32_t separate;
     uint32_t n_blocks;
-    uint32_t largest;         /* vertices in the largest and the smallest cluster */
+    uint32_t largest;         /* vertices in the largest, with half of those of its rim that lie outside, and in the smallest cluster */
     uint32_t smallest;
     uint32_t mean;            /* float: mean |zeta| */
     uint32_t n_indexes;       /* in all lists */

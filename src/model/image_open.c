@@ -241,7 +241,9 @@ static int check_radius(const smr_model *m, const smr_image_radius *r, uint32_t 
     const uint32_t n_indexes = smr_le32(r->n_indexes);
     if (n_blocks == 0u || n_blocks > n || !section(m, r->at_blocks, (uint64_t)n_blocks + 1u, sizeof(smr_image_block)) ||
         !section(m, r->at_entries, n, 4u * (uint64_t)width) || !section(m, r->at_count, n, width) ||
-        !section(m, r->at_indexes, n_indexes, width) || !section(m, r->at_rim, smr_le32(r->n_rim), sizeof(smr_image_rim)) || !check_rim(m, r) || !floats_within(&r->radius, 1, FLT_MIN, SMR_COORD_MAX) ||
+        !section(m, r->at_indexes, n_indexes, width) ||
+        !section(m, r->at_rim, smr_le32(r->n_rim), sizeof(smr_image_rim)) || !check_rim(m, r) ||
+        !floats_within(&r->radius, 1, FLT_MIN, SMR_COORD_MAX) ||
         !floats_within(&r->reach, 1, 0.0f, 4.0f * SMR_COORD_MAX) || !floats_within(&r->mean, 1, 0.0f, 1.0e7f) ||
         smr_le32(r->largest) == 0u || smr_le32(r->largest) > n || smr_le32(r->active_min) == 0u ||
         smr_le32(r->active_min) > n)

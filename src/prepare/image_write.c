@@ -19,7 +19,7 @@ static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, con
                                 (uint32_t)l->at_count,
                                 (uint32_t)l->at_indexes,
                                 active_min,
-                                l->n_rim,
+                                (uint32_t)l->n_rim,
                                 (uint32_t)l->at_rim};
     for (uint32_t i = 0; i < 15u; i++)
         smr_put32(w, at + 4u * i, field[i]);

@@ -185,7 +185,7 @@ typedef struct smr_list_writer {
     uint32_t n_blocks;   /* blocks begun so far */
     uint32_t n_entries;
     uint32_t n_indexes;
-    uint32_t n_rim;
+    uint64_t n_rim;
     uint64_t n_members;  /* sum of |zeta| */
     uint32_t largest, smallest;
 } smr_list_writer;

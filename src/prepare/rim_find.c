@@ -34,7 +34,7 @@ static void put_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, fl
     if (add == 0 || (p->separate && p->owner[a] != p->owner[b]) || (smr_uses_ring(p, radius) && ring_neighbour(p, a, b)))
         return;
     const uint32_t field[3] = {p->stored[a], p->stored[b], (uint32_t)(add + SMR_RIM_UNITS / 2)};
-    const size_t at = l->at_rim + l->n_rim * sizeof(smr_image_rim);
+    const size_t at = l->at_rim + (size_t)l->n_rim * sizeof(smr_image_rim);
     for (uint32_t i = 0; i < 3u; i++)
         smr_put32(l->w, at + 4u * i, field[i]);
     l->n_rim++;
@@ -109,8 +109,11 @@ void smr_write_rim(smr_plan *p, smr_list_writer *l, float radius)
     const float half = smr_min(SMR_RIM_MM, SMR_RIM_SHARE * radius);
     l->at_rim = smr_put_section(l->w, 0);
     memset(p->rank, 0, p->n * sizeof *p->rank); /* nobody's number in a block any more: how many more it may hold */
-    for (uint32_t v = 0; v < p->n && p->config->distance != SMR_DISTANCE_GEODESIC; v++)
+    for (uint32_t v = 0; v < p->n && p->config->distance != SMR_DISTANCE_GEODESIC; v++) {
+        if (l->at_rim + l->n_rim * sizeof(smr_image_rim) > UINT32_MAX)
+            break; /* too large for an image, as smr_prepare will find */
         find(p, l, v, radius, half);
+    }
     l->w->used = l->at_rim + (size_t)l->n_rim * sizeof(smr_image_rim);
     for (uint32_t v = 0; v < p->n; v++) /* each of them with half its mass at most */
         l->largest = smr_max_u32(l->largest, p->count[v] + (p->rank[v] + 1u) / 2u);

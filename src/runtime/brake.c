@@ -144,20 +144,27 @@ static void move(smr *s, uint32_t from, uint32_t to)
     }
 }
 
-/* On to the next structure that folds, from b->part on. */
+/* The next structure that folds, from `part` on; n_parts for none. */
+static uint32_t folding_from(const smr *s, uint32_t part)
+{
+    while (part < s->n_parts && !s->part[part].folding)
+        part++;
+    return part;
+}
+
+/* On to the next structure that folds, from b->part on, and with the stage that comes next behind the last one. */
 static void next_part(smr *s, uint32_t stage)
 {
     smr_brake *b = &s->brake;
-    while (b->part < s->n_parts && !s->part[b->part].folding)
-        b->part++;
+    b->part = folding_from(s, b->part);
+    if (b->part == s->n_parts && stage == SMR_BRAKE_TOUCH) {
+        stage = SMR_BRAKE_MOVE;
+        b->part = folding_from(s, 0);
+    }
     b->stage = stage;
     if (b->part < s->n_parts)
         return;
     b->part = 0;
-    if (stage == SMR_BRAKE_TOUCH) {
-        next_part(s, SMR_BRAKE_MOVE);
-        return;
-    }
     b->stage = SMR_BRAKE_LOOK;
     b->round = b->most < SMR_ENOUGH && b->round < SMR_SOFT_ROUNDS ? SMR_SOFT_ROUNDS : b->round + 1u;
     b->most = 0.0f;

@@ -169,12 +169,12 @@ struct smr {
     /* written by guard */
     uint8_t *found;                        /* [n] 0 no target, 1 a goal, 2 none acceptable, 3 nor can the image tell */
     uint8_t *seen;                         /* [n] found, of the last complete forces */
-    uint8_t *guard;                        /* [n] 1: the vertex' step is smoothed, in this iteration */
+    uint8_t *guard;                        /* [n] not 0: its step is held back (brake.c), or it belongs to a repair (mend.c), in this iteration */
     uint8_t *held;                         /* [n] the most that its step was held back since the last radius began */
-    /* written by smooth and by guard, over record */
+    /* written by smooth, even and brake, over record */
     float *ring_sum;                       /* [n][3] sum over a vertex' mesh neighbours */
     float *ring_weight;                    /* [n] of that sum */
-    float *displaced;                      /* [n][3] even.c: from the rest shape in its pose */
+    float *displaced;                      /* [n][3] even.c: from the rest shape in its pose; brake.c: [0] the most that is asked */
     uint32_t n_folding;                    /* hinges found folding while repairing */
     uint32_t n_guarded;                    /* vertices so marked */
     smr_mend mend;

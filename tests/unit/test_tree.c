@@ -316,7 +316,7 @@ static int has(const smr_near_list *list, uint32_t triangle)
     return 0;
 }
 
-/* All acceptable triangles within a fifth beyond the closest, no shares beyond that, and the shares add up to 1. */
+/* All acceptable triangles within a tenth beyond the closest, no shares beyond that, and the shares add up to 1. */
 static void near_ones_are_all_of_them(void **state)
 {
     oracle_random r = oracle_seed(75);
@@ -338,20 +338,20 @@ static void near_ones_are_all_of_them(void **state)
             for (uint32_t i = 0; i < list.n; i++) {
                 const float d2 = distance2_of(&f, &q, list.item[i].triangle);
                 assert_true(d2 >= 0.0f && list.item[i].share >= 0.0f);
-                assert_true(d2 <= 1.4401f * hit.d2 || list.item[i].share == 0.0f);
+                assert_true(d2 <= 1.2101f * hit.d2 || list.item[i].share == 0.0f);
                 sum += list.item[i].share;
                 several += list.item[i].share > 0.0f && list.item[i].triangle != hit.triangle;
             }
             assert_true(list.n == 0u || fabsf(sum - 1.0f) < 1.0e-5f);
             for (uint32_t i = 0; i < m.nt && list.n > 1u && list.n < SMR_NEAR_MOST; i++) {
                 const float d2 = distance2_of(&f, &q, i);
-                assert_true(d2 < 0.0f || d2 > 1.4399f * hit.d2 || has(&list, i));
+                assert_true(d2 < 0.0f || d2 > 1.2099f * hit.d2 || has(&list, i));
             }
         }
         uproot(&f, triangles);
         unit_mesh_free(&m);
     }
-    assert_true(several > 500u);
+    assert_true(several > 300u);
 }
 
 /* From one sheet to another that lies opposite: the mean place goes there bit by bit, the closest one jumps. */
@@ -380,7 +380,7 @@ static void near_ones_take_over_gradually(void **state)
         last = mean;
     }
     assert_true(fabsf(last - 10.0f) < 1.0e-4f); /* it has arrived, */
-    assert_true(jump < 0.03f);                  /* by steps of a 700th of the way at most */
+    assert_true(jump < 0.06f);                  /* by steps of a 300th of the way at most */
     uproot(&f, triangles);
     unit_mesh_free(&m);
 }
