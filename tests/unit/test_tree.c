@@ -385,6 +385,46 @@ static void near_ones_take_over_gradually(void **state)
     unit_mesh_free(&m);
 }
 
+/* However few nodes may be opened, the nearest that is known has its share; and where more are near than the list holds, who
+ * has room is no matter of last bits. */
+static void near_ones_end_where_room_or_budget_do(void **state)
+{
+    oracle_random r = oracle_seed(76);
+    unit_mesh m = unit_grid(60, 60, 2.0f);
+    uint32_t *triangles, full = 0;
+    (void)state;
+    for (uint32_t i = 0; i < m.nv; i++)
+        m.xyz[3u * (size_t)i + 2u] = oracle_uniformf(&r, -0.2f, 0.2f);
+    smr_facets f = plant(&m, &triangles);
+    for (uint32_t k = 0; k < 400u; k++) {
+        smr_query q = {smr_v(oracle_uniformf(&r, 20, 100), oracle_uniformf(&r, 20, 100), k % 2u == 0u ? 10.0f : 20.0f),
+                       smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_ALL};
+        smr_hit closest = {1.0e12f, SMR_ALL, {0, 0, 0}}, hit = closest;
+        smr_near_list list;
+        float most = 0.0f;
+        smr_tree_near(&f, &q, &closest, &list);
+        if (list.n == SMR_NEAR_MOST) {
+            full++;
+            for (uint32_t i = 0; i < list.n; i++) /* the farthest in the list is about to leave it */
+                most = fmaxf(most, list.item[i].d2);
+            for (uint32_t i = 0; i < list.n; i++)
+                assert_true(list.item[i].d2 < most || list.item[i].share < 0.05f);
+            assert_true(list.cut2 >= most);
+        }
+        q.node_budget = 8;
+        q.warm = closest.triangle;
+        smr_tree_near(&f, &q, &hit, &list);
+        assert_int_equal(closest.triangle, hit.triangle);
+        float nearest = 0.0f;
+        for (uint32_t i = 0; i < list.n; i++)
+            nearest = list.item[i].triangle == hit.triangle ? list.item[i].share : nearest;
+        assert_true(nearest > 0.0f);
+    }
+    assert_true(full > 100u);
+    uproot(&f, triangles);
+    unit_mesh_free(&m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -394,6 +434,7 @@ int main(void)
         cmocka_unit_test(refit_follows_the_mesh), cmocka_unit_test(shape_adds_up),
         cmocka_unit_test(points_that_are_nowhere),
         cmocka_unit_test(near_ones_are_all_of_them), cmocka_unit_test(near_ones_take_over_gradually),
+        cmocka_unit_test(near_ones_end_where_room_or_budget_do),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
