@@ -313,7 +313,9 @@ typedef struct smr_config {
     uint32_t similarity;         /* SMR_SIMILARITY_...: normalised cross-correlation, sum of squared differences, or (default)
                                     concordance: a correlation that other contrast than the reference's lowers, and other
                                     brightness a little */
-    float confidence;            /* [0,1], default 0.4: goals of profile and edge that together are believed no more than this
+    float sideways;              /* [0,1], default 0.5: so much of the way along the surface on which the image becomes like the
+                                    profile is added to the goal on the normal; 0: goals lie on the normal, as in the paper */
+    float confidence;            /* [0,1], default 0.3: goals of profile and edge that together are believed no more than this
                                     give no force; 1: none does */
     float smoothing;             /* [0,1], default 1: a vertex without such a goal is drawn so far towards the middle of its
                                     mesh neighbours. Not where the image cannot tell: no profile, or the search leaves the
@@ -340,7 +342,7 @@ typedef struct smr_config {
     float active_share;          /* [0,1], default 1: share of the vertices */
     float active_first;          /* [0,1], default 1: below active_share, the share at the schedule's start; from there it
                                     grows evenly to active_share at the end */
-    uint32_t active_enough;      /* 0..1e6, default 20: with an image, so many active vertices in the smallest cluster are
+    uint32_t active_enough;      /* 0..1e6, default 30: with an image, so many active vertices in the smallest cluster are
                                     enough, about (whole levels are taken), and 1,000 of the whole model; at large radii
                                     most are then ignored. 0: active_share alone decides */
 

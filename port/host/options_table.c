@@ -41,6 +41,7 @@ const host_option host_option_table[] = {
     {"--search", HOST_REGISTER, HOST_KIND_SPAN, FIELD(search), 0, COORD, 0, 0, NULL, 0},
     {"--gradient", HOST_REGISTER, HOST_KIND_SPAN, FIELD(gradient), 0, HOST_IMAGE_SEARCH_MAX, 0, 0, NULL, HOST_FOR_IMAGES},
     {"--similarity", HOST_REGISTER, HOST_KIND_WORD, FIELD(config.similarity), 0, 0, 0, 0, "ncc|ssd|concordance", HOST_FOR_IMAGES},
+    {"--sideways", HOST_REGISTER, HOST_KIND_FLOAT, FIELD(config.sideways), 0, 1, 0, 0, NULL, HOST_FOR_IMAGES},
     {"--confidence", HOST_REGISTER, HOST_KIND_FLOAT, FIELD(config.confidence), 0, 1, 0, 0, NULL, HOST_FOR_IMAGES},
     {"--normal-angle", HOST_REGISTER, HOST_KIND_FLOAT, FIELD(config.normal_deg), 0, 180, 1, 0, NULL, HOST_FOR_SURFACES},
     {"--stiffness", HOST_REGISTER, HOST_KIND_FLOAT, FIELD(config.stiffness), 0, 1, 1, 0, NULL, 0},

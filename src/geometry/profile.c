@@ -15,6 +15,7 @@
 #define SMR_DISTINCT_MIN 0.2f
 #define SMR_EDGE_NEAR 3u        /* samples around the surface in which the reference's edge is looked for */
 #define SMR_EDGE_MIN 0.08f      /* of the profile's range per sample: weaker is no edge */
+#define SMR_STEEP 3.0f          /* times the reference's slope: edges steeper than that count less */
 
 static const smr_peak none = {0.0f, 0.0f};
 
@@ -170,10 +171,13 @@ static smr_peak peak_of(const float *score, uint32_t offsets, float *scratch)
     return peak;
 }
 
-smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32_t n, const float *line,
-                           const unsigned char *inside, uint32_t m, const smr_likeness *how)
+smr_peak smr_profile_match(const smr_profile *reference, const float *line, const unsigned char *inside, uint32_t m,
+                           const smr_likeness *how)
 {
     const int level_counts = how->kind != SMR_SIMILARITY_NCC;
+    const uint8_t *const packed = reference->value;
+    const float low = reference->low, range = reference->range;
+    const uint32_t n = reference->n;
     float ref[SMR_PROFILE_MAX], centred[SMR_LINE_MAX + SMR_WIDTH], score[SMR_LINE_MAX + SMR_WIDTH];
     if (!(range > 0.0f) || m < n || n < 3u || n > SMR_PROFILE_MAX || m > SMR_LINE_MAX)
         return none;
@@ -209,56 +213,77 @@ static float slope_at(const uint8_t *packed, uint32_t k)
     return ((float)packed[k + 1u] - (float)packed[k - 1u]) * (0.5f / 255.0f);
 }
 
-/* The reference's strongest edge near its surface: *edge is its slope, whose size is the measure and whose sign the polarity.
- * Returns how many samples, and parts of one, it lies beyond the surface. */
-static float own_edge(const uint8_t *packed, uint32_t n, uint32_t zero, float *edge)
+/* The reference's own edge. */
+typedef struct edge {
+    float slope;  /* its size is the measure, its sign the polarity; 0: there is none */
+    float level;  /* brightness at its steepest sample, in units of the profile's range */
+    float beyond; /* samples, and parts of one, that it lies beyond the surface */
+} edge;
+
+/* The strongest one near the reference's surface. */
+static edge own_edge(const uint8_t *packed, uint32_t n, uint32_t zero)
 {
+    edge own = {0.0f, 0.0f, 0.0f};
     uint32_t at = 0;
-    *edge = 0.0f;
     for (uint32_t k = 1; k + 1u < n; k++) {
         const float slope = slope_at(packed, k);
-        if ((k > zero ? k - zero : zero - k) <= SMR_EDGE_NEAR && smr_abs(slope) > smr_abs(*edge)) {
-            *edge = slope;
+        if ((k > zero ? k - zero : zero - k) <= SMR_EDGE_NEAR && smr_abs(slope) > smr_abs(own.slope)) {
+            own.slope = slope;
             at = k;
         }
     }
-    float part = 0.0f;
+    own.level = (float)packed[at] * (1.0f / 255.0f);
+    own.beyond = (float)at - (float)zero;
     if (at >= 2u && at + 2u < n)
-        part = refine(slope_at(packed, at - 1u) / *edge, slope_at(packed, at) / *edge, slope_at(packed, at + 1u) / *edge);
-    return (float)at + part - (float)zero;
+        own.beyond += refine(slope_at(packed, at - 1u) / own.slope, slope_at(packed, at) / own.slope, slope_at(packed, at + 1u) / own.slope);
+    return own;
 }
 
-smr_peak smr_profile_edge(const uint8_t *packed, float range, uint32_t n, uint32_t zero, const float *line,
-                          const unsigned char *inside, uint32_t m, uint32_t centre, uint32_t reach)
+/* What an edge is worth that is `steep` times as steep as the reference's and `lighter` by so many of its ranges. Half as steep
+ * is as good as the reference's own; much steeper ones are somebody else's (bone next to a muscle in CT). */
+static float edge_worth(float steep, float lighter)
 {
-    if (!(range > 0.0f) || n < 3u)
+    const float over = steep * (1.0f / SMR_STEEP);
+    return 2.0f * steep / ((1.0f + over * over) * (1.0f + lighter * lighter));
+}
+
+static int all_inside(const unsigned char *inside, uint32_t n)
+{
+    uint32_t missing = 0;
+    for (uint32_t k = 0; k < n; k++)
+        missing += !inside[k];
+    return missing == 0u;
+}
+
+smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside, uint32_t m,
+                          uint32_t centre, uint32_t reach)
+{
+    const float range = reference->range;
+    if (!(range > 0.0f) || reference->n < 3u)
         return none;
-    float edge = 0.0f;
-    const float miss = own_edge(packed, n, zero, &edge);
-    if (smr_abs(edge) < SMR_EDGE_MIN)
+    const edge own = own_edge(reference->value, reference->n, zero);
+    if (smr_abs(own.slope) < SMR_EDGE_MIN)
         return none;
-    const uint32_t first = centre > reach ? centre - reach : 1u;
+    const uint32_t first = smr_max_u32(centre > reach ? centre - reach : 1u, 2u);
     const uint32_t last = smr_min_u32(centre + reach, m - 2u);
-    const float scale = 0.5f / (range * edge);
-    float best = 0.0f, slopes[3] = {0, 0, 0};
+    const float scale = 0.5f / (range * own.slope);
+    float best = 0.0f;
     uint32_t at = 0;
-    for (uint32_t k = smr_max_u32(first, 2u); k <= last && k + 2u < m; k++) {
-        const float slope = (line[k + 1u] - line[k - 1u]) * scale;
-        if (!(slope > best)) /* nor is it when it counts less for being away */
-            continue;
-        if (!inside[k - 2u] || !inside[k - 1u] || !inside[k] || !inside[k + 1u] || !inside[k + 2u])
+    for (uint32_t k = first; k <= last && k + 2u < m; k++) {
+        const float steep = (line[k + 1u] - line[k - 1u]) * scale;
+        if (!(steep > 0.0f) || !all_inside(inside + k - 2u, 5u))
             continue;
         const float away = (float)(k > centre ? k - centre : centre - k) / (float)(reach + 1u);
-        if (slope * (1.0f - 0.5f * away) > best) {
-            best = slope * (1.0f - 0.5f * away);
+        const float worth = edge_worth(steep, (line[k] - reference->low) / range - own.level) * (1.0f - 0.5f * away);
+        if (worth > best) {
+            best = worth;
             at = k;
-            slopes[0] = (line[k] - line[k - 2u]) / (range * edge);
-            slopes[1] = (line[k + 1u] - line[k - 1u]) / (range * edge);
-            slopes[2] = (line[k + 2u] - line[k]) / (range * edge);
         }
     }
     if (!(best > 0.0f))
         return none;
-    const smr_peak peak = {(float)at + refine(slopes[0], slopes[1], slopes[2]) - miss, smr_min(best, 1.0f)};
+    const float *const l = line + at;
+    const float part = refine((l[0] - l[-2]) * scale, (l[1] - l[-1]) * scale, (l[2] - l[0]) * scale);
+    const smr_peak peak = {(float)at + part - own.beyond, smr_min(best, 1.0f)};
     return peak;
 }

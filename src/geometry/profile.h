@@ -14,6 +14,13 @@ typedef struct smr_peak {
     float confidence;
 } smr_peak;
 
+/* A reference profile as it is compared: sample k is low + value[k] * range / 255. */
+typedef struct smr_profile {
+    const uint8_t *value;
+    float low, range;
+    uint32_t n;
+} smr_profile;
+
 /* Packs n samples into bytes between their minimum and maximum. low, range: value = low + byte * range / 255. range is 0
  * when the profile is flat or not all of it is inside: such a profile never gives a goal. */
 void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t n, uint8_t *packed, float *low, float *range);
@@ -26,12 +33,12 @@ typedef struct smr_likeness {
 } smr_likeness;
 
 /* The offset 0 .. m - n at which the n samples of the reference fit the line best. low and range matter but for correlation. */
-smr_peak smr_profile_match(const uint8_t *packed, float low, float range, uint32_t n, const float *line,
-                           const unsigned char *inside, uint32_t m, const smr_likeness *how);
+smr_peak smr_profile_match(const smr_profile *reference, const float *line, const unsigned char *inside, uint32_t m,
+                           const smr_likeness *how);
 
-/* The strongest edge of the reference's polarity within `reach` samples of line sample `centre`; the reference's own
- * strongest edge lies near its sample `zero`, and the goal is moved by as much as it misses it. */
-smr_peak smr_profile_edge(const uint8_t *packed, float range, uint32_t n, uint32_t zero, const float *line,
-                          const unsigned char *inside, uint32_t m, uint32_t centre, uint32_t reach);
+/* The edge within `reach` samples of line sample `centre` that is most like the reference's own, which is its strongest one
+ * near its sample `zero`; the goal is moved by as much as that one misses `zero`. */
+smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside, uint32_t m,
+                          uint32_t centre, uint32_t reach);
 
 #endif

@@ -20,7 +20,8 @@ smr_config smr_config_default(void)
     c.profile_radii = 0.5f;
     c.gradient_mm = 5.0f;
     c.similarity = SMR_SIMILARITY_CONCORDANCE;
-    c.confidence = 0.4f;
+    c.sideways = 0.5f;
+    c.confidence = 0.3f;
     c.smoothing = 1.0f;
     c.method = SMR_METHOD_RIGID;
     c.relaxation = 1.0f;
@@ -33,7 +34,7 @@ smr_config smr_config_default(void)
     c.radius_last = SMR_ALL;
     c.active_share = 1.0f;
     c.active_first = 1.0f;
-    c.active_enough = 20;
+    c.active_enough = 30;
     c.iterations = 9;
     c.iterations_last = 60;
     return c;
@@ -44,7 +45,7 @@ smr_config smr_config_default_image(void)
 {
     smr_config c = smr_config_default();
     c.profile_mm = 30.0f;
-    c.profile_end_mm = 3.0f;
+    c.profile_end_mm = 2.0f;
     c.gradient_mm = 5.0f;
     c.gradient_end_mm = 2.0f;
     c.momentum = 0.7f;
@@ -75,7 +76,7 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
     if (!between(c->profile_mm, 0.0f, 60.0f) || !between(c->profile_end_mm, 0.0f, 60.0f) ||
         !between(c->profile_radii, FLT_MIN, 1.0e6f) ||
         !between(c->gradient_mm, 0.0f, 60.0f) || !between(c->gradient_end_mm, 0.0f, 60.0f) ||
-        c->similarity > SMR_SIMILARITY_CONCORDANCE || !between(c->confidence, 0.0f, 1.0f) ||
+        c->similarity > SMR_SIMILARITY_CONCORDANCE || !between(c->sideways, 0.0f, 1.0f) || !between(c->confidence, 0.0f, 1.0f) ||
         !between(c->smoothing, 0.0f, 1.0f))
         return SMR_E_CONFIG;
     if (c->method > SMR_METHOD_POLAR || !between(c->relaxation, FLT_MIN, 1.0f) || !between(c->momentum, 0.0f, 0.99f) || !between(c->momentum_last, 0.0f, 0.99f) || !between(c->plastic_um, 0.0f, 1.0e8f) ||

@@ -1,25 +1,30 @@
 /* image_force.c: goals in the target image (paper 2.1): the intensity profile of the reference is sought along the normal
  * within one distance, the strongest edge of the reference's polarity within another; both goals are averaged by their
- * confidence. Search distances fall linearly with the schedule.
- * Bounds: SMR_LINE_MAX samples a vertex, and as many offsets of SMR_PROFILE_MAX multiply-adds.
+ * confidence. There the image may tell, too, that the profile fits better a little to the side (geometry/sideways.c). Search
+ * distances fall linearly with the schedule.
+ * Bounds: SMR_LINE_MAX + 4 SMR_PROFILE_MAX samples a vertex, and SMR_LINE_MAX offsets of SMR_PROFILE_MAX multiply-adds.
  * SPDX-License-Identifier: MIT */
 #include "runtime/image_force.h"
 
 #include "geometry/profile.h"
+#include "geometry/sideways.h"
 #include "runtime/log.h"
 
 #define SMR_LONG 16.0f   /* samples: beyond such a search distance every SMR_HOP-th sample tells as much */
 #define SMR_HOP 2u
 #define SMR_NEARER 0.005f /* score lost per mm of search distance at its ends */
-#define SMR_NOISE 0.1f   /* of the model's mean profile range: contrast below is none */
+#define SMR_NOISE 0.1f   /* of a structure's mean profile range: contrast below is none */
+#define SMR_SIDE_VOXELS 0.5f /* how far to the side the image is looked at, in mean voxels, */
+#define SMR_SIDE_SHARE 0.25f /* or, when that is farther, as a share of the search distance */
 
-/* What contrast counts as none: a share of what profiles of the model have in the mean. */
-static float noise_of(const smr_model *m)
+/* What contrast counts as none: a share of what the structure's profiles have in the mean. */
+static float noise_of(const smr_model *m, const smr_part *part)
 {
-    const uint32_t *ranges = smr_at(m, m->at_ranges), n = smr_le32(m->n_vertices);
+    const uint32_t *ranges = smr_at(m, m->at_ranges);
     float sum = 0.0f, count = 0.0f;
-    for (uint32_t v = 0; v < n; v++) {
-        const float range = smr_le_float(ranges[2u * (size_t)v + 1u]);
+    for (uint32_t i = 0; i < part->n_vertices; i++) {
+        const size_t v = smr_model_position(m, part->first_vertex + i);
+        const float range = smr_le_float(ranges[2u * v + 1u]);
         sum += range;
         count += range > 0.0f ? 1.0f : 0.0f;
     }
@@ -38,7 +43,8 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
         if (status != SMR_OK)
             return status;
         s->grid = grid;
-        s->noise = noise_of(s->model);
+        for (uint32_t k = 0; k < s->n_parts; k++)
+            s->part[k].noise = noise_of(s->model, &s->part[k]);
     }
     if (volume == NULL && !s->has_grid)
         return SMR_OK;
@@ -129,6 +135,34 @@ void smr_image_ahead(const smr *s, uint32_t v)
         smr_grid_ahead(&s->grid, l.start, l.step, l.n);
 }
 
+/* The way across the normal from the goal `offset` samples along it. value: the reference's samples, of which as many are
+ * looked at as in a long search. */
+static smr_vec side_way(const smr *s, uint32_t v, const reference_profile *r, const uint8_t *value, const search_line *l,
+                        const float *line, const unsigned char *inside, float offset)
+{
+    const uint32_t hop = SMR_HOP / r->hop, n = smr_ceil_div(r->n, hop);
+    const float first = (float)(l->before - r->inward) + offset, *spacing = s->grid.volume.spacing;
+    const float voxel = (spacing[0] + spacing[1] + spacing[2]) * (1.0f / 3.0f);
+    uint8_t some[SMR_PROFILE_MAX];
+    float found[SMR_PROFILE_MAX];
+    if (!(s->config.sideways > 0.0f) || !(first >= 0.0f && first + (float)r->n < (float)l->n))
+        return smr_v(0, 0, 0);
+    const uint32_t whole = (uint32_t)first;
+    const float part = first - (float)whole;
+    for (uint32_t k = 0; k < n; k++) {
+        const uint32_t at = whole + k * hop;
+        if (!inside[at] || !inside[at + 1u])
+            return smr_v(0, 0, 0);
+        found[k] = line[at] + part * (line[at + 1u] - line[at]);
+        some[k] = value[k * hop];
+    }
+    const smr_profile reference = {some, r->low, r->range, n};
+    const smr_place place = {&reference, smr_add(l->start, smr_scale(l->step, first)), smr_scale(l->step, (float)hop),
+                             smr_load(smr_at3(s->normal, v)), found, s->part[smr_model_owner(s->model, v)].noise,
+                             smr_max(SMR_SIDE_VOXELS * voxel, SMR_SIDE_SHARE * s->profile_mm)};
+    return smr_scale(smr_sideways(&s->grid, &place), s->config.sideways);
+}
+
 int smr_image_goal(const smr *s, uint32_t v, smr_vec *way)
 {
     const float profile_mm = sought_mm(s, v);
@@ -143,15 +177,16 @@ int smr_image_goal(const smr *s, uint32_t v, smr_vec *way)
     const int whole = smr_grid_line(&s->grid, l.start, l.step, l.n, line, inside) == l.n;
     smr_peak match = {0, 0}, edge = {0, 0};
     const uint32_t first = l.before - l.reach - r.inward;
-    const smr_likeness how = {s->config.similarity, s->noise, SMR_NEARER * profile_mm};
+    const smr_profile reference = {value, r.low, r.range, r.n};
+    const smr_likeness how = {s->config.similarity, s->part[smr_model_owner(s->model, v)].noise, SMR_NEARER * profile_mm};
     if (l.reach > 0u)
-        match = smr_profile_match(value, r.low, r.range, r.n, line + first, inside + first, r.n + 2u * l.reach, &how);
+        match = smr_profile_match(&reference, line + first, inside + first, r.n + 2u * l.reach, &how);
     if (l.edge_reach > 0u)
-        edge = smr_profile_edge(value, r.range, r.n, r.inward, line, inside, l.n, l.before, l.edge_reach);
+        edge = smr_profile_edge(&reference, r.inward, line, inside, l.n, l.before, l.edge_reach);
     const float total = match.confidence + edge.confidence;
     if (!(smr_min(total, 1.0f) > s->config.confidence))
         return whole && varies(line, l.n) ? SMR_NO_GOAL : SMR_UNSEEN;
     const float offset = (match.confidence * (match.at - (float)l.reach) + edge.confidence * (edge.at - (float)l.before)) / total;
-    *way = smr_scale(l.step, offset);
+    *way = smr_add(smr_scale(l.step, offset), side_way(s, v, &r, value, &l, line, inside, offset));
     return SMR_GOAL;
 }

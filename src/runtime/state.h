@@ -37,6 +37,7 @@ typedef struct smr_part {
     uint32_t seen, looked;                 /* vertices that had a goal in the last iteration, and those of which the image can tell */
     smr_box box;                           /* of its vertices */
     float wide_mm;                         /* profiles of a structure that is hardly seen are sought so far, if that is farther */
+    float noise;                           /* intensity: contrast below it counts as none in its profiles */
 } smr_part;
 
 /* A distinct target surface and the structures that share it. */
@@ -140,7 +141,6 @@ struct smr {
     /* targets */
     uint32_t has_grid;                     /* 1: structures without a surface follow the image */
     smr_grid grid;
-    float noise;                           /* intensity: contrast of profiles below it counts as none */
     smr_part *part;                        /* [n_parts] */
     smr_goal *goal;                        /* [n_parts] */
     uint32_t *target_warm;                 /* [n_target_vertices] last closest triangle of the model */

@@ -90,10 +90,10 @@ refused "three files of landmarks" "--landmarks" $reg $image4 --landmarks five.c
 refused "--smoothing without landmarks" "--smoothing" $reg $image4 --smoothing 5
 refused "--smoothing of a fit that is no spline" "--smoothing" $reg $image4 --landmarks five.csv five_to.csv --align rigid --smoothing 5
 refused "--smoothing -1" "--smoothing" $reg $image4 --landmarks five.csv five_to.csv --smoothing -1
-for option in "--gradient 3" "--similarity ssd" "--confidence 0.2" "--search 9,1" "--profile-samples 20" "--profile-step 1"; do
+for option in "--gradient 3" "--similarity ssd" "--confidence 0.2" "--sideways 0.2" "--search 9,1" "--profile-samples 20" "--profile-step 1"; do
     refused "$option for a surface" "${option%% *}" $reg --target target.ply $option
 done
-for option in "--gradient 61" "--gradient 3,-1" "--gradient 3," "--gradient 1,2,3" "--search 9,61" "--similarity sad" "--confidence 1.1" \
+for option in "--gradient 61" "--gradient 3,-1" "--gradient 3," "--gradient 1,2,3" "--search 9,61" "--similarity sad" "--confidence 1.1" "--sideways 1.1" \
     "--profile-samples 2" "--profile-samples 65" "--profile-step 0" "--profile-step nan" "--profile-inward 1.5"; do
     refused "$option" "${option%% *}" $reg $image4 $option
 done
@@ -130,8 +130,9 @@ differs() {
     rm -rf changed
 }
 differs "few vertices take part" --active 0.3 --active-enough 0
+differs "goals on the normals" --sideways 0
 differs "few vertices at the start" --active-first 0.3 --active-enough 0
-check "the defaults of both shares" has_status 0 "$SMR" register --model bone.smr --target pat.mha -o shares --active 1 --active-first 1 --active-enough 20
+check "the defaults of both shares" has_status 0 "$SMR" register --model bone.smr --target pat.mha -o shares --active 1 --active-first 1 --active-enough 30
 check "change nothing" cmp image/bone.ply shares/bone.ply
 for threads in 1 3; do
     "$SMR" register --model bone.smr --target pat.mha -o threads --quiet --threads $threads

@@ -148,6 +148,8 @@ static void test_every_field(void **state)
     REFUSE_FLOAT(attraction);
     REFUSE(attraction, 1.001f);
     REFUSE_FLOAT(slide);
+    REFUSE_FLOAT(sideways);
+    REFUSE(sideways, 1.001f);
     REFUSE(slide, 1.001f);
     REFUSE_FLOAT(even);
     REFUSE(even, 1.001f);

@@ -73,6 +73,7 @@ static void test_limits(void **state)
     REFUSE(n_target_vertices, SMR_VERTICES_MAX + 1u);
     LIMITS(stiffness, 1.0e-6f, 1.0f, 0.0f, nextafterf(1.0f, 2.0f));
     LIMITS(attraction, 0.0f, 1.0f, nextafterf(0.0f, -1.0f), nextafterf(1.0f, 2.0f));
+    LIMITS(sideways, 0.0f, 1.0f, nextafterf(0.0f, -1.0f), nextafterf(1.0f, 2.0f));
     LIMITS(slide, 0.0f, 1.0f, nextafterf(0.0f, -1.0f), nextafterf(1.0f, 2.0f));
     LIMITS(even, 0.0f, 1.0f, nextafterf(0.0f, -1.0f), nextafterf(1.0f, 2.0f));
     LIMITS(search_mm, 1.0e-6f, SMR_COORD_MAX, 0.0f, nextafterf(SMR_COORD_MAX, 1.0e9f));

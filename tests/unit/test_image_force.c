@@ -99,6 +99,62 @@ static void test_follows_image(void **state)
     }
 }
 
+/* The image of a ball with waves inside and outside, turned about z: only the waves tell by how much. */
+static smr_volume turned_image(double angle)
+{
+    smr_volume v = image(RADIUS, none);
+    float *voxels = rig_alloc(SIDE * SIDE * SIDE * sizeof *voxels);
+    memcpy(voxels, v.voxels, SIDE * SIDE * SIDE * sizeof *voxels);
+    for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const double x = (double)(v.origin[0] + SPACING * (float)(i % SIDE));
+        const double y = (double)(v.origin[1] + SPACING * (float)(i / SIDE % SIDE));
+        const double back_x = cos(angle) * x + sin(angle) * y, back_y = cos(angle) * y - sin(angle) * x;
+        voxels[i] += (float)(250.0 * (sin(0.15 * back_x) + cos(0.17 * back_y)));
+    }
+    v.voxels = voxels;
+    return v;
+}
+
+/* Mean distance of the vertices from where they would be if the model had turned, too. */
+static double off_turned(const smr *s, const smr_model *model, const float *before, double angle)
+{
+    const float *x = rig_positions(s, model);
+    double sum = 0.0;
+    for (uint32_t i = 0; i < s->n; i++) {
+        const double to[3] = {cos(angle) * (double)before[3u * i] - sin(angle) * (double)before[3u * i + 1u],
+                              sin(angle) * (double)before[3u * i] + cos(angle) * (double)before[3u * i + 1u], (double)before[3u * i + 2u]};
+        double d2 = 0.0;
+        for (uint32_t a = 0; a < 3u; a++)
+            d2 += ((double)x[3u * i + a] - to[a]) * ((double)x[3u * i + a] - to[a]);
+        sum += sqrt(d2);
+    }
+    return sum / s->n;
+}
+
+/* A ball that turned: along its normals there is nothing to be seen of it. */
+static void test_turns(void **state)
+{
+    static const double angle = 0.12; /* 3.6 mm at the equator */
+    const smr_volume reference = turned_image(0.0), target = turned_image(angle);
+    const smr_model *model = ball_model(&reference);
+    double off[2] = {0.0, 0.0}, start = 0.0;
+    (void)state;
+    for (uint32_t k = 0; k < 2u; k++) {
+        smr_config c = smr_config_default_image();
+        c.sideways = k == 0u ? 0.0f : 0.5f;
+        smr *s = rig_init(model, &c, NULL);
+        const float *before = rig_positions(s, model);
+        start = off_turned(s, model, before, angle);
+        assert_int_equal(SMR_OK, smr_set_volume(s, &target));
+        assert_int_equal(1, rig_run(s, 10000).done);
+        off[k] = off_turned(s, model, before, angle);
+    }
+    if (!(off[0] > 0.9 * start && off[1] < 0.3 * start)) {
+        print_error("%f mm off at the start, %f without sideways goals, %f with them\n", start, off[0], off[1]);
+    }
+    assert_true(off[0] > 0.9 * start && off[1] < 0.3 * start);
+}
+
 /* Whatever a volume may hold, the model that is prepared with it can be opened. */
 static void test_extreme_reference(void **state)
 {
@@ -359,7 +415,7 @@ static void test_structure_report(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_follows_image, tidy), cmocka_unit_test_teardown(test_extreme_reference, tidy),
+        cmocka_unit_test_teardown(test_follows_image, tidy), cmocka_unit_test_teardown(test_turns, tidy), cmocka_unit_test_teardown(test_extreme_reference, tidy),
         cmocka_unit_test_teardown(test_needs_profiles, tidy), cmocka_unit_test_teardown(test_refused, tidy),
         cmocka_unit_test_teardown(test_image_elsewhere, tidy), cmocka_unit_test_teardown(test_equal_bits, tidy),
         cmocka_unit_test_teardown(test_take_away, tidy), cmocka_unit_test_teardown(test_surface_first, tidy),

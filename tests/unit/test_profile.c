@@ -32,6 +32,8 @@ typedef struct packed_profile {
     float low, range;
 } packed_profile;
 
+#define VIEW(p) (&(const smr_profile){(p).byte, (p).low, (p).range, N})
+
 static packed_profile pack(const float *value)
 {
     packed_profile p;
@@ -101,9 +103,9 @@ static void test_flat(void **state)
         assert_true(p.range == 0.0f);
         line_of(0, 20, 1, 0, line, inside);
         for (int ssd = 0; ssd < 2; ssd++) {
-            assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[ssd]).confidence == 0.0f);
+            assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[ssd]).confidence == 0.0f);
         }
-        assert_true(smr_profile_edge(p.byte, p.range, N, 15, line, inside, M, 35, 10).confidence == 0.0f);
+        assert_true(smr_profile_edge(VIEW(p), 15, line, inside, M, 35, 10).confidence == 0.0f);
     }
     for (float scale = 1.0e-30f; scale > 0.0f; scale *= 0.1f) { /* as good as flat: 255 / range would be infinite */
         float value[N];
@@ -121,8 +123,8 @@ static void test_flat(void **state)
             line[i] = level[k];
             inside[i] = 1;
         }
-        assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[0]).confidence == 0.0f);
-        assert_true(smr_profile_edge(p.byte, p.range, N, 14, line, inside, M, 35, 10).confidence == 0.0f);
+        assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[0]).confidence == 0.0f);
+        assert_true(smr_profile_edge(VIEW(p), 14, line, inside, M, 35, 10).confidence == 0.0f);
     }
 }
 
@@ -139,7 +141,7 @@ static void test_shifts(void **state)
         unsigned char inside[M];
         /* the fourth light is the same as the reference's, by squared differences */
         line_of(kind, shift, light < 3u ? gains[light] : 1.0f, light < 3u ? adds[light] : 0.0f, line, inside);
-        const smr_peak peak = smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[light == 3u]);
+        const smr_peak peak = smr_profile_match(VIEW(p), line, inside, M, &likeness[light == 3u]);
         assert_true(peak.confidence > 0.1f && peak.confidence <= 1.0f);
         assert_true(fabsf(peak.at - shift) < 0.1f);
     }
@@ -153,8 +155,8 @@ static void test_ssd_sees_level(void **state)
     unsigned char inside[M];
     (void)state;
     line_of(2, 20, 1.0f, 30.0f, line, inside);
-    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[0]).confidence > 0.1f);
-    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[1]).confidence == 0.0f);
+    assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[0]).confidence > 0.1f);
+    assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[1]).confidence == 0.0f);
 }
 
 /* Concordance knows the reference's contrast: of two places of the same form the one of like contrast wins, and what is less
@@ -170,9 +172,9 @@ static void test_concordance_sees_contrast(void **state)
         line_of(0, 20, faint == 0u ? 0.3f : 1.0f, 0.0f, line, inside);
         line_of(0, 20, faint == 1u ? 0.3f : 1.0f, 0.0f, line + M, inside + M);
         const float wanted = faint == 0u ? 20.0f + (float)M : 20.0f;
-        const smr_peak peak = smr_profile_match(p.byte, p.low, p.range, N, line, inside, 2u * M, &likeness[2]);
+        const smr_peak peak = smr_profile_match(VIEW(p), line, inside, 2u * M, &likeness[2]);
         assert_true(fabsf(peak.at - wanted) < 0.1f && peak.confidence > 0.5f);
-        const smr_peak none = smr_profile_match(p.byte, p.low, p.range, N, line, inside, 2u * M, &noisy);
+        const smr_peak none = smr_profile_match(VIEW(p), line, inside, 2u * M, &noisy);
         assert_true(none.confidence < 0.5f * peak.confidence);
     }
 }
@@ -194,7 +196,7 @@ static void test_nearer_wins(void **state)
             const uint32_t far_at = side == 0u ? 10u : 3u * M - N - 10u, near_at = side == 0u ? 120u : 60u;
             for (uint32_t k = 0; k < N; k++)
                 line[far_at + k] = line[near_at + k] = value_of(2, (float)k);
-            const smr_peak peak = smr_profile_match(p.byte, p.low, p.range, N, line, inside, 3u * M, &how);
+            const smr_peak peak = smr_profile_match(VIEW(p), line, inside, 3u * M, &how);
             assert_true(fabsf(peak.at - (float)near_at) < 0.6f);
         }
     }
@@ -212,7 +214,7 @@ static void test_outside_windows(void **state)
             line_of(0, 20, 1, 0, line, inside);
             line[hole] = 0.0f;
             inside[hole] = 0;
-            const smr_peak peak = smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[ssd]);
+            const smr_peak peak = smr_profile_match(VIEW(p), line, inside, M, &likeness[ssd]);
             const uint32_t o = (uint32_t)(peak.at + 0.5f);
             if (hole < 19u || hole >= 21u + N) {
                 assert_true(fabsf(peak.at - 20.0f) < 0.1f && peak.confidence > 0.1f);
@@ -229,11 +231,11 @@ static void test_outside_windows(void **state)
         inside[k] = 0; /* one in each window */
         line[k] = 0.0f;
     }
-    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[0]).confidence == 0.0f);
-    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[1]).confidence == 0.0f);
+    assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[0]).confidence == 0.0f);
+    assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[1]).confidence == 0.0f);
     memset(inside, 0, sizeof inside);
-    assert_true(smr_profile_match(p.byte, p.low, p.range, N, line, inside, M, &likeness[0]).confidence == 0.0f);
-    assert_true(smr_profile_edge(p.byte, p.range, N, 14, line, inside, M, 35, 10).confidence == 0.0f);
+    assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[0]).confidence == 0.0f);
+    assert_true(smr_profile_edge(VIEW(p), 14, line, inside, M, 35, 10).confidence == 0.0f);
 }
 
 /* A sharp edge: two samples wide, of the given sign, from level 0. */
@@ -270,7 +272,7 @@ static void test_edge_place(void **state)
                 float line[M];
                 unsigned char inside[M];
                 edge_line(&at, &way, 1, line, inside);
-                const smr_peak peak = smr_profile_edge(p.byte, p.range, N, 15, line, inside, M, 35, 8);
+                const smr_peak peak = smr_profile_edge(VIEW(p), 15, line, inside, M, 35, 8);
                 if (place >= 35 - 7 && place <= 35 + 7) {
                     assert_true(peak.confidence > 0.0f && peak.confidence <= 1.0f);
                     assert_true(fabsf(peak.at - (at - (float)miss)) < 0.1f);
@@ -279,7 +281,7 @@ static void test_edge_place(void **state)
                 }
                 const float wrong = -way;
                 edge_line(&at, &wrong, 1, line, inside);
-                assert_true(smr_profile_edge(p.byte, p.range, N, 15, line, inside, M, 35, 8).confidence == 0.0f);
+                assert_true(smr_profile_edge(VIEW(p), 15, line, inside, M, 35, 8).confidence == 0.0f);
             }
         }
     }
@@ -295,7 +297,7 @@ static void test_edge_polarity(void **state)
         float line[M];
         unsigned char inside[M];
         edge_line(place, k == 0u ? up_first : down_first, 2, line, inside);
-        const smr_peak peak = smr_profile_edge(p.byte, p.range, N, 15, line, inside, M, 35, 10);
+        const smr_peak peak = smr_profile_edge(VIEW(p), 15, line, inside, M, 35, 10);
         assert_true(peak.confidence > 0.0f && fabsf(peak.at - 40.0f) < 0.1f);
     }
     /* an edge of the reference far from its surface says nothing about the surface */
@@ -303,7 +305,41 @@ static void test_edge_polarity(void **state)
     float line[M];
     unsigned char inside[M];
     edge_line(place, up_first, 1, line, inside);
-    assert_true(smr_profile_edge(far.byte, far.range, N, 15, line, inside, M, 35, 10).confidence == 0.0f);
+    assert_true(smr_profile_edge(VIEW(far), 15, line, inside, M, 35, 10).confidence == 0.0f);
+}
+
+/* Edges at 30 and 40 of the reference's polarity, `steep` times as high as its own and `lift` of its ranges lighter. */
+static void two_edges(const packed_profile *p, float sign, const float *steep, const float *lift, float *line)
+{
+    static const float place[2] = {30, 40};
+    for (uint32_t k = 0; k < M; k++) {
+        const uint32_t i = k < 35u ? 0u : 1u;
+        line[k] = p->low + p->range * (0.5f + lift[i] + sign * steep[i] * (edge_at((float)k, place[i]) - 0.5f));
+    }
+}
+
+/* Of two edges the one wins that is like the reference's: a much steeper one loses, and an equal one that is lighter or darker. */
+static void test_edge_alike(void **state)
+{
+    static const float place[2] = {30, 40}, level[2] = {0, 0}, equal[2] = {1, 1};
+    unsigned char inside[M];
+    float line[M];
+    (void)state;
+    memset(inside, 1, sizeof inside);
+    for (uint32_t like = 0; like < 2u; like++) {
+        for (int way = -1; way <= 1; way += 2) {
+            const float sign = (float)way, off = like == 0u ? -3.0f * sign : 3.0f * sign; /* no third edge between them */
+            const packed_profile p = edge_reference(15.0f, sign);
+            const float steep[2] = {like == 0u ? 1.0f : 20.0f, like == 0u ? 20.0f : 1.0f};
+            const float lift[2] = {like == 0u ? 0.0f : off, like == 0u ? off : 0.0f};
+            two_edges(&p, sign, steep, level, line);
+            smr_peak peak = smr_profile_edge(VIEW(p), 15, line, inside, M, 35, 10);
+            assert_true(peak.confidence > 0.5f && fabsf(peak.at - place[like]) < 0.2f);
+            two_edges(&p, sign, equal, lift, line);
+            peak = smr_profile_edge(VIEW(p), 15, line, inside, M, 35, 10);
+            assert_true(peak.confidence > 0.5f && fabsf(peak.at - place[like]) < 0.2f);
+        }
+    }
 }
 
 /* A sample outside near the edge: a goal is right or not given. Its value is 0, as smr_grid_line() leaves it. */
@@ -318,7 +354,7 @@ static void test_edge_holes(void **state)
         edge_line(&at, &way, 1, line, inside);
         line[hole] = 0.0f;
         inside[hole] = 0;
-        const smr_peak peak = smr_profile_edge(p.byte, p.range, N, 15, line, inside, M, 35, 8);
+        const smr_peak peak = smr_profile_edge(VIEW(p), 15, line, inside, M, 35, 8);
         if (hole < 34u || hole > 42u) {
             assert_true(peak.confidence > 0.0f);
         }
@@ -350,12 +386,13 @@ static void test_ranges(void **state)
             line[k] = inside[k] ? rig_between(&seed, -1, 1) * scale : 0.0f;
         }
         const float low = rig_between(&seed, -1, 1) * scale, range = rig_between(&seed, 0.01f, 10.0f) * (round % 7u ? scale : 1.0f);
-        const smr_peak match = smr_profile_match(byte, low, range, n, line, inside, m, &likeness[round % 3u]);
+        const smr_profile packed = {byte, low, range, n};
+        const smr_peak match = smr_profile_match(&packed, line, inside, m, &likeness[round % 3u]);
         assert_true(match.confidence >= 0.0f && match.confidence <= 1.0f);
         assert_true(match.at >= 0.0f && match.at <= (float)(m - n));
         if (m >= 8u) {
             const uint32_t centre = 3u + rig_random(&seed, m - 6u), reach = rig_random(&seed, 140);
-            const smr_peak edge = smr_profile_edge(byte, range, n, n / 2u, line, inside, m, centre, reach);
+            const smr_peak edge = smr_profile_edge(&packed, n / 2u, line, inside, m, centre, reach);
             assert_true(edge.confidence >= 0.0f && edge.confidence <= 1.0f);
             assert_true(edge.confidence == 0.0f || fabsf(edge.at - (float)centre) <= (float)reach + 3.51f);
         }
@@ -368,6 +405,7 @@ int main(void)
         cmocka_unit_test(test_pack),          cmocka_unit_test(test_flat),       cmocka_unit_test(test_shifts),
         cmocka_unit_test(test_ssd_sees_level), cmocka_unit_test(test_outside_windows), cmocka_unit_test(test_concordance_sees_contrast),
         cmocka_unit_test(test_nearer_wins),   cmocka_unit_test(test_edge_place),
+        cmocka_unit_test(test_edge_alike),
         cmocka_unit_test(test_edge_polarity), cmocka_unit_test(test_edge_holes), cmocka_unit_test(test_ranges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,23 @@
+/* sideways.h: where along the surface an intensity profile fits better.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_SIDEWAYS_H
+#define SMR_SIDEWAYS_H
+
+#include "geometry/profile.h"
+#include "geometry/volume.h"
+
+/* A reference profile and the place in an image at which it was found. */
+typedef struct smr_place {
+    const smr_profile *reference;
+    smr_vec start, step; /* of its samples there, world mm */
+    smr_vec normal;      /* unit length, along step */
+    const float *found;  /* [reference->n] the image's values there */
+    float noise;         /* intensity: contrast below it counts as none */
+    float reach_mm;      /* above 0: how far to either side the image is looked at, and the longest way there is */
+} smr_place;
+
+/* The way across the normal, mm, on which the image's values come to be the reference's. 0 where the image does not change
+ * across the normal, or part of what is looked at lies outside. */
+smr_vec smr_sideways(const smr_grid *image, const smr_place *at);
+
+#endif
