@@ -34,7 +34,6 @@ static char path_text[PATHS][PATH_BYTES];
 static unsigned path_next;
 static char scratch[PATH_BYTES];
 static int misses;
-static int shorts; /* bounds that fell short since the last test */
 
 static char *new_path(void) { return path_text[path_next++ % PATHS]; }
 
@@ -223,23 +222,6 @@ void experiment_bound(const char *what, double value, double limit)
     const int good = value <= limit; /* not so for NaN */
     (void)printf("  %-4s %-60s %8.3f, at most %g\n", good ? "ok" : "MISS", what, value, limit);
     misses += !good;
-}
-
-void experiment_aim(const char *what, double value, double limit, double today)
-{
-    if (value > limit && value <= today) {
-        (void)printf("  %-5s%-60s %8.3f, at most %g wanted, %g today\n", "SHORT", what, value, limit, today);
-        shorts++;
-    } else {
-        experiment_bound(what, value, limit);
-    }
-}
-
-int experiment_shorts(void)
-{
-    const int n = shorts;
-    shorts = 0;
-    return n;
 }
 
 int experiment_misses(void)

@@ -84,20 +84,10 @@ void experiment_print(const char *name, const experiment_result *result);
 /* Tells whether value <= limit, remembers a miss. */
 void experiment_bound(const char *what, double value, double limit);
 
-/* The same for a bound that is known not to hold yet: up to `today` it is said to fall short, beyond it is a miss. */
-void experiment_aim(const char *what, double value, double limit, double today);
+/* Ends a test: fails it after a miss. */
+#define EXPERIMENT_END() assert_int_equal(experiment_misses(), 0)
 
-/* Ends a test: fails it after a miss, skips it when something fell short. */
-#define EXPERIMENT_END()                             \
-    do {                                             \
-        const int fell_short = experiment_shorts();  \
-        assert_int_equal(experiment_misses(), 0);    \
-        if (fell_short > 0)                          \
-            skip();                                  \
-    } while (0)
-
-/* Bounds that fell short, and misses, since the last call. */
-int experiment_shorts(void);
+/* Misses since the last call. */
 int experiment_misses(void);
 
 /* Landmarks as CSV, LPS. */
