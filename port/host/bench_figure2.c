@@ -39,6 +39,7 @@ static smr_config paper_config(const host_bench *bench, uint32_t method, double 
     config.active_share = (float)(1.0 - ignored / 100.0);
     config.active_first = 1.0f;
     config.active_enough = 0;
+    config.sideways = 0.0f;
     config.profile_mm = config.profile_end_mm = SEARCH_MM;
     config.gradient_mm = config.gradient_end_mm = 0.5f * SEARCH_MM;
     config.plastic_every = 0;
