@@ -128,7 +128,7 @@ static void test_stays(void **state)
     assert_true(length(found_way(&plain, &t)) == 0.0f); /* the profile has no range */
 }
 
-/* The same profile with its samples' step the other way round, or the image a little brighter, says nearly the same. */
+/* A little brighter, the image says nearly the same; values that are no image's give a way all the same, and a short one. */
 static void test_brightness(void **state)
 {
     const smr_grid grid = image(WAVES);
