@@ -287,8 +287,9 @@ typedef struct smr_config {
     /* external forces, f = stiffness * (goal - x) (paper 2.1) */
     float stiffness;             /* alpha_e, (0,1], default 0.8 */
     float attraction;            /* 0..1, default 0.5: share of the target-to-model pull in the goal */
-    float slide;                 /* [0,1], default 0: share of a goal's way along the model's surface that counts: 0 makes
-                                    the result independent of the inputs' pose, 1 brings the surfaces closest */
+    float slide;                 /* [0,1], default 0: share of a way along the model's surface to a target surface that
+                                    counts: 0 makes the result independent of the inputs' pose, 1 brings the surfaces
+                                    closest */
     float even;                  /* [0,1], default 0.5: at the last radius so much of what a vertex moved differently from
                                     its mesh neighbours, along the surface, is taken back in the first iteration; it
                                     fades to the last. 0: never. Only where there is a target surface */
@@ -303,13 +304,13 @@ typedef struct smr_config {
     float box_min[3], box_max[3]; /* mm, within +-SMR_COORD_MAX, min <= max; looked at with use_box only */
     uint32_t node_budget;        /* 8..1000000, default 512: tree nodes one closest-point search may open */
 
-    /* image forces (paper 2.1): along the normal, both ways; distances fall linearly over the schedule. Over the second half
-     * of the last radius all forces and the momentum fall to 0 while there is an image */
+    /* image forces (paper 2.1): goals are sought along the normal, both ways; distances fall linearly over the schedule. Over
+     * the second half of the last radius all forces and the momentum fall to 0 while there is an image */
     float profile_mm, profile_end_mm;   /* search distance of profile matching, [0,60], default 10 to 0 */
     float profile_radii;         /* (0,1e6], default 0.5: profiles are not sought beyond so many cluster radii: what a cluster
                                     can still pull apart must not find the far side of its neighbour. Up to a whole radius
                                     where less than 80 % of a structure's vertices had a goal, and half its thickness */
-    float gradient_mm, gradient_end_mm; /* of the strongest edge, [0,60], default 5 to 0 */
+    float gradient_mm, gradient_end_mm; /* of the edge most like the profile's own, [0,60], default 5 to 0 */
     uint32_t similarity;         /* SMR_SIMILARITY_...: normalised cross-correlation, sum of squared differences, or (default)
                                     concordance: a correlation that other contrast than the reference's lowers, and other
                                     brightness a little */
@@ -357,7 +358,7 @@ typedef struct smr_config {
 
 smr_config smr_config_default(void);
 
-/* The same for a registration into an image: search 30 to 3 mm and 5 to 2 mm, momentum 0.7 and 0.6, plastic_every 5, 20 iterations
+/* The same for a registration into an image: search 30 to 2 mm and 5 to 2 mm, momentum 0.7 and 0.6, plastic_every 5, 20 iterations
  * and 40 at the last radius, no target vertices. */
 smr_config smr_config_default_image(void);
 

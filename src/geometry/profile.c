@@ -15,7 +15,7 @@
 #define SMR_DISTINCT_MIN 0.2f
 #define SMR_EDGE_NEAR 3u        /* samples around the surface in which the reference's edge is looked for */
 #define SMR_EDGE_MIN 0.08f      /* of the profile's range per sample: weaker is no edge */
-#define SMR_STEEP 3.0f          /* times the reference's slope: edges steeper than that count less */
+#define SMR_STEEP 3.0f          /* times the reference's slope: so steep an edge counts most, steeper ones less again */
 
 static const smr_peak none = {0.0f, 0.0f};
 
@@ -235,12 +235,14 @@ static edge own_edge(const uint8_t *packed, uint32_t n, uint32_t zero)
     own.level = (float)packed[at] * (1.0f / 255.0f);
     own.beyond = (float)at - (float)zero;
     if (at >= 2u && at + 2u < n)
-        own.beyond += refine(slope_at(packed, at - 1u) / own.slope, slope_at(packed, at) / own.slope, slope_at(packed, at + 1u) / own.slope);
+        own.beyond += refine(slope_at(packed, at - 1u) / own.slope, slope_at(packed, at) / own.slope,
+                             slope_at(packed, at + 1u) / own.slope);
     return own;
 }
 
-/* What an edge is worth that is `steep` times as steep as the reference's and `lighter` by so many of its ranges. Half as steep
- * is as good as the reference's own; much steeper ones are somebody else's (bone next to a muscle in CT). */
+/* What an edge is worth that is `steep` times as steep as the reference's and `lighter` by so many of its ranges. From
+ * half as steep on it is wholly believed; of several the one SMR_STEEP times as steep wins, and at the square of that it is worth what
+ * the reference's own is: much steeper ones are somebody else's (bone next to a muscle in CT). */
 static float edge_worth(float steep, float lighter)
 {
     const float over = steep * (1.0f / SMR_STEEP);

@@ -36,8 +36,9 @@ typedef struct smr_likeness {
 smr_peak smr_profile_match(const smr_profile *reference, const float *line, const unsigned char *inside, uint32_t m,
                            const smr_likeness *how);
 
-/* The edge within `reach` samples of line sample `centre` that is most like the reference's own, which is its strongest one
- * near its sample `zero`; the goal is moved by as much as that one misses `zero`. */
+/* The best edge within `reach` samples of line sample `centre`: of the polarity and brightness of the reference's own, which is
+ * its strongest one near its sample `zero`, rather steeper than less steep, but not by far, and rather near. The goal is moved
+ * by as much as the reference's own edge misses `zero`. */
 smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside, uint32_t m,
                           uint32_t centre, uint32_t reach);
 

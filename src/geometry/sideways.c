@@ -5,9 +5,8 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/sideways.h"
 
-#define SMR_FARTHEST2 1.0e30f  /* mm^2; NaN is not within it, either */
+#define SMR_FARTHEST2 1.0e30f /* mm^2; NaN is not within it, either */
 #define SMR_NORMAL_ALONG 0.6f /* a normal that lies less along an axis than so gives a good cross product with it */
-
 #define SMR_MEAN_LESS 0.7f    /* of a profile's mean; what is left counts a tenth as much, as in concordance (profile.c) */
 
 /* How values differ along the profile counts more than their mean: images of one kind differ in brightness. */

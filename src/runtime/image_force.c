@@ -1,5 +1,5 @@
 /* image_force.c: goals in the target image (paper 2.1): the intensity profile of the reference is sought along the normal
- * within one distance, the strongest edge of the reference's polarity within another; both goals are averaged by their
+ * within one distance, an edge like the reference's own within another; both goals are averaged by their
  * confidence. There the image may tell, too, that the profile fits better a little to the side (geometry/sideways.c). Search
  * distances fall linearly with the schedule.
  * Bounds: SMR_LINE_MAX + 4 SMR_PROFILE_MAX samples a vertex, and SMR_LINE_MAX offsets of SMR_PROFILE_MAX multiply-adds.
@@ -136,7 +136,7 @@ void smr_image_ahead(const smr *s, uint32_t v)
 }
 
 /* The way across the normal from the goal `offset` samples along it. value: the reference's samples, of which as many are
- * looked at as in a long search. */
+ * looked at as in a long search, and of short profiles every SMR_HOP-th, too. */
 static smr_vec side_way(const smr *s, uint32_t v, const reference_profile *r, const uint8_t *value, const search_line *l,
                         const float *line, const unsigned char *inside, float offset)
 {

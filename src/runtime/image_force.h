@@ -7,8 +7,8 @@
 
 enum { SMR_NO_GOAL = 0, SMR_GOAL, SMR_UNSEEN };
 
-/* The way from vertex v to its goal in the image, along its normal and a little to the side: SMR_GOAL, and *way is set. SMR_NO_GOAL: the image shows
- * none that is to be believed. SMR_UNSEEN: it cannot tell, for the vertex has no profile, the search leaves the image or
+/* The way from vertex v to its goal in the image, along its normal and a little to the side: SMR_GOAL, and *way is set.
+ * SMR_NO_GOAL: the image shows none that is to be believed. SMR_UNSEEN: it cannot tell, for the vertex has no profile, the search leaves the image or
  * meets nothing but one value, or search distances are below a sample. */
 int smr_image_goal(const smr *s, uint32_t v, smr_vec *way);
 

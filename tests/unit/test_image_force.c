@@ -415,7 +415,8 @@ static void test_structure_report(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_follows_image, tidy), cmocka_unit_test_teardown(test_turns, tidy), cmocka_unit_test_teardown(test_extreme_reference, tidy),
+        cmocka_unit_test_teardown(test_follows_image, tidy), cmocka_unit_test_teardown(test_turns, tidy),
+        cmocka_unit_test_teardown(test_extreme_reference, tidy),
         cmocka_unit_test_teardown(test_needs_profiles, tidy), cmocka_unit_test_teardown(test_refused, tidy),
         cmocka_unit_test_teardown(test_image_elsewhere, tidy), cmocka_unit_test_teardown(test_equal_bits, tidy),
         cmocka_unit_test_teardown(test_take_away, tidy), cmocka_unit_test_teardown(test_surface_first, tidy),

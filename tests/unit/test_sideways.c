@@ -128,7 +128,7 @@ static void test_stays(void **state)
     assert_true(length(found_way(&plain, &t)) == 0.0f); /* the profile has no range */
 }
 
-/* The same profile with its samples' step the other way round, or the image a little brighter, says nearly the same. */
+/* A little brighter, the image says nearly the same; values that are no image's give a way all the same, and a short one. */
 static void test_brightness(void **state)
 {
     const smr_grid grid = image(WAVES);
@@ -137,6 +137,8 @@ static void test_brightness(void **state)
     const smr_vec way = found_way(&grid, &t);
     t.brighter = 3.0f;
     assert_true(length(smr_sub(found_way(&grid, &t), way)) < 0.5f * length(way));
+    t.brighter = 1.0e3f; /* far more than the image changes within reach */
+    assert_true(fabsf(length(found_way(&grid, &t)) - REACH) < 1.0e-3f);
     t.brighter = 1.0e30f; /* no image's value: finite all the same */
     assert_true(length(found_way(&grid, &t)) <= REACH + 1.0e-4f);
     t.brighter = HUGE_VALF;
