@@ -371,7 +371,7 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 /* The same as a compile-time upper bound, for static storage:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(nv, nt, ns, workers, target_vertices)]; */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices)        \
-    ((size_t)8192u + (size_t)360u * (n_vertices) + (size_t)54u * (n_triangles) +                    \
+    ((size_t)8192u + (size_t)364u * (n_vertices) + (size_t)54u * (n_triangles) +                    \
      (size_t)2048u * (n_structures) + ((size_t)32u * (n_vertices) + 256u) * (n_workers) +           \
      (size_t)8u * (n_target_vertices))
 

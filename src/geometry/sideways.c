@@ -7,17 +7,18 @@
 
 #define SMR_FARTHEST2 1.0e30f /* mm^2; NaN is not within it, either */
 #define SMR_NORMAL_ALONG 0.6f /* a normal that lies less along an axis than so gives a good cross product with it */
-#define SMR_MEAN_LESS 0.7f    /* of a profile's mean; what is left counts a tenth as much, as in concordance (profile.c) */
+#define SMR_CONTRAST_MOST 4.0f
+#define SMR_ROUNDING 1.0e-4f  /* of the squared slopes: a hundred times what their sums lose */
 
-/* How values differ along the profile counts more than their mean: images of one kind differ in brightness. */
+/* Only how values differ along the profile counts: images of one kind differ in brightness. */
 static void less_mean(float *value, uint32_t n)
 {
     float sum = 0.0f;
     for (uint32_t k = 0; k < n; k++)
         sum += value[k];
-    const float most = SMR_MEAN_LESS * (sum / (float)n);
+    const float mean = sum / (float)n;
     for (uint32_t k = 0; k < n; k++)
-        value[k] -= most;
+        value[k] -= mean;
 }
 
 /* How the image changes along `side`, per mm, in units of the reference's range. Returns 0 when it is not known everywhere. */
@@ -45,12 +46,33 @@ static float product(const float *a, const float *b, uint32_t n)
     return sum;
 }
 
+/* Both as they differ from their means, in units of the reference's range. */
+static void centred(const smr_profile *reference, const float *found, float *ref, float *here)
+{
+    for (uint32_t k = 0; k < reference->n; k++) {
+        ref[k] = (float)reference->value[k] * (1.0f / 255.0f);
+        here[k] = (found[k] - reference->low) / reference->range;
+    }
+    less_mean(ref, reference->n);
+    less_mean(here, reference->n);
+}
+
+float smr_contrast(const smr_profile *reference, const float *found)
+{
+    float ref[SMR_PROFILE_MAX], here[SMR_PROFILE_MAX];
+    if (!(reference->range > 0.0f) || reference->n > SMR_PROFILE_MAX)
+        return 0.0f;
+    centred(reference, found, ref, here);
+    const float own = product(ref, ref, reference->n), other = product(here, here, reference->n);
+    return own > 0.0f ? SMR_SQRT(smr_min(other / own, SMR_CONTRAST_MOST * SMR_CONTRAST_MOST)) : 0.0f;
+}
+
 smr_vec smr_sideways(const smr_grid *image, const smr_place *at)
 {
     const smr_profile *const ref = at->reference;
     const smr_vec nowhere = smr_v(0, 0, 0), normal = at->normal;
     const uint32_t n = ref->n;
-    float missing[SMR_PROFILE_MAX], p[SMR_PROFILE_MAX], q[SMR_PROFILE_MAX];
+    float missing[SMR_PROFILE_MAX], here[SMR_PROFILE_MAX], p[SMR_PROFILE_MAX], q[SMR_PROFILE_MAX];
     if (!(ref->range > 0.0f) || n > SMR_PROFILE_MAX)
         return nowhere;
     const smr_vec axis = smr_abs(normal.x) < SMR_NORMAL_ALONG ? smr_v(1, 0, 0) : smr_v(0, 1, 0);
@@ -58,12 +80,13 @@ smr_vec smr_sideways(const smr_grid *image, const smr_place *at)
     const smr_vec u = smr_scale(across, 1.0f / SMR_SQRT(smr_dot(across, across))), v = smr_cross(normal, u);
     if (!slopes(image, at, u, p) || !slopes(image, at, v, q))
         return nowhere;
+    centred(ref, at->found, missing, here);
     for (uint32_t k = 0; k < n; k++)
-        missing[k] = (float)ref->value[k] * (1.0f / 255.0f) - (at->found[k] - ref->low) / ref->range;
-    less_mean(missing, n);
-    /* slopes that noise could have made carry nowhere */
-    const float noise = at->noise / (ref->range * at->reach_mm), damp = (float)n * noise * noise;
-    const float pp = product(p, p, n) + damp, qq = product(q, q, n) + damp, pq = product(p, q, n);
+        missing[k] = at->gain * missing[k] - here[k];
+    /* slopes that noise could have made carry nowhere, nor does rounding where the image changes in one direction only */
+    const float noise = at->noise / (ref->range * at->reach_mm), p2 = product(p, p, n), q2 = product(q, q, n);
+    const float damp = (float)n * noise * noise + SMR_ROUNDING * (p2 + q2);
+    const float pp = p2 + damp, qq = q2 + damp, pq = product(p, q, n);
     const float pm = product(p, missing, n), qm = product(q, missing, n), det = pp * qq - pq * pq;
     if (!(det > 0.0f))
         return nowhere;

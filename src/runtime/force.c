@@ -87,7 +87,7 @@ static int goal_of(smr *s, uint32_t v, smr_vec *way, int *drawn)
     }
     if (target != NULL)
         return surface_goal(s, v, target, way);
-    const int seen = smr_image_goal(s, v, way);
+    const int seen = smr_image_goal(s, v, way, &s->contrast_next[v], &s->lighter_next[v]);
     if (seen == SMR_NO_GOAL)
         *way = smr_smooth_way(s, v);
     if (seen == SMR_UNSEEN)
@@ -192,5 +192,7 @@ void smr_force_end(smr *s)
     s->sum_words = smr_method_words(s);
     /* what the next forces start from: until here they could have been asked to start again */
     memcpy(s->seen, s->found, s->n);
+    memcpy(s->contrast, s->contrast_next, s->n_active);
+    memcpy(s->lighter, s->lighter_next, s->n_active);
     memcpy(s->warm, s->warm_next, s->n_active * sizeof *s->warm);
 }

@@ -43,8 +43,11 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
         if (status != SMR_OK)
             return status;
         s->grid = grid;
-        for (uint32_t k = 0; k < s->n_parts; k++)
+        for (uint32_t k = 0; k < s->n_parts; k++) {
             s->part[k].noise = noise_of(s->model, &s->part[k]);
+            s->part[k].gain = 1.0f; /* until there were goals */
+            s->part[k].lighter = 0.0f;
+        }
     }
     if (volume == NULL && !s->has_grid)
         return SMR_OK;
@@ -135,36 +138,67 @@ void smr_image_ahead(const smr *s, uint32_t v)
         smr_grid_ahead(&s->grid, l.start, l.step, l.n);
 }
 
-/* The way across the normal from the goal `offset` samples along it. value: the reference's samples, of which as many are
- * looked at as in a long search, and of short profiles every SMR_HOP-th, too. */
-static smr_vec side_way(const smr *s, uint32_t v, const reference_profile *r, const uint8_t *value, const search_line *l,
-                        const float *line, const unsigned char *inside, float offset)
-{
-    const uint32_t hop = SMR_HOP / r->hop, n = smr_ceil_div(r->n, hop);
-    const float first = (float)(l->before - r->inward) + offset, *spacing = s->grid.volume.spacing;
-    const float voxel = (spacing[0] + spacing[1] + spacing[2]) * (1.0f / 3.0f);
-    uint8_t some[SMR_PROFILE_MAX];
+/* The image where a profile was found, `offset` samples along the normal, and as much of the profile: as many samples as in
+ * a long search, fewer than 8 are halved, too. */
+typedef struct sight {
+    smr_profile reference; /* n is 0 where it is not all inside */
+    uint32_t hop;
+    float first;           /* place on the line */
+    uint8_t value[SMR_PROFILE_MAX];
     float found[SMR_PROFILE_MAX];
-    if (!(s->config.sideways > 0.0f) || !(first >= 0.0f && first + (float)r->n < (float)l->n))
-        return smr_v(0, 0, 0);
-    const uint32_t whole = (uint32_t)first;
-    const float part = first - (float)whole;
+} sight;
+
+static void look_at(const reference_profile *r, const uint8_t *value, const search_line *l, const float *line,
+                    const unsigned char *inside, float offset, sight *g)
+{
+    g->hop = SMR_HOP / r->hop;
+    g->first = (float)(l->before - r->inward) + offset;
+    g->reference = (smr_profile){g->value, r->low, r->range, 0};
+    if (!(g->first >= 0.0f && g->first + (float)r->n < (float)l->n))
+        return;
+    const uint32_t whole = (uint32_t)g->first, n = smr_ceil_div(r->n, g->hop);
+    const float part = g->first - (float)whole;
     for (uint32_t k = 0; k < n; k++) {
-        const uint32_t at = whole + k * hop;
+        const uint32_t at = whole + k * g->hop;
         if (!inside[at] || !inside[at + 1u])
-            return smr_v(0, 0, 0);
-        found[k] = line[at] + part * (line[at + 1u] - line[at]);
-        some[k] = value[k * hop];
+            return;
+        g->found[k] = line[at] + part * (line[at + 1u] - line[at]);
+        g->value[k] = value[k * g->hop];
     }
-    const smr_profile reference = {some, r->low, r->range, n};
-    const smr_place place = {&reference, smr_add(l->start, smr_scale(l->step, first)), smr_scale(l->step, (float)hop),
-                             smr_load(smr_at3(s->normal, v)), found, s->part[smr_model_owner(s->model, v)].noise,
+    g->reference.n = n;
+}
+
+/* How the image compares with the profile, for smr.contrast and smr.lighter. */
+static void compare(const sight *g, float noise, uint8_t *contrast, uint8_t *lighter)
+{
+    const uint32_t n = g->reference.n;
+    float more = 0.0f;
+    for (uint32_t k = 0; k < n; k++)
+        more += g->found[k] - g->reference.low - (float)g->value[k] * (g->reference.range * (1.0f / 255.0f));
+    const float steps = more / ((float)n * noise);
+    if (!smr_within(steps, 1.0e6f)) /* no image's value */
+        return;
+    *contrast = (uint8_t)smr_min(smr_contrast(&g->reference, g->found) * (float)SMR_CONTRAST_ONE + 0.5f, 255.0f);
+    *lighter = (uint8_t)(smr_clamp(steps, -127.0f, 127.0f) + (float)SMR_LIGHTER_NONE + 0.5f);
+}
+
+/* The way across the normal from there. */
+static smr_vec side_way(const smr *s, uint32_t v, const search_line *l, const sight *g)
+{
+    const float *const spacing = s->grid.volume.spacing, voxel = (spacing[0] + spacing[1] + spacing[2]) * (1.0f / 3.0f);
+    const smr_part *const owner = &s->part[smr_model_owner(s->model, v)];
+    if (!(s->config.sideways > 0.0f))
+        return smr_v(0, 0, 0);
+    const smr_place place = {&g->reference, smr_add(l->start, smr_scale(l->step, g->first)), smr_scale(l->step, (float)g->hop),
+                             smr_load(smr_at3(s->normal, v)), g->found, owner->gain, owner->noise,
                              smr_max(SMR_SIDE_VOXELS * voxel, SMR_SIDE_SHARE * s->profile_mm)};
     return smr_scale(smr_sideways(&s->grid, &place), s->config.sideways);
 }
 
-int smr_image_goal(const smr *s, uint32_t v, smr_vec *way)
+int smr_image_goal(const smr *s, uint32_t v, smr_vec *way, uint8_t *contrast, uint8_t *lighter)
 {
+    *contrast = 0;
+    *lighter = SMR_LIGHTER_NONE;
     const float profile_mm = sought_mm(s, v);
     const reference_profile r = reference_shape(s, v, profile_mm);
     const search_line l = line_of(s, v, &r, profile_mm);
@@ -177,16 +211,23 @@ int smr_image_goal(const smr *s, uint32_t v, smr_vec *way)
     const int whole = smr_grid_line(&s->grid, l.start, l.step, l.n, line, inside) == l.n;
     smr_peak match = {0, 0}, edge = {0, 0};
     const uint32_t first = l.before - l.reach - r.inward;
-    const smr_profile reference = {value, r.low, r.range, r.n};
-    const smr_likeness how = {s->config.similarity, s->part[smr_model_owner(s->model, v)].noise, SMR_NEARER * profile_mm};
+    const smr_part *const owner = &s->part[smr_model_owner(s->model, v)];
+    const smr_profile as_light = {value, r.low + owner->lighter, r.range, r.n}; /* as the image is */
+    const smr_likeness how = {s->config.similarity, owner->noise, SMR_NEARER * profile_mm};
     if (l.reach > 0u)
-        match = smr_profile_match(&reference, line + first, inside + first, r.n + 2u * l.reach, &how);
+        match = smr_profile_match(&as_light, line + first, inside + first, r.n + 2u * l.reach, &how);
     if (l.edge_reach > 0u)
-        edge = smr_profile_edge(&reference, r.inward, line, inside, l.n, l.before, l.edge_reach);
+        edge = smr_profile_edge(&as_light, r.inward, line, inside, l.n, l.before, l.edge_reach);
     const float total = match.confidence + edge.confidence;
     if (!(smr_min(total, 1.0f) > s->config.confidence))
         return whole && varies(line, l.n) ? SMR_NO_GOAL : SMR_UNSEEN;
     const float offset = (match.confidence * (match.at - (float)l.reach) + edge.confidence * (edge.at - (float)l.before)) / total;
-    *way = smr_add(smr_scale(l.step, offset), side_way(s, v, &r, value, &l, line, inside, offset));
+    *way = smr_scale(l.step, offset);
+    sight g;
+    look_at(&r, value, &l, line, inside, offset, &g);
+    if (g.reference.n > 0u) {
+        compare(&g, owner->noise, contrast, lighter);
+        *way = smr_add(*way, side_way(s, v, &l, &g));
+    }
     return SMR_GOAL;
 }

@@ -38,6 +38,10 @@ static smr *layout(smr_arena *a, smr *s)
     s->held = smr_arena_take(a, n, 1);
     s->found = smr_arena_take(a, n, 1);
     s->seen = smr_arena_take(a, n, 1);
+    s->contrast = smr_arena_take(a, n, 1);
+    s->contrast_next = smr_arena_take(a, n, 1);
+    s->lighter = smr_arena_take(a, n, 1);
+    s->lighter_next = smr_arena_take(a, n, 1);
     s->tally = smr_arena_take(a, smr_max_u32(smr_ceil_div(s->n, SMR_MATCH_CHUNK), s->n_hinge_tasks), sizeof *s->tally);
     s->facet_normal = smr_arena_take(a, s->n_triangles, three);
     if (SMR_BIG_ENDIAN)

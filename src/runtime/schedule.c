@@ -85,6 +85,10 @@ void smr_abandon_iteration(smr *s)
     memcpy(s->x_next, s->x, 3u * (size_t)s->n * sizeof(float));
     memset(s->found, 0, s->n);
     memset(s->seen, 0, s->n);
+    memset(s->contrast, 0, s->n);
+    memset(s->contrast_next, 0, s->n);
+    memset(s->lighter, SMR_LIGHTER_NONE, s->n);
+    memset(s->lighter_next, SMR_LIGHTER_NONE, s->n);
     memset(s->held, 0, s->n);
     for (uint32_t v = 0; v < s->n; v++)
         s->warm[v] = s->warm_next[v] = SMR_ALL;

@@ -7,6 +7,8 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/state.h"
 
+#define SMR_GAIN_LEAST 0.25f  /* contrast of the image against the profiles' */
+#define SMR_ABOVE_MOST 100.0f /* a profile's range against noise: more does not count more */
 #define SMR_SEEN_WELL 0.8f /* share of a structure's vertices that had a goal: so many, and it is where it belongs; */
 #define SMR_SEEN_BADLY 0.5f /* so few, and it is lost */
 
@@ -45,11 +47,22 @@ static float wide_of(const smr *s, const smr_part *part)
     return s->profile_mm + lost * smr_max(far - s->profile_mm, 0.0f);
 }
 
-/* Counts who had a goal, and clears the sums. */
+/* The more a profile stands above noise, the more it tells of the image's contrast and brightness. */
+static void add_contrast(const smr *s, smr_part *part, uint32_t v)
+{
+    const uint32_t *ranges = smr_at(s->model, s->model->at_ranges);
+    const float above = smr_le_float(ranges[2u * (size_t)v + 1u]) / part->noise, weight = above < SMR_ABOVE_MOST ? above : SMR_ABOVE_MOST;
+    part->gain_sum += weight * ((float)s->contrast[v] * (1.0f / (float)SMR_CONTRAST_ONE));
+    part->lighter_sum += weight * (float)((int)s->lighter[v] - SMR_LIGHTER_NONE) * part->noise;
+    part->gain_weight += weight;
+}
+
+/* Counts who had a goal and how the image compares there, and clears the sums. */
 static void look_back(smr *s, smr_part *part, uint32_t from, uint32_t to)
 {
     if (from == 0u) {
         part->seen = part->looked = 0;
+        part->gain_sum = part->gain_weight = part->lighter_sum = 0.0f;
         part->box = (smr_box){{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
     }
     for (uint32_t i = from; i < to; i++) {
@@ -60,11 +73,16 @@ static void look_back(smr *s, smr_part *part, uint32_t from, uint32_t to)
         b->hi = smr_v(smr_max(b->hi.x, at.x), smr_max(b->hi.y, at.y), smr_max(b->hi.z, at.z));
         part->seen += s->seen[v] == 1u;
         part->looked += s->seen[v] == 1u || s->seen[v] == 2u;
+        if (s->seen[v] == 1u && s->contrast[v] > 0u)
+            add_contrast(s, part, v);
         smr_store(smr_at3(s->ring_sum, v), smr_v(0, 0, 0));
         s->ring_weight[v] = 0.0f;
     }
-    if (to == part->n_vertices)
-        part->wide_mm = wide_of(s, part);
+    if (to < part->n_vertices)
+        return;
+    part->wide_mm = wide_of(s, part);
+    part->gain = part->gain_weight > 0.0f ? smr_max(part->gain_sum / part->gain_weight, SMR_GAIN_LEAST) : 1.0f;
+    part->lighter = part->gain_weight > 0.0f ? part->lighter_sum / part->gain_weight : 0.0f;
 }
 
 /* Sums over the mesh neighbours; a neighbour counts once for each triangle between. */

@@ -20,6 +20,8 @@
 #define SMR_TRIANGLE_CHUNK 256u /* triangles of a task that sums over vertices' neighbours */
 #define SMR_ENTRY_CHUNK 32u    /* entries of a piece of a block, half as many of the reference shape's long records */
 #define SMR_STEPS_MAX 32u      /* of an iteration */
+#define SMR_CONTRAST_ONE 64u   /* of smr.contrast: the image has the profile's */
+#define SMR_LIGHTER_NONE 128   /* of smr.lighter: as light as the profile */
 #define SMR_HINGE_CHUNK 1024u  /* hinges of a task */
 #define SMR_HELD 255.0f        /* held back altogether */
 #define SMR_MEND_RUNS 2048u    /* runs of triangles that are looked at or left out as one */
@@ -38,6 +40,8 @@ typedef struct smr_part {
     smr_box box;                           /* of its vertices */
     float wide_mm;                         /* profiles of a structure that is hardly seen are sought so far, if that is farther */
     float noise;                           /* intensity: contrast below it counts as none in its profiles */
+    float gain, gain_sum, gain_weight;     /* the image's contrast against the profiles', in the mean over its goals */
+    float lighter, lighter_sum;            /* intensity: the image than the profiles there, likewise */
 } smr_part;
 
 /* A distinct target surface and the structures that share it. */
@@ -169,6 +173,10 @@ struct smr {
     /* written by guard */
     uint8_t *found;                        /* [n] 0 no target, 1 a goal, 2 none acceptable, 3 nor can the image tell */
     uint8_t *seen;                         /* [n] found, of the last complete forces */
+    uint8_t *contrast;                     /* [n] the image's at the goal, SMR_CONTRAST_ONE: the profile's, 0: not known; of the last complete forces */
+    uint8_t *contrast_next;                /* [n] the same, of those under way */
+    uint8_t *lighter;                      /* [n] the image at the goal than the profile, noise's; SMR_LIGHTER_NONE: not at all. Where contrast is known */
+    uint8_t *lighter_next;                 /* [n] the same, of those under way */
     uint8_t *guard;                        /* [n] not 0: its step is held back (brake.c), or it belongs to a repair (mend.c), in this iteration */
     uint8_t *held;                         /* [n] the most that its step was held back since the last radius began */
     /* written by smooth, even and brake, over record */
