@@ -78,6 +78,8 @@ static int goal_of(smr *s, uint32_t v, smr_vec *way, int *drawn)
 {
     const smr_surface *target = s->part[smr_model_owner(s->model, v)].target;
     *way = smr_v(0, 0, 0);
+    s->contrast_next[v] = 0; /* nothing may stay from forces that started again, before a surface took the image's place */
+    s->lighter_next[v] = SMR_LIGHTER_NONE;
     *drawn = target != NULL || s->has_grid;
     if (!*drawn) {
         if (smr_pull_on(s))

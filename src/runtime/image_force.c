@@ -197,8 +197,6 @@ static smr_vec side_way(const smr *s, uint32_t v, const search_line *l, const si
 
 int smr_image_goal(const smr *s, uint32_t v, smr_vec *way, uint8_t *contrast, uint8_t *lighter)
 {
-    *contrast = 0;
-    *lighter = SMR_LIGHTER_NONE;
     const float profile_mm = sought_mm(s, v);
     const reference_profile r = reference_shape(s, v, profile_mm);
     const search_line l = line_of(s, v, &r, profile_mm);
