@@ -2,7 +2,8 @@
  * of its mesh neighbours. What the image does not have, such as the longer tendon of another person's muscle, so shrinks
  * back instead of staying where the start put it; where the image does show the surface, nothing is smoothed, nor in a
  * structure of which less than half had a goal: what is lost or missing as a whole must not collapse. The force
- * falls to 0 where the schedule ends, as all others do (schedule.c). The same counts say how far goals are sought.
+ * falls to 0 where the schedule ends, as all others do (schedule.c). The same counts say how far goals are sought; the
+ * same pass takes each structure's contrast and brightness in the image, which its next goals are compared with.
  * Bounds: one pass over a structure's triangles.
  * SPDX-License-Identifier: MIT */
 #include "runtime/state.h"
