@@ -42,16 +42,16 @@ typedef enum smr_status {
 /* The status' name, for example "SMR_E_ARENA". Never NULL. */
 const char *smr_status_name(smr_status status);
 
-#define SMR_ALIGN 64u           /* bytes: every memory handed over starts on such an address */
-#define SMR_COORD_MAX 1.0e5f    /* mm: largest absolute coordinate accepted */
+#define SMR_ALIGN 64u        /* bytes: every memory handed over starts on such an address */
+#define SMR_COORD_MAX 1.0e5f /* mm: largest absolute coordinate accepted */
 #define SMR_VERTICES_MAX 4000000u
 #define SMR_TRIANGLES_MAX 8000000u
 #define SMR_STRUCTURES_MAX 1024u
-#define SMR_NAME_BYTES 64u      /* structure names, with the closing NUL */
+#define SMR_NAME_BYTES 64u /* structure names, with the closing NUL */
 #define SMR_RADII_MAX 16u
-#define SMR_LEVELS_MAX 24u      /* of priority, in a model image */
+#define SMR_LEVELS_MAX 24u /* of priority, in a model image */
 #define SMR_WORKERS_MAX 64u
-#define SMR_ALL 0xffffffffu     /* "every structure" */
+#define SMR_ALL 0xffffffffu /* "every structure" */
 
 /* ------------------------------------------------------------------ 2. meshes and target surfaces */
 
@@ -76,32 +76,32 @@ size_t smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles);
 smr_status smr_surface_build(void *memory, size_t bytes, const smr_mesh *mesh, smr_surface **surface);
 
 typedef struct smr_closest {
-    float point[3];       /* mm, on the surface */
-    float normal[3];      /* unit, of that triangle */
-    float distance;       /* mm */
-    uint32_t triangle;    /* the caller's triangle index, SMR_ALL when nothing was found */
-    float weight[3];      /* barycentric, sums to 1 */
-    uint32_t on_border;   /* 1 when the point lies on an edge that has one triangle only */
+    float point[3];     /* mm, on the surface */
+    float normal[3];    /* unit, of that triangle */
+    float distance;     /* mm */
+    uint32_t triangle;  /* the caller's triangle index, SMR_ALL when nothing was found */
+    float weight[3];    /* barycentric, sums to 1 */
+    uint32_t on_border; /* 1 when the point lies on an edge that has one triangle only */
 } smr_closest;
 
 /* Exact closest point of the surface within max_mm of `point` (3 floats). `normal` (3 floats, unit) and
  * min_cos restrict the search to triangles whose normal agrees; NULL for any. max_mm: 0 or more. Ties: the
  * smallest triangle index. Nothing found: SMR_OK and hit->triangle SMR_ALL.
  * Errors: E_NULL, E_STATE (not a surface), E_INPUT. */
-smr_status smr_surface_closest(const smr_surface *surface, const float *point, const float *normal,
-                               float min_cos, float max_mm, smr_closest *hit);
+smr_status smr_surface_closest(const smr_surface *surface, const float *point, const float *normal, float min_cos,
+                               float max_mm, smr_closest *hit);
 
 /* Voxels in the caller's memory: borrowed, never written. */
 enum { SMR_VOXEL_UINT8 = 0, SMR_VOXEL_INT8, SMR_VOXEL_UINT16, SMR_VOXEL_INT16, SMR_VOXEL_FLOAT };
 
 typedef struct smr_volume {
-    const void *voxels;     /* [size[2]][size[1]][size[0]], host byte order, naturally aligned; NaN counts as outside */
-    const uint8_t *mask;    /* the same shape, 0 counts as outside; NULL: none */
-    uint32_t type;          /* SMR_VOXEL_... */
-    uint32_t size[3];       /* 1..65536 voxels along each axis */
-    float origin[3];        /* mm: centre of the first voxel */
-    float spacing[3];       /* mm, > 0 */
-    float direction[9];     /* row-major; columns are the axes' unit vectors, without the spacing; in no one plane */
+    const void *voxels;  /* [size[2]][size[1]][size[0]], host byte order, naturally aligned; NaN counts as outside */
+    const uint8_t *mask; /* the same shape, 0 counts as outside; NULL: none */
+    uint32_t type;       /* SMR_VOXEL_... */
+    uint32_t size[3];    /* 1..65536 voxels along each axis */
+    float origin[3];     /* mm: centre of the first voxel */
+    float spacing[3];    /* mm, > 0 */
+    float direction[9];  /* row-major; columns are the axes' unit vectors, without the spacing; in no one plane */
 } smr_volume;
 
 /* ------------------------------------------------------------------ 3. start pose */
@@ -113,9 +113,9 @@ typedef struct smr_pose {
 
 typedef struct smr_align_config {
     uint32_t cookie;
-    uint32_t similarity;  /* 0 rigid, 1 rigid with one scale; default 1 */
-    uint32_t iterations;  /* 1..1000, default 60: closest-point iterations of the last refinement */
-    uint32_t samples;     /* 16..100000, default 600: points taken from each surface */
+    uint32_t similarity; /* 0 rigid, 1 rigid with one scale; default 1 */
+    uint32_t iterations; /* 1..1000, default 60: closest-point iterations of the last refinement */
+    uint32_t samples;    /* 16..100000, default 600: points taken from each surface */
 } smr_align_config;
 
 smr_align_config smr_align_config_default(void);
@@ -173,38 +173,38 @@ typedef int (*smr_progress)(void *ctx, uint32_t done, uint32_t total);
 
 typedef struct smr_prepare_config {
     uint32_t cookie;
-    uint32_t n_radii;                /* 0..SMR_RADII_MAX; default 0: chosen from size and edge length; with a reference
+    uint32_t n_radii;               /* 0..SMR_RADII_MAX; default 0: chosen from size and edge length; with a reference
                                         image 60, 40, 25, 15, for a structure alone its size and a third first,
                                         where larger */
-    float radius_mm[SMR_RADII_MAX];  /* cluster radii s, coarse to fine, each in [1e-6, SMR_COORD_MAX] */
-    float separate_below_mm;         /* within +-SMR_COORD_MAX; radii below: clusters keep to their own structure.
+    float radius_mm[SMR_RADII_MAX]; /* cluster radii s, coarse to fine, each in [1e-6, SMR_COORD_MAX] */
+    float separate_below_mm;        /* within +-SMR_COORD_MAX; radii below: clusters keep to their own structure.
                                         0: always shared; negative (default): a third of the largest radius; with a reference image all
                                         but the finest are shared */
-    uint32_t distance;               /* SMR_DISTANCE_...; default Euclidean (paper 2.2) */
-    uint32_t mass;                   /* SMR_MASS_...; default one per vertex */
-    uint32_t order;                  /* SMR_ORDER_...; default the minimum spanning forest */
-    uint32_t ring;                   /* 1 (default): a cluster also holds its vertex' mesh neighbours, at
+    uint32_t distance;              /* SMR_DISTANCE_...; default Euclidean (paper 2.2) */
+    uint32_t mass;                  /* SMR_MASS_...; default one per vertex */
+    uint32_t order;                 /* SMR_ORDER_...; default the minimum spanning forest */
+    uint32_t ring;                  /* 1 (default): a cluster also holds its vertex' mesh neighbours, at
                                         radii not below the mean edge */
-    uint32_t priority;               /* 1 (default): vertices are stored in the order in which they matter (paper
+    uint32_t priority;              /* 1 (default): vertices are stored in the order in which they matter (paper
                                         2.2, complexity tuning), so that a registration may leave out the last
                                         ones; 0: no such order, all vertices always take part */
-    uint32_t block_vertices;         /* vertices per forest block, 16..65536; default 0: chosen */
-    const smr_volume *reference;     /* the image that fits the model, for intensity profiles; NULL (default): none */
-    uint32_t profile_samples;        /* 3..64, default 20: along each vertex' normal (paper 3: 30) */
-    float profile_step_mm;           /* (1e-6,100], default 0.5 */
-    float profile_inward;            /* [0,1]: share of the samples on the inner side, which differs less between people than
+    uint32_t block_vertices;        /* vertices per forest block, 16..65536; default 0: chosen */
+    const smr_volume *reference;    /* the image that fits the model, for intensity profiles; NULL (default): none */
+    uint32_t profile_samples;       /* 3..64, default 20: along each vertex' normal (paper 3: 30) */
+    float profile_step_mm;          /* (1e-6,100], default 0.5 */
+    float profile_inward;  /* [0,1]: share of the samples on the inner side, which differs less between people than
                                         what lies around; [-1,0), default -1: all but 1.6 voxels of the reference */
-    smr_progress progress;           /* may be NULL */
+    smr_progress progress; /* may be NULL */
     void *progress_ctx;
-    const struct smr_port *port;     /* section 6; lent while smr_prepare() runs; NULL (default): one core. The image is
+    const struct smr_port *port; /* section 6; lent while smr_prepare() runs; NULL (default): one core. The image is
                                         the same */
 } smr_prepare_config;
 
 smr_prepare_config smr_prepare_config_default(void);
 
 /* Scratch bytes smr_prepare() needs for these structures. Reads counts only. Errors: E_NULL, E_CONFIG, E_INPUT. */
-smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structures,
-                             const smr_prepare_config *config, size_t *scratch_bytes);
+smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
+                             size_t *scratch_bytes);
 
 /* Writes the model image. image NULL or too small: nothing useful is written and *image_bytes says what
  * is needed (E_ARENA for too small, OK for NULL). scratch and image are SMR_ALIGN-aligned; scratch may go
@@ -224,20 +224,20 @@ smr_status smr_model_open(const void *image, size_t bytes, const smr_model **mod
 
 typedef struct smr_model_info {
     uint32_t n_vertices, n_triangles, n_structures, n_radii;
-    float centre[3];                           /* mm: the origin of the model's internal coordinates */
-    float edge_mm;                             /* mean triangle edge, 0 without triangles */
+    float centre[3]; /* mm: the origin of the model's internal coordinates */
+    float edge_mm;   /* mean triangle edge, 0 without triangles */
     float radius_mm[SMR_RADII_MAX];
-    float indexes_per_cluster[SMR_RADII_MAX];  /* stored: zeta+ and zeta- and roots, in the mean */
-    float direct_per_cluster[SMR_RADII_MAX];   /* mean |zeta|: what direct sums would read */
-    uint32_t largest_cluster[SMR_RADII_MAX];   /* vertices; of those within a micrometre beyond the radius half */
+    float indexes_per_cluster[SMR_RADII_MAX]; /* stored: zeta+ and zeta- and roots, in the mean */
+    float direct_per_cluster[SMR_RADII_MAX];  /* mean |zeta|: what direct sums would read */
+    uint32_t largest_cluster[SMR_RADII_MAX];  /* vertices; of those within a micrometre beyond the radius half */
     uint32_t smallest_cluster[SMR_RADII_MAX];
     uint32_t n_blocks[SMR_RADII_MAX];
-    uint32_t separate[SMR_RADII_MAX];          /* 1: clusters keep to their own structure */
-    uint32_t active_min[SMR_RADII_MAX];        /* active vertices needed so that every cluster keeps 3, or all it has */
-    uint32_t n_levels;                         /* of priority, the most important first; 1 without priority */
-    uint32_t level_end[SMR_LEVELS_MAX];        /* vertices in a level and all before it */
-    uint32_t order;                            /* SMR_ORDER_... */
-    uint32_t profile_samples;                  /* 0: no intensity profiles */
+    uint32_t separate[SMR_RADII_MAX];   /* 1: clusters keep to their own structure */
+    uint32_t active_min[SMR_RADII_MAX]; /* active vertices needed so that every cluster keeps 3, or all it has */
+    uint32_t n_levels;                  /* of priority, the most important first; 1 without priority */
+    uint32_t level_end[SMR_LEVELS_MAX]; /* vertices in a level and all before it */
+    uint32_t order;                     /* SMR_ORDER_... */
+    uint32_t profile_samples;           /* 0: no intensity profiles */
     float profile_step_mm;
     uint32_t checksum;
     size_t bytes;
@@ -280,80 +280,80 @@ typedef struct smr_config {
     uint32_t cookie;
 
     /* memory */
-    uint32_t n_workers;          /* 1..SMR_WORKERS_MAX, default 1: at least the port's n_workers */
-    uint32_t n_target_vertices;  /* 0..SMR_VERTICES_MAX: sum over all target surfaces set at one time; default 0: then
+    uint32_t n_workers;         /* 1..SMR_WORKERS_MAX, default 1: at least the port's n_workers */
+    uint32_t n_target_vertices; /* 0..SMR_VERTICES_MAX: sum over all target surfaces set at one time; default 0: then
                                     target-to-model attraction is off */
 
     /* external forces, f = stiffness * (goal - x) (paper 2.1) */
-    float stiffness;             /* alpha_e, (0,1], default 0.8 */
-    float attraction;            /* 0..1, default 0.5: share of the target-to-model pull in the goal */
-    float slide;                 /* [0,1], default 0: share of a way along the model's surface to a target surface that
+    float stiffness;         /* alpha_e, (0,1], default 0.8 */
+    float attraction;        /* 0..1, default 0.5: share of the target-to-model pull in the goal */
+    float slide;             /* [0,1], default 0: share of a way along the model's surface to a target surface that
                                     counts: 0 makes the result independent of the inputs' pose, 1 brings the surfaces
                                     closest */
-    float even;                  /* [0,1], default 0.5: at the last radius so much of what a vertex moved differently from
+    float even;              /* [0,1], default 0.5: at the last radius so much of what a vertex moved differently from
                                     its mesh neighbours, along the surface, is taken back in the first iteration; it
                                     fades to the last. 0: never. Only where there is a target surface */
-    float search_mm;             /* (0, SMR_COORD_MAX], default 60: no closest point beyond this distance */
-    float search_radii;          /* (0,1e6], default 1.5: nor beyond so many cluster radii, so that the search
+    float search_mm;         /* (0, SMR_COORD_MAX], default 60: no closest point beyond this distance */
+    float search_radii;      /* (0,1e6], default 1.5: nor beyond so many cluster radii, so that the search
                                     narrows as the radius does; by half at most, from one radius to the next */
-    float normal_deg;            /* (0,180], default 75: source and target normals differ at most so much */
-    float reject_deviations;     /* [0,1e6], 0 (default): off; else drop forces longer than mean + this many standard
+    float normal_deg;        /* (0,180], default 75: source and target normals differ at most so much */
+    float reject_deviations; /* [0,1e6], 0 (default): off; else drop forces longer than mean + this many standard
                                     deviations of the last iteration */
-    uint32_t reject_border;      /* 1: drop closest points on the border of an open target; default 0 */
-    uint32_t use_box;            /* 1: no force outside the box below; default 0 */
+    uint32_t reject_border;  /* 1: drop closest points on the border of an open target; default 0 */
+    uint32_t use_box;        /* 1: no force outside the box below; default 0 */
     float box_min[3], box_max[3]; /* mm, within +-SMR_COORD_MAX, min <= max; looked at with use_box only */
-    uint32_t node_budget;        /* 8..1000000, default 512: tree nodes one closest-point search may open */
+    uint32_t node_budget;         /* 8..1000000, default 512: tree nodes one closest-point search may open */
 
     /* image forces (paper 2.1): goals are sought along the normal, both ways; distances fall linearly over the schedule. Over
      * the second half of the last radius all forces and the momentum fall to 0 while there is an image */
-    float profile_mm, profile_end_mm;   /* search distance of profile matching, [0,60], default 10 to 0 */
-    float profile_radii;         /* (0,1e6], default 0.5: profiles are not sought beyond so many cluster radii: what a cluster
+    float profile_mm, profile_end_mm; /* search distance of profile matching, [0,60], default 10 to 0 */
+    float profile_radii; /* (0,1e6], default 0.5: profiles are not sought beyond so many cluster radii: what a cluster
                                     can still pull apart must not find the far side of its neighbour. Up to a whole radius
                                     where less than 80 % of a structure's vertices had a goal, and half its thickness */
     float gradient_mm, gradient_end_mm; /* of the edge most like the profile's own, [0,60], default 5 to 0 */
-    uint32_t similarity;         /* SMR_SIMILARITY_...: normalised cross-correlation, sum of squared differences, or (default)
+    uint32_t similarity; /* SMR_SIMILARITY_...: normalised cross-correlation, sum of squared differences, or (default)
                                     concordance: a correlation that other contrast than the reference's lowers, and other
                                     brightness a little */
-    float sideways;              /* [0,1], default 0.5: so much of the way along the surface on which the image becomes like the
+    float sideways;      /* [0,1], default 0.5: so much of the way along the surface on which the image becomes like the
                                     profile is added to the goal on the normal; 0: goals lie on the normal, as in the paper */
-    float confidence;            /* [0,1], default 0.3: goals of profile and edge that together are believed no more than this
+    float confidence;    /* [0,1], default 0.3: goals of profile and edge that together are believed no more than this
                                     give no force; 1: none does */
-    float smoothing;             /* [0,1], default 1: a vertex without such a goal is drawn so far towards the middle of its
+    float smoothing;     /* [0,1], default 1: a vertex without such a goal is drawn so far towards the middle of its
                                     mesh neighbours. Not where the image cannot tell: no profile, or the search leaves the
                                     image or meets one value only; nor in a structure of which less than half has a goal */
 
     /* matching and evolution (paper 2.3) */
-    uint32_t method;             /* SMR_METHOD_...; default rigid-body kinematics */
-    float relaxation;            /* (0,1], default 1: x += relaxation * (averaged goal - x) */
-    float momentum;              /* [0,0.99], default 0.8: this share of the last displacement is added to the forces */
-    float momentum_last;         /* [0,0.99], default 0: the same at the last radius, where it would carry vertices along
+    uint32_t method;        /* SMR_METHOD_...; default rigid-body kinematics */
+    float relaxation;       /* (0,1], default 1: x += relaxation * (averaged goal - x) */
+    float momentum;         /* [0,0.99], default 0.8: this share of the last displacement is added to the forces */
+    float momentum_last;    /* [0,0.99], default 0: the same at the last radius, where it would carry vertices along
                                     the surface and rounding with them */
-    float plastic_um;            /* [0,1e8], default 50: x^r = x when the largest displacement falls below */
-    float settle_um;             /* [0,1e8], default 1: a radius is done early when the largest displacement falls below; not
+    float plastic_um;       /* [0,1e8], default 50: x^r = x when the largest displacement falls below */
+    float settle_um;        /* [0,1e8], default 1: a radius is done early when the largest displacement falls below; not
                                     the last one while `even` works on a target surface and anything moves */
-    uint32_t plastic_every;      /* 0..1000, default 1: x^r = x also after so many iterations; 0 never */
-    uint32_t fold_guard;         /* 1 (default): at the last two radii folds are repaired, and steps that would turn
+    uint32_t plastic_every; /* 0..1000, default 1: x^r = x also after so many iterations; 0 never */
+    uint32_t fold_guard;    /* 1 (default): at the last two radii folds are repaired, and steps that would turn
                                     triangles back on each other are smoothed; at the last one edges that are folded all the
                                     same are opened */
-    uint32_t normals;            /* SMR_NORMALS_...; default carried by the cluster rotations, recomputed
+    uint32_t normals;       /* SMR_NORMALS_...; default carried by the cluster rotations, recomputed
                                     from the triangles whenever x^r is */
 
     /* complexity tuning (paper 2.2): the first vertices in the order of priority are active. The others get no force, are out
      * of the clusters, and are carried along by them. At least smr_model_info.active_min[radius] always are active */
-    float active_share;          /* [0,1], default 1: share of the vertices */
-    float active_first;          /* [0,1], default 1: below active_share, the share at the schedule's start; from there it
+    float active_share;     /* [0,1], default 1: share of the vertices */
+    float active_first;     /* [0,1], default 1: below active_share, the share at the schedule's start; from there it
                                     grows evenly to active_share at the end */
-    uint32_t active_enough;      /* 0..1e6, default 30: with an image, so many active vertices in the smallest cluster are
+    uint32_t active_enough; /* 0..1e6, default 30: with an image, so many active vertices in the smallest cluster are
                                     enough, about (whole levels are taken), and 1,000 of the whole model; at large radii
                                     most are then ignored. 0: active_share alone decides */
 
     /* schedule: from coarse to fine radius */
-    uint32_t radius_first;       /* index of the first radius used, default 0 */
-    uint32_t radius_last;        /* index of the last radius used, not below the first; default SMR_ALL: the finest */
-    uint32_t iterations;         /* 1..100000, default 9: at most so many at each radius but the last, with an image twice as
+    uint32_t radius_first; /* index of the first radius used, default 0 */
+    uint32_t radius_last;  /* index of the last radius used, not below the first; default SMR_ALL: the finest */
+    uint32_t iterations;   /* 1..100000, default 9: at most so many at each radius but the last, with an image twice as
                                     many at the first of several. Iterations
                                     that only repair folds do not count */
-    uint32_t iterations_last;    /* 1..100000, default 60: at most so many at the last radius */
+    uint32_t iterations_last; /* 1..100000, default 60: at most so many at the last radius */
 } smr_config;
 
 smr_config smr_config_default(void);
@@ -370,16 +370,15 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 
 /* The same as a compile-time upper bound, for static storage:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(nv, nt, ns, workers, target_vertices)]; */
-#define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices)        \
-    ((size_t)8192u + (size_t)364u * (n_vertices) + (size_t)54u * (n_triangles) +                    \
-     (size_t)2048u * (n_structures) + ((size_t)32u * (n_vertices) + 256u) * (n_workers) +           \
-     (size_t)8u * (n_target_vertices))
+#define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices)                           \
+    ((size_t)8192u + (size_t)364u * (n_vertices) + (size_t)54u * (n_triangles) + (size_t)2048u * (n_structures) +      \
+     ((size_t)32u * (n_vertices) + 256u) * (n_workers) + (size_t)8u * (n_target_vertices))
 
 /* Sets up a registration at the model's rest shape in arena (SMR_ALIGN-aligned, at least
  * smr_arena_bytes). config and port are copied; port may be NULL (one worker, no clock). model and arena
  * must stay. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT; *out untouched then. */
-smr_status smr_init(smr **out, const smr_model *model, const smr_config *config, const smr_port *port,
-                    void *arena, size_t arena_bytes);
+smr_status smr_init(smr **out, const smr_model *model, const smr_config *config, const smr_port *port, void *arena,
+                    size_t arena_bytes);
 
 /* Puts a structure at these positions, in the caller's vertex order: [n_vertices][3] mm. All structures start again
  * from where they are then: that becomes the reference shape x^r, and the schedule starts over.
@@ -406,27 +405,27 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume);
 enum { SMR_PHASE_FORCES = 0, SMR_PHASE_SUMS, SMR_PHASE_MATCH, SMR_PHASE_AVERAGE, SMR_PHASE_EVOLVE, SMR_PHASES };
 
 typedef struct smr_tick_report {
-    uint32_t iteration;           /* complete iterations since the start */
-    uint32_t phase;               /* SMR_PHASE_...: the one to resume with; 0 after a whole iteration */
-    uint32_t radius;              /* index of the radius the iteration used */
-    uint32_t radius_iteration;    /* complete iterations at this radius */
-    uint32_t n_taken;             /* vertices that take part in the iteration: the first so many in the order of priority, the
+    uint32_t iteration;        /* complete iterations since the start */
+    uint32_t phase;            /* SMR_PHASE_...: the one to resume with; 0 after a whole iteration */
+    uint32_t radius;           /* index of the radius the iteration used */
+    uint32_t radius_iteration; /* complete iterations at this radius */
+    uint32_t n_taken;    /* vertices that take part in the iteration: the first so many in the order of priority, the
                                      others are ignored; after a partial tick that has not its forces yet, so many at most */
-    uint32_t n_wanted;            /* so many would without a budget */
-    uint32_t n_active;            /* those of them that could receive an external force */
-    uint32_t n_forces;            /* vertices that did */
-    uint32_t n_rejected;          /* vertices with a target but no acceptable goal */
-    uint32_t n_guarded;           /* vertices moved by the fold guard: held back, unfolded or repaired */
-    uint32_t plastic_updates;     /* since the start */
-    uint32_t done;                /* 1: the schedule is done; further ticks change nothing */
-    uint32_t converged;           /* 1: done, and the last iteration moved no vertex by plastic_um */
-    float progress;               /* 0..1: share of the schedule's iterations done */
-    float residual_mean_mm;       /* of |goal - x| over the n_forces vertices */
+    uint32_t n_wanted;   /* so many would without a budget */
+    uint32_t n_active;   /* those of them that could receive an external force */
+    uint32_t n_forces;   /* vertices that did */
+    uint32_t n_rejected; /* vertices with a target but no acceptable goal */
+    uint32_t n_guarded;  /* vertices moved by the fold guard: held back, unfolded or repaired */
+    uint32_t plastic_updates; /* since the start */
+    uint32_t done;            /* 1: the schedule is done; further ticks change nothing */
+    uint32_t converged;       /* 1: done, and the last iteration moved no vertex by plastic_um */
+    float progress;           /* 0..1: share of the schedule's iterations done */
+    float residual_mean_mm;   /* of |goal - x| over the n_forces vertices */
     float residual_rms_mm;
     float residual_max_mm;
-    float displacement_max_mm;    /* of the last complete iteration */
-    uint64_t phase_ns[SMR_PHASES];/* time of this tick by phase; 0 without a clock */
-    uint64_t state_hash;          /* of the positions (relative to the start's whole millimetres): equal bits, equal hash, on
+    float displacement_max_mm;     /* of the last complete iteration */
+    uint64_t phase_ns[SMR_PHASES]; /* time of this tick by phase; 0 without a clock */
+    uint64_t state_hash; /* of the positions (relative to the start's whole millimetres): equal bits, equal hash, on
                                      every processor */
 } smr_tick_report;
 
@@ -453,8 +452,8 @@ smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
 
 typedef struct smr_structure_report {
-    uint32_t has_target;          /* 0: carried along */
-    uint32_t n_forces;            /* as in smr_tick_report, of the last complete forces */
+    uint32_t has_target; /* 0: carried along */
+    uint32_t n_forces;   /* as in smr_tick_report, of the last complete forces */
     uint32_t n_rejected;
     float residual_mean_mm, residual_max_mm;
     float moved_mean_mm, moved_max_mm; /* from the start positions */
@@ -478,9 +477,9 @@ uint64_t smr_state_hash(const smr *s);
 smr_status smr_set_log(smr *s, void *memory, size_t bytes);
 
 typedef struct smr_log_state {
-    size_t bytes;       /* written so far: the log is the first so many; complete after each call */
-    uint32_t n_ticks;   /* recorded */
-    uint32_t full;      /* 1: the memory was too small, recording has ended */
+    size_t bytes;     /* written so far: the log is the first so many; complete after each call */
+    uint32_t n_ticks; /* recorded */
+    uint32_t full;    /* 1: the memory was too small, recording has ended */
 } smr_log_state;
 
 /* How far the log of s is; all 0 without one. Errors: E_NULL, E_STATE. */
@@ -494,28 +493,28 @@ typedef struct smr_log_info {
 } smr_log_info;
 
 enum {
-    SMR_LOG_TICK = 1,  /* smr_tick */
-    SMR_LOG_SURFACE,   /* smr_set_surface, and so on */
+    SMR_LOG_TICK = 1, /* smr_tick */
+    SMR_LOG_SURFACE,  /* smr_set_surface, and so on */
     SMR_LOG_VOLUME,
     SMR_LOG_POSE,
     SMR_LOG_POSITIONS,
     SMR_LOG_ACTIVE,
-    SMR_LOG_FULL       /* the memory ended here */
+    SMR_LOG_FULL /* the memory ended here */
 };
 
 /* One record. Fields that its kind does not have are 0. */
 typedef struct smr_log_record {
-    uint32_t kind;            /* SMR_LOG_...; 0: the log ends here */
+    uint32_t kind; /* SMR_LOG_...; 0: the log ends here */
     /* inputs */
-    uint32_t structure;       /* surface, positions: whose; SMR_ALL */
-    uint32_t present;         /* 0: it was taken away (NULL) */
-    uint64_t checksum;        /* of a surface, volume or positions */
+    uint32_t structure; /* surface, positions: whose; SMR_ALL */
+    uint32_t present;   /* 0: it was taken away (NULL) */
+    uint64_t checksum;  /* of a surface, volume or positions */
     smr_pose pose;
     /* ticks: what the tick's report said */
-    uint32_t complete;        /* 1: an iteration was completed, or the schedule was done already; 0: SMR_PARTIAL */
+    uint32_t complete; /* 1: an iteration was completed, or the schedule was done already; 0: SMR_PARTIAL */
     uint32_t done, phase, iteration;
-    uint32_t n_taken;         /* also of SMR_LOG_ACTIVE: what was asked for */
-    uint32_t n_evaluated;     /* vertices whose forces were looked for, so far in the iteration */
+    uint32_t n_taken;     /* also of SMR_LOG_ACTIVE: what was asked for */
+    uint32_t n_evaluated; /* vertices whose forces were looked for, so far in the iteration */
     uint32_t n_forces, plastic_updates;
     uint64_t state_hash;
 } smr_log_record;
@@ -554,12 +553,12 @@ typedef struct smr_replay {
 smr_status smr_replay_start(smr_replay *replay, smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx);
 
 typedef struct smr_replay_report {
-    uint32_t tick;            /* the log's, from 1; at its end: how many there were */
-    uint32_t ended;           /* 1: the log has no further tick */
-    uint32_t full;            /* 1: and it ended because its memory did */
-    uint32_t differs;         /* 1: the repeated tick came to something else */
-    smr_log_record record;    /* the tick; with an error: the record it is about */
-    smr_log_record found;     /* what the repeated tick came to */
+    uint32_t tick;         /* the log's, from 1; at its end: how many there were */
+    uint32_t ended;        /* 1: the log has no further tick */
+    uint32_t full;         /* 1: and it ended because its memory did */
+    uint32_t differs;      /* 1: the repeated tick came to something else */
+    smr_log_record record; /* the tick; with an error: the record it is about */
+    smr_log_record found;  /* what the repeated tick came to */
 } smr_replay_report;
 
 /* Repeats the log's next tick and the inputs set before it, without a clock, and compares what it came to. A complete iteration is

@@ -14,8 +14,8 @@ extern "C" {
 
 /* The clock's memory: extends the board's 32-bit counter to 64 bits. The caller owns it. */
 typedef struct smr_baremetal {
-    uint64_t steps;   /* of the counter, up to `last` */
-    uint32_t last;    /* the counter when it was last read */
+    uint64_t steps; /* of the counter, up to `last` */
+    uint32_t last;  /* the counter when it was last read */
 } smr_baremetal;
 
 /* Starts the board's counter (smr_clock.h) and returns a port with one worker and this clock. The clock must be

@@ -25,10 +25,7 @@ static uint32_t smr_semihost_call(uint32_t operation, const void *argument)
     return r0;
 }
 
-void smr_semihost_write(const char *text)
-{
-    (void)smr_semihost_call(SMR_SEMIHOST_WRITE0, text);
-}
+void smr_semihost_write(const char *text) { (void)smr_semihost_call(SMR_SEMIHOST_WRITE0, text); }
 
 size_t smr_semihost_read_file(const char *name, void *to, size_t bytes)
 {

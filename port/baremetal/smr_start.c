@@ -25,18 +25,14 @@ typedef union smr_start_entry {
 } smr_start_entry;
 
 __attribute__((section(".vectors"), used)) static const smr_start_entry SMR_START_VECTORS[16] = {
-    {.stack = smr_stack_top},
-    {.handler = smr_start_reset},
-    {.handler = smr_start_fault}, /* NMI */
-    {.handler = smr_start_fault}, /* hard fault */
+    {.stack = smr_stack_top},         {.handler = smr_start_reset}, {.handler = smr_start_fault}, /* NMI */
+    {.handler = smr_start_fault},                                                                 /* hard fault */
     {.handler = smr_start_fault}, /* memory management */
     {.handler = smr_start_fault}, /* bus */
     {.handler = smr_start_fault}, /* usage */
-    {.handler = smr_start_fault}, {.handler = smr_start_fault},
-    {.handler = smr_start_fault}, {.handler = smr_start_fault},
-    {.handler = smr_start_fault}, /* SVCall */
-    {.handler = smr_start_fault}, {.handler = smr_start_fault},
-    {.handler = smr_start_fault}, /* PendSV */
+    {.handler = smr_start_fault},     {.handler = smr_start_fault}, {.handler = smr_start_fault},
+    {.handler = smr_start_fault},     {.handler = smr_start_fault},                               /* SVCall */
+    {.handler = smr_start_fault},     {.handler = smr_start_fault}, {.handler = smr_start_fault}, /* PendSV */
     {.handler = smr_systick_handler},
 };
 

@@ -119,9 +119,8 @@ static void settle_times(host_figure2 *figure, const samples *from, uint32_t n)
                 figure->least_ms[method][part][share] = ms[0];
             }
             /* shares that the clusters could not spare have gone: what is left of the equal steps */
-            figure->line[method][part] =
-                fit(figure->ignored, figure->ms[method][part],
-                    figure->n_times > figure->n_errors ? figure->n_errors : figure->n_times);
+            figure->line[method][part] = fit(figure->ignored, figure->ms[method][part],
+                                             figure->n_times > figure->n_errors ? figure->n_errors : figure->n_times);
             figure->line_all[method][part] = fit(figure->ignored, figure->ms[method][part], figure->n_times);
         }
 }

@@ -17,8 +17,8 @@ static void put_fits(const char *name, host_line line[2][HOST_TIMES], host_buffe
     uint32_t m = 0, p = 0;
     for (m = 0; m < 2; m++)
         for (p = 0; p < HOST_TIMES; p++)
-            host_buffer_print(out, "%s,%s,%s,,,,,,,,,%.6f,%.6f,%.6f,%.6f\n", name, host_figure2_methods[m], time_names[p],
-                              line[m][p].at_0, line[m][p].at_100, line[m][p].slope, line[m][p].r2);
+            host_buffer_print(out, "%s,%s,%s,,,,,,,,,%.6f,%.6f,%.6f,%.6f\n", name, host_figure2_methods[m],
+                              time_names[p], line[m][p].at_0, line[m][p].at_100, line[m][p].slope, line[m][p].r2);
 }
 
 /* One table for all: columns that a row has no value for are empty. */
@@ -35,8 +35,8 @@ static void put_csv(host_figure2 *f, host_buffer *out)
                                   f->n_samples);
     for (p = 0; p < HOST_ERRORS; p++)
         for (i = 0; i < f->n_errors; i++) {
-            host_buffer_print(out, "error,%s,%s,%.3f,%u,,,,%.6f,%.6f,", error_names[p][0], error_names[p][1], f->asked[i],
-                              f->last_active[p][i], f->to_truth[p][i], f->from_truth[p][i]);
+            host_buffer_print(out, "error,%s,%s,%.3f,%u,,,,%.6f,%.6f,", error_names[p][0], error_names[p][1],
+                              f->asked[i], f->last_active[p][i], f->to_truth[p][i], f->from_truth[p][i]);
             if (f->by_vertex[p][i] > 0.0)
                 host_buffer_print(out, "%.6f", f->by_vertex[p][i]);
             host_buffer_print(out, ",,,,\n");
@@ -65,14 +65,26 @@ static void put_svg(const host_figure2 *f, host_buffer *out)
         plot[m].x_max = 100.0;
         for (p = HOST_TIME_WITH; p <= HOST_TIME_WITHOUT; p++) {
             const host_line *const line = &f->line[m][p];
-            const host_curve curve = {names[m][p],     colours[m],  p == HOST_TIME_WITH ? "none" : "6 4", f->ignored,
-                                      f->ms[m][p],     f->n_times,  1,                                    {line->at_0, line->slope}};
+            const host_curve curve = {names[m][p],
+                                      colours[m],
+                                      p == HOST_TIME_WITH ? "none" : "6 4",
+                                      f->ignored,
+                                      f->ms[m][p],
+                                      f->n_times,
+                                      1,
+                                      {line->at_0, line->slope}};
             plot[0].curve[plot[0].n_curves++] = curve;
         }
     }
     for (p = 0; p < HOST_ERRORS; p++) {
-        const host_curve curve = {error_texts[p], colours[p], p == HOST_ERROR_POLAR ? "6 4" : "none", f->asked,
-                                  f->to_truth[p], f->n_errors, 0, {0.0, 0.0}};
+        const host_curve curve = {error_texts[p],
+                                  colours[p],
+                                  p == HOST_ERROR_POLAR ? "6 4" : "none",
+                                  f->asked,
+                                  f->to_truth[p],
+                                  f->n_errors,
+                                  0,
+                                  {0.0, 0.0}};
         plot[1].curve[plot[1].n_curves++] = curve;
     }
     (void)snprintf(title, sizeof title, "Complexity tuning: %s of %u structures, %u vertices",
@@ -83,13 +95,15 @@ static void put_svg(const host_figure2 *f, host_buffer *out)
 static void tell(const host_figure2 *f, const char *out)
 {
     uint32_t m = 0, p = 0, i = 0;
-    (void)printf("%u structures, %u vertices; time of an iteration, ms, median of %u; fit to equal steps (and the last share)\n",
-                 f->n_structures, f->n_vertices, f->n_samples);
+    (void)printf(
+        "%u structures, %u vertices; time of an iteration, ms, median of %u; fit to equal steps (and the last share)\n",
+        f->n_structures, f->n_vertices, f->n_samples);
     for (m = 0; m < 2; m++)
         for (p = 0; p < HOST_TIMES; p++)
-            (void)printf("%-6s %-15s %7.3f with all vertices, %7.3f with %u; fit: %7.3f at 100 %% ignored, R^2 %.4f (%.4f)\n",
-                         host_figure2_methods[m], time_names[p], f->ms[m][p][0], f->ms[m][p][f->n_times - 1u],
-                         f->active[f->n_times - 1u], f->line[m][p].at_100, f->line[m][p].r2, f->line_all[m][p].r2);
+            (void)printf(
+                "%-6s %-15s %7.3f with all vertices, %7.3f with %u; fit: %7.3f at 100 %% ignored, R^2 %.4f (%.4f)\n",
+                host_figure2_methods[m], time_names[p], f->ms[m][p][0], f->ms[m][p][f->n_times - 1u],
+                f->active[f->n_times - 1u], f->line[m][p].at_100, f->line[m][p].r2, f->line_all[m][p].r2);
     for (p = 0; p < HOST_TIMES; p++)
         (void)printf("%s: rigid takes %.1f %% less time than polar with all vertices\n", time_names[p],
                      100.0 * (1.0 - f->ms[SMR_METHOD_RIGID][p][0] / f->ms[SMR_METHOD_POLAR][p][0]));
@@ -114,7 +128,8 @@ int host_figure2_write(host_figure2 *figure, const host_options *options, host_e
     memset(&svg, 0, sizeof svg);
     put_csv(figure, &csv);
     put_svg(figure, &svg);
-    if (host_output_add(output, "figure2.csv", &csv, error) != 0 || host_output_add(output, "figure2.svg", &svg, error) != 0) {
+    if (host_output_add(output, "figure2.csv", &csv, error) != 0 ||
+        host_output_add(output, "figure2.svg", &svg, error) != 0) {
         host_output_abandon(output);
         result = -1;
     } else {

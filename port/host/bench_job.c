@@ -58,7 +58,8 @@ static int take_thigh(host_bench *bench, host_error *error)
 /* Surfaces, never a ready .smr: the reference image is an option that such a model refuses. */
 static int load_files(host_job *job, host_error *error)
 {
-    return host_job_load(job, error) != 0 || host_job_match(job, error) != 0 || host_job_start(job, error) != 0 ? -1 : 0;
+    return host_job_load(job, error) != 0 || host_job_match(job, error) != 0 || host_job_start(job, error) != 0 ? -1
+                                                                                                                : 0;
 }
 
 int host_bench_load(host_bench *bench, const host_options *options, host_error *error)

@@ -32,7 +32,8 @@ static double nice_step(double range)
 
 static frame frame_of(const host_plot *plot, uint32_t index)
 {
-    frame f = {PANEL_WIDTH * index + LEFT, TOP, PANEL_WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM, plot->x_max, 0.0, 0.0};
+    frame f = {
+        PANEL_WIDTH * index + LEFT, TOP, PANEL_WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM, plot->x_max, 0.0, 0.0};
     uint32_t c = 0, i = 0;
     for (c = 0; c < plot->n_curves; c++) {
         for (i = 0; i < plot->curve[c].n; i++)
@@ -61,8 +62,8 @@ static void put_axes(const host_plot *plot, const frame *f, host_buffer *out)
                           "<path d=\"M%.1f %.1fv5\" stroke=\"#333333\"/>"
                           "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%g</text>\n",
                           px(f, v), bottom, px(f, v), bottom + 19.0, v);
-    host_buffer_print(out, "<path d=\"M%.1f %.1fV%.1fH%.1f\" stroke=\"#333333\" fill=\"none\"/>\n", f->left, f->top, bottom,
-                      right);
+    host_buffer_print(out, "<path d=\"M%.1f %.1fV%.1fH%.1f\" stroke=\"#333333\" fill=\"none\"/>\n", f->left, f->top,
+                      bottom, right);
     host_buffer_print(out, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%s</text>\n", f->left + f->width / 2.0,
                       bottom + 40.0, plot->x_label);
     host_buffer_print(out, "<text transform=\"translate(%.1f %.1f) rotate(-90)\" text-anchor=\"middle\">%s</text>\n",
@@ -82,8 +83,8 @@ static void put_curve(const host_curve *curve, const frame *f, host_buffer *out)
                           py(f, curve->fit[0] + curve->fit[1] * f->x_max));
     for (i = 0; !curve->fitted && i < curve->n; i++)
         host_buffer_print(out, "%s%.1f %.1f", i > 0 ? "L" : "", px(f, curve->x[i]), py(f, curve->y[i]));
-    host_buffer_print(out, "\" stroke=\"%s\" stroke-width=\"1.6\" stroke-dasharray=\"%s\" fill=\"none\"/>\n", curve->colour,
-                      curve->dash);
+    host_buffer_print(out, "\" stroke=\"%s\" stroke-width=\"1.6\" stroke-dasharray=\"%s\" fill=\"none\"/>\n",
+                      curve->colour, curve->dash);
     for (i = 0; i < curve->n; i++)
         host_buffer_print(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3\" fill=\"%s\"/>", px(f, curve->x[i]),
                           py(f, curve->y[i]), curve->colour);
@@ -97,11 +98,12 @@ static void put_legend(const host_plot *plot, const frame *f, host_buffer *out)
     for (c = 0; c < plot->n_curves; c++) {
         const host_curve *const curve = &plot->curve[c];
         const double y = f->top + 6.0 + LINE * (double)(c + 1u);
-        host_buffer_print(out,
-                          "<path d=\"M%.1f %.1fh30\" stroke=\"%s\" stroke-width=\"1.6\" stroke-dasharray=\"%s\"/>"
-                          "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3\" fill=\"%s\"/><text x=\"%.1f\" y=\"%.1f\">%s</text>\n",
-                          left, y - 4.0, curve->colour, curve->dash, left + 15.0, y - 4.0, curve->colour, left + 38.0, y,
-                          curve->name);
+        host_buffer_print(
+            out,
+            "<path d=\"M%.1f %.1fh30\" stroke=\"%s\" stroke-width=\"1.6\" stroke-dasharray=\"%s\"/>"
+            "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3\" fill=\"%s\"/><text x=\"%.1f\" y=\"%.1f\">%s</text>\n",
+            left, y - 4.0, curve->colour, curve->dash, left + 15.0, y - 4.0, curve->colour, left + 38.0, y,
+            curve->name);
     }
 }
 
@@ -109,12 +111,13 @@ void host_plot_write(const host_plot *plots, uint32_t n, const char *title, host
 {
     uint32_t i = 0, c = 0;
     const double width = PANEL_WIDTH * n;
-    host_buffer_print(out,
-                      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" viewBox=\"0 0 %.0f %.0f\" "
-                      "font-family=\"sans-serif\" font-size=\"13\" fill=\"#222222\">\n<title>%s</title>\n"
-                      "<rect width=\"%.0f\" height=\"%.0f\" fill=\"#ffffff\"/>\n"
-                      "<text x=\"%.1f\" y=\"24\" font-size=\"15\" text-anchor=\"middle\">%s</text>\n",
-                      width, HEIGHT, width, HEIGHT, title, width, HEIGHT, width / 2.0, title);
+    host_buffer_print(
+        out,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" viewBox=\"0 0 %.0f %.0f\" "
+        "font-family=\"sans-serif\" font-size=\"13\" fill=\"#222222\">\n<title>%s</title>\n"
+        "<rect width=\"%.0f\" height=\"%.0f\" fill=\"#ffffff\"/>\n"
+        "<text x=\"%.1f\" y=\"24\" font-size=\"15\" text-anchor=\"middle\">%s</text>\n",
+        width, HEIGHT, width, HEIGHT, title, width, HEIGHT, width / 2.0, title);
     for (i = 0; i < n; i++) {
         const frame f = frame_of(&plots[i], i);
         put_axes(&plots[i], &f, out);

@@ -11,7 +11,7 @@ typedef struct host_curve {
     const char *name, *colour, *dash; /* dash: an SVG dash array, or "none". All texts are ours: nothing is escaped */
     const double *x, *y;              /* [n] */
     uint32_t n;
-    int fitted;                       /* 1: a line y = fit[0] + fit[1] x to the right edge instead of one through points */
+    int fitted; /* 1: a line y = fit[0] + fit[1] x to the right edge instead of one through points */
     double fit[2];
 } host_curve;
 

@@ -117,8 +117,8 @@ static void tell(soak_row rows[KINDS][BUDGETS], const host_bench *bench)
     for (line = 0; line < KINDS * BUDGETS * CLOCKS; line++) {
         const int kind = line / (BUDGETS * CLOCKS), i = line / CLOCKS % BUDGETS, clock = line % CLOCKS;
         const soak_row *const row = &rows[kind][i];
-        (void)printf("%-8s %3g ms %-9s %7u %7u %5u %8u", kinds[kind], budgets_ms[i], clocks[clock], row->ticks, row->whole,
-                     row->runs, row->bin[clock][0]);
+        (void)printf("%-8s %3g ms %-9s %7u %7u %5u %8u", kinds[kind], budgets_ms[i], clocks[clock], row->ticks,
+                     row->whole, row->runs, row->bin[clock][0]);
         for (b = 1; b < BINS; b++)
             (void)printf(" %6u", row->bin[clock][b]);
         (void)printf(" %7.0f\n", row->worst_us[clock]);

@@ -11,10 +11,11 @@
 /* C's own words; those with an underscore and a capital are out for that. */
 static int is_keyword(const char *text)
 {
-    static const char *const words[] = {"auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else",
-                                        "enum", "extern", "float", "for", "goto", "if", "inline", "int", "long", "register",
-                                        "restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch",
-                                        "typedef", "union", "unsigned", "void", "volatile", "while"};
+    static const char *const words[] = {"auto",    "break",  "case",     "char",   "const",    "continue", "default",
+                                        "do",      "double", "else",     "enum",   "extern",   "float",    "for",
+                                        "goto",    "if",     "inline",   "int",    "long",     "register", "restrict",
+                                        "return",  "short",  "signed",   "sizeof", "static",   "struct",   "switch",
+                                        "typedef", "union",  "unsigned", "void",   "volatile", "while"};
     size_t i = 0;
     while (i < sizeof words / sizeof words[0] && strcmp(text, words[i]) != 0)
         i++;

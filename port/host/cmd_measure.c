@@ -14,8 +14,8 @@ typedef struct measured {
     host_load load[3];
     uint32_t n;
     smr_surface *surface[2];
-    void *memory[2];    /* owned */
-    float *mm[2];       /* owned */
+    void *memory[2];     /* owned */
+    float *mm[2];        /* owned */
     host_stats stats[2]; /* A's vertices to B, B's to A */
     uint64_t folds, absolute;
 } measured;

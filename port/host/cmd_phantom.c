@@ -92,8 +92,8 @@ static void tell(const phantom *ph, double seconds)
     for (i = 0; i < FIXTURE_THIGH_PARTS; i++)
         n += ph->thigh.mesh[HOST_THIGH_MODEL][i].n_vertices;
     (void)printf("%s: %u structures, %u vertices; images of %u x %u x %u and %u x %u x %u voxels; %.3f s\n",
-                 ph->options->out, FIXTURE_THIGH_PARTS, n, ph->thigh.box[0].n[0], ph->thigh.box[0].n[1], ph->thigh.box[0].n[2],
-                 ph->thigh.box[1].n[0], ph->thigh.box[1].n[1], ph->thigh.box[1].n[2], seconds);
+                 ph->options->out, FIXTURE_THIGH_PARTS, n, ph->thigh.box[0].n[0], ph->thigh.box[0].n[1],
+                 ph->thigh.box[0].n[2], ph->thigh.box[1].n[0], ph->thigh.box[1].n[1], ph->thigh.box[1].n[2], seconds);
 }
 
 static void free_phantom(phantom *ph)

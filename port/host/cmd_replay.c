@@ -20,7 +20,7 @@ typedef struct replayed {
     host_options options; /* of the recorded command line */
     host_job job;
     tick_counts counts;
-    char **arguments;     /* owned */
+    char **arguments; /* owned */
 } replayed;
 
 /* Every record of it is sound. */
@@ -36,7 +36,8 @@ static int count_ticks(replayed *r, host_error *error)
     do {
         status = smr_log_next(&reader, &record);
         if (status != SMR_OK)
-            return host_fail_at(error, "log, byte", reader.at, "a whole, undamaged record (%s)", smr_status_name(status));
+            return host_fail_at(error, "log, byte", reader.at, "a whole, undamaged record (%s)",
+                                smr_status_name(status));
         if (record.kind != SMR_LOG_TICK)
             continue;
         r->counts.ticks++;
@@ -57,8 +58,10 @@ static int check_inputs(const host_log *log, host_error *error)
         if (host_log_measure(was->path, &is, error) != 0)
             return -1;
         if (is.bytes != was->bytes || is.checksum != was->checksum)
-            return host_fail(error, "file", "%" PRIu64 " bytes with checksum %016" PRIx64 " as recorded, found %" PRIu64
-                             " with %016" PRIx64, was->bytes, was->checksum, is.bytes, is.checksum);
+            return host_fail(error, "file",
+                             "%" PRIu64 " bytes with checksum %016" PRIx64 " as recorded, found %" PRIu64
+                             " with %016" PRIx64,
+                             was->bytes, was->checksum, is.bytes, is.checksum);
     }
     return 0;
 }
@@ -116,15 +119,17 @@ static int refuse_start(replayed *r, smr_status status, host_error *error)
 static int refuse_tick(const replayed *r, const smr_replay_report *report, smr_status status, host_error *error)
 {
     error->file = r->path;
-    return host_fail_at(error, "before or at tick", report->tick, status == SMR_E_INPUT
-                            ? "the inputs that were recorded (%s)" : "a tick that can be repeated (%s)",
+    return host_fail_at(error, "before or at tick", report->tick,
+                        status == SMR_E_INPUT ? "the inputs that were recorded (%s)"
+                                              : "a tick that can be repeated (%s)",
                         smr_status_name(status));
 }
 
 static void print_agreement(const replayed *r, const smr_replay_report *report)
 {
     const tick_counts *const n = &r->counts;
-    (void)printf("%s: all %u ticks agree (%u partial, %u iterations, %u of them cut), %u threads, state %016" PRIx64 "%s\n",
+    (void)printf("%s: all %u ticks agree (%u partial, %u iterations, %u of them cut), %u threads, state %016" PRIx64
+                 "%s\n",
                  r->path, report->tick, n->partial, n->iterations, n->cut, r->job.port.port.n_workers,
                  smr_state_hash(r->job.state), report->full ? "; the log was full then" : "");
 }
@@ -133,8 +138,9 @@ static void print_difference(const replayed *r, const smr_replay_report *report)
 {
     const smr_log_record *const a = &report->record, *const b = &report->found;
     (void)printf("%s: tick %u of %u differs: recorded iteration %u, %u vertices, %u forces, state %016" PRIx64
-                 "; here %u, %u, %u, %016" PRIx64 "\n", r->path, report->tick, r->counts.ticks, a->iteration, a->n_taken,
-                 a->n_forces, a->state_hash, b->iteration, b->n_taken, b->n_forces, b->state_hash);
+                 "; here %u, %u, %u, %016" PRIx64 "\n",
+                 r->path, report->tick, r->counts.ticks, a->iteration, a->n_taken, a->n_forces, a->state_hash,
+                 b->iteration, b->n_taken, b->n_forces, b->state_hash);
 }
 
 static int repeat(replayed *r, host_error *error)
@@ -163,8 +169,8 @@ static int repeat(replayed *r, host_error *error)
 static int run(replayed *r, uint32_t threads, host_error *error)
 {
     host_job *const job = &r->job;
-    if (host_log_read(r->path, &r->log, error) != 0 || count_ticks(r, error) != 0 || check_inputs(&r->log, error) != 0 ||
-        read_options(r, threads, error) != 0)
+    if (host_log_read(r->path, &r->log, error) != 0 || count_ticks(r, error) != 0 ||
+        check_inputs(&r->log, error) != 0 || read_options(r, threads, error) != 0)
         return HOST_REFUSED;
     job->options = &r->options;
     if (host_port_open(&job->port, threads, error) != 0 || host_job_load(job, error) != 0 ||

@@ -8,7 +8,7 @@
 
 #include "host_file.h"
 
-#define CHUNK 256u /* points per task */
+#define CHUNK 256u                    /* points per task */
 #define FAR_MM (4.0f * SMR_COORD_MAX) /* more than any two legal points are apart */
 
 typedef struct chunk {

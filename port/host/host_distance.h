@@ -18,7 +18,7 @@ typedef struct host_query {
     const smr_surface *surface;
     const float *xyz; /* [n][3] */
     size_t n;
-    float *mm;        /* [n], written */
+    float *mm; /* [n], written */
 } host_query;
 
 /* Answers all queries with all threads. 0, or -1 when memory ends or a point finds nothing. */

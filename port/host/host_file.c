@@ -60,8 +60,7 @@ static int read_up_to(int fd, unsigned char *to, size_t n, size_t *got, host_err
     return 0;
 }
 
-static int read_plain(int fd, const char *path, size_t size, host_accept accept, host_bytes *bytes,
-                      host_error *error)
+static int read_plain(int fd, const char *path, size_t size, host_accept accept, host_bytes *bytes, host_error *error)
 {
     const size_t first = size < HOST_HEAD_BYTES ? size : HOST_HEAD_BYTES;
     unsigned char head[HOST_HEAD_BYTES] = {0};
@@ -90,7 +89,7 @@ static struct {
         dev_t device;
         ino_t number;
         char *name; /* owned, until the program ends */
-    } *file;
+    } * file;
     size_t n;
 } seen = {PTHREAD_MUTEX_INITIALIZER, NULL, 0};
 

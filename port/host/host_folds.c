@@ -6,7 +6,7 @@
 #include "host_distance.h"
 
 typedef struct half_edge {
-    uint32_t other;    /* the larger vertex */
+    uint32_t other; /* the larger vertex */
     uint32_t triangle;
 } half_edge;
 

@@ -44,9 +44,11 @@ static const char *const lines[] = {
     "  --iterations N                  per radius (9)            --iterations-last N (60)",
     "  --active X                      share of the vertices that take part, the most important first (1)",
     "  --active-first X                the same at the start of the schedule, from where it grows (1)",
-    "  --log FILE                      record what is done, for smr replay: the command line, checksums of the inputs, each tick",
+    "  --log FILE                      record what is done, for smr replay: the command line, checksums of the inputs, "
+    "each tick",
     "  --quiet                         print nothing",
-    "with a volume as the target the defaults are --radius 60,40,25,15 (larger ones first for a single structure) --search 30,2 (along the",
+    "with a volume as the target the defaults are --radius 60,40,25,15 (larger ones first for a single structure) "
+    "--search 30,2 (along the",
     "normal, at most 60) --plastic-every 5 --iterations 20 --iterations-last 40; --align without landmarks,",
     "--attraction, --normal-angle, --node-budget and --reject-... are for surfaces. More of images:",
     "  --search MM[,MM]                of profiles, first and last (30,2), at most half a radius",
@@ -68,8 +70,10 @@ static const char *const lines[] = {
     "  --order forest|breadth-first    (forest)                  --block N        (chosen)",
     "build: --c-array NAME             C source instead when -o ends in .c, else beside it",
     "",
-    "replay reads the inputs again, from where it is called, and says that all ticks agree, or which one differs; --threads N",
-    "Exit status: 0 done, 1 not converged within --ticks, nothing of the target seen (results are written) or a replay that",
+    "replay reads the inputs again, from where it is called, and says that all ticks agree, or which one differs; "
+    "--threads N",
+    "Exit status: 0 done, 1 not converged within --ticks, nothing of the target seen (results are written) or a replay "
+    "that",
     "differs, 2 bad usage or input.",
 };
 

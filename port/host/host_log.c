@@ -117,10 +117,7 @@ typedef struct reader {
     host_error *error;
 } reader;
 
-static int damaged(reader *r, const char *expected)
-{
-    return host_fail_at(r->error, "byte", r->at, "%s", expected);
-}
+static int damaged(reader *r, const char *expected) { return host_fail_at(r->error, "byte", r->at, "%s", expected); }
 
 /* The next line without its end, as text; NULL when there is none of a few words. */
 static const char *next_line(reader *r)

@@ -20,12 +20,12 @@ typedef struct host_log_input {
 } host_log_input;
 
 typedef struct host_log {
-    char **argument; /* [n_arguments], behind "smr register"; owned array of texts in memory */
+    char **argument;       /* [n_arguments], behind "smr register"; owned array of texts in memory */
     host_log_input *input; /* [n_inputs]; owned */
     uint32_t n_arguments, n_inputs;
-    unsigned char *log;    /* the library's, in memory */
+    unsigned char *log; /* the library's, in memory */
     size_t log_bytes;
-    void *memory;          /* owned */
+    void *memory; /* owned */
 } host_log;
 
 /* Checksum of bytes, continuing from sum (0 to start) where all parts but the last are multiples of 8 bytes. */

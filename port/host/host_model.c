@@ -155,8 +155,8 @@ static size_t likely_bytes(const host_model *model, const smr_prepare_config *co
     size_t bytes = (size_t)1u << 20;
     uint32_t i = 0;
     for (i = 0; i < model->n_parts; i++)
-        bytes += (256u + 1024u * radii) * model->part[i].mesh.n_vertices +
-                 64u * (size_t)model->part[i].mesh.n_triangles;
+        bytes +=
+            (256u + 1024u * radii) * model->part[i].mesh.n_vertices + 64u * (size_t)model->part[i].mesh.n_triangles;
     return bytes < ((size_t)1u << 30) ? bytes : (size_t)1u << 30;
 }
 

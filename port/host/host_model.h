@@ -15,7 +15,7 @@ typedef struct host_part {
 typedef struct host_model {
     host_part *part; /* [n_parts]; owned */
     uint32_t n_parts;
-    void *image;     /* owned */
+    void *image; /* owned */
     size_t image_bytes;
     const smr_model *model; /* in the image; NULL until prepared */
     smr_model_info info;

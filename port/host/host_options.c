@@ -24,8 +24,9 @@ static int refuse_number(const host_option *o, host_word value, host_error *erro
     memcpy(place + 1, value.start, n);
     place[n + 1u] = '\'';
     place[n + 2u] = '\0';
-    return host_fail(error, place, "a %s %s %.10g and at most %.10g", o->kind == HOST_KIND_COUNT ? "whole number" : "number",
-                     o->open ? "above" : "of at least", o->min, o->max);
+    return host_fail(error, place, "a %s %s %.10g and at most %.10g",
+                     o->kind == HOST_KIND_COUNT ? "whole number" : "number", o->open ? "above" : "of at least", o->min,
+                     o->max);
 }
 
 static int read_number(const host_option *o, host_word word, double *value, host_error *error)
@@ -137,10 +138,7 @@ static int store(const host_option *o, const char *text, host_options *options, 
     return 0;
 }
 
-static int is_option(const char *text)
-{
-    return text[0] == '-' && text[1] != '\0';
-}
+static int is_option(const char *text) { return text[0] == '-' && text[1] != '\0'; }
 
 /* One option with its values; *at is left behind them. */
 static int read_option(int argc, char **argv, int *at, host_options *options, host_error *error)
@@ -160,7 +158,8 @@ static int read_option(int argc, char **argv, int *at, host_options *options, ho
         return 0;
     }
     /* A number may start with a minus sign; a file may not (write ./-name). */
-    while (*at < argc && ((n == 0 && o->kind != HOST_KIND_FILES && o->kind != HOST_KIND_TEXT) || !is_option(argv[*at])) &&
+    while (*at < argc &&
+           ((n == 0 && o->kind != HOST_KIND_FILES && o->kind != HOST_KIND_TEXT) || !is_option(argv[*at])) &&
            (n == 0 || o->kind == HOST_KIND_FILES)) {
         if (store(o, argv[*at], options, error) != 0)
             return -1;

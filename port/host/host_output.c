@@ -23,7 +23,7 @@ typedef struct output_file {
 
 struct host_output {
     const char *directory;
-    char **made;       /* owned: the directories made, each after the one it lies in */
+    char **made; /* owned: the directories made, each after the one it lies in */
     size_t n_made;
     output_file *file; /* owned */
     size_t n;
@@ -89,8 +89,8 @@ static int same_path(const char *a, const char *b)
 static int same_directory(const char *a, const char *b)
 {
     struct stat of_a, of_b;
-    return same_path(a, b) || (stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
-                               of_a.st_ino == of_b.st_ino);
+    return same_path(a, b) ||
+           (stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino);
 }
 
 /* A result could have this file's name. */

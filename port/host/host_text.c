@@ -17,15 +17,9 @@ host_text host_text_over(const void *data, size_t n)
     return text;
 }
 
-static int is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\v' || c == '\f';
-}
+static int is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 
-static int is_break(char c)
-{
-    return c == '\n' || c == '\r';
-}
+static int is_break(char c) { return c == '\n' || c == '\r'; }
 
 /* Passes one line break: \n, \r\n or \r. */
 static void pass_break(host_text *text)
@@ -76,10 +70,7 @@ int host_word_is(host_word word, const char *name)
     return word.n == strlen(name) && memcmp(word.start, name, word.n) == 0;
 }
 
-static char lower(char c)
-{
-    return (c >= 'A' && c <= 'Z') ? (char)(c - 'A' + 'a') : c;
-}
+static char lower(char c) { return (c >= 'A' && c <= 'Z') ? (char)(c - 'A' + 'a') : c; }
 
 int host_word_is_nocase(host_word word, const char *name)
 {

@@ -10,10 +10,7 @@
 
 #define FILE_BYTES_MAX ((size_t)4u << 20) /* 64 landmarks take a few kilobytes */
 
-static int same(const char *a, host_word b)
-{
-    return strlen(a) == b.n && memcmp(a, b.start, b.n) == 0;
-}
+static int same(const char *a, host_word b) { return strlen(a) == b.n && memcmp(a, b.start, b.n) == 0; }
 
 int host_landmarks_add(host_landmarks *landmarks, host_error *error, uint32_t line, host_word label,
                        const double xyz[3])
@@ -43,8 +40,7 @@ int host_landmarks_add(host_landmarks *landmarks, host_error *error, uint32_t li
     return 0;
 }
 
-int host_landmarks_turn(host_landmarks *landmarks, host_error *error, uint32_t line, host_word system,
-                        uint32_t first)
+int host_landmarks_turn(host_landmarks *landmarks, host_error *error, uint32_t line, host_word system, uint32_t first)
 {
     uint32_t i = 0;
     if (host_word_is(system, "LPS") || host_word_is(system, "1"))

@@ -226,12 +226,14 @@ static int scan_all(host_scan *scan, char close, host_scan_each each, void *cont
 
 int host_scan_object(host_scan *scan, host_scan_each each, void *context)
 {
-    return host_scan_next(scan) == '{' ? scan_all(scan, '}', each, context) : host_scan_fail(scan, "an object in braces");
+    return host_scan_next(scan) == '{' ? scan_all(scan, '}', each, context)
+                                       : host_scan_fail(scan, "an object in braces");
 }
 
 int host_scan_list(host_scan *scan, host_scan_each each, void *context)
 {
-    return host_scan_next(scan) == '[' ? scan_all(scan, ']', each, context) : host_scan_fail(scan, "a list in brackets");
+    return host_scan_next(scan) == '[' ? scan_all(scan, ']', each, context)
+                                       : host_scan_fail(scan, "a list in brackets");
 }
 
 int host_scan_skip(host_scan *scan)

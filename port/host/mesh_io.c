@@ -8,10 +8,7 @@
 
 typedef int (*read_function)(host_mesh_reader *reader, const unsigned char *data, size_t n);
 
-static char lower(char c)
-{
-    return (c >= 'A' && c <= 'Z') ? (char)(c - 'A' + 'a') : c;
-}
+static char lower(char c) { return (c >= 'A' && c <= 'Z') ? (char)(c - 'A' + 'a') : c; }
 
 static int ends_with(const char *text, size_t n, const char *end)
 {

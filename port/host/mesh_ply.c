@@ -19,8 +19,8 @@ static int next_value(source *from, host_type type, double *value)
         if (!host_text_word(&from->text, &word))
             return host_reader_ended(from->reader);
         if (!host_word_double(word, value))
-            return host_fail_at(from->reader->error, from->reader->unit, from->reader->number,
-                                "a number, found '%.*s'", (int)(word.n < 40 ? word.n : 40), word.start);
+            return host_fail_at(from->reader->error, from->reader->unit, from->reader->number, "a number, found '%.*s'",
+                                (int)(word.n < 40 ? word.n : 40), word.start);
     } else {
         const size_t bytes = host_type_bytes(type);
         if ((size_t)(from->end - from->at) < bytes)
@@ -121,8 +121,8 @@ static int read_faces(source *from, const host_ply_element *element, uint64_t n_
         uint32_t i = 0;
         for (i = 0; i < element->n_properties; i++) {
             const host_ply_property *const property = &element->property[i];
-            const int result = property->role < 0 ? pass_property(from, property)
-                                                  : read_polygon(from, property, n_vertices);
+            const int result =
+                property->role < 0 ? pass_property(from, property) : read_polygon(from, property, n_vertices);
             if (result != 0)
                 return -1;
         }

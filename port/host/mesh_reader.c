@@ -37,30 +37,22 @@ double host_type_read(host_type type, const unsigned char *bytes, int big_endian
 {
     const uint64_t v = gather(bytes, host_type_bytes(type), big_endian);
     switch (type) {
-    case HOST_TYPE_I8:
-        return v < 128u ? (double)v : (double)v - 256.0;
-    case HOST_TYPE_I16:
-        return v < 32768u ? (double)v : (double)v - 65536.0;
-    case HOST_TYPE_I32:
-        return v < 2147483648u ? (double)v : (double)v - 4294967296.0;
-    case HOST_TYPE_I64:
-        return v < (1ull << 63) ? (double)v : -(double)(~v + 1u);
+    case HOST_TYPE_I8: return v < 128u ? (double)v : (double)v - 256.0;
+    case HOST_TYPE_I16: return v < 32768u ? (double)v : (double)v - 65536.0;
+    case HOST_TYPE_I32: return v < 2147483648u ? (double)v : (double)v - 4294967296.0;
+    case HOST_TYPE_I64: return v < (1ull << 63) ? (double)v : -(double)(~v + 1u);
     case HOST_TYPE_U8:
     case HOST_TYPE_U16:
-    case HOST_TYPE_U32:
-        return (double)v;
+    case HOST_TYPE_U32: return (double)v;
     case HOST_TYPE_F32:
-    case HOST_TYPE_F64:
-        return from_bits(type, v);
+    case HOST_TYPE_F64: return from_bits(type, v);
     case HOST_TYPE_NONE:
-    default:
-        return 0.0;
+    default: return 0.0;
     }
 }
 
 /* Grows one array to hold `need` rows of 12 bytes; doubles what is there already. */
-static int grow(host_mesh_reader *reader, void **array, size_t *capacity, size_t need, size_t limit,
-                const char *what)
+static int grow(host_mesh_reader *reader, void **array, size_t *capacity, size_t need, size_t limit, const char *what)
 {
     size_t next = *capacity * 2u;
     void *grown = NULL;

@@ -184,8 +184,7 @@ static int read_ascii(host_mesh_reader *reader, weld *table, const unsigned char
             inside = 0;
         } else {
             return host_fail_at(reader->error, "line", reader->number, "%s, found '%.*s'",
-                                inside ? "facet or endsolid" : "solid", (int)(word.n < 40 ? word.n : 40),
-                                word.start);
+                                inside ? "facet or endsolid" : "solid", (int)(word.n < 40 ? word.n : 40), word.start);
         }
     }
     reader->number = text.line;

@@ -65,8 +65,9 @@ static int check_needs(host_options *options, host_error *error)
         if (options->command == HOST_REGISTER && options->target.n == 0)
             return host_fail(error, "--target", "one file or more");
         if (options->out == NULL)
-            return host_fail(error, "-o", options->command == HOST_REGISTER ? "the directory for the results"
-                                                                           : "the file for the model");
+            return host_fail(error, "-o",
+                             options->command == HOST_REGISTER ? "the directory for the results"
+                                                               : "the file for the model");
     }
     return 0;
 }
@@ -93,8 +94,9 @@ static int check_targets(const host_options *options, host_error *error)
     for (i = 0; i < host_option_count; i++) {
         error->file = host_option_table[i].name;
         if ((options->given >> i & 1u) != 0 && host_option_table[i].targets == unfit)
-            return host_fail(error, "option", options->image_target ? "surfaces as the target, it is a volume"
-                                                                    : "a volume as the target, it is a surface");
+            return host_fail(error, "option",
+                             options->image_target ? "surfaces as the target, it is a volume"
+                                                   : "a volume as the target, it is a surface");
     }
     if (options->image_target && options->target.n != 1) {
         error->file = "--target";
@@ -114,7 +116,8 @@ static void set_image_config(host_options *options)
     const smr_config image = smr_config_default_image();
     smr_config *const config = &options->config;
     config->profile_mm = options->search.n > 0 ? options->search.from : image.profile_mm;
-    config->profile_end_mm = options->search.n > 1 ? options->search.to : low_of(image.profile_end_mm, config->profile_mm);
+    config->profile_end_mm =
+        options->search.n > 1 ? options->search.to : low_of(image.profile_end_mm, config->profile_mm);
     config->gradient_mm = options->gradient.n > 0 ? options->gradient.from : image.gradient_mm;
     config->gradient_end_mm =
         options->gradient.n > 1 ? options->gradient.to : low_of(image.gradient_end_mm, config->gradient_mm);
@@ -136,7 +139,8 @@ static int check_search(const host_options *options, host_error *error)
 {
     const host_span *const search = &options->search;
     error->file = "--search";
-    if (options->image_target && ((double)search->from > HOST_IMAGE_SEARCH_MAX || (double)search->to > HOST_IMAGE_SEARCH_MAX))
+    if (options->image_target &&
+        ((double)search->from > HOST_IMAGE_SEARCH_MAX || (double)search->to > HOST_IMAGE_SEARCH_MAX))
         return host_fail(error, "value", "at most %g mm along the normal, for the target is a volume",
                          HOST_IMAGE_SEARCH_MAX);
     if (search->n > 0 && !options->image_target && !(search->from > 0.0f))

@@ -7,18 +7,27 @@
 
 #include "host_options.h"
 
-enum { HOST_KIND_FILES, HOST_KIND_TEXT, HOST_KIND_FLAG, HOST_KIND_COUNT, HOST_KIND_FLOAT, HOST_KIND_DOUBLE, HOST_KIND_WORD, HOST_KIND_RADII,
-       HOST_KIND_SPAN };
+enum {
+    HOST_KIND_FILES,
+    HOST_KIND_TEXT,
+    HOST_KIND_FLAG,
+    HOST_KIND_COUNT,
+    HOST_KIND_FLOAT,
+    HOST_KIND_DOUBLE,
+    HOST_KIND_WORD,
+    HOST_KIND_RADII,
+    HOST_KIND_SPAN
+};
 enum { HOST_FOR_SURFACES = 1, HOST_FOR_IMAGES = 2 }; /* kinds of target */
 
 typedef struct host_option {
     const char *name;
-    int commands;    /* HOST_REGISTER | ... */
-    int kind;        /* HOST_KIND_... */
-    size_t field;    /* offset in host_options */
-    double min, max; /* of numbers */
-    int open;        /* 1: above min, not equal */
-    int prepares;    /* 1: matters only when a model is prepared */
+    int commands;      /* HOST_REGISTER | ... */
+    int kind;          /* HOST_KIND_... */
+    size_t field;      /* offset in host_options */
+    double min, max;   /* of numbers */
+    int open;          /* 1: above min, not equal */
+    int prepares;      /* 1: matters only when a model is prepared */
     const char *words; /* HOST_KIND_WORD: "a|b|c", stored as 0, 1, 2 */
     int targets;       /* HOST_FOR_SURFACES, HOST_FOR_IMAGES, 0 for both */
 } host_option;

@@ -11,12 +11,10 @@ static host_type type_named(host_word word)
         const char *name;
         host_type type;
     } names[] = {
-        {"char", HOST_TYPE_I8},    {"int8", HOST_TYPE_I8},      {"uchar", HOST_TYPE_U8},
-        {"uint8", HOST_TYPE_U8},   {"short", HOST_TYPE_I16},    {"int16", HOST_TYPE_I16},
-        {"ushort", HOST_TYPE_U16}, {"uint16", HOST_TYPE_U16},   {"int", HOST_TYPE_I32},
-        {"int32", HOST_TYPE_I32},  {"uint", HOST_TYPE_U32},     {"uint32", HOST_TYPE_U32},
-        {"float", HOST_TYPE_F32},  {"float32", HOST_TYPE_F32},  {"double", HOST_TYPE_F64},
-        {"float64", HOST_TYPE_F64}};
+        {"char", HOST_TYPE_I8},   {"int8", HOST_TYPE_I8},     {"uchar", HOST_TYPE_U8},   {"uint8", HOST_TYPE_U8},
+        {"short", HOST_TYPE_I16}, {"int16", HOST_TYPE_I16},   {"ushort", HOST_TYPE_U16}, {"uint16", HOST_TYPE_U16},
+        {"int", HOST_TYPE_I32},   {"int32", HOST_TYPE_I32},   {"uint", HOST_TYPE_U32},   {"uint32", HOST_TYPE_U32},
+        {"float", HOST_TYPE_F32}, {"float32", HOST_TYPE_F32}, {"double", HOST_TYPE_F64}, {"float64", HOST_TYPE_F64}};
     size_t i = 0;
     for (i = 0; i < sizeof names / sizeof names[0]; i++)
         if (host_word_is(word, names[i].name))
@@ -24,10 +22,7 @@ static host_type type_named(host_word word)
     return HOST_TYPE_NONE;
 }
 
-static int is_whole(host_type type)
-{
-    return type != HOST_TYPE_NONE && type != HOST_TYPE_F32 && type != HOST_TYPE_F64;
-}
+static int is_whole(host_type type) { return type != HOST_TYPE_NONE && type != HOST_TYPE_F32 && type != HOST_TYPE_F64; }
 
 static int bad_line(const host_mesh_reader *reader, const char *expected)
 {
@@ -115,8 +110,8 @@ static int read_property(const host_mesh_reader *reader, host_text *line, host_p
     property->role = role_of(element->kind, property, word);
     if (element->kind == HOST_PLY_FACE && property->role == 0 && !is_whole(property->type))
         return bad_line(reader, "whole numbers as vertex indexes");
-    element->row_bytes += host_type_bytes(property->count_type == HOST_TYPE_NONE ? property->type
-                                                                                 : property->count_type);
+    element->row_bytes +=
+        host_type_bytes(property->count_type == HOST_TYPE_NONE ? property->type : property->count_type);
     return 0;
 }
 
@@ -131,8 +126,7 @@ static int check_roles(const host_mesh_reader *reader, const host_ply_element *e
     if (element->kind == HOST_PLY_VERTEX && (found[0] != 1 || found[1] != 1 || found[2] != 1))
         return host_fail_at(reader->error, "header line", element->line, "vertices with the properties x, y and z");
     if (element->kind == HOST_PLY_FACE && found[0] != 1 && element->count > 0)
-        return host_fail_at(reader->error, "header line", element->line,
-                            "faces with one list vertex_indices");
+        return host_fail_at(reader->error, "header line", element->line, "faces with one list vertex_indices");
     return 0;
 }
 

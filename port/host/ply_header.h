@@ -30,7 +30,7 @@ typedef struct host_ply_element {
 typedef struct host_ply_header {
     int format; /* HOST_PLY_ASCII, ... */
     uint32_t n_elements;
-    uint32_t lines;     /* of the header, with end_header */
+    uint32_t lines;      /* of the header, with end_header */
     uint64_t n_vertices; /* of the vertex element */
     const unsigned char *body;
     host_ply_element element[HOST_PLY_ELEMENTS_MAX];

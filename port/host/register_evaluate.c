@@ -10,8 +10,8 @@
 typedef struct pair {
     const host_target *target;
     smr_surface *result;
-    void *memory;       /* of result; owned */
-    uint32_t index;     /* of the target */
+    void *memory;   /* of result; owned */
+    uint32_t index; /* of the target */
     const host_job *job;
 } pair;
 

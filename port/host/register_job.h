@@ -12,19 +12,19 @@
 
 /* A target surface; with an image as the target, a structure's true surface. */
 typedef struct host_target {
-    const char *path;      /* borrowed */
+    const char *path; /* borrowed */
     char name[SMR_NAME_BYTES];
-    host_mesh mesh;        /* owned; mirrored when asked */
-    smr_surface *surface;  /* in memory */
-    void *memory;          /* owned */
-    uint32_t users;        /* structures that follow it */
-    uint32_t user;         /* the last of them */
+    host_mesh mesh;       /* owned; mirrored when asked */
+    smr_surface *surface; /* in memory */
+    void *memory;         /* owned */
+    uint32_t users;       /* structures that follow it */
+    uint32_t user;        /* the last of them */
 } host_target;
 
 /* What came out for one structure. */
 typedef struct host_result {
-    uint32_t target;      /* index, or HOST_NO_TARGET: carried along */
-    host_mesh mesh;       /* owned: the structure's triangles at their new place */
+    uint32_t target; /* index, or HOST_NO_TARGET: carried along */
+    host_mesh mesh;  /* owned: the structure's triangles at their new place */
     uint64_t folds, folds_absolute;
     host_stats to_target; /* of its vertices to its own target */
     host_stats to_result; /* of the target's vertices to it; none when others share the target */
@@ -36,27 +36,27 @@ typedef struct host_job {
     const host_options *options;
     host_port port;
     host_model model;
-    int ready_image;           /* 1: the model came prepared */
+    int ready_image;             /* 1: the model came prepared */
     host_image reference, image; /* with an image as the target; the reference goes once the model is prepared */
-    host_target *target;       /* [n_targets]: the target surfaces, or the true ones when the target is an image */
-    char *truth_paths;         /* texts the targets' paths point to, with an image as the target; owned */
+    host_target *target;         /* [n_targets]: the target surfaces, or the true ones when the target is an image */
+    char *truth_paths;           /* texts the targets' paths point to, with an image as the target; owned */
     uint32_t n_targets;
-    host_result *result;       /* [model.n_parts] */
-    smr_pose pose;             /* the start */
+    host_result *result; /* [model.n_parts] */
+    smr_pose pose;       /* the start */
     float align_rms_mm;
-    smr_warp *warp;            /* of the landmarks, in warp_memory; NULL */
-    void *warp_memory;         /* owned */
-    float *start_xyz;          /* [all vertices][3] where landmarks put them, structure by structure; NULL; owned */
+    smr_warp *warp;    /* of the landmarks, in warp_memory; NULL */
+    void *warp_memory; /* owned */
+    float *start_xyz;  /* [all vertices][3] where landmarks put them, structure by structure; NULL; owned */
     uint32_t n_landmarks, warp_kind; /* SMR_WARP_... */
-    void *arena;               /* owned */
+    void *arena;                     /* owned */
     size_t arena_bytes;
-    smr *state;                /* in the arena */
-    void *log_memory;          /* of the log, when there is one; owned */
+    smr *state;                    /* in the arena */
+    void *log_memory;              /* of the log, when there is one; owned */
     size_t truth_first, truth_end; /* of the files read, those that only measuring needs */
-    smr_tick_report last;      /* of the last tick */
-    int target_seen;           /* 1: in some iteration a vertex had a goal */
+    smr_tick_report last;          /* of the last tick */
+    int target_seen;               /* 1: in some iteration a vertex had a goal */
     uint32_t ticks, overruns;
-    float *tick_ms;            /* [ticks], owned */
+    float *tick_ms; /* [ticks], owned */
     size_t tick_capacity;
     double start_s, register_s, load_s, measure_s, begin_s;
     host_stats to_target, to_result, by_vertex; /* over all structures that have a target */

@@ -20,10 +20,7 @@ static double share_of(uint32_t found, uint32_t rejected)
 }
 
 /* At the end, over all structures. */
-static double matched_share(const host_job *job)
-{
-    return share_of(job->last.n_forces, job->last.n_rejected);
-}
+static double matched_share(const host_job *job) { return share_of(job->last.n_forces, job->last.n_rejected); }
 
 /* The kind of start. */
 static void put_kind(const host_job *job, host_json *json)
@@ -150,7 +147,8 @@ static void put_result(const host_job *job, host_json *json)
     double mean = 0.0, max = 0.0, n = 0.0;
     uint32_t i = 0;
     for (i = 0; i < job->model.n_parts; i++) {
-        const double vertices = (double)job->result[i].mesh.n_vertices, most = (double)job->result[i].report.moved_max_mm;
+        const double vertices = (double)job->result[i].mesh.n_vertices,
+                     most = (double)job->result[i].report.moved_max_mm;
         mean += (double)job->result[i].report.moved_mean_mm * vertices;
         n += vertices;
         max = most > max ? most : max;
@@ -231,12 +229,9 @@ static void put_start(const host_job *job, host_json *json)
 static const char *similarity_name(uint32_t similarity)
 {
     switch (similarity) {
-    case SMR_SIMILARITY_NCC:
-        return "ncc";
-    case SMR_SIMILARITY_SSD:
-        return "ssd";
-    default:
-        return "concordance";
+    case SMR_SIMILARITY_NCC: return "ncc";
+    case SMR_SIMILARITY_SSD: return "ssd";
+    default: return "concordance";
     }
 }
 
@@ -291,13 +286,16 @@ void host_job_summary(const host_job *job)
                  host_seconds() - job->begin_s, job->load_s, job->ready_image ? 0.0 : job->model.prepare_s,
                  job->start_s, job->register_s, job->port.port.n_workers);
     if (job->last.iteration > 0 && !job->target_seen)
-        (void)printf("nothing of the target was seen: no vertex had a goal in any iteration; look at the start and at --search\n");
+        (void)printf("nothing of the target was seen: no vertex had a goal in any iteration; look at the start and at "
+                     "--search\n");
     if (job->n_landmarks > 0 && job->warp_kind != SMR_WARP_SPLINE && job->options->align == HOST_ALIGN_NONE)
         (void)printf("start: %u landmarks as they lie carry no spline, a %s fit instead\n", job->n_landmarks,
                      warp_names[job->warp_kind]);
     if (job->n_targets > 0) {
-        (void)printf("model to %s: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, a->mean, a->rms, a->p95, a->max);
-        (void)printf("%s to model: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, b->mean, b->rms, b->p95, b->max);
+        (void)printf("model to %s: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, a->mean, a->rms, a->p95,
+                     a->max);
+        (void)printf("%s to model: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, b->mean, b->rms, b->p95,
+                     b->max);
     }
     if (job->by_vertex.n > 0)
         (void)printf("vertex to vertex: mean %.3f  max %.3f mm\n", job->by_vertex.mean, job->by_vertex.max);

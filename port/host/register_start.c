@@ -5,10 +5,7 @@
 
 #include "register_job.h"
 
-static uint32_t n_surfaces(const host_options *options)
-{
-    return options->image_target ? 0 : options->target.n;
-}
+static uint32_t n_surfaces(const host_options *options) { return options->image_target ? 0 : options->target.n; }
 
 static int take_targets(host_job *job, host_load *loads, host_error *error)
 {

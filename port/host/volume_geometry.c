@@ -72,8 +72,7 @@ static int box_is_near(const host_volume *volume, const double steps[3][3], cons
     return 1;
 }
 
-int host_volume_place(host_volume_reader *reader, const char *place, const double steps[3][3],
-                      const double origin[3])
+int host_volume_place(host_volume_reader *reader, const char *place, const double steps[3][3], const double origin[3])
 {
     host_volume *const volume = reader->volume;
     char text[120];

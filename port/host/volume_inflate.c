@@ -175,8 +175,8 @@ static int copy(stream *s, int symbol)
 {
     static const uint16_t length_base[29] = {3,  4,  5,  6,  7,  8,  9,  10, 11,  13,  15,  17,  19,  23, 27,
                                              31, 35, 43, 51, 59, 67, 83, 99, 115, 131, 163, 195, 227, 258};
-    static const uint16_t distance_base[30] = {1,   2,   3,   4,   5,   7,    9,    13,   17,   25,
-                                               33,  49,  65,  97,  129, 193,  257,  385,  513,  769,
+    static const uint16_t distance_base[30] = {1,    2,    3,    4,    5,    7,    9,    13,    17,    25,
+                                               33,   49,   65,   97,   129,  193,  257,  385,   513,   769,
                                                1025, 1537, 2049, 3073, 4097, 6145, 8193, 12289, 16385, 24577};
     const int k = symbol - 257;
     size_t length = 0, distance = 0;
@@ -276,7 +276,8 @@ static size_t header_bytes(const unsigned char *data, size_t n, int *gzip)
     int field = 0;
     *gzip = n >= 10u && data[0] == 0x1f && data[1] == 0x8b;
     if (!*gzip)
-        return n >= 2u && (data[0] & 15u) == 8u && (data[0] * 256u + data[1]) % 31u == 0 && (data[1] & 32u) == 0 ? 2u : 0u;
+        return n >= 2u && (data[0] & 15u) == 8u && (data[0] * 256u + data[1]) % 31u == 0 && (data[1] & 32u) == 0 ? 2u
+                                                                                                                 : 0u;
     if (data[2] != 8u || (data[3] & 0xe0u) != 0)
         return 0;
     if ((data[3] & 4u) != 0) { /* an extra field with its size */

@@ -244,8 +244,7 @@ static int locate(host_volume_reader *reader, const meta_header *header, const h
         reader->encoding = HOST_ENCODING_TEXT;
     else if (header->packed)
         reader->encoding = HOST_ENCODING_DEFLATE;
-    if (!host_word_is_nocase(header->file, "LOCAL") &&
-        host_volume_detach(reader, "ElementDataFile", header->file) != 0)
+    if (!host_word_is_nocase(header->file, "LOCAL") && host_volume_detach(reader, "ElementDataFile", header->file) != 0)
         return -1;
     if (header->packed && (uint64_t)header->packed_bytes > reader->n)
         return host_fail(reader->error, "CompressedDataSize", "at most the file's %zu bytes, found %lld", reader->n,

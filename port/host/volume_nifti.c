@@ -90,8 +90,8 @@ static int read_type(host_volume_reader *reader, const nifti_header *header)
         int code;
         host_type type;
         int unsigned64;
-    } types[] = {{2, HOST_TYPE_U8, 0},   {4, HOST_TYPE_I16, 0},   {8, HOST_TYPE_I32, 0},    {16, HOST_TYPE_F32, 0},
-                 {64, HOST_TYPE_F64, 0}, {256, HOST_TYPE_I8, 0},  {512, HOST_TYPE_U16, 0},  {768, HOST_TYPE_U32, 0},
+    } types[] = {{2, HOST_TYPE_U8, 0},     {4, HOST_TYPE_I16, 0},   {8, HOST_TYPE_I32, 0},   {16, HOST_TYPE_F32, 0},
+                 {64, HOST_TYPE_F64, 0},   {256, HOST_TYPE_I8, 0},  {512, HOST_TYPE_U16, 0}, {768, HOST_TYPE_U32, 0},
                  {1024, HOST_TYPE_I64, 0}, {1280, HOST_TYPE_I64, 1}};
     const int code = read_int(header, AT_TYPE), bits = read_int(header, AT_BITS);
     size_t i = 0;
@@ -104,8 +104,10 @@ static int read_type(host_volume_reader *reader, const nifti_header *header)
             return host_fail(reader->error, "bitpix", "%d for datatype %d, found %d",
                              (int)host_type_bytes(reader->type) * 8, code, bits);
         }
-    return host_fail(reader->error, "datatype", "a code of whole numbers or floats (colour and complex are not read), "
-                                                "found %d", code);
+    return host_fail(reader->error, "datatype",
+                     "a code of whole numbers or floats (colour and complex are not read), "
+                     "found %d",
+                     code);
 }
 
 static int read_scale(host_volume_reader *reader, const nifti_header *header)
@@ -171,14 +173,10 @@ static double unit_mm(int code)
 {
     switch (code & 7) {
     case 0: /* not said */
-    case 2:
-        return 1.0;
-    case 1:
-        return 1000.0;
-    case 3:
-        return 0.001;
-    default:
-        return 0.0;
+    case 2: return 1.0;
+    case 1: return 1000.0;
+    case 3: return 0.001;
+    default: return 0.0;
     }
 }
 
@@ -207,7 +205,10 @@ static int read_place(host_volume_reader *reader, const nifti_header *header)
             steps[j][i] *= unit;
     }
     host_volume_turn(steps, origin);
-    return host_volume_place(reader, by_rows ? "srow" : by_quaternion ? "quatern, pixdim" : "pixdim",
+    return host_volume_place(reader,
+                             by_rows         ? "srow"
+                             : by_quaternion ? "quatern, pixdim"
+                                             : "pixdim",
                              (const double(*)[3])steps, origin);
 }
 

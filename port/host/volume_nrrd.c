@@ -60,8 +60,9 @@ static int field_type(host_volume_reader *reader, nrrd_header *header, host_word
         {HOST_TYPE_U16, 0, {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"}},
         {HOST_TYPE_I32, 0, {"int", "signed int", "int32", "int32_t"}},
         {HOST_TYPE_U32, 0, {"uint", "unsigned int", "uint32", "uint32_t"}},
-        {HOST_TYPE_I64, 0, {"longlong", "long long", "long long int", "signed long long", "signed long long int", "int64",
-                              "int64_t"}},
+        {HOST_TYPE_I64,
+         0,
+         {"longlong", "long long", "long long int", "signed long long", "signed long long int", "int64", "int64_t"}},
         {HOST_TYPE_I64, 1, {"ulonglong", "unsigned long long", "unsigned long long int", "uint64", "uint64_t"}},
         {HOST_TYPE_F32, 0, {"float"}},
         {HOST_TYPE_F64, 0, {"double"}},
@@ -104,12 +105,14 @@ static int field_space(host_volume_reader *reader, nrrd_header *header, host_wor
     static const char *const lps[] = {"left-posterior-superior", "LPS", NULL},
                              *const ras[] = {"right-anterior-superior", "RAS", NULL},
                              *const las[] = {"left-anterior-superior", "LAS", NULL};
-    header->space = is_one_of(value, lps) ? SPACE_LPS : is_one_of(value, ras) ? SPACE_RAS
-                                                    : is_one_of(value, las)   ? SPACE_LAS
-                                                                              : SPACE_NONE;
+    header->space = is_one_of(value, lps)   ? SPACE_LPS
+                    : is_one_of(value, ras) ? SPACE_RAS
+                    : is_one_of(value, las) ? SPACE_LAS
+                                            : SPACE_NONE;
     if (header->space != SPACE_NONE)
         return 0;
-    return host_volume_fail(reader, "space: left-posterior-superior, right-anterior-superior or left-anterior-superior");
+    return host_volume_fail(reader,
+                            "space: left-posterior-superior, right-anterior-superior or left-anterior-superior");
 }
 
 static int field_space_dimension(host_volume_reader *reader, nrrd_header *header, host_word value)
@@ -237,16 +240,24 @@ static int read_field(host_volume_reader *reader, nrrd_header *header, host_word
     static const struct {
         const char *name;
         field_function read;
-    } fields[] = {{"dimension", field_dimension}, {"sizes", field_sizes},
-                  {"type", field_type},           {"encoding", field_encoding},
-                  {"endian", field_endian},       {"space", field_space},
+    } fields[] = {{"dimension", field_dimension},
+                  {"sizes", field_sizes},
+                  {"type", field_type},
+                  {"encoding", field_encoding},
+                  {"endian", field_endian},
+                  {"space", field_space},
                   {"space dimension", field_space_dimension},
                   {"space directions", field_directions},
-                  {"space origin", field_origin}, {"spacings", field_spacings},
-                  {"kinds", field_kinds},         {"space units", field_units},
-                  {"units", field_units},         {"data file", field_file},
-                  {"datafile", field_file},       {"line skip", field_line_skip},
-                  {"lineskip", field_line_skip},  {"byte skip", field_byte_skip},
+                  {"space origin", field_origin},
+                  {"spacings", field_spacings},
+                  {"kinds", field_kinds},
+                  {"space units", field_units},
+                  {"units", field_units},
+                  {"data file", field_file},
+                  {"datafile", field_file},
+                  {"line skip", field_line_skip},
+                  {"lineskip", field_line_skip},
+                  {"byte skip", field_byte_skip},
                   {"byteskip", field_byte_skip}};
     size_t i = 0;
     for (i = 0; i < sizeof fields / sizeof fields[0]; i++)
@@ -271,8 +282,8 @@ static int read_header(host_volume_reader *reader, nrrd_header *header, host_tex
 {
     host_word line;
     reader->line = 1;
-    if (!host_text_line(text, &line) || line.n != 8u || memcmp(line.start, "NRRD000", 7) != 0 ||
-        line.start[7] < '1' || line.start[7] > '5')
+    if (!host_text_line(text, &line) || line.n != 8u || memcmp(line.start, "NRRD000", 7) != 0 || line.start[7] < '1' ||
+        line.start[7] > '5')
         return host_volume_fail(reader, "NRRD0001 to NRRD0005");
     for (;;) {
         const char *colon = NULL;
@@ -340,8 +351,7 @@ int host_read_nrrd(host_volume_reader *reader, const unsigned char *data, size_t
     nrrd_header header;
     host_text text = host_text_over(data, n);
     memset(&header, 0, sizeof header);
-    if (read_header(reader, &header, &text) != 0 || check_header(reader, &header) != 0 ||
-        place(reader, &header) != 0)
+    if (read_header(reader, &header, &text) != 0 || check_header(reader, &header) != 0 || place(reader, &header) != 0)
         return -1;
     reader->data = (const unsigned char *)text.at;
     reader->n = (size_t)(text.end - text.at);

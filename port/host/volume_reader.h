@@ -22,11 +22,11 @@ typedef struct host_volume_reader {
     host_type type;
     int unsigned64; /* 1: type is HOST_TYPE_I64, the file's numbers are unsigned */
     int big_endian;
-    int encoding;       /* HOST_ENCODING_... */
-    int scaled;         /* 1: a voxel is slope * number + inter, as float */
+    int encoding; /* HOST_ENCODING_... */
+    int scaled;   /* 1: a voxel is slope * number + inter, as float */
     double slope, inter;
-    int64_t line_skip;  /* lines before the voxels, counted before unpacking */
-    int64_t byte_skip;  /* bytes before the voxels, counted after unpacking; -1: the voxels end the file */
+    int64_t line_skip; /* lines before the voxels, counted before unpacking */
+    int64_t byte_skip; /* bytes before the voxels, counted after unpacking; -1: the voxels end the file */
 
     const unsigned char *data; /* [n] what holds the voxels; borrowed, or detached.data */
     size_t n;
@@ -40,8 +40,7 @@ int host_volume_fail(const host_volume_reader *reader, const char *expected, ...
 int host_volume_size(host_volume_reader *reader, const char *place, const int64_t size[3]);
 
 /* Takes over where the voxels are. steps[j]: mm in world LPS from one voxel to the next along axis j. */
-int host_volume_place(host_volume_reader *reader, const char *place, const double steps[3][3],
-                      const double origin[3]);
+int host_volume_place(host_volume_reader *reader, const char *place, const double steps[3][3], const double origin[3]);
 
 /* Negates the world's first two coordinates: RAS to LPS and back. */
 void host_volume_turn(double steps[3][3], double origin[3]);

@@ -22,22 +22,17 @@ static uint32_t kept_type(const host_volume_reader *reader)
 {
     if (!reader->scaled)
         switch (reader->type) {
-        case HOST_TYPE_U8:
-            return HOST_UINT8;
-        case HOST_TYPE_I8:
-            return HOST_INT8;
-        case HOST_TYPE_U16:
-            return HOST_UINT16;
-        case HOST_TYPE_I16:
-            return HOST_INT16;
+        case HOST_TYPE_U8: return HOST_UINT8;
+        case HOST_TYPE_I8: return HOST_INT8;
+        case HOST_TYPE_U16: return HOST_UINT16;
+        case HOST_TYPE_I16: return HOST_INT16;
         case HOST_TYPE_I32:
         case HOST_TYPE_U32:
         case HOST_TYPE_I64:
         case HOST_TYPE_F32:
         case HOST_TYPE_F64:
         case HOST_TYPE_NONE:
-        default:
-            break;
+        default: break;
         }
     return HOST_FLOAT32;
 }
@@ -99,8 +94,9 @@ static int load_raw(const host_volume_reader *reader, const unsigned char *data,
     const size_t n = voxel_count(reader->volume), bytes = host_type_bytes(reader->type);
     size_t skip = 0;
     if (n * bytes > size)
-        return host_fail(reader->error, "voxels", "%zu bytes for %" PRIu32 " x %" PRIu32 " x %" PRIu32 " of them, found %zu",
-                         n * bytes, reader->volume->size[0], reader->volume->size[1], reader->volume->size[2], size);
+        return host_fail(reader->error, "voxels",
+                         "%zu bytes for %" PRIu32 " x %" PRIu32 " x %" PRIu32 " of them, found %zu", n * bytes,
+                         reader->volume->size[0], reader->volume->size[1], reader->volume->size[2], size);
     skip = reader->byte_skip < 0 ? size - n * bytes : (size_t)reader->byte_skip;
     if (skip > size - n * bytes)
         return host_fail(reader->error, "voxels", "%zu bytes after the %zu to skip, found %zu", n * bytes, skip,
@@ -145,7 +141,8 @@ static int load_text(const host_volume_reader *reader, const unsigned char *data
     size_t i = 0;
     /* A number takes a digit and a blank. */
     if (skip > size || n > (size - skip + 1u) / 2u)
-        return host_fail(reader->error, "voxels", "%zu numbers, found %zu bytes of text", n, skip < size ? size - skip : 0u);
+        return host_fail(reader->error, "voxels", "%zu numbers, found %zu bytes of text", n,
+                         skip < size ? size - skip : 0u);
     if (allocate(reader, n) != 0)
         return -1;
     text = host_text_over(data + skip, size - skip);
@@ -191,7 +188,8 @@ int host_volume_load(host_volume_reader *reader)
     size_t size = 0;
     for (i = 0; i < reader->line_skip; i++)
         if (!host_text_line(&text, &line))
-            return host_fail(reader->error, "voxels", "%" PRId64 " lines to skip, found %" PRId64, reader->line_skip, i);
+            return host_fail(reader->error, "voxels", "%" PRId64 " lines to skip, found %" PRId64, reader->line_skip,
+                             i);
     size = (size_t)(text.end - text.at);
     reader->data += reader->n - size;
     reader->n = size;
@@ -216,7 +214,8 @@ static void name_data_file(host_error *error, const char *path, const char *key,
 int host_volume_detach(host_volume_reader *reader, const char *key, host_word name)
 {
     const char *const slash = strrchr(reader->path, '/');
-    const size_t folder = slash == NULL || (name.n > 0 && name.start[0] == '/') ? 0u : (size_t)(slash - reader->path) + 1u;
+    const size_t folder =
+        slash == NULL || (name.n > 0 && name.start[0] == '/') ? 0u : (size_t)(slash - reader->path) + 1u;
     char *path = NULL;
     int result = 0;
     if (name.n == 0 || memchr(name.start, '\0', name.n) != NULL)

@@ -35,8 +35,8 @@ static int read_cell(host_vtk *vtk, int use, host_type type, uint64_t n)
         if (use == HOST_VTK_POLYGONS)
             result = host_reader_fan(reader, fan, index);
         else if (i >= 2)
-            result = i % 2u == 0 ? host_reader_triangle(reader, a, b, index)
-                                 : host_reader_triangle(reader, b, a, index);
+            result =
+                i % 2u == 0 ? host_reader_triangle(reader, a, b, index) : host_reader_triangle(reader, b, a, index);
         if (result != 0)
             return -1;
         a = b;

@@ -7,15 +7,12 @@ host_type host_vtk_type(host_word word)
     static const struct {
         const char *name;
         host_type type;
-    } names[] = {{"float", HOST_TYPE_F32},          {"double", HOST_TYPE_F64},
-                 {"char", HOST_TYPE_I8},            {"signed_char", HOST_TYPE_I8},
-                 {"unsigned_char", HOST_TYPE_U8},   {"short", HOST_TYPE_I16},
-                 {"unsigned_short", HOST_TYPE_U16}, {"int", HOST_TYPE_I32},
-                 {"unsigned_int", HOST_TYPE_U32},   {"vtktypeint32", HOST_TYPE_I32},
-                 {"vtktypeint64", HOST_TYPE_I64},   {"vtkIdType", HOST_TYPE_I32},
-                 {"long", HOST_TYPE_I64},           {"vtktypeint8", HOST_TYPE_I8},
-                 {"vtktypeuint8", HOST_TYPE_U8},    {"vtktypeint16", HOST_TYPE_I16},
-                 {"vtktypeuint32", HOST_TYPE_U32},  {"vtktypeuint16", HOST_TYPE_U16}};
+    } names[] = {{"float", HOST_TYPE_F32},          {"double", HOST_TYPE_F64},        {"char", HOST_TYPE_I8},
+                 {"signed_char", HOST_TYPE_I8},     {"unsigned_char", HOST_TYPE_U8},  {"short", HOST_TYPE_I16},
+                 {"unsigned_short", HOST_TYPE_U16}, {"int", HOST_TYPE_I32},           {"unsigned_int", HOST_TYPE_U32},
+                 {"vtktypeint32", HOST_TYPE_I32},   {"vtktypeint64", HOST_TYPE_I64},  {"vtkIdType", HOST_TYPE_I32},
+                 {"long", HOST_TYPE_I64},           {"vtktypeint8", HOST_TYPE_I8},    {"vtktypeuint8", HOST_TYPE_U8},
+                 {"vtktypeint16", HOST_TYPE_I16},   {"vtktypeuint32", HOST_TYPE_U32}, {"vtktypeuint16", HOST_TYPE_U16}};
     size_t i = 0;
     for (i = 0; i < sizeof names / sizeof names[0]; i++)
         if (host_word_is_nocase(word, names[i].name))

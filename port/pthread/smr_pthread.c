@@ -37,7 +37,7 @@ typedef struct smr_pthread_worker {
 
 struct smr_pthread {
     /* Written by every worker; alone on its cache line. */
-    _Alignas(SMR_ALIGN) _Atomic uint64_t ticket; /* loop number << 32 | tasks not handed out */
+    _Alignas(SMR_ALIGN) _Atomic uint64_t ticket;     /* loop number << 32 | tasks not handed out */
     _Alignas(SMR_ALIGN) _Atomic uint32_t unfinished; /* tasks of this loop that have not returned */
 
     /* The loop's description, written by the caller before it publishes the ticket. Atomic because a
@@ -124,10 +124,7 @@ static int smr_pthread_has_work(smr_pthread *p)
     return (uint32_t)atomic_load(&p->ticket) != 0u || atomic_load(&p->stop) != 0u;
 }
 
-static int smr_pthread_all_done(smr_pthread *p)
-{
-    return atomic_load(&p->unfinished) == 0u;
-}
+static int smr_pthread_all_done(smr_pthread *p) { return atomic_load(&p->unfinished) == 0u; }
 
 /* Looks at `ready` for at most SMR_PTHREAD_SPIN_NS; its last answer. */
 static int smr_pthread_spin(smr_pthread *p, int (*ready)(smr_pthread *))

@@ -57,12 +57,6 @@ void *smr_arena_take(smr_arena *a, size_t count, size_t size)
     return a->base + start;
 }
 
-smr_status smr_arena_check(const smr_arena *a)
-{
-    return a->used > a->capacity ? SMR_E_ARENA : SMR_OK;
-}
+smr_status smr_arena_check(const smr_arena *a) { return a->used > a->capacity ? SMR_E_ARENA : SMR_OK; }
 
-void smr_arena_release(void *base, size_t capacity)
-{
-    SMR_UNPOISON(base, capacity);
-}
+void smr_arena_release(void *base, size_t capacity) { SMR_UNPOISON(base, capacity); }

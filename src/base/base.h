@@ -39,7 +39,7 @@ static inline float smr_positive(float a)
 static inline int smr_within(float a, float limit) { return a >= -limit && a <= limit; }
 
 /* 16 bits that change with the struct's size and the library's minor version. */
-#define SMR_COOKIE(tag, type) \
+#define SMR_COOKIE(tag, type)                                                                                          \
     (((uint32_t)(tag) << 24) | ((uint32_t)SMR_VERSION_MINOR << 16) | (uint32_t)(sizeof(type) & 0xffffu))
 
 #endif

@@ -9,8 +9,9 @@
 
 #define SMR_CASES 24u
 #define SMR_FINALISTS 4u
-#define SMR_STEADY 12u     /* iterations before a refinement may end early: where it does is a choice that a last bit decides */
-#define SMR_STANDS 0.9995f  /* of the mean square distance: it does when an iteration leaves more */
+#define SMR_STEADY                                                                                                     \
+    12u /* iterations before a refinement may end early: where it does is a choice that a last bit decides */
+#define SMR_STANDS 0.9995f /* of the mean square distance: it does when an iteration leaves more */
 #define SMR_MISS_MM 100.0f /* what a point without any agreeing triangle counts as */
 
 smr_align_config smr_align_config_default(void)
@@ -96,8 +97,8 @@ static float collect(const smr_surface *from, const smr_surface *to, const smr_p
     for (uint32_t k = 0; k < n; k++) {
         const uint32_t i = (uint32_t)(((uint64_t)2u * k + 1u) * from->n_vertices / (2u * (uint64_t)n));
         const smr_vec p = smr_load(from->xyz + 3u * (size_t)i);
-        const smr_query q = {smr_pose_apply(pose, p), smr_unit(turn(pose, smr_load(from->normal + 3u * (size_t)i))), 0.1f,
-                             UINT32_MAX, SMR_ALL};
+        const smr_query q = {smr_pose_apply(pose, p), smr_unit(turn(pose, smr_load(from->normal + 3u * (size_t)i))),
+                             0.1f, UINT32_MAX, SMR_ALL};
         smr_hit hit = {1.0e12f, SMR_ALL, {0, 0, 0}};
         smr_tree_closest(&to->facets, &q, &hit);
         if (hit.triangle == SMR_ALL) {
@@ -161,8 +162,8 @@ static smr_pose start(const smr_surface *model, const smr_surface *target, uint3
     return pose;
 }
 
-smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config, smr_pose *pose,
-                     float *rms_mm)
+smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
+                     smr_pose *pose, float *rms_mm)
 {
     smr_pose finalist[SMR_FINALISTS];
     float score[SMR_FINALISTS];

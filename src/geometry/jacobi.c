@@ -123,5 +123,6 @@ void smr_pseudo_inverse(const float s[6], float floor, float out[6])
     int i = 0;
     for (int r = 0; r < 3; r++)
         for (int c = r; c < 3; c++, i++)
-            out[i] = v[3 * r] * w[0] * v[3 * c] + v[3 * r + 1] * w[1] * v[3 * c + 1] + v[3 * r + 2] * w[2] * v[3 * c + 2];
+            out[i] =
+                v[3 * r] * w[0] * v[3 * c] + v[3 * r + 1] * w[1] * v[3 * c + 1] + v[3 * r + 2] * w[2] * v[3 * c + 2];
 }

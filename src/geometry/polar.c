@@ -37,9 +37,9 @@ static void shortest_near(smr_vec a, smr_vec b, float m[9])
 {
     const smr_vec w = smr_cross(a, b);
     const float c = smr_dot(a, b), k = 1.0f / (1.0f + c), w2 = smr_dot(w, w);
-    const float r[9] = {k * (w.x * w.x - w2), k * w.x * w.y - w.z, k * w.x * w.z + w.y,
-                        k * w.y * w.x + w.z, k * (w.y * w.y - w2), k * w.y * w.z - w.x,
-                        k * w.z * w.x - w.y, k * w.z * w.y + w.x, k * (w.z * w.z - w2)};
+    const float r[9] = {k * (w.x * w.x - w2), k * w.x * w.y - w.z,  k * w.x * w.z + w.y,
+                        k * w.y * w.x + w.z,  k * (w.y * w.y - w2), k * w.y * w.z - w.x,
+                        k * w.z * w.x - w.y,  k * w.z * w.y + w.x,  k * (w.z * w.z - w2)};
     memcpy(m, r, sizeof r);
 }
 
@@ -53,8 +53,8 @@ static void shortest(smr_vec a, smr_vec b, float m[9])
     }
     const smr_vec w = smr_cross(a, b);
     const smr_vec n = smr_dot(w, w) > 1.0e-8f ? smr_unit(smr_sub(w, smr_scale(a, smr_dot(w, a)))) : any_normal(a);
-    const float half[9] = {2 * n.x * n.x - 1, 2 * n.x * n.y, 2 * n.x * n.z, 2 * n.y * n.x, 2 * n.y * n.y - 1,
-                           2 * n.y * n.z, 2 * n.z * n.x, 2 * n.z * n.y, 2 * n.z * n.z - 1};
+    const float half[9] = {2 * n.x * n.x - 1, 2 * n.x * n.y, 2 * n.x * n.z, 2 * n.y * n.x,    2 * n.y * n.y - 1,
+                           2 * n.y * n.z,     2 * n.z * n.x, 2 * n.z * n.y, 2 * n.z * n.z - 1};
     float s[9];
     shortest_near(smr_scale(a, -1.0f), b, s);
     for (int i = 0; i < 9; i++) /* R - I = (S - I) H + H - I */
@@ -109,9 +109,9 @@ void smr_polar(const float a[9], float v[9], float m[9])
     uj = smr_scale(uj, 1.0f / lj);
     smr_vec uk = smr_cross(ui, uj);
     const float r[9] = {ui.x * vi.x + uj.x * vj.x + uk.x * vk.x - 1.0f, ui.x * vi.y + uj.x * vj.y + uk.x * vk.y,
-                        ui.x * vi.z + uj.x * vj.z + uk.x * vk.z, ui.y * vi.x + uj.y * vj.x + uk.y * vk.x,
+                        ui.x * vi.z + uj.x * vj.z + uk.x * vk.z,        ui.y * vi.x + uj.y * vj.x + uk.y * vk.x,
                         ui.y * vi.y + uj.y * vj.y + uk.y * vk.y - 1.0f, ui.y * vi.z + uj.y * vj.z + uk.y * vk.z,
-                        ui.z * vi.x + uj.z * vj.x + uk.z * vk.x, ui.z * vi.y + uj.z * vj.y + uk.z * vk.y,
+                        ui.z * vi.x + uj.z * vj.x + uk.z * vk.x,        ui.z * vi.y + uj.z * vj.y + uk.z * vk.y,
                         ui.z * vi.z + uj.z * vj.z + uk.z * vk.z - 1.0f};
     memcpy(m, r, sizeof r);
 }

@@ -6,20 +6,21 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/profile.h"
 
-#define SMR_FLAT 1.0e-30f       /* intensity: a smaller range counts as none; 255 / range must stay finite */
+#define SMR_FLAT 1.0e-30f /* intensity: a smaller range counts as none; 255 / range must stay finite */
 #define SMR_LEVEL 0.1f
-#define SMR_SCORE_LOW -0.999f  /* -1 is kept for windows that are not all inside */
-#define SMR_SCORE_MIN 0.3f      /* correlations below carry no confidence */
-#define SMR_APART 4u            /* samples between a peak and another one that makes it less distinct */
-#define SMR_DISTINCT 5.0f       /* confidence per correlation that the peak stands above others */
+#define SMR_SCORE_LOW -0.999f /* -1 is kept for windows that are not all inside */
+#define SMR_SCORE_MIN 0.3f    /* correlations below carry no confidence */
+#define SMR_APART 4u          /* samples between a peak and another one that makes it less distinct */
+#define SMR_DISTINCT 5.0f     /* confidence per correlation that the peak stands above others */
 #define SMR_DISTINCT_MIN 0.2f
-#define SMR_EDGE_NEAR 3u        /* samples around the surface in which the reference's edge is looked for */
-#define SMR_EDGE_MIN 0.08f      /* of the profile's range per sample: weaker is no edge */
-#define SMR_STEEP 3.0f          /* times the reference's slope: so steep an edge counts most, steeper ones less again */
+#define SMR_EDGE_NEAR 3u   /* samples around the surface in which the reference's edge is looked for */
+#define SMR_EDGE_MIN 0.08f /* of the profile's range per sample: weaker is no edge */
+#define SMR_STEEP 3.0f     /* times the reference's slope: so steep an edge counts most, steeper ones less again */
 
 static const smr_peak none = {0.0f, 0.0f};
 
-void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t n, uint8_t *packed, float *low, float *range)
+void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t n, uint8_t *packed, float *low,
+                      float *range)
 {
     float lo = value[0], hi = value[0];
     int whole = 1;
@@ -68,7 +69,8 @@ typedef struct windows {
 } windows;
 
 /* Takes the sums on to the windows at offsets o .. o+count-1. */
-static void run_on(running *r, const float *line, const unsigned char *inside, uint32_t n, uint32_t o, uint32_t count, windows *w)
+static void run_on(running *r, const float *line, const unsigned char *inside, uint32_t n, uint32_t o, uint32_t count,
+                   windows *w)
 {
     for (uint32_t i = 0; i < count; i++) {
         if (o + i > 0u) {
@@ -91,12 +93,13 @@ typedef struct scoring {
 } scoring;
 
 /* Scores of `count` windows side by side, the first at offset o; -1 where a window is not all inside. */
-static inline void score_side(uint32_t kind, const scoring *s, uint32_t o, uint32_t count, const float *dot, const windows *w,
-                              float *score)
+static inline void score_side(uint32_t kind, const scoring *s, uint32_t o, uint32_t count, const float *dot,
+                              const windows *w, float *score)
 {
     for (uint32_t i = 0; i < count; i++) {
         const float away = ((float)(int32_t)(o + i) - s->middle) * s->per_sample;
-        const float like = score_of(kind, s->ref_norm, s->noise2, s->n, dot[i], w->sum[i], w->square[i]) - s->nearer * away * away;
+        const float like =
+            score_of(kind, s->ref_norm, s->noise2, s->n, dot[i], w->sum[i], w->square[i]) - s->nearer * away * away;
         const float score_in = smr_clamp(like, SMR_SCORE_LOW, 1.0f);
         score[i] = w->missing[i] > 0u ? -1.0f : score_in;
     }
@@ -113,8 +116,8 @@ static void dots(const float *ref, uint32_t n, const float *line, uint32_t count
 }
 
 /* Scores at every offset. line and score have room for SMR_WIDTH - 1 more. */
-static void scores_of(uint32_t kind, const scoring *s, const float *ref, uint32_t n, const float *line, const unsigned char *inside,
-                      uint32_t offsets, float *score)
+static void scores_of(uint32_t kind, const scoring *s, const float *ref, uint32_t n, const float *line,
+                      const unsigned char *inside, uint32_t offsets, float *score)
 {
     float dot[SMR_SIDE];
     running r = {0.0f, 0.0f, 0};
@@ -202,7 +205,8 @@ smr_peak smr_profile_match(const smr_profile *reference, const float *line, cons
     for (uint32_t k = 0; !level_counts && k < m; k++)
         centred[k] -= inside[k] ? level / count : 0.0f;
     const float noise = how->noise / range, middle = 0.5f * (float)(offsets - 1u);
-    const scoring how_to = {SMR_SQRT(norm), noise * noise, (float)n, middle, offsets > 1u ? 1.0f / middle : 0.0f, how->nearer};
+    const scoring how_to = {SMR_SQRT(norm), noise * noise, (float)n, middle, offsets > 1u ? 1.0f / middle : 0.0f,
+                            how->nearer};
     score[0] = -1.0f; /* compilers do not see that there is always an offset */
     scores_of(how->kind, &how_to, ref, n, centred, inside, offsets, score);
     return peak_of(score, offsets, centred);
@@ -257,8 +261,8 @@ static int all_inside(const unsigned char *inside, uint32_t n)
     return missing == 0u;
 }
 
-smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside, uint32_t m,
-                          uint32_t centre, uint32_t reach)
+smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside,
+                          uint32_t m, uint32_t centre, uint32_t reach)
 {
     const float range = reference->range;
     if (!(range > 0.0f) || reference->n < 3u)

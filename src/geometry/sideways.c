@@ -8,7 +8,7 @@
 #define SMR_FARTHEST2 1.0e30f /* mm^2; NaN is not within it, either */
 #define SMR_NORMAL_ALONG 0.6f /* a normal that lies less along an axis than so gives a good cross product with it */
 #define SMR_CONTRAST_MOST 4.0f
-#define SMR_ROUNDING 1.0e-4f  /* of the squared slopes: a hundred times what their sums lose */
+#define SMR_ROUNDING 1.0e-4f /* of the squared slopes: a hundred times what their sums lose */
 
 /* Only how values differ along the profile counts: images of one kind differ in brightness. */
 static void less_mean(float *value, uint32_t n)

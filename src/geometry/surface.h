@@ -8,15 +8,15 @@
 struct smr_surface {
     uint32_t magic;
     uint32_t n_vertices;
-    uint32_t open;           /* 1 when some edge has one triangle only */
-    float area_mean;         /* mm^2 per vertex */
-    smr_vec origin;          /* whole mm: positions are relative to it, so that moving everything costs no digits */
-    float *xyz;              /* [n_vertices][3] in the caller's order */
-    float *normal;           /* [n_vertices][3] unit */
-    float *area;             /* [n_vertices] a third of the triangles around, mm^2 */
-    uint32_t *triangle;      /* [n_triangles][3] in tree order */
-    uint32_t *original;      /* [n_triangles] the caller's index of each */
-    unsigned char *border;   /* [n_triangles] bit k: edge k..k+1 is a border; bit 3+k: corner k lies on one */
+    uint32_t open;         /* 1 when some edge has one triangle only */
+    float area_mean;       /* mm^2 per vertex */
+    smr_vec origin;        /* whole mm: positions are relative to it, so that moving everything costs no digits */
+    float *xyz;            /* [n_vertices][3] in the caller's order */
+    float *normal;         /* [n_vertices][3] unit */
+    float *area;           /* [n_vertices] a third of the triangles around, mm^2 */
+    uint32_t *triangle;    /* [n_triangles][3] in tree order */
+    uint32_t *original;    /* [n_triangles] the caller's index of each */
+    unsigned char *border; /* [n_triangles] bit k: edge k..k+1 is a border; bit 3+k: corner k lies on one */
     smr_facets facets;
 };
 

@@ -143,7 +143,8 @@ static void note(smr_near_list *list, uint32_t triangle, float d2, const float w
 }
 
 /* Tries one triangle; ties go to the smaller rank. */
-static void try_triangle(const smr_facets *f, const smr_query *q, uint32_t i, smr_hit *hit, float widen, smr_near_list *list)
+static void try_triangle(const smr_facets *f, const smr_query *q, uint32_t i, smr_hit *hit, float widen,
+                         smr_near_list *list)
 {
     smr_vec n = smr_load(f->normal + 3u * (size_t)i);
     if (smr_dot(n, q->normal) < q->min_cos)

@@ -18,13 +18,13 @@ typedef struct smr_node {
 
 /* Triangles with their tree: a view, the arrays are somebody else's. */
 typedef struct smr_facets {
-    const float *xyz;           /* [n vertices][3] */
-    const uint32_t *triangle;   /* [n_triangles][3], in tree order */
-    float *normal;              /* [n_triangles][3], unit; zero for zero-area triangles */
-    smr_node *node;             /* [smr_tree_nodes(n_triangles)], leaves first */
-    const uint32_t *rank;       /* [n_triangles] among equally near triangles the smallest wins; NULL: tree order */
+    const float *xyz;         /* [n vertices][3] */
+    const uint32_t *triangle; /* [n_triangles][3], in tree order */
+    float *normal;            /* [n_triangles][3], unit; zero for zero-area triangles */
+    smr_node *node;           /* [smr_tree_nodes(n_triangles)], leaves first */
+    const uint32_t *rank;     /* [n_triangles] among equally near triangles the smallest wins; NULL: tree order */
     uint32_t n_triangles;
-    uint32_t n_levels;          /* 0 for no triangles */
+    uint32_t n_levels;               /* 0 for no triangles */
     uint32_t level[SMR_TREE_LEVELS]; /* first node of each level */
 } smr_facets;
 

@@ -31,7 +31,8 @@ static void insertion_sort(uint32_t *key, uint32_t *item, uint32_t n)
 }
 
 /* Sorts order[first..last-1] by the coordinate along the longest side of their centres' box. */
-static void sort_range(const float *centre, uint32_t *order, uint32_t first, uint32_t last, uint32_t *key, uint32_t *tmp)
+static void sort_range(const float *centre, uint32_t *order, uint32_t first, uint32_t last, uint32_t *key,
+                       uint32_t *tmp)
 {
     const uint32_t n = last - first;
     float lo[3], hi[3];
@@ -59,8 +60,9 @@ void smr_mesh_order(const smr_mesh *mesh, uint32_t *order, float *centre, uint32
     uint32_t stack[2u * 3u * SMR_TREE_LEVELS + 2u], top = 0;
     for (uint32_t k = 0; k < mesh->n_triangles; k++) {
         const uint32_t *t = mesh->triangles + 3u * (size_t)k;
-        const smr_vec sum = smr_add(smr_load(mesh->xyz + 3u * (size_t)t[0]),
-                                    smr_add(smr_load(mesh->xyz + 3u * (size_t)t[1]), smr_load(mesh->xyz + 3u * (size_t)t[2])));
+        const smr_vec sum =
+            smr_add(smr_load(mesh->xyz + 3u * (size_t)t[0]),
+                    smr_add(smr_load(mesh->xyz + 3u * (size_t)t[1]), smr_load(mesh->xyz + 3u * (size_t)t[2])));
         smr_store(centre + 3u * (size_t)k, sum);
         order[k] = k;
     }

@@ -9,7 +9,7 @@
 #define SMR_AXIS_MAX 65536u
 #define SMR_VOXELS_MAX ((uint64_t)1 << 40)
 #define SMR_NOT_UNIT 0.01f /* of a direction's squared length */
-#define SMR_HUGE 1.0e30f /* larger voxel values count as not there */
+#define SMR_HUGE 1.0e30f   /* larger voxel values count as not there */
 
 static int invert3(const float m[9], float out[9])
 {
@@ -24,10 +24,7 @@ static int invert3(const float m[9], float out[9])
     return 1;
 }
 
-static uint32_t voxel_bytes(uint32_t type)
-{
-    return type <= SMR_VOXEL_INT8 ? 1u : (type <= SMR_VOXEL_INT16 ? 2u : 4u);
-}
+static uint32_t voxel_bytes(uint32_t type) { return type <= SMR_VOXEL_INT8 ? 1u : (type <= SMR_VOXEL_INT16 ? 2u : 4u); }
 
 smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
 {
@@ -116,31 +113,31 @@ static inline size_t first_voxel(const cells *c, uint32_t i, const strides *d)
 
 /* Defines `name`, which interpolates a batch in voxels of `type`. The voxels are gathered as `number`, int32_t where that holds
  * them all, so that turning them into floats is vector code, too. */
-#define SMR_TRILINEAR(name, type, number)                                                              \
-    static void name(const void *voxels, const cells *c, const strides *d, uint32_t n, float *value)   \
-    {                                                                                                  \
-        number corner[8][SMR_BATCH];                                                                   \
-        for (uint32_t i = 0; i < n; i++) {                                                             \
-            const type *v = (const type *)voxels + first_voxel(c, i, d);                               \
-            corner[0][i] = v[0];                                                                       \
-            corner[1][i] = v[d->dx];                                                                   \
-            corner[2][i] = v[d->dy];                                                                   \
-            corner[3][i] = v[d->dy + d->dx];                                                           \
-            v += d->dz;                                                                                \
-            corner[4][i] = v[0];                                                                       \
-            corner[5][i] = v[d->dx];                                                                   \
-            corner[6][i] = v[d->dy];                                                                   \
-            corner[7][i] = v[d->dy + d->dx];                                                           \
-        }                                                                                              \
-        for (uint32_t i = 0; i < n; i++) {                                                             \
-            const float fx = c->fraction[0][i], fy = c->fraction[1][i], fz = c->fraction[2][i];        \
-            const float a = (float)corner[0][i] + fx * ((float)corner[1][i] - (float)corner[0][i]);    \
-            const float b = (float)corner[2][i] + fx * ((float)corner[3][i] - (float)corner[2][i]);    \
-            const float e = (float)corner[4][i] + fx * ((float)corner[5][i] - (float)corner[4][i]);    \
-            const float f = (float)corner[6][i] + fx * ((float)corner[7][i] - (float)corner[6][i]);    \
-            const float near = a + fy * (b - a), far = e + fy * (f - e);                               \
-            value[i] = near + fz * (far - near);                                                       \
-        }                                                                                              \
+#define SMR_TRILINEAR(name, type, number)                                                                              \
+    static void name(const void *voxels, const cells *c, const strides *d, uint32_t n, float *value)                   \
+    {                                                                                                                  \
+        number corner[8][SMR_BATCH];                                                                                   \
+        for (uint32_t i = 0; i < n; i++) {                                                                             \
+            const type *v = (const type *)voxels + first_voxel(c, i, d);                                               \
+            corner[0][i] = v[0];                                                                                       \
+            corner[1][i] = v[d->dx];                                                                                   \
+            corner[2][i] = v[d->dy];                                                                                   \
+            corner[3][i] = v[d->dy + d->dx];                                                                           \
+            v += d->dz;                                                                                                \
+            corner[4][i] = v[0];                                                                                       \
+            corner[5][i] = v[d->dx];                                                                                   \
+            corner[6][i] = v[d->dy];                                                                                   \
+            corner[7][i] = v[d->dy + d->dx];                                                                           \
+        }                                                                                                              \
+        for (uint32_t i = 0; i < n; i++) {                                                                             \
+            const float fx = c->fraction[0][i], fy = c->fraction[1][i], fz = c->fraction[2][i];                        \
+            const float a = (float)corner[0][i] + fx * ((float)corner[1][i] - (float)corner[0][i]);                    \
+            const float b = (float)corner[2][i] + fx * ((float)corner[3][i] - (float)corner[2][i]);                    \
+            const float e = (float)corner[4][i] + fx * ((float)corner[5][i] - (float)corner[4][i]);                    \
+            const float f = (float)corner[6][i] + fx * ((float)corner[7][i] - (float)corner[6][i]);                    \
+            const float near = a + fy * (b - a), far = e + fy * (f - e);                                               \
+            value[i] = near + fz * (far - near);                                                                       \
+        }                                                                                                              \
     }
 
 SMR_TRILINEAR(sample_uint8, uint8_t, int32_t)
@@ -163,11 +160,13 @@ static void sample(const smr_volume *v, const cells *c, const strides *d, uint32
 static int masked(const uint8_t *mask, const strides *d)
 {
     const uint8_t *m = mask + d->dz;
-    return !(mask[0] && mask[d->dx] && mask[d->dy] && mask[d->dx + d->dy] && m[0] && m[d->dx] && m[d->dy] && m[d->dx + d->dy]);
+    return !(mask[0] && mask[d->dx] && mask[d->dy] && mask[d->dx + d->dy] && m[0] && m[d->dx] && m[d->dy] &&
+             m[d->dx + d->dy]);
 }
 
 /* Takes out what the mask hides and values too large to be any, NaN among them. Returns how many are left. */
-static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value, unsigned char *inside)
+static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value,
+                     unsigned char *inside)
 {
     uint32_t left = n;
     memset(inside, 1, n);
@@ -181,7 +180,8 @@ static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint
     return left;
 }
 
-uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec step, uint32_t n, float *value, unsigned char *inside)
+uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec step, uint32_t n, float *value,
+                       unsigned char *inside)
 {
     const smr_volume *v = &grid->volume;
     const size_t row = v->size[0], slice = row * v->size[1];

@@ -16,35 +16,35 @@
 #include "geometry/warp_solve.h"
 
 #define SMR_WARP_MAGIC 0x736d7257u
-#define SMR_WARP_AFFINE 4u        /* columns of P */
+#define SMR_WARP_AFFINE 4u /* columns of P */
 #define SMR_SAME_MM 1.0e-4f
 #define SMR_SAME_SHARE 2.0e-5f
-#define SMR_LINE_SHARE 1.0e-3f    /* of the largest variance: below, a direction counts as none; as in polar.c */
+#define SMR_LINE_SHARE 1.0e-3f /* of the largest variance: below, a direction counts as none; as in polar.c */
 #define SMR_PLANE_SHARE 1.0e-4f
-#define SMR_LAMBDA_MAX 1.0e9f     /* of the unit of length; beyond, the spline's part is nothing in a float */
+#define SMR_LAMBDA_MAX 1.0e9f /* of the unit of length; beyond, the spline's part is nothing in a float */
 
 struct smr_warp {
     uint32_t magic;
-    uint32_t n;        /* kernels: 0 for all but splines */
-    smr_vec from, to;  /* mm: origins */
-    float per_mm;      /* u = (x - from) * per_mm */
-    smr_pose affine;   /* of u, mm from `to` */
-    float *centre;     /* [n][3] u of the landmarks */
-    float *weight;     /* [n][3] mm */
+    uint32_t n;       /* kernels: 0 for all but splines */
+    smr_vec from, to; /* mm: origins */
+    float per_mm;     /* u = (x - from) * per_mm */
+    smr_pose affine;  /* of u, mm from `to` */
+    float *centre;    /* [n][3] u of the landmarks */
+    float *weight;    /* [n][3] mm */
 };
 
 /* The distinct landmarks and the memory of a fit. */
 typedef struct job {
     smr_warp *warp;
-    float *goal;        /* [n][3] mm from warp->to, means of duplicates */
-    float *count;       /* [n] duplicates in each */
-    float *matrix;      /* [n + 4][n + 4] */
-    float *side;        /* [n + 4][3] */
+    float *goal;   /* [n][3] mm from warp->to, means of duplicates */
+    float *count;  /* [n] duplicates in each */
+    float *matrix; /* [n + 4][n + 4] */
+    float *side;   /* [n + 4][3] */
     smr_system system;
-    smr_vec axis[3];    /* principal directions divided by the spread along them */
-    float variance[3];  /* in units of u, largest first */
-    float lambda;       /* in units of u */
-    uint32_t n;         /* distinct landmarks */
+    smr_vec axis[3];   /* principal directions divided by the spread along them */
+    float variance[3]; /* in units of u, largest first */
+    float lambda;      /* in units of u */
+    uint32_t n;        /* distinct landmarks */
 } job;
 
 /* Measures with a NULL base, places with a real one. */

@@ -10,15 +10,15 @@
 
 #define SMR_IMAGE_MAGIC 0x31524d53u /* "SMR1" */
 #define SMR_IMAGE_VERSION 3u
-#define SMR_IMAGE_HEAD 16u          /* the checksum covers the bytes from here on */
-#define SMR_MASS_UNITS 16.0f        /* masses are whole multiples of 1/16 */
+#define SMR_IMAGE_HEAD 16u   /* the checksum covers the bytes from here on */
+#define SMR_MASS_UNITS 16.0f /* masses are whole multiples of 1/16 */
 #define SMR_MASS_MAX 64.0f
 
 struct smr_model {
     uint32_t magic;
     uint32_t version;
-    uint32_t bytes;           /* of the whole image */
-    uint32_t checksum;        /* CRC-32 of bytes 16 .. bytes - 1 */
+    uint32_t bytes;    /* of the whole image */
+    uint32_t checksum; /* CRC-32 of bytes 16 .. bytes - 1 */
     uint32_t n_vertices;
     uint32_t n_triangles;
     uint32_t n_structures;
@@ -41,16 +41,16 @@ struct smr_model {
     uint32_t at_profiles;     /* uint8 [n_vertices][profile_samples], see geometry/profile.h */
     uint32_t at_ranges;       /* float [n_vertices][2]: low and range of each profile; range 0: no use */
     uint32_t n_hinges;
-    uint32_t at_hinges;       /* smr_image_hinge [n_hinges] */
-    uint32_t at_radii;        /* smr_image_radius [n_radii] */
-    uint32_t at_along;        /* uint32 [n_vertices]: stored vertex -> its place along the curve; ascending in each level */
+    uint32_t at_hinges; /* smr_image_hinge [n_hinges] */
+    uint32_t at_radii;  /* smr_image_radius [n_radii] */
+    uint32_t at_along;  /* uint32 [n_vertices]: stored vertex -> its place along the curve; ascending in each level */
     uint32_t n_levels;
     uint32_t level_end[SMR_LEVELS_MAX]; /* stored vertices in a level and all before it; unused ones are 0 */
 };
 
 typedef struct smr_image_structure {
     char name[SMR_NAME_BYTES];
-    uint32_t first_vertex;    /* in the caller's numbering, all structures in a row */
+    uint32_t first_vertex; /* in the caller's numbering, all structures in a row */
     uint32_t n_vertices;
     uint32_t first_triangle;
     uint32_t n_triangles;
@@ -65,33 +65,34 @@ typedef struct smr_image_hinge {
 
 #define SMR_HINGE_MASK 0xffffffu
 #define SMR_HINGE_OPEN (-0.4f) /* a limit above it: the normals' angle is no more than a right one at rest */
-#define SMR_HINGE_UNIT 200.0f /* cosine = code / 200 - 1 */
+#define SMR_HINGE_UNIT 200.0f  /* cosine = code / 200 - 1 */
 
 static inline float smr_hinge_limit(uint32_t bend) { return (float)(bend >> 24) / SMR_HINGE_UNIT - 1.0f; }
 
 typedef struct smr_image_radius {
-    uint32_t radius;          /* float, mm */
-    uint32_t reach;           /* float, mm: largest distance within a cluster from its own vertex */
+    uint32_t radius; /* float, mm */
+    uint32_t reach;  /* float, mm: largest distance within a cluster from its own vertex */
     uint32_t separate;
     uint32_t n_blocks;
-    uint32_t largest;         /* vertices in the largest, with half of those of its rim that lie outside, and in the smallest cluster */
+    uint32_t
+        largest; /* vertices in the largest, with half of those of its rim that lie outside, and in the smallest cluster */
     uint32_t smallest;
-    uint32_t mean;            /* float: mean |zeta| */
-    uint32_t n_indexes;       /* in all lists */
-    uint32_t at_blocks;       /* smr_image_block [n_blocks + 1] */
-    uint32_t at_entries;      /* smr_entry16 or smr_entry32 [n_vertices]: the order L, block after block */
-    uint32_t at_count;        /* uint16 or uint32 [n_vertices]: |zeta| of each stored vertex */
-    uint32_t at_indexes;      /* uint16 or uint32 [n_indexes]: zeta+ then zeta- of each entry, ascending */
-    uint32_t active_min;      /* so many first stored vertices at least keep every cluster large enough */
+    uint32_t mean;       /* float: mean |zeta| */
+    uint32_t n_indexes;  /* in all lists */
+    uint32_t at_blocks;  /* smr_image_block [n_blocks + 1] */
+    uint32_t at_entries; /* smr_entry16 or smr_entry32 [n_vertices]: the order L, block after block */
+    uint32_t at_count;   /* uint16 or uint32 [n_vertices]: |zeta| of each stored vertex */
+    uint32_t at_indexes; /* uint16 or uint32 [n_indexes]: zeta+ then zeta- of each entry, ascending */
+    uint32_t active_min; /* so many first stored vertices at least keep every cluster large enough */
     uint32_t n_rim;
-    uint32_t at_rim;          /* smr_image_rim [n_rim] */
+    uint32_t at_rim; /* smr_image_rim [n_rim] */
 } smr_image_radius;
 
 /* Two vertices about a radius apart, each of which counts in the other's cluster with a share of its mass only. The lists
  * have them in whole or not at all; `share` is what is added to that: share / SMR_RIM_UNITS - 1/2. */
 typedef struct smr_image_rim {
-    uint32_t first, second;   /* stored numbers */
-    uint32_t share;           /* 0 .. SMR_RIM_UNITS */
+    uint32_t first, second; /* stored numbers */
+    uint32_t share;         /* 0 .. SMR_RIM_UNITS */
 } smr_image_rim;
 
 #define SMR_RIM_UNITS 256

@@ -4,7 +4,8 @@
 #include "geometry/profile.h"
 #include "model/image.h"
 
-#define SMR_RANGE_MAX 2.0e30f /* of a profile: voxel values lie within half of it on either side of 0 (geometry/volume.c) */
+#define SMR_RANGE_MAX                                                                                                  \
+    2.0e30f              /* of a profile: voxel values lie within half of it on either side of 0 (geometry/volume.c) */
 #define SMR_WINDOW 4096u /* vertices whose uniqueness is checked at a time: 512 bytes of stack */
 
 /* A section of count * size bytes at a stored offset lies inside the image. */
@@ -115,14 +116,13 @@ static int rest_within(const smr_model *m)
 static int check_vertices(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_vertices), nt = smr_le32(m->n_triangles);
-    return section(m, m->at_position, n, 4) && section(m, m->at_original, n, 4) && section(m, m->at_owner, n, 2) && section(m, m->at_rest, n, 12) &&
-           section(m, m->at_mass, n, 4) && section(m, m->at_triangles, nt, 12) && section(m, m->at_facets, nt, 4) &&
-           check_numbering(m) && check_levels(m) &&
+    return section(m, m->at_position, n, 4) && section(m, m->at_original, n, 4) && section(m, m->at_owner, n, 2) &&
+           section(m, m->at_rest, n, 12) && section(m, m->at_mass, n, 4) && section(m, m->at_triangles, nt, 12) &&
+           section(m, m->at_facets, nt, 4) && check_numbering(m) && check_levels(m) &&
            floats_within(m->centre, 3, -SMR_COORD_MAX, SMR_COORD_MAX) &&
            floats_within(&m->edge_mm, 1, 0.0f, 4.0f * SMR_COORD_MAX) &&
            floats_within(smr_at(m, m->at_rest), 3u * (size_t)n, -2.0f * SMR_COORD_MAX, 2.0f * SMR_COORD_MAX) &&
-           rest_within(m) &&
-           floats_within(smr_at(m, m->at_mass), n, 1.0f / SMR_MASS_UNITS, SMR_MASS_MAX) &&
+           rest_within(m) && floats_within(smr_at(m, m->at_mass), n, 1.0f / SMR_MASS_UNITS, SMR_MASS_MAX) &&
            below_u32(smr_at(m, m->at_triangles), 3u * (size_t)nt, n);
 }
 
@@ -214,9 +214,11 @@ static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, u
 static int sections_in_order(const smr_model *m, const smr_image_radius *r, uint64_t *end)
 {
     const uint64_t n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
-    const uint64_t at[5] = {smr_le32(r->at_blocks), smr_le32(r->at_entries), smr_le32(r->at_count), smr_le32(r->at_indexes), smr_le32(r->at_rim)};
-    const uint64_t bytes[5] = {((uint64_t)smr_le32(r->n_blocks) + 1u) * sizeof(smr_image_block), n * 4u * width, n * width,
-                               (uint64_t)smr_le32(r->n_indexes) * width, (uint64_t)smr_le32(r->n_rim) * sizeof(smr_image_rim)};
+    const uint64_t at[5] = {smr_le32(r->at_blocks), smr_le32(r->at_entries), smr_le32(r->at_count),
+                            smr_le32(r->at_indexes), smr_le32(r->at_rim)};
+    const uint64_t bytes[5] = {((uint64_t)smr_le32(r->n_blocks) + 1u) * sizeof(smr_image_block), n * 4u * width,
+                               n * width, (uint64_t)smr_le32(r->n_indexes) * width,
+                               (uint64_t)smr_le32(r->n_rim) * sizeof(smr_image_rim)};
     for (uint32_t i = 0; i < 5u; i++) {
         if (at[i] < *end)
             return 0;
@@ -289,8 +291,8 @@ smr_status smr_model_open(const void *image, size_t bytes, const smr_model **mod
     if ((uintptr_t)image % SMR_ALIGN != 0u)
         return SMR_E_ALIGN;
     const smr_model *m = image;
-    if (bytes < sizeof *m || !check_header(m, bytes) || !check_structures(m) || !check_vertices(m) || !check_facets(m) ||
-        !check_hinges(m) || !check_profiles(m))
+    if (bytes < sizeof *m || !check_header(m, bytes) || !check_structures(m) || !check_vertices(m) ||
+        !check_facets(m) || !check_hinges(m) || !check_profiles(m))
         return SMR_E_MODEL;
     if (!section(m, m->at_radii, smr_le32(m->n_radii), sizeof(smr_image_radius)))
         return SMR_E_MODEL;

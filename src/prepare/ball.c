@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/plan.h"
 
-#define SMR_INSIDE 0.99999f  /* of r^2: a box this far inside holds only members, whatever the rounding */
+#define SMR_INSIDE 0.99999f /* of r^2: a box this far inside holds only members, whatever the rounding */
 #define SMR_OUTSIDE 1.00001f
 
 static void set_run(uint64_t *row, uint32_t words, uint32_t first, uint32_t last)
@@ -122,7 +122,8 @@ uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t las
         box_distances(&p->points.node[p->points.level[at.level] + at.index], centre, near2);
         for (uint32_t c = 0; c < SMR_TREE_WIDTH; c++) {
             /* on inner levels start with the child that holds v: good bounds early. It is pushed last. */
-            const uint32_t child = at.index * SMR_TREE_WIDTH + (at.level > 0u ? (c + 1u + (v >> (3u * at.level))) % 8u : c);
+            const uint32_t child =
+                at.index * SMR_TREE_WIDTH + (at.level > 0u ? (c + 1u + (v >> (3u * at.level))) % 8u : c);
             const uint32_t slot = child % SMR_TREE_WIDTH;
             const uint64_t from = (uint64_t)child << (3u * at.level), to = (uint64_t)(child + 1u) << (3u * at.level);
             if (from >= last || to <= first || from >= p->n || (n == k && near2[slot] >= best[k - 1u]))

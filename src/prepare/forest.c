@@ -98,7 +98,8 @@ static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
         uint32_t near[SMR_NEAREST + SMR_RING_TRIED], k = 0;
         for (const uint32_t *known = p->near + SMR_NEAREST * (size_t)v; k < SMR_NEAREST && known[k] != SMR_ALL; k++)
             near[k] = known[k];
-        for (uint32_t i = p->ring_start[v], tried = 0; i < p->ring_start[v + 1u] && tried < SMR_RING_TRIED; i++, tried++)
+        for (uint32_t i = p->ring_start[v], tried = 0; i < p->ring_start[v + 1u] && tried < SMR_RING_TRIED;
+             i++, tried++)
             if (p->ring[i] >= first && p->ring[i] < last)
                 near[k++] = p->ring[i];
         for (uint32_t i = 0; i < k; i++) {

@@ -5,10 +5,10 @@
 #include "geometry/triangle.h"
 #include "prepare/plan.h"
 
-#define SMR_RIGHT 0.02f       /* cosine: flat hinges fold when their triangles' normals come to 89 degrees */
-#define SMR_BACK (-0.48f)     /* sharper ones at about 119 degrees */
-#define SMR_ROUNDING 1.0e-4f  /* of a cosine: right angles, which caps and corners have, */
-#define SMR_RIGHT_BACK (-0.25f) /* have some room on the way, too, but count as open at last (SMR_HINGE_OPEN) */
+#define SMR_RIGHT 0.02f          /* cosine: flat hinges fold when their triangles' normals come to 89 degrees */
+#define SMR_BACK (-0.48f)        /* sharper ones at about 119 degrees */
+#define SMR_ROUNDING 1.0e-4f     /* of a cosine: right angles, which caps and corners have, */
+#define SMR_RIGHT_BACK (-0.25f)  /* have some room on the way, too, but count as open at last (SMR_HINGE_OPEN) */
 #define SMR_TURNED_BACK (-0.75f) /* at rest: nothing left to guard */
 
 static void edge_of(const smr_plan *p, uint32_t i, uint32_t *low, uint32_t *high)

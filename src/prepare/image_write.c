@@ -3,7 +3,8 @@
 #include "prepare/plan.h"
 
 /* What smr_image_radius will say, while its lists are written behind it. */
-static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, const smr_plan *p, float radius, uint32_t active_min)
+static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, const smr_plan *p, float radius,
+                         uint32_t active_min)
 {
     const int ring = smr_uses_ring(p, radius) && p->edge_max > radius;
     const uint32_t field[15] = {smr_float_bits(radius),
@@ -171,8 +172,7 @@ smr_status smr_write_image(smr_plan *p, smr_writer *w, const float *radius, uint
     head.at_radii = (uint32_t)smr_put_section(w, n_radii * sizeof(smr_image_radius));
     for (uint32_t i = 0; i < n_radii; i++) {
         p->separate = radius[i] < separate_below;
-        smr_status status =
-            write_lists(p, w, head.at_radii + i * sizeof(smr_image_radius), radius[i], i, n_radii);
+        smr_status status = write_lists(p, w, head.at_radii + i * sizeof(smr_image_radius), radius[i], i, n_radii);
         if (status != SMR_OK)
             return status;
     }

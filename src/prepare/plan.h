@@ -11,80 +11,80 @@
 #include "geometry/tree.h"
 #include "model/image.h"
 
-#define SMR_NEAREST 12u    /* spatial neighbours tried as parents in the forest */
-#define SMR_RING_TRIED 16u /* mesh neighbours tried as parents */
+#define SMR_NEAREST 12u        /* spatial neighbours tried as parents in the forest */
+#define SMR_RING_TRIED 16u     /* mesh neighbours tried as parents */
 #define SMR_REMAINS UINT32_MAX /* no place in the priority list: never left out */
 
 typedef struct smr_plan {
     const smr_structure *structures;
     const smr_prepare_config *config;
     uint32_t n_structures;
-    uint32_t n;              /* vertices of all structures */
-    uint32_t nt;             /* triangles of all structures */
-    uint32_t block;          /* most vertices in a block */
-    uint32_t words;          /* 64-bit words of a row of n bits */
+    uint32_t n;     /* vertices of all structures */
+    uint32_t nt;    /* triangles of all structures */
+    uint32_t block; /* most vertices in a block */
+    uint32_t words; /* 64-bit words of a row of n bits */
     uint32_t n_rows;
-    uint32_t separate;       /* of the radius in work */
-    smr_port port;           /* for loops over a block; none for geodesic clusters, which share scratch */
-    float centre[3];         /* mm */
-    float edge_mm;           /* mean edge */
-    float edge_max;          /* longest edge */
+    uint32_t separate; /* of the radius in work */
+    smr_port port;     /* for loops over a block; none for geodesic clusters, which share scratch */
+    float centre[3];   /* mm */
+    float edge_mm;     /* mean edge */
+    float edge_max;    /* longest edge */
 
     /* written by order: the model along the curve */
-    float *xyz;              /* [n][3] relative to centre */
-    float *mass;             /* [n] */
-    uint16_t *owner;         /* [n] */
-    uint32_t *position;      /* [n] caller's vertex -> along the curve */
-    uint32_t *original;      /* [n] along the curve -> caller's */
-    uint32_t *triangle;      /* [nt][3] vertices, structures in a row, each in tree order */
-    uint32_t *facet;         /* [nt] the caller's index within the structure */
-    uint32_t *ring_start;    /* [n + 1] */
-    uint32_t *ring;          /* [6 nt] mesh neighbours of each vertex, each once */
+    float *xyz;           /* [n][3] relative to centre */
+    float *mass;          /* [n] */
+    uint16_t *owner;      /* [n] */
+    uint32_t *position;   /* [n] caller's vertex -> along the curve */
+    uint32_t *original;   /* [n] along the curve -> caller's */
+    uint32_t *triangle;   /* [nt][3] vertices, structures in a row, each in tree order */
+    uint32_t *facet;      /* [nt] the caller's index within the structure */
+    uint32_t *ring_start; /* [n + 1] */
+    uint32_t *ring;       /* [6 nt] mesh neighbours of each vertex, each once */
     uint32_t n_hinges;
-    smr_image_hinge *hinge;  /* [3 nt / 2] edges between two triangles, see image.h */
-    uint8_t *profile;        /* [n][profile_samples], NULL without a reference */
-    float *range;            /* [n][2] */
-    float *normal;           /* [n][3] */
-    smr_facets points;       /* box tree whose leaves are single vertices */
+    smr_image_hinge *hinge; /* [3 nt / 2] edges between two triangles, see image.h */
+    uint8_t *profile;       /* [n][profile_samples], NULL without a reference */
+    float *range;           /* [n][2] */
+    float *normal;          /* [n][3] */
+    smr_facets points;      /* box tree whose leaves are single vertices */
 
     /* written by priority */
     uint32_t n_listed;
-    uint32_t *list;          /* [n_listed] the priority list S, the least significant first */
-    uint32_t *place;         /* [n] in that list, or SMR_REMAINS */
+    uint32_t *list;                     /* [n_listed] the priority list S, the least significant first */
+    uint32_t *place;                    /* [n] in that list, or SMR_REMAINS */
     uint32_t active_min[SMR_RADII_MAX]; /* vertices that keep clusters large enough at this radius */
-    uint32_t *witness;       /* [n] scratch: see priority.c */
-    uint32_t *next;          /* [n] scratch */
-    uint32_t *bucket;        /* [n + 1] scratch */
-    uint32_t n_scanned;      /* clusters found since the start */
-    uint32_t progress_total; /* what progress counts to */
+    uint32_t *witness;                  /* [n] scratch: see priority.c */
+    uint32_t *next;                     /* [n] scratch */
+    uint32_t *bucket;                   /* [n + 1] scratch */
+    uint32_t n_scanned;                 /* clusters found since the start */
+    uint32_t progress_total;            /* what progress counts to */
     /* written by levels: the stored order */
     uint32_t n_levels;
     uint32_t level_end[SMR_LEVELS_MAX]; /* stored vertices of a level and all before it */
-    uint32_t *stored;        /* [n] along the curve -> stored */
-    uint32_t *along;         /* [n] stored -> along the curve */
-    uint32_t *level;         /* [n] of each vertex along the curve; the priority list is done with its scratch */
+    uint32_t *stored;                   /* [n] along the curve -> stored */
+    uint32_t *along;                    /* [n] stored -> along the curve */
+    uint32_t *level; /* [n] of each vertex along the curve; the priority list is done with its scratch */
 
     /* written per radius */
-    uint64_t *row;           /* [n_rows][words + 1] clusters as bit rows, see smr_plan_row() */
-    uint32_t *count;         /* [n] |zeta| */
-    uint32_t *rank;          /* [n] entry number of a vertex */
-    uint32_t *member;        /* [n] of a list; the same scratch */
+    uint64_t *row;    /* [n_rows][words + 1] clusters as bit rows, see smr_plan_row() */
+    uint32_t *count;  /* [n] |zeta| */
+    uint32_t *rank;   /* [n] entry number of a vertex */
+    uint32_t *member; /* [n] of a list; the same scratch */
 
     /* scratch */
-    float *middle;           /* [nt][3] centres of triangles */
-    uint32_t *key;           /* [max(n, nt, pairs)] */
-    uint32_t *item;          /* [max(n, nt, pairs)] */
-    uint32_t *tmp;           /* [2 max(n, nt, pairs)] */
-    uint32_t near_kind;      /* what near holds: 1 + separate; 0 nothing yet */
-    uint32_t *near;          /* [n][SMR_NEAREST] the nearest vertices within a vertex' block, SMR_ALL behind the last */
-    uint32_t *edge_a;        /* [pairs] candidate edges of a block's forest */
-    uint32_t *edge_b;        /* [pairs] */
-    uint32_t *set;           /* [block + 1] union-find */
-    uint32_t *link_start;    /* [block + 2] tree edges of a block */
-    uint32_t *link;          /* [2 (block + 1)] */
-    uint32_t *queue;         /* [n + 1] */
-    uint32_t *geo_distance;  /* [n] micrometres, geodesic only */
-    uint32_t *geo_heap;      /* [2 (6 nt + 1)], geodesic only */
+    float *middle;          /* [nt][3] centres of triangles */
+    uint32_t *key;          /* [max(n, nt, pairs)] */
+    uint32_t *item;         /* [max(n, nt, pairs)] */
+    uint32_t *tmp;          /* [2 max(n, nt, pairs)] */
+    uint32_t near_kind;     /* what near holds: 1 + separate; 0 nothing yet */
+    uint32_t *near;         /* [n][SMR_NEAREST] the nearest vertices within a vertex' block, SMR_ALL behind the last */
+    uint32_t *edge_a;       /* [pairs] candidate edges of a block's forest */
+    uint32_t *edge_b;       /* [pairs] */
+    uint32_t *set;          /* [block + 1] union-find */
+    uint32_t *link_start;   /* [block + 2] tree edges of a block */
+    uint32_t *link;         /* [2 (block + 1)] */
+    uint32_t *queue;        /* [n + 1] */
+    uint32_t *geo_distance; /* [n] micrometres, geodesic only */
+    uint32_t *geo_heap;     /* [2 (6 nt + 1)], geodesic only */
 } smr_plan;
 
 /* Counts and pointers only; reads no mesh. Errors: E_NULL, E_INPUT, E_CONFIG. */
@@ -182,11 +182,11 @@ typedef struct smr_list_writer {
     smr_writer *w;
     uint32_t index_bytes;
     size_t at_blocks, at_entries, at_count, at_indexes, at_rim;
-    uint32_t n_blocks;   /* blocks begun so far */
+    uint32_t n_blocks; /* blocks begun so far */
     uint32_t n_entries;
     uint32_t n_indexes;
     uint64_t n_rim;
-    uint64_t n_members;  /* sum of |zeta| */
+    uint64_t n_members; /* sum of |zeta| */
     uint32_t largest, smallest;
 } smr_list_writer;
 

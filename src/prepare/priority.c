@@ -25,7 +25,8 @@ static int asked_to_stop(smr_plan *p)
 static void change_counts(smr_plan *p, const uint64_t *row, uint32_t change)
 {
     uint32_t *count = p->count;
-    for (uint32_t w = smr_row_first(row, p->words), last = smr_row_last(row, p->words); w < last; w++, count = p->count) {
+    for (uint32_t w = smr_row_first(row, p->words), last = smr_row_last(row, p->words); w < last;
+         w++, count = p->count) {
         uint64_t rest = row[w];
         count += 64u * (size_t)w;
         for (uint32_t k = 0; rest == UINT64_MAX && k < 64u; k++) /* in large clusters most words are full */

@@ -6,11 +6,11 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/plan.h"
 
-#define SMR_COARSEST 0.25f      /* of the model's length */
-#define SMR_FINE_EDGES 1.7f     /* edges */
+#define SMR_COARSEST 0.25f  /* of the model's length */
+#define SMR_FINE_EDGES 1.7f /* edges */
 #define SMR_FREE_EDGES 0.01f
 #define SMR_RATIO 0.66f
-#define SMR_MEMBERS_MAX 1500u   /* mean |zeta| above this makes iterations slow and deforms no better */
+#define SMR_MEMBERS_MAX 1500u /* mean |zeta| above this makes iterations slow and deforms no better */
 #define SMR_PROBES 64u
 
 /* Mean size of clusters at this radius, from SMR_PROBES vertices spread over the caller's numbering: the same ones

@@ -31,7 +31,8 @@ static void put_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, fl
     const float share = smr_clamp(0.5f + (radius - SMR_SQRT(d2)) / (2.0f * half), 0.0f, 1.0f);
     const int inside = d2 <= radius * radius, units = (int)(share * (float)SMR_RIM_UNITS + 0.5f);
     const int add = units - (inside ? SMR_RIM_UNITS : 0);
-    if (add == 0 || (p->separate && p->owner[a] != p->owner[b]) || (smr_uses_ring(p, radius) && ring_neighbour(p, a, b)))
+    if (add == 0 || (p->separate && p->owner[a] != p->owner[b]) ||
+        (smr_uses_ring(p, radius) && ring_neighbour(p, a, b)))
         return;
     const uint32_t field[3] = {p->stored[a], p->stored[b], (uint32_t)(add + SMR_RIM_UNITS / 2)};
     const size_t at = l->at_rim + (size_t)l->n_rim * sizeof(smr_image_rim);
@@ -68,7 +69,8 @@ __attribute__((noinline)) static uint32_t crossing_leaf(const smr_node *leaf, sm
     static const uint32_t bit[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};
     uint32_t crossed = 0;
     for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-        const float x = leaf->lo[0][k] - p.x, y = leaf->lo[1][k] - p.y, z = leaf->lo[2][k] - p.z, d2 = x * x + y * y + z * z;
+        const float x = leaf->lo[0][k] - p.x, y = leaf->lo[1][k] - p.y, z = leaf->lo[2][k] - p.z,
+                    d2 = x * x + y * y + z * z;
         crossed |= ((d2 <= far2) & (d2 >= near2)) != 0 ? bit[k] : 0u;
     }
     return crossed;
@@ -93,7 +95,8 @@ static void find(smr_plan *p, smr_list_writer *l, uint32_t v, float radius, floa
         uint32_t in = node.level > 0u ? crossing(boxes, at, near2, far2) : crossing_leaf(boxes, at, near2, far2);
         for (; in != 0u; in &= in - 1u) {
             const uint32_t child = node.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(in);
-            const uint64_t first = (uint64_t)child << (3u * node.level), last = (uint64_t)(child + 1u) << (3u * node.level);
+            const uint64_t first = (uint64_t)child << (3u * node.level), last = (uint64_t)(child + 1u)
+                                                                                << (3u * node.level);
             if (last <= (uint64_t)v + 1u || first >= p->n)
                 continue;
             if (node.level > 0u)

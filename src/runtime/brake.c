@@ -11,11 +11,12 @@
 #include "geometry/triangle.h"
 #include "runtime/guard.h"
 
-#define SMR_BRAKE_SHARE 0.75f  /* of the way down to its limit and the room before it, so much may a hinge go in an iteration */
+#define SMR_BRAKE_SHARE                                                                                                \
+    0.75f /* of the way down to its limit and the room before it, so much may a hinge go in an iteration */
 #define SMR_BRAKE_ROOM 0.05f   /* cosine: within it of the limit it only creeps, */
 #define SMR_BRAKE_CREEP 0.001f /* so much in an iteration, */
 #define SMR_BRAKE_LEFT 0.05f   /* and no more than this share of what is left: it does not get there */
-#define SMR_LOOK_CHUNK 64u /* hinges of a task: each takes two triangles' normals, twice */
+#define SMR_LOOK_CHUNK 64u     /* hinges of a task: each takes two triangles' normals, twice */
 #define SMR_SOFT_ROUNDS 20u
 #define SMR_HALVINGS 3u
 #define SMR_BRAKE_ROUNDS 40u
@@ -42,12 +43,16 @@ static int any_marked(const smr *s, uint32_t triangle)
     return s->guard[t[0]] | s->guard[t[1]] | s->guard[t[2]];
 }
 
-static smr_vec step_of(const smr *s, uint32_t v) { return smr_sub(smr_load(smr_at3(s->x_next, v)), smr_load(smr_at3(s->x, v))); }
+static smr_vec step_of(const smr *s, uint32_t v)
+{
+    return smr_sub(smr_load(smr_at3(s->x_next, v)), smr_load(smr_at3(s->x, v)));
+}
 
 /* The four corners of a hinge: the first triangle's, and the second's that the first does not have. */
 static void corners_of(const smr *s, const smr_image_hinge *h, uint32_t corner[4])
 {
-    const uint32_t *a = s->triangle + 3u * (size_t)smr_le32(h->first), *b = s->triangle + 3u * (size_t)smr_hinge_second(h);
+    const uint32_t *a = s->triangle + 3u * (size_t)smr_le32(h->first),
+                   *b = s->triangle + 3u * (size_t)smr_hinge_second(h);
     memcpy(corner, a, 3u * sizeof *a);
     corner[3] = a[0];
     for (uint32_t c = 0; c < 3u; c++)
@@ -135,7 +140,8 @@ static void move(smr *s, uint32_t from, uint32_t to)
         const uint32_t v = smr_model_position(s->model, i);
         if (!(s->guard[v] & SMR_ASKED))
             continue;
-        const smr_vec mean = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / s->ring_weight[v]), step = step_of(s, v);
+        const smr_vec mean = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / s->ring_weight[v]),
+                      step = step_of(s, v);
         const float most = *smr_at3(s->displaced, v);
         const smr_vec kept = smr_add(step, smr_scale(smr_sub(mean, step), most));
         smr_store(smr_at3(s->x_next, v), smr_add(smr_load(smr_at3(s->x, v)), kept));
@@ -207,8 +213,9 @@ void smr_brake_pass(void *arg, uint32_t task, uint32_t worker)
     smr *s = arg;
     smr_brake *b = &s->brake;
     const smr_part *part = &s->part[b->part];
-    const uint32_t length = b->stage == SMR_BRAKE_LOOK ? s->n_hinges
-                            : b->stage == SMR_BRAKE_MOVE ? part->n_vertices : part->facets.n_triangles;
+    const uint32_t length = b->stage == SMR_BRAKE_LOOK   ? s->n_hinges
+                            : b->stage == SMR_BRAKE_MOVE ? part->n_vertices
+                                                         : part->facets.n_triangles;
     const uint32_t chunk = b->stage == SMR_BRAKE_LOOK ? SMR_LOOK_CHUNK : SMR_TRIANGLE_CHUNK;
     const uint32_t from = b->at, to = smr_min_u32(from + chunk, length);
     (void)task;

@@ -65,22 +65,24 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
         c->n_target_vertices > SMR_VERTICES_MAX)
         return SMR_E_CONFIG;
     if (!between(c->stiffness, FLT_MIN, 1.0f) || !between(c->attraction, 0.0f, 1.0f) ||
-        !between(c->slide, 0.0f, 1.0f) || !between(c->even, 0.0f, 1.0f) || !between(c->search_mm, FLT_MIN, SMR_COORD_MAX) || !between(c->search_radii, FLT_MIN, 1.0e6f) || !between(c->normal_deg, FLT_MIN, 180.0f) ||
-        !between(c->reject_deviations, 0.0f, 1.0e6f) || c->reject_border > 1u || c->use_box > 1u ||
-        c->node_budget < 8u || c->node_budget > 1000000u)
+        !between(c->slide, 0.0f, 1.0f) || !between(c->even, 0.0f, 1.0f) ||
+        !between(c->search_mm, FLT_MIN, SMR_COORD_MAX) || !between(c->search_radii, FLT_MIN, 1.0e6f) ||
+        !between(c->normal_deg, FLT_MIN, 180.0f) || !between(c->reject_deviations, 0.0f, 1.0e6f) ||
+        c->reject_border > 1u || c->use_box > 1u || c->node_budget < 8u || c->node_budget > 1000000u)
         return SMR_E_CONFIG;
     for (uint32_t i = 0; c->use_box && i < 3u; i++)
         if (!smr_within(c->box_min[i], SMR_COORD_MAX) || !smr_within(c->box_max[i], SMR_COORD_MAX) ||
             c->box_min[i] > c->box_max[i])
             return SMR_E_CONFIG;
     if (!between(c->profile_mm, 0.0f, 60.0f) || !between(c->profile_end_mm, 0.0f, 60.0f) ||
-        !between(c->profile_radii, FLT_MIN, 1.0e6f) ||
-        !between(c->gradient_mm, 0.0f, 60.0f) || !between(c->gradient_end_mm, 0.0f, 60.0f) ||
-        c->similarity > SMR_SIMILARITY_CONCORDANCE || !between(c->sideways, 0.0f, 1.0f) || !between(c->confidence, 0.0f, 1.0f) ||
-        !between(c->smoothing, 0.0f, 1.0f))
+        !between(c->profile_radii, FLT_MIN, 1.0e6f) || !between(c->gradient_mm, 0.0f, 60.0f) ||
+        !between(c->gradient_end_mm, 0.0f, 60.0f) || c->similarity > SMR_SIMILARITY_CONCORDANCE ||
+        !between(c->sideways, 0.0f, 1.0f) || !between(c->confidence, 0.0f, 1.0f) || !between(c->smoothing, 0.0f, 1.0f))
         return SMR_E_CONFIG;
-    if (c->method > SMR_METHOD_POLAR || !between(c->relaxation, FLT_MIN, 1.0f) || !between(c->momentum, 0.0f, 0.99f) || !between(c->momentum_last, 0.0f, 0.99f) || !between(c->plastic_um, 0.0f, 1.0e8f) ||
-        !between(c->settle_um, 0.0f, 1.0e8f) || c->plastic_every > 1000u || c->fold_guard > 1u || c->normals > SMR_NORMALS_EXACT)
+    if (c->method > SMR_METHOD_POLAR || !between(c->relaxation, FLT_MIN, 1.0f) || !between(c->momentum, 0.0f, 0.99f) ||
+        !between(c->momentum_last, 0.0f, 0.99f) || !between(c->plastic_um, 0.0f, 1.0e8f) ||
+        !between(c->settle_um, 0.0f, 1.0e8f) || c->plastic_every > 1000u || c->fold_guard > 1u ||
+        c->normals > SMR_NORMALS_EXACT)
         return SMR_E_CONFIG;
     if (!between(c->active_share, 0.0f, 1.0f) || !between(c->active_first, 0.0f, 1.0f) || c->active_enough > 1000000u)
         return SMR_E_CONFIG;

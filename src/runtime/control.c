@@ -10,20 +10,20 @@
 #include "runtime/log.h"
 
 #define SMR_UNKNOWN (-1.0f)
-#define SMR_FOREVER 1.0e18f     /* ns */
-#define SMR_RISE 0.5f           /* a sample above the rate counts so much, */
-#define SMR_FALL 0.125f         /* one below so much: the rate stays near the dear end of what is usual */
-#define SMR_OUTLIER 0.0625f     /* of an iteration: more than that is not believed at once */
-#define SMR_MARGIN_MIN 1.03f    /* of the reserve; an iteration that did not end in its tick raises it */
+#define SMR_FOREVER 1.0e18f  /* ns */
+#define SMR_RISE 0.5f        /* a sample above the rate counts so much, */
+#define SMR_FALL 0.125f      /* one below so much: the rate stays near the dear end of what is usual */
+#define SMR_OUTLIER 0.0625f  /* of an iteration: more than that is not believed at once */
+#define SMR_MARGIN_MIN 1.03f /* of the reserve; an iteration that did not end in its tick raises it */
 #define SMR_MARGIN_MAX 1.5f
-#define SMR_LATE 0.0625f        /* by so much; */
-#define SMR_IN_TIME 0.001f      /* one that does not lowers it by so much: about one in sixty is late */
+#define SMR_LATE 0.0625f          /* by so much; */
+#define SMR_IN_TIME 0.001f        /* one that does not lowers it by so much: about one in sixty is late */
 #define SMR_STRETCH_NS 100000000u /* between two readings: longer, and longer than the budget, is a jump of the clock */
-#define SMR_FORK_NS 50000.0f    /* several workers: tasks for so long at a time, */
-#define SMR_FORK_TASKS 64.0f    /* and at most so many each, are worth bringing them together */
-#define SMR_LOOK 16u            /* vertices: so many more forces are looked for at least, before it is asked again */
-#define SMR_CLOSING 3u          /* the last radius' first third may be cut, the rest decides where vertices come to lie */
-#define SMR_FIRST 0.75f         /* of the time left in reserve while the rest's cost is not known */
+#define SMR_FORK_NS 50000.0f      /* several workers: tasks for so long at a time, */
+#define SMR_FORK_TASKS 64.0f      /* and at most so many each, are worth bringing them together */
+#define SMR_LOOK 16u              /* vertices: so many more forces are looked for at least, before it is asked again */
+#define SMR_CLOSING 3u  /* the last radius' first third may be cut, the rest decides where vertices come to lie */
+#define SMR_FIRST 0.75f /* of the time left in reserve while the rest's cost is not known */
 
 void smr_control_start(smr *s)
 {
@@ -69,8 +69,8 @@ void smr_control_learn(smr *s, uint32_t n_tasks)
     smr_control *c = &s->control;
     const smr_step *step = &smr_steps[s->step];
     const float spent = smr_min((float)c->spent, SMR_FOREVER), units = units_of(s, step, n_tasks);
-    const int odd = c->odd != 0u || s->port.now_ns == NULL || !(units > 0.0f) ||
-                    (n_tasks == 0u && step->work != SMR_WORK_FOLDS);
+    const int odd =
+        c->odd != 0u || s->port.now_ns == NULL || !(units > 0.0f) || (n_tasks == 0u && step->work != SMR_WORK_FOLDS);
     c->sum += spent;
     c->spent = 0;
     c->odd = 0;
@@ -134,7 +134,8 @@ void smr_control_plan(smr *s, uint64_t budget_ns)
     s->control.sum = 0.0f;
     s->control.odd = s->control.late = s->control.look = 0;
     s->control.budget = budget_ns;
-    const int closing = s->radius == smr_last_radius(s) && SMR_CLOSING * s->radius_iteration >= s->config.iterations_last;
+    const int closing =
+        s->radius == smr_last_radius(s) && SMR_CLOSING * s->radius_iteration >= s->config.iterations_last;
     s->control.uncut = cost < SMR_FOREVER && (closing || cost > (float)budget_ns);
 }
 
@@ -175,7 +176,8 @@ void smr_control_done(smr *s)
 
 int smr_control_reached(smr *s, uint64_t left_ns, uint32_t group)
 {
-    const uint32_t chunk = smr_force_chunk(s), reached = s->next_task * chunk, more = smr_max_u32(group * chunk, SMR_LOOK);
+    const uint32_t chunk = smr_force_chunk(s), reached = s->next_task * chunk,
+                   more = smr_max_u32(group * chunk, SMR_LOOK);
     if (s->n_pinned > 0u || reached < fewest(s))
         return 0;
     if (s->repairing > 0u)

@@ -67,7 +67,8 @@ void smr_even_clear(void *arg, uint32_t task, uint32_t worker)
             s->held[v] = 0;
         smr_store(smr_at3(s->ring_sum, v), smr_v(0, 0, 0));
         s->ring_weight[v] = 0.0f;
-        smr_store(smr_at3(s->displaced, v), smr_sub(smr_load(smr_at3(s->x, v)), smr_pose_apply(&s->fitted, rest_of(s, v))));
+        smr_store(smr_at3(s->displaced, v),
+                  smr_sub(smr_load(smr_at3(s->x, v)), smr_pose_apply(&s->fitted, rest_of(s, v))));
     }
 }
 

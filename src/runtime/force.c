@@ -43,7 +43,8 @@ static void measure(const smr *s, uint32_t v, smr_tally *tally)
     const float largest = smr_max(smr_abs(u.x), smr_max(smr_abs(u.y), smr_abs(u.z)));
     const float arm = smr_max(smr_abs(ref.x), smr_max(smr_abs(ref.y), smr_abs(ref.z)));
     tally->largest[0] = smr_max(tally->largest[0], largest);
-    tally->largest[1] = smr_max(tally->largest[1], (s->config.method == SMR_METHOD_RIGID ? 2.0f : 1.0f) * arm * largest);
+    tally->largest[1] =
+        smr_max(tally->largest[1], (s->config.method == SMR_METHOD_RIGID ? 2.0f : 1.0f) * arm * largest);
 }
 
 /* A way without what runs along the model's surface, except the share that may count: where goals jump from one place of the
@@ -78,7 +79,8 @@ static int goal_of(smr *s, uint32_t v, smr_vec *way, int *drawn)
 {
     const smr_surface *target = s->part[smr_model_owner(s->model, v)].target;
     *way = smr_v(0, 0, 0);
-    s->contrast_next[v] = 0; /* nothing may stay from forces that started again, before a surface took the image's place */
+    s->contrast_next[v] =
+        0; /* nothing may stay from forces that started again, before a surface took the image's place */
     s->lighter_next[v] = SMR_LIGHTER_NONE;
     *drawn = target != NULL || s->has_grid;
     if (!*drawn) {
@@ -115,7 +117,8 @@ void smr_force_search(void *arg, uint32_t task, uint32_t worker)
     for (uint32_t v = task * chunk; v < last; v++) {
         smr_vec way;
         int drawn;
-        if (s->has_grid && v + 1u < s->n_active) /* voxels lie far apart: their way takes as long as the work on a vertex */
+        if (s->has_grid &&
+            v + 1u < s->n_active) /* voxels lie far apart: their way takes as long as the work on a vertex */
             smr_image_ahead(s, v + 1u);
         const int found = goal_of(s, v, &way, &drawn);
         s->found[v] = (uint8_t)(found ? 1 : (drawn > 0 ? drawn + 1 : 0));

@@ -10,7 +10,8 @@
 static smr_vec normal_at(const smr *s, float *x, uint32_t triangle)
 {
     const uint32_t *t = s->triangle + 3u * (size_t)triangle;
-    return smr_unit(smr_triangle_cross(smr_load(smr_at3(x, t[0])), smr_load(smr_at3(x, t[1])), smr_load(smr_at3(x, t[2]))));
+    return smr_unit(
+        smr_triangle_cross(smr_load(smr_at3(x, t[0])), smr_load(smr_at3(x, t[1])), smr_load(smr_at3(x, t[2]))));
 }
 
 float smr_hinge_cosine(const smr *s, float *x, const smr_image_hinge *h)

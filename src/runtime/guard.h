@@ -31,6 +31,9 @@ float smr_brake_share(const smr *s, const smr_image_hinge *h, float next);
 /* The cosine between a hinge's normals at x. */
 float smr_hinge_cosine(const smr *s, float *x, const smr_image_hinge *h);
 
-static inline int smr_hinge_open(const smr_image_hinge *h) { return smr_hinge_limit(smr_le32(h->bend)) > SMR_HINGE_OPEN; }
+static inline int smr_hinge_open(const smr_image_hinge *h)
+{
+    return smr_hinge_limit(smr_le32(h->bend)) > SMR_HINGE_OPEN;
+}
 
 #endif

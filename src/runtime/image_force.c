@@ -10,10 +10,10 @@
 #include "geometry/sideways.h"
 #include "runtime/log.h"
 
-#define SMR_LONG 16.0f   /* samples: beyond such a search distance every SMR_HOP-th sample tells as much */
+#define SMR_LONG 16.0f /* samples: beyond such a search distance every SMR_HOP-th sample tells as much */
 #define SMR_HOP 2u
-#define SMR_NEARER 0.005f /* score lost per mm of search distance at its ends */
-#define SMR_NOISE 0.1f   /* of a structure's mean profile range: contrast below is none */
+#define SMR_NEARER 0.005f    /* score lost per mm of search distance at its ends */
+#define SMR_NOISE 0.1f       /* of a structure's mean profile range: contrast below is none */
 #define SMR_SIDE_VOXELS 0.5f /* how far to the side the image is looked at, in mean voxels, */
 #define SMR_SIDE_SHARE 0.25f /* or, when that is farther, as a share of the search distance */
 
@@ -143,7 +143,7 @@ void smr_image_ahead(const smr *s, uint32_t v)
 typedef struct sight {
     smr_profile reference; /* n is 0 where it is not all inside */
     uint32_t hop;
-    float first;           /* place on the line */
+    float first; /* place on the line */
     uint8_t value[SMR_PROFILE_MAX];
     float found[SMR_PROFILE_MAX];
 } sight;
@@ -189,8 +189,13 @@ static smr_vec side_way(const smr *s, uint32_t v, const search_line *l, const si
     const smr_part *const owner = &s->part[smr_model_owner(s->model, v)];
     if (!(s->config.sideways > 0.0f))
         return smr_v(0, 0, 0);
-    const smr_place place = {&g->reference, smr_add(l->start, smr_scale(l->step, g->first)), smr_scale(l->step, (float)g->hop),
-                             smr_load(smr_at3(s->normal, v)), g->found, owner->gain, owner->noise,
+    const smr_place place = {&g->reference,
+                             smr_add(l->start, smr_scale(l->step, g->first)),
+                             smr_scale(l->step, (float)g->hop),
+                             smr_load(smr_at3(s->normal, v)),
+                             g->found,
+                             owner->gain,
+                             owner->noise,
                              smr_max(SMR_SIDE_VOXELS * voxel, SMR_SIDE_SHARE * s->profile_mm)};
     return smr_scale(smr_sideways(&s->grid, &place), s->config.sideways);
 }
@@ -219,7 +224,8 @@ int smr_image_goal(const smr *s, uint32_t v, smr_vec *way, uint8_t *contrast, ui
     const float total = match.confidence + edge.confidence;
     if (!(smr_min(total, 1.0f) > s->config.confidence))
         return whole && varies(line, l.n) ? SMR_NO_GOAL : SMR_UNSEEN;
-    const float offset = (match.confidence * (match.at - (float)l.reach) + edge.confidence * (edge.at - (float)l.before)) / total;
+    const float offset =
+        (match.confidence * (match.at - (float)l.reach) + edge.confidence * (edge.at - (float)l.before)) / total;
     *way = smr_scale(l.step, offset);
     sight g;
     look_at(&r, value, &l, line, inside, offset, &g);

@@ -121,9 +121,14 @@ void smr_log_tick(smr *s, smr_status status)
         return;
     const smr_tick_report *r = &s->report;
     const int complete = status == SMR_OK;
-    const uint32_t word[8] = {(uint32_t)complete | r->done << 1 | r->phase << 8, r->iteration,        r->n_taken,
-                              evaluated(s, complete),                            r->n_forces,         r->plastic_updates,
-                              low(r->state_hash),                                high(r->state_hash)};
+    const uint32_t word[8] = {(uint32_t)complete | r->done << 1 | r->phase << 8,
+                              r->iteration,
+                              r->n_taken,
+                              evaluated(s, complete),
+                              r->n_forces,
+                              r->plastic_updates,
+                              low(r->state_hash),
+                              high(r->state_hash)};
     put(s, SMR_LOG_TICK, word);
 }
 
@@ -131,8 +136,8 @@ static void write_header(smr *s)
 {
     smr_log *log = &s->log;
     const uint32_t version = SMR_VERSION_MAJOR << 16 | SMR_VERSION_MINOR << 8 | SMR_VERSION_PATCH;
-    const uint32_t fixed[SMR_LOG_FIXED / 4u] = {SMR_LOG_MAGIC, SMR_LOG_VERSION, SMR_LOG_HEADER, version,
-                                                smr_le32(s->model->checksum), s->n, SMR_CONFIG_WORDS};
+    const uint32_t fixed[SMR_LOG_FIXED / 4u] = {
+        SMR_LOG_MAGIC, SMR_LOG_VERSION, SMR_LOG_HEADER, version, smr_le32(s->model->checksum), s->n, SMR_CONFIG_WORDS};
     uint32_t config[SMR_CONFIG_WORDS];
     memcpy(config, &s->config, sizeof config);
     for (uint32_t i = 0; i < SMR_LOG_FIXED / 4u; i++)

@@ -5,11 +5,11 @@
 
 #include "runtime/state.h"
 
-#define SMR_LOG_MAGIC 0x4c524d53u  /* "SMRL" */
+#define SMR_LOG_MAGIC 0x4c524d53u /* "SMRL" */
 #define SMR_LOG_VERSION 1u
-#define SMR_LOG_FIXED 28u          /* bytes of a header before the configuration */
-#define SMR_LOG_FRAME 8u           /* bytes of a record around its content: its head and its checksum */
-#define SMR_LOG_WORDS 12u          /* of the largest content */
+#define SMR_LOG_FIXED 28u /* bytes of a header before the configuration */
+#define SMR_LOG_FRAME 8u  /* bytes of a record around its content: its head and its checksum */
+#define SMR_LOG_WORDS 12u /* of the largest content */
 #define SMR_CONFIG_WORDS ((uint32_t)(sizeof(smr_config) / 4u)) /* all fields are of 4 bytes */
 #define SMR_LOG_HEADER (SMR_LOG_FIXED + 4u * SMR_CONFIG_WORDS + 4u)
 #define SMR_LOG_FULL_BYTES (SMR_LOG_FRAME + 4u) /* kept free until recording ends */

@@ -95,7 +95,8 @@ smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record)
         return SMR_OK;
     if (left < SMR_LOG_FRAME)
         return SMR_E_LOG;
-    const uint32_t head = smr_log_get32(at), kind = head & 255u, n = smr_log_words(kind), bytes = SMR_LOG_FRAME + 4u * n;
+    const uint32_t head = smr_log_get32(at), kind = head & 255u, n = smr_log_words(kind),
+                   bytes = SMR_LOG_FRAME + 4u * n;
     if (n == 0u || head >> 8 != bytes || left < bytes)
         return SMR_E_LOG;
     const uint32_t crc = smr_crc32(reader->checksum, at, bytes - 4u);

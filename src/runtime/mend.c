@@ -45,7 +45,8 @@ static void mark_folds(smr *s, uint32_t from, uint32_t to)
 {
     for (uint32_t i = from; i < to; i++) {
         const smr_image_hinge *h = smr_hinge_at(s, i);
-        if (s->tally[i / SMR_HINGE_CHUNK].n_rejected == 0u || !(smr_hinge_cosine(s, s->x_next, h) < smr_hinge_limit(smr_le32(h->bend))))
+        if (s->tally[i / SMR_HINGE_CHUNK].n_rejected == 0u ||
+            !(smr_hinge_cosine(s, s->x_next, h) < smr_hinge_limit(smr_le32(h->bend))))
             continue;
         mark(s, smr_le32(h->first));
         mark(s, smr_hinge_second(h));
@@ -182,8 +183,9 @@ void smr_mend_pass(void *arg, uint32_t task, uint32_t worker)
     smr *s = arg;
     smr_mend *m = &s->mend;
     const smr_part *part = &s->part[m->part];
-    const uint32_t length = m->stage == SMR_MEND_MARK ? s->n_hinges
-                            : m->stage == SMR_MEND_MOVE ? part->n_vertices : part->facets.n_triangles;
+    const uint32_t length = m->stage == SMR_MEND_MARK   ? s->n_hinges
+                            : m->stage == SMR_MEND_MOVE ? part->n_vertices
+                                                        : part->facets.n_triangles;
     const uint32_t from = m->at, to = smr_min_u32(from + SMR_TRIANGLE_CHUNK, length);
     const uint32_t *t = part->facets.triangle + 3u * (size_t)from, *end = part->facets.triangle + 3u * (size_t)to;
     (void)task;

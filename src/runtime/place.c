@@ -59,8 +59,8 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
     for (uint32_t i = 0; i < 12u; i++)
         if (!smr_within(pose->m[i / 4u][i % 4u], SMR_COORD_MAX))
             return SMR_E_INPUT;
-    const smr_vec centre = smr_v(smr_le_float(s->model->centre[0]), smr_le_float(s->model->centre[1]),
-                                 smr_le_float(s->model->centre[2]));
+    const smr_vec centre =
+        smr_v(smr_le_float(s->model->centre[0]), smr_le_float(s->model->centre[1]), smr_le_float(s->model->centre[2]));
     const smr_vec moved = smr_pose_apply(pose, centre);
     const float border = SMR_COORD_MAX + 1.0f; /* the rest shape itself may be rounded a little beyond */
     if (!smr_within(moved.x, border) || !smr_within(moved.y, border) || !smr_within(moved.z, border))

@@ -8,7 +8,7 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/pull.h"
 
-#define SMR_AREA_MAX 16.0f      /* mean areas: a larger target triangle pulls no harder */
+#define SMR_AREA_MAX 16.0f /* mean areas: a larger target triangle pulls no harder */
 
 int smr_pull_on(const smr *s) { return s->config.attraction > 0.0f && s->n_goals > 0u && s->target_warm != NULL; }
 

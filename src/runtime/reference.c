@@ -24,7 +24,8 @@ void smr_reference_reach(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
         const uint32_t *r = rest + 3u * (size_t)v;
-        const smr_vec at = smr_pose_apply(&s->fitted, smr_v(smr_le_float(r[0]), smr_le_float(r[1]), smr_le_float(r[2])));
+        const smr_vec at =
+            smr_pose_apply(&s->fitted, smr_v(smr_le_float(r[0]), smr_le_float(r[1]), smr_le_float(r[2])));
         const smr_vec d = smr_sub(at, smr_load(smr_at3(s->x_ref, v)));
         off2 = smr_max(off2, smr_dot(d, d));
     }
@@ -137,7 +138,8 @@ void smr_reference_add(smr *s, uint32_t to, uint32_t from, int32_t share)
 static void invert_inertia(const float c[6], float out[6])
 {
     const float trace = c[SMR_XX] + c[SMR_YY] + c[SMR_ZZ];
-    const float inertia[6] = {trace - c[SMR_XX], -c[SMR_XY], -c[SMR_XZ], trace - c[SMR_YY], -c[SMR_YZ], trace - c[SMR_ZZ]};
+    const float inertia[6] = {trace - c[SMR_XX], -c[SMR_XY], -c[SMR_XZ],
+                              trace - c[SMR_YY], -c[SMR_YZ], trace - c[SMR_ZZ]};
     smr_pseudo_inverse(inertia, SMR_INERTIA_FLOOR, out);
 }
 

@@ -4,9 +4,10 @@
 
 #define SMR_REPAIR_MAX 30u
 #define SMR_ENOUGH_ALL 1000.0f /* active vertices of the whole model with an image */
-#define SMR_ACTIVE_EVERY 8u /* iterations */
+#define SMR_ACTIVE_EVERY 8u    /* iterations */
 #define SMR_ABOUT 0.75f
-#define SMR_FIRST_TIMES 2u /* with an image, iterations at the first radius: few vertices have goals, and most of the way is made */
+#define SMR_FIRST_TIMES                                                                                                \
+    2u /* with an image, iterations at the first radius: few vertices have goals, and most of the way is made */
 #define SMR_NARROWING 0.5f /* search distances shrink to this share at most, from one radius to the next */
 
 uint32_t smr_last_radius(const smr *s) { return smr_min_u32(s->config.radius_last, s->n_radii - 1u); }
@@ -20,7 +21,8 @@ static float enough_for_image(const smr *s)
     const float cluster = (float)s->n * (float)s->config.active_enough / (float)smr_max_u32(s->lists.smallest, 1u);
     const float enough = smr_max(cluster, SMR_ENOUGH_ALL); /* clusters that span the model share their vertices */
     uint32_t level = 0;
-    while (level + 1u < smr_le32(s->model->n_levels) && (float)smr_le32(s->model->level_end[level]) < SMR_ABOUT * enough)
+    while (level + 1u < smr_le32(s->model->n_levels) &&
+           (float)smr_le32(s->model->level_end[level]) < SMR_ABOUT * enough)
         level++;
     return (float)smr_le32(s->model->level_end[level]);
 }

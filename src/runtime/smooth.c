@@ -10,15 +10,12 @@
 
 #define SMR_GAIN_LEAST 0.25f  /* contrast of the image against the profiles' */
 #define SMR_ABOVE_MOST 100.0f /* a profile's range against noise: more does not count more */
-#define SMR_SEEN_WELL 0.8f /* share of a structure's vertices that had a goal: so many, and it is where it belongs; */
+#define SMR_SEEN_WELL 0.8f  /* share of a structure's vertices that had a goal: so many, and it is where it belongs; */
 #define SMR_SEEN_BADLY 0.5f /* so few, and it is lost */
 
 /* Without a budget a structure is one task. Otherwise it is cut into pieces, first of its vertices, then of its triangles; all
  * structures' pieces are done before the next ones start: task = piece * n_parts + structure. */
-uint32_t smr_smooth_tasks(smr *s)
-{
-    return s->has_grid ? s->n_parts * smr_max_u32(s->ring_pieces, 1u) : 0u;
-}
+uint32_t smr_smooth_tasks(smr *s) { return s->has_grid ? s->n_parts * smr_max_u32(s->ring_pieces, 1u) : 0u; }
 
 uint32_t smr_smooth_abreast(const smr *s) { return s->n_parts; }
 
@@ -28,8 +25,9 @@ void smr_smooth_pieces(smr *s, int cut)
 {
     s->ring_pieces = 1;
     for (uint32_t i = 0; cut && i < s->n_parts; i++)
-        s->ring_pieces = smr_max_u32(s->ring_pieces, vertex_pieces(&s->part[i]) +
-                                                         smr_ceil_div(s->part[i].facets.n_triangles, SMR_TRIANGLE_CHUNK));
+        s->ring_pieces =
+            smr_max_u32(s->ring_pieces,
+                        vertex_pieces(&s->part[i]) + smr_ceil_div(s->part[i].facets.n_triangles, SMR_TRIANGLE_CHUNK));
 }
 
 /* How far profiles of a structure are sought that is badly seen: what is near it there is not what belongs to it, so half a
@@ -52,7 +50,8 @@ static float wide_of(const smr *s, const smr_part *part)
 static void add_contrast(const smr *s, smr_part *part, uint32_t v)
 {
     const uint32_t *ranges = smr_at(s->model, s->model->at_ranges);
-    const float above = smr_le_float(ranges[2u * (size_t)v + 1u]) / part->noise, weight = above < SMR_ABOVE_MOST ? above : SMR_ABOVE_MOST;
+    const float above = smr_le_float(ranges[2u * (size_t)v + 1u]) / part->noise,
+                weight = above < SMR_ABOVE_MOST ? above : SMR_ABOVE_MOST;
     part->gain_sum += weight * ((float)s->contrast[v] * (1.0f / (float)SMR_CONTRAST_ONE));
     part->lighter_sum += weight * (float)((int)s->lighter[v] - SMR_LIGHTER_NONE) * part->noise;
     part->gain_weight += weight;
@@ -93,7 +92,8 @@ static void add_rings(smr *s, const smr_part *part, uint32_t from, uint32_t to)
         return; /* no ring has a weight: nothing is smoothed */
     for (uint32_t k = from; k < to; k++) {
         const uint32_t *t = part->facets.triangle + 3u * (size_t)k;
-        const smr_vec a = smr_load(smr_at3(s->x, t[0])), b = smr_load(smr_at3(s->x, t[1])), c = smr_load(smr_at3(s->x, t[2]));
+        const smr_vec a = smr_load(smr_at3(s->x, t[0])), b = smr_load(smr_at3(s->x, t[1])),
+                      c = smr_load(smr_at3(s->x, t[2]));
         const smr_vec all = smr_add(a, smr_add(b, c)), corner[3] = {a, b, c};
         for (uint32_t i = 0; i < 3u; i++) {
             float *sum = smr_at3(s->ring_sum, t[i]);

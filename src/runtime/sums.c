@@ -103,7 +103,8 @@ typedef struct piece {
         for (uint32_t e = p.from; e < p.to; e++) {                                                                     \
             const uint32_t parent = load(entry[e].parent);                                                             \
             const uint32_t *from = sum + SMR_WORDS * (size_t)load(entry[parent].vertex);                               \
-            const index_type *const minus = index + load(entry[e].n_plus), *const next = minus + load(entry[e].n_minus);\
+            const index_type *const minus = index + load(entry[e].n_plus), *const next =                               \
+                                                                               minus + load(entry[e].n_minus);         \
             lanes acc[SMR_WORDS / 4u] = {{0}};                                                                         \
             for (uint32_t k = 0; parent != e && k < n_lanes; k++)                                                      \
                 acc[k] = load_lanes(from + 4u * k);                                                                    \

@@ -7,7 +7,8 @@
 const smr_step smr_steps[] = {
     /* compute external forces f^e: the target's pull, smoothing, the way to the target in the order in which vertices matter */
     {SMR_PHASE_FORCES, SMR_WORK_TASKS, smr_pull_tasks, smr_pull_search, NULL, 0, NULL, NULL},
-    {SMR_PHASE_FORCES, SMR_WORK_TASKS, smr_smooth_tasks, smr_smooth_sum, NULL, 0, smr_smooth_pieces, smr_smooth_abreast},
+    {SMR_PHASE_FORCES, SMR_WORK_TASKS, smr_smooth_tasks, smr_smooth_sum, NULL, 0, smr_smooth_pieces,
+     smr_smooth_abreast},
     {SMR_PHASE_FORCES, SMR_WORK_ACTIVE, smr_force_tasks, smr_force_search, NULL, 0, NULL, NULL},
     /* who takes part is known now */
     {SMR_PHASE_FORCES, SMR_WORK_TASKS, smr_vertex_tasks, smr_force_take, smr_force_end, 0, NULL, NULL},
@@ -15,7 +16,8 @@ const smr_step smr_steps[] = {
     {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_even_fit_tasks, smr_even_fit, smr_even_fit_end, 1, NULL, NULL},
     {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_reference_tasks, smr_reference_reach, smr_reference_begin, 0, NULL, NULL},
     {SMR_PHASE_SUMS, SMR_WORK_ACTIVE, smr_reference_records, smr_reference_record, NULL, 0, NULL, NULL},
-    {SMR_PHASE_SUMS, SMR_WORK_LISTS, smr_reference_blocks, smr_sums_forest, NULL, 0, smr_block_pieces, smr_block_abreast},
+    {SMR_PHASE_SUMS, SMR_WORK_LISTS, smr_reference_blocks, smr_sums_forest, NULL, 0, smr_block_pieces,
+     smr_block_abreast},
     {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_rim_reference_tasks, smr_rim_reference, NULL, 1, NULL, NULL},
     {SMR_PHASE_SUMS, SMR_WORK_TASKS, smr_reference_clusters, smr_reference_cluster, smr_reference_end, 0, NULL, NULL},
     /* compute shape matching forces: for each cluster, T_i = argmin Sum m |T x^r - x - f^e|^2 */
@@ -88,10 +90,10 @@ static void run_part(smr *s, const smr_step *step, uint32_t count, int timed)
 
 /* A tick's time. */
 typedef struct watch {
-    uint64_t deadline;             /* of this tick; 0: none */
-    uint64_t budget;               /* ns; 0: none */
-    uint64_t last;                 /* reading */
-    int begun;                     /* the first group runs whatever the clock says: a tick always gets on */
+    uint64_t deadline; /* of this tick; 0: none */
+    uint64_t budget;   /* ns; 0: none */
+    uint64_t last;     /* reading */
+    int begun;         /* the first group runs whatever the clock says: a tick always gets on */
 } watch;
 
 /* Reads the clock; returns 1 when the time is over, or will be after so many ns more. A clock that runs backwards ends the

@@ -9,8 +9,8 @@
 #include "runtime/guard.h"
 
 #define SMR_UNFOLD_PASSES 16u
-#define SMR_UNFOLD_CHUNK 64u  /* hinges of a task */
-#define SMR_OPEN_COS 0.01f    /* so far hinges open */
+#define SMR_UNFOLD_CHUNK 64u   /* hinges of a task */
+#define SMR_OPEN_COS 0.01f     /* so far hinges open */
 #define SMR_CORNER_REACH 0.25f /* of the hinge's shortest edge: a corner's largest way in a pass */
 #define SMR_AREA_FLOOR 1.0e-6f /* mm^2, twice the area: less has no normal */
 
@@ -25,10 +25,10 @@ uint32_t smr_unfold_tasks(smr *s) { return s->unfold.pass == 0u ? s->next_task :
 /* One triangle of a hinge. */
 typedef struct side {
     const uint32_t *corner;
-    smr_vec edge[3];  /* across from each corner */
+    smr_vec edge[3]; /* across from each corner */
     smr_vec normal;
-    float area2;      /* twice the area */
-    float shortest2;  /* shortest edge, squared */
+    float area2;     /* twice the area */
+    float shortest2; /* shortest edge, squared */
 } side;
 
 static side side_of(const smr *s, uint32_t triangle)
@@ -42,7 +42,8 @@ static side side_of(const smr *s, uint32_t triangle)
     t.edge[2] = smr_sub(b, a);
     t.area2 = smr_length(cross);
     t.normal = smr_unit(cross);
-    t.shortest2 = smr_min(smr_dot(t.edge[0], t.edge[0]), smr_min(smr_dot(t.edge[1], t.edge[1]), smr_dot(t.edge[2], t.edge[2])));
+    t.shortest2 =
+        smr_min(smr_dot(t.edge[0], t.edge[0]), smr_min(smr_dot(t.edge[1], t.edge[1]), smr_dot(t.edge[2], t.edge[2])));
     return t;
 }
 

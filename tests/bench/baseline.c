@@ -124,9 +124,11 @@ baseline baseline_start(const smr_model *model)
 /* [R - I, t] of one cluster out of its sums. */
 static void match_one(const baseline *b, uint32_t v, float *to)
 {
-    const float *s = b->sum + WORDS * (size_t)v, *c = b->centre + 3u * (size_t)v, *inverse = b->inverse + 9u * (size_t)v;
+    const float *s = b->sum + WORDS * (size_t)v, *c = b->centre + 3u * (size_t)v,
+                *inverse = b->inverse + 9u * (size_t)v;
     const float n = (float)(b->lists.zeta_start[v + 1u] - b->lists.zeta_start[v]);
-    const float l[3] = {s[3] - (c[1] * s[2] - c[2] * s[1]), s[4] - (c[2] * s[0] - c[0] * s[2]), s[5] - (c[0] * s[1] - c[1] * s[0])};
+    const float l[3] = {s[3] - (c[1] * s[2] - c[2] * s[1]), s[4] - (c[2] * s[0] - c[0] * s[2]),
+                        s[5] - (c[0] * s[1] - c[1] * s[0])};
     float w[3], a2 = 1.0e-20f;
     for (uint32_t i = 0; i < 3u; i++) {
         w[i] = inverse[3u * i] * l[0] + inverse[3u * i + 1u] * l[1] + inverse[3u * i + 2u] * l[2];
@@ -165,7 +167,8 @@ void baseline_match(baseline *b, int chain)
         const float *s = b->sum + WORDS * (size_t)v, *ref = b->ref + 3u * (size_t)v;
         const float share = 1.0f / (float)(b->lists.zeta_start[v + 1u] - b->lists.zeta_start[v]);
         for (uint32_t i = 0; i < 3u; i++) {
-            b->x[3u * (size_t)v + i] = ref[i] + share * (s[3u * i] * ref[0] + s[3u * i + 1u] * ref[1] + s[3u * i + 2u] * ref[2] + s[9u + i]);
+            b->x[3u * (size_t)v + i] =
+                ref[i] + share * (s[3u * i] * ref[0] + s[3u * i + 1u] * ref[1] + s[3u * i + 2u] * ref[2] + s[9u + i]);
         }
     }
 }

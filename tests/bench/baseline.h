@@ -8,13 +8,13 @@
 
 typedef struct baseline {
     rig_lists lists;
-    float *ref;        /* [n][3] reference shape */
-    float *goal;       /* [n][3] x + f */
-    float *centre;     /* [n][3] of each cluster */
-    float *inverse;    /* [n][9] inverse inertia */
-    float *record;     /* [n][16] what is summed */
-    float *sum;        /* [n][16] */
-    float *x;          /* [n][3] result */
+    float *ref;     /* [n][3] reference shape */
+    float *goal;    /* [n][3] x + f */
+    float *centre;  /* [n][3] of each cluster */
+    float *inverse; /* [n][9] inverse inertia */
+    float *record;  /* [n][16] what is summed */
+    float *sum;     /* [n][16] */
+    float *x;       /* [n][3] result */
 } baseline;
 
 /* Clusters of radius 0 of the model; goal: any displaced copy of the rest shape. */

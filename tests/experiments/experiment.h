@@ -9,10 +9,10 @@
 #include "host_mesh.h"
 
 /* Fails the test that calls it, saying what could not be done. */
-#define EXPERIMENT_NEED(done)                    \
-    do {                                         \
-        if (!(done))                             \
-            fail_msg("could not: %s", #done);    \
+#define EXPERIMENT_NEED(done)                                                                                          \
+    do {                                                                                                               \
+        if (!(done))                                                                                                   \
+            fail_msg("could not: %s", #done);                                                                          \
     } while (0)
 
 /* The words of one run of smr. */
@@ -30,11 +30,11 @@ typedef struct experiment_structure {
 
 /* What report.json says. Distances in mm, of vertices to the other surface; -1: not in the report. */
 typedef struct experiment_result {
-    int status;                      /* the exit status */
-    double to_truth, to_model;       /* means over all structures */
+    int status;                            /* the exit status */
+    double to_truth, to_model;             /* means over all structures */
     double worst_to_truth, worst_to_model; /* the largest mean of one structure */
-    char worst[64];                  /* that structure, by the larger of both */
-    double by_vertex;                /* mean distance to the true place of each vertex */
+    char worst[64];                        /* that structure, by the larger of both */
+    double by_vertex;                      /* mean distance to the true place of each vertex */
     double folds, matched, seconds, residual;
     char method[16], start[40];
     experiment_structure structure[32];
@@ -94,6 +94,7 @@ int experiment_misses(void);
 int experiment_write_landmarks(const char *path, const host_landmarks *landmarks);
 
 /* Distances of the points of `from` for which use is not 0 (NULL: all) to `to`: mean and largest, mm. */
-int experiment_distance(const host_mesh *from, const unsigned char *use, const host_mesh *to, double *mean, double *max);
+int experiment_distance(const host_mesh *from, const unsigned char *use, const host_mesh *to, double *mean,
+                        double *max);
 
 #endif

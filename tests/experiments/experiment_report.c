@@ -116,13 +116,14 @@ experiment_result experiment_register(experiment_command *command, const char *o
 /* Without a truth, or after a failure, not a number: within no bound. */
 double experiment_mean(const experiment_result *result)
 {
-    return result->to_truth >= 0.0 && result->to_model >= 0.0 ? larger(result->to_truth, result->to_model) : (double)NAN;
+    return result->to_truth >= 0.0 && result->to_model >= 0.0 ? larger(result->to_truth, result->to_model)
+                                                              : (double)NAN;
 }
 
 void experiment_print_head(void)
 {
-    (void)printf("  %-26s %8s %8s %8s %8s %6s %6s %6s %7s  %s\n", "mm, means", "to truth", "to model", "worst of", "worst of",
-                 "vertex", "folds", "goals", "time s", "worst structure");
+    (void)printf("  %-26s %8s %8s %8s %8s %6s %6s %6s %7s  %s\n", "mm, means", "to truth", "to model", "worst of",
+                 "worst of", "vertex", "folds", "goals", "time s", "worst structure");
 }
 
 void experiment_print(const char *name, const experiment_result *r)

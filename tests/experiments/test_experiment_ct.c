@@ -12,8 +12,8 @@
 
 enum { LANDMARKS = 6, EXTREME = 10 };
 
-static const char *const structures[] = {"femur_proximal", "gluteus_maximus", "gluteus_medius",
-                                         "gluteus_minimus", "hip_bone",       "iliopsoas"};
+static const char *const structures[] = {"femur_proximal",  "gluteus_maximus", "gluteus_medius",
+                                         "gluteus_minimus", "hip_bone",        "iliopsoas"};
 enum { STRUCTURES = sizeof structures / sizeof structures[0] };
 
 /* The rule: the mean of the EXTREME vertices that lie farthest in a direction, for a right side in LPS (left of the body
@@ -115,8 +115,9 @@ static experiment_result run(const char *const *more)
     (void)snprintf(image, sizeof image, "%s", experiment_data("volumes/ct_hips.mha"));
     write_marks("right", HOST_MIRROR_NONE, from);
     write_marks("left", HOST_MIRROR_X, to);
-    const char *const words[] = {"--reference", image, "--target", image, "--mirror-target", "x", "--truth", truth,
-                                 "--landmarks", from, to, "--align", "rigid", "--model"};
+    const char *const words[] = {
+        "--reference", image,         "--target", image, "--mirror-target", "x",     "--truth",
+        truth,         "--landmarks", from,       to,    "--align",         "rigid", "--model"};
     for (i = 0; i < sizeof words / sizeof words[0]; i++)
         experiment_add(&c, "%s", words[i]);
     for (i = 0; i < STRUCTURES; i++)
@@ -128,7 +129,8 @@ static experiment_result run(const char *const *more)
 
 static void finds_the_mirrored_side(void **state)
 {
-    static const char *const no_force[] = {"--search", "0,0", "--gradient", "0,0", "--iterations", "1", "--iterations-last", "1", NULL};
+    static const char *const no_force[] = {"--search",          "0,0", "--gradient", "0,0", "--iterations", "1",
+                                           "--iterations-last", "1",   NULL};
     static const char *const nothing[] = {NULL};
     uint32_t i = 0;
     (void)state;
@@ -147,7 +149,8 @@ static void finds_the_mirrored_side(void **state)
         (void)snprintf(what, sizeof what, "%.40s, mean to the mirrored left (start %.2f)", r.structure[i].name,
                        start.structure[i].to_truth);
         experiment_bound(what, r.structure[i].to_truth, 2.0);
-        (void)printf("       %-60s %8.3f (start %.2f)\n", "from it", r.structure[i].to_model, start.structure[i].to_model);
+        (void)printf("       %-60s %8.3f (start %.2f)\n", "from it", r.structure[i].to_model,
+                     start.structure[i].to_model);
     }
     EXPERIMENT_END();
 }

@@ -14,12 +14,12 @@
 
 #define SHIFT_MM 15.0
 #define TURN_DEG 8.0
-#define BEND_MM 5.0     /* largest displacement of the deformation */
-#define BUMP_MM 60.0    /* standard deviation of its bumps */
+#define BEND_MM 5.0  /* largest displacement of the deformation */
+#define BUMP_MM 60.0 /* standard deviation of its bumps */
 enum { BUMPS = 12, LANDMARKS = 64, SEEDS = 10 };
 
-static host_mesh truth;         /* the femur at its place */
-static unsigned char *shown;    /* [truth.n_vertices] inside the image */
+static host_mesh truth;          /* the femur at its place */
+static unsigned char *shown;     /* [truth.n_vertices] inside the image */
 static uint32_t mark[LANDMARKS]; /* vertices that serve as landmarks */
 static char model[1024];
 
@@ -217,7 +217,8 @@ static way measure(const char *out)
 /* Registers from the spoiled start; with still, no force acts and the start itself comes out. */
 static way run(uint32_t seed, int still, experiment_result *r)
 {
-    static const char *const no_force[] = {"--search", "0,0", "--gradient", "0,0", "--iterations", "1", "--iterations-last", "1"};
+    static const char *const no_force[] = {"--search",     "0,0", "--gradient",        "0,0",
+                                           "--iterations", "1",   "--iterations-last", "1"};
     const char *const image = experiment_data("volumes/mri_hip_thigh_m.mha");
     char from[1024], to[1024], out[1024];
     const char *words[] = {"--model", model, "--target", image, "--landmarks", from, to};
@@ -244,14 +245,16 @@ static void finds_back_in_the_mri(void **state)
     (void)state;
     if (model[0] == '\0')
         skip();
-    (void)printf("femur in its own MRI, from %g mm, %g degrees and a deformation of %g mm\n", SHIFT_MM, TURN_DEG, BEND_MM);
-    (void)printf("  %-10s %10s %10s %10s %10s %10s %10s %7s %6s\n", "mm", "start mean", "to truth", "largest", "from truth",
-                 "largest", "not shown", "goals", "folds");
+    (void)printf("femur in its own MRI, from %g mm, %g degrees and a deformation of %g mm\n", SHIFT_MM, TURN_DEG,
+                 BEND_MM);
+    (void)printf("  %-10s %10s %10s %10s %10s %10s %10s %7s %6s\n", "mm", "start mean", "to truth", "largest",
+                 "from truth", "largest", "not shown", "goals", "folds");
     for (seed = 1; seed <= seeds; seed++) {
         experiment_result r;
         const way start = run(seed, 1, &r), w = run(seed, 0, &r);
-        (void)printf("  seed %-5u %10.3f %10.3f %10.3f %10.3f %10.3f %10.3f %6.1f%% %6.0f%s\n", seed, start.to[0], w.to[0],
-                     w.to[1], w.from[0], w.from[1], w.below, 100.0 * r.matched, r.folds, r.status == 0 ? "" : "  (NOT DONE)");
+        (void)printf("  seed %-5u %10.3f %10.3f %10.3f %10.3f %10.3f %10.3f %6.1f%% %6.0f%s\n", seed, start.to[0],
+                     w.to[0], w.to[1], w.from[0], w.from[1], w.below, 100.0 * r.matched, r.folds,
+                     r.status == 0 ? "" : "  (NOT DONE)");
         worst = fmax(worst, r.status == 0 ? w.to[0] : HUGE_VAL);
         worst_from = fmax(worst_from, w.from[0]);
         assert_true(start.to[0] > 2.0); /* it was spoiled */

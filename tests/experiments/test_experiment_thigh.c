@@ -125,7 +125,7 @@ static experiment_result run_with(const char *option, const char *value, const c
 
 static void is_robust_to_parameters(void **state)
 {
-    static const char *const tries[][2] = {{"--stiffness", "0.2"}, {"--stiffness", "0.4"}, {"--stiffness", "0.6"},
+    static const char *const tries[][2] = {{"--stiffness", "0.2"}, {"--stiffness", "0.4"},  {"--stiffness", "0.6"},
                                            {"--stiffness", "0.8"}, {"--stiffness", "0.95"}, {"--search", "5"},
                                            {"--search", "10"},     {"--search", "15"},      {"--search", "20"}};
     experiment_result r[sizeof tries / sizeof tries[0]];
@@ -190,7 +190,8 @@ static double apart(const char *a, const char *b)
         EXPERIMENT_NEED(mesh[0].n_vertices == mesh[1].n_vertices);
         for (k = 0; k < mesh[0].n_vertices; k++, n += 1.0) {
             const float *const p = mesh[0].xyz + 3u * (size_t)k, *const q = mesh[1].xyz + 3u * (size_t)k;
-            const double x = (double)p[0] - (double)q[0], y = (double)p[1] - (double)q[1], z = (double)p[2] - (double)q[2];
+            const double x = (double)p[0] - (double)q[0], y = (double)p[1] - (double)q[1],
+                         z = (double)p[2] - (double)q[2];
             sum += sqrt(x * x + y * y + z * z);
         }
         host_mesh_free(&mesh[0]);
@@ -228,10 +229,8 @@ int main(void)
         cmocka_unit_test(finds_another_person),
     };
     const struct CMUnitTest full[] = {
-        cmocka_unit_test(finds_the_patient),
-        cmocka_unit_test(finds_another_person),
-        cmocka_unit_test(is_robust_to_parameters),
-        cmocka_unit_test(is_robust_to_ignored_vertices),
+        cmocka_unit_test(finds_the_patient),       cmocka_unit_test(finds_another_person),
+        cmocka_unit_test(is_robust_to_parameters), cmocka_unit_test(is_robust_to_ignored_vertices),
         cmocka_unit_test(rigid_and_polar_agree),
     };
     return experiment_full() ? cmocka_run_group_tests(full, NULL, NULL) : cmocka_run_group_tests(quick, NULL, NULL);

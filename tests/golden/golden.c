@@ -117,8 +117,8 @@ static int golden_prepare(const smr_mesh *mesh, const smr_model **model, size_t 
     config.radius_mm[2] = 35.0f;
     return golden_ok("prepare bytes", smr_prepare_bytes(&structure, 1, &config, &need)) &&
            golden_ok("scratch size", need <= sizeof golden_scratch ? SMR_OK : SMR_E_ARENA) &&
-           golden_ok("prepare", smr_prepare(&structure, 1, &config, golden_scratch, sizeof golden_scratch,
-                                            golden_image, sizeof golden_image, bytes)) &&
+           golden_ok("prepare", smr_prepare(&structure, 1, &config, golden_scratch, sizeof golden_scratch, golden_image,
+                                            sizeof golden_image, bytes)) &&
            golden_ok("open", smr_model_open(golden_image, *bytes, model));
 }
 

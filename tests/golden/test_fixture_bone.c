@@ -161,7 +161,7 @@ static void test_refuses_small_buffers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_at_every_resolution), cmocka_unit_test(test_vertices_lie_on_the_surface),
+        cmocka_unit_test(test_closed_at_every_resolution),    cmocka_unit_test(test_vertices_lie_on_the_surface),
         cmocka_unit_test(test_displacement_follows_strength), cmocka_unit_test(test_deformation_has_no_fold),
         cmocka_unit_test(test_refuses_small_buffers),
     };

@@ -254,7 +254,8 @@ static void test_landmarks(void **state)
 /* The image shows the surfaces: marrow within bones, a dark wall at their rim, muscle grey within muscles. */
 static void test_image(void **state)
 {
-    static const float spacing[3] = {1.0f, 1.0f, 3.0f}, low[3] = {-200.0f, -100.0f, -202.0f}, high[3] = {0.0f, 125.0f, -202.0f};
+    static const float spacing[3] = {1.0f, 1.0f, 3.0f}, low[3] = {-200.0f, -100.0f, -202.0f},
+                       high[3] = {0.0f, 125.0f, -202.0f};
     const float middle[3] = {-120.0f, 4.0f, -202.0f}, muscle[3] = {-126.0f, -72.0f, -202.0f};
     fixture_box box;
     fixture_pose pose;
@@ -287,10 +288,7 @@ static void test_image(void **state)
     free(words);
 }
 
-static uint32_t add_word(uint32_t hash, uint32_t word)
-{
-    return fixture_hash(hash ^ word) + 0x9e3779b9u;
-}
+static uint32_t add_word(uint32_t hash, uint32_t word) { return fixture_hash(hash ^ word) + 0x9e3779b9u; }
 
 /* The bits: one thick slice through the hips in coarse voxels, and one small structure. */
 static void test_bits(void **state)

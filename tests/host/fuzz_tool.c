@@ -72,8 +72,7 @@ static size_t damage(unsigned char *data, size_t n, uint64_t *state)
     const size_t at = next_random(state) % n;
     size_t i = next_random(state) % 4u + 1u, piece = next_random(state) % 40u;
     switch (next_random(state) % 5u) {
-    case 0:
-        return at;
+    case 0: return at;
     case 1:
         piece = piece < n - at ? piece : n - at;
         memmove(data + at, data + at + piece, n - at - piece);

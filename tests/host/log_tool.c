@@ -77,7 +77,8 @@ static size_t change(unsigned char *log, size_t bytes, int taken, uint32_t tick,
     return ticks >= tick ? bytes : 0u;
 }
 
-static int write_sealed(const char *path, const unsigned char *body, size_t size, const unsigned char *log, size_t log_bytes)
+static int write_sealed(const char *path, const unsigned char *body, size_t size, const unsigned char *log,
+                        size_t log_bytes)
 {
     static unsigned char out[1u << 24];
     FILE *const to = fopen(path, "wb");

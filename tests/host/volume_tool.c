@@ -19,7 +19,7 @@ static const struct {
     const char *name;
     host_type type;
     int code; /* NIfTI's */
-} types[] = {{"int8", HOST_TYPE_I8, 256},   {"uint8", HOST_TYPE_U8, 2},      {"int16", HOST_TYPE_I16, 4},
+} types[] = {{"int8", HOST_TYPE_I8, 256},    {"uint8", HOST_TYPE_U8, 2},      {"int16", HOST_TYPE_I16, 4},
              {"uint16", HOST_TYPE_U16, 512}, {"int32", HOST_TYPE_I32, 8},     {"uint32", HOST_TYPE_U32, 768},
              {"int64", HOST_TYPE_I64, 1024}, {"uint64", HOST_TYPE_I64, 1280}, {"float", HOST_TYPE_F32, 16},
              {"double", HOST_TYPE_F64, 64}};
@@ -36,16 +36,11 @@ static double voxel_at(const host_volume *volume, size_t i)
 {
     const void *const p = volume->voxels;
     switch (volume->type) {
-    case HOST_UINT8:
-        return ((const uint8_t *)p)[i];
-    case HOST_INT8:
-        return ((const int8_t *)p)[i];
-    case HOST_UINT16:
-        return ((const uint16_t *)p)[i];
-    case HOST_INT16:
-        return ((const int16_t *)p)[i];
-    default:
-        return (double)((const float *)p)[i];
+    case HOST_UINT8: return ((const uint8_t *)p)[i];
+    case HOST_INT8: return ((const int8_t *)p)[i];
+    case HOST_UINT16: return ((const uint16_t *)p)[i];
+    case HOST_INT16: return ((const int16_t *)p)[i];
+    default: return (double)((const float *)p)[i];
     }
 }
 
@@ -238,7 +233,8 @@ static int print_landmarks(const char *path)
         return 2;
     }
     for (i = 0; i < set.n; i++)
-        printf("%s: %.3f %.3f %.3f\n", set.label[i], (double)set.xyz[i][0], (double)set.xyz[i][1], (double)set.xyz[i][2]);
+        printf("%s: %.3f %.3f %.3f\n", set.label[i], (double)set.xyz[i][0], (double)set.xyz[i][1],
+               (double)set.xyz[i][2]);
     return 0;
 }
 
@@ -248,7 +244,8 @@ static int print_pairs(const char *model_path, const char *target_path)
     float from[64][3], to[64][3];
     uint32_t n = 0, i = 0;
     host_error error = {0};
-    if (host_landmarks_read(model_path, &model, &error) != 0 || host_landmarks_read(target_path, &target, &error) != 0 ||
+    if (host_landmarks_read(model_path, &model, &error) != 0 ||
+        host_landmarks_read(target_path, &target, &error) != 0 ||
         host_landmarks_pair(&model, &target, model_path, target_path, from, to, &n, &error) != 0) {
         host_error_print(&error);
         return 2;
@@ -275,12 +272,13 @@ static int try_volume(const unsigned char *data, size_t n, const char *path)
     reader.volume = &volume;
     reader.error = &error;
     reader.path = path;
-    good = (strstr(path, ".nii") != NULL     ? host_read_nifti(&reader, copy, n)
+    good = (strstr(path, ".nii") != NULL    ? host_read_nifti(&reader, copy, n)
             : strstr(path, ".nrrd") != NULL ? host_read_nrrd(&reader, copy, n)
-                                             : host_read_metaimage(&reader, copy, n)) == 0;
+                                            : host_read_metaimage(&reader, copy, n)) == 0;
     if (!good && (error.place[0] == '\0' || error.expected[0] == '\0'))
         abort();
-    if (good && (volume.voxels == NULL || !(volume.spacing[0] > 0.0f) || volume.size[2] == 0 || volume.type > HOST_FLOAT32))
+    if (good &&
+        (volume.voxels == NULL || !(volume.spacing[0] > 0.0f) || volume.size[2] == 0 || volume.type > HOST_FLOAT32))
         abort();
     host_volume_free(&volume);
     host_file_free(&reader.detached);
@@ -298,9 +296,9 @@ static int try_landmarks(const unsigned char *data, size_t n, const char *path)
         abort();
     memcpy(copy, data, n);
     memset(&set, 0, sizeof set);
-    good = (strstr(path, ".json") != NULL ? host_read_markups(&set, copy, n, &error)
-                                          : host_read_landmark_table(&set, copy, n, strstr(path, ".fcsv") != NULL,
-                                                                     &error)) == 0;
+    good = (strstr(path, ".json") != NULL
+                ? host_read_markups(&set, copy, n, &error)
+                : host_read_landmark_table(&set, copy, n, strstr(path, ".fcsv") != NULL, &error)) == 0;
     if ((!good && error.place[0] == '\0') || set.n > HOST_LANDMARKS_MAX)
         abort();
     free(copy);

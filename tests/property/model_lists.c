@@ -132,7 +132,8 @@ static void zeta_by_pairs(const smr_model *m, const smr_lists *l, int separate, 
             mark_ring(m, v, start, around, near, 1);
         }
         for (uint32_t k = 0; k < n; k++) {
-            const float dx = x[3u * k] - x[3u * v], dy = x[3u * k + 1u] - x[3u * v + 1u], dz = x[3u * k + 2u] - x[3u * v + 2u];
+            const float dx = x[3u * k] - x[3u * v], dy = x[3u * k + 1u] - x[3u * v + 1u],
+                        dz = x[3u * k + 2u] - x[3u * v + 2u];
             const int inside = dx * dx + dy * dy + dz * dz <= r2 && (!separate || out->owner[k] == out->owner[v]);
             if ((inside || near[k]) && total < room + n) {
                 out->zeta[total++] = k;

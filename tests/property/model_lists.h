@@ -7,15 +7,15 @@
 
 /* All numbers are stored vertices unless said otherwise. The arrays live until rig_free_all(). */
 typedef struct rig_lists {
-    uint32_t n;             /* vertices */
-    float *xyz;             /* [n][3] rest shape, mm, in the caller's coordinates */
-    uint32_t *owner;        /* [n] structure */
+    uint32_t n;      /* vertices */
+    float *xyz;      /* [n][3] rest shape, mm, in the caller's coordinates */
+    uint32_t *owner; /* [n] structure */
     /* whole clusters, found by comparing all pairs of vertices: independent of the library's search */
-    uint32_t *zeta_start;   /* [n + 1] */
-    uint32_t *zeta;         /* [zeta_start[n]] ascending */
+    uint32_t *zeta_start; /* [n + 1] */
+    uint32_t *zeta;       /* [zeta_start[n]] ascending */
     /* the chain as stored in the image, in its order */
-    uint32_t *vertex;       /* [n] */
-    uint32_t *parent;       /* [n] vertex whose sum comes first; itself for a root */
+    uint32_t *vertex;                   /* [n] */
+    uint32_t *parent;                   /* [n] vertex whose sum comes first; itself for a root */
     uint32_t *plus_start, *minus_start; /* [n + 1] */
     uint32_t *plus, *minus;
 } rig_lists;

@@ -76,7 +76,8 @@ smr_mesh rig_ball(float radius, uint32_t rings, uint32_t around, const float cen
     uint32_t *t = rig_alloc(nt * 3u * sizeof *t), k = 0;
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t ring = i / around, step = i % around;
-        const double polar = i < n - 2u ? 3.14159265358979 * (ring + 1.0) / (rings + 1.0) : (i == n - 2u ? 0.0 : 3.14159265358979);
+        const double polar =
+            i < n - 2u ? 3.14159265358979 * (ring + 1.0) / (rings + 1.0) : (i == n - 2u ? 0.0 : 3.14159265358979);
         const double turn = 6.28318530717959 * (step + 0.5 * (ring % 2u)) / around;
         xyz[3u * i] = centre[0] + radius * (float)(sin(polar) * cos(turn));
         xyz[3u * i + 1u] = centre[1] + radius * (float)(sin(polar) * sin(turn));
@@ -101,8 +102,8 @@ smr_mesh rig_moved(const smr_mesh *mesh, const float m[9], const float t[3])
 {
     float *xyz = rig_alloc(mesh->n_vertices * 3u * sizeof *xyz);
     uint32_t *triangles = rig_alloc(mesh->n_triangles * 3u * sizeof *triangles);
-    const float det = m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
-                      m[2] * (m[3] * m[7] - m[4] * m[6]);
+    const float det =
+        m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
     for (uint32_t i = 0; i < mesh->n_vertices; i++) {
         const float *p = mesh->xyz + 3u * (size_t)i;
         for (uint32_t r = 0; r < 3u; r++) {
@@ -292,8 +293,10 @@ smr_port rig_port(uint32_t scheduler, uint32_t n_workers)
     loop->scheduler = scheduler;
     loop->n_workers = n_workers;
     loop->seed = 7u + n_workers;
-    port.parallel = scheduler == RIG_REVERSE ? reverse : scheduler == RIG_SHUFFLE ? shuffle
-                                                     : scheduler == RIG_INTERLEAVE ? interleave : NULL;
+    port.parallel = scheduler == RIG_REVERSE      ? reverse
+                    : scheduler == RIG_SHUFFLE    ? shuffle
+                    : scheduler == RIG_INTERLEAVE ? interleave
+                                                  : NULL;
     return port;
 }
 
@@ -302,20 +305,13 @@ static uint64_t read_clock(void *ctx)
     rig_clock *c = ctx;
     c->readings++;
     switch (c->kind) {
-    case RIG_CLOCK_STEADY:
-        c->time += c->step_ns;
-        break;
+    case RIG_CLOCK_STEADY: c->time += c->step_ns; break;
     case RIG_CLOCK_JUMPING: /* long stops, as when a thread is not scheduled */
         c->time += c->readings % 5u == 0u ? 1000u * c->step_ns : c->step_ns;
         break;
-    case RIG_CLOCK_BACKWARDS:
-        c->time -= c->step_ns;
-        break;
-    case RIG_CLOCK_COARSE: /* shows every 10 ms only */
-        c->time += c->step_ns;
-        return c->time / 10000000u * 10000000u;
-    default:
-        break;
+    case RIG_CLOCK_BACKWARDS: c->time -= c->step_ns; break;
+    case RIG_CLOCK_COARSE: /* shows every 10 ms only */ c->time += c->step_ns; return c->time / 10000000u * 10000000u;
+    default: break;
     }
     return c->time;
 }

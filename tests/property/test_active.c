@@ -67,7 +67,8 @@ static const smr_model *random_model(uint32_t *seed, smr_prepare_config *c)
         const float at[3] = {rig_between(seed, -50, 50), rig_between(seed, -50, 50), rig_between(seed, -50, 50)};
         mesh[i] = rig_ball(rig_between(seed, 5, 40), 2u + rig_random(seed, 7), 3u + rig_random(seed, 12), at);
     }
-    *c = rig_radii(1u + rig_random(seed, 3), rig_between(seed, 30, 90), rig_between(seed, 12, 30), rig_between(seed, 3, 12));
+    *c = rig_radii(1u + rig_random(seed, 3), rig_between(seed, 30, 90), rig_between(seed, 12, 30),
+                   rig_between(seed, 3, 12));
     c->separate_below_mm = rig_between(seed, 0, 60);
     c->block_vertices = rig_random(seed, 2) ? 16u : 0u;
     c->order = rig_random(seed, 2);
@@ -212,7 +213,8 @@ static void test_an_iteration(void **state)
                 if (v < s->n_active) {
                     assert_true(off_centre(s, &l[c.radius_first], v) < 2e-3);
                 } else { /* no force */
-                    assert_true(s->force[3u * v] == 0.0f && s->force[3u * v + 1u] == 0.0f && s->force[3u * v + 2u] == 0.0f);
+                    assert_true(s->force[3u * v] == 0.0f && s->force[3u * v + 1u] == 0.0f &&
+                                s->force[3u * v + 2u] == 0.0f);
                     assert_int_equal(0, s->found[v]);
                 }
             }
@@ -244,7 +246,8 @@ static void test_growing_share(void **state)
         smr *s = rig_init(model, &c, NULL);
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
         for (uint32_t i = 0; i < 80u; i++) {
-            const float share = (float)s->n * (0.3f + 0.6f * (float)(i + (i == 19u)) / 80.0f); /* after the 20th the next radius is set up */
+            const float share = (float)s->n * (0.3f + 0.6f * (float)(i + (i == 19u)) /
+                                                          80.0f); /* after the 20th the next radius is set up */
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
             const float want = fmaxf(share, (float)s->lists.active_min);
             assert_true(s->n_active >= last || i == 19u);
@@ -278,7 +281,8 @@ static void test_image_needs_few(void **state)
     const smr_mesh mesh = rig_ball(30, 50, 60, none);
     uint32_t limited[2] = {0, 0}; /* how often each of the two decided */
     uint8_t *voxels = rig_alloc(SIDE * SIDE * SIDE);
-    smr_volume volume = {voxels, NULL, SMR_VOXEL_UINT8, {SIDE, SIDE, SIDE}, {-46, -46, -46}, {4, 4, 4}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    smr_volume volume = {
+        voxels, NULL, SMR_VOXEL_UINT8, {SIDE, SIDE, SIDE}, {-46, -46, -46}, {4, 4, 4}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     smr_prepare_config prepare = rig_radii(2, 60, 15, 0);
     (void)state;
     for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
@@ -325,7 +329,8 @@ static void test_image_needs_few(void **state)
 static uint32_t taken[16]; /* by the iterations of the last run with a budget */
 
 /* A run as a number: hash after hash. Budget AGAIN: without one, but with so many vertices as the last run that had one. */
-static uint64_t run(const smr_model *model, const smr_config *c, const smr_port *port, const smr_surface *goal, uint64_t budget)
+static uint64_t run(const smr_model *model, const smr_config *c, const smr_port *port, const smr_surface *goal,
+                    uint64_t budget)
 {
     smr *s = rig_init(model, c, port);
     smr_tick_report report = {0};

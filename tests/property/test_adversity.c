@@ -103,8 +103,8 @@ typedef struct run_pair {
     const smr_model *model;
     smr_config config;
     uint32_t seed, iteration, n_vertices, cut, partial;
-    uint32_t pending;              /* 1: an iteration is under way and has its forces */
-    const smr_surface *later;      /* for the twin, after this iteration */
+    uint32_t pending;         /* 1: an iteration is under way and has its forces */
+    const smr_surface *later; /* for the twin, after this iteration */
     void *arena;
     size_t bytes;
     float last[3 * VERTICES_MAX];
@@ -179,10 +179,13 @@ static void refused(run_pair *p)
     memcpy(bad, p->last, sizeof bad);
     bad[rig_random(&p->seed, 3u * p->n_vertices)] = rig_random(&p->seed, 2) ? INFINITY : 1.0e9f;
     c.relaxation = -1.0f;
-    const smr_status status[] = {smr_set_positions(p->s, 0, bad), smr_set_positions(p->s, 7, p->last),
-                                 smr_set_pose(p->s, &pose), smr_set_surface(p->s, 7, world.surface[0]),
+    const smr_status status[] = {smr_set_positions(p->s, 0, bad),
+                                 smr_set_positions(p->s, 7, p->last),
+                                 smr_set_pose(p->s, &pose),
+                                 smr_set_surface(p->s, 7, world.surface[0]),
                                  smr_init(&other, p->model, &c, NULL, p->arena, p->bytes),
-                                 smr_set_active(NULL, 1), smr_set_volume(p->s, &(smr_volume){0})};
+                                 smr_set_active(NULL, 1),
+                                 smr_set_volume(p->s, &(smr_volume){0})};
     for (uint32_t i = 0; i < sizeof status / sizeof status[0]; i++) {
         assert_true(status[i] < 0);
     }

@@ -200,7 +200,8 @@ static void test_target_replaced_in_the_middle(void **state)
         if (memcmp(x, rig_positions(before, model), n * 3u * sizeof(float)) != 0 &&
             memcmp(x, rig_positions(after, model), n * 3u * sizeof(float)) != 0) {
             fail_msg("after stop %u: %g mm from the one, %g mm from the other", stop,
-                     (double)rig_far(x, rig_positions(before, model), n), (double)rig_far(x, rig_positions(after, model), n));
+                     (double)rig_far(x, rig_positions(before, model), n),
+                     (double)rig_far(x, rig_positions(after, model), n));
         }
         tried++;
     }

@@ -109,25 +109,26 @@ static void refused(const smr_config *config, const char *field)
     const smr_status a = smr_arena_bytes(model, config, &bytes);
     const smr_status b = smr_init(&out, model, config, NULL, memory, 1u << 18);
     if (a != SMR_E_CONFIG || b != SMR_E_CONFIG || out != before || bytes != 77u) {
-        fail_msg("%s: %s and %s, out %s", field, smr_status_name(a), smr_status_name(b), out == before ? "kept" : "written");
+        fail_msg("%s: %s and %s, out %s", field, smr_status_name(a), smr_status_name(b),
+                 out == before ? "kept" : "written");
     }
 }
 
-#define REFUSE(field, value)                       \
-    do {                                           \
-        smr_config c_ = smr_config_default();      \
-        c_.use_box = 1;                            \
-        c_.field = (value);                        \
-        refused(&c_, #field " = " #value);         \
+#define REFUSE(field, value)                                                                                           \
+    do {                                                                                                               \
+        smr_config c_ = smr_config_default();                                                                          \
+        c_.use_box = 1;                                                                                                \
+        c_.field = (value);                                                                                            \
+        refused(&c_, #field " = " #value);                                                                             \
     } while (0)
-#define REFUSE_FLOAT(field) \
-    do {                    \
-        REFUSE(field, NAN); \
-        REFUSE(field, INFINITY); \
-        REFUSE(field, -INFINITY); \
-        REFUSE(field, -1.0f); \
-        REFUSE(field, -1.0e-30f); \
-        REFUSE(field, 1.0e30f); \
+#define REFUSE_FLOAT(field)                                                                                            \
+    do {                                                                                                               \
+        REFUSE(field, NAN);                                                                                            \
+        REFUSE(field, INFINITY);                                                                                       \
+        REFUSE(field, -INFINITY);                                                                                      \
+        REFUSE(field, -1.0f);                                                                                          \
+        REFUSE(field, -1.0e-30f);                                                                                      \
+        REFUSE(field, 1.0e30f);                                                                                        \
     } while (0)
 
 static void test_every_field(void **state)
@@ -318,14 +319,16 @@ static void test_arena_macro(void **state)
                     waste = 1.0 / ratio > waste ? 1.0 / ratio : waste;
                 }
                 if (bytes > bound) {
-                    print_message("%u vertices %u triangles %u structures %u workers %u targets: %zu > %zu\n", info.n_vertices,
-                                  info.n_triangles, info.n_structures, config.n_workers, config.n_target_vertices, bytes, bound);
+                    print_message("%u vertices %u triangles %u structures %u workers %u targets: %zu > %zu\n",
+                                  info.n_vertices, info.n_triangles, info.n_structures, config.n_workers,
+                                  config.n_target_vertices, bytes, bound);
                 }
             }
         }
     }
     if (getenv("SMR_TEST_SHOW") != NULL) {
-        print_message("arena / macro: at most %.3f; macro / arena of a large polar model: at most %.3f\n", worst, waste);
+        print_message("arena / macro: at most %.3f; macro / arena of a large polar model: at most %.3f\n", worst,
+                      waste);
     }
     assert_true(worst <= 1.0);
     assert_true(waste <= 1.5);

@@ -82,8 +82,8 @@ static void compare(const float *a, const float *b, uint32_t n, apart *most)
 
 static void tell(const char *what, const apart *a)
 {
-    printf("%-44s mean %.3g mm, largest %.3g mm, %.2f %% beyond the tolerance%s\n", what, (double)a->mean, (double)a->worst,
-           100.0 * (double)a->share, no_momentum ? ", no momentum" : "");
+    printf("%-44s mean %.3g mm, largest %.3g mm, %.2f %% beyond the tolerance%s\n", what, (double)a->mean,
+           (double)a->worst, 100.0 * (double)a->share, no_momentum ? ", no momentum" : "");
 }
 
 static void assert_moves_along(const char *what, const apart *a)
@@ -137,8 +137,10 @@ static void test_rotation(void **state)
 {
     static const struct {
         float m[9], t[3];
-    } turn[] = {{{0, -1, 0, 1, 0, 0, 0, 0, 1}, {0, 0, 0}},       {{1, 0, 0, 0, 0, -1, 0, 1, 0}, {600, 0, 0}},
-                {{0, 0, 1, 1, 0, 0, 0, 1, 0}, {-600, 600, 0}},   {{-1, 0, 0, 0, -1, 0, 0, 0, 1}, {0, 0, 600}},
+    } turn[] = {{{0, -1, 0, 1, 0, 0, 0, 0, 1}, {0, 0, 0}},
+                {{1, 0, 0, 0, 0, -1, 0, 1, 0}, {600, 0, 0}},
+                {{0, 0, 1, 1, 0, 0, 0, 1, 0}, {-600, 600, 0}},
+                {{-1, 0, 0, 0, -1, 0, 0, 0, 1}, {0, 0, 600}},
                 {{0, 0, -1, 0, -1, 0, -1, 0, 0}, {100, 200, -300}}};
     smr_mesh source, target;
     apart most = {0, 0, 0};
@@ -415,7 +417,10 @@ static void test_workers_and_schedulers(void **state)
     }
 }
 
-#define TEST_WITHOUT_MOMENTUM(f) {#f ", no momentum", f, without_momentum, tidy, NULL}
+#define TEST_WITHOUT_MOMENTUM(f)                                                                                       \
+    {                                                                                                                  \
+#f ", no momentum", f, without_momentum, tidy, NULL                                                            \
+    }
 
 int main(void)
 {

@@ -18,8 +18,8 @@
 #define STEPS 70u
 #define PARTS 3u
 #define SURFACES 3u
-#define SIDE 36u            /* voxels of an image */
-#define VERTICES_MAX 160u   /* of a structure */
+#define SIDE 36u          /* voxels of an image */
+#define VERTICES_MAX 160u /* of a structure */
 
 /* Runs forward, now and then by a lot. */
 typedef struct jitter {
@@ -36,7 +36,7 @@ static uint64_t read_jitter(void *ctx)
 
 static struct world {
     smr_mesh part[PARTS];
-    const smr_model *model[2];          /* the second with intensity profiles */
+    const smr_model *model[2]; /* the second with intensity profiles */
     const smr_surface *surface[SURFACES];
     smr_volume volume[2];
 } world;
@@ -56,7 +56,8 @@ static smr_volume image_of(float shift)
         }
         voxels[i] = (uint8_t)(20.0f + 200.0f * inside);
     }
-    return (smr_volume){voxels, NULL, SMR_VOXEL_UINT8, {SIDE, SIDE, SIDE}, {-60, -70, -70}, {4, 4, 4}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    return (smr_volume){
+        voxels, NULL, SMR_VOXEL_UINT8, {SIDE, SIDE, SIDE}, {-60, -70, -70}, {4, 4, 4}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
 }
 
 static int set_up(void **state)
@@ -125,7 +126,7 @@ static const void *next_input(void *ctx, const smr_log_record *record)
 typedef struct run {
     smr *s;
     uint32_t seed, model, ticks, partial, cut, early, late, done;
-    int has_forces, gathers;         /* an iteration is under way, and has its forces, or not yet */
+    int has_forces, gathers; /* an iteration is under way, and has its forces, or not yet */
     inputs all;
     float xyz[STEPS][3 * VERTICES_MAX];
     unsigned char log[SMR_LOG_BYTES(STEPS, STEPS)];
@@ -227,7 +228,8 @@ static void replay(run *r, smr *twin, uint32_t number)
         assert_int_equal(SMR_OK, smr_replay_tick(&again, &report));
         assert_true(report.tick == i && report.ended == 0u);
         if (report.differs) {
-            print_message("run %u, tick %u: iteration %u, %u vertices\n", number, i, report.record.iteration, report.record.n_taken);
+            print_message("run %u, tick %u: iteration %u, %u vertices\n", number, i, report.record.iteration,
+                          report.record.n_taken);
         }
         assert_int_equal(0, report.differs);
     }
@@ -265,10 +267,12 @@ static void test_replays(void **state)
         late += r.late;
     }
     if (getenv("SMR_TEST_SHOW") != NULL) {
-        print_message("%u runs: %u ticks, %u partial, %u cut; surfaces set while forces were gathered: %u, after that: %u\n", RUNS, ticks, partial,
-                      cut, early, late);
+        print_message(
+            "%u runs: %u ticks, %u partial, %u cut; surfaces set while forces were gathered: %u, after that: %u\n",
+            RUNS, ticks, partial, cut, early, late);
     }
-    assert_true(partial > 10u * RUNS && cut > RUNS / 4u && early > RUNS && late > RUNS / 2u); /* the clock meant something */
+    assert_true(partial > 10u * RUNS && cut > RUNS / 4u && early > RUNS &&
+                late > RUNS / 2u); /* the clock meant something */
 }
 
 /* The last surface is taken away while the iteration that ends the first radius has its forces already: whether the next radius
@@ -343,8 +347,9 @@ static void test_last_surface_goes_before_the_end(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test_setup_teardown(test_replays, set_up, tidy),
-                                       cmocka_unit_test_setup_teardown(test_last_surface_goes_late, set_up, tidy),
-                                       cmocka_unit_test_setup_teardown(test_last_surface_goes_before_the_end, set_up, tidy)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_replays, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_last_surface_goes_late, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_last_surface_goes_before_the_end, set_up, tidy)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

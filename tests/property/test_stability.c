@@ -93,14 +93,21 @@ static void both_methods(const smr_mesh *source, const smr_mesh *target, float r
 static void test_hostile_targets(void **state)
 {
     const smr_mesh ball = rig_ball(30, 6, 9, none);
-    static const float flat[] = {0, 0, 0, 10, 0, 0, 20, 0, 0, 5, 0, 0}, far[] = {1e5f, 1e5f, 1e5f, 1e5f, 9e4f, 1e5f, 9e4f, 1e5f, 1e5f},
+    static const float flat[] = {0, 0, 0, 10, 0, 0, 20, 0, 0, 5, 0, 0},
+                       far[] = {1e5f, 1e5f, 1e5f, 1e5f, 9e4f, 1e5f, 9e4f, 1e5f, 1e5f},
                        one[] = {5, 5, 5, 5, 6, 5, 6, 5, 5}, huge[] = {1e5f, 1e5f, 0, -1e5f, 1e5f, 0, 0, -1e5f, 1},
                        point[] = {3, 3, 3, 3, 3, 3, 3, 3, 3}, needle[] = {-1e5f, 0, 0, 1e5f, 0, 0, 0, 1e-6f, 0};
     static const uint32_t t1[] = {0, 1, 2}, t2[] = {0, 1, 2, 1, 2, 3}, same[] = {1, 1, 1, 0, 0, 1};
-    const smr_mesh targets[] = {mesh_of(flat, 4, t2, 2), mesh_of(far, 3, t1, 1),   mesh_of(one, 3, t1, 1), mesh_of(huge, 3, t1, 1),
-                                mesh_of(point, 3, t1, 1), mesh_of(needle, 3, t1, 1), mesh_of(one, 3, same, 2)};
-    static const char *const name[] = {"collinear target", "target in the corner", "one triangle", "a triangle of 200 m",
-                                       "a point", "a needle", "triangles that name a vertex twice"};
+    const smr_mesh targets[] = {mesh_of(flat, 4, t2, 2), mesh_of(far, 3, t1, 1),   mesh_of(one, 3, t1, 1),
+                                mesh_of(huge, 3, t1, 1), mesh_of(point, 3, t1, 1), mesh_of(needle, 3, t1, 1),
+                                mesh_of(one, 3, same, 2)};
+    static const char *const name[] = {"collinear target",
+                                       "target in the corner",
+                                       "one triangle",
+                                       "a triangle of 200 m",
+                                       "a point",
+                                       "a needle",
+                                       "triangles that name a vertex twice"};
     (void)state;
     for (uint32_t i = 0; i < sizeof targets / sizeof targets[0]; i++) {
         both_methods(&ball, &targets[i], 25, name[i]);
@@ -111,7 +118,8 @@ static void test_odd_shapes(void **state)
 {
     static const float turn_over[9] = {-1, 0, 0, 0, 1, 0, 0, 0, 1};
     static const float corner[3] = {9.99e4f, -9.99e4f, 9.99e4f};
-    const smr_mesh ball = rig_ball(30, 6, 9, none), small = rig_ball(0.01f, 6, 9, none), large = rig_ball(9.0e4f, 6, 9, none);
+    const smr_mesh ball = rig_ball(30, 6, 9, none), small = rig_ball(0.01f, 6, 9, none),
+                   large = rig_ball(9.0e4f, 6, 9, none);
     const smr_mesh away = rig_ball(30, 6, 9, corner);
     const smr_mesh mirrored = rig_moved(&ball, turn_over, none);
     smr_mesh inside_out = mirrored;
@@ -237,8 +245,8 @@ static void test_random_configurations(void **state)
             part[i] = random_mesh(&seed, 0);
         }
         const smr_mesh target = random_mesh(&seed, 1);
-        smr_prepare_config prepare = rig_radii(rig_random(&seed, 4), rig_between(&seed, 10, 80), rig_between(&seed, 3, 30),
-                                               rig_between(&seed, 0.1f, 10));
+        smr_prepare_config prepare = rig_radii(rig_random(&seed, 4), rig_between(&seed, 10, 80),
+                                               rig_between(&seed, 3, 30), rig_between(&seed, 0.1f, 10));
         prepare.separate_below_mm = pick(&seed, 0, 60, -1, 0);
         prepare.distance = rig_random(&seed, 2);
         prepare.mass = rig_random(&seed, 2);

@@ -110,7 +110,8 @@ static smr *start(const smr_model *model, const smr_surface *target, uint32_t me
 }
 
 /* One radius of a model: both orders hold the clusters that all pairs give, and sum alike. */
-static void check_radius(const smr_mesh *mesh, uint32_t n_structures, float radius, float separate, const smr_surface *target)
+static void check_radius(const smr_mesh *mesh, uint32_t n_structures, float radius, float separate,
+                         const smr_surface *target)
 {
     smr_prepare_config config = rig_radii(1, radius, 0, 0);
     uint64_t hash[2];

@@ -13,16 +13,16 @@
 #define TARGET_BUDGET_NS 200000u
 #define TARGET_TICKS_MAX 100000u
 #define TARGET_ENDLESS (UINT64_MAX / 4u) /* a budget that never ends, but the clock is read */
-#define TARGET_READING_NS 2000u /* what the readings before and after a tick may take */
-#define TARGET_TWIN_TICKS 250u  /* so long a twin without a clock goes along */
-#define TARGET_SHARE 20u        /* a chunk is at most one in so many parts of an iteration's fixed part */
+#define TARGET_READING_NS 2000u          /* what the readings before and after a tick may take */
+#define TARGET_TWIN_TICKS 250u           /* so long a twin without a clock goes along */
+#define TARGET_SHARE 20u                 /* a chunk is at most one in so many parts of an iteration's fixed part */
 
 /* What a run through the schedule showed. */
 typedef struct target_times {
     uint64_t hash;
-    uint64_t whole;          /* ns: the longest iteration */
-    uint64_t fixed;          /* ns: the shortest iteration of all vertices, its forces taken off */
-    uint64_t longest;        /* tick */
+    uint64_t whole;   /* ns: the longest iteration */
+    uint64_t fixed;   /* ns: the shortest iteration of all vertices, its forces taken off */
+    uint64_t longest; /* tick */
     uint32_t ticks, partial;
 } target_times;
 
@@ -40,7 +40,8 @@ static int target_run(const target_scene *scene, target_clock *clock, uint64_t b
     while (!report.done && t->ticks < TARGET_TICKS_MAX) {
         smr_status status;
         const uint32_t repairs = s->repairing;
-        const uint64_t time = target_tick(s, clock, budget_ns, &report, &status), fixed = time - report.phase_ns[SMR_PHASE_FORCES];
+        const uint64_t time = target_tick(s, clock, budget_ns, &report, &status),
+                       fixed = time - report.phase_ns[SMR_PHASE_FORCES];
         t->longest = time > t->longest ? time : t->longest;
         t->partial += status == SMR_PARTIAL ? 1u : 0u;
         ++t->ticks;
@@ -65,11 +66,13 @@ typedef struct target_tally {
 /* The iteration that s has completed, without a clock. */
 static int target_repeat(smr *s, smr *twin, uint32_t n_taken)
 {
-    return smr_set_active(twin, n_taken) == SMR_OK && smr_tick(twin, 0, NULL) == SMR_OK && smr_state_hash(twin) == smr_state_hash(s);
+    return smr_set_active(twin, n_taken) == SMR_OK && smr_tick(twin, 0, NULL) == SMR_OK &&
+           smr_state_hash(twin) == smr_state_hash(s);
 }
 
 /* Ticks of 5 to 150 % of a whole iteration, at the controller's choice; at first a twin without a clock repeats each iteration. */
-static int target_random(const target_scene *scene, target_clock *clock, uint64_t whole, uint32_t ticks, target_tally *t)
+static int target_random(const target_scene *scene, target_clock *clock, uint64_t whole, uint32_t ticks,
+                         target_tally *t)
 {
     const smr_port port = {clock, 1u, NULL, target_now};
     const smr_config config = target_config(scene);
@@ -150,11 +153,14 @@ static int target_judge(const target_scene *scene, target_clock *clock, uint32_t
     target_line("    with enough time:       ", random.enough);
     target_line("    of them complete:       ", random.enough_done);
     return target_ok("the same bits", plain.hash == cut.hash && plain.hash == whole.hash) &&
-           target_ok("whole ticks without a budget, partial ones with", plain.partial + whole.partial == 0u && cut.partial > 0u) &&
+           target_ok("whole ticks without a budget, partial ones with",
+                     plain.partial + whole.partial == 0u && cut.partial > 0u) &&
            target_ok("a chunk is a small part of the fixed part", TARGET_SHARE * clock->longest <= whole.fixed) &&
-           target_ok("at most a chunk beyond the short budget", cut.longest <= TARGET_BUDGET_NS + clock->longest + TARGET_READING_NS) &&
+           target_ok("at most a chunk beyond the short budget",
+                     cut.longest <= TARGET_BUDGET_NS + clock->longest + TARGET_READING_NS) &&
            target_ok("at most a chunk beyond random budgets", random.over <= clock->longest + TARGET_READING_NS) &&
-           target_ok("some iterations are cut, others not", random.cut > random.done / 20u && random.cut < random.done) &&
+           target_ok("some iterations are cut, others not",
+                     random.cut > random.done / 20u && random.cut < random.done) &&
            target_ok("enough is enough", random.enough > 0u && random.enough == random.enough_done);
 }
 
@@ -171,7 +177,8 @@ int main(void)
     for (uint32_t i = 0; i < TARGET_CASES; ++i) {
         target_text(target_cases[i].name);
         target_text("\n");
-        good = target_ok("scene", target_set_up(&target_cases[i], &scene)) && target_judge(&scene, &clock, ticks) && good;
+        good =
+            target_ok("scene", target_set_up(&target_cases[i], &scene)) && target_judge(&scene, &clock, ticks) && good;
     }
     return good ? 0 : 1;
 }

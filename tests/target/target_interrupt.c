@@ -15,21 +15,22 @@
 #include <stdatomic.h>
 
 #define TARGET_PERIOD_NS 5000000u
-#define TARGET_TICK_NS 4000000u    /* the budget; a chunk and the interrupt's own work fit into the rest, the background has what is left */
-#define TARGET_LOG 256u            /* iterations */
+#define TARGET_TICK_NS                                                                                                 \
+    4000000u /* the budget; a chunk and the interrupt's own work fit into the rest, the background has what is left */
+#define TARGET_LOG 256u /* iterations */
 #define TARGET_READS 4096u
-#define TARGET_POINTS 2048u        /* of all structures */
+#define TARGET_POINTS 2048u /* of all structures */
 #define TARGET_PARTS 2u
 
 /* Written by the interrupt, read by the background once `stop` is set; `done` and `stop` at any time. */
 static struct {
     smr *s;
-    atomic_uint done;              /* complete iterations: positions are new when it changes */
+    atomic_uint done; /* complete iterations: positions are new when it changes */
     atomic_uint stop;
     uint32_t ticks, partial, cut, missed;
-    uint32_t taken[TARGET_LOG];    /* n_taken of each iteration */
+    uint32_t taken[TARGET_LOG]; /* n_taken of each iteration */
     smr_status status;
-    uint64_t longest;              /* ns: a tick */
+    uint64_t longest; /* ns: a tick */
     target_clock clock;
 } target_isr;
 
@@ -67,7 +68,8 @@ static struct {
 static int target_count(const smr_model *model)
 {
     smr_model_info info;
-    if (smr_model_get_info(model, &info) != SMR_OK || info.n_structures > TARGET_PARTS || info.n_vertices > TARGET_POINTS) {
+    if (smr_model_get_info(model, &info) != SMR_OK || info.n_structures > TARGET_PARTS ||
+        info.n_vertices > TARGET_POINTS) {
         return 0;
     }
     target_points.n = info.n_vertices;
@@ -187,7 +189,8 @@ static int target_run(const target_scene *scene)
     target_line("    not all took part: ", target_isr.cut);
     target_line("  background loops: ", target_background.loops);
     target_line("    reads again:    ", target_background.again);
-    return target_ok("status", target_isr.status >= 0) && target_ok("the log is long enough", atomic_load(&target_isr.done) <= TARGET_LOG) &&
+    return target_ok("status", target_isr.status >= 0) &&
+           target_ok("the log is long enough", atomic_load(&target_isr.done) <= TARGET_LOG) &&
            target_ok("no period is missed", target_isr.missed == 0u) &&
            target_ok("the background goes on", target_background.loops > target_isr.ticks / 2u) &&
            target_ok("the replay", target_replay(scene, &config, &torn)) && target_ok("reads are whole", torn == 0u);
@@ -204,7 +207,8 @@ int main(void)
     for (uint32_t i = 0; i < TARGET_CASES; ++i) {
         target_text(target_cases[i].name);
         target_text("\n");
-        good = target_ok("scene", target_set_up(&target_cases[i], &scene)) && target_ok("run", target_run(&scene)) && good;
+        good =
+            target_ok("scene", target_set_up(&target_cases[i], &scene)) && target_ok("run", target_run(&scene)) && good;
     }
     return good ? 0 : 1;
 }

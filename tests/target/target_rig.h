@@ -45,10 +45,10 @@ smr_config target_config(const target_scene *scene);
 /* The board's clock, and the longest stretch between two readings within a tick. */
 typedef struct target_clock {
     smr_port port;
-    const smr *watched;                /* says which step is under way; may be NULL */
-    uint64_t last, longest;            /* ns */
-    uint64_t in_step[SMR_STEPS_MAX];   /* the longest stretch that ended in a step */
-    uint32_t running;                  /* 1 within a tick */
+    const smr *watched;              /* says which step is under way; may be NULL */
+    uint64_t last, longest;          /* ns */
+    uint64_t in_step[SMR_STEPS_MAX]; /* the longest stretch that ended in a step */
+    uint32_t running;                /* 1 within a tick */
 } target_clock;
 
 uint64_t target_now(void *clock); /* as smr_port.now_ns */
@@ -65,9 +65,9 @@ enum { TARGET_VERTICES = 0, TARGET_TRIANGLES, TARGET_INDEXES, TARGET_GOALS, TARG
 const char *target_step_name(uint32_t number, uint32_t *unit);
 
 void target_text(const char *text);
-void target_number(uint64_t value);                    /* digits alone */
-void target_line(const char *name, uint64_t value);    /* name, number, end of line */
-int target_ok(const char *what, int good);             /* says what failed; returns good */
-uint32_t target_word(uint32_t otherwise);              /* the number on the command line */
+void target_number(uint64_t value);                 /* digits alone */
+void target_line(const char *name, uint64_t value); /* name, number, end of line */
+int target_ok(const char *what, int good);          /* says what failed; returns good */
+uint32_t target_word(uint32_t otherwise);           /* the number on the command line */
 
 #endif /* TARGET_RIG_H */

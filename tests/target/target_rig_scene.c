@@ -10,14 +10,14 @@
 
 #define TARGET_MEMORY static __attribute__((section(".arena"))) _Alignas(SMR_ALIGN)
 #define TARGET_PARTS 2u
-#define TARGET_POINTS 1024u   /* of a structure */
+#define TARGET_POINTS 1024u /* of a structure */
 #define TARGET_FACETS 2048u
-#define TARGET_SIDE 48u       /* voxels */
+#define TARGET_SIDE 48u /* voxels */
 #define TARGET_VOXELS (TARGET_SIDE * TARGET_SIDE * TARGET_SIDE)
-#define TARGET_OFF_MM 4.0f    /* an image registration starts so far beside the truth */
+#define TARGET_OFF_MM 4.0f /* an image registration starts so far beside the truth */
 
-TARGET_MEMORY unsigned char
-    target_arena[2][SMR_ARENA_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS * TARGET_FACETS, TARGET_PARTS, 1, TARGET_POINTS)];
+TARGET_MEMORY unsigned char target_arena[2][SMR_ARENA_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS *TARGET_FACETS,
+                                                            TARGET_PARTS, 1, TARGET_POINTS)];
 TARGET_MEMORY unsigned char target_scratch[6u << 20];
 TARGET_MEMORY unsigned char target_image[3u << 20];
 TARGET_MEMORY unsigned char target_surface[1u << 20];
@@ -42,7 +42,8 @@ static smr_mesh target_mesh(const fixture_mesh *m)
 static int target_prepare(const smr_structure *part, uint32_t n, const smr_prepare_config *config, target_scene *scene)
 {
     size_t bytes = 0;
-    return smr_prepare(part, n, config, target_scratch, sizeof target_scratch, target_image, sizeof target_image, &bytes) == SMR_OK &&
+    return smr_prepare(part, n, config, target_scratch, sizeof target_scratch, target_image, sizeof target_image,
+                       &bytes) == SMR_OK &&
            smr_model_open(target_image, bytes, &scene->model) == SMR_OK;
 }
 
@@ -87,8 +88,13 @@ static fixture_box target_box(const smr_structure *part, float xyz[TARGET_PARTS]
 
 static int target_volume(const fixture_pose *pose, const fixture_box *box, unsigned char *voxels, smr_volume *volume)
 {
-    const smr_volume plain = {voxels, NULL, SMR_VOXEL_UINT8, {box->n[0], box->n[1], box->n[2]}, {box->low[0], box->low[1], box->low[2]},
-                              {box->spacing[0], box->spacing[1], box->spacing[2]}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    const smr_volume plain = {voxels,
+                              NULL,
+                              SMR_VOXEL_UINT8,
+                              {box->n[0], box->n[1], box->n[2]},
+                              {box->low[0], box->low[1], box->low[2]},
+                              {box->spacing[0], box->spacing[1], box->spacing[2]},
+                              {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     if (box->n[0] > TARGET_SIDE || box->n[1] > TARGET_SIDE || box->n[0] * box->n[1] * box->n[2] > TARGET_VOXELS) {
         return 0;
     }
@@ -164,10 +170,12 @@ int target_again(const target_scene *scene, smr *s)
 smr *target_start(const target_scene *scene, const smr_config *config, const smr_port *port, uint32_t arena)
 {
     smr *s = NULL;
-    if (smr_init(&s, scene->model, config, port, target_arena[arena], sizeof target_arena[arena]) != SMR_OK || !target_again(scene, s)) {
+    if (smr_init(&s, scene->model, config, port, target_arena[arena], sizeof target_arena[arena]) != SMR_OK ||
+        !target_again(scene, s)) {
         return NULL;
     }
-    if ((scene->what->image ? smr_set_volume(s, &scene->volume) : smr_set_surface(s, SMR_ALL, scene->surface)) != SMR_OK) {
+    if ((scene->what->image ? smr_set_volume(s, &scene->volume) : smr_set_surface(s, SMR_ALL, scene->surface)) !=
+        SMR_OK) {
         return NULL;
     }
     return s;

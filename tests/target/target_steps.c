@@ -13,17 +13,17 @@
 
 #define TARGET_ENDLESS (UINT64_MAX / 4u) /* a budget that never ends, but the clock is read */
 #define TARGET_FIXED_ITERATIONS 24u
-#define TARGET_RADIUS 1u                 /* where fixed work is measured */
+#define TARGET_RADIUS 1u /* where fixed work is measured */
 #define TARGET_SAMPLES 2000u
-#define TARGET_SWEEPS 4u                 /* of smr_polar() */
+#define TARGET_SWEEPS 4u /* of smr_polar() */
 #define TARGET_NODES 64u
 
 /* ns that a statement takes, and the reading. */
-#define TARGET_COST(clock, statement, ns)       \
-    do {                                        \
-        const uint64_t begin = target_now(clock); \
-        statement;                              \
-        (ns) = target_now(clock) - begin;       \
+#define TARGET_COST(clock, statement, ns)                                                                              \
+    do {                                                                                                               \
+        const uint64_t begin = target_now(clock);                                                                      \
+        statement;                                                                                                     \
+        (ns) = target_now(clock) - begin;                                                                              \
     } while (0)
 
 static uint64_t target_ns_per_instruction;
@@ -74,10 +74,12 @@ static int target_units(const target_scene *scene, uint64_t units[TARGET_UNITS])
     }
     units[TARGET_VERTICES] = info.n_vertices;
     units[TARGET_TRIANGLES] = info.n_triangles;
-    units[TARGET_INDEXES] = info.n_vertices + (uint64_t)(info.indexes_per_cluster[TARGET_RADIUS] * (float)info.n_vertices + 0.5f);
+    units[TARGET_INDEXES] =
+        info.n_vertices + (uint64_t)(info.indexes_per_cluster[TARGET_RADIUS] * (float)info.n_vertices + 0.5f);
     units[TARGET_GOALS] = scene->surface == NULL ? 0u : scene->surface->n_vertices;
     target_row("model", scene->what->name, "vertices, triangles", info.n_vertices, info.n_triangles);
-    target_row("model", scene->what->name, "vertices and indexes, target vertices", units[TARGET_INDEXES], units[TARGET_GOALS]);
+    target_row("model", scene->what->name, "vertices and indexes, target vertices", units[TARGET_INDEXES],
+               units[TARGET_GOALS]);
     return 1;
 }
 
@@ -164,7 +166,8 @@ static int target_stretches(const target_scene *scene, target_clock *clock)
     while (!report.done) {
         smr_status status;
         const uint32_t repairs = s->repairing;
-        const uint64_t all = target_tick(s, clock, TARGET_ENDLESS, &report, &status), time = all - report.phase_ns[SMR_PHASE_FORCES];
+        const uint64_t all = target_tick(s, clock, TARGET_ENDLESS, &report, &status),
+                       time = all - report.phase_ns[SMR_PHASE_FORCES];
         if (status != SMR_OK) {
             return 0;
         }
@@ -173,7 +176,8 @@ static int target_stretches(const target_scene *scene, target_clock *clock)
             largest = time > largest ? time : largest;
         }
     }
-    target_row("schedule", scene->what->name, "fixed part", target_instructions(smallest), target_instructions(largest));
+    target_row("schedule", scene->what->name, "fixed part", target_instructions(smallest),
+               target_instructions(largest));
     target_row("schedule", scene->what->name, "longest stretch", 0, target_instructions(clock->longest));
     for (uint32_t i = 0; i < smr_n_steps; ++i) {
         target_step_row("longest", scene->what->name, i, NULL, clock->in_step[i]);
@@ -203,15 +207,19 @@ static void target_singles(const target_scene *scene, target_clock *clock)
         memcpy(v, unit, sizeof v); /* cold: more rotations than from the last iteration's */
         TARGET_COST(clock, smr_polar(a, v, m), time);
         largest = time > largest ? time : largest;
-        TARGET_COST(clock, (void)smr_triangle_closest(smr_v(0, 0, 0), smr_load(a), smr_load(a + 3), smr_load(a + 6), m), time);
+        TARGET_COST(clock, (void)smr_triangle_closest(smr_v(0, 0, 0), smr_load(a), smr_load(a + 3), smr_load(a + 6), m),
+                    time);
         dearest = time > dearest ? time : dearest;
     }
-    target_row("single", "polar decomposition", "no rotation, dearest of many", target_instructions(cost[2]), target_instructions(largest));
-    target_row("single", "polar decomposition", "all rotations", 0, target_instructions(cost[2] + TARGET_SWEEPS * (cost[1] - cost[0])));
+    target_row("single", "polar decomposition", "no rotation, dearest of many", target_instructions(cost[2]),
+               target_instructions(largest));
+    target_row("single", "polar decomposition", "all rotations", 0,
+               target_instructions(cost[2] + TARGET_SWEEPS * (cost[1] - cost[0])));
     const smr_query blind = {smr_v(0, 0, 0), smr_v(0, 0, 1), 2.0f, TARGET_NODES, SMR_ALL};
     smr_hit hit = {SMR_FAR, SMR_ALL, {0, 0, 0}};
     TARGET_COST(clock, smr_tree_closest(&scene->surface->facets, &blind, &hit), cost[3]);
-    target_row("single", "closest point", "a node without its triangles, a triangle", target_instructions(cost[3] / TARGET_NODES), target_instructions(dearest));
+    target_row("single", "closest point", "a node without its triangles, a triangle",
+               target_instructions(cost[3] / TARGET_NODES), target_instructions(dearest));
 }
 
 int main(void);
@@ -225,9 +233,11 @@ int main(void)
     clock.port = smr_baremetal_port(&board);
     target_ns_per_instruction = target_word(1024u);
     for (uint32_t i = 0; i < TARGET_CASES; ++i) {
-        if (!target_ok("scene", target_set_up(&target_cases[i], &scene)) || !target_ok("units", target_units(&scene, units)) ||
+        if (!target_ok("scene", target_set_up(&target_cases[i], &scene)) ||
+            !target_ok("units", target_units(&scene, units)) ||
             !target_ok("elastic", target_phases(&scene, &clock, 1, units)) ||
-            !target_ok("plastic", target_phases(&scene, &clock, 0, units)) || !target_ok("still", target_still(&scene, &clock)) ||
+            !target_ok("plastic", target_phases(&scene, &clock, 0, units)) ||
+            !target_ok("still", target_still(&scene, &clock)) ||
             !target_ok("stretches", target_stretches(&scene, &clock))) {
             return 1;
         }

@@ -25,20 +25,14 @@ uint32_t oracle_next(oracle_random *r)
     return (uint32_t)((r->state * 0x2545f4914f6cdd1du) >> 32);
 }
 
-uint32_t oracle_below(oracle_random *r, uint32_t n)
-{
-    return (uint32_t)(((uint64_t)oracle_next(r) * n) >> 32);
-}
+uint32_t oracle_below(oracle_random *r, uint32_t n) { return (uint32_t)(((uint64_t)oracle_next(r) * n) >> 32); }
 
 double oracle_uniform(oracle_random *r, double lo, double hi)
 {
     return lo + (hi - lo) * ((double)oracle_next(r) / 4294967296.0);
 }
 
-float oracle_uniformf(oracle_random *r, float lo, float hi)
-{
-    return (float)oracle_uniform(r, (double)lo, (double)hi);
-}
+float oracle_uniformf(oracle_random *r, float lo, float hi) { return (float)oracle_uniform(r, (double)lo, (double)hi); }
 
 void oracle_turn(const double axis[3], double angle, double m[9])
 {
@@ -79,8 +73,7 @@ void oracle_transpose(const double a[9], double out[9])
 
 double oracle_determinant(const double m[9])
 {
-    return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
-           m[2] * (m[3] * m[7] - m[4] * m[6]);
+    return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
 }
 
 double oracle_difference(const double *a, const double *b, size_t n)

@@ -18,7 +18,7 @@ double oracle_uniform(oracle_random *r, double lo, double hi);
 float oracle_uniformf(oracle_random *r, float lo, float hi);
 
 /* 3x3 matrices are row-major double[9]. */
-void oracle_rotation(oracle_random *r, double m[9]);           /* any rotation */
+void oracle_rotation(oracle_random *r, double m[9]);               /* any rotation */
 void oracle_turn(const double axis[3], double angle, double m[9]); /* axis need not be unit; zero: identity */
 void oracle_product(const double a[9], const double b[9], double out[9]);
 void oracle_transpose(const double a[9], double out[9]);

@@ -17,12 +17,13 @@ static void move(const planted *p, const float x[3], double out[3])
 {
     for (int k = 0; k < 3; k++)
         out[k] = p->scale * (p->turn[3 * k] * (double)x[0] + p->turn[3 * k + 1] * (double)x[1] +
-                             p->turn[3 * k + 2] * (double)x[2]) + p->shift[k];
+                             p->turn[3 * k + 2] * (double)x[2]) +
+                 p->shift[k];
 }
 
 /* Plants a pose, aligns, and returns the mean distance between where vertices land and where they should. */
-static double find(oracle_random *r, const unit_mesh *model, const smr_surface *s, const unit_mesh *other, int similarity,
-                   float *rms)
+static double find(oracle_random *r, const unit_mesh *model, const smr_surface *s, const unit_mesh *other,
+                   int similarity, float *rms)
 {
     planted p;
     oracle_rotation(r, p.turn);
@@ -131,8 +132,10 @@ static void refusals(void **state)
 /* A segment, a point, a single triangle, a flat square: an answer or a refusal, always finite. */
 static void degenerate_surfaces(void **state)
 {
-    static const float xyz[4][9] = {{0, 0, 0, 5, 0, 0, 10, 0, 0}, {1, 1, 1, 1, 1, 1, 1, 1, 1},
-                                    {0, 0, 0, 9, 0, 0, 0, 7, 0}, {0, 0, 0, 1e5f, 0, 0, -1e5f, 1e5f, 9e4f}};
+    static const float xyz[4][9] = {{0, 0, 0, 5, 0, 0, 10, 0, 0},
+                                    {1, 1, 1, 1, 1, 1, 1, 1, 1},
+                                    {0, 0, 0, 9, 0, 0, 0, 7, 0},
+                                    {0, 0, 0, 1e5f, 0, 0, -1e5f, 1e5f, 9e4f}};
     static const uint32_t t[3] = {0, 1, 2};
     unit_mesh ball = unit_sphere(2, 20.0f, 3.0f);
     smr_surface *round = unit_surface(&ball);
@@ -161,8 +164,8 @@ static void degenerate_surfaces(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rigid_poses),  cmocka_unit_test(similarity_poses), cmocka_unit_test(two_meshes_of_one_bone),
-        cmocka_unit_test(refusals),     cmocka_unit_test(degenerate_surfaces),
+        cmocka_unit_test(rigid_poses), cmocka_unit_test(similarity_poses),    cmocka_unit_test(two_meshes_of_one_bone),
+        cmocka_unit_test(refusals),    cmocka_unit_test(degenerate_surfaces),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

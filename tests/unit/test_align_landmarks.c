@@ -65,7 +65,8 @@ static void finds_planted_poses(void **state)
         assert_int_equal(smr_align_landmarks(p.from[0], p.to[0], n, similarity, &pose, &rms), SMR_OK);
         worst[n < 6u] = fmax(worst[n < 6u], fmax(rms_of(&p, &pose), (double)rms));
         scales = fmax(scales, fabs(sqrt((double)(pose.m[0][0] * pose.m[0][0] + pose.m[1][0] * pose.m[1][0] +
-                                                 pose.m[2][0] * pose.m[2][0])) - scale));
+                                                 pose.m[2][0] * pose.m[2][0])) -
+                                   scale));
     }
     assert_true(oracle_within("landmarks: planted pose, mm", worst[0], 1e-3));
     assert_true(oracle_within("landmarks: planted pose of few, mm", worst[1], 0.2));

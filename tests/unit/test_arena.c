@@ -140,7 +140,7 @@ static void red_zones_follow_slots(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(measures_what_it_places), cmocka_unit_test(one_byte_less_is_refused),
+        cmocka_unit_test(measures_what_it_places),     cmocka_unit_test(one_byte_less_is_refused),
         cmocka_unit_test(refuses_null_and_misaligned), cmocka_unit_test(sizes_beyond_size_t_stick),
         cmocka_unit_test(red_zones_follow_slots),
     };

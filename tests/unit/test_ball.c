@@ -15,7 +15,8 @@ static void check_image(const unit_image *image, int geodesic, int ring)
     smr_model_info info;
     assert_int_equal(smr_model_get_info(image->model, &info), SMR_OK);
     for (uint32_t k = 0; k < info.n_radii; k++) {
-        const unit_rule rule = {info.radius_mm[k], geodesic, (int)info.separate[k], ring && info.radius_mm[k] >= info.edge_mm};
+        const unit_rule rule = {info.radius_mm[k], geodesic, (int)info.separate[k],
+                                ring && info.radius_mm[k] >= info.edge_mm};
         unit_brute_sets(image->model, &rule, want);
         assert_true(unit_chain_sets(image->model, k, got));
         assert_memory_equal(got, want, (size_t)n * n);

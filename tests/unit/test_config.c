@@ -40,28 +40,28 @@ static void test_default(void **state)
     assert_int_equal(SMR_VERSION_MINOR, c.cookie >> 16 & 0xffu);
 }
 
-#define ACCEPT(field, value)                                          \
-    do {                                                              \
-        smr_config c_ = smr_config_default();                         \
-        c_.field = (value);                                           \
-        if (smr_config_check(&c_, model) != SMR_OK) {                 \
-            fail_msg("refused: " #field " = " #value);                \
-        }                                                             \
+#define ACCEPT(field, value)                                                                                           \
+    do {                                                                                                               \
+        smr_config c_ = smr_config_default();                                                                          \
+        c_.field = (value);                                                                                            \
+        if (smr_config_check(&c_, model) != SMR_OK) {                                                                  \
+            fail_msg("refused: " #field " = " #value);                                                                 \
+        }                                                                                                              \
     } while (0)
-#define REFUSE(field, value)                                          \
-    do {                                                              \
-        smr_config c_ = smr_config_default();                         \
-        c_.field = (value);                                           \
-        if (smr_config_check(&c_, model) != SMR_E_CONFIG) {           \
-            fail_msg("accepted: " #field " = " #value);               \
-        }                                                             \
+#define REFUSE(field, value)                                                                                           \
+    do {                                                                                                               \
+        smr_config c_ = smr_config_default();                                                                          \
+        c_.field = (value);                                                                                            \
+        if (smr_config_check(&c_, model) != SMR_E_CONFIG) {                                                            \
+            fail_msg("accepted: " #field " = " #value);                                                                \
+        }                                                                                                              \
     } while (0)
-#define LIMITS(field, lo, hi, below, above) \
-    do {                                    \
-        ACCEPT(field, lo);                  \
-        ACCEPT(field, hi);                  \
-        REFUSE(field, below);               \
-        REFUSE(field, above);               \
+#define LIMITS(field, lo, hi, below, above)                                                                            \
+    do {                                                                                                               \
+        ACCEPT(field, lo);                                                                                             \
+        ACCEPT(field, hi);                                                                                             \
+        REFUSE(field, below);                                                                                          \
+        REFUSE(field, above);                                                                                          \
     } while (0)
 
 static void test_limits(void **state)

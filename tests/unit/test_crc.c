@@ -66,7 +66,7 @@ static void little_endian_helpers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(known_values),          cmocka_unit_test(equals_bitwise),
+        cmocka_unit_test(known_values),           cmocka_unit_test(equals_bitwise),
         cmocka_unit_test(pieces_equal_the_whole), cmocka_unit_test(sees_every_single_bit),
         cmocka_unit_test(little_endian_helpers),
     };

@@ -26,8 +26,9 @@ static void successive_keys_are_neighbours(void **state)
             cell[i] = -1;
         uint32_t base = UINT32_MAX;
         for (int i = 0; i < CELLS; i++) {
-            const smr_vec p = smr_v((float)at[0] + (float)(i % SIDE) + 0.5f, (float)at[1] + (float)(i / SIDE % SIDE) + 0.5f,
-                                    (float)at[2] + (float)(i / SIDE / SIDE) + 0.5f);
+            const smr_vec p =
+                smr_v((float)at[0] + (float)(i % SIDE) + 0.5f, (float)at[1] + (float)(i / SIDE % SIDE) + 0.5f,
+                      (float)at[2] + (float)(i / SIDE / SIDE) + 0.5f);
             const uint32_t key = smr_curve_key(cube, p);
             assert_true(key < 1u << 30);
             if (base == UINT32_MAX)
@@ -39,7 +40,8 @@ static void successive_keys_are_neighbours(void **state)
         for (int k = 1; k < CELLS; k++) {
             const int a = cell[k - 1], b = cell[k];
             assert_int_equal(abs(a % SIDE - b % SIDE) + abs(a / SIDE % SIDE - b / SIDE % SIDE) +
-                                 abs(a / SIDE / SIDE - b / SIDE / SIDE), 1);
+                                 abs(a / SIDE / SIDE - b / SIDE / SIDE),
+                             1);
         }
     }
 }
@@ -58,7 +60,8 @@ static void coarse_curve_is_one_walk(void **state)
     for (int k = 1; k < CELLS; k++) {
         const int a = cell[k - 1], b = cell[k];
         assert_int_equal(abs(a % SIDE - b % SIDE) + abs(a / SIDE % SIDE - b / SIDE % SIDE) +
-                             abs(a / SIDE / SIDE - b / SIDE / SIDE), 1);
+                             abs(a / SIDE / SIDE - b / SIDE / SIDE),
+                         1);
     }
 }
 
@@ -128,8 +131,10 @@ static void sorts_stable(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(successive_keys_are_neighbours), cmocka_unit_test(coarse_curve_is_one_walk),
-        cmocka_unit_test(odd_boxes),                      cmocka_unit_test(box_holds_everything),
+        cmocka_unit_test(successive_keys_are_neighbours),
+        cmocka_unit_test(coarse_curve_is_one_walk),
+        cmocka_unit_test(odd_boxes),
+        cmocka_unit_test(box_holds_everything),
         cmocka_unit_test(sorts_stable),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -68,8 +68,8 @@ static void test_spike_goes(void **state)
     (void)state;
     spike(0.0f, 1, 1, plain, 40);
     spike(0.5f, 1, 1, even, 40);
-    assert_true(plain[39] > 0.8f);                     /* nothing else brings it back */
-    assert_true(even[0] > 0.4f && even[0] < 0.65f);    /* half of the way in the first iteration */
+    assert_true(plain[39] > 0.8f);                  /* nothing else brings it back */
+    assert_true(even[0] > 0.4f && even[0] < 0.65f); /* half of the way in the first iteration */
     assert_true(even[1] < even[0] && even[39] < 0.12f);
 }
 

@@ -94,7 +94,8 @@ static void test_normals(void **state)
         for (uint32_t k = 0; k < s->n_triangles; k++) {
             const uint32_t *t = s->triangle + 3u * (size_t)k;
             const smr_vec a = smr_load(smr_at3(s->x, t[0]));
-            const smr_vec area = smr_cross(smr_sub(smr_load(smr_at3(s->x, t[1])), a), smr_sub(smr_load(smr_at3(s->x, t[2])), a));
+            const smr_vec area =
+                smr_cross(smr_sub(smr_load(smr_at3(s->x, t[1])), a), smr_sub(smr_load(smr_at3(s->x, t[2])), a));
             for (uint32_t i = 0; i < 3u; i++) {
                 smr_store(expected + 3u * t[i], smr_add(smr_load(expected + 3u * t[i]), area));
             }

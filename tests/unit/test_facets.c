@@ -20,7 +20,8 @@ static const float none[3] = {0, 0, 0};
 static smr *start(uint32_t n_target_vertices)
 {
     const float off[3] = {70, 0, 0};
-    const smr_mesh mesh[3] = {rig_ball(30, 12, 20, none), rig_ball(20, 3, 4, off), {rig_ball(5, 2, 3, off).xyz, NULL, 8, 0}};
+    const smr_mesh mesh[3] = {
+        rig_ball(30, 12, 20, none), rig_ball(20, 3, 4, off), {rig_ball(5, 2, 3, off).xyz, NULL, 8, 0}};
     const smr_prepare_config radii = rig_radii(1, 18, 0, 0);
     smr_config config = smr_config_default();
     config.n_target_vertices = n_target_vertices;
@@ -58,7 +59,8 @@ static void test_normals_and_boxes(void **state)
                 for (uint32_t c = 0; c < 3u; c++) {
                     p[c] = smr_at3(s->x_next, f->triangle[3u * k + c]);
                 }
-                const smr_vec n = smr_unit(smr_cross(smr_sub(smr_load(p[1]), smr_load(p[0])), smr_sub(smr_load(p[2]), smr_load(p[0]))));
+                const smr_vec n = smr_unit(
+                    smr_cross(smr_sub(smr_load(p[1]), smr_load(p[0])), smr_sub(smr_load(p[2]), smr_load(p[0]))));
                 assert_true(smr_length(smr_sub(n, smr_load(f->normal + 3u * k))) < 1.0e-5f);
                 for (uint32_t level = 0, at = k; level < f->n_levels; level++) {
                     const smr_node *node = &f->node[f->level[level] + at / SMR_TREE_WIDTH];

@@ -27,7 +27,8 @@ static planted plant(oracle_random *r, int similarity, double far)
 static void apply(const planted *p, const double x[3], double out[3])
 {
     for (int k = 0; k < 3; k++)
-        out[k] = p->scale * (p->turn[3 * k] * x[0] + p->turn[3 * k + 1] * x[1] + p->turn[3 * k + 2] * x[2]) + p->shift[k];
+        out[k] =
+            p->scale * (p->turn[3 * k] * x[0] + p->turn[3 * k + 1] * x[1] + p->turn[3 * k + 2] * x[2]) + p->shift[k];
 }
 
 static double determinant(const smr_pose *p, double *not_rotation)
@@ -120,9 +121,11 @@ static void is_the_least_square(void **state)
             for (uint32_t k = 0; k < POINTS; k++) {
                 double z[3], t[3];
                 for (int c = 0; c < 3; c++)
-                    z[c] = (double)got.m[c][0] * x[k][0] + (double)got.m[c][1] * x[k][1] + (double)got.m[c][2] * x[k][2];
+                    z[c] =
+                        (double)got.m[c][0] * x[k][0] + (double)got.m[c][1] * x[k][1] + (double)got.m[c][2] * x[k][2];
                 for (int c = 0; c < 3; c++) {
-                    t[c] = turn[3 * c] * z[0] + turn[3 * c + 1] * z[1] + turn[3 * c + 2] * z[2] + (double)got.m[c][3] + shift[c];
+                    t[c] = turn[3 * c] * z[0] + turn[3 * c + 1] * z[1] + turn[3 * c + 2] * z[2] + (double)got.m[c][3] +
+                           shift[c];
                     sum += (t[c] - y[k][c]) * (t[c] - y[k][c]);
                 }
             }
@@ -149,7 +152,8 @@ static void degenerate_pairs_have_an_answer(void **state)
         const uint32_t kind = i % 5u, n = kind == 0u ? 1u : (kind == 1u ? 2u : 10u);
         smr_fit_start(&f, smr_v(0, 0, 0), smr_v(0, 0, 0));
         for (uint32_t k = 0; k < n; k++) {
-            smr_vec a = smr_v(oracle_uniformf(&r, -9, 9), oracle_uniformf(&r, -9, 9), oracle_uniformf(&r, -9, 9)), b = a;
+            smr_vec a = smr_v(oracle_uniformf(&r, -9, 9), oracle_uniformf(&r, -9, 9), oracle_uniformf(&r, -9, 9)),
+                    b = a;
             if (kind == 2u) /* collinear to collinear */
                 a = smr_v((float)k, (float)k, 1), b = smr_v(0, (float)k, 2);
             if (kind == 3u) /* all the same */

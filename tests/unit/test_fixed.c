@@ -43,10 +43,23 @@ static void rounds_to_nearest(void **state)
     static const struct {
         float v;
         int32_t want;
-    } table[] = {{0.0f, 0},      {-0.0f, 0},   {0.5f, 1},   {-0.5f, -1},  {0.49f, 0},    {-0.49f, 0},
-                 {1.5f, 2},      {-1.5f, -2},  {2.25f, 2},  {1.0e-30f, 0}, {-1.0e-40f, 0}, {8388610.0f, 8388610},
-                 {1.0e9f, 1000000000}, {3.0e9f, 1073741824}, {-3.0e9f, -1073741824},
-                 {1073741824.0f, 1073741824}, {-1073741824.0f, -1073741824}};
+    } table[] = {{0.0f, 0},
+                 {-0.0f, 0},
+                 {0.5f, 1},
+                 {-0.5f, -1},
+                 {0.49f, 0},
+                 {-0.49f, 0},
+                 {1.5f, 2},
+                 {-1.5f, -2},
+                 {2.25f, 2},
+                 {1.0e-30f, 0},
+                 {-1.0e-40f, 0},
+                 {8388610.0f, 8388610},
+                 {1.0e9f, 1000000000},
+                 {3.0e9f, 1073741824},
+                 {-3.0e9f, -1073741824},
+                 {1073741824.0f, 1073741824},
+                 {-1073741824.0f, -1073741824}};
     oracle_random r = oracle_seed(4);
     double worst = 0.0, worst_large = 0.0;
     (void)state;
@@ -125,7 +138,8 @@ static void small_helpers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(scale_is_the_largest_power_of_two), cmocka_unit_test(rounds_to_nearest),
+        cmocka_unit_test(scale_is_the_largest_power_of_two),
+        cmocka_unit_test(rounds_to_nearest),
         cmocka_unit_test(any_order_any_wrap_same_bits),
         cmocka_unit_test(small_helpers),
     };

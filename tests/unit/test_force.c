@@ -233,12 +233,9 @@ static void test_slide(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_closest_point, tidy),
-        cmocka_unit_test_teardown(test_warm_start, tidy),
-        cmocka_unit_test_teardown(test_box, tidy),
-        cmocka_unit_test_teardown(test_border, tidy),
-        cmocka_unit_test_teardown(test_outliers, tidy),
-        cmocka_unit_test_teardown(test_no_target_no_force, tidy),
+        cmocka_unit_test_teardown(test_closest_point, tidy), cmocka_unit_test_teardown(test_warm_start, tidy),
+        cmocka_unit_test_teardown(test_box, tidy),           cmocka_unit_test_teardown(test_border, tidy),
+        cmocka_unit_test_teardown(test_outliers, tidy),      cmocka_unit_test_teardown(test_no_target_no_force, tidy),
         cmocka_unit_test_teardown(test_slide, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -120,7 +120,8 @@ static void logs(void **state)
         for (uint32_t k = 1u + oracle_below(&r, 3u); k > 0u; k--) {
             size_t to_bytes, from_bytes;
             const size_t to = unit_log_record(seed.log, seed.bytes, oracle_below(&r, 43u), &to_bytes) - SMR_LOG_HEADER;
-            const size_t from = unit_log_record(seed.log, seed.bytes, oracle_below(&r, 43u), &from_bytes) - SMR_LOG_HEADER;
+            const size_t from =
+                unit_log_record(seed.log, seed.bytes, oracle_below(&r, 43u), &from_bytes) - SMR_LOG_HEADER;
             switch (oracle_below(&r, 4u)) {
             case 0: copy[oracle_below(&r, size)] = (uint8_t)oracle_next(&r); break;
             case 1: copy[to + 4u + oracle_below(&r, 8u)] ^= (uint8_t)(1u << oracle_below(&r, 8u)); break;

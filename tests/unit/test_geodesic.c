@@ -15,7 +15,8 @@ static void check(const smr_structure *structures, uint32_t n_structures, smr_pr
     smr_model_info info;
     assert_int_equal(smr_model_get_info(image.model, &info), SMR_OK);
     for (uint32_t k = 0; k < info.n_radii; k++) {
-        const unit_rule rule = {info.radius_mm[k], 1, (int)info.separate[k], c->ring && info.radius_mm[k] >= info.edge_mm};
+        const unit_rule rule = {info.radius_mm[k], 1, (int)info.separate[k],
+                                c->ring && info.radius_mm[k] >= info.edge_mm};
         assert_true(unit_chain_sets(image.model, k, got));
         for (uint32_t a = 0; a < n; a++)
             for (uint32_t b = 0; b < a; b++)

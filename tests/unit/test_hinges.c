@@ -93,7 +93,7 @@ static void surfaces(void **state)
     (void)state;
     for (uint32_t i = 0; i < grid.nv; i++)
         grid.xyz[3u * i + 2u] = 0.0f;
-    assert_int_equal(check(&ball), 3u * ball.nt / 2u);            /* closed: every edge */
+    assert_int_equal(check(&ball), 3u * ball.nt / 2u);              /* closed: every edge */
     assert_int_equal(check(&grid), (3u * grid.nt - 2u * 15u) / 2u); /* all but the rim */
     unit_mesh_free(&ball);
     unit_mesh_free(&grid);

@@ -8,9 +8,9 @@
 #include "property/rig.h"
 #include "runtime/state.h"
 
-#define SIDE 76u          /* voxels */
-#define SPACING 1.5f      /* mm */
-#define RADIUS 30.0f      /* mm */
+#define SIDE 76u     /* voxels */
+#define SPACING 1.5f /* mm */
+#define RADIUS 30.0f /* mm */
 
 static const float none[3] = {0, 0, 0};
 static const float shift[3] = {2, -1, 2}; /* 3 mm */
@@ -122,7 +122,8 @@ static double off_turned(const smr *s, const smr_model *model, const float *befo
     double sum = 0.0;
     for (uint32_t i = 0; i < s->n; i++) {
         const double to[3] = {cos(angle) * (double)before[3u * i] - sin(angle) * (double)before[3u * i + 1u],
-                              sin(angle) * (double)before[3u * i] + cos(angle) * (double)before[3u * i + 1u], (double)before[3u * i + 2u]};
+                              sin(angle) * (double)before[3u * i] + cos(angle) * (double)before[3u * i + 1u],
+                              (double)before[3u * i + 2u]};
         double d2 = 0.0;
         for (uint32_t a = 0; a < 3u; a++)
             d2 += ((double)x[3u * i + a] - to[a]) * ((double)x[3u * i + a] - to[a]);
@@ -158,7 +159,8 @@ static void test_turns(void **state)
             off[i] = off_turned(s, model, before, i < 2u ? angle : 0.0);
         }
         if (!(off[0] > 0.9 * start && off[1] < 0.6 * start && off[2] < 0.6 * start)) {
-            print_error("case %u: %f mm off at the start, %f without sideways goals, %f with them; not turned: %f\n", k, start, off[0], off[1], off[2]);
+            print_error("case %u: %f mm off at the start, %f without sideways goals, %f with them; not turned: %f\n", k,
+                        start, off[0], off[1], off[2]);
         }
         assert_true(off[0] > 0.9 * start && off[1] < 0.6 * start && off[2] < 0.6 * start);
     }
@@ -269,7 +271,8 @@ static void test_refused(void **state)
 /* Another volume in the midst of an iteration: how far that had come does not matter. */
 static void test_abandoned(void **state)
 {
-    const smr_volume reference = image(RADIUS, none), first = image(RADIUS + 2.0f, shift), second = image(RADIUS - 1.0f, shift);
+    const smr_volume reference = image(RADIUS, none), first = image(RADIUS + 2.0f, shift),
+                     second = image(RADIUS - 1.0f, shift);
     const smr_model *model = ball_model(&reference);
     uint32_t n_partial = 0;
     (void)state;
@@ -424,12 +427,12 @@ static void test_structure_report(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_follows_image, tidy), cmocka_unit_test_teardown(test_turns, tidy),
-        cmocka_unit_test_teardown(test_extreme_reference, tidy),
-        cmocka_unit_test_teardown(test_needs_profiles, tidy), cmocka_unit_test_teardown(test_refused, tidy),
-        cmocka_unit_test_teardown(test_image_elsewhere, tidy), cmocka_unit_test_teardown(test_equal_bits, tidy),
-        cmocka_unit_test_teardown(test_take_away, tidy), cmocka_unit_test_teardown(test_surface_first, tidy),
-        cmocka_unit_test_teardown(test_abandoned, tidy), cmocka_unit_test_teardown(test_structure_report, tidy),
+        cmocka_unit_test_teardown(test_follows_image, tidy),     cmocka_unit_test_teardown(test_turns, tidy),
+        cmocka_unit_test_teardown(test_extreme_reference, tidy), cmocka_unit_test_teardown(test_needs_profiles, tidy),
+        cmocka_unit_test_teardown(test_refused, tidy),           cmocka_unit_test_teardown(test_image_elsewhere, tidy),
+        cmocka_unit_test_teardown(test_equal_bits, tidy),        cmocka_unit_test_teardown(test_take_away, tidy),
+        cmocka_unit_test_teardown(test_surface_first, tidy),     cmocka_unit_test_teardown(test_abandoned, tidy),
+        cmocka_unit_test_teardown(test_structure_report, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

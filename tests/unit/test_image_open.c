@@ -152,9 +152,22 @@ static void every_byte_changed(void **state)
 /* Whole words: counts and offsets at their limits, floats that are none. */
 static void every_word_replaced(void **state)
 {
-    static const uint32_t word[] = {0u, 1u, 2u, 16u, 64u, 0x7fffffffu, 0x80000000u, 0xffffffffu, 0xffffffc0u, 0x00ffffffu,
-                                    0x7fc00000u /* NaN */, 0x7f800000u /* infinity */, 0x7149f2cau /* 1e30 */, 0x00000001u,
-                                    0x47c35000u /* 1e5 */, 0xc7c35000u};
+    static const uint32_t word[] = {0u,
+                                    1u,
+                                    2u,
+                                    16u,
+                                    64u,
+                                    0x7fffffffu,
+                                    0x80000000u,
+                                    0xffffffffu,
+                                    0xffffffc0u,
+                                    0x00ffffffu,
+                                    0x7fc00000u /* NaN */,
+                                    0x7f800000u /* infinity */,
+                                    0x7149f2cau /* 1e30 */,
+                                    0x00000001u,
+                                    0x47c35000u /* 1e5 */,
+                                    0xc7c35000u};
     small_world w = make(0);
     unsigned char *copy = unit_memory(w.image.size);
     (void)state;
@@ -195,7 +208,8 @@ static void random_damage(void **state)
 /* Writes a word of the image, repairs the checksum and opens it; then everything is as before. */
 static smr_status open_with(small_world *w, const uint32_t *word, uint32_t value)
 {
-    unsigned char *const at = (unsigned char *)w->image.bytes + ((const unsigned char *)word - (const unsigned char *)w->image.bytes);
+    unsigned char *const at =
+        (unsigned char *)w->image.bytes + ((const unsigned char *)word - (const unsigned char *)w->image.bytes);
     const uint32_t was = *word, stored = smr_le32(value);
     const smr_model *model;
     memcpy(at, &stored, sizeof stored);
@@ -245,7 +259,8 @@ static void shared_lists(void **state)
     (void)state;
     for (uint32_t order = 0; order < 2u; order++) {
         small_world w = make(order);
-        smr_image_radius *r = (smr_image_radius *)(void *)((unsigned char *)w.image.bytes + smr_le32(w.image.model->at_radii));
+        smr_image_radius *r =
+            (smr_image_radius *)(void *)((unsigned char *)w.image.bytes + smr_le32(w.image.model->at_radii));
         const smr_image_radius own = r[1];
         const smr_model *model;
         r[1] = r[0]; /* sound lists, but those of the other radius */
@@ -293,11 +308,11 @@ static void views_refuse_politely(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sound_image_works),  cmocka_unit_test(null_and_misaligned),
-        cmocka_unit_test(cut_at_every_length),  cmocka_unit_test(the_checksum_sees_every_bit),
-        cmocka_unit_test(every_byte_changed),   cmocka_unit_test(every_word_replaced),
-        cmocka_unit_test(random_damage),        cmocka_unit_test(forged_levels),
-        cmocka_unit_test(shared_lists),         cmocka_unit_test(views_refuse_politely),
+        cmocka_unit_test(a_sound_image_works), cmocka_unit_test(null_and_misaligned),
+        cmocka_unit_test(cut_at_every_length), cmocka_unit_test(the_checksum_sees_every_bit),
+        cmocka_unit_test(every_byte_changed),  cmocka_unit_test(every_word_replaced),
+        cmocka_unit_test(random_damage),       cmocka_unit_test(forged_levels),
+        cmocka_unit_test(shared_lists),        cmocka_unit_test(views_refuse_politely),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

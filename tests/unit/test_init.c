@@ -93,7 +93,8 @@ static void test_layout(void **state)
 static void test_counts_and_parts(void **state)
 {
     const float off[3] = {50, 0, 0};
-    const smr_mesh mesh[3] = {rig_ball(20, 6, 30, none), rig_ball(20, 3, 5, off), {rig_ball(9, 2, 4, none).xyz, NULL, 10, 0}};
+    const smr_mesh mesh[3] = {
+        rig_ball(20, 6, 30, none), rig_ball(20, 3, 5, off), {rig_ball(9, 2, 4, none).xyz, NULL, 10, 0}};
     const smr_prepare_config radii = rig_radii(2, 15, 8, 0);
     const smr_model *model = rig_model(mesh, 3, &radii);
     const smr_config config = smr_config_default();

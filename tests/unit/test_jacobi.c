@@ -119,7 +119,8 @@ static void warm_start(void **state)
         oracle_widen(v, wide, 9);
         worst_rotation = fmax(worst_rotation, oracle_not_rotation(wide));
         smr_congruence(s, v, d);
-        worst = fmax(worst, fmax(fabs((double)d[SMR_XY]), fmax(fabs((double)d[SMR_XZ]), fabs((double)d[SMR_YZ]))) / 9.0);
+        worst =
+            fmax(worst, fmax(fabs((double)d[SMR_XY]), fmax(fabs((double)d[SMR_XZ]), fabs((double)d[SMR_YZ]))) / 9.0);
     }
     assert_true(oracle_within("jacobi: off-diagonal after a warm start", worst, 1e-6));
     assert_true(oracle_within("jacobi: V after a warm start", worst_rotation, 3e-6));

@@ -61,7 +61,8 @@ static void test_records(void **state)
         assert_int_equal(iteration, r.iteration);
         assert_true(r.n_evaluated <= r.n_taken && (r.complete ? r.n_evaluated == r.n_taken : 1));
     }
-    assert_true(ticks == 40u && unit_recorded.ticks == 40u && surfaces == 2u && partial > 0u && iteration > 2u && cut > 0u);
+    assert_true(ticks == 40u && unit_recorded.ticks == 40u && surfaces == 2u && partial > 0u && iteration > 2u &&
+                cut > 0u);
 }
 
 /* Every length from nothing to enough: what was recorded is a part of the whole, the rest goes on as without a log. */
@@ -137,7 +138,8 @@ static void test_refusals(void **state)
     assert_int_equal(SMR_E_STATE, smr_set_log(s, log, sizeof log));
     assert_int_equal(SMR_OK, smr_get_log(s, &is));
     assert_int_equal(1, is.n_ticks);
-    assert_int_equal(SMR_E_INPUT, smr_set_surface(s, 7, unit_recorded.surface[0])); /* what is refused is not recorded */
+    assert_int_equal(SMR_E_INPUT,
+                     smr_set_surface(s, 7, unit_recorded.surface[0])); /* what is refused is not recorded */
     const size_t before = is.bytes;
     assert_int_equal(SMR_OK, smr_get_log(s, &is));
     assert_int_equal(before, is.bytes);
@@ -150,7 +152,7 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_header),  cmocka_unit_test(test_records),    cmocka_unit_test(test_memory_ends),
+        cmocka_unit_test(test_header),      cmocka_unit_test(test_records),  cmocka_unit_test(test_memory_ends),
         cmocka_unit_test(test_bytes_macro), cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, unit_log_set_up, unit_log_tidy);

@@ -99,8 +99,11 @@ static void test_swapped_and_noise(void **state)
     uint32_t seen, seed = 3;
     size_t bytes = 0, next = 0;
     (void)state;
-    memcpy(log, unit_recorded.log, unit_recorded.bytes); /* two ticks of equal length change places: each one's checksum knows what came before */
-    const size_t a = unit_log_record(log, unit_recorded.bytes, 5, &bytes), b = unit_log_record(log, unit_recorded.bytes, 6, &next);
+    memcpy(
+        log, unit_recorded.log,
+        unit_recorded.bytes); /* two ticks of equal length change places: each one's checksum knows what came before */
+    const size_t a = unit_log_record(log, unit_recorded.bytes, 5, &bytes),
+                 b = unit_log_record(log, unit_recorded.bytes, 6, &next);
     assert_true(bytes == next && bytes <= sizeof one && b == a + bytes);
     memcpy(one, log + a, bytes);
     memmove(log + a, log + b, bytes);
@@ -139,8 +142,12 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_whole),  cmocka_unit_test(test_cut),               cmocka_unit_test(test_every_bit),
-        cmocka_unit_test(test_forged), cmocka_unit_test(test_swapped_and_noise), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_whole),
+        cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_every_bit),
+        cmocka_unit_test(test_forged),
+        cmocka_unit_test(test_swapped_and_noise),
+        cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, unit_log_set_up, unit_log_tidy);
 }

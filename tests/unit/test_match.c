@@ -154,7 +154,8 @@ static void test_always_a_rotation(void **state)
         plane[3u * i] = 3.0f * (float)(i % 3u);
         plane[3u * i + 2u] = 3.0f * (float)(i / 3u);
     }
-    const smr_mesh shapes[] = {ball, {line, NULL, 10, 0}, {plane, NULL, 10, 0}, {point, NULL, 10, 0}, {line, NULL, 2, 0}, {line, NULL, 1, 0}};
+    const smr_mesh shapes[] = {
+        ball, {line, NULL, 10, 0}, {plane, NULL, 10, 0}, {point, NULL, 10, 0}, {line, NULL, 2, 0}, {line, NULL, 1, 0}};
     for (uint32_t k = 0; k < 12u; k++) {
         smr *s = start(k % 2u, &shapes[k / 2u], 18);
         for (uint32_t round = 0; round < 20u; round++) {

@@ -14,7 +14,8 @@
 static void numbering_and_curve(void **state)
 {
     oracle_random r = oracle_seed(160);
-    unit_mesh a = unit_soup(&r, 90, 70.0f, 1), b = unit_points(&r, 200, -500.0f, 900.0f), one = unit_points(&r, 1, 3, 1);
+    unit_mesh a = unit_soup(&r, 90, 70.0f, 1), b = unit_points(&r, 200, -500.0f, 900.0f),
+              one = unit_points(&r, 1, 3, 1);
     const smr_structure three[3] = {{"a", unit_view(&a)}, {"b", unit_view(&b)}, {"c", unit_view(&one)}};
     smr_prepare_config c = smr_prepare_config_default();
     (void)state;
@@ -62,7 +63,8 @@ static void the_callers_mesh_comes_back(void **state)
     double worst = 0.0;
     (void)state;
     for (uint32_t round = 0; round < 8u; round++) {
-        unit_mesh m[2] = {unit_soup(&r, 1u + oracle_below(&r, 200u), round % 2u ? 80.0f : 1e5f, 1), unit_grid(7, 5, 3.0f)};
+        unit_mesh m[2] = {unit_soup(&r, 1u + oracle_below(&r, 200u), round % 2u ? 80.0f : 1e5f, 1),
+                          unit_grid(7, 5, 3.0f)};
         const smr_structure two[2] = {{"first", unit_view(&m[0])}, {NULL, unit_view(&m[1])}};
         smr_prepare_config c = smr_prepare_config_default();
         c.n_radii = 1;
@@ -188,10 +190,8 @@ static void long_names_are_cut(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbering_and_curve),
-        cmocka_unit_test(the_callers_mesh_comes_back),
-        cmocka_unit_test(edges_and_masses),
-        cmocka_unit_test(edges_of_zero_area_triangles),
+        cmocka_unit_test(numbering_and_curve), cmocka_unit_test(the_callers_mesh_comes_back),
+        cmocka_unit_test(edges_and_masses),    cmocka_unit_test(edges_of_zero_area_triangles),
         cmocka_unit_test(long_names_are_cut),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

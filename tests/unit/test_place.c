@@ -144,8 +144,9 @@ static void test_whole_numbers(void **state)
     const float limit = 1073741824.0f;
     const struct {
         float given, whole;
-    } table[] = {{0.4f, 0},      {0.5f, 1},       {-0.5f, -1},       {-2.4f, -2},       {100000.4f, 100000},    {limit, limit},
-                 {4.8e12f, limit}, {-FLT_MAX, -limit}, {INFINITY, limit}, {-INFINITY, -limit}, {NAN, -limit}};
+    } table[] = {{0.4f, 0},           {0.5f, 1},           {-0.5f, -1},      {-2.4f, -2},
+                 {100000.4f, 100000}, {limit, limit},      {4.8e12f, limit}, {-FLT_MAX, -limit},
+                 {INFINITY, limit},   {-INFINITY, -limit}, {NAN, -limit}};
     (void)state;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
         const smr_vec got = smr_whole(smr_v(table[i].given, 0, table[i].given));

@@ -195,7 +195,8 @@ static void defined_answers(void **state)
         memcpy(v, identity, sizeof v);
         polar_wide(a, v, got);
         for (int k = 0; k < 3; k++)
-            worst = fmax(worst, fabs(got[3 * k] * from[0] + got[3 * k + 1] * from[1] + got[3 * k + 2] * from[2] - to[k]));
+            worst =
+                fmax(worst, fabs(got[3 * k] * from[0] + got[3 * k + 1] * from[1] + got[3 * k + 2] * from[2] - to[k]));
         worst_angle = fmax(worst_angle, fabs(0.5 * (got[0] + got[4] + got[8] - 1.0) - cosine));
     }
     assert_true(oracle_within("polar: rank 1 takes a to b", worst, 2e-6));
@@ -205,9 +206,9 @@ static void defined_answers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equals_double),     cmocka_unit_test(warm_start_from_anywhere),
+        cmocka_unit_test(equals_double),       cmocka_unit_test(warm_start_from_anywhere),
         cmocka_unit_test(rotations_come_back), cmocka_unit_test(always_a_rotation),
-        cmocka_unit_test(small_integers),    cmocka_unit_test(defined_answers),
+        cmocka_unit_test(small_integers),      cmocka_unit_test(defined_answers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

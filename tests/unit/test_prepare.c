@@ -149,14 +149,17 @@ static void memory_to_the_byte(void **state)
         unsigned char *image = unit_memory(capacity); /* exact: nothing is written beyond it */
         const smr_model *model = NULL;
         bytes = 0;
-        assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, image, capacity, &bytes), SMR_E_ARENA);
+        assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, image, capacity, &bytes),
+                         SMR_E_ARENA);
         assert_int_equal(bytes, b.image_bytes);
         assert_int_equal(smr_model_open(image, capacity, &model), SMR_E_MODEL); /* nothing useful */
         unit_free(image);
     }
     for (size_t off = 1; off < SMR_ALIGN; off += 7u) {
-        assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch + off, b.scratch_bytes, NULL, 0, &bytes), SMR_E_ALIGN);
-        assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, b.image + off, 0, &bytes), SMR_E_ALIGN);
+        assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch + off, b.scratch_bytes, NULL, 0, &bytes),
+                         SMR_E_ALIGN);
+        assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, b.image + off, 0, &bytes),
+                         SMR_E_ALIGN);
     }
     tear_down(&b);
 }
@@ -176,8 +179,8 @@ static void the_same_image_every_time(void **state)
         unsigned char *scratch = unit_memory(scratch_bytes + 640u), *image = unit_memory(first.size + 640u);
         memset(scratch, (int)i * 31, scratch_bytes + 640u);
         memset(image, (int)i * 17 + 1, first.size + 640u);
-        assert_int_equal(smr_prepare(&b.one, 1, &b.config, scratch, scratch_bytes + 640u, image, first.size + 640u, &bytes),
-                         SMR_OK);
+        assert_int_equal(
+            smr_prepare(&b.one, 1, &b.config, scratch, scratch_bytes + 640u, image, first.size + 640u, &bytes), SMR_OK);
         assert_int_equal(bytes, first.size);
         assert_memory_equal(image, first.bytes, bytes);
         for (size_t k = bytes; k < first.size + 640u; k++)
@@ -256,7 +259,8 @@ static void progress_and_abort(void **state)
             watch w = {0, stop, 0, 0};
             b.config.progress_ctx = &w;
             bytes = 99;
-            assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, NULL, 0, &bytes), SMR_E_ABORTED);
+            assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, NULL, 0, &bytes),
+                             SMR_E_ABORTED);
             assert_int_equal(w.calls, stop); /* not asked again */
             assert_int_equal(bytes, 99);
         }
@@ -337,9 +341,9 @@ static void odd_meshes_work(void **state)
 {
     static const float xyz[] = {0, 0, 0, 3, 0, 0, 0, 3, 0, 0, 0, 3, 3, 0, 0, 9, 9, 9, 3, 0, 0, -0.0f, 0, 0};
     static const float far_away[] = {1e5f, 1e5f, 1e5f, -1e5f, -1e5f, -1e5f, 1e5f, -1e5f, 0};
-    static const uint32_t t[][9] = {{0, 1, 2, 0, 2, 3, 0, 3, 4}, /* vertex 5 isolated, 4 and 6 copies of 1 */
-                                    {0, 0, 0, 1, 1, 4, 1, 4, 6}, /* nothing but zero area */
-                                    {0, 1, 2, 0, 1, 2, 2, 1, 0}, /* thrice the same */
+    static const uint32_t t[][9] = {{0, 1, 2, 0, 2, 3, 0, 3, 4},  /* vertex 5 isolated, 4 and 6 copies of 1 */
+                                    {0, 0, 0, 1, 1, 4, 1, 4, 6},  /* nothing but zero area */
+                                    {0, 1, 2, 0, 1, 2, 2, 1, 0},  /* thrice the same */
                                     {0, 1, 2, 0, 1, 3, 0, 1, 5}}; /* an edge with three triangles */
     unit_mesh ball = unit_sphere(2, 5.0f, 1.0f);
     smr_surface *target = unit_surface(&ball);
@@ -363,12 +367,11 @@ static void odd_meshes_work(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(null_everywhere),       cmocka_unit_test(configurations_out_of_range),
-        cmocka_unit_test(all_sixteen_radii),     cmocka_unit_test(memory_to_the_byte),
+        cmocka_unit_test(null_everywhere),           cmocka_unit_test(configurations_out_of_range),
+        cmocka_unit_test(all_sixteen_radii),         cmocka_unit_test(memory_to_the_byte),
         cmocka_unit_test(the_same_image_every_time), cmocka_unit_test(the_same_image_whoever_works),
-        cmocka_unit_test(progress_and_abort),
-        cmocka_unit_test(bad_coordinates_and_indexes), cmocka_unit_test(counts_out_of_range),
-        cmocka_unit_test(odd_meshes_work),
+        cmocka_unit_test(progress_and_abort),        cmocka_unit_test(bad_coordinates_and_indexes),
+        cmocka_unit_test(counts_out_of_range),       cmocka_unit_test(odd_meshes_work),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -24,7 +24,8 @@ static world make(oracle_random *r, uint32_t round)
     memset(&w, 0, sizeof w);
     w.mesh[0] = round % 3u == 0u ? unit_sphere(1u + round % 2u, 20.0f, 25.0f)
                                  : unit_points(r, 1u + oracle_below(r, 120u), 0.0f, 60.0f);
-    w.mesh[1] = round % 3u == 1u ? unit_grid(3u + round % 5u, 6, 5.0f) : unit_soup(r, 1u + oracle_below(r, 40u), 50.0f, 1);
+    w.mesh[1] =
+        round % 3u == 1u ? unit_grid(3u + round % 5u, 6, 5.0f) : unit_soup(r, 1u + oracle_below(r, 40u), 50.0f, 1);
     w.config = smr_prepare_config_default();
     w.config.n_radii = 1u + oracle_below(r, 4u);
     for (uint32_t k = 0; k < w.config.n_radii; k++)
@@ -59,7 +60,8 @@ static void find_members(world *w, const smr_model *m)
         w->member[k] = unit_memory((size_t)n * n);
         for (uint32_t a = 0; a < n; a++)
             for (uint32_t b = 0; b < n; b++)
-                w->member[k][(size_t)smr_model_original(m, a) * n + smr_model_original(m, b)] = stored[(size_t)a * n + b];
+                w->member[k][(size_t)smr_model_original(m, a) * n + smr_model_original(m, b)] =
+                    stored[(size_t)a * n + b];
     }
     unit_free(stored);
 }
@@ -74,7 +76,8 @@ static uint32_t left(const unsigned char *member, uint32_t n, uint32_t a, const 
 }
 
 /* The rule at one radius, every m_i anew at each step. Appends to list; returns its new length. */
-static uint32_t plain_rule(const unsigned char *member, uint32_t n, unsigned char *gone, uint32_t *list, uint32_t listed)
+static uint32_t plain_rule(const unsigned char *member, uint32_t n, unsigned char *gone, uint32_t *list,
+                           uint32_t listed)
 {
     uint32_t *size = unit_memory(4u * (size_t)n);
     for (;;) {
@@ -146,7 +149,8 @@ static void check_list(const world *w, const uint32_t *list, uint32_t listed, co
     smr_plan_layout(&a, &p);
     memset(p.row, 0, p.n_rows * (p.words + 1u) * sizeof *p.row);
     smr_plan_order(&p);
-    assert_int_equal(smr_plan_priority(&p, w->config.radius_mm, w->config.n_radii, w->config.separate_below_mm), SMR_OK);
+    assert_int_equal(smr_plan_priority(&p, w->config.radius_mm, w->config.n_radii, w->config.separate_below_mm),
+                     SMR_OK);
     assert_int_equal(p.n_listed, listed);
     for (uint32_t i = 0; i < listed; i++)
         assert_int_equal(p.original[p.list[i]], list[i]);
@@ -156,7 +160,8 @@ static void check_list(const world *w, const uint32_t *list, uint32_t listed, co
 }
 
 /* Levels follow the list, and what a radius needs ends one. */
-static void check_levels(const world *w, const smr_model *m, const uint32_t *list, uint32_t listed, const uint32_t *need)
+static void check_levels(const world *w, const smr_model *m, const uint32_t *list, uint32_t listed,
+                         const uint32_t *need)
 {
     smr_model_info info;
     assert_int_equal(smr_model_get_info(m, &info), SMR_OK);

@@ -11,17 +11,15 @@
 #define N 30u
 #define M 70u
 
-static const smr_likeness likeness[] = {{SMR_SIMILARITY_NCC, 0.0f, 0.0f}, {SMR_SIMILARITY_SSD, 0.0f, 0.0f},
-                                        {SMR_SIMILARITY_CONCORDANCE, 0.0f, 0.0f}};
+static const smr_likeness likeness[] = {
+    {SMR_SIMILARITY_NCC, 0.0f, 0.0f}, {SMR_SIMILARITY_SSD, 0.0f, 0.0f}, {SMR_SIMILARITY_CONCORDANCE, 0.0f, 0.0f}};
 
 static float value_of(uint32_t kind, float t)
 {
     const double x = (double)t;
     switch (kind) {
-    case 0: /* a soft step */
-        return (float)tanh((x - 14.0) / 2.0);
-    case 1: /* a ramp between two plateaus */
-        return t < 8.0f ? 0.0f : t > 20.0f ? 12.0f : t - 8.0f;
+    case 0: /* a soft step */ return (float)tanh((x - 14.0) / 2.0);
+    case 1: /* a ramp between two plateaus */ return t < 8.0f ? 0.0f : t > 20.0f ? 12.0f : t - 8.0f;
     default: /* smooth noise */
         return (float)(sin(0.61 * x + 1.0) + 0.8 * sin(0.37 * x * (1.0 + 0.01 * x) + 0.2) + 0.6 * sin(0.23 * x + 2.1));
     }
@@ -328,7 +326,8 @@ static void test_edge_alike(void **state)
     memset(inside, 1, sizeof inside);
     for (uint32_t like = 0; like < 2u; like++) {
         for (int way = -1; way <= 1; way += 2) {
-            const float sign = (float)way, off = like == 0u ? -3.0f * sign : 3.0f * sign; /* no third edge between them */
+            const float sign = (float)way,
+                        off = like == 0u ? -3.0f * sign : 3.0f * sign; /* no third edge between them */
             const packed_profile p = edge_reference(15.0f, sign);
             const float steep[2] = {like == 0u ? 1.0f : 20.0f, like == 0u ? 20.0f : 1.0f};
             const float lift[2] = {like == 0u ? 0.0f : off, like == 0u ? off : 0.0f};
@@ -385,7 +384,8 @@ static void test_ranges(void **state)
             inside[k] = rig_random(&seed, 100) > round % 5u;
             line[k] = inside[k] ? rig_between(&seed, -1, 1) * scale : 0.0f;
         }
-        const float low = rig_between(&seed, -1, 1) * scale, range = rig_between(&seed, 0.01f, 10.0f) * (round % 7u ? scale : 1.0f);
+        const float low = rig_between(&seed, -1, 1) * scale,
+                    range = rig_between(&seed, 0.01f, 10.0f) * (round % 7u ? scale : 1.0f);
         const smr_profile packed = {byte, low, range, n};
         const smr_peak match = smr_profile_match(&packed, line, inside, m, &likeness[round % 3u]);
         assert_true(match.confidence >= 0.0f && match.confidence <= 1.0f);
@@ -402,11 +402,18 @@ static void test_ranges(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pack),          cmocka_unit_test(test_flat),       cmocka_unit_test(test_shifts),
-        cmocka_unit_test(test_ssd_sees_level), cmocka_unit_test(test_outside_windows), cmocka_unit_test(test_concordance_sees_contrast),
-        cmocka_unit_test(test_nearer_wins),   cmocka_unit_test(test_edge_place),
+        cmocka_unit_test(test_pack),
+        cmocka_unit_test(test_flat),
+        cmocka_unit_test(test_shifts),
+        cmocka_unit_test(test_ssd_sees_level),
+        cmocka_unit_test(test_outside_windows),
+        cmocka_unit_test(test_concordance_sees_contrast),
+        cmocka_unit_test(test_nearer_wins),
+        cmocka_unit_test(test_edge_place),
         cmocka_unit_test(test_edge_alike),
-        cmocka_unit_test(test_edge_polarity), cmocka_unit_test(test_edge_holes), cmocka_unit_test(test_ranges),
+        cmocka_unit_test(test_edge_polarity),
+        cmocka_unit_test(test_edge_holes),
+        cmocka_unit_test(test_ranges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -62,7 +62,8 @@ static void test_one_triangle(void **state)
     }
     const smr_vec out = smr_unit(smr_cross(smr_sub(smr_load(mesh.xyz + 3u * t[1]), smr_load(mesh.xyz + 3u * t[0])),
                                            smr_sub(smr_load(mesh.xyz + 3u * t[2]), smr_load(mesh.xyz + 3u * t[0]))));
-    for (uint32_t c = 0; c < 3u; c++) { /* half a millimetre outside, so that no other facet is near; 1 % of the facet's size */
+    for (uint32_t c = 0; c < 3u;
+         c++) { /* half a millimetre outside, so that no other facet is near; 1 % of the facet's size */
         const smr_vec p = smr_add(smr_scale(middle, 0.99f), smr_scale(smr_load(mesh.xyz + 3u * t[c]), 0.01f));
         smr_store(xyz + 3u * c, smr_add(p, smr_scale(out, 0.5f)));
     }

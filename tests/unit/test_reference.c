@@ -55,7 +55,8 @@ static void compare(const smr *s, const rig_lists *l, double *centre_mm, double 
         for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
             for (uint32_t i = 0; i < 9u; i++) {
                 const float *x = smr_at3(s->x_ref, l->zeta[k]);
-                m[i] += (double)smr_mass_of(s, l->zeta[k]) * ((double)x[i / 3u] - c[i / 3u] / mass) * ((double)x[i % 3u] - c[i % 3u] / mass);
+                m[i] += (double)smr_mass_of(s, l->zeta[k]) * ((double)x[i / 3u] - c[i / 3u] / mass) *
+                        ((double)x[i % 3u] - c[i % 3u] / mass);
             }
         }
         trace = m[0] + m[4] + m[8];
@@ -93,7 +94,8 @@ static void check(uint32_t mass, const float *at, float radius)
         settle(s);
         compare(s, &l, &centre_mm, &spread);
         if (centre_mm > 2.0e-3 || spread > 5.0e-3) {
-            fail_msg("mass %u radius %g method %u: centre off by %g mm, spread by %g", mass, (double)radius, method, centre_mm, spread);
+            fail_msg("mass %u radius %g method %u: centre off by %g mm, spread by %g", mass, (double)radius, method,
+                     centre_mm, spread);
         }
     }
 }

@@ -48,10 +48,13 @@ static void test_agrees(void **state)
     assert_int_equal(0, first_difference(unit_recorded.log, unit_recorded.bytes, g, &status));
     assert_int_equal(SMR_OK, status);
     /* at the end it stays */
-    assert_int_equal(SMR_OK, smr_replay_start(&replay, unit_log_begin(&unit_recorded, NULL), unit_recorded.log, unit_recorded.bytes, next_surface, &own));
+    assert_int_equal(SMR_OK, smr_replay_start(&replay, unit_log_begin(&unit_recorded, NULL), unit_recorded.log,
+                                              unit_recorded.bytes, next_surface, &own));
     for (uint32_t i = 1; i <= unit_recorded.ticks + 3u; i++) {
         assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));
-        assert_true(report.ended == (i > unit_recorded.ticks) && report.tick == (i < unit_recorded.ticks ? i : unit_recorded.ticks) && !report.full && !report.differs);
+        assert_true(report.ended == (i > unit_recorded.ticks) &&
+                    report.tick == (i < unit_recorded.ticks ? i : unit_recorded.ticks) && !report.full &&
+                    !report.differs);
         assert_true(report.ended || report.record.state_hash == report.found.state_hash);
     }
 }
@@ -74,7 +77,8 @@ static void test_one_number_changed(void **state)
     (void)state;
     for (uint32_t tick = 1; tick <= unit_recorded.ticks; tick++) {
         const size_t at = tick_record(tick, &bytes);
-        if (smr_log_get32(unit_recorded.log + at) != (SMR_LOG_TICK | 40u << 8) || (unit_recorded.log[at + 4u] & 1u) == 0u) {
+        if (smr_log_get32(unit_recorded.log + at) != (SMR_LOG_TICK | 40u << 8) ||
+            (unit_recorded.log[at + 4u] & 1u) == 0u) {
             continue; /* a partial tick did not take so many vertices yet */
         }
         for (uint32_t word = 0; word < 8u; word++) {
@@ -84,7 +88,8 @@ static void test_one_number_changed(void **state)
             memcpy(log, unit_recorded.log, unit_recorded.bytes);
             unsigned char *p = log + at + 4u + 4u * word;
             const uint32_t v = smr_log_get32(p);
-            smr_log_put32(p, word == 0u ? v ^ 2u : (word == 2u ? v - 8u : v + 1u)); /* n_taken: a chunk of forces less */
+            smr_log_put32(p,
+                          word == 0u ? v ^ 2u : (word == 2u ? v - 8u : v + 1u)); /* n_taken: a chunk of forces less */
             unit_log_seal(log, unit_recorded.bytes);
             assert_int_equal(tick, first_difference(log, unit_recorded.bytes, g, &status));
             assert_int_equal(SMR_OK, status);
@@ -153,29 +158,35 @@ static void test_not_these_inputs(void **state)
     assert_int_equal(SMR_E_INPUT, status);
     assert_int_equal(1, first_difference(unit_recorded.log, unit_recorded.bytes, missing, &status));
     assert_int_equal(SMR_E_INPUT, status);
-    assert_int_equal(SMR_OK, smr_replay_start(&replay, unit_log_begin(&unit_recorded, NULL), unit_recorded.log, unit_recorded.bytes, NULL, NULL));
+    assert_int_equal(SMR_OK, smr_replay_start(&replay, unit_log_begin(&unit_recorded, NULL), unit_recorded.log,
+                                              unit_recorded.bytes, NULL, NULL));
     assert_int_equal(SMR_E_INPUT, smr_replay_tick(&replay, &report));
     assert_int_equal(SMR_LOG_SURFACE, report.record.kind);
     smr *other = rig_init(rig_model(&unit_recorded.ball, 1, &radii), &config, NULL);
-    assert_int_equal(SMR_E_MODEL, smr_replay_start(&replay, other, unit_recorded.log, unit_recorded.bytes, next_surface, &g));
+    assert_int_equal(SMR_E_MODEL,
+                     smr_replay_start(&replay, other, unit_recorded.log, unit_recorded.bytes, next_surface, &g));
     config.relaxation = 0.5f;
     other = rig_init(unit_recorded.model, &config, NULL);
-    assert_int_equal(SMR_E_CONFIG, smr_replay_start(&replay, other, unit_recorded.log, unit_recorded.bytes, next_surface, &g));
+    assert_int_equal(SMR_E_CONFIG,
+                     smr_replay_start(&replay, other, unit_recorded.log, unit_recorded.bytes, next_surface, &g));
     config = unit_recorded.config;
     config.n_workers = 7;
     other = rig_init(unit_recorded.model, &config, NULL);
-    assert_int_equal(SMR_OK, smr_replay_start(&replay, other, unit_recorded.log, unit_recorded.bytes, next_surface, &g));
+    assert_int_equal(SMR_OK,
+                     smr_replay_start(&replay, other, unit_recorded.log, unit_recorded.bytes, next_surface, &g));
 }
 
 static const void *any_input(void *ctx, const smr_log_record *record)
 {
     static const uint8_t voxels[8] = {0};
-    static const smr_volume volume = {voxels, NULL, SMR_VOXEL_UINT8, {2, 2, 2}, {0, 0, 0}, {1, 1, 1}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    static const smr_volume volume = {
+        voxels, NULL, SMR_VOXEL_UINT8, {2, 2, 2}, {0, 0, 0}, {1, 1, 1}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     uint32_t *turn = ctx;
     if (record->kind == SMR_LOG_VOLUME) {
         return &volume;
     }
-    return record->kind == SMR_LOG_POSITIONS ? (const void *)unit_recorded.ball.xyz : unit_recorded.surface[(*turn)++ % 2u];
+    return record->kind == SMR_LOG_POSITIONS ? (const void *)unit_recorded.ball.xyz
+                                             : unit_recorded.surface[(*turn)++ % 2u];
 }
 
 /* Numbers of a log changed at random, its checksums made right: it is refused or repeated, and nothing breaks. */
@@ -225,7 +236,8 @@ static void test_refusals(void **state)
     assert_int_equal(SMR_E_NULL, smr_replay_start(NULL, s, unit_recorded.log, unit_recorded.bytes, NULL, NULL));
     assert_int_equal(SMR_E_NULL, smr_replay_start(&replay, NULL, unit_recorded.log, unit_recorded.bytes, NULL, NULL));
     assert_int_equal(SMR_E_NULL, smr_replay_start(&replay, s, NULL, unit_recorded.bytes, NULL, NULL));
-    assert_int_equal(SMR_E_STATE, smr_replay_start(&replay, (smr *)(void *)zeros, unit_recorded.log, unit_recorded.bytes, NULL, NULL));
+    assert_int_equal(SMR_E_STATE, smr_replay_start(&replay, (smr *)(void *)zeros, unit_recorded.log,
+                                                   unit_recorded.bytes, NULL, NULL));
     assert_int_equal(SMR_E_LOG, smr_replay_start(&replay, s, unit_recorded.log, 30, NULL, NULL));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
     assert_int_equal(SMR_E_STATE, smr_replay_start(&replay, s, unit_recorded.log, unit_recorded.bytes, NULL, NULL));

@@ -47,10 +47,7 @@ static smr *start(float shift, const smr_model **model)
 }
 
 /* What pair i adds to a member's whole or nothing. */
-static double added(const smr *s, uint32_t i)
-{
-    return (double)smr_le32(s->lists.rim[i].share) / SMR_RIM_UNITS - 0.5;
-}
+static double added(const smr *s, uint32_t i) { return (double)smr_le32(s->lists.rim[i].share) / SMR_RIM_UNITS - 0.5; }
 
 static int between(const smr *s, uint32_t i, uint32_t a, uint32_t b)
 {

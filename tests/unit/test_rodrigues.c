@@ -68,7 +68,8 @@ static void equals_double(void **state)
         worst_rotation = fmax(worst_rotation, wide(out, got));
         oracle_turn(w, a, m);
         worst = fmax(worst, oracle_difference(got, m, 9));
-        const double skew = fabs(((double)out[3] - (double)out[1]) * 0.5 - sin(a) / a * w[2]); /* small angles keep digits */
+        const double skew =
+            fabs(((double)out[3] - (double)out[1]) * 0.5 - sin(a) / a * w[2]); /* small angles keep digits */
         worst_relative = fmax(worst_relative, skew / a);
     }
     assert_true(oracle_within("rodrigues: entries", worst, 3e-7));
@@ -113,7 +114,7 @@ static void nothing_turns_nothing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(polynomials),  cmocka_unit_test(cosine_of_degrees), cmocka_unit_test(equals_double),
+        cmocka_unit_test(polynomials),  cmocka_unit_test(cosine_of_degrees),     cmocka_unit_test(equals_double),
         cmocka_unit_test(long_vectors), cmocka_unit_test(nothing_turns_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

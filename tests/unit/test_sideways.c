@@ -9,8 +9,8 @@
 #include "geometry/sideways.h"
 #include "property/rig.h"
 
-#define SIDE 40u      /* voxels */
-#define SPACING 1.0f  /* mm */
+#define SIDE 40u     /* voxels */
+#define SPACING 1.0f /* mm */
 #define N 20u
 #define STEP 0.5f
 #define REACH 1.5f
@@ -30,10 +30,8 @@ static double value_at(pattern kind, double x, double y, double z)
     switch (kind) {
     case WAVES:
         return 100.0 + 40.0 * sin(0.31 * x + 0.2) + 40.0 * cos(0.27 * y - 0.05 * z) + 30.0 * sin(0.23 * z + 0.1 * x);
-    case LAYERS:
-        return 100.0 + 50.0 * tanh(0.4 * z);
-    default:
-        return 100.0;
+    case LAYERS: return 100.0 + 50.0 * tanh(0.4 * z);
+    default: return 100.0;
     }
 }
 
@@ -53,7 +51,8 @@ static smr_grid image(pattern kind)
     }
     for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
         const uint32_t at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
-        voxels[i] = (float)value_at(kind, (double)(v.origin[0] + SPACING * (float)at[0]), (double)(v.origin[1] + SPACING * (float)at[1]),
+        voxels[i] = (float)value_at(kind, (double)(v.origin[0] + SPACING * (float)at[0]),
+                                    (double)(v.origin[1] + SPACING * (float)at[1]),
                                     (double)(v.origin[2] + SPACING * (float)at[2]));
     }
     assert_int_equal(SMR_OK, smr_grid_open(&v, &grid));
@@ -98,8 +97,12 @@ static void test_finds_the_side(void **state)
     double missed = 0.0;
     (void)state;
     for (uint32_t k = 0; k < 300u; k++) {
-        trial t = {smr_v(rig_between(&seed, -5, 5), rig_between(&seed, -5, 5), rig_between(&seed, -5, 5)), any_normal(&seed),
-                   {0, 0, 0}, 0.1f, 1.0f, 0.0f};
+        trial t = {smr_v(rig_between(&seed, -5, 5), rig_between(&seed, -5, 5), rig_between(&seed, -5, 5)),
+                   any_normal(&seed),
+                   {0, 0, 0},
+                   0.1f,
+                   1.0f,
+                   0.0f};
         const smr_vec side = smr_v(rig_between(&seed, -1, 1), rig_between(&seed, -1, 1), rig_between(&seed, -1, 1));
         t.beside = smr_scale(smr_sub(side, smr_scale(t.normal, smr_dot(side, t.normal))), 0.6f);
         const smr_vec way = found_way(&grid, &t);
@@ -182,8 +185,10 @@ static void test_outside(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_finds_the_side, tidy), cmocka_unit_test_teardown(test_stays, tidy),
-        cmocka_unit_test_teardown(test_brightness, tidy), cmocka_unit_test_teardown(test_outside, tidy),
+        cmocka_unit_test_teardown(test_finds_the_side, tidy),
+        cmocka_unit_test_teardown(test_stays, tidy),
+        cmocka_unit_test_teardown(test_brightness, tidy),
+        cmocka_unit_test_teardown(test_outside, tidy),
         cmocka_unit_test(test_contrast),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -54,7 +54,8 @@ static double mean_radius(const smr *s, const smr_model *model)
     const float *x = rig_positions(s, model);
     double sum = 0.0;
     for (uint32_t i = 0; i < s->n; i++)
-        sum += sqrt((double)(x[3u * i] * x[3u * i] + x[3u * i + 1u] * x[3u * i + 1u] + x[3u * i + 2u] * x[3u * i + 2u]));
+        sum +=
+            sqrt((double)(x[3u * i] * x[3u * i] + x[3u * i + 1u] * x[3u * i + 1u] + x[3u * i + 2u] * x[3u * i + 2u]));
     return sum / s->n;
 }
 
@@ -182,22 +183,18 @@ static void test_lost_looks_farther(void **state)
     assert_true(reach(100, 0, 0, 1) == 10.0f);
     assert_true(reach(90, 10, 0, 1) == 10.0f);
     assert_true(reach(65, 35, 0, 1) > 12.0f && reach(65, 35, 0, 1) < 18.0f);
-    assert_true(reach(40, 60, 0, 1) == 20.0f); /* a whole one */
+    assert_true(reach(40, 60, 0, 1) == 20.0f);                 /* a whole one */
     assert_true(fabsf(reach(40, 60, 0, 0.4f) - 12.0f) < 0.5f); /* half of what is 24 mm thick */
-    assert_true(reach(40, 5, 100, 1) == 10.0f); /* who cannot see is not lost */
+    assert_true(reach(40, 5, 100, 1) == 10.0f);                /* who cannot see is not lost */
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_missing_shrinks, tidy),
-        cmocka_unit_test_teardown(test_absent_stays, tidy),
-        cmocka_unit_test_teardown(test_seen_stays, tidy),
-        cmocka_unit_test_teardown(test_lost_looks_farther, tidy),
-        cmocka_unit_test_teardown(test_constant_stays, tidy),
-        cmocka_unit_test_teardown(test_unseen_stays, tidy),
-        cmocka_unit_test_teardown(test_no_search_stays, tidy),
-        cmocka_unit_test_teardown(test_range, tidy),
+        cmocka_unit_test_teardown(test_missing_shrinks, tidy), cmocka_unit_test_teardown(test_absent_stays, tidy),
+        cmocka_unit_test_teardown(test_seen_stays, tidy),      cmocka_unit_test_teardown(test_lost_looks_farther, tidy),
+        cmocka_unit_test_teardown(test_constant_stays, tidy),  cmocka_unit_test_teardown(test_unseen_stays, tidy),
+        cmocka_unit_test_teardown(test_no_search_stays, tidy), cmocka_unit_test_teardown(test_range, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

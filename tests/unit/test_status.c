@@ -12,10 +12,12 @@ static void names(void **state)
         smr_status status;
         const char *name;
     } table[] = {
-        {SMR_OK, "SMR_OK"},           {SMR_PARTIAL, "SMR_PARTIAL"},     {SMR_E_NULL, "SMR_E_NULL"},
-        {SMR_E_CONFIG, "SMR_E_CONFIG"}, {SMR_E_ARENA, "SMR_E_ARENA"}, {SMR_E_ALIGN, "SMR_E_ALIGN"},
-        {SMR_E_MODEL, "SMR_E_MODEL"}, {SMR_E_INPUT, "SMR_E_INPUT"},     {SMR_E_STATE, "SMR_E_STATE"},
-        {SMR_E_ABORTED, "SMR_E_ABORTED"}, {SMR_E_LOG, "SMR_E_LOG"},
+        {SMR_OK, "SMR_OK"},           {SMR_PARTIAL, "SMR_PARTIAL"},
+        {SMR_E_NULL, "SMR_E_NULL"},   {SMR_E_CONFIG, "SMR_E_CONFIG"},
+        {SMR_E_ARENA, "SMR_E_ARENA"}, {SMR_E_ALIGN, "SMR_E_ALIGN"},
+        {SMR_E_MODEL, "SMR_E_MODEL"}, {SMR_E_INPUT, "SMR_E_INPUT"},
+        {SMR_E_STATE, "SMR_E_STATE"}, {SMR_E_ABORTED, "SMR_E_ABORTED"},
+        {SMR_E_LOG, "SMR_E_LOG"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++)

@@ -132,7 +132,8 @@ static void equals_double(void **state)
         unit_mesh m = round ? unit_grid(17, 16, 6.0f) : unit_sphere(3, 50.0f, 0.0f);
         smr_surface *s = unit_surface(&m);
         for (uint32_t i = 0; i < 700u; i++) {
-            const float p[3] = {oracle_uniformf(&r, -80, 120), oracle_uniformf(&r, -80, 120), oracle_uniformf(&r, -80, 80)};
+            const float p[3] = {oracle_uniformf(&r, -80, 120), oracle_uniformf(&r, -80, 120),
+                                oracle_uniformf(&r, -80, 80)};
             double turn[9], c[9], want = HUGE_VAL, near_edge = HUGE_VAL;
             const double q[3] = {(double)p[0], (double)p[1], (double)p[2]};
             oracle_rotation(&r, turn);
@@ -162,7 +163,8 @@ static void equals_double(void **state)
             assert_true(cosine(c, hit.normal) > 0.99999);
             double d2 = 0.0;
             for (int k = 0; k < 3; k++) {
-                const double at = c[k] * (double)hit.weight[0] + c[3 + k] * (double)hit.weight[1] + c[6 + k] * (double)hit.weight[2];
+                const double at =
+                    c[k] * (double)hit.weight[0] + c[3 + k] * (double)hit.weight[1] + c[6 + k] * (double)hit.weight[2];
                 worst = fmax(worst, fabs(at - (double)hit.point[k]));
                 d2 += ((double)hit.point[k] - q[k]) * ((double)hit.point[k] - q[k]);
             }
@@ -275,10 +277,14 @@ static void surfaces_without_area(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(refuses_and_leaves_alone), cmocka_unit_test(sizes),
-        cmocka_unit_test(query_refusals),           cmocka_unit_test(equals_double),
-        cmocka_unit_test(ties_go_to_the_smallest_index), cmocka_unit_test(borders),
-        cmocka_unit_test(border_bits_against_a_count), cmocka_unit_test(surfaces_without_area),
+        cmocka_unit_test(refuses_and_leaves_alone),
+        cmocka_unit_test(sizes),
+        cmocka_unit_test(query_refusals),
+        cmocka_unit_test(equals_double),
+        cmocka_unit_test(ties_go_to_the_smallest_index),
+        cmocka_unit_test(borders),
+        cmocka_unit_test(border_bits_against_a_count),
+        cmocka_unit_test(surfaces_without_area),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -104,7 +104,7 @@ static void test_late_target(void **state)
     const smr_mesh moved = rig_moved(&ball[0], plain, off);
     const smr_surface *goal = rig_surface(&moved);
     (void)state;
-    (void)rig_run(s, 3);     /* nothing to do: the rest shape stays */
+    (void)rig_run(s, 3); /* nothing to do: the rest shape stays */
     (void)rig_run(early, 3);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, goal));
     assert_int_equal(SMR_OK, smr_set_surface(early, SMR_ALL, surface[1]));

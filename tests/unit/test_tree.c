@@ -51,8 +51,9 @@ static void brute_force(const smr_facets *f, const smr_query *q, smr_hit *hit)
         float w[3];
         if (smr_dot(smr_load(f->normal + 3u * (size_t)i), q->normal) < q->min_cos)
             continue;
-        const float d2 = smr_triangle_closest(q->point, smr_load(f->xyz + 3u * (size_t)t[0]),
-                                              smr_load(f->xyz + 3u * (size_t)t[1]), smr_load(f->xyz + 3u * (size_t)t[2]), w);
+        const float d2 =
+            smr_triangle_closest(q->point, smr_load(f->xyz + 3u * (size_t)t[0]), smr_load(f->xyz + 3u * (size_t)t[1]),
+                                 smr_load(f->xyz + 3u * (size_t)t[2]), w);
         if (d2 < hit->d2 || (d2 == hit->d2 && hit->triangle == SMR_ALL)) {
             hit->d2 = d2;
             hit->triangle = i;
@@ -131,8 +132,9 @@ static void equals_double(void **state)
     double worst = 0.0;
     (void)state;
     for (uint32_t i = 0; i < 1500u; i++) {
-        const smr_query q = {smr_v(oracle_uniformf(&r, -90, 140), oracle_uniformf(&r, -90, 140), oracle_uniformf(&r, -90, 140)),
-                             smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_ALL};
+        const smr_query q = {
+            smr_v(oracle_uniformf(&r, -90, 140), oracle_uniformf(&r, -90, 140), oracle_uniformf(&r, -90, 140)),
+            smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_ALL};
         const double p[3] = {(double)q.point.x, (double)q.point.y, (double)q.point.z};
         smr_hit hit = {1e12f, SMR_ALL, {0, 0, 0}};
         double want = HUGE_VAL;
@@ -190,8 +192,9 @@ static void a_budget_is_a_number_of_nodes(void **state)
     smr_facets f = plant(&m, &triangles);
     (void)state;
     for (uint32_t i = 0; i < 200u; i++) {
-        smr_query q = {smr_v(oracle_uniformf(&r, -40, 140), oracle_uniformf(&r, -40, 140), oracle_uniformf(&r, -40, 140)),
-                       smr_v(0, 0, 0), -2.0f, 1u, SMR_ALL};
+        smr_query q = {
+            smr_v(oracle_uniformf(&r, -40, 140), oracle_uniformf(&r, -40, 140), oracle_uniformf(&r, -40, 140)),
+            smr_v(0, 0, 0), -2.0f, 1u, SMR_ALL};
         smr_hit hit = {1e12f, SMR_ALL, {0, 0, 0}};
         smr_tree_closest(&f, &q, &hit);
         assert_int_equal(hit.triangle, SMR_ALL);
@@ -285,8 +288,9 @@ static void shape_adds_up(void **state)
 {
     static const struct {
         uint32_t triangles, nodes, levels;
-    } table[] = {{0, 0, 0}, {1, 1, 1}, {8, 1, 1}, {9, 3, 2}, {64, 9, 2}, {65, 12, 3}, {512, 73, 3}, {513, 77, 4},
-                 {SMR_TRIANGLES_MAX, 1142860, 8}};
+    } table[] = {{0, 0, 0},    {1, 1, 1},    {8, 1, 1},
+                 {9, 3, 2},    {64, 9, 2},   {65, 12, 3},
+                 {512, 73, 3}, {513, 77, 4}, {SMR_TRIANGLES_MAX, 1142860, 8}};
     (void)state;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
         smr_facets f;
@@ -428,12 +432,16 @@ static void near_ones_end_where_room_or_budget_do(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equals_brute_force), cmocka_unit_test(equals_double),
-        cmocka_unit_test(node_budgets),       cmocka_unit_test(nothing_found_changes_nothing),
+        cmocka_unit_test(equals_brute_force),
+        cmocka_unit_test(equals_double),
+        cmocka_unit_test(node_budgets),
+        cmocka_unit_test(nothing_found_changes_nothing),
         cmocka_unit_test(a_budget_is_a_number_of_nodes),
-        cmocka_unit_test(refit_follows_the_mesh), cmocka_unit_test(shape_adds_up),
+        cmocka_unit_test(refit_follows_the_mesh),
+        cmocka_unit_test(shape_adds_up),
         cmocka_unit_test(points_that_are_nowhere),
-        cmocka_unit_test(near_ones_are_all_of_them), cmocka_unit_test(near_ones_take_over_gradually),
+        cmocka_unit_test(near_ones_are_all_of_them),
+        cmocka_unit_test(near_ones_take_over_gradually),
         cmocka_unit_test(near_ones_end_where_room_or_budget_do),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

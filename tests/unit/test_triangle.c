@@ -13,10 +13,7 @@ typedef struct residuals {
     double distance, own, sum, low;
 } residuals;
 
-static smr_vec narrow(const double p[3])
-{
-    return smr_v((float)p[0], (float)p[1], (float)p[2]);
-}
+static smr_vec narrow(const double p[3]) { return smr_v((float)p[0], (float)p[1], (float)p[2]); }
 
 static void compare(const double p[4][3], double scale, residuals *worst)
 {
@@ -77,7 +74,8 @@ static void slivers_and_points(void **state)
     (void)state;
     for (uint32_t i = 0; i < 100000; i++) {
         double p[4][3], m[9];
-        const double thin = i % 4u == 0u ? 0.0 : pow(10.0, oracle_uniform(&r, -9.0, -1.0)), at = oracle_uniform(&r, -1, 2);
+        const double thin = i % 4u == 0u ? 0.0 : pow(10.0, oracle_uniform(&r, -9.0, -1.0)),
+                     at = oracle_uniform(&r, -1, 2);
         oracle_rotation(&r, m);
         for (int k = 0; k < 3; k++) {
             p[0][k] = oracle_uniform(&r, -20, 20);

@@ -377,14 +377,15 @@ static void test_refused_shapes(void **state)
         v.direction[i] = -(float)INFINITY;
         assert_int_equal(SMR_E_INPUT, smr_grid_open(&v, &grid));
     }
-    static const float singular[4][9] = {{0}, {1, 1, 0, 0, 0, 0, 0, 0, 1}, {1, 0, 0, 0, 1, 0, 0, 0, 0},
-                                         {0.6f, 0.6f, 0, 0.8f, 0.8f, 0, 0, 0, 1}};
+    static const float singular[4][9] = {
+        {0}, {1, 1, 0, 0, 0, 0, 0, 0, 1}, {1, 0, 0, 0, 1, 0, 0, 0, 0}, {0.6f, 0.6f, 0, 0.8f, 0.8f, 0, 0, 0, 1}};
     for (uint32_t k = 0; k < 4u; k++) {
         v = good;
         memcpy(v.direction, singular[k], sizeof v.direction);
         assert_int_equal(SMR_E_INPUT, smr_grid_open(&v, &grid));
     }
-    for (uint32_t a = 0; a < 3u; a++) { /* an axis that is no unit vector, such as one with the spacing in it; rounding is none */
+    for (uint32_t a = 0; a < 3u;
+         a++) { /* an axis that is no unit vector, such as one with the spacing in it; rounding is none */
         static const float lengths[] = {1.5f, 0.5f, 0.9f, 1.0e-13f, 2.0e19f};
         for (uint32_t k = 0; k < 5u; k++) {
             v = good;
@@ -406,9 +407,9 @@ static void test_refused_shapes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_values, tidy),       cmocka_unit_test_teardown(test_thick_slices, tidy),
-        cmocka_unit_test_teardown(test_ends, tidy),         cmocka_unit_test_teardown(test_holes, tidy),
-        cmocka_unit_test_teardown(test_refusals, tidy),     cmocka_unit_test_teardown(test_refused_shapes, tidy),
+        cmocka_unit_test_teardown(test_values, tidy),   cmocka_unit_test_teardown(test_thick_slices, tidy),
+        cmocka_unit_test_teardown(test_ends, tidy),     cmocka_unit_test_teardown(test_holes, tidy),
+        cmocka_unit_test_teardown(test_refusals, tidy), cmocka_unit_test_teardown(test_refused_shapes, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

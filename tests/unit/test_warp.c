@@ -178,7 +178,8 @@ static void duplicates_are_averaged(void **state)
         assert_int_equal(kind, SMR_WARP_SPLINE);
         worst = fmax(worst, unit_warp_miss(w, &one));
         unit_free(w);
-        smr_warp *a = unit_warp_fit(&two, 20.0f, &kind), *b = unit_warp_fit(&one, 10.0f, &kind); /* two landmarks pull twice as hard */
+        smr_warp *a = unit_warp_fit(&two, 20.0f, &kind),
+                 *b = unit_warp_fit(&one, 10.0f, &kind); /* two landmarks pull twice as hard */
         for (uint32_t i = 0; i < 20u; i++) {
             float p[3], q[3];
             for (int c = 0; c < 3; c++)
@@ -250,14 +251,10 @@ static void repeats_bit_for_bit(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(passes_through_landmarks),
-        cmocka_unit_test(agrees_with_double_precision),
-        cmocka_unit_test(near_landmarks_stay_apart),
-        cmocka_unit_test(keeps_affine_maps),
-        cmocka_unit_test(smoothing_ends_at_affine),
-        cmocka_unit_test(duplicates_are_averaged),
-        cmocka_unit_test(solves_hard_equations),
-        cmocka_unit_test(repeats_bit_for_bit),
+        cmocka_unit_test(passes_through_landmarks),  cmocka_unit_test(agrees_with_double_precision),
+        cmocka_unit_test(near_landmarks_stay_apart), cmocka_unit_test(keeps_affine_maps),
+        cmocka_unit_test(smoothing_ends_at_affine),  cmocka_unit_test(duplicates_are_averaged),
+        cmocka_unit_test(solves_hard_equations),     cmocka_unit_test(repeats_bit_for_bit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

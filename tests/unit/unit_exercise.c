@@ -79,7 +79,8 @@ static const char *run(const smr_model *model, const smr_model_info *info, const
         smr_tick_report report;
         if (smr_tick(s, 0, &report) != SMR_OK)
             wrong = "smr_tick";
-        else if (!unit_finite(&report.residual_mean_mm, 1, 1e30f) || !unit_finite(&report.displacement_max_mm, 1, 1e30f))
+        else if (!unit_finite(&report.residual_mean_mm, 1, 1e30f) ||
+                 !unit_finite(&report.displacement_max_mm, 1, 1e30f))
             wrong = "the report";
         else
             wrong = check_positions(s, info, model);

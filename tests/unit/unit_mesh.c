@@ -25,10 +25,7 @@ void *unit_memory(size_t bytes)
     return p;
 }
 
-void unit_free(void *memory)
-{
-    free(memory);
-}
+void unit_free(void *memory) { free(memory); }
 
 unit_mesh unit_mesh_new(uint32_t nv, uint32_t nt)
 {
@@ -81,8 +78,7 @@ unit_mesh unit_soup(oracle_random *r, uint32_t nt, float size, int shared)
             t[2] = t[1]; /* names a vertex twice */
         else if (k % 5u == 4u && !shared)
             for (uint32_t c = 0; c < 3u; c++) /* three points on a line */
-                m.xyz[9u * (size_t)k + 6u + c] =
-                    2.0f * m.xyz[9u * (size_t)k + 3u + c] - m.xyz[9u * (size_t)k + c];
+                m.xyz[9u * (size_t)k + 6u + c] = 2.0f * m.xyz[9u * (size_t)k + 3u + c] - m.xyz[9u * (size_t)k + c];
         if (k % 7u == 6u)
             memcpy(t, m.triangles + 3u * (size_t)oracle_below(r, k), 3u * sizeof *t);
     }
