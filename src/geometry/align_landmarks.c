@@ -1,8 +1,8 @@
-/* align_landmarks.c: the start pose from corresponding landmarks, by least squares (fit.c). Three that lie on no line fix
+/* align_landmarks.c: the start pose from corresponding landmarks, by least squares (transform_fit.c). Three that lie on no line fix
  * a rotation; with fewer or flatter sets it is one of those that fit best, and one landmark or coincident ones turn nothing.
  * Worst case: two passes over SMR_LANDMARKS_MAX pairs.
  * SPDX-License-Identifier: MIT */
-#include "geometry/fit.h"
+#include "geometry/transform_fit.h"
 
 smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t similarity, smr_pose *pose,
                                float *rms_mm)

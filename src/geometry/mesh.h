@@ -16,7 +16,7 @@ void smr_mesh_normals(const smr_mesh *mesh, float *normal, float *area);
  * start: [n_vertices + 1], around: [3 n_triangles]. A triangle that names a vertex twice is listed twice. */
 void smr_mesh_around(const smr_mesh *mesh, uint32_t *start, uint32_t *around);
 
-/* Order of the triangles for a box tree (tree.h): order[n_triangles]. centre: [n_triangles][3], key: [n_triangles],
+/* Order of the triangles for a box tree (box_tree.h): order[n_triangles]. centre: [n_triangles][3], key: [n_triangles],
  * tmp: [2 n_triangles] scratch. */
 void smr_mesh_order(const smr_mesh *mesh, uint32_t *order, float *centre, uint32_t *key, uint32_t *tmp);
 

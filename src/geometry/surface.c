@@ -4,7 +4,7 @@
 #include "geometry/surface.h"
 
 #include "base/arena.h"
-#include "geometry/curve.h"
+#include "geometry/hilbert_curve.h"
 #include "geometry/mesh.h"
 
 typedef struct build {

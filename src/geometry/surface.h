@@ -3,7 +3,7 @@
 #ifndef SMR_SURFACE_H
 #define SMR_SURFACE_H
 
-#include "geometry/tree.h"
+#include "geometry/box_tree.h"
 
 struct smr_surface {
     uint32_t magic;

@@ -1,15 +1,15 @@
 /* plan.h: what the steps of prepare share: the model in curve order, and scratch. All arrays lie in the caller's
  * scratch memory. Vertices are numbered along a space-filling curve: neighbours in space are neighbours in memory, and a
- * ball of vertices is a few runs of consecutive numbers. The stored order (levels.c) is only put on by what writes the
+ * ball of vertices is a few runs of consecutive numbers. The stored order (priority_levels.c) is only put on by what writes the
  * image.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_PLAN_H
 #define SMR_PLAN_H
 
 #include "base/arena.h"
-#include "base/fork.h"
-#include "geometry/tree.h"
-#include "model/image.h"
+#include "base/parallel.h"
+#include "geometry/box_tree.h"
+#include "model/model.h"
 
 #define SMR_NEAREST 12u        /* spatial neighbours tried as parents in the forest */
 #define SMR_RING_TRIED 16u     /* mesh neighbours tried as parents */
@@ -41,18 +41,18 @@ typedef struct smr_plan {
     uint32_t *ring_start; /* [n + 1] */
     uint32_t *ring;       /* [6 nt] mesh neighbours of each vertex, each once */
     uint32_t n_hinges;
-    smr_image_hinge *hinge; /* [3 nt / 2] edges between two triangles, see image.h */
-    uint8_t *profile;       /* [n][profile_samples], NULL without a reference */
-    float *range;           /* [n][2] */
-    float *normal;          /* [n][3] */
-    smr_facets points;      /* box tree whose leaves are single vertices */
+    smr_stored_hinge *hinge; /* [3 nt / 2] edges between two triangles, see model.h */
+    uint8_t *profile;        /* [n][profile_samples], NULL without a reference */
+    float *range;            /* [n][2] */
+    float *normal;           /* [n][3] */
+    smr_facets points;       /* box tree whose leaves are single vertices */
 
     /* written by priority */
     uint32_t n_listed;
     uint32_t *list;                     /* [n_listed] the priority list S, the least significant first */
     uint32_t *place;                    /* [n] in that list, or SMR_REMAINS */
     uint32_t active_min[SMR_RADII_MAX]; /* vertices that keep clusters large enough at this radius */
-    uint32_t *witness;                  /* [n] scratch: see priority.c */
+    uint32_t *witness;                  /* [n] scratch: see priority_list.c */
     uint32_t *next;                     /* [n] scratch */
     uint32_t *bucket;                   /* [n + 1] scratch */
     uint32_t n_scanned;                 /* clusters found since the start */
@@ -175,17 +175,17 @@ void smr_put32(smr_writer *w, size_t at, uint32_t value);
 size_t smr_put_section(smr_writer *w, size_t bytes);
 
 /* The whole image but its checksum. Errors: E_ABORTED, E_INPUT (more than 4 GiB). */
-smr_status smr_write_image(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below);
+smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below);
 
 /* One radius' lists being written. */
 typedef struct smr_list_writer {
     smr_writer *w;
     uint32_t index_bytes;
-    size_t at_blocks, at_entries, at_count, at_indexes, at_rim;
+    size_t at_blocks, at_entries, at_count, at_indexes, at_boundary;
     uint32_t n_blocks; /* blocks begun so far */
     uint32_t n_entries;
     uint32_t n_indexes;
-    uint64_t n_rim;
+    uint64_t n_boundary;
     uint64_t n_members; /* sum of |zeta| */
     uint32_t largest, smallest;
 } smr_list_writer;
@@ -195,8 +195,8 @@ void smr_list_block(smr_list_writer *l);
 void smr_list_entry(smr_list_writer *l, smr_plan *p, uint32_t vertex, uint32_t parent, const uint64_t *own,
                     const uint64_t *parent_row);
 
-/* The radius' rim, behind its lists; the largest cluster with it. */
-void smr_write_rim(smr_plan *p, smr_list_writer *l, float radius);
+/* The radius' boundary, behind its lists; the largest cluster with it. */
+void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius);
 
 /* Minimum spanning forest of the clusters of the curve's vertices first..last-1, written as one block. */
 void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t last, float radius);

@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "geometry/mesh.h"
-#include "geometry/profile.h"
+#include "image/intensity_profile.h"
 #include "prepare/plan.h"
 
 #define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* for a block's rows, unless the caller names a block size */
@@ -87,7 +87,7 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
     p->facet = smr_arena_take(a, nt, u);
     p->ring_start = smr_arena_take(a, n + 1u, u);
     p->ring = smr_arena_take(a, nt, 6u * u);
-    p->hinge = smr_arena_take(a, nt + (nt + 1u) / 2u, sizeof(smr_image_hinge));
+    p->hinge = smr_arena_take(a, nt + (nt + 1u) / 2u, sizeof(smr_stored_hinge));
     const int image = p->config->reference != NULL;
     p->profile = image ? smr_arena_take(a, n, p->config->profile_samples) : NULL;
     p->range = image ? smr_arena_take(a, n, 2u * sizeof(float)) : NULL;
@@ -210,7 +210,7 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
     smr_writer w = {image, image == NULL ? 0u : image_capacity, 0};
     status = put_in_order(&p, radius, n_radii, below, image != NULL);
     if (status == SMR_OK)
-        status = smr_write_image(&p, &w, radius, n_radii, below);
+        status = smr_write_model(&p, &w, radius, n_radii, below);
     smr_arena_release(scratch, scratch_bytes);
     if (status != SMR_OK)
         return status;
@@ -219,6 +219,6 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
         return SMR_OK;
     if (w.used > image_capacity)
         return SMR_E_ARENA;
-    smr_put32(&w, 12u, smr_crc32(0, (const unsigned char *)image + SMR_IMAGE_HEAD, w.used - SMR_IMAGE_HEAD));
+    smr_put32(&w, 12u, smr_crc32(0, (const unsigned char *)image + SMR_MODEL_HEAD, w.used - SMR_MODEL_HEAD));
     return SMR_OK;
 }

@@ -5,12 +5,12 @@
 #define SMR_STATE_H
 
 #include "base/arena.h"
-#include "base/fork.h"
-#include "geometry/curve.h"
-#include "geometry/fit.h"
+#include "base/parallel.h"
+#include "geometry/hilbert_curve.h"
+#include "geometry/transform_fit.h"
 #include "geometry/surface.h"
-#include "geometry/volume.h"
-#include "model/image.h"
+#include "image/volume.h"
+#include "model/model.h"
 
 #define SMR_WORDS 16u  /* 32-bit words of a record that is summed: one cache line */
 #define SMR_CHUNK 128u /* vertices of a task */
@@ -62,7 +62,7 @@ typedef struct smr_tally {
     uint64_t hash;
 } smr_tally;
 
-/* Where the mending of folds stands (mend.c). */
+/* Where the mending of folds stands (fold_repair.c). */
 typedef struct smr_mend {
     uint32_t stage, at; /* the pass under way, and how far it is; stage 0: none */
     uint32_t part, ring, sweep;
@@ -72,7 +72,7 @@ typedef struct smr_mend {
     uint64_t touched[SMR_MEND_RUNS / 64u]; /* a bit each run: a corner in it is marked */
 } smr_mend;
 
-/* Where holding back stands (brake.c). */
+/* Where holding back stands (fold_limit.c). */
 typedef struct smr_brake {
     uint32_t stage, at, round, part;
     float most;                            /* asked for in this round */
@@ -80,13 +80,13 @@ typedef struct smr_brake {
     uint64_t touched[SMR_MEND_RUNS / 64u]; /* a bit each run: a corner in it is marked */
 } smr_brake;
 
-/* Where unfolding stands (unfold.c). */
+/* Where unfolding stands (fold_open.c). */
 typedef struct smr_unfold {
     uint32_t pass, chunk; /* the chunk of hinges to come; pass 0: none */
     uint32_t n_folds;     /* found in this pass so far */
 } smr_unfold;
 
-/* What the controller knows of the time that an iteration takes (control.c). */
+/* What the controller knows of the time that an iteration takes (time_budget.c). */
 typedef struct smr_control {
     float rate[SMR_STEPS_MAX]; /* ns a unit of work, by step; negative: not known yet */
     uint64_t spent;            /* ns, in the step under way */
@@ -138,7 +138,7 @@ struct smr {
     float search;                  /* mm: search distance at this radius */
     uint32_t fit_due;              /* 1: `fitted` is to be made of the present positions */
     smr_fit fit;                   /* its sums so far */
-    float even;                    /* in this iteration: of the way to the neighbours' mean (even.c) */
+    float even;                    /* in this iteration: of the way to the neighbours' mean (tangent_evening.c) */
     float profile_mm, gradient_mm; /* search distances in the image in this iteration */
     float farthest_mm;             /* of profiles, were it not for the radius */
     float ease;                    /* share of forces and momentum left: falls to 0 where an image registration ends */
@@ -181,13 +181,14 @@ struct smr {
     uint8_t *
         lighter; /* [n] the image at the goal than the profile, noise's; SMR_LIGHTER_NONE: not at all. Where contrast is known */
     uint8_t *lighter_next; /* [n] the same, of those under way */
-    uint8_t
-        *guard; /* [n] not 0: its step is held back (brake.c), or it belongs to a repair (mend.c), in this iteration */
+    uint8_t *
+        guard; /* [n] not 0: its step is held back (fold_limit.c), or it belongs to a repair (fold_repair.c), in this iteration */
     uint8_t *held; /* [n] the most that its step was held back since the last radius began */
     /* written by smooth, even and brake, over record */
     float *ring_sum;    /* [n][3] sum over a vertex' mesh neighbours */
     float *ring_weight; /* [n] of that sum */
-    float *displaced;   /* [n][3] even.c: from the rest shape in its pose; brake.c: [0] the most that is asked */
+    float *
+        displaced; /* [n][3] tangent_evening.c: from the rest shape in its pose; fold_limit.c: [0] the most that is asked */
     uint32_t n_folding; /* hinges found folding while repairing */
     uint32_t n_guarded; /* vertices so marked */
     smr_mend mend;
@@ -197,7 +198,7 @@ struct smr {
     uint32_t *record;     /* [n][SMR_WORDS] fixed-point quantities of each vertex */
     uint32_t *sum;        /* [n][SMR_WORDS] their sums over each cluster */
     uint32_t pieces;      /* of a block, in the step under way; 0 and 1: whole */
-    uint32_t ring_pieces; /* of a structure in smooth.c, the same */
+    uint32_t ring_pieces; /* of a structure in fill.c, the same */
     uint32_t sum_words;   /* words in use: 6, 10 or 12 */
     float scale[2];       /* of the two kinds of quantities */
     /* written by match */
@@ -249,11 +250,12 @@ static inline int32_t smr_signed(uint32_t word)
     return value;
 }
 
-/* value / SMR_RIM_UNITS, to the nearest, for values within +-2^61. Takes as long whatever its sign. */
-static inline uint32_t smr_rim_part(int64_t value)
+/* value / SMR_BOUNDARY_UNITS, to the nearest, for values within +-2^61. Takes as long whatever its sign. */
+static inline uint32_t smr_boundary_part(int64_t value)
 {
     const uint64_t up = (uint64_t)1 << 62;
-    return (uint32_t)(((uint64_t)value + up + SMR_RIM_UNITS / 2) / SMR_RIM_UNITS) - (uint32_t)(up / SMR_RIM_UNITS);
+    return (uint32_t)(((uint64_t)value + up + SMR_BOUNDARY_UNITS / 2) / SMR_BOUNDARY_UNITS) -
+           (uint32_t)(up / SMR_BOUNDARY_UNITS);
 }
 
 #define SMR_SPARE 12u /* first word of a sum that averaging does not use */
@@ -307,7 +309,7 @@ extern const smr_step smr_steps[]; /* tick.c: in the order in which they are don
 extern const uint32_t smr_n_steps;
 int smr_forces_pending(const smr *s); /* 1 until an iteration has its forces */
 
-void smr_control_start(smr *s);                                       /* control.c: nothing is known */
+void smr_control_start(smr *s);                                       /* time_budget.c: nothing is known */
 void smr_control_plan(smr *s, uint64_t budget_ns);                    /* before an iteration */
 void smr_control_resume(smr *s);                                      /* a tick goes on with an iteration */
 void smr_control_done(smr *s);                                        /* an iteration is complete */
@@ -329,7 +331,7 @@ void smr_reference_add(smr *s, uint32_t to, uint32_t from, int32_t share);
 void smr_reference_begin(smr *s); /* chooses the quantum */
 void smr_reference_end(smr *s);
 
-uint32_t smr_pull_tasks(smr *s); /* pull.c: target-to-model attraction */
+uint32_t smr_pull_tasks(smr *s); /* attract.c: target-to-model attraction */
 void smr_pull_search(void *arg, uint32_t task, uint32_t worker);
 
 uint32_t smr_facet_tasks(smr *s); /* facets.c: triangles' normals and box trees at x_next */
@@ -337,25 +339,25 @@ void smr_facet_refit(void *arg, uint32_t task, uint32_t worker);
 void smr_facets_end(smr *s);
 void smr_facets_now(smr *s); /* all of them, at x */
 
-uint32_t smr_guard_tasks(smr *s); /* guard.c: folds */
+uint32_t smr_guard_tasks(smr *s); /* fold_find.c: folds */
 void smr_guard_search(void *arg, uint32_t task, uint32_t worker);
 void smr_guard_end(smr *s);
-void smr_mend_start(smr *s);     /* mend.c: repairs what folds */
+void smr_mend_start(smr *s);     /* fold_repair.c: repairs what folds */
 uint32_t smr_mend_tasks(smr *s); /* one more, as long as there is work */
 void smr_mend_pass(void *arg, uint32_t task, uint32_t worker);
 void smr_mend_end(smr *s);
 uint32_t smr_mend_facet_tasks(smr *s);
 void smr_mend_abandon(smr *s);
 
-void smr_brake_start(smr *s);     /* brake.c: what would fold */
+void smr_brake_start(smr *s);     /* fold_limit.c: what would fold */
 uint32_t smr_brake_tasks(smr *s); /* one more, as long as there is work */
 void smr_brake_pass(void *arg, uint32_t task, uint32_t worker);
 
-void smr_unfold_start(smr *s);     /* unfold.c: what is folded all the same */
+void smr_unfold_start(smr *s);     /* fold_open.c: what is folded all the same */
 uint32_t smr_unfold_tasks(smr *s); /* one more, as long as there is work */
 void smr_unfold_pass(void *arg, uint32_t task, uint32_t worker);
 
-uint32_t smr_smooth_tasks(smr *s); /* smooth.c: mesh neighbours' sums, for vertices without a goal */
+uint32_t smr_smooth_tasks(smr *s); /* fill.c: mesh neighbours' sums, for vertices without a goal */
 void smr_smooth_pieces(smr *s, int cut);
 uint32_t smr_smooth_abreast(const smr *s);
 void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker);
@@ -363,7 +365,7 @@ smr_vec smr_smooth_way(const smr *s, uint32_t v);
 
 uint32_t smr_vertex_tasks(smr *s);
 uint32_t smr_active_tasks(smr *s);      /* those that have active vertices */
-uint32_t smr_force_chunk(const smr *s); /* force.c: f^e; vertices of a task */
+uint32_t smr_force_chunk(const smr *s); /* forces.c: f^e; vertices of a task */
 uint32_t smr_force_tasks(smr *s);
 void smr_force_search(void *arg, uint32_t task, uint32_t worker);
 void smr_force_take(void *arg, uint32_t task, uint32_t worker);
@@ -376,10 +378,10 @@ void smr_sums_record(void *arg, uint32_t task, uint32_t worker);
 void smr_sums_forest(void *arg, uint32_t task, uint32_t worker);
 void smr_average_record(void *arg, uint32_t task, uint32_t worker);
 
-uint32_t smr_rim_tasks(smr *s); /* rim.c: members about a radius away, after each forest */
-uint32_t smr_rim_reference_tasks(smr *s);
-void smr_rim_reference(void *arg, uint32_t task, uint32_t worker);
-void smr_rim_sums(void *arg, uint32_t task, uint32_t worker);
+uint32_t smr_boundary_tasks(smr *s); /* boundary.c: members about a radius away, after each forest */
+uint32_t smr_boundary_reference_tasks(smr *s);
+void smr_boundary_reference(void *arg, uint32_t task, uint32_t worker);
+void smr_boundary_sums(void *arg, uint32_t task, uint32_t worker);
 
 uint32_t smr_match_tasks(smr *s);
 void smr_match(void *arg, uint32_t task, uint32_t worker); /* match.c: T_i */
@@ -392,13 +394,13 @@ void smr_settle_end(smr *s);
 uint32_t smr_stand_tasks(smr *s);
 void smr_stand(void *arg, uint32_t task, uint32_t worker); /* everything becomes current at once */
 
-uint32_t smr_exact_tasks(smr *s); /* exact.c: normals of the triangles */
+uint32_t smr_exact_tasks(smr *s); /* exact_normals.c: normals of the triangles */
 uint32_t smr_exact_facet_tasks(smr *s);
 void smr_exact_clear(void *arg, uint32_t task, uint32_t worker);
 void smr_exact_facets(void *arg, uint32_t task, uint32_t worker);
 void smr_exact_unit(void *arg, uint32_t task, uint32_t worker);
 
-uint32_t smr_even_fit_tasks(smr *s); /* even.c: the last radius' pose */
+uint32_t smr_even_fit_tasks(smr *s); /* tangent_evening.c: the last radius' pose */
 void smr_even_fit(void *arg, uint32_t task, uint32_t worker);
 void smr_even_fit_end(smr *s); /* neighbours' displacements, at the last radius */
 void smr_even_share(smr *s);

@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/log.h"
+#include "runtime/record/log.h"
 #include "unit/unit_log.h"
 
 #define FUZZ_LOG_RECORDS 8192u /* bytes at most */

@@ -251,7 +251,7 @@ static void test_landmarks(void **state)
     }
 }
 
-/* The image shows the surfaces: marrow within bones, a dark wall at their rim, muscle grey within muscles. */
+/* The image shows the surfaces: marrow within bones, a dark wall at their boundary, muscle grey within muscles. */
 static void test_image(void **state)
 {
     static const float spacing[3] = {1.0f, 1.0f, 3.0f}, low[3] = {-200.0f, -100.0f, -202.0f},

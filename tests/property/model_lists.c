@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "model/image.h"
+#include "model/model.h"
 #include "property/rig.h"
 
 static uint32_t index_at(const smr_lists *l, size_t i)
@@ -149,7 +149,7 @@ static void zeta_by_pairs(const smr_model *m, const smr_lists *l, int separate, 
 rig_lists rig_decode(const smr_model *model, uint32_t radius, int ring, int pairs)
 {
     const smr_lists l = smr_model_lists(model, radius);
-    const smr_image_radius *r = (const smr_image_radius *)smr_at(model, model->at_radii) + radius;
+    const smr_stored_radius *r = (const smr_stored_radius *)smr_at(model, model->at_radii) + radius;
     rig_lists out;
     memset(&out, 0, sizeof out);
     out.n = smr_le32(model->n_vertices);

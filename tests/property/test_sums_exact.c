@@ -25,24 +25,24 @@ static int tidy(void **state)
     return 0;
 }
 
-/* What the rim adds to a cluster's sum of one word: a part of the records of vertices about a radius away. */
-static int64_t rim_of(const smr *s, uint32_t v, uint32_t w)
+/* What the boundary adds to a cluster's sum of one word: a part of the records of vertices about a radius away. */
+static int64_t boundary_of(const smr *s, uint32_t v, uint32_t w)
 {
     int64_t sum = 0;
-    for (uint32_t i = 0; i < s->lists.n_rim; i++) {
-        const uint32_t first = smr_le32(s->lists.rim[i].first), second = smr_le32(s->lists.rim[i].second);
+    for (uint32_t i = 0; i < s->lists.n_boundary; i++) {
+        const uint32_t first = smr_le32(s->lists.boundary[i].first), second = smr_le32(s->lists.boundary[i].second);
         if (first == v || second == v) {
             const double record = (double)(int32_t)s->record[SMR_WORDS * (size_t)(first == v ? second : first) + w];
-            const double part = (double)smr_le32(s->lists.rim[i].share) / SMR_RIM_UNITS - 0.5;
+            const double part = (double)smr_le32(s->lists.boundary[i].share) / SMR_BOUNDARY_UNITS - 0.5;
             sum += (int64_t)floor(record * part + 0.5);
         }
     }
     return sum;
 }
 
-/* Direct sums of the records over whole clusters, with the rim or without, against the registration's own; returns
+/* Direct sums of the records over whole clusters, with the boundary or without, against the registration's own; returns
  * vertices that differ. */
-static uint32_t n_different(const smr *s, const rig_lists *l, uint32_t words, int rim)
+static uint32_t n_different(const smr *s, const rig_lists *l, uint32_t words, int boundary)
 {
     uint32_t wrong = 0;
     for (uint32_t v = 0; v < s->n; v++) {
@@ -53,8 +53,8 @@ static uint32_t n_different(const smr *s, const rig_lists *l, uint32_t words, in
                 sum[w] += r[w];
             }
         }
-        for (uint32_t w = 0; rim && w < words; w++) {
-            sum[w] += (uint32_t)rim_of(s, v, w);
+        for (uint32_t w = 0; boundary && w < words; w++) {
+            sum[w] += (uint32_t)boundary_of(s, v, w);
         }
         wrong += memcmp(sum, s->sum + SMR_WORDS * (size_t)v, words * sizeof *sum) != 0;
     }
@@ -234,7 +234,7 @@ static void test_final_sums_fit(void **state)
             int64_t largest = 0;
             for (uint32_t v = 0; v < s->n; v++) {
                 for (uint32_t w = 0; w < 12u; w++) {
-                    int64_t sum = rim_of(s, v, w);
+                    int64_t sum = boundary_of(s, v, w);
                     for (uint32_t k = l.zeta_start[v]; k < l.zeta_start[v + 1u]; k++) {
                         sum += (int32_t)s->record[SMR_WORDS * (size_t)l.zeta[k] + w];
                     }

@@ -33,7 +33,7 @@ static smr_config quiet(void)
 {
     smr_config c = smr_config_default();
     c.fold_guard = 0;
-    c.even = 0.0f; /* test_even.c */
+    c.even = 0.0f; /* test_tangent_evening.c */
     c.plastic_every = 0;
     c.plastic_um = c.settle_um = 0.0f;
     return c;

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "base/fixed.h"
+#include "base/fixed_point.h"
 #include "oracle.h"
 
 static int32_t signed_of(uint32_t v)

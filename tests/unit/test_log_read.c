@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/log.h"
+#include "runtime/record/log.h"
 #include "unit/unit_log.h"
 
 /* Reads all of it from memory of exactly its size, so that a sanitiser sees a step outside. Returns the records, -1 when

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/fixed.h"
+#include "base/fixed_point.h"
 #include "property/model_lists.h"
 #include "property/rig.h"
 #include "runtime/state.h"

@@ -196,7 +196,7 @@ static void ties_go_to_the_smallest_index(void **state)
     unit_mesh_free(&m);
 }
 
-/* Points pulled out beyond the rim of a sheet land on its border; points above its middle do not; a closed surface has
+/* Points pulled out beyond the boundary of a sheet land on its border; points above its middle do not; a closed surface has
  * no border at all. */
 static void borders(void **state)
 {
@@ -211,9 +211,9 @@ static void borders(void **state)
         smr_closest hit;
         float p[3] = {oracle_uniformf(&r, -30, 90), oracle_uniformf(&r, -30, 80), oracle_uniformf(&r, -20, 20)};
         assert_int_equal(smr_surface_closest(s, p, NULL, 0, 1e4f, &hit), SMR_OK);
-        const float rim = fminf(fminf(fabsf(hit.point[0]), fabsf(60.0f - hit.point[0])),
-                                fminf(fabsf(hit.point[1]), fabsf(50.0f - hit.point[1])));
-        assert_true(hit.on_border ? rim < 1e-4f : rim > 1e-6f);
+        const float boundary = fminf(fminf(fabsf(hit.point[0]), fabsf(60.0f - hit.point[0])),
+                                     fminf(fabsf(hit.point[1]), fabsf(50.0f - hit.point[1])));
+        assert_true(hit.on_border ? boundary < 1e-4f : boundary > 1e-6f);
         seen[hit.on_border]++;
         assert_int_equal(smr_surface_closest(closed, p, NULL, 0, 1e4f, &hit), SMR_OK);
         assert_int_equal(hit.on_border, 0);

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "geometry/volume.h"
+#include "image/volume.h"
 #include "property/rig.h"
 
 #define SAMPLES 40u

@@ -3,7 +3,7 @@
 #ifndef UNIT_LISTS_H
 #define UNIT_LISTS_H
 
-#include "model/image.h"
+#include "model/model.h"
 #include "unit_mesh.h"
 
 /* Random records of one word per stored vertex; release with unit_free(). */

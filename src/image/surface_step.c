@@ -1,0 +1,99 @@
+/* surface_step.c: the way along the surface on which an intensity profile fits better: one damped Gauss-Newton step (Lucas and Kanade
+ * 1981) of the squared differences between reference and image, in the two directions across the normal. The paper's goals lie on
+ * the normal, so nothing but the shape says how far a structure slid along itself; the image often does.
+ * Bounds: four lines of SMR_PROFILE_MAX samples.
+ * SPDX-License-Identifier: MIT */
+#include "image/surface_step.h"
+
+#define SMR_FARTHEST2 1.0e30f /* mm^2; NaN is not within it, either */
+#define SMR_NORMAL_ALONG 0.6f /* a normal that lies less along an axis than so gives a good cross product with it */
+#define SMR_CONTRAST_MOST 4.0f
+#define SMR_ROUNDING 1.0e-4f /* of the squared slopes: a hundred times what their sums lose */
+
+/* Only how values differ along the profile counts: images of one kind differ in brightness. */
+static void less_mean(float *value, uint32_t n)
+{
+    float sum = 0.0f;
+    for (uint32_t k = 0; k < n; k++)
+        sum += value[k];
+    const float mean = sum / (float)n;
+    for (uint32_t k = 0; k < n; k++)
+        value[k] -= mean;
+}
+
+/* How the image changes along `side`, per mm, in units of the reference's range. Returns 0 when it is not known everywhere. */
+static int slopes(const smr_grid *image, const smr_place *at, smr_vec side, float *slope)
+{
+    float ahead[SMR_PROFILE_MAX], behind[SMR_PROFILE_MAX];
+    unsigned char inside[SMR_PROFILE_MAX];
+    const uint32_t n = at->reference->n;
+    const smr_vec away = smr_scale(side, at->reach_mm);
+    if (smr_grid_line(image, smr_add(at->start, away), at->step, n, ahead, inside) != n ||
+        smr_grid_line(image, smr_sub(at->start, away), at->step, n, behind, inside) != n)
+        return 0;
+    const float per_mm = 0.5f / (at->reach_mm * at->reference->range);
+    for (uint32_t k = 0; k < n; k++)
+        slope[k] = (ahead[k] - behind[k]) * per_mm;
+    less_mean(slope, n);
+    return 1;
+}
+
+static float product(const float *a, const float *b, uint32_t n)
+{
+    float sum = 0.0f;
+    for (uint32_t k = 0; k < n; k++)
+        sum += a[k] * b[k];
+    return sum;
+}
+
+/* Both as they differ from their means, in units of the reference's range. */
+static void centred(const smr_profile *reference, const float *found, float *ref, float *here)
+{
+    for (uint32_t k = 0; k < reference->n; k++) {
+        ref[k] = (float)reference->value[k] * (1.0f / 255.0f);
+        here[k] = (found[k] - reference->low) / reference->range;
+    }
+    less_mean(ref, reference->n);
+    less_mean(here, reference->n);
+}
+
+float smr_contrast(const smr_profile *reference, const float *found)
+{
+    float ref[SMR_PROFILE_MAX], here[SMR_PROFILE_MAX];
+    if (!(reference->range > 0.0f) || reference->n > SMR_PROFILE_MAX)
+        return 0.0f;
+    centred(reference, found, ref, here);
+    const float own = product(ref, ref, reference->n), other = product(here, here, reference->n);
+    return own > 0.0f ? SMR_SQRT(smr_min(other / own, SMR_CONTRAST_MOST * SMR_CONTRAST_MOST)) : 0.0f;
+}
+
+smr_vec smr_sideways(const smr_grid *image, const smr_place *at)
+{
+    const smr_profile *const ref = at->reference;
+    const smr_vec nowhere = smr_v(0, 0, 0), normal = at->normal;
+    const uint32_t n = ref->n;
+    float missing[SMR_PROFILE_MAX], here[SMR_PROFILE_MAX], p[SMR_PROFILE_MAX], q[SMR_PROFILE_MAX];
+    if (!(ref->range > 0.0f) || n > SMR_PROFILE_MAX)
+        return nowhere;
+    const smr_vec axis = smr_abs(normal.x) < SMR_NORMAL_ALONG ? smr_v(1, 0, 0) : smr_v(0, 1, 0);
+    const smr_vec across = smr_cross(normal, axis);
+    const smr_vec u = smr_scale(across, 1.0f / SMR_SQRT(smr_dot(across, across))), v = smr_cross(normal, u);
+    if (!slopes(image, at, u, p) || !slopes(image, at, v, q))
+        return nowhere;
+    centred(ref, at->found, missing, here);
+    for (uint32_t k = 0; k < n; k++)
+        missing[k] = at->gain * missing[k] - here[k];
+    /* slopes that noise could have made carry nowhere, nor does rounding where the image changes in one direction only */
+    const float noise = at->noise / (ref->range * at->reach_mm), p2 = product(p, p, n), q2 = product(q, q, n);
+    const float damp = (float)n * noise * noise + SMR_ROUNDING * (p2 + q2);
+    const float pp = p2 + damp, qq = q2 + damp, pq = product(p, q, n);
+    const float pm = product(p, missing, n), qm = product(q, missing, n), det = pp * qq - pq * pq;
+    if (!(det > 0.0f))
+        return nowhere;
+    const float along_u = (qq * pm - pq * qm) / det, along_v = (pp * qm - pq * pm) / det;
+    const float length2 = along_u * along_u + along_v * along_v;
+    if (!smr_within(length2, SMR_FARTHEST2)) /* values that are no image's */
+        return nowhere;
+    const float length = SMR_SQRT(length2), share = length > at->reach_mm ? at->reach_mm / length : 1.0f;
+    return smr_add(smr_scale(u, along_u * share), smr_scale(v, along_v * share));
+}

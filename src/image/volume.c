@@ -1,0 +1,228 @@
+/* volume.c: trilinear interpolation in volumes of five voxel types, any spacing and direction.
+ * The eight voxels around a sample are read only when all of them lie inside: outside is known, never read. An axis of one
+ * voxel is a slab one spacing thick.
+ * Method: index coordinates first + k move are monotonic in k, even rounded, so the samples inside are one run and only its
+ * ends are looked for. Those samples go in batches through loops that compilers turn into vector code.
+ * SPDX-License-Identifier: MIT */
+#include "image/volume.h"
+
+#define SMR_AXIS_MAX 65536u
+#define SMR_VOXELS_MAX ((uint64_t)1 << 40)
+#define SMR_NOT_UNIT 0.01f /* of a direction's squared length */
+#define SMR_HUGE 1.0e30f   /* larger voxel values count as not there */
+
+static int invert3(const float m[9], float out[9])
+{
+    const smr_vec a = smr_load(m), b = smr_load(m + 3), c = smr_load(m + 6);
+    const smr_vec bc = smr_cross(b, c), ca = smr_cross(c, a), ab = smr_cross(a, b);
+    const float det = smr_dot(a, bc), size = smr_length(a) * smr_length(b) * smr_length(c);
+    if (!(smr_abs(det) > 1.0e-4f * size))
+        return 0;
+    const float k = 1.0f / det;
+    const float inverse[9] = {bc.x * k, ca.x * k, ab.x * k, bc.y * k, ca.y * k, ab.y * k, bc.z * k, ca.z * k, ab.z * k};
+    memcpy(out, inverse, sizeof inverse);
+    return 1;
+}
+
+static uint32_t voxel_bytes(uint32_t type) { return type <= SMR_VOXEL_INT8 ? 1u : (type <= SMR_VOXEL_INT16 ? 2u : 4u); }
+
+smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
+{
+    uint64_t voxels = 1;
+    if (volume == NULL || volume->voxels == NULL)
+        return SMR_E_NULL;
+    if (volume->type > SMR_VOXEL_FLOAT || (uintptr_t)volume->voxels % voxel_bytes(volume->type) != 0u)
+        return SMR_E_INPUT;
+    for (uint32_t a = 0; a < 3u; a++) {
+        const float spacing = volume->spacing[a];
+        if (volume->size[a] < 1u || volume->size[a] > SMR_AXIS_MAX || !(spacing > 1.0e-6f && spacing < SMR_COORD_MAX) ||
+            !smr_within(volume->origin[a], SMR_COORD_MAX))
+            return SMR_E_INPUT;
+        voxels *= volume->size[a];
+        const smr_vec axis = smr_v(volume->direction[a], volume->direction[3u + a], volume->direction[6u + a]);
+        if (!smr_within(smr_dot(axis, axis) - 1.0f, SMR_NOT_UNIT)) /* axes that have the spacing in them, perhaps */
+            return SMR_E_INPUT;
+    }
+    if (voxels > SMR_VOXELS_MAX || !invert3(volume->direction, grid->to_index))
+        return SMR_E_INPUT;
+    for (uint32_t i = 0; i < 9u; i++)
+        grid->to_index[i] /= volume->spacing[i / 3u];
+    grid->volume = *volume;
+    return SMR_OK;
+}
+
+#define SMR_BATCH 32u /* samples */
+
+/* A line in index coordinates: sample k lies at first + k move. */
+typedef struct line {
+    float first[3], move[3];
+} line;
+
+/* The cells of a batch of samples: lower voxel, and fraction of the way to the upper one. */
+typedef struct cells {
+    int32_t lower[3][SMR_BATCH];
+    float fraction[3][SMR_BATCH];
+} cells;
+
+/* Voxels between neighbours along each axis: an axis of one voxel has no second one. */
+typedef struct strides {
+    size_t row, slice;
+    size_t dx, dy, dz;
+} strides;
+
+/* Leaves of the samples from .. to-1 those that lie inside along one axis. */
+static void clip(float first, float move, uint32_t size, uint32_t *from, uint32_t *to)
+{
+    const float low = size == 1u ? -0.5f : 0.0f, high = size == 1u ? 0.5f : (float)(size - 1u);
+    for (; *from < *to; ++*from) {
+        const float at = first + move * (float)*from;
+        if (at >= low && at <= high)
+            break;
+    }
+    for (; *to > *from; --*to) {
+        const float at = first + move * (float)(*to - 1u);
+        if (at >= low && at <= high)
+            break;
+    }
+}
+
+/* Samples k .. k+n-1, all inside. */
+static void find_cells(const smr_volume *v, const line *l, uint32_t k, uint32_t n, cells *c)
+{
+    for (uint32_t axis = 0; axis < 3u; axis++) {
+        if (v->size[axis] == 1u) {
+            memset(c->lower[axis], 0, sizeof c->lower[axis]);
+            memset(c->fraction[axis], 0, sizeof c->fraction[axis]);
+            continue;
+        }
+        const int32_t last = (int32_t)v->size[axis] - 2;
+        const float first = l->first[axis], move = l->move[axis];
+        for (uint32_t i = 0; i < n; i++) {
+            const float at = first + move * (float)(int32_t)(k + i);
+            const int32_t voxel = (int32_t)at, lower = voxel < last ? voxel : last;
+            c->lower[axis][i] = lower;
+            c->fraction[axis][i] = at - (float)lower;
+        }
+    }
+}
+
+static inline size_t first_voxel(const cells *c, uint32_t i, const strides *d)
+{
+    return (size_t)c->lower[0][i] + d->row * (size_t)c->lower[1][i] + d->slice * (size_t)c->lower[2][i];
+}
+
+/* Defines `name`, which interpolates a batch in voxels of `type`. The voxels are gathered as `number`, int32_t where that holds
+ * them all, so that turning them into floats is vector code, too. */
+#define SMR_TRILINEAR(name, type, number)                                                                              \
+    static void name(const void *voxels, const cells *c, const strides *d, uint32_t n, float *value)                   \
+    {                                                                                                                  \
+        number corner[8][SMR_BATCH];                                                                                   \
+        for (uint32_t i = 0; i < n; i++) {                                                                             \
+            const type *v = (const type *)voxels + first_voxel(c, i, d);                                               \
+            corner[0][i] = v[0];                                                                                       \
+            corner[1][i] = v[d->dx];                                                                                   \
+            corner[2][i] = v[d->dy];                                                                                   \
+            corner[3][i] = v[d->dy + d->dx];                                                                           \
+            v += d->dz;                                                                                                \
+            corner[4][i] = v[0];                                                                                       \
+            corner[5][i] = v[d->dx];                                                                                   \
+            corner[6][i] = v[d->dy];                                                                                   \
+            corner[7][i] = v[d->dy + d->dx];                                                                           \
+        }                                                                                                              \
+        for (uint32_t i = 0; i < n; i++) {                                                                             \
+            const float fx = c->fraction[0][i], fy = c->fraction[1][i], fz = c->fraction[2][i];                        \
+            const float a = (float)corner[0][i] + fx * ((float)corner[1][i] - (float)corner[0][i]);                    \
+            const float b = (float)corner[2][i] + fx * ((float)corner[3][i] - (float)corner[2][i]);                    \
+            const float e = (float)corner[4][i] + fx * ((float)corner[5][i] - (float)corner[4][i]);                    \
+            const float f = (float)corner[6][i] + fx * ((float)corner[7][i] - (float)corner[6][i]);                    \
+            const float near = a + fy * (b - a), far = e + fy * (f - e);                                               \
+            value[i] = near + fz * (far - near);                                                                       \
+        }                                                                                                              \
+    }
+
+SMR_TRILINEAR(sample_uint8, uint8_t, int32_t)
+SMR_TRILINEAR(sample_int8, int8_t, int32_t)
+SMR_TRILINEAR(sample_uint16, uint16_t, int32_t)
+SMR_TRILINEAR(sample_int16, int16_t, int32_t)
+SMR_TRILINEAR(sample_float, float, float)
+
+static void sample(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value)
+{
+    switch (v->type) {
+    case SMR_VOXEL_UINT8: sample_uint8(v->voxels, c, d, n, value); break;
+    case SMR_VOXEL_INT8: sample_int8(v->voxels, c, d, n, value); break;
+    case SMR_VOXEL_UINT16: sample_uint16(v->voxels, c, d, n, value); break;
+    case SMR_VOXEL_INT16: sample_int16(v->voxels, c, d, n, value); break;
+    default: sample_float(v->voxels, c, d, n, value); break;
+    }
+}
+
+static int masked(const uint8_t *mask, const strides *d)
+{
+    const uint8_t *m = mask + d->dz;
+    return !(mask[0] && mask[d->dx] && mask[d->dy] && mask[d->dx + d->dy] && m[0] && m[d->dx] && m[d->dy] &&
+             m[d->dx + d->dy]);
+}
+
+/* Takes out what the mask hides and values too large to be any, NaN among them. Returns how many are left. */
+static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value,
+                     unsigned char *inside)
+{
+    uint32_t left = n;
+    memset(inside, 1, n);
+    for (uint32_t i = 0; (v->mask != NULL || v->type == SMR_VOXEL_FLOAT) && i < n; i++) {
+        if ((v->mask == NULL || !masked(v->mask + first_voxel(c, i, d), d)) && smr_within(value[i], SMR_HUGE))
+            continue;
+        value[i] = 0.0f;
+        inside[i] = 0;
+        left--;
+    }
+    return left;
+}
+
+uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec step, uint32_t n, float *value,
+                       unsigned char *inside)
+{
+    const smr_volume *v = &grid->volume;
+    const size_t row = v->size[0], slice = row * v->size[1];
+    const strides d = {row, slice, v->size[0] > 1u ? 1u : 0u, v->size[1] > 1u ? row : 0u, v->size[2] > 1u ? slice : 0u};
+    line l;
+    smr_store(l.first, smr_mul(grid->to_index, smr_sub(start, smr_load(v->origin))));
+    smr_store(l.move, smr_mul(grid->to_index, step));
+    uint32_t from = 0, to = n, count = 0;
+    for (uint32_t axis = 0; axis < 3u; axis++)
+        clip(l.first[axis], l.move[axis], v->size[axis], &from, &to);
+    memset(value, 0, n * sizeof *value);
+    memset(inside, 0, n);
+    for (uint32_t k = from; k < to; k += SMR_BATCH) {
+        cells c;
+        const uint32_t some = smr_min_u32(to - k, SMR_BATCH);
+        find_cells(v, &l, k, some, &c);
+        sample(v, &c, &d, some, value + k);
+        count += drop(v, &c, &d, some, value + k, inside + k);
+    }
+    return count;
+}
+
+#define SMR_AHEAD 2u /* every second sample's voxels: a voxel is mostly more than a step */
+
+void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec step, uint32_t n)
+{
+    const smr_volume *v = &grid->volume;
+    const size_t bytes = voxel_bytes(v->type), row = bytes * v->size[0], slice = row * v->size[1];
+    const unsigned char *voxels = v->voxels;
+    const smr_vec first = smr_mul(grid->to_index, smr_sub(start, smr_load(v->origin)));
+    const smr_vec move = smr_mul(grid->to_index, step);
+    const smr_vec top = smr_v((float)(v->size[0] - 1u), (float)(v->size[1] - 1u), (float)(v->size[2] - 1u));
+    for (uint32_t k = 0; k < n; k += SMR_AHEAD) {
+        const smr_vec at = smr_add(first, smr_scale(move, (float)(int32_t)k));
+        if (!(at.x >= 0.0f && at.x < top.x && at.y >= 0.0f && at.y < top.y && at.z >= 0.0f && at.z < top.z))
+            continue;
+        const unsigned char *cell =
+            voxels + bytes * (size_t)(int32_t)at.x + row * (size_t)(int32_t)at.y + slice * (size_t)(int32_t)at.z;
+        __builtin_prefetch(cell);
+        __builtin_prefetch(cell + row);
+        __builtin_prefetch(cell + slice);
+        __builtin_prefetch(cell + slice + row);
+    }
+}

@@ -1,0 +1,170 @@
+/* model.h: the model image's bytes, and views of them. docs/SPEC.md has the same as a table.
+ * All numbers are stored little-endian; floats as their bits. Offsets count bytes from the image's start and are
+ * multiples of SMR_ALIGN.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_MODEL_H
+#define SMR_MODEL_H
+
+#include "base/bytes.h"
+#include "base/vec.h"
+
+#define SMR_MODEL_MAGIC 0x31524d53u /* "SMR1" */
+#define SMR_MODEL_VERSION 3u
+#define SMR_MODEL_HEAD 16u   /* the checksum covers the bytes from here on */
+#define SMR_MASS_UNITS 16.0f /* masses are whole multiples of 1/16 */
+#define SMR_MASS_MAX 64.0f
+
+struct smr_model {
+    uint32_t magic;
+    uint32_t version;
+    uint32_t bytes;    /* of the whole image */
+    uint32_t checksum; /* CRC-32 of bytes 16 .. bytes - 1 */
+    uint32_t n_vertices;
+    uint32_t n_triangles;
+    uint32_t n_structures;
+    uint32_t n_radii;
+    uint32_t index_bytes;     /* 2 or 4: the width of indexes in cluster lists */
+    uint32_t order;           /* SMR_ORDER_... */
+    uint32_t centre[3];       /* float, mm: rest positions are relative to it */
+    uint32_t edge_mm;         /* float: mean edge length */
+    uint32_t at_structures;   /* smr_stored_structure [n_structures] */
+    uint32_t at_position;     /* uint32 [n_vertices]: caller's vertex (all structures in a row) -> stored vertex */
+    uint32_t at_original;     /* uint32 [n_vertices]: stored vertex -> caller's vertex */
+    uint32_t at_owner;        /* uint16 [n_vertices]: structure of each stored vertex */
+    uint32_t at_rest;         /* float [n_vertices][3] */
+    uint32_t at_mass;         /* float [n_vertices] */
+    uint32_t at_triangles;    /* uint32 [n_triangles][3]: stored vertices; structures in a row, each in tree order */
+    uint32_t at_facets;       /* uint32 [n_triangles]: the caller's index of each within its structure */
+    uint32_t profile_samples; /* 0: no profiles */
+    uint32_t profile_inward;  /* samples before the vertex */
+    uint32_t profile_step;    /* float, mm */
+    uint32_t at_profiles;     /* uint8 [n_vertices][profile_samples], see image/intensity_profile.h */
+    uint32_t at_ranges;       /* float [n_vertices][2]: low and range of each profile; range 0: no use */
+    uint32_t n_hinges;
+    uint32_t at_hinges; /* smr_stored_hinge [n_hinges] */
+    uint32_t at_radii;  /* smr_stored_radius [n_radii] */
+    uint32_t at_along;  /* uint32 [n_vertices]: stored vertex -> its place along the curve; ascending in each level */
+    uint32_t n_levels;
+    uint32_t level_end[SMR_LEVELS_MAX]; /* stored vertices in a level and all before it; unused ones are 0 */
+};
+
+typedef struct smr_stored_structure {
+    char name[SMR_NAME_BYTES];
+    uint32_t first_vertex; /* in the caller's numbering, all structures in a row */
+    uint32_t n_vertices;
+    uint32_t first_triangle;
+    uint32_t n_triangles;
+} smr_stored_structure;
+
+/* Two triangles that share an edge nobody else has. bend holds the second triangle in its low 24 bits and above them a code
+ * for the cosine between their normals below which the hinge counts as bent. */
+typedef struct smr_stored_hinge {
+    uint32_t first;
+    uint32_t bend;
+} smr_stored_hinge;
+
+#define SMR_HINGE_MASK 0xffffffu
+#define SMR_HINGE_OPEN (-0.4f) /* a limit above it: the normals' angle is no more than a right one at rest */
+#define SMR_HINGE_UNIT 200.0f  /* cosine = code / 200 - 1 */
+
+static inline float smr_hinge_limit(uint32_t bend) { return (float)(bend >> 24) / SMR_HINGE_UNIT - 1.0f; }
+
+typedef struct smr_stored_radius {
+    uint32_t radius; /* float, mm */
+    uint32_t reach;  /* float, mm: largest distance within a cluster from its own vertex */
+    uint32_t separate;
+    uint32_t n_blocks;
+    uint32_t
+        largest; /* vertices in the largest, with half of those of its boundary that lie outside, and in the smallest cluster */
+    uint32_t smallest;
+    uint32_t mean;       /* float: mean |zeta| */
+    uint32_t n_indexes;  /* in all lists */
+    uint32_t at_blocks;  /* smr_stored_block [n_blocks + 1] */
+    uint32_t at_entries; /* smr_entry16 or smr_entry32 [n_vertices]: the order L, block after block */
+    uint32_t at_count;   /* uint16 or uint32 [n_vertices]: |zeta| of each stored vertex */
+    uint32_t at_indexes; /* uint16 or uint32 [n_indexes]: zeta+ then zeta- of each entry, ascending */
+    uint32_t active_min; /* so many first stored vertices at least keep every cluster large enough */
+    uint32_t n_boundary;
+    uint32_t at_boundary; /* smr_stored_boundary [n_boundary] */
+} smr_stored_radius;
+
+/* Two vertices about a radius apart, each of which counts in the other's cluster with a share of its mass only. The lists
+ * have them in whole or not at all; `share` is what is added to that: share / SMR_BOUNDARY_UNITS - 1/2. */
+typedef struct smr_stored_boundary {
+    uint32_t first, second; /* stored numbers */
+    uint32_t share;         /* 0 .. SMR_BOUNDARY_UNITS */
+} smr_stored_boundary;
+
+#define SMR_BOUNDARY_UNITS 256
+
+/* A block is the entries first .. next block's first - 1; their vertices are those with the same places along the curve. */
+typedef struct smr_stored_block {
+    uint32_t first;
+    uint32_t first_index;
+} smr_stored_block;
+
+/* parent: an entry of the same block, counted from the block's first, before this one; itself: a root. */
+typedef struct smr_entry16 {
+    uint16_t vertex, parent, n_plus, n_minus;
+} smr_entry16;
+
+typedef struct smr_entry32 {
+    uint32_t vertex, parent, n_plus, n_minus;
+} smr_entry32;
+
+/* One radius' lists, decoded. */
+typedef struct smr_lists {
+    const smr_stored_block *block;
+    const void *entry;
+    const void *count;
+    const void *index;
+    const smr_stored_boundary *boundary;
+    uint32_t n_boundary;
+    uint32_t index_bytes;
+    uint32_t n_blocks;
+    uint32_t largest, smallest, active_min;
+    float radius, reach;
+} smr_lists;
+
+static inline const void *smr_at(const smr_model *m, uint32_t stored_offset)
+{
+    return (const unsigned char *)m + smr_le32(stored_offset);
+}
+
+smr_lists smr_model_lists(const smr_model *m, uint32_t radius);
+
+static inline uint32_t smr_list_count(const smr_lists *l, uint32_t vertex)
+{
+    return l->index_bytes == 2u ? smr_le16(((const uint16_t *)l->count)[vertex])
+                                : smr_le32(((const uint32_t *)l->count)[vertex]);
+}
+
+static inline uint32_t smr_model_owner(const smr_model *m, uint32_t vertex)
+{
+    return smr_le16(((const uint16_t *)smr_at(m, m->at_owner))[vertex]);
+}
+
+static inline const smr_stored_structure *smr_model_record(const smr_model *m, uint32_t structure)
+{
+    return (const smr_stored_structure *)smr_at(m, m->at_structures) + structure;
+}
+
+/* A stored vertex' place along the curve. */
+static inline uint32_t smr_model_along(const smr_model *m, uint32_t vertex)
+{
+    return smr_le32(((const uint32_t *)smr_at(m, m->at_along))[vertex]);
+}
+
+/* Stored vertex of a caller's vertex. */
+static inline uint32_t smr_model_position(const smr_model *m, uint32_t callers)
+{
+    return smr_le32(((const uint32_t *)smr_at(m, m->at_position))[callers]);
+}
+
+/* Caller's vertex of a stored one. */
+static inline uint32_t smr_model_original(const smr_model *m, uint32_t vertex)
+{
+    return smr_le32(((const uint32_t *)smr_at(m, m->at_original))[vertex]);
+}
+
+#endif

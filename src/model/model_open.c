@@ -1,0 +1,308 @@
+/* model_open.c: smr_model_open() and its distrust. After it every count, offset and index in the image can be used
+ * without a check. Work: one pass over the bytes, and over each radius' entries once per 4,096 vertices of a block.
+ * SPDX-License-Identifier: MIT */
+#include "image/intensity_profile.h"
+#include "model/model.h"
+
+#define SMR_RANGE_MAX                                                                                                  \
+    2.0e30f              /* of a profile: voxel values lie within half of it on either side of 0 (image/volume.c) */
+#define SMR_WINDOW 4096u /* vertices whose uniqueness is checked at a time: 512 bytes of stack */
+
+/* A section of count * size bytes at a stored offset lies inside the image. */
+static int section(const smr_model *m, uint32_t stored_offset, uint64_t count, uint64_t size)
+{
+    uint64_t at = smr_le32(stored_offset), bytes = smr_le32(m->bytes);
+    return at % SMR_ALIGN == 0u && at >= sizeof *m && count <= bytes && at + count * size <= bytes;
+}
+
+static int check_structures(const smr_model *m)
+{
+    const uint32_t n = smr_le32(m->n_structures);
+    uint64_t vertices = 0, triangles = 0;
+    if (!section(m, m->at_structures, n, sizeof(smr_stored_structure)))
+        return 0;
+    for (uint32_t i = 0; i < n; i++) {
+        const smr_stored_structure *r = smr_model_record(m, i);
+        if (smr_le32(r->first_vertex) != vertices || smr_le32(r->first_triangle) != triangles ||
+            r->name[SMR_NAME_BYTES - 1u] != '\0')
+            return 0;
+        vertices += smr_le32(r->n_vertices);
+        triangles += smr_le32(r->n_triangles);
+    }
+    return vertices == smr_le32(m->n_vertices) && triangles == smr_le32(m->n_triangles);
+}
+
+static int floats_within(const void *data, size_t n, float lo, float hi)
+{
+    const uint32_t *v = data;
+    for (size_t i = 0; i < n; i++) {
+        float f = smr_le_float(v[i]);
+        if (!(f >= lo && f <= hi))
+            return 0;
+    }
+    return 1;
+}
+
+static int below_u32(const void *data, size_t n, uint32_t limit)
+{
+    const uint32_t *v = data;
+    for (size_t i = 0; i < n; i++)
+        if (smr_le32(v[i]) >= limit)
+            return 0;
+    return 1;
+}
+
+static int below_u16(const void *data, size_t n, uint32_t limit)
+{
+    const uint16_t *v = data;
+    for (size_t i = 0; i < n; i++)
+        if (smr_le16(v[i]) >= limit)
+            return 0;
+    return 1;
+}
+
+/* position and original are each other's inverse, and owner follows from them. */
+static int check_numbering(const smr_model *m)
+{
+    const uint32_t n = smr_le32(m->n_vertices);
+    for (uint32_t s = 0; s < smr_le32(m->n_structures); s++) {
+        const uint32_t first = smr_le32(smr_model_record(m, s)->first_vertex);
+        const uint32_t last = first + smr_le32(smr_model_record(m, s)->n_vertices);
+        for (uint32_t i = first; i < last; i++) {
+            uint32_t v = smr_model_position(m, i);
+            if (v >= n || smr_model_original(m, v) != i || smr_model_owner(m, v) != s)
+                return 0;
+        }
+    }
+    return 1;
+}
+
+/* Levels are runs of the stored vertices, and along the curve each of them ascends: merged they are 0 .. n - 1, each once. */
+static int check_levels(const smr_model *m)
+{
+    const uint32_t n = smr_le32(m->n_vertices), n_levels = smr_le32(m->n_levels);
+    uint32_t at[SMR_LEVELS_MAX], begin = 0;
+    if (n_levels == 0u || n_levels > SMR_LEVELS_MAX || !section(m, m->at_along, n, 4))
+        return 0;
+    for (uint32_t i = 0; i < n_levels; i++) {
+        at[i] = begin;
+        if (smr_le32(m->level_end[i]) <= begin || smr_le32(m->level_end[i]) > n)
+            return 0;
+        begin = smr_le32(m->level_end[i]);
+    }
+    if (begin != n)
+        return 0;
+    for (uint32_t place = 0; place < n; place++) {
+        uint32_t i = 0;
+        while (i < n_levels && (at[i] == smr_le32(m->level_end[i]) || smr_model_along(m, at[i]) != place))
+            i++;
+        if (i == n_levels)
+            return 0;
+        at[i]++;
+    }
+    return 1;
+}
+
+/* What smr_model_mesh() gives out and where a registration starts is a coordinate like any other. */
+static int rest_within(const smr_model *m)
+{
+    const uint32_t *rest = smr_at(m, m->at_rest);
+    for (size_t i = 0; i < 3u * (size_t)smr_le32(m->n_vertices); i++)
+        if (!smr_within(smr_le_float(rest[i]) + smr_le_float(m->centre[i % 3u]), SMR_COORD_MAX + 1.0f))
+            return 0;
+    return 1;
+}
+
+static int check_vertices(const smr_model *m)
+{
+    const uint32_t n = smr_le32(m->n_vertices), nt = smr_le32(m->n_triangles);
+    return section(m, m->at_position, n, 4) && section(m, m->at_original, n, 4) && section(m, m->at_owner, n, 2) &&
+           section(m, m->at_rest, n, 12) && section(m, m->at_mass, n, 4) && section(m, m->at_triangles, nt, 12) &&
+           section(m, m->at_facets, nt, 4) && check_numbering(m) && check_levels(m) &&
+           floats_within(m->centre, 3, -SMR_COORD_MAX, SMR_COORD_MAX) &&
+           floats_within(&m->edge_mm, 1, 0.0f, 4.0f * SMR_COORD_MAX) &&
+           floats_within(smr_at(m, m->at_rest), 3u * (size_t)n, -2.0f * SMR_COORD_MAX, 2.0f * SMR_COORD_MAX) &&
+           rest_within(m) && floats_within(smr_at(m, m->at_mass), n, 1.0f / SMR_MASS_UNITS, SMR_MASS_MAX) &&
+           below_u32(smr_at(m, m->at_triangles), 3u * (size_t)nt, n);
+}
+
+static int check_hinges(const smr_model *m)
+{
+    const uint32_t n = smr_le32(m->n_hinges), nt = smr_le32(m->n_triangles);
+    if (!section(m, m->at_hinges, n, sizeof(smr_stored_hinge)))
+        return 0;
+    const smr_stored_hinge *h = smr_at(m, m->at_hinges);
+    for (uint32_t i = 0; i < n; i++)
+        if (smr_le32(h[i].first) >= nt || (smr_le32(h[i].bend) & SMR_HINGE_MASK) >= nt)
+            return 0;
+    return 1;
+}
+
+static int check_profiles(const smr_model *m)
+{
+    const uint32_t n = smr_le32(m->n_vertices), samples = smr_le32(m->profile_samples);
+    if (samples == 0u)
+        return 1;
+    return samples >= 3u && samples <= SMR_PROFILE_MAX && smr_le32(m->profile_inward) < samples &&
+           floats_within(&m->profile_step, 1, 1.0e-6f, 100.0f) && section(m, m->at_profiles, n, samples) &&
+           section(m, m->at_ranges, n, 8) &&
+           floats_within(smr_at(m, m->at_ranges), 2u * (size_t)n, -SMR_RANGE_MAX, SMR_RANGE_MAX);
+}
+
+/* Triangles keep to their structure: corners and the caller's numbers. */
+static int check_facets(const smr_model *m)
+{
+    const uint32_t *facet = smr_at(m, m->at_facets), *corner = smr_at(m, m->at_triangles);
+    for (uint32_t s = 0; s < smr_le32(m->n_structures); s++) {
+        const uint32_t first = smr_le32(smr_model_record(m, s)->first_triangle);
+        const uint32_t n = smr_le32(smr_model_record(m, s)->n_triangles);
+        if (!below_u32(facet + first, n, n))
+            return 0;
+        for (size_t i = 3u * (size_t)first; i < 3u * ((size_t)first + n); i++)
+            if (smr_model_owner(m, smr_le32(corner[i])) != s)
+                return 0;
+    }
+    return 1;
+}
+
+static smr_entry32 entry_at(const smr_lists *l, uint32_t i)
+{
+    smr_entry32 e;
+    if (l->index_bytes == 2u) {
+        const smr_entry16 *p = (const smr_entry16 *)l->entry + i;
+        e = (smr_entry32){smr_le16(p->vertex), smr_le16(p->parent), smr_le16(p->n_plus), smr_le16(p->n_minus)};
+    } else {
+        const smr_entry32 *p = (const smr_entry32 *)l->entry + i;
+        e = (smr_entry32){smr_le32(p->vertex), smr_le32(p->parent), smr_le32(p->n_plus), smr_le32(p->n_minus)};
+    }
+    return e;
+}
+
+/* Every vertex of the block first..last-1 of the curve has exactly one entry: as many entries as vertices, none twice. */
+static int each_once(const smr_model *m, const smr_lists *l, uint32_t first, uint32_t last)
+{
+    for (uint32_t lo = first; lo < last; lo += SMR_WINDOW) {
+        uint32_t seen[SMR_WINDOW / 32u] = {0};
+        for (uint32_t i = first; i < last; i++) {
+            uint32_t v = smr_model_along(m, entry_at(l, i).vertex) - lo;
+            if (v >= SMR_WINDOW)
+                continue;
+            if (seen[v / 32u] >> (v % 32u) & 1u)
+                return 0;
+            seen[v / 32u] |= 1u << (v % 32u);
+        }
+    }
+    return 1;
+}
+
+static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, uint32_t last, uint64_t n_indexes)
+{
+    const uint32_t n = smr_le32(m->n_vertices);
+    uint64_t used = 0;
+    for (uint32_t i = first; i < last; i++) {
+        const smr_entry32 e = entry_at(l, i);
+        if (e.vertex >= n || smr_model_along(m, e.vertex) < first || smr_model_along(m, e.vertex) >= last ||
+            e.parent > i - first)
+            return 0;
+        used += (uint64_t)e.n_plus + e.n_minus;
+    }
+    return used == n_indexes && each_once(m, l, first, last);
+}
+
+/* A radius' sections lie one behind the other, the first one behind the radius before. Lists that share bytes would be few
+ * bytes that take long to check. */
+static int sections_in_order(const smr_model *m, const smr_stored_radius *r, uint64_t *end)
+{
+    const uint64_t n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
+    const uint64_t at[5] = {smr_le32(r->at_blocks), smr_le32(r->at_entries), smr_le32(r->at_count),
+                            smr_le32(r->at_indexes), smr_le32(r->at_boundary)};
+    const uint64_t bytes[5] = {((uint64_t)smr_le32(r->n_blocks) + 1u) * sizeof(smr_stored_block), n * 4u * width,
+                               n * width, (uint64_t)smr_le32(r->n_indexes) * width,
+                               (uint64_t)smr_le32(r->n_boundary) * sizeof(smr_stored_boundary)};
+    for (uint32_t i = 0; i < 5u; i++) {
+        if (at[i] < *end)
+            return 0;
+        *end = at[i] + bytes[i];
+    }
+    return 1;
+}
+
+static int check_boundary(const smr_model *m, const smr_stored_radius *r)
+{
+    const uint32_t n = smr_le32(m->n_vertices);
+    const smr_stored_boundary *pair = smr_at(m, r->at_boundary);
+    for (uint32_t i = 0; i < smr_le32(r->n_boundary); i++)
+        if (smr_le32(pair[i].first) >= n || smr_le32(pair[i].second) >= n ||
+            smr_le32(pair[i].share) > SMR_BOUNDARY_UNITS)
+            return 0;
+    return 1;
+}
+
+static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t index)
+{
+    const uint32_t n = smr_le32(m->n_vertices), n_blocks = smr_le32(r->n_blocks), width = smr_le32(m->index_bytes);
+    const uint32_t n_indexes = smr_le32(r->n_indexes);
+    if (n_blocks == 0u || n_blocks > n ||
+        !section(m, r->at_blocks, (uint64_t)n_blocks + 1u, sizeof(smr_stored_block)) ||
+        !section(m, r->at_entries, n, 4u * (uint64_t)width) || !section(m, r->at_count, n, width) ||
+        !section(m, r->at_indexes, n_indexes, width) ||
+        !section(m, r->at_boundary, smr_le32(r->n_boundary), sizeof(smr_stored_boundary)) || !check_boundary(m, r) ||
+        !floats_within(&r->radius, 1, FLT_MIN, SMR_COORD_MAX) ||
+        !floats_within(&r->reach, 1, 0.0f, 4.0f * SMR_COORD_MAX) || !floats_within(&r->mean, 1, 0.0f, 1.0e7f) ||
+        smr_le32(r->largest) == 0u || smr_le32(r->largest) > n || smr_le32(r->active_min) == 0u ||
+        smr_le32(r->active_min) > n)
+        return 0;
+    const smr_lists l = smr_model_lists(m, index);
+    for (uint32_t v = 0; v < n; v++) {
+        uint32_t count = smr_list_count(&l, v);
+        if (count == 0u || count > smr_le32(r->largest))
+            return 0;
+    }
+    if (!(width == 2u ? below_u16(l.index, n_indexes, n) : below_u32(l.index, n_indexes, n)))
+        return 0;
+    if (smr_le32(l.block[0].first) != 0u || smr_le32(l.block[0].first_index) != 0u ||
+        smr_le32(l.block[n_blocks].first) != n || smr_le32(l.block[n_blocks].first_index) != n_indexes)
+        return 0;
+    for (uint32_t b = 0; b < n_blocks; b++) {
+        uint32_t first = smr_le32(l.block[b].first), last = smr_le32(l.block[b + 1u].first);
+        uint32_t from = smr_le32(l.block[b].first_index), to = smr_le32(l.block[b + 1u].first_index);
+        if (first >= last || last > n || from > to || to > n_indexes || !check_block(m, &l, first, last, to - from))
+            return 0;
+    }
+    return 1;
+}
+
+static int check_header(const smr_model *m, size_t bytes)
+{
+    const uint32_t size = smr_le32(m->bytes), n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
+    if (smr_le32(m->magic) != SMR_MODEL_MAGIC || smr_le32(m->version) != SMR_MODEL_VERSION || size < sizeof *m ||
+        size > bytes)
+        return 0;
+    if (smr_crc32(0, (const unsigned char *)m + SMR_MODEL_HEAD, size - SMR_MODEL_HEAD) != smr_le32(m->checksum))
+        return 0;
+    return n >= 1u && n <= SMR_VERTICES_MAX && smr_le32(m->n_triangles) <= SMR_TRIANGLES_MAX &&
+           smr_le32(m->n_structures) >= 1u && smr_le32(m->n_structures) <= SMR_STRUCTURES_MAX &&
+           smr_le32(m->n_radii) >= 1u && smr_le32(m->n_radii) <= SMR_RADII_MAX &&
+           (width == 4u || (width == 2u && n <= 65535u));
+}
+
+smr_status smr_model_open(const void *image, size_t bytes, const smr_model **model)
+{
+    if (image == NULL || model == NULL)
+        return SMR_E_NULL;
+    if ((uintptr_t)image % SMR_ALIGN != 0u)
+        return SMR_E_ALIGN;
+    const smr_model *m = image;
+    if (bytes < sizeof *m || !check_header(m, bytes) || !check_structures(m) || !check_vertices(m) ||
+        !check_facets(m) || !check_hinges(m) || !check_profiles(m))
+        return SMR_E_MODEL;
+    if (!section(m, m->at_radii, smr_le32(m->n_radii), sizeof(smr_stored_radius)))
+        return SMR_E_MODEL;
+    const smr_stored_radius *r = smr_at(m, m->at_radii);
+    uint64_t end = sizeof *m;
+    for (uint32_t i = 0; i < smr_le32(m->n_radii); i++)
+        if (!sections_in_order(m, &r[i], &end) || !check_radius(m, &r[i], i))
+            return SMR_E_MODEL;
+    *model = m;
+    return SMR_OK;
+}

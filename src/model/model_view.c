@@ -1,0 +1,95 @@
+/* model_view.c: what a model image says about itself.
+ * SPDX-License-Identifier: MIT */
+#include "model/model.h"
+
+smr_lists smr_model_lists(const smr_model *m, uint32_t radius)
+{
+    const smr_stored_radius *r = (const smr_stored_radius *)smr_at(m, m->at_radii) + radius;
+    smr_lists l;
+    l.block = smr_at(m, r->at_blocks);
+    l.entry = smr_at(m, r->at_entries);
+    l.count = smr_at(m, r->at_count);
+    l.index = smr_at(m, r->at_indexes);
+    l.boundary = smr_at(m, r->at_boundary);
+    l.n_boundary = smr_le32(r->n_boundary);
+    l.index_bytes = smr_le32(m->index_bytes);
+    l.n_blocks = smr_le32(r->n_blocks);
+    l.largest = smr_le32(r->largest);
+    l.smallest = smr_le32(r->smallest);
+    l.active_min = smr_le32(r->active_min);
+    l.radius = smr_le_float(r->radius);
+    l.reach = smr_le_float(r->reach);
+    return l;
+}
+
+smr_status smr_model_get_info(const smr_model *model, smr_model_info *info)
+{
+    if (model == NULL || info == NULL)
+        return SMR_E_NULL;
+    memset(info, 0, sizeof *info);
+    info->n_vertices = smr_le32(model->n_vertices);
+    info->n_triangles = smr_le32(model->n_triangles);
+    info->n_structures = smr_le32(model->n_structures);
+    info->n_radii = smr_le32(model->n_radii);
+    for (uint32_t i = 0; i < 3u; i++)
+        info->centre[i] = smr_le_float(model->centre[i]);
+    info->edge_mm = smr_le_float(model->edge_mm);
+    info->order = smr_le32(model->order);
+    info->profile_samples = smr_le32(model->profile_samples);
+    info->profile_step_mm = smr_le_float(model->profile_step);
+    info->checksum = smr_le32(model->checksum);
+    info->bytes = smr_le32(model->bytes);
+    info->n_levels = smr_le32(model->n_levels);
+    for (uint32_t i = 0; i < info->n_levels; i++)
+        info->level_end[i] = smr_le32(model->level_end[i]);
+    for (uint32_t i = 0; i < info->n_radii; i++) {
+        const smr_stored_radius *r = (const smr_stored_radius *)smr_at(model, model->at_radii) + i;
+        info->radius_mm[i] = smr_le_float(r->radius);
+        info->indexes_per_cluster[i] = (float)smr_le32(r->n_indexes) / (float)info->n_vertices;
+        info->direct_per_cluster[i] = smr_le_float(r->mean);
+        info->largest_cluster[i] = smr_le32(r->largest);
+        info->smallest_cluster[i] = smr_le32(r->smallest);
+        info->active_min[i] = smr_le32(r->active_min);
+        info->n_blocks[i] = smr_le32(r->n_blocks);
+        info->separate[i] = smr_le32(r->separate);
+    }
+    return SMR_OK;
+}
+
+smr_status smr_model_structure(const smr_model *model, uint32_t structure, smr_structure_info *info)
+{
+    if (model == NULL || info == NULL)
+        return SMR_E_NULL;
+    if (structure >= smr_le32(model->n_structures))
+        return SMR_E_INPUT;
+    const smr_stored_structure *r = smr_model_record(model, structure);
+    memcpy(info->name, r->name, sizeof info->name);
+    info->n_vertices = smr_le32(r->n_vertices);
+    info->n_triangles = smr_le32(r->n_triangles);
+    return SMR_OK;
+}
+
+smr_status smr_model_mesh(const smr_model *model, uint32_t structure, float *xyz, uint32_t *triangles)
+{
+    if (model == NULL)
+        return SMR_E_NULL;
+    if (structure >= smr_le32(model->n_structures))
+        return SMR_E_INPUT;
+    const smr_stored_structure *r = smr_model_record(model, structure);
+    const uint32_t first_vertex = smr_le32(r->first_vertex), first_triangle = smr_le32(r->first_triangle);
+    const uint32_t *rest = smr_at(model, model->at_rest);
+    const uint32_t *corner = smr_at(model, model->at_triangles), *facet = smr_at(model, model->at_facets);
+    for (uint32_t i = 0; xyz != NULL && i < smr_le32(r->n_vertices); i++) {
+        uint32_t v = smr_model_position(model, first_vertex + i);
+        for (uint32_t c = 0; c < 3u; c++)
+            xyz[3u * (size_t)i + c] = smr_le_float(rest[3u * (size_t)v + c]) + smr_le_float(model->centre[c]);
+    }
+    if (triangles != NULL) /* facets are in range, but nobody checked that each is named once */
+        memset(triangles, 0, 3u * (size_t)smr_le32(r->n_triangles) * sizeof *triangles);
+    for (uint32_t i = 0; triangles != NULL && i < smr_le32(r->n_triangles); i++) {
+        uint32_t *to = triangles + 3u * (size_t)smr_le32(facet[first_triangle + i]);
+        for (uint32_t c = 0; c < 3u; c++)
+            to[c] = smr_model_original(model, smr_le32(corner[3u * (size_t)(first_triangle + i) + c])) - first_vertex;
+    }
+    return SMR_OK;
+}

@@ -1,0 +1,94 @@
+/* cluster_radii.c: cluster radii for a model nobody chose any for. For surface targets: from a quarter of its length down to little
+ * more than an edge, each about two thirds of the one before (coarse to fine, paper 3, geometric registration), and a last
+ * one far below an edge, at which clusters are single vertices. For images, which are noisy: fixed radii of a human size;
+ * before them, for a structure alone, which starts with the error of its pose and has no neighbours to lead it, the whole
+ * structure as one cluster and a third of it.
+ * SPDX-License-Identifier: MIT */
+#include "prepare/plan.h"
+
+#define SMR_COARSEST 0.25f  /* of the model's length */
+#define SMR_FINE_EDGES 1.7f /* edges */
+#define SMR_FREE_EDGES 0.01f
+#define SMR_RATIO 0.66f
+#define SMR_MEMBERS_MAX 1500u /* mean |zeta| above this makes iterations slow and deforms no better */
+#define SMR_PROBES 64u
+
+/* Mean size of clusters at this radius, from SMR_PROBES vertices spread over the caller's numbering: the same ones
+ * however the model is turned. */
+static uint32_t mean_members(smr_plan *p, float radius)
+{
+    uint64_t sum = 0;
+    const uint32_t probes = smr_min_u32(SMR_PROBES, p->n);
+    for (uint32_t i = 0; i < probes; i++) {
+        smr_ball_row(p, p->position[(uint64_t)i * p->n / probes], radius, smr_plan_row(p, 0));
+        sum += smr_row_count(smr_plan_row(p, 0), p->words);
+    }
+    return (uint32_t)(sum / probes);
+}
+
+/* The length of a rod whose points lie as far from their middle as the model's do: a size that does not depend on how
+ * the model is turned. */
+static float rod_length(const smr_plan *p)
+{
+    smr_vec mean = smr_v(0, 0, 0);
+    const float share = 1.0f / (float)p->n;
+    for (uint32_t v = 0; v < p->n; v++)
+        mean = smr_add(mean, smr_scale(smr_load(p->xyz + 3u * (size_t)v), share));
+    float spread = 0.0f;
+    for (uint32_t v = 0; v < p->n; v++) {
+        const smr_vec d = smr_sub(smr_load(p->xyz + 3u * (size_t)v), mean);
+        spread += share * smr_dot(d, d);
+    }
+    return SMR_SQRT(12.0f * spread);
+}
+
+/* A radius rounded to eight binary digits, so that the last bits of a measured size do not decide which vertices lie just
+ * within it. */
+static float rounded(float radius)
+{
+    uint32_t bits = smr_float_bits(radius) + 0x8000u;
+    bits &= 0xffff0000u;
+    memcpy(&radius, &bits, sizeof radius);
+    return radius;
+}
+
+static uint32_t image_radii(const smr_plan *p, float radius[SMR_RADII_MAX])
+{
+    static const float local[] = {60.0f, 40.0f, 25.0f, 15.0f}; /* mm */
+    const float size = rounded(rod_length(p));
+    uint32_t n = 0;
+    for (uint32_t k = 0; p->n_structures == 1u && k < 2u; k++) {
+        const float whole = smr_min(k == 0u ? size : size * (1.0f / 3.0f), SMR_COORD_MAX);
+        if (whole > 1.25f * local[0])
+            radius[n++] = rounded(whole);
+    }
+    for (uint32_t k = 0; k < sizeof local / sizeof local[0]; k++)
+        radius[n++] = local[k];
+    return n;
+}
+
+uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX])
+{
+    if (p->config->reference != NULL)
+        return image_radii(p, radius);
+    const float size = rod_length(p);
+    float coarse = smr_min(size * SMR_COARSEST, SMR_COORD_MAX);
+    if (!(coarse > 1.0e-3f)) { /* a single point */
+        radius[0] = 1.0f;
+        return 1u;
+    }
+    for (uint32_t i = 0; i < 40u && mean_members(p, coarse) > SMR_MEMBERS_MAX; i++)
+        coarse *= 0.9f;
+    const float fine = smr_max(p->edge_mm > 0.0f ? p->edge_mm * SMR_FINE_EDGES : coarse * 0.1f, size * 1.0e-3f);
+    uint32_t n = 0;
+    for (float r = coarse; n < SMR_RADII_MAX - 2u && r > fine * 1.2f; r *= SMR_RATIO)
+        radius[n++] = r;
+    radius[n++] = smr_min(fine, coarse);
+    if (p->edge_mm > 0.0f) {
+        radius[n] = radius[n - 1u] * (SMR_FREE_EDGES / SMR_FINE_EDGES);
+        n++;
+    }
+    for (uint32_t i = 0; i < n; i++)
+        radius[i] = rounded(radius[i]);
+    return n;
+}

@@ -1,0 +1,191 @@
+/* model_write.c: lays the model image out, section by section (docs/SPEC.md has the table).
+ * SPDX-License-Identifier: MIT */
+#include "prepare/plan.h"
+
+/* What smr_stored_radius will say, while its lists are written behind it. */
+static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, const smr_plan *p, float radius,
+                         uint32_t active_min)
+{
+    const int ring = smr_uses_ring(p, radius) && p->edge_max > radius;
+    const uint32_t field[15] = {smr_float_bits(radius),
+                                smr_float_bits(ring ? p->edge_max : radius),
+                                p->separate,
+                                l->n_blocks,
+                                l->largest,
+                                l->smallest,
+                                smr_float_bits((float)l->n_members / (float)p->n),
+                                l->n_indexes,
+                                (uint32_t)l->at_blocks,
+                                (uint32_t)l->at_entries,
+                                (uint32_t)l->at_count,
+                                (uint32_t)l->at_indexes,
+                                active_min,
+                                (uint32_t)l->n_boundary,
+                                (uint32_t)l->at_boundary};
+    for (uint32_t i = 0; i < 15u; i++)
+        smr_put32(w, at + 4u * i, field[i]);
+}
+
+/* Blocks of the curve order, the same size but for one vertex. */
+static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radius, uint32_t step, uint32_t steps)
+{
+    const int forest = p->config->order == SMR_ORDER_FOREST;
+    const uint32_t n_blocks = forest ? smr_ceil_div(p->n, p->block) : 1u;
+    smr_list_writer l;
+    memset(&l, 0, sizeof l);
+    l.w = w;
+    l.index_bytes = p->n <= 65535u ? 2u : 4u;
+    l.at_blocks = smr_put_section(w, ((size_t)n_blocks + 1u) * sizeof(smr_stored_block));
+    l.at_entries = smr_put_section(w, (size_t)p->n * 4u * l.index_bytes);
+    l.at_count = smr_put_section(w, (size_t)p->n * l.index_bytes);
+    l.at_indexes = smr_put_section(w, 0);
+    if (forest) {
+        for (uint32_t b = 0; b < n_blocks; b++) {
+            const uint32_t first = (uint32_t)((uint64_t)b * p->n / n_blocks);
+            const uint32_t last = (uint32_t)(((uint64_t)b + 1u) * p->n / n_blocks);
+            smr_forest_block(p, &l, first, last, radius);
+            if (p->config->progress != NULL &&
+                p->config->progress(p->config->progress_ctx, step * n_blocks + b, steps * n_blocks) != 0)
+                return SMR_E_ABORTED;
+            if (w->used > UINT32_MAX)
+                return SMR_E_INPUT;
+        }
+        p->near_kind = 1u + p->separate;
+    } else {
+        smr_status status = smr_breadth_first(p, &l, radius, step, steps);
+        if (status != SMR_OK)
+            return status;
+    }
+    const uint32_t n_written = l.n_blocks;
+    smr_list_block(&l);
+    l.n_blocks = n_written;
+    smr_write_boundary(p, &l, radius);
+    write_radius(w, at, &l, p, radius, p->active_min[step]);
+    return w->used > UINT32_MAX ? SMR_E_INPUT : SMR_OK;
+}
+
+static size_t write_structures(const smr_plan *p, smr_writer *w)
+{
+    const size_t at = smr_put_section(w, p->n_structures * sizeof(smr_stored_structure));
+    uint32_t vertices = 0, triangles = 0;
+    for (uint32_t s = 0; s < p->n_structures; s++) {
+        const size_t to = at + s * sizeof(smr_stored_structure);
+        const char *name = p->structures[s].name == NULL ? "" : p->structures[s].name;
+        for (size_t i = 0; i + 1u < SMR_NAME_BYTES && name[i] != '\0'; i++)
+            if (w->image != NULL && to + i < w->capacity)
+                w->image[to + i] = (unsigned char)name[i];
+        smr_put32(w, to + SMR_NAME_BYTES, vertices);
+        smr_put32(w, to + SMR_NAME_BYTES + 4u, p->structures[s].mesh.n_vertices);
+        smr_put32(w, to + SMR_NAME_BYTES + 8u, triangles);
+        smr_put32(w, to + SMR_NAME_BYTES + 12u, p->structures[s].mesh.n_triangles);
+        vertices += p->structures[s].mesh.n_vertices;
+        triangles += p->structures[s].mesh.n_triangles;
+    }
+    return at;
+}
+
+static uint32_t write_u32(smr_writer *w, const uint32_t *value, size_t n)
+{
+    const size_t at = smr_put_section(w, n * sizeof *value);
+    for (size_t i = 0; i < n; i++)
+        smr_put32(w, at + 4u * i, value[i]);
+    return (uint32_t)at;
+}
+
+/* Through a table: value[table[i]]. */
+static uint32_t write_through(smr_writer *w, const uint32_t *value, const uint32_t *table, size_t n)
+{
+    const size_t at = smr_put_section(w, n * sizeof *value);
+    for (size_t i = 0; i < n; i++)
+        smr_put32(w, at + 4u * i, value[table[i]]);
+    return (uint32_t)at;
+}
+
+/* `width` floats of each vertex, in stored order. */
+static uint32_t write_floats(smr_writer *w, const smr_plan *p, const float *value, size_t width)
+{
+    const size_t at = smr_put_section(w, p->n * width * sizeof *value);
+    for (size_t i = 0; i < p->n * width; i++)
+        smr_put32(w, at + 4u * i, smr_float_bits(value[p->along[i / width] * width + i % width]));
+    return (uint32_t)at;
+}
+
+/* `width` bytes of each vertex, in stored order. */
+static uint32_t write_bytes(smr_writer *w, const smr_plan *p, const uint8_t *value, size_t width)
+{
+    const size_t at = smr_put_section(w, p->n * width);
+    for (size_t v = 0; v < p->n; v++)
+        if (w->image != NULL && at + (v + 1u) * width <= w->capacity)
+            memcpy(w->image + at + v * width, value + p->along[v] * width, width);
+    return (uint32_t)at;
+}
+
+static uint32_t write_owner(smr_writer *w, const smr_plan *p)
+{
+    const size_t at = smr_put_section(w, p->n * sizeof(uint16_t));
+    for (uint32_t v = 0; v < p->n; v++)
+        smr_put16(w, at + 2u * (size_t)v, p->owner[p->along[v]]);
+    return (uint32_t)at;
+}
+
+/* Everything that has one value a vertex or a triangle. */
+static void write_mesh(smr_plan *p, smr_writer *w, struct smr_model *head)
+{
+    head->at_position = write_through(w, p->stored, p->position, p->n);
+    head->at_original = write_through(w, p->original, p->along, p->n);
+    head->at_along = write_u32(w, p->along, p->n);
+    head->at_owner = write_owner(w, p);
+    head->at_rest = write_floats(w, p, p->xyz, 3);
+    head->at_mass = write_floats(w, p, p->mass, 1);
+    head->at_triangles = write_through(w, p->stored, p->triangle, 3u * (size_t)p->nt);
+    head->at_facets = write_u32(w, p->facet, p->nt);
+    if (p->profile != NULL) {
+        const uint32_t samples = p->config->profile_samples;
+        head->profile_samples = samples;
+        head->profile_inward = smr_profile_inward(p->config);
+        head->profile_step = smr_float_bits(p->config->profile_step_mm);
+        head->at_profiles = write_bytes(w, p, p->profile, samples);
+        head->at_ranges = write_floats(w, p, p->range, 2);
+    }
+    head->n_hinges = p->n_hinges;
+    head->at_hinges = write_u32(w, &p->hinge[0].first, 2u * (size_t)p->n_hinges);
+}
+
+smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below)
+{
+    struct smr_model head;
+    memset(&head, 0, sizeof head);
+    smr_put_section(w, sizeof head);
+    head.n_vertices = p->n;
+    head.n_triangles = p->nt;
+    head.n_structures = p->n_structures;
+    head.n_radii = n_radii;
+    head.index_bytes = p->n <= 65535u ? 2u : 4u;
+    head.order = p->config->order;
+    for (uint32_t c = 0; c < 3u; c++)
+        head.centre[c] = smr_float_bits(p->centre[c]);
+    head.edge_mm = smr_float_bits(p->edge_mm);
+    head.n_levels = p->n_levels;
+    memcpy(head.level_end, p->level_end, p->n_levels * sizeof head.level_end[0]);
+    head.at_structures = (uint32_t)write_structures(p, w);
+    write_mesh(p, w, &head);
+    head.at_radii = (uint32_t)smr_put_section(w, n_radii * sizeof(smr_stored_radius));
+    for (uint32_t i = 0; i < n_radii; i++) {
+        p->separate = radius[i] < separate_below;
+        smr_status status = write_lists(p, w, head.at_radii + i * sizeof(smr_stored_radius), radius[i], i, n_radii);
+        if (status != SMR_OK)
+            return status;
+    }
+    smr_put_section(w, 0);
+    w->used = (w->used + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
+    if (w->used > UINT32_MAX)
+        return SMR_E_INPUT;
+    head.magic = SMR_MODEL_MAGIC;
+    head.version = SMR_MODEL_VERSION;
+    head.bytes = (uint32_t)w->used;
+    uint32_t words[sizeof head / 4u];
+    memcpy(words, &head, sizeof words);
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        smr_put32(w, 4u * i, words[i]);
+    return SMR_OK;
+}

@@ -1,0 +1,110 @@
+/* attract.c: target-to-model attraction. Every target vertex finds the closest point of the deforming model and pulls the
+ * corners of that triangle towards itself, weighted by area and barycentric coordinates. A projection of the model onto
+ * the target alone leaves whole parts of the target uncovered: nothing calls the model there.
+ * Where other places of the same structure are nearly as near it pulls there, too, the less the farther they are: a last bit
+ * that makes one of two the nearer one changes next to nothing.
+ * Pulls are summed as 64-bit whole numbers, per worker and then over workers: any order gives the same bits.
+ * Bounds: config.node_budget tree nodes for each target vertex and structure that shares its surface.
+ * SPDX-License-Identifier: MIT */
+#include "runtime/forces/attract.h"
+
+#define SMR_AREA_MAX 16.0f /* mean areas: a larger target triangle pulls no harder */
+
+int smr_pull_on(const smr *s) { return s->config.attraction > 0.0f && s->n_goals > 0u && s->target_warm != NULL; }
+
+uint32_t smr_pull_tasks(smr *s) { return smr_pull_on(s) ? s->n_target_tasks : 0u; }
+
+/* The closest acceptable model point over the structures that share this surface. Returns its structure or SMR_ALL. */
+static uint32_t closest_part(const smr *s, const smr_surface *surface, smr_query *q, uint32_t warm, smr_hit *hit,
+                             smr_near_list *near)
+{
+    smr_near_list list;
+    uint32_t found = SMR_ALL;
+    /* the structure of the last time first: its distance spares the others most of their search */
+    for (uint32_t round = 0; round < 2u; round++) {
+        for (uint32_t i = 0; i < s->n_parts; i++) {
+            const smr_part *part = &s->part[i];
+            const uint32_t local = warm - part->first_triangle;
+            const int is_warm = warm != SMR_ALL && local < part->facets.n_triangles;
+            if (part->target != surface || is_warm != (round == 0u))
+                continue;
+            q->warm = is_warm ? local : SMR_ALL;
+            smr_hit h = *hit;
+            h.triangle = SMR_ALL;
+            smr_tree_near(&part->facets, q, &h, &list);
+            if (h.triangle != SMR_ALL && (h.d2 < hit->d2 || found == SMR_ALL || i < found)) {
+                *hit = h;
+                *near = list;
+                found = i;
+            }
+        }
+    }
+    return found;
+}
+
+/* The target vertex at y pulls the corners of a triangle. */
+static void add_pull(const smr_part *part, smr_vec y, const smr_near *near, float area, int64_t *pull)
+{
+    const smr_vec r = smr_sub(y, smr_facet_point(&part->facets, near->triangle, near->weight));
+    for (uint32_t c = 0; c < 3u; c++) {
+        int64_t *to = pull + 4u * (size_t)part->facets.triangle[3u * (size_t)near->triangle + c];
+        const float w = area * near->share * near->weight[c] * SMR_PULL_SCALE;
+        to[0] += (int64_t)(w * r.x);
+        to[1] += (int64_t)(w * r.y);
+        to[2] += (int64_t)(w * r.z);
+        to[3] += (int64_t)w;
+    }
+}
+
+/* One target vertex: finds the model point it belongs to and adds its pull. */
+static void pull_one(const smr *s, const smr_surface *surface, uint32_t j, uint32_t *warm, int64_t *pull)
+{
+    const smr_vec y = smr_add(smr_load(surface->xyz + 3u * (size_t)j), smr_sub(surface->origin, s->origin));
+    smr_query q = {y, smr_load(surface->normal + 3u * (size_t)j), s->min_cos, s->config.node_budget, SMR_ALL};
+    smr_hit hit = {s->search * s->search, SMR_ALL, {0, 0, 0}};
+    if (smr_dot(q.normal, q.normal) < 0.5f)
+        q.min_cos = -2.0f;
+    smr_near_list near;
+    const uint32_t found = closest_part(s, surface, &q, *warm, &hit, &near);
+    if (found == SMR_ALL)
+        return;
+    const smr_part *part = &s->part[found];
+    *warm = part->first_triangle + hit.triangle;
+    const smr_vec r = smr_sub(y, smr_facet_point(&part->facets, hit.triangle, hit.weight));
+    if (s->force_limit > 0.0f && smr_dot(r, r) > s->force_limit * s->force_limit)
+        return;
+    const float area = surface->area_mean > 0.0f ? smr_min(surface->area[j] / surface->area_mean, SMR_AREA_MAX) : 1.0f;
+    for (uint32_t i = 0; i < near.n; i++)
+        add_pull(part, y, &near.item[i], area, pull);
+}
+
+void smr_pull_search(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    int64_t *pull = s->pull + 4u * (size_t)s->n * worker;
+    uint32_t g = 0;
+    while (g + 1u < s->n_goals && s->goal[g + 1u].first_task <= task)
+        g++;
+    const smr_goal *goal = &s->goal[g];
+    const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK;
+    const uint32_t last = smr_min_u32(first + SMR_FORCE_CHUNK, goal->n_vertices);
+    for (uint32_t j = first; j < last; j++)
+        pull_one(s, goal->surface, j, &s->target_warm[goal->first_warm + j], pull);
+}
+
+float smr_pull_take(smr *s, uint32_t v, smr_vec *mean)
+{
+    int64_t sum[4] = {0, 0, 0, 0};
+    for (uint32_t w = 0; w < s->config.n_workers; w++) {
+        int64_t *p = s->pull + 4u * ((size_t)s->n * w + v);
+        for (uint32_t i = 0; i < 4u; i++) {
+            sum[i] += p[i];
+            p[i] = 0;
+        }
+    }
+    if (sum[3] <= 0)
+        return 0.0f;
+    const float inverse = 1.0f / (float)sum[3];
+    *mean = smr_v((float)sum[0] * inverse, (float)sum[1] * inverse, (float)sum[2] * inverse);
+    return smr_min((float)sum[3] * (1.0f / (SMR_PULL_SCALE * SMR_PULL_FULL)), 1.0f);
+}

@@ -1,0 +1,77 @@
+/* match.c: each cluster's least-squares rigid transform T_i = [R_i, t_i] from x^r to x + f^e (paper 2.3), out of the
+ * cluster's sums. Rigid-body kinematics: omega = I^r^-1 L, R by Rodrigues' formula. Polar decomposition:
+ * A = C^r + Sum(m u (x^r - c^r)^T), R by polar_decomposition.c. In both t = c - R c^r. R - I is kept rather than R: it is small, and
+ * nothing is lost when nothing turns.
+ * SPDX-License-Identifier: MIT */
+#include "base/fixed_point.h"
+#include "geometry/jacobi.h"
+#include "geometry/rotation.h"
+#include "runtime/state.h"
+
+/* r_minus_i of one cluster by rigid-body kinematics. mu: sum of m u; w: the sums' further words. */
+static void rigid(const smr *s, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
+{
+    const smr_vec c = smr_load(smr_at3(s->centre, v));
+    smr_vec l = smr_v(smr_unfix(w[0], inverse), smr_unfix(w[1], inverse), smr_unfix(w[2], inverse));
+    l = smr_sub(l, smr_cross(c, mu));
+    const float *i = s->spread + 6u * (size_t)v;
+    const float full[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]};
+    smr_rodrigues(smr_mul(full, l), r_minus_i);
+}
+
+static void polar(const smr *s, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
+{
+    const float *c = smr_at3(s->centre, v), *i = s->spread + 6u * (size_t)v;
+    const float u[3] = {mu.x, mu.y, mu.z};
+    float a[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]};
+    float change = 0.0f;
+    for (uint32_t k = 0; k < 9u; k++) {
+        const float d = smr_unfix(w[k], inverse) - u[k / 3u] * c[k % 3u];
+        a[k] += d;
+        change = smr_max(change, smr_abs(d));
+    }
+    memset(r_minus_i, 0, 9u * sizeof *r_minus_i);
+    if (!(change > 0.0f))
+        return; /* nothing turns: not even by the decomposition's rounding, which would add up over plastic updates */
+    smr_polar(a, s->eigen + 9u * (size_t)v, r_minus_i);
+}
+
+uint32_t smr_match_tasks(smr *s) { return smr_ceil_div(s->n_active, SMR_MATCH_CHUNK); }
+
+void smr_match(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    (void)worker;
+    const float inverse0 = 1.0f / s->scale[0], inverse1 = 1.0f / s->scale[1];
+    float largest_r = 0.0f, largest_t = 0.0f;
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, s->n_active);
+    for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
+        const uint32_t *w = s->sum + SMR_WORDS * (size_t)v;
+        float *t = s->transform + 12u * (size_t)v;
+        const smr_vec mu = smr_v(smr_unfix(w[0], inverse0), smr_unfix(w[1], inverse0), smr_unfix(w[2], inverse0));
+        if (s->config.method == SMR_METHOD_RIGID)
+            rigid(s, v, mu, w + 3, inverse1, t);
+        else
+            polar(s, v, mu, w + 3, inverse1, t);
+        const smr_vec mean = smr_scale(mu, 1.0f / s->cluster_mass[v]);
+        smr_store(t + 9, smr_sub(mean, smr_mul(t, smr_load(smr_at3(s->centre, v)))));
+        for (uint32_t i = 0; i < 9u; i++)
+            largest_r = smr_max(largest_r, smr_abs(t[i]));
+        for (uint32_t i = 9; i < 12u; i++)
+            largest_t = smr_max(largest_t, smr_abs(t[i]));
+    }
+    s->tally[task].largest[0] = largest_r;
+    s->tally[task].largest[1] = largest_t;
+}
+
+void smr_match_end(smr *s)
+{
+    float largest_r = 0.0f, largest_t = 0.0f;
+    for (uint32_t t = 0; t < smr_match_tasks(s); t++) {
+        largest_r = smr_max(largest_r, s->tally[t].largest[0]);
+        largest_t = smr_max(largest_t, s->tally[t].largest[1]);
+    }
+    s->scale[0] = smr_fixed_scale((float)s->lists.largest * largest_r);
+    s->scale[1] = smr_fixed_scale((float)s->lists.largest * largest_t);
+    s->sum_words = 12;
+}

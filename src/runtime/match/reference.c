@@ -1,0 +1,187 @@
+/* reference.c: what matching needs of the reference shape x^r, whenever it is new: each cluster's centre c^r, mass M and
+ * covariance C^r or inverse inertia tensor (paper 2.3). x^r is rounded to powers of two of a millimetre and the moments
+ * are summed as whole numbers with wrap-around; taken relative to the cluster's own vertex the final values fit and are
+ * exact, however far the cluster lies from the origin. Second moments use a coarse step, about a thousandth of the
+ * cluster's reach, and enter only as the spread; the centre has a fine step of its own.
+ * SPDX-License-Identifier: MIT */
+#include "base/fixed_point.h"
+#include "geometry/jacobi.h"
+#include "runtime/state.h"
+
+#define SMR_FINE_SHARE (1.0f / 1024.0f) /* of the coarse step: finer gains nothing */
+#define SMR_INERTIA_FLOOR 1.0e-4f /* a cluster thinner than this share of its length is a line: no torque about it */
+
+uint32_t smr_reference_records(smr *s) { return s->reference_stale ? smr_match_tasks(s) : 0u; }
+uint32_t smr_reference_tasks(smr *s) { return s->reference_stale ? s->n_tasks : 0u; }
+uint32_t smr_reference_blocks(smr *s) { return s->reference_stale ? smr_block_tasks(s) : 0u; }
+
+/* How far x^r deviates from the start pose, of a chunk; mm squared. */
+void smr_reference_reach(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    const uint32_t *rest = smr_at(s->model, s->model->at_rest);
+    float off2 = 0.0f;
+    (void)worker;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
+        const uint32_t *r = rest + 3u * (size_t)v;
+        const smr_vec at =
+            smr_pose_apply(&s->fitted, smr_v(smr_le_float(r[0]), smr_le_float(r[1]), smr_le_float(r[2])));
+        const smr_vec d = smr_sub(at, smr_load(smr_at3(s->x_ref, v)));
+        off2 = smr_max(off2, smr_dot(d, d));
+    }
+    s->tally[task].max = off2;
+}
+
+/* How far a member of a cluster can be from its own vertex in x^r: the rest distance, scaled as the start pose did, and
+ * both ends' deviations from that pose. */
+static float reach_bound(const smr *s)
+{
+    const smr_pose *p = &s->fitted;
+    float off2 = 0.0f;
+    for (uint32_t t = 0; t < s->n_tasks; t++)
+        off2 = smr_max(off2, s->tally[t].max);
+    const smr_vec column = smr_v(p->m[0][0], p->m[1][0], p->m[2][0]);
+    return 1.01f * (s->lists.reach * smr_length(column) + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
+}
+
+/* The smallest power of two k, from 2^-20 to 2^40 mm, with mass * (reach / k)^power <= 2^30. Takes as long whatever k is. */
+static float step_for(float mass, float reach, int power)
+{
+    float k = 1.0f / 1048576.0f;
+    for (int i = 0; i < 60; i++) {
+        const float steps = reach / k;
+        k *= mass * (power == 2 ? steps * steps : steps) <= 1073741824.0f ? 1.0f : 2.0f;
+    }
+    return k;
+}
+
+void smr_reference_begin(smr *s)
+{
+    const float reach = reach_bound(s);
+    const float mass = (float)s->lists.largest * s->mass_max * s->mass_unit;
+    s->coarse = step_for(mass, reach, 2);
+    s->fine = smr_max(step_for(mass, reach, 1), s->coarse * SMR_FINE_SHARE);
+    s->sum_words = SMR_WORDS;
+}
+
+/* x^r of a vertex in whole steps, modulo 2^32: sums wrap anyway, and only differences within a cluster have to fit. */
+static void steps_of(const float *x, float step, uint32_t out[3])
+{
+    const float inverse = 1.0f / step;
+    for (uint32_t a = 0; a < 3u; a++) {
+        const float v = smr_clamp(x[a] * inverse, -1.0e18f, 1.0e18f);
+        out[a] = (uint32_t)(uint64_t)(int64_t)(v + (v < 0.0f ? -0.5f : 0.5f));
+    }
+}
+
+/* The same rounding as a position, mm. */
+static float stepped(float x, float step)
+{
+    const float v = smr_clamp(x / step, -1.0e18f, 1.0e18f);
+    return (float)(int64_t)(v + (v < 0.0f ? -0.5f : 0.5f)) * step;
+}
+
+void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    (void)worker;
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, s->n_active);
+    for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
+        uint32_t *r = s->record + SMR_WORDS * (size_t)v;
+        const uint32_t m = (uint32_t)(smr_full_mass(s, v) * s->mass_unit);
+        uint32_t q[3], f[3];
+        steps_of(smr_at3(s->x_ref, v), s->coarse, q);
+        steps_of(smr_at3(s->x_ref, v), s->fine, f);
+        r[0] = m;
+        for (uint32_t a = 0, i = 4; a < 3u; a++) {
+            r[1u + a] = m * q[a];
+            r[10u + a] = m * f[a];
+            for (uint32_t b = a; b < 3u; b++, i++)
+                r[i] = m * q[a] * q[b];
+        }
+        r[13] = SMR_BOUNDARY_UNITS; /* counts members */
+        r[14] = r[15] = 0;
+    }
+}
+
+/* a - b steps. Members of a cluster are nearer than this bound; what a forged image names need not be. */
+static int64_t steps_apart(uint32_t a, uint32_t b)
+{
+    const int32_t d = smr_signed(a - b), most = 1 << 20;
+    return d > most ? most : (d < -most ? -most : d);
+}
+
+/* Adds a part of one vertex to the sums of another's cluster: share / SMR_BOUNDARY_UNITS of its moments about that cluster's
+ * vertex, which are small whole numbers. What is left of its mass has a word of its own. */
+void smr_reference_add(smr *s, uint32_t to, uint32_t from, int32_t share)
+{
+    uint32_t *w = s->sum + SMR_WORDS * (size_t)to, q[3], f[3], there[3], fine[3], first[3];
+    const int64_t m = (int64_t)(smr_full_mass(s, from) * s->mass_unit) * share;
+    steps_of(smr_at3(s->x_ref, from), s->coarse, q);
+    steps_of(smr_at3(s->x_ref, from), s->fine, f);
+    steps_of(smr_at3(s->x_ref, to), s->coarse, there);
+    steps_of(smr_at3(s->x_ref, to), s->fine, fine);
+    for (uint32_t a = 0; a < 3u; a++) {
+        first[a] = smr_boundary_part(m * steps_apart(q[a], there[a]));
+        w[1u + a] += first[a];
+        w[10u + a] += smr_boundary_part(m * smr_signed(f[a] - fine[a]));
+    }
+    for (uint32_t a = 0, i = 4; a < 3u; a++)
+        for (uint32_t b = a; b < 3u; b++, i++)
+            w[i] += smr_boundary_part(m * steps_apart(q[a], there[a]) * steps_apart(q[b], there[b])) +
+                    there[a] * first[b] + there[b] * first[a];
+    w[13] += (uint32_t)share;
+    w[14] += (uint32_t)m;
+}
+
+/* Covariance -> inverse inertia tensor, with a defined answer for lines and points. */
+static void invert_inertia(const float c[6], float out[6])
+{
+    const float trace = c[SMR_XX] + c[SMR_YY] + c[SMR_ZZ];
+    const float inertia[6] = {trace - c[SMR_XX], -c[SMR_XY], -c[SMR_XZ],
+                              trace - c[SMR_YY], -c[SMR_YZ], trace - c[SMR_ZZ]};
+    smr_pseudo_inverse(inertia, SMR_INERTIA_FLOOR, out);
+}
+
+uint32_t smr_reference_clusters(smr *s) { return s->reference_stale ? smr_ceil_div(s->n, SMR_MATCH_CHUNK) : 0u; }
+
+void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    (void)worker;
+    const float k = s->coarse, unit = 1.0f / s->mass_unit;
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, s->n);
+    for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
+        const uint32_t *w = s->sum + SMR_WORDS * (size_t)v;
+        uint32_t q[3], f[3];
+        s->share[v] = w[13] > 0u ? (float)SMR_BOUNDARY_UNITS / (float)w[13] : 0.0f;
+        if (!smr_active(s, v))
+            continue;
+        steps_of(smr_at3(s->x_ref, v), k, q);
+        steps_of(smr_at3(s->x_ref, v), s->fine, f);
+        /* moments about the cluster's own vertex */
+        const float mass = smr_max(smr_unfix(w[0], unit) + smr_unfix(w[14], unit / (float)SMR_BOUNDARY_UNITS), unit);
+        float d[3], c[6];
+        for (uint32_t a = 0; a < 3u; a++)
+            d[a] = smr_unfix(w[1u + a] - w[0] * q[a], k * unit) / mass;
+        for (uint32_t a = 0, i = 0; a < 3u; a++)
+            for (uint32_t b = a; b < 3u; b++, i++)
+                c[i] = smr_unfix(w[4u + i] - q[a] * w[1u + b] - q[b] * w[1u + a] + w[0] * q[a] * q[b], k * k * unit) -
+                       mass * d[a] * d[b];
+        for (uint32_t a = 0; a < 3u; a++)
+            smr_at3(s->centre, v)[a] =
+                stepped(smr_at3(s->x_ref, v)[a], s->fine) + smr_unfix(w[10u + a] - w[0] * f[a], s->fine * unit) / mass;
+        s->cluster_mass[v] = mass;
+        float *spread = s->spread + 6u * (size_t)v;
+        if (s->config.method == SMR_METHOD_RIGID)
+            invert_inertia(c, spread);
+        else
+            memcpy(spread, c, sizeof c);
+    }
+}
+
+void smr_reference_end(smr *s)
+{
+    s->reference_stale = 0;
+    s->sum_words = smr_method_words(s);
+}

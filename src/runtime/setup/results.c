@@ -1,0 +1,63 @@
+/* results.c: reads positions, normals and per-structure figures out of a registration.
+ * SPDX-License-Identifier: MIT */
+#include "runtime/state.h"
+
+static smr_status check(const smr *s, uint32_t structure, const void *out)
+{
+    if (s == NULL || out == NULL)
+        return SMR_E_NULL;
+    if (!smr_valid(s))
+        return SMR_E_STATE;
+    return structure < s->n_parts ? SMR_OK : SMR_E_INPUT;
+}
+
+/* Copies a stored [n][3] array, moved by `shift`, into the caller's vertex order. */
+static smr_status copy_out(const smr *s, uint32_t structure, float *array, smr_vec shift, float *xyz)
+{
+    smr_status status = check(s, structure, xyz);
+    if (status != SMR_OK)
+        return status;
+    const smr_part *part = &s->part[structure];
+    for (uint32_t i = 0; i < part->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
+        smr_store(xyz + 3u * (size_t)i, smr_add(smr_load(smr_at3(array, v)), shift));
+    }
+    return SMR_OK;
+}
+
+smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz)
+{
+    return copy_out(s, structure, s == NULL ? NULL : s->x, s == NULL ? smr_v(0, 0, 0) : s->origin, xyz);
+}
+
+smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz)
+{
+    return copy_out(s, structure, s == NULL ? NULL : s->normal, smr_v(0, 0, 0), xyz);
+}
+
+smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report)
+{
+    smr_status status = check(s, structure, report);
+    if (status != SMR_OK)
+        return status;
+    const smr_part *part = &s->part[structure];
+    float residual = 0.0f, moved_sum = 0.0f;
+    memset(report, 0, sizeof *report);
+    report->has_target = part->target != NULL || s->has_grid;
+    for (uint32_t i = 0; i < part->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
+        const float d = s->seen[v] == 1u ? s->residual[v] : 0.0f;
+        const float moved = smr_length(smr_sub(smr_load(smr_at3(s->x, v)), smr_load(smr_at3(s->start, v))));
+        report->n_forces += s->seen[v] == 1u;
+        report->n_rejected += s->seen[v] >= 2u;
+        residual += d;
+        report->residual_max_mm = smr_max(report->residual_max_mm, d);
+        moved_sum += moved;
+        report->moved_max_mm = smr_max(report->moved_max_mm, moved);
+    }
+    if (part->n_vertices > 0u)
+        report->moved_mean_mm = moved_sum / (float)part->n_vertices;
+    if (report->n_forces > 0u)
+        report->residual_mean_mm = residual / (float)report->n_forces;
+    return SMR_OK;
+}

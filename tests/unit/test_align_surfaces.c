@@ -1,0 +1,171 @@
+/* test_align_surfaces.c: a start pose without landmarks: planted rigid and similarity poses of the fixture's bone are found from
+ * 50 random rotations. Budgets: vertices within 0.02 mm of their planted place when source and target are the same
+ * mesh, and the rms says so; 0.25 mm when they are two meshes of one bone with edges of 12 mm, rms below 1.5 mm.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "unit_mesh.h"
+
+typedef struct planted {
+    double turn[9], scale, shift[3];
+} planted;
+
+static void move(const planted *p, const float x[3], double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = p->scale * (p->turn[3 * k] * (double)x[0] + p->turn[3 * k + 1] * (double)x[1] +
+                             p->turn[3 * k + 2] * (double)x[2]) +
+                 p->shift[k];
+}
+
+/* Plants a pose, aligns, and returns the mean distance between where vertices land and where they should. */
+static double find(oracle_random *r, const unit_mesh *model, const smr_surface *s, const unit_mesh *other,
+                   int similarity, float *rms)
+{
+    planted p;
+    oracle_rotation(r, p.turn);
+    p.scale = similarity ? oracle_uniform(r, 0.6, 1.6) : 1.0;
+    for (int k = 0; k < 3; k++)
+        p.shift[k] = oracle_uniform(r, -700, 700);
+    unit_mesh t = unit_mesh_new(other->nv, other->nt);
+    memcpy(t.triangles, other->triangles, 12u * (size_t)t.nt);
+    for (uint32_t i = 0; i < t.nv; i++) {
+        double x[3];
+        move(&p, other->xyz + 3u * (size_t)i, x);
+        for (int k = 0; k < 3; k++)
+            t.xyz[3u * i + (uint32_t)k] = (float)x[k];
+    }
+    smr_surface *target = unit_surface(&t);
+    smr_align_config c = smr_align_config_default();
+    c.similarity = (uint32_t)similarity;
+    c.samples = 120;
+    c.iterations = 100;
+    smr_pose pose;
+    assert_int_equal(smr_align(s, target, &c, &pose, rms), SMR_OK);
+    double sum = 0.0;
+    for (uint32_t i = 0; i < model->nv; i++) {
+        double x[3], d2 = 0.0;
+        const float *v = model->xyz + 3u * (size_t)i;
+        move(&p, v, x);
+        for (int k = 0; k < 3; k++) {
+            const double got = (double)pose.m[k][0] * (double)v[0] + (double)pose.m[k][1] * (double)v[1] +
+                               (double)pose.m[k][2] * (double)v[2] + (double)pose.m[k][3];
+            d2 += (got - x[k]) * (got - x[k]);
+        }
+        sum += sqrt(d2) / p.scale;
+    }
+    unit_free(target);
+    unit_mesh_free(&t);
+    return sum / (double)model->nv;
+}
+
+static void run(uint32_t seed, int similarity, uint32_t n, int other_mesh, double budget)
+{
+    oracle_random r = oracle_seed(seed);
+    unit_mesh bone = unit_bone(0), other = unit_bone(other_mesh);
+    smr_surface *s = unit_surface(&bone);
+    double worst = 0.0, worst_rms = 0.0;
+    for (uint32_t i = 0; i < n; i++) {
+        float rms = -1.0f;
+        worst = fmax(worst, find(&r, &bone, s, &other, similarity, &rms));
+        assert_true(rms >= 0.0f);
+        worst_rms = fmax(worst_rms, (double)rms);
+    }
+    assert_true(oracle_within(similarity ? "align: similarity, mm" : "align: rigid, mm", worst, budget));
+    assert_true(oracle_within("align: rms it says, mm", worst_rms, other_mesh ? 1.5 : budget));
+    unit_free(s);
+    unit_mesh_free(&bone);
+    unit_mesh_free(&other);
+}
+
+static void rigid_poses(void **state)
+{
+    (void)state;
+    run(110, 0, 25, 0, 0.02);
+}
+
+static void similarity_poses(void **state)
+{
+    (void)state;
+    run(111, 1, 25, 0, 0.02);
+}
+
+static void two_meshes_of_one_bone(void **state)
+{
+    (void)state;
+    run(112, 0, 4, 1, 0.25);
+}
+
+static void refusals(void **state)
+{
+    unit_mesh m = unit_sphere(1, 5.0f, 0.0f);
+    smr_surface *s = unit_surface(&m);
+    smr_align_config good = smr_align_config_default(), c = good;
+    smr_pose pose, mark;
+    (void)state;
+    memset(&mark, 0x55, sizeof mark);
+    pose = mark;
+    assert_int_equal(smr_align(NULL, s, &c, &pose, NULL), SMR_E_NULL);
+    assert_int_equal(smr_align(s, NULL, &c, &pose, NULL), SMR_E_NULL);
+    assert_int_equal(smr_align(s, s, NULL, &pose, NULL), SMR_E_NULL);
+    assert_int_equal(smr_align(s, s, &c, NULL, NULL), SMR_E_NULL);
+    c.cookie ^= 1u;
+    assert_int_equal(smr_align(s, s, &c, &pose, NULL), SMR_E_CONFIG);
+    static const uint32_t bad[][3] = {{2, 60, 600}, {1, 0, 600}, {1, 1001, 600}, {1, 60, 15}, {1, 60, 100001}};
+    for (size_t i = 0; i < 5u; i++) {
+        c = good;
+        c.similarity = bad[i][0];
+        c.iterations = bad[i][1];
+        c.samples = bad[i][2];
+        assert_int_equal(smr_align(s, s, &c, &pose, NULL), SMR_E_CONFIG);
+    }
+    assert_memory_equal(&pose, &mark, sizeof pose);
+    c = good;
+    assert_int_equal(smr_align(s, s, &c, &pose, NULL), SMR_OK); /* rms may be NULL */
+    unit_free(s);
+    unit_mesh_free(&m);
+}
+
+/* A segment, a point, a single triangle, a flat square: an answer or a refusal, always finite. */
+static void degenerate_surfaces(void **state)
+{
+    static const float xyz[4][9] = {{0, 0, 0, 5, 0, 0, 10, 0, 0},
+                                    {1, 1, 1, 1, 1, 1, 1, 1, 1},
+                                    {0, 0, 0, 9, 0, 0, 0, 7, 0},
+                                    {0, 0, 0, 1e5f, 0, 0, -1e5f, 1e5f, 9e4f}};
+    static const uint32_t t[3] = {0, 1, 2};
+    unit_mesh ball = unit_sphere(2, 20.0f, 3.0f);
+    smr_surface *round = unit_surface(&ball);
+    const smr_align_config c = smr_align_config_default();
+    (void)state;
+    for (size_t i = 0; i < 4u; i++) {
+        unit_mesh m = unit_mesh_new(3, 1);
+        memcpy(m.xyz, xyz[i], sizeof xyz[i]);
+        memcpy(m.triangles, t, sizeof t);
+        smr_surface *s = unit_surface(&m), *pair[4] = {s, round, s, s};
+        for (size_t k = 0; k < 3u; k++) {
+            smr_pose pose;
+            float rms = 0.0f;
+            const smr_status status = smr_align(pair[k], pair[k + 1u], &c, &pose, &rms);
+            assert_true(status == SMR_OK || status == SMR_E_INPUT);
+            if (status == SMR_OK)
+                assert_true(unit_finite(&pose.m[0][0], 12, 1e8f) && unit_finite(&rms, 1, 1e8f));
+        }
+        unit_free(s);
+        unit_mesh_free(&m);
+    }
+    unit_free(round);
+    unit_mesh_free(&ball);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rigid_poses), cmocka_unit_test(similarity_poses),    cmocka_unit_test(two_meshes_of_one_bone),
+        cmocka_unit_test(refusals),    cmocka_unit_test(degenerate_surfaces),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,162 @@
+/* test_boundary.c: members about a radius away count with a share, the same from either end; cluster masses, centres and shares have
+ * it, as in double; and a vertex that crosses the radius by a last bit changes next to nothing.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/state.h"
+
+static const float none[3] = {0, 0, 0};
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static double distance(const float *a, const float *b)
+{
+    double d2 = 0;
+    for (uint32_t c = 0; c < 3u; c++) {
+        d2 += ((double)a[c] - (double)b[c]) * ((double)a[c] - (double)b[c]);
+    }
+    return sqrt(d2);
+}
+
+/* A ball, and as radius the distance between two of its vertices that are no mesh neighbours. */
+static smr *start(float shift, const smr_model **model)
+{
+    smr_mesh mesh = rig_ball(30, 9, 12, none);
+    float *xyz = rig_alloc(3u * mesh.n_vertices * sizeof *xyz);
+    memcpy(xyz, mesh.xyz, 3u * mesh.n_vertices * sizeof *xyz);
+    const float radius = (float)distance(xyz + 3u * 20u, xyz + 3u * 50u);
+    const smr_prepare_config radii = rig_radii(1, radius, 0, 0);
+    const double length = distance(xyz + 3u * 20u, xyz + 3u * 50u);
+    for (uint32_t c = 0; c < 3u; c++) {
+        xyz[3u * 50u + c] += (float)((double)shift * ((double)xyz[3u * 50u + c] - (double)xyz[3u * 20u + c]) / length);
+    }
+    mesh.xyz = xyz;
+    smr_config config = smr_config_default();
+    config.fold_guard = 0;
+    *model = rig_model(&mesh, 1, &radii);
+    return rig_init(*model, &config, NULL);
+}
+
+/* What pair i adds to a member's whole or nothing. */
+static double added(const smr *s, uint32_t i)
+{
+    return (double)smr_le32(s->lists.boundary[i].share) / SMR_BOUNDARY_UNITS - 0.5;
+}
+
+static int between(const smr *s, uint32_t i, uint32_t a, uint32_t b)
+{
+    const uint32_t first = smr_le32(s->lists.boundary[i].first), second = smr_le32(s->lists.boundary[i].second);
+    return (first == a && second == b) || (first == b && second == a);
+}
+
+static void test_shares(void **state)
+{
+    const smr_model *model;
+    (void)state;
+    smr *s = start(0, &model);
+    const uint32_t a = smr_model_position(model, 20), b = smr_model_position(model, 50);
+    const double radius = (double)s->lists.radius;
+    uint32_t found = 0;
+    assert_true(s->lists.n_boundary > 0u);
+    for (uint32_t i = 0; i < s->lists.n_boundary; i++) {
+        const uint32_t first = smr_le32(s->lists.boundary[i].first), second = smr_le32(s->lists.boundary[i].second);
+        const double d = distance(smr_at3(s->x, first), smr_at3(s->x, second));
+        assert_true(first != second && fabs(d - radius) < 0.01 * radius);
+        assert_true(fabs(added(s, i)) <= 0.5);
+        found += (uint32_t)between(s, i, a, b);
+        if (between(s, i, a, b)) {
+            assert_true(fabs(fabs(added(s, i)) - 0.5) < 0.02); /* a half, whichever side the last bit is */
+        }
+        for (uint32_t j = 0; j < i; j++) {
+            assert_false(between(s, j, first, second));
+        }
+    }
+    assert_int_equal(1, found);
+    s = start(0.1f, &model);
+    for (uint32_t i = 0; i < s->lists.n_boundary; i++) {
+        assert_false(between(s, i, smr_model_position(model, 20), smr_model_position(model, 50)));
+    }
+}
+
+/* Mass, centre and share of each cluster, by distances and the boundary. */
+static void test_reference(void **state)
+{
+    const smr_model *model;
+    (void)state;
+    smr *s = start(0, &model);
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL)); /* without a target nothing moves */
+    for (uint32_t v = 0; v < s->n; v++) {
+        double mass = 0, count = 0, centre[3] = {0, 0, 0};
+        for (uint32_t w = 0; w < s->n; w++) {
+            const double d = distance(smr_at3(s->x_ref, v), smr_at3(s->x_ref, w));
+            double part = d <= (double)s->lists.radius ? 1.0 : 0.0;
+            for (uint32_t i = 0; i < s->lists.n_boundary; i++) {
+                if (between(s, i, v, w)) { /* which side of the radius it lies on is in what is added, too */
+                    part = added(s, i) < 0.0 ? 1.0 + added(s, i) : added(s, i);
+                }
+            }
+            mass += part * (double)smr_full_mass(s, w);
+            count += part;
+            for (uint32_t c = 0; c < 3u; c++) {
+                centre[c] += part * (double)smr_full_mass(s, w) * (double)smr_at3(s->x_ref, w)[c];
+            }
+        }
+        assert_true(fabs((double)s->cluster_mass[v] - mass) < 1.0e-4 * mass);
+        assert_true(fabs((double)s->share[v] - 1.0 / count) < 1.0e-5);
+        for (uint32_t c = 0; c < 3u; c++) {
+            assert_true(fabs((double)smr_at3(s->centre, v)[c] - centre[c] / mass) < 1.0e-3);
+        }
+    }
+}
+
+/* Where an iteration carries vertex 20, when vertex 50 lies `shift` beyond its radius and is pulled aside. */
+static smr_vec carried(float shift)
+{
+    const smr_model *model;
+    smr *s = start(shift, &model);
+    const uint32_t v = smr_model_position(model, 20), w = smr_model_position(model, 50);
+    for (uint32_t step = 0; step < smr_n_steps; step++) {
+        if (smr_steps[step].run == smr_force_take) {
+            smr_store(smr_at3(s->force, w), smr_v(40, -30, 20));
+        }
+        const uint32_t n = smr_steps[step].n_tasks(s);
+        for (s->next_task = 0; s->next_task < n && smr_steps[step].run != smr_force_take; s->next_task++) {
+            smr_steps[step].run(s, s->next_task, 0);
+        }
+        if (smr_steps[step].run == smr_force_take) {
+            s->scale[0] = s->scale[1] = 1024.0f;
+        } else if (n > 0u && smr_steps[step].end != NULL) {
+            smr_steps[step].end(s);
+        }
+        s->next_task = 0;
+    }
+    return smr_sub(smr_load(smr_at3(s->x, v)), smr_load(smr_at3(s->start, v)));
+}
+
+static void test_crossing(void **state)
+{
+    const double whole = (double)smr_length(smr_sub(carried(-0.02f), carried(0.02f)));
+    const double bit = (double)smr_length(smr_sub(carried(-1.0e-5f), carried(1.0e-5f)));
+    (void)state;
+    assert_true(whole > 0.01);
+    assert_true(bit < 0.1 * whole);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_shares, tidy),
+        cmocka_unit_test_teardown(test_reference, tidy),
+        cmocka_unit_test_teardown(test_crossing, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

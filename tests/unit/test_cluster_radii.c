@@ -1,0 +1,98 @@
+/* test_cluster_radii.c: the radii chosen when the caller names none: coarse to fine, within the model, fit for its edges, and
+ * the same for the same model at any size and place. No tuned figure is asked for.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "unit_mesh.h"
+
+static smr_model_info info_of(const unit_mesh *m)
+{
+    const smr_prepare_config c = smr_prepare_config_default();
+    unit_image image = unit_prepare_mesh(m, &c);
+    smr_model_info info;
+    assert_int_equal(smr_model_get_info(image.model, &info), SMR_OK);
+    unit_image_free(&image);
+    return info;
+}
+
+static double diagonal(const unit_mesh *m)
+{
+    double d2 = 0.0;
+    for (uint32_t c = 0; c < 3u; c++) {
+        double lo = HUGE_VAL, hi = -HUGE_VAL;
+        for (uint32_t i = 0; i < m->nv; i++) {
+            lo = fmin(lo, (double)m->xyz[3u * i + c]);
+            hi = fmax(hi, (double)m->xyz[3u * i + c]);
+        }
+        d2 += (hi - lo) * (hi - lo);
+    }
+    return sqrt(d2);
+}
+
+static void check(const unit_mesh *m, const smr_model_info *info)
+{
+    assert_in_range(info->n_radii, 1, SMR_RADII_MAX);
+    for (uint32_t k = 0; k < info->n_radii; k++) {
+        assert_true(info->radius_mm[k] > 0.0f && info->radius_mm[k] <= SMR_COORD_MAX);
+        assert_true(k == 0u || info->radius_mm[k] < info->radius_mm[k - 1u]);
+    }
+    if (m->nv > 1u && diagonal(m) > 0.01)
+        assert_true((double)info->radius_mm[0] < diagonal(m));
+    if (info->edge_mm > 0.0f && info->n_radii > 2u)
+        assert_true(info->radius_mm[info->n_radii - 1u] < 4.0f * info->edge_mm ||
+                    (double)info->radius_mm[info->n_radii - 1u] < 0.01 * diagonal(m));
+}
+
+static void models_of_every_kind(void **state)
+{
+    oracle_random r = oracle_seed(180);
+    unit_mesh m[10] = {unit_bone(0),
+                       unit_sphere(0, 1.0f, 0.0f),
+                       unit_sphere(4, 60000.0f, 0.0f),
+                       unit_grid(1, 1, 0.01f),
+                       unit_grid(30, 30, 2.0f),
+                       unit_soup(&r, 300, 100.0f, 0),
+                       unit_points(&r, 1, 5.0f, 1.0f),
+                       unit_points(&r, 2, 5.0f, 1e-4f),
+                       unit_points(&r, 500, 5.0f, 100.0f),
+                       unit_points(&r, 30, 0.0f, 0.0f)};
+    (void)state;
+    for (size_t i = 0; i < sizeof m / sizeof m[0]; i++) {
+        const smr_model_info info = info_of(&m[i]);
+        check(&m[i], &info);
+        unit_mesh_free(&m[i]);
+    }
+}
+
+static void scale_and_place_do_not_matter(void **state)
+{
+    unit_mesh m = unit_bone(0);
+    const smr_model_info was = info_of(&m);
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        const float scale = i == 0 ? 0.25f : (i == 1 ? 8.0f : 1.0f), shift = i == 2 ? 512.0f : 0.0f;
+        unit_mesh other = unit_mesh_new(m.nv, m.nt);
+        memcpy(other.triangles, m.triangles, 12u * (size_t)m.nt);
+        for (uint32_t k = 0; k < 3u * m.nv; k++)
+            other.xyz[k] = m.xyz[k] * scale + shift;
+        const smr_model_info now = info_of(&other);
+        check(&other, &now);
+        assert_int_equal(now.n_radii, was.n_radii);
+        for (uint32_t k = 0; k < was.n_radii; k++)
+            assert_true(fabsf(now.radius_mm[k] / (scale * was.radius_mm[k]) - 1.0f) < 2e-3f);
+        unit_mesh_free(&other);
+    }
+    unit_mesh_free(&m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(models_of_every_kind),
+        cmocka_unit_test(scale_and_place_do_not_matter),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,127 @@
+/* test_clusters.c: clusters in an image equal the sets found by looking at every pair of vertices: Euclidean, shared and
+ * separate, with mesh neighbours and without, for random points with duplicates and for meshes.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <string.h>
+
+#include "unit_lists.h"
+
+/* Compares every radius of the image with brute force. */
+static void check_image(const unit_image *image, int geodesic, int ring)
+{
+    const uint32_t n = smr_le32(image->model->n_vertices);
+    unsigned char *got = unit_memory((size_t)n * n), *want = unit_memory((size_t)n * n);
+    smr_model_info info;
+    assert_int_equal(smr_model_get_info(image->model, &info), SMR_OK);
+    for (uint32_t k = 0; k < info.n_radii; k++) {
+        const unit_rule rule = {info.radius_mm[k], geodesic, (int)info.separate[k],
+                                ring && info.radius_mm[k] >= info.edge_mm};
+        unit_brute_sets(image->model, &rule, want);
+        assert_true(unit_chain_sets(image->model, k, got));
+        assert_memory_equal(got, want, (size_t)n * n);
+        uint64_t members = 0;
+        uint32_t largest = 0, smallest = SMR_ALL;
+        for (uint32_t a = 0; a < n; a++) {
+            uint32_t count = 0;
+            assert_int_equal(want[(size_t)a * n + a], 1); /* a vertex is in its own cluster */
+            for (uint32_t b = 0; b < n; b++)
+                count += want[(size_t)a * n + b];
+            members += count;
+            largest = count > largest ? count : largest;
+            smallest = count < smallest ? count : smallest;
+        }
+        assert_int_equal(info.largest_cluster[k], largest);
+        assert_int_equal(info.smallest_cluster[k], smallest);
+        assert_true(info.direct_per_cluster[k] > (float)members / (float)n - 0.01f &&
+                    info.direct_per_cluster[k] < (float)members / (float)n + 0.01f);
+    }
+    unit_free(got);
+    unit_free(want);
+}
+
+static void points_of_every_number(void **state)
+{
+    static const uint32_t sizes[] = {1, 2, 3, 7, 8, 9, 63, 64, 65, 127, 128, 129, 300, 513};
+    oracle_random r = oracle_seed(120);
+    (void)state;
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        unit_mesh m = unit_points(&r, sizes[i], i % 2u ? -40.0f : 900.0f, 60.0f);
+        smr_prepare_config c = smr_prepare_config_default();
+        c.n_radii = 4;
+        c.radius_mm[0] = 200.0f; /* everything */
+        c.radius_mm[1] = 22.0f;
+        c.radius_mm[2] = 7.0f;
+        c.radius_mm[3] = 1e-6f; /* only copies */
+        unit_image image = unit_prepare_mesh(&m, &c);
+        check_image(&image, 0, 1);
+        unit_image_free(&image);
+        unit_mesh_free(&m);
+    }
+}
+
+/* On a lattice many distances equal the radius exactly: they are in. */
+static void lattice_has_exact_ties(void **state)
+{
+    unit_mesh m = unit_mesh_new(6u * 6u * 6u, 0);
+    smr_prepare_config c = smr_prepare_config_default();
+    (void)state;
+    for (uint32_t i = 0; i < m.nv; i++) {
+        m.xyz[3u * i] = 2.0f * (float)(i % 6u);
+        m.xyz[3u * i + 1u] = 2.0f * (float)(i / 6u % 6u);
+        m.xyz[3u * i + 2u] = 2.0f * (float)(i / 36u);
+    }
+    c.n_radii = 3;
+    c.radius_mm[0] = 10.0f; /* 3-4-5 times 2 */
+    c.radius_mm[1] = 6.0f;
+    c.radius_mm[2] = 2.0f;
+    unit_image image = unit_prepare_mesh(&m, &c);
+    check_image(&image, 0, 1);
+    smr_model_info info;
+    assert_int_equal(smr_model_get_info(image.model, &info), SMR_OK);
+    assert_int_equal(info.largest_cluster[2], 7);
+    assert_int_equal(info.smallest_cluster[2], 4);
+    unit_image_free(&image);
+    unit_mesh_free(&m);
+}
+
+/* Two interleaved structures with triangles: all switches, both orders. */
+static void two_structures_all_switches(void **state)
+{
+    oracle_random r = oracle_seed(121);
+    unit_mesh grid = unit_grid(11, 9, 4.0f), soup = unit_soup(&r, 70, 40.0f, 1);
+    const smr_structure two[2] = {{"grid", unit_view(&grid)}, {"soup", unit_view(&soup)}};
+    (void)state;
+    for (uint32_t i = 0; i < 16u; i++) {
+        smr_prepare_config c = smr_prepare_config_default();
+        c.n_radii = 4;
+        c.radius_mm[0] = 30.0f;
+        c.radius_mm[1] = 12.0f;
+        c.radius_mm[2] = 9.0f;
+        c.radius_mm[3] = 3.0f;
+        c.ring = i & 1u;
+        c.order = i >> 1 & 1u;
+        c.mass = i >> 2 & 1u;
+        c.separate_below_mm = i >> 3 & 1u ? 0.0f : 12.0f; /* 12 itself is shared still */
+        c.block_vertices = i % 3u == 0u ? 16u : 0u;
+        unit_image image = unit_prepare(two, 2, &c);
+        smr_model_info info;
+        assert_int_equal(smr_model_get_info(image.model, &info), SMR_OK);
+        for (uint32_t k = 0; k < 4u; k++)
+            assert_int_equal(info.separate[k], c.separate_below_mm > 0.0f && k >= 2u);
+        check_image(&image, 0, (int)c.ring);
+        unit_image_free(&image);
+    }
+    unit_mesh_free(&grid);
+    unit_mesh_free(&soup);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(points_of_every_number),
+        cmocka_unit_test(lattice_has_exact_ties),
+        cmocka_unit_test(two_structures_all_switches),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

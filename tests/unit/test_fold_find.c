@@ -1,0 +1,319 @@
+/* test_fold_find.c: surfaces do not fold where the guard is on, do where it is off, and nothing is touched where nothing folds.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/state.h"
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+#define SIDE 12u
+
+/* A flat sheet of SIDE x SIDE vertices, 5 mm apart. */
+static smr_mesh sheet(void)
+{
+    float *xyz = rig_alloc(SIDE * SIDE * 3u * sizeof *xyz);
+    uint32_t *t = rig_alloc((SIDE - 1u) * (SIDE - 1u) * 6u * sizeof *t), k = 0;
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+        smr_store(xyz + 3u * i, smr_v(5.0f * (float)(i % SIDE), 5.0f * (float)(i / SIDE), 0));
+    }
+    for (uint32_t y = 0; y + 1u < SIDE; y++) {
+        for (uint32_t x = 0; x + 1u < SIDE; x++) {
+            const uint32_t a = y * SIDE + x;
+            const uint32_t quad[6] = {a, a + 1u, a + SIDE, a + 1u, a + SIDE + 1u, a + SIDE};
+            memcpy(t + k, quad, sizeof quad);
+            k += 6u;
+        }
+    }
+    return (smr_mesh){xyz, t, SIDE * SIDE, k / 3u};
+}
+
+static smr *start(const smr_mesh *mesh, uint32_t guard)
+{
+    const smr_prepare_config radii = rig_radii(1, 6, 0, 0);
+    smr_config c = smr_config_default();
+    c.fold_guard = guard;
+    c.settle_um = 0.0f;
+    return rig_init(rig_model(mesh, 1, &radii), &c, NULL);
+}
+
+/* The sheet with its farther part bent down about the line y = CREASE, as far as the cosine says. */
+#define CREASE 25.0f
+
+static void bend(float *xyz, float cosine)
+{
+    const float sine = sqrtf(1.0f - cosine * cosine);
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+        const float beyond = xyz[3u * i + 1u] - CREASE;
+        if (beyond > 0.0f) {
+            xyz[3u * i + 1u] = CREASE + beyond * cosine;
+            xyz[3u * i + 2u] = -beyond * sine;
+        }
+    }
+}
+
+static smr_mesh bent_sheet(float cosine)
+{
+    const smr_mesh flat = sheet();
+    float *xyz = rig_alloc(3u * SIDE * SIDE * sizeof *xyz);
+    memcpy(xyz, flat.xyz, 3u * SIDE * SIDE * sizeof *xyz);
+    bend(xyz, cosine);
+    return (smr_mesh){xyz, flat.triangles, flat.n_vertices, flat.n_triangles};
+}
+
+/* Pairs of neighbouring triangles that look away from each other. */
+static uint32_t n_below(const smr_mesh *mesh, const float *x, float limit)
+{
+    uint32_t n = 0;
+    smr_vec normal[2u * SIDE * SIDE];
+    for (uint32_t k = 0; k < mesh->n_triangles; k++) {
+        const uint32_t *t = mesh->triangles + 3u * k;
+        const smr_vec a = smr_load(x + 3u * t[0]);
+        normal[k] = smr_cross(smr_sub(smr_load(x + 3u * t[1]), a), smr_sub(smr_load(x + 3u * t[2]), a));
+    }
+    for (uint32_t k = 0; k < mesh->n_triangles; k++) {
+        for (uint32_t j = 0; j < k; j++) {
+            uint32_t shared = 0;
+            for (uint32_t c = 0; c < 9u; c++) {
+                shared += mesh->triangles[3u * k + c / 3u] == mesh->triangles[3u * j + c % 3u];
+            }
+            n += shared == 2u && smr_dot(smr_unit(normal[k]), smr_unit(normal[j])) < limit;
+        }
+    }
+    return n;
+}
+
+static uint32_t n_folds(const smr_mesh *mesh, const float *x) { return n_below(mesh, x, -0.2f); }
+
+/* Runs the steps behind evolve from x_next as it stands. */
+static void settle(smr *s)
+{
+    smr_evolve_end(s);
+    for (uint32_t i = 0, behind = 0; i < smr_n_steps; behind |= smr_steps[i++].run == smr_evolve) {
+        for (s->next_task = 0; behind && s->next_task < smr_steps[i].n_tasks(s); s->next_task++) {
+            smr_steps[i].run(s, s->next_task, 0);
+        }
+        if (s->next_task > 0u && smr_steps[i].end != NULL) {
+            smr_steps[i].end(s);
+        }
+        s->next_task = 0;
+    }
+}
+
+/* Carries single vertices far over their neighbours. */
+static void step_over(smr *s, float mm, uint32_t seed)
+{
+    memcpy(s->x_next, s->x, 3u * s->n * sizeof(float));
+    for (uint32_t i = 0; i < 8u; i++) {
+        float *p = smr_at3(s->x_next, rig_random(&seed, s->n));
+        p[0] += rig_between(&seed, -mm, mm);
+        p[1] += rig_between(&seed, -mm, mm);
+    }
+}
+
+static void test_prevents(void **state)
+{
+    const smr_mesh mesh = sheet();
+    uint32_t unguarded = 0, marked = 0;
+    (void)state;
+    for (uint32_t seed = 1; seed < 30u; seed++) {
+        smr *s[2] = {start(&mesh, 0), start(&mesh, 1)};
+        for (uint32_t i = 0; i < 2u; i++) {
+            s[i]->repairing = 0;
+            step_over(s[i], 14, seed);
+            settle(s[i]);
+            float x[3 * SIDE * SIDE];
+            assert_int_equal(SMR_OK, smr_get_positions(s[i], 0, x));
+            if (i == 0u) {
+                unguarded += n_folds(&mesh, x);
+            } else {
+                assert_int_equal(0, n_folds(&mesh, x));
+                marked += s[i]->n_guarded;
+            }
+            assert_true(rig_finite(x, mesh.n_vertices));
+        }
+    }
+    assert_true(unguarded > 100u); /* there was something to prevent */
+    assert_true(marked > 100u);
+}
+
+static void test_leaves_alone_what_does_not_fold(void **state)
+{
+    const smr_mesh mesh = sheet();
+    smr *s[2] = {start(&mesh, 0), start(&mesh, 1)};
+    (void)state;
+    for (uint32_t i = 0; i < 2u; i++) {
+        s[i]->repairing = 0;
+        step_over(s[i], 1.2f, 3);
+        settle(s[i]);
+        assert_int_equal(0, s[i]->n_guarded);
+    }
+    assert_memory_equal(s[0]->x, s[1]->x, 3u * s[0]->n * sizeof(float));
+}
+
+/* Vertices away from the fold keep their steps. */
+static void test_stays_local(void **state)
+{
+    const smr_mesh mesh = sheet();
+    smr *s = start(&mesh, 1);
+    const uint32_t v = smr_model_position(s->model, SIDE + 1u);
+    (void)state;
+    s->repairing = 0;
+    memcpy(s->x_next, s->x, 3u * s->n * sizeof(float));
+    smr_at3(s->x_next, v)[0] += 9.0f; /* over its neighbour */
+    for (uint32_t i = 0; i < s->n; i++) {
+        smr_at3(s->x_next, i)[2] += 1.0f; /* all of it lifts */
+    }
+    settle(s);
+    assert_true(s->n_guarded > 0u && s->n_guarded < s->n / 2u);
+    const uint32_t far = smr_model_position(s->model, SIDE * SIDE - 1u);
+    const smr_vec step = smr_sub(smr_load(smr_at3(s->x, far)), smr_load(smr_at3(s->start, far)));
+    assert_true(step.x == 0.0f && step.y == 0.0f && step.z == 1.0f);
+    assert_true(smr_at3(s->x, v)[2] - smr_at3(s->start, v)[2] > 0.5f); /* and the patch goes with its surroundings */
+}
+
+/* Held back as much as need be, not more by a jump: a vertex carried ever farther over its neighbours ends, step for step, near
+ * where it ended before, and so do they. */
+static void test_gives_way_gradually(void **state)
+{
+    float before[3 * SIDE * SIDE], x[3 * SIDE * SIDE];
+    uint32_t marked = 0;
+    (void)state;
+    for (uint32_t k = 0; k < 1200u; k++) {
+        const smr_mesh mesh = sheet();
+        smr *s = start(&mesh, 1);
+        float *p = smr_at3(s->x_next, smr_model_position(s->model, 5u * SIDE + 5u));
+        s->repairing = 0;
+        memcpy(s->x_next, s->x, 3u * s->n * sizeof(float));
+        p[0] += 0.01f * (float)k;
+        p[2] += 3.0f;
+        settle(s);
+        assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
+        marked += s->n_guarded > 0u;
+        assert_true(k == 0u || rig_far(x, before, SIDE * SIDE) < 0.05f); /* it was carried 0.01 mm farther */
+        memcpy(before, x, sizeof x);
+        rig_free_all();
+    }
+    assert_true(marked > 100u && marked < 1100u);
+}
+
+/* A start shape that is sound, torn by a coarse step: repairing iterations bring it back without forces. */
+static void test_repairs(void **state)
+{
+    const smr_mesh mesh = sheet();
+    float x[3 * SIDE * SIDE];
+    uint32_t before = 0, after = 0;
+    (void)state;
+    for (uint32_t seed = 1; seed < 10u; seed++) {
+        smr *s = start(&mesh, 1);
+        assert_true(s->repairing > 0u);
+        step_over(s, 12, seed);
+        memcpy(s->x, s->x_next, 3u * s->n * sizeof(float)); /* folded already */
+        memcpy(s->x_ref, s->x, 3u * s->n * sizeof(float));
+        assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
+        before += n_folds(&mesh, x);
+        for (uint32_t i = 0; i < 100u && s->repairing > 0u; i++) {
+            assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        }
+        assert_int_equal(0, s->repairing); /* it ends */
+        assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
+        after += n_folds(&mesh, x);
+    }
+    assert_true(before > 30u);
+    assert_int_equal(0, after);
+}
+
+/* A model with a crease, whose next positions have it sharper; how many hinges there turn back before and after. */
+static void sharpen(float rest, float next, uint32_t radius, uint32_t *before, uint32_t *after, float *moved)
+{
+    const smr_mesh mesh = bent_sheet(rest), sharp = bent_sheet(next);
+    const smr_prepare_config radii = rig_radii(2, 6, 5, 0);
+    smr_config c = smr_config_default();
+    float x[3 * SIDE * SIDE];
+    smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_positions(s, 0, sharp.xyz));
+    s->repairing = 0;
+    s->radius = radius;
+    memcpy(s->x_next, s->x, 3u * s->n * sizeof(float));
+    *before = n_below(&mesh, sharp.xyz, 0.0f);
+    settle(s);
+    assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
+    *after = n_below(&mesh, x, 0.0f);
+    *moved = 0.0f;
+    for (uint32_t i = 0; i < 3u * SIDE * SIDE; i++)
+        *moved = smr_max(*moved, smr_abs(x[i] - sharp.xyz[i]));
+}
+
+/* Edges that are right angles at rest, or sharper ones that still were open, do not stay turned back. */
+static void test_unfolds(void **state)
+{
+    uint32_t before, after;
+    float moved;
+    (void)state;
+    for (uint32_t i = 0; i < 3u; i++) {
+        static const float rest[] = {0.0f, 0.004f, 0.3f};
+        sharpen(rest[i], -0.05f, 1, &before, &after, &moved);
+        assert_int_equal(SIDE - 1u, before);
+        assert_int_equal(0, after);
+        assert_true(moved > 0.0f && moved < 0.5f); /* of edges of 5 mm */
+    }
+    sharpen(0.0f, -0.05f, 0, &before, &after, &moved); /* not before the last radius */
+    assert_int_equal(before, after);
+    sharpen(-0.05f, -0.1f, 1, &before, &after, &moved); /* they looked away from each other at rest */
+    assert_true(before == after && before == SIDE - 1u && moved < 1.0e-5f);
+}
+
+/* With an image alone nothing is repaired, with a surface beside it, it is. */
+static void test_repairs_only_with_surfaces(void **state)
+{
+    const smr_mesh mesh = sheet();
+    smr *s = start(&mesh, 1);
+    (void)state;
+    for (uint32_t grid = 0; grid < 2u; grid++) {
+        for (uint32_t goals = 0; goals < 2u; goals++) {
+            s->has_grid = grid;
+            s->n_goals = goals;
+            smr_schedule_start(s);
+            assert_int_equal(grid == 0u || goals > 0u, s->repairing > 0u);
+        }
+    }
+}
+
+static void test_only_at_the_finest_radii(void **state)
+{
+    const smr_mesh mesh = sheet();
+    const smr_prepare_config radii = rig_radii(3, 25, 12, 6);
+    smr_config c = smr_config_default();
+    smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
+    (void)state;
+    for (uint32_t r = 0; r < 3u; r++) {
+        s->radius = r;
+        assert_int_equal(r > 0u, smr_guarded(s));
+        assert_int_equal(r > 0u, smr_guard_tasks(s) > 0u);
+    }
+    s->config.fold_guard = 0;
+    assert_int_equal(0, smr_guard_tasks(s));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_prevents, tidy),
+        cmocka_unit_test_teardown(test_leaves_alone_what_does_not_fold, tidy),
+        cmocka_unit_test_teardown(test_stays_local, tidy),
+        cmocka_unit_test_teardown(test_gives_way_gradually, tidy),
+        cmocka_unit_test_teardown(test_repairs, tidy),
+        cmocka_unit_test_teardown(test_repairs_only_with_surfaces, tidy),
+        cmocka_unit_test_teardown(test_unfolds, tidy),
+        cmocka_unit_test_teardown(test_only_at_the_finest_radii, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

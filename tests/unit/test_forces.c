@@ -1,0 +1,242 @@
+/* test_forces.c: external forces: the exact closest point, and every reason for having none.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/state.h"
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static const float none[3] = {0, 0, 0};
+
+typedef struct setting {
+    smr *s;
+    const smr_model *model;
+    const smr_surface *surface;
+    smr_mesh goal;
+} setting;
+
+static smr_config plain(void)
+{
+    smr_config c = smr_config_default();
+    c.momentum = 0.0f;
+    c.fold_guard = 0; /* no repairing iterations without forces */
+    c.node_budget = 1000000;
+    c.search_radii = 1.0e6f;
+    c.normal_deg = 180.0f;
+    c.slide = 1.0f;
+    return c;
+}
+
+static setting start(const smr_config *config, const smr_mesh *goal)
+{
+    setting t;
+    const smr_mesh mesh = rig_ball(30, 9, 12, none);
+    const smr_prepare_config radii = rig_radii(1, 18, 0, 0);
+    t.goal = *goal;
+    t.model = rig_model(&mesh, 1, &radii);
+    t.surface = rig_surface(goal);
+    t.s = rig_init(t.model, config, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(t.s, SMR_ALL, t.surface));
+    return t;
+}
+
+static void search(smr *s)
+{
+    for (uint32_t i = 0; i < smr_force_tasks(s); i++) {
+        smr_force_search(s, i, 0);
+    }
+    for (uint32_t i = 0; i < s->n_tasks; i++) {
+        smr_force_take(s, i, 0);
+    }
+    smr_force_end(s);
+}
+
+static smr_vec place_of(const smr *s, uint32_t v) { return smr_add(smr_load(smr_at3(s->x, v)), s->origin); }
+
+static void test_closest_point(void **state)
+{
+    static const float degrees[] = {180, 75, 40}, reach[] = {1.0e5f, 5.0f, 2.0f};
+    const float off[3] = {4, -3, 2};
+    const smr_mesh goal = rig_ball(32, 11, 15, off);
+    (void)state;
+    for (uint32_t k = 0; k < 9u; k++) {
+        smr_config c = plain();
+        c.normal_deg = degrees[k % 3u];
+        c.search_mm = reach[k / 3u];
+        c.stiffness = 0.25f + 0.25f * (float)(k % 4u);
+        const setting t = start(&c, &goal);
+        uint32_t n_forces = 0;
+        double sum = 0.0, largest = 0.0;
+        search(t.s);
+        for (uint32_t v = 0; v < t.s->n; v++) {
+            const smr_vec p = place_of(t.s, v), n = smr_load(smr_at3(t.s->normal, v));
+            const float point[3] = {p.x, p.y, p.z}, normal[3] = {n.x, n.y, n.z};
+            const float *f = smr_at3(t.s->force, v);
+            smr_closest hit;
+            (void)smr_surface_closest(t.surface, point, normal, t.s->min_cos, c.search_mm, &hit);
+            const int found = hit.triangle != SMR_ALL;
+            n_forces += (uint32_t)found;
+            sum += found ? (double)hit.distance : 0.0;
+            largest = fmax(largest, found ? (double)hit.distance : 0.0);
+            for (uint32_t a = 0; a < 3u; a++) {
+                const float want = found ? c.stiffness * (hit.point[a] - point[a]) : 0.0f;
+                assert_true(fabsf(f[a] - want) < 2.0e-5f);
+            }
+        }
+        assert_int_equal(n_forces, t.s->report.n_forces);
+        assert_int_equal(t.s->n - n_forces, t.s->report.n_rejected);
+        assert_int_equal(t.s->n, t.s->report.n_active);
+        assert_true(fabs(largest - (double)t.s->report.residual_max_mm) < 1.0e-4);
+        assert_true(n_forces == 0u || fabs(sum / n_forces - (double)t.s->report.residual_mean_mm) < 1.0e-4);
+        assert_true(t.s->report.residual_rms_mm >= t.s->report.residual_mean_mm * 0.9999f);
+        assert_true(k > 0u || n_forces == t.s->n);
+        assert_true(k < 6u || n_forces < t.s->n);
+    }
+}
+
+/* A warm start changes the time, not the answer. */
+static void test_warm_start(void **state)
+{
+    const float off[3] = {4, -3, 2};
+    const smr_mesh goal = rig_ball(32, 11, 15, off);
+    const smr_config c = plain();
+    const setting t = start(&c, &goal);
+    uint32_t seed = 2;
+    (void)state;
+    search(t.s);
+    float *cold = rig_alloc(3u * t.s->n * sizeof *cold);
+    memcpy(cold, t.s->force, 3u * t.s->n * sizeof *cold);
+    for (uint32_t round = 0; round < 3u; round++) {
+        for (uint32_t v = 0; round > 0u && v < t.s->n; v++) {
+            t.s->warm[v] = rig_random(&seed, goal.n_triangles); /* a bad one */
+        }
+        search(t.s);
+        for (uint32_t i = 0; i < 3u * t.s->n; i++) {
+            assert_true(fabsf(cold[i] - t.s->force[i]) < 1.0e-5f);
+        }
+    }
+}
+
+static void test_box(void **state)
+{
+    const float off[3] = {4, -3, 2};
+    const smr_mesh goal = rig_ball(32, 11, 15, off);
+    smr_config c = plain();
+    uint32_t inside = 0;
+    (void)state;
+    c.use_box = 1;
+    for (uint32_t a = 0; a < 3u; a++) {
+        c.box_min[a] = -100;
+        c.box_max[a] = 100;
+    }
+    c.box_min[0] = 0;
+    const setting t = start(&c, &goal);
+    search(t.s);
+    for (uint32_t v = 0; v < t.s->n; v++) {
+        const smr_vec p = place_of(t.s, v), f = smr_load(smr_at3(t.s->force, v));
+        if (smr_length(f) > 0.0f) {
+            inside++;
+            assert_true(p.x >= -1.0e-4f && p.x + f.x / c.stiffness >= -1.0e-4f);
+        }
+    }
+    assert_true(inside > t.s->n / 4u && inside < t.s->n * 3u / 4u);
+}
+
+static void test_border(void **state)
+{
+    smr_mesh half = rig_ball(32, 11, 15, none);
+    smr_config c = plain();
+    (void)state;
+    half.n_triangles /= 2u; /* an open surface */
+    const setting all = start(&c, &half);
+    search(all.s);
+    assert_int_equal(all.s->n, all.s->report.n_forces);
+    c.reject_border = 1;
+    const setting t = start(&c, &half);
+    search(t.s);
+    assert_true(t.s->report.n_rejected > t.s->n / 5u && t.s->report.n_forces > t.s->n / 5u);
+    for (uint32_t v = 0; v < t.s->n; v++) {
+        const smr_vec p = place_of(t.s, v);
+        const float point[3] = {p.x, p.y, p.z};
+        smr_closest hit;
+        (void)smr_surface_closest(t.surface, point, NULL, -2.0f, 1.0e5f, &hit);
+        assert_int_equal(hit.on_border == 0u, smr_length(smr_load(smr_at3(t.s->force, v))) > 0.0f);
+    }
+}
+
+static void test_outliers(void **state)
+{
+    smr_mesh goal = rig_ball(31, 11, 15, none);
+    smr_config c = plain();
+    float *xyz = rig_alloc(3u * goal.n_vertices * sizeof *xyz);
+    (void)state;
+    memcpy(xyz, goal.xyz, 3u * goal.n_vertices * sizeof *xyz);
+    for (uint32_t i = 0; i < 3u; i++) {
+        xyz[3u * (goal.n_vertices - 2u) + i] *= 3.0f; /* a spike at the pole */
+    }
+    goal.xyz = xyz;
+    c.reject_deviations = 2.0f;
+    const setting t = start(&c, &goal);
+    search(t.s);
+    assert_int_equal(0, t.s->report.n_rejected); /* nothing is known yet */
+    const float limit = t.s->force_limit;
+    assert_true(limit > t.s->report.residual_mean_mm && limit < t.s->report.residual_max_mm);
+    search(t.s);
+    assert_true(t.s->report.n_rejected > 0u && t.s->report.n_rejected < t.s->n / 4u);
+    assert_true(t.s->report.residual_max_mm <= limit);
+}
+
+static void test_no_target_no_force(void **state)
+{
+    const smr_mesh goal = rig_ball(32, 11, 15, none);
+    const smr_config c = plain();
+    const setting t = start(&c, &goal);
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_surface(t.s, 0, NULL));
+    search(t.s);
+    assert_int_equal(0, t.s->report.n_active);
+    assert_int_equal(0, t.s->report.n_forces);
+    assert_int_equal(0, t.s->report.n_rejected);
+    for (uint32_t i = 0; i < 3u * t.s->n; i++) {
+        assert_true(t.s->force[i] == 0.0f);
+    }
+}
+
+/* `slide` takes away the part of the way that runs along the surface, where there is one. */
+static void test_slide(void **state)
+{
+    const float off[3] = {4, -3, 2};
+    const smr_mesh goal = rig_ball(32, 11, 15, off);
+    (void)state;
+    smr_config c = plain();
+    c.slide = 0.0f;
+    const setting t = start(&c, &goal);
+    search(t.s);
+    for (uint32_t v = 0; v < t.s->n; v++) {
+        const smr_vec f = smr_load(smr_at3(t.s->force, v)), n = smr_load(smr_at3(t.s->normal, v));
+        assert_true(smr_length(smr_cross(f, n)) < 1.0e-4f);
+    }
+    smr_store(smr_at3(t.s->normal, 5), smr_v(0, 0, 0)); /* a vertex without triangles */
+    search(t.s);
+    assert_true(smr_length(smr_load(smr_at3(t.s->force, 5))) > 0.5f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_closest_point, tidy), cmocka_unit_test_teardown(test_warm_start, tidy),
+        cmocka_unit_test_teardown(test_box, tidy),           cmocka_unit_test_teardown(test_border, tidy),
+        cmocka_unit_test_teardown(test_outliers, tidy),      cmocka_unit_test_teardown(test_no_target_no_force, tidy),
+        cmocka_unit_test_teardown(test_slide, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,214 @@
+/* test_polar_decomposition.c: the rotation nearest to a matrix. Budgets against double precision: 3e-6 from being a rotation for
+ * every input there is; in each entry from the double rotation 1e-6 for condition numbers up to 3, 5e-6 up to 10, 5e-5
+ * up to 30, 5e-4 up to 100 (the error grows with the square of the condition number: A^T A is rounded).
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "geometry/rotation.h"
+#include "oracle.h"
+
+static const float identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+
+static void polar_wide(const float a[9], float v[9], double r[9])
+{
+    float m[9];
+    double wide[9];
+    smr_polar(a, v, m);
+    oracle_widen(m, r, 9);
+    for (int i = 0; i < 9; i += 4)
+        r[i] += 1.0;
+    oracle_widen(v, wide, 9);
+    assert_true(oracle_not_rotation(wide) < 3e-6); /* the warm start stays a rotation */
+}
+
+/* U diag(s) W^T */
+static void compose(oracle_random *r, const double s[3], float a[9])
+{
+    double u[9], w[9], d[9] = {s[0], 0, 0, 0, s[1], 0, 0, 0, s[2]};
+    oracle_rotation(r, u);
+    oracle_rotation(r, w);
+    oracle_product(u, d, d);
+    oracle_product(d, w, d);
+    for (int i = 0; i < 9; i++)
+        a[i] = (float)d[i];
+}
+
+static void equals_double(void **state)
+{
+    static const struct {
+        double condition, budget;
+    } table[] = {{1.2, 1e-6}, {3, 1e-6}, {10, 5e-6}, {30, 5e-5}, {100, 5e-4}};
+    oracle_random r = oracle_seed(20);
+    (void)state;
+    for (size_t k = 0; k < sizeof table / sizeof table[0]; k++) {
+        double worst = 0.0, worst_rotation = 0.0;
+        for (uint32_t i = 0; i < 4000; i++) {
+            const double size = pow(10.0, oracle_uniform(&r, -8.0, 8.0));
+            const double s[3] = {size, size * pow(table[k].condition, -oracle_uniform(&r, 0, 1)),
+                                 size / table[k].condition};
+            double got[9], want[9], wide[9], singular[3];
+            float a[9], v[9];
+            compose(&r, s, a);
+            memcpy(v, identity, sizeof v);
+            polar_wide(a, v, got);
+            oracle_widen(a, wide, 9);
+            oracle_polar(wide, want, singular);
+            worst = fmax(worst, oracle_difference(got, want, 9));
+            worst_rotation = fmax(worst_rotation, oracle_not_rotation(got));
+        }
+        char name[64];
+        (void)snprintf(name, sizeof name, "polar: condition %g", table[k].condition);
+        assert_true(oracle_within(name, worst, table[k].budget));
+        assert_true(oracle_within("polar: is a rotation", worst_rotation, 3e-6));
+    }
+}
+
+/* The warm start changes the way, not the answer. */
+static void warm_start_from_anywhere(void **state)
+{
+    oracle_random r = oracle_seed(21);
+    double worst = 0.0;
+    (void)state;
+    for (uint32_t i = 0; i < 4000; i++) {
+        const double s[3] = {1.0, oracle_uniform(&r, 0.5, 0.95), oracle_uniform(&r, 0.2, 0.45)};
+        double cold[9], warm[9], start[9];
+        float a[9], v[9];
+        compose(&r, s, a);
+        memcpy(v, identity, sizeof v);
+        polar_wide(a, v, cold);
+        oracle_rotation(&r, start);
+        for (int k = 0; k < 9; k++)
+            v[k] = (float)start[k];
+        polar_wide(a, v, warm);
+        worst = fmax(worst, oracle_difference(cold, warm, 9));
+    }
+    assert_true(oracle_within("polar: warm start from anywhere", worst, 1e-5));
+}
+
+/* A rotation times any scale comes back as itself, and R - I of nearly no rotation keeps its digits. */
+static void rotations_come_back(void **state)
+{
+    oracle_random r = oracle_seed(22);
+    double worst = 0.0, worst_small = 0.0;
+    (void)state;
+    for (uint32_t i = 0; i < 5000; i++) {
+        double want[9], got[9];
+        float a[9], v[9], m[9];
+        const double size = pow(10.0, oracle_uniform(&r, -15.0, 30.0));
+        oracle_rotation(&r, want);
+        for (int k = 0; k < 9; k++)
+            a[k] = (float)(want[k] * size);
+        memcpy(v, identity, sizeof v);
+        polar_wide(a, v, got);
+        worst = fmax(worst, oracle_difference(got, want, 9));
+        const double axis[3] = {oracle_uniform(&r, -1, 1), oracle_uniform(&r, -1, 1), 1};
+        oracle_turn(axis, 1e-3, want);
+        for (int k = 0; k < 9; k++)
+            a[k] = (float)want[k];
+        memcpy(v, identity, sizeof v);
+        smr_polar(a, v, m);
+        for (int k = 0; k < 9; k++)
+            worst_small = fmax(worst_small, fabs((double)m[k] - (want[k] - (k % 4 == 0 ? 1.0 : 0.0))));
+    }
+    assert_true(oracle_within("polar: scaled rotations", worst, 3e-6));
+    assert_true(oracle_within("polar: small rotations, R - I", worst_small, 1e-6));
+}
+
+/* Whatever comes in, a rotation comes out. */
+static void always_a_rotation(void **state)
+{
+    oracle_random r = oracle_seed(23);
+    double worst = 0.0;
+    (void)state;
+    for (uint32_t i = 0; i < 40000; i++) {
+        double got[9], s[3] = {1.0, oracle_uniform(&r, 0, 1), oracle_uniform(&r, 0, 1)};
+        float a[9], v[9];
+        const uint32_t kind = i % 8u;
+        if (kind == 1) /* planar */
+            s[2] = 0.0;
+        if (kind == 2) /* collinear */
+            s[1] = s[2] = 0.0;
+        if (kind == 3) /* coincident */
+            s[0] = s[1] = s[2] = 0.0;
+        if (kind == 4) /* reflected */
+            s[2] = -s[2];
+        if (kind == 5) /* near the rank decision */
+            s[1] = pow(10.0, oracle_uniform(&r, -4.0, -2.0)), s[2] = s[1] * oracle_uniform(&r, -1, 1);
+        const double size = kind == 6 ? pow(10.0, oracle_uniform(&r, 20.0, 38.0))
+                                      : (kind == 7 ? pow(10.0, oracle_uniform(&r, -44.0, -15.0)) : 1000.0);
+        for (int k = 0; k < 3; k++)
+            s[k] *= size;
+        compose(&r, s, a);
+        memcpy(v, identity, sizeof v);
+        polar_wide(a, v, got);
+        worst = fmax(worst, oracle_not_rotation(got));
+    }
+    assert_true(oracle_within("polar: degenerate inputs", worst, 3e-6));
+}
+
+/* Every matrix with entries -1, 0, 1: exact ties and every rank. */
+static void small_integers(void **state)
+{
+    double worst = 0.0;
+    (void)state;
+    for (uint32_t code = 0; code < 19683u; code++) {
+        float a[9], v[9];
+        double got[9];
+        for (uint32_t k = 0, c = code; k < 9; k++, c /= 3u)
+            a[k] = (float)(c % 3u) - 1.0f;
+        memcpy(v, identity, sizeof v);
+        polar_wide(a, v, got);
+        worst = fmax(worst, oracle_not_rotation(got));
+    }
+    assert_true(oracle_within("polar: all of {-1,0,1}^9", worst, 3e-6));
+}
+
+static void defined_answers(void **state)
+{
+    oracle_random r = oracle_seed(24);
+    float v[9], m[9];
+    const float zero[9] = {0}, tiny[9] = {1e-25f, 0, 0, 0, 1e-25f, 0, 0, 0, 1e-25f};
+    (void)state;
+    memcpy(v, identity, sizeof v);
+    smr_polar(zero, v, m); /* rank 0: no rotation, and the warm start untouched */
+    assert_memory_equal(m, zero, sizeof m);
+    assert_memory_equal(v, identity, sizeof v);
+    smr_polar(tiny, v, m);
+    assert_memory_equal(m, zero, sizeof m);
+    double worst = 0.0, worst_angle = 0.0;
+    for (uint32_t i = 0; i < 3000; i++) { /* rank 1: b a^T takes a to b by the shortest way */
+        double turn[9], got[9];
+        float a[9];
+        oracle_rotation(&r, turn); /* a: first row, b: second row, or the opposite of a at times */
+        double from[3] = {turn[0], turn[1], turn[2]}, to[3] = {turn[3], turn[4], turn[5]};
+        for (int k = 0; k < 3; k++)
+            to[k] = i % 3u == 0u ? -from[k] : (i % 3u == 1u ? to[k] : from[k] + 0.3 * to[k]);
+        double l = sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]), cosine = 0.0;
+        for (int k = 0; k < 3; k++)
+            to[k] /= l, cosine += to[k] * from[k];
+        for (int k = 0; k < 9; k++)
+            a[k] = (float)(to[k / 3] * from[k % 3]);
+        memcpy(v, identity, sizeof v);
+        polar_wide(a, v, got);
+        for (int k = 0; k < 3; k++)
+            worst =
+                fmax(worst, fabs(got[3 * k] * from[0] + got[3 * k + 1] * from[1] + got[3 * k + 2] * from[2] - to[k]));
+        worst_angle = fmax(worst_angle, fabs(0.5 * (got[0] + got[4] + got[8] - 1.0) - cosine));
+    }
+    assert_true(oracle_within("polar: rank 1 takes a to b", worst, 2e-6));
+    assert_true(oracle_within("polar: rank 1 by the shortest way", worst_angle, 2e-6));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(equals_double),       cmocka_unit_test(warm_start_from_anywhere),
+        cmocka_unit_test(rotations_come_back), cmocka_unit_test(always_a_rotation),
+        cmocka_unit_test(small_integers),      cmocka_unit_test(defined_answers),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,266 @@
+/* test_priority_list.c: the priority list equals the paper's rule done plainly over sets, active sets keep three members in
+ * every cluster (or all that it has), and the stored order follows the list: many random models, several radii at once.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <string.h>
+
+#include "base/arena.h"
+#include "prepare/plan.h"
+#include "unit_lists.h"
+
+/* member[r]: clusters as sets in the caller's numbers. */
+typedef struct world {
+    unit_mesh mesh[2];
+    smr_structure structure[2];
+    smr_prepare_config config;
+    uint32_t n;
+    unsigned char *member[SMR_RADII_MAX];
+} world;
+
+static world make(oracle_random *r, uint32_t round)
+{
+    world w;
+    memset(&w, 0, sizeof w);
+    w.mesh[0] = round % 3u == 0u ? unit_sphere(1u + round % 2u, 20.0f, 25.0f)
+                                 : unit_points(r, 1u + oracle_below(r, 120u), 0.0f, 60.0f);
+    w.mesh[1] =
+        round % 3u == 1u ? unit_grid(3u + round % 5u, 6, 5.0f) : unit_soup(r, 1u + oracle_below(r, 40u), 50.0f, 1);
+    w.config = smr_prepare_config_default();
+    w.config.n_radii = 1u + oracle_below(r, 4u);
+    for (uint32_t k = 0; k < w.config.n_radii; k++)
+        w.config.radius_mm[k] = oracle_uniformf(r, 2.0f, k == 0u ? 60.0f : 30.0f);
+    w.config.separate_below_mm = oracle_uniformf(r, 0.0f, 40.0f);
+    w.config.distance = round % 7u == 6u ? SMR_DISTANCE_GEODESIC : SMR_DISTANCE_EUCLIDEAN;
+    w.config.ring = round & 1u;
+    for (uint32_t s = 0; s < 2u; s++)
+        w.structure[s] = (smr_structure){"", unit_view(&w.mesh[s])};
+    return w;
+}
+
+static void unmake(world *w)
+{
+    for (uint32_t k = 0; k < w->config.n_radii; k++)
+        unit_free(w->member[k]);
+    unit_mesh_free(&w->mesh[0]);
+    unit_mesh_free(&w->mesh[1]);
+}
+
+/* Clusters of the image by looking at every pair, in the caller's numbers. */
+static void find_members(world *w, const smr_model *m)
+{
+    smr_model_info info;
+    assert_int_equal(smr_model_get_info(m, &info), SMR_OK);
+    const uint32_t n = w->n = info.n_vertices;
+    unsigned char *stored = unit_memory((size_t)n * n);
+    for (uint32_t k = 0; k < info.n_radii; k++) {
+        const unit_rule rule = {info.radius_mm[k], w->config.distance == SMR_DISTANCE_GEODESIC, (int)info.separate[k],
+                                w->config.ring && info.radius_mm[k] >= info.edge_mm};
+        unit_brute_sets(m, &rule, stored);
+        w->member[k] = unit_memory((size_t)n * n);
+        for (uint32_t a = 0; a < n; a++)
+            for (uint32_t b = 0; b < n; b++)
+                w->member[k][(size_t)smr_model_original(m, a) * n + smr_model_original(m, b)] =
+                    stored[(size_t)a * n + b];
+    }
+    unit_free(stored);
+}
+
+/* |zeta_a| over the vertices whose `gone` is 0. */
+static uint32_t left(const unsigned char *member, uint32_t n, uint32_t a, const unsigned char *gone)
+{
+    uint32_t count = 0;
+    for (uint32_t b = 0; b < n; b++)
+        count += member[(size_t)a * n + b] && !gone[b];
+    return count;
+}
+
+/* The rule at one radius, every m_i anew at each step. Appends to list; returns its new length. */
+static uint32_t plain_rule(const unsigned char *member, uint32_t n, unsigned char *gone, uint32_t *list,
+                           uint32_t listed)
+{
+    uint32_t *size = unit_memory(4u * (size_t)n);
+    for (;;) {
+        uint32_t best = 0, best_m = 3;
+        for (uint32_t a = 0; a < n; a++)
+            size[a] = left(member, n, a, gone);
+        for (uint32_t i = 0; i < n; i++) {
+            uint32_t m = UINT32_MAX;
+            for (uint32_t j = 0; j < n; j++)
+                m = member[(size_t)i * n + j] && size[j] < m ? size[j] : m;
+            if (!gone[i] && m > best_m) {
+                best = i;
+                best_m = m;
+            }
+        }
+        if (best_m == 3u)
+            break;
+        gone[best] = 1;
+        list[listed++] = best;
+    }
+    unit_free(size);
+    return listed;
+}
+
+/* S as one list over all radii, and what each needs. */
+static uint32_t plain_list(const world *w, uint32_t *list, uint32_t need[SMR_RADII_MAX], uint32_t *restored)
+{
+    const uint32_t n = w->n;
+    uint32_t listed = 0, until[SMR_RADII_MAX] = {0}, kept = 0;
+    unsigned char *gone = unit_memory(n), done[SMR_RADII_MAX] = {0};
+    memset(gone, 0, n);
+    for (uint32_t k = 0; k < w->config.n_radii; k++) {
+        uint32_t f = SMR_ALL;
+        for (uint32_t r = 0; r < w->config.n_radii; r++)
+            if (!done[r] && (f == SMR_ALL || w->config.radius_mm[r] <= w->config.radius_mm[f]))
+                f = r;
+        done[f] = 1;
+        for (uint32_t a = 0; a < n; a++) /* what a finer radius took away from clusters that were small there */
+            for (uint32_t b = 0; b < n; b++)
+                if (w->member[f][(size_t)a * n + b] && gone[b] && left(w->member[f], n, a, gone) < 3u)
+                    gone[b] = 0, ++*restored;
+        for (uint32_t i = 0; i < listed; i++)
+            if (list[i] != SMR_ALL && !gone[list[i]])
+                list[i] = SMR_ALL;
+        listed = until[f] = plain_rule(w->member[f], n, gone, list, listed);
+    }
+    for (uint32_t r = 0; r < w->config.n_radii; r++) {
+        need[r] = n;
+        for (uint32_t i = 0; i < until[r]; i++)
+            need[r] -= list[i] != SMR_ALL;
+    }
+    for (uint32_t i = 0; i < listed; i++)
+        if (list[i] != SMR_ALL)
+            list[kept++] = list[i];
+    unit_free(gone);
+    return kept;
+}
+
+/* The list itself, from the plan. */
+static void check_list(const world *w, const uint32_t *list, uint32_t listed, const uint32_t *need)
+{
+    smr_plan p;
+    smr_arena a;
+    size_t bytes;
+    assert_int_equal(smr_prepare_bytes(w->structure, 2, &w->config, &bytes), SMR_OK);
+    void *scratch = unit_memory(bytes);
+    assert_int_equal(smr_plan_start(&p, w->structure, 2, &w->config), SMR_OK);
+    assert_int_equal(smr_arena_start(&a, scratch, bytes), SMR_OK);
+    smr_plan_layout(&a, &p);
+    memset(p.row, 0, p.n_rows * (p.words + 1u) * sizeof *p.row);
+    smr_plan_order(&p);
+    assert_int_equal(smr_plan_priority(&p, w->config.radius_mm, w->config.n_radii, w->config.separate_below_mm),
+                     SMR_OK);
+    assert_int_equal(p.n_listed, listed);
+    for (uint32_t i = 0; i < listed; i++)
+        assert_int_equal(p.original[p.list[i]], list[i]);
+    assert_memory_equal(p.active_min, need, w->config.n_radii * sizeof *need);
+    smr_arena_release(scratch, bytes);
+    unit_free(scratch);
+}
+
+/* Levels follow the list, and what a radius needs ends one. */
+static void check_levels(const world *w, const smr_model *m, const uint32_t *list, uint32_t listed,
+                         const uint32_t *need)
+{
+    smr_model_info info;
+    assert_int_equal(smr_model_get_info(m, &info), SMR_OK);
+    assert_in_range(info.n_levels, 1, SMR_LEVELS_MAX);
+    assert_int_equal(info.level_end[info.n_levels - 1u], w->n);
+    uint32_t *rank = unit_memory(4u * (size_t)w->n);
+    memset(rank, 0, 4u * (size_t)w->n);
+    for (uint32_t i = 0; i < listed; i++)
+        rank[list[i]] = w->n - 1u - i;
+    for (uint32_t v = 0, level = 0; v < w->n; v++) {
+        level += v == info.level_end[level];
+        assert_true(rank[smr_model_original(m, v)] < info.level_end[level]);
+        assert_true(level == 0u || rank[smr_model_original(m, v)] >= info.level_end[level - 1u]);
+        assert_true(v == 0u || v == (level > 0u ? info.level_end[level - 1u] : 0u) ||
+                    smr_model_along(m, v) > smr_model_along(m, v - 1u));
+    }
+    for (uint32_t r = 0; r < info.n_radii; r++) {
+        uint32_t ends = 0;
+        assert_int_equal(info.active_min[r], need[r]);
+        for (uint32_t k = 0; k < info.n_levels; k++)
+            ends += info.level_end[k] == need[r];
+        assert_int_equal(ends, 1);
+    }
+    unit_free(rank);
+}
+
+/* Any number of first stored vertices, if it is enough for a radius, keeps three of every cluster there, or all of it. */
+static void check_prefixes(const world *w, const smr_model *m, const uint32_t *need)
+{
+    unsigned char *gone = unit_memory(w->n), *none = unit_memory(w->n);
+    memset(none, 0, w->n);
+    for (uint32_t r = 0; r < w->config.n_radii; r++) {
+        memset(gone, 1, w->n);
+        for (uint32_t v = 0; v < w->n; v++) {
+            gone[smr_model_original(m, v)] = 0;
+            if (v + 1u < need[r] || (v + 1u > need[r] && v % 5u != 0u))
+                continue;
+            for (uint32_t a = 0; a < w->n; a++) {
+                const uint32_t now = left(w->member[r], w->n, a, gone);
+                assert_true(now >= 3u || now == left(w->member[r], w->n, a, none));
+            }
+        }
+    }
+    unit_free(gone);
+    unit_free(none);
+}
+
+static void follows_the_rule(void **state)
+{
+    oracle_random r = oracle_seed(400);
+    uint32_t restored = 0, more = 0;
+    (void)state;
+    for (uint32_t round = 0; round < 400u; round++) {
+        world w = make(&r, round);
+        unit_image image = unit_prepare(w.structure, 2, &w.config);
+        find_members(&w, image.model);
+        uint32_t *list = unit_memory(4u * (size_t)w.n * SMR_RADII_MAX), need[SMR_RADII_MAX];
+        const uint32_t listed = plain_list(&w, list, need, &restored);
+        check_list(&w, list, listed, need);
+        check_levels(&w, image.model, list, listed, need);
+        check_prefixes(&w, image.model, need);
+        more += listed > w.n / 2u;
+        unit_free(list);
+        unit_image_free(&image);
+        unmake(&w);
+    }
+    assert_true(more > 0u && restored > 0u);
+}
+
+/* A tight ball of vertices beside a lonely pair: the ball is thinned, the pair never. */
+static void small_clusters_stay_whole(void **state)
+{
+    oracle_random r = oracle_seed(401);
+    unit_mesh m = unit_points(&r, 40, 0.0f, 4.0f);
+    smr_prepare_config c = smr_prepare_config_default();
+    smr_model_info info;
+    (void)state;
+    m.xyz[0] = m.xyz[3] = 500.0f;
+    c.n_radii = 1;
+    c.radius_mm[0] = 100.0f;
+    unit_image image = unit_prepare_mesh(&m, &c);
+    assert_int_equal(smr_model_get_info(image.model, &info), SMR_OK);
+    assert_int_equal(info.active_min[0], 5); /* three of the ball, and the pair */
+    assert_true(smr_model_position(image.model, 0) < 5u && smr_model_position(image.model, 1) < 5u);
+    unit_image_free(&image);
+    c.priority = 0;
+    image = unit_prepare_mesh(&m, &c);
+    assert_int_equal(smr_model_get_info(image.model, &info), SMR_OK);
+    assert_int_equal(info.active_min[0], 40);
+    assert_int_equal(info.n_levels, 1);
+    unit_image_free(&image);
+    unit_mesh_free(&m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(follows_the_rule),
+        cmocka_unit_test(small_clusters_stay_whole),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,140 @@
+/* test_results.c: what can be read: the caller's order, unit normals, figures per structure.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/state.h"
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static const float none[3] = {0, 0, 0};
+
+/* Two balls apart from each other; the first has a target 3 mm off, the second none. */
+static smr *start(float momentum, smr_mesh mesh[2], const smr_model **model)
+{
+    const float off[3] = {60, 0, 0};
+    const smr_prepare_config radii = rig_radii(1, 15, 0, 0);
+    smr_config config = smr_config_default();
+    mesh[0] = rig_ball(20, 6, 9, none);
+    mesh[1] = rig_ball(15, 5, 8, off);
+    const smr_mesh goal = rig_ball(23, 12, 18, none);
+    config.momentum = momentum;
+    *model = rig_model(mesh, 2, &radii);
+    smr *s = rig_init(*model, &config, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&goal)));
+    return s;
+}
+
+static void test_order_and_shift(void **state)
+{
+    smr_mesh mesh[2];
+    const smr_model *model;
+    smr *s = start(0, mesh, &model);
+    float xyz[3 * 64];
+    (void)state;
+    for (uint32_t i = 0; i < 2u; i++) {
+        assert_int_equal(SMR_OK, smr_get_positions(s, i, xyz));
+        assert_true(rig_far(xyz, mesh[i].xyz, mesh[i].n_vertices) < 1.0e-5f);
+    }
+    (void)rig_run(s, 4);
+    assert_int_equal(SMR_OK, smr_get_positions(s, 0, xyz));
+    for (uint32_t i = 0; i < mesh[0].n_vertices; i++) { /* each vertex went outwards, so it is still the same one */
+        assert_true(smr_dot(smr_unit(smr_load(xyz + 3u * i)), smr_unit(smr_load(mesh[0].xyz + 3u * i))) > 0.9f);
+    }
+}
+
+static void test_normals_are_unit(void **state)
+{
+    smr_mesh mesh[2];
+    const smr_model *model;
+    smr *s = start(0.5f, mesh, &model);
+    float n[3 * 64], x[3 * 64];
+    (void)state;
+    for (uint32_t tick = 0; tick < 10u; tick++) {
+        assert_int_equal(SMR_OK, smr_get_normals(s, 0, n));
+        assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
+        for (uint32_t i = 0; i < mesh[0].n_vertices; i++) {
+            assert_true(fabsf(smr_length(smr_load(n + 3u * i)) - 1.0f) < 1.0e-5f);
+            assert_true(smr_dot(smr_load(n + 3u * i), smr_unit(smr_load(x + 3u * i))) > 0.8f);
+        }
+        (void)rig_run(s, 1);
+    }
+}
+
+static void check_report(float momentum)
+{
+    smr_mesh mesh[2];
+    const smr_model *model;
+    smr *s = start(momentum, mesh, &model);
+    smr_structure_report part[2];
+    float before[3 * 64], after[3 * 64];
+    assert_int_equal(SMR_OK, smr_get_positions(s, 0, before));
+    for (uint32_t tick = 0; tick < 6u; tick++) {
+        smr_tick_report report;
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+        if (report.plastic_updates == 1u && tick == 0u) {
+            continue; /* an iteration that only repairs has no forces */
+        }
+        assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &part[0]));
+        assert_int_equal(SMR_OK, smr_get_structure_report(s, 1, &part[1]));
+        assert_int_equal(1, part[0].has_target);
+        assert_int_equal(0, part[1].has_target);
+        assert_int_equal(report.n_forces, part[0].n_forces + part[1].n_forces);
+        assert_int_equal(report.n_rejected, part[0].n_rejected + part[1].n_rejected);
+        assert_int_equal(0, part[1].n_forces);
+        assert_int_equal(0, part[1].n_rejected);
+        assert_true(part[1].residual_max_mm == 0.0f);
+        assert_true(fabsf(part[0].residual_max_mm - report.residual_max_mm) < 1.0e-3f);
+        assert_true(fabsf(part[0].residual_mean_mm - report.residual_mean_mm) < 1.0e-3f);
+    }
+    assert_int_equal(SMR_OK, smr_get_positions(s, 0, after));
+    assert_true(fabsf(rig_far(before, after, mesh[0].n_vertices) - part[0].moved_max_mm) < 1.0e-4f);
+    assert_true(part[0].moved_mean_mm > 0.5f && part[0].moved_mean_mm <= part[0].moved_max_mm);
+    assert_true(part[1].moved_max_mm < 1.0e-3f);
+}
+
+static void test_structure_report(void **state)
+{
+    (void)state;
+    check_report(0.0f);
+}
+
+/* What momentum adds to the forces is no residual. */
+static void test_structure_report_with_momentum(void **state)
+{
+    (void)state;
+    check_report(0.8f);
+}
+
+static void test_report_at_the_start(void **state)
+{
+    smr_mesh mesh[2];
+    const smr_model *model;
+    smr *s = start(0.5f, mesh, &model);
+    smr_structure_report part;
+    (void)state;
+    assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &part));
+    assert_int_equal(1, part.has_target);
+    assert_int_equal(0, part.n_forces);
+    assert_true(part.residual_max_mm == 0.0f && part.moved_max_mm == 0.0f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_order_and_shift, tidy),
+        cmocka_unit_test_teardown(test_normals_are_unit, tidy),
+        cmocka_unit_test_teardown(test_structure_report, tidy),
+        cmocka_unit_test_teardown(test_structure_report_with_momentum, tidy),
+        cmocka_unit_test_teardown(test_report_at_the_start, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

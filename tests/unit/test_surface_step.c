@@ -1,0 +1,195 @@
+/* test_surface_step.c: a profile that was taken beside the place where it is looked for is found again; where the image does not
+ * tell, nothing moves.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "image/surface_step.h"
+#include "property/rig.h"
+
+#define SIDE 40u     /* voxels */
+#define SPACING 1.0f /* mm */
+#define N 20u
+#define STEP 0.5f
+#define REACH 1.5f
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+typedef enum pattern { WAVES, LAYERS, PLAIN } pattern;
+
+/* Waves of some 20 mm in all directions, layers along z, or one value. */
+static double value_at(pattern kind, double x, double y, double z)
+{
+    switch (kind) {
+    case WAVES:
+        return 100.0 + 40.0 * sin(0.31 * x + 0.2) + 40.0 * cos(0.27 * y - 0.05 * z) + 30.0 * sin(0.23 * z + 0.1 * x);
+    case LAYERS: return 100.0 + 50.0 * tanh(0.4 * z);
+    default: return 100.0;
+    }
+}
+
+static smr_grid image(pattern kind)
+{
+    smr_volume v;
+    smr_grid grid;
+    float *const voxels = rig_alloc(SIDE * SIDE * SIDE * sizeof *voxels);
+    memset(&v, 0, sizeof v);
+    v.voxels = voxels;
+    v.type = SMR_VOXEL_FLOAT;
+    for (uint32_t a = 0; a < 3u; a++) {
+        v.size[a] = SIDE;
+        v.spacing[a] = SPACING;
+        v.origin[a] = -0.5f * SPACING * (float)(SIDE - 1u);
+        v.direction[4u * a] = 1.0f;
+    }
+    for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const uint32_t at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+        voxels[i] = (float)value_at(kind, (double)(v.origin[0] + SPACING * (float)at[0]),
+                                    (double)(v.origin[1] + SPACING * (float)at[1]),
+                                    (double)(v.origin[2] + SPACING * (float)at[2]));
+    }
+    assert_int_equal(SMR_OK, smr_grid_open(&v, &grid));
+    return grid;
+}
+
+/* What a profile of the image says that was taken `beside` the line on which it is looked for now. */
+typedef struct trial {
+    smr_vec middle, normal, beside;
+    float noise, gain, brighter; /* the image's contrast and brightness against the profile's, 1 and 0: the same */
+} trial;
+
+static smr_vec found_way(const smr_grid *grid, const trial *t)
+{
+    uint8_t packed[N];
+    float value[N], here[N], low = 0.0f, range = 0.0f;
+    unsigned char inside[N];
+    const smr_vec step = smr_scale(t->normal, STEP), start = smr_sub(t->middle, smr_scale(step, 0.5f * (float)N));
+    assert_int_equal(N, smr_grid_line(grid, smr_add(start, t->beside), step, N, value, inside));
+    smr_profile_pack(value, inside, N, packed, &low, &range);
+    assert_int_equal(N, smr_grid_line(grid, start, step, N, here, inside));
+    for (uint32_t k = 0; k < N; k++)
+        here[k] = t->gain * here[k] + t->brighter;
+    const smr_profile reference = {packed, low, range, N};
+    const smr_place place = {&reference, start, step, t->normal, here, t->gain, t->noise, REACH};
+    return smr_sideways(grid, &place);
+}
+
+static float length(smr_vec a) { return sqrtf(smr_dot(a, a)); }
+
+static smr_vec any_normal(uint32_t *seed)
+{
+    const smr_vec n = smr_v(rig_between(seed, -1, 1), rig_between(seed, -1, 1), rig_between(seed, 0.2f, 1));
+    return smr_scale(n, 1.0f / length(n));
+}
+
+/* A step up to 1 mm is found again but for a part of it: it is one linear step, slightly damped, of profiles without their means. */
+static void test_finds_the_side(void **state)
+{
+    const smr_grid grid = image(WAVES);
+    uint32_t seed = 4;
+    double missed = 0.0;
+    (void)state;
+    for (uint32_t k = 0; k < 300u; k++) {
+        trial t = {smr_v(rig_between(&seed, -5, 5), rig_between(&seed, -5, 5), rig_between(&seed, -5, 5)),
+                   any_normal(&seed),
+                   {0, 0, 0},
+                   0.1f,
+                   1.0f,
+                   0.0f};
+        const smr_vec side = smr_v(rig_between(&seed, -1, 1), rig_between(&seed, -1, 1), rig_between(&seed, -1, 1));
+        t.beside = smr_scale(smr_sub(side, smr_scale(t.normal, smr_dot(side, t.normal))), 0.6f);
+        const smr_vec way = found_way(&grid, &t);
+        assert_true(fabsf(smr_dot(way, t.normal)) < 1.0e-4f);
+        assert_true(length(way) <= REACH + 1.0e-4f);
+        missed += (double)(length(smr_sub(way, t.beside)) / length(t.beside));
+        t.noise = 1.0e4f; /* next to which the image shows nothing */
+        assert_true(length(found_way(&grid, &t)) < 1.0e-3f);
+    }
+    if (!(missed / 300.0 < 0.45)) {
+        print_error("%.3f of the way missed in the mean\n", missed / 300.0);
+    }
+    assert_true(missed / 300.0 < 0.45);
+}
+
+/* Where the profile is, nothing moves; where the image does not change across the normal, neither. */
+static void test_stays(void **state)
+{
+    const smr_grid waves = image(WAVES), layers = image(LAYERS), plain = image(PLAIN);
+    trial t = {{1, 2, 0}, {0, 0, 1}, {0, 0, 0}, 0.1f, 1.0f, 0.0f};
+    (void)state;
+    assert_true(length(found_way(&waves, &t)) < 0.05f);
+    t.beside = smr_v(0.7f, -0.4f, 0.0f);
+    assert_true(length(found_way(&waves, &t)) > 0.3f);
+    assert_true(length(found_way(&layers, &t)) < 1.0e-3f);
+    assert_true(length(found_way(&plain, &t)) == 0.0f); /* the profile has no range */
+}
+
+/* Much brighter, the image says the same; with more contrast it stays when it is told so; values that are no image's give a way
+ * all the same, and a short one. */
+static void test_brightness(void **state)
+{
+    const smr_grid grid = image(WAVES);
+    trial t = {{1, 2, 0}, {0, 0, 1}, {0.6f, 0.5f, 0.0f}, 0.1f, 1.0f, 0.0f};
+    (void)state;
+    const smr_vec way = found_way(&grid, &t);
+    t.brighter = 1.0e3f;
+    assert_true(length(smr_sub(found_way(&grid, &t), way)) < 1.0e-3f);
+    t.gain = 50.0f; /* the slopes beside it are the image's own: far more is missing than they can bring */
+    assert_true(fabsf(length(found_way(&grid, &t)) - REACH) < 1.0e-3f);
+    t.beside = smr_v(0, 0, 0);
+    t.gain = 1.5f;
+    assert_true(length(found_way(&grid, &t)) < 0.1f);
+    t.brighter = 1.0e30f; /* no image's value: finite all the same */
+    assert_true(length(found_way(&grid, &t)) <= REACH + 1.0e-4f);
+    t.brighter = HUGE_VALF;
+    assert_true(length(found_way(&grid, &t)) <= REACH + 1.0e-4f);
+}
+
+/* The contrast of a profile that is stretched, wherever it lies in brightness. */
+static void test_contrast(void **state)
+{
+    const uint8_t packed[4] = {0, 100, 255, 30};
+    const smr_profile reference = {packed, 10.0f, 51.0f, 4}, flat = {packed, 10.0f, 0.0f, 4};
+    float found[4];
+    (void)state;
+    for (uint32_t k = 0; k < 6u; k++) {
+        static const float gain[6] = {0.0f, 0.3f, 1.0f, 1.5f, 3.9f, 60.0f};
+        for (uint32_t i = 0; i < 4u; i++)
+            found[i] = 300.0f - gain[k] * 51.0f * (float)packed[i] / 255.0f; /* its sign does not count */
+        assert_true(fabsf(smr_contrast(&reference, found) - fminf(gain[k], 4.0f)) < 1.0e-3f);
+        assert_true(smr_contrast(&flat, found) == 0.0f);
+    }
+    found[2] = HUGE_VALF;
+    assert_true(smr_contrast(&reference, found) >= 0.0f && smr_contrast(&reference, found) <= 4.0f);
+}
+
+/* Lines of which a part lies outside tell nothing. */
+static void test_outside(void **state)
+{
+    const smr_grid grid = image(WAVES);
+    trial t = {{0, 0, 0}, {0, 0, 1}, {-1, 0, 0}, 0.1f, 1.0f, 0.0f};
+    (void)state;
+    t.middle.x = 19.0f; /* the last voxel is at 19.5 mm */
+    assert_true(length(found_way(&grid, &t)) == 0.0f);
+    t.middle.x = 17.5f;
+    assert_true(length(found_way(&grid, &t)) > 0.0f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_finds_the_side, tidy),
+        cmocka_unit_test_teardown(test_stays, tidy),
+        cmocka_unit_test_teardown(test_brightness, tidy),
+        cmocka_unit_test_teardown(test_outside, tidy),
+        cmocka_unit_test(test_contrast),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

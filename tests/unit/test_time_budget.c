@@ -1,0 +1,250 @@
+/* test_budget.c: the controller under clocks of which all is known: each reading, and so each task, takes so many
+ * nanoseconds. Ticks end in time and use it, outliers are forgotten, changes are learnt, long iterations take several ticks.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/state.h"
+
+static const float none[3] = {0, 0, 0};
+static const smr_model *model;
+static const smr_surface *surface;
+
+static int set_up(void **state)
+{
+    const smr_mesh ball = rig_ball(40, 31, 40, none), goal = rig_ball(43, 17, 24, none);
+    const smr_prepare_config radii = rig_radii(1, 18, 0, 0);
+    (void)state;
+    model = rig_model(&ball, 1, &radii);
+    surface = rig_surface(&goal);
+    return 0;
+}
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static smr *start(rig_clock *clock, uint64_t step_ns)
+{
+    const smr_port port = rig_clock_port(clock, RIG_CLOCK_STEADY, step_ns);
+    smr_config c = smr_config_default();
+    c.iterations_last = 100000;
+    c.settle_um = 0.0f;
+    c.fold_guard = 0;
+    c.even = 0.0f;
+    smr *s = rig_init(model, &c, step_ns > 0u ? &port : NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, surface));
+    return s;
+}
+
+typedef struct outcome {
+    uint64_t longest, sum;
+    uint32_t whole, fewest, most; /* complete ticks, vertices taken by them */
+} outcome;
+
+static outcome run(smr *s, rig_clock *clock, uint64_t budget, uint32_t ticks)
+{
+    outcome o = {0, 0, 0, SMR_ALL, 0};
+    for (uint32_t i = 0; i < ticks; i++) {
+        smr_tick_report r;
+        const uint64_t before = clock->time;
+        const smr_status status = smr_tick(s, budget, &r);
+        const uint64_t time = clock->time - before;
+        assert_true(status == SMR_OK || status == SMR_PARTIAL);
+        o.longest = time > o.longest ? time : o.longest;
+        o.sum += time;
+        o.whole += status == SMR_OK;
+        if (status == SMR_OK) {
+            assert_true(r.n_taken >= s->lists.active_min && r.n_taken <= r.n_wanted && r.n_wanted == s->n);
+            o.fewest = r.n_taken < o.fewest ? r.n_taken : o.fewest;
+            o.most = r.n_taken > o.most ? r.n_taken : o.most;
+        }
+    }
+    return o;
+}
+
+/* What an iteration of all vertices takes. */
+static uint64_t full_time(uint64_t step_ns)
+{
+    rig_clock clock;
+    smr *s = start(&clock, step_ns);
+    const outcome o = run(s, &clock, UINT64_MAX / 2u, 8);
+    assert_int_equal(8, o.whole);
+    assert_true(o.fewest == s->n);
+    return o.longest;
+}
+
+static void test_learns_what_it_meets(void **state)
+{
+    rig_clock clock;
+    smr *s = start(&clock, 1000);
+    (void)state;
+    for (uint32_t i = 0; i < smr_n_steps; i++) {
+        assert_true(s->control.rate[i] < 0.0f);
+    }
+    (void)run(s, &clock, UINT64_MAX / 2u, 2);
+    for (uint32_t i = 0; i < smr_n_steps; i++) {
+        s->step = i;
+        const int met = smr_steps[i].n_tasks(s) > 0u || smr_steps[i].run == smr_reference_cluster;
+        if (met && smr_steps[i].work == SMR_WORK_ACTIVE) { /* a task and the step's end: a reading each */
+            const float tasks = (float)smr_steps[i].n_tasks(s) + 1.0f;
+            assert_true(s->control.rate[i] <= 1001.0f * tasks / (float)s->n);
+            assert_true(s->control.rate[i] >= 900.0f * (tasks - 2.0f) / (float)s->n);
+        }
+    }
+    s->step = 0;
+}
+
+static void test_in_time_and_not_idle(void **state)
+{
+    const uint64_t full = full_time(1000);
+    uint32_t before = 0;
+    (void)state;
+    for (uint32_t percent = 70; percent <= 160u; percent += 15u) {
+        rig_clock clock;
+        smr *s = start(&clock, 1000);
+        const uint64_t budget = full * percent / 100u;
+        (void)run(s, &clock, budget, 20);
+        const outcome o = run(s, &clock, budget, 60);
+        assert_true(o.longest <= budget + 3000u);
+        assert_true(o.whole >= 57u);
+        assert_true(o.most >= before);
+        assert_true(o.most == s->n || o.sum >= 60u * (budget * 8u / 10u));
+        before = o.fewest;
+    }
+}
+
+static void test_an_outlier_is_forgotten(void **state)
+{
+    const uint64_t full = full_time(1000), budget = full * 3u / 4u;
+    (void)state;
+    for (uint32_t at = 1; at < 140u; at += 7u) { /* readings after the tick's start */
+        rig_clock clock;
+        smr *s = start(&clock, 1000);
+        (void)run(s, &clock, budget, 30);
+        const outcome usual = run(s, &clock, budget, 20);
+        const uint64_t reading = clock.readings + at;
+        while (clock.readings < reading) { /* a tick that stops for long, somewhere */
+            const uint32_t left = (uint32_t)(reading - clock.readings);
+            clock.step_ns = left < 60u ? 100000u : 1000u;
+            (void)run(s, &clock, budget, 1);
+        }
+        clock.step_ns = 1000;
+        (void)run(s, &clock, budget, 25);
+        const outcome o = run(s, &clock, budget, 20);
+        assert_true(o.longest <= budget + 3000u);
+        assert_true(10u * o.most >= 8u * usual.most);
+    }
+}
+
+/* The first thing that is learnt is nonsense. */
+static void test_a_clock_that_is_set(void **state)
+{
+    const uint64_t budget = full_time(1000) * 9u / 10u;
+    rig_clock clock;
+    smr *s = start(&clock, 1000);
+    (void)state;
+    clock.step_ns = (uint64_t)1 << 50;
+    (void)run(s, &clock, budget, 300); /* a group each */
+    clock.step_ns = 1000;
+    (void)run(s, &clock, budget, 400);
+    const outcome o = run(s, &clock, budget, 40);
+    assert_true(o.longest <= budget + 3000u && o.whole >= 36u);
+    assert_true(4u * o.most >= 3u * s->n);
+}
+
+static void test_a_slower_machine(void **state)
+{
+    const uint64_t budget = full_time(1000) * 9u / 10u;
+    rig_clock clock;
+    smr *s = start(&clock, 1000);
+    (void)state;
+    const outcome fast = run(s, &clock, budget, 40);
+    clock.step_ns = 1500;
+    (void)run(s, &clock, budget, 30);
+    const outcome slow = run(s, &clock, budget, 40);
+    assert_true(slow.longest <= budget + 4500u && slow.whole >= 36u);
+    assert_true(slow.most < fast.most);
+    clock.step_ns = 1000;
+    (void)run(s, &clock, budget, 60);
+    const outcome again = run(s, &clock, budget, 20);
+    assert_true(10u * again.most >= 9u * fast.most);
+}
+
+static void test_several_ticks(void **state)
+{
+    const uint64_t budget = full_time(1000) / 10u;
+    rig_clock clock;
+    smr *s = start(&clock, 1000);
+    (void)state;
+    (void)run(s, &clock, budget, 200);
+    const outcome o = run(s, &clock, budget, 300);
+    assert_true(o.longest <= budget + 3000u);
+    assert_true(o.whole >= 300u / 13u && o.fewest == s->n); /* nothing is left out, */
+    assert_true(o.sum >= 300u * (budget * 7u / 10u));       /* and no tick goes to waste */
+}
+
+static void test_nothing_is_left_out_at_the_end(void **state)
+{
+    const uint64_t budget = full_time(1000) * 3u / 4u;
+    rig_clock clock;
+    smr *s = start(&clock, 1000);
+    smr_tick_report r = {0};
+    uint32_t cut = 0;
+    (void)state;
+    s->config.iterations_last = 30;
+    for (uint32_t i = 0; i < 200u && !r.done; i++) {
+        if (smr_tick(s, budget, &r) == SMR_OK) {
+            cut += r.n_taken < s->n;
+            assert_true(r.radius_iteration <= 10u || r.n_taken == s->n);
+        }
+    }
+    assert_true(r.done && cut >= 8u);
+}
+
+static void test_set_active(void **state)
+{
+    rig_clock clock;
+    smr *s = start(&clock, 1000), *free_one = start(&clock, 0);
+    smr_tick_report r;
+    (void)state;
+    assert_int_equal(SMR_E_NULL, smr_set_active(NULL, 1));
+    assert_int_equal(SMR_OK, smr_set_active(s, 333));
+    while (smr_tick(s, 20000, &r) == SMR_PARTIAL) { /* not the controller's to change */
+    }
+    assert_int_equal(333, r.n_taken);
+    assert_int_equal(SMR_OK, smr_set_active(s, 1));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
+    assert_int_equal(s->lists.active_min, r.n_taken);
+    assert_int_equal(SMR_OK, smr_set_active(s, SMR_ALL));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
+    assert_int_equal(s->n, r.n_taken);
+    assert_int_equal(SMR_OK, smr_set_active(s, 444));
+    assert_int_equal(SMR_OK, smr_set_active(s, 0)); /* the configuration's again */
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
+    assert_int_equal(s->n, r.n_taken);
+    s->magic = 0;
+    assert_int_equal(SMR_E_STATE, smr_set_active(s, 1));
+    assert_int_equal(SMR_OK, smr_tick(free_one, 1, &r)); /* no clock, no budget */
+    assert_int_equal(free_one->n, r.n_taken);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_learns_what_it_meets, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_in_time_and_not_idle, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_an_outlier_is_forgotten, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_a_clock_that_is_set, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_a_slower_machine, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_several_ticks, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_nothing_is_left_out_at_the_end, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_set_active, set_up, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
