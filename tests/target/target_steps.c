@@ -119,7 +119,7 @@ static int target_phases(const target_scene *scene, target_clock *clock, int sti
             largest[p] = n > largest[p] ? n : largest[p];
         }
         for (uint32_t k = 0; k < smr_n_steps; ++k) {
-            const int counts = !other || smr_steps[k].run == smr_even_fit;
+            const int counts = !other || smr_steps[k].run == smr_rest_pose_sum;
             steps[k] = counts && clock->in_step[k] > steps[k] ? clock->in_step[k] : steps[k];
         }
         if (status != SMR_OK) {

@@ -3,6 +3,7 @@
 #ifndef SMR_LOG_H
 #define SMR_LOG_H
 
+#include "geometry/surface.h"
 #include "runtime/state.h"
 
 #define SMR_LOG_MAGIC 0x4c524d53u /* "SMRL" */
@@ -30,17 +31,33 @@ static inline uint32_t smr_log_get32(const unsigned char *from)
     return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 | (uint32_t)from[3] << 24;
 }
 
+/* Where recording stands. */
+typedef struct smr_log {
+    unsigned char *memory; /* the caller's; NULL: nothing is recorded */
+    size_t bytes, used;
+    uint32_t crc; /* of the last record */
+    uint32_t n_ticks;
+    uint32_t full;  /* 1: a record did not fit, and none follows */
+    uint32_t fresh; /* 1: the registration is as smr_init left it */
+} smr_log;
+
 /* input_checksum.c: of the numbers, not of their bytes in memory: the same on every processor. Never 0. */
 uint64_t smr_points_checksum(const float *xyz, uint32_t n);
 uint64_t smr_surface_checksum(const smr_surface *surface);
 uint64_t smr_volume_checksum(const smr_volume *volume);
 
-/* log.c: a call that has succeeded. */
-void smr_log_surface(smr *s, uint32_t structure, const smr_surface *surface);
-void smr_log_volume(smr *s, const smr_volume *volume);
-void smr_log_pose(smr *s, const smr_pose *pose);
-void smr_log_positions(smr *s, uint32_t structure, const float *xyz);
-void smr_log_active(smr *s, uint32_t n_active);
-void smr_log_tick(smr *s, smr_status status);
+/* log.c: starts a log with its header, and ends it. */
+void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t bytes);
+void smr_log_end(smr_log *log);
+
+/* A call that has succeeded. */
+void smr_log_surface(smr_log *log, uint32_t structure, const smr_surface *surface);
+void smr_log_volume(smr_log *log, const smr_volume *volume);
+void smr_log_pose(smr_log *log, const smr_pose *pose);
+void smr_log_positions(smr_log *log, uint32_t structure, const float *xyz, uint32_t n);
+void smr_log_active(smr_log *log, uint32_t n_active);
+
+/* n_evaluated: vertices whose forces were looked for, so far in the iteration or in the complete one. */
+void smr_log_tick(smr_log *log, const smr_tick_report *report, smr_status status, uint32_t n_evaluated);
 
 #endif

@@ -1,6 +1,6 @@
 /* config.c: the runtime configuration's defaults and ranges.
  * SPDX-License-Identifier: MIT */
-#include "runtime/state.h"
+#include "runtime/setup/setup.h"
 
 smr_config smr_config_default(void)
 {
