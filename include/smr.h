@@ -32,7 +32,7 @@ typedef enum smr_status {
     SMR_E_CONFIG = -2,  /* wrong cookie, or a field outside its stated range */
     SMR_E_ARENA = -3,   /* the memory handed over is too small */
     SMR_E_ALIGN = -4,   /* the memory handed over is not aligned to SMR_ALIGN */
-    SMR_E_MODEL = -5,   /* not a model image, other version, damaged, or inconsistent */
+    SMR_E_MODEL = -5,   /* not a model, other version, damaged, or inconsistent */
     SMR_E_INPUT = -6,   /* a count, index or coordinate in the data is out of range */
     SMR_E_STATE = -7,   /* the call is not possible in this state */
     SMR_E_ABORTED = -8, /* the progress callback asked to stop */
@@ -49,9 +49,11 @@ const char *smr_status_name(smr_status status);
 #define SMR_STRUCTURES_MAX 1024u
 #define SMR_NAME_BYTES 64u /* structure names, with the closing NUL */
 #define SMR_RADII_MAX 16u
-#define SMR_LEVELS_MAX 24u /* of priority, in a model image */
+#define SMR_LEVELS_MAX 24u /* of priority, in a model */
 #define SMR_WORKERS_MAX 64u
-#define SMR_ALL 0xffffffffu /* "every structure" */
+#define SMR_ALL 0xffffffffu    /* every structure */
+#define SMR_NONE 0xffffffffu   /* no triangle */
+#define SMR_FINEST 0xffffffffu /* the last radius of the model */
 
 /* ------------------------------------------------------------------ 2. meshes and target surfaces */
 
@@ -67,26 +69,26 @@ typedef struct smr_mesh {
 /* A target surface made ready for closest-point search, in the caller's memory. */
 typedef struct smr_surface smr_surface;
 
-/* Bytes smr_surface_build() needs for a mesh of this size; 0 when a count is out of range. */
-size_t smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles);
+/* Bytes smr_surface_build() needs for a mesh of this size. Errors: E_NULL, E_INPUT (a count is out of range). */
+smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *bytes);
 
 /* Copies the mesh into `memory` (SMR_ALIGN-aligned) and builds its search tree there.
  * The mesh may go afterwards; `memory` must stay as long as the surface is used.
  * Needs at least one triangle. Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT; *surface untouched then. */
-smr_status smr_surface_build(void *memory, size_t bytes, const smr_mesh *mesh, smr_surface **surface);
+smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface);
 
 typedef struct smr_closest {
     float point[3];     /* mm, on the surface */
     float normal[3];    /* unit, of that triangle */
     float distance;     /* mm */
-    uint32_t triangle;  /* the caller's triangle index, SMR_ALL when nothing was found */
+    uint32_t triangle;  /* the caller's triangle index, SMR_NONE when nothing was found */
     float weight[3];    /* barycentric, sums to 1 */
     uint32_t on_border; /* 1 when the point lies on an edge that has one triangle only */
 } smr_closest;
 
 /* Exact closest point of the surface within max_mm of `point` (3 floats). `normal` (3 floats, unit) and
  * min_cos restrict the search to triangles whose normal agrees; NULL for any. max_mm: 0 or more. Ties: the
- * smallest triangle index. Nothing found: SMR_OK and hit->triangle SMR_ALL.
+ * smallest triangle index. Nothing found: SMR_OK and hit->triangle SMR_NONE.
  * Errors: E_NULL, E_STATE (not a surface), E_INPUT. */
 smr_status smr_surface_closest(const smr_surface *surface, const float *point, const float *normal, float min_cos,
                                float max_mm, smr_closest *hit);
@@ -113,7 +115,7 @@ typedef struct smr_pose {
 
 typedef struct smr_align_config {
     uint32_t cookie;
-    uint32_t similarity; /* 0 rigid, 1 rigid with one scale; default 1 */
+    uint32_t scaled;     /* 0 rigid, 1 rigid with one scale; default 1 */
     uint32_t iterations; /* 1..1000, default 60: closest-point iterations of the last refinement */
     uint32_t samples;    /* 16..100000, default 600: points taken from each surface */
 } smr_align_config;
@@ -130,34 +132,34 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
 #define SMR_LANDMARKS_MAX 64u
 
 /* The pose that lays from[i] onto to[i], both [n][3] mm, by least squares: rigid, or with one scale (the ratio of the
- * spreads) when similarity is 1. Pairs that leave a rotation open (fewer than 3, all on one line) get one that fits as
+ * spreads) when scaled is 1. Pairs that leave a rotation open (fewer than 3, all on one line) get one that fits as
  * well as any. rms_mm (may be NULL): the remaining distance.
- * Errors: E_NULL, E_INPUT (count not in 1..SMR_LANDMARKS_MAX, similarity above 1, non-finite, beyond SMR_COORD_MAX);
+ * Errors: E_NULL, E_INPUT (count not in 1..SMR_LANDMARKS_MAX, scaled above 1, non-finite, beyond SMR_COORD_MAX);
  * *pose untouched then. */
-smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t similarity, smr_pose *pose,
+smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t scaled, smr_pose *pose,
                                float *rms_mm);
 
 typedef struct smr_warp smr_warp; /* a thin-plate spline in the caller's memory */
 
-enum { SMR_WARP_SPLINE = 0, SMR_WARP_SIMILARITY = 1, SMR_WARP_RIGID = 2, SMR_WARP_TRANSLATION = 3 };
+enum { SMR_WARP_SPLINE = 0, SMR_WARP_SCALED = 1, SMR_WARP_RIGID = 2, SMR_WARP_TRANSLATION = 3 };
 
-/* Bytes smr_warp_fit() needs for n landmarks; 0 when n is out of 1..SMR_LANDMARKS_MAX. */
-size_t smr_warp_bytes(uint32_t n);
+/* Bytes smr_warp_fit() needs for n landmarks. Errors: E_NULL, E_INPUT (n not in 1..SMR_LANDMARKS_MAX). */
+smr_status smr_warp_bytes(uint32_t n, size_t *bytes);
 
 /* Fits a thin-plate spline (kernel |r| in three dimensions, Bookstein 1989) that takes from[i] to to[i], both [n][3] mm.
  * smoothing >= 0: 0 passes through every landmark, larger follows the affine part more (mm). Sets that do not carry a
- * spline get the best that they do carry, and *kind says which: fewer than 4, collinear or coplanar sets a similarity
- * or rigid transform, one landmark or coincident ones a translation; duplicates are averaged. memory (SMR_ALIGN) stays
+ * spline get the best that they do carry, and *kind says which: fewer than 4, collinear or coplanar sets a rigid
+ * transform, with one scale where they carry it, one landmark or coincident ones a translation; duplicates are averaged. memory (SMR_ALIGN) stays
  * the caller's and holds the warp. Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT (count, non-finite, beyond SMR_COORD_MAX,
  * smoothing negative or not finite); *warp untouched then. */
-smr_status smr_warp_fit(void *memory, size_t bytes, const float *from, const float *to, uint32_t n, float smoothing,
+smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float smoothing, void *memory, size_t bytes,
                         smr_warp **warp, uint32_t *kind);
 
 /* Carries n points xyz [n][3] mm by the warp, in place. Errors: E_NULL, E_STATE (not a warp), E_INPUT (a point not finite or
  * beyond SMR_COORD_MAX; nothing changed then). */
 smr_status smr_warp_apply(const smr_warp *warp, float *xyz, uint32_t n);
 
-/* ------------------------------------------------------------------ 4. prepare: surfaces -> model image */
+/* ------------------------------------------------------------------ 4. prepare: surfaces -> model */
 
 typedef struct smr_structure {
     const char *name; /* "" or NULL for none; cut to SMR_NAME_BYTES - 1 */
@@ -196,7 +198,7 @@ typedef struct smr_prepare_config {
                                         what lies around; [-1,0), default -1: all but 1.6 voxels of the reference */
     smr_progress progress; /* may be NULL */
     void *progress_ctx;
-    const struct smr_port *port; /* section 6; lent while smr_prepare() runs; NULL (default): one core. The image is
+    const struct smr_port *port; /* section 6; lent while smr_prepare() runs; NULL (default): one core. The model is
                                         the same */
 } smr_prepare_config;
 
@@ -206,21 +208,21 @@ smr_prepare_config smr_prepare_config_default(void);
 smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
                              size_t *scratch_bytes);
 
-/* Writes the model image. image NULL or too small: nothing useful is written and *image_bytes says what
- * is needed (E_ARENA for too small, OK for NULL). scratch and image are SMR_ALIGN-aligned; scratch may go
+/* Writes the model. model NULL or too small: nothing useful is written and *model_bytes says what
+ * is needed (E_ARENA for too small, OK for NULL). scratch and model are SMR_ALIGN-aligned; scratch may go
  * afterwards. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT, E_ABORTED. */
 smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
-                       void *scratch, size_t scratch_bytes, void *image, size_t image_capacity, size_t *image_bytes);
+                       void *scratch, size_t scratch_bytes, void *model, size_t model_capacity, size_t *model_bytes);
 
-/* ------------------------------------------------------------------ 5. the model image */
+/* ------------------------------------------------------------------ 5. the model */
 
-/* The image in place: position-independent, little-endian on every host, checksummed. */
+/* A model in place: position-independent, little-endian on every host, checksummed. */
 typedef struct smr_model smr_model;
 
-/* Checks every byte that the runtime will trust and returns the image itself as a model. The image
+/* Checks every byte that the runtime will trust and returns the memory itself as a model. It
  * (SMR_ALIGN-aligned, may lie in flash) must stay as it is while the model is used.
  * Errors: E_NULL, E_ALIGN, E_MODEL; *model untouched then. */
-smr_status smr_model_open(const void *image, size_t bytes, const smr_model **model);
+smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **model);
 
 typedef struct smr_model_info {
     uint32_t n_vertices, n_triangles, n_structures, n_radii;
@@ -318,7 +320,7 @@ typedef struct smr_config {
                                     profile is added to the goal on the normal; 0: goals lie on the normal, as in the paper */
     float confidence;    /* [0,1], default 0.3: goals of profile and edge that together are believed no more than this
                                     give no force; 1: none does */
-    float smoothing;     /* [0,1], default 1: a vertex without such a goal is drawn so far towards the middle of its
+    float fill;          /* [0,1], default 1: a vertex without such a goal is drawn so far towards the middle of its
                                     mesh neighbours. Not where the image cannot tell: no profile, or the search leaves the
                                     image or meets one value only; nor in a structure of which less than half has a goal */
 
@@ -349,7 +351,7 @@ typedef struct smr_config {
 
     /* schedule: from coarse to fine radius */
     uint32_t radius_first; /* index of the first radius used, default 0 */
-    uint32_t radius_last;  /* index of the last radius used, not below the first; default SMR_ALL: the finest */
+    uint32_t radius_last;  /* index of the last radius used, not below the first; default SMR_FINEST */
     uint32_t iterations;   /* 1..100000, default 9: at most so many at each radius but the last, with an image twice as
                                     many at the first of several. Iterations
                                     that only repair folds do not count */
@@ -376,9 +378,9 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 
 /* Sets up a registration at the model's rest shape in arena (SMR_ALIGN-aligned, at least
  * smr_arena_bytes). config and port are copied; port may be NULL (one worker, no clock). model and arena
- * must stay. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT; *out untouched then. */
-smr_status smr_init(smr **out, const smr_model *model, const smr_config *config, const smr_port *port, void *arena,
-                    size_t arena_bytes);
+ * must stay. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT; *s untouched then. */
+smr_status smr_init(const smr_model *model, const smr_config *config, const smr_port *port, void *arena,
+                    size_t arena_bytes, smr **out);
 
 /* Puts a structure at these positions, in the caller's vertex order: [n_vertices][3] mm. All structures start again
  * from where they are then: that becomes the reference shape x^r, and the schedule starts over.
@@ -550,7 +552,7 @@ typedef struct smr_replay {
  * and so may the port). log and s must stay. input may be NULL when there are only poses.
  * Errors: E_NULL, E_STATE (not a registration, or not right after smr_init), E_LOG, E_MODEL (another model), E_CONFIG (another
  * configuration). */
-smr_status smr_replay_start(smr_replay *replay, smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx);
+smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx, smr_replay *replay);
 
 typedef struct smr_replay_report {
     uint32_t tick;         /* the log's, from 1; at its end: how many there were */

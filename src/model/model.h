@@ -1,5 +1,5 @@
-/* model.h: the model image's bytes, and views of them. docs/SPEC.md has the same as a table.
- * All numbers are stored little-endian; floats as their bits. Offsets count bytes from the image's start and are
+/* model.h: a model's bytes, and views of them. docs/SPEC.md has the same as a table.
+ * All numbers are stored little-endian; floats as their bits. Offsets count bytes from the model's start and are
  * multiples of SMR_ALIGN.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_MODEL_H
@@ -17,7 +17,7 @@
 struct smr_model {
     uint32_t magic;
     uint32_t version;
-    uint32_t bytes;    /* of the whole image */
+    uint32_t bytes;    /* of the whole model */
     uint32_t checksum; /* CRC-32 of bytes 16 .. bytes - 1 */
     uint32_t n_vertices;
     uint32_t n_triangles;

@@ -1,4 +1,4 @@
-/* model_open.c: smr_model_open() and its distrust. After it every count, offset and index in the image can be used
+/* model_open.c: smr_model_open() and its distrust. After it every count, offset and index in the model can be used
  * without a check. Work: one pass over the bytes, and over each radius' entries once per 4,096 vertices of a block.
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
@@ -8,7 +8,7 @@
     2.0e30f              /* of a profile: voxel values lie within half of it on either side of 0 (image/volume.c) */
 #define SMR_WINDOW 4096u /* vertices whose uniqueness is checked at a time: 512 bytes of stack */
 
-/* A section of count * size bytes at a stored offset lies inside the image. */
+/* A section of count * size bytes at a stored offset lies inside the model. */
 static int section(const smr_model *m, uint32_t stored_offset, uint64_t count, uint64_t size)
 {
     uint64_t at = smr_le32(stored_offset), bytes = smr_le32(m->bytes);
@@ -286,13 +286,13 @@ static int check_header(const smr_model *m, size_t bytes)
            (width == 4u || (width == 2u && n <= 65535u));
 }
 
-smr_status smr_model_open(const void *image, size_t bytes, const smr_model **model)
+smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **model)
 {
-    if (image == NULL || model == NULL)
+    if (memory == NULL || model == NULL)
         return SMR_E_NULL;
-    if ((uintptr_t)image % SMR_ALIGN != 0u)
+    if ((uintptr_t)memory % SMR_ALIGN != 0u)
         return SMR_E_ALIGN;
-    const smr_model *m = image;
+    const smr_model *m = memory;
     if (bytes < sizeof *m || !check_header(m, bytes) || !check_structures(m) || !check_vertices(m) ||
         !check_facets(m) || !check_hinges(m) || !check_profiles(m))
         return SMR_E_MODEL;

@@ -1,4 +1,4 @@
-/* prepare.c: surfaces in, model image out (paper 2.2). The steps in order: stored order, masses, radii, and for each
+/* prepare.c: surfaces in, model out (paper 2.2). The steps in order: stored order, masses, radii, and for each
  * radius its clusters and their forest. Allocates nothing; layout measures and places the scratch.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
@@ -152,7 +152,7 @@ static float separate_below(const smr_prepare_config *config, const float *radiu
     return finest < largest ? 1.01f * finest : 0.0f;
 }
 
-/* The stored order. The image's size does not depend on it, so that who only asks for the size need not wait for it. */
+/* The stored order. The model's size does not depend on it, so that who only asks for the size need not wait for it. */
 static smr_status put_in_order(smr_plan *p, const float *radius, uint32_t n_radii, float below, int wanted)
 {
     const int forest = p->config->order == SMR_ORDER_FOREST;
@@ -167,18 +167,18 @@ static smr_status put_in_order(smr_plan *p, const float *radius, uint32_t n_radi
 }
 
 smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
-                       void *scratch, size_t scratch_bytes, void *image, size_t image_capacity, size_t *image_bytes)
+                       void *scratch, size_t scratch_bytes, void *model, size_t model_capacity, size_t *model_bytes)
 {
     smr_plan p;
     smr_arena a;
     size_t needed;
-    if (image_bytes == NULL)
+    if (model_bytes == NULL)
         return SMR_E_NULL;
     smr_status status = smr_prepare_bytes(structures, n_structures, config, &needed);
     if (status != SMR_OK)
         return status;
     status = smr_arena_start(&a, scratch, scratch_bytes);
-    if (status == SMR_OK && (uintptr_t)image % SMR_ALIGN != 0u)
+    if (status == SMR_OK && (uintptr_t)model % SMR_ALIGN != 0u)
         status = SMR_E_ALIGN;
     for (uint32_t s = 0; status == SMR_OK && s < n_structures; s++)
         status = smr_mesh_check(&structures[s].mesh);
@@ -207,18 +207,18 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
     if (n_radii == 0u)
         n_radii = smr_choose_radii(&p, radius);
     const float below = separate_below(config, radius, n_radii);
-    smr_writer w = {image, image == NULL ? 0u : image_capacity, 0};
-    status = put_in_order(&p, radius, n_radii, below, image != NULL);
+    smr_writer w = {model, model == NULL ? 0u : model_capacity, 0};
+    status = put_in_order(&p, radius, n_radii, below, model != NULL);
     if (status == SMR_OK)
         status = smr_write_model(&p, &w, radius, n_radii, below);
     smr_arena_release(scratch, scratch_bytes);
     if (status != SMR_OK)
         return status;
-    *image_bytes = w.used;
-    if (image == NULL)
+    *model_bytes = w.used;
+    if (model == NULL)
         return SMR_OK;
-    if (w.used > image_capacity)
+    if (w.used > model_capacity)
         return SMR_E_ARENA;
-    smr_put32(&w, 12u, smr_crc32(0, (const unsigned char *)image + SMR_MODEL_HEAD, w.used - SMR_MODEL_HEAD));
+    smr_put32(&w, 12u, smr_crc32(0, (const unsigned char *)model + SMR_MODEL_HEAD, w.used - SMR_MODEL_HEAD));
     return SMR_OK;
 }

@@ -48,8 +48,8 @@ int fuzz_log(const uint8_t *data, size_t size)
         memcpy(log + SMR_LOG_HEADER, data, size);
     }
     unit_log_seal(log, SMR_LOG_HEADER + size);
-    if (smr_init(&s, u.model, &u.config, NULL, arena, arena_bytes) != SMR_OK ||
-        smr_replay_start(&replay, s, log, SMR_LOG_HEADER + size, fuzz_log_input, &u) != SMR_OK) {
+    if (smr_init(u.model, &u.config, NULL, arena, arena_bytes, &s) != SMR_OK ||
+        smr_replay_start(s, log, SMR_LOG_HEADER + size, fuzz_log_input, &u, &replay) != SMR_OK) {
         (void)fprintf(stderr, "fuzz_log: a good header is refused\n");
         return -1;
     }

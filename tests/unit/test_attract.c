@@ -132,8 +132,8 @@ static void test_closest_facet(void **state)
     for (uint32_t j = 0; j < goal.n_vertices; j++) {
         smr_closest hit;
         assert_int_equal(SMR_OK, smr_surface_closest(model, goal.xyz + 3u * j, NULL, -2.0f, s->search, &hit));
-        assert_int_equal(hit.triangle == SMR_ALL, s->target_warm[j] == SMR_ALL);
-        if (hit.triangle == SMR_ALL) {
+        assert_int_equal(hit.triangle == SMR_NONE, s->target_warm[j] == SMR_NONE);
+        if (hit.triangle == SMR_NONE) {
             continue;
         }
         const uint32_t *t = s->triangle + 3u * (size_t)s->target_warm[j];

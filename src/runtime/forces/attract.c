@@ -14,25 +14,25 @@ int smr_pull_on(const smr *s) { return s->config.attraction > 0.0f && s->n_goals
 
 uint32_t smr_pull_tasks(smr *s) { return smr_pull_on(s) ? s->n_target_tasks : 0u; }
 
-/* The closest acceptable model point over the structures that share this surface. Returns its structure or SMR_ALL. */
+/* The closest acceptable model point over the structures that share this surface. Returns its structure or SMR_NONE. */
 static uint32_t closest_part(const smr *s, const smr_surface *surface, smr_query *q, uint32_t warm, smr_hit *hit,
                              smr_near_list *near)
 {
     smr_near_list list;
-    uint32_t found = SMR_ALL;
+    uint32_t found = SMR_NONE;
     /* the structure of the last time first: its distance spares the others most of their search */
     for (uint32_t round = 0; round < 2u; round++) {
         for (uint32_t i = 0; i < s->n_parts; i++) {
             const smr_part *part = &s->part[i];
             const uint32_t local = warm - part->first_triangle;
-            const int is_warm = warm != SMR_ALL && local < part->facets.n_triangles;
+            const int is_warm = warm != SMR_NONE && local < part->facets.n_triangles;
             if (part->target != surface || is_warm != (round == 0u))
                 continue;
-            q->warm = is_warm ? local : SMR_ALL;
+            q->warm = is_warm ? local : SMR_NONE;
             smr_hit h = *hit;
-            h.triangle = SMR_ALL;
+            h.triangle = SMR_NONE;
             smr_tree_near(&part->facets, q, &h, &list);
-            if (h.triangle != SMR_ALL && (h.d2 < hit->d2 || found == SMR_ALL || i < found)) {
+            if (h.triangle != SMR_NONE && (h.d2 < hit->d2 || found == SMR_NONE || i < found)) {
                 *hit = h;
                 *near = list;
                 found = i;
@@ -60,13 +60,13 @@ static void add_pull(const smr_part *part, smr_vec y, const smr_near *near, floa
 static void pull_one(const smr *s, const smr_surface *surface, uint32_t j, uint32_t *warm, int64_t *pull)
 {
     const smr_vec y = smr_add(smr_load(surface->xyz + 3u * (size_t)j), smr_sub(surface->origin, s->origin));
-    smr_query q = {y, smr_load(surface->normal + 3u * (size_t)j), s->min_cos, s->config.node_budget, SMR_ALL};
-    smr_hit hit = {s->search * s->search, SMR_ALL, {0, 0, 0}};
+    smr_query q = {y, smr_load(surface->normal + 3u * (size_t)j), s->min_cos, s->config.node_budget, SMR_NONE};
+    smr_hit hit = {s->search * s->search, SMR_NONE, {0, 0, 0}};
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f;
     smr_near_list near;
     const uint32_t found = closest_part(s, surface, &q, *warm, &hit, &near);
-    if (found == SMR_ALL)
+    if (found == SMR_NONE)
         return;
     const smr_part *part = &s->part[found];
     *warm = part->first_triangle + hit.triangle;

@@ -88,7 +88,7 @@ static void look_back(smr *s, smr_part *part, uint32_t from, uint32_t to)
 /* Sums over the mesh neighbours; a neighbour counts once for each triangle between. */
 static void add_rings(smr *s, const smr_part *part, uint32_t from, uint32_t to)
 {
-    if (!(s->config.smoothing > 0.0f) || part->seen == 0u || (float)part->seen < SMR_SEEN_BADLY * (float)part->looked)
+    if (!(s->config.fill > 0.0f) || part->seen == 0u || (float)part->seen < SMR_SEEN_BADLY * (float)part->looked)
         return; /* no ring has a weight: nothing is smoothed */
     for (uint32_t k = from; k < to; k++) {
         const uint32_t *t = part->facets.triangle + 3u * (size_t)k;
@@ -122,8 +122,8 @@ void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker)
 /* The way of a vertex without a goal. */
 smr_vec smr_smooth_way(const smr *s, uint32_t v)
 {
-    if (!(s->config.smoothing > 0.0f) || !(s->ring_weight[v] > 0.0f))
+    if (!(s->config.fill > 0.0f) || !(s->ring_weight[v] > 0.0f))
         return smr_v(0, 0, 0);
     const smr_vec middle = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / s->ring_weight[v]);
-    return smr_scale(smr_sub(middle, smr_load(smr_at3(s->x, v))), s->config.smoothing);
+    return smr_scale(smr_sub(middle, smr_load(smr_at3(s->x, v))), s->config.fill);
 }

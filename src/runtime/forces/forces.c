@@ -23,9 +23,9 @@ static int project(smr *s, uint32_t v, const smr_surface *target, smr_vec *way)
     smr_query q = {p, smr_load(smr_at3(s->normal, v)), s->min_cos, s->config.node_budget, s->warm[v]};
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f; /* no triangles around this vertex: any normal will do */
-    smr_hit hit = {s->search * s->search, SMR_ALL, {0, 0, 0}};
+    smr_hit hit = {s->search * s->search, SMR_NONE, {0, 0, 0}};
     smr_tree_closest(&target->facets, &q, &hit);
-    if (hit.triangle == SMR_ALL)
+    if (hit.triangle == SMR_NONE)
         return 0;
     s->warm_next[v] = hit.triangle;
     if (s->config.reject_border && smr_surface_on_border(target, hit.triangle, hit.weight))

@@ -7,7 +7,7 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/record/log.h"
 
-smr_status smr_replay_start(smr_replay *replay, smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx)
+smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx, smr_replay *replay)
 {
     smr_log_reader reader;
     smr_log_info info;

@@ -22,7 +22,7 @@ smr_config smr_config_default(void)
     c.similarity = SMR_SIMILARITY_CONCORDANCE;
     c.sideways = 0.5f;
     c.confidence = 0.3f;
-    c.smoothing = 1.0f;
+    c.fill = 1.0f;
     c.method = SMR_METHOD_RIGID;
     c.relaxation = 1.0f;
     c.fold_guard = 1;
@@ -31,7 +31,7 @@ smr_config smr_config_default(void)
     c.plastic_um = 50.0f;
     c.settle_um = 1.0f;
     c.plastic_every = 1;
-    c.radius_last = SMR_ALL;
+    c.radius_last = SMR_FINEST;
     c.active_share = 1.0f;
     c.active_first = 1.0f;
     c.active_enough = 30;
@@ -77,7 +77,7 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
     if (!between(c->profile_mm, 0.0f, 60.0f) || !between(c->profile_end_mm, 0.0f, 60.0f) ||
         !between(c->profile_radii, FLT_MIN, 1.0e6f) || !between(c->gradient_mm, 0.0f, 60.0f) ||
         !between(c->gradient_end_mm, 0.0f, 60.0f) || c->similarity > SMR_SIMILARITY_CONCORDANCE ||
-        !between(c->sideways, 0.0f, 1.0f) || !between(c->confidence, 0.0f, 1.0f) || !between(c->smoothing, 0.0f, 1.0f))
+        !between(c->sideways, 0.0f, 1.0f) || !between(c->confidence, 0.0f, 1.0f) || !between(c->fill, 0.0f, 1.0f))
         return SMR_E_CONFIG;
     if (c->method > SMR_METHOD_POLAR || !between(c->relaxation, FLT_MIN, 1.0f) || !between(c->momentum, 0.0f, 0.99f) ||
         !between(c->momentum_last, 0.0f, 0.99f) || !between(c->plastic_um, 0.0f, 1.0e8f) ||
@@ -86,7 +86,7 @@ smr_status smr_config_check(const smr_config *c, const smr_model *m)
         return SMR_E_CONFIG;
     if (!between(c->active_share, 0.0f, 1.0f) || !between(c->active_first, 0.0f, 1.0f) || c->active_enough > 1000000u)
         return SMR_E_CONFIG;
-    if (c->radius_first >= n_radii || (c->radius_last != SMR_ALL && c->radius_last >= n_radii) ||
+    if (c->radius_first >= n_radii || (c->radius_last != SMR_FINEST && c->radius_last >= n_radii) ||
         c->radius_last < c->radius_first || c->iterations < 1u || c->iterations > 100000u || c->iterations_last < 1u ||
         c->iterations_last > 100000u)
         return SMR_E_CONFIG;

@@ -51,10 +51,10 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
         s->part[i].target = surface;
     for (uint32_t v = 0; v < s->n; v++)
         if (structure == SMR_ALL || smr_model_owner(s->model, v) == structure)
-            s->warm[v] = SMR_ALL;
+            s->warm[v] = SMR_NONE;
     (void)list_goals(s, s->part, s->goal, &s->n_goals, &s->n_target_tasks);
     for (uint32_t j = 0; s->target_warm != NULL && j < s->config.n_target_vertices; j++)
-        s->target_warm[j] = SMR_ALL;
+        s->target_warm[j] = SMR_NONE;
     /* an iteration under way starts again with the new goals; one that has its forces ends with the old ones */
     if (s->pull != NULL)
         memset(s->pull, 0, s->config.n_workers * (size_t)s->n * 4u * sizeof *s->pull);

@@ -93,9 +93,9 @@ void smr_abandon_iteration(smr *s)
     memset(s->lighter_next, SMR_LIGHTER_NONE, s->n);
     memset(s->held, 0, s->n);
     for (uint32_t v = 0; v < s->n; v++)
-        s->warm[v] = s->warm_next[v] = SMR_ALL;
+        s->warm[v] = s->warm_next[v] = SMR_NONE;
     for (uint32_t j = 0; s->target_warm != NULL && j < s->config.n_target_vertices; j++)
-        s->target_warm[j] = SMR_ALL;
+        s->target_warm[j] = SMR_NONE;
     for (uint32_t i = 0; i < s->n_parts; i++)
         s->part[i].facets.xyz = s->x;
     smr_facets_now(s);
