@@ -2,6 +2,7 @@
  * radius its clusters and their forest. Allocates nothing; layout measures and places the scratch.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
+#include "base/settings.h"
 #include "geometry/mesh.h"
 #include "image/intensity_profile.h"
 #include "prepare/plan.h"
@@ -10,30 +11,31 @@
 #define SMR_BLOCK_MIN 64u
 #define SMR_BLOCK_MAX 2048u
 
+_Static_assert(SMR_PROFILE_MAX == 64u, "base/settings_prepare.def says so");
+
 smr_prepare_config smr_prepare_config_default(void)
 {
-    smr_prepare_config c;
-    memset(&c, 0, sizeof c);
-    c.cookie = SMR_COOKIE('P', smr_prepare_config);
-    c.separate_below_mm = -1.0f;
-    c.ring = 1;
-    c.priority = 1;
-    c.profile_samples = 20;
-    c.profile_step_mm = 0.5f;
-    c.profile_inward = -1.0f;
-    return c;
+    smr_prepare_config config, *const c = &config;
+    memset(c, 0, sizeof *c);
+    c->cookie = SMR_COOKIE('P', smr_prepare_config);
+#define SMR_GROUP(title)
+#define SMR_SETTING SMR_ROW_DEFAULT
+#include "base/settings_prepare.def"
+    return config;
+}
+
+static int ranges_legal(const smr_prepare_config *c)
+{
+    int legal = 1;
+#define SMR_GROUP(title)
+#define SMR_SETTING SMR_ROW_LEGAL
+#include "base/settings_prepare.def"
+    return legal;
 }
 
 static smr_status check_config(const smr_prepare_config *c)
 {
-    if (c->cookie != SMR_COOKIE('P', smr_prepare_config) || c->n_radii > SMR_RADII_MAX ||
-        c->distance > SMR_DISTANCE_GEODESIC || c->mass > SMR_MASS_AREA || c->order > SMR_ORDER_BREADTH_FIRST ||
-        c->ring > 1u || c->priority > 1u || !smr_within(c->separate_below_mm, SMR_COORD_MAX) ||
-        (c->block_vertices != 0u && (c->block_vertices < 16u || c->block_vertices > 65536u)))
-        return SMR_E_CONFIG;
-    if (c->profile_samples < 3u || c->profile_samples > SMR_PROFILE_MAX ||
-        !(c->profile_step_mm > 1.0e-6f && c->profile_step_mm <= 100.0f) ||
-        !(c->profile_inward >= -1.0f && c->profile_inward <= 1.0f))
+    if (c->cookie != SMR_COOKIE('P', smr_prepare_config) || !ranges_legal(c))
         return SMR_E_CONFIG;
     for (uint32_t i = 0; i < c->n_radii; i++)
         if (!(c->radius_mm[i] >= 1.0e-6f && c->radius_mm[i] <= SMR_COORD_MAX))
