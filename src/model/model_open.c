@@ -272,6 +272,40 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
     return 1;
 }
 
+/* 1 when an earlier section is of the same kind. */
+static int repeated(const smr_stored_section *s, uint32_t i)
+{
+    for (uint32_t k = 0; k < i; k++)
+        if (s[k].kind == s[i].kind)
+            return 1;
+    return 0;
+}
+
+/* Further sections lie one behind the other. No kind is known yet: an optional one is skipped, a required one is refused.
+ * A kind that becomes known gets its check here. */
+static int check_sections(const smr_model *m)
+{
+    const uint32_t n = smr_le32(m->n_sections);
+    uint64_t end = sizeof *m;
+    for (uint32_t i = 0; i < sizeof m->zero / sizeof m->zero[0]; i++)
+        if (m->zero[i] != 0u)
+            return 0;
+    if (n == 0u)
+        return m->at_sections == 0u;
+    if (n > SMR_SECTIONS_MAX || !section(m, m->at_sections, n, sizeof(smr_stored_section)))
+        return 0;
+    const smr_stored_section *s = smr_at(m, m->at_sections);
+    for (uint32_t i = 0; i < n; i++) {
+        if (s[i].kind == 0u || smr_le32(s[i].flags) > SMR_SECTION_REQUIRED || repeated(s, i) ||
+            !section(m, s[i].at, smr_le32(s[i].bytes), 1) || smr_le32(s[i].at) < end)
+            return 0;
+        if (smr_le32(s[i].flags) == SMR_SECTION_REQUIRED)
+            return 0;
+        end = (uint64_t)smr_le32(s[i].at) + smr_le32(s[i].bytes);
+    }
+    return 1;
+}
+
 static int check_header(const smr_model *m, size_t bytes)
 {
     const uint32_t size = smr_le32(m->bytes), n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
@@ -293,8 +327,8 @@ smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **mo
     if ((uintptr_t)memory % SMR_ALIGN != 0u)
         return SMR_E_ALIGN;
     const smr_model *m = memory;
-    if (bytes < sizeof *m || !check_header(m, bytes) || !check_structures(m) || !check_vertices(m) ||
-        !check_facets(m) || !check_hinges(m) || !check_profiles(m))
+    if (bytes < sizeof *m || !check_header(m, bytes) || !check_sections(m) || !check_structures(m) ||
+        !check_vertices(m) || !check_facets(m) || !check_hinges(m) || !check_profiles(m))
         return SMR_E_MODEL;
     if (!section(m, m->at_radii, smr_le32(m->n_radii), sizeof(smr_stored_radius)))
         return SMR_E_MODEL;
