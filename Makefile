@@ -61,14 +61,14 @@ EXPERIMENTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(EXPERIMENT_SRC))
 BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(SUPPORT_OBJ) \
                $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC) $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) $(BAREMETAL_SRC) \
-               fixtures/fixture_write.c tests/golden/golden.c tests/golden/replay_run.c $(TARGET_SRC))
+               fixtures/fixture_write.c tests/golden/golden.c tests/golden/replay_run.c tests/docs/settings_page.c $(TARGET_SRC))
 
 # The emulated boards. The M55's vector unit would flush denormals: nomve.fp keeps it to integers.
 M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-sections -fdata-sections
 M55_CFLAGS := -mthumb -mcpu=cortex-m55+nomve.fp -mfloat-abi=hard -ffunction-sections -fdata-sections
 export M7_CFLAGS M55_CFLAGS
 
-.PHONY: all help demo demo-bone check experiments programs cmocka bench figure2 soak size stack hashes golden-update timing timing-update install clean
+.PHONY: all help demo demo-bone check experiments programs cmocka bench figure2 soak size stack hashes settings-page golden-update timing timing-update install clean
 .DELETE_ON_ERROR:
 
 all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM)
@@ -85,6 +85,7 @@ help:
 	@echo 'make size            code and data size of the library'
 	@echo 'make stack           largest stack frames; fails on an unbounded one'
 	@echo 'make hashes          state hash over threads, schedulers, compilers and processors'
+	@echo 'make settings-page   writes docs/SETTINGS.md from the tables of settings'
 	@echo 'make golden-update   records the current state hash as the expected one'
 	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of instructions; minutes'
 	@echo 'make timing-update   records that table in tests/timing/results'
@@ -149,6 +150,9 @@ $(BUILD)/golden: $(BUILD)/obj/tests/golden/golden.o $(SUPPORT_LIB) $(PTHREAD_LIB
 $(BUILD)/replay_run: $(BUILD)/obj/tests/golden/replay_run.o $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
 	$(LINK) -lm
 
+$(BUILD)/settings_page: $(BUILD)/obj/tests/docs/settings_page.o $(CORE_LIB)
+	$(LINK)
+
 $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(HOST_LIB_OBJ)
 $(EXPERIMENTS): $(call obj,$(EXPERIMENT_HELPER_SRC))
 $(TESTS) $(HOST_TESTS) $(EXPERIMENTS): private LDLIBS += -lcmocka
@@ -185,7 +189,7 @@ cmocka:
 
 $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC)): | cmocka
 
-programs: all $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BUILD)/fixture_write $(if $(CORE_SRC),$(BUILD)/golden $(BUILD)/replay_run) $(call obj,$(wildcard port/template/*.c))
+programs: all $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BUILD)/fixture_write $(if $(CORE_SRC),$(BUILD)/golden $(BUILD)/replay_run $(BUILD)/settings_page) $(call obj,$(wildcard port/template/*.c))
 
 check: programs
 	@BUILD="$(BUILD)" CC="$(CC)" NM="$(NM)" SMR="$(BUILD)/smr" FIXTURE_WRITE="$(BUILD)/fixture_write" \
@@ -226,6 +230,9 @@ stack:
 
 hashes:
 	@MAKE="$(MAKE)" BUILD="$(BUILD)" sh tests/golden/hashes.sh
+
+settings-page: $(BUILD)/settings_page
+	$(BUILD)/settings_page > docs/SETTINGS.md
 
 golden-update: $(BUILD)/golden
 	$(BUILD)/golden > tests/golden/expected.txt

@@ -131,7 +131,7 @@ int host_bench_init(host_bench *bench, const smr_config *config, const smr_port 
     if (status == SMR_OK && job->arena == NULL)
         status = SMR_E_ARENA;
     if (status == SMR_OK)
-        status = smr_init(&job->state, job->model.model, config, port, job->arena, job->arena_bytes);
+        status = smr_init(job->model.model, config, port, job->arena, job->arena_bytes, &job->state);
     if (status == SMR_OK)
         status = host_bench_start(bench);
     if (status == SMR_OK && image)

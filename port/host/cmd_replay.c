@@ -147,7 +147,7 @@ static int repeat(replayed *r, host_error *error)
 {
     smr_replay replay;
     smr_replay_report report;
-    smr_status status = smr_replay_start(&replay, r->job.state, r->log.log, r->log.log_bytes, input_of, &r->job);
+    smr_status status = smr_replay_start(r->job.state, r->log.log, r->log.log_bytes, input_of, &r->job, &replay);
     if (status != SMR_OK) {
         (void)refuse_start(r, status, error);
         return HOST_REFUSED;

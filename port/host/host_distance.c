@@ -25,9 +25,9 @@ static void run_chunk(void *arg, uint32_t task, uint32_t worker)
     for (i = c->first; i < c->first + c->n; i++) {
         smr_closest hit;
         memset(&hit, 0, sizeof hit);
-        hit.triangle = SMR_ALL;
+        hit.triangle = SMR_NONE;
         if (smr_surface_closest(c->query->surface, c->query->xyz + 3u * i, NULL, -1.0f, FAR_MM, &hit) != SMR_OK ||
-            hit.triangle == SMR_ALL)
+            hit.triangle == SMR_NONE)
             c->failed = 1;
         c->query->mm[i] = hit.distance;
     }
@@ -88,10 +88,12 @@ host_stats host_stats_of(float *mm, size_t n)
 
 smr_surface *host_surface_make(const smr_mesh *mesh, void **memory)
 {
-    const size_t bytes = smr_surface_bytes(mesh->n_vertices, mesh->n_triangles);
+    size_t bytes = 0;
     smr_surface *surface = NULL;
-    *memory = bytes > 0 ? host_alloc(bytes) : NULL;
-    if (*memory != NULL && smr_surface_build(*memory, bytes, mesh, &surface) == SMR_OK)
+    *memory = NULL;
+    if (smr_surface_bytes(mesh->n_vertices, mesh->n_triangles, &bytes) == SMR_OK)
+        *memory = host_alloc(bytes);
+    if (*memory != NULL && smr_surface_build(mesh, *memory, bytes, &surface) == SMR_OK)
         return surface;
     free(*memory);
     *memory = NULL;

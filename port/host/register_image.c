@@ -171,18 +171,19 @@ static int pose_by_pairs(host_job *job, const float *from, const float *to, host
     const int similarity = job->options->align == HOST_ALIGN_SIMILARITY;
     const smr_status status =
         smr_align_landmarks(from, to, job->n_landmarks, (uint32_t)similarity, &job->pose, &job->align_rms_mm);
-    job->warp_kind = similarity ? SMR_WARP_SIMILARITY : SMR_WARP_RIGID;
+    job->warp_kind = similarity ? SMR_WARP_SCALED : SMR_WARP_RIGID;
     return status == SMR_OK ? 0
                             : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(status));
 }
 
 static int warp_by_pairs(host_job *job, const float *from, const float *to, host_error *error)
 {
-    const size_t bytes = smr_warp_bytes(job->n_landmarks);
-    smr_status status = SMR_E_ARENA;
-    job->warp_memory = bytes > 0 ? host_alloc(bytes) : NULL;
-    if (job->warp_memory != NULL)
-        status = smr_warp_fit(job->warp_memory, bytes, from, to, job->n_landmarks, job->options->smoothing, &job->warp,
+    size_t bytes = 0;
+    smr_status status = smr_warp_bytes(job->n_landmarks, &bytes);
+    if (status == SMR_OK && (job->warp_memory = host_alloc(bytes)) == NULL)
+        status = SMR_E_ARENA;
+    if (status == SMR_OK)
+        status = smr_warp_fit(from, to, job->n_landmarks, job->options->smoothing, job->warp_memory, bytes, &job->warp,
                               &job->warp_kind);
     return status == SMR_OK ? 0
                             : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(status));

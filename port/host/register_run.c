@@ -59,7 +59,7 @@ int host_job_begin(host_job *job, host_error *error)
     job->arena = host_alloc(job->arena_bytes);
     if (job->arena == NULL)
         return refuse(error, "memory", SMR_E_ARENA);
-    status = smr_init(&job->state, job->model.model, &config, &job->port.port, job->arena, job->arena_bytes);
+    status = smr_init(job->model.model, &config, &job->port.port, job->arena, job->arena_bytes, &job->state);
     return status == SMR_OK ? 0 : refuse(error, "set up", status);
 }
 

@@ -146,7 +146,7 @@ static int align(host_job *job, host_error *error)
     const smr_surface *surface[2] = {NULL, NULL};
     smr_status status = SMR_E_ARENA;
     int i = 0;
-    config.similarity = job->options->align == HOST_ALIGN_SIMILARITY;
+    config.scaled = job->options->align == HOST_ALIGN_SIMILARITY;
     for (i = 0; i < 2; i++) {
         if (join(job, i, &mesh[i]) == 0) {
             const smr_mesh view = host_mesh_view(&mesh[i]);

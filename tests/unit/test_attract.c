@@ -131,8 +131,8 @@ static void test_closest_facet(void **state)
     for (uint32_t j = 0; j < goal.n_vertices; j++) {
         smr_closest hit;
         assert_int_equal(SMR_OK, smr_surface_closest(model, goal.xyz + 3u * j, NULL, -2.0f, s->pace.search_mm, &hit));
-        assert_int_equal(hit.triangle == SMR_ALL, s->forces.surface.target_warm[j] == SMR_ALL);
-        if (hit.triangle == SMR_ALL) {
+        assert_int_equal(hit.triangle == SMR_NONE, s->forces.surface.target_warm[j] == SMR_NONE);
+        if (hit.triangle == SMR_NONE) {
             continue;
         }
         const uint32_t *t = s->shared.triangle + 3u * (size_t)s->forces.surface.target_warm[j];

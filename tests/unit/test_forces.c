@@ -83,7 +83,7 @@ static void test_closest_point(void **state)
             const float *f = smr_at3(t.s->forces.force, v);
             smr_closest hit;
             (void)smr_surface_closest(t.surface, point, normal, t.s->shared.min_cos, c.search_mm, &hit);
-            const int found = hit.triangle != SMR_ALL;
+            const int found = hit.triangle != SMR_NONE;
             n_forces += (uint32_t)found;
             sum += found ? (double)hit.distance : 0.0;
             largest = fmax(largest, found ? (double)hit.distance : 0.0);

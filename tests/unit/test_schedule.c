@@ -49,7 +49,7 @@ static void test_iterations_of_each_radius(void **state)
             uint32_t at[3] = {0, 0, 0}, total = 0;
             smr_tick_report report = {0};
             c.radius_first = first;
-            c.radius_last = last == 3u ? SMR_ALL : last;
+            c.radius_last = last == 3u ? SMR_FINEST : last;
             c.iterations = 4;
             c.iterations_last = 7;
             smr *s = start(&c, 1, 0);

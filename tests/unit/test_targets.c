@@ -88,10 +88,10 @@ static void test_forgets_warm_starts(void **state)
     assert_int_equal(SMR_OK, smr_set_surface(s, 1, surface[1]));
     for (uint32_t v = 0; v < s->shared.n; v++) {
         const int here = smr_model_owner(s->shared.model, v) == 1u;
-        assert_true(here ? s->forces.surface.warm[v] == SMR_ALL : s->forces.surface.warm[v] < ball[2].n_triangles);
+        assert_true(here ? s->forces.surface.warm[v] == SMR_NONE : s->forces.surface.warm[v] < ball[2].n_triangles);
     }
     for (uint32_t j = 0; j < 400u; j++) {
-        assert_true(s->forces.surface.target_warm[j] == SMR_ALL);
+        assert_true(s->forces.surface.target_warm[j] == SMR_NONE);
     }
     assert_true(s->forces.surface.limit == 0.0f);
 }

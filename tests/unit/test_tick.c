@@ -86,7 +86,7 @@ static void test_memory_does_not_matter(void **state)
         assert_int_equal(SMR_OK, smr_arena_bytes(model, &c, &bytes));
         unsigned char *memory = rig_alloc(bytes);
         memset(memory, k % 2u ? 0xff : 0x3c, bytes);
-        assert_int_equal(SMR_OK, smr_init(&s, model, &c, NULL, memory, bytes));
+        assert_int_equal(SMR_OK, smr_init(model, &c, NULL, memory, bytes, &s));
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, surface));
         (void)rig_run(s, 30);
         hash[k] = smr_state_hash(s);

@@ -21,25 +21,25 @@ uint32_t smr_attract_tasks(const void *arg)
     return smr_attraction_on(g) ? g->n_tasks : 0u;
 }
 
-/* The closest acceptable model point over the structures that share this surface. Returns its structure or SMR_ALL. */
+/* The closest acceptable model point over the structures that share this surface. Returns its structure or SMR_NONE. */
 static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface *surface, smr_query *q, uint32_t warm,
                                   smr_hit *hit, smr_near_list *near)
 {
     smr_near_list list;
-    uint32_t found = SMR_ALL;
+    uint32_t found = SMR_NONE;
     /* the structure of the last time first: its distance spares the others most of their search */
     for (uint32_t round = 0; round < 2u; round++) {
         for (uint32_t i = 0; i < g->shared->n_structures; i++) {
             const smr_shape_structure *one = &g->shape->structure[i];
             const uint32_t local = warm - one->first_triangle;
-            const int is_warm = warm != SMR_ALL && local < one->facets.n_triangles;
+            const int is_warm = warm != SMR_NONE && local < one->facets.n_triangles;
             if (g->target[i].surface != surface || is_warm != (round == 0u))
                 continue;
-            q->warm = is_warm ? local : SMR_ALL;
+            q->warm = is_warm ? local : SMR_NONE;
             smr_hit h = *hit;
-            h.triangle = SMR_ALL;
+            h.triangle = SMR_NONE;
             smr_tree_near(&one->facets, q, &h, &list);
-            if (h.triangle != SMR_ALL && (h.d2 < hit->d2 || found == SMR_ALL || i < found)) {
+            if (h.triangle != SMR_NONE && (h.d2 < hit->d2 || found == SMR_NONE || i < found)) {
                 *hit = h;
                 *near = list;
                 found = i;
@@ -68,13 +68,13 @@ static void pull_one(const smr_surface_goals *g, const smr_surface *surface, uin
 {
     const smr_vec y = smr_add(smr_load(surface->xyz + 3u * (size_t)j), smr_sub(surface->origin, g->shape->origin));
     smr_query q = {y, smr_load(surface->normal + 3u * (size_t)j), g->shared->min_cos, g->shared->config.node_budget,
-                   SMR_ALL};
-    smr_hit hit = {g->pace->search_mm * g->pace->search_mm, SMR_ALL, {0, 0, 0}};
+                   SMR_NONE};
+    smr_hit hit = {g->pace->search_mm * g->pace->search_mm, SMR_NONE, {0, 0, 0}};
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f;
     smr_near_list near;
     const uint32_t found = closest_structure(g, surface, &q, *warm, &hit, &near);
-    if (found == SMR_ALL)
+    if (found == SMR_NONE)
         return;
     const smr_shape_structure *one = &g->shape->structure[found];
     *warm = one->first_triangle + hit.triangle;

@@ -111,7 +111,7 @@ static void look_back(smr_image_goals *g, uint32_t structure, uint32_t from, uin
 static void add_rings(smr_image_goals *g, uint32_t structure, uint32_t from, uint32_t to)
 {
     const smr_image_structure *view = &g->structure[structure];
-    if (!(g->shared->config.smoothing > 0.0f) || view->n_goals == 0u ||
+    if (!(g->shared->config.fill > 0.0f) || view->n_goals == 0u ||
         (float)view->n_goals < SMR_SEEN_BADLY * (float)view->n_decided)
         return; /* no ring has a weight: nothing is smoothed */
     for (uint32_t k = from; k < to; k++) {
@@ -146,8 +146,8 @@ void smr_fill_sum(void *arg, uint32_t task, uint32_t worker)
 
 smr_vec smr_fill_way(const smr_image_goals *g, uint32_t v)
 {
-    if (!(g->shared->config.smoothing > 0.0f) || !(g->rings.weight[v] > 0.0f))
+    if (!(g->shared->config.fill > 0.0f) || !(g->rings.weight[v] > 0.0f))
         return smr_v(0, 0, 0);
     const smr_vec middle = smr_scale(smr_load(smr_at3(g->rings.sum, v)), 1.0f / g->rings.weight[v]);
-    return smr_scale(smr_sub(middle, smr_load(smr_at3(g->shape->x, v))), g->shared->config.smoothing);
+    return smr_scale(smr_sub(middle, smr_load(smr_at3(g->shape->x, v))), g->shared->config.fill);
 }

@@ -28,9 +28,9 @@ void smr_surface_goals_reset(smr_surface_goals *g)
 {
     smr_pulls_clear(g);
     for (uint32_t v = 0; v < g->shared->n; v++)
-        g->warm[v] = g->warm_next[v] = SMR_ALL;
+        g->warm[v] = g->warm_next[v] = SMR_NONE;
     for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.n_target_vertices; j++)
-        g->target_warm[j] = SMR_ALL;
+        g->target_warm[j] = SMR_NONE;
 }
 
 void smr_surface_goals_stand(smr_surface_goals *g)
@@ -56,9 +56,9 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     smr_query q = {p, smr_load(smr_at3(g->shape->normal, v)), g->shared->min_cos, c->node_budget, g->warm[v]};
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f; /* no triangles around this vertex: any normal will do */
-    smr_hit hit = {g->pace->search_mm * g->pace->search_mm, SMR_ALL, {0, 0, 0}};
+    smr_hit hit = {g->pace->search_mm * g->pace->search_mm, SMR_NONE, {0, 0, 0}};
     smr_tree_closest(&target->facets, &q, &hit);
-    if (hit.triangle == SMR_ALL)
+    if (hit.triangle == SMR_NONE)
         return 0;
     g->warm_next[v] = hit.triangle;
     if (c->reject_border && smr_surface_on_border(target, hit.triangle, hit.weight))

@@ -35,7 +35,7 @@ typedef struct smr_surface_goals {
     uint32_t n_goals_begun; /* n_goals when the iteration under way began: a later one does not count in it */
     uint32_t n_tasks;       /* of the target-to-model search */
     /* written by the search for goals */
-    uint32_t *warm;        /* [n] closest triangle of the target, of the last complete forces; SMR_ALL: none */
+    uint32_t *warm;        /* [n] closest triangle of the target, of the last complete forces; SMR_NONE: none */
     uint32_t *warm_next;   /* [n] the same, of those under way: they may have to start again */
     uint32_t *target_warm; /* [n_target_vertices] closest triangle of the model; NULL: no attraction */
     int64_t *pull;         /* [n_workers][n][4] target-to-model pulls: three sums and the weight; NULL: no attraction */

@@ -2,11 +2,10 @@
  * inputs is all that decides the bits (replay.c), so a run whose ticks were cut by the clock can be repeated anywhere.
  * Bytes are little-endian, records are only ever added, and each one's checksum goes on from the one before: what a device
  * wrote until it lost power can be read up to its last record. Layout: docs/SPEC.md.
- * Bounds: SMR_LOG_WORDS; SMR_CONFIG_WORDS for the header.
+ * Bounds: SMR_LOG_WORDS; SMR_LOG_CONFIG_WORDS for the header.
  * SPDX-License-Identifier: MIT */
 #include "runtime/record/log.h"
 
-_Static_assert(sizeof(smr_config) % 4u == 0u, "the configuration is logged as words");
 _Static_assert(SMR_LOG_BYTES(0, 0) >= SMR_LOG_HEADER + SMR_LOG_FULL_BYTES, "SMR_LOG_BYTES is too small");
 
 uint32_t smr_log_words(uint32_t kind)
@@ -118,14 +117,11 @@ static void write_header(smr_log *log, const smr_shared *shared)
 {
     const uint32_t version = SMR_VERSION_MAJOR << 16 | SMR_VERSION_MINOR << 8 | SMR_VERSION_PATCH;
     const uint32_t fixed[SMR_LOG_FIXED / 4u] = {
-        SMR_LOG_MAGIC, SMR_LOG_VERSION, SMR_LOG_HEADER, version, smr_le32(shared->model->checksum),
-        shared->n,     SMR_CONFIG_WORDS};
-    uint32_t config[SMR_CONFIG_WORDS];
-    memcpy(config, &shared->config, sizeof config);
+        SMR_LOG_MAGIC, SMR_LOG_VERSION,     SMR_LOG_HEADER, version, smr_le32(shared->model->checksum),
+        shared->n,     SMR_LOG_CONFIG_WORDS};
     for (uint32_t i = 0; i < SMR_LOG_FIXED / 4u; i++)
         smr_log_put32(log->memory + 4u * i, fixed[i]);
-    for (uint32_t i = 0; i < SMR_CONFIG_WORDS; i++)
-        smr_log_put32(log->memory + SMR_LOG_FIXED + 4u * i, config[i]);
+    smr_log_put_config(log->memory + SMR_LOG_FIXED, &shared->config);
     log->crc = smr_crc32(0, log->memory, SMR_LOG_HEADER - 4u);
     smr_log_put32(log->memory + SMR_LOG_HEADER - 4u, log->crc);
     log->used = SMR_LOG_HEADER;

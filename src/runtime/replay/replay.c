@@ -3,11 +3,11 @@
  * the log. So each complete iteration is run in one piece with that number of vertices, and inputs are set where they
  * counted: one that came while an iteration still gathered its forces started it again and counts before it, a
  * later one counts after it, and one that starts the schedule over gives the iteration up.
- * Bounds: SMR_CONFIG_WORDS; a tick reads the log's records at most twice.
+ * Bounds: a tick reads the log's records at most twice.
  * SPDX-License-Identifier: MIT */
 #include "runtime/registration.h"
 
-smr_status smr_replay_start(smr_replay *replay, smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx)
+smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx, smr_replay *replay)
 {
     smr_log_reader reader;
     smr_log_info info;

@@ -89,8 +89,8 @@ static void start_masses(smr_shared *c)
     }
 }
 
-smr_status smr_init(smr **out, const smr_model *model, const smr_config *config, const smr_port *port, void *arena,
-                    size_t arena_bytes)
+smr_status smr_init(const smr_model *model, const smr_config *config, const smr_port *port, void *arena,
+                    size_t arena_bytes, smr **out)
 {
     static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     smr s;

@@ -44,9 +44,9 @@ static void forget_searches(smr_surface_goals *g, uint32_t structure)
 {
     for (uint32_t v = 0; v < g->shared->n; v++)
         if (structure == SMR_ALL || smr_model_owner(g->shared->model, v) == structure)
-            g->warm[v] = SMR_ALL;
+            g->warm[v] = SMR_NONE;
     for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.n_target_vertices; j++)
-        g->target_warm[j] = SMR_ALL;
+        g->target_warm[j] = SMR_NONE;
     smr_pulls_clear(g);
     g->limit = 0.0f;
 }
