@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/setup/setup.h"
 
 static int tidy(void **state)
 {
