@@ -1,0 +1,161 @@
+/* smr register: the steps in order.
+ * SPDX-License-Identifier: MIT */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands/commands.h"
+#include "files/output_files.h"
+#include "register/register_job.h"
+
+/* Preparing the model and placing the targets need nothing from each other: two tasks. */
+typedef struct both {
+    host_job *job;
+    host_error error[2];
+    int failed[2];
+} both;
+
+/* port: NULL for one core. */
+static int prepare(host_job *job, const smr_port *port, host_error *error)
+{
+    smr_prepare_config config = job->options->prepare;
+    int result = 0;
+    if (job->options->reference != NULL)
+        config.reference = &job->reference.view;
+    config.port = port;
+    result = host_model_prepare(&job->model, &config, error);
+    host_image_free(&job->reference);
+    return result;
+}
+
+static void run_half(void *arg, uint32_t task, uint32_t worker)
+{
+    both *const b = arg;
+    (void)worker;
+    if (task == 1)
+        b->failed[1] = host_job_start(b->job, &b->error[1]);
+    else if (!b->job->ready_image)
+        b->failed[0] = prepare(b->job, NULL, &b->error[0]);
+}
+
+int host_job_prepare(host_job *job, host_error *error)
+{
+    both b;
+    memset(&b, 0, sizeof b);
+    b.job = job;
+    if (job->options->align != HOST_ALIGN_NONE) {
+        host_parallel(&job->port.port, run_half, &b, 2);
+    } else { /* hardly anything but preparation: all workers share that */
+        b.failed[0] = job->ready_image ? 0 : prepare(job, &job->port.port, &b.error[0]);
+        b.failed[1] = b.failed[0] ? 0 : host_job_start(job, &b.error[1]);
+    }
+    if (b.failed[0] || b.failed[1]) {
+        *error = b.failed[0] ? b.error[0] : b.error[1];
+        return -1;
+    }
+    return host_job_warp(job, error);
+}
+
+static int write_files(const host_job *job, host_output *output, host_error *error)
+{
+    host_buffer buffer;
+    uint32_t i = 0;
+    int result = 0;
+    memset(&buffer, 0, sizeof buffer);
+    for (i = 0; result == 0 && i < job->model.n_parts; i++) {
+        char name[SMR_NAME_BYTES + 4u];
+        (void)snprintf(name, sizeof name, "%s.ply", job->model.part[i].name);
+        buffer.size = 0;
+        host_mesh_write(&job->result[i].mesh, HOST_FORMAT_PLY, &buffer);
+        result = host_output_add(output, name, &buffer, error);
+    }
+    if (result == 0) {
+        buffer.size = 0;
+        host_job_report(job, &buffer);
+        result = host_output_add(output, "report.json", &buffer, error);
+    }
+    host_buffer_free(&buffer);
+    return result;
+}
+
+static int write_log(const host_job *job, host_output *output, host_error *error)
+{
+    host_buffer buffer;
+    int result = 0;
+    memset(&buffer, 0, sizeof buffer);
+    result = host_job_log(job, &buffer, error);
+    if (result == 0)
+        result = host_output_add(output, job->options->log, &buffer, error);
+    host_buffer_free(&buffer);
+    return result;
+}
+
+/* Results and log: all of them or, as far as renaming allows, none. */
+int host_job_write(host_job *job, host_error *error)
+{
+    host_output *const output = host_output_begin(job->options->out), *const log = host_output_begin(NULL);
+    int result = 0;
+    if (output == NULL || log == NULL)
+        result = host_fail(error, "output", "free memory");
+    if (result == 0)
+        result = write_files(job, output, error);
+    if (result == 0 && job->options->log != NULL) /* perhaps into the directory that was just made */
+        result = write_log(job, log, error);
+    if (result != 0) {
+        host_output_abandon(log);
+        host_output_abandon(output);
+        return -1;
+    }
+    if (host_output_commit(output, error) == 0)
+        return host_output_commit(log, error);
+    host_output_abandon(log);
+    return -1;
+}
+
+void host_job_free(host_job *job)
+{
+    uint32_t i = 0;
+    for (i = 0; job->result != NULL && i < job->model.n_parts; i++)
+        host_mesh_free(&job->result[i].mesh);
+    for (i = 0; i < job->n_targets; i++) {
+        host_mesh_free(&job->target[i].mesh);
+        free(job->target[i].memory);
+    }
+    free(job->result);
+    free(job->target);
+    free(job->tick_ms);
+    free(job->arena);
+    free(job->log_memory);
+    free(job->start_xyz);
+    free(job->warp_memory);
+    free(job->truth_paths);
+    host_image_free(&job->reference);
+    host_image_free(&job->image);
+    host_model_free(&job->model);
+    host_port_close(&job->port);
+}
+
+static int run_steps(host_job *job, host_error *error)
+{
+    if (host_output_check(job->options->out, error) != 0 ||
+        (job->options->log != NULL && host_output_check_file(job->options->log, job->options->out, error) != 0) ||
+        host_port_open(&job->port, job->options->threads, error) != 0 || host_job_load(job, error) != 0 ||
+        host_job_match(job, error) != 0 || host_job_prepare(job, error) != 0 || host_job_run(job, error) != 0 ||
+        host_job_evaluate(job, error) != 0 || host_job_write(job, error) != 0)
+        return HOST_REFUSED;
+    if (!job->options->quiet)
+        host_job_summary(job);
+    return host_job_converged(job) ? HOST_DONE : HOST_NOT_CONVERGED;
+}
+
+int host_register(const host_options *options, host_error *error)
+{
+    host_job job;
+    int result = 0;
+    memset(&job, 0, sizeof job);
+    job.options = options;
+    job.begin_s = host_seconds();
+    result = run_steps(&job, error);
+    host_job_free(&job);
+    return result;
+}

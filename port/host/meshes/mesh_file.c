@@ -1,0 +1,148 @@
+/* Reading a mesh file: which format it is, the reader's call, and what holds for all formats.
+ * SPDX-License-Identifier: MIT */
+#include <stdlib.h>
+#include <string.h>
+
+#include "files/file_read.h"
+#include "meshes/mesh_reader.h"
+
+typedef int (*read_function)(host_mesh_reader *reader, const unsigned char *data, size_t n);
+
+static char lower(char c) { return (c >= 'A' && c <= 'Z') ? (char)(c - 'A' + 'a') : c; }
+
+static int ends_with(const char *text, size_t n, const char *end)
+{
+    const size_t k = strlen(end);
+    size_t i = 0;
+    if (n < k)
+        return 0;
+    for (i = 0; i < k; i++)
+        if (lower(text[n - k + i]) != end[i])
+            return 0;
+    return 1;
+}
+
+/* Length of the path without ".gz". */
+static size_t unpacked_length(const char *path)
+{
+    const size_t n = strlen(path);
+    return ends_with(path, n, ".gz") ? n - 3u : n;
+}
+
+int host_has_extension(const char *path, const char *extension)
+{
+    return ends_with(path, unpacked_length(path), extension);
+}
+
+void host_base_name(const char *path, char *name, size_t bytes)
+{
+    const char *const slash = strrchr(path, '/');
+    const char *const start = slash != NULL ? slash + 1 : path;
+    size_t n = unpacked_length(path) - (size_t)(start - path);
+    size_t i = n;
+    while (i > 1 && start[i - 1u] != '.')
+        i--;
+    if (i > 1) /* a dot that is not the first character starts the extension */
+        n = i - 1u;
+    if (n > bytes - 1u)
+        n = bytes - 1u;
+    memcpy(name, start, n);
+    name[n] = '\0';
+}
+
+static int starts_with(const unsigned char *head, size_t n, const char *text)
+{
+    const size_t k = strlen(text);
+    return n >= k && memcmp(head, text, k) == 0;
+}
+
+/* Whether the first line that is not empty or a comment is an OBJ one. */
+static int looks_like_obj(const unsigned char *head, size_t n)
+{
+    host_text text = host_text_over(head, n);
+    host_word line, word;
+    while (host_text_line(&text, &line)) {
+        host_text words = host_text_over(line.start, line.n);
+        if (!host_text_word_in_line(&words, &word) || word.start[0] == '#')
+            continue;
+        return host_word_is(word, "v") || host_word_is(word, "mtllib") || host_word_is(word, "o") ||
+               host_word_is(word, "g");
+    }
+    return 0;
+}
+
+/* The content decides; the extension only where the content does not. */
+static read_function reader_for(const char *path, const unsigned char *head, size_t n, size_t total)
+{
+    if (starts_with(head, n, "ply\n") || starts_with(head, n, "ply\r"))
+        return host_read_ply;
+    if (starts_with(head, n, "# vtk DataFile"))
+        return host_read_vtk;
+    if (host_is_binary_stl(head, n, total))
+        return host_read_stl;
+    if (host_has_extension(path, ".ply"))
+        return host_read_ply;
+    if (host_has_extension(path, ".stl") || starts_with(head, n, "solid "))
+        return host_read_stl;
+    if (host_has_extension(path, ".vtk"))
+        return host_read_vtk;
+    if (host_has_extension(path, ".obj") || looks_like_obj(head, n))
+        return host_read_obj;
+    return NULL;
+}
+
+static int accept_mesh(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+{
+    if (reader_for(path, head, n, total) == NULL)
+        return host_fail(error, "content", "a PLY, STL, OBJ or legacy VTK polydata file");
+    return 0;
+}
+
+/* RAS to LPS: half a turn about the third axis, so that triangles keep their side. */
+static void turn_ras(host_mesh *mesh)
+{
+    size_t i = 0;
+    for (i = 0; i < mesh->n_vertices; i++) {
+        mesh->xyz[3u * i] = -mesh->xyz[3u * i];
+        mesh->xyz[3u * i + 1u] = -mesh->xyz[3u * i + 1u];
+    }
+}
+
+static int check(const host_mesh *mesh, int need, host_error *error)
+{
+    if (mesh->n_vertices == 0)
+        return host_fail(error, "vertices", "at least one vertex");
+    if (need == HOST_MESH_SURFACE && mesh->n_triangles == 0)
+        return host_fail(error, "faces", "at least one triangle, for a surface is needed here");
+    return 0;
+}
+
+int host_mesh_read(const char *path, int need, int mirror, host_mesh *mesh, host_error *error)
+{
+    host_bytes bytes;
+    host_mesh_reader reader;
+    read_function read = NULL;
+    int result = 0;
+    memset(mesh, 0, sizeof *mesh);
+    memset(&reader, 0, sizeof reader);
+    reader.mesh = mesh;
+    reader.error = error;
+    reader.unit = "header line";
+    if (host_file_read(path, accept_mesh, &bytes, error) != 0)
+        return -1;
+    read = reader_for(path, bytes.data, bytes.size, bytes.size);
+    result = read != NULL ? read(&reader, bytes.data, bytes.size)
+                          : host_fail(error, "content", "a PLY, STL, OBJ or legacy VTK polydata file");
+    host_file_free(&bytes);
+    if (result == 0)
+        result = check(mesh, need, error);
+    if (result != 0) {
+        host_mesh_free(mesh);
+        return -1;
+    }
+    if (reader.ras)
+        turn_ras(mesh);
+    if (mirror != HOST_MIRROR_NONE)
+        host_mesh_mirror(mesh, mirror);
+    return 0;
+}

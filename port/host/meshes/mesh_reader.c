@@ -1,0 +1,135 @@
+/* The mesh under construction: growth by what was read, never by what a file claims.
+ * SPDX-License-Identifier: MIT */
+#include "meshes/mesh_reader.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+size_t host_type_bytes(host_type type)
+{
+    static const unsigned char bytes[] = {0, 1, 1, 2, 2, 4, 4, 8, 4, 8};
+    return bytes[type];
+}
+
+static uint64_t gather(const unsigned char *bytes, size_t n, int big_endian)
+{
+    uint64_t v = 0;
+    size_t i = 0;
+    for (i = 0; i < n; i++)
+        v = (v << 8) | bytes[big_endian ? i : n - 1u - i];
+    return v;
+}
+
+static double from_bits(host_type type, uint64_t v)
+{
+    const uint32_t low = (uint32_t)v;
+    float f = 0.0f;
+    double d = 0.0;
+    if (type == HOST_TYPE_F32) {
+        memcpy(&f, &low, sizeof f);
+        return (double)f;
+    }
+    memcpy(&d, &v, sizeof d);
+    return d;
+}
+
+double host_type_read(host_type type, const unsigned char *bytes, int big_endian)
+{
+    const uint64_t v = gather(bytes, host_type_bytes(type), big_endian);
+    switch (type) {
+    case HOST_TYPE_I8: return v < 128u ? (double)v : (double)v - 256.0;
+    case HOST_TYPE_I16: return v < 32768u ? (double)v : (double)v - 65536.0;
+    case HOST_TYPE_I32: return v < 2147483648u ? (double)v : (double)v - 4294967296.0;
+    case HOST_TYPE_I64: return v < (1ull << 63) ? (double)v : -(double)(~v + 1u);
+    case HOST_TYPE_U8:
+    case HOST_TYPE_U16:
+    case HOST_TYPE_U32: return (double)v;
+    case HOST_TYPE_F32:
+    case HOST_TYPE_F64: return from_bits(type, v);
+    case HOST_TYPE_NONE:
+    default: return 0.0;
+    }
+}
+
+/* Grows one array to hold `need` rows of 12 bytes; doubles what is there already. */
+static int grow(host_mesh_reader *reader, void **array, size_t *capacity, size_t need, size_t limit, const char *what)
+{
+    size_t next = *capacity * 2u;
+    void *grown = NULL;
+    if (need <= *capacity)
+        return 0;
+    if (need > limit)
+        return host_fail_at(reader->error, reader->unit, reader->number, "at most %zu %s", limit, what);
+    if (next < need)
+        next = need;
+    if (next > limit)
+        next = limit;
+    grown = realloc(*array, next * 12u);
+    if (grown == NULL)
+        return host_fail_at(reader->error, reader->unit, reader->number, "%zu bytes of free memory", next * 12u);
+    *array = grown;
+    *capacity = next;
+    return 0;
+}
+
+int host_reader_reserve(host_mesh_reader *reader, size_t vertices, size_t triangles)
+{
+    host_mesh *const mesh = reader->mesh;
+    void *xyz = mesh->xyz, *rows = mesh->triangles;
+    int result = grow(reader, &xyz, &reader->vertex_capacity, vertices, SMR_VERTICES_MAX, "vertices");
+    mesh->xyz = xyz;
+    if (result == 0)
+        result = grow(reader, &rows, &reader->triangle_capacity, triangles, SMR_TRIANGLES_MAX, "triangles");
+    mesh->triangles = rows;
+    return result;
+}
+
+int host_reader_vertex(host_mesh_reader *reader, const double *xyz)
+{
+    host_mesh *const mesh = reader->mesh;
+    const double limit = (double)SMR_COORD_MAX;
+    int i = 0;
+    float *to = NULL;
+    for (i = 0; i < 3; i++)
+        if (!(xyz[i] >= -limit && xyz[i] <= limit)) /* written so that NaN fails */
+            return host_fail_at(reader->error, reader->unit, reader->number,
+                                "finite coordinates within +-%.0f mm, found %g", limit, xyz[i]);
+    if (mesh->n_vertices >= reader->vertex_capacity &&
+        host_reader_reserve(reader, (size_t)mesh->n_vertices + 1u, 0) != 0)
+        return -1;
+    to = mesh->xyz + 3u * (size_t)mesh->n_vertices;
+    for (i = 0; i < 3; i++)
+        to[i] = (float)xyz[i];
+    mesh->n_vertices++;
+    return 0;
+}
+
+int host_reader_triangle(host_mesh_reader *reader, uint32_t a, uint32_t b, uint32_t c)
+{
+    host_mesh *const mesh = reader->mesh;
+    uint32_t *to = NULL;
+    if (mesh->n_triangles >= reader->triangle_capacity &&
+        host_reader_reserve(reader, 0, (size_t)mesh->n_triangles + 1u) != 0)
+        return -1;
+    to = mesh->triangles + 3u * (size_t)mesh->n_triangles;
+    to[0] = a;
+    to[1] = b;
+    to[2] = c;
+    mesh->n_triangles++;
+    return 0;
+}
+
+int host_reader_fan(host_mesh_reader *reader, uint32_t state[3], uint32_t index)
+{
+    const uint32_t before = state[2];
+    const uint32_t n = state[0]++;
+    if (n == 0)
+        state[1] = index;
+    state[2] = index;
+    return n < 2 ? 0 : host_reader_triangle(reader, state[1], before, index);
+}
+
+int host_reader_ended(const host_mesh_reader *reader)
+{
+    return host_fail_at(reader->error, reader->unit, reader->number, "more data, but the file ends here");
+}
