@@ -10,7 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "files/file_read.h"
+#include "base/memory.h"
 
 double host_seconds(void)
 {

@@ -13,6 +13,8 @@
 #include <string.h>
 #include <time.h>
 
+#include "bench/bench_job.h"
+
 #define RADIUS_MM 30.0f
 #define SEARCH_MM 10.0f
 #define SAMPLES 30u

@@ -3,7 +3,7 @@
 #ifndef BENCH_FIGURE_H
 #define BENCH_FIGURE_H
 
-#include "bench/bench_job.h"
+#include "options/options.h"
 
 #define HOST_SHARES 21u /* at most: 0, 5, ... 95 % ignored, and as many as can be */
 
@@ -34,8 +34,6 @@ typedef struct host_figure2 {
     double from_truth[HOST_ERRORS][HOST_SHARES];
     double by_vertex[HOST_ERRORS][HOST_SHARES];
 } host_figure2;
-
-extern const char *const host_figure2_methods[2];
 
 /* figure2.csv and figure2.svg into the directory, and the figures in words on stdout unless quiet. */
 int host_figure2_write(host_figure2 *figure, const host_options *options, host_error *error);

@@ -8,7 +8,7 @@
 #include "bench/bench_plot.h"
 #include "files/output_files.h"
 
-const char *const host_figure2_methods[2] = {"rigid", "polar"};
+static const char *const methods[2] = {"rigid", "polar"};
 static const char *const time_names[HOST_TIMES] = {"with_forces", "without_forces", "matching"};
 static const char *const error_names[HOST_ERRORS][2] = {{"rigid", "fixed"}, {"polar", "fixed"}, {"rigid", "growing"}};
 
@@ -17,8 +17,8 @@ static void put_fits(const char *name, host_line line[2][HOST_TIMES], host_buffe
     uint32_t m = 0, p = 0;
     for (m = 0; m < 2; m++)
         for (p = 0; p < HOST_TIMES; p++)
-            host_buffer_print(out, "%s,%s,%s,,,,,,,,,%.6f,%.6f,%.6f,%.6f\n", name, host_figure2_methods[m],
-                              time_names[p], line[m][p].at_0, line[m][p].at_100, line[m][p].slope, line[m][p].r2);
+            host_buffer_print(out, "%s,%s,%s,,,,,,,,,%.6f,%.6f,%.6f,%.6f\n", name, methods[m], time_names[p],
+                              line[m][p].at_0, line[m][p].at_100, line[m][p].slope, line[m][p].r2);
 }
 
 /* One table for all: columns that a row has no value for are empty. */
@@ -30,9 +30,8 @@ static void put_csv(host_figure2 *f, host_buffer *out)
     for (m = 0; m < 2; m++)
         for (p = 0; p < HOST_TIMES; p++)
             for (i = 0; i < f->n_times; i++)
-                host_buffer_print(out, "time,%s,%s,%.3f,%u,%.6f,%.6f,%u,,,,,,,\n", host_figure2_methods[m],
-                                  time_names[p], f->ignored[i], f->active[i], f->ms[m][p][i], f->least_ms[m][p][i],
-                                  f->n_samples);
+                host_buffer_print(out, "time,%s,%s,%.3f,%u,%.6f,%.6f,%u,,,,,,,\n", methods[m], time_names[p],
+                                  f->ignored[i], f->active[i], f->ms[m][p][i], f->least_ms[m][p][i], f->n_samples);
     for (p = 0; p < HOST_ERRORS; p++)
         for (i = 0; i < f->n_errors; i++) {
             host_buffer_print(out, "error,%s,%s,%.3f,%u,,,,%.6f,%.6f,", error_names[p][0], error_names[p][1],
@@ -102,8 +101,8 @@ static void tell(const host_figure2 *f, const char *out)
         for (p = 0; p < HOST_TIMES; p++)
             (void)printf(
                 "%-6s %-15s %7.3f with all vertices, %7.3f with %u; fit: %7.3f at 100 %% ignored, R^2 %.4f (%.4f)\n",
-                host_figure2_methods[m], time_names[p], f->ms[m][p][0], f->ms[m][p][f->n_times - 1u],
-                f->active[f->n_times - 1u], f->line[m][p].at_100, f->line[m][p].r2, f->line_all[m][p].r2);
+                methods[m], time_names[p], f->ms[m][p][0], f->ms[m][p][f->n_times - 1u], f->active[f->n_times - 1u],
+                f->line[m][p].at_100, f->line[m][p].r2, f->line_all[m][p].r2);
     for (p = 0; p < HOST_TIMES; p++)
         (void)printf("%s: rigid takes %.1f %% less time than polar with all vertices\n", time_names[p],
                      100.0 * (1.0 - f->ms[SMR_METHOD_RIGID][p][0] / f->ms[SMR_METHOD_POLAR][p][0]));

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "files/file_read.h"
+#include "base/memory.h"
 
 static int refuse(host_error *error, const char *place, smr_status status)
 {

@@ -4,9 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/threads.h"
 #include "commands/commands.h"
-#include "model/model_from_files.h"
+#include "files/file_names.h"
 #include "files/output_files.h"
+#include "model/model_from_files.h"
 
 /* C's own words; those with an underscore and a capital are out for that. */
 static int is_keyword(const char *text)

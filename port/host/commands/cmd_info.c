@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/threads.h"
 #include "commands/commands.h"
 #include "model/model_from_files.h"
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/threads.h"
 #include "commands/commands.h"
 #include "measure/surface_distances.h"
 #include "meshes/mesh_load.h"

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/threads.h"
 #include "commands/commands.h"
 #include "files/output_files.h"
 #include "phantom/thigh_phantom.h"

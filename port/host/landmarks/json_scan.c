@@ -1,8 +1,8 @@
 /* A strict scanner of JSON (RFC 8259) that calls back for members and elements and keeps nothing.
  * SPDX-License-Identifier: MIT */
-#include <string.h>
+#include "landmarks/json_scan.h"
 
-#include "landmarks/landmarks_reader.h"
+#include <string.h>
 
 #define DEPTH_MAX 32  /* of lists and objects within each other */
 #define KEY_BYTES 64u /* longer keys are none that anyone asks for */

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
+#include "landmarks/json_scan.h"
 #include "landmarks/landmarks_reader.h"
 
 typedef struct markup {

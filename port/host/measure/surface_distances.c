@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "files/file_read.h"
+#include "base/memory.h"
+#include "base/threads.h"
 
 #define CHUNK 256u                    /* points per task */
 #define FAR_MM (4.0f * SMR_COORD_MAX) /* more than any two legal points are apart */

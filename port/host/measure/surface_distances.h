@@ -3,8 +3,7 @@
 #ifndef SURFACE_DISTANCES_H
 #define SURFACE_DISTANCES_H
 
-#include "meshes/triangle_mesh.h"
-#include "base/threads.h"
+#include "smr.h"
 
 /* Of point-to-surface distances, mm. n = 0: there were none. */
 typedef struct host_stats {

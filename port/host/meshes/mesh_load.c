@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: MIT */
 #include "meshes/mesh_load.h"
 
+#include "base/threads.h"
+
 static void load_one(void *arg, uint32_t task, uint32_t worker)
 {
     host_load *const load = (host_load *)arg + task;

@@ -4,7 +4,6 @@
 #define MESH_LOAD_H
 
 #include "meshes/triangle_mesh.h"
-#include "base/threads.h"
 
 /* One file to read, and what became of it. */
 typedef struct host_load {

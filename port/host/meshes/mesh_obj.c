@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
+#include "base/text_scan.h"
 #include "meshes/mesh_reader.h"
 
 /* A face may name a vertex that follows later; the largest such index waits for the end. */

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
+#include "base/text_scan.h"
 #include "meshes/ply_header.h"
 
 /* Where the next value comes from. */

@@ -7,7 +7,6 @@
 #include <stdint.h>
 
 #include "meshes/triangle_mesh.h"
-#include "base/text_scan.h"
 
 /* A mesh being read. `unit` and `number` say where the reader is, for the error line. */
 typedef struct host_mesh_reader {
@@ -18,25 +17,6 @@ typedef struct host_mesh_reader {
     size_t vertex_capacity, triangle_capacity;
     int ras; /* 1: the file says SPACE=RAS */
 } host_mesh_reader;
-
-/* Number types as files name them. */
-typedef enum host_type {
-    HOST_TYPE_NONE = 0,
-    HOST_TYPE_I8,
-    HOST_TYPE_U8,
-    HOST_TYPE_I16,
-    HOST_TYPE_U16,
-    HOST_TYPE_I32,
-    HOST_TYPE_U32,
-    HOST_TYPE_I64,
-    HOST_TYPE_F32,
-    HOST_TYPE_F64
-} host_type;
-
-size_t host_type_bytes(host_type type);
-
-/* One number from bytes in the given order; whole numbers beyond 2^53 are rounded. */
-double host_type_read(host_type type, const unsigned char *bytes, int big_endian);
 
 /* Room for so many vertices or triangles in all. The counts must come from the file's size. */
 int host_reader_reserve(host_mesh_reader *reader, size_t vertices, size_t triangles);

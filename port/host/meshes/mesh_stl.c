@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number_types.h"
+#include "base/text_scan.h"
 #include "meshes/mesh_reader.h"
 
 #define HEADER_BYTES 84u

@@ -5,6 +5,8 @@
 
 #include <string.h>
 
+#include "base/text_scan.h"
+
 static host_type type_named(host_word word)
 {
     static const struct {

@@ -3,6 +3,7 @@
 #ifndef PLY_HEADER_H
 #define PLY_HEADER_H
 
+#include "base/number_types.h"
 #include "meshes/mesh_reader.h"
 
 #define HOST_PLY_ELEMENTS_MAX 16u

@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 #include "base/byte_buffer.h"
-#include "base/error_line.h"
+#include "base/mirror.h"
 #include "smr.h"
 
 typedef struct host_mesh {
@@ -20,7 +20,6 @@ typedef struct host_mesh {
 } host_mesh;
 
 enum { HOST_MESH_POINTS_TOO = 0, HOST_MESH_SURFACE = 1 };
-enum { HOST_MIRROR_NONE = -1, HOST_MIRROR_X = 0, HOST_MIRROR_Y = 1, HOST_MIRROR_Z = 2 };
 
 /* Reads PLY, STL, OBJ or legacy VTK polydata, told apart by content, then by extension; packed ones too.
  * need: HOST_MESH_SURFACE refuses a file without triangles. mirror: HOST_MIRROR_..., applied after
@@ -42,11 +41,5 @@ enum { HOST_FORMAT_PLY = 0, HOST_FORMAT_PLY_ASCII, HOST_FORMAT_STL, HOST_FORMAT_
 
 /* Writes the mesh in a format; binary little-endian PLY is the program's own. The buffer remembers failure. */
 void host_mesh_write(const host_mesh *mesh, int format, host_buffer *buffer);
-
-/* A file's name without directories, ".gz" and extension, as [bytes] with a NUL; cut when it is longer. */
-void host_base_name(const char *path, char *name, size_t bytes);
-
-/* Whether the path ends like ".ply", ".gz" aside and regardless of case. */
-int host_has_extension(const char *path, const char *extension);
 
 #endif

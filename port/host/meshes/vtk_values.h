@@ -3,6 +3,8 @@
 #ifndef VTK_VALUES_H
 #define VTK_VALUES_H
 
+#include "base/number_types.h"
+#include "base/text_scan.h"
 #include "meshes/mesh_reader.h"
 
 typedef struct host_vtk {

@@ -10,6 +10,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/memory.h"
+#include "base/threads.h"
+#include "files/file_names.h"
 #include "files/file_read.h"
 #include "volumes/volume_image.h"
 

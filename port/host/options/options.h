@@ -4,7 +4,7 @@
 #define OPTIONS_H
 
 #include "base/error_line.h"
-#include "meshes/triangle_mesh.h"
+#include "base/mirror.h"
 #include "smr.h"
 
 enum {

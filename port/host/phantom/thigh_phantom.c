@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "files/file_read.h"
+#include "base/memory.h"
+#include "base/threads.h"
 
 #define SMALL_MESH 1.6f /* times as long edges */
 #define PICKED_MM 1.0f  /* how exactly a person clicks, in each coordinate */

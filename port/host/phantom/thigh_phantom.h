@@ -5,7 +5,6 @@
 
 #include "fixture_thigh.h"
 #include "meshes/triangle_mesh.h"
-#include "base/threads.h"
 
 enum { HOST_THIGH_MODEL = 0, HOST_THIGH_PATIENT = 1 };
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "files/file_read.h"
 #include "landmarks/landmarks.h"
 #include "register/register_job.h"

@@ -3,10 +3,10 @@
 #ifndef REGISTER_JOB_H
 #define REGISTER_JOB_H
 
+#include "base/threads.h"
 #include "measure/surface_distances.h"
-#include "volumes/volume_image.h"
 #include "model/model_from_files.h"
-#include "options/options.h"
+#include "volumes/volume_image.h"
 
 #define HOST_NO_TARGET 0xffffffffu
 
@@ -71,8 +71,6 @@ int host_job_prepare(host_job *job, host_error *error);  /* the model, and besid
 int host_job_begin(host_job *job, host_error *error);    /* arena and registration, as smr_init leaves it */
 int host_job_run(host_job *job, host_error *error);      /* ticks */
 int host_job_evaluate(host_job *job, host_error *error); /* results, distances, folds */
-int host_job_write(host_job *job, host_error *error);    /* files, all or none */
-void host_job_summary(const host_job *job);
 void host_job_free(host_job *job);
 
 /* Parts of the steps for images: the volumes, the true surfaces, landmarks to start positions. */
@@ -90,8 +88,5 @@ int host_job_log(const host_job *job, host_buffer *out, host_error *error);
 
 /* The schedule came to its end, and not for want of anything to do. */
 static inline int host_job_converged(const host_job *job) { return job->last.done != 0 && job->target_seen; }
-
-/* report.json. */
-void host_job_report(const host_job *job, host_buffer *out);
 
 #endif

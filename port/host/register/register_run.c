@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "files/file_read.h"
+#include "base/memory.h"
 #include "register/register_job.h"
 
 #define PROGRESS_EVERY_S 0.1

@@ -1,5 +1,7 @@
 /* report.json and the summary for people.
  * SPDX-License-Identifier: MIT */
+#include "report/register_report.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -7,7 +9,6 @@
 #include <string.h>
 
 #include "report/json_write.h"
-#include "register/register_job.h"
 
 /* By SMR_WARP_... */
 static const char *const warp_names[] = {"spline", "similarity", "rigid", "translation"};

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "meshes/triangle_mesh.h"
+#include "files/file_names.h"
 #include "volumes/volume_reader.h"
 
 typedef int (*read_function)(host_volume_reader *reader, const unsigned char *data, size_t n);
@@ -102,10 +102,4 @@ int host_is_volume_path(const char *path)
         if (host_has_extension(path, endings[i]))
             return 1;
     return 0;
-}
-
-uint32_t host_volume_voxel_bytes(uint32_t type)
-{
-    static const unsigned char bytes[] = {1, 1, 2, 2, 4};
-    return bytes[type];
 }

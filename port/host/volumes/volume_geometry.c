@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#include "smr.h"
 #include "volumes/volume_reader.h"
 
 /* Determinant of the unit axes below which they count as lying in one plane. */
@@ -110,4 +111,10 @@ void host_volume_turn(double steps[3][3], double origin[3])
         for (j = 0; j < 3; j++)
             steps[j][i] = 0.0 - steps[j][i];
     }
+}
+
+uint32_t host_volume_voxel_bytes(uint32_t type)
+{
+    static const unsigned char bytes[] = {1, 1, 2, 2, 4};
+    return bytes[type];
 }

@@ -4,8 +4,6 @@
 
 #include <string.h>
 
-#include "meshes/triangle_mesh.h"
-
 _Static_assert((int)HOST_UINT8 == (int)SMR_VOXEL_UINT8 && (int)HOST_INT8 == (int)SMR_VOXEL_INT8 &&
                    (int)HOST_UINT16 == (int)SMR_VOXEL_UINT16 && (int)HOST_INT16 == (int)SMR_VOXEL_INT16 &&
                    (int)HOST_FLOAT32 == (int)SMR_VOXEL_FLOAT,

@@ -5,6 +5,7 @@
 
 #include <stddef.h>
 
+#include "base/mirror.h"
 #include "volumes/voxel_volume.h"
 #include "smr.h"
 

@@ -5,6 +5,7 @@
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
+#include "smr.h"
 #include "volumes/volume_reader.h"
 
 typedef struct meta_header {

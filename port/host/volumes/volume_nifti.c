@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "smr.h"
 #include "volumes/volume_reader.h"
 
 enum {

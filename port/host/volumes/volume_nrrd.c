@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "smr.h"
 #include "volumes/volume_reader.h"
 
 enum { SPACE_NONE = 0, SPACE_LPS, SPACE_RAS, SPACE_LAS };

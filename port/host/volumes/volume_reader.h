@@ -6,9 +6,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/number_types.h"
+#include "base/text_scan.h"
 #include "files/file_read.h"
 #include "volumes/voxel_volume.h"
-#include "meshes/mesh_reader.h"
 
 enum { HOST_ENCODING_RAW = 0, HOST_ENCODING_TEXT, HOST_ENCODING_DEFLATE };
 

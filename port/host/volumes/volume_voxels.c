@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "volumes/volume_reader.h"
 
 /* Deflate cannot pack better than this: a longest copy takes at least two bits. */
