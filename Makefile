@@ -69,7 +69,7 @@ M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-
 M55_CFLAGS := -mthumb -mcpu=cortex-m55+nomve.fp -mfloat-abi=hard -ffunction-sections -fdata-sections
 export M7_CFLAGS M55_CFLAGS
 
-.PHONY: all help demo demo-bone check experiments programs cmocka bench figure2 soak size stack hashes golden-update timing timing-update install clean
+.PHONY: all help demo demo-bone check experiments programs layer-objects cmocka bench figure2 soak size stack hashes golden-update timing timing-update install clean
 .DELETE_ON_ERROR:
 
 all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM)
@@ -192,6 +192,9 @@ cmocka:
 	@$(if $(TEST_SRC)$(HOST_TEST_SRC)$(EXPERIMENT_SRC),sh tests/need_cmocka.sh "$(CC)",:)
 
 $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC)): | cmocka
+
+# What tests/check_layers.sh reads symbols from; it gives a BUILD and CFLAGS of its own.
+layer-objects: $(CORE_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ)
 
 programs: all $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BUILD)/fixture_write $(if $(CORE_SRC),$(BUILD)/golden $(BUILD)/replay_run) $(call obj,$(wildcard port/template/*.c))
 
