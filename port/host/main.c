@@ -1,4 +1,4 @@
-/* smr: the command line.
+/* smr: the command line program.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 
@@ -11,7 +11,7 @@
 
 #include "commands/commands.h"
 
-/* Closed standard streams would otherwise become the files we open. */
+/* Opens closed standard streams: otherwise the next opened file would take their place. */
 static void keep_streams_open(void)
 {
     int fd = 0;
@@ -82,7 +82,7 @@ int main(int argc, char **argv)
     int result = 0;
     memset(&error, 0, sizeof error);
     keep_streams_open();
-    (void)signal(SIGXFSZ, SIG_IGN); /* a file size limit is then a write error like any other */
+    (void)signal(SIGXFSZ, SIG_IGN); /* makes an exceeded file size limit a write error */
     result = dispatch(argc, argv, &error);
     if (fflush(stdout) != 0 || ferror(stdout)) {
         error.file = "standard output";

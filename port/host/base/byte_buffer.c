@@ -1,4 +1,4 @@
-/* Growing bytes for output.
+/* A growing array of bytes for output.
  * SPDX-License-Identifier: MIT */
 #include "base/byte_buffer.h"
 

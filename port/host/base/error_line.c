@@ -1,4 +1,4 @@
-/* The error line: filled by readers and option checks, printed once by the main program.
+/* The error line: readers and option checks fill it, main prints it once.
  * SPDX-License-Identifier: MIT */
 #include "base/error_line.h"
 
@@ -27,7 +27,7 @@ int host_fail_at(host_error *error, const char *unit, uint64_t number, const cha
     return -1;
 }
 
-/* A file name may hold line breaks; the promise is one line. */
+/* Replaces control characters: a file name may contain line breaks, but the error is one line. */
 static void put_clean(const char *text)
 {
     for (; *text != '\0'; text++) {

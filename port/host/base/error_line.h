@@ -1,4 +1,4 @@
-/* What went wrong, where, and what was expected instead: the one line a failed command prints.
+/* The line that a failed command prints: the file or option, the place in it, and what was expected there.
  * SPDX-License-Identifier: MIT */
 #ifndef ERROR_LINE_H
 #define ERROR_LINE_H
@@ -12,12 +12,12 @@
 #endif
 
 typedef struct host_error {
-    const char *file;   /* borrowed: the file or the option at fault; NULL when nothing went wrong yet */
-    char place[96];     /* "header line 5", "face 1234"; counts of vertices and faces start at 0 */
-    char expected[240]; /* what should have been there */
+    const char *file;   /* the file or option at fault; borrowed; NULL while there is no error */
+    char place[96];     /* "header line 5", "face 1234"; vertices and faces are numbered from 0 */
+    char expected[240]; /* what the place should contain */
 } host_error;
 
-/* Both fill the error and return -1, so that a caller can write: return host_fail(...). */
+/* Fill the error. Return -1, so that a caller can write: return host_fail(...). */
 int host_fail(host_error *error, const char *place, const char *expected, ...) HOST_PRINTF(3, 4);
 int host_fail_at(host_error *error, const char *unit, uint64_t number, const char *expected, ...) HOST_PRINTF(4, 5);
 

@@ -1,4 +1,4 @@
-/* Memory that is aligned for the library, from the system.
+/* Aligned memory from the system.
  * SPDX-License-Identifier: MIT */
 #define _DEFAULT_SOURCE /* madvise */
 
@@ -23,7 +23,7 @@ void *host_alloc_scattered(size_t bytes)
         return host_alloc(bytes);
     data = aligned_alloc(HUGE_PAGE, (bytes / HUGE_PAGE + 1u) * HUGE_PAGE);
 #if defined(MADV_HUGEPAGE)
-    if (data != NULL) /* where the system has none nothing is lost; the last, partly used page stays small */
+    if (data != NULL) /* only a hint; the last, partly used huge page keeps small pages */
         (void)madvise(data, bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
 #endif
     return data;

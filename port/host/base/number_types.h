@@ -18,9 +18,10 @@ typedef enum host_type {
     HOST_TYPE_F64
 } host_type;
 
+/* Bytes of one number of the type. */
 size_t host_type_bytes(host_type type);
 
-/* One number from bytes in the given order; whole numbers beyond 2^53 are rounded. */
+/* Converts one number from bytes in the given order. Whole numbers beyond 2^53 are rounded. */
 double host_type_read(host_type type, const unsigned char *bytes, int big_endian);
 
 #endif

@@ -1,12 +1,12 @@
-/* Text scanning. The number reader takes the usual short decimals at once (exact: a mantissa below 2^53
- * and a power of ten up to 22 are both exact doubles) and leaves the rest to strtod.
+/* Words, lines and numbers from a text. Short decimals are converted directly: a mantissa below 2^53 and a power of
+ * ten up to 22 are exact doubles, so the result is exact. strtod converts all others.
  * SPDX-License-Identifier: MIT */
 #include "base/text_scan.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define NUMBER_CHARS 128u /* longest number read: longer ones are not numbers anyone writes */
+#define NUMBER_CHARS 128u /* the longest number accepted */
 
 host_text host_text_over(const void *data, size_t n)
 {
@@ -21,8 +21,8 @@ static int is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == 
 
 static int is_break(char c) { return c == '\n' || c == '\r'; }
 
-/* Passes one line break: \n, \r\n or \r. */
-static void pass_break(host_text *text)
+/* Skips one line break: \n, \r\n or \r. */
+static void skip_break(host_text *text)
 {
     if (*text->at == '\r' && text->at + 1 < text->end && text->at[1] == '\n')
         text->at++;
@@ -46,7 +46,7 @@ int host_text_word(host_text *text, host_word *word)
     while (host_text_word_in_line(text, word) == 0) {
         if (text->at >= text->end)
             return 0;
-        pass_break(text);
+        skip_break(text);
     }
     return 1;
 }
@@ -61,7 +61,7 @@ int host_text_line(host_text *text, host_word *line)
         text->at++;
     line->n = (size_t)(text->at - line->start);
     if (text->at < text->end)
-        pass_break(text);
+        skip_break(text);
     return 1;
 }
 
@@ -105,7 +105,7 @@ static int slow_double(host_word word, double *value)
     return end == copy + word.n;
 }
 
-/* Digits with at most one point; counts the digits after it. Returns the first character not taken. */
+/* Reads digits with at most one point and counts the digits after it. Returns the first character not read. */
 static const char *read_digits(const char *p, const char *end, uint64_t *mantissa, int *digits, int *decimals)
 {
     int point = 0;
@@ -124,7 +124,7 @@ static const char *read_digits(const char *p, const char *end, uint64_t *mantiss
     return p;
 }
 
-/* "e-12" up to the end of the word; 1 when it is one of at most three digits, or nothing. */
+/* Reads an exponent such as "e-12" up to the end of the word. 1 when it has at most three digits or is empty. */
 static int read_exponent(const char *p, const char *end, int *exponent)
 {
     int sign = 1, digits = 0;

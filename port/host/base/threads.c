@@ -23,7 +23,7 @@ static uint32_t processors(void)
 {
     cpu_set_t allowed;
     const long online = sysconf(_SC_NPROCESSORS_ONLN);
-    /* a container or taskset may allow fewer than there are */
+    /* a container or taskset may allow fewer processors than are online */
     const long n = sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? CPU_COUNT(&allowed) : online;
     if (n < 1)
         return 1;

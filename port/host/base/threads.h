@@ -9,17 +9,17 @@
 typedef struct host_port {
     smr_port port;
     smr_pthread *pool; /* owned */
-    void *memory;      /* of the pool; owned */
+    void *memory;      /* the pool's; owned */
 } host_port;
 
-/* Starts the threads; 0 means one for each processor. */
+/* Starts the threads; 0: one per processor. 0, or -1 with the error filled. */
 int host_port_open(host_port *port, uint32_t threads, host_error *error);
 void host_port_close(host_port *port);
 
-/* run(arg, t, worker) for each t < n_tasks, by the port's workers. */
+/* Calls run(arg, t, worker) for each t < n_tasks, on the port's workers. */
 void host_parallel(const smr_port *port, smr_task run, void *arg, uint32_t n_tasks);
 
-/* Monotonic seconds. */
+/* Seconds of a monotonic clock. */
 double host_seconds(void);
 
 #endif

@@ -1,9 +1,9 @@
-/* The paper's figure 2, measured: time of an iteration and segmentation error against the share of ignored vertices.
+/* Measures the paper's figure 2: time per iteration and segmentation error against the share of ignored vertices.
  *
- * Times are those of the paper's iteration in the paper's setting: one cluster radius of 30 mm, profiles of 30 samples every
- * 0.5 mm searched within 10 mm, reference positions that stay (elastic), no fold guard. One thread; the clock is that
- * thread's processor time, so that other programs disturb little. Errors are those of whole registrations with the
- * command line's defaults.
+ * Times: one iteration in the paper's setting. One cluster radius of 30 mm, profiles of 30 samples every 0.5 mm,
+ * searched within 10 mm, fixed reference positions (elastic), no fold handling, one thread. The clock is the thread's
+ * processor time, which other programs hardly disturb.
+ * Errors: whole registrations with the command line's defaults.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 
@@ -18,11 +18,11 @@
 #define RADIUS_MM 30.0f
 #define SEARCH_MM 10.0f
 #define SAMPLES 30u
-#define TICKS 5u /* timed in a row, after one that makes the clusters' centres */
+#define TICKS 5u /* timed ticks per run, after one that computes the clusters' centres */
 
 typedef struct samples {
     double *ms[2][HOST_TIMES][HOST_SHARES]; /* [repetitions * TICKS] */
-    uint32_t n;                             /* of each so far, one method and share behind the other */
+    uint32_t n;                             /* samples so far in each array */
 } samples;
 
 static uint64_t processor_ns(void *ctx)
@@ -51,9 +51,9 @@ static smr_config paper_config(const host_bench *bench, uint32_t method, double 
     return config;
 }
 
-/* A few iterations from the start; their times go to samples[first...]. */
-static int time_few(host_bench *bench, uint32_t method, uint32_t share, uint32_t first, host_figure2 *figure,
-                    samples *to, host_error *error)
+/* Runs TICKS iterations from the start and stores their times from samples[first] on. */
+static int time_iterations(host_bench *bench, uint32_t method, uint32_t share, uint32_t first, host_figure2 *figure,
+                           samples *to, host_error *error)
 {
     const smr_port port = {NULL, 1, NULL, processor_ns};
     const smr_config config = paper_config(bench, method, figure->asked[share]);
@@ -87,7 +87,7 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Least squares through n points. */
+/* Fits a line to n points by least squares. */
 static host_line fit(const double *x, const double *y, uint32_t n)
 {
     double mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
@@ -109,7 +109,7 @@ static host_line fit(const double *x, const double *y, uint32_t n)
     return line;
 }
 
-static void settle_times(host_figure2 *figure, const samples *from, uint32_t n)
+static void take_medians(host_figure2 *figure, const samples *from, uint32_t n)
 {
     uint32_t method = 0, part = 0, share = 0;
     for (method = 0; method < 2; method++)
@@ -120,14 +120,14 @@ static void settle_times(host_figure2 *figure, const samples *from, uint32_t n)
                 figure->ms[method][part][share] = 0.5 * (ms[(n - 1u) / 2u] + ms[n / 2u]);
                 figure->least_ms[method][part][share] = ms[0];
             }
-            /* shares that the clusters could not spare have gone: what is left of the equal steps */
+            /* the last point may be the largest possible share, which is not equally spaced */
             figure->line[method][part] = fit(figure->ignored, figure->ms[method][part],
                                              figure->n_times > figure->n_errors ? figure->n_errors : figure->n_times);
             figure->line_all[method][part] = fit(figure->ignored, figure->ms[method][part], figure->n_times);
         }
 }
 
-/* Shares in turns, so that a slow spell of the machine does not fall on one of them alone. */
+/* Measures the shares in turn, repeatedly, so that a slow moment of the machine does not affect one share only. */
 static int measure_times(host_bench *bench, host_figure2 *figure, host_error *error)
 {
     const uint32_t n = figure->repetitions * TICKS;
@@ -149,12 +149,12 @@ static int measure_times(host_bench *bench, host_figure2 *figure, host_error *er
     for (round = 0; result == 0 && round < figure->repetitions; round++)
         for (i = 0; result == 0 && i < figure->n_times; i++)
             for (method = 0; result == 0 && method < 2; method++)
-                result = time_few(bench, method, i, round * TICKS, figure, &s, error);
-    /* what the clusters can spare may be less than was asked for: one point for it */
+                result = time_iterations(bench, method, i, round * TICKS, figure, &s, error);
+    /* the clusters may need more active vertices than asked for: of equal numbers of them one point remains */
     while (figure->n_times > 1 && figure->active[figure->n_times - 1u] == figure->active[figure->n_times - 2u])
         figure->n_times--;
     if (result == 0)
-        settle_times(figure, &s, n);
+        take_medians(figure, &s, n);
     free(memory);
     return result;
 }

@@ -1,4 +1,4 @@
-/* figure2.csv, figure2.svg, and the figures in words.
+/* Writes figure2.csv and figure2.svg, and prints the summary.
  * SPDX-License-Identifier: MIT */
 #include "bench/bench_figure2.h"
 
@@ -21,7 +21,7 @@ static void put_fits(const char *name, host_line line[2][HOST_TIMES], host_buffe
                               line[m][p].at_0, line[m][p].at_100, line[m][p].slope, line[m][p].r2);
 }
 
-/* One table for all: columns that a row has no value for are empty. */
+/* One table for times, errors and fits: columns without a value stay empty. */
 static void put_csv(host_figure2 *f, host_buffer *out)
 {
     uint32_t m = 0, p = 0, i = 0;
@@ -91,7 +91,7 @@ static void put_svg(const host_figure2 *f, host_buffer *out)
     host_plot_write(plot, 2, title, out);
 }
 
-static void tell(const host_figure2 *f, const char *out)
+static void print_summary(const host_figure2 *f, const char *out)
 {
     uint32_t m = 0, p = 0, i = 0;
     (void)printf(
@@ -137,6 +137,6 @@ int host_figure2_write(host_figure2 *figure, const host_options *options, host_e
     host_buffer_free(&csv);
     host_buffer_free(&svg);
     if (result == 0 && !options->quiet)
-        tell(figure, options->out);
+        print_summary(figure, options->out);
     return result;
 }

@@ -1,4 +1,4 @@
-/* The data of the benchmarks: the computed thigh, or files; and what they do with it.
+/* The benchmarks' data, the computed thigh or files, and their registrations.
  * SPDX-License-Identifier: MIT */
 #include "bench/bench_job.h"
 
@@ -13,8 +13,8 @@ static int refuse(host_error *error, const char *place, smr_status status)
     return host_fail(error, place, "input and options within the library's limits (%s)", smr_status_name(status));
 }
 
-/* The surfaces change hands: the thigh keeps images and landmarks. */
-static void take_part(host_bench *bench, uint32_t i)
+/* Moves the thigh's surfaces into the job. The thigh keeps its images and landmarks. */
+static void take_structure(host_bench *bench, uint32_t i)
 {
     host_job *const job = &bench->job;
     host_mesh *const model = &bench->thigh->mesh[HOST_THIGH_MODEL][i];
@@ -48,14 +48,14 @@ static int take_thigh(host_bench *bench, host_error *error)
     }
     job->model.n_parts = job->n_targets = FIXTURE_THIGH_PARTS;
     for (i = 0; i < FIXTURE_THIGH_PARTS; i++)
-        take_part(bench, i);
+        take_structure(bench, i);
     job->reference.view = host_thigh_image(bench->thigh, HOST_THIGH_MODEL);
     job->image.view = host_thigh_image(bench->thigh, HOST_THIGH_PATIENT);
     job->n_landmarks = FIXTURE_THIGH_LANDMARKS;
     return host_job_place_pairs(job, from[0], to[0], error);
 }
 
-/* Surfaces, never a ready .smr: the reference image is an option that such a model refuses. */
+/* The model is read from surfaces: the benchmarks prepare it anew, a .smr is refused. */
 static int load_files(host_job *job, host_error *error)
 {
     return host_job_load(job, error) != 0 || host_job_match(job, error) != 0 || host_job_start(job, error) != 0 ? -1
@@ -94,9 +94,9 @@ void host_bench_free(host_bench *bench)
 int host_bench_prepare(host_bench *bench, smr_prepare_config config, int image, host_error *error)
 {
     host_job *const job = &bench->job;
-    free(job->model.image);
+    free(job->model.prepared);
     free(job->start_xyz);
-    job->model.image = NULL;
+    job->model.prepared = NULL;
     job->start_xyz = NULL;
     config.reference = image ? &job->reference.view : NULL;
     return host_model_prepare(&job->model, &config, error) != 0 ? -1 : host_job_warp(job, error);
@@ -141,7 +141,7 @@ int host_bench_init(host_bench *bench, const smr_config *config, const smr_port 
     return status == SMR_OK ? 0 : refuse(error, "set up", status);
 }
 
-/* What the last registration left behind. */
+/* Frees what the last registration left in the job. */
 static void forget_result(host_job *job)
 {
     uint32_t i = 0;

@@ -1,10 +1,10 @@
-/* Line charts side by side as one SVG.
+/* Draws line charts side by side in one SVG.
  * SPDX-License-Identifier: MIT */
 #include "bench/bench_plot.h"
 
 #include <math.h>
 
-/* Pixels. A panel holds its axes' texts on the left and below. */
+/* Pixels. The texts of a panel's axes are on its left and below it. */
 #define PANEL_WIDTH 480.0
 #define HEIGHT 420.0
 #define LEFT 62.0
@@ -12,10 +12,10 @@
 #define TOP 64.0
 #define BOTTOM 52.0
 #define LINE 17.0
-#define HEADROOM 1.45 /* of the largest value: the legend lies above the curves */
+#define HEADROOM 1.45 /* top of the y axis over the largest value: room for the legend */
 #define TICKS 6.0
 
-/* Where a panel draws, and its scales. */
+/* A panel's place and scales. */
 typedef struct frame {
     double left, top, width, height, x_max, y_max, y_step;
 } frame;
@@ -23,7 +23,7 @@ typedef struct frame {
 static double px(const frame *f, double x) { return f->left + f->width * x / f->x_max; }
 static double py(const frame *f, double y) { return f->top + f->height * (1.0 - y / f->y_max); }
 
-/* 1, 2 or 5 times a power of ten, so that about TICKS of them make the range. */
+/* The distance of axis ticks: 1, 2 or 5 times a power of ten, about TICKS of them in the range. */
 static double nice_step(double range)
 {
     const double raw = range / TICKS, power = pow(10.0, floor(log10(raw))), digit = raw / power;

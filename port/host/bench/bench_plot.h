@@ -1,4 +1,4 @@
-/* Line charts side by side as one SVG, written by hand: axes, ticks, legends, measured points and fitted lines.
+/* Line charts side by side in one SVG: axes, ticks, legends, measured points and fitted lines.
  * SPDX-License-Identifier: MIT */
 #ifndef BENCH_PLOT_H
 #define BENCH_PLOT_H
@@ -8,10 +8,10 @@
 #define HOST_CURVES_MAX 8u
 
 typedef struct host_curve {
-    const char *name, *colour, *dash; /* dash: an SVG dash array, or "none". All texts are ours: nothing is escaped */
+    const char *name, *colour, *dash; /* dash: an SVG dash array, or "none"; texts are not escaped */
     const double *x, *y;              /* [n] */
     uint32_t n;
-    int fitted; /* 1: a line y = fit[0] + fit[1] x to the right edge instead of one through points */
+    int fitted; /* 1: draws the line y = fit[0] + fit[1] x, 0: connects the points */
     double fit[2];
 } host_curve;
 
@@ -20,7 +20,7 @@ typedef struct host_plot {
     host_curve curve[HOST_CURVES_MAX];
     uint32_t n_curves;
     double x_max;    /* both axes start at 0 */
-    int legend_left; /* where the curves leave room, at the top */
+    int legend_left; /* 1: the legend is at the top left, 0: at the top right */
 } host_plot;
 
 void host_plot_write(const host_plot *plots, uint32_t n, const char *title, host_buffer *out);

@@ -1,7 +1,7 @@
-/* A soak of the budgets by the wall clock: how far beyond its budget a tick ends, as a histogram. A figure of this
- * machine and its load at the moment, not a promise. Beside it the same by the processor time of the calling thread: with
- * one thread, what that exceeds a budget by is the library's own, for other programs do not count there. With more, the
- * caller also waits for the others without using any.
+/* The soak benchmark: a histogram of how far ticks end beyond their budgets, for this machine and its present load.
+ * It is measured by the wall clock and by the processor time of the calling thread. With one thread, processor time
+ * beyond the budget is the library's own, since other programs do not count. With more threads the caller also waits
+ * for the others, which uses no processor time.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 
@@ -16,13 +16,13 @@ enum { BUDGETS = 6, BINS = 12, KINDS = 2 };
 enum { WALL = 0, PROCESSOR, CLOCKS };
 
 static const double budgets_ms[BUDGETS] = {1, 2, 4, 8, 16, 33};
-/* Upper ends of the bins, us beyond the budget; the first is "in time", the last has no end. */
+/* Upper ends of the bins, us beyond the budget. The first bin is "in time", the last has no upper end. */
 static const double bin_us[BINS - 1] = {0, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000};
 static const char *const kinds[KINDS] = {"surface", "image"};
 static const char *const clocks[CLOCKS] = {"wall", "processor"};
 
 typedef struct soak_row {
-    uint32_t ticks, whole, runs; /* whole: ticks that completed an iteration; runs: registrations to the end */
+    uint32_t ticks, whole, runs; /* whole: ticks that completed an iteration; runs: completed registrations */
     double worst_us[CLOCKS];
     uint32_t bin[CLOCKS][BINS];
 } soak_row;
@@ -43,7 +43,7 @@ static void count(soak_row *row, int clock, double over_us)
     row->worst_us[clock] = over_us > row->worst_us[clock] ? over_us : row->worst_us[clock];
 }
 
-/* Registers again and again until the time is over. */
+/* Repeats the registration until the time is over. */
 static int run_budget(host_bench *bench, double budget_ms, soak_row *row, host_error *error)
 {
     const double end = host_seconds() + bench->given->seconds;

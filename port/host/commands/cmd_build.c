@@ -1,4 +1,4 @@
-/* smr build: surfaces to a model image, as a file or as C source for a device.
+/* smr build: prepares surfaces into a model, as a file or as C source for a device.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 #include "files/output_files.h"
 #include "model/model_from_files.h"
 
-/* C's own words; those with an underscore and a capital are out for that. */
+/* The keywords of C. Those that start with an underscore and a capital are refused for that. */
 static int is_keyword(const char *text)
 {
     static const char *const words[] = {"auto",    "break",  "case",     "char",   "const",    "continue", "default",
@@ -39,15 +39,15 @@ static int is_identifier(const char *text)
 
 static void put_c_array(const host_model *model, const char *name, host_buffer *out)
 {
-    const unsigned char *const bytes = model->image;
+    const unsigned char *const bytes = model->prepared;
     size_t i = 0;
     host_buffer_print(out,
                       "/* A model image for smr_model_open(name, name_bytes): %u vertices, %u structures. */\n"
                       "#include <stddef.h>\n\nextern const unsigned char %s[];\nextern const size_t %s_bytes;\n\n"
                       "const size_t %s_bytes = %zu;\n_Alignas(%u) const unsigned char %s[%zu] = {",
-                      model->info.n_vertices, model->info.n_structures, name, name, name, model->image_bytes, SMR_ALIGN,
-                      name, model->image_bytes);
-    for (i = 0; i < model->image_bytes; i++) {
+                      model->info.n_vertices, model->info.n_structures, name, name, name, model->prepared_bytes,
+                      SMR_ALIGN, name, model->prepared_bytes);
+    for (i = 0; i < model->prepared_bytes; i++) {
         char text[8];
         const int n = snprintf(text, sizeof text, "%s%u,", i % 24u == 0 ? "\n" : "", bytes[i]);
         host_buffer_add(out, text, (size_t)n);
@@ -79,7 +79,7 @@ static int add_c_array(const host_model *model, const host_options *options, hos
     else
         result = host_output_add(output, alone ? options->out : path, &text, error);
     host_buffer_free(&text);
-    /* The set keeps its own copy of the name, but the error may still point to this one. */
+    /* The output set has its own copy of the name, but the error may still point to this one. */
     if (result != 0)
         error->file = options->out;
     free(path);
@@ -93,8 +93,8 @@ static int write_model(const host_model *model, const host_options *options, hos
     host_buffer image;
     int result = 0;
     memset(&image, 0, sizeof image);
-    image.data = model->image; /* borrowed: the buffer is not freed */
-    image.size = model->image_bytes;
+    image.data = model->prepared; /* borrowed: the buffer is not freed */
+    image.size = model->prepared_bytes;
     error->file = options->out;
     if (output == NULL)
         return host_fail(error, "output", "free memory");
@@ -130,7 +130,7 @@ int host_build(const host_options *options, host_error *error)
         result = HOST_DONE;
         if (!options->quiet)
             (void)printf("%s: %u structures, %u vertices, %u radii, %zu bytes, prepared in %.3f s\n", options->out,
-                         model.info.n_structures, model.info.n_vertices, model.info.n_radii, model.image_bytes,
+                         model.info.n_structures, model.info.n_vertices, model.info.n_radii, model.prepared_bytes,
                          model.prepare_s);
     }
     host_model_free(&model);

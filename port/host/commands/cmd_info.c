@@ -1,4 +1,4 @@
-/* smr info: what a model is made of.
+/* smr info: prints the structures, radii and sizes of a model.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <string.h>
@@ -40,7 +40,7 @@ int host_info(const host_options *options, host_error *error)
     host_port port;
     host_model model;
     int result = HOST_REFUSED;
-    const int ready = host_model_is_image(options->operands.path[0]);
+    const int ready = host_model_is_prepared(options->operands.path[0]);
     memset(&port, 0, sizeof port);
     memset(&model, 0, sizeof model);
     error->file = options->prepare_option;

@@ -10,7 +10,7 @@
 #include "measure/surface_distances.h"
 #include "meshes/mesh_load.h"
 
-/* A and B, and the surface A's triangles come from. */
+/* Surfaces A and B, and the source: A before it was deformed. */
 typedef struct measured {
     host_load load[3];
     uint32_t n;
@@ -39,7 +39,7 @@ static int load(measured *m, const host_options *options, const smr_port *port, 
     return 0;
 }
 
-/* The source must be A before it was deformed. */
+/* The source must have A's vertices and triangles. */
 static int check_source(const measured *m, host_error *error)
 {
     const host_mesh *const a = &m->load[0].mesh, *const s = &m->load[2].mesh;
@@ -82,7 +82,8 @@ static int evaluate(measured *m, const smr_port *port)
     for (i = 0; i < 2; i++)
         if (m->mm[i] != NULL)
             m->stats[i] = host_stats_of(m->mm[i], m->load[i].mesh.n_vertices);
-    return a.n_triangles == 0 ? 0 : host_folds(&a, m->n == 3 ? m->load[2].mesh.xyz : NULL, &m->folds, &m->absolute);
+    return a.n_triangles == 0 ? 0
+                              : host_count_folds(&a, m->n == 3 ? m->load[2].mesh.xyz : NULL, &m->folds, &m->absolute);
 }
 
 static void print_stats(const char *name, const host_stats *s)

@@ -1,4 +1,4 @@
-/* smr phantom: the computed thigh as files: model, reference image, a patient's image, landmarks, the truth.
+/* smr phantom: writes the computed thigh: model, reference image, patient's image, landmarks and truth.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>

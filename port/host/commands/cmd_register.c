@@ -1,4 +1,4 @@
-/* smr register: the steps in order.
+/* smr register: calls the steps of a registration in order and writes its files.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>
@@ -42,7 +42,7 @@ static int write_log(const host_job *job, host_output *output, host_error *error
     return result;
 }
 
-/* Results and log: all of them or, as far as renaming allows, none. */
+/* Writes results and log: all files, or none as far as renaming can be undone. */
 static int write_all(const host_job *job, host_error *error)
 {
     host_output *const output = host_output_begin(job->options->out), *const log = host_output_begin(NULL);
@@ -51,7 +51,7 @@ static int write_all(const host_job *job, host_error *error)
         result = host_fail(error, "output", "free memory");
     if (result == 0)
         result = write_files(job, output, error);
-    if (result == 0 && job->options->log != NULL) /* perhaps into the directory that was just made */
+    if (result == 0 && job->options->log != NULL) /* may go into the directory that was just made */
         result = write_log(job, log, error);
     if (result != 0) {
         host_output_abandon(log);

@@ -9,7 +9,7 @@
 #include "files/log_file.h"
 #include "register/register_job.h"
 
-/* What the log's ticks are, counted before any of them is repeated. */
+/* Numbers of the log's records, counted before the first tick is repeated. */
 typedef struct tick_counts {
     uint32_t ticks, iterations, partial, cut;
 } tick_counts;
@@ -17,13 +17,13 @@ typedef struct tick_counts {
 typedef struct replayed {
     const char *path;
     host_log log;
-    host_options options; /* of the recorded command line */
+    host_options options; /* from the recorded command line */
     host_job job;
     tick_counts counts;
     char **arguments; /* owned */
 } replayed;
 
-/* Every record of it is sound. */
+/* Checks every record of the log and counts them. */
 static int count_ticks(replayed *r, host_error *error)
 {
     smr_log_reader reader;
@@ -48,7 +48,7 @@ static int count_ticks(replayed *r, host_error *error)
     return 0;
 }
 
-/* Each file is still what it was. */
+/* Checks that each input file still has its recorded size and checksum. */
 static int check_inputs(const host_log *log, host_error *error)
 {
     uint32_t i = 0;
@@ -66,7 +66,7 @@ static int check_inputs(const host_log *log, host_error *error)
     return 0;
 }
 
-/* The recorded command line, as if it had been given now. */
+/* Reads the options from the recorded command line. */
 static int read_options(replayed *r, uint32_t threads, host_error *error)
 {
     const uint32_t n = r->log.n_arguments;
@@ -79,14 +79,14 @@ static int read_options(replayed *r, uint32_t threads, host_error *error)
     if (host_options_read(HOST_REGISTER, (int)(n + 2u), r->arguments, &r->options, error) != 0)
         return -1;
     r->options.threads = threads;
-    r->options.truth = NULL; /* nothing is measured */
+    r->options.truth = NULL; /* a replay measures nothing */
     r->options.log = NULL;
     if (r->options.landmarks.n == 0)
         r->options.align = HOST_ALIGN_NONE; /* the pose is in the log */
     return 0;
 }
 
-/* The input that a record names. */
+/* Finds the input that a record names. */
 static const void *input_of(void *ctx, const smr_log_record *record)
 {
     const host_job *const job = ctx;
@@ -181,7 +181,7 @@ static int run(replayed *r, uint32_t threads, host_error *error)
 
 int host_replay(const host_options *options, host_error *error)
 {
-    static char blamed[512]; /* the error is printed when the log and its texts are gone */
+    static char blamed[512]; /* a copy: the error is printed after the log and its texts are freed */
     replayed r;
     int result = 0;
     memset(&r, 0, sizeof r);

@@ -1,4 +1,4 @@
-/* Names of files: the base name and the extension.
+/* Base name and extension of a file's path.
  * SPDX-License-Identifier: MIT */
 #include "files/file_names.h"
 

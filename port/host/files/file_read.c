@@ -1,6 +1,6 @@
-/* Reading whole files. Sizes come from the file system, never from what a file claims about itself.
+/* Reads whole files. Sizes come from the file system, never from the file's own header.
  * SPDX-License-Identifier: MIT */
-#define _DEFAULT_SOURCE /* madvise */
+#define _POSIX_C_SOURCE 200809L
 
 #include "files/file_read.h"
 
@@ -9,7 +9,6 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -23,7 +22,7 @@ void host_file_free(host_bytes *bytes)
     bytes->size = 0;
 }
 
-/* Reads until n bytes are there or the file ends. */
+/* Reads n bytes, or fewer at the end of the file. */
 static int read_up_to(int fd, unsigned char *to, size_t n, size_t *got, host_error *error)
 {
     *got = 0;
@@ -53,7 +52,7 @@ static int read_plain(int fd, const char *path, size_t size, host_accept accept,
     if (bytes->data == NULL)
         return host_fail(error, "file", "%zu bytes of free memory", size);
     memcpy(bytes->data, head, got);
-    /* Shorter than it was a moment ago: what there is is read, and the reader calls it truncated. */
+    /* If the file has become shorter meanwhile, its reader reports it as truncated. */
     if (got == first && read_up_to(fd, bytes->data + got, size - got, &rest, error) != 0) {
         host_file_free(bytes);
         return -1;
@@ -62,7 +61,7 @@ static int read_plain(int fd, const char *path, size_t size, host_accept accept,
     return 0;
 }
 
-/* Files read so far, by device and number, and by name. Reading goes on in several threads. */
+/* The files read so far: device, inode number and name. Locked, since several threads read files. */
 static struct {
     pthread_mutex_t lock;
     struct file_id {
@@ -156,7 +155,7 @@ static int read_open(int fd, const char *path, host_accept accept, host_bytes *b
 
 int host_file_read(const char *path, host_accept accept, host_bytes *bytes, host_error *error)
 {
-    /* Without O_NONBLOCK a named pipe would hold the program here for ever. */
+    /* Without O_NONBLOCK, opening a named pipe without a writer would block for ever. */
     const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     int result = 0;
     bytes->data = NULL;

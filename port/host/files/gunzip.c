@@ -1,4 +1,4 @@
-/* Unpacking: gzip runs as a child with the file as its input and a pipe as its output.
+/* Unpacks a file: gzip runs as a child process with the file as its input and a pipe as its output.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 
@@ -16,7 +16,7 @@
 #define FIRST_CAPACITY ((size_t)256u << 10)
 #define NO_PROGRAM 127
 
-/* In the child: only calls that are safe after fork in a program with threads. */
+/* Runs in the child: only calls that are safe after fork in a program with threads. */
 static void run_gzip(int fd, int to)
 {
     const int null = open("/dev/null", O_WRONLY);
@@ -66,7 +66,7 @@ static int drain(int from, const char *path, host_accept accept, host_bytes *byt
     }
 }
 
-/* Ends the child, early when the data is not wanted, and says whether it was content. */
+/* Waits for the child; kills it first when reading failed. 0 when gzip succeeded, else -1 with the error filled. */
 static int finish(pid_t child, int result, const host_bytes *bytes, host_error *error)
 {
     int status = 0;
@@ -92,7 +92,7 @@ int host_gzip_read(int fd, const char *path, host_accept accept, host_bytes *byt
     pid_t child = 0;
     if (pipe(ends) != 0)
         return host_fail(error, "file", "a pipe to gzip (%s)", strerror(errno));
-    /* Another reader's gzip must not inherit these: it would keep the pipe open. */
+    /* The gzip of another thread must not inherit these: it would keep the pipe open. */
     (void)fcntl(ends[0], F_SETFD, FD_CLOEXEC);
     (void)fcntl(ends[1], F_SETFD, FD_CLOEXEC);
     child = fork();

@@ -1,4 +1,4 @@
-/* The log file's bytes: one line of text before each piece, so that a person can look into it; a checksum over all.
+/* Reads and writes log files. A line of readable text precedes each section; a checksum covers all of them.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 
@@ -19,7 +19,7 @@
 #define LINE_MAX_BYTES 96u
 #define BLOCK 65536u
 
-/* Mixing: the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
+/* Mixes by the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
 uint64_t host_log_checksum(uint64_t sum, const unsigned char *bytes, size_t n)
 {
     size_t i = 0, k = 0;
@@ -56,7 +56,7 @@ static int measure_open(int fd, host_log_input *input, host_error *error)
         if (got < 0)
             result = host_fail(error, "file", wanted, strerror(errno));
         have += got > 0 ? (size_t)got : 0;
-        if (got == 0 || have == BLOCK) { /* parts are multiples of 8 bytes, all but the last */
+        if (got == 0 || have == BLOCK) { /* all blocks but the last are multiples of 8 bytes */
             input->checksum = host_log_checksum(input->checksum, block, have);
             input->bytes += have;
             have = 0;
@@ -110,7 +110,7 @@ void host_log_write(const host_log *log, host_buffer *out)
     host_buffer_free(&body);
 }
 
-/* Where reading stands. */
+/* The reading position. */
 typedef struct reader {
     unsigned char *data;
     size_t at, size;
@@ -119,7 +119,7 @@ typedef struct reader {
 
 static int damaged(reader *r, const char *expected) { return host_fail_at(r->error, "byte", r->at, "%s", expected); }
 
-/* The next line without its end, as text; NULL when there is none of a few words. */
+/* Reads the next line and replaces its end by a NUL; NULL when there is no line end within LINE_MAX_BYTES. */
 static const char *next_line(reader *r)
 {
     char *const start = (char *)r->data + r->at;
@@ -132,7 +132,7 @@ static const char *next_line(reader *r)
     return start;
 }
 
-/* A number that nothing but `stop` follows. Digits only: strtoull would take a sign. */
+/* Reads a number that `stop` follows. Digits only: strtoull would accept a sign. */
 static const char *number(const char *text, int base, char stop, uint64_t *value)
 {
     char *end = NULL;
@@ -143,7 +143,7 @@ static const char *number(const char *text, int base, char stop, uint64_t *value
     return *end == stop && end == text + strspn(text, digits) ? end + (stop != '\0') : NULL;
 }
 
-/* n bytes and a line end; the end becomes a NUL. */
+/* Reads n bytes and a line end, which becomes a NUL. */
 static unsigned char *next_piece(reader *r, uint64_t n)
 {
     unsigned char *const piece = r->data + r->at;

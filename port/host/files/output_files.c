@@ -1,5 +1,5 @@
-/* Results on disk. A path that exists and is no regular file (a device, a pipe) is written straight: it must
- * not be replaced by a rename.
+/* Output files. An existing path that is no regular file (a device, a pipe) is written directly: a rename would
+ * replace it.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 
@@ -16,14 +16,14 @@
 
 typedef struct output_file {
     char *path;      /* owned */
-    char *temporary; /* owned; NULL: written straight */
-    int renamed;     /* 1: the path is ours now */
-    int replaced;    /* 1: the path was there before */
+    char *temporary; /* owned; NULL: the path is written directly */
+    int renamed;     /* 1: the temporary file has been renamed to the path */
+    int replaced;    /* 1: the path existed before */
 } output_file;
 
 struct host_output {
     const char *directory;
-    char **made; /* owned: the directories made, each after the one it lies in */
+    char **made; /* directories made, a parent before its children; owned */
     size_t n_made;
     output_file *file; /* owned */
     size_t n;
@@ -39,7 +39,7 @@ static char *join(const char *directory, const char *name, const char *tail)
     return path;
 }
 
-/* Cuts the last part off; "a/b" -> "a", "/a" -> "/", "a" -> ".". */
+/* Replaces the path by its parent: "a/b" -> "a", "/a" -> "/", "a" -> ".". */
 static void to_parent(char *path)
 {
     size_t n = strlen(path);
@@ -74,7 +74,7 @@ int host_output_check(const char *directory, host_error *error)
     return result;
 }
 
-/* The same path, slashes at the end aside. */
+/* 1 when the paths are equal but for slashes at the end. */
 static int same_path(const char *a, const char *b)
 {
     size_t n = strlen(a), m = strlen(b);
@@ -85,7 +85,7 @@ static int same_path(const char *a, const char *b)
     return n == m && memcmp(a, b, n) == 0;
 }
 
-/* The same, under whatever names. */
+/* 1 when both paths lead to the same directory. */
 static int same_directory(const char *a, const char *b)
 {
     struct stat of_a, of_b;
@@ -93,7 +93,7 @@ static int same_directory(const char *a, const char *b)
            (stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino);
 }
 
-/* A result could have this file's name. */
+/* 1 when a result could have this file's name. */
 static int is_result(const char *path)
 {
     const char *const slash = strrchr(path, '/'), *const name = slash != NULL ? slash + 1 : path;
@@ -115,7 +115,7 @@ int host_output_check_file(const char *path, const char *directory, host_error *
     else if (same_directory(parent, directory) && is_result(path))
         result = host_fail(error, "output", "a name that no result has");
     else if (same_path(parent, directory))
-        result = 0; /* checked on its own */
+        result = 0; /* host_output_check checks the directory */
     else if (stat(parent, &st) != 0 || !S_ISDIR(st.st_mode))
         result = host_fail(error, "output", "a directory that is there, %.80s is none", parent);
     else if (access(parent, W_OK | X_OK) != 0)
@@ -142,7 +142,7 @@ static int make_directory(host_output *output, const char *path, host_error *err
     return 0;
 }
 
-/* Makes the directories that a file lies in. */
+/* Makes the missing directories of the file's path. */
 static int make_directories(host_output *output, const char *file, host_error *error)
 {
     char *const path = join(NULL, file, "");

@@ -1,4 +1,4 @@
-/* Results on disk: all of them or none. Files are written under other names and renamed at the end.
+/* Output files: all or none. They are written under temporary names and renamed at the end.
  * SPDX-License-Identifier: MIT */
 #ifndef OUTPUT_FILES_H
 #define OUTPUT_FILES_H
@@ -7,25 +7,25 @@
 
 typedef struct host_output host_output;
 
-/* Checks early, without changing anything, that the directory is there or could be made. */
+/* Checks that the directory exists or can be made; changes nothing. 0, or -1 with the error filled. */
 int host_output_check(const char *directory, host_error *error);
 
-/* The same for a file, whose directory must be there, or is `directory`, which will be made and gets report.json
- * and NAME.ply. */
+/* Checks that the file can be written; changes nothing. Its directory must exist or be `directory`, which will be made
+ * and where report.json and NAME.ply are taken names. 0, or -1 with the error filled. */
 int host_output_check_file(const char *path, const char *directory, host_error *error);
 
-/* Starts a set of files in a directory, made when needed; NULL: names are paths. NULL without memory.
- * The directory's text is borrowed. */
+/* Starts a set of files in a directory, which is made when missing; NULL: file names are paths. The directory's text
+ * is borrowed. Returns NULL when out of memory. */
 host_output *host_output_begin(const char *directory);
 
-/* Writes one file's content; its name may begin with directories of its own.
- * After a failure the set can only be abandoned. */
+/* Writes one file under a temporary name. The name may contain directories. After a failure the set can only be
+ * abandoned. 0, or -1 with the error filled. */
 int host_output_add(host_output *output, const char *name, const host_buffer *content, host_error *error);
 
-/* Gives all files their names; on failure takes back what it can. Frees the set either way. */
+/* Renames all files to their names; on failure undoes what it can. Frees the set in both cases. */
 int host_output_commit(host_output *output, host_error *error);
 
-/* Removes what was written and the directories that were made. NULL is allowed. */
+/* Removes the written files and the directories that were made; frees the set. NULL is allowed. */
 void host_output_abandon(host_output *output);
 
 #endif

@@ -1,18 +1,18 @@
-/* A strict scanner of JSON (RFC 8259) that calls back for members and elements and keeps nothing.
+/* A strict JSON scanner (RFC 8259): calls back for members and elements and stores nothing.
  * SPDX-License-Identifier: MIT */
 #include "landmarks/json_scan.h"
 
 #include <string.h>
 
-#define DEPTH_MAX 32  /* of lists and objects within each other */
-#define KEY_BYTES 64u /* longer keys are none that anyone asks for */
+#define DEPTH_MAX 32  /* deepest nesting of lists and objects */
+#define KEY_BYTES 64u /* longer keys are cut; no format here has them */
 
 int host_scan_fail(const host_scan *scan, const char *expected)
 {
     return host_fail_at(scan->error, "line", scan->text.line, "%s", expected);
 }
 
-char host_scan_next(host_scan *scan)
+char host_scan_peek(host_scan *scan)
 {
     host_text *const text = &scan->text;
     for (; text->at < text->end; text->at++) {
@@ -25,10 +25,10 @@ char host_scan_next(host_scan *scan)
     return 0;
 }
 
-/* Passes white space and one mark. */
+/* Skips white space and one mark. */
 static int pass(host_scan *scan, char mark, const char *expected)
 {
-    if (host_scan_next(scan) != mark)
+    if (host_scan_peek(scan) != mark)
         return host_scan_fail(scan, expected);
     scan->text.at++;
     return 0;
@@ -41,7 +41,7 @@ static void put(char *to, size_t bytes, size_t *n, unsigned c)
     *n += 1u;
 }
 
-/* A code point as UTF-8. */
+/* Writes a code point as UTF-8. */
 static void put_code(char *to, size_t bytes, size_t *n, unsigned c)
 {
     if (c < 0x80u) {
@@ -61,7 +61,7 @@ static void put_code(char *to, size_t bytes, size_t *n, unsigned c)
     }
 }
 
-/* Four hexadecimal digits. */
+/* Reads four hexadecimal digits. */
 static int hex4(host_scan *scan, unsigned *value)
 {
     int i = 0;
@@ -81,7 +81,7 @@ static int hex4(host_scan *scan, unsigned *value)
     return 0;
 }
 
-/* What follows \u; two halves make one code point beyond 0xffff. */
+/* Reads the digits after \u; a surrogate pair gives one code point above 0xffff. */
 static int read_code(host_scan *scan, unsigned *code)
 {
     unsigned low = 0;
@@ -143,26 +143,26 @@ int host_scan_text(host_scan *scan, char *to, size_t bytes, size_t *n)
     return 0;
 }
 
-static const char *pass_digits(const char *p, const char *end)
+static const char *skip_digits(const char *p, const char *end)
 {
     while (p < end && *p >= '0' && *p <= '9')
         p++;
     return p;
 }
 
-/* One past a number of JSON's grammar, NULL when there is none: no "+1", "01", "1.", ".5", "nan". */
+/* The end of a JSON number; NULL for others, such as "+1", "01", "1.", ".5", "nan". */
 static const char *number_end(const char *p, const char *end)
 {
     const char *start = NULL;
     if (p < end && *p == '-')
         p++;
     start = p;
-    p = pass_digits(p, end);
+    p = skip_digits(p, end);
     if (p == start || (*start == '0' && p - start > 1))
         return NULL;
     if (p < end && *p == '.') {
         start = ++p;
-        p = pass_digits(p, end);
+        p = skip_digits(p, end);
         if (p == start)
             return NULL;
     }
@@ -171,7 +171,7 @@ static const char *number_end(const char *p, const char *end)
         if (p < end && (*p == '-' || *p == '+'))
             p++;
         start = p;
-        p = pass_digits(p, end);
+        p = skip_digits(p, end);
         if (p == start)
             return NULL;
     }
@@ -182,7 +182,7 @@ int host_scan_number(host_scan *scan, double *value)
 {
     host_word word;
     const char *end = NULL;
-    (void)host_scan_next(scan);
+    (void)host_scan_peek(scan);
     word.start = scan->text.at;
     end = number_end(word.start, scan->text.end);
     if (end == NULL)
@@ -194,7 +194,7 @@ int host_scan_number(host_scan *scan, double *value)
     return 0;
 }
 
-/* What lists and objects have in common. */
+/* Reads a list or an object. */
 static int scan_all(host_scan *scan, char close, host_scan_each each, void *context)
 {
     char key[KEY_BYTES] = {0};
@@ -203,7 +203,7 @@ static int scan_all(host_scan *scan, char close, host_scan_each each, void *cont
     if (++scan->depth > DEPTH_MAX)
         return host_scan_fail(scan, "fewer lists within lists");
     scan->text.at++;
-    if (host_scan_next(scan) == close) {
+    if (host_scan_peek(scan) == close) {
         scan->text.at++;
         scan->depth--;
         return 0;
@@ -214,7 +214,7 @@ static int scan_all(host_scan *scan, char close, host_scan_each each, void *cont
         result = each != NULL ? each(scan, close == '}' ? key : NULL, context) : host_scan_skip(scan);
         if (result != 0)
             return -1;
-        if (host_scan_next(scan) == close)
+        if (host_scan_peek(scan) == close)
             break;
         if (pass(scan, ',', close == '}' ? "a comma or a closing brace" : "a comma or a closing bracket") != 0)
             return -1;
@@ -226,20 +226,20 @@ static int scan_all(host_scan *scan, char close, host_scan_each each, void *cont
 
 int host_scan_object(host_scan *scan, host_scan_each each, void *context)
 {
-    return host_scan_next(scan) == '{' ? scan_all(scan, '}', each, context)
+    return host_scan_peek(scan) == '{' ? scan_all(scan, '}', each, context)
                                        : host_scan_fail(scan, "an object in braces");
 }
 
 int host_scan_list(host_scan *scan, host_scan_each each, void *context)
 {
-    return host_scan_next(scan) == '[' ? scan_all(scan, ']', each, context)
+    return host_scan_peek(scan) == '[' ? scan_all(scan, ']', each, context)
                                        : host_scan_fail(scan, "a list in brackets");
 }
 
 int host_scan_skip(host_scan *scan)
 {
     static const char *const words[] = {"true", "false", "null"};
-    const char c = host_scan_next(scan);
+    const char c = host_scan_peek(scan);
     size_t n = 0, i = 0;
     double value = 0.0;
     if (c == '{')
@@ -260,7 +260,7 @@ int host_scan_skip(host_scan *scan)
 
 int host_scan_end(host_scan *scan)
 {
-    if (host_scan_next(scan) != 0 || scan->text.at < scan->text.end)
+    if (host_scan_peek(scan) != 0 || scan->text.at < scan->text.end)
         return host_scan_fail(scan, "nothing after the closing brace");
     return 0;
 }

@@ -1,4 +1,4 @@
-/* Landmarks of the host program: reading from files, matching two sets by label.
+/* Landmarks: reads them from files and pairs two sets by label.
  * SPDX-License-Identifier: MIT */
 #ifndef LANDMARKS_H
 #define LANDMARKS_H
@@ -8,11 +8,11 @@
 #include "base/error_line.h"
 
 #define HOST_LANDMARKS_MAX 64u
-#define HOST_LABEL_BYTES 64u /* with the NUL */
+#define HOST_LABEL_BYTES 64u /* including the NUL */
 
 typedef struct host_landmarks {
     uint32_t n;
-    char label[HOST_LANDMARKS_MAX][HOST_LABEL_BYTES]; /* UTF-8, not empty, each once */
+    char label[HOST_LANDMARKS_MAX][HOST_LABEL_BYTES]; /* UTF-8, not empty, unique */
     float xyz[HOST_LANDMARKS_MAX][3];                 /* mm, LPS, finite */
 } host_landmarks;
 
@@ -20,8 +20,8 @@ typedef struct host_landmarks {
  * Returns 0, or -1 with the error filled and the set empty. */
 int host_landmarks_read(const char *path, host_landmarks *landmarks, host_error *error);
 
-/* Matches by label: from[i] of the model and to[i] of the target, in the model's order. Each label must be in
- * both. The paths are for the error. Returns 0, or -1 with the error filled. */
+/* Pairs landmarks by label: from[i] of the model, to[i] of the target, in the model's order. Both sets must have the
+ * same labels. The paths are for the error. Returns 0, or -1 with the error filled. */
 int host_landmarks_pair(const host_landmarks *model, const host_landmarks *target, const char *model_path,
                         const char *target_path, float from[HOST_LANDMARKS_MAX][3], float to[HOST_LANDMARKS_MAX][3],
                         uint32_t *n, host_error *error);

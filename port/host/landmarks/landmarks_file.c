@@ -1,4 +1,4 @@
-/* Reading a landmark file and matching two sets; what holds for all formats.
+/* Reads a landmark file of any format, and pairs two sets by label.
  * SPDX-License-Identifier: MIT */
 #include <inttypes.h>
 #include <stdio.h>
@@ -10,7 +10,7 @@
 
 #define FILE_BYTES_MAX ((size_t)4u << 20) /* 64 landmarks take a few kilobytes */
 
-/* Stops before a large file is read in vain. */
+/* Refuses files that are too large or binary before they are read whole. */
 static int accept_small(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
 {
     (void)path;
@@ -32,7 +32,7 @@ int host_landmarks_read(const char *path, host_landmarks *landmarks, host_error 
         return -1;
     data = (const char *)bytes.data;
     n = bytes.size;
-    if (n >= 3u && memcmp(data, "\xef\xbb\xbf", 3) == 0) { /* the mark some programs put before UTF-8 */
+    if (n >= 3u && memcmp(data, "\xef\xbb\xbf", 3) == 0) { /* the UTF-8 byte order mark */
         data += 3;
         n -= 3u;
     }
@@ -49,7 +49,7 @@ int host_landmarks_read(const char *path, host_landmarks *landmarks, host_error 
     return result;
 }
 
-/* Index of a label, n when it is not there. */
+/* Index of a label, n when it is missing. */
 static uint32_t find(const host_landmarks *landmarks, const char *label)
 {
     uint32_t i = 0;
@@ -58,7 +58,7 @@ static uint32_t find(const host_landmarks *landmarks, const char *label)
     return i;
 }
 
-/* Every label of a in b. */
+/* Checks that b has every label of a. */
 static int all_in(const host_landmarks *a, const host_landmarks *b, const char *a_path, const char *b_path,
                   host_error *error)
 {

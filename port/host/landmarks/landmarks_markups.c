@@ -1,4 +1,4 @@
-/* 3D Slicer markups (.mrk.json): the control points of every markup in the file.
+/* Reads 3D Slicer markups (.mrk.json): the control points of every markup in the file.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
@@ -8,13 +8,13 @@
 typedef struct markup {
     host_landmarks *landmarks;
     char system[16];
-    uint32_t system_line; /* 0: none came */
+    uint32_t system_line; /* 0: no coordinate system was read */
     /* the control point being read */
     char label[HOST_LABEL_BYTES];
     size_t label_bytes;
     double xyz[3];
     int n_xyz;
-    int undefined; /* 1: placed by no one yet */
+    int undefined; /* 1: the point has no position */
 } markup;
 
 static int read_coordinate(host_scan *scan, const char *key, void *context)
@@ -39,7 +39,7 @@ static int read_point_member(host_scan *scan, const char *key, void *context)
         return host_scan_text(scan, m->label, sizeof m->label, &m->label_bytes);
     if (strcmp(key, "position") == 0) {
         m->n_xyz = 0;
-        return host_scan_next(scan) == 'n' ? host_scan_skip(scan) : host_scan_list(scan, read_coordinate, m);
+        return host_scan_peek(scan) == 'n' ? host_scan_skip(scan) : host_scan_list(scan, read_coordinate, m);
     }
     if (strcmp(key, "positionStatus") == 0) {
         if (host_scan_text(scan, status, sizeof status, &n) != 0)
@@ -56,7 +56,7 @@ static int read_point(host_scan *scan, const char *key, void *context)
     host_word label;
     uint32_t line = 0;
     (void)key;
-    (void)host_scan_next(scan);
+    (void)host_scan_peek(scan);
     line = scan->text.line;
     m->label_bytes = 0;
     m->n_xyz = 0;
@@ -85,7 +85,7 @@ static int read_markup_member(host_scan *scan, const char *key, void *context)
         m->system_line = scan->text.line;
         return 0;
     }
-    if (strcmp(key, "coordinateUnits") == 0 && host_scan_next(scan) == '"') {
+    if (strcmp(key, "coordinateUnits") == 0 && host_scan_peek(scan) == '"') {
         if (host_scan_text(scan, units, sizeof units, &n) != 0)
             return -1;
         return strcmp(units, "mm") == 0 ? 0 : host_scan_fail(scan, "coordinateUnits \"mm\"");
@@ -93,7 +93,7 @@ static int read_markup_member(host_scan *scan, const char *key, void *context)
     return host_scan_skip(scan);
 }
 
-/* The system may come after the points: they are turned at the markup's end. */
+/* Turns the points at the end of the markup, since the coordinate system may follow them. */
 static int read_markup(host_scan *scan, const char *key, void *context)
 {
     markup m;
@@ -109,7 +109,7 @@ static int read_markup(host_scan *scan, const char *key, void *context)
         return host_scan_fail(scan, "coordinateSystem \"LPS\" or \"RAS\" in the markup that ends here");
     system.start = m.system;
     system.n = strlen(m.system);
-    return host_landmarks_turn(m.landmarks, scan->error, m.system_line, system, first);
+    return host_landmarks_to_lps(m.landmarks, scan->error, m.system_line, system, first);
 }
 
 static int read_top(host_scan *scan, const char *key, void *context)

@@ -1,4 +1,4 @@
-/* The set of landmarks under construction: labels and positions are checked as they are added.
+/* Adds landmarks to the set being read; checks labels and positions.
  * SPDX-License-Identifier: MIT */
 #include "landmarks/landmarks_reader.h"
 
@@ -36,7 +36,7 @@ int host_landmarks_add(host_landmarks *landmarks, host_error *error, uint32_t li
     return 0;
 }
 
-int host_landmarks_turn(host_landmarks *landmarks, host_error *error, uint32_t line, host_word system, uint32_t first)
+int host_landmarks_to_lps(host_landmarks *landmarks, host_error *error, uint32_t line, host_word system, uint32_t first)
 {
     uint32_t i = 0;
     if (host_word_is(system, "LPS") || host_word_is(system, "1"))

@@ -1,7 +1,7 @@
-/* Landmarks as lines of text with commas: 3D Slicer's .fcsv and plain CSV.
+/* Reads landmarks from comma-separated lines: 3D Slicer's .fcsv and plain CSV.
  *
- * .fcsv: "# CoordinateSystem = ..." must come first, "# columns = ..." says where the label and x, y, z are.
- * CSV: label,x,y,z in LPS, with or without a line of names in front; the same remarks are understood.
+ * .fcsv: "# CoordinateSystem = ..." is required; "# columns = ..." names the columns.
+ * CSV: label,x,y,z in LPS, with or without a header line; the same comments are understood.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
@@ -14,7 +14,7 @@ typedef struct table {
     host_error *error;
     int fcsv;
     size_t label, x, y, z; /* columns */
-    host_word system;      /* n 0: none came */
+    host_word system;      /* n 0: no coordinate system was read */
     uint32_t system_line, line;
     int rows;
 } table;
@@ -31,7 +31,7 @@ static host_word trimmed(const char *start, const char *end)
     return word;
 }
 
-/* Splits at commas outside of quotes; quotes around a field stay. Returns the number of fields. */
+/* Splits at commas outside quotes; keeps the quotes around a field. Returns the number of fields. */
 static size_t split(host_word line, host_word *fields)
 {
     const char *const end = line.start + line.n;
@@ -51,7 +51,7 @@ static size_t split(host_word line, host_word *fields)
     return n;
 }
 
-/* The text of a field: without its quotes, two quotes inside being one. -1 when it is too long or broken. */
+/* Copies a field's text without its quotes; a doubled quote gives one. -1 when too long or wrongly quoted. */
 static int unquote(const table *t, host_word field, char *to, host_word *label)
 {
     size_t i = 0, n = 0, last = field.n;
@@ -73,8 +73,8 @@ static int unquote(const table *t, host_word field, char *to, host_word *label)
     return 0;
 }
 
-/* "key = value" of a remark; 1 when it is that key. */
-static int remark_is(host_word line, const char *key, host_word *value)
+/* Reads the value of a comment "# key = value". 1 when the comment has this key. */
+static int comment_is(host_word line, const char *key, host_word *value)
 {
     const char *const sign = memchr(line.start, '=', line.n);
     if (sign == NULL || !host_word_is_nocase(trimmed(line.start, sign), key))
@@ -104,7 +104,7 @@ static int read_columns(table *t, host_word value)
     return 0;
 }
 
-/* Where the two formats have their fields when no remark says so. */
+/* The default columns of the two formats. */
 static void set_columns(table *t, int fcsv)
 {
     t->fcsv = fcsv;
@@ -114,24 +114,24 @@ static void set_columns(table *t, int fcsv)
     t->z = 3;
 }
 
-static int read_remark(table *t, host_word line)
+static int read_comment(table *t, host_word line)
 {
     const host_word rest = trimmed(line.start + 1, line.start + line.n);
     host_word value;
     if (host_word_has(rest, "Markups fiducial file") && t->rows == 0) {
         set_columns(t, 1);
-    } else if (remark_is(rest, "CoordinateSystem", &value)) {
+    } else if (comment_is(rest, "CoordinateSystem", &value)) {
         if (t->system_line != 0)
             return host_fail_at(t->error, "line", t->line, "one CoordinateSystem, found a second");
         t->system = value;
         t->system_line = t->line;
-    } else if (remark_is(rest, "columns", &value)) {
+    } else if (comment_is(rest, "columns", &value)) {
         return read_columns(t, value);
     }
     return 0;
 }
 
-/* The largest column used. */
+/* The highest column in use. */
 static size_t last_column(const table *t)
 {
     const size_t a = t->label > t->x ? t->label : t->x, b = t->y > t->z ? t->y : t->z;
@@ -152,7 +152,7 @@ static int read_row(table *t, host_word line)
                             t->fcsv ? "" : " (a label with commas needs quotes)");
     for (i = 0; i < 3; i++)
         good += host_word_double(fields[columns[i]], &xyz[i]);
-    if (good == 0 && t->rows == 0 && !t->fcsv) { /* the names of the columns */
+    if (good == 0 && t->rows == 0 && !t->fcsv) { /* a header line */
         t->rows++;
         return 0;
     }
@@ -177,10 +177,10 @@ int host_read_landmark_table(host_landmarks *landmarks, const char *data, size_t
         const host_word inner = trimmed(line.start, line.start + line.n);
         if (inner.n == 0)
             continue;
-        if (inner.start[0] == '#' ? read_remark(&t, inner) != 0 : read_row(&t, inner) != 0)
+        if (inner.start[0] == '#' ? read_comment(&t, inner) != 0 : read_row(&t, inner) != 0)
             return -1;
     }
     if (t.system_line == 0)
         return t.fcsv ? host_fail(error, "header", "a line # CoordinateSystem = LPS or RAS") : 0;
-    return host_landmarks_turn(landmarks, error, t.system_line, t.system, 0);
+    return host_landmarks_to_lps(landmarks, error, t.system_line, t.system, 0);
 }

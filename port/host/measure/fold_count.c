@@ -1,5 +1,5 @@
-/* Counting folds. Half-edges are grouped by their smaller vertex (a counting sort), then each short group is
- * sorted by the other vertex, so that the triangles of one edge lie side by side.
+/* Counts folds. A counting sort groups half-edges by their smaller vertex; each group is then sorted by the other
+ * vertex, so that the triangles of an edge are neighbours in the list.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 
@@ -16,7 +16,7 @@ static int by_vertex(const void *a, const void *b)
     return (x->other > y->other) - (x->other < y->other);
 }
 
-/* The normal of a triangle, not of unit length. */
+/* The normal of a triangle, not normalised. */
 static void normal_of(const float *xyz, const uint32_t *triangle, double n[3])
 {
     double e[2][3];
@@ -37,7 +37,7 @@ static int is_fold(const float *xyz, const uint32_t *a, const uint32_t *b)
     return m[0] * n[0] + m[1] * n[1] + m[2] * n[2] < 0.0;
 }
 
-/* Fills first[v] .. first[v + 1] of `edge` with the half-edges whose smaller vertex is v. */
+/* Puts the half-edges with smaller vertex v into edge[first[v]] to edge[first[v + 1] - 1]. */
 static void group(const smr_mesh *mesh, size_t *first, half_edge *edge)
 {
     size_t i = 0, v = 0;
@@ -61,7 +61,7 @@ static void group(const smr_mesh *mesh, size_t *first, half_edge *edge)
     }
 }
 
-int host_folds(const smr_mesh *mesh, const float *source_xyz, uint64_t *folds, uint64_t *absolute)
+int host_count_folds(const smr_mesh *mesh, const float *source_xyz, uint64_t *folds, uint64_t *absolute)
 {
     size_t *const first = calloc((size_t)mesh->n_vertices + 2u, sizeof *first);
     half_edge *const edge = malloc(3u * (size_t)mesh->n_triangles * sizeof *edge + 1u);

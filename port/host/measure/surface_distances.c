@@ -1,4 +1,4 @@
-/* Point-to-surface distances by all threads, and their statistics.
+/* Point-to-surface distances, computed by all threads, and their statistics.
  * SPDX-License-Identifier: MIT */
 #include "measure/surface_distances.h"
 
@@ -10,7 +10,7 @@
 #include "base/threads.h"
 
 #define CHUNK 256u                    /* points per task */
-#define FAR_MM (4.0f * SMR_COORD_MAX) /* more than any two legal points are apart */
+#define FAR_MM (4.0f * SMR_COORD_MAX) /* mm; larger than the distance of any two legal points */
 
 typedef struct chunk {
     const host_query *query;

@@ -1,4 +1,4 @@
-/* Reading a mesh file: which format it is, the reader's call, and what holds for all formats.
+/* Reads a mesh file of any format: finds the format, calls its reader, checks and mirrors the mesh.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +16,7 @@ static int starts_with(const unsigned char *head, size_t n, const char *text)
     return n >= k && memcmp(head, text, k) == 0;
 }
 
-/* Whether the first line that is not empty or a comment is an OBJ one. */
+/* 1 when the first line that is neither empty nor a comment is one of OBJ. */
 static int looks_like_obj(const unsigned char *head, size_t n)
 {
     host_text text = host_text_over(head, n);
@@ -31,7 +31,7 @@ static int looks_like_obj(const unsigned char *head, size_t n)
     return 0;
 }
 
-/* The content decides; the extension only where the content does not. */
+/* Finds the reader by the content, or by the extension where the content does not decide. */
 static read_function reader_for(const char *path, const unsigned char *head, size_t n, size_t total)
 {
     if (starts_with(head, n, "ply\n") || starts_with(head, n, "ply\r"))
@@ -58,7 +58,7 @@ static int accept_mesh(const char *path, const unsigned char *head, size_t n, si
     return 0;
 }
 
-/* RAS to LPS: half a turn about the third axis, so that triangles keep their side. */
+/* Turns RAS into LPS: a rotation by 180 degrees about the third axis, which keeps the triangles' outside. */
 static void turn_ras(host_mesh *mesh)
 {
     size_t i = 0;

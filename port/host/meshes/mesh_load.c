@@ -1,4 +1,4 @@
-/* Many mesh files at once.
+/* Reads many mesh files in parallel.
  * SPDX-License-Identifier: MIT */
 #include "meshes/mesh_load.h"
 

@@ -1,11 +1,11 @@
-/* Wavefront OBJ: v and f lines (v, v/vt, v//vn, v/vt/vn, negative indexes); all else is passed over.
+/* Reads Wavefront OBJ: v and f lines (v, v/vt, v//vn, v/vt/vn, negative indexes); skips all others.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
 #include "base/text_scan.h"
 #include "meshes/mesh_reader.h"
 
-/* A face may name a vertex that follows later; the largest such index waits for the end. */
+/* The largest vertex index in a face: checked at the end, since the vertex may follow the face. */
 typedef struct pending {
     int64_t index;
     uint32_t line;
@@ -23,7 +23,7 @@ static int read_vertex(host_mesh_reader *reader, host_text *text)
     return host_reader_vertex(reader, xyz);
 }
 
-/* "7/1/3" -> vertex index 6; negative ones count back from the last vertex. */
+/* Reads "7/1/3" as vertex index 6. Negative numbers count back from the last vertex read. */
 static int read_index(const host_mesh_reader *reader, host_word word, pending *last, uint32_t *index)
 {
     const char *const slash = memchr(word.start, '/', word.n);

@@ -1,11 +1,11 @@
-/* PLY bodies: ASCII and both binary orders, any property order and type; other elements are passed over.
+/* Reads PLY: ASCII and both binary byte orders, any order and type of properties; skips other elements.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
 #include "base/text_scan.h"
 #include "meshes/ply_header.h"
 
-/* Where the next value comes from. */
+/* The reading position in the values of a PLY file. */
 typedef struct source {
     host_mesh_reader *reader;
     int format;
@@ -18,28 +18,28 @@ static int next_value(source *from, host_type type, double *value)
     if (from->format == HOST_PLY_ASCII) {
         host_word word;
         if (!host_text_word(&from->text, &word))
-            return host_reader_ended(from->reader);
+            return host_reader_truncated(from->reader);
         if (!host_word_double(word, value))
             return host_fail_at(from->reader->error, from->reader->unit, from->reader->number, "a number, found '%.*s'",
                                 (int)(word.n < 40 ? word.n : 40), word.start);
     } else {
         const size_t bytes = host_type_bytes(type);
         if ((size_t)(from->end - from->at) < bytes)
-            return host_reader_ended(from->reader);
+            return host_reader_truncated(from->reader);
         *value = host_type_read(type, from->at, from->format == HOST_PLY_BIG);
         from->at += bytes;
     }
     return 0;
 }
 
-/* Passes n values of one type. */
-static int pass_values(source *from, host_type type, uint64_t n)
+/* Skips n values of one type. */
+static int skip_values(source *from, host_type type, uint64_t n)
 {
     double ignored = 0.0;
     if (from->format != HOST_PLY_ASCII) {
         const size_t bytes = host_type_bytes(type);
         if (n > (size_t)(from->end - from->at) / bytes)
-            return host_reader_ended(from->reader);
+            return host_reader_truncated(from->reader);
         from->at += bytes * (size_t)n;
         return 0;
     }
@@ -64,12 +64,12 @@ static int next_count(source *from, host_type type, uint32_t least, uint64_t *co
     return 0;
 }
 
-static int pass_property(source *from, const host_ply_property *property)
+static int skip_property(source *from, const host_ply_property *property)
 {
     uint64_t count = 1;
     if (property->count_type != HOST_TYPE_NONE && next_count(from, property->count_type, 0, &count) != 0)
         return -1;
-    return pass_values(from, property->type, count);
+    return skip_values(from, property->type, count);
 }
 
 static int read_vertices(source *from, const host_ply_element *element)
@@ -82,7 +82,7 @@ static int read_vertices(source *from, const host_ply_element *element)
         uint32_t i = 0;
         for (i = 0; i < element->n_properties; i++) {
             const host_ply_property *const property = &element->property[i];
-            const int result = property->role < 0 ? pass_property(from, property)
+            const int result = property->role < 0 ? skip_property(from, property)
                                                   : next_value(from, property->type, &xyz[property->role]);
             if (result != 0)
                 return -1;
@@ -123,7 +123,7 @@ static int read_faces(source *from, const host_ply_element *element, uint64_t n_
         for (i = 0; i < element->n_properties; i++) {
             const host_ply_property *const property = &element->property[i];
             const int result =
-                property->role < 0 ? pass_property(from, property) : read_polygon(from, property, n_vertices);
+                property->role < 0 ? skip_property(from, property) : read_polygon(from, property, n_vertices);
             if (result != 0)
                 return -1;
         }
@@ -131,23 +131,23 @@ static int read_faces(source *from, const host_ply_element *element, uint64_t n_
     return 0;
 }
 
-static int pass_element(source *from, const host_ply_element *element)
+static int skip_element(source *from, const host_ply_element *element)
 {
     host_mesh_reader *const reader = from->reader;
     reader->number = 0;
     if (element->n_properties == 0)
-        return 0; /* nothing in the file, whatever its count says */
+        return 0; /* rows without properties take no bytes */
     if (!element->has_list && from->format != HOST_PLY_ASCII) {
-        const size_t bytes = element->row_bytes * (size_t)element->count; /* fits: the header check saw it */
+        const size_t bytes = element->row_bytes * (size_t)element->count; /* bounded by the header check */
         if (bytes > (size_t)(from->end - from->at))
-            return host_reader_ended(reader);
+            return host_reader_truncated(reader);
         from->at += bytes;
         return 0;
     }
     for (; reader->number < element->count; reader->number++) {
         uint32_t i = 0;
         for (i = 0; i < element->n_properties; i++)
-            if (pass_property(from, &element->property[i]) != 0)
+            if (skip_property(from, &element->property[i]) != 0)
                 return -1;
     }
     return 0;
@@ -175,7 +175,7 @@ int host_read_ply(host_mesh_reader *reader, const unsigned char *data, size_t n)
         else if (element->kind == HOST_PLY_FACE && element->count > 0)
             result = read_faces(&from, element, header.n_vertices);
         else
-            result = pass_element(&from, element);
+            result = skip_element(&from, element);
         if (result != 0)
             return -1;
     }

@@ -1,11 +1,11 @@
-/* The mesh under construction: growth by what was read, never by what a file claims.
+/* Adds vertices and triangles to the mesh being read. Memory grows with the data read, not with the file's counts.
  * SPDX-License-Identifier: MIT */
 #include "meshes/mesh_reader.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Grows one array to hold `need` rows of 12 bytes; doubles what is there already. */
+/* Grows an array to at least `need` rows of 12 bytes; at least doubles its capacity, up to `limit` rows. */
 static int grow(host_mesh_reader *reader, void **array, size_t *capacity, size_t need, size_t limit, const char *what)
 {
     size_t next = *capacity * 2u;
@@ -83,7 +83,7 @@ int host_reader_fan(host_mesh_reader *reader, uint32_t state[3], uint32_t index)
     return n < 2 ? 0 : host_reader_triangle(reader, state[1], before, index);
 }
 
-int host_reader_ended(const host_mesh_reader *reader)
+int host_reader_truncated(const host_mesh_reader *reader)
 {
     return host_fail_at(reader->error, reader->unit, reader->number, "more data, but the file ends here");
 }

@@ -1,4 +1,4 @@
-/* What the readers of the single formats share: the mesh under construction, and numbers out of bytes.
+/* Shared by the readers of mesh formats: adds vertices and triangles to the mesh being read.
  * SPDX-License-Identifier: MIT */
 #ifndef MESH_READER_H
 #define MESH_READER_H
@@ -8,7 +8,7 @@
 
 #include "meshes/triangle_mesh.h"
 
-/* A mesh being read. `unit` and `number` say where the reader is, for the error line. */
+/* A mesh being read. `unit` and `number` are the reader's place in the file, for the error line. */
 typedef struct host_mesh_reader {
     host_mesh *mesh;
     host_error *error;
@@ -18,28 +18,29 @@ typedef struct host_mesh_reader {
     int ras; /* 1: the file says SPACE=RAS */
 } host_mesh_reader;
 
-/* Room for so many vertices or triangles in all. The counts must come from the file's size. */
+/* Reserves memory for a total of vertices and triangles. The numbers must be bounded by the file's size. */
 int host_reader_reserve(host_mesh_reader *reader, size_t vertices, size_t triangles);
 
-/* Adds one vertex; refuses what is not finite or too large. */
+/* Adds one vertex. Refuses coordinates that are not finite or too large. */
 int host_reader_vertex(host_mesh_reader *reader, const double *xyz);
 
-/* Adds one triangle; the indexes are checked by the caller. */
+/* Adds one triangle. The caller checks the indexes. */
 int host_reader_triangle(host_mesh_reader *reader, uint32_t a, uint32_t b, uint32_t c);
 
-/* Adds the next index of a polygon as part of a fan. state[0] is the number of indexes so far. */
+/* Adds the next vertex of a polygon, which becomes a fan of triangles. state: zeros at the start of each polygon;
+ * state[0]: number of indexes so far. */
 int host_reader_fan(host_mesh_reader *reader, uint32_t state[3], uint32_t index);
 
-/* The error of a file that ends too early. */
-int host_reader_ended(const host_mesh_reader *reader);
+/* Fills the error of a file that ends too early. Returns -1. */
+int host_reader_truncated(const host_mesh_reader *reader);
 
-/* The readers. data holds the whole file. */
+/* The readers of the formats. data: the whole file, n bytes. */
 int host_read_ply(host_mesh_reader *reader, const unsigned char *data, size_t n);
 int host_read_stl(host_mesh_reader *reader, const unsigned char *data, size_t n);
 int host_read_obj(host_mesh_reader *reader, const unsigned char *data, size_t n);
 int host_read_vtk(host_mesh_reader *reader, const unsigned char *data, size_t n);
 
-/* Whether data of this size is a binary STL file by its own count. */
+/* 1 when a binary STL file with the head's number of triangles has exactly `total` bytes. */
 int host_is_binary_stl(const unsigned char *head, size_t n, size_t total);
 
 #endif

@@ -1,5 +1,5 @@
-/* STL, ASCII and binary. The format repeats every corner; corners with the same three numbers become one
- * vertex again, numbered by first appearance.
+/* Reads STL, ASCII and binary. The format repeats the vertices of every triangle; equal positions are merged into one
+ * vertex, numbered by first appearance.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +12,7 @@
 #define FACET_BYTES 50u
 #define EMPTY 0xffffffffu
 
-/* Open-addressing table of vertex indexes, keyed by the coordinates' bits. At most half full. */
+/* A hash table of vertex indexes by the coordinates' bits: open addressing, at most half full. */
 typedef struct weld {
     uint32_t *slot;
     uint32_t mask;
@@ -62,7 +62,7 @@ static int weld_vertex(host_mesh_reader *reader, weld *table, const double *xyz,
     int i = 0;
     if (host_reader_vertex(reader, xyz) != 0)
         return -1;
-    for (i = 0; i < 3; i++) /* adding zero makes -0 a 0 */
+    for (i = 0; i < 3; i++) /* adding zero turns -0 into 0 */
         point[i] = mesh->xyz[3u * (size_t)(mesh->n_vertices - 1u) + (size_t)i] + 0.0f;
     mesh->n_vertices--;
     for (at = hash_of(point) & table->mask; table->slot[at] != EMPTY; at = (at + 1u) & table->mask)
@@ -142,7 +142,7 @@ static int read_numbers(host_mesh_reader *reader, host_text *text, double *xyz)
         const int there = host_text_word(text, &word);
         reader->number = text->line;
         if (!there)
-            return host_reader_ended(reader);
+            return host_reader_truncated(reader);
         if (!host_word_double(word, &xyz[i]))
             return host_fail_at(reader->error, "line", reader->number, "a number, found '%.*s'",
                                 (int)(word.n < 40 ? word.n : 40), word.start);

@@ -1,8 +1,8 @@
-/* Legacy VTK polydata ("VTK file formats", versions 1 to 5.1): geometry only, data arrays are passed over.
+/* Reads legacy VTK polydata ("VTK file formats", versions 1 to 5.1): geometry only, skips data arrays.
  * SPDX-License-Identifier: MIT */
 #include "meshes/vtk_cells.h"
 
-/* "# vtk DataFile Version", a title, ASCII or BINARY. */
+/* Reads the header: "# vtk DataFile Version", a title, ASCII or BINARY. */
 static int read_head(host_vtk *vtk)
 {
     host_word line;
@@ -51,8 +51,8 @@ static int read_points(host_vtk *vtk)
     return 0;
 }
 
-/* "FIELD name n", then n arrays "name components tuples type" with their data. */
-static int pass_field(host_vtk *vtk)
+/* Skips "FIELD name n" and its n arrays, each "name components tuples type" and data. */
+static int skip_field(host_vtk *vtk)
 {
     uint64_t arrays = 0, i = 0;
     host_word word;
@@ -65,20 +65,20 @@ static int pass_field(host_vtk *vtk)
         host_type type = HOST_TYPE_NONE;
         vtk->reader->number = i;
         if (!host_text_word(&vtk->text, &word))
-            return host_reader_ended(vtk->reader);
+            return host_reader_truncated(vtk->reader);
         if (host_vtk_count(vtk, "a count of components", &components) != 0 ||
             host_vtk_count(vtk, "a count of tuples", &tuples) != 0 ||
             host_vtk_type_word(vtk, "a numeric type", &type) != 0)
             return -1;
         host_vtk_end_line(vtk);
-        if (host_vtk_pass(vtk, type, components * tuples) != 0)
+        if (host_vtk_skip(vtk, type, components * tuples) != 0)
             return -1;
     }
     return 0;
 }
 
-/* "METADATA" and lines up to an empty one. */
-static void pass_metadata(host_vtk *vtk)
+/* Skips "METADATA" and its lines up to an empty line. */
+static void skip_metadata(host_vtk *vtk)
 {
     host_word line;
     host_vtk_end_line(vtk);
@@ -86,7 +86,7 @@ static void pass_metadata(host_vtk *vtk)
         continue;
 }
 
-/* One section; 1 when the geometry is over. */
+/* Reads one section. 1 at the end of the geometry, 0 to go on, -1 with the error filled. */
 static int read_section(host_vtk *vtk, host_word keyword)
 {
     if (host_word_is_nocase(keyword, "POINTS"))
@@ -96,11 +96,11 @@ static int read_section(host_vtk *vtk, host_word keyword)
     if (host_word_is_nocase(keyword, "TRIANGLE_STRIPS"))
         return host_vtk_cells(vtk, HOST_VTK_STRIPS);
     if (host_word_is_nocase(keyword, "VERTICES") || host_word_is_nocase(keyword, "LINES"))
-        return host_vtk_cells(vtk, HOST_VTK_PASS);
+        return host_vtk_cells(vtk, HOST_VTK_SKIP);
     if (host_word_is_nocase(keyword, "FIELD"))
-        return pass_field(vtk);
+        return skip_field(vtk);
     if (host_word_is_nocase(keyword, "METADATA")) {
-        pass_metadata(vtk);
+        skip_metadata(vtk);
         return 0;
     }
     if (host_word_is_nocase(keyword, "POINT_DATA") || host_word_is_nocase(keyword, "CELL_DATA"))

@@ -1,4 +1,4 @@
-/* Writing meshes. Nine significant digits give back the same float from every text format.
+/* Writes meshes. Text formats have nine significant digits, so that reading gives the same floats.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
@@ -33,7 +33,7 @@ static void write_ply(const host_mesh *mesh, int ascii, host_buffer *buffer)
     }
 }
 
-/* The normal is left zero: readers of the format compute it from the corners. */
+/* The normal is written as zero: readers of the format compute it from the vertices. */
 static void write_stl(const host_mesh *mesh, host_buffer *buffer)
 {
     static const char title[80] = "smr SPACE=LPS units mm";

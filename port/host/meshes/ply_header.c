@@ -1,5 +1,5 @@
-/* PLY header (Turk 1994): "ply", "format", "element NAME COUNT", "property [list COUNT_TYPE] TYPE NAME",
- * comments, "end_header". Every claim is held against the bytes that follow.
+/* Reads the PLY header (Turk 1994): "ply", "format", "element NAME COUNT", "property [list COUNT_TYPE] TYPE NAME",
+ * comments, "end_header". Every count is checked against the bytes that follow.
  * SPDX-License-Identifier: MIT */
 #include "meshes/ply_header.h"
 
@@ -72,7 +72,7 @@ static int read_element(const host_mesh_reader *reader, host_text *line, host_pl
     return 0;
 }
 
-/* What a property means to the reader. */
+/* The role of a property: see host_ply_property. */
 static int role_of(int kind, const host_ply_property *property, host_word name)
 {
     const int is_list = property->count_type != HOST_TYPE_NONE;
@@ -117,7 +117,7 @@ static int read_property(const host_mesh_reader *reader, host_text *line, host_p
     return 0;
 }
 
-/* An element must have each role it needs exactly once. */
+/* Checks that an element has each role it needs exactly once. */
 static int check_roles(const host_mesh_reader *reader, const host_ply_element *element)
 {
     uint32_t found[3] = {0, 0, 0};
@@ -132,12 +132,12 @@ static int check_roles(const host_mesh_reader *reader, const host_ply_element *e
     return 0;
 }
 
-/* Holds the counts against the bytes that are left: each value takes a byte at least, in text two. */
+/* Checks the counts against the remaining bytes: a value takes at least one byte, in text two. */
 static int check_claims(const host_mesh_reader *reader, host_ply_header *header, size_t left)
 {
     uint32_t i = 0, n_vertex = 0, n_face = 0;
     size_t need = 0;
-    /* The last value of a text needs no line end. */
+    /* the last value of a text needs no line end */
     const size_t slack = header->format == HOST_PLY_ASCII ? 1u : 0u;
     for (i = 0; i < header->n_elements; i++) {
         const host_ply_element *const element = &header->element[i];
@@ -165,7 +165,7 @@ static int check_claims(const host_mesh_reader *reader, host_ply_header *header,
     return 0;
 }
 
-/* One line; 1 when it was the last, 0 to go on, -1 with the error filled. */
+/* Reads one line. 1 when it was the last, 0 to go on, -1 with the error filled. */
 static int read_line(host_mesh_reader *reader, host_word whole, host_ply_header *header)
 {
     host_text line = host_text_over(whole.start, whole.n);

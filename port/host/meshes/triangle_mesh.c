@@ -1,4 +1,4 @@
-/* Meshes in memory: mirroring, joining, freeing.
+/* Mirrors, joins and frees meshes in memory.
  * SPDX-License-Identifier: MIT */
 #include "meshes/triangle_mesh.h"
 

@@ -1,4 +1,4 @@
-/* Cells of legacy VTK polydata, in both styles.
+/* Reads cells of legacy VTK polydata, before and since version 5.1.
  * SPDX-License-Identifier: MIT */
 #include "meshes/vtk_cells.h"
 
@@ -17,14 +17,14 @@ static int index_value(host_vtk *vtk, host_type type, uint32_t *index)
     return 0;
 }
 
-/* One cell of n indexes. Strips turn every second triangle, so that all face the same way. */
+/* Reads one cell of n indexes. Every second triangle of a strip is reversed, so that all have the same outside. */
 static int read_cell(host_vtk *vtk, int use, host_type type, uint64_t n)
 {
     host_mesh_reader *const reader = vtk->reader;
     uint32_t fan[3] = {0, 0, 0}, index = 0, a = 0, b = 0;
     uint64_t i = 0;
-    if (use == HOST_VTK_PASS)
-        return host_vtk_pass(vtk, type, n);
+    if (use == HOST_VTK_SKIP)
+        return host_vtk_skip(vtk, type, n);
     if (n < 3)
         return host_fail_at(reader->error, reader->unit, reader->number, "at least 3 vertices, found %llu",
                             (unsigned long long)n);
@@ -45,7 +45,7 @@ static int read_cell(host_vtk *vtk, int use, host_type type, uint64_t n)
     return 0;
 }
 
-/* Rows "n i j k ...", `size` numbers in all. */
+/* Reads rows "n i j k ...", `size` numbers in total. */
 static int read_rows(host_vtk *vtk, int use, uint64_t cells, uint64_t size)
 {
     host_mesh_reader *const reader = vtk->reader;
@@ -64,7 +64,7 @@ static int read_rows(host_vtk *vtk, int use, uint64_t cells, uint64_t size)
     return 0;
 }
 
-/* The line "OFFSETS type" or "CONNECTIVITY type". */
+/* Reads the line "OFFSETS type" or "CONNECTIVITY type". */
 static int array_line(host_vtk *vtk, const char *name, host_type *type)
 {
     host_word word;
@@ -93,7 +93,7 @@ static int read_offsets(host_vtk *vtk, host_type type, uint64_t n, uint64_t size
     return 0;
 }
 
-/* Version 5.1: n offsets (one more than cells), then `size` indexes. */
+/* Reads cells of version 5.1: n offsets (one more than cells), then `size` indexes. */
 static int read_arrays(host_vtk *vtk, int use, uint64_t n, uint64_t size)
 {
     host_mesh_reader *const reader = vtk->reader;
@@ -124,7 +124,7 @@ int host_vtk_cells(host_vtk *vtk, int use)
     if (host_vtk_count(vtk, "a count of cells", &cells) != 0 || host_vtk_count(vtk, "a count of indexes", &size) != 0)
         return -1;
     host_vtk_end_line(vtk);
-    vtk->reader->unit = use == HOST_VTK_PASS ? "cell" : "face";
+    vtk->reader->unit = use == HOST_VTK_SKIP ? "cell" : "face";
     ahead = vtk->text;
     if (host_text_word(&ahead, &word) && host_word_is_nocase(word, "OFFSETS"))
         return read_arrays(vtk, use, cells, size);

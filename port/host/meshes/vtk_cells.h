@@ -5,8 +5,8 @@
 
 #include "meshes/vtk_values.h"
 
-/* What to do with the cells of a section. */
-enum { HOST_VTK_PASS = 0, HOST_VTK_POLYGONS, HOST_VTK_STRIPS };
+/* How to read the cells of a section. */
+enum { HOST_VTK_SKIP = 0, HOST_VTK_POLYGONS, HOST_VTK_STRIPS };
 
 /* Reads a section whose keyword has just been read: counts, then "n i j k ..." rows or, since version 5.1,
  * the arrays OFFSETS and CONNECTIVITY. */

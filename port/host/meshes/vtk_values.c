@@ -1,4 +1,4 @@
-/* Numbers out of legacy VTK files.
+/* Reads numbers of legacy VTK files.
  * SPDX-License-Identifier: MIT */
 #include "meshes/vtk_values.h"
 
@@ -28,7 +28,7 @@ int host_vtk_fail(host_vtk *vtk, const char *expected)
 int host_vtk_fits(const host_vtk *vtk, host_type type, uint64_t n)
 {
     const size_t left = (size_t)(vtk->text.end - vtk->text.at);
-    /* Text: a digit and a blank each, but for the last. */
+    /* text: a digit and a space each, but for the last */
     return vtk->binary ? n <= left / host_type_bytes(type) : n <= (left + 1u) / 2u;
 }
 
@@ -39,24 +39,24 @@ int host_vtk_value(host_vtk *vtk, host_type type, double *value)
     if (vtk->binary) {
         const size_t bytes = host_type_bytes(type);
         if ((size_t)(vtk->text.end - vtk->text.at) < bytes)
-            return host_reader_ended(reader);
+            return host_reader_truncated(reader);
         *value = host_type_read(type, (const unsigned char *)vtk->text.at, 1);
         vtk->text.at += bytes;
         return 0;
     }
     if (!host_text_word(&vtk->text, &word))
-        return host_reader_ended(reader);
+        return host_reader_truncated(reader);
     if (!host_word_double(word, value))
         return host_fail_at(reader->error, reader->unit, reader->number, "a number, found '%.*s'",
                             (int)(word.n < 40 ? word.n : 40), word.start);
     return 0;
 }
 
-int host_vtk_pass(host_vtk *vtk, host_type type, uint64_t n)
+int host_vtk_skip(host_vtk *vtk, host_type type, uint64_t n)
 {
     double ignored = 0.0;
     if (!host_vtk_fits(vtk, type, n))
-        return host_reader_ended(vtk->reader);
+        return host_reader_truncated(vtk->reader);
     if (vtk->binary) {
         vtk->text.at += host_type_bytes(type) * (size_t)n;
         return 0;

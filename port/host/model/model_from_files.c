@@ -1,5 +1,5 @@
-/* The model of a command. Structure names come from file names or from an untrusted image; they become file
- * names again, so they are checked here.
+/* Loads the model of a command. Structure names come from file names or from an untrusted model; since they become
+ * names of result files, they are checked here.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 
@@ -16,7 +16,7 @@
 #include "files/file_read.h"
 #include "volumes/volume_image.h"
 
-#define MAGIC "SMR1" /* the first bytes of every model image */
+#define MAGIC "SMR1" /* the first bytes of every prepared model */
 
 static int accept_image(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
 {
@@ -27,7 +27,7 @@ static int accept_image(const char *path, const unsigned char *head, size_t n, s
     return 0;
 }
 
-int host_model_is_image(const char *path)
+int host_model_is_prepared(const char *path)
 {
     unsigned char head[4] = {0, 0, 0, 0};
     struct stat st;
@@ -35,7 +35,7 @@ int host_model_is_image(const char *path)
     size_t n = 0;
     if (host_has_extension(path, ".smr"))
         return 1;
-    /* Opening a named pipe would wait for its writer. */
+    /* opening a named pipe would wait for its writer */
     if (stat(path, &st) == 0 && S_ISREG(st.st_mode))
         file = fopen(path, "rb");
     if (file == NULL)
@@ -45,7 +45,7 @@ int host_model_is_image(const char *path)
     return n == sizeof head && memcmp(head, MAGIC, sizeof head) == 0;
 }
 
-/* loads: the files the names come from, NULL for an image. */
+/* Checks the structures' names. loads: the files that they come from; NULL for a prepared model. */
 static int check_names(const host_model *model, const host_load *loads, host_error *error)
 {
     uint32_t i = 0, k = 0;
@@ -73,7 +73,7 @@ static int make_parts(host_model *model, uint32_t n, host_error *error)
     return model->part == NULL ? host_fail(error, "start", "free memory") : 0;
 }
 
-/* Copies one structure's rest shape out of the image. */
+/* Copies one structure's rest shape from the prepared model. */
 static int copy_part(host_model *model, uint32_t i, host_error *error)
 {
     host_part *const part = &model->part[i];
@@ -97,7 +97,7 @@ static int open_bytes(host_model *model, host_error *error)
 {
     uint32_t i = 0;
     const double start = host_seconds();
-    const smr_status status = smr_model_open(model->image, model->image_bytes, &model->model);
+    const smr_status status = smr_model_open(model->prepared, model->prepared_bytes, &model->model);
     if (status != SMR_OK)
         return host_fail(error, "image", "a whole, undamaged model image of this version (%s)",
                          smr_status_name(status));
@@ -114,22 +114,22 @@ static int open_bytes(host_model *model, host_error *error)
     return check_names(model, NULL, error);
 }
 
-int host_model_open_image(const char *path, host_model *model, host_error *error)
+int host_model_open_prepared(const char *path, host_model *model, host_error *error)
 {
     host_bytes bytes;
     int result = 0;
     memset(model, 0, sizeof *model);
     if (host_file_read(path, accept_image, &bytes, error) != 0)
         return -1;
-    model->image = bytes.data;
-    model->image_bytes = bytes.size;
-    if ((uintptr_t)bytes.data % SMR_ALIGN != 0) { /* unpacked bytes lie anywhere */
-        model->image = host_alloc(bytes.size);
-        if (model->image != NULL)
-            memcpy(model->image, bytes.data, bytes.size);
+    model->prepared = bytes.data;
+    model->prepared_bytes = bytes.size;
+    if ((uintptr_t)bytes.data % SMR_ALIGN != 0) { /* unpacked bytes may be unaligned */
+        model->prepared = host_alloc(bytes.size);
+        if (model->prepared != NULL)
+            memcpy(model->prepared, bytes.data, bytes.size);
         host_file_free(&bytes);
     }
-    result = model->image != NULL ? open_bytes(model, error) : host_fail(error, "file", "free memory");
+    result = model->prepared != NULL ? open_bytes(model, error) : host_fail(error, "file", "free memory");
     if (result != 0)
         host_model_free(model);
     return result;
@@ -150,8 +150,8 @@ int host_model_take(host_load *loads, uint32_t n, host_model *model, host_error 
     return check_names(model, loads, error);
 }
 
-/* Bytes that nearly every image fits in. Asking smr_prepare for the size would do its work twice; memory that
- * is never touched costs nothing. */
+/* Bytes that nearly every model fits in. Asking smr_prepare for the exact size would do its work twice; memory that is
+ * never touched costs nothing. */
 static size_t likely_bytes(const host_model *model, const smr_prepare_config *config)
 {
     const size_t radii = config->n_radii > 0 ? config->n_radii : SMR_RADII_MAX / 2u;
@@ -163,7 +163,7 @@ static size_t likely_bytes(const host_model *model, const smr_prepare_config *co
     return bytes < ((size_t)1u << 30) ? bytes : (size_t)1u << 30;
 }
 
-/* Calls smr_prepare with the memory it asks for. */
+/* Calls smr_prepare, a second time with more memory when it needs more. */
 static smr_status run_prepare(host_model *model, const smr_structure *structures, const smr_prepare_config *config)
 {
     size_t scratch_bytes = 0;
@@ -174,16 +174,16 @@ static smr_status run_prepare(host_model *model, const smr_structure *structures
     scratch = host_alloc(scratch_bytes);
     if (scratch == NULL)
         return SMR_E_ARENA;
-    model->image_bytes = likely_bytes(model, config);
+    model->prepared_bytes = likely_bytes(model, config);
     for (status = SMR_E_ARENA; status == SMR_E_ARENA;) {
-        const size_t capacity = model->image_bytes;
-        free(model->image);
-        model->image = host_alloc(capacity);
-        if (model->image == NULL)
+        const size_t capacity = model->prepared_bytes;
+        free(model->prepared);
+        model->prepared = host_alloc(capacity);
+        if (model->prepared == NULL)
             break;
-        status = smr_prepare(structures, model->n_parts, config, scratch, scratch_bytes, model->image, capacity,
-                             &model->image_bytes);
-        if (status == SMR_E_ARENA && model->image_bytes <= capacity)
+        status = smr_prepare(structures, model->n_parts, config, scratch, scratch_bytes, model->prepared, capacity,
+                             &model->prepared_bytes);
+        if (status == SMR_E_ARENA && model->prepared_bytes <= capacity)
             break;
     }
     free(scratch);
@@ -221,7 +221,7 @@ static int refuse_prepared(const host_options *options, host_error *error)
     return host_fail(error, "option", "a model of surfaces: a .smr is prepared already");
 }
 
-/* With profiles of the reference image when there is one. */
+/* With the profiles of the reference image, if there is one. */
 static int prepare_with(host_model *model, const host_options *options, const smr_port *port, host_error *error)
 {
     smr_prepare_config config = options->prepare;
@@ -246,9 +246,9 @@ int host_model_load(const host_files *files, const host_options *options, const 
     uint32_t i = 0;
     int result = 0;
     memset(model, 0, sizeof *model);
-    if (files->n == 1 && host_model_is_image(files->path[0]))
+    if (files->n == 1 && host_model_is_prepared(files->path[0]))
         return options->prepare_option != NULL ? refuse_prepared(options, error)
-                                               : host_model_open_image(files->path[0], model, error);
+                                               : host_model_open_prepared(files->path[0], model, error);
     loads = calloc(files->n, sizeof *loads);
     if (loads == NULL)
         return host_fail(error, "start", "free memory");
@@ -274,6 +274,6 @@ void host_model_free(host_model *model)
     for (i = 0; i < model->n_parts; i++)
         host_mesh_free(&model->part[i].mesh);
     free(model->part);
-    free(model->image);
+    free(model->prepared);
     memset(model, 0, sizeof *model);
 }

@@ -43,7 +43,8 @@ const host_option *host_option_find(const char *name, int command);
 /* Whether it was given. */
 int host_option_given(const host_options *options, const char *name);
 
-/* options_check.c: what options need beside them, and what they exclude, once all are read. 0, or -1 with the error filled. */
+/* options_check.c: what options need beside them, and what they exclude, once all are read. 0, or -1 with the error
+ * filled. */
 int host_options_check(host_options *options, host_error *error);
 
 #endif

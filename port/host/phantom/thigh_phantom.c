@@ -1,4 +1,4 @@
-/* The computed thigh in memory: meshes and images of the model and of a patient, landmarks.
+/* Computes the thigh phantom: meshes and images of the model and of a patient, and landmarks.
  * SPDX-License-Identifier: MIT */
 #include "phantom/thigh_phantom.h"
 
@@ -8,8 +8,8 @@
 #include "base/memory.h"
 #include "base/threads.h"
 
-#define SMALL_MESH 1.6f /* times as long edges */
-#define PICKED_MM 1.0f  /* how exactly a person clicks, in each coordinate */
+#define SMALL_MESH 1.6f /* factor of the edge lengths of a small phantom */
+#define PICKED_MM 1.0f  /* largest error of a person's click, in each coordinate */
 
 static int make_mesh(host_thigh *ph, uint32_t part, float *scratch)
 {
@@ -40,7 +40,7 @@ static void run_mesh(void *arg, uint32_t task, uint32_t worker)
     ph->failed[task] = make_mesh(ph, task, ph->scratch + worker * ph->scratch_words);
 }
 
-/* Slices of both images, taken in turns. */
+/* Computes one slice; tasks alternate between the two images. */
 static void run_slice(void *arg, uint32_t task, uint32_t worker)
 {
     host_thigh *const ph = arg;
@@ -116,7 +116,7 @@ int host_thigh_make(host_thigh *ph, const smr_port *port, uint32_t seed, uint32_
     return make_meshes(ph, error) == 0 && make_images(ph, error) == 0 ? 0 : -1;
 }
 
-/* The vertices that stand out; on the patient with a person's inexactness. */
+/* Landmarks are prominent vertices; the patient's have the error of a person's click. */
 const fixture_landmark *host_thigh_landmark(const host_thigh *ph, int set, uint32_t i, float at[3])
 {
     const fixture_landmark *const mark = fixture_thigh_landmark(i);

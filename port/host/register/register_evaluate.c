@@ -1,4 +1,4 @@
-/* What a registration reached: positions, distances both ways, folds.
+/* Measures the result of a registration: positions, distances in both directions, folds.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <stdlib.h>
@@ -6,12 +6,12 @@
 
 #include "register/register_job.h"
 
-/* A target and the surface of all structures that follow it. */
+/* A target, and the surface of all structures that are registered to it. */
 typedef struct pair {
     const host_target *target;
     smr_surface *result;
-    void *memory;   /* of result; owned */
-    uint32_t index; /* of the target */
+    void *memory;   /* memory of `result`; owned */
+    uint32_t index; /* index of the target */
     const host_job *job;
 } pair;
 
@@ -29,14 +29,14 @@ static int copy_result(host_job *job, uint32_t i, host_error *error)
     return 0;
 }
 
-/* Folds of one structure, or the result's surface for one target: tasks of one parallel loop. */
+/* Tasks of one parallel loop: the folds of a structure, or the result's surface for a target. */
 static void count_folds(void *arg, uint32_t task, uint32_t worker)
 {
     host_job *const job = arg;
     host_result *const result = &job->result[task];
     const smr_mesh view = host_mesh_view(&result->mesh);
     (void)worker;
-    if (host_folds(&view, job->model.part[task].mesh.xyz, &result->folds, &result->folds_absolute) != 0)
+    if (host_count_folds(&view, job->model.part[task].mesh.xyz, &result->folds, &result->folds_absolute) != 0)
         result->folds_absolute = UINT64_MAX;
 }
 
@@ -58,7 +58,7 @@ static void build_result(void *arg, uint32_t task, uint32_t worker)
     host_mesh_free(&whole);
 }
 
-/* Points of all structures with a target, then of all targets in use, in one array of distances. */
+/* Queries for the vertices of all structures with a target, then of all targets in use; one array of distances. */
 static uint32_t make_queries(const host_job *job, const pair *pairs, uint32_t n_pairs, host_query *query, float *mm)
 {
     uint32_t i = 0, n = 0;
@@ -82,8 +82,8 @@ static uint32_t make_queries(const host_job *job, const pair *pairs, uint32_t n_
     return n;
 }
 
-/* Statistics by structure and over all. Sorting the whole afterwards may reorder the parts. */
-static void sum_up(host_job *job, const pair *pairs, uint32_t n_pairs, const host_query *query)
+/* Statistics per structure, then over all: sorting all distances destroys the order by structure. */
+static void summarise(host_job *job, const pair *pairs, uint32_t n_pairs, const host_query *query)
 {
     uint32_t i = 0, q = 0;
     size_t n = 0;
@@ -130,14 +130,14 @@ static int measure(host_job *job, pair *pairs, host_query *query)
     if (result == 0)
         result = host_distances(&job->port.port, query, make_queries(job, pairs, n_pairs, query, mm));
     if (result == 0)
-        sum_up(job, pairs, n_pairs, query);
+        summarise(job, pairs, n_pairs, query);
     for (i = 0; i < n_pairs; i++)
         free(pairs[i].memory);
     free(mm);
     return result;
 }
 
-/* Distances between vertices of the same index, where the truth has as many. */
+/* Distances between vertices with the same index, for structures whose truth has as many vertices. */
 static int measure_vertices(host_job *job)
 {
     uint32_t i = 0;
@@ -167,7 +167,7 @@ static int measure_vertices(host_job *job)
     return 0;
 }
 
-/* Distances to all targets; with an image, to the truth. */
+/* Distances to all targets, or to the truth when the target is an image. */
 static int measure_all(host_job *job, host_error *error)
 {
     pair *pairs = NULL;
@@ -176,7 +176,7 @@ static int measure_all(host_job *job, host_error *error)
     if (job->n_targets == 0)
         return 0;
     if (job->options->image_target && host_job_make_surfaces(job, error) != 0) {
-        error->file = job->options->truth; /* the path goes with the job */
+        error->file = job->options->truth; /* the target's own path is freed with the job */
         return -1;
     }
     pairs = calloc(job->n_targets, sizeof *pairs);

@@ -1,4 +1,4 @@
-/* What a registration with an image needs besides: the volumes, landmarks for the start, the truth to measure by.
+/* Loads what a registration to an image needs: the volumes, landmarks for the start, and the truth for measuring.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 #include "landmarks/landmarks.h"
 #include "register/register_job.h"
 
-/* Reference and target: two tasks. */
+/* Reads the reference or the target image: two tasks. */
 typedef struct volumes {
     host_job *job;
     host_error error[2];
@@ -30,7 +30,7 @@ static void read_volume(void *arg, uint32_t task, uint32_t worker)
 int host_job_load_images(host_job *job, host_error *error)
 {
     volumes v;
-    if (job->ready_image && job->model.info.profile_samples == 0) {
+    if (job->model_is_prepared && job->model.info.profile_samples == 0) {
         error->file = job->options->model.path[0];
         return host_fail(error, "profiles", "a model built with --reference, for the target is a volume");
     }
@@ -43,7 +43,7 @@ int host_job_load_images(host_job *job, host_error *error)
     return -1;
 }
 
-/* "DIR/NAME.ply" for every structure; the job owns the texts. */
+/* Makes the path "DIR/NAME.ply" of every structure; the job owns the texts. */
 static int name_truth(host_job *job, host_error *error)
 {
     const char *const directory = job->options->truth;
@@ -61,7 +61,7 @@ static int name_truth(host_job *job, host_error *error)
     return 0;
 }
 
-/* The error is printed when the job and its paths are gone: the directory is its file then. */
+/* The error is printed after the job and its paths are freed: it names the directory, and the file in its place. */
 static void blame_truth(const host_job *job, host_error *error)
 {
     const char *const slash = error->file != NULL ? strrchr(error->file, '/') : NULL;
@@ -110,7 +110,7 @@ int host_job_load_truth(host_job *job, host_error *error)
     return result;
 }
 
-/* Landmarks as pairs. A side that is mirrored takes its landmarks along. */
+/* Reads the landmarks and pairs them. Mirroring the model or the target mirrors its landmarks, too. */
 static int read_pairs(const host_options *options, float from[HOST_LANDMARKS_MAX][3], float to[HOST_LANDMARKS_MAX][3],
                       uint32_t *n, host_error *error)
 {
@@ -135,8 +135,8 @@ static int read_pairs(const host_options *options, float from[HOST_LANDMARKS_MAX
     return result;
 }
 
-/* All rest positions, carried by the warp. They come from the prepared model, whose rounding they have then, so that a
- * .smr and the surfaces that it was built from start from the same bits. */
+/* Applies the warp to all rest positions. They are read from the prepared model, which rounds them, so that a .smr and
+ * the surfaces it was built from give the same bits. */
 int host_job_warp(host_job *job, host_error *error)
 {
     size_t n = 0;
@@ -166,7 +166,7 @@ int host_job_warp(host_job *job, host_error *error)
     return 0;
 }
 
-/* By least squares, where --align asks for that instead of the spline. */
+/* Fits a pose by least squares, when --align asks for one instead of the spline. */
 static int pose_by_pairs(host_job *job, const float *from, const float *to, host_error *error)
 {
     const int similarity = job->options->align == HOST_ALIGN_SIMILARITY;

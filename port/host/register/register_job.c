@@ -1,18 +1,18 @@
-/* Preparing the model beside the start of a registration, and freeing all that a registration owns.
+/* Prepares the model and starts the registration in parallel; frees a job.
  * SPDX-License-Identifier: MIT */
 #include "register/register_job.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Preparing the model and placing the targets need nothing from each other: two tasks. */
+/* Two independent tasks: preparing the model, and placing the model on the targets. */
 typedef struct both {
     host_job *job;
     host_error error[2];
     int failed[2];
 } both;
 
-/* port: NULL for one core. */
+/* port NULL: one thread. */
 static int prepare(host_job *job, const smr_port *port, host_error *error)
 {
     smr_prepare_config config = job->options->prepare;
@@ -31,7 +31,7 @@ static void run_half(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     if (task == 1)
         b->failed[1] = host_job_start(b->job, &b->error[1]);
-    else if (!b->job->ready_image)
+    else if (!b->job->model_is_prepared)
         b->failed[0] = prepare(b->job, NULL, &b->error[0]);
 }
 
@@ -42,8 +42,8 @@ int host_job_prepare(host_job *job, host_error *error)
     b.job = job;
     if (job->options->align != HOST_ALIGN_NONE) {
         host_parallel(&job->port.port, run_half, &b, 2);
-    } else { /* hardly anything but preparation: all workers share that */
-        b.failed[0] = job->ready_image ? 0 : prepare(job, &job->port.port, &b.error[0]);
+    } else { /* nearly all time is preparation: all workers share it */
+        b.failed[0] = job->model_is_prepared ? 0 : prepare(job, &job->port.port, &b.error[0]);
         b.failed[1] = b.failed[0] ? 0 : host_job_start(job, &b.error[1]);
     }
     if (b.failed[0] || b.failed[1]) {

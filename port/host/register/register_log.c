@@ -1,4 +1,5 @@
-/* Recording a registration: memory for the library's log, and the log file, which also says how to read the inputs again.
+/* Records a registration: memory for the library's log, and the log file, which also says how to read the
+ * inputs again.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +14,7 @@ int host_job_record(host_job *job, host_error *error)
     const size_t n_ticks = ticks > 0 && ticks < HOST_LOG_TICKS_MAX ? ticks : HOST_LOG_TICKS_MAX;
     const size_t bytes = SMR_LOG_BYTES(n_ticks, 2u * (size_t)job->model.n_parts + 2u);
     error->file = job->options->log;
-    job->log_memory = malloc(bytes); /* what is not written costs nothing */
+    job->log_memory = malloc(bytes); /* pages that are never written cost nothing */
     if (job->log_memory == NULL || smr_set_log(job->state, job->log_memory, bytes) != SMR_OK)
         return host_fail(error, "log", "free memory");
     return 0;
@@ -24,7 +25,7 @@ static int by_path(const void *a, const void *b)
     return strcmp(((const host_log_input *)a)->path, ((const host_log_input *)b)->path);
 }
 
-/* The files that were read, each once, by name: threads open them in any order. */
+/* Lists the input files, each once, sorted by name, since threads open them in any order. */
 static int list_inputs(const host_job *job, host_log *log, host_error *error)
 {
     const size_t n = host_file_count();

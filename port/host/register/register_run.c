@@ -1,4 +1,4 @@
-/* The registration itself: the arena, the targets, and ticks until the schedule ends.
+/* Runs the registration: allocates the arena, sets the targets, ticks until the schedule ends.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 
@@ -10,7 +10,7 @@
 #include "register/register_job.h"
 
 #define PROGRESS_EVERY_S 0.1
-#define TICKS_MAX 10000000u /* with a budget one iteration may take many ticks */
+#define TICKS_MAX 10000000u /* with a budget, an iteration may take many ticks */
 
 static int refuse(host_error *error, const char *place, smr_status status)
 {
@@ -18,7 +18,7 @@ static int refuse(host_error *error, const char *place, smr_status status)
     return host_fail(error, place, "input and options within the library's limits (%s)", smr_status_name(status));
 }
 
-/* Every structure where the landmarks put it. */
+/* Sets every structure's start positions from the landmarks. */
 static smr_status put_start(const host_job *job)
 {
     const float *xyz = job->start_xyz;
@@ -91,7 +91,7 @@ static int record(host_job *job, double seconds, host_error *error)
     return 0;
 }
 
-/* On a terminal: one line that is written over. */
+/* Shows the progress on a terminal, in one line that is overwritten. */
 static void show(const host_job *job, double elapsed)
 {
     const double progress = (double)job->last.progress;
@@ -103,7 +103,7 @@ static void show(const host_job *job, double elapsed)
 
 int host_job_run(host_job *job, host_error *error)
 {
-    /* 0 would mean no clock at all */
+    /* 0 would mean that no clock is used */
     const uint64_t whole_ns = (uint64_t)(job->options->budget_ms * 1e6);
     const uint64_t budget_ns = job->options->budget_ms > 0.0 && whole_ns == 0u ? 1u : whole_ns;
     const uint32_t limit = job->options->ticks > 0 ? job->options->ticks : TICKS_MAX;

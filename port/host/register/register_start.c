@@ -1,4 +1,4 @@
-/* The start of a registration: reading all files, matching targets to structures, the start pose.
+/* Starts a registration: reads all files, pairs targets and structures, finds the start pose.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>
@@ -30,7 +30,7 @@ static int take_targets(host_job *job, host_load *loads, host_error *error)
     return 0;
 }
 
-/* Model and target files together, so that all threads have something to read. */
+/* Reads model and target files in one parallel loop, so that all threads are used. */
 static int load_surfaces(host_job *job, const host_files *models, host_error *error)
 {
     const host_options *const options = job->options;
@@ -51,7 +51,7 @@ static int load_surfaces(host_job *job, const host_files *models, host_error *er
         result = host_model_take(loads, models->n, &job->model, error);
     if (result == 0 && !options->image_target)
         result = take_targets(job, loads + models->n, error);
-    for (i = 0; i < n; i++) /* those that nobody took */
+    for (i = 0; i < n; i++) /* meshes that were not taken over */
         host_mesh_free(&loads[i].mesh);
     free(loads);
     return result;
@@ -65,11 +65,11 @@ int host_job_load(host_job *job, host_error *error)
     int result = 0;
     uint32_t i = 0;
     for (i = 0; i < options->model.n; i++)
-        job->ready_image |= host_model_is_image(options->model.path[i]);
-    if (!job->ready_image && options->image_target && options->reference == NULL) {
+        job->model_is_prepared |= host_model_is_prepared(options->model.path[i]);
+    if (!job->model_is_prepared && options->image_target && options->reference == NULL) {
         error->file = "--reference";
         result = host_fail(error, "option", "the image that fits the model's surfaces, for the target is a volume");
-    } else if (!job->ready_image) {
+    } else if (!job->model_is_prepared) {
         result = load_surfaces(job, &options->model, error);
     } else if (options->model.n > 1) {
         error->file = "--model";
@@ -78,7 +78,7 @@ int host_job_load(host_job *job, host_error *error)
         error->file = options->prepare_option;
         result = host_fail(error, "option", "a model of surfaces: a .smr is prepared already");
     } else {
-        result = host_model_open_image(options->model.path[0], &job->model, error);
+        result = host_model_open_prepared(options->model.path[0], &job->model, error);
         if (result == 0)
             result = load_surfaces(job, &none, error);
     }
@@ -104,7 +104,7 @@ int host_job_match(host_job *job, host_error *error)
         return host_fail(error, "start", "free memory");
     for (i = 0; i < job->model.n_parts; i++)
         job->result[i].target = HOST_NO_TARGET;
-    if (job->options->image_target) /* targets are the truth, if any: one for each structure */
+    if (job->options->image_target) /* the truth, if any, has one surface for each structure */
         return host_job_load_truth(job, error);
     for (i = 0; i < job->model.n_parts; i++) {
         for (k = 0; k < job->n_targets && job->result[i].target == HOST_NO_TARGET; k++)
@@ -124,7 +124,7 @@ static void build_target(void *arg, uint32_t task, uint32_t worker)
         target->surface = host_surface_make(&view, &target->memory);
 }
 
-/* Joins the meshes that take part: all targets in use, or all structures that have one. */
+/* Joins the meshes of all targets in use, or of all structures that have a target. */
 static int join(const host_job *job, int targets, host_mesh *whole)
 {
     uint32_t i = 0;

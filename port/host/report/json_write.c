@@ -1,12 +1,12 @@
-/* A small JSON writer: two blanks per level, one item per line.
+/* Writes JSON: two spaces per level, one item per line.
  * SPDX-License-Identifier: MIT */
 #include "report/json_write.h"
 
 #include <inttypes.h>
 #include <math.h>
 
-/* Bytes of the UTF-8 character at text, 0 when it is none: file names may hold anything, JSON may not.
- * Only the shape is checked. */
+/* Bytes of the UTF-8 character at text, 0 when it is invalid: file names may contain any bytes, JSON may not.
+ * Checks the bit patterns only. */
 static size_t utf8_bytes(const char *text)
 {
     const unsigned char *const c = (const unsigned char *)text;

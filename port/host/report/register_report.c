@@ -1,4 +1,4 @@
-/* report.json and the summary for people.
+/* Writes report.json and the summary for people.
  * SPDX-License-Identifier: MIT */
 #include "report/register_report.h"
 
@@ -10,20 +10,20 @@
 
 #include "report/json_write.h"
 
-/* By SMR_WARP_... */
+/* [SMR_WARP_...] */
 static const char *const warp_names[] = {"spline", "similarity", "rigid", "translation"};
 
-/* Of the vertices that looked for a goal, how many had one. Not a number when none looked. */
+/* Share of vertices with a goal among those that searched one. NaN when none searched. */
 static double share_of(uint32_t found, uint32_t rejected)
 {
     const double all = (double)found + (double)rejected;
     return all > 0.0 ? (double)found / all : (double)NAN;
 }
 
-/* At the end, over all structures. */
+/* The same for the last iteration, over all structures. */
 static double matched_share(const host_job *job) { return share_of(job->last.n_forces, job->last.n_rejected); }
 
-/* The kind of start. */
+/* Writes the kind of start. */
 static void put_kind(const host_job *job, host_json *json)
 {
     static const char *const poses[] = {"none", "surfaces rigid", "surfaces similarity"};
@@ -47,7 +47,7 @@ static void put_model(const host_job *job, host_json *json)
     host_json_count(json, "structures", info->n_structures);
     host_json_count(json, "vertices", info->n_vertices);
     host_json_count(json, "triangles", info->n_triangles);
-    host_json_count(json, "clusters", info->n_vertices); /* one about each vertex, at every radius */
+    host_json_count(json, "clusters", info->n_vertices); /* one per vertex, at every radius */
     host_json_number(json, "indexes_per_cluster", stored);
     host_json_number(json, "indexes_per_cluster_direct", direct);
     host_json_open(json, "radius_mm", '[');
@@ -78,7 +78,7 @@ static void put_times(const host_job *job, host_json *json)
     float *const ms = malloc((n + 1u) * sizeof *ms);
     host_json_open(json, "time_s", '{');
     host_json_number(json, "load", job->load_s);
-    host_json_number(json, "prepare", job->ready_image ? 0.0 : job->model.prepare_s);
+    host_json_number(json, "prepare", job->model_is_prepared ? 0.0 : job->model.prepare_s);
     host_json_number(json, "start", job->start_s);
     host_json_number(json, "register", job->register_s);
     host_json_number(json, "measure", job->measure_s);
@@ -100,13 +100,13 @@ static void put_times(const host_job *job, host_json *json)
     host_json_number(json, "budget_ms", job->options->budget_ms);
     host_json_count(json, "overruns", job->overruns);
     host_json_open(json, "memory_bytes", '{');
-    host_json_count(json, "model", job->model.image_bytes);
+    host_json_count(json, "model", job->model.prepared_bytes);
     host_json_count(json, "arena", job->arena_bytes);
     host_json_count(json, "volume", job->image.bytes);
     host_json_close(json, '}');
 }
 
-/* Distances both ways; null when there was nothing to measure by. */
+/* Writes the distances in both directions, null when they were not measured. */
 static void put_distances(host_json *json, int measured, const host_stats *to_target, const host_stats *to_model)
 {
     if (!measured) {
@@ -131,7 +131,7 @@ static void put_by_vertex(host_json *json, const host_stats *stats)
     host_json_close(json, '}');
 }
 
-/* Of the last iteration's goals, and from the start positions. */
+/* Writes values of the last iteration's goals, and the displacement from the start positions. */
 static void put_moved(host_json *json, double residual_mean, double residual_max, double moved_mean, double moved_max)
 {
     host_json_number(json, "residual_mean_mm", residual_mean);
@@ -140,7 +140,7 @@ static void put_moved(host_json *json, double residual_mean, double residual_max
     host_json_number(json, "moved_max_mm", moved_max);
 }
 
-/* The result against the targets; with an image, against the truth when it was given. */
+/* Writes the result against the targets, or against the truth when the target is an image. */
 static void put_result(const host_job *job, host_json *json)
 {
     const int measured = job->n_targets > 0;
@@ -247,8 +247,8 @@ void host_job_report(const host_job *job, host_buffer *out)
     put_model(job, &json);
     host_json_count(&json, "ticks", job->ticks);
     host_json_count(&json, "iterations", job->last.iteration);
-    /* Converged: the schedule came to its end and the target was seen on the way, as the exit status says. Settled: the last
-     * iteration also moved nothing by more than the plastic threshold. */
+    /* converged: the schedule has ended and some vertex had a goal, as in the exit status.
+     * settled: in addition, the last iteration moved no vertex by more than the plastic threshold. */
     host_json_flag(&json, "converged", host_job_converged(job));
     host_json_flag(&json, "target_seen", job->target_seen);
     host_json_flag(&json, "settled", job->last.converged != 0 && job->target_seen);
@@ -284,7 +284,7 @@ void host_job_summary(const host_job *job)
     uint32_t i = 0, carried = 0;
     (void)printf("%s after %u iterations, %.3f s (load %.3f, prepare %.3f, start %.3f, register %.3f), %u threads\n",
                  host_job_converged(job) ? "converged" : "not converged", job->last.iteration,
-                 host_seconds() - job->begin_s, job->load_s, job->ready_image ? 0.0 : job->model.prepare_s,
+                 host_seconds() - job->begin_s, job->load_s, job->model_is_prepared ? 0.0 : job->model.prepare_s,
                  job->start_s, job->register_s, job->port.port.n_workers);
     if (job->last.iteration > 0 && !job->target_seen)
         (void)printf("nothing of the target was seen: no vertex had a goal in any iteration; look at the start and at "

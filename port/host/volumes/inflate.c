@@ -1,5 +1,5 @@
-/* Unpacking of zlib and gzip streams that lie inside a volume file (MetaImage, NRRD). The gzip program
- * serves whole files only: it has no form for zlib, whose sum differs.
+/* Unpacks zlib and gzip streams inside volume files (MetaImage, NRRD). The gzip program unpacks whole files only, and
+ * not zlib, whose checksum differs.
  *
  * Formats: RFC 1950 (zlib), RFC 1951 (deflate), RFC 1952 (gzip, one member).
  * SPDX-License-Identifier: MIT */
@@ -8,9 +8,9 @@
 
 #include "volumes/volume_reader.h"
 
-#define CODE_BITS 15 /* longest Huffman code */
+#define CODE_BITS 15 /* bits of the longest Huffman code */
 
-/* All codes of one alphabet: entry[next 15 bits] = symbol * 16 + length; length 0 where there is no code. */
+/* The codes of an alphabet: entry[next 15 bits] = symbol * 16 + length; length 0: no code. */
 typedef struct code_table {
     uint16_t entry[1u << CODE_BITS];
 } code_table;
@@ -18,7 +18,7 @@ typedef struct code_table {
 typedef struct stream {
     const unsigned char *in;
     size_t n, at;
-    uint64_t hold; /* bits read from `in` and not used yet, the next one lowest */
+    uint64_t hold; /* bits read from `in` but not used yet; the lowest is the next */
     unsigned held;
     unsigned char *out;
     size_t out_n, done;
@@ -33,7 +33,7 @@ static void fill(stream *s)
     }
 }
 
-/* The next bits as a number, at most 16; -1 when the data ends before. */
+/* Reads the next n bits, at most 16, as a number; -1 at the end of the data. */
 static int take(stream *s, unsigned bits)
 {
     int value = 0;
@@ -67,7 +67,7 @@ static unsigned reversed(unsigned code, unsigned bits)
     return turned;
 }
 
-/* Canonical codes out of their lengths; -1 when there are more codes than bit patterns. */
+/* Makes the canonical codes from their lengths; -1 when there are more codes than bit patterns. */
 static int build(code_table *table, const unsigned char *lengths, unsigned n)
 {
     unsigned count[CODE_BITS + 1] = {0}, next[CODE_BITS + 1] = {0};
@@ -95,7 +95,7 @@ static int build(code_table *table, const unsigned char *lengths, unsigned n)
 static int read_stored(stream *s)
 {
     int size = 0, inverse = 0;
-    (void)take(s, s->held & 7u); /* to the next whole byte: what is held is always a byte's rest and bytes */
+    (void)take(s, s->held & 7u); /* to the next whole byte: `hold` has the rest of a byte and whole bytes */
     size = take(s, 16);
     inverse = take(s, 16);
     if (size < 0 || inverse < 0 || (size ^ inverse) != 0xffff || (size_t)size > s->out_n - s->done)
@@ -122,7 +122,7 @@ static int fixed_codes(stream *s)
     return build(&s->distance, lengths, 30);
 }
 
-/* The code lengths of a dynamic block, themselves coded with runs. */
+/* Reads the code lengths of a dynamic block, which are coded with runs. */
 static int read_lengths(stream *s, unsigned char *lengths, unsigned n)
 {
     unsigned i = 0;
@@ -170,7 +170,7 @@ static int dynamic_codes(stream *s)
     return build(&s->distance, lengths + literals + 257, (unsigned)distances + 1u);
 }
 
-/* Copies bytes written before; the two pieces may overlap. */
+/* Copies bytes that were written before; source and destination may overlap. */
 static int copy(stream *s, int symbol)
 {
     static const uint16_t length_base[29] = {3,  4,  5,  6,  7,  8,  9,  10, 11,  13,  15,  17,  19,  23, 27,
@@ -245,7 +245,7 @@ static uint32_t adler32(const unsigned char *data, size_t n)
     for (i = 0; i < n; i++) {
         a += data[i];
         b += a;
-        if (i % 4096u == 4095u || i + 1u == n) { /* the sums fit 32 bits that long */
+        if (i % 4096u == 4095u || i + 1u == n) { /* the sums of 4096 bytes fit 32 bits */
             a %= 65521u;
             b %= 65521u;
         }
@@ -269,7 +269,7 @@ static uint32_t crc32(const unsigned char *data, size_t n)
     return ~crc;
 }
 
-/* Bytes of the header in front of the packed data; 0 when there is none. */
+/* Bytes of the gzip header; 0 when it is invalid. */
 static size_t header_bytes(const unsigned char *data, size_t n, int *gzip)
 {
     size_t at = 10;
@@ -280,7 +280,7 @@ static size_t header_bytes(const unsigned char *data, size_t n, int *gzip)
                                                                                                                  : 0u;
     if (data[2] != 8u || (data[3] & 0xe0u) != 0)
         return 0;
-    if ((data[3] & 4u) != 0) { /* an extra field with its size */
+    if ((data[3] & 4u) != 0) { /* an extra field, after its size */
         if (n < 12u)
             return 0;
         at += 2u + data[10] + 256u * (size_t)data[11];
@@ -291,7 +291,7 @@ static size_t header_bytes(const unsigned char *data, size_t n, int *gzip)
                 at++;
             at++;
         }
-    at += (data[3] & 2u) != 0 ? 2u : 0u; /* a sum over the header */
+    at += (data[3] & 2u) != 0 ? 2u : 0u; /* a checksum of the header */
     return at < n ? at : 0u;
 }
 

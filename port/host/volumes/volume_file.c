@@ -1,4 +1,4 @@
-/* Reading a volume file: which format it is, the reader's call, and what holds for all formats.
+/* Reads a volume file of any format: finds the format and calls its reader. Mirrors and frees volumes.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +14,7 @@ static int starts_with(const unsigned char *head, size_t n, const char *text)
     return n >= k && memcmp(head, text, k) == 0;
 }
 
-/* The size of its own header, 348 (540: the second version), is the first number of a NIfTI file. */
+/* A NIfTI file starts with the size of its header: 348, or 540 in version 2. */
 static int looks_like_nifti(const unsigned char *head, size_t n)
 {
     int order = 0;
@@ -88,7 +88,7 @@ void host_volume_mirror(host_volume *volume, int axis)
 {
     const size_t row = (size_t)axis;
     size_t j = 0;
-    /* 0 - x and not -x: a zero keeps its sign, for whoever prints it. */
+    /* 0 - x instead of -x: does not turn 0 into -0, which prints differently */
     volume->origin[row] = 0.0f - volume->origin[row];
     for (j = 0; j < 3; j++)
         volume->direction[3u * row + j] = 0.0f - volume->direction[3u * row + j];

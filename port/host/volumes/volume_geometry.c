@@ -1,4 +1,4 @@
-/* The size of a volume and where it lies: one check for all formats.
+/* Checks the size and the geometry of a volume, for all formats.
  * SPDX-License-Identifier: MIT */
 #include <inttypes.h>
 #include <math.h>
@@ -8,7 +8,7 @@
 #include "smr.h"
 #include "volumes/volume_reader.h"
 
-/* Determinant of the unit axes below which they count as lying in one plane. */
+/* Unit axes with a smaller determinant count as coplanar. */
 #define FLAT 1e-6
 
 int host_volume_fail(const host_volume_reader *reader, const char *expected, ...)
@@ -21,14 +21,14 @@ int host_volume_fail(const host_volume_reader *reader, const char *expected, ...
     return host_fail_at(reader->error, "header line", reader->line, "%s", text);
 }
 
-/* At the present line when the format has lines, else at the field. */
+/* Fills the error: of the current line, or of the field when the format has no lines. */
 static int fail_field(const host_volume_reader *reader, const char *place, const char *expected)
 {
     return reader->line > 0 ? host_volume_fail(reader, "%s: %s", place, expected)
                             : host_fail(reader->error, place, "%s", expected);
 }
 
-int host_volume_size(host_volume_reader *reader, const char *place, const int64_t size[3])
+int host_volume_set_size(host_volume_reader *reader, const char *place, const int64_t size[3])
 {
     char text[160];
     uint64_t n = 1;
@@ -55,7 +55,7 @@ static double determinant(const double a[3][3])
            a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
 }
 
-/* Whether the whole box lies where coordinates may lie; false for NaN. */
+/* 1 when the whole volume lies within the coordinate limits; 0 for NaN. */
 static int box_is_near(const host_volume *volume, const double steps[3][3], const double origin[3])
 {
     const double limit = (double)SMR_COORD_MAX;
@@ -73,7 +73,8 @@ static int box_is_near(const host_volume *volume, const double steps[3][3], cons
     return 1;
 }
 
-int host_volume_place(host_volume_reader *reader, const char *place, const double steps[3][3], const double origin[3])
+int host_volume_set_geometry(host_volume_reader *reader, const char *place, const double steps[3][3],
+                             const double origin[3])
 {
     host_volume *const volume = reader->volume;
     char text[120];
@@ -103,7 +104,7 @@ int host_volume_place(host_volume_reader *reader, const char *place, const doubl
     return 0;
 }
 
-void host_volume_turn(double steps[3][3], double origin[3])
+void host_volume_turn_ras(double steps[3][3], double origin[3])
 {
     int i = 0, j = 0;
     for (i = 0; i < 2; i++) {

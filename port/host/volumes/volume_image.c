@@ -1,4 +1,4 @@
-/* A volume from a file as the library sees it.
+/* Reads an image from a volume file, as the library's type.
  * SPDX-License-Identifier: MIT */
 #include "volumes/volume_image.h"
 

@@ -1,4 +1,4 @@
-/* A volume from a file as the library sees it: a reference image or a target.
+/* An image from a volume file as the library's type: the reference or the target.
  * SPDX-License-Identifier: MIT */
 #ifndef VOLUME_IMAGE_H
 #define VOLUME_IMAGE_H
@@ -11,14 +11,15 @@
 
 typedef struct host_image {
     host_volume volume; /* owned */
-    smr_volume view;    /* borrows the voxels: both live equally long */
-    size_t bytes;       /* of the voxels */
+    smr_volume view;    /* borrows the voxels of `volume` */
+    size_t bytes;       /* bytes of the voxels */
 } host_image;
 
-/* Reads a volume. mirror: HOST_MIRROR_..., of its geometry. 0, or -1 with the error filled and the image empty. */
+/* Reads an image. mirror: HOST_MIRROR_..., applied to its geometry. 0, or -1 with the error filled and the image
+ * empty. */
 int host_image_read(const char *path, int mirror, host_image *image, host_error *error);
 
-/* An empty image is allowed. */
+/* Frees the image, which may be empty. */
 void host_image_free(host_image *image);
 
 #endif

@@ -1,7 +1,7 @@
-/* MetaImage (.mha, .mhd with a data file): "key = value" lines, then the voxels.
+/* Reads MetaImage (.mha, .mhd with a data file): "key = value" lines, then the voxels.
  *
- * TransformMatrix holds the direction of the first axis first; Offset is the first voxel's centre; both are LPS.
- * AnatomicalOrientation is a remark and does not move anything.
+ * TransformMatrix lists the direction of the first axis first. Offset is the centre of the first voxel. Both are LPS.
+ * AnatomicalOrientation is ignored.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
@@ -10,7 +10,7 @@
 
 typedef struct meta_header {
     int64_t size[3];
-    int has_size, text, packed, last; /* last: ElementDataFile came, which ends the header */
+    int has_size, text, packed, last; /* last: ElementDataFile was read, which ends the header */
     int64_t packed_bytes, header_bytes;
     double spacing[3], matrix[9], offset[3];
     host_word file;
@@ -18,7 +18,7 @@ typedef struct meta_header {
 
 typedef int (*key_function)(host_volume_reader *reader, meta_header *header, host_text *words);
 
-/* Exactly n numbers up to the line's end. */
+/* Reads exactly n numbers up to the end of the line. */
 static int numbers(host_text *words, int n, double *values)
 {
     host_word word;
@@ -35,7 +35,7 @@ static int one_word(host_text *words, host_word *word)
     return host_text_word_in_line(words, word) && !host_text_word_in_line(words, &more);
 }
 
-/* True or False; anything else is an error, -1. */
+/* Reads True (1) or False (0); -1 for others. */
 static int truth(host_volume_reader *reader, host_text *words, const char *key, int *value)
 {
     host_word word;
@@ -91,7 +91,7 @@ static int key_size(host_volume_reader *reader, meta_header *header, host_text *
     if (host_text_word_in_line(words, &word))
         return host_volume_fail(reader, "DimSize = three counts, found more");
     header->has_size = 1;
-    return host_volume_size(reader, "DimSize", header->size);
+    return host_volume_set_size(reader, "DimSize", header->size);
 }
 
 static int key_spacing(host_volume_reader *reader, meta_header *header, host_text *words)
@@ -173,7 +173,7 @@ static int key_file(host_volume_reader *reader, meta_header *header, host_text *
     header->last = 1;
     if (!host_text_word_in_line(words, &header->file))
         return host_volume_fail(reader, "ElementDataFile = LOCAL or a file's name");
-    /* A name may hold blanks: all of the line, but not the blanks at its end. */
+    /* a file name may contain spaces: all of the line without the spaces at its end */
     header->file.n = (size_t)(words->end - header->file.start);
     while (header->file.start[header->file.n - 1u] == ' ' || header->file.start[header->file.n - 1u] == '\t')
         header->file.n--;
@@ -210,7 +210,7 @@ static int read_key(host_volume_reader *reader, meta_header *header, host_word k
     for (i = 0; i < sizeof keys / sizeof keys[0]; i++)
         if (host_word_is(key, keys[i].name))
             return keys[i].read(reader, header, words);
-    return 0; /* remarks: comments, modality, the centre of rotation */
+    return 0; /* ignored: comments, modality, the centre of rotation */
 }
 
 static int read_header(host_volume_reader *reader, meta_header *header, host_text *text)
@@ -227,7 +227,7 @@ static int read_header(host_volume_reader *reader, meta_header *header, host_tex
         sign.start = memchr(line.start, '=', line.n);
         if (sign.start == NULL)
             return host_volume_fail(reader, "a line like NDims = 3");
-        if (key.start + key.n > sign.start) /* no blank before the sign */
+        if (key.start + key.n > sign.start) /* no space before the sign */
             key.n = (size_t)(sign.start - key.start);
         words.at = sign.start + 1;
         if (read_key(reader, header, key, &words) != 0)
@@ -245,7 +245,8 @@ static int locate(host_volume_reader *reader, const meta_header *header, const h
         reader->encoding = HOST_ENCODING_TEXT;
     else if (header->packed)
         reader->encoding = HOST_ENCODING_DEFLATE;
-    if (!host_word_is_nocase(header->file, "LOCAL") && host_volume_detach(reader, "ElementDataFile", header->file) != 0)
+    if (!host_word_is_nocase(header->file, "LOCAL") &&
+        host_volume_read_detached(reader, "ElementDataFile", header->file) != 0)
         return -1;
     if (header->packed && (uint64_t)header->packed_bytes > reader->n)
         return host_fail(reader->error, "CompressedDataSize", "at most the file's %zu bytes, found %lld", reader->n,
@@ -279,10 +280,10 @@ int host_read_metaimage(host_volume_reader *reader, const unsigned char *data, s
     for (j = 0; j < 3; j++)
         for (i = 0; i < 3; i++)
             steps[j][i] = header.matrix[3 * j + i] * header.spacing[j];
-    if (host_volume_place(reader, "TransformMatrix, ElementSpacing, Offset", (const double(*)[3])steps,
-                          header.offset) != 0)
+    if (host_volume_set_geometry(reader, "TransformMatrix, ElementSpacing, Offset", (const double(*)[3])steps,
+                                 header.offset) != 0)
         return -1;
     if (locate(reader, &header, &text) != 0)
         return -1;
-    return host_volume_load(reader);
+    return host_volume_convert(reader);
 }

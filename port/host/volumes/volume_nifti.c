@@ -1,8 +1,8 @@
-/* NIfTI-1 in one file (.nii): a header of 348 bytes, then the voxels; world coordinates are RAS.
+/* Reads NIfTI-1 in one file (.nii): a header of 348 bytes, then the voxels. World coordinates are RAS.
  *
- * Where the volume lies: srow when sform_code > 0, else the quaternion when qform_code > 0, else pixdim alone
- * (method 1 of the standard: axes along +x, +y, +z of RAS, origin 0). Slope and NaN as in the standard's
- * usual implementations: a slope of 0 or NaN means that the numbers are the values.
+ * Orientation: srow when sform_code > 0, else the quaternion when qform_code > 0, else pixdim alone (method 1 of the
+ * standard: axes along +x, +y, +z of RAS, origin 0). As in common implementations, a slope of 0 or NaN means that
+ * voxels are not scaled.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <string.h>
@@ -43,7 +43,7 @@ static double read_float(const nifti_header *header, int at)
     return host_type_read(HOST_TYPE_F32, header->data + at, header->big_endian);
 }
 
-/* The header's own size tells the order of bytes. */
+/* The header's size, its first number, gives the byte order. */
 static int read_order(host_volume_reader *reader, nifti_header *header, size_t n)
 {
     const char *const magic = (const char *)header->data + AT_MAGIC;
@@ -82,7 +82,7 @@ static int read_size(host_volume_reader *reader, const nifti_header *header)
         return host_fail(reader->error, "dim[0]", "3 dimensions, found %d", n);
     for (i = 0; i < 3; i++)
         size[i] = read_int(header, AT_DIM + 2 + 2 * i);
-    return host_volume_size(reader, "dim", size);
+    return host_volume_set_size(reader, "dim", size);
 }
 
 static int read_type(host_volume_reader *reader, const nifti_header *header)
@@ -134,7 +134,8 @@ static void place_by_rows(const nifti_header *header, double steps[3][3], double
     }
 }
 
-/* Unit quaternion (a, b, c, d), a >= 0 left out in the file; qfac = pixdim[0] turns the third axis round. */
+/* Axes from the unit quaternion (a, b, c, d). The file has no a, which is >= 0. qfac = pixdim[0] < 0 reverses the third
+ * axis. */
 static void place_by_quaternion(const nifti_header *header, const double spacing[3], double steps[3][3],
                                 double origin[3])
 {
@@ -143,7 +144,7 @@ static void place_by_quaternion(const nifti_header *header, const double spacing
            d = read_float(header, AT_QUATERNION + 8);
     double a = 1.0 - (b * b + c * c + d * d);
     int i = 0;
-    if (a < 1e-7) { /* half a turn, rounded; NaN goes on and is refused with the axes */
+    if (a < 1e-7) { /* a rotation by 180 degrees, rounded; NaN passes and is refused with the axes */
         const double length = sqrt(b * b + c * c + d * d);
         b /= length;
         c /= length;
@@ -169,11 +170,11 @@ static void place_by_quaternion(const nifti_header *header, const double spacing
     }
 }
 
-/* Millimetres per unit of length; 0 for a code that is none. */
+/* Millimetres per unit of length; 0 for an unknown code. */
 static double unit_mm(int code)
 {
     switch (code & 7) {
-    case 0: /* not said */
+    case 0: /* unspecified */
     case 2: return 1.0;
     case 1: return 1000.0;
     case 3: return 0.001;
@@ -205,12 +206,12 @@ static int read_place(host_volume_reader *reader, const nifti_header *header)
         for (j = 0; j < 3; j++)
             steps[j][i] *= unit;
     }
-    host_volume_turn(steps, origin);
-    return host_volume_place(reader,
-                             by_rows         ? "srow"
-                             : by_quaternion ? "quatern, pixdim"
-                                             : "pixdim",
-                             (const double(*)[3])steps, origin);
+    host_volume_turn_ras(steps, origin);
+    return host_volume_set_geometry(reader,
+                                    by_rows         ? "srow"
+                                    : by_quaternion ? "quatern, pixdim"
+                                                    : "pixdim",
+                                    (const double(*)[3])steps, origin);
 }
 
 int host_read_nifti(host_volume_reader *reader, const unsigned char *data, size_t n)
@@ -228,5 +229,5 @@ int host_read_nifti(host_volume_reader *reader, const unsigned char *data, size_
                          (int)HEADER_BYTES, n, start);
     reader->data = data + (size_t)start;
     reader->n = n - (size_t)start;
-    return host_volume_load(reader);
+    return host_volume_convert(reader);
 }

@@ -1,4 +1,4 @@
-/* NRRD, attached (.nrrd) or detached (.nhdr): "field: value" lines; an empty line ends the header.
+/* Reads NRRD, attached (.nrrd) or detached (.nhdr): "field: value" lines; an empty line ends the header.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <string.h>
@@ -45,7 +45,7 @@ static int field_sizes(host_volume_reader *reader, nrrd_header *header, host_wor
     if (host_text_word_in_line(&words, &word))
         return host_volume_fail(reader, "sizes: three counts, found more");
     header->has_size = 1;
-    return host_volume_size(reader, "sizes", size);
+    return host_volume_set_size(reader, "sizes", size);
 }
 
 static int field_type(host_volume_reader *reader, nrrd_header *header, host_word value)
@@ -124,7 +124,7 @@ static int field_space_dimension(host_volume_reader *reader, nrrd_header *header
     return 0;
 }
 
-/* "(x,y,z)", blanks anywhere between; 1 on success. */
+/* Reads "(x,y,z)", with spaces anywhere. 1 on success. */
 static int read_vector(host_text *text, double xyz[3])
 {
     static const char marks[4] = {'(', ',', ',', ')'};
@@ -186,7 +186,7 @@ static int field_spacings(host_volume_reader *reader, nrrd_header *header, host_
     return 0;
 }
 
-/* Each axis must be one of space, not of colour, vectors or time. */
+/* Checks that each axis is one of space, not of colour, vectors or time. */
 static int field_kinds(host_volume_reader *reader, nrrd_header *header, host_word value)
 {
     static const char *const kinds[] = {"domain", "space", "none", "???", NULL};
@@ -264,7 +264,7 @@ static int read_field(host_volume_reader *reader, nrrd_header *header, host_word
     for (i = 0; i < sizeof fields / sizeof fields[0]; i++)
         if (host_word_is_nocase(name, fields[i].name))
             return fields[i].read(reader, header, value);
-    return 0; /* content, thicknesses, the measurement frame and the like */
+    return 0; /* ignored: content, thicknesses, the measurement frame and others */
 }
 
 static host_word trimmed(const char *start, const char *end)
@@ -289,7 +289,7 @@ static int read_header(host_volume_reader *reader, nrrd_header *header, host_tex
     for (;;) {
         const char *colon = NULL;
         reader->line = text->line;
-        if (!host_text_line(text, &line)) { /* a header of its own may end with its file */
+        if (!host_text_line(text, &line)) { /* a detached header may end with its file */
             if (header->file.n > 0)
                 return 0;
             return host_volume_fail(reader, "an empty line and the voxels, but the file ends here");
@@ -301,14 +301,14 @@ static int read_header(host_volume_reader *reader, nrrd_header *header, host_tex
         colon = memchr(line.start, ':', line.n);
         if (colon == NULL)
             return host_volume_fail(reader, "a line like dimension: 3");
-        if (colon + 1 < line.start + line.n && colon[1] == '=') /* free pairs of key and value */
+        if (colon + 1 < line.start + line.n && colon[1] == '=') /* user-defined "key:=value" */
             continue;
         if (read_field(reader, header, trimmed(line.start, colon), trimmed(colon + 1, line.start + line.n)) != 0)
             return -1;
     }
 }
 
-/* The fields without which the voxels cannot be understood. */
+/* Checks that all required fields were read. */
 static int check_header(const host_volume_reader *reader, const nrrd_header *header)
 {
     const char *missing = NULL;
@@ -337,14 +337,14 @@ static int place(host_volume_reader *reader, nrrd_header *header)
     for (j = 0; !header->has_steps && j < 3; j++)
         header->steps[j][j] = header->spacing[j];
     if (header->space == SPACE_RAS)
-        host_volume_turn(header->steps, header->origin);
+        host_volume_turn_ras(header->steps, header->origin);
     if (header->space == SPACE_LAS) {
         header->origin[1] = 0.0 - header->origin[1];
         for (j = 0; j < 3; j++)
             header->steps[j][1] = 0.0 - header->steps[j][1];
     }
-    return host_volume_place(reader, header->has_steps ? "space directions, space origin" : "spacings",
-                             (const double(*)[3])header->steps, header->origin);
+    return host_volume_set_geometry(reader, header->has_steps ? "space directions, space origin" : "spacings",
+                                    (const double(*)[3])header->steps, header->origin);
 }
 
 int host_read_nrrd(host_volume_reader *reader, const unsigned char *data, size_t n)
@@ -357,11 +357,11 @@ int host_read_nrrd(host_volume_reader *reader, const unsigned char *data, size_t
     reader->data = (const unsigned char *)text.at;
     reader->n = (size_t)(text.end - text.at);
     if (header.file.n > 0) {
-        if (host_volume_detach(reader, "data file", header.file) != 0)
+        if (host_volume_read_detached(reader, "data file", header.file) != 0)
             return -1;
-        /* A data file that is one gzip stream comes unpacked. */
+        /* a data file that is one gzip stream has been unpacked when read */
         if (reader->encoding == HOST_ENCODING_DEFLATE && reader->line_skip == 0)
             reader->encoding = HOST_ENCODING_RAW;
     }
-    return host_volume_load(reader);
+    return host_volume_convert(reader);
 }

@@ -1,4 +1,4 @@
-/* From the bytes of a file to voxels in memory. Memory follows what the file holds, never what it claims.
+/* Converts the bytes of a file to voxels. Memory is bounded by the file's size, not by its header.
  * SPDX-License-Identifier: MIT */
 #include <float.h>
 #include <inttypes.h>
@@ -10,7 +10,7 @@
 #include "base/memory.h"
 #include "volumes/volume_reader.h"
 
-/* Deflate cannot pack better than this: a longest copy takes at least two bits. */
+/* The best compression by deflate: the longest copy takes at least two bits. */
 #define PACKED_BEST 1032u
 
 static size_t voxel_count(const host_volume *volume)
@@ -18,7 +18,7 @@ static size_t voxel_count(const host_volume *volume)
     return (size_t)volume->size[0] * volume->size[1] * volume->size[2];
 }
 
-/* What a file's type becomes in memory. */
+/* The type in memory of a file's type. */
 static uint32_t kept_type(const host_volume_reader *reader)
 {
     if (!reader->scaled)
@@ -53,7 +53,7 @@ static int host_is_big_endian(void)
     return first == 0;
 }
 
-/* Same numbers in memory as in the file, but for the order of their bytes. */
+/* 1 when numbers are equal in memory and file but for the byte order. */
 static void copy_voxels(const host_volume_reader *reader, const unsigned char *from, size_t n, size_t bytes)
 {
     unsigned char *const to = reader->volume->voxels;
@@ -111,7 +111,7 @@ static int load_raw(const host_volume_reader *reader, const unsigned char *data,
     return 0;
 }
 
-/* Stores one number read from text; 0 when it is outside the type. */
+/* Stores one number read from text; 0 when the type cannot hold it. */
 static int put_number(const host_volume_reader *reader, size_t i, double value)
 {
     void *const to = reader->volume->voxels;
@@ -140,7 +140,7 @@ static int load_text(const host_volume_reader *reader, const unsigned char *data
     const size_t skip = reader->byte_skip > 0 ? (size_t)reader->byte_skip : 0u;
     host_text text;
     size_t i = 0;
-    /* A number takes a digit and a blank. */
+    /* a number takes a digit and a space */
     if (skip > size || n > (size - skip + 1u) / 2u)
         return host_fail(reader->error, "voxels", "%zu numbers, found %zu bytes of text", n,
                          skip < size ? size - skip : 0u);
@@ -181,7 +181,7 @@ static int load_deflated(const host_volume_reader *reader, const unsigned char *
     return result;
 }
 
-int host_volume_load(host_volume_reader *reader)
+int host_volume_convert(host_volume_reader *reader)
 {
     host_text text = host_text_over(reader->data, reader->n);
     host_word line;
@@ -202,7 +202,7 @@ int host_volume_load(host_volume_reader *reader)
     return load_raw(reader, reader->data, reader->n);
 }
 
-/* Puts the data file's name in front of what went wrong with it, for the line names the header's file. */
+/* Puts the data file's name in front of the error's text, since the error line names the header's file. */
 static void name_data_file(host_error *error, const char *path, const char *key, host_word name)
 {
     char place[sizeof error->place];
@@ -212,7 +212,7 @@ static void name_data_file(host_error *error, const char *path, const char *key,
     error->file = path;
 }
 
-int host_volume_detach(host_volume_reader *reader, const char *key, host_word name)
+int host_volume_read_detached(host_volume_reader *reader, const char *key, host_word name)
 {
     const char *const slash = strrchr(reader->path, '/');
     const size_t folder =
@@ -228,7 +228,7 @@ int host_volume_detach(host_volume_reader *reader, const char *key, host_word na
     memcpy(path + folder, name.start, name.n);
     path[folder + name.n] = '\0';
     result = host_file_read(path, NULL, &reader->detached, reader->error);
-    /* The reader of files leaves its path in the error, which must not outlive it. */
+    /* host_file_read has left the path in the error; it is freed here, so the error must not keep it. */
     reader->error->file = reader->path;
     if (result != 0)
         name_data_file(reader->error, reader->path, key, name);
