@@ -26,8 +26,8 @@ THREADS  := -pthread
 
 CORE_SRC    := $(sort $(wildcard src/*.c src/*/*.c src/*/*/*.c))
 PTHREAD_SRC := $(sort $(wildcard port/pthread/*.c))
-HOST_SRC    := $(sort $(wildcard port/host/*.c))
-HOST_MAIN   := $(if $(HOST_SRC),$(shell grep -lE '^int main' $(HOST_SRC)))
+HOST_SRC    := $(sort $(wildcard port/host/*/*.c))
+HOST_MAIN   := $(wildcard port/host/main.c)
 FIXTURE_SRC := $(filter-out fixtures/fixture_write.c,$(sort $(wildcard fixtures/*.c)))
 BAREMETAL_SRC := $(sort $(wildcard port/baremetal/*.c))
 TARGET_SRC  := $(sort $(wildcard tests/target/target_*.c))
@@ -47,19 +47,20 @@ obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 CORE_OBJ    := $(call obj,$(CORE_SRC))
 PTHREAD_OBJ := $(call obj,$(PTHREAD_SRC))
 HOST_OBJ    := $(call obj,$(HOST_SRC))
-HOST_LIB_OBJ := $(call obj,$(filter-out $(HOST_MAIN),$(HOST_SRC)))
+HOST_MAIN_OBJ := $(call obj,$(HOST_MAIN))
 FIXTURE_OBJ := $(call obj,$(FIXTURE_SRC))
 SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
 
 CORE_LIB    := $(BUILD)/libsmr.a
 PTHREAD_LIB := $(BUILD)/libsmr_pthread.a
+HOST_LIB    := $(BUILD)/libhost.a
 SUPPORT_LIB := $(BUILD)/libsupport.a
 PROGRAM     := $(if $(HOST_MAIN),$(BUILD)/smr)
 TESTS       := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 HOST_TESTS  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(HOST_TEST_SRC))
 EXPERIMENTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(EXPERIMENT_SRC))
 BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
-ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(SUPPORT_OBJ) \
+ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT_OBJ) \
                $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC) $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) $(BAREMETAL_SRC) \
                fixtures/fixture_write.c tests/golden/golden.c tests/golden/replay_run.c tests/docs/settings_page.c $(TARGET_SRC))
 
@@ -68,7 +69,7 @@ M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-
 M55_CFLAGS := -mthumb -mcpu=cortex-m55+nomve.fp -mfloat-abi=hard -ffunction-sections -fdata-sections
 export M7_CFLAGS M55_CFLAGS
 
-.PHONY: all help demo demo-bone check experiments programs cmocka bench figure2 soak size stack hashes settings-page golden-update timing timing-update install clean
+.PHONY: all help demo demo-bone check experiments programs layer-objects cmocka bench figure2 soak size stack hashes settings-page golden-update timing timing-update install clean
 .DELETE_ON_ERROR:
 
 all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM)
@@ -104,6 +105,10 @@ $(BUILD)/obj/port/%.o: port/%.c
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) $(if $(findstring baremetal,$@),,$(THREADS)) -Iinclude -Iport/pthread -Ifixtures -c $< -o $@
 
+$(BUILD)/obj/port/host/%.o: port/host/%.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) $(THREADS) -Iinclude -Iport/host -Iport/pthread -Ifixtures -c $< -o $@
+
 $(BUILD)/obj/fixtures/%.o: fixtures/%.c
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) -Ifixtures -c $< -o $@
@@ -128,17 +133,20 @@ $(BUILD)/obj/tests/%.o: tests/%.c
 
 $(CORE_LIB): $(CORE_OBJ)
 $(PTHREAD_LIB): $(PTHREAD_OBJ)
+$(HOST_LIB): $(HOST_OBJ)
 $(SUPPORT_LIB): $(SUPPORT_OBJ)
-$(CORE_LIB) $(PTHREAD_LIB) $(SUPPORT_LIB):
+$(CORE_LIB) $(PTHREAD_LIB) $(HOST_LIB) $(SUPPORT_LIB):
 	@mkdir -p $(@D)
 	@rm -f $@
 	$(AR) rcs $@ $^
 
 # ---------------------------------------------------------------- programs
 
-LINK = $(CC) $(ALL_CFLAGS) $(THREADS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LDLIBS)
+# The host's archive calls all others, so it stands before them.
+LINK = $(CC) $(ALL_CFLAGS) $(THREADS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter $(HOST_LIB),$^) \
+       $(filter-out $(HOST_LIB),$(filter %.a,$^)) $(LDLIBS)
 
-$(BUILD)/smr: $(HOST_OBJ) $(FIXTURE_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
+$(BUILD)/smr: $(HOST_MAIN_OBJ) $(HOST_LIB) $(FIXTURE_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
 	$(LINK) -lm
 
 $(BUILD)/fixture_write: $(BUILD)/obj/fixtures/fixture_write.o $(SUPPORT_LIB)
@@ -153,7 +161,7 @@ $(BUILD)/replay_run: $(BUILD)/obj/tests/golden/replay_run.o $(SUPPORT_LIB) $(PTH
 $(BUILD)/settings_page: $(BUILD)/obj/tests/docs/settings_page.o $(CORE_LIB)
 	$(LINK)
 
-$(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(HOST_LIB_OBJ)
+$(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(HOST_LIB)
 $(EXPERIMENTS): $(call obj,$(EXPERIMENT_HELPER_SRC))
 $(TESTS) $(HOST_TESTS) $(EXPERIMENTS): private LDLIBS += -lcmocka
 $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o \
@@ -188,6 +196,9 @@ cmocka:
 	@$(if $(TEST_SRC)$(HOST_TEST_SRC)$(EXPERIMENT_SRC),sh tests/need_cmocka.sh "$(CC)",:)
 
 $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC)): | cmocka
+
+# What tests/check_layers.sh reads symbols from; it gives a BUILD and CFLAGS of its own.
+layer-objects: $(CORE_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ)
 
 programs: all $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BUILD)/fixture_write $(if $(CORE_SRC),$(BUILD)/golden $(BUILD)/replay_run $(BUILD)/settings_page) $(call obj,$(wildcard port/template/*.c))
 

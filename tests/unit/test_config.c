@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/setup/setup.h"
+#include "runtime/config/config.h"
 
 static int tidy(void **state)
 {

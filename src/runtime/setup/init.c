@@ -2,8 +2,8 @@
  * once to measure for smr_arena_bytes(), once to place for smr_init().
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation.h"
-#include "runtime/setup/setup.h"
-#include "runtime/tick/steps.h"
+#include "runtime/config/config.h"
+#include "runtime/registration.h"
 
 /* Counts are in s already; s is a copy on the stack until the arena is known to be large enough. */
 static smr *layout(smr_arena *a, smr *s)
