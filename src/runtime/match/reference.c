@@ -59,12 +59,6 @@ void smr_reference_forest(void *arg, uint32_t task, uint32_t worker)
     smr_sums_forest(((smr_reference *)arg)->sums, task, worker);
 }
 
-uint32_t smr_reference_boundary_tasks(const void *arg)
-{
-    const smr_reference *r = arg;
-    return r->stale ? smr_boundary_tasks(r->sums) : 0u;
-}
-
 uint32_t smr_reference_cluster_tasks(const void *arg)
 {
     const smr_reference *r = arg;
