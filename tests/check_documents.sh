@@ -104,6 +104,19 @@ for name in $named; do
     if grep -qx "$name" "$planted"; then ok; else fail "$name is named, but no section of docs/RESULTS.md"; fi
 done
 
+# Files and constants that documents name are there. NOTES and CHANGELOG tell of the past.
+find src include port tests fixtures docs .ci Makefile -type f >"$planted"
+for file in README.md docs/DESIGN.md docs/SPEC.md docs/PORTING.md docs/TIMING.md docs/TESTING.md; do
+    lost=
+    for name in $(grep -oE '`[A-Za-z_0-9/.]+\.(c|h|sh|txt|awk|inc)`' "$file" | tr -d '`' | grep -v '^DIR/\|NAME' | sort -u); do
+        grep -qE "(^|/)$name\$" "$planted" || lost="$lost $name"
+    done
+    for name in $(grep -oE '`SMR_[A-Z0-9_]+`' "$file" | tr -d '`' | grep -v '_$' | sort -u); do
+        grep -rqw -- "$name" src include port tests Makefile || lost="$lost $name"
+    done
+    if [ -n "$lost" ]; then fail "$file names what is not there:$lost"; else ok; fi
+done
+
 # The anchor that a heading gets, and those written out.
 anchors() {
     sed -n 's/.*<a id="\([^"]*\)">.*/\1/p; s/^##* //p' "$1" | tr '[:upper:] ' '[:lower:]-' | tr -cd 'a-z0-9_\n-'
