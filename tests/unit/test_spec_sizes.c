@@ -155,6 +155,13 @@ static void arena_is_as_stated(void **state)
     assert_int_equal(misses, 0);
 }
 
+static double surface(uint32_t n_vertices, uint32_t n_triangles)
+{
+    size_t bytes = 0;
+    assert_int_equal(smr_surface_bytes(n_vertices, n_triangles, &bytes), SMR_OK);
+    return (double)bytes;
+}
+
 static void surface_is_as_stated(void **state)
 {
     const char *const section = strstr(spec, "### Target surface");
@@ -166,10 +173,9 @@ static void surface_is_as_stated(void **state)
     if (sizeof(void *) != 8)
         skip();
     assert_non_null(section);
-    const double least = (double)smr_surface_bytes(N, N);
-    agrees("a surface's vertex", ((double)smr_surface_bytes(2 * N, N) - least) / N, rows(section, "vertex"));
-    agrees("a surface's triangle, rounded",
-           (double)(int)(((double)smr_surface_bytes(N, 64 * N) - least) / (63.0 * N) + 0.5),
+    const double least = surface(N, N);
+    agrees("a surface's vertex", (surface(2 * N, N) - least) / N, rows(section, "vertex"));
+    agrees("a surface's triangle, rounded", (double)(int)((surface(N, 64 * N) - least) / (63.0 * N) + 0.5),
            (double)(int)(rows(section, "triangle") + 0.5));
     assert_int_equal(misses, 0);
 }
