@@ -80,6 +80,8 @@ help:
 	@echo 'make demo-bone       a generated bone onto a deformed one'
 	@echo 'make check           all tests; the last line is the sum'
 	@echo 'make experiments     accuracy on real data, as tables; minutes; skipped without ../shared'
+	@echo 'make results         measures and writes docs/RESULTS.md and README'"'"'s table; many minutes'
+	@echo 'make results-short   the same without what takes minutes: at most 8'
 	@echo 'make bench           benchmarks; writes $(BUILD)/bench.json'
 	@echo 'make figure2         the paper'"'"'s figure 2: time and error against ignored vertices, into docs/figures'
 	@echo 'make soak            how far ticks end beyond budgets of 1 to 33 ms here and now; judged by nobody'
@@ -209,6 +211,11 @@ check: programs
 
 experiments: all $(EXPERIMENTS)
 	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" SMR_EXPERIMENTS=full sh tests/run_experiments.sh $(EXPERIMENTS)
+
+# Every figure that a document names: docs/RESULTS.md and README's table. The short form leaves out what takes minutes.
+.PHONY: results results-short
+results results-short: all $(BUILD)/fixture_write $(EXPERIMENTS) $(BENCHES) $(BUILD)/tests/property/test_properties
+	@BUILD="$(BUILD)" MAKE="$(MAKE)" CC="$(CC)" sh tests/results/results.sh $(if $(findstring short,$@),short,all)
 
 bench: $(BENCHES)
 	@BUILD="$(BUILD)" sh tests/run_bench.sh $(BENCHES)
