@@ -1,6 +1,6 @@
-/* box_tree_order.c: the order of triangles that makes the box tree's implicit nodes compact. A range is split at the middle
- * of its longest side, where the left part is a whole number of nodes, again and again down to one leaf: a k-d tree
- * whose leaves are written out in a row.
+/* box_tree_order.c: the order of triangles that makes the box tree's implicit nodes compact. A range is split at the
+ * middle of its longest side, where the left part is a whole number of nodes, again and again down to one leaf: a k-d
+ * tree whose leaves are written out in a row.
  * Bounds: every level sorts each range once; at most 3 levels for each level of the tree.
  * SPDX-License-Identifier: MIT */
 #include "geometry/hilbert_curve.h"
