@@ -44,6 +44,10 @@ void smr_tree_refit_leaves(const smr_facets *f, uint32_t first, uint32_t last);
 /* Recomputes the boxes of all levels above the leaves. */
 void smr_tree_refit_upper(const smr_facets *f);
 
+/* The bit of each child in a set of children. A table, because compilers do not vectorise variable shifts
+ * everywhere. */
+static const uint32_t smr_child_bit[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};
+
 /* Squared distance from p to child box k of a node, mm^2; 0 inside the box. */
 static inline float smr_box_distance2(const smr_node *node, uint32_t k, smr_vec p)
 {

@@ -71,12 +71,11 @@ static void try_triangle(const smr_facets *f, const smr_query *q, uint32_t i, sm
  * branch. */
 static uint32_t box_distances(const smr_node *node, smr_vec p, float bound, float d2[SMR_TREE_WIDTH])
 {
-    static const uint32_t bit[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};
     uint32_t near = 0;
     for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
         const float box2 = smr_box_distance2(node, k, p);
         d2[k] = box2;
-        near |= box2 <= bound ? bit[k] : 0u;
+        near |= box2 <= bound ? smr_child_bit[k] : 0u;
     }
     return near;
 }

@@ -4,7 +4,8 @@
  * units of a power of two near their spread. With this sign K + lambda I is definite on the allowed weights, so
  * smoothing always improves the condition. thin_plate_solve.c solves (K + lambda I) w + P a = goal, P^T w = 0. P's
  * columns are 1 and the principal coordinates scaled to unit spread, so that nearly coplanar landmarks lose no digits.
- * Coplanar landmarks get a similarity, collinear ones (or two) a rigid transform, a single place a translation.
+ * Coplanar landmarks get a scaled rigid transform, collinear ones (or two) a rigid transform, a single place a
+ * translation.
  * Landmarks closer than SMR_SAME_MM or SMR_SAME_SHARE of the extent are merged, at the first one's place with the mean
  * goal.
  * Accuracy without smoothing: 5e-4 mm at the landmarks of bodies of 600 mm with random displacements of 60 mm (the
@@ -223,7 +224,7 @@ static int fit_spline(job *j, smr_warp *w)
     return 1;
 }
 
-/* Fits a translation, rigid or similarity transform by least squares into *w. */
+/* Fits a translation, rigid or scaled transform by least squares into *w. */
 static void fit_pose(const job *j, smr_warp *w, uint32_t kind)
 {
     const float unit = 1.0f / w->per_mm;

@@ -1,4 +1,4 @@
-/* transform_fit.c: least-squares rigid and similarity transforms between corresponding points.
+/* transform_fit.c: least-squares rigid and scaled transforms between corresponding points.
  * Source: Horn, Hilden, Negahdaripour 1988; the rotation by polar decomposition and two Newton steps.
  * SPDX-License-Identifier: MIT */
 #include "geometry/transform_fit.h"

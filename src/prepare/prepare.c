@@ -1,15 +1,16 @@
-/* prepare.c: surfaces in, model out (paper 2.2). The steps in order: stored order, masses, radii, and for each
- * radius its clusters and their forest. Allocates nothing; layout measures and places the scratch.
+/* prepare.c: smr_prepare(), the paper's preprocessing (2.2): surfaces in, model out.
+ * In order: numbering along the curve, masses, hinges, profiles, radii, priority list S and stored order, and for each
+ * radius the clusters with their order L. Allocates nothing; plan_layout.c places the scratch.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "base/settings.h"
 #include "geometry/mesh.h"
 #include "image/intensity_profile.h"
-#include "prepare/plan.h"
+#include "prepare/list_writer.h"
 
-#define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* for a block's rows, unless the caller names a block size */
-#define SMR_BLOCK_MIN 64u
-#define SMR_BLOCK_MAX 2048u
+#define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* for the rows of a block, unless the caller names a block size */
+#define SMR_BLOCK_MIN 64u                     /* vertices */
+#define SMR_BLOCK_MAX 2048u                   /* vertices */
 
 _Static_assert(SMR_PROFILE_MAX == 64u, "base/settings_prepare.def says so");
 
@@ -68,59 +69,9 @@ smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t
     uint32_t block = smr_min_u32(smr_max_u32(p->n / 8u, 256u), SMR_BLOCK_MAX);
     block = (uint32_t)(affordable < block ? affordable : block);
     block = smr_max_u32(block, SMR_BLOCK_MIN);
-    p->block = smr_min_u32(config->block_vertices != 0u ? config->block_vertices : block, p->n);
-    p->n_rows = smr_max_u32(p->block + 1u, 3u);
+    p->block_size = smr_min_u32(config->block_vertices != 0u ? config->block_vertices : block, p->n);
+    p->n_rows = smr_max_u32(p->block_size + 1u, 3u);
     return check_config(config);
-}
-
-void smr_plan_layout(smr_arena *a, smr_plan *p)
-{
-    const size_t n = p->n, nt = p->nt, u = sizeof(uint32_t);
-    const size_t pairs = (size_t)p->block * (SMR_NEAREST + SMR_RING_TRIED + 1u);
-    size_t most = n > 6u * nt ? n : 6u * nt; /* a vertex' neighbours before they are thinned */
-    most = most > pairs ? most : pairs;
-    const int geodesic = p->config->distance == SMR_DISTANCE_GEODESIC;
-    p->xyz = smr_arena_take(a, n, 3u * sizeof(float));
-    p->mass = smr_arena_take(a, n, sizeof(float));
-    p->owner = smr_arena_take(a, n, sizeof(uint16_t));
-    p->position = smr_arena_take(a, n, u);
-    p->original = smr_arena_take(a, n, u);
-    p->triangle = smr_arena_take(a, nt, 3u * u);
-    p->facet = smr_arena_take(a, nt, u);
-    p->ring_start = smr_arena_take(a, n + 1u, u);
-    p->ring = smr_arena_take(a, nt, 6u * u);
-    p->hinge = smr_arena_take(a, nt + (nt + 1u) / 2u, sizeof(smr_stored_hinge));
-    const int image = p->config->reference != NULL;
-    p->profile = image ? smr_arena_take(a, n, p->config->profile_samples) : NULL;
-    p->range = image ? smr_arena_take(a, n, 2u * sizeof(float)) : NULL;
-    p->normal = image ? smr_arena_take(a, n, 3u * sizeof(float)) : NULL;
-    smr_tree_shape(&p->points, p->n);
-    p->points.node = smr_arena_take(a, smr_tree_nodes(p->n), sizeof(smr_node));
-    p->list = smr_arena_take(a, n, u);
-    p->place = smr_arena_take(a, n, u);
-    p->witness = smr_arena_take(a, n, u);
-    p->next = smr_arena_take(a, n, u);
-    p->member = p->witness;
-    p->level = p->next;
-    p->bucket = smr_arena_take(a, n + 1u, u);
-    p->stored = smr_arena_take(a, n, u);
-    p->along = smr_arena_take(a, n, u);
-    p->row = smr_arena_take(a, p->n_rows, (p->words + (size_t)1u) * sizeof(uint64_t));
-    p->count = smr_arena_take(a, n, u);
-    p->rank = smr_arena_take(a, n, u);
-    p->middle = smr_arena_take(a, nt, 3u * sizeof(float));
-    p->key = smr_arena_take(a, most, u);
-    p->item = smr_arena_take(a, most, u);
-    p->tmp = smr_arena_take(a, most, 2u * u);
-    p->near = smr_arena_take(a, n, SMR_NEAREST * u);
-    p->edge_a = smr_arena_take(a, pairs, u);
-    p->edge_b = smr_arena_take(a, pairs, u);
-    p->set = smr_arena_take(a, (size_t)p->block + 1u, u);
-    p->link_start = smr_arena_take(a, (size_t)p->block + 2u, u);
-    p->link = smr_arena_take(a, (size_t)p->block + 1u, 2u * u);
-    p->queue = smr_arena_take(a, n + 1u, u);
-    p->geo_distance = geodesic ? smr_arena_take(a, n, u) : NULL;
-    p->geo_heap = geodesic ? smr_arena_take(a, 6u * nt + 1u, 2u * u) : NULL;
 }
 
 smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
@@ -138,8 +89,8 @@ smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structu
     return a.used == SIZE_MAX ? SMR_E_INPUT : SMR_OK;
 }
 
-/* The radius below which clusters keep to their own structure. Images show where structures slide on each other less well
- * than surfaces do: there only the finest radius frees them. */
+/* The radius, mm, below which clusters are separate: they keep to their own structure. Images show less well than
+ * surfaces where structures slide on each other: there only the finest radius is separate. */
 static float separate_below(const smr_prepare_config *config, const float *radius, uint32_t n_radii)
 {
     float largest = 0.0f, finest = SMR_FAR;
@@ -154,11 +105,12 @@ static float separate_below(const smr_prepare_config *config, const float *radiu
     return finest < largest ? 1.01f * finest : 0.0f;
 }
 
-/* The stored order. The model's size does not depend on it, so that who only asks for the size need not wait for it. */
+/* Computes the priority list and the stored order. The model's size does not depend on them: `wanted` is 0 when only
+ * the size is asked for. */
 static smr_status put_in_order(smr_plan *p, const float *radius, uint32_t n_radii, float below, int wanted)
 {
     const int forest = p->config->order == SMR_ORDER_FOREST;
-    p->progress_total = n_radii * (forest ? smr_ceil_div(p->n, p->block) : 1u);
+    p->progress_total = n_radii * (forest ? smr_ceil_div(p->n, p->block_size) : 1u);
     smr_plan_one_level(p, n_radii);
     if (!wanted || !p->config->priority)
         return SMR_OK;
@@ -196,6 +148,7 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
         smr_plan_row(&p, i)[p.words] = p.words;
     }
     smr_plan_order(&p);
+    smr_plan_neighbours(&p);
     smr_plan_mass(&p);
     smr_plan_hinges(&p);
     status = smr_plan_profiles(&p);
