@@ -1,6 +1,5 @@
-/* test_arena.c: slots in the caller's memory: exact size, one byte less, alignment, sizes that do not fit.
- * Writing one past a slot: under the address sanitiser a poisoned red zone follows each slot, so that such a write
- * ends the program with "use-after-poison"; the zones themselves are looked at here.
+/* test_arena.c: slots in the caller's memory: exact size, one byte less, alignment, sizes that overflow size_t.
+ * Under the address sanitiser a poisoned red zone follows each slot; the zones themselves are tested here.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
