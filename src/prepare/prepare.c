@@ -25,6 +25,7 @@ smr_prepare_config smr_prepare_config_default(void)
     return config;
 }
 
+/* 1 when every field lies in the range that the table of settings gives. */
 static int ranges_legal(const smr_prepare_config *c)
 {
     int legal = 1;
@@ -120,52 +121,74 @@ static smr_status put_in_order(smr_plan *p, const float *radius, uint32_t n_radi
     return status;
 }
 
-smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
-                       void *scratch, size_t scratch_bytes, void *model, size_t model_capacity, size_t *model_bytes)
+/* Checks everything that the caller hands over, and starts the arena on the scratch memory. */
+static smr_status check_inputs(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
+                               void *scratch, size_t scratch_bytes, const void *model, smr_arena *a)
 {
-    smr_plan p;
-    smr_arena a;
     size_t needed;
-    if (model_bytes == NULL)
-        return SMR_E_NULL;
     smr_status status = smr_prepare_bytes(structures, n_structures, config, &needed);
     if (status != SMR_OK)
         return status;
-    status = smr_arena_start(&a, scratch, scratch_bytes);
+    status = smr_arena_start(a, scratch, scratch_bytes);
     if (status == SMR_OK && (uintptr_t)model % SMR_ALIGN != 0u)
         status = SMR_E_ALIGN;
     for (uint32_t s = 0; status == SMR_OK && s < n_structures; s++)
         status = smr_mesh_check(&structures[s].mesh);
     if (status == SMR_OK && needed > scratch_bytes)
         status = SMR_E_ARENA;
+    return status;
+}
+
+/* Places the plan's arrays and empties its rows of bits. */
+static void place_plan(smr_arena *a, smr_plan *p)
+{
+    smr_plan_layout(a, p);
+    for (uint32_t i = 0; i < p->n_rows; i++) {
+        memset(smr_plan_row(p, i), 0, p->words * sizeof(uint64_t));
+        smr_plan_row(p, i)[p->words] = p->words;
+    }
+}
+
+/* Computes what does not depend on radii: the numbering, mesh neighbours, masses, hinges and profiles. */
+static smr_status prepare_meshes(smr_plan *p)
+{
+    smr_plan_order(p);
+    smr_plan_neighbours(p);
+    smr_plan_mass(p);
+    smr_plan_hinges(p);
+    return smr_plan_profiles(p);
+}
+
+/* Computes radii, the stored order and the clusters, and writes the model. */
+static smr_status prepare_clusters(smr_plan *p, smr_writer *w)
+{
+    float radius[SMR_RADII_MAX];
+    uint32_t n_radii = p->config->n_radii;
+    memcpy(radius, p->config->radius_mm, sizeof radius);
+    if (n_radii == 0u)
+        n_radii = smr_choose_radii(p, radius);
+    const float below = separate_below(p->config, radius, n_radii);
+    const smr_status status = put_in_order(p, radius, n_radii, below, w->model != NULL);
+    return status == SMR_OK ? smr_write_model(p, w, radius, n_radii, below) : status;
+}
+
+smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
+                       void *scratch, size_t scratch_bytes, void *model, size_t model_capacity, size_t *model_bytes)
+{
+    smr_plan p;
+    smr_arena a;
+    smr_writer w = {model, model == NULL ? 0u : model_capacity, 0};
+    if (model_bytes == NULL)
+        return SMR_E_NULL;
+    smr_status status = check_inputs(structures, n_structures, config, scratch, scratch_bytes, model, &a);
     if (status != SMR_OK)
         return status;
     (void)smr_plan_start(&p, structures, n_structures, config);
     smr_arena_release(scratch, scratch_bytes);
-    smr_plan_layout(&a, &p);
-    for (uint32_t i = 0; i < p.n_rows; i++) {
-        memset(smr_plan_row(&p, i), 0, p.words * sizeof(uint64_t));
-        smr_plan_row(&p, i)[p.words] = p.words;
-    }
-    smr_plan_order(&p);
-    smr_plan_neighbours(&p);
-    smr_plan_mass(&p);
-    smr_plan_hinges(&p);
-    status = smr_plan_profiles(&p);
-    if (status != SMR_OK) {
-        smr_arena_release(scratch, scratch_bytes);
-        return status;
-    }
-    float radius[SMR_RADII_MAX];
-    uint32_t n_radii = config->n_radii;
-    memcpy(radius, config->radius_mm, sizeof radius);
-    if (n_radii == 0u)
-        n_radii = smr_choose_radii(&p, radius);
-    const float below = separate_below(config, radius, n_radii);
-    smr_writer w = {model, model == NULL ? 0u : model_capacity, 0};
-    status = put_in_order(&p, radius, n_radii, below, model != NULL);
+    place_plan(&a, &p);
+    status = prepare_meshes(&p);
     if (status == SMR_OK)
-        status = smr_write_model(&p, &w, radius, n_radii, below);
+        status = prepare_clusters(&p, &w);
     smr_arena_release(scratch, scratch_bytes);
     if (status != SMR_OK)
         return status;

@@ -1,6 +1,6 @@
-/* test_priority_list.c: the priority list equals the paper's rule done plainly over sets, active sets keep three
- * members in every cluster (or all that it has), and the stored order follows the list: many random models, several
- * radii at once.
+/* test_priority_list.c: the priority list S equals the paper's rule applied plainly to sets; active vertices keep
+ * three members in every cluster, or all of a smaller one; the stored order follows S. Many random models, several
+ * radii.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
