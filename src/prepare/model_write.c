@@ -1,6 +1,6 @@
 /* model_write.c: lays the model out, section by section (docs/SPEC.md has the table).
  * SPDX-License-Identifier: MIT */
-#include "prepare/list_writer.h"
+#include "prepare/model_write.h"
 
 /* Writes the smr_stored_radius at offset `at`, after its lists were written. */
 static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, const smr_plan *p, float radius,

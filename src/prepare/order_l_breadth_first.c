@@ -5,7 +5,7 @@
  * for bit.
  * Bounds: n vertices, the word range of their rows each.
  * SPDX-License-Identifier: MIT */
-#include "prepare/list_writer.h"
+#include "prepare/model_write.h"
 
 #include "geometry/hilbert_curve.h"
 

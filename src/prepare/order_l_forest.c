@@ -6,7 +6,7 @@
  * Method: Kruskal 1956 with union-find; the weight of an edge i-k is |zeta+| + |zeta-|.
  * Bounds: block_size * (SMR_NEAREST + SMR_NEIGHBOURS_TRIED) candidate edges in a block.
  * SPDX-License-Identifier: MIT */
-#include "prepare/list_writer.h"
+#include "prepare/model_write.h"
 
 #include "geometry/hilbert_curve.h"
 

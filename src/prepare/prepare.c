@@ -6,7 +6,7 @@
 #include "base/settings.h"
 #include "geometry/mesh.h"
 #include "image/intensity_profile.h"
-#include "prepare/list_writer.h"
+#include "prepare/model_write.h"
 
 #define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* for the rows of a block, unless the caller names a block size */
 #define SMR_BLOCK_MIN 64u                     /* vertices */

@@ -1,6 +1,6 @@
 /* section_write.c: writes numbers and sections of the model in little-endian order.
  * SPDX-License-Identifier: MIT */
-#include "prepare/list_writer.h"
+#include "prepare/model_write.h"
 
 void smr_put16(smr_writer *w, size_t at, uint32_t value)
 {

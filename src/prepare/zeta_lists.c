@@ -2,7 +2,7 @@
  * between the rows of a cluster and its parent.
  * Bounds: the word range of the rows and their members, SMR_LEVELS_MAX each.
  * SPDX-License-Identifier: MIT */
-#include "prepare/list_writer.h"
+#include "prepare/model_write.h"
 
 /* Writes an index of 2 or 4 bytes. */
 static void put_index(smr_list_writer *l, size_t at, uint32_t value)

@@ -1,7 +1,7 @@
-/* list_writer.h: writes the model's bytes section by section, and the cluster lists of one radius.
+/* model_write.h: writes the model's bytes section by section, and the cluster lists of one radius.
  * SPDX-License-Identifier: MIT */
-#ifndef SMR_LIST_WRITER_H
-#define SMR_LIST_WRITER_H
+#ifndef SMR_MODEL_WRITE_H
+#define SMR_MODEL_WRITE_H
 
 #include "prepare/plan.h"
 
