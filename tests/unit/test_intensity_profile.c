@@ -1,4 +1,4 @@
-/* test_intensity_profile.c: packing of profiles, and goals at planted places: by correlation, by differences, by edges.
+/* test_intensity_profile.c: packing of profiles; profile match and gradient search find goals at planted places.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -157,8 +157,8 @@ static void test_ssd_sees_level(void **state)
     assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[1]).confidence == 0.0f);
 }
 
-/* Concordance knows the reference's contrast: of two places of the same form the one of like contrast wins, and what is less
- * than noise is nothing; correlation takes either. */
+/* Concordance knows the reference's contrast: of two places of the same form the one of like contrast wins, and what
+ * is less than noise is nothing; correlation takes either. */
 static void test_concordance_sees_contrast(void **state)
 {
     const packed_profile p = reference(0);
@@ -306,7 +306,8 @@ static void test_edge_polarity(void **state)
     assert_true(smr_profile_edge(VIEW(far), 15, line, inside, M, 35, 10).confidence == 0.0f);
 }
 
-/* Edges at 30 and 40 of the reference's polarity, `steep` times as high as its own and `lift` of its ranges lighter. */
+/* Edges at 30 and 40 of the reference's polarity, `steep` times as high as its own and `lift` of its ranges
+ * lighter. */
 static void two_edges(const packed_profile *p, float sign, const float *steep, const float *lift, float *line)
 {
     static const float place[2] = {30, 40};
@@ -316,7 +317,8 @@ static void two_edges(const packed_profile *p, float sign, const float *steep, c
     }
 }
 
-/* Of two edges the one wins that is like the reference's: a much steeper one loses, and an equal one that is lighter or darker. */
+/* Of two edges the one wins that is like the reference's: a much steeper one loses, and an equal one that is lighter
+ * or darker. */
 static void test_edge_alike(void **state)
 {
     static const float place[2] = {30, 40}, level[2] = {0, 0}, equal[2] = {1, 1};

@@ -1,5 +1,5 @@
-/* test_thin_plate_kinds.c: what landmark warps do with sets that carry no spline, with odd numbers, with wrong calls and with
- * the memory they get.
+/* test_thin_plate_kinds.c: landmark warps of sets that determine no spline, with unusual numbers, wrong calls, and too
+ * little memory.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

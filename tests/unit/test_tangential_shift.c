@@ -1,12 +1,12 @@
-/* test_surface_step.c: a profile that was taken beside the place where it is looked for is found again; where the image does not
- * tell, nothing moves.
+/* test_tangential_shift.c: a profile taken a little to the side is found again by a shift along the surface; without
+ * contrast along the surface the shift is zero.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "image/surface_step.h"
+#include "image/tangential_shift.h"
 #include "property/rig.h"
 
 #define SIDE 40u     /* voxels */
@@ -89,7 +89,8 @@ static smr_vec any_normal(uint32_t *seed)
     return smr_scale(n, 1.0f / length(n));
 }
 
-/* A step up to 1 mm is found again but for a part of it: it is one linear step, slightly damped, of profiles without their means. */
+/* A step up to 1 mm is found again but for a part of it: it is one linear step, slightly damped, of profiles without
+ * their means. */
 static void test_finds_the_side(void **state)
 {
     const smr_grid grid = image(WAVES);
@@ -131,8 +132,8 @@ static void test_stays(void **state)
     assert_true(length(found_way(&plain, &t)) == 0.0f); /* the profile has no range */
 }
 
-/* Much brighter, the image says the same; with more contrast it stays when it is told so; values that are no image's give a way
- * all the same, and a short one. */
+/* Much brighter, the image says the same; with more contrast it stays when it is told so; values that are no image's
+ * give a way all the same, and a short one. */
 static void test_brightness(void **state)
 {
     const smr_grid grid = image(WAVES);
