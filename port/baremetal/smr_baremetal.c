@@ -1,8 +1,5 @@
-/*
- * smr_baremetal: one worker, a plain loop, and a clock that extends the board's 32-bit counter.
- *
- * SPDX-License-Identifier: MIT
- */
+/* smr_baremetal.c: one worker, a plain loop, and a clock that extends the board's 32-bit counter.
+ * SPDX-License-Identifier: MIT */
 #include "smr_baremetal.h"
 
 #include "smr_clock.h"

@@ -1,8 +1,5 @@
-/*
- * smr_baremetal: the port for one Cortex-M core without an operating system, shown on the MPS2 and MPS3 boards.
- *
- * SPDX-License-Identifier: MIT
- */
+/* smr_baremetal.h: the port for one Cortex-M core without an operating system, shown on the MPS2 and MPS3 boards.
+ * SPDX-License-Identifier: MIT */
 #ifndef SMR_BAREMETAL_H
 #define SMR_BAREMETAL_H
 
@@ -28,4 +25,4 @@ smr_port smr_baremetal_port(smr_baremetal *state);
 }
 #endif
 
-#endif /* SMR_BAREMETAL_H */
+#endif

@@ -1,11 +1,8 @@
-/*
- * smr_clock: the board's free-running counter. A board has one file with these functions, about ten lines:
+/* smr_clock.h: the board's free-running counter. A board has one file with these functions, about ten lines:
  * smr_clock_mps2.c and smr_clock_mps3.c are two of them, and one is linked.
  *
  * On a chip with a cycle counter (DWT CYCCNT, which the emulator does not have) read that.
- *
- * SPDX-License-Identifier: MIT
- */
+ * SPDX-License-Identifier: MIT */
 #ifndef SMR_CLOCK_H
 #define SMR_CLOCK_H
 
@@ -23,4 +20,4 @@ uint64_t smr_clock_ns(uint64_t steps);
 /* The core's own clock, which smr_systick.h counts. */
 uint32_t smr_clock_core_hz(void);
 
-#endif /* SMR_CLOCK_H */
+#endif

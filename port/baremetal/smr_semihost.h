@@ -1,8 +1,5 @@
-/*
- * smr_semihost: text and exit status from a Cortex-M to the debugger or emulator.
- *
- * SPDX-License-Identifier: MIT
- */
+/* smr_semihost.h: text and exit status from a Cortex-M to the debugger or emulator.
+ * SPDX-License-Identifier: MIT */
 #ifndef SMR_SEMIHOST_H
 #define SMR_SEMIHOST_H
 
@@ -21,4 +18,4 @@ void smr_semihost_words(char *buffer, int size);
 /* Ends the emulation with this exit status. Does not return. */
 void smr_semihost_exit(int status);
 
-#endif /* SMR_SEMIHOST_H */
+#endif

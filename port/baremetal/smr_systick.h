@@ -1,8 +1,5 @@
-/*
- * smr_systick: a periodic interrupt from the core's own timer, the same on every Cortex-M.
- *
- * SPDX-License-Identifier: MIT
- */
+/* smr_systick.h: a periodic interrupt from the core's own timer, the same on every Cortex-M.
+ * SPDX-License-Identifier: MIT */
 #ifndef SMR_SYSTICK_H
 #define SMR_SYSTICK_H
 
@@ -18,4 +15,4 @@ int smr_systick_pending(void);
 /* The program's own; without one an interrupt is a fault. */
 void smr_systick_handler(void);
 
-#endif /* SMR_SYSTICK_H */
+#endif

@@ -20,9 +20,8 @@
 static const void *fuzz_log_input(void *ctx, const smr_log_record *record)
 {
     const unit_log *u = ctx;
-    if (record->kind == SMR_LOG_POSITIONS) {
+    if (record->kind == SMR_LOG_POSITIONS)
         return u->ball.xyz;
-    }
     return record->kind == SMR_LOG_SURFACE ? u->surface[record->checksum == smr_surface_checksum(u->surface[1])] : NULL;
 }
 
@@ -40,13 +39,11 @@ int fuzz_log(const uint8_t *data, size_t size)
         (void)smr_arena_bytes(u.model, &u.config, &arena_bytes);
         arena = rig_alloc(arena_bytes);
     }
-    if (size > FUZZ_LOG_RECORDS) {
+    if (size > FUZZ_LOG_RECORDS)
         return 0;
-    }
     memcpy(log, u.log, SMR_LOG_HEADER);
-    if (size > 0u) {
+    if (size > 0u)
         memcpy(log + SMR_LOG_HEADER, data, size);
-    }
     unit_log_seal(log, SMR_LOG_HEADER + size);
     if (smr_init(&s, u.model, &u.config, NULL, arena, arena_bytes) != SMR_OK ||
         smr_replay_start(&replay, s, log, SMR_LOG_HEADER + size, fuzz_log_input, &u) != SMR_OK) {

@@ -1,13 +1,10 @@
-/*
- * golden: one registration whose bits must be the same on every processor, compiler, thread count and order.
+/* golden.c: one registration whose bits must be the same on every processor, compiler, thread count and order.
  *
  * Prints one line: smr-hash <state after the rigid run> <after the polar run> <after an image run> <CRC-32 of the model
  * images of surfaces and with profiles>.
  * Hosted: golden [threads N | workers N | reverse | shuffle | interleave]; no argument: a plain loop.
  * Bare metal (SMR_BAREMETAL): no argument; the buffers go to the section .arena.
- *
- * SPDX-License-Identifier: MIT
- */
+ * SPDX-License-Identifier: MIT */
 #include <smr.h>
 
 #include "fixture_bone.h"
@@ -51,9 +48,8 @@ static void golden_write(const char *text)
 static void golden_hex(uint64_t value, uint32_t digits)
 {
     char text[17];
-    for (uint32_t i = 0; i < digits; ++i) {
+    for (uint32_t i = 0; i < digits; i++)
         text[i] = "0123456789abcdef"[(value >> (4u * (digits - 1u - i))) & 15u];
-    }
     text[digits] = '\0';
     golden_write(text);
 }
@@ -62,11 +58,10 @@ static void golden_hex(uint64_t value, uint32_t digits)
 static uint32_t golden_crc(const unsigned char *bytes, size_t n)
 {
     uint32_t crc = 0xffffffffu;
-    for (size_t i = 0; i < n; ++i) {
+    for (size_t i = 0; i < n; i++) {
         crc ^= bytes[i];
-        for (int bit = 0; bit < 8; ++bit) {
+        for (int bit = 0; bit < 8; bit++)
             crc = (crc >> 1) ^ (0xedb88320u & (0u - (crc & 1u)));
-        }
     }
     return ~crc;
 }
@@ -74,9 +69,8 @@ static uint32_t golden_crc(const unsigned char *bytes, size_t n)
 /* 1 when ok; otherwise says which step failed. */
 static int golden_ok(const char *step, int status)
 {
-    if (status == SMR_OK) {
+    if (status == SMR_OK)
         return 1;
-    }
     golden_write("smr-hash error: ");
     golden_write(step);
     golden_write(" ");
@@ -88,15 +82,14 @@ static int golden_ok(const char *step, int status)
 /* Source and target meshes into golden_xyz and golden_triangles. */
 static int golden_meshes(smr_mesh *mesh)
 {
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < 2; i++) {
         fixture_grid grid = i == 0 ? fixture_grid_source(GOLDEN_CELL) : fixture_grid_target(GOLDEN_CELL);
         fixture_mesh m = {golden_xyz[i], golden_triangles[i], 1024, 2048, 0, 0};
         const size_t words = sizeof golden_words / sizeof golden_words[0];
         int made = i == 0 ? fixture_bone_source(&grid, &m, golden_words, words)
                           : fixture_bone_target(&grid, 1.0f, &m, golden_words, words);
-        if (!made) {
+        if (!made)
             return golden_ok("fixture", SMR_E_ARENA);
-        }
         mesh[i].xyz = m.xyz;
         mesh[i].triangles = m.triangles;
         mesh[i].n_vertices = m.n_vertices;
@@ -141,14 +134,11 @@ static int golden_run(const smr_model *model, const smr_surface *target, const s
     config.iterations_last = 40;
     if (!golden_ok("init", smr_init(&s, model, &config, port, golden_arena, sizeof golden_arena)) ||
         (pose != NULL && !golden_ok("pose", smr_set_pose(s, pose))) ||
-        !golden_ok("surface", smr_set_surface(s, SMR_ALL, target))) {
+        !golden_ok("surface", smr_set_surface(s, SMR_ALL, target)))
         return 0;
-    }
-    for (uint32_t tick = 0; tick < GOLDEN_TICKS; ++tick) {
-        if (!golden_ok("tick", smr_tick(s, 0, &report))) {
+    for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++)
+        if (!golden_ok("tick", smr_tick(s, 0, &report)))
             return 0;
-        }
-    }
     *hash = smr_state_hash(s);
     return 1;
 }
@@ -167,14 +157,14 @@ static fixture_box golden_box(const smr_structure *part, float xyz[GOLDEN_PARTS]
 {
     fixture_box box = {{1e9f, 1e9f, 1e9f}, {4.0f, 4.0f, 4.0f}, {0, 0, 0}};
     float high[3] = {-1e9f, -1e9f, -1e9f};
-    for (uint32_t i = 0; i < GOLDEN_PARTS; ++i) {
-        for (uint32_t k = 0; k < 3u * part[i].mesh.n_vertices; ++k) {
+    for (uint32_t i = 0; i < GOLDEN_PARTS; i++) {
+        for (uint32_t k = 0; k < 3u * part[i].mesh.n_vertices; k++) {
             const float x = xyz[i][k];
             box.low[k % 3u] = x < box.low[k % 3u] ? x : box.low[k % 3u];
             high[k % 3u] = x > high[k % 3u] ? x : high[k % 3u];
         }
     }
-    for (uint32_t a = 0; a < 3u; ++a) {
+    for (uint32_t a = 0; a < 3u; a++) {
         box.low[a] -= 20.0f;
         box.n[a] = (uint32_t)((high[a] + 20.0f - box.low[a]) / box.spacing[a]) + 1u;
     }
@@ -184,23 +174,20 @@ static fixture_box golden_box(const smr_structure *part, float xyz[GOLDEN_PARTS]
 static int golden_volume(const fixture_pose *pose, const fixture_box *box, unsigned char *voxels, smr_volume *volume)
 {
     static const float axes[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    if (box->n[0] > 48u || box->n[1] > 48u || box->n[0] * box->n[1] * box->n[2] > GOLDEN_VOXELS) {
+    if (box->n[0] > 48u || box->n[1] > 48u || box->n[0] * box->n[1] * box->n[2] > GOLDEN_VOXELS)
         return golden_ok("volume", SMR_E_ARENA);
-    }
-    for (uint32_t z = 0; z < box->n[2]; ++z) {
+    for (uint32_t z = 0; z < box->n[2]; z++)
         fixture_thigh_slice(&golden_thigh, pose, box, z, voxels + (size_t)z * box->n[0] * box->n[1], golden_slice);
-    }
     volume->voxels = voxels;
     volume->mask = NULL;
     volume->type = SMR_VOXEL_UINT8;
-    for (uint32_t a = 0; a < 3u; ++a) {
+    for (uint32_t a = 0; a < 3u; a++) {
         volume->size[a] = box->n[a];
         volume->origin[a] = box->low[a];
         volume->spacing[a] = box->spacing[a];
     }
-    for (uint32_t a = 0; a < 9u; ++a) {
+    for (uint32_t a = 0; a < 9u; a++)
         volume->direction[a] = axes[a];
-    }
     return 1;
 }
 
@@ -212,11 +199,10 @@ static int golden_image_set_up(smr_structure *part, smr_volume *volume, const sm
     fixture_pose pose[2];
     size_t need = 0;
     fixture_thigh_init(&golden_thigh);
-    for (uint32_t i = 0; i < GOLDEN_PARTS; ++i) {
+    for (uint32_t i = 0; i < GOLDEN_PARTS; i++) {
         fixture_mesh m = {golden_xyz[i], golden_triangles[i], 1024, 2048, 0, 0};
-        if (!fixture_thigh_mesh(&golden_thigh, which[i], 1.6f, &m, golden_thigh_words)) {
+        if (!fixture_thigh_mesh(&golden_thigh, which[i], 1.6f, &m, golden_thigh_words))
             return golden_ok("thigh", SMR_E_ARENA);
-        }
         part[i].name = golden_thigh.part[which[i]].name;
         part[i].mesh = (smr_mesh){m.xyz, m.triangles, m.n_vertices, m.n_triangles};
         fixture_thigh_pose(1, &pose[1]);
@@ -225,9 +211,8 @@ static int golden_image_set_up(smr_structure *part, smr_volume *volume, const sm
     fixture_thigh_pose(0, &pose[0]);
     fixture_box box[2] = {golden_box(part, golden_xyz), golden_box(part, golden_truth)};
     if (!golden_volume(&pose[0], &box[0], golden_voxels[0], &volume[0]) ||
-        !golden_volume(&pose[1], &box[1], golden_voxels[1], &volume[1])) {
+        !golden_volume(&pose[1], &box[1], golden_voxels[1], &volume[1]))
         return 0;
-    }
     config.reference = &volume[0];
     return golden_ok("image bytes", smr_prepare_bytes(part, GOLDEN_PARTS, &config, &need)) &&
            golden_ok("image scratch", need <= sizeof golden_scratch ? SMR_OK : SMR_E_ARENA) &&
@@ -252,25 +237,19 @@ static int golden_image_run(const smr_port *port, uint64_t *hash, uint32_t *crc)
     config.iterations_last = 6;
     config.active_enough = 6;
     if (!golden_image_set_up(part, volume, &model, &bytes) ||
-        !golden_ok("image init", smr_init(&s, model, &config, port, golden_arena, sizeof golden_arena))) {
+        !golden_ok("image init", smr_init(&s, model, &config, port, golden_arena, sizeof golden_arena)))
         return 0;
-    }
-    for (uint32_t i = 0; i < GOLDEN_PARTS; ++i) {
-        for (uint32_t k = 0; k < part[i].mesh.n_vertices; ++k) {
+    for (uint32_t i = 0; i < GOLDEN_PARTS; i++) {
+        for (uint32_t k = 0; k < part[i].mesh.n_vertices; k++)
             golden_truth[i][3u * k] += 4.0f;
-        }
-        if (!golden_ok("image start", smr_set_positions(s, i, golden_truth[i]))) {
+        if (!golden_ok("image start", smr_set_positions(s, i, golden_truth[i])))
             return 0;
-        }
     }
-    if (!golden_ok("image volume", smr_set_volume(s, &volume[1]))) {
+    if (!golden_ok("image volume", smr_set_volume(s, &volume[1])))
         return 0;
-    }
-    for (uint32_t tick = 0; tick < GOLDEN_TICKS; ++tick) {
-        if (!golden_ok("image tick", smr_tick(s, 0, &report))) {
+    for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++)
+        if (!golden_ok("image tick", smr_tick(s, 0, &report)))
             return 0;
-        }
-    }
     *hash = smr_state_hash(s);
     *crc = golden_crc(golden_image, bytes);
     return golden_ok("image forces", report.done && report.n_forces > 100u ? SMR_OK : SMR_E_STATE);
@@ -294,13 +273,11 @@ static int golden_main(const smr_port *port)
         !golden_ok("source", smr_surface_build(golden_source, sizeof golden_source, &mesh[0], &source)) ||
         !golden_ok("align", smr_align(source, target, &align, &pose, &rms)) ||
         !golden_run(model, target, port, SMR_METHOD_RIGID, NULL, &rigid) ||
-        !golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &polar)) {
+        !golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &polar))
         return 1;
-    }
     crc = golden_crc(golden_image, image_bytes);
-    if (!golden_image_run(port, &image, &crc_image)) {
+    if (!golden_image_run(port, &image, &crc_image))
         return 1;
-    }
     golden_write("smr-hash ");
     golden_hex(rigid, 16);
     golden_write(" ");
@@ -331,9 +308,8 @@ int main(void)
 static void golden_reverse(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 {
     (void)ctx;
-    for (uint32_t i = n_tasks; i > 0u; --i) {
+    for (uint32_t i = n_tasks; i > 0u; --i)
         run(arg, i - 1u, 0);
-    }
 }
 
 /* A full cycle over the tasks in scrambled order: linear congruence modulo a power of two. */
@@ -341,16 +317,14 @@ static void golden_shuffle(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 {
     uint32_t *seed = (uint32_t *)ctx;
     uint32_t size = 1, at;
-    while (size < n_tasks) {
+    while (size < n_tasks)
         size *= 2u;
-    }
     *seed = *seed * 1664525u + 1013904223u;
     at = *seed & (size - 1u);
-    for (uint32_t i = 0; i < size; ++i) {
+    for (uint32_t i = 0; i < size; i++) {
         at = (at * 5u + 2u * (*seed >> 16) + 1u) & (size - 1u);
-        if (at < n_tasks) {
+        if (at < n_tasks)
             run(arg, at, at * 7u % GOLDEN_WORKERS);
-        }
     }
 }
 
@@ -358,11 +332,9 @@ static void golden_shuffle(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 static void golden_interleave(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 {
     (void)ctx;
-    for (uint32_t first = 0; first < 3u; ++first) {
-        for (uint32_t task = first; task < n_tasks; task += 3u) {
+    for (uint32_t first = 0; first < 3u; first++)
+        for (uint32_t task = first; task < n_tasks; task += 3u)
             run(arg, task, task % GOLDEN_WORKERS);
-        }
-    }
 }
 
 static int golden_threads(uint32_t n)
@@ -371,9 +343,8 @@ static int golden_threads(uint32_t n)
     smr_pthread *pool = NULL;
     smr_port port;
     int result;
-    if (!golden_ok("pool", smr_pthread_create(&pool, memory, sizeof memory, n))) {
+    if (!golden_ok("pool", smr_pthread_create(&pool, memory, sizeof memory, n)))
         return 1;
-    }
     port = smr_pthread_port(pool);
     result = golden_main(&port);
     smr_pthread_destroy(pool);
@@ -387,9 +358,8 @@ int main(int argc, char **argv)
     const char *mode = argc > 1 ? argv[1] : "";
     unsigned long n = argc > 2 ? strtoul(argv[2], NULL, 10) : 1u;
     port.ctx = &seed;
-    if (strcmp(mode, "threads") == 0 && n >= 1u && n <= GOLDEN_WORKERS) {
+    if (strcmp(mode, "threads") == 0 && n >= 1u && n <= GOLDEN_WORKERS)
         return golden_threads((uint32_t)n);
-    }
     if (strcmp(mode, "workers") == 0 && n >= 1u && n <= GOLDEN_WORKERS) {
         port.n_workers = (uint32_t)n;
     } else if (strcmp(mode, "reverse") == 0) {

@@ -1,5 +1,4 @@
-/*
- * replay_run: records a registration whose ticks a jittering clock cuts and interrupts, and replays its log anywhere.
+/* replay_run.c: records a registration whose ticks a jittering clock cuts and interrupts, and replays its log anywhere.
  *
  * Hosted: replay_run record FILE [TICKS [big]]    on two threads; writes the log
  *         replay_run replay FILE [THREADS]        repeats it; prints what the log holds, and the first tick that differs
@@ -8,9 +7,7 @@
  *
  * The small model has 982 vertices, the big one 2,982. Two target surfaces take turns, often within an iteration; where a schedule is done the
  * next one starts from another pose.
- *
- * SPDX-License-Identifier: MIT
- */
+ * SPDX-License-Identifier: MIT */
 #include <smr.h>
 
 #include "fixture_bone.h"
@@ -69,9 +66,8 @@ static void replay_number(const char *before, uint64_t value, uint32_t base, con
 /* 1 when ok; otherwise says which step failed. */
 static int replay_ok(const char *step, int status)
 {
-    if (status == SMR_OK) {
+    if (status == SMR_OK)
         return 1;
-    }
     replay_write("replay-run error: ");
     replay_write(step);
     replay_write(" ");
@@ -100,16 +96,14 @@ static int replay_set_up(uint32_t cell, const smr_model **model, const smr_surfa
     config.radius_mm[0] = 110.0f;
     config.radius_mm[1] = 60.0f;
     config.radius_mm[2] = 35.0f;
-    if (!replay_mesh(cell, 0, 0.0f, &structure.mesh)) {
+    if (!replay_mesh(cell, 0, 0.0f, &structure.mesh))
         return 0;
-    }
-    for (uint32_t i = 0; i < 2u; ++i) {
+    for (uint32_t i = 0; i < 2u; i++) {
         smr_mesh mesh;
         smr_surface *surface = NULL;
         if (!replay_mesh(cell, 1, i == 0u ? 1.0f : 0.6f, &mesh) ||
-            !replay_ok("target", smr_surface_build(replay_target[i], sizeof replay_target[i], &mesh, &surface))) {
+            !replay_ok("target", smr_surface_build(replay_target[i], sizeof replay_target[i], &mesh, &surface)))
             return 0;
-        }
         target[i] = surface;
     }
     return replay_ok("prepare", smr_prepare(&structure, 1, &config, replay_scratch, sizeof replay_scratch, replay_image,
@@ -135,24 +129,21 @@ static int replay_figures(const unsigned char *log, size_t bytes, smr_log_info *
     smr_log_reader reader;
     smr_log_record r;
     uint32_t ticks = 0, partial = 0, iterations = 0, cut = 0, inputs = 0, within = 0, under_way = 0;
-    if (!replay_ok("log", smr_log_open(log, bytes, &reader, info))) {
+    if (!replay_ok("log", smr_log_open(log, bytes, &reader, info)))
         return 0;
-    }
     for (;;) {
-        if (!replay_ok("log record", smr_log_next(&reader, &r))) {
+        if (!replay_ok("log record", smr_log_next(&reader, &r)))
             return 0;
-        }
-        if (r.kind == 0u || r.kind == SMR_LOG_FULL) {
+        if (r.kind == 0u || r.kind == SMR_LOG_FULL)
             break;
-        }
         if (r.kind == SMR_LOG_TICK) {
-            ++ticks;
+            ticks++;
             partial += !r.complete;
             iterations += r.complete;
             cut += r.complete && r.n_taken < info->n_vertices;
             under_way = !r.complete;
         } else {
-            ++inputs;
+            inputs++;
             within += under_way;
         }
     }
@@ -180,23 +171,19 @@ static int replay_again(const unsigned char *log, size_t bytes, const smr_port *
     smr_replay replay;
     smr_replay_report report = {0};
     smr *s = NULL;
-    if (!replay_figures(log, bytes, &info)) {
+    if (!replay_figures(log, bytes, &info))
         return 1;
-    }
     config = info.config; /* smr_init checks it */
     config.n_workers = n_workers;
     if (!replay_set_up(info.n_vertices < 1024u ? FIXTURE_CELL_SMALL : FIXTURE_CELL_DEMO, &model, turns.target) ||
         !replay_ok("init", smr_init(&s, model, &config, port, replay_arena, sizeof replay_arena)) ||
-        !replay_ok("replay", smr_replay_start(&replay, s, log, bytes, replay_input, &turns))) {
+        !replay_ok("replay", smr_replay_start(&replay, s, log, bytes, replay_input, &turns)))
         return 1;
-    }
     for (;;) {
-        if (!replay_ok("replayed tick", smr_replay_tick(&replay, &report))) {
+        if (!replay_ok("replayed tick", smr_replay_tick(&replay, &report)))
             return 1;
-        }
-        if (report.ended) {
+        if (report.ended)
             break;
-        }
         if (report.differs) {
             replay_number("replay-run tick ", report.tick, 10, " differs\n");
             return 1;
@@ -262,27 +249,22 @@ static int replay_ticks(smr *s, uint32_t n, const smr_surface *const *target, ui
     uint64_t whole = 0; /* ns of an iteration; the first ones may take what they take */
     uint32_t turn = 1;
     if (!replay_ok("set log", smr_set_log(s, replay_log, sizeof replay_log)) ||
-        !replay_ok("surface", smr_set_surface(s, SMR_ALL, target[0]))) {
+        !replay_ok("surface", smr_set_surface(s, SMR_ALL, target[0])))
         return 0;
-    }
-    for (uint32_t i = 0; i < n; ++i) {
+    for (uint32_t i = 0; i < n; i++) {
         const uint32_t share = replay_dice(&seed, 6) == 0u ? 2u : 15u + replay_dice(&seed, 90); /* % of it */
         const smr_status status = smr_tick(s, i < 4u ? UINT64_MAX / 4u : whole / 100u * share, &report);
-        if (status < 0) {
+        if (status < 0)
             return replay_ok("tick", status);
-        }
-        for (uint32_t phase = 0; i < 4u && phase < SMR_PHASES; ++phase) {
+        for (uint32_t phase = 0; i < 4u && phase < SMR_PHASES; phase++)
             whole = (phase == 0u ? 0u : whole) + report.phase_ns[phase];
-        }
         if (replay_dice(&seed, status == SMR_PARTIAL ? 6u : 30u) == 0u &&
-            !replay_ok("surface", smr_set_surface(s, 0, target[turn++ % 2u]))) {
+            !replay_ok("surface", smr_set_surface(s, 0, target[turn++ % 2u])))
             return 0;
-        }
         if (report.done) {
             const smr_pose pose = {{{1, 0, 0, 0.01f * (float)i}, {0, 1, 0, 0}, {0, 0, 1, -0.005f * (float)i}}};
-            if (!replay_ok("pose", smr_set_pose(s, &pose))) {
+            if (!replay_ok("pose", smr_set_pose(s, &pose)))
                 return 0;
-            }
         }
     }
     return 1;
@@ -300,21 +282,18 @@ static int replay_record(const char *path, uint32_t ticks, uint32_t cell)
     smr_log_state state = {0, 0, 0};
     smr *s = NULL;
     FILE *file = NULL;
-    if (!replay_ok("pool", smr_pthread_create(&pool, memory, sizeof memory, 2))) {
+    if (!replay_ok("pool", smr_pthread_create(&pool, memory, sizeof memory, 2)))
         return 1;
-    }
     clock.pool = smr_pthread_port(pool);
     const int good = replay_set_up(cell, &model, target) &&
                      replay_ok("init", smr_init(&s, model, &config, &port, replay_arena, sizeof replay_arena)) &&
                      replay_ticks(s, ticks, target, 3u) && replay_ok("get log", smr_get_log(s, &state));
     smr_pthread_destroy(pool);
-    if (!good || (file = fopen(path, "wb")) == NULL) {
+    if (!good || (file = fopen(path, "wb")) == NULL)
         return 1;
-    }
     const size_t written = fwrite(replay_log, 1, state.bytes, file);
-    if (fclose(file) != 0 || written != state.bytes) {
+    if (fclose(file) != 0 || written != state.bytes)
         return 1;
-    }
     replay_number("replay-run ", state.n_ticks, 10, " ticks recorded");
     replay_number(", state ", smr_state_hash(s), 16, "\n");
     return 0;
@@ -325,9 +304,8 @@ static int replay_file(const char *path, uint32_t threads)
     static _Alignas(SMR_ALIGN) unsigned char memory[16384];
     FILE *file = fopen(path, "rb");
     smr_pthread *pool = NULL;
-    if (file == NULL || !replay_ok("pool", smr_pthread_create(&pool, memory, sizeof memory, threads))) {
+    if (file == NULL || !replay_ok("pool", smr_pthread_create(&pool, memory, sizeof memory, threads)))
         return 1;
-    }
     const size_t bytes = fread(replay_log, 1, sizeof replay_log, file);
     const smr_port port = smr_pthread_port(pool);
     (void)fclose(file);
@@ -339,12 +317,10 @@ static int replay_file(const char *path, uint32_t threads)
 int main(int argc, char **argv)
 {
     const unsigned long n = argc > 3 ? strtoul(argv[3], NULL, 10) : 0u;
-    if (argc >= 3 && argc <= 5 && strcmp(argv[1], "record") == 0 && n <= REPLAY_TICKS_MAX) {
+    if (argc >= 3 && argc <= 5 && strcmp(argv[1], "record") == 0 && n <= REPLAY_TICKS_MAX)
         return replay_record(argv[2], n > 0u ? (uint32_t)n : 500u, argc > 4 ? FIXTURE_CELL_DEMO : FIXTURE_CELL_SMALL);
-    }
-    if (argc >= 3 && argc <= 4 && strcmp(argv[1], "replay") == 0 && n <= REPLAY_WORKERS) {
+    if (argc >= 3 && argc <= 4 && strcmp(argv[1], "replay") == 0 && n <= REPLAY_WORKERS)
         return replay_file(argv[2], n > 0u ? (uint32_t)n : 1u);
-    }
     (void)fputs("usage: replay_run record FILE [TICKS [big]] | replay FILE [THREADS]\n", stderr);
     return 2;
 }

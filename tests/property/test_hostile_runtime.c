@@ -249,9 +249,8 @@ static void test_arena_edges(void **state)
                 smr *mark = (smr *)(void *)memory, *out = mark;
                 assert_int_equal(SMR_E_ARENA, smr_init(&out, model, &config, NULL, memory, bytes - 1u));
                 assert_int_equal(SMR_E_ARENA, smr_init(&out, model, &config, NULL, memory, 0));
-                for (uint32_t off = 1; off < SMR_ALIGN; off++) {
+                for (uint32_t off = 1; off < SMR_ALIGN; off++)
                     assert_int_equal(SMR_E_ALIGN, smr_init(&out, model, &config, NULL, memory + off, bytes));
-                }
                 assert_ptr_equal(mark, out);
                 assert_memory_equal(copy, memory, bytes + 128u); /* refused: not a byte written */
                 assert_int_equal(SMR_OK, smr_init(&out, model, &config, NULL, memory, bytes));
@@ -291,9 +290,8 @@ static void test_arena_macro(void **state)
     (void)state;
     for (uint32_t size = 0; size < 5u; size++) {
         for (uint32_t p = 0; p < 3u; p++) {
-            if (size >= 3u && p > 1u) {
+            if (size >= 3u && p > 1u)
                 continue;
-            }
             for (uint32_t i = 0; i < parts[p]; i++) {
                 const float at[3] = {200.0f * (float)i, 0, 0};
                 mesh[i] = rig_ball(60, 3u + 5u * size, 4u + 8u * size, at);
@@ -315,9 +313,8 @@ static void test_arena_macro(void **state)
                                                      config.n_workers, config.n_target_vertices);
                 const double ratio = (double)bytes / (double)bound;
                 worst = ratio > worst ? ratio : worst;
-                if (config.n_target_vertices > 0u && config.method == SMR_METHOD_POLAR && size == 4u) {
+                if (config.n_target_vertices > 0u && config.method == SMR_METHOD_POLAR && size == 4u)
                     waste = 1.0 / ratio > waste ? 1.0 / ratio : waste;
-                }
                 if (bytes > bound) {
                     print_message("%u vertices %u triangles %u structures %u workers %u targets: %zu > %zu\n",
                                   info.n_vertices, info.n_triangles, info.n_structures, config.n_workers,

@@ -1,8 +1,5 @@
-/*
- * target_rig: text, clock and steps.
- *
- * SPDX-License-Identifier: MIT
- */
+/* target_rig.c: text, clock and steps.
+ * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 
 const target_case target_cases[TARGET_CASES] = {
@@ -48,9 +45,8 @@ uint32_t target_word(uint32_t otherwise)
     char text[64];
     uint32_t value = 0;
     smr_semihost_words(text, sizeof text);
-    for (uint32_t i = 0; text[i] >= '0' && text[i] <= '9'; ++i) {
+    for (uint32_t i = 0; text[i] >= '0' && text[i] <= '9'; i++)
         value = 10u * value + (uint32_t)(text[i] - '0');
-    }
     return value > 0u ? value : otherwise;
 }
 
@@ -123,7 +119,7 @@ static const struct {
 
 const char *target_step_name(uint32_t number, uint32_t *unit)
 {
-    for (uint32_t i = 0; i < sizeof target_steps / sizeof target_steps[0]; ++i) {
+    for (uint32_t i = 0; i < sizeof target_steps / sizeof target_steps[0]; i++) {
         if (target_steps[i].run == smr_steps[number].run && target_steps[i].phase == smr_steps[number].phase) {
             *unit = target_steps[i].unit;
             return target_steps[i].name;

@@ -112,9 +112,8 @@ static void test_finds_the_side(void **state)
         t.noise = 1.0e4f; /* next to which the image shows nothing */
         assert_true(length(found_way(&grid, &t)) < 1.0e-3f);
     }
-    if (!(missed / 300.0 < 0.45)) {
+    if (!(missed / 300.0 < 0.45))
         print_error("%.3f of the way missed in the mean\n", missed / 300.0);
-    }
     assert_true(missed / 300.0 < 0.45);
 }
 

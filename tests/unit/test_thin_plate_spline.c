@@ -96,12 +96,11 @@ static void keeps_affine_maps(void **state)
         uint32_t kind;
         unit_landmarks s = unit_warp_random(&r, 6u + k % 59u, 0.0, 0.0);
         const unit_affine a = unit_warp_affine(&r);
-        for (uint32_t i = 0; i < s.n; i++) {
+        for (uint32_t i = 0; i < s.n; i++)
             if (k % 2u)
                 unit_affine_carry(&a, s.from + 3 * i, s.to + 3 * i);
             else
                 memcpy(s.to + 3 * i, s.from + 3 * i, 3 * sizeof(float));
-        }
         smr_warp *w = unit_warp_fit(&s, k % 4u < 2u ? 0.0f : 10.0f, &kind);
         assert_int_equal(kind, SMR_WARP_SPLINE);
         for (uint32_t i = 0; i < 50u; i++) {
