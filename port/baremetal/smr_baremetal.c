@@ -6,7 +6,7 @@
 
 static uint64_t smr_baremetal_now(void *ctx)
 {
-    smr_baremetal *state = (smr_baremetal *)ctx;
+    smr_baremetal *state = ctx;
     const uint32_t count = smr_clock_count();
     state->steps += count - state->last; /* the unsigned difference survives one wrap */
     state->last = count;

@@ -60,6 +60,6 @@ void smr_semihost_exit(int status)
     uint32_t block[2] = {SMR_SEMIHOST_APPLICATION_EXIT, (uint32_t)status};
     (void)smr_semihost_call(SMR_SEMIHOST_EXIT_EXTENDED, block);
     for (;;) {
-        /* Nobody listens: stay here. */
+        /* no debugger is attached */
     }
 }

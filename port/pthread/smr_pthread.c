@@ -1,12 +1,12 @@
-/* smr_pthread.c: fork-join over persistent threads, tasks handed out by one atomic counter.
+/* smr_pthread.c: fork-join over persistent threads; one atomic counter hands out the tasks.
  *
- * `ticket` holds the loop's number (high half) and the tasks not yet handed out (low half). A worker takes
- * a task by compare-and-swap of the whole word. So a worker that is late, because the system took its
- * processor away, can neither take a task of a loop it does not know nor hold up a loop that the others
- * have finished: the caller waits only for tasks that were really begun.
+ * `ticket` holds the loop's number (high half) and the number of tasks not yet handed out (low half). A worker takes
+ * a task by compare-and-swap of the whole word. A worker that the system has suspended can therefore neither take a
+ * task of a loop it does not know nor hold up a loop that the others have finished: the caller waits only for tasks
+ * that have begun.
  *
- * Idle workers spin for a short time, because the loops of one tick follow each other closely, and then
- * sleep. They do not spin when there are more workers than processors.
+ * Idle workers spin for a short time, because the loops of one tick follow each other closely, and then sleep. They
+ * do not spin when there are more workers than processors.
  * SPDX-License-Identifier: MIT */
 #if defined(__linux__) && !defined(_GNU_SOURCE)
 #define _GNU_SOURCE 1 /* sched_getaffinity: the processors this process may use */
@@ -142,7 +142,7 @@ static int smr_pthread_spin(smr_pthread *p, int (*ready)(smr_pthread *))
 
 static void *smr_pthread_main(void *arg)
 {
-    smr_pthread_worker *self = (smr_pthread_worker *)arg;
+    smr_pthread_worker *self = arg;
     smr_pthread *p = self->pool;
     while (atomic_load(&p->stop) == 0u) {
         if (!smr_pthread_spin(p, smr_pthread_has_work)) {
@@ -188,7 +188,7 @@ static void smr_pthread_join_tasks(smr_pthread *p)
 
 static void smr_pthread_parallel(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 {
-    smr_pthread *p = (smr_pthread *)ctx;
+    smr_pthread *p = ctx;
     uint64_t loop;
     if (p->n_workers == 1u || n_tasks < 2u) {
         for (uint32_t task = 0; task < n_tasks; task++)

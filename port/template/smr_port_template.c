@@ -1,6 +1,6 @@
 /* smr_port_template.c: compiles, links and is correct, but has no clock and no second worker.
  *
- * See docs/PORTING.md for the rules and for a test that shows whether yours keeps them.
+ * docs/PORTING.md has the rules and a test that shows whether your port keeps them.
  * SPDX-License-Identifier: MIT */
 #include "smr_port_template.h"
 
@@ -29,7 +29,7 @@ static void smr_template_parallel(void *ctx, smr_task run, void *arg, uint32_t n
  * tick early. Better leave now_ns NULL in that case, so that the report says 0 instead of a wrong time. */
 static uint64_t smr_template_now(void *ctx)
 {
-    const smr_template *state = (const smr_template *)ctx;
+    const smr_template *state = ctx;
     return state->last_ns;
 }
 

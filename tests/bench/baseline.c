@@ -1,5 +1,5 @@
-/* baseline.c: rigid shape matching with plain float sums. Records have 16 floats, a cache line, as the library's have, and
- * six or twelve of them are summed; the compiler may vectorise all loops.
+/* baseline.c: rigid shape matching with plain float sums. A record has 16 floats, a cache line, as in the library;
+ * six or twelve of them are summed. The compiler may vectorise all loops.
  * SPDX-License-Identifier: MIT */
 #include "baseline.h"
 

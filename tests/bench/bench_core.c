@@ -1,6 +1,6 @@
-/* bench_core.c: what preparing, matching and registering cost, on the 24-structure model beside the repository or, where it
- * is not there, on the fixture's bone. Runs that are compared with each other are interleaved. Prints `name number` lines
- * (medians); with a file name as argument also writes name,p50,p99,max,repetitions there.
+/* bench_core.c: times of preparing, matching and registering the 24-structure model, or the fixture's bone where the
+ * model's data is not beside the repository. Runs that are compared are interleaved. Prints `name number` lines
+ * (medians); with a file name as argument it also writes name,p50,p99,max,repetitions there.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>

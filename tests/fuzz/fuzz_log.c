@@ -1,5 +1,6 @@
-/* fuzz_log.c: any bytes as the records of a log: refused, or repeated without harm. The header is a good one and checksums are
- * repaired first, so that the fuzzer gets behind them. Runs as a plain regression test in tests/unit/test_fuzz.c. As a fuzzer:
+/* fuzz_log.c: any bytes as the records of a log are refused or replayed without harm. The header is valid and
+ * checksums are repaired first, so that the fuzzer gets past them. Runs as a regression test in
+ * tests/unit/test_fuzz.c. As a fuzzer:
  *   clang -g -O1 -std=c11 -ffp-contract=off -fsanitize=fuzzer,address,undefined -DSMR_LIBFUZZER -Isrc -Iinclude \
  *     -Ifixtures -Itests tests/fuzz/fuzz_log.c tests/unit/unit_log.c tests/property/rig.c fixtures/fixture_bone.c \
  *     fixtures/fixture_net.c fixtures/fixture_shape.c fixtures/fixture_deform.c $(find src -name '*.c') -lm -o fuzz_log

@@ -1,8 +1,8 @@
-/* golden.c: one registration whose bits must be the same on every processor, compiler, thread count and order.
+/* golden.c: registrations whose bits must be the same on every processor, compiler, thread count and task order.
  *
- * Prints one line: smr-hash <state after the rigid run> <after the polar run> <after an image run> <CRC-32 of the model
- * images of surfaces and with profiles>.
- * Hosted: golden [threads N | workers N | reverse | shuffle | interleave]; no argument: a plain loop.
+ * Prints one line: smr-hash <state after the rigid run> <after the polar run> <after an image run> <CRC-32 of the
+ * models without and with profiles>.
+ * Hosted: golden [threads N | workers N | reverse | shuffle | interleave]; without an argument a plain loop.
  * Bare metal (SMR_BAREMETAL): no argument; the buffers go to the section .arena.
  * SPDX-License-Identifier: MIT */
 #include <smr.h>

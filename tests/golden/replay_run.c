@@ -1,12 +1,12 @@
-/* replay_run.c: records a registration whose ticks a jittering clock cuts and interrupts, and replays its log anywhere.
+/* replay_run.c: records a registration whose ticks a jittering clock cuts short, and replays its log anywhere.
  *
- * Hosted: replay_run record FILE [TICKS [big]]    on two threads; writes the log
- *         replay_run replay FILE [THREADS]        repeats it; prints what the log holds, and the first tick that differs
+ * Hosted: replay_run record FILE [TICKS [big]]    writes the log of a run on two threads
+ *         replay_run replay FILE [THREADS]        replays it; prints what the log holds and the first tick that differs
  * Bare metal (SMR_BAREMETAL): replays the file replay.log of the debugger's directory; the buffers go to .arena.
- * The last line is "replay-run N ticks agree, state HASH"; ends with 0 then.
+ * On success the last line is "replay-run N ticks agree, state HASH" and the exit status 0.
  *
- * The small model has 982 vertices, the big one 2,982. Two target surfaces take turns, often within an iteration; where a schedule is done the
- * next one starts from another pose.
+ * The small model has 982 vertices, the big one 2,982. Two target surfaces alternate, often within an iteration. When
+ * a schedule has ended, the next one starts from another pose.
  * SPDX-License-Identifier: MIT */
 #include <smr.h>
 
@@ -119,7 +119,7 @@ typedef struct replay_turns {
 
 static const void *replay_input(void *ctx, const smr_log_record *record)
 {
-    replay_turns *turns = (replay_turns *)ctx;
+    replay_turns *turns = ctx;
     return record->kind == SMR_LOG_SURFACE ? turns->target[turns->next++ % 2u] : NULL;
 }
 
@@ -221,14 +221,14 @@ static uint32_t replay_dice(uint32_t *seed, uint32_t n)
 
 static uint64_t replay_now(void *ctx)
 {
-    replay_clock *clock = (replay_clock *)ctx;
+    replay_clock *clock = ctx;
     clock->time += 2000u + replay_dice(&clock->seed, 20000) + (replay_dice(&clock->seed, 100) == 0u ? 400000u : 0u);
     return clock->time;
 }
 
 static void replay_parallel(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 {
-    replay_clock *clock = (replay_clock *)ctx;
+    replay_clock *clock = ctx;
     clock->pool.parallel(clock->pool.ctx, run, arg, n_tasks);
 }
 

@@ -1,4 +1,4 @@
-/* test_fixture_bone.c: the generated pair is closed, oriented, manifold, fold-free and repeatable.
+/* test_fixture_bone.c: the generated pair is closed, oriented, manifold, free of folds and repeatable.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* test_fixture_thigh.c: the computed thigh is what it says: closed surfaces without folds that touch each other, a
- * deformation with its inverse, landmarks on their structures, an image of the same anatomy, the same bits.
+/* test_fixture_thigh.c: the computed thigh: closed surfaces without folds that touch each other, a deformation with
+ * its inverse, landmarks on their structures, an image of the same anatomy, and the same bits every time.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>

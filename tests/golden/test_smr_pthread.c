@@ -1,4 +1,4 @@
-/* test_smr_pthread.c: every task once, worker numbers never shared, edges of creation, many short loops.
+/* test_smr_pthread.c: every task runs once, no two workers share a number, creation at its limits, many short loops.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,7 +25,7 @@ typedef struct test_loop {
 
 static void test_task(void *arg, uint32_t task, uint32_t worker)
 {
-    test_loop *loop = (test_loop *)arg;
+    test_loop *loop = arg;
     if (worker >= loop->n_workers || atomic_fetch_add(&loop->busy[worker], 1u) != 0u)
         atomic_fetch_add(&loop->wrong, 1u);
     loop->plain[task] = task + 1u;

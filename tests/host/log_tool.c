@@ -1,10 +1,9 @@
-/* log_tool.c: changes log files of smr register --log and makes all their checksums right again, so that what a replay finds is the
- * change itself.
+/* log_tool.c: changes log files of smr register --log and repairs their checksums, so that a replay finds the change
+ * itself.
  *
  * log_tool taken IN OUT TICK DELTA   adds DELTA to the number of vertices that tick number TICK took
- * log_tool cut IN OUT TICKS          ends the library's log after so many ticks
- * log_tool seal IN OUT               only the first line: for a body that was edited
- *
+ * log_tool cut IN OUT TICKS          ends the library's log after this many ticks
+ * log_tool seal IN OUT               repairs only the first line's checksum, for a body that was edited
  * SPDX-License-Identifier: MIT */
 #include <inttypes.h>
 #include <stdio.h>
@@ -53,7 +52,8 @@ static unsigned char *find_log(size_t size, size_t *bytes)
     return NULL;
 }
 
-/* Changes one tick or ends the log behind it; records are sealed again. Returns the log's bytes, 0 when it is not found. */
+/* Changes one tick or ends the log behind it, and seals the records again. Returns the log's bytes, or 0 when the
+ * tick is not found. */
 static size_t change(unsigned char *log, size_t bytes, int taken, uint32_t tick, uint32_t delta)
 {
     const uint32_t header = get32(log + 8);

@@ -1,4 +1,4 @@
-/* model_lists.c: decodes a radius of a model image, and finds its clusters a second time by brute force.
+/* model_lists.c: decodes a radius of a model, and finds its clusters a second time by brute force.
  * SPDX-License-Identifier: MIT */
 #include "property/model_lists.h"
 

@@ -1,5 +1,5 @@
-/* rig.h: what unit tests, property tests and benchmarks set up again and again: bone meshes, models, targets,
- * registrations, odd schedulers and odd clocks. Nothing here is checked: what cannot be set up ends the program.
+/* rig.h: set-up that unit tests, property tests and benchmarks share: bone meshes, models, targets, registrations,
+ * hostile schedulers and clocks. Nothing here is asserted: when set-up fails, the program ends.
  * SPDX-License-Identifier: MIT */
 #ifndef RIG_H
 #define RIG_H

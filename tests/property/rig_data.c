@@ -1,4 +1,4 @@
-/* rig_data.c: reads a folder of PLY files in the one form that the test data has.
+/* rig_data.c: reads a folder of PLY files in the one layout that the test data has.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 #include "property/rig_data.h"

@@ -1,6 +1,7 @@
-/* test_active.c: ignored vertices. Sums along the forest and along the paper's chain equal sums over the active members
- * alone, bit for bit, for any number of active vertices, both index widths and any model; averages, centres and forces know
- * nobody else; workers and schedulers change no bit, what a budget left out can be repeated; positions stay finite.
+/* test_active.c: ignored vertices. For any number of active vertices, both index widths and any model, sums along the
+ * forest and along the paper's chain equal sums over the active members alone, bit for bit; averages, centres and
+ * forces use no ignored vertex; workers and schedulers change no bit; an iteration shortened by a budget can be
+ * repeated; positions stay finite.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
@@ -263,8 +264,8 @@ static float level_with(const smr_model_info *info, float least)
     return (float)info->n_vertices;
 }
 
-/* With an image about active_enough vertices of the smallest cluster are enough, and ENOUGH_ALL of the whole model, which is larger
- * here; active_share is the upper limit. */
+/* With an image, active_enough vertices of the smallest cluster are enough, and ENOUGH_ALL of the whole model, which
+ * is larger here; active_share is the upper limit. */
 static void test_image_needs_few(void **state)
 {
     enum { SIDE = 24, ENOUGH_ALL = 1000 };
@@ -318,7 +319,8 @@ static void test_image_needs_few(void **state)
 #define AGAIN UINT64_MAX
 static uint32_t taken[16]; /* by the iterations of the last run with a budget */
 
-/* A run as a number: hash after hash. Budget AGAIN: without one, but with so many vertices as the last run that had one. */
+/* Hash over all iterations of a run. Budget AGAIN: no budget, but as many active vertices as in the last run that had
+ * one. */
 static uint64_t run(const smr_model *model, const smr_config *c, const smr_port *port, const smr_surface *goal,
                     uint64_t budget)
 {

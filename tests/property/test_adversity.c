@@ -1,6 +1,7 @@
-/* test_adversity.c: a thousand random runs under clocks that jump, stand still, run backwards or show every 10 ms only, with
- * budgets from a nanosecond to no end that change at every tick, targets replaced and calls refused between partial ticks.
- * After each step positions are finite and the last complete ones, and what was done repeats to the last bit without a clock.
+/* test_adversity.c: a thousand random runs under clocks that jump, stand still, run backwards or advance in steps of
+ * 10 ms, with budgets from a nanosecond to unlimited that change at every tick, targets replaced and calls refused
+ * between partial ticks. After each step positions are finite and those of the last complete iteration, and the run
+ * repeats without a clock to the last bit.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>

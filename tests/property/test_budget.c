@@ -1,6 +1,6 @@
-/* test_budget.c: ticks that run out of time. Whatever the clock does, a tick makes progress, the last complete positions
- * stay readable, and complete iterations in which all vertices take part have the same bits as without a clock.
- * What the controller makes of a budget is in test_budget.c.
+/* test_budget.c: ticks that run out of time. Whatever the clock does, a tick makes progress, the last complete
+ * positions stay readable, and complete iterations with all vertices active have the same bits as without a clock.
+ * The controller itself is tested in test_time_budget.c.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* test_hostile_runtime.c: whatever is handed to a registration is refused with a status and changes nothing, or is
- * accepted and keeps every position finite.
+/* test_hostile_runtime.c: any input to a registration is refused with a status and changes nothing, or is accepted
+ * and keeps every position finite.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
-/* test_properties.c: what must hold for any registration: moving or mirroring all inputs moves or mirrors the result, the
+/* test_properties.c: what holds for any registration: moving or mirroring all inputs moves or mirrors the result, the
  * order of points does not matter, nothing moves without a target, and neither threads nor schedulers matter.
- * SMR_TEST_SHOW=1 prints the true figures.
+ * SMR_TEST_SHOW=1 prints the figures.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
@@ -101,8 +101,8 @@ static void moved_difference(const smr_mesh *source, const smr_mesh *target, con
     compare(expected.xyz, registered(&source2, &target2), source->n_vertices, most);
 }
 
-/* The bone pair with coordinates in whole 1/1024 mm: moved by whole millimetres, or turned by axes that change places, they
- * are the same numbers again. What the result differs by is then the library's own doing. */
+/* The bone pair with coordinates in whole 1/1024 mm: moved by whole millimetres, or turned by exchanging axes, the
+ * coordinates stay exact. What the result differs by is then the library's own doing. */
 static void exact_bone(smr_mesh *source, smr_mesh *target)
 {
     smr_mesh *both[2] = {source, target};

@@ -1,6 +1,6 @@
-/* test_replay_runs.c: random registrations of several structures to surfaces and images, under clocks that cut iterations and stop
- * within them, with inputs set between partial ticks, replay from their logs to the last bit: with other numbers of workers,
- * other orders of tasks, without a clock. Searches may open so few tree nodes that where they start matters.
+/* test_replay_runs.c: random registrations of several structures to surfaces and images replay from their logs to the
+ * last bit: with other numbers of workers, other task orders, and without a clock. Clocks cut iterations and inputs
+ * are set between partial ticks. Searches may open so few tree nodes that the place they start from matters.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
@@ -272,8 +272,8 @@ static void test_replays(void **state)
                 late > RUNS / 2u); /* the clock meant something */
 }
 
-/* The last surface is taken away while the iteration that ends the first radius has its forces already: whether the next radius
- * starts with a repair is decided in that iteration, where the surface still counts. */
+/* The last surface is taken away while the iteration that ends the first radius already has its forces. Whether the
+ * next radius starts with a repair is decided in that iteration, where the surface still counts. */
 static void test_last_surface_goes_late(void **state)
 {
     static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
@@ -307,7 +307,8 @@ static void test_last_surface_goes_late(void **state)
     replay(&r, begin(&r, &config, NULL, memory[1], bytes), 0);
 }
 
-/* The same in an iteration of the last radius: whether evening out lets it end early is decided where the surface still counts. */
+/* The same in an iteration of the last radius: whether evening out ends it early is decided where the surface still
+ * counts. */
 static void test_last_surface_goes_before_the_end(void **state)
 {
     static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];

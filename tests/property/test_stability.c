@@ -1,4 +1,4 @@
-/* test_stability.c: no input and no legal configuration makes a position non-finite or ends a run any other way than by its
+/* test_stability.c: no input and no legal configuration makes a position non-finite or ends a run other than by its
  * schedule: degenerate models, hostile targets, and random pairs of both with random configurations.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>

@@ -1,5 +1,5 @@
-/* test_sums_exact.c: sums along the forest, along the paper's breadth-first chain, and summed directly over whole clusters
- * are the same numbers, at every vertex, and stay so however long it runs. Clusters are found again by comparing all pairs.
+/* test_sums_exact.c: sums along the forest, along the paper's breadth-first chain, and directly over whole clusters
+ * are the same numbers at every vertex, however long the run. Clusters are found again by comparing all pairs.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>

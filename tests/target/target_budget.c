@@ -1,9 +1,9 @@
-/* target_budget.c: on an emulated board ticks keep to their time, cutting the work changes no bit, and what a budget left out can be
- * left out again without a clock; for a surface and an image, rigid and polar.
+/* target_budget.c: on an emulated board: ticks keep to their budget, cutting the work changes no bit, and an
+ * iteration shortened by a budget repeats without a clock; for a surface and an image, rigid and polar.
  *
- * Under `-icount shift=0` one instruction takes one nanosecond of the board's time, so the times are the same in every run. A
- * chunk is the longest stretch between two readings of the clock. The command line says how many ticks of random
- * budgets each case runs. Prints what it finds; ends with 0 when all holds.
+ * Under `-icount shift=0` one instruction takes one nanosecond of the board's time, so times are the same in every
+ * run. A chunk is the longest stretch between two readings of the clock. The command line says how many ticks of
+ * random budgets each case runs. Prints what it finds; ends with 0 when all holds.
  * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 
@@ -64,7 +64,8 @@ static int target_repeat(smr *s, smr *twin, uint32_t n_taken)
            smr_state_hash(twin) == smr_state_hash(s);
 }
 
-/* Ticks of 5 to 150 % of a whole iteration, at the controller's choice; at first a twin without a clock repeats each iteration. */
+/* Ticks of 5 to 150 % of a whole iteration, with the controller on; for the first ones a twin without a clock repeats
+ * each iteration. */
 static int target_random(const target_scene *scene, target_clock *clock, uint64_t whole, uint32_t ticks,
                          target_tally *t)
 {

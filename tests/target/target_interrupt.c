@@ -1,8 +1,9 @@
-/* target_interrupt.c: a registration that ticks in a timer's interrupt beside a background loop, as in a device, on an emulated
- * board: no period is missed, the background goes on and reads whole positions, and what was done repeats without a clock to the
- * same bits.
+/* target_interrupt.c: on an emulated board: a registration ticks in a timer interrupt beside a background loop, as in
+ * a device. No period is missed, the background makes progress and reads complete positions, and the run repeats
+ * without a clock to the same bits.
  *
- * Under `-icount shift=0` one instruction takes one nanosecond of the board's time. Prints what it finds; ends with 0 when all holds.
+ * Under `-icount shift=0` one instruction takes one nanosecond of the board's time. Prints what it finds; ends with 0
+ * when all holds.
  * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 
@@ -85,7 +86,8 @@ static void target_copy(const smr *s)
     }
 }
 
-/* Positions as the background reads them: again, when an iteration ended meanwhile. Returns which iteration they are of. */
+/* Reads positions from the background, again when an iteration ended meanwhile. Returns the iteration they belong
+ * to. */
 static uint32_t target_positions(const smr *s, uint32_t *again)
 {
     for (;;) {

@@ -1,4 +1,4 @@
-/* target_rig.c: text, clock and steps.
+/* target_rig.c: text output, the board's clock, and which step the clock is read in.
  * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 
@@ -52,7 +52,7 @@ uint32_t target_word(uint32_t otherwise)
 
 uint64_t target_now(void *ctx)
 {
-    target_clock *clock = (target_clock *)ctx;
+    target_clock *clock = ctx;
     const uint64_t time = clock->port.now_ns(clock->port.ctx);
     if (clock->running) {
         const uint64_t stretch = time - clock->last;

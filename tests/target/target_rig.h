@@ -1,5 +1,5 @@
-/* target_rig.h: what the programs for the emulated boards share: small models with a target, the board's clock with an eye on
- * which step it is read in, numbers as text.
+/* target_rig.h: what the programs for the emulated boards share: small models with a target, the board's clock with a
+ * record of the step it is read in, and numbers as text.
  * SPDX-License-Identifier: MIT */
 #ifndef TARGET_RIG_H
 #define TARGET_RIG_H

@@ -1,4 +1,5 @@
-/* target_rig_scene.c: a bone onto a deformed one, or two structures of the computed thigh into a coarse image of a patient.
+/* target_rig_scene.c: a bone onto a deformed one, or two structures of the computed thigh into a coarse image of a
+ * patient.
  * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 

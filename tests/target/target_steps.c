@@ -1,6 +1,7 @@
-/* target_steps.c: what an iteration costs on an emulated board, in instructions: by phase and by step for fixed work, the longest
- * pieces that a budget cannot cut, and single searches and decompositions; for surfaces and an image, rigid and polar. Prints
- * the table of tests/timing/results. The command line says how many nanoseconds an instruction takes.
+/* target_steps.c: cost of an iteration on an emulated board, in instructions: by phase and by step for fixed work,
+ * the longest pieces that a budget cannot cut, and single searches and decompositions; for surfaces and an image,
+ * rigid and polar. Prints the table of tests/timing/results. The command line says how many nanoseconds an
+ * instruction takes.
  * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 
@@ -172,8 +173,9 @@ static int target_stretches(const target_scene *scene, target_clock *clock)
     return 1;
 }
 
-/* One polar decomposition: what it takes depends on how many of its rotations have nothing left to do. For one without any,
- * the dearest of many, and with all of them. Then a closest-point search that finds nothing: each node that it may open, and each triangle. */
+/* One polar decomposition: its cost depends on how many of its rotations have nothing left to do. Measured without
+ * any, for the most expensive of many, and with all of them. Then a closest-point search that finds nothing, per node
+ * that it may open and per triangle. */
 static void target_singles(const target_scene *scene, target_clock *clock)
 {
     static const float unit[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, even[9] = {3, 0, 0, 0, 2, 0, 0, 0, 1};

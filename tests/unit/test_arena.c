@@ -1,6 +1,6 @@
-/* test_arena.c: slots in the caller's memory: exact size, one byte less, alignment, sizes that do not fit.
- * Writing one past a slot: under the address sanitiser a poisoned red zone follows each slot, so that such a write
- * ends the program with "use-after-poison"; the zones themselves are looked at here.
+/* test_arena.c: slots in the caller's memory: exact size, one byte less, alignment, sizes that do not fit. Under the
+ * address sanitiser a poisoned red zone follows each slot, so writing one past a slot ends the program with
+ * "use-after-poison"; this test looks at the zones themselves.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,5 +1,5 @@
-/* test_box_tree.c: the box tree finds what a look at every triangle finds: the same squared distance within 4e-7 of it
- * (a box and a triangle round differently) and, on ties, the smallest index in tree order.
+/* test_box_tree.c: the box tree finds what a search over every triangle finds: the same squared distance within a
+ * relative 4e-7 (a box and a triangle round differently) and, on ties, the smallest index in tree order.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -389,8 +389,8 @@ static void near_ones_take_over_gradually(void **state)
     unit_mesh_free(&m);
 }
 
-/* However few nodes may be opened, the nearest that is known has its share; and where more are near than the list holds, who
- * has room is no matter of last bits. */
+/* With however small a node budget, the nearest known triangle has its share. Where more are near than the list
+ * holds, the last bits do not decide which are kept. */
 static void near_ones_end_where_room_or_budget_do(void **state)
 {
     oracle_random r = oracle_seed(76);

@@ -1,5 +1,5 @@
-/* test_cluster_radii.c: the radii chosen when the caller names none: coarse to fine, within the model, fit for its edges, and
- * the same for the same model at any size and place. No tuned figure is asked for.
+/* test_cluster_radii.c: the radii chosen when the caller names none run from coarse to fine, lie within the model,
+ * suit its edges, and are the same for the same model at any size and place. No tuned figure is asserted.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,4 +1,5 @@
-/* test_clusters_geodesic.c: clusters by distance along edges equal shortest paths found another way, and are symmetric.
+/* test_clusters_geodesic.c: clusters by distance along edges equal shortest paths found another way, and are
+ * symmetric.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,4 +1,4 @@
-/* test_config.c: the defaults are legal, stated limits are accepted, one step beyond them is not.
+/* test_config.c: the defaults are legal, the stated limits are accepted, one step beyond them is refused.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

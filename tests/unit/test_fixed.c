@@ -1,5 +1,6 @@
-/* test_fixed.c: rounding to fixed point and exact sums. Budgets against double precision: half a unit for one value below 2^22
- * and one unit above (v + 0.5 is rounded there); for sums n halves of a unit; the same bits for any order and any wrap on the way.
+/* test_fixed.c: rounding to fixed point and exact sums. Budgets against double precision: half a unit for one value
+ * below 2^22 and one unit above (v + 0.5 is rounded there); n halves of a unit for sums; the same bits in any order,
+ * also when a partial sum wraps.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

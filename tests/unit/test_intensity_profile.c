@@ -1,4 +1,5 @@
-/* test_intensity_profile.c: packing of profiles, and goals at planted places: by correlation, by differences, by edges.
+/* test_intensity_profile.c: packing of profiles, and goals at planted places: by correlation, by differences, by
+ * edges.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -153,8 +154,8 @@ static void test_ssd_sees_level(void **state)
     assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[1]).confidence == 0.0f);
 }
 
-/* Concordance knows the reference's contrast: of two places of the same form the one of like contrast wins, and what is less
- * than noise is nothing; correlation takes either. */
+/* Concordance compares contrast, too: of two places of the same form the one of like contrast wins, and a difference
+ * below the noise is no difference. Correlation accepts either. */
 static void test_concordance_sees_contrast(void **state)
 {
     const packed_profile p = reference(0);
@@ -309,7 +310,8 @@ static void two_edges(const packed_profile *p, float sign, const float *steep, c
     }
 }
 
-/* Of two edges the one wins that is like the reference's: a much steeper one loses, and an equal one that is lighter or darker. */
+/* Of two edges the one like the reference's wins: a much steeper one loses, and so does an equal one that is lighter
+ * or darker. */
 static void test_edge_alike(void **state)
 {
     static const float place[2] = {30, 40}, level[2] = {0, 0}, equal[2] = {1, 1};

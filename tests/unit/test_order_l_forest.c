@@ -1,5 +1,5 @@
-/* test_order_l_forest.c: the exact sums: along the forest, along the paper's order and directly they are the same bits, for
- * random 32-bit records that wrap at will; both index widths; and the forest is as short as promised.
+/* test_order_l_forest.c: exact sums along the forest, along the paper's order and directly are the same bits, for
+ * random 32-bit records that wrap at will and both index widths; and the forest is as short as promised.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -82,7 +82,8 @@ static void forest_breadth_and_direct_agree(void **state)
     }
 }
 
-/* More than 65,535 vertices: indexes of 4 bytes. A lattice, so that neighbours are known without looking at all pairs. */
+/* More than 65,535 vertices: indexes of 4 bytes. A lattice, so that neighbours are known without comparing all
+ * pairs. */
 static void wide_indexes(void **state)
 {
     enum { SIDE = 41, N = SIDE * SIDE * SIDE }; /* 68,921 */

@@ -1,5 +1,6 @@
-/* test_priority_list.c: the priority list equals the paper's rule done plainly over sets, active sets keep three members in
- * every cluster (or all that it has), and the stored order follows the list: many random models, several radii at once.
+/* test_priority_list.c: the priority list equals the paper's rule applied plainly to sets; active sets keep three
+ * members in every cluster (or all that it has); and the stored order follows the list. Many random models, several
+ * radii at once.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -188,7 +189,8 @@ static void check_levels(const world *w, const smr_model *m, const uint32_t *lis
     unit_free(rank);
 }
 
-/* Any number of first stored vertices, if it is enough for a radius, keeps three of every cluster there, or all of it. */
+/* Any number of first stored vertices that is enough for a radius keeps three members of every cluster there, or all
+ * of it. */
 static void check_prefixes(const world *w, const smr_model *m, const uint32_t *need)
 {
     unsigned char *gone = unit_memory(w->n), *none = unit_memory(w->n);

@@ -1,4 +1,4 @@
-/* test_status.c: every status has its own name, every other number a name too.
+/* test_status.c: every status has its own name, and every other number has a name, too.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

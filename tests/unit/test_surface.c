@@ -1,5 +1,5 @@
-/* test_surface.c: target surfaces: sizes and refusals, closest points with normals and reach against a look at every
- * triangle in double precision (2e-5 mm on a mesh of 100 mm), borders of open meshes.
+/* test_surface.c: target surfaces: sizes and refusals; closest points with normals and reach against a search over
+ * every triangle in double precision (2e-5 mm on a mesh of 100 mm); borders of open meshes.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -196,7 +196,7 @@ static void ties_go_to_the_smallest_index(void **state)
     unit_mesh_free(&m);
 }
 
-/* Points pulled out beyond the boundary of a sheet land on its border; points above its middle do not; a closed surface has
+/* Points beyond the boundary of a sheet project onto its border; points above its middle do not; a closed surface has
  * no border at all. */
 static void borders(void **state)
 {

@@ -1,5 +1,5 @@
-/* test_surface_step.c: a profile that was taken beside the place where it is looked for is found again; where the image does not
- * tell, nothing moves.
+/* test_surface_step.c: a profile taken beside the vertex is found again along the surface; where the image is
+ * undecided, nothing moves.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -89,7 +89,8 @@ static smr_vec any_normal(uint32_t *seed)
     return smr_scale(n, 1.0f / length(n));
 }
 
-/* A step up to 1 mm is found again but for a part of it: it is one linear step, slightly damped, of profiles without their means. */
+/* A step of up to 1 mm is found again except for a part of it: the search is one linear step, slightly damped, on
+ * profiles without their means. */
 static void test_finds_the_side(void **state)
 {
     const smr_grid grid = image(WAVES);
@@ -130,8 +131,8 @@ static void test_stays(void **state)
     assert_true(length(found_way(&plain, &t)) == 0.0f); /* the profile has no range */
 }
 
-/* Much brighter, the image says the same; with more contrast it stays when it is told so; values that are no image's give a way
- * all the same, and a short one. */
+/* Brightness changes nothing. At the right place more contrast moves nothing. Values that no image has give a step
+ * within reach. */
 static void test_brightness(void **state)
 {
     const smr_grid grid = image(WAVES);

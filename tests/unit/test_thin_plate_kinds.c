@@ -1,5 +1,5 @@
-/* test_thin_plate_kinds.c: what landmark warps do with sets that carry no spline, with odd numbers, with wrong calls and with
- * the memory they get.
+/* test_thin_plate_kinds.c: landmark warps for sets that determine no spline, for non-finite numbers, for wrong calls,
+ * and for memory of the exact size.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

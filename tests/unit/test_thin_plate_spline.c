@@ -1,5 +1,6 @@
-/* test_thin_plate_spline.c: thin-plate splines through landmarks: they pass through them (1e-3 mm for bodies of 600 mm), keep affine
- * maps, smooth, average duplicates, repeat bit for bit; against a spline in double precision.
+/* test_thin_plate_spline.c: thin-plate splines through landmarks pass through them (within 1e-3 mm for bodies of 600
+ * mm), reproduce affine maps, are smooth, average duplicates and repeat bit for bit; compared with a spline in double
+ * precision.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -193,8 +194,8 @@ static void duplicates_are_averaged(void **state)
     assert_true(oracle_within("warp: duplicates", worst, 1e-3));
 }
 
-/* Equations with a condition number of 5e5 (Hilbert's matrix): three right-hand sides whose solution is known, since all
- * products and sums of the integers with these entries fit a float. */
+/* Equations with a condition number of 5e5 (Hilbert's matrix): three right-hand sides whose solution is known,
+ * because all products and sums of the integers with these entries fit a float. */
 static void solves_hard_equations(void **state)
 {
     enum { N = 5 };

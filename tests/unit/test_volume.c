@@ -1,5 +1,5 @@
-/* test_volume.c: samples of a volume against an oracle in double, what counts as outside, and every refusal.
- * Voxels lie in heap blocks of exactly their size, so that a sanitizer sees each read beside them.
+/* test_volume.c: samples of a volume against an oracle in double precision, what counts as outside, and every
+ * refusal. Voxels lie in heap blocks of exactly their size, so that a sanitiser sees each read beyond them.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
