@@ -74,6 +74,7 @@ HOST_OBJ    := $(call obj,$(HOST_SRC))
 HOST_LIB_OBJ := $(call obj,$(filter-out $(HOST_MAIN),$(HOST_SRC)))
 FIXTURE_OBJ := $(call obj,$(FIXTURE_SRC))
 SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
+PRINT_OBJ   := $(call obj,tests/golden/print.c)
 
 CORE_LIB    := $(BUILD)/libsmr.a
 PTHREAD_LIB := $(BUILD)/libsmr_pthread.a
@@ -85,7 +86,8 @@ EXPERIMENTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(EXPERIMENT_SRC))
 BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(SUPPORT_OBJ) \
                $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC) $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) \
-               $(BAREMETAL_SRC) fixtures/fixture_write.c tests/golden/golden.c tests/golden/replay_run.c $(TARGET_SRC))
+               $(BAREMETAL_SRC) fixtures/fixture_write.c tests/golden/golden.c tests/golden/replay_run.c \
+               tests/golden/print.c $(TARGET_SRC))
 
 # ---------------------------------------------------------------- the first target, and the list of all
 
@@ -170,11 +172,11 @@ $(BUILD)/fixture_write: $(BUILD)/obj/fixtures/fixture_write.o $(SUPPORT_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
-$(BUILD)/golden: $(BUILD)/obj/tests/golden/golden.o $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
+$(BUILD)/golden: $(BUILD)/obj/tests/golden/golden.o $(PRINT_OBJ) $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
-$(BUILD)/replay_run: $(BUILD)/obj/tests/golden/replay_run.o $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
+$(BUILD)/replay_run: $(BUILD)/obj/tests/golden/replay_run.o $(PRINT_OBJ) $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
@@ -193,8 +195,8 @@ TARGET_RIG_OBJ := $(call obj,$(filter tests/target/target_rig%,$(TARGET_SRC)))
 TARGETS := $(patsubst tests/target/%.c,%,$(filter-out tests/target/target_rig%,$(TARGET_SRC)))
 link_board = $(CC) $(ALL_CFLAGS) -nostartfiles -Wl,--gc-sections -L port/baremetal -T $(1) -o $@ $(filter %.o,$^) \
              $(CORE_LIB) -lm -lc -lgcc
-$(BUILD)/golden_m7.elf $(BUILD)/golden_m55.elf: $(BUILD)/obj/tests/golden/golden.o
-$(BUILD)/replay_run_m7.elf: $(BUILD)/obj/tests/golden/replay_run.o
+$(BUILD)/golden_m7.elf $(BUILD)/golden_m55.elf: $(BUILD)/obj/tests/golden/golden.o $(PRINT_OBJ)
+$(BUILD)/replay_run_m7.elf: $(BUILD)/obj/tests/golden/replay_run.o $(PRINT_OBJ)
 $(foreach t,$(TARGETS),\
     $(eval $(BUILD)/$(t)_m7.elf $(BUILD)/$(t)_m55.elf: $(call obj,tests/target/$(t).c) $(TARGET_RIG_OBJ)))
 $(BUILD)/%_m7.elf: $(BAREMETAL_OBJ) $(call obj,port/baremetal/smr_clock_mps2.c) $(CORE_LIB) \

@@ -24,7 +24,7 @@
 #include <unistd.h>
 
 #define SMR_PTHREAD_SPIN_NS 40000u /* longest idle spin; about one wake-up of a sleeping thread */
-#define SMR_PTHREAD_SPIN_LOOKS 64u /* looks at the word between two looks at the clock */
+#define SMR_PTHREAD_SPIN_LOOKS 64u /* readings of the word between two of the clock */
 
 typedef struct smr_pthread_worker {
     pthread_t thread;
@@ -121,7 +121,7 @@ static int smr_pthread_has_work(smr_pthread *p)
 
 static int smr_pthread_all_done(smr_pthread *p) { return atomic_load(&p->unfinished) == 0u; }
 
-/* Looks at `ready` for at most SMR_PTHREAD_SPIN_NS; its last answer. */
+/* Polls `ready` for at most SMR_PTHREAD_SPIN_NS. Returns its last answer. */
 static int smr_pthread_spin(smr_pthread *p, int (*ready)(smr_pthread *))
 {
     uint64_t begin;

@@ -9,6 +9,7 @@
 
 #include "fixture_bone.h"
 #include "fixture_thigh.h"
+#include "print.h"
 
 #ifdef SMR_BAREMETAL
 #include "smr_baremetal.h"
@@ -36,24 +37,6 @@ GOLDEN_MEMORY float golden_words[16384];
 GOLDEN_MEMORY float golden_xyz[2][3 * 1024];
 GOLDEN_MEMORY uint32_t golden_triangles[2][3 * 2048];
 
-static void golden_write(const char *text)
-{
-#ifdef SMR_BAREMETAL
-    smr_semihost_write(text);
-#else
-    (void)fputs(text, stdout);
-#endif
-}
-
-static void golden_hex(uint64_t value, uint32_t digits)
-{
-    char text[17];
-    for (uint32_t i = 0; i < digits; i++)
-        text[i] = "0123456789abcdef"[(value >> (4u * (digits - 1u - i))) & 15u];
-    text[digits] = '\0';
-    golden_write(text);
-}
-
 /* CRC-32 (IEEE 802.3), bit by bit: independent of the library's own. */
 static uint32_t golden_crc(const unsigned char *bytes, size_t n)
 {
@@ -66,18 +49,7 @@ static uint32_t golden_crc(const unsigned char *bytes, size_t n)
     return ~crc;
 }
 
-/* 1 when ok; otherwise says which step failed. */
-static int golden_ok(const char *step, int status)
-{
-    if (status == SMR_OK)
-        return 1;
-    golden_write("smr-hash error: ");
-    golden_write(step);
-    golden_write(" ");
-    golden_write(smr_status_name((smr_status)status));
-    golden_write("\n");
-    return 0;
-}
+static int golden_ok(const char *step, int status) { return print_ok("smr-hash", step, status); }
 
 /* Source and target meshes into golden_xyz and golden_triangles. */
 static int golden_meshes(smr_mesh *mesh)
@@ -152,42 +124,30 @@ GOLDEN_MEMORY float golden_thigh_words[FIXTURE_THIGH_SCRATCH];
 GOLDEN_MEMORY float golden_slice[FIXTURE_IMAGE_SCRATCH(48, 48)];
 GOLDEN_MEMORY float golden_truth[GOLDEN_PARTS][3 * 1024];
 
-/* The box around points [n][3] of all parts, in voxels of 4 mm; at most GOLDEN_VOXELS of them. */
+/* The box around points [n][3] of all parts, in voxels of 4 mm. */
 static fixture_box golden_box(const smr_structure *part, float xyz[GOLDEN_PARTS][3 * 1024])
 {
-    fixture_box box = {{1e9f, 1e9f, 1e9f}, {4.0f, 4.0f, 4.0f}, {0, 0, 0}};
-    float high[3] = {-1e9f, -1e9f, -1e9f};
-    for (uint32_t i = 0; i < GOLDEN_PARTS; i++) {
-        for (uint32_t k = 0; k < 3u * part[i].mesh.n_vertices; k++) {
-            const float x = xyz[i][k];
-            box.low[k % 3u] = x < box.low[k % 3u] ? x : box.low[k % 3u];
-            high[k % 3u] = x > high[k % 3u] ? x : high[k % 3u];
-        }
-    }
-    for (uint32_t a = 0; a < 3u; a++) {
-        box.low[a] -= 20.0f;
-        box.n[a] = (uint32_t)((high[a] + 20.0f - box.low[a]) / box.spacing[a]) + 1u;
-    }
+    fixture_box box;
+    float low[3] = {1e9f, 1e9f, 1e9f}, high[3] = {-1e9f, -1e9f, -1e9f};
+    for (uint32_t i = 0; i < GOLDEN_PARTS; i++)
+        fixture_bounds(xyz[i], part[i].mesh.n_vertices, low, high);
+    fixture_margin_box(low, high, 20.0f, 4.0f, &box);
     return box;
 }
 
 static int golden_volume(const fixture_pose *pose, const fixture_box *box, unsigned char *voxels, smr_volume *volume)
 {
-    static const float axes[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const smr_volume plain = {voxels,
+                              NULL,
+                              SMR_VOXEL_UINT8,
+                              {box->n[0], box->n[1], box->n[2]},
+                              {box->low[0], box->low[1], box->low[2]},
+                              {box->spacing[0], box->spacing[1], box->spacing[2]},
+                              {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     if (box->n[0] > 48u || box->n[1] > 48u || box->n[0] * box->n[1] * box->n[2] > GOLDEN_VOXELS)
         return golden_ok("volume", SMR_E_ARENA);
-    for (uint32_t z = 0; z < box->n[2]; z++)
-        fixture_thigh_slice(&golden_thigh, pose, box, z, voxels + (size_t)z * box->n[0] * box->n[1], golden_slice);
-    volume->voxels = voxels;
-    volume->mask = NULL;
-    volume->type = SMR_VOXEL_UINT8;
-    for (uint32_t a = 0; a < 3u; a++) {
-        volume->size[a] = box->n[a];
-        volume->origin[a] = box->low[a];
-        volume->spacing[a] = box->spacing[a];
-    }
-    for (uint32_t a = 0; a < 9u; a++)
-        volume->direction[a] = axes[a];
+    fixture_thigh_slices(&golden_thigh, pose, box, voxels, golden_slice);
+    *volume = plain;
     return 1;
 }
 
@@ -278,15 +238,15 @@ static int golden_main(const smr_port *port)
     crc = golden_crc(golden_image, image_bytes);
     if (!golden_image_run(port, &image, &crc_image))
         return 1;
-    golden_write("smr-hash ");
-    golden_hex(rigid, 16);
-    golden_write(" ");
-    golden_hex(polar, 16);
-    golden_write(" ");
-    golden_hex(image, 16);
-    golden_write(" ");
-    golden_hex(crc ^ crc_image, 8);
-    golden_write("\n");
+    print_text("smr-hash ");
+    print_hex(rigid, 16);
+    print_text(" ");
+    print_hex(polar, 16);
+    print_text(" ");
+    print_hex(image, 16);
+    print_text(" ");
+    print_hex(crc ^ crc_image, 8);
+    print_text("\n");
     return 0;
 }
 

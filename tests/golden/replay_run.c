@@ -11,6 +11,7 @@
 #include <smr.h>
 
 #include "fixture_bone.h"
+#include "print.h"
 
 #ifdef SMR_BAREMETAL
 #include "smr_semihost.h"
@@ -40,41 +41,7 @@ REPLAY_MEMORY float replay_xyz[2][3u * REPLAY_VERTICES];
 REPLAY_MEMORY uint32_t replay_triangles[2][6u * REPLAY_VERTICES];
 REPLAY_MEMORY unsigned char replay_log[SMR_LOG_BYTES(REPLAY_TICKS_MAX, REPLAY_TICKS_MAX)];
 
-static void replay_write(const char *text)
-{
-#ifdef SMR_BAREMETAL
-    smr_semihost_write(text);
-#else
-    (void)fputs(text, stdout);
-#endif
-}
-
-static void replay_number(const char *before, uint64_t value, uint32_t base, const char *after)
-{
-    char text[24];
-    uint32_t at = sizeof text - 1u;
-    text[at] = '\0';
-    do {
-        text[--at] = "0123456789abcdef"[value % base];
-        value /= base;
-    } while (value != 0u);
-    replay_write(before);
-    replay_write(text + at);
-    replay_write(after);
-}
-
-/* 1 when ok; otherwise says which step failed. */
-static int replay_ok(const char *step, int status)
-{
-    if (status == SMR_OK)
-        return 1;
-    replay_write("replay-run error: ");
-    replay_write(step);
-    replay_write(" ");
-    replay_write(smr_status_name((smr_status)status));
-    replay_write("\n");
-    return 0;
-}
+static int replay_ok(const char *step, int status) { return print_ok("replay-run", step, status); }
 
 static int replay_mesh(uint32_t cell, uint32_t which, float strength, smr_mesh *mesh)
 {
@@ -147,16 +114,16 @@ static int replay_figures(const unsigned char *log, size_t bytes, smr_log_info *
             within += under_way;
         }
     }
-    replay_number("log: ", bytes, 10, " bytes");
-    replay_number(", ", info->n_vertices, 10, " vertices");
-    replay_number(", ", ticks, 10, " ticks");
-    replay_number(", ", partial, 10, " of them partial");
-    replay_number(", ", iterations, 10, " iterations");
-    replay_number(", ", cut, 10, " of them cut");
-    replay_number(", ", inputs, 10, " inputs");
-    replay_number(", ", within, 10, " of them within an iteration\n");
+    print_number("log: ", bytes, 10, " bytes");
+    print_number(", ", info->n_vertices, 10, " vertices");
+    print_number(", ", ticks, 10, " ticks");
+    print_number(", ", partial, 10, " of them partial");
+    print_number(", ", iterations, 10, " iterations");
+    print_number(", ", cut, 10, " of them cut");
+    print_number(", ", inputs, 10, " inputs");
+    print_number(", ", within, 10, " of them within an iteration\n");
     if (partial < 50u || cut < 10u || within < 10u) {
-        replay_write("replay-run error: the clock hardly cut or interrupted anything\n");
+        print_text("replay-run error: the clock hardly cut or interrupted anything\n");
         return 0;
     }
     return 1;
@@ -185,12 +152,12 @@ static int replay_again(const unsigned char *log, size_t bytes, const smr_port *
         if (report.ended)
             break;
         if (report.differs) {
-            replay_number("replay-run tick ", report.tick, 10, " differs\n");
+            print_number("replay-run tick ", report.tick, 10, " differs\n");
             return 1;
         }
     }
-    replay_number("replay-run ", report.tick, 10, " ticks agree");
-    replay_number(", state ", smr_state_hash(s), 16, "\n");
+    print_number("replay-run ", report.tick, 10, " ticks agree");
+    print_number(", state ", smr_state_hash(s), 16, "\n");
     return 0;
 }
 
@@ -294,8 +261,8 @@ static int replay_record(const char *path, uint32_t ticks, uint32_t cell)
     const size_t written = fwrite(replay_log, 1, state.bytes, file);
     if (fclose(file) != 0 || written != state.bytes)
         return 1;
-    replay_number("replay-run ", state.n_ticks, 10, " ticks recorded");
-    replay_number(", state ", smr_state_hash(s), 16, "\n");
+    print_number("replay-run ", state.n_ticks, 10, " ticks recorded");
+    print_number(", state ", smr_state_hash(s), 16, "\n");
     return 0;
 }
 

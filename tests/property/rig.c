@@ -151,6 +151,22 @@ const smr_model *rig_model(const smr_mesh *mesh, uint32_t n_structures, const sm
     return model;
 }
 
+smr_volume rig_cube(uint32_t side, float spacing, float **voxels)
+{
+    smr_volume volume;
+    *voxels = rig_alloc((size_t)side * side * side * sizeof **voxels);
+    memset(&volume, 0, sizeof volume);
+    volume.voxels = *voxels;
+    volume.type = SMR_VOXEL_FLOAT;
+    for (uint32_t a = 0; a < 3u; a++) {
+        volume.size[a] = side;
+        volume.spacing[a] = spacing;
+        volume.origin[a] = -0.5f * spacing * (float)(side - 1u);
+        volume.direction[4u * a] = 1.0f;
+    }
+    return volume;
+}
+
 smr_surface *rig_surface(const smr_mesh *mesh)
 {
     const size_t bytes = smr_surface_bytes(mesh->n_vertices, mesh->n_triangles);

@@ -23,6 +23,9 @@ smr_mesh rig_moved(const smr_mesh *mesh, const float m[9], const float t[3]);
 const smr_model *rig_model(const smr_mesh *mesh, uint32_t n_structures, const smr_prepare_config *config);
 smr_prepare_config rig_radii(uint32_t n, float r0, float r1, float r2);
 
+/* An image of side^3 float voxels around the origin, axes along x, y, z; *voxels is its memory, not written yet. */
+smr_volume rig_cube(uint32_t side, float spacing, float **voxels);
+
 smr_surface *rig_surface(const smr_mesh *mesh);
 
 /* A registration in memory of exactly the size that it needs. port may be NULL. */

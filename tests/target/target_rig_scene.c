@@ -67,19 +67,11 @@ static int target_bone(target_scene *scene)
 /* The box around points [n][3] of all parts, in voxels of 4 mm. */
 static fixture_box target_box(const smr_structure *part, float xyz[TARGET_PARTS][3 * TARGET_POINTS])
 {
-    fixture_box box = {{1e9f, 1e9f, 1e9f}, {4.0f, 4.0f, 4.0f}, {0, 0, 0}};
-    float high[3] = {-1e9f, -1e9f, -1e9f};
-    for (uint32_t i = 0; i < TARGET_PARTS; i++) {
-        for (uint32_t k = 0; k < 3u * part[i].mesh.n_vertices; k++) {
-            const float x = xyz[i][k];
-            box.low[k % 3u] = x < box.low[k % 3u] ? x : box.low[k % 3u];
-            high[k % 3u] = x > high[k % 3u] ? x : high[k % 3u];
-        }
-    }
-    for (uint32_t a = 0; a < 3u; a++) {
-        box.low[a] -= 20.0f;
-        box.n[a] = (uint32_t)((high[a] + 20.0f - box.low[a]) / box.spacing[a]) + 1u;
-    }
+    fixture_box box;
+    float low[3] = {1e9f, 1e9f, 1e9f}, high[3] = {-1e9f, -1e9f, -1e9f};
+    for (uint32_t i = 0; i < TARGET_PARTS; i++)
+        fixture_bounds(xyz[i], part[i].mesh.n_vertices, low, high);
+    fixture_margin_box(low, high, 20.0f, 4.0f, &box);
     return box;
 }
 
@@ -94,8 +86,7 @@ static int target_volume(const fixture_pose *pose, const fixture_box *box, unsig
                               {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     if (box->n[0] > TARGET_SIDE || box->n[1] > TARGET_SIDE || box->n[0] * box->n[1] * box->n[2] > TARGET_VOXELS)
         return 0;
-    for (uint32_t z = 0; z < box->n[2]; z++)
-        fixture_thigh_slice(&target_thigh, pose, box, z, voxels + (size_t)z * box->n[0] * box->n[1], target_slice);
+    fixture_thigh_slices(&target_thigh, pose, box, voxels, target_slice);
     *volume = plain;
     return 1;
 }

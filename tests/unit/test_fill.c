@@ -24,17 +24,8 @@ static int tidy(void **state)
  * Cut off above z = top. */
 static smr_volume image(int ball, float top)
 {
-    smr_volume v;
-    float *voxels = rig_alloc(SIDE * SIDE * SIDE * sizeof *voxels);
-    memset(&v, 0, sizeof v);
-    v.voxels = voxels;
-    v.type = SMR_VOXEL_FLOAT;
-    for (uint32_t a = 0; a < 3u; a++) {
-        v.size[a] = SIDE;
-        v.spacing[a] = 2.0f;
-        v.origin[a] = -(float)(SIDE - 1u);
-        v.direction[4u * a] = 1.0f;
-    }
+    float *voxels;
+    const smr_volume v = rig_cube(SIDE, 2.0f, &voxels);
     for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
         const float x = v.origin[0] + 2.0f * (float)(i % SIDE), y = v.origin[1] + 2.0f * (float)(i / SIDE % SIDE);
         const float z = v.origin[2] + 2.0f * (float)(i / SIDE / SIDE);

@@ -25,17 +25,8 @@ static int tidy(void **state)
 /* The image of a ball: bright inside, dark outside, with an edge some millimetres wide. */
 static smr_volume image(float radius, const float centre[3])
 {
-    smr_volume v;
-    float *voxels = rig_alloc(SIDE * SIDE * SIDE * sizeof *voxels);
-    memset(&v, 0, sizeof v);
-    v.voxels = voxels;
-    v.type = SMR_VOXEL_FLOAT;
-    for (uint32_t a = 0; a < 3u; a++) {
-        v.size[a] = SIDE;
-        v.spacing[a] = SPACING;
-        v.origin[a] = -0.5f * SPACING * (float)(SIDE - 1u);
-        v.direction[4u * a] = 1.0f;
-    }
+    float *voxels;
+    const smr_volume v = rig_cube(SIDE, SPACING, &voxels);
     for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
         const uint32_t at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
         double d2 = 0.0;

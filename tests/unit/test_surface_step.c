@@ -37,18 +37,9 @@ static double value_at(pattern kind, double x, double y, double z)
 
 static smr_grid image(pattern kind)
 {
-    smr_volume v;
     smr_grid grid;
-    float *const voxels = rig_alloc(SIDE * SIDE * SIDE * sizeof *voxels);
-    memset(&v, 0, sizeof v);
-    v.voxels = voxels;
-    v.type = SMR_VOXEL_FLOAT;
-    for (uint32_t a = 0; a < 3u; a++) {
-        v.size[a] = SIDE;
-        v.spacing[a] = SPACING;
-        v.origin[a] = -0.5f * SPACING * (float)(SIDE - 1u);
-        v.direction[4u * a] = 1.0f;
-    }
+    float *voxels;
+    const smr_volume v = rig_cube(SIDE, SPACING, &voxels);
     for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
         const uint32_t at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
         voxels[i] = (float)value_at(kind, (double)(v.origin[0] + SPACING * (float)at[0]),
