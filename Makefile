@@ -48,8 +48,8 @@ ifeq ($(CORE_SRC),)
 $(error no sources below $(CURDIR)/src: call make in the folder of this Makefile, or as make -C FOLDER)
 endif
 PTHREAD_SRC := $(sort $(wildcard port/pthread/*.c))
-HOST_SRC    := $(sort $(wildcard port/host/*.c))
-HOST_MAIN   := $(if $(HOST_SRC),$(shell grep -lE '^int main' $(HOST_SRC)))
+HOST_SRC    := $(sort $(wildcard port/host/*/*.c))
+HOST_MAIN   := $(wildcard port/host/main.c)
 FIXTURE_SRC := $(filter-out fixtures/fixture_write.c,$(sort $(wildcard fixtures/*.c)))
 BAREMETAL_SRC := $(sort $(wildcard port/baremetal/*.c))
 TARGET_SRC  := $(sort $(wildcard tests/target/target_*.c))
@@ -71,28 +71,29 @@ obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 CORE_OBJ    := $(call obj,$(CORE_SRC))
 PTHREAD_OBJ := $(call obj,$(PTHREAD_SRC))
 HOST_OBJ    := $(call obj,$(HOST_SRC))
-HOST_LIB_OBJ := $(call obj,$(filter-out $(HOST_MAIN),$(HOST_SRC)))
+HOST_MAIN_OBJ := $(call obj,$(HOST_MAIN))
 FIXTURE_OBJ := $(call obj,$(FIXTURE_SRC))
 SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
 PRINT_OBJ   := $(call obj,tests/golden/print.c)
 
 CORE_LIB    := $(BUILD)/libsmr.a
 PTHREAD_LIB := $(BUILD)/libsmr_pthread.a
+HOST_LIB    := $(BUILD)/libhost.a
 SUPPORT_LIB := $(BUILD)/libsupport.a
 PROGRAM     := $(if $(HOST_MAIN),$(BUILD)/smr)
 TESTS       := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 HOST_TESTS  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(HOST_TEST_SRC))
 EXPERIMENTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(EXPERIMENT_SRC))
 BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
-ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(SUPPORT_OBJ) \
+ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT_OBJ) $(PRINT_OBJ) \
                $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC) $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) \
-               $(BAREMETAL_SRC) fixtures/fixture_write.c tests/golden/golden.c tests/golden/replay_run.c \
-               tests/golden/print.c $(TARGET_SRC))
+               $(BAREMETAL_SRC) $(TARGET_SRC) fixtures/fixture_write.c tests/golden/golden.c \
+               tests/golden/replay_run.c tests/docs/settings_page.c)
 
 # ---------------------------------------------------------------- the first target, and the list of all
 
-.PHONY: all help demo demo-bone check check-quick experiments programs cmocka bench figure2 soak size stack hashes \
-        golden-update timing timing-update install clean
+.PHONY: all help demo demo-bone check check-quick experiments programs layer-objects cmocka bench figure2 soak size \
+        stack hashes settings-page golden-update timing timing-update install clean
 .DELETE_ON_ERROR:
 
 all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM)
@@ -110,6 +111,7 @@ help:
 	@echo 'make size            code and data size of the library'
 	@echo 'make stack           largest stack frames; fails on an unbounded one'
 	@echo 'make hashes          state hash over threads, schedulers, compilers and processors'
+	@echo 'make settings-page   writes docs/SETTINGS.md from the tables of settings'
 	@echo 'make golden-update   records the current state hash as the expected one'
 	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of'
 	@echo '                     instructions; minutes'
@@ -129,6 +131,10 @@ $(BUILD)/obj/src/%.o: src/%.c
 $(BUILD)/obj/port/%.o: port/%.c
 	$(call begin,CC,$<)
 	$(Q)$(CC) $(ALL_CFLAGS) $(if $(findstring baremetal,$@),,$(THREADS)) -Iinclude -Iport/pthread -Ifixtures -c $< -o $@
+
+$(BUILD)/obj/port/host/%.o: port/host/%.c
+	$(call begin,CC,$<)
+	$(Q)$(CC) $(ALL_CFLAGS) $(THREADS) -Iinclude -Iport/host -Iport/pthread -Ifixtures -c $< -o $@
 
 $(BUILD)/obj/fixtures/%.o: fixtures/%.c
 	$(call begin,CC,$<)
@@ -154,17 +160,20 @@ $(BUILD)/obj/tests/%.o: tests/%.c
 
 $(CORE_LIB): $(CORE_OBJ)
 $(PTHREAD_LIB): $(PTHREAD_OBJ)
+$(HOST_LIB): $(HOST_OBJ)
 $(SUPPORT_LIB): $(SUPPORT_OBJ)
-$(CORE_LIB) $(PTHREAD_LIB) $(SUPPORT_LIB):
+$(CORE_LIB) $(PTHREAD_LIB) $(HOST_LIB) $(SUPPORT_LIB):
 	$(call begin,AR,$@)
 	@rm -f $@
 	$(Q)$(AR) rcs $@ $^
 
 # ---------------------------------------------------------------- programs
 
-LINK = $(CC) $(ALL_CFLAGS) $(THREADS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LDLIBS)
+# The host's archive calls all others, so it stands before them.
+LINK = $(CC) $(ALL_CFLAGS) $(THREADS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter $(HOST_LIB),$^) \
+       $(filter-out $(HOST_LIB),$(filter %.a,$^)) $(LDLIBS)
 
-$(BUILD)/smr: $(HOST_OBJ) $(FIXTURE_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
+$(BUILD)/smr: $(HOST_MAIN_OBJ) $(HOST_LIB) $(FIXTURE_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
@@ -180,7 +189,11 @@ $(BUILD)/replay_run: $(BUILD)/obj/tests/golden/replay_run.o $(PRINT_OBJ) $(SUPPO
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
-$(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(HOST_LIB_OBJ)
+$(BUILD)/settings_page: $(BUILD)/obj/tests/docs/settings_page.o $(CORE_LIB)
+	$(call begin,LINK,$@)
+	$(Q)$(LINK)
+
+$(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(HOST_LIB)
 $(EXPERIMENTS): $(call obj,$(EXPERIMENT_HELPER_SRC))
 $(TESTS) $(HOST_TESTS) $(EXPERIMENTS): private LDLIBS += -lcmocka
 $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o \
@@ -222,8 +235,11 @@ cmocka:
 
 $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC)): | cmocka
 
+# What tests/check_layers.sh reads symbols from; it gives a BUILD and CFLAGS of its own.
+layer-objects: $(CORE_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ)
+
 programs: all $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BUILD)/fixture_write $(BUILD)/golden $(BUILD)/replay_run \
-          $(call obj,$(wildcard port/template/*.c))
+          $(BUILD)/settings_page $(call obj,$(wildcard port/template/*.c))
 
 run_checks = BUILD="$(BUILD)" CC="$(CC)" NM="$(NM)" SMR="$(BUILD)/smr" FIXTURE_WRITE="$(BUILD)/fixture_write" \
              CFLAGS="$(CFLAGS)" V="$(V)" sh tests/run_checks.sh
@@ -269,6 +285,9 @@ stack:
 
 hashes:
 	@MAKE="$(MAKE)" BUILD="$(BUILD)" sh tests/golden/hashes.sh
+
+settings-page: $(BUILD)/settings_page
+	$(Q)$(BUILD)/settings_page > docs/SETTINGS.md
 
 golden-update: $(BUILD)/golden
 	$(Q)$(BUILD)/golden > tests/golden/expected.txt

@@ -32,7 +32,7 @@ typedef enum smr_status {
     SMR_E_CONFIG = -2,  /* wrong cookie, or a field outside its stated range */
     SMR_E_ARENA = -3,   /* the memory handed over is too small */
     SMR_E_ALIGN = -4,   /* the memory handed over is not aligned to SMR_ALIGN */
-    SMR_E_MODEL = -5,   /* not a model image, other version, damaged, or inconsistent */
+    SMR_E_MODEL = -5,   /* not a model, other version, damaged, or inconsistent */
     SMR_E_INPUT = -6,   /* a count, index or coordinate in the data is out of range */
     SMR_E_STATE = -7,   /* the call is not possible in this state */
     SMR_E_ABORTED = -8, /* the progress callback asked to stop */
@@ -49,9 +49,11 @@ const char *smr_status_name(smr_status status);
 #define SMR_STRUCTURES_MAX 1024u
 #define SMR_NAME_BYTES 64u /* structure names, with the closing NUL */
 #define SMR_RADII_MAX 16u
-#define SMR_LEVELS_MAX 24u /* of priority, in a model image */
+#define SMR_LEVELS_MAX 24u /* of priority, in a model */
 #define SMR_WORKERS_MAX 64u
-#define SMR_ALL 0xffffffffu /* "every structure" */
+#define SMR_ALL 0xffffffffu    /* every structure */
+#define SMR_NONE 0xffffffffu   /* no triangle */
+#define SMR_FINEST 0xffffffffu /* the last radius of the model */
 
 /* ------------------------------------------------------------------ 2. meshes and target surfaces */
 
@@ -67,26 +69,26 @@ typedef struct smr_mesh {
 /* A target surface made ready for closest-point search, in the caller's memory. */
 typedef struct smr_surface smr_surface;
 
-/* Bytes smr_surface_build() needs for a mesh of this size; 0 when a count is out of range. */
-size_t smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles);
+/* Bytes smr_surface_build() needs for a mesh of this size. Errors: E_NULL, E_INPUT (a count is out of range). */
+smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *bytes);
 
 /* Copies the mesh into `memory` (SMR_ALIGN-aligned) and builds its search tree there.
  * The mesh may go afterwards; `memory` must stay as long as the surface is used.
  * Needs at least one triangle. Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT; *surface untouched then. */
-smr_status smr_surface_build(void *memory, size_t bytes, const smr_mesh *mesh, smr_surface **surface);
+smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface);
 
 typedef struct smr_closest {
     float point[3];     /* mm, on the surface */
     float normal[3];    /* unit, of that triangle */
     float distance;     /* mm */
-    uint32_t triangle;  /* the caller's triangle index, SMR_ALL when nothing was found */
+    uint32_t triangle;  /* the caller's triangle index, SMR_NONE when nothing was found */
     float weight[3];    /* barycentric, sums to 1 */
     uint32_t on_border; /* 1 when the point lies on an edge that has one triangle only */
 } smr_closest;
 
 /* Exact closest point of the surface within max_mm of `point` (3 floats). `normal` (3 floats, unit) and
  * min_cos restrict the search to triangles whose normal agrees; NULL for any. max_mm: 0 or more. Ties: the
- * smallest triangle index. Nothing found: SMR_OK and hit->triangle SMR_ALL.
+ * smallest triangle index. Nothing found: SMR_OK and hit->triangle SMR_NONE.
  * Errors: E_NULL, E_STATE (not a surface), E_INPUT. */
 smr_status smr_surface_closest(const smr_surface *surface, const float *point, const float *normal, float min_cos,
                                float max_mm, smr_closest *hit);
@@ -113,7 +115,7 @@ typedef struct smr_pose {
 
 typedef struct smr_align_config {
     uint32_t cookie;
-    uint32_t similarity; /* 0 rigid, 1 rigid with one scale; default 1 */
+    uint32_t scaled;     /* 0 rigid, 1 rigid with one scale; default 1 */
     uint32_t iterations; /* 1..1000, default 60: closest-point iterations of the last refinement */
     uint32_t samples;    /* 16..100000, default 600: points taken from each surface */
 } smr_align_config;
@@ -130,34 +132,34 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
 #define SMR_LANDMARKS_MAX 64u
 
 /* The pose that lays from[i] onto to[i], both [n][3] mm, by least squares: rigid, or with one scale (the ratio of the
- * spreads) when similarity is 1. Pairs that leave a rotation open (fewer than 3, all on one line) get one that fits as
+ * spreads) when scaled is 1. Pairs that leave a rotation open (fewer than 3, all on one line) get one that fits as
  * well as any. rms_mm (may be NULL): the remaining distance.
- * Errors: E_NULL, E_INPUT (count not in 1..SMR_LANDMARKS_MAX, similarity above 1, non-finite, beyond SMR_COORD_MAX);
+ * Errors: E_NULL, E_INPUT (count not in 1..SMR_LANDMARKS_MAX, scaled above 1, non-finite, beyond SMR_COORD_MAX);
  * *pose untouched then. */
-smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t similarity, smr_pose *pose,
+smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t scaled, smr_pose *pose,
                                float *rms_mm);
 
 typedef struct smr_warp smr_warp; /* a thin-plate spline in the caller's memory */
 
-enum { SMR_WARP_SPLINE = 0, SMR_WARP_SIMILARITY = 1, SMR_WARP_RIGID = 2, SMR_WARP_TRANSLATION = 3 };
+enum { SMR_WARP_SPLINE = 0, SMR_WARP_SCALED = 1, SMR_WARP_RIGID = 2, SMR_WARP_TRANSLATION = 3 };
 
-/* Bytes smr_warp_fit() needs for n landmarks; 0 when n is out of 1..SMR_LANDMARKS_MAX. */
-size_t smr_warp_bytes(uint32_t n);
+/* Bytes smr_warp_fit() needs for n landmarks. Errors: E_NULL, E_INPUT (n not in 1..SMR_LANDMARKS_MAX). */
+smr_status smr_warp_bytes(uint32_t n, size_t *bytes);
 
 /* Fits a thin-plate spline (kernel |r| in three dimensions, Bookstein 1989) that takes from[i] to to[i], both [n][3] mm.
  * smoothing >= 0: 0 passes through every landmark, larger follows the affine part more (mm). Sets that do not carry a
- * spline get the best that they do carry, and *kind says which: fewer than 4, collinear or coplanar sets a similarity
- * or rigid transform, one landmark or coincident ones a translation; duplicates are averaged. memory (SMR_ALIGN) stays
+ * spline get the best that they do carry, and *kind says which: fewer than 4, collinear or coplanar sets a rigid
+ * transform, with one scale where they carry it, one landmark or coincident ones a translation; duplicates are averaged. memory (SMR_ALIGN) stays
  * the caller's and holds the warp. Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT (count, non-finite, beyond SMR_COORD_MAX,
  * smoothing negative or not finite); *warp untouched then. */
-smr_status smr_warp_fit(void *memory, size_t bytes, const float *from, const float *to, uint32_t n, float smoothing,
+smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float smoothing, void *memory, size_t bytes,
                         smr_warp **warp, uint32_t *kind);
 
 /* Carries n points xyz [n][3] mm by the warp, in place. Errors: E_NULL, E_STATE (not a warp), E_INPUT (a point not finite or
  * beyond SMR_COORD_MAX; nothing changed then). */
 smr_status smr_warp_apply(const smr_warp *warp, float *xyz, uint32_t n);
 
-/* ------------------------------------------------------------------ 4. prepare: surfaces -> model image */
+/* ------------------------------------------------------------------ 4. prepare: surfaces -> model */
 
 typedef struct smr_structure {
     const char *name; /* "" or NULL for none; cut to SMR_NAME_BYTES - 1 */
@@ -171,33 +173,58 @@ enum { SMR_ORDER_FOREST = 0, SMR_ORDER_BREADTH_FIRST = 1 };
 /* Called between bounded pieces of work; done of total. Return non-zero to stop (SMR_E_ABORTED). */
 typedef int (*smr_progress)(void *ctx, uint32_t done, uint32_t total);
 
+/* How surfaces become a model. Each comment starts with unit, range and default; smr_prepare_settings() has them as data. */
 typedef struct smr_prepare_config {
+    /* SMR_COOKIE of this struct; smr_prepare_config_default() sets it. */
     uint32_t cookie;
-    uint32_t n_radii;               /* 0..SMR_RADII_MAX; default 0: chosen from size and edge length; with a reference
-                                        image 60, 40, 25, 15, for a structure alone its size and a third first,
-                                        where larger */
-    float radius_mm[SMR_RADII_MAX]; /* cluster radii s, coarse to fine, each in [1e-6, SMR_COORD_MAX] */
-    float separate_below_mm;        /* within +-SMR_COORD_MAX; radii below: clusters keep to their own structure.
-                                        0: always shared; negative (default): a third of the largest radius; with a reference image all
-                                        but the finest are shared */
-    uint32_t distance;              /* SMR_DISTANCE_...; default Euclidean (paper 2.2) */
-    uint32_t mass;                  /* SMR_MASS_...; default one per vertex */
-    uint32_t order;                 /* SMR_ORDER_...; default the minimum spanning forest */
-    uint32_t ring;                  /* 1 (default): a cluster also holds its vertex' mesh neighbours, at
-                                        radii not below the mean edge */
-    uint32_t priority;              /* 1 (default): vertices are stored in the order in which they matter (paper
-                                        2.2, complexity tuning), so that a registration may leave out the last
-                                        ones; 0: no such order, all vertices always take part */
-    uint32_t block_vertices;        /* vertices per forest block, 16..65536; default 0: chosen */
-    const smr_volume *reference;    /* the image that fits the model, for intensity profiles; NULL (default): none */
-    uint32_t profile_samples;       /* 3..64, default 20: along each vertex' normal (paper 3: 30) */
-    float profile_step_mm;          /* (1e-6,100], default 0.5 */
-    float profile_inward;  /* [0,1]: share of the samples on the inner side, which differs less between people than
-                                        what lies around; [-1,0), default -1: all but 1.6 voxels of the reference */
-    smr_progress progress; /* may be NULL */
+
+    /* ---- first: what most models set ---- */
+
+    /* radii, [0, 16], default 0: chosen from the surfaces' size and edge length.
+     * Chosen with a reference image: 60, 40, 25 and 15 mm, for a structure alone also its size and a third of it first. */
+    uint32_t n_radii;
+    /* mm, [1e-06, 100000]. Cluster radii s, coarse to fine; the first n_radii count. */
+    float radius_mm[SMR_RADII_MAX];
+    /* mm, [-100000, 100000], default -1: chosen. At radii below it clusters keep to their own structure. 0: at none.
+     * Negative: below a third of the largest radius; with a reference image at the finest radius only. */
+    float separate_below_mm;
+
+    /* ---- for images: intensity profiles ---- */
+
+    /* samples, [3, 64], default 20. Along each vertex' normal (paper 3: 30). */
+    uint32_t profile_samples;
+    /* mm, (1e-06, 100], default 0.5. Distance between two samples. */
+    float profile_step_mm;
+    /* share, [-1, 1], default -1: all samples but 1.6 voxels of the reference. Share of the samples on the inner side.
+     * The inside differs less between people than what lies around. Negative: chosen. */
+    float profile_inward;
+
+    /* ---- for experts ---- */
+
+    /* SMR_DISTANCE_..., default euclidean (paper 2.2). */
+    uint32_t distance;
+    /* SMR_MASS_..., default unit: 1 for each vertex. */
+    uint32_t mass;
+    /* SMR_ORDER_..., default forest. The order L of the clusters. */
+    uint32_t order;
+    /* 0 or 1, default 1. A cluster also holds its vertex' mesh neighbours, at radii not below the mean edge. */
+    uint32_t ring;
+    /* 0 or 1, default 1. Vertices are stored in the order in which they matter (paper 2.2, complexity tuning).
+     * A registration can then leave out the last ones. 0: all vertices always take part. */
+    uint32_t priority;
+    /* vertices, 0 or [16, 65536], default 0: chosen. Of a block of the forest. */
+    uint32_t block_vertices;
+
+    /* ---- what the caller lends while smr_prepare() runs ---- */
+
+    /* Image that fits the model, for its intensity profiles. NULL (default): none. */
+    const smr_volume *reference;
+    /* NULL (default): none. */
+    smr_progress progress;
+    /* Given to progress. */
     void *progress_ctx;
-    const struct smr_port *port; /* section 6; lent while smr_prepare() runs; NULL (default): one core. The image is
-                                        the same */
+    /* Threads. NULL (default): the calling thread alone. The model is the same. */
+    const struct smr_port *port;
 } smr_prepare_config;
 
 smr_prepare_config smr_prepare_config_default(void);
@@ -206,21 +233,21 @@ smr_prepare_config smr_prepare_config_default(void);
 smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
                              size_t *scratch_bytes);
 
-/* Writes the model image. image NULL or too small: nothing useful is written and *image_bytes says what
- * is needed (E_ARENA for too small, OK for NULL). scratch and image are SMR_ALIGN-aligned; scratch may go
+/* Writes the model. model NULL or too small: nothing useful is written and *model_bytes says what
+ * is needed (E_ARENA for too small, OK for NULL). scratch and model are SMR_ALIGN-aligned; scratch may go
  * afterwards. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT, E_ABORTED. */
 smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
-                       void *scratch, size_t scratch_bytes, void *image, size_t image_capacity, size_t *image_bytes);
+                       void *scratch, size_t scratch_bytes, void *model, size_t model_capacity, size_t *model_bytes);
 
-/* ------------------------------------------------------------------ 5. the model image */
+/* ------------------------------------------------------------------ 5. the model */
 
-/* The image in place: position-independent, little-endian on every host, checksummed. */
+/* A model in place: position-independent, little-endian on every host, checksummed. */
 typedef struct smr_model smr_model;
 
-/* Checks every byte that the runtime will trust and returns the image itself as a model. The image
+/* Checks every byte that the runtime will trust and returns the memory itself as a model. It
  * (SMR_ALIGN-aligned, may lie in flash) must stay as it is while the model is used.
  * Errors: E_NULL, E_ALIGN, E_MODEL; *model untouched then. */
-smr_status smr_model_open(const void *image, size_t bytes, const smr_model **model);
+smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **model);
 
 typedef struct smr_model_info {
     uint32_t n_vertices, n_triangles, n_structures, n_radii;
@@ -276,91 +303,167 @@ enum { SMR_METHOD_RIGID = 0, SMR_METHOD_POLAR = 1 };
 enum { SMR_SIMILARITY_NCC = 0, SMR_SIMILARITY_SSD = 1, SMR_SIMILARITY_CONCORDANCE = 2 };
 enum { SMR_NORMALS_CARRIED = 0, SMR_NORMALS_EXACT = 1 };
 
+/* How a registration runs. Each comment starts with unit, range and default; where two defaults stand, the second one is
+ * that of smr_config_default_image(). smr_config_settings() has the same as data, docs/SETTINGS.md as a page. */
 typedef struct smr_config {
+    /* SMR_COOKIE of this struct; smr_config_default() sets it. */
     uint32_t cookie;
 
-    /* memory */
-    uint32_t n_workers;         /* 1..SMR_WORKERS_MAX, default 1: at least the port's n_workers */
-    uint32_t n_target_vertices; /* 0..SMR_VERTICES_MAX: sum over all target surfaces set at one time; default 0: then
-                                    target-to-model attraction is off */
+    /* ---- first: what most registrations set ---- */
 
-    /* external forces, f = stiffness * (goal - x) (paper 2.1) */
-    float stiffness;         /* alpha_e, (0,1], default 0.8 */
-    float attraction;        /* 0..1, default 0.5: share of the target-to-model pull in the goal */
-    float slide;             /* [0,1], default 0: share of a way along the model's surface to a target surface that
-                                    counts: 0 makes the result independent of the inputs' pose, 1 brings the surfaces
-                                    closest */
-    float even;              /* [0,1], default 0.5: at the last radius so much of what a vertex moved differently from
-                                    its mesh neighbours, along the surface, is taken back in the first iteration; it
-                                    fades to the last. 0: never. Only where there is a target surface */
-    float search_mm;         /* (0, SMR_COORD_MAX], default 60: no closest point beyond this distance */
-    float search_radii;      /* (0,1e6], default 1.5: nor beyond so many cluster radii, so that the search
-                                    narrows as the radius does; by half at most, from one radius to the next */
-    float normal_deg;        /* (0,180], default 75: source and target normals differ at most so much */
-    float reject_deviations; /* [0,1e6], 0 (default): off; else drop forces longer than mean + this many standard
-                                    deviations of the last iteration */
-    uint32_t reject_border;  /* 1: drop closest points on the border of an open target; default 0 */
-    uint32_t use_box;        /* 1: no force outside the box below; default 0 */
-    float box_min[3], box_max[3]; /* mm, within +-SMR_COORD_MAX, min <= max; looked at with use_box only */
-    uint32_t node_budget;         /* 8..1000000, default 512: tree nodes one closest-point search may open */
+    /* threads, [1, 64], default 1. Memory is laid out for so many; the port has at most so many. */
+    uint32_t n_workers;
+    /* vertices, [0, 4000000], default 0. Of all target surfaces set at one time, together.
+     * 0 switches attraction off, whatever `attraction` says: surfaces of any size are then taken, and none attracts. */
+    uint32_t n_target_vertices;
+    /* SMR_METHOD_..., default rigid. How a cluster's rotation is found. */
+    uint32_t method;
+    /* iterations, [1, 100000], default 9, 20. At most, at each radius but the last. Those that only repair folds do not
+     * count. With an image the first of several radii has twice as many. */
+    uint32_t iterations;
+    /* iterations, [1, 100000], default 60, 40. At most, at the last radius. */
+    uint32_t iterations_last;
+    /* share, [0, 1], default 1. Vertices that take part, the most important first (paper 2.2, complexity tuning).
+     * The others get no force, are in no cluster, and are carried along. At least smr_model_info.active_min take part. */
+    float active_share;
 
-    /* image forces (paper 2.1): goals are sought along the normal, both ways; distances fall linearly over the schedule. Over
-     * the second half of the last radius all forces and the momentum fall to 0 while there is an image */
-    float profile_mm, profile_end_mm; /* search distance of profile matching, [0,60], default 10 to 0 */
-    float profile_radii; /* (0,1e6], default 0.5: profiles are not sought beyond so many cluster radii: what a cluster
-                                    can still pull apart must not find the far side of its neighbour. Up to a whole radius
-                                    where less than 80 % of a structure's vertices had a goal, and half its thickness */
-    float gradient_mm, gradient_end_mm; /* of the edge most like the profile's own, [0,60], default 5 to 0 */
-    uint32_t similarity; /* SMR_SIMILARITY_...: normalised cross-correlation, sum of squared differences, or (default)
-                                    concordance: a correlation that other contrast than the reference's lowers, and other
-                                    brightness a little */
-    float sideways;      /* [0,1], default 0.5: so much of the way along the surface on which the image becomes like the
-                                    profile is added to the goal on the normal; 0: goals lie on the normal, as in the paper */
-    float confidence;    /* [0,1], default 0.3: goals of profile and edge that together are believed no more than this
-                                    give no force; 1: none does */
-    float smoothing;     /* [0,1], default 1: a vertex without such a goal is drawn so far towards the middle of its
-                                    mesh neighbours. Not where the image cannot tell: no profile, or the search leaves the
-                                    image or meets one value only; nor in a structure of which less than half has a goal */
+    /* ---- targets that are surfaces ---- */
 
-    /* matching and evolution (paper 2.3) */
-    uint32_t method;        /* SMR_METHOD_...; default rigid-body kinematics */
-    float relaxation;       /* (0,1], default 1: x += relaxation * (averaged goal - x) */
-    float momentum;         /* [0,0.99], default 0.8: this share of the last displacement is added to the forces */
-    float momentum_last;    /* [0,0.99], default 0: the same at the last radius, where it would carry vertices along
-                                    the surface and rounding with them */
-    float plastic_um;       /* [0,1e8], default 50: x^r = x when the largest displacement falls below */
-    float settle_um;        /* [0,1e8], default 1: a radius is done early when the largest displacement falls below; not
-                                    the last one while `even` works on a target surface and anything moves */
-    uint32_t plastic_every; /* 0..1000, default 1: x^r = x also after so many iterations; 0 never */
-    uint32_t fold_guard;    /* 1 (default): at the last two radii folds are repaired, and steps that would turn
-                                    triangles back on each other are smoothed; at the last one edges that are folded all the
-                                    same are opened */
-    uint32_t normals;       /* SMR_NORMALS_...; default carried by the cluster rotations, recomputed
-                                    from the triangles whenever x^r is */
+    /* mm, (0, 100000], default 60. No closest point beyond this distance is a goal. */
+    float search_mm;
+    /* share, [0, 1], default 0.5. Of the target-to-model pull in the goal.
+     * Without effect while n_target_vertices is 0; smr_tick_report.attraction_used says what was used. */
+    float attraction;
+    /* share, [0, 1], default 0. Of the way to the goal along the model's surface that counts.
+     * 0: the result does not depend on the inputs' pose. 1: the surfaces come closest. */
+    float slide;
+    /* share, [0, 1], default 0.5. Of what a vertex moved along the surface unlike its mesh neighbours that is taken back.
+     * Only at the last radius: all of the share in the first iteration, falling to 0 in the last. */
+    float even;
 
-    /* complexity tuning (paper 2.2): the first vertices in the order of priority are active. The others get no force, are out
-     * of the clusters, and are carried along by them. At least smr_model_info.active_min[radius] always are active */
-    float active_share;     /* [0,1], default 1: share of the vertices */
-    float active_first;     /* [0,1], default 1: below active_share, the share at the schedule's start; from there it
-                                    grows evenly to active_share at the end */
-    uint32_t active_enough; /* 0..1e6, default 30: with an image, so many active vertices in the smallest cluster are
-                                    enough, about (whole levels are taken), and 1,000 of the whole model; at large radii
-                                    most are then ignored. 0: active_share alone decides */
+    /* ---- targets that are images (paper 2.1) ----
+     * Goals are sought along the normal, both ways. Search distances fall linearly over the schedule. Over the second
+     * half of the last radius all forces and the momentum fall to 0. */
 
-    /* schedule: from coarse to fine radius */
-    uint32_t radius_first; /* index of the first radius used, default 0 */
-    uint32_t radius_last;  /* index of the last radius used, not below the first; default SMR_ALL: the finest */
-    uint32_t iterations;   /* 1..100000, default 9: at most so many at each radius but the last, with an image twice as
-                                    many at the first of several. Iterations
-                                    that only repair folds do not count */
-    uint32_t iterations_last; /* 1..100000, default 60: at most so many at the last radius */
+    /* mm, [0, 60], default 10, 30. Search distance of profile matching, at the start of the schedule. */
+    float profile_mm;
+    /* mm, [0, 60], default 0, 2. The same at the end. */
+    float profile_end_mm;
+    /* mm, [0, 60], default 5. Search distance for the edge most like the profile's own, at the start. */
+    float gradient_mm;
+    /* mm, [0, 60], default 0, 2. The same at the end. */
+    float gradient_end_mm;
+    /* SMR_SIMILARITY_..., default concordance. How alike a profile and the image are. */
+    uint32_t similarity;
+    /* share, [0, 1], default 0.3. Combined confidence at or below this yields no force. */
+    float confidence;
+
+    /* ---- for experts: forces ---- */
+
+    /* share, (0, 1], default 0.8. alpha_e: force = stiffness * (goal - x) (paper 2.1). */
+    float stiffness;
+    /* cluster radii, (0, 1000000], default 1.5. The search for closest points narrows to this many radii.
+     * From one radius to the next it narrows by half at most. */
+    float search_radii;
+    /* degrees, (0, 180], default 75. Largest angle between the normals of a vertex and its closest point. */
+    float normal_deg;
+    /* standard deviations, [0, 1000000], default 0: off.
+     * Forces longer than the mean and this many deviations, both of the last iteration, are dropped. */
+    float reject_deviations;
+    /* 0 or 1, default 0. Closest points on the border of an open target are no goals. */
+    uint32_t reject_border;
+    /* tree nodes, [8, 1000000], default 512. Most nodes that one closest-point search opens. */
+    uint32_t node_budget;
+    /* cluster radii, (0, 1000000], default 0.5. Profiles are not sought beyond this many radii.
+     * What a cluster can still pull apart must not find the far side of its neighbour. For a structure of which fewer than
+     * 80 % of the vertices had a goal the limit grows, up to a whole radius and half its thickness. */
+    float profile_radii;
+    /* share, [0, 1], default 0.5. Of the way along the surface on which the image becomes like the profile.
+     * It is added to the goal on the normal. 0: goals lie on the normal, as in the paper. */
+    float sideways;
+    /* share, [0, 1], default 1. Of the way to the middle of its mesh neighbours, for a vertex without a goal in the image.
+     * Not where the image is undecided: no profile, a search that leaves the image or meets one value only.
+     * Not in a structure of which fewer than half the vertices have a goal. */
+    float fill;
+    /* 0 or 1, default 0. 1: no force outside the box. */
+    uint32_t use_box;
+    /* mm, [-100000, 100000], default 0. Lowest corner of the box. Looked at with use_box only. */
+    float box_min[3];
+    /* mm, [-100000, 100000], default 0. Highest corner of the box, nowhere below the lowest. */
+    float box_max[3];
+
+    /* ---- for experts: motion (paper 2.3) ---- */
+
+    /* share, (0, 1], default 1. x += relaxation * (averaged goal - x). */
+    float relaxation;
+    /* share, [0, 0.99], default 0.8, 0.7. Of the last displacement, added to the forces. */
+    float momentum;
+    /* share, [0, 0.99], default 0, 0.6. The same at the last radius.
+     * There momentum would carry vertices along the surface, and rounding with them. */
+    float momentum_last;
+    /* um, [0, 100000000], default 50. x^r = x when the largest displacement falls below it. */
+    float plastic_um;
+    /* iterations, [0, 1000], default 1, 5. x^r = x also after this many. 0: never. */
+    uint32_t plastic_every;
+    /* um, [0, 100000000], default 1. A radius is done early when the largest displacement falls below it.
+     * Not the last radius while `even` works on a target surface and anything moves. */
+    float settle_um;
+    /* 0 or 1, default 1. At the last two radii folds are repaired, and steps that would fold triangles are shortened.
+     * At the last radius edges that are folded all the same are opened. */
+    uint32_t fold_guard;
+    /* SMR_NORMALS_..., default carried. Normals follow the clusters' rotations, or are computed in each iteration.
+     * Carried ones, too, are computed whenever x^r = x. */
+    uint32_t normals;
+
+    /* ---- for experts: schedule, from coarse to fine radius ---- */
+
+    /* index, default 0. First radius used. */
+    uint32_t radius_first;
+    /* index, default SMR_FINEST. Last radius used, not below radius_first. */
+    uint32_t radius_last;
+    /* share, [0, 1], default 1. active_share at the start of the schedule, where that is lower.
+     * From there it grows evenly to active_share at the end. */
+    float active_first;
+    /* vertices, [0, 1000000], default 30. With an image, so many active vertices in the smallest cluster are enough, and
+     * 1,000 of the whole model. Whole levels of priority are taken. 0: active_share alone decides. */
+    uint32_t active_enough;
 } smr_config;
 
 smr_config smr_config_default(void);
 
-/* The same for a registration into an image: search 30 to 2 mm and 5 to 2 mm, momentum 0.7 and 0.6, plastic_every 5, 20 iterations
- * and 40 at the last radius, no target vertices. */
+/* The same for a registration into an image: goals there are noisy and reach far, so the reference shape follows now and
+ * then, and there are more iterations. */
 smr_config smr_config_default_image(void);
+
+/* ---- settings as data: for command lines, dialogs, documents ---- */
+
+enum {
+    SMR_SETTING_GROUP = 0, /* a heading: name only */
+    SMR_SETTING_COUNT,     /* uint32_t */
+    SMR_SETTING_NUMBER,    /* float */
+    SMR_SETTING_CHOICE,    /* uint32_t, the index of one of the words in `unit`: "rigid|polar" */
+    SMR_SETTING_SWITCH,    /* uint32_t, 0 or 1 */
+    SMR_SETTING_POINTER
+};
+
+/* One field of a configuration. Constant data; nothing of it is linked unless a program asks. */
+typedef struct smr_setting {
+    const char *name;    /* the field's, or the heading */
+    const char *unit;    /* "mm"; "" for none */
+    const char *text;    /* one sentence */
+    uint32_t kind;       /* SMR_SETTING_... */
+    uint32_t number;     /* of the field in logs; never changes */
+    uint32_t offset;     /* bytes from the start of the struct */
+    uint32_t bytes;      /* of the field; arrays are of 4 bytes an element */
+    uint32_t open;       /* 1: low itself is not legal */
+    uint32_t or_zero;    /* 1: 0 is legal, too */
+    double low, high;    /* range, high included */
+    double value, image; /* default, and that for images */
+} smr_setting;
+
+/* The fields of smr_config and of smr_prepare_config in the structs' order, with headings. n (may be NULL): how many. */
+const smr_setting *smr_config_settings(uint32_t *n);
+const smr_setting *smr_prepare_settings(uint32_t *n);
 
 /* A registration in progress, inside the caller's arena. */
 typedef struct smr smr;
@@ -376,9 +479,9 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 
 /* Sets up a registration at the model's rest shape in arena (SMR_ALIGN-aligned, at least
  * smr_arena_bytes). config and port are copied; port may be NULL (one worker, no clock). model and arena
- * must stay. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT; *out untouched then. */
-smr_status smr_init(smr **out, const smr_model *model, const smr_config *config, const smr_port *port, void *arena,
-                    size_t arena_bytes);
+ * must stay. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT; *s untouched then. */
+smr_status smr_init(const smr_model *model, const smr_config *config, const smr_port *port, void *arena,
+                    size_t arena_bytes, smr **out);
 
 /* Puts a structure at these positions, in the caller's vertex order: [n_vertices][3] mm. All structures start again
  * from where they are then: that becomes the reference shape x^r, and the schedule starts over.
@@ -550,7 +653,7 @@ typedef struct smr_replay {
  * and so may the port). log and s must stay. input may be NULL when there are only poses.
  * Errors: E_NULL, E_STATE (not a registration, or not right after smr_init), E_LOG, E_MODEL (another model), E_CONFIG (another
  * configuration). */
-smr_status smr_replay_start(smr_replay *replay, smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx);
+smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx, smr_replay *replay);
 
 typedef struct smr_replay_report {
     uint32_t tick;         /* the log's, from 1; at its end: how many there were */

@@ -7,7 +7,6 @@ version=14
 
 # What is not formatted yet: patterns of paths, one a line.
 exempt='
-^port/host/
 ^tests/unit/test_(attract|boundary|evolve|facets|fold_find|forces|image_goal|init|input_checksum)\.c
 ^tests/unit/test_(log|log_read|match|reference|replay|results|schedule|start|sums)\.c
 ^tests/unit/test_(tangent_evening|targets|tick|time_budget)\.c

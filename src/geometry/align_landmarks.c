@@ -4,14 +4,14 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/transform_fit.h"
 
-smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t similarity, smr_pose *pose,
+smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t scaled, smr_pose *pose,
                                float *rms_mm)
 {
     smr_fit fit;
     float sum = 0.0f;
     if (from == NULL || to == NULL || pose == NULL)
         return SMR_E_NULL;
-    if (n == 0u || n > SMR_LANDMARKS_MAX || similarity > 1u)
+    if (n == 0u || n > SMR_LANDMARKS_MAX || scaled > 1u)
         return SMR_E_INPUT;
     for (size_t i = 0; i < 3u * (size_t)n; i++)
         if (!smr_within(from[i], SMR_COORD_MAX) || !smr_within(to[i], SMR_COORD_MAX))
@@ -19,7 +19,7 @@ smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, u
     smr_fit_start(&fit, smr_load(from), smr_load(to));
     for (size_t i = 0; i < n; i++)
         smr_fit_add(&fit, smr_load(from + 3u * i), smr_load(to + 3u * i), 1.0f);
-    const smr_pose found = smr_fit_solve(&fit, similarity != 0u);
+    const smr_pose found = smr_fit_solve(&fit, scaled != 0u);
     for (size_t i = 0; i < n; i++) {
         const smr_vec miss = smr_sub(smr_pose_apply(&found, smr_load(from + 3u * i)), smr_load(to + 3u * i));
         sum += smr_dot(miss, miss);

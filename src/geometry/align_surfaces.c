@@ -19,7 +19,7 @@ smr_align_config smr_align_config_default(void)
     smr_align_config c;
     memset(&c, 0, sizeof c);
     c.cookie = SMR_COOKIE('A', smr_align_config);
-    c.similarity = 1;
+    c.scaled = 1;
     c.iterations = 60;
     c.samples = 600;
     return c;
@@ -98,10 +98,10 @@ static float collect(const smr_surface *from, const smr_surface *to, const smr_p
         const uint32_t i = (uint32_t)(((uint64_t)2u * k + 1u) * from->n_vertices / (2u * (uint64_t)n));
         const smr_vec p = smr_load(from->xyz + 3u * (size_t)i);
         const smr_query q = {smr_pose_apply(pose, p), smr_unit(turn(pose, smr_load(from->normal + 3u * (size_t)i))),
-                             0.1f, UINT32_MAX, SMR_ALL};
-        smr_hit hit = {1.0e12f, SMR_ALL, {0, 0, 0}};
+                             0.1f, UINT32_MAX, SMR_NONE};
+        smr_hit hit = {1.0e12f, SMR_NONE, {0, 0, 0}};
         smr_tree_closest(&to->facets, &q, &hit);
-        if (hit.triangle == SMR_ALL) {
+        if (hit.triangle == SMR_NONE) {
             sum += SMR_MISS_MM * SMR_MISS_MM;
             continue;
         }
@@ -114,7 +114,7 @@ static float collect(const smr_surface *from, const smr_surface *to, const smr_p
 
 /* Iterative closest point from *pose; returns the last mean square distance, both directions together. */
 static float refine(const smr_surface *model, const smr_surface *target, uint32_t samples, uint32_t iterations,
-                    int similarity, smr_pose *pose)
+                    int scaled, smr_pose *pose)
 {
     float last = FLT_MAX;
     for (uint32_t i = 0; i < iterations; i++) {
@@ -129,7 +129,7 @@ static float refine(const smr_surface *model, const smr_surface *target, uint32_
         if (i >= SMR_STEADY && mean > last * SMR_STANDS)
             return last;
         last = smr_min(last, mean);
-        const smr_pose next = smr_fit_solve(&fit, similarity);
+        const smr_pose next = smr_fit_solve(&fit, scaled);
         const float size = smr_length(smr_v(next.m[0][0], next.m[1][0], next.m[2][0]));
         if (!(size > 0.1f && size < 10.0f))
             return FLT_MAX; /* collapsing onto a part of the target */
@@ -139,14 +139,14 @@ static float refine(const smr_surface *model, const smr_surface *target, uint32_
 }
 
 /* Start k: centroid onto centroid, axes onto axes. */
-static smr_pose start(const smr_surface *model, const smr_surface *target, uint32_t k, int similarity)
+static smr_pose start(const smr_surface *model, const smr_surface *target, uint32_t k, int scaled)
 {
     smr_vec from, to;
     float a[9], b[9], g[9], size_a, size_b, ga[9], r[9];
     principal(model, &from, a, &size_a);
     principal(target, &to, b, &size_b);
     cube_rotation(k, g);
-    const float scale = similarity && size_a > 1.0e-6f ? smr_clamp(size_b / size_a, 0.2f, 5.0f) : 1.0f;
+    const float scale = scaled && size_a > 1.0e-6f ? smr_clamp(size_b / size_a, 0.2f, 5.0f) : 1.0f;
     for (int i = 0; i < 9; i++) /* G A^T */
         ga[i] = g[i / 3 * 3] * a[i % 3 * 3] + g[i / 3 * 3 + 1] * a[i % 3 * 3 + 1] + g[i / 3 * 3 + 2] * a[i % 3 * 3 + 2];
     for (int i = 0; i < 9; i++) /* B G A^T */
@@ -172,12 +172,12 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
         return SMR_E_NULL;
     if (!smr_surface_valid(model) || !smr_surface_valid(target))
         return SMR_E_STATE;
-    if (config->cookie != SMR_COOKIE('A', smr_align_config) || config->similarity > 1u || config->iterations < 1u ||
+    if (config->cookie != SMR_COOKIE('A', smr_align_config) || config->scaled > 1u || config->iterations < 1u ||
         config->iterations > 1000u || config->samples < 16u || config->samples > 100000u)
         return SMR_E_CONFIG;
-    const int similarity = config->similarity != 0u;
+    const int scaled = config->scaled != 0u;
     for (uint32_t k = 0; k < SMR_CASES; k++) {
-        smr_pose p = start(model, target, k, similarity);
+        smr_pose p = start(model, target, k, scaled);
         const float s = refine(model, target, config->samples / 6u + 8u, 8, 0, &p);
         uint32_t at = n < SMR_FINALISTS ? n++ : SMR_FINALISTS;
         for (; at > 0u && score[at - 1u] > s; at--) {
@@ -193,12 +193,12 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
     }
     uint32_t best = 0;
     for (uint32_t i = 0; i < n; i++) {
-        score[i] = refine(model, target, config->samples / 3u + 8u, 24, similarity, &finalist[i]);
+        score[i] = refine(model, target, config->samples / 3u + 8u, 24, scaled, &finalist[i]);
         if (score[i] < score[best])
             best = i;
     }
     smr_pose p = finalist[best];
-    const float mean = refine(model, target, config->samples, config->iterations, similarity, &p);
+    const float mean = refine(model, target, config->samples, config->iterations, scaled, &p);
     if (!(mean < FLT_MAX))
         return SMR_E_INPUT;
     /* both surfaces were seen from their own origins */

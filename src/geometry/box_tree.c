@@ -117,7 +117,7 @@ smr_vec smr_facet_point(const smr_facets *f, uint32_t triangle, const float weig
 /* Among equally near triangles, i comes before the one found so far. */
 static int comes_first(const smr_facets *f, uint32_t i, uint32_t found)
 {
-    if (found == SMR_ALL || f->rank == NULL)
+    if (found == SMR_NONE || f->rank == NULL)
         return i < found;
     return f->rank[i] < f->rank[found];
 }
@@ -199,7 +199,7 @@ static void search(const smr_facets *f, const smr_query *q, smr_hit *hit, float 
     stack[top++] = (visit){0.0f, f->n_levels - 1u, 0u};
     while (top > 0u && opened < q->node_budget) {
         const visit v = stack[--top];
-        if (v.d2 > hit->d2 * widen || (v.d2 == hit->d2 && hit->triangle != SMR_ALL && ++ties > SMR_TIES))
+        if (v.d2 > hit->d2 * widen || (v.d2 == hit->d2 && hit->triangle != SMR_NONE && ++ties > SMR_TIES))
             continue;
         opened++;
         float d2[SMR_TREE_WIDTH];
@@ -236,7 +236,7 @@ void smr_tree_near(const smr_facets *f, const smr_query *q, smr_hit *hit, smr_ne
     list->n = 0;
     list->cut2 = FLT_MAX;
     search(f, q, hit, (1.0f + SMR_NEARLY) * (1.0f + SMR_NEARLY), list);
-    if (hit->triangle == SMR_ALL)
+    if (hit->triangle == SMR_NONE)
         list->n = 0; /* what lies within reach of the search, but not in it */
     const float distance = SMR_SQRT(hit->d2), width = smr_min(SMR_NEARLY * distance, SMR_SQRT(list->cut2) - distance);
     float total = 0.0f;
@@ -249,7 +249,7 @@ void smr_tree_near(const smr_facets *f, const smr_query *q, smr_hit *hit, smr_ne
     }
     for (uint32_t i = 0; i < list->n; i++)
         list->item[i].share /= total > 0.0f ? total : 1.0f;
-    if (total > 0.0f || hit->triangle == SMR_ALL)
+    if (total > 0.0f || hit->triangle == SMR_NONE)
         return;
     list->n = 1; /* it lies on the surface, or others are as near, or nothing looks its way enough */
     list->item[0] = (smr_near){1.0f, hit->d2, hit->triangle, {hit->weight[0], hit->weight[1], hit->weight[2]}};

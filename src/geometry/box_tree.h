@@ -47,12 +47,12 @@ typedef struct smr_query {
     smr_vec normal;       /* unit or zero */
     float min_cos;        /* triangle normals agree at least so much; -2 for any */
     uint32_t node_budget; /* nodes opened at most */
-    uint32_t warm;        /* a triangle to try first, or SMR_ALL */
+    uint32_t warm;        /* a triangle to try first, or SMR_NONE */
 } smr_query;
 
 typedef struct smr_hit {
     float d2;          /* in: squared search distance; out: squared distance */
-    uint32_t triangle; /* in tree order; SMR_ALL when nothing was found */
+    uint32_t triangle; /* in tree order; SMR_NONE when nothing was found */
     float weight[3];
 } smr_hit;
 

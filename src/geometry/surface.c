@@ -38,15 +38,20 @@ static void layout(smr_arena *a, uint32_t nv, uint32_t nt, build *b, smr_surface
     b->around = smr_arena_take(a, nt, 3 * sizeof(uint32_t));
 }
 
-size_t smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles)
+smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *bytes)
 {
+    if (bytes == NULL)
+        return SMR_E_NULL;
     if (n_vertices == 0u || n_vertices > SMR_VERTICES_MAX || n_triangles == 0u || n_triangles > SMR_TRIANGLES_MAX)
-        return 0;
+        return SMR_E_INPUT;
     smr_arena a = smr_arena_measure();
     build b;
     smr_surface s;
     layout(&a, n_vertices, n_triangles, &b, &s);
-    return a.used == SIZE_MAX ? 0 : a.used;
+    if (a.used == SIZE_MAX)
+        return SMR_E_INPUT;
+    *bytes = a.used;
+    return SMR_OK;
 }
 
 /* How many triangles hold the edge v-w, 2 for more; looks around the corner with fewer triangles. */
@@ -89,11 +94,12 @@ static void find_borders(smr_surface *s, const build *b, uint32_t nt)
                 s->border[k] |= (unsigned char)(8u << c);
 }
 
-smr_status smr_surface_build(void *memory, size_t bytes, const smr_mesh *mesh, smr_surface **surface)
+smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface)
 {
     smr_arena a;
     smr_surface s = {0};
     build b;
+    size_t needed;
     if (surface == NULL || mesh == NULL)
         return SMR_E_NULL;
     smr_status status = smr_arena_start(&a, memory, bytes);
@@ -103,9 +109,9 @@ smr_status smr_surface_build(void *memory, size_t bytes, const smr_mesh *mesh, s
     if (status != SMR_OK)
         return status;
     const uint32_t nv = mesh->n_vertices, nt = mesh->n_triangles;
-    if (nt == 0u)
+    if (nt == 0u || smr_surface_bytes(nv, nt, &needed) != SMR_OK)
         return SMR_E_INPUT;
-    if (smr_surface_bytes(nv, nt) > bytes)
+    if (needed > bytes)
         return SMR_E_ARENA;
     smr_arena_release(memory, bytes);
     layout(&a, nv, nt, &b, &s);
@@ -165,16 +171,16 @@ smr_status smr_surface_closest(const smr_surface *surface, const float *point, c
     if (!(max_mm >= 0.0f) || (normal != NULL && !smr_within(min_cos, 2.0f)))
         return SMR_E_INPUT;
     max_mm = smr_min(max_mm, 8.0f * SMR_COORD_MAX);
-    smr_query q = {smr_sub(smr_load(point), surface->origin), smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_ALL};
+    smr_query q = {smr_sub(smr_load(point), surface->origin), smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
     if (normal != NULL) {
         q.normal = smr_load(normal);
         q.min_cos = min_cos;
     }
-    smr_hit h = {max_mm * max_mm, SMR_ALL, {0, 0, 0}};
+    smr_hit h = {max_mm * max_mm, SMR_NONE, {0, 0, 0}};
     smr_tree_closest(&surface->facets, &q, &h);
     memset(hit, 0, sizeof *hit);
-    hit->triangle = SMR_ALL;
-    if (h.triangle == SMR_ALL)
+    hit->triangle = SMR_NONE;
+    if (h.triangle == SMR_NONE)
         return SMR_OK;
     smr_store(hit->point, smr_add(smr_facet_point(&surface->facets, h.triangle, h.weight), surface->origin));
     memcpy(hit->normal, surface->facets.normal + 3u * (size_t)h.triangle, sizeof hit->normal);

@@ -66,15 +66,20 @@ static void layout(smr_arena *a, uint32_t n, job *j, smr_warp *w)
     j->system.pivot = smr_arena_take(a, m, sizeof(uint32_t));
 }
 
-size_t smr_warp_bytes(uint32_t n)
+smr_status smr_warp_bytes(uint32_t n, size_t *bytes)
 {
+    if (bytes == NULL)
+        return SMR_E_NULL;
     if (n == 0u || n > SMR_LANDMARKS_MAX)
-        return 0;
+        return SMR_E_INPUT;
     smr_arena a = smr_arena_measure();
     job j;
     smr_warp w;
     layout(&a, n, &j, &w);
-    return a.used == SIZE_MAX ? 0 : a.used;
+    if (a.used == SIZE_MAX)
+        return SMR_E_INPUT;
+    *bytes = a.used;
+    return SMR_OK;
 }
 
 /* The largest distance from the first point. */
@@ -171,7 +176,7 @@ static uint32_t choose(const job *j)
         return SMR_WARP_SPLINE;
     if (!(extent(j->goal, j->n) > SMR_SAME_MM))
         return SMR_WARP_TRANSLATION;
-    return j->n >= 3u && j->variance[1] > SMR_LINE_SHARE * largest ? SMR_WARP_SIMILARITY : SMR_WARP_RIGID;
+    return j->n >= 3u && j->variance[1] > SMR_LINE_SHARE * largest ? SMR_WARP_SCALED : SMR_WARP_RIGID;
 }
 
 /* [K + lambda I, P; P^T, 0] and its right-hand sides; K + lambda I divided by `share`, so that entries stay near 1. */
@@ -228,7 +233,7 @@ static void fit_pose(const job *j, smr_warp *w, uint32_t kind)
         for (uint32_t k = 0; k < j->n; k++)
             smr_fit_add(&fit, smr_scale(smr_load(w->centre + 3u * (size_t)k), unit), smr_load(j->goal + 3u * (size_t)k),
                         j->count[k]);
-        p = smr_fit_solve(&fit, kind == SMR_WARP_SIMILARITY);
+        p = smr_fit_solve(&fit, kind == SMR_WARP_SCALED);
     }
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 3; c++)
@@ -237,12 +242,13 @@ static void fit_pose(const job *j, smr_warp *w, uint32_t kind)
     w->n = 0;
 }
 
-smr_status smr_warp_fit(void *memory, size_t bytes, const float *from, const float *to, uint32_t n, float smoothing,
+smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float smoothing, void *memory, size_t bytes,
                         smr_warp **warp, uint32_t *kind)
 {
     smr_arena a;
     job j;
     smr_warp w;
+    size_t needed;
     if (from == NULL || to == NULL || warp == NULL || kind == NULL)
         return SMR_E_NULL;
     const smr_status status = smr_arena_start(&a, memory, bytes);
@@ -253,7 +259,7 @@ smr_status smr_warp_fit(void *memory, size_t bytes, const float *from, const flo
     for (size_t i = 0; i < 3u * (size_t)n; i++)
         if (!smr_within(from[i], SMR_COORD_MAX) || !smr_within(to[i], SMR_COORD_MAX))
             return SMR_E_INPUT;
-    if (smr_warp_bytes(n) > bytes)
+    if (smr_warp_bytes(n, &needed) != SMR_OK || needed > bytes)
         return SMR_E_ARENA;
     smr_arena_release(memory, bytes);
     memset(&j, 0, sizeof j);
@@ -264,7 +270,7 @@ smr_status smr_warp_fit(void *memory, size_t bytes, const float *from, const flo
     j.lambda = smr_min(smoothing * w.per_mm, SMR_LAMBDA_MAX);
     uint32_t chosen = choose(&j);
     if (chosen == SMR_WARP_SPLINE && !fit_spline(&j, &w))
-        chosen = SMR_WARP_SIMILARITY;
+        chosen = SMR_WARP_SCALED;
     if (chosen != SMR_WARP_SPLINE)
         fit_pose(&j, &w, chosen);
     w.magic = SMR_WARP_MAGIC;

@@ -77,7 +77,7 @@ static float spread(const smr_fit *f, uint32_t product, uint32_t a)
            f->sum[a + 2u] / f->weight * f->sum[a + 2u];
 }
 
-smr_pose smr_fit_solve(const smr_fit *f, int similarity)
+smr_pose smr_fit_solve(const smr_fit *f, int scaled)
 {
     float v[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, r[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     float scale = 1.0f;
@@ -92,7 +92,7 @@ smr_pose smr_fit_solve(const smr_fit *f, int similarity)
         sharpen(cross, r);
         sharpen(cross, r);
         const float from2 = spread(f, SMR_FIT_FROM2, SMR_FIT_FROM), to2 = spread(f, SMR_FIT_TO2, SMR_FIT_TO);
-        if (similarity && from2 > 1.0e-12f && to2 > 1.0e-12f)
+        if (scaled && from2 > 1.0e-12f && to2 > 1.0e-12f)
             scale = SMR_SQRT(to2 / from2);
         from = smr_add(from, smr_scale(smr_load(f->sum + SMR_FIT_FROM), 1.0f / f->weight));
         to = smr_add(to, smr_scale(smr_load(f->sum + SMR_FIT_TO), 1.0f / f->weight));

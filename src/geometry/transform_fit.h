@@ -1,4 +1,4 @@
-/* transform_fit.h: the similarity that lays one set of points onto another.
+/* transform_fit.h: the rigid or scaled pose that lays one set of points onto another.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_TRANSFORM_FIT_H
 #define SMR_TRANSFORM_FIT_H
@@ -19,9 +19,9 @@ typedef struct smr_fit {
 void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to);
 void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float weight);
 
-/* The pose minimising sum w |pose(from) - to|^2: rotation by polar decomposition, and a scale when similarity is not 0
+/* The pose minimising sum w |pose(from) - to|^2: rotation by polar decomposition, and a scale when scaled is not 0
  * (ratio of the symmetric kind: sqrt(spread of to / spread of from)). Identity rotation when the pairs leave it open.
  * Source: Horn, Hilden, Negahdaripour 1988. */
-smr_pose smr_fit_solve(const smr_fit *f, int similarity);
+smr_pose smr_fit_solve(const smr_fit *f, int scaled);
 
 #endif

@@ -1,5 +1,5 @@
-/* model.h: the model image's bytes, and views of them. docs/SPEC.md has the same as a table.
- * All numbers are stored little-endian; floats as their bits. Offsets count bytes from the image's start and are
+/* model.h: a model's bytes, and views of them. docs/SPEC.md has the same as a table.
+ * All numbers are stored little-endian; floats as their bits. Offsets count bytes from the model's start and are
  * multiples of SMR_ALIGN.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_MODEL_H
@@ -17,7 +17,7 @@
 struct smr_model {
     uint32_t magic;
     uint32_t version;
-    uint32_t bytes;    /* of the whole image */
+    uint32_t bytes;    /* of the whole model */
     uint32_t checksum; /* CRC-32 of bytes 16 .. bytes - 1 */
     uint32_t n_vertices;
     uint32_t n_triangles;
@@ -46,7 +46,22 @@ struct smr_model {
     uint32_t at_along;  /* uint32 [n_vertices]: stored vertex -> its place along the curve; ascending in each level */
     uint32_t n_levels;
     uint32_t level_end[SMR_LEVELS_MAX]; /* stored vertices in a level and all before it; unused ones are 0 */
+    uint32_t n_sections;                /* further ones, 0..SMR_SECTIONS_MAX */
+    uint32_t at_sections;               /* smr_stored_section [n_sections]; 0 when there are none */
+    uint32_t zero[6];
 };
+
+/* A further section, which the fields above know nothing of. A library that does not know its kind skips it, or refuses the
+ * model when the section is required. */
+typedef struct smr_stored_section {
+    uint32_t kind;  /* SMR_SECTION_...; not 0, each once. None is defined yet */
+    uint32_t flags; /* SMR_SECTION_REQUIRED or 0 */
+    uint32_t at;    /* behind the section before it */
+    uint32_t bytes;
+} smr_stored_section;
+
+#define SMR_SECTIONS_MAX 64u
+#define SMR_SECTION_REQUIRED 1u /* who does not know the kind cannot use the model */
 
 typedef struct smr_stored_structure {
     char name[SMR_NAME_BYTES];

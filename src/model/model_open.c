@@ -1,4 +1,4 @@
-/* model_open.c: smr_model_open() and its distrust. After it every count, offset and index in the image can be used
+/* model_open.c: smr_model_open() and its distrust. After it every count, offset and index in the model can be used
  * without a check. Work: one pass over the bytes, and over each radius' entries once per 4,096 vertices of a block.
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
@@ -8,7 +8,7 @@
     2.0e30f              /* of a profile: voxel values lie within half of it on either side of 0 (image/volume.c) */
 #define SMR_WINDOW 4096u /* vertices whose uniqueness is checked at a time: 512 bytes of stack */
 
-/* A section of count * size bytes at a stored offset lies inside the image. */
+/* A section of count * size bytes at a stored offset lies inside the model. */
 static int section(const smr_model *m, uint32_t stored_offset, uint64_t count, uint64_t size)
 {
     uint64_t at = smr_le32(stored_offset), bytes = smr_le32(m->bytes);
@@ -272,6 +272,40 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
     return 1;
 }
 
+/* 1 when an earlier section is of the same kind. */
+static int repeated(const smr_stored_section *s, uint32_t i)
+{
+    for (uint32_t k = 0; k < i; k++)
+        if (s[k].kind == s[i].kind)
+            return 1;
+    return 0;
+}
+
+/* Further sections lie one behind the other. No kind is known yet: an optional one is skipped, a required one is refused.
+ * A kind that becomes known gets its check here. */
+static int check_sections(const smr_model *m)
+{
+    const uint32_t n = smr_le32(m->n_sections);
+    uint64_t end = sizeof *m;
+    for (uint32_t i = 0; i < sizeof m->zero / sizeof m->zero[0]; i++)
+        if (m->zero[i] != 0u)
+            return 0;
+    if (n == 0u)
+        return m->at_sections == 0u;
+    if (n > SMR_SECTIONS_MAX || !section(m, m->at_sections, n, sizeof(smr_stored_section)))
+        return 0;
+    const smr_stored_section *s = smr_at(m, m->at_sections);
+    for (uint32_t i = 0; i < n; i++) {
+        if (s[i].kind == 0u || smr_le32(s[i].flags) > SMR_SECTION_REQUIRED || repeated(s, i) ||
+            !section(m, s[i].at, smr_le32(s[i].bytes), 1) || smr_le32(s[i].at) < end)
+            return 0;
+        if (smr_le32(s[i].flags) == SMR_SECTION_REQUIRED)
+            return 0;
+        end = (uint64_t)smr_le32(s[i].at) + smr_le32(s[i].bytes);
+    }
+    return 1;
+}
+
 static int check_header(const smr_model *m, size_t bytes)
 {
     const uint32_t size = smr_le32(m->bytes), n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
@@ -286,15 +320,15 @@ static int check_header(const smr_model *m, size_t bytes)
            (width == 4u || (width == 2u && n <= 65535u));
 }
 
-smr_status smr_model_open(const void *image, size_t bytes, const smr_model **model)
+smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **model)
 {
-    if (image == NULL || model == NULL)
+    if (memory == NULL || model == NULL)
         return SMR_E_NULL;
-    if ((uintptr_t)image % SMR_ALIGN != 0u)
+    if ((uintptr_t)memory % SMR_ALIGN != 0u)
         return SMR_E_ALIGN;
-    const smr_model *m = image;
-    if (bytes < sizeof *m || !check_header(m, bytes) || !check_structures(m) || !check_vertices(m) ||
-        !check_facets(m) || !check_hinges(m) || !check_profiles(m))
+    const smr_model *m = memory;
+    if (bytes < sizeof *m || !check_header(m, bytes) || !check_sections(m) || !check_structures(m) ||
+        !check_vertices(m) || !check_facets(m) || !check_hinges(m) || !check_profiles(m))
         return SMR_E_MODEL;
     if (!section(m, m->at_radii, smr_le32(m->n_radii), sizeof(smr_stored_radius)))
         return SMR_E_MODEL;

@@ -1,4 +1,4 @@
-/* model_view.c: what a model image says about itself.
+/* model_view.c: what a model says about itself.
  * SPDX-License-Identifier: MIT */
 #include "model/model.h"
 

@@ -114,7 +114,7 @@ void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius)
     memset(p->rank, 0, p->n * sizeof *p->rank); /* nobody's number in a block any more: how many more it may hold */
     for (uint32_t v = 0; v < p->n && p->config->distance != SMR_DISTANCE_GEODESIC; v++) {
         if (l->at_boundary + l->n_boundary * sizeof(smr_stored_boundary) > UINT32_MAX)
-            break; /* too large for an image, as smr_prepare will find */
+            break; /* too large for a model, as smr_prepare will find */
         find(p, l, v, radius, half);
     }
     l->w->used = l->at_boundary + (size_t)l->n_boundary * sizeof(smr_stored_boundary);

@@ -1,4 +1,4 @@
-/* model_write.c: lays the model image out, section by section (docs/SPEC.md has the table).
+/* model_write.c: lays the model out, section by section (docs/SPEC.md has the table).
  * SPDX-License-Identifier: MIT */
 #include "prepare/plan.h"
 
@@ -72,8 +72,8 @@ static size_t write_structures(const smr_plan *p, smr_writer *w)
         const size_t to = at + s * sizeof(smr_stored_structure);
         const char *name = p->structures[s].name == NULL ? "" : p->structures[s].name;
         for (size_t i = 0; i + 1u < SMR_NAME_BYTES && name[i] != '\0'; i++)
-            if (w->image != NULL && to + i < w->capacity)
-                w->image[to + i] = (unsigned char)name[i];
+            if (w->model != NULL && to + i < w->capacity)
+                w->model[to + i] = (unsigned char)name[i];
         smr_put32(w, to + SMR_NAME_BYTES, vertices);
         smr_put32(w, to + SMR_NAME_BYTES + 4u, p->structures[s].mesh.n_vertices);
         smr_put32(w, to + SMR_NAME_BYTES + 8u, triangles);
@@ -115,8 +115,8 @@ static uint32_t write_bytes(smr_writer *w, const smr_plan *p, const uint8_t *val
 {
     const size_t at = smr_put_section(w, p->n * width);
     for (size_t v = 0; v < p->n; v++)
-        if (w->image != NULL && at + (v + 1u) * width <= w->capacity)
-            memcpy(w->image + at + v * width, value + p->along[v] * width, width);
+        if (w->model != NULL && at + (v + 1u) * width <= w->capacity)
+            memcpy(w->model + at + v * width, value + p->along[v] * width, width);
     return (uint32_t)at;
 }
 

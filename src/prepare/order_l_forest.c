@@ -73,7 +73,7 @@ static void fill_near(void *arg, uint32_t task, uint32_t worker)
         uint32_t *near = p->near + SMR_NEAREST * (size_t)v;
         uint32_t k = smr_nearest(p, v, b->first, b->last, SMR_NEAREST, near, NULL);
         while (k < SMR_NEAREST)
-            near[k++] = SMR_ALL;
+            near[k++] = SMR_NONE;
     }
 }
 
@@ -96,7 +96,7 @@ static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
     uint32_t n = 0;
     for (uint32_t v = first; v < last; v++) {
         uint32_t near[SMR_NEAREST + SMR_RING_TRIED], k = 0;
-        for (const uint32_t *known = p->near + SMR_NEAREST * (size_t)v; k < SMR_NEAREST && known[k] != SMR_ALL; k++)
+        for (const uint32_t *known = p->near + SMR_NEAREST * (size_t)v; k < SMR_NEAREST && known[k] != SMR_NONE; k++)
             near[k] = known[k];
         for (uint32_t i = p->ring_start[v], tried = 0; i < p->ring_start[v + 1u] && tried < SMR_RING_TRIED;
              i++, tried++)

@@ -1,7 +1,7 @@
 /* plan.h: what the steps of prepare share: the model in curve order, and scratch. All arrays lie in the caller's
  * scratch memory. Vertices are numbered along a space-filling curve: neighbours in space are neighbours in memory, and a
  * ball of vertices is a few runs of consecutive numbers. The stored order (priority_levels.c) is only put on by what writes the
- * image.
+ * model.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_PLAN_H
 #define SMR_PLAN_H
@@ -76,7 +76,7 @@ typedef struct smr_plan {
     uint32_t *item;         /* [max(n, nt, pairs)] */
     uint32_t *tmp;          /* [2 max(n, nt, pairs)] */
     uint32_t near_kind;     /* what near holds: 1 + separate; 0 nothing yet */
-    uint32_t *near;         /* [n][SMR_NEAREST] the nearest vertices within a vertex' block, SMR_ALL behind the last */
+    uint32_t *near;         /* [n][SMR_NEAREST] the nearest vertices within a vertex' block, SMR_NONE behind the last */
     uint32_t *edge_a;       /* [pairs] candidate edges of a block's forest */
     uint32_t *edge_b;       /* [pairs] */
     uint32_t *set;          /* [block + 1] union-find */
@@ -162,9 +162,9 @@ uint32_t smr_row_count(const uint64_t *row, uint32_t words);
 /* Chooses radii from coarse to fine when the configuration leaves them open. Returns their number. */
 uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX]);
 
-/* The image as it grows: bytes beyond the capacity are counted, not written. */
+/* The model as it grows: bytes beyond the capacity are counted, not written. */
 typedef struct smr_writer {
-    unsigned char *image; /* NULL: count only */
+    unsigned char *model; /* NULL: count only */
     size_t capacity;
     size_t used;
 } smr_writer;
@@ -174,7 +174,7 @@ void smr_put32(smr_writer *w, size_t at, uint32_t value);
 /* Reserves a section of zero bytes on the next SMR_ALIGN boundary; returns its offset. */
 size_t smr_put_section(smr_writer *w, size_t bytes);
 
-/* The whole image but its checksum. Errors: E_ABORTED, E_INPUT (more than 4 GiB). */
+/* The whole model but its checksum. Errors: E_ABORTED, E_INPUT (more than 4 GiB). */
 smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below);
 
 /* One radius' lists being written. */

@@ -1,7 +1,8 @@
-/* prepare.c: surfaces in, model image out (paper 2.2). The steps in order: stored order, masses, radii, and for each
+/* prepare.c: surfaces in, model out (paper 2.2). The steps in order: stored order, masses, radii, and for each
  * radius its clusters and their forest. Allocates nothing; layout measures and places the scratch.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
+#include "base/settings.h"
 #include "geometry/mesh.h"
 #include "image/intensity_profile.h"
 #include "prepare/plan.h"
@@ -10,30 +11,31 @@
 #define SMR_BLOCK_MIN 64u
 #define SMR_BLOCK_MAX 2048u
 
+_Static_assert(SMR_PROFILE_MAX == 64u, "base/settings_prepare.def says so");
+
 smr_prepare_config smr_prepare_config_default(void)
 {
-    smr_prepare_config c;
-    memset(&c, 0, sizeof c);
-    c.cookie = SMR_COOKIE('P', smr_prepare_config);
-    c.separate_below_mm = -1.0f;
-    c.ring = 1;
-    c.priority = 1;
-    c.profile_samples = 20;
-    c.profile_step_mm = 0.5f;
-    c.profile_inward = -1.0f;
-    return c;
+    smr_prepare_config config, *const c = &config;
+    memset(c, 0, sizeof *c);
+    c->cookie = SMR_COOKIE('P', smr_prepare_config);
+#define SMR_GROUP(title)
+#define SMR_SETTING SMR_ROW_DEFAULT
+#include "base/settings_prepare.def"
+    return config;
+}
+
+static int ranges_legal(const smr_prepare_config *c)
+{
+    int legal = 1;
+#define SMR_GROUP(title)
+#define SMR_SETTING SMR_ROW_LEGAL
+#include "base/settings_prepare.def"
+    return legal;
 }
 
 static smr_status check_config(const smr_prepare_config *c)
 {
-    if (c->cookie != SMR_COOKIE('P', smr_prepare_config) || c->n_radii > SMR_RADII_MAX ||
-        c->distance > SMR_DISTANCE_GEODESIC || c->mass > SMR_MASS_AREA || c->order > SMR_ORDER_BREADTH_FIRST ||
-        c->ring > 1u || c->priority > 1u || !smr_within(c->separate_below_mm, SMR_COORD_MAX) ||
-        (c->block_vertices != 0u && (c->block_vertices < 16u || c->block_vertices > 65536u)))
-        return SMR_E_CONFIG;
-    if (c->profile_samples < 3u || c->profile_samples > SMR_PROFILE_MAX ||
-        !(c->profile_step_mm > 1.0e-6f && c->profile_step_mm <= 100.0f) ||
-        !(c->profile_inward >= -1.0f && c->profile_inward <= 1.0f))
+    if (c->cookie != SMR_COOKIE('P', smr_prepare_config) || !ranges_legal(c))
         return SMR_E_CONFIG;
     for (uint32_t i = 0; i < c->n_radii; i++)
         if (!(c->radius_mm[i] >= 1.0e-6f && c->radius_mm[i] <= SMR_COORD_MAX))
@@ -152,7 +154,7 @@ static float separate_below(const smr_prepare_config *config, const float *radiu
     return finest < largest ? 1.01f * finest : 0.0f;
 }
 
-/* The stored order. The image's size does not depend on it, so that who only asks for the size need not wait for it. */
+/* The stored order. The model's size does not depend on it, so that who only asks for the size need not wait for it. */
 static smr_status put_in_order(smr_plan *p, const float *radius, uint32_t n_radii, float below, int wanted)
 {
     const int forest = p->config->order == SMR_ORDER_FOREST;
@@ -167,18 +169,18 @@ static smr_status put_in_order(smr_plan *p, const float *radius, uint32_t n_radi
 }
 
 smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
-                       void *scratch, size_t scratch_bytes, void *image, size_t image_capacity, size_t *image_bytes)
+                       void *scratch, size_t scratch_bytes, void *model, size_t model_capacity, size_t *model_bytes)
 {
     smr_plan p;
     smr_arena a;
     size_t needed;
-    if (image_bytes == NULL)
+    if (model_bytes == NULL)
         return SMR_E_NULL;
     smr_status status = smr_prepare_bytes(structures, n_structures, config, &needed);
     if (status != SMR_OK)
         return status;
     status = smr_arena_start(&a, scratch, scratch_bytes);
-    if (status == SMR_OK && (uintptr_t)image % SMR_ALIGN != 0u)
+    if (status == SMR_OK && (uintptr_t)model % SMR_ALIGN != 0u)
         status = SMR_E_ALIGN;
     for (uint32_t s = 0; status == SMR_OK && s < n_structures; s++)
         status = smr_mesh_check(&structures[s].mesh);
@@ -207,18 +209,18 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
     if (n_radii == 0u)
         n_radii = smr_choose_radii(&p, radius);
     const float below = separate_below(config, radius, n_radii);
-    smr_writer w = {image, image == NULL ? 0u : image_capacity, 0};
-    status = put_in_order(&p, radius, n_radii, below, image != NULL);
+    smr_writer w = {model, model == NULL ? 0u : model_capacity, 0};
+    status = put_in_order(&p, radius, n_radii, below, model != NULL);
     if (status == SMR_OK)
         status = smr_write_model(&p, &w, radius, n_radii, below);
     smr_arena_release(scratch, scratch_bytes);
     if (status != SMR_OK)
         return status;
-    *image_bytes = w.used;
-    if (image == NULL)
+    *model_bytes = w.used;
+    if (model == NULL)
         return SMR_OK;
-    if (w.used > image_capacity)
+    if (w.used > model_capacity)
         return SMR_E_ARENA;
-    smr_put32(&w, 12u, smr_crc32(0, (const unsigned char *)image + SMR_MODEL_HEAD, w.used - SMR_MODEL_HEAD));
+    smr_put32(&w, 12u, smr_crc32(0, (const unsigned char *)model + SMR_MODEL_HEAD, w.used - SMR_MODEL_HEAD));
     return SMR_OK;
 }

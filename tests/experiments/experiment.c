@@ -15,7 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "host_distance.h"
+#include "measure/surface_distances.h"
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
@@ -257,7 +257,7 @@ int experiment_distance(const host_mesh *from, const unsigned char *use, const h
         if (use != NULL && !use[i])
             continue;
         good = smr_surface_closest(surface, from->xyz + 3u * (size_t)i, NULL, -2.0f, 1e5f, &hit) == SMR_OK &&
-               hit.triangle != SMR_ALL;
+               hit.triangle != SMR_NONE;
         *mean += good ? (double)hit.distance : 0.0;
         *max = good && (double)hit.distance > *max ? (double)hit.distance : *max;
         n++;

@@ -5,8 +5,8 @@
 
 #include <stdint.h>
 
-#include "host_landmarks.h"
-#include "host_mesh.h"
+#include "landmarks/landmarks.h"
+#include "meshes/triangle_mesh.h"
 
 /* Fails the test that calls it, saying what could not be done. */
 #define EXPERIMENT_NEED(done)                                                                                          \

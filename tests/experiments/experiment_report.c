@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "experiment.h"
-#include "host_file.h"
+#include "files/file_read.h"
 
 /* Behind the next "key": from `at`; NULL when there is none, or when `at` is NULL. */
 static const char *after(const char *at, const char *key)

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "experiment.h"
-#include "host_volume.h"
+#include "volumes/voxel_volume.h"
 #include "unit/oracle.h"
 
 #define SHIFT_MM 15.0

@@ -43,10 +43,11 @@ static unit_mesh take_mesh(input *in, uint32_t nv, uint32_t nt, int raw)
 static smr_surface *make_surface(const unit_mesh *m)
 {
     const smr_mesh view = unit_view(m);
-    const size_t bytes = smr_surface_bytes(m->nv, m->nt);
+    size_t bytes = 0;
+    const smr_status sized = smr_surface_bytes(m->nv, m->nt, &bytes);
     void *memory = unit_memory(bytes);
     smr_surface *s = NULL;
-    if (smr_surface_build(memory, bytes, &view, &s) != SMR_OK) {
+    if (smr_surface_build(&view, memory, bytes, &s) != SMR_OK || sized != SMR_OK) {
         unit_free(memory);
         return NULL;
     }
@@ -60,8 +61,8 @@ static const char *query(const smr_surface *s, const unit_mesh *m)
         smr_closest hit;
         if (smr_surface_closest(s, m->xyz + 3u * (size_t)v, v % 2u ? normal : NULL, -0.5f, 1e6f, &hit) != SMR_OK)
             return "smr_surface_closest";
-        if (hit.triangle != SMR_ALL && (hit.triangle >= m->nt || !unit_finite(hit.point, 3, 2e5f) ||
-                                        !unit_finite(hit.weight, 3, 1.001f) || !unit_finite(&hit.distance, 1, 1e6f)))
+        if (hit.triangle != SMR_NONE && (hit.triangle >= m->nt || !unit_finite(hit.point, 3, 2e5f) ||
+                                         !unit_finite(hit.weight, 3, 1.001f) || !unit_finite(&hit.distance, 1, 1e6f)))
             return "a hit";
     }
     return NULL;

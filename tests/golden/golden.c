@@ -104,7 +104,7 @@ static int golden_run(const smr_model *model, const smr_surface *target, const s
     }
     config.iterations = 12;
     config.iterations_last = 40;
-    if (!golden_ok("init", smr_init(&s, model, &config, port, golden_arena, sizeof golden_arena)) ||
+    if (!golden_ok("init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
         (pose != NULL && !golden_ok("pose", smr_set_pose(s, pose))) ||
         !golden_ok("surface", smr_set_surface(s, SMR_ALL, target)))
         return 0;
@@ -197,7 +197,7 @@ static int golden_image_run(const smr_port *port, uint64_t *hash, uint32_t *crc)
     config.iterations_last = 6;
     config.active_enough = 6;
     if (!golden_image_set_up(part, volume, &model, &bytes) ||
-        !golden_ok("image init", smr_init(&s, model, &config, port, golden_arena, sizeof golden_arena)))
+        !golden_ok("image init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)))
         return 0;
     for (uint32_t i = 0; i < GOLDEN_PARTS; i++) {
         for (uint32_t k = 0; k < part[i].mesh.n_vertices; k++)
@@ -229,8 +229,8 @@ static int golden_main(const smr_port *port)
     align.samples = 200;
     align.iterations = 10;
     if (!golden_meshes(mesh) || !golden_prepare(&mesh[0], &model, &image_bytes) ||
-        !golden_ok("target", smr_surface_build(golden_target, sizeof golden_target, &mesh[1], &target)) ||
-        !golden_ok("source", smr_surface_build(golden_source, sizeof golden_source, &mesh[0], &source)) ||
+        !golden_ok("target", smr_surface_build(&mesh[1], golden_target, sizeof golden_target, &target)) ||
+        !golden_ok("source", smr_surface_build(&mesh[0], golden_source, sizeof golden_source, &source)) ||
         !golden_ok("align", smr_align(source, target, &align, &pose, &rms)) ||
         !golden_run(model, target, port, SMR_METHOD_RIGID, NULL, &rigid) ||
         !golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &polar))

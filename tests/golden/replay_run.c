@@ -69,7 +69,7 @@ static int replay_set_up(uint32_t cell, const smr_model **model, const smr_surfa
         smr_mesh mesh;
         smr_surface *surface = NULL;
         if (!replay_mesh(cell, 1, i == 0u ? 1.0f : 0.6f, &mesh) ||
-            !replay_ok("target", smr_surface_build(replay_target[i], sizeof replay_target[i], &mesh, &surface)))
+            !replay_ok("target", smr_surface_build(&mesh, replay_target[i], sizeof replay_target[i], &surface)))
             return 0;
         target[i] = surface;
     }
@@ -143,8 +143,8 @@ static int replay_again(const unsigned char *log, size_t bytes, const smr_port *
     config = info.config; /* smr_init checks it */
     config.n_workers = n_workers;
     if (!replay_set_up(info.n_vertices < 1024u ? FIXTURE_CELL_SMALL : FIXTURE_CELL_DEMO, &model, turns.target) ||
-        !replay_ok("init", smr_init(&s, model, &config, port, replay_arena, sizeof replay_arena)) ||
-        !replay_ok("replay", smr_replay_start(&replay, s, log, bytes, replay_input, &turns)))
+        !replay_ok("init", smr_init(model, &config, port, replay_arena, sizeof replay_arena, &s)) ||
+        !replay_ok("replay", smr_replay_start(s, log, bytes, replay_input, &turns, &replay)))
         return 1;
     for (;;) {
         if (!replay_ok("replayed tick", smr_replay_tick(&replay, &report)))
@@ -253,7 +253,7 @@ static int replay_record(const char *path, uint32_t ticks, uint32_t cell)
         return 1;
     clock.pool = smr_pthread_port(pool);
     const int good = replay_set_up(cell, &model, target) &&
-                     replay_ok("init", smr_init(&s, model, &config, &port, replay_arena, sizeof replay_arena)) &&
+                     replay_ok("init", smr_init(model, &config, &port, replay_arena, sizeof replay_arena, &s)) &&
                      replay_ticks(s, ticks, target, 3u) && replay_ok("get log", smr_get_log(s, &state));
     smr_pthread_destroy(pool);
     if (!good || (file = fopen(path, "wb")) == NULL)

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "host_file.h"
-#include "mesh_reader.h"
+#include "files/file_read.h"
+#include "meshes/mesh_reader.h"
 
 typedef int (*fuzz_reader)(host_mesh_reader *reader, const unsigned char *data, size_t n);
 

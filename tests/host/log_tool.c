@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "host_log.h"
+#include "files/log_file.h"
 
 static unsigned char file[1u << 24];
 

@@ -13,7 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "host_mesh.h"
+#include "meshes/triangle_mesh.h"
 
 static int read_mesh(const char *path, host_mesh *mesh)
 {

@@ -7,11 +7,7 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
 
 build_tool || { not_ok "the mesh helper compiles"; finish; exit 1; }
-# shellcheck disable=SC2086
-"$CC" -std=c11 -O2 ${SMR_TEST_CFLAGS:-} -Iinclude -Iport/host tests/host/volume_tool.c port/host/volume_*.c \
-    port/host/landmarks_*.c port/host/mesh_*.c port/host/vtk_*.c port/host/ply_header.c port/host/host_mesh.c \
-    port/host/host_text.c port/host/host_file.c port/host/host_gzip.c port/host/host_buffer.c port/host/host_error.c \
-    -lm -o "$scratch/volume" || { not_ok "the helper compiles"; finish; exit 1; }
+compile_tool volume_tool "$scratch/volume" base files meshes volumes landmarks || { not_ok "the helper compiles"; finish; exit 1; }
 cd "$scratch" || exit 1
 
 # refused NAME FILE COMMAND...: status 2, one line that starts with the file, nothing new in the directory.

@@ -7,10 +7,7 @@ cd "$(dirname "$0")/../.." || exit 1
 
 build_tool || { not_ok "the mesh helper compiles"; finish; exit 1; }
 tool=$scratch/tool
-# shellcheck disable=SC2086
-"$CC" -std=c11 -O2 ${SMR_TEST_CFLAGS:-} -Iinclude -Iport/host tests/host/log_tool.c port/host/host_log.c \
-    port/host/host_file.c port/host/host_gzip.c port/host/host_buffer.c port/host/host_error.c -pthread \
-    -o "$scratch/log_tool" || { not_ok "the helper compiles"; finish; exit 1; }
+compile_tool log_tool "$scratch/log_tool" base files || { not_ok "the helper compiles"; finish; exit 1; }
 log_tool=$scratch/log_tool
 cd "$scratch" || exit 1
 blob 12 30 20 60 0.05 >bone.ply

@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "host_landmarks.h"
-#include "landmarks_reader.h"
-#include "volume_reader.h"
+#include "landmarks/landmarks.h"
+#include "landmarks/landmarks_reader.h"
+#include "volumes/volume_reader.h"
 
 enum { SIZE_X = 5, SIZE_Y = 4, SIZE_Z = 3, VOXELS = SIZE_X * SIZE_Y * SIZE_Z };
 

@@ -169,9 +169,11 @@ smr_volume rig_cube(uint32_t side, float spacing, float **voxels)
 
 smr_surface *rig_surface(const smr_mesh *mesh)
 {
-    const size_t bytes = smr_surface_bytes(mesh->n_vertices, mesh->n_triangles);
+    size_t bytes = 0;
     smr_surface *surface = NULL;
-    const int status = smr_surface_build(rig_alloc(bytes), bytes, mesh, &surface);
+    int status = smr_surface_bytes(mesh->n_vertices, mesh->n_triangles, &bytes);
+    if (status == SMR_OK)
+        status = smr_surface_build(mesh, rig_alloc(bytes), bytes, &surface);
     if (status != SMR_OK)
         give_up("surface", status);
     return surface;
@@ -183,7 +185,7 @@ smr *rig_init(const smr_model *model, const smr_config *config, const smr_port *
     smr *s = NULL;
     int status = smr_arena_bytes(model, config, &bytes);
     if (status == SMR_OK)
-        status = smr_init(&s, model, config, port, rig_alloc(bytes), bytes);
+        status = smr_init(model, config, port, rig_alloc(bytes), bytes, &s);
     if (status != SMR_OK)
         give_up("init", status);
     return s;

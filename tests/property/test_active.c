@@ -14,7 +14,7 @@
 
 #include "property/model_lists.h"
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static const float none[3] = {0, 0, 0};
 
@@ -28,33 +28,33 @@ static int tidy(void **state)
 /* Records of all 32 bits; those of ignored vertices must not count, whatever they are. */
 static void fill_records(smr *s, uint32_t *seed)
 {
-    for (size_t i = 0; i < SMR_WORDS * (size_t)s->n; i++) {
+    for (size_t i = 0; i < SMR_WORDS * (size_t)s->shared.n; i++) {
         *seed = *seed * 1664525u + 1013904223u;
-        s->record[i] = *seed ^ *seed >> 15;
+        s->overlay.record[i] = *seed ^ *seed >> 15;
     }
 }
 
 static uint32_t n_different(const smr *s, const rig_lists *l, uint32_t words)
 {
     uint32_t wrong = 0;
-    for (uint32_t v = 0; v < s->n; v++) {
+    for (uint32_t v = 0; v < s->shared.n; v++) {
         uint32_t sum[SMR_WORDS] = {0};
         for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
-            const uint32_t *r = s->record + SMR_WORDS * (size_t)l->zeta[k];
-            for (uint32_t w = 0; l->zeta[k] < s->n_active && w < words; w++)
+            const uint32_t *r = s->overlay.record + SMR_WORDS * (size_t)l->zeta[k];
+            for (uint32_t w = 0; l->zeta[k] < s->pace.n_active && w < words; w++)
                 sum[w] += r[w];
         }
-        wrong += memcmp(sum, s->sum + SMR_WORDS * (size_t)v, words * sizeof *sum) != 0;
+        wrong += memcmp(sum, s->sums.sum + SMR_WORDS * (size_t)v, words * sizeof *sum) != 0;
     }
     return wrong;
 }
 
 static void sum_all(smr *s, uint32_t words)
 {
-    s->sum_words = words;
-    memset(s->sum, 0x55, SMR_WORDS * (size_t)s->n * sizeof *s->sum);
-    for (uint32_t t = 0; t < smr_block_tasks(s); t++)
-        smr_sums_forest(s, t, 0);
+    s->sums.words = words;
+    memset(s->sums.sum, 0x55, SMR_WORDS * (size_t)s->shared.n * sizeof *s->sums.sum);
+    for (uint32_t t = 0; t < smr_block_tasks(&s->sums); t++)
+        smr_sums_forest(&s->sums, t, 0);
 }
 
 /* One model of one to three random balls. */
@@ -91,7 +91,9 @@ static void test_sums_of_active_members(void **state)
             assert_int_equal(SMR_OK, smr_model_get_info(model, &info));
             const rig_lists l = rig_decode(model, r, info.radius_mm[r] >= info.edge_mm, 1); /* by all pairs */
             for (uint32_t i = 0; i < 8u; i++) {
-                s->n_active = i == 0u ? s->n : i == 1u ? info.active_min[r] : rig_random(&seed, s->n + 1u);
+                s->pace.n_active = i == 0u   ? s->shared.n
+                                   : i == 1u ? info.active_min[r]
+                                             : rig_random(&seed, s->shared.n + 1u);
                 fill_records(s, &seed);
                 sum_all(s, in_use[i % 4u]);
                 assert_int_equal(0, n_different(s, &l, in_use[i % 4u]));
@@ -119,10 +121,10 @@ static void test_wide_indexes(void **state)
     const smr_model *model = rig_model(&mesh, 1, &c);
     const smr_config config = smr_config_default();
     smr *s = rig_init(model, &config, NULL);
-    assert_int_equal(4, s->lists.index_bytes);
-    assert_true(s->lists.active_min < N);
+    assert_int_equal(4, s->pace.lists.index_bytes);
+    assert_true(s->pace.lists.active_min < N);
     for (uint32_t round = 0; round < 6u; round++) {
-        s->n_active = round == 0u ? N : rig_random(&seed, N);
+        s->pace.n_active = round == 0u ? N : rig_random(&seed, N);
         fill_records(s, &seed);
         sum_all(s, 12);
         for (int i = 0; i < N; i++) {
@@ -133,9 +135,9 @@ static void test_wide_indexes(void **state)
                 const uint32_t v = at[axis] + away < 0 || at[axis] + away >= SIDE
                                        ? SMR_ALL
                                        : smr_model_position(model, (uint32_t)(i + away * step[axis]));
-                want += v < s->n_active ? s->record[SMR_WORDS * (size_t)v + 11u] : 0u;
+                want += v < s->pace.n_active ? s->overlay.record[SMR_WORDS * (size_t)v + 11u] : 0u;
             }
-            assert_int_equal(want, s->sum[SMR_WORDS * (size_t)smr_model_position(model, (uint32_t)i) + 11u]);
+            assert_int_equal(want, s->sums.sum[SMR_WORDS * (size_t)smr_model_position(model, (uint32_t)i) + 11u]);
         }
     }
 }
@@ -143,12 +145,12 @@ static void test_wide_indexes(void **state)
 /* x~_v of the averaging step, from the transforms that the iteration left, over the active members only. */
 static double off_average(const smr *s, const rig_lists *l, uint32_t v)
 {
-    const float *ref = s->x_ref + 3u * (size_t)v;
+    const float *ref = s->shape.x_ref + 3u * (size_t)v;
     double goal[3] = {0, 0, 0}, off = 0.0;
     uint32_t count = 0;
     for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
-        const float *t = s->transform + 12u * (size_t)l->zeta[k];
-        if (l->zeta[k] >= s->n_active)
+        const float *t = s->match.transform + 12u * (size_t)l->zeta[k];
+        if (l->zeta[k] >= s->pace.n_active)
             continue;
         count++;
         for (uint32_t a = 0; a < 3u; a++) {
@@ -157,9 +159,9 @@ static double off_average(const smr *s, const rig_lists *l, uint32_t v)
                 goal[a] += (double)t[3u * a + b] * (double)ref[b];
         }
     }
-    assert_true(count > 0u && fabs((double)s->share[v] * count - 1.0) < 1e-6);
+    assert_true(count > 0u && fabs((double)s->reference.share[v] * count - 1.0) < 1e-6);
     for (uint32_t a = 0; a < 3u; a++)
-        off = fmax(off, fabs(goal[a] / count - (double)s->x[3u * (size_t)v + a]));
+        off = fmax(off, fabs(goal[a] / count - (double)s->shape.x[3u * (size_t)v + a]));
     return off;
 }
 
@@ -169,12 +171,12 @@ static double off_centre(const smr *s, const rig_lists *l, uint32_t v)
     double centre[3] = {0, 0, 0}, off = 0.0;
     uint32_t count = 0;
     for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
-        for (uint32_t a = 0; l->zeta[k] < s->n_active && a < 3u; a++)
-            centre[a] += (double)s->x_ref[3u * (size_t)l->zeta[k] + a];
-        count += l->zeta[k] < s->n_active;
+        for (uint32_t a = 0; l->zeta[k] < s->pace.n_active && a < 3u; a++)
+            centre[a] += (double)s->shape.x_ref[3u * (size_t)l->zeta[k] + a];
+        count += l->zeta[k] < s->pace.n_active;
     }
     for (uint32_t a = 0; a < 3u; a++)
-        off = fmax(off, fabs(centre[a] / count - (double)s->centre[3u * (size_t)v + a]));
+        off = fmax(off, fabs(centre[a] / count - (double)s->reference.centre[3u * (size_t)v + a]));
     return off;
 }
 
@@ -196,24 +198,24 @@ static void test_an_iteration(void **state)
         c.fold_guard = c.plastic_every = 0;
         c.plastic_um = c.settle_um = c.even = 0.0f; /* averages alone */
         smr *s = rig_init(model, &c, NULL);
-        const uint32_t share = (uint32_t)ceilf(c.active_share * (float)s->n), need = s->lists.active_min;
+        const uint32_t share = (uint32_t)ceilf(c.active_share * (float)s->shared.n), need = s->pace.lists.active_min;
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
         for (uint32_t k = 0; k < 3u; k++) {
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-            assert_int_equal(share > need ? share : need, s->n_active);
-            assert_int_equal(s->n_active, report.n_active);
-            for (uint32_t v = 0; v < s->n; v++) {
+            assert_int_equal(share > need ? share : need, s->pace.n_active);
+            assert_int_equal(s->pace.n_active, report.n_active);
+            for (uint32_t v = 0; v < s->shared.n; v++) {
                 assert_true(off_average(s, &l[c.radius_first], v) < 2e-4);
-                if (v < s->n_active) {
+                if (v < s->pace.n_active) {
                     assert_true(off_centre(s, &l[c.radius_first], v) < 2e-3);
                 } else { /* no force */
-                    assert_true(s->force[3u * v] == 0.0f && s->force[3u * v + 1u] == 0.0f &&
-                                s->force[3u * v + 2u] == 0.0f);
-                    assert_int_equal(0, s->found[v]);
+                    assert_true(s->forces.force[3u * v] == 0.0f && s->forces.force[3u * v + 1u] == 0.0f &&
+                                s->forces.force[3u * v + 2u] == 0.0f);
+                    assert_int_equal(0, s->forces.found[v]);
                 }
             }
         }
-        assert_true(report.n_forces > 0u && report.n_forces <= s->n_active && report.displacement_max_mm > 0.0f);
+        assert_true(report.n_forces > 0u && report.n_forces <= s->pace.n_active && report.displacement_max_mm > 0.0f);
     }
 }
 
@@ -240,15 +242,15 @@ static void test_growing_share(void **state)
         smr *s = rig_init(model, &c, NULL);
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
         for (uint32_t i = 0; i < 80u; i++) {
-            const float share = (float)s->n * (0.3f + 0.6f * (float)(i + (i == 19u)) /
-                                                          80.0f); /* after the 20th the next radius is set up */
+            const float share = (float)s->shared.n * (0.3f + 0.6f * (float)(i + (i == 19u)) /
+                                                                 80.0f); /* after the 20th the next radius is set up */
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-            const float want = fmaxf(share, (float)s->lists.active_min);
-            assert_true(s->n_active >= last || i == 19u);
-            assert_true((float)s->n_active < want + 1.1f &&
-                        (float)s->n_active > want - 0.1f - (elastic ? (float)s->n * 0.6f / 10.0f : 0.0f));
-            steps += s->n_active > last;
-            last = s->n_active;
+            const float want = fmaxf(share, (float)s->pace.lists.active_min);
+            assert_true(s->pace.n_active >= last || i == 19u);
+            assert_true((float)s->pace.n_active < want + 1.1f &&
+                        (float)s->pace.n_active > want - 0.1f - (elastic ? (float)s->shared.n * 0.6f / 10.0f : 0.0f));
+            steps += s->pace.n_active > last;
+            last = s->pace.n_active;
         }
         assert_true(report.done);
         assert_true(elastic ? steps >= 8u && steps <= 14u : steps >= 78u);
@@ -293,20 +295,20 @@ static void test_image_needs_few(void **state)
         c.active_share = i < 6u ? 1.0f : 0.25f;
         c.iterations = c.iterations_last = 3;
         smr *s = rig_init(model, &c, NULL);
-        assert_int_equal(s->n_active, i < 6u ? s->n : (s->n + 3u) / 4u); /* no image yet */
+        assert_int_equal(s->pace.n_active, i < 6u ? s->shared.n : (s->shared.n + 3u) / 4u); /* no image yet */
         smr_volume moved = volume;
         for (uint32_t a = 0; a < 3u; a++)
             moved.origin[a] += off[a];
         assert_int_equal(SMR_OK, smr_set_volume(s, &moved));
         for (uint32_t k = 0; k < 9u; k++) { /* both radii */
-            float want = c.active_share * (float)s->n;
+            float want = c.active_share * (float)s->shared.n;
             if (c.active_enough > 0u) { /* whole levels, about as many */
-                const float cluster = (float)s->n * (float)c.active_enough / (float)s->lists.smallest;
+                const float cluster = (float)s->shared.n * (float)c.active_enough / (float)s->pace.lists.smallest;
                 limited[cluster < ENOUGH_ALL]++;
                 want = fminf(want, level_with(&info, 0.75f * fmaxf(cluster, ENOUGH_ALL)));
             }
-            want = fmaxf(want, (float)s->lists.active_min);
-            const uint32_t n_active = s->n_active;
+            want = fmaxf(want, (float)s->pace.lists.active_min);
+            const uint32_t n_active = s->pace.n_active;
             assert_true((float)n_active >= want && (float)n_active < want + 1.01f);
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
             assert_int_equal(n_active, report.n_active);
@@ -336,7 +338,7 @@ static uint64_t run(const smr_model *model, const smr_config *c, const smr_port 
             taken[report.iteration - 1u] = report.n_taken;
         }
     }
-    assert_true(rig_finite(rig_positions(s, model), s->n));
+    assert_true(rig_finite(rig_positions(s, model), s->shared.n));
     return hash;
 }
 

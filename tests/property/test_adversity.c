@@ -179,7 +179,7 @@ static void refused(run_pair *p)
                                  smr_set_positions(p->s, 7, p->last),
                                  smr_set_pose(p->s, &pose),
                                  smr_set_surface(p->s, 7, world.surface[0]),
-                                 smr_init(&other, p->model, &c, NULL, p->arena, p->bytes),
+                                 smr_init(p->model, &c, NULL, p->arena, p->bytes, &other),
                                  smr_set_active(NULL, 1),
                                  smr_set_volume(p->s, &(smr_volume){0})};
     for (uint32_t i = 0; i < sizeof status / sizeof status[0]; i++)
@@ -222,8 +222,8 @@ static void test_a_thousand_runs(void **state)
         static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 20];
         assert_true(p.bytes <= sizeof memory[0]);
         p.arena = memory[0];
-        assert_int_equal(SMR_OK, smr_init(&p.s, p.model, &p.config, &port, memory[0], p.bytes));
-        assert_int_equal(SMR_OK, smr_init(&p.twin, p.model, &p.config, NULL, memory[1], p.bytes));
+        assert_int_equal(SMR_OK, smr_init(p.model, &p.config, &port, memory[0], p.bytes, &p.s));
+        assert_int_equal(SMR_OK, smr_init(p.model, &p.config, NULL, memory[1], p.bytes, &p.twin));
         assert_int_equal(SMR_OK, smr_set_surface(p.s, SMR_ALL, world.surface[0]));
         assert_int_equal(SMR_OK, smr_set_surface(p.twin, SMR_ALL, world.surface[0]));
         assert_int_equal(SMR_OK, smr_get_positions(p.s, 0, p.last));

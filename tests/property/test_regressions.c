@@ -36,7 +36,8 @@ static smr *start(const smr_surface **target, const smr_port *port)
 static void test_target_rebuilt_in_place(void **state)
 {
     const smr_mesh small = rig_ball(22, 4, 6, none), large = rig_ball(22, 20, 30, none);
-    const size_t bytes = smr_surface_bytes(large.n_vertices, large.n_triangles);
+    size_t bytes = 0;
+    assert_int_equal(SMR_OK, smr_surface_bytes(large.n_vertices, large.n_triangles, &bytes));
     void *memory = rig_alloc(bytes);
     const smr_prepare_config radii = rig_radii(1, 12, 0, 0);
     smr_config config = smr_config_default();
@@ -44,11 +45,11 @@ static void test_target_rebuilt_in_place(void **state)
     (void)state;
     config.n_target_vertices = small.n_vertices;
     smr *s = rig_init(rig_model(&small, 1, &radii), &config, NULL);
-    assert_int_equal(SMR_OK, smr_surface_build(memory, bytes, &small, &target));
+    assert_int_equal(SMR_OK, smr_surface_build(&small, memory, bytes, &target));
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
     const uint64_t before = smr_state_hash(s);
-    assert_int_equal(SMR_OK, smr_surface_build(memory, bytes, &large, &target));
+    assert_int_equal(SMR_OK, smr_surface_build(&large, memory, bytes, &target));
     assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
     assert_true(before == smr_state_hash(s));
     assert_int_equal(SMR_E_ARENA, smr_set_surface(s, SMR_ALL, target));

@@ -191,7 +191,7 @@ static void start_over(run *r, uint32_t step)
 static smr *begin(const run *r, const smr_config *config, const smr_port *port, void *arena, size_t bytes)
 {
     smr *s = NULL;
-    assert_int_equal(SMR_OK, smr_init(&s, world.model[r->model], config, port, arena, bytes));
+    assert_int_equal(SMR_OK, smr_init(world.model[r->model], config, port, arena, bytes, &s));
     return s;
 }
 
@@ -220,7 +220,7 @@ static void replay(run *r, smr *twin, uint32_t number)
     smr_replay_report report;
     assert_int_equal(SMR_OK, smr_get_log(r->s, &state));
     assert_true(state.n_ticks == r->ticks && state.full == 0u);
-    assert_int_equal(SMR_OK, smr_replay_start(&again, twin, r->log, state.bytes, next_input, &r->all));
+    assert_int_equal(SMR_OK, smr_replay_start(twin, r->log, state.bytes, next_input, &r->all, &again));
     for (uint32_t i = 1; i <= r->ticks; i++) {
         assert_int_equal(SMR_OK, smr_replay_tick(&again, &report));
         assert_true(report.tick == i && report.ended == 0u);

@@ -200,7 +200,7 @@ static smr_config random_config(uint32_t *seed, uint32_t n_radii)
     c.fold_guard = rig_random(seed, 2);
     c.normals = rig_random(seed, 2);
     c.radius_first = rig_random(seed, n_radii);
-    c.radius_last = rig_random(seed, 2) ? SMR_ALL : c.radius_first + rig_random(seed, n_radii - c.radius_first);
+    c.radius_last = rig_random(seed, 2) ? SMR_FINEST : c.radius_first + rig_random(seed, n_radii - c.radius_first);
     c.iterations = 1u + rig_random(seed, 10);
     c.iterations_last = 1u + rig_random(seed, 60);
     return c;

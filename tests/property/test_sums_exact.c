@@ -14,7 +14,7 @@
 #include "property/model_lists.h"
 #include "property/rig.h"
 #include "property/rig_data.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static const float none[3] = {0, 0, 0};
 
@@ -29,11 +29,13 @@ static int tidy(void **state)
 static int64_t boundary_of(const smr *s, uint32_t v, uint32_t w)
 {
     int64_t sum = 0;
-    for (uint32_t i = 0; i < s->lists.n_boundary; i++) {
-        const uint32_t first = smr_le32(s->lists.boundary[i].first), second = smr_le32(s->lists.boundary[i].second);
+    for (uint32_t i = 0; i < s->pace.lists.n_boundary; i++) {
+        const uint32_t first = smr_le32(s->pace.lists.boundary[i].first),
+                       second = smr_le32(s->pace.lists.boundary[i].second);
         if (first == v || second == v) {
-            const double record = (double)(int32_t)s->record[SMR_WORDS * (size_t)(first == v ? second : first) + w];
-            const double part = (double)smr_le32(s->lists.boundary[i].share) / SMR_BOUNDARY_UNITS - 0.5;
+            const double record =
+                (double)(int32_t)s->overlay.record[SMR_WORDS * (size_t)(first == v ? second : first) + w];
+            const double part = (double)smr_le32(s->pace.lists.boundary[i].share) / SMR_BOUNDARY_UNITS - 0.5;
             sum += (int64_t)floor(record * part + 0.5);
         }
     }
@@ -45,24 +47,24 @@ static int64_t boundary_of(const smr *s, uint32_t v, uint32_t w)
 static uint32_t n_different(const smr *s, const rig_lists *l, uint32_t words, int boundary)
 {
     uint32_t wrong = 0;
-    for (uint32_t v = 0; v < s->n; v++) {
+    for (uint32_t v = 0; v < s->shared.n; v++) {
         uint32_t sum[SMR_WORDS] = {0};
         for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
-            const uint32_t *r = s->record + SMR_WORDS * (size_t)l->zeta[k];
+            const uint32_t *r = s->overlay.record + SMR_WORDS * (size_t)l->zeta[k];
             for (uint32_t w = 0; w < words; w++)
                 sum[w] += r[w];
         }
         for (uint32_t w = 0; boundary && w < words; w++)
             sum[w] += (uint32_t)boundary_of(s, v, w);
-        wrong += memcmp(sum, s->sum + SMR_WORDS * (size_t)v, words * sizeof *sum) != 0;
+        wrong += memcmp(sum, s->sums.sum + SMR_WORDS * (size_t)v, words * sizeof *sum) != 0;
     }
     return wrong;
 }
 
-static void run_all(smr *s, uint32_t n_tasks, smr_task run)
+static void run_all(void *stage, uint32_t n_tasks, smr_task run)
 {
     for (uint32_t t = 0; t < n_tasks; t++)
-        run(s, t, 0);
+        run(stage, t, 0);
 }
 
 /* Sums of records that fill all 32 bits, so that partial sums wrap, for every number of words in use. */
@@ -70,14 +72,14 @@ static void check_any_records(smr *s, const rig_lists *l)
 {
     static const uint32_t in_use[] = {6, 10, 12};
     uint32_t seed = 11;
-    for (size_t i = 0; i < SMR_WORDS * (size_t)s->n; i++) {
+    for (size_t i = 0; i < SMR_WORDS * (size_t)s->shared.n; i++) {
         seed = seed * 1664525u + 1013904223u;
-        s->record[i] = seed ^ seed >> 15;
+        s->overlay.record[i] = seed ^ seed >> 15;
     }
     for (uint32_t i = 0; i < 3u; i++) {
-        s->sum_words = in_use[i];
-        memset(s->sum, 0x55, SMR_WORDS * (size_t)s->n * sizeof *s->sum);
-        run_all(s, smr_block_tasks(s), smr_sums_forest);
+        s->sums.words = in_use[i];
+        memset(s->sums.sum, 0x55, SMR_WORDS * (size_t)s->shared.n * sizeof *s->sums.sum);
+        run_all(&s->sums, smr_block_tasks(&s->sums), smr_sums_forest);
         assert_int_equal(0, n_different(s, l, in_use[i], 0));
     }
 }
@@ -87,7 +89,7 @@ static void check_iterations(smr *s, const rig_lists *l, uint32_t n)
 {
     for (uint32_t i = 0; i < n; i++) {
         assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
-        assert_int_equal(12, s->sum_words);
+        assert_int_equal(12, s->sums.words);
         assert_int_equal(0, n_different(s, l, 12, 1));
     }
 }
@@ -224,12 +226,12 @@ static void test_final_sums_fit(void **state)
         for (uint32_t i = 0; i < 10u; i++) {
             assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
             int64_t largest = 0;
-            for (uint32_t v = 0; v < s->n; v++) {
+            for (uint32_t v = 0; v < s->shared.n; v++) {
                 for (uint32_t w = 0; w < 12u; w++) {
                     int64_t sum = boundary_of(s, v, w);
                     for (uint32_t k = l.zeta_start[v]; k < l.zeta_start[v + 1u]; k++)
-                        sum += (int32_t)s->record[SMR_WORDS * (size_t)l.zeta[k] + w];
-                    assert_true(sum == (int32_t)s->sum[SMR_WORDS * (size_t)v + w]);
+                        sum += (int32_t)s->overlay.record[SMR_WORDS * (size_t)l.zeta[k] + w];
+                    assert_true(sum == (int32_t)s->sums.sum[SMR_WORDS * (size_t)v + w]);
                     largest = sum > largest ? sum : largest;
                     largest = -sum > largest ? -sum : largest;
                 }

@@ -6,7 +6,8 @@
 
 #include <smr.h>
 
-#include "runtime/state.h"
+#include "runtime/tick/stand.h"
+#include "runtime/tick/steps.h"
 #include "smr_baremetal.h"
 #include "smr_semihost.h"
 

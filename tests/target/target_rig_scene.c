@@ -61,7 +61,7 @@ static int target_bone(target_scene *scene)
     config.radius_mm[0] = 90.0f;
     config.radius_mm[1] = 45.0f;
     return target_prepare(&structure, 1, &config, scene) &&
-           smr_surface_build(target_surface, sizeof target_surface, &goal, &scene->surface) == SMR_OK;
+           smr_surface_build(&goal, target_surface, sizeof target_surface, &scene->surface) == SMR_OK;
 }
 
 /* The box around points [n][3] of all parts, in voxels of 4 mm. */
@@ -150,7 +150,7 @@ int target_again(const target_scene *scene, smr *s)
 smr *target_start(const target_scene *scene, const smr_config *config, const smr_port *port, uint32_t arena)
 {
     smr *s = NULL;
-    if (smr_init(&s, scene->model, config, port, target_arena[arena], sizeof target_arena[arena]) != SMR_OK ||
+    if (smr_init(scene->model, config, port, target_arena[arena], sizeof target_arena[arena], &s) != SMR_OK ||
         !target_again(scene, s))
         return NULL;
     if ((scene->what->image ? smr_set_volume(s, &scene->volume) : smr_set_surface(s, SMR_ALL, scene->surface)) !=

@@ -114,7 +114,7 @@ static int target_phases(const target_scene *scene, target_clock *clock, int sti
             largest[p] = n > largest[p] ? n : largest[p];
         }
         for (uint32_t k = 0; k < smr_n_steps; k++) {
-            const int counts = !other || smr_steps[k].run == smr_even_fit;
+            const int counts = !other || smr_steps[k].run == smr_rest_pose_sum;
             steps[k] = counts && clock->in_step[k] > steps[k] ? clock->in_step[k] : steps[k];
         }
         if (status != SMR_OK)
@@ -204,8 +204,8 @@ static void target_singles(const target_scene *scene, target_clock *clock)
                target_instructions(largest));
     target_row("single", "polar decomposition", "all rotations", 0,
                target_instructions(cost[2] + TARGET_SWEEPS * (cost[1] - cost[0])));
-    const smr_query blind = {smr_v(0, 0, 0), smr_v(0, 0, 1), 2.0f, TARGET_NODES, SMR_ALL};
-    smr_hit hit = {SMR_FAR, SMR_ALL, {0, 0, 0}};
+    const smr_query blind = {smr_v(0, 0, 0), smr_v(0, 0, 1), 2.0f, TARGET_NODES, SMR_NONE};
+    smr_hit hit = {SMR_FAR, SMR_NONE, {0, 0, 0}};
     TARGET_COST(clock, smr_tree_closest(&scene->surface->facets, &blind, &hit), cost[3]);
     target_row("single", "closest point", "a node without its triangles, a triangle",
                target_instructions(cost[3] / TARGET_NODES), target_instructions(dearest));

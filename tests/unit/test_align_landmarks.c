@@ -57,12 +57,12 @@ static void finds_planted_poses(void **state)
     double worst[2] = {0.0, 0.0}, scales = 0.0;
     (void)state;
     for (uint32_t i = 0; i < 2000u; i++) {
-        const uint32_t similarity = i % 2u, n = 3u + i % 62u;
-        const double scale = similarity ? oracle_uniform(&r, 0.7, 1.4) : 1.0;
+        const uint32_t scaled = i % 2u, n = 3u + i % 62u;
+        const double scale = scaled ? oracle_uniform(&r, 0.7, 1.4) : 1.0;
         const pairs p = plant(&r, n, scale, 0.0);
         smr_pose pose;
         float rms = -1.0f;
-        assert_int_equal(smr_align_landmarks(p.from[0], p.to[0], n, similarity, &pose, &rms), SMR_OK);
+        assert_int_equal(smr_align_landmarks(p.from[0], p.to[0], n, scaled, &pose, &rms), SMR_OK);
         worst[n < 6u] = fmax(worst[n < 6u], fmax(rms_of(&p, &pose), (double)rms));
         scales = fmax(scales, fabs(sqrt((double)(pose.m[0][0] * pose.m[0][0] + pose.m[1][0] * pose.m[1][0] +
                                                  pose.m[2][0] * pose.m[2][0])) -

@@ -1,7 +1,7 @@
-/* test_align_surfaces.c: the start pose without landmarks: planted rigid and similarity poses of the fixture's bone
- * are found from 50 random rotations. Budgets: vertices within 0.02 mm of their planted place when source and target
- * are the same mesh, and an rms that agrees; 0.25 mm when they are two meshes of one bone with edges of 12 mm, with
- * an rms below 1.5 mm.
+/* test_align_surfaces.c: the start pose without landmarks: planted rigid and scaled poses of the fixture's bone are
+ * found from 50 random rotations. Budgets: vertices within 0.02 mm of their planted place when source and target are
+ * the same mesh, and an rms that agrees; 0.25 mm when they are two meshes of one bone with edges of 12 mm, with an rms
+ * below 1.5 mm.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -23,12 +23,12 @@ static void move(const planted *p, const float x[3], double out[3])
 }
 
 /* Plants a pose, aligns, and returns the mean distance between where vertices land and where they should. */
-static double find(oracle_random *r, const unit_mesh *model, const smr_surface *s, const unit_mesh *other,
-                   int similarity, float *rms)
+static double find(oracle_random *r, const unit_mesh *model, const smr_surface *s, const unit_mesh *other, int scaled,
+                   float *rms)
 {
     planted p;
     oracle_rotation(r, p.turn);
-    p.scale = similarity ? oracle_uniform(r, 0.6, 1.6) : 1.0;
+    p.scale = scaled ? oracle_uniform(r, 0.6, 1.6) : 1.0;
     for (int k = 0; k < 3; k++)
         p.shift[k] = oracle_uniform(r, -700, 700);
     unit_mesh t = unit_mesh_new(other->nv, other->nt);
@@ -41,7 +41,7 @@ static double find(oracle_random *r, const unit_mesh *model, const smr_surface *
     }
     smr_surface *target = unit_surface(&t);
     smr_align_config c = smr_align_config_default();
-    c.similarity = (uint32_t)similarity;
+    c.scaled = (uint32_t)scaled;
     c.samples = 120;
     c.iterations = 100;
     smr_pose pose;
@@ -63,7 +63,7 @@ static double find(oracle_random *r, const unit_mesh *model, const smr_surface *
     return sum / (double)model->nv;
 }
 
-static void run(uint32_t seed, int similarity, uint32_t n, int other_mesh, double budget)
+static void run(uint32_t seed, int scaled, uint32_t n, int other_mesh, double budget)
 {
     oracle_random r = oracle_seed(seed);
     unit_mesh bone = unit_bone(0), other = unit_bone(other_mesh);
@@ -71,11 +71,11 @@ static void run(uint32_t seed, int similarity, uint32_t n, int other_mesh, doubl
     double worst = 0.0, worst_rms = 0.0;
     for (uint32_t i = 0; i < n; i++) {
         float rms = -1.0f;
-        worst = fmax(worst, find(&r, &bone, s, &other, similarity, &rms));
+        worst = fmax(worst, find(&r, &bone, s, &other, scaled, &rms));
         assert_true(rms >= 0.0f);
         worst_rms = fmax(worst_rms, (double)rms);
     }
-    assert_true(oracle_within(similarity ? "align: similarity, mm" : "align: rigid, mm", worst, budget));
+    assert_true(oracle_within(scaled ? "align: scaled, mm" : "align: rigid, mm", worst, budget));
     assert_true(oracle_within("align: rms it says, mm", worst_rms, other_mesh ? 1.5 : budget));
     unit_free(s);
     unit_mesh_free(&bone);
@@ -118,7 +118,7 @@ static void refusals(void **state)
     static const uint32_t bad[][3] = {{2, 60, 600}, {1, 0, 600}, {1, 1001, 600}, {1, 60, 15}, {1, 60, 100001}};
     for (size_t i = 0; i < 5u; i++) {
         c = good;
-        c.similarity = bad[i][0];
+        c.scaled = bad[i][0];
         c.iterations = bad[i][1];
         c.samples = bad[i][2];
         assert_int_equal(smr_align(s, s, &c, &pose, NULL), SMR_E_CONFIG);

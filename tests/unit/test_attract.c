@@ -5,10 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "runtime/forces/attract.h"
-
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static int tidy(void **state)
 {
@@ -39,11 +37,12 @@ static void test_on_and_off(void **state)
     const smr_mesh goal = rig_ball(33, 9, 12, none);
     (void)state;
     smr *s = start(1, &goal, 0.5f);
-    assert_true(smr_pull_on(s) && smr_pull_tasks(s) == smr_ceil_div(goal.n_vertices, SMR_FORCE_CHUNK));
+    assert_true(smr_attraction_on(&s->forces.surface) &&
+                smr_attract_tasks(&s->forces.surface) == smr_ceil_div(goal.n_vertices, SMR_FORCE_CHUNK));
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, NULL));
-    assert_true(!smr_pull_on(s) && smr_pull_tasks(s) == 0u);
+    assert_true(!smr_attraction_on(&s->forces.surface) && smr_attract_tasks(&s->forces.surface) == 0u);
     s = start(1, &goal, 0.0f);
-    assert_true(!smr_pull_on(s) && smr_pull_tasks(s) == 0u);
+    assert_true(!smr_attraction_on(&s->forces.surface) && smr_attract_tasks(&s->forces.surface) == 0u);
 }
 
 /* One small triangle over the middle of a facet: its three corners feel it, towards it, by barycentric weight. */
@@ -69,14 +68,14 @@ static void test_one_triangle(void **state)
     }
     const smr_mesh goal = {xyz, corners, 3, 1};
     smr *s = start(1, &goal, 0.5f);
-    for (uint32_t task = 0; task < smr_pull_tasks(s); task++) {
-        smr_pull_search(s, task, 0);
+    for (uint32_t task = 0; task < smr_attract_tasks(&s->forces.surface); task++) {
+        smr_attract_search(&s->forces.surface, task, 0);
     }
     for (uint32_t v = 0; v < mesh.n_vertices; v++) {
-        const uint32_t at = smr_model_position(s->model, v);
-        const int64_t weight = s->pull[4u * (size_t)at + 3u];
+        const uint32_t at = smr_model_position(s->shared.model, v);
+        const int64_t weight = s->forces.surface.pull[4u * (size_t)at + 3u];
         smr_vec mean;
-        const float share = smr_pull_take(s, at, &mean);
+        const float share = smr_pull_take(&s->forces.surface, at, &mean);
         const int corner = v == t[0] || v == t[1] || v == t[2];
         assert_int_equal(corner, share > 0.0f);
         assert_true(share >= 0.0f && share <= 1.0f);
@@ -86,7 +85,7 @@ static void test_one_triangle(void **state)
             assert_true(fabsf((float)weight / SMR_PULL_SCALE - 1.0f) < 0.02f); /* three vertices, a third each */
             assert_true(smr_length(smr_sub(mean, smr_scale(out, 0.5f))) < 0.05f);
         }
-        assert_true(smr_pull_take(s, at, &mean) == 0.0f); /* cleared */
+        assert_true(smr_pull_take(&s->forces.surface, at, &mean) == 0.0f); /* cleared */
     }
     assert_int_equal(3, felt);
     assert_true(fabsf(whole - 3.0f) < 1.0e-3f); /* area in mean areas: nothing is lost */
@@ -100,21 +99,21 @@ static void test_workers(void **state)
     smr *one = start(1, &goal, 0.5f), *many = start(5, &goal, 0.5f);
     double sum = 0.0;
     (void)state;
-    assert_true(smr_pull_tasks(one) > 3u);
-    for (uint32_t t = 0; t < smr_pull_tasks(one); t++) {
-        smr_pull_search(one, t, 0);
-        smr_pull_search(many, smr_pull_tasks(many) - 1u - t, t % 5u);
+    assert_true(smr_attract_tasks(&one->forces.surface) > 3u);
+    for (uint32_t t = 0; t < smr_attract_tasks(&one->forces.surface); t++) {
+        smr_attract_search(&one->forces.surface, t, 0);
+        smr_attract_search(&many->forces.surface, smr_attract_tasks(&many->forces.surface) - 1u - t, t % 5u);
     }
-    for (uint32_t v = 0; v < one->n; v++) {
+    for (uint32_t v = 0; v < one->shared.n; v++) {
         smr_vec a = smr_v(0, 0, 0), b = a;
-        sum += (double)one->pull[4u * (size_t)v + 3u] / (double)SMR_PULL_SCALE;
-        const float wa = smr_pull_take(one, v, &a), wb = smr_pull_take(many, v, &b);
+        sum += (double)one->forces.surface.pull[4u * (size_t)v + 3u] / (double)SMR_PULL_SCALE;
+        const float wa = smr_pull_take(&one->forces.surface, v, &a), wb = smr_pull_take(&many->forces.surface, v, &b);
         assert_memory_equal(&wa, &wb, sizeof wa);
         assert_memory_equal(&a, &b, sizeof a);
     }
     assert_true(fabs(sum / (double)goal.n_vertices - 1.0) < 0.01);
-    for (size_t i = 0; i < 4u * 5u * (size_t)many->n; i++) {
-        assert_true(many->pull[i] == 0);
+    for (size_t i = 0; i < 4u * 5u * (size_t)many->shared.n; i++) {
+        assert_true(many->forces.surface.pull[i] == 0);
     }
 }
 
@@ -126,21 +125,21 @@ static void test_closest_facet(void **state)
     smr *s = start(1, &goal, 0.5f);
     const smr_surface *model = rig_surface(&mesh);
     (void)state;
-    for (uint32_t t = 0; t < smr_pull_tasks(s); t++) {
-        smr_pull_search(s, t, 0);
+    for (uint32_t t = 0; t < smr_attract_tasks(&s->forces.surface); t++) {
+        smr_attract_search(&s->forces.surface, t, 0);
     }
     for (uint32_t j = 0; j < goal.n_vertices; j++) {
         smr_closest hit;
-        assert_int_equal(SMR_OK, smr_surface_closest(model, goal.xyz + 3u * j, NULL, -2.0f, s->search, &hit));
-        assert_int_equal(hit.triangle == SMR_ALL, s->target_warm[j] == SMR_ALL);
-        if (hit.triangle == SMR_ALL) {
+        assert_int_equal(SMR_OK, smr_surface_closest(model, goal.xyz + 3u * j, NULL, -2.0f, s->pace.search_mm, &hit));
+        assert_int_equal(hit.triangle == SMR_NONE, s->forces.surface.target_warm[j] == SMR_NONE);
+        if (hit.triangle == SMR_NONE) {
             continue;
         }
-        const uint32_t *t = s->triangle + 3u * (size_t)s->target_warm[j];
+        const uint32_t *t = s->shared.triangle + 3u * (size_t)s->forces.surface.target_warm[j];
         const uint32_t *expected = mesh.triangles + 3u * (size_t)hit.triangle;
         uint32_t same = 0;
         for (uint32_t c = 0; c < 3u; c++) {
-            same += smr_model_original(s->model, t[c]) == expected[c];
+            same += smr_model_original(s->shared.model, t[c]) == expected[c];
         }
         if (same != 3u) { /* another triangle is right only where both are equally close */
             const smr_vec y = smr_load(goal.xyz + 3u * j);

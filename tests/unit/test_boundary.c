@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/tick/steps.h"
 
 static const float none[3] = {0, 0, 0};
 
@@ -49,12 +49,13 @@ static smr *start(float shift, const smr_model **model)
 /* What pair i adds to a member's whole or nothing. */
 static double added(const smr *s, uint32_t i)
 {
-    return (double)smr_le32(s->lists.boundary[i].share) / SMR_BOUNDARY_UNITS - 0.5;
+    return (double)smr_le32(s->pace.lists.boundary[i].share) / SMR_BOUNDARY_UNITS - 0.5;
 }
 
 static int between(const smr *s, uint32_t i, uint32_t a, uint32_t b)
 {
-    const uint32_t first = smr_le32(s->lists.boundary[i].first), second = smr_le32(s->lists.boundary[i].second);
+    const uint32_t first = smr_le32(s->pace.lists.boundary[i].first),
+                   second = smr_le32(s->pace.lists.boundary[i].second);
     return (first == a && second == b) || (first == b && second == a);
 }
 
@@ -64,12 +65,13 @@ static void test_shares(void **state)
     (void)state;
     smr *s = start(0, &model);
     const uint32_t a = smr_model_position(model, 20), b = smr_model_position(model, 50);
-    const double radius = (double)s->lists.radius;
+    const double radius = (double)s->pace.lists.radius;
     uint32_t found = 0;
-    assert_true(s->lists.n_boundary > 0u);
-    for (uint32_t i = 0; i < s->lists.n_boundary; i++) {
-        const uint32_t first = smr_le32(s->lists.boundary[i].first), second = smr_le32(s->lists.boundary[i].second);
-        const double d = distance(smr_at3(s->x, first), smr_at3(s->x, second));
+    assert_true(s->pace.lists.n_boundary > 0u);
+    for (uint32_t i = 0; i < s->pace.lists.n_boundary; i++) {
+        const uint32_t first = smr_le32(s->pace.lists.boundary[i].first),
+                       second = smr_le32(s->pace.lists.boundary[i].second);
+        const double d = distance(smr_at3(s->shape.x, first), smr_at3(s->shape.x, second));
         assert_true(first != second && fabs(d - radius) < 0.01 * radius);
         assert_true(fabs(added(s, i)) <= 0.5);
         found += (uint32_t)between(s, i, a, b);
@@ -82,7 +84,7 @@ static void test_shares(void **state)
     }
     assert_int_equal(1, found);
     s = start(0.1f, &model);
-    for (uint32_t i = 0; i < s->lists.n_boundary; i++) {
+    for (uint32_t i = 0; i < s->pace.lists.n_boundary; i++) {
         assert_false(between(s, i, smr_model_position(model, 20), smr_model_position(model, 50)));
     }
 }
@@ -94,26 +96,26 @@ static void test_reference(void **state)
     (void)state;
     smr *s = start(0, &model);
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL)); /* without a target nothing moves */
-    for (uint32_t v = 0; v < s->n; v++) {
+    for (uint32_t v = 0; v < s->shared.n; v++) {
         double mass = 0, count = 0, centre[3] = {0, 0, 0};
-        for (uint32_t w = 0; w < s->n; w++) {
-            const double d = distance(smr_at3(s->x_ref, v), smr_at3(s->x_ref, w));
-            double part = d <= (double)s->lists.radius ? 1.0 : 0.0;
-            for (uint32_t i = 0; i < s->lists.n_boundary; i++) {
+        for (uint32_t w = 0; w < s->shared.n; w++) {
+            const double d = distance(smr_at3(s->shape.x_ref, v), smr_at3(s->shape.x_ref, w));
+            double part = d <= (double)s->pace.lists.radius ? 1.0 : 0.0;
+            for (uint32_t i = 0; i < s->pace.lists.n_boundary; i++) {
                 if (between(s, i, v, w)) { /* which side of the radius it lies on is in what is added, too */
                     part = added(s, i) < 0.0 ? 1.0 + added(s, i) : added(s, i);
                 }
             }
-            mass += part * (double)smr_full_mass(s, w);
+            mass += part * (double)smr_mass(&s->shared, w);
             count += part;
             for (uint32_t c = 0; c < 3u; c++) {
-                centre[c] += part * (double)smr_full_mass(s, w) * (double)smr_at3(s->x_ref, w)[c];
+                centre[c] += part * (double)smr_mass(&s->shared, w) * (double)smr_at3(s->shape.x_ref, w)[c];
             }
         }
-        assert_true(fabs((double)s->cluster_mass[v] - mass) < 1.0e-4 * mass);
-        assert_true(fabs((double)s->share[v] - 1.0 / count) < 1.0e-5);
+        assert_true(fabs((double)s->reference.cluster_mass[v] - mass) < 1.0e-4 * mass);
+        assert_true(fabs((double)s->reference.share[v] - 1.0 / count) < 1.0e-5);
         for (uint32_t c = 0; c < 3u; c++) {
-            assert_true(fabs((double)smr_at3(s->centre, v)[c] - centre[c] / mass) < 1.0e-3);
+            assert_true(fabs((double)smr_at3(s->reference.centre, v)[c] - centre[c] / mass) < 1.0e-3);
         }
     }
 }
@@ -125,21 +127,21 @@ static smr_vec carried(float shift)
     smr *s = start(shift, &model);
     const uint32_t v = smr_model_position(model, 20), w = smr_model_position(model, 50);
     for (uint32_t step = 0; step < smr_n_steps; step++) {
-        if (smr_steps[step].run == smr_force_take) {
-            smr_store(smr_at3(s->force, w), smr_v(40, -30, 20));
+        if (smr_steps[step].run == smr_forces_take) {
+            smr_store(smr_at3(s->forces.force, w), smr_v(40, -30, 20));
         }
-        const uint32_t n = smr_steps[step].n_tasks(s);
-        for (s->next_task = 0; s->next_task < n && smr_steps[step].run != smr_force_take; s->next_task++) {
-            smr_steps[step].run(s, s->next_task, 0);
+        const uint32_t n = smr_step_tasks(s, &smr_steps[step]);
+        for (s->next_task = 0; s->next_task < n && smr_steps[step].run != smr_forces_take; s->next_task++) {
+            smr_steps[step].run(smr_stage_of(s, &smr_steps[step]), s->next_task, 0);
         }
-        if (smr_steps[step].run == smr_force_take) {
-            s->scale[0] = s->scale[1] = 1024.0f;
+        if (smr_steps[step].run == smr_forces_take) {
+            s->sums.scale[0] = s->sums.scale[1] = 1024.0f;
         } else if (n > 0u && smr_steps[step].end != NULL) {
             smr_steps[step].end(s);
         }
         s->next_task = 0;
     }
-    return smr_sub(smr_load(smr_at3(s->x, v)), smr_load(smr_at3(s->start, v)));
+    return smr_sub(smr_load(smr_at3(s->shape.x, v)), smr_load(smr_at3(s->shape.start, v)));
 }
 
 static void test_crossing(void **state)

@@ -54,7 +54,7 @@ static void brute_force(const smr_facets *f, const smr_query *q, smr_hit *hit)
         const float d2 =
             smr_triangle_closest(q->point, smr_load(f->xyz + 3u * (size_t)t[0]), smr_load(f->xyz + 3u * (size_t)t[1]),
                                  smr_load(f->xyz + 3u * (size_t)t[2]), w);
-        if (d2 < hit->d2 || (d2 == hit->d2 && hit->triangle == SMR_ALL)) {
+        if (d2 < hit->d2 || (d2 == hit->d2 && hit->triangle == SMR_NONE)) {
             hit->d2 = d2;
             hit->triangle = i;
             memcpy(hit->weight, w, sizeof w);
@@ -72,7 +72,7 @@ static smr_vec unit_direction(oracle_random *r)
 static smr_query random_query(oracle_random *r, const unit_mesh *m, uint32_t kind)
 {
     smr_query q = {smr_v(oracle_uniformf(r, -40, 140), oracle_uniformf(r, -40, 140), oracle_uniformf(r, -40, 140)),
-                   smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_ALL};
+                   smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
     if (kind % 3u == 1u) /* a vertex of the mesh: many ties */
         q.point = smr_load(m->xyz + 3u * (size_t)oracle_below(r, m->nv));
     if (kind % 5u == 4u)
@@ -86,7 +86,7 @@ static smr_query random_query(oracle_random *r, const unit_mesh *m, uint32_t kin
 
 static void same(const smr_hit *got, const smr_hit *want, double *worst)
 {
-    if (want->triangle == SMR_ALL || got->triangle == SMR_ALL) {
+    if (want->triangle == SMR_NONE || got->triangle == SMR_NONE) {
         assert_int_equal(got->triangle, want->triangle);
         return;
     }
@@ -111,7 +111,7 @@ static void equals_brute_force(void **state)
         smr_facets f = plant(&m, &triangles);
         for (uint32_t i = 0; i < 240u; i++) {
             const smr_query q = random_query(&r, &m, i);
-            smr_hit got = {reach[i % 4u], SMR_ALL, {0, 0, 0}}, want = got;
+            smr_hit got = {reach[i % 4u], SMR_NONE, {0, 0, 0}}, want = got;
             smr_tree_closest(&f, &q, &got);
             brute_force(&f, &q, &want);
             same(&got, &want, &worst);
@@ -134,9 +134,9 @@ static void equals_double(void **state)
     for (uint32_t i = 0; i < 1500u; i++) {
         const smr_query q = {
             smr_v(oracle_uniformf(&r, -90, 140), oracle_uniformf(&r, -90, 140), oracle_uniformf(&r, -90, 140)),
-            smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_ALL};
+            smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
         const double p[3] = {(double)q.point.x, (double)q.point.y, (double)q.point.z};
-        smr_hit hit = {1e12f, SMR_ALL, {0, 0, 0}};
+        smr_hit hit = {1e12f, SMR_NONE, {0, 0, 0}};
         double want = HUGE_VAL;
         smr_tree_closest(&f, &q, &hit);
         for (uint32_t k = 0; k < m.nt; k++) {
@@ -162,20 +162,20 @@ static void node_budgets(void **state)
     (void)state;
     for (uint32_t i = 0; i < 300u; i++) {
         smr_query q = random_query(&r, &m, i);
-        smr_hit full = {1e12f, SMR_ALL, {0, 0, 0}}, last = full, warm = full;
+        smr_hit full = {1e12f, SMR_NONE, {0, 0, 0}}, last = full, warm = full;
         smr_tree_closest(&f, &q, &full);
         q.node_budget = 0;
         smr_tree_closest(&f, &q, &warm);
-        assert_true(warm.triangle == SMR_ALL || warm.triangle == q.warm);
+        assert_true(warm.triangle == SMR_NONE || warm.triangle == q.warm);
         for (uint32_t budget = 1; budget <= smr_tree_nodes(m.nt); budget += budget / 2u + 1u) {
-            smr_hit hit = {1e12f, SMR_ALL, {0, 0, 0}};
+            smr_hit hit = {1e12f, SMR_NONE, {0, 0, 0}};
             q.node_budget = budget;
             smr_tree_closest(&f, &q, &hit);
             assert_true(hit.d2 <= last.d2 && hit.d2 >= full.d2);
             last = hit;
         }
         q.node_budget = smr_tree_nodes(m.nt);
-        smr_hit hit = {1e12f, SMR_ALL, {0, 0, 0}};
+        smr_hit hit = {1e12f, SMR_NONE, {0, 0, 0}};
         smr_tree_closest(&f, &q, &hit);
         assert_memory_equal(&hit, &full, sizeof hit);
     }
@@ -194,10 +194,10 @@ static void a_budget_is_a_number_of_nodes(void **state)
     for (uint32_t i = 0; i < 200u; i++) {
         smr_query q = {
             smr_v(oracle_uniformf(&r, -40, 140), oracle_uniformf(&r, -40, 140), oracle_uniformf(&r, -40, 140)),
-            smr_v(0, 0, 0), -2.0f, 1u, SMR_ALL};
-        smr_hit hit = {1e12f, SMR_ALL, {0, 0, 0}};
+            smr_v(0, 0, 0), -2.0f, 1u, SMR_NONE};
+        smr_hit hit = {1e12f, SMR_NONE, {0, 0, 0}};
         smr_tree_closest(&f, &q, &hit);
-        assert_int_equal(hit.triangle, SMR_ALL);
+        assert_int_equal(hit.triangle, SMR_NONE);
         q.node_budget = 2u;
         smr_tree_closest(&f, &q, &hit);
         assert_true(hit.triangle < m.nt);
@@ -244,7 +244,7 @@ static void refit_follows_the_mesh(void **state)
     smr_tree_refit_upper(&f);
     for (uint32_t i = 0; i < 300u; i++) {
         const smr_query q = random_query(&r, &m, i);
-        smr_hit got = {1e12f, SMR_ALL, {0, 0, 0}}, want = got;
+        smr_hit got = {1e12f, SMR_NONE, {0, 0, 0}}, want = got;
         smr_tree_closest(&f, &q, &got);
         brute_force(&f, &q, &want);
         same(&got, &want, &worst);
@@ -274,10 +274,10 @@ static void points_that_are_nowhere(void **state)
     smr_tree_refit_leaves(&f, 0, smr_tree_leaves(&f));
     smr_tree_refit_upper(&f);
     for (size_t i = 0; i < sizeof nowhere / sizeof nowhere[0]; i++) {
-        const smr_query q = {smr_v(nowhere[i], nowhere[i], nowhere[i]), smr_v(0, 0, 0), -2.0f, 100000u, SMR_ALL};
-        smr_hit hit = {3600.0f, SMR_ALL, {0, 0, 0}};
+        const smr_query q = {smr_v(nowhere[i], nowhere[i], nowhere[i]), smr_v(0, 0, 0), -2.0f, 100000u, SMR_NONE};
+        smr_hit hit = {3600.0f, SMR_NONE, {0, 0, 0}};
         smr_tree_closest(&f, &q, &hit);
-        assert_true(hit.triangle == SMR_ALL && hit.d2 == 3600.0f);
+        assert_true(hit.triangle == SMR_NONE && hit.d2 == 3600.0f);
     }
     unit_free(node);
     unit_free(normal);
@@ -307,9 +307,9 @@ static void shape_adds_up(void **state)
 static float distance2_of(const smr_facets *f, const smr_query *q, uint32_t i)
 {
     const smr_facets single = {f->xyz, f->triangle + 3u * (size_t)i, f->normal + 3u * (size_t)i, NULL, NULL, 1, 0, {0}};
-    smr_hit one = {1.0e12f, SMR_ALL, {0, 0, 0}};
+    smr_hit one = {1.0e12f, SMR_NONE, {0, 0, 0}};
     brute_force(&single, q, &one);
-    return one.triangle == SMR_ALL ? -1.0f : one.d2;
+    return one.triangle == SMR_NONE ? -1.0f : one.d2;
 }
 
 static int has(const smr_near_list *list, uint32_t triangle)
@@ -332,13 +332,13 @@ static void near_ones_are_all_of_them(void **state)
         smr_facets f = plant(&m, &triangles);
         for (uint32_t round = 0; round < 300u; round++) {
             const smr_query q = random_query(&r, &m, round);
-            smr_hit closest = {1.0e12f, SMR_ALL, {0, 0, 0}}, hit = closest;
+            smr_hit closest = {1.0e12f, SMR_NONE, {0, 0, 0}}, hit = closest;
             smr_near_list list;
             float sum = 0.0f;
             smr_tree_closest(&f, &q, &closest);
             smr_tree_near(&f, &q, &hit, &list);
             assert_true(hit.triangle == closest.triangle && hit.d2 == closest.d2);
-            assert_true((list.n == 0u) == (hit.triangle == SMR_ALL) && list.n <= SMR_NEAR_MOST);
+            assert_true((list.n == 0u) == (hit.triangle == SMR_NONE) && list.n <= SMR_NEAR_MOST);
             for (uint32_t i = 0; i < list.n; i++) {
                 const float d2 = distance2_of(&f, &q, list.item[i].triangle);
                 assert_true(d2 >= 0.0f && list.item[i].share >= 0.0f);
@@ -373,8 +373,8 @@ static void near_ones_take_over_gradually(void **state)
     }
     smr_facets f = plant(&m, &triangles);
     for (int step = -4000; step <= 4000; step++) {
-        const smr_query q = {smr_v(0.001f * (float)step, 0, 0), smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_ALL};
-        smr_hit hit = {1.0e12f, SMR_ALL, {0, 0, 0}};
+        const smr_query q = {smr_v(0.001f * (float)step, 0, 0), smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
+        smr_hit hit = {1.0e12f, SMR_NONE, {0, 0, 0}};
         smr_near_list list;
         float mean = 0.0f;
         smr_tree_near(&f, &q, &hit, &list);
@@ -402,8 +402,8 @@ static void near_ones_end_where_room_or_budget_do(void **state)
     smr_facets f = plant(&m, &triangles);
     for (uint32_t k = 0; k < 400u; k++) {
         smr_query q = {smr_v(oracle_uniformf(&r, 20, 100), oracle_uniformf(&r, 20, 100), k % 2u == 0u ? 10.0f : 20.0f),
-                       smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_ALL};
-        smr_hit closest = {1.0e12f, SMR_ALL, {0, 0, 0}}, hit = closest;
+                       smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
+        smr_hit closest = {1.0e12f, SMR_NONE, {0, 0, 0}}, hit = closest;
         smr_near_list list;
         float most = 0.0f;
         smr_tree_near(&f, &q, &closest, &list);

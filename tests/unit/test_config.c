@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/config/config.h"
 
 static int tidy(void **state)
 {
@@ -33,7 +33,7 @@ static void test_default(void **state)
     assert_int_equal(1, c.n_workers);
     assert_int_equal(0, c.n_target_vertices);
     assert_int_equal(0, c.radius_first);
-    assert_true(c.radius_last == SMR_ALL);
+    assert_true(c.radius_last == SMR_FINEST);
     assert_int_equal(SMR_METHOD_RIGID, c.method);
     assert_int_equal(SMR_NORMALS_CARRIED, c.normals);
     assert_int_equal(sizeof c & 0xffffu, c.cookie & 0xffffu); /* a caller compiled with another header is noticed */
@@ -97,7 +97,7 @@ static void test_limits(void **state)
     LIMITS(active_enough, 0, 1000000, UINT32_MAX, 1000001);
     REFUSE(active_share, NAN);
     LIMITS(radius_first, 0, 2, UINT32_MAX, 3);
-    LIMITS(radius_last, 0, 2, SMR_ALL - 1u, 3);
+    LIMITS(radius_last, 0, 2, SMR_FINEST - 1u, 3);
     LIMITS(iterations, 1, 100000, 0, 100001);
     LIMITS(iterations_last, 1, 100000, 0, 100001);
 }

@@ -7,7 +7,7 @@
 
 #include "property/model_lists.h"
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static int tidy(void **state)
 {
@@ -51,18 +51,18 @@ static void test_average_and_relaxation(void **state)
         smr *s = start(&c, &model);
         const rig_lists l = rig_decode(model, 0, 1, 1);
         (void)rig_run(s, 2);
-        float *old = rig_alloc(3u * s->n * sizeof *old), *ref = rig_alloc(3u * s->n * sizeof *ref);
-        memcpy(old, s->x, 3u * s->n * sizeof *old);
-        memcpy(ref, s->x_ref, 3u * s->n * sizeof *ref);
+        float *old = rig_alloc(3u * s->shared.n * sizeof *old), *ref = rig_alloc(3u * s->shared.n * sizeof *ref);
+        memcpy(old, s->shape.x, 3u * s->shared.n * sizeof *old);
+        memcpy(ref, s->shape.x_ref, 3u * s->shared.n * sizeof *ref);
         smr_tick_report report;
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
         double moved = 0.0;
-        for (uint32_t v = 0; v < s->n; v++) {
+        for (uint32_t v = 0; v < s->shared.n; v++) {
             double mean[12] = {0}, step2 = 0.0;
             const double n = (double)(l.zeta_start[v + 1u] - l.zeta_start[v]);
             for (uint32_t j = l.zeta_start[v]; j < l.zeta_start[v + 1u]; j++) {
                 for (uint32_t i = 0; i < 12u; i++) {
-                    mean[i] += (double)s->transform[12u * (size_t)l.zeta[j] + i] / n;
+                    mean[i] += (double)s->match.transform[12u * (size_t)l.zeta[j] + i] / n;
                 }
             }
             for (uint32_t a = 0; a < 3u; a++) {
@@ -71,7 +71,7 @@ static void test_average_and_relaxation(void **state)
                     goal += mean[3u * a + b] * (double)ref[3u * v + b];
                 }
                 x += (double)c.relaxation * (goal - x);
-                assert_true(fabs(x - (double)smr_at3(s->x, v)[a]) < 2.0e-5);
+                assert_true(fabs(x - (double)smr_at3(s->shape.x, v)[a]) < 2.0e-5);
                 step2 += (x - (double)old[3u * v + a]) * (x - (double)old[3u * v + a]);
             }
             moved = fmax(moved, sqrt(step2));
@@ -89,19 +89,19 @@ static void test_normals(void **state)
         const smr_model *model;
         c.normals = exact;
         smr *s = start(&c, &model);
-        float *expected = rig_alloc(3u * s->n * sizeof *expected);
+        float *expected = rig_alloc(3u * s->shared.n * sizeof *expected);
         (void)rig_run(s, 6);
-        for (uint32_t k = 0; k < s->n_triangles; k++) {
-            const uint32_t *t = s->triangle + 3u * (size_t)k;
-            const smr_vec a = smr_load(smr_at3(s->x, t[0]));
-            const smr_vec area =
-                smr_cross(smr_sub(smr_load(smr_at3(s->x, t[1])), a), smr_sub(smr_load(smr_at3(s->x, t[2])), a));
+        for (uint32_t k = 0; k < s->shared.n_triangles; k++) {
+            const uint32_t *t = s->shared.triangle + 3u * (size_t)k;
+            const smr_vec a = smr_load(smr_at3(s->shape.x, t[0]));
+            const smr_vec area = smr_cross(smr_sub(smr_load(smr_at3(s->shape.x, t[1])), a),
+                                           smr_sub(smr_load(smr_at3(s->shape.x, t[2])), a));
             for (uint32_t i = 0; i < 3u; i++) {
                 smr_store(expected + 3u * t[i], smr_add(smr_load(expected + 3u * t[i]), area));
             }
         }
-        for (uint32_t v = 0; v < s->n; v++) {
-            const float cosine = smr_dot(smr_unit(smr_load(expected + 3u * v)), smr_load(smr_at3(s->normal, v)));
+        for (uint32_t v = 0; v < s->shared.n; v++) {
+            const float cosine = smr_dot(smr_unit(smr_load(expected + 3u * v)), smr_load(smr_at3(s->shape.normal, v)));
             assert_true(cosine > (exact ? 0.99999f : 0.97f));
         }
     }
@@ -118,8 +118,8 @@ static void test_hash(void **state)
     assert_true(s->report.state_hash == twin->report.state_hash);
     const uint64_t whole = smr_state_hash(s);
     assert_true(whole == smr_state_hash(twin));
-    for (uint32_t i = 0; i < 3u * s->n; i += 7u) { /* the last bit of any coordinate counts */
-        float *const arrays[] = {s->x, s->x_ref};
+    for (uint32_t i = 0; i < 3u * s->shared.n; i += 7u) { /* the last bit of any coordinate counts */
+        float *const arrays[] = {s->shape.x, s->shape.x_ref};
         for (uint32_t k = 0; k < 2u; k++) {
             const float keep = arrays[k][i];
             arrays[k][i] = nextafterf(keep, 1.0e9f);
@@ -128,17 +128,17 @@ static void test_hash(void **state)
         }
     }
     for (uint32_t i = 0; i < 3u; i++) { /* and which vertex it belongs to */
-        const float keep = s->x[i];
-        s->x[i] = s->x[3u + i];
-        s->x[3u + i] = keep;
+        const float keep = s->shape.x[i];
+        s->shape.x[i] = s->shape.x[3u + i];
+        s->shape.x[3u + i] = keep;
     }
     assert_true(smr_state_hash(s) != whole);
-    const float zero = s->x[0];
-    s->x[0] = 0.0f;
+    const float zero = s->shape.x[0];
+    s->shape.x[0] = 0.0f;
     const uint64_t plus = smr_state_hash(s);
-    s->x[0] = -0.0f; /* the same position */
+    s->shape.x[0] = -0.0f; /* the same position */
     assert_true(smr_state_hash(s) == plus);
-    s->x[0] = zero;
+    s->shape.x[0] = zero;
 }
 
 static void test_report_hash_is_of_the_new_positions(void **state)
@@ -154,14 +154,14 @@ static void test_report_hash_is_of_the_new_positions(void **state)
         assert_true(report.state_hash != last);
         last = report.state_hash;
     }
-    for (uint32_t t = 0; t < s->n_tasks; t++) { /* x_next = x: nothing moves, the same hash again */
-        memcpy(s->x_next, s->x, 3u * s->n * sizeof(float));
-        smr_settle(s, t, 0);
+    for (uint32_t t = 0; t < s->shared.n_tasks; t++) { /* x_next = x: nothing moves, the same hash again */
+        memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
+        smr_evolve_measure(&s->evolve, t, 0);
     }
     uint64_t sum = 0;
-    for (uint32_t t = 0; t < s->n_tasks; t++) {
-        sum += s->tally[t].hash;
-        assert_true(s->tally[t].max == 0.0f);
+    for (uint32_t t = 0; t < s->shared.n_tasks; t++) {
+        sum += s->overlay.tally[t].evolve.hash;
+        assert_true(s->overlay.tally[t].evolve.moved2 == 0.0f);
     }
     assert_true(sum == last);
 }

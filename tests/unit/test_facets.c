@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static int tidy(void **state)
 {
@@ -30,8 +30,8 @@ static smr *start(uint32_t n_target_vertices)
 
 static void scramble(smr *s, uint32_t seed)
 {
-    for (uint32_t i = 0; i < 3u * s->n; i++) {
-        s->x_next[i] = s->x[i] + rig_between(&seed, -4, 4);
+    for (uint32_t i = 0; i < 3u * s->shared.n; i++) {
+        s->shape.x_next[i] = s->shape.x[i] + rig_between(&seed, -4, 4);
     }
 }
 
@@ -47,17 +47,17 @@ static void test_normals_and_boxes(void **state)
     (void)state;
     for (uint32_t round = 1; round < 4u; round++) {
         scramble(s, round);
-        smr_evolve_end(s);
-        for (uint32_t t = smr_facet_tasks(s); t > 0u; t--) {
-            smr_facet_refit(s, t - 1u, 0);
+        smr_facets_follow(&s->shape, s->shape.x_next);
+        for (uint32_t t = smr_facets_tasks(&s->shape); t > 0u; t--) {
+            smr_facets_refit(&s->shape, t - 1u, 0);
         }
-        smr_facets_end(s);
-        for (uint32_t i = 0; i < s->n_parts; i++) {
-            const smr_facets *f = &s->part[i].facets;
+        smr_facets_end(&s->shape);
+        for (uint32_t i = 0; i < s->shared.n_structures; i++) {
+            const smr_facets *f = &s->shape.structure[i].facets;
             for (uint32_t k = 0; k < f->n_triangles; k++) {
                 const float *p[3];
                 for (uint32_t c = 0; c < 3u; c++) {
-                    p[c] = smr_at3(s->x_next, f->triangle[3u * k + c]);
+                    p[c] = smr_at3(s->shape.x_next, f->triangle[3u * k + c]);
                 }
                 const smr_vec n = smr_unit(
                     smr_cross(smr_sub(smr_load(p[1]), smr_load(p[0])), smr_sub(smr_load(p[2]), smr_load(p[0]))));
@@ -79,35 +79,35 @@ static void test_all_at_once_is_the_same(void **state)
     smr *s = start(10), *twin = start(10);
     (void)state;
     scramble(s, 77);
-    smr_evolve_end(s);
-    for (uint32_t t = 0; t < smr_facet_tasks(s); t++) {
-        smr_facet_refit(s, t, 0);
+    smr_facets_follow(&s->shape, s->shape.x_next);
+    for (uint32_t t = 0; t < smr_facets_tasks(&s->shape); t++) {
+        smr_facets_refit(&s->shape, t, 0);
     }
-    smr_facets_end(s);
-    memcpy(twin->x, s->x_next, 3u * s->n * sizeof(float));
-    smr_facets_now(twin);
-    assert_memory_equal(s->facet_normal, twin->facet_normal, 3u * s->n_triangles * sizeof(float));
-    assert_memory_equal(s->node, twin->node, s->n_nodes * sizeof *s->node);
+    smr_facets_end(&s->shape);
+    memcpy(twin->shape.x, s->shape.x_next, 3u * s->shared.n * sizeof(float));
+    smr_facets_now(&twin->shape);
+    assert_memory_equal(s->shape.facet_normal, twin->shape.facet_normal, 3u * s->shared.n_triangles * sizeof(float));
+    assert_memory_equal(s->shape.node, twin->shape.node, s->shape.n_nodes * sizeof *s->shape.node);
 }
 
 static void test_each_leaf_in_one_task(void **state)
 {
     smr *s = start(0);
     (void)state;
-    assert_null(s->node);
+    assert_null(s->shape.node);
     scramble(s, 5);
-    smr_evolve_end(s);
-    for (uint32_t t = 0; t < smr_facet_tasks(s); t++) {
+    smr_facets_follow(&s->shape, s->shape.x_next);
+    for (uint32_t t = 0; t < smr_facets_tasks(&s->shape); t++) {
         uint32_t changed = 0;
-        float *before = rig_alloc(3u * s->n_triangles * sizeof *before);
-        memcpy(before, s->facet_normal, 3u * s->n_triangles * sizeof *before);
-        smr_facet_refit(s, t, 0);
-        for (uint32_t k = 0; k < s->n_triangles; k++) {
-            changed += memcmp(before + 3u * k, s->facet_normal + 3u * k, 3u * sizeof *before) != 0;
+        float *before = rig_alloc(3u * s->shared.n_triangles * sizeof *before);
+        memcpy(before, s->shape.facet_normal, 3u * s->shared.n_triangles * sizeof *before);
+        smr_facets_refit(&s->shape, t, 0);
+        for (uint32_t k = 0; k < s->shared.n_triangles; k++) {
+            changed += memcmp(before + 3u * k, s->shape.facet_normal + 3u * k, 3u * sizeof *before) != 0;
         }
         assert_true(changed > 0u && changed <= 256u); /* bounded work, and none in vain */
     }
-    smr_facets_end(s); /* nothing above leaves that do not exist */
+    smr_facets_end(&s->shape); /* nothing above leaves that do not exist */
 }
 
 int main(void)

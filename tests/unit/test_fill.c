@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/tick/schedule.h"
 
 #define SIDE 60u     /* voxels of 2 mm */
 #define RADIUS 30.0f /* mm */
@@ -44,10 +44,10 @@ static double mean_radius(const smr *s, const smr_model *model)
 {
     const float *x = rig_positions(s, model);
     double sum = 0.0;
-    for (uint32_t i = 0; i < s->n; i++)
+    for (uint32_t i = 0; i < s->shared.n; i++)
         sum +=
             sqrt((double)(x[3u * i] * x[3u * i] + x[3u * i + 1u] * x[3u * i + 1u] + x[3u * i + 2u] * x[3u * i + 2u]));
-    return sum / s->n;
+    return sum / s->shared.n;
 }
 
 /* The ball's mean radius after `ticks` iterations on a target. */
@@ -58,12 +58,12 @@ static double after(const smr_volume *target, float smoothing, uint32_t ticks)
     smr_prepare_config p = rig_radii(2, 20, 10, 0);
     smr_config c = smr_config_default();
     p.reference = &reference;
-    c.smoothing = smoothing;
+    c.fill = smoothing;
     const smr_model *model = rig_model(&mesh, 1, &p);
     smr *s = rig_init(model, &c, NULL);
     assert_int_equal(SMR_OK, smr_set_volume(s, target));
     (void)rig_run(s, ticks);
-    assert_true(rig_finite(rig_positions(s, model), s->n));
+    assert_true(rig_finite(rig_positions(s, model), s->shared.n));
     return mean_radius(s, model);
 }
 
@@ -139,10 +139,10 @@ static void test_range(void **state)
     const smr_model *model = rig_model(&mesh, 1, &p);
     static const float bad[] = {-0.1f, 1.1f, NAN};
     for (uint32_t i = 0; i < 3u; i++) {
-        c.smoothing = bad[i];
+        c.fill = bad[i];
         assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(model, &c, &bytes));
     }
-    c.smoothing = 0.0f;
+    c.fill = 0.0f;
     assert_int_equal(SMR_OK, smr_arena_bytes(model, &c, &bytes));
 }
 
@@ -156,15 +156,15 @@ static float reach(uint32_t seen, uint32_t missing, uint32_t blind, float flat)
     p.reference = &reference;
     smr *s = rig_init(rig_model(&mesh, 1, &p), &c, NULL);
     assert_int_equal(SMR_OK, smr_set_volume(s, &reference));
-    assert_true(seen + missing + blind <= s->n);
-    for (uint32_t v = 0; v < s->n; v++)
-        smr_at3(s->x, v)[2] *= flat;
-    for (uint32_t v = 0; v < s->n; v++)
-        s->seen[v] = (uint8_t)(v < seen ? 1 : v < seen + missing ? 2 : v < seen + missing + blind ? 3 : 0);
-    smr_schedule_distances(s);
-    smr_smooth_sum(s, 0, 0);
-    assert_true(s->profile_mm == 10.0f); /* half a radius */
-    return smr_max(s->profile_mm, s->part[0].wide_mm);
+    assert_true(seen + missing + blind <= s->shared.n);
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        smr_at3(s->shape.x, v)[2] *= flat;
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        s->forces.found_last[v] = (uint8_t)(v < seen ? 1 : v < seen + missing ? 2 : v < seen + missing + blind ? 3 : 0);
+    smr_schedule_begin(s);
+    smr_fill_sum(&s->forces.image, 0, 0);
+    assert_true(s->pace.profile_mm == 10.0f); /* half a radius */
+    return smr_max(s->pace.profile_mm, s->forces.image.structure[0].wide_mm);
 }
 
 static void test_lost_looks_farther(void **state)

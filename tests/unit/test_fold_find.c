@@ -6,7 +6,8 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/tick/schedule.h"
+#include "runtime/tick/steps.h"
 
 static int tidy(void **state)
 {
@@ -96,10 +97,10 @@ static uint32_t n_folds(const smr_mesh *mesh, const float *x) { return n_below(m
 /* Runs the steps behind evolve from x_next as it stands. */
 static void settle(smr *s)
 {
-    smr_evolve_end(s);
-    for (uint32_t i = 0, behind = 0; i < smr_n_steps; behind |= smr_steps[i++].run == smr_evolve) {
-        for (s->next_task = 0; behind && s->next_task < smr_steps[i].n_tasks(s); s->next_task++) {
-            smr_steps[i].run(s, s->next_task, 0);
+    smr_facets_follow(&s->shape, s->shape.x_next);
+    for (uint32_t i = 0, behind = 0; i < smr_n_steps; behind |= smr_steps[i++].run == smr_evolve_step) {
+        for (s->next_task = 0; behind && s->next_task < smr_step_tasks(s, &smr_steps[i]); s->next_task++) {
+            smr_steps[i].run(smr_stage_of(s, &smr_steps[i]), s->next_task, 0);
         }
         if (s->next_task > 0u && smr_steps[i].end != NULL) {
             smr_steps[i].end(s);
@@ -111,9 +112,9 @@ static void settle(smr *s)
 /* Carries single vertices far over their neighbours. */
 static void step_over(smr *s, float mm, uint32_t seed)
 {
-    memcpy(s->x_next, s->x, 3u * s->n * sizeof(float));
+    memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
     for (uint32_t i = 0; i < 8u; i++) {
-        float *p = smr_at3(s->x_next, rig_random(&seed, s->n));
+        float *p = smr_at3(s->shape.x_next, rig_random(&seed, s->shared.n));
         p[0] += rig_between(&seed, -mm, mm);
         p[1] += rig_between(&seed, -mm, mm);
     }
@@ -127,7 +128,7 @@ static void test_prevents(void **state)
     for (uint32_t seed = 1; seed < 30u; seed++) {
         smr *s[2] = {start(&mesh, 0), start(&mesh, 1)};
         for (uint32_t i = 0; i < 2u; i++) {
-            s[i]->repairing = 0;
+            s[i]->pace.repairing = 0;
             step_over(s[i], 14, seed);
             settle(s[i]);
             float x[3 * SIDE * SIDE];
@@ -136,7 +137,7 @@ static void test_prevents(void **state)
                 unguarded += n_folds(&mesh, x);
             } else {
                 assert_int_equal(0, n_folds(&mesh, x));
-                marked += s[i]->n_guarded;
+                marked += s[i]->folds.n_guarded;
             }
             assert_true(rig_finite(x, mesh.n_vertices));
         }
@@ -151,12 +152,12 @@ static void test_leaves_alone_what_does_not_fold(void **state)
     smr *s[2] = {start(&mesh, 0), start(&mesh, 1)};
     (void)state;
     for (uint32_t i = 0; i < 2u; i++) {
-        s[i]->repairing = 0;
+        s[i]->pace.repairing = 0;
         step_over(s[i], 1.2f, 3);
         settle(s[i]);
-        assert_int_equal(0, s[i]->n_guarded);
+        assert_int_equal(0, s[i]->folds.n_guarded);
     }
-    assert_memory_equal(s[0]->x, s[1]->x, 3u * s[0]->n * sizeof(float));
+    assert_memory_equal(s[0]->shape.x, s[1]->shape.x, 3u * s[0]->shared.n * sizeof(float));
 }
 
 /* Vertices away from the fold keep their steps. */
@@ -164,20 +165,21 @@ static void test_stays_local(void **state)
 {
     const smr_mesh mesh = sheet();
     smr *s = start(&mesh, 1);
-    const uint32_t v = smr_model_position(s->model, SIDE + 1u);
+    const uint32_t v = smr_model_position(s->shared.model, SIDE + 1u);
     (void)state;
-    s->repairing = 0;
-    memcpy(s->x_next, s->x, 3u * s->n * sizeof(float));
-    smr_at3(s->x_next, v)[0] += 9.0f; /* over its neighbour */
-    for (uint32_t i = 0; i < s->n; i++) {
-        smr_at3(s->x_next, i)[2] += 1.0f; /* all of it lifts */
+    s->pace.repairing = 0;
+    memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
+    smr_at3(s->shape.x_next, v)[0] += 9.0f; /* over its neighbour */
+    for (uint32_t i = 0; i < s->shared.n; i++) {
+        smr_at3(s->shape.x_next, i)[2] += 1.0f; /* all of it lifts */
     }
     settle(s);
-    assert_true(s->n_guarded > 0u && s->n_guarded < s->n / 2u);
-    const uint32_t far = smr_model_position(s->model, SIDE * SIDE - 1u);
-    const smr_vec step = smr_sub(smr_load(smr_at3(s->x, far)), smr_load(smr_at3(s->start, far)));
+    assert_true(s->folds.n_guarded > 0u && s->folds.n_guarded < s->shared.n / 2u);
+    const uint32_t far = smr_model_position(s->shared.model, SIDE * SIDE - 1u);
+    const smr_vec step = smr_sub(smr_load(smr_at3(s->shape.x, far)), smr_load(smr_at3(s->shape.start, far)));
     assert_true(step.x == 0.0f && step.y == 0.0f && step.z == 1.0f);
-    assert_true(smr_at3(s->x, v)[2] - smr_at3(s->start, v)[2] > 0.5f); /* and the patch goes with its surroundings */
+    assert_true(smr_at3(s->shape.x, v)[2] - smr_at3(s->shape.start, v)[2] >
+                0.5f); /* and the patch goes with its surroundings */
 }
 
 /* Held back as much as need be, not more by a jump: a vertex carried ever farther over its neighbours ends, step for step, near
@@ -190,14 +192,14 @@ static void test_gives_way_gradually(void **state)
     for (uint32_t k = 0; k < 1200u; k++) {
         const smr_mesh mesh = sheet();
         smr *s = start(&mesh, 1);
-        float *p = smr_at3(s->x_next, smr_model_position(s->model, 5u * SIDE + 5u));
-        s->repairing = 0;
-        memcpy(s->x_next, s->x, 3u * s->n * sizeof(float));
+        float *p = smr_at3(s->shape.x_next, smr_model_position(s->shared.model, 5u * SIDE + 5u));
+        s->pace.repairing = 0;
+        memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
         p[0] += 0.01f * (float)k;
         p[2] += 3.0f;
         settle(s);
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
-        marked += s->n_guarded > 0u;
+        marked += s->folds.n_guarded > 0u;
         assert_true(k == 0u || rig_far(x, before, SIDE * SIDE) < 0.05f); /* it was carried 0.01 mm farther */
         memcpy(before, x, sizeof x);
         rig_free_all();
@@ -214,16 +216,16 @@ static void test_repairs(void **state)
     (void)state;
     for (uint32_t seed = 1; seed < 10u; seed++) {
         smr *s = start(&mesh, 1);
-        assert_true(s->repairing > 0u);
+        assert_true(s->pace.repairing > 0u);
         step_over(s, 12, seed);
-        memcpy(s->x, s->x_next, 3u * s->n * sizeof(float)); /* folded already */
-        memcpy(s->x_ref, s->x, 3u * s->n * sizeof(float));
+        memcpy(s->shape.x, s->shape.x_next, 3u * s->shared.n * sizeof(float)); /* folded already */
+        memcpy(s->shape.x_ref, s->shape.x, 3u * s->shared.n * sizeof(float));
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
         before += n_folds(&mesh, x);
-        for (uint32_t i = 0; i < 100u && s->repairing > 0u; i++) {
+        for (uint32_t i = 0; i < 100u && s->pace.repairing > 0u; i++) {
             assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
         }
-        assert_int_equal(0, s->repairing); /* it ends */
+        assert_int_equal(0, s->pace.repairing); /* it ends */
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
         after += n_folds(&mesh, x);
     }
@@ -240,9 +242,9 @@ static void sharpen(float rest, float next, uint32_t radius, uint32_t *before, u
     float x[3 * SIDE * SIDE];
     smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
     assert_int_equal(SMR_OK, smr_set_positions(s, 0, sharp.xyz));
-    s->repairing = 0;
-    s->radius = radius;
-    memcpy(s->x_next, s->x, 3u * s->n * sizeof(float));
+    s->pace.repairing = 0;
+    s->pace.radius = radius;
+    memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
     *before = n_below(&mesh, sharp.xyz, 0.0f);
     settle(s);
     assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
@@ -279,10 +281,10 @@ static void test_repairs_only_with_surfaces(void **state)
     (void)state;
     for (uint32_t grid = 0; grid < 2u; grid++) {
         for (uint32_t goals = 0; goals < 2u; goals++) {
-            s->has_grid = grid;
-            s->n_goals = goals;
+            s->forces.image.has_image = grid;
+            s->forces.surface.n_goals = goals;
             smr_schedule_start(s);
-            assert_int_equal(grid == 0u || goals > 0u, s->repairing > 0u);
+            assert_int_equal(grid == 0u || goals > 0u, s->pace.repairing > 0u);
         }
     }
 }
@@ -295,12 +297,12 @@ static void test_only_at_the_finest_radii(void **state)
     smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
     (void)state;
     for (uint32_t r = 0; r < 3u; r++) {
-        s->radius = r;
-        assert_int_equal(r > 0u, smr_guarded(s));
-        assert_int_equal(r > 0u, smr_guard_tasks(s) > 0u);
+        s->pace.radius = r;
+        assert_int_equal(r > 0u, smr_folds_guarded(&s->shared, &s->pace));
+        assert_int_equal(r > 0u, smr_fold_find_tasks(&s->folds) > 0u);
     }
-    s->config.fold_guard = 0;
-    assert_int_equal(0, smr_guard_tasks(s));
+    s->shared.config.fold_guard = 0;
+    assert_int_equal(0, smr_fold_find_tasks(&s->folds));
 }
 
 int main(void)

@@ -27,12 +27,12 @@ static void shared_edges(const uint32_t *t, uint32_t nt, uint32_t *want)
     memset(want, 0, 4u * (size_t)nt * nt);
     for (uint32_t i = 0; i < 3u * nt; i++) {
         const uint32_t v = t[i], w = t[i / 3u * 3u + (i % 3u + 1u) % 3u];
-        uint32_t count = 0, first = SMR_ALL, other = 0;
+        uint32_t count = 0, first = SMR_NONE, other = 0;
         for (uint32_t k = 0; k < 3u * nt; k++) {
             const uint32_t x = t[k], y = t[k / 3u * 3u + (k % 3u + 1u) % 3u];
             if ((x == v && y == w) || (x == w && y == v)) {
                 count++;
-                first = first == SMR_ALL ? k : first;
+                first = first == SMR_NONE ? k : first;
                 other = k / 3u;
             }
         }

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static int tidy(void **state)
 {
@@ -51,16 +51,16 @@ static setting start(const smr_config *config, const smr_mesh *goal)
 
 static void search(smr *s)
 {
-    for (uint32_t i = 0; i < smr_force_tasks(s); i++) {
-        smr_force_search(s, i, 0);
+    for (uint32_t i = 0; i < smr_forces_tasks(&s->forces); i++) {
+        smr_forces_search(&s->forces, i, 0);
     }
-    for (uint32_t i = 0; i < s->n_tasks; i++) {
-        smr_force_take(s, i, 0);
+    for (uint32_t i = 0; i < s->shared.n_tasks; i++) {
+        smr_forces_take(&s->forces, i, 0);
     }
-    smr_force_end(s);
+    smr_forces_end(&s->forces);
 }
 
-static smr_vec place_of(const smr *s, uint32_t v) { return smr_add(smr_load(smr_at3(s->x, v)), s->origin); }
+static smr_vec place_of(const smr *s, uint32_t v) { return smr_add(smr_load(smr_at3(s->shape.x, v)), s->shape.origin); }
 
 static void test_closest_point(void **state)
 {
@@ -77,13 +77,13 @@ static void test_closest_point(void **state)
         uint32_t n_forces = 0;
         double sum = 0.0, largest = 0.0;
         search(t.s);
-        for (uint32_t v = 0; v < t.s->n; v++) {
-            const smr_vec p = place_of(t.s, v), n = smr_load(smr_at3(t.s->normal, v));
+        for (uint32_t v = 0; v < t.s->shared.n; v++) {
+            const smr_vec p = place_of(t.s, v), n = smr_load(smr_at3(t.s->shape.normal, v));
             const float point[3] = {p.x, p.y, p.z}, normal[3] = {n.x, n.y, n.z};
-            const float *f = smr_at3(t.s->force, v);
+            const float *f = smr_at3(t.s->forces.force, v);
             smr_closest hit;
-            (void)smr_surface_closest(t.surface, point, normal, t.s->min_cos, c.search_mm, &hit);
-            const int found = hit.triangle != SMR_ALL;
+            (void)smr_surface_closest(t.surface, point, normal, t.s->shared.min_cos, c.search_mm, &hit);
+            const int found = hit.triangle != SMR_NONE;
             n_forces += (uint32_t)found;
             sum += found ? (double)hit.distance : 0.0;
             largest = fmax(largest, found ? (double)hit.distance : 0.0);
@@ -92,14 +92,14 @@ static void test_closest_point(void **state)
                 assert_true(fabsf(f[a] - want) < 2.0e-5f);
             }
         }
-        assert_int_equal(n_forces, t.s->report.n_forces);
-        assert_int_equal(t.s->n - n_forces, t.s->report.n_rejected);
-        assert_int_equal(t.s->n, t.s->report.n_active);
-        assert_true(fabs(largest - (double)t.s->report.residual_max_mm) < 1.0e-4);
-        assert_true(n_forces == 0u || fabs(sum / n_forces - (double)t.s->report.residual_mean_mm) < 1.0e-4);
-        assert_true(t.s->report.residual_rms_mm >= t.s->report.residual_mean_mm * 0.9999f);
-        assert_true(k > 0u || n_forces == t.s->n);
-        assert_true(k < 6u || n_forces < t.s->n);
+        assert_int_equal(n_forces, t.s->forces.totals.n_forces);
+        assert_int_equal(t.s->shared.n - n_forces, t.s->forces.totals.n_rejected);
+        assert_int_equal(t.s->shared.n, t.s->forces.totals.n_drawn);
+        assert_true(fabs(largest - (double)t.s->forces.totals.max) < 1.0e-4);
+        assert_true(n_forces == 0u || fabs(sum / n_forces - (double)t.s->forces.totals.mean) < 1.0e-4);
+        assert_true(t.s->forces.totals.rms >= t.s->forces.totals.mean * 0.9999f);
+        assert_true(k > 0u || n_forces == t.s->shared.n);
+        assert_true(k < 6u || n_forces < t.s->shared.n);
     }
 }
 
@@ -113,15 +113,15 @@ static void test_warm_start(void **state)
     uint32_t seed = 2;
     (void)state;
     search(t.s);
-    float *cold = rig_alloc(3u * t.s->n * sizeof *cold);
-    memcpy(cold, t.s->force, 3u * t.s->n * sizeof *cold);
+    float *cold = rig_alloc(3u * t.s->shared.n * sizeof *cold);
+    memcpy(cold, t.s->forces.force, 3u * t.s->shared.n * sizeof *cold);
     for (uint32_t round = 0; round < 3u; round++) {
-        for (uint32_t v = 0; round > 0u && v < t.s->n; v++) {
-            t.s->warm[v] = rig_random(&seed, goal.n_triangles); /* a bad one */
+        for (uint32_t v = 0; round > 0u && v < t.s->shared.n; v++) {
+            t.s->forces.surface.warm[v] = rig_random(&seed, goal.n_triangles); /* a bad one */
         }
         search(t.s);
-        for (uint32_t i = 0; i < 3u * t.s->n; i++) {
-            assert_true(fabsf(cold[i] - t.s->force[i]) < 1.0e-5f);
+        for (uint32_t i = 0; i < 3u * t.s->shared.n; i++) {
+            assert_true(fabsf(cold[i] - t.s->forces.force[i]) < 1.0e-5f);
         }
     }
 }
@@ -141,14 +141,14 @@ static void test_box(void **state)
     c.box_min[0] = 0;
     const setting t = start(&c, &goal);
     search(t.s);
-    for (uint32_t v = 0; v < t.s->n; v++) {
-        const smr_vec p = place_of(t.s, v), f = smr_load(smr_at3(t.s->force, v));
+    for (uint32_t v = 0; v < t.s->shared.n; v++) {
+        const smr_vec p = place_of(t.s, v), f = smr_load(smr_at3(t.s->forces.force, v));
         if (smr_length(f) > 0.0f) {
             inside++;
             assert_true(p.x >= -1.0e-4f && p.x + f.x / c.stiffness >= -1.0e-4f);
         }
     }
-    assert_true(inside > t.s->n / 4u && inside < t.s->n * 3u / 4u);
+    assert_true(inside > t.s->shared.n / 4u && inside < t.s->shared.n * 3u / 4u);
 }
 
 static void test_border(void **state)
@@ -159,17 +159,17 @@ static void test_border(void **state)
     half.n_triangles /= 2u; /* an open surface */
     const setting all = start(&c, &half);
     search(all.s);
-    assert_int_equal(all.s->n, all.s->report.n_forces);
+    assert_int_equal(all.s->shared.n, all.s->forces.totals.n_forces);
     c.reject_border = 1;
     const setting t = start(&c, &half);
     search(t.s);
-    assert_true(t.s->report.n_rejected > t.s->n / 5u && t.s->report.n_forces > t.s->n / 5u);
-    for (uint32_t v = 0; v < t.s->n; v++) {
+    assert_true(t.s->forces.totals.n_rejected > t.s->shared.n / 5u && t.s->forces.totals.n_forces > t.s->shared.n / 5u);
+    for (uint32_t v = 0; v < t.s->shared.n; v++) {
         const smr_vec p = place_of(t.s, v);
         const float point[3] = {p.x, p.y, p.z};
         smr_closest hit;
         (void)smr_surface_closest(t.surface, point, NULL, -2.0f, 1.0e5f, &hit);
-        assert_int_equal(hit.on_border == 0u, smr_length(smr_load(smr_at3(t.s->force, v))) > 0.0f);
+        assert_int_equal(hit.on_border == 0u, smr_length(smr_load(smr_at3(t.s->forces.force, v))) > 0.0f);
     }
 }
 
@@ -187,12 +187,12 @@ static void test_outliers(void **state)
     c.reject_deviations = 2.0f;
     const setting t = start(&c, &goal);
     search(t.s);
-    assert_int_equal(0, t.s->report.n_rejected); /* nothing is known yet */
-    const float limit = t.s->force_limit;
-    assert_true(limit > t.s->report.residual_mean_mm && limit < t.s->report.residual_max_mm);
+    assert_int_equal(0, t.s->forces.totals.n_rejected); /* nothing is known yet */
+    const float limit = t.s->forces.surface.limit;
+    assert_true(limit > t.s->forces.totals.mean && limit < t.s->forces.totals.max);
     search(t.s);
-    assert_true(t.s->report.n_rejected > 0u && t.s->report.n_rejected < t.s->n / 4u);
-    assert_true(t.s->report.residual_max_mm <= limit);
+    assert_true(t.s->forces.totals.n_rejected > 0u && t.s->forces.totals.n_rejected < t.s->shared.n / 4u);
+    assert_true(t.s->forces.totals.max <= limit);
 }
 
 static void test_no_target_no_force(void **state)
@@ -203,11 +203,11 @@ static void test_no_target_no_force(void **state)
     (void)state;
     assert_int_equal(SMR_OK, smr_set_surface(t.s, 0, NULL));
     search(t.s);
-    assert_int_equal(0, t.s->report.n_active);
-    assert_int_equal(0, t.s->report.n_forces);
-    assert_int_equal(0, t.s->report.n_rejected);
-    for (uint32_t i = 0; i < 3u * t.s->n; i++) {
-        assert_true(t.s->force[i] == 0.0f);
+    assert_int_equal(0, t.s->forces.totals.n_drawn);
+    assert_int_equal(0, t.s->forces.totals.n_forces);
+    assert_int_equal(0, t.s->forces.totals.n_rejected);
+    for (uint32_t i = 0; i < 3u * t.s->shared.n; i++) {
+        assert_true(t.s->forces.force[i] == 0.0f);
     }
 }
 
@@ -221,13 +221,13 @@ static void test_slide(void **state)
     c.slide = 0.0f;
     const setting t = start(&c, &goal);
     search(t.s);
-    for (uint32_t v = 0; v < t.s->n; v++) {
-        const smr_vec f = smr_load(smr_at3(t.s->force, v)), n = smr_load(smr_at3(t.s->normal, v));
+    for (uint32_t v = 0; v < t.s->shared.n; v++) {
+        const smr_vec f = smr_load(smr_at3(t.s->forces.force, v)), n = smr_load(smr_at3(t.s->shape.normal, v));
         assert_true(smr_length(smr_cross(f, n)) < 1.0e-4f);
     }
-    smr_store(smr_at3(t.s->normal, 5), smr_v(0, 0, 0)); /* a vertex without triangles */
+    smr_store(smr_at3(t.s->shape.normal, 5), smr_v(0, 0, 0)); /* a vertex without triangles */
     search(t.s);
-    assert_true(smr_length(smr_load(smr_at3(t.s->force, 5))) > 0.5f);
+    assert_true(smr_length(smr_load(smr_at3(t.s->forces.force, 5))) > 0.5f);
 }
 
 int main(void)

@@ -112,6 +112,8 @@ static void logs(void **state)
     const uint8_t *records = seed.log + SMR_LOG_HEADER;
     const uint32_t whole = (uint32_t)(seed.bytes - SMR_LOG_HEADER);
     save("log", 0, records, whole);
+    save("log", 1, seed.log + SMR_LOG_FIXED, 4u * SMR_LOG_CONFIG_WORDS); /* a header's configuration */
+    assert_true(fuzz_log(seed.log + SMR_LOG_FIXED, 4u * SMR_LOG_CONFIG_WORDS) == 0);
     assert_int_equal(fuzz_log(NULL, 0), 1);
     assert_int_equal(fuzz_log(records, whole), 1);
     for (uint32_t i = 0; i < 1500u; i++) {
@@ -135,6 +137,11 @@ static void logs(void **state)
         repeated += (uint32_t)result;
     }
     assert_true(repeated > 100u);
+    for (uint32_t i = 0; i < 500u; i++) { /* settings of a header */
+        memcpy(copy, seed.log + SMR_LOG_FIXED, 4u * SMR_LOG_CONFIG_WORDS);
+        copy[oracle_below(&r, 4u * SMR_LOG_CONFIG_WORDS)] = (uint8_t)oracle_next(&r);
+        assert_int_equal(fuzz_log(copy, 4u * (1u + oracle_below(&r, SMR_LOG_CONFIG_WORDS))), 0);
+    }
     rig_free_all();
 }
 

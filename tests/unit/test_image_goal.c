@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 #define SIDE 76u     /* voxels */
 #define SPACING 1.5f /* mm */
@@ -77,7 +77,7 @@ static void test_follows_image(void **state)
         assert_int_equal(SMR_OK, smr_set_volume(s, &target));
         assert_true(off_ball(s, model, (double)RADIUS + 2.0, shift) > 1.5);
         smr_tick_report r = rig_run(s, 1);
-        assert_true(r.n_active > 0u && r.n_active <= s->n); /* at large radii not every vertex takes part */
+        assert_true(r.n_active > 0u && r.n_active <= s->shared.n); /* at large radii not every vertex takes part */
         assert_true(r.n_forces > r.n_active / 2u);
         r = rig_run(s, 10000);
         assert_int_equal(1, r.done);
@@ -86,7 +86,7 @@ static void test_follows_image(void **state)
             print_error("similarity %u: %f mm off in the mean\n", similarity, off);
         }
         assert_true(off < 0.3);
-        assert_true(rig_finite(rig_positions(s, model), s->n));
+        assert_true(rig_finite(rig_positions(s, model), s->shared.n));
     }
 }
 
@@ -111,7 +111,7 @@ static double off_turned(const smr *s, const smr_model *model, const float *befo
 {
     const float *x = rig_positions(s, model);
     double sum = 0.0;
-    for (uint32_t i = 0; i < s->n; i++) {
+    for (uint32_t i = 0; i < s->shared.n; i++) {
         const double to[3] = {cos(angle) * (double)before[3u * i] - sin(angle) * (double)before[3u * i + 1u],
                               sin(angle) * (double)before[3u * i] + cos(angle) * (double)before[3u * i + 1u],
                               (double)before[3u * i + 2u]};
@@ -120,7 +120,7 @@ static double off_turned(const smr *s, const smr_model *model, const float *befo
             d2 += ((double)x[3u * i + a] - to[a]) * ((double)x[3u * i + a] - to[a]);
         sum += sqrt(d2);
     }
-    return sum / s->n;
+    return sum / s->shared.n;
 }
 
 /* A ball that turned: along its normals there is nothing to be seen of it. Nor must it turn far where the image has not turned,
@@ -174,7 +174,7 @@ static void test_extreme_reference(void **state)
         smr *s = rig_init(model, &c, NULL);
         assert_int_equal(SMR_OK, smr_set_volume(s, &reference));
         (void)rig_run(s, 10000);
-        assert_true(rig_finite(rig_positions(s, model), s->n));
+        assert_true(rig_finite(rig_positions(s, model), s->shared.n));
     }
 }
 
@@ -191,7 +191,7 @@ static void test_needs_profiles(void **state)
     assert_int_equal(SMR_E_NULL, smr_set_volume(NULL, &target));
     assert_int_equal(SMR_E_NULL, smr_set_volume(NULL, NULL));
     assert_true(hash == smr_state_hash(s));
-    assert_int_equal(0, s->has_grid);
+    assert_int_equal(0, s->forces.image.has_image);
     assert_int_equal(0, rig_run(s, 1).n_active);
     s->magic = 0;
     assert_int_equal(SMR_E_STATE, smr_set_volume(s, &target));
@@ -242,7 +242,7 @@ static void test_refused(void **state)
         smr *s = rig_init(model, &c, NULL);
         if (refused) {
             refuse_all(s, &target);
-            assert_int_equal(0, s->has_grid);
+            assert_int_equal(0, s->forces.image.has_image);
         }
         assert_int_equal(SMR_OK, smr_set_volume(s, &target));
         const smr_tick_report before = rig_run(s, 5);
@@ -250,7 +250,7 @@ static void test_refused(void **state)
             const uint64_t hash = smr_state_hash(s);
             refuse_all(s, &target);
             assert_true(hash == smr_state_hash(s));
-            assert_int_equal(1, s->has_grid);
+            assert_int_equal(1, s->forces.image.has_image);
         }
         const smr_tick_report after = rig_run(s, 5);
         assert_int_equal(before.iteration + 5u, after.iteration);
@@ -313,7 +313,7 @@ static void test_image_elsewhere(void **state)
     assert_int_equal(r.n_active, r.n_rejected);
     const smr_tick_report end = rig_run(s, 10000);
     assert_int_equal(1, end.done);
-    assert_true(rig_far(before, rig_positions(s, model), s->n) < 1.0e-3f);
+    assert_true(rig_far(before, rig_positions(s, model), s->shared.n) < 1.0e-3f);
 }
 
 static void test_equal_bits(void **state)

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static int tidy(void **state)
 {
@@ -24,34 +24,38 @@ typedef struct slot {
 
 static void check_slots(const smr *s, size_t bytes)
 {
-    const size_t n = s->n, v3 = 3u * n * sizeof(float), pulls = s->config.n_target_vertices;
+    const size_t n = s->shared.n, v3 = 3u * n * sizeof(float), pulls = s->shared.config.n_target_vertices;
     const slot slots[] = {
         {s, sizeof *s},
-        {s->part, s->n_parts * sizeof *s->part},
-        {s->goal, s->n_parts * sizeof *s->goal},
-        {s->x, v3},
-        {s->x_next, v3},
-        {s->x_ref, v3},
-        {s->normal, v3},
-        {s->normal_ref, v3},
-        {s->start, v3},
-        {s->force, v3},
-        {s->centre, v3},
-        {s->spread, 2u * v3},
-        {s->cluster_mass, n * sizeof(float)},
-        {s->warm, n * sizeof(uint32_t)},
-        {s->warm_next, n * sizeof(uint32_t)},
-        {s->found, n},
-        {s->seen, n},
-        {s->record, n * SMR_WORDS * sizeof(uint32_t)},
-        {s->sum, n * SMR_WORDS * sizeof(uint32_t)},
-        {s->transform, 4u * v3},
-        {s->eigen, s->eigen == NULL ? 0u : 3u * v3},
-        {s->tally, (s->n_tasks > s->n_hinge_tasks ? s->n_tasks : s->n_hinge_tasks) * sizeof *s->tally},
-        {s->facet_normal, 3u * (size_t)s->n_triangles * sizeof(float)},
-        {s->target_warm, pulls * sizeof(uint32_t)},
-        {s->pull, pulls == 0u ? 0u : s->config.n_workers * n * 4u * sizeof(int64_t)},
-        {s->node, pulls == 0u ? 0u : s->n_nodes * sizeof(smr_node)},
+        {s->shape.structure, s->shared.n_structures * sizeof *s->shape.structure},
+        {s->forces.surface.target, s->shared.n_structures * sizeof *s->forces.surface.target},
+        {s->forces.image.structure, s->shared.n_structures * sizeof *s->forces.image.structure},
+        {s->folds.folding, s->shared.n_structures * sizeof *s->folds.folding},
+        {s->forces.surface.goal, s->shared.n_structures * sizeof *s->forces.surface.goal},
+        {s->shape.x, v3},
+        {s->shape.x_next, v3},
+        {s->shape.x_ref, v3},
+        {s->shape.normal, v3},
+        {s->shape.normal_ref, v3},
+        {s->shape.start, v3},
+        {s->forces.force, v3},
+        {s->reference.centre, v3},
+        {s->reference.spread, 2u * v3},
+        {s->reference.cluster_mass, n * sizeof(float)},
+        {s->forces.surface.warm, n * sizeof(uint32_t)},
+        {s->forces.surface.warm_next, n * sizeof(uint32_t)},
+        {s->forces.found, n},
+        {s->forces.found_last, n},
+        {s->overlay.record, n * SMR_WORDS * sizeof(uint32_t)},
+        {s->sums.sum, n * SMR_WORDS * sizeof(uint32_t)},
+        {s->match.transform, 4u * v3},
+        {s->match.eigen, s->match.eigen == NULL ? 0u : 3u * v3},
+        {s->overlay.tally, (s->shared.n_tasks > s->folds.n_hinge_tasks ? s->shared.n_tasks : s->folds.n_hinge_tasks) *
+                               sizeof *s->overlay.tally},
+        {s->shape.facet_normal, 3u * (size_t)s->shared.n_triangles * sizeof(float)},
+        {s->forces.surface.target_warm, pulls * sizeof(uint32_t)},
+        {s->forces.surface.pull, pulls == 0u ? 0u : s->shared.config.n_workers * n * 4u * sizeof(int64_t)},
+        {s->shape.node, pulls == 0u ? 0u : s->shape.n_nodes * sizeof(smr_node)},
     };
     const unsigned char *base = (const unsigned char *)s;
     for (size_t i = 0; i < sizeof slots / sizeof slots[0]; i++) {
@@ -85,8 +89,9 @@ static void test_layout(void **state)
         assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &bytes));
         const smr *s = rig_init(model, &config, NULL);
         check_slots(s, bytes);
-        assert_int_equal(k & 1u, s->eigen != NULL);
-        assert_int_equal(k >> 2u, s->pull != NULL && s->node != NULL && s->target_warm != NULL);
+        assert_int_equal(k & 1u, s->match.eigen != NULL);
+        assert_int_equal(k >> 2u, s->forces.surface.pull != NULL && s->shape.node != NULL &&
+                                      s->forces.surface.target_warm != NULL);
     }
 }
 
@@ -102,22 +107,22 @@ static void test_counts_and_parts(void **state)
     uint32_t vertices = 0, triangles = 0, leaves = 0;
     (void)state;
     for (uint32_t i = 0; i < 3u; i++) {
-        const smr_part *part = &s->part[i];
+        const smr_shape_structure *part = &s->shape.structure[i];
         assert_int_equal(vertices, part->first_vertex);
         assert_int_equal(triangles, part->first_triangle);
         assert_int_equal(leaves, part->first_leaf);
         assert_int_equal(mesh[i].n_vertices, part->n_vertices);
         assert_int_equal(mesh[i].n_triangles, part->facets.n_triangles);
-        assert_null(part->target);
+        assert_null(s->forces.surface.target[i].surface);
         vertices += mesh[i].n_vertices;
         triangles += mesh[i].n_triangles;
         leaves += (mesh[i].n_triangles + SMR_TREE_WIDTH - 1u) / SMR_TREE_WIDTH;
     }
-    assert_int_equal(vertices, s->n);
-    assert_int_equal(triangles, s->n_triangles);
-    assert_int_equal((vertices + SMR_CHUNK - 1u) / SMR_CHUNK, s->n_tasks);
-    for (size_t i = 0; i < 3u * (size_t)s->n_triangles; i++) {
-        assert_true(s->triangle[i] < s->n);
+    assert_int_equal(vertices, s->shared.n);
+    assert_int_equal(triangles, s->shared.n_triangles);
+    assert_int_equal((vertices + SMR_CHUNK - 1u) / SMR_CHUNK, s->shared.n_tasks);
+    for (size_t i = 0; i < 3u * (size_t)s->shared.n_triangles; i++) {
+        assert_true(s->shared.triangle[i] < s->shared.n);
     }
 }
 
@@ -131,13 +136,13 @@ static void test_masses(void **state)
         float largest = 0.0f;
         prepare.mass = area;
         const smr *s = rig_init(rig_model(&mesh, 1, &prepare), &config, NULL);
-        for (uint32_t v = 0; v < s->n; v++) {
-            const float units = smr_mass_of(s, v) * s->mass_unit;
-            largest = fmaxf(largest, smr_mass_of(s, v));
+        for (uint32_t v = 0; v < s->shared.n; v++) {
+            const float units = smr_mass(&s->shared, v) * s->shared.mass_unit;
+            largest = fmaxf(largest, smr_mass(&s->shared, v));
             assert_true(units >= 1.0f && units == floorf(units)); /* whole multiples */
         }
-        assert_true(s->mass_max == largest);
-        assert_true(area || (s->mass_unit == 1.0f && largest == 1.0f));
+        assert_true(s->shared.mass_max == largest);
+        assert_true(area || (s->shared.mass_unit == 1.0f && largest == 1.0f));
     }
 }
 
@@ -153,9 +158,9 @@ static void test_copies(void **state)
     smr *s = rig_init(rig_model(&mesh, 1, &radii), &config, &port);
     memset(&config, 0xff, sizeof config); /* both were copied */
     memset(&port, 0xff, sizeof port);
-    assert_int_equal(4, s->config.n_workers);
+    assert_int_equal(4, s->shared.config.n_workers);
     assert_int_equal(3, s->port.n_workers);
-    assert_true(fabsf(s->min_cos - 0.5f) < 1.0e-5f);
+    assert_true(fabsf(s->shared.min_cos - 0.5f) < 1.0e-5f);
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
     assert_int_equal(SMR_OK, smr_tick(s, 1000, NULL)); /* no clock: the budget means nothing */
 }

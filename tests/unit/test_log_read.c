@@ -121,6 +121,112 @@ static void test_swapped_and_noise(void **state)
     }
 }
 
+/* ---------------------------------------------------------------- the configuration in the header */
+
+/* A log without records: these words as its configuration. Returns what opening it says. */
+static smr_status open_header(uint32_t version, const uint32_t *word, uint32_t n_words, smr_config *config)
+{
+    static unsigned char log[4096];
+    const uint32_t bytes = SMR_LOG_FIXED + 4u * n_words + 4u;
+    const uint32_t fixed[SMR_LOG_FIXED / 4u] = {SMR_LOG_MAGIC, version, bytes, 1, 2, 3, n_words};
+    smr_log_reader reader;
+    smr_log_record r;
+    smr_log_info info;
+    assert_true(bytes <= sizeof log);
+    for (uint32_t i = 0; i < SMR_LOG_FIXED / 4u; i++) {
+        smr_log_put32(log + 4u * i, fixed[i]);
+    }
+    for (uint32_t i = 0; i < n_words; i++) {
+        smr_log_put32(log + SMR_LOG_FIXED + 4u * i, word[i]);
+    }
+    smr_log_put32(log + bytes - 4u, smr_crc32(0, log, bytes - 4u));
+    const smr_status status = smr_log_open(log, bytes, &reader, &info);
+    if (status == SMR_OK) {
+        assert_true(info.library == 1u && info.model_checksum == 2u && info.n_vertices == 3u);
+        assert_int_equal(SMR_OK, smr_log_next(&reader, &r));
+        assert_int_equal(0, r.kind);
+        *config = info.config;
+    }
+    return status;
+}
+
+static uint32_t bits(float v)
+{
+    uint32_t word;
+    memcpy(&word, &v, sizeof word);
+    return word;
+}
+
+/* Settings have their number: in any order, and what is not there has its default. */
+static void test_settings_by_number(void **state)
+{
+    const smr_config standard = smr_config_default();
+    const uint32_t word[] = {1u << 16 | 44u, 7, 3u << 16 | 16u, bits(1), bits(2), bits(3), 1u << 16 | 3u, bits(0.25f)};
+    const uint32_t unknown[] = {1u << 16 | 45u, 7}, longer[] = {2u << 16 | 44u, 7, 7},
+                   twice[] = {word[0], 7, word[0], 7};
+    smr_config c, want = standard;
+    (void)state;
+    assert_int_equal(SMR_OK, open_header(2, word, 8, &c));
+    want.iterations_last = 7;
+    want.box_max[0] = 1;
+    want.box_max[1] = 2;
+    want.box_max[2] = 3;
+    want.stiffness = 0.25f;
+    assert_memory_equal(&c, &want, sizeof c);
+    assert_int_equal(SMR_OK, open_header(2, word, 0, &c));
+    assert_memory_equal(&c, &standard, sizeof c);
+    for (uint32_t n = 1; n < 8u; n++) {
+        assert_int_equal(n == 2u || n == 6u ? SMR_OK : SMR_E_LOG, open_header(2, word, n, &c));
+    }
+    assert_int_equal(SMR_E_LOG, open_header(2, unknown, 2, &c));
+    assert_int_equal(SMR_E_LOG, open_header(2, longer, 3, &c));
+    assert_int_equal(SMR_E_LOG, open_header(2, twice, 4, &c));
+}
+
+/* Version 1 is the struct of library 0.1: the cookie, then 44 words in an order that stays. */
+static void test_version_1(void **state)
+{
+    uint32_t word[46] = {0x520100b4u};
+    smr_config c;
+    (void)state;
+    for (uint32_t i = 1; i < 46u; i++) {
+        word[i] = 100u + i;
+    }
+    word[3] = bits(0.5f);
+    word[15] = bits(15.0f);
+    word[28] = bits(28.0f);
+    assert_int_equal(SMR_OK, open_header(1, word, 45, &c));
+    assert_true(c.cookie == smr_config_default().cookie && c.n_workers == 101u && c.n_target_vertices == 102u);
+    assert_true(c.stiffness == 0.5f && c.box_min[2] == 15.0f && c.fill == 28.0f && c.iterations_last == 144u);
+    assert_true(c.node_budget == 119u && c.method == 129u && c.radius_last == 142u);
+    for (uint32_t version = 0; version < 9u; version++) {
+        for (uint32_t n = 44; n <= 46u; n++) {
+            assert_int_equal(version == 1u && n == 45u ? SMR_OK : SMR_E_LOG, open_header(version, word, n, &c));
+        }
+    }
+}
+
+/* Lengths in the header that do not agree, with a right checksum where one would be read. */
+static void test_header_lengths(void **state)
+{
+    static const uint32_t value[] = {0, 4, 27, 28, 32, 36, 211, 212, 1000, 4096, 0x40000000u, 0x7fffffffu, 0xffffffffu};
+    static unsigned char log[UNIT_LOG_BYTES];
+    smr_log_reader reader;
+    (void)state;
+    for (size_t i = 0; i < sizeof value / sizeof value[0]; i++) {
+        for (size_t k = 0; k < sizeof value / sizeof value[0]; k++) {
+            memcpy(log, unit_recorded.log, unit_recorded.bytes);
+            smr_log_put32(log + 8, value[i]);
+            smr_log_put32(log + 24, value[k]);
+            if (value[i] >= 32u && value[i] <= unit_recorded.bytes) {
+                smr_log_put32(log + value[i] - 4u, smr_crc32(0, log, value[i] - 4u));
+            }
+            const int empty = value[i] == 32u && value[k] == 0u;
+            assert_int_equal(empty ? SMR_OK : SMR_E_LOG, smr_log_open(log, unit_recorded.bytes, &reader, NULL));
+        }
+    }
+}
+
 static void test_refusals(void **state)
 {
     smr_log_reader reader = {NULL, 0, 0, 0}, untouched = reader;
@@ -147,6 +253,9 @@ int main(void)
         cmocka_unit_test(test_every_bit),
         cmocka_unit_test(test_forged),
         cmocka_unit_test(test_swapped_and_noise),
+        cmocka_unit_test(test_settings_by_number),
+        cmocka_unit_test(test_version_1),
+        cmocka_unit_test(test_header_lengths),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, unit_log_set_up, unit_log_tidy);

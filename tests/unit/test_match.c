@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static int tidy(void **state)
 {
@@ -31,10 +31,10 @@ static smr *start(uint32_t method, const smr_mesh *mesh, float radius)
     return s;
 }
 
-static void run_all(smr *s, uint32_t n, smr_task run)
+static void run_all(void *stage, uint32_t n, smr_task run)
 {
     for (uint32_t t = 0; t < n; t++) {
-        run(s, t, 0);
+        run(stage, t, 0);
     }
 }
 
@@ -42,27 +42,27 @@ static void run_all(smr *s, uint32_t n, smr_task run)
 static void drive(smr *s, const float m[9], smr_vec t)
 {
     float u_max = 0.0f, l_max = 0.0f;
-    for (uint32_t v = 0; v < s->n; v++) {
-        const smr_vec x = smr_load(smr_at3(s->x, v)), f = smr_sub(smr_add(smr_mul(m, x), t), x);
-        smr_store(smr_at3(s->force, v), f);
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        const smr_vec x = smr_load(smr_at3(s->shape.x, v)), f = smr_sub(smr_add(smr_mul(m, x), t), x);
+        smr_store(smr_at3(s->forces.force, v), f);
         u_max = fmaxf(u_max, smr_length(f));
         l_max = fmaxf(l_max, 2.0f * smr_length(f) * smr_length(x));
     }
-    s->scale[0] = exp2f(floorf(log2f(1.0e9f / ((float)s->lists.largest * (u_max + 1.0e-9f)))));
-    s->scale[1] = exp2f(floorf(log2f(1.0e9f / ((float)s->lists.largest * (l_max + 1.0e-9f)))));
-    s->sum_words = 12;
-    run_all(s, s->n_tasks, smr_sums_record);
-    run_all(s, smr_block_tasks(s), smr_sums_forest);
-    run_all(s, smr_match_tasks(s), smr_match);
+    s->sums.scale[0] = exp2f(floorf(log2f(1.0e9f / ((float)s->pace.lists.largest * (u_max + 1.0e-9f)))));
+    s->sums.scale[1] = exp2f(floorf(log2f(1.0e9f / ((float)s->pace.lists.largest * (l_max + 1.0e-9f)))));
+    s->sums.words = 12;
+    run_all(&s->sums, s->shared.n_tasks, smr_sums_record);
+    run_all(&s->sums, smr_block_tasks(&s->sums), smr_sums_forest);
+    run_all(&s->match, smr_match_cluster_tasks(&s->match), smr_match_clusters);
 }
 
 /* Largest distance between where clusters carry their own vertex and where it should go. */
 static float miss(const smr *s, const float m[9], smr_vec t)
 {
     float worst = 0.0f;
-    for (uint32_t v = 0; v < s->n; v++) {
-        const float *own = s->transform + 12u * (size_t)v;
-        const smr_vec x = smr_load(smr_at3(s->x_ref, v));
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        const float *own = s->match.transform + 12u * (size_t)v;
+        const smr_vec x = smr_load(smr_at3(s->shape.x_ref, v));
         const smr_vec got = smr_add(x, smr_add(smr_mul(own, x), smr_load(own + 9)));
         worst = fmaxf(worst, smr_length(smr_sub(got, smr_add(smr_mul(m, x), t))));
     }
@@ -121,8 +121,8 @@ static void test_translation(void **state)
         smr *s = start(method, &mesh, 18);
         drive(s, identity, smr_v(7, -11, 0.5f));
         assert_true(miss(s, identity, smr_v(7, -11, 0.5f)) < 1.0e-4f);
-        for (uint32_t v = 0; v < s->n; v++) {
-            assert_true(not_rotation(s->transform + 12u * (size_t)v) < 1.0e-5f);
+        for (uint32_t v = 0; v < s->shared.n; v++) {
+            assert_true(not_rotation(s->match.transform + 12u * (size_t)v) < 1.0e-5f);
         }
     }
 }
@@ -136,8 +136,8 @@ static void test_nothing_is_exactly_nothing(void **state)
     for (uint32_t method = 0; method < 2u; method++) {
         smr *s = start(method, &mesh, 18);
         drive(s, identity, smr_v(0, 0, 0));
-        for (size_t i = 0; i < 12u * (size_t)s->n; i++) {
-            assert_true(s->transform[i] == 0.0f);
+        for (size_t i = 0; i < 12u * (size_t)s->shared.n; i++) {
+            assert_true(s->match.transform[i] == 0.0f);
         }
     }
 }
@@ -164,11 +164,11 @@ static void test_always_a_rotation(void **state)
                 m[i] = round % 5u == 4u ? 0.0f : rig_between(&seed, -3, 3);
             }
             drive(s, m, smr_v(rig_between(&seed, -9, 9), 2, 1));
-            for (uint32_t v = 0; v < s->n; v++) {
+            for (uint32_t v = 0; v < s->shared.n; v++) {
                 for (uint32_t i = 0; i < 12u; i++) {
-                    assert_true(isfinite(s->transform[12u * (size_t)v + i]));
+                    assert_true(isfinite(s->match.transform[12u * (size_t)v + i]));
                 }
-                assert_true(not_rotation(s->transform + 12u * (size_t)v) < 1.0e-4f);
+                assert_true(not_rotation(s->match.transform + 12u * (size_t)v) < 1.0e-4f);
             }
         }
     }
@@ -182,15 +182,17 @@ static void test_scales_for_averaging(void **state)
     (void)state;
     rig_rotation(1, 2, 3, 10, m);
     drive(s, m, smr_v(3, -2, 1));
-    smr_match_end(s);
-    for (size_t v = 0; v < s->n; v++) {
+    smr_match_end(&s->match);
+    smr_sums_expect(&s->sums, 12u, s->match.largest[0], s->match.largest[1]);
+    for (size_t v = 0; v < s->shared.n; v++) {
         for (uint32_t i = 0; i < 12u; i++) {
-            r = i < 9u ? fmaxf(r, fabsf(s->transform[12u * v + i])) : r;
-            t = i < 9u ? t : fmaxf(t, fabsf(s->transform[12u * v + i]));
+            r = i < 9u ? fmaxf(r, fabsf(s->match.transform[12u * v + i])) : r;
+            t = i < 9u ? t : fmaxf(t, fabsf(s->match.transform[12u * v + i]));
         }
     }
-    assert_int_equal(12, s->sum_words);
-    const float room[2] = {(float)s->lists.largest * r * s->scale[0], (float)s->lists.largest * t * s->scale[1]};
+    assert_int_equal(12, s->sums.words);
+    const float room[2] = {(float)s->pace.lists.largest * r * s->sums.scale[0],
+                           (float)s->pace.lists.largest * t * s->sums.scale[1]};
     for (uint32_t i = 0; i < 2u; i++) {
         assert_true(room[i] <= 1073741824.0f && room[i] > 536870912.0f * 0.99f);
     }

@@ -43,9 +43,9 @@ static void plain_walk(const unsigned char *near, uint32_t n, uint32_t *vertex, 
     }
     while (head < n) {
         if (head == tail) {
-            uint32_t seed = SMR_ALL;
+            uint32_t seed = SMR_NONE;
             for (uint32_t a = 0; a < n; a++)
-                if (!seen[a] && (seed == SMR_ALL || size[a] > size[seed]))
+                if (!seen[a] && (seed == SMR_NONE || size[a] > size[seed]))
                     seed = a;
             seen[seed] = 1;
             parent[tail] = seed;

@@ -111,9 +111,9 @@ static uint32_t plain_list(const world *w, uint32_t *list, uint32_t need[SMR_RAD
     unsigned char *gone = unit_memory(n), done[SMR_RADII_MAX] = {0};
     memset(gone, 0, n);
     for (uint32_t k = 0; k < w->config.n_radii; k++) {
-        uint32_t f = SMR_ALL;
+        uint32_t f = SMR_NONE;
         for (uint32_t r = 0; r < w->config.n_radii; r++)
-            if (!done[r] && (f == SMR_ALL || w->config.radius_mm[r] <= w->config.radius_mm[f]))
+            if (!done[r] && (f == SMR_NONE || w->config.radius_mm[r] <= w->config.radius_mm[f]))
                 f = r;
         done[f] = 1;
         for (uint32_t a = 0; a < n; a++) /* what a finer radius took away from clusters that were small there */
@@ -121,17 +121,17 @@ static uint32_t plain_list(const world *w, uint32_t *list, uint32_t need[SMR_RAD
                 if (w->member[f][(size_t)a * n + b] && gone[b] && left(w->member[f], n, a, gone) < 3u)
                     gone[b] = 0, ++*restored;
         for (uint32_t i = 0; i < listed; i++)
-            if (list[i] != SMR_ALL && !gone[list[i]])
-                list[i] = SMR_ALL;
+            if (list[i] != SMR_NONE && !gone[list[i]])
+                list[i] = SMR_NONE;
         listed = until[f] = plain_rule(w->member[f], n, gone, list, listed);
     }
     for (uint32_t r = 0; r < w->config.n_radii; r++) {
         need[r] = n;
         for (uint32_t i = 0; i < until[r]; i++)
-            need[r] -= list[i] != SMR_ALL;
+            need[r] -= list[i] != SMR_NONE;
     }
     for (uint32_t i = 0; i < listed; i++)
-        if (list[i] != SMR_ALL)
+        if (list[i] != SMR_NONE)
             list[kept++] = list[i];
     unit_free(gone);
     return kept;

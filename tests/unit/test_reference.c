@@ -7,7 +7,7 @@
 
 #include "property/model_lists.h"
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static int tidy(void **state)
 {
@@ -21,54 +21,57 @@ static const float none[3] = {0, 0, 0};
 /* x^r's centres and spreads as the library has them after the reference steps of the next iteration. */
 static void settle(smr *s)
 {
-    s->reference_stale = 1;
-    for (uint32_t t = 0; t < smr_reference_tasks(s); t++) {
-        smr_reference_reach(s, t, 0);
+    s->reference.stale = 1;
+    for (uint32_t t = 0; t < smr_reference_tasks(&s->reference); t++) {
+        smr_reference_reach(&s->reference, t, 0);
     }
-    smr_reference_begin(s);
-    for (uint32_t t = 0; t < smr_reference_records(s); t++) {
-        smr_reference_record(s, t, 0);
+    smr_reference_begin(&s->reference);
+    for (uint32_t t = 0; t < smr_reference_record_tasks(&s->reference); t++) {
+        smr_reference_record(&s->reference, t, 0);
     }
-    for (uint32_t t = 0; t < smr_reference_blocks(s); t++) {
-        smr_sums_forest(s, t, 0);
+    for (uint32_t t = 0; t < smr_reference_block_tasks(&s->reference); t++) {
+        smr_sums_forest(&s->sums, t, 0);
     }
-    for (uint32_t t = 0; t < smr_reference_clusters(s); t++) {
-        smr_reference_cluster(s, t, 0);
+    for (uint32_t t = 0; t < smr_reference_cluster_tasks(&s->reference); t++) {
+        smr_reference_cluster(&s->reference, t, 0);
     }
-    smr_reference_end(s);
+    smr_reference_end(&s->reference);
 }
+
+/* A vertex' mass in the sums: an ignored one is out of every cluster. */
+static float active_mass(const smr *s, uint32_t v) { return smr_active(&s->pace, v) ? smr_mass(&s->shared, v) : 0.0f; }
 
 /* Largest errors, relative to the cluster's size: of the centre, and of the covariance (polar) or of inertia times its
  * inverse (rigid). */
 static void compare(const smr *s, const rig_lists *l, double *centre_mm, double *spread)
 {
     *centre_mm = *spread = 0.0;
-    for (uint32_t v = 0; v < s->n; v++) {
+    for (uint32_t v = 0; v < s->shared.n; v++) {
         double mass = 0.0, c[3] = {0, 0, 0}, m[9] = {0}, trace = 0.0;
         for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
-            const double w = (double)smr_mass_of(s, l->zeta[k]);
+            const double w = (double)active_mass(s, l->zeta[k]);
             mass += w;
             for (uint32_t a = 0; a < 3u; a++) {
-                c[a] += w * (double)smr_at3(s->x_ref, l->zeta[k])[a];
+                c[a] += w * (double)smr_at3(s->shape.x_ref, l->zeta[k])[a];
             }
         }
         for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
             for (uint32_t i = 0; i < 9u; i++) {
-                const float *x = smr_at3(s->x_ref, l->zeta[k]);
-                m[i] += (double)smr_mass_of(s, l->zeta[k]) * ((double)x[i / 3u] - c[i / 3u] / mass) *
+                const float *x = smr_at3(s->shape.x_ref, l->zeta[k]);
+                m[i] += (double)active_mass(s, l->zeta[k]) * ((double)x[i / 3u] - c[i / 3u] / mass) *
                         ((double)x[i % 3u] - c[i % 3u] / mass);
             }
         }
         trace = m[0] + m[4] + m[8];
-        assert_true(fabs((double)s->cluster_mass[v] - mass) <= 1.0e-6 * mass);
+        assert_true(fabs((double)s->reference.cluster_mass[v] - mass) <= 1.0e-6 * mass);
         for (uint32_t a = 0; a < 3u; a++) {
-            *centre_mm = fmax(*centre_mm, fabs((double)smr_at3(s->centre, v)[a] - c[a] / mass));
+            *centre_mm = fmax(*centre_mm, fabs((double)smr_at3(s->reference.centre, v)[a] - c[a] / mass));
         }
-        const float *p = s->spread + 6u * (size_t)v;
+        const float *p = s->reference.spread + 6u * (size_t)v;
         const float full[9] = {p[0], p[1], p[2], p[1], p[3], p[4], p[2], p[4], p[5]};
         for (uint32_t i = 0; i < 9u; i++) {
             double error = ((double)full[i] - m[i]) / trace;
-            if (s->config.method == SMR_METHOD_RIGID) {
+            if (s->shared.config.method == SMR_METHOD_RIGID) {
                 error = i % 4u == 0u ? -1.0 : 0.0;
                 for (uint32_t k = 0; k < 3u; k++) {
                     error += ((k == i / 3u ? trace : 0.0) - m[3u * (i / 3u) + k]) * (double)full[3u * k + i % 3u];
@@ -151,11 +154,11 @@ static void test_degenerate(void **state)
         const smr_config config = smr_config_default();
         smr *s = rig_init(rig_model(&mesh, 1, &prepare), &config, NULL);
         settle(s);
-        for (uint32_t i = 0; i < 6u * s->n; i++) {
-            assert_true(isfinite(s->spread[i]) && fabsf(s->spread[i]) < 1.0e9f);
+        for (uint32_t i = 0; i < 6u * s->shared.n; i++) {
+            assert_true(isfinite(s->reference.spread[i]) && fabsf(s->reference.spread[i]) < 1.0e9f);
         }
-        for (uint32_t v = 0; v < s->n; v++) { /* no torque about the line itself */
-            assert_true(fabsf(s->spread[6u * v + 0u]) < 1.0e-6f);
+        for (uint32_t v = 0; v < s->shared.n; v++) { /* no torque about the line itself */
+            assert_true(fabsf(s->reference.spread[6u * v + 0u]) < 1.0e-6f);
         }
     }
 }
@@ -167,10 +170,10 @@ static void test_only_when_new(void **state)
     const smr_config config = smr_config_default();
     smr *s = rig_init(rig_model(&mesh, 1, &prepare), &config, NULL);
     (void)state;
-    assert_int_equal(s->n_tasks, smr_reference_tasks(s));
+    assert_int_equal(s->shared.n_tasks, smr_reference_tasks(&s->reference));
     settle(s);
-    assert_int_equal(0, smr_reference_tasks(s));
-    assert_int_equal(0, smr_reference_blocks(s));
+    assert_int_equal(0, smr_reference_tasks(&s->reference));
+    assert_int_equal(0, smr_reference_block_tasks(&s->reference));
 }
 
 int main(void)

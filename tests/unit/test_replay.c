@@ -27,7 +27,7 @@ static uint32_t first_difference(const unsigned char *log, size_t bytes, given g
 {
     smr_replay replay;
     smr_replay_report report = {0};
-    *status = smr_replay_start(&replay, unit_log_begin(&unit_recorded, NULL), log, bytes, next_surface, &g);
+    *status = smr_replay_start(unit_log_begin(&unit_recorded, NULL), log, bytes, next_surface, &g, &replay);
     while (*status == SMR_OK && !report.ended) {
         *status = smr_replay_tick(&replay, &report);
         if (*status == SMR_OK && report.differs) {
@@ -48,8 +48,8 @@ static void test_agrees(void **state)
     assert_int_equal(0, first_difference(unit_recorded.log, unit_recorded.bytes, g, &status));
     assert_int_equal(SMR_OK, status);
     /* at the end it stays */
-    assert_int_equal(SMR_OK, smr_replay_start(&replay, unit_log_begin(&unit_recorded, NULL), unit_recorded.log,
-                                              unit_recorded.bytes, next_surface, &own));
+    assert_int_equal(SMR_OK, smr_replay_start(unit_log_begin(&unit_recorded, NULL), unit_recorded.log,
+                                              unit_recorded.bytes, next_surface, &own, &replay));
     for (uint32_t i = 1; i <= unit_recorded.ticks + 3u; i++) {
         assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));
         assert_true(report.ended == (i > unit_recorded.ticks) &&
@@ -158,22 +158,22 @@ static void test_not_these_inputs(void **state)
     assert_int_equal(SMR_E_INPUT, status);
     assert_int_equal(1, first_difference(unit_recorded.log, unit_recorded.bytes, missing, &status));
     assert_int_equal(SMR_E_INPUT, status);
-    assert_int_equal(SMR_OK, smr_replay_start(&replay, unit_log_begin(&unit_recorded, NULL), unit_recorded.log,
-                                              unit_recorded.bytes, NULL, NULL));
+    assert_int_equal(SMR_OK, smr_replay_start(unit_log_begin(&unit_recorded, NULL), unit_recorded.log,
+                                              unit_recorded.bytes, NULL, NULL, &replay));
     assert_int_equal(SMR_E_INPUT, smr_replay_tick(&replay, &report));
     assert_int_equal(SMR_LOG_SURFACE, report.record.kind);
     smr *other = rig_init(rig_model(&unit_recorded.ball, 1, &radii), &config, NULL);
     assert_int_equal(SMR_E_MODEL,
-                     smr_replay_start(&replay, other, unit_recorded.log, unit_recorded.bytes, next_surface, &g));
+                     smr_replay_start(other, unit_recorded.log, unit_recorded.bytes, next_surface, &g, &replay));
     config.relaxation = 0.5f;
     other = rig_init(unit_recorded.model, &config, NULL);
     assert_int_equal(SMR_E_CONFIG,
-                     smr_replay_start(&replay, other, unit_recorded.log, unit_recorded.bytes, next_surface, &g));
+                     smr_replay_start(other, unit_recorded.log, unit_recorded.bytes, next_surface, &g, &replay));
     config = unit_recorded.config;
     config.n_workers = 7;
     other = rig_init(unit_recorded.model, &config, NULL);
     assert_int_equal(SMR_OK,
-                     smr_replay_start(&replay, other, unit_recorded.log, unit_recorded.bytes, next_surface, &g));
+                     smr_replay_start(other, unit_recorded.log, unit_recorded.bytes, next_surface, &g, &replay));
 }
 
 static const void *any_input(void *ctx, const smr_log_record *record)
@@ -211,8 +211,8 @@ static void test_forged_logs_are_harmless(void **state)
             log[at] = (unsigned char)(rig_random(&seed, 2) ? rig_random(&seed, 256) : log[at] + 1u);
         }
         unit_log_seal(log, unit_recorded.bytes);
-        assert_int_equal(SMR_OK, smr_init(&s, unit_recorded.model, &unit_recorded.config, NULL, arena, arena_bytes));
-        smr_status status = smr_replay_start(&replay, s, log, unit_recorded.bytes, any_input, &turn);
+        assert_int_equal(SMR_OK, smr_init(unit_recorded.model, &unit_recorded.config, NULL, arena, arena_bytes, &s));
+        smr_status status = smr_replay_start(s, log, unit_recorded.bytes, any_input, &turn, &replay);
         for (uint32_t tick = 0; status == SMR_OK && !report.ended; tick++) {
             assert_true(tick <= unit_recorded.ticks);
             status = smr_replay_tick(&replay, &report);
@@ -233,14 +233,14 @@ static void test_refusals(void **state)
     smr_replay replay;
     smr_replay_report report;
     (void)state;
-    assert_int_equal(SMR_E_NULL, smr_replay_start(NULL, s, unit_recorded.log, unit_recorded.bytes, NULL, NULL));
-    assert_int_equal(SMR_E_NULL, smr_replay_start(&replay, NULL, unit_recorded.log, unit_recorded.bytes, NULL, NULL));
-    assert_int_equal(SMR_E_NULL, smr_replay_start(&replay, s, NULL, unit_recorded.bytes, NULL, NULL));
-    assert_int_equal(SMR_E_STATE, smr_replay_start(&replay, (smr *)(void *)zeros, unit_recorded.log,
-                                                   unit_recorded.bytes, NULL, NULL));
-    assert_int_equal(SMR_E_LOG, smr_replay_start(&replay, s, unit_recorded.log, 30, NULL, NULL));
+    assert_int_equal(SMR_E_NULL, smr_replay_start(s, unit_recorded.log, unit_recorded.bytes, NULL, NULL, NULL));
+    assert_int_equal(SMR_E_NULL, smr_replay_start(NULL, unit_recorded.log, unit_recorded.bytes, NULL, NULL, &replay));
+    assert_int_equal(SMR_E_NULL, smr_replay_start(s, NULL, unit_recorded.bytes, NULL, NULL, &replay));
+    assert_int_equal(SMR_E_STATE, smr_replay_start((smr *)(void *)zeros, unit_recorded.log, unit_recorded.bytes, NULL,
+                                                   NULL, &replay));
+    assert_int_equal(SMR_E_LOG, smr_replay_start(s, unit_recorded.log, 30, NULL, NULL, &replay));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
-    assert_int_equal(SMR_E_STATE, smr_replay_start(&replay, s, unit_recorded.log, unit_recorded.bytes, NULL, NULL));
+    assert_int_equal(SMR_E_STATE, smr_replay_start(s, unit_recorded.log, unit_recorded.bytes, NULL, NULL, &replay));
     assert_int_equal(SMR_E_NULL, smr_replay_tick(NULL, &report));
     assert_int_equal(SMR_E_NULL, smr_replay_tick(&replay, NULL));
 }

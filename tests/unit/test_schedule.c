@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static int tidy(void **state)
 {
@@ -49,12 +49,12 @@ static void test_iterations_of_each_radius(void **state)
             uint32_t at[3] = {0, 0, 0}, total = 0;
             smr_tick_report report = {0};
             c.radius_first = first;
-            c.radius_last = last == 3u ? SMR_ALL : last;
+            c.radius_last = last == 3u ? SMR_FINEST : last;
             c.iterations = 4;
             c.iterations_last = 7;
             smr *s = start(&c, 1, 0);
             while (!report.done && total < 100u) {
-                const uint32_t radius = s->radius;
+                const uint32_t radius = s->pace.radius;
                 assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
                 at[radius]++;
                 total++;
@@ -78,7 +78,7 @@ static void test_first_radius_with_an_image(void **state)
         c.iterations = 4;
         c.iterations_last = 7;
         smr *s = start(&c, 1, 0);
-        s->has_grid = 1;
+        s->forces.image.has_image = 1;
         const uint32_t want = last == 0u ? 7u : 8u + 4u * (last - 1u) + 7u;
         smr_tick_report report = {0};
         for (uint32_t i = 1; i <= want; i++) {
@@ -176,8 +176,8 @@ static void test_plasticity(void **state)
             since++;
             const int due = every > 0u && since == every;
             assert_int_equal(updates + (due ? 1u : 0u), report.plastic_updates);
-            assert_int_equal(due, memcmp(s->x, s->x_ref, 3u * s->n * sizeof(float)) == 0);
-            assert_int_equal(due, s->reference_stale);
+            assert_int_equal(due, memcmp(s->shape.x, s->shape.x_ref, 3u * s->shared.n * sizeof(float)) == 0);
+            assert_int_equal(due, s->reference.stale);
             since = due ? 0u : since;
         }
     }
@@ -204,11 +204,11 @@ static void test_search_follows_the_radius(void **state)
     c.search_radii = 1.5f;
     c.iterations = 1;
     smr *s = start(&c, 1, 0);
-    assert_true(fabsf(s->search - 50.0f) < 1.0e-4f); /* 60 is more than search_mm */
+    assert_true(fabsf(s->pace.search_mm - 50.0f) < 1.0e-4f); /* 60 is more than search_mm */
     (void)rig_run(s, 1);
-    assert_true(fabsf(s->search - 37.5f) < 1.0e-4f);
+    assert_true(fabsf(s->pace.search_mm - 37.5f) < 1.0e-4f);
     (void)rig_run(s, 1);
-    assert_true(fabsf(s->search - 22.5f) < 1.0e-4f);
+    assert_true(fabsf(s->pace.search_mm - 22.5f) < 1.0e-4f);
 }
 
 /* Repairing iterations come before a radius and do not count, and there is an end to them. */
@@ -221,7 +221,7 @@ static void test_repair_ends(void **state)
     c.iterations = c.iterations_last = 3;
     smr *s = start(&c, 1, 1);
     for (uint32_t i = 0; i < 500u && !report.done; i++) {
-        extra += s->repairing > 0u;
+        extra += s->pace.repairing > 0u;
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
     }
     assert_int_equal(1, report.done);

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static int tidy(void **state)
 {
@@ -33,13 +33,13 @@ static void test_rest_shape(void **state)
     const smr *s = start(&mesh, &model);
     (void)state;
     assert_true(rig_far(mesh.xyz, rig_positions(s, model), mesh.n_vertices) <= 1.3e-4f); /* roundings at 1,000 mm */
-    assert_memory_equal(s->x, s->x_ref, 3u * s->n * sizeof(float));
-    assert_memory_equal(s->x, s->x_next, 3u * s->n * sizeof(float));
-    assert_memory_equal(s->x, s->start, 3u * s->n * sizeof(float));
-    assert_true(s->origin.x == floorf(s->origin.x) && s->origin.z == floorf(s->origin.z));
-    for (uint32_t i = 0; i < 3u * s->n; i++) {
-        assert_true(fabsf(s->x[i]) < 30.0f); /* near the origin: no digits are lost */
-        assert_true(s->force[i] == 0.0f);
+    assert_memory_equal(s->shape.x, s->shape.x_ref, 3u * s->shared.n * sizeof(float));
+    assert_memory_equal(s->shape.x, s->shape.x_next, 3u * s->shared.n * sizeof(float));
+    assert_memory_equal(s->shape.x, s->shape.start, 3u * s->shared.n * sizeof(float));
+    assert_true(s->shape.origin.x == floorf(s->shape.origin.x) && s->shape.origin.z == floorf(s->shape.origin.z));
+    for (uint32_t i = 0; i < 3u * s->shared.n; i++) {
+        assert_true(fabsf(s->shape.x[i]) < 30.0f); /* near the origin: no digits are lost */
+        assert_true(s->forces.force[i] == 0.0f);
     }
 }
 
@@ -65,7 +65,8 @@ static void test_pose(void **state)
         assert_int_equal(SMR_OK, smr_set_pose(s, &pose));
         assert_true(rig_far(expected.xyz, rig_positions(s, model), mesh.n_vertices) < 4.0e-4f);
         /* a similarity of the rest shape: fitted says which */
-        const smr_vec column = smr_v(s->fitted.m[0][0], s->fitted.m[1][0], s->fitted.m[2][0]);
+        const smr_vec column =
+            smr_v(s->shape.rest_pose.m[0][0], s->shape.rest_pose.m[1][0], s->shape.rest_pose.m[2][0]);
         assert_true(fabsf(smr_length(column) - scale) < 1.0e-4f);
     }
 }
@@ -110,7 +111,7 @@ static void test_positions_in_the_callers_order(void **state)
     assert_true(rig_far(given, got, mesh[1].n_vertices) < 5.0e-5f);
     assert_int_equal(SMR_OK, smr_get_positions(s, 0, other[1]));
     assert_true(rig_far(other[0], other[1], mesh[0].n_vertices) < 5.0e-5f); /* the origin may have moved: a rounding */
-    assert_memory_equal(s->x, s->x_ref, 3u * s->n * sizeof(float));
+    assert_memory_equal(s->shape.x, s->shape.x_ref, 3u * s->shared.n * sizeof(float));
 }
 
 static void test_starts_over(void **state)
@@ -126,14 +127,14 @@ static void test_starts_over(void **state)
     (void)rig_run(s, 10);
     const uint64_t hash = smr_state_hash(s);
     assert_int_equal(SMR_OK, smr_set_pose(s, &same));
-    assert_int_equal(0, s->iteration);
-    assert_int_equal(0, s->plastic_updates);
-    assert_memory_equal(start_x, rig_positions(s, model), 3u * s->n * sizeof(float));
+    assert_int_equal(0, s->pace.iteration);
+    assert_int_equal(0, s->pace.plastic_updates);
+    assert_memory_equal(start_x, rig_positions(s, model), 3u * s->shared.n * sizeof(float));
     (void)rig_run(s, 10); /* the target is still there */
     assert_true(hash == smr_state_hash(s));
     (void)rig_run(s, 1000);
     assert_int_equal(SMR_OK, smr_set_positions(s, 0, start_x));
-    assert_int_equal(0, s->done);
+    assert_int_equal(0, s->pace.done);
     (void)rig_run(s, 10);
     assert_true(hash == smr_state_hash(s));
 }

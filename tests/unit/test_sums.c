@@ -8,7 +8,7 @@
 #include "base/fixed_point.h"
 #include "property/model_lists.h"
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static int tidy(void **state)
 {
@@ -35,10 +35,10 @@ static smr *start(uint32_t method, const smr_model **model)
     return s;
 }
 
-static void run_all(smr *s, uint32_t n, smr_task run)
+static void run_all(void *stage, uint32_t n, smr_task run)
 {
     for (uint32_t t = 0; t < n; t++) {
-        run(s, t, 0);
+        run(stage, t, 0);
     }
 }
 
@@ -51,16 +51,17 @@ static void test_records(void **state)
     for (uint32_t method = 0; method < 2u; method++) {
         const smr_model *model;
         smr *s = start(method, &model);
-        s->scale[0] = 1024.0f;
-        s->scale[1] = 64.0f;
-        run_all(s, s->n_tasks, smr_sums_record);
-        for (uint32_t v = 0; v < s->n; v++) {
-            const uint32_t *r = s->record + SMR_WORDS * (size_t)v;
+        s->sums.scale[0] = 1024.0f;
+        s->sums.scale[1] = 64.0f;
+        run_all(&s->sums, s->shared.n_tasks, smr_sums_record);
+        for (uint32_t v = 0; v < s->shared.n; v++) {
+            const uint32_t *r = s->overlay.record + SMR_WORDS * (size_t)v;
             double u[3], ref[3];
             for (uint32_t a = 0; a < 3u; a++) {
-                ref[a] = (double)smr_at3(s->x_ref, v)[a];
-                u[a] = (double)smr_at3(s->x, v)[a] + (double)smr_at3(s->force, v)[a] - ref[a];
-                u[a] += (double)s->momentum * ((double)smr_at3(s->x, v)[a] - (double)smr_at3(s->x_next, v)[a]);
+                ref[a] = (double)smr_at3(s->shape.x_ref, v)[a];
+                u[a] = (double)smr_at3(s->shape.x, v)[a] + (double)smr_at3(s->forces.force, v)[a] - ref[a];
+                u[a] += (double)s->pace.momentum *
+                        ((double)smr_at3(s->shape.x, v)[a] - (double)smr_at3(s->shape.x_next, v)[a]);
                 assert_true(fabs(rounded(u[a], 1024.0f) - (double)(int32_t)r[a]) <= 1.0);
             }
             for (uint32_t i = 0; i < (method == SMR_METHOD_RIGID ? 3u : 9u); i++) {
@@ -77,13 +78,13 @@ static void test_average_records(void **state)
     const smr_model *model;
     smr *s = start(0, &model);
     (void)state;
-    s->scale[0] = 1048576.0f;
-    s->scale[1] = 4096.0f;
-    run_all(s, s->n_tasks, smr_average_record);
-    for (uint32_t v = 0; v < s->n; v++) {
+    s->sums.scale[0] = 1048576.0f;
+    s->sums.scale[1] = 4096.0f;
+    run_all(&s->match, s->shared.n_tasks, smr_average_record);
+    for (uint32_t v = 0; v < s->shared.n; v++) {
         for (uint32_t i = 0; i < 12u; i++) {
-            const float want = s->transform[12u * (size_t)v + i] * s->scale[i < 9u ? 0 : 1];
-            assert_true(fabsf((float)(int32_t)s->record[SMR_WORDS * (size_t)v + i] - want) <= 0.5f);
+            const float want = s->match.transform[12u * (size_t)v + i] * s->sums.scale[i < 9u ? 0 : 1];
+            assert_true(fabsf((float)(int32_t)s->overlay.record[SMR_WORDS * (size_t)v + i] - want) <= 0.5f);
         }
     }
 }
@@ -117,35 +118,35 @@ static void test_both_widths(void **state)
     static const uint32_t words[] = {6, 8, 10, 12};
     const smr_model *model;
     smr *s = start(0, &model);
-    const size_t n_words = SMR_WORDS * (size_t)s->n;
+    const size_t n_words = SMR_WORDS * (size_t)s->shared.n;
     uint32_t seed = 9, *sum = rig_alloc(n_words * sizeof *sum);
-    const smr_lists narrow = s->lists, wide = widened(&s->lists, s->n);
+    const smr_lists narrow = s->pace.lists, wide = widened(&s->pace.lists, s->shared.n);
     const rig_lists l = rig_decode(model, 0, 1, 1);
     (void)state;
     assert_int_equal(2, narrow.index_bytes);
     for (size_t i = 0; i < n_words; i++) {
-        s->record[i] = rig_random(&seed, 1u << 28) << 4 ^ (uint32_t)i;
+        s->overlay.record[i] = rig_random(&seed, 1u << 28) << 4 ^ (uint32_t)i;
     }
     for (uint32_t i = 0; i < 4u; i++) {
-        s->sum_words = words[i];
+        s->sums.words = words[i];
         for (uint32_t pass = 0; pass < 2u; pass++) {
-            s->lists = pass ? wide : narrow;
-            memset(s->sum, 0x77, n_words * sizeof *s->sum);
-            run_all(s, smr_block_tasks(s), smr_sums_forest);
-            for (uint32_t v = 0; v < s->n; v++) {
+            s->pace.lists = pass ? wide : narrow;
+            memset(s->sums.sum, 0x77, n_words * sizeof *s->sums.sum);
+            run_all(&s->sums, smr_block_tasks(&s->sums), smr_sums_forest);
+            for (uint32_t v = 0; v < s->shared.n; v++) {
                 for (uint32_t w = 0; w < words[i]; w++) {
                     uint32_t expected = 0;
                     for (uint32_t k = l.zeta_start[v]; k < l.zeta_start[v + 1u]; k++) {
-                        expected += s->record[SMR_WORDS * (size_t)l.zeta[k] + w];
+                        expected += s->overlay.record[SMR_WORDS * (size_t)l.zeta[k] + w];
                     }
-                    assert_int_equal(expected, s->sum[SMR_WORDS * (size_t)v + w]);
+                    assert_int_equal(expected, s->sums.sum[SMR_WORDS * (size_t)v + w]);
                 }
             }
             if (pass == 0u) {
-                memcpy(sum, s->sum, n_words * sizeof *sum);
+                memcpy(sum, s->sums.sum, n_words * sizeof *sum);
             }
         }
-        assert_memory_equal(sum, s->sum, n_words * sizeof *sum);
+        assert_memory_equal(sum, s->sums.sum, n_words * sizeof *sum);
     }
 }
 
@@ -157,21 +158,21 @@ static void test_blocks_are_independent(void **state)
     const smr_config config = smr_config_default();
     prepare.block_vertices = 16;
     smr *s = rig_init(rig_model(&mesh, 1, &prepare), &config, NULL);
-    const size_t n_words = SMR_WORDS * (size_t)s->n;
-    uint32_t *sum = rig_alloc(n_words * sizeof *sum), n = smr_block_tasks(s);
+    const size_t n_words = SMR_WORDS * (size_t)s->shared.n;
+    uint32_t *sum = rig_alloc(n_words * sizeof *sum), n = smr_block_tasks(&s->sums);
     (void)state;
     assert_true(n > 20u);
     for (size_t i = 0; i < n_words; i++) {
-        s->record[i] = (uint32_t)i * 2654435761u;
+        s->overlay.record[i] = (uint32_t)i * 2654435761u;
     }
-    s->sum_words = 12;
-    run_all(s, n, smr_sums_forest);
-    memcpy(sum, s->sum, n_words * sizeof *sum);
-    memset(s->sum, 0, n_words * sizeof *sum);
+    s->sums.words = 12;
+    run_all(&s->sums, n, smr_sums_forest);
+    memcpy(sum, s->sums.sum, n_words * sizeof *sum);
+    memset(s->sums.sum, 0, n_words * sizeof *sum);
     for (uint32_t t = n; t > 0u; t--) {
-        smr_sums_forest(s, t - 1u, t % 7u);
+        smr_sums_forest(&s->sums, t - 1u, t % 7u);
     }
-    assert_memory_equal(sum, s->sum, n_words * sizeof *sum);
+    assert_memory_equal(sum, s->sums.sum, n_words * sizeof *sum);
 }
 
 int main(void)

@@ -13,38 +13,39 @@ static void refuses_and_leaves_alone(void **state)
 {
     unit_mesh m = unit_grid(5, 4, 2.0f);
     smr_mesh v = unit_view(&m);
-    const size_t bytes = smr_surface_bytes(m.nv, m.nt);
+    size_t bytes = 0;
+    assert_int_equal(smr_surface_bytes(m.nv, m.nt, &bytes), SMR_OK);
     unsigned char *memory = unit_memory(bytes + SMR_ALIGN);
     smr_surface mark, *s = &mark;
     (void)state;
-    assert_int_equal(smr_surface_build(NULL, bytes, &v, &s), SMR_E_NULL);
-    assert_int_equal(smr_surface_build(memory, bytes, NULL, &s), SMR_E_NULL);
-    assert_int_equal(smr_surface_build(memory, bytes, &v, NULL), SMR_E_NULL);
+    assert_int_equal(smr_surface_build(&v, NULL, bytes, &s), SMR_E_NULL);
+    assert_int_equal(smr_surface_build(NULL, memory, bytes, &s), SMR_E_NULL);
+    assert_int_equal(smr_surface_build(&v, memory, bytes, NULL), SMR_E_NULL);
     for (size_t off = 1; off < SMR_ALIGN; off++)
-        assert_int_equal(smr_surface_build(memory + off, bytes, &v, &s), SMR_E_ALIGN);
-    assert_int_equal(smr_surface_build(memory, bytes - 1u, &v, &s), SMR_E_ARENA);
-    assert_int_equal(smr_surface_build(memory, 0, &v, &s), SMR_E_ARENA);
+        assert_int_equal(smr_surface_build(&v, memory + off, bytes, &s), SMR_E_ALIGN);
+    assert_int_equal(smr_surface_build(&v, memory, bytes - 1u, &s), SMR_E_ARENA);
+    assert_int_equal(smr_surface_build(&v, memory, 0, &s), SMR_E_ARENA);
     v.n_triangles = 0;
-    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_E_INPUT);
+    assert_int_equal(smr_surface_build(&v, memory, bytes, &s), SMR_E_INPUT);
     v = unit_view(&m);
     v.triangles = NULL;
-    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_E_NULL);
+    assert_int_equal(smr_surface_build(&v, memory, bytes, &s), SMR_E_NULL);
     v = unit_view(&m);
     v.n_vertices = 0;
-    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_E_INPUT);
+    assert_int_equal(smr_surface_build(&v, memory, bytes, &s), SMR_E_INPUT);
     v.n_vertices = m.nv - 1u; /* the last corner is out of range now */
-    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_E_INPUT);
+    assert_int_equal(smr_surface_build(&v, memory, bytes, &s), SMR_E_INPUT);
     v = unit_view(&m);
     m.xyz[17] = NAN;
-    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_E_INPUT);
+    assert_int_equal(smr_surface_build(&v, memory, bytes, &s), SMR_E_INPUT);
     m.xyz[17] = 1e30f;
-    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_E_INPUT);
+    assert_int_equal(smr_surface_build(&v, memory, bytes, &s), SMR_E_INPUT);
     assert_ptr_equal(s, &mark);
     for (size_t i = 0; i < bytes; i++) /* no refused call wrote anything */
         assert_int_equal(memory[i], 0xa5);
     m.xyz[17] = 1.0f;
-    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_OK);
-    assert_int_equal(smr_surface_build(memory, bytes, &v, &s), SMR_OK); /* the same memory again */
+    assert_int_equal(smr_surface_build(&v, memory, bytes, &s), SMR_OK);
+    assert_int_equal(smr_surface_build(&v, memory, bytes, &s), SMR_OK); /* the same memory again */
     unit_free(memory);
     unit_mesh_free(&m);
 }
@@ -52,11 +53,15 @@ static void refuses_and_leaves_alone(void **state)
 static void sizes(void **state)
 {
     (void)state;
-    assert_int_equal(smr_surface_bytes(0, 1), 0);
-    assert_int_equal(smr_surface_bytes(3, 0), 0);
-    assert_int_equal(smr_surface_bytes(SMR_VERTICES_MAX + 1u, 1), 0);
-    assert_int_equal(smr_surface_bytes(3, SMR_TRIANGLES_MAX + 1u), 0);
-    assert_true(smr_surface_bytes(SMR_VERTICES_MAX, SMR_TRIANGLES_MAX) > (size_t)400u << 20);
+    size_t bytes = 77;
+    assert_int_equal(smr_surface_bytes(0, 1, &bytes), SMR_E_INPUT);
+    assert_int_equal(smr_surface_bytes(3, 0, &bytes), SMR_E_INPUT);
+    assert_int_equal(smr_surface_bytes(SMR_VERTICES_MAX + 1u, 1, &bytes), SMR_E_INPUT);
+    assert_int_equal(smr_surface_bytes(3, SMR_TRIANGLES_MAX + 1u, &bytes), SMR_E_INPUT);
+    assert_int_equal(smr_surface_bytes(3, 1, NULL), SMR_E_NULL);
+    assert_int_equal(bytes, 77);
+    assert_int_equal(smr_surface_bytes(SMR_VERTICES_MAX, SMR_TRIANGLES_MAX, &bytes), SMR_OK);
+    assert_true(bytes > (size_t)400u << 20);
     for (uint32_t nt = 1; nt < 70u; nt++) { /* the mesh may go, odd sizes fit exactly */
         oracle_random r = oracle_seed(nt);
         unit_mesh m = unit_soup(&r, nt, 9.0f, (int)(nt % 2u));
@@ -100,7 +105,7 @@ static void query_refusals(void **state)
     assert_int_equal(smr_surface_closest(s, p, NULL, 0, -1.0f, &hit), SMR_E_INPUT);
     assert_memory_equal(&hit, &mark, sizeof hit);
     assert_int_equal(smr_surface_closest(s, p, NULL, NAN, INFINITY, &hit), SMR_OK); /* min_cos unused, any reach */
-    assert_true(hit.triangle != SMR_ALL);
+    assert_true(hit.triangle != SMR_NONE);
     smr_surface *nothing = unit_memory(sizeof *nothing);
     memset(nothing, 0, sizeof *nothing);
     assert_int_equal(smr_surface_closest(nothing, p, NULL, 0, 1, &hit), SMR_E_STATE);
@@ -153,7 +158,7 @@ static void equals_double(void **state)
             if (near_edge < 1e-5 || fabs(want - (double)reach) < 1e-3)
                 continue; /* too near a decision for floats */
             if (want > (double)reach) {
-                assert_int_equal(hit.triangle, SMR_ALL);
+                assert_int_equal(hit.triangle, SMR_NONE);
                 continue;
             }
             assert_true(hit.triangle < m.nt);
@@ -183,7 +188,7 @@ static void ties_go_to_the_smallest_index(void **state)
     smr_surface *s = unit_surface(&m);
     (void)state;
     for (uint32_t v = 0; v < m.nv; v++) {
-        uint32_t want = SMR_ALL;
+        uint32_t want = SMR_NONE;
         for (uint32_t k = 3u * m.nt; k-- > 0u;)
             if (m.triangles[k] == v)
                 want = k / 3u;
@@ -259,18 +264,19 @@ static void surfaces_without_area(void **state)
     const float xyz[] = {0, 0, 0, 10, 0, 0, 20, 0, 0, 3, 3, 3};
     const uint32_t t[] = {0, 1, 2, 3, 3, 3, 0, 0, 1};
     const smr_mesh m = {xyz, t, 4, 3};
-    const size_t bytes = smr_surface_bytes(4, 3);
+    size_t bytes = 0;
+    assert_int_equal(smr_surface_bytes(4, 3, &bytes), SMR_OK);
     void *memory = unit_memory(bytes);
     smr_surface *s;
     smr_closest hit;
     float p[3] = {15, 4, 0}, n[3] = {0, 0, 1};
     (void)state;
-    assert_int_equal(smr_surface_build(memory, bytes, &m, &s), SMR_OK);
+    assert_int_equal(smr_surface_build(&m, memory, bytes, &s), SMR_OK);
     assert_int_equal(smr_surface_closest(s, p, NULL, 0, 100, &hit), SMR_OK);
     assert_true(hit.triangle == 0u && fabsf(hit.distance - 4.0f) < 1e-5f && fabsf(hit.point[0] - 15.0f) < 1e-5f);
     assert_true(hit.normal[0] == 0.0f && hit.normal[1] == 0.0f && hit.normal[2] == 0.0f);
     assert_int_equal(smr_surface_closest(s, p, n, 0.5f, 100, &hit), SMR_OK);
-    assert_int_equal(hit.triangle, SMR_ALL); /* no normal agrees with anything */
+    assert_int_equal(hit.triangle, SMR_NONE); /* no normal agrees with anything */
     unit_free(memory);
 }
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static int tidy(void **state)
 {
@@ -96,42 +96,45 @@ static void test_step(void **state)
     c.iterations_last = 10;
     c.attraction = 0.0f;
     smr *s = start(&c, &model, 1);
-    for (uint32_t i = 0; i < 3u * s->n; i++) {
-        s->x[i] += 0.01f * (float)(i * 7u % 13u);
+    for (uint32_t i = 0; i < 3u * s->shared.n; i++) {
+        s->shape.x[i] += 0.01f * (float)(i * 7u % 13u);
     }
-    s->radius_iteration = 5;
-    smr_even_share(s);
-    assert_true(fabsf(s->even - 0.8f * 0.25f) < 1.0e-6f);
-    for (uint32_t t = 0; t < smr_even_tasks(s); t++) {
-        smr_even_clear(s, t, 0);
+    s->pace.radius_iteration = 5;
+    s->forces.surface.target[0].begun = 1;
+    smr_evening_begin(&s->evolve.evening);
+    assert_true(fabsf(s->evolve.evening.share - 0.8f * 0.25f) < 1.0e-6f);
+    for (uint32_t t = 0; t < smr_evening_tasks(&s->evolve.evening); t++) {
+        smr_evening_clear(&s->evolve.evening, t, 0);
     }
-    for (uint32_t t = 0; t < smr_even_facet_tasks(s); t++) {
-        smr_even_rings(s, t, 0);
+    for (uint32_t t = 0; t < smr_evening_ring_tasks(&s->evolve.evening); t++) {
+        smr_evening_rings(&s->evolve.evening, t, 0);
     }
-    for (uint32_t v = 0; v < s->n; v += 11u) {
+    for (uint32_t v = 0; v < s->shared.n; v += 11u) {
         double sum[3] = {0, 0, 0}, n = 0.0, way[3], along = 0.0;
-        for (uint32_t k = 0; k < 3u * s->n_triangles; k++) {
-            for (uint32_t j = 1; s->triangle[k] == v && j < 3u; j++) {
-                const uint32_t w = s->triangle[k / 3u * 3u + (k + j) % 3u];
+        for (uint32_t k = 0; k < 3u * s->shared.n_triangles; k++) {
+            for (uint32_t j = 1; s->shared.triangle[k] == v && j < 3u; j++) {
+                const uint32_t w = s->shared.triangle[k / 3u * 3u + (k + j) % 3u];
                 for (uint32_t a = 0; a < 3u; a++) {
-                    sum[a] += (double)(s->x[3u * w + a] - s->start[3u * w + a]);
+                    sum[a] += (double)(s->shape.x[3u * w + a] - s->shape.start[3u * w + a]);
                 }
                 n += 1.0;
             }
         }
         for (uint32_t a = 0; a < 3u; a++) {
-            way[a] = sum[a] / n - (double)(s->x[3u * v + a] - s->start[3u * v + a]);
-            along += way[a] * (double)s->normal[3u * v + a];
+            way[a] = sum[a] / n - (double)(s->shape.x[3u * v + a] - s->shape.start[3u * v + a]);
+            along += way[a] * (double)s->shape.normal[3u * v + a];
         }
-        const smr_vec step = smr_even_step(s, v);
+        const smr_vec step = smr_evening_way(&s->evolve.evening, v);
         const double got[3] = {(double)step.x, (double)step.y, (double)step.z};
         for (uint32_t a = 0; a < 3u; a++) {
-            assert_true(fabs(got[a] - 0.2 * (way[a] - along * (double)s->normal[3u * v + a])) < 1.0e-5);
+            assert_true(fabs(got[a] - 0.2 * (way[a] - along * (double)s->shape.normal[3u * v + a])) < 1.0e-5);
         }
-        s->held[v] = 51; /* where the fold guard held back a fifth of a step, four fifths of it are left */
-        assert_true(fabs((double)smr_length(smr_even_step(s, v)) - 0.8 * (double)smr_length(step)) < 1.0e-6);
-        s->held[v] = 255; /* where it held back all of it nothing is evened out any more */
-        assert_true(smr_length(smr_even_step(s, v)) == 0.0f);
+        s->evolve.evening.held[v] =
+            51; /* where the fold guard held back a fifth of a step, four fifths of it are left */
+        assert_true(fabs((double)smr_length(smr_evening_way(&s->evolve.evening, v)) - 0.8 * (double)smr_length(step)) <
+                    1.0e-6);
+        s->evolve.evening.held[v] = 255; /* where it held back all of it nothing is evened out any more */
+        assert_true(smr_length(smr_evening_way(&s->evolve.evening, v)) == 0.0f);
     }
 }
 

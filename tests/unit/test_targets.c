@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static int tidy(void **state)
 {
@@ -37,23 +37,23 @@ static void test_goals(void **state)
     smr *s = start(400);
     const uint32_t nv[3] = {ball[0].n_vertices, ball[1].n_vertices, ball[2].n_vertices};
     (void)state;
-    assert_int_equal(0, s->n_goals);
+    assert_int_equal(0, s->forces.surface.n_goals);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, surface[2]));
-    assert_int_equal(1, s->n_goals); /* shared, searched once */
-    assert_int_equal(smr_ceil_div(nv[2], SMR_FORCE_CHUNK), s->n_target_tasks);
+    assert_int_equal(1, s->forces.surface.n_goals); /* shared, searched once */
+    assert_int_equal(smr_ceil_div(nv[2], SMR_FORCE_CHUNK), s->forces.surface.n_tasks);
     assert_int_equal(SMR_OK, smr_set_surface(s, 1, surface[0]));
-    assert_int_equal(2, s->n_goals);
-    assert_ptr_equal(surface[2], s->goal[0].surface);
-    assert_ptr_equal(surface[0], s->goal[1].surface);
-    assert_int_equal(nv[2], s->goal[1].first_warm);
-    assert_int_equal(smr_ceil_div(nv[2], SMR_FORCE_CHUNK), s->goal[1].first_task);
+    assert_int_equal(2, s->forces.surface.n_goals);
+    assert_ptr_equal(surface[2], s->forces.surface.goal[0].surface);
+    assert_ptr_equal(surface[0], s->forces.surface.goal[1].surface);
+    assert_int_equal(nv[2], s->forces.surface.goal[1].first_warm);
+    assert_int_equal(smr_ceil_div(nv[2], SMR_FORCE_CHUNK), s->forces.surface.goal[1].first_task);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface[1]));
-    assert_int_equal(3, s->n_goals);
+    assert_int_equal(3, s->forces.surface.n_goals);
     assert_int_equal(SMR_OK, smr_set_surface(s, 2, NULL));
-    assert_int_equal(2, s->n_goals);
+    assert_int_equal(2, s->forces.surface.n_goals);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, NULL));
-    assert_int_equal(0, s->n_goals);
-    assert_int_equal(0, s->n_target_tasks);
+    assert_int_equal(0, s->forces.surface.n_goals);
+    assert_int_equal(0, s->forces.surface.n_tasks);
 }
 
 static void test_room(void **state)
@@ -70,8 +70,8 @@ static void test_room(void **state)
     assert_int_equal(SMR_OK, smr_set_surface(s, 1, surface[2])); /* known already */
     const uint64_t before = smr_state_hash(s);
     assert_int_equal(SMR_E_ARENA, smr_set_surface(s, 1, surface[1]));
-    assert_ptr_equal(surface[2], s->part[1].target);
-    assert_int_equal(2, s->n_goals);
+    assert_ptr_equal(surface[2], s->forces.surface.target[1].surface);
+    assert_int_equal(2, s->forces.surface.n_goals);
     assert_true(before == smr_state_hash(s));
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, NULL));
     assert_int_equal(SMR_OK, smr_set_surface(s, 1, surface[0]));
@@ -86,14 +86,14 @@ static void test_forgets_warm_starts(void **state)
     }
     (void)rig_run(s, 3);
     assert_int_equal(SMR_OK, smr_set_surface(s, 1, surface[1]));
-    for (uint32_t v = 0; v < s->n; v++) {
-        const int here = smr_model_owner(s->model, v) == 1u;
-        assert_true(here ? s->warm[v] == SMR_ALL : s->warm[v] < ball[2].n_triangles);
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        const int here = smr_model_owner(s->shared.model, v) == 1u;
+        assert_true(here ? s->forces.surface.warm[v] == SMR_NONE : s->forces.surface.warm[v] < ball[2].n_triangles);
     }
     for (uint32_t j = 0; j < 400u; j++) {
-        assert_true(s->target_warm[j] == SMR_ALL);
+        assert_true(s->forces.surface.target_warm[j] == SMR_NONE);
     }
-    assert_true(s->force_limit == 0.0f);
+    assert_true(s->forces.surface.limit == 0.0f);
 }
 
 /* A surface counts from the next iteration on, whatever there was before. */
@@ -126,10 +126,10 @@ static void test_trees_move_without_target(void **state)
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&moved)));
     (void)rig_run(s, 8);
     for (uint32_t i = 0; i < 3u; i++) {
-        const smr_facets *f = &s->part[i].facets;
+        const smr_facets *f = &s->shape.structure[i].facets;
         const smr_node *root = &f->node[f->level[f->n_levels - 1u]];
         for (uint32_t k = 0; k < 3u * f->n_triangles; k++) {
-            const float *p = smr_at3(s->x, f->triangle[k]);
+            const float *p = smr_at3(s->shape.x, f->triangle[k]);
             int inside = 0;
             for (uint32_t c = 0; c < SMR_TREE_WIDTH; c++) {
                 inside |= p[0] >= root->lo[0][c] && p[0] <= root->hi[0][c] && p[1] >= root->lo[1][c] &&

@@ -51,8 +51,8 @@ static void weaker_sets_get_weaker_kinds(void **state)
         if (n == 1u || rank == 0)
             expected = SMR_WARP_TRANSLATION;
         else if (rank == 2 && n >= 3u)
-            expected = SMR_WARP_SIMILARITY;
-        const unit_landmarks s = flat_set(&r, n, rank, expected == SMR_WARP_SIMILARITY ? 1.3 : 1.0, &map);
+            expected = SMR_WARP_SCALED;
+        const unit_landmarks s = flat_set(&r, n, rank, expected == SMR_WARP_SCALED ? 1.3 : 1.0, &map);
         smr_warp *w = unit_warp_fit(&s, k % 2u ? 7.0f : 0.0f, &kind);
         assert_int_equal(kind, expected);
         worst = fmax(worst, unit_warp_miss(w, &s));
@@ -63,9 +63,9 @@ static void weaker_sets_get_weaker_kinds(void **state)
         }
         assert_int_equal(smr_warp_apply(w, a, 1), SMR_OK);
         assert_int_equal(smr_warp_apply(w, b, 1), SMR_OK);
-        const double size = expected == SMR_WARP_SIMILARITY ? 1.3 : 1.0;
+        const double size = expected == SMR_WARP_SCALED ? 1.3 : 1.0;
         solid = fmax(solid, fabs(unit_apart(a, b) - size * unit_apart(p, q)));
-        if (expected == SMR_WARP_SIMILARITY) { /* a plane fixes the whole map */
+        if (expected == SMR_WARP_SCALED) { /* a plane fixes the whole map */
             float e[3];
             unit_affine_carry(&map, p, e);
             worst = fmax(worst, unit_apart(a, e));
@@ -165,40 +165,41 @@ static void refuses_and_leaves_alone(void **state)
     static const float bad[] = {NAN, INFINITY, -INFINITY, 1.1e5f, -1.1e5f};
     oracle_random r = oracle_seed(309);
     unit_landmarks s = unit_warp_random(&r, 9, 0.0, 10.0);
-    const size_t bytes = smr_warp_bytes(s.n);
+    size_t bytes = 0;
+    assert_int_equal(smr_warp_bytes(s.n, &bytes), SMR_OK);
     unsigned char *memory = unit_memory(bytes + SMR_ALIGN);
     smr_warp *const mark = (smr_warp *)(void *)&s, *w = mark;
     uint32_t kind = 77u;
     (void)state;
-    assert_int_equal(smr_warp_fit(NULL, bytes, s.from, s.to, s.n, 0, &w, &kind), SMR_E_NULL);
-    assert_int_equal(smr_warp_fit(memory, bytes, NULL, s.to, s.n, 0, &w, &kind), SMR_E_NULL);
-    assert_int_equal(smr_warp_fit(memory, bytes, s.from, NULL, s.n, 0, &w, &kind), SMR_E_NULL);
-    assert_int_equal(smr_warp_fit(memory, bytes, s.from, s.to, s.n, 0, NULL, &kind), SMR_E_NULL);
-    assert_int_equal(smr_warp_fit(memory, bytes, s.from, s.to, s.n, 0, &w, NULL), SMR_E_NULL);
+    assert_int_equal(smr_warp_fit(s.from, s.to, s.n, 0, NULL, bytes, &w, &kind), SMR_E_NULL);
+    assert_int_equal(smr_warp_fit(NULL, s.to, s.n, 0, memory, bytes, &w, &kind), SMR_E_NULL);
+    assert_int_equal(smr_warp_fit(s.from, NULL, s.n, 0, memory, bytes, &w, &kind), SMR_E_NULL);
+    assert_int_equal(smr_warp_fit(s.from, s.to, s.n, 0, memory, bytes, NULL, &kind), SMR_E_NULL);
+    assert_int_equal(smr_warp_fit(s.from, s.to, s.n, 0, memory, bytes, &w, NULL), SMR_E_NULL);
     for (size_t off = 1; off < SMR_ALIGN; off++)
-        assert_int_equal(smr_warp_fit(memory + off, bytes, s.from, s.to, s.n, 0, &w, &kind), SMR_E_ALIGN);
-    assert_int_equal(smr_warp_fit(memory, bytes - 1u, s.from, s.to, s.n, 0, &w, &kind), SMR_E_ARENA);
-    assert_int_equal(smr_warp_fit(memory, 0, s.from, s.to, s.n, 0, &w, &kind), SMR_E_ARENA);
-    assert_int_equal(smr_warp_fit(memory, bytes, s.from, s.to, 0, 0, &w, &kind), SMR_E_INPUT);
-    assert_int_equal(smr_warp_fit(memory, bytes, s.from, s.to, SMR_LANDMARKS_MAX + 1u, 0, &w, &kind), SMR_E_INPUT);
-    assert_int_equal(smr_warp_fit(memory, bytes, s.from, s.to, s.n, -1e-9f, &w, &kind), SMR_E_INPUT);
-    assert_int_equal(smr_warp_fit(memory, bytes, s.from, s.to, s.n, NAN, &w, &kind), SMR_E_INPUT);
-    assert_int_equal(smr_warp_fit(memory, bytes, s.from, s.to, s.n, INFINITY, &w, &kind), SMR_E_INPUT);
+        assert_int_equal(smr_warp_fit(s.from, s.to, s.n, 0, memory + off, bytes, &w, &kind), SMR_E_ALIGN);
+    assert_int_equal(smr_warp_fit(s.from, s.to, s.n, 0, memory, bytes - 1u, &w, &kind), SMR_E_ARENA);
+    assert_int_equal(smr_warp_fit(s.from, s.to, s.n, 0, memory, 0, &w, &kind), SMR_E_ARENA);
+    assert_int_equal(smr_warp_fit(s.from, s.to, 0, 0, memory, bytes, &w, &kind), SMR_E_INPUT);
+    assert_int_equal(smr_warp_fit(s.from, s.to, SMR_LANDMARKS_MAX + 1u, 0, memory, bytes, &w, &kind), SMR_E_INPUT);
+    assert_int_equal(smr_warp_fit(s.from, s.to, s.n, -1e-9f, memory, bytes, &w, &kind), SMR_E_INPUT);
+    assert_int_equal(smr_warp_fit(s.from, s.to, s.n, NAN, memory, bytes, &w, &kind), SMR_E_INPUT);
+    assert_int_equal(smr_warp_fit(s.from, s.to, s.n, INFINITY, memory, bytes, &w, &kind), SMR_E_INPUT);
     for (uint32_t i = 0; i < 5u; i++) {
         unit_landmarks t = s;
         t.from[3u * s.n - 1u] = bad[i];
-        assert_int_equal(smr_warp_fit(memory, bytes, t.from, t.to, t.n, 0, &w, &kind), SMR_E_INPUT);
+        assert_int_equal(smr_warp_fit(t.from, t.to, t.n, 0, memory, bytes, &w, &kind), SMR_E_INPUT);
         t = s;
         t.to[i] = bad[i];
-        assert_int_equal(smr_warp_fit(memory, bytes, t.from, t.to, t.n, 0, &w, &kind), SMR_E_INPUT);
+        assert_int_equal(smr_warp_fit(t.from, t.to, t.n, 0, memory, bytes, &w, &kind), SMR_E_INPUT);
     }
     assert_ptr_equal(w, mark);
     assert_int_equal(kind, 77);
     for (size_t i = 0; i < bytes + SMR_ALIGN; i++)
         assert_int_equal(memory[i], 0xa5);
     float p[] = {1, 2, 3, 4, 5, 6};
-    assert_int_equal(smr_warp_fit(memory, bytes, s.from, s.to, s.n, 0, &w, &kind), SMR_OK);
-    assert_int_equal(smr_warp_fit(memory, bytes, s.from, s.to, s.n, 0, &w, &kind), SMR_OK); /* the same memory again */
+    assert_int_equal(smr_warp_fit(s.from, s.to, s.n, 0, memory, bytes, &w, &kind), SMR_OK);
+    assert_int_equal(smr_warp_fit(s.from, s.to, s.n, 0, memory, bytes, &w, &kind), SMR_OK); /* the same memory again */
     assert_int_equal(smr_warp_apply(NULL, p, 2), SMR_E_NULL);
     assert_int_equal(smr_warp_apply(w, NULL, 2), SMR_E_NULL);
     for (uint32_t i = 0; i < 5u; i++) {
@@ -217,17 +218,20 @@ static void memory_is_exact(void **state)
 {
     oracle_random r = oracle_seed(310);
     (void)state;
-    assert_int_equal(smr_warp_bytes(0), 0);
-    assert_int_equal(smr_warp_bytes(SMR_LANDMARKS_MAX + 1u), 0);
-    assert_int_equal(smr_warp_bytes(UINT32_MAX), 0);
+    size_t bytes = 77;
+    assert_int_equal(smr_warp_bytes(0, &bytes), SMR_E_INPUT);
+    assert_int_equal(smr_warp_bytes(SMR_LANDMARKS_MAX + 1u, &bytes), SMR_E_INPUT);
+    assert_int_equal(smr_warp_bytes(UINT32_MAX, &bytes), SMR_E_INPUT);
+    assert_int_equal(smr_warp_bytes(1, NULL), SMR_E_NULL);
+    assert_int_equal(bytes, 77);
     for (uint32_t n = 1; n <= SMR_LANDMARKS_MAX; n++) {
         const unit_landmarks s = unit_warp_random(&r, n, 0.0, 10.0);
-        const size_t bytes = smr_warp_bytes(n);
+        assert_int_equal(smr_warp_bytes(n, &bytes), SMR_OK);
         unsigned char *memory = unit_memory(bytes + 2u * GUARD);
         smr_warp *w = NULL;
         uint32_t kind;
         assert_true(bytes > 0u && bytes % SMR_ALIGN == 0u && bytes < 65536u);
-        assert_int_equal(smr_warp_fit(memory + GUARD, bytes, s.from, s.to, n, 1.0f, &w, &kind), SMR_OK);
+        assert_int_equal(smr_warp_fit(s.from, s.to, n, 1.0f, memory + GUARD, bytes, &w, &kind), SMR_OK);
         for (size_t i = 0; i < GUARD; i++) {
             assert_int_equal(memory[i], 0xa5);
             assert_int_equal(memory[GUARD + bytes + i], 0xa5);

@@ -229,19 +229,20 @@ static void repeats_bit_for_bit(void **state)
     oracle_random r = oracle_seed(311);
     uint32_t kind;
     const unit_landmarks s = unit_warp_random(&r, 40, 0.0, 30.0);
-    const size_t bytes = smr_warp_bytes(s.n);
+    size_t bytes = 0;
+    assert_int_equal(smr_warp_bytes(s.n, &bytes), SMR_OK);
     void *memory = unit_memory(bytes);
     float p[300], q[300];
     smr_warp *w = NULL;
     (void)state;
     for (int i = 0; i < 300; i++)
         p[i] = q[i] = oracle_uniformf(&r, -300, 300);
-    assert_int_equal(smr_warp_fit(memory, bytes, s.from, s.to, s.n, 2.0f, &w, &kind), SMR_OK);
+    assert_int_equal(smr_warp_fit(s.from, s.to, s.n, 2.0f, memory, bytes, &w, &kind), SMR_OK);
     assert_int_equal(smr_warp_apply(w, p, 100), SMR_OK);
     unit_free(memory);
     memory = unit_memory(bytes);
     memset(memory, 0xff, bytes);
-    assert_int_equal(smr_warp_fit(memory, bytes, s.from, s.to, s.n, 2.0f, &w, &kind), SMR_OK);
+    assert_int_equal(smr_warp_fit(s.from, s.to, s.n, 2.0f, memory, bytes, &w, &kind), SMR_OK);
     for (uint32_t i = 0; i < 100u; i++)
         assert_int_equal(smr_warp_apply(w, q + 3 * i, 1), SMR_OK);
     assert_memory_equal(p, q, sizeof p);

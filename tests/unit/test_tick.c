@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/tick/steps.h"
 
 static int tidy(void **state)
 {
@@ -35,17 +35,17 @@ static void test_report(void **state)
     (void)state;
     smr *s = start(&c, NULL);
     do {
-        const uint32_t radius = s->radius;
+        const uint32_t radius = s->pace.radius;
         memset(&report, 0xee, sizeof report);
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
         assert_int_equal(++n, report.iteration);
         assert_int_equal(0, report.phase);
         assert_true(report.radius == radius || report.radius == radius + 1u);
-        assert_int_equal(s->n, report.n_active);
-        assert_int_equal(s->n, report.n_forces + report.n_rejected);
+        assert_int_equal(s->shared.n, report.n_active);
+        assert_int_equal(s->shared.n, report.n_forces + report.n_rejected);
         assert_true(report.residual_mean_mm <= report.residual_rms_mm * 1.0001f);
         assert_true(report.residual_rms_mm <= report.residual_max_mm * 1.0001f);
-        assert_true(report.progress > 0.0f || s->repairing > 0u || report.radius_iteration == 0u);
+        assert_true(report.progress > 0.0f || s->pace.repairing > 0u || report.radius_iteration == 0u);
         for (uint32_t i = 0; i < SMR_PHASES; i++) {
             assert_true(report.phase_ns[i] == 0u); /* no clock */
         }
@@ -65,7 +65,7 @@ static void test_report_may_be_null(void **state)
         assert_int_equal(SMR_OK, smr_tick(twin, 0, &report));
     }
     assert_true(smr_state_hash(s) == smr_state_hash(twin));
-    assert_int_equal(12, s->iteration);
+    assert_int_equal(12, s->pace.iteration);
 }
 
 /* A second arena, filled with something else before, gives the same bits. */
@@ -86,7 +86,7 @@ static void test_memory_does_not_matter(void **state)
         assert_int_equal(SMR_OK, smr_arena_bytes(model, &c, &bytes));
         unsigned char *memory = rig_alloc(bytes);
         memset(memory, k % 2u ? 0xff : 0x3c, bytes);
-        assert_int_equal(SMR_OK, smr_init(&s, model, &c, NULL, memory, bytes));
+        assert_int_equal(SMR_OK, smr_init(model, &c, NULL, memory, bytes, &s));
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, surface));
         (void)rig_run(s, 30);
         hash[k] = smr_state_hash(s);
@@ -124,7 +124,7 @@ static void test_forces_pending(void **state)
     uint32_t changes = 0;
     (void)state;
     assert_int_equal(1, smr_forces_pending(s));
-    for (uint32_t i = 0; i < 200u && s->iteration == 0u; i++) {
+    for (uint32_t i = 0; i < 200u && s->pace.iteration == 0u; i++) {
         (void)smr_tick(s, 2000, NULL);
         changes += smr_forces_pending(s) != had;
         had = smr_forces_pending(s);

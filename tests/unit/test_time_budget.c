@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/state.h"
+#include "runtime/tick/steps.h"
 
 static const float none[3] = {0, 0, 0};
 static const smr_model *model;
@@ -60,7 +60,7 @@ static outcome run(smr *s, rig_clock *clock, uint64_t budget, uint32_t ticks)
         o.sum += time;
         o.whole += status == SMR_OK;
         if (status == SMR_OK) {
-            assert_true(r.n_taken >= s->lists.active_min && r.n_taken <= r.n_wanted && r.n_wanted == s->n);
+            assert_true(r.n_taken >= s->pace.lists.active_min && r.n_taken <= r.n_wanted && r.n_wanted == s->shared.n);
             o.fewest = r.n_taken < o.fewest ? r.n_taken : o.fewest;
             o.most = r.n_taken > o.most ? r.n_taken : o.most;
         }
@@ -75,7 +75,7 @@ static uint64_t full_time(uint64_t step_ns)
     smr *s = start(&clock, step_ns);
     const outcome o = run(s, &clock, UINT64_MAX / 2u, 8);
     assert_int_equal(8, o.whole);
-    assert_true(o.fewest == s->n);
+    assert_true(o.fewest == s->shared.n);
     return o.longest;
 }
 
@@ -85,16 +85,16 @@ static void test_learns_what_it_meets(void **state)
     smr *s = start(&clock, 1000);
     (void)state;
     for (uint32_t i = 0; i < smr_n_steps; i++) {
-        assert_true(s->control.rate[i] < 0.0f);
+        assert_true(s->budget.rate[i] < 0.0f);
     }
     (void)run(s, &clock, UINT64_MAX / 2u, 2);
     for (uint32_t i = 0; i < smr_n_steps; i++) {
         s->step = i;
-        const int met = smr_steps[i].n_tasks(s) > 0u || smr_steps[i].run == smr_reference_cluster;
+        const int met = smr_step_tasks(s, &smr_steps[i]) > 0u || smr_steps[i].run == smr_reference_cluster;
         if (met && smr_steps[i].work == SMR_WORK_ACTIVE) { /* a task and the step's end: a reading each */
-            const float tasks = (float)smr_steps[i].n_tasks(s) + 1.0f;
-            assert_true(s->control.rate[i] <= 1001.0f * tasks / (float)s->n);
-            assert_true(s->control.rate[i] >= 900.0f * (tasks - 2.0f) / (float)s->n);
+            const float tasks = (float)smr_step_tasks(s, &smr_steps[i]) + 1.0f;
+            assert_true(s->budget.rate[i] <= 1001.0f * tasks / (float)s->shared.n);
+            assert_true(s->budget.rate[i] >= 900.0f * (tasks - 2.0f) / (float)s->shared.n);
         }
     }
     s->step = 0;
@@ -114,7 +114,7 @@ static void test_in_time_and_not_idle(void **state)
         assert_true(o.longest <= budget + 3000u);
         assert_true(o.whole >= 57u);
         assert_true(o.most >= before);
-        assert_true(o.most == s->n || o.sum >= 60u * (budget * 8u / 10u));
+        assert_true(o.most == s->shared.n || o.sum >= 60u * (budget * 8u / 10u));
         before = o.fewest;
     }
 }
@@ -155,7 +155,7 @@ static void test_a_clock_that_is_set(void **state)
     (void)run(s, &clock, budget, 400);
     const outcome o = run(s, &clock, budget, 40);
     assert_true(o.longest <= budget + 3000u && o.whole >= 36u);
-    assert_true(4u * o.most >= 3u * s->n);
+    assert_true(4u * o.most >= 3u * s->shared.n);
 }
 
 static void test_a_slower_machine(void **state)
@@ -185,8 +185,8 @@ static void test_several_ticks(void **state)
     (void)run(s, &clock, budget, 200);
     const outcome o = run(s, &clock, budget, 300);
     assert_true(o.longest <= budget + 3000u);
-    assert_true(o.whole >= 300u / 13u && o.fewest == s->n); /* nothing is left out, */
-    assert_true(o.sum >= 300u * (budget * 7u / 10u));       /* and no tick goes to waste */
+    assert_true(o.whole >= 300u / 13u && o.fewest == s->shared.n); /* nothing is left out, */
+    assert_true(o.sum >= 300u * (budget * 7u / 10u));              /* and no tick goes to waste */
 }
 
 static void test_nothing_is_left_out_at_the_end(void **state)
@@ -197,11 +197,11 @@ static void test_nothing_is_left_out_at_the_end(void **state)
     smr_tick_report r = {0};
     uint32_t cut = 0;
     (void)state;
-    s->config.iterations_last = 30;
+    s->shared.config.iterations_last = 30;
     for (uint32_t i = 0; i < 200u && !r.done; i++) {
         if (smr_tick(s, budget, &r) == SMR_OK) {
-            cut += r.n_taken < s->n;
-            assert_true(r.radius_iteration <= 10u || r.n_taken == s->n);
+            cut += r.n_taken < s->shared.n;
+            assert_true(r.radius_iteration <= 10u || r.n_taken == s->shared.n);
         }
     }
     assert_true(r.done && cut >= 8u);
@@ -220,18 +220,18 @@ static void test_set_active(void **state)
     assert_int_equal(333, r.n_taken);
     assert_int_equal(SMR_OK, smr_set_active(s, 1));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_int_equal(s->lists.active_min, r.n_taken);
+    assert_int_equal(s->pace.lists.active_min, r.n_taken);
     assert_int_equal(SMR_OK, smr_set_active(s, SMR_ALL));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_int_equal(s->n, r.n_taken);
+    assert_int_equal(s->shared.n, r.n_taken);
     assert_int_equal(SMR_OK, smr_set_active(s, 444));
     assert_int_equal(SMR_OK, smr_set_active(s, 0)); /* the configuration's again */
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_int_equal(s->n, r.n_taken);
+    assert_int_equal(s->shared.n, r.n_taken);
     s->magic = 0;
     assert_int_equal(SMR_E_STATE, smr_set_active(s, 1));
     assert_int_equal(SMR_OK, smr_tick(free_one, 1, &r)); /* no clock, no budget */
-    assert_int_equal(free_one->n, r.n_taken);
+    assert_int_equal(free_one->shared.n, r.n_taken);
 }
 
 int main(void)

@@ -15,11 +15,11 @@ typedef struct planted {
     double turn[9], scale, shift[3];
 } planted;
 
-static planted plant(oracle_random *r, int similarity, double far)
+static planted plant(oracle_random *r, int scaled, double far)
 {
     planted p;
     oracle_rotation(r, p.turn);
-    p.scale = similarity ? pow(10.0, oracle_uniform(r, -0.8, 0.8)) : 1.0;
+    p.scale = scaled ? pow(10.0, oracle_uniform(r, -0.8, 0.8)) : 1.0;
     for (int k = 0; k < 3; k++)
         p.shift[k] = oracle_uniform(r, -far, far);
     return p;
@@ -50,9 +50,9 @@ static void finds_planted_poses(void **state)
     double worst = 0.0, worst_scale = 0.0, worst_at = 0.0;
     (void)state;
     for (uint32_t i = 0; i < 2000u; i++) {
-        const int similarity = (int)(i % 2u), planar = i % 3u == 0u;
+        const int scaled = (int)(i % 2u), planar = i % 3u == 0u;
         const double far = i % 5u == 0u ? 5e4 : 100.0;
-        const planted p = plant(&r, similarity, far);
+        const planted p = plant(&r, scaled, far);
         double at[3] = {oracle_uniform(&r, -far, far), oracle_uniform(&r, -far, far), oracle_uniform(&r, -far, far)};
         const double from[3] = {floor(at[0]), floor(at[1]), floor(at[2])};
         double to[3];
@@ -70,7 +70,7 @@ static void finds_planted_poses(void **state)
             smr_fit_add(&f, smr_v((float)x[0], (float)x[1], (float)x[2]), smr_v((float)y[0], (float)y[1], (float)y[2]),
                         oracle_uniformf(&r, 0.1f, 2.0f));
         }
-        const smr_pose got = smr_fit_solve(&f, similarity);
+        const smr_pose got = smr_fit_solve(&f, scaled);
         const double rounding = far > 1e3 ? 20.0 : 1.0; /* y was rounded to floats of that size */
         for (int c = 0; c < 9; c++)
             worst = fmax(worst, fabs((double)got.m[c / 3][c % 3] / p.scale - p.turn[c]) / rounding);

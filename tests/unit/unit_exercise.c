@@ -71,7 +71,7 @@ static const char *run(const smr_model *model, const smr_model_info *info, const
     if (bytes > (size_t)256 << 20)
         return NULL; /* large images are not what this is about */
     void *arena = unit_memory(bytes);
-    if (smr_init(&s, model, c, NULL, arena, bytes) != SMR_OK)
+    if (smr_init(model, c, NULL, arena, bytes, &s) != SMR_OK)
         wrong = "smr_init";
     else if (target != NULL && smr_set_surface(s, SMR_ALL, target) != SMR_OK)
         wrong = "smr_set_surface";

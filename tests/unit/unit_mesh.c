@@ -170,10 +170,12 @@ unit_mesh unit_bone(int target)
 smr_surface *unit_surface(const unit_mesh *m)
 {
     const smr_mesh view = unit_view(m);
-    const size_t bytes = smr_surface_bytes(m->nv, m->nt);
+    size_t bytes = 0;
+    if (smr_surface_bytes(m->nv, m->nt, &bytes) != SMR_OK)
+        give_up("smr_surface_bytes");
     void *memory = unit_memory(bytes);
     smr_surface *s = NULL;
-    if (smr_surface_build(memory, bytes, &view, &s) != SMR_OK || (void *)s != memory)
+    if (smr_surface_build(&view, memory, bytes, &s) != SMR_OK || (void *)s != memory)
         give_up("smr_surface_build");
     return s;
 }

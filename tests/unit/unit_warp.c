@@ -65,11 +65,13 @@ double unit_apart(const float *a, const float *b)
 
 smr_warp *unit_warp_fit(const unit_landmarks *s, float smoothing, uint32_t *kind)
 {
-    const size_t bytes = smr_warp_bytes(s->n);
+    size_t bytes = 0;
+    const smr_status sized = smr_warp_bytes(s->n, &bytes);
     void *memory = unit_memory(bytes);
     smr_warp *w = NULL;
     *kind = 99u;
-    if (smr_warp_fit(memory, bytes, s->from, s->to, s->n, smoothing, &w, kind) != SMR_OK || (void *)w != memory) {
+    if (sized != SMR_OK || smr_warp_fit(s->from, s->to, s->n, smoothing, memory, bytes, &w, kind) != SMR_OK ||
+        (void *)w != memory) {
         fprintf(stderr, "unit_warp_fit: refused\n");
         exit(1);
     }

@@ -1,41 +1,51 @@
-/* exact_normals.c: vertex normals from the triangles at x_next, area-weighted, where the iteration ends with a new reference shape or the
- * configuration asks for it; otherwise the averaged rotations carry them (evolve.c). The same sums as smr_mesh_normals(), in
- * the same order, cut into small tasks. They lie where evolve left the carried ones.
+/* exact_normals.c: vertex normals from the triangles at x_next, area-weighted, where the iteration ends with a new
+ * reference shape or the configuration asks for it; otherwise the averaged rotations carry them (evolve.c). The same
+ * sums as smr_mesh_normals(), in the same order, cut into small tasks. They lie where evolve left the carried ones.
  * Bounds: one pass over triangles, two over vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/triangle.h"
-#include "runtime/state.h"
+#include "runtime/evolve/evolve.h"
 
-uint32_t smr_exact_tasks(smr *s) { return s->exact ? s->n_tasks : 0u; }
-uint32_t smr_exact_facet_tasks(smr *s) { return s->exact ? smr_ceil_div(s->n_triangles, SMR_TRIANGLE_CHUNK) : 0u; }
-
-void smr_exact_clear(void *arg, uint32_t task, uint32_t worker)
+uint32_t smr_exact_normals_tasks(const void *arg)
 {
-    smr *s = arg;
+    const smr_evolve *e = arg;
+    return e->normals_due ? e->shared->n_tasks : 0u;
+}
+
+uint32_t smr_exact_normals_facet_tasks(const void *arg)
+{
+    const smr_evolve *e = arg;
+    return e->normals_due ? smr_ceil_div(e->shared->n_triangles, SMR_TRIANGLE_CHUNK) : 0u;
+}
+
+void smr_exact_normals_clear(void *arg, uint32_t task, uint32_t worker)
+{
+    const smr_evolve *e = arg;
     (void)worker;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++)
-        smr_spare_set(s, v, smr_v(0, 0, 0));
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(e->shared, task); v++)
+        smr_next_normal_set(e->sums, v, smr_v(0, 0, 0));
 }
 
 /* Neighbours share vertices: one task after the other. */
-void smr_exact_facets(void *arg, uint32_t task, uint32_t worker)
+void smr_exact_normals_facets(void *arg, uint32_t task, uint32_t worker)
 {
-    smr *s = arg;
+    const smr_evolve *e = arg;
+    float *x = e->shape->x_next;
     (void)worker;
-    const uint32_t last = smr_min_u32((task + 1u) * SMR_TRIANGLE_CHUNK, s->n_triangles);
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_TRIANGLE_CHUNK, e->shared->n_triangles);
     for (uint32_t k = task * SMR_TRIANGLE_CHUNK; k < last; k++) {
-        const uint32_t *t = s->triangle + 3u * (size_t)k;
-        const smr_vec n = smr_triangle_cross(smr_load(smr_at3(s->x_next, t[0])), smr_load(smr_at3(s->x_next, t[1])),
-                                             smr_load(smr_at3(s->x_next, t[2])));
+        const uint32_t *t = e->shared->triangle + 3u * (size_t)k;
+        const smr_vec n =
+            smr_triangle_cross(smr_load(smr_at3(x, t[0])), smr_load(smr_at3(x, t[1])), smr_load(smr_at3(x, t[2])));
         for (uint32_t c = 0; c < 3u; c++)
-            smr_spare_set(s, t[c], smr_add(smr_spare(s, t[c]), n));
+            smr_next_normal_set(e->sums, t[c], smr_add(smr_next_normal(e->sums, t[c]), n));
     }
 }
 
-void smr_exact_unit(void *arg, uint32_t task, uint32_t worker)
+void smr_exact_normals_unit(void *arg, uint32_t task, uint32_t worker)
 {
-    smr *s = arg;
+    const smr_evolve *e = arg;
     (void)worker;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++)
-        smr_spare_set(s, v, smr_unit(smr_spare(s, v)));
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(e->shared, task); v++)
+        smr_next_normal_set(e->sums, v, smr_unit(smr_next_normal(e->sums, v)));
 }

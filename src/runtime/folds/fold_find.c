@@ -1,64 +1,114 @@
-/* fold_find.c: watches for triangles that turn over. Shape matching makes folds rare; forces that cross can still turn a triangle
- * over, and a plastic reference would then keep it so. Coarse radii move the model almost rigidly, and most of what bends
- * there straightens again. From the last radius but one on hinges are searched; fold_repair.c repairs what folds by then, fold_limit.c holds
- * back what would fold, and fold_open.c deals, at the last radius, with what turned back all the same.
+/* fold_find.c: looks for hinges that fold. Shape matching makes folds rare; forces that cross can still turn a triangle
+ * over, and a plastic reference would then keep it so. Coarse radii move the model almost rigidly, and most of what
+ * bends there straightens again, so hinges are searched from the last radius but one on.
  * Bounds: one pass over the hinges.
  * SPDX-License-Identifier: MIT */
 #include "geometry/triangle.h"
 #include "runtime/folds/folds.h"
 
-static smr_vec normal_at(const smr *s, float *x, uint32_t triangle)
+void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared)
 {
-    const uint32_t *t = s->triangle + 3u * (size_t)triangle;
+    f->n_hinge_tasks = smr_ceil_div(shared->n_hinges, SMR_HINGE_CHUNK);
+    f->marked = smr_arena_take(a, shared->n, 1);
+    f->folding = smr_arena_take(a, shared->n_structures, sizeof *f->folding);
+}
+
+void smr_folds_wire(smr_folds *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
+                    smr_evening *evening, const smr_overlay *overlay)
+{
+    f->shared = shared;
+    f->pace = pace;
+    f->shape = shape;
+    f->evening = evening;
+    f->rings = overlay->rings;
+    f->tally = overlay->tally;
+    memset(f->folding, 0, shared->n_structures * sizeof *f->folding);
+}
+
+void smr_folds_reset(smr_folds *f)
+{
+    memset(&f->repair, 0, sizeof f->repair);
+    memset(&f->limit, 0, sizeof f->limit);
+    memset(&f->open, 0, sizeof f->open);
+    f->moved = 0;
+}
+
+int smr_folds_guarded(const smr_shared *c, const smr_pace *p)
+{
+    return c->config.fold_guard && p->radius + 2u > smr_last_radius(c);
+}
+
+void smr_runs_clear(smr_folds *f)
+{
+    memset(f->touched, 0, sizeof f->touched);
+    f->run_bits = 0;
+    while (f->shared->n_triangles >> f->run_bits >= SMR_RUNS)
+        f->run_bits++;
+}
+
+static smr_vec normal_at(const smr_folds *f, float *x, uint32_t triangle)
+{
+    const uint32_t *t = smr_corners(f, triangle);
     return smr_unit(
         smr_triangle_cross(smr_load(smr_at3(x, t[0])), smr_load(smr_at3(x, t[1])), smr_load(smr_at3(x, t[2]))));
 }
 
-float smr_hinge_cosine(const smr *s, float *x, const smr_stored_hinge *h)
+float smr_hinge_cosine(const smr_folds *f, float *x, const smr_stored_hinge *h)
 {
-    return smr_dot(normal_at(s, x, smr_le32(h->first)), normal_at(s, x, smr_hinge_second(h)));
+    return smr_dot(normal_at(f, x, smr_le32(h->first)), normal_at(f, x, smr_hinge_second(h)));
 }
 
-uint32_t smr_guard_tasks(smr *s) { return smr_guarded(s) ? s->n_hinge_tasks : 0u; }
+uint32_t smr_fold_find_tasks(const void *arg)
+{
+    const smr_folds *f = arg;
+    return smr_folds_guarded(f->shared, f->pace) ? f->n_hinge_tasks : 0u;
+}
 
 /* Counts a chunk's hinges that fold, or would be held back, by the facets' normals at x_next. */
-void smr_guard_search(void *arg, uint32_t task, uint32_t worker)
+void smr_fold_find(void *arg, uint32_t task, uint32_t worker)
 {
-    smr *s = arg;
+    smr_folds *f = arg;
     (void)worker;
-    const uint32_t last = smr_min_u32((task + 1u) * SMR_HINGE_CHUNK, s->n_hinges);
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_HINGE_CHUNK, f->shared->n_hinges);
     uint32_t n = 0, n_open = 0;
     for (uint32_t i = task * SMR_HINGE_CHUNK; i < last; i++) {
-        const smr_stored_hinge *h = smr_hinge_at(s, i);
-        const smr_vec a = smr_load(s->facet_normal + 3u * (size_t)smr_le32(h->first));
-        const smr_vec b = smr_load(s->facet_normal + 3u * (size_t)smr_hinge_second(h));
+        const smr_stored_hinge *h = smr_hinge_at(f, i);
+        const smr_vec a = smr_load(f->shape->facet_normal + 3u * (size_t)smr_le32(h->first));
+        const smr_vec b = smr_load(f->shape->facet_normal + 3u * (size_t)smr_hinge_second(h));
         const float next = smr_dot(a, b);
-        if (!(next < SMR_BRAKE_BELOW))
+        if (!(next < SMR_LIMIT_BELOW))
             continue;
-        n += s->repairing > 0u ? next < smr_hinge_limit(smr_le32(h->bend)) : smr_brake_share(s, h, next) > 0.0f;
+        n += f->pace->repairing > 0u ? next < smr_hinge_limit_of(h) : smr_fold_limit_share(f, h, next) > 0.0f;
         n_open += smr_hinge_open(h) && next < SMR_FOLD_COS;
     }
-    s->tally[task].n_rejected = n;
-    s->tally[task].n_active = n_open;
+    f->tally[task].folds.n_bent = n;
+    f->tally[task].folds.n_open = n_open;
 }
 
-void smr_guard_end(smr *s)
+void smr_fold_find_end(smr_folds *f)
 {
     uint32_t n_bent = 0, n_open = 0;
-    s->n_guarded = 0;
-    s->n_folding = 0;
-    for (uint32_t task = 0; task < s->n_hinge_tasks; task++) {
-        n_bent += s->tally[task].n_rejected;
-        n_open += s->tally[task].n_active;
+    f->n_guarded = 0;
+    f->n_folding = 0;
+    for (uint32_t task = 0; task < f->n_hinge_tasks; task++) {
+        n_bent += f->tally[task].folds.n_bent;
+        n_open += f->tally[task].folds.n_open;
     }
     if (n_bent + n_open == 0u)
         return;
-    for (uint32_t i = 0; i < s->n_parts; i++)
-        s->part[i].folding = 0;
-    memset(s->guard, 0, s->n);
-    if (n_bent > 0u && s->repairing > 0u)
-        smr_mend_start(s);
+    memset(f->folding, 0, f->shared->n_structures * sizeof *f->folding);
+    memset(f->marked, 0, f->shared->n);
+    if (n_bent > 0u && f->pace->repairing > 0u)
+        smr_fold_repair_start(f);
     else if (n_bent > 0u)
-        smr_brake_start(s);
-    smr_unfold_start(s);
+        smr_fold_limit_start(f);
+    smr_fold_open_start(f);
+}
+
+void smr_folds_moved(smr_folds *f)
+{
+    f->n_guarded = 0;
+    for (uint32_t v = 0; v < f->shared->n; v++)
+        f->n_guarded += f->marked[v];
+    f->moved = 1;
 }

@@ -1,58 +1,54 @@
-/* fold_limit.c: at the finest radii, holds back the steps x_next - x that would fold hinges. A hinge may come nearer to its limit by
- * a share of what is left in an iteration. Where its cosine would fall by more, the steps of its four corners become more
- * alike: so far towards their mean as it takes, for corners that all move alike do not turn it. Vertices of several such
- * hinges go by the mean of what these ask, the nearer to it the more the most urgent asks. Hinges that share corners pull
- * each other along, so that is done a few times over. All this is continuous in the positions: who is close to a limit by
- * a last bit is moved by a last bit.
+/* fold_limit.c: at the finest radii, limits the steps x_next - x that would fold hinges. A hinge may come nearer to its
+ * limit by a share of what is left in an iteration. Where its cosine would fall by more, the steps of its four corners
+ * become more alike: so far towards their mean as it takes, for corners that all move alike do not turn it. Vertices of
+ * several such hinges go by the mean of what these ask, the nearer to it the more the most urgent asks. Hinges that share
+ * corners pull each other along, so that is done a few times over. All this is continuous in the positions: who is close
+ * to a limit by a last bit is moved by a last bit.
  * What would fold even so has its steps halved, and at last stays where it was, which did not fold.
  * Each round depends on the one before: one task after the other, each a piece of a pass.
- * Bounds: SMR_BRAKE_ROUNDS passes over the hinges, and SMR_SOFT_ROUNDS over triangles and vertices of the structures that fold.
+ * Bounds: SMR_LIMIT_ROUNDS passes over the hinges, and SMR_SOFT_ROUNDS over triangles and vertices of the structures that
+ * fold.
  * SPDX-License-Identifier: MIT */
-#include "geometry/triangle.h"
 #include "runtime/folds/folds.h"
 
-#define SMR_BRAKE_SHARE                                                                                                \
-    0.75f /* of the way down to its limit and the room before it, so much may a hinge go in an iteration */
-#define SMR_BRAKE_ROOM 0.05f   /* cosine: within it of the limit it only creeps, */
-#define SMR_BRAKE_CREEP 0.001f /* so much in an iteration, */
-#define SMR_BRAKE_LEFT 0.05f   /* and no more than this share of what is left: it does not get there */
+#define SMR_LIMIT_SHARE 0.75f  /* largest fraction of the remaining margin that a hinge may go in an iteration */
+#define SMR_LIMIT_ROOM 0.05f   /* cosine: within it of the limit a hinge only creeps */
+#define SMR_LIMIT_CREEP 0.001f /* cosine: so much in an iteration, */
+#define SMR_LIMIT_LEFT 0.05f   /* and at most this fraction of what is left, so that it never arrives */
 #define SMR_LOOK_CHUNK 64u     /* hinges of a task: each takes two triangles' normals, twice */
 #define SMR_SOFT_ROUNDS 20u
 #define SMR_HALVINGS 3u
-#define SMR_BRAKE_ROUNDS 40u
+#define SMR_LIMIT_ROUNDS 40u
 #define SMR_ENOUGH 0.001f /* a round that asks for less everywhere is the last one of the soft ones */
 
-enum { SMR_BRAKE_IDLE = 0, SMR_BRAKE_LOOK, SMR_BRAKE_TOUCH, SMR_BRAKE_MOVE };
+enum { SMR_LIMIT_IDLE = 0, SMR_LIMIT_LOOK, SMR_LIMIT_TOUCH, SMR_LIMIT_MOVE };
 enum { SMR_MARKED = 1, SMR_ASKED = 2 };
 
-/* How far the steps of a hinge's corners must become alike, 0 .. 1, when its cosine would be `next`. */
-float smr_brake_share(const smr *s, const smr_stored_hinge *h, float next)
+float smr_fold_limit_share(const smr_folds *f, const smr_stored_hinge *h, float next)
 {
-    const float limit = smr_hinge_limit(smr_le32(h->bend)), near = limit + SMR_BRAKE_ROOM;
-    if (!(next < 1.0f - SMR_BRAKE_SHARE * (1.0f - near)))
+    const float limit = smr_hinge_limit_of(h), near = limit + SMR_LIMIT_ROOM;
+    if (!(next < 1.0f - SMR_LIMIT_SHARE * (1.0f - near)))
         return 0.0f; /* not even from flat */
-    const float now = smr_hinge_cosine(s, s->x, h);
-    const float creep = smr_min(SMR_BRAKE_CREEP, SMR_BRAKE_LEFT * smr_abs(now - limit));
-    const float may = SMR_BRAKE_SHARE * smr_positive(now - near) + creep;
+    const float now = smr_hinge_cosine(f, f->shape->x, h);
+    const float creep = smr_min(SMR_LIMIT_CREEP, SMR_LIMIT_LEFT * smr_abs(now - limit));
+    const float may = SMR_LIMIT_SHARE * smr_positive(now - near) + creep;
     return now - next > may ? 1.0f - may / (now - next) : 0.0f;
 }
 
-static int any_marked(const smr *s, uint32_t triangle)
+static smr_vec step_of(const smr_folds *f, uint32_t v)
 {
-    const uint32_t *t = s->triangle + 3u * (size_t)triangle;
-    return s->guard[t[0]] | s->guard[t[1]] | s->guard[t[2]];
+    return smr_sub(smr_load(smr_at3(f->shape->x_next, v)), smr_load(smr_at3(f->shape->x, v)));
 }
 
-static smr_vec step_of(const smr *s, uint32_t v)
+static void set_step(const smr_folds *f, uint32_t v, smr_vec step)
 {
-    return smr_sub(smr_load(smr_at3(s->x_next, v)), smr_load(smr_at3(s->x, v)));
+    smr_store(smr_at3(f->shape->x_next, v), smr_add(smr_load(smr_at3(f->shape->x, v)), step));
 }
 
 /* The four corners of a hinge: the first triangle's, and the second's that the first does not have. */
-static void corners_of(const smr *s, const smr_stored_hinge *h, uint32_t corner[4])
+static void corners_of(const smr_folds *f, const smr_stored_hinge *h, uint32_t corner[4])
 {
-    const uint32_t *a = s->triangle + 3u * (size_t)smr_le32(h->first),
-                   *b = s->triangle + 3u * (size_t)smr_hinge_second(h);
+    const uint32_t *a = smr_corners(f, smr_le32(h->first)), *b = smr_corners(f, smr_hinge_second(h));
     memcpy(corner, a, 3u * sizeof *a);
     corner[3] = a[0];
     for (uint32_t c = 0; c < 3u; c++)
@@ -60,173 +56,171 @@ static void corners_of(const smr *s, const smr_stored_hinge *h, uint32_t corner[
             corner[3] = b[c];
 }
 
-static void ask(smr *s, const smr_stored_hinge *h, float share)
+/* Asks a hinge's corners to move more alike, by this share. */
+static void ask(smr_folds *f, const smr_stored_hinge *h, float share)
 {
     uint32_t corner[4];
-    corners_of(s, h, corner);
+    corners_of(f, h, corner);
     smr_vec mean = smr_v(0, 0, 0);
     for (uint32_t c = 0; c < 4u; c++)
-        mean = smr_add(mean, smr_scale(step_of(s, corner[c]), 0.25f));
+        mean = smr_add(mean, smr_scale(step_of(f, corner[c]), 0.25f));
     for (uint32_t c = 0; c < 4u; c++) {
         const uint32_t v = corner[c];
-        float *sum = smr_at3(s->ring_sum, v), *most = smr_at3(s->displaced, v);
-        if (!(s->guard[v] & SMR_ASKED)) {
+        float *sum = smr_at3(f->rings.sum, v);
+        if (!(f->marked[v] & SMR_ASKED)) {
             smr_store(sum, smr_v(0, 0, 0));
-            s->ring_weight[v] = *most = 0.0f;
+            f->rings.weight[v] = f->rings.asked[v] = 0.0f;
         }
         smr_store(sum, smr_add(smr_load(sum), smr_scale(mean, share)));
-        s->ring_weight[v] += share;
-        *most = smr_max(*most, share);
-        s->guard[v] = SMR_MARKED | SMR_ASKED;
+        f->rings.weight[v] += share;
+        f->rings.asked[v] = smr_max(f->rings.asked[v], share);
+        f->marked[v] = SMR_MARKED | SMR_ASKED;
     }
-    s->part[smr_model_owner(s->model, corner[0])].folding = 1;
+    f->folding[smr_model_owner(f->shared->model, corner[0])] = 1;
 }
 
-/* Shortens the steps of a hinge's corners. */
-static void hold(smr *s, const smr_stored_hinge *h, float keep)
+/* Shortens the steps of a hinge's corners to this share. */
+static void hold(smr_folds *f, const smr_stored_hinge *h, float keep)
 {
     uint32_t corner[4];
-    corners_of(s, h, corner);
+    corners_of(f, h, corner);
     for (uint32_t c = 0; c < 4u; c++) {
-        const smr_vec step = smr_scale(step_of(s, corner[c]), keep);
-        smr_store(smr_at3(s->x_next, corner[c]), smr_add(smr_load(smr_at3(s->x, corner[c])), step));
-        s->guard[corner[c]] |= SMR_MARKED;
-        smr_hold(s, corner[c], 1.0f);
+        set_step(f, corner[c], smr_scale(step_of(f, corner[c]), keep));
+        f->marked[corner[c]] |= SMR_MARKED;
+        smr_evening_hold(f->evening, corner[c], 1.0f);
     }
 }
 
-static int touched(const smr *s, uint32_t triangle)
+/* 1 when nothing has moved about a hinge since the last look at it. */
+static int passed_over(const smr_folds *f, uint32_t i)
 {
-    const uint32_t run = triangle >> s->brake.run_bits;
-    return (int)(s->brake.touched[run / 64u] >> (run % 64u) & 1u);
+    const smr_stored_hinge *h = smr_hinge_at(f, i);
+    const uint32_t first = smr_le32(h->first), second = smr_hinge_second(h), round = f->limit.round;
+    if (round == 0u)
+        return f->tally[i / SMR_HINGE_CHUNK].folds.n_bent == 0u;
+    return (round <= SMR_SOFT_ROUNDS && !smr_run_touched(f, first) && !smr_run_touched(f, second)) ||
+           (!smr_any_marked(f, first) && !smr_any_marked(f, second));
 }
 
-static void look(smr *s, uint32_t from, uint32_t to)
+static void look(smr_folds *f, uint32_t from, uint32_t to)
 {
-    smr_brake *b = &s->brake;
+    smr_fold_limit *l = &f->limit;
     for (uint32_t i = from; i < to; i++) {
-        const smr_stored_hinge *h = smr_hinge_at(s, i);
-        const uint32_t first = smr_le32(h->first), second = smr_hinge_second(h);
-        if (b->round == 0u ? s->tally[i / SMR_HINGE_CHUNK].n_rejected == 0u
-                           : (b->round <= SMR_SOFT_ROUNDS && !touched(s, first) && !touched(s, second)) ||
-                                 (!any_marked(s, first) && !any_marked(s, second)))
+        if (passed_over(f, i))
             continue;
-        const float next = smr_hinge_cosine(s, s->x_next, h), limit = smr_hinge_limit(smr_le32(h->bend));
-        if (b->round < SMR_SOFT_ROUNDS) {
-            const float share = smr_brake_share(s, h, next);
+        const smr_stored_hinge *h = smr_hinge_at(f, i);
+        const float next = smr_hinge_cosine(f, f->shape->x_next, h), limit = smr_hinge_limit_of(h);
+        if (l->round < SMR_SOFT_ROUNDS) {
+            const float share = smr_fold_limit_share(f, h, next);
             if (share > 0.0f) {
-                ask(s, h, share);
-                b->most = smr_max(b->most, share);
+                ask(f, h, share);
+                l->most = smr_max(l->most, share);
             }
-        } else if (next < limit && !(smr_hinge_cosine(s, s->x, h) < limit)) {
-            hold(s, h, b->round < SMR_SOFT_ROUNDS + SMR_HALVINGS ? 0.5f : 0.0f);
-            b->most = 1.0f;
+        } else if (next < limit && !(smr_hinge_cosine(f, f->shape->x, h) < limit)) {
+            hold(f, h, l->round < SMR_SOFT_ROUNDS + SMR_HALVINGS ? 0.5f : 0.0f);
+            l->most = 1.0f;
         }
     }
 }
 
-static void touch(smr *s, uint32_t triangle, uint32_t last)
+static void touch(smr_folds *f, uint32_t triangle, uint32_t last)
 {
-    for (; triangle < last; triangle++) {
-        const uint32_t run = triangle >> s->brake.run_bits;
-        if (any_marked(s, triangle))
-            s->brake.touched[run / 64u] |= (uint64_t)1 << (run % 64u);
-    }
+    for (; triangle < last; triangle++)
+        if (smr_any_marked(f, triangle))
+            smr_run_touch(f, triangle);
 }
 
-static void move(smr *s, uint32_t from, uint32_t to)
+static void move(smr_folds *f, uint32_t from, uint32_t to)
 {
     for (uint32_t i = from; i < to; i++) {
-        const uint32_t v = smr_model_position(s->model, i);
-        if (!(s->guard[v] & SMR_ASKED))
+        const uint32_t v = smr_model_position(f->shared->model, i);
+        if (!(f->marked[v] & SMR_ASKED))
             continue;
-        const smr_vec mean = smr_scale(smr_load(smr_at3(s->ring_sum, v)), 1.0f / s->ring_weight[v]),
-                      step = step_of(s, v);
-        const float most = *smr_at3(s->displaced, v);
-        const smr_vec kept = smr_add(step, smr_scale(smr_sub(mean, step), most));
-        smr_store(smr_at3(s->x_next, v), smr_add(smr_load(smr_at3(s->x, v)), kept));
-        s->guard[v] = SMR_MARKED;
-        smr_hold(s, v, most);
+        const smr_vec mean = smr_scale(smr_load(smr_at3(f->rings.sum, v)), 1.0f / f->rings.weight[v]);
+        const smr_vec step = step_of(f, v);
+        const float asked = f->rings.asked[v];
+        set_step(f, v, smr_add(step, smr_scale(smr_sub(mean, step), asked)));
+        f->marked[v] = SMR_MARKED;
+        smr_evening_hold(f->evening, v, asked);
     }
 }
 
-/* The next structure that folds, from `part` on; n_parts for none. */
-static uint32_t folding_from(const smr *s, uint32_t part)
+/* The next structure that folds, from this one on; n_structures for none. */
+static uint32_t folding_from(const smr_folds *f, uint32_t structure)
 {
-    while (part < s->n_parts && !s->part[part].folding)
-        part++;
-    return part;
+    while (structure < f->shared->n_structures && !f->folding[structure])
+        structure++;
+    return structure;
 }
 
-/* On to the next structure that folds, from b->part on, and with the stage that comes next behind the last one. */
-static void next_part(smr *s, uint32_t stage)
+/* On to the next structure that folds, from the present one on, and with the stage that comes next behind the last. */
+static void next_structure(smr_folds *f, uint32_t stage)
 {
-    smr_brake *b = &s->brake;
-    b->part = folding_from(s, b->part);
-    if (b->part == s->n_parts && stage == SMR_BRAKE_TOUCH) {
-        stage = SMR_BRAKE_MOVE;
-        b->part = folding_from(s, 0);
+    smr_fold_limit *l = &f->limit;
+    l->pass.structure = folding_from(f, l->pass.structure);
+    if (l->pass.structure == f->shared->n_structures && stage == SMR_LIMIT_TOUCH) {
+        stage = SMR_LIMIT_MOVE;
+        l->pass.structure = folding_from(f, 0);
     }
-    b->stage = stage;
-    if (b->part < s->n_parts)
+    l->pass.stage = stage;
+    if (l->pass.structure < f->shared->n_structures)
         return;
-    b->part = 0;
-    b->stage = SMR_BRAKE_LOOK;
-    b->round = b->most < SMR_ENOUGH && b->round < SMR_SOFT_ROUNDS ? SMR_SOFT_ROUNDS : b->round + 1u;
-    b->most = 0.0f;
+    l->pass.structure = 0;
+    l->pass.stage = SMR_LIMIT_LOOK;
+    l->round = l->most < SMR_ENOUGH && l->round < SMR_SOFT_ROUNDS ? SMR_SOFT_ROUNDS : l->round + 1u;
+    l->most = 0.0f;
 }
 
-static void next_pass(smr *s)
+/* A pass is complete. */
+static void next_pass(smr_folds *f)
 {
-    smr_brake *b = &s->brake;
-    b->at = 0;
-    if (b->stage != SMR_BRAKE_LOOK) {
-        b->part++;
-        next_part(s, b->stage);
+    smr_fold_limit *l = &f->limit;
+    l->pass.at = 0;
+    if (l->pass.stage != SMR_LIMIT_LOOK) {
+        l->pass.structure++;
+        next_structure(f, l->pass.stage);
         return;
     }
-    const int soft = b->round < SMR_SOFT_ROUNDS;
-    b->part = 0;
-    if (soft && b->most > 0.0f) {
-        next_part(s, SMR_BRAKE_TOUCH);
+    const int soft = l->round < SMR_SOFT_ROUNDS;
+    l->pass.structure = 0;
+    if (soft && l->most > 0.0f) {
+        next_structure(f, SMR_LIMIT_TOUCH);
     } else if (soft) {
-        b->round = SMR_SOFT_ROUNDS;
+        l->round = SMR_SOFT_ROUNDS;
     } else {
-        b->stage = b->most > 0.0f && ++b->round < SMR_BRAKE_ROUNDS ? SMR_BRAKE_LOOK : SMR_BRAKE_IDLE;
-        b->most = 0.0f;
+        l->pass.stage = l->most > 0.0f && ++l->round < SMR_LIMIT_ROUNDS ? SMR_LIMIT_LOOK : SMR_LIMIT_IDLE;
+        l->most = 0.0f;
     }
 }
 
-void smr_brake_start(smr *s)
+void smr_fold_limit_start(smr_folds *f)
 {
-    memset(&s->brake, 0, sizeof s->brake);
-    s->brake.stage = SMR_BRAKE_LOOK;
-    while (s->n_triangles >> s->brake.run_bits >= SMR_MEND_RUNS)
-        s->brake.run_bits++;
+    memset(&f->limit, 0, sizeof f->limit);
+    f->limit.pass.stage = SMR_LIMIT_LOOK;
+    smr_runs_clear(f);
 }
 
-uint32_t smr_brake_tasks(smr *s) { return s->brake.stage == SMR_BRAKE_IDLE ? s->next_task : s->next_task + 1u; }
+uint32_t smr_fold_limit_tasks(const void *arg) { return ((const smr_folds *)arg)->limit.pass.stage != SMR_LIMIT_IDLE; }
 
 /* A piece of the pass under way. */
-void smr_brake_pass(void *arg, uint32_t task, uint32_t worker)
+void smr_fold_limit_pass(void *arg, uint32_t task, uint32_t worker)
 {
-    smr *s = arg;
-    smr_brake *b = &s->brake;
-    const smr_part *part = &s->part[b->part];
-    const uint32_t length = b->stage == SMR_BRAKE_LOOK   ? s->n_hinges
-                            : b->stage == SMR_BRAKE_MOVE ? part->n_vertices
-                                                         : part->facets.n_triangles;
-    const uint32_t chunk = b->stage == SMR_BRAKE_LOOK ? SMR_LOOK_CHUNK : SMR_TRIANGLE_CHUNK;
-    const uint32_t from = b->at, to = smr_min_u32(from + chunk, length);
+    smr_folds *f = arg;
+    const uint32_t stage = f->limit.pass.stage, from = f->limit.pass.at;
+    const smr_shape_structure *one = &f->shape->structure[f->limit.pass.structure];
+    const uint32_t length = stage == SMR_LIMIT_LOOK   ? f->shared->n_hinges
+                            : stage == SMR_LIMIT_MOVE ? one->n_vertices
+                                                      : one->facets.n_triangles;
+    const uint32_t chunk = stage == SMR_LIMIT_LOOK ? SMR_LOOK_CHUNK : SMR_TRIANGLE_CHUNK;
+    const uint32_t to = smr_min_u32(from + chunk, length);
     (void)task;
     (void)worker;
-    if (b->stage == SMR_BRAKE_LOOK)
-        look(s, from, to);
-    else if (b->stage == SMR_BRAKE_TOUCH)
-        touch(s, part->first_triangle + from, part->first_triangle + to);
+    if (stage == SMR_LIMIT_LOOK)
+        look(f, from, to);
+    else if (stage == SMR_LIMIT_TOUCH)
+        touch(f, one->first_triangle + from, one->first_triangle + to);
     else
-        move(s, part->first_vertex + from, part->first_vertex + to);
-    b->at = to;
-    if (to == length)
-        next_pass(s);
+        move(f, one->first_vertex + from, one->first_vertex + to);
+    if (!smr_fold_pass_goes_on(&f->limit.pass, to, length))
+        next_pass(f);
 }

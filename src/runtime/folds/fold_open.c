@@ -1,26 +1,27 @@
-/* fold_open.c: opens what is folded all the same, at the last radius: hinges whose triangles look away from each other and did
- * not at rest. fold_limit.c leaves hinges that are right angles at rest some room, since holding these back would hold back
- * whole caps and corners; and what has been folded for long it only keeps from folding further. Here the corners of such a hinge go the
- * shortest way along which the cosine between its normals comes back above zero (a constraint's projection: Müller et al.,
- * Position based dynamics, 2006), one hinge after the other, over and over, for one may turn its neighbour.
- * Bounds: SMR_UNFOLD_PASSES passes over the hinges.
+/* fold_open.c: opens what is folded all the same, at the last radius: hinges whose triangles look away from each other
+ * and did not at rest. fold_limit.c leaves hinges that are right angles at rest some room, since holding these back would
+ * hold back whole caps and corners; and what has been folded for long it only keeps from folding further. Here the
+ * corners of such a hinge go the shortest way along which the cosine between its normals comes back above zero, one hinge
+ * after the other, over and over, for one may turn its neighbour.
+ * Source: a constraint's projection, Mueller et al., "Position based dynamics", 2006.
+ * Bounds: SMR_OPEN_PASSES passes over the hinges.
  * SPDX-License-Identifier: MIT */
 #include "geometry/triangle.h"
 #include "runtime/folds/folds.h"
 
-#define SMR_UNFOLD_PASSES 16u
-#define SMR_UNFOLD_CHUNK 64u   /* hinges of a task */
+#define SMR_OPEN_PASSES 16u
+#define SMR_OPEN_CHUNK 64u     /* hinges of a task */
 #define SMR_OPEN_COS 0.01f     /* so far hinges open */
 #define SMR_CORNER_REACH 0.25f /* of the hinge's shortest edge: a corner's largest way in a pass */
 #define SMR_AREA_FLOOR 1.0e-6f /* mm^2, twice the area: less has no normal */
 
-void smr_unfold_start(smr *s)
+void smr_fold_open_start(smr_folds *f)
 {
-    memset(&s->unfold, 0, sizeof s->unfold);
-    s->unfold.pass = s->radius == smr_last_radius(s) && s->repairing == 0u ? 1u : 0u;
+    memset(&f->open, 0, sizeof f->open);
+    f->open.pass = smr_at_last_radius(f->shared, f->pace) && f->pace->repairing == 0u ? 1u : 0u;
 }
 
-uint32_t smr_unfold_tasks(smr *s) { return s->unfold.pass == 0u ? s->next_task : s->next_task + 1u; }
+uint32_t smr_fold_open_tasks(const void *arg) { return ((const smr_folds *)arg)->open.pass != 0u; }
 
 /* One triangle of a hinge. */
 typedef struct side {
@@ -31,12 +32,13 @@ typedef struct side {
     float shortest2; /* shortest edge, squared */
 } side;
 
-static side side_of(const smr *s, uint32_t triangle)
+static side side_of(const smr_folds *f, uint32_t triangle)
 {
     side t;
-    t.corner = s->triangle + 3u * (size_t)triangle;
-    const smr_vec a = smr_load(smr_at3(s->x_next, t.corner[0])), b = smr_load(smr_at3(s->x_next, t.corner[1]));
-    const smr_vec c = smr_load(smr_at3(s->x_next, t.corner[2])), cross = smr_triangle_cross(a, b, c);
+    t.corner = smr_corners(f, triangle);
+    const smr_vec a = smr_load(smr_at3(f->shape->x_next, t.corner[0])),
+                  b = smr_load(smr_at3(f->shape->x_next, t.corner[1]));
+    const smr_vec c = smr_load(smr_at3(f->shape->x_next, t.corner[2])), cross = smr_triangle_cross(a, b, c);
     t.edge[0] = smr_sub(c, b);
     t.edge[1] = smr_sub(a, c);
     t.edge[2] = smr_sub(b, a);
@@ -57,7 +59,7 @@ static void add_gradient(const side *own, const side *other, const uint32_t plac
     }
 }
 
-static void open_hinge(smr *s, const side *a, const side *b, float cosine)
+static void open_hinge(smr_folds *f, const side *a, const side *b, float cosine)
 {
     static const uint32_t own[3] = {0, 1, 2};
     uint32_t place[3] = {3, 3, 3}, corner[4] = {a->corner[0], a->corner[1], a->corner[2], a->corner[0]};
@@ -81,46 +83,43 @@ static void open_hinge(smr *s, const side *a, const side *b, float cosine)
     const float most = SMR_CORNER_REACH * SMR_SQRT(smr_min(a->shortest2, b->shortest2) / largest2);
     const float share = smr_min((SMR_OPEN_COS - cosine) / square, most);
     for (uint32_t c = 0; c < 4u; c++) {
-        float *x = smr_at3(s->x_next, corner[c]);
+        float *x = smr_at3(f->shape->x_next, corner[c]);
         smr_store(x, smr_add(smr_load(x), smr_scale(gradient[c], share)));
-        s->guard[corner[c]] = 1;
-        smr_hold(s, corner[c], 1.0f);
+        f->marked[corner[c]] = 1;
+        smr_evening_hold(f->evening, corner[c], 1.0f);
     }
 }
 
-static int any_marked(const smr *s, const uint32_t *t) { return s->guard[t[0]] | s->guard[t[1]] | s->guard[t[2]]; }
-
 /* A chunk of hinges: those that the search found, and those where something moved since. */
-static void unfold(smr *s, uint32_t chunk)
+static void open_chunk(smr_folds *f, uint32_t chunk)
 {
-    const uint32_t from = chunk * SMR_UNFOLD_CHUNK, to = smr_min_u32(from + SMR_UNFOLD_CHUNK, s->n_hinges);
-    const int found = s->tally[from / SMR_HINGE_CHUNK].n_active > 0u;
+    const uint32_t from = chunk * SMR_OPEN_CHUNK, to = smr_min_u32(from + SMR_OPEN_CHUNK, f->shared->n_hinges);
+    const int found = f->tally[from / SMR_HINGE_CHUNK].folds.n_open > 0u;
     for (uint32_t i = from; i < to; i++) {
-        const smr_stored_hinge *h = smr_hinge_at(s, i);
+        const smr_stored_hinge *h = smr_hinge_at(f, i);
         const uint32_t first = smr_le32(h->first), second = smr_hinge_second(h);
-        if (!smr_hinge_open(h) || !(found || any_marked(s, s->triangle + 3u * (size_t)first) ||
-                                    any_marked(s, s->triangle + 3u * (size_t)second)))
+        if (!smr_hinge_open(h) || !(found || smr_any_marked(f, first) || smr_any_marked(f, second)))
             continue;
-        const side a = side_of(s, first), b = side_of(s, second);
+        const side a = side_of(f, first), b = side_of(f, second);
         const float cosine = smr_dot(a.normal, b.normal);
         if (!(cosine < SMR_FOLD_COS) || !(smr_min(a.area2, b.area2) > SMR_AREA_FLOOR))
             continue;
-        open_hinge(s, &a, &b, cosine);
-        s->unfold.n_folds++;
+        open_hinge(f, &a, &b, cosine);
+        f->open.n_folds++;
     }
 }
 
 /* One chunk. The next pass needs what this one moved. */
-void smr_unfold_pass(void *arg, uint32_t task, uint32_t worker)
+void smr_fold_open_pass(void *arg, uint32_t task, uint32_t worker)
 {
-    smr *s = arg;
-    smr_unfold *u = &s->unfold;
+    smr_folds *f = arg;
+    smr_fold_open *o = &f->open;
     (void)task;
     (void)worker;
-    unfold(s, u->chunk);
-    if (++u->chunk < smr_ceil_div(s->n_hinges, SMR_UNFOLD_CHUNK))
+    open_chunk(f, o->chunk);
+    if (++o->chunk < smr_ceil_div(f->shared->n_hinges, SMR_OPEN_CHUNK))
         return;
-    u->chunk = 0;
-    u->pass = u->n_folds > 0u && u->pass < SMR_UNFOLD_PASSES ? u->pass + 1u : 0u;
-    u->n_folds = 0;
+    o->chunk = 0;
+    o->pass = o->n_folds > 0u && o->pass < SMR_OPEN_PASSES ? o->pass + 1u : 0u;
+    o->n_folds = 0;
 }

@@ -1,38 +1,45 @@
-/* attract.c: target-to-model attraction. Every target vertex finds the closest point of the deforming model and pulls the
- * corners of that triangle towards itself, weighted by area and barycentric coordinates. A projection of the model onto
- * the target alone leaves whole parts of the target uncovered: nothing calls the model there.
- * Where other places of the same structure are nearly as near it pulls there, too, the less the farther they are: a last bit
- * that makes one of two the nearer one changes next to nothing.
+/* attract.c: target-to-model attraction. Every target vertex finds the closest point of the deforming model and pulls
+ * the corners of that triangle towards itself, weighted by area and barycentric coordinates. A projection of the model
+ * onto the target alone leaves whole parts of the target uncovered: nothing calls the model there.
+ * Where other places of the same structure are nearly as near, it pulls there, too, the less the farther they are: which
+ * of two places is nearer by a last bit then changes next to nothing.
  * Pulls are summed as 64-bit whole numbers, per worker and then over workers: any order gives the same bits.
  * Bounds: config.node_budget tree nodes for each target vertex and structure that shares its surface.
  * SPDX-License-Identifier: MIT */
-#include "runtime/forces/attract.h"
+#include "runtime/forces/surface_goal.h"
 
 #define SMR_AREA_MAX 16.0f /* mean areas: a larger target triangle pulls no harder */
 
-int smr_pull_on(const smr *s) { return s->config.attraction > 0.0f && s->n_goals > 0u && s->target_warm != NULL; }
+int smr_attraction_on(const smr_surface_goals *g)
+{
+    return g->shared->config.attraction > 0.0f && g->n_goals > 0u && g->target_warm != NULL;
+}
 
-uint32_t smr_pull_tasks(smr *s) { return smr_pull_on(s) ? s->n_target_tasks : 0u; }
+uint32_t smr_attract_tasks(const void *arg)
+{
+    const smr_surface_goals *g = arg;
+    return smr_attraction_on(g) ? g->n_tasks : 0u;
+}
 
-/* The closest acceptable model point over the structures that share this surface. Returns its structure or SMR_ALL. */
-static uint32_t closest_part(const smr *s, const smr_surface *surface, smr_query *q, uint32_t warm, smr_hit *hit,
-                             smr_near_list *near)
+/* The closest acceptable model point over the structures that share this surface. Returns its structure or SMR_NONE. */
+static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface *surface, smr_query *q, uint32_t warm,
+                                  smr_hit *hit, smr_near_list *near)
 {
     smr_near_list list;
-    uint32_t found = SMR_ALL;
+    uint32_t found = SMR_NONE;
     /* the structure of the last time first: its distance spares the others most of their search */
     for (uint32_t round = 0; round < 2u; round++) {
-        for (uint32_t i = 0; i < s->n_parts; i++) {
-            const smr_part *part = &s->part[i];
-            const uint32_t local = warm - part->first_triangle;
-            const int is_warm = warm != SMR_ALL && local < part->facets.n_triangles;
-            if (part->target != surface || is_warm != (round == 0u))
+        for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+            const smr_shape_structure *one = &g->shape->structure[i];
+            const uint32_t local = warm - one->first_triangle;
+            const int is_warm = warm != SMR_NONE && local < one->facets.n_triangles;
+            if (g->target[i].surface != surface || is_warm != (round == 0u))
                 continue;
-            q->warm = is_warm ? local : SMR_ALL;
+            q->warm = is_warm ? local : SMR_NONE;
             smr_hit h = *hit;
-            h.triangle = SMR_ALL;
-            smr_tree_near(&part->facets, q, &h, &list);
-            if (h.triangle != SMR_ALL && (h.d2 < hit->d2 || found == SMR_ALL || i < found)) {
+            h.triangle = SMR_NONE;
+            smr_tree_near(&one->facets, q, &h, &list);
+            if (h.triangle != SMR_NONE && (h.d2 < hit->d2 || found == SMR_NONE || i < found)) {
                 *hit = h;
                 *near = list;
                 found = i;
@@ -43,11 +50,11 @@ static uint32_t closest_part(const smr *s, const smr_surface *surface, smr_query
 }
 
 /* The target vertex at y pulls the corners of a triangle. */
-static void add_pull(const smr_part *part, smr_vec y, const smr_near *near, float area, int64_t *pull)
+static void add_pull(const smr_shape_structure *one, smr_vec y, const smr_near *near, float area, int64_t *pull)
 {
-    const smr_vec r = smr_sub(y, smr_facet_point(&part->facets, near->triangle, near->weight));
+    const smr_vec r = smr_sub(y, smr_facet_point(&one->facets, near->triangle, near->weight));
     for (uint32_t c = 0; c < 3u; c++) {
-        int64_t *to = pull + 4u * (size_t)part->facets.triangle[3u * (size_t)near->triangle + c];
+        int64_t *to = pull + 4u * (size_t)one->facets.triangle[3u * (size_t)near->triangle + c];
         const float w = area * near->share * near->weight[c] * SMR_PULL_SCALE;
         to[0] += (int64_t)(w * r.x);
         to[1] += (int64_t)(w * r.y);
@@ -57,46 +64,47 @@ static void add_pull(const smr_part *part, smr_vec y, const smr_near *near, floa
 }
 
 /* One target vertex: finds the model point it belongs to and adds its pull. */
-static void pull_one(const smr *s, const smr_surface *surface, uint32_t j, uint32_t *warm, int64_t *pull)
+static void pull_one(const smr_surface_goals *g, const smr_surface *surface, uint32_t j, uint32_t *warm, int64_t *pull)
 {
-    const smr_vec y = smr_add(smr_load(surface->xyz + 3u * (size_t)j), smr_sub(surface->origin, s->origin));
-    smr_query q = {y, smr_load(surface->normal + 3u * (size_t)j), s->min_cos, s->config.node_budget, SMR_ALL};
-    smr_hit hit = {s->search * s->search, SMR_ALL, {0, 0, 0}};
+    const smr_vec y = smr_add(smr_load(surface->xyz + 3u * (size_t)j), smr_sub(surface->origin, g->shape->origin));
+    smr_query q = {y, smr_load(surface->normal + 3u * (size_t)j), g->shared->min_cos, g->shared->config.node_budget,
+                   SMR_NONE};
+    smr_hit hit = {g->pace->search_mm * g->pace->search_mm, SMR_NONE, {0, 0, 0}};
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f;
     smr_near_list near;
-    const uint32_t found = closest_part(s, surface, &q, *warm, &hit, &near);
-    if (found == SMR_ALL)
+    const uint32_t found = closest_structure(g, surface, &q, *warm, &hit, &near);
+    if (found == SMR_NONE)
         return;
-    const smr_part *part = &s->part[found];
-    *warm = part->first_triangle + hit.triangle;
-    const smr_vec r = smr_sub(y, smr_facet_point(&part->facets, hit.triangle, hit.weight));
-    if (s->force_limit > 0.0f && smr_dot(r, r) > s->force_limit * s->force_limit)
+    const smr_shape_structure *one = &g->shape->structure[found];
+    *warm = one->first_triangle + hit.triangle;
+    const smr_vec r = smr_sub(y, smr_facet_point(&one->facets, hit.triangle, hit.weight));
+    if (g->limit > 0.0f && smr_dot(r, r) > g->limit * g->limit)
         return;
     const float area = surface->area_mean > 0.0f ? smr_min(surface->area[j] / surface->area_mean, SMR_AREA_MAX) : 1.0f;
     for (uint32_t i = 0; i < near.n; i++)
-        add_pull(part, y, &near.item[i], area, pull);
+        add_pull(one, y, &near.item[i], area, pull);
 }
 
-void smr_pull_search(void *arg, uint32_t task, uint32_t worker)
+void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
 {
-    smr *s = arg;
-    int64_t *pull = s->pull + 4u * (size_t)s->n * worker;
-    uint32_t g = 0;
-    while (g + 1u < s->n_goals && s->goal[g + 1u].first_task <= task)
-        g++;
-    const smr_goal *goal = &s->goal[g];
+    smr_surface_goals *g = arg;
+    int64_t *pull = g->pull + 4u * (size_t)g->shared->n * worker;
+    uint32_t k = 0;
+    while (k + 1u < g->n_goals && g->goal[k + 1u].first_task <= task)
+        k++;
+    const smr_goal *goal = &g->goal[k];
     const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK;
     const uint32_t last = smr_min_u32(first + SMR_FORCE_CHUNK, goal->n_vertices);
     for (uint32_t j = first; j < last; j++)
-        pull_one(s, goal->surface, j, &s->target_warm[goal->first_warm + j], pull);
+        pull_one(g, goal->surface, j, &g->target_warm[goal->first_warm + j], pull);
 }
 
-float smr_pull_take(smr *s, uint32_t v, smr_vec *mean)
+float smr_pull_take(smr_surface_goals *g, uint32_t v, smr_vec *mean)
 {
     int64_t sum[4] = {0, 0, 0, 0};
-    for (uint32_t w = 0; w < s->config.n_workers; w++) {
-        int64_t *p = s->pull + 4u * ((size_t)s->n * w + v);
+    for (uint32_t w = 0; w < g->shared->config.n_workers; w++) {
+        int64_t *p = g->pull + 4u * ((size_t)g->shared->n * w + v);
         for (uint32_t i = 0; i < 4u; i++) {
             sum[i] += p[i];
             p[i] = 0;

@@ -1,45 +1,64 @@
-/* boundary.c: members about a radius from their cluster's vertex count with a share of their mass (boundary_pairs.c): what that differs
+/* boundary.c: vertices near a cluster's boundary get fractional weight (prepare/boundary_pairs.c): what that differs
  * from the sums by lists is added to these. In whole numbers, too, so that the order makes no difference.
- * Bounds: one pass over the radius' boundary.
+ * Bounds: one pass over the radius' boundary pairs.
  * SPDX-License-Identifier: MIT */
-#include "runtime/state.h"
+#include "runtime/match/reference.h"
 
 #define SMR_BOUNDARY_CHUNK 16u /* pairs of a task */
 
-uint32_t smr_boundary_tasks(smr *s) { return smr_ceil_div(s->lists.n_boundary, SMR_BOUNDARY_CHUNK); }
-uint32_t smr_boundary_reference_tasks(smr *s) { return s->reference_stale ? smr_boundary_tasks(s) : 0u; }
+typedef struct pair {
+    uint32_t a, b;
+    int32_t share; /* what is added to the lists' 0 or 1, in 1 / SMR_BOUNDARY_UNITS */
+} pair;
 
-static void add_record(smr *s, uint32_t to, uint32_t from, int32_t share)
+static uint32_t pairs_end(const smr_lists *l, uint32_t task)
+{
+    return smr_min_u32((task + 1u) * SMR_BOUNDARY_CHUNK, l->n_boundary);
+}
+
+static pair pair_at(const smr_lists *l, uint32_t i)
+{
+    const smr_stored_boundary *stored = l->boundary + i;
+    return (pair){smr_le32(stored->first), smr_le32(stored->second),
+                  (int32_t)smr_le32(stored->share) - SMR_BOUNDARY_UNITS / 2};
+}
+
+static void add_record(smr_sums *s, uint32_t to, uint32_t from, int32_t share)
 {
     uint32_t *sum = s->sum + SMR_WORDS * (size_t)to;
     const uint32_t *record = s->record + SMR_WORDS * (size_t)from;
-    for (uint32_t i = 0; i < s->sum_words; i++)
+    for (uint32_t i = 0; i < s->words; i++)
         sum[i] += smr_boundary_part((int64_t)smr_signed(record[i]) * share);
 }
 
-static void add_pairs(smr *s, uint32_t task, void (*add)(smr *s, uint32_t to, uint32_t from, int32_t share))
+uint32_t smr_boundary_tasks(const void *arg)
 {
-    const uint32_t last = smr_min_u32((task + 1u) * SMR_BOUNDARY_CHUNK, s->lists.n_boundary);
-    for (uint32_t i = task * SMR_BOUNDARY_CHUNK; i < last; i++) {
-        const smr_stored_boundary *pair = s->lists.boundary + i;
-        const uint32_t a = smr_le32(pair->first), b = smr_le32(pair->second);
-        const int32_t share = (int32_t)smr_le32(pair->share) - SMR_BOUNDARY_UNITS / 2;
-        if (smr_active(s, b))
-            add(s, a, b, share);
-        if (smr_active(s, a))
-            add(s, b, a, share);
+    return smr_ceil_div(((const smr_sums *)arg)->pace->lists.n_boundary, SMR_BOUNDARY_CHUNK);
+}
+
+/* Pairs share vertices: one task after the other. */
+void smr_boundary_sums(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_sums *s = arg;
+    (void)worker;
+    for (uint32_t i = task * SMR_BOUNDARY_CHUNK; i < pairs_end(&s->pace->lists, task); i++) {
+        const pair p = pair_at(&s->pace->lists, i);
+        if (smr_active(s->pace, p.b))
+            add_record(s, p.a, p.b, p.share);
+        if (smr_active(s->pace, p.a))
+            add_record(s, p.b, p.a, p.share);
     }
 }
 
-/* After the forest has summed; pairs share vertices: one task after the other. */
 void smr_boundary_reference(void *arg, uint32_t task, uint32_t worker)
 {
+    smr_reference *r = arg;
     (void)worker;
-    add_pairs(arg, task, smr_reference_add);
-}
-
-void smr_boundary_sums(void *arg, uint32_t task, uint32_t worker)
-{
-    (void)worker;
-    add_pairs(arg, task, add_record);
+    for (uint32_t i = task * SMR_BOUNDARY_CHUNK; i < pairs_end(&r->pace->lists, task); i++) {
+        const pair p = pair_at(&r->pace->lists, i);
+        if (smr_active(r->pace, p.b))
+            smr_reference_add(r, p.a, p.b, p.share);
+        if (smr_active(r->pace, p.a))
+            smr_reference_add(r, p.b, p.a, p.share);
+    }
 }

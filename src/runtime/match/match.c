@@ -1,27 +1,52 @@
 /* match.c: each cluster's least-squares rigid transform T_i = [R_i, t_i] from x^r to x + f^e (paper 2.3), out of the
  * cluster's sums. Rigid-body kinematics: omega = I^r^-1 L, R by Rodrigues' formula. Polar decomposition:
- * A = C^r + Sum(m u (x^r - c^r)^T), R by polar_decomposition.c. In both t = c - R c^r. R - I is kept rather than R: it is small, and
- * nothing is lost when nothing turns.
+ * A = C^r + Sum(m u (x^r - c^r)^T), R by geometry/polar_decomposition.c. In both t = c - R c^r. R - I is kept rather
+ * than R: it is small, and nothing is lost when nothing turns.
+ * Bounds: one pass over the active vertices.
  * SPDX-License-Identifier: MIT */
-#include "base/fixed_point.h"
+#include "runtime/match/match.h"
+
 #include "geometry/jacobi.h"
 #include "geometry/rotation.h"
-#include "runtime/state.h"
+
+void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared)
+{
+    m->transform = smr_arena_take(a, shared->n, 12u * sizeof(float));
+    if (shared->config.method == SMR_METHOD_POLAR)
+        m->eigen = smr_arena_take(a, shared->n, 9u * sizeof(float));
+}
+
+void smr_match_wire(smr_match *m, const smr_shared *shared, const smr_pace *pace, const smr_reference *reference,
+                    const smr_sums *sums, const smr_overlay *overlay)
+{
+    m->shared = shared;
+    m->pace = pace;
+    m->reference = reference;
+    m->sums = sums;
+    m->tally = overlay->tally;
+}
+
+void smr_match_reset(smr_match *m)
+{
+    for (size_t v = 0; m->eigen != NULL && v < m->shared->n; v++)
+        for (size_t i = 0; i < 9u; i++)
+            m->eigen[9u * v + i] = i % 4u == 0u ? 1.0f : 0.0f;
+}
 
 /* r_minus_i of one cluster by rigid-body kinematics. mu: sum of m u; w: the sums' further words. */
-static void rigid(const smr *s, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
+static void rigid(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
 {
-    const smr_vec c = smr_load(smr_at3(s->centre, v));
+    const smr_vec c = smr_load(smr_at3(m->reference->centre, v));
     smr_vec l = smr_v(smr_unfix(w[0], inverse), smr_unfix(w[1], inverse), smr_unfix(w[2], inverse));
     l = smr_sub(l, smr_cross(c, mu));
-    const float *i = s->spread + 6u * (size_t)v;
+    const float *i = m->reference->spread + 6u * (size_t)v;
     const float full[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]};
     smr_rodrigues(smr_mul(full, l), r_minus_i);
 }
 
-static void polar(const smr *s, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
+static void polar(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
 {
-    const float *c = smr_at3(s->centre, v), *i = s->spread + 6u * (size_t)v;
+    const float *c = smr_at3(m->reference->centre, v), *i = m->reference->spread + 6u * (size_t)v;
     const float u[3] = {mu.x, mu.y, mu.z};
     float a[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]};
     float change = 0.0f;
@@ -33,45 +58,42 @@ static void polar(const smr *s, uint32_t v, smr_vec mu, const uint32_t *w, float
     memset(r_minus_i, 0, 9u * sizeof *r_minus_i);
     if (!(change > 0.0f))
         return; /* nothing turns: not even by the decomposition's rounding, which would add up over plastic updates */
-    smr_polar(a, s->eigen + 9u * (size_t)v, r_minus_i);
+    smr_polar(a, m->eigen + 9u * (size_t)v, r_minus_i);
 }
 
-uint32_t smr_match_tasks(smr *s) { return smr_ceil_div(s->n_active, SMR_MATCH_CHUNK); }
+uint32_t smr_match_cluster_tasks(const void *arg) { return smr_match_tasks(((const smr_match *)arg)->pace); }
 
-void smr_match(void *arg, uint32_t task, uint32_t worker)
+void smr_match_clusters(void *arg, uint32_t task, uint32_t worker)
 {
-    smr *s = arg;
+    smr_match *m = arg;
     (void)worker;
-    const float inverse0 = 1.0f / s->scale[0], inverse1 = 1.0f / s->scale[1];
+    const float inverse0 = 1.0f / m->sums->scale[0], inverse1 = 1.0f / m->sums->scale[1];
     float largest_r = 0.0f, largest_t = 0.0f;
-    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, s->n_active);
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, m->pace->n_active);
     for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
-        const uint32_t *w = s->sum + SMR_WORDS * (size_t)v;
-        float *t = s->transform + 12u * (size_t)v;
+        const uint32_t *w = m->sums->sum + SMR_WORDS * (size_t)v;
+        float *t = m->transform + 12u * (size_t)v;
         const smr_vec mu = smr_v(smr_unfix(w[0], inverse0), smr_unfix(w[1], inverse0), smr_unfix(w[2], inverse0));
-        if (s->config.method == SMR_METHOD_RIGID)
-            rigid(s, v, mu, w + 3, inverse1, t);
+        if (m->shared->config.method == SMR_METHOD_RIGID)
+            rigid(m, v, mu, w + 3, inverse1, t);
         else
-            polar(s, v, mu, w + 3, inverse1, t);
-        const smr_vec mean = smr_scale(mu, 1.0f / s->cluster_mass[v]);
-        smr_store(t + 9, smr_sub(mean, smr_mul(t, smr_load(smr_at3(s->centre, v)))));
+            polar(m, v, mu, w + 3, inverse1, t);
+        const smr_vec mean = smr_scale(mu, 1.0f / m->reference->cluster_mass[v]);
+        smr_store(t + 9, smr_sub(mean, smr_mul(t, smr_load(smr_at3(m->reference->centre, v)))));
         for (uint32_t i = 0; i < 9u; i++)
             largest_r = smr_max(largest_r, smr_abs(t[i]));
         for (uint32_t i = 9; i < 12u; i++)
             largest_t = smr_max(largest_t, smr_abs(t[i]));
     }
-    s->tally[task].largest[0] = largest_r;
-    s->tally[task].largest[1] = largest_t;
+    m->tally[task].match.largest[0] = largest_r;
+    m->tally[task].match.largest[1] = largest_t;
 }
 
-void smr_match_end(smr *s)
+void smr_match_end(smr_match *m)
 {
-    float largest_r = 0.0f, largest_t = 0.0f;
-    for (uint32_t t = 0; t < smr_match_tasks(s); t++) {
-        largest_r = smr_max(largest_r, s->tally[t].largest[0]);
-        largest_t = smr_max(largest_t, s->tally[t].largest[1]);
+    m->largest[0] = m->largest[1] = 0.0f;
+    for (uint32_t t = 0; t < smr_match_tasks(m->pace); t++) {
+        m->largest[0] = smr_max(m->largest[0], m->tally[t].match.largest[0]);
+        m->largest[1] = smr_max(m->largest[1], m->tally[t].match.largest[1]);
     }
-    s->scale[0] = smr_fixed_scale((float)s->lists.largest * largest_r);
-    s->scale[1] = smr_fixed_scale((float)s->lists.largest * largest_t);
-    s->sum_words = 12;
 }

@@ -3,45 +3,97 @@
  * are summed as whole numbers with wrap-around; taken relative to the cluster's own vertex the final values fit and are
  * exact, however far the cluster lies from the origin. Second moments use a coarse step, about a thousandth of the
  * cluster's reach, and enter only as the spread; the centre has a fine step of its own.
+ * Bounds: four passes over the vertices, one over the lists.
  * SPDX-License-Identifier: MIT */
+#include "runtime/match/reference.h"
+
 #include "base/fixed_point.h"
 #include "geometry/jacobi.h"
-#include "runtime/state.h"
 
 #define SMR_FINE_SHARE (1.0f / 1024.0f) /* of the coarse step: finer gains nothing */
 #define SMR_INERTIA_FLOOR 1.0e-4f /* a cluster thinner than this share of its length is a line: no torque about it */
 
-uint32_t smr_reference_records(smr *s) { return s->reference_stale ? smr_match_tasks(s) : 0u; }
-uint32_t smr_reference_tasks(smr *s) { return s->reference_stale ? s->n_tasks : 0u; }
-uint32_t smr_reference_blocks(smr *s) { return s->reference_stale ? smr_block_tasks(s) : 0u; }
+void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shared)
+{
+    const size_t n = shared->n;
+    r->centre = smr_arena_take(a, n, 3u * sizeof(float));
+    r->spread = smr_arena_take(a, n, 6u * sizeof(float));
+    r->cluster_mass = smr_arena_take(a, n, sizeof(float));
+    r->share = smr_arena_take(a, n, sizeof(float));
+}
 
-/* How far x^r deviates from the start pose, of a chunk; mm squared. */
+void smr_reference_wire(smr_reference *r, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
+                        smr_sums *sums, const smr_overlay *overlay)
+{
+    r->shared = shared;
+    r->pace = pace;
+    r->shape = shape;
+    r->sums = sums;
+    r->tally = overlay->tally;
+}
+
+uint32_t smr_reference_tasks(const void *arg)
+{
+    const smr_reference *r = arg;
+    return r->stale ? r->shared->n_tasks : 0u;
+}
+
+uint32_t smr_reference_record_tasks(const void *arg)
+{
+    const smr_reference *r = arg;
+    return r->stale ? smr_match_tasks(r->pace) : 0u;
+}
+
+uint32_t smr_reference_block_tasks(const void *arg)
+{
+    const smr_reference *r = arg;
+    return r->stale ? smr_block_tasks(r->sums) : 0u;
+}
+
+uint32_t smr_reference_block_abreast(const void *arg) { return smr_block_abreast(((const smr_reference *)arg)->sums); }
+
+void smr_reference_block_pieces(void *arg, int cut) { smr_block_pieces(((smr_reference *)arg)->sums, cut); }
+
+void smr_reference_forest(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_sums_forest(((smr_reference *)arg)->sums, task, worker);
+}
+
+uint32_t smr_reference_boundary_tasks(const void *arg)
+{
+    const smr_reference *r = arg;
+    return r->stale ? smr_boundary_tasks(r->sums) : 0u;
+}
+
+uint32_t smr_reference_cluster_tasks(const void *arg)
+{
+    const smr_reference *r = arg;
+    return r->stale ? smr_ceil_div(r->shared->n, SMR_MATCH_CHUNK) : 0u;
+}
+
+/* How far x^r deviates from the rest pose, of a chunk; mm squared. */
 void smr_reference_reach(void *arg, uint32_t task, uint32_t worker)
 {
-    smr *s = arg;
-    const uint32_t *rest = smr_at(s->model, s->model->at_rest);
+    smr_reference *r = arg;
     float off2 = 0.0f;
     (void)worker;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(s, task); v++) {
-        const uint32_t *r = rest + 3u * (size_t)v;
-        const smr_vec at =
-            smr_pose_apply(&s->fitted, smr_v(smr_le_float(r[0]), smr_le_float(r[1]), smr_le_float(r[2])));
-        const smr_vec d = smr_sub(at, smr_load(smr_at3(s->x_ref, v)));
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(r->shared, task); v++) {
+        const smr_vec d = smr_sub(smr_rest_posed(r->shape, v), smr_load(smr_at3(r->shape->x_ref, v)));
         off2 = smr_max(off2, smr_dot(d, d));
     }
-    s->tally[task].max = off2;
+    r->tally[task].reference.deviation2 = off2;
 }
 
 /* How far a member of a cluster can be from its own vertex in x^r: the rest distance, scaled as the start pose did, and
  * both ends' deviations from that pose. */
-static float reach_bound(const smr *s)
+static float reach_bound(const smr_reference *r)
 {
-    const smr_pose *p = &s->fitted;
+    const smr_pose *p = &r->shape->rest_pose;
     float off2 = 0.0f;
-    for (uint32_t t = 0; t < s->n_tasks; t++)
-        off2 = smr_max(off2, s->tally[t].max);
+    for (uint32_t t = 0; t < r->shared->n_tasks; t++)
+        off2 = smr_max(off2, r->tally[t].reference.deviation2);
     const smr_vec column = smr_v(p->m[0][0], p->m[1][0], p->m[2][0]);
-    return 1.01f * (s->lists.reach * smr_length(column) + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
+    return 1.01f * (r->pace->lists.reach * smr_length(column) + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
 }
 
 /* The smallest power of two k, from 2^-20 to 2^40 mm, with mass * (reach / k)^power <= 2^30. Takes as long whatever k is. */
@@ -55,13 +107,13 @@ static float step_for(float mass, float reach, int power)
     return k;
 }
 
-void smr_reference_begin(smr *s)
+void smr_reference_begin(smr_reference *r)
 {
-    const float reach = reach_bound(s);
-    const float mass = (float)s->lists.largest * s->mass_max * s->mass_unit;
-    s->coarse = step_for(mass, reach, 2);
-    s->fine = smr_max(step_for(mass, reach, 1), s->coarse * SMR_FINE_SHARE);
-    s->sum_words = SMR_WORDS;
+    const float reach = reach_bound(r);
+    const float mass = (float)r->pace->lists.largest * r->shared->mass_max * r->shared->mass_unit;
+    r->coarse = step_for(mass, reach, 2);
+    r->fine = smr_max(step_for(mass, reach, 1), r->coarse * SMR_FINE_SHARE);
+    r->sums->words = SMR_WORDS;
 }
 
 /* x^r of a vertex in whole steps, modulo 2^32: sums wrap anyway, and only differences within a cluster have to fit. */
@@ -83,24 +135,24 @@ static float stepped(float x, float step)
 
 void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
 {
-    smr *s = arg;
+    smr_reference *r = arg;
     (void)worker;
-    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, s->n_active);
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, r->pace->n_active);
     for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
-        uint32_t *r = s->record + SMR_WORDS * (size_t)v;
-        const uint32_t m = (uint32_t)(smr_full_mass(s, v) * s->mass_unit);
+        uint32_t *w = r->sums->record + SMR_WORDS * (size_t)v;
+        const uint32_t m = (uint32_t)(smr_mass(r->shared, v) * r->shared->mass_unit);
         uint32_t q[3], f[3];
-        steps_of(smr_at3(s->x_ref, v), s->coarse, q);
-        steps_of(smr_at3(s->x_ref, v), s->fine, f);
-        r[0] = m;
+        steps_of(smr_at3(r->shape->x_ref, v), r->coarse, q);
+        steps_of(smr_at3(r->shape->x_ref, v), r->fine, f);
+        w[0] = m;
         for (uint32_t a = 0, i = 4; a < 3u; a++) {
-            r[1u + a] = m * q[a];
-            r[10u + a] = m * f[a];
+            w[1u + a] = m * q[a];
+            w[10u + a] = m * f[a];
             for (uint32_t b = a; b < 3u; b++, i++)
-                r[i] = m * q[a] * q[b];
+                w[i] = m * q[a] * q[b];
         }
-        r[13] = SMR_BOUNDARY_UNITS; /* counts members */
-        r[14] = r[15] = 0;
+        w[13] = SMR_BOUNDARY_UNITS; /* counts members */
+        w[14] = w[15] = 0;
     }
 }
 
@@ -113,14 +165,14 @@ static int64_t steps_apart(uint32_t a, uint32_t b)
 
 /* Adds a part of one vertex to the sums of another's cluster: share / SMR_BOUNDARY_UNITS of its moments about that cluster's
  * vertex, which are small whole numbers. What is left of its mass has a word of its own. */
-void smr_reference_add(smr *s, uint32_t to, uint32_t from, int32_t share)
+void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t share)
 {
-    uint32_t *w = s->sum + SMR_WORDS * (size_t)to, q[3], f[3], there[3], fine[3], first[3];
-    const int64_t m = (int64_t)(smr_full_mass(s, from) * s->mass_unit) * share;
-    steps_of(smr_at3(s->x_ref, from), s->coarse, q);
-    steps_of(smr_at3(s->x_ref, from), s->fine, f);
-    steps_of(smr_at3(s->x_ref, to), s->coarse, there);
-    steps_of(smr_at3(s->x_ref, to), s->fine, fine);
+    uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)to, q[3], f[3], there[3], fine[3], first[3];
+    const int64_t m = (int64_t)(smr_mass(r->shared, from) * r->shared->mass_unit) * share;
+    steps_of(smr_at3(r->shape->x_ref, from), r->coarse, q);
+    steps_of(smr_at3(r->shape->x_ref, from), r->fine, f);
+    steps_of(smr_at3(r->shape->x_ref, to), r->coarse, there);
+    steps_of(smr_at3(r->shape->x_ref, to), r->fine, fine);
     for (uint32_t a = 0; a < 3u; a++) {
         first[a] = smr_boundary_part(m * steps_apart(q[a], there[a]));
         w[1u + a] += first[a];
@@ -143,22 +195,31 @@ static void invert_inertia(const float c[6], float out[6])
     smr_pseudo_inverse(inertia, SMR_INERTIA_FLOOR, out);
 }
 
-uint32_t smr_reference_clusters(smr *s) { return s->reference_stale ? smr_ceil_div(s->n, SMR_MATCH_CHUNK) : 0u; }
+/* One cluster's spread out of its moments about its own vertex, c. */
+static void spread_of(const smr_reference *r, uint32_t v, const float c[6])
+{
+    float *spread = r->spread + 6u * (size_t)v;
+    if (r->shared->config.method == SMR_METHOD_RIGID)
+        invert_inertia(c, spread);
+    else
+        memcpy(spread, c, 6u * sizeof *c);
+}
 
 void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
 {
-    smr *s = arg;
+    smr_reference *r = arg;
     (void)worker;
-    const float k = s->coarse, unit = 1.0f / s->mass_unit;
-    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, s->n);
+    const float k = r->coarse, unit = 1.0f / r->shared->mass_unit;
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, r->shared->n);
     for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
-        const uint32_t *w = s->sum + SMR_WORDS * (size_t)v;
+        const uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)v;
+        const float *x = smr_at3(r->shape->x_ref, v);
         uint32_t q[3], f[3];
-        s->share[v] = w[13] > 0u ? (float)SMR_BOUNDARY_UNITS / (float)w[13] : 0.0f;
-        if (!smr_active(s, v))
+        r->share[v] = w[13] > 0u ? (float)SMR_BOUNDARY_UNITS / (float)w[13] : 0.0f;
+        if (!smr_active(r->pace, v))
             continue;
-        steps_of(smr_at3(s->x_ref, v), k, q);
-        steps_of(smr_at3(s->x_ref, v), s->fine, f);
+        steps_of(x, k, q);
+        steps_of(x, r->fine, f);
         /* moments about the cluster's own vertex */
         const float mass = smr_max(smr_unfix(w[0], unit) + smr_unfix(w[14], unit / (float)SMR_BOUNDARY_UNITS), unit);
         float d[3], c[6];
@@ -169,19 +230,15 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
                 c[i] = smr_unfix(w[4u + i] - q[a] * w[1u + b] - q[b] * w[1u + a] + w[0] * q[a] * q[b], k * k * unit) -
                        mass * d[a] * d[b];
         for (uint32_t a = 0; a < 3u; a++)
-            smr_at3(s->centre, v)[a] =
-                stepped(smr_at3(s->x_ref, v)[a], s->fine) + smr_unfix(w[10u + a] - w[0] * f[a], s->fine * unit) / mass;
-        s->cluster_mass[v] = mass;
-        float *spread = s->spread + 6u * (size_t)v;
-        if (s->config.method == SMR_METHOD_RIGID)
-            invert_inertia(c, spread);
-        else
-            memcpy(spread, c, sizeof c);
+            smr_at3(r->centre, v)[a] =
+                stepped(x[a], r->fine) + smr_unfix(w[10u + a] - w[0] * f[a], r->fine * unit) / mass;
+        r->cluster_mass[v] = mass;
+        spread_of(r, v, c);
     }
 }
 
-void smr_reference_end(smr *s)
+void smr_reference_end(smr_reference *r)
 {
-    s->reference_stale = 0;
-    s->sum_words = smr_method_words(s);
+    r->stale = 0;
+    r->sums->words = smr_method_words(r->shared);
 }

@@ -2,43 +2,75 @@
  * Sum_i = Sum_parent + Sum over zeta+ - Sum over zeta-. Exact, see base/fixed_point.h. Blocks are independent tasks.
  * Bounds: one pass over a block's entries and indexes.
  * SPDX-License-Identifier: MIT */
+#include "runtime/match/sums.h"
+
 #include "base/fixed_point.h"
-#include "runtime/state.h"
 
-/* A block is one task, or several one after the other: task = piece * n_blocks + block, and all blocks' pieces are done before
- * the next ones start. */
-uint32_t smr_block_tasks(smr *s) { return s->lists.n_blocks * smr_max_u32(s->pieces, 1u); }
+#define SMR_ENTRY_CHUNK 32u /* entries of a piece of a block; half as many where records are longest */
 
-/* Entries of a piece: fewer where records are longest, those of the reference shape. */
-static uint32_t entries_of(const smr *s) { return s->sum_words > 12u ? SMR_ENTRY_CHUNK / 2u : SMR_ENTRY_CHUNK; }
-
-void smr_block_pieces(smr *s, int cut)
+void smr_sums_layout(smr_arena *a, smr_sums *s, const smr_shared *shared)
 {
-    const smr_stored_block *b = s->lists.block;
-    uint32_t largest = 0;
-    for (uint32_t i = 0; cut && i < s->lists.n_blocks; i++)
-        largest = smr_max_u32(largest, smr_le32(b[i + 1u].first) - smr_le32(b[i].first));
-    s->pieces = s->lists.n_blocks > s->n_tasks ? 1u : smr_max_u32(smr_ceil_div(largest, entries_of(s)), 1u);
+    s->sum = smr_arena_take(a, shared->n, SMR_WORDS * sizeof(uint32_t));
 }
 
-uint32_t smr_block_abreast(const smr *s) { return s->lists.n_blocks; }
-uint32_t smr_vertex_tasks(smr *s) { return s->n_tasks; }
-uint32_t smr_active_tasks(smr *s) { return smr_ceil_div(s->n_active, SMR_CHUNK); }
+void smr_sums_wire(smr_sums *s, const smr_shared *shared, const smr_pace *pace, const smr_forces *forces,
+                   const smr_overlay *overlay)
+{
+    s->shared = shared;
+    s->pace = pace;
+    s->forces = forces;
+    s->record = overlay->record;
+    s->tally = overlay->tally;
+}
+
+void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1)
+{
+    s->scale[0] = smr_fixed_scale((float)s->pace->lists.largest * largest0);
+    s->scale[1] = smr_fixed_scale((float)s->pace->lists.largest * largest1);
+    s->words = words;
+}
+
+uint32_t smr_method_words(const smr_shared *c) { return c->config.method == SMR_METHOD_RIGID ? 6u : 12u; }
+
+/* A block is one task, or several one after the other: task = piece * n_blocks + block, and all blocks' pieces are done
+ * before the next ones start. */
+uint32_t smr_block_tasks(const void *arg)
+{
+    const smr_sums *s = arg;
+    return s->pace->lists.n_blocks * smr_max_u32(s->pieces, 1u);
+}
+
+/* Entries of a piece: fewer where records are longest, those of the reference shape. */
+static uint32_t entries_of(const smr_sums *s) { return s->words > 12u ? SMR_ENTRY_CHUNK / 2u : SMR_ENTRY_CHUNK; }
+
+void smr_block_pieces(void *arg, int cut)
+{
+    smr_sums *s = arg;
+    const smr_lists *l = &s->pace->lists;
+    uint32_t largest = 0;
+    for (uint32_t i = 0; cut && i < l->n_blocks; i++)
+        largest = smr_max_u32(largest, smr_le32(l->block[i + 1u].first) - smr_le32(l->block[i].first));
+    s->pieces = l->n_blocks > s->shared->n_tasks ? 1u : smr_max_u32(smr_ceil_div(largest, entries_of(s)), 1u);
+}
+
+uint32_t smr_block_abreast(const void *arg) { return ((const smr_sums *)arg)->pace->lists.n_blocks; }
+
+uint32_t smr_sums_record_tasks(const void *arg) { return smr_active_tasks(((const smr_sums *)arg)->pace); }
 
 /* What the rigid or the polar method sums, of the displacement u = x + f^e - x^r: m u, and m x^r x u (rigid, 3 words)
  * or m u x^r^T (polar, 9 words). */
 void smr_sums_record(void *arg, uint32_t task, uint32_t worker)
 {
-    smr *s = arg;
+    smr_sums *s = arg;
     (void)worker;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(s, task); v++) {
+    for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(s->pace, task); v++) {
         uint32_t *r = s->record + SMR_WORDS * (size_t)v;
-        const smr_vec ref = smr_load(smr_at3(s->x_ref, v));
-        const smr_vec u = smr_scale(smr_drive(s, v), smr_full_mass(s, v));
+        const smr_vec ref = smr_load(smr_at3(s->forces->shape->x_ref, v));
+        const smr_vec u = smr_scale(smr_drive(s->forces, v), smr_mass(s->shared, v));
         r[0] = smr_fixed(u.x * s->scale[0]);
         r[1] = smr_fixed(u.y * s->scale[0]);
         r[2] = smr_fixed(u.z * s->scale[0]);
-        if (s->config.method == SMR_METHOD_RIGID) {
+        if (s->shared->config.method == SMR_METHOD_RIGID) {
             const smr_vec l = smr_cross(ref, u);
             r[3] = smr_fixed(l.x * s->scale[1]);
             r[4] = smr_fixed(l.y * s->scale[1]);
@@ -48,21 +80,6 @@ void smr_sums_record(void *arg, uint32_t task, uint32_t worker)
             for (uint32_t i = 0; i < 9u; i++)
                 r[3u + i] = smr_fixed(a[i / 3u] * b[i % 3u]);
         }
-    }
-}
-
-/* The transforms T_i = [R_i - I, t_i] as records, for averaging. */
-void smr_average_record(void *arg, uint32_t task, uint32_t worker)
-{
-    smr *s = arg;
-    (void)worker;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(s, task); v++) {
-        uint32_t *r = s->record + SMR_WORDS * (size_t)v;
-        const float *t = s->transform + 12u * (size_t)v;
-        for (uint32_t i = 0; i < 9u; i++)
-            r[i] = smr_fixed(t[i] * s->scale[0]);
-        for (uint32_t i = 9; i < 12u; i++)
-            r[i] = smr_fixed(t[i] * s->scale[1]);
     }
 }
 
@@ -132,37 +149,39 @@ SMR_DEFINE_CHAIN(chain16, uint16_t, smr_entry16, smr_le16)
 SMR_DEFINE_CHAIN(chain32, uint32_t, smr_entry32, smr_le32)
 
 /* The chain of one piece. */
-static uint32_t chain(const smr *s, piece p)
+static uint32_t chain(const smr_sums *s, piece p)
 {
-    const uint32_t lanes_used = s->sum_words <= 8u ? 2u : (s->sum_words <= 12u ? 3u : 4u);
-    if (s->lists.index_bytes == 2u) {
+    const smr_lists *l = &s->pace->lists;
+    const uint32_t active = s->pace->n_active, lanes_used = s->words <= 8u ? 2u : (s->words <= 12u ? 3u : 4u);
+    if (l->index_bytes == 2u) {
         if (lanes_used == 2u)
-            return chain16(&s->lists, p, s->n_active, s->record, s->sum, 2u);
+            return chain16(l, p, active, s->record, s->sum, 2u);
         if (lanes_used == 3u)
-            return chain16(&s->lists, p, s->n_active, s->record, s->sum, 3u);
-        return chain16(&s->lists, p, s->n_active, s->record, s->sum, 4u);
+            return chain16(l, p, active, s->record, s->sum, 3u);
+        return chain16(l, p, active, s->record, s->sum, 4u);
     }
     if (lanes_used == 2u)
-        return chain32(&s->lists, p, s->n_active, s->record, s->sum, 2u);
+        return chain32(l, p, active, s->record, s->sum, 2u);
     if (lanes_used == 3u)
-        return chain32(&s->lists, p, s->n_active, s->record, s->sum, 3u);
-    return chain32(&s->lists, p, s->n_active, s->record, s->sum, 4u);
+        return chain32(l, p, active, s->record, s->sum, 3u);
+    return chain32(l, p, active, s->record, s->sum, 4u);
 }
 
 void smr_sums_forest(void *arg, uint32_t task, uint32_t worker)
 {
-    smr *s = arg;
+    smr_sums *s = arg;
     (void)worker;
-    const uint32_t pieces = smr_max_u32(s->pieces, 1u), block = task % s->lists.n_blocks, i = task / s->lists.n_blocks;
-    const smr_stored_block *b = &s->lists.block[block];
+    const smr_lists *l = &s->pace->lists;
+    const uint32_t pieces = smr_max_u32(s->pieces, 1u), block = task % l->n_blocks, i = task / l->n_blocks;
+    const smr_stored_block *b = &l->block[block];
     const uint32_t length = smr_le32(b[1].first) - smr_le32(b[0].first);
     piece p = {block, 0, length, smr_le32(b->first_index)};
     if (pieces > 1u) {
         p.from = smr_min_u32(i * entries_of(s), length);
         p.to = smr_min_u32(p.from + entries_of(s), length);
         if (i > 0u)
-            p.index = s->tally[block].n_forces; /* where the piece before ended: nobody else uses tallies now */
-        s->tally[block].n_forces = chain(s, p);
+            p.index = s->tally[block].sums.index; /* where the piece before ended */
+        s->tally[block].sums.index = chain(s, p);
         return;
     }
     (void)chain(s, p);

@@ -3,27 +3,32 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/record/log.h"
 
+/* Where the records start; 0 when the header's lengths do not agree with each other or with the bytes there are. */
+static size_t header_bytes(const unsigned char *at, size_t bytes)
+{
+    if (bytes < SMR_LOG_FIXED + 4u || smr_log_get32(at) != SMR_LOG_MAGIC)
+        return 0;
+    const uint32_t header = smr_log_get32(at + 8), n_config = smr_log_get32(at + 24);
+    return header <= bytes && n_config <= header / 4u && header == SMR_LOG_FIXED + 4u * n_config + 4u ? header : 0u;
+}
+
 smr_status smr_log_open(const void *log, size_t bytes, smr_log_reader *reader, smr_log_info *info)
 {
     const unsigned char *at = log;
-    uint32_t config[SMR_CONFIG_WORDS];
+    smr_config config;
     if (log == NULL || reader == NULL)
         return SMR_E_NULL;
-    if (bytes < SMR_LOG_HEADER || smr_log_get32(at) != SMR_LOG_MAGIC || smr_log_get32(at + 4) != SMR_LOG_VERSION ||
-        smr_log_get32(at + 8) != SMR_LOG_HEADER || smr_log_get32(at + 24) != SMR_CONFIG_WORDS)
-        return SMR_E_LOG;
-    const uint32_t crc = smr_crc32(0, at, SMR_LOG_HEADER - 4u);
-    if (smr_log_get32(at + SMR_LOG_HEADER - 4u) != crc)
+    const size_t header = header_bytes(at, bytes);
+    if (header == 0u || smr_log_get32(at + header - 4u) != smr_crc32(0, at, header - 4u) ||
+        smr_log_get_config(at + SMR_LOG_FIXED, smr_log_get32(at + 24), smr_log_get32(at + 4), &config) != SMR_OK)
         return SMR_E_LOG;
     reader->log = at;
     reader->bytes = bytes;
-    reader->at = SMR_LOG_HEADER;
-    reader->checksum = crc;
+    reader->at = header;
+    reader->checksum = smr_log_get32(at + header - 4u);
     if (info == NULL)
         return SMR_OK;
-    for (uint32_t i = 0; i < SMR_CONFIG_WORDS; i++)
-        config[i] = smr_log_get32(at + SMR_LOG_FIXED + 4u * i);
-    memcpy(&info->config, config, sizeof config);
+    info->config = config;
     info->library = smr_log_get32(at + 12);
     info->model_checksum = smr_log_get32(at + 16);
     info->n_vertices = smr_log_get32(at + 20);

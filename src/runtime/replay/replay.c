@@ -3,25 +3,25 @@
  * the log. So each complete iteration is run in one piece with that number of vertices, and inputs are set where they
  * counted: one that came while an iteration still gathered its forces started it again and counts before it, a
  * later one counts after it, and one that starts the schedule over gives the iteration up.
- * Bounds: SMR_CONFIG_WORDS; a tick reads the log's records at most twice.
+ * Bounds: a tick reads the log's records at most twice.
  * SPDX-License-Identifier: MIT */
-#include "runtime/record/log.h"
+#include "runtime/registration.h"
 
-smr_status smr_replay_start(smr_replay *replay, smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx)
+smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx, smr_replay *replay)
 {
     smr_log_reader reader;
     smr_log_info info;
     if (replay == NULL || s == NULL || log == NULL)
         return SMR_E_NULL;
-    if (!smr_valid(s) || !s->fresh)
+    if (!smr_valid(s) || !s->log.fresh)
         return SMR_E_STATE;
     const smr_status status = smr_log_open(log, bytes, &reader, &info);
     if (status != SMR_OK)
         return status;
-    if (info.model_checksum != smr_le32(s->model->checksum) || info.n_vertices != s->n)
+    if (info.model_checksum != smr_le32(s->shared.model->checksum) || info.n_vertices != s->shared.n)
         return SMR_E_MODEL;
-    info.config.n_workers = s->config.n_workers; /* makes no difference */
-    if (memcmp(&info.config, &s->config, sizeof info.config) != 0)
+    info.config.n_workers = s->shared.config.n_workers; /* makes no difference */
+    if (memcmp(&info.config, &s->shared.config, sizeof info.config) != 0)
         return SMR_E_CONFIG;
     memset(replay, 0, sizeof *replay);
     replay->s = s;
@@ -38,7 +38,7 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     smr *s = r->s;
     if (record->kind == SMR_LOG_POSE)
         return smr_set_pose(s, &record->pose);
-    if (record->kind == SMR_LOG_POSITIONS && record->structure >= s->n_parts)
+    if (record->kind == SMR_LOG_POSITIONS && record->structure >= s->shared.n_structures)
         return SMR_E_LOG;
     if (record->present) {
         given = r->input == NULL ? NULL : r->input(r->ctx, record);
@@ -57,7 +57,7 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
             return SMR_E_INPUT;
         return smr_set_volume(s, given);
     }
-    if (smr_points_checksum(given, s->part[record->structure].n_vertices) != record->checksum)
+    if (smr_points_checksum(given, s->shape.structure[record->structure].n_vertices) != record->checksum)
         return SMR_E_INPUT;
     return smr_set_positions(s, record->structure, given);
 }
@@ -100,10 +100,10 @@ static smr_status take_input(smr_replay *r, const smr_log_reader *before, smr_lo
 static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
 {
     smr_log_record found = *recorded;
-    found.iteration = s->iteration;
+    found.iteration = s->pace.iteration;
     found.state_hash = s->report.state_hash;
-    found.done = s->done;
-    found.plastic_updates = s->plastic_updates;
+    found.done = s->pace.done;
+    found.plastic_updates = s->pace.plastic_updates;
     if (recorded->complete) {
         found.n_taken = found.n_evaluated = s->report.n_taken;
         found.n_forces = s->report.n_forces;

@@ -1,6 +1,6 @@
 /* results.c: reads positions, normals and per-structure figures out of a registration.
  * SPDX-License-Identifier: MIT */
-#include "runtime/state.h"
+#include "runtime/registration.h"
 
 static smr_status check(const smr *s, uint32_t structure, const void *out)
 {
@@ -8,7 +8,7 @@ static smr_status check(const smr *s, uint32_t structure, const void *out)
         return SMR_E_NULL;
     if (!smr_valid(s))
         return SMR_E_STATE;
-    return structure < s->n_parts ? SMR_OK : SMR_E_INPUT;
+    return structure < s->shared.n_structures ? SMR_OK : SMR_E_INPUT;
 }
 
 /* Copies a stored [n][3] array, moved by `shift`, into the caller's vertex order. */
@@ -17,9 +17,9 @@ static smr_status copy_out(const smr *s, uint32_t structure, float *array, smr_v
     smr_status status = check(s, structure, xyz);
     if (status != SMR_OK)
         return status;
-    const smr_part *part = &s->part[structure];
-    for (uint32_t i = 0; i < part->n_vertices; i++) {
-        const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
         smr_store(xyz + 3u * (size_t)i, smr_add(smr_load(smr_at3(array, v)), shift));
     }
     return SMR_OK;
@@ -27,12 +27,12 @@ static smr_status copy_out(const smr *s, uint32_t structure, float *array, smr_v
 
 smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz)
 {
-    return copy_out(s, structure, s == NULL ? NULL : s->x, s == NULL ? smr_v(0, 0, 0) : s->origin, xyz);
+    return copy_out(s, structure, s == NULL ? NULL : s->shape.x, s == NULL ? smr_v(0, 0, 0) : s->shape.origin, xyz);
 }
 
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz)
 {
-    return copy_out(s, structure, s == NULL ? NULL : s->normal, smr_v(0, 0, 0), xyz);
+    return copy_out(s, structure, s == NULL ? NULL : s->shape.normal, smr_v(0, 0, 0), xyz);
 }
 
 smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report)
@@ -40,24 +40,43 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
     smr_status status = check(s, structure, report);
     if (status != SMR_OK)
         return status;
-    const smr_part *part = &s->part[structure];
+    const smr_shape_structure *one = &s->shape.structure[structure];
     float residual = 0.0f, moved_sum = 0.0f;
     memset(report, 0, sizeof *report);
-    report->has_target = part->target != NULL || s->has_grid;
-    for (uint32_t i = 0; i < part->n_vertices; i++) {
-        const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
-        const float d = s->seen[v] == 1u ? s->residual[v] : 0.0f;
-        const float moved = smr_length(smr_sub(smr_load(smr_at3(s->x, v)), smr_load(smr_at3(s->start, v))));
-        report->n_forces += s->seen[v] == 1u;
-        report->n_rejected += s->seen[v] >= 2u;
+    report->has_target = s->forces.surface.target[structure].surface != NULL || s->forces.image.has_image;
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        const float d = s->forces.found_last[v] == 1u ? s->forces.residual[v] : 0.0f;
+        const float moved = smr_length(smr_sub(smr_load(smr_at3(s->shape.x, v)), smr_load(smr_at3(s->shape.start, v))));
+        report->n_forces += s->forces.found_last[v] == 1u;
+        report->n_rejected += s->forces.found_last[v] >= 2u;
         residual += d;
         report->residual_max_mm = smr_max(report->residual_max_mm, d);
         moved_sum += moved;
         report->moved_max_mm = smr_max(report->moved_max_mm, moved);
     }
-    if (part->n_vertices > 0u)
-        report->moved_mean_mm = moved_sum / (float)part->n_vertices;
+    if (one->n_vertices > 0u)
+        report->moved_mean_mm = moved_sum / (float)one->n_vertices;
     if (report->n_forces > 0u)
         report->residual_mean_mm = residual / (float)report->n_forces;
+    return SMR_OK;
+}
+
+uint64_t smr_state_hash(const smr *s)
+{
+    if (!smr_valid(s))
+        return 0;
+    return smr_hash_positions(s->shape.x, s->shared.n) + 3u * smr_hash_positions(s->shape.x_ref, s->shared.n);
+}
+
+smr_status smr_get_log(const smr *s, smr_log_state *state)
+{
+    if (s == NULL || state == NULL)
+        return SMR_E_NULL;
+    if (!smr_valid(s))
+        return SMR_E_STATE;
+    state->bytes = s->log.used;
+    state->n_ticks = s->log.n_ticks;
+    state->full = s->log.full;
     return SMR_OK;
 }

@@ -1,50 +1,40 @@
 /* start.c: where a registration starts: the rest shape under a pose, or any positions.
  * SPDX-License-Identifier: MIT */
 #include "geometry/hilbert_curve.h"
-#include "geometry/transform_fit.h"
 #include "geometry/mesh.h"
-#include "runtime/record/log.h"
+#include "runtime/tick/schedule.h"
+#include "runtime/tick/stand.h"
 
 #define SMR_FAR_OFF 500.0f /* mm */
-
-static smr_vec rest_of(const smr *s, uint32_t v)
-{
-    const uint32_t *rest = (const uint32_t *)smr_at(s->model, s->model->at_rest) + 3u * (size_t)v;
-    return smr_v(smr_le_float(rest[0]), smr_le_float(rest[1]), smr_le_float(rest[2]));
-}
 
 /* Moves the origin into the middle of a model that lies far from it, by whole millimetres. */
 static void centre_origin(smr *s)
 {
-    const smr_box box = smr_box_of(s->x, s->n);
+    const smr_box box = smr_box_of(s->shape.x, s->shared.n);
     const smr_vec shift = smr_whole(smr_scale(smr_add(box.lo, box.hi), 0.5f));
     if (smr_dot(shift, shift) < SMR_FAR_OFF * SMR_FAR_OFF)
         return;
-    for (uint32_t v = 0; v < s->n; v++)
-        smr_store(smr_at3(s->x, v), smr_sub(smr_load(smr_at3(s->x, v)), shift));
-    s->origin = smr_add(s->origin, shift);
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        smr_store(smr_at3(s->shape.x, v), smr_sub(smr_load(smr_at3(s->shape.x, v)), shift));
+    s->shape.origin = smr_add(s->shape.origin, shift);
 }
 
 /* x holds the start, relative to origin: everything else follows. */
 static void start_here(smr *s)
 {
-    const size_t bytes = 3u * (size_t)s->n * sizeof(float);
+    smr_shape *shape = &s->shape;
+    const size_t bytes = 3u * (size_t)s->shared.n * sizeof(float);
     centre_origin(s);
-    const smr_mesh mesh = {s->x, s->triangle, s->n, s->n_triangles};
-    smr_fit fit;
-    smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
-    for (uint32_t v = 0; v < s->n; v++)
-        smr_fit_add(&fit, rest_of(s, v), smr_load(smr_at3(s->x, v)), 1.0f);
-    s->fitted = smr_fit_solve(&fit, 1);
-    memcpy(s->start, s->x, bytes);
-    memcpy(s->x_ref, s->x, bytes);
-    memcpy(s->x_next, s->x, bytes);
-    memset(s->force, 0, bytes);
-    memset(s->guard, 0, s->n);
-    s->n_guarded = 0;
-    smr_facets_now(s);
-    smr_mesh_normals(&mesh, s->normal, NULL);
-    memcpy(s->normal_ref, s->normal, bytes);
+    const smr_mesh mesh = {shape->x, s->shared.triangle, s->shared.n, s->shared.n_triangles};
+    smr_rest_pose_now(shape);
+    memcpy(shape->start, shape->x, bytes);
+    memcpy(shape->x_ref, shape->x, bytes);
+    memset(s->forces.force, 0, bytes);
+    memset(s->folds.marked, 0, s->shared.n);
+    s->folds.n_guarded = 0;
+    smr_facets_now(shape);
+    smr_mesh_normals(&mesh, shape->normal, NULL);
+    smr_plastic_normals(shape);
     smr_abandon_iteration(s);
     memset(&s->report, 0, sizeof s->report);
     smr_schedule_start(s);
@@ -59,25 +49,25 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
     for (uint32_t i = 0; i < 12u; i++)
         if (!smr_within(pose->m[i / 4u][i % 4u], SMR_COORD_MAX))
             return SMR_E_INPUT;
-    const smr_vec centre =
-        smr_v(smr_le_float(s->model->centre[0]), smr_le_float(s->model->centre[1]), smr_le_float(s->model->centre[2]));
+    const smr_vec centre = smr_v(smr_le_float(s->shared.model->centre[0]), smr_le_float(s->shared.model->centre[1]),
+                                 smr_le_float(s->shared.model->centre[2]));
     const smr_vec moved = smr_pose_apply(pose, centre);
     const float border = SMR_COORD_MAX + 1.0f; /* the rest shape itself may be rounded a little beyond */
     if (!smr_within(moved.x, border) || !smr_within(moved.y, border) || !smr_within(moved.z, border))
         return SMR_E_INPUT;
-    for (uint32_t v = 0; v < s->n; v++) {
-        const smr_vec p = smr_pose_apply(pose, smr_add(rest_of(s, v), centre));
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        const smr_vec p = smr_pose_apply(pose, smr_add(smr_rest(&s->shared, v), centre));
         if (!smr_within(p.x, border) || !smr_within(p.y, border) || !smr_within(p.z, border))
             return SMR_E_INPUT;
     }
-    s->origin = smr_whole(moved);
-    const smr_vec off = smr_sub(moved, s->origin);
+    s->shape.origin = smr_whole(moved);
+    const smr_vec off = smr_sub(moved, s->shape.origin);
     smr_pose turn = *pose;
     turn.m[0][3] = turn.m[1][3] = turn.m[2][3] = 0.0f;
-    for (uint32_t v = 0; v < s->n; v++)
-        smr_store(smr_at3(s->x, v), smr_add(smr_pose_apply(&turn, rest_of(s, v)), off));
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        smr_store(smr_at3(s->shape.x, v), smr_add(smr_pose_apply(&turn, smr_rest(&s->shared, v)), off));
     start_here(s);
-    smr_log_pose(s, pose);
+    smr_log_pose(&s->log, pose);
     return SMR_OK;
 }
 
@@ -87,17 +77,17 @@ smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz)
         return SMR_E_NULL;
     if (!smr_valid(s))
         return SMR_E_STATE;
-    if (structure >= s->n_parts)
+    if (structure >= s->shared.n_structures)
         return SMR_E_INPUT;
-    const smr_part *part = &s->part[structure];
-    for (size_t i = 0; i < 3u * (size_t)part->n_vertices; i++)
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    for (size_t i = 0; i < 3u * (size_t)one->n_vertices; i++)
         if (!smr_within(xyz[i], SMR_COORD_MAX))
             return SMR_E_INPUT;
-    for (uint32_t i = 0; i < part->n_vertices; i++) {
-        const uint32_t v = smr_model_position(s->model, part->first_vertex + i);
-        smr_store(smr_at3(s->x, v), smr_sub(smr_load(xyz + 3u * (size_t)i), s->origin));
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        smr_store(smr_at3(s->shape.x, v), smr_sub(smr_load(xyz + 3u * (size_t)i), s->shape.origin));
     }
     start_here(s);
-    smr_log_positions(s, structure, xyz);
+    smr_log_positions(&s->log, structure, xyz, one->n_vertices);
     return SMR_OK;
 }

@@ -1,38 +1,54 @@
-/* targets.c: which structure is drawn to which surface.
+/* targets.c: what structures are drawn to: surfaces, an image; and how many vertices take part.
  * SPDX-License-Identifier: MIT */
-#include "runtime/record/log.h"
+#include "runtime/tick/schedule.h"
+#include "runtime/tick/stand.h"
+#include "runtime/tick/steps.h"
 
-/* Distinct surfaces, their tasks and slots. Returns the slots they need. */
-static uint64_t list_goals(const smr *s, const smr_part *part, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks)
+/* Distinct surfaces, their tasks and slots. goal may be NULL. Returns the slots they need. */
+static uint64_t list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks)
 {
+    const smr_target *target = g->target;
     uint64_t slots = 0;
     *n_goals = *n_tasks = 0;
-    for (uint32_t i = 0; i < s->n_parts; i++) {
+    for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+        const smr_surface *surface = target[i].surface;
         uint32_t known = 0;
-        while (known < i && part[known].target != part[i].target)
+        while (known < i && target[known].surface != surface)
             known++;
-        if (part[i].target == NULL || known < i)
+        if (surface == NULL || known < i)
             continue;
         if (goal != NULL)
-            goal[*n_goals] = (smr_goal){part[i].target, *n_tasks, part[i].target->n_vertices, (uint32_t)slots};
+            goal[*n_goals] = (smr_goal){surface, *n_tasks, surface->n_vertices, (uint32_t)slots};
         ++*n_goals;
-        *n_tasks += smr_ceil_div(part[i].target->n_vertices, SMR_FORCE_CHUNK);
-        slots += part[i].target->n_vertices;
+        *n_tasks += smr_ceil_div(surface->n_vertices, SMR_FORCE_CHUNK);
+        slots += surface->n_vertices;
     }
     return slots;
 }
 
 /* Slots needed if `structure` had this surface. */
-static uint64_t slots_with(smr *s, uint32_t structure, const smr_surface *surface)
+static uint64_t slots_with(smr_surface_goals *g, uint32_t structure, const smr_surface *surface)
 {
     uint32_t n_goals, n_tasks;
     if (structure == SMR_ALL)
         return surface == NULL ? 0u : surface->n_vertices;
-    const smr_surface *before = s->part[structure].target;
-    s->part[structure].target = surface;
-    const uint64_t slots = list_goals(s, s->part, NULL, &n_goals, &n_tasks);
-    s->part[structure].target = before;
+    const smr_surface *before = g->target[structure].surface;
+    g->target[structure].surface = surface;
+    const uint64_t slots = list_goals(g, NULL, &n_goals, &n_tasks);
+    g->target[structure].surface = before;
     return slots;
+}
+
+/* Nothing of searches towards another surface is left. */
+static void forget_searches(smr_surface_goals *g, uint32_t structure)
+{
+    for (uint32_t v = 0; v < g->shared->n; v++)
+        if (structure == SMR_ALL || smr_model_owner(g->shared->model, v) == structure)
+            g->warm[v] = SMR_NONE;
+    for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.n_target_vertices; j++)
+        g->target_warm[j] = SMR_NONE;
+    smr_pulls_clear(g);
+    g->limit = 0.0f;
 }
 
 smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface)
@@ -41,26 +57,68 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
         return SMR_E_NULL;
     if (!smr_valid(s) || (surface != NULL && !smr_surface_valid(surface)))
         return SMR_E_STATE;
-    if (structure != SMR_ALL && structure >= s->n_parts)
+    smr_surface_goals *g = &s->forces.surface;
+    const uint32_t n_structures = s->shared.n_structures, n_slots = s->shared.config.n_target_vertices;
+    if (structure != SMR_ALL && structure >= n_structures)
         return SMR_E_INPUT;
-    if (s->config.n_target_vertices > 0u && slots_with(s, structure, surface) > s->config.n_target_vertices)
+    if (n_slots > 0u && slots_with(g, structure, surface) > n_slots)
         return SMR_E_ARENA;
     const uint32_t first = structure == SMR_ALL ? 0u : structure;
-    const uint32_t last = structure == SMR_ALL ? s->n_parts : structure + 1u;
+    const uint32_t last = structure == SMR_ALL ? n_structures : structure + 1u;
     for (uint32_t i = first; i < last; i++)
-        s->part[i].target = surface;
-    for (uint32_t v = 0; v < s->n; v++)
-        if (structure == SMR_ALL || smr_model_owner(s->model, v) == structure)
-            s->warm[v] = SMR_ALL;
-    (void)list_goals(s, s->part, s->goal, &s->n_goals, &s->n_target_tasks);
-    for (uint32_t j = 0; s->target_warm != NULL && j < s->config.n_target_vertices; j++)
-        s->target_warm[j] = SMR_ALL;
+        g->target[i].surface = surface;
+    (void)list_goals(g, g->goal, &g->n_goals, &g->n_tasks);
+    forget_searches(g, structure);
     /* an iteration under way starts again with the new goals; one that has its forces ends with the old ones */
-    if (s->pull != NULL)
-        memset(s->pull, 0, s->config.n_workers * (size_t)s->n * 4u * sizeof *s->pull);
     if (smr_forces_pending(s))
         s->step = s->next_task = 0;
-    s->force_limit = 0.0f;
-    smr_log_surface(s, structure, surface);
+    smr_log_surface(&s->log, structure, surface);
+    return SMR_OK;
+}
+
+smr_status smr_set_volume(smr *s, const smr_volume *volume)
+{
+    smr_grid grid;
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!smr_valid(s) || (volume != NULL && smr_le32(s->shared.model->profile_samples) == 0u))
+        return SMR_E_STATE;
+    if (volume != NULL) {
+        const smr_status status = smr_grid_open(volume, &grid);
+        if (status != SMR_OK)
+            return status;
+    }
+    if (volume == NULL && !s->forces.image.has_image)
+        return SMR_OK;
+    smr_image_goals_open(&s->forces.image, volume == NULL ? NULL : &grid);
+    smr_abandon_iteration(s);
+    smr_schedule_start(s);
+    smr_log_volume(&s->log, volume);
+    return SMR_OK;
+}
+
+smr_status smr_set_active(smr *s, uint32_t n_active)
+{
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!smr_valid(s))
+        return SMR_E_STATE;
+    s->pace.n_pinned = smr_min_u32(n_active, s->shared.n);
+    smr_log_active(&s->log, n_active);
+    return SMR_OK;
+}
+
+smr_status smr_set_log(smr *s, void *memory, size_t bytes)
+{
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!smr_valid(s) || (memory != NULL && !s->log.fresh))
+        return SMR_E_STATE;
+    if (memory != NULL && bytes < SMR_LOG_HEADER + SMR_LOG_FULL_BYTES)
+        return SMR_E_ARENA;
+    if (memory == NULL)
+        smr_log_end(&s->log);
+    else
+        smr_log_start(&s->log, &s->shared, memory, bytes);
     return SMR_OK;
 }

@@ -1,13 +1,13 @@
-/* time_budget.c: fits an iteration into a budget. From the port's clock it learns what each step costs: so many nanoseconds a
- * unit of its work. While forces are looked for, in the order in which vertices matter, it keeps in reserve what the rest of
- * the iteration will take with the vertices reached so far; when the time left comes down to that, the vertices not
- * reached are ignored in this iteration (paper 2.2, complexity tuning). Everything that depends on how many take part is
- * computed after the forces, so a cut iteration has the bits of one that was given that number from the start.
- * Where not even the vertices that the radius needs fit, there is no iteration in every tick anyway: nothing is left out, and
- * the iteration takes the ticks it takes. So it does where the schedule closes: what is left out there is never found.
+/* time_budget.c: fits an iteration into a budget. From the port's clock it learns what each step costs: so many
+ * nanoseconds a unit of its work. While forces are looked for, in the order of priority, it keeps in reserve what the
+ * rest of the iteration will take with the vertices reached so far; when the time left comes down to that, the vertices
+ * not reached are ignored in this iteration (paper 2.2, complexity tuning). Everything that depends on how many take part
+ * is computed after the forces, so a cut iteration has the bits of one that was given that number from the start.
+ * If even the minimum set exceeds the budget, the iteration spans several ticks and skips nothing. So it does where the
+ * schedule closes: what is left out there is never found.
  * Bounds: SMR_STEPS_MAX, for each group of forces.
  * SPDX-License-Identifier: MIT */
-#include "runtime/record/log.h"
+#include "runtime/tick/steps.h"
 
 #define SMR_UNKNOWN (-1.0f)
 #define SMR_FOREVER 1.0e18f  /* ns */
@@ -25,32 +25,32 @@
 #define SMR_CLOSING 3u  /* the last radius' first third may be cut, the rest decides where vertices come to lie */
 #define SMR_FIRST 0.75f /* of the time left in reserve while the rest's cost is not known */
 
-void smr_control_start(smr *s)
+void smr_budget_start(smr *s)
 {
-    memset(&s->control, 0, sizeof s->control);
-    s->control.margin = SMR_MARGIN_MIN;
+    memset(&s->budget, 0, sizeof s->budget);
+    s->budget.margin = SMR_MARGIN_MIN;
     for (uint32_t i = 0; i < SMR_STEPS_MAX; i++)
-        s->control.rate[i] = SMR_UNKNOWN;
+        s->budget.rate[i] = SMR_UNKNOWN;
 }
 
 /* What the forest reads: every entry and index. With fewer active vertices less, but by how much is not known beforehand. */
 static float lists_units(const smr *s)
 {
-    return (float)s->n + (float)smr_le32(s->lists.block[s->lists.n_blocks].first_index);
+    return (float)s->shared.n + (float)smr_le32(s->pace.lists.block[s->pace.lists.n_blocks].first_index);
 }
 
 static float units_of(smr *s, const smr_step *step, uint32_t n_tasks)
 {
     if (step->work == SMR_WORK_ACTIVE)
-        return (float)s->n_active;
+        return (float)s->pace.n_active;
     if (step->work == SMR_WORK_FOLDS)
-        return smr_guard_tasks(s) > 0u ? 1.0f : 0.0f;
+        return smr_fold_find_tasks(&s->folds) > 0u ? 1.0f : 0.0f;
     return step->work == SMR_WORK_LISTS ? lists_units(s) : (float)n_tasks;
 }
 
 /* One sample into a rate. A stretch in which something else ran counts as at most twice what is usual for the step, or as
  * a small share of an iteration where that is more: a clock may show nothing for long, folds may come all at once. */
-static float blend(const smr_control *c, float rate, float sample, float units)
+static float blend(const smr_time_budget *c, float rate, float sample, float units)
 {
     if (rate < 0.0f)
         return sample;
@@ -58,15 +58,15 @@ static float blend(const smr_control *c, float rate, float sample, float units)
     return rate + (sample > rate ? SMR_RISE : SMR_FALL) * (sample - rate);
 }
 
-void smr_control_spend(smr *s, uint64_t ns, uint64_t budget_ns)
+void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns)
 {
     const uint64_t most = budget_ns > SMR_STRETCH_NS ? budget_ns : SMR_STRETCH_NS;
-    s->control.spent += smr_min_u64(ns, smr_min_u64(most, UINT64_MAX - s->control.spent));
+    s->budget.spent += smr_min_u64(ns, smr_min_u64(most, UINT64_MAX - s->budget.spent));
 }
 
-void smr_control_learn(smr *s, uint32_t n_tasks)
+void smr_budget_learn(smr *s, uint32_t n_tasks)
 {
-    smr_control *c = &s->control;
+    smr_time_budget *c = &s->budget;
     const smr_step *step = &smr_steps[s->step];
     const float spent = smr_min((float)c->spent, SMR_FOREVER), units = units_of(s, step, n_tasks);
     const int odd =
@@ -78,11 +78,11 @@ void smr_control_learn(smr *s, uint32_t n_tasks)
         return;
     c->rate[s->step] = blend(c, c->rate[s->step], spent / units, units);
     if (step->work == SMR_WORK_LISTS)
-        c->count = s->n_active;
+        c->count = s->pace.n_active;
 }
 
 /* A step never met: as dear, a task, as the dearest that is known. Tasks are of about one size. */
-static float dearest(const smr_control *c)
+static float dearest(const smr_time_budget *c)
 {
     float rate = SMR_UNKNOWN;
     for (uint32_t i = 0; i < smr_n_steps; i++)
@@ -94,16 +94,16 @@ static float dearest(const smr_control *c)
 /* The steps from `first` on, with so many active vertices: ns, SMR_FOREVER when that is not known. */
 static float cost_of(smr *s, uint32_t first, uint32_t count)
 {
-    const smr_control *c = &s->control;
-    const uint32_t active = s->n_active, stale = s->reference_stale;
+    const smr_time_budget *c = &s->budget;
+    const uint32_t active = s->pace.n_active, stale = s->reference.stale;
     const float unknown = dearest(c);
     const float more = c->count > 0u && count > c->count ? (float)count / (float)c->count : 1.0f;
     float sum = 0.0f;
-    s->n_active = count;
-    s->reference_stale = stale || count != active;
+    s->pace.n_active = count;
+    s->reference.stale = stale || count != active;
     for (uint32_t i = first; i < smr_n_steps; i++) {
         const smr_step *step = &smr_steps[i];
-        const uint32_t n_tasks = step->n_tasks(s);
+        const uint32_t n_tasks = smr_step_tasks(s, step);
         const float units = units_of(s, step, n_tasks);
         float rate = c->rate[i];
         if ((n_tasks == 0u && step->work != SMR_WORK_FOLDS) || !(units > 0.0f))
@@ -116,88 +116,78 @@ static float cost_of(smr *s, uint32_t first, uint32_t count)
             sum = SMR_FOREVER;
         sum += rate * units * (step->work == SMR_WORK_LISTS ? more : 1.0f);
     }
-    s->n_active = active;
-    s->reference_stale = stale;
+    s->pace.n_active = active;
+    s->reference.stale = stale;
     return smr_min(smr_max(sum, 0.0f) * c->margin, SMR_FOREVER);
 }
 
 /* As few vertices as this radius allows. */
 static uint32_t fewest(const smr *s)
 {
-    return s->n_pinned > 0u ? s->n_active : smr_min_u32(smr_max_u32(s->lists.active_min, 1u), s->n_active);
+    return s->pace.n_pinned > 0u ? s->pace.n_active
+                                 : smr_min_u32(smr_max_u32(s->pace.lists.active_min, 1u), s->pace.n_active);
 }
 
-void smr_control_plan(smr *s, uint64_t budget_ns)
+void smr_budget_plan(smr *s, uint64_t budget_ns)
 {
     const float cost = cost_of(s, 0, fewest(s));
-    s->control.spent = 0;
-    s->control.sum = 0.0f;
-    s->control.odd = s->control.late = s->control.look = 0;
-    s->control.budget = budget_ns;
-    const int closing =
-        s->radius == smr_last_radius(s) && SMR_CLOSING * s->radius_iteration >= s->config.iterations_last;
-    s->control.uncut = cost < SMR_FOREVER && (closing || cost > (float)budget_ns);
+    s->budget.spent = 0;
+    s->budget.sum = 0.0f;
+    s->budget.odd = s->budget.late = s->budget.look = 0;
+    s->budget.budget = budget_ns;
+    const int closing = smr_at_last_radius(&s->shared, &s->pace) &&
+                        SMR_CLOSING * s->pace.radius_iteration >= s->shared.config.iterations_last;
+    s->budget.uncut = cost < SMR_FOREVER && (closing || cost > (float)budget_ns);
 }
 
-uint32_t smr_control_group(smr *s, uint32_t n_tasks)
+uint32_t smr_budget_group(smr *s, uint32_t n_tasks)
 {
     const smr_step *step = &smr_steps[s->step];
     const uint32_t workers = smr_max_u32(s->port.n_workers, 1u);
-    const float rate = s->control.rate[s->step];
+    const float rate = s->budget.rate[s->step];
     if (workers == 1u || n_tasks == 0u || !(rate >= 0.0f))
         return workers;
     const float task_ns = smr_max(rate * units_of(s, step, n_tasks) * (float)workers / (float)n_tasks, 1.0f);
     return workers * smr_max_u32((uint32_t)smr_min(SMR_FORK_NS / task_ns, SMR_FORK_TASKS), 1u);
 }
 
-uint64_t smr_control_ahead(smr *s, uint32_t n_tasks, uint32_t group)
+uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks, uint32_t group)
 {
     const smr_step *step = &smr_steps[s->step];
-    const float rate = s->control.rate[s->step];
+    const float rate = s->budget.rate[s->step];
     if (rate < 0.0f || n_tasks == 0u || step->work == SMR_WORK_FOLDS)
         return 0;
     const float tasks = (float)smr_min_u32(group, n_tasks);
     return (uint64_t)smr_min(rate * units_of(s, step, n_tasks) * tasks / (float)n_tasks, SMR_FOREVER);
 }
 
-void smr_control_resume(smr *s) { s->control.late = !s->control.uncut; }
+void smr_budget_resume(smr *s) { s->budget.late = !s->budget.uncut; }
 
-void smr_control_done(smr *s)
+void smr_budget_done(smr *s)
 {
-    smr_control *c = &s->control;
+    smr_time_budget *c = &s->budget;
     const float whole = c->whole > 0.0f ? smr_min(c->sum, 2.0f * c->whole) : c->sum;
     c->whole += (c->whole > 0.0f ? SMR_FALL : 1.0f) * (whole - c->whole);
-    for (uint32_t i = 0; i < smr_n_steps && c->repairing && s->repairing == 0u; i++)
+    for (uint32_t i = 0; i < smr_n_steps && c->repairing && s->pace.repairing == 0u; i++)
         if (smr_steps[i].work == SMR_WORK_FOLDS)
             c->rate[i] = SMR_UNKNOWN; /* repairs cost more than what comes after them */
-    c->repairing = s->repairing > 0u;
+    c->repairing = s->pace.repairing > 0u;
     c->margin = smr_clamp(c->margin + (c->late ? SMR_LATE : -SMR_IN_TIME), SMR_MARGIN_MIN, SMR_MARGIN_MAX);
 }
 
-int smr_control_reached(smr *s, uint64_t left_ns, uint32_t group)
+int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group)
 {
-    const uint32_t chunk = smr_force_chunk(s), reached = s->next_task * chunk,
+    const uint32_t chunk = smr_force_chunk(&s->forces), reached = s->next_task * chunk,
                    more = smr_max_u32(group * chunk, SMR_LOOK);
-    if (s->n_pinned > 0u || reached < fewest(s))
+    if (s->pace.n_pinned > 0u || reached < fewest(s))
         return 0;
-    if (s->repairing > 0u)
+    if (s->pace.repairing > 0u)
         return 1; /* no forces act now */
-    if (s->control.uncut || reached < s->control.look)
+    if (s->budget.uncut || reached < s->budget.look)
         return 0;
-    s->control.look = reached + more;
-    const uint32_t next = smr_min_u32(reached + more, s->n_active);
-    const float force = smr_max(s->control.rate[s->step], 0.0f) * (float)(next - reached);
+    s->budget.look = reached + more;
+    const uint32_t next = smr_min_u32(reached + more, s->pace.n_active);
+    const float force = smr_max(s->budget.rate[s->step], 0.0f) * (float)(next - reached);
     const float rest = cost_of(s, s->step + 1u, next);
-    return force + (rest < SMR_FOREVER ? rest : SMR_FIRST * (float)s->control.budget) > (float)left_ns;
-}
-
-smr_status smr_set_active(smr *s, uint32_t n_active)
-{
-    if (s == NULL)
-        return SMR_E_NULL;
-    if (!smr_valid(s))
-        return SMR_E_STATE;
-    s->n_pinned = smr_min_u32(n_active, s->n);
-    smr_log_active(s, n_active);
-    return SMR_OK;
+    return force + (rest < SMR_FOREVER ? rest : SMR_FIRST * (float)s->budget.budget) > (float)left_ns;
 }

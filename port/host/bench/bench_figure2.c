@@ -1,0 +1,204 @@
+/* Measures the paper's figure 2: time per iteration and segmentation error against the share of ignored vertices.
+ *
+ * Times: one iteration in the paper's setting. One cluster radius of 30 mm, profiles of 30 samples every 0.5 mm,
+ * searched within 10 mm, fixed reference positions (elastic), no fold handling, one thread. The clock is the thread's
+ * processor time, which other programs hardly disturb.
+ * Errors: whole registrations with the command line's defaults.
+ * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+
+#include "bench/bench_figure2.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "bench/bench_job.h"
+
+#define RADIUS_MM 30.0f
+#define SEARCH_MM 10.0f
+#define SAMPLES 30u
+#define TICKS 5u /* timed ticks per run, after one that computes the clusters' centres */
+
+typedef struct samples {
+    double *ms[2][HOST_TIMES][HOST_SHARES]; /* [repetitions * TICKS] */
+    uint32_t n;                             /* samples so far in each array */
+} samples;
+
+static uint64_t processor_ns(void *ctx)
+{
+    struct timespec now;
+    (void)ctx;
+    (void)clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+static smr_config paper_config(const host_bench *bench, uint32_t method, double ignored)
+{
+    smr_config config = bench->given->config;
+    config.method = method;
+    config.n_workers = 1;
+    config.active_share = (float)(1.0 - ignored / 100.0);
+    config.active_first = 1.0f;
+    config.active_enough = 0;
+    config.sideways = 0.0f;
+    config.profile_mm = config.profile_end_mm = SEARCH_MM;
+    config.gradient_mm = config.gradient_end_mm = 0.5f * SEARCH_MM;
+    config.plastic_every = 0;
+    config.plastic_um = config.settle_um = 0.0f;
+    config.fold_guard = 0;
+    config.iterations = config.iterations_last = 100000;
+    return config;
+}
+
+/* Runs TICKS iterations from the start and stores their times from samples[first] on. */
+static int time_iterations(host_bench *bench, uint32_t method, uint32_t share, uint32_t first, host_figure2 *figure,
+                           samples *to, host_error *error)
+{
+    const smr_port port = {NULL, 1, NULL, processor_ns};
+    const smr_config config = paper_config(bench, method, figure->asked[share]);
+    smr_tick_report report;
+    uint32_t i = 0, phase = 0;
+    if (host_bench_init(bench, &config, &port, 1, error) != 0)
+        return -1;
+    for (i = 0; i <= TICKS; i++) {
+        double all = 0.0;
+        if (smr_tick(bench->job.state, 0, &report) != SMR_OK)
+            return host_fail(error, "tick", "input that can be registered");
+        if (i == 0)
+            continue;
+        for (phase = 0; phase < SMR_PHASES; phase++)
+            all += 1e-6 * (double)report.phase_ns[phase];
+        to->ms[method][HOST_TIME_WITH][share][first + i - 1u] = all;
+        to->ms[method][HOST_TIME_WITHOUT][share][first + i - 1u] =
+            all - 1e-6 * (double)report.phase_ns[SMR_PHASE_FORCES];
+        to->ms[method][HOST_TIME_MATCHING][share][first + i - 1u] =
+            1e-6 * (double)(report.phase_ns[SMR_PHASE_SUMS] + report.phase_ns[SMR_PHASE_MATCH] +
+                            report.phase_ns[SMR_PHASE_AVERAGE]);
+    }
+    figure->active[share] = report.n_active;
+    figure->ignored[share] = 100.0 * (1.0 - (double)report.n_active / figure->n_vertices);
+    return 0;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Fits a line to n points by least squares. */
+static host_line fit(const double *x, const double *y, uint32_t n)
+{
+    double mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+    host_line line;
+    uint32_t i = 0;
+    for (i = 0; i < n; i++) {
+        mx += x[i] / n;
+        my += y[i] / n;
+    }
+    for (i = 0; i < n; i++) {
+        xx += (x[i] - mx) * (x[i] - mx);
+        xy += (x[i] - mx) * (y[i] - my);
+        yy += (y[i] - my) * (y[i] - my);
+    }
+    line.slope = xx > 0.0 ? xy / xx : 0.0;
+    line.at_0 = my - line.slope * mx;
+    line.at_100 = line.at_0 + 100.0 * line.slope;
+    line.r2 = xx > 0.0 && yy > 0.0 ? xy * xy / (xx * yy) : 0.0;
+    return line;
+}
+
+static void take_medians(host_figure2 *figure, const samples *from, uint32_t n)
+{
+    uint32_t method = 0, part = 0, share = 0;
+    for (method = 0; method < 2; method++)
+        for (part = 0; part < HOST_TIMES; part++) {
+            for (share = 0; share < figure->n_times; share++) {
+                double *const ms = from->ms[method][part][share];
+                qsort(ms, n, sizeof *ms, by_size);
+                figure->ms[method][part][share] = 0.5 * (ms[(n - 1u) / 2u] + ms[n / 2u]);
+                figure->least_ms[method][part][share] = ms[0];
+            }
+            /* the last point may be the largest possible share, which is not equally spaced */
+            figure->line[method][part] = fit(figure->ignored, figure->ms[method][part],
+                                             figure->n_times > figure->n_errors ? figure->n_errors : figure->n_times);
+            figure->line_all[method][part] = fit(figure->ignored, figure->ms[method][part], figure->n_times);
+        }
+}
+
+/* Measures the shares in turn, repeatedly, so that a slow moment of the machine does not affect one share only. */
+static int measure_times(host_bench *bench, host_figure2 *figure, host_error *error)
+{
+    const uint32_t n = figure->repetitions * TICKS;
+    double *const memory = calloc((size_t)n * 2u * HOST_TIMES * HOST_SHARES, sizeof *memory);
+    smr_prepare_config prepare = smr_prepare_config_default();
+    samples s;
+    uint32_t i = 0, round = 0, method = 0;
+    int result = memory != NULL ? 0 : host_fail(error, "times", "free memory");
+    for (i = 0; i < 2u * HOST_TIMES * HOST_SHARES; i++)
+        s.ms[i / (HOST_TIMES * HOST_SHARES)][i / HOST_SHARES % HOST_TIMES][i % HOST_SHARES] = memory + (size_t)i * n;
+    prepare.n_radii = 1;
+    prepare.radius_mm[0] = RADIUS_MM;
+    prepare.separate_below_mm = 0.0f;
+    prepare.profile_samples = SAMPLES;
+    if (result == 0)
+        result = host_bench_prepare(bench, prepare, 1, error);
+    figure->n_vertices = bench->job.model.info.n_vertices;
+    figure->n_structures = bench->job.model.info.n_structures;
+    for (round = 0; result == 0 && round < figure->repetitions; round++)
+        for (i = 0; result == 0 && i < figure->n_times; i++)
+            for (method = 0; result == 0 && method < 2; method++)
+                result = time_iterations(bench, method, i, round * TICKS, figure, &s, error);
+    /* the clusters may need more active vertices than asked for: of equal numbers of them one point remains */
+    while (figure->n_times > 1 && figure->active[figure->n_times - 1u] == figure->active[figure->n_times - 2u])
+        figure->n_times--;
+    if (result == 0)
+        take_medians(figure, &s, n);
+    free(memory);
+    return result;
+}
+
+static int measure_error(host_bench *bench, host_figure2 *figure, uint32_t kind, uint32_t share, host_error *error)
+{
+    smr_config *const config = &bench->options.config;
+    const float active = (float)(1.0 - figure->asked[share] / 100.0);
+    *config = bench->given->config;
+    config->method = kind == HOST_ERROR_POLAR ? SMR_METHOD_POLAR : SMR_METHOD_RIGID;
+    config->active_enough = 0;
+    config->active_share = kind == HOST_ERROR_GROWING ? 1.0f : active;
+    config->active_first = active;
+    if (host_bench_register(bench, error) != 0)
+        return -1;
+    figure->last_active[kind][share] = bench->job.last.n_active;
+    figure->to_truth[kind][share] = bench->job.to_target.mean;
+    figure->from_truth[kind][share] = bench->job.to_result.mean;
+    figure->by_vertex[kind][share] = bench->job.by_vertex.n > 0 ? bench->job.by_vertex.mean : 0.0;
+    return 0;
+}
+
+int host_bench_figure2(host_bench *bench, host_error *error)
+{
+    host_figure2 *const figure = calloc(1, sizeof *figure);
+    uint32_t i = 0, kind = 0;
+    int result = 0;
+    if (figure == NULL)
+        return host_fail(error, "figure", "free memory");
+    figure->seed = bench->thigh != NULL ? bench->given->seed : 0;
+    figure->repetitions = bench->given->repeats;
+    figure->n_samples = figure->repetitions * TICKS;
+    figure->n_errors = (99u + bench->given->step) / bench->given->step;
+    figure->n_times = figure->n_errors + 1u;
+    for (i = 0; i < figure->n_times; i++)
+        figure->asked[i] = i < figure->n_errors ? (double)(i * bench->given->step) : 100.0;
+    result = measure_times(bench, figure, error);
+    if (result == 0)
+        result = host_bench_prepare(bench, bench->given->prepare, 1, error);
+    for (kind = 0; result == 0 && kind < HOST_ERRORS; kind++)
+        for (i = 0; result == 0 && i < figure->n_errors; i++)
+            result = measure_error(bench, figure, kind, i, error);
+    if (result == 0)
+        result = host_figure2_write(figure, bench->given, error);
+    free(figure);
+    return result;
+}

@@ -1,0 +1,139 @@
+/* smr build: prepares surfaces into a model, as a file or as C source for a device.
+ * SPDX-License-Identifier: MIT */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/threads.h"
+#include "commands/commands.h"
+#include "files/file_names.h"
+#include "files/output_files.h"
+#include "model/model_from_files.h"
+
+/* The keywords of C. Those that start with an underscore and a capital are refused for that. */
+static int is_keyword(const char *text)
+{
+    static const char *const words[] = {"auto",    "break",  "case",     "char",   "const",    "continue", "default",
+                                        "do",      "double", "else",     "enum",   "extern",   "float",    "for",
+                                        "goto",    "if",     "inline",   "int",    "long",     "register", "restrict",
+                                        "return",  "short",  "signed",   "sizeof", "static",   "struct",   "switch",
+                                        "typedef", "union",  "unsigned", "void",   "volatile", "while"};
+    size_t i = 0;
+    while (i < sizeof words / sizeof words[0] && strcmp(text, words[i]) != 0)
+        i++;
+    return i < sizeof words / sizeof words[0] || (text[0] == '_' && text[1] >= 'A' && text[1] <= 'Z');
+}
+
+static int is_source(const char *path) { return host_has_extension(path, ".c") || host_has_extension(path, ".h"); }
+
+static int is_identifier(const char *text)
+{
+    const char *c = text;
+    for (c = text; *c != '\0'; c++) {
+        const int letter = (*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z') || *c == '_';
+        if (!letter && !(c > text && *c >= '0' && *c <= '9'))
+            return 0;
+    }
+    return c > text && c - text < 200 && !is_keyword(text);
+}
+
+static void put_c_array(const host_model *model, const char *name, host_buffer *out)
+{
+    const unsigned char *const bytes = model->prepared;
+    size_t i = 0;
+    host_buffer_print(out,
+                      "/* A model image for smr_model_open(name, name_bytes): %u vertices, %u structures. */\n"
+                      "#include <stddef.h>\n\nextern const unsigned char %s[];\nextern const size_t %s_bytes;\n\n"
+                      "const size_t %s_bytes = %zu;\n_Alignas(%u) const unsigned char %s[%zu] = {",
+                      model->info.n_vertices, model->info.n_structures, name, name, name, model->prepared_bytes,
+                      SMR_ALIGN, name, model->prepared_bytes);
+    for (i = 0; i < model->prepared_bytes; i++) {
+        char text[8];
+        const int n = snprintf(text, sizeof text, "%s%u,", i % 24u == 0 ? "\n" : "", bytes[i]);
+        host_buffer_add(out, text, (size_t)n);
+    }
+    host_buffer_print(out, "\n};\n");
+}
+
+/* "MODEL.smr" -> "MODEL.c". Owned by the caller. */
+static char *beside(const char *path)
+{
+    const size_t n = strlen(path);
+    char *const text = malloc(n + 3u);
+    const size_t stem = host_has_extension(path, ".smr") && n > 4 ? n - 4u : n;
+    if (text != NULL)
+        (void)snprintf(text, n + 3u, "%.*s.c", (int)stem, path);
+    return text;
+}
+
+static int add_c_array(const host_model *model, const host_options *options, host_output *output, host_error *error)
+{
+    const int alone = is_source(options->out);
+    char *const path = alone ? NULL : beside(options->out);
+    host_buffer text;
+    int result = 0;
+    memset(&text, 0, sizeof text);
+    put_c_array(model, options->c_array, &text);
+    if (!alone && path == NULL)
+        result = host_fail(error, "output", "free memory");
+    else
+        result = host_output_add(output, alone ? options->out : path, &text, error);
+    host_buffer_free(&text);
+    /* The output set has its own copy of the name, but the error may still point to this one. */
+    if (result != 0)
+        error->file = options->out;
+    free(path);
+    return result;
+}
+
+static int write_model(const host_model *model, const host_options *options, host_error *error)
+{
+    const int source_only = options->c_array != NULL && is_source(options->out);
+    host_output *const output = host_output_begin(NULL);
+    host_buffer image;
+    int result = 0;
+    memset(&image, 0, sizeof image);
+    image.data = model->prepared; /* borrowed: the buffer is not freed */
+    image.size = model->prepared_bytes;
+    error->file = options->out;
+    if (output == NULL)
+        return host_fail(error, "output", "free memory");
+    if (!source_only)
+        result = host_output_add(output, options->out, &image, error);
+    if (result == 0 && options->c_array != NULL)
+        result = add_c_array(model, options, output, error);
+    if (result == 0)
+        return host_output_commit(output, error);
+    host_output_abandon(output);
+    return -1;
+}
+
+int host_build(const host_options *options, host_error *error)
+{
+    host_port port;
+    host_model model;
+    int result = HOST_REFUSED;
+    memset(&port, 0, sizeof port);
+    memset(&model, 0, sizeof model);
+    error->file = "--c-array";
+    if (options->c_array != NULL && !is_identifier(options->c_array)) {
+        (void)host_fail(error, options->c_array, "a C identifier");
+        return HOST_REFUSED;
+    }
+    if (options->c_array == NULL && is_source(options->out)) {
+        (void)host_fail(error, "value", "a name for the array, for %s is C source", options->out);
+        return HOST_REFUSED;
+    }
+    if (host_port_open(&port, 0, error) == 0 &&
+        host_model_load(&options->model, options, &port.port, &model, error) == 0 &&
+        write_model(&model, options, error) == 0) {
+        result = HOST_DONE;
+        if (!options->quiet)
+            (void)printf("%s: %u structures, %u vertices, %u radii, %zu bytes, prepared in %.3f s\n", options->out,
+                         model.info.n_structures, model.info.n_vertices, model.info.n_radii, model.prepared_bytes,
+                         model.prepare_s);
+    }
+    host_model_free(&model);
+    host_port_close(&port);
+    return result;
+}

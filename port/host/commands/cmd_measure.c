@@ -1,0 +1,134 @@
+/* smr measure: distances between two surfaces both ways, Hausdorff distance, folds.
+ * SPDX-License-Identifier: MIT */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/threads.h"
+#include "commands/commands.h"
+#include "measure/surface_distances.h"
+#include "meshes/mesh_load.h"
+
+/* Surfaces A and B, and the source: A before it was deformed. */
+typedef struct measured {
+    host_load load[3];
+    uint32_t n;
+    smr_surface *surface[2];
+    void *memory[2];     /* owned */
+    float *mm[2];        /* owned */
+    host_stats stats[2]; /* A's vertices to B, B's to A */
+    uint64_t folds, absolute;
+} measured;
+
+static int load(measured *m, const host_options *options, const smr_port *port, host_error *error)
+{
+    uint32_t i = 0;
+    m->n = options->source != NULL ? 3 : 2;
+    for (i = 0; i < m->n; i++) {
+        m->load[i].path = i < 2 ? options->operands.path[i] : options->source;
+        m->load[i].need = i < 2 ? HOST_MESH_POINTS_TOO : HOST_MESH_SURFACE;
+        m->load[i].mirror = HOST_MIRROR_NONE;
+    }
+    if (host_load_all(port, m->load, m->n, error) != 0)
+        return -1;
+    if (m->load[0].mesh.n_triangles == 0 && m->load[1].mesh.n_triangles == 0) {
+        error->file = m->load[1].path;
+        return host_fail(error, "faces", "at least one triangle, for one of the two must be a surface");
+    }
+    return 0;
+}
+
+/* The source must have A's vertices and triangles. */
+static int check_source(const measured *m, host_error *error)
+{
+    const host_mesh *const a = &m->load[0].mesh, *const s = &m->load[2].mesh;
+    error->file = m->load[2].path;
+    if (s->n_vertices != a->n_vertices || s->n_triangles != a->n_triangles)
+        return host_fail(error, "size", "the %u vertices and %u triangles of %s", a->n_vertices, a->n_triangles,
+                         m->load[0].path);
+    if (memcmp(s->triangles, a->triangles, 12u * (size_t)a->n_triangles) != 0)
+        return host_fail(error, "faces", "the same triangles as %s", m->load[0].path);
+    return 0;
+}
+
+static int evaluate(measured *m, const smr_port *port)
+{
+    host_query query[2];
+    uint32_t i = 0, n = 0;
+    const smr_mesh a = host_mesh_view(&m->load[0].mesh);
+    for (i = 0; i < 2; i++) {
+        const smr_mesh view = host_mesh_view(&m->load[i].mesh);
+        if (view.n_triangles == 0)
+            continue;
+        m->surface[i] = host_surface_make(&view, &m->memory[i]);
+        if (m->surface[i] == NULL)
+            return -1;
+    }
+    for (i = 0; i < 2; i++) {
+        const host_mesh *const mesh = &m->load[i].mesh;
+        if (m->surface[1u - i] == NULL)
+            continue;
+        m->mm[i] = malloc(sizeof(float) * mesh->n_vertices);
+        if (m->mm[i] == NULL)
+            return -1;
+        query[n].surface = m->surface[1u - i];
+        query[n].xyz = mesh->xyz;
+        query[n].n = mesh->n_vertices;
+        query[n++].mm = m->mm[i];
+    }
+    if (host_distances(port, query, n) != 0)
+        return -1;
+    for (i = 0; i < 2; i++)
+        if (m->mm[i] != NULL)
+            m->stats[i] = host_stats_of(m->mm[i], m->load[i].mesh.n_vertices);
+    return a.n_triangles == 0 ? 0
+                              : host_count_folds(&a, m->n == 3 ? m->load[2].mesh.xyz : NULL, &m->folds, &m->absolute);
+}
+
+static void print_stats(const char *name, const host_stats *s)
+{
+    if (s->n > 0)
+        (void)printf("%s: mean %.4f  rms %.4f  p95 %.4f  max %.4f mm  (%zu vertices)\n", name, s->mean, s->rms, s->p95,
+                     s->max, s->n);
+}
+
+static void print(const measured *m)
+{
+    print_stats("A to B", &m->stats[0]);
+    print_stats("B to A", &m->stats[1]);
+    if (m->stats[0].n > 0 && m->stats[1].n > 0)
+        (void)printf("Hausdorff: %.4f mm\n", m->stats[0].max > m->stats[1].max ? m->stats[0].max : m->stats[1].max);
+    if (m->n == 3)
+        (void)printf("folds: %" PRIu64 "  (edges turned back in A: %" PRIu64 ")\n", m->folds, m->absolute);
+    else if (m->surface[0] != NULL)
+        (void)printf("folds: %" PRIu64 "  (edges turned back in A; --source tells new ones)\n", m->absolute);
+}
+
+int host_measure(const host_options *options, host_error *error)
+{
+    host_port port;
+    measured m;
+    int result = HOST_REFUSED;
+    uint32_t i = 0;
+    memset(&port, 0, sizeof port);
+    memset(&m, 0, sizeof m);
+    if (host_port_open(&port, options->threads, error) == 0 && load(&m, options, &port.port, error) == 0 &&
+        (m.n < 3 || check_source(&m, error) == 0)) {
+        error->file = "measure";
+        if (evaluate(&m, &port.port) == 0) {
+            print(&m);
+            result = HOST_DONE;
+        } else {
+            (void)host_fail(error, "distances", "surfaces that can be measured, and free memory for it");
+        }
+    }
+    for (i = 0; i < 3; i++)
+        host_mesh_free(&m.load[i].mesh);
+    for (i = 0; i < 2; i++) {
+        free(m.memory[i]);
+        free(m.mm[i]);
+    }
+    host_port_close(&port);
+    return result;
+}

@@ -1,0 +1,18 @@
+/* The commands. Each returns the program's exit status; at 2 the error is filled.
+ * SPDX-License-Identifier: MIT */
+#ifndef COMMANDS_H
+#define COMMANDS_H
+
+#include "options/options.h"
+
+enum { HOST_DONE = 0, HOST_NOT_CONVERGED = 1, HOST_DIFFERS = 1, HOST_REFUSED = 2 };
+
+int host_register(const host_options *options, host_error *error);
+int host_build(const host_options *options, host_error *error);
+int host_info(const host_options *options, host_error *error);
+int host_phantom(const host_options *options, host_error *error);
+int host_bench_run(const host_options *options, host_error *error);
+int host_replay(const host_options *options, host_error *error);
+int host_measure(const host_options *options, host_error *error);
+
+#endif

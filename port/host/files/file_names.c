@@ -1,0 +1,47 @@
+/* Base name and extension of a file's path.
+ * SPDX-License-Identifier: MIT */
+#include "files/file_names.h"
+
+#include <string.h>
+
+static char lower(char c) { return (c >= 'A' && c <= 'Z') ? (char)(c - 'A' + 'a') : c; }
+
+static int ends_with(const char *text, size_t n, const char *end)
+{
+    const size_t k = strlen(end);
+    size_t i = 0;
+    if (n < k)
+        return 0;
+    for (i = 0; i < k; i++)
+        if (lower(text[n - k + i]) != end[i])
+            return 0;
+    return 1;
+}
+
+/* Length of the path without ".gz". */
+static size_t unpacked_length(const char *path)
+{
+    const size_t n = strlen(path);
+    return ends_with(path, n, ".gz") ? n - 3u : n;
+}
+
+int host_has_extension(const char *path, const char *extension)
+{
+    return ends_with(path, unpacked_length(path), extension);
+}
+
+void host_base_name(const char *path, char *name, size_t bytes)
+{
+    const char *const slash = strrchr(path, '/');
+    const char *const start = slash != NULL ? slash + 1 : path;
+    size_t n = unpacked_length(path) - (size_t)(start - path);
+    size_t i = n;
+    while (i > 1 && start[i - 1u] != '.')
+        i--;
+    if (i > 1) /* a dot that is not the first character starts the extension */
+        n = i - 1u;
+    if (n > bytes - 1u)
+        n = bytes - 1u;
+    memcpy(name, start, n);
+    name[n] = '\0';
+}

@@ -1,0 +1,15 @@
+/* Base name and extension of a file's path; ".gz" belongs to neither.
+ * SPDX-License-Identifier: MIT */
+#ifndef FILE_NAMES_H
+#define FILE_NAMES_H
+
+#include <stddef.h>
+
+/* Copies the file's name without directories, ".gz" and extension into name[bytes], with a NUL. A longer name is
+ * cut. */
+void host_base_name(const char *path, char *name, size_t bytes);
+
+/* 1 when the path, without ".gz", ends with the extension (".ply"), regardless of case. */
+int host_has_extension(const char *path, const char *extension);
+
+#endif

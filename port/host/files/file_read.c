@@ -1,0 +1,169 @@
+/* Reads whole files. Sizes come from the file system, never from the file's own header.
+ * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+
+#include "files/file_read.h"
+
+#include <pthread.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+#include "files/gunzip.h"
+
+void host_file_free(host_bytes *bytes)
+{
+    free(bytes->data);
+    bytes->data = NULL;
+    bytes->size = 0;
+}
+
+/* Reads n bytes, or fewer at the end of the file. */
+static int read_up_to(int fd, unsigned char *to, size_t n, size_t *got, host_error *error)
+{
+    *got = 0;
+    while (*got < n) {
+        const ssize_t r = read(fd, to + *got, n - *got);
+        if (r < 0 && errno == EINTR)
+            continue;
+        if (r < 0)
+            return host_fail(error, "file", "a readable file (%s)", strerror(errno));
+        if (r == 0)
+            break;
+        *got += (size_t)r;
+    }
+    return 0;
+}
+
+static int read_plain(int fd, const char *path, size_t size, host_accept accept, host_bytes *bytes, host_error *error)
+{
+    const size_t first = size < HOST_HEAD_BYTES ? size : HOST_HEAD_BYTES;
+    unsigned char head[HOST_HEAD_BYTES] = {0};
+    size_t got = 0, rest = 0;
+    if (read_up_to(fd, head, first, &got, error) != 0)
+        return -1;
+    if (accept != NULL && accept(path, head, got, size, error) != 0)
+        return -1;
+    bytes->data = host_alloc(size);
+    if (bytes->data == NULL)
+        return host_fail(error, "file", "%zu bytes of free memory", size);
+    memcpy(bytes->data, head, got);
+    /* If the file has become shorter meanwhile, its reader reports it as truncated. */
+    if (got == first && read_up_to(fd, bytes->data + got, size - got, &rest, error) != 0) {
+        host_file_free(bytes);
+        return -1;
+    }
+    bytes->size = got + rest;
+    return 0;
+}
+
+/* The files read so far: device, inode number and name. Locked, since several threads read files. */
+static struct {
+    pthread_mutex_t lock;
+    struct file_id {
+        dev_t device;
+        ino_t number;
+        char *name; /* owned, until the program ends */
+    } * file;
+    size_t n;
+} seen = {PTHREAD_MUTEX_INITIALIZER, NULL, 0};
+
+static int remember(const char *path, const struct stat *st)
+{
+    const size_t bytes = strlen(path) + 1u;
+    char *const name = malloc(bytes);
+    struct file_id *grown = NULL;
+    if (name == NULL)
+        return -1;
+    memcpy(name, path, bytes);
+    (void)pthread_mutex_lock(&seen.lock);
+    grown = realloc(seen.file, (seen.n + 1u) * sizeof *grown);
+    if (grown != NULL) {
+        seen.file = grown;
+        seen.file[seen.n].name = name;
+        seen.file[seen.n].device = st->st_dev;
+        seen.file[seen.n].number = st->st_ino;
+        seen.n++;
+    }
+    (void)pthread_mutex_unlock(&seen.lock);
+    if (grown == NULL)
+        free(name);
+    return grown != NULL ? 0 : -1;
+}
+
+size_t host_file_count(void)
+{
+    size_t n = 0;
+    (void)pthread_mutex_lock(&seen.lock);
+    n = seen.n;
+    (void)pthread_mutex_unlock(&seen.lock);
+    return n;
+}
+
+const char *host_file_name(size_t i)
+{
+    const char *name = NULL;
+    (void)pthread_mutex_lock(&seen.lock);
+    name = seen.file[i].name;
+    (void)pthread_mutex_unlock(&seen.lock);
+    return name;
+}
+
+int host_file_was_read(const char *path)
+{
+    struct stat st;
+    int found = 0;
+    size_t i = 0;
+    if (stat(path, &st) != 0)
+        return 0;
+    (void)pthread_mutex_lock(&seen.lock);
+    for (i = 0; i < seen.n && !found; i++)
+        found = seen.file[i].device == st.st_dev && seen.file[i].number == st.st_ino;
+    (void)pthread_mutex_unlock(&seen.lock);
+    return found;
+}
+
+static int read_open(int fd, const char *path, host_accept accept, host_bytes *bytes, host_error *error)
+{
+    struct stat st;
+    unsigned char magic[2] = {0, 0};
+    size_t got = 0;
+    if (fstat(fd, &st) != 0)
+        return host_fail(error, "file", "a readable file (%s)", strerror(errno));
+    if (S_ISDIR(st.st_mode))
+        return host_fail(error, "file", "a regular file, not a directory");
+    if (!S_ISREG(st.st_mode))
+        return host_fail(error, "file", "a regular file");
+    if (remember(path, &st) != 0)
+        return host_fail(error, "file", "free memory");
+    if (st.st_size == 0)
+        return host_fail(error, "file", "data, but the file is empty");
+    if ((uint64_t)st.st_size > HOST_FILE_MAX)
+        return host_fail(error, "file", "at most %zu MB", HOST_FILE_MAX >> 20);
+    if (read_up_to(fd, magic, 2, &got, error) != 0)
+        return -1;
+    if (lseek(fd, 0, SEEK_SET) != 0)
+        return host_fail(error, "file", "a file that can be rewound (%s)", strerror(errno));
+    if (magic[0] == 0x1f && magic[1] == 0x8b)
+        return host_gzip_read(fd, path, accept, bytes, error);
+    return read_plain(fd, path, (size_t)st.st_size, accept, bytes, error);
+}
+
+int host_file_read(const char *path, host_accept accept, host_bytes *bytes, host_error *error)
+{
+    /* Without O_NONBLOCK, opening a named pipe without a writer would block for ever. */
+    const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    int result = 0;
+    bytes->data = NULL;
+    bytes->size = 0;
+    error->file = path;
+    if (fd < 0)
+        return host_fail(error, "file", "a readable file (%s)", strerror(errno));
+    result = read_open(fd, path, accept, bytes, error);
+    (void)close(fd);
+    return result;
+}

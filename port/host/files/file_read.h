@@ -1,0 +1,38 @@
+/* Reads whole files into memory, with size limits; .gz files through the system's gzip.
+ * SPDX-License-Identifier: MIT */
+#ifndef FILE_READ_H
+#define FILE_READ_H
+
+#include <stddef.h>
+
+#include "base/error_line.h"
+
+/* Largest file read, bytes. The largest legal mesh as binary PLY fits. */
+#define HOST_FILE_MAX ((size_t)160u << 20)
+/* Largest size of a compressed file after unpacking, bytes: smaller, since a tiny file may unpack to this size. */
+#define HOST_UNPACKED_MAX ((size_t)128u << 20)
+/* A host_accept sees at most this many bytes from the start of a file. */
+#define HOST_HEAD_BYTES 4096u
+
+typedef struct host_bytes {
+    unsigned char *data; /* owned; 64-byte aligned unless it was unpacked */
+    size_t size;
+} host_bytes;
+
+/* Decides by the first n bytes of a file. total: the file's size, 0 when unknown (compressed).
+ * Returns 0 to read on, -1 with the error filled to stop before a large file is read in vain. */
+typedef int (*host_accept)(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error);
+
+/* Reads a regular file and unpacks it when it is a gzip file. 0, or -1 with the error filled. */
+int host_file_read(const char *path, host_accept accept, host_bytes *bytes, host_error *error);
+
+/* 1 when this run has read the file, under this path or another: results must not replace it. */
+int host_file_was_read(const char *path);
+
+/* The files that this run has read so far, in the order of opening; names as they were given. */
+size_t host_file_count(void);
+const char *host_file_name(size_t i);
+
+void host_file_free(host_bytes *bytes);
+
+#endif

@@ -1,0 +1,31 @@
+/* Output files: all or none. They are written under temporary names and renamed at the end.
+ * SPDX-License-Identifier: MIT */
+#ifndef OUTPUT_FILES_H
+#define OUTPUT_FILES_H
+
+#include "base/byte_buffer.h"
+
+typedef struct host_output host_output;
+
+/* Checks that the directory exists or can be made; changes nothing. 0, or -1 with the error filled. */
+int host_output_check(const char *directory, host_error *error);
+
+/* Checks that the file can be written; changes nothing. Its directory must exist or be `directory`, which will be made
+ * and where report.json and NAME.ply are taken names. 0, or -1 with the error filled. */
+int host_output_check_file(const char *path, const char *directory, host_error *error);
+
+/* Starts a set of files in a directory, which is made when missing; NULL: file names are paths. The directory's text
+ * is borrowed. Returns NULL when out of memory. */
+host_output *host_output_begin(const char *directory);
+
+/* Writes one file under a temporary name. The name may contain directories. After a failure the set can only be
+ * abandoned. 0, or -1 with the error filled. */
+int host_output_add(host_output *output, const char *name, const host_buffer *content, host_error *error);
+
+/* Renames all files to their names; on failure undoes what it can. Frees the set in both cases. */
+int host_output_commit(host_output *output, host_error *error);
+
+/* Removes the written files and the directories that were made; frees the set. NULL is allowed. */
+void host_output_abandon(host_output *output);
+
+#endif

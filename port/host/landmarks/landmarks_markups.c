@@ -1,0 +1,129 @@
+/* Reads 3D Slicer markups (.mrk.json): the control points of every markup in the file.
+ * SPDX-License-Identifier: MIT */
+#include <string.h>
+
+#include "landmarks/json_scan.h"
+#include "landmarks/landmarks_reader.h"
+
+typedef struct markup {
+    host_landmarks *landmarks;
+    char system[16];
+    uint32_t system_line; /* 0: no coordinate system was read */
+    /* the control point being read */
+    char label[HOST_LABEL_BYTES];
+    size_t label_bytes;
+    double xyz[3];
+    int n_xyz;
+    int undefined; /* 1: the point has no position */
+} markup;
+
+static int read_coordinate(host_scan *scan, const char *key, void *context)
+{
+    markup *const m = context;
+    double value = 0.0;
+    (void)key;
+    if (host_scan_number(scan, &value) != 0)
+        return -1;
+    if (m->n_xyz < 3)
+        m->xyz[m->n_xyz] = value;
+    m->n_xyz++;
+    return m->n_xyz <= 3 ? 0 : host_scan_fail(scan, "three coordinates");
+}
+
+static int read_point_member(host_scan *scan, const char *key, void *context)
+{
+    markup *const m = context;
+    char status[16];
+    size_t n = 0;
+    if (strcmp(key, "label") == 0)
+        return host_scan_text(scan, m->label, sizeof m->label, &m->label_bytes);
+    if (strcmp(key, "position") == 0) {
+        m->n_xyz = 0;
+        return host_scan_peek(scan) == 'n' ? host_scan_skip(scan) : host_scan_list(scan, read_coordinate, m);
+    }
+    if (strcmp(key, "positionStatus") == 0) {
+        if (host_scan_text(scan, status, sizeof status, &n) != 0)
+            return -1;
+        m->undefined = strcmp(status, "defined") != 0;
+        return 0;
+    }
+    return host_scan_skip(scan);
+}
+
+static int read_point(host_scan *scan, const char *key, void *context)
+{
+    markup *const m = context;
+    host_word label;
+    uint32_t line = 0;
+    (void)key;
+    (void)host_scan_peek(scan);
+    line = scan->text.line;
+    m->label_bytes = 0;
+    m->n_xyz = 0;
+    m->undefined = 0;
+    if (host_scan_object(scan, read_point_member, m) != 0)
+        return -1;
+    if (m->undefined)
+        return 0;
+    if (m->n_xyz != 3)
+        return host_fail_at(scan->error, "line", line, "a control point with a position of three numbers");
+    label.start = m->label;
+    label.n = m->label_bytes;
+    return host_landmarks_add(m->landmarks, scan->error, line, label, m->xyz);
+}
+
+static int read_markup_member(host_scan *scan, const char *key, void *context)
+{
+    markup *const m = context;
+    char units[16];
+    size_t n = 0;
+    if (strcmp(key, "controlPoints") == 0)
+        return host_scan_list(scan, read_point, m);
+    if (strcmp(key, "coordinateSystem") == 0) {
+        if (host_scan_text(scan, m->system, sizeof m->system, &n) != 0)
+            return -1;
+        m->system_line = scan->text.line;
+        return 0;
+    }
+    if (strcmp(key, "coordinateUnits") == 0 && host_scan_peek(scan) == '"') {
+        if (host_scan_text(scan, units, sizeof units, &n) != 0)
+            return -1;
+        return strcmp(units, "mm") == 0 ? 0 : host_scan_fail(scan, "coordinateUnits \"mm\"");
+    }
+    return host_scan_skip(scan);
+}
+
+/* Turns the points at the end of the markup, since the coordinate system may follow them. */
+static int read_markup(host_scan *scan, const char *key, void *context)
+{
+    markup m;
+    host_word system;
+    uint32_t first = 0;
+    (void)key;
+    memset(&m, 0, sizeof m);
+    m.landmarks = context;
+    first = m.landmarks->n;
+    if (host_scan_object(scan, read_markup_member, &m) != 0)
+        return -1;
+    if (m.system_line == 0)
+        return host_scan_fail(scan, "coordinateSystem \"LPS\" or \"RAS\" in the markup that ends here");
+    system.start = m.system;
+    system.n = strlen(m.system);
+    return host_landmarks_to_lps(m.landmarks, scan->error, m.system_line, system, first);
+}
+
+static int read_top(host_scan *scan, const char *key, void *context)
+{
+    return strcmp(key, "markups") == 0 ? host_scan_list(scan, read_markup, context) : host_scan_skip(scan);
+}
+
+int host_read_markups(host_landmarks *landmarks, const char *data, size_t n, host_error *error)
+{
+    host_scan scan;
+    memset(&scan, 0, sizeof scan);
+    scan.text = host_text_over(data, n);
+    scan.error = error;
+    if (host_scan_object(&scan, read_top, landmarks) != 0)
+        return -1;
+    return host_scan_end(&scan);
+}

@@ -1,0 +1,95 @@
+/* smr: the command line program.
+ * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "commands/commands.h"
+
+/* Opens closed standard streams: otherwise the next opened file would take their place. */
+static void keep_streams_open(void)
+{
+    int fd = 0;
+    do
+        fd = open("/dev/null", O_RDWR);
+    while (fd >= 0 && fd <= 2);
+    if (fd > 2)
+        (void)close(fd);
+}
+
+static int run(int command, int argc, char **argv, host_error *error)
+{
+    host_options options;
+    int result = HOST_REFUSED;
+    if (host_options_read(command, argc, argv, &options, error) == 0) {
+        if (command == HOST_REGISTER)
+            result = host_register(&options, error);
+        else if (command == HOST_BUILD)
+            result = host_build(&options, error);
+        else if (command == HOST_INFO)
+            result = host_info(&options, error);
+        else if (command == HOST_PHANTOM)
+            result = host_phantom(&options, error);
+        else if (command == HOST_BENCH)
+            result = host_bench_run(&options, error);
+        else if (command == HOST_REPLAY)
+            result = host_replay(&options, error);
+        else
+            result = host_measure(&options, error);
+    }
+    if (result == HOST_REFUSED)
+        host_error_print(error);
+    host_options_free(&options);
+    return result;
+}
+
+static int dispatch(int argc, char **argv, host_error *error)
+{
+    static const struct {
+        const char *name;
+        int command;
+    } commands[] = {{"register", HOST_REGISTER}, {"build", HOST_BUILD},     {"info", HOST_INFO},
+                    {"measure", HOST_MEASURE},   {"phantom", HOST_PHANTOM}, {"bench", HOST_BENCH},
+                    {"replay", HOST_REPLAY}};
+    size_t i = 0;
+    int k = 0;
+    for (k = 1; k < argc; k++)
+        if (strcmp(argv[k], "--help") == 0 || strcmp(argv[k], "-h") == 0) {
+            host_help();
+            return HOST_DONE;
+        }
+    if (argc == 2 && strcmp(argv[1], "--version") == 0) {
+        (void)printf("smr %d.%d.%d\n", SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH);
+        return HOST_DONE;
+    }
+    for (i = 0; argc > 1 && i < sizeof commands / sizeof commands[0]; i++)
+        if (strcmp(argv[1], commands[i].name) == 0)
+            return run(commands[i].command, argc, argv, error);
+    error->file = argc > 1 ? argv[1] : "usage";
+    (void)host_fail(error, "command", "register, build, info, measure, phantom, bench, replay, --help or --version");
+    host_error_print(error);
+    return HOST_REFUSED;
+}
+
+int main(int argc, char **argv)
+{
+    host_error error;
+    int result = 0;
+    memset(&error, 0, sizeof error);
+    keep_streams_open();
+    (void)signal(SIGXFSZ, SIG_IGN); /* makes an exceeded file size limit a write error */
+    result = dispatch(argc, argv, &error);
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        error.file = "standard output";
+        (void)host_fail(&error, "output", "room for the text (%s)", strerror(errno));
+        if (result != HOST_REFUSED)
+            host_error_print(&error);
+        result = HOST_REFUSED;
+    }
+    return result;
+}

@@ -1,0 +1,94 @@
+/* Reads Wavefront OBJ: v and f lines (v, v/vt, v//vn, v/vt/vn, negative indexes); skips all others.
+ * SPDX-License-Identifier: MIT */
+#include <string.h>
+
+#include "base/text_scan.h"
+#include "meshes/mesh_reader.h"
+
+/* The largest vertex index in a face: checked at the end, since the vertex may follow the face. */
+typedef struct pending {
+    int64_t index;
+    uint32_t line;
+} pending;
+
+static int read_vertex(host_mesh_reader *reader, host_text *text)
+{
+    double xyz[3];
+    int i = 0;
+    for (i = 0; i < 3; i++) {
+        host_word word;
+        if (!host_text_word_in_line(text, &word) || !host_word_double(word, &xyz[i]))
+            return host_fail_at(reader->error, "line", reader->number, "three numbers after v");
+    }
+    return host_reader_vertex(reader, xyz);
+}
+
+/* Reads "7/1/3" as vertex index 6. Negative numbers count back from the last vertex read. */
+static int read_index(const host_mesh_reader *reader, host_word word, pending *last, uint32_t *index)
+{
+    const char *const slash = memchr(word.start, '/', word.n);
+    const int64_t known = reader->mesh->n_vertices;
+    int64_t value = 0;
+    if (slash != NULL)
+        word.n = (size_t)(slash - word.start);
+    if (!host_word_int(word, &value) || value == 0)
+        return host_fail_at(reader->error, "line", reader->number, "vertex indexes from 1, found '%.*s'",
+                            (int)(word.n < 40 ? word.n : 40), word.start);
+    value = value < 0 ? known + value : value - 1;
+    if (value < 0 || value >= (int64_t)SMR_VERTICES_MAX)
+        return host_fail_at(reader->error, "line", reader->number, "the index of one of the %lld vertices so far",
+                            (long long)known);
+    if (value > last->index) {
+        last->index = value;
+        last->line = (uint32_t)reader->number;
+    }
+    *index = (uint32_t)value;
+    return 0;
+}
+
+static int read_face(host_mesh_reader *reader, host_text *text, pending *last)
+{
+    uint32_t fan[3] = {0, 0, 0};
+    host_word word;
+    while (host_text_word_in_line(text, &word)) {
+        uint32_t index = 0;
+        if (word.start[0] == '#')
+            break;
+        if (read_index(reader, word, last, &index) != 0 || host_reader_fan(reader, fan, index) != 0)
+            return -1;
+    }
+    if (fan[0] < 3)
+        return host_fail_at(reader->error, "line", reader->number, "at least 3 vertices in a face");
+    return 0;
+}
+
+int host_read_obj(host_mesh_reader *reader, const unsigned char *data, size_t n)
+{
+    host_text text = host_text_over(data, n);
+    host_word whole;
+    pending last = {-1, 0};
+    uint32_t line = 1;
+    reader->unit = "line";
+    for (line = 1; host_text_line(&text, &whole); line = text.line) {
+        host_text words = host_text_over(whole.start, whole.n);
+        host_word word;
+        int result = 0;
+        reader->number = line;
+        if (!host_text_word_in_line(&words, &word))
+            continue;
+        if (word.start[0] == '#')
+            reader->ras |= host_word_has(whole, "SPACE=RAS");
+        else if (host_word_is(word, "v"))
+            result = read_vertex(reader, &words);
+        else if (host_word_is(word, "f"))
+            result = read_face(reader, &words, &last);
+        else if (memchr(whole.start, '\0', whole.n) != NULL)
+            result = host_fail_at(reader->error, "line", reader->number, "text");
+        if (result != 0)
+            return -1;
+    }
+    if (last.index >= (int64_t)reader->mesh->n_vertices)
+        return host_fail_at(reader->error, "line", last.line, "vertex indexes from 1 to %u, found %lld",
+                            reader->mesh->n_vertices, (long long)last.index + 1);
+    return 0;
+}

@@ -1,0 +1,46 @@
+/* Shared by the readers of mesh formats: adds vertices and triangles to the mesh being read.
+ * SPDX-License-Identifier: MIT */
+#ifndef MESH_READER_H
+#define MESH_READER_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "meshes/triangle_mesh.h"
+
+/* A mesh being read. `unit` and `number` are the reader's place in the file, for the error line. */
+typedef struct host_mesh_reader {
+    host_mesh *mesh;
+    host_error *error;
+    const char *unit; /* "vertex", "face", "line" */
+    uint64_t number;
+    size_t vertex_capacity, triangle_capacity;
+    int ras; /* 1: the file says SPACE=RAS */
+} host_mesh_reader;
+
+/* Reserves memory for a total of vertices and triangles. The numbers must be bounded by the file's size. */
+int host_reader_reserve(host_mesh_reader *reader, size_t vertices, size_t triangles);
+
+/* Adds one vertex. Refuses coordinates that are not finite or too large. */
+int host_reader_vertex(host_mesh_reader *reader, const double *xyz);
+
+/* Adds one triangle. The caller checks the indexes. */
+int host_reader_triangle(host_mesh_reader *reader, uint32_t a, uint32_t b, uint32_t c);
+
+/* Adds the next vertex of a polygon, which becomes a fan of triangles. state: zeros at the start of each polygon;
+ * state[0]: number of indexes so far. */
+int host_reader_fan(host_mesh_reader *reader, uint32_t state[3], uint32_t index);
+
+/* Fills the error of a file that ends too early. Returns -1. */
+int host_reader_truncated(const host_mesh_reader *reader);
+
+/* The readers of the formats. data: the whole file, n bytes. */
+int host_read_ply(host_mesh_reader *reader, const unsigned char *data, size_t n);
+int host_read_stl(host_mesh_reader *reader, const unsigned char *data, size_t n);
+int host_read_obj(host_mesh_reader *reader, const unsigned char *data, size_t n);
+int host_read_vtk(host_mesh_reader *reader, const unsigned char *data, size_t n);
+
+/* 1 when a binary STL file with the head's number of triangles has exactly `total` bytes. */
+int host_is_binary_stl(const unsigned char *head, size_t n, size_t total);
+
+#endif

@@ -1,0 +1,45 @@
+/* Triangle meshes: in memory, from files and to files.
+ *
+ * In memory, coordinates are millimetres in LPS. Files marked SPACE=RAS are converted when read.
+ * Vertices and triangles keep the file's order; polygons become fans of triangles, in order.
+ * SPDX-License-Identifier: MIT */
+#ifndef TRIANGLE_MESH_H
+#define TRIANGLE_MESH_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/byte_buffer.h"
+#include "base/mirror.h"
+#include "smr.h"
+
+typedef struct host_mesh {
+    float *xyz;          /* [n_vertices][3], mm; owned */
+    uint32_t *triangles; /* [n_triangles][3]; owned; NULL without triangles */
+    uint32_t n_vertices, n_triangles;
+} host_mesh;
+
+enum { HOST_MESH_POINTS_TOO = 0, HOST_MESH_SURFACE = 1 };
+
+/* Reads PLY, STL, OBJ or legacy VTK polydata, also gzipped; the content decides the format, then the extension.
+ * need: HOST_MESH_SURFACE refuses a file without triangles. mirror: HOST_MIRROR_..., applied after
+ * reading. Returns 0, or -1 with the error filled and the mesh empty. */
+int host_mesh_read(const char *path, int need, int mirror, host_mesh *mesh, host_error *error);
+
+/* Negates one coordinate and reverses every triangle, so that the surface keeps its outside. */
+void host_mesh_mirror(host_mesh *mesh, int axis);
+
+void host_mesh_free(host_mesh *mesh);
+
+/* The mesh as the library's type; borrows the arrays. */
+smr_mesh host_mesh_view(const host_mesh *mesh);
+
+/* Appends `part` to `whole`. 0, or -1 when out of memory or beyond the library's limits. */
+int host_mesh_append(host_mesh *whole, const host_mesh *part);
+
+enum { HOST_FORMAT_PLY = 0, HOST_FORMAT_PLY_ASCII, HOST_FORMAT_STL, HOST_FORMAT_OBJ, HOST_FORMAT_VTK };
+
+/* Writes the mesh in a format (HOST_FORMAT_PLY: binary little-endian) into the buffer, which stores failure. */
+void host_mesh_write(const host_mesh *mesh, int format, host_buffer *buffer);
+
+#endif

@@ -1,0 +1,191 @@
+/* What options need beside them, what they exclude, and what depends on the kind of target: after all are read.
+ * SPDX-License-Identifier: MIT */
+#include "options/options_table.h"
+
+#include "volumes/voxel_volume.h"
+
+/* mm: about what clusters of the coarsest radius put right themselves; points clicked in an image are uncertain */
+#define IMAGE_SMOOTHING 100.0f
+
+/* A benchmark of the computed thigh, or of files: then the model, both images and the truth. */
+static int check_bench(const host_options *options, host_error *error)
+{
+    static const char *const needed[] = {"--model", "--target", "--reference", "--truth"};
+    static const char *const optional[] = {"--landmarks", "--mirror-model", "--mirror-target"};
+    static const char *const computed[] = {"--seed", "--small"};
+    static const char *const figure[] = {"--repeats", "--step"};
+    const int files = options->model.n > 0;
+    size_t i = 0;
+    if (options->figure2 + options->soak != 1u)
+        return host_fail(error, "bench", "either --figure2 or --soak");
+    if (options->out == NULL)
+        return host_fail(error, "-o", "the directory for the results");
+    error->file = "--seconds";
+    if (host_option_given(options, error->file) && !options->soak)
+        return host_fail(error, "option", "--soak beside it");
+    for (i = 0; i < sizeof figure / sizeof figure[0]; i++) {
+        error->file = figure[i];
+        if (host_option_given(options, figure[i]) && !options->figure2)
+            return host_fail(error, "option", "--figure2 beside it");
+    }
+    for (i = 0; i < sizeof computed / sizeof computed[0]; i++) {
+        error->file = computed[i];
+        if (files && host_option_given(options, computed[i]))
+            return host_fail(error, "option", "no --model beside it, it is of the computed thigh");
+    }
+    for (i = 0; i < sizeof optional / sizeof optional[0]; i++) {
+        error->file = optional[i];
+        if (!files && host_option_given(options, optional[i]))
+            return host_fail(error, "option", "--model beside it");
+    }
+    for (i = 0; i < sizeof needed / sizeof needed[0]; i++) {
+        error->file = needed[i];
+        if (files != host_option_given(options, needed[i]))
+            return host_fail(error, "option", "all of --model, --target, --reference and --truth, or none");
+    }
+    return 0;
+}
+
+static int check_needs(host_options *options, host_error *error)
+{
+    error->file = "usage";
+    if (options->command == HOST_BENCH)
+        return check_bench(options, error);
+    if (options->command == HOST_MEASURE && options->operands.n != 2)
+        return host_fail(error, "measure", "two surfaces: smr measure A B");
+    if (options->command == HOST_REPLAY && options->operands.n != 1)
+        return host_fail(error, "replay", "one log: smr replay LOG");
+    if (options->command == HOST_INFO && options->operands.n == 0)
+        return host_fail(error, "info", "a model or surfaces: smr info MODEL.smr");
+    if (options->command == HOST_PHANTOM && options->out == NULL)
+        return host_fail(error, "-o", "the directory for the phantom");
+    if ((options->command & (HOST_REGISTER | HOST_BUILD)) != 0) {
+        if (options->model.n == 0)
+            return host_fail(error, "--model", "one file or more");
+        if (options->command == HOST_REGISTER && options->target.n == 0)
+            return host_fail(error, "--target", "one file or more");
+        if (options->out == NULL)
+            return host_fail(error, "-o",
+                             options->command == HOST_REGISTER ? "the directory for the results"
+                                                               : "the file for the model");
+    }
+    return 0;
+}
+
+/* The options of the start: landmarks, a pose, both. */
+static int check_start(const host_options *options, host_error *error)
+{
+    const int landmarks = host_option_given(options, "--landmarks");
+    if (options->image_target && options->align != HOST_ALIGN_NONE && !landmarks) {
+        error->file = "--align";
+        return host_fail(error, "option", "--landmarks beside it or surfaces as the target, it is a volume");
+    }
+    error->file = "--smoothing";
+    if (host_option_given(options, "--smoothing") && (!landmarks || options->align != HOST_ALIGN_NONE))
+        return host_fail(error, "option", "--landmarks and no --align beside it, it smooths their spline");
+    return 0;
+}
+
+/* The options that do not go with this kind of target, and those that exclude each other. */
+static int check_targets(const host_options *options, host_error *error)
+{
+    const int unfit = options->image_target ? HOST_FOR_SURFACES : HOST_FOR_IMAGES;
+    size_t i = 0;
+    for (i = 0; i < host_option_count; i++) {
+        error->file = host_option_table[i].name;
+        if ((options->given >> i & 1u) != 0 && host_option_table[i].targets == unfit)
+            return host_fail(error, "option",
+                             options->image_target ? "surfaces as the target, it is a volume"
+                                                   : "a volume as the target, it is a surface");
+    }
+    if (options->image_target && options->target.n != 1) {
+        error->file = "--target";
+        return host_fail(error, "files", "one volume alone, or surfaces");
+    }
+    error->file = "--landmarks";
+    if (host_option_given(options, "--landmarks") && options->landmarks.n != 2)
+        return host_fail(error, "files", "two of them, the model's landmarks and the target's");
+    return check_start(options, error);
+}
+
+static float low_of(float a, float b) { return a < b ? a : b; }
+
+/* The library's defaults for images, where no option says otherwise. */
+static void set_image_config(host_options *options)
+{
+    const smr_config image = smr_config_default_image();
+    smr_config *const config = &options->config;
+    config->profile_mm = options->search.n > 0 ? options->search.from : image.profile_mm;
+    config->profile_end_mm =
+        options->search.n > 1 ? options->search.to : low_of(image.profile_end_mm, config->profile_mm);
+    config->gradient_mm = options->gradient.n > 0 ? options->gradient.from : image.gradient_mm;
+    config->gradient_end_mm =
+        options->gradient.n > 1 ? options->gradient.to : low_of(image.gradient_end_mm, config->gradient_mm);
+    config->momentum = image.momentum;
+    config->momentum_last = image.momentum_last;
+    config->n_target_vertices = 0;
+    if (!host_option_given(options, "--smoothing"))
+        options->smoothing = IMAGE_SMOOTHING;
+    if (!host_option_given(options, "--plastic-every"))
+        config->plastic_every = image.plastic_every;
+    if (!host_option_given(options, "--iterations"))
+        config->iterations = image.iterations;
+    if (!host_option_given(options, "--iterations-last"))
+        config->iterations_last = image.iterations_last;
+}
+
+/* What --search may be depends on the kind of target. */
+static int check_search(const host_options *options, host_error *error)
+{
+    const host_span *const search = &options->search;
+    error->file = "--search";
+    if (options->image_target &&
+        ((double)search->from > HOST_IMAGE_SEARCH_MAX || (double)search->to > HOST_IMAGE_SEARCH_MAX))
+        return host_fail(error, "value", "at most %g mm along the normal, for the target is a volume",
+                         HOST_IMAGE_SEARCH_MAX);
+    if (search->n > 0 && !options->image_target && !(search->from > 0.0f))
+        return host_fail(error, "value", "a number above 0, for the target is a surface");
+    if (search->n > 1 && !options->image_target)
+        return host_fail(error, "value", "one number, for the target is a surface");
+    return 0;
+}
+
+/* Profiles come from a reference image. */
+static int check_profiles(const host_options *options, host_error *error)
+{
+    static const char *const names[] = {"--profile-samples", "--profile-step", "--profile-inward"};
+    size_t i = 0;
+    for (i = 0; i < sizeof names / sizeof names[0]; i++) {
+        error->file = names[i];
+        if (host_option_given(options, names[i]) && options->reference == NULL && options->command == HOST_BUILD)
+            return host_fail(error, "option", "--reference beside it, the image that profiles are taken from");
+    }
+    return 0;
+}
+
+/* What depends on the kind of target, after all options are read. */
+static int settle_targets(host_options *options, host_error *error)
+{
+    uint32_t i = 0;
+    for (i = 0; i < options->target.n; i++)
+        options->image_target |= host_is_volume_path(options->target.path[i]);
+    if (options->command == HOST_BENCH && options->target.n > 0 && !options->image_target) {
+        error->file = "--target";
+        return host_fail(error, "files", "one volume");
+    }
+    options->image_target |= options->command == HOST_BENCH;
+    if ((options->command == HOST_REGISTER || options->target.n > 0) && check_targets(options, error) != 0)
+        return -1;
+    if (check_search(options, error) != 0 || check_profiles(options, error) != 0)
+        return -1;
+    if (!options->image_target && options->search.n > 0)
+        options->config.search_mm = options->search.from;
+    if (options->image_target)
+        set_image_config(options);
+    return 0;
+}
+
+int host_options_check(host_options *options, host_error *error)
+{
+    return check_needs(options, error) != 0 ? -1 : settle_targets(options, error);
+}

@@ -1,0 +1,230 @@
+/* Option reading, driven by the table of options_table.c.
+ * SPDX-License-Identifier: MIT */
+#include "options/options.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text_scan.h"
+#include "options/options_table.h"
+
+static host_word word_of(const char *text)
+{
+    host_word word;
+    word.start = text;
+    word.n = strlen(text);
+    return word;
+}
+
+static int refuse_number(const host_option *o, host_word value, host_error *error)
+{
+    char place[64];
+    const size_t n = value.n < sizeof place - 3u ? value.n : sizeof place - 3u;
+    place[0] = '\'';
+    memcpy(place + 1, value.start, n);
+    place[n + 1u] = '\'';
+    place[n + 2u] = '\0';
+    return host_fail(error, place, "a %s %s %.10g and at most %.10g",
+                     o->kind == HOST_KIND_COUNT ? "whole number" : "number", o->open ? "above" : "of at least", o->min,
+                     o->max);
+}
+
+static int read_number(const host_option *o, host_word word, double *value, host_error *error)
+{
+    int64_t whole = 0;
+    int good = o->kind == HOST_KIND_COUNT ? host_word_int(word, &whole) : host_word_double(word, value);
+    if (o->kind == HOST_KIND_COUNT)
+        *value = (double)whole;
+    good = good && *value <= o->max && (o->open ? *value > o->min : *value >= o->min);
+    return good ? 0 : refuse_number(o, word, error);
+}
+
+/* "80,30,10": from coarse to fine. */
+static int read_radii(const host_option *o, const char *text, smr_prepare_config *prepare, host_error *error)
+{
+    uint32_t n = 0;
+    while (text != NULL) {
+        const char *const comma = strchr(text, ',');
+        host_word word = word_of(text);
+        double value = 0.0;
+        if (comma != NULL)
+            word.n = (size_t)(comma - text);
+        if (n == SMR_RADII_MAX)
+            return host_fail(error, text, "at most %u radii", SMR_RADII_MAX);
+        if (read_number(o, word, &value, error) != 0)
+            return -1;
+        if (n > 0 && (float)value >= prepare->radius_mm[n - 1u])
+            return host_fail(error, text, "radii that fall, from coarse to fine");
+        if (!((float)value > 0.0f))
+            return refuse_number(o, word, error);
+        prepare->radius_mm[n++] = (float)value;
+        text = comma != NULL ? comma + 1 : NULL;
+    }
+    prepare->n_radii = n;
+    return 0;
+}
+
+/* "5" or "5,0": from the start of the schedule to its end. */
+static int read_span(const host_option *o, const char *text, host_span *span, host_error *error)
+{
+    const char *const comma = strchr(text, ',');
+    host_word word = word_of(text);
+    double from = 0.0, to = 0.0;
+    if (comma != NULL)
+        word.n = (size_t)(comma - text);
+    if (read_number(o, word, &from, error) != 0 ||
+        (comma != NULL && read_number(o, word_of(comma + 1), &to, error) != 0))
+        return -1;
+    span->from = (float)from;
+    span->to = (float)to;
+    span->n = comma != NULL ? 2 : 1;
+    return 0;
+}
+
+static int read_choice(const host_option *o, const char *text, uint32_t *choice, host_error *error)
+{
+    const char *word = o->words;
+    uint32_t i = 0;
+    while (word != NULL) {
+        const char *const bar = strchr(word, '|');
+        const size_t n = bar != NULL ? (size_t)(bar - word) : strlen(word);
+        if (strlen(text) == n && strncmp(text, word, n) == 0) {
+            *choice = i;
+            return 0;
+        }
+        i++;
+        word = bar != NULL ? bar + 1 : NULL;
+    }
+    return host_fail(error, text, "one of %s", o->words);
+}
+
+static int add_file(host_files *files, const char *path, host_error *error)
+{
+    if (files->n == SMR_STRUCTURES_MAX)
+        return host_fail(error, path, "at most %u files", SMR_STRUCTURES_MAX);
+    files->path[files->n++] = path;
+    return 0;
+}
+
+/* Stores one value in the option's field. */
+static int store(const host_option *o, const char *text, host_options *options, host_error *error)
+{
+    void *const field = (unsigned char *)options + o->field;
+    double value = 0.0;
+    if (o->kind == HOST_KIND_FILES)
+        return add_file(field, text, error);
+    if (o->kind == HOST_KIND_RADII)
+        return read_radii(o, text, field, error);
+    if (o->kind == HOST_KIND_WORD)
+        return read_choice(o, text, field, error);
+    if (o->kind == HOST_KIND_SPAN)
+        return read_span(o, text, field, error);
+    if (o->kind == HOST_KIND_TEXT) {
+        if (text[0] == '\0')
+            return host_fail(error, "value", "a text that is not empty");
+        *(const char **)field = text;
+        return 0;
+    }
+    if (read_number(o, word_of(text), &value, error) != 0)
+        return -1;
+    if (o->kind == HOST_KIND_COUNT)
+        *(uint32_t *)field = (uint32_t)value;
+    else if (o->kind == HOST_KIND_DOUBLE)
+        *(double *)field = value;
+    else
+        *(float *)field = (float)value;
+    if (o->kind == HOST_KIND_FLOAT && o->open && !(*(float *)field > (float)o->min))
+        return refuse_number(o, word_of(text), error);
+    return 0;
+}
+
+static int is_option(const char *text) { return text[0] == '-' && text[1] != '\0'; }
+
+/* One option with its values; *at is left behind them. */
+static int read_option(int argc, char **argv, int *at, host_options *options, host_error *error)
+{
+    const char *const name = argv[*at];
+    const host_option *const o = host_option_find(name, options->command);
+    int n = 0;
+    error->file = name;
+    if (o == NULL)
+        return host_fail(error, "option", "an option of this command (see smr --help)");
+    *at += 1;
+    options->given |= (uint64_t)1 << (size_t)(o - host_option_table);
+    if (o->prepares && options->prepare_option == NULL)
+        options->prepare_option = o->name;
+    if (o->kind == HOST_KIND_FLAG) {
+        *(uint32_t *)(void *)((unsigned char *)options + o->field) = 1;
+        return 0;
+    }
+    /* A number may start with a minus sign; a file may not (write ./-name). */
+    while (*at < argc &&
+           ((n == 0 && o->kind != HOST_KIND_FILES && o->kind != HOST_KIND_TEXT) || !is_option(argv[*at])) &&
+           (n == 0 || o->kind == HOST_KIND_FILES)) {
+        if (store(o, argv[*at], options, error) != 0)
+            return -1;
+        *at += 1;
+        n++;
+    }
+    if (n == 0)
+        return host_fail(error, "value", o->kind == HOST_KIND_FILES ? "one file or more" : "a value");
+    return 0;
+}
+
+static int set_defaults(int command, host_options *options)
+{
+    memset(options, 0, sizeof *options);
+    options->command = command;
+    options->seed = 1;
+    options->repeats = 7;
+    options->step = 10;
+    options->seconds = 4.0;
+    options->mirror_model = HOST_MIRROR_NONE;
+    options->mirror_target = HOST_MIRROR_NONE;
+    options->prepare = smr_prepare_config_default();
+    options->config = smr_config_default();
+    options->model.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    options->target.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    options->operands.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    options->landmarks.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    return options->model.path == NULL || options->target.path == NULL || options->operands.path == NULL ||
+                   options->landmarks.path == NULL
+               ? -1
+               : 0;
+}
+
+int host_options_read(int command, int argc, char **argv, host_options *options, host_error *error)
+{
+    int at = 2;
+    error->file = "usage";
+    if (set_defaults(command, options) != 0)
+        return host_fail(error, "start", "free memory");
+    options->arguments = argv + at;
+    options->n_arguments = argc - at;
+    while (at < argc) {
+        if (is_option(argv[at])) {
+            if (read_option(argc, argv, &at, options, error) != 0)
+                return -1;
+        } else {
+            error->file = argv[at];
+            if ((command & (HOST_INFO | HOST_MEASURE | HOST_REPLAY)) == 0)
+                return host_fail(error, "argument", "an option before it (see smr --help)");
+            if (add_file(&options->operands, argv[at++], error) != 0)
+                return -1;
+        }
+    }
+    if (options->clusters == HOST_CLUSTERS_SHARED)
+        options->prepare.separate_below_mm = 0.0f;
+    else if (options->clusters == HOST_CLUSTERS_SEPARATE)
+        options->prepare.separate_below_mm = SMR_COORD_MAX; /* the most that smr_prepare() takes */
+    return host_options_check(options, error);
+}
+
+void host_options_free(host_options *options)
+{
+    free(options->model.path);
+    free(options->target.path);
+    free(options->operands.path);
+    free(options->landmarks.path);
+    memset(options, 0, sizeof *options);
+}

@@ -1,0 +1,206 @@
+/* Loads what a registration to an image needs: the volumes, landmarks for the start, and the truth for measuring.
+ * SPDX-License-Identifier: MIT */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "files/file_read.h"
+#include "landmarks/landmarks.h"
+#include "register/register_job.h"
+
+/* Reads the reference or the target image: two tasks. */
+typedef struct volumes {
+    host_job *job;
+    host_error error[2];
+    int failed[2];
+} volumes;
+
+static void read_volume(void *arg, uint32_t task, uint32_t worker)
+{
+    volumes *const v = arg;
+    const host_options *const options = v->job->options;
+    (void)worker;
+    if (task == 1)
+        v->failed[1] = host_image_read(options->target.path[0], options->mirror_target, &v->job->image, &v->error[1]);
+    else if (options->reference != NULL)
+        v->failed[0] = host_image_read(options->reference, options->mirror_model, &v->job->reference, &v->error[0]);
+}
+
+int host_job_load_images(host_job *job, host_error *error)
+{
+    volumes v;
+    if (job->model_is_prepared && job->model.info.profile_samples == 0) {
+        error->file = job->options->model.path[0];
+        return host_fail(error, "profiles", "a model built with --reference, for the target is a volume");
+    }
+    memset(&v, 0, sizeof v);
+    v.job = job;
+    host_parallel(&job->port.port, read_volume, &v, 2);
+    if (!v.failed[0] && !v.failed[1])
+        return 0;
+    *error = v.failed[0] ? v.error[0] : v.error[1];
+    return -1;
+}
+
+/* Makes the path "DIR/NAME.ply" of every structure; the job owns the texts. */
+static int name_truth(host_job *job, host_error *error)
+{
+    const char *const directory = job->options->truth;
+    const size_t bytes = strlen(directory) + SMR_NAME_BYTES + 8u;
+    uint32_t i = 0;
+    job->target = calloc(job->model.n_parts, sizeof *job->target);
+    job->truth_paths = malloc(bytes * job->model.n_parts);
+    if (job->target == NULL || job->truth_paths == NULL)
+        return host_fail(error, "start", "free memory");
+    for (i = 0; i < job->model.n_parts; i++) {
+        char *const path = job->truth_paths + bytes * i;
+        (void)snprintf(path, bytes, "%s/%s.ply", directory, job->model.part[i].name);
+        job->target[i].path = path;
+    }
+    return 0;
+}
+
+/* The error is printed after the job and its paths are freed: it names the directory, and the file in its place. */
+static void blame_truth(const host_job *job, host_error *error)
+{
+    const char *const slash = error->file != NULL ? strrchr(error->file, '/') : NULL;
+    char place[sizeof error->place];
+    (void)snprintf(place, sizeof place, "%.40s: %.50s", slash != NULL ? slash + 1 : "--truth", error->place);
+    memcpy(error->place, place, sizeof place);
+    error->file = job->options->truth;
+}
+
+int host_job_load_truth(host_job *job, host_error *error)
+{
+    const double start = host_seconds();
+    const uint32_t n = job->model.n_parts;
+    host_load *loads = NULL;
+    uint32_t i = 0;
+    int result = 0;
+    error->file = "--truth";
+    if (job->options->truth == NULL)
+        return 0;
+    loads = calloc(n, sizeof *loads);
+    if (loads == NULL)
+        return host_fail(error, "start", "free memory");
+    job->truth_first = host_file_count();
+    result = name_truth(job, error);
+    for (i = 0; result == 0 && i < n; i++) {
+        loads[i].path = job->target[i].path;
+        loads[i].need = HOST_MESH_SURFACE;
+        loads[i].mirror = job->options->mirror_target;
+    }
+    if (result == 0)
+        result = host_load_all(&job->port.port, loads, n, error);
+    job->truth_end = host_file_count();
+    for (i = 0; result == 0 && i < n; i++) {
+        host_target *const target = &job->target[i];
+        target->mesh = loads[i].mesh;
+        memcpy(target->name, job->model.part[i].name, sizeof target->name);
+        target->users = 1;
+        target->user = i;
+        job->result[i].target = i;
+        job->n_targets = i + 1u;
+    }
+    if (result != 0)
+        blame_truth(job, error);
+    free(loads);
+    job->measure_s += host_seconds() - start;
+    return result;
+}
+
+/* Reads the landmarks and pairs them. Mirroring the model or the target mirrors its landmarks, too. */
+static int read_pairs(const host_options *options, float from[HOST_LANDMARKS_MAX][3], float to[HOST_LANDMARKS_MAX][3],
+                      uint32_t *n, host_error *error)
+{
+    host_landmarks *const set = calloc(2, sizeof *set);
+    uint32_t i = 0;
+    int result = 0;
+    error->file = "--landmarks";
+    if (set == NULL)
+        return host_fail(error, "start", "free memory");
+    for (i = 0; result == 0 && i < 2; i++)
+        result = host_landmarks_read(options->landmarks.path[i], &set[i], error);
+    if (result == 0)
+        result = host_landmarks_pair(&set[0], &set[1], options->landmarks.path[0], options->landmarks.path[1], from, to,
+                                     n, error);
+    for (i = 0; result == 0 && i < *n; i++) {
+        if (options->mirror_model != HOST_MIRROR_NONE)
+            from[i][options->mirror_model] = 0.0f - from[i][options->mirror_model];
+        if (options->mirror_target != HOST_MIRROR_NONE)
+            to[i][options->mirror_target] = 0.0f - to[i][options->mirror_target];
+    }
+    free(set);
+    return result;
+}
+
+/* Applies the warp to all rest positions. They are read from the prepared model, which rounds them, so that a .smr and
+ * the surfaces it was built from give the same bits. */
+int host_job_warp(host_job *job, host_error *error)
+{
+    size_t n = 0;
+    uint32_t i = 0;
+    float *xyz = NULL;
+    if (job->warp == NULL)
+        return 0;
+    error->file = job->options->landmarks.n > 0 ? job->options->landmarks.path[0] : "landmarks";
+    for (i = 0; i < job->model.n_parts; i++)
+        n += job->model.part[i].mesh.n_vertices;
+    job->start_xyz = xyz = malloc(n * 3u * sizeof *xyz);
+    if (xyz == NULL)
+        return host_fail(error, "start", "free memory");
+    for (i = 0; i < job->model.n_parts; i++) {
+        const uint32_t vertices = job->model.part[i].mesh.n_vertices;
+        const size_t count = 3u * (size_t)vertices;
+        size_t k = 0;
+        if (smr_model_mesh(job->model.model, i, xyz, NULL) != SMR_OK ||
+            smr_warp_apply(job->warp, xyz, vertices) != SMR_OK)
+            return host_fail_at(error, "structure", i, "a model that the landmarks' warp can carry");
+        for (k = 0; k < count; k++)
+            if (!(xyz[k] >= -SMR_COORD_MAX && xyz[k] <= SMR_COORD_MAX)) /* written so that NaN fails */
+                return host_fail_at(error, "structure", i, "landmarks that keep the model within +-%.0f mm",
+                                    (double)SMR_COORD_MAX);
+        xyz += count;
+    }
+    return 0;
+}
+
+/* Fits a pose by least squares, when --align asks for one instead of the spline. */
+static int pose_by_pairs(host_job *job, const float *from, const float *to, host_error *error)
+{
+    const int similarity = job->options->align == HOST_ALIGN_SIMILARITY;
+    const smr_status status =
+        smr_align_landmarks(from, to, job->n_landmarks, (uint32_t)similarity, &job->pose, &job->align_rms_mm);
+    job->warp_kind = similarity ? SMR_WARP_SCALED : SMR_WARP_RIGID;
+    return status == SMR_OK ? 0
+                            : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(status));
+}
+
+static int warp_by_pairs(host_job *job, const float *from, const float *to, host_error *error)
+{
+    size_t bytes = 0;
+    smr_status status = smr_warp_bytes(job->n_landmarks, &bytes);
+    if (status == SMR_OK && (job->warp_memory = host_alloc(bytes)) == NULL)
+        status = SMR_E_ARENA;
+    if (status == SMR_OK)
+        status = smr_warp_fit(from, to, job->n_landmarks, job->options->smoothing, job->warp_memory, bytes, &job->warp,
+                              &job->warp_kind);
+    return status == SMR_OK ? 0
+                            : host_fail(error, "landmarks", "a set that can be fitted (%s)", smr_status_name(status));
+}
+
+int host_job_place_pairs(host_job *job, const float *from, const float *to, host_error *error)
+{
+    return job->options->align != HOST_ALIGN_NONE ? pose_by_pairs(job, from, to, error)
+                                                  : warp_by_pairs(job, from, to, error);
+}
+
+int host_job_place(host_job *job, host_error *error)
+{
+    float from[HOST_LANDMARKS_MAX][3], to[HOST_LANDMARKS_MAX][3];
+    if (read_pairs(job->options, from, to, &job->n_landmarks, error) != 0)
+        return -1;
+    error->file = job->options->landmarks.path[0];
+    return host_job_place_pairs(job, from[0], to[0], error);
+}

@@ -1,0 +1,92 @@
+/* One registration, from input files to results: the data that its steps share. cmd_register.c calls them in order.
+ * SPDX-License-Identifier: MIT */
+#ifndef REGISTER_JOB_H
+#define REGISTER_JOB_H
+
+#include "base/threads.h"
+#include "measure/surface_distances.h"
+#include "model/model_from_files.h"
+#include "volumes/volume_image.h"
+
+#define HOST_NO_TARGET 0xffffffffu
+
+/* A target surface, or a structure's true surface when the target is an image. */
+typedef struct host_target {
+    const char *path; /* borrowed */
+    char name[SMR_NAME_BYTES];
+    host_mesh mesh;       /* owned; mirrored when an option says so */
+    smr_surface *surface; /* lies in `memory` */
+    void *memory;         /* owned */
+    uint32_t users;       /* number of structures that are registered to it */
+    uint32_t user;        /* index of the last of these structures */
+} host_target;
+
+/* The result of one structure. */
+typedef struct host_result {
+    uint32_t target; /* index, or HOST_NO_TARGET: moved by its neighbours only */
+    host_mesh mesh;  /* the registered structure; owned */
+    uint64_t folds, folds_absolute;
+    host_stats to_target; /* distances of its vertices to its target */
+    host_stats to_result; /* distances of the target's vertices to it; n = 0 when structures share the target */
+    host_stats by_vertex; /* distances to the truth's vertices with the same index; n = 0 without such a truth */
+    smr_structure_report report;
+} host_result;
+
+typedef struct host_job {
+    const host_options *options;
+    host_port port;
+    host_model model;
+    int model_is_prepared;       /* 1: the model is read from a .smr */
+    host_image reference, image; /* for an image target; the reference is freed once the model is prepared */
+    host_target *target;         /* [n_targets]: target surfaces, or true surfaces when the target is an image; owned */
+    char *truth_paths;           /* the paths of the true surfaces; owned */
+    uint32_t n_targets;
+    host_result *result; /* [model.n_parts] */
+    smr_pose pose;       /* the start pose */
+    float align_rms_mm;
+    smr_warp *warp;                  /* of the landmarks; lies in warp_memory; NULL without landmarks */
+    void *warp_memory;               /* owned */
+    float *start_xyz;                /* [all vertices][3], start positions by landmarks; owned; NULL without */
+    uint32_t n_landmarks, warp_kind; /* SMR_WARP_... */
+    void *arena;                     /* owned */
+    size_t arena_bytes;
+    smr *state;                    /* lies in the arena */
+    void *log_memory;              /* of the library's log; owned; NULL without a log */
+    size_t truth_first, truth_end; /* range of the files read that only measuring needs */
+    smr_tick_report last;          /* report of the last tick */
+    int target_seen;               /* 1: a vertex had a goal in some iteration */
+    uint32_t ticks, overruns;
+    float *tick_ms; /* [ticks], owned */
+    size_t tick_capacity;
+    double start_s, register_s, load_s, measure_s, begin_s;
+    host_stats to_target, to_result, by_vertex; /* over all structures with a target */
+    uint64_t folds, folds_absolute;
+} host_job;
+
+/* The steps, in order. Each returns 0, or -1 with the error filled. */
+int host_job_load(host_job *job, host_error *error);     /* reads all files */
+int host_job_match(host_job *job, host_error *error);    /* pairs structures and targets by name */
+int host_job_start(host_job *job, host_error *error);    /* target surfaces; start pose or start positions */
+int host_job_prepare(host_job *job, host_error *error);  /* prepares the model and calls host_job_start, in parallel */
+int host_job_begin(host_job *job, host_error *error);    /* allocates the arena, calls smr_init */
+int host_job_run(host_job *job, host_error *error);      /* runs ticks to the end of the schedule */
+int host_job_evaluate(host_job *job, host_error *error); /* measures the results */
+void host_job_free(host_job *job);
+
+/* Parts of these steps for an image target: read the volumes and the true surfaces, place the model by landmarks. */
+int host_job_load_images(host_job *job, host_error *error);
+int host_job_load_truth(host_job *job, host_error *error);
+int host_job_place(host_job *job, host_error *error);
+/* host_job_place with given pairs, both [n_landmarks][3], mm. */
+int host_job_place_pairs(host_job *job, const float *from, const float *to, host_error *error);
+int host_job_warp(host_job *job, host_error *error); /* start positions; needs the prepared model */
+int host_job_make_surfaces(host_job *job, host_error *error);
+
+/* register_log.c: starts recording, right after host_job_begin; writes the content of the log file. */
+int host_job_record(host_job *job, host_error *error);
+int host_job_log(const host_job *job, host_buffer *out, host_error *error);
+
+/* 1 when the schedule has ended and some vertex had a goal. */
+static inline int host_job_converged(const host_job *job) { return job->last.done != 0 && job->target_seen; }
+
+#endif

@@ -1,0 +1,134 @@
+/* Runs the registration: allocates the arena, sets the targets, ticks until the schedule ends.
+ * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+#include "register/register_job.h"
+
+#define PROGRESS_EVERY_S 0.1
+#define TICKS_MAX 10000000u /* with a budget, an iteration may take many ticks */
+
+static int refuse(host_error *error, const char *place, smr_status status)
+{
+    error->file = "register";
+    return host_fail(error, place, "input and options within the library's limits (%s)", smr_status_name(status));
+}
+
+/* Sets every structure's start positions from the landmarks. */
+static smr_status put_start(const host_job *job)
+{
+    const float *xyz = job->start_xyz;
+    smr_status status = SMR_OK;
+    uint32_t i = 0;
+    for (i = 0; status == SMR_OK && i < job->model.n_parts; i++) {
+        status = smr_set_positions(job->state, i, xyz);
+        xyz += 3u * (size_t)job->model.part[i].mesh.n_vertices;
+    }
+    return status;
+}
+
+static int set_targets(const host_job *job, host_error *error)
+{
+    smr_status status = SMR_OK;
+    uint32_t i = 0;
+    if (job->options->image_target)
+        status = smr_set_volume(job->state, &job->image.view);
+    else if (job->n_targets == 1)
+        status = smr_set_surface(job->state, SMR_ALL, job->target[0].surface);
+    for (i = 0; !job->options->image_target && status == SMR_OK && job->n_targets > 1 && i < job->model.n_parts; i++)
+        if (job->result[i].target != HOST_NO_TARGET)
+            status = smr_set_surface(job->state, i, job->target[job->result[i].target].surface);
+    return status == SMR_OK ? 0 : refuse(error, "set up", status);
+}
+
+int host_job_begin(host_job *job, host_error *error)
+{
+    smr_config config = job->options->config;
+    smr_status status = SMR_OK;
+    uint32_t i = 0;
+    config.n_workers = job->port.port.n_workers;
+    for (i = 0; !job->options->image_target && i < job->n_targets; i++)
+        config.n_target_vertices += job->target[i].users > 0 ? job->target[i].mesh.n_vertices : 0;
+    status = smr_arena_bytes(job->model.model, &config, &job->arena_bytes);
+    if (status != SMR_OK)
+        return refuse(error, "memory", status);
+    job->arena = host_alloc(job->arena_bytes);
+    if (job->arena == NULL)
+        return refuse(error, "memory", SMR_E_ARENA);
+    status = smr_init(job->model.model, &config, &job->port.port, job->arena, job->arena_bytes, &job->state);
+    return status == SMR_OK ? 0 : refuse(error, "set up", status);
+}
+
+static int set_up(host_job *job, host_error *error)
+{
+    smr_status status = SMR_OK;
+    if (host_job_begin(job, error) != 0 || (job->options->log != NULL && host_job_record(job, error) != 0))
+        return -1;
+    if (job->options->align != HOST_ALIGN_NONE)
+        status = smr_set_pose(job->state, &job->pose);
+    if (status == SMR_OK && job->start_xyz != NULL)
+        status = put_start(job);
+    return status == SMR_OK ? set_targets(job, error) : refuse(error, "set up", status);
+}
+
+static int record(host_job *job, double seconds, host_error *error)
+{
+    if (job->ticks == job->tick_capacity) {
+        const size_t capacity = job->tick_capacity == 0 ? 512u : 2u * job->tick_capacity;
+        float *const grown = realloc(job->tick_ms, capacity * sizeof *grown);
+        if (grown == NULL)
+            return refuse(error, "memory", SMR_E_ARENA);
+        job->tick_ms = grown;
+        job->tick_capacity = capacity;
+    }
+    job->tick_ms[job->ticks++] = (float)(seconds * 1e3);
+    if (job->options->budget_ms > 0.0 && seconds * 1e3 > job->options->budget_ms)
+        job->overruns++;
+    return 0;
+}
+
+/* Shows the progress on a terminal, in one line that is overwritten. */
+static void show(const host_job *job, double elapsed)
+{
+    const double progress = (double)job->last.progress;
+    const double left = progress > 0.0 ? elapsed * (1.0 - progress) / progress : 0.0;
+    (void)fprintf(stderr, "\riteration %u  residual %.3f mm  %.1f s left \033[K", job->last.iteration,
+                  (double)job->last.residual_mean_mm, left);
+    (void)fflush(stderr);
+}
+
+int host_job_run(host_job *job, host_error *error)
+{
+    /* 0 would mean that no clock is used */
+    const uint64_t whole_ns = (uint64_t)(job->options->budget_ms * 1e6);
+    const uint64_t budget_ns = job->options->budget_ms > 0.0 && whole_ns == 0u ? 1u : whole_ns;
+    const uint32_t limit = job->options->ticks > 0 ? job->options->ticks : TICKS_MAX;
+    const int talk = !job->options->quiet && isatty(2);
+    const double start = host_seconds();
+    double now = start, shown = start;
+    if (set_up(job, error) != 0)
+        return -1;
+    now = host_seconds();
+    while (job->ticks < limit && !job->last.done) {
+        const double before = now;
+        const smr_status status = smr_tick(job->state, budget_ns, &job->last);
+        now = host_seconds();
+        if (status < 0)
+            return refuse(error, "tick", status);
+        job->target_seen |= job->last.n_forces > 0;
+        if (record(job, now - before, error) != 0)
+            return -1;
+        if (talk && now - shown > PROGRESS_EVERY_S) {
+            show(job, now - start);
+            shown = now;
+        }
+    }
+    if (talk && shown > start)
+        (void)fputs("\r\033[K", stderr);
+    job->register_s = host_seconds() - start;
+    return 0;
+}

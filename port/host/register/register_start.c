@@ -1,0 +1,191 @@
+/* Starts a registration: reads all files, pairs targets and structures, finds the start pose.
+ * SPDX-License-Identifier: MIT */
+#include <stdlib.h>
+#include <string.h>
+
+#include "files/file_names.h"
+#include "register/register_job.h"
+
+static uint32_t n_surfaces(const host_options *options) { return options->image_target ? 0 : options->target.n; }
+
+static int take_targets(host_job *job, host_load *loads, host_error *error)
+{
+    uint32_t i = 0, k = 0;
+    const uint32_t n = n_surfaces(job->options);
+    job->target = calloc(n, sizeof *job->target);
+    if (job->target == NULL)
+        return host_fail(error, "start", "free memory");
+    job->n_targets = n;
+    for (i = 0; i < n; i++) {
+        host_target *const target = &job->target[i];
+        target->path = loads[i].path;
+        target->mesh = loads[i].mesh;
+        memset(&loads[i].mesh, 0, sizeof loads[i].mesh);
+        host_base_name(target->path, target->name, sizeof target->name);
+        error->file = target->path;
+        for (k = 0; k < i; k++)
+            if (strcmp(job->target[k].name, target->name) == 0)
+                return host_fail(error, "name", "targets with names that differ, '%s' is there twice", target->name);
+    }
+    return 0;
+}
+
+/* Reads model and target files in one parallel loop, so that all threads are used. */
+static int load_surfaces(host_job *job, const host_files *models, host_error *error)
+{
+    const host_options *const options = job->options;
+    const uint32_t n = models->n + n_surfaces(options);
+    host_load *const loads = calloc(n + 1u, sizeof *loads);
+    uint32_t i = 0;
+    int result = 0;
+    if (loads == NULL)
+        return host_fail(error, "start", "free memory");
+    for (i = 0; i < n; i++) {
+        const int of_model = i < models->n;
+        loads[i].path = of_model ? models->path[i] : options->target.path[i - models->n];
+        loads[i].need = HOST_MESH_SURFACE;
+        loads[i].mirror = of_model ? options->mirror_model : options->mirror_target;
+    }
+    result = host_load_all(&job->port.port, loads, n, error);
+    if (result == 0 && models->n > 0)
+        result = host_model_take(loads, models->n, &job->model, error);
+    if (result == 0 && !options->image_target)
+        result = take_targets(job, loads + models->n, error);
+    for (i = 0; i < n; i++) /* meshes that were not taken over */
+        host_mesh_free(&loads[i].mesh);
+    free(loads);
+    return result;
+}
+
+int host_job_load(host_job *job, host_error *error)
+{
+    const host_options *const options = job->options;
+    const host_files none = {NULL, 0};
+    const double start = host_seconds();
+    int result = 0;
+    uint32_t i = 0;
+    for (i = 0; i < options->model.n; i++)
+        job->model_is_prepared |= host_model_is_prepared(options->model.path[i]);
+    if (!job->model_is_prepared && options->image_target && options->reference == NULL) {
+        error->file = "--reference";
+        result = host_fail(error, "option", "the image that fits the model's surfaces, for the target is a volume");
+    } else if (!job->model_is_prepared) {
+        result = load_surfaces(job, &options->model, error);
+    } else if (options->model.n > 1) {
+        error->file = "--model";
+        result = host_fail(error, "files", "surfaces, or one .smr alone");
+    } else if (options->prepare_option != NULL) {
+        error->file = options->prepare_option;
+        result = host_fail(error, "option", "a model of surfaces: a .smr is prepared already");
+    } else {
+        result = host_model_open_prepared(options->model.path[0], &job->model, error);
+        if (result == 0)
+            result = load_surfaces(job, &none, error);
+    }
+    if (result == 0 && options->image_target)
+        result = host_job_load_images(job, error);
+    job->load_s = host_seconds() - start;
+    return result;
+}
+
+static void give(host_job *job, uint32_t part, uint32_t target)
+{
+    job->result[part].target = target;
+    job->target[target].users++;
+    job->target[target].user = part;
+}
+
+int host_job_match(host_job *job, host_error *error)
+{
+    uint32_t i = 0, k = 0, matched = 0;
+    error->file = "--target";
+    job->result = calloc(job->model.n_parts, sizeof *job->result);
+    if (job->result == NULL)
+        return host_fail(error, "start", "free memory");
+    for (i = 0; i < job->model.n_parts; i++)
+        job->result[i].target = HOST_NO_TARGET;
+    if (job->options->image_target) /* the truth, if any, has one surface for each structure */
+        return host_job_load_truth(job, error);
+    for (i = 0; i < job->model.n_parts; i++) {
+        for (k = 0; k < job->n_targets && job->result[i].target == HOST_NO_TARGET; k++)
+            if (job->n_targets == 1 || strcmp(job->target[k].name, job->model.part[i].name) == 0)
+                give(job, i, k);
+        matched += job->result[i].target != HOST_NO_TARGET;
+    }
+    return matched > 0 ? 0 : host_fail(error, "names", "several targets to be named like the model's structures");
+}
+
+static void build_target(void *arg, uint32_t task, uint32_t worker)
+{
+    host_target *const target = (host_target *)arg + task;
+    const smr_mesh view = host_mesh_view(&target->mesh);
+    (void)worker;
+    if (target->users > 0)
+        target->surface = host_surface_make(&view, &target->memory);
+}
+
+/* Joins the meshes of all targets in use, or of all structures that have a target. */
+static int join(const host_job *job, int targets, host_mesh *whole)
+{
+    uint32_t i = 0;
+    int result = 0;
+    memset(whole, 0, sizeof *whole);
+    for (i = 0; targets && result == 0 && i < job->n_targets; i++)
+        if (job->target[i].users > 0)
+            result = host_mesh_append(whole, &job->target[i].mesh);
+    for (i = 0; !targets && result == 0 && i < job->model.n_parts; i++)
+        if (job->result[i].target != HOST_NO_TARGET)
+            result = host_mesh_append(whole, &job->model.part[i].mesh);
+    return result;
+}
+
+static int align(host_job *job, host_error *error)
+{
+    smr_align_config config = smr_align_config_default();
+    host_mesh mesh[2];
+    void *memory[2] = {NULL, NULL};
+    const smr_surface *surface[2] = {NULL, NULL};
+    smr_status status = SMR_E_ARENA;
+    int i = 0;
+    config.scaled = job->options->align == HOST_ALIGN_SIMILARITY;
+    for (i = 0; i < 2; i++) {
+        if (join(job, i, &mesh[i]) == 0) {
+            const smr_mesh view = host_mesh_view(&mesh[i]);
+            surface[i] = host_surface_make(&view, &memory[i]);
+        }
+        host_mesh_free(&mesh[i]);
+    }
+    if (surface[0] != NULL && surface[1] != NULL)
+        status = smr_align(surface[0], surface[1], &config, &job->pose, &job->align_rms_mm);
+    free(memory[0]);
+    free(memory[1]);
+    error->file = "--align";
+    if (status == SMR_OK)
+        return 0;
+    return host_fail(error, "start pose", "surfaces that can be aligned (%s)", smr_status_name(status));
+}
+
+int host_job_make_surfaces(host_job *job, host_error *error)
+{
+    uint32_t i = 0;
+    for (i = 0; i < job->n_targets; i++)
+        build_target(job->target, i, 0);
+    for (i = 0; i < job->n_targets; i++)
+        if (job->target[i].users > 0 && job->target[i].surface == NULL) {
+            error->file = job->target[i].path;
+            return host_fail(error, "surface", "a surface within the library's limits and free memory for it");
+        }
+    return 0;
+}
+
+int host_job_start(host_job *job, host_error *error)
+{
+    const double start = host_seconds();
+    int result = job->options->image_target ? 0 : host_job_make_surfaces(job, error);
+    if (result == 0 && job->options->landmarks.n > 0)
+        result = host_job_place(job, error);
+    else if (result == 0 && job->options->align != HOST_ALIGN_NONE)
+        result = align(job, error);
+    job->start_s = host_seconds() - start;
+    return result;
+}

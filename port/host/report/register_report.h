@@ -1,0 +1,14 @@
+/* The result of a registration as report.json, and as a summary for people.
+ * SPDX-License-Identifier: MIT */
+#ifndef REGISTER_REPORT_H
+#define REGISTER_REPORT_H
+
+#include "register/register_job.h"
+
+/* Writes the text of report.json into the buffer, which stores failure. */
+void host_job_report(const host_job *job, host_buffer *out);
+
+/* Prints a few lines on standard output. */
+void host_job_summary(const host_job *job);
+
+#endif

@@ -1,0 +1,289 @@
+/* Reads MetaImage (.mha, .mhd with a data file): "key = value" lines, then the voxels.
+ *
+ * TransformMatrix lists the direction of the first axis first. Offset is the centre of the first voxel. Both are LPS.
+ * AnatomicalOrientation is ignored.
+ * SPDX-License-Identifier: MIT */
+#include <string.h>
+
+#include "smr.h"
+#include "volumes/volume_reader.h"
+
+typedef struct meta_header {
+    int64_t size[3];
+    int has_size, text, packed, last; /* last: ElementDataFile was read, which ends the header */
+    int64_t packed_bytes, header_bytes;
+    double spacing[3], matrix[9], offset[3];
+    host_word file;
+} meta_header;
+
+typedef int (*key_function)(host_volume_reader *reader, meta_header *header, host_text *words);
+
+/* Reads exactly n numbers up to the end of the line. */
+static int numbers(host_text *words, int n, double *values)
+{
+    host_word word;
+    int i = 0;
+    for (i = 0; i < n; i++)
+        if (!host_text_word_in_line(words, &word) || !host_word_double(word, &values[i]))
+            return 0;
+    return !host_text_word_in_line(words, &word);
+}
+
+static int one_word(host_text *words, host_word *word)
+{
+    host_word more;
+    return host_text_word_in_line(words, word) && !host_text_word_in_line(words, &more);
+}
+
+/* Reads True (1) or False (0); -1 for others. */
+static int truth(host_volume_reader *reader, host_text *words, const char *key, int *value)
+{
+    host_word word;
+    const int one = one_word(words, &word);
+    *value = one && (host_word_is_nocase(word, "true") || host_word_is(word, "1"));
+    if (*value || (one && (host_word_is_nocase(word, "false") || host_word_is(word, "0"))))
+        return 0;
+    return host_volume_fail(reader, "%s = True or False", key);
+}
+
+static int whole(host_volume_reader *reader, host_text *words, const char *key, int64_t low, int64_t *value)
+{
+    host_word word;
+    if (!one_word(words, &word) || !host_word_int(word, value) || *value < low)
+        return host_volume_fail(reader, "%s = a whole number", key);
+    return 0;
+}
+
+static int key_object(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    host_word word;
+    (void)header;
+    if (!one_word(words, &word) || !host_word_is_nocase(word, "image"))
+        return host_volume_fail(reader, "ObjectType = Image");
+    return 0;
+}
+
+static int key_dimensions(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    int64_t n = 0;
+    (void)header;
+    if (whole(reader, words, "NDims", 1, &n) != 0)
+        return -1;
+    return n == 3 ? 0 : host_volume_fail(reader, "NDims = 3 (other images are not read)");
+}
+
+static int key_channels(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    int64_t n = 0;
+    (void)header;
+    if (whole(reader, words, "ElementNumberOfChannels", 1, &n) != 0)
+        return -1;
+    return n == 1 ? 0 : host_volume_fail(reader, "ElementNumberOfChannels = 1 (colour and vectors are not read)");
+}
+
+static int key_size(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    host_word word;
+    int i = 0;
+    for (i = 0; i < 3; i++)
+        if (!host_text_word_in_line(words, &word) || !host_word_int(word, &header->size[i]))
+            return host_volume_fail(reader, "DimSize = three counts");
+    if (host_text_word_in_line(words, &word))
+        return host_volume_fail(reader, "DimSize = three counts, found more");
+    header->has_size = 1;
+    return host_volume_set_size(reader, "DimSize", header->size);
+}
+
+static int key_spacing(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    int i = 0;
+    if (!numbers(words, 3, header->spacing))
+        return host_volume_fail(reader, "ElementSpacing = three numbers");
+    for (i = 0; i < 3; i++)
+        if (!(header->spacing[i] > 0.0 && header->spacing[i] <= (double)SMR_COORD_MAX))
+            return host_volume_fail(reader, "ElementSpacing = three positive numbers, found %g", header->spacing[i]);
+    return 0;
+}
+
+static int key_matrix(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    return numbers(words, 9, header->matrix) ? 0 : host_volume_fail(reader, "TransformMatrix = nine numbers");
+}
+
+static int key_offset(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    return numbers(words, 3, header->offset) ? 0 : host_volume_fail(reader, "Offset = three numbers");
+}
+
+static int key_binary(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    int value = 0;
+    const int result = truth(reader, words, "BinaryData", &value);
+    header->text = !value;
+    return result;
+}
+
+static int key_order(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    (void)header;
+    return truth(reader, words, "BinaryDataByteOrderMSB", &reader->big_endian);
+}
+
+static int key_packed(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    return truth(reader, words, "CompressedData", &header->packed);
+}
+
+static int key_packed_bytes(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    return whole(reader, words, "CompressedDataSize", 0, &header->packed_bytes);
+}
+
+static int key_header_bytes(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    return whole(reader, words, "HeaderSize", -1, &header->header_bytes);
+}
+
+static int key_type(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    static const struct {
+        const char *name;
+        host_type type;
+        int unsigned64;
+    } types[] = {{"MET_CHAR", HOST_TYPE_I8, 0},       {"MET_UCHAR", HOST_TYPE_U8, 0},
+                 {"MET_SHORT", HOST_TYPE_I16, 0},     {"MET_USHORT", HOST_TYPE_U16, 0},
+                 {"MET_INT", HOST_TYPE_I32, 0},       {"MET_UINT", HOST_TYPE_U32, 0},
+                 {"MET_LONG", HOST_TYPE_I32, 0},      {"MET_ULONG", HOST_TYPE_U32, 0}, /* 4 bytes by definition */
+                 {"MET_LONG_LONG", HOST_TYPE_I64, 0}, {"MET_ULONG_LONG", HOST_TYPE_I64, 1},
+                 {"MET_FLOAT", HOST_TYPE_F32, 0},     {"MET_DOUBLE", HOST_TYPE_F64, 0}};
+    host_word word;
+    size_t i = 0;
+    (void)header;
+    for (i = 0; one_word(words, &word) && i < sizeof types / sizeof types[0]; words->at = word.start, i++)
+        if (host_word_is_nocase(word, types[i].name)) {
+            reader->type = types[i].type;
+            reader->unsigned64 = types[i].unsigned64;
+            return 0;
+        }
+    return host_volume_fail(reader, "ElementType = MET_UCHAR, MET_SHORT, MET_FLOAT or another single number");
+}
+
+static int key_file(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    header->last = 1;
+    if (!host_text_word_in_line(words, &header->file))
+        return host_volume_fail(reader, "ElementDataFile = LOCAL or a file's name");
+    /* a file name may contain spaces: all of the line without the spaces at its end */
+    header->file.n = (size_t)(words->end - header->file.start);
+    while (header->file.start[header->file.n - 1u] == ' ' || header->file.start[header->file.n - 1u] == '\t')
+        header->file.n--;
+    if (host_word_is(header->file, "LIST") || memchr(header->file.start, '%', header->file.n) != NULL)
+        return host_volume_fail(reader, "ElementDataFile = LOCAL or one file (lists of files are not read)");
+    return 0;
+}
+
+static int read_key(host_volume_reader *reader, meta_header *header, host_word key, host_text *words)
+{
+    static const struct {
+        const char *name;
+        key_function read;
+    } keys[] = {{"ObjectType", key_object},
+                {"NDims", key_dimensions},
+                {"DimSize", key_size},
+                {"ElementSpacing", key_spacing},
+                {"TransformMatrix", key_matrix},
+                {"Rotation", key_matrix},
+                {"Orientation", key_matrix},
+                {"Offset", key_offset},
+                {"Position", key_offset},
+                {"Origin", key_offset},
+                {"BinaryData", key_binary},
+                {"BinaryDataByteOrderMSB", key_order},
+                {"ElementByteOrderMSB", key_order},
+                {"CompressedData", key_packed},
+                {"CompressedDataSize", key_packed_bytes},
+                {"HeaderSize", key_header_bytes},
+                {"ElementNumberOfChannels", key_channels},
+                {"ElementType", key_type},
+                {"ElementDataFile", key_file}};
+    size_t i = 0;
+    for (i = 0; i < sizeof keys / sizeof keys[0]; i++)
+        if (host_word_is(key, keys[i].name))
+            return keys[i].read(reader, header, words);
+    return 0; /* ignored: comments, modality, the centre of rotation */
+}
+
+static int read_header(host_volume_reader *reader, meta_header *header, host_text *text)
+{
+    host_word line, key, sign;
+    while (!header->last) {
+        host_text words;
+        reader->line = text->line;
+        if (!host_text_line(text, &line))
+            return host_volume_fail(reader, "ElementDataFile, but the file ends here");
+        words = host_text_over(line.start, line.n);
+        if (!host_text_word_in_line(&words, &key))
+            continue;
+        sign.start = memchr(line.start, '=', line.n);
+        if (sign.start == NULL)
+            return host_volume_fail(reader, "a line like NDims = 3");
+        if (key.start + key.n > sign.start) /* no space before the sign */
+            key.n = (size_t)(sign.start - key.start);
+        words.at = sign.start + 1;
+        if (read_key(reader, header, key, &words) != 0)
+            return -1;
+    }
+    return 0;
+}
+
+static int locate(host_volume_reader *reader, const meta_header *header, const host_text *text)
+{
+    reader->data = (const unsigned char *)text->at;
+    reader->n = (size_t)(text->end - text->at);
+    reader->byte_skip = header->header_bytes;
+    if (header->text)
+        reader->encoding = HOST_ENCODING_TEXT;
+    else if (header->packed)
+        reader->encoding = HOST_ENCODING_DEFLATE;
+    if (!host_word_is_nocase(header->file, "LOCAL") &&
+        host_volume_read_detached(reader, "ElementDataFile", header->file) != 0)
+        return -1;
+    if (header->packed && (uint64_t)header->packed_bytes > reader->n)
+        return host_fail(reader->error, "CompressedDataSize", "at most the file's %zu bytes, found %lld", reader->n,
+                         (long long)header->packed_bytes);
+    if (header->packed && header->header_bytes > 0) { /* the skipped bytes are not part of the stream */
+        const size_t skip = (uint64_t)header->header_bytes < reader->n ? (size_t)header->header_bytes : reader->n;
+        reader->data += skip;
+        reader->n -= skip;
+        reader->byte_skip = 0;
+    }
+    return 0;
+}
+
+int host_read_metaimage(host_volume_reader *reader, const unsigned char *data, size_t n)
+{
+    meta_header header;
+    double steps[3][3];
+    host_text text = host_text_over(data, n);
+    int i = 0, j = 0;
+    memset(&header, 0, sizeof header);
+    for (i = 0; i < 3; i++) {
+        header.spacing[i] = 1.0;
+        header.matrix[4 * i] = 1.0;
+    }
+    if (read_header(reader, &header, &text) != 0)
+        return -1;
+    if (!header.has_size)
+        return host_fail(reader->error, "header", "a line DimSize");
+    if (reader->type == HOST_TYPE_NONE)
+        return host_fail(reader->error, "header", "a line ElementType");
+    for (j = 0; j < 3; j++)
+        for (i = 0; i < 3; i++)
+            steps[j][i] = header.matrix[3 * j + i] * header.spacing[j];
+    if (host_volume_set_geometry(reader, "TransformMatrix, ElementSpacing, Offset", (const double(*)[3])steps,
+                                 header.offset) != 0)
+        return -1;
+    if (locate(reader, &header, &text) != 0)
+        return -1;
+    return host_volume_convert(reader);
+}

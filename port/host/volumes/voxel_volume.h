@@ -1,0 +1,39 @@
+/* Image volumes: in memory and from files.
+ *
+ * In memory, coordinates are millimetres in LPS. The centre of the voxel with index (i, j, k) is
+ * origin + direction (spacing * (i, j, k)).
+ * SPDX-License-Identifier: MIT */
+#ifndef VOXEL_VOLUME_H
+#define VOXEL_VOLUME_H
+
+#include <stdint.h>
+
+#include "base/error_line.h"
+
+enum { HOST_UINT8 = 0, HOST_INT8, HOST_UINT16, HOST_INT16, HOST_FLOAT32 };
+
+typedef struct host_volume {
+    void *voxels;       /* [size[2]][size[1]][size[0]], host byte order, on a 64-byte address; owned */
+    uint32_t type;      /* HOST_UINT8 ... HOST_FLOAT32; wider types become float; NaN and infinity are kept */
+    uint32_t size[3];   /* voxels along each axis, 1 or more */
+    float origin[3];    /* mm, centre of the first voxel */
+    float spacing[3];   /* mm, positive */
+    float direction[9]; /* row-major; column j: unit direction of axis j; may be left-handed */
+} host_volume;
+
+/* Reads MetaImage, NIfTI-1 or NRRD, also gzipped; the content decides the format, then the extension.
+ * Returns 0, or -1 with the error filled and the volume empty. */
+int host_volume_read(const char *path, host_volume *volume, host_error *error);
+
+void host_volume_free(host_volume *volume);
+
+/* Negates one world coordinate (0..2) of the geometry. The voxels' order in memory stays. */
+void host_volume_mirror(host_volume *volume, int axis);
+
+/* 1 when the extension is one of a volume, or .dcm, for which the reader's error says what to do. */
+int host_is_volume_path(const char *path);
+
+/* Bytes of one voxel. */
+uint32_t host_volume_voxel_bytes(uint32_t type);
+
+#endif

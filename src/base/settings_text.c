@@ -1,0 +1,54 @@
+/* settings_text.c: the tables of settings with their texts, for programs that ask. In a file of its own: a device that
+ * does not ask links none of it.
+ * SPDX-License-Identifier: MIT */
+#include "base/settings.h"
+
+#define SMR_KIND_COUNT SMR_SETTING_COUNT
+#define SMR_KIND_INDEX SMR_SETTING_COUNT
+#define SMR_KIND_NUMBER SMR_SETTING_NUMBER
+#define SMR_KIND_VECTOR SMR_SETTING_NUMBER
+#define SMR_KIND_CHOICE SMR_SETTING_CHOICE
+#define SMR_KIND_SWITCH SMR_SETTING_SWITCH
+#define SMR_KIND_POINTER SMR_SETTING_POINTER
+
+#define SMR_ROW_TEXT(type, kind, number, name, unit, low, high, ends, value, image, text)                              \
+    {#name,                                                                                                            \
+     unit,                                                                                                             \
+     text,                                                                                                             \
+     SMR_KIND_##kind,                                                                                                  \
+     (number),                                                                                                         \
+     (uint32_t)offsetof(type, name),                                                                                   \
+     (uint32_t)sizeof(((type *)NULL)->name),                                                                           \
+     SMR_ENDS_##ends == SMR_ENDS_OPEN,                                                                                 \
+     SMR_ENDS_##ends == SMR_ENDS_OR_ZERO,                                                                              \
+     (double)(low),                                                                                                    \
+     (double)(high),                                                                                                   \
+     (double)(value),                                                                                                  \
+     (double)(image)},
+#define SMR_ROW_TITLE(title) {title, "", "", SMR_SETTING_GROUP, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0},
+
+static const smr_setting config_settings[] = {
+#define SMR_GROUP(title) SMR_ROW_TITLE(title)
+#define SMR_SETTING(...) SMR_ROW_TEXT(smr_config, __VA_ARGS__)
+#include "base/settings_config.def"
+};
+
+static const smr_setting prepare_settings[] = {
+#define SMR_GROUP(title) SMR_ROW_TITLE(title)
+#define SMR_SETTING(...) SMR_ROW_TEXT(smr_prepare_config, __VA_ARGS__)
+#include "base/settings_prepare.def"
+};
+
+const smr_setting *smr_config_settings(uint32_t *n)
+{
+    if (n != NULL)
+        *n = (uint32_t)(sizeof config_settings / sizeof config_settings[0]);
+    return config_settings;
+}
+
+const smr_setting *smr_prepare_settings(uint32_t *n)
+{
+    if (n != NULL)
+        *n = (uint32_t)(sizeof prepare_settings / sizeof prepare_settings[0]);
+    return prepare_settings;
+}

@@ -1,0 +1,59 @@
+/* forces.h: external forces f^e = stiffness (goal - x) (paper 2.1). In: positions, normals, targets. Out: the force on
+ * each vertex and what was found. Each source of goals has a file and a struct of its own; forces.c asks them in turn.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_FORCES_H
+#define SMR_FORCES_H
+
+#include "runtime/forces/image_goal.h"
+#include "runtime/forces/surface_goal.h"
+
+/* What was found for a vertex. */
+enum { SMR_FOUND_NO_TARGET = 0, SMR_FOUND_GOAL = 1, SMR_FOUND_NONE = 2, SMR_FOUND_UNDECIDED = 3 };
+
+/* Sums over all vertices of the forces of an iteration. */
+typedef struct smr_force_totals {
+    uint32_t n_drawn;     /* active vertices with a target */
+    uint32_t n_forces;    /* of them with a goal */
+    uint32_t n_rejected;  /* of them without */
+    float mean, rms, max; /* distance to the goal, mm */
+    float largest[2];     /* of the two kinds of quantities that match/sums.c will sum */
+} smr_force_totals;
+
+typedef struct smr_forces {
+    const smr_shared *shared;
+    const smr_pace *pace;
+    const smr_shape *shape;
+    smr_surface_goals surface;
+    smr_image_goals image;
+    smr_tally *tally;
+    float *force;        /* [n][3] mm; while goals are sought: the way to the goal */
+    float *residual;     /* [n] distance to the goal, mm, where there is one */
+    uint8_t *found;      /* [n] SMR_FOUND_..., of the forces under way */
+    uint8_t *found_last; /* [n] the same, of the last complete forces */
+    smr_force_totals totals;
+} smr_forces;
+
+void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
+void smr_forces_wire(smr_forces *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
+                     const smr_overlay *overlay);
+void smr_forces_reset(smr_forces *f); /* an iteration is given up: nothing of its forces is left */
+
+uint32_t smr_force_chunk(const smr_forces *f); /* vertices of a task of smr_forces_search */
+uint32_t smr_forces_tasks(const void *forces);
+void smr_forces_search(void *forces, uint32_t task, uint32_t worker); /* ways to goals; the dearest step */
+uint32_t smr_forces_take_tasks(const void *forces);
+void smr_forces_take(void *forces, uint32_t task, uint32_t worker); /* ways -> forces */
+void smr_forces_end(smr_forces *f);                                 /* totals, and what the next forces start from */
+
+/* The displacement that matching sees: x + f^e - x^r, and a share of the last iteration's step (momentum; Polyak 1964).
+ * Valid until evolve writes x_next, which holds the positions before x. */
+static inline smr_vec smr_drive(const smr_forces *f, uint32_t v)
+{
+    const smr_vec x = smr_load(smr_at3(f->shape->x, v));
+    const smr_vec step = smr_sub(x, smr_load(smr_at3(f->shape->x_next, v)));
+    const float share = f->pace->repairing > 0u ? 0.0f : f->pace->momentum * f->pace->ease;
+    const smr_vec u = smr_sub(smr_add(x, smr_load(smr_at3(f->force, v))), smr_load(smr_at3(f->shape->x_ref, v)));
+    return smr_add(u, smr_scale(step, share));
+}
+
+#endif

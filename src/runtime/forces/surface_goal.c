@@ -1,0 +1,95 @@
+/* surface_goal.c: the goal of a vertex on its target surface: the closest point with an agreeing normal, blended with
+ * the target's own pull (attract.c). What runs along the model's surface counts with a share only.
+ * Source: paper 2.1 and 3, geometric registration. Bounds: config.node_budget tree nodes a vertex.
+ * SPDX-License-Identifier: MIT */
+#include "runtime/forces/surface_goal.h"
+
+void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared)
+{
+    const size_t n = shared->n;
+    const uint32_t m = shared->config.n_target_vertices;
+    g->target = smr_arena_take(a, shared->n_structures, sizeof *g->target);
+    g->goal = smr_arena_take(a, shared->n_structures, sizeof *g->goal);
+    g->warm = smr_arena_take(a, n, sizeof(uint32_t));
+    g->warm_next = smr_arena_take(a, n, sizeof(uint32_t));
+    if (m == 0u)
+        return;
+    g->target_warm = smr_arena_take(a, m, sizeof(uint32_t));
+    g->pull = smr_arena_take(a, shared->config.n_workers * n, 4u * sizeof(int64_t));
+}
+
+void smr_pulls_clear(smr_surface_goals *g)
+{
+    if (g->pull != NULL)
+        memset(g->pull, 0, g->shared->config.n_workers * (size_t)g->shared->n * 4u * sizeof *g->pull);
+}
+
+void smr_surface_goals_reset(smr_surface_goals *g)
+{
+    smr_pulls_clear(g);
+    for (uint32_t v = 0; v < g->shared->n; v++)
+        g->warm[v] = g->warm_next[v] = SMR_NONE;
+    for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.n_target_vertices; j++)
+        g->target_warm[j] = SMR_NONE;
+}
+
+void smr_surface_goals_stand(smr_surface_goals *g)
+{
+    memcpy(g->warm, g->warm_next, g->pace->n_active * sizeof *g->warm);
+}
+
+static int outside_box(const smr_config *c, smr_vec p)
+{
+    return c->use_box && (p.x < c->box_min[0] || p.y < c->box_min[1] || p.z < c->box_min[2] || p.x > c->box_max[0] ||
+                          p.y > c->box_max[1] || p.z > c->box_max[2]);
+}
+
+/* The way from vertex v to its closest point on the target. Returns 0 when no point is acceptable. */
+static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way)
+{
+    const smr_config *c = &g->shared->config;
+    /* relative to the target's origin */
+    const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), smr_sub(g->shape->origin, target->origin));
+    g->warm_next[v] = g->warm[v];
+    if (outside_box(c, smr_add(p, target->origin)))
+        return 0;
+    smr_query q = {p, smr_load(smr_at3(g->shape->normal, v)), g->shared->min_cos, c->node_budget, g->warm[v]};
+    if (smr_dot(q.normal, q.normal) < 0.5f)
+        q.min_cos = -2.0f; /* no triangles around this vertex: any normal will do */
+    smr_hit hit = {g->pace->search_mm * g->pace->search_mm, SMR_NONE, {0, 0, 0}};
+    smr_tree_closest(&target->facets, &q, &hit);
+    if (hit.triangle == SMR_NONE)
+        return 0;
+    g->warm_next[v] = hit.triangle;
+    if (c->reject_border && smr_surface_on_border(target, hit.triangle, hit.weight))
+        return 0;
+    if (g->limit > 0.0f && hit.d2 > g->limit * g->limit)
+        return 0;
+    *way = smr_sub(smr_facet_point(&target->facets, hit.triangle, hit.weight), p);
+    return !outside_box(c, smr_add(smr_add(p, *way), target->origin));
+}
+
+/* A way without what runs along the model's surface, except the share that may count: where goals jump from one place
+ * of the target to another, they jump along the surface. Vertices without triangles have no surface. */
+static smr_vec off_surface(const smr_surface_goals *g, uint32_t v, smr_vec way)
+{
+    const smr_vec n = smr_load(smr_at3(g->shape->normal, v)), along_normal = smr_scale(n, smr_dot(n, way));
+    if (smr_dot(n, n) < 0.5f)
+        return way;
+    return smr_add(along_normal, smr_scale(smr_sub(way, along_normal), g->shared->config.slide));
+}
+
+int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way)
+{
+    smr_vec pull = smr_v(0, 0, 0), goal = pull;
+    const int has_goal = project(g, v, target, &goal);
+    float weight = smr_attraction_on(g) ? smr_pull_take(g, v, &pull) : 0.0f;
+    if (!has_goal)
+        goal = smr_v(0, 0, 0);
+    if (!has_goal && g->shared->config.use_box) /* outside the box nothing pulls either */
+        weight = 0.0f;
+    const float share = has_goal ? g->shared->config.attraction * weight : weight;
+    goal = smr_add(smr_scale(goal, 1.0f - share), smr_scale(pull, share));
+    *way = off_surface(g, v, goal);
+    return has_goal || weight > 0.0f;
+}

@@ -1,0 +1,62 @@
+/* surface_goal.h: goals on target surfaces (paper 2.1; 3, geometric registration): the closest point of the target,
+ * blended with the target's own pull. In: positions, normals, target surfaces. Out: the way to each vertex' goal.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_SURFACE_GOAL_H
+#define SMR_SURFACE_GOAL_H
+
+#include "geometry/surface.h"
+#include "runtime/shape/shape.h"
+
+#define SMR_FORCE_CHUNK 4u        /* vertices of a task that seeks goals on a surface, or the model from a target */
+#define SMR_PULL_SCALE 1048576.0f /* 2^20: pulls are summed in units of 2^-20 mm times weight */
+#define SMR_PULL_FULL 0.25f       /* mean areas of target that count in full */
+
+/* The surface of one structure. Written by setup/targets.c. */
+typedef struct smr_target {
+    const smr_surface *surface; /* NULL: none */
+    uint32_t begun;             /* 1: it had one when the iteration under way began */
+} smr_target;
+
+/* A distinct target surface; structures may share it. Written by setup/targets.c. */
+typedef struct smr_goal {
+    const smr_surface *surface;
+    uint32_t first_task; /* of the target-to-model search */
+    uint32_t n_vertices; /* when it was set: a surface rebuilt since must be set again */
+    uint32_t first_warm; /* its vertices' slots in target_warm */
+} smr_goal;
+
+typedef struct smr_surface_goals {
+    const smr_shared *shared;
+    const smr_pace *pace;
+    const smr_shape *shape;
+    smr_target *target; /* [n_structures] */
+    smr_goal *goal;     /* [n_structures], the first n_goals are in use */
+    uint32_t n_goals;
+    uint32_t n_goals_begun; /* n_goals when the iteration under way began: a later one does not count in it */
+    uint32_t n_tasks;       /* of the target-to-model search */
+    /* written by the search for goals */
+    uint32_t *warm;        /* [n] closest triangle of the target, of the last complete forces; SMR_NONE: none */
+    uint32_t *warm_next;   /* [n] the same, of those under way: they may have to start again */
+    uint32_t *target_warm; /* [n_target_vertices] closest triangle of the model; NULL: no attraction */
+    int64_t *pull;         /* [n_workers][n][4] target-to-model pulls: three sums and the weight; NULL: no attraction */
+    float limit;           /* mm: longer ways are dropped; 0: none are */
+} smr_surface_goals;
+
+void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared);
+void smr_surface_goals_reset(smr_surface_goals *g); /* nothing of the searches so far is left */
+void smr_surface_goals_stand(smr_surface_goals *g); /* the forces under way are complete */
+void smr_pulls_clear(smr_surface_goals *g);
+
+/* The way from vertex v to its goal on the target, mm. Returns 0 for none. */
+int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way);
+
+/* attract.c: target-to-model attraction, when target vertices pull in this iteration. */
+int smr_attraction_on(const smr_surface_goals *g);
+uint32_t smr_attract_tasks(const void *goals);
+void smr_attract_search(void *goals, uint32_t task, uint32_t worker);
+
+/* The mean pull on a stored vertex, mm; clears it for the next iteration. Returns how much it counts, 0..1: less when
+ * little of the target pulls there, so that no target vertex makes a difference by barely reaching a triangle. */
+float smr_pull_take(smr_surface_goals *g, uint32_t v, smr_vec *mean);
+
+#endif

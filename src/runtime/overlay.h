@@ -1,0 +1,73 @@
+/* overlay.h: memory that several stages use, one after the other. Everything that lies over something else is here.
+ *
+ *   memory          steps of an iteration, in order                           what it holds
+ *   record          fill -> forces                                            rings: middle of mesh neighbours
+ *                   reference records -> their sums                           moments of x^r
+ *                   records of displacements -> their sums                    displacements, fixed point
+ *                   records of transforms -> their sums                       transforms, fixed point
+ *                   tangent evening -> evolve                                 rings: neighbours' displacements
+ *                   fold repair or fold limit                                 rings: neighbours' displacements or steps
+ *   sum, words 12+  evolve -> end of the iteration                            next normals (sums.h)
+ *   tally           within each step and its end                              what a task leaves for the step's end;
+ *                   fold find -> fold limit, repair and open                  counts of folds in each chunk of hinges
+ *   x_next          end of the iteration -> evolve                            the positions before x (shape.h)
+ *                   evolve -> end of the iteration                            the positions under way
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_OVERLAY_H
+#define SMR_OVERLAY_H
+
+#include "base/arena.h"
+
+/* What a task leaves for the end of its step; reduced in task order. */
+typedef union smr_tally {
+    struct {
+        float sum, sum2, max; /* of residuals, mm */
+        float largest[2];     /* of the two kinds of quantities that will be summed */
+        uint32_t n_forces, n_rejected, n_drawn;
+    } forces;
+    struct {
+        float deviation2; /* largest, of x^r from the rest shape in its pose, mm^2 */
+    } reference;
+    struct {
+        uint32_t index; /* of the next piece of this block */
+    } sums;
+    struct {
+        float largest[2]; /* entry of R - I, and of t in mm */
+    } match;
+    struct {
+        float moved2; /* largest displacement, mm^2 */
+        uint64_t hash;
+    } evolve;
+    struct {
+        uint32_t n_bent; /* hinges that fold, or whose corners must be held back */
+        uint32_t n_open; /* hinges that are folded and were open at rest */
+    } folds;
+} smr_tally;
+
+/* Sums over the mesh neighbours of each vertex, in the memory of the records. */
+typedef struct smr_rings {
+    float *sum;          /* [n][3] */
+    float *weight;       /* [n] of that sum */
+    float *displacement; /* [n][3] tangent evening: from the rest shape in its pose, mm */
+    float *asked;        /* [n] fold limit: the largest share that a hinge asks of the vertex; over displacement */
+} smr_rings;
+
+typedef struct smr_overlay {
+    uint32_t *record; /* [n][SMR_WORDS] */
+    smr_rings rings;
+    smr_tally *tally; /* [n_tallies] */
+} smr_overlay;
+
+static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, uint32_t words, uint32_t n_tallies)
+{
+    o->record = smr_arena_take(a, n, words * sizeof(uint32_t));
+    o->tally = smr_arena_take(a, n_tallies, sizeof *o->tally);
+    if (o->record == NULL)
+        return;
+    o->rings.sum = (float *)o->record;
+    o->rings.weight = o->rings.sum + 3u * (size_t)n;
+    o->rings.displacement = o->rings.weight + n;
+    o->rings.asked = o->rings.displacement;
+}
+
+#endif

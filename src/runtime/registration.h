@@ -1,0 +1,39 @@
+/* registration.h: a registration in progress: the stages, in the order of an iteration, and where it stands. It lies at
+ * the start of the caller's arena; the stages' arrays follow. Only tick/ and setup/ see it whole: stages get their own
+ * struct, with const views of what they read.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_REGISTRATION_H
+#define SMR_REGISTRATION_H
+
+#include "base/parallel.h"
+#include "runtime/evolve/evolve.h"
+#include "runtime/folds/folds.h"
+#include "runtime/forces/forces.h"
+#include "runtime/match/match.h"
+#include "runtime/record/log.h"
+#include "runtime/tick/time_budget.h"
+
+#define SMR_STATE_MAGIC 0x736d7254u
+
+struct smr {
+    uint32_t magic;
+    uint32_t step, next_task; /* where the tick stands: step of the iteration, tasks of it already done */
+    smr_port port;
+    smr_shared shared;
+    smr_pace pace;
+    smr_overlay overlay;
+    smr_shape shape;
+    smr_forces forces;
+    smr_sums sums;
+    smr_reference reference;
+    smr_match match;
+    smr_evolve evolve;
+    smr_folds folds;
+    smr_time_budget budget;
+    smr_log log;
+    smr_tick_report report;
+};
+
+static inline int smr_valid(const smr *s) { return s != NULL && s->magic == SMR_STATE_MAGIC; }
+
+#endif

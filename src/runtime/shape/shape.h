@@ -1,0 +1,67 @@
+/* shape.h: the deforming model: positions, normals, reference shape, and its triangles as they move.
+ * In: the model. Out: positions that all stages read. x and x_next change places when an iteration stands.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_SHAPE_H
+#define SMR_SHAPE_H
+
+#include "geometry/box_tree.h"
+#include "geometry/transform_fit.h"
+#include "runtime/state.h"
+
+/* One structure of the model. */
+typedef struct smr_shape_structure {
+    uint32_t first_vertex, n_vertices; /* in the caller's numbering */
+    uint32_t first_triangle;
+    uint32_t first_leaf; /* of its tree, counted over all structures */
+    smr_facets facets;   /* triangles, normals and box tree, as they move */
+} smr_shape_structure;
+
+typedef struct smr_shape {
+    const smr_shared *shared;
+    smr_vec origin; /* mm, whole: positions are relative to it */
+    /* written by setup/start.c */
+    float *start; /* [n][3] start positions */
+    /* written by evolve, exchanged by tick/stand.c */
+    float *x;      /* [n][3] positions of the last complete iteration */
+    float *x_next; /* [n][3] positions under way; until evolve writes them, the positions before x */
+    float *normal; /* [n][3] unit, at x; 0 where there is no triangle */
+    /* written by evolve/plasticity.c */
+    float *x_ref;      /* [n][3] reference shape x^r */
+    float *normal_ref; /* [n][3] normals that belong to it */
+    /* written by facets.c */
+    smr_shape_structure *structure; /* [n_structures] */
+    float *facet_normal;            /* [n_triangles][3] */
+    smr_node *node;                 /* [n_nodes] box trees, one structure after the other; NULL: no attraction */
+    uint32_t n_nodes;
+    uint32_t *own_triangle; /* [n_triangles][3] on big-endian hosts */
+    /* written by rest_pose.c */
+    smr_pose rest_pose;     /* the similarity that lays the rest shape onto x best */
+    smr_fit fit;            /* its sums so far */
+    uint32_t rest_pose_due; /* 1: it is to be made of the present positions */
+} smr_shape;
+
+void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
+
+/* Shapes of the trees and their places in the arrays. */
+void smr_shape_start(smr_shape *shape);
+
+/* facets.c: triangles' normals, and box trees where there are any. */
+void smr_facets_follow(smr_shape *shape, const float *xyz); /* from here on of these positions */
+void smr_facets_now(smr_shape *shape);                      /* all of them, at x */
+uint32_t smr_facets_tasks(const void *shape);
+void smr_facets_refit(void *shape, uint32_t task, uint32_t worker);
+void smr_facets_end(smr_shape *shape);
+
+/* rest_pose.c: fits rest_pose where it is due. Serial. */
+uint32_t smr_rest_pose_tasks(const void *shape);
+void smr_rest_pose_sum(void *shape, uint32_t task, uint32_t worker);
+void smr_rest_pose_end(smr_shape *shape);
+void smr_rest_pose_now(smr_shape *shape); /* at once, without steps */
+
+/* A stored vertex of the rest shape in its pose. */
+static inline smr_vec smr_rest_posed(const smr_shape *shape, uint32_t vertex)
+{
+    return smr_pose_apply(&shape->rest_pose, smr_rest(shape->shared, vertex));
+}
+
+#endif

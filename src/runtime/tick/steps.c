@@ -1,0 +1,129 @@
+/* steps.c: one registration iteration, as the paper lists it at the end of section 2.3. The table is the method; the
+ * functions above it hand what one stage found on to the next. Only the last step makes new positions current.
+ * SPDX-License-Identifier: MIT */
+#include "runtime/tick/steps.h"
+
+#include "runtime/tick/schedule.h"
+#include "runtime/tick/stand.h"
+
+static void forces_end(smr *s)
+{
+    const smr_force_totals *t = &s->forces.totals;
+    smr_forces_end(&s->forces);
+    smr_sums_expect(&s->sums, smr_method_words(&s->shared), t->largest[0], t->largest[1]);
+    s->report.n_taken = s->pace.n_active;
+    s->report.n_active = t->n_drawn;
+    s->report.n_forces = t->n_forces;
+    s->report.n_rejected = t->n_rejected;
+    s->report.residual_mean_mm = t->mean;
+    s->report.residual_rms_mm = t->rms;
+    s->report.residual_max_mm = t->max;
+}
+
+static void match_end(smr *s)
+{
+    smr_match_end(&s->match);
+    smr_sums_expect(&s->sums, 12u, s->match.largest[0], s->match.largest[1]);
+}
+
+static void measure_end(smr *s)
+{
+    smr_evolve_measure_end(&s->evolve);
+    s->evolve.normals_due = s->shared.config.normals == SMR_NORMALS_EXACT || smr_schedule_plastic(s);
+}
+
+static void rest_pose_end(smr *s) { smr_rest_pose_end(&s->shape); }
+static void reference_begin(smr *s) { smr_reference_begin(&s->reference); }
+static void reference_end(smr *s) { smr_reference_end(&s->reference); }
+static void evolve_end(smr *s) { smr_facets_follow(&s->shape, s->shape.x_next); }
+static void facets_end(smr *s) { smr_facets_end(&s->shape); }
+static void find_end(smr *s) { smr_fold_find_end(&s->folds); }
+static void folds_moved(smr *s) { smr_folds_moved(&s->folds); }
+
+/* Facets once more, where folds moved anything. */
+static uint32_t facets_again(const void *arg)
+{
+    const smr *s = arg;
+    return s->folds.moved ? smr_facets_tasks(&s->shape) : 0u;
+}
+
+void smr_refit_again(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    smr_facets_refit(&s->shape, task, worker);
+}
+
+#define SMR_OF(member) offsetof(smr, member)
+
+/* clang-format off */
+const smr_step smr_steps[] = {
+    /* compute external forces f^e: the targets' pull, what fills in, the way to the target in the order of priority */
+    {SMR_PHASE_FORCES, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(forces.surface), smr_attract_tasks, smr_attract_search, NULL, NULL, NULL},
+    {SMR_PHASE_FORCES, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(forces.image), smr_fill_tasks, smr_fill_sum, NULL, smr_fill_pieces, smr_fill_abreast},
+    {SMR_PHASE_FORCES, SMR_WORK_ACTIVE, SMR_ANY_ORDER, SMR_OF(forces), smr_forces_tasks, smr_forces_search, NULL, NULL, NULL},
+    /* who takes part is known now */
+    {SMR_PHASE_FORCES, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(forces), smr_forces_take_tasks, smr_forces_take, forces_end, NULL, NULL},
+    /* what x^r and they imply, when either is new: cluster centres, masses and spreads */
+    {SMR_PHASE_SUMS, SMR_WORK_TASKS, SMR_SERIAL, SMR_OF(shape), smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end, NULL, NULL},
+    {SMR_PHASE_SUMS, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(reference), smr_reference_tasks, smr_reference_reach, reference_begin, NULL, NULL},
+    {SMR_PHASE_SUMS, SMR_WORK_ACTIVE, SMR_ANY_ORDER, SMR_OF(reference), smr_reference_record_tasks, smr_reference_record, NULL, NULL, NULL},
+    {SMR_PHASE_SUMS, SMR_WORK_LISTS, SMR_ANY_ORDER, SMR_OF(reference), smr_reference_block_tasks, smr_reference_forest, NULL, smr_reference_block_pieces, smr_reference_block_abreast},
+    {SMR_PHASE_SUMS, SMR_WORK_TASKS, SMR_SERIAL, SMR_OF(reference), smr_reference_boundary_tasks, smr_boundary_reference, NULL, NULL, NULL},
+    {SMR_PHASE_SUMS, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(reference), smr_reference_cluster_tasks, smr_reference_cluster, reference_end, NULL, NULL},
+    /* compute shape matching forces: for each cluster, T_i = argmin Sum m |T x^r - x - f^e|^2 */
+    {SMR_PHASE_SUMS, SMR_WORK_ACTIVE, SMR_ANY_ORDER, SMR_OF(sums), smr_sums_record_tasks, smr_sums_record, NULL, NULL, NULL},
+    {SMR_PHASE_SUMS, SMR_WORK_LISTS, SMR_ANY_ORDER, SMR_OF(sums), smr_block_tasks, smr_sums_forest, NULL, smr_block_pieces, smr_block_abreast},
+    {SMR_PHASE_SUMS, SMR_WORK_TASKS, SMR_SERIAL, SMR_OF(sums), smr_boundary_tasks, smr_boundary_sums, NULL, NULL, NULL},
+    {SMR_PHASE_MATCH, SMR_WORK_ACTIVE, SMR_ANY_ORDER, SMR_OF(match), smr_match_cluster_tasks, smr_match_clusters, match_end, NULL, NULL},
+    /* average goal positions x~_i = Sum_i(T) x^r_i / |zeta_i| */
+    {SMR_PHASE_AVERAGE, SMR_WORK_ACTIVE, SMR_ANY_ORDER, SMR_OF(match), smr_average_tasks, smr_average_record, NULL, NULL, NULL},
+    {SMR_PHASE_AVERAGE, SMR_WORK_LISTS, SMR_ANY_ORDER, SMR_OF(sums), smr_block_tasks, smr_sums_forest, NULL, smr_block_pieces, smr_block_abreast},
+    {SMR_PHASE_AVERAGE, SMR_WORK_TASKS, SMR_SERIAL, SMR_OF(sums), smr_boundary_tasks, smr_boundary_sums, NULL, NULL, NULL},
+    /* evolve positions, x = x~, evened out along the surface */
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(evolve.evening), smr_evening_tasks, smr_evening_clear, NULL, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, SMR_SERIAL, SMR_OF(evolve.evening), smr_evening_ring_tasks, smr_evening_rings, NULL, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(evolve), smr_evolve_tasks, smr_evolve_step, evolve_end, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(shape), smr_facets_tasks, smr_facets_refit, facets_end, NULL, NULL},
+    /* find folds; repair, limit and open them */
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(folds), smr_fold_find_tasks, smr_fold_find, find_end, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, SMR_OPEN_ENDED, SMR_OF(folds), smr_fold_repair_tasks, smr_fold_repair_pass, folds_moved, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, SMR_OPEN_ENDED, SMR_OF(folds), smr_fold_limit_tasks, smr_fold_limit_pass, folds_moved, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, SMR_OPEN_ENDED, SMR_OF(folds), smr_fold_open_tasks, smr_fold_open_pass, folds_moved, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, SMR_ANY_ORDER, 0, facets_again, smr_refit_again, facets_end, NULL, NULL},
+    /* what has moved; normals; then everything becomes current at once, and reference positions are updated (plasticity), x^r = x */
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(evolve), smr_evolve_tasks, smr_evolve_measure, measure_end, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(evolve), smr_exact_normals_tasks, smr_exact_normals_clear, NULL, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, SMR_SERIAL, SMR_OF(evolve), smr_exact_normals_facet_tasks, smr_exact_normals_facets, NULL, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(evolve), smr_exact_normals_tasks, smr_exact_normals_unit, NULL, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, SMR_SERIAL, 0, smr_stand_tasks, smr_stand, NULL, NULL, NULL},
+};
+/* clang-format on */
+
+#define SMR_STEPS ((uint32_t)(sizeof smr_steps / sizeof smr_steps[0]))
+_Static_assert(sizeof smr_steps / sizeof smr_steps[0] <= SMR_STEPS_MAX, "the time budget's table is too short");
+const uint32_t smr_n_steps = SMR_STEPS;
+
+uint32_t smr_step_tasks(smr *s, const smr_step *step)
+{
+    const uint32_t n = step->n_tasks(smr_stage_of(s, step));
+    return step->order == SMR_OPEN_ENDED ? s->next_task + n : n;
+}
+
+/* The iteration under way still looks at targets: what follows the forces has its own copies of them. */
+int smr_forces_pending(const smr *s)
+{
+    for (uint32_t i = s->step; i < SMR_STEPS; i++)
+        if (smr_steps[i].run == smr_forces_take)
+            return 1;
+    return 0;
+}
+
+int smr_seeks_forces(const smr_step *step) { return step->run == smr_forces_search; }
+
+uint32_t smr_forces_evaluated(const smr *s)
+{
+    if (smr_seeks_forces(&smr_steps[s->step]))
+        return smr_min_u32(s->next_task * smr_force_chunk(&s->forces), s->pace.n_active);
+    const int found = !smr_forces_pending(s) || smr_steps[s->step].run == smr_forces_take;
+    return s->step > 0u && found ? s->pace.n_active : 0u;
+}
