@@ -1,4 +1,4 @@
-/* settings_page: writes docs/SETTINGS.md from the library's tables of settings.
+/* settings_page.c: writes docs/SETTINGS.md from the library's tables of settings.
  * usage: settings_page            the page, on stdout
  *        settings_page --header   one line a field: name, tab, how its comment in smr.h has to start
  * SPDX-License-Identifier: MIT */

@@ -1,5 +1,5 @@
-/* test_settings.c: the tables of settings cover both configurations word by word, their defaults are legal and set, and each
- * range is what the checks accept, to the last bit at its ends.
+/* test_settings.c: the tables of settings cover both configurations word by word, their defaults are legal and set,
+ * and each range is what the checks accept, to the last bit at its ends.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
