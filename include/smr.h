@@ -72,6 +72,10 @@ typedef struct smr_surface smr_surface;
 /* Bytes smr_surface_build() needs for a mesh of this size. Errors: E_NULL, E_INPUT (a count is out of range). */
 smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *bytes);
 
+/* Upper bound of smr_surface_bytes() as a constant, for static storage. */
+#define SMR_SURFACE_BYTES(n_vertices, n_triangles)                                                                     \
+    ((size_t)2048u + (size_t)32u * (n_vertices) + (size_t)65u * (n_triangles) + SMR_TREE_BYTES(n_triangles, 1u))
+
 /* Copies the mesh into `memory` (SMR_ALIGN-aligned) and builds its search tree there.
  * The mesh may go afterwards; `memory` must stay as long as the surface is used.
  * Needs at least one triangle. Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT; *surface untouched then. */
@@ -471,11 +475,24 @@ typedef struct smr smr;
 /* Exact bytes smr_init() needs. Errors: E_NULL, E_CONFIG, E_INPUT (more than size_t holds). */
 smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, size_t *bytes);
 
-/* The same as a compile-time upper bound, for static storage:
- * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(nv, nt, ns, workers, target_vertices)]; */
-#define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices)                           \
-    ((size_t)8192u + (size_t)364u * (n_vertices) + (size_t)54u * (n_triangles) + (size_t)2048u * (n_structures) +      \
-     ((size_t)32u * (n_vertices) + 256u) * (n_workers) + (size_t)8u * (n_target_vertices))
+/* Upper bound of smr_arena_bytes() as a constant, for static storage:
+ * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(nv, nt, ns, workers, target_vertices, SMR_METHOD_RIGID)];
+ * n_workers, n_target_vertices and method as in smr_config; no other setting changes the size. */
+#define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices, method)                   \
+    ((size_t)8192u + ((method) == SMR_METHOD_RIGID ? (size_t)326u : (size_t)362u) * (n_vertices) +                     \
+     (size_t)(12u + SMR_SWAPPED_BYTES) * (n_triangles) + (size_t)(n_triangles) / 16u + (size_t)256u * (n_structures) + \
+     ((n_target_vertices) == 0u ? (size_t)0u                                                                           \
+                                : (size_t)4u * (n_target_vertices) + (size_t)32u * (n_workers) * (n_vertices) +        \
+                                      SMR_TREE_BYTES(n_triangles, n_structures)))
+
+/* Parts of the two bounds: search trees, and the triangles' copy where a model's byte order is not the processor's. */
+#define SMR_TREE_BYTES(n_triangles, n_structures)                                                                      \
+    ((size_t)192u * ((size_t)(n_triangles) / 7u + (size_t)8u * (n_structures)))
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+#define SMR_SWAPPED_BYTES 12u
+#else
+#define SMR_SWAPPED_BYTES 0u
+#endif
 
 /* Sets up a registration at the model's rest shape in arena (SMR_ALIGN-aligned, at least
  * smr_arena_bytes). config and port are copied; port may be NULL (one worker, no clock). model and arena
@@ -519,6 +536,8 @@ typedef struct smr_tick_report {
     uint32_t n_forces;   /* vertices that did */
     uint32_t n_rejected; /* vertices with a target but no acceptable goal */
     uint32_t n_guarded;  /* vertices moved by the fold guard: held back, unfolded or repaired */
+    float
+        attraction_used; /* share of the target-to-model pull: config.attraction; 0 while n_target_vertices is 0 or no surface is set */
     uint32_t plastic_updates; /* since the start */
     uint32_t done;            /* 1: the schedule is done; further ticks change nothing */
     uint32_t converged;       /* 1: done, and the last iteration moved no vertex by plastic_um */

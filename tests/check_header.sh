@@ -12,7 +12,7 @@ printf '#include <smr.h>\nint smr_check_header;\n' >"$tmp/alone.c"
 cp "$tmp/alone.c" "$tmp/alone.cpp"
 {
     cat "$tmp/alone.c"
-    echo 'static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(1000, 2000, 3, 2, 500)];'
+    echo 'static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(1000, 2000, 3, 2, 500, SMR_METHOD_POLAR)];'
     echo 'unsigned char *smr_check_arena(void); unsigned char *smr_check_arena(void) { return arena; }'
 } >"$tmp/static.c"
 

@@ -31,8 +31,8 @@
 #define REPLAY_TICKS_MAX 10000u
 #define REPLAY_SCRATCH (6u * REPLAY_VERTICES << 10)
 
-REPLAY_MEMORY unsigned char
-    replay_arena[SMR_ARENA_BYTES(REPLAY_VERTICES, 2u * REPLAY_VERTICES, 1, REPLAY_WORKERS, REPLAY_VERTICES)];
+REPLAY_MEMORY unsigned char replay_arena[SMR_ARENA_BYTES(REPLAY_VERTICES, 2u * REPLAY_VERTICES, 1, REPLAY_WORKERS,
+                                                         REPLAY_VERTICES, SMR_METHOD_POLAR)];
 REPLAY_MEMORY unsigned char replay_scratch[REPLAY_SCRATCH];
 REPLAY_MEMORY unsigned char replay_image[2u * REPLAY_VERTICES << 10];
 REPLAY_MEMORY unsigned char replay_target[2][REPLAY_VERTICES << 8];

@@ -310,10 +310,10 @@ static void test_arena_macro(void **state)
                 config.method = k / 12u;
                 assert_int_equal(SMR_OK, smr_arena_bytes(m, &config, &bytes));
                 const size_t bound = SMR_ARENA_BYTES(info.n_vertices, info.n_triangles, info.n_structures,
-                                                     config.n_workers, config.n_target_vertices);
+                                                     config.n_workers, config.n_target_vertices, config.method);
                 const double ratio = (double)bytes / (double)bound;
                 worst = ratio > worst ? ratio : worst;
-                if (config.n_target_vertices > 0u && config.method == SMR_METHOD_POLAR && size == 4u)
+                if (size == 4u)
                     waste = 1.0 / ratio > waste ? 1.0 / ratio : waste;
                 if (bytes > bound) {
                     print_message("%u vertices %u triangles %u structures %u workers %u targets: %zu > %zu\n",
@@ -323,12 +323,10 @@ static void test_arena_macro(void **state)
             }
         }
     }
-    if (getenv("SMR_TEST_SHOW") != NULL) {
-        print_message("arena / macro: at most %.3f; macro / arena of a large polar model: at most %.3f\n", worst,
-                      waste);
-    }
+    if (getenv("SMR_TEST_SHOW") != NULL)
+        print_message("arena / macro: at most %.3f; macro / arena of a large model: at most %.3f\n", worst, waste);
     assert_true(worst <= 1.0);
-    assert_true(waste <= 1.5);
+    assert_true(waste <= 1.04);
 }
 
 /* ---- coordinates from outside */

@@ -35,7 +35,7 @@ static int target_run(const target_scene *scene, target_clock *clock, uint64_t b
         return 0;
     while (!report.done && t->ticks < TARGET_TICKS_MAX) {
         smr_status status;
-        const uint32_t repairs = s->repairing;
+        const uint32_t repairs = s->pace.repairing;
         const uint64_t time = target_tick(s, clock, budget_ns, &report, &status),
                        fixed = time - report.phase_ns[SMR_PHASE_FORCES];
         t->longest = time > t->longest ? time : t->longest;

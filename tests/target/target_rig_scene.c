@@ -15,7 +15,7 @@
 #define TARGET_OFF_MM 4.0f /* an image registration starts so far beside the truth */
 
 TARGET_MEMORY unsigned char target_arena[2][SMR_ARENA_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS *TARGET_FACETS,
-                                                            TARGET_PARTS, 1, TARGET_POINTS)];
+                                                            TARGET_PARTS, 1, TARGET_POINTS, SMR_METHOD_POLAR)];
 TARGET_MEMORY unsigned char target_scratch[6u << 20];
 TARGET_MEMORY unsigned char target_image[3u << 20];
 TARGET_MEMORY unsigned char target_surface[1u << 20];

@@ -104,7 +104,7 @@ static int target_phases(const target_scene *scene, target_clock *clock, int sti
         return 0;
     for (uint32_t i = 0; i < TARGET_FIXED_ITERATIONS; i++) {
         /* the first iteration also fits the last radius' pose, repairs are other work */
-        const int other = i == 0u || s->repairing > 0u || (s->reference_stale != 0u) == stiff;
+        const int other = i == 0u || s->pace.repairing > 0u || (s->reference.stale != 0u) == stiff;
         smr_status status;
         target_forget(clock);
         (void)target_tick(s, clock, 0, &report, &status); /* the clock is read after each step only */
@@ -155,7 +155,7 @@ static int target_stretches(const target_scene *scene, target_clock *clock)
     target_forget(clock);
     while (!report.done) {
         smr_status status;
-        const uint32_t repairs = s->repairing;
+        const uint32_t repairs = s->pace.repairing;
         const uint64_t all = target_tick(s, clock, TARGET_ENDLESS, &report, &status),
                        time = all - report.phase_ns[SMR_PHASE_FORCES];
         if (status != SMR_OK)

@@ -45,6 +45,30 @@ static void test_on_and_off(void **state)
     assert_true(!smr_attraction_on(&s->forces.surface) && smr_attract_tasks(&s->forces.surface) == 0u);
 }
 
+/* The report says what was used, not what was asked for: 0.5 does nothing while n_target_vertices is 0. */
+static void test_report_says_what_was_used(void **state)
+{
+    const smr_mesh goal = rig_ball(33, 9, 12, none), mesh = rig_ball(30, 9, 12, none);
+    const smr_prepare_config radii = rig_radii(1, 18, 0, 0);
+    smr_config c = smr_config_default();
+    smr_tick_report report;
+    (void)state;
+    smr *s = start(1, &goal, 0.25f);
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+    assert_true(report.attraction_used == 0.25f);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, NULL));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+    assert_true(report.attraction_used == 0.0f);
+    s = start(1, &goal, 0.0f);
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+    assert_true(report.attraction_used == 0.0f);
+    assert_true(c.attraction == 0.5f && c.n_target_vertices == 0u);
+    s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+    assert_true(report.n_forces > 0u && report.attraction_used == 0.0f);
+}
+
 /* One small triangle over the middle of a facet: its three corners feel it, towards it, by barycentric weight. */
 static void test_one_triangle(void **state)
 {
@@ -153,6 +177,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_on_and_off, tidy),
+        cmocka_unit_test_teardown(test_report_says_what_was_used, tidy),
         cmocka_unit_test_teardown(test_one_triangle, tidy),
         cmocka_unit_test_teardown(test_workers, tidy),
         cmocka_unit_test_teardown(test_closest_facet, tidy),

@@ -258,6 +258,27 @@ static void border_bits_against_a_count(void **state)
     }
 }
 
+/* The constant for static storage is never too small, and close for surfaces of a usual size. */
+static void the_macro_bounds_the_size(void **state)
+{
+    static const uint32_t vertices[] = {1, 3, 100, 3000, 40000, SMR_VERTICES_MAX};
+    (void)state;
+    for (size_t i = 0; i < sizeof vertices / sizeof vertices[0]; i++) {
+        for (uint32_t nt = 1; nt < SMR_TRIANGLES_MAX / 2u; nt = nt + nt / 3u + 1u) {
+            size_t bytes = 0;
+            assert_int_equal(smr_surface_bytes(vertices[i], nt, &bytes), SMR_OK);
+            const size_t bound = SMR_SURFACE_BYTES(vertices[i], nt);
+            if (bytes > bound || (nt >= 1000u && (double)bound > 1.03 * (double)bytes))
+                fail_msg("%u vertices, %u triangles: %zu bytes, bound %zu", vertices[i], nt, bytes, bound);
+        }
+        for (uint32_t nt = SMR_TRIANGLES_MAX; nt > SMR_TRIANGLES_MAX - 600u; nt--) {
+            size_t bytes = 0;
+            assert_int_equal(smr_surface_bytes(vertices[i], nt, &bytes), SMR_OK);
+            assert_true(bytes <= SMR_SURFACE_BYTES(vertices[i], nt));
+        }
+    }
+}
+
 /* A surface of nothing but points and segments still answers. */
 static void surfaces_without_area(void **state)
 {
@@ -290,6 +311,7 @@ int main(void)
         cmocka_unit_test(ties_go_to_the_smallest_index),
         cmocka_unit_test(borders),
         cmocka_unit_test(border_bits_against_a_count),
+        cmocka_unit_test(the_macro_bounds_the_size),
         cmocka_unit_test(surfaces_without_area),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

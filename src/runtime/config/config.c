@@ -1,5 +1,5 @@
-/* config.c: the runtime configuration's defaults and ranges, from the table base/settings_config.def; beside it, what relates
- * to the model or to other fields.
+/* config.c: the runtime configuration's defaults and ranges, from the table base/settings_config.def; beside it, what
+ * relates to the model or to other fields.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
 #include "runtime/config/config.h"

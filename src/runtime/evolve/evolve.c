@@ -1,5 +1,5 @@
-/* evolve.c: new positions (paper 2.3, evolution): x += relaxation (x~ - x) with x~_i = Sum_i(T) x^r_i / |zeta_i|, normals
- * carried by the averaged rotation, and the state hash.
+/* evolve.c: new positions (paper 2.3, evolution): x += relaxation (x~ - x) with x~_i = Sum_i(T) x^r_i / |zeta_i|,
+ * normals carried by the averaged rotation, and the state hash.
  * Bounds: two passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "runtime/evolve/evolve.h"

@@ -1,10 +1,10 @@
 /* tangent_evening.c: evens out, along the surface, how neighbours have moved, at the last radius. Nothing else there
- * decides where on the surface a vertex comes to lie: clusters are single vertices, forces are normal to the target. So
- * every choice that a last bit decided on the way (which triangle is nearer, who is just within a cluster) would stay in
- * the result, and grow.
- * Evened is the displacement from the rest shape in its pose of that moment: x moves towards the place where its
- * displacement is the mean of its mesh neighbours', tangentially only. Towards the end this fades. Where folds were held
- * back it ends: it would push against that again and again, and how far this gives way is a matter of last bits.
+ * decides where on the surface a vertex comes to lie: clusters are single vertices, forces are normal to the target.
+ * So every choice that a last bit decided on the way (which triangle is nearer, who is just within a cluster) would
+ * stay in the result, and grow. Evened is the displacement from the rest shape in its pose of that moment: x moves
+ * towards the place where its displacement is the mean of its mesh neighbours', tangentially only. Towards the end
+ * this fades. Where folds were held back it ends: it would push against that again and again, and how far this gives
+ * way is a matter of last bits.
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
 #include "runtime/evolve/evolve.h"

@@ -3,7 +3,6 @@
  * bends there straightens again, so hinges are searched from the last radius but one on.
  * Bounds: one pass over the hinges.
  * SPDX-License-Identifier: MIT */
-#include "geometry/triangle.h"
 #include "runtime/folds/folds.h"
 
 void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared)
@@ -36,26 +35,6 @@ void smr_folds_reset(smr_folds *f)
 int smr_folds_guarded(const smr_shared *c, const smr_pace *p)
 {
     return c->config.fold_guard && p->radius + 2u > smr_last_radius(c);
-}
-
-void smr_runs_clear(smr_folds *f)
-{
-    memset(f->touched, 0, sizeof f->touched);
-    f->run_bits = 0;
-    while (f->shared->n_triangles >> f->run_bits >= SMR_RUNS)
-        f->run_bits++;
-}
-
-static smr_vec normal_at(const smr_folds *f, float *x, uint32_t triangle)
-{
-    const uint32_t *t = smr_corners(f, triangle);
-    return smr_unit(
-        smr_triangle_cross(smr_load(smr_at3(x, t[0])), smr_load(smr_at3(x, t[1])), smr_load(smr_at3(x, t[2]))));
-}
-
-float smr_hinge_cosine(const smr_folds *f, float *x, const smr_stored_hinge *h)
-{
-    return smr_dot(normal_at(f, x, smr_le32(h->first)), normal_at(f, x, smr_hinge_second(h)));
 }
 
 uint32_t smr_fold_find_tasks(const void *arg)

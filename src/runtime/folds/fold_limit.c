@@ -1,13 +1,13 @@
-/* fold_limit.c: at the finest radii, limits the steps x_next - x that would fold hinges. A hinge may come nearer to its
- * limit by a share of what is left in an iteration. Where its cosine would fall by more, the steps of its four corners
- * become more alike: so far towards their mean as it takes, for corners that all move alike do not turn it. Vertices of
- * several such hinges go by the mean of what these ask, the nearer to it the more the most urgent asks. Hinges that share
- * corners pull each other along, so that is done a few times over. All this is continuous in the positions: who is close
- * to a limit by a last bit is moved by a last bit.
- * What would fold even so has its steps halved, and at last stays where it was, which did not fold.
- * Each round depends on the one before: one task after the other, each a piece of a pass.
- * Bounds: SMR_LIMIT_ROUNDS passes over the hinges, and SMR_SOFT_ROUNDS over triangles and vertices of the structures that
- * fold.
+/* fold_limit.c: at the finest radii, limits the steps x_next - x that would fold hinges. A hinge may come nearer to
+ * its limit by a share of what is left in an iteration. Where its cosine would fall by more, the steps of its four
+ * corners become more alike: so far towards their mean as it takes, for corners that all move alike do not turn it.
+ * Vertices of several such hinges go by the mean of what these ask, the nearer to it the more the most urgent asks.
+ * Hinges that share corners pull each other along, so that is done a few times over. All this is continuous in the
+ * positions: who is close to a limit by a last bit is moved by a last bit. What would fold even so has its steps
+ * halved, and at last stays where it was, which did not fold. Each round depends on the one before: one task after
+ * the other, each a piece of a pass.
+ * Bounds: SMR_LIMIT_ROUNDS passes over the hinges, and SMR_SOFT_ROUNDS over triangles and vertices of the structures
+ * that fold.
  * SPDX-License-Identifier: MIT */
 #include "runtime/folds/folds.h"
 

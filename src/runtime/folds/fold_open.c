@@ -1,8 +1,8 @@
-/* fold_open.c: opens what is folded all the same, at the last radius: hinges whose triangles look away from each other
- * and did not at rest. fold_limit.c leaves hinges that are right angles at rest some room, since holding these back would
- * hold back whole caps and corners; and what has been folded for long it only keeps from folding further. Here the
- * corners of such a hinge go the shortest way along which the cosine between its normals comes back above zero, one hinge
- * after the other, over and over, for one may turn its neighbour.
+/* fold_open.c: opens what is folded all the same, at the last radius: hinges whose triangles look away from each
+ * other and did not at rest. fold_limit.c leaves hinges that are right angles at rest some room, since holding these
+ * back would hold back whole caps and corners; and what has been folded for long it only keeps from folding further.
+ * Here the corners of such a hinge go the shortest way along which the cosine between its normals comes back above
+ * zero, one hinge after the other, over and over, for one may turn its neighbour.
  * Source: a constraint's projection, Mueller et al., "Position based dynamics", 2006.
  * Bounds: SMR_OPEN_PASSES passes over the hinges.
  * SPDX-License-Identifier: MIT */
@@ -49,8 +49,8 @@ static side side_of(const smr_folds *f, uint32_t triangle)
     return t;
 }
 
-/* Adds to gradient, at the places of its corners, how the cosine changes with one side's corners: these turn the side only
- * along its normal. Places 0 to 2 are the first side's corners, 3 the second's that the first does not have. */
+/* Adds to gradient, at the places of its corners, how the cosine changes with one side's corners: these turn the side
+ * only along its normal. Places 0 to 2 are the first side's corners, 3 the second's that the first does not have. */
 static void add_gradient(const side *own, const side *other, const uint32_t place[3], smr_vec gradient[4])
 {
     for (uint32_t c = 0; c < 3u; c++) {

@@ -1,7 +1,8 @@
-/* fold_repair.c: repairs what folds before the last two radii, in iterations without forces: in a patch around it, which
- * grows while this does not suffice, the displacement from the rest shape is made as smooth as the patch's surroundings.
- * One task after the other, each a piece of a pass over hinges, triangles or vertices.
- * Bounds: one pass over the hinges, and over the structures that fold 3 + 2 SMR_REPAIR_SWEEPS for each ring of the patch.
+/* fold_repair.c: repairs what folds before the last two radii, in iterations without forces: in a patch around it,
+ * which grows while this does not suffice, the displacement from the rest shape is made as smooth as the patch's
+ * surroundings. One task after the other, each a piece of a pass over hinges, triangles or vertices.
+ * Bounds: one pass over the hinges, and over the structures that fold 3 + 2 SMR_REPAIR_SWEEPS for each ring of the
+ * patch.
  * SPDX-License-Identifier: MIT */
 #include "runtime/folds/folds.h"
 

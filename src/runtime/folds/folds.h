@@ -1,7 +1,7 @@
-/* folds.h: watches for triangles that turn over, from the last radius but one on. In: positions under way. Out: the same
- * with what folds repaired, limited or opened. Four steps: fold_find counts; fold_repair works before a radius starts,
- * fold_limit in its iterations, and fold_open, at the last radius, on what is folded all the same.
- * A hinge is an edge that two triangles share; its cosine is that between their normals.
+/* folds.h: watches for triangles that turn over, from the last radius but one on. In: positions under way. Out: the
+ * same with what folds repaired, limited or opened. Four steps: fold_find counts; fold_repair works before a radius
+ * starts, fold_limit in its iterations, and fold_open, at the last radius, on what is folded all the same. A hinge is
+ * an edge that two triangles share; its cosine is that between their normals.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_FOLDS_H
 #define SMR_FOLDS_H

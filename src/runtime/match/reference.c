@@ -1,8 +1,8 @@
-/* reference.c: what matching needs of the reference shape x^r, whenever it is new: each cluster's centre c^r, mass M and
- * covariance C^r or inverse inertia tensor (paper 2.3). x^r is rounded to powers of two of a millimetre and the moments
- * are summed as whole numbers with wrap-around; taken relative to the cluster's own vertex the final values fit and are
- * exact, however far the cluster lies from the origin. Second moments use a coarse step, about a thousandth of the
- * cluster's reach, and enter only as the spread; the centre has a fine step of its own.
+/* reference.c: what matching needs of the reference shape x^r, whenever it is new: each cluster's centre c^r, mass M
+ * and covariance C^r or inverse inertia tensor (paper 2.3). x^r is rounded to powers of two of a millimetre and the
+ * moments are summed as whole numbers with wrap-around; taken relative to the cluster's own vertex the final values
+ * fit and are exact, however far the cluster lies from the origin. Second moments use a coarse step, about a
+ * thousandth of the cluster's reach, and enter only as the spread; the centre has a fine step of its own.
  * Bounds: four passes over the vertices, one over the lists.
  * SPDX-License-Identifier: MIT */
 #include "runtime/match/reference.h"
@@ -59,12 +59,6 @@ void smr_reference_forest(void *arg, uint32_t task, uint32_t worker)
     smr_sums_forest(((smr_reference *)arg)->sums, task, worker);
 }
 
-uint32_t smr_reference_boundary_tasks(const void *arg)
-{
-    const smr_reference *r = arg;
-    return r->stale ? smr_boundary_tasks(r->sums) : 0u;
-}
-
 uint32_t smr_reference_cluster_tasks(const void *arg)
 {
     const smr_reference *r = arg;
@@ -96,7 +90,8 @@ static float reach_bound(const smr_reference *r)
     return 1.01f * (r->pace->lists.reach * smr_length(column) + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
 }
 
-/* The smallest power of two k, from 2^-20 to 2^40 mm, with mass * (reach / k)^power <= 2^30. Takes as long whatever k is. */
+/* The smallest power of two k, from 2^-20 to 2^40 mm, with mass * (reach / k)^power <= 2^30. Takes as long whatever k
+ * is. */
 static float step_for(float mass, float reach, int power)
 {
     float k = 1.0f / 1048576.0f;
@@ -163,8 +158,8 @@ static int64_t steps_apart(uint32_t a, uint32_t b)
     return d > most ? most : (d < -most ? -most : d);
 }
 
-/* Adds a part of one vertex to the sums of another's cluster: share / SMR_BOUNDARY_UNITS of its moments about that cluster's
- * vertex, which are small whole numbers. What is left of its mass has a word of its own. */
+/* Adds a part of one vertex to the sums of another's cluster: share / SMR_BOUNDARY_UNITS of its moments about that
+ * cluster's vertex, which are small whole numbers. What is left of its mass has a word of its own. */
 void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t share)
 {
     uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)to, q[3], f[3], there[3], fine[3], first[3];

@@ -1,5 +1,6 @@
-/* input_checksum.c: checksums of inputs, for the log: a replay that is given other inputs must be told from one that differs.
- * They are of numbers, so every processor gets the same ones, and of the whole input, so one changed bit shows.
+/* input_checksum.c: checksums of inputs, for the log: a replay that is given other inputs must be told from one that
+ * differs. They are of numbers, so every processor gets the same ones, and of the whole input, so one changed bit
+ * shows.
  * Bounds: one pass over points, triangles or voxels.
  * SPDX-License-Identifier: MIT */
 #include "runtime/record/log.h"

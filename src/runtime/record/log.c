@@ -1,7 +1,7 @@
-/* log.c: writes down what was done to a registration: each input that is set, each tick and how far it came. That and the
- * inputs is all that decides the bits (replay.c), so a run whose ticks were cut by the clock can be repeated anywhere.
- * Bytes are little-endian, records are only ever added, and each one's checksum goes on from the one before: what a device
- * wrote until it lost power can be read up to its last record. Layout: docs/SPEC.md.
+/* log.c: writes down what was done to a registration: each input that is set, each tick and how far it came. That and
+ * the inputs is all that decides the bits (replay.c), so a run whose ticks were cut by the clock can be repeated
+ * anywhere. Bytes are little-endian, records are only ever added, and each one's checksum goes on from the one
+ * before: what a device wrote until it lost power can be read up to its last record. Layout: docs/SPEC.md.
  * Bounds: SMR_LOG_WORDS; SMR_LOG_CONFIG_WORDS for the header.
  * SPDX-License-Identifier: MIT */
 #include "runtime/record/log.h"

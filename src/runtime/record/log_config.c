@@ -1,6 +1,7 @@
 /* log_config.c: the configuration in a log's header. Version 2 writes each setting with its number of the table
- * (base/settings_config.def), so that fields can move and be added; a setting that a log lacks has its default. Version 1 has
- * the struct of library 0.1 as it lay in memory: its words are the numbers up to 44, with the cookie as word 0.
+ * (base/settings_config.def), so that fields can move and be added; a setting that a log lacks has its default.
+ * Version 1 has the struct of library 0.1 as it lay in memory: its words are the numbers up to 44, with the cookie as
+ * word 0.
  * Bounds: SMR_LOG_CONFIG_WORDS words, the table's rows for each of them.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"

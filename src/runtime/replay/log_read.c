@@ -1,5 +1,5 @@
-/* log_read.c: reads a log back, record by record. The bytes may come from anywhere: every length, kind and flag is checked
- * before it is used, nothing outside is read, and each record takes the reader further, so reading ends.
+/* log_read.c: reads a log back, record by record. The bytes may come from anywhere: every length, kind and flag is
+ * checked before it is used, nothing outside is read, and each record takes the reader further, so reading ends.
  * SPDX-License-Identifier: MIT */
 #include "runtime/record/log.h"
 

@@ -1,8 +1,8 @@
-/* replay.c: repeats a recorded registration from its log and its inputs, to the last bit, on any processor and any number of
- * threads. A budget decides how many vertices an iteration takes, and at which of the caller's inputs it looks; both are in
- * the log. So each complete iteration is run in one piece with that number of vertices, and inputs are set where they
- * counted: one that came while an iteration still gathered its forces started it again and counts before it, a
- * later one counts after it, and one that starts the schedule over gives the iteration up.
+/* replay.c: repeats a recorded registration from its log and its inputs, to the last bit, on any processor and any
+ * number of threads. A budget decides how many vertices an iteration takes, and at which of the caller's inputs it
+ * looks; both are in the log. So each complete iteration is run in one piece with that number of vertices, and inputs
+ * are set where they counted: one that came while an iteration still gathered its forces started it again and counts
+ * before it, a later one counts after it, and one that starts the schedule over gives the iteration up.
  * Bounds: a tick reads the log's records at most twice.
  * SPDX-License-Identifier: MIT */
 #include "runtime/registration.h"
@@ -62,7 +62,8 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     return smr_set_positions(s, record->structure, given);
 }
 
-/* The surfaces that were set while an iteration had its forces already. Those records lie between r->later and the reader. */
+/* The surfaces that were set while an iteration had its forces already. Those records lie between r->later and the
+ * reader. */
 static smr_status set_later(smr_replay *r, smr_log_record *record)
 {
     smr_status status = SMR_OK;

@@ -11,8 +11,9 @@
     2u /* with an image, iterations at the first radius: few vertices have goals, and most of the way is made */
 #define SMR_NARROWING 0.5f /* search distances shrink to this share at most, from one radius to the next */
 
-/* Image forces cost most of the time, and a large cluster needs few of them: about so many that the smallest cluster keeps
- * active_enough. Whole levels: which vertices they hold does not depend on how the curve runs through the model. */
+/* Image forces cost most of the time, and a large cluster needs few of them: about so many that the smallest cluster
+ * keeps active_enough. Whole levels: which vertices they hold does not depend on how the curve runs through the
+ * model. */
 static float enough_for_image(const smr *s)
 {
     const float cluster =
@@ -25,8 +26,8 @@ static float enough_for_image(const smr *s)
     return (float)smr_le32(s->shared.model->level_end[level]);
 }
 
-/* The first vertices in the order in which they matter that take part now: the share that the configuration asks for, but
- * never too few for the clusters of this radius. */
+/* The first vertices in the order in which they matter that take part now: the share that the configuration asks for,
+ * but never too few for the clusters of this radius. */
 static uint32_t active_count(const smr *s)
 {
     const float n = (float)s->shared.n, last = s->shared.config.active_share,
@@ -38,8 +39,8 @@ static uint32_t active_count(const smr *s)
     return smr_min_u32(smr_max_u32(whole + ((float)whole < count), s->pace.lists.active_min), s->shared.n);
 }
 
-/* A new number makes cluster centres anew, so it waits for a new reference shape, which does so anyway, but not for ever.
- * The caller's own choice does not wait, nor do vertices that the last budget left out. */
+/* A new number makes cluster centres anew, so it waits for a new reference shape, which does so anyway, but not for
+ * ever. The caller's own choice does not wait, nor do vertices that the last budget left out. */
 static void choose_active(smr *s)
 {
     const uint32_t count =
@@ -53,8 +54,8 @@ static void choose_active(smr *s)
     s->budget.cut = 0;
 }
 
-/* With an image alone nothing is repaired: its last radius is not single vertices, so what is folded straightens again, and
- * fold_open.c opens the rest. A repair's patches would lose what forces had found there. */
+/* With an image alone nothing is repaired: its last radius is not single vertices, so what is folded straightens
+ * again, and fold_open.c opens the rest. A repair's patches would lose what forces had found there. */
 static int repairs_before(const smr *s, uint32_t radius)
 {
     return smr_folds_guarded(&s->shared, &s->pace) && s->shared.n_hinges > 0u &&
@@ -121,16 +122,16 @@ typedef struct ending {
     int small, spent, settled, done, plastic;
 } ending;
 
-/* Evening out takes the whole last radius: an end that comes early is a choice which last bits decide. Rest is rest. A target
- * that is set or taken away in the iteration counts from the next one on, as in a replay. */
+/* Evening out takes the whole last radius: an end that comes early is a choice which last bits decide. Rest is rest.
+ * A target that is set or taken away in the iteration counts from the next one on, as in a replay. */
 static int may_end_early(const smr *s)
 {
     return !(s->evolve.moved_mm > 0.0f) || !smr_at_last_radius(&s->shared, &s->pace) ||
            s->forces.surface.n_goals_begun == 0u || !(s->shared.config.even > 0.0f);
 }
 
-/* A radius is done when an iteration moves less than the threshold, or after its number of iterations; the last radius' end
- * is the registration's end. */
+/* A radius is done when an iteration moves less than the threshold, or after its number of iterations; the last
+ * radius' end is the registration's end. */
 static ending ending_of(const smr *s, uint32_t radius_iteration, uint32_t since_plastic)
 {
     const int last = smr_at_last_radius(&s->shared, &s->pace);

@@ -13,9 +13,9 @@ enum { SMR_WORK_TASKS = 0, SMR_WORK_ACTIVE, SMR_WORK_LISTS, SMR_WORK_FOLDS };
  * as long as n_tasks says that there is one more. */
 enum { SMR_ANY_ORDER = 0, SMR_SERIAL, SMR_OPEN_ENDED };
 
-/* n_tasks tasks (0: the step is skipped), then one serial end. The functions but `end` get the stage's own struct, which
- * lies `stage` bytes from the registration's start. Where tasks are pieces of something that is one task without a
- * budget, `abreast` pieces are independent and the next so many need them. */
+/* n_tasks tasks (0: the step is skipped), then one serial end. The functions but `end` get the stage's own struct,
+ * which lies `stage` bytes from the registration's start. Where tasks are pieces of something that is one task
+ * without a budget, `abreast` pieces are independent and the next so many need them. */
 typedef struct smr_step {
     uint32_t phase; /* SMR_PHASE_... */
     uint32_t work;  /* SMR_WORK_... */

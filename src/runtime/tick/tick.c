@@ -8,8 +8,8 @@
 
 static uint64_t now(const smr *s) { return s->port.now_ns == NULL ? 0u : s->port.now_ns(s->port.ctx); }
 
-/* `count` tasks of one step from `first` on, as a loop over bundles that counts from 0. Where no clock is watched tasks are
- * bundled: handing out one takes its time, too. */
+/* `count` tasks of one step from `first` on, as a loop over bundles that counts from 0. Where no clock is watched
+ * tasks are bundled: handing out one takes its time, too. */
 typedef struct part_of_step {
     void *stage;
     smr_task run;
@@ -42,8 +42,8 @@ typedef struct watch {
     int begun;         /* the first group runs whatever the clock says: a tick always gets on */
 } watch;
 
-/* Reads the clock; returns 1 when the time is over, or will be after so many ns more. A clock that runs backwards ends the
- * tick, too. */
+/* Reads the clock; returns 1 when the time is over, or will be after so many ns more. A clock that runs backwards
+ * ends the tick, too. */
 static int over(smr *s, watch *w, uint64_t ahead)
 {
     const uint64_t time = now(s);

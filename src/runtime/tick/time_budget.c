@@ -1,10 +1,10 @@
 /* time_budget.c: fits an iteration into a budget. From the port's clock it learns what each step costs: so many
  * nanoseconds a unit of its work. While forces are looked for, in the order of priority, it keeps in reserve what the
- * rest of the iteration will take with the vertices reached so far; when the time left comes down to that, the vertices
- * not reached are ignored in this iteration (paper 2.2, complexity tuning). Everything that depends on how many take part
- * is computed after the forces, so a cut iteration has the bits of one that was given that number from the start.
- * If even the minimum set exceeds the budget, the iteration spans several ticks and skips nothing. So it does where the
- * schedule closes: what is left out there is never found.
+ * rest of the iteration will take with the vertices reached so far; when the time left comes down to that, the
+ * vertices not reached are ignored in this iteration (paper 2.2, complexity tuning). Everything that depends on how
+ * many take part is computed after the forces, so a cut iteration has the bits of one that was given that number from
+ * the start. If even the minimum set exceeds the budget, the iteration spans several ticks and skips nothing. So it
+ * does where the schedule closes: what is left out there is never found.
  * Bounds: SMR_STEPS_MAX, for each group of forces.
  * SPDX-License-Identifier: MIT */
 #include "runtime/tick/steps.h"
@@ -33,7 +33,8 @@ void smr_budget_start(smr *s)
         s->budget.rate[i] = SMR_UNKNOWN;
 }
 
-/* What the forest reads: every entry and index. With fewer active vertices less, but by how much is not known beforehand. */
+/* What the forest reads: every entry and index. With fewer active vertices less, but by how much is not known
+ * beforehand. */
 static float lists_units(const smr *s)
 {
     return (float)s->shared.n + (float)smr_le32(s->pace.lists.block[s->pace.lists.n_blocks].first_index);
@@ -48,8 +49,9 @@ static float units_of(smr *s, const smr_step *step, uint32_t n_tasks)
     return step->work == SMR_WORK_LISTS ? lists_units(s) : (float)n_tasks;
 }
 
-/* One sample into a rate. A stretch in which something else ran counts as at most twice what is usual for the step, or as
- * a small share of an iteration where that is more: a clock may show nothing for long, folds may come all at once. */
+/* One sample into a rate. A stretch in which something else ran counts as at most twice what is usual for the step,
+ * or as a small share of an iteration where that is more: a clock may show nothing for long, folds may come all at
+ * once. */
 static float blend(const smr_time_budget *c, float rate, float sample, float units)
 {
     if (rate < 0.0f)
