@@ -1,4 +1,5 @@
-/* test_fill.c: vertices that the image shows nothing of shrink towards their neighbours, what it cannot tell of stays.
+/* test_fill.c: vertices that the image does not show shrink towards their neighbours; where the image is undecided
+ * they stay.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -20,8 +21,8 @@ static int tidy(void **state)
     return 0;
 }
 
-/* A ball (1), a texture that is nothing like its surface (0), one value (2), or the ball's lower part below that texture (3).
- * Cut off above z = top. */
+/* A ball (1), a texture unlike its surface (0), one value (2), or the ball's lower part below that texture (3).
+ * The image ends above z = top. */
 static smr_volume image(int ball, float top)
 {
     float *voxels;
