@@ -1,4 +1,5 @@
-/* arena.c: slots in the caller's memory.
+/* arena.c: cuts the caller's memory into slots aligned to SMR_ALIGN bytes; under the address sanitiser with a poisoned
+ * red zone behind each slot.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 
@@ -56,7 +57,5 @@ void *smr_arena_take(smr_arena *a, size_t count, size_t size)
     SMR_POISON(a->base + start + bytes, a->used - start - bytes);
     return a->base + start;
 }
-
-smr_status smr_arena_check(const smr_arena *a) { return a->used > a->capacity ? SMR_E_ARENA : SMR_OK; }
 
 void smr_arena_release(void *base, size_t capacity) { SMR_UNPOISON(base, capacity); }

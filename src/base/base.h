@@ -1,4 +1,4 @@
-/* base.h: what every file of the core stands on: the language's assumptions, small helpers, status checks.
+/* base.h: included by every file of src/: assumptions about float, scalar helpers, and the cookie of configurations.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_BASE_H
 #define SMR_BASE_H
@@ -25,7 +25,7 @@ static inline uint32_t smr_max_u32(uint32_t a, uint32_t b) { return a > b ? a : 
 static inline uint64_t smr_min_u64(uint64_t a, uint64_t b) { return a < b ? a : b; }
 static inline uint32_t smr_ceil_div(uint32_t a, uint32_t b) { return a / b + (a % b != 0u); }
 
-/* max(a, 0) without a branch, so that loops of it become vector code everywhere; -0 gives 0. */
+/* max(a, 0), with 0 for -0. Without a branch, so that compilers vectorise loops over it. */
 static inline float smr_positive(float a)
 {
     int32_t bits;
@@ -35,10 +35,11 @@ static inline float smr_positive(float a)
     return a;
 }
 
-/* True for a number within +-limit; false for NaN and infinities. */
+/* 1 when |a| <= limit; 0 otherwise, and for NaN and infinities. */
 static inline int smr_within(float a, float limit) { return a >= -limit && a <= limit; }
 
-/* 16 bits that change with the struct's size and the library's minor version. */
+/* The cookie of a configuration: tag, minor version and struct size in one number, so that a configuration from another
+ * version is recognised. */
 #define SMR_COOKIE(tag, type)                                                                                          \
     (((uint32_t)(tag) << 24) | ((uint32_t)SMR_VERSION_MINOR << 16) | (uint32_t)(sizeof(type) & 0xffffu))
 

@@ -1,5 +1,4 @@
-/* bytes.h: the model image's numbers are little-endian on every host; these read and write them.
- * On little-endian hosts a load compiles to a plain load.
+/* bytes.h: little-endian numbers as models and logs store them, bits of floats, and checksums.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_BYTES_H
 #define SMR_BYTES_H
@@ -12,6 +11,7 @@
 #define SMR_BIG_ENDIAN 0
 #endif
 
+/* Host number to little-endian and back: swaps the bytes on big-endian hosts, returns v unchanged on others. */
 static inline uint16_t smr_le16(uint16_t v) { return SMR_BIG_ENDIAN ? (uint16_t)(v << 8 | v >> 8) : v; }
 
 static inline uint32_t smr_le32(uint32_t v)
@@ -19,7 +19,7 @@ static inline uint32_t smr_le32(uint32_t v)
     return SMR_BIG_ENDIAN ? (v << 24 | (v << 8 & 0xff0000u) | (v >> 8 & 0xff00u) | v >> 24) : v;
 }
 
-/* A float stored as its little-endian bits, and back. */
+/* The float whose bits are stored little-endian. */
 static inline float smr_le_float(uint32_t stored)
 {
     uint32_t bits = smr_le32(stored);
@@ -28,6 +28,8 @@ static inline float smr_le_float(uint32_t stored)
     return v;
 }
 
+/* The bits of v, in host byte order. */
+/* The bits of v in host byte order. */
 static inline uint32_t smr_float_bits(float v)
 {
     uint32_t bits;
@@ -35,7 +37,7 @@ static inline uint32_t smr_float_bits(float v)
     return bits;
 }
 
-/* Mixes 64 bits: the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
+/* A hash of 64 bits: the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
 static inline uint64_t smr_mix(uint64_t z)
 {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;

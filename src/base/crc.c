@@ -1,7 +1,7 @@
-/* crc.c: CRC-32 as in IEEE 802.3, four bytes at a time: 512 bytes of table, no initialisation.
- * Source: the polynomial 0xEDB88320, reflected; check value of "123456789" is 0xCBF43926. Method: slicing (Kounavis and Berry
- * 2005) by half bytes: row k holds what each of them becomes when k others have followed it, so that eight can be looked up
- * at once instead of one after the other.
+/* crc.c: CRC-32 of IEEE 802.3 (polynomial 0xEDB88320, reflected), four bytes at a time. The
+ * table is constant, 512 bytes. The check value of "123456789" is 0xCBF43926.
+ * Method: slicing (Kounavis and Berry 2005) by half bytes. table[k][h] is the CRC of half byte h followed by k zero
+ * half bytes, so the eight look-ups of four bytes do not depend on each other.
  * SPDX-License-Identifier: MIT */
 #include "base/bytes.h"
 

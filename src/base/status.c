@@ -1,4 +1,4 @@
-/* status.c: names of the status codes.
+/* status.c: the names of the status codes, for messages.
  * SPDX-License-Identifier: MIT */
 #include "base/base.h"
 

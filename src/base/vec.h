@@ -1,4 +1,4 @@
-/* vec.h: vectors of three floats and 3x3 matrices (row-major float[9]).
+/* vec.h: vectors of three floats, 3x3 matrices (row-major float[9]) and poses.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_VEC_H
 #define SMR_VEC_H
@@ -39,7 +39,7 @@ static inline smr_vec smr_cross(smr_vec a, smr_vec b)
 
 static inline float smr_length(smr_vec a) { return SMR_SQRT(smr_dot(a, a)); }
 
-/* The unit vector along a; zero for a vector too short to have a direction. */
+/* a / |a|; zero when |a| <= 1e-15. */
 static inline smr_vec smr_unit(smr_vec a)
 {
     float l2 = smr_dot(a, a);
@@ -48,25 +48,27 @@ static inline smr_vec smr_unit(smr_vec a)
     return smr_scale(a, 1.0f / SMR_SQRT(l2));
 }
 
+/* The matrix-vector product m a. */
 static inline smr_vec smr_mul(const float m[9], smr_vec a)
 {
     return smr_v(m[0] * a.x + m[1] * a.y + m[2] * a.z, m[3] * a.x + m[4] * a.y + m[5] * a.z,
                  m[6] * a.x + m[7] * a.y + m[8] * a.z);
 }
 
-/* Rounded to a whole number; what is beyond +-2^30, or no number, to the limit. */
+/* a rounded to a whole number, halves away from zero; limited to +-2^30. */
 static inline float smr_whole_number(float a)
 {
     const float v = smr_clamp(a, -1073741824.0f, 1073741824.0f);
     return (float)(int32_t)(v + (v < 0.0f ? -0.5f : 0.5f));
 }
 
-/* Each coordinate rounded, for origins that cost no digits. */
+/* Each coordinate rounded to a whole number. Subtracting such an origin from coordinates loses few digits or none. */
 static inline smr_vec smr_whole(smr_vec a)
 {
     return smr_v(smr_whole_number(a.x), smr_whole_number(a.y), smr_whole_number(a.z));
 }
 
+/* The point a moved by the pose. */
 static inline smr_vec smr_pose_apply(const smr_pose *p, smr_vec a)
 {
     return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z + p->m[0][3],

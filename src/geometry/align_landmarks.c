@@ -1,6 +1,7 @@
-/* align_landmarks.c: the start pose from corresponding landmarks, by least squares (transform_fit.c). Three that lie on no line fix
- * a rotation; with fewer or flatter sets it is one of those that fit best, and one landmark or coincident ones turn nothing.
- * Worst case: two passes over SMR_LANDMARKS_MAX pairs.
+/* align_landmarks.c: the start pose from corresponding landmarks, by least squares (transform_fit.c).
+ * Three landmarks that are not collinear determine the rotation. Collinear landmarks, or two, get one of the
+ * best-fitting rotations; a single landmark, or coincident ones, get the identity.
+ * Bounds: two passes over at most SMR_LANDMARKS_MAX pairs.
  * SPDX-License-Identifier: MIT */
 #include "geometry/transform_fit.h"
 
@@ -21,8 +22,8 @@ smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, u
         smr_fit_add(&fit, smr_load(from + 3u * i), smr_load(to + 3u * i), 1.0f);
     const smr_pose found = smr_fit_solve(&fit, scaled != 0u);
     for (size_t i = 0; i < n; i++) {
-        const smr_vec miss = smr_sub(smr_pose_apply(&found, smr_load(from + 3u * i)), smr_load(to + 3u * i));
-        sum += smr_dot(miss, miss);
+        const smr_vec error = smr_sub(smr_pose_apply(&found, smr_load(from + 3u * i)), smr_load(to + 3u * i));
+        sum += smr_dot(error, error);
     }
     *pose = found;
     if (rms_mm != NULL)

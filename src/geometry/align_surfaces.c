@@ -1,18 +1,18 @@
-/* align_surfaces.c: a start pose without landmarks. Centroids and principal axes lay one surface onto the other in all 24 ways
- * of matching axes and signs; each is refined by a few iterations of closest points in both directions (ICP, Besl and
- * McKay 1992, with agreeing normals), the best ones by more, and the winner to the end.
- * Bounds: 24 * 8 + 4 * 24 + iterations closest-point rounds over 2 * samples points.
+/* align_surfaces.c: the start pose from two surfaces, without landmarks.
+ * Method: centroids and principal axes are matched in all 24 combinations of axes and signs. Each start is refined by
+ * 8 iterations of iterative closest point in both directions (ICP, Besl and McKay 1992, with agreeing normals), the
+ * best 4 by 24 iterations, and the best one by config.iterations.
+ * Bounds: 24 * 8 + 4 * 24 + config.iterations ICP iterations over 2 * config.samples points.
  * SPDX-License-Identifier: MIT */
 #include "geometry/transform_fit.h"
 #include "geometry/jacobi.h"
 #include "geometry/surface.h"
 
-#define SMR_CASES 24u
+#define SMR_CASES 24u /* combinations of principal axes and signs */
 #define SMR_FINALISTS 4u
-#define SMR_STEADY                                                                                                     \
-    12u /* iterations before a refinement may end early: where it does is a choice that a last bit decides */
-#define SMR_STANDS 0.9995f /* of the mean square distance: it does when an iteration leaves more */
-#define SMR_MISS_MM 100.0f /* what a point without any agreeing triangle counts as */
+#define SMR_STEADY 12u     /* iterations before a refinement may end early: the end depends on rounding */
+#define SMR_STANDS 0.9995f /* it ends when an iteration leaves more than this part of the mean square distance */
+#define SMR_MISS_MM 100.0f /* distance that a point without any agreeing triangle counts as */
 
 smr_align_config smr_align_config_default(void)
 {
@@ -25,7 +25,8 @@ smr_align_config smr_align_config_default(void)
     return c;
 }
 
-/* Area-weighted centre, principal axes (columns, longest first) and spread of a surface. */
+/* Area-weighted centroid (mm), principal axes (columns, longest first) and spread (standard deviation, mm) of a
+ * surface. */
 static void principal(const smr_surface *s, smr_vec *centre, float axes[9], float *spread)
 {
     smr_vec sum = smr_v(0, 0, 0);
@@ -65,6 +66,7 @@ static void cube_rotation(uint32_t k, float g[9])
     g[6 + p[2]] = a * b * odd;
 }
 
+/* a turned and scaled by the pose, without its translation. */
 static smr_vec turn(const smr_pose *p, smr_vec a)
 {
     return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z,
@@ -72,6 +74,7 @@ static smr_vec turn(const smr_pose *p, smr_vec a)
                  p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z);
 }
 
+/* The inverse of a rigid or scaled pose. */
 static smr_pose invert(const smr_pose *p)
 {
     const float s2 = p->m[0][0] * p->m[0][0] + p->m[1][0] * p->m[1][0] + p->m[2][0] * p->m[2][0];
@@ -87,8 +90,8 @@ static smr_pose invert(const smr_pose *p)
     return q;
 }
 
-/* Closest points on `to` for `samples` vertices of `from` seen through `pose`; pairs go into the fit, model first.
- * Returns the sum of squared distances in units of `from` * scale. */
+/* Finds the closest point on `to` for at most `samples` vertices of `from` moved by `pose`, and adds the pairs to the
+ * fit, the model's point first. Returns the mean square distance times scale^2, mm^2. */
 static float collect(const smr_surface *from, const smr_surface *to, const smr_pose *pose, uint32_t samples,
                      int from_is_model, float scale, smr_fit *fit)
 {
@@ -112,7 +115,8 @@ static float collect(const smr_surface *from, const smr_surface *to, const smr_p
     return sum / (float)n;
 }
 
-/* Iterative closest point from *pose; returns the last mean square distance, both directions together. */
+/* Iterative closest point from *pose. Returns the last mean square distance, the sum of both directions, mm^2; FLT_MAX
+ * when it fails. */
 static float refine(const smr_surface *model, const smr_surface *target, uint32_t samples, uint32_t iterations,
                     int scaled, smr_pose *pose)
 {
@@ -132,13 +136,13 @@ static float refine(const smr_surface *model, const smr_surface *target, uint32_
         const smr_pose next = smr_fit_solve(&fit, scaled);
         const float size = smr_length(smr_v(next.m[0][0], next.m[1][0], next.m[2][0]));
         if (!(size > 0.1f && size < 10.0f))
-            return FLT_MAX; /* collapsing onto a part of the target */
+            return FLT_MAX; /* the scale collapses onto a small area of the target */
         *pose = next;
     }
     return last;
 }
 
-/* Start k: centroid onto centroid, axes onto axes. */
+/* Start pose k of 24: centroid onto centroid, principal axes onto principal axes. */
 static smr_pose start(const smr_surface *model, const smr_surface *target, uint32_t k, int scaled)
 {
     smr_vec from, to;
@@ -147,7 +151,7 @@ static smr_pose start(const smr_surface *model, const smr_surface *target, uint3
     principal(target, &to, b, &size_b);
     cube_rotation(k, g);
     const float scale = scaled && size_a > 1.0e-6f ? smr_clamp(size_b / size_a, 0.2f, 5.0f) : 1.0f;
-    for (int i = 0; i < 9; i++) /* G A^T */
+    for (int i = 0; i < 9; i++) /* G A^T, with G the k-th cube rotation, A and B the axes of model and target */
         ga[i] = g[i / 3 * 3] * a[i % 3 * 3] + g[i / 3 * 3 + 1] * a[i % 3 * 3 + 1] + g[i / 3 * 3 + 2] * a[i % 3 * 3 + 2];
     for (int i = 0; i < 9; i++) /* B G A^T */
         r[i] = b[i / 3 * 3] * ga[i % 3] + b[i / 3 * 3 + 1] * ga[3 + i % 3] + b[i / 3 * 3 + 2] * ga[6 + i % 3];
@@ -162,12 +166,51 @@ static smr_pose start(const smr_surface *model, const smr_surface *target, uint3
     return pose;
 }
 
+/* The best refined start poses so far, best first. */
+typedef struct finalists {
+    smr_pose pose[SMR_FINALISTS];
+    float mean2[SMR_FINALISTS]; /* mean square distance, mm^2 */
+    uint32_t n;
+} finalists;
+
+/* Inserts a pose at its place; the worst one drops out of a full list. */
+static void insert_finalist(finalists *f, const smr_pose *pose, float mean2)
+{
+    uint32_t at = f->n < SMR_FINALISTS ? f->n++ : SMR_FINALISTS;
+    for (; at > 0u && f->mean2[at - 1u] > mean2; at--) {
+        if (at < SMR_FINALISTS) {
+            f->mean2[at] = f->mean2[at - 1u];
+            f->pose[at] = f->pose[at - 1u];
+        }
+    }
+    if (at < SMR_FINALISTS) {
+        f->mean2[at] = mean2;
+        f->pose[at] = *pose;
+    }
+}
+
+/* Refines all 24 starts shortly and the best of them longer. Returns the pose with the smallest distance. */
+static smr_pose best_start(const smr_surface *model, const smr_surface *target, uint32_t samples, int scaled)
+{
+    finalists f;
+    f.n = 0;
+    for (uint32_t k = 0; k < SMR_CASES; k++) {
+        smr_pose p = start(model, target, k, scaled);
+        const float mean2 = refine(model, target, samples / 6u + 8u, 8, 0, &p);
+        insert_finalist(&f, &p, mean2);
+    }
+    uint32_t best = 0;
+    for (uint32_t i = 0; i < f.n; i++) {
+        f.mean2[i] = refine(model, target, samples / 3u + 8u, 24, scaled, &f.pose[i]);
+        if (f.mean2[i] < f.mean2[best])
+            best = i;
+    }
+    return f.pose[best];
+}
+
 smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
                      smr_pose *pose, float *rms_mm)
 {
-    smr_pose finalist[SMR_FINALISTS];
-    float score[SMR_FINALISTS];
-    uint32_t n = 0;
     if (model == NULL || target == NULL || config == NULL || pose == NULL)
         return SMR_E_NULL;
     if (!smr_surface_valid(model) || !smr_surface_valid(target))
@@ -176,32 +219,11 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
         config->iterations > 1000u || config->samples < 16u || config->samples > 100000u)
         return SMR_E_CONFIG;
     const int scaled = config->scaled != 0u;
-    for (uint32_t k = 0; k < SMR_CASES; k++) {
-        smr_pose p = start(model, target, k, scaled);
-        const float s = refine(model, target, config->samples / 6u + 8u, 8, 0, &p);
-        uint32_t at = n < SMR_FINALISTS ? n++ : SMR_FINALISTS;
-        for (; at > 0u && score[at - 1u] > s; at--) {
-            if (at < SMR_FINALISTS) {
-                score[at] = score[at - 1u];
-                finalist[at] = finalist[at - 1u];
-            }
-        }
-        if (at < SMR_FINALISTS) {
-            score[at] = s;
-            finalist[at] = p;
-        }
-    }
-    uint32_t best = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        score[i] = refine(model, target, config->samples / 3u + 8u, 24, scaled, &finalist[i]);
-        if (score[i] < score[best])
-            best = i;
-    }
-    smr_pose p = finalist[best];
+    smr_pose p = best_start(model, target, config->samples, scaled);
     const float mean = refine(model, target, config->samples, config->iterations, scaled, &p);
     if (!(mean < FLT_MAX))
         return SMR_E_INPUT;
-    /* both surfaces were seen from their own origins */
+    /* p is between coordinates relative to the two surfaces' origins */
     const smr_vec shift = smr_sub(target->origin, turn(&p, model->origin));
     p.m[0][3] += shift.x;
     p.m[1][3] += shift.y;

@@ -1,6 +1,6 @@
-/* box_tree.h: a bounding-box tree over triangles in tree order (order by smr_mesh_order). Eight children a node; the
- * shape follows from the number of triangles alone (node k of a level holds nodes 8k .. 8k+7 of the level below),
- * so there is nothing to build but boxes, and a deformed mesh only needs its boxes again.
+/* box_tree.h: a bounding-box tree over triangles, for closest-point search.
+ * Triangles are in tree order (smr_mesh_order). Node k of a level holds nodes 8k .. 8k+7 of the level below, so the
+ * shape follows from the number of triangles alone. A deformed mesh only needs its boxes recomputed.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_BOX_TREE_H
 #define SMR_BOX_TREE_H
@@ -9,78 +9,111 @@
 
 #define SMR_TREE_WIDTH 8u
 #define SMR_TREE_LEVELS 9u /* 8^8 > SMR_TRIANGLES_MAX */
-#define SMR_FAR 1.0e15f    /* where empty boxes lie; its square still is a float */
+#define SMR_FAR 1.0e15f    /* mm: coordinate of empty boxes; its square still fits a float */
 
+/* A node: the boxes of its eight children, mm. Empty children have all coordinates SMR_FAR. */
 typedef struct smr_node {
-    float lo[3][SMR_TREE_WIDTH]; /* boxes of the children; empty ones lie at +-SMR_FAR */
+    float lo[3][SMR_TREE_WIDTH];
     float hi[3][SMR_TREE_WIDTH];
 } smr_node;
 
-/* Triangles with their tree: a view, the arrays are somebody else's. */
+/* A triangle mesh with its box tree: a view of arrays that belong to the caller. */
 typedef struct smr_facets {
-    const float *xyz;         /* [n vertices][3] */
-    const uint32_t *triangle; /* [n_triangles][3], in tree order */
-    float *normal;            /* [n_triangles][3], unit; zero for zero-area triangles */
-    smr_node *node;           /* [smr_tree_nodes(n_triangles)], leaves first */
-    const uint32_t *rank;     /* [n_triangles] among equally near triangles the smallest wins; NULL: tree order */
+    const float *xyz;         /* [number of vertices][3] positions, mm */
+    const uint32_t *triangle; /* [n_triangles][3] vertex indexes, in tree order */
+    float *normal;            /* [n_triangles][3] unit normals; zero for zero-area triangles */
+    smr_node *node;           /* [smr_tree_nodes(n_triangles)] leaves first; NULL: normals only */
+    const uint32_t *rank;     /* [n_triangles] of equally close triangles the smallest rank wins; NULL: tree order */
     uint32_t n_triangles;
-    uint32_t n_levels;               /* 0 for no triangles */
-    uint32_t level[SMR_TREE_LEVELS]; /* first node of each level */
+    uint32_t n_levels;               /* levels of the tree; 0 without triangles */
+    uint32_t level[SMR_TREE_LEVELS]; /* index of each level's first node */
 } smr_facets;
 
-/* Number of nodes for so many triangles. */
+/* Number of nodes of the tree over n_triangles. */
 uint32_t smr_tree_nodes(uint32_t n_triangles);
 
-/* Fills in n_triangles, n_levels and level[]. */
+/* Sets n_triangles, n_levels and level[]. */
 void smr_tree_shape(smr_facets *f, uint32_t n_triangles);
 
+/* Number of leaves: nodes of the lowest level. */
 static inline uint32_t smr_tree_leaves(const smr_facets *f) { return smr_ceil_div(f->n_triangles, SMR_TREE_WIDTH); }
 
-/* Recomputes normals, and boxes when there are nodes, of leaves first..last-1 from the positions. */
+/* Recomputes normals and, where f->node is not NULL, boxes of the leaves first .. last-1 from the positions. */
 void smr_tree_refit_leaves(const smr_facets *f, uint32_t first, uint32_t last);
 
-/* Recomputes the levels above the leaves. */
+/* Recomputes the boxes of all levels above the leaves. */
 void smr_tree_refit_upper(const smr_facets *f);
 
+/* The bit of each child in a set of children. A table, because compilers do not vectorise variable shifts
+ * everywhere. */
+static const uint32_t smr_child_bit[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};
+
+/* Squared distance from p to child box k of a node, mm^2; 0 inside the box. */
+static inline float smr_box_distance2(const smr_node *node, uint32_t k, smr_vec p)
+{
+    /* of the two distances along an axis at most one is positive */
+    const float x = smr_positive(node->lo[0][k] - p.x) + smr_positive(p.x - node->hi[0][k]);
+    const float y = smr_positive(node->lo[1][k] - p.y) + smr_positive(p.y - node->hi[1][k]);
+    const float z = smr_positive(node->lo[2][k] - p.z) + smr_positive(p.z - node->hi[2][k]);
+    return x * x + y * y + z * z;
+}
+
+/* Squared distances from p to the nearest and to the farthest point of child box k, mm^2. */
+static inline void smr_box_near_far(const smr_node *node, uint32_t k, smr_vec p, float *near2, float *far2)
+{
+    const float at[3] = {p.x, p.y, p.z};
+    float nearest = 0.0f, farthest = 0.0f;
+    for (uint32_t axis = 0; axis < 3u; axis++) {
+        const float below = node->lo[axis][k] - at[axis], above = at[axis] - node->hi[axis][k];
+        const float out = smr_positive(below) + smr_positive(above); /* at most one is positive */
+        const float far = smr_positive(below - above) - below;
+        nearest += out * out;
+        farthest += far * far;
+    }
+    *near2 = nearest;
+    *far2 = farthest;
+}
+
+/* What is searched for. */
 typedef struct smr_query {
-    smr_vec point;
+    smr_vec point;        /* mm */
     smr_vec normal;       /* unit or zero */
-    float min_cos;        /* triangle normals agree at least so much; -2 for any */
-    uint32_t node_budget; /* nodes opened at most */
-    uint32_t warm;        /* a triangle to try first, or SMR_NONE */
+    float min_cos;        /* least cosine between `normal` and a triangle's normal; -2 accepts all */
+    uint32_t node_budget; /* most nodes to open */
+    uint32_t warm;        /* triangle to try first (warm start), or SMR_NONE */
 } smr_query;
 
+/* The closest triangle. */
 typedef struct smr_hit {
-    float d2;          /* in: squared search distance; out: squared distance */
+    float d2;          /* in: squared search distance, mm^2; out: squared distance to the triangle */
     uint32_t triangle; /* in tree order; SMR_NONE when nothing was found */
-    float weight[3];
+    float weight[3];   /* barycentric weights of the closest point */
 } smr_hit;
 
-/* The closest acceptable point within hit->d2. hit is left as it was when there is none. */
+/* Finds the closest acceptable triangle within hit->d2. Without one *hit stays unchanged. */
 void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit);
 
-#define SMR_NEAR_MOST 24u /* triangles around a vertex, and some */
+#define SMR_NEAR_MOST 24u /* most near triangles: more than usually meet at a vertex */
 
-/* The triangles that are nearest, or nearly. */
+/* A triangle nearly as close as the closest one. */
 typedef struct smr_near {
-    float share; /* 0 .. 1 */
-    float d2;
+    float share; /* 0 .. 1; all shares of a list add up to 1 */
+    float d2;    /* squared distance, mm^2 */
     uint32_t triangle;
-    float weight[3];
+    float weight[3]; /* barycentric weights of its closest point */
 } smr_near;
 
 typedef struct smr_near_list {
     uint32_t n; /* 0 when nothing was found */
-    float cut2; /* squared distance of the nearest that had no room, or that the budget left out */
+    float cut2; /* mm^2: nearest squared distance for which the list had no room, or that the node budget left out */
     smr_near item[SMR_NEAR_MOST];
 } smr_near_list;
 
-/* The same, and all acceptable triangles that are farther by less than a tenth, or than the first that SMR_NEAR_MOST or the
- * node budget left out. Their shares add up to 1 and fall to 0 there, so that it does not matter which of two is nearer by a
- * last bit. */
+/* Finds the closest acceptable triangle and all that are less than a tenth farther and nearer than list->cut2. Their
+ * shares fall to 0 at that limit, so that rounding does not decide between triangles that are almost equally close. */
 void smr_tree_near(const smr_facets *f, const smr_query *q, smr_hit *hit, smr_near_list *list);
 
-/* The point that weights name on a triangle. */
+/* The point of a triangle with these barycentric weights, mm. */
 smr_vec smr_facet_point(const smr_facets *f, uint32_t triangle, const float weight[3]);
 
 #endif

@@ -1,21 +1,22 @@
-/* box_tree_order.c: the order of triangles that makes the box tree's implicit nodes compact. A range is split at the middle
- * of its longest side, where the left part is a whole number of nodes, again and again down to one leaf: a k-d tree
- * whose leaves are written out in a row.
- * Bounds: every level sorts each range once; at most 3 levels for each level of the tree.
+/* box_tree_order.c: the tree order of triangles, which makes the nodes of the box tree compact.
+ * Method: a k-d tree. A range is sorted along the longest side of its box and split near the middle, where the left
+ * half is a whole number of nodes, down to single leaves.
+ * Bounds: every level sorts each range once; at most 3 levels of splits for each level of the box tree.
  * SPDX-License-Identifier: MIT */
 #include "geometry/hilbert_curve.h"
 #include "geometry/mesh.h"
 #include "geometry/box_tree.h"
 
-/* Bits that sort like the float. */
+/* An unsigned integer with the same order as the float; -0 equals 0. */
 static uint32_t sortable(float v)
 {
     uint32_t bits;
-    v += 0.0f; /* -0 and 0 are one */
+    v += 0.0f; /* turns -0 into 0 */
     memcpy(&bits, &v, sizeof bits);
     return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
 }
 
+/* Sorts item[n] by key[n], stable; for small n. */
 static void insertion_sort(uint32_t *key, uint32_t *item, uint32_t n)
 {
     for (uint32_t i = 1; i < n; i++) {
@@ -30,7 +31,7 @@ static void insertion_sort(uint32_t *key, uint32_t *item, uint32_t n)
     }
 }
 
-/* Sorts order[first..last-1] by the coordinate along the longest side of their centres' box. */
+/* Sorts order[first .. last-1] by the triangles' centres, along the longest side of the box around these centres. */
 static void sort_range(const float *centre, uint32_t *order, uint32_t first, uint32_t last, uint32_t *key,
                        uint32_t *tmp)
 {

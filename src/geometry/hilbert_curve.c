@@ -1,9 +1,10 @@
-/* hilbert_curve.c: Hilbert curve keys and a radix sort by them.
+/* hilbert_curve.c: positions along a Hilbert curve, and a radix sort by such keys.
  * Source: J. Skilling, "Programming the Hilbert curve", AIP Conf. Proc. 707 (2004): axes to transpose.
+ * Bounds: a sort is 4 passes over n items.
  * SPDX-License-Identifier: MIT */
 #include "geometry/hilbert_curve.h"
 
-#define SMR_CURVE_BITS 10u
+#define SMR_CURVE_BITS 10u /* per axis */
 
 smr_box smr_box_of(const float *xyz, uint32_t n)
 {
@@ -16,6 +17,7 @@ smr_box smr_box_of(const float *xyz, uint32_t n)
     return b;
 }
 
+/* Index of the grid cell at distance v from the box's lower side, 0 .. 2^10 - 1. */
 static uint32_t cell(float v, float scale)
 {
     return (uint32_t)smr_clamp(v * scale, 0.0f, (float)((1u << SMR_CURVE_BITS) - 1u));
@@ -76,5 +78,5 @@ void smr_curve_sort(uint32_t *key, uint32_t *item, uint32_t *tmp, uint32_t n)
         swap = item;
         item = item2;
         item2 = swap;
-    } /* an even number of passes: the result is back in the caller's arrays */
+    } /* after an even number of passes the result is in the caller's arrays */
 }

@@ -1,13 +1,14 @@
-/* jacobi.c: cyclic Jacobi on symmetric 3x3 matrices.
+/* jacobi.c: diagonalisation of symmetric 3x3 matrices by cyclic Jacobi iterations (paper 2.3), and pseudo-inverses.
  * Method: Golub, Van Loan, "Matrix Computations", 8.5: each rotation zeroes one off-diagonal pair. From a cold
  * start four sweeps leave off-diagonals below 1e-6 of the largest eigenvalue; from a warm start two do.
- * Worst case: sweeps * 3 rotations, no data-dependent loop.
+ * Bounds: sweeps * 3 rotations, no data-dependent loop.
  * SPDX-License-Identifier: MIT */
 #include "geometry/jacobi.h"
 
 #define SMR_SWEEPS_COLD 6u
 
-/* One rotation: `pq` is zeroed between the diagonals pp and qq; pr, qr are the other two entries. */
+/* One Jacobi rotation in the plane of p and q. Zeroes the entry pq; pp and qq are its diagonal entries, pr and qr the
+ * other two off-diagonal ones. vp, vq: first entries of the eigenvector columns p and q. */
 static void rotate(float *pp, float *qq, float *pq, float *pr, float *qr, float *vp, float *vq)
 {
     float off = *pq;
@@ -81,14 +82,14 @@ void smr_eigen(const float s[6], float value[3], float v[9])
         for (int row = 0; row < 3; row++)
             v[3 * row + k] = e[3 * row + order[k]];
     }
-    /* a proper rotation: the third axis follows from the first two */
+    /* the third axis is the cross product of the first two, so that v is a proper rotation */
     smr_vec third = smr_cross(smr_v(v[0], v[3], v[6]), smr_v(v[1], v[4], v[7]));
     v[2] = third.x;
     v[5] = third.y;
     v[8] = third.z;
 }
 
-/* The plain inverse, by cofactors, when no eigenvalue can be below 1e-3 of the mean one; 0 when one might be. */
+/* The inverse by cofactors. Returns 0, without an inverse, when some eigenvalue might be below 1e-3 of their mean. */
 static int cofactor_inverse(const float s[6], float out[6])
 {
     const float trace = s[SMR_XX] + s[SMR_YY] + s[SMR_ZZ];
@@ -96,7 +97,7 @@ static int cofactor_inverse(const float s[6], float out[6])
         return 0;
     float n[6], c[6];
     for (int i = 0; i < 6; i++)
-        n[i] = s[i] * (3.0f / trace); /* eigenvalues now have the mean 1 */
+        n[i] = s[i] * (3.0f / trace); /* scaled to eigenvalues with the mean 1 */
     c[SMR_XX] = n[SMR_YY] * n[SMR_ZZ] - n[SMR_YZ] * n[SMR_YZ];
     c[SMR_XY] = n[SMR_XZ] * n[SMR_YZ] - n[SMR_XY] * n[SMR_ZZ];
     c[SMR_XZ] = n[SMR_XY] * n[SMR_YZ] - n[SMR_XZ] * n[SMR_YY];
@@ -104,7 +105,7 @@ static int cofactor_inverse(const float s[6], float out[6])
     c[SMR_YZ] = n[SMR_XY] * n[SMR_XZ] - n[SMR_XX] * n[SMR_YZ];
     c[SMR_ZZ] = n[SMR_XX] * n[SMR_YY] - n[SMR_XY] * n[SMR_XY];
     const float det = n[SMR_XX] * c[SMR_XX] + n[SMR_XY] * c[SMR_XY] + n[SMR_XZ] * c[SMR_XZ];
-    if (!(det > 2.5e-3f)) /* the product of three values with mean 1: the smallest is above det / 2.25 */
+    if (!(det > 2.5e-3f)) /* det is the product of three values with mean 1: the smallest is above det / 2.25 */
         return 0;
     const float k = 3.0f / (trace * det);
     for (int i = 0; i < 6; i++)

@@ -1,4 +1,4 @@
-/* mesh.c: checks and measures of triangle meshes.
+/* mesh.c: validation of triangle meshes, vertex normals and areas, and the triangles around each vertex.
  * SPDX-License-Identifier: MIT */
 #include "geometry/mesh.h"
 
@@ -52,7 +52,7 @@ void smr_mesh_around(const smr_mesh *mesh, uint32_t *start, uint32_t *around)
         sum += start[v];
         start[v] = sum;
     }
-    /* filled from the back, start[] becomes the first index of each vertex */
+    /* start[v] is the end of v's range; filling from the back moves it to the beginning */
     for (size_t i = 3u * (size_t)mesh->n_triangles; i-- > 0u;)
         around[--start[mesh->triangles[i]]] = (uint32_t)(i / 3u);
 }

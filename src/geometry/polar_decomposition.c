@@ -1,19 +1,22 @@
-/* polar_decomposition.c: the rotation nearest to a 3x3 matrix (paper 2.3, "polar decomposition"; Mueller et al., "Meshless
- * deformations based on shape matching", 2005). A^T A = V lambda V^T by cyclic Jacobi warm-started from the last V;
- * then R = U V^T with U = A V lambda^-1/2, which equals A (A^T A)^-1/2 and stays defined when A is singular.
- * Sweeps: 4, always. Accuracy against double precision in each entry: 2e-6 for condition numbers up to 10, 2e-5 to 30, 2e-4 to 100.
+/* polar_decomposition.c: the rotation nearest to a 3x3 matrix (paper 2.3, "polar decomposition"; Mueller et al.,
+ * "Meshless deformations based on shape matching", 2005).
+ * Method: A^T A = V lambda V^T by cyclic Jacobi, warm-started from the last V; then R = U V^T with U = A V
+ * lambda^-1/2.
+ * That equals the paper's A (A^T A)^-1/2 and stays defined when A is singular.
+ * Bounds: 4 sweeps, always. Accuracy against double precision in each entry: 2e-6 for condition numbers up to 10, 2e-5
+ * to 30, 2e-4 to 100.
  * SPDX-License-Identifier: MIT */
 #include "geometry/jacobi.h"
 #include "geometry/rotation.h"
 
 #define SMR_SWEEPS_WARM 4u
-#define SMR_RANK_FLOOR 1.0e-3f /* a singular value below this share of the largest one carries no direction */
+#define SMR_RANK_FLOOR 1.0e-3f /* smaller singular values, relative to the largest, count as 0 */
 
 static const float no_rotation[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
 
 static smr_vec column(const float m[9], int k) { return smr_v(m[k], m[3 + k], m[6 + k]); }
 
-/* Some unit vector at right angles to the unit vector a; the same for the same a. */
+/* A unit vector perpendicular to the unit vector a, always the same one for the same a. */
 static smr_vec any_normal(smr_vec a)
 {
     float x = smr_abs(a.x), y = smr_abs(a.y), z = smr_abs(a.z);
@@ -21,7 +24,7 @@ static smr_vec any_normal(smr_vec a)
     return smr_unit(smr_cross(a, axis));
 }
 
-/* Keeps the warm start a rotation: rounding would slowly wear it away. */
+/* Makes v a rotation again (Gram-Schmidt), since rounding errors add up over warm starts. */
 static void orthonormalise(float v[9])
 {
     smr_vec a = smr_unit(column(v, 0));
@@ -32,7 +35,8 @@ static void orthonormalise(float v[9])
     memcpy(v, m, sizeof m);
 }
 
-/* The shortest rotation that takes the unit vector a to the unit vector b, at most a right angle away, as R - I. */
+/* m = R - I for the shortest rotation R that takes the unit vector a to the unit vector b, at most 90 degrees
+ * apart. */
 static void shortest_near(smr_vec a, smr_vec b, float m[9])
 {
     const smr_vec w = smr_cross(a, b);
@@ -43,8 +47,8 @@ static void shortest_near(smr_vec a, smr_vec b, float m[9])
     memcpy(m, r, sizeof r);
 }
 
-/* The same for any b. Beyond a right angle 1 / (1 + c) would blow up rounding, so half a turn about the common normal n
- * takes a to -a first; the rest is short and about n again. */
+/* The same for any b. Beyond 90 degrees 1 / (1 + c) would magnify rounding errors, so a half turn H about the common
+ * normal n takes a to -a first, and a short rotation S about n does the rest. */
 static void shortest(smr_vec a, smr_vec b, float m[9])
 {
     if (smr_dot(a, b) >= 0.0f) {
@@ -62,6 +66,18 @@ static void shortest(smr_vec a, smr_vec b, float m[9])
                half[i] - (i % 4 == 0 ? 1.0f : 0.0f);
 }
 
+/* s = A^T A. */
+static void squared(const float a[9], float s[6])
+{
+    smr_vec c0 = column(a, 0), c1 = column(a, 1), c2 = column(a, 2);
+    s[SMR_XX] = smr_dot(c0, c0);
+    s[SMR_XY] = smr_dot(c0, c1);
+    s[SMR_XZ] = smr_dot(c0, c2);
+    s[SMR_YY] = smr_dot(c1, c1);
+    s[SMR_YZ] = smr_dot(c1, c2);
+    s[SMR_ZZ] = smr_dot(c2, c2);
+}
+
 void smr_polar(const float a[9], float v[9], float m[9])
 {
     float largest = 0.0f;
@@ -73,17 +89,12 @@ void smr_polar(const float a[9], float v[9], float m[9])
     float n[9], s[6], d[6];
     for (int i = 0; i < 9; i++)
         n[i] = a[i] / largest;
-    smr_vec c0 = column(n, 0), c1 = column(n, 1), c2 = column(n, 2);
-    s[SMR_XX] = smr_dot(c0, c0);
-    s[SMR_XY] = smr_dot(c0, c1);
-    s[SMR_XZ] = smr_dot(c0, c2);
-    s[SMR_YY] = smr_dot(c1, c1);
-    s[SMR_YZ] = smr_dot(c1, c2);
-    s[SMR_ZZ] = smr_dot(c2, c2);
+    squared(n, s);
     smr_congruence(s, v, d);
     smr_jacobi(d, v, SMR_SWEEPS_WARM);
     orthonormalise(v);
-    /* the two larger directions decide; i, j, k is an even permutation so that (vi, vj, vk) stays proper */
+    /* k: the smallest eigenvalue. i, j, k is an even permutation, so that (vi, vj, vk) stays a proper rotation. The
+     * two larger directions determine R; the third one follows by a cross product. */
     int k = d[SMR_XX] <= d[SMR_YY] && d[SMR_XX] <= d[SMR_ZZ] ? 0 : (d[SMR_YY] <= d[SMR_ZZ] ? 1 : 2);
     int i = (k + 1) % 3, j = (k + 2) % 3;
     smr_vec vi = column(v, i), vj = column(v, j), vk = column(v, k);

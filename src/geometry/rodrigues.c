@@ -1,6 +1,6 @@
-/* rodrigues.c: rotation matrices out of rotation vectors (paper 2.3, "rigid body kinematics").
- * sin and cos are polynomials of our own: a libm's differ from one platform to the next. Taylor series to
- * a^13 and a^14; error below 2e-7 on the whole range.
+/* rodrigues.c: rotation matrices from rotation vectors by the Rodrigues formula (paper 2.3, rigid body kinematics).
+ * sin and cos are Taylor polynomials to a^13 and a^14 instead of libm calls, whose results differ between platforms.
+ * Accuracy: 2e-7 on the whole range.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation.h"
 
@@ -25,7 +25,7 @@ void smr_sinc(float a2, float *sine, float *cosine)
 
 float smr_cos_degrees(float degrees)
 {
-    const float away = degrees > 90.0f ? degrees - 90.0f : 90.0f - degrees; /* cos a = +-sin(away) */
+    const float away = degrees > 90.0f ? degrees - 90.0f : 90.0f - degrees; /* cos(degrees) = +-sin(away) */
     const float half = away * 0.0087266463f;
     float s, c;
     smr_sinc(half * half, &s, &c);

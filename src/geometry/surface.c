@@ -1,5 +1,5 @@
-/* surface.c: makes a target surface ready for closest-point search: a copy in tree order, normals, areas, borders
- * and the box tree.
+/* surface.c: builds a target surface in the caller's memory (a copy in tree order, normals, areas, border edges, box
+ * tree) and finds closest points on it.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface.h"
 
@@ -7,19 +7,20 @@
 #include "geometry/hilbert_curve.h"
 #include "geometry/mesh.h"
 
+/* The surface's slots that smr_surface itself does not point to, and scratch. */
 typedef struct build {
     smr_surface *s;
-    float *facet_normal;
-    smr_node *node;
-    /* scratch of the building only */
-    float *middle;    /* [n_triangles][3] */
-    uint32_t *key;    /* [n_triangles] */
+    float *facet_normal; /* [n_triangles][3] */
+    smr_node *node;      /* [smr_tree_nodes(n_triangles)] */
+    /* used while building only */
+    float *middle;    /* [n_triangles][3] centres of triangles */
+    uint32_t *key;    /* [n_triangles] sort keys */
     uint32_t *tmp;    /* [2 n_triangles] */
-    uint32_t *start;  /* [n_vertices + 1] */
+    uint32_t *start;  /* [n_vertices + 1] triangles around vertices, smr_mesh_around() */
     uint32_t *around; /* [3 n_triangles] */
 } build;
 
-/* Measures with a NULL base, places with a real one. */
+/* Takes all slots from the arena, or measures them. */
 static void layout(smr_arena *a, uint32_t nv, uint32_t nt, build *b, smr_surface *s)
 {
     b->s = smr_arena_take(a, 1, sizeof *b->s);
@@ -54,7 +55,7 @@ smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *
     return SMR_OK;
 }
 
-/* How many triangles hold the edge v-w, 2 for more; looks around the corner with fewer triangles. */
+/* Number of triangles with the edge v-w, at most 2. Searches the triangles around the vertex that has fewer. */
 static uint32_t edge_count(const smr_surface *s, const build *b, uint32_t v, uint32_t w)
 {
     uint32_t count = 0;
@@ -70,7 +71,8 @@ static uint32_t edge_count(const smr_surface *s, const build *b, uint32_t v, uin
     return count;
 }
 
-/* Border edges, then the corners that touch one. b->start ends as a flag per vertex. */
+/* Sets s->border and s->open: first border edges, then the corners on them. Overwrites b->start with a flag a
+ * vertex. */
 static void find_borders(smr_surface *s, const build *b, uint32_t nt)
 {
     s->open = 0;
@@ -92,6 +94,31 @@ static void find_borders(smr_surface *s, const build *b, uint32_t nt)
         for (uint32_t c = 0; c < 3u; c++)
             if (b->start[s->triangle[3u * (size_t)k + c]])
                 s->border[k] |= (unsigned char)(8u << c);
+}
+
+/* Copies the mesh: vertices relative to the origin, triangles in tree order. */
+static void copy_mesh(smr_surface *s, const build *b, const smr_mesh *mesh)
+{
+    const smr_box box = smr_box_of(mesh->xyz, mesh->n_vertices);
+    s->origin = smr_whole(smr_scale(smr_add(box.lo, box.hi), 0.5f));
+    for (uint32_t i = 0; i < mesh->n_vertices; i++)
+        smr_store(s->xyz + 3u * (size_t)i, smr_sub(smr_load(mesh->xyz + 3u * (size_t)i), s->origin));
+    smr_mesh_order(mesh, s->original, b->middle, b->key, b->tmp);
+    for (uint32_t k = 0; k < mesh->n_triangles; k++)
+        memcpy(s->triangle + 3u * (size_t)k, mesh->triangles + 3u * (size_t)s->original[k], 3u * sizeof(uint32_t));
+}
+
+/* Builds the box tree over the copied triangles. */
+static void build_tree(smr_surface *s, const build *b, uint32_t n_triangles)
+{
+    smr_tree_shape(&s->facets, n_triangles);
+    s->facets.xyz = s->xyz;
+    s->facets.triangle = s->triangle;
+    s->facets.rank = s->original;
+    s->facets.normal = b->facet_normal;
+    s->facets.node = b->node;
+    smr_tree_refit_leaves(&s->facets, 0, smr_tree_leaves(&s->facets));
+    smr_tree_refit_upper(&s->facets);
 }
 
 smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface)
@@ -117,13 +144,7 @@ smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, s
     layout(&a, nv, nt, &b, &s);
     s.magic = SMR_SURFACE_MAGIC;
     s.n_vertices = nv;
-    const smr_box box = smr_box_of(mesh->xyz, nv);
-    s.origin = smr_whole(smr_scale(smr_add(box.lo, box.hi), 0.5f));
-    for (uint32_t i = 0; i < nv; i++)
-        smr_store(s.xyz + 3u * (size_t)i, smr_sub(smr_load(mesh->xyz + 3u * (size_t)i), s.origin));
-    smr_mesh_order(mesh, s.original, b.middle, b.key, b.tmp);
-    for (uint32_t k = 0; k < nt; k++)
-        memcpy(s.triangle + 3u * (size_t)k, mesh->triangles + 3u * (size_t)s.original[k], 3u * sizeof(uint32_t));
+    copy_mesh(&s, &b, mesh);
     const smr_mesh own = {s.xyz, s.triangle, nv, nt};
     smr_mesh_normals(&own, s.normal, s.area);
     float total = 0.0f;
@@ -132,14 +153,7 @@ smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, s
     s.area_mean = total / (float)nv;
     smr_mesh_around(&own, b.start, b.around);
     find_borders(&s, &b, nt);
-    smr_tree_shape(&s.facets, nt);
-    s.facets.xyz = s.xyz;
-    s.facets.triangle = s.triangle;
-    s.facets.rank = s.original;
-    s.facets.normal = b.facet_normal;
-    s.facets.node = b.node;
-    smr_tree_refit_leaves(&s.facets, 0, smr_tree_leaves(&s.facets));
-    smr_tree_refit_upper(&s.facets);
+    build_tree(&s, &b, nt);
     *b.s = s;
     *surface = b.s;
     return SMR_OK;

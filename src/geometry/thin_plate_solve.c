@@ -1,16 +1,16 @@
-/* thin_plate_solve.c: linear equations by LU with partial pivoting and iterative refinement (Higham, "Accuracy and Stability
- * of Numerical Algorithms", 9 and 12). What a solution leaves over is summed with error terms (Dot2: Ogita, Rump, Oishi
- * 2005; product error after Dekker 1971), that is as if in double precision, so that refinement brings every
- * component to the last digits of a float as long as the condition number stays below about 1e6.
- * Order of operations: fixed; pivots of equal size: the first row.
- * Worst case: n^3 / 3 multiplications to factor, then 4 * 3 * 2 n^2 and three Dot2 passes over a. No data-dependent loop.
+/* thin_plate_solve.c: solves the linear equations of a thin-plate spline, in single precision.
+ * Method: LU with partial pivoting and iterative refinement (Higham, "Accuracy and Stability of Numerical Algorithms",
+ * 9 and 12). Residuals are summed as if in double precision (Dot2: Ogita, Rump, Oishi 2005; error of a product: Dekker
+ * 1971), so refinement brings every component to the last digits of a float for condition numbers below about 1e6.
+ * The order of operations is fixed; of pivots of equal size the first row is taken.
+ * Bounds: n^3 / 3 multiplications to factor, then 4 * 3 * 2 n^2 and three Dot2 passes over a; no data-dependent loop.
  * SPDX-License-Identifier: MIT */
 #include "geometry/thin_plate_solve.h"
 
 #define SMR_REFINEMENTS 3u
-#define SMR_PIVOT_MIN 1.0e-9f /* the caller scales the matrix to entries of about 1 */
+#define SMR_PIVOT_MIN 1.0e-9f /* smaller pivots count as 0; the caller scales the matrix to entries of about 1 */
 
-/* Factors lu in place, rows exchanged as s->pivot says. 0 when some pivot vanishes. */
+/* Factors s->a into s->lu, with rows in the order of s->pivot. Returns 0 when a pivot is 0. */
 static int factor(const smr_system *s)
 {
     const size_t n = s->n;
@@ -46,7 +46,8 @@ static int factor(const smr_system *s)
     return 1;
 }
 
-/* Solves for y, [n][3], in place; y's rows come in pivot order and leave in the order of the unknowns. */
+/* Solves the factored system in place. y: [n][3], in right-hand sides in pivot order; out unknowns in their own
+ * order. */
 static void substitute(const smr_system *s, float *y)
 {
     const size_t n = s->n;
@@ -64,14 +65,14 @@ static void substitute(const smr_system *s, float *y)
     }
 }
 
-/* The upper bits of a float: a - high(a) and products of such parts are exact. */
+/* The upper half of the digits of a (Dekker's split): a - high(a) and products of such halves are exact. */
 static float high(float a)
 {
     const float big = 4097.0f * a;
     return big - (big - a);
 }
 
-/* *sum + *error += a * b, the rounding errors of product and sum kept in *error. */
+/* Adds a * b to *sum, and the rounding errors of product and sum to *error. */
 static void add_product(float a, float b, float *sum, float *error)
 {
     const float p = a * b;
@@ -81,8 +82,8 @@ static void add_product(float a, float b, float *sum, float *error)
     *error += p_error;
 }
 
-/* rest = b - a x, rows in pivot order. */
-static void left_over(const smr_system *s)
+/* residual = b - a x, rows in pivot order. */
+static void find_residual(const smr_system *s)
 {
     const size_t n = s->n;
     for (size_t i = 0; i < n; i++) {
@@ -91,7 +92,7 @@ static void left_over(const smr_system *s)
             float sum = s->b[row * SMR_SOLVE_SIDES + c], error = 0.0f;
             for (size_t j = 0; j < n; j++)
                 add_product(-s->a[row * n + j], s->x[j * SMR_SOLVE_SIDES + c], &sum, &error);
-            s->rest[i * SMR_SOLVE_SIDES + c] = sum + error;
+            s->residual[i * SMR_SOLVE_SIDES + c] = sum + error;
         }
     }
 }
@@ -102,11 +103,11 @@ int smr_system_solve(const smr_system *s)
     if (!factor(s))
         return 0;
     memset(s->x, 0, values * sizeof *s->x);
-    for (uint32_t k = 0; k <= SMR_REFINEMENTS; k++) { /* the first round is the plain solution */
-        left_over(s);
-        substitute(s, s->rest);
+    for (uint32_t k = 0; k <= SMR_REFINEMENTS; k++) { /* the first pass gives the unrefined solution */
+        find_residual(s);
+        substitute(s, s->residual);
         for (size_t i = 0; i < values; i++)
-            s->x[i] += s->rest[i];
+            s->x[i] += s->residual[i];
     }
     for (size_t i = 0; i < values; i++)
         if (!smr_within(s->x[i], FLT_MAX))

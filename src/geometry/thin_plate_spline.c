@@ -1,14 +1,16 @@
-/* thin_plate_spline.c: a thin-plate spline through landmarks (Bookstein 1989; with smoothing: Rohr et al. 1996, each landmark's
- * weight the number of duplicates in it).
- * Method: v(u) = A u + a + sum w_i K(|u - u_i|), K(r) = -r, where u is the point seen from the landmarks' centroid in
- * units of a power of two near their spread. The sign makes K + lambda I definite on the weights that are allowed, so
- * smoothing can only help. (K + lambda I) w + P a = goal, P^T w = 0 is solved by thin_plate_solve.c; P's columns are 1 and the
- * principal coordinates, scaled to unit spread, so that flat sets of landmarks cost no digits.
- * Weaker sets: in a plane: similarity; on a line (two landmarks are one): rigid; one place: translation. Landmarks
- * closer than SMR_SAME_MM or SMR_SAME_SHARE of the extent are one, at the first one's place with the mean goal.
- * Accuracy without smoothing: 5e-4 mm at the landmarks of bodies of 600 mm when each goes its own way by 60 mm (noise,
- * the worst case); 3e-4 mm for affine maps within twice the size around.
- * Worst case: fit see thin_plate_solve.c with n + 4 equations; apply n square roots for each point.
+/* thin_plate_spline.c: thin-plate-spline interpolation of landmarks (paper 3, iconic registration; Bookstein 1989;
+ * with smoothing: Rohr et al. 1996, where each landmark has the number of its duplicates as weight).
+ * Method: v(u) = A u + a + sum w_i K(|u - u_i|) with K(r) = -r. u is the point relative to the landmarks' centroid, in
+ * units of a power of two near their spread. With this sign K + lambda I is definite on the allowed weights, so
+ * smoothing always improves the condition. thin_plate_solve.c solves (K + lambda I) w + P a = goal, P^T w = 0. P's
+ * columns are 1 and the principal coordinates scaled to unit spread, so that nearly coplanar landmarks lose no digits.
+ * Coplanar landmarks get a scaled rigid transform, collinear ones (or two) a rigid transform, a single place a
+ * translation.
+ * Landmarks closer than SMR_SAME_MM or SMR_SAME_SHARE of the extent are merged, at the first one's place with the mean
+ * goal.
+ * Accuracy without smoothing: 5e-4 mm at the landmarks of bodies of 600 mm with random displacements of 60 mm (the
+ * worst case); 3e-4 mm for affine maps within twice the body's size.
+ * Bounds: a fit solves n + 4 equations (thin_plate_solve.c); applying takes n square roots for each point.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "geometry/transform_fit.h"
@@ -19,36 +21,35 @@
 #define SMR_WARP_AFFINE 4u /* columns of P */
 #define SMR_SAME_MM 1.0e-4f
 #define SMR_SAME_SHARE 2.0e-5f
-#define SMR_LINE_SHARE                                                                                                 \
-    1.0e-3f /* of the largest variance: below, a direction counts as none; as in polar_decomposition.c */
-#define SMR_PLANE_SHARE 1.0e-4f
-#define SMR_LAMBDA_MAX 1.0e9f /* of the unit of length; beyond, the spline's part is nothing in a float */
+#define SMR_LINE_SHARE 1.0e-3f  /* collinear: second variance relative to the largest, as in polar_decomposition.c */
+#define SMR_PLANE_SHARE 1.0e-4f /* coplanar: third variance relative to the largest */
+#define SMR_LAMBDA_MAX 1.0e9f   /* in units of u; with more smoothing the kernels' part vanishes in a float */
 
 struct smr_warp {
-    uint32_t magic;
-    uint32_t n;       /* kernels: 0 for all but splines */
-    smr_vec from, to; /* mm: origins */
+    uint32_t magic;   /* SMR_WARP_MAGIC */
+    uint32_t n;       /* number of kernels; 0 unless the warp is a spline */
+    smr_vec from, to; /* mm: centroids of the landmarks and of their goals */
     float per_mm;     /* u = (x - from) * per_mm */
-    smr_pose affine;  /* of u, mm from `to` */
-    float *centre;    /* [n][3] u of the landmarks */
-    float *weight;    /* [n][3] mm */
+    smr_pose affine;  /* A and a: maps u to mm from `to` */
+    float *centre;    /* [n][3] u_i: the landmarks */
+    float *weight;    /* [n][3] w_i, mm */
 };
 
-/* The distinct landmarks and the memory of a fit. */
+/* A fit in progress: the distinct landmarks and scratch. */
 typedef struct job {
     smr_warp *warp;
-    float *goal;   /* [n][3] mm from warp->to, means of duplicates */
-    float *count;  /* [n] duplicates in each */
-    float *matrix; /* [n + 4][n + 4] */
-    float *side;   /* [n + 4][3] */
-    smr_system system;
+    float *goal;       /* [n][3] mm from warp->to; mean of the duplicates' goals */
+    float *count;      /* [n] landmarks merged into each */
+    float *matrix;     /* [n + 4][n + 4] */
+    float *side;       /* [n + 4][3] right-hand sides */
+    smr_system system; /* with matrix, side and scratch of its own */
     smr_vec axis[3];   /* principal directions divided by the spread along them */
-    float variance[3]; /* in units of u, largest first */
-    float lambda;      /* in units of u */
+    float variance[3]; /* along the principal directions in units of u^2, largest first */
+    float lambda;      /* smoothing in units of u */
     uint32_t n;        /* distinct landmarks */
 } job;
 
-/* Measures with a NULL base, places with a real one. */
+/* Takes all slots from the arena, or measures them. */
 static void layout(smr_arena *a, uint32_t n, job *j, smr_warp *w)
 {
     const size_t m = (size_t)n + SMR_WARP_AFFINE;
@@ -62,7 +63,7 @@ static void layout(smr_arena *a, uint32_t n, job *j, smr_warp *w)
     j->side = smr_arena_take(a, m, SMR_SOLVE_SIDES * sizeof(float));
     j->system.x = smr_arena_take(a, m, SMR_SOLVE_SIDES * sizeof(float));
     j->system.lu = smr_arena_take(a, m * m, sizeof(float));
-    j->system.rest = smr_arena_take(a, m, SMR_SOLVE_SIDES * sizeof(float));
+    j->system.residual = smr_arena_take(a, m, SMR_SOLVE_SIDES * sizeof(float));
     j->system.pivot = smr_arena_take(a, m, sizeof(uint32_t));
 }
 
@@ -91,7 +92,7 @@ static float extent(const float *xyz, uint32_t n)
     return most;
 }
 
-/* The mean, summed relative to the first point so that far-away coordinates cost no digits. */
+/* The mean of n points with weights `count` (NULL: 1 each), summed relative to the first point to keep digits. */
 static smr_vec mean(const float *xyz, const float *count, uint32_t n)
 {
     const smr_vec first = smr_load(xyz);
@@ -105,7 +106,7 @@ static smr_vec mean(const float *xyz, const float *count, uint32_t n)
     return smr_add(first, smr_scale(sum, 1.0f / weight));
 }
 
-/* Fills centre (still in mm), goal and count with the distinct landmarks. */
+/* Merges duplicates: fills w->centre (still in mm), goal and count with the distinct landmarks. */
 static void merge(job *j, smr_warp *w, const float *from, const float *to, uint32_t n)
 {
     const float same = smr_max(SMR_SAME_MM, SMR_SAME_SHARE * extent(from, n));
@@ -133,14 +134,14 @@ static void merge(job *j, smr_warp *w, const float *from, const float *to, uint3
         smr_store(j->goal + 3u * (size_t)k, smr_scale(smr_load(j->goal + 3u * (size_t)k), 1.0f / j->count[k]));
 }
 
-/* Brings centre to units of u and finds the principal directions there. */
+/* Scales w->centre to units of u and finds its principal directions and variances. */
 static void normalise(job *j, smr_warp *w)
 {
     float unit = 1.0f, c[6] = {0}, v[9], most = 0.0f;
     for (uint32_t k = 0; k < j->n; k++)
         most = smr_max(most, smr_length(smr_load(w->centre + 3u * (size_t)k)));
     most = smr_max(most, SMR_SAME_MM);
-    while (unit < most) /* ends: SMR_SAME_MM <= most < 8 SMR_COORD_MAX */
+    while (unit < most) /* terminates: SMR_SAME_MM <= most < 8 SMR_COORD_MAX */
         unit *= 2.0f;
     while (unit * 0.5f >= most)
         unit *= 0.5f;
@@ -166,8 +167,8 @@ static void normalise(job *j, smr_warp *w)
     }
 }
 
-/* The most that this set of landmarks carries. */
-static uint32_t choose(const job *j)
+/* The kind of warp (SMR_WARP_...) with the most freedom that the landmarks determine. */
+static uint32_t choose_kind(const job *j)
 {
     const float largest = j->variance[0];
     if (j->n < 2u)
@@ -179,8 +180,9 @@ static uint32_t choose(const job *j)
     return j->n >= 3u && j->variance[1] > SMR_LINE_SHARE * largest ? SMR_WARP_SCALED : SMR_WARP_RIGID;
 }
 
-/* [K + lambda I, P; P^T, 0] and its right-hand sides; K + lambda I divided by `share`, so that entries stay near 1. */
-static void fill(const job *j, const smr_warp *w, float share)
+/* Fills the matrix [K + lambda I, P; P^T, 0] and the right-hand sides. K + lambda I is divided by `unit`, so that
+ * entries stay near 1. */
+static void fill_equations(const job *j, const smr_warp *w, float unit)
 {
     const size_t n = j->n, m = n + SMR_WARP_AFFINE;
     float *a = j->matrix;
@@ -191,19 +193,19 @@ static void fill(const job *j, const smr_warp *w, float share)
         const smr_vec u = smr_load(w->centre + 3u * i);
         const float p[SMR_WARP_AFFINE] = {1.0f, smr_dot(j->axis[0], u), smr_dot(j->axis[1], u), smr_dot(j->axis[2], u)};
         for (size_t k = 0; k < i; k++)
-            a[i * m + k] = a[k * m + i] = -smr_length(smr_sub(u, smr_load(w->centre + 3u * k))) / share;
-        a[i * m + i] = j->lambda / j->count[i] / share;
+            a[i * m + k] = a[k * m + i] = -smr_length(smr_sub(u, smr_load(w->centre + 3u * k))) / unit;
+        a[i * m + i] = j->lambda / j->count[i] / unit;
         for (size_t k = 0; k < SMR_WARP_AFFINE; k++)
             a[i * m + n + k] = a[(n + k) * m + i] = p[k];
     }
 }
 
-/* 1 when the spline stands in *w; 0 when the equations have no answer in this precision. */
+/* Fits the spline into *w. Returns 0 when the equations are singular in this precision. */
 static int fit_spline(job *j, smr_warp *w)
 {
-    const float share = smr_max(1.0f, j->lambda);
+    const float unit = smr_max(1.0f, j->lambda);
     const float *x = j->system.x, *affine = x + SMR_SOLVE_SIDES * (size_t)j->n;
-    fill(j, w, share);
+    fill_equations(j, w, unit);
     j->system.n = j->n + SMR_WARP_AFFINE;
     j->system.a = j->matrix;
     j->system.b = j->side;
@@ -211,7 +213,7 @@ static int fit_spline(job *j, smr_warp *w)
         return 0;
     w->n = j->n;
     for (size_t i = 0; i < 3u * (size_t)j->n; i++)
-        w->weight[i] = x[i] / share;
+        w->weight[i] = x[i] / unit;
     for (int r = 0; r < 3; r++) {
         const float c0 = affine[3 + r], c1 = affine[6 + r], c2 = affine[9 + r];
         w->affine.m[r][0] = c0 * j->axis[0].x + c1 * j->axis[1].x + c2 * j->axis[2].x;
@@ -222,11 +224,11 @@ static int fit_spline(job *j, smr_warp *w)
     return 1;
 }
 
-/* Translation, rigid or similarity transform by least squares. */
+/* Fits a translation, rigid or scaled transform by least squares into *w. */
 static void fit_pose(const job *j, smr_warp *w, uint32_t kind)
 {
     const float unit = 1.0f / w->per_mm;
-    smr_pose p = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}; /* mean onto mean: those are the origins */
+    smr_pose p = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}; /* moves centroid to centroid: these are the origins */
     if (kind != SMR_WARP_TRANSLATION) {
         smr_fit fit;
         smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
@@ -268,7 +270,7 @@ smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float sm
     merge(&j, &w, from, to, n);
     normalise(&j, &w);
     j.lambda = smr_min(smoothing * w.per_mm, SMR_LAMBDA_MAX);
-    uint32_t chosen = choose(&j);
+    uint32_t chosen = choose_kind(&j);
     if (chosen == SMR_WARP_SPLINE && !fit_spline(&j, &w))
         chosen = SMR_WARP_SCALED;
     if (chosen != SMR_WARP_SPLINE)
@@ -280,9 +282,9 @@ smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float sm
     return SMR_OK;
 }
 
-/* The kernels' sum is taken with its rounding errors: large weights of opposite signs stand side by side where
- * neighbouring landmarks go different ways. */
-static void carry(const smr_warp *w, float *p)
+/* Moves the point p by the warp. The sum over kernels keeps rounding errors: neighbouring landmarks with different
+ * displacements have large weights of opposite signs. */
+static void warp_point(const smr_warp *w, float *p)
 {
     const smr_vec u = smr_scale(smr_sub(smr_load(p), w->from), w->per_mm);
     smr_vec bend = smr_v(0, 0, 0), error = bend;
@@ -306,6 +308,6 @@ smr_status smr_warp_apply(const smr_warp *warp, float *xyz, uint32_t n)
         if (!smr_within(xyz[i], SMR_COORD_MAX))
             return SMR_E_INPUT;
     for (uint32_t i = 0; i < n; i++)
-        carry(warp, xyz + 3u * (size_t)i);
+        warp_point(warp, xyz + 3u * (size_t)i);
     return SMR_OK;
 }

@@ -1,12 +1,13 @@
-/* transform_fit.c: least-squares rigid and similarity transforms between corresponding points.
+/* transform_fit.c: least-squares rigid and scaled transforms between corresponding points.
+ * Source: Horn, Hilden, Negahdaripour 1988; the rotation by polar decomposition and two Newton steps.
  * SPDX-License-Identifier: MIT */
 #include "geometry/transform_fit.h"
 
 #include "geometry/jacobi.h"
 #include "geometry/rotation.h"
 
-#define SMR_FIT_OPEN 1.0e-4f /* of the dearest rotation: those that cost less are left open */
-#define SMR_FIT_NEAR 0.01f   /* rad: a polar decomposition that is farther off has its reasons (reflections, ranks) */
+#define SMR_FIT_OPEN 1.0e-4f /* axes whose curvature, relative to the largest, is below this are undetermined */
+#define SMR_FIT_NEAR 0.01f   /* rad: longer Newton steps are not taken (reflections, deficient ranks) */
 
 void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to)
 {
@@ -15,7 +16,8 @@ void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to)
     f->origin_to = origin_to;
 }
 
-/* A plain sum of a thousand products turns a bone's end by a micrometre (compensated summation: Neumaier 1974). */
+/* Adds a term to sum i with compensation (Neumaier 1974). Plain sums of a thousand products would move the end of a
+ * bone by a micrometre. */
 static void add(smr_fit *f, uint32_t i, float term)
 {
     const float before = f->sum[i], sum = before + term;
@@ -39,8 +41,8 @@ void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float w)
     add(f, SMR_FIT_TO2, w * smr_dot(to, to));
 }
 
-/* Newton's step towards the rotation for which R^T A is symmetric: the polar decomposition squares A, so that a long bone's
- * twist keeps half of its digits. Rotations that A leaves open stay as they are. */
+/* A Newton step towards the rotation R for which R^T A is symmetric. The polar decomposition squares A, which costs
+ * half of the digits of a long bone's rotation about its axis. Undetermined rotations stay as they are. */
 static void sharpen(const float a[9], float r[9])
 {
     float m[9], turn[9], out[9], c[6], p[6];
@@ -65,12 +67,13 @@ static void sharpen(const float a[9], float r[9])
     memcpy(r, out, sizeof out);
 }
 
-/* Sum of w a b about the means. */
+/* The weighted sum of products w a b, as if a and b were relative to their means. */
 static float centred(const smr_fit *f, uint32_t product, uint32_t a, uint32_t b)
 {
     return f->sum[product] - f->sum[a] / f->weight * f->sum[b] + f->lost[product];
 }
 
+/* The weighted sum of squared distances from the mean, mm^2; a: index of the x sum. */
 static float spread(const smr_fit *f, uint32_t product, uint32_t a)
 {
     return centred(f, product, a, a) - f->sum[a + 1u] / f->weight * f->sum[a + 1u] -

@@ -1,10 +1,11 @@
-/* triangle.c: closest point on a triangle by the seven Voronoi regions of its corners, edges and inside.
+/* triangle.c: closest point on a triangle, by the seven Voronoi regions of its corners, edges and interior.
  * Source: C. Ericson, "Real-Time Collision Detection" (2005), 5.1.5. Exact up to rounding.
  * SPDX-License-Identifier: MIT */
 #include "geometry/triangle.h"
 
-#define SMR_SLIVER 1.0e-5f /* of the products whose difference the squared area is */
+#define SMR_SLIVER 1.0e-5f /* slivers: squared area relative to the products whose difference it is */
 
+/* Writes the weights; returns the squared length of to_p, the vector from the closest point to p. */
 static float set(float weight[3], float a, float b, float c, smr_vec to_p)
 {
     weight[0] = a;
@@ -13,7 +14,7 @@ static float set(float weight[3], float a, float b, float c, smr_vec to_p)
     return smr_dot(to_p, to_p);
 }
 
-/* Zero-area triangles: the nearest of the three edges. ap = p - a. */
+/* Closest point on the three edges, for triangles with hardly any area. ap = p - a. */
 static float closest_edge(smr_vec ap, smr_vec ab, smr_vec ac, float weight[3])
 {
     const smr_vec from[3] = {smr_v(0, 0, 0), smr_v(0, 0, 0), ab};
@@ -73,7 +74,7 @@ float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float wei
     const float sides = smr_dot(ab, ab) + smr_dot(ac, ac);
     if (sum > SMR_SLIVER * sides * (sides + smr_dot(ap, ap)))
         return inside;
-    /* hardly any area: the weights may be rounding alone. They name a point of the triangle, but not the closest. */
+    /* a sliver: rounding dominates the weights, so their point lies on the triangle but may not be the closest */
     float on_edge[3];
     const float edge = closest_edge(ap, ab, ac, on_edge);
     if (edge < inside)

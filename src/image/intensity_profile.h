@@ -1,47 +1,55 @@
-/* intensity_profile.h: intensity profiles along vertex normals, and their registration in one dimension.
+/* intensity_profile.h: intensity profiles along vertex normals and the two ways to a goal position (paper 2.1):
+ * profile registration (profile_match.c) and maximal gradient search (gradient_search.c).
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_INTENSITY_PROFILE_H
 #define SMR_INTENSITY_PROFILE_H
 
 #include "base/vec.h"
 
-#define SMR_PROFILE_MAX 64u /* samples of a reference profile */
-#define SMR_LINE_MAX 320u   /* samples of a line searched */
+#define SMR_PROFILE_MAX 64u /* most samples of a reference profile */
+#define SMR_LINE_MAX 320u   /* most samples of a searched line */
 
-/* Where a goal lies along the line, in samples, and how much it is to be believed, 0..1 (0: no goal). */
+/* A goal position found along a line of image samples. */
 typedef struct smr_peak {
-    float at;
-    float confidence;
+    float at;         /* place on the line, in samples */
+    float confidence; /* 0 .. 1; 0: no goal */
 } smr_peak;
 
-/* A reference profile as it is compared: sample k is low + value[k] * range / 255. */
+/* A reference profile: the intensity of sample k is low + value[k] * range / 255. */
 typedef struct smr_profile {
-    const uint8_t *value;
-    float low, range;
-    uint32_t n;
+    const uint8_t *value; /* [n] */
+    float low, range;     /* intensity; range 0: the profile is flat or partly outside and never gives a goal */
+    uint32_t n;           /* samples, at most SMR_PROFILE_MAX */
 } smr_profile;
 
-/* Packs n samples into bytes between their minimum and maximum. low, range: value = low + byte * range / 255. range is 0
- * when the profile is flat or not all of it is inside: such a profile never gives a goal. */
+/* Packs n intensities into packed[n], *low and *range as in smr_profile. *range is 0 when the profile is flat or not
+ * all samples are inside. */
 void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t n, uint8_t *packed, float *low,
                       float *range);
 
-/* How likeness is scored. */
+/* The similarity measure. */
 typedef struct smr_likeness {
     uint32_t kind; /* SMR_SIMILARITY_... */
-    float noise;   /* intensity: concordance takes contrast below it for none */
-    float
-        nearer; /* what a score loses at the ends of the line, less towards its middle: of like peaks the nearer wins */
+    float noise;   /* intensity; concordance ignores contrast below it */
+    float nearer;  /* subtracted from scores, times the squared distance from the middle offset (1 at the ends) */
 } smr_likeness;
 
-/* The offset 0 .. m - n at which the n samples of the reference fit the line best. low and range matter but for correlation. */
+/* Finds the offset 0 .. m - n at which the reference is most similar to line[m]; n: its samples. Returns a peak with
+ * confidence 0 when there is none. Correlation does not depend on the reference's low and range. */
 smr_peak smr_profile_match(const smr_profile *reference, const float *line, const unsigned char *inside, uint32_t m,
                            const smr_likeness *how);
 
-/* The best edge within `reach` samples of line sample `centre`: of the polarity and brightness of the reference's own, which is
- * its strongest one near its sample `zero`, rather steeper than less steep, but not by far, and rather near. The goal is moved
- * by as much as the reference's own edge misses `zero`. */
+/* Finds the best edge within `reach` samples of line sample `centre`: same polarity as the reference's edge, similar
+ * brightness, steep, and near. The reference's edge is its steepest one near its sample `zero`, the surface. The goal
+ * is shifted by the distance between the reference's edge and `zero`. Confidence 0: no edge. */
 smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside,
                           uint32_t m, uint32_t centre, uint32_t reach);
+
+/* The maximum of the parabola through three equally spaced values, relative to the middle one, -0.5 .. 0.5. */
+static inline float smr_parabola_peak(float before, float at, float after)
+{
+    const float bend = before - 2.0f * at + after;
+    return bend < 0.0f ? smr_clamp(0.5f * (before - after) / bend, -0.5f, 0.5f) : 0.0f;
+}
 
 #endif

@@ -1,16 +1,17 @@
-/* volume.c: trilinear interpolation in volumes of five voxel types, any spacing and direction.
- * The eight voxels around a sample are read only when all of them lie inside: outside is known, never read. An axis of one
- * voxel is a slab one spacing thick.
- * Method: index coordinates first + k move are monotonic in k, even rounded, so the samples inside are one run and only its
- * ends are looked for. Those samples go in batches through loops that compilers turn into vector code.
+/* volume.c: trilinear interpolation along lines (paper 2.1) in volumes of five voxel types, any spacing and direction.
+ * Voxels are read only when all eight around a sample lie inside the volume. An axis of one voxel is a slab as thick
+ * as its spacing.
+ * Method: index coordinates first + k move are monotonic in k, even when rounded. The samples inside are therefore one
+ * run, found by its two ends. They go in batches through loops that compilers vectorise.
  * SPDX-License-Identifier: MIT */
 #include "image/volume.h"
 
-#define SMR_AXIS_MAX 65536u
+#define SMR_AXIS_MAX 65536u /* voxels along an axis */
 #define SMR_VOXELS_MAX ((uint64_t)1 << 40)
-#define SMR_NOT_UNIT 0.01f /* of a direction's squared length */
-#define SMR_HUGE 1.0e30f   /* larger voxel values count as not there */
+#define SMR_NOT_UNIT 0.01f /* tolerance of a direction's squared length */
+#define SMR_HUGE 1.0e30f   /* larger interpolated values count as outside */
 
+/* out = the inverse of m. Returns 0 when m is nearly singular. */
 static int invert3(const float m[9], float out[9])
 {
     const smr_vec a = smr_load(m), b = smr_load(m + 3), c = smr_load(m + 6);
@@ -40,7 +41,7 @@ smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid)
             return SMR_E_INPUT;
         voxels *= volume->size[a];
         const smr_vec axis = smr_v(volume->direction[a], volume->direction[3u + a], volume->direction[6u + a]);
-        if (!smr_within(smr_dot(axis, axis) - 1.0f, SMR_NOT_UNIT)) /* axes that have the spacing in them, perhaps */
+        if (!smr_within(smr_dot(axis, axis) - 1.0f, SMR_NOT_UNIT)) /* perhaps multiplied by the spacing */
             return SMR_E_INPUT;
     }
     if (voxels > SMR_VOXELS_MAX || !invert3(volume->direction, grid->to_index))
@@ -58,19 +59,19 @@ typedef struct line {
     float first[3], move[3];
 } line;
 
-/* The cells of a batch of samples: lower voxel, and fraction of the way to the upper one. */
+/* The cells of a batch of samples, for each axis and sample. */
 typedef struct cells {
-    int32_t lower[3][SMR_BATCH];
-    float fraction[3][SMR_BATCH];
+    int32_t lower[3][SMR_BATCH];  /* index of the lower voxel */
+    float fraction[3][SMR_BATCH]; /* position between lower and upper voxel, 0 .. 1 */
 } cells;
 
-/* Voxels between neighbours along each axis: an axis of one voxel has no second one. */
+/* Distances between voxels in memory, in voxels. */
 typedef struct strides {
     size_t row, slice;
-    size_t dx, dy, dz;
+    size_t dx, dy, dz; /* from a lower voxel to the upper one along each axis; 0 for an axis of one voxel */
 } strides;
 
-/* Leaves of the samples from .. to-1 those that lie inside along one axis. */
+/* Shrinks the run of samples *from .. *to - 1 to those inside the volume along one axis. */
 static void clip(float first, float move, uint32_t size, uint32_t *from, uint32_t *to)
 {
     const float low = size == 1u ? -0.5f : 0.0f, high = size == 1u ? 0.5f : (float)(size - 1u);
@@ -86,7 +87,7 @@ static void clip(float first, float move, uint32_t size, uint32_t *from, uint32_
     }
 }
 
-/* Samples k .. k+n-1, all inside. */
+/* Finds the cells of samples k .. k+n-1, all inside the volume. */
 static void find_cells(const smr_volume *v, const line *l, uint32_t k, uint32_t n, cells *c)
 {
     for (uint32_t axis = 0; axis < 3u; axis++) {
@@ -106,13 +107,14 @@ static void find_cells(const smr_volume *v, const line *l, uint32_t k, uint32_t 
     }
 }
 
+/* Memory index of the lowest voxel of sample i's cell. */
 static inline size_t first_voxel(const cells *c, uint32_t i, const strides *d)
 {
     return (size_t)c->lower[0][i] + d->row * (size_t)c->lower[1][i] + d->slice * (size_t)c->lower[2][i];
 }
 
-/* Defines `name`, which interpolates a batch in voxels of `type`. The voxels are gathered as `number`, int32_t where that holds
- * them all, so that turning them into floats is vector code, too. */
+/* Defines the function `name`, which interpolates a batch in voxels of `type`. Voxels are gathered as `number`,
+ * int32_t where it holds all values, so that the conversion to float is vectorised, too. */
 #define SMR_TRILINEAR(name, type, number)                                                                              \
     static void name(const void *voxels, const cells *c, const strides *d, uint32_t n, float *value)                   \
     {                                                                                                                  \
@@ -146,6 +148,7 @@ SMR_TRILINEAR(sample_uint16, uint16_t, int32_t)
 SMR_TRILINEAR(sample_int16, int16_t, int32_t)
 SMR_TRILINEAR(sample_float, float, float)
 
+/* value[i]: interpolated intensity of sample i of the batch. */
 static void sample(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value)
 {
     switch (v->type) {
@@ -157,6 +160,7 @@ static void sample(const smr_volume *v, const cells *c, const strides *d, uint32
     }
 }
 
+/* 1 when the mask is 0 at any of the eight voxels of a cell; mask: at the cell's lowest voxel. */
 static int masked(const uint8_t *mask, const strides *d)
 {
     const uint8_t *m = mask + d->dz;
@@ -164,7 +168,8 @@ static int masked(const uint8_t *mask, const strides *d)
              m[d->dx + d->dy]);
 }
 
-/* Takes out what the mask hides and values too large to be any, NaN among them. Returns how many are left. */
+/* Marks samples under the mask, and values that are NaN or too large, as outside: value 0, inside 0. Returns the
+ * number of samples that remain inside. */
 static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint32_t n, float *value,
                      unsigned char *inside)
 {
@@ -204,7 +209,7 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec step, uint32
     return count;
 }
 
-#define SMR_AHEAD 2u /* every second sample's voxels: a voxel is mostly more than a step */
+#define SMR_AHEAD 2u /* prefetches for every second sample: voxels are mostly larger than the samples' distance */
 
 void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec step, uint32_t n)
 {

@@ -1,20 +1,21 @@
-/* cluster_radii.c: cluster radii for a model nobody chose any for. For surface targets: from a quarter of its length down to little
- * more than an edge, each about two thirds of the one before (coarse to fine, paper 3, geometric registration), and a last
- * one far below an edge, at which clusters are single vertices. For images, which are noisy: fixed radii of a human size;
- * before them, for a structure alone, which starts with the error of its pose and has no neighbours to lead it, the whole
- * structure as one cluster and a third of it.
+/* cluster_radii.c: chooses the cluster sizes s (radii) when the configuration names none, from coarse to fine (paper
+ * 3, geometric registration).
+ * Surface targets: from a quarter of the model's length down to little more than an edge, each about two thirds of the
+ * one before, and a last one far below an edge, where clusters are single vertices.
+ * Images: fixed radii of human size. A single structure also gets a first cluster over its whole length and one over a
+ * third, because no neighbouring structure guides it from the error of its start pose.
  * SPDX-License-Identifier: MIT */
 #include "prepare/plan.h"
 
-#define SMR_COARSEST 0.25f  /* of the model's length */
-#define SMR_FINE_EDGES 1.7f /* edges */
-#define SMR_FREE_EDGES 0.01f
-#define SMR_RATIO 0.66f
-#define SMR_MEMBERS_MAX 1500u /* mean |zeta| above this makes iterations slow and deforms no better */
-#define SMR_PROBES 64u
+#define SMR_COARSEST 0.25f    /* coarsest radius relative to the model's length */
+#define SMR_FINE_EDGES 1.7f   /* finest radius but one, in mean edge lengths */
+#define SMR_FREE_EDGES 0.01f  /* finest radius, in mean edge lengths */
+#define SMR_RATIO 0.66f       /* of neighbouring radii */
+#define SMR_MEMBERS_MAX 1500u /* largest mean |zeta|: more makes iterations slow without deforming better */
+#define SMR_PROBES 64u        /* clusters that the mean is taken over */
 
-/* Mean size of clusters at this radius, from SMR_PROBES vertices spread over the caller's numbering: the same ones
- * however the model is turned. */
+/* Mean |zeta| at this radius over SMR_PROBES vertices, evenly spread over the caller's numbering, so that they do not
+ * depend on the model's pose. */
 static uint32_t mean_members(smr_plan *p, float radius)
 {
     uint64_t sum = 0;
@@ -26,8 +27,8 @@ static uint32_t mean_members(smr_plan *p, float radius)
     return (uint32_t)(sum / probes);
 }
 
-/* The length of a rod whose points lie as far from their middle as the model's do: a size that does not depend on how
- * the model is turned. */
+/* The model's length, mm: that of a thin rod with the same variance of points. It does not depend on the model's
+ * pose. */
 static float rod_length(const smr_plan *p)
 {
     smr_vec mean = smr_v(0, 0, 0);
@@ -42,8 +43,7 @@ static float rod_length(const smr_plan *p)
     return SMR_SQRT(12.0f * spread);
 }
 
-/* A radius rounded to eight binary digits, so that the last bits of a measured size do not decide which vertices lie just
- * within it. */
+/* The radius rounded to eight binary digits, so that rounding errors of a measured length do not change clusters. */
 static float rounded(float radius)
 {
     uint32_t bits = smr_float_bits(radius) + 0x8000u;
@@ -52,6 +52,7 @@ static float rounded(float radius)
     return radius;
 }
 
+/* The radii for images; returns their number. */
 static uint32_t image_radii(const smr_plan *p, float radius[SMR_RADII_MAX])
 {
     static const float local[] = {60.0f, 40.0f, 25.0f, 15.0f}; /* mm */

@@ -1,12 +1,14 @@
-/* clusters_geodesic.c: clusters by distance along the surface: shortest paths over mesh edges (Dijkstra 1959) with a binary
- * heap. Lengths are whole micrometres, so a path is as long forth as back and clusters are symmetric. Paths over
- * edges are up to a sixth longer than the true geodesic on regular meshes.
+/* clusters_geodesic.c: clusters by geodesic distance (paper 2.2), as shortest paths over mesh edges (Dijkstra 1959)
+ * with a binary heap. Lengths are whole micrometres, so a path has the same length in both directions and clusters are
+ * symmetric.
+ * Paths over edges are up to a sixth longer than the true geodesic on regular meshes.
  * Bounds: at most one heap entry per directed edge.
  * SPDX-License-Identifier: MIT */
 #include "prepare/plan.h"
 
+/* A binary heap of vertices, the smallest distance first. */
 typedef struct heap {
-    uint32_t *pair; /* distance, vertex */
+    uint32_t *pair; /* [2 n] distance (micrometres) and vertex of each item */
     uint32_t n;
 } heap;
 
@@ -24,6 +26,7 @@ static void push(heap *h, uint32_t distance, uint32_t vertex)
     h->pair[2u * (size_t)i + 1u] = vertex;
 }
 
+/* Removes the item with the smallest distance. */
 static void pop(heap *h, uint32_t *distance, uint32_t *vertex)
 {
     *distance = h->pair[0];
@@ -46,6 +49,7 @@ static void pop(heap *h, uint32_t *distance, uint32_t *vertex)
     h->pair[2u * (size_t)i + 1u] = v;
 }
 
+/* Length of the edge between a and b. */
 static uint32_t micrometres(const smr_plan *p, uint32_t a, uint32_t b)
 {
     float mm = smr_length(smr_sub(smr_load(p->xyz + 3u * (size_t)a), smr_load(p->xyz + 3u * (size_t)b)));
@@ -64,15 +68,15 @@ void smr_geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
         uint32_t distance, from;
         pop(&h, &distance, &from);
         if (distance > p->geo_distance[from])
-            continue; /* found again by a shorter way */
-        for (uint32_t i = p->ring_start[from]; i < p->ring_start[from + 1u]; i++) {
-            const uint32_t to = p->ring[i];
-            const uint32_t step = micrometres(p, from, to);
-            if (step > limit - distance || distance + step >= p->geo_distance[to])
+            continue; /* a shorter path was found after this item was pushed */
+        for (uint32_t i = p->neighbour_start[from]; i < p->neighbour_start[from + 1u]; i++) {
+            const uint32_t to = p->neighbour[i];
+            const uint32_t edge = micrometres(p, from, to);
+            if (edge > limit - distance || distance + edge >= p->geo_distance[to])
                 continue;
-            p->geo_distance[to] = distance + step;
+            p->geo_distance[to] = distance + edge;
             smr_row_set(row, p->words, to);
-            push(&h, distance + step, to);
+            push(&h, distance + edge, to);
         }
     }
     for (uint32_t w = smr_row_first(row, p->words); w < smr_row_last(row, p->words); w++)

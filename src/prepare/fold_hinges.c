@@ -1,16 +1,19 @@
-/* fold_hinges.c: edges that two triangles share and nobody else, for the runtime's fold guard.
- * Edges are sorted by their two vertices; equal neighbours in the sorted list belong together.
+/* fold_hinges.c: hinges, the edges of exactly two triangles, with the angle at which each counts as folded.
+ * Method: edges are sorted by their two vertices, so that the triangles of an edge are neighbours in the sorted list.
  * SPDX-License-Identifier: MIT */
 #include "geometry/hilbert_curve.h"
 #include "geometry/triangle.h"
 #include "prepare/plan.h"
 
-#define SMR_RIGHT 0.02f          /* cosine: flat hinges fold when their triangles' normals come to 89 degrees */
-#define SMR_BACK (-0.48f)        /* sharper ones at about 119 degrees */
-#define SMR_ROUNDING 1.0e-4f     /* of a cosine: right angles, which caps and corners have, */
-#define SMR_RIGHT_BACK (-0.25f)  /* have some room on the way, too, but count as open at last (SMR_HINGE_OPEN) */
-#define SMR_TURNED_BACK (-0.75f) /* at rest: nothing left to guard */
+/* Cosines of the angle between the normals of a hinge's two triangles. */
+#define SMR_RIGHT 0.02f /* hinges below 90 degrees at rest fold at 89 degrees, or at half their rest cosine */
+#define SMR_RIGHT_BACK                                                                                                 \
+    (-0.25f) /* hinges of 90 degrees at rest (caps, corners) fold at 104 degrees; above SMR_HINGE_OPEN */
+#define SMR_ROUNDING 1.0e-4f     /* tolerance for 90 degrees */
+#define SMR_BACK (-0.48f)        /* hinges above 90 degrees at rest fold at 119 degrees or more */
+#define SMR_TURNED_BACK (-0.75f) /* hinges beyond it at rest are folded already and left out */
 
+/* The two vertices of edge i (edge i % 3 of triangle i / 3), the smaller number first. */
 static void edge_of(const smr_plan *p, uint32_t i, uint32_t *low, uint32_t *high)
 {
     const uint32_t *t = p->triangle + i / 3u * 3u;
@@ -26,12 +29,12 @@ static smr_vec unit_normal(const smr_plan *p, uint32_t triangle)
                                        smr_load(p->xyz + 3u * (size_t)t[2])));
 }
 
+/* Adds the hinge between the triangles a and b. */
 static void add_hinge(smr_plan *p, uint32_t a, uint32_t b)
 {
     const float rest = smr_dot(unit_normal(p, a), unit_normal(p, b));
     if (rest < SMR_TURNED_BACK || a > SMR_HINGE_MASK || b > SMR_HINGE_MASK)
         return;
-    /* edges sharper than a right angle at rest have room until they are clearly turned back */
     float limit = rest > 0.0f ? smr_min(SMR_RIGHT, 0.5f * rest) : SMR_RIGHT_BACK;
     if (rest < -SMR_ROUNDING)
         limit = smr_min(SMR_BACK, rest - 0.2f);
@@ -52,7 +55,7 @@ void smr_plan_hinges(smr_plan *p)
         edge_of(p, p->item[i], &low, &high);
         p->key[i] = low;
     }
-    smr_curve_sort(p->key, p->item, p->tmp, n); /* stable: now by low, then high */
+    smr_curve_sort(p->key, p->item, p->tmp, n); /* stable: now sorted by low, then by high */
     p->n_hinges = 0;
     for (uint32_t i = 0, next; i < n; i = next) {
         uint32_t low2 = 0, high2 = 0;

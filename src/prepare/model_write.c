@@ -1,12 +1,12 @@
 /* model_write.c: lays the model out, section by section (docs/SPEC.md has the table).
  * SPDX-License-Identifier: MIT */
-#include "prepare/plan.h"
+#include "prepare/model_write.h"
 
-/* What smr_stored_radius will say, while its lists are written behind it. */
+/* Writes the smr_stored_radius at offset `at`, after its lists were written. */
 static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, const smr_plan *p, float radius,
                          uint32_t active_min)
 {
-    const int ring = smr_uses_ring(p, radius) && p->edge_max > radius;
+    const int ring = smr_holds_neighbours(p, radius) && p->edge_max > radius;
     const uint32_t field[15] = {smr_float_bits(radius),
                                 smr_float_bits(ring ? p->edge_max : radius),
                                 p->separate,
@@ -26,11 +26,11 @@ static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, con
         smr_put32(w, at + 4u * i, field[i]);
 }
 
-/* Blocks of the curve order, the same size but for one vertex. */
+/* Writes the lists of one radius. Blocks are equal shares of the vertices along the curve, to within one vertex. */
 static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radius, uint32_t step, uint32_t steps)
 {
     const int forest = p->config->order == SMR_ORDER_FOREST;
-    const uint32_t n_blocks = forest ? smr_ceil_div(p->n, p->block) : 1u;
+    const uint32_t n_blocks = forest ? smr_ceil_div(p->n, p->block_size) : 1u;
     smr_list_writer l;
     memset(&l, 0, sizeof l);
     l.w = w;
@@ -50,7 +50,7 @@ static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radiu
             if (w->used > UINT32_MAX)
                 return SMR_E_INPUT;
         }
-        p->near_kind = 1u + p->separate;
+        p->forest.nearest_kind = 1u + p->separate;
     } else {
         smr_status status = smr_breadth_first(p, &l, radius, step, steps);
         if (status != SMR_OK)
@@ -92,7 +92,7 @@ static uint32_t write_u32(smr_writer *w, const uint32_t *value, size_t n)
     return (uint32_t)at;
 }
 
-/* Through a table: value[table[i]]. */
+/* Writes value[table[i]] for i < n. Returns the section's offset. */
 static uint32_t write_through(smr_writer *w, const uint32_t *value, const uint32_t *table, size_t n)
 {
     const size_t at = smr_put_section(w, n * sizeof *value);
@@ -101,7 +101,7 @@ static uint32_t write_through(smr_writer *w, const uint32_t *value, const uint32
     return (uint32_t)at;
 }
 
-/* `width` floats of each vertex, in stored order. */
+/* Writes `width` floats a vertex, in stored order. */
 static uint32_t write_floats(smr_writer *w, const smr_plan *p, const float *value, size_t width)
 {
     const size_t at = smr_put_section(w, p->n * width * sizeof *value);
@@ -110,7 +110,7 @@ static uint32_t write_floats(smr_writer *w, const smr_plan *p, const float *valu
     return (uint32_t)at;
 }
 
-/* `width` bytes of each vertex, in stored order. */
+/* Writes `width` bytes a vertex, in stored order. */
 static uint32_t write_bytes(smr_writer *w, const smr_plan *p, const uint8_t *value, size_t width)
 {
     const size_t at = smr_put_section(w, p->n * width);
@@ -128,7 +128,7 @@ static uint32_t write_owner(smr_writer *w, const smr_plan *p)
     return (uint32_t)at;
 }
 
-/* Everything that has one value a vertex or a triangle. */
+/* Writes the sections with values for each vertex, triangle or hinge. */
 static void write_mesh(smr_plan *p, smr_writer *w, struct smr_model *head)
 {
     head->at_position = write_through(w, p->stored, p->position, p->n);

@@ -1,12 +1,15 @@
-/* order_l_breadth_first.c: the paper's own order L (2.2, cluster optimisation): breadth first over one-ring clusters
- * xi_i = {j : d(i,j) <= s_min}, s_min = max_i min_j d(i,j); seeds are the vertices with the largest one-ring. One chain
- * over the whole model, kept for comparison with the forest: both give the same sums, bit for bit.
+/* order_l_breadth_first.c: the paper's own order L and parents (2.2, cluster optimisation): breadth first over
+ * one-ring clusters xi_i = {j : d(x_i, x_j) <= s_min}, s_min = max_i min_j d(x_i, x_j), from the vertex with the
+ * largest one-ring.
+ * The whole model is one block. Kept for comparison with the forest (order_l_forest.c): both give the same sums, bit
+ * for bit.
+ * Bounds: n vertices, the word range of their rows each.
  * SPDX-License-Identifier: MIT */
-#include "prepare/plan.h"
+#include "prepare/model_write.h"
 
 #include "geometry/hilbert_curve.h"
 
-/* s_min^2: the largest distance from a vertex to its nearest neighbour. */
+/* s_min, mm: the largest distance from a vertex to its nearest vertex, with room for rounding. */
 static float one_ring_radius(smr_plan *p)
 {
     float largest = 0.0f;
@@ -19,17 +22,16 @@ static float one_ring_radius(smr_plan *p)
     return SMR_SQRT(largest) * 1.000001f;
 }
 
+/* Fills the row with the one-ring cluster xi_v. */
 static void one_ring(smr_plan *p, uint32_t v, float s_min, uint64_t *row)
 {
     smr_ball_row(p, v, s_min, row);
-    for (uint32_t w = smr_row_first(row, p->words); p->separate && w < smr_row_last(row, p->words); w++)
-        for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u)
-            if (p->owner[w * 64u + (uint32_t)__builtin_ctzll(rest)] != p->owner[v])
-                row[w] &= ~(rest & (~rest + 1u));
+    if (p->separate)
+        smr_row_keep_structure(p, p->owner[v], row);
 }
 
-/* Vertices by the size of their one-ring, largest first, ties by index: item[n]. */
-static void seeds(smr_plan *p, float s_min, uint64_t *row)
+/* p->item[n]: the vertices by |xi|, largest first, ties by number. */
+static void sort_seeds(smr_plan *p, float s_min, uint64_t *row)
 {
     for (uint32_t v = 0; v < p->n; v++) {
         one_ring(p, v, s_min, row);
@@ -39,45 +41,52 @@ static void seeds(smr_plan *p, float s_min, uint64_t *row)
     smr_curve_sort(p->key, p->item, p->tmp, p->n);
 }
 
-smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint32_t step, uint32_t steps)
+/* Appends to the queue the members of the one-ring of v that are not in L yet, with v as their parent vertex. */
+static uint32_t append_ring(smr_plan *p, uint32_t v, const uint64_t *ring, uint32_t *parent, uint32_t tail)
 {
-    uint64_t *own = smr_plan_row(p, 0), *parent = smr_plan_row(p, 1), *ring = smr_plan_row(p, 2);
+    for (uint32_t w = smr_row_first(ring, p->words); w < smr_row_last(ring, p->words); w++) {
+        for (uint64_t rest = ring[w]; rest != 0u; rest &= rest - 1u) {
+            const uint32_t next = w * 64u + (uint32_t)__builtin_ctzll(rest);
+            if (p->entry[next] != UINT32_MAX)
+                continue;
+            p->entry[next] = tail;
+            parent[next] = v;
+            p->queue[tail++] = next;
+        }
+    }
+    return tail;
+}
+
+smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint32_t radius_index, uint32_t n_radii)
+{
+    uint64_t *own = smr_plan_row(p, 0), *parent_row = smr_plan_row(p, 1), *ring = smr_plan_row(p, 2);
     const float s_min = one_ring_radius(p);
     const uint32_t none = UINT32_MAX;
     uint32_t head = 0, tail = 0, seed = 0;
-    uint32_t *up = p->count; /* parent vertex until the vertex is written, then its |zeta| */
-    seeds(p, s_min, ring);
+    uint32_t *parent = p->count; /* the memory holds a vertex' parent until its entry is written, then its |zeta| */
+    sort_seeds(p, s_min, ring);
     for (uint32_t v = 0; v < p->n; v++)
-        p->rank[v] = none;
+        p->entry[v] = none;
     smr_list_block(l);
     while (head < p->n) {
-        if (head == tail) { /* a seed, summed directly */
-            while (p->rank[p->item[seed]] != none)
+        if (head == tail) { /* the next seed: a root, summed directly */
+            while (p->entry[p->item[seed]] != none)
                 seed++;
             const uint32_t v = p->item[seed];
-            p->rank[v] = tail;
-            up[v] = v;
+            p->entry[v] = tail;
+            parent[v] = v;
             p->queue[tail++] = v;
         }
-        const uint32_t v = p->queue[head++], from = up[v];
+        const uint32_t v = p->queue[head++], up = parent[v];
         smr_cluster_row(p, v, radius, own);
         p->count[v] = smr_row_count(own, p->words);
-        if (from != v)
-            smr_cluster_row(p, from, radius, parent);
-        smr_list_entry(l, p, v, p->rank[from], own, from == v ? NULL : parent);
+        if (up != v)
+            smr_cluster_row(p, up, radius, parent_row);
+        smr_list_entry(l, p, v, p->entry[up], own, up == v ? NULL : parent_row);
         one_ring(p, v, s_min, ring);
-        for (uint32_t w = smr_row_first(ring, p->words); w < smr_row_last(ring, p->words); w++) {
-            for (uint64_t rest = ring[w]; rest != 0u; rest &= rest - 1u) {
-                const uint32_t next = w * 64u + (uint32_t)__builtin_ctzll(rest);
-                if (p->rank[next] != none)
-                    continue;
-                p->rank[next] = tail;
-                up[next] = v;
-                p->queue[tail++] = next;
-            }
-        }
+        tail = append_ring(p, v, ring, parent, tail);
         if (head % 1024u == 0u && p->config->progress != NULL &&
-            p->config->progress(p->config->progress_ctx, step, steps) != 0)
+            p->config->progress(p->config->progress_ctx, radius_index, n_radii) != 0)
             return SMR_E_ABORTED;
     }
     return SMR_OK;

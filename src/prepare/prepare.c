@@ -1,15 +1,16 @@
-/* prepare.c: surfaces in, model out (paper 2.2). The steps in order: stored order, masses, radii, and for each
- * radius its clusters and their forest. Allocates nothing; layout measures and places the scratch.
+/* prepare.c: smr_prepare(), the paper's preprocessing (2.2): surfaces in, model out.
+ * In order: numbering along the curve, masses, hinges, profiles, radii, priority list S and stored order, and for each
+ * radius the clusters with their order L. Allocates nothing; plan_layout.c places the scratch.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "base/settings.h"
 #include "geometry/mesh.h"
 #include "image/intensity_profile.h"
-#include "prepare/plan.h"
+#include "prepare/model_write.h"
 
-#define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* for a block's rows, unless the caller names a block size */
-#define SMR_BLOCK_MIN 64u
-#define SMR_BLOCK_MAX 2048u
+#define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* for the rows of a block, unless the caller names a block size */
+#define SMR_BLOCK_MIN 64u                     /* vertices */
+#define SMR_BLOCK_MAX 2048u                   /* vertices */
 
 _Static_assert(SMR_PROFILE_MAX == 64u, "base/settings_prepare.def says so");
 
@@ -24,6 +25,7 @@ smr_prepare_config smr_prepare_config_default(void)
     return config;
 }
 
+/* 1 when every field lies in the range that the table of settings gives. */
 static int ranges_legal(const smr_prepare_config *c)
 {
     int legal = 1;
@@ -68,59 +70,9 @@ smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t
     uint32_t block = smr_min_u32(smr_max_u32(p->n / 8u, 256u), SMR_BLOCK_MAX);
     block = (uint32_t)(affordable < block ? affordable : block);
     block = smr_max_u32(block, SMR_BLOCK_MIN);
-    p->block = smr_min_u32(config->block_vertices != 0u ? config->block_vertices : block, p->n);
-    p->n_rows = smr_max_u32(p->block + 1u, 3u);
+    p->block_size = smr_min_u32(config->block_vertices != 0u ? config->block_vertices : block, p->n);
+    p->n_rows = smr_max_u32(p->block_size + 1u, 3u);
     return check_config(config);
-}
-
-void smr_plan_layout(smr_arena *a, smr_plan *p)
-{
-    const size_t n = p->n, nt = p->nt, u = sizeof(uint32_t);
-    const size_t pairs = (size_t)p->block * (SMR_NEAREST + SMR_RING_TRIED + 1u);
-    size_t most = n > 6u * nt ? n : 6u * nt; /* a vertex' neighbours before they are thinned */
-    most = most > pairs ? most : pairs;
-    const int geodesic = p->config->distance == SMR_DISTANCE_GEODESIC;
-    p->xyz = smr_arena_take(a, n, 3u * sizeof(float));
-    p->mass = smr_arena_take(a, n, sizeof(float));
-    p->owner = smr_arena_take(a, n, sizeof(uint16_t));
-    p->position = smr_arena_take(a, n, u);
-    p->original = smr_arena_take(a, n, u);
-    p->triangle = smr_arena_take(a, nt, 3u * u);
-    p->facet = smr_arena_take(a, nt, u);
-    p->ring_start = smr_arena_take(a, n + 1u, u);
-    p->ring = smr_arena_take(a, nt, 6u * u);
-    p->hinge = smr_arena_take(a, nt + (nt + 1u) / 2u, sizeof(smr_stored_hinge));
-    const int image = p->config->reference != NULL;
-    p->profile = image ? smr_arena_take(a, n, p->config->profile_samples) : NULL;
-    p->range = image ? smr_arena_take(a, n, 2u * sizeof(float)) : NULL;
-    p->normal = image ? smr_arena_take(a, n, 3u * sizeof(float)) : NULL;
-    smr_tree_shape(&p->points, p->n);
-    p->points.node = smr_arena_take(a, smr_tree_nodes(p->n), sizeof(smr_node));
-    p->list = smr_arena_take(a, n, u);
-    p->place = smr_arena_take(a, n, u);
-    p->witness = smr_arena_take(a, n, u);
-    p->next = smr_arena_take(a, n, u);
-    p->member = p->witness;
-    p->level = p->next;
-    p->bucket = smr_arena_take(a, n + 1u, u);
-    p->stored = smr_arena_take(a, n, u);
-    p->along = smr_arena_take(a, n, u);
-    p->row = smr_arena_take(a, p->n_rows, (p->words + (size_t)1u) * sizeof(uint64_t));
-    p->count = smr_arena_take(a, n, u);
-    p->rank = smr_arena_take(a, n, u);
-    p->middle = smr_arena_take(a, nt, 3u * sizeof(float));
-    p->key = smr_arena_take(a, most, u);
-    p->item = smr_arena_take(a, most, u);
-    p->tmp = smr_arena_take(a, most, 2u * u);
-    p->near = smr_arena_take(a, n, SMR_NEAREST * u);
-    p->edge_a = smr_arena_take(a, pairs, u);
-    p->edge_b = smr_arena_take(a, pairs, u);
-    p->set = smr_arena_take(a, (size_t)p->block + 1u, u);
-    p->link_start = smr_arena_take(a, (size_t)p->block + 2u, u);
-    p->link = smr_arena_take(a, (size_t)p->block + 1u, 2u * u);
-    p->queue = smr_arena_take(a, n + 1u, u);
-    p->geo_distance = geodesic ? smr_arena_take(a, n, u) : NULL;
-    p->geo_heap = geodesic ? smr_arena_take(a, 6u * nt + 1u, 2u * u) : NULL;
 }
 
 smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
@@ -138,8 +90,8 @@ smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structu
     return a.used == SIZE_MAX ? SMR_E_INPUT : SMR_OK;
 }
 
-/* The radius below which clusters keep to their own structure. Images show where structures slide on each other less well
- * than surfaces do: there only the finest radius frees them. */
+/* The radius, mm, below which clusters are separate: they keep to their own structure. Images show less well than
+ * surfaces where structures slide on each other: there only the finest radius is separate. */
 static float separate_below(const smr_prepare_config *config, const float *radius, uint32_t n_radii)
 {
     float largest = 0.0f, finest = SMR_FAR;
@@ -154,11 +106,12 @@ static float separate_below(const smr_prepare_config *config, const float *radiu
     return finest < largest ? 1.01f * finest : 0.0f;
 }
 
-/* The stored order. The model's size does not depend on it, so that who only asks for the size need not wait for it. */
+/* Computes the priority list and the stored order. The model's size does not depend on them: `wanted` is 0 when only
+ * the size is asked for. */
 static smr_status put_in_order(smr_plan *p, const float *radius, uint32_t n_radii, float below, int wanted)
 {
     const int forest = p->config->order == SMR_ORDER_FOREST;
-    p->progress_total = n_radii * (forest ? smr_ceil_div(p->n, p->block) : 1u);
+    p->progress_total = n_radii * (forest ? smr_ceil_div(p->n, p->block_size) : 1u);
     smr_plan_one_level(p, n_radii);
     if (!wanted || !p->config->priority)
         return SMR_OK;
@@ -168,51 +121,74 @@ static smr_status put_in_order(smr_plan *p, const float *radius, uint32_t n_radi
     return status;
 }
 
-smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
-                       void *scratch, size_t scratch_bytes, void *model, size_t model_capacity, size_t *model_bytes)
+/* Checks everything that the caller hands over, and starts the arena on the scratch memory. */
+static smr_status check_inputs(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
+                               void *scratch, size_t scratch_bytes, const void *model, smr_arena *a)
 {
-    smr_plan p;
-    smr_arena a;
     size_t needed;
-    if (model_bytes == NULL)
-        return SMR_E_NULL;
     smr_status status = smr_prepare_bytes(structures, n_structures, config, &needed);
     if (status != SMR_OK)
         return status;
-    status = smr_arena_start(&a, scratch, scratch_bytes);
+    status = smr_arena_start(a, scratch, scratch_bytes);
     if (status == SMR_OK && (uintptr_t)model % SMR_ALIGN != 0u)
         status = SMR_E_ALIGN;
     for (uint32_t s = 0; status == SMR_OK && s < n_structures; s++)
         status = smr_mesh_check(&structures[s].mesh);
     if (status == SMR_OK && needed > scratch_bytes)
         status = SMR_E_ARENA;
+    return status;
+}
+
+/* Places the plan's arrays and empties its rows of bits. */
+static void place_plan(smr_arena *a, smr_plan *p)
+{
+    smr_plan_layout(a, p);
+    for (uint32_t i = 0; i < p->n_rows; i++) {
+        memset(smr_plan_row(p, i), 0, p->words * sizeof(uint64_t));
+        smr_plan_row(p, i)[p->words] = p->words;
+    }
+}
+
+/* Computes what does not depend on radii: the numbering, mesh neighbours, masses, hinges and profiles. */
+static smr_status prepare_meshes(smr_plan *p)
+{
+    smr_plan_order(p);
+    smr_plan_neighbours(p);
+    smr_plan_mass(p);
+    smr_plan_hinges(p);
+    return smr_plan_profiles(p);
+}
+
+/* Computes radii, the stored order and the clusters, and writes the model. */
+static smr_status prepare_clusters(smr_plan *p, smr_writer *w)
+{
+    float radius[SMR_RADII_MAX];
+    uint32_t n_radii = p->config->n_radii;
+    memcpy(radius, p->config->radius_mm, sizeof radius);
+    if (n_radii == 0u)
+        n_radii = smr_choose_radii(p, radius);
+    const float below = separate_below(p->config, radius, n_radii);
+    const smr_status status = put_in_order(p, radius, n_radii, below, w->model != NULL);
+    return status == SMR_OK ? smr_write_model(p, w, radius, n_radii, below) : status;
+}
+
+smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
+                       void *scratch, size_t scratch_bytes, void *model, size_t model_capacity, size_t *model_bytes)
+{
+    smr_plan p;
+    smr_arena a;
+    smr_writer w = {model, model == NULL ? 0u : model_capacity, 0};
+    if (model_bytes == NULL)
+        return SMR_E_NULL;
+    smr_status status = check_inputs(structures, n_structures, config, scratch, scratch_bytes, model, &a);
     if (status != SMR_OK)
         return status;
     (void)smr_plan_start(&p, structures, n_structures, config);
     smr_arena_release(scratch, scratch_bytes);
-    smr_plan_layout(&a, &p);
-    for (uint32_t i = 0; i < p.n_rows; i++) {
-        memset(smr_plan_row(&p, i), 0, p.words * sizeof(uint64_t));
-        smr_plan_row(&p, i)[p.words] = p.words;
-    }
-    smr_plan_order(&p);
-    smr_plan_mass(&p);
-    smr_plan_hinges(&p);
-    status = smr_plan_profiles(&p);
-    if (status != SMR_OK) {
-        smr_arena_release(scratch, scratch_bytes);
-        return status;
-    }
-    float radius[SMR_RADII_MAX];
-    uint32_t n_radii = config->n_radii;
-    memcpy(radius, config->radius_mm, sizeof radius);
-    if (n_radii == 0u)
-        n_radii = smr_choose_radii(&p, radius);
-    const float below = separate_below(config, radius, n_radii);
-    smr_writer w = {model, model == NULL ? 0u : model_capacity, 0};
-    status = put_in_order(&p, radius, n_radii, below, model != NULL);
+    place_plan(&a, &p);
+    status = prepare_meshes(&p);
     if (status == SMR_OK)
-        status = smr_write_model(&p, &w, radius, n_radii, below);
+        status = prepare_clusters(&p, &w);
     smr_arena_release(scratch, scratch_bytes);
     if (status != SMR_OK)
         return status;

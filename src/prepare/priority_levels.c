@@ -1,25 +1,26 @@
-/* priority_levels.c: the stored order: priority levels, the most important first, and the order along the curve within each. So
- * any number of first stored vertices is about the best choice of so many, lists sorted by index are sorted by priority,
- * and neighbours in memory are still mostly neighbours in space. The vertices that a radius cannot do without end a level.
+/* priority_levels.c: the stored order of vertices: by priority levels, the most important level first, and along the
+ * curve within a level. The first m stored vertices are about the best m to keep active; lists sorted by stored number
+ * are sorted by priority; neighbours in memory are mostly neighbours in space. A level ends with the active_min of
+ * each radius.
  * SPDX-License-Identifier: MIT */
 #include "prepare/plan.h"
 
 #include "geometry/hilbert_curve.h"
 
-#define SMR_LEVEL_EIGHTHS 16u /* a level and all before it, against all before it: about 16 / 8 */
+#define SMR_LEVEL_EIGHTHS 16u /* growth: a level and all before it hold 16/8 as many vertices as those before it */
 
-/* Ends of levels from the last to the first: those in need[n] (ascending), and steps in between while there is room. */
+/* Sets n_levels and level_end: an end at each of need[n] (ascending), and ends in between while there is room. */
 static void choose_ends(smr_plan *p, const uint32_t *need, uint32_t n)
 {
-    uint32_t end[SMR_LEVELS_MAX], n_ends = 0;
+    uint32_t end[SMR_LEVELS_MAX], n_ends = 0; /* from the last to the first */
     for (uint32_t i = n; i-- > 0u;) {
         const uint32_t below = i > 0u ? need[i - 1u] : need[0];
         end[n_ends++] = need[i];
         for (;;) {
-            const uint32_t step = (uint32_t)((uint64_t)end[n_ends - 1u] * 8u / SMR_LEVEL_EIGHTHS);
-            if (n_ends + i >= SMR_LEVELS_MAX || step <= below + below / 8u)
+            const uint32_t between = (uint32_t)((uint64_t)end[n_ends - 1u] * 8u / SMR_LEVEL_EIGHTHS);
+            if (n_ends + i >= SMR_LEVELS_MAX || between <= below + below / 8u)
                 break;
-            end[n_ends++] = step;
+            end[n_ends++] = between;
         }
     }
     p->n_levels = n_ends;
@@ -27,7 +28,7 @@ static void choose_ends(smr_plan *p, const uint32_t *need, uint32_t n)
         p->level_end[i] = end[n_ends - 1u - i];
 }
 
-/* What each radius needs and the whole model, ascending, each once. */
+/* need: the distinct active_min of all radii and the number of all vertices, ascending. Returns their number. */
 static uint32_t sorted_needs(const smr_plan *p, uint32_t n_radii, uint32_t need[SMR_RADII_MAX + 1u])
 {
     uint32_t n = 0, last = 0;
@@ -59,7 +60,7 @@ void smr_plan_levels(smr_plan *p, uint32_t n_radii)
     uint32_t need[SMR_RADII_MAX + 1u];
     choose_ends(p, need, sorted_needs(p, n_radii, need));
     for (uint32_t v = 0; v < p->n; v++) {
-        const uint32_t rank = p->place[v] == SMR_REMAINS ? 0u : p->n - 1u - p->place[v];
+        const uint32_t rank = p->priority.place[v] == SMR_REMAINS ? 0u : p->n - 1u - p->priority.place[v];
         uint32_t level = 0;
         while (rank >= p->level_end[level])
             level++;

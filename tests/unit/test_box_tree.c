@@ -1,5 +1,5 @@
-/* test_box_tree.c: the box tree finds what a search over every triangle finds: the same squared distance within a
- * relative 4e-7 (a box and a triangle round differently) and, on ties, the smallest index in tree order.
+/* test_box_tree.c: the box tree finds the same triangle as a search of all triangles: the squared distance agrees to
+ * 4e-7 relative (boxes and triangles round differently), and ties go to the smallest index in tree order.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

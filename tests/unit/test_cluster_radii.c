@@ -1,5 +1,5 @@
-/* test_cluster_radii.c: the radii chosen when the caller names none run from coarse to fine, lie within the model,
- * suit its edges, and are the same for the same model at any size and place. No tuned figure is asserted.
+/* test_cluster_radii.c: the radii chosen when the caller names none run from coarse to fine, from within the model's
+ * size to its edge length, and scale with the model. No tuned value is tested.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

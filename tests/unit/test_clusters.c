@@ -1,5 +1,5 @@
-/* test_clusters.c: clusters in a model equal the sets found by comparing every pair of vertices: Euclidean, shared
- * and separate, with mesh neighbours and without, for random points with duplicates and for meshes.
+/* test_clusters.c: clusters in a model equal the sets found by testing every pair of vertices: Euclidean, shared and
+ * separate, with and without mesh neighbours, for random points with duplicates and for meshes.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

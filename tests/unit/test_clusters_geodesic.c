@@ -1,4 +1,4 @@
-/* test_clusters_geodesic.c: clusters by distance along edges equal shortest paths found another way, and are
+/* test_clusters_geodesic.c: geodesic clusters equal shortest paths over edges from another algorithm, and are
  * symmetric.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"

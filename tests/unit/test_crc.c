@@ -1,4 +1,5 @@
-/* test_crc.c: the table-driven checksum equals the bitwise one, in one piece and in many.
+/* test_crc.c: the table-driven checksum equals the bitwise one, over all bytes at once and continued over several
+ * calls.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,6 +1,6 @@
-/* test_curve_numbering.c: the stored order: numberings that are inverse to each other, curve order, masses, edges,
- * and the caller's mesh restored. Budgets against double precision: mean edge 1e-5 relative; positions half a unit in
- * the last place of the coordinate, twice; area masses half of a sixteenth.
+/* test_curve_numbering.c: numberings are inverse to each other and follow the curve; masses, edges and the caller's
+ * mesh are recovered. Accuracy against double precision: mean edge 1e-5 relative; positions one unit in the last place
+ * of the coordinate; area masses 1/32.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

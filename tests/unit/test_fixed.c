@@ -1,6 +1,6 @@
-/* test_fixed.c: rounding to fixed point and exact sums. Budgets against double precision: half a unit for one value
- * below 2^22 and one unit above (v + 0.5 is rounded there); n halves of a unit for sums; the same bits in any order,
- * also when a partial sum wraps.
+/* test_fixed.c: rounding to fixed point and exact sums. Accuracy against double precision: half a unit for a value
+ * below 2^22, one unit above (v + 0.5 is rounded there), n half units for a sum of n values. Any order of summation,
+ * and any wrap-around within it, gives the same bits.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,4 +1,4 @@
-/* test_fold_hinges.c: hinges are exactly the edges with two triangles, except those folded back flat at rest.
+/* test_fold_hinges.c: hinges are exactly the edges with two triangles, except those folded flat back at rest.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

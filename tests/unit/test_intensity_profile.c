@@ -1,5 +1,4 @@
-/* test_intensity_profile.c: packing of profiles, and goals at planted places: by correlation, by differences, by
- * edges.
+/* test_intensity_profile.c: packing of profiles; profile match and gradient search find goals at planted places.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -300,7 +299,8 @@ static void test_edge_polarity(void **state)
     assert_true(smr_profile_edge(VIEW(far), 15, line, inside, M, 35, 10).confidence == 0.0f);
 }
 
-/* Edges at 30 and 40 of the reference's polarity, `steep` times as high as its own and `lift` of its ranges lighter. */
+/* Edges at 30 and 40 of the reference's polarity, `steep` times as high as its own and `lift` of its ranges
+ * lighter. */
 static void two_edges(const packed_profile *p, float sign, const float *steep, const float *lift, float *line)
 {
     static const float place[2] = {30, 40};

@@ -1,4 +1,4 @@
-/* test_jacobi.c: eigenvectors of symmetric matrices. Budgets against double precision, relative to the largest entry:
+/* test_jacobi.c: eigenvectors of symmetric matrices. Accuracy against double precision, relative to the largest entry:
  * eigenvalues 2e-6, A V = V D 4e-6, V a rotation 3e-6, pseudo-inverse times s 1e-4 for condition numbers to 100.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"

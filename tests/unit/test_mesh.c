@@ -1,4 +1,4 @@
-/* test_mesh.c: checks and measures of meshes. Budgets against double precision: vertex normals 2e-6 in each
+/* test_mesh.c: validation of meshes, normals and areas. Accuracy against double precision: vertex normals 2e-6 in each
  * component, areas 2e-6 relative.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"

@@ -1,5 +1,5 @@
-/* test_order_l_breadth_first.c: the paper's own order equals a plain breadth-first walk written here: one-rings of
- * radius s_min, seeds with the largest one-ring first, neighbours in ascending order along the curve.
+/* test_order_l_breadth_first.c: the paper's own order L equals a plain breadth-first search written here: one-rings of
+ * radius s_min, seeds with the largest one-ring first, members in ascending order along the curve.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

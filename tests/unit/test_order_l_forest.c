@@ -1,5 +1,6 @@
-/* test_order_l_forest.c: exact sums along the forest, along the paper's order and directly are the same bits, for
- * random 32-bit records that wrap at will and both index widths; and the forest is as short as promised.
+/* test_order_l_forest.c: cluster sums along the forest, along the paper's order L and summed directly have the same
+ * bits, for random 32-bit records that wrap around, with both index widths. The forest's zeta lists are as short as
+ * possible.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,5 +1,5 @@
-/* test_prepare.c: smr_prepare() at its limits: every refusal, exact memory, progress and abort, degenerate meshes,
- * and the same model every time.
+/* test_prepare.c: the limits of smr_prepare(): every refusal, exact memory, progress and abort, unusual meshes, and
+ * the same model every time.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

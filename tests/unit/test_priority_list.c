@@ -1,6 +1,6 @@
-/* test_priority_list.c: the priority list equals the paper's rule applied plainly to sets; active sets keep three
- * members in every cluster (or all that it has); and the stored order follows the list. Many random models, several
- * radii at once.
+/* test_priority_list.c: the priority list S equals the paper's rule applied plainly to sets; active vertices keep
+ * three members in every cluster, or all of a smaller one; the stored order follows S. Many random models, several
+ * radii.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -150,11 +150,12 @@ static void check_list(const world *w, const uint32_t *list, uint32_t listed, co
     smr_plan_layout(&a, &p);
     memset(p.row, 0, p.n_rows * (p.words + 1u) * sizeof *p.row);
     smr_plan_order(&p);
+    smr_plan_neighbours(&p);
     assert_int_equal(smr_plan_priority(&p, w->config.radius_mm, w->config.n_radii, w->config.separate_below_mm),
                      SMR_OK);
-    assert_int_equal(p.n_listed, listed);
+    assert_int_equal(p.priority.n_listed, listed);
     for (uint32_t i = 0; i < listed; i++)
-        assert_int_equal(p.original[p.list[i]], list[i]);
+        assert_int_equal(p.original[p.priority.list[i]], list[i]);
     assert_memory_equal(p.active_min, need, w->config.n_radii * sizeof *need);
     smr_arena_release(scratch, bytes);
     unit_free(scratch);

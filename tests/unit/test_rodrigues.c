@@ -1,5 +1,5 @@
-/* test_rodrigues.c: rotations from rotation vectors. Budgets against double precision: sin(a)/a and (1-cos a)/a^2
- * 2e-7, cosine of degrees 3e-7, entries of R - I 3e-7, R a rotation within 1e-6 for every vector.
+/* test_rodrigues.c: rotations from rotation vectors. Accuracy against double precision: sin(a)/a and (1-cos a)/a^2
+ * 2e-7, cosine of degrees 3e-7, entries of R - I 3e-7, and R is a rotation within 1e-6 for every vector.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,4 +1,4 @@
-/* test_status.c: every status has its own name, and every other number has a name, too.
+/* test_status.c: every status has a name of its own, and every other number the name of an unknown one.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,5 +1,5 @@
-/* test_surface.c: target surfaces: sizes and refusals; closest points with normals and reach against a search over
- * every triangle in double precision (2e-5 mm on a mesh of 100 mm); borders of open meshes.
+/* test_surface.c: target surfaces: sizes and refusals; closest points with normals and search distance against a
+ * search of all triangles in double precision (2e-5 mm on a mesh of 100 mm); borders of open meshes.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,5 +1,5 @@
-/* test_thin_plate_kinds.c: landmark warps for sets that determine no spline, for non-finite numbers, for wrong calls,
- * and for memory of the exact size.
+/* test_thin_plate_kinds.c: landmark warps of sets that determine no spline, with unusual numbers, wrong calls, and too
+ * little memory.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,6 +1,5 @@
-/* test_thin_plate_spline.c: thin-plate splines through landmarks pass through them (within 1e-3 mm for bodies of 600
- * mm), reproduce affine maps, are smooth, average duplicates and repeat bit for bit; compared with a spline in double
- * precision.
+/* test_thin_plate_spline.c: thin-plate splines interpolate landmarks (1e-3 mm for bodies of 600 mm), reproduce affine
+ * maps, smooth, average duplicates, repeat bit for bit, and agree with a spline in double precision.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,6 +1,6 @@
-/* test_transform_fit.c: least-squares rigid and similarity transforms. Budgets against double precision: planted
- * rotations 5e-6 in each entry, scales 2e-6 relative, positions 2e-6 of the spread (and 5e-7 of the coordinates when
- * far away).
+/* test_transform_fit.c: least-squares rigid and scaled transforms. Accuracy against double precision: known rotations
+ * 5e-6 in each entry, scales 2e-6 relative, positions 2e-6 of the spread (and 5e-7 of the coordinates when far from
+ * 0).
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,6 +1,6 @@
-/* test_triangle.c: closest point on one triangle. Budgets against double precision, relative to the largest of the
- * distance and the sides: distance 1e-6 for sound triangles, slivers, segments and points alike; weights add up to 1
- * within 3e-7 and are never below -2e-6.
+/* test_triangle.c: closest point on one triangle. Accuracy against double precision, relative to the largest of the
+ * distance and the sides: distance 1e-6 for sound triangles, slivers, segments and points alike;
+ * weights add to 1 within 3e-7 and are never below -2e-6.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,5 +1,5 @@
-/* test_volume.c: samples of a volume against an oracle in double precision, what counts as outside, and every
- * refusal. Voxels lie in heap blocks of exactly their size, so that a sanitiser sees each read beyond them.
+/* test_volume.c: samples of a volume against double precision, what counts as outside, and every refusal.
+ * Voxels lie in heap memory of exactly their size, so that a sanitizer detects reads beside them.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -265,7 +265,8 @@ static int around(const float at[3], const uint32_t hole[3], const uint32_t size
     return 1;
 }
 
-/* One voxel that the mask takes out, or that is no number, or no sensible one: the eight cells about it are outside. */
+/* One voxel that the mask takes out, or that is no number, or no sensible one: the eight cells about it are
+ * outside. */
 static void test_holes(void **state)
 {
     static const float bad[] = {(float)NAN, (float)INFINITY, -(float)INFINITY, 3.0e38f, -3.0e38f};

@@ -1,14 +1,14 @@
 /* image_goal.c: goals in the target image (paper 2.1): the intensity profile of the reference is sought along the
  * normal within one distance, an edge like the reference's own within another; both goals are averaged by their
- * confidence. The image may also show that the profile fits better a little along the surface (image/surface_step.c).
- * Search distances fall linearly with the schedule.
+ * confidence. The image may also show that the profile fits better a little along the surface
+ * (image/tangential_shift.c). Search distances fall linearly with the schedule.
  * Bounds: SMR_LINE_MAX + 4 SMR_PROFILE_MAX samples a vertex, and SMR_LINE_MAX offsets of SMR_PROFILE_MAX
  * multiply-adds.
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/image_goal.h"
 
 #include "image/intensity_profile.h"
-#include "image/surface_step.h"
+#include "image/tangential_shift.h"
 
 #define SMR_LONG 16.0f /* samples: beyond such a search distance every SMR_HOP-th sample tells as much */
 #define SMR_HOP 2u

@@ -1,17 +1,19 @@
-/* surface_step.c: the way along the surface on which an intensity profile fits better: one damped Gauss-Newton step (Lucas and Kanade
- * 1981) of the squared differences between reference and image, in the two directions across the normal. The paper's goals lie on
- * the normal, so nothing but the shape says how far a structure slid along itself; the image often does.
- * Bounds: four lines of SMR_PROFILE_MAX samples.
+/* tangential_shift.c: the displacement along the surface after which the image agrees better with the reference
+ * profile.
+ * The paper's goals lie on the normal, which leaves sliding along the surface to the shape alone.
+ * Method: one damped Gauss-Newton step (Lucas and Kanade 1981) on the squared differences between reference and image,
+ * in two tangential directions u and v.
+ * Bounds: four lines of at most SMR_PROFILE_MAX samples.
  * SPDX-License-Identifier: MIT */
-#include "image/surface_step.h"
+#include "image/tangential_shift.h"
 
-#define SMR_FARTHEST2 1.0e30f /* mm^2; NaN is not within it, either */
-#define SMR_NORMAL_ALONG 0.6f /* a normal that lies less along an axis than so gives a good cross product with it */
-#define SMR_CONTRAST_MOST 4.0f
-#define SMR_ROUNDING 1.0e-4f /* of the squared slopes: a hundred times what their sums lose */
+#define SMR_FARTHEST2 1.0e30f  /* mm^2: larger shifts, and NaN, come from values that no image has */
+#define SMR_NORMAL_ALONG 0.6f  /* below it the normal's x component leaves a long cross product with the x axis */
+#define SMR_CONTRAST_MOST 4.0f /* largest contrast returned */
+#define SMR_ROUNDING 1.0e-4f   /* damping relative to the squared slopes: a hundred times the sums' rounding error */
 
-/* Only how values differ along the profile counts: images of one kind differ in brightness. */
-static void less_mean(float *value, uint32_t n)
+/* Subtracts the mean, because brightness differs between images of one kind. */
+static void subtract_mean(float *value, uint32_t n)
 {
     float sum = 0.0f;
     for (uint32_t k = 0; k < n; k++)
@@ -21,7 +23,8 @@ static void less_mean(float *value, uint32_t n)
         value[k] -= mean;
 }
 
-/* How the image changes along `side`, per mm, in units of the reference's range. Returns 0 when it is not known everywhere. */
+/* slope[k]: the image's derivative along the unit vector `side` at sample k, per mm, in units of the reference's
+ * range, relative to the mean of all slopes. Returns 0 when samples lie outside the image. */
 static int slopes(const smr_grid *image, const smr_place *at, smr_vec side, float *slope)
 {
     float ahead[SMR_PROFILE_MAX], behind[SMR_PROFILE_MAX];
@@ -34,10 +37,11 @@ static int slopes(const smr_grid *image, const smr_place *at, smr_vec side, floa
     const float per_mm = 0.5f / (at->reach_mm * at->reference->range);
     for (uint32_t k = 0; k < n; k++)
         slope[k] = (ahead[k] - behind[k]) * per_mm;
-    less_mean(slope, n);
+    subtract_mean(slope, n);
     return 1;
 }
 
+/* The dot product of a and b. */
 static float product(const float *a, const float *b, uint32_t n)
 {
     float sum = 0.0f;
@@ -46,15 +50,15 @@ static float product(const float *a, const float *b, uint32_t n)
     return sum;
 }
 
-/* Both as they differ from their means, in units of the reference's range. */
+/* ref[n], here[n]: reference and image values relative to their means, in units of the reference's range. */
 static void centred(const smr_profile *reference, const float *found, float *ref, float *here)
 {
     for (uint32_t k = 0; k < reference->n; k++) {
         ref[k] = (float)reference->value[k] * (1.0f / 255.0f);
         here[k] = (found[k] - reference->low) / reference->range;
     }
-    less_mean(ref, reference->n);
-    less_mean(here, reference->n);
+    subtract_mean(ref, reference->n);
+    subtract_mean(here, reference->n);
 }
 
 float smr_contrast(const smr_profile *reference, const float *found)
@@ -63,8 +67,8 @@ float smr_contrast(const smr_profile *reference, const float *found)
     if (!(reference->range > 0.0f) || reference->n > SMR_PROFILE_MAX)
         return 0.0f;
     centred(reference, found, ref, here);
-    const float own = product(ref, ref, reference->n), other = product(here, here, reference->n);
-    return own > 0.0f ? SMR_SQRT(smr_min(other / own, SMR_CONTRAST_MOST * SMR_CONTRAST_MOST)) : 0.0f;
+    const float ref2 = product(ref, ref, reference->n), here2 = product(here, here, reference->n);
+    return ref2 > 0.0f ? SMR_SQRT(smr_min(here2 / ref2, SMR_CONTRAST_MOST * SMR_CONTRAST_MOST)) : 0.0f;
 }
 
 smr_vec smr_sideways(const smr_grid *image, const smr_place *at)
@@ -83,7 +87,8 @@ smr_vec smr_sideways(const smr_grid *image, const smr_place *at)
     centred(ref, at->found, missing, here);
     for (uint32_t k = 0; k < n; k++)
         missing[k] = at->gain * missing[k] - here[k];
-    /* slopes that noise could have made carry nowhere, nor does rounding where the image changes in one direction only */
+    /* The damping suppresses shifts along slopes that noise alone could cause, and along a direction without
+     * change. */
     const float noise = at->noise / (ref->range * at->reach_mm), p2 = product(p, p, n), q2 = product(q, q, n);
     const float damp = (float)n * noise * noise + SMR_ROUNDING * (p2 + q2);
     const float pp = p2 + damp, qq = q2 + damp, pq = product(p, q, n);
@@ -92,7 +97,7 @@ smr_vec smr_sideways(const smr_grid *image, const smr_place *at)
         return nowhere;
     const float along_u = (qq * pm - pq * qm) / det, along_v = (pp * qm - pq * pm) / det;
     const float length2 = along_u * along_u + along_v * along_v;
-    if (!smr_within(length2, SMR_FARTHEST2)) /* values that are no image's */
+    if (!smr_within(length2, SMR_FARTHEST2))
         return nowhere;
     const float length = SMR_SQRT(length2), share = length > at->reach_mm ? at->reach_mm / length : 1.0f;
     return smr_add(smr_scale(u, along_u * share), smr_scale(v, along_v * share));

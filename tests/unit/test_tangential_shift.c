@@ -1,12 +1,12 @@
-/* test_surface_step.c: a profile taken beside the vertex is found again along the surface; where the image is
- * undecided, nothing moves.
+/* test_tangential_shift.c: a profile taken a little to the side is found again by a shift along the surface; without
+ * contrast along the surface the shift is zero.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "image/surface_step.h"
+#include "image/tangential_shift.h"
 #include "property/rig.h"
 
 #define SIDE 40u     /* voxels */

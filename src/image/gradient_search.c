@@ -1,0 +1,94 @@
+/* gradient_search.c: maximal gradient search along the normal (paper 2.1): the steepest edge of the image near the
+ * surface whose polarity and brightness agree with the edge of the reference profile.
+ * Bounds: 2 * reach + 1 samples; the place is refined by a parabola through the neighbouring slopes.
+ * SPDX-License-Identifier: MIT */
+#include "image/intensity_profile.h"
+
+#define SMR_EDGE_NEAR 3u   /* samples on either side of the surface in which the reference's edge is sought */
+#define SMR_EDGE_MIN 0.08f /* least slope of the reference's edge, in ranges of the profile per sample */
+#define SMR_STEEP 3.0f     /* the edge so many times as steep as the reference's counts most; steeper ones count less */
+
+/* Slope of the packed reference at sample k, in ranges per sample. */
+static float slope_at(const uint8_t *packed, uint32_t k)
+{
+    return ((float)packed[k + 1u] - (float)packed[k - 1u]) * (0.5f / 255.0f);
+}
+
+/* The edge of the reference profile. */
+typedef struct edge {
+    float slope;  /* ranges of the profile per sample; its sign is the polarity; 0: no edge */
+    float level;  /* brightness at the steepest sample, in units of the profile's range */
+    float beyond; /* samples from the surface to the edge, outwards positive */
+} edge;
+
+/* The steepest edge within SMR_EDGE_NEAR samples of the surface, sample `zero`. */
+static edge own_edge(const uint8_t *packed, uint32_t n, uint32_t zero)
+{
+    edge own = {0.0f, 0.0f, 0.0f};
+    uint32_t at = 0;
+    for (uint32_t k = 1; k + 1u < n; k++) {
+        const float slope = slope_at(packed, k);
+        if ((k > zero ? k - zero : zero - k) <= SMR_EDGE_NEAR && smr_abs(slope) > smr_abs(own.slope)) {
+            own.slope = slope;
+            at = k;
+        }
+    }
+    own.level = (float)packed[at] * (1.0f / 255.0f);
+    own.beyond = (float)at - (float)zero;
+    if (at >= 2u && at + 2u < n)
+        own.beyond += smr_parabola_peak(slope_at(packed, at - 1u) / own.slope, slope_at(packed, at) / own.slope,
+                                        slope_at(packed, at + 1u) / own.slope);
+    return own;
+}
+
+/* The worth of an edge `steep` times as steep as the reference's and `lighter` ranges brighter than it. From half as
+ * steep on, the worth is about 1 and more, which gives full confidence. It is greatest at SMR_STEEP times as steep,
+ * and at SMR_STEEP^2 times what it is at 1: much steeper edges belong to other tissue (bone next to a muscle in
+ * CT). */
+static float edge_worth(float steep, float lighter)
+{
+    const float over = steep * (1.0f / SMR_STEEP);
+    return 2.0f * steep / ((1.0f + over * over) * (1.0f + lighter * lighter));
+}
+
+/* 1 when n samples all lie inside the image. */
+static int all_inside(const unsigned char *inside, uint32_t n)
+{
+    uint32_t missing = 0;
+    for (uint32_t k = 0; k < n; k++)
+        missing += !inside[k];
+    return missing == 0u;
+}
+
+smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside,
+                          uint32_t m, uint32_t centre, uint32_t reach)
+{
+    const float range = reference->range;
+    if (!(range > 0.0f) || reference->n < 3u)
+        return (smr_peak){0.0f, 0.0f};
+    const edge own = own_edge(reference->value, reference->n, zero);
+    if (smr_abs(own.slope) < SMR_EDGE_MIN)
+        return (smr_peak){0.0f, 0.0f};
+    const uint32_t first = smr_max_u32(centre > reach ? centre - reach : 1u, 2u);
+    const uint32_t last = smr_min_u32(centre + reach, m - 2u);
+    const float scale = 0.5f / (range * own.slope);
+    float best = 0.0f;
+    uint32_t at = 0;
+    for (uint32_t k = first; k <= last && k + 2u < m; k++) {
+        const float steep = (line[k + 1u] - line[k - 1u]) * scale;
+        if (!(steep > 0.0f) || !all_inside(inside + k - 2u, 5u))
+            continue;
+        const float away = (float)(k > centre ? k - centre : centre - k) / (float)(reach + 1u);
+        const float worth = edge_worth(steep, (line[k] - reference->low) / range - own.level) * (1.0f - 0.5f * away);
+        if (worth > best) {
+            best = worth;
+            at = k;
+        }
+    }
+    if (!(best > 0.0f))
+        return (smr_peak){0.0f, 0.0f};
+    const float *const l = line + at;
+    const float part = smr_parabola_peak((l[0] - l[-2]) * scale, (l[1] - l[-1]) * scale, (l[2] - l[0]) * scale);
+    const smr_peak peak = {(float)at + part - own.beyond, smr_min(best, 1.0f)};
+    return peak;
+}

@@ -1,0 +1,193 @@
+/* profile_match.c: one-dimensional registration of intensity profiles along the normal (paper 2.1): the offset at
+ * which a line of image samples is most similar to the reference profile, between samples, and its confidence.
+ * Similarity measures: normalised cross-correlation (paper 3; Lewis 1995, with running sums), sum of squared
+ * differences, and concordance, 2 s_xy / (s_x^2 + s_y^2 + SMR_LEVEL (mean_x - mean_y)^2). Lin 1989 has 1 for
+ * SMR_LEVEL; it is less here because brightness differs between images of one kind, though not as much as between
+ * tissues.
+ * The peak is refined by a parabola through its neighbours.
+ * Bounds: (m - n + 1) * n multiply-adds.
+ * SPDX-License-Identifier: MIT */
+#include "image/intensity_profile.h"
+
+#define SMR_LEVEL 0.1f        /* weight of a difference in mean brightness */
+#define SMR_SCORE_LOW -0.999f /* lowest score; -1 marks windows with samples outside the image */
+#define SMR_SCORE_MIN 0.3f    /* scores up to this have confidence 0 */
+#define SMR_APART 4u          /* samples: least distance of a second peak, which lowers the confidence */
+#define SMR_DISTINCT 5.0f     /* confidence factor per score difference between first and second peak */
+#define SMR_DISTINCT_MIN 0.2f /* lowest such factor */
+
+/* The similarity of one window of n samples with the reference, both relative to the reference's mean and in units of
+ * its range. dot: sum of their products; sum, square: sums of the window's samples and of their squares; ref_norm:
+ * root of the reference's sum of squares; noise2: squared noise. */
+static inline float score_of(uint32_t kind, float ref_norm, float noise2, float n, float dot, float sum, float square)
+{
+    const float ref2 = ref_norm * ref_norm, variance = square - sum * sum / n;
+    if (kind == SMR_SIMILARITY_SSD)
+        return 1.0f - (square - 2.0f * dot + ref2) / ref2;
+    if (kind == SMR_SIMILARITY_CONCORDANCE)
+        return 2.0f * dot / (smr_max(variance, 0.0f) + ref2 + n * noise2 + SMR_LEVEL * sum * sum / n);
+    return variance > 1.0e-4f * ref2 ? dot / (SMR_SQRT(variance) * ref_norm) : 0.0f;
+}
+
+#define SMR_SIDE 32u /* most offsets scored together, in loops that compilers vectorise */
+#define SMR_WIDTH 4u /* their number is rounded up to a multiple of this */
+
+/* Running sums over the samples of one window. */
+typedef struct running {
+    float sum, square; /* of the samples, of their squares */
+    uint32_t missing;  /* samples that are not inside the image */
+} running;
+
+/* The same sums at neighbouring offsets. */
+typedef struct windows {
+    float sum[SMR_SIDE], square[SMR_SIDE];
+    uint32_t missing[SMR_SIDE];
+} windows;
+
+/* Moves the running sums r from offset o - 1 to o + count - 1; w keeps the sums at offsets o .. o + count - 1. */
+static void slide(running *r, const float *line, const unsigned char *inside, uint32_t n, uint32_t o, uint32_t count,
+                  windows *w)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (o + i > 0u) {
+            const float out = line[o + i - 1u], in = line[o + i + n - 1u];
+            r->sum += in - out;
+            r->square += in * in - out * out;
+            r->missing += (uint32_t)!inside[o + i + n - 1u] - (uint32_t)!inside[o + i - 1u];
+        }
+        w->sum[i] = r->sum;
+        w->square[i] = r->square;
+        w->missing[i] = r->missing;
+    }
+}
+
+/* The parameters that all scores of one profile share. */
+typedef struct scoring {
+    float ref_norm;   /* root of the sum of squares of the reference, relative to its mean, in units of its range */
+    float noise2;     /* squared noise in units of the reference's range */
+    float n;          /* samples of the reference */
+    float middle;     /* the offset halfway */
+    float per_sample; /* 1 / middle */
+    float nearer;     /* smr_likeness.nearer */
+} scoring;
+
+/* score[i]: score of the window at offset o + i, i < count; -1 where it has samples outside the image. */
+static inline void score_side(uint32_t kind, const scoring *s, uint32_t o, uint32_t count, const float *dot,
+                              const windows *w, float *score)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const float away = ((float)(int32_t)(o + i) - s->middle) * s->per_sample;
+        const float like =
+            score_of(kind, s->ref_norm, s->noise2, s->n, dot[i], w->sum[i], w->square[i]) - s->nearer * away * away;
+        const float score_in = smr_clamp(like, SMR_SCORE_LOW, 1.0f);
+        score[i] = w->missing[i] > 0u ? -1.0f : score_in;
+    }
+}
+
+/* dot[i] = sum over k of ref[k] line[k + i], added in the order of k. */
+static void dots(const float *ref, uint32_t n, const float *line, uint32_t count, float *dot)
+{
+    for (size_t i = 0; i < count; i++)
+        dot[i] = 0.0f;
+    for (size_t k = 0; k < n; k++)
+        for (size_t i = 0; i < count; i++)
+            dot[i] += ref[k] * line[k + i];
+}
+
+/* score[o]: score at every offset o. line and score have room for SMR_WIDTH - 1 more values. */
+static void scores_of(uint32_t kind, const scoring *s, const float *ref, uint32_t n, const float *line,
+                      const unsigned char *inside, uint32_t offsets, float *score)
+{
+    float dot[SMR_SIDE];
+    running r = {0.0f, 0.0f, 0};
+    windows w;
+    memset(&w, 0, sizeof w);
+    for (uint32_t k = 0; k < n; k++) {
+        r.sum += line[k];
+        r.square += line[k] * line[k];
+        r.missing += !inside[k];
+    }
+    for (uint32_t o = 0; o < offsets; o += SMR_SIDE) {
+        const uint32_t some = smr_min_u32(offsets - o, SMR_SIDE), count = smr_ceil_div(some, SMR_WIDTH) * SMR_WIDTH;
+        slide(&r, line, inside, n, o, some, &w);
+        dots(ref, n, line + o, count, dot);
+        if (kind == SMR_SIMILARITY_SSD) /* one loop without branches for each measure */
+            score_side(SMR_SIMILARITY_SSD, s, o, count, dot, &w, score + o);
+        else if (kind == SMR_SIMILARITY_CONCORDANCE)
+            score_side(SMR_SIMILARITY_CONCORDANCE, s, o, count, dot, &w, score + o);
+        else
+            score_side(SMR_SIMILARITY_NCC, s, o, count, dot, &w, score + o);
+    }
+}
+
+/* The highest local maximum of score[from .. to-1]; -1 for none. peak: scratch. Two loops without branches, since
+ * branches on scores predict badly. */
+static float highest_peak(const float *score, uint32_t from, uint32_t to, float *peak)
+{
+    float highest = -1.0f;
+    for (size_t o = from; o < to; o++) {
+        const float above = score[o] >= score[o - 1u] ? score[o] : -1.0f;
+        peak[o] = score[o] >= score[o + 1u] ? above : -1.0f;
+    }
+    for (size_t o = from; o < to; o++)
+        highest = smr_max(peak[o], highest);
+    return highest;
+}
+
+/* The offset with the highest score, between samples, and its confidence: higher for a higher score that stands out
+ * more above the second peak. */
+static smr_peak peak_of(const float *score, uint32_t offsets, float *scratch)
+{
+    uint32_t best = 0;
+    float top = -1.0f;
+    for (uint32_t o = 0; o < offsets; o++) {
+        best = score[o] > top ? o : best;
+        top = smr_max(score[o], top);
+    }
+    const float left = highest_peak(score, 1u, best > SMR_APART ? best - SMR_APART + 1u : 1u, scratch);
+    const float second = smr_max(left, highest_peak(score, best + SMR_APART, offsets - 1u, scratch));
+    smr_peak peak = {(float)best, 0.0f};
+    if (best > 0u && best + 1u < offsets && score[best - 1u] > -1.0f && score[best + 1u] > -1.0f)
+        peak.at += smr_parabola_peak(score[best - 1u], score[best], score[best + 1u]);
+    peak.confidence = smr_max(top - SMR_SCORE_MIN, 0.0f) * (1.0f / (1.0f - SMR_SCORE_MIN)) *
+                      smr_clamp((top - second) * SMR_DISTINCT, SMR_DISTINCT_MIN, 1.0f);
+    return peak;
+}
+
+smr_peak smr_profile_match(const smr_profile *reference, const float *line, const unsigned char *inside, uint32_t m,
+                           const smr_likeness *how)
+{
+    const int level_counts = how->kind != SMR_SIMILARITY_NCC;
+    const uint8_t *const packed = reference->value;
+    const float low = reference->low, range = reference->range;
+    const uint32_t n = reference->n;
+    float ref[SMR_PROFILE_MAX], centred[SMR_LINE_MAX + SMR_WIDTH], score[SMR_LINE_MAX + SMR_WIDTH];
+    if (!(range > 0.0f) || m < n || n < 3u || n > SMR_PROFILE_MAX || m > SMR_LINE_MAX)
+        return (smr_peak){0.0f, 0.0f};
+    const uint32_t offsets = m - n + 1u;
+    /* all values relative to the reference's mean, in units of its range, so that sums lose no digits */
+    float mean = 0.0f, norm = 0.0f;
+    for (uint32_t k = 0; k < n; k++)
+        mean += (float)packed[k] * (1.0f / 255.0f);
+    mean /= (float)n;
+    for (uint32_t k = 0; k < n; k++) {
+        ref[k] = (float)packed[k] * (1.0f / 255.0f) - mean;
+        norm += ref[k] * ref[k];
+    }
+    for (uint32_t k = 0; k < m; k++)
+        centred[k] = inside[k] ? (line[k] - low) / range - mean : 0.0f;
+    memset(centred + m, 0, SMR_WIDTH * sizeof *centred);
+    float level = 0.0f, count = 0.0f;
+    for (uint32_t k = 0; !level_counts && k < m; k++) {
+        level += centred[k];
+        count += inside[k] ? 1.0f : 0.0f;
+    }
+    for (uint32_t k = 0; !level_counts && k < m; k++)
+        centred[k] -= inside[k] ? level / count : 0.0f;
+    const float noise = how->noise / range, middle = 0.5f * (float)(offsets - 1u);
+    const scoring how_to = {SMR_SQRT(norm), noise * noise, (float)n, middle, offsets > 1u ? 1.0f / middle : 0.0f,
+                            how->nearer};
+    score[0] = -1.0f; /* silences compilers that do not see that offsets >= 1 */
+    scores_of(how->kind, &how_to, ref, n, centred, inside, offsets, score);
+    return peak_of(score, offsets, centred);
+}

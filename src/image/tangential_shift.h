@@ -1,0 +1,30 @@
+/* tangential_shift.h: the displacement along the surface after which the image agrees better with an intensity
+ * profile.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_TANGENTIAL_SHIFT_H
+#define SMR_TANGENTIAL_SHIFT_H
+
+#include "image/intensity_profile.h"
+#include "image/volume.h"
+
+/* A reference profile and the place in the image where it was found. */
+typedef struct smr_place {
+    const smr_profile *reference;
+    smr_vec start, step; /* mm: the first sample's position, and the vector from one sample to the next */
+    smr_vec normal;      /* unit, along step */
+    const float *found;  /* [reference->n] the image's intensities there */
+    float gain;          /* contrast of the image relative to the reference's (smr_contrast) */
+    float noise;         /* intensity; contrast below it is ignored */
+    float reach_mm;      /* > 0: distance of the lines sampled to the sides, and the longest shift returned */
+} smr_place;
+
+/* Contrast of the image relative to the reference: the ratio of their standard deviations, 0 .. 4, never NaN.
+ * found: [reference->n] intensities. */
+float smr_contrast(const smr_profile *reference, const float *found);
+
+/* The shift perpendicular to the normal, mm, at most reach_mm long, after which the image agrees best with the
+ * reference.
+ * Zero where the image does not change along the surface, or where samples lie outside the image. */
+smr_vec smr_sideways(const smr_grid *image, const smr_place *at);
+
+#endif

@@ -1,0 +1,30 @@
+/* vertex_mass.c: the masses m_i of the particles (paper 2.3): 1 each, or a third of the area of the adjacent
+ * triangles, scaled to a mean of 1 and rounded to multiples of 1 / SMR_MASS_UNITS.
+ * SPDX-License-Identifier: MIT */
+#include "prepare/plan.h"
+
+void smr_plan_mass(smr_plan *p)
+{
+    float total = 0.0f;
+    for (uint32_t v = 0; v < p->n; v++)
+        p->mass[v] = 1.0f;
+    if (p->config->mass != SMR_MASS_AREA || p->nt == 0u)
+        return;
+    for (uint32_t v = 0; v < p->n; v++)
+        p->mass[v] = 0.0f;
+    for (uint32_t k = 0; k < p->nt; k++) {
+        const uint32_t *t = p->triangle + 3u * (size_t)k;
+        const smr_vec a = smr_load(p->xyz + 3u * (size_t)t[0]);
+        const smr_vec ab = smr_sub(smr_load(p->xyz + 3u * (size_t)t[1]), a);
+        const smr_vec ac = smr_sub(smr_load(p->xyz + 3u * (size_t)t[2]), a);
+        const float third = smr_length(smr_cross(ab, ac)) * (1.0f / 6.0f);
+        for (uint32_t c = 0; c < 3u; c++)
+            p->mass[t[c]] += third;
+        total += 3.0f * third;
+    }
+    const float unit = total > 0.0f ? SMR_MASS_UNITS * (float)p->n / total : 0.0f;
+    for (uint32_t v = 0; v < p->n; v++) {
+        const float units = smr_clamp(p->mass[v] * unit + 0.5f, 1.0f, SMR_MASS_MAX * SMR_MASS_UNITS);
+        p->mass[v] = (float)(uint32_t)units / SMR_MASS_UNITS;
+    }
+}
