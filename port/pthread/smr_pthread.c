@@ -124,12 +124,11 @@ static int smr_pthread_all_done(smr_pthread *p) { return atomic_load(&p->unfinis
 /* Polls `ready` for at most SMR_PTHREAD_SPIN_NS. Returns its last answer. */
 static int smr_pthread_spin(smr_pthread *p, int (*ready)(smr_pthread *))
 {
-    uint64_t begin;
     if (ready(p))
         return 1;
     if (p->spin == 0u)
         return 0;
-    begin = smr_pthread_now(NULL);
+    const uint64_t begin = smr_pthread_now(NULL);
     do {
         for (uint32_t look = 0; look < SMR_PTHREAD_SPIN_LOOKS; look++) {
             if (ready(p))
@@ -189,7 +188,6 @@ static void smr_pthread_join_tasks(smr_pthread *p)
 static void smr_pthread_parallel(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 {
     smr_pthread *p = ctx;
-    uint64_t loop;
     if (p->n_workers == 1u || n_tasks < 2u) {
         for (uint32_t task = 0; task < n_tasks; task++)
             run(arg, task, 0);
@@ -199,7 +197,7 @@ static void smr_pthread_parallel(void *ctx, smr_task run, void *arg, uint32_t n_
     atomic_store_explicit(&p->arg, arg, memory_order_relaxed);
     atomic_store_explicit(&p->n_tasks, n_tasks, memory_order_relaxed);
     atomic_store_explicit(&p->unfinished, n_tasks, memory_order_relaxed);
-    loop = (atomic_load_explicit(&p->ticket, memory_order_relaxed) >> 32) + 1u;
+    const uint64_t loop = (atomic_load_explicit(&p->ticket, memory_order_relaxed) >> 32) + 1u;
     atomic_store(&p->ticket, loop << 32 | n_tasks);
     smr_pthread_wake(p, n_tasks);
     smr_pthread_work(p, 0);
@@ -208,10 +206,9 @@ static void smr_pthread_parallel(void *ctx, smr_task run, void *arg, uint32_t n_
 
 size_t smr_pthread_bytes(uint32_t n_workers)
 {
-    size_t bytes;
     if (n_workers < 1u || n_workers > SMR_WORKERS_MAX)
         return 0;
-    bytes = sizeof(smr_pthread) + (size_t)n_workers * sizeof(smr_pthread_worker);
+    const size_t bytes = sizeof(smr_pthread) + (size_t)n_workers * sizeof(smr_pthread_worker);
     return (bytes + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
 }
 

@@ -301,12 +301,10 @@ static int golden_threads(uint32_t n)
 {
     static _Alignas(SMR_ALIGN) unsigned char memory[16384];
     smr_pthread *pool = NULL;
-    smr_port port;
-    int result;
     if (!golden_ok("pool", smr_pthread_create(&pool, memory, sizeof memory, n)))
         return 1;
-    port = smr_pthread_port(pool);
-    result = golden_main(&port);
+    const smr_port port = smr_pthread_port(pool);
+    const int result = golden_main(&port);
     smr_pthread_destroy(pool);
     return result;
 }

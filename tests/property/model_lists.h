@@ -1,7 +1,7 @@
 /* model_lists.h: a radius of a model as plain arrays, for tests and baselines that sum in their own way.
  * SPDX-License-Identifier: MIT */
-#ifndef RIG_MODEL_LISTS_H
-#define RIG_MODEL_LISTS_H
+#ifndef MODEL_LISTS_H
+#define MODEL_LISTS_H
 
 #include "smr.h"
 
