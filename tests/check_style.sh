@@ -25,9 +25,11 @@ for file in $files $scripts; do
     lines=$(wc -l <"$file")
     [ "$lines" -le $most ] || echo "$file: $lines lines, at most $most"
     head -n 40 "$file" | grep -q 'SPDX-License-Identifier: MIT' || echo "$file: no SPDX-License-Identifier"
-    # What it is: words in line 1 or 2.
-    sed -n '1,2p' "$file" | sed 's/^#!.*//' | grep -qE '[[:alpha:]]{2,}.*[[:alpha:]]{2,}' ||
-        echo "$file: the first line does not say what it is"
+    # What it is: its name and words in a C file's first line, words in a script's second one.
+    case $file in
+    *.[ch]) head -n 1 "$file" | grep -qE "^/\* ${file##*/}: [[:alnum:]]" ;;
+    *) sed -n '2p' "$file" | grep -qE '^# .*[[:alpha:]]{2,}.*[[:alpha:]]{2,}' ;;
+    esac || echo "$file: the first line does not say what it is"
 done >"$tmp"
 
 # shellcheck disable=SC2086
@@ -47,7 +49,7 @@ grep -rnE --include='*.[ch]' '^[[:space:]]*#[[:space:]]*define[[:space:]]' src i
     grep -vE 'define[[:space:]]+(SMR_|smr_|_GNU_SOURCE|_POSIX_C_SOURCE)' | sed 's/$/   (macro without SMR_)/' >>"$tmp"
 # Host code: macros that only one file sees may be short; those in a header carry the prefix.
 grep -rnE --include='*.h' '^[[:space:]]*#[[:space:]]*define[[:space:]]' port/host |
-    grep -vE 'define[[:space:]]+(HOST_|host_|SMR_|_[A-Z]|[A-Z_]+_H$)' | sed 's/$/   (macro without HOST_)/' >>"$tmp"
+    grep -vE 'define[[:space:]]+(HOST_|host_|SMR_|_[A-Z]|[A-Z0-9_]+_H$)' | sed 's/$/   (macro without HOST_)/' >>"$tmp"
 
 # The patterns are in pieces so that this file does not find itself.
 root='/(home|root|work|Users|mnt)'

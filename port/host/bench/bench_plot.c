@@ -1,4 +1,4 @@
-/* Draws line charts side by side in one SVG.
+/* bench_plot.c: draws line charts side by side in one SVG.
  * SPDX-License-Identifier: MIT */
 #include "bench/bench_plot.h"
 

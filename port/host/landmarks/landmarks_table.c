@@ -1,4 +1,4 @@
-/* Reads landmarks from comma-separated lines: 3D Slicer's .fcsv and plain CSV.
+/* landmarks_table.c: reads landmarks from comma-separated lines: 3D Slicer's .fcsv and plain CSV.
  *
  * .fcsv: "# CoordinateSystem = ..." is required; "# columns = ..." names the columns.
  * CSV: label,x,y,z in LPS, with or without a header line; the same comments are understood.
