@@ -1,17 +1,29 @@
 # smr: build rules. GNU make only; `make help` lists the targets.
 # SPDX-License-Identifier: MIT
-#
+
+# ---------------------------------------------------------------- variables that the caller may set
+
 # BUILD names the build directory, so several compilers can build side by side:
 #   make BUILD=build/clang CC=clang
-
 BUILD   ?= build
 PREFIX  ?= /usr/local
 DESTDIR ?=
 NM      ?= nm
 SIZE    ?= size
+V       ?= 0
 
 ifneq ($(words $(BUILD)),1)
 $(error BUILD is "$(BUILD)": make takes one word, without spaces)
+endif
+
+# Prints one short line per file. V=1 prints whole commands instead, `make -s` prints nothing.
+begin = @mkdir -p $(@D) && printf '%-4s %s\n' $(1) '$(2)'
+Q     := @
+ifeq ($(V),1)
+begin = @mkdir -p $(@D)
+Q     :=
+else ifneq ($(findstring s,$(firstword -$(MAKEFLAGS))),)
+begin = @mkdir -p $(@D)
 endif
 
 # The flags that the promise of equal bits rests on come first; the user's CFLAGS come last.
@@ -24,7 +36,17 @@ endif
 override ALL_CFLAGS := $(STD) -O3 $(WARNINGS) -MMD -MP $(CFLAGS)
 THREADS  := -pthread
 
+# The emulated boards. The M55's vector unit would flush denormals: nomve.fp keeps it to integers.
+M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-sections -fdata-sections
+M55_CFLAGS := -mthumb -mcpu=cortex-m55+nomve.fp -mfloat-abi=hard -ffunction-sections -fdata-sections
+export M7_CFLAGS M55_CFLAGS
+
+# ---------------------------------------------------------------- sources
+
 CORE_SRC    := $(sort $(wildcard src/*.c src/*/*.c src/*/*/*.c))
+ifeq ($(CORE_SRC),)
+$(error no sources below $(CURDIR)/src: call make in the folder of this Makefile, or as make -C FOLDER)
+endif
 PTHREAD_SRC := $(sort $(wildcard port/pthread/*.c))
 HOST_SRC    := $(sort $(wildcard port/host/*/*.c))
 HOST_MAIN   := $(wildcard port/host/main.c)
@@ -43,6 +65,8 @@ TOOL_SRC    := $(sort $(wildcard tests/host/*_tool.c))
 HELPER_SRC  := $(filter-out $(TEST_SRC) $(HOST_TEST_SRC) $(BENCH_SRC) $(TOOL_SRC), \
                $(sort $(wildcard tests/*.c tests/unit/*.c tests/property/*.c tests/host/*.c tests/bench/*.c)))
 
+# ---------------------------------------------------------------- what is built from them
+
 obj = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 CORE_OBJ    := $(call obj,$(CORE_SRC))
 PTHREAD_OBJ := $(call obj,$(PTHREAD_SRC))
@@ -50,6 +74,7 @@ HOST_OBJ    := $(call obj,$(HOST_SRC))
 HOST_MAIN_OBJ := $(call obj,$(HOST_MAIN))
 FIXTURE_OBJ := $(call obj,$(FIXTURE_SRC))
 SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
+PRINT_OBJ   := $(call obj,tests/golden/print.c)
 
 CORE_LIB    := $(BUILD)/libsmr.a
 PTHREAD_LIB := $(BUILD)/libsmr_pthread.a
@@ -60,16 +85,15 @@ TESTS       := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 HOST_TESTS  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(HOST_TEST_SRC))
 EXPERIMENTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(EXPERIMENT_SRC))
 BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
-ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT_OBJ) \
-               $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC) $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) $(BAREMETAL_SRC) \
-               fixtures/fixture_write.c tests/golden/golden.c tests/golden/replay_run.c tests/docs/settings_page.c $(TARGET_SRC))
+ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT_OBJ) $(PRINT_OBJ) \
+               $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC) $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) \
+               $(BAREMETAL_SRC) $(TARGET_SRC) fixtures/fixture_write.c tests/golden/golden.c \
+               tests/golden/replay_run.c tests/docs/settings_page.c)
 
-# The emulated boards. The M55's vector unit would flush denormals: nomve.fp keeps it to integers.
-M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-sections -fdata-sections
-M55_CFLAGS := -mthumb -mcpu=cortex-m55+nomve.fp -mfloat-abi=hard -ffunction-sections -fdata-sections
-export M7_CFLAGS M55_CFLAGS
+# ---------------------------------------------------------------- the first target, and the list of all
 
-.PHONY: all help demo demo-bone check experiments programs layer-objects cmocka bench figure2 soak size stack hashes settings-page golden-update timing timing-update install clean
+.PHONY: all help demo demo-bone check check-quick experiments programs layer-objects cmocka bench figure2 soak size \
+        stack hashes settings-page golden-update timing timing-update install clean
 .DELETE_ON_ERROR:
 
 all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM)
@@ -78,69 +102,72 @@ help:
 	@echo 'make                 libsmr.a, libsmr_pthread.a and the program smr in $(BUILD)/'
 	@echo 'make demo            a computed thigh of 24 structures onto a patient'"'"'s MRI, and how well'
 	@echo 'make demo-bone       a generated bone onto a deformed one'
-	@echo 'make check           all tests; the last line is the sum'
+	@echo 'make check           all tests; the last line is the sum; logs in $(BUILD)/log'
+	@echo 'make check-quick     unit tests, golden run and the checks of the sources; less than a minute'
 	@echo 'make experiments     accuracy on real data, as tables; minutes; skipped without ../shared'
 	@echo 'make results         measures and writes docs/RESULTS.md and README'"'"'s table; many minutes'
 	@echo 'make results-short   the same without what takes minutes: at most 8'
 	@echo 'make bench           benchmarks; writes $(BUILD)/bench.json'
-	@echo 'make figure2         the paper'"'"'s figure 2: time and error against ignored vertices, into docs/figures'
-	@echo 'make soak            how far ticks end beyond budgets of 1 to 33 ms here and now; judged by nobody'
+	@echo 'make figure2         the paper'"'"'s figure 2, time and error over ignored vertices, into docs/figures'
+	@echo 'make soak            how far ticks overrun budgets of 1 to 33 ms on this machine; asserts nothing'
 	@echo 'make size            code and data size of the library'
 	@echo 'make stack           largest stack frames; fails on an unbounded one'
 	@echo 'make hashes          state hash over threads, schedulers, compilers and processors'
 	@echo 'make settings-page   writes docs/SETTINGS.md from the tables of settings'
 	@echo 'make golden-update   records the current state hash as the expected one'
-	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of instructions; minutes'
+	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of'
+	@echo '                     instructions; minutes'
 	@echo 'make timing-update   records that table in tests/timing/results'
 	@echo 'make install         to $$(DESTDIR)$$(PREFIX), default /usr/local'
 	@echo 'make clean           removes $(BUILD)/'
-	@echo 'Variables: CC, CFLAGS (appended), BUILD, WERROR=1, PREFIX, DESTDIR'
+	@echo 'Variables: CC, CFLAGS (appended), LDFLAGS, BUILD, WERROR=1 (warnings are errors), PREFIX, DESTDIR,'
+	@echo '           V=1 (whole commands; a line for every test program)'
 
 # ---------------------------------------------------------------- objects and libraries
 
 # The core sees its own folders; everything else sees the public header and the ports.
 $(BUILD)/obj/src/%.o: src/%.c
-	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) -Iinclude -Isrc -c $< -o $@
+	$(call begin,CC,$<)
+	$(Q)$(CC) $(ALL_CFLAGS) -Iinclude -Isrc -c $< -o $@
 
 $(BUILD)/obj/port/%.o: port/%.c
-	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) $(if $(findstring baremetal,$@),,$(THREADS)) -Iinclude -Iport/pthread -Ifixtures -c $< -o $@
+	$(call begin,CC,$<)
+	$(Q)$(CC) $(ALL_CFLAGS) $(if $(findstring baremetal,$@),,$(THREADS)) -Iinclude -Iport/pthread -Ifixtures -c $< -o $@
 
 $(BUILD)/obj/port/host/%.o: port/host/%.c
-	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) $(THREADS) -Iinclude -Iport/host -Iport/pthread -Ifixtures -c $< -o $@
+	$(call begin,CC,$<)
+	$(Q)$(CC) $(ALL_CFLAGS) $(THREADS) -Iinclude -Iport/host -Iport/pthread -Ifixtures -c $< -o $@
 
 $(BUILD)/obj/fixtures/%.o: fixtures/%.c
-	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) -Ifixtures -c $< -o $@
+	$(call begin,CC,$<)
+	$(Q)$(CC) $(ALL_CFLAGS) -Ifixtures -c $< -o $@
 
 $(BUILD)/obj/tests/bench/%.o: tests/bench/%.c
-	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) $(THREADS) -Iinclude -Iport/pthread -Iport/host -Ifixtures -Itests/bench -c $< -o $@
+	$(call begin,CC,$<)
+	$(Q)$(CC) $(ALL_CFLAGS) $(THREADS) -Iinclude -Iport/pthread -Iport/host -Ifixtures -Itests/bench -c $< -o $@
 
 # Public header and ports only: this program also runs on the boards.
 $(BUILD)/obj/tests/golden/%.o: tests/golden/%.c
-	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) -Iinclude -Iport/pthread -Iport/baremetal -Ifixtures -c $< -o $@
+	$(call begin,CC,$<)
+	$(Q)$(CC) $(ALL_CFLAGS) -Iinclude -Iport/pthread -Iport/baremetal -Ifixtures -c $< -o $@
 
 # These look which step the clock is read in, so they see the core's folders, too.
 $(BUILD)/obj/tests/target/%.o: tests/target/%.c
-	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) -Iinclude -Isrc -Iport/baremetal -Ifixtures -Itests/target -c $< -o $@
+	$(call begin,CC,$<)
+	$(Q)$(CC) $(ALL_CFLAGS) -Iinclude -Isrc -Iport/baremetal -Ifixtures -Itests/target -c $< -o $@
 
 $(BUILD)/obj/tests/%.o: tests/%.c
-	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) $(THREADS) -Isrc -Iinclude -Iport/pthread -Iport/host -Ifixtures -Itests -c $< -o $@
+	$(call begin,CC,$<)
+	$(Q)$(CC) $(ALL_CFLAGS) $(THREADS) -Isrc -Iinclude -Iport/pthread -Iport/host -Ifixtures -Itests -c $< -o $@
 
 $(CORE_LIB): $(CORE_OBJ)
 $(PTHREAD_LIB): $(PTHREAD_OBJ)
 $(HOST_LIB): $(HOST_OBJ)
 $(SUPPORT_LIB): $(SUPPORT_OBJ)
 $(CORE_LIB) $(PTHREAD_LIB) $(HOST_LIB) $(SUPPORT_LIB):
-	@mkdir -p $(@D)
+	$(call begin,AR,$@)
 	@rm -f $@
-	$(AR) rcs $@ $^
+	$(Q)$(AR) rcs $@ $^
 
 # ---------------------------------------------------------------- programs
 
@@ -149,41 +176,52 @@ LINK = $(CC) $(ALL_CFLAGS) $(THREADS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter
        $(filter-out $(HOST_LIB),$(filter %.a,$^)) $(LDLIBS)
 
 $(BUILD)/smr: $(HOST_MAIN_OBJ) $(HOST_LIB) $(FIXTURE_OBJ) $(PTHREAD_LIB) $(CORE_LIB)
-	$(LINK) -lm
+	$(call begin,LINK,$@)
+	$(Q)$(LINK) -lm
 
 $(BUILD)/fixture_write: $(BUILD)/obj/fixtures/fixture_write.o $(SUPPORT_LIB)
-	$(LINK) -lm
+	$(call begin,LINK,$@)
+	$(Q)$(LINK) -lm
 
-$(BUILD)/golden: $(BUILD)/obj/tests/golden/golden.o $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
-	$(LINK) -lm
+$(BUILD)/golden: $(BUILD)/obj/tests/golden/golden.o $(PRINT_OBJ) $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
+	$(call begin,LINK,$@)
+	$(Q)$(LINK) -lm
 
-$(BUILD)/replay_run: $(BUILD)/obj/tests/golden/replay_run.o $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
-	$(LINK) -lm
+$(BUILD)/replay_run: $(BUILD)/obj/tests/golden/replay_run.o $(PRINT_OBJ) $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
+	$(call begin,LINK,$@)
+	$(Q)$(LINK) -lm
 
 $(BUILD)/settings_page: $(BUILD)/obj/tests/docs/settings_page.o $(CORE_LIB)
-	$(LINK)
+	$(call begin,LINK,$@)
+	$(Q)$(LINK)
 
 $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(HOST_LIB)
 $(EXPERIMENTS): $(call obj,$(EXPERIMENT_HELPER_SRC))
 $(TESTS) $(HOST_TESTS) $(EXPERIMENTS): private LDLIBS += -lcmocka
 $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o \
                                             $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
-	@mkdir -p $(@D)
-	$(LINK) -lm
+	$(call begin,LINK,$@)
+	$(Q)$(LINK) -lm
 
-# Programs for the emulated boards, NAME_m7.elf and NAME_m55.elf; called with CC=arm-none-eabi-gcc CFLAGS="$(M7_CFLAGS) ...".
-# A board is a linker script and a clock.
+# Programs for the emulated boards, NAME_m7.elf and NAME_m55.elf, built with
+# CC=arm-none-eabi-gcc CFLAGS="$(M7_CFLAGS) ...". A board is a linker script and a clock.
 BAREMETAL_OBJ := $(call obj,$(filter-out port/baremetal/smr_clock_%,$(BAREMETAL_SRC)) $(FIXTURE_SRC))
+TARGET_RIG_OBJ := $(call obj,$(filter tests/target/target_rig%,$(TARGET_SRC)))
+TARGETS := $(patsubst tests/target/%.c,%,$(filter-out tests/target/target_rig%,$(TARGET_SRC)))
 link_board = $(CC) $(ALL_CFLAGS) -nostartfiles -Wl,--gc-sections -L port/baremetal -T $(1) -o $@ $(filter %.o,$^) \
              $(CORE_LIB) -lm -lc -lgcc
-$(BUILD)/golden_m7.elf $(BUILD)/golden_m55.elf: $(BUILD)/obj/tests/golden/golden.o
-$(BUILD)/replay_run_m7.elf: $(BUILD)/obj/tests/golden/replay_run.o
-$(foreach t,$(patsubst tests/target/%.c,%,$(filter-out tests/target/target_rig%,$(TARGET_SRC))),\
-    $(eval $(BUILD)/$(t)_m7.elf $(BUILD)/$(t)_m55.elf: $(call obj,tests/target/$(t).c $(filter tests/target/target_rig%,$(TARGET_SRC)))))
-$(BUILD)/%_m7.elf: $(BAREMETAL_OBJ) $(call obj,port/baremetal/smr_clock_mps2.c) $(CORE_LIB) port/baremetal/mps2_an500.ld port/baremetal/smr_sections.ld
-	$(call link_board,mps2_an500.ld)
-$(BUILD)/%_m55.elf: $(BAREMETAL_OBJ) $(call obj,port/baremetal/smr_clock_mps3.c) $(CORE_LIB) port/baremetal/mps3_an547.ld port/baremetal/smr_sections.ld
-	$(call link_board,mps3_an547.ld)
+$(BUILD)/golden_m7.elf $(BUILD)/golden_m55.elf: $(BUILD)/obj/tests/golden/golden.o $(PRINT_OBJ)
+$(BUILD)/replay_run_m7.elf: $(BUILD)/obj/tests/golden/replay_run.o $(PRINT_OBJ)
+$(foreach t,$(TARGETS),\
+    $(eval $(BUILD)/$(t)_m7.elf $(BUILD)/$(t)_m55.elf: $(call obj,tests/target/$(t).c) $(TARGET_RIG_OBJ)))
+$(BUILD)/%_m7.elf: $(BAREMETAL_OBJ) $(call obj,port/baremetal/smr_clock_mps2.c) $(CORE_LIB) \
+                   port/baremetal/mps2_an500.ld port/baremetal/smr_sections.ld
+	$(call begin,LINK,$@)
+	$(Q)$(call link_board,mps2_an500.ld)
+$(BUILD)/%_m55.elf: $(BAREMETAL_OBJ) $(call obj,port/baremetal/smr_clock_mps3.c) $(CORE_LIB) \
+                   port/baremetal/mps3_an547.ld port/baremetal/smr_sections.ld
+	$(call begin,LINK,$@)
+	$(Q)$(call link_board,mps3_an547.ld)
 
 # ---------------------------------------------------------------- what people call
 
@@ -202,12 +240,18 @@ $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC)): | cmocka
 # What tests/check_layers.sh reads symbols from; it gives a BUILD and CFLAGS of its own.
 layer-objects: $(CORE_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ)
 
-programs: all $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BUILD)/fixture_write $(if $(CORE_SRC),$(BUILD)/golden $(BUILD)/replay_run $(BUILD)/settings_page) $(call obj,$(wildcard port/template/*.c))
+programs: all $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BUILD)/fixture_write $(BUILD)/golden $(BUILD)/replay_run \
+          $(BUILD)/settings_page $(call obj,$(wildcard port/template/*.c))
+
+run_checks = BUILD="$(BUILD)" CC="$(CC)" NM="$(NM)" SMR="$(BUILD)/smr" FIXTURE_WRITE="$(BUILD)/fixture_write" \
+             CFLAGS="$(CFLAGS)" V="$(V)" sh tests/run_checks.sh
 
 check: programs
-	@BUILD="$(BUILD)" CC="$(CC)" NM="$(NM)" SMR="$(BUILD)/smr" FIXTURE_WRITE="$(BUILD)/fixture_write" \
-	    CFLAGS="$(CFLAGS)" \
-	    sh tests/run_checks.sh $(TESTS) $(HOST_TESTS) $(EXPERIMENTS)
+	@$(run_checks) $(TESTS) $(HOST_TESTS) $(EXPERIMENTS)
+
+UNIT_TESTS := $(filter $(BUILD)/tests/unit/%,$(TESTS))
+check-quick: all $(UNIT_TESTS) $(BUILD)/golden
+	@$(run_checks) --quick $(UNIT_TESTS)
 
 experiments: all $(EXPERIMENTS)
 	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" SMR_EXPERIMENTS=full sh tests/run_experiments.sh $(EXPERIMENTS)
@@ -221,10 +265,10 @@ bench: $(BENCHES)
 	@BUILD="$(BUILD)" sh tests/run_bench.sh $(BENCHES)
 
 figure2: $(PROGRAM)
-	$(BUILD)/smr bench --figure2 -o docs/figures
+	$(Q)$(BUILD)/smr bench --figure2 -o docs/figures
 
 soak: $(PROGRAM)
-	$(BUILD)/smr bench --soak -o $(BUILD)/soak
+	$(Q)$(BUILD)/smr bench --soak -o $(BUILD)/soak
 
 size: $(CORE_LIB)
 	@echo "libsmr.a, $$($(CC) -dumpmachine), -O3:"; $(SIZE) -t $(CORE_LIB) | sed -n '1p;$$p'
@@ -250,10 +294,10 @@ hashes:
 	@MAKE="$(MAKE)" BUILD="$(BUILD)" sh tests/golden/hashes.sh
 
 settings-page: $(BUILD)/settings_page
-	$(BUILD)/settings_page > docs/SETTINGS.md
+	$(Q)$(BUILD)/settings_page > docs/SETTINGS.md
 
 golden-update: $(BUILD)/golden
-	$(BUILD)/golden > tests/golden/expected.txt
+	$(Q)$(BUILD)/golden > tests/golden/expected.txt
 	@cat tests/golden/expected.txt
 
 timing:
@@ -268,15 +312,16 @@ version = $(shell awk '/define SMR_VERSION_(MAJOR|MINOR|PATCH)/ {v = v s $$3; s 
 
 # The libraries are archives: who links them needs what they need.
 install: all
-	install -d '$(DESTDIR)$(PREFIX)/include' '$(DESTDIR)$(PREFIX)/lib/pkgconfig' '$(DESTDIR)$(PREFIX)/bin'
-	install -m 644 include/smr.h port/pthread/smr_pthread.h '$(DESTDIR)$(PREFIX)/include'
-	install -m 644 $(CORE_LIB) $(PTHREAD_LIB) '$(DESTDIR)$(PREFIX)/lib'
-	$(if $(PROGRAM),install -m 755 $(PROGRAM) '$(DESTDIR)$(PREFIX)/bin')
-	printf '%s\n' 'prefix=$(PREFIX)' 'Name: smr' 'Description: shape-matching registration' \
+	$(call begin,INST,$(DESTDIR)$(PREFIX))
+	$(Q)install -d '$(DESTDIR)$(PREFIX)/include' '$(DESTDIR)$(PREFIX)/lib/pkgconfig' '$(DESTDIR)$(PREFIX)/bin'
+	$(Q)install -m 644 include/smr.h port/pthread/smr_pthread.h '$(DESTDIR)$(PREFIX)/include'
+	$(Q)install -m 644 $(CORE_LIB) $(PTHREAD_LIB) '$(DESTDIR)$(PREFIX)/lib'
+	$(Q)$(if $(PROGRAM),install -m 755 $(PROGRAM) '$(DESTDIR)$(PREFIX)/bin')
+	$(Q)printf '%s\n' 'prefix=$(PREFIX)' 'Name: smr' 'Description: shape-matching registration' \
 	    'Version: $(version)' 'Cflags: -I$${prefix}/include' \
 	    'Libs: -L$${prefix}/lib -lsmr_pthread -lsmr -pthread -lm' > '$(DESTDIR)$(PREFIX)/lib/pkgconfig/smr.pc'
 
 clean:
-	rm -rf $(BUILD)
+	$(Q)rm -rf $(BUILD)
 
 -include $(ALL_OBJ:.o=.d)

@@ -15,7 +15,7 @@ $cc $flags -c "$tmp/a.c" -o "$tmp/a.o" 2>/dev/null || { echo "skip: $cc does not
 bad=0
 n=0
 for width in 256 512; do
-    for file in src/*/*.c fixtures/fixture_[!w]*.c; do
+    for file in $(find src -name "*.c") fixtures/fixture_[!w]*.c; do
         # shellcheck disable=SC2086
         $cc $flags -mprefer-vector-width=$width -Iinclude -Isrc -Ifixtures -c "$file" -o "$tmp/a.o" || exit 1
         n=$((n + 1))

@@ -1,12 +1,13 @@
 #!/bin/sh
-# run_checks: runs test programs, the golden run and the script checks; the last line is the sum.
+# run_checks: runs test programs and the scripts that check; the last line is the sum.
 # SPDX-License-Identifier: MIT
-# usage: BUILD=... CC=... SMR=... FIXTURE_WRITE=... run_checks.sh PROGRAM...
+# usage: BUILD=... CC=... SMR=... FIXTURE_WRITE=... run_checks.sh [--quick] PROGRAM...     (V=1: a line for each)
 #
-# A script ends with 0 passed, 77 skipped, anything else failed, unless its last line is itself a sum
-# "N passed, N failed, N skipped". Output is shown only for what did not pass.
-# As many run at a time as there are processors, or SMR_JOBS. Each leaves its sum beside its log. Without flock one at a time:
-# scripts share the boards' build directories.
+# A script ends with 0 (passed), 77 (skipped) or another status (failed), unless its last line is a sum of its own,
+# "N passed, N failed, N skipped". The terminal shows progress, what failed with the lines that matter, what was
+# skipped and why, and the sum; $BUILD/log holds everything.
+# Programs run in parallel, one per processor or SMR_JOBS. Without flock they run one after another, because scripts
+# share the boards' build directories.
 set -u
 export BUILD CC NM SMR FIXTURE_WRITE
 log_dir=$BUILD/log
@@ -14,26 +15,45 @@ rm -rf "$log_dir"
 mkdir -p "$log_dir/taken" || exit 1
 jobs=1
 if command -v flock >/dev/null; then jobs=${SMR_JOBS:-$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)}; fi
+terminal=0
+if [ -t 1 ]; then terminal=1; fi
 
 limit() { if command -v timeout >/dev/null; then timeout 900 "$@"; else "$@"; fi; }
 
-# Notes counts and prints one line; the log follows when something failed. All at once: others print, too.
-tell() { # name passed failed skipped log
+log_of() { echo "$log_dir/$(echo "${1#"$BUILD"/}" | tr / _).log"; }
+
+# Prints one line for a program, and the lines of its log that matter when it failed.
+describe() { # name passed failed skipped log
     verdict=ok
     [ "$4" -gt 0 ] && verdict=skip
     [ "$3" -gt 0 ] && verdict=FAIL
-    echo "$2 $3 $4" >"$5.sum"
-    {
-        printf '%-4s  %-44s %s passed, %s failed, %s skipped\n' "$verdict" "$1" "$2" "$3" "$4"
-        if [ "$verdict" = FAIL ]; then # what failed, wherever it stands, then the end
-            { grep -n -A 5 -E '^not ok |^\[  FAILED|^\[   LINE' "$5" | head -n 40; echo ...; tail -n 30 "$5"; } | sed 's/^/      | /'
-        fi
-        if [ "$verdict" = skip ]; then grep -i 'skip' "$5" | head -n 3 | sed 's/^/      | /'; fi
-    } >"$5.told"
-    cat "$5.told"
+    printf '%-4s  %-44s %s passed, %s failed, %s skipped\n' "$verdict" "$1" "$2" "$3" "$4"
+    if [ "$verdict" = FAIL ]; then # what failed, wherever it stands, then the end
+        { grep -n -A 5 -E '^not ok |^\[  FAILED|^\[   LINE' "$5" | head -n 40; echo ...; tail -n 30 "$5"; } |
+            sed 's/^/      | /'
+    fi
 }
 
-log_of() { echo "$log_dir/$(echo "${1#"$BUILD"/}" | tr / _).log"; }
+# Counts the programs that have ended: one line that is overwritten, or a new one every ten programs.
+progress() { # total
+    set -- "$1" "$log_dir"/*.sum
+    ended=$(($# - 1))
+    if [ "$terminal" = 1 ]; then printf '\r\033[K%s of %s' "$ended" "$1"
+    elif [ "${V:-0}" != 1 ] && [ $((ended % 10)) -eq 0 ]; then echo "$ended of $1"; fi
+}
+
+# Writes the sum of a program and prints it. Only one worker at a time does so.
+tell() { # name passed failed skipped log
+    [ "$jobs" = 1 ] || flock 9
+    echo "$2 $3 $4" >"$5.sum"
+    describe "$@" >"$5.told"
+    if [ "$3" -gt 0 ] || [ "${V:-0}" = 1 ]; then
+        [ "$terminal" = 1 ] && printf '\r\033[K'
+        cat "$5.told"
+    fi
+    progress "$total"
+    [ "$jobs" = 1 ] || flock -u 9
+}
 
 # CMocka: the sum of "[  PASSED  ] n test(s)" and so on over all groups of the program.
 count() { sed -n "s/^\[  *$1 *\] \([0-9][0-9]*\) test(s).*/\1/p" "$2" | awk '{n += $1} END {print n + 0}'; }
@@ -41,7 +61,7 @@ count() { sed -n "s/^\[  *$1 *\] \([0-9][0-9]*\) test(s).*/\1/p" "$2" | awk '{n 
 run_program() {
     name=${1#"$BUILD"/}
     log=$(log_of "$1")
-    limit "$1" >"$log" 2>&1
+    limit "$1" >"$log" 2>&1 9>&-
     rc=$?
     p=$(count PASSED "$log"); f=$(count FAILED "$log"); s=$(count SKIPPED "$log")
     if [ "$rc" -ne 0 ] && [ "$f" -eq 0 ]; then
@@ -55,7 +75,7 @@ run_program() {
 run_script() {
     name=$1
     log=$(log_of "$1")
-    limit sh "$1" >"$log" 2>&1
+    limit sh "$1" >"$log" 2>&1 9>&-
     rc=$?
     sum=$(tail -n 1 "$log" | grep -E '^[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped$' || true)
     if [ -n "$sum" ]; then
@@ -82,24 +102,37 @@ work() {
     done
 }
 
-# The longest first.
-for script in tests/check_*.sh tests/host/*.sh tests/golden/check_*.sh tests/target/check_*.sh; do
-    case $script in
-    *'*'* | tests/check_stack.sh) ;;
-    *) set -- "$script" "$@" ;;
-    esac
+# Scripts run before the programs given, those that take longest first.
+scripts=$(ls tests/check_*.sh tests/host/*.sh tests/golden/check_*.sh tests/target/check_*.sh)
+if [ "${1:-}" = --quick ]; then
+    shift
+    scripts=
+    for name in check_style check_structs check_format check_layers check_symbols golden/check_golden; do
+        scripts="$scripts tests/$name.sh"
+    done
+fi
+for script in $scripts; do
+    [ "$script" = tests/check_stack.sh ] || set -- "$script" "$@"
 done
+total=$#
 workers=
 trap 'kill $workers 2>/dev/null; exit 1' HUP INT TERM # they end with what they are at
 for k in $(seq "$jobs"); do
-    work "$@" &
+    work "$@" 9>"$log_dir/lock" &
     workers="$workers $!"
 done
 wait
+[ "$terminal" = 1 ] && printf '\r\033[K'
 passed=0; failed=0; skipped=0
+reason='s/^\[  SKIPPED \] //; s/^skip[a-z]*: *//'
 for item in "$@"; do
-    if read -r p f s <"$(log_of "$item").sum"; then passed=$((passed + p)); failed=$((failed + f)); skipped=$((skipped + s))
-    else failed=$((failed + 1)); echo "FAIL  $item: did not end"; fi
+    log=$(log_of "$item")
+    if read -r p f s <"$log.sum"; then
+        passed=$((passed + p)); failed=$((failed + f)); skipped=$((skipped + s))
+        [ "$s" -eq 0 ] || echo "skip  ${item#"$BUILD"/}, $s: $(grep -i 'skip' "$log" | head -n 1 | sed "$reason")"
+    else
+        failed=$((failed + 1)); echo "FAIL  $item: did not end"
+    fi
 done
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]

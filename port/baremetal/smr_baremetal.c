@@ -1,15 +1,12 @@
-/*
- * smr_baremetal: one worker, a plain loop, and a clock that extends the board's 32-bit counter.
- *
- * SPDX-License-Identifier: MIT
- */
+/* smr_baremetal.c: one worker, a plain loop, and a clock that extends the board's 32-bit counter.
+ * SPDX-License-Identifier: MIT */
 #include "smr_baremetal.h"
 
 #include "smr_clock.h"
 
 static uint64_t smr_baremetal_now(void *ctx)
 {
-    smr_baremetal *state = (smr_baremetal *)ctx;
+    smr_baremetal *state = ctx;
     const uint32_t count = smr_clock_count();
     state->steps += count - state->last; /* the unsigned difference survives one wrap */
     state->last = count;

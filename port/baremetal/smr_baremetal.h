@@ -1,8 +1,5 @@
-/*
- * smr_baremetal: the port for one Cortex-M core without an operating system, shown on the MPS2 and MPS3 boards.
- *
- * SPDX-License-Identifier: MIT
- */
+/* smr_baremetal.h: the port for one Cortex-M core without an operating system, shown on the MPS2 and MPS3 boards.
+ * SPDX-License-Identifier: MIT */
 #ifndef SMR_BAREMETAL_H
 #define SMR_BAREMETAL_H
 
@@ -18,14 +15,14 @@ typedef struct smr_baremetal {
     uint32_t last;  /* the counter when it was last read */
 } smr_baremetal;
 
-/* Starts the board's counter (smr_clock.h) and returns a port with one worker and this clock. The clock must be
- * read at least once per wrap of the counter (171 s at 25 MHz, 134 s at 32 MHz), which every tick with a budget does, and
- * only from one place at a time: from the interrupt that ticks, or outside of it.
- * *state must stay as long as the port is used. */
+/* Starts the board's counter (smr_clock.h) and returns a port with one worker and this clock. The clock must be read
+ * at least once per wrap of the counter (171 s at 25 MHz, 134 s at 32 MHz), which every tick with a budget does, and
+ * only from one context at a time: from the interrupt that ticks, or outside of it. *state must stay as long as the
+ * port is used. */
 smr_port smr_baremetal_port(smr_baremetal *state);
 
 #ifdef __cplusplus
 }
 #endif
 
-#endif /* SMR_BAREMETAL_H */
+#endif

@@ -1,26 +1,23 @@
-/*
- * smr_clock: the board's free-running counter. A board has one file with these functions, about ten lines:
- * smr_clock_mps2.c and smr_clock_mps3.c are two of them, and one is linked.
+/* smr_clock.h: the board's free-running counter.
  *
- * On a chip with a cycle counter (DWT CYCCNT, which the emulator does not have) read that.
- *
- * SPDX-License-Identifier: MIT
- */
+ * A board has one file with these functions, about ten lines: smr_clock_mps2.c and smr_clock_mps3.c are examples, and
+ * exactly one is linked. On a chip with a cycle counter, read that (DWT CYCCNT; the emulator has none).
+ * SPDX-License-Identifier: MIT */
 #ifndef SMR_CLOCK_H
 #define SMR_CLOCK_H
 
 #include <stdint.h>
 
-/* Lets the counter run. */
+/* Starts the counter. */
 void smr_clock_start(void);
 
 /* Its low 32 bits, counting up. */
 uint32_t smr_clock_count(void);
 
-/* So many of its steps in nanoseconds, rounded down. */
+/* Nanoseconds in this number of its steps, rounded down. */
 uint64_t smr_clock_ns(uint64_t steps);
 
-/* The core's own clock, which smr_systick.h counts. */
+/* Hz of the core's own clock, which smr_systick.h counts. */
 uint32_t smr_clock_core_hz(void);
 
-#endif /* SMR_CLOCK_H */
+#endif

@@ -1,8 +1,5 @@
-/*
- * smr_clock_mps2: CMSDK APB timer 0 of the MPS2 boards, 32 bits at 25 MHz.
- *
- * SPDX-License-Identifier: MIT
- */
+/* smr_clock_mps2.c: CMSDK APB timer 0 of the MPS2 boards, 32 bits at 25 MHz.
+ * SPDX-License-Identifier: MIT */
 #include "smr_clock.h"
 
 #define SMR_CLOCK_TIMER 0x40000000u

@@ -1,8 +1,6 @@
-/*
- * smr_clock_mps3: the system counter of the SSE-300 subsystem (MPS3 board, AN547), 64 bits at 32 MHz. The low half is enough.
- *
- * SPDX-License-Identifier: MIT
- */
+/* smr_clock_mps3.c: the system counter of the SSE-300 subsystem (MPS3 board, AN547): 64 bits at 32 MHz, of which the
+ * low half is enough.
+ * SPDX-License-Identifier: MIT */
 #include "smr_clock.h"
 
 #define SMR_CLOCK_CONTROL 0x58100000u /* CNTCR, secure */

@@ -1,8 +1,5 @@
-/*
- * smr_semihost: text and exit status from a Cortex-M to the debugger or emulator.
- *
- * SPDX-License-Identifier: MIT
- */
+/* smr_semihost.h: text and exit status from a Cortex-M to the debugger or emulator.
+ * SPDX-License-Identifier: MIT */
 #ifndef SMR_SEMIHOST_H
 #define SMR_SEMIHOST_H
 
@@ -14,11 +11,11 @@ void smr_semihost_write(const char *text);
 /* Reads a file of the host's into to[bytes]; returns how many bytes there were, 0 when there is none. For tests. */
 size_t smr_semihost_read_file(const char *name, void *to, size_t bytes);
 
-/* The words after the program's name on the emulator's command line (arg=NAME,arg=WORD,...), as one text in buffer [size];
- * empty where there are none. */
+/* The words after the program's name on the emulator's command line (arg=NAME,arg=WORD,...), as one text in buffer
+ * [size]; empty when there are none. */
 void smr_semihost_words(char *buffer, int size);
 
 /* Ends the emulation with this exit status. Does not return. */
 void smr_semihost_exit(int status);
 
-#endif /* SMR_SEMIHOST_H */
+#endif

@@ -1,8 +1,5 @@
-/*
- * smr_start: vector table and reset handler of a Cortex-M with FPU; calls main and ends with its status.
- *
- * SPDX-License-Identifier: MIT
- */
+/* smr_start.c: vector table and reset handler of a Cortex-M with FPU; calls main and ends with its status.
+ * SPDX-License-Identifier: MIT */
 #include "smr_semihost.h"
 #include "smr_systick.h"
 
@@ -44,12 +41,10 @@ void smr_start_reset(void)
     *cpacr |= 0xFu << 20;
     __asm__ volatile("dsb\n\tisb" ::: "memory");
     /* volatile: the loops must stay loops, no call into a library that is not set up yet. */
-    for (volatile uint32_t *to = smr_data_begin; to < smr_data_end; ++to) {
+    for (volatile uint32_t *to = smr_data_begin; to < smr_data_end; to++)
         *to = *from++;
-    }
-    for (volatile uint32_t *to = smr_bss_begin; to < smr_bss_end; ++to) {
+    for (volatile uint32_t *to = smr_bss_begin; to < smr_bss_end; to++)
         *to = 0;
-    }
     smr_semihost_exit(main());
 }
 

@@ -1,9 +1,6 @@
-/*
- * smr_systick: a periodic interrupt from the core's own timer.
+/* smr_systick.c: a periodic interrupt from the core's own timer.
  * Source: Arm, "Armv7-M" and "Armv8-M Architecture Reference Manual": SYST_CSR, SYST_RVR, SYST_CVR, ICSR.
- *
- * SPDX-License-Identifier: MIT
- */
+ * SPDX-License-Identifier: MIT */
 #include "smr_systick.h"
 
 #define SMR_SYSTICK_BASE 0xE000E010u

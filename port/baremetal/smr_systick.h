@@ -1,8 +1,5 @@
-/*
- * smr_systick: a periodic interrupt from the core's own timer, the same on every Cortex-M.
- *
- * SPDX-License-Identifier: MIT
- */
+/* smr_systick.h: a periodic interrupt from the core's own timer, the same on every Cortex-M.
+ * SPDX-License-Identifier: MIT */
 #ifndef SMR_SYSTICK_H
 #define SMR_SYSTICK_H
 
@@ -12,10 +9,10 @@
 void smr_systick_start(uint32_t steps);
 void smr_systick_stop(void);
 
-/* 1 when the next period's interrupt waits already: asked at the end of the handler, the handler was too late. */
+/* 1 when the next period's interrupt is already pending: at the end of the handler that means it overran. */
 int smr_systick_pending(void);
 
-/* The program's own; without one an interrupt is a fault. */
+/* Defined by the program; without it an interrupt is a fault. */
 void smr_systick_handler(void);
 
-#endif /* SMR_SYSTICK_H */
+#endif

@@ -1,4 +1,4 @@
-/* smr: the command line program.
+/* main.c: smr: the command line program.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 

@@ -1,16 +1,13 @@
-/*
- * smr_pthread: fork-join over persistent threads, tasks handed out by one atomic counter.
+/* smr_pthread.c: fork-join over persistent threads; one atomic counter hands out the tasks.
  *
- * `ticket` holds the loop's number (high half) and the tasks not yet handed out (low half). A worker takes
- * a task by compare-and-swap of the whole word. So a worker that is late, because the system took its
- * processor away, can neither take a task of a loop it does not know nor hold up a loop that the others
- * have finished: the caller waits only for tasks that were really begun.
+ * `ticket` holds the loop's number (high half) and the number of tasks not yet handed out (low half). A worker takes
+ * a task by compare-and-swap of the whole word. A worker that the system has suspended can therefore neither take a
+ * task of a loop it does not know nor hold up a loop that the others have finished: the caller waits only for tasks
+ * that have begun.
  *
- * Idle workers spin for a short time, because the loops of one tick follow each other closely, and then
- * sleep. They do not spin when there are more workers than processors.
- *
- * SPDX-License-Identifier: MIT
- */
+ * Idle workers spin for a short time, because the loops of one tick follow each other closely, and then sleep. They
+ * do not spin when there are more workers than processors.
+ * SPDX-License-Identifier: MIT */
 #if defined(__linux__) && !defined(_GNU_SOURCE)
 #define _GNU_SOURCE 1 /* sched_getaffinity: the processors this process may use */
 #elif !defined(_POSIX_C_SOURCE)
@@ -27,7 +24,7 @@
 #include <unistd.h>
 
 #define SMR_PTHREAD_SPIN_NS 40000u /* longest idle spin; about one wake-up of a sleeping thread */
-#define SMR_PTHREAD_SPIN_LOOKS 64u /* looks at the word between two looks at the clock */
+#define SMR_PTHREAD_SPIN_LOOKS 64u /* readings of the word between two of the clock */
 
 typedef struct smr_pthread_worker {
     pthread_t thread;
@@ -84,13 +81,11 @@ static uint32_t smr_pthread_processors(void)
 #if defined(__linux__)
     cpu_set_t set;
     CPU_ZERO(&set);
-    if (sched_getaffinity(0, sizeof set, &set) == 0) {
+    if (sched_getaffinity(0, sizeof set, &set) == 0)
         n = CPU_COUNT(&set);
-    }
 #endif
-    if (n <= 0) {
+    if (n <= 0)
         n = sysconf(_SC_NPROCESSORS_ONLN);
-    }
     return n > 0 ? (uint32_t)n : 1u;
 }
 
@@ -126,22 +121,18 @@ static int smr_pthread_has_work(smr_pthread *p)
 
 static int smr_pthread_all_done(smr_pthread *p) { return atomic_load(&p->unfinished) == 0u; }
 
-/* Looks at `ready` for at most SMR_PTHREAD_SPIN_NS; its last answer. */
+/* Polls `ready` for at most SMR_PTHREAD_SPIN_NS. Returns its last answer. */
 static int smr_pthread_spin(smr_pthread *p, int (*ready)(smr_pthread *))
 {
-    uint64_t begin;
-    if (ready(p)) {
+    if (ready(p))
         return 1;
-    }
-    if (p->spin == 0u) {
+    if (p->spin == 0u)
         return 0;
-    }
-    begin = smr_pthread_now(NULL);
+    const uint64_t begin = smr_pthread_now(NULL);
     do {
-        for (uint32_t look = 0; look < SMR_PTHREAD_SPIN_LOOKS; ++look) {
-            if (ready(p)) {
+        for (uint32_t look = 0; look < SMR_PTHREAD_SPIN_LOOKS; look++) {
+            if (ready(p))
                 return 1;
-            }
             smr_pthread_pause();
         }
     } while (smr_pthread_now(NULL) - begin < SMR_PTHREAD_SPIN_NS);
@@ -150,15 +141,14 @@ static int smr_pthread_spin(smr_pthread *p, int (*ready)(smr_pthread *))
 
 static void *smr_pthread_main(void *arg)
 {
-    smr_pthread_worker *self = (smr_pthread_worker *)arg;
+    smr_pthread_worker *self = arg;
     smr_pthread *p = self->pool;
     while (atomic_load(&p->stop) == 0u) {
         if (!smr_pthread_spin(p, smr_pthread_has_work)) {
             (void)pthread_mutex_lock(&p->mutex);
             (void)atomic_fetch_add(&p->sleepers, 1u);
-            while (!smr_pthread_has_work(p)) {
+            while (!smr_pthread_has_work(p))
                 (void)pthread_cond_wait(&p->work, &p->mutex);
-            }
             (void)atomic_fetch_sub(&p->sleepers, 1u);
             (void)pthread_mutex_unlock(&p->mutex);
         }
@@ -171,50 +161,43 @@ static void *smr_pthread_main(void *arg)
 static void smr_pthread_wake(smr_pthread *p, uint32_t n_tasks)
 {
     uint32_t n = atomic_load(&p->sleepers);
-    if (n == 0u) {
+    if (n == 0u)
         return;
-    }
     (void)pthread_mutex_lock(&p->mutex);
-    if (n_tasks - 1u >= n) {
+    if (n_tasks - 1u >= n)
         (void)pthread_cond_broadcast(&p->work);
-    } else {
-        for (uint32_t i = 1; i < n_tasks; ++i) {
+    else
+        for (uint32_t i = 1; i < n_tasks; i++)
             (void)pthread_cond_signal(&p->work);
-        }
-    }
     (void)pthread_mutex_unlock(&p->mutex);
 }
 
 /* Waits until every task that was handed out has returned. */
 static void smr_pthread_join_tasks(smr_pthread *p)
 {
-    if (smr_pthread_spin(p, smr_pthread_all_done)) {
+    if (smr_pthread_spin(p, smr_pthread_all_done))
         return;
-    }
     (void)pthread_mutex_lock(&p->mutex);
     atomic_store(&p->caller_sleeps, 1u);
-    while (!smr_pthread_all_done(p)) {
+    while (!smr_pthread_all_done(p))
         (void)pthread_cond_wait(&p->finished, &p->mutex);
-    }
     atomic_store(&p->caller_sleeps, 0u);
     (void)pthread_mutex_unlock(&p->mutex);
 }
 
 static void smr_pthread_parallel(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 {
-    smr_pthread *p = (smr_pthread *)ctx;
-    uint64_t loop;
+    smr_pthread *p = ctx;
     if (p->n_workers == 1u || n_tasks < 2u) {
-        for (uint32_t task = 0; task < n_tasks; ++task) {
+        for (uint32_t task = 0; task < n_tasks; task++)
             run(arg, task, 0);
-        }
         return;
     }
     atomic_store_explicit(&p->run, run, memory_order_relaxed);
     atomic_store_explicit(&p->arg, arg, memory_order_relaxed);
     atomic_store_explicit(&p->n_tasks, n_tasks, memory_order_relaxed);
     atomic_store_explicit(&p->unfinished, n_tasks, memory_order_relaxed);
-    loop = (atomic_load_explicit(&p->ticket, memory_order_relaxed) >> 32) + 1u;
+    const uint64_t loop = (atomic_load_explicit(&p->ticket, memory_order_relaxed) >> 32) + 1u;
     atomic_store(&p->ticket, loop << 32 | n_tasks);
     smr_pthread_wake(p, n_tasks);
     smr_pthread_work(p, 0);
@@ -223,19 +206,16 @@ static void smr_pthread_parallel(void *ctx, smr_task run, void *arg, uint32_t n_
 
 size_t smr_pthread_bytes(uint32_t n_workers)
 {
-    size_t bytes;
-    if (n_workers < 1u || n_workers > SMR_WORKERS_MAX) {
+    if (n_workers < 1u || n_workers > SMR_WORKERS_MAX)
         return 0;
-    }
-    bytes = sizeof(smr_pthread) + (size_t)n_workers * sizeof(smr_pthread_worker);
+    const size_t bytes = sizeof(smr_pthread) + (size_t)n_workers * sizeof(smr_pthread_worker);
     return (bytes + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
 }
 
 static int smr_pthread_sync_init(smr_pthread *p)
 {
-    if (pthread_mutex_init(&p->mutex, NULL) != 0) {
+    if (pthread_mutex_init(&p->mutex, NULL) != 0)
         return 0;
-    }
     if (pthread_cond_init(&p->work, NULL) != 0) {
         (void)pthread_mutex_destroy(&p->mutex);
         return 0;
@@ -251,25 +231,20 @@ static int smr_pthread_sync_init(smr_pthread *p)
 smr_status smr_pthread_create(smr_pthread **pool, void *memory, size_t bytes, uint32_t n_workers)
 {
     smr_pthread *p = (smr_pthread *)memory;
-    if (pool == NULL || memory == NULL) {
+    if (pool == NULL || memory == NULL)
         return SMR_E_NULL;
-    }
-    if (smr_pthread_bytes(n_workers) == 0u) {
+    if (smr_pthread_bytes(n_workers) == 0u)
         return SMR_E_CONFIG;
-    }
-    if ((uintptr_t)memory % SMR_ALIGN != 0u) {
+    if ((uintptr_t)memory % SMR_ALIGN != 0u)
         return SMR_E_ALIGN;
-    }
-    if (bytes < smr_pthread_bytes(n_workers)) {
+    if (bytes < smr_pthread_bytes(n_workers))
         return SMR_E_ARENA;
-    }
     memset(memory, 0, smr_pthread_bytes(n_workers));
     p->n_workers = n_workers;
     p->spin = n_workers <= smr_pthread_processors() ? 1u : 0u;
-    if (!smr_pthread_sync_init(p)) {
+    if (!smr_pthread_sync_init(p))
         return SMR_E_STATE;
-    }
-    for (uint32_t i = 1; i < n_workers; ++i) {
+    for (uint32_t i = 1; i < n_workers; i++) {
         smr_pthread_worker *w = &p->workers[i];
         w->pool = p;
         w->index = i;
@@ -297,16 +272,14 @@ smr_port smr_pthread_port(smr_pthread *pool)
 
 void smr_pthread_destroy(smr_pthread *pool)
 {
-    if (pool == NULL) {
+    if (pool == NULL)
         return;
-    }
     (void)pthread_mutex_lock(&pool->mutex);
     atomic_store(&pool->stop, 1u);
     (void)pthread_cond_broadcast(&pool->work);
     (void)pthread_mutex_unlock(&pool->mutex);
-    for (uint32_t i = 1; i <= pool->n_started; ++i) {
+    for (uint32_t i = 1; i <= pool->n_started; i++)
         (void)pthread_join(pool->workers[i].thread, NULL);
-    }
     (void)pthread_cond_destroy(&pool->finished);
     (void)pthread_cond_destroy(&pool->work);
     (void)pthread_mutex_destroy(&pool->mutex);

@@ -1,11 +1,8 @@
-/*
- * smr_pthread: a pool of persistent POSIX threads behind smr_port.
+/* smr_pthread.h: a pool of persistent POSIX threads behind smr_port.
  *
  * The calling thread is worker 0, so n_workers = 1 starts no thread. Nothing is allocated: the pool lives
  * in the caller's memory. One thread at a time may use the port, and a task must not start another loop.
- *
- * SPDX-License-Identifier: MIT
- */
+ * SPDX-License-Identifier: MIT */
 #ifndef SMR_PTHREAD_H
 #define SMR_PTHREAD_H
 
@@ -35,4 +32,4 @@ void smr_pthread_destroy(smr_pthread *pool);
 }
 #endif
 
-#endif /* SMR_PTHREAD_H */
+#endif

@@ -1,10 +1,7 @@
-/*
- * smr_port_template: compiles, links and is correct, but has no clock and no second worker.
+/* smr_port_template.c: compiles, links and is correct, but has no clock and no second worker.
  *
- * See docs/PORTING.md for the rules and for a test that shows whether yours keeps them.
- *
- * SPDX-License-Identifier: MIT
- */
+ * docs/PORTING.md has the rules and a test that shows whether your port keeps them.
+ * SPDX-License-Identifier: MIT */
 #include "smr_port_template.h"
 
 /* Runs run(arg, t, w) once for each t < n_tasks and returns when all have returned.
@@ -20,9 +17,8 @@
 static void smr_template_parallel(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 {
     (void)ctx;
-    for (uint32_t task = 0; task < n_tasks; ++task) {
+    for (uint32_t task = 0; task < n_tasks; task++)
         run(arg, task, 0);
-    }
 }
 
 /* Monotonic nanoseconds since any moment.
@@ -33,7 +29,7 @@ static void smr_template_parallel(void *ctx, smr_task run, void *arg, uint32_t n
  * tick early. Better leave now_ns NULL in that case, so that the report says 0 instead of a wrong time. */
 static uint64_t smr_template_now(void *ctx)
 {
-    const smr_template *state = (const smr_template *)ctx;
+    const smr_template *state = ctx;
     return state->last_ns;
 }
 

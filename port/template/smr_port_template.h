@@ -1,8 +1,5 @@
-/*
- * smr_port_template: the smallest port. Copy this folder, rename it, fill in what the comments ask for.
- *
- * SPDX-License-Identifier: MIT
- */
+/* smr_port_template.h: the smallest port. Copy this folder, rename it, fill in what the comments ask for.
+ * SPDX-License-Identifier: MIT */
 #ifndef SMR_PORT_TEMPLATE_H
 #define SMR_PORT_TEMPLATE_H
 
@@ -25,4 +22,4 @@ smr_port smr_template_port(smr_template *state);
 }
 #endif
 
-#endif /* SMR_PORT_TEMPLATE_H */
+#endif

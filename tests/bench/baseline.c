@@ -1,5 +1,5 @@
-/* baseline.c: rigid shape matching with plain float sums. Records have 16 floats, a cache line, as the library's have, and
- * six or twelve of them are summed; the compiler may vectorise all loops.
+/* baseline.c: rigid shape matching with plain float sums. A record has 16 floats, a cache line, as in the library;
+ * six or twelve of them are summed. The compiler may vectorise all loops.
  * SPDX-License-Identifier: MIT */
 #include "baseline.h"
 
@@ -17,9 +17,8 @@ static inline void add_direct(const baseline *b, const uint32_t words)
         float sum[WORDS] = {0};
         for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
             const float *r = b->record + WORDS * (size_t)l->zeta[k];
-            for (uint32_t w = 0; w < words; w++) {
+            for (uint32_t w = 0; w < words; w++)
                 sum[w] += r[w];
-            }
         }
         memcpy(b->sum + WORDS * (size_t)v, sum, sizeof sum);
     }
@@ -30,20 +29,17 @@ static inline void add_chain(const baseline *b, const uint32_t words)
     const rig_lists *l = &b->lists;
     for (uint32_t i = 0; i < l->n; i++) {
         float sum[WORDS] = {0};
-        if (l->parent[i] != l->vertex[i]) {
+        if (l->parent[i] != l->vertex[i])
             memcpy(sum, b->sum + WORDS * (size_t)l->parent[i], sizeof sum);
-        }
         for (uint32_t k = l->plus_start[i]; k < l->plus_start[i + 1u]; k++) {
             const float *r = b->record + WORDS * (size_t)l->plus[k];
-            for (uint32_t w = 0; w < words; w++) {
+            for (uint32_t w = 0; w < words; w++)
                 sum[w] += r[w];
-            }
         }
         for (uint32_t k = l->minus_start[i]; k < l->minus_start[i + 1u]; k++) {
             const float *r = b->record + WORDS * (size_t)l->minus[k];
-            for (uint32_t w = 0; w < words; w++) {
+            for (uint32_t w = 0; w < words; w++)
                 sum[w] -= r[w];
-            }
         }
         memcpy(b->sum + WORDS * (size_t)l->vertex[i], sum, sizeof sum);
     }
@@ -51,15 +47,14 @@ static inline void add_chain(const baseline *b, const uint32_t words)
 
 static void add(const baseline *b, int chain, int wide)
 {
-    if (chain && wide) {
+    if (chain && wide)
         add_chain(b, 12);
-    } else if (chain) {
+    else if (chain)
         add_chain(b, 8);
-    } else if (wide) {
+    else if (wide)
         add_direct(b, 12);
-    } else {
+    else
         add_direct(b, 8);
-    }
 }
 
 /* Inverse of a symmetric 3x3 matrix by cofactors. */
@@ -73,9 +68,8 @@ static void invert(const double m[9], float out[9])
         }
     }
     const double det = m[0] * cofactor[0] + m[1] * cofactor[3] + m[2] * cofactor[6];
-    for (uint32_t i = 0; i < 9u; i++) {
+    for (uint32_t i = 0; i < 9u; i++)
         out[i] = fabs(det) > 1.0e-6 ? (float)(cofactor[i] / det) : 0.0f;
-    }
 }
 
 baseline baseline_start(const smr_model *model)
@@ -98,25 +92,21 @@ baseline baseline_start(const smr_model *model)
     for (uint32_t v = 0; v < l->n; v++) {
         const double n = (double)(l->zeta_start[v + 1u] - l->zeta_start[v]);
         double sum[3] = {0, 0, 0}, inertia[9] = {0};
-        for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
-            for (uint32_t a = 0; a < 3u; a++) {
+        for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++)
+            for (uint32_t a = 0; a < 3u; a++)
                 sum[a] += (double)b.ref[3u * (size_t)l->zeta[k] + a] / n;
-            }
-        }
         for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
             double d[3], d2 = 0.0;
             for (uint32_t a = 0; a < 3u; a++) {
                 d[a] = (double)b.ref[3u * (size_t)l->zeta[k] + a] - sum[a];
                 d2 += d[a] * d[a];
             }
-            for (uint32_t a = 0; a < 9u; a++) {
+            for (uint32_t a = 0; a < 9u; a++)
                 inertia[a] += (a % 4u == 0u ? d2 : 0.0) - d[a / 3u] * d[a % 3u];
-            }
         }
         invert(inertia, b.inverse + 9u * (size_t)v);
-        for (uint32_t a = 0; a < 3u; a++) {
+        for (uint32_t a = 0; a < 3u; a++)
             b.centre[3u * (size_t)v + a] = (float)sum[a];
-        }
     }
     return b;
 }
@@ -136,12 +126,10 @@ static void match_one(const baseline *b, uint32_t v, float *to)
     }
     const float a = sqrtf(a2), sine = sinf(a) / a, cosine = (1.0f - cosf(a)) / a2;
     const float skew[9] = {0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0};
-    for (uint32_t i = 0; i < 9u; i++) {
+    for (uint32_t i = 0; i < 9u; i++)
         to[i] = sine * skew[i] + cosine * (w[i / 3u] * w[i % 3u] - (i % 4u == 0u ? a2 : 0.0f));
-    }
-    for (uint32_t i = 0; i < 3u; i++) {
+    for (uint32_t i = 0; i < 3u; i++)
         to[9u + i] = s[i] / n - (to[3u * i] * c[0] + to[3u * i + 1u] * c[1] + to[3u * i + 2u] * c[2]);
-    }
 }
 
 void baseline_match(baseline *b, int chain)
@@ -150,18 +138,16 @@ void baseline_match(baseline *b, int chain)
     for (uint32_t v = 0; v < n; v++) {
         float *r = b->record + WORDS * (size_t)v, u[3];
         const float *ref = b->ref + 3u * (size_t)v;
-        for (uint32_t a = 0; a < 3u; a++) {
+        for (uint32_t a = 0; a < 3u; a++)
             r[a] = u[a] = b->goal[3u * (size_t)v + a] - ref[a];
-        }
         r[3] = ref[1] * u[2] - ref[2] * u[1];
         r[4] = ref[2] * u[0] - ref[0] * u[2];
         r[5] = ref[0] * u[1] - ref[1] * u[0];
         r[6] = r[7] = 0.0f;
     }
     add(b, chain, 0);
-    for (uint32_t v = 0; v < n; v++) {
+    for (uint32_t v = 0; v < n; v++)
         match_one(b, v, b->record + WORDS * (size_t)v);
-    }
     add(b, chain, 1);
     for (uint32_t v = 0; v < n; v++) {
         const float *s = b->sum + WORDS * (size_t)v, *ref = b->ref + 3u * (size_t)v;

@@ -1,8 +1,8 @@
-/* baseline.h: shape matching as a plain program would do it, in float: each cluster summed directly, or along the paper's
- * breadth-first chain. The honest comparison for the library's sums.
+/* baseline.h: shape matching as a plain float program would do it: each cluster summed directly, or along the paper's
+ * breadth-first chain. The library's sums are compared with it.
  * SPDX-License-Identifier: MIT */
-#ifndef BENCH_BASELINE_H
-#define BENCH_BASELINE_H
+#ifndef BASELINE_H
+#define BASELINE_H
 
 #include "../property/model_lists.h"
 

@@ -1,6 +1,6 @@
-/* bench_core.c: what preparing, matching and registering cost, on the 24-structure model beside the repository or, where it
- * is not there, on the fixture's bone. Runs that are compared with each other are interleaved. Prints `name number` lines
- * (medians); with a file name as argument also writes name,p50,p99,max,repetitions there.
+/* bench_core.c: times of preparing, matching and registering the 24-structure model, or the fixture's bone where the
+ * model's data is not beside the repository. Runs that are compared are interleaved. Prints `name number` lines
+ * (medians); with a file name as argument it also writes name,p50,p99,max,repetitions there.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
@@ -43,9 +43,8 @@ static double tell(const char *name, double *value, uint32_t n)
     const double median = n % 2u ? value[n / 2u] : 0.5 * (value[n / 2u - 1u] + value[n / 2u]);
     const uint32_t p99 = (uint32_t)(0.99 * (double)(n - 1u) + 0.5);
     printf("%s %.5g\n", name, median);
-    if (csv != NULL) {
+    if (csv != NULL)
         fprintf(csv, "%s,%.5g,%.5g,%.5g,%u\n", name, median, value[p99], value[n - 1u], n);
-    }
     return median;
 }
 
@@ -88,9 +87,8 @@ static void bench_prepare(const bench_input *in, const smr_prepare_config *confi
     smr_prepare_config without = *config;
     smr_structure structure[RIG_STRUCTURES_MAX];
     memset(structure, 0, sizeof structure);
-    for (uint32_t i = 0; i < in->n; i++) {
+    for (uint32_t i = 0; i < in->n; i++)
         structure[i].mesh = in->mesh[i];
-    }
     (void)smr_prepare_bytes(structure, in->n, config, &scratch);
     void *memory = rig_alloc(scratch);
     (void)smr_prepare(structure, in->n, config, memory, scratch, NULL, 0, &bytes);
@@ -98,14 +96,12 @@ static void bench_prepare(const bench_input *in, const smr_prepare_config *confi
     without.priority = 0;
     for (uint32_t i = 0; i < 5u; i++) {
         double before = seconds();
-        if (smr_prepare(structure, in->n, config, memory, scratch, image, bytes, &bytes) != SMR_OK) {
+        if (smr_prepare(structure, in->n, config, memory, scratch, image, bytes, &bytes) != SMR_OK)
             abort();
-        }
         time[i] = seconds() - before;
         before = seconds();
-        if (smr_prepare(structure, in->n, &without, memory, scratch, image, bytes, &bytes) != SMR_OK) {
+        if (smr_prepare(structure, in->n, &without, memory, scratch, image, bytes, &bytes) != SMR_OK)
             abort();
-        }
         list[i] = time[i] - (seconds() - before);
     }
     (void)tell("prepare_s", time, 5);
@@ -114,11 +110,9 @@ static void bench_prepare(const bench_input *in, const smr_prepare_config *confi
 
 static void set_targets(const bench_input *in, smr *s)
 {
-    for (uint32_t i = 0; i < in->n; i++) {
-        if (in->surface[i] != NULL && smr_set_surface(s, i, in->surface[i]) != SMR_OK) {
+    for (uint32_t i = 0; i < in->n; i++)
+        if (in->surface[i] != NULL && smr_set_surface(s, i, in->surface[i]) != SMR_OK)
             abort();
-        }
-    }
 }
 
 /* A registration that iterates for ever at one radius. elastic: x^r stays, so that nothing but matching is measured. */
@@ -177,9 +171,8 @@ static void bench_ticks(const bench_input *in, const smr_model *model)
     const smr_port plain = {NULL, 1, NULL, nanoseconds};
     const size_t bytes = smr_pthread_bytes(2);
     smr_pthread *pool = NULL;
-    if (smr_pthread_create(&pool, rig_alloc(bytes), bytes, 2) != SMR_OK) {
+    if (smr_pthread_create(&pool, rig_alloc(bytes), bytes, 2) != SMR_OK)
         abort();
-    }
     const smr_port threads = smr_pthread_port(pool);
     smr *s[2] = {endless(in, model, SMR_METHOD_RIGID, 0, &plain), endless(in, model, SMR_METHOD_RIGID, 0, &threads)};
     for (uint32_t i = 0; i < REPETITIONS; i++) {
@@ -239,9 +232,8 @@ int main(int argc, char **argv)
         fprintf(stderr, "bench_core: cannot write %s\n", argv[1]);
         return 2;
     }
-    if (csv != NULL) {
+    if (csv != NULL)
         fprintf(csv, "name,p50,p99,max,repetitions\n");
-    }
     read_input(&in);
     smr_prepare_config config = rig_radii(1, RADIUS_MM, 0, 0);
     config.separate_below_mm = 0.0f; /* structures share clusters */

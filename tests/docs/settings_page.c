@@ -1,4 +1,4 @@
-/* settings_page: writes docs/SETTINGS.md from the library's tables of settings.
+/* settings_page.c: writes docs/SETTINGS.md from the library's tables of settings.
  * usage: settings_page            the page, on stdout
  *        settings_page --header   one line a field: name, tab, how its comment in smr.h has to start
  * SPDX-License-Identifier: MIT */
@@ -22,14 +22,12 @@ static void page_value(const smr_setting *s, double value, char *to)
     }
     if (s->kind != SMR_SETTING_CHOICE) {
         to[0] = '\0';
-        if (value >= s->low || s->or_zero) {
+        if (value >= s->low || s->or_zero)
             (void)snprintf(to, PAGE_TEXT, "%.*g", page_digits(value), value);
-        }
         return;
     }
-    for (int i = 0; i < (int)value; i++) {
+    for (int i = 0; i < (int)value; i++)
         word = strchr(word, '|') + 1;
-    }
     (void)snprintf(to, PAGE_TEXT, "%.*s", (int)strcspn(word, "|"), word);
 }
 
@@ -56,9 +54,8 @@ static void page_row(const smr_setting *s)
     page_value(s, s->value, value);
     page_value(s, s->image, image);
     (void)printf("| `%s` | ", s->name);
-    for (const char *c = range; *c != '\0'; c++) {
+    for (const char *c = range; *c != '\0'; c++)
         (void)printf(*c == '|' ? ", " : "%c", *c);
-    }
     (void)printf(" | %s | ", s->kind == SMR_SETTING_CHOICE ? "" : s->unit);
     if (s->kind == SMR_SETTING_POINTER) {
         (void)printf("NULL");
@@ -86,20 +83,18 @@ static void page_header(const smr_setting *s, uint32_t n)
 {
     for (uint32_t i = 0; i < n; i++) {
         char range[PAGE_TEXT], value[PAGE_TEXT], image[PAGE_TEXT];
-        if (s[i].kind == SMR_SETTING_GROUP || s[i].kind == SMR_SETTING_POINTER) {
+        if (s[i].kind == SMR_SETTING_GROUP || s[i].kind == SMR_SETTING_POINTER)
             continue;
-        }
         page_range(&s[i], range);
         page_value(&s[i], s[i].value, value);
         page_value(&s[i], s[i].image, image);
         (void)printf("%s\t", s[i].name);
-        if (s[i].kind == SMR_SETTING_CHOICE) {
+        if (s[i].kind == SMR_SETTING_CHOICE)
             (void)printf("SMR_*, default ");
-        } else if (s[i].kind == SMR_SETTING_SWITCH || page_is_index(&s[i])) {
+        else if (s[i].kind == SMR_SETTING_SWITCH || page_is_index(&s[i]))
             (void)printf("%s, default ", page_is_index(&s[i]) ? "index" : range);
-        } else {
+        else
             (void)printf("%s, %s%s", s[i].unit, range, value[0] == '\0' ? "" : ", default ");
-        }
         (void)printf("%s%s%s\n", value, strcmp(value, image) == 0 ? "" : ", ", strcmp(value, image) == 0 ? "" : image);
     }
 }

@@ -1,4 +1,4 @@
-/* experiment_report.c: the figures out of report.json, and a table of them.
+/* experiment_report.c: reads figures from report.json and prints them as a table.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <stdio.h>

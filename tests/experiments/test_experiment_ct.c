@@ -1,6 +1,6 @@
-/* test_experiment_ct.c: a real CT: the right hip's six structures, with the CT as the reference, are registered onto the
- * mirrored CT, whose right side is the left hip. The start is a rigid fit of six landmarks that one rule finds on either
- * side; the truth is the mirrored surface of the left side.
+/* test_experiment_ct.c: registration into a real CT. The model is the right hip's six structures with the CT as
+ * reference; the target is the mirrored CT, whose right side is the left hip. The start is a rigid fit of six
+ * landmarks that one rule finds on either side; the truth is the mirrored surface of the left side.
  * SPDX-License-Identifier: MIT */
 #include "unit/cmocka_first.h"
 
@@ -16,8 +16,8 @@ static const char *const structures[] = {"femur_proximal",  "gluteus_maximus", "
                                          "gluteus_minimus", "hip_bone",        "iliopsoas"};
 enum { STRUCTURES = sizeof structures / sizeof structures[0] };
 
-/* The rule: the mean of the EXTREME vertices that lie farthest in a direction, for a right side in LPS (left of the body
- * +x, its back +y, its head +z). The field cuts the bones below, so nothing looks down. */
+/* The rule: the mean of the EXTREME vertices that lie farthest in a direction, for a right side in LPS (left of the
+ * body is +x, its back +y, its head +z). The field of view cuts the bones below, so no direction points down. */
 typedef struct rule {
     const char *label, *structure;
     float direction[3];

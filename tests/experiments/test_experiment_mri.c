@@ -1,6 +1,6 @@
-/* test_experiment_mri.c: a real MRI: the femur, with the image it was made from as the reference, is put at a spoiled
- * pose (15 mm, 8 degrees, a smooth deformation of 5 mm at most) and registered back onto that image. Distances to the
- * true surface are taken where the image shows it. Ten seeds (the short form: one).
+/* test_experiment_mri.c: registration into a real MRI. The femur, with the image it was made from as the reference,
+ * is displaced (15 mm, 8 degrees, a smooth deformation of at most 5 mm) and registered back onto that image.
+ * Distances to the true surface are measured where the image shows it. Ten seeds; the short form runs one.
  * SPDX-License-Identifier: MIT */
 #include "unit/cmocka_first.h"
 

@@ -1,5 +1,5 @@
-/* test_experiment_start.c: the start spoiled: each landmark of the target moved by up to 20 mm along every axis. Twenty
- * seeds on the patient, ten on the other person (the short form: one on the patient).
+/* test_experiment_start.c: displaced starts: each landmark of the target is moved by up to 20 mm along every axis.
+ * Twenty seeds on the patient, ten on the other person; the short form runs one on the patient.
  * SPDX-License-Identifier: MIT */
 #include "unit/cmocka_first.h"
 

@@ -1,6 +1,6 @@
-/* test_experiment_thigh.c: the paper's experiment with the defaults: 24 structures into the image of a known patient and
- * of another real person; rigid against polar matching; robustness to stiffness, search distance and ignored vertices.
- * Times are shown, never judged.
+/* test_experiment_thigh.c: the paper's experiment with the defaults: 24 structures into the image of a known patient
+ * and of another real person; rigid against polar matching; robustness to stiffness, search distance and ignored
+ * vertices. Times are printed, never asserted.
  * SPDX-License-Identifier: MIT */
 #include "unit/cmocka_first.h"
 

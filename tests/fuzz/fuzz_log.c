@@ -1,5 +1,6 @@
-/* fuzz_log.c: any bytes as the records of a log, and as the configuration in its header: refused, or repeated without harm.
- * The rest of the header is good and checksums are repaired first, so that the fuzzer gets behind them. Runs as a plain regression test in tests/unit/test_fuzz.c. As a fuzzer:
+/* fuzz_log.c: any bytes as the records of a log, or as the configuration in its header, are refused or replayed without
+ * harm. The rest of the header is valid and checksums are repaired first, so that the fuzzer gets past them. Runs as a
+ * regression test in tests/unit/test_fuzz.c. As a fuzzer:
  *   clang -g -O1 -std=c11 -ffp-contract=off -fsanitize=fuzzer,address,undefined -DSMR_LIBFUZZER -Isrc -Iinclude \
  *     -Ifixtures -Itests tests/fuzz/fuzz_log.c tests/unit/unit_log.c tests/property/rig.c fixtures/fixture_bone.c \
  *     fixtures/fixture_net.c fixtures/fixture_shape.c fixtures/fixture_deform.c $(find src -name '*.c') -lm -o fuzz_log
@@ -20,9 +21,8 @@
 static const void *fuzz_log_input(void *ctx, const smr_log_record *record)
 {
     const unit_log *u = ctx;
-    if (record->kind == SMR_LOG_POSITIONS) {
+    if (record->kind == SMR_LOG_POSITIONS)
         return u->ball.xyz;
-    }
     return record->kind == SMR_LOG_SURFACE ? u->surface[record->checksum == smr_surface_checksum(u->surface[1])] : NULL;
 }
 
@@ -34,9 +34,8 @@ static void fuzz_header(const unit_log *u, const uint8_t *data, size_t size, smr
     smr_replay replay;
     for (uint32_t version = 1; version <= SMR_LOG_VERSION; version++) {
         memcpy(log, u->log, SMR_LOG_FIXED);
-        if (size > 0u) {
+        if (size > 0u)
             memcpy(log + SMR_LOG_FIXED, data, size / 4u * 4u);
-        }
         smr_log_put32(log + 4, version);
         smr_log_put32(log + 8, (uint32_t)bytes);
         smr_log_put32(log + 24, (uint32_t)(size / 4u));
@@ -59,17 +58,14 @@ int fuzz_log(const uint8_t *data, size_t size)
         (void)smr_arena_bytes(u.model, &u.config, &arena_bytes);
         arena = rig_alloc(arena_bytes);
     }
-    if (size > FUZZ_LOG_RECORDS) {
+    if (size > FUZZ_LOG_RECORDS)
         return 0;
-    }
     memcpy(log, u.log, SMR_LOG_HEADER);
-    if (size > 0u) {
+    if (size > 0u)
         memcpy(log + SMR_LOG_HEADER, data, size);
-    }
     unit_log_seal(log, SMR_LOG_HEADER + size);
-    if (smr_init(u.model, &u.config, NULL, arena, arena_bytes, &s) == SMR_OK) {
+    if (smr_init(u.model, &u.config, NULL, arena, arena_bytes, &s) == SMR_OK)
         fuzz_header(&u, data, size, s);
-    }
     if (s == NULL || smr_replay_start(s, log, SMR_LOG_HEADER + size, fuzz_log_input, &u, &replay) != SMR_OK) {
         (void)fprintf(stderr, "fuzz_log: a good header is refused\n");
         return -1;

@@ -1,6 +1,6 @@
-/* fuzz_mesh.c: any bytes as meshes for smr_surface_build() and smr_prepare(): refused, or what they make works.
- * Layout of the bytes: 16 of switches, then two structures' vertices and triangles (see take_mesh). Fuzzer as in
- * fuzz_model_open.c, with this file in its place.
+/* fuzz_mesh.c: any bytes as meshes for smr_surface_build() and smr_prepare() are refused, or give a surface or model
+ * that works. Layout of the bytes: 16 of switches, then vertices and triangles of two structures (see take_mesh). As
+ * a fuzzer: as fuzz_model_open.c, with this file in its place.
  * SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz_targets.h"
 

@@ -1,9 +1,9 @@
-/* fuzz_model_open.c: any bytes as a model image: refused, or harmless in use. Length and checksum are repaired first, so
- * that the fuzzer gets behind them. Runs as a plain regression test in tests/unit/test_fuzz.c. As a fuzzer:
+/* fuzz_model_open.c: any bytes as a model are refused or harmless in use. Length and checksum are repaired first, so
+ * that the fuzzer gets past them. Runs as a regression test in tests/unit/test_fuzz.c. As a fuzzer:
  *   clang -g -O1 -std=c11 -ffp-contract=off -fsanitize=fuzzer,address,undefined -DSMR_LIBFUZZER -Isrc -Iinclude \
  *     -Ifixtures -Itests tests/fuzz/fuzz_model_open.c tests/unit/unit_mesh.c tests/unit/unit_exercise.c \
- *     tests/unit/oracle.c fixtures/fixture_bone.c fixtures/fixture_shape.c fixtures/fixture_deform.c \
- *     $(find src -name '*.c') -lm -o fuzz_model_open
+ *     tests/unit/oracle.c fixtures/fixture_bone.c fixtures/fixture_net.c fixtures/fixture_shape.c \
+ *     fixtures/fixture_deform.c $(find src -name '*.c') -lm -o fuzz_model_open
  * Seeds: run the program test_fuzz with SMR_FUZZ_CORPUS=dir.
  * SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz_targets.h"

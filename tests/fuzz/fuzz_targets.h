@@ -1,5 +1,5 @@
-/* fuzz_targets.h: functions that take any bytes. They return 1 when the bytes were accepted, 0 when they were refused, and
- * -1 (with a line on stderr) when something accepted did not work.
+/* fuzz_targets.h: fuzz targets take any bytes. They return 1 when the bytes were accepted, 0 when they were refused,
+ * and -1 (with a line on stderr) when something accepted did not work.
  * SPDX-License-Identifier: MIT */
 #ifndef FUZZ_TARGETS_H
 #define FUZZ_TARGETS_H

@@ -1,17 +1,15 @@
-/*
- * golden: one registration whose bits must be the same on every processor, compiler, thread count and order.
+/* golden.c: registrations whose bits must be the same on every processor, compiler, thread count and task order.
  *
- * Prints one line: smr-hash <state after the rigid run> <after the polar run> <after an image run> <CRC-32 of the model
- * images of surfaces and with profiles>.
- * Hosted: golden [threads N | workers N | reverse | shuffle | interleave]; no argument: a plain loop.
+ * Prints one line: smr-hash <state after the rigid run> <after the polar run> <after an image run> <CRC-32 of the
+ * models without and with profiles>.
+ * Hosted: golden [threads N | workers N | reverse | shuffle | interleave]; without an argument a plain loop.
  * Bare metal (SMR_BAREMETAL): no argument; the buffers go to the section .arena.
- *
- * SPDX-License-Identifier: MIT
- */
+ * SPDX-License-Identifier: MIT */
 #include <smr.h>
 
 #include "fixture_bone.h"
 #include "fixture_thigh.h"
+#include "print.h"
 
 #ifdef SMR_BAREMETAL
 #include "smr_baremetal.h"
@@ -39,64 +37,31 @@ GOLDEN_MEMORY float golden_words[16384];
 GOLDEN_MEMORY float golden_xyz[2][3 * 1024];
 GOLDEN_MEMORY uint32_t golden_triangles[2][3 * 2048];
 
-static void golden_write(const char *text)
-{
-#ifdef SMR_BAREMETAL
-    smr_semihost_write(text);
-#else
-    (void)fputs(text, stdout);
-#endif
-}
-
-static void golden_hex(uint64_t value, uint32_t digits)
-{
-    char text[17];
-    for (uint32_t i = 0; i < digits; ++i) {
-        text[i] = "0123456789abcdef"[(value >> (4u * (digits - 1u - i))) & 15u];
-    }
-    text[digits] = '\0';
-    golden_write(text);
-}
-
 /* CRC-32 (IEEE 802.3), bit by bit: independent of the library's own. */
 static uint32_t golden_crc(const unsigned char *bytes, size_t n)
 {
     uint32_t crc = 0xffffffffu;
-    for (size_t i = 0; i < n; ++i) {
+    for (size_t i = 0; i < n; i++) {
         crc ^= bytes[i];
-        for (int bit = 0; bit < 8; ++bit) {
+        for (int bit = 0; bit < 8; bit++)
             crc = (crc >> 1) ^ (0xedb88320u & (0u - (crc & 1u)));
-        }
     }
     return ~crc;
 }
 
-/* 1 when ok; otherwise says which step failed. */
-static int golden_ok(const char *step, int status)
-{
-    if (status == SMR_OK) {
-        return 1;
-    }
-    golden_write("smr-hash error: ");
-    golden_write(step);
-    golden_write(" ");
-    golden_write(smr_status_name((smr_status)status));
-    golden_write("\n");
-    return 0;
-}
+static int golden_ok(const char *step, int status) { return print_ok("smr-hash", step, status); }
 
 /* Source and target meshes into golden_xyz and golden_triangles. */
 static int golden_meshes(smr_mesh *mesh)
 {
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < 2; i++) {
         fixture_grid grid = i == 0 ? fixture_grid_source(GOLDEN_CELL) : fixture_grid_target(GOLDEN_CELL);
         fixture_mesh m = {golden_xyz[i], golden_triangles[i], 1024, 2048, 0, 0};
         const size_t words = sizeof golden_words / sizeof golden_words[0];
         int made = i == 0 ? fixture_bone_source(&grid, &m, golden_words, words)
                           : fixture_bone_target(&grid, 1.0f, &m, golden_words, words);
-        if (!made) {
+        if (!made)
             return golden_ok("fixture", SMR_E_ARENA);
-        }
         mesh[i].xyz = m.xyz;
         mesh[i].triangles = m.triangles;
         mesh[i].n_vertices = m.n_vertices;
@@ -141,14 +106,11 @@ static int golden_run(const smr_model *model, const smr_surface *target, const s
     config.iterations_last = 40;
     if (!golden_ok("init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
         (pose != NULL && !golden_ok("pose", smr_set_pose(s, pose))) ||
-        !golden_ok("surface", smr_set_surface(s, SMR_ALL, target))) {
+        !golden_ok("surface", smr_set_surface(s, SMR_ALL, target)))
         return 0;
-    }
-    for (uint32_t tick = 0; tick < GOLDEN_TICKS; ++tick) {
-        if (!golden_ok("tick", smr_tick(s, 0, &report))) {
+    for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++)
+        if (!golden_ok("tick", smr_tick(s, 0, &report)))
             return 0;
-        }
-    }
     *hash = smr_state_hash(s);
     return 1;
 }
@@ -162,45 +124,30 @@ GOLDEN_MEMORY float golden_thigh_words[FIXTURE_THIGH_SCRATCH];
 GOLDEN_MEMORY float golden_slice[FIXTURE_IMAGE_SCRATCH(48, 48)];
 GOLDEN_MEMORY float golden_truth[GOLDEN_PARTS][3 * 1024];
 
-/* The box around points [n][3] of all parts, in voxels of 4 mm; at most GOLDEN_VOXELS of them. */
+/* The box around points [n][3] of all parts, in voxels of 4 mm. */
 static fixture_box golden_box(const smr_structure *part, float xyz[GOLDEN_PARTS][3 * 1024])
 {
-    fixture_box box = {{1e9f, 1e9f, 1e9f}, {4.0f, 4.0f, 4.0f}, {0, 0, 0}};
-    float high[3] = {-1e9f, -1e9f, -1e9f};
-    for (uint32_t i = 0; i < GOLDEN_PARTS; ++i) {
-        for (uint32_t k = 0; k < 3u * part[i].mesh.n_vertices; ++k) {
-            const float x = xyz[i][k];
-            box.low[k % 3u] = x < box.low[k % 3u] ? x : box.low[k % 3u];
-            high[k % 3u] = x > high[k % 3u] ? x : high[k % 3u];
-        }
-    }
-    for (uint32_t a = 0; a < 3u; ++a) {
-        box.low[a] -= 20.0f;
-        box.n[a] = (uint32_t)((high[a] + 20.0f - box.low[a]) / box.spacing[a]) + 1u;
-    }
+    fixture_box box;
+    float low[3] = {1e9f, 1e9f, 1e9f}, high[3] = {-1e9f, -1e9f, -1e9f};
+    for (uint32_t i = 0; i < GOLDEN_PARTS; i++)
+        fixture_bounds(xyz[i], part[i].mesh.n_vertices, low, high);
+    fixture_margin_box(low, high, 20.0f, 4.0f, &box);
     return box;
 }
 
 static int golden_volume(const fixture_pose *pose, const fixture_box *box, unsigned char *voxels, smr_volume *volume)
 {
-    static const float axes[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    if (box->n[0] > 48u || box->n[1] > 48u || box->n[0] * box->n[1] * box->n[2] > GOLDEN_VOXELS) {
+    const smr_volume plain = {voxels,
+                              NULL,
+                              SMR_VOXEL_UINT8,
+                              {box->n[0], box->n[1], box->n[2]},
+                              {box->low[0], box->low[1], box->low[2]},
+                              {box->spacing[0], box->spacing[1], box->spacing[2]},
+                              {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    if (box->n[0] > 48u || box->n[1] > 48u || box->n[0] * box->n[1] * box->n[2] > GOLDEN_VOXELS)
         return golden_ok("volume", SMR_E_ARENA);
-    }
-    for (uint32_t z = 0; z < box->n[2]; ++z) {
-        fixture_thigh_slice(&golden_thigh, pose, box, z, voxels + (size_t)z * box->n[0] * box->n[1], golden_slice);
-    }
-    volume->voxels = voxels;
-    volume->mask = NULL;
-    volume->type = SMR_VOXEL_UINT8;
-    for (uint32_t a = 0; a < 3u; ++a) {
-        volume->size[a] = box->n[a];
-        volume->origin[a] = box->low[a];
-        volume->spacing[a] = box->spacing[a];
-    }
-    for (uint32_t a = 0; a < 9u; ++a) {
-        volume->direction[a] = axes[a];
-    }
+    fixture_thigh_slices(&golden_thigh, pose, box, voxels, golden_slice);
+    *volume = plain;
     return 1;
 }
 
@@ -212,11 +159,10 @@ static int golden_image_set_up(smr_structure *part, smr_volume *volume, const sm
     fixture_pose pose[2];
     size_t need = 0;
     fixture_thigh_init(&golden_thigh);
-    for (uint32_t i = 0; i < GOLDEN_PARTS; ++i) {
+    for (uint32_t i = 0; i < GOLDEN_PARTS; i++) {
         fixture_mesh m = {golden_xyz[i], golden_triangles[i], 1024, 2048, 0, 0};
-        if (!fixture_thigh_mesh(&golden_thigh, which[i], 1.6f, &m, golden_thigh_words)) {
+        if (!fixture_thigh_mesh(&golden_thigh, which[i], 1.6f, &m, golden_thigh_words))
             return golden_ok("thigh", SMR_E_ARENA);
-        }
         part[i].name = golden_thigh.part[which[i]].name;
         part[i].mesh = (smr_mesh){m.xyz, m.triangles, m.n_vertices, m.n_triangles};
         fixture_thigh_pose(1, &pose[1]);
@@ -225,9 +171,8 @@ static int golden_image_set_up(smr_structure *part, smr_volume *volume, const sm
     fixture_thigh_pose(0, &pose[0]);
     fixture_box box[2] = {golden_box(part, golden_xyz), golden_box(part, golden_truth)};
     if (!golden_volume(&pose[0], &box[0], golden_voxels[0], &volume[0]) ||
-        !golden_volume(&pose[1], &box[1], golden_voxels[1], &volume[1])) {
+        !golden_volume(&pose[1], &box[1], golden_voxels[1], &volume[1]))
         return 0;
-    }
     config.reference = &volume[0];
     return golden_ok("image bytes", smr_prepare_bytes(part, GOLDEN_PARTS, &config, &need)) &&
            golden_ok("image scratch", need <= sizeof golden_scratch ? SMR_OK : SMR_E_ARENA) &&
@@ -252,25 +197,19 @@ static int golden_image_run(const smr_port *port, uint64_t *hash, uint32_t *crc)
     config.iterations_last = 6;
     config.active_enough = 6;
     if (!golden_image_set_up(part, volume, &model, &bytes) ||
-        !golden_ok("image init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s))) {
+        !golden_ok("image init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)))
         return 0;
-    }
-    for (uint32_t i = 0; i < GOLDEN_PARTS; ++i) {
-        for (uint32_t k = 0; k < part[i].mesh.n_vertices; ++k) {
+    for (uint32_t i = 0; i < GOLDEN_PARTS; i++) {
+        for (uint32_t k = 0; k < part[i].mesh.n_vertices; k++)
             golden_truth[i][3u * k] += 4.0f;
-        }
-        if (!golden_ok("image start", smr_set_positions(s, i, golden_truth[i]))) {
+        if (!golden_ok("image start", smr_set_positions(s, i, golden_truth[i])))
             return 0;
-        }
     }
-    if (!golden_ok("image volume", smr_set_volume(s, &volume[1]))) {
+    if (!golden_ok("image volume", smr_set_volume(s, &volume[1])))
         return 0;
-    }
-    for (uint32_t tick = 0; tick < GOLDEN_TICKS; ++tick) {
-        if (!golden_ok("image tick", smr_tick(s, 0, &report))) {
+    for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++)
+        if (!golden_ok("image tick", smr_tick(s, 0, &report)))
             return 0;
-        }
-    }
     *hash = smr_state_hash(s);
     *crc = golden_crc(golden_image, bytes);
     return golden_ok("image forces", report.done && report.n_forces > 100u ? SMR_OK : SMR_E_STATE);
@@ -294,22 +233,20 @@ static int golden_main(const smr_port *port)
         !golden_ok("source", smr_surface_build(&mesh[0], golden_source, sizeof golden_source, &source)) ||
         !golden_ok("align", smr_align(source, target, &align, &pose, &rms)) ||
         !golden_run(model, target, port, SMR_METHOD_RIGID, NULL, &rigid) ||
-        !golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &polar)) {
+        !golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &polar))
         return 1;
-    }
     crc = golden_crc(golden_image, image_bytes);
-    if (!golden_image_run(port, &image, &crc_image)) {
+    if (!golden_image_run(port, &image, &crc_image))
         return 1;
-    }
-    golden_write("smr-hash ");
-    golden_hex(rigid, 16);
-    golden_write(" ");
-    golden_hex(polar, 16);
-    golden_write(" ");
-    golden_hex(image, 16);
-    golden_write(" ");
-    golden_hex(crc ^ crc_image, 8);
-    golden_write("\n");
+    print_text("smr-hash ");
+    print_hex(rigid, 16);
+    print_text(" ");
+    print_hex(polar, 16);
+    print_text(" ");
+    print_hex(image, 16);
+    print_text(" ");
+    print_hex(crc ^ crc_image, 8);
+    print_text("\n");
     return 0;
 }
 
@@ -331,9 +268,8 @@ int main(void)
 static void golden_reverse(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 {
     (void)ctx;
-    for (uint32_t i = n_tasks; i > 0u; --i) {
+    for (uint32_t i = n_tasks; i > 0u; --i)
         run(arg, i - 1u, 0);
-    }
 }
 
 /* A full cycle over the tasks in scrambled order: linear congruence modulo a power of two. */
@@ -341,16 +277,14 @@ static void golden_shuffle(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 {
     uint32_t *seed = (uint32_t *)ctx;
     uint32_t size = 1, at;
-    while (size < n_tasks) {
+    while (size < n_tasks)
         size *= 2u;
-    }
     *seed = *seed * 1664525u + 1013904223u;
     at = *seed & (size - 1u);
-    for (uint32_t i = 0; i < size; ++i) {
+    for (uint32_t i = 0; i < size; i++) {
         at = (at * 5u + 2u * (*seed >> 16) + 1u) & (size - 1u);
-        if (at < n_tasks) {
+        if (at < n_tasks)
             run(arg, at, at * 7u % GOLDEN_WORKERS);
-        }
     }
 }
 
@@ -358,24 +292,19 @@ static void golden_shuffle(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 static void golden_interleave(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 {
     (void)ctx;
-    for (uint32_t first = 0; first < 3u; ++first) {
-        for (uint32_t task = first; task < n_tasks; task += 3u) {
+    for (uint32_t first = 0; first < 3u; first++)
+        for (uint32_t task = first; task < n_tasks; task += 3u)
             run(arg, task, task % GOLDEN_WORKERS);
-        }
-    }
 }
 
 static int golden_threads(uint32_t n)
 {
     static _Alignas(SMR_ALIGN) unsigned char memory[16384];
     smr_pthread *pool = NULL;
-    smr_port port;
-    int result;
-    if (!golden_ok("pool", smr_pthread_create(&pool, memory, sizeof memory, n))) {
+    if (!golden_ok("pool", smr_pthread_create(&pool, memory, sizeof memory, n)))
         return 1;
-    }
-    port = smr_pthread_port(pool);
-    result = golden_main(&port);
+    const smr_port port = smr_pthread_port(pool);
+    const int result = golden_main(&port);
     smr_pthread_destroy(pool);
     return result;
 }
@@ -387,9 +316,8 @@ int main(int argc, char **argv)
     const char *mode = argc > 1 ? argv[1] : "";
     unsigned long n = argc > 2 ? strtoul(argv[2], NULL, 10) : 1u;
     port.ctx = &seed;
-    if (strcmp(mode, "threads") == 0 && n >= 1u && n <= GOLDEN_WORKERS) {
+    if (strcmp(mode, "threads") == 0 && n >= 1u && n <= GOLDEN_WORKERS)
         return golden_threads((uint32_t)n);
-    }
     if (strcmp(mode, "workers") == 0 && n >= 1u && n <= GOLDEN_WORKERS) {
         port.n_workers = (uint32_t)n;
     } else if (strcmp(mode, "reverse") == 0) {

@@ -1,8 +1,5 @@
-/*
- * test_fixture_bone: the generated pair is closed, oriented, manifold, fold-free and repeatable.
- *
- * SPDX-License-Identifier: MIT
- */
+/* test_fixture_bone.c: the generated pair is closed, oriented, manifold, free of folds and repeatable.
+ * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -40,13 +37,11 @@ static void assert_closed(const fixture_mesh *m)
 {
     static uint64_t edges[6 * TEST_VERTICES];
     size_t n = 0;
-    for (uint32_t t = 0; t < m->n_triangles; ++t) {
-        for (uint32_t k = 0; k < 3; ++k) {
+    for (uint32_t t = 0; t < m->n_triangles; t++)
+        for (uint32_t k = 0; k < 3u; k++)
             edges[n++] = (uint64_t)m->triangles[3 * t + k] << 32 | m->triangles[3 * t + (k + 1) % 3];
-        }
-    }
     qsort(edges, n, sizeof edges[0], compare_edges);
-    for (size_t i = 0; i < n; ++i) {
+    for (size_t i = 0; i < n; i++) {
         uint64_t opposite = edges[i] << 32 | edges[i] >> 32;
         assert_true(i == 0 || edges[i] != edges[i - 1]);
         assert_non_null(bsearch(&opposite, edges, n, sizeof edges[0], compare_edges));
@@ -57,7 +52,7 @@ static void assert_closed(const fixture_mesh *m)
 static double signed_volume(const fixture_mesh *m)
 {
     double volume = 0.0;
-    for (uint32_t t = 0; t < m->n_triangles; ++t) {
+    for (uint32_t t = 0; t < m->n_triangles; t++) {
         const float *a = m->xyz + 3 * m->triangles[3 * t], *b = m->xyz + 3 * m->triangles[3 * t + 1];
         const float *c = m->xyz + 3 * m->triangles[3 * t + 2];
         volume += (double)a[0] * ((double)b[1] * (double)c[2] - (double)b[2] * (double)c[1]) +
@@ -71,7 +66,7 @@ static void test_closed_at_every_resolution(void **state)
 {
     (void)state;
     for (uint32_t cell = 4200u; cell <= FIXTURE_CELL_MAX; cell += 371u) {
-        for (int i = 0; i < 2; ++i) {
+        for (int i = 0; i < 2; i++) {
             fixture_mesh m = test_mesh(i);
             fixture_grid grid = i == 0 ? fixture_grid_source(cell) : fixture_grid_target(cell);
             assert_int_equal(1, i == 0 ? fixture_bone_source(&grid, &m, test_scratch, test_words)
@@ -89,9 +84,8 @@ static void test_vertices_lie_on_the_surface(void **state)
     (void)state;
     assert_int_equal(1, fixture_bone_source(&grid, &m, test_scratch, test_words));
     assert_in_range(m.n_vertices, 2700, 3300);
-    for (uint32_t i = 0; i < m.n_vertices; ++i) {
+    for (uint32_t i = 0; i < m.n_vertices; i++)
         assert_true(fabsf(fixture_bone_value(m.xyz + 3 * i)) < 0.05f);
-    }
 }
 
 static void test_displacement_follows_strength(void **state)
@@ -100,7 +94,7 @@ static void test_displacement_follows_strength(void **state)
     fixture_grid grid = fixture_grid_source(FIXTURE_CELL_DEMO);
     (void)state;
     assert_int_equal(1, fixture_bone_source(&grid, &m, test_scratch, test_words));
-    for (int strength = 0; strength <= 2; ++strength) {
+    for (int strength = 0; strength <= 2; strength++) {
         double sum = 0.0, largest = 0.0;
         fixture_bone_truth((float)strength, m.xyz, m.n_vertices, test_xyz[1]);
         for (uint32_t i = 0; i < 3 * m.n_vertices; i += 3) {
@@ -125,9 +119,8 @@ static void test_deformation_has_no_fold(void **state)
                 float p[12] = {x, y, z, x + h, y, z, x, y + h, z, x, y, z + h};
                 double d[9], det;
                 fixture_bone_truth(2.0f, p, 4, p);
-                for (int i = 0; i < 9; ++i) {
+                for (int i = 0; i < 9; i++)
                     d[i] = (double)((p[3 + i] - p[i % 3]) / h);
-                }
                 det = d[0] * (d[4] * d[8] - d[5] * d[7]) - d[1] * (d[3] * d[8] - d[5] * d[6]) +
                       d[2] * (d[3] * d[7] - d[4] * d[6]);
                 assert_true(det > 0.2);

@@ -1,9 +1,6 @@
-/*
- * test_fixture_thigh: the computed thigh is what it says: closed surfaces without folds that touch each other, a
- * deformation with its inverse, landmarks on their structures, an image of the same anatomy, the same bits.
- *
- * SPDX-License-Identifier: MIT
- */
+/* test_fixture_thigh.c: the computed thigh: closed surfaces without folds that touch each other, a deformation with
+ * its inverse, landmarks on their structures, an image of the same anatomy, and the same bits every time.
+ * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -30,15 +27,13 @@ static int set_up(void **state)
 {
     (void)state;
     fixture_thigh_init(&thigh);
-    for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; ++i) {
+    for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; i++) {
         mesh[i].max_vertices = FIXTURE_THIGH_VERTICES;
         mesh[i].max_triangles = FIXTURE_THIGH_TRIANGLES;
         mesh[i].xyz = malloc(3u * FIXTURE_THIGH_VERTICES * sizeof(float));
         mesh[i].triangles = malloc(3u * FIXTURE_THIGH_TRIANGLES * sizeof(uint32_t));
-        if (mesh[i].xyz == NULL || mesh[i].triangles == NULL ||
-            !fixture_thigh_mesh(&thigh, i, 1.0f, &mesh[i], scratch)) {
+        if (mesh[i].xyz == NULL || mesh[i].triangles == NULL || !fixture_thigh_mesh(&thigh, i, 1.0f, &mesh[i], scratch))
             return -1;
-        }
     }
     return 0;
 }
@@ -46,7 +41,7 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
     (void)state;
-    for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; ++i) {
+    for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; i++) {
         free(mesh[i].xyz);
         free(mesh[i].triangles);
     }
@@ -67,13 +62,12 @@ static int compare_edges(const void *a, const void *b)
 static void normal_of(const float *xyz, const uint32_t *t, double *n)
 {
     double u[3], v[3];
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; k++) {
         u[k] = (double)xyz[3u * t[1] + (uint32_t)k] - (double)xyz[3u * t[0] + (uint32_t)k];
         v[k] = (double)xyz[3u * t[2] + (uint32_t)k] - (double)xyz[3u * t[0] + (uint32_t)k];
     }
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; k++)
         n[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
-    }
 }
 
 /* Every directed edge once and its opposite once; returns the number of edges whose faces turn back. */
@@ -82,12 +76,12 @@ static uint32_t check_edges(const fixture_mesh *m, const float *xyz)
     static edge edges[TEST_EDGES];
     const uint32_t n = 3u * m->n_triangles;
     uint32_t folds = 0;
-    for (uint32_t i = 0; i < n; ++i) {
+    for (uint32_t i = 0; i < n; i++) {
         edges[i].ends = (uint64_t)m->triangles[i] << 32 | m->triangles[i % 3u == 2u ? i - 2u : i + 1u];
         edges[i].triangle = i / 3u;
     }
     qsort(edges, n, sizeof edges[0], compare_edges);
-    for (uint32_t i = 0; i < n; ++i) {
+    for (uint32_t i = 0; i < n; i++) {
         edge opposite = {edges[i].ends << 32 | edges[i].ends >> 32, 0};
         const edge *found = bsearch(&opposite, edges, n, sizeof edges[0], compare_edges);
         double u[3], v[3];
@@ -109,23 +103,22 @@ static uint32_t connected(const fixture_mesh *m)
     label[m->triangles[0]] = 1;
     for (int changed = 1; changed;) {
         changed = 0;
-        for (uint32_t i = 0; i < m->n_triangles; ++i) {
+        for (uint32_t i = 0; i < m->n_triangles; i++) {
             const uint32_t *t = m->triangles + 3u * i;
             uint32_t some = label[t[0]] | label[t[1]] | label[t[2]];
             changed |= some != (label[t[0]] & label[t[1]] & label[t[2]]);
             label[t[0]] = label[t[1]] = label[t[2]] = some;
         }
     }
-    for (uint32_t i = 0; i < m->n_vertices; ++i) {
+    for (uint32_t i = 0; i < m->n_vertices; i++)
         n += label[i];
-    }
     return n;
 }
 
 static double volume_of(const fixture_mesh *m, const float *xyz)
 {
     double volume = 0.0;
-    for (uint32_t i = 0; i < m->n_triangles; ++i) {
+    for (uint32_t i = 0; i < m->n_triangles; i++) {
         const float *a = xyz + 3u * m->triangles[3u * i];
         double n[3];
         normal_of(xyz, m->triangles + 3u * i, n);
@@ -138,7 +131,7 @@ static void test_surfaces(void **state)
 {
     uint32_t n = 0;
     (void)state;
-    for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; ++i) {
+    for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; i++) {
         const fixture_mesh *m = &mesh[i];
         n += m->n_vertices;
         assert_int_equal(2u * m->n_vertices - 4u, m->n_triangles); /* one sphere */
@@ -154,10 +147,10 @@ static void test_surfaces(void **state)
 static void test_edges_are_even(void **state)
 {
     (void)state;
-    for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; ++i) {
+    for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; i++) {
         double sum = 0.0, square = 0.0;
         const uint32_t n = 3u * mesh[i].n_triangles;
-        for (uint32_t e = 0; e < n; ++e) {
+        for (uint32_t e = 0; e < n; e++) {
             const float *a = mesh[i].xyz + 3u * mesh[i].triangles[e];
             const float *b = mesh[i].xyz + 3u * mesh[i].triangles[e % 3u == 2u ? e - 2u : e + 1u];
             double x = (double)(a[0] - b[0]), y = (double)(a[1] - b[1]), z = (double)(a[2] - b[2]);
@@ -177,17 +170,17 @@ static void test_truth(void **state)
 {
     static float truth[3u * FIXTURE_THIGH_VERTICES];
     (void)state;
-    for (uint32_t seed = 1; seed <= TEST_SEEDS; ++seed) {
+    for (uint32_t seed = 1; seed <= TEST_SEEDS; seed++) {
         fixture_pose pose;
         double moved = 0.0, n = 0.0;
         fixture_thigh_pose(seed, &pose);
-        for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; ++i) {
+        for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; i++) {
             fixture_thigh_truth(&pose, mesh[i].xyz, mesh[i].n_vertices, truth);
-            for (uint32_t v = 0; v < mesh[i].n_vertices; ++v) {
+            for (uint32_t v = 0; v < mesh[i].n_vertices; v++) {
                 float back[3];
                 double d = 0.0;
                 fixture_thigh_back(&pose, truth + 3u * v, back);
-                for (uint32_t k = 0; k < 3u; ++k) {
+                for (uint32_t k = 0; k < 3u; k++) {
                     double e = (double)truth[3u * v + k] - (double)mesh[i].xyz[3u * v + k];
                     assert_true(fabsf(back[k] - mesh[i].xyz[3u * v + k]) < 1e-3f);
                     d += e * e;
@@ -199,9 +192,8 @@ static void test_truth(void **state)
             assert_true(volume_of(&mesh[i], truth) > 0.7 * volume_of(&mesh[i], mesh[i].xyz));
         }
         moved /= n;
-        if (getenv("SMR_TEST_SHOW") != NULL) {
+        if (getenv("SMR_TEST_SHOW") != NULL)
             print_message("seed %u: moved by %.1f mm in the mean\n", seed, moved);
-        }
         assert_true(moved > 25.0 && moved < 60.0);
     }
 }
@@ -212,10 +204,10 @@ static void test_neighbours(void **state)
 {
     uint32_t touching = 0, n = 0;
     (void)state;
-    for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; ++i) {
-        for (uint32_t v = 0; v < mesh[i].n_vertices; ++v) {
+    for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; i++) {
+        for (uint32_t v = 0; v < mesh[i].n_vertices; v++) {
             float nearest = 1e6f;
-            for (uint32_t j = 0; j < FIXTURE_THIGH_PARTS; ++j) {
+            for (uint32_t j = 0; j < FIXTURE_THIGH_PARTS; j++) {
                 fixture_clipped other = {&thigh, j};
                 float value = j == i ? nearest : fixture_clipped_value(&other, mesh[i].xyz + 3u * v);
                 nearest = value < nearest ? value : nearest;
@@ -225,25 +217,24 @@ static void test_neighbours(void **state)
             n++;
         }
     }
-    if (getenv("SMR_TEST_SHOW") != NULL) {
+    if (getenv("SMR_TEST_SHOW") != NULL)
         print_message("%u of %u vertices within 1.5 mm of another structure\n", touching, n);
-    }
     assert_true(touching > n / 5u);
 }
 
 static void test_landmarks(void **state)
 {
     (void)state;
-    for (uint32_t i = 0; i < FIXTURE_THIGH_LANDMARKS; ++i) {
+    for (uint32_t i = 0; i < FIXTURE_THIGH_LANDMARKS; i++) {
         const fixture_landmark *mark = fixture_thigh_landmark(i);
         const fixture_mesh *m = &mesh[mark->part];
         const float *d = mark->direction, *p = m->xyz + 3u * fixture_thigh_pick(mark, m);
         assert_true(mark->part < FIXTURE_THIGH_PARTS);
-        for (uint32_t v = 0; v < m->n_vertices; ++v) {
+        for (uint32_t v = 0; v < m->n_vertices; v++) {
             const float *q = m->xyz + 3u * v;
             assert_true((q[0] - p[0]) * d[0] + (q[1] - p[1]) * d[1] + (q[2] - p[2]) * d[2] < 1e-3f);
         }
-        for (uint32_t j = 0; j < i; ++j) {
+        for (uint32_t j = 0; j < i; j++) {
             const fixture_landmark *other = fixture_thigh_landmark(j);
             assert_string_not_equal(mark->name, other->name);
             assert_true(other->part != mark->part || fixture_thigh_pick(other, m) != fixture_thigh_pick(mark, m));
@@ -268,12 +259,12 @@ static void test_image(void **state)
     assert_non_null(voxels);
     assert_non_null(words);
     fixture_thigh_pose(0, &pose);
-    for (uint32_t z = 0; z < box.n[2]; ++z) {
+    for (uint32_t z = 0; z < box.n[2]; z++) {
         if (fabsf(box.low[2] + 3.0f * (float)z - middle[2]) < 1.5f) {
             uint32_t x = (uint32_t)(middle[0] - box.low[0]), y = (uint32_t)(middle[1] - box.low[1]), dark = 255;
             fixture_thigh_slice(&thigh, &pose, &box, z, voxels, words);
             assert_in_range(voxels[y * box.n[0] + x], 140, 220);
-            for (uint32_t k = 0; k < 25u; ++k) {
+            for (uint32_t k = 0; k < 25u; k++) {
                 uint32_t value = voxels[y * box.n[0] + x + k];
                 dark = value < dark ? value : dark;
             }
@@ -302,12 +293,11 @@ static void test_bits(void **state)
     (void)state;
     fixture_thigh_pose(1, &pose);
     fixture_thigh_slice(&thigh, &pose, &box, 0, voxels, words);
-    for (uint32_t i = 0; i < NX * NY; ++i) {
+    for (uint32_t i = 0; i < NX * NY; i++)
         hash = add_word(hash, voxels[i]);
-    }
     assert_int_equal(hash, TEST_SLICE_HASH);
     hash = 0;
-    for (uint32_t i = 0; i < 3u * mesh[13].n_vertices; ++i) {
+    for (uint32_t i = 0; i < 3u * mesh[13].n_vertices; i++) {
         memcpy(&bits, mesh[13].xyz + i, sizeof bits);
         hash = add_word(hash, bits);
     }

@@ -1,8 +1,5 @@
-/*
- * test_smr_pthread: every task once, worker numbers never shared, edges of creation, many short loops.
- *
- * SPDX-License-Identifier: MIT
- */
+/* test_smr_pthread.c: every task runs once, no two workers share a number, creation at its limits, many short loops.
+ * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -28,10 +25,9 @@ typedef struct test_loop {
 
 static void test_task(void *arg, uint32_t task, uint32_t worker)
 {
-    test_loop *loop = (test_loop *)arg;
-    if (worker >= loop->n_workers || atomic_fetch_add(&loop->busy[worker], 1u) != 0u) {
+    test_loop *loop = arg;
+    if (worker >= loop->n_workers || atomic_fetch_add(&loop->busy[worker], 1u) != 0u)
         atomic_fetch_add(&loop->wrong, 1u);
-    }
     loop->plain[task] = task + 1u;
     atomic_fetch_add(&loop->hits[task], 1u);
     atomic_fetch_sub(&loop->busy[worker], 1u);
@@ -44,7 +40,7 @@ static void run_loop(const smr_port *port, uint32_t n_tasks)
     loop.n_workers = port->n_workers;
     port->parallel(port->ctx, test_task, &loop, n_tasks);
     assert_int_equal(0, atomic_load(&loop.wrong));
-    for (uint32_t t = 0; t < TEST_TASKS; ++t) {
+    for (uint32_t t = 0; t < TEST_TASKS; t++) {
         assert_int_equal(t < n_tasks ? 1 : 0, atomic_load(&loop.hits[t]));
         assert_int_equal(t < n_tasks ? t + 1 : 0, loop.plain[t]);
     }
@@ -54,18 +50,16 @@ static void test_each_task_once(void **state)
 {
     static const uint32_t counts[] = {1, 2, 3, 4, 8, 64};
     (void)state;
-    for (size_t c = 0; c < sizeof counts / sizeof counts[0]; ++c) {
+    for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
         smr_pthread *pool = NULL;
         smr_port port;
         assert_int_equal(SMR_OK, smr_pthread_create(&pool, test_memory, sizeof test_memory, counts[c]));
         port = smr_pthread_port(pool);
         assert_int_equal(counts[c], port.n_workers);
-        for (uint32_t n = 0; n <= TEST_TASKS; n += n < 10 ? 1 : 29) {
+        for (uint32_t n = 0; n <= TEST_TASKS; n += n < 10 ? 1 : 29)
             run_loop(&port, n);
-        }
-        for (uint32_t i = 0; i < 300; ++i) {
+        for (uint32_t i = 0; i < 300u; i++)
             run_loop(&port, 1 + i % 9);
-        }
         smr_pthread_destroy(pool);
     }
 }
@@ -79,7 +73,7 @@ static void test_clock_goes_forward(void **state)
     assert_int_equal(SMR_OK, smr_pthread_create(&pool, test_memory, sizeof test_memory, 2));
     port = smr_pthread_port(pool);
     last = port.now_ns(port.ctx);
-    for (int i = 0; i < 1000; ++i) {
+    for (int i = 0; i < 1000; i++) {
         uint64_t now = port.now_ns(port.ctx);
         assert_true(now >= last);
         last = now;

@@ -1,6 +1,6 @@
-/* Feeds damaged meshes to the readers: each must be refused with a place and an expectation, or give a mesh
- * whose every index and coordinate is legal. Usage: fuzz_tool FILE N SEED. With HOST_LIBFUZZER defined it
- * is a libFuzzer target instead; the first byte of its input chooses the reader.
+/* fuzz_tool.c: feeds damaged meshes to the readers. Each must be refused with a place and an expectation, or give a
+ * mesh whose every index and coordinate is legal. Usage: fuzz_tool FILE N SEED. With HOST_LIBFUZZER defined it is a
+ * libFuzzer target instead; the first byte of its input chooses the reader.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>

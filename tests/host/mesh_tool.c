@@ -1,5 +1,5 @@
-/* Helper of the mesh tests: reads a mesh with the host's readers, writes it in a format, compares two, or
- * times reading; or runs a command and checks its time and memory.
+/* mesh_tool.c: a mesh read by the host's readers, written in a format, compared with another, or timed; or a command
+ * run with limits on time and memory.
  * Usage: mesh_tool convert IN FORMAT OUT | compare A B | count IN | time IN N | run MS KB COMMAND...
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
@@ -94,8 +94,8 @@ static int count(const char *in)
     return 0;
 }
 
-/* Runs a command; its exit status, 98 when it took too long (processor time; ten times as much by the clock on the wall),
- * 97 when it took too much memory, 96 for a signal. */
+/* Runs a command. Returns its exit status, 98 when it took too long (processor time, or ten times as much elapsed
+ * time), 97 when it took too much memory, 96 for a signal. */
 static int run_limited(int most_ms, long most_kb, char **command)
 {
     struct timespec a, b;

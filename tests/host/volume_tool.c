@@ -1,5 +1,5 @@
-/* Helper of the volume and landmark tests: reads a file with the host's readers and prints what came, makes
- * parts of sample files, or feeds damaged files to the readers.
+/* volume_tool.c: prints what the host's readers make of a volume or landmark file, makes parts of sample files, or
+ * feeds damaged files to the readers.
  * Usage: volume_tool info FILE [AXIS] | voxel FILE X Y Z | name PATH | voxels TYPE ORDER OUT |
  *     nifti FORM TYPE ORDER OUT | patch FILE OFFSET HEX OUT | zlib RAW GZIP OUT | landmarks FILE |
  *     pair MODEL TARGET | fuzz FILE N SEED | fuzz-landmarks FILE N SEED

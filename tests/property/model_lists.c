@@ -1,4 +1,4 @@
-/* model_lists.c: decodes a radius of a model image, and finds its clusters a second time by brute force.
+/* model_lists.c: decodes a radius of a model, and finds its clusters a second time by brute force.
  * SPDX-License-Identifier: MIT */
 #include "property/model_lists.h"
 
@@ -40,12 +40,10 @@ static void decode_chain(const smr_lists *l, rig_lists *out)
             const smr_entry32 e = entry_at(l, i);
             out->vertex[i] = e.vertex;
             out->parent[i] = entry_at(l, first + e.parent).vertex;
-            for (uint32_t k = 0; k < e.n_plus; k++) {
+            for (uint32_t k = 0; k < e.n_plus; k++)
                 out->plus[n_plus++] = index_at(l, at++);
-            }
-            for (uint32_t k = 0; k < e.n_minus; k++) {
+            for (uint32_t k = 0; k < e.n_minus; k++)
                 out->minus[n_minus++] = index_at(l, at++);
-            }
             out->plus_start[i + 1u] = (uint32_t)n_plus;
             out->minus_start[i + 1u] = (uint32_t)n_minus;
         }
@@ -61,31 +59,25 @@ static void zeta_from_chain(rig_lists *out)
     size_t total = 0;
     for (uint32_t i = 0; row != NULL && i < n; i++) {
         uint64_t *own = row + out->vertex[i] * words;
-        if (out->parent[i] != out->vertex[i]) {
+        if (out->parent[i] != out->vertex[i])
             memcpy(own, row + out->parent[i] * words, words * sizeof *own);
-        }
-        for (uint32_t k = out->plus_start[i]; k < out->plus_start[i + 1u]; k++) {
+        for (uint32_t k = out->plus_start[i]; k < out->plus_start[i + 1u]; k++)
             own[out->plus[k] / 64u] |= (uint64_t)1 << (out->plus[k] % 64u);
-        }
-        for (uint32_t k = out->minus_start[i]; k < out->minus_start[i + 1u]; k++) {
+        for (uint32_t k = out->minus_start[i]; k < out->minus_start[i + 1u]; k++)
             own[out->minus[k] / 64u] &= ~((uint64_t)1 << (out->minus[k] % 64u));
-        }
     }
     for (uint32_t pass = 0; row != NULL && pass < 2u; pass++) {
         total = 0;
         for (uint32_t v = 0; v < n; v++) {
             for (size_t w = 0; w < words; w++) {
-                for (uint64_t rest = row[v * words + w]; rest != 0u; rest &= rest - 1u, total++) {
-                    if (pass == 1u) {
+                for (uint64_t rest = row[v * words + w]; rest != 0u; rest &= rest - 1u, total++)
+                    if (pass == 1u)
                         out->zeta[total] = (uint32_t)(w * 64u) + (uint32_t)__builtin_ctzll(rest);
-                    }
-                }
             }
             out->zeta_start[v + 1u] = (uint32_t)total;
         }
-        if (pass == 0u) {
+        if (pass == 0u)
             out->zeta = rig_alloc(total * sizeof *out->zeta);
-        }
     }
     free(row);
 }
@@ -95,11 +87,9 @@ static void mark_ring(const smr_model *m, uint32_t of, const uint32_t *start, co
                       uint8_t mark)
 {
     const uint32_t *t = smr_at(m, m->at_triangles);
-    for (uint32_t k = start[of]; k < start[of + 1u]; k++) {
-        for (uint32_t c = 0; c < 3u; c++) {
+    for (uint32_t k = start[of]; k < start[of + 1u]; k++)
+        for (uint32_t c = 0; c < 3u; c++)
             near[smr_le32(t[3u * (size_t)around[k] + c])] = mark;
-        }
-    }
 }
 
 static void zeta_by_pairs(const smr_model *m, const smr_lists *l, int separate, int ring, rig_lists *out)
@@ -109,39 +99,31 @@ static void zeta_by_pairs(const smr_model *m, const smr_lists *l, int separate, 
     uint32_t *start = rig_alloc((n + 2u) * sizeof *start), *around = rig_alloc(3u * (size_t)nt * sizeof *around);
     uint8_t *near = rig_alloc(n);
     float *x = rig_alloc(n * 3u * sizeof *x);
-    for (size_t i = 0; i < 3u * (size_t)nt; i++) {
+    for (size_t i = 0; i < 3u * (size_t)nt; i++)
         start[smr_le32(t[i]) + 2u]++;
-    }
-    for (uint32_t v = 2; v <= n + 1u; v++) {
+    for (uint32_t v = 2; v <= n + 1u; v++)
         start[v] += start[v - 1u];
-    }
-    for (size_t i = 0; i < 3u * (size_t)nt; i++) {
+    for (size_t i = 0; i < 3u * (size_t)nt; i++)
         around[start[smr_le32(t[i]) + 1u]++] = (uint32_t)(i / 3u);
-    }
-    for (size_t i = 0; i < 3u * (size_t)n; i++) {
+    for (size_t i = 0; i < 3u * (size_t)n; i++)
         x[i] = smr_le_float(rest[i]);
-    }
     const float r2 = l->radius * l->radius;
     size_t total = 0, room = 0;
-    for (uint32_t v = 0; v < n; v++) {
+    for (uint32_t v = 0; v < n; v++)
         room += smr_list_count(l, v);
-    }
     out->zeta = rig_alloc((room + n) * sizeof *out->zeta);
     for (uint32_t v = 0; v < n; v++) {
-        if (ring) {
+        if (ring)
             mark_ring(m, v, start, around, near, 1);
-        }
         for (uint32_t k = 0; k < n; k++) {
             const float dx = x[3u * k] - x[3u * v], dy = x[3u * k + 1u] - x[3u * v + 1u],
                         dz = x[3u * k + 2u] - x[3u * v + 2u];
             const int inside = dx * dx + dy * dy + dz * dz <= r2 && (!separate || out->owner[k] == out->owner[v]);
-            if ((inside || near[k]) && total < room + n) {
+            if ((inside || near[k]) && total < room + n)
                 out->zeta[total++] = k;
-            }
         }
-        if (ring) {
+        if (ring)
             mark_ring(m, v, start, around, near, 0);
-        }
         out->zeta_start[v + 1u] = (uint32_t)total;
     }
 }
@@ -157,17 +139,14 @@ rig_lists rig_decode(const smr_model *model, uint32_t radius, int ring, int pair
     out.owner = rig_alloc(out.n * sizeof(uint32_t));
     out.zeta_start = rig_alloc((out.n + 1u) * sizeof(uint32_t));
     const uint32_t *rest = smr_at(model, model->at_rest);
-    for (size_t i = 0; i < 3u * (size_t)out.n; i++) {
+    for (size_t i = 0; i < 3u * (size_t)out.n; i++)
         out.xyz[i] = smr_le_float(rest[i]) + smr_le_float(model->centre[i % 3u]);
-    }
-    for (uint32_t v = 0; v < out.n; v++) {
+    for (uint32_t v = 0; v < out.n; v++)
         out.owner[v] = smr_model_owner(model, v);
-    }
     decode_chain(&l, &out);
-    if (pairs) {
+    if (pairs)
         zeta_by_pairs(model, &l, smr_le32(r->separate) != 0u, ring, &out);
-    } else {
+    else
         zeta_from_chain(&out);
-    }
     return out;
 }

@@ -1,7 +1,7 @@
 /* model_lists.h: a radius of a model as plain arrays, for tests and baselines that sum in their own way.
  * SPDX-License-Identifier: MIT */
-#ifndef RIG_MODEL_LISTS_H
-#define RIG_MODEL_LISTS_H
+#ifndef MODEL_LISTS_H
+#define MODEL_LISTS_H
 
 #include "smr.h"
 
@@ -20,8 +20,9 @@ typedef struct rig_lists {
     uint32_t *plus, *minus;
 } rig_lists;
 
-/* Decodes radius number `radius`. Clusters: d <= radius, joined with mesh neighbours when ring is not 0, kept to the own
- * structure when the model says so. pairs 0: zeta is taken from the chain instead, which is quick. */
+/* Decodes radius number `radius`. A cluster holds the vertices with d <= radius, joined with mesh neighbours when
+ * ring is not 0, and only those of its own structure when the model says so. With pairs 0 zeta is taken from the
+ * chain instead, which is quick. */
 rig_lists rig_decode(const smr_model *model, uint32_t radius, int ring, int pairs);
 
 #endif

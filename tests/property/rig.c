@@ -25,9 +25,8 @@ void *rig_alloc(size_t bytes)
 {
     const size_t whole = (bytes + SMR_ALIGN) / SMR_ALIGN * SMR_ALIGN;
     void *p = rig_n_blocks < RIG_BLOCKS ? aligned_alloc(SMR_ALIGN, whole) : NULL;
-    if (p == NULL) {
+    if (p == NULL)
         give_up("memory", 0);
-    }
     memset(p, 0, whole);
     rig_block[rig_n_blocks++] = p;
     return p;
@@ -35,9 +34,8 @@ void *rig_alloc(size_t bytes)
 
 void rig_free_all(void)
 {
-    while (rig_n_blocks > 0u) {
+    while (rig_n_blocks > 0u)
         free(rig_block[--rig_n_blocks]);
-    }
 }
 
 /* ---- meshes */
@@ -55,18 +53,14 @@ void rig_bone(uint32_t cell_um, float strength, smr_mesh *source, smr_mesh *targ
     float *scratch = rig_alloc(words * sizeof *scratch);
     fixture_mesh m[2];
     fixture_grid a = fixture_grid_source(cell_um), b = fixture_grid_target(cell_um);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; i++)
         m[i] = (fixture_mesh){rig_alloc(nv * 3u * sizeof(float)), rig_alloc(nt * 3u * sizeof(uint32_t)), nv, nt, 0, 0};
-    }
-    if (!fixture_bone_source(&a, &m[0], scratch, words) || !fixture_bone_target(&b, strength, &m[1], scratch, words)) {
+    if (!fixture_bone_source(&a, &m[0], scratch, words) || !fixture_bone_target(&b, strength, &m[1], scratch, words))
         give_up("fixture", 0);
-    }
-    if (source != NULL) {
+    if (source != NULL)
         *source = as_mesh(&m[0]);
-    }
-    if (target != NULL) {
+    if (target != NULL)
         *target = as_mesh(&m[1]);
-    }
 }
 
 smr_mesh rig_ball(float radius, uint32_t rings, uint32_t around, const float centre[3])
@@ -137,31 +131,40 @@ const smr_model *rig_model(const smr_mesh *mesh, uint32_t n_structures, const sm
     const smr_model *model = NULL;
     size_t scratch = 0, bytes = 0;
     config = config == NULL ? &standard : config;
-    for (uint32_t i = 0; i < n_structures; i++) {
+    for (uint32_t i = 0; i < n_structures; i++)
         structure[i].mesh = mesh[i];
-    }
     int status = smr_prepare_bytes(structure, n_structures, config, &scratch);
     void *memory = rig_alloc(scratch);
-    if (status == SMR_OK) {
+    if (status == SMR_OK)
         status = smr_prepare(structure, n_structures, config, memory, scratch, NULL, 0, &bytes);
-    }
     void *image = rig_alloc(bytes);
-    if (status == SMR_OK) {
+    if (status == SMR_OK)
         status = smr_prepare(structure, n_structures, config, memory, scratch, image, bytes, &bytes);
-    }
-    if (status == SMR_OK) {
+    if (status == SMR_OK)
         status = smr_model_open(image, bytes, &model);
-    }
-    if (status != SMR_OK) {
+    if (status != SMR_OK)
         give_up("model", status);
-    }
     free(memory); /* large, and not needed any more */
-    for (uint32_t i = 0; i < rig_n_blocks; i++) {
-        if (rig_block[i] == memory) {
+    for (uint32_t i = 0; i < rig_n_blocks; i++)
+        if (rig_block[i] == memory)
             rig_block[i] = NULL;
-        }
-    }
     return model;
+}
+
+smr_volume rig_cube(uint32_t side, float spacing, float **voxels)
+{
+    smr_volume volume;
+    *voxels = rig_alloc((size_t)side * side * side * sizeof **voxels);
+    memset(&volume, 0, sizeof volume);
+    volume.voxels = *voxels;
+    volume.type = SMR_VOXEL_FLOAT;
+    for (uint32_t a = 0; a < 3u; a++) {
+        volume.size[a] = side;
+        volume.spacing[a] = spacing;
+        volume.origin[a] = -0.5f * spacing * (float)(side - 1u);
+        volume.direction[4u * a] = 1.0f;
+    }
+    return volume;
 }
 
 smr_surface *rig_surface(const smr_mesh *mesh)
@@ -169,12 +172,10 @@ smr_surface *rig_surface(const smr_mesh *mesh)
     size_t bytes = 0;
     smr_surface *surface = NULL;
     int status = smr_surface_bytes(mesh->n_vertices, mesh->n_triangles, &bytes);
-    if (status == SMR_OK) {
+    if (status == SMR_OK)
         status = smr_surface_build(mesh, rig_alloc(bytes), bytes, &surface);
-    }
-    if (status != SMR_OK) {
+    if (status != SMR_OK)
         give_up("surface", status);
-    }
     return surface;
 }
 
@@ -183,12 +184,10 @@ smr *rig_init(const smr_model *model, const smr_config *config, const smr_port *
     size_t bytes = 0;
     smr *s = NULL;
     int status = smr_arena_bytes(model, config, &bytes);
-    if (status == SMR_OK) {
+    if (status == SMR_OK)
         status = smr_init(model, config, port, rig_alloc(bytes), bytes, &s);
-    }
-    if (status != SMR_OK) {
+    if (status != SMR_OK)
         give_up("init", status);
-    }
     return s;
 }
 
@@ -198,9 +197,8 @@ smr_tick_report rig_run(smr *s, uint32_t n)
     memset(&report, 0, sizeof report);
     for (uint32_t i = 0; i < n && !report.done; i++) {
         const int status = smr_tick(s, 0, &report);
-        if (status != SMR_OK) {
+        if (status != SMR_OK)
             give_up("tick", status);
-        }
     }
     return report;
 }
@@ -215,9 +213,8 @@ float *rig_positions(const smr *s, const smr_model *model)
     for (uint32_t i = 0; i < info.n_structures; i++) {
         (void)smr_model_structure(model, i, &part);
         const int status = smr_get_positions(s, i, xyz + 3u * at);
-        if (status != SMR_OK) {
+        if (status != SMR_OK)
             give_up("positions", status);
-        }
         at += part.n_vertices;
     }
     return xyz;
@@ -239,11 +236,9 @@ float rig_far(const float *a, const float *b, uint32_t n)
 
 int rig_finite(const float *xyz, uint32_t n)
 {
-    for (size_t i = 0; i < 3u * (size_t)n; i++) {
-        if (!isfinite(xyz[i])) {
+    for (size_t i = 0; i < 3u * (size_t)n; i++)
+        if (!isfinite(xyz[i]))
             return 0;
-        }
-    }
     return 1;
 }
 
@@ -256,9 +251,8 @@ typedef struct rig_loop {
 static void reverse(void *ctx, smr_task run, void *arg, uint32_t n)
 {
     const rig_loop *loop = ctx;
-    for (uint32_t i = n; i > 0u; i--) {
+    for (uint32_t i = n; i > 0u; i--)
         run(arg, i - 1u, i % loop->n_workers);
-    }
 }
 
 /* A full cycle over the tasks in scrambled order: linear congruence modulo a power of two. */
@@ -266,27 +260,23 @@ static void shuffle(void *ctx, smr_task run, void *arg, uint32_t n)
 {
     rig_loop *loop = ctx;
     uint32_t size = 1;
-    while (size < n) {
+    while (size < n)
         size *= 2u;
-    }
     uint32_t at = rig_random(&loop->seed, size);
     const uint32_t add = 2u * rig_random(&loop->seed, size) + 1u;
     for (uint32_t i = 0; i < size; i++) {
         at = (at * 5u + add) & (size - 1u);
-        if (at < n) {
+        if (at < n)
             run(arg, at, rig_random(&loop->seed, loop->n_workers));
-        }
     }
 }
 
 static void interleave(void *ctx, smr_task run, void *arg, uint32_t n)
 {
     const rig_loop *loop = ctx;
-    for (uint32_t first = 0; first < 3u; first++) {
-        for (uint32_t i = first; i < n; i += 3u) {
+    for (uint32_t first = 0; first < 3u; first++)
+        for (uint32_t i = first; i < n; i += 3u)
             run(arg, i, i % loop->n_workers);
-        }
-    }
 }
 
 smr_port rig_port(uint32_t scheduler, uint32_t n_workers)
@@ -345,7 +335,6 @@ void rig_rotation(float x, float y, float z, float degrees, float m[9])
     const double l = sqrt((double)x * (double)x + (double)y * (double)y + (double)z * (double)z);
     const double u[3] = {(double)x / l, (double)y / l, (double)z / l};
     const double skew[9] = {0, -u[2], u[1], u[2], 0, -u[0], -u[1], u[0], 0};
-    for (uint32_t i = 0; i < 9u; i++) {
+    for (uint32_t i = 0; i < 9u; i++)
         m[i] = (float)((i % 4u == 0u ? c : 0.0) + s * skew[i] + (1.0 - c) * u[i / 3u] * u[i % 3u]);
-    }
 }

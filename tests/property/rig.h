@@ -1,5 +1,5 @@
-/* rig.h: what unit tests, property tests and benchmarks set up again and again: bone meshes, models, targets,
- * registrations, odd schedulers and odd clocks. Nothing here is checked: what cannot be set up ends the program.
+/* rig.h: set-up that unit tests, property tests and benchmarks share: bone meshes, models, targets, registrations,
+ * hostile schedulers and clocks. Nothing here is asserted: when set-up fails, the program ends.
  * SPDX-License-Identifier: MIT */
 #ifndef RIG_H
 #define RIG_H
@@ -22,6 +22,9 @@ smr_mesh rig_moved(const smr_mesh *mesh, const float m[9], const float t[3]);
 /* A reading model of one mesh or several. radius NULL: default radii. */
 const smr_model *rig_model(const smr_mesh *mesh, uint32_t n_structures, const smr_prepare_config *config);
 smr_prepare_config rig_radii(uint32_t n, float r0, float r1, float r2);
+
+/* An image of side^3 float voxels around the origin, axes along x, y, z; *voxels is its memory, not written yet. */
+smr_volume rig_cube(uint32_t side, float spacing, float **voxels);
 
 smr_surface *rig_surface(const smr_mesh *mesh);
 

@@ -1,4 +1,4 @@
-/* rig_data.c: reads a folder of PLY files in the one form that the test data has.
+/* rig_data.c: reads a folder of PLY files in the one layout that the test data has.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 #include "property/rig_data.h"
@@ -30,9 +30,8 @@ static int read_ply(const char *path, smr_mesh *mesh)
         unsigned char count = 0;
         ok = fread(&count, 1, 1, f) == 1u && count == 3u && fread(triangle + 3u * i, sizeof *triangle, 3, f) == 3u;
     }
-    if (f != NULL) {
+    if (f != NULL)
         (void)fclose(f);
-    }
     *mesh = (smr_mesh){xyz, triangle, (uint32_t)nv, (uint32_t)nt};
     return ok;
 }
@@ -53,21 +52,17 @@ uint32_t rig_folder(const char *folder, smr_mesh mesh[RIG_STRUCTURES_MAX], char 
             memcpy(file[n++], d->d_name, length + 1u);
         }
     }
-    if (dir != NULL) {
+    if (dir != NULL)
         (void)closedir(dir);
-    }
     qsort(file, n, sizeof file[0], by_name);
     for (uint32_t i = 0; i < n; i++) {
         (void)snprintf(path, sizeof path, "%s/%s/%s", root == NULL ? "../shared/data" : root, folder, file[i]);
-        if (!read_ply(path, &mesh[read])) {
+        if (!read_ply(path, &mesh[read]))
             continue;
-        }
-        for (uint32_t k = 0; name != NULL && k < SMR_NAME_BYTES; k++) {
+        for (uint32_t k = 0; name != NULL && k < SMR_NAME_BYTES; k++)
             name[read][k] = '\0';
-        }
-        for (size_t k = 0; name != NULL && k + 4u < strlen(file[i]) && k + 1u < SMR_NAME_BYTES; k++) {
+        for (size_t k = 0; name != NULL && k + 4u < strlen(file[i]) && k + 1u < SMR_NAME_BYTES; k++)
             name[read][k] = file[i][k];
-        }
         read++;
     }
     return read;

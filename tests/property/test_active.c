@@ -1,6 +1,7 @@
-/* test_active.c: ignored vertices. Sums along the forest and along the paper's chain equal sums over the active members
- * alone, bit for bit, for any number of active vertices, both index widths and any model; averages, centres and forces know
- * nobody else; workers and schedulers change no bit, what a budget left out can be repeated; positions stay finite.
+/* test_active.c: ignored vertices. For any number of active vertices, both index widths and any model, sums along the
+ * forest and along the paper's chain equal sums over the active members alone, bit for bit; averages, centres and
+ * forces use no ignored vertex; workers and schedulers change no bit; an iteration shortened by a budget can be
+ * repeated; positions stay finite.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
@@ -40,9 +41,8 @@ static uint32_t n_different(const smr *s, const rig_lists *l, uint32_t words)
         uint32_t sum[SMR_WORDS] = {0};
         for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
             const uint32_t *r = s->overlay.record + SMR_WORDS * (size_t)l->zeta[k];
-            for (uint32_t w = 0; l->zeta[k] < s->pace.n_active && w < words; w++) {
+            for (uint32_t w = 0; l->zeta[k] < s->pace.n_active && w < words; w++)
                 sum[w] += r[w];
-            }
         }
         wrong += memcmp(sum, s->sums.sum + SMR_WORDS * (size_t)v, words * sizeof *sum) != 0;
     }
@@ -53,9 +53,8 @@ static void sum_all(smr *s, uint32_t words)
 {
     s->sums.words = words;
     memset(s->sums.sum, 0x55, SMR_WORDS * (size_t)s->shared.n * sizeof *s->sums.sum);
-    for (uint32_t t = 0; t < smr_block_tasks(&s->sums); t++) {
+    for (uint32_t t = 0; t < smr_block_tasks(&s->sums); t++)
         smr_sums_forest(&s->sums, t, 0);
-    }
 }
 
 /* One model of one to three random balls. */
@@ -151,21 +150,18 @@ static double off_average(const smr *s, const rig_lists *l, uint32_t v)
     uint32_t count = 0;
     for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
         const float *t = s->match.transform + 12u * (size_t)l->zeta[k];
-        if (l->zeta[k] >= s->pace.n_active) {
+        if (l->zeta[k] >= s->pace.n_active)
             continue;
-        }
         count++;
         for (uint32_t a = 0; a < 3u; a++) {
             goal[a] += (double)ref[a] + (double)t[9u + a];
-            for (uint32_t b = 0; b < 3u; b++) {
+            for (uint32_t b = 0; b < 3u; b++)
                 goal[a] += (double)t[3u * a + b] * (double)ref[b];
-            }
         }
     }
     assert_true(count > 0u && fabs((double)s->reference.share[v] * count - 1.0) < 1e-6);
-    for (uint32_t a = 0; a < 3u; a++) {
+    for (uint32_t a = 0; a < 3u; a++)
         off = fmax(off, fabs(goal[a] / count - (double)s->shape.x[3u * (size_t)v + a]));
-    }
     return off;
 }
 
@@ -175,14 +171,12 @@ static double off_centre(const smr *s, const rig_lists *l, uint32_t v)
     double centre[3] = {0, 0, 0}, off = 0.0;
     uint32_t count = 0;
     for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
-        for (uint32_t a = 0; l->zeta[k] < s->pace.n_active && a < 3u; a++) {
+        for (uint32_t a = 0; l->zeta[k] < s->pace.n_active && a < 3u; a++)
             centre[a] += (double)s->shape.x_ref[3u * (size_t)l->zeta[k] + a];
-        }
         count += l->zeta[k] < s->pace.n_active;
     }
-    for (uint32_t a = 0; a < 3u; a++) {
+    for (uint32_t a = 0; a < 3u; a++)
         off = fmax(off, fabs(centre[a] / count - (double)s->reference.centre[3u * (size_t)v + a]));
-    }
     return off;
 }
 
@@ -266,16 +260,14 @@ static void test_growing_share(void **state)
 /* The end of the first level that ends at `least` or above. */
 static float level_with(const smr_model_info *info, float least)
 {
-    for (uint32_t i = 0; i < info->n_levels; i++) {
-        if ((float)info->level_end[i] >= least) {
+    for (uint32_t i = 0; i < info->n_levels; i++)
+        if ((float)info->level_end[i] >= least)
             return (float)info->level_end[i];
-        }
-    }
     return (float)info->n_vertices;
 }
 
-/* With an image about active_enough vertices of the smallest cluster are enough, and ENOUGH_ALL of the whole model, which is larger
- * here; active_share is the upper limit. */
+/* With an image, active_enough vertices of the smallest cluster are enough, and ENOUGH_ALL of the whole model, which
+ * is larger here; active_share is the upper limit. */
 static void test_image_needs_few(void **state)
 {
     enum { SIDE = 24, ENOUGH_ALL = 1000 };
@@ -305,9 +297,8 @@ static void test_image_needs_few(void **state)
         smr *s = rig_init(model, &c, NULL);
         assert_int_equal(s->pace.n_active, i < 6u ? s->shared.n : (s->shared.n + 3u) / 4u); /* no image yet */
         smr_volume moved = volume;
-        for (uint32_t a = 0; a < 3u; a++) {
+        for (uint32_t a = 0; a < 3u; a++)
             moved.origin[a] += off[a];
-        }
         assert_int_equal(SMR_OK, smr_set_volume(s, &moved));
         for (uint32_t k = 0; k < 9u; k++) { /* both radii */
             float want = c.active_share * (float)s->shared.n;
@@ -330,7 +321,8 @@ static void test_image_needs_few(void **state)
 #define AGAIN UINT64_MAX
 static uint32_t taken[16]; /* by the iterations of the last run with a budget */
 
-/* A run as a number: hash after hash. Budget AGAIN: without one, but with so many vertices as the last run that had one. */
+/* Hash over all iterations of a run. Budget AGAIN: no budget, but as many active vertices as in the last run that had
+ * one. */
 static uint64_t run(const smr_model *model, const smr_config *c, const smr_port *port, const smr_surface *goal,
                     uint64_t budget)
 {
@@ -339,9 +331,8 @@ static uint64_t run(const smr_model *model, const smr_config *c, const smr_port 
     uint64_t hash = 0;
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, goal));
     for (uint32_t i = 0; i < 200000u && report.iteration < 12u && !report.done; i++) {
-        if (budget == AGAIN) {
+        if (budget == AGAIN)
             assert_int_equal(SMR_OK, smr_set_active(s, taken[report.iteration]));
-        }
         if (smr_tick(s, budget == AGAIN ? 0u : budget, &report) == SMR_OK) {
             hash = hash * 31u + report.state_hash;
             taken[report.iteration - 1u] = report.n_taken;

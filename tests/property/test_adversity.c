@@ -1,6 +1,7 @@
-/* test_adversity.c: a thousand random runs under clocks that jump, stand still, run backwards or show every 10 ms only, with
- * budgets from a nanosecond to no end that change at every tick, targets replaced and calls refused between partial ticks.
- * After each step positions are finite and the last complete ones, and what was done repeats to the last bit without a clock.
+/* test_adversity.c: a thousand random runs under clocks that jump, stand still, run backwards or advance in steps of
+ * 10 ms, with budgets from a nanosecond to unlimited that change at every tick, targets replaced and calls refused
+ * between partial ticks. After each step positions are finite and those of the last complete iteration, and the run
+ * repeats without a clock to the last bit.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
@@ -29,13 +30,12 @@ static uint64_t read_evil(void *ctx)
     evil_clock *c = ctx;
     const uint32_t dice = rig_random(&c->seed, 100), far = rig_random(&c->seed, 63);
     c->time += rig_random(&c->seed, 5000);
-    if (dice < 10u && (c->kind & 1u)) {
+    if (dice < 10u && (c->kind & 1u))
         c->time += (uint64_t)1 << far;
-    } else if (dice >= 90u && (c->kind & 2u)) {
+    else if (dice >= 90u && (c->kind & 2u))
         c->time -= (uint64_t)1 << far;
-    } else if (c->kind & 4u) {
+    else if (c->kind & 4u)
         return c->time / 10000000u * 10000000u;
-    }
     return c->time;
 }
 
@@ -43,9 +43,8 @@ static uint64_t read_evil(void *ctx)
 static void run_backwards(void *ctx, smr_task task, void *arg, uint32_t n_tasks)
 {
     (void)ctx;
-    for (uint32_t t = n_tasks; t > 0u; t--) {
+    for (uint32_t t = n_tasks; t > 0u; t--)
         task(arg, t - 1u, 0);
-    }
 }
 
 static struct world {
@@ -115,9 +114,8 @@ static void check_positions(const run_pair *p, const float *want)
     float now[3 * VERTICES_MAX];
     assert_int_equal(SMR_OK, smr_get_positions(p->s, 0, now));
     assert_true(rig_finite(now, p->n_vertices));
-    if (want != NULL) {
+    if (want != NULL)
         assert_memory_equal(want, now, 3u * p->n_vertices * sizeof(float));
-    }
     assert_int_equal(SMR_OK, smr_get_normals(p->s, 0, now));
     assert_true(rig_finite(now, p->n_vertices));
 }
@@ -149,9 +147,8 @@ static void tick(run_pair *p)
     assert_int_equal(SMR_OK, smr_tick(p->twin, 0, &twin));
     assert_true(twin.state_hash == report.state_hash && twin.n_taken == report.n_taken);
     assert_true(smr_state_hash(p->twin) == smr_state_hash(p->s));
-    if (p->later != NULL) {
+    if (p->later != NULL)
         assert_int_equal(SMR_OK, smr_set_surface(p->twin, SMR_ALL, p->later));
-    }
     p->later = NULL;
     assert_int_equal(SMR_OK, smr_get_positions(p->s, 0, p->last));
     check_positions(p, NULL);
@@ -162,11 +159,10 @@ static void replace(run_pair *p)
 {
     const smr_surface *surface = world.surface[rig_random(&p->seed, 2)];
     assert_int_equal(SMR_OK, smr_set_surface(p->s, SMR_ALL, surface));
-    if (p->pending) {
+    if (p->pending)
         p->later = surface;
-    } else {
+    else
         assert_int_equal(SMR_OK, smr_set_surface(p->twin, SMR_ALL, surface));
-    }
     check_positions(p, p->last);
 }
 
@@ -186,9 +182,8 @@ static void refused(run_pair *p)
                                  smr_init(p->model, &c, NULL, p->arena, p->bytes, &other),
                                  smr_set_active(NULL, 1),
                                  smr_set_volume(p->s, &(smr_volume){0})};
-    for (uint32_t i = 0; i < sizeof status / sizeof status[0]; i++) {
+    for (uint32_t i = 0; i < sizeof status / sizeof status[0]; i++)
         assert_true(status[i] < 0);
-    }
     assert_true(other == NULL);
     check_positions(p, p->last);
 }
@@ -198,9 +193,8 @@ static void start_over(run_pair *p)
     const smr_pose pose = {{{1, 0, 0, rig_between(&p->seed, -3, 3)}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     smr *both[2] = {p->s, p->twin};
     for (uint32_t i = 0; i < 2u; i++) {
-        if (i == 1u && p->later != NULL) {
+        if (i == 1u && p->later != NULL)
             assert_int_equal(SMR_OK, smr_set_surface(p->twin, SMR_ALL, p->later));
-        }
         assert_int_equal(SMR_OK, smr_set_pose(both[i], &pose));
     }
     p->later = NULL;
@@ -235,15 +229,14 @@ static void test_a_thousand_runs(void **state)
         assert_int_equal(SMR_OK, smr_get_positions(p.s, 0, p.last));
         for (uint32_t i = 0; i < STEPS; i++) {
             const uint32_t what = rig_random(&p.seed, 40);
-            if (what < 3u) {
+            if (what < 3u)
                 replace(&p);
-            } else if (what < 5u) {
+            else if (what < 5u)
                 refused(&p);
-            } else if (what == 5u) {
+            else if (what == 5u)
                 start_over(&p);
-            } else {
+            else
                 tick(&p);
-            }
         }
         cut += p.cut;
         partial += p.partial;

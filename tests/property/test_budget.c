@@ -1,6 +1,6 @@
-/* test_budget.c: ticks that run out of time. Whatever the clock does, a tick makes progress, the last complete positions
- * stay readable, and complete iterations in which all vertices take part have the same bits as without a clock.
- * What the controller makes of a budget is in test_budget.c.
+/* test_budget.c: ticks that run out of time. Whatever the clock does, a tick makes progress, the last complete
+ * positions stay readable, and complete iterations with all vertices active have the same bits as without a clock.
+ * The controller itself is tested in test_time_budget.c.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
@@ -155,14 +155,12 @@ static void test_times_by_phase(void **state)
     const smr_port backwards = rig_clock_port(&clock, RIG_CLOCK_BACKWARDS, 1000);
     s = start(0, &backwards);
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-    for (uint32_t i = 0; i < SMR_PHASES; i++) {
+    for (uint32_t i = 0; i < SMR_PHASES; i++)
         assert_true(report.phase_ns[i] == 0u);
-    }
     s = start(0, NULL);
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-    for (uint32_t i = 0; i < SMR_PHASES; i++) {
+    for (uint32_t i = 0; i < SMR_PHASES; i++)
         assert_true(report.phase_ns[i] == 0u);
-    }
 }
 
 /* A replaced target counts at the latest from the next complete iteration: the run equals an unbudgeted one that was
@@ -181,12 +179,10 @@ static void test_target_replaced_in_the_middle(void **state)
         (void)rig_run(before, 5);
         (void)rig_run(after, 6);
         uint32_t partial = 0;
-        while (partial < stop && smr_tick(s, 2000, &report) == SMR_PARTIAL) {
+        while (partial < stop && smr_tick(s, 2000, &report) == SMR_PARTIAL)
             partial++;
-        }
-        if (partial < stop) { /* the iteration has no so many stops */
+        if (partial < stop) /* the iteration has no so many stops */
             break;
-        }
         const float *last = rig_positions(s, model);
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, other_surface));
         assert_int_equal(SMR_OK, smr_set_surface(before, SMR_ALL, other_surface));
@@ -219,9 +215,8 @@ static void test_start_over_in_the_middle(void **state)
         rig_clock clock;
         const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
         smr *s = start(0, &port);
-        for (uint32_t i = 0; i < stop; i++) {
+        for (uint32_t i = 0; i < stop; i++)
             (void)smr_tick(s, 2000, NULL);
-        }
         assert_int_equal(SMR_OK, smr_set_pose(s, &same));
         assert_memory_equal(plain[0], rig_positions(s, model), bytes);
         (void)rig_run(s, 4);

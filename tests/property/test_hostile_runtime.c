@@ -1,5 +1,5 @@
-/* test_hostile_runtime.c: whatever is handed to a registration is refused with a status and changes nothing, or is
- * accepted and keeps every position finite.
+/* test_hostile_runtime.c: any input to a registration is refused with a status and changes nothing, or is accepted
+ * and keeps every position finite.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
@@ -249,9 +249,8 @@ static void test_arena_edges(void **state)
                 smr *mark = (smr *)(void *)memory, *out = mark;
                 assert_int_equal(SMR_E_ARENA, smr_init(model, &config, NULL, memory, bytes - 1u, &out));
                 assert_int_equal(SMR_E_ARENA, smr_init(model, &config, NULL, memory, 0, &out));
-                for (uint32_t off = 1; off < SMR_ALIGN; off++) {
+                for (uint32_t off = 1; off < SMR_ALIGN; off++)
                     assert_int_equal(SMR_E_ALIGN, smr_init(model, &config, NULL, memory + off, bytes, &out));
-                }
                 assert_ptr_equal(mark, out);
                 assert_memory_equal(copy, memory, bytes + 128u); /* refused: not a byte written */
                 assert_int_equal(SMR_OK, smr_init(model, &config, NULL, memory, bytes, &out));
@@ -291,9 +290,8 @@ static void test_arena_macro(void **state)
     (void)state;
     for (uint32_t size = 0; size < 5u; size++) {
         for (uint32_t p = 0; p < 3u; p++) {
-            if (size >= 3u && p > 1u) {
+            if (size >= 3u && p > 1u)
                 continue;
-            }
             for (uint32_t i = 0; i < parts[p]; i++) {
                 const float at[3] = {200.0f * (float)i, 0, 0};
                 mesh[i] = rig_ball(60, 3u + 5u * size, 4u + 8u * size, at);
@@ -315,9 +313,8 @@ static void test_arena_macro(void **state)
                                                      config.n_workers, config.n_target_vertices, config.method);
                 const double ratio = (double)bytes / (double)bound;
                 worst = ratio > worst ? ratio : worst;
-                if (size == 4u) {
+                if (size == 4u)
                     waste = 1.0 / ratio > waste ? 1.0 / ratio : waste;
-                }
                 if (bytes > bound) {
                     print_message("%u vertices %u triangles %u structures %u workers %u targets: %zu > %zu\n",
                                   info.n_vertices, info.n_triangles, info.n_structures, config.n_workers,
@@ -326,10 +323,8 @@ static void test_arena_macro(void **state)
             }
         }
     }
-    if (getenv("SMR_TEST_SHOW") != NULL) {
-        print_message("arena / macro: at most %.3f; macro / arena of a large model: at most %.3f\n", worst,
-                      waste);
-    }
+    if (getenv("SMR_TEST_SHOW") != NULL)
+        print_message("arena / macro: at most %.3f; macro / arena of a large model: at most %.3f\n", worst, waste);
     assert_true(worst <= 1.0);
     assert_true(waste <= 1.04);
 }

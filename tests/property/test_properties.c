@@ -1,6 +1,6 @@
-/* test_properties.c: what must hold for any registration: moving or mirroring all inputs moves or mirrors the result, the
+/* test_properties.c: what holds for any registration: moving or mirroring all inputs moves or mirrors the result, the
  * order of points does not matter, nothing moves without a target, and neither threads nor schedulers matter.
- * SMR_TEST_SHOW=1 prints the true figures.
+ * SMR_TEST_SHOW=1 prints the figures.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,9 +42,8 @@ static int without_momentum(void **state)
 
 static void show(const char *what, float mm)
 {
-    if (getenv("SMR_TEST_SHOW") != NULL) {
+    if (getenv("SMR_TEST_SHOW") != NULL)
         printf("%-44s %.3g mm%s\n", what, (double)mm, no_momentum ? ", no momentum" : "");
-    }
 }
 
 /* A whole default registration; positions in the caller's order. */
@@ -88,9 +87,8 @@ static void tell(const char *what, const apart *a)
 
 static void assert_moves_along(const char *what, const apart *a)
 {
-    if (getenv("SMR_TEST_SHOW") != NULL) {
+    if (getenv("SMR_TEST_SHOW") != NULL)
         tell(what, a);
-    }
     assert_true(a->worst <= TOLERANCE_MM);
 }
 
@@ -103,17 +101,16 @@ static void moved_difference(const smr_mesh *source, const smr_mesh *target, con
     compare(expected.xyz, registered(&source2, &target2), source->n_vertices, most);
 }
 
-/* The bone pair with coordinates in whole 1/1024 mm: moved by whole millimetres, or turned by axes that change places, they
- * are the same numbers again. What the result differs by is then the library's own doing. */
+/* The bone pair with coordinates in whole 1/1024 mm: moved by whole millimetres, or turned by exchanging axes, the
+ * coordinates stay exact. What the result differs by is then the library's own doing. */
 static void exact_bone(smr_mesh *source, smr_mesh *target)
 {
     smr_mesh *both[2] = {source, target};
     rig_bone(CELL, 1.0f, source, target);
     for (int k = 0; k < 2; k++) {
         float *xyz = rig_alloc(both[k]->n_vertices * 3u * sizeof *xyz);
-        for (uint32_t i = 0; i < 3u * both[k]->n_vertices; i++) {
+        for (uint32_t i = 0; i < 3u * both[k]->n_vertices; i++)
             xyz[i] = roundf(both[k]->xyz[i] * 1024.0f) / 1024.0f;
-        }
         both[k]->xyz = xyz;
     }
 }
@@ -126,9 +123,8 @@ static void test_translation(void **state)
     (void)state;
     exact_bone(&source, &target);
     const float *plain = registered(&source, &target);
-    for (size_t i = 0; i < sizeof by / sizeof by[0]; i++) {
+    for (size_t i = 0; i < sizeof by / sizeof by[0]; i++)
         moved_difference(&source, &target, plain, identity, by[i], &most);
-    }
     show("translated inputs", most.worst);
     assert_true(most.worst <= TOLERANCE_MM);
 }
@@ -147,9 +143,8 @@ static void test_rotation(void **state)
     (void)state;
     exact_bone(&source, &target);
     const float *plain = registered(&source, &target);
-    for (size_t i = 0; i < sizeof turn / sizeof turn[0]; i++) {
+    for (size_t i = 0; i < sizeof turn / sizeof turn[0]; i++)
         moved_difference(&source, &target, plain, turn[i].m, turn[i].t, &most);
-    }
     assert_moves_along("rotated and translated inputs", &most);
 }
 
@@ -233,9 +228,8 @@ static void test_femurs(void **state)
 {
     smr_mesh source, target;
     (void)state;
-    if (!femur("2008_0019_left_3k", 0, &source) || !femur("2007_5028_left_3k", 0, &target)) {
+    if (!femur("2008_0019_left_3k", 0, &source) || !femur("2007_5028_left_3k", 0, &target))
         skip();
-    }
     apart most = femurs_moved(&source, &target);
     assert_moves_along("femurs", &most);
     most = femurs_moved(&target, &source);
@@ -247,9 +241,8 @@ static void test_slivers(void **state)
 {
     smr_mesh source, target;
     (void)state;
-    if (!femur("vhm_left", 1, &source) || !femur("m_right", 0, &target)) {
+    if (!femur("vhm_left", 1, &source) || !femur("m_right", 0, &target))
         skip();
-    }
     const apart most = femurs_moved(&source, &target);
     assert_moves_along("slivers", &most);
 }
@@ -280,15 +273,13 @@ static smr_mesh shuffled(const smr_mesh *mesh, uint32_t *seed, uint32_t *new_of)
         new_of[i] = new_of[j];
         new_of[j] = i;
     }
-    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+    for (uint32_t i = 0; i < mesh->n_vertices; i++)
         memcpy(xyz + 3u * (size_t)new_of[i], mesh->xyz + 3u * (size_t)i, 3u * sizeof *xyz);
-    }
     for (uint32_t i = 0; i < mesh->n_triangles; i++) {
         const uint32_t j = rig_random(seed, i + 1u), turn = rig_random(seed, 3);
         memcpy(t + 3u * (size_t)i, t + 3u * (size_t)j, 3u * sizeof *t);
-        for (uint32_t c = 0; c < 3u; c++) {
+        for (uint32_t c = 0; c < 3u; c++)
             t[3u * (size_t)j + c] = new_of[mesh->triangles[3u * (size_t)i + (c + turn) % 3u]];
-        }
     }
     return (smr_mesh){xyz, t, mesh->n_vertices, mesh->n_triangles};
 }
@@ -307,9 +298,8 @@ static void test_order_of_inputs(void **state)
     for (uint32_t round = 0; round < 3u; round++) {
         const smr_mesh source2 = shuffled(&source, &seed, new_of), target2 = shuffled(&target, &seed, target_of);
         const float *other = registered(&source2, &target2);
-        for (uint32_t i = 0; i < source.n_vertices; i++) {
+        for (uint32_t i = 0; i < source.n_vertices; i++)
             memcpy(expected + 3u * (size_t)new_of[i], plain + 3u * (size_t)i, 3u * sizeof *expected);
-        }
         compare(expected, other, source.n_vertices, &most);
     }
     assert_moves_along("vertices and triangles in another order", &most);
@@ -365,9 +355,8 @@ static void test_rest_stays(void **state)
         config.plastic_every = k < 2u ? 1u : 0u;
         smr *s = rig_init(model, &config, NULL);
         float *before = rig_positions(s, model);
-        for (uint32_t tick = 0; tick < 10000u; tick++) {
+        for (uint32_t tick = 0; tick < 10000u; tick++)
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-        }
         assert_int_equal(10000, report.iteration);
         assert_int_equal(0, report.done);
         assert_memory_equal(before, rig_positions(s, model), mesh.n_vertices * 3u * sizeof(float));

@@ -1,5 +1,5 @@
-/* test_regressions.c: what a hostile reader once broke: a target rebuilt in place, normals of half an iteration, goals
- * counted wrong, poses beyond the borders, edges that many triangles share, and large models of small clusters.
+/* test_regressions.c: faults once found by review: a target rebuilt in place, normals of half an iteration, goals
+ * counted wrong, poses beyond the limits, edges shared by many triangles, and large models with small clusters.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
@@ -114,8 +114,8 @@ static void test_pose_beyond_the_border(void **state)
     assert_true(before == smr_state_hash(s));
 }
 
-/* 60,000 triangles on one edge, and as many copies of one triangle. Quadratic work would take minutes here and run into the
- * time limit of the checks. */
+/* 60,000 triangles on one edge, and as many copies of one triangle. Quadratic work would take minutes here and exceed
+ * the time limit of the checks. */
 static void test_crowded_triangles(void **state)
 {
     enum { N = 60000 };

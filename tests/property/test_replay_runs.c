@@ -1,6 +1,6 @@
-/* test_replay_runs.c: random registrations of several structures to surfaces and images, under clocks that cut iterations and stop
- * within them, with inputs set between partial ticks, replay from their logs to the last bit: with other numbers of workers,
- * other orders of tasks, without a clock. Searches may open so few tree nodes that where they start matters.
+/* test_replay_runs.c: random registrations of several structures to surfaces and images replay from their logs to the
+ * last bit: with other numbers of workers, other task orders, and without a clock. Clocks cut iterations and inputs
+ * are set between partial ticks. Searches may open so few tree nodes that the place they start from matters.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
@@ -73,9 +73,8 @@ static int set_up(void **state)
         const smr_mesh goal = rig_ball(24.0f + (float)i, 11, 17, centre);
         world.surface[i] = rig_surface(&goal);
     }
-    for (uint32_t i = 0; i < 2u; i++) {
+    for (uint32_t i = 0; i < 2u; i++)
         world.volume[i] = image_of(3.0f * (float)i);
-    }
     smr_prepare_config c = rig_radii(3, 60.0f, 40.0f, 18.0f);
     c.block_vertices = 64;
     world.model[0] = rig_model(world.part, PARTS, &c);
@@ -153,9 +152,8 @@ static void tick(run *r)
 
 static void give(run *r, const void *input)
 {
-    if (input != NULL) {
+    if (input != NULL)
         r->all.given[r->all.n++] = input;
-    }
 }
 
 static void set_surface(run *r)
@@ -178,9 +176,8 @@ static void start_over(run *r, uint32_t step)
         assert_int_equal(SMR_OK, smr_set_pose(r->s, &pose));
     } else if (what == 1u) {
         const smr_mesh *mesh = &world.part[structure];
-        for (uint32_t i = 0; i < 3u * mesh->n_vertices; i++) {
+        for (uint32_t i = 0; i < 3u * mesh->n_vertices; i++)
             r->xyz[step][i] = mesh->xyz[i] + rig_between(&r->seed, -1, 1);
-        }
         assert_int_equal(SMR_OK, smr_set_positions(r->s, structure, r->xyz[step]));
         give(r, r->xyz[step]);
     } else if (r->model == 1u) {
@@ -275,8 +272,8 @@ static void test_replays(void **state)
                 late > RUNS / 2u); /* the clock meant something */
 }
 
-/* The last surface is taken away while the iteration that ends the first radius has its forces already: whether the next radius
- * starts with a repair is decided in that iteration, where the surface still counts. */
+/* The last surface is taken away while the iteration that ends the first radius already has its forces. Whether the
+ * next radius starts with a repair is decided in that iteration, where the surface still counts. */
 static void test_last_surface_goes_late(void **state)
 {
     static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
@@ -301,18 +298,17 @@ static void test_last_surface_goes_late(void **state)
     give(&r, world.surface[0]);
     assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
     assert_int_equal(0, report.radius);
-    for (r.ticks = 1; report.phase == SMR_PHASE_FORCES; r.ticks++) {
+    for (r.ticks = 1; report.phase == SMR_PHASE_FORCES; r.ticks++)
         assert_int_equal(SMR_PARTIAL, smr_tick(r.s, 20000, &report));
-    }
     assert_true(report.radius == 0u && report.iteration == 1u);
     assert_int_equal(SMR_OK, smr_set_surface(r.s, SMR_ALL, NULL));
-    for (uint32_t i = 0; i < 5u; i++, r.ticks++) {
+    for (uint32_t i = 0; i < 5u; i++, r.ticks++)
         assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
-    }
     replay(&r, begin(&r, &config, NULL, memory[1], bytes), 0);
 }
 
-/* The same in an iteration of the last radius: whether evening out lets it end early is decided where the surface still counts. */
+/* The same in an iteration of the last radius: whether evening out ends it early is decided where the surface still
+ * counts. */
 static void test_last_surface_goes_before_the_end(void **state)
 {
     static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
@@ -333,14 +329,12 @@ static void test_last_surface_goes_before_the_end(void **state)
     assert_int_equal(SMR_OK, smr_set_surface(r.s, 0, world.surface[0]));
     give(&r, world.surface[0]);
     assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
-    for (r.ticks = 1; report.phase == SMR_PHASE_FORCES; r.ticks++) {
+    for (r.ticks = 1; report.phase == SMR_PHASE_FORCES; r.ticks++)
         assert_int_equal(SMR_PARTIAL, smr_tick(r.s, 20000, &report));
-    }
     assert_true(report.iteration == 1u && report.done == 0u);
     assert_int_equal(SMR_OK, smr_set_surface(r.s, SMR_ALL, NULL));
-    for (uint32_t i = 0; i < 3u; i++, r.ticks++) {
+    for (uint32_t i = 0; i < 3u; i++, r.ticks++)
         assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
-    }
     assert_int_equal(1, report.done); /* the iteration after it had no target and ended the schedule */
     replay(&r, begin(&r, &config, NULL, memory[1], bytes), 0);
 }

@@ -1,4 +1,4 @@
-/* test_stability.c: no input and no legal configuration makes a position non-finite or ends a run any other way than by its
+/* test_stability.c: no input and no legal configuration makes a position non-finite or ends a run other than by its
  * schedule: degenerate models, hostile targets, and random pairs of both with random configurations.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
@@ -34,27 +34,22 @@ static void run_and_check(const smr_model *model, const smr_config *config, cons
     smr_tick_report report = {0};
     assert_int_equal(SMR_OK, smr_model_get_info(model, &info));
     smr *s = rig_init(model, config, NULL);
-    if (target != NULL) {
+    if (target != NULL)
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target));
-    }
     for (uint32_t tick = 0; tick < 200u && !report.done; tick++) {
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
         const float shown[] = {report.residual_mean_mm, report.residual_rms_mm, report.residual_max_mm,
                                report.displacement_max_mm, report.progress};
-        for (uint32_t i = 0; i < 5u; i++) {
-            if (!isfinite(shown[i]) || shown[i] < 0.0f) {
+        for (uint32_t i = 0; i < 5u; i++)
+            if (!isfinite(shown[i]) || shown[i] < 0.0f)
                 fail_msg("%s: figure %u of the report is %g in iteration %u", what, i, (double)shown[i], tick);
-            }
-        }
         assert_true(report.progress <= 1.0f);
         assert_true(report.n_forces + report.n_rejected <= info.n_vertices);
     }
     const float *x = rig_positions(s, model);
-    for (size_t i = 0; i < 3u * (size_t)info.n_vertices; i++) {
-        if (!(x[i] >= -1.0e6f && x[i] <= 1.0e6f)) {
+    for (size_t i = 0; i < 3u * (size_t)info.n_vertices; i++)
+        if (!(x[i] >= -1.0e6f && x[i] <= 1.0e6f))
             fail_msg("%s: coordinate %zu is %g", what, i, (double)x[i]);
-        }
-    }
     float *normal = rig_alloc(info.n_vertices * 3u * sizeof *normal);
     for (uint32_t i = 0; i < info.n_structures; i++) {
         assert_int_equal(SMR_OK, smr_get_normals(s, i, normal));
@@ -64,9 +59,8 @@ static void run_and_check(const smr_model *model, const smr_config *config, cons
         for (uint32_t v = 0; v < structure.n_vertices; v++) {
             const float *n = normal + 3u * (size_t)v;
             const float length = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-            if (!(length == 0.0f || (length > 0.99f && length < 1.01f))) {
+            if (!(length == 0.0f || (length > 0.99f && length < 1.01f)))
                 fail_msg("%s: a normal of length %g", what, (double)length);
-            }
         }
         assert_true(isfinite(part.residual_mean_mm) && isfinite(part.moved_max_mm));
     }
@@ -109,9 +103,8 @@ static void test_hostile_targets(void **state)
                                        "a needle",
                                        "triangles that name a vertex twice"};
     (void)state;
-    for (uint32_t i = 0; i < sizeof targets / sizeof targets[0]; i++) {
+    for (uint32_t i = 0; i < sizeof targets / sizeof targets[0]; i++)
         both_methods(&ball, &targets[i], 25, name[i]);
-    }
 }
 
 static void test_odd_shapes(void **state)
@@ -227,9 +220,8 @@ static smr_mesh random_mesh(uint32_t *seed, int needs_triangle)
         xyz[i] += kind > 0u ? rig_between(seed, -0.1f, 0.1f) * size : 0.0f;
         xyz[i] = kind == 2u && i % 3u == 2u ? at[2] : xyz[i]; /* flat */
     }
-    for (uint32_t i = 0; kind >= 3u && i < 3u * mesh.n_triangles; i++) { /* some triangles of any three vertices */
+    for (uint32_t i = 0; kind >= 3u && i < 3u * mesh.n_triangles; i++) /* some triangles of any three vertices */
         t[i] = rig_random(seed, 12) == 0u ? rig_random(seed, mesh.n_vertices) : t[i];
-    }
     const uint32_t nt = kind == 4u ? rig_random(seed, mesh.n_triangles) + (uint32_t)needs_triangle : mesh.n_triangles;
     return (smr_mesh){xyz, t, mesh.n_vertices, nt};
 }
@@ -241,9 +233,8 @@ static void test_random_configurations(void **state)
         uint32_t seed = 1000u + 77u * run;
         smr_mesh part[3];
         const uint32_t n_parts = 1u + rig_random(&seed, 3);
-        for (uint32_t i = 0; i < n_parts; i++) {
+        for (uint32_t i = 0; i < n_parts; i++)
             part[i] = random_mesh(&seed, 0);
-        }
         const smr_mesh target = random_mesh(&seed, 1);
         smr_prepare_config prepare = rig_radii(rig_random(&seed, 4), rig_between(&seed, 10, 80),
                                                rig_between(&seed, 3, 30), rig_between(&seed, 0.1f, 10));
@@ -258,9 +249,8 @@ static void test_random_configurations(void **state)
         assert_int_equal(SMR_OK, smr_model_get_info(model, &info));
         const smr_config config = random_config(&seed, info.n_radii);
         char what[32] = "random run 000";
-        for (uint32_t i = 0, k = run; i < 3u; i++, k /= 10u) {
+        for (uint32_t i = 0, k = run; i < 3u; i++, k /= 10u)
             what[13u - i] = (char)('0' + k % 10u);
-        }
         run_and_check(model, &config, rig_surface(&target), what);
         rig_free_all();
     }

@@ -1,5 +1,5 @@
-/* test_sums_exact.c: sums along the forest, along the paper's breadth-first chain, and summed directly over whole clusters
- * are the same numbers, at every vertex, and stay so however long it runs. Clusters are found again by comparing all pairs.
+/* test_sums_exact.c: sums along the forest, along the paper's breadth-first chain, and directly over whole clusters
+ * are the same numbers at every vertex, however long the run. Clusters are found again by comparing all pairs.
  * SPDX-License-Identifier: MIT */
 #include <stdarg.h>
 #include <stddef.h>
@@ -51,13 +51,11 @@ static uint32_t n_different(const smr *s, const rig_lists *l, uint32_t words, in
         uint32_t sum[SMR_WORDS] = {0};
         for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
             const uint32_t *r = s->overlay.record + SMR_WORDS * (size_t)l->zeta[k];
-            for (uint32_t w = 0; w < words; w++) {
+            for (uint32_t w = 0; w < words; w++)
                 sum[w] += r[w];
-            }
         }
-        for (uint32_t w = 0; boundary && w < words; w++) {
+        for (uint32_t w = 0; boundary && w < words; w++)
             sum[w] += (uint32_t)boundary_of(s, v, w);
-        }
         wrong += memcmp(sum, s->sums.sum + SMR_WORDS * (size_t)v, words * sizeof *sum) != 0;
     }
     return wrong;
@@ -65,9 +63,8 @@ static uint32_t n_different(const smr *s, const rig_lists *l, uint32_t words, in
 
 static void run_all(void *stage, uint32_t n_tasks, smr_task run)
 {
-    for (uint32_t t = 0; t < n_tasks; t++) {
+    for (uint32_t t = 0; t < n_tasks; t++)
         run(stage, t, 0);
-    }
 }
 
 /* Sums of records that fill all 32 bits, so that partial sums wrap, for every number of words in use. */
@@ -105,9 +102,8 @@ static smr *start(const smr_model *model, const smr_surface *target, uint32_t me
     config.even = 0.0f; /* it sums over neighbours where the records were */
     config.iterations = config.iterations_last = 100000;
     smr *s = rig_init(model, &config, NULL);
-    if (target != NULL) {
+    if (target != NULL)
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target));
-    }
     return s;
 }
 
@@ -125,9 +121,8 @@ static void check_radius(const smr_mesh *mesh, uint32_t n_structures, float radi
         const smr_model *model = rig_model(mesh, n_structures, &config);
         smr_model_info info;
         assert_int_equal(SMR_OK, smr_model_get_info(model, &info));
-        if (order == 0u) {
+        if (order == 0u)
             by_pairs = rig_decode(model, 0, radius >= info.edge_mm, 1);
-        }
         const rig_lists chain = rig_decode(model, 0, 0, 0);
         assert_memory_equal(by_pairs.zeta_start, chain.zeta_start, (chain.n + 1u) * sizeof(uint32_t));
         assert_memory_equal(by_pairs.zeta, chain.zeta, chain.zeta_start[chain.n] * sizeof(uint32_t));
@@ -148,9 +143,8 @@ static void test_bone(void **state)
     (void)state;
     rig_bone(9000u, 1.0f, &source, &target);
     const smr_surface *surface = rig_surface(&target);
-    for (uint32_t i = 0; i < 3u; i++) {
+    for (uint32_t i = 0; i < 3u; i++)
         check_radius(&source, 1, radii[i], 0.0f, surface);
-    }
 }
 
 static void test_several_structures(void **state)
@@ -192,9 +186,8 @@ static void test_no_drift_at_rest(void **state)
         smr *s = start(model, NULL, method);
         const float *before = rig_positions(s, model);
         smr_tick_report report;
-        for (uint32_t i = 0; i < 100000u; i++) {
+        for (uint32_t i = 0; i < 100000u; i++)
             (void)smr_tick(s, 0, &report);
-        }
         assert_int_equal(100000, report.iteration);
         assert_memory_equal(before, rig_positions(s, model), mesh.n_vertices * 3u * sizeof(float));
         assert_int_equal(0, n_different(s, &l, 12, 1));
@@ -211,9 +204,8 @@ static void test_no_drift_with_target(void **state)
     (void)state;
     smr *s = start(model, rig_surface(&other), SMR_METHOD_RIGID);
     smr_tick_report report;
-    for (uint32_t i = 0; i < 99990u; i++) {
+    for (uint32_t i = 0; i < 99990u; i++)
         (void)smr_tick(s, 0, &report);
-    }
     assert_int_equal(99990, report.iteration);
     check_iterations(s, &l, 9);
     assert_true(rig_finite(rig_positions(s, model), mesh.n_vertices));
@@ -237,9 +229,8 @@ static void test_final_sums_fit(void **state)
             for (uint32_t v = 0; v < s->shared.n; v++) {
                 for (uint32_t w = 0; w < 12u; w++) {
                     int64_t sum = boundary_of(s, v, w);
-                    for (uint32_t k = l.zeta_start[v]; k < l.zeta_start[v + 1u]; k++) {
+                    for (uint32_t k = l.zeta_start[v]; k < l.zeta_start[v + 1u]; k++)
                         sum += (int32_t)s->overlay.record[SMR_WORDS * (size_t)l.zeta[k] + w];
-                    }
                     assert_true(sum == (int32_t)s->sums.sum[SMR_WORDS * (size_t)v + w]);
                     largest = sum > largest ? sum : largest;
                     largest = -sum > largest ? -sum : largest;

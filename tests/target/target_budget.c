@@ -1,13 +1,10 @@
-/*
- * target_budget: on an emulated board ticks keep to their time, cutting the work changes no bit, and what a budget left out can be
- * left out again without a clock; for a surface and an image, rigid and polar.
+/* target_budget.c: on an emulated board: ticks keep to their budget, cutting the work changes no bit, and an
+ * iteration shortened by a budget repeats without a clock; for a surface and an image, rigid and polar.
  *
- * Under `-icount shift=0` one instruction takes one nanosecond of the board's time, so the times are the same in every run. A
- * chunk is the longest stretch between two readings of the clock. The command line says how many ticks of random
- * budgets each case runs. Prints what it finds; ends with 0 when all holds.
- *
- * SPDX-License-Identifier: MIT
- */
+ * Under `-icount shift=0` one instruction takes one nanosecond of the board's time, so times are the same in every
+ * run. A chunk is the longest stretch between two readings of the clock. The command line says how many ticks of
+ * random budgets each case runs. Prints what it finds; ends with 0 when all holds.
+ * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 
 #define TARGET_BUDGET_NS 200000u
@@ -34,9 +31,8 @@ static int target_run(const target_scene *scene, target_clock *clock, uint64_t b
     smr_tick_report report = {0};
     smr *s = target_start(scene, &config, &port, 0);
     memset(t, 0, sizeof *t);
-    if (s == NULL || smr_set_active(s, SMR_ALL) != SMR_OK) {
+    if (s == NULL || smr_set_active(s, SMR_ALL) != SMR_OK)
         return 0;
-    }
     while (!report.done && t->ticks < TARGET_TICKS_MAX) {
         smr_status status;
         const uint32_t repairs = s->pace.repairing;
@@ -44,13 +40,11 @@ static int target_run(const target_scene *scene, target_clock *clock, uint64_t b
                        fixed = time - report.phase_ns[SMR_PHASE_FORCES];
         t->longest = time > t->longest ? time : t->longest;
         t->partial += status == SMR_PARTIAL ? 1u : 0u;
-        ++t->ticks;
-        if (repairs == 0u && (t->fixed == 0u || fixed < t->fixed)) {
+        t->ticks++;
+        if (repairs == 0u && (t->fixed == 0u || fixed < t->fixed))
             t->fixed = fixed;
-        }
-        if (status != SMR_OK && status != SMR_PARTIAL) {
+        if (status != SMR_OK && status != SMR_PARTIAL)
             return 0;
-        }
     }
     t->whole = t->longest;
     t->hash = smr_state_hash(s);
@@ -70,7 +64,8 @@ static int target_repeat(smr *s, smr *twin, uint32_t n_taken)
            smr_state_hash(twin) == smr_state_hash(s);
 }
 
-/* Ticks of 5 to 150 % of a whole iteration, at the controller's choice; at first a twin without a clock repeats each iteration. */
+/* Ticks of 5 to 150 % of a whole iteration, with the controller on; for the first ones a twin without a clock repeats
+ * each iteration. */
 static int target_random(const target_scene *scene, target_clock *clock, uint64_t whole, uint32_t ticks,
                          target_tally *t)
 {
@@ -81,35 +76,30 @@ static int target_random(const target_scene *scene, target_clock *clock, uint64_
     uint32_t seed = 1, known = 0;
     smr_status status = SMR_OK;
     memset(t, 0, sizeof *t);
-    if (s == NULL || twin == NULL) {
+    if (s == NULL || twin == NULL)
         return 0;
-    }
-    for (uint32_t i = 0; i < ticks; ++i) {
+    for (uint32_t i = 0; i < ticks; i++) {
         const int fresh = status == SMR_OK;
         seed = seed * 1664525u + 1013904223u;
         const uint64_t budget = whole / 100u * (5u + (seed >> 8) % 146u);
         const uint64_t time = target_tick(s, clock, budget, &report, &status);
-        if (status < 0) {
+        if (status < 0)
             return 0;
-        }
         t->late += time > budget ? 1u : 0u;
         t->over = time > budget && time - budget > t->over ? time - budget : t->over;
         if (fresh && known && budget >= whole) {
-            ++t->enough;
+            t->enough++;
             t->enough_done += status == SMR_OK ? 1u : 0u;
         }
-        if (status != SMR_OK) {
+        if (status != SMR_OK)
             continue;
-        }
         known = 1;
-        ++t->done;
+        t->done++;
         t->cut += report.n_taken < report.n_wanted ? 1u : 0u;
-        if (i < TARGET_TWIN_TICKS && !target_ok("the same again", target_repeat(s, twin, report.n_taken))) {
+        if (i < TARGET_TWIN_TICKS && !target_ok("the same again", target_repeat(s, twin, report.n_taken)))
             return 0;
-        }
-        if (report.done && (!target_again(scene, s) || !target_again(scene, twin))) {
+        if (report.done && (!target_again(scene, s) || !target_again(scene, twin)))
             return 0;
-        }
     }
     return 1;
 }
@@ -128,15 +118,13 @@ static int target_judge(const target_scene *scene, target_clock *clock, uint32_t
 {
     target_times plain, whole, cut;
     target_tally random;
-    if (!target_ok("run", target_run(scene, clock, 0, &plain))) {
+    if (!target_ok("run", target_run(scene, clock, 0, &plain)))
         return 0;
-    }
     target_forget(clock);
     if (!target_ok("run with a long budget", target_run(scene, clock, TARGET_ENDLESS, &whole)) ||
         !target_ok("run with a short budget", target_run(scene, clock, TARGET_BUDGET_NS, &cut)) ||
-        !target_ok("random budgets", target_random(scene, clock, whole.whole, ticks, &random))) {
+        !target_ok("random budgets", target_random(scene, clock, whole.whole, ticks, &random)))
         return 0;
-    }
     target_line("  iteration, ns:            ", whole.whole);
     target_line("  its fixed part, ns:       ", whole.fixed);
     target_line("  a chunk, ns:              ", clock->longest);
@@ -174,7 +162,7 @@ int main(void)
     int good = 1;
     clock.port = smr_baremetal_port(&board);
     const uint32_t ticks = target_word(125u);
-    for (uint32_t i = 0; i < TARGET_CASES; ++i) {
+    for (uint32_t i = 0; i < TARGET_CASES; i++) {
         target_text(target_cases[i].name);
         target_text("\n");
         good =

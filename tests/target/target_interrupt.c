@@ -1,12 +1,10 @@
-/*
- * target_interrupt: a registration that ticks in a timer's interrupt beside a background loop, as in a device, on an emulated
- * board: no period is missed, the background goes on and reads whole positions, and what was done repeats without a clock to the
- * same bits.
+/* target_interrupt.c: on an emulated board: a registration ticks in a timer interrupt beside a background loop, as in
+ * a device. No period is missed, the background makes progress and reads complete positions, and the run repeats
+ * without a clock to the same bits.
  *
- * Under `-icount shift=0` one instruction takes one nanosecond of the board's time. Prints what it finds; ends with 0 when all holds.
- *
- * SPDX-License-Identifier: MIT
- */
+ * Under `-icount shift=0` one instruction takes one nanosecond of the board's time. Prints what it finds; ends with 0
+ * when all holds.
+ * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 
 #include "smr_clock.h"
@@ -38,26 +36,22 @@ static struct {
 void smr_systick_handler(void)
 {
     smr_tick_report report;
-    if (atomic_load(&target_isr.stop) != 0u) {
+    if (atomic_load(&target_isr.stop) != 0u)
         return;
-    }
     const uint64_t time = target_tick(target_isr.s, &target_isr.clock, TARGET_TICK_NS, &report, &target_isr.status);
     target_isr.longest = time > target_isr.longest ? time : target_isr.longest;
-    ++target_isr.ticks;
+    target_isr.ticks++;
     if (target_isr.status == SMR_OK) {
-        if (report.iteration <= TARGET_LOG) {
+        if (report.iteration <= TARGET_LOG)
             target_isr.taken[report.iteration - 1u] = report.n_taken;
-        }
         target_isr.cut += report.n_taken < report.n_wanted ? 1u : 0u;
         atomic_store(&target_isr.done, report.iteration);
     }
     target_isr.partial += target_isr.status == SMR_PARTIAL ? 1u : 0u;
-    if (smr_systick_pending()) {
-        ++target_isr.missed; /* the next period has begun already */
-    }
-    if (target_isr.status < 0 || report.done) {
+    if (smr_systick_pending())
+        target_isr.missed++; /* the next period has begun already */
+    if (target_isr.status < 0 || report.done)
         atomic_store(&target_isr.stop, 1u);
-    }
 }
 
 static struct {
@@ -69,16 +63,14 @@ static int target_count(const smr_model *model)
 {
     smr_model_info info;
     if (smr_model_get_info(model, &info) != SMR_OK || info.n_structures > TARGET_PARTS ||
-        info.n_vertices > TARGET_POINTS) {
+        info.n_vertices > TARGET_POINTS)
         return 0;
-    }
     target_points.n = info.n_vertices;
     target_points.n_parts = info.n_structures;
-    for (uint32_t i = 0; i < info.n_structures; ++i) {
+    for (uint32_t i = 0; i < info.n_structures; i++) {
         smr_structure_info part;
-        if (smr_model_structure(model, i, &part) != SMR_OK) {
+        if (smr_model_structure(model, i, &part) != SMR_OK)
             return 0;
-        }
         target_points.part[i] = part.n_vertices;
     }
     return 1;
@@ -88,21 +80,21 @@ static int target_count(const smr_model *model)
 static void target_copy(const smr *s)
 {
     float *xyz = target_points.xyz;
-    for (uint32_t i = 0; i < target_points.n_parts; ++i) {
+    for (uint32_t i = 0; i < target_points.n_parts; i++) {
         (void)smr_get_positions(s, i, xyz);
         xyz += 3u * target_points.part[i];
     }
 }
 
-/* Positions as the background reads them: again, when an iteration ended meanwhile. Returns which iteration they are of. */
+/* Reads positions from the background, again when an iteration ended meanwhile. Returns the iteration they belong
+ * to. */
 static uint32_t target_positions(const smr *s, uint32_t *again)
 {
     for (;;) {
         const uint32_t before = atomic_load(&target_isr.done);
         target_copy(s);
-        if (atomic_load(&target_isr.done) == before) {
+        if (atomic_load(&target_isr.done) == before)
             return before;
-        }
         ++*again;
     }
 }
@@ -110,7 +102,7 @@ static uint32_t target_positions(const smr *s, uint32_t *again)
 static uint32_t target_sum(void)
 {
     uint32_t sum = 2166136261u; /* FNV-1a, by words */
-    for (uint32_t i = 0; i < 3u * target_points.n; ++i) {
+    for (uint32_t i = 0; i < 3u * target_points.n; i++) {
         uint32_t bits;
         memcpy(&bits, &target_points.xyz[i], sizeof bits);
         sum = (sum ^ bits) * 16777619u;
@@ -131,7 +123,7 @@ static void target_loop(const smr *s)
 {
     memset(&target_background, 0, sizeof target_background);
     while (atomic_load(&target_isr.stop) == 0u) {
-        ++target_background.loops;
+        target_background.loops++;
         const uint32_t iteration = target_positions(s, &target_background.again);
         if (target_background.n < TARGET_READS) {
             target_background.seen[target_background.n].iteration = iteration;
@@ -146,18 +138,15 @@ static int target_replay(const target_scene *scene, const smr_config *config, ui
     smr *s = target_start(scene, config, NULL, 1);
     uint32_t at = 0;
     *torn = 0;
-    if (s == NULL) {
+    if (s == NULL)
         return 0;
-    }
-    for (uint32_t i = 0; i <= atomic_load(&target_isr.done); ++i) {
-        if (i > 0u && (smr_set_active(s, target_isr.taken[i - 1u]) != SMR_OK || smr_tick(s, 0, NULL) != SMR_OK)) {
+    for (uint32_t i = 0; i <= atomic_load(&target_isr.done); i++) {
+        if (i > 0u && (smr_set_active(s, target_isr.taken[i - 1u]) != SMR_OK || smr_tick(s, 0, NULL) != SMR_OK))
             return 0;
-        }
         target_copy(s);
         const uint32_t sum = target_sum();
-        for (; at < target_background.n && target_background.seen[at].iteration == i; ++at) {
+        for (; at < target_background.n && target_background.seen[at].iteration == i; at++)
             *torn += target_background.seen[at].sum != sum ? 1u : 0u;
-        }
     }
     return target_ok("reads in order", at == target_background.n) &&
            target_ok("the replay's bits", smr_state_hash(s) == smr_state_hash(target_isr.s));
@@ -170,9 +159,8 @@ static int target_run(const target_scene *scene)
     const smr_config config = target_config(scene);
     uint32_t torn;
     target_isr.s = target_start(scene, &config, &port, 0);
-    if (target_isr.s == NULL || !target_count(scene->model)) {
+    if (target_isr.s == NULL || !target_count(scene->model))
         return 0;
-    }
     atomic_store(&target_isr.done, 0u);
     atomic_store(&target_isr.stop, 0u);
     target_isr.ticks = target_isr.partial = target_isr.cut = target_isr.missed = 0;
@@ -204,7 +192,7 @@ int main(void)
     smr_baremetal board;
     int good = 1;
     target_isr.clock.port = smr_baremetal_port(&board);
-    for (uint32_t i = 0; i < TARGET_CASES; ++i) {
+    for (uint32_t i = 0; i < TARGET_CASES; i++) {
         target_text(target_cases[i].name);
         target_text("\n");
         good =

@@ -1,8 +1,5 @@
-/*
- * target_rig: text, clock and steps.
- *
- * SPDX-License-Identifier: MIT
- */
+/* target_rig.c: text output, the board's clock, and which step the clock is read in.
+ * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 
 const target_case target_cases[TARGET_CASES] = {
@@ -48,15 +45,14 @@ uint32_t target_word(uint32_t otherwise)
     char text[64];
     uint32_t value = 0;
     smr_semihost_words(text, sizeof text);
-    for (uint32_t i = 0; text[i] >= '0' && text[i] <= '9'; ++i) {
+    for (uint32_t i = 0; text[i] >= '0' && text[i] <= '9'; i++)
         value = 10u * value + (uint32_t)(text[i] - '0');
-    }
     return value > 0u ? value : otherwise;
 }
 
 uint64_t target_now(void *ctx)
 {
-    target_clock *clock = (target_clock *)ctx;
+    target_clock *clock = ctx;
     const uint64_t time = clock->port.now_ns(clock->port.ctx);
     if (clock->running) {
         const uint64_t stretch = time - clock->last;
@@ -125,7 +121,7 @@ static const struct {
 
 const char *target_step_name(uint32_t number, uint32_t *unit)
 {
-    for (uint32_t i = 0; i < sizeof target_steps / sizeof target_steps[0]; ++i) {
+    for (uint32_t i = 0; i < sizeof target_steps / sizeof target_steps[0]; i++) {
         if (target_steps[i].run == smr_steps[number].run && target_steps[i].phase == smr_steps[number].phase) {
             *unit = target_steps[i].unit;
             return target_steps[i].name;

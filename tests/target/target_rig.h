@@ -1,9 +1,6 @@
-/*
- * target_rig: what the programs for the emulated boards share: small models with a target, the board's clock with an eye on
- * which step it is read in, numbers as text.
- *
- * SPDX-License-Identifier: MIT
- */
+/* target_rig.h: what the programs for the emulated boards share: small models with a target, the board's clock with a
+ * record of the step it is read in, and numbers as text.
+ * SPDX-License-Identifier: MIT */
 #ifndef TARGET_RIG_H
 #define TARGET_RIG_H
 
@@ -71,4 +68,4 @@ void target_line(const char *name, uint64_t value); /* name, number, end of line
 int target_ok(const char *what, int good);          /* says what failed; returns good */
 uint32_t target_word(uint32_t otherwise);           /* the number on the command line */
 
-#endif /* TARGET_RIG_H */
+#endif

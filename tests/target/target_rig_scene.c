@@ -1,8 +1,6 @@
-/*
- * target_rig_scene: a bone onto a deformed one, or two structures of the computed thigh into a coarse image of a patient.
- *
- * SPDX-License-Identifier: MIT
- */
+/* target_rig_scene.c: a bone onto a deformed one, or two structures of the computed thigh into a coarse image of a
+ * patient.
+ * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 
 #include "fixture_bone.h"
@@ -55,9 +53,8 @@ static int target_bone(target_scene *scene)
     smr_prepare_config config = smr_prepare_config_default();
     const size_t words = sizeof target_words / sizeof target_words[0];
     if (!fixture_bone_source(&grid[0], &m[0], target_words, words) ||
-        !fixture_bone_target(&grid[1], 1.0f, &m[1], target_words, words)) {
+        !fixture_bone_target(&grid[1], 1.0f, &m[1], target_words, words))
         return 0;
-    }
     structure.mesh = target_mesh(&m[0]);
     const smr_mesh goal = target_mesh(&m[1]);
     config.n_radii = 2;
@@ -70,19 +67,11 @@ static int target_bone(target_scene *scene)
 /* The box around points [n][3] of all parts, in voxels of 4 mm. */
 static fixture_box target_box(const smr_structure *part, float xyz[TARGET_PARTS][3 * TARGET_POINTS])
 {
-    fixture_box box = {{1e9f, 1e9f, 1e9f}, {4.0f, 4.0f, 4.0f}, {0, 0, 0}};
-    float high[3] = {-1e9f, -1e9f, -1e9f};
-    for (uint32_t i = 0; i < TARGET_PARTS; ++i) {
-        for (uint32_t k = 0; k < 3u * part[i].mesh.n_vertices; ++k) {
-            const float x = xyz[i][k];
-            box.low[k % 3u] = x < box.low[k % 3u] ? x : box.low[k % 3u];
-            high[k % 3u] = x > high[k % 3u] ? x : high[k % 3u];
-        }
-    }
-    for (uint32_t a = 0; a < 3u; ++a) {
-        box.low[a] -= 20.0f;
-        box.n[a] = (uint32_t)((high[a] + 20.0f - box.low[a]) / box.spacing[a]) + 1u;
-    }
+    fixture_box box;
+    float low[3] = {1e9f, 1e9f, 1e9f}, high[3] = {-1e9f, -1e9f, -1e9f};
+    for (uint32_t i = 0; i < TARGET_PARTS; i++)
+        fixture_bounds(xyz[i], part[i].mesh.n_vertices, low, high);
+    fixture_margin_box(low, high, 20.0f, 4.0f, &box);
     return box;
 }
 
@@ -95,12 +84,9 @@ static int target_volume(const fixture_pose *pose, const fixture_box *box, unsig
                               {box->low[0], box->low[1], box->low[2]},
                               {box->spacing[0], box->spacing[1], box->spacing[2]},
                               {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-    if (box->n[0] > TARGET_SIDE || box->n[1] > TARGET_SIDE || box->n[0] * box->n[1] * box->n[2] > TARGET_VOXELS) {
+    if (box->n[0] > TARGET_SIDE || box->n[1] > TARGET_SIDE || box->n[0] * box->n[1] * box->n[2] > TARGET_VOXELS)
         return 0;
-    }
-    for (uint32_t z = 0; z < box->n[2]; ++z) {
-        fixture_thigh_slice(&target_thigh, pose, box, z, voxels + (size_t)z * box->n[0] * box->n[1], target_slice);
-    }
+    fixture_thigh_slices(&target_thigh, pose, box, voxels, target_slice);
     *volume = plain;
     return 1;
 }
@@ -115,25 +101,21 @@ static int target_thigh_in_image(target_scene *scene)
     fixture_thigh_init(&target_thigh);
     fixture_thigh_pose(0, &pose[0]);
     fixture_thigh_pose(1, &pose[1]);
-    for (uint32_t i = 0; i < TARGET_PARTS; ++i) {
+    for (uint32_t i = 0; i < TARGET_PARTS; i++) {
         fixture_mesh m = target_room(i);
-        if (!fixture_thigh_mesh(&target_thigh, which[i], 1.6f, &m, target_words)) {
+        if (!fixture_thigh_mesh(&target_thigh, which[i], 1.6f, &m, target_words))
             return 0;
-        }
         part[i].name = target_thigh.part[which[i]].name;
         part[i].mesh = target_mesh(&m);
         fixture_thigh_truth(&pose[1], m.xyz, m.n_vertices, target_begin[i]);
     }
     const fixture_box box[2] = {target_box(part, target_xyz), target_box(part, target_begin)};
     if (!target_volume(&pose[0], &box[0], target_voxels[0], &reference) ||
-        !target_volume(&pose[1], &box[1], target_voxels[1], &scene->volume)) {
+        !target_volume(&pose[1], &box[1], target_voxels[1], &scene->volume))
         return 0;
-    }
-    for (uint32_t i = 0; i < TARGET_PARTS; ++i) {
-        for (uint32_t k = 0; k < part[i].mesh.n_vertices; ++k) {
+    for (uint32_t i = 0; i < TARGET_PARTS; i++)
+        for (uint32_t k = 0; k < part[i].mesh.n_vertices; k++)
             target_begin[i][3u * k] += TARGET_OFF_MM;
-        }
-    }
     config.reference = &reference;
     return target_prepare(part, TARGET_PARTS, &config, scene);
 }
@@ -159,11 +141,9 @@ smr_config target_config(const target_scene *scene)
 int target_again(const target_scene *scene, smr *s)
 {
     static const smr_pose same = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    for (uint32_t i = 0; scene->what->image && i < TARGET_PARTS; ++i) {
-        if (smr_set_positions(s, i, target_begin[i]) != SMR_OK) {
+    for (uint32_t i = 0; scene->what->image && i < TARGET_PARTS; i++)
+        if (smr_set_positions(s, i, target_begin[i]) != SMR_OK)
             return 0;
-        }
-    }
     return scene->what->image || smr_set_pose(s, &same) == SMR_OK;
 }
 
@@ -171,12 +151,10 @@ smr *target_start(const target_scene *scene, const smr_config *config, const smr
 {
     smr *s = NULL;
     if (smr_init(scene->model, config, port, target_arena[arena], sizeof target_arena[arena], &s) != SMR_OK ||
-        !target_again(scene, s)) {
+        !target_again(scene, s))
         return NULL;
-    }
     if ((scene->what->image ? smr_set_volume(s, &scene->volume) : smr_set_surface(s, SMR_ALL, scene->surface)) !=
-        SMR_OK) {
+        SMR_OK)
         return NULL;
-    }
     return s;
 }

@@ -1,10 +1,8 @@
-/*
- * target_steps: what an iteration costs on an emulated board, in instructions: by phase and by step for fixed work, the longest
- * pieces that a budget cannot cut, and single searches and decompositions; for surfaces and an image, rigid and polar. Prints
- * the table of tests/timing/results. The command line says how many nanoseconds an instruction takes.
- *
- * SPDX-License-Identifier: MIT
- */
+/* target_steps.c: cost of an iteration on an emulated board, in instructions: by phase and by step for fixed work,
+ * the longest pieces that a budget cannot cut, and single searches and decompositions; for surfaces and an image,
+ * rigid and polar. Prints the table of tests/timing/results. The command line says how many nanoseconds an
+ * instruction takes.
+ * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 
 #include "geometry/jacobi.h"
@@ -55,9 +53,8 @@ static void target_step_row(const char *kind, const char *what, uint32_t step, c
     const char *name = target_step_name(step, &unit);
     char text[64];
     size_t n = strlen(what);
-    if (ns == 0u || n > sizeof text - 16u) {
+    if (ns == 0u || n > sizeof text - 16u)
         return;
-    }
     memcpy(text, what, n);
     memcpy(text + n, ", step 00", 10u);
     text[n + 7u] = (char)('0' + (char)(step / 10u));
@@ -69,9 +66,8 @@ static void target_step_row(const char *kind, const char *what, uint32_t step, c
 static int target_units(const target_scene *scene, uint64_t units[TARGET_UNITS])
 {
     smr_model_info info;
-    if (smr_model_get_info(scene->model, &info) != SMR_OK) {
+    if (smr_model_get_info(scene->model, &info) != SMR_OK)
         return 0;
-    }
     units[TARGET_VERTICES] = info.n_vertices;
     units[TARGET_TRIANGLES] = info.n_triangles;
     units[TARGET_INDEXES] =
@@ -104,34 +100,30 @@ static int target_phases(const target_scene *scene, target_clock *clock, int sti
     uint64_t smallest[SMR_PHASES] = {0}, largest[SMR_PHASES] = {0}, steps[SMR_STEPS_MAX] = {0};
     smr_tick_report report = {0};
     smr *s = target_start(scene, &config, &port, 0);
-    if (s == NULL || smr_set_active(s, SMR_ALL) != SMR_OK) {
+    if (s == NULL || smr_set_active(s, SMR_ALL) != SMR_OK)
         return 0;
-    }
-    for (uint32_t i = 0; i < TARGET_FIXED_ITERATIONS; ++i) {
+    for (uint32_t i = 0; i < TARGET_FIXED_ITERATIONS; i++) {
         /* the first iteration also fits the last radius' pose, repairs are other work */
         const int other = i == 0u || s->pace.repairing > 0u || (s->reference.stale != 0u) == stiff;
         smr_status status;
         target_forget(clock);
         (void)target_tick(s, clock, 0, &report, &status); /* the clock is read after each step only */
-        for (uint32_t p = 0; p < SMR_PHASES && !other; ++p) {
+        for (uint32_t p = 0; p < SMR_PHASES && !other; p++) {
             const uint64_t n = target_instructions(report.phase_ns[p]);
             smallest[p] = smallest[p] == 0u || n < smallest[p] ? n : smallest[p];
             largest[p] = n > largest[p] ? n : largest[p];
         }
-        for (uint32_t k = 0; k < smr_n_steps; ++k) {
+        for (uint32_t k = 0; k < smr_n_steps; k++) {
             const int counts = !other || smr_steps[k].run == smr_rest_pose_sum;
             steps[k] = counts && clock->in_step[k] > steps[k] ? clock->in_step[k] : steps[k];
         }
-        if (status != SMR_OK) {
+        if (status != SMR_OK)
             return 0;
-        }
     }
-    for (uint32_t p = 0; p < SMR_PHASES; ++p) {
+    for (uint32_t p = 0; p < SMR_PHASES; p++)
         target_row(kind, what, names[p], smallest[p], largest[p]);
-    }
-    for (uint32_t k = 0; k < smr_n_steps && !stiff; ++k) {
+    for (uint32_t k = 0; k < smr_n_steps && !stiff; k++)
         target_step_row("whole", what, k, units, steps[k]);
-    }
     return 1;
 }
 
@@ -143,9 +135,8 @@ static int target_still(const target_scene *scene, target_clock *clock)
     smr_tick_report report = {0};
     smr *s = target_start(scene, &config, &port, 0);
     if (s == NULL || (scene->what->image ? smr_set_volume(s, NULL) : smr_set_surface(s, SMR_ALL, NULL)) != SMR_OK ||
-        smr_tick(s, 0, &report) != SMR_OK) {
+        smr_tick(s, 0, &report) != SMR_OK)
         return 0;
-    }
     const uint64_t n = target_instructions(report.phase_ns[SMR_PHASE_MATCH]);
     target_row("still", scene->what->name, "match", n, n);
     return 1;
@@ -159,18 +150,16 @@ static int target_stretches(const target_scene *scene, target_clock *clock)
     uint64_t smallest = 0, largest = 0;
     smr_tick_report report = {0};
     smr *s = target_start(scene, &config, &port, 0);
-    if (s == NULL) {
+    if (s == NULL)
         return 0;
-    }
     target_forget(clock);
     while (!report.done) {
         smr_status status;
         const uint32_t repairs = s->pace.repairing;
         const uint64_t all = target_tick(s, clock, TARGET_ENDLESS, &report, &status),
                        time = all - report.phase_ns[SMR_PHASE_FORCES];
-        if (status != SMR_OK) {
+        if (status != SMR_OK)
             return 0;
-        }
         if (repairs == 0u) { /* with a budget, repairs leave out what they can */
             smallest = smallest == 0u || time < smallest ? time : smallest;
             largest = time > largest ? time : largest;
@@ -179,14 +168,14 @@ static int target_stretches(const target_scene *scene, target_clock *clock)
     target_row("schedule", scene->what->name, "fixed part", target_instructions(smallest),
                target_instructions(largest));
     target_row("schedule", scene->what->name, "longest stretch", 0, target_instructions(clock->longest));
-    for (uint32_t i = 0; i < smr_n_steps; ++i) {
+    for (uint32_t i = 0; i < smr_n_steps; i++)
         target_step_row("longest", scene->what->name, i, NULL, clock->in_step[i]);
-    }
     return 1;
 }
 
-/* One polar decomposition: what it takes depends on how many of its rotations have nothing left to do. For one without any,
- * the dearest of many, and with all of them. Then a closest-point search that finds nothing: each node that it may open, and each triangle. */
+/* One polar decomposition: its cost depends on how many of its rotations have nothing left to do. Measured without
+ * any, for the most expensive of many, and with all of them. Then a closest-point search that finds nothing, per node
+ * that it may open and per triangle. */
 static void target_singles(const target_scene *scene, target_clock *clock)
 {
     static const float unit[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, even[9] = {3, 0, 0, 0, 2, 0, 0, 0, 1};
@@ -198,9 +187,9 @@ static void target_singles(const target_scene *scene, target_clock *clock)
     TARGET_COST(clock, smr_jacobi(full, v, 1), cost[1]);
     memcpy(v, unit, sizeof v);
     TARGET_COST(clock, smr_polar(even, v, m), cost[2]);
-    for (uint32_t i = 0; i < TARGET_SAMPLES; ++i) {
+    for (uint32_t i = 0; i < TARGET_SAMPLES; i++) {
         uint64_t time;
-        for (uint32_t k = 0; k < 9u; ++k) {
+        for (uint32_t k = 0; k < 9u; k++) {
             seed = seed * 1664525u + 1013904223u;
             a[k] = (float)(seed >> 16) * (1.0f / 32768.0f) - 1.0f;
         }
@@ -232,18 +221,16 @@ int main(void)
     uint64_t units[TARGET_UNITS];
     clock.port = smr_baremetal_port(&board);
     target_ns_per_instruction = target_word(1024u);
-    for (uint32_t i = 0; i < TARGET_CASES; ++i) {
+    for (uint32_t i = 0; i < TARGET_CASES; i++) {
         if (!target_ok("scene", target_set_up(&target_cases[i], &scene)) ||
             !target_ok("units", target_units(&scene, units)) ||
             !target_ok("elastic", target_phases(&scene, &clock, 1, units)) ||
             !target_ok("plastic", target_phases(&scene, &clock, 0, units)) ||
             !target_ok("still", target_still(&scene, &clock)) ||
-            !target_ok("stretches", target_stretches(&scene, &clock))) {
+            !target_ok("stretches", target_stretches(&scene, &clock)))
             return 1;
-        }
-        if (i == 0u) {
+        if (i == 0u)
             target_singles(&scene, &clock);
-        }
     }
     return 0;
 }

@@ -1,4 +1,4 @@
-/* cmocka_first.h: CMocka with the headers that it needs before it.
+/* cmocka_first.h: CMocka and the headers that must precede it.
  * SPDX-License-Identifier: MIT */
 #ifndef CMOCKA_FIRST_H
 #define CMOCKA_FIRST_H

@@ -1,4 +1,4 @@
-/* oracle.c: double-precision references: slow, plain, and not copied from the code under test.
+/* oracle.c: double-precision references: slow, plain, and not derived from the code under test.
  * SPDX-License-Identifier: MIT */
 #include "oracle.h"
 

@@ -30,7 +30,8 @@ void oracle_widen(const float *from, double *to, size_t n);
 
 /* Symmetric a: eigenvalues, largest first, and eigenvectors as columns of a proper rotation. 60 Jacobi sweeps. */
 void oracle_eigen(const double a[9], double value[3], double v[9]);
-/* The proper rotation nearest to a (det R = 1, also for reflected a), by A = U S V^T. Singular values, largest first. */
+/* The proper rotation nearest to a (det R = 1, also for reflected a), by A = U S V^T. Singular values come largest
+ * first. */
 void oracle_polar(const double a[9], double r[9], double singular[3]);
 
 /* Squared distance from p to the triangle: the least of the inside projection and the three edges. */

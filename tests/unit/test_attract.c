@@ -80,9 +80,8 @@ static void test_one_triangle(void **state)
     uint32_t felt = 0;
     float whole = 0.0f;
     (void)state;
-    for (uint32_t c = 0; c < 3u; c++) {
+    for (uint32_t c = 0; c < 3u; c++)
         middle = smr_add(middle, smr_scale(smr_load(mesh.xyz + 3u * t[c]), 1.0f / 3.0f));
-    }
     const smr_vec out = smr_unit(smr_cross(smr_sub(smr_load(mesh.xyz + 3u * t[1]), smr_load(mesh.xyz + 3u * t[0])),
                                            smr_sub(smr_load(mesh.xyz + 3u * t[2]), smr_load(mesh.xyz + 3u * t[0]))));
     for (uint32_t c = 0; c < 3u;
@@ -92,9 +91,8 @@ static void test_one_triangle(void **state)
     }
     const smr_mesh goal = {xyz, corners, 3, 1};
     smr *s = start(1, &goal, 0.5f);
-    for (uint32_t task = 0; task < smr_attract_tasks(&s->forces.surface); task++) {
+    for (uint32_t task = 0; task < smr_attract_tasks(&s->forces.surface); task++)
         smr_attract_search(&s->forces.surface, task, 0);
-    }
     for (uint32_t v = 0; v < mesh.n_vertices; v++) {
         const uint32_t at = smr_model_position(s->shared.model, v);
         const int64_t weight = s->forces.surface.pull[4u * (size_t)at + 3u];
@@ -136,9 +134,8 @@ static void test_workers(void **state)
         assert_memory_equal(&a, &b, sizeof a);
     }
     assert_true(fabs(sum / (double)goal.n_vertices - 1.0) < 0.01);
-    for (size_t i = 0; i < 4u * 5u * (size_t)many->shared.n; i++) {
+    for (size_t i = 0; i < 4u * 5u * (size_t)many->shared.n; i++)
         assert_true(many->forces.surface.pull[i] == 0);
-    }
 }
 
 /* The closest triangle, by comparing with a search from the outside over the model's own surface. */
@@ -149,22 +146,19 @@ static void test_closest_facet(void **state)
     smr *s = start(1, &goal, 0.5f);
     const smr_surface *model = rig_surface(&mesh);
     (void)state;
-    for (uint32_t t = 0; t < smr_attract_tasks(&s->forces.surface); t++) {
+    for (uint32_t t = 0; t < smr_attract_tasks(&s->forces.surface); t++)
         smr_attract_search(&s->forces.surface, t, 0);
-    }
     for (uint32_t j = 0; j < goal.n_vertices; j++) {
         smr_closest hit;
         assert_int_equal(SMR_OK, smr_surface_closest(model, goal.xyz + 3u * j, NULL, -2.0f, s->pace.search_mm, &hit));
         assert_int_equal(hit.triangle == SMR_NONE, s->forces.surface.target_warm[j] == SMR_NONE);
-        if (hit.triangle == SMR_NONE) {
+        if (hit.triangle == SMR_NONE)
             continue;
-        }
         const uint32_t *t = s->shared.triangle + 3u * (size_t)s->forces.surface.target_warm[j];
         const uint32_t *expected = mesh.triangles + 3u * (size_t)hit.triangle;
         uint32_t same = 0;
-        for (uint32_t c = 0; c < 3u; c++) {
+        for (uint32_t c = 0; c < 3u; c++)
             same += smr_model_original(s->shared.model, t[c]) == expected[c];
-        }
         if (same != 3u) { /* another triangle is right only where both are equally close */
             const smr_vec y = smr_load(goal.xyz + 3u * j);
             float weight = fminf(hit.weight[0], fminf(hit.weight[1], hit.weight[2]));

@@ -22,9 +22,8 @@ static int tidy(void **state)
 static double distance(const float *a, const float *b)
 {
     double d2 = 0;
-    for (uint32_t c = 0; c < 3u; c++) {
+    for (uint32_t c = 0; c < 3u; c++)
         d2 += ((double)a[c] - (double)b[c]) * ((double)a[c] - (double)b[c]);
-    }
     return sqrt(d2);
 }
 
@@ -37,9 +36,8 @@ static smr *start(float shift, const smr_model **model)
     const float radius = (float)distance(xyz + 3u * 20u, xyz + 3u * 50u);
     const smr_prepare_config radii = rig_radii(1, radius, 0, 0);
     const double length = distance(xyz + 3u * 20u, xyz + 3u * 50u);
-    for (uint32_t c = 0; c < 3u; c++) {
+    for (uint32_t c = 0; c < 3u; c++)
         xyz[3u * 50u + c] += (float)((double)shift * ((double)xyz[3u * 50u + c] - (double)xyz[3u * 20u + c]) / length);
-    }
     mesh.xyz = xyz;
     smr_config config = smr_config_default();
     config.fold_guard = 0;
@@ -76,18 +74,15 @@ static void test_shares(void **state)
         assert_true(first != second && fabs(d - radius) < 0.01 * radius);
         assert_true(fabs(added(s, i)) <= 0.5);
         found += (uint32_t)between(s, i, a, b);
-        if (between(s, i, a, b)) {
+        if (between(s, i, a, b))
             assert_true(fabs(fabs(added(s, i)) - 0.5) < 0.02); /* a half, whichever side the last bit is */
-        }
-        for (uint32_t j = 0; j < i; j++) {
+        for (uint32_t j = 0; j < i; j++)
             assert_false(between(s, j, first, second));
-        }
     }
     assert_int_equal(1, found);
     s = start(0.1f, &model);
-    for (uint32_t i = 0; i < s->pace.lists.n_boundary; i++) {
+    for (uint32_t i = 0; i < s->pace.lists.n_boundary; i++)
         assert_false(between(s, i, smr_model_position(model, 20), smr_model_position(model, 50)));
-    }
 }
 
 /* Mass, centre and share of each cluster, by distances and the boundary. */
@@ -102,22 +97,18 @@ static void test_reference(void **state)
         for (uint32_t w = 0; w < s->shared.n; w++) {
             const double d = distance(smr_at3(s->shape.x_ref, v), smr_at3(s->shape.x_ref, w));
             double part = d <= (double)s->pace.lists.radius ? 1.0 : 0.0;
-            for (uint32_t i = 0; i < s->pace.lists.n_boundary; i++) {
-                if (between(s, i, v, w)) { /* which side of the radius it lies on is in what is added, too */
+            for (uint32_t i = 0; i < s->pace.lists.n_boundary; i++)
+                if (between(s, i, v, w)) /* which side of the radius it lies on is in what is added, too */
                     part = added(s, i) < 0.0 ? 1.0 + added(s, i) : added(s, i);
-                }
-            }
             mass += part * (double)smr_mass(&s->shared, w);
             count += part;
-            for (uint32_t c = 0; c < 3u; c++) {
+            for (uint32_t c = 0; c < 3u; c++)
                 centre[c] += part * (double)smr_mass(&s->shared, w) * (double)smr_at3(s->shape.x_ref, w)[c];
-            }
         }
         assert_true(fabs((double)s->reference.cluster_mass[v] - mass) < 1.0e-4 * mass);
         assert_true(fabs((double)s->reference.share[v] - 1.0 / count) < 1.0e-5);
-        for (uint32_t c = 0; c < 3u; c++) {
+        for (uint32_t c = 0; c < 3u; c++)
             assert_true(fabs((double)smr_at3(s->reference.centre, v)[c] - centre[c] / mass) < 1.0e-3);
-        }
     }
 }
 
@@ -128,18 +119,15 @@ static smr_vec carried(float shift)
     smr *s = start(shift, &model);
     const uint32_t v = smr_model_position(model, 20), w = smr_model_position(model, 50);
     for (uint32_t step = 0; step < smr_n_steps; step++) {
-        if (smr_steps[step].run == smr_forces_take) {
+        if (smr_steps[step].run == smr_forces_take)
             smr_store(smr_at3(s->forces.force, w), smr_v(40, -30, 20));
-        }
         const uint32_t n = smr_step_tasks(s, &smr_steps[step]);
-        for (s->next_task = 0; s->next_task < n && smr_steps[step].run != smr_forces_take; s->next_task++) {
+        for (s->next_task = 0; s->next_task < n && smr_steps[step].run != smr_forces_take; s->next_task++)
             smr_steps[step].run(smr_stage_of(s, &smr_steps[step]), s->next_task, 0);
-        }
-        if (smr_steps[step].run == smr_forces_take) {
+        if (smr_steps[step].run == smr_forces_take)
             s->sums.scale[0] = s->sums.scale[1] = 1024.0f;
-        } else if (n > 0u && smr_steps[step].end != NULL) {
+        else if (n > 0u && smr_steps[step].end != NULL)
             smr_steps[step].end(s);
-        }
         s->next_task = 0;
     }
     return smr_sub(smr_load(smr_at3(s->shape.x, v)), smr_load(smr_at3(s->shape.start, v)));

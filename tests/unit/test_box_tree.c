@@ -389,8 +389,8 @@ static void near_ones_take_over_gradually(void **state)
     unit_mesh_free(&m);
 }
 
-/* However few nodes may be opened, the nearest that is known has its share; and where more are near than the list
- * holds, who has room is no matter of last bits. */
+/* With however small a node budget, the nearest known triangle has its share. Where more are near than the list
+ * holds, the last bits do not decide which are kept. */
 static void near_ones_end_where_room_or_budget_do(void **state)
 {
     oracle_random r = oracle_seed(76);

@@ -1,4 +1,4 @@
-/* test_box_tree_order.c: the order of triangles for the box tree: a permutation, the same each time, and compact.
+/* test_box_tree_order.c: the order of triangles for the box tree is a permutation, the same each time, and compact.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,4 +1,4 @@
-/* test_config.c: the defaults are legal, stated limits are accepted, one step beyond them is not.
+/* test_config.c: the defaults are legal, the stated limits are accepted, one step beyond them is refused.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -44,17 +44,15 @@ static void test_default(void **state)
     do {                                                                                                               \
         smr_config c_ = smr_config_default();                                                                          \
         c_.field = (value);                                                                                            \
-        if (smr_config_check(&c_, model) != SMR_OK) {                                                                  \
+        if (smr_config_check(&c_, model) != SMR_OK)                                                                    \
             fail_msg("refused: " #field " = " #value);                                                                 \
-        }                                                                                                              \
     } while (0)
 #define REFUSE(field, value)                                                                                           \
     do {                                                                                                               \
         smr_config c_ = smr_config_default();                                                                          \
         c_.field = (value);                                                                                            \
-        if (smr_config_check(&c_, model) != SMR_E_CONFIG) {                                                            \
+        if (smr_config_check(&c_, model) != SMR_E_CONFIG)                                                              \
             fail_msg("accepted: " #field " = " #value);                                                                \
-        }                                                                                                              \
     } while (0)
 #define LIMITS(field, lo, hi, below, above)                                                                            \
     do {                                                                                                               \

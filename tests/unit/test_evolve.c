@@ -60,16 +60,13 @@ static void test_average_and_relaxation(void **state)
         for (uint32_t v = 0; v < s->shared.n; v++) {
             double mean[12] = {0}, step2 = 0.0;
             const double n = (double)(l.zeta_start[v + 1u] - l.zeta_start[v]);
-            for (uint32_t j = l.zeta_start[v]; j < l.zeta_start[v + 1u]; j++) {
-                for (uint32_t i = 0; i < 12u; i++) {
+            for (uint32_t j = l.zeta_start[v]; j < l.zeta_start[v + 1u]; j++)
+                for (uint32_t i = 0; i < 12u; i++)
                     mean[i] += (double)s->match.transform[12u * (size_t)l.zeta[j] + i] / n;
-                }
-            }
             for (uint32_t a = 0; a < 3u; a++) {
                 double goal = (double)ref[3u * v + a] + mean[9u + a], x = (double)old[3u * v + a];
-                for (uint32_t b = 0; b < 3u; b++) {
+                for (uint32_t b = 0; b < 3u; b++)
                     goal += mean[3u * a + b] * (double)ref[3u * v + b];
-                }
                 x += (double)c.relaxation * (goal - x);
                 assert_true(fabs(x - (double)smr_at3(s->shape.x, v)[a]) < 2.0e-5);
                 step2 += (x - (double)old[3u * v + a]) * (x - (double)old[3u * v + a]);
@@ -96,9 +93,8 @@ static void test_normals(void **state)
             const smr_vec a = smr_load(smr_at3(s->shape.x, t[0]));
             const smr_vec area = smr_cross(smr_sub(smr_load(smr_at3(s->shape.x, t[1])), a),
                                            smr_sub(smr_load(smr_at3(s->shape.x, t[2])), a));
-            for (uint32_t i = 0; i < 3u; i++) {
+            for (uint32_t i = 0; i < 3u; i++)
                 smr_store(expected + 3u * t[i], smr_add(smr_load(expected + 3u * t[i]), area));
-            }
         }
         for (uint32_t v = 0; v < s->shared.n; v++) {
             const float cosine = smr_dot(smr_unit(smr_load(expected + 3u * v)), smr_load(smr_at3(s->shape.normal, v)));

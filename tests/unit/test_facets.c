@@ -1,4 +1,4 @@
-/* test_facets.c: triangles' normals and boxes follow the model, task by task as well as all at once.
+/* test_facets.c: normals and boxes of triangles follow the model, task by task as well as all at once.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -30,9 +30,8 @@ static smr *start(uint32_t n_target_vertices)
 
 static void scramble(smr *s, uint32_t seed)
 {
-    for (uint32_t i = 0; i < 3u * s->shared.n; i++) {
+    for (uint32_t i = 0; i < 3u * s->shared.n; i++)
         s->shape.x_next[i] = s->shape.x[i] + rig_between(&seed, -4, 4);
-    }
 }
 
 static int within(const smr_node *node, uint32_t k, const float *p)
@@ -48,25 +47,22 @@ static void test_normals_and_boxes(void **state)
     for (uint32_t round = 1; round < 4u; round++) {
         scramble(s, round);
         smr_facets_follow(&s->shape, s->shape.x_next);
-        for (uint32_t t = smr_facets_tasks(&s->shape); t > 0u; t--) {
+        for (uint32_t t = smr_facets_tasks(&s->shape); t > 0u; t--)
             smr_facets_refit(&s->shape, t - 1u, 0);
-        }
         smr_facets_end(&s->shape);
         for (uint32_t i = 0; i < s->shared.n_structures; i++) {
             const smr_facets *f = &s->shape.structure[i].facets;
             for (uint32_t k = 0; k < f->n_triangles; k++) {
                 const float *p[3];
-                for (uint32_t c = 0; c < 3u; c++) {
+                for (uint32_t c = 0; c < 3u; c++)
                     p[c] = smr_at3(s->shape.x_next, f->triangle[3u * k + c]);
-                }
                 const smr_vec n = smr_unit(
                     smr_cross(smr_sub(smr_load(p[1]), smr_load(p[0])), smr_sub(smr_load(p[2]), smr_load(p[0]))));
                 assert_true(smr_length(smr_sub(n, smr_load(f->normal + 3u * k))) < 1.0e-5f);
                 for (uint32_t level = 0, at = k; level < f->n_levels; level++) {
                     const smr_node *node = &f->node[f->level[level] + at / SMR_TREE_WIDTH];
-                    for (uint32_t c = 0; c < 3u; c++) {
+                    for (uint32_t c = 0; c < 3u; c++)
                         assert_true(within(node, at % SMR_TREE_WIDTH, p[c]));
-                    }
                     at /= SMR_TREE_WIDTH;
                 }
             }
@@ -80,9 +76,8 @@ static void test_all_at_once_is_the_same(void **state)
     (void)state;
     scramble(s, 77);
     smr_facets_follow(&s->shape, s->shape.x_next);
-    for (uint32_t t = 0; t < smr_facets_tasks(&s->shape); t++) {
+    for (uint32_t t = 0; t < smr_facets_tasks(&s->shape); t++)
         smr_facets_refit(&s->shape, t, 0);
-    }
     smr_facets_end(&s->shape);
     memcpy(twin->shape.x, s->shape.x_next, 3u * s->shared.n * sizeof(float));
     smr_facets_now(&twin->shape);
@@ -102,9 +97,8 @@ static void test_each_leaf_in_one_task(void **state)
         float *before = rig_alloc(3u * s->shared.n_triangles * sizeof *before);
         memcpy(before, s->shape.facet_normal, 3u * s->shared.n_triangles * sizeof *before);
         smr_facets_refit(&s->shape, t, 0);
-        for (uint32_t k = 0; k < s->shared.n_triangles; k++) {
+        for (uint32_t k = 0; k < s->shared.n_triangles; k++)
             changed += memcmp(before + 3u * k, s->shape.facet_normal + 3u * k, 3u * sizeof *before) != 0;
-        }
         assert_true(changed > 0u && changed <= 256u); /* bounded work, and none in vain */
     }
     smr_facets_end(&s->shape); /* nothing above leaves that do not exist */

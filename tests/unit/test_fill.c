@@ -1,4 +1,5 @@
-/* test_fill.c: vertices that the image shows nothing of shrink towards their neighbours, what it cannot tell of stays.
+/* test_fill.c: vertices that the image does not show shrink towards their neighbours; where the image is undecided
+ * they stay.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -20,21 +21,12 @@ static int tidy(void **state)
     return 0;
 }
 
-/* A ball (1), a texture that is nothing like its surface (0), one value (2), or the ball's lower part below that texture (3).
- * Cut off above z = top. */
+/* A ball (1), a texture unlike its surface (0), one value (2), or the ball's lower part below that texture (3).
+ * The image ends above z = top. */
 static smr_volume image(int ball, float top)
 {
-    smr_volume v;
-    float *voxels = rig_alloc(SIDE * SIDE * SIDE * sizeof *voxels);
-    memset(&v, 0, sizeof v);
-    v.voxels = voxels;
-    v.type = SMR_VOXEL_FLOAT;
-    for (uint32_t a = 0; a < 3u; a++) {
-        v.size[a] = SIDE;
-        v.spacing[a] = 2.0f;
-        v.origin[a] = -(float)(SIDE - 1u);
-        v.direction[4u * a] = 1.0f;
-    }
+    float *voxels;
+    const smr_volume v = rig_cube(SIDE, 2.0f, &voxels);
     for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
         const float x = v.origin[0] + 2.0f * (float)(i % SIDE), y = v.origin[1] + 2.0f * (float)(i / SIDE % SIDE);
         const float z = v.origin[2] + 2.0f * (float)(i / SIDE / SIDE);

@@ -1,4 +1,5 @@
-/* test_fold_find.c: surfaces do not fold where the guard is on, do where it is off, and nothing is touched where nothing folds.
+/* test_fold_find.c: surfaces do not fold while fold handling is on, fold while it is off, and nothing is changed
+ * where nothing folds.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -23,9 +24,8 @@ static smr_mesh sheet(void)
 {
     float *xyz = rig_alloc(SIDE * SIDE * 3u * sizeof *xyz);
     uint32_t *t = rig_alloc((SIDE - 1u) * (SIDE - 1u) * 6u * sizeof *t), k = 0;
-    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+    for (uint32_t i = 0; i < SIDE * SIDE; i++)
         smr_store(xyz + 3u * i, smr_v(5.0f * (float)(i % SIDE), 5.0f * (float)(i / SIDE), 0));
-    }
     for (uint32_t y = 0; y + 1u < SIDE; y++) {
         for (uint32_t x = 0; x + 1u < SIDE; x++) {
             const uint32_t a = y * SIDE + x;
@@ -83,9 +83,8 @@ static uint32_t n_below(const smr_mesh *mesh, const float *x, float limit)
     for (uint32_t k = 0; k < mesh->n_triangles; k++) {
         for (uint32_t j = 0; j < k; j++) {
             uint32_t shared = 0;
-            for (uint32_t c = 0; c < 9u; c++) {
+            for (uint32_t c = 0; c < 9u; c++)
                 shared += mesh->triangles[3u * k + c / 3u] == mesh->triangles[3u * j + c % 3u];
-            }
             n += shared == 2u && smr_dot(smr_unit(normal[k]), smr_unit(normal[j])) < limit;
         }
     }
@@ -99,12 +98,10 @@ static void settle(smr *s)
 {
     smr_facets_follow(&s->shape, s->shape.x_next);
     for (uint32_t i = 0, behind = 0; i < smr_n_steps; behind |= smr_steps[i++].run == smr_evolve_step) {
-        for (s->next_task = 0; behind && s->next_task < smr_step_tasks(s, &smr_steps[i]); s->next_task++) {
+        for (s->next_task = 0; behind && s->next_task < smr_step_tasks(s, &smr_steps[i]); s->next_task++)
             smr_steps[i].run(smr_stage_of(s, &smr_steps[i]), s->next_task, 0);
-        }
-        if (s->next_task > 0u && smr_steps[i].end != NULL) {
+        if (s->next_task > 0u && smr_steps[i].end != NULL)
             smr_steps[i].end(s);
-        }
         s->next_task = 0;
     }
 }
@@ -170,9 +167,8 @@ static void test_stays_local(void **state)
     s->pace.repairing = 0;
     memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
     smr_at3(s->shape.x_next, v)[0] += 9.0f; /* over its neighbour */
-    for (uint32_t i = 0; i < s->shared.n; i++) {
+    for (uint32_t i = 0; i < s->shared.n; i++)
         smr_at3(s->shape.x_next, i)[2] += 1.0f; /* all of it lifts */
-    }
     settle(s);
     assert_true(s->folds.n_guarded > 0u && s->folds.n_guarded < s->shared.n / 2u);
     const uint32_t far = smr_model_position(s->shared.model, SIDE * SIDE - 1u);
@@ -182,8 +178,8 @@ static void test_stays_local(void **state)
                 0.5f); /* and the patch goes with its surroundings */
 }
 
-/* Held back as much as need be, not more by a jump: a vertex carried ever farther over its neighbours ends, step for step, near
- * where it ended before, and so do they. */
+/* The limit acts gradually: a vertex carried ever farther over its neighbours ends, step for step, near where it
+ * ended before, and so do they. */
 static void test_gives_way_gradually(void **state)
 {
     float before[3 * SIDE * SIDE], x[3 * SIDE * SIDE];
@@ -222,9 +218,8 @@ static void test_repairs(void **state)
         memcpy(s->shape.x_ref, s->shape.x, 3u * s->shared.n * sizeof(float));
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
         before += n_folds(&mesh, x);
-        for (uint32_t i = 0; i < 100u && s->pace.repairing > 0u; i++) {
+        for (uint32_t i = 0; i < 100u && s->pace.repairing > 0u; i++)
             assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
-        }
         assert_int_equal(0, s->pace.repairing); /* it ends */
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
         after += n_folds(&mesh, x);

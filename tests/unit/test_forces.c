@@ -1,4 +1,4 @@
-/* test_forces.c: external forces: the exact closest point, and every reason for having none.
+/* test_forces.c: external forces: the exact closest point, and every reason for having no force.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -51,12 +51,10 @@ static setting start(const smr_config *config, const smr_mesh *goal)
 
 static void search(smr *s)
 {
-    for (uint32_t i = 0; i < smr_forces_tasks(&s->forces); i++) {
+    for (uint32_t i = 0; i < smr_forces_tasks(&s->forces); i++)
         smr_forces_search(&s->forces, i, 0);
-    }
-    for (uint32_t i = 0; i < s->shared.n_tasks; i++) {
+    for (uint32_t i = 0; i < s->shared.n_tasks; i++)
         smr_forces_take(&s->forces, i, 0);
-    }
     smr_forces_end(&s->forces);
 }
 
@@ -116,13 +114,11 @@ static void test_warm_start(void **state)
     float *cold = rig_alloc(3u * t.s->shared.n * sizeof *cold);
     memcpy(cold, t.s->forces.force, 3u * t.s->shared.n * sizeof *cold);
     for (uint32_t round = 0; round < 3u; round++) {
-        for (uint32_t v = 0; round > 0u && v < t.s->shared.n; v++) {
+        for (uint32_t v = 0; round > 0u && v < t.s->shared.n; v++)
             t.s->forces.surface.warm[v] = rig_random(&seed, goal.n_triangles); /* a bad one */
-        }
         search(t.s);
-        for (uint32_t i = 0; i < 3u * t.s->shared.n; i++) {
+        for (uint32_t i = 0; i < 3u * t.s->shared.n; i++)
             assert_true(fabsf(cold[i] - t.s->forces.force[i]) < 1.0e-5f);
-        }
     }
 }
 
@@ -180,9 +176,8 @@ static void test_outliers(void **state)
     float *xyz = rig_alloc(3u * goal.n_vertices * sizeof *xyz);
     (void)state;
     memcpy(xyz, goal.xyz, 3u * goal.n_vertices * sizeof *xyz);
-    for (uint32_t i = 0; i < 3u; i++) {
+    for (uint32_t i = 0; i < 3u; i++)
         xyz[3u * (goal.n_vertices - 2u) + i] *= 3.0f; /* a spike at the pole */
-    }
     goal.xyz = xyz;
     c.reject_deviations = 2.0f;
     const setting t = start(&c, &goal);
@@ -206,9 +201,8 @@ static void test_no_target_no_force(void **state)
     assert_int_equal(0, t.s->forces.totals.n_drawn);
     assert_int_equal(0, t.s->forces.totals.n_forces);
     assert_int_equal(0, t.s->forces.totals.n_rejected);
-    for (uint32_t i = 0; i < 3u * t.s->shared.n; i++) {
+    for (uint32_t i = 0; i < 3u * t.s->shared.n; i++)
         assert_true(t.s->forces.force[i] == 0.0f);
-    }
 }
 
 /* `slide` takes away the part of the way that runs along the surface, where there is one. */

@@ -1,4 +1,4 @@
-/* test_fuzz.c: the fuzz targets as a plain regression test: a corpus made here, and changes to it that are the same every
+/* test_fuzz.c: the fuzz targets as a regression test: a corpus made here, and mutations of it that are the same every
  * time. SMR_FUZZ_CORPUS=dir writes the seeds there (model-N, mesh-N, log-N) for a real fuzzer to start from.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"

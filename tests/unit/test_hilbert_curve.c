@@ -18,7 +18,7 @@ static void successive_keys_are_neighbours(void **state)
     static int cell[CELLS];
     oracle_random r = oracle_seed(50);
     (void)state;
-    for (uint32_t round = 0; round < 60; round++) {
+    for (uint32_t round = 0; round < 60u; round++) {
         uint32_t at[3];
         for (int k = 0; k < 3; k++)
             at[k] = round == 0 ? 0u : (round == 1 ? 1008u : oracle_below(&r, 64u) * SIDE);

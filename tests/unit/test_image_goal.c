@@ -1,4 +1,4 @@
-/* test_image_goal.c: a ball follows its computed image; what an image may not change, and volumes that are refused.
+/* test_image_goal.c: a ball follows its computed image; what an image must not change; volumes that are refused.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -25,17 +25,8 @@ static int tidy(void **state)
 /* The image of a ball: bright inside, dark outside, with an edge some millimetres wide. */
 static smr_volume image(float radius, const float centre[3])
 {
-    smr_volume v;
-    float *voxels = rig_alloc(SIDE * SIDE * SIDE * sizeof *voxels);
-    memset(&v, 0, sizeof v);
-    v.voxels = voxels;
-    v.type = SMR_VOXEL_FLOAT;
-    for (uint32_t a = 0; a < 3u; a++) {
-        v.size[a] = SIDE;
-        v.spacing[a] = SPACING;
-        v.origin[a] = -0.5f * SPACING * (float)(SIDE - 1u);
-        v.direction[4u * a] = 1.0f;
-    }
+    float *voxels;
+    const smr_volume v = rig_cube(SIDE, SPACING, &voxels);
     for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
         const uint32_t at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
         double d2 = 0.0;
@@ -91,9 +82,8 @@ static void test_follows_image(void **state)
         r = rig_run(s, 10000);
         assert_int_equal(1, r.done);
         const double off = off_ball(s, model, (double)RADIUS + 2.0, shift);
-        if (!(off < 0.3)) {
+        if (!(off < 0.3))
             print_error("similarity %u: %f mm off in the mean\n", similarity, off);
-        }
         assert_true(off < 0.3);
         assert_true(rig_finite(rig_positions(s, model), s->shared.n));
     }
@@ -132,8 +122,9 @@ static double off_turned(const smr *s, const smr_model *model, const float *befo
     return sum / s->shared.n;
 }
 
-/* A ball that turned: along its normals there is nothing to be seen of it. Nor must it turn far where the image has not turned,
- * whatever its contrast and brightness: half as much contrast again, taken for a way, would be 8 mm. */
+/* A ball that turned: along its normals the turn is invisible. It must not turn far either where the image has not
+ * turned, whatever its contrast and brightness: half as much contrast again, taken for a displacement, would be 8
+ * mm. */
 static void test_turns(void **state)
 {
     static const double angle = 0.12; /* 3.6 mm at the equator */
@@ -174,9 +165,8 @@ static void test_extreme_reference(void **state)
         const smr_volume source = image(RADIUS, none);
         float *voxels = rig_alloc(SIDE * SIDE * SIDE * sizeof *voxels);
         smr_volume reference = source;
-        for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) { /* -0.99 .. 0.99 of the limit, and next to nothing */
+        for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) /* -0.99 .. 0.99 of the limit, and next to nothing */
             voxels[i] = (((const float *)source.voxels)[i] - 500.0f) / 400.0f * (k == 0u ? 0.99e30f : 1.0e-37f);
-        }
         reference.voxels = voxels;
         const smr_model *model = ball_model(&reference); /* ends the program when it cannot be opened */
         const smr_config c = smr_config_default();
@@ -289,14 +279,12 @@ static void test_abandoned(void **state)
             smr *s = rig_init(model, &c, &port);
             assert_int_equal(SMR_OK, smr_set_volume(s, &first));
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-            if (cut > 0u) {
+            if (cut > 0u)
                 status = smr_tick(s, 1000u * (uint64_t)cut, &report);
-            }
             assert_int_equal(SMR_OK, smr_set_volume(s, &second));
             (void)rig_run(s, 100);
-            if (cut == 0u) {
+            if (cut == 0u)
                 undisturbed = smr_state_hash(s);
-            }
             assert_true(status != SMR_PARTIAL || smr_state_hash(s) == undisturbed);
             n_partial += cut > 0u && status == SMR_PARTIAL;
         }
@@ -407,9 +395,8 @@ static void test_structure_report(void **state)
     uint32_t rejected = 0;
     float *voxels = rig_alloc(SIDE * SIDE * SIDE * sizeof *voxels);
     memcpy(voxels, target.voxels, SIDE * SIDE * SIDE * sizeof *voxels);
-    for (uint32_t i = SIDE * SIDE * (SIDE / 2u + 5u); i < SIDE * SIDE * SIDE; i++) {
+    for (uint32_t i = SIDE * SIDE * (SIDE / 2u + 5u); i < SIDE * SIDE * SIDE; i++)
         voxels[i] = (float)(i % SIDE); /* no goal where this is */
-    }
     target.voxels = voxels;
     smr *s = rig_init(model, &c, NULL);
     assert_int_equal(SMR_OK, smr_set_volume(s, &target));

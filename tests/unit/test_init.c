@@ -1,4 +1,4 @@
-/* test_init.c: the arena's parts are aligned, do not overlap, lie within it, and say what model and port say.
+/* test_init.c: the arena's slots are aligned, do not overlap, lie within it, and agree with model and port.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -60,9 +60,8 @@ static void check_slots(const smr *s, size_t bytes)
     const unsigned char *base = (const unsigned char *)s;
     for (size_t i = 0; i < sizeof slots / sizeof slots[0]; i++) {
         const unsigned char *a = slots[i].at;
-        if (slots[i].bytes == 0u) {
+        if (slots[i].bytes == 0u)
             continue;
-        }
         assert_non_null(a);
         assert_int_equal(0, (uintptr_t)a % SMR_ALIGN);
         assert_true(a >= base && a + slots[i].bytes <= base + bytes);
@@ -121,9 +120,8 @@ static void test_counts_and_parts(void **state)
     assert_int_equal(vertices, s->shared.n);
     assert_int_equal(triangles, s->shared.n_triangles);
     assert_int_equal((vertices + SMR_CHUNK - 1u) / SMR_CHUNK, s->shared.n_tasks);
-    for (size_t i = 0; i < 3u * (size_t)s->shared.n_triangles; i++) {
+    for (size_t i = 0; i < 3u * (size_t)s->shared.n_triangles; i++)
         assert_true(s->shared.triangle[i] < s->shared.n);
-    }
 }
 
 static void test_masses(void **state)

@@ -1,4 +1,4 @@
-/* test_input_checksum.c: any one bit of any input changes its checksum, and so do counts, order, the mask and the type.
+/* test_input_checksum.c: any single bit of any input changes its checksum, and so do counts, order, mask and type.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -18,9 +18,8 @@ static void test_points(void **state)
 {
     float xyz[3 * 7], other[3 * 7];
     (void)state;
-    for (uint32_t i = 0; i < 21u; i++) {
+    for (uint32_t i = 0; i < 21u; i++)
         xyz[i] = 1.5f * (float)i - 7.0f;
-    }
     const uint64_t sum = smr_points_checksum(xyz, 7);
     assert_true(sum != 0u);
     for (size_t bit = 0; bit < 8u * sizeof xyz; bit++) {
@@ -69,9 +68,8 @@ static void test_volumes(void **state)
     (void)state;
     for (uint32_t type = 0; type < 5u; type++) {
         smr_volume v = {voxels, NULL, type, {3, 3, 3}, {1, 2, 3}, {1, 1, 2}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-        for (size_t i = 0; i < sizeof voxels; i++) {
+        for (size_t i = 0; i < sizeof voxels; i++)
             voxels[i] = (unsigned char)(i * 37u % 60u);
-        }
         const uint64_t sum = smr_volume_checksum(&v);
         for (size_t bit = 0; bit < 8u * 27u * bytes[type]; bit++) {
             voxels[bit / 8u] ^= (unsigned char)(1u << bit % 8u);

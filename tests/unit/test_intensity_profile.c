@@ -44,9 +44,8 @@ static packed_profile pack(const float *value)
 static packed_profile reference(uint32_t kind)
 {
     float value[N];
-    for (uint32_t k = 0; k < N; k++) {
+    for (uint32_t k = 0; k < N; k++)
         value[k] = value_of(kind, (float)k);
-    }
     return pack(value);
 }
 
@@ -94,22 +93,19 @@ static void test_flat(void **state)
     for (uint32_t k = 0; k < 4u; k++) {
         float value[N], line[M];
         unsigned char inside[M];
-        for (uint32_t i = 0; i < N; i++) {
+        for (uint32_t i = 0; i < N; i++)
             value[i] = level[k];
-        }
         const packed_profile p = pack(value);
         assert_true(p.range == 0.0f);
         line_of(0, 20, 1, 0, line, inside);
-        for (int ssd = 0; ssd < 2; ssd++) {
+        for (int ssd = 0; ssd < 2; ssd++)
             assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[ssd]).confidence == 0.0f);
-        }
         assert_true(smr_profile_edge(VIEW(p), 15, line, inside, M, 35, 10).confidence == 0.0f);
     }
     for (float scale = 1.0e-30f; scale > 0.0f; scale *= 0.1f) { /* as good as flat: 255 / range would be infinite */
         float value[N];
-        for (uint32_t i = 0; i < N; i++) {
+        for (uint32_t i = 0; i < N; i++)
             value[i] = i < 15u ? 0.0f : scale;
-        }
         const packed_profile p = pack(value);
         assert_true(p.range == 0.0f && p.byte[0] == 0u && p.byte[N - 1u] == 0u);
     }
@@ -157,8 +153,8 @@ static void test_ssd_sees_level(void **state)
     assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[1]).confidence == 0.0f);
 }
 
-/* Concordance knows the reference's contrast: of two places of the same form the one of like contrast wins, and what
- * is less than noise is nothing; correlation takes either. */
+/* Concordance compares contrast, too: of two places of the same form the one of like contrast wins, and a difference
+ * below the noise is no difference. Correlation accepts either. */
 static void test_concordance_sees_contrast(void **state)
 {
     const packed_profile p = reference(0);
@@ -214,11 +210,10 @@ static void test_outside_windows(void **state)
             inside[hole] = 0;
             const smr_peak peak = smr_profile_match(VIEW(p), line, inside, M, &likeness[ssd]);
             const uint32_t o = (uint32_t)(peak.at + 0.5f);
-            if (hole < 19u || hole >= 21u + N) {
+            if (hole < 19u || hole >= 21u + N)
                 assert_true(fabsf(peak.at - 20.0f) < 0.1f && peak.confidence > 0.1f);
-            } else if (peak.confidence > 0.0f) {
+            else if (peak.confidence > 0.0f)
                 assert_true(hole < o || hole >= o + N);
-            }
         }
     }
     const packed_profile p = reference(0);
@@ -242,9 +237,8 @@ static float edge_at(float t, float place) { return fminf(fmaxf(0.5f * (t - plac
 static packed_profile edge_reference(float place, float sign)
 {
     float value[N];
-    for (uint32_t k = 0; k < N; k++) {
+    for (uint32_t k = 0; k < N; k++)
         value[k] = 100.0f + sign * 50.0f * edge_at((float)k, place);
-    }
     return pack(value);
 }
 
@@ -253,9 +247,8 @@ static void edge_line(const float *place, const float *sign, uint32_t n, float *
     for (uint32_t k = 0; k < M; k++) {
         line[k] = 100.0f;
         inside[k] = 1;
-        for (uint32_t i = 0; i < n; i++) {
+        for (uint32_t i = 0; i < n; i++)
             line[k] += sign[i] * 50.0f * edge_at((float)k, place[i]);
-        }
     }
 }
 
@@ -317,7 +310,7 @@ static void two_edges(const packed_profile *p, float sign, const float *steep, c
     }
 }
 
-/* Of two edges the one wins that is like the reference's: a much steeper one loses, and an equal one that is lighter
+/* Of two edges the one like the reference's wins: a much steeper one loses, and so does an equal one that is lighter
  * or darker. */
 static void test_edge_alike(void **state)
 {
@@ -356,9 +349,8 @@ static void test_edge_holes(void **state)
         line[hole] = 0.0f;
         inside[hole] = 0;
         const smr_peak peak = smr_profile_edge(VIEW(p), 15, line, inside, M, 35, 8);
-        if (hole < 34u || hole > 42u) {
+        if (hole < 34u || hole > 42u)
             assert_true(peak.confidence > 0.0f);
-        }
         /* neighbours that lack a sample may show half of the edge only, but never pull it to their hole */
         assert_true(peak.confidence == 0.0f || fabsf(peak.at - at) < 1.01f);
         assert_true(hole != 38u || peak.confidence == 0.0f || fabsf(peak.at - at) < 0.1f);
@@ -377,9 +369,8 @@ static void test_ranges(void **state)
         uint8_t byte[SMR_PROFILE_MAX];
         float line[SMR_LINE_MAX];
         unsigned char inside[SMR_LINE_MAX];
-        for (uint32_t k = 0; k < n; k++) {
+        for (uint32_t k = 0; k < n; k++)
             byte[k] = (uint8_t)rig_random(&seed, 256);
-        }
         byte[0] = 0;
         byte[n - 1u] = 255;
         for (uint32_t k = 0; k < m; k++) {

@@ -54,7 +54,7 @@ static void eigen_against_double(void **state)
     oracle_random r = oracle_seed(10);
     double worst_value = 0.0, worst_vector = 0.0, worst_rotation = 0.0;
     (void)state;
-    for (uint32_t i = 0; i < 20000; i++) {
+    for (uint32_t i = 0; i < 20000u; i++) {
         double value[3], turn[9], full[9], want[3], v[9], wide[9];
         float s[6], got[3], gv[9];
         spectrum(&r, i % 8u, value);
@@ -104,7 +104,7 @@ static void warm_start(void **state)
     oracle_random r = oracle_seed(11);
     double worst = 0.0, worst_rotation = 0.0;
     (void)state;
-    for (uint32_t i = 0; i < 5000; i++) {
+    for (uint32_t i = 0; i < 5000u; i++) {
         double value[3] = {oracle_uniform(&r, 5, 9), oracle_uniform(&r, 1, 4), oracle_uniform(&r, 0, 1)}, turn[9];
         double full[9], wide[9], small[9], axis[3] = {oracle_uniform(&r, -1, 1), 1, oracle_uniform(&r, -1, 1)};
         float s[6], d[6], v[9];
@@ -132,12 +132,12 @@ static void pseudo_inverse(void **state)
     oracle_random r = oracle_seed(12);
     double worst = 0.0;
     (void)state;
-    for (uint32_t i = 0; i < 10000; i++) {
+    for (uint32_t i = 0; i < 10000u; i++) {
         const uint32_t rank = i % 4u; /* 0..3 */
         double value[3], turn[9], full[9], p[9], inverse[9], t[9], project[9];
         float s[6], out[6];
         const double size = pow(10.0, oracle_uniform(&r, -3.0, 6.0));
-        for (uint32_t k = 0; k < 3; k++)
+        for (uint32_t k = 0; k < 3u; k++)
             value[k] = k < rank ? size * oracle_uniform(&r, 0.01, 1.0) : 0.0;
         if (rank > 0)
             value[0] = size;

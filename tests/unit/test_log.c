@@ -1,4 +1,5 @@
-/* test_log.c: what recording writes, byte by byte; what it refuses; what happens when its memory ends; that it changes nothing.
+/* test_log.c: what recording writes, byte by byte; what it refuses; what happens when its memory is full; and that it
+ * changes nothing else.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -49,9 +50,8 @@ static void test_records(void **state)
     assert_true(r.pose.m[0][3] == 1.5f && r.pose.m[1][3] == -0.5f && r.pose.m[2][2] == 1.0f);
     for (;;) {
         assert_int_equal(SMR_OK, smr_log_next(&reader, &r));
-        if (r.kind == 0u) {
+        if (r.kind == 0u)
             break;
-        }
         if (r.kind == SMR_LOG_SURFACE) {
             assert_true(r.structure == SMR_ALL && r.present == 1u);
             assert_true(r.checksum == smr_surface_checksum(unit_recorded.surface[surfaces]));
@@ -92,12 +92,10 @@ static void test_memory_ends(void **state)
         assert_true(smr_state_hash(s) == smr_state_hash(plain));
         assert_int_equal(SMR_OK, smr_get_log(s, &is));
         assert_true(is.bytes <= bytes && is.n_ticks <= 4u && is.full == (status == SMR_OK && is.n_ticks < 4u));
-        for (size_t i = 1u + is.bytes; i < sizeof log; i++) {
+        for (size_t i = 1u + is.bytes; i < sizeof log; i++)
             assert_int_equal(0xa5, log[i]); /* nothing behind it was written */
-        }
-        if (status != SMR_OK) {
+        if (status != SMR_OK)
             continue;
-        }
         smr_log_reader reader;
         smr_log_record r = {0};
         uint32_t ticks = 0;

@@ -1,5 +1,6 @@
-/* test_log_read.c: reading a log trusts nothing: cut at every length, every bit turned, forged with right checksums, noise. It is
- * refused, or what is read is within its limits; nothing outside the bytes is touched, and reading ends.
+/* test_log_read.c: reading a log trusts nothing. Logs cut at every length, with every bit flipped, forged with
+ * correct checksums, or of noise are refused or read within their limits; nothing outside the bytes is touched, and
+ * reading ends.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -10,8 +11,8 @@
 #include "runtime/record/log.h"
 #include "unit/unit_log.h"
 
-/* Reads all of it from memory of exactly its size, so that a sanitiser sees a step outside. Returns the records, -1 when
- * refused; *seen counts those before that. */
+/* Reads the whole log from memory of exactly its size, so that a sanitiser sees any read beyond it. Returns the
+ * number of records, or -1 when refused; *seen counts the records before that. */
 static int read_all(const unsigned char *log, size_t bytes, uint32_t *seen)
 {
     unsigned char *copy = malloc(bytes + 1u);
@@ -30,9 +31,8 @@ static int read_all(const unsigned char *log, size_t bytes, uint32_t *seen)
                 n = -1;
                 break;
             }
-            if (r.kind == 0u) {
+            if (r.kind == 0u)
                 break;
-            }
             assert_true(reader.at > before && reader.at <= bytes && r.kind <= SMR_LOG_FULL);
             assert_true(r.present <= 1u && r.phase < SMR_PHASES && r.complete <= 1u && r.done <= 1u);
             n++;
@@ -113,9 +113,8 @@ static void test_swapped_and_noise(void **state)
     for (uint32_t i = 0; i < 20000u; i++) {
         const size_t n = rig_random(&seed, 400), good = rig_random(&seed, 2) ? SMR_LOG_HEADER : 0u;
         memcpy(log, unit_recorded.log, good);
-        for (size_t k = good; k < good + n; k++) {
+        for (size_t k = good; k < good + n; k++)
             log[k] = (unsigned char)rig_random(&seed, 256);
-        }
         const int got = read_all(log, good + n, &seen);
         assert_true(got < 0 || (good > 0u && n == 0u && got == 0));
     }
@@ -133,12 +132,10 @@ static smr_status open_header(uint32_t version, const uint32_t *word, uint32_t n
     smr_log_record r;
     smr_log_info info;
     assert_true(bytes <= sizeof log);
-    for (uint32_t i = 0; i < SMR_LOG_FIXED / 4u; i++) {
+    for (uint32_t i = 0; i < SMR_LOG_FIXED / 4u; i++)
         smr_log_put32(log + 4u * i, fixed[i]);
-    }
-    for (uint32_t i = 0; i < n_words; i++) {
+    for (uint32_t i = 0; i < n_words; i++)
         smr_log_put32(log + SMR_LOG_FIXED + 4u * i, word[i]);
-    }
     smr_log_put32(log + bytes - 4u, smr_crc32(0, log, bytes - 4u));
     const smr_status status = smr_log_open(log, bytes, &reader, &info);
     if (status == SMR_OK) {
@@ -175,9 +172,8 @@ static void test_settings_by_number(void **state)
     assert_memory_equal(&c, &want, sizeof c);
     assert_int_equal(SMR_OK, open_header(2, word, 0, &c));
     assert_memory_equal(&c, &standard, sizeof c);
-    for (uint32_t n = 1; n < 8u; n++) {
+    for (uint32_t n = 1; n < 8u; n++)
         assert_int_equal(n == 2u || n == 6u ? SMR_OK : SMR_E_LOG, open_header(2, word, n, &c));
-    }
     assert_int_equal(SMR_E_LOG, open_header(2, unknown, 2, &c));
     assert_int_equal(SMR_E_LOG, open_header(2, longer, 3, &c));
     assert_int_equal(SMR_E_LOG, open_header(2, twice, 4, &c));
@@ -189,9 +185,8 @@ static void test_version_1(void **state)
     uint32_t word[46] = {0x520100b4u};
     smr_config c;
     (void)state;
-    for (uint32_t i = 1; i < 46u; i++) {
+    for (uint32_t i = 1; i < 46u; i++)
         word[i] = 100u + i;
-    }
     word[3] = bits(0.5f);
     word[15] = bits(15.0f);
     word[28] = bits(28.0f);
@@ -199,11 +194,9 @@ static void test_version_1(void **state)
     assert_true(c.cookie == smr_config_default().cookie && c.n_workers == 101u && c.n_target_vertices == 102u);
     assert_true(c.stiffness == 0.5f && c.box_min[2] == 15.0f && c.fill == 28.0f && c.iterations_last == 144u);
     assert_true(c.node_budget == 119u && c.method == 129u && c.radius_last == 142u);
-    for (uint32_t version = 0; version < 9u; version++) {
-        for (uint32_t n = 44; n <= 46u; n++) {
+    for (uint32_t version = 0; version < 9u; version++)
+        for (uint32_t n = 44; n <= 46u; n++)
             assert_int_equal(version == 1u && n == 45u ? SMR_OK : SMR_E_LOG, open_header(version, word, n, &c));
-        }
-    }
 }
 
 /* Lengths in the header that do not agree, with a right checksum where one would be read. */
@@ -218,9 +211,8 @@ static void test_header_lengths(void **state)
             memcpy(log, unit_recorded.log, unit_recorded.bytes);
             smr_log_put32(log + 8, value[i]);
             smr_log_put32(log + 24, value[k]);
-            if (value[i] >= 32u && value[i] <= unit_recorded.bytes) {
+            if (value[i] >= 32u && value[i] <= unit_recorded.bytes)
                 smr_log_put32(log + value[i] - 4u, smr_crc32(0, log, value[i] - 4u));
-            }
             const int empty = value[i] == 32u && value[k] == 0u;
             assert_int_equal(empty ? SMR_OK : SMR_E_LOG, smr_log_open(log, unit_recorded.bytes, &reader, NULL));
         }

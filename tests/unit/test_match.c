@@ -1,4 +1,5 @@
-/* test_match.c: clusters find the rigid motion they were given, by both methods; without a motion the answer is exactly none.
+/* test_match.c: clusters find the rigid motion they were given, by both methods; without a motion the answer is
+ * exactly none.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -33,9 +34,8 @@ static smr *start(uint32_t method, const smr_mesh *mesh, float radius)
 
 static void run_all(void *stage, uint32_t n, smr_task run)
 {
-    for (uint32_t t = 0; t < n; t++) {
+    for (uint32_t t = 0; t < n; t++)
         run(stage, t, 0);
-    }
 }
 
 /* Forces that carry x^r to m x^r + t, and the transforms that clusters make of them. */
@@ -121,9 +121,8 @@ static void test_translation(void **state)
         smr *s = start(method, &mesh, 18);
         drive(s, identity, smr_v(7, -11, 0.5f));
         assert_true(miss(s, identity, smr_v(7, -11, 0.5f)) < 1.0e-4f);
-        for (uint32_t v = 0; v < s->shared.n; v++) {
+        for (uint32_t v = 0; v < s->shared.n; v++)
             assert_true(not_rotation(s->match.transform + 12u * (size_t)v) < 1.0e-5f);
-        }
     }
 }
 
@@ -136,9 +135,8 @@ static void test_nothing_is_exactly_nothing(void **state)
     for (uint32_t method = 0; method < 2u; method++) {
         smr *s = start(method, &mesh, 18);
         drive(s, identity, smr_v(0, 0, 0));
-        for (size_t i = 0; i < 12u * (size_t)s->shared.n; i++) {
+        for (size_t i = 0; i < 12u * (size_t)s->shared.n; i++)
             assert_true(s->match.transform[i] == 0.0f);
-        }
     }
 }
 
@@ -160,14 +158,12 @@ static void test_always_a_rotation(void **state)
         smr *s = start(k % 2u, &shapes[k / 2u], 18);
         for (uint32_t round = 0; round < 20u; round++) {
             float m[9];
-            for (uint32_t i = 0; i < 9u; i++) { /* any linear map: reflections, flattening, and nothing at all */
+            for (uint32_t i = 0; i < 9u; i++) /* any linear map: reflections, flattening, and nothing at all */
                 m[i] = round % 5u == 4u ? 0.0f : rig_between(&seed, -3, 3);
-            }
             drive(s, m, smr_v(rig_between(&seed, -9, 9), 2, 1));
             for (uint32_t v = 0; v < s->shared.n; v++) {
-                for (uint32_t i = 0; i < 12u; i++) {
+                for (uint32_t i = 0; i < 12u; i++)
                     assert_true(isfinite(s->match.transform[12u * (size_t)v + i]));
-                }
                 assert_true(not_rotation(s->match.transform + 12u * (size_t)v) < 1.0e-4f);
             }
         }
@@ -193,9 +189,8 @@ static void test_scales_for_averaging(void **state)
     assert_int_equal(12, s->sums.words);
     const float room[2] = {(float)s->pace.lists.largest * r * s->sums.scale[0],
                            (float)s->pace.lists.largest * t * s->sums.scale[1]};
-    for (uint32_t i = 0; i < 2u; i++) {
+    for (uint32_t i = 0; i < 2u; i++)
         assert_true(room[i] <= 1073741824.0f && room[i] > 536870912.0f * 0.99f);
-    }
 }
 
 int main(void)

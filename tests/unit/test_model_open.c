@@ -1,5 +1,5 @@
-/* test_model_open.c: smr_model_open() trusts nothing: images cut at every length, with every byte changed and the
- * checksum repaired behind it: refused, or harmless in use.
+/* test_model_open.c: smr_model_open() trusts nothing: models cut at every length, and with every byte changed and the
+ * checksum repaired, are refused or harmless in use.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

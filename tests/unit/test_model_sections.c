@@ -1,5 +1,5 @@
-/* test_model_sections.c: further sections of a model: unknown optional ones are skipped, unknown required ones refused, and
- * no record is trusted.
+/* test_model_sections.c: further sections of a model: unknown optional ones are skipped, unknown required ones are
+ * refused, and no record is trusted.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

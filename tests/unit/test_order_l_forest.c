@@ -83,7 +83,7 @@ static void forest_breadth_and_direct_agree(void **state)
     }
 }
 
-/* More than 65,535 vertices: indexes of 4 bytes. A lattice, so that neighbours are known without looking at all
+/* More than 65,535 vertices: indexes of 4 bytes. A lattice, so that neighbours are known without comparing all
  * pairs. */
 static void wide_indexes(void **state)
 {

@@ -46,7 +46,7 @@ static void equals_double(void **state)
     (void)state;
     for (size_t k = 0; k < sizeof table / sizeof table[0]; k++) {
         double worst = 0.0, worst_rotation = 0.0;
-        for (uint32_t i = 0; i < 4000; i++) {
+        for (uint32_t i = 0; i < 4000u; i++) {
             const double size = pow(10.0, oracle_uniform(&r, -8.0, 8.0));
             const double s[3] = {size, size * pow(table[k].condition, -oracle_uniform(&r, 0, 1)),
                                  size / table[k].condition};
@@ -73,7 +73,7 @@ static void warm_start_from_anywhere(void **state)
     oracle_random r = oracle_seed(21);
     double worst = 0.0;
     (void)state;
-    for (uint32_t i = 0; i < 4000; i++) {
+    for (uint32_t i = 0; i < 4000u; i++) {
         const double s[3] = {1.0, oracle_uniform(&r, 0.5, 0.95), oracle_uniform(&r, 0.2, 0.45)};
         double cold[9], warm[9], start[9];
         float a[9], v[9];
@@ -95,7 +95,7 @@ static void rotations_come_back(void **state)
     oracle_random r = oracle_seed(22);
     double worst = 0.0, worst_small = 0.0;
     (void)state;
-    for (uint32_t i = 0; i < 5000; i++) {
+    for (uint32_t i = 0; i < 5000u; i++) {
         double want[9], got[9];
         float a[9], v[9], m[9];
         const double size = pow(10.0, oracle_uniform(&r, -15.0, 30.0));
@@ -124,7 +124,7 @@ static void always_a_rotation(void **state)
     oracle_random r = oracle_seed(23);
     double worst = 0.0;
     (void)state;
-    for (uint32_t i = 0; i < 40000; i++) {
+    for (uint32_t i = 0; i < 40000u; i++) {
         double got[9], s[3] = {1.0, oracle_uniform(&r, 0, 1), oracle_uniform(&r, 0, 1)};
         float a[9], v[9];
         const uint32_t kind = i % 8u;
@@ -180,7 +180,7 @@ static void defined_answers(void **state)
     smr_polar(tiny, v, m);
     assert_memory_equal(m, zero, sizeof m);
     double worst = 0.0, worst_angle = 0.0;
-    for (uint32_t i = 0; i < 3000; i++) { /* rank 1: b a^T takes a to b by the shortest way */
+    for (uint32_t i = 0; i < 3000u; i++) { /* rank 1: b a^T takes a to b by the shortest way */
         double turn[9], got[9];
         float a[9];
         oracle_rotation(&r, turn); /* a: first row, b: second row, or the opposite of a at times */

@@ -190,8 +190,8 @@ static void check_levels(const world *w, const smr_model *m, const uint32_t *lis
     unit_free(rank);
 }
 
-/* Any number of first stored vertices, if it is enough for a radius, keeps three of every cluster there, or all of
- * it. */
+/* Any number of first stored vertices that is enough for a radius keeps three members of every cluster there, or all
+ * of it. */
 static void check_prefixes(const world *w, const smr_model *m, const uint32_t *need)
 {
     unsigned char *gone = unit_memory(w->n), *none = unit_memory(w->n);

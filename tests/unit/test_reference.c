@@ -1,4 +1,5 @@
-/* test_reference.c: centres, masses and spreads of clusters against sums in double; degenerate clusters have an answer.
+/* test_reference.c: centres, masses and spreads of clusters against sums in double; degenerate clusters give a
+ * result.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -22,19 +23,15 @@ static const float none[3] = {0, 0, 0};
 static void settle(smr *s)
 {
     s->reference.stale = 1;
-    for (uint32_t t = 0; t < smr_reference_tasks(&s->reference); t++) {
+    for (uint32_t t = 0; t < smr_reference_tasks(&s->reference); t++)
         smr_reference_reach(&s->reference, t, 0);
-    }
     smr_reference_begin(&s->reference);
-    for (uint32_t t = 0; t < smr_reference_record_tasks(&s->reference); t++) {
+    for (uint32_t t = 0; t < smr_reference_record_tasks(&s->reference); t++)
         smr_reference_record(&s->reference, t, 0);
-    }
-    for (uint32_t t = 0; t < smr_reference_block_tasks(&s->reference); t++) {
+    for (uint32_t t = 0; t < smr_reference_block_tasks(&s->reference); t++)
         smr_sums_forest(&s->sums, t, 0);
-    }
-    for (uint32_t t = 0; t < smr_reference_cluster_tasks(&s->reference); t++) {
+    for (uint32_t t = 0; t < smr_reference_cluster_tasks(&s->reference); t++)
         smr_reference_cluster(&s->reference, t, 0);
-    }
     smr_reference_end(&s->reference);
 }
 
@@ -51,9 +48,8 @@ static void compare(const smr *s, const rig_lists *l, double *centre_mm, double 
         for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
             const double w = (double)active_mass(s, l->zeta[k]);
             mass += w;
-            for (uint32_t a = 0; a < 3u; a++) {
+            for (uint32_t a = 0; a < 3u; a++)
                 c[a] += w * (double)smr_at3(s->shape.x_ref, l->zeta[k])[a];
-            }
         }
         for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
             for (uint32_t i = 0; i < 9u; i++) {
@@ -64,18 +60,16 @@ static void compare(const smr *s, const rig_lists *l, double *centre_mm, double 
         }
         trace = m[0] + m[4] + m[8];
         assert_true(fabs((double)s->reference.cluster_mass[v] - mass) <= 1.0e-6 * mass);
-        for (uint32_t a = 0; a < 3u; a++) {
+        for (uint32_t a = 0; a < 3u; a++)
             *centre_mm = fmax(*centre_mm, fabs((double)smr_at3(s->reference.centre, v)[a] - c[a] / mass));
-        }
         const float *p = s->reference.spread + 6u * (size_t)v;
         const float full[9] = {p[0], p[1], p[2], p[1], p[3], p[4], p[2], p[4], p[5]};
         for (uint32_t i = 0; i < 9u; i++) {
             double error = ((double)full[i] - m[i]) / trace;
             if (s->shared.config.method == SMR_METHOD_RIGID) {
                 error = i % 4u == 0u ? -1.0 : 0.0;
-                for (uint32_t k = 0; k < 3u; k++) {
+                for (uint32_t k = 0; k < 3u; k++)
                     error += ((k == i / 3u ? trace : 0.0) - m[3u * (i / 3u) + k]) * (double)full[3u * k + i % 3u];
-                }
             }
             *spread = fmax(*spread, fabs(error));
         }
@@ -129,9 +123,8 @@ static void test_deformed(void **state)
     config.method = SMR_METHOD_POLAR;
     smr *s = rig_init(model, &config, NULL);
     float *xyz = rig_alloc(mesh.n_vertices * 3u * sizeof *xyz);
-    for (uint32_t i = 0; i < 3u * mesh.n_vertices; i++) {
+    for (uint32_t i = 0; i < 3u * mesh.n_vertices; i++)
         xyz[i] = rig_between(&seed, -9.0e4f, 9.0e4f);
-    }
     assert_int_equal(SMR_OK, smr_set_positions(s, 0, xyz));
     settle(s);
     compare(s, &l, &centre_mm, &spread);
@@ -154,12 +147,10 @@ static void test_degenerate(void **state)
         const smr_config config = smr_config_default();
         smr *s = rig_init(rig_model(&mesh, 1, &prepare), &config, NULL);
         settle(s);
-        for (uint32_t i = 0; i < 6u * s->shared.n; i++) {
+        for (uint32_t i = 0; i < 6u * s->shared.n; i++)
             assert_true(isfinite(s->reference.spread[i]) && fabsf(s->reference.spread[i]) < 1.0e9f);
-        }
-        for (uint32_t v = 0; v < s->shared.n; v++) { /* no torque about the line itself */
+        for (uint32_t v = 0; v < s->shared.n; v++) /* no torque about the line itself */
             assert_true(fabsf(s->reference.spread[6u * v + 0u]) < 1.0e-6f);
-        }
     }
 }
 

@@ -1,5 +1,5 @@
-/* test_replay.c: a replay agrees with its log; one number of a log or one byte of an input changed is found, at the tick where
- * it is; other models, configurations and inputs are told from a replay that differs.
+/* test_replay.c: a replay agrees with its log. One changed number of the log or one changed byte of an input is found
+ * at the tick where it is; other models, configurations and inputs are distinguished from a replay that differs.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -30,9 +30,8 @@ static uint32_t first_difference(const unsigned char *log, size_t bytes, given g
     *status = smr_replay_start(unit_log_begin(&unit_recorded, NULL), log, bytes, next_surface, &g, &replay);
     while (*status == SMR_OK && !report.ended) {
         *status = smr_replay_tick(&replay, &report);
-        if (*status == SMR_OK && report.differs) {
+        if (*status == SMR_OK && report.differs)
             return report.tick;
-        }
     }
     return *status == SMR_OK ? 0u : report.tick;
 }
@@ -78,13 +77,11 @@ static void test_one_number_changed(void **state)
     for (uint32_t tick = 1; tick <= unit_recorded.ticks; tick++) {
         const size_t at = tick_record(tick, &bytes);
         if (smr_log_get32(unit_recorded.log + at) != (SMR_LOG_TICK | 40u << 8) ||
-            (unit_recorded.log[at + 4u] & 1u) == 0u) {
+            (unit_recorded.log[at + 4u] & 1u) == 0u)
             continue; /* a partial tick did not take so many vertices yet */
-        }
         for (uint32_t word = 0; word < 8u; word++) {
-            if (word == 3u) {
+            if (word == 3u)
                 continue; /* n_evaluated tells only */
-            }
             memcpy(log, unit_recorded.log, unit_recorded.bytes);
             unsigned char *p = log + at + 4u + 4u * word;
             const uint32_t v = smr_log_get32(p);
@@ -136,9 +133,8 @@ static void test_one_byte_of_a_target_changed(void **state)
     for (uint32_t passed = 0; whole <= unit_recorded.ticks; whole++) {
         at = tick_record(whole, &bytes);
         passed += unit_recorded.log[at + 4u] & 1u;
-        if (passed == 1u + (uint32_t)has_forces) {
+        if (passed == 1u + (uint32_t)has_forces)
             break;
-        }
     }
     assert_int_equal(whole, differs);
     assert_true(found >= 20u && found <= differs);
@@ -182,9 +178,8 @@ static const void *any_input(void *ctx, const smr_log_record *record)
     static const smr_volume volume = {
         voxels, NULL, SMR_VOXEL_UINT8, {2, 2, 2}, {0, 0, 0}, {1, 1, 1}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     uint32_t *turn = ctx;
-    if (record->kind == SMR_LOG_VOLUME) {
+    if (record->kind == SMR_LOG_VOLUME)
         return &volume;
-    }
     return record->kind == SMR_LOG_POSITIONS ? (const void *)unit_recorded.ball.xyz
                                              : unit_recorded.surface[(*turn)++ % 2u];
 }

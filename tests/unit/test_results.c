@@ -1,4 +1,4 @@
-/* test_results.c: what can be read: the caller's order, unit normals, figures per structure.
+/* test_results.c: readable results: the caller's order, unit normals, figures per structure.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -46,9 +46,8 @@ static void test_order_and_shift(void **state)
     }
     (void)rig_run(s, 4);
     assert_int_equal(SMR_OK, smr_get_positions(s, 0, xyz));
-    for (uint32_t i = 0; i < mesh[0].n_vertices; i++) { /* each vertex went outwards, so it is still the same one */
+    for (uint32_t i = 0; i < mesh[0].n_vertices; i++) /* each vertex went outwards, so it is still the same one */
         assert_true(smr_dot(smr_unit(smr_load(xyz + 3u * i)), smr_unit(smr_load(mesh[0].xyz + 3u * i))) > 0.9f);
-    }
 }
 
 static void test_normals_are_unit(void **state)
@@ -80,9 +79,8 @@ static void check_report(float momentum)
     for (uint32_t tick = 0; tick < 6u; tick++) {
         smr_tick_report report;
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-        if (report.plastic_updates == 1u && tick == 0u) {
+        if (report.plastic_updates == 1u && tick == 0u)
             continue; /* an iteration that only repairs has no forces */
-        }
         assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &part[0]));
         assert_int_equal(SMR_OK, smr_get_structure_report(s, 1, &part[1]));
         assert_int_equal(1, part[0].has_target);

@@ -54,7 +54,7 @@ static void equals_double(void **state)
     oracle_random r = oracle_seed(30);
     double worst = 0.0, worst_rotation = 0.0, worst_relative = 0.0;
     (void)state;
-    for (uint32_t i = 0; i < 50000; i++) {
+    for (uint32_t i = 0; i < 50000u; i++) {
         double m[9], got[9], axis[3], w[3];
         float out[9];
         const double angle = i % 2u ? oracle_uniform(&r, 0.0, 1.499) : pow(10.0, oracle_uniform(&r, -18.0, 0.0));
@@ -84,7 +84,7 @@ static void long_vectors(void **state)
     oracle_random r = oracle_seed(31);
     double worst = 0.0, worst_rotation = 0.0;
     (void)state;
-    for (uint32_t i = 0; i < 10000; i++) {
+    for (uint32_t i = 0; i < 10000u; i++) {
         double turn[9], got[9], want[9];
         float out[9];
         const double l = (double)lengths[i % 10u];

@@ -1,4 +1,4 @@
-/* test_schedule.c: from radius to radius: how many iterations, when x^r follows x, when it ends.
+/* test_schedule.c: from radius to radius: how many iterations run, when x^r follows x, when the schedule ends.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -26,9 +26,8 @@ static smr *start(const smr_config *config, int with_target, int faces)
     const smr_prepare_config radii = rig_radii(3, 40, 25, 15);
     mesh.n_triangles = faces ? mesh.n_triangles : 0u;
     smr *s = rig_init(rig_model(&mesh, 1, &radii), config, NULL);
-    if (with_target) {
+    if (with_target)
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
-    }
     return s;
 }
 

@@ -1,5 +1,5 @@
-/* test_settings.c: the tables of settings cover both configurations word by word, their defaults are legal and set, and each
- * range is what the checks accept, to the last bit at its ends.
+/* test_settings.c: the tables of settings cover both configurations word by word, their defaults are legal and set,
+ * and each range is what the checks accept, to the last bit at its ends.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -24,9 +24,8 @@ static void covers(const smr_setting *s, uint32_t n, size_t size)
     size_t at = sizeof(uint32_t), fields = 0;
     for (uint32_t i = 0; i < n; i++) {
         assert_true(s[i].name != NULL && s[i].name[0] != '\0' && s[i].unit != NULL && s[i].text != NULL);
-        if (s[i].kind == SMR_SETTING_GROUP) {
+        if (s[i].kind == SMR_SETTING_GROUP)
             continue;
-        }
         assert_int_equal(at, s[i].offset);
         assert_true(s[i].bytes > 0u && s[i].bytes % 4u == 0u && strlen(s[i].text) > 4u);
         assert_true(s[i].number > 0u && s[i].number < 64u && (numbers >> s[i].number & 1u) == 0u);
@@ -107,17 +106,13 @@ static void test_defaults(void **state)
     uint32_t n = 0;
     const smr_setting *s = smr_config_settings(&n);
     (void)state;
-    for (uint32_t i = 0; i < n; i++) {
-        if (s[i].kind != SMR_SETTING_GROUP) {
+    for (uint32_t i = 0; i < n; i++)
+        if (s[i].kind != SMR_SETTING_GROUP)
             assert_true(value_at(&config, &s[i]) == s[i].value && value_at(&image, &s[i]) == s[i].image);
-        }
-    }
     s = smr_prepare_settings(&n);
-    for (uint32_t i = 0; i < n; i++) {
-        if (s[i].kind != SMR_SETTING_GROUP && s[i].kind != SMR_SETTING_POINTER) {
+    for (uint32_t i = 0; i < n; i++)
+        if (s[i].kind != SMR_SETTING_GROUP && s[i].kind != SMR_SETTING_POINTER)
             assert_true(value_at(&prepare, &s[i]) == s[i].value);
-        }
-    }
     assert_true(image.profile_mm == 30.0f && image.iterations_last == 40u && config.plastic_every == 1u);
 }
 
@@ -137,26 +132,22 @@ static int accepts(int prepares, const smr_setting *s, double value)
     const float number = (float)value;
     size_t bytes;
     memset(&c, 0, sizeof c);
-    if (prepares) {
+    if (prepares)
         c.prepare = smr_prepare_config_default();
-    } else {
+    else
         c.run = smr_config_default();
-    }
     memcpy(c.byte + s->offset, s->kind == SMR_SETTING_NUMBER ? (const void *)&number : (const void *)&whole, 4);
     if (s->kind == SMR_SETTING_NUMBER && s->bytes > 4u) { /* an array: what makes its first element count */
         c.run.use_box = prepares ? c.run.use_box : 1u;
         c.prepare.n_radii = prepares ? 1u : c.prepare.n_radii;
-        if (strcmp(s->name, "box_min") == 0) {
+        if (strcmp(s->name, "box_min") == 0)
             c.run.box_max[0] = SMR_COORD_MAX;
-        } else if (strcmp(s->name, "box_max") == 0) {
+        else if (strcmp(s->name, "box_max") == 0)
             c.run.box_min[0] = -SMR_COORD_MAX;
-        }
     }
-    if (prepares && strcmp(s->name, "n_radii") == 0) {
-        for (uint32_t i = 0; i < SMR_RADII_MAX; i++) {
+    if (prepares && strcmp(s->name, "n_radii") == 0)
+        for (uint32_t i = 0; i < SMR_RADII_MAX; i++)
             c.prepare.radius_mm[i] = 10.0f;
-        }
-    }
     const smr_status status =
         prepares ? smr_prepare_bytes(&sheet, 1, &c.prepare, &bytes) : smr_config_check(&c.run, model);
     assert_true(status == SMR_OK || status == SMR_E_CONFIG);
@@ -172,18 +163,16 @@ static void check_range(int prepares, const smr_setting *s)
                          accepts(prepares, s, low) == !s->open && !accepts(prepares, s, nextafterf(low, -INFINITY)) &&
                          !accepts(prepares, s, NAN) && !accepts(prepares, s, INFINITY) &&
                          (!s->open || !accepts(prepares, s, FLT_MIN / 2.0f));
-        if (!good) {
+        if (!good)
             fail_msg("%s: not the range that the table says", s->name);
-        }
     } else {
         const int good = accepts(prepares, s, s->low) && accepts(prepares, s, s->high) &&
                          !accepts(prepares, s, s->high + 1.0) &&
                          accepts(prepares, s, 0.0) == (s->low <= 0.0 || s->or_zero) &&
                          (s->low < 2.0 || !accepts(prepares, s, s->low - 1.0)) &&
                          accepts(prepares, s, 4294967295.0) == (strcmp(s->name, "radius_last") == 0);
-        if (!good) {
+        if (!good)
             fail_msg("%s: not the range that the table says", s->name);
-        }
     }
 }
 
@@ -195,23 +184,18 @@ static void test_ranges(void **state)
     uint32_t n = 0;
     (void)state;
     radii.n_radii = SMR_RADII_MAX;
-    for (uint32_t i = 0; i < SMR_RADII_MAX; i++) {
+    for (uint32_t i = 0; i < SMR_RADII_MAX; i++)
         radii.radius_mm[i] = 40.0f - 2.0f * (float)i;
-    }
     model = rig_model(&ball, 1, &radii);
     sheet.mesh = ball;
     const smr_setting *s = smr_config_settings(&n);
-    for (uint32_t i = 0; i < n; i++) {
-        if (s[i].kind != SMR_SETTING_GROUP) {
+    for (uint32_t i = 0; i < n; i++)
+        if (s[i].kind != SMR_SETTING_GROUP)
             check_range(0, &s[i]);
-        }
-    }
     s = smr_prepare_settings(&n);
-    for (uint32_t i = 0; i < n; i++) {
-        if (s[i].kind != SMR_SETTING_GROUP && s[i].kind != SMR_SETTING_POINTER) {
+    for (uint32_t i = 0; i < n; i++)
+        if (s[i].kind != SMR_SETTING_GROUP && s[i].kind != SMR_SETTING_POINTER)
             check_range(1, &s[i]);
-        }
-    }
 }
 
 int main(void)

@@ -1,4 +1,5 @@
-/* test_start.c: where a registration starts: rest shape, pose, given positions; and that starting over forgets what was.
+/* test_start.c: where a registration starts: rest shape, pose, given positions; starting over forgets everything
+ * before.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -55,12 +56,10 @@ static void test_pose(void **state)
         const float t[3] = {600.0f * (float)k, -70, 3.25f * (float)k}, scale = 1.0f + 0.2f * (float)k;
         smr_pose pose;
         rig_rotation(1, (float)k - 2.0f, 0.5f, 50.0f * (float)k, m);
-        for (uint32_t i = 0; i < 12u; i++) {
+        for (uint32_t i = 0; i < 12u; i++)
             pose.m[i / 4u][i % 4u] = i % 4u == 3u ? t[i / 4u] : scale * m[3u * (i / 4u) + i % 4u];
-        }
-        for (uint32_t i = 0; i < 9u; i++) {
+        for (uint32_t i = 0; i < 9u; i++)
             m[i] *= scale;
-        }
         const smr_mesh expected = rig_moved(&mesh, m, t);
         assert_int_equal(SMR_OK, smr_set_pose(s, &pose));
         assert_true(rig_far(expected.xyz, rig_positions(s, model), mesh.n_vertices) < 4.0e-4f);
@@ -103,9 +102,8 @@ static void test_positions_in_the_callers_order(void **state)
     uint32_t seed = 3;
     (void)state;
     assert_int_equal(SMR_OK, smr_get_positions(s, 0, other[0]));
-    for (uint32_t i = 0; i < 3u * mesh[1].n_vertices; i++) {
+    for (uint32_t i = 0; i < 3u * mesh[1].n_vertices; i++)
         given[i] = (float)(int32_t)rig_random(&seed, 200000) / 1024.0f;
-    }
     assert_int_equal(SMR_OK, smr_set_positions(s, 1, given));
     assert_int_equal(SMR_OK, smr_get_positions(s, 1, got));
     assert_true(rig_far(given, got, mesh[1].n_vertices) < 5.0e-5f);
@@ -139,7 +137,8 @@ static void test_starts_over(void **state)
     assert_true(hash == smr_state_hash(s));
 }
 
-/* Origins are whole millimetres. A forged model's positions can be as large as floats go, or no numbers, when others are set. */
+/* Origins are whole millimetres. In a forged model, or when others are set, positions can be as large as floats
+ * go, or non-finite. */
 static void test_whole_numbers(void **state)
 {
     const float limit = 1073741824.0f;

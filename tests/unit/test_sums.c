@@ -37,9 +37,8 @@ static smr *start(uint32_t method, const smr_model **model)
 
 static void run_all(void *stage, uint32_t n, smr_task run)
 {
-    for (uint32_t t = 0; t < n; t++) {
+    for (uint32_t t = 0; t < n; t++)
         run(stage, t, 0);
-    }
 }
 
 static double rounded(double v, float scale) { return floor(v * (double)scale + 0.5); }
@@ -103,9 +102,8 @@ static smr_lists widened(const smr_lists *l, uint32_t n)
                                  smr_le32(smr_le16(e[i].n_plus)), smr_le32(smr_le16(e[i].n_minus))};
         count[i] = smr_le32(smr_list_count(l, i));
     }
-    for (uint32_t i = 0; i < n_indexes; i++) {
+    for (uint32_t i = 0; i < n_indexes; i++)
         wide[i] = smr_le32(smr_le16(index[i]));
-    }
     out.entry = entry;
     out.count = count;
     out.index = wide;
@@ -124,9 +122,8 @@ static void test_both_widths(void **state)
     const rig_lists l = rig_decode(model, 0, 1, 1);
     (void)state;
     assert_int_equal(2, narrow.index_bytes);
-    for (size_t i = 0; i < n_words; i++) {
+    for (size_t i = 0; i < n_words; i++)
         s->overlay.record[i] = rig_random(&seed, 1u << 28) << 4 ^ (uint32_t)i;
-    }
     for (uint32_t i = 0; i < 4u; i++) {
         s->sums.words = words[i];
         for (uint32_t pass = 0; pass < 2u; pass++) {
@@ -136,15 +133,13 @@ static void test_both_widths(void **state)
             for (uint32_t v = 0; v < s->shared.n; v++) {
                 for (uint32_t w = 0; w < words[i]; w++) {
                     uint32_t expected = 0;
-                    for (uint32_t k = l.zeta_start[v]; k < l.zeta_start[v + 1u]; k++) {
+                    for (uint32_t k = l.zeta_start[v]; k < l.zeta_start[v + 1u]; k++)
                         expected += s->overlay.record[SMR_WORDS * (size_t)l.zeta[k] + w];
-                    }
                     assert_int_equal(expected, s->sums.sum[SMR_WORDS * (size_t)v + w]);
                 }
             }
-            if (pass == 0u) {
+            if (pass == 0u)
                 memcpy(sum, s->sums.sum, n_words * sizeof *sum);
-            }
         }
         assert_memory_equal(sum, s->sums.sum, n_words * sizeof *sum);
     }
@@ -162,16 +157,14 @@ static void test_blocks_are_independent(void **state)
     uint32_t *sum = rig_alloc(n_words * sizeof *sum), n = smr_block_tasks(&s->sums);
     (void)state;
     assert_true(n > 20u);
-    for (size_t i = 0; i < n_words; i++) {
+    for (size_t i = 0; i < n_words; i++)
         s->overlay.record[i] = (uint32_t)i * 2654435761u;
-    }
     s->sums.words = 12;
     run_all(&s->sums, n, smr_sums_forest);
     memcpy(sum, s->sums.sum, n_words * sizeof *sum);
     memset(s->sums.sum, 0, n_words * sizeof *sum);
-    for (uint32_t t = n; t > 0u; t--) {
+    for (uint32_t t = n; t > 0u; t--)
         smr_sums_forest(&s->sums, t - 1u, t % 7u);
-    }
     assert_memory_equal(sum, s->sums.sum, n_words * sizeof *sum);
 }
 

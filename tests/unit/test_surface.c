@@ -201,8 +201,8 @@ static void ties_go_to_the_smallest_index(void **state)
     unit_mesh_free(&m);
 }
 
-/* Points pulled out beyond the boundary of a sheet land on its border; points above its middle do not; a closed
- * surface has no border at all. */
+/* Points beyond the boundary of a sheet project onto its border; points above its middle do not; a closed surface has
+ * no border at all. */
 static void borders(void **state)
 {
     oracle_random r = oracle_seed(102);

@@ -1,5 +1,5 @@
-/* test_tangent_evening.c: at the last radius a vertex goes, along the surface, towards where its displacement is its neighbours' mean;
- * the share fades, and nothing is evened where nothing may be.
+/* test_tangent_evening.c: at the last radius a vertex moves along the surface towards where its displacement is its
+ * neighbours' mean; the fraction fades, and nothing moves where evening is not allowed.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -24,9 +24,8 @@ static smr *start(const smr_config *config, const smr_model **model, int with_ta
     const smr_prepare_config radii = rig_radii(2, 18, 0.01f, 0);
     *model = rig_model(&mesh, 1, &radii);
     smr *s = rig_init(*model, config, NULL);
-    if (with_target) {
+    if (with_target)
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
-    }
     return s;
 }
 
@@ -96,27 +95,23 @@ static void test_step(void **state)
     c.iterations_last = 10;
     c.attraction = 0.0f;
     smr *s = start(&c, &model, 1);
-    for (uint32_t i = 0; i < 3u * s->shared.n; i++) {
+    for (uint32_t i = 0; i < 3u * s->shared.n; i++)
         s->shape.x[i] += 0.01f * (float)(i * 7u % 13u);
-    }
     s->pace.radius_iteration = 5;
     s->forces.surface.target[0].begun = 1;
     smr_evening_begin(&s->evolve.evening);
     assert_true(fabsf(s->evolve.evening.share - 0.8f * 0.25f) < 1.0e-6f);
-    for (uint32_t t = 0; t < smr_evening_tasks(&s->evolve.evening); t++) {
+    for (uint32_t t = 0; t < smr_evening_tasks(&s->evolve.evening); t++)
         smr_evening_clear(&s->evolve.evening, t, 0);
-    }
-    for (uint32_t t = 0; t < smr_evening_ring_tasks(&s->evolve.evening); t++) {
+    for (uint32_t t = 0; t < smr_evening_ring_tasks(&s->evolve.evening); t++)
         smr_evening_rings(&s->evolve.evening, t, 0);
-    }
     for (uint32_t v = 0; v < s->shared.n; v += 11u) {
         double sum[3] = {0, 0, 0}, n = 0.0, way[3], along = 0.0;
         for (uint32_t k = 0; k < 3u * s->shared.n_triangles; k++) {
             for (uint32_t j = 1; s->shared.triangle[k] == v && j < 3u; j++) {
                 const uint32_t w = s->shared.triangle[k / 3u * 3u + (k + j) % 3u];
-                for (uint32_t a = 0; a < 3u; a++) {
+                for (uint32_t a = 0; a < 3u; a++)
                     sum[a] += (double)(s->shape.x[3u * w + a] - s->shape.start[3u * w + a]);
-                }
                 n += 1.0;
             }
         }
@@ -126,9 +121,8 @@ static void test_step(void **state)
         }
         const smr_vec step = smr_evening_way(&s->evolve.evening, v);
         const double got[3] = {(double)step.x, (double)step.y, (double)step.z};
-        for (uint32_t a = 0; a < 3u; a++) {
+        for (uint32_t a = 0; a < 3u; a++)
             assert_true(fabs(got[a] - 0.2 * (way[a] - along * (double)s->shape.normal[3u * v + a])) < 1.0e-5);
-        }
         s->evolve.evening.held[v] =
             51; /* where the fold guard held back a fifth of a step, four fifths of it are left */
         assert_true(fabs((double)smr_length(smr_evening_way(&s->evolve.evening, v)) - 0.8 * (double)smr_length(step)) <

@@ -37,18 +37,9 @@ static double value_at(pattern kind, double x, double y, double z)
 
 static smr_grid image(pattern kind)
 {
-    smr_volume v;
     smr_grid grid;
-    float *const voxels = rig_alloc(SIDE * SIDE * SIDE * sizeof *voxels);
-    memset(&v, 0, sizeof v);
-    v.voxels = voxels;
-    v.type = SMR_VOXEL_FLOAT;
-    for (uint32_t a = 0; a < 3u; a++) {
-        v.size[a] = SIDE;
-        v.spacing[a] = SPACING;
-        v.origin[a] = -0.5f * SPACING * (float)(SIDE - 1u);
-        v.direction[4u * a] = 1.0f;
-    }
+    float *voxels;
+    const smr_volume v = rig_cube(SIDE, SPACING, &voxels);
     for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
         const uint32_t at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
         voxels[i] = (float)value_at(kind, (double)(v.origin[0] + SPACING * (float)at[0]),
@@ -89,8 +80,8 @@ static smr_vec any_normal(uint32_t *seed)
     return smr_scale(n, 1.0f / length(n));
 }
 
-/* A step up to 1 mm is found again but for a part of it: it is one linear step, slightly damped, of profiles without
- * their means. */
+/* A step of up to 1 mm is found again except for a part of it: the search is one linear step, slightly damped, on
+ * profiles without their means. */
 static void test_finds_the_side(void **state)
 {
     const smr_grid grid = image(WAVES);
@@ -113,9 +104,8 @@ static void test_finds_the_side(void **state)
         t.noise = 1.0e4f; /* next to which the image shows nothing */
         assert_true(length(found_way(&grid, &t)) < 1.0e-3f);
     }
-    if (!(missed / 300.0 < 0.45)) {
+    if (!(missed / 300.0 < 0.45))
         print_error("%.3f of the way missed in the mean\n", missed / 300.0);
-    }
     assert_true(missed / 300.0 < 0.45);
 }
 
@@ -132,8 +122,8 @@ static void test_stays(void **state)
     assert_true(length(found_way(&plain, &t)) == 0.0f); /* the profile has no range */
 }
 
-/* Much brighter, the image says the same; with more contrast it stays when it is told so; values that are no image's
- * give a way all the same, and a short one. */
+/* Brightness changes nothing. At the right place more contrast moves nothing. Values that no image has give a step
+ * within reach. */
 static void test_brightness(void **state)
 {
     const smr_grid grid = image(WAVES);

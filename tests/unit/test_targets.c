@@ -1,4 +1,4 @@
-/* test_targets.c: which structure is drawn to which surface, and what a new surface forgets.
+/* test_targets.c: which structure is attracted by which surface, and what a new surface resets.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -61,9 +61,8 @@ static void test_room(void **state)
     smr *s = start(0);
     const uint32_t room = ball[0].n_vertices + ball[2].n_vertices;
     (void)state;
-    for (uint32_t i = 0; i < 3u; i++) { /* without attraction any size will do */
+    for (uint32_t i = 0; i < 3u; i++) /* without attraction any size will do */
         assert_int_equal(SMR_OK, smr_set_surface(s, i, surface[i]));
-    }
     s = start(room);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface[0]));
     assert_int_equal(SMR_OK, smr_set_surface(s, 2, surface[2]));
@@ -81,18 +80,16 @@ static void test_forgets_warm_starts(void **state)
 {
     smr *s = start(400);
     (void)state;
-    for (uint32_t i = 0; i < 3u; i++) {
+    for (uint32_t i = 0; i < 3u; i++)
         assert_int_equal(SMR_OK, smr_set_surface(s, i, surface[i]));
-    }
     (void)rig_run(s, 3);
     assert_int_equal(SMR_OK, smr_set_surface(s, 1, surface[1]));
     for (uint32_t v = 0; v < s->shared.n; v++) {
         const int here = smr_model_owner(s->shared.model, v) == 1u;
         assert_true(here ? s->forces.surface.warm[v] == SMR_NONE : s->forces.surface.warm[v] < ball[2].n_triangles);
     }
-    for (uint32_t j = 0; j < 400u; j++) {
+    for (uint32_t j = 0; j < 400u; j++)
         assert_true(s->forces.surface.target_warm[j] == SMR_NONE);
-    }
     assert_true(s->forces.surface.limit == 0.0f);
 }
 

@@ -96,12 +96,11 @@ static void keeps_affine_maps(void **state)
         uint32_t kind;
         unit_landmarks s = unit_warp_random(&r, 6u + k % 59u, 0.0, 0.0);
         const unit_affine a = unit_warp_affine(&r);
-        for (uint32_t i = 0; i < s.n; i++) {
+        for (uint32_t i = 0; i < s.n; i++)
             if (k % 2u)
                 unit_affine_carry(&a, s.from + 3 * i, s.to + 3 * i);
             else
                 memcpy(s.to + 3 * i, s.from + 3 * i, 3 * sizeof(float));
-        }
         smr_warp *w = unit_warp_fit(&s, k % 4u < 2u ? 0.0f : 10.0f, &kind);
         assert_int_equal(kind, SMR_WARP_SPLINE);
         for (uint32_t i = 0; i < 50u; i++) {
@@ -194,8 +193,8 @@ static void duplicates_are_averaged(void **state)
     assert_true(oracle_within("warp: duplicates", worst, 1e-3));
 }
 
-/* Equations with a condition number of 5e5 (Hilbert's matrix): three right-hand sides whose solution is known, since
- * all products and sums of the integers with these entries fit a float. */
+/* Equations with a condition number of 5e5 (Hilbert's matrix): three right-hand sides whose solution is known,
+ * because all products and sums of the integers with these entries fit a float. */
 static void solves_hard_equations(void **state)
 {
     enum { N = 5 };

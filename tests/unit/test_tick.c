@@ -1,4 +1,4 @@
-/* test_tick.c: an iteration's phases, its report, and that the same input gives the same bits.
+/* test_tick.c: an iteration's phases and its report; the same input gives the same bits.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -46,9 +46,8 @@ static void test_report(void **state)
         assert_true(report.residual_mean_mm <= report.residual_rms_mm * 1.0001f);
         assert_true(report.residual_rms_mm <= report.residual_max_mm * 1.0001f);
         assert_true(report.progress > 0.0f || s->pace.repairing > 0u || report.radius_iteration == 0u);
-        for (uint32_t i = 0; i < SMR_PHASES; i++) {
+        for (uint32_t i = 0; i < SMR_PHASES; i++)
             assert_true(report.phase_ns[i] == 0u); /* no clock */
-        }
     } while (!report.done && n < 500u);
     assert_int_equal(1, report.done);
     assert_true(report.residual_mean_mm < 1.0f); /* and it did get there: 6 mm at first */

@@ -1,5 +1,6 @@
-/* test_budget.c: the controller under clocks of which all is known: each reading, and so each task, takes so many
- * nanoseconds. Ticks end in time and use it, outliers are forgotten, changes are learnt, long iterations take several ticks.
+/* test_time_budget.c: the controller under clocks whose every reading is known: each reading, and so each task, takes
+ * a fixed number of nanoseconds. Ticks end in time and use it, outliers are forgotten, changes are learnt, long
+ * iterations span several ticks.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -84,9 +85,8 @@ static void test_learns_what_it_meets(void **state)
     rig_clock clock;
     smr *s = start(&clock, 1000);
     (void)state;
-    for (uint32_t i = 0; i < smr_n_steps; i++) {
+    for (uint32_t i = 0; i < smr_n_steps; i++)
         assert_true(s->budget.rate[i] < 0.0f);
-    }
     (void)run(s, &clock, UINT64_MAX / 2u, 2);
     for (uint32_t i = 0; i < smr_n_steps; i++) {
         s->step = i;

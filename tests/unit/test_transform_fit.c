@@ -173,8 +173,8 @@ static void degenerate_pairs_have_an_answer(void **state)
     assert_true(oracle_within("fit: degenerate pairs, rotation", worst, 3e-6));
 }
 
-/* A long bone, 400 mm by 40, and its like of another person: the ends stay where the fit in double precision has them,
- * and so does the twist, which costs least. */
+/* A long bone, 400 mm by 40, and another person's: the ends stay where the fit in double precision has them, and so
+ * does the twist, which is determined worst. */
 static void long_sets_keep_their_twist(void **state)
 {
     oracle_random r = oracle_seed(93);

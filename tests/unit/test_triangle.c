@@ -50,7 +50,7 @@ static void sound_triangles(void **state)
     oracle_random r = oracle_seed(40);
     residuals worst = {0, 0, 0, 0};
     (void)state;
-    for (uint32_t i = 0; i < 100000; i++) {
+    for (uint32_t i = 0; i < 100000u; i++) {
         double p[4][3] = {{0}};
         const double side = pow(10.0, oracle_uniform(&r, -2.0, 3.0)), far = pow(10.0, oracle_uniform(&r, -3.0, 1.0));
         const double turn = oracle_uniform(&r, 0.8, 1.4), up = oracle_uniform(&r, 0.5, 1.5);
@@ -72,7 +72,7 @@ static void slivers_and_points(void **state)
     oracle_random r = oracle_seed(41);
     residuals worst = {0, 0, 0, 0};
     (void)state;
-    for (uint32_t i = 0; i < 100000; i++) {
+    for (uint32_t i = 0; i < 100000u; i++) {
         double p[4][3], m[9];
         const double thin = i % 4u == 0u ? 0.0 : pow(10.0, oracle_uniform(&r, -9.0, -1.0)),
                      at = oracle_uniform(&r, -1, 2);
@@ -99,7 +99,7 @@ static void points_of_the_triangle(void **state)
     assert_true(smr_triangle_closest(a, a, b, c, w) == 0.0f && w[0] == 1.0f && w[1] == 0.0f && w[2] == 0.0f);
     assert_true(smr_triangle_closest(b, a, b, c, w) == 0.0f && w[1] == 1.0f && w[0] == 0.0f && w[2] == 0.0f);
     assert_true(smr_triangle_closest(c, a, b, c, w) == 0.0f && w[2] == 1.0f && w[0] == 0.0f && w[1] == 0.0f);
-    for (uint32_t i = 0; i < 10000; i++) {
+    for (uint32_t i = 0; i < 10000u; i++) {
         double u = oracle_uniform(&r, 0, 1), v = oracle_uniform(&r, 0, 1);
         if (u + v > 1.0)
             u = 1.0 - u, v = 1.0 - v;
@@ -122,7 +122,7 @@ static void corners_in_any_order(void **state)
     oracle_random r = oracle_seed(43);
     double worst = 0.0;
     (void)state;
-    for (uint32_t i = 0; i < 20000; i++) {
+    for (uint32_t i = 0; i < 20000u; i++) {
         smr_vec q[4];
         float w[3];
         for (int k = 0; k < 4; k++)

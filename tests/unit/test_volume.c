@@ -57,9 +57,8 @@ static void *fill(smr_volume *v, uint32_t seed)
 {
     void *voxels = malloc(count_of(v) * bytes_of[v->type]);
     assert_non_null(voxels);
-    for (size_t i = 0; i < count_of(v); i++) {
+    for (size_t i = 0; i < count_of(v); i++)
         put(voxels, v->type, i, &seed);
-    }
     v->voxels = voxels;
     return voxels;
 }
@@ -72,9 +71,8 @@ static smr_volume shaped(uint32_t type, uint32_t x, uint32_t y, uint32_t z)
     v.size[0] = x;
     v.size[1] = y;
     v.size[2] = z;
-    for (uint32_t a = 0; a < 3u; a++) {
+    for (uint32_t a = 0; a < 3u; a++)
         v.spacing[a] = 1.0f;
-    }
     memcpy(v.direction, unit_axes, sizeof unit_axes);
     return v;
 }
@@ -85,23 +83,20 @@ static void index_of(const smr_volume *v, const double p[3], double index[3])
     double m[9], d[3], det = 1.0;
     for (uint32_t r = 0; r < 3u; r++) {
         d[r] = p[r] - (double)v->origin[r];
-        for (uint32_t c = 0; c < 3u; c++) {
+        for (uint32_t c = 0; c < 3u; c++)
             m[3u * r + c] = (double)v->direction[3u * r + c] * (double)v->spacing[c];
-        }
     }
     for (uint32_t c = 0; c < 4u; c++) {
         double k[9];
         memcpy(k, m, sizeof k);
-        for (uint32_t r = 0; c > 0u && r < 3u; r++) {
+        for (uint32_t r = 0; c > 0u && r < 3u; r++)
             k[3u * r + c - 1u] = d[r];
-        }
         const double is = k[0] * (k[4] * k[8] - k[5] * k[7]) - k[1] * (k[3] * k[8] - k[5] * k[6]) +
                           k[2] * (k[3] * k[7] - k[4] * k[6]);
-        if (c == 0u) {
+        if (c == 0u)
             det = is;
-        } else {
+        else
             index[c - 1u] = is / det;
-        }
     }
 }
 
@@ -115,9 +110,8 @@ static int oracle(const smr_volume *v, const double p[3], double *value)
     index_of(v, p, at);
     for (uint32_t a = 0; a < 3u; a++) {
         const double lo = v->size[a] == 1u ? -0.5 : 0.0, hi = v->size[a] == 1u ? 0.5 : v->size[a] - 1.0;
-        if (at[a] < lo - unsure || at[a] > hi + unsure) {
+        if (at[a] < lo - unsure || at[a] > hi + unsure)
             return 0;
-        }
         near |= at[a] < lo + unsure || at[a] > hi - unsure;
         const double clamped = v->size[a] == 1u ? 0.0 : fmin(fmax(at[a], 0.0), v->size[a] - 1.0);
         low[a] = (size_t)clamped;
@@ -164,9 +158,8 @@ static uint32_t compare(const smr_volume *v, uint32_t seed)
         const uint32_t n_inside = smr_grid_line(&grid, smr_load(start), smr_load(step), SAMPLES, value, inside);
         for (uint32_t k = 0; k < SAMPLES; k++) {
             double p[3], want = 0.0;
-            for (uint32_t r = 0; r < 3u; r++) {
+            for (uint32_t r = 0; r < 3u; r++)
                 p[r] = (double)start[r] + k * (double)step[r];
-            }
             const int is = oracle(v, p, &want);
             count += inside[k];
             assert_true(inside[k] <= 1u && (is < 0 || is == (int)inside[k]));
@@ -198,9 +191,8 @@ static void test_values(void **state)
                 v.origin[1] = 20.25f;
                 v.origin[2] = 77.0f;
             }
-            for (uint32_t r = 0; k >= 10u && r < 3u; r++) { /* a left-handed one */
+            for (uint32_t r = 0; k >= 10u && r < 3u; r++) /* a left-handed one */
                 v.direction[3u * r] = -v.direction[3u * r];
-            }
             void *voxels = fill(&v, 5u + k);
             assert_true(compare(&v, 11u * k + type) > 100u);
             free(voxels);
@@ -267,9 +259,8 @@ static int around(const float at[3], const uint32_t hole[3], const uint32_t size
 {
     for (uint32_t a = 0; a < 3u; a++) {
         const uint32_t low = (uint32_t)at[a] < size[a] - 1u ? (uint32_t)at[a] : size[a] - 2u;
-        if (hole[a] != low && hole[a] != low + 1u) {
+        if (hole[a] != low && hole[a] != low + 1u)
             return 0;
-        }
     }
     return 1;
 }
@@ -290,11 +281,10 @@ static void test_holes(void **state)
         smr_grid grid;
         assert_non_null(mask);
         memset(mask, 1 + (int)k, count_of(&v));
-        if (k < 5u) {
+        if (k < 5u)
             voxels[at] = bad[k];
-        } else {
+        else
             mask[at] = 0;
-        }
         v.mask = k == 5u || k == 1u ? mask : NULL;
         assert_int_equal(SMR_OK, smr_grid_open(&v, &grid));
         for (uint32_t i = 0; i < 2000u; i++) {

@@ -1,4 +1,4 @@
-/* unit_exercise.c: uses an opened model image in every way there is.
+/* unit_exercise.c: uses an opened model in every way the library does.
  * SPDX-License-Identifier: MIT */
 #include "unit_exercise.h"
 

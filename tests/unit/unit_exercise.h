@@ -1,4 +1,4 @@
-/* unit_exercise.h: uses an opened model image in every way there is.
+/* unit_exercise.h: uses an opened model in every way the library does.
  * SPDX-License-Identifier: MIT */
 #ifndef UNIT_EXERCISE_H
 #define UNIT_EXERCISE_H

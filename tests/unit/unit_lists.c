@@ -1,4 +1,4 @@
-/* unit_lists.c: cluster lists read out of a model image.
+/* unit_lists.c: cluster lists read from a model.
  * SPDX-License-Identifier: MIT */
 #include "unit_lists.h"
 

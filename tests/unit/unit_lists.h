@@ -1,4 +1,4 @@
-/* unit_lists.h: cluster lists read out of a model image, for tests of prepare. Everything here is in stored order.
+/* unit_lists.h: cluster lists read from a model, for tests of prepare. Everything here is in stored order.
  * SPDX-License-Identifier: MIT */
 #ifndef UNIT_LISTS_H
 #define UNIT_LISTS_H

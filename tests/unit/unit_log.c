@@ -11,9 +11,8 @@ smr *unit_log_begin(const unit_log *u, const smr_port *port) { return rig_init(u
 
 static void ticks(smr *s, uint32_t n, uint32_t *seed)
 {
-    for (uint32_t i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++)
         (void)smr_tick(s, 100u * (100u + rig_random(seed, 900)), NULL);
-    }
 }
 
 void unit_log_make(unit_log *u)
@@ -69,9 +68,8 @@ void unit_log_seal(unsigned char *log, size_t bytes)
     smr_log_put32(log + SMR_LOG_HEADER - 4u, crc);
     for (size_t at = SMR_LOG_HEADER; at + SMR_LOG_FRAME <= bytes; at += size) {
         size = smr_log_get32(log + at) >> 8;
-        if (size < SMR_LOG_FRAME || size > bytes - at) {
+        if (size < SMR_LOG_FRAME || size > bytes - at)
             return;
-        }
         crc = smr_crc32(crc, log + at, size - 4u);
         smr_log_put32(log + at + size - 4u, crc);
     }

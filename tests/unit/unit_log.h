@@ -18,7 +18,8 @@ typedef struct unit_log {
     size_t bytes;
 } unit_log;
 
-/* Sets up and records: a pose, a surface, 20 ticks cut by a clock, the other surface, as many again. rig_free_all() ends it. */
+/* Sets up and records: a pose, a surface, 20 ticks cut by a clock, the other surface, 20 more ticks. rig_free_all()
+ * frees it. */
 void unit_log_make(unit_log *u);
 
 /* The one that a test program shares, and its CMocka fixtures. */

@@ -23,7 +23,7 @@ smr_mesh unit_view(const unit_mesh *m);
 
 /* n random points in a box of side `size` around `at`, no triangles; every seventh is a copy of an earlier one. */
 unit_mesh unit_points(oracle_random *r, uint32_t n, float at, float size);
-/* Random triangles: every 5th has zero area, every 7th repeats an earlier one. Their corners are shared when `shared`. */
+/* Random triangles: every 5th has zero area, every 7th repeats an earlier one. They share corners when `shared`. */
 unit_mesh unit_soup(oracle_random *r, uint32_t nt, float size, int shared);
 /* nx by ny quads of side `step` in the xy plane, waved in z: an open surface with a border. */
 unit_mesh unit_grid(uint32_t nx, uint32_t ny, float step);

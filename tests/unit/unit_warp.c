@@ -23,7 +23,7 @@ unit_landmarks unit_warp_random(oracle_random *r, uint32_t n, double at, double 
         double p[3];
         for (int c = 0; c < 3; c++)
             p[c] = oracle_uniform(r, -300, 300);
-        for (uint32_t c = 0; c < 3; c++) {
+        for (uint32_t c = 0; c < 3u; c++) {
             const double q = turn[3 * c] * p[0] + turn[3 * c + 1] * p[1] + turn[3 * c + 2] * p[2];
             s.from[3 * i + c] = (float)(p[c] + at);
             s.to[3 * i + c] = (float)(1.1 * q + 50.0 + oracle_uniform(r, -bend, bend));
@@ -125,14 +125,14 @@ void oracle_spline_fit(oracle_spline *w, const unit_landmarks *s, double lambda)
     for (uint32_t i = 0; i < n; i++) {
         for (uint32_t k = 0; k < n; k++)
             a[i][k] = i == k ? lambda : -apart(w->at[i], w->at[k]);
-        for (uint32_t c = 0; c < 4; c++)
+        for (uint32_t c = 0; c < 4u; c++)
             a[i][n + c] = a[n + c][i] = c == 0 ? 300.0 : w->at[i][c - 1]; /* 300: entries of like size */
-        for (uint32_t c = 0; c < 3; c++)
+        for (uint32_t c = 0; c < 3u; c++)
             a[i][m + c] = (double)s->to[3 * i + c];
     }
     eliminate(a, m);
     for (uint32_t i = 0; i < m; i++)
-        for (uint32_t c = 0; c < 3; c++)
+        for (uint32_t c = 0; c < 3u; c++)
             w->x[i][c] = a[i][m + c] / a[i][i];
     free(a);
 }

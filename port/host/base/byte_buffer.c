@@ -1,4 +1,4 @@
-/* A growing array of bytes for output.
+/* byte_buffer.c: a growing array of bytes for output.
  * SPDX-License-Identifier: MIT */
 #include "base/byte_buffer.h"
 

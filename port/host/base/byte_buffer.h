@@ -1,4 +1,4 @@
-/* A growing array of bytes for output. A failure is stored; the caller checks `failed` once, at the end.
+/* byte_buffer.h: a growing array of bytes for output. A failure is stored; the caller checks `failed` once, at the end.
  * SPDX-License-Identifier: MIT */
 #ifndef BYTE_BUFFER_H
 #define BYTE_BUFFER_H

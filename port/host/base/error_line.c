@@ -1,4 +1,4 @@
-/* The error line: readers and option checks fill it, main prints it once.
+/* error_line.c: the error line: readers and option checks fill it, main prints it once.
  * SPDX-License-Identifier: MIT */
 #include "base/error_line.h"
 

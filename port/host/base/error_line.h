@@ -1,4 +1,5 @@
-/* The line that a failed command prints: the file or option, the place in it, and what was expected there.
+/* error_line.h: the line that a failed command prints: the file or option, the place in it, and what was expected
+ * there.
  * SPDX-License-Identifier: MIT */
 #ifndef ERROR_LINE_H
 #define ERROR_LINE_H

@@ -1,4 +1,4 @@
-/* Aligned memory from the system.
+/* memory.c: aligned memory from the system.
  * SPDX-License-Identifier: MIT */
 #define _DEFAULT_SOURCE /* madvise */
 

@@ -1,4 +1,4 @@
-/* Aligned memory from the system.
+/* memory.h: aligned memory from the system.
  * SPDX-License-Identifier: MIT */
 #ifndef MEMORY_H
 #define MEMORY_H

@@ -1,4 +1,4 @@
-/* The coordinate that mirroring negates.
+/* mirror.h: the coordinate that mirroring negates.
  * SPDX-License-Identifier: MIT */
 #ifndef MIRROR_H
 #define MIRROR_H

@@ -1,4 +1,4 @@
-/* Numbers from the bytes of a file: whole and floating-point, in either byte order.
+/* number_types.c: numbers from the bytes of a file: whole and floating-point, in either byte order.
  * SPDX-License-Identifier: MIT */
 #include "base/number_types.h"
 

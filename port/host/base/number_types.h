@@ -1,4 +1,4 @@
-/* Number types as files name them, and numbers from a file's bytes.
+/* number_types.h: number types as files name them, and numbers from a file's bytes.
  * SPDX-License-Identifier: MIT */
 #ifndef NUMBER_TYPES_H
 #define NUMBER_TYPES_H

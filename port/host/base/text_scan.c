@@ -1,5 +1,5 @@
-/* Words, lines and numbers from a text. Short decimals are converted directly: a mantissa below 2^53 and a power of
- * ten up to 22 are exact doubles, so the result is exact. strtod converts all others.
+/* text_scan.c: words, lines and numbers from a text. Short decimals are converted directly: a mantissa below 2^53 and a
+ * power of ten up to 22 are exact doubles, so the result is exact. strtod converts all others.
  * SPDX-License-Identifier: MIT */
 #include "base/text_scan.h"
 

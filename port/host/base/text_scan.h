@@ -1,4 +1,4 @@
-/* Words, lines and numbers from a text in memory that need not end with a NUL.
+/* text_scan.h: words, lines and numbers from a text in memory that need not end with a NUL.
  * SPDX-License-Identifier: MIT */
 #ifndef TEXT_SCAN_H
 #define TEXT_SCAN_H

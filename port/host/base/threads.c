@@ -1,4 +1,4 @@
-/* Threads and the clock for the command line.
+/* threads.c: threads and the clock for the command line.
  * SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE /* sched_getaffinity */
 

@@ -1,4 +1,4 @@
-/* Threads and the clock for the command line.
+/* threads.h: threads and the clock for the command line.
  * SPDX-License-Identifier: MIT */
 #ifndef THREADS_H
 #define THREADS_H

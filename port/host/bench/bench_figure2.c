@@ -1,4 +1,5 @@
-/* Measures the paper's figure 2: time per iteration and segmentation error against the share of ignored vertices.
+/* bench_figure2.c: measures the paper's figure 2: time per iteration and segmentation error against the share of
+ * ignored vertices.
  *
  * Times: one iteration in the paper's setting. One cluster radius of 30 mm, profiles of 30 samples every 0.5 mm,
  * searched within 10 mm, fixed reference positions (elastic), no fold handling, one thread. The clock is the thread's

@@ -1,7 +1,8 @@
-/* The paper's figure 2: the measured values. bench_figure2.c measures, bench_figure2_write.c writes the files.
+/* bench_figure2.h: the paper's figure 2: the measured values. bench_figure2.c measures, bench_figure2_write.c writes
+ * the files.
  * SPDX-License-Identifier: MIT */
-#ifndef BENCH_FIGURE_H
-#define BENCH_FIGURE_H
+#ifndef BENCH_FIGURE2_H
+#define BENCH_FIGURE2_H
 
 #include "options/options.h"
 

@@ -1,4 +1,4 @@
-/* Writes figure2.csv and figure2.svg, and prints the summary.
+/* bench_figure2_write.c: writes figure2.csv and figure2.svg, and prints the summary.
  * SPDX-License-Identifier: MIT */
 #include "bench/bench_figure2.h"
 

@@ -1,4 +1,4 @@
-/* The benchmarks' data, the computed thigh or files, and their registrations.
+/* bench_job.c: the benchmarks' data, the computed thigh or files, and their registrations.
  * SPDX-License-Identifier: MIT */
 #include "bench/bench_job.h"
 

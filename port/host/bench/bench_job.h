@@ -1,4 +1,5 @@
-/* Data that the benchmarks of the command line share: a model, an image or surfaces as the target, and the truth.
+/* bench_job.h: data that the benchmarks of the command line share: a model, an image or surfaces as the target, and the
+ * truth.
  * SPDX-License-Identifier: MIT */
 #ifndef BENCH_JOB_H
 #define BENCH_JOB_H

@@ -1,4 +1,4 @@
-/* Draws line charts side by side in one SVG.
+/* bench_plot.c: draws line charts side by side in one SVG.
  * SPDX-License-Identifier: MIT */
 #include "bench/bench_plot.h"
 
@@ -35,10 +35,9 @@ static frame frame_of(const host_plot *plot, uint32_t index)
     frame f = {
         PANEL_WIDTH * index + LEFT, TOP, PANEL_WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM, plot->x_max, 0.0, 0.0};
     uint32_t c = 0, i = 0;
-    for (c = 0; c < plot->n_curves; c++) {
+    for (c = 0; c < plot->n_curves; c++)
         for (i = 0; i < plot->curve[c].n; i++)
             f.y_max = plot->curve[c].y[i] > f.y_max ? plot->curve[c].y[i] : f.y_max;
-    }
     if (!(f.y_max > 0.0))
         f.y_max = 1.0;
     f.y_max *= HEADROOM;

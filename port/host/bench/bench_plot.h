@@ -1,4 +1,4 @@
-/* Line charts side by side in one SVG: axes, ticks, legends, measured points and fitted lines.
+/* bench_plot.h: line charts side by side in one SVG: axes, ticks, legends, measured points and fitted lines.
  * SPDX-License-Identifier: MIT */
 #ifndef BENCH_PLOT_H
 #define BENCH_PLOT_H

@@ -1,7 +1,7 @@
-/* The soak benchmark: a histogram of how far ticks end beyond their budgets, for this machine and its present load.
- * It is measured by the wall clock and by the processor time of the calling thread. With one thread, processor time
- * beyond the budget is the library's own, since other programs do not count. With more threads the caller also waits
- * for the others, which uses no processor time.
+/* bench_soak.c: the soak benchmark: a histogram of how far ticks end beyond their budgets, for this machine and its
+ * present load. It is measured by the wall clock and by the processor time of the calling thread. With one thread,
+ * processor time beyond the budget is the library's own, since other programs do not count. With more threads the
+ * caller also waits for the others, which uses no processor time.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 

@@ -1,4 +1,4 @@
-/* smr bench: the paper's figure 2, and how far ticks go beyond their budgets.
+/* cmd_bench.c: smr bench: the paper's figure 2, and how far ticks go beyond their budgets.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 

@@ -1,4 +1,4 @@
-/* smr build: prepares surfaces into a model, as a file or as C source for a device.
+/* cmd_build.c: smr build: prepares surfaces into a model, as a file or as C source for a device.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>

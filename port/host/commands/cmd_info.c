@@ -1,4 +1,4 @@
-/* smr info: prints the structures, radii and sizes of a model.
+/* cmd_info.c: smr info: prints the structures, radii and sizes of a model.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <string.h>

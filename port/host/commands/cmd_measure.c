@@ -1,4 +1,4 @@
-/* smr measure: distances between two surfaces both ways, Hausdorff distance, folds.
+/* cmd_measure.c: smr measure: distances between two surfaces both ways, Hausdorff distance, folds.
  * SPDX-License-Identifier: MIT */
 #include <inttypes.h>
 #include <stdio.h>

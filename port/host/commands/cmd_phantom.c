@@ -1,4 +1,4 @@
-/* smr phantom: writes the computed thigh: model, reference image, patient's image, landmarks and truth.
+/* cmd_phantom.c: smr phantom: writes the computed thigh: model, reference image, patient's image, landmarks and truth.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* smr register: calls the steps of a registration in order and writes its files.
+/* cmd_register.c: smr register: calls the steps of a registration in order and writes its files.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>

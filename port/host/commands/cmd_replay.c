@@ -1,4 +1,4 @@
-/* smr replay: reads the inputs of a recorded registration again and repeats its ticks.
+/* cmd_replay.c: smr replay: reads the inputs of a recorded registration again and repeats its ticks.
  * SPDX-License-Identifier: MIT */
 #include <inttypes.h>
 #include <stdio.h>

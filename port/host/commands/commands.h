@@ -1,4 +1,4 @@
-/* The commands. Each returns the program's exit status; at 2 the error is filled.
+/* commands.h: the commands. Each returns the program's exit status; at 2 the error is filled.
  * SPDX-License-Identifier: MIT */
 #ifndef COMMANDS_H
 #define COMMANDS_H

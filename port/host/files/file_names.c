@@ -1,4 +1,4 @@
-/* Base name and extension of a file's path.
+/* file_names.c: base name and extension of a file's path.
  * SPDX-License-Identifier: MIT */
 #include "files/file_names.h"
 

@@ -1,4 +1,4 @@
-/* Base name and extension of a file's path; ".gz" belongs to neither.
+/* file_names.h: base name and extension of a file's path; ".gz" belongs to neither.
  * SPDX-License-Identifier: MIT */
 #ifndef FILE_NAMES_H
 #define FILE_NAMES_H

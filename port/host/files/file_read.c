@@ -1,4 +1,4 @@
-/* Reads whole files. Sizes come from the file system, never from the file's own header.
+/* file_read.c: reads whole files. Sizes come from the file system, never from the file's own header.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 

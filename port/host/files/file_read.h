@@ -1,4 +1,4 @@
-/* Reads whole files into memory, with size limits; .gz files through the system's gzip.
+/* file_read.h: reads whole files into memory, with size limits; .gz files through the system's gzip.
  * SPDX-License-Identifier: MIT */
 #ifndef FILE_READ_H
 #define FILE_READ_H

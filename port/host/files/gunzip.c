@@ -1,4 +1,4 @@
-/* Unpacks a file: gzip runs as a child process with the file as its input and a pipe as its output.
+/* gunzip.c: unpacks a file: gzip runs as a child process with the file as its input and a pipe as its output.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 

@@ -1,4 +1,4 @@
-/* Unpacks gzip files by the system's gzip program, without a shell.
+/* gunzip.h: unpacks gzip files by the system's gzip program, without a shell.
  * SPDX-License-Identifier: MIT */
 #ifndef GUNZIP_H
 #define GUNZIP_H

@@ -1,4 +1,4 @@
-/* Reads and writes log files. A line of readable text precedes each section; a checksum covers all of them.
+/* log_file.c: reads and writes log files. A line of readable text precedes each section; a checksum covers all of them.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 

@@ -1,5 +1,6 @@
-/* The log file of a registration: its command line, the files it read with their checksums, and the library's log.
- * smr replay reads the same inputs again and repeats every tick from it. docs/SPEC.md describes the bytes.
+/* log_file.h: the log file of a registration: its command line, the files it read with their checksums, and the
+ * library's log. smr replay reads the same inputs again and repeats every tick from it. docs/SPEC.md describes the
+ * bytes.
  * SPDX-License-Identifier: MIT */
 #ifndef LOG_FILE_H
 #define LOG_FILE_H

@@ -1,5 +1,5 @@
-/* Output files. An existing path that is no regular file (a device, a pipe) is written directly: a rename would
- * replace it.
+/* output_files.c: output files. An existing path that is no regular file (a device, a pipe) is written directly: a
+ * rename would replace it.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 

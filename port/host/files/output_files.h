@@ -1,4 +1,4 @@
-/* Output files: all or none. They are written under temporary names and renamed at the end.
+/* output_files.h: output files: all or none. They are written under temporary names and renamed at the end.
  * SPDX-License-Identifier: MIT */
 #ifndef OUTPUT_FILES_H
 #define OUTPUT_FILES_H

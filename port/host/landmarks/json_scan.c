@@ -1,4 +1,4 @@
-/* A strict JSON scanner (RFC 8259): calls back for members and elements and stores nothing.
+/* json_scan.c: a strict JSON scanner (RFC 8259): calls back for members and elements and stores nothing.
  * SPDX-License-Identifier: MIT */
 #include "landmarks/json_scan.h"
 

@@ -1,4 +1,4 @@
-/* A strict JSON scanner (RFC 8259): calls back for members and elements and stores nothing.
+/* json_scan.h: a strict JSON scanner (RFC 8259): calls back for members and elements and stores nothing.
  * SPDX-License-Identifier: MIT */
 #ifndef JSON_SCAN_H
 #define JSON_SCAN_H

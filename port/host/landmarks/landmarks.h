@@ -1,4 +1,4 @@
-/* Landmarks: reads them from files and pairs two sets by label.
+/* landmarks.h: landmarks: reads them from files and pairs two sets by label.
  * SPDX-License-Identifier: MIT */
 #ifndef LANDMARKS_H
 #define LANDMARKS_H

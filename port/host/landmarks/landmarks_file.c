@@ -1,4 +1,4 @@
-/* Reads a landmark file of any format, and pairs two sets by label.
+/* landmarks_file.c: reads a landmark file of any format, and pairs two sets by label.
  * SPDX-License-Identifier: MIT */
 #include <inttypes.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* Reads 3D Slicer markups (.mrk.json): the control points of every markup in the file.
+/* landmarks_markups.c: reads 3D Slicer markups (.mrk.json): the control points of every markup in the file.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* Adds landmarks to the set being read; checks labels and positions.
+/* landmarks_reader.c: adds landmarks to the set being read; checks labels and positions.
  * SPDX-License-Identifier: MIT */
 #include "landmarks/landmarks_reader.h"
 

@@ -1,4 +1,4 @@
-/* Shared by the readers of landmark formats: adds landmarks to the set being read.
+/* landmarks_reader.h: shared by the readers of landmark formats: adds landmarks to the set being read.
  * SPDX-License-Identifier: MIT */
 #ifndef LANDMARKS_READER_H
 #define LANDMARKS_READER_H

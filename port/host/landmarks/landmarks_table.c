@@ -1,4 +1,4 @@
-/* Reads landmarks from comma-separated lines: 3D Slicer's .fcsv and plain CSV.
+/* landmarks_table.c: reads landmarks from comma-separated lines: 3D Slicer's .fcsv and plain CSV.
  *
  * .fcsv: "# CoordinateSystem = ..." is required; "# columns = ..." names the columns.
  * CSV: label,x,y,z in LPS, with or without a header line; the same comments are understood.
@@ -89,7 +89,7 @@ static int read_columns(table *t, host_word value)
     const size_t n = split(value, fields);
     size_t i = 0;
     t->label = t->x = t->y = t->z = FIELDS_MAX;
-    for (i = 0; i < n; i++) {
+    for (i = 0; i < n; i++)
         if (host_word_is_nocase(fields[i], "label"))
             t->label = i;
         else if (host_word_is_nocase(fields[i], "x"))
@@ -98,7 +98,6 @@ static int read_columns(table *t, host_word value)
             t->y = i;
         else if (host_word_is_nocase(fields[i], "z"))
             t->z = i;
-    }
     if (t->label == FIELDS_MAX || t->x == FIELDS_MAX || t->y == FIELDS_MAX || t->z == FIELDS_MAX)
         return host_fail_at(t->error, "line", t->line, "columns with label, x, y and z");
     return 0;

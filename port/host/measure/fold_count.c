@@ -1,5 +1,5 @@
-/* Counts folds. A counting sort groups half-edges by their smaller vertex; each group is then sorted by the other
- * vertex, so that the triangles of an edge are neighbours in the list.
+/* fold_count.c: counts folds. A counting sort groups half-edges by their smaller vertex; each group is then sorted by
+ * the other vertex, so that the triangles of an edge are neighbours in the list.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 

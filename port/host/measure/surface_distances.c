@@ -1,4 +1,4 @@
-/* Point-to-surface distances, computed by all threads, and their statistics.
+/* surface_distances.c: point-to-surface distances, computed by all threads, and their statistics.
  * SPDX-License-Identifier: MIT */
 #include "measure/surface_distances.h"
 

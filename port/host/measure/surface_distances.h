@@ -1,4 +1,4 @@
-/* Distances between surfaces, and the number of folds.
+/* surface_distances.h: distances between surfaces, and the number of folds.
  * SPDX-License-Identifier: MIT */
 #ifndef SURFACE_DISTANCES_H
 #define SURFACE_DISTANCES_H

@@ -1,4 +1,4 @@
-/* Reads a mesh file of any format: finds the format, calls its reader, checks and mirrors the mesh.
+/* mesh_file.c: reads a mesh file of any format: finds the format, calls its reader, checks and mirrors the mesh.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>

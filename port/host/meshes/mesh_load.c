@@ -1,4 +1,4 @@
-/* Reads many mesh files in parallel.
+/* mesh_load.c: reads many mesh files in parallel.
  * SPDX-License-Identifier: MIT */
 #include "meshes/mesh_load.h"
 

@@ -1,4 +1,4 @@
-/* Reads many mesh files in parallel.
+/* mesh_load.h: reads many mesh files in parallel.
  * SPDX-License-Identifier: MIT */
 #ifndef MESH_LOAD_H
 #define MESH_LOAD_H

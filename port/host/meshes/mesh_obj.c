@@ -1,4 +1,4 @@
-/* Reads Wavefront OBJ: v and f lines (v, v/vt, v//vn, v/vt/vn, negative indexes); skips all others.
+/* mesh_obj.c: reads Wavefront OBJ: v and f lines (v, v/vt, v//vn, v/vt/vn, negative indexes); skips all others.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* Reads PLY: ASCII and both binary byte orders, any order and type of properties; skips other elements.
+/* mesh_ply.c: reads PLY: ASCII and both binary byte orders, any order and type of properties; skips other elements.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 

@@ -1,4 +1,5 @@
-/* Adds vertices and triangles to the mesh being read. Memory grows with the data read, not with the file's counts.
+/* mesh_reader.c: adds vertices and triangles to the mesh being read. Memory grows with the data read, not with the
+ * file's counts.
  * SPDX-License-Identifier: MIT */
 #include "meshes/mesh_reader.h"
 

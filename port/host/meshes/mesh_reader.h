@@ -1,4 +1,4 @@
-/* Shared by the readers of mesh formats: adds vertices and triangles to the mesh being read.
+/* mesh_reader.h: shared by the readers of mesh formats: adds vertices and triangles to the mesh being read.
  * SPDX-License-Identifier: MIT */
 #ifndef MESH_READER_H
 #define MESH_READER_H

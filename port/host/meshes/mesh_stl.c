@@ -1,5 +1,5 @@
-/* Reads STL, ASCII and binary. The format repeats the vertices of every triangle; equal positions are merged into one
- * vertex, numbered by first appearance.
+/* mesh_stl.c: reads STL, ASCII and binary. The format repeats the vertices of every triangle; equal positions are
+ * merged into one vertex, numbered by first appearance.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* Reads legacy VTK polydata ("VTK file formats", versions 1 to 5.1): geometry only, skips data arrays.
+/* mesh_vtk.c: reads legacy VTK polydata ("VTK file formats", versions 1 to 5.1): geometry only, skips data arrays.
  * SPDX-License-Identifier: MIT */
 #include "meshes/vtk_cells.h"
 

@@ -1,4 +1,4 @@
-/* Writes meshes. Text formats have nine significant digits, so that reading gives the same floats.
+/* mesh_write.c: writes meshes. Text formats have nine significant digits, so that reading gives the same floats.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 

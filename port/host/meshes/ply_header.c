@@ -1,5 +1,5 @@
-/* Reads the PLY header (Turk 1994): "ply", "format", "element NAME COUNT", "property [list COUNT_TYPE] TYPE NAME",
- * comments, "end_header". Every count is checked against the bytes that follow.
+/* ply_header.c: reads the PLY header (Turk 1994): "ply", "format", "element NAME COUNT", "property [list COUNT_TYPE]
+ * TYPE NAME", comments, "end_header". Every count is checked against the bytes that follow.
  * SPDX-License-Identifier: MIT */
 #include "meshes/ply_header.h"
 

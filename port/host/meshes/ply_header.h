@@ -1,4 +1,4 @@
-/* The header of a PLY file: its elements and their properties.
+/* ply_header.h: the header of a PLY file: its elements and their properties.
  * SPDX-License-Identifier: MIT */
 #ifndef PLY_HEADER_H
 #define PLY_HEADER_H

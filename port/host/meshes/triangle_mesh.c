@@ -1,4 +1,4 @@
-/* Mirrors, joins and frees meshes in memory.
+/* triangle_mesh.c: mirrors, joins and frees meshes in memory.
  * SPDX-License-Identifier: MIT */
 #include "meshes/triangle_mesh.h"
 

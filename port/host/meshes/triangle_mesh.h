@@ -1,4 +1,4 @@
-/* Triangle meshes: in memory, from files and to files.
+/* triangle_mesh.h: triangle meshes: in memory, from files and to files.
  *
  * In memory, coordinates are millimetres in LPS. Files marked SPACE=RAS are converted when read.
  * Vertices and triangles keep the file's order; polygons become fans of triangles, in order.

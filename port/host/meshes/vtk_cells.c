@@ -1,4 +1,4 @@
-/* Reads cells of legacy VTK polydata, before and since version 5.1.
+/* vtk_cells.c: reads cells of legacy VTK polydata, before and since version 5.1.
  * SPDX-License-Identifier: MIT */
 #include "meshes/vtk_cells.h"
 

@@ -1,4 +1,4 @@
-/* Polygons and triangle strips of legacy VTK polydata.
+/* vtk_cells.h: polygons and triangle strips of legacy VTK polydata.
  * SPDX-License-Identifier: MIT */
 #ifndef VTK_CELLS_H
 #define VTK_CELLS_H

@@ -1,4 +1,4 @@
-/* Reads numbers of legacy VTK files.
+/* vtk_values.c: reads numbers of legacy VTK files.
  * SPDX-License-Identifier: MIT */
 #include "meshes/vtk_values.h"
 

@@ -1,4 +1,4 @@
-/* Reads numbers of legacy VTK files, ASCII or binary (always big-endian).
+/* vtk_values.h: reads numbers of legacy VTK files, ASCII or binary (always big-endian).
  * SPDX-License-Identifier: MIT */
 #ifndef VTK_VALUES_H
 #define VTK_VALUES_H

@@ -1,5 +1,5 @@
-/* Loads the model of a command. Structure names come from file names or from an untrusted model; since they become
- * names of result files, they are checked here.
+/* model_from_files.c: loads the model of a command. Structure names come from file names or from an untrusted model;
+ * since they become names of result files, they are checked here.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 

@@ -1,4 +1,4 @@
-/* The model of a command, from surfaces or from a prepared .smr file.
+/* model_from_files.h: the model of a command, from surfaces or from a prepared .smr file.
  * SPDX-License-Identifier: MIT */
 #ifndef MODEL_FROM_FILES_H
 #define MODEL_FROM_FILES_H

@@ -1,4 +1,4 @@
-/* The help text.
+/* help_text.c: the help text.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 

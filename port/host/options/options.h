@@ -1,4 +1,4 @@
-/* The command line's options, checked strictly and laid into one struct.
+/* options.h: the command line's options, checked strictly and laid into one struct.
  * SPDX-License-Identifier: MIT */
 #ifndef OPTIONS_H
 #define OPTIONS_H

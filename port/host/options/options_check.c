@@ -1,4 +1,5 @@
-/* What options need beside them, what they exclude, and what depends on the kind of target: after all are read.
+/* options_check.c: what options need beside them, what they exclude, and what depends on the kind of target: after all
+ * are read.
  * SPDX-License-Identifier: MIT */
 #include "options/options_table.h"
 

@@ -1,4 +1,4 @@
-/* Option reading, driven by the table of options_table.c.
+/* options_read.c: option reading, driven by the table of options_table.c.
  * SPDX-License-Identifier: MIT */
 #include "options/options.h"
 

@@ -1,4 +1,4 @@
-/* The table of options.
+/* options_table.c: the table of options.
  * SPDX-License-Identifier: MIT */
 #include "options/options_table.h"
 

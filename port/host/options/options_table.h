@@ -1,4 +1,4 @@
-/* The table of options: name, commands, kind, field, range.
+/* options_table.h: the table of options: name, commands, kind, field, range.
  * SPDX-License-Identifier: MIT */
 #ifndef OPTIONS_TABLE_H
 #define OPTIONS_TABLE_H

@@ -1,4 +1,4 @@
-/* Computes the thigh phantom: meshes and images of the model and of a patient, and landmarks.
+/* thigh_phantom.c: computes the thigh phantom: meshes and images of the model and of a patient, and landmarks.
  * SPDX-License-Identifier: MIT */
 #include "phantom/thigh_phantom.h"
 

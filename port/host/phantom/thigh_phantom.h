@@ -1,4 +1,4 @@
-/* The computed thigh in memory: meshes and images of the model and of a patient, and landmarks.
+/* thigh_phantom.h: the computed thigh in memory: meshes and images of the model and of a patient, and landmarks.
  * SPDX-License-Identifier: MIT */
 #ifndef THIGH_PHANTOM_H
 #define THIGH_PHANTOM_H

@@ -1,4 +1,4 @@
-/* Measures the result of a registration: positions, distances in both directions, folds.
+/* register_evaluate.c: measures the result of a registration: positions, distances in both directions, folds.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* Loads what a registration to an image needs: the volumes, landmarks for the start, and the truth for measuring.
+/* register_image.c: loads what a registration to an image needs: the volumes, landmarks for the start, and the truth
+ * for measuring.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <stdlib.h>

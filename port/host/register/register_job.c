@@ -1,4 +1,4 @@
-/* Prepares the model and starts the registration in parallel; frees a job.
+/* register_job.c: prepares the model and starts the registration in parallel; frees a job.
  * SPDX-License-Identifier: MIT */
 #include "register/register_job.h"
 

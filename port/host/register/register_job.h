@@ -1,4 +1,5 @@
-/* One registration, from input files to results: the data that its steps share. cmd_register.c calls them in order.
+/* register_job.h: one registration, from input files to results: the data that its steps share. cmd_register.c calls
+ * them in order.
  * SPDX-License-Identifier: MIT */
 #ifndef REGISTER_JOB_H
 #define REGISTER_JOB_H

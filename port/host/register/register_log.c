@@ -1,5 +1,5 @@
-/* Records a registration: memory for the library's log, and the log file, which also says how to read the
- * inputs again.
+/* register_log.c: records a registration: memory for the library's log, and the log file, which also says how to read
+ * the inputs again.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* Runs the registration: allocates the arena, sets the targets, ticks until the schedule ends.
+/* register_run.c: runs the registration: allocates the arena, sets the targets, ticks until the schedule ends.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 

@@ -1,4 +1,4 @@
-/* Starts a registration: reads all files, pairs targets and structures, finds the start pose.
+/* register_start.c: starts a registration: reads all files, pairs targets and structures, finds the start pose.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* Writes JSON: two spaces per level, one item per line.
+/* json_write.c: writes JSON: two spaces per level, one item per line.
  * SPDX-License-Identifier: MIT */
 #include "report/json_write.h"
 

@@ -1,4 +1,4 @@
-/* Writes JSON into a buffer.
+/* json_write.h: writes JSON into a buffer.
  * SPDX-License-Identifier: MIT */
 #ifndef JSON_WRITE_H
 #define JSON_WRITE_H

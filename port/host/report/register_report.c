@@ -1,4 +1,4 @@
-/* Writes report.json and the summary for people.
+/* register_report.c: writes report.json and the summary for people.
  * SPDX-License-Identifier: MIT */
 #include "report/register_report.h"
 

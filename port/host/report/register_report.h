@@ -1,4 +1,4 @@
-/* The result of a registration as report.json, and as a summary for people.
+/* register_report.h: the result of a registration as report.json, and as a summary for people.
  * SPDX-License-Identifier: MIT */
 #ifndef REGISTER_REPORT_H
 #define REGISTER_REPORT_H

@@ -1,5 +1,5 @@
-/* Unpacks zlib and gzip streams inside volume files (MetaImage, NRRD). The gzip program unpacks whole files only, and
- * not zlib, whose checksum differs.
+/* inflate.c: unpacks zlib and gzip streams inside volume files (MetaImage, NRRD). The gzip program unpacks whole files
+ * only, and not zlib, whose checksum differs.
  *
  * Formats: RFC 1950 (zlib), RFC 1951 (deflate), RFC 1952 (gzip, one member).
  * SPDX-License-Identifier: MIT */

@@ -1,4 +1,4 @@
-/* Reads a volume file of any format: finds the format and calls its reader. Mirrors and frees volumes.
+/* volume_file.c: reads a volume file of any format: finds the format and calls its reader. Mirrors and frees volumes.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* Checks the size and the geometry of a volume, for all formats.
+/* volume_geometry.c: checks the size and the geometry of a volume, for all formats.
  * SPDX-License-Identifier: MIT */
 #include <inttypes.h>
 #include <math.h>

@@ -1,4 +1,4 @@
-/* Reads an image from a volume file, as the library's type.
+/* volume_image.c: reads an image from a volume file, as the library's type.
  * SPDX-License-Identifier: MIT */
 #include "volumes/volume_image.h"
 

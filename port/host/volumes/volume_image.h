@@ -1,4 +1,4 @@
-/* An image from a volume file as the library's type: the reference or the target.
+/* volume_image.h: an image from a volume file as the library's type: the reference or the target.
  * SPDX-License-Identifier: MIT */
 #ifndef VOLUME_IMAGE_H
 #define VOLUME_IMAGE_H

@@ -1,4 +1,4 @@
-/* Reads MetaImage (.mha, .mhd with a data file): "key = value" lines, then the voxels.
+/* volume_metaimage.c: reads MetaImage (.mha, .mhd with a data file): "key = value" lines, then the voxels.
  *
  * TransformMatrix lists the direction of the first axis first. Offset is the centre of the first voxel. Both are LPS.
  * AnatomicalOrientation is ignored.

@@ -1,4 +1,4 @@
-/* Reads NIfTI-1 in one file (.nii): a header of 348 bytes, then the voxels. World coordinates are RAS.
+/* volume_nifti.c: reads NIfTI-1 in one file (.nii): a header of 348 bytes, then the voxels. World coordinates are RAS.
  *
  * Orientation: srow when sform_code > 0, else the quaternion when qform_code > 0, else pixdim alone (method 1 of the
  * standard: axes along +x, +y, +z of RAS, origin 0). As in common implementations, a slope of 0 or NaN means that

@@ -1,4 +1,4 @@
-/* Reads NRRD, attached (.nrrd) or detached (.nhdr): "field: value" lines; an empty line ends the header.
+/* volume_nrrd.c: reads NRRD, attached (.nrrd) or detached (.nhdr): "field: value" lines; an empty line ends the header.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* Shared by the readers of volume formats: the volume being read and the bytes of its voxels.
+/* volume_reader.h: shared by the readers of volume formats: the volume being read and the bytes of its voxels.
  * SPDX-License-Identifier: MIT */
 #ifndef VOLUME_READER_H
 #define VOLUME_READER_H

@@ -1,4 +1,4 @@
-/* Converts the bytes of a file to voxels. Memory is bounded by the file's size, not by its header.
+/* volume_voxels.c: converts the bytes of a file to voxels. Memory is bounded by the file's size, not by its header.
  * SPDX-License-Identifier: MIT */
 #include <float.h>
 #include <inttypes.h>

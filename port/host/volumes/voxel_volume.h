@@ -1,4 +1,4 @@
-/* Image volumes: in memory and from files.
+/* voxel_volume.h: image volumes: in memory and from files.
  *
  * In memory, coordinates are millimetres in LPS. The centre of the voxel with index (i, j, k) is
  * origin + direction (spacing * (i, j, k)).

@@ -95,12 +95,11 @@ static void sum_ring(smr_folds *f, const uint32_t *t)
 
 static void sum_rings(smr_folds *f, uint32_t triangle, uint32_t last)
 {
-    for (; triangle < last; triangle++) {
+    for (; triangle < last; triangle++)
         if (!smr_run_touched(f, triangle))
             triangle |= ((uint32_t)1 << f->run_bits) - 1u; /* to the end of the run */
         else if (smr_any_marked(f, triangle))
             sum_ring(f, smr_corners(f, triangle));
-    }
 }
 
 /* Displacements of marked vertices become the mean of their mesh neighbours' displacements, over and over:
