@@ -1,5 +1,4 @@
-/* forces.c: external forces f^e = stiffness (goal - x) (paper 2.1). A structure with a target surface follows it
- * (surface_goal.c), every other one the image (image_goal.c; fill.c where the image shows nothing), or nothing.
+/* forces.c: external forces f^e = stiffness (goal - x) (paper 2.1), from the ways to goals that the sources propose.
  * Bounds: one pass over the vertices, and those of the sources.
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/forces.h"
@@ -13,30 +12,24 @@ void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
     f->residual = smr_arena_take(a, n, sizeof(float));
     f->found = smr_arena_take(a, n, 1);
     f->found_last = smr_arena_take(a, n, 1);
-    smr_surface_goals_layout(a, &f->surface, shared);
-    smr_image_goals_layout(a, &f->image, shared);
+    smr_sources_layout(a, f, shared);
 }
 
 void smr_forces_wire(smr_forces *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
                      const smr_overlay *overlay)
 {
-    f->shared = f->surface.shared = f->image.shared = shared;
-    f->pace = f->surface.pace = f->image.pace = pace;
-    f->shape = f->surface.shape = f->image.shape = shape;
+    f->shared = shared;
+    f->pace = pace;
+    f->shape = shape;
     f->tally = overlay->tally;
-    f->image.rings = overlay->rings;
-    f->image.found = f->found_last;
-    memset(f->surface.target, 0, shared->n_structures * sizeof *f->surface.target);
-    memset(f->image.structure, 0, shared->n_structures * sizeof *f->image.structure);
-    smr_pulls_clear(&f->surface);
+    smr_sources_wire(f, overlay);
 }
 
 void smr_forces_reset(smr_forces *f)
 {
     memset(f->found, SMR_FOUND_NO_TARGET, f->shared->n);
     memset(f->found_last, SMR_FOUND_NO_TARGET, f->shared->n);
-    smr_surface_goals_reset(&f->surface);
-    smr_image_goals_reset(&f->image);
+    smr_sources_reset(f);
 }
 
 /* Notes how large the quantities that match/sums.c will round are at this vertex. */
@@ -48,35 +41,6 @@ static void measure(const smr_forces *f, uint32_t v, smr_tally *tally)
     const float terms = f->shared->config.method == SMR_METHOD_RIGID ? 2.0f : 1.0f;
     tally->forces.largest[0] = smr_max(tally->forces.largest[0], largest);
     tally->forces.largest[1] = smr_max(tally->forces.largest[1], terms * arm * largest);
-}
-
-/* Nothing draws v. What pulls it must not wait for the next iteration. */
-static void drop_pull(smr_forces *f, uint32_t v)
-{
-    smr_vec way;
-    if (smr_attraction_on(&f->surface))
-        (void)smr_pull_take(&f->surface, v, &way);
-}
-
-/* The way to the vertex' goal, whatever its target is. Returns SMR_FOUND_... */
-static uint8_t goal_of(smr_forces *f, uint32_t v, smr_vec *way)
-{
-    const smr_surface *target = f->surface.target[smr_model_owner(f->shared->model, v)].surface;
-    *way = smr_v(0, 0, 0);
-    smr_image_forget(&f->image, v); /* nothing may stay from forces that started again after a surface came */
-    if (target != NULL)
-        return smr_surface_goal(&f->surface, v, target, way) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
-    if (!f->image.has_image) {
-        drop_pull(f, v);
-        return SMR_FOUND_NO_TARGET;
-    }
-    const int seen = smr_image_goal(&f->image, v, way);
-    if (seen == SMR_GOAL)
-        return SMR_FOUND_GOAL;
-    if (seen == SMR_UNDECIDED)
-        return SMR_FOUND_UNDECIDED;
-    *way = smr_fill_way(&f->image, v);
-    return SMR_FOUND_NONE;
 }
 
 /* The share of forces that is left: only what follows the image is eased. */
@@ -104,14 +68,14 @@ void smr_forces_search(void *arg, uint32_t task, uint32_t worker)
         /* voxels lie far apart: to reach them takes as long as the work on a vertex */
         if (f->image.has_image && v + 1u < n_active)
             smr_image_ahead(&f->image, v + 1u);
-        f->found[v] = goal_of(f, v, &way);
+        f->found[v] = smr_sources_goal(f, v, &way);
         smr_store(smr_at3(f->force, v), way);
     }
 }
 
 static void ignore(smr_forces *f, uint32_t v)
 {
-    drop_pull(f, v);
+    smr_sources_drop(f, v);
     f->found[v] = SMR_FOUND_NO_TARGET;
     smr_store(smr_at3(f->force, v), smr_v(0, 0, 0));
 }
@@ -188,6 +152,5 @@ void smr_forces_end(smr_forces *f)
     f->surface.limit = limit_of(f, mean, square);
     /* until here the forces could have been asked to start again */
     memcpy(f->found_last, f->found, f->shared->n);
-    smr_image_goals_stand(&f->image);
-    smr_surface_goals_stand(&f->surface);
+    smr_sources_stand(f);
 }

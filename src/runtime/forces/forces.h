@@ -1,5 +1,5 @@
 /* forces.h: external forces f^e = stiffness (goal - x) (paper 2.1). In: positions, normals, targets. Out: the force on
- * each vertex and what was found. Each source of goals has a file and a struct of its own; forces.c asks them in turn.
+ * each vertex and what was found. Each source of goals has files and a struct of its own and is listed at the end.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_FORCES_H
 #define SMR_FORCES_H
@@ -54,6 +54,69 @@ static inline smr_vec smr_drive(const smr_forces *f, uint32_t v)
     const float share = f->pace->repairing > 0u ? 0.0f : f->pace->momentum * f->pace->ease;
     const smr_vec u = smr_sub(smr_add(x, smr_load(smr_at3(f->force, v))), smr_load(smr_at3(f->shape->x_ref, v)));
     return smr_add(u, smr_scale(step, share));
+}
+
+/* ---- The sources of goals. A further one has its struct in smr_forces and its lines in what follows. ---- */
+
+static inline void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
+{
+    smr_surface_goals_layout(a, &f->surface, shared);
+    smr_image_goals_layout(a, &f->image, shared);
+}
+
+static inline void smr_sources_wire(smr_forces *f, const smr_overlay *overlay)
+{
+    smr_surface_goals_wire(&f->surface, f->shared, f->pace, f->shape);
+    smr_image_goals_wire(&f->image, f->shared, f->pace, f->shape, f->found_last, &overlay->rings);
+}
+
+static inline void smr_sources_reset(smr_forces *f)
+{
+    smr_surface_goals_reset(&f->surface);
+    smr_image_goals_reset(&f->image);
+}
+
+/* The forces under way are complete: the next ones start from them. */
+static inline void smr_sources_stand(smr_forces *f)
+{
+    smr_image_goals_stand(&f->image);
+    smr_surface_goals_stand(&f->surface);
+}
+
+/* What a source asks for before the search for goals, as steps of the tick: SMR_STEP(member, work, order, n_tasks, run,
+ * pieces, abreast). */
+#define SMR_SOURCE_STEPS(SMR_STEP)                                                                                     \
+    SMR_STEP(surface, SMR_WORK_TASKS, SMR_ANY_ORDER, smr_attract_tasks, smr_attract_search, NULL, NULL)                \
+    SMR_STEP(image, SMR_WORK_TASKS, SMR_ANY_ORDER, smr_fill_tasks, smr_fill_sum, smr_fill_pieces, smr_fill_abreast)
+
+/* Nothing draws v. What pulls it must not wait for the next iteration. */
+static inline void smr_sources_drop(smr_forces *f, uint32_t v)
+{
+    smr_vec way;
+    if (smr_attraction_on(&f->surface))
+        (void)smr_pull_take(&f->surface, v, &way);
+}
+
+/* The way to the vertex' goal, mm; 0 for none. A structure with a target surface follows it, every other one the image.
+ * Returns SMR_FOUND_... */
+static inline uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *way)
+{
+    const smr_surface *target = f->surface.target[smr_model_owner(f->shared->model, v)].surface;
+    *way = smr_v(0, 0, 0);
+    smr_image_forget(&f->image, v); /* nothing may stay from forces that started again after a surface came */
+    if (target != NULL)
+        return smr_surface_goal(&f->surface, v, target, way) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
+    if (!f->image.has_image) {
+        smr_sources_drop(f, v);
+        return SMR_FOUND_NO_TARGET;
+    }
+    const int seen = smr_image_goal(&f->image, v, way);
+    if (seen == SMR_GOAL)
+        return SMR_FOUND_GOAL;
+    if (seen == SMR_UNDECIDED)
+        return SMR_FOUND_UNDECIDED;
+    *way = smr_fill_way(&f->image, v);
+    return SMR_FOUND_NONE;
 }
 
 #endif

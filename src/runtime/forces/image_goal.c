@@ -26,6 +26,17 @@ void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *
     g->brighter_next = smr_arena_take(a, shared->n, 1);
 }
 
+void smr_image_goals_wire(smr_image_goals *g, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
+                          const uint8_t *found, const smr_rings *rings)
+{
+    g->shared = shared;
+    g->pace = pace;
+    g->shape = shape;
+    g->found = found;
+    g->rings = *rings;
+    memset(g->structure, 0, shared->n_structures * sizeof *g->structure);
+}
+
 void smr_image_goals_reset(smr_image_goals *g)
 {
     memset(g->contrast, 0, g->shared->n);

@@ -45,6 +45,8 @@ typedef struct smr_image_goals {
 } smr_image_goals;
 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared);
+void smr_image_goals_wire(smr_image_goals *g, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
+                          const uint8_t *found, const smr_rings *rings);
 void smr_image_goals_reset(smr_image_goals *g);                       /* nothing of the forces so far is left */
 void smr_image_goals_open(smr_image_goals *g, const smr_grid *image); /* NULL: none from here on */
 void smr_image_goals_stand(smr_image_goals *g);                       /* the forces under way are complete */

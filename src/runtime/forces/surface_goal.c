@@ -18,6 +18,16 @@ void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shar
     g->pull = smr_arena_take(a, shared->config.n_workers * n, 4u * sizeof(int64_t));
 }
 
+void smr_surface_goals_wire(smr_surface_goals *g, const smr_shared *shared, const smr_pace *pace,
+                            const smr_shape *shape)
+{
+    g->shared = shared;
+    g->pace = pace;
+    g->shape = shape;
+    memset(g->target, 0, shared->n_structures * sizeof *g->target);
+    smr_pulls_clear(g);
+}
+
 void smr_pulls_clear(smr_surface_goals *g)
 {
     if (g->pull != NULL)

@@ -43,6 +43,8 @@ typedef struct smr_surface_goals {
 } smr_surface_goals;
 
 void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared);
+void smr_surface_goals_wire(smr_surface_goals *g, const smr_shared *shared, const smr_pace *pace,
+                            const smr_shape *shape);
 void smr_surface_goals_reset(smr_surface_goals *g); /* nothing of the searches so far is left */
 void smr_surface_goals_stand(smr_surface_goals *g); /* the forces under way are complete */
 void smr_pulls_clear(smr_surface_goals *g);

@@ -55,12 +55,13 @@ void smr_refit_again(void *arg, uint32_t task, uint32_t worker)
 }
 
 #define SMR_OF(member) offsetof(smr, member)
+#define SMR_SOURCE_STEP(member, work, order, n_tasks, run, pieces, abreast)                                            \
+    {SMR_PHASE_FORCES, work, order, SMR_OF(forces.member), n_tasks, run, NULL, pieces, abreast},
 
 /* clang-format off */
 const smr_step smr_steps[] = {
     /* compute external forces f^e: the targets' pull, what fills in, the way to the target in the order of priority */
-    {SMR_PHASE_FORCES, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(forces.surface), smr_attract_tasks, smr_attract_search, NULL, NULL, NULL},
-    {SMR_PHASE_FORCES, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(forces.image), smr_fill_tasks, smr_fill_sum, NULL, smr_fill_pieces, smr_fill_abreast},
+    SMR_SOURCE_STEPS(SMR_SOURCE_STEP)
     {SMR_PHASE_FORCES, SMR_WORK_ACTIVE, SMR_ANY_ORDER, SMR_OF(forces), smr_forces_tasks, smr_forces_search, NULL, NULL, NULL},
     /* who takes part is known now */
     {SMR_PHASE_FORCES, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(forces), smr_forces_take_tasks, smr_forces_take, forces_end, NULL, NULL},
