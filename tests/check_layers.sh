@@ -2,9 +2,9 @@
 # check_layers: every file includes and calls only what its layer allows; no circle of calls; file names are unique.
 # SPDX-License-Identifier: MIT
 # usage: BUILD=... CC=... NM=... check_layers.sh
-# The order of the layers, and of the rooms within a layer, is in src/LAYERS. A room is a folder with sources. Calls are read
-# from the symbols of objects that are compiled without inlining, into BUILD/layers. An arrow is a symbol that an object of one
-# room needs and an object of another room defines. Prints all rooms with their arrows.
+# src/LAYERS has the order of the layers, and of the rooms within a layer. A room is a folder with sources. Calls, functions
+# in tables among them, are read from the symbols of objects that are compiled without inlining, into BUILD/layers. An arrow
+# is a symbol that an object of one room needs and an object of another room defines. Prints all rooms with their arrows.
 set -u
 tmp=$(mktemp -d) || exit 1
 trap 'rm -rf "$tmp"' EXIT
@@ -68,8 +68,8 @@ grep -rnE --include='*.[ch]' '^[[:space:]]*#[[:space:]]*include[[:space:]]*"[^/"
 find src include port tests fixtures -name '*.[ch]' | sed 's|.*/||' | sort | uniq -d |
     sed 's/$/: this file name is used twice/' >>"$bad"
 
-# 4. A room of src/runtime whose header is included is used: some name that the header declares stands in the file, or some
-# member behind a dot or an arrow.
+# 4. Who includes a header of another room of src/runtime uses it: some name that the header declares is in the file, or,
+# behind a dot or an arrow, some member that no other header there has.
 find src/runtime -name '*.[ch]' | sort | xargs awk '
     # Code without comments, texts and directives; macros and includes are noted on the way.
     FNR == 1 { n_files++; file[n_files] = FILENAME; within = 0 }
@@ -129,9 +129,11 @@ find src/runtime -name '*.[ch]' | sort | xargs awk '
     }
     function room(f) { sub(/\/[^\/]*$/, "", f); return f }
     END {
+        for (k = 1; k <= n_files; k++) if (file[k] ~ /\.h$/) { declared(file[k]); for (i in member) headers[i]++ }
         for (k = 1; k <= n_files; k++) {
             h = file[k]; if (h !~ /\.h$/ || room(h) == "src/runtime") continue
             declared(h)
+            for (i in member) if (headers[i] > 1) delete member[i]
             for (m = 1; m <= n_files; m++) {
                 if (room(file[m]) == room(h) || index(includes[file[m]] " ", " " substr(h, 5) " ") == 0) continue
                 if (!uses(file[m])) print file[m] ": includes " substr(h, 5) " and uses nothing that it declares"
@@ -139,7 +141,7 @@ find src/runtime -name '*.[ch]' | sort | xargs awk '
         }
     }' >>"$bad"
 
-# 5. Calls. Compiled anew where a source changed; an object that is left from a source of yesterday is not looked at.
+# 5. Calls. make compiles what changed; objects of sources that are gone are not read.
 compiler=${CC:-cc}
 if ! command -v "${compiler%% *}" >/dev/null || ! command -v "${NM:-nm}" >/dev/null; then
     cat "$bad"
@@ -182,6 +184,7 @@ awk -v layers="$tmp/layers" -v public="$tmp/public" -v sources="$tmp/sources" -v
             split(r, word, "/")
             if (word[1] == "src" && word[3] != "" && !(substr(r, 5) in level)) lost[r] = 1
         }
+        for (r in level) if (r ~ /\// && !(("src/" r) in files)) print "src/LAYERS: no sources in src/" r >bad
         for (r in lost) print r ": folder is not in src/LAYERS" >bad
         for (f in table) if (!(f in there)) print "src/LAYERS: no " f >bad
     }

@@ -3,6 +3,7 @@
  * Bounds: two passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "runtime/evolve/evolve.h"
+#include "runtime/match/match.h"
 
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared)
 {

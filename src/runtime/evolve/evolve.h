@@ -4,7 +4,7 @@
 #ifndef SMR_EVOLVE_H
 #define SMR_EVOLVE_H
 
-#include "runtime/match/match.h"
+#include "runtime/match/reference.h"
 
 #define SMR_HELD 255.0f /* held back altogether */
 
