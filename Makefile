@@ -105,6 +105,8 @@ help:
 	@echo 'make check           all tests; the last line is the sum; logs in $(BUILD)/log'
 	@echo 'make check-quick     unit tests, golden run and the checks of the sources; less than a minute'
 	@echo 'make experiments     accuracy on real data, as tables; minutes; skipped without ../shared'
+	@echo 'make results         measures and writes docs/RESULTS.md and README'"'"'s table; many minutes'
+	@echo 'make results-short   the same without what takes minutes: at most 8'
 	@echo 'make bench           benchmarks; writes $(BUILD)/bench.json'
 	@echo 'make figure2         the paper'"'"'s figure 2, time and error over ignored vertices, into docs/figures'
 	@echo 'make soak            how far ticks overrun budgets of 1 to 33 ms on this machine; asserts nothing'
@@ -253,6 +255,11 @@ check-quick: all $(UNIT_TESTS) $(BUILD)/golden
 
 experiments: all $(EXPERIMENTS)
 	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" SMR_EXPERIMENTS=full sh tests/run_experiments.sh $(EXPERIMENTS)
+
+# Every figure that a document names: docs/RESULTS.md and README's table. The short form leaves out what takes minutes.
+.PHONY: results results-short
+results results-short: all $(BUILD)/fixture_write $(EXPERIMENTS) $(BENCHES) $(BUILD)/tests/property/test_properties
+	@BUILD="$(BUILD)" MAKE="$(MAKE)" CC="$(CC)" sh tests/results/results.sh $(if $(findstring short,$@),short,all)
 
 bench: $(BENCHES)
 	@BUILD="$(BUILD)" sh tests/run_bench.sh $(BENCHES)

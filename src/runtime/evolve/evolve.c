@@ -30,20 +30,22 @@ uint32_t smr_evolve_tasks(const void *arg) { return ((const smr_evolve *)arg)->s
 void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
 {
     const smr_evolve *e = arg;
-    const smr_shape *shape = e->shape;
+    const smr_shape shape = *e->shape;
+    uint32_t *const sum = e->sums->sum;
+    const float *const share = e->reference->share, relaxation = e->shared->config.relaxation;
     (void)worker;
     const float inverse[2] = {1.0f / e->sums->scale[0], 1.0f / e->sums->scale[1]};
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(e->shared, task); v++) {
+    const uint32_t last = smr_chunk_end(e->shared, task);
+    for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
         float r_minus_i[9];
-        const smr_vec t =
-            smr_average_transform(e->sums->sum + SMR_WORDS * (size_t)v, inverse, e->reference->share[v], r_minus_i);
-        const smr_vec ref = smr_load(smr_at3(shape->x_ref, v)), old = smr_load(smr_at3(shape->x, v));
+        const smr_vec t = smr_average_transform(sum + SMR_WORDS * (size_t)v, inverse, share[v], r_minus_i);
+        const smr_vec ref = smr_load(smr_at3(shape.x_ref, v)), old = smr_load(smr_at3(shape.x, v));
         const smr_vec goal = smr_add(ref, smr_add(smr_mul(r_minus_i, ref), t));
-        const smr_vec step = smr_scale(smr_sub(goal, old), e->shared->config.relaxation);
+        const smr_vec step = smr_scale(smr_sub(goal, old), relaxation);
         const smr_vec next = smr_add(smr_add(old, step), smr_evening_way(&e->evening, v));
-        smr_store(smr_at3(shape->x_next, v), next);
-        const smr_vec n = smr_load(smr_at3(shape->normal_ref, v));
-        smr_next_normal_set(e->sums, v, smr_unit(smr_add(n, smr_mul(r_minus_i, n))));
+        smr_store(smr_at3(shape.x_next, v), next);
+        const smr_vec n = smr_load(smr_at3(shape.normal_ref, v));
+        smr_next_normal_set(sum, v, smr_unit(smr_add(n, smr_mul(r_minus_i, n))));
     }
 }
 
@@ -66,15 +68,15 @@ uint64_t smr_hash_positions(const float *xyz, uint32_t n)
 void smr_evolve_measure(void *arg, uint32_t task, uint32_t worker)
 {
     smr_evolve *e = arg;
-    const smr_shape *shape = e->shape;
+    float *const x = e->shape->x, *const x_next = e->shape->x_next;
     (void)worker;
     smr_tally *tally = &e->tally[task];
     tally->evolve.moved2 = 0.0f;
     tally->evolve.hash = 0;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(e->shared, task); v++) {
-        const smr_vec moved = smr_sub(smr_load(smr_at3(shape->x_next, v)), smr_load(smr_at3(shape->x, v)));
+        const smr_vec moved = smr_sub(smr_load(smr_at3(x_next, v)), smr_load(smr_at3(x, v)));
         tally->evolve.moved2 = smr_max(tally->evolve.moved2, smr_dot(moved, moved));
-        tally->evolve.hash += hash_point(v, smr_at3(shape->x_next, v));
+        tally->evolve.hash += hash_point(v, smr_at3(x_next, v));
     }
 }
 

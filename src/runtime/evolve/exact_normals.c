@@ -21,31 +21,35 @@ uint32_t smr_exact_normals_facet_tasks(const void *arg)
 void smr_exact_normals_clear(void *arg, uint32_t task, uint32_t worker)
 {
     const smr_evolve *e = arg;
+    uint32_t *const sum = e->sums->sum;
     (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(e->shared, task); v++)
-        smr_next_normal_set(e->sums, v, smr_v(0, 0, 0));
+        smr_next_normal_set(sum, v, smr_v(0, 0, 0));
 }
 
 /* Neighbours share vertices: one task after the other. */
 void smr_exact_normals_facets(void *arg, uint32_t task, uint32_t worker)
 {
     const smr_evolve *e = arg;
-    float *x = e->shape->x_next;
+    float *const x = e->shape->x_next;
+    uint32_t *const sum = e->sums->sum;
+    const uint32_t *const triangle = e->shared->triangle;
     (void)worker;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_TRIANGLE_CHUNK, e->shared->n_triangles);
     for (uint32_t k = task * SMR_TRIANGLE_CHUNK; k < last; k++) {
-        const uint32_t *t = e->shared->triangle + 3u * (size_t)k;
+        const uint32_t *t = triangle + 3u * (size_t)k;
         const smr_vec n =
             smr_triangle_cross(smr_load(smr_at3(x, t[0])), smr_load(smr_at3(x, t[1])), smr_load(smr_at3(x, t[2])));
         for (uint32_t c = 0; c < 3u; c++)
-            smr_next_normal_set(e->sums, t[c], smr_add(smr_next_normal(e->sums, t[c]), n));
+            smr_next_normal_set(sum, t[c], smr_add(smr_next_normal(sum, t[c]), n));
     }
 }
 
 void smr_exact_normals_unit(void *arg, uint32_t task, uint32_t worker)
 {
     const smr_evolve *e = arg;
+    uint32_t *const sum = e->sums->sum;
     (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(e->shared, task); v++)
-        smr_next_normal_set(e->sums, v, smr_unit(smr_next_normal(e->sums, v)));
+        smr_next_normal_set(sum, v, smr_unit(smr_next_normal(sum, v)));
 }

@@ -34,14 +34,20 @@ uint32_t smr_evening_ring_tasks(const void *arg)
 void smr_evening_clear(void *arg, uint32_t task, uint32_t worker)
 {
     smr_evening *e = arg;
+    const smr_shared *shared = e->shared;
+    const smr_rings rings = e->rings;
+    const smr_pose pose = e->shape->rest_pose;
+    float *const x = e->shape->x;
+    const int first = e->pace->radius_iteration == 0u;
+    const uint32_t last = smr_chunk_end(shared, task);
     (void)worker;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(e->shared, task); v++) {
-        if (e->pace->radius_iteration == 0u)
+    for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
+        if (first)
             e->held[v] = 0;
-        smr_store(smr_at3(e->rings.sum, v), smr_v(0, 0, 0));
-        e->rings.weight[v] = 0.0f;
-        const smr_vec at = smr_load(smr_at3(e->shape->x, v));
-        smr_store(smr_at3(e->rings.displacement, v), smr_sub(at, smr_rest_posed(e->shape, v)));
+        smr_store(smr_at3(rings.sum, v), smr_v(0, 0, 0));
+        rings.weight[v] = 0.0f;
+        const smr_vec rest = smr_pose_apply(&pose, smr_rest(shared, v));
+        smr_store(smr_at3(rings.displacement, v), smr_sub(smr_load(smr_at3(x, v)), rest));
     }
 }
 

@@ -49,15 +49,18 @@ void smr_fold_find(void *arg, uint32_t task, uint32_t worker)
     smr_folds *f = arg;
     (void)worker;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_HINGE_CHUNK, f->shared->n_hinges);
+    const smr_stored_hinge *const hinge = smr_hinge_at(f, 0);
+    const float *const normal = f->shape->facet_normal;
+    const int repairing = f->pace->repairing > 0u;
     uint32_t n = 0, n_open = 0;
     for (uint32_t i = task * SMR_HINGE_CHUNK; i < last; i++) {
-        const smr_stored_hinge *h = smr_hinge_at(f, i);
-        const smr_vec a = smr_load(f->shape->facet_normal + 3u * (size_t)smr_le32(h->first));
-        const smr_vec b = smr_load(f->shape->facet_normal + 3u * (size_t)smr_hinge_second(h));
+        const smr_stored_hinge *h = hinge + i;
+        const smr_vec a = smr_load(normal + 3u * (size_t)smr_le32(h->first));
+        const smr_vec b = smr_load(normal + 3u * (size_t)smr_hinge_second(h));
         const float next = smr_dot(a, b);
         if (!(next < SMR_LIMIT_BELOW))
             continue;
-        n += f->pace->repairing > 0u ? next < smr_hinge_limit_of(h) : smr_fold_limit_share(f, h, next) > 0.0f;
+        n += repairing ? next < smr_hinge_limit_of(h) : smr_fold_limit_share(f, h, next) > 0.0f;
         n_open += smr_hinge_open(h) && next < SMR_FOLD_COS;
     }
     f->tally[task].folds.n_bent = n;

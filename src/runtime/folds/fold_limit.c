@@ -200,7 +200,11 @@ void smr_fold_limit_start(smr_folds *f)
     smr_runs_clear(f);
 }
 
-uint32_t smr_fold_limit_tasks(const void *arg) { return ((const smr_folds *)arg)->limit.pass.stage != SMR_LIMIT_IDLE; }
+uint32_t smr_fold_limit_tasks(const void *arg)
+{
+    const smr_fold_pass *p = &((const smr_folds *)arg)->limit.pass;
+    return p->n_done + (p->stage != SMR_LIMIT_IDLE);
+}
 
 /* A piece of the pass under way. */
 void smr_fold_limit_pass(void *arg, uint32_t task, uint32_t worker)

@@ -21,7 +21,11 @@ void smr_fold_open_start(smr_folds *f)
     f->open.pass = smr_at_last_radius(f->shared, f->pace) && f->pace->repairing == 0u ? 1u : 0u;
 }
 
-uint32_t smr_fold_open_tasks(const void *arg) { return ((const smr_folds *)arg)->open.pass != 0u; }
+uint32_t smr_fold_open_tasks(const void *arg)
+{
+    const smr_fold_open *o = &((const smr_folds *)arg)->open;
+    return o->n_done + (o->pass != 0u);
+}
 
 /* One triangle of a hinge. */
 typedef struct side {
@@ -117,6 +121,7 @@ void smr_fold_open_pass(void *arg, uint32_t task, uint32_t worker)
     (void)task;
     (void)worker;
     open_chunk(f, o->chunk);
+    o->n_done++;
     if (++o->chunk < smr_ceil_div(f->shared->n_hinges, SMR_OPEN_CHUNK))
         return;
     o->chunk = 0;

@@ -158,7 +158,8 @@ void smr_fold_repair_start(smr_folds *f)
 
 uint32_t smr_fold_repair_tasks(const void *arg)
 {
-    return ((const smr_folds *)arg)->repair.pass.stage != SMR_REPAIR_IDLE;
+    const smr_fold_pass *p = &((const smr_folds *)arg)->repair.pass;
+    return p->n_done + (p->stage != SMR_REPAIR_IDLE);
 }
 
 static void run_piece(smr_folds *f, uint32_t from, uint32_t to)

@@ -23,6 +23,7 @@ typedef struct smr_fold_pass {
     uint32_t stage;     /* which pass is under way; 0: none */
     uint32_t at;        /* how far it is */
     uint32_t structure; /* where it is */
+    uint32_t n_done;    /* tasks of the step done in this iteration */
 } smr_fold_pass;
 
 /* Where repairing stands. */
@@ -41,6 +42,7 @@ typedef struct smr_fold_limit {
 
 /* Where opening stands. */
 typedef struct smr_fold_open {
+    uint32_t n_done;  /* tasks of the step done in this iteration */
     uint32_t pass;    /* from 1; 0: none */
     uint32_t chunk;   /* the chunk of hinges to come */
     uint32_t n_folds; /* found in this pass so far */
@@ -76,7 +78,7 @@ uint32_t smr_fold_find_tasks(const void *folds);
 void smr_fold_find(void *folds, uint32_t task, uint32_t worker);
 void smr_fold_find_end(smr_folds *f); /* starts what is needed of the steps below */
 
-/* Open-ended, serial: n_tasks says whether there is one more. */
+/* Serial. There is one task more than were done as long as there is work. */
 uint32_t smr_fold_repair_tasks(const void *folds);
 void smr_fold_repair_pass(void *folds, uint32_t task, uint32_t worker);
 uint32_t smr_fold_limit_tasks(const void *folds);
@@ -89,10 +91,11 @@ void smr_fold_repair_start(smr_folds *f);
 void smr_fold_limit_start(smr_folds *f);
 void smr_fold_open_start(smr_folds *f);
 
-/* 1 while a pass that has reached `to` is not through. Else the next one is to be chosen. */
+/* A task has taken a pass to `to`. Returns 1 while the pass is not through; else the next one is to be chosen. */
 static inline int smr_fold_pass_goes_on(smr_fold_pass *p, uint32_t to, uint32_t length)
 {
     p->at = to;
+    p->n_done++;
     return to < length;
 }
 

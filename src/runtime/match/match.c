@@ -34,12 +34,12 @@ void smr_match_reset(smr_match *m)
 }
 
 /* r_minus_i of one cluster by rigid-body kinematics. mu: sum of m u; w: the sums' further words. */
-static void rigid(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
+static void rigid(const smr_reference *r, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
 {
-    const smr_vec c = smr_load(smr_at3(m->reference->centre, v));
+    const smr_vec c = smr_load(smr_at3(r->centre, v));
     smr_vec l = smr_v(smr_unfix(w[0], inverse), smr_unfix(w[1], inverse), smr_unfix(w[2], inverse));
     l = smr_sub(l, smr_cross(c, mu));
-    const float *i = m->reference->spread + 6u * (size_t)v;
+    const float *i = r->spread + 6u * (size_t)v;
     const float full[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]};
     smr_rodrigues(smr_mul(full, l), r_minus_i);
 }
@@ -67,19 +67,21 @@ void smr_match_clusters(void *arg, uint32_t task, uint32_t worker)
 {
     smr_match *m = arg;
     (void)worker;
+    const smr_reference *reference = m->reference;
+    const uint32_t *const sum = m->sums->sum, method = m->shared->config.method;
     const float inverse0 = 1.0f / m->sums->scale[0], inverse1 = 1.0f / m->sums->scale[1];
-    float largest_r = 0.0f, largest_t = 0.0f;
+    float *const transform = m->transform, largest_r = 0.0f, largest_t = 0.0f;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, m->pace->n_active);
     for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
-        const uint32_t *w = m->sums->sum + SMR_WORDS * (size_t)v;
-        float *t = m->transform + 12u * (size_t)v;
+        const uint32_t *w = sum + SMR_WORDS * (size_t)v;
+        float *t = transform + 12u * (size_t)v;
         const smr_vec mu = smr_v(smr_unfix(w[0], inverse0), smr_unfix(w[1], inverse0), smr_unfix(w[2], inverse0));
-        if (m->shared->config.method == SMR_METHOD_RIGID)
-            rigid(m, v, mu, w + 3, inverse1, t);
+        if (method == SMR_METHOD_RIGID)
+            rigid(reference, v, mu, w + 3, inverse1, t);
         else
             polar(m, v, mu, w + 3, inverse1, t);
-        const smr_vec mean = smr_scale(mu, 1.0f / m->reference->cluster_mass[v]);
-        smr_store(t + 9, smr_sub(mean, smr_mul(t, smr_load(smr_at3(m->reference->centre, v)))));
+        const smr_vec mean = smr_scale(mu, 1.0f / reference->cluster_mass[v]);
+        smr_store(t + 9, smr_sub(mean, smr_mul(t, smr_load(smr_at3(reference->centre, v)))));
         for (uint32_t i = 0; i < 9u; i++)
             largest_r = smr_max(largest_r, smr_abs(t[i]));
         for (uint32_t i = 9; i < 12u; i++)

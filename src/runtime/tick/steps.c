@@ -87,9 +87,9 @@ const smr_step smr_steps[] = {
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(shape), smr_facets_tasks, smr_facets_refit, facets_end, NULL, NULL},
     /* find folds; repair, limit and open them */
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(folds), smr_fold_find_tasks, smr_fold_find, find_end, NULL, NULL},
-    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, SMR_OPEN_ENDED, SMR_OF(folds), smr_fold_repair_tasks, smr_fold_repair_pass, folds_moved, NULL, NULL},
-    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, SMR_OPEN_ENDED, SMR_OF(folds), smr_fold_limit_tasks, smr_fold_limit_pass, folds_moved, NULL, NULL},
-    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, SMR_OPEN_ENDED, SMR_OF(folds), smr_fold_open_tasks, smr_fold_open_pass, folds_moved, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, SMR_SERIAL, SMR_OF(folds), smr_fold_repair_tasks, smr_fold_repair_pass, folds_moved, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, SMR_SERIAL, SMR_OF(folds), smr_fold_limit_tasks, smr_fold_limit_pass, folds_moved, NULL, NULL},
+    {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, SMR_SERIAL, SMR_OF(folds), smr_fold_open_tasks, smr_fold_open_pass, folds_moved, NULL, NULL},
     {SMR_PHASE_EVOLVE, SMR_WORK_FOLDS, SMR_ANY_ORDER, 0, facets_again, smr_refit_again, facets_end, NULL, NULL},
     /* what has moved; normals; then everything becomes current at once, and reference positions are updated (plasticity), x^r = x */
     {SMR_PHASE_EVOLVE, SMR_WORK_TASKS, SMR_ANY_ORDER, SMR_OF(evolve), smr_evolve_tasks, smr_evolve_measure, measure_end, NULL, NULL},
@@ -103,12 +103,6 @@ const smr_step smr_steps[] = {
 #define SMR_STEPS ((uint32_t)(sizeof smr_steps / sizeof smr_steps[0]))
 _Static_assert(sizeof smr_steps / sizeof smr_steps[0] <= SMR_STEPS_MAX, "the time budget's table is too short");
 const uint32_t smr_n_steps = SMR_STEPS;
-
-uint32_t smr_step_tasks(smr *s, const smr_step *step)
-{
-    const uint32_t n = step->n_tasks(smr_stage_of(s, step));
-    return step->order == SMR_OPEN_ENDED ? s->next_task + n : n;
-}
 
 /* The iteration under way still looks at targets: what follows the forces has its own copies of them. */
 int smr_forces_pending(const smr *s)

@@ -9,18 +9,16 @@
  * or nothing that is known beforehand. */
 enum { SMR_WORK_TASKS = 0, SMR_WORK_ACTIVE, SMR_WORK_LISTS, SMR_WORK_FOLDS };
 
-/* How a step's tasks follow each other: in any order, one after the other in their order, or that and the step goes on
- * as long as n_tasks says that there is one more. */
-enum { SMR_ANY_ORDER = 0, SMR_SERIAL, SMR_OPEN_ENDED };
+/* How a step's tasks follow each other: in any order, or one after the other in their order. */
+enum { SMR_ANY_ORDER = 0, SMR_SERIAL };
 
 /* n_tasks tasks (0: the step is skipped), then one serial end. The functions but `end` get the stage's own struct,
  * which lies `stage` bytes from the registration's start. Where tasks are pieces of something that is one task
  * without a budget, `abreast` pieces are independent and the next so many need them. */
 typedef struct smr_step {
-    uint32_t phase; /* SMR_PHASE_... */
-    uint32_t work;  /* SMR_WORK_... */
-    uint32_t order; /* SMR_ANY_ORDER ... */
-    size_t stage;
+    uint32_t phase;       /* SMR_PHASE_... */
+    uint16_t work, order; /* SMR_WORK_..., SMR_ANY_ORDER ... */
+    uint32_t stage;
     uint32_t (*n_tasks)(const void *stage);
     smr_task run;
     void (*end)(smr *s);
@@ -33,8 +31,8 @@ extern const uint32_t smr_n_steps;
 
 static inline void *smr_stage_of(smr *s, const smr_step *step) { return (char *)s + step->stage; }
 
-/* Tasks of a step: of an open-ended one those done so far and one more. */
-uint32_t smr_step_tasks(smr *s, const smr_step *step);
+/* A step may have more tasks when those so far are done. */
+static inline uint32_t smr_step_tasks(smr *s, const smr_step *step) { return step->n_tasks(smr_stage_of(s, step)); }
 
 /* The facets' step where folds moved anything; the stage is the registration itself. */
 void smr_refit_again(void *s, uint32_t task, uint32_t worker);

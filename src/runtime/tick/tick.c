@@ -66,10 +66,9 @@ static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
     return 1;
 }
 
-/* Runs the current step; returns 0 when the deadline passed before its last task. */
-static int run_step(smr *s, const smr_step *step, watch *w)
+/* Runs the current step of n tasks; returns 0 when the deadline passed before its last task. */
+static int run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
 {
-    uint32_t n = smr_step_tasks(s, step);
     const uint32_t group = step->order != SMR_ANY_ORDER ? 1u : (w->deadline == 0u ? n : smr_budget_group(s, n));
     const uint64_t ahead = w->deadline == 0u ? 0u : smr_min_u64(smr_budget_ahead(s, n, group), w->budget / 4u);
     for (; s->next_task < n; n = smr_step_tasks(s, step)) { /* what folds asks for more as it goes */
@@ -152,7 +151,7 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
             step->pieces(smr_stage_of(s, step), w.deadline != 0u);
         const uint32_t n_tasks = smr_step_tasks(s, step);
         const uint64_t before = w.last;
-        if (!run_step(s, step, &w))
+        if (!run_step(s, step, n_tasks, &w))
             status = SMR_PARTIAL;
         (void)over(s, &w, 0);
         phase_ns[step->phase] += w.last > before ? w.last - before : 0u;

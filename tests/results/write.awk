@@ -1,0 +1,72 @@
+# write.awk: docs/RESULTS.md from the list of keys, its last edition and what was measured now.
+# SPDX-License-Identifier: MIT
+# usage: awk -v command=... -v date=... -v commit=... -v machine=... -v load=... -f write.awk LIST OLD NEW
+#   NEW: "key<TAB>value" lines. What is not in NEW keeps its value and its run from OLD.
+function cell(n) { return field[n] }
+function cells(line,   n, i) {
+    n = split(line, field, "|")
+    for (i = 1; i <= n; i++) gsub(/^ +| +$/, "", field[i])
+    return n
+}
+FILENAME != last { last = FILENAME; file++ }
+file == 1 && /^\* / {
+    n = split(substr($0, 3), part, "; ")
+    section[++sections] = part[1]
+    title[sections] = part[2]
+    how[sections] = part[3]
+    for (i = 4; i <= n; i++) how[sections] = how[sections] "; " part[i]
+    next
+}
+file == 1 && /^[^#*]/ {
+    at = index($0, "; ")
+    row[++rows] = section[sections] "." substr($0, 1, at - 1)
+    what[row[rows]] = substr($0, at + 2)
+    of[rows] = sections
+    next
+}
+file == 2 && /^\| [0-9]+ \| / { cells($0); run[cell(2) + 0] = $0; next }
+file == 2 && /^\| `/ {
+    cells($0)
+    key = cell(2)
+    gsub(/`/, "", key)
+    if (cell(4) != "-") { value[key] = cell(4); by[key] = cell(5) }
+    next
+}
+file == 3 {
+    at = index($0, "\t")
+    key = substr($0, 1, at - 1)
+    if (!(key in what)) { print "results: " key " is not in list.txt" > "/dev/stderr"; bad = 1; next }
+    fresh[key] = substr($0, at + 1)
+}
+END {
+    if (bad) exit 1
+    for (i = 1; i <= rows; i++) if (!(row[i] in fresh) && (row[i] in value)) {
+        used[by[row[i]]] = 1
+        if (by[row[i]] + 0 > most) most = by[row[i]] + 0
+    }
+    most++
+    print "# smr: results"
+    print ""
+    print "Written by `make results` (`make results-short` measures what takes seconds and leaves the rest as it was);"
+    print "do not edit. Each result stands here and nowhere else: other documents name its key, and the table in"
+    print "[README](../README.md) is made from these. Distances are mm, means over vertices to the other surface,"
+    print "\"to\" from the model to the target or the truth, \"from\" the other way. Times are of the machine and its load;"
+    print "on a busy machine they keep their last values. How the experiments are made: [TESTING](TESTING.md)."
+    print ""
+    print "| run | date | commit | machine | command |"
+    print "|---:|---|---|---|---|"
+    for (i = 1; i < most; i++) if (i in used) print run[i]
+    print "| " most " | " date " | " commit " | " machine " | " command " |"
+    for (i = 1; i <= rows; i++) {
+        if (of[i] != of[i - 1]) {
+            s = of[i]
+            print "\n<a id=\"" section[s] "\"></a>\n\n## " title[s] "\n\n" how[s] ".\n"
+            print "| key | what | result | run |"
+            print "|---|---|---:|---:|"
+        }
+        key = row[i]
+        if (key in fresh) print "| `" key "` | " what[key] " | " fresh[key] " | " most " |"
+        else if (key in value) print "| `" key "` | " what[key] " | " value[key] " | " by[key] " |"
+        else print "| `" key "` | " what[key] " | - | - |"
+    }
+}

@@ -1,0 +1,190 @@
+/* test_spec_sizes.c: sizes that docs/SPEC.md states, measured through the public API. A model of single vertices
+ * without triangles, in numbers that are multiples of 64, leaves no room between slots: differences of sizes are
+ * exact. The test prints what it measures, so that a changed layout costs one edit of the table.
+ * SPDX-License-Identifier: MIT */
+#include "unit/cmocka_first.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "smr.h"
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define RED_ZONES 1
+#endif
+#elif defined(__SANITIZE_ADDRESS__)
+#define RED_ZONES 1
+#endif
+
+enum { N = 4096, SECTION = 65536 };
+
+static char spec[SECTION]; /* the arena's and the surface's tables */
+static int misses;         /* all are told, not the first alone */
+
+/* A number such as 2,112 or 27.4. */
+static double number(const char *at)
+{
+    double value = 0.0, digit = 1.0;
+    for (; *at == ' '; at++) {
+    }
+    for (; (*at >= '0' && *at <= '9') || *at == ','; at++)
+        value = *at == ',' ? value : 10.0 * value + (*at - '0');
+    if (*at == '.')
+        for (at++; *at >= '0' && *at <= '9'; at++)
+            value += (digit /= 10.0) * (*at - '0');
+    return value;
+}
+
+/* The number behind a piece of a sentence. */
+static double stated(const char *section, const char *text)
+{
+    const char *const at = strstr(section, text);
+    assert_non_null(at);
+    return number(at + strlen(text));
+}
+
+/* Sum of the rows "| unit | bytes |" of a section's first table. */
+static double rows(const char *section, const char *unit)
+{
+    const char *at = strstr(section, "| for each");
+    const char *const end = at != NULL ? strstr(at, "\n\n") : NULL;
+    double sum = 0.0;
+    char row[64];
+    assert_non_null(end);
+    (void)snprintf(row, sizeof row, "\n| %s |", unit);
+    while ((at = strstr(at, row)) != NULL && at < end) {
+        at += strlen(row);
+        sum += number(at);
+    }
+    return sum;
+}
+
+static int read_spec(void **state)
+{
+    FILE *const file = fopen("docs/SPEC.md", "rb");
+    char line[4096];
+    size_t n = 0;
+    int on = 0;
+    (void)state;
+    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+        on = strncmp(line, "## ", 3) == 0 ? strcmp(line, "## 3. Memory\n") == 0 : on;
+        if (on && n + strlen(line) + 1u < sizeof spec) {
+            memcpy(spec + n, line, strlen(line) + 1u);
+            n += strlen(line);
+        }
+    }
+    return file != NULL && fclose(file) == 0 && n > 0 ? 0 : -1;
+}
+
+/* The arena of n vertices in ns structures, no triangles. */
+static double arena(uint32_t n, uint32_t ns, uint32_t method, uint32_t targets, uint32_t workers)
+{
+    static smr_structure structure[128];
+    static char name[128][8];
+    smr_prepare_config prepare = smr_prepare_config_default();
+    smr_config config = smr_config_default();
+    const smr_model *model = NULL;
+    size_t bytes = 0, scratch_bytes = 0, arena_bytes = 0;
+    float *const xyz = test_malloc(sizeof(float) * 3u * n);
+    for (uint32_t i = 0; i < n; i++) {
+        xyz[3u * i] = 10.0f * (float)(i % 64u);
+        xyz[3u * i + 1u] = 10.0f * (float)(i / 64u);
+        xyz[3u * i + 2u] = 0.0f;
+    }
+    memset(structure, 0, sizeof structure);
+    for (uint32_t k = 0; k < ns; k++) {
+        (void)snprintf(name[k], sizeof name[k], "s%u", (unsigned)k);
+        structure[k].name = name[k];
+        structure[k].mesh.xyz = xyz + (size_t)3u * (n / ns) * k;
+        structure[k].mesh.n_vertices = n / ns;
+    }
+    prepare.n_radii = 1;
+    prepare.radius_mm[0] = 12.0f;
+    assert_int_equal(smr_prepare_bytes(structure, ns, &prepare, &scratch_bytes), SMR_OK);
+    void *const scratch = aligned_alloc(SMR_ALIGN, (scratch_bytes + 63u) & ~(size_t)63u);
+    assert_non_null(scratch);
+    assert_int_equal(smr_prepare(structure, ns, &prepare, scratch, scratch_bytes, NULL, 0, &bytes), SMR_OK);
+    void *const memory = aligned_alloc(SMR_ALIGN, (bytes + 63u) & ~(size_t)63u);
+    assert_non_null(memory);
+    assert_int_equal(smr_prepare(structure, ns, &prepare, scratch, scratch_bytes, memory, bytes, &bytes), SMR_OK);
+    assert_int_equal(smr_model_open(memory, bytes, &model), SMR_OK);
+    config.method = method;
+    config.n_target_vertices = targets;
+    config.n_workers = workers;
+    assert_int_equal(smr_arena_bytes(model, &config, &arena_bytes), SMR_OK);
+    free(memory);
+    free(scratch);
+    test_free(xyz);
+    return (double)arena_bytes;
+}
+
+static void agrees(const char *what, double measured, double said)
+{
+    (void)printf("%-44s measured %10.2f   docs/SPEC.md %10.2f\n", what, measured, said);
+    (void)fflush(stdout);
+    misses += !(measured > said - 0.005 && measured < said + 0.005);
+}
+
+static void arena_is_as_stated(void **state)
+{
+    const char *const section = strstr(spec, "### Arena");
+    (void)state;
+#ifdef RED_ZONES
+    skip();
+#endif
+    if (sizeof(void *) != 8) /* the table is for 64-bit hosts */
+        skip();
+    assert_non_null(section);
+    const double least = arena(N, 1, SMR_METHOD_RIGID, 0, 1);
+    const double vertex = (arena(2 * N, 1, SMR_METHOD_RIGID, 0, 1) - least) / N;
+    const double polar = (arena(2 * N, 1, SMR_METHOD_POLAR, 0, 1) - arena(N, 1, SMR_METHOD_POLAR, 0, 1)) / N;
+    const double many = arena(N, 64, SMR_METHOD_RIGID, 0, 1);
+    const double structure = (arena(N, 128, SMR_METHOD_RIGID, 0, 1) - many) / 64.0;
+    const double worker = (arena(N, 1, SMR_METHOD_RIGID, 64, 2) - arena(N, 1, SMR_METHOD_RIGID, 64, 1)) / N;
+    const double tally = rows(section, "32 vertices, a tally") / 32.0;
+    agrees("a vertex, rigid", vertex - tally, stated(section, "So a vertex costs"));
+    agrees("a vertex, the table's rows", vertex - tally, rows(section, "vertex"));
+    agrees("a vertex, polar", polar - tally, stated(section, "bytes (rigid) or"));
+    agrees("a vertex more with polar, the table's row", polar - vertex, rows(section, "vertex, polar"));
+    agrees("a structure", structure, rows(section, "structure"));
+    agrees("a worker and vertex", worker, rows(section, "vertex and worker"));
+    agrees("a registration, to the next 64 bytes", many - N * vertex - 64.0 * structure,
+           64.0 * (double)(int)((rows(section, "registration") + 63.0) / 64.0));
+    assert_int_equal(misses, 0);
+}
+
+static double surface(uint32_t n_vertices, uint32_t n_triangles)
+{
+    size_t bytes = 0;
+    assert_int_equal(smr_surface_bytes(n_vertices, n_triangles, &bytes), SMR_OK);
+    return (double)bytes;
+}
+
+static void surface_is_as_stated(void **state)
+{
+    const char *const section = strstr(spec, "### Target surface");
+    (void)state;
+    misses = 0;
+#ifdef RED_ZONES
+    skip();
+#endif
+    if (sizeof(void *) != 8)
+        skip();
+    assert_non_null(section);
+    const double least = surface(N, N);
+    agrees("a surface's vertex", (surface(2 * N, N) - least) / N, rows(section, "vertex"));
+    agrees("a surface's triangle, rounded", (double)(int)((surface(N, 64 * N) - least) / (63.0 * N) + 0.5),
+           (double)(int)(rows(section, "triangle") + 0.5));
+    assert_int_equal(misses, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(arena_is_as_stated),
+        cmocka_unit_test(surface_is_as_stated),
+    };
+    return cmocka_run_group_tests(tests, read_spec, NULL);
+}
