@@ -1,6 +1,6 @@
-/* test_spec_sizes.c: sizes that docs/SPEC.md states, measured through the public API. A model of single vertices without
- * triangles, in numbers that are multiples of 64, leaves no room between slots: differences of sizes are exact.
- * The test prints what it measures, so that a changed layout costs one edit of the table.
+/* test_spec_sizes.c: sizes that docs/SPEC.md states, measured through the public API. A model of single vertices
+ * without triangles, in numbers that are multiples of 64, leaves no room between slots: differences of sizes are
+ * exact. The test prints what it measures, so that a changed layout costs one edit of the table.
  * SPDX-License-Identifier: MIT */
 #include "unit/cmocka_first.h"
 
