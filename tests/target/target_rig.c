@@ -50,6 +50,13 @@ uint32_t target_word(uint32_t otherwise)
     return value > 0u ? value : otherwise;
 }
 
+/* The larger one, in as many instructions whichever it is: readings must not differ by what they are. */
+static uint64_t target_larger(uint64_t a, uint64_t b)
+{
+    const uint64_t mask = 0u - (uint64_t)(b > a);
+    return a ^ ((a ^ b) & mask);
+}
+
 uint64_t target_now(void *ctx)
 {
     target_clock *clock = ctx;
@@ -57,8 +64,8 @@ uint64_t target_now(void *ctx)
     if (clock->running) {
         const uint64_t stretch = time - clock->last;
         uint64_t *in_step = &clock->in_step[clock->watched == NULL ? 0u : clock->watched->step];
-        clock->longest = stretch > clock->longest ? stretch : clock->longest;
-        *in_step = stretch > *in_step ? stretch : *in_step;
+        clock->longest = target_larger(clock->longest, stretch);
+        *in_step = target_larger(*in_step, stretch);
     }
     clock->last = time;
     return time;
