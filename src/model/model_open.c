@@ -210,8 +210,8 @@ static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, u
     return used == n_indexes && each_once(m, l, first, last);
 }
 
-/* A radius' sections lie one behind the other, the first one behind the radius before. Otherwise lists could share bytes,
- * and a small file could take long to check. */
+/* A radius' sections lie one behind the other, the first one behind the radius before. Otherwise lists could share
+ * bytes, and a small file could take long to check. */
 static int sections_in_order(const smr_model *m, const smr_stored_radius *r, uint64_t *end)
 {
     const uint64_t n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
