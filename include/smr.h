@@ -1,11 +1,12 @@
 /*
- * smr: shape-matching registration. Deforms a prepared anatomical model onto a patient's data,
- * one registration iteration per smr_tick(), in memory the caller hands over.
+ * smr: shape-matching registration. Deforms a prepared anatomical model onto a patient's data, one iteration per
+ * smr_tick(), in memory the caller hands over.
  *
  * Method: "Fast Musculoskeletal Registration Based on Shape Matching" ("the paper" below).
- * Units: millimetres, nanoseconds, radians where not said otherwise. Axes are the caller's (LPS in the
- * command line). Nothing here allocates, prints, or keeps globals; every pointer stays the caller's. Memory handed over
- * must not overlap anything else that a call is given, nor what is still in use: nobody checks that.
+ * Units: millimetres and nanoseconds where not said otherwise. Axes are the caller's (LPS in the command line).
+ * Nothing here allocates, prints, or keeps globals. Every pointer stays the caller's.
+ * Memory handed over must not overlap another argument or memory still in use. Nobody checks that.
+ * Calls that need memory take inputs, memory, its bytes, then results; NAME_bytes() says how many bytes.
  *
  * SPDX-License-Identifier: MIT
  */
@@ -76,9 +77,9 @@ smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *
 #define SMR_SURFACE_BYTES(n_vertices, n_triangles)                                                                     \
     ((size_t)2048u + (size_t)32u * (n_vertices) + (size_t)65u * (n_triangles) + SMR_TREE_BYTES(n_triangles, 1u))
 
-/* Copies the mesh into `memory` (SMR_ALIGN-aligned) and builds its search tree there.
- * The mesh may go afterwards; `memory` must stay as long as the surface is used.
- * Needs at least one triangle. Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT; *surface untouched then. */
+/* Copies the mesh into `memory` (SMR_ALIGN-aligned) and builds its search tree there. Needs at least one triangle.
+ * The mesh may go afterwards. `memory` must stay as long as the surface is used.
+ * Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT; *surface untouched then. */
 smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface);
 
 typedef struct smr_closest {
@@ -90,9 +91,9 @@ typedef struct smr_closest {
     uint32_t on_border; /* 1 when the point lies on an edge that has one triangle only */
 } smr_closest;
 
-/* Exact closest point of the surface within max_mm of `point` (3 floats). `normal` (3 floats, unit) and
- * min_cos restrict the search to triangles whose normal agrees; NULL for any. max_mm: 0 or more. Ties: the
- * smallest triangle index. Nothing found: SMR_OK and hit->triangle SMR_NONE.
+/* Exact closest point of the surface to `point` (3 floats), within max_mm (0 or more).
+ * normal: 3 floats, unit; only triangles whose normal has at least the cosine min_cos with it count. NULL: all count.
+ * Ties go to the smallest triangle index. Nothing found: SMR_OK, and hit->triangle is SMR_NONE.
  * Errors: E_NULL, E_STATE (not a surface), E_INPUT. */
 smr_status smr_surface_closest(const smr_surface *surface, const float *point, const float *normal, float min_cos,
                                float max_mm, smr_closest *hit);
@@ -107,7 +108,7 @@ typedef struct smr_volume {
     uint32_t size[3];    /* 1..65536 voxels along each axis */
     float origin[3];     /* mm: centre of the first voxel */
     float spacing[3];    /* mm, > 0 */
-    float direction[9];  /* row-major; columns are the axes' unit vectors, without the spacing; in no one plane */
+    float direction[9];  /* row-major; columns are the axes' unit vectors, without the spacing, not all in one plane */
 } smr_volume;
 
 /* ------------------------------------------------------------------ 3. start pose */
@@ -126,41 +127,44 @@ typedef struct smr_align_config {
 
 smr_align_config smr_align_config_default(void);
 
-/* Finds the pose that lays `model` onto `target` without landmarks: centroids and principal axes in all
- * sign and order cases, each refined by iterative closest point in both directions; the best one is
- * refined to the end. rms_mm (may be NULL): the remaining distance. Errors: E_NULL, E_STATE (not a surface),
- * E_CONFIG, E_INPUT (no pose found); *pose untouched then. */
+/* Finds the pose that lays `model` onto `target` without landmarks.
+ * Centroids and principal axes are tried in all orders and signs; closest points in both directions refine each.
+ * rms_mm (may be NULL): the remaining distance.
+ * Errors: E_NULL, E_STATE (not a surface), E_CONFIG, E_INPUT (no pose found); *pose untouched then. */
 smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
                      smr_pose *pose, float *rms_mm);
 
 #define SMR_LANDMARKS_MAX 64u
 
-/* The pose that lays from[i] onto to[i], both [n][3] mm, by least squares: rigid, or with one scale (the ratio of the
- * spreads) when scaled is 1. Pairs that leave a rotation open (fewer than 3, all on one line) get one that fits as
- * well as any. rms_mm (may be NULL): the remaining distance.
+/* The pose that lays from[i] onto to[i], both [n][3] mm, by least squares.
+ * scaled: 0 rigid; 1 with one scale, the ratio of the spreads. rms_mm (may be NULL): the remaining distance.
+ * Where the pairs leave a rotation open (fewer than 3, or all on one line), one of the best poses is returned.
  * Errors: E_NULL, E_INPUT (count not in 1..SMR_LANDMARKS_MAX, scaled above 1, non-finite, beyond SMR_COORD_MAX);
  * *pose untouched then. */
 smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t scaled, smr_pose *pose,
                                float *rms_mm);
 
-typedef struct smr_warp smr_warp; /* a thin-plate spline in the caller's memory */
+/* A thin-plate spline in the caller's memory. */
+typedef struct smr_warp smr_warp;
 
+/* What a warp is: where landmarks do not determine a spline, the next best that they determine. */
 enum { SMR_WARP_SPLINE = 0, SMR_WARP_SCALED = 1, SMR_WARP_RIGID = 2, SMR_WARP_TRANSLATION = 3 };
 
 /* Bytes smr_warp_fit() needs for n landmarks. Errors: E_NULL, E_INPUT (n not in 1..SMR_LANDMARKS_MAX). */
 smr_status smr_warp_bytes(uint32_t n, size_t *bytes);
 
-/* Fits a thin-plate spline (kernel |r| in three dimensions, Bookstein 1989) that takes from[i] to to[i], both [n][3] mm.
- * smoothing >= 0: 0 passes through every landmark, larger follows the affine part more (mm). Sets that do not carry a
- * spline get the best that they do carry, and *kind says which: fewer than 4, collinear or coplanar sets a rigid
- * transform, with one scale where they carry it, one landmark or coincident ones a translation; duplicates are averaged. memory (SMR_ALIGN) stays
- * the caller's and holds the warp. Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT (count, non-finite, beyond SMR_COORD_MAX,
- * smoothing negative or not finite); *warp untouched then. */
+/* Fits a thin-plate spline (kernel |r| in three dimensions, Bookstein 1989) from from[i] to to[i], both [n][3] mm.
+ * smoothing: mm, 0 or more. 0 passes through every landmark; larger values follow the affine part more.
+ * kind: SMR_WARP_..., what the landmarks determine. Coplanar sets: rigid with one scale. Collinear ones or fewer than
+ * 3: rigid. One place: a translation. Duplicates are averaged.
+ * memory (SMR_ALIGN-aligned) stays the caller's and holds the warp.
+ * Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT (count, non-finite, beyond SMR_COORD_MAX, smoothing negative or not
+ * finite); *warp untouched then. */
 smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float smoothing, void *memory, size_t bytes,
                         smr_warp **warp, uint32_t *kind);
 
-/* Carries n points xyz [n][3] mm by the warp, in place. Errors: E_NULL, E_STATE (not a warp), E_INPUT (a point not finite or
- * beyond SMR_COORD_MAX; nothing changed then). */
+/* Carries n points xyz [n][3] mm by the warp, in place.
+ * Errors: E_NULL, E_STATE (not a warp), E_INPUT (a point not finite or beyond SMR_COORD_MAX); xyz unchanged then. */
 smr_status smr_warp_apply(const smr_warp *warp, float *xyz, uint32_t n);
 
 /* ------------------------------------------------------------------ 4. prepare: surfaces -> model */
@@ -174,10 +178,11 @@ enum { SMR_DISTANCE_EUCLIDEAN = 0, SMR_DISTANCE_GEODESIC = 1 };
 enum { SMR_MASS_UNIT = 0, SMR_MASS_AREA = 1 };
 enum { SMR_ORDER_FOREST = 0, SMR_ORDER_BREADTH_FIRST = 1 };
 
-/* Called between bounded pieces of work; done of total. Return non-zero to stop (SMR_E_ABORTED). */
+/* Called between pieces of work: `done` of `total` are done. Return non-zero to stop (SMR_E_ABORTED). */
 typedef int (*smr_progress)(void *ctx, uint32_t done, uint32_t total);
 
-/* How surfaces become a model. Each comment starts with unit, range and default; smr_prepare_settings() has them as data. */
+/* How surfaces become a model. Each comment starts with unit, range and default; smr_prepare_settings() has the same as
+ * data, docs/SETTINGS.md as a page. */
 typedef struct smr_prepare_config {
     /* SMR_COOKIE of this struct; smr_prepare_config_default() sets it. */
     uint32_t cookie;
@@ -185,7 +190,7 @@ typedef struct smr_prepare_config {
     /* ---- first: what most models set ---- */
 
     /* radii, [0, 16], default 0: chosen from the surfaces' size and edge length.
-     * Chosen with a reference image: 60, 40, 25 and 15 mm, for a structure alone also its size and a third of it first. */
+     * With a reference image: 60, 40, 25 and 15 mm; for a structure alone its size and a third of it before them. */
     uint32_t n_radii;
     /* mm, [1e-06, 100000]. Cluster radii s, coarse to fine; the first n_radii count. */
     float radius_mm[SMR_RADII_MAX];
@@ -237,9 +242,10 @@ smr_prepare_config smr_prepare_config_default(void);
 smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
                              size_t *scratch_bytes);
 
-/* Writes the model. model NULL or too small: nothing useful is written and *model_bytes says what
- * is needed (E_ARENA for too small, OK for NULL). scratch and model are SMR_ALIGN-aligned; scratch may go
- * afterwards. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT, E_ABORTED. */
+/* Writes the model. scratch and model are SMR_ALIGN-aligned; scratch may go afterwards.
+ * *model_bytes: what the model takes. model NULL: only that is found out, SMR_OK. Too small: E_ARENA, nothing useful is
+ * written, and *model_bytes says what is needed.
+ * Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT, E_ABORTED. */
 smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
                        void *scratch, size_t scratch_bytes, void *model, size_t model_capacity, size_t *model_bytes);
 
@@ -248,27 +254,39 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
 /* A model in place: position-independent, little-endian on every host, checksummed. */
 typedef struct smr_model smr_model;
 
-/* Checks every byte that the runtime will trust and returns the memory itself as a model. It
- * (SMR_ALIGN-aligned, may lie in flash) must stay as it is while the model is used.
+/* Checks every byte that the runtime will trust, and returns the memory itself as a model.
+ * memory (SMR_ALIGN-aligned, may lie in flash) must stay as it is while the model is used.
  * Errors: E_NULL, E_ALIGN, E_MODEL; *model untouched then. */
 smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **model);
 
+/* Arrays have one element for each radius, coarse to fine, where not said otherwise. */
 typedef struct smr_model_info {
     uint32_t n_vertices, n_triangles, n_structures, n_radii;
-    float centre[3]; /* mm: the origin of the model's internal coordinates */
-    float edge_mm;   /* mean triangle edge, 0 without triangles */
+    /* mm. Origin of the model's internal coordinates. */
+    float centre[3];
+    /* mm. Mean triangle edge; 0 without triangles. */
+    float edge_mm;
     float radius_mm[SMR_RADII_MAX];
-    float indexes_per_cluster[SMR_RADII_MAX]; /* stored: zeta+ and zeta- and roots, in the mean */
-    float direct_per_cluster[SMR_RADII_MAX];  /* mean |zeta|: what direct sums would read */
-    uint32_t largest_cluster[SMR_RADII_MAX];  /* vertices; of those within a micrometre beyond the radius half */
+    /* Mean number of stored indexes of a cluster: zeta+, zeta- and roots. */
+    float indexes_per_cluster[SMR_RADII_MAX];
+    /* Mean number of vertices of a cluster, |zeta|: what direct sums would read. */
+    float direct_per_cluster[SMR_RADII_MAX];
+    /* Vertices. Those within a micrometre beyond the radius count half. */
+    uint32_t largest_cluster[SMR_RADII_MAX];
     uint32_t smallest_cluster[SMR_RADII_MAX];
     uint32_t n_blocks[SMR_RADII_MAX];
-    uint32_t separate[SMR_RADII_MAX];   /* 1: clusters keep to their own structure */
-    uint32_t active_min[SMR_RADII_MAX]; /* active vertices needed so that every cluster keeps 3, or all it has */
-    uint32_t n_levels;                  /* of priority, the most important first; 1 without priority */
-    uint32_t level_end[SMR_LEVELS_MAX]; /* vertices in a level and all before it */
-    uint32_t order;                     /* SMR_ORDER_... */
-    uint32_t profile_samples;           /* 0: no intensity profiles */
+    /* 1: clusters keep to their own structure. */
+    uint32_t separate[SMR_RADII_MAX];
+    /* Active vertices needed so that every cluster keeps 3 of its vertices, or all it has. */
+    uint32_t active_min[SMR_RADII_MAX];
+    /* Levels of priority, the most important first; 1 without priority. */
+    uint32_t n_levels;
+    /* [n_levels]: vertices in a level and all before it. */
+    uint32_t level_end[SMR_LEVELS_MAX];
+    /* SMR_ORDER_... */
+    uint32_t order;
+    /* Samples of an intensity profile; 0: no profiles. */
+    uint32_t profile_samples;
     float profile_step_mm;
     uint32_t checksum;
     size_t bytes;
@@ -283,8 +301,8 @@ typedef struct smr_structure_info {
 
 smr_status smr_model_structure(const smr_model *model, uint32_t structure, smr_structure_info *info);
 
-/* Copies a structure's rest shape in the caller's own vertex and triangle order, as it was given to
- * smr_prepare: xyz [n_vertices][3], triangles [n_triangles][3]; either may be NULL. */
+/* Copies a structure's rest shape as it was given to smr_prepare(), in the caller's vertex and triangle order.
+ * xyz: [n_vertices][3], mm; triangles: [n_triangles][3]; either may be NULL. */
 smr_status smr_model_mesh(const smr_model *model, uint32_t structure, float *xyz, uint32_t *triangles);
 
 /* ------------------------------------------------------------------ 6. runtime */
@@ -296,10 +314,10 @@ typedef void (*smr_task)(void *arg, uint32_t task, uint32_t worker);
 typedef struct smr_port {
     void *ctx;
     uint32_t n_workers; /* 1..SMR_WORKERS_MAX */
-    /* Calls run(arg, t, w) once for each t < n_tasks, in any order, on any workers; returns when all are
-     * done and their writes are visible. NULL: a plain loop. */
+    /* Calls run(arg, t, w) once for each t < n_tasks, in any order, on any workers w.
+     * Returns when all are done and their writes are visible. NULL: a plain loop. */
     void (*parallel)(void *ctx, smr_task run, void *arg, uint32_t n_tasks);
-    /* Monotonic nanoseconds. NULL: no clock; budgets and times are then 0. */
+    /* Monotonic nanoseconds. NULL: no clock. Budgets and times are then 0. */
     uint64_t (*now_ns)(void *ctx);
 } smr_port;
 
@@ -307,7 +325,7 @@ enum { SMR_METHOD_RIGID = 0, SMR_METHOD_POLAR = 1 };
 enum { SMR_SIMILARITY_NCC = 0, SMR_SIMILARITY_SSD = 1, SMR_SIMILARITY_CONCORDANCE = 2 };
 enum { SMR_NORMALS_CARRIED = 0, SMR_NORMALS_EXACT = 1 };
 
-/* How a registration runs. Each comment starts with unit, range and default; where two defaults stand, the second one is
+/* How a registration runs. Each comment starts with unit, range and default. Where two defaults stand, the second is
  * that of smr_config_default_image(). smr_config_settings() has the same as data, docs/SETTINGS.md as a page. */
 typedef struct smr_config {
     /* SMR_COOKIE of this struct; smr_config_default() sets it. */
@@ -328,7 +346,7 @@ typedef struct smr_config {
     /* iterations, [1, 100000], default 60, 40. At most, at the last radius. */
     uint32_t iterations_last;
     /* share, [0, 1], default 1. Vertices that take part, the most important first (paper 2.2, complexity tuning).
-     * The others get no force, are in no cluster, and are carried along. At least smr_model_info.active_min take part. */
+     * The others get no force, are in no cluster, and are carried along. At least smr_model_info.active_min are in. */
     float active_share;
 
     /* ---- targets that are surfaces ---- */
@@ -341,8 +359,8 @@ typedef struct smr_config {
     /* share, [0, 1], default 0. Of the way to the goal along the model's surface that counts.
      * 0: the result does not depend on the inputs' pose. 1: the surfaces come closest. */
     float slide;
-    /* share, [0, 1], default 0.5. Of what a vertex moved along the surface unlike its mesh neighbours that is taken back.
-     * Only at the last radius: all of the share in the first iteration, falling to 0 in the last. */
+    /* share, [0, 1], default 0.5. Of a vertex' motion along the surface that differs from its neighbours', taken back.
+     * Only at the last radius, and only where there is a target surface. The share falls to 0 in the last iteration. */
     float even;
 
     /* ---- targets that are images (paper 2.1) ----
@@ -357,7 +375,8 @@ typedef struct smr_config {
     float gradient_mm;
     /* mm, [0, 60], default 0, 2. The same at the end. */
     float gradient_end_mm;
-    /* SMR_SIMILARITY_..., default concordance. How alike a profile and the image are. */
+    /* SMR_SIMILARITY_..., default concordance. How alike a profile and the image are: normalised cross-correlation, sum
+     * of squared differences, or concordance: a correlation that is lower under another contrast or brightness. */
     uint32_t similarity;
     /* share, [0, 1], default 0.3. Combined confidence at or below this yields no force. */
     float confidence;
@@ -379,13 +398,13 @@ typedef struct smr_config {
     /* tree nodes, [8, 1000000], default 512. Most nodes that one closest-point search opens. */
     uint32_t node_budget;
     /* cluster radii, (0, 1000000], default 0.5. Profiles are not sought beyond this many radii.
-     * What a cluster can still pull apart must not find the far side of its neighbour. For a structure of which fewer than
-     * 80 % of the vertices had a goal the limit grows, up to a whole radius and half its thickness. */
+     * Farther away lies the far side of a neighbour. Where fewer than 80 % of a structure's vertices had a goal the
+     * limit grows, to one radius and half the structure's thickness at most. */
     float profile_radii;
     /* share, [0, 1], default 0.5. Of the way along the surface on which the image becomes like the profile.
      * It is added to the goal on the normal. 0: goals lie on the normal, as in the paper. */
     float sideways;
-    /* share, [0, 1], default 1. Of the way to the middle of its mesh neighbours, for a vertex without a goal in the image.
+    /* share, [0, 1], default 1. Of the way to the middle of the neighbours, for a vertex without a goal in the image.
      * Not where the image is undecided: no profile, a search that leaves the image or meets one value only.
      * Not in a structure of which fewer than half the vertices have a goal. */
     float fill;
@@ -412,7 +431,7 @@ typedef struct smr_config {
     /* um, [0, 100000000], default 1. A radius is done early when the largest displacement falls below it.
      * Not the last radius while `even` works on a target surface and anything moves. */
     float settle_um;
-    /* 0 or 1, default 1. At the last two radii folds are repaired, and steps that would fold triangles are shortened.
+    /* 0 or 1, default 1. At the last two radii folds are repaired, and steps that would fold triangles are limited.
      * At the last radius edges that are folded all the same are opened. */
     uint32_t fold_guard;
     /* SMR_NORMALS_..., default carried. Normals follow the clusters' rotations, or are computed in each iteration.
@@ -428,15 +447,15 @@ typedef struct smr_config {
     /* share, [0, 1], default 1. active_share at the start of the schedule, where that is lower.
      * From there it grows evenly to active_share at the end. */
     float active_first;
-    /* vertices, [0, 1000000], default 30. With an image, so many active vertices in the smallest cluster are enough, and
-     * 1,000 of the whole model. Whole levels of priority are taken. 0: active_share alone decides. */
+    /* vertices, [0, 1000000], default 30. With an image, so many active vertices of the smallest cluster are enough, if
+     * 1,000 of the whole model are active, too. Whole levels of priority are taken. 0: active_share alone decides. */
     uint32_t active_enough;
 } smr_config;
 
 smr_config smr_config_default(void);
 
-/* The same for a registration into an image: goals there are noisy and reach far, so the reference shape follows now and
- * then, and there are more iterations. */
+/* The same for a registration into an image. Goals there are noisy and far, so the reference shape follows less often,
+ * and there are more iterations. */
 smr_config smr_config_default_image(void);
 
 /* ---- settings as data: for command lines, dialogs, documents ---- */
@@ -465,7 +484,7 @@ typedef struct smr_setting {
     double value, image; /* default, and that for images */
 } smr_setting;
 
-/* The fields of smr_config and of smr_prepare_config in the structs' order, with headings. n (may be NULL): how many. */
+/* The fields of smr_config and of smr_prepare_config in the structs' order, with headings. n (may be NULL): rows. */
 const smr_setting *smr_config_settings(uint32_t *n);
 const smr_setting *smr_prepare_settings(uint32_t *n);
 
@@ -476,7 +495,7 @@ typedef struct smr smr;
 smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, size_t *bytes);
 
 /* Upper bound of smr_arena_bytes() as a constant, for static storage:
- * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(nv, nt, ns, workers, target_vertices, SMR_METHOD_RIGID)];
+ * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(1000, 2000, 1, 1, 0, SMR_METHOD_RIGID)];
  * n_workers, n_target_vertices and method as in smr_config; no other setting changes the size. */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices, method)                   \
     ((size_t)8192u + ((method) == SMR_METHOD_RIGID ? (size_t)326u : (size_t)362u) * (n_vertices) +                     \
@@ -494,14 +513,14 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 #define SMR_SWAPPED_BYTES 0u
 #endif
 
-/* Sets up a registration at the model's rest shape in arena (SMR_ALIGN-aligned, at least
- * smr_arena_bytes). config and port are copied; port may be NULL (one worker, no clock). model and arena
- * must stay. Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT; *s untouched then. */
-smr_status smr_init(const smr_model *model, const smr_config *config, const smr_port *port, void *arena,
-                    size_t arena_bytes, smr **out);
+/* Sets up a registration at the model's rest shape in arena (SMR_ALIGN-aligned, smr_arena_bytes() or more).
+ * config and port are copied. port may be NULL: one worker, no clock. model and arena must stay.
+ * Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT; *s untouched then. */
+smr_status smr_init(const smr_model *model, const smr_config *config, const smr_port *port, void *arena, size_t bytes,
+                    smr **s);
 
-/* Puts a structure at these positions, in the caller's vertex order: [n_vertices][3] mm. All structures start again
- * from where they are then: that becomes the reference shape x^r, and the schedule starts over.
+/* Puts a structure at these positions, [n_vertices][3] mm in the caller's vertex order.
+ * The present positions of all structures become the reference shape x^r, and the schedule starts over.
  * Errors: E_NULL, E_INPUT, E_STATE (not a registration). */
 smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz);
 
@@ -509,67 +528,88 @@ smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz);
  * Errors: E_NULL, E_INPUT (an entry or a moved vertex beyond SMR_COORD_MAX), E_STATE. */
 smr_status smr_set_pose(smr *s, const smr_pose *pose);
 
-/* Gives a structure (or SMR_ALL) its target surface, borrowed until replaced; NULL takes it away, and the
- * structure is then carried along by its neighbours. May be called between any two ticks: an iteration under way that has not all
- * its forces yet starts them again, one that has them ends with the old target. A schedule that is done stays done until
- * smr_set_pose() or smr_set_positions().
+/* Gives a structure, or SMR_ALL, its target surface, borrowed until replaced. NULL takes it away: the structure is then
+ * carried along by its neighbours.
+ * Target vertices attract the model only if config.n_target_vertices is not 0 (it is by default).
+ * Allowed between any two ticks. An iteration under way that has not all its forces yet starts them again; one that has
+ * them ends with the old target. A schedule that is done stays done until smr_set_pose() or smr_set_positions().
  * Errors: E_NULL, E_STATE (not a registration, or not a surface), E_INPUT (no such structure), E_ARENA (more vertices
  * than config.n_target_vertices, where that is not 0). */
 smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface);
 
-/* Gives every structure without a target surface this image, borrowed until replaced; NULL takes it away. The schedule
- * starts over from the present positions. The model needs intensity profiles. Errors: E_NULL (voxels), E_INPUT (the volume's fields), E_STATE (no profiles). */
+/* Gives every structure without a target surface this image, borrowed until replaced. NULL takes it away.
+ * The schedule starts over from the present positions. The model needs intensity profiles.
+ * Errors: E_NULL (voxels), E_INPUT (the volume's fields), E_STATE (no profiles). */
 smr_status smr_set_volume(smr *s, const smr_volume *volume);
 
-/* The phases of an iteration. What a new reference shape implies is computed first and counts as SUMS. */
+/* The phases of an iteration. What follows from a new reference shape is computed first and counts as SUMS. */
 enum { SMR_PHASE_FORCES = 0, SMR_PHASE_SUMS, SMR_PHASE_MATCH, SMR_PHASE_AVERAGE, SMR_PHASE_EVOLVE, SMR_PHASES };
 
 typedef struct smr_tick_report {
-    uint32_t iteration;        /* complete iterations since the start */
-    uint32_t phase;            /* SMR_PHASE_...: the one to resume with; 0 after a whole iteration */
-    uint32_t radius;           /* index of the radius the iteration used */
-    uint32_t radius_iteration; /* complete iterations at this radius */
-    uint32_t n_taken;    /* vertices that take part in the iteration: the first so many in the order of priority, the
-                                     others are ignored; after a partial tick that has not its forces yet, so many at most */
-    uint32_t n_wanted;   /* so many would without a budget */
-    uint32_t n_active;   /* those of them that could receive an external force */
-    uint32_t n_forces;   /* vertices that did */
-    uint32_t n_rejected; /* vertices with a target but no acceptable goal */
-    uint32_t n_guarded;  /* vertices moved by the fold guard: held back, unfolded or repaired */
-    float
-        attraction_used; /* share of the target-to-model pull: config.attraction; 0 while n_target_vertices is 0 or no surface is set */
-    uint32_t plastic_updates; /* since the start */
-    uint32_t done;            /* 1: the schedule is done; further ticks change nothing */
-    uint32_t converged;       /* 1: done, and the last iteration moved no vertex by plastic_um */
-    float progress;           /* 0..1: share of the schedule's iterations done */
-    float residual_mean_mm;   /* of |goal - x| over the n_forces vertices */
+    /* Complete iterations since the start. */
+    uint32_t iteration;
+    /* SMR_PHASE_...: the phase that the next tick resumes; 0 after a whole iteration. */
+    uint32_t phase;
+    /* Index of the radius that the iteration used, and complete iterations at it. */
+    uint32_t radius;
+    uint32_t radius_iteration;
+    /* Vertices that take part: the first so many in the order of priority. The others are ignored in this iteration.
+     * After a partial tick that has not all its forces yet: the most that will. */
+    uint32_t n_taken;
+    /* Vertices that would take part without a budget. */
+    uint32_t n_wanted;
+    /* Vertices of n_taken with a target. */
+    uint32_t n_active;
+    /* Vertices of n_active with an external force. */
+    uint32_t n_forces;
+    /* Vertices of n_active without an acceptable goal. */
+    uint32_t n_rejected;
+    /* Vertices that the fold guard moved: held back, unfolded or repaired. */
+    uint32_t n_guarded;
+    /* config.attraction when target vertices attracted the model in this iteration, else 0.
+     * 0 while config.n_target_vertices is 0, whatever config.attraction says. */
+    float attraction_used;
+    /* x^r = x happened so many times since the start. */
+    uint32_t plastic_updates;
+    /* 1: the schedule is done. Further ticks change nothing. */
+    uint32_t done;
+    /* 1: done, and the last iteration moved every vertex by less than plastic_um. */
+    uint32_t converged;
+    /* share, 0..1. Of the schedule's iterations done. */
+    float progress;
+    /* mm. |goal - x| over the n_forces vertices. */
+    float residual_mean_mm;
     float residual_rms_mm;
     float residual_max_mm;
-    float displacement_max_mm;     /* of the last complete iteration */
-    uint64_t phase_ns[SMR_PHASES]; /* time of this tick by phase; 0 without a clock */
-    uint64_t state_hash; /* of the positions (relative to the start's whole millimetres): equal bits, equal hash, on
-                                     every processor */
+    /* mm. Of the last complete iteration. */
+    float displacement_max_mm;
+    /* ns. Time of this tick by phase; 0 without a clock. */
+    uint64_t phase_ns[SMR_PHASES];
+    /* Hash of the positions relative to the start's whole millimetres: the same bits and hash on every processor. */
+    uint64_t state_hash;
 } smr_tick_report;
 
-/* One registration iteration (paper 2.3, the closing list): external forces, shape matching, averaging,
- * evolution. budget_ns 0, or a port without a clock: a whole iteration, whatever it takes. Otherwise forces are evaluated in
- * the order of priority until the time left is needed for the rest of the iteration; vertices not reached are ignored in
- * this iteration. Where the time still ends within an iteration, the tick stops between two chunks of work and returns
- * SMR_PARTIAL; the last complete positions stay valid and the next tick goes on. A tick always does some work, however
- * short its budget. Once the schedule is done a tick changes nothing. report may be NULL. Errors: E_NULL, E_STATE. */
+/* One registration iteration (paper 2.3, the closing list): external forces, shape matching, averaging, evolution.
+ * budget_ns 0, or a port without a clock: one whole iteration, however long it takes.
+ * Otherwise forces are evaluated in the order of priority until the rest of the iteration needs the time that is left;
+ * vertices not reached are ignored in this iteration. If the time still ends within the iteration, the tick stops
+ * between two chunks of work and returns SMR_PARTIAL. The last complete positions stay valid, and the next tick
+ * goes on. Every tick does some work, however short its budget. Once the schedule is done a tick changes nothing.
+ * report may be NULL.
+ * Errors: E_NULL, E_STATE. */
 smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report);
 
-/* From the next iteration on exactly the first n_active vertices in the order of priority take part, whatever the
- * configuration and the budget say; at least smr_model_info.active_min of the radius do. Counts above the model's are the
- * model's; 0 (the start) gives the choice back. Ticks without a clock, each given the n_taken of a recorded iteration, repeat
- * it to the last bit. Stays over smr_set_pose() and smr_set_positions(). Errors: E_NULL, E_STATE. */
+/* From the next iteration on exactly the first n_active vertices in the order of priority take part, whatever
+ * configuration and budget say. At least smr_model_info.active_min of the radius take part, at most all vertices.
+ * 0 (as at the start): configuration and budget decide again. Stays over smr_set_pose() and smr_set_positions().
+ * Ticks without a clock, each given the n_taken of a recorded iteration, repeat it to the last bit.
+ * Errors: E_NULL, E_STATE. */
 smr_status smr_set_active(smr *s, uint32_t n_active);
 
 /* ------------------------------------------------------------------ 7. results and diagnostics */
 
-/* Copies a structure's current positions or unit normals (0 where no triangle has an area), [n_vertices][3], in the caller's
- * vertex order.
- * Errors: E_NULL, E_INPUT, E_STATE. */
+/* Copies a structure's current positions (mm), or unit normals (0 where no triangle has an area): [n_vertices][3], in
+ * the caller's vertex order. Errors: E_NULL, E_INPUT, E_STATE. */
 smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
 
@@ -588,14 +628,16 @@ uint64_t smr_state_hash(const smr *s);
 
 /* ------------------------------------------------------------------ 8. record and replay */
 
-/* Enough memory for a log of so many ticks and so many calls of smr_set_...(); any memory will do. */
+/* Enough memory for a log of n_ticks ticks and n_sets calls of smr_set_...(), of any alignment. */
 #define SMR_LOG_BYTES(n_ticks, n_sets) ((size_t)512u + (size_t)40u * (n_ticks) + (size_t)56u * (n_sets))
 
-/* Records in memory[bytes], of any alignment, what is done to s from here on: the configuration, each input that is set (a pose
- * itself, of others a checksum), each tick, how far it came and the state's hash. Borrowed until replaced; NULL takes it away.
- * Only right after smr_init, so that the log says all. Where a record does not fit recording ends, a last record says so,
- * and the registration goes on. Costs of a tick some 0.2 us; of an input one pass over it. Results are the same with and without a log.
- * Errors: E_NULL, E_STATE (not a registration, or not right after smr_init), E_ARENA (no room for the header: SMR_LOG_BYTES(0, 0)). */
+/* Records in memory[bytes] (of any alignment) what is done to s from here on: the configuration, each input that is set
+ * (poses themselves, checksums of others), each tick, how far it came, and the state's hash.
+ * memory is borrowed until replaced; NULL takes it away. Only right after smr_init(), so that the log says all.
+ * If a record does not fit, a last record says so, recording ends, and the registration goes on.
+ * Results are the same with and without a log. An input costs one pass over it.
+ * Errors: E_NULL, E_STATE (not a registration, or not right after smr_init()), E_ARENA (less than
+ * SMR_LOG_BYTES(0, 0)). */
 smr_status smr_set_log(smr *s, void *memory, size_t bytes);
 
 typedef struct smr_log_state {
@@ -655,8 +697,8 @@ smr_status smr_log_open(const void *log, size_t bytes, smr_log_reader *reader, s
 /* The next record; of kind 0 at the end. Errors: E_NULL, E_LOG (*record is of kind 0 then, and the reader stays). */
 smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record);
 
-/* Gives a replay the input that a record of kind surface, volume or positions names: a const smr_surface *, const smr_volume *
- * or const float * ([n_vertices][3], mm); NULL when it is not there. It is borrowed as in smr_set_...(). */
+/* Gives a replay the input that a record of kind surface, volume or positions names: a const smr_surface *, a
+ * const smr_volume *, or a const float * ([n_vertices][3], mm). NULL: not there. Borrowed as in smr_set_...(). */
 typedef const void *(*smr_log_input)(void *ctx, const smr_log_record *record);
 
 /* A replay under way; the fields are the library's. */
@@ -668,10 +710,10 @@ typedef struct smr_replay {
     uint32_t n_ticks, has_forces, has_later;
 } smr_replay;
 
-/* Prepares to repeat a log on s, which is as smr_init left it, with the log's model and configuration (n_workers may differ,
- * and so may the port). log and s must stay. input may be NULL when there are only poses.
- * Errors: E_NULL, E_STATE (not a registration, or not right after smr_init), E_LOG, E_MODEL (another model), E_CONFIG (another
- * configuration). */
+/* Prepares to repeat a log on s, which is as smr_init() left it, with the log's model and configuration. n_workers and
+ * the port may differ. log and s must stay. input may be NULL when there are only poses.
+ * Errors: E_NULL, E_STATE (not a registration, or not right after smr_init()), E_LOG, E_MODEL (another model), E_CONFIG
+ * (another configuration). */
 smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx, smr_replay *replay);
 
 typedef struct smr_replay_report {
@@ -683,10 +725,11 @@ typedef struct smr_replay_report {
     smr_log_record found;  /* what the repeated tick came to */
 } smr_replay_report;
 
-/* Repeats the log's next tick and the inputs set before it, without a clock, and compares what it came to. A complete iteration is
- * computed in one piece; a partial tick changes nothing yet, so its time falls on the tick that completes the iteration.
- * Errors: E_NULL, E_LOG, E_INPUT (an input is missing or has another checksum, or was refused), and what smr_set_...() and smr_tick()
- * return. After an error or a difference the rest of the replay means little. */
+/* Repeats the log's next tick and the inputs set before it, without a clock, and compares what came of it.
+ * A complete iteration is computed in one piece. A partial tick changes nothing yet, so its time falls on the tick that
+ * completes the iteration. After an error or a difference the rest of the replay means little.
+ * Errors: E_NULL, E_LOG, E_INPUT (an input is missing, has another checksum, or was refused), and those of
+ * smr_set_...() and smr_tick(). */
 smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 
 #ifdef __cplusplus

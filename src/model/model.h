@@ -51,8 +51,8 @@ struct smr_model {
     uint32_t zero[6];
 };
 
-/* A further section, which the fields above know nothing of. A library that does not know its kind skips it, or refuses the
- * model when the section is required. */
+/* A further section, which no field above names. A library that does not know its kind skips it, or refuses the model
+ * when the section is required. */
 typedef struct smr_stored_section {
     uint32_t kind;  /* SMR_SECTION_...; not 0, each once. None is defined yet */
     uint32_t flags; /* SMR_SECTION_REQUIRED or 0 */
@@ -71,8 +71,8 @@ typedef struct smr_stored_structure {
     uint32_t n_triangles;
 } smr_stored_structure;
 
-/* Two triangles that share an edge nobody else has. bend holds the second triangle in its low 24 bits and above them a code
- * for the cosine between their normals below which the hinge counts as bent. */
+/* Two triangles that share an edge with no third one. Low 24 bits of bend: the second triangle. High 8 bits: a code of
+ * the cosine between their normals below which the hinge counts as bent. */
 typedef struct smr_stored_hinge {
     uint32_t first;
     uint32_t bend;
@@ -89,9 +89,8 @@ typedef struct smr_stored_radius {
     uint32_t reach;  /* float, mm: largest distance within a cluster from its own vertex */
     uint32_t separate;
     uint32_t n_blocks;
-    uint32_t
-        largest; /* vertices in the largest, with half of those of its boundary that lie outside, and in the smallest cluster */
-    uint32_t smallest;
+    uint32_t largest;    /* vertices of the largest cluster; those of its boundary that lie outside count half */
+    uint32_t smallest;   /* vertices of the smallest cluster */
     uint32_t mean;       /* float: mean |zeta| */
     uint32_t n_indexes;  /* in all lists */
     uint32_t at_blocks;  /* smr_stored_block [n_blocks + 1] */
@@ -103,8 +102,8 @@ typedef struct smr_stored_radius {
     uint32_t at_boundary; /* smr_stored_boundary [n_boundary] */
 } smr_stored_radius;
 
-/* Two vertices about a radius apart, each of which counts in the other's cluster with a share of its mass only. The lists
- * have them in whole or not at all; `share` is what is added to that: share / SMR_BOUNDARY_UNITS - 1/2. */
+/* Two vertices whose distance is the radius within a micrometre. Each has fractional weight in the other's cluster. The
+ * lists have them in whole or not at all; share / SMR_BOUNDARY_UNITS - 1/2 is added to that. */
 typedef struct smr_stored_boundary {
     uint32_t first, second; /* stored numbers */
     uint32_t share;         /* 0 .. SMR_BOUNDARY_UNITS */
@@ -112,7 +111,7 @@ typedef struct smr_stored_boundary {
 
 #define SMR_BOUNDARY_UNITS 256
 
-/* A block is the entries first .. next block's first - 1; their vertices are those with the same places along the curve. */
+/* A block: the entries first .. next block's first - 1. Their vertices have the same places along the curve. */
 typedef struct smr_stored_block {
     uint32_t first;
     uint32_t first_index;

@@ -77,7 +77,8 @@ static int check_numbering(const smr_model *m)
     return 1;
 }
 
-/* Levels are runs of the stored vertices, and along the curve each of them ascends: merged they are 0 .. n - 1, each once. */
+/* Levels are runs of the stored vertices. Their places along the curve ascend in each level; merged they are
+ * 0 .. n - 1, each once. */
 static int check_levels(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_vertices), n_levels = smr_le32(m->n_levels);
@@ -178,7 +179,7 @@ static smr_entry32 entry_at(const smr_lists *l, uint32_t i)
     return e;
 }
 
-/* Every vertex of the block first..last-1 of the curve has exactly one entry: as many entries as vertices, none twice. */
+/* Every vertex of the block first..last-1 of the curve has exactly one entry: there are as many, and none is twice. */
 static int each_once(const smr_model *m, const smr_lists *l, uint32_t first, uint32_t last)
 {
     for (uint32_t lo = first; lo < last; lo += SMR_WINDOW) {
@@ -209,8 +210,8 @@ static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, u
     return used == n_indexes && each_once(m, l, first, last);
 }
 
-/* A radius' sections lie one behind the other, the first one behind the radius before. Lists that share bytes would be few
- * bytes that take long to check. */
+/* A radius' sections lie one behind the other, the first one behind the radius before. Otherwise lists could share
+ * bytes, and a small file could take long to check. */
 static int sections_in_order(const smr_model *m, const smr_stored_radius *r, uint64_t *end)
 {
     const uint64_t n = smr_le32(m->n_vertices), width = smr_le32(m->index_bytes);
@@ -281,7 +282,7 @@ static int repeated(const smr_stored_section *s, uint32_t i)
     return 0;
 }
 
-/* Further sections lie one behind the other. No kind is known yet: an optional one is skipped, a required one is refused.
+/* Further sections lie one behind the other. No kind is known yet: optional ones are skipped, required ones refused.
  * A kind that becomes known gets its check here. */
 static int check_sections(const smr_model *m)
 {

@@ -162,7 +162,8 @@ for pair in "--radius 0" "--radius -5" "--radius nan" "--radius inf" "--radius x
     "--radius 1e-60" "--radius 1e9" "--search 0" "--search -1" "--search NaN" "--search 10mm" "--threads 0" "--threads -1" \
     "--threads 65" "--threads 1.5" "--ticks 0" "--ticks -1" "--ticks 1e3" "--budget-ms -1" "--budget-ms nan" \
     "--stiffness 0" "--stiffness 1.01" "--stiffness nan" "--attraction -0.1" "--attraction 2" "--slide 1.1" "--even -1" "--align maybe" \
-    "--method polar2" "--mirror-target w" "--clusters none" "--relaxation 0" "--node-budget 7" "--iterations 0"; do
+    "--method polar2" "--mirror-target w" "--clusters none" "--relaxation 0" "--node-budget 7" "--iterations 0" \
+    "--radius 1e-7" "--plastic-um 1.1e8" "--reject-deviations 1000001" "--active-enough 1000001"; do
     set -- $pair
     refused "option $pair" "$1" "" register --model good.ply --target good.ply -o fresh "$1" "$2"
 done

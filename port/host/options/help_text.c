@@ -1,10 +1,15 @@
-/* help_text.c: the help text.
+/* help_text.c: the help text. Options that set one of the library's settings are told by its table: unit, sentence,
+ * default.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
+#include <string.h>
 
-#include "options/options.h"
+#include "options/options_table.h"
 
-static const char *const lines[] = {
+#define NAME_WIDTH 33 /* where sentences start */
+#define LINE_WIDTH 110
+
+static const char *const start_lines[] = {
     "smr: shape-matching registration of surfaces onto surfaces or images",
     "",
     "  smr register --model FILE... --target FILE... -o DIR   deform the model onto the targets",
@@ -27,48 +32,28 @@ static const char *const lines[] = {
     ".smr built with --reference needs none. Landmarks: Slicer .mrk.json or .fcsv, or CSV label,x,y,z.",
     "",
     "register, and its defaults:",
-    "  --landmarks MODEL TARGET        start by landmarks, matched by label: a thin-plate spline",
-    "  --truth DIR                     with an image: measure the result against DIR/NAME.ply",
-    "  --smoothing MM                  of that spline: 0 passes through every landmark (0; into an image 100)",
-    "  --align none|rigid|similarity   start pose from the surfaces (none); with landmarks: fitted to them, no spline",
-    "  --mirror-target x|y|z           negate a coordinate of the targets; --mirror-model likewise",
-    "  --threads N                     (as many as processors)   --ticks N       upper bound (the schedule)",
-    "  --budget-ms X                   time per tick, 0: no clock, deterministic (0)",
-    "  --method rigid|polar            (rigid)                   --search MM     (60)",
-    "  --stiffness X                   (0.8)                     --attraction X  target to model (0.5)",
-    "  --slide X  share of goals along the surface (0)           --even X  last radius: as neighbours (0.5)",
-    "  --relaxation X                  (1)                       --normal-angle DEG  (75)",
-    "  --normals carried|exact         (carried)                 --node-budget N (512)",
-    "  --reject-deviations X           (0: off)                  --reject-border",
-    "  --plastic-um X                  (50)                      --plastic-every N (1)",
-    "  --iterations N                  per radius (9)            --iterations-last N (60)",
-    "  --active X                      share of the vertices that take part, the most important first (1)",
-    "  --active-first X                the same at the start of the schedule, from where it grows (1)",
-    "  --log FILE                      record what is done, for smr replay: the command line, checksums of the inputs, "
-    "each tick",
-    "  --quiet                         print nothing",
-    "with a volume as the target the defaults are --radius 60,40,25,15 (larger ones first for a single structure) "
-    "--search 30,2 (along the",
-    "normal, at most 60) --plastic-every 5 --iterations 20 --iterations-last 40; --align without landmarks,",
-    "--attraction, --normal-angle, --node-budget and --reject-... are for surfaces. More of images:",
-    "  --search MM[,MM]                of profiles, first and last (30,2), at most half a radius",
-    "  --gradient MM[,MM]              search for the edge, first and last (5,2)",
-    "  --similarity ncc|ssd|concordance (the last)               --confidence X  least of a goal (0.3)",
-    "  --sideways X  share of the image's way along the surface (0.5)",
-    "  --active-enough N               active vertices of the smallest cluster that do, 0: --active alone decides (30)",
-    "  --profile-samples N             (20)                      --profile-step MM (0.5)",
-    "  --profile-inward X              share of the samples on the inner side (chosen from the voxels)",
+    "  --landmarks MODEL TARGET       start by landmarks, matched by label: a thin-plate spline",
+    "  --truth DIR                    with an image: measure the result against DIR/NAME.ply",
+    "  --smoothing MM                 of that spline: 0 passes through every landmark (0; into an image 100)",
+    "  --align none|rigid|similarity  start pose from the surfaces (none); with landmarks: fitted to them, no spline",
+    "  --mirror-target x|y|z          negate a coordinate of the targets; --mirror-model likewise",
+    "  --threads N                    threads (as many as processors)",
+    "  --ticks N                      upper bound of ticks (the schedule)",
+    "  --budget-ms X                  time per tick, 0: no clock, deterministic (0)",
+    "  --log FILE                     record what is done, for smr replay: the command line, checksums of the inputs,",
+    "                                 each tick",
+    "  --quiet                        print nothing",
+};
+
+static const char *const other_lines[] = {
+    "  --clusters auto|shared|separate",
+    "                                 separate at small radii (auto), nowhere or everywhere",
+    "build: --c-array NAME            C source instead when -o ends in .c, else beside it",
     "phantom: --seed N another patient (1); --small fewer vertices and voxels; --threads N; --quiet",
     "bench: --figure2 writes figure2.csv and figure2.svg: times by one thread, errors by --threads N; --repeats N of",
     "  the times (7); --step N % ignored from point to point (10). --soak writes soak.csv: how far ticks end beyond",
     "  budgets of 1 to 33 ms by the wall clock; --seconds X each (4). Both: the computed thigh (--seed N, --small),",
     "  or --model, --reference, --target, --truth, --landmarks as for register; --quiet",
-    "preparing (register, build, info):",
-    "  --radius MM[,MM...]             cluster radii, coarse to fine (chosen from the surfaces)",
-    "  --clusters auto|shared|separate (auto: separate at small radii)",
-    "  --distance euclidean|geodesic   (euclidean)               --mass unit|area (unit)",
-    "  --order forest|breadth-first    (forest)                  --block N        (chosen)",
-    "build: --c-array NAME             C source instead when -o ends in .c, else beside it",
     "",
     "replay reads the inputs again, from where it is called, and says that all ticks agree, or which one differs; "
     "--threads N",
@@ -77,9 +62,131 @@ static const char *const lines[] = {
     "differs, 2 bad usage or input.",
 };
 
-void host_help(void)
+/* What stands for an option's value. */
+static const char *value_name(const host_option *o)
+{
+    const smr_setting *const s = host_option_setting(o);
+    if (o->kind == HOST_KIND_WORD)
+        return host_option_words(o);
+    if (o->kind == HOST_KIND_FLAG)
+        return "";
+    if (o->kind == HOST_KIND_RADII)
+        return "MM[,MM...]";
+    if (o->kind == HOST_KIND_SPAN)
+        return "MM[,MM]";
+    if (strcmp(s->unit, "mm") == 0)
+        return "MM";
+    if (strcmp(s->unit, "degrees") == 0)
+        return "DEG";
+    return o->kind == HOST_KIND_COUNT ? "N" : "X";
+}
+
+/* A default as it is typed. */
+static void print_value(const smr_setting *s, double value, char *to, size_t bytes)
+{
+    const char *word = s->unit;
+    if (s->kind != SMR_SETTING_CHOICE) {
+        (void)snprintf(to, bytes, "%g", value);
+        return;
+    }
+    for (; value >= 1.0 && strchr(word, '|') != NULL; value -= 1.0)
+        word = strchr(word, '|') + 1;
+    (void)snprintf(to, bytes, "%.*s", (int)strcspn(word, "|"), word);
+}
+
+/* The default, or both where images have another. */
+static void print_default(const host_option *o, const smr_setting *s, char *to, size_t bytes)
+{
+    char value[64], image[64];
+    const host_range range = host_option_range(o);
+    print_value(s, s->value, value, sizeof value);
+    print_value(s, s->image, image, sizeof image);
+    to[0] = '\0';
+    if (o->kind == HOST_KIND_FLAG)
+        return;
+    if (o->kind == HOST_KIND_SPAN) /* the table's next row is where it ends */
+        (void)snprintf(to, bytes, " (%g,%g)", s->image, s[1].image);
+    else if (o->kind == HOST_KIND_RADII)
+        (void)snprintf(to, bytes, " (chosen from the surfaces; with a reference image 60,40,25,15)");
+    else if (s->value < range.min)
+        (void)snprintf(to, bytes, " (chosen)");
+    else if (strcmp(value, image) == 0 || o->targets == HOST_FOR_SURFACES)
+        (void)snprintf(to, bytes, " (%s)", value);
+    else
+        (void)snprintf(to, bytes, " (%s; into an image %s)", value, image);
+}
+
+/* Without its full stop; what the library's own default means is left out where the option does not take it. */
+static int sentence_length(const host_option *o, const smr_setting *s)
+{
+    const size_t n = s->value < host_option_range(o).min ? strcspn(s->text, ";") : strlen(s->text);
+    return (int)(n > 0 && s->text[n - 1u] == '.' ? n - 1u : n);
+}
+
+/* The words of a text from column NAME_WIDTH on, in lines of LINE_WIDTH. */
+static void print_wrapped(size_t column, const char *text)
+{
+    while (*text != '\0') {
+        const size_t n = strcspn(text, " ");
+        if (column + 1u + n > LINE_WIDTH) {
+            (void)printf("\n%*s", NAME_WIDTH - 1, "");
+            column = NAME_WIDTH - 1;
+        }
+        (void)printf(" %.*s", (int)n, text);
+        column += 1u + n;
+        text += n + (text[n] == ' ');
+    }
+    (void)printf("\n");
+}
+
+/* The options of register for this kind of target (0: any), or those of preparing, that set a setting. */
+static void print_settings(const char *title, int prepares, int targets)
 {
     size_t i = 0;
-    for (i = 0; i < sizeof lines / sizeof lines[0]; i++)
+    (void)puts(title);
+    for (i = 0; i < host_option_count; i++) {
+        const host_option *const o = &host_option_table[i];
+        const smr_setting *const s = host_option_setting(o);
+        char sentence[512], standard[160];
+        if (s == NULL || o->prepares != prepares || (!prepares && o->targets != targets))
+            continue;
+        const int n = printf("  %s %s", o->name, value_name(o));
+        print_default(o, s, standard, sizeof standard);
+        (void)snprintf(sentence, sizeof sentence, "%.*s%s", sentence_length(o, s), s->text, standard);
+        if (n < NAME_WIDTH - 1)
+            (void)printf("%*s", NAME_WIDTH - 1 - n, "");
+        print_wrapped(n < NAME_WIDTH - 1 ? NAME_WIDTH - 1 : (size_t)n, sentence);
+    }
+}
+
+/* One option for two settings. */
+static void print_search(void)
+{
+    const smr_config surfaces = smr_config_default(), image = smr_config_default_image();
+    char text[256];
+    const int n = printf("  --search MM[,MM]");
+    (void)snprintf(text, sizeof text,
+                   "surfaces: farthest closest point that is a goal (%g); an image: search distance of profile "
+                   "matching, first and last (%g,%g), at most half a radius",
+                   (double)surfaces.search_mm, (double)image.profile_mm, (double)image.profile_end_mm);
+    (void)printf("%*s", NAME_WIDTH - 1 - n, "");
+    print_wrapped(NAME_WIDTH - 1, text);
+}
+
+static void print_lines(const char *const *lines, size_t n)
+{
+    size_t i = 0;
+    for (i = 0; i < n; i++)
         (void)puts(lines[i]);
+}
+
+void host_help(void)
+{
+    print_lines(start_lines, sizeof start_lines / sizeof start_lines[0]);
+    print_search();
+    print_settings("register, any target:", 0, 0);
+    print_settings("register, surfaces as targets:", 0, HOST_FOR_SURFACES);
+    print_settings("register, an image as the target:", 0, HOST_FOR_IMAGES);
+    print_settings("preparing (register, build, info); the profile's for images:", 1, 0);
+    print_lines(other_lines, sizeof other_lines / sizeof other_lines[0]);
 }

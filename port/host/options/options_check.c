@@ -141,9 +141,9 @@ static int check_search(const host_options *options, host_error *error)
     const host_span *const search = &options->search;
     error->file = "--search";
     if (options->image_target &&
-        ((double)search->from > HOST_IMAGE_SEARCH_MAX || (double)search->to > HOST_IMAGE_SEARCH_MAX))
+        ((double)search->from > host_image_search_max() || (double)search->to > host_image_search_max()))
         return host_fail(error, "value", "at most %g mm along the normal, for the target is a volume",
-                         HOST_IMAGE_SEARCH_MAX);
+                         host_image_search_max());
     if (search->n > 0 && !options->image_target && !(search->from > 0.0f))
         return host_fail(error, "value", "a number above 0, for the target is a surface");
     if (search->n > 1 && !options->image_target)

@@ -18,6 +18,7 @@ static host_word word_of(const char *text)
 
 static int refuse_number(const host_option *o, host_word value, host_error *error)
 {
+    const host_range range = host_option_range(o);
     char place[64];
     const size_t n = value.n < sizeof place - 3u ? value.n : sizeof place - 3u;
     place[0] = '\'';
@@ -25,17 +26,18 @@ static int refuse_number(const host_option *o, host_word value, host_error *erro
     place[n + 1u] = '\'';
     place[n + 2u] = '\0';
     return host_fail(error, place, "a %s %s %.10g and at most %.10g",
-                     o->kind == HOST_KIND_COUNT ? "whole number" : "number", o->open ? "above" : "of at least", o->min,
-                     o->max);
+                     o->kind == HOST_KIND_COUNT ? "whole number" : "number", range.open ? "above" : "of at least",
+                     range.min, range.max);
 }
 
 static int read_number(const host_option *o, host_word word, double *value, host_error *error)
 {
+    const host_range range = host_option_range(o);
     int64_t whole = 0;
     int good = o->kind == HOST_KIND_COUNT ? host_word_int(word, &whole) : host_word_double(word, value);
     if (o->kind == HOST_KIND_COUNT)
         *value = (double)whole;
-    good = good && *value <= o->max && (o->open ? *value > o->min : *value >= o->min);
+    good = good && *value <= range.max && (range.open ? *value > range.min : *value >= range.min);
     return good ? 0 : refuse_number(o, word, error);
 }
 
@@ -83,7 +85,7 @@ static int read_span(const host_option *o, const char *text, host_span *span, ho
 
 static int read_choice(const host_option *o, const char *text, uint32_t *choice, host_error *error)
 {
-    const char *word = o->words;
+    const char *word = host_option_words(o);
     uint32_t i = 0;
     while (word != NULL) {
         const char *const bar = strchr(word, '|');
@@ -95,7 +97,7 @@ static int read_choice(const host_option *o, const char *text, uint32_t *choice,
         i++;
         word = bar != NULL ? bar + 1 : NULL;
     }
-    return host_fail(error, text, "one of %s", o->words);
+    return host_fail(error, text, "one of %s", host_option_words(o));
 }
 
 static int add_file(host_files *files, const char *path, host_error *error)
@@ -114,7 +116,7 @@ static int store(const host_option *o, const char *text, host_options *options, 
     if (o->kind == HOST_KIND_FILES)
         return add_file(field, text, error);
     if (o->kind == HOST_KIND_RADII)
-        return read_radii(o, text, field, error);
+        return read_radii(o, text, &options->prepare, error);
     if (o->kind == HOST_KIND_WORD)
         return read_choice(o, text, field, error);
     if (o->kind == HOST_KIND_SPAN)
@@ -133,7 +135,7 @@ static int store(const host_option *o, const char *text, host_options *options, 
         *(double *)field = value;
     else
         *(float *)field = (float)value;
-    if (o->kind == HOST_KIND_FLOAT && o->open && !(*(float *)field > (float)o->min))
+    if (o->kind == HOST_KIND_FLOAT && host_option_range(o).open && !(*(float *)field > (float)host_option_range(o).min))
         return refuse_number(o, word_of(text), error);
     return 0;
 }

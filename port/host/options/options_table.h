@@ -25,17 +25,31 @@ typedef struct host_option {
     int commands;      /* HOST_REGISTER | ... */
     int kind;          /* HOST_KIND_... */
     size_t field;      /* offset in host_options */
-    double min, max;   /* of numbers */
+    size_t setting;    /* offset in host_options of the library's setting whose range and words these are; 0: none */
+    double min, max;   /* of numbers; both 0: as the setting's */
     int open;          /* 1: above min, not equal */
     int prepares;      /* 1: matters only when a model is prepared */
-    const char *words; /* HOST_KIND_WORD: "a|b|c", stored as 0, 1, 2 */
+    const char *words; /* HOST_KIND_WORD: "a|b|c", stored as 0, 1, 2; NULL: as the setting's */
     int targets;       /* HOST_FOR_SURFACES, HOST_FOR_IMAGES, 0 for both */
 } host_option;
 
 extern const host_option host_option_table[];
 extern const size_t host_option_count;
 
-#define HOST_IMAGE_SEARCH_MAX 60.0 /* mm: the library's */
+typedef struct host_range {
+    double min, max;
+    int open; /* 1: above min, not equal */
+} host_range;
+
+/* The library's setting behind an option, or NULL. */
+const smr_setting *host_option_setting(const host_option *o);
+
+/* What an option takes: its own range and words, or its setting's. */
+host_range host_option_range(const host_option *o);
+const char *host_option_words(const host_option *o);
+
+/* mm: how far the library searches in images at most. */
+double host_image_search_max(void);
 
 /* The command's option of this name, or NULL. */
 const host_option *host_option_find(const char *name, int command);
