@@ -48,14 +48,21 @@ void smr_tree_refit_upper(const smr_facets *f);
  * everywhere. */
 static const uint32_t smr_child_bit[SMR_TREE_WIDTH] = {1, 2, 4, 8, 16, 32, 64, 128};
 
-/* Squared distance from p to child box k of a node, mm^2; 0 inside the box. */
-static inline float smr_box_distance2(const smr_node *node, uint32_t k, smr_vec p)
+/* d2[k]: squared distance from p to child box k of a node, mm^2; 0 inside the box. Returns the children within `bound`,
+ * a bit each. */
+static inline uint32_t smr_box_distances(const smr_node *node, smr_vec p, float bound, float d2[SMR_TREE_WIDTH])
 {
-    /* of the two distances along an axis at most one is positive */
-    const float x = smr_positive(node->lo[0][k] - p.x) + smr_positive(p.x - node->hi[0][k]);
-    const float y = smr_positive(node->lo[1][k] - p.y) + smr_positive(p.y - node->hi[1][k]);
-    const float z = smr_positive(node->lo[2][k] - p.z) + smr_positive(p.z - node->hi[2][k]);
-    return x * x + y * y + z * z;
+    uint32_t near = 0;
+    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
+        /* of the two distances along an axis at most one is positive */
+        const float x = smr_positive(node->lo[0][k] - p.x) + smr_positive(p.x - node->hi[0][k]);
+        const float y = smr_positive(node->lo[1][k] - p.y) + smr_positive(p.y - node->hi[1][k]);
+        const float z = smr_positive(node->lo[2][k] - p.z) + smr_positive(p.z - node->hi[2][k]);
+        const float sum = x * x + y * y + z * z;
+        d2[k] = sum;
+        near |= sum <= bound ? smr_child_bit[k] : 0u;
+    }
+    return near;
 }
 
 /* Squared distances from p to the nearest and to the farthest point of child box k, mm^2. */

@@ -67,19 +67,6 @@ static void try_triangle(const smr_facets *f, const smr_query *q, uint32_t i, sm
     }
 }
 
-/* d2[k]: squared distance from p to child box k, mm^2. Returns the children within `bound`, a bit each, without a
- * branch. */
-static uint32_t box_distances(const smr_node *node, smr_vec p, float bound, float d2[SMR_TREE_WIDTH])
-{
-    uint32_t near = 0;
-    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-        const float box2 = smr_box_distance2(node, k, p);
-        d2[k] = box2;
-        near |= box2 <= bound ? smr_child_bit[k] : 0u;
-    }
-    return near;
-}
-
 #define SMR_TIES 64u /* nodes opened at most whose boxes are exactly as far as the best triangle */
 
 /* A node to be opened: its level, its index there, and the squared distance to its box. */
@@ -105,7 +92,7 @@ static void search(const smr_facets *f, const smr_query *q, smr_hit *hit, float 
             continue;
         opened++;
         float d2[SMR_TREE_WIDTH];
-        uint32_t near = box_distances(&f->node[f->level[v.level] + v.index], q->point, hit->d2 * widen, d2);
+        uint32_t near = smr_box_distances(&f->node[f->level[v.level] + v.index], q->point, hit->d2 * widen, d2);
         uint32_t base = v.index * SMR_TREE_WIDTH;
         if (v.level == 0u) {
             for (; near != 0u; near &= near - 1u) {

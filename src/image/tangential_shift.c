@@ -31,8 +31,8 @@ static int slopes(const smr_grid *image, const smr_place *at, smr_vec side, floa
     unsigned char inside[SMR_PROFILE_MAX];
     const uint32_t n = at->reference->n;
     const smr_vec away = smr_scale(side, at->reach_mm);
-    if (smr_grid_line(image, smr_add(at->start, away), at->step, n, ahead, inside) != n ||
-        smr_grid_line(image, smr_sub(at->start, away), at->step, n, behind, inside) != n)
+    if (smr_grid_line(image, smr_add(at->start, away), at->spacing, n, ahead, inside) != n ||
+        smr_grid_line(image, smr_sub(at->start, away), at->spacing, n, behind, inside) != n)
         return 0;
     const float per_mm = 0.5f / (at->reach_mm * at->reference->range);
     for (uint32_t k = 0; k < n; k++)

@@ -10,12 +10,12 @@
 /* A reference profile and the place in the image where it was found. */
 typedef struct smr_place {
     const smr_profile *reference;
-    smr_vec start, step; /* mm: the first sample's position, and the vector from one sample to the next */
-    smr_vec normal;      /* unit, along step */
-    const float *found;  /* [reference->n] the image's intensities there */
-    float gain;          /* contrast of the image relative to the reference's (smr_contrast) */
-    float noise;         /* intensity; contrast below it is ignored */
-    float reach_mm;      /* > 0: distance of the lines sampled to the sides, and the longest shift returned */
+    smr_vec start, spacing; /* mm: the first sample's position, and the vector from one sample to the next */
+    smr_vec normal;         /* unit, along spacing */
+    const float *found;     /* [reference->n] the image's intensities there */
+    float gain;             /* contrast of the image relative to the reference's (smr_contrast) */
+    float noise;            /* intensity; contrast below it is ignored */
+    float reach_mm;         /* > 0: distance of the lines sampled to the sides, and the longest shift returned */
 } smr_place;
 
 /* Contrast of the image relative to the reference: the ratio of their standard deviations, 0 .. 4, never NaN.

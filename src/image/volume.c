@@ -185,7 +185,7 @@ static uint32_t drop(const smr_volume *v, const cells *c, const strides *d, uint
     return left;
 }
 
-uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec step, uint32_t n, float *value,
+uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n, float *value,
                        unsigned char *inside)
 {
     const smr_volume *v = &grid->volume;
@@ -193,7 +193,7 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec step, uint32
     const strides d = {row, slice, v->size[0] > 1u ? 1u : 0u, v->size[1] > 1u ? row : 0u, v->size[2] > 1u ? slice : 0u};
     line l;
     smr_store(l.first, smr_mul(grid->to_index, smr_sub(start, smr_load(v->origin))));
-    smr_store(l.move, smr_mul(grid->to_index, step));
+    smr_store(l.move, smr_mul(grid->to_index, spacing));
     uint32_t from = 0, to = n, count = 0;
     for (uint32_t axis = 0; axis < 3u; axis++)
         clip(l.first[axis], l.move[axis], v->size[axis], &from, &to);
@@ -211,13 +211,13 @@ uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec step, uint32
 
 #define SMR_AHEAD 2u /* prefetches for every second sample: voxels are mostly larger than the samples' distance */
 
-void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec step, uint32_t n)
+void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n)
 {
     const smr_volume *v = &grid->volume;
     const size_t bytes = voxel_bytes(v->type), row = bytes * v->size[0], slice = row * v->size[1];
     const unsigned char *voxels = v->voxels;
     const smr_vec first = smr_mul(grid->to_index, smr_sub(start, smr_load(v->origin)));
-    const smr_vec move = smr_mul(grid->to_index, step);
+    const smr_vec move = smr_mul(grid->to_index, spacing);
     const smr_vec top = smr_v((float)(v->size[0] - 1u), (float)(v->size[1] - 1u), (float)(v->size[2] - 1u));
     for (uint32_t k = 0; k < n; k += SMR_AHEAD) {
         const smr_vec at = smr_add(first, smr_scale(move, (float)(int32_t)k));

@@ -14,13 +14,13 @@ typedef struct smr_grid {
 /* Validates everything but the voxels' values and computes the map. Errors: E_NULL, E_INPUT. */
 smr_status smr_grid_open(const smr_volume *volume, smr_grid *grid);
 
-/* Interpolates n samples at start + k * step, k = 0 .. n - 1, world mm. inside[k] is 0 where a sample lies outside the
- * volume or the mask, or meets a NaN; value[k] is 0 there. Never reads outside the volume. Returns the number
+/* Interpolates n samples at start + k * spacing, k = 0 .. n - 1, world mm. inside[k] is 0 where a sample lies outside
+ * the volume or the mask, or meets a NaN; value[k] is 0 there. Never reads outside the volume. Returns the number
  * inside. */
-uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec step, uint32_t n, float *value,
+uint32_t smr_grid_line(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n, float *value,
                        unsigned char *inside);
 
 /* Prefetches the voxels that smr_grid_line() will read on the same line; changes no result. */
-void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec step, uint32_t n);
+void smr_grid_ahead(const smr_grid *grid, smr_vec start, smr_vec spacing, uint32_t n);
 
 #endif

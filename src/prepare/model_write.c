@@ -27,7 +27,8 @@ static void write_radius(smr_writer *w, size_t at, const smr_list_writer *l, con
 }
 
 /* Writes the lists of one radius. Blocks are equal shares of the vertices along the curve, to within one vertex. */
-static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radius, uint32_t step, uint32_t steps)
+static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radius, uint32_t radius_index,
+                              uint32_t n_radii)
 {
     const int forest = p->config->order == SMR_ORDER_FOREST;
     const uint32_t n_blocks = forest ? smr_ceil_div(p->n, p->block_size) : 1u;
@@ -45,14 +46,14 @@ static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radiu
             const uint32_t last = (uint32_t)(((uint64_t)b + 1u) * p->n / n_blocks);
             smr_forest_block(p, &l, first, last, radius);
             if (p->config->progress != NULL &&
-                p->config->progress(p->config->progress_ctx, step * n_blocks + b, steps * n_blocks) != 0)
+                p->config->progress(p->config->progress_ctx, radius_index * n_blocks + b, n_radii * n_blocks) != 0)
                 return SMR_E_ABORTED;
             if (w->used > UINT32_MAX)
                 return SMR_E_INPUT;
         }
         p->forest.nearest_kind = 1u + p->separate;
     } else {
-        smr_status status = smr_breadth_first(p, &l, radius, step, steps);
+        smr_status status = smr_breadth_first(p, &l, radius, radius_index, n_radii);
         if (status != SMR_OK)
             return status;
     }
@@ -60,7 +61,7 @@ static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radiu
     smr_list_block(&l);
     l.n_blocks = n_written;
     smr_write_boundary(p, &l, radius);
-    write_radius(w, at, &l, p, radius, p->active_min[step]);
+    write_radius(w, at, &l, p, radius, p->active_min[radius_index]);
     return w->used > UINT32_MAX ? SMR_E_INPUT : SMR_OK;
 }
 

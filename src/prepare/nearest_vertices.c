@@ -49,8 +49,7 @@ uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t las
         if (too_far(&best, at.d2))
             continue;
         const smr_node *node = &p->points.node[p->points.level[at.level] + at.index];
-        for (uint32_t c = 0; c < SMR_TREE_WIDTH; c++)
-            d2[c] = smr_box_distance2(node, c, centre);
+        (void)smr_box_distances(node, centre, FLT_MAX, d2);
         for (uint32_t c = 0; c < SMR_TREE_WIDTH; c++) {
             /* the child that holds v is pushed last and opened first: small distances are found early */
             const uint32_t child =
