@@ -22,7 +22,14 @@ static inline float smr_abs(float a) { return a < 0.0f ? -a : a; }
 static inline float smr_clamp(float a, float lo, float hi) { return smr_min(smr_max(a, lo), hi); }
 static inline uint32_t smr_min_u32(uint32_t a, uint32_t b) { return a < b ? a : b; }
 static inline uint32_t smr_max_u32(uint32_t a, uint32_t b) { return a > b ? a : b; }
-static inline uint64_t smr_min_u64(uint64_t a, uint64_t b) { return a < b ? a : b; }
+
+/* The smaller one, in as many instructions whichever it is. */
+static inline uint64_t smr_min_u64(uint64_t a, uint64_t b)
+{
+    const uint64_t mask = 0u - (uint64_t)(a < b);
+    return b ^ ((a ^ b) & mask);
+}
+
 static inline uint32_t smr_ceil_div(uint32_t a, uint32_t b) { return a / b + (a % b != 0u); }
 
 /* max(a, 0), with 0 for -0. Without a branch, so that compilers vectorise loops over it. */
