@@ -1,5 +1,4 @@
-/*
- * smr: shape-matching registration. Deforms a prepared anatomical model onto a patient's data, one iteration per
+/* smr.h: shape-matching registration. Deforms a prepared anatomical model onto a patient's data, one iteration per
  * smr_tick(), in memory the caller hands over.
  *
  * Method: "Fast Musculoskeletal Registration Based on Shape Matching" ("the paper" below).

@@ -8,7 +8,7 @@
 
 #include "property/rig.h"
 #include "runtime/tick/schedule.h"
-#include "runtime/tick/steps.h"
+#include "runtime/tick/iteration.h"
 
 static int tidy(void **state)
 {

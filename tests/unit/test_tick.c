@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/tick/steps.h"
+#include "runtime/tick/iteration.h"
 
 static int tidy(void **state)
 {

@@ -6,8 +6,8 @@
 
 #include "geometry/hilbert_curve.h"
 #include "image/volume.h"
-#include "runtime/overlay.h"
-#include "runtime/shape/shape.h"
+#include "runtime/overlaid_memory.h"
+#include "runtime/deformed/shape.h"
 
 #define SMR_IMAGE_CHUNK 1u   /* vertices of a task that seeks goals in an image: one costs as much as forty elsewhere */
 #define SMR_CONTRAST_ONE 64u /* stored contrast of an image that has the profile's own */
@@ -16,7 +16,7 @@
 enum { SMR_NO_GOAL = 0, SMR_GOAL, SMR_UNDECIDED };
 
 /* How one structure was seen in the image in the last iteration, and how its next goals are sought. Written by
- * fill.c. */
+ * fill_unseen.c. */
 typedef struct smr_image_structure {
     uint32_t n_goals;   /* vertices that had a goal */
     uint32_t n_decided; /* vertices for which the image could say whether there is one */
@@ -34,7 +34,7 @@ typedef struct smr_image_goals {
     const smr_pace *pace;
     const smr_shape *shape;
     const uint8_t *found;           /* [n] forces.found_last: what the last complete forces found */
-    smr_rings rings;                /* written by fill.c: sums of the mesh neighbours' positions */
+    smr_rings rings;                /* written by fill_unseen.c: sums of the mesh neighbours' positions */
     uint32_t has_image;             /* 1: structures without a surface follow the image. Written by setup/targets.c */
     smr_grid grid;                  /* the image */
     smr_image_structure *structure; /* [n_structures] */
@@ -63,7 +63,7 @@ void smr_image_forget(smr_image_goals *g, uint32_t v);
 /* Asks the processor for the voxels that the goal of v will need. */
 void smr_image_ahead(const smr_image_goals *g, uint32_t v);
 
-/* fill.c: sums over mesh neighbours, then the way of a vertex without a goal. */
+/* fill_unseen.c: sums over mesh neighbours, then the way of a vertex without a goal. */
 uint32_t smr_fill_tasks(const void *goals);
 uint32_t smr_fill_abreast(const void *goals);
 void smr_fill_pieces(void *goals, int cut);

@@ -1,5 +1,5 @@
 /* surface_goal.c: the goal of a vertex on its target surface: the closest point with an agreeing normal, blended with
- * the target's own pull (attract.c). What runs along the model's surface counts with a share only.
+ * the target's own pull (target_attraction.c). What runs along the model's surface counts with a share only.
  * Source: paper 2.1 and 3, geometric registration. Bounds: config.node_budget tree nodes a vertex.
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/surface_goal.h"

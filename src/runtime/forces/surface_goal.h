@@ -5,7 +5,7 @@
 #define SMR_SURFACE_GOAL_H
 
 #include "geometry/surface.h"
-#include "runtime/shape/shape.h"
+#include "runtime/deformed/shape.h"
 
 #define SMR_FORCE_CHUNK 4u        /* vertices of a task that seeks goals on a surface, or the model from a target */
 #define SMR_PULL_SCALE 1048576.0f /* 2^20: pulls are summed in units of 2^-20 mm times weight */
@@ -52,7 +52,7 @@ void smr_pulls_clear(smr_surface_goals *g);
 /* The way from vertex v to its goal on the target, mm. Returns 0 for none. */
 int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way);
 
-/* attract.c: target-to-model attraction, when target vertices pull in this iteration. */
+/* target_attraction.c: target-to-model attraction, when target vertices pull in this iteration. */
 int smr_attraction_on(const smr_surface_goals *g);
 uint32_t smr_attract_tasks(const void *goals);
 void smr_attract_search(void *goals, uint32_t task, uint32_t worker);

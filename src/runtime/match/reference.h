@@ -35,7 +35,7 @@ uint32_t smr_reference_block_abreast(const void *reference);
 void smr_reference_block_pieces(void *reference, int cut);
 void smr_reference_forest(void *reference, uint32_t task, uint32_t worker);
 uint32_t smr_reference_boundary_tasks(const void *reference);
-void smr_boundary_reference(void *reference, uint32_t task, uint32_t worker); /* boundary.c; serial */
+void smr_boundary_reference(void *reference, uint32_t task, uint32_t worker); /* cluster_boundary.c; serial */
 uint32_t smr_reference_cluster_tasks(const void *reference);
 void smr_reference_cluster(void *reference, uint32_t task, uint32_t worker);
 void smr_reference_end(smr_reference *r);

@@ -36,12 +36,12 @@ uint32_t smr_block_abreast(const void *sums);
 void smr_block_pieces(void *sums, int cut);
 void smr_sums_forest(void *sums, uint32_t task, uint32_t worker);
 
-/* boundary.c: fractional weights of vertices near a cluster's boundary. Serial, after the chain. */
+/* cluster_boundary.c: fractional weights of vertices near a cluster's boundary. Serial, after the chain. */
 uint32_t smr_boundary_tasks(const void *sums);
 void smr_boundary_sums(void *sums, uint32_t task, uint32_t worker);
 
 /* A vertex' next normal, from evolve until the iteration stands: it lies in words of its sum that averaging does not
- * use (overlay.h). sum: smr_sums.sum. */
+ * use (overlaid_memory.h). sum: smr_sums.sum. */
 #define SMR_NEXT_NORMAL 12u /* first word */
 
 static inline smr_vec smr_next_normal(const uint32_t *sum, uint32_t v)

@@ -3,7 +3,7 @@
 #include "geometry/hilbert_curve.h"
 #include "geometry/mesh.h"
 #include "runtime/tick/schedule.h"
-#include "runtime/tick/stand.h"
+#include "runtime/tick/iteration_end.h"
 
 #define SMR_FAR_OFF 500.0f /* mm */
 

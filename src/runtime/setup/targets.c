@@ -1,8 +1,8 @@
 /* targets.c: what structures are drawn to: surfaces, an image; and how many vertices take part.
  * SPDX-License-Identifier: MIT */
 #include "runtime/tick/schedule.h"
-#include "runtime/tick/stand.h"
-#include "runtime/tick/steps.h"
+#include "runtime/tick/iteration_end.h"
+#include "runtime/tick/iteration.h"
 
 /* Distinct surfaces, their tasks and slots. goal may be NULL. Returns the slots they need. */
 static uint64_t list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks)

@@ -1,10 +1,10 @@
-/* tick.c: runs the steps of an iteration (steps.c) and keeps the time. A step is a number of independent tasks and a
- * serial end; the clock is read between groups of tasks, and a tick that runs out of time resumes at the task where it
- * stopped.
+/* tick.c: runs the steps of an iteration (iteration.c) and keeps the time. A step is a number of independent tasks
+ * and a serial end; the clock is read between groups of tasks, and a tick that runs out of time resumes at the task
+ * where it stopped.
  * Bounds: those of the steps.
  * SPDX-License-Identifier: MIT */
 #include "runtime/tick/schedule.h"
-#include "runtime/tick/steps.h"
+#include "runtime/tick/iteration.h"
 
 static uint64_t now(const smr *s) { return s->port.now_ns == NULL ? 0u : s->port.now_ns(s->port.ctx); }
 

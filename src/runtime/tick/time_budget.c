@@ -7,7 +7,7 @@
  * does where the schedule closes: what is left out there is never found.
  * Bounds: SMR_STEPS_MAX, for each group of forces.
  * SPDX-License-Identifier: MIT */
-#include "runtime/tick/steps.h"
+#include "runtime/tick/iteration.h"
 
 #define SMR_UNKNOWN (-1.0f)
 #define SMR_FOREVER 1.0e18f  /* ns */

@@ -1,4 +1,5 @@
-/* overlay.h: memory that several stages use, one after the other. Everything that lies over something else is here.
+/* overlaid_memory.h: memory that several stages use, one after the other. Everything that lies over something else is
+ * here.
  *
  *   memory          steps of an iteration, in order                           what it holds
  *   record          fill -> forces                                            rings: middle of mesh neighbours
@@ -13,8 +14,8 @@
  *   x_next          end of the iteration -> evolve                            the positions before x (shape.h)
  *                   evolve -> end of the iteration                            the positions under way
  * SPDX-License-Identifier: MIT */
-#ifndef SMR_OVERLAY_H
-#define SMR_OVERLAY_H
+#ifndef SMR_OVERLAID_MEMORY_H
+#define SMR_OVERLAID_MEMORY_H
 
 #include "base/arena.h"
 

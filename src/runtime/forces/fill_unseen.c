@@ -1,10 +1,10 @@
-/* fill.c: what fills in where the image shows no goal: a smoothing force (paper 2.3, other forces). A vertex without a
- * goal is drawn towards the middle of its mesh neighbours. What the image does not have, such as the longer tendon of
- * another person's muscle, so shrinks back instead of staying where the start put it. Where the image shows the surface
- * nothing is smoothed, nor in a structure of which less than half had a goal: what is lost or missing as a whole must
- * not collapse. The force falls to 0 where the schedule ends, as all others do.
- * The same pass takes each structure's share of vertices with a goal, which says how far goals are sought, and its
- * contrast and brightness in the image, which its next goals are compared with.
+/* fill_unseen.c: what fills in where the image shows no goal: a smoothing force (paper 2.3, other forces). A vertex
+ * without a goal is drawn towards the middle of its mesh neighbours. What the image does not have, such as the longer
+ * tendon of another person's muscle, so shrinks back instead of staying where the start put it. Where the image shows
+ * the surface nothing is smoothed, nor in a structure of which less than half had a goal: what is lost or missing as
+ * a whole must not collapse. The force falls to 0 where the schedule ends, as all others do. The same pass takes each
+ * structure's share of vertices with a goal, which says how far goals are sought, and its contrast and brightness in
+ * the image, which its next goals are compared with.
  * Bounds: one pass over a structure's vertices and triangles.
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/image_goal.h"

@@ -2,7 +2,7 @@
  * radius starts. Tangent evening and fold repair count displacements from there, and it bounds the clusters' reach.
  * Bounds: one pass over the vertices.
  * SPDX-License-Identifier: MIT */
-#include "runtime/shape/shape.h"
+#include "runtime/deformed/shape.h"
 
 static void begin(smr_shape *shape) { smr_fit_start(&shape->fit, smr_v(0, 0, 0), smr_v(0, 0, 0)); }
 

@@ -1,7 +1,7 @@
-/* stand.h: how an iteration ends: it stands, or is given up.
+/* iteration_end.h: how an iteration ends: it stands, or is given up.
  * SPDX-License-Identifier: MIT */
-#ifndef SMR_STAND_H
-#define SMR_STAND_H
+#ifndef SMR_ITERATION_END_H
+#define SMR_ITERATION_END_H
 
 #include "runtime/registration.h"
 

@@ -1,4 +1,5 @@
-/* test_attract.c: target vertices pull the model's triangles: weights, sums over workers, and what is cleared.
+/* test_target_attraction.c: target vertices pull the model's triangles: weights, sums over workers, and what is
+ * cleared.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

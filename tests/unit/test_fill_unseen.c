@@ -1,5 +1,5 @@
-/* test_fill.c: vertices that the image does not show shrink towards their neighbours; where the image is undecided
- * they stay.
+/* test_fill_unseen.c: vertices that the image does not show shrink towards their neighbours; where the image is
+ * undecided they stay.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

@@ -1,7 +1,7 @@
-/* steps.h: the steps of an iteration, in their order.
+/* iteration.h: the steps of an iteration, in their order.
  * SPDX-License-Identifier: MIT */
-#ifndef SMR_STEPS_H
-#define SMR_STEPS_H
+#ifndef SMR_ITERATION_H
+#define SMR_ITERATION_H
 
 #include "runtime/registration.h"
 

@@ -1,6 +1,6 @@
-/* test_boundary.c: vertices near the cluster boundary get fractional weight, the same from either end. Cluster masses,
- * centres and shares agree with double precision, and a vertex that crosses the radius by rounding changes next to
- * nothing.
+/* test_cluster_boundary.c: vertices near the cluster boundary get fractional weight, the same from either end.
+ * Cluster masses, centres and shares agree with double precision, and a vertex that crosses the radius by rounding
+ * changes next to nothing.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/tick/steps.h"
+#include "runtime/tick/iteration.h"
 
 static const float none[3] = {0, 0, 0};
 

@@ -21,14 +21,14 @@ typedef struct smr_shape {
     smr_vec origin; /* mm, whole: positions are relative to it */
     /* written by setup/start.c */
     float *start; /* [n][3] start positions */
-    /* written by evolve, exchanged by tick/stand.c */
+    /* written by evolve, exchanged by tick/iteration_end.c */
     float *x;      /* [n][3] positions of the last complete iteration */
     float *x_next; /* [n][3] positions under way; until evolve writes them, the positions before x */
     float *normal; /* [n][3] unit, at x; 0 where there is no triangle */
     /* written by evolve/plasticity.c */
     float *x_ref;      /* [n][3] reference shape x^r */
     float *normal_ref; /* [n][3] normals that belong to it */
-    /* written by facets.c */
+    /* written by moving_triangles.c */
     smr_shape_structure *structure; /* [n_structures] */
     float *facet_normal;            /* [n_triangles][3] */
     smr_node *node;                 /* [n_nodes] box trees, one structure after the other; NULL: no attraction */
@@ -45,7 +45,7 @@ void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
 /* Shapes of the trees and their places in the arrays. */
 void smr_shape_start(smr_shape *shape);
 
-/* facets.c: triangles' normals, and box trees where there are any. */
+/* moving_triangles.c: triangles' normals, and box trees where there are any. */
 void smr_facets_follow(smr_shape *shape, const float *xyz); /* from here on of these positions */
 void smr_facets_now(smr_shape *shape);                      /* all of them, at x */
 uint32_t smr_facets_tasks(const void *shape);

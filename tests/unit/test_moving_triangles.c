@@ -1,4 +1,4 @@
-/* test_facets.c: normals and boxes of triangles follow the model, task by task as well as all at once.
+/* test_moving_triangles.c: normals and boxes of triangles follow the model, task by task as well as all at once.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

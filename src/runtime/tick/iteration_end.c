@@ -1,8 +1,8 @@
-/* stand.c: how an iteration ends. It stands when the last step exchanges x and x_next; what is given up before leaves
- * nothing behind. Readers of positions therefore always see a complete iteration.
+/* iteration_end.c: how an iteration ends. It stands when the last step exchanges x and x_next; what is given up
+ * before leaves nothing behind. Readers of positions therefore always see a complete iteration.
  * Bounds: one pass over the vertices; to give up, over targets and triangles, too.
  * SPDX-License-Identifier: MIT */
-#include "runtime/tick/stand.h"
+#include "runtime/tick/iteration_end.h"
 
 #include "runtime/tick/schedule.h"
 

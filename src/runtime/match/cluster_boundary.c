@@ -1,5 +1,6 @@
-/* boundary.c: vertices near a cluster's boundary get fractional weight (prepare/boundary_pairs.c): what that differs
- * from the sums by lists is added to these. In whole numbers, too, so that the order makes no difference.
+/* cluster_boundary.c: vertices near a cluster's boundary get fractional weight (prepare/cluster_boundary_pairs.c):
+ * what that differs from the sums by lists is added to these. In whole numbers, too, so that the order makes no
+ * difference.
  * Bounds: one pass over the radius' boundary pairs.
  * SPDX-License-Identifier: MIT */
 #include "runtime/match/reference.h"

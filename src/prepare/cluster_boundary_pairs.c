@@ -1,4 +1,4 @@
-/* boundary_pairs.c: vertices near the cluster boundary get fractional weight.
+/* cluster_boundary_pairs.c: vertices near the cluster boundary get fractional weight.
  * For two vertices about a radius apart, rounding would decide whether they are in each other's cluster. Over a narrow
  * range of distances around the radius their share in it therefore falls linearly from 1 to 0. The lists zeta+ and
  * zeta- follow d <= r; the boundary pairs written here hold the difference between the share and that.

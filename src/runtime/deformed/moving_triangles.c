@@ -1,7 +1,7 @@
-/* facets.c: the model's triangles as they move: normals, and box trees for target-to-model attraction.
+/* moving_triangles.c: the model's triangles as they move: normals, and box trees for target-to-model attraction.
  * Bounds: one pass over the triangles.
  * SPDX-License-Identifier: MIT */
-#include "runtime/shape/shape.h"
+#include "runtime/deformed/shape.h"
 
 #define SMR_LEAVES 32u /* tree leaves of a task */
 
