@@ -65,6 +65,18 @@ int host_text_line(host_text *text, host_word *line)
     return 1;
 }
 
+host_word host_word_trimmed(const char *start, const char *end)
+{
+    host_word word;
+    while (start < end && (*start == ' ' || *start == '\t'))
+        start++;
+    while (end > start && (end[-1] == ' ' || end[-1] == '\t'))
+        end--;
+    word.start = start;
+    word.n = (size_t)(end - start);
+    return word;
+}
+
 int host_word_is(host_word word, const char *name)
 {
     return word.n == strlen(name) && memcmp(word.start, name, word.n) == 0;

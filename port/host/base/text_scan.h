@@ -29,6 +29,9 @@ int host_text_word_in_line(host_text *text, host_word *word);
 /* Reads the rest of the line without its line break, which is skipped. 0 at the end of the text. */
 int host_text_line(host_text *text, host_word *line);
 
+/* The text from start to end without spaces and tabs around it. */
+host_word host_word_trimmed(const char *start, const char *end);
+
 /* Compare, with and without regard to case. */
 int host_word_is(host_word word, const char *name);
 int host_word_is_nocase(host_word word, const char *name);

@@ -19,18 +19,6 @@ typedef struct table {
     int rows;
 } table;
 
-static host_word trimmed(const char *start, const char *end)
-{
-    host_word word;
-    while (start < end && (*start == ' ' || *start == '\t'))
-        start++;
-    while (end > start && (end[-1] == ' ' || end[-1] == '\t'))
-        end--;
-    word.start = start;
-    word.n = (size_t)(end - start);
-    return word;
-}
-
 /* Splits at commas outside quotes; keeps the quotes around a field. Returns the number of fields. */
 static size_t split(host_word line, host_word *fields)
 {
@@ -43,7 +31,7 @@ static size_t split(host_word line, host_word *fields)
             quoted = !quoted;
         if (p < end && (quoted || *p != ','))
             continue;
-        fields[n++] = trimmed(start, p);
+        fields[n++] = host_word_trimmed(start, p);
         start = p + 1;
         if (p >= end)
             break;
@@ -77,9 +65,9 @@ static int unquote(const table *t, host_word field, char *to, host_word *label)
 static int comment_is(host_word line, const char *key, host_word *value)
 {
     const char *const sign = memchr(line.start, '=', line.n);
-    if (sign == NULL || !host_word_is_nocase(trimmed(line.start, sign), key))
+    if (sign == NULL || !host_word_is_nocase(host_word_trimmed(line.start, sign), key))
         return 0;
-    *value = trimmed(sign + 1, line.start + line.n);
+    *value = host_word_trimmed(sign + 1, line.start + line.n);
     return 1;
 }
 
@@ -115,7 +103,7 @@ static void set_columns(table *t, int fcsv)
 
 static int read_comment(table *t, host_word line)
 {
-    const host_word rest = trimmed(line.start + 1, line.start + line.n);
+    const host_word rest = host_word_trimmed(line.start + 1, line.start + line.n);
     host_word value;
     if (host_word_has(rest, "Markups fiducial file") && t->rows == 0) {
         set_columns(t, 1);
@@ -173,7 +161,7 @@ int host_read_landmark_table(host_landmarks *landmarks, const char *data, size_t
     t.error = error;
     set_columns(&t, slicer);
     for (t.line = text.line; host_text_line(&text, &line); t.line = text.line) {
-        const host_word inner = trimmed(line.start, line.start + line.n);
+        const host_word inner = host_word_trimmed(line.start, line.start + line.n);
         if (inner.n == 0)
             continue;
         if (inner.start[0] == '#' ? read_comment(&t, inner) != 0 : read_row(&t, inner) != 0)

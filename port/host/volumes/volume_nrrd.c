@@ -267,18 +267,6 @@ static int read_field(host_volume_reader *reader, nrrd_header *header, host_word
     return 0; /* ignored: content, thicknesses, the measurement frame and others */
 }
 
-static host_word trimmed(const char *start, const char *end)
-{
-    host_word word;
-    while (start < end && (*start == ' ' || *start == '\t'))
-        start++;
-    while (end > start && (end[-1] == ' ' || end[-1] == '\t'))
-        end--;
-    word.start = start;
-    word.n = (size_t)(end - start);
-    return word;
-}
-
 static int read_header(host_volume_reader *reader, nrrd_header *header, host_text *text)
 {
     host_word line;
@@ -303,7 +291,7 @@ static int read_header(host_volume_reader *reader, nrrd_header *header, host_tex
             return host_volume_fail(reader, "a line like dimension: 3");
         if (colon + 1 < line.start + line.n && colon[1] == '=') /* user-defined "key:=value" */
             continue;
-        if (read_field(reader, header, trimmed(line.start, colon), trimmed(colon + 1, line.start + line.n)) != 0)
+        if (read_field(reader, header, host_word_trimmed(line.start, colon), host_word_trimmed(colon + 1, line.start + line.n)) != 0)
             return -1;
     }
 }

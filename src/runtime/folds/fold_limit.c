@@ -210,21 +210,20 @@ uint32_t smr_fold_limit_tasks(const void *arg)
 void smr_fold_limit_pass(void *arg, uint32_t task, uint32_t worker)
 {
     smr_folds *f = arg;
-    const uint32_t stage = f->limit.pass.stage, from = f->limit.pass.at;
-    const smr_shape_structure *one = &f->shape->structure[f->limit.pass.structure];
-    const uint32_t length = stage == SMR_LIMIT_LOOK   ? f->shared->n_hinges
-                            : stage == SMR_LIMIT_MOVE ? one->n_vertices
-                                                      : one->facets.n_triangles;
-    const uint32_t chunk = stage == SMR_LIMIT_LOOK ? SMR_LOOK_CHUNK : SMR_TRIANGLE_CHUNK;
-    const uint32_t to = smr_min_u32(from + chunk, length);
+    smr_fold_pass *pass = &f->limit.pass;
+    const uint32_t over = pass->stage == SMR_LIMIT_LOOK   ? SMR_OVER_HINGES
+                          : pass->stage == SMR_LIMIT_MOVE ? SMR_OVER_VERTICES
+                                                          : SMR_OVER_TRIANGLES;
+    const uint32_t chunk = over == SMR_OVER_HINGES ? SMR_LOOK_CHUNK : SMR_TRIANGLE_CHUNK;
+    const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, chunk);
     (void)task;
     (void)worker;
-    if (stage == SMR_LIMIT_LOOK)
-        look(f, from, to);
-    else if (stage == SMR_LIMIT_TOUCH)
-        touch(f, one->first_triangle + from, one->first_triangle + to);
+    if (over == SMR_OVER_HINGES)
+        look(f, piece.from, piece.to);
+    else if (over == SMR_OVER_TRIANGLES)
+        touch(f, piece.from, piece.to);
     else
-        move(f, one->first_vertex + from, one->first_vertex + to);
-    if (!smr_fold_pass_goes_on(&f->limit.pass, to, length))
+        move(f, piece.from, piece.to);
+    if (smr_fold_piece_done(pass, &piece))
         next_pass(f);
 }

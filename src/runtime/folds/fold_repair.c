@@ -162,34 +162,26 @@ uint32_t smr_fold_repair_tasks(const void *arg)
     return p->n_done + (p->stage != SMR_REPAIR_IDLE);
 }
 
-static void run_piece(smr_folds *f, uint32_t from, uint32_t to)
-{
-    const smr_shape_structure *one = &f->shape->structure[f->repair.pass.structure];
-    const uint32_t *t = one->facets.triangle;
-    switch (f->repair.pass.stage) {
-    case SMR_REPAIR_MARK: mark_folds(f, from, to); break;
-    case SMR_REPAIR_WIDER: widen(f, t + 3u * (size_t)from, t + 3u * (size_t)to); break;
-    case SMR_REPAIR_JOIN: join(f, t + 3u * (size_t)from, t + 3u * (size_t)to); break;
-    case SMR_REPAIR_CLEAR: clear_rings(f, one->first_triangle + from, one->first_triangle + to); break;
-    case SMR_REPAIR_SUM: sum_rings(f, one->first_triangle + from, one->first_triangle + to); break;
-    case SMR_REPAIR_MOVE: move(f, one->first_vertex + from, one->first_vertex + to); break;
-    default: break;
-    }
-}
-
 /* A piece of the pass under way. */
 void smr_fold_repair_pass(void *arg, uint32_t task, uint32_t worker)
 {
     smr_folds *f = arg;
-    const uint32_t stage = f->repair.pass.stage, from = f->repair.pass.at;
-    const smr_shape_structure *one = &f->shape->structure[f->repair.pass.structure];
-    const uint32_t length = stage == SMR_REPAIR_MARK   ? f->shared->n_hinges
-                            : stage == SMR_REPAIR_MOVE ? one->n_vertices
-                                                       : one->facets.n_triangles;
-    const uint32_t to = smr_min_u32(from + SMR_TRIANGLE_CHUNK, length);
+    smr_fold_pass *pass = &f->repair.pass;
+    const uint32_t over = pass->stage == SMR_REPAIR_MARK   ? SMR_OVER_HINGES
+                          : pass->stage == SMR_REPAIR_MOVE ? SMR_OVER_VERTICES
+                                                           : SMR_OVER_TRIANGLES;
+    const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, SMR_TRIANGLE_CHUNK);
     (void)task;
     (void)worker;
-    run_piece(f, from, to);
-    if (!smr_fold_pass_goes_on(&f->repair.pass, to, length))
+    switch (pass->stage) {
+    case SMR_REPAIR_MARK: mark_folds(f, piece.from, piece.to); break;
+    case SMR_REPAIR_WIDER: widen(f, smr_corners(f, piece.from), smr_corners(f, piece.to)); break;
+    case SMR_REPAIR_JOIN: join(f, smr_corners(f, piece.from), smr_corners(f, piece.to)); break;
+    case SMR_REPAIR_CLEAR: clear_rings(f, piece.from, piece.to); break;
+    case SMR_REPAIR_SUM: sum_rings(f, piece.from, piece.to); break;
+    case SMR_REPAIR_MOVE: move(f, piece.from, piece.to); break;
+    default: break;
+    }
+    if (smr_fold_piece_done(pass, &piece))
         next_pass(f);
 }

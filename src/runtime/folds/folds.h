@@ -26,6 +26,15 @@ typedef struct smr_fold_pass {
     uint32_t n_done;    /* tasks of the step done in this iteration */
 } smr_fold_pass;
 
+/* What a pass goes over: all hinges, or one structure's triangles or vertices. */
+enum { SMR_OVER_HINGES = 0, SMR_OVER_TRIANGLES, SMR_OVER_VERTICES };
+
+/* A piece of a pass: items from .. to - 1 of length, counted over all structures, so `first` is the structure's own
+ * first one. */
+typedef struct smr_fold_piece {
+    uint32_t first, from, to, length;
+} smr_fold_piece;
+
 /* Where repairing stands. */
 typedef struct smr_fold_repair {
     smr_fold_pass pass;
@@ -91,12 +100,15 @@ void smr_fold_repair_start(smr_folds *f);
 void smr_fold_limit_start(smr_folds *f);
 void smr_fold_open_start(smr_folds *f);
 
-/* A task has taken a pass to `to`. Returns 1 while the pass is not through; else the next one is to be chosen. */
-static inline int smr_fold_pass_goes_on(smr_fold_pass *p, uint32_t to, uint32_t length)
+/* hinges.c: the piece of at most `chunk` items that comes next in a pass. */
+smr_fold_piece smr_fold_piece_of(const smr_folds *f, const smr_fold_pass *p, uint32_t over, uint32_t chunk);
+
+/* A task has done a piece. Returns 1 when the pass is through and the next one is to be chosen. */
+static inline int smr_fold_piece_done(smr_fold_pass *p, const smr_fold_piece *piece)
 {
-    p->at = to;
+    p->at = piece->to - piece->first;
     p->n_done++;
-    return to < length;
+    return p->at == piece->length;
 }
 
 static inline const smr_stored_hinge *smr_hinge_at(const smr_folds *f, uint32_t i)
