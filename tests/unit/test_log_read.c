@@ -159,7 +159,7 @@ static void test_settings_by_number(void **state)
 {
     const smr_config standard = smr_config_default();
     const uint32_t word[] = {1u << 16 | 44u, 7, 3u << 16 | 16u, bits(1), bits(2), bits(3), 1u << 16 | 3u, bits(0.25f)};
-    const uint32_t unknown[] = {1u << 16 | 45u, 7}, longer[] = {2u << 16 | 44u, 7, 7},
+    const uint32_t unknown[] = {1u << 16 | 65535u, 7}, longer[] = {2u << 16 | 44u, 7, 7},
                    twice[] = {word[0], 7, word[0], 7};
     smr_config c, want = standard;
     (void)state;
