@@ -50,13 +50,6 @@ uint32_t target_word(uint32_t otherwise)
     return value > 0u ? value : otherwise;
 }
 
-/* The larger one, in as many instructions whichever it is: readings must not differ by what they are. */
-static uint64_t target_larger(uint64_t a, uint64_t b)
-{
-    const uint64_t mask = 0u - (uint64_t)(b > a);
-    return a ^ ((a ^ b) & mask);
-}
-
 uint64_t target_now(void *ctx)
 {
     target_clock *clock = ctx;
@@ -64,8 +57,8 @@ uint64_t target_now(void *ctx)
     if (clock->running) {
         const uint64_t stretch = time - clock->last;
         uint64_t *in_step = &clock->in_step[clock->watched == NULL ? 0u : clock->watched->step];
-        clock->longest = target_larger(clock->longest, stretch);
-        *in_step = target_larger(*in_step, stretch);
+        clock->longest = stretch > clock->longest ? stretch : clock->longest;
+        *in_step = stretch > *in_step ? stretch : *in_step;
     }
     clock->last = time;
     return time;
@@ -94,7 +87,7 @@ static const struct {
     const char *name;
 } target_steps[] = {
     {smr_attract_search, SMR_PHASE_FORCES, TARGET_GOALS, "target pulls"},
-    {smr_fill_sum, SMR_PHASE_FORCES, TARGET_TRIANGLES, "neighbours' sums"},
+    {smr_fill_sum, SMR_PHASE_FORCES, TARGET_TRIANGLES, "fill, sums"},
     {smr_forces_search, SMR_PHASE_FORCES, TARGET_VERTICES, "goals"},
     {smr_forces_take, SMR_PHASE_FORCES, TARGET_VERTICES, "forces"},
     {smr_rest_pose_sum, SMR_PHASE_SUMS, TARGET_VERTICES, "the last radius' pose"},
@@ -116,8 +109,8 @@ static const struct {
     {smr_facets_refit, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "facets and boxes"},
     {smr_refit_again, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "facets and boxes"},
     {smr_fold_find, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "search for folds"},
-    {smr_fold_repair_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "mending of folds"},
-    {smr_fold_limit_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "mending of folds, brake"},
+    {smr_fold_repair_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "repair of folds"},
+    {smr_fold_limit_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "limiting of folds"},
     {smr_fold_open_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "opening of folds"},
     {smr_evolve_measure, SMR_PHASE_EVOLVE, TARGET_VERTICES, "displacements, hash"},
     {smr_exact_normals_clear, SMR_PHASE_EVOLVE, TARGET_VERTICES, "normals, clear"},

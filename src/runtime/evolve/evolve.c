@@ -70,15 +70,17 @@ void smr_evolve_measure(void *arg, uint32_t task, uint32_t worker)
 {
     smr_evolve *e = arg;
     float *const x = e->shape->x, *const x_next = e->shape->x_next;
+    const uint32_t last = smr_chunk_end(e->shared, task);
+    float moved2 = 0.0f;
+    uint64_t hash = 0;
     (void)worker;
-    smr_tally *tally = &e->tally[task];
-    tally->evolve.moved2 = 0.0f;
-    tally->evolve.hash = 0;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(e->shared, task); v++) {
+    for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
         const smr_vec moved = smr_sub(smr_load(smr_at3(x_next, v)), smr_load(smr_at3(x, v)));
-        tally->evolve.moved2 = smr_max(tally->evolve.moved2, smr_dot(moved, moved));
-        tally->evolve.hash += hash_point(v, smr_at3(x_next, v));
+        moved2 = smr_max(moved2, smr_dot(moved, moved));
+        hash += hash_point(v, smr_at3(x_next, v));
     }
+    e->tally[task].evolve.moved2 = moved2;
+    e->tally[task].evolve.hash = hash;
 }
 
 void smr_evolve_measure_end(smr_evolve *e)

@@ -27,8 +27,8 @@ static pair pair_at(const smr_lists *l, uint32_t i)
 static void add_record(smr_sums *s, uint32_t to, uint32_t from, int32_t share)
 {
     uint32_t *sum = s->sum + SMR_WORDS * (size_t)to;
-    const uint32_t *record = s->record + SMR_WORDS * (size_t)from;
-    for (uint32_t i = 0; i < s->words; i++)
+    const uint32_t *record = s->record + SMR_WORDS * (size_t)from, words = s->words;
+    for (uint32_t i = 0; i < words; i++)
         sum[i] += smr_boundary_part((int64_t)smr_signed(record[i]) * share);
 }
 
@@ -42,11 +42,13 @@ void smr_boundary_sums(void *arg, uint32_t task, uint32_t worker)
 {
     smr_sums *s = arg;
     (void)worker;
-    for (uint32_t i = task * SMR_BOUNDARY_CHUNK; i < pairs_end(&s->pace->lists, task); i++) {
-        const pair p = pair_at(&s->pace->lists, i);
-        if (smr_active(s->pace, p.b))
+    const smr_pace *pace = s->pace;
+    const uint32_t last = pairs_end(&pace->lists, task);
+    for (uint32_t i = task * SMR_BOUNDARY_CHUNK; i < last; i++) {
+        const pair p = pair_at(&pace->lists, i);
+        if (smr_active(pace, p.b))
             add_record(s, p.a, p.b, p.share);
-        if (smr_active(s->pace, p.a))
+        if (smr_active(pace, p.a))
             add_record(s, p.b, p.a, p.share);
     }
 }
@@ -61,11 +63,13 @@ void smr_boundary_reference(void *arg, uint32_t task, uint32_t worker)
 {
     smr_reference *r = arg;
     (void)worker;
-    for (uint32_t i = task * SMR_BOUNDARY_CHUNK; i < pairs_end(&r->pace->lists, task); i++) {
-        const pair p = pair_at(&r->pace->lists, i);
-        if (smr_active(r->pace, p.b))
+    const smr_pace *pace = r->pace;
+    const uint32_t last = pairs_end(&pace->lists, task);
+    for (uint32_t i = task * SMR_BOUNDARY_CHUNK; i < last; i++) {
+        const pair p = pair_at(&pace->lists, i);
+        if (smr_active(pace, p.b))
             smr_reference_add(r, p.a, p.b, p.share);
-        if (smr_active(r->pace, p.a))
+        if (smr_active(pace, p.a))
             smr_reference_add(r, p.b, p.a, p.share);
     }
 }

@@ -66,7 +66,7 @@ static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
     return 1;
 }
 
-/* Runs the current step of n tasks; returns 0 when the deadline passed before its last task. */
+/* Runs the current step of n tasks, one at least; returns 0 when the deadline passed before its last task. */
 static int run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
 {
     const uint32_t group = step->order != SMR_ANY_ORDER ? 1u : (w->deadline == 0u ? n : smr_budget_group(s, n));
@@ -84,7 +84,7 @@ static int run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
         }
         run_part(s, step, count, w->deadline != 0u);
     }
-    if (n > 0u && step->end != NULL)
+    if (step->end != NULL)
         step->end(s);
     s->next_task = 0;
     return 1;
@@ -151,7 +151,7 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
             step->pieces(smr_stage_of(s, step), w.deadline != 0u);
         const uint32_t n_tasks = smr_step_tasks(s, step);
         const uint64_t before = w.last;
-        if (!run_step(s, step, n_tasks, &w))
+        if (n_tasks > 0u && !run_step(s, step, n_tasks, &w))
             status = SMR_PARTIAL;
         (void)over(s, &w, 0);
         phase_ns[step->phase] += w.last > before ? w.last - before : 0u;

@@ -66,14 +66,11 @@ void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns)
     s->budget.spent += smr_min_u64(ns, smr_min_u64(most, UINT64_MAX - s->budget.spent));
 }
 
-/* Nanoseconds as a float. Where processors have an instruction for 32 bits it takes as long whatever they are. */
-static float ns_as_float(uint64_t ns) { return ns <= UINT32_MAX ? (float)(uint32_t)ns : (float)ns; }
-
 void smr_budget_learn(smr *s, uint32_t n_tasks)
 {
     smr_time_budget *c = &s->budget;
     const smr_step *step = &smr_steps[s->step];
-    const float spent = smr_min(ns_as_float(c->spent), SMR_FOREVER), units = units_of(s, step, n_tasks);
+    const float spent = smr_min((float)c->spent, SMR_FOREVER), units = units_of(s, step, n_tasks);
     const int odd =
         c->odd != 0u || s->port.now_ns == NULL || !(units > 0.0f) || (n_tasks == 0u && step->work != SMR_WORK_FOLDS);
     c->sum += spent;
