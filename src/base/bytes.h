@@ -28,7 +28,6 @@ static inline float smr_le_float(uint32_t stored)
     return v;
 }
 
-/* The bits of v, in host byte order. */
 /* The bits of v in host byte order. */
 static inline uint32_t smr_float_bits(float v)
 {

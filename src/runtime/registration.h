@@ -1,6 +1,6 @@
-/* registration.h: a registration in progress: the stages, in the order of an iteration, and where it stands. It lies at
- * the start of the caller's arena; the stages' arrays follow. Only tick/ and setup/ see it whole: stages get their own
- * struct, with const views of what they read.
+/* registration.h: a registration in progress: the stages, in the order of an iteration, and where it stands. It lies
+ * at the start of the caller's arena; the stages' arrays follow. Only tick/, setup/ and replay/ see it whole: stages
+ * get their own struct, with const views of what they read.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_REGISTRATION_H
 #define SMR_REGISTRATION_H

@@ -26,7 +26,8 @@ typedef struct smr_shared {
     float min_cos;            /* of config.normal_deg */
 } smr_shared;
 
-/* Where the schedule stands. Written by tick/schedule.c; tick/time_budget.c lowers n_active. */
+/* Where the schedule stands. Written by tick/schedule.c; tick/tick.c lowers n_active where a budget ends, and the
+ * caller chooses n_pinned (setup/targets.c). */
 typedef struct smr_pace {
     uint32_t radius;           /* index of the radius in use */
     uint32_t radius_iteration; /* complete iterations at it */

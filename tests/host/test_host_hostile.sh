@@ -153,15 +153,15 @@ else
     skip "packed hostile files" "no gzip"
 fi
 printf 'SMR1xxxxxxxxxxxxxxxxxxxxxxxxxx' >junk.smr
-refused "damaged model image" junk.smr image register --model junk.smr --target good.ply -o fresh
-refused "damaged model image, info" junk.smr image info junk.smr
-refused "not a model image" hello.smr "file" info hello.smr
+refused "damaged model" junk.smr model register --model junk.smr --target good.ply -o fresh
+refused "damaged model, info" junk.smr model info junk.smr
+refused "not a model" hello.smr "file" info hello.smr
 
 # Options: --name value, as register's.
 for pair in "--radius 0" "--radius -5" "--radius nan" "--radius inf" "--radius x" "--radius 10,20" "--radius 10,," \
     "--radius 1e-60" "--radius 1e9" "--search 0" "--search -1" "--search NaN" "--search 10mm" "--threads 0" "--threads -1" \
     "--threads 65" "--threads 1.5" "--ticks 0" "--ticks -1" "--ticks 1e3" "--budget-ms -1" "--budget-ms nan" \
-    "--stiffness 0" "--stiffness 1.01" "--stiffness nan" "--attraction -0.1" "--attraction 2" "--slide 1.1" "--even -1" "--align maybe" \
+    "--stiffness 0" "--stiffness 1e-40" "--search 1e-40" "--stiffness 1.01" "--stiffness nan" "--attraction -0.1" "--attraction 2" "--slide 1.1" "--even -1" "--align maybe" \
     "--method polar2" "--mirror-target w" "--clusters none" "--relaxation 0" "--node-budget 7" "--iterations 0" \
     "--radius 1e-7" "--plastic-um 1.1e8" "--reject-deviations 1000001" "--active-enough 1000001"; do
     set -- $pair

@@ -55,6 +55,11 @@ static void test_report_says_what_was_used(void **state)
     smr_tick_report report;
     (void)state;
     smr *s = start(1, &goal, 0.25f);
+    assert_true(s->pace.repairing > 0u);
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+    assert_true(report.attraction_used == 0.0f); /* forces do not act while folds are repaired */
+    while (s->pace.repairing > 0u)
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
     assert_true(report.attraction_used == 0.25f);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, NULL));

@@ -23,7 +23,7 @@ static int accept_image(const char *path, const unsigned char *head, size_t n, s
     (void)path;
     (void)total;
     if (n < 4 || memcmp(head, MAGIC, 4) != 0)
-        return host_fail(error, "byte 0", "a model image made by smr build");
+        return host_fail(error, "byte 0", "a model made by smr build");
     return 0;
 }
 
@@ -99,7 +99,7 @@ static int open_bytes(host_model *model, host_error *error)
     const double start = host_seconds();
     const smr_status status = smr_model_open(model->prepared, model->prepared_bytes, &model->model);
     if (status != SMR_OK)
-        return host_fail(error, "image", "a whole, undamaged model image of this version (%s)",
+        return host_fail(error, "model", "a whole, undamaged model of this version (%s)",
                          smr_status_name(status));
     if (smr_model_get_info(model->model, &model->info) != SMR_OK)
         return host_fail(error, "image", "a model that can be read");

@@ -144,7 +144,7 @@ static int check_search(const host_options *options, host_error *error)
         ((double)search->from > host_image_search_max() || (double)search->to > host_image_search_max()))
         return host_fail(error, "value", "at most %g mm along the normal, for the target is a volume",
                          host_image_search_max());
-    if (search->n > 0 && !options->image_target && !(search->from > 0.0f))
+    if (search->n > 0 && !options->image_target && !(search->from >= FLT_MIN))
         return host_fail(error, "value", "a number above 0, for the target is a surface");
     if (search->n > 1 && !options->image_target)
         return host_fail(error, "value", "one number, for the target is a surface");

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "options/options.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -135,7 +136,10 @@ static int store(const host_option *o, const char *text, host_options *options, 
         *(double *)field = value;
     else
         *(float *)field = (float)value;
-    if (o->kind == HOST_KIND_FLOAT && host_option_range(o).open && !(*(float *)field > (float)host_option_range(o).min))
+    /* what is denormal counts as 0, as in the library */
+    const float least = (float)host_option_range(o).min;
+    if (o->kind == HOST_KIND_FLOAT && host_option_range(o).open &&
+        !(*(float *)field > least && (least != 0.0f || *(float *)field >= FLT_MIN)))
         return refuse_number(o, word_of(text), error);
     return 0;
 }

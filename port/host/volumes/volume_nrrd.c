@@ -291,7 +291,8 @@ static int read_header(host_volume_reader *reader, nrrd_header *header, host_tex
             return host_volume_fail(reader, "a line like dimension: 3");
         if (colon + 1 < line.start + line.n && colon[1] == '=') /* user-defined "key:=value" */
             continue;
-        if (read_field(reader, header, host_word_trimmed(line.start, colon), host_word_trimmed(colon + 1, line.start + line.n)) != 0)
+        if (read_field(reader, header, host_word_trimmed(line.start, colon),
+                       host_word_trimmed(colon + 1, line.start + line.n)) != 0)
             return -1;
     }
 }

@@ -21,11 +21,11 @@ typedef struct smr_shape {
     smr_vec origin; /* mm, whole: positions are relative to it */
     /* written by setup/start.c */
     float *start; /* [n][3] start positions */
-    /* written by evolve, exchanged by tick/iteration_end.c */
+    /* x_next is written by evolve and folds; tick/iteration_end.c exchanges the two; setup/start.c sets both */
     float *x;      /* [n][3] positions of the last complete iteration */
     float *x_next; /* [n][3] positions under way; until evolve writes them, the positions before x */
     float *normal; /* [n][3] unit, at x; 0 where there is no triangle */
-    /* written by evolve/plasticity.c */
+    /* written by evolve/plasticity.c, and where a registration starts by setup/start.c */
     float *x_ref;      /* [n][3] reference shape x^r */
     float *normal_ref; /* [n][3] normals that belong to it */
     /* written by moving_triangles.c */
@@ -34,7 +34,7 @@ typedef struct smr_shape {
     smr_node *node;                 /* [n_nodes] box trees, one structure after the other; NULL: no attraction */
     uint32_t n_nodes;
     uint32_t *own_triangle; /* [n_triangles][3] on big-endian hosts */
-    /* written by rest_pose.c */
+    /* written by rest_pose.c; tick/schedule.c says when it is due */
     smr_pose rest_pose;     /* the similarity that lays the rest shape onto x best */
     smr_fit fit;            /* its sums so far */
     uint32_t rest_pose_due; /* 1: it is to be made of the present positions */

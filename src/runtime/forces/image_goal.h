@@ -16,7 +16,7 @@
 enum { SMR_NO_GOAL = 0, SMR_GOAL, SMR_UNDECIDED };
 
 /* How one structure was seen in the image in the last iteration, and how its next goals are sought. Written by
- * fill_unseen.c. */
+ * fill_unseen.c; noise by image_goal.c, when an image comes. */
 typedef struct smr_image_structure {
     uint32_t n_goals;   /* vertices that had a goal */
     uint32_t n_decided; /* vertices for which the image could say whether there is one */

@@ -11,7 +11,7 @@
 #define SMR_PULL_SCALE 1048576.0f /* 2^20: pulls are summed in units of 2^-20 mm times weight */
 #define SMR_PULL_FULL 0.25f       /* mean areas of target that count in full */
 
-/* The surface of one structure. Written by setup/targets.c. */
+/* The surface of one structure. Written by setup/targets.c; begun by tick/schedule.c. */
 typedef struct smr_target {
     const smr_surface *surface; /* NULL: none */
     uint32_t begun;             /* 1: it had one when the iteration under way began */
@@ -39,7 +39,7 @@ typedef struct smr_surface_goals {
     uint32_t *warm_next;   /* [n] the same, of those under way: they may have to start again */
     uint32_t *target_warm; /* [n_target_vertices] closest triangle of the model; NULL: no attraction */
     int64_t *pull;         /* [n_workers][n][4] target-to-model pulls: three sums and the weight; NULL: no attraction */
-    float limit;           /* mm: longer ways are dropped; 0: none are */
+    float limit;           /* mm: longer ways are dropped; 0: none are. Written by forces.c; 0 after new inputs */
 } smr_surface_goals;
 
 void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared);

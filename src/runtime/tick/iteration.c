@@ -15,7 +15,8 @@ static void forces_end(smr *s)
     s->report.n_active = t->n_drawn;
     s->report.n_forces = t->n_forces;
     s->report.n_rejected = t->n_rejected;
-    s->report.attraction_used = smr_attraction_on(&s->forces.surface) ? s->shared.config.attraction : 0.0f;
+    const int attracts = smr_attraction_on(&s->forces.surface) && s->pace.repairing == 0u; /* repairs have no forces */
+    s->report.attraction_used = attracts ? s->shared.config.attraction : 0.0f;
     s->report.residual_mean_mm = t->mean;
     s->report.residual_rms_mm = t->rms;
     s->report.residual_max_mm = t->max;
