@@ -99,8 +99,7 @@ static int open_bytes(host_model *model, host_error *error)
     const double start = host_seconds();
     const smr_status status = smr_model_open(model->prepared, model->prepared_bytes, &model->model);
     if (status != SMR_OK)
-        return host_fail(error, "model", "a whole, undamaged model of this version (%s)",
-                         smr_status_name(status));
+        return host_fail(error, "model", "a whole, undamaged model of this version (%s)", smr_status_name(status));
     if (smr_model_get_info(model->model, &model->info) != SMR_OK)
         return host_fail(error, "image", "a model that can be read");
     model->prepare_s += host_seconds() - start;

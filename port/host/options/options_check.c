@@ -3,6 +3,8 @@
  * SPDX-License-Identifier: MIT */
 #include "options/options_table.h"
 
+#include <float.h>
+
 #include "volumes/voxel_volume.h"
 
 /* mm: about what clusters of the coarsest radius put right themselves; points clicked in an image are uncertain */
