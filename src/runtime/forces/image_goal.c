@@ -10,11 +10,11 @@
 #include "image/intensity_profile.h"
 #include "image/tangential_shift.h"
 
-#define SMR_LONG 16.0f /* samples: beyond such a search distance every SMR_HOP-th sample tells as much */
+#define SMR_LONG 16.0f /* samples: in a longer search every SMR_HOP-th sample is enough */
 #define SMR_HOP 2u
-#define SMR_NEARER 0.005f    /* score lost per mm of search distance at its ends */
-#define SMR_NOISE 0.1f       /* of a structure's mean profile range: contrast below is none */
-#define SMR_SIDE_VOXELS 0.5f /* how far along the surface the image is looked at, in mean voxels, */
+#define SMR_NEARER 0.005f    /* score taken off at the ends of the search, per mm of its length */
+#define SMR_NOISE 0.1f       /* noise as a share of a structure's mean profile range */
+#define SMR_SIDE_VOXELS 0.5f /* reach of the search along the surface, in mean voxels, */
 #define SMR_SIDE_SHARE 0.25f /* or, when that is farther, as a share of the search distance */
 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared)
@@ -91,13 +91,13 @@ typedef struct reference_profile {
     uint32_t hop, first; /* of the stored ones every hop-th from the first on */
 } reference_profile;
 
-/* How far a vertex' profile is sought. */
+/* Search distance of a vertex' profile, mm. */
 static float sought_mm(const smr_image_goals *g, uint32_t v)
 {
     return smr_max(g->pace->profile_mm, g->structure[smr_model_owner(g->shared->model, v)].wide_mm);
 }
 
-/* Without its samples. profile_mm: how far it is sought. */
+/* The profile of v but for its samples. profile_mm: search distance. */
 static reference_profile reference_shape(const smr_image_goals *g, uint32_t v, float profile_mm)
 {
     const smr_model *m = g->shared->model;

@@ -22,7 +22,7 @@ uint32_t smr_log_words(uint32_t kind)
     }
 }
 
-/* The room is there. */
+/* Appends a record, for which there is room. */
 static void write_record(smr_log *log, uint32_t kind, const uint32_t *word)
 {
     const uint32_t n = smr_log_words(kind), bytes = SMR_LOG_FRAME + 4u * n;
@@ -50,7 +50,7 @@ static void put(smr_log *log, uint32_t kind, const uint32_t *word)
     log->n_ticks += kind == SMR_LOG_TICK;
 }
 
-/* 1 when there is a log; whatever is logged ends the state in which one may be set. */
+/* 1 when there is a log. The registration is no longer as smr_init left it. */
 static int logs(smr_log *log)
 {
     log->fresh = 0;

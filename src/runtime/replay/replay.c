@@ -76,7 +76,7 @@ static smr_status set_later(smr_replay *r, smr_log_record *record)
     return status;
 }
 
-/* An input: now, or when the iteration under way is complete. */
+/* Sets an input now, or notes that it comes when the iteration under way is complete. */
 static smr_status take_input(smr_replay *r, const smr_log_reader *before, smr_log_record *record)
 {
     if (record->kind == SMR_LOG_SURFACE && r->has_forces) {
@@ -97,7 +97,7 @@ static smr_status take_input(smr_replay *r, const smr_log_reader *before, smr_lo
     return set_input(r, record);
 }
 
-/* What this registration has come to, as the log would say it. */
+/* The state of this registration as a record. */
 static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
 {
     smr_log_record found = *recorded;

@@ -3,17 +3,16 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/tick/schedule.h"
 
-#define SMR_REPAIR_MAX 30u
-#define SMR_ENOUGH_ALL 1000.0f /* active vertices of the whole model with an image */
-#define SMR_ACTIVE_EVERY 8u    /* iterations */
-#define SMR_ABOUT 0.75f
-#define SMR_FIRST_TIMES                                                                                                \
-    2u /* with an image, iterations at the first radius: few vertices have goals, and most of the way is made */
-#define SMR_NARROWING 0.5f /* search distances shrink to this share at most, from one radius to the next */
+#define SMR_REPAIR_MAX 30u     /* iterations spent on repairing folds before a radius starts, at most */
+#define SMR_ENOUGH_ALL 1000.0f /* vertices: fewest active ones of the whole model, with an image */
+#define SMR_ACTIVE_EVERY 8u    /* iterations between two changes of n_active at one radius */
+#define SMR_ABOUT 0.75f        /* share of the active vertices wanted at which a level is enough */
+#define SMR_FIRST_TIMES 2u     /* factor on the first radius' iterations with an image: most of the way is made there */
+#define SMR_NARROWING 0.5f     /* search distances shrink to this share at most, from one radius to the next */
 
-/* Image forces cost most of the time, and a large cluster needs few of them: about so many that the smallest cluster
- * keeps active_enough. Whole levels: which vertices they hold does not depend on how the curve runs through the
- * model. */
+/* Active vertices that suffice for image forces: enough for active_enough in the smallest cluster. Image forces cost
+ * most of an iteration, and large clusters need few of them. The number is a whole priority level, because the vertices
+ * of a level do not depend on the order along the curve. */
 static float enough_for_image(const smr *s)
 {
     const float cluster =
@@ -26,8 +25,7 @@ static float enough_for_image(const smr *s)
     return (float)smr_le32(s->shared.model->level_end[level]);
 }
 
-/* The first vertices in the order in which they matter that take part now: the share that the configuration asks for,
- * but never too few for the clusters of this radius. */
+/* Active vertices now: the share that the configuration asks for, at least what the clusters of this radius need. */
 static uint32_t active_count(const smr *s)
 {
     const float n = (float)s->shared.n, last = s->shared.config.active_share,
@@ -39,8 +37,8 @@ static uint32_t active_count(const smr *s)
     return smr_min_u32(smr_max_u32(whole + ((float)whole < count), s->pace.lists.active_min), s->shared.n);
 }
 
-/* A new number makes cluster centres anew, so it waits for a new reference shape, which does so anyway, but not for
- * ever. The caller's own choice does not wait, nor do vertices that the last budget left out. */
+/* Chooses n_active. A change costs new cluster centres, so it waits for a new reference shape, which costs them anyway,
+ * or for SMR_ACTIVE_EVERY iterations. The caller's choice and vertices that a budget left out do not wait. */
 static void choose_active(smr *s)
 {
     const uint32_t count =
@@ -54,8 +52,8 @@ static void choose_active(smr *s)
     s->budget.cut = 0;
 }
 
-/* With an image alone nothing is repaired: its last radius is not single vertices, so what is folded straightens
- * again, and fold_open.c opens the rest. A repair's patches would lose what forces had found there. */
+/* 1 when folds are repaired before this radius. Not with an image alone: its last radius still has clusters, so folds
+ * straighten by themselves and fold_open.c opens the rest; a repair would lose what forces had found there. */
 static int repairs_before(const smr *s, uint32_t radius)
 {
     return smr_folds_guarded(&s->shared, &s->pace) && s->shared.n_hinges > 0u &&
@@ -102,7 +100,7 @@ static void plastic_update(smr *s)
     s->pace.plastic_updates++;
 }
 
-/* At most so many iterations at the radius in use; at the first one in any case. */
+/* Most iterations at the first radius. */
 static uint32_t first_iterations(const smr *s)
 {
     const int alone = s->shared.config.radius_first == smr_last_radius(&s->shared);
@@ -117,21 +115,22 @@ static uint32_t radius_iterations(const smr *s)
     return smr_at_last_radius(&s->shared, &s->pace) ? s->shared.config.iterations_last : s->shared.config.iterations;
 }
 
-/* How an iteration ends that is number radius_iteration at its radius, and since_plastic since x^r was new. */
+/* What follows an iteration. All are 0 or 1. */
 typedef struct ending {
     int small, spent, settled, done, plastic;
 } ending;
 
-/* Evening out takes the whole last radius: an end that comes early is a choice which last bits decide. Rest is rest.
- * A target that is set or taken away in the iteration counts from the next one on, as in a replay. */
+/* 1 when a radius may end before its iterations are spent. While tangent evening works the last radius runs to its end:
+ * rounding would decide an early end. If nothing moved at all the end changes nothing. */
 static int may_end_early(const smr *s)
 {
     return !(s->evolve.moved_mm > 0.0f) || !smr_at_last_radius(&s->shared, &s->pace) ||
            s->forces.surface.n_goals_begun == 0u || !(s->shared.config.even > 0.0f);
 }
 
-/* A radius is done when an iteration moves less than the threshold, or after its number of iterations; the last
- * radius' end is the registration's end. */
+/* What follows iteration number radius_iteration at its radius, the since_plastic-th since x^r was new. A radius is
+ * done when an iteration moves less than settle_um, or after its number of iterations; the registration is done with
+ * the last radius. */
 static ending ending_of(const smr *s, uint32_t radius_iteration, uint32_t since_plastic)
 {
     const int last = smr_at_last_radius(&s->shared, &s->pace);
@@ -170,8 +169,8 @@ void smr_schedule_next(smr *s)
     }
 }
 
-/* Image goals jump from sample to sample where the image is poor: over the last radius' second half forces and momentum
- * fall to 0, in equal steps, so that the model comes to rest in their mean. */
+/* Share of image forces and momentum in this iteration: it falls to 0 in equal steps over the second half of the last
+ * radius. Where the image is poor goals jump from sample to sample; so the model comes to rest in their mean. */
 static float ease_of(const smr *s)
 {
     const uint32_t all = s->shared.config.iterations_last, left = all - smr_min_u32(s->pace.radius_iteration + 1u, all);
@@ -204,7 +203,7 @@ float smr_schedule_progress(const smr *s)
     return ((at > 0u ? first + level * (float)(at - 1u) : 0.0f) + (float)s->pace.radius_iteration) / total;
 }
 
-/* A target that is set in the iteration counts from the next one on, as in a replay. */
+/* Notes which structures have a target now. One that is set during the iteration counts from the next one on. */
 static void begin_targets(smr_surface_goals *g)
 {
     g->n_goals_begun = g->n_goals;

@@ -10,20 +10,20 @@
 #include "runtime/tick/iteration.h"
 
 #define SMR_UNKNOWN (-1.0f)
-#define SMR_FOREVER 1.0e18f  /* ns */
-#define SMR_RISE 0.5f        /* a sample above the rate counts so much, */
-#define SMR_FALL 0.125f      /* one below so much: the rate stays near the dear end of what is usual */
-#define SMR_OUTLIER 0.0625f  /* of an iteration: more than that is not believed at once */
-#define SMR_MARGIN_MIN 1.03f /* of the reserve; an iteration that did not end in its tick raises it */
+#define SMR_FOREVER 1.0e18f  /* ns: cost not known */
+#define SMR_RISE 0.5f        /* weight of a sample above the rate */
+#define SMR_FALL 0.125f      /* weight of a sample below it: the rate stays near the upper end of what is usual */
+#define SMR_OUTLIER 0.0625f  /* share of an iteration: a sample counts as at most so much above the rate */
+#define SMR_MARGIN_MIN 1.03f /* smallest factor on the reserve */
 #define SMR_MARGIN_MAX 1.5f
-#define SMR_LATE 0.0625f          /* by so much; */
-#define SMR_IN_TIME 0.001f        /* one that does not lowers it by so much: about one in sixty is late */
-#define SMR_STRETCH_NS 100000000u /* between two readings: longer, and longer than the budget, is a jump of the clock */
-#define SMR_FORK_NS 50000.0f      /* several workers: tasks for so long at a time, */
-#define SMR_FORK_TASKS 64.0f      /* and at most so many each, are worth bringing them together */
-#define SMR_LOOK 16u              /* vertices: so many more forces are looked for at least, before it is asked again */
-#define SMR_CLOSING 3u  /* the last radius' first third may be cut, the rest decides where vertices come to lie */
-#define SMR_FIRST 0.75f /* of the time left in reserve while the rest's cost is not known */
+#define SMR_LATE 0.0625f          /* added to the margin by an iteration that did not end in its tick */
+#define SMR_IN_TIME 0.001f        /* taken off by one that did: about one in sixty is late */
+#define SMR_STRETCH_NS 100000000u /* ns between two readings: what exceeds it and the budget is a jump of the clock */
+#define SMR_FORK_NS 50000.0f      /* ns of work that is worth one parallel loop */
+#define SMR_FORK_TASKS 64.0f      /* most tasks for each worker in one parallel loop */
+#define SMR_LOOK 16u              /* vertices between two looks at the reserve, at least */
+#define SMR_CLOSING 3u            /* 1 / share of the last radius in which vertices may be left out */
+#define SMR_FIRST 0.75f           /* share of the budget kept in reserve while costs are not known */
 
 void smr_budget_start(smr *s)
 {
@@ -33,8 +33,8 @@ void smr_budget_start(smr *s)
         s->budget.rate[i] = SMR_UNKNOWN;
 }
 
-/* What the forest reads: every entry and index. With fewer active vertices less, but by how much is not known
- * beforehand. */
+/* Entries and indexes of the chain along the order L. With fewer active vertices it reads fewer, but how many fewer is
+ * not known beforehand. */
 static float lists_units(const smr *s)
 {
     return (float)s->shared.n + (float)smr_le32(s->pace.lists.block[s->pace.lists.n_blocks].first_index);
@@ -49,9 +49,8 @@ static float units_of(smr *s, const smr_step *step, uint32_t n_tasks)
     return step->work == SMR_WORK_LISTS ? lists_units(s) : (float)n_tasks;
 }
 
-/* One sample into a rate. A stretch in which something else ran counts as at most twice what is usual for the step,
- * or as a small share of an iteration where that is more: a clock may show nothing for long, folds may come all at
- * once. */
+/* The rate after one more sample. A sample counts as at most twice the rate, or as SMR_OUTLIER of an iteration above it
+ * where that is more: something else may have run in between. */
 static float blend(const smr_time_budget *c, float rate, float sample, float units)
 {
     if (rate < 0.0f)
@@ -83,7 +82,7 @@ void smr_budget_learn(smr *s, uint32_t n_tasks)
         c->count = s->pace.n_active;
 }
 
-/* A step never met: as dear, a task, as the dearest that is known. Tasks are of about one size. */
+/* ns a task of a step that was never met: those of the most expensive known step. */
 static float dearest(const smr_time_budget *c)
 {
     float rate = SMR_UNKNOWN;
@@ -93,7 +92,7 @@ static float dearest(const smr_time_budget *c)
     return rate;
 }
 
-/* The steps from `first` on, with so many active vertices: ns, SMR_FOREVER when that is not known. */
+/* ns that the steps from `first` on will take with `count` active vertices; SMR_FOREVER when that is not known. */
 static float cost_of(smr *s, uint32_t first, uint32_t count)
 {
     const smr_time_budget *c = &s->budget;
@@ -123,7 +122,7 @@ static float cost_of(smr *s, uint32_t first, uint32_t count)
     return smr_min(smr_max(sum, 0.0f) * c->margin, SMR_FOREVER);
 }
 
-/* As few vertices as this radius allows. */
+/* Fewest active vertices that this radius allows. */
 static uint32_t fewest(const smr *s)
 {
     return s->pace.n_pinned > 0u ? s->pace.n_active
