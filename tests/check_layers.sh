@@ -17,13 +17,30 @@ awk '/^#/ || NF == 0 { next }
     $1 == "table" { for (i = 2; i <= NF; i++) print "table", "src/" $i; next }
     { rank++; for (i = 1; i <= NF; i++) print (index($i, "/") ? "room" : "layer"), $i, rank }' src/LAYERS >"$tmp/layers"
 
-# 1. Includes in src: the own folder, the own layer or a lower one.
-grep -rnE --include='*.[ch]' '^[[:space:]]*#[[:space:]]*include' src | awk -v standard="$standard" -v layers="$tmp/layers" '
+# 1. Includes in src: the own folder, the own layer or a lower one. A room with a line in src/LAYERS includes its own
+# headers and those of rooms on lines above: functions within headers leave no symbol, and must not be called upwards
+# either. Headers directly in such a layer include no room and are free to all; but registration.h, made of the rooms,
+# is for those alone that run a whole registration. Reads lines of grep -n.
+check_includes() {
+    awk -v standard="$standard" -v layers="$tmp/layers" '
     BEGIN {
         while ((getline line < layers) > 0) {
             split(line, word, " ")
             if (word[1] == "layer") level[word[2]] = word[3]
+            if (word[1] == "room") { rank[word[2]] = word[3]; sub(/\/.*/, "", word[2]); rooms[word[2]] = 1 }
         }
+        whole = "runtime/registration.h"
+        opens["runtime/tick"] = opens["runtime/setup"] = opens["runtime/replay"] = 1
+    }
+    function room_of(f) { sub(/\/[^\/]*$/, "", f); return f }
+    # What is wrong when a file includes a header of its own layer, which has rooms; both paths start with the layer.
+    function between_rooms(from, name, to) {
+        to = room_of(name); from = from == whole ? whole : room_of(from)
+        if (name == whole) return (from in opens) ? "" : "only rooms that run a whole registration include " name
+        if (to == from || from == whole || to !~ /\//) return ""
+        if (!(to in rank)) return to " is not in src/LAYERS, " name
+        if (!(from in rank) || rank[to] >= rank[from]) return to " is not below " from ", " name
+        return ""
     }
     {
         split($0, part, ":"); file = part[1]; where = part[1] ":" part[2]
@@ -38,15 +55,39 @@ grep -rnE --include='*.[ch]' '^[[:space:]]*#[[:space:]]*include' src | awk -v st
             next
         }
         if (name ~ /\.\./) { print where ": relative path " name; next }
-        if (split(name, target, "/") == 1) {
+        if (name !~ /\//) {
             own = file; sub(/[^\/]*$/, name, own)
-            if (system("test -f " own) != 0) print where ": " name " is not in its own folder"
-            next
+            if (system("test -f " own) != 0) { print where ": " name " is not in its own folder"; next }
+            name = substr(own, 5)
         }
+        split(name, target, "/")
         if (!(target[1] in level)) print where ": unknown layer " name
         else if (target[1] != layer && level[target[1]] >= level[layer])
             print where ": " layer " must not include " name
-    }' >>"$bad"
+        else if (target[1] == layer && (layer in rooms)) {
+            wrong = between_rooms(substr(file, 5), name)
+            if (wrong != "") print where ": " wrong
+        }
+    }'
+}
+grep -rnE --include='*.[ch]' '^[[:space:]]*#[[:space:]]*include' src | check_includes >>"$bad"
+
+# The rule can fail: of these includes the first five are refused, and no other.
+cat >"$tmp/planted" <<'END'
+src/runtime/forces/target_attraction.c:1:#include "runtime/folds/folds.h"
+src/runtime/config/config.c:2:#include "runtime/deformed/shape.h"
+src/runtime/folds/fold_find.c:3:#include "runtime/registration.h"
+src/runtime/state.h:4:#include "registration.h"
+src/runtime/state.h:5:#include "runtime/forces/forces.h"
+src/runtime/folds/fold_find.c:6:#include "runtime/evolve/evolve.h"
+src/runtime/setup/init.c:7:#include "runtime/registration.h"
+src/runtime/forces/forces.c:8:#include "runtime/state.h"
+src/runtime/setup/init.c:9:#include "runtime/tick/iteration.h"
+src/runtime/folds/fold_find.c:10:#include "folds.h"
+END
+refused=$(check_includes <"$tmp/planted" | sed 's/^[^:]*:\([0-9]*\):.*/\1/' | tr '\n' ' ')
+[ "$refused" = '1 2 3 4 5 ' ] ||
+    echo "check_layers: of the planted includes 1 2 3 4 5 are wrong, refused were: $refused" >>"$bad"
 
 # 2. One public header; ports and benchmarks see only it, each other, the fixtures and the tests' own helpers.
 find include -type f ! -path include/smr.h -printf '%p: not the public header\n' >>"$bad"
