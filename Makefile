@@ -191,7 +191,7 @@ $(BUILD)/replay_run: $(BUILD)/obj/tests/golden/replay_run.o $(PRINT_OBJ) $(SUPPO
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
-$(BUILD)/settings_page: $(BUILD)/obj/tests/docs/settings_page.o $(CORE_LIB)
+$(BUILD)/settings_page: $(BUILD)/obj/tests/docs/settings_page.o $(HOST_LIB) $(CORE_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK)
 

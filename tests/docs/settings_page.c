@@ -1,13 +1,22 @@
-/* settings_page.c: writes docs/SETTINGS.md from the library's tables of settings.
+/* settings_page.c: writes docs/SETTINGS.md from the library's tables of settings and the command line's of options.
  * usage: settings_page            the page, on stdout
  *        settings_page --header   one line a field: name, tab, how its comment in smr.h has to start
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
 #include <string.h>
 
-#include "smr.h"
+#include "options/options_table.h"
 
 #define PAGE_TEXT 128
+
+/* Options that set more than one setting, or set it from something else, so that their table does not name it. */
+static const struct {
+    const char *setting, *option;
+} page_further[] = {
+    {"n_workers", "--threads"},          {"search_mm", "--search"},         {"profile_mm", "--search"},
+    {"profile_end_mm", "--search"},      {"gradient_end_mm", "--gradient"}, {"n_radii", "--radius"},
+    {"separate_below_mm", "--clusters"}, {"reference", "--reference"},      {"port", "--threads"},
+};
 
 /* 100000000, not 1e+08; 1e-06, not what a float makes of it. */
 static int page_digits(double v) { return v >= 1.0 ? 9 : 7; }
@@ -47,13 +56,45 @@ static void page_range(const smr_setting *s, char *to)
 
 static int page_is_index(const smr_setting *s) { return strcmp(s->unit, "index") == 0; }
 
+static int page_is_option(const char *name)
+{
+    for (size_t i = 0; i < host_option_count; i++)
+        if (strcmp(host_option_table[i].name, name) == 0)
+            return 1;
+    return 0;
+}
+
+/* 1 when the command line has all options that page_further names. */
+static int page_further_there(void)
+{
+    for (size_t i = 0; i < sizeof page_further / sizeof page_further[0]; i++)
+        if (!page_is_option(page_further[i].option)) {
+            (void)fprintf(stderr, "settings_page: no option %s\n", page_further[i].option);
+            return 0;
+        }
+    return 1;
+}
+
+/* The option of `smr` that sets it; "-" for none. */
+static const char *page_option(const smr_setting *s)
+{
+    for (size_t i = 0; i < host_option_count; i++)
+        if (host_option_setting(&host_option_table[i]) == s)
+            return host_option_table[i].name;
+    for (size_t i = 0; i < sizeof page_further / sizeof page_further[0]; i++)
+        if (strcmp(page_further[i].setting, s->name) == 0)
+            return page_further[i].option;
+    return "-";
+}
+
 static void page_row(const smr_setting *s)
 {
     char range[PAGE_TEXT], value[PAGE_TEXT], image[PAGE_TEXT];
+    const char *const option = page_option(s);
     page_range(s, range);
     page_value(s, s->value, value);
     page_value(s, s->image, image);
-    (void)printf("| `%s` | ", s->name);
+    (void)printf(strcmp(option, "-") == 0 ? "| `%s` | %s | " : "| `%s` | `%s` | ", s->name, option);
     for (const char *c = range; *c != '\0'; c++)
         (void)printf(*c == '|' ? ", " : "%c", *c);
     (void)printf(" | %s | ", s->kind == SMR_SETTING_CHOICE ? "" : s->unit);
@@ -71,7 +112,8 @@ static void page_table(const char *title, const smr_setting *s, uint32_t n)
     (void)printf("\n## `%s`\n", title);
     for (uint32_t i = 0; i < n; i++) {
         if (s[i].kind == SMR_SETTING_GROUP) {
-            (void)printf("\n### %s\n\n| field | range | unit | default | meaning |\n|---|---|---|---|---|\n",
+            (void)printf("\n### %s\n\n| field | option of `smr` | range | unit | default | meaning |\n"
+                         "|---|---|---|---|---|---|\n",
                          s[i].name);
         } else {
             page_row(&s[i]);
@@ -109,11 +151,15 @@ int main(int argc, char **argv)
         page_header(prepare, n_prepare);
         return 0;
     }
+    if (!page_further_there())
+        return 1;
     (void)puts(
         "# Settings\n\n"
         "Written by `make settings-page` from `src/base/settings_config.def` and `src/base/settings_prepare.def`. "
         "The same\ntables set the defaults, check the ranges and describe the options of `smr --help`. "
-        "[smr.h](../include/smr.h) says more\nof each field. A range `(0, 1]` leaves 0 out.");
+        "[smr.h](../include/smr.h) says more\nof each field. A range `(0, 1]` leaves 0 out. The option `-`: none sets "
+        "the "
+        "field. With an image `--search` and\n`--gradient` take two distances, at the start and at the end.");
     page_table("smr_config", config, n_config);
     page_table("smr_prepare_config", prepare, n_prepare);
     return 0;

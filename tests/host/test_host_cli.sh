@@ -80,7 +80,7 @@ check "a deeper directory is made" has_status 0 "$SMR" register --model bone.ply
 check "a budget" has_status 0 "$SMR" register --model bone.ply --target target.ply -o budget --quiet --budget-ms 1
 check "polar" has_status 0 "$SMR" register --model bone.ply --target target.ply -o polar --quiet --method polar
 check "all that the library takes" has_status 1 "$SMR" register --model bone.ply --target target.ply -o ranges --quiet --ticks 2 --reject-deviations 1000000 --plastic-um 1e8
-check "--help has the sentences of the library's table" sh -c "\"$SMR\" --help | grep -q 'plastic-every N .*many iterations; 0: never'"
+check "--help has the sentences of the library's table" sh -c "\"$SMR\" --help | grep -q 'plastic-every N .*many iterations; 0: only at rest'"
 check "several radii" has_status 0 "$SMR" register --model bone.ply --target target.ply -o radii --quiet --radius 60,30,15 --clusters shared
 check "they are the report's" [ "$(grep -c radius_mm radii/report.json)" -ge 1 ]
 check "separate clusters" has_status 0 "$SMR" info bone.ply target.ply --radius 99999,30 --clusters separate

@@ -152,7 +152,8 @@ static void print_settings(const char *title, int prepares, int targets)
             continue;
         const int n = printf("  %s %s", o->name, value_name(o));
         print_default(o, s, standard, sizeof standard);
-        (void)snprintf(sentence, sizeof sentence, "%.*s%s", sentence_length(o, s), s->text, standard);
+        (void)snprintf(sentence, sizeof sentence, "%.*s%s%s", sentence_length(o, s), s->text,
+                       o->kind == HOST_KIND_SPAN ? " and at its end" : "", standard);
         if (n < NAME_WIDTH - 1)
             (void)printf("%*s", NAME_WIDTH - 1 - n, "");
         print_wrapped(n < NAME_WIDTH - 1 ? NAME_WIDTH - 1 : (size_t)n, sentence);
