@@ -110,6 +110,11 @@ gives "MetaImage, bytes skipped" sub/skip.mhd uint16
 text=$(awk 'BEGIN { for (k = 0; k < 3; k++) for (j = 0; j < 4; j++) for (i = 0; i < 5; i++) print i + 7 * j + 31 * k }')
 { meta MET_USHORT False LOCAL | sed 's/BinaryData = True/BinaryData = False/'; echo "$text"; } >text.mha
 gives "MetaImage, text" text.mha uint16
+for change in 's/^ElementSpacing/ElementSize/' 's/^ElementSpacing/ElementSize = 7 8 9\n&/' 's/^DimSize/ElementSize = 7 8 9\n&/' \
+    's/^ElementSpacing.*/DistanceUnits = mm\n&/' 's/^DimSize/DistanceUnits = ?\n&/'; do
+    { meta MET_USHORT True LOCAL | sed "$change"; cat raw16; } >spacing.mha
+    gives "MetaImage, $change" spacing.mha uint16
+done
 { meta MET_USHORT True LOCAL | sed 's/ = /=/; s/$/\r/'; cat raw16; } >dos.mha
 gives "MetaImage, CR LF, no blanks" dos.mha uint16
 { nrrd ushort big ascii; echo; echo "$text"; } >text.nrrd
@@ -203,6 +208,9 @@ meta_refused "spacing negative" "header line 8" 's/1.5 2 4/1.5 -2 4/'
 meta_refused "spacing NaN" "header line 8" 's/1.5 2 4/1.5 nan 4/'
 meta_refused "spacing infinite" "header line 8" 's/1.5 2 4/1.5 inf 4/'
 meta_refused "two spacings" "header line 8" 's/1.5 2 4/1.5 2/'
+meta_refused "size of a voxel 0" "header line 8" 's/^ElementSpacing.*/ElementSize = 1.5 0 4/'
+for unit in um cm m in; do meta_refused "unit $unit" "header line 8" "s/^ElementSpacing/DistanceUnits = $unit\n&/"; done
+meta_refused "no unit" "header line 8" 's/^ElementSpacing/DistanceUnits =\n&/'
 meta_refused "singular matrix" TransformMatrix 's/^TransformMatrix.*/TransformMatrix = 1 0 0 1 0 0 0 0 1/'
 meta_refused "matrix of 0" TransformMatrix 's/^TransformMatrix.*/TransformMatrix = 0 0 0 0 0 0 0 0 0/'
 meta_refused "matrix with NaN" TransformMatrix 's/^TransformMatrix.*/TransformMatrix = nan 0 0 0 1 0 0 0 1/'

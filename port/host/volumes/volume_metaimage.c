@@ -1,7 +1,7 @@
 /* volume_metaimage.c: reads MetaImage (.mha, .mhd with a data file): "key = value" lines, then the voxels.
  *
  * TransformMatrix lists the direction of the first axis first. Offset is the centre of the first voxel. Both are LPS.
- * AnatomicalOrientation is ignored.
+ * AnatomicalOrientation is ignored. ElementSize is the spacing where there is no ElementSpacing, as in ITK and VTK.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
@@ -10,9 +10,10 @@
 
 typedef struct meta_header {
     int64_t size[3];
-    int has_size, text, packed, last; /* last: ElementDataFile was read, which ends the header */
+    int has_size, has_spacing, has_extent, text, packed,
+        last; /* last: ElementDataFile was read, which ends the header */
     int64_t packed_bytes, header_bytes;
-    double spacing[3], matrix[9], offset[3];
+    double spacing[3], extent[3], matrix[9], offset[3]; /* extent: of a voxel (ElementSize), mm */
     host_word file;
 } meta_header;
 
@@ -94,15 +95,37 @@ static int key_size(host_volume_reader *reader, meta_header *header, host_text *
     return host_volume_set_size(reader, "DimSize", header->size);
 }
 
-static int key_spacing(host_volume_reader *reader, meta_header *header, host_text *words)
+static int lengths(host_volume_reader *reader, host_text *words, const char *key, double mm[3])
 {
     int i = 0;
-    if (!numbers(words, 3, header->spacing))
-        return host_volume_fail(reader, "ElementSpacing = three numbers");
+    if (!numbers(words, 3, mm))
+        return host_volume_fail(reader, "%s = three numbers", key);
     for (i = 0; i < 3; i++)
-        if (!(header->spacing[i] > 0.0 && header->spacing[i] <= (double)SMR_COORD_MAX))
-            return host_volume_fail(reader, "ElementSpacing = three positive numbers, found %g", header->spacing[i]);
+        if (!(mm[i] > 0.0 && mm[i] <= (double)SMR_COORD_MAX)) /* written so that NaN fails */
+            return host_volume_fail(reader, "%s = three positive numbers, found %g", key, mm[i]);
     return 0;
+}
+
+static int key_spacing(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    header->has_spacing = 1;
+    return lengths(reader, words, "ElementSpacing", header->spacing);
+}
+
+static int key_extent(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    header->has_extent = 1;
+    return lengths(reader, words, "ElementSize", header->extent);
+}
+
+/* Positions are millimetres: no unit is converted. "?" is MetaImage's "unknown". */
+static int key_units(host_volume_reader *reader, meta_header *header, host_text *words)
+{
+    host_word word = {"", 0};
+    (void)header;
+    if (one_word(words, &word) && (host_word_is_nocase(word, "mm") || host_word_is(word, "?")))
+        return 0;
+    return host_volume_fail(reader, "DistanceUnits = mm, found '%.*s'", (int)(word.n < 40u ? word.n : 40u), word.start);
 }
 
 static int key_matrix(host_volume_reader *reader, meta_header *header, host_text *words)
@@ -191,6 +214,8 @@ static int read_key(host_volume_reader *reader, meta_header *header, host_word k
                 {"NDims", key_dimensions},
                 {"DimSize", key_size},
                 {"ElementSpacing", key_spacing},
+                {"ElementSize", key_extent},
+                {"DistanceUnits", key_units},
                 {"TransformMatrix", key_matrix},
                 {"Rotation", key_matrix},
                 {"Orientation", key_matrix},
@@ -277,6 +302,8 @@ int host_read_metaimage(host_volume_reader *reader, const unsigned char *data, s
         return host_fail(reader->error, "header", "a line DimSize");
     if (reader->type == HOST_TYPE_NONE)
         return host_fail(reader->error, "header", "a line ElementType");
+    if (!header.has_spacing && header.has_extent)
+        memcpy(header.spacing, header.extent, sizeof header.spacing);
     for (j = 0; j < 3; j++)
         for (i = 0; i < 3; i++)
             steps[j][i] = header.matrix[3 * j + i] * header.spacing[j];
