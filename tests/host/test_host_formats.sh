@@ -67,8 +67,27 @@ printf '# vtk DataFile Version 2.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n
 check "VTK strips: every second triangle turned" [ "$("$tool" count strip.vtk | cut -d' ' -f1,2)" = "4 4" ]
 printf '# c\nmtllib a.mtl\no t\nv 0 0 0\nv 1 0 0\nvt 0 0\nvn 0 0 1\nv 0 1 0\nv 0 0 1 0.5 0.5 0.5\nf 1/1/1 3/1 2//1\nf -4 -3 -1\nl 1 2\nf 2 3 4 # x\nf 1 4 3\n' >tetra.obj
 same "OBJ: v/vt/vn, v//vn, negative indexes" tetra.obj
+for name in ply obj; do
+    { printf '\357\273\277'; cat tetra.$name; } >mark.$name
+    same "$name with a byte order mark" mark.$name
+done
+printf '\357\273\277v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n' >mark.unknown
+cp mark.unknown first.obj
+same "OBJ with a byte order mark before the first vertex" first.obj
+same "OBJ with a byte order mark before the first vertex, told by content" mark.unknown
+printf '# a folder\\\nv 0 0 \\\n0\nv 1 \\\r\n\\\r\n  0 0\nv\\\n0 1 0\no a\\\nf 1 2 3\nv 0 0 1\\\n0.5\nf 1 3\\\n2\nf 1 2 4 # x\\\nf 2 3 \\\n\\\n4\nf 1 \\\n4 3\\' >lines.obj
+same "OBJ: lines that a backslash continues" lines.obj
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 \\ 3\n' >backslash.obj
+check "OBJ: a backslash within a line is refused" sh -c "! '$tool' count backslash.obj 2>err.txt && grep -q 'line 4: expected vertex indexes' err.txt"
 printf 'solid a b\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid\nSOLID c\nFACET NORMAL 0 0 0\nOUTER LOOP\nVERTEX 0 0 -0\nVERTEX 1 0 0\nVERTEX 0 0 1\nENDLOOP\nENDFACET\nENDSOLID c\n' >ascii.stl
 check "STL ASCII, two solids, corners welded" [ "$("$tool" count ascii.stl | cut -d' ' -f1,2)" = "4 2" ]
+tr '[:lower:]' '[:upper:]' <ascii.stl >upper.stl
+check "STL ASCII in capitals" "$tool" compare ascii.stl upper.stl
+cp upper.stl upper.unknown
+check "STL ASCII in capitals, told by content" "$tool" compare ascii.stl upper.unknown
+"$tool" convert ascii.stl stl plain.stl
+{ printf 'SOLID of a scanner   '; tail -c +22 plain.stl; echo more; } >capital.stl
+check "binary STL whose title says SOLID, more bytes than triangles" "$tool" compare ascii.stl capital.stl
 printf 'ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 0 0 1 1 0 0.5 1.5 0 0 1 0\n5 0 1 2 3 4\n' >pentagon.ply
 check "polygons become fans" [ "$("$tool" count pentagon.ply)" = "5 3 1.250 0.000" ]
 printf "$ascii" | sed 's/^format.*/&\ncomment SPACE=RAS/' >ras.ply
@@ -83,7 +102,7 @@ for format in ply ply-ascii stl obj vtk; do
     "$tool" convert small.ply $format "damage.$format"
     check "3,000 damaged copies, $format" "$scratch/fuzz_tool" "damage.$format" 3000 1
 done
-for name in odd.ply big.ply binary.vtk binary51.vtk ascii51.vtk strip.vtk tetra.obj ascii.stl; do
+for name in odd.ply big.ply binary.vtk binary51.vtk ascii51.vtk strip.vtk tetra.obj lines.obj ascii.stl; do
     check "3,000 damaged copies of $name" "$scratch/fuzz_tool" $name 3000 2
 done
 

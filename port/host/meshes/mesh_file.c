@@ -10,6 +10,12 @@
 
 typedef int (*read_function)(host_mesh_reader *reader, const unsigned char *data, size_t n);
 
+/* Length of the UTF-8 byte order mark that the data starts with, 0 without one. */
+static size_t mark_bytes(const unsigned char *data, size_t n)
+{
+    return n >= 3u && memcmp(data, "\xef\xbb\xbf", 3) == 0 ? 3u : 0u;
+}
+
 static int starts_with(const unsigned char *head, size_t n, const char *text)
 {
     const size_t k = strlen(text);
@@ -31,7 +37,7 @@ static int looks_like_obj(const unsigned char *head, size_t n)
     return 0;
 }
 
-/* Finds the reader by the content, or by the extension where the content does not decide. */
+/* Finds the reader by the content, or by the extension where the content does not decide. head: without a mark. */
 static read_function reader_for(const char *path, const unsigned char *head, size_t n, size_t total)
 {
     if (starts_with(head, n, "ply\n") || starts_with(head, n, "ply\r"))
@@ -42,7 +48,7 @@ static read_function reader_for(const char *path, const unsigned char *head, siz
         return host_read_stl;
     if (host_has_extension(path, ".ply"))
         return host_read_ply;
-    if (host_has_extension(path, ".stl") || starts_with(head, n, "solid "))
+    if (host_has_extension(path, ".stl") || host_is_ascii_stl(head, n))
         return host_read_stl;
     if (host_has_extension(path, ".vtk"))
         return host_read_vtk;
@@ -53,7 +59,8 @@ static read_function reader_for(const char *path, const unsigned char *head, siz
 
 static int accept_mesh(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
 {
-    if (reader_for(path, head, n, total) == NULL)
+    const size_t skip = mark_bytes(head, n);
+    if (reader_for(path, head + skip, n - skip, total - skip) == NULL)
         return host_fail(error, "content", "a PLY, STL, OBJ or legacy VTK polydata file");
     return 0;
 }
@@ -82,6 +89,7 @@ int host_mesh_read(const char *path, int need, int mirror, host_mesh *mesh, host
     host_bytes bytes;
     host_mesh_reader reader;
     read_function read = NULL;
+    size_t skip = 0;
     int result = 0;
     memset(mesh, 0, sizeof *mesh);
     memset(&reader, 0, sizeof reader);
@@ -90,8 +98,9 @@ int host_mesh_read(const char *path, int need, int mirror, host_mesh *mesh, host
     reader.unit = "header line";
     if (host_file_read(path, accept_mesh, &bytes, error) != 0)
         return -1;
-    read = reader_for(path, bytes.data, bytes.size, bytes.size);
-    result = read != NULL ? read(&reader, bytes.data, bytes.size)
+    skip = mark_bytes(bytes.data, bytes.size);
+    read = reader_for(path, bytes.data + skip, bytes.size - skip, bytes.size - skip);
+    result = read != NULL ? read(&reader, bytes.data + skip, bytes.size - skip)
                           : host_fail(error, "content", "a PLY, STL, OBJ or legacy VTK polydata file");
     host_file_free(&bytes);
     if (result == 0)

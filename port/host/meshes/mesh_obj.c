@@ -1,4 +1,6 @@
 /* mesh_obj.c: reads Wavefront OBJ: v and f lines (v, v/vt, v//vn, v/vt/vn, negative indexes); skips all others.
+ *
+ * A backslash at a line's end continues the line, as white space would. Comments are not continued.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
@@ -11,13 +13,39 @@ typedef struct pending {
     uint32_t line;
 } pending;
 
+/* Reads a line with all lines that continue it; the word holds their line breaks. */
+static int read_line(host_text *text, host_word *line)
+{
+    host_word more;
+    if (!host_text_line(text, line))
+        return 0;
+    more = *line;
+    while (more.n > 0 && more.start[more.n - 1u] == '\\' && memchr(more.start, '#', more.n) == NULL &&
+           host_text_line(text, &more))
+        line->n = (size_t)(more.start + more.n - line->start);
+    return 1;
+}
+
+/* Reads the next word of a line from read_line, without the backslash that continues the line. */
+static int next_word(host_text *line, host_word *word)
+{
+    while (host_text_word(line, word)) {
+        const int at_break = line->at == line->end || *line->at == '\n' || *line->at == '\r';
+        if (at_break && word->start[word->n - 1u] == '\\')
+            word->n--;
+        if (word->n > 0)
+            return 1;
+    }
+    return 0;
+}
+
 static int read_vertex(host_mesh_reader *reader, host_text *text)
 {
     double xyz[3];
     int i = 0;
     for (i = 0; i < 3; i++) {
         host_word word;
-        if (!host_text_word_in_line(text, &word) || !host_word_double(word, &xyz[i]))
+        if (!next_word(text, &word) || !host_word_double(word, &xyz[i]))
             return host_fail_at(reader->error, "line", reader->number, "three numbers after v");
     }
     return host_reader_vertex(reader, xyz);
@@ -50,7 +78,7 @@ static int read_face(host_mesh_reader *reader, host_text *text, pending *last)
 {
     uint32_t fan[3] = {0, 0, 0};
     host_word word;
-    while (host_text_word_in_line(text, &word)) {
+    while (next_word(text, &word)) {
         uint32_t index = 0;
         if (word.start[0] == '#')
             break;
@@ -69,12 +97,12 @@ int host_read_obj(host_mesh_reader *reader, const unsigned char *data, size_t n)
     pending last = {-1, 0};
     uint32_t line = 1;
     reader->unit = "line";
-    for (line = 1; host_text_line(&text, &whole); line = text.line) {
+    for (line = 1; read_line(&text, &whole); line = text.line) {
         host_text words = host_text_over(whole.start, whole.n);
         host_word word;
         int result = 0;
         reader->number = line;
-        if (!host_text_word_in_line(&words, &word))
+        if (!next_word(&words, &word))
             continue;
         if (word.start[0] == '#')
             reader->ras |= host_word_has(whole, "SPACE=RAS");

@@ -43,4 +43,7 @@ int host_read_vtk(host_mesh_reader *reader, const unsigned char *data, size_t n)
 /* 1 when a binary STL file with the head's number of triangles has exactly `total` bytes. */
 int host_is_binary_stl(const unsigned char *head, size_t n, size_t total);
 
+/* 1 when the head's first word is "solid", regardless of case. */
+int host_is_ascii_stl(const unsigned char *head, size_t n);
+
 #endif

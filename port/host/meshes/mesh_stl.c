@@ -88,6 +88,14 @@ int host_is_binary_stl(const unsigned char *head, size_t n, size_t total)
     return n >= HEADER_BYTES && total == HEADER_BYTES + FACET_BYTES * (size_t)facets_claimed(head);
 }
 
+int host_is_ascii_stl(const unsigned char *head, size_t n)
+{
+    host_text text = host_text_over(head, n < 5u ? n : 5u);
+    host_word word;
+    return n > 5u && (head[5] == ' ' || head[5] == '\t' || head[5] == '\r' || head[5] == '\n') &&
+           host_text_word_in_line(&text, &word) && host_word_is_nocase(word, "solid");
+}
+
 static int read_binary(host_mesh_reader *reader, weld *table, const unsigned char *data, size_t n)
 {
     host_word title;
@@ -199,7 +207,8 @@ int host_read_stl(host_mesh_reader *reader, const unsigned char *data, size_t n)
 {
     weld table = {NULL, 0};
     int result = 0;
-    const int ascii = n >= 5 && memcmp(data, "solid", 5) == 0 && !host_is_binary_stl(data, n, n);
+    const int ascii = host_is_ascii_stl(data, n) && !host_is_binary_stl(data, n, n) &&
+                      memchr(data, '\0', n < HEADER_BYTES ? n : HEADER_BYTES) == NULL;
     if (resize(&table, reader->mesh, 1024u) != 0)
         return host_fail(reader->error, "file", "more free memory");
     result = ascii ? read_ascii(reader, &table, data, n) : read_binary(reader, &table, data, n);
