@@ -362,6 +362,27 @@ printf '\357\273\277label,x,y,z\r\n"tip, low",1,-2.5,30\r\nb\303\251, 0, 0, 0\r\
 says "CSV with names of columns" "$both" "$volume" landmarks a.csv
 printf '"tip, low",1,-2.5,30\n\n# remark\nb\303\251,0,0,0' >b.csv
 says "CSV without" "$both" "$volume" landmarks b.csv
+for head in label,x,y,z:'"tip, low",1,-2.5,30' label,z,y,x:'"tip, low",30,-2.5,1' Z,Label,X,Y:'30,"tip, low",1,-2.5' \
+    label,R,A,S:'"tip, low",-1,2.5,30' '"label","s","l","p":"tip, low",30,1,-2.5'; do
+    printf '%s\n%s\n' "${head%%:*}" "${head#*:}" >head.csv
+    says "CSV, names ${head%%:*}" "tip, low: 1.000 -2.500 30.000" "$volume" landmarks head.csv
+    { echo "# columns = ${head%%:*}"; cat head.csv; } >column.csv
+    says "CSV, names ${head%%:*}, as a comment, too" "tip, low: 1.000 -2.500 30.000" "$volume" landmarks column.csv
+done
+printf '# CoordinateSystem = RAS\nlabel,z,y,x\na,3,2,-1\n' >head.csv
+says "CSV, names and a system" "a: 1.000 -2.000 3.000" "$volume" landmarks head.csv
+printf '# CoordinateSystem = 0\nlabel,S,A,R\na,3,2,-1\n' >head.csv
+says "CSV, names and the same system" "a: 1.000 -2.000 3.000" "$volume" landmarks head.csv
+fcsv LPS '1,1,2,3,0,0,0,1,1,1,0,a,,,2,0
+2,0,0,0,0,0,0,1,1,1,0,b,,,0,0
+3,7,7,7,0,0,0,1,1,1,0,c,,,1,1' >status.fcsv
+says "fcsv, status of a point" "a: 1.000 2.000 3.000" "$volume" landmarks status.fcsv
+fcsv LPS '30,-2.5,1,tip' | sed 's/columns = .*/columns = z,y,x,label/' >columns.fcsv
+says "fcsv, other columns" "tip: 1.000 -2.500 30.000" "$volume" landmarks columns.fcsv
+for units in '"mm"' '["mm", "UCUM", "millimeter"]' '["mm"]'; do
+    json LPS "$(point a 1,2,3)" | sed "s/\"Fiducial\"/&, \"coordinateUnits\": $units/" >units.mrk.json
+    says "markups, units $units" "a: 1.000 2.000 3.000" "$volume" landmarks units.mrk.json
+done
 printf 'b\303\251,7,8,9\n"tip, low",4,5,6\n' >target.csv
 says "pairs by label" "1.000 -2.500 30.000 -> 4.000 5.000 6.000
 0.000 0.000 0.000 -> 7.000 8.000 9.000" "$volume" pair a.mrk.json target.csv
@@ -369,7 +390,16 @@ says "64 landmarks" 64 sh -c "seq 1 64 | sed 's/.*/p&,&,0,0/' >64.csv; '$volume'
 printf '{"markups":[{"coordinateSystem":"LPS","controlPoints":[%s,{"label":"x","positionStatus":"undefined","position":null}]}]}' "$(point a 1,2,3)" >undefined.mrk.json
 says "markups, a point not placed" "a: 1.000 2.000 3.000" "$volume" landmarks undefined.mrk.json
 
+printf '{"markups":[{"coordinateSystem":"LPS","controlPoints":[%s,{"label":"x","position":"","positionStatus":"undefined"}]}]}' "$(point a 1,2,3)" >undefined.mrk.json
+says "markups, a position of no text" "a: 1.000 2.000 3.000" "$volume" landmarks undefined.mrk.json
+
 lost() { refused "landmarks, $1" "$2" "$3" landmarks "$2"; }
+for units in '"um"' '["um", "UCUM", "micrometer"]' '["mm", "other"]' '[]' '{"code": "um"}' '{"code": "mm"}' null 1 '[["mm"]]'; do
+    json LPS "$(point a 1,2,3)" | sed "s/\"Fiducial\"/&, \"coordinateUnits\": $units/" >bad.mrk.json
+    lost "units $units" bad.mrk.json "line 1"
+done
+json LPS '{"label": "a", "position": ""}' >bad.mrk.json; lost "position of no text" bad.mrk.json "line 1"
+json LPS '{"label": "a", "position": [1,2,3], "positionStatus": "lost"}' >bad.mrk.json; lost "unknown status" bad.mrk.json "line 1"
 json LPI "$(point a 1,2,3)" >bad.mrk.json; lost "unknown system" bad.mrk.json "line 1"
 json LPS "$(point a 1,2,3), $(point a 4,5,6)" >bad.mrk.json; lost "label twice" bad.mrk.json "line 1"
 json LPS "$(point a 1,2)" >bad.mrk.json; lost "two coordinates" bad.mrk.json "line 1"
@@ -393,6 +423,22 @@ fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,," | sed 2d >bad.fcsv; lost "fcsv, no system" 
 echo "1,1,2,3,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, no header" bad.fcsv header
 fcsv LPS "1,1,2" >bad.fcsv; lost "fcsv, cut row" bad.fcsv "line 4"
 fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,,," >bad.fcsv; lost "fcsv, no label" bad.fcsv "line 4"
+fcsv LPS "1,1,5,2,3,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, a decimal comma" bad.fcsv "line 4"
+fcsv LPS "1,1,5,2,5,3,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, two decimal commas" bad.fcsv "line 4"
+fcsv LPS "1,1,5,2,5,3,5,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, three decimal commas" bad.fcsv "line 4"
+fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a" >bad.fcsv; lost "fcsv, twelve fields" bad.fcsv "line 4"
+fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,,,3,0" >bad.fcsv; lost "fcsv, unknown status" bad.fcsv "line 4"
+fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,,,2" >bad.fcsv; lost "fcsv, fifteen fields" bad.fcsv "line 4"
+fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,," | sed 's/,oz/,x/' >bad.fcsv; lost "fcsv, a column twice" bad.fcsv "line 3"
+for head in label,a,b,c label,x,y name,x,y,z label,x,y,z,w label,x,A,S label,x,x,y label,i,j,k 'label;x;y;z' 'label,x (mm),y,z' a,b,c,d; do
+    printf '%s\na,1,2,3\n' "$head" >bad.csv; lost "CSV, names $head" bad.csv "line 1"
+done
+printf '# columns = label,x,y,z\nlabel,z,y,x\na,1,2,3\n' >bad.csv; lost "CSV, names that differ" bad.csv "line 2"
+printf 'a,1,2,3\n# columns = label,z,y,x\n' >bad.csv; lost "CSV, names after a landmark" bad.csv "line 2"
+printf '# CoordinateSystem = LPS\nlabel,R,A,S\na,1,2,3\n' >bad.csv; lost "CSV, names of another system" bad.csv "line 1"
+printf 'a,1,5,2,3\n' >bad.csv; lost "CSV, a decimal comma" bad.csv "line 1"
+printf 'a;1,5;2,5;3,5\n' >bad.csv; lost "CSV, semicolons" bad.csv "line 1"
+printf 'label,x,y,z\nlabel,x,y,z\na,1,2,3\n' >bad.csv; lost "CSV, names twice" bad.csv "line 2"
 printf 'a,1,2,3\na,4,5,6\n' >bad.csv; lost "CSV, label twice" bad.csv "line 2"
 printf 'a,1,2,3\nb,4,5\n' >bad.csv; lost "CSV, three fields" bad.csv "line 2"
 printf 'a,1,2,3\nb,4,x,6\n' >bad.csv; lost "CSV, no number" bad.csv "line 2"
@@ -414,7 +460,7 @@ refused "landmarks, label missing" other.csv landmarks pair two.csv other.csv
 for file in a.mha text.mha packed.mha s.nii q.nii a.nrrd packed.nrrd text.nrrd; do
     [ -f $file ] && check "damaged $file" "$volume" fuzz $file "${SMR_TEST_FUZZ:-3000}" 1
 done
-for file in a.mrk.json a.fcsv a.csv; do check "damaged $file" "$volume" fuzz-landmarks $file "${SMR_TEST_FUZZ:-3000}" 1; done
+for file in a.mrk.json units.mrk.json a.fcsv status.fcsv a.csv column.csv; do check "damaged $file" "$volume" fuzz-landmarks $file "${SMR_TEST_FUZZ:-3000}" 1; done
 
 # Real files.
 identity='d 1.000 0.000 0.000 0.000 1.000 0.000 0.000 0.000 1.000 v'

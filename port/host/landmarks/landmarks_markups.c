@@ -5,6 +5,8 @@
 #include "landmarks/json_scan.h"
 #include "landmarks/landmarks_reader.h"
 
+#define MILLIMETRES "coordinateUnits \"mm\" or [\"mm\", \"UCUM\", ...]"
+
 typedef struct markup {
     host_landmarks *landmarks;
     char system[16];
@@ -30,6 +32,21 @@ static int read_coordinate(host_scan *scan, const char *key, void *context)
     return m->n_xyz <= 3 ? 0 : host_scan_fail(scan, "three coordinates");
 }
 
+/* Slicer writes null or "" for a point that was not placed. */
+static int skip_no_position(host_scan *scan)
+{
+    const char c = host_scan_peek(scan);
+    char text[2];
+    size_t n = 0;
+    if (c == 'n')
+        return host_scan_skip(scan);
+    if (c != '"')
+        return host_scan_fail(scan, "a list in brackets");
+    if (host_scan_text(scan, text, sizeof text, &n) != 0)
+        return -1;
+    return n == 0 ? 0 : host_scan_fail(scan, "a position of three numbers");
+}
+
 static int read_point_member(host_scan *scan, const char *key, void *context)
 {
     markup *const m = context;
@@ -39,13 +56,15 @@ static int read_point_member(host_scan *scan, const char *key, void *context)
         return host_scan_text(scan, m->label, sizeof m->label, &m->label_bytes);
     if (strcmp(key, "position") == 0) {
         m->n_xyz = 0;
-        return host_scan_peek(scan) == 'n' ? host_scan_skip(scan) : host_scan_list(scan, read_coordinate, m);
+        return host_scan_peek(scan) == '[' ? host_scan_list(scan, read_coordinate, m) : skip_no_position(scan);
     }
     if (strcmp(key, "positionStatus") == 0) {
         if (host_scan_text(scan, status, sizeof status, &n) != 0)
             return -1;
-        m->undefined = strcmp(status, "defined") != 0;
-        return 0;
+        m->undefined = strcmp(status, "undefined") == 0 || strcmp(status, "preview") == 0;
+        return m->undefined || strcmp(status, "defined") == 0
+                   ? 0
+                   : host_scan_fail(scan, "positionStatus \"defined\", \"undefined\" or \"preview\"");
     }
     return host_scan_skip(scan);
 }
@@ -72,10 +91,35 @@ static int read_point(host_scan *scan, const char *key, void *context)
     return host_landmarks_add(m->landmarks, scan->error, line, label, m->xyz);
 }
 
+static int read_unit(host_scan *scan, const char *key, void *context)
+{
+    static const char *const words[] = {"mm", "UCUM"};
+    int *const at = context;
+    char text[16];
+    size_t n = 0;
+    (void)key;
+    if (host_scan_text(scan, text, sizeof text, &n) != 0)
+        return -1;
+    return *at >= 2 || strcmp(text, words[(*at)++]) == 0 ? 0 : host_scan_fail(scan, MILLIMETRES);
+}
+
+/* Reads "mm" or, as a coded word with its scheme and meaning, ["mm", "UCUM", "millimeter"]. */
+static int read_units(host_scan *scan)
+{
+    int n = 0;
+    const char c = host_scan_peek(scan);
+    if (c == '"')
+        return read_unit(scan, NULL, &n);
+    if (c != '[')
+        return host_scan_fail(scan, MILLIMETRES);
+    if (host_scan_list(scan, read_unit, &n) != 0)
+        return -1;
+    return n > 0 ? 0 : host_scan_fail(scan, MILLIMETRES);
+}
+
 static int read_markup_member(host_scan *scan, const char *key, void *context)
 {
     markup *const m = context;
-    char units[16];
     size_t n = 0;
     if (strcmp(key, "controlPoints") == 0)
         return host_scan_list(scan, read_point, m);
@@ -85,11 +129,8 @@ static int read_markup_member(host_scan *scan, const char *key, void *context)
         m->system_line = scan->text.line;
         return 0;
     }
-    if (strcmp(key, "coordinateUnits") == 0 && host_scan_peek(scan) == '"') {
-        if (host_scan_text(scan, units, sizeof units, &n) != 0)
-            return -1;
-        return strcmp(units, "mm") == 0 ? 0 : host_scan_fail(scan, "coordinateUnits \"mm\"");
-    }
+    if (strcmp(key, "coordinateUnits") == 0)
+        return read_units(scan);
     return host_scan_skip(scan);
 }
 
