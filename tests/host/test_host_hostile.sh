@@ -41,6 +41,14 @@ hostile() {
     refused "$1, as target" "$2" "$3" register --model good.ply --target "$2" -o kept
 }
 
+name63=$(printf 's%062d' 7)
+cp good.ply "${name63}8.ply"
+cp good.ply "$name63.ply"
+refused "a structure's name of 64 bytes" "${name63}8.ply" "name of structure 0" register --model "${name63}8.ply" --target good.ply -o fresh
+refused "the same, beside one of 63" "${name63}8.ply" "name of structure 1" build --model "$name63.ply" "${name63}8.ply" -o fresh
+refused "one of several targets" "${name63}8.ply" name register --model good.ply --target good.ply "${name63}8.ply" -o fresh
+check "a name of 63 bytes, the only target's of 64" sh -c "'$SMR' register --model $name63.ply --target ${name63}8.ply -o long --quiet --iterations 2; [ -s long/$name63.ply ]"
+
 hostile "missing file" none.ply file
 mkdir dir.ply
 hostile "directory" dir.ply file

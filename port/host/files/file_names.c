@@ -30,18 +30,18 @@ int host_has_extension(const char *path, const char *extension)
     return ends_with(path, unpacked_length(path), extension);
 }
 
-void host_base_name(const char *path, char *name, size_t bytes)
+size_t host_base_name(const char *path, char *name, size_t bytes)
 {
     const char *const slash = strrchr(path, '/');
     const char *const start = slash != NULL ? slash + 1 : path;
     size_t n = unpacked_length(path) - (size_t)(start - path);
-    size_t i = n;
+    size_t i = n, copied = 0;
     while (i > 1 && start[i - 1u] != '.')
         i--;
     if (i > 1) /* a dot that is not the first character starts the extension */
         n = i - 1u;
-    if (n > bytes - 1u)
-        n = bytes - 1u;
-    memcpy(name, start, n);
-    name[n] = '\0';
+    copied = n < bytes ? n : bytes - 1u;
+    memcpy(name, start, copied);
+    name[copied] = '\0';
+    return n;
 }

@@ -6,8 +6,8 @@
 #include <stddef.h>
 
 /* Copies the file's name without directories, ".gz" and extension into name[bytes], with a NUL. A longer name is
- * cut. */
-void host_base_name(const char *path, char *name, size_t bytes);
+ * cut. Returns the length of the whole name. */
+size_t host_base_name(const char *path, char *name, size_t bytes);
 
 /* 1 when the path, without ".gz", ends with the extension (".ply"), regardless of case. */
 int host_has_extension(const char *path, const char *extension);

@@ -16,7 +16,8 @@ typedef struct host_landmarks {
     float xyz[HOST_LANDMARKS_MAX][3];                 /* mm, LPS, finite */
 } host_landmarks;
 
-/* Reads 3D Slicer markups (.mrk.json, .fcsv) or CSV (label,x,y,z; LPS), told apart by content.
+/* Reads 3D Slicer markups (.mrk.json, .fcsv) or CSV (label,x,y,z in LPS, or as its header line names the columns),
+ * told apart by content.
  * Returns 0, or -1 with the error filled and the set empty. */
 int host_landmarks_read(const char *path, host_landmarks *landmarks, host_error *error);
 

@@ -45,6 +45,17 @@ int host_model_is_prepared(const char *path)
     return n == sizeof head && memcmp(head, MAGIC, sizeof head) == 0;
 }
 
+/* Refuses a file whose name would be cut: its result would have another name. */
+static int check_length(const char *path, uint32_t i, host_error *error)
+{
+    char name[SMR_NAME_BYTES];
+    const size_t n = host_base_name(path, name, sizeof name);
+    return n < sizeof name ? 0
+                           : host_fail_at(error, "name of structure", i,
+                                          "a file name of at most %u bytes before its extension, found %zu",
+                                          SMR_NAME_BYTES - 1u, n);
+}
+
 /* Checks the structures' names. loads: the files that they come from; NULL for a prepared model. */
 static int check_names(const host_model *model, const host_load *loads, host_error *error)
 {
@@ -52,8 +63,11 @@ static int check_names(const host_model *model, const host_load *loads, host_err
     for (i = 0; i < model->n_parts; i++) {
         const char *const name = model->part[i].name;
         const char *c = name;
-        if (loads != NULL)
+        if (loads != NULL) {
             error->file = loads[i].path;
+            if (check_length(loads[i].path, i, error) != 0)
+                return -1;
+        }
         for (c = name; *c != '\0'; c++)
             if (*c == '/' || (unsigned char)*c < 32 || *c == 127)
                 return host_fail_at(error, "name of structure", i, "one that can be a file name");
@@ -142,7 +156,7 @@ int host_model_take(host_load *loads, uint32_t n, host_model *model, host_error 
     if (make_parts(model, n, error) != 0)
         return -1;
     for (i = 0; i < n; i++) {
-        host_base_name(loads[i].path, model->part[i].name, sizeof model->part[i].name);
+        (void)host_base_name(loads[i].path, model->part[i].name, sizeof model->part[i].name);
         model->part[i].mesh = loads[i].mesh;
         memset(&loads[i].mesh, 0, sizeof loads[i].mesh);
     }

@@ -21,8 +21,11 @@ static int take_targets(host_job *job, host_load *loads, host_error *error)
         target->path = loads[i].path;
         target->mesh = loads[i].mesh;
         memset(&loads[i].mesh, 0, sizeof loads[i].mesh);
-        host_base_name(target->path, target->name, sizeof target->name);
         error->file = target->path;
+        /* several targets are found by their names */
+        if (host_base_name(target->path, target->name, sizeof target->name) >= sizeof target->name && n > 1)
+            return host_fail(error, "name", "a file name of at most %u bytes before its extension",
+                             SMR_NAME_BYTES - 1u);
         for (k = 0; k < i; k++)
             if (strcmp(job->target[k].name, target->name) == 0)
                 return host_fail(error, "name", "targets with names that differ, '%s' is there twice", target->name);
