@@ -110,8 +110,8 @@ gives "MetaImage, bytes skipped" sub/skip.mhd uint16
 text=$(awk 'BEGIN { for (k = 0; k < 3; k++) for (j = 0; j < 4; j++) for (i = 0; i < 5; i++) print i + 7 * j + 31 * k }')
 { meta MET_USHORT False LOCAL | sed 's/BinaryData = True/BinaryData = False/'; echo "$text"; } >text.mha
 gives "MetaImage, text" text.mha uint16
-for change in 's/^ElementSpacing/ElementSize/' 's/^ElementSpacing/ElementSize = 7 8 9\n&/' 's/^DimSize/ElementSize = 7 8 9\n&/' \
-    's/^ElementSpacing.*/DistanceUnits = mm\n&/' 's/^DimSize/DistanceUnits = ?\n&/'; do
+for change in 's/^ElementSpacing/ElementSize = 7 8 9\n&/' 's/^DimSize/ElementSize = 7 8 9\n&/' \
+    's/^ElementSpacing.*/DistanceUnits = mm\n&/' 's/^DimSize/DistanceUnits = ?\n&/' 's/^ElementSpacing/ElementSize/'; do
     { meta MET_USHORT True LOCAL | sed "$change"; cat raw16; } >spacing.mha
     gives "MetaImage, $change" spacing.mha uint16
 done
@@ -131,6 +131,13 @@ gives "NRRD, a line skipped" sub/skip.nhdr uint16
 gives "NRRD, right-anterior-superior" ras.nrrd uint16
 { nrrd ushort big raw; echo; cat raw16; } | sed 's/^space directions.*/spacings: 1.5 2 4/; /^space/d' >spacings.nrrd
 says "NRRD, spacings alone" "uint16 5 4 3 o 0.000 0.000 0.000 s 1.500 2.000 4.000 d 1.000 0.000 0.000 0.000 1.000 0.000 0.000 0.000 1.000 v 0 87 107150.0 0" "$volume" info spacings.nrrd
+"$volume" nifti q int16 little q.nii
+# The last voxel's centre: 10 -20 30 and 4, 3 and 2 steps along the axes, which are turned by 30 degrees.
+for name in spacing.mha dos.mha a.nrrd ras.nrrd s.nii q.nii; do
+    "$volume" where $name 4 3 2 >where.txt
+    check "$name, the last voxel within 0.0001 mm" awk '{ c = sqrt(3) / 2; x = 10 + 6 * c - 3; y = -20 + 3 + 6 * c
+        d = ($1 - x) ^ 2 + ($2 - y) ^ 2 + ($3 - 38) ^ 2; print d; good = NF == 3 && d < 1e-8 } END { exit !good }' where.txt
+done
 
 if [ $gzip -eq 1 ]; then
     gzip -nc raw16 >raw16.gz
@@ -250,7 +257,6 @@ nifti_refused() {
     "$volume" patch "${5:-s.nii}" "$3" "$4" bad.nii
     refused "NIfTI, $1" bad.nii "$2"
 }
-"$volume" nifti q int16 little q.nii
 nifti_refused "header size wrong" sizeof_hdr 0 00000000
 nifti_refused "header size in the other order" 'dim\[0\]' 0 0000015c
 nifti_refused "second version" sizeof_hdr 0 1c020000

@@ -1,6 +1,6 @@
 /* volume_tool.c: prints what the host's readers make of a volume or landmark file, makes parts of sample files, or
  * feeds damaged files to the readers.
- * Usage: volume_tool info FILE [AXIS] | voxel FILE X Y Z | name PATH | voxels TYPE ORDER OUT |
+ * Usage: volume_tool info FILE [AXIS] | voxel FILE X Y Z | where FILE X Y Z | name PATH | voxels TYPE ORDER OUT |
  *     nifti FORM TYPE ORDER OUT | patch FILE OFFSET HEX OUT | zlib RAW GZIP OUT | landmarks FILE |
  *     pair MODEL TARGET | fuzz FILE N SEED | fuzz-landmarks FILE N SEED
  * SPDX-License-Identifier: MIT */
@@ -99,6 +99,23 @@ static int print_voxel(const char *path, char **index)
     y = (size_t)atoi(index[1]);
     z = (size_t)atoi(index[2]);
     printf("%.9g\n", voxel_at(&volume, (z * volume.size[1] + y) * volume.size[0] + x));
+    host_volume_free(&volume);
+    return 0;
+}
+
+/* Prints the position of a voxel's centre, mm. */
+static int print_where(const char *path, char **index)
+{
+    host_volume volume;
+    int i = 0, j = 0;
+    if (read_volume(path, &volume) != 0)
+        return 2;
+    for (i = 0; i < 3; i++) {
+        double at = (double)volume.origin[i];
+        for (j = 0; j < 3; j++)
+            at += (double)volume.direction[3 * i + j] * (double)volume.spacing[j] * atof(index[j]);
+        printf("%.6f%c", at, i < 2 ? ' ' : '\n');
+    }
     host_volume_free(&volume);
     return 0;
 }
@@ -353,6 +370,8 @@ int main(int argc, char **argv)
         return info(argv[2], argc > 3 ? atoi(argv[3]) : -1);
     if (strcmp(command, "voxel") == 0 && argc == 6)
         return print_voxel(argv[2], argv + 3);
+    if (strcmp(command, "where") == 0 && argc == 6)
+        return print_where(argv[2], argv + 3);
     if (strcmp(command, "name") == 0)
         return host_is_volume_path(argv[2]) ? 0 : 1;
     if (strcmp(command, "voxels") == 0 && argc == 5)
