@@ -20,6 +20,9 @@
 static void run_gzip(int fd, int to)
 {
     const int null = open("/dev/null", O_WRONLY);
+    sigset_t none;
+    (void)sigemptyset(&none);
+    (void)sigprocmask(SIG_SETMASK, &none, NULL); /* the thread that forked blocks signals */
     if (dup2(fd, 0) == 0 && dup2(to, 1) == 1 && null >= 0 && dup2(null, 2) == 2)
         (void)execlp("gzip", "gzip", "-dc", (char *)NULL);
     _exit(NO_PROGRAM);
