@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "base/stop_signals.h"
 
 double host_seconds(void)
 {
@@ -34,12 +35,15 @@ int host_port_open(host_port *port, uint32_t threads, host_error *error)
 {
     const uint32_t n = threads > 0 ? threads : processors();
     const size_t bytes = smr_pthread_bytes(n);
+    host_stop_set before;
     smr_status status = SMR_E_NULL;
     memset(port, 0, sizeof *port);
     error->file = "--threads";
     port->memory = host_alloc(bytes);
+    host_stop_block(&before); /* the threads never receive these signals: only the main thread does */
     if (port->memory != NULL)
         status = smr_pthread_create(&port->pool, port->memory, bytes, n);
+    host_stop_restore(&before);
     if (status != SMR_OK) {
         free(port->memory);
         memset(port, 0, sizeof *port);

@@ -1,11 +1,17 @@
-/* cmd_info.c: smr info: prints the structures, radii and sizes of a model.
+/* cmd_info.c: smr info: prints the structures, radii and sizes of a model, what a volume is, and landmarks.
  * SPDX-License-Identifier: MIT */
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/threads.h"
 #include "commands/commands.h"
+#include "files/file_kind.h"
+#include "landmarks/landmarks.h"
+#include "model/input_check.h"
 #include "model/model_from_files.h"
+#include "volumes/volume_image.h"
 
 static void print_info(const host_model *model, int prepared_here)
 {
@@ -35,25 +41,124 @@ static void print_info(const host_model *model, int prepared_here)
         (void)printf("prepared in %.3f s\n", model->prepare_s);
 }
 
-int host_info(const host_options *options, host_error *error)
+static double voxel(const smr_volume *volume, size_t i)
+{
+    switch (volume->type) {
+    case SMR_VOXEL_UINT8: return ((const uint8_t *)volume->voxels)[i];
+    case SMR_VOXEL_INT8: return ((const int8_t *)volume->voxels)[i];
+    case SMR_VOXEL_UINT16: return ((const uint16_t *)volume->voxels)[i];
+    case SMR_VOXEL_INT16: return ((const int16_t *)volume->voxels)[i];
+    default: return (double)((const float *)volume->voxels)[i];
+    }
+}
+
+static void print_volume(const char *path, const smr_volume *volume)
+{
+    static const char *const types[] = {"uint8", "int8", "uint16", "int16", "float"};
+    const size_t n = (size_t)volume->size[0] * volume->size[1] * volume->size[2];
+    const float *const d = volume->direction;
+    double low = INFINITY, high = -INFINITY;
+    host_box box;
+    size_t i = 0;
+    for (i = 0; i < n; i++) { /* NaN is left out */
+        const double v = voxel(volume, i);
+        low = v < low ? v : low;
+        high = v > high ? v : high;
+    }
+    if (low > high)
+        low = high = NAN;
+    memset(&box, 0, sizeof box);
+    host_box_add_volume(&box, volume);
+    (void)printf("volume %s  voxels %u x %u x %u  %s  values %g to %g\n", path, volume->size[0], volume->size[1],
+                 volume->size[2], types[volume->type], low, high);
+    (void)printf("spacing %g %g %g mm  first voxel at %g %g %g mm, LPS\n", (double)volume->spacing[0],
+                 (double)volume->spacing[1], (double)volume->spacing[2], (double)volume->origin[0],
+                 (double)volume->origin[1], (double)volume->origin[2]);
+    for (i = 0; i < 3; i++)
+        (void)printf("axis %zu runs along %.4f %.4f %.4f\n", i, (double)d[i], (double)d[3u + i], (double)d[6u + i]);
+    (void)printf("centres of voxels from %g %g %g to %g %g %g mm, LPS\n", (double)box.low[0], (double)box.low[1],
+                 (double)box.low[2], (double)box.high[0], (double)box.high[1], (double)box.high[2]);
+}
+
+static int describe_volume(const char *path, host_error *error)
+{
+    host_image image;
+    if (host_image_read(path, HOST_MIRROR_NONE, &image, error) != 0)
+        return -1;
+    print_volume(path, &image.view);
+    host_image_free(&image);
+    return 0;
+}
+
+static int describe_landmarks(const char *path, host_error *error)
+{
+    host_landmarks *const set = calloc(1, sizeof *set);
+    uint32_t i = 0;
+    int result = 0;
+    error->file = path;
+    if (set == NULL)
+        return host_fail(error, "start", "free memory");
+    result = host_landmarks_read(path, set, error);
+    if (result == 0)
+        (void)printf("landmarks %s  %u, mm, LPS\n", path, set->n);
+    for (i = 0; i < set->n; i++)
+        (void)printf("landmark %-32s %10.3f %10.3f %10.3f\n", set->label[i], (double)set->xyz[i][0],
+                     (double)set->xyz[i][1], (double)set->xyz[i][2]);
+    free(set);
+    return result;
+}
+
+/* Describes volumes and landmarks at once; the files that are left are those of a model. */
+static int describe_others(const host_files *files, host_files *left, host_error *error)
+{
+    uint32_t i = 0;
+    for (i = 0; i < files->n; i++) {
+        const int kind = host_file_kind(files->path[i]);
+        int result = 0;
+        if (kind == HOST_KIND_VOLUME || host_is_volume_path(files->path[i]))
+            result = describe_volume(files->path[i], error);
+        else if (kind == HOST_KIND_LANDMARKS)
+            result = describe_landmarks(files->path[i], error);
+        else
+            left->path[left->n++] = files->path[i];
+        if (result != 0)
+            return -1;
+    }
+    return 0;
+}
+
+static int describe_model(const host_files *files, const host_options *options, host_error *error)
 {
     host_port port;
     host_model model;
-    int result = HOST_REFUSED;
-    const int ready = host_model_is_prepared(options->operands.path[0]);
+    int result = -1;
+    const int ready = host_model_is_prepared(files->path[0]);
     memset(&port, 0, sizeof port);
     memset(&model, 0, sizeof model);
     error->file = options->prepare_option;
-    if (ready && options->prepare_option != NULL) {
-        (void)host_fail(error, "option", "a model of surfaces: a .smr is prepared already");
-        return HOST_REFUSED;
-    }
-    if (host_port_open(&port, 0, error) == 0 &&
-        host_model_load(&options->operands, options, &port.port, &model, error) == 0) {
+    if (ready && options->prepare_option != NULL)
+        return host_fail(error, "option", "a model of surfaces: a .smr is prepared already");
+    if (host_port_open(&port, 0, error) == 0 && host_model_load(files, options, &port.port, &model, error) == 0) {
         print_info(&model, !ready);
-        result = HOST_DONE;
+        result = 0;
     }
     host_model_free(&model);
     host_port_close(&port);
     return result;
+}
+
+int host_info(const host_options *options, host_error *error)
+{
+    host_files left = {NULL, 0};
+    int result = -1;
+    error->file = "info";
+    left.path = calloc(options->operands.n, sizeof *left.path);
+    if (left.path == NULL)
+        (void)host_fail(error, "start", "free memory");
+    else
+        result = describe_others(&options->operands, &left, error);
+    if (result == 0 && left.n > 0)
+        result = describe_model(&left, options, error);
+    free(left.path);
+    return result == 0 ? HOST_DONE : HOST_REFUSED;
 }

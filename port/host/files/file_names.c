@@ -45,3 +45,17 @@ size_t host_base_name(const char *path, char *name, size_t bytes)
     name[copied] = '\0';
     return n;
 }
+
+void host_path_to_parent(char *path)
+{
+    size_t n = strlen(path);
+    while (n > 1 && path[n - 1u] == '/')
+        n--;
+    while (n > 0 && path[n - 1u] != '/')
+        n--;
+    while (n > 1 && path[n - 1u] == '/')
+        n--;
+    if (n == 0)
+        path[n++] = '.';
+    path[n] = '\0';
+}

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "files/file_kind.h"
 #include "files/gunzip.h"
 
 void host_file_free(host_bytes *bytes)
@@ -46,8 +47,10 @@ static int read_plain(int fd, const char *path, size_t size, host_accept accept,
     size_t got = 0, rest = 0;
     if (read_up_to(fd, head, first, &got, error) != 0)
         return -1;
-    if (accept != NULL && accept(path, head, got, size, error) != 0)
+    if (accept != NULL && accept(path, head, got, size, error) != 0) {
+        host_kind_found(error, path, head, got);
         return -1;
+    }
     bytes->data = host_alloc(size);
     if (bytes->data == NULL)
         return host_fail(error, "file", "%zu bytes of free memory", size);
@@ -135,7 +138,7 @@ static int read_open(int fd, const char *path, host_accept accept, host_bytes *b
     if (fstat(fd, &st) != 0)
         return host_fail(error, "file", "a readable file (%s)", strerror(errno));
     if (S_ISDIR(st.st_mode))
-        return host_fail(error, "file", "a regular file, not a directory");
+        return host_kind_refuse_directory(error, path);
     if (!S_ISREG(st.st_mode))
         return host_fail(error, "file", "a regular file");
     if (remember(path, &st) != 0)

@@ -13,6 +13,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "files/file_kind.h"
+
 #define FIRST_CAPACITY ((size_t)256u << 10)
 #define NO_PROGRAM 127
 
@@ -20,6 +22,9 @@
 static void run_gzip(int fd, int to)
 {
     const int null = open("/dev/null", O_WRONLY);
+    sigset_t none;
+    (void)sigemptyset(&none);
+    (void)sigprocmask(SIG_SETMASK, &none, NULL); /* the thread that forked blocks signals */
     if (dup2(fd, 0) == 0 && dup2(to, 1) == 1 && null >= 0 && dup2(null, 2) == 2)
         (void)execlp("gzip", "gzip", "-dc", (char *)NULL);
     _exit(NO_PROGRAM);
@@ -58,8 +63,10 @@ static int drain(int from, const char *path, host_accept accept, host_bytes *byt
         if (!asked && accept != NULL && bytes->size > 0 && (r == 0 || bytes->size >= HOST_HEAD_BYTES)) {
             const size_t head = bytes->size < HOST_HEAD_BYTES ? bytes->size : HOST_HEAD_BYTES;
             asked = 1;
-            if (accept(path, bytes->data, head, r == 0 ? bytes->size : 0, error) != 0)
+            if (accept(path, bytes->data, head, r == 0 ? bytes->size : 0, error) != 0) {
+                host_kind_found(error, path, bytes->data, head);
                 return -1;
+            }
         }
         if (r == 0)
             return 0;

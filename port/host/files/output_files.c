@@ -1,22 +1,27 @@
 /* output_files.c: output files. An existing path that is no regular file (a device, a pipe) is written directly: a
- * rename would replace it.
+ * rename would replace it. Signals are blocked while the set changes, so that their handler sees it whole.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 
 #include "files/output_files.h"
-#include "files/file_read.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/stop_signals.h"
+#include "files/file_names.h"
+#include "files/file_read.h"
+
 typedef struct output_file {
     char *path;      /* owned */
     char *temporary; /* owned; NULL: the path is written directly */
+    int made;        /* 1: the temporary file has been made */
     int renamed;     /* 1: the temporary file has been renamed to the path */
     int replaced;    /* 1: the path existed before */
 } output_file;
@@ -39,107 +44,24 @@ static char *join(const char *directory, const char *name, const char *tail)
     return path;
 }
 
-/* Replaces the path by its parent: "a/b" -> "a", "/a" -> "/", "a" -> ".". */
-static void to_parent(char *path)
-{
-    size_t n = strlen(path);
-    while (n > 1 && path[n - 1u] == '/')
-        n--;
-    while (n > 0 && path[n - 1u] != '/')
-        n--;
-    while (n > 1 && path[n - 1u] == '/')
-        n--;
-    if (n == 0)
-        path[n++] = '.';
-    path[n] = '\0';
-}
-
-int host_output_check(const char *directory, host_error *error)
-{
-    struct stat st;
-    char *const path = join(NULL, directory, "");
-    int result = 0;
-    error->file = directory;
-    if (path == NULL)
-        return host_fail(error, "output", "free memory");
-    while (stat(path, &st) != 0 && errno == ENOENT && strcmp(path, "/") != 0 && strcmp(path, ".") != 0)
-        to_parent(path);
-    if (stat(path, &st) != 0)
-        result = host_fail(error, "output", "a directory that can be made (%s)", strerror(errno));
-    else if (!S_ISDIR(st.st_mode))
-        result = host_fail(error, "output", "a directory, but %.80s is none", path);
-    else if (access(path, W_OK | X_OK) != 0)
-        result = host_fail(error, "output", "a directory that can be written (%s)", strerror(errno));
-    free(path);
-    return result;
-}
-
-/* 1 when the paths are equal but for slashes at the end. */
-static int same_path(const char *a, const char *b)
-{
-    size_t n = strlen(a), m = strlen(b);
-    while (n > 1 && a[n - 1u] == '/')
-        n--;
-    while (m > 1 && b[m - 1u] == '/')
-        m--;
-    return n == m && memcmp(a, b, n) == 0;
-}
-
-/* 1 when both paths lead to the same directory. */
-static int same_directory(const char *a, const char *b)
-{
-    struct stat of_a, of_b;
-    return same_path(a, b) ||
-           (stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino);
-}
-
-/* 1 when a result could have this file's name. */
-static int is_result(const char *path)
-{
-    const char *const slash = strrchr(path, '/'), *const name = slash != NULL ? slash + 1 : path;
-    const size_t n = strlen(name);
-    return strcmp(name, "report.json") == 0 || (n > 4u && strcmp(name + n - 4u, ".ply") == 0);
-}
-
-int host_output_check_file(const char *path, const char *directory, host_error *error)
-{
-    struct stat st;
-    char *const parent = join(NULL, path, "");
-    int result = 0;
-    error->file = path;
-    if (parent == NULL)
-        return host_fail(error, "output", "free memory");
-    to_parent(parent);
-    if ((stat(path, &st) == 0 && S_ISDIR(st.st_mode)) || path[strlen(path) - 1u] == '/' || same_path(path, directory))
-        result = host_fail(error, "output", "a file, not a directory");
-    else if (same_directory(parent, directory) && is_result(path))
-        result = host_fail(error, "output", "a name that no result has");
-    else if (same_path(parent, directory))
-        result = 0; /* host_output_check checks the directory */
-    else if (stat(parent, &st) != 0 || !S_ISDIR(st.st_mode))
-        result = host_fail(error, "output", "a directory that is there, %.80s is none", parent);
-    else if (access(parent, W_OK | X_OK) != 0)
-        result = host_fail(error, "output", "a directory that can be written (%s)", strerror(errno));
-    free(parent);
-    return result;
-}
-
 static int make_directory(host_output *output, const char *path, host_error *error)
 {
-    char **grown = NULL;
-    if (mkdir(path, 0777) != 0)
-        return errno == EEXIST ? 0 : host_fail(error, "output", "a directory that can be made (%s)", strerror(errno));
-    grown = realloc(output->made, (output->n_made + 1u) * sizeof *grown);
-    if (grown != NULL) {
+    char **const grown = realloc(output->made, (output->n_made + 1u) * sizeof *grown);
+    char *const copy = join(NULL, path, "");
+    int why = 0;
+    if (grown != NULL)
         output->made = grown;
-        grown[output->n_made] = join(NULL, path, "");
-    }
-    if (grown == NULL || grown[output->n_made] == NULL) {
-        (void)rmdir(path);
+    if (grown == NULL || copy == NULL) {
+        free(copy);
         return host_fail(error, "output", "free memory");
     }
-    output->n_made++;
-    return 0;
+    if (mkdir(path, 0777) == 0) {
+        grown[output->n_made++] = copy;
+        return 0;
+    }
+    why = errno;
+    free(copy);
+    return why == EEXIST ? 0 : host_fail(error, "output", "a directory that can be made (%s)", strerror(why));
 }
 
 /* Makes the missing directories of the file's path. */
@@ -161,11 +83,41 @@ static int make_directories(host_output *output, const char *file, host_error *e
     return result;
 }
 
+/* The set that is being written; read by the handler of signals. */
+static host_output *volatile unfinished;
+
+/* Removes what is not finished. Only calls that a handler of signals may make. */
+static void remove_unfinished(const host_output *output)
+{
+    size_t i = 0;
+    for (i = 0; i < output->n; i++) {
+        const output_file *const file = &output->file[i];
+        if (file->renamed && !file->replaced)
+            (void)unlink(file->path);
+        else if (file->made && !file->renamed)
+            (void)unlink(file->temporary);
+    }
+    for (i = output->n_made; i > 0; i--)
+        (void)rmdir(output->made[i - 1u]);
+}
+
+/* Ends the program by the signal, as if it had not been caught: it is blocked until this returns. */
+static void on_stop(int number)
+{
+    if (unfinished != NULL)
+        remove_unfinished(unfinished);
+    (void)signal(number, SIG_DFL);
+    (void)raise(number);
+}
+
 host_output *host_output_begin(const char *directory)
 {
     host_output *const output = calloc(1, sizeof *output);
-    if (output != NULL)
-        output->directory = directory;
+    if (output == NULL)
+        return NULL;
+    output->directory = directory;
+    unfinished = output;
+    host_stop_catch(on_stop);
     return output;
 }
 
@@ -183,15 +135,56 @@ static int write_all(int fd, const host_buffer *content)
     return 0;
 }
 
-static int write_file(const output_file *file, const host_buffer *content, host_error *error)
+/* Waits until the data is on the disk. Some file systems cannot: EINVAL, ENOTSUP, ENOSYS. */
+static int sync_data(int fd)
 {
-    const char *const path = file->temporary != NULL ? file->temporary : file->path;
-    const int flags = file->temporary != NULL ? O_WRONLY | O_CREAT | O_EXCL : O_WRONLY;
-    const int fd = open(path, flags | O_CLOEXEC | O_NOCTTY, 0666);
+    while (fsync(fd) != 0)
+        if (errno != EINTR)
+            return errno == EINVAL || errno == ENOTSUP || errno == ENOSYS ? 0 : -1;
+    return 0;
+}
+
+/* Waits until the names in the file's directory are on the disk. A directory that cannot be read is left out. */
+static int sync_names(const output_file *file)
+{
+    char *const path = join(NULL, file->path, "");
+    int fd = -1, result = 0, why = 0;
+    if (path == NULL) {
+        errno = ENOMEM;
+        return -1;
+    }
+    host_path_to_parent(path);
+    fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    free(path);
+    if (fd < 0)
+        return errno == EACCES ? 0 : -1;
+    result = sync_data(fd);
+    why = errno;
+    (void)close(fd);
+    errno = why;
+    return result;
+}
+
+static int open_file(output_file *file)
+{
+    host_stop_set before;
+    int fd = -1;
+    if (file->temporary == NULL) /* may wait for a reader */
+        return open(file->path, O_WRONLY | O_CLOEXEC | O_NOCTTY);
+    host_stop_block(&before);
+    fd = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOCTTY, 0666);
+    file->made = fd >= 0;
+    host_stop_restore(&before);
+    return fd;
+}
+
+static int write_file(output_file *file, const host_buffer *content, host_error *error)
+{
+    const int fd = open_file(file);
     int failed = 0, why = errno;
     if (fd < 0)
         return host_fail(error, "output", "a file that can be written (%s)", strerror(why));
-    failed = write_all(fd, content);
+    failed = write_all(fd, content) != 0 || (file->temporary != NULL && sync_data(fd) != 0);
     why = errno;
     if (close(fd) != 0 && !failed) {
         failed = 1;
@@ -200,42 +193,80 @@ static int write_file(const output_file *file, const host_buffer *content, host_
     return failed ? host_fail(error, "output", "room for %zu bytes (%s)", content->size, strerror(why)) : 0;
 }
 
-int host_output_add(host_output *output, const char *name, const host_buffer *content, host_error *error)
+/* Adds an entry for the path, which the set takes over. NULL when out of memory. */
+static output_file *new_file(host_output *output, char *path)
 {
-    output_file *grown = NULL, *file = NULL;
+    output_file *const grown = path != NULL ? realloc(output->file, (output->n + 1u) * sizeof *grown) : NULL;
+    if (grown == NULL) {
+        free(path);
+        return NULL;
+    }
+    output->file = grown;
+    memset(&grown[output->n], 0, sizeof *grown);
+    grown[output->n].path = path;
+    return &grown[output->n++];
+}
+
+/* Adds an entry, makes its directories and finds its temporary name. NULL with the error filled. */
+static output_file *prepare_file(host_output *output, const char *directory, const char *name, host_error *error)
+{
+    output_file *const file = new_file(output, join(directory, name, ""));
     struct stat st;
     char tail[48];
-    error->file = output->directory != NULL ? output->directory : name;
-    if (!content->failed)
-        grown = realloc(output->file, (output->n + 1u) * sizeof *grown);
-    if (grown == NULL)
-        return host_fail(error, "output", "free memory");
-    output->file = grown;
-    file = &grown[output->n];
-    memset(file, 0, sizeof *file);
-    file->path = join(output->directory, name, "");
-    if (file->path == NULL)
-        return host_fail(error, "output", "free memory");
-    output->n++;
-    if (output->directory != NULL && make_directories(output, file->path, error) != 0)
-        return -1;
+    if (file == NULL) {
+        (void)host_fail(error, "output", "free memory");
+        return NULL;
+    }
+    if (directory != NULL && make_directories(output, file->path, error) != 0)
+        return NULL;
     file->replaced = stat(file->path, &st) == 0;
-    if (file->replaced && S_ISDIR(st.st_mode))
-        return host_fail(error, name, "a file there, not a directory");
-    if (file->replaced && host_file_was_read(file->path))
-        return host_fail(error, name, "a path that is not one of the inputs");
+    if (file->replaced && S_ISDIR(st.st_mode)) {
+        (void)host_fail(error, name, "a file there, not a directory");
+        return NULL;
+    }
+    if (file->replaced && host_file_was_read(file->path)) {
+        (void)host_fail(error, name, "a path that is not one of the inputs");
+        return NULL;
+    }
     if (!file->replaced || S_ISREG(st.st_mode)) {
         (void)snprintf(tail, sizeof tail, ".%ld.tmp", (long)getpid());
-        file->temporary = join(output->directory, name, tail);
-        if (file->temporary == NULL)
-            return host_fail(error, "output", "free memory");
+        file->temporary = join(directory, name, tail);
+        if (file->temporary == NULL) {
+            (void)host_fail(error, "output", "free memory");
+            return NULL;
+        }
     }
-    return write_file(file, content, error);
+    return file;
+}
+
+static int add(host_output *output, const char *directory, const char *name, const host_buffer *content,
+               host_error *error)
+{
+    host_stop_set before;
+    output_file *file = NULL;
+    error->file = directory != NULL ? directory : name;
+    if (content->failed)
+        return host_fail(error, "output", "free memory");
+    host_stop_block(&before);
+    file = prepare_file(output, directory, name, error);
+    host_stop_restore(&before);
+    return file != NULL ? write_file(file, content, error) : -1;
+}
+
+int host_output_add(host_output *output, const char *name, const host_buffer *content, host_error *error)
+{
+    return add(output, output->directory, name, content, error);
+}
+
+int host_output_add_path(host_output *output, const char *path, const host_buffer *content, host_error *error)
+{
+    return add(output, NULL, path, content, error);
 }
 
 static void free_output(host_output *output)
 {
     size_t i = 0;
+    unfinished = NULL;
     for (i = 0; i < output->n; i++) {
         free(output->file[i].path);
         free(output->file[i].temporary);
@@ -249,35 +280,65 @@ static void free_output(host_output *output)
 
 void host_output_abandon(host_output *output)
 {
-    size_t i = 0;
+    host_stop_set before;
     if (output == NULL)
         return;
-    for (i = 0; i < output->n; i++) {
-        const output_file *const file = &output->file[i];
-        if (file->renamed && !file->replaced)
-            (void)unlink(file->path);
-        else if (file->temporary != NULL && !file->renamed)
-            (void)unlink(file->temporary);
-    }
-    for (i = output->n_made; i > 0; i--)
-        (void)rmdir(output->made[i - 1u]);
+    host_stop_block(&before);
+    remove_unfinished(output);
     free_output(output);
+    host_stop_restore(&before);
+}
+
+/* Renames the files first to end - 1, then waits until their new names are on the disk. */
+static int rename_files(host_output *output, size_t first, size_t end)
+{
+    size_t i = 0;
+    for (i = first; i < end; i++) {
+        output_file *const file = &output->file[i];
+        if (file->temporary != NULL && rename(file->temporary, file->path) != 0)
+            return -1;
+        file->renamed = file->temporary != NULL;
+    }
+    for (i = first; i < end; i++)
+        if (output->file[i].renamed && sync_names(&output->file[i]) != 0)
+            return -1;
+    return 0;
+}
+
+/* Removes the old last file: from here to its rename the set is recognisable as unfinished. */
+static int remove_last(const host_output *output)
+{
+    const output_file *const last = &output->file[output->n - 1u];
+    if (output->n == 1u || last->temporary == NULL || !last->replaced)
+        return 0;
+    return unlink(last->path) == 0 || errno == ENOENT ? sync_names(last) : -1;
+}
+
+static int commit(host_output *output)
+{
+    const size_t n = output->n;
+    output_file *const last = &output->file[n - 1u];
+    if (remove_last(output) != 0 || rename_files(output, 0, n - 1u) != 0)
+        return -1;
+    if (last->temporary == NULL)
+        return 0;
+    if (rename(last->temporary, last->path) != 0)
+        return -1;
+    last->renamed = 1;
+    (void)sync_names(last); /* the set is whole: nothing is to be undone */
+    return 0;
 }
 
 int host_output_commit(host_output *output, host_error *error)
 {
-    size_t i = 0;
-    for (i = 0; i < output->n; i++) {
-        output_file *const file = &output->file[i];
-        if (file->temporary == NULL)
-            continue;
-        if (rename(file->temporary, file->path) != 0) {
-            (void)host_fail(error, "output", "a name that can be given to a file (%s)", strerror(errno));
-            host_output_abandon(output);
-            return -1;
-        }
-        file->renamed = 1;
+    host_stop_set before;
+    int result = 0;
+    host_stop_block(&before);
+    if (output->n > 0 && commit(output) != 0) {
+        result = host_fail(error, "output", "names that can be given to files (%s)", strerror(errno));
+        remove_unfinished(output);
     }
     free_output(output);
-    return 0;
+    host_stop_restore(&before);
+    return result;
 }

@@ -1,4 +1,6 @@
-/* output_files.h: output files: all or none. They are written under temporary names and renamed at the end.
+/* output_files.h: output files: all or none. They are written under temporary names and renamed at the end, the last
+ * one last: an old last file is removed before, so that a set which was cut off lacks it. SIGINT, SIGTERM and SIGHUP
+ * remove the temporary files before they end the program; while files are renamed they wait.
  * SPDX-License-Identifier: MIT */
 #ifndef OUTPUT_FILES_H
 #define OUTPUT_FILES_H
@@ -15,14 +17,18 @@ int host_output_check(const char *directory, host_error *error);
 int host_output_check_file(const char *path, const char *directory, host_error *error);
 
 /* Starts a set of files in a directory, which is made when missing; NULL: file names are paths. The directory's text
- * is borrowed. Returns NULL when out of memory. */
+ * is borrowed. There is one set at a time, written by the main thread. Returns NULL when out of memory. */
 host_output *host_output_begin(const char *directory);
 
 /* Writes one file under a temporary name. The name may contain directories. After a failure the set can only be
  * abandoned. 0, or -1 with the error filled. */
 int host_output_add(host_output *output, const char *name, const host_buffer *content, host_error *error);
 
-/* Renames all files to their names; on failure undoes what it can. Frees the set in both cases. */
+/* Adds a file that need not be in the set's directory; otherwise like host_output_add. */
+int host_output_add_path(host_output *output, const char *path, const host_buffer *content, host_error *error);
+
+/* Renames all files to their names, in the order of adding; on failure undoes what it can, and an old last file is
+ * gone. Frees the set in both cases. */
 int host_output_commit(host_output *output, host_error *error);
 
 /* Removes the written files and the directories that were made; frees the set. NULL is allowed. */

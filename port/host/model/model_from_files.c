@@ -14,6 +14,7 @@
 #include "base/threads.h"
 #include "files/file_names.h"
 #include "files/file_read.h"
+#include "model/input_check.h"
 #include "volumes/volume_image.h"
 
 #define MAGIC "SMR1" /* the first bytes of every prepared model */
@@ -158,6 +159,7 @@ int host_model_take(host_load *loads, uint32_t n, host_model *model, host_error 
     for (i = 0; i < n; i++) {
         (void)host_base_name(loads[i].path, model->part[i].name, sizeof model->part[i].name);
         model->part[i].mesh = loads[i].mesh;
+        host_warn_inside_out(loads[i].path, &model->part[i].mesh);
         memset(&loads[i].mesh, 0, sizeof loads[i].mesh);
     }
     return check_names(model, loads, error);
@@ -234,6 +236,19 @@ static int refuse_prepared(const host_options *options, host_error *error)
     return host_fail(error, "option", "a model of surfaces: a .smr is prepared already");
 }
 
+/* An image beside the model is legal, but no profile comes of it. */
+static int check_reference(const host_model *model, const char *path, const smr_volume *reference, host_error *error)
+{
+    error->file = path;
+    if (host_check_image_size(model, reference, error) != 0)
+        return -1;
+    if (!(host_share_covered(model, reference) > 0.0)) {
+        (void)host_fail(error, "place", "the image that the model fits into, but none of its vertices lies in it");
+        host_error_print(error);
+    }
+    return 0;
+}
+
 /* With the profiles of the reference image, if there is one. */
 static int prepare_with(host_model *model, const host_options *options, const smr_port *port, host_error *error)
 {
@@ -246,6 +261,8 @@ static int prepare_with(host_model *model, const host_options *options, const sm
         result = host_image_read(options->reference, options->mirror_model, &reference, error);
         config.reference = &reference.view;
     }
+    if (result == 0 && options->reference != NULL)
+        result = check_reference(model, options->reference, &reference.view, error);
     if (result == 0)
         result = host_model_prepare(model, &config, error);
     host_image_free(&reference);

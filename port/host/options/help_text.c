@@ -16,7 +16,7 @@ static const char *const start_lines[] = {
     "  smr register --model FILE... --reference VOLUME --target VOLUME [--landmarks MODEL TARGET] -o DIR",
     "                                                         deform the model into an image",
     "  smr build --model FILE... -o MODEL.smr                 prepare a model (--reference: for images)",
-    "  smr info MODEL.smr | FILE...                           what a model is made of",
+    "  smr info MODEL.smr | FILE...                           what a model, volumes, landmarks are",
     "  smr measure A B [--source S]                           distances both ways, Hausdorff, folds",
     "  smr replay LOG [--threads N]                           repeat a registration that register --log recorded",
     "  smr phantom -o DIR [--seed N] [--small]                a computed thigh to try it on: model, images, truth",

@@ -40,6 +40,7 @@ typedef struct host_job {
     int model_is_prepared;       /* 1: the model is read from a .smr */
     host_image reference, image; /* for an image target; the reference is freed once the model is prepared */
     host_target *target;         /* [n_targets]: target surfaces, or true surfaces when the target is an image; owned */
+    double covered;              /* share of the model's vertices in the reference image, when one is read */
     char *truth_paths;           /* the paths of the true surfaces; owned */
     uint32_t n_targets;
     host_result *result; /* [model.n_parts] */
@@ -66,6 +67,7 @@ typedef struct host_job {
 
 /* The steps, in order. Each returns 0, or -1 with the error filled. */
 int host_job_load(host_job *job, host_error *error);     /* reads all files */
+int host_job_check(host_job *job, host_error *error);    /* refuses sizes that cannot be meant */
 int host_job_match(host_job *job, host_error *error);    /* pairs structures and targets by name */
 int host_job_start(host_job *job, host_error *error);    /* target surfaces; start pose or start positions */
 int host_job_prepare(host_job *job, host_error *error);  /* prepares the model and calls host_job_start, in parallel */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "files/file_names.h"
+#include "model/input_check.h"
 #include "register/register_job.h"
 
 static uint32_t n_surfaces(const host_options *options) { return options->image_target ? 0 : options->target.n; }
@@ -21,6 +22,7 @@ static int take_targets(host_job *job, host_load *loads, host_error *error)
         target->path = loads[i].path;
         target->mesh = loads[i].mesh;
         memset(&loads[i].mesh, 0, sizeof loads[i].mesh);
+        host_warn_inside_out(target->path, &target->mesh);
         error->file = target->path;
         /* several targets are found by their names */
         if (host_base_name(target->path, target->name, sizeof target->name) >= sizeof target->name && n > 1)
@@ -89,6 +91,30 @@ int host_job_load(host_job *job, host_error *error)
         result = host_job_load_images(job, error);
     job->load_s = host_seconds() - start;
     return result;
+}
+
+int host_job_check(host_job *job, host_error *error)
+{
+    const host_options *const options = job->options;
+    /* these scale the model */
+    const int scaled = options->landmarks.n > 0 || options->align == HOST_ALIGN_SIMILARITY;
+    host_box box;
+    uint32_t i = 0;
+    memset(&box, 0, sizeof box);
+    if (options->image_target && options->reference != NULL) {
+        error->file = options->reference;
+        if (host_check_image_size(&job->model, &job->reference.view, error) != 0)
+            return -1;
+        job->covered = host_share_covered(&job->model, &job->reference.view);
+    }
+    error->file = options->target.path[0];
+    if (scaled)
+        return 0;
+    if (options->image_target)
+        return host_check_image_size(&job->model, &job->image.view, error);
+    for (i = 0; i < job->n_targets; i++)
+        host_box_add(&box, job->target[i].mesh.xyz, job->target[i].mesh.n_vertices);
+    return host_check_target_size(&job->model, &box, error);
 }
 
 static void give(host_job *job, uint32_t part, uint32_t target)

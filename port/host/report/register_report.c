@@ -276,6 +276,21 @@ void host_job_report(const host_job *job, host_buffer *out)
     host_json_close(&json, '}');
 }
 
+/* Says when nothing was seen, or only part could be, and why. */
+static void summarise_unseen(const host_job *job)
+{
+    const int with_reference = job->options->image_target && job->options->reference != NULL;
+    const int unseen = job->last.iteration > 0 && !job->target_seen;
+    if (unseen && with_reference && !(job->covered > 0.0))
+        (void)printf("nothing of the target was seen: none of the model's vertices lies in the reference image %s\n",
+                     job->options->reference);
+    else if (unseen)
+        (void)printf("nothing of the target was seen: no vertex had a goal in any iteration; look at the start and at "
+                     "--search\n");
+    if (with_reference && job->covered > 0.0 && job->covered < 1.0)
+        (void)printf("vertices of the model in the reference image: %.1f %%\n", 100.0 * job->covered);
+}
+
 void host_job_summary(const host_job *job)
 {
     const host_stats *const a = &job->to_target, *const b = &job->to_result;
@@ -286,9 +301,7 @@ void host_job_summary(const host_job *job)
                  host_job_converged(job) ? "converged" : "not converged", job->last.iteration,
                  host_seconds() - job->begin_s, job->load_s, job->model_is_prepared ? 0.0 : job->model.prepare_s,
                  job->start_s, job->register_s, job->port.port.n_workers);
-    if (job->last.iteration > 0 && !job->target_seen)
-        (void)printf("nothing of the target was seen: no vertex had a goal in any iteration; look at the start and at "
-                     "--search\n");
+    summarise_unseen(job);
     if (job->n_landmarks > 0 && job->warp_kind != SMR_WARP_SPLINE && job->options->align == HOST_ALIGN_NONE)
         (void)printf("start: %u landmarks as they lie carry no spline, a %s fit instead\n", job->n_landmarks,
                      warp_names[job->warp_kind]);
