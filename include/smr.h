@@ -42,6 +42,17 @@ typedef enum smr_status {
 /* The status' name, for example "SMR_E_ARENA". Never NULL. */
 const char *smr_status_name(smr_status status);
 
+/* What smr_self_test() finds wrong with float arithmetic. */
+#define SMR_FLOAT_FUSED 1u    /* products and sums are fused: -ffp-contract=off was forgotten */
+#define SMR_FLOAT_FLUSHED 2u  /* denormals become 0: FTZ or DAZ on x86, FPSCR.FZ on Arm, a vector unit */
+#define SMR_FLOAT_EXCESS 4u   /* more bits than a float has (x87), or reordered sums (-ffast-math) */
+#define SMR_FLOAT_ROUNDING 8u /* not to nearest even, or quotients and square roots are estimates */
+
+/* Whether compiler and processor do float arithmetic as the library needs it: 0, or a sum of SMR_FLOAT_... Anything but
+ * 0 means that results have other bits than elsewhere. Needs no memory and some hundred instructions: call it at
+ * power-on and in the context that will call smr_tick(), for each thread has a floating-point mode of its own. */
+uint32_t smr_self_test(void);
+
 #define SMR_ALIGN 64u        /* bytes: every memory handed over starts on such an address */
 #define SMR_COORD_MAX 1.0e5f /* mm: largest absolute coordinate accepted */
 #define SMR_VERTICES_MAX 4000000u
