@@ -42,6 +42,17 @@ typedef enum smr_status {
 /* The status' name, for example "SMR_E_ARENA". Never NULL. */
 const char *smr_status_name(smr_status status);
 
+/* What smr_self_test() finds wrong with float arithmetic. */
+#define SMR_FLOAT_FUSED 1u    /* products and sums are fused: -ffp-contract=off was forgotten */
+#define SMR_FLOAT_FLUSHED 2u  /* denormals become 0: FTZ or DAZ on x86, FPSCR.FZ on Arm, a vector unit */
+#define SMR_FLOAT_EXCESS 4u   /* more bits than a float has (x87), or reordered sums (-ffast-math) */
+#define SMR_FLOAT_ROUNDING 8u /* not to nearest even, or quotients and square roots are estimates */
+
+/* Whether compiler and processor do float arithmetic as the library needs it: 0, or a sum of SMR_FLOAT_... Anything but
+ * 0 means that results have other bits than elsewhere. Needs no memory and some hundred instructions: call it at
+ * power-on and in the context that will call smr_tick(), for each thread has a floating-point mode of its own. */
+uint32_t smr_self_test(void);
+
 #define SMR_ALIGN 64u        /* bytes: every memory handed over starts on such an address */
 #define SMR_COORD_MAX 1.0e5f /* mm: largest absolute coordinate accepted */
 #define SMR_VERTICES_MAX 4000000u
@@ -310,7 +321,8 @@ smr_status smr_model_mesh(const smr_model *model, uint32_t structure, float *xyz
 
 /* ------------------------------------------------------------------ 6. runtime */
 
-/* One task of a parallel loop. worker is in 0..n_workers-1 and used by one thread at a time. */
+/* One task of a parallel loop. worker is in 0..n_workers-1 and used by one thread at a time. With another number the
+ * task is not run, and smr_tick() returns SMR_E_STATE. */
 typedef void (*smr_task)(void *arg, uint32_t task, uint32_t worker);
 
 /* What the platform lends to the library; see docs/PORTING.md. */
@@ -318,7 +330,8 @@ typedef struct smr_port {
     void *ctx;
     uint32_t n_workers; /* 1..SMR_WORKERS_MAX */
     /* Calls run(arg, t, w) once for each t < n_tasks, in any order, on any workers w.
-     * Returns when all are done and their writes are visible. NULL: a plain loop. */
+     * Returns when all are done and their writes are visible. NULL: a plain loop.
+     * Calls of smr_set_...() and smr_tick() for the same registration from within get SMR_E_STATE. */
     void (*parallel)(void *ctx, smr_task run, void *arg, uint32_t n_tasks);
     /* Monotonic nanoseconds. NULL: no clock. Budgets and times are then 0. */
     uint64_t (*now_ns)(void *ctx);
@@ -524,7 +537,8 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 #endif
 
 /* Sets up a registration at the model's rest shape in arena (SMR_ALIGN-aligned, smr_arena_bytes() or more).
- * config and port are copied. port may be NULL: one worker, no clock. model and arena must stay.
+ * config and port are copied. port may be NULL: one worker, no clock. model and arena must stay where they are: a copy
+ * of the arena is not a registration, and calls with it return E_STATE.
  * Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT; *s untouched then. */
 smr_status smr_init(const smr_model *model, const smr_config *config, const smr_port *port, void *arena, size_t bytes,
                     smr **s);
@@ -606,7 +620,9 @@ typedef struct smr_tick_report {
  * between two chunks of work and returns SMR_PARTIAL. The last complete positions stay valid, and the next tick
  * goes on. Every tick does some work, however short its budget. Once the schedule is done a tick changes nothing.
  * report may be NULL.
- * Errors: E_NULL, E_STATE. */
+ * Errors: E_NULL, E_STATE (not a registration; a target surface has changed; called from within a tick; the port used a
+ * worker number that it has not). After the last the positions are those of the last complete iteration, and further
+ * ticks are refused until smr_set_pose() or smr_set_positions(). */
 smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report);
 
 /* From the next iteration on exactly the first n_active vertices in the order of priority take part, whatever

@@ -10,6 +10,10 @@
 
 #include "smr.h"
 
+#ifdef __FAST_MATH__
+#error "-ffast-math changes results: compile smr without it, see docs/SPEC.md, section 1"
+#endif
+
 /* Bit-exact results need float arithmetic in float; see docs/SPEC.md, "Floating-point environment". */
 _Static_assert(FLT_EVAL_METHOD == 0, "float arithmetic must be done in float");
 _Static_assert(sizeof(float) == 4 && FLT_MANT_DIG == 24, "float must be IEEE 754 binary32");

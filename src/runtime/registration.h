@@ -18,6 +18,9 @@
 struct smr {
     uint32_t magic;
     uint32_t step, next_task; /* where the tick stands: step of the iteration, tasks of it already done */
+    uint32_t ticking;         /* 1: a tick is under way, perhaps in this very thread: nothing may be set */
+    uint32_t refused;         /* 1: the port used a worker number that it has not; until positions are set anew */
+    const struct smr *placed; /* where smr_init() put it. A copy's arrays would be the original's */
     smr_port port;
     smr_shared shared;
     smr_pace pace;
@@ -34,6 +37,10 @@ struct smr {
     smr_tick_report report;
 };
 
-static inline int smr_valid(const smr *s) { return s != NULL && s->magic == SMR_STATE_MAGIC; }
+/* 1: a registration, where smr_init() put it. */
+static inline int smr_valid(const smr *s) { return s != NULL && s->magic == SMR_STATE_MAGIC && s->placed == s; }
+
+/* 1 when it may be changed, too: not from within a tick, as the port's functions or tasks beside this one are. */
+static inline int smr_changeable(const smr *s) { return smr_valid(s) && !s->ticking; }
 
 #endif

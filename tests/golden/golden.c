@@ -228,7 +228,8 @@ static int golden_main(const smr_port *port)
     float rms = 0.0f;
     align.samples = 200;
     align.iterations = 10;
-    if (!golden_meshes(mesh) || !golden_prepare(&mesh[0], &model, &image_bytes) ||
+    if (!golden_ok("self test", smr_self_test() == 0u ? SMR_OK : SMR_E_STATE) || !golden_meshes(mesh) ||
+        !golden_prepare(&mesh[0], &model, &image_bytes) ||
         !golden_ok("target", smr_surface_build(&mesh[1], golden_target, sizeof golden_target, &target)) ||
         !golden_ok("source", smr_surface_build(&mesh[0], golden_source, sizeof golden_source, &source)) ||
         !golden_ok("align", smr_align(source, target, &align, &pose, &rms)) ||

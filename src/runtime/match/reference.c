@@ -108,13 +108,15 @@ void smr_reference_begin(smr_reference *r)
     const float mass = (float)r->pace->lists.largest * r->shared->mass_max * r->shared->mass_unit;
     r->coarse = step_for(mass, reach, 2);
     r->fine = smr_max(step_for(mass, reach, 1), r->coarse * SMR_FINE_SHARE);
+    r->per_coarse = 1.0f / r->coarse; /* powers of two: exact */
+    r->per_fine = 1.0f / r->fine;
     r->sums->words = SMR_WORDS;
 }
 
-/* x^r of a vertex in whole steps, modulo 2^32: sums wrap anyway, and only differences within a cluster have to fit. */
-static void steps_of(const float *x, float step, uint32_t out[3])
+/* x^r of a vertex in whole steps of 1 / inverse, modulo 2^32: sums wrap anyway, and only differences within a cluster
+ * have to fit. */
+static void steps_of(const float *x, float inverse, uint32_t out[3])
 {
-    const float inverse = 1.0f / step;
     for (uint32_t a = 0; a < 3u; a++) {
         const float v = smr_clamp(x[a] * inverse, -1.0e18f, 1.0e18f);
         out[a] = (uint32_t)(uint64_t)(int64_t)(v + (v < 0.0f ? -0.5f : 0.5f));
@@ -137,8 +139,8 @@ void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
         uint32_t *w = r->sums->record + SMR_WORDS * (size_t)v;
         const uint32_t m = (uint32_t)(smr_mass(r->shared, v) * r->shared->mass_unit);
         uint32_t q[3], f[3];
-        steps_of(smr_at3(r->shape->x_ref, v), r->coarse, q);
-        steps_of(smr_at3(r->shape->x_ref, v), r->fine, f);
+        steps_of(smr_at3(r->shape->x_ref, v), r->per_coarse, q);
+        steps_of(smr_at3(r->shape->x_ref, v), r->per_fine, f);
         w[0] = m;
         for (uint32_t a = 0, i = 4; a < 3u; a++) {
             w[1u + a] = m * q[a];
@@ -164,10 +166,10 @@ void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t sha
 {
     uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)to, q[3], f[3], there[3], fine[3], first[3];
     const int64_t m = (int64_t)(smr_mass(r->shared, from) * r->shared->mass_unit) * share;
-    steps_of(smr_at3(r->shape->x_ref, from), r->coarse, q);
-    steps_of(smr_at3(r->shape->x_ref, from), r->fine, f);
-    steps_of(smr_at3(r->shape->x_ref, to), r->coarse, there);
-    steps_of(smr_at3(r->shape->x_ref, to), r->fine, fine);
+    steps_of(smr_at3(r->shape->x_ref, from), r->per_coarse, q);
+    steps_of(smr_at3(r->shape->x_ref, from), r->per_fine, f);
+    steps_of(smr_at3(r->shape->x_ref, to), r->per_coarse, there);
+    steps_of(smr_at3(r->shape->x_ref, to), r->per_fine, fine);
     for (uint32_t a = 0; a < 3u; a++) {
         first[a] = smr_boundary_part(m * steps_apart(q[a], there[a]));
         w[1u + a] += first[a];
@@ -213,8 +215,8 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
         r->share[v] = w[13] > 0u ? (float)SMR_BOUNDARY_UNITS / (float)w[13] : 0.0f;
         if (!smr_active(r->pace, v))
             continue;
-        steps_of(x, k, q);
-        steps_of(x, r->fine, f);
+        steps_of(x, r->per_coarse, q);
+        steps_of(x, r->per_fine, f);
         /* moments about the cluster's own vertex */
         const float mass = smr_max(smr_unfix(w[0], unit) + smr_unfix(w[14], unit / (float)SMR_BOUNDARY_UNITS), unit);
         float d[3], c[6];

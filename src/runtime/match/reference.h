@@ -18,6 +18,8 @@ typedef struct smr_reference {
     float *cluster_mass; /* [n] M; this and the two above only of active vertices' clusters */
     float *share;        /* [n] 1 / |zeta| over active members; 0 for none */
     float coarse, fine;  /* mm: x^r is rounded to these steps where spreads and centres are summed */
+    float per_coarse;    /* 1 / mm: the steps' inverses, exact. Divided here once: where a compiler makes vectors */
+    float per_fine;      /* of three divisions, the lane left over divides by 0 */
 } smr_reference;
 
 void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shared);

@@ -111,6 +111,7 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
     smr_arena_release(arena, arena_bytes);
     smr *self = layout(&a, &s);
     s.magic = SMR_STATE_MAGIC;
+    s.placed = self;
     if (port != NULL)
         s.port = *port;
     s.shared.min_cos = smr_cos_degrees(config->normal_deg);

@@ -37,6 +37,7 @@ static void start_here(smr *s)
     smr_plastic_normals(shape);
     smr_abandon_iteration(s);
     memset(&s->report, 0, sizeof s->report);
+    s->refused = 0;
     smr_schedule_start(s);
 }
 
@@ -44,7 +45,7 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
 {
     if (s == NULL || pose == NULL)
         return SMR_E_NULL;
-    if (!smr_valid(s))
+    if (!smr_changeable(s))
         return SMR_E_STATE;
     for (uint32_t i = 0; i < 12u; i++)
         if (!smr_within(pose->m[i / 4u][i % 4u], SMR_COORD_MAX))
@@ -75,7 +76,7 @@ smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz)
 {
     if (s == NULL || xyz == NULL)
         return SMR_E_NULL;
-    if (!smr_valid(s))
+    if (!smr_changeable(s))
         return SMR_E_STATE;
     if (structure >= s->shared.n_structures)
         return SMR_E_INPUT;

@@ -55,7 +55,7 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
 {
     if (s == NULL)
         return SMR_E_NULL;
-    if (!smr_valid(s) || (surface != NULL && !smr_surface_valid(surface)))
+    if (!smr_changeable(s) || (surface != NULL && !smr_surface_valid(surface)))
         return SMR_E_STATE;
     smr_surface_goals *g = &s->forces.surface;
     const uint32_t n_structures = s->shared.n_structures, n_slots = s->shared.config.n_target_vertices;
@@ -81,7 +81,7 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
     smr_grid grid;
     if (s == NULL)
         return SMR_E_NULL;
-    if (!smr_valid(s) || (volume != NULL && smr_le32(s->shared.model->profile_samples) == 0u))
+    if (!smr_changeable(s) || (volume != NULL && smr_le32(s->shared.model->profile_samples) == 0u))
         return SMR_E_STATE;
     if (volume != NULL) {
         const smr_status status = smr_grid_open(volume, &grid);
@@ -101,7 +101,7 @@ smr_status smr_set_active(smr *s, uint32_t n_active)
 {
     if (s == NULL)
         return SMR_E_NULL;
-    if (!smr_valid(s))
+    if (!smr_changeable(s))
         return SMR_E_STATE;
     s->pace.n_pinned = smr_min_u32(n_active, s->shared.n);
     smr_log_active(&s->log, n_active);
@@ -112,7 +112,7 @@ smr_status smr_set_log(smr *s, void *memory, size_t bytes)
 {
     if (s == NULL)
         return SMR_E_NULL;
-    if (!smr_valid(s) || (memory != NULL && !s->log.fresh))
+    if (!smr_changeable(s) || (memory != NULL && !s->log.fresh))
         return SMR_E_STATE;
     if (memory != NULL && bytes < SMR_LOG_HEADER + SMR_LOG_FULL_BYTES)
         return SMR_E_ARENA;

@@ -14,13 +14,19 @@ typedef struct part_of_step {
     void *stage;
     smr_task run;
     uint32_t first, count, bundle;
+    uint32_t n_workers;
+    uint32_t refused; /* 1: some worker was none of n_workers. Any thread sets it, atomically */
 } part_of_step;
 
 #define SMR_BUNDLES 64u /* of a step, about */
 
 static void run_bundle(void *arg, uint32_t bundle, uint32_t worker)
 {
-    const part_of_step *p = arg;
+    part_of_step *p = arg;
+    if (worker >= p->n_workers) { /* another worker's memory may be in use, and there is none beyond */
+        __atomic_store_n(&p->refused, 1u, __ATOMIC_RELAXED);
+        return;
+    }
     const uint32_t last = smr_min_u32((bundle + 1u) * p->bundle, p->count);
     for (uint32_t task = bundle * p->bundle; task < last; task++)
         p->run(p->stage, p->first + task, worker);
@@ -29,9 +35,11 @@ static void run_bundle(void *arg, uint32_t bundle, uint32_t worker)
 static void run_part(smr *s, const smr_step *step, uint32_t count, int timed)
 {
     const uint32_t bundle = timed ? 1u : smr_max_u32(count / SMR_BUNDLES, 1u);
-    part_of_step part = {smr_stage_of(s, step), step->run, s->next_task, count, bundle};
+    part_of_step part = {
+        smr_stage_of(s, step), step->run, s->next_task, count, bundle, smr_max_u32(s->port.n_workers, 1u), 0};
     smr_fork(&s->port, run_bundle, &part, smr_ceil_div(count, bundle));
     s->next_task += count;
+    s->refused |= __atomic_load_n(&part.refused, __ATOMIC_RELAXED);
 }
 
 /* A tick's time. */
@@ -66,14 +74,15 @@ static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
     return 1;
 }
 
-/* Runs the current step of n tasks, one at least; returns 0 when the deadline passed before its last task. */
-static int run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
+/* Runs the current step of n tasks, one at least. SMR_PARTIAL: the deadline passed before its last task. SMR_E_STATE:
+ * tasks were not run. */
+static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
 {
     const uint32_t group = step->order != SMR_ANY_ORDER ? 1u : (w->deadline == 0u ? n : smr_budget_group(s, n));
     const uint64_t ahead = w->deadline == 0u ? 0u : smr_min_u64(smr_budget_ahead(s, n, group), w->budget / 4u);
     for (; s->next_task < n; n = smr_step_tasks(s, step)) { /* what folds asks for more as it goes */
         if (w->deadline != 0u && w->begun && over(s, w, ahead))
-            return 0;
+            return SMR_PARTIAL;
         w->begun = 1;
         if (cut(s, step, w, group))
             break;
@@ -83,11 +92,13 @@ static int run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
             count = smr_min_u32(count, abreast - s->next_task % abreast);
         }
         run_part(s, step, count, w->deadline != 0u);
+        if (s->refused)
+            return SMR_E_STATE;
     }
     if (step->end != NULL)
         step->end(s);
     s->next_task = 0;
-    return 1;
+    return SMR_OK;
 }
 
 static void fill_report(smr *s, uint64_t *phase_ns)
@@ -136,33 +147,44 @@ static watch begin(smr *s, uint64_t budget_ns)
     return w;
 }
 
-smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
+/* Steps until the iteration is complete, the time is over or a task was refused. */
+static smr_status run_iteration(smr *s, watch *w, uint64_t *phase_ns)
 {
-    uint64_t phase_ns[SMR_PHASES] = {0};
-    if (s == NULL)
-        return SMR_E_NULL;
-    if (!smr_valid(s) || !targets_stand(s))
-        return SMR_E_STATE;
     smr_status status = SMR_OK;
-    watch w = begin(s, budget_ns);
     for (; !s->pace.done && s->step < smr_n_steps; s->step++) {
         const smr_step *step = &smr_steps[s->step];
         if (s->next_task == 0u && step->pieces != NULL)
-            step->pieces(smr_stage_of(s, step), w.deadline != 0u);
+            step->pieces(smr_stage_of(s, step), w->deadline != 0u);
         const uint32_t n_tasks = smr_step_tasks(s, step);
-        const uint64_t before = w.last;
-        if (n_tasks > 0u && !run_step(s, step, n_tasks, &w))
-            status = SMR_PARTIAL;
-        (void)over(s, &w, 0);
-        phase_ns[step->phase] += w.last > before ? w.last - before : 0u;
-        if (status == SMR_PARTIAL)
-            break;
+        const uint64_t before = w->last;
+        if (n_tasks > 0u)
+            status = run_step(s, step, n_tasks, w);
+        (void)over(s, w, 0);
+        phase_ns[step->phase] += w->last > before ? w->last - before : 0u;
+        if (status != SMR_OK)
+            return status;
         smr_budget_learn(s, n_tasks);
     }
     if (s->step == smr_n_steps) {
         smr_budget_done(s);
         s->step = 0;
     }
+    return SMR_OK;
+}
+
+smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
+{
+    uint64_t phase_ns[SMR_PHASES] = {0};
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!smr_changeable(s) || s->refused || !targets_stand(s))
+        return SMR_E_STATE;
+    s->ticking = 1;
+    watch w = begin(s, budget_ns);
+    const smr_status status = run_iteration(s, &w, phase_ns);
+    s->ticking = 0;
+    if (status == SMR_E_STATE)
+        return status;
     fill_report(s, phase_ns);
     smr_log_tick(&s->log, &s->report, status, status == SMR_OK ? s->report.n_taken : smr_forces_evaluated(s));
     if (report != NULL)

@@ -1,0 +1,152 @@
+/* test_port_contract.c: what a port or a program does against the contract is refused with a status: calls from within
+ * a tick, worker numbers that are not there, a copied arena. Positions stay those of the last complete iteration.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/registration.h"
+
+/* Runs tasks in order. `meddle`: the first one of each loop is followed by calls that must be refused.
+ * `worker`: the number that the last task of each loop is given. */
+typedef struct port_state {
+    smr *s;
+    const smr_surface *surface;
+    uint32_t meddle, worker, calls, accepted;
+} port_state;
+
+static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+static const float none[3] = {0, 0, 0};
+static smr_mesh ball, goal;
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+/* Tries everything that changes a registration; returns how many calls were not SMR_E_STATE. */
+static uint32_t meddle(smr *s, const smr_surface *surface)
+{
+    unsigned char log[SMR_LOG_BYTES(0, 0)];
+    const smr_status status[] = {
+        smr_tick(s, 0, NULL),           smr_set_pose(s, &identity),     smr_set_positions(s, 0, ball.xyz),
+        smr_set_surface(s, 0, surface), smr_set_volume(s, NULL),        smr_set_active(s, 1),
+        smr_set_log(s, NULL, 0),        smr_set_log(s, log, sizeof log)};
+    uint32_t accepted = 0;
+    for (size_t i = 0; i < sizeof status / sizeof status[0]; i++)
+        accepted += status[i] != SMR_E_STATE;
+    return accepted;
+}
+
+static void loop(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
+{
+    port_state *p = ctx;
+    for (uint32_t t = 0; t < n_tasks; t++) {
+        run(arg, t, t + 1u == n_tasks ? p->worker : 0u);
+        if (t == 0u && p->meddle) {
+            p->calls++;
+            p->accepted += meddle(p->s, p->surface);
+        }
+    }
+}
+
+static uint64_t meddling_clock(void *ctx)
+{
+    port_state *p = ctx;
+    if (p->meddle)
+        p->accepted += meddle(p->s, p->surface);
+    return 0;
+}
+
+static smr *start(port_state *p, uint32_t n_workers)
+{
+    const float off[3] = {5, 3, -2};
+    const smr_prepare_config radii = rig_radii(2, 25, 15, 0);
+    const smr_port port = {p, n_workers, loop, meddling_clock};
+    smr_config config = smr_config_default();
+    ball = rig_ball(30, 29, 24, none);
+    goal = rig_ball(35, 12, 16, off);
+    config.n_workers = n_workers;
+    config.n_target_vertices = goal.n_vertices;
+    memset(p, 0, sizeof *p);
+    p->s = rig_init(rig_model(&ball, 1, &radii), &config, &port);
+    p->surface = rig_surface(&goal);
+    assert_int_equal(SMR_OK, smr_set_surface(p->s, 0, p->surface));
+    return p->s;
+}
+
+static void refuses_calls_from_within(void **state)
+{
+    port_state p, q;
+    (void)state;
+    smr *s = start(&p, 2), *twin = start(&q, 2);
+    p.meddle = 1;
+    for (uint32_t i = 0; i < 12u; i++) {
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        assert_int_equal(SMR_OK, smr_tick(twin, 0, NULL));
+        assert_true(smr_state_hash(s) == smr_state_hash(twin));
+    }
+    assert_true(p.calls > 12u);
+    assert_int_equal(p.accepted, 0);
+    p.meddle = 0;
+    assert_int_equal(SMR_OK, smr_set_active(s, 0)); /* allowed again between ticks */
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+}
+
+static void refuses_workers_that_are_not_there(void **state)
+{
+    static const uint32_t worker[] = {2, 3, 64, UINT32_MAX};
+    (void)state;
+    for (size_t k = 0; k < sizeof worker / sizeof worker[0]; k++) {
+        port_state p, q;
+        smr_tick_report report, before;
+        smr *s = start(&p, 2), *twin = start(&q, 2);
+        (void)rig_run(s, 3);
+        (void)rig_run(twin, 3);
+        p.worker = worker[k];
+        memset(&report, 0x5a, sizeof report);
+        before = report;
+        assert_int_equal(SMR_E_STATE, smr_tick(s, 0, &report));
+        assert_memory_equal(&report, &before, sizeof report);
+        p.worker = 1;
+        assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL)); /* until positions are set */
+        assert_true(smr_state_hash(s) == smr_state_hash(twin));
+        assert_int_equal(SMR_OK, smr_set_pose(s, &identity));
+        assert_int_equal(SMR_OK, smr_set_pose(twin, &identity));
+        (void)rig_run(s, 6);
+        (void)rig_run(twin, 6);
+        assert_true(smr_state_hash(s) == smr_state_hash(twin));
+        rig_free_all();
+    }
+}
+
+static void refuses_a_copied_arena(void **state)
+{
+    port_state p;
+    float xyz[3 * 1024];
+    smr_structure_report part;
+    (void)state;
+    smr *s = start(&p, 1), *copy = rig_alloc(sizeof *s);
+    (void)rig_run(s, 2);
+    memcpy(copy, s, sizeof *s);
+    assert_true(ball.n_vertices <= 1024u);
+    assert_int_equal(0, meddle(copy, p.surface));
+    assert_int_equal(SMR_E_STATE, smr_get_positions(copy, 0, xyz));
+    assert_int_equal(SMR_E_STATE, smr_get_normals(copy, 0, xyz));
+    assert_int_equal(SMR_E_STATE, smr_get_structure_report(copy, 0, &part));
+    assert_true(smr_state_hash(copy) == 0u);
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(refuses_calls_from_within, tidy),
+        cmocka_unit_test_teardown(refuses_workers_that_are_not_there, tidy),
+        cmocka_unit_test_teardown(refuses_a_copied_arena, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
