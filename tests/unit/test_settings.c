@@ -168,8 +168,8 @@ static void check_range(int prepares, const smr_setting *s)
         const int good = accepts(prepares, s, s->open ? nextafterf(low + FLT_MIN, 2.0f) : low) &&
                          accepts(prepares, s, high) && !accepts(prepares, s, nextafterf(high, INFINITY)) &&
                          accepts(prepares, s, low) == !s->open && !accepts(prepares, s, nextafterf(low, -INFINITY)) &&
-                         !accepts(prepares, s, NAN) && !accepts(prepares, s, INFINITY) &&
-                         (!s->open || !accepts(prepares, s, FLT_MIN / 2.0f));
+                         !accepts(prepares, s, (double)NAN) && !accepts(prepares, s, (double)INFINITY) &&
+                         (!s->open || !accepts(prepares, s, (double)FLT_MIN / 2.0));
         if (!good)
             fail_msg("%s: not the range that the table says", s->name);
     } else {

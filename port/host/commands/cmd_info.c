@@ -57,7 +57,7 @@ static void print_volume(const char *path, const smr_volume *volume)
     static const char *const types[] = {"uint8", "int8", "uint16", "int16", "float"};
     const size_t n = (size_t)volume->size[0] * volume->size[1] * volume->size[2];
     const float *const d = volume->direction;
-    double low = INFINITY, high = -INFINITY;
+    double low = (double)INFINITY, high = -(double)INFINITY;
     host_box box;
     size_t i = 0;
     for (i = 0; i < n; i++) { /* NaN is left out */
@@ -66,7 +66,7 @@ static void print_volume(const char *path, const smr_volume *volume)
         high = v > high ? v : high;
     }
     if (low > high)
-        low = high = NAN;
+        low = high = (double)NAN;
     memset(&box, 0, sizeof box);
     host_box_add_volume(&box, volume);
     (void)printf("volume %s  voxels %u x %u x %u  %s  values %g to %g\n", path, volume->size[0], volume->size[1],
