@@ -161,15 +161,21 @@ static int accepts(int prepares, const smr_setting *s, double value)
     return status == SMR_OK;
 }
 
+static int accepts_float(int prepares, const smr_setting *s, float value)
+{
+    return accepts(prepares, s, (double)value);
+}
+
 static void check_range(int prepares, const smr_setting *s)
 {
     if (s->kind == SMR_SETTING_NUMBER) {
         const float low = (float)s->low, high = (float)s->high;
-        const int good = accepts(prepares, s, s->open ? nextafterf(low + FLT_MIN, 2.0f) : low) &&
-                         accepts(prepares, s, high) && !accepts(prepares, s, nextafterf(high, INFINITY)) &&
-                         accepts(prepares, s, low) == !s->open && !accepts(prepares, s, nextafterf(low, -INFINITY)) &&
-                         !accepts(prepares, s, (double)NAN) && !accepts(prepares, s, (double)INFINITY) &&
-                         (!s->open || !accepts(prepares, s, (double)FLT_MIN / 2.0));
+        const int good = accepts_float(prepares, s, s->open ? nextafterf(low + FLT_MIN, 2.0f) : low) &&
+                         accepts_float(prepares, s, high) && !accepts_float(prepares, s, nextafterf(high, INFINITY)) &&
+                         accepts_float(prepares, s, low) == !s->open &&
+                         !accepts_float(prepares, s, nextafterf(low, -INFINITY)) && !accepts_float(prepares, s, NAN) &&
+                         !accepts_float(prepares, s, INFINITY) &&
+                         (!s->open || !accepts_float(prepares, s, FLT_MIN / 2.0f));
         if (!good)
             fail_msg("%s: not the range that the table says", s->name);
     } else {
