@@ -57,7 +57,7 @@ TARGET_SRC  := $(sort $(wildcard tests/target/target_*.c))
 TEST_SRC    := $(sort $(wildcard tests/unit/test_*.c tests/property/test_*.c tests/golden/test_*.c))
 HOST_TEST_SRC := $(sort $(wildcard tests/host/test_*.c))
 EXPERIMENT_SRC := $(sort $(wildcard tests/experiments/test_*.c))
-EXPERIMENT_HELPER_SRC := $(filter-out $(EXPERIMENT_SRC),$(sort $(wildcard tests/experiments/*.c)))
+EXPERIMENT_HELPER_SRC := $(filter-out $(EXPERIMENT_SRC) %_tool.c,$(sort $(wildcard tests/experiments/*.c)))
 BENCH_SRC   := $(sort $(wildcard tests/bench/bench_*.c))
 # Every other file beside the tests is a helper that all tests may call, except tests/host/*_tool.c:
 # programs that the scripts there compile for themselves.
@@ -200,6 +200,13 @@ $(EXPERIMENTS): $(call obj,$(EXPERIMENT_HELPER_SRC))
 $(TESTS) $(HOST_TESTS) $(EXPERIMENTS): private LDLIBS += -lcmocka
 $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o \
                                             $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
+	$(call begin,LINK,$@)
+	$(Q)$(LINK) -lm
+
+# Makes and measures registrations with a known truth; see its usage.
+CASE_TOOL := $(BUILD)/tests/experiments/case_tool
+$(CASE_TOOL): $(call obj,tests/experiments/case_tool.c $(EXPERIMENT_HELPER_SRC)) $(HOST_LIB) $(SUPPORT_LIB) \
+              $(PTHREAD_LIB) $(CORE_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 

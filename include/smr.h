@@ -69,7 +69,8 @@ uint32_t smr_self_test(void);
 /* ------------------------------------------------------------------ 2. meshes and target surfaces */
 
 /* A triangle mesh in the caller's memory. Isolated or duplicate vertices, zero-area triangles,
- * non-manifold edges and several components are legal. */
+ * non-manifold edges and several components are legal. Vertices without triangles (nodes inside a volume mesh,
+ * landmarks) are carried by those around them, also as a structure of their own; in a target they attract nothing. */
 typedef struct smr_mesh {
     const float *xyz;          /* [n_vertices][3], mm, finite, within +-SMR_COORD_MAX */
     const uint32_t *triangles; /* [n_triangles][3], each < n_vertices; NULL when n_triangles is 0 */
@@ -131,19 +132,40 @@ typedef struct smr_pose {
 
 typedef struct smr_align_config {
     uint32_t cookie;
-    uint32_t scaled;     /* 0 rigid, 1 rigid with one scale; default 1 */
-    uint32_t iterations; /* 1..1000, default 60: closest-point iterations of the last refinement */
-    uint32_t samples;    /* 16..100000, default 600: points taken from each surface */
+    uint32_t scaled;       /* 0 rigid, 1 rigid with one scale; default 1 */
+    uint32_t iterations;   /* 1..1000, default 60: closest-point iterations of the last refinement */
+    uint32_t samples;      /* 16..100000, default 600: points taken from each surface */
+    const smr_pose *given; /* the pose that the surfaces are given in, tried as well; NULL (default): the identity */
 } smr_align_config;
 
 smr_align_config smr_align_config_default(void);
 
-/* Finds the pose that lays `model` onto `target` without landmarks.
- * Centroids and principal axes are tried in all orders and signs; closest points in both directions refine each.
- * rms_mm (may be NULL): the remaining distance.
- * Errors: E_NULL, E_STATE (not a surface), E_CONFIG, E_INPUT (no pose found); *pose untouched then. */
-smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
-                     smr_pose *pose, float *rms_mm);
+/* What smr_align() found. Distances are those of the parts that both surfaces have, in both directions. */
+typedef struct smr_align_report {
+    float rms_mm;               /* root mean square distance that is left */
+    float model_share;          /* 0..1, of the model's area that the target explains */
+    float target_share;         /* 0..1, of the target's area that the model explains */
+    float scale;                /* of the pose */
+    float second_rms_mm;        /* rms_mm of the best clearly different pose; 0 when none was found */
+    float mirrored_rms_mm;      /* rms_mm of the mirrored model; clearly smaller: perhaps the other side's */
+    uint32_t n_alike;           /* clearly different poses that explain the surfaces as well, with the one found; a
+                                    symmetric surface has more than 1 */
+    uint32_t given;             /* 1: the pose as given was kept */
+    uint32_t model_inside_out;  /* 1: closed, and its triangles look inwards; aligned as if they did not */
+    uint32_t target_inside_out; /* likewise */
+} smr_align_report;
+
+/* Scratch bytes smr_align() needs. Errors: E_NULL, E_CONFIG. */
+smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes);
+
+/* Finds the pose that lays `model` onto `target` without landmarks, wholes or parts of them.
+ * A search over rotations and over translations that match centres or ends, refined by closest points in both
+ * directions; what the other surface does not have is left out. The pose as given is tried, too.
+ * memory: SMR_ALIGN-aligned scratch. report may be NULL.
+ * Errors: E_NULL, E_STATE (not a surface), E_CONFIG, E_ALIGN, E_ARENA, E_INPUT (no pose found, or config.given is not
+ * a rotation, a scale and a translation); *pose and *report untouched then. */
+smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config, void *memory,
+                     size_t bytes, smr_pose *pose, smr_align_report *report);
 
 #define SMR_LANDMARKS_MAX 64u
 
@@ -224,7 +246,7 @@ typedef struct smr_prepare_config {
 
     /* SMR_DISTANCE_..., default euclidean (paper 2.2). */
     uint32_t distance;
-    /* SMR_MASS_..., default unit: 1 for each vertex. */
+    /* SMR_MASS_..., default unit: 1 for each vertex; 1/16 for one without triangles, which is carried. */
     uint32_t mass;
     /* SMR_ORDER_..., default forest. The order L of the clusters. */
     uint32_t order;
@@ -339,6 +361,7 @@ typedef struct smr_port {
 
 enum { SMR_METHOD_RIGID = 0, SMR_METHOD_POLAR = 1 };
 enum { SMR_SIMILARITY_NCC = 0, SMR_SIMILARITY_SSD = 1, SMR_SIMILARITY_CONCORDANCE = 2 };
+enum { SMR_COVERAGE_AUTO = 0, SMR_COVERAGE_WHOLE = 1, SMR_COVERAGE_PARTIAL = 2 };
 enum { SMR_NORMALS_CARRIED = 0, SMR_NORMALS_EXACT = 1 };
 
 /* How a registration runs. Each comment starts with unit, range and default. Where two defaults stand, the second is
@@ -369,6 +392,11 @@ typedef struct smr_config {
 
     /* mm, (0, 100000], default 60. No closest point beyond this distance is a goal. */
     float search_mm;
+    /* SMR_COVERAGE_..., default auto. Whether target surfaces show all of the model. Where they do not, a vertex counts
+     * as far as it is seen: less beyond an open border, where normals disagree, and where the target's closest points
+     * lie elsewhere on the model. What is unseen follows what is seen by a smooth field. auto: whole for closed
+     * surfaces of which the model covers nine tenths. whole takes no memory. */
+    uint32_t coverage;
     /* share, [0, 1], default 0.5. Of the target-to-model pull in the goal.
      * Without effect while n_target_vertices is 0; smr_tick_report.attraction_used says what was used. */
     float attraction;
@@ -521,7 +549,8 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
  * Above the exact size by about 6 kB, 1.3 kB for each further structure, and 0.4 %: with one structure a quarter at 50
  * vertices, 2 % at 1,000, and less than 1 % from 5,000 on. */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices, method)                   \
-    ((size_t)8192u + ((method) == SMR_METHOD_RIGID ? (size_t)326u : (size_t)362u) * (n_vertices) +                     \
+    ((size_t)8192u + ((method) == SMR_METHOD_RIGID ? (size_t)328u : (size_t)364u) * (n_vertices) +                     \
+     ((n_vertices) < 158u ? (size_t)64u * (158u - (n_vertices)) : (size_t)0u) +                                        \
      (size_t)(12u + SMR_SWAPPED_BYTES) * (n_triangles) + (size_t)(n_triangles) / 16u + (size_t)256u * (n_structures) + \
      ((n_target_vertices) == 0u ? (size_t)0u                                                                           \
                                 : (size_t)4u * (n_target_vertices) + (size_t)32u * (n_workers) * (n_vertices) +        \
@@ -588,6 +617,9 @@ typedef struct smr_tick_report {
     uint32_t n_forces;
     /* Vertices of n_active without an acceptable goal. */
     uint32_t n_rejected;
+    /* share, 0..1. Vertices with a goal, of those that looked for one in the last iteration in which any did: search
+     * distances in images may end at 0. -1: none has since a target, the image or positions were set. */
+    float matched_share;
     /* Vertices that the fold guard moved: held back, unfolded or repaired. */
     uint32_t n_guarded;
     /* config.attraction when target vertices attracted the model in this iteration, else 0.
@@ -597,11 +629,13 @@ typedef struct smr_tick_report {
     uint32_t plastic_updates;
     /* 1: the schedule is done. Further ticks change nothing. */
     uint32_t done;
-    /* 1: done, and the last iteration moved every vertex by less than plastic_um. */
+    /* 1: done, the last iteration moved every vertex by less than plastic_um, and matched_share is above 0. Back to 0
+     * when a target is set after the end, for no iteration has looked at it. */
     uint32_t converged;
     /* share, 0..1. Of the schedule's iterations done. */
     float progress;
-    /* mm. |goal - x| over the n_forces vertices. */
+    /* mm. |goal - x| over the n_forces vertices, of the last complete forces. -1: not measured, for no vertex had a
+     * goal then, or a target, the image or positions were set since (n_active, n_forces and n_rejected are 0 then). */
     float residual_mean_mm;
     float residual_rms_mm;
     float residual_max_mm;
@@ -643,11 +677,89 @@ typedef struct smr_structure_report {
     uint32_t has_target; /* 1: a surface or an image; 0: carried along */
     uint32_t n_forces;   /* as in smr_tick_report, of the last complete forces */
     uint32_t n_rejected;
-    float residual_mean_mm, residual_max_mm;
-    float moved_mean_mm, moved_max_mm; /* from the start positions */
+    float matched_share;                     /* as in smr_tick_report, of this structure */
+    float residual_mean_mm, residual_max_mm; /* -1: not measured, as in smr_tick_report */
+    float moved_mean_mm, moved_max_mm;       /* from the start positions */
 } smr_structure_report;
 
 smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report);
+
+/* Whether a result can be relied on. GOOD: nothing measured speaks against it. LOOK: something does. FAILED: the result
+ * tells nothing of the target. */
+enum { SMR_VERDICT_GOOD = 0, SMR_VERDICT_LOOK = 1, SMR_VERDICT_FAILED = 2 };
+
+/* What a verdict other than good rests on. */
+#define SMR_REASON_NOTHING_SEEN 1u  /* no vertex had a goal in the last complete forces, or there were none */
+#define SMR_REASON_UNSEEN 2u        /* seen_share is low, or expected_error_mm high for bend_mm */
+#define SMR_REASON_EXPECTED 4u      /* expected_error_mm is high */
+#define SMR_REASON_UNCOVERED 8u     /* target_covered is low */
+#define SMR_REASON_NORMALS 16u      /* normals_agree is low */
+#define SMR_REASON_RESIDUAL 32u     /* residual_mm is high for the model's edges */
+#define SMR_REASON_SCALE 64u        /* scale is far from 1 */
+#define SMR_REASON_STRAIN 128u      /* strain or stretch is high */
+#define SMR_REASON_VOLUME 256u      /* volume_ratio is far from 1 */
+#define SMR_REASON_ROTATION 512u    /* rotation_deg is high */
+#define SMR_REASON_BEND 1024u       /* bend_mm is high */
+#define SMR_REASON_LIKENESS 2048u   /* likeness is low */
+#define SMR_REASON_GOALS 4096u      /* goals_share is low */
+#define SMR_REASON_STRUCTURES 8192u /* of the whole: structures that are not good make up much of it */
+
+/* One sentence for one bit of smr_verdict.reasons: what was measured and where to look. "" for anything else. Never
+ * NULL; constant data. */
+const char *smr_reason_text(uint32_t bit);
+
+/* What was measured of a structure, or of all. Figures that say so are -1 where nothing of the kind was measured. */
+typedef struct smr_verdict {
+    uint32_t level;   /* SMR_VERDICT_...: the worst of its reasons */
+    uint32_t reasons; /* sum of SMR_REASON_...; 0 when good */
+    /* mm, or -1. Mean of smr_get_expected_error() over the structures of which enough is seen. */
+    float expected_error_mm;
+    /* share, 0..1, or -1. Of the model's area that the target shows; into an image: of the vertices with a goal. */
+    float seen_share;
+    /* share, 0..1, or -1. Of the target's area that the model lies on: no farther off than a mean edge or twice the
+     * residual. Measured where target vertices attract (config.n_target_vertices). */
+    float target_covered;
+    /* mm, or -1. Mean distance of seen vertices to the target; into an image: to their goals. */
+    float residual_mm;
+    /* share, 0..1, or -1. Of the model's area that lies on the target: normals are less than 90 degrees apart. */
+    float normals_agree;
+    /* share, -1..1, or -1. Of comparisons of an intensity profile in its place with the same profile 12 to 36 mm
+     * beside it on the normal: won less lost. About 0 is what chance gives. */
+    float likeness;
+    /* share, 0..1, or -1. Of vertices that looked for a goal in the image and found one. */
+    float goals_share;
+    /* share. Root mean square change of the edges' lengths from rest, but for the whole's scale. */
+    float strain;
+    /* share. Root mean square change of the size of parts of the structure from rest, likewise. */
+    float stretch;
+    /* Volume over that at rest, but for the whole's scale; 1 for open surfaces. */
+    float volume_ratio;
+    /* degrees, 0..180. Largest rotation from rest of a part against the whole. */
+    float rotation_deg;
+    /* degrees, 0..180. Rotation of the whole from the start. Beyond 40 the rigid kinematics are far from linear. */
+    float turned_deg;
+    /* mm. Size of the smooth displacement from the start that a rigid motion does not explain, along an axis. */
+    float bend_mm;
+    /* Size now over that at the start, and over that at rest. */
+    float scale, scale_rest;
+    /* mm. Largest displacement of a vertex in the last iteration, of the whole model. */
+    float moved_last_mm;
+} smr_verdict;
+
+/* Measures and judges one structure, or SMR_ALL: a closest-point search for each vertex and each triangle of its
+ * target, and about 7,000 multiplications for each vertex. Changes no result. Serial.
+ * Errors: E_NULL, E_INPUT, E_STATE (not a registration; called from within a tick; a target surface has changed; an
+ * iteration is under way, whose memory this needs: tick until SMR_OK). */
+smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict);
+
+/* seen: [n_vertices], caller's order. 1: the target shows the vertex, as last judged; 0: it follows others.
+ * Errors: E_NULL, E_INPUT, E_STATE (not a registration). */
+smr_status smr_get_seen(const smr *s, uint32_t structure, unsigned char *seen);
+
+/* mm: [n_vertices], caller's order. How far the vertex is expected from its true place, not only from the true surface:
+ * what lies along the surface counts, too. -1 where too little of the structure is seen to say anything.
+ * Errors: as smr_get_verdict(). */
+smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm);
 
 /* Hash of the complete state (positions and reference shape). 0 for NULL. */
 uint64_t smr_state_hash(const smr *s);

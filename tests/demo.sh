@@ -24,7 +24,8 @@ done | cat - "$dir/result/report.json" | awk -v dir="$dir/result" '
                      if ($3 > worst) { worst = $3; worst_name = $2 }; next }
     { key = $1; gsub(/[":]/, "", key); text = $2; gsub(/[",]/, "", text) }
     key == "name" { name = text }
-    key == "model_to_target" || key == "vertex_to_vertex_mm" { part = key }
+    key == "distance_mm" || key == "vertex_distance_mm" { distance = key }
+    (key == "model_to_target" && distance == "distance_mm") || key == "vertex_to_vertex_mm" { part = key }
     key == "mean" && part != "" { # of the whole first, then of each structure
         if (name == "") after[part] = text
         else if (part == "model_to_target" && text + 0 > last) { last = text + 0; last_name = name }

@@ -121,6 +121,18 @@ static void build_tree(smr_surface *s, const build *b, uint32_t n_triangles)
     smr_tree_refit_upper(&s->facets);
 }
 
+/* The mean area around a vertex; those without triangles attract nothing and do not count. */
+static float mean_area(const smr_surface *s, const build *b)
+{
+    float total = 0.0f;
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < s->n_vertices; i++) {
+        total += s->area[i];
+        n += b->start[i + 1u] > b->start[i];
+    }
+    return total / (float)n;
+}
+
 smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface)
 {
     smr_arena a;
@@ -147,11 +159,8 @@ smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, s
     copy_mesh(&s, &b, mesh);
     const smr_mesh own = {s.xyz, s.triangle, nv, nt};
     smr_mesh_normals(&own, s.normal, s.area);
-    float total = 0.0f;
-    for (uint32_t i = 0; i < nv; i++)
-        total += s.area[i];
-    s.area_mean = total / (float)nv;
     smr_mesh_around(&own, b.start, b.around);
+    s.area_mean = mean_area(&s, &b);
     find_borders(&s, &b, nt);
     build_tree(&s, &b, nt);
     *b.s = s;

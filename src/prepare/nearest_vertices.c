@@ -60,7 +60,7 @@ uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t las
                 continue;
             if (at.level > 0u)
                 stack[top++] = (visit){at.level - 1u, child, child2};
-            else if (child != v && !(p->separate && p->owner[child] != p->owner[v]))
+            else if (child != v && !smr_kept_apart(p, child, v))
                 insert(&best, child, child2);
         }
     }

@@ -27,7 +27,7 @@ static void one_ring(smr_plan *p, uint32_t v, float s_min, uint64_t *row)
 {
     smr_ball_row(p, v, s_min, row);
     if (p->separate)
-        smr_row_keep_structure(p, p->owner[v], row);
+        smr_row_keep_structure(p, v, row);
 }
 
 /* p->item[n]: the vertices by |xi|, largest first, ties by number. */

@@ -154,8 +154,16 @@ void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row);
 /* Fills the row with all vertices within `radius` of v along mesh edges (geodesic distance). */
 void smr_geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
 
-/* Removes the vertices of other structures from the row. */
-void smr_row_keep_structure(const smr_plan *p, uint32_t structure, uint64_t *row);
+/* 1 when two vertices are never in each other's cluster at the present radius: separate clusters keep to a structure.
+ * Structures of points alone slide on nothing: they are carried by whatever is around them. */
+static inline int smr_kept_apart(const smr_plan *p, uint32_t a, uint32_t b)
+{
+    const uint32_t i = p->owner[a], k = p->owner[b];
+    return p->separate && i != k && p->structures[i].mesh.n_triangles > 0u && p->structures[k].mesh.n_triangles > 0u;
+}
+
+/* Removes the vertices that are kept apart from v from the row. */
+void smr_row_keep_structure(const smr_plan *p, uint32_t v, uint64_t *row);
 
 /* found[k]: the k <= SMR_NEAREST vertices nearest to v among first .. last-1, v itself excluded; when p->separate only
  * of its structure. distance2[k], unless NULL: their squared distances, mm^2. Returns how many there are. */

@@ -107,8 +107,7 @@ static int surely_holds(const smr_plan *p, uint32_t v, uint32_t j, float radius)
     float d2 = 0.0f;
     for (uint32_t c = 0; c < 3u; c++)
         d2 += (a[c] - b[c]) * (a[c] - b[c]);
-    return d2 <= radius * radius && p->config->distance == SMR_DISTANCE_EUCLIDEAN &&
-           (!p->separate || p->owner[v] == p->owner[j]);
+    return d2 <= radius * radius && p->config->distance == SMR_DISTANCE_EUCLIDEAN && !smr_kept_apart(p, v, j);
 }
 
 /* Takes over the witness of a mesh neighbour when its cluster is smaller. Returns |zeta| of the witness. */

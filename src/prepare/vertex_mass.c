@@ -1,15 +1,24 @@
 /* vertex_mass.c: the masses m_i of the particles (paper 2.3): 1 each, or a third of the area of the adjacent
- * triangles, scaled to a mean of 1 and rounded to multiples of 1 / SMR_MASS_UNITS.
+ * triangles, scaled to a mean of 1 and rounded to multiples of 1 / SMR_MASS_UNITS. Vertices without triangles (nodes
+ * inside a volume mesh, landmarks) get no forces: they have the least mass, so that they hardly hold back the others.
  * SPDX-License-Identifier: MIT */
 #include "prepare/plan.h"
+
+static void unit_masses(smr_plan *p)
+{
+    for (uint32_t v = 0; v < p->n; v++)
+        p->mass[v] = p->nt == 0u ? 1.0f : 1.0f / SMR_MASS_UNITS;
+    for (uint32_t i = 0; i < 3u * p->nt; i++)
+        p->mass[p->triangle[i]] = 1.0f;
+}
 
 void smr_plan_mass(smr_plan *p)
 {
     float total = 0.0f;
-    for (uint32_t v = 0; v < p->n; v++)
-        p->mass[v] = 1.0f;
-    if (p->config->mass != SMR_MASS_AREA || p->nt == 0u)
+    if (p->config->mass != SMR_MASS_AREA || p->nt == 0u) {
+        unit_masses(p);
         return;
+    }
     for (uint32_t v = 0; v < p->n; v++)
         p->mass[v] = 0.0f;
     for (uint32_t k = 0; k < p->nt; k++) {

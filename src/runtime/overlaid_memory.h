@@ -8,6 +8,8 @@
  *                   records of transforms -> their sums                       transforms, fixed point
  *                   tangent evening -> evolve                                 rings: neighbours' displacements
  *                   fold repair or fold limit                                 rings: neighbours' displacements or steps
+ *   sum             unseen field -> forces                                    controls, factor and coefficients
+ *                   reference records -> average                              sums over clusters
  *   sum, words 12+  evolve -> end of the iteration                            next normals (sums.h)
  *   tally           within each step and its end                              what a task leaves for the step's end;
  *                   fold find -> fold limit, repair and open                  counts of folds in each chunk of hinges
@@ -55,13 +57,18 @@ typedef struct smr_rings {
 
 typedef struct smr_overlay {
     uint32_t *record; /* [n][SMR_WORDS] */
+    uint32_t *sum;    /* [n][SMR_WORDS], and at least n_sum words */
     smr_rings rings;
     smr_tally *tally; /* [n_tallies] */
 } smr_overlay;
 
-static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, uint32_t words, uint32_t n_tallies)
+/* n_sum: words that `sum` has at least. */
+static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, uint32_t words, size_t n_sum,
+                                      uint32_t n_tallies)
 {
+    const size_t n_words = (size_t)n * words;
     o->record = smr_arena_take(a, n, words * sizeof(uint32_t));
+    o->sum = smr_arena_take(a, n_words > n_sum ? n_words : n_sum, sizeof(uint32_t));
     o->tally = smr_arena_take(a, n_tallies, sizeof *o->tally);
     if (o->record == NULL)
         return;

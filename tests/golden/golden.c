@@ -1,11 +1,14 @@
 /* golden.c: registrations whose bits must be the same on every processor, compiler, thread count and task order.
  *
- * Prints one line: smr-hash <state after the rigid run> <after the polar run> <after an image run> <CRC-32 of the
- * models without and with profiles>.
+ * Prints one line: smr-hash <state after the rigid run> <after the polar run> <after an image run> <after a run onto
+ * half of the target> <CRC-32 of the models without and with profiles, of the start pose's facts and of the expected
+ * errors>.
  * Hosted: golden [threads N | workers N | reverse | shuffle | interleave]; without an argument a plain loop.
  * Bare metal (SMR_BAREMETAL): no argument; the buffers go to the section .arena.
  * SPDX-License-Identifier: MIT */
 #include <smr.h>
+
+#include <string.h>
 
 #include "fixture_bone.h"
 #include "fixture_thigh.h"
@@ -19,7 +22,6 @@
 #include "smr_pthread.h"
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #define GOLDEN_MEMORY static _Alignas(SMR_ALIGN)
 #endif
 
@@ -89,7 +91,7 @@ static int golden_prepare(const smr_mesh *mesh, const smr_model **model, size_t 
 
 /* One registration; *hash: of its state after GOLDEN_TICKS iterations. */
 static int golden_run(const smr_model *model, const smr_surface *target, const smr_port *port, uint32_t method,
-                      const smr_pose *pose, uint64_t *hash)
+                      const smr_pose *pose, smr **state, uint64_t *hash)
 {
     smr_config config = smr_config_default();
     smr_tick_report report;
@@ -111,7 +113,33 @@ static int golden_run(const smr_model *model, const smr_surface *target, const s
     for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++)
         if (!golden_ok("tick", smr_tick(s, 0, &report)))
             return 0;
+    *state = s;
     *hash = smr_state_hash(s);
+    return 1;
+}
+
+/* Onto a target that shows half of the bone only, and what is said about each vertex. */
+static int golden_half(const smr_model *model, smr_mesh half, const smr_port *port, uint64_t *hash, uint32_t *crc)
+{
+    smr_surface *target = NULL;
+    smr_verdict verdict;
+    smr *s = NULL;
+    unsigned char *bytes = golden_scratch;
+    const size_t n = 1024;
+    half.n_triangles /= 2u;
+    memset(golden_words, 0, n * sizeof(float));
+    if (!golden_ok("half", smr_surface_build(&half, golden_target, sizeof golden_target, &target)) ||
+        !golden_run(model, target, port, SMR_METHOD_RIGID, NULL, &s, hash) ||
+        !golden_ok("verdict", smr_get_verdict(s, SMR_ALL, &verdict)) ||
+        !golden_ok("half is not all", verdict.level != SMR_VERDICT_GOOD ? SMR_OK : SMR_E_STATE) ||
+        !golden_ok("errors", smr_get_expected_error(s, 0, golden_words)))
+        return 0;
+    for (size_t i = 0; i < n * sizeof(float); i++) { /* little-endian everywhere */
+        uint32_t word;
+        memcpy(&word, &golden_words[i / 4u], sizeof word);
+        bytes[i] = (unsigned char)(word >> 8u * (i % 4u));
+    }
+    *crc = golden_crc(bytes, n * sizeof(float));
     return 1;
 }
 
@@ -215,26 +243,46 @@ static int golden_image_run(const smr_port *port, uint64_t *hash, uint32_t *crc)
     return golden_ok("image forces", report.done && report.n_forces > 100u ? SMR_OK : SMR_E_STATE);
 }
 
+/* The start pose, from a quarter turn away, so that it must be searched, and the checksum of what is said about it. */
+static int golden_start(const smr_surface *source, const smr_surface *target, smr_pose *pose, uint32_t *crc)
+{
+    static const smr_pose quarter = {{{0, -1, 0, 30}, {1, 0, 0, 5}, {0, 0, 1, -9}}};
+    smr_align_config align = smr_align_config_default();
+    smr_align_report said;
+    unsigned char bytes[sizeof said];
+    align.samples = 200;
+    align.iterations = 10;
+    align.given = &quarter;
+    if (!golden_ok("align", smr_align(source, target, &align, golden_scratch, sizeof golden_scratch, pose, &said)) ||
+        !golden_ok("align found", !said.given && said.n_alike == 1u ? SMR_OK : SMR_E_STATE))
+        return 0;
+    for (size_t i = 0; i < sizeof said; i++) { /* little-endian everywhere */
+        uint32_t word;
+        memcpy(&word, (const unsigned char *)&said + i / 4u * 4u, sizeof word);
+        bytes[i] = (unsigned char)(word >> 8u * (i % 4u));
+    }
+    *crc = golden_crc(bytes, sizeof bytes);
+    return 1;
+}
+
 static int golden_main(const smr_port *port)
 {
     smr_mesh mesh[2];
     const smr_model *model = NULL;
     smr_surface *source = NULL, *target = NULL;
-    smr_align_config align = smr_align_config_default();
     smr_pose pose;
     size_t image_bytes = 0;
-    uint64_t rigid = 0, polar = 0, image = 0;
-    uint32_t crc = 0, crc_image = 0;
-    float rms = 0.0f;
-    align.samples = 200;
-    align.iterations = 10;
+    uint64_t rigid = 0, polar = 0, image = 0, half = 0;
+    uint32_t crc = 0, crc_image = 0, crc_start = 0, crc_half = 0;
+    smr *s = NULL;
     if (!golden_ok("self test", smr_self_test() == 0u ? SMR_OK : SMR_E_STATE) || !golden_meshes(mesh) ||
         !golden_prepare(&mesh[0], &model, &image_bytes) ||
         !golden_ok("target", smr_surface_build(&mesh[1], golden_target, sizeof golden_target, &target)) ||
         !golden_ok("source", smr_surface_build(&mesh[0], golden_source, sizeof golden_source, &source)) ||
-        !golden_ok("align", smr_align(source, target, &align, &pose, &rms)) ||
-        !golden_run(model, target, port, SMR_METHOD_RIGID, NULL, &rigid) ||
-        !golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &polar))
+        !golden_start(source, target, &pose, &crc_start) ||
+        !golden_run(model, target, port, SMR_METHOD_RIGID, NULL, &s, &rigid) ||
+        !golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &s, &polar) ||
+        !golden_half(model, mesh[1], port, &half, &crc_half))
         return 1;
     crc = golden_crc(golden_image, image_bytes);
     if (!golden_image_run(port, &image, &crc_image))
@@ -246,7 +294,9 @@ static int golden_main(const smr_port *port)
     print_text(" ");
     print_hex(image, 16);
     print_text(" ");
-    print_hex(crc ^ crc_image, 8);
+    print_hex(half, 16);
+    print_text(" ");
+    print_hex(crc ^ crc_image ^ crc_start ^ crc_half, 8);
     print_text("\n");
     return 0;
 }

@@ -122,9 +122,9 @@ case ${CFLAGS:-} in
     figure "files" files
     check "figure 2 of the computed thigh" "$SMR" bench --figure2 --repeats 1 --step 45 --small --quiet -o deep/thigh
     figure "thigh" deep/thigh
-    # Landmarks and meshes come through files with fewer digits, so nearly.
+    # Landmarks and meshes come through files with fewer digits, so nearly: 0.05 mm, or 6 % where most vertices are ignored.
     check "the same errors" sh -c "grep -h ^error files/figure2.csv deep/thigh/figure2.csv | awk -F, '
-        { k = \$2 \$3 \$4; if (k in mm) { d = mm[k] - \$9; n++; if (d > 0.05 || d < -0.05) bad = 1 }; mm[k] = \$9 }
+        { k = \$2 \$3 \$4; if (k in mm) { d = mm[k] - \$9; b = 0.06 * \$9; if (b < 0.05) b = 0.05; n++; if (d > b || d < -b) bad = 1 }; mm[k] = \$9 }
         END { exit !(n == 9 && !bad) }'"
     ;;
 esac

@@ -73,11 +73,11 @@ says "a model in metres, an image" 2 "metres or micrometres" register --model me
 says "and built" 2 "metres or micrometres" build --model metres.obj --reference image.mha -o out
 volume '500 500 500' '20 20 20' >elsewhere.mha
 "$SMR" register --model bone.obj --reference elsewhere.mha --target image.mha -o out >out.txt 2>err.txt
-check "a reference elsewhere" grep -q "^nothing of the target was seen: none of the model's vertices lies in the reference" out.txt
+check "a reference elsewhere" grep -q "^verdict: failed: nothing of the target was seen: none of the model's vertices lies in the reference" out.txt
 says "and built" 0 "none of its vertices lies in it" build --model bone.obj --reference elsewhere.mha -o beside.smr --quiet
 volume '0 -70 -70' '20 20 20' >half.mha
 "$SMR" register --model bone.obj --reference half.mha --target image.mha -o out --ticks 2 >out.txt 2>err.txt
-check "one that covers a part" grep -qE "^vertices of the model in the reference image: [56][0-9]\.[0-9] %$" out.txt
+check "one that covers a part" grep -qE "^verdict: .*[:;] [56][0-9]\.[0-9] % of the model's vertices lie in the reference image: look" out.txt
 check "one that fits is taken" "$SMR" build --model bone.obj --reference image.mha -o fits.smr --quiet
 
 # Inside out.

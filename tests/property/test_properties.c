@@ -178,9 +178,11 @@ static float *aligned(const smr_mesh *source, const smr_mesh *target)
     const smr_model *model = rig_model(source, 1, NULL);
     const smr_surface *to = rig_surface(target);
     smr_pose pose;
+    size_t bytes = 0;
     config.n_target_vertices = target->n_vertices;
     smr *s = rig_init(model, &config, NULL);
-    assert_int_equal(SMR_OK, smr_align(rig_surface(source), to, &how, &pose, NULL));
+    assert_int_equal(SMR_OK, smr_align_bytes(&how, &bytes));
+    assert_int_equal(SMR_OK, smr_align(rig_surface(source), to, &how, rig_alloc(bytes), bytes, &pose, NULL));
     assert_int_equal(SMR_OK, smr_set_pose(s, &pose));
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, to));
     assert_int_equal(1, rig_run(s, 2000).done);

@@ -86,6 +86,7 @@ static const struct {
     uint32_t phase, unit;
     const char *name;
 } target_steps[] = {
+    {smr_unseen_field_solve, SMR_PHASE_FORCES, TARGET_VERTICES, "unseen field"},
     {smr_attract_search, SMR_PHASE_FORCES, TARGET_GOALS, "target pulls"},
     {smr_fill_sum, SMR_PHASE_FORCES, TARGET_TRIANGLES, "fill, sums"},
     {smr_forces_search, SMR_PHASE_FORCES, TARGET_VERTICES, "goals"},

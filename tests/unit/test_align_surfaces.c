@@ -44,7 +44,11 @@ static double find(oracle_random *r, const unit_mesh *model, const smr_surface *
     c.samples = 120;
     c.iterations = 100;
     smr_pose pose;
-    assert_int_equal(smr_align(s, target, &c, &pose, rms), SMR_OK);
+    smr_align_report report;
+    assert_int_equal(unit_align(s, target, &c, &pose, &report), SMR_OK);
+    assert_true(fabs((double)report.scale - p.scale) < 0.01 && report.n_alike == 1u && !report.given);
+    assert_true(report.model_share > 0.95f && report.target_share > 0.95f);
+    *rms = report.rms_mm;
     double sum = 0.0;
     for (uint32_t i = 0; i < model->nv; i++) {
         double x[3], d2 = 0.0;
@@ -99,32 +103,68 @@ static void two_meshes_of_one_bone(void **state)
     run(112, 0, 4, 1, 0.25);
 }
 
+static void refused_configurations(const smr_surface *s)
+{
+    static const uint32_t bad[][3] = {{2, 60, 600}, {1, 0, 600}, {1, 1001, 600}, {1, 60, 15}, {1, 60, 100001}};
+    smr_align_config c = smr_align_config_default();
+    unsigned char none;
+    size_t bytes = 7;
+    smr_pose pose;
+    c.cookie ^= 1u;
+    assert_int_equal(smr_align(s, s, &c, &none, 1, &pose, NULL), SMR_E_CONFIG);
+    assert_int_equal(smr_align_bytes(&c, &bytes), SMR_E_CONFIG);
+    for (size_t i = 0; i < 5u; i++) {
+        c = smr_align_config_default();
+        c.scaled = bad[i][0];
+        c.iterations = bad[i][1];
+        c.samples = bad[i][2];
+        assert_int_equal(smr_align(s, s, &c, &none, 1, &pose, NULL), SMR_E_CONFIG);
+        assert_int_equal(smr_align_bytes(&c, &bytes), SMR_E_CONFIG);
+    }
+    assert_int_equal(bytes, 7);
+}
+
+/* Poses that are no rotation with a scale: sheared, mirrored, flat, not finite, too large. */
+static void refused_poses(const smr_surface *s, void *memory, size_t bytes)
+{
+    static const smr_pose bad[] = {
+        {{{1, 0.1f, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}, {{{-1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}},
+        {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 0, 0}}},    {{{1, 0, 0, NAN}, {0, 1, 0, 0}, {0, 0, 1, 0}}},
+        {{{NAN, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}},  {{{2e3f, 0, 0, 0}, {0, 2e3f, 0, 0}, {0, 0, 2e3f, 0}}}};
+    smr_align_config c = smr_align_config_default();
+    smr_pose pose;
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        c.given = &bad[i];
+        assert_int_equal(smr_align(s, s, &c, memory, bytes, &pose, NULL), SMR_E_INPUT);
+    }
+}
+
 static void refusals(void **state)
 {
     unit_mesh m = unit_sphere(1, 5.0f, 0.0f);
     smr_surface *s = unit_surface(&m);
-    smr_align_config good = smr_align_config_default(), c = good;
+    const smr_align_config c = smr_align_config_default();
+    size_t bytes = 0;
     smr_pose pose, mark;
     (void)state;
+    assert_int_equal(smr_align_bytes(NULL, &bytes), SMR_E_NULL);
+    assert_int_equal(smr_align_bytes(&c, NULL), SMR_E_NULL);
+    assert_int_equal(smr_align_bytes(&c, &bytes), SMR_OK);
+    unsigned char *memory = unit_memory(bytes + SMR_ALIGN);
     memset(&mark, 0x55, sizeof mark);
     pose = mark;
-    assert_int_equal(smr_align(NULL, s, &c, &pose, NULL), SMR_E_NULL);
-    assert_int_equal(smr_align(s, NULL, &c, &pose, NULL), SMR_E_NULL);
-    assert_int_equal(smr_align(s, s, NULL, &pose, NULL), SMR_E_NULL);
-    assert_int_equal(smr_align(s, s, &c, NULL, NULL), SMR_E_NULL);
-    c.cookie ^= 1u;
-    assert_int_equal(smr_align(s, s, &c, &pose, NULL), SMR_E_CONFIG);
-    static const uint32_t bad[][3] = {{2, 60, 600}, {1, 0, 600}, {1, 1001, 600}, {1, 60, 15}, {1, 60, 100001}};
-    for (size_t i = 0; i < 5u; i++) {
-        c = good;
-        c.scaled = bad[i][0];
-        c.iterations = bad[i][1];
-        c.samples = bad[i][2];
-        assert_int_equal(smr_align(s, s, &c, &pose, NULL), SMR_E_CONFIG);
-    }
+    assert_int_equal(smr_align(NULL, s, &c, memory, bytes, &pose, NULL), SMR_E_NULL);
+    assert_int_equal(smr_align(s, NULL, &c, memory, bytes, &pose, NULL), SMR_E_NULL);
+    assert_int_equal(smr_align(s, s, NULL, memory, bytes, &pose, NULL), SMR_E_NULL);
+    assert_int_equal(smr_align(s, s, &c, NULL, bytes, &pose, NULL), SMR_E_NULL);
+    assert_int_equal(smr_align(s, s, &c, memory, bytes, NULL, NULL), SMR_E_NULL);
+    assert_int_equal(smr_align(s, s, &c, memory, bytes - 1u, &pose, NULL), SMR_E_ARENA);
+    assert_int_equal(smr_align(s, s, &c, memory + 4, bytes, &pose, NULL), SMR_E_ALIGN);
+    refused_configurations(s);
+    refused_poses(s, memory, bytes);
     assert_memory_equal(&pose, &mark, sizeof pose);
-    c = good;
-    assert_int_equal(smr_align(s, s, &c, &pose, NULL), SMR_OK); /* rms may be NULL */
+    assert_int_equal(smr_align(s, s, &c, memory, bytes, &pose, NULL), SMR_OK); /* report may be NULL */
+    unit_free(memory);
     unit_free(s);
     unit_mesh_free(&m);
 }
@@ -148,11 +188,11 @@ static void degenerate_surfaces(void **state)
         smr_surface *s = unit_surface(&m), *pair[4] = {s, round, s, s};
         for (size_t k = 0; k < 3u; k++) {
             smr_pose pose;
-            float rms = 0.0f;
-            const smr_status status = smr_align(pair[k], pair[k + 1u], &c, &pose, &rms);
+            smr_align_report report;
+            const smr_status status = unit_align(pair[k], pair[k + 1u], &c, &pose, &report);
             assert_true(status == SMR_OK || status == SMR_E_INPUT);
             if (status == SMR_OK)
-                assert_true(unit_finite(&pose.m[0][0], 12, 1e8f) && unit_finite(&rms, 1, 1e8f));
+                assert_true(unit_finite(&pose.m[0][0], 12, 1e8f) && unit_finite(&report.rms_mm, 6, 1e8f));
         }
         unit_free(s);
         unit_mesh_free(&m);

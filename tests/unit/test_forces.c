@@ -153,6 +153,7 @@ static void test_border(void **state)
     smr_config c = plain();
     (void)state;
     half.n_triangles /= 2u; /* an open surface */
+    c.coverage = SMR_COVERAGE_WHOLE;
     const setting all = start(&c, &half);
     search(all.s);
     assert_int_equal(all.s->shared.n, all.s->forces.totals.n_forces);

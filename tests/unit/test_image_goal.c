@@ -65,6 +65,28 @@ static double off_ball(const smr *s, const smr_model *model, double radius, cons
     return sum / info.n_vertices;
 }
 
+/* Nearly every vertex finds a goal in noise, but no profile fits better in its place than beside it. */
+static void test_noise_fails(void **state)
+{
+    float *voxels;
+    uint32_t seed = 5;
+    const smr_volume reference = image(RADIUS, none);
+    const smr_volume noise = rig_cube(SIDE, SPACING, &voxels);
+    const smr_model *model = ball_model(&reference);
+    const smr_config config = smr_config_default_image();
+    smr *s = rig_init(model, &config, NULL);
+    smr_verdict v;
+    (void)state;
+    for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++)
+        voxels[i] = rig_between(&seed, 100.0f, 900.0f);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &noise));
+    const smr_tick_report last = rig_run(s, 200);
+    assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
+    assert_int_equal(SMR_VERDICT_FAILED, v.level);
+    assert_true((v.reasons & SMR_REASON_LIKENESS) != 0u && v.likeness < 0.5f);
+    assert_true(last.done == 1u && last.matched_share > 0.3f);
+}
+
 static void test_follows_image(void **state)
 {
     const smr_volume reference = image(RADIUS, none), target = image(RADIUS + 2.0f, shift);
@@ -414,12 +436,12 @@ static void test_structure_report(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_follows_image, tidy),     cmocka_unit_test_teardown(test_turns, tidy),
-        cmocka_unit_test_teardown(test_extreme_reference, tidy), cmocka_unit_test_teardown(test_needs_profiles, tidy),
-        cmocka_unit_test_teardown(test_refused, tidy),           cmocka_unit_test_teardown(test_image_elsewhere, tidy),
-        cmocka_unit_test_teardown(test_equal_bits, tidy),        cmocka_unit_test_teardown(test_take_away, tidy),
-        cmocka_unit_test_teardown(test_surface_first, tidy),     cmocka_unit_test_teardown(test_abandoned, tidy),
-        cmocka_unit_test_teardown(test_structure_report, tidy),
+        cmocka_unit_test_teardown(test_noise_fails, tidy),     cmocka_unit_test_teardown(test_follows_image, tidy),
+        cmocka_unit_test_teardown(test_turns, tidy),           cmocka_unit_test_teardown(test_extreme_reference, tidy),
+        cmocka_unit_test_teardown(test_needs_profiles, tidy),  cmocka_unit_test_teardown(test_refused, tidy),
+        cmocka_unit_test_teardown(test_image_elsewhere, tidy), cmocka_unit_test_teardown(test_equal_bits, tidy),
+        cmocka_unit_test_teardown(test_take_away, tidy),       cmocka_unit_test_teardown(test_surface_first, tidy),
+        cmocka_unit_test_teardown(test_abandoned, tidy),       cmocka_unit_test_teardown(test_structure_report, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -12,7 +12,7 @@
 /* The header as docs/SPEC.md has it, without the code's own names. */
 static void test_header(void **state)
 {
-    static const unsigned char magic[] = {'S', 'M', 'R', 'L', 2, 0, 0, 0};
+    static const unsigned char magic[] = {'S', 'M', 'R', 'L', 3, 0, 0, 0};
     uint32_t word[256];
     smr_model_info info;
     (void)state;

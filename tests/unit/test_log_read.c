@@ -163,20 +163,22 @@ static void test_settings_by_number(void **state)
                    twice[] = {word[0], 7, word[0], 7};
     smr_config c, want = standard;
     (void)state;
-    assert_int_equal(SMR_OK, open_header(2, word, 8, &c));
+    assert_int_equal(SMR_OK, open_header(SMR_LOG_VERSION, word, 8, &c));
     want.iterations_last = 7;
     want.box_max[0] = 1;
     want.box_max[1] = 2;
     want.box_max[2] = 3;
     want.stiffness = 0.25f;
     assert_memory_equal(&c, &want, sizeof c);
-    assert_int_equal(SMR_OK, open_header(2, word, 0, &c));
+    assert_int_equal(SMR_OK, open_header(SMR_LOG_VERSION, word, 0, &c));
     assert_memory_equal(&c, &standard, sizeof c);
+    assert_int_equal(SMR_OK, open_header(2, word, 0, &c)); /* before targets could show parts */
+    assert_int_equal(SMR_COVERAGE_WHOLE, c.coverage);
     for (uint32_t n = 1; n < 8u; n++)
-        assert_int_equal(n == 2u || n == 6u ? SMR_OK : SMR_E_LOG, open_header(2, word, n, &c));
-    assert_int_equal(SMR_E_LOG, open_header(2, unknown, 2, &c));
-    assert_int_equal(SMR_E_LOG, open_header(2, longer, 3, &c));
-    assert_int_equal(SMR_E_LOG, open_header(2, twice, 4, &c));
+        assert_int_equal(n == 2u || n == 6u ? SMR_OK : SMR_E_LOG, open_header(SMR_LOG_VERSION, word, n, &c));
+    assert_int_equal(SMR_E_LOG, open_header(SMR_LOG_VERSION, unknown, 2, &c));
+    assert_int_equal(SMR_E_LOG, open_header(SMR_LOG_VERSION, longer, 3, &c));
+    assert_int_equal(SMR_E_LOG, open_header(SMR_LOG_VERSION, twice, 4, &c));
 }
 
 /* Version 1 is the struct of library 0.1: the cookie, then 44 words in an order that stays. */
@@ -193,6 +195,7 @@ static void test_version_1(void **state)
     assert_int_equal(SMR_OK, open_header(1, word, 45, &c));
     assert_true(c.cookie == smr_config_default().cookie && c.n_workers == 101u && c.n_target_vertices == 102u);
     assert_true(c.stiffness == 0.5f && c.box_min[2] == 15.0f && c.fill == 28.0f && c.iterations_last == 144u);
+    assert_int_equal(SMR_COVERAGE_WHOLE, c.coverage); /* there was nothing else */
     assert_true(c.node_budget == 119u && c.method == 129u && c.radius_last == 142u);
     for (uint32_t version = 0; version < 9u; version++)
         for (uint32_t n = 44; n <= 46u; n++)

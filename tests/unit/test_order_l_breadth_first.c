@@ -20,7 +20,7 @@ static void one_rings(const smr_model *m, const uint32_t *at, int separate, unsi
             for (uint32_t b = 0; b < n; b++) {
                 const float *p = xyz + 3u * (size_t)at[a], *q = xyz + 3u * (size_t)at[b];
                 const float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2], d2 = x * x + y * y + z * z;
-                const int apart = separate && smr_model_owner(m, at[a]) != smr_model_owner(m, at[b]);
+                const int apart = separate && unit_kept_apart(m, at[a], at[b]);
                 if (a != b && !apart && (nearest < 0.0f || d2 < nearest))
                     nearest = d2;
                 near[(size_t)a * n + b] = !apart && d2 <= s_min * s_min;

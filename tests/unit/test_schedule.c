@@ -17,6 +17,16 @@ static int tidy(void **state)
 
 static const float none[3] = {0, 0, 0};
 
+/* Every triangle twice: four at each edge, so that there are no hinges. */
+static smr_mesh without_hinges(const smr_mesh *mesh)
+{
+    const size_t bytes = 3u * (size_t)mesh->n_triangles * sizeof(uint32_t);
+    uint32_t *twice = rig_alloc(2u * bytes);
+    memcpy(twice, mesh->triangles, bytes);
+    memcpy(twice + 3u * (size_t)mesh->n_triangles, mesh->triangles, bytes);
+    return (smr_mesh){mesh->xyz, twice, mesh->n_vertices, 2u * mesh->n_triangles};
+}
+
 /* No hinges, so nothing is repaired, when faces is 0. */
 static smr *start(const smr_config *config, int with_target, int faces)
 {
@@ -24,7 +34,7 @@ static smr *start(const smr_config *config, int with_target, int faces)
     smr_mesh mesh = rig_ball(30, 6, 9, none);
     const smr_mesh goal = rig_ball(36, 9, 14, off);
     const smr_prepare_config radii = rig_radii(3, 40, 25, 15);
-    mesh.n_triangles = faces ? mesh.n_triangles : 0u;
+    mesh = faces ? mesh : without_hinges(&mesh);
     smr *s = rig_init(rig_model(&mesh, 1, &radii), config, NULL);
     if (with_target)
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
@@ -131,22 +141,22 @@ static void test_settles(void **state)
     smr_config c = steady();
     smr_tick_report report;
     (void)state;
-    c.settle_um = 5.0f;
+    c.settle_um = 20.0f;
     smr *s = start(&c, 0, 0); /* nothing moves: one iteration for each radius */
     report = rig_run(s, 100);
     assert_int_equal(3, report.iteration);
     assert_int_equal(1, report.done);
-    assert_int_equal(1, report.converged);
+    assert_int_equal(0, report.converged); /* without forces nothing is */
     c.iterations_last = 1000;
     c.even = 0.0f;
     s = start(&c, 1, 0);
     report = rig_run(s, 2000);
     assert_true(report.done && report.converged && report.radius_iteration < 1000u);
-    assert_true(report.displacement_max_mm < 0.005f);
+    assert_true(report.displacement_max_mm < 0.02f);
     c.even = 0.5f; /* evening out takes the whole last radius */
     s = start(&c, 1, 0);
     report = rig_run(s, 2000);
-    assert_true(report.done && report.displacement_max_mm < 0.005f);
+    assert_true(report.done && report.displacement_max_mm < 0.02f);
     assert_int_equal(1000, report.radius_iteration);
     c.settle_um = 0.0f;
     c.iterations = c.iterations_last = 1;

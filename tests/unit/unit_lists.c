@@ -175,6 +175,13 @@ static void geodesic_sets(const smr_model *m, const float *xyz, float radius, un
     unit_free(far);
 }
 
+int unit_kept_apart(const smr_model *m, uint32_t a, uint32_t b)
+{
+    const uint32_t i = smr_model_owner(m, a), k = smr_model_owner(m, b);
+    return i != k && smr_le32(smr_model_record(m, i)->n_triangles) > 0u &&
+           smr_le32(smr_model_record(m, k)->n_triangles) > 0u;
+}
+
 void unit_brute_sets(const smr_model *m, const unit_rule *rule, unsigned char *member)
 {
     const uint32_t n = smr_le32(m->n_vertices), nt = smr_le32(m->n_triangles);
@@ -190,7 +197,7 @@ void unit_brute_sets(const smr_model *m, const unit_rule *rule, unsigned char *m
     }
     for (uint32_t a = 0; rule->separate && a < n; a++)
         for (uint32_t b = 0; b < n; b++)
-            if (smr_model_owner(m, a) != smr_model_owner(m, b))
+            if (unit_kept_apart(m, a, b))
                 member[(size_t)a * n + b] = 0;
     for (uint32_t i = 0; rule->ring && i < 3u * nt; i++) {
         const uint32_t a = smr_le32(t[i]), b = smr_le32(t[i / 3u * 3u + (i % 3u + 1u) % 3u]);

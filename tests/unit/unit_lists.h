@@ -30,6 +30,9 @@ typedef struct unit_rule {
     int geodesic, separate, ring;
 } unit_rule;
 
+/* 1 when separate clusters never join two stored vertices: they are of different structures, both with triangles. */
+int unit_kept_apart(const smr_model *m, uint32_t a, uint32_t b);
+
 void unit_brute_sets(const smr_model *m, const unit_rule *rule, unsigned char *member);
 
 #endif

@@ -180,6 +180,18 @@ smr_surface *unit_surface(const unit_mesh *m)
     return s;
 }
 
+smr_status unit_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
+                      smr_pose *pose, smr_align_report *report)
+{
+    size_t bytes = 0;
+    if (smr_align_bytes(config, &bytes) != SMR_OK)
+        return SMR_E_CONFIG;
+    void *memory = unit_memory(bytes);
+    const smr_status status = smr_align(model, target, config, memory, bytes, pose, report);
+    unit_free(memory);
+    return status;
+}
+
 unit_image unit_prepare(const smr_structure *structures, uint32_t n, const smr_prepare_config *config)
 {
     unit_image image = {NULL, 0, NULL};

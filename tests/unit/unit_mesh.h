@@ -34,6 +34,10 @@ unit_mesh unit_bone(int target);
 
 smr_surface *unit_surface(const unit_mesh *m); /* release with unit_free() */
 
+/* smr_align() with memory of exactly the size it asks for. */
+smr_status unit_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config,
+                      smr_pose *pose, smr_align_report *report);
+
 typedef struct unit_image {
     void *bytes; /* owned */
     size_t size;

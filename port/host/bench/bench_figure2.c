@@ -172,8 +172,8 @@ static int measure_error(host_bench *bench, host_figure2 *figure, uint32_t kind,
     if (host_bench_register(bench, error) != 0)
         return -1;
     figure->last_active[kind][share] = bench->job.last.n_active;
-    figure->to_truth[kind][share] = bench->job.to_target.mean;
-    figure->from_truth[kind][share] = bench->job.to_result.mean;
+    figure->to_truth[kind][share] = bench->job.area.to_target.mean;
+    figure->from_truth[kind][share] = bench->job.area.to_result.mean;
     figure->by_vertex[kind][share] = bench->job.by_vertex.n > 0 ? bench->job.by_vertex.mean : 0.0;
     return 0;
 }

@@ -15,9 +15,8 @@ typedef struct measured {
     host_load load[3];
     uint32_t n;
     smr_surface *surface[2];
-    void *memory[2];     /* owned */
-    float *mm[2];        /* owned */
-    host_stats stats[2]; /* A's vertices to B, B's to A */
+    void *memory[2];                 /* owned */
+    host_stats area[2], vertices[2]; /* A to B, B to A */
     uint64_t folds, absolute;
 } measured;
 
@@ -52,10 +51,30 @@ static int check_source(const measured *m, host_error *error)
     return 0;
 }
 
-static int evaluate(measured *m, const smr_port *port)
+static int measure(measured *m, const smr_port *port)
 {
     host_query query[2];
-    uint32_t i = 0, n = 0;
+    uint32_t from[2] = {0, 0}, i = 0, n = 0;
+    int result = 0;
+    memset(query, 0, sizeof query);
+    for (i = 0; i < 2; i++) {
+        if (m->surface[1u - i] == NULL)
+            continue;
+        query[n].surface = m->surface[1u - i];
+        query[n].mesh = host_mesh_view(&m->load[i].mesh);
+        from[n++] = i;
+    }
+    result = host_distances(port, query, n);
+    for (i = 0; result == 0 && i < n; i++)
+        result = host_area_stats(&query[i], 1, NULL, &m->area[from[i]]) |
+                 host_vertex_stats(&query[i], 1, NULL, &m->vertices[from[i]]);
+    host_queries_free(query, n);
+    return result;
+}
+
+static int evaluate(measured *m, const smr_port *port)
+{
+    uint32_t i = 0;
     const smr_mesh a = host_mesh_view(&m->load[0].mesh);
     for (i = 0; i < 2; i++) {
         const smr_mesh view = host_mesh_view(&m->load[i].mesh);
@@ -65,40 +84,33 @@ static int evaluate(measured *m, const smr_port *port)
         if (m->surface[i] == NULL)
             return -1;
     }
-    for (i = 0; i < 2; i++) {
-        const host_mesh *const mesh = &m->load[i].mesh;
-        if (m->surface[1u - i] == NULL)
-            continue;
-        m->mm[i] = malloc(sizeof(float) * mesh->n_vertices);
-        if (m->mm[i] == NULL)
-            return -1;
-        query[n].surface = m->surface[1u - i];
-        query[n].xyz = mesh->xyz;
-        query[n].n = mesh->n_vertices;
-        query[n++].mm = m->mm[i];
-    }
-    if (host_distances(port, query, n) != 0)
+    if (measure(m, port) != 0)
         return -1;
-    for (i = 0; i < 2; i++)
-        if (m->mm[i] != NULL)
-            m->stats[i] = host_stats_of(m->mm[i], m->load[i].mesh.n_vertices);
     return a.n_triangles == 0 ? 0
                               : host_count_folds(&a, m->n == 3 ? m->load[2].mesh.xyz : NULL, &m->folds, &m->absolute);
 }
 
-static void print_stats(const char *name, const host_stats *s)
+/* One direction. Points have no area. */
+static void print_stats(const measured *m, uint32_t i)
 {
-    if (s->n > 0)
-        (void)printf("%s: mean %.4f  rms %.4f  p95 %.4f  max %.4f mm  (%zu vertices)\n", name, s->mean, s->rms, s->p95,
-                     s->max, s->n);
+    static const char *const names[] = {"A to B", "B to A"};
+    const host_stats *const a = &m->area[i], *const v = &m->vertices[i];
+    if (a->n == 0)
+        return;
+    (void)printf("%s: mean %.4f  rms %.4f  p95 %.4f  max %.4f mm", names[i], a->mean, a->rms, a->p95, a->max);
+    if (m->surface[i] == NULL)
+        (void)printf("  (%zu points)\n", v->n);
+    else
+        (void)printf("  (over the area)\n%s, vertices: mean %.4f  rms %.4f  p95 %.4f  max %.4f mm  (%zu vertices)\n",
+                     names[i], v->mean, v->rms, v->p95, v->max, v->n);
 }
 
 static void print(const measured *m)
 {
-    print_stats("A to B", &m->stats[0]);
-    print_stats("B to A", &m->stats[1]);
-    if (m->stats[0].n > 0 && m->stats[1].n > 0)
-        (void)printf("Hausdorff: %.4f mm\n", m->stats[0].max > m->stats[1].max ? m->stats[0].max : m->stats[1].max);
+    print_stats(m, 0);
+    print_stats(m, 1);
+    if (m->area[0].n > 0 && m->area[1].n > 0)
+        (void)printf("Hausdorff: %.4f mm\n", m->area[0].max > m->area[1].max ? m->area[0].max : m->area[1].max);
     if (m->n == 3)
         (void)printf("folds: %" PRIu64 "  (edges turned back in A: %" PRIu64 ")\n", m->folds, m->absolute);
     else if (m->surface[0] != NULL)
@@ -125,10 +137,8 @@ int host_measure(const host_options *options, host_error *error)
     }
     for (i = 0; i < 3; i++)
         host_mesh_free(&m.load[i].mesh);
-    for (i = 0; i < 2; i++) {
-        free(m.memory[i]);
-        free(m.mm[i]);
-    }
+    free(m.memory[0]);
+    free(m.memory[1]);
     host_port_close(&port);
     return result;
 }

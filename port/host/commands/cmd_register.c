@@ -5,8 +5,26 @@
 #include <string.h>
 
 #include "commands/commands.h"
+#include "files/file_read.h"
 #include "files/output_files.h"
 #include "report/register_report.h"
+
+/* With what is known of each vertex, where that was asked for. */
+static void write_surface(const host_job *job, uint32_t part, host_buffer *buffer)
+{
+    const host_mesh *const mesh = &job->result[part].mesh;
+    float *const expected = malloc((mesh->n_vertices + 1u) * sizeof *expected);
+    unsigned char *const seen = malloc(mesh->n_vertices + 1u);
+    if (!job->options->vertex_errors)
+        host_mesh_write(mesh, HOST_FORMAT_PLY, buffer);
+    else if (expected == NULL || seen == NULL || smr_get_seen(job->state, part, seen) != SMR_OK ||
+             smr_get_expected_error(job->state, part, expected) != SMR_OK)
+        buffer->failed = 1;
+    else
+        host_mesh_write_judged(mesh, seen, expected, buffer);
+    free(expected);
+    free(seen);
+}
 
 static int write_surfaces(const host_job *job, host_output *output, host_error *error)
 {
@@ -18,7 +36,7 @@ static int write_surfaces(const host_job *job, host_output *output, host_error *
         char name[SMR_NAME_BYTES + 4u];
         (void)snprintf(name, sizeof name, "%s.ply", job->model.part[i].name);
         buffer.size = 0;
-        host_mesh_write(&job->result[i].mesh, HOST_FORMAT_PLY, &buffer);
+        write_surface(job, i, &buffer);
         result = host_output_add(output, name, &buffer, error);
     }
     host_buffer_free(&buffer);
@@ -66,17 +84,30 @@ static int write_all(const host_job *job, host_error *error)
     return -1;
 }
 
+/* The exit status. */
+static int status_of(const host_job *job)
+{
+    if (job->last.done == 0)
+        return HOST_ENDED;
+    if (job->verdict.level == HOST_VERDICT_FAILED)
+        return HOST_FAILED;
+    return job->verdict.level > (int)job->options->accept ? HOST_LOOK : HOST_DONE;
+}
+
 static int run_steps(host_job *job, host_error *error)
 {
     if (host_output_check(job->options->out, error) != 0 ||
         (job->options->log != NULL && host_output_check_file(job->options->log, job->options->out, error) != 0) ||
         host_port_open(&job->port, job->options->threads, error) != 0 || host_job_load(job, error) != 0 ||
         host_job_check(job, error) != 0 || host_job_match(job, error) != 0 || host_job_prepare(job, error) != 0 ||
-        host_job_run(job, error) != 0 || host_job_evaluate(job, error) != 0 || write_all(job, error) != 0)
+        host_job_run(job, error) != 0 || host_job_evaluate(job, error) != 0)
+        return HOST_REFUSED;
+    host_job_verdict(job);
+    if (write_all(job, error) != 0)
         return HOST_REFUSED;
     if (!job->options->quiet)
         host_job_summary(job);
-    return host_job_converged(job) ? HOST_DONE : HOST_NOT_CONVERGED;
+    return status_of(job);
 }
 
 int host_register(const host_options *options, host_error *error)
@@ -84,6 +115,7 @@ int host_register(const host_options *options, host_error *error)
     host_job job;
     int result = 0;
     memset(&job, 0, sizeof job);
+    host_file_keep_checksums();
     job.options = options;
     job.begin_s = host_seconds();
     result = run_steps(&job, error);

@@ -70,6 +70,8 @@ static int check_inputs(const host_log *log, host_error *error)
 static int read_options(replayed *r, uint32_t threads, host_error *error)
 {
     const uint32_t n = r->log.n_arguments;
+    smr_log_reader reader;
+    smr_log_info info;
     uint32_t i = 0;
     r->arguments = calloc(n + 3u, sizeof *r->arguments);
     if (r->arguments == NULL)
@@ -79,7 +81,9 @@ static int read_options(replayed *r, uint32_t threads, host_error *error)
     if (host_options_read(HOST_REGISTER, (int)(n + 2u), r->arguments, &r->options, error) != 0)
         return -1;
     r->options.threads = threads;
-    r->options.truth = NULL; /* a replay measures nothing */
+    if (smr_log_open(r->log.log, r->log.log_bytes, &reader, &info) == SMR_OK)
+        r->options.config.coverage = info.config.coverage; /* older logs have no word for it in their command line */
+    r->options.truth = NULL;                               /* a replay measures nothing */
     r->options.log = NULL;
     if (r->options.landmarks.n == 0)
         r->options.align = HOST_ALIGN_NONE; /* the pose is in the log */

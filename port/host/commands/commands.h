@@ -5,7 +5,14 @@
 
 #include "options/options.h"
 
-enum { HOST_DONE = 0, HOST_NOT_CONVERGED = 1, HOST_DIFFERS = 1, HOST_REFUSED = 2 };
+enum {
+    HOST_DONE = 0,
+    HOST_FAILED = 1,  /* register: the result cannot be relied on; its files are written all the same */
+    HOST_DIFFERS = 1, /* replay */
+    HOST_REFUSED = 2, /* bad usage or input: one line says which, nothing is written */
+    HOST_LOOK = 3,    /* register: somebody should look at the result */
+    HOST_ENDED = 4    /* register: --ticks ended first */
+};
 
 int host_register(const host_options *options, host_error *error);
 int host_build(const host_options *options, host_error *error);

@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/crc32.h"
 #include "base/memory.h"
 #include "files/file_kind.h"
 #include "files/gunzip.h"
@@ -64,18 +65,52 @@ static int read_plain(int fd, const char *path, size_t size, host_accept accept,
     return 0;
 }
 
-/* The files read so far: device, inode number and name. Locked, since several threads read files. */
+/* The files read so far. Locked, since several threads read files. */
 static struct {
     pthread_mutex_t lock;
     struct file_id {
         dev_t device;
         ino_t number;
-        char *name; /* owned, until the program ends */
+        host_input input; /* owns its path, until the program ends */
     } * file;
     size_t n;
-} seen = {PTHREAD_MUTEX_INITIALIZER, NULL, 0};
+    int checksums; /* 1: they are kept */
+} seen = {PTHREAD_MUTEX_INITIALIZER, NULL, 0, 0};
 
-static int remember(const char *path, const struct stat *st)
+void host_file_keep_checksums(void) { seen.checksums = 1; }
+
+static int rewind_file(int fd, host_error *error)
+{
+    return lseek(fd, 0, SEEK_SET) == 0 ? 0
+                                       : host_fail(error, "file", "a file that can be rewound (%s)", strerror(errno));
+}
+
+/* Adds the checksum of an open file, which was read, to what is known of it. */
+static int keep_checksum(int fd, size_t index, host_error *error)
+{
+    enum { BLOCK = 1 << 16 };
+    unsigned char *const block = malloc(BLOCK);
+    host_crc32 *const crc = malloc(sizeof *crc);
+    size_t got = BLOCK;
+    int result = block != NULL && crc != NULL ? rewind_file(fd, error) : host_fail(error, "file", "free memory");
+    if (result == 0)
+        host_crc32_start(crc);
+    while (result == 0 && got == BLOCK) {
+        result = read_up_to(fd, block, BLOCK, &got, error);
+        host_crc32_add(crc, block, got);
+    }
+    if (result == 0) {
+        (void)pthread_mutex_lock(&seen.lock);
+        seen.file[index].input.crc32 = host_crc32_end(crc);
+        (void)pthread_mutex_unlock(&seen.lock);
+    }
+    free(block);
+    free(crc);
+    return result;
+}
+
+/* *index: the file's number from here on. */
+static int remember(const char *path, const struct stat *st, size_t *index)
 {
     const size_t bytes = strlen(path) + 1u;
     char *const name = malloc(bytes);
@@ -87,10 +122,12 @@ static int remember(const char *path, const struct stat *st)
     grown = realloc(seen.file, (seen.n + 1u) * sizeof *grown);
     if (grown != NULL) {
         seen.file = grown;
-        seen.file[seen.n].name = name;
+        seen.file[seen.n].input.path = name;
+        seen.file[seen.n].input.bytes = (uint64_t)st->st_size;
+        seen.file[seen.n].input.crc32 = 0;
         seen.file[seen.n].device = st->st_dev;
         seen.file[seen.n].number = st->st_ino;
-        seen.n++;
+        *index = seen.n++;
     }
     (void)pthread_mutex_unlock(&seen.lock);
     if (grown == NULL)
@@ -107,13 +144,36 @@ size_t host_file_count(void)
     return n;
 }
 
-const char *host_file_name(size_t i)
+host_input host_file_input(size_t i)
 {
-    const char *name = NULL;
+    host_input input;
     (void)pthread_mutex_lock(&seen.lock);
-    name = seen.file[i].name;
+    input = seen.file[i].input;
     (void)pthread_mutex_unlock(&seen.lock);
-    return name;
+    return input;
+}
+
+static int by_path(const void *a, const void *b)
+{
+    return strcmp(((const host_input *)a)->path, ((const host_input *)b)->path);
+}
+
+int host_file_list(size_t first, size_t end, host_input **inputs)
+{
+    const size_t all = host_file_count();
+    host_input *const list = calloc(all + 1u, sizeof *list);
+    size_t i = 0, n = 0, kept = 0;
+    *inputs = list;
+    if (list == NULL)
+        return -1;
+    for (i = 0; i < all; i++)
+        if (i < first || i >= end)
+            list[n++] = host_file_input(i);
+    qsort(list, n, sizeof *list, by_path);
+    for (i = 0; i < n; i++)
+        if (i == 0 || strcmp(list[i].path, list[kept - 1u].path) != 0)
+            list[kept++] = list[i];
+    return (int)kept;
 }
 
 int host_file_was_read(const char *path)
@@ -130,7 +190,7 @@ int host_file_was_read(const char *path)
     return found;
 }
 
-static int read_open(int fd, const char *path, host_accept accept, host_bytes *bytes, host_error *error)
+static int read_open(int fd, const char *path, host_accept accept, host_bytes *bytes, size_t *index, host_error *error)
 {
     struct stat st;
     unsigned char magic[2] = {0, 0};
@@ -141,7 +201,7 @@ static int read_open(int fd, const char *path, host_accept accept, host_bytes *b
         return host_kind_refuse_directory(error, path);
     if (!S_ISREG(st.st_mode))
         return host_fail(error, "file", "a regular file");
-    if (remember(path, &st) != 0)
+    if (remember(path, &st, index) != 0)
         return host_fail(error, "file", "free memory");
     if (st.st_size == 0)
         return host_fail(error, "file", "data, but the file is empty");
@@ -149,8 +209,8 @@ static int read_open(int fd, const char *path, host_accept accept, host_bytes *b
         return host_fail(error, "file", "at most %zu MB", HOST_FILE_MAX >> 20);
     if (read_up_to(fd, magic, 2, &got, error) != 0)
         return -1;
-    if (lseek(fd, 0, SEEK_SET) != 0)
-        return host_fail(error, "file", "a file that can be rewound (%s)", strerror(errno));
+    if (rewind_file(fd, error) != 0)
+        return -1;
     if (magic[0] == 0x1f && magic[1] == 0x8b)
         return host_gzip_read(fd, path, accept, bytes, error);
     return read_plain(fd, path, (size_t)st.st_size, accept, bytes, error);
@@ -160,13 +220,18 @@ int host_file_read(const char *path, host_accept accept, host_bytes *bytes, host
 {
     /* Without O_NONBLOCK, opening a named pipe without a writer would block for ever. */
     const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    size_t index = 0;
     int result = 0;
     bytes->data = NULL;
     bytes->size = 0;
     error->file = path;
     if (fd < 0)
         return host_fail(error, "file", "a readable file (%s)", strerror(errno));
-    result = read_open(fd, path, accept, bytes, error);
+    result = read_open(fd, path, accept, bytes, &index, error);
+    if (result == 0 && seen.checksums && keep_checksum(fd, index, error) != 0) {
+        host_file_free(bytes);
+        result = -1;
+    }
     (void)close(fd);
     return result;
 }

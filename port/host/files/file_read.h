@@ -29,9 +29,23 @@ int host_file_read(const char *path, host_accept accept, host_bytes *bytes, host
 /* 1 when this run has read the file, under this path or another: results must not replace it. */
 int host_file_was_read(const char *path);
 
-/* The files that this run has read so far, in the order of opening; names as they were given. */
+/* A file that this run has read: its name as it was given, and its bytes on disk, packed or not. */
+typedef struct host_input {
+    const char *path; /* stays until the program ends */
+    uint64_t bytes;
+    uint32_t crc32; /* 0 unless host_file_keep_checksums() was called before */
+} host_input;
+
+/* The files that this run has read so far, in the order of opening. */
 size_t host_file_count(void);
-const char *host_file_name(size_t i);
+host_input host_file_input(size_t i);
+
+/* From here on files that are read get a checksum, which costs time. */
+void host_file_keep_checksums(void);
+
+/* Those files but numbers first to end - 1, sorted by name, each name once. Returns how many there are, or -1 when out
+ * of memory; free(*inputs). */
+int host_file_list(size_t first, size_t end, host_input **inputs);
 
 void host_file_free(host_bytes *bytes);
 

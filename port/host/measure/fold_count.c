@@ -1,20 +1,7 @@
-/* fold_count.c: counts folds. A counting sort groups half-edges by their smaller vertex; each group is then sorted by
- * the other vertex, so that the triangles of an edge are neighbours in the list.
+/* fold_count.c: counts folds.
  * SPDX-License-Identifier: MIT */
-#include <stdlib.h>
-
+#include "measure/half_edges.h"
 #include "measure/surface_distances.h"
-
-typedef struct half_edge {
-    uint32_t other; /* the larger vertex */
-    uint32_t triangle;
-} half_edge;
-
-static int by_vertex(const void *a, const void *b)
-{
-    const half_edge *const x = a, *const y = b;
-    return (x->other > y->other) - (x->other < y->other);
-}
 
 /* The normal of a triangle, not normalised. */
 static void normal_of(const float *xyz, const uint32_t *triangle, double n[3])
@@ -37,60 +24,27 @@ static int is_fold(const float *xyz, const uint32_t *a, const uint32_t *b)
     return m[0] * n[0] + m[1] * n[1] + m[2] * n[2] < 0.0;
 }
 
-/* Puts the half-edges with smaller vertex v into edge[first[v]] to edge[first[v + 1] - 1]. */
-static void group(const smr_mesh *mesh, size_t *first, half_edge *edge)
-{
-    size_t i = 0, v = 0;
-    int pass = 0;
-    for (pass = 0; pass < 2; pass++) {
-        for (i = 0; i < 3u * (size_t)mesh->n_triangles; i++) {
-            const uint32_t a = mesh->triangles[i], b = mesh->triangles[i % 3u == 2u ? i - 2u : i + 1u];
-            const uint32_t low = a < b ? a : b;
-            if (a == b)
-                continue;
-            if (pass == 0) {
-                first[low + 2u]++;
-            } else {
-                half_edge *const to = &edge[first[low + 1u]++];
-                to->other = a < b ? b : a;
-                to->triangle = (uint32_t)(i / 3u);
-            }
-        }
-        for (v = 2; pass == 0 && v < (size_t)mesh->n_vertices + 2u; v++)
-            first[v] += first[v - 1u];
-    }
-}
-
 int host_count_folds(const smr_mesh *mesh, const float *source_xyz, uint64_t *folds, uint64_t *absolute)
 {
-    size_t *const first = calloc((size_t)mesh->n_vertices + 2u, sizeof *first);
-    half_edge *const edge = malloc(3u * (size_t)mesh->n_triangles * sizeof *edge + 1u);
-    size_t v = 0, i = 0, next = 0;
+    host_half_edges edges;
+    size_t v = 0, i = 0, end = 0;
     *folds = 0;
     *absolute = 0;
-    if (first == NULL || edge == NULL) {
-        free(first);
-        free(edge);
+    if (host_half_edges_make(mesh, &edges) != 0)
         return -1;
-    }
-    group(mesh, first, edge);
-    for (v = 0; v < mesh->n_vertices; v++) {
-        qsort(edge + first[v], first[v + 1u] - first[v], sizeof *edge, by_vertex);
-        for (i = first[v]; i < first[v + 1u]; i = next) {
+    for (v = 0; v < mesh->n_vertices; v++)
+        for (i = edges.first[v]; i < edges.first[v + 1u]; i = end) {
             const uint32_t *a = NULL, *b = NULL;
-            for (next = i + 1u; next < first[v + 1u] && edge[next].other == edge[i].other; next++)
+            end = host_half_edges_end(&edges, v, i);
+            if (end - i != 2u)
                 continue;
-            if (next - i != 2u)
-                continue;
-            a = mesh->triangles + 3u * (size_t)edge[i].triangle;
-            b = mesh->triangles + 3u * (size_t)edge[i + 1u].triangle;
+            a = mesh->triangles + 3u * (size_t)(edges.edge[i].side / 3u);
+            b = mesh->triangles + 3u * (size_t)(edges.edge[i + 1u].side / 3u);
             if (!is_fold(mesh->xyz, a, b))
                 continue;
             *absolute += 1;
             *folds += source_xyz == NULL || !is_fold(source_xyz, a, b);
         }
-    }
-    free(first);
-    free(edge);
+    host_half_edges_free(&edges);
     return 0;
 }

@@ -1,8 +1,7 @@
-/* surface_distances.c: point-to-surface distances, computed by all threads, and their statistics.
+/* surface_distances.c: point-to-surface distances, computed by all threads.
  * SPDX-License-Identifier: MIT */
 #include "measure/surface_distances.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,32 +23,43 @@ static void run_chunk(void *arg, uint32_t task, uint32_t worker)
     size_t i = 0;
     (void)worker;
     for (i = c->first; i < c->first + c->n; i++) {
+        const float *const p = c->query->samples.xyz + 3u * i;
         smr_closest hit;
         memset(&hit, 0, sizeof hit);
         hit.triangle = SMR_NONE;
-        if (smr_surface_closest(c->query->surface, c->query->xyz + 3u * i, NULL, -1.0f, FAR_MM, &hit) != SMR_OK ||
-            hit.triangle == SMR_NONE)
+        if (smr_surface_closest(c->query->surface, p, NULL, -1.0f, FAR_MM, &hit) != SMR_OK || hit.triangle == SMR_NONE)
             c->failed = 1;
         c->query->mm[i] = hit.distance;
     }
 }
 
-int host_distances(const smr_port *port, const host_query *queries, uint32_t n_queries)
+static void place_samples(void *arg, uint32_t task, uint32_t worker)
+{
+    host_query *const query = (host_query *)arg + task;
+    (void)worker;
+    if (host_samples_make(&query->mesh, &query->samples) == 0)
+        query->mm = malloc(sizeof(float) * query->samples.n);
+}
+
+int host_distances(const smr_port *port, host_query *queries, uint32_t n_queries)
 {
     chunk *chunks = NULL;
     size_t n = 0, at = 0, i = 0;
     uint32_t q = 0;
     int failed = 0;
-    for (q = 0; q < n_queries; q++)
-        n += (queries[q].n + CHUNK - 1u) / CHUNK;
-    chunks = calloc(n + 1u, sizeof *chunks);
+    host_parallel(port, place_samples, queries, n_queries);
+    for (q = 0; q < n_queries; q++) {
+        n += (queries[q].samples.n + CHUNK - 1u) / CHUNK;
+        failed |= queries[q].mm == NULL;
+    }
+    chunks = failed ? NULL : calloc(n + 1u, sizeof *chunks);
     if (chunks == NULL)
         return -1;
     for (q = 0; q < n_queries; q++)
-        for (i = 0; i < queries[q].n; i += CHUNK) {
+        for (i = 0; i < queries[q].samples.n; i += CHUNK) {
             chunks[at].query = &queries[q];
             chunks[at].first = i;
-            chunks[at].n = queries[q].n - i < CHUNK ? queries[q].n - i : CHUNK;
+            chunks[at].n = queries[q].samples.n - i < CHUNK ? queries[q].samples.n - i : CHUNK;
             at++;
         }
     host_parallel(port, run_chunk, chunks, (uint32_t)n);
@@ -59,32 +69,14 @@ int host_distances(const smr_port *port, const host_query *queries, uint32_t n_q
     return failed ? -1 : 0;
 }
 
-static int by_value(const void *a, const void *b)
+void host_queries_free(host_query *queries, uint32_t n_queries)
 {
-    float x = 0.0f, y = 0.0f;
-    memcpy(&x, a, sizeof x);
-    memcpy(&y, b, sizeof y);
-    return (x > y) - (x < y);
-}
-
-host_stats host_stats_of(float *mm, size_t n)
-{
-    host_stats stats = {0.0, 0.0, 0.0, 0.0, 0};
-    double sum = 0.0, squares = 0.0;
-    size_t i = 0;
-    stats.n = n;
-    if (n == 0)
-        return stats;
-    qsort(mm, n, sizeof *mm, by_value);
-    for (i = 0; i < n; i++) {
-        sum += (double)mm[i];
-        squares += (double)mm[i] * (double)mm[i];
+    uint32_t q = 0;
+    for (q = 0; queries != NULL && q < n_queries; q++) {
+        host_samples_free(&queries[q].samples);
+        free(queries[q].mm);
+        queries[q].mm = NULL;
     }
-    stats.mean = sum / (double)n;
-    stats.rms = sqrt(squares / (double)n);
-    stats.max = (double)mm[n - 1u];
-    stats.p95 = (double)mm[(n * 95u + 99u) / 100u - 1u];
-    return stats;
 }
 
 smr_surface *host_surface_make(const smr_mesh *mesh, void **memory)

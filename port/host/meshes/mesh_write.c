@@ -4,23 +4,9 @@
 
 #include "meshes/triangle_mesh.h"
 
-static void write_ply(const host_mesh *mesh, int ascii, host_buffer *buffer)
+static void write_ply_faces(const host_mesh *mesh, int ascii, host_buffer *buffer)
 {
     size_t i = 0, k = 0;
-    host_buffer_print(buffer,
-                      "ply\nformat %s 1.0\ncomment SPACE=LPS\ncomment units mm\nelement vertex %u\n"
-                      "property float x\nproperty float y\nproperty float z\nelement face %u\n"
-                      "property list uchar int vertex_indices\nend_header\n",
-                      ascii ? "ascii" : "binary_little_endian", mesh->n_vertices, mesh->n_triangles);
-    (void)host_buffer_reserve(buffer, 12u * (size_t)mesh->n_vertices + 13u * (size_t)mesh->n_triangles);
-    for (i = 0; i < mesh->n_vertices; i++) {
-        const float *const x = mesh->xyz + 3u * i;
-        if (ascii)
-            host_buffer_print(buffer, "%.9g %.9g %.9g\n", (double)x[0], (double)x[1], (double)x[2]);
-        else
-            for (k = 0; k < 3; k++)
-                host_buffer_f32(buffer, x[k]);
-    }
     for (i = 0; i < mesh->n_triangles; i++) {
         const uint32_t *const t = mesh->triangles + 3u * i;
         if (ascii) {
@@ -31,6 +17,47 @@ static void write_ply(const host_mesh *mesh, int ascii, host_buffer *buffer)
                 host_buffer_u32(buffer, t[k]);
         }
     }
+}
+
+/* more: further properties of a vertex, a line each. */
+static void write_ply_header(const host_mesh *mesh, int ascii, const char *more, host_buffer *buffer)
+{
+    host_buffer_print(buffer,
+                      "ply\nformat %s 1.0\ncomment SPACE=LPS\ncomment units mm\nelement vertex %u\n"
+                      "property float x\nproperty float y\nproperty float z\n%selement face %u\n"
+                      "property list uchar int vertex_indices\nend_header\n",
+                      ascii ? "ascii" : "binary_little_endian", mesh->n_vertices, more, mesh->n_triangles);
+}
+
+static void write_ply(const host_mesh *mesh, int ascii, host_buffer *buffer)
+{
+    size_t i = 0, k = 0;
+    write_ply_header(mesh, ascii, "", buffer);
+    (void)host_buffer_reserve(buffer, 12u * (size_t)mesh->n_vertices + 13u * (size_t)mesh->n_triangles);
+    for (i = 0; i < mesh->n_vertices; i++) {
+        const float *const x = mesh->xyz + 3u * i;
+        if (ascii)
+            host_buffer_print(buffer, "%.9g %.9g %.9g\n", (double)x[0], (double)x[1], (double)x[2]);
+        else
+            for (k = 0; k < 3; k++)
+                host_buffer_f32(buffer, x[k]);
+    }
+    write_ply_faces(mesh, ascii, buffer);
+}
+
+void host_mesh_write_judged(const host_mesh *mesh, const unsigned char *seen, const float *expected_error,
+                            host_buffer *buffer)
+{
+    size_t i = 0, k = 0;
+    write_ply_header(mesh, 0, "property uchar seen\nproperty float expected_error\n", buffer);
+    (void)host_buffer_reserve(buffer, 17u * (size_t)mesh->n_vertices + 13u * (size_t)mesh->n_triangles);
+    for (i = 0; i < mesh->n_vertices; i++) {
+        for (k = 0; k < 3; k++)
+            host_buffer_f32(buffer, mesh->xyz[3u * i + k]);
+        host_buffer_add(buffer, seen + i, 1);
+        host_buffer_f32(buffer, expected_error[i]);
+    }
+    write_ply_faces(mesh, 0, buffer);
 }
 
 /* The normal is written as zero: readers of the format compute it from the vertices. */

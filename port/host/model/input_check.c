@@ -95,38 +95,52 @@ static double diagonal(const host_box *box)
     return sqrt(sum);
 }
 
-void host_warn_inside_out(const char *path, const host_mesh *mesh)
+int host_is_inside_out(const host_mesh *mesh)
 {
     const double volume = mesh->n_triangles > 0 ? signed_volume(mesh) : 0.0;
     host_box box;
-    host_error error;
     double size = 0.0;
     memset(&box, 0, sizeof box);
-    memset(&error, 0, sizeof error);
     host_box_add(&box, mesh->xyz, mesh->n_vertices);
     size = diagonal(&box);
     /* below that, a flat surface's rounding */
-    if (!(volume < -1e-6 * size * size * size) || !is_closed(mesh))
+    return volume < -1e-6 * size * size * size && is_closed(mesh);
+}
+
+void host_warn_inside_out(const char *path, const host_mesh *mesh)
+{
+    host_error error;
+    if (!host_is_inside_out(mesh))
         return;
+    memset(&error, 0, sizeof error);
     error.file = path;
     (void)host_fail(
         &error, "faces",
         "normals that point outwards, but this closed surface is inside out (volume %.4g mm^3): reverse the "
         "order of each face's vertices",
-        volume);
+        signed_volume(mesh));
     host_error_print(&error);
 }
 
-static int check_sizes(const host_model *model, const host_box *other, double limit, host_error *error)
+static double model_diagonal(const host_model *model)
 {
     host_box box;
-    double a = 0.0, b = 0.0;
     uint32_t i = 0;
     memset(&box, 0, sizeof box);
     for (i = 0; i < model->n_parts; i++)
         host_box_add(&box, model->part[i].mesh.xyz, model->part[i].mesh.n_vertices);
-    a = diagonal(&box);
-    b = diagonal(other);
+    return diagonal(&box);
+}
+
+double host_size_ratio(const host_model *model, const host_box *target)
+{
+    const double a = model_diagonal(model);
+    return a > 0.0 ? diagonal(target) / a : 0.0;
+}
+
+static int check_sizes(const host_model *model, const host_box *other, double limit, host_error *error)
+{
+    const double a = model_diagonal(model), b = diagonal(other);
     if (!(a > 0.0 && b > 0.0) || (a <= limit * b && b <= limit * a))
         return 0;
     return host_fail(error, "size",

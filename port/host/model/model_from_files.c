@@ -149,6 +149,15 @@ int host_model_open_prepared(const char *path, host_model *model, host_error *er
     return result;
 }
 
+/* Points are carried by the surfaces around them: there must be one. */
+static int check_faces(const host_model *model, host_error *error)
+{
+    uint32_t i = 0;
+    while (i < model->n_parts && model->part[i].mesh.n_triangles == 0)
+        i++;
+    return i < model->n_parts ? 0 : host_fail(error, "faces", "at least one triangle");
+}
+
 int host_model_take(host_load *loads, uint32_t n, host_model *model, host_error *error)
 {
     uint32_t i = 0;
@@ -156,13 +165,14 @@ int host_model_take(host_load *loads, uint32_t n, host_model *model, host_error 
     error->file = "--model";
     if (make_parts(model, n, error) != 0)
         return -1;
+    error->file = loads[0].path;
     for (i = 0; i < n; i++) {
         (void)host_base_name(loads[i].path, model->part[i].name, sizeof model->part[i].name);
         model->part[i].mesh = loads[i].mesh;
         host_warn_inside_out(loads[i].path, &model->part[i].mesh);
         memset(&loads[i].mesh, 0, sizeof loads[i].mesh);
     }
-    return check_names(model, loads, error);
+    return check_faces(model, error) != 0 ? -1 : check_names(model, loads, error);
 }
 
 /* Bytes that nearly every model fits in. Asking smr_prepare for the exact size would do its work twice; memory that is
@@ -284,7 +294,7 @@ int host_model_load(const host_files *files, const host_options *options, const 
         return host_fail(error, "start", "free memory");
     for (i = 0; i < files->n; i++) {
         loads[i].path = files->path[i];
-        loads[i].need = HOST_MESH_SURFACE;
+        loads[i].need = HOST_MESH_POINTS_TOO;
         loads[i].mirror = options->mirror_model;
     }
     result = host_load_all(port, loads, files->n, error);

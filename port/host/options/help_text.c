@@ -42,6 +42,8 @@ static const char *const start_lines[] = {
     "  --budget-ms X                  time per tick, 0: no clock, deterministic (0)",
     "  --log FILE                     record what is done, for smr replay: the command line, checksums of the inputs,",
     "                                 each tick",
+    "  --vertex-errors                seen (0, 1) and expected_error (mm) of each vertex in the results",
+    "  --accept good|look             the worst verdict whose exit status is 0 (good)",
     "  --quiet                        print nothing",
 };
 
@@ -55,11 +57,10 @@ static const char *const other_lines[] = {
     "  budgets of 1 to 33 ms by the wall clock; --seconds X each (4). Both: the computed thigh (--seed N, --small),",
     "  or --model, --reference, --target, --truth, --landmarks as for register; --quiet",
     "",
-    "replay reads the inputs again, from where it is called, and says that all ticks agree, or which one differs; "
-    "--threads N",
-    "Exit status: 0 done, 1 not converged within --ticks, nothing of the target seen (results are written) or a replay "
-    "that",
-    "differs, 2 bad usage or input.",
+    "replay reads the inputs again, from where it is called, and says that all ticks agree, or which one differs;",
+    "  --threads N",
+    "Exit status: 0 done; register: by the verdict in report.json, 0 good, 3 look, 1 failed, or 4 where --ticks ended",
+    "first; results are written in each case. 1 a replay that differs, 2 bad usage or input.",
 };
 
 /* What stands for an option's value. */

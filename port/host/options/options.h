@@ -52,6 +52,8 @@ typedef struct host_options {
     host_span search, gradient;      /* mm, of image forces; search.from also of surface forces */
     uint32_t clusters;               /* HOST_CLUSTERS_... */
     uint32_t quiet;
+    uint32_t vertex_errors;     /* 1: results have seen and expected_error of each vertex */
+    uint32_t accept;            /* HOST_VERDICT_GOOD or _LOOK: the worst verdict with exit status 0 */
     uint32_t seed;              /* seed of the phantom's patient */
     uint32_t small;             /* 1: a coarse phantom */
     uint32_t figure2, soak;     /* 1: this benchmark runs */

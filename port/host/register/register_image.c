@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "files/file_read.h"
 #include "landmarks/landmarks.h"
+#include "register/landmarks_agree.h"
 #include "register/register_job.h"
 
 /* Reads the reference or the target image: two tasks. */
@@ -89,7 +90,7 @@ int host_job_load_truth(host_job *job, host_error *error)
     result = name_truth(job, error);
     for (i = 0; result == 0 && i < n; i++) {
         loads[i].path = job->target[i].path;
-        loads[i].need = HOST_MESH_SURFACE;
+        loads[i].need = job->model.part[i].mesh.n_triangles > 0 ? HOST_MESH_SURFACE : HOST_MESH_POINTS_TOO;
         loads[i].mirror = job->options->mirror_target;
     }
     if (result == 0)
@@ -99,7 +100,7 @@ int host_job_load_truth(host_job *job, host_error *error)
         host_target *const target = &job->target[i];
         target->mesh = loads[i].mesh;
         memcpy(target->name, job->model.part[i].name, sizeof target->name);
-        target->users = 1;
+        target->users = job->model.part[i].mesh.n_triangles > 0; /* of points only places are compared */
         target->user = i;
         job->result[i].target = i;
         job->n_targets = i + 1u;
@@ -111,10 +112,32 @@ int host_job_load_truth(host_job *job, host_error *error)
     return result;
 }
 
-/* Reads the landmarks and pairs them. Mirroring the model or the target mirrors its landmarks, too. */
-static int read_pairs(const host_options *options, float from[HOST_LANDMARKS_MAX][3], float to[HOST_LANDMARKS_MAX][3],
-                      uint32_t *n, host_error *error)
+/* Says what is wrong with pairs of these labels, and how much a spline through them scales the model. */
+static void doubt_pairs(host_job *job, const host_landmarks *set, const float *from, const float *to)
 {
+    const host_landmark_doubt doubt = host_landmarks_agree(from, to, job->n_landmarks);
+    char *const text = job->landmark_doubt;
+    const size_t bytes = sizeof job->landmark_doubt;
+    if (doubt.kind == HOST_LANDMARKS_SWAPPED)
+        (void)snprintf(text, bytes, "landmarks \"%s\" and \"%s\" fit far better exchanged: look at their labels",
+                       set->label[doubt.first], set->label[doubt.second]);
+    else if (doubt.kind == HOST_LANDMARK_OFF)
+        (void)snprintf(text, bytes, "landmark \"%s\" is %.0f mm from where the others put it: look at its place",
+                       set->label[doubt.first], doubt.off_mm);
+    else if (doubt.kind == HOST_LANDMARKS_APART)
+        (void)snprintf(text, bytes,
+                       "the landmarks do not fit by %.0f mm: look whether both sets are of the same places",
+                       doubt.off_mm);
+    if (job->options->align != HOST_ALIGN_RIGID)
+        job->start_scale = doubt.scale;
+}
+
+/* Reads the landmarks and pairs them. Mirroring the model or the target mirrors its landmarks, too. */
+static int read_pairs(host_job *job, float from[HOST_LANDMARKS_MAX][3], float to[HOST_LANDMARKS_MAX][3],
+                      host_error *error)
+{
+    const host_options *const options = job->options;
+    uint32_t *const n = &job->n_landmarks;
     host_landmarks *const set = calloc(2, sizeof *set);
     uint32_t i = 0;
     int result = 0;
@@ -132,6 +155,8 @@ static int read_pairs(const host_options *options, float from[HOST_LANDMARKS_MAX
         if (options->mirror_target != HOST_MIRROR_NONE)
             to[i][options->mirror_target] = 0.0f - to[i][options->mirror_target];
     }
+    if (result == 0)
+        doubt_pairs(job, &set[0], from[0], to[0]);
     free(set);
     return result;
 }
@@ -200,7 +225,7 @@ int host_job_place_pairs(host_job *job, const float *from, const float *to, host
 int host_job_place(host_job *job, host_error *error)
 {
     float from[HOST_LANDMARKS_MAX][3], to[HOST_LANDMARKS_MAX][3];
-    if (read_pairs(job->options, from, to, &job->n_landmarks, error) != 0)
+    if (read_pairs(job, from, to, error) != 0)
         return -1;
     error->file = job->options->landmarks.path[0];
     return host_job_place_pairs(job, from[0], to[0], error);

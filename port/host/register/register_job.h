@@ -7,6 +7,7 @@
 #include "base/threads.h"
 #include "measure/surface_distances.h"
 #include "model/model_from_files.h"
+#include "register/register_verdict.h"
 #include "volumes/volume_image.h"
 
 #define HOST_NO_TARGET 0xffffffffu
@@ -22,15 +23,21 @@ typedef struct host_target {
     uint32_t user;        /* index of the last of these structures */
 } host_target;
 
+/* Distances in both directions. */
+typedef struct host_two_way {
+    host_stats to_target; /* of the result to its target */
+    host_stats to_result; /* of the target to the result; n = 0 when structures share the target */
+} host_two_way;
+
 /* The result of one structure. */
 typedef struct host_result {
     uint32_t target; /* index, or HOST_NO_TARGET: moved by its neighbours only */
     host_mesh mesh;  /* the registered structure; owned */
     uint64_t folds, folds_absolute;
-    host_stats to_target; /* distances of its vertices to its target */
-    host_stats to_result; /* distances of the target's vertices to it; n = 0 when structures share the target */
-    host_stats by_vertex; /* distances to the truth's vertices with the same index; n = 0 without such a truth */
+    host_two_way area, vertices; /* distances integrated over the area, and over vertices */
+    host_stats by_vertex;        /* distances to the truth's vertices with the same index; n = 0 without such a truth */
     smr_structure_report report;
+    host_verdict verdict;
 } host_result;
 
 typedef struct host_job {
@@ -46,11 +53,15 @@ typedef struct host_job {
     host_result *result; /* [model.n_parts] */
     smr_pose pose;       /* the start pose */
     float align_rms_mm;
-    smr_warp *warp;                  /* of the landmarks; lies in warp_memory; NULL without landmarks */
-    void *warp_memory;               /* owned */
-    float *start_xyz;                /* [all vertices][3], start positions by landmarks; owned; NULL without */
-    uint32_t n_landmarks, warp_kind; /* SMR_WARP_... */
-    void *arena;                     /* owned */
+    smr_align_report align_report;          /* of surfaces; n_alike 0 without */
+    smr_warp *warp;                         /* of the landmarks; lies in warp_memory; NULL without landmarks */
+    void *warp_memory;                      /* owned */
+    float *start_xyz;                       /* [all vertices][3], start positions by landmarks; owned; NULL without */
+    uint32_t n_landmarks, warp_kind;        /* SMR_WARP_... */
+    char landmark_doubt[HOST_REASON_BYTES]; /* what is wrong with the landmarks; empty when nothing is */
+    double start_scale;                     /* by which the start scales the model; 0: not at all */
+    double size_ratio;                      /* the targets' diagonal over the model's, where nothing is scaled; or 0 */
+    void *arena;                            /* owned */
     size_t arena_bytes;
     smr *state;                    /* lies in the arena */
     void *log_memory;              /* of the library's log; owned; NULL without a log */
@@ -61,8 +72,11 @@ typedef struct host_job {
     float *tick_ms; /* [ticks], owned */
     size_t tick_capacity;
     double start_s, register_s, load_s, measure_s, begin_s;
-    host_stats to_target, to_result, by_vertex; /* over all structures with a target */
+    host_two_way area, vertices; /* over all structures with a target */
+    host_stats by_vertex;        /* over all structures with a truth of as many vertices */
     uint64_t folds, folds_absolute;
+    smr_verdict measures; /* what the library's verdict rests on */
+    host_verdict verdict; /* on the whole */
 } host_job;
 
 /* The steps, in order. Each returns 0, or -1 with the error filled. */
@@ -76,6 +90,12 @@ int host_job_run(host_job *job, host_error *error);      /* runs ticks to the en
 int host_job_evaluate(host_job *job, host_error *error); /* measures the results */
 void host_job_free(host_job *job);
 
+/* Judges the result: fills the verdicts, after host_job_evaluate. */
+void host_job_verdict(host_job *job);
+
+/* Measures the distances between results and targets, for host_job_evaluate. 0, or -1 when that is not possible. */
+int host_job_distances(host_job *job);
+
 /* Parts of these steps for an image target: read the volumes and the true surfaces, place the model by landmarks. */
 int host_job_load_images(host_job *job, host_error *error);
 int host_job_load_truth(host_job *job, host_error *error);
@@ -88,6 +108,13 @@ int host_job_make_surfaces(host_job *job, host_error *error);
 /* register_log.c: starts recording, right after host_job_begin; writes the content of the log file. */
 int host_job_record(host_job *job, host_error *error);
 int host_job_log(const host_job *job, host_buffer *out, host_error *error);
+
+/* 1 when nothing draws a structure: it has no target, or no triangles. */
+static inline int host_job_carries(const host_job *job, uint32_t part)
+{
+    return job->model.part[part].mesh.n_triangles == 0 ||
+           (!job->options->image_target && job->result[part].target == HOST_NO_TARGET);
+}
 
 /* 1 when the schedule has ended and some vertex had a goal. */
 static inline int host_job_converged(const host_job *job) { return job->last.done != 0 && job->target_seen; }

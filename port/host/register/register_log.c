@@ -20,30 +20,19 @@ int host_job_record(host_job *job, host_error *error)
     return 0;
 }
 
-static int by_path(const void *a, const void *b)
-{
-    return strcmp(((const host_log_input *)a)->path, ((const host_log_input *)b)->path);
-}
-
 /* Lists the input files, each once, sorted by name, since threads open them in any order. */
 static int list_inputs(const host_job *job, host_log *log, host_error *error)
 {
-    const size_t n = host_file_count();
-    size_t i = 0, k = 0;
-    log->input = calloc(n + 1u, sizeof *log->input);
-    if (log->input == NULL)
-        return host_fail(error, "log", "free memory");
-    for (i = 0; i < n; i++)
-        if (i < job->truth_first || i >= job->truth_end)
-            log->input[k++].path = host_file_name(i);
-    qsort(log->input, k, sizeof *log->input, by_path);
-    for (i = 0; i < k; i++)
-        if (i == 0 || strcmp(log->input[i].path, log->input[i - 1u].path) != 0)
-            log->input[log->n_inputs++] = log->input[i];
-    for (i = 0; i < log->n_inputs; i++)
-        if (host_log_measure(log->input[i].path, &log->input[i], error) != 0)
-            return -1;
-    return 0;
+    host_input *list = NULL;
+    const int n = host_file_list(job->truth_first, job->truth_end, &list);
+    int i = 0, result = 0;
+    log->input = calloc((size_t)(n < 0 ? 0 : n) + 1u, sizeof *log->input);
+    if (n < 0 || log->input == NULL)
+        result = host_fail(error, "log", "free memory");
+    for (i = 0; result == 0 && i < n; i++)
+        result = host_log_measure(list[i].path, &log->input[log->n_inputs++], error);
+    free(list);
+    return result;
 }
 
 int host_job_log(const host_job *job, host_buffer *out, host_error *error)

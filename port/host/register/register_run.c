@@ -96,8 +96,10 @@ static void show(const host_job *job, double elapsed)
 {
     const double progress = (double)job->last.progress;
     const double left = progress > 0.0 ? elapsed * (1.0 - progress) / progress : 0.0;
-    (void)fprintf(stderr, "\riteration %u  residual %.3f mm  %.1f s left \033[K", job->last.iteration,
-                  (double)job->last.residual_mean_mm, left);
+    (void)fprintf(stderr, "\riteration %u  ", job->last.iteration);
+    if (job->last.residual_mean_mm >= 0.0f)
+        (void)fprintf(stderr, "residual %.3f mm  ", (double)job->last.residual_mean_mm);
+    (void)fprintf(stderr, "%.1f s left \033[K", left);
     (void)fflush(stderr);
 }
 

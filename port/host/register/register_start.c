@@ -1,8 +1,10 @@
 /* register_start.c: starts a registration: reads all files, pairs targets and structures, finds the start pose.
  * SPDX-License-Identifier: MIT */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "files/file_names.h"
 #include "model/input_check.h"
 #include "register/register_job.h"
@@ -48,7 +50,7 @@ static int load_surfaces(host_job *job, const host_files *models, host_error *er
     for (i = 0; i < n; i++) {
         const int of_model = i < models->n;
         loads[i].path = of_model ? models->path[i] : options->target.path[i - models->n];
-        loads[i].need = HOST_MESH_SURFACE;
+        loads[i].need = of_model ? HOST_MESH_POINTS_TOO : HOST_MESH_SURFACE; /* points are carried */
         loads[i].mirror = of_model ? options->mirror_model : options->mirror_target;
     }
     result = host_load_all(&job->port.port, loads, n, error);
@@ -114,6 +116,7 @@ int host_job_check(host_job *job, host_error *error)
         return host_check_image_size(&job->model, &job->image.view, error);
     for (i = 0; i < job->n_targets; i++)
         host_box_add(&box, job->target[i].mesh.xyz, job->target[i].mesh.n_vertices);
+    job->size_ratio = host_size_ratio(&job->model, &box);
     return host_check_target_size(&job->model, &box, error);
 }
 
@@ -136,6 +139,8 @@ int host_job_match(host_job *job, host_error *error)
     if (job->options->image_target) /* the truth, if any, has one surface for each structure */
         return host_job_load_truth(job, error);
     for (i = 0; i < job->model.n_parts; i++) {
+        if (job->model.part[i].mesh.n_triangles == 0)
+            continue;
         for (k = 0; k < job->n_targets && job->result[i].target == HOST_NO_TARGET; k++)
             if (job->n_targets == 1 || strcmp(job->target[k].name, job->model.part[i].name) == 0)
                 give(job, i, k);
@@ -168,15 +173,30 @@ static int join(const host_job *job, int targets, host_mesh *whole)
     return result;
 }
 
-static int align(host_job *job, host_error *error)
+static smr_status align_surfaces(host_job *job, const smr_surface *model, const smr_surface *target)
 {
     smr_align_config config = smr_align_config_default();
+    size_t bytes = 0;
+    void *scratch = NULL;
+    config.scaled = job->options->align == HOST_ALIGN_SIMILARITY;
+    smr_status status = smr_align_bytes(&config, &bytes);
+    scratch = host_alloc(bytes);
+    if (scratch == NULL)
+        return SMR_E_ARENA;
+    if (status == SMR_OK)
+        status = smr_align(model, target, &config, scratch, bytes, &job->pose, &job->align_report);
+    job->align_rms_mm = job->align_report.rms_mm;
+    free(scratch);
+    return status;
+}
+
+static int align(host_job *job, host_error *error)
+{
     host_mesh mesh[2];
     void *memory[2] = {NULL, NULL};
     const smr_surface *surface[2] = {NULL, NULL};
     smr_status status = SMR_E_ARENA;
     int i = 0;
-    config.scaled = job->options->align == HOST_ALIGN_SIMILARITY;
     for (i = 0; i < 2; i++) {
         if (join(job, i, &mesh[i]) == 0) {
             const smr_mesh view = host_mesh_view(&mesh[i]);
@@ -185,7 +205,7 @@ static int align(host_job *job, host_error *error)
         host_mesh_free(&mesh[i]);
     }
     if (surface[0] != NULL && surface[1] != NULL)
-        status = smr_align(surface[0], surface[1], &config, &job->pose, &job->align_rms_mm);
+        status = align_surfaces(job, surface[0], surface[1]);
     free(memory[0]);
     free(memory[1]);
     error->file = "--align";
@@ -207,6 +227,15 @@ int host_job_make_surfaces(host_job *job, host_error *error)
     return 0;
 }
 
+static double scale_of(const smr_pose *pose)
+{
+    double sum = 0.0;
+    int r = 0;
+    for (r = 0; r < 3; r++)
+        sum += (double)pose->m[r][0] * (double)pose->m[r][0];
+    return sqrt(sum);
+}
+
 int host_job_start(host_job *job, host_error *error)
 {
     const double start = host_seconds();
@@ -215,6 +244,8 @@ int host_job_start(host_job *job, host_error *error)
         result = host_job_place(job, error);
     else if (result == 0 && job->options->align != HOST_ALIGN_NONE)
         result = align(job, error);
+    if (result == 0 && job->options->align == HOST_ALIGN_SIMILARITY)
+        job->start_scale = scale_of(&job->pose);
     job->start_s = host_seconds() - start;
     return result;
 }

@@ -1,4 +1,4 @@
-/* register_report.c: writes report.json and the summary for people.
+/* register_report.c: writes report.json.
  * SPDX-License-Identifier: MIT */
 #include "report/register_report.h"
 
@@ -8,20 +8,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "files/file_read.h"
 #include "report/json_write.h"
 
-/* [SMR_WARP_...] */
-static const char *const warp_names[] = {"spline", "similarity", "rigid", "translation"};
-
-/* Share of vertices with a goal among those that searched one. NaN when none searched. */
-static double share_of(uint32_t found, uint32_t rejected)
+const char *host_warp_name(uint32_t kind)
 {
-    const double all = (double)found + (double)rejected;
-    return all > 0.0 ? (double)found / all : (double)NAN;
+    static const char *const names[] = {"spline", "similarity", "rigid", "translation"}; /* [SMR_WARP_...] */
+    return names[kind];
 }
 
-/* The same for the last iteration, over all structures. */
-static double matched_share(const host_job *job) { return share_of(job->last.n_forces, job->last.n_rejected); }
+/* A figure of the library, in which -1 says that it was not measured: NaN then, which is written as null. */
+static double measured(float figure) { return figure < 0.0f ? (double)NAN : (double)figure; }
 
 /* Writes the kind of start. */
 static void put_kind(const host_job *job, host_json *json)
@@ -29,7 +26,7 @@ static void put_kind(const host_job *job, host_json *json)
     static const char *const poses[] = {"none", "surfaces rigid", "surfaces similarity"};
     char text[40];
     if (job->n_landmarks > 0)
-        (void)snprintf(text, sizeof text, "landmarks %s", warp_names[job->warp_kind]);
+        (void)snprintf(text, sizeof text, "landmarks %s", host_warp_name(job->warp_kind));
     else
         (void)snprintf(text, sizeof text, "%s", poses[job->options->align]);
     host_json_text(json, "start_kind", text);
@@ -107,15 +104,15 @@ static void put_times(const host_job *job, host_json *json)
 }
 
 /* Writes the distances in both directions, null when they were not measured. */
-static void put_distances(host_json *json, int measured, const host_stats *to_target, const host_stats *to_model)
+static void put_distances(host_json *json, const char *key, int compared, const host_two_way *distances)
 {
-    if (!measured) {
-        host_json_null(json, "distance_mm");
+    if (!compared) {
+        host_json_null(json, key);
         return;
     }
-    host_json_open(json, "distance_mm", '{');
-    host_json_stats(json, "model_to_target", to_target);
-    host_json_stats(json, "target_to_model", to_model);
+    host_json_open(json, key, '{');
+    host_json_stats(json, "model_to_target", &distances->to_target);
+    host_json_stats(json, "target_to_model", &distances->to_result);
     host_json_close(json, '}');
 }
 
@@ -132,10 +129,10 @@ static void put_by_vertex(host_json *json, const host_stats *stats)
 }
 
 /* Writes values of the last iteration's goals, and the displacement from the start positions. */
-static void put_moved(host_json *json, double residual_mean, double residual_max, double moved_mean, double moved_max)
+static void put_moved(host_json *json, float residual_mean, float residual_max, double moved_mean, double moved_max)
 {
-    host_json_number(json, "residual_mean_mm", residual_mean);
-    host_json_number(json, "residual_max_mm", residual_max);
+    host_json_number(json, "residual_mean_mm", measured(residual_mean));
+    host_json_number(json, "residual_max_mm", measured(residual_max));
     host_json_number(json, "moved_mean_mm", moved_mean);
     host_json_number(json, "moved_max_mm", moved_max);
 }
@@ -143,8 +140,8 @@ static void put_moved(host_json *json, double residual_mean, double residual_max
 /* Writes the result against the targets, or against the truth when the target is an image. */
 static void put_result(const host_job *job, host_json *json)
 {
-    const int measured = job->n_targets > 0;
-    const double a = job->to_target.max, b = job->to_result.max;
+    const int compared = job->n_targets > 0;
+    const double a = job->area.to_target.max, b = job->area.to_result.max;
     double mean = 0.0, max = 0.0, n = 0.0;
     uint32_t i = 0;
     for (i = 0; i < job->model.n_parts; i++) {
@@ -154,50 +151,147 @@ static void put_result(const host_job *job, host_json *json)
         n += vertices;
         max = most > max ? most : max;
     }
-    put_distances(json, measured, &job->to_target, &job->to_result);
-    if (measured)
+    put_distances(json, "distance_mm", compared, &job->area);
+    put_distances(json, "vertex_distance_mm", compared, &job->vertices);
+    if (compared)
         host_json_number(json, "hausdorff_mm", a > b ? a : b);
     else
         host_json_null(json, "hausdorff_mm");
-    if (measured && job->options->image_target) {
+    if (compared && job->options->image_target) {
         host_json_open(json, "truth", '{');
         host_json_text(json, "directory", job->options->truth);
         host_json_count(json, "vertices_compared", job->by_vertex.n);
         put_by_vertex(json, &job->by_vertex);
         host_json_close(json, '}');
     }
-    host_json_number(json, "matched_share", matched_share(job));
-    put_moved(json, (double)job->last.residual_mean_mm, (double)job->last.residual_max_mm, mean / n, max);
+    host_json_number(json, "matched_share", measured(job->last.matched_share));
+    put_moved(json, job->last.residual_mean_mm, job->last.residual_max_mm, mean / n, max);
     host_json_count(json, "folds", job->folds);
     host_json_count(json, "folds_absolute", job->folds_absolute);
+}
+
+static void put_verdict(const host_verdict *verdict, host_json *json)
+{
+    uint32_t i = 0;
+    host_json_text(json, "verdict", host_verdict_name(verdict->level));
+    host_json_open(json, "reasons", '[');
+    for (i = 0; i < verdict->n_reasons; i++)
+        host_json_text(json, NULL, verdict->reason[i]);
+    host_json_close(json, ']');
+    host_json_number(json, "expected_error_mm", verdict->expected_error_mm);
+}
+
+/* What the verdict rests on; nothing where an iteration is under way. */
+static void put_measures(const smr_verdict *v, host_json *json)
+{
+    const struct {
+        const char *name;
+        float value;
+    } measures[] = {{"expected_error_mm", v->expected_error_mm},
+                    {"seen_share", v->seen_share},
+                    {"target_covered", v->target_covered},
+                    {"residual_mm", v->residual_mm},
+                    {"normals_agree", v->normals_agree},
+                    {"likeness", v->likeness},
+                    {"goals_share", v->goals_share},
+                    {"strain", v->strain},
+                    {"stretch", v->stretch},
+                    {"volume_ratio", v->volume_ratio},
+                    {"rotation_deg", v->rotation_deg},
+                    {"turned_deg", v->turned_deg},
+                    {"bend_mm", v->bend_mm},
+                    {"scale", v->scale},
+                    {"scale_rest", v->scale_rest},
+                    {"moved_last_mm", v->moved_last_mm}};
+    size_t i = 0;
+    host_json_open(json, "verdict_measures", '{');
+    for (i = 0; i < sizeof measures / sizeof measures[0]; i++)
+        host_json_number(json, measures[i].name, (double)measures[i].value);
+    host_json_close(json, '}');
+}
+
+static void put_command(const host_job *job, host_json *json)
+{
+    int i = 0;
+    host_json_open(json, "command", '[');
+    host_json_text(json, NULL, "smr");
+    host_json_text(json, NULL, "register");
+    for (i = 0; i < job->options->n_arguments; i++)
+        host_json_text(json, NULL, job->options->arguments[i]);
+    host_json_close(json, ']');
+}
+
+/* Every file that was read, those that only measuring needs, too. */
+static void put_inputs(host_json *json)
+{
+    host_input *input = NULL;
+    const int n = host_file_list(0, 0, &input);
+    int i = 0;
+    json->out->failed |= n < 0;
+    host_json_open(json, "inputs", '[');
+    for (i = 0; i < n; i++) {
+        char text[16];
+        (void)snprintf(text, sizeof text, "%08" PRIx32, input[i].crc32);
+        host_json_open(json, NULL, '{');
+        host_json_text(json, "path", input[i].path);
+        host_json_count(json, "bytes", input[i].bytes);
+        host_json_text(json, "crc32", text);
+        host_json_close(json, '}');
+    }
+    host_json_close(json, ']');
+    free(input);
 }
 
 static void put_structure(const host_job *job, uint32_t i, host_json *json)
 {
     const host_result *const result = &job->result[i];
-    const int image = job->options->image_target, carried = !image && result->target == HOST_NO_TARGET;
+    const int image = job->options->image_target, carried = host_job_carries(job, i);
+    const int compared = result->target != HOST_NO_TARGET || !image;
     host_json_open(json, NULL, '{');
     host_json_text(json, "name", job->model.part[i].name);
     host_json_count(json, "vertices", result->mesh.n_vertices);
     host_json_count(json, "triangles", result->mesh.n_triangles);
     host_json_flag(json, "has_target", !carried);
     host_json_flag(json, "carried", carried);
+    put_verdict(&result->verdict, json);
     if (carried)
         host_json_null(json, "target");
     else
         host_json_text(json, "target", image ? job->options->target.path[0] : job->target[result->target].path);
-    put_distances(json, result->target != HOST_NO_TARGET || !image, &result->to_target, &result->to_result);
+    put_distances(json, "distance_mm", compared, &result->area);
+    put_distances(json, "vertex_distance_mm", compared, &result->vertices);
     if (result->target != HOST_NO_TARGET && image) {
         host_json_open(json, "truth", '{');
         host_json_text(json, "file", job->target[result->target].path);
         put_by_vertex(json, &result->by_vertex);
         host_json_close(json, '}');
     }
-    host_json_number(json, "matched_share", share_of(result->report.n_forces, result->report.n_rejected));
-    put_moved(json, (double)result->report.residual_mean_mm, (double)result->report.residual_max_mm,
+    host_json_number(json, "matched_share", measured(result->report.matched_share));
+    put_moved(json, result->report.residual_mean_mm, result->report.residual_max_mm,
               (double)result->report.moved_mean_mm, (double)result->report.moved_max_mm);
     host_json_count(json, "folds", result->folds);
     host_json_count(json, "folds_absolute", result->folds_absolute);
+    host_json_close(json, '}');
+}
+
+/* What aligning the surfaces said: "start". */
+static void put_align(const smr_align_report *said, host_json *json)
+{
+    if (said->n_alike == 0) {
+        host_json_null(json, "start");
+        return;
+    }
+    host_json_open(json, "start", '{');
+    host_json_flag(json, "given", said->given != 0);
+    host_json_number(json, "rms_mm", (double)said->rms_mm);
+    host_json_number(json, "model_share", (double)said->model_share);
+    host_json_number(json, "target_share", (double)said->target_share);
+    host_json_number(json, "scale", (double)said->scale);
+    host_json_count(json, "alike", said->n_alike);
+    host_json_number(json, "second_rms_mm", (double)said->second_rms_mm);
+    host_json_number(json, "mirrored_rms_mm", (double)said->mirrored_rms_mm);
+    host_json_flag(json, "model_inside_out", said->model_inside_out != 0);
+    host_json_flag(json, "target_inside_out", said->target_inside_out != 0);
     host_json_close(json, '}');
 }
 
@@ -206,11 +300,12 @@ static void put_start(const host_job *job, host_json *json)
     static const char *const names[] = {"none", "rigid", "similarity"};
     int r = 0, c = 0;
     put_kind(job, json);
+    put_align(&job->align_report, json);
     host_json_text(json, "align", names[job->options->align]);
     if (job->n_landmarks > 0) {
         host_json_open(json, "landmarks", '{');
         host_json_count(json, "count", job->n_landmarks);
-        host_json_text(json, "fit", warp_names[job->warp_kind]);
+        host_json_text(json, "fit", host_warp_name(job->warp_kind));
         host_json_close(json, '}');
     } else {
         host_json_null(json, "landmarks");
@@ -244,6 +339,10 @@ void host_job_report(const host_job *job, host_buffer *out)
     host_json_open(&json, NULL, '{');
     (void)snprintf(text, sizeof text, "%d.%d.%d", SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH);
     host_json_text(&json, "version", text);
+    put_verdict(&job->verdict, &json);
+    put_measures(&job->measures, &json);
+    put_command(job, &json);
+    put_inputs(&json);
     put_model(job, &json);
     host_json_count(&json, "ticks", job->ticks);
     host_json_count(&json, "iterations", job->last.iteration);
@@ -274,58 +373,4 @@ void host_job_report(const host_job *job, host_buffer *out)
             host_json_text(&json, NULL, job->target[i].path);
     host_json_close(&json, ']');
     host_json_close(&json, '}');
-}
-
-/* Says when nothing was seen, or only part could be, and why. */
-static void summarise_unseen(const host_job *job)
-{
-    const int with_reference = job->options->image_target && job->options->reference != NULL;
-    const int unseen = job->last.iteration > 0 && !job->target_seen;
-    if (unseen && with_reference && !(job->covered > 0.0))
-        (void)printf("nothing of the target was seen: none of the model's vertices lies in the reference image %s\n",
-                     job->options->reference);
-    else if (unseen)
-        (void)printf("nothing of the target was seen: no vertex had a goal in any iteration; look at the start and at "
-                     "--search\n");
-    if (with_reference && job->covered > 0.0 && job->covered < 1.0)
-        (void)printf("vertices of the model in the reference image: %.1f %%\n", 100.0 * job->covered);
-}
-
-void host_job_summary(const host_job *job)
-{
-    const host_stats *const a = &job->to_target, *const b = &job->to_result;
-    const char *const name = job->options->image_target ? "truth" : "target";
-    smr_log_state log;
-    uint32_t i = 0, carried = 0;
-    (void)printf("%s after %u iterations, %.3f s (load %.3f, prepare %.3f, start %.3f, register %.3f), %u threads\n",
-                 host_job_converged(job) ? "converged" : "not converged", job->last.iteration,
-                 host_seconds() - job->begin_s, job->load_s, job->model_is_prepared ? 0.0 : job->model.prepare_s,
-                 job->start_s, job->register_s, job->port.port.n_workers);
-    summarise_unseen(job);
-    if (job->n_landmarks > 0 && job->warp_kind != SMR_WARP_SPLINE && job->options->align == HOST_ALIGN_NONE)
-        (void)printf("start: %u landmarks as they lie carry no spline, a %s fit instead\n", job->n_landmarks,
-                     warp_names[job->warp_kind]);
-    if (job->n_targets > 0) {
-        (void)printf("model to %s: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, a->mean, a->rms, a->p95,
-                     a->max);
-        (void)printf("%s to model: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, b->mean, b->rms, b->p95,
-                     b->max);
-    }
-    if (job->by_vertex.n > 0)
-        (void)printf("vertex to vertex: mean %.3f  max %.3f mm\n", job->by_vertex.mean, job->by_vertex.max);
-    if (job->options->image_target)
-        (void)printf("vertices with a goal in the image: %.1f %%\n",
-                     job->last.n_active > 0 ? 100.0 * matched_share(job) : 0.0);
-    (void)printf("folds: %" PRIu64 "  state hash: %016" PRIx64 "\n", job->folds, smr_state_hash(job->state));
-    for (i = 0; i < job->model.n_parts; i++)
-        if (!job->options->image_target && job->result[i].target == HOST_NO_TARGET)
-            (void)printf("%s%s", carried++ == 0 ? "carried along without a target: " : ", ", job->model.part[i].name);
-    if (carried > 0)
-        (void)putchar('\n');
-    for (i = 0; i < job->n_targets; i++)
-        if (job->target[i].users == 0)
-            (void)printf("not used, no structure has its name: %s\n", job->target[i].path);
-    if (job->options->log != NULL && smr_get_log(job->state, &log) == SMR_OK)
-        (void)printf("log: %s, %u ticks%s\n", job->options->log, log.n_ticks, log.full ? ", then it was full" : "");
-    (void)printf("results: %s\n", job->options->out);
 }

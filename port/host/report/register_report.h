@@ -8,7 +8,10 @@
 /* Writes the text of report.json into the buffer, which stores failure. */
 void host_job_report(const host_job *job, host_buffer *out);
 
-/* Prints a few lines on standard output. */
+/* The name of SMR_WARP_... */
+const char *host_warp_name(uint32_t kind);
+
+/* Prints a few lines on standard output; the last is the verdict. */
 void host_job_summary(const host_job *job);
 
 #endif

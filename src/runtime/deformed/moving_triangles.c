@@ -15,6 +15,7 @@ void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
     shape->normal = smr_arena_take(a, n, three);
     shape->normal_ref = smr_arena_take(a, n, three);
     shape->start = smr_arena_take(a, n, three);
+    shape->on_surface = smr_arena_take(a, n, 1);
     shape->facet_normal = smr_arena_take(a, shared->n_triangles, three);
     if (SMR_BIG_ENDIAN)
         shape->own_triangle = smr_arena_take(a, shared->n_triangles, 3u * sizeof(uint32_t));
@@ -43,6 +44,9 @@ void smr_shape_start(smr_shape *shape)
         leaf += smr_tree_leaves(&one->facets);
         node += smr_tree_nodes(one->facets.n_triangles);
     }
+    memset(shape->on_surface, 0, c->n);
+    for (size_t i = 0; i < 3u * (size_t)c->n_triangles; i++)
+        shape->on_surface[c->triangle[i]] = 1;
 }
 
 uint32_t smr_facets_tasks(const void *arg)

@@ -5,6 +5,7 @@
 #define SMR_SHAPE_H
 
 #include "geometry/box_tree.h"
+#include "geometry/hilbert_curve.h"
 #include "geometry/transform_fit.h"
 #include "runtime/state.h"
 
@@ -20,7 +21,8 @@ typedef struct smr_shape {
     const smr_shared *shared;
     smr_vec origin; /* mm, whole: positions are relative to it */
     /* written by setup/start.c */
-    float *start; /* [n][3] start positions */
+    float *start;      /* [n][3] start positions */
+    smr_box start_box; /* around them, mm */
     /* x_next is written by evolve and folds; tick/iteration_end.c exchanges the two; setup/start.c sets both */
     float *x;      /* [n][3] positions of the last complete iteration */
     float *x_next; /* [n][3] positions under way; until evolve writes them, the positions before x */
@@ -30,6 +32,7 @@ typedef struct smr_shape {
     float *normal_ref; /* [n][3] normals that belong to it */
     /* written by moving_triangles.c */
     smr_shape_structure *structure; /* [n_structures] */
+    uint8_t *on_surface;            /* [n] 1: a corner of some triangle; 0: nothing draws it, it is carried */
     float *facet_normal;            /* [n_triangles][3] */
     smr_node *node;                 /* [n_nodes] box trees, one structure after the other; NULL: no attraction */
     uint32_t n_nodes;

@@ -29,7 +29,14 @@ void smr_forces_reset(smr_forces *f)
 {
     memset(f->found, SMR_FOUND_NO_TARGET, f->shared->n);
     memset(f->found_last, SMR_FOUND_NO_TARGET, f->shared->n);
+    smr_forces_unmeasured(f);
     smr_sources_reset(f);
+}
+
+void smr_forces_unmeasured(smr_forces *f)
+{
+    f->unmeasured = 1;
+    f->matched = -1.0f;
 }
 
 /* Notes how large the quantities that match/sums.c will round are at this vertex. */
@@ -125,6 +132,54 @@ static float limit_of(const smr_forces *f, float mean, float mean_square)
     return k > 0.0f && f->totals.n_forces > 0u ? smr_max(mean + k * deviation, 1.0e-3f) : 0.0f;
 }
 
+static float share_of(uint32_t n_forces, uint32_t n_rejected)
+{
+    const uint32_t all = n_forces + n_rejected;
+    return all > 0u ? (float)n_forces / (float)all : -1.0f;
+}
+
+/* Share of a structure's vertices that had a goal in the last complete forces. */
+static float share_in_last(const smr_forces *f, uint32_t structure)
+{
+    const smr_shape_structure *one = &f->shape->structure[structure];
+    uint32_t n_forces = 0, n_rejected = 0;
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint8_t found = f->found_last[smr_model_position(f->shared->model, one->first_vertex + i)];
+        n_forces += found == SMR_FOUND_GOAL;
+        n_rejected += found >= SMR_FOUND_NONE;
+    }
+    return share_of(n_forces, n_rejected);
+}
+
+float smr_forces_matched(const smr_forces *f, uint32_t structure)
+{
+    const smr_target *target = &f->surface.target[structure];
+    const smr_image_structure *view = &f->image.structure[structure];
+    if (!target->measured)
+        return -1.0f;
+    return target->surface == NULL && view->idle ? view->matched : share_in_last(f, structure);
+}
+
+/* Where the search in the image ends, what its last one found is kept: later iterations find nothing for they do not
+ * look. Reads found_last, which is still that of the forces before. */
+static void note_matched(smr_forces *f)
+{
+    int sought = 0;
+    for (uint32_t k = 0; k < f->shared->n_structures; k++) {
+        smr_target *target = &f->surface.target[k];
+        smr_image_structure *view = &f->image.structure[k];
+        const uint32_t idle = f->image.has_image && !smr_image_seeks(&f->image, k);
+        if (idle && !view->idle)
+            view->matched = target->measured ? share_in_last(f, k) : -1.0f;
+        view->idle = idle;
+        sought |= target->surface != NULL || !idle;
+        target->measured = 1;
+    }
+    if (sought)
+        f->matched = share_of(f->totals.n_forces, f->totals.n_rejected);
+    f->unmeasured = 0;
+}
+
 void smr_forces_end(smr_forces *f)
 {
     smr_tally all;
@@ -150,6 +205,7 @@ void smr_forces_end(smr_forces *f)
                                    all.forces.max,
                                    {all.forces.largest[0], all.forces.largest[1]}};
     f->surface.limit = limit_of(f, mean, square);
+    note_matched(f);
     /* until here the forces could have been asked to start again */
     memcpy(f->found_last, f->found, f->shared->n);
     smr_sources_stand(f);

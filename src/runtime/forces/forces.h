@@ -5,7 +5,7 @@
 #define SMR_FORCES_H
 
 #include "runtime/forces/image_goal.h"
-#include "runtime/forces/surface_goal.h"
+#include "runtime/forces/unseen_field.h"
 
 /* What was found for a vertex. */
 enum { SMR_FOUND_NO_TARGET = 0, SMR_FOUND_GOAL = 1, SMR_FOUND_NONE = 2, SMR_FOUND_UNDECIDED = 3 };
@@ -24,6 +24,7 @@ typedef struct smr_forces {
     const smr_pace *pace;
     const smr_shape *shape;
     smr_surface_goals surface;
+    smr_unseen_field unseen;
     smr_image_goals image;
     smr_tally *tally;
     float *force;        /* [n][3] mm; while goals are sought: the way to the goal */
@@ -31,12 +32,17 @@ typedef struct smr_forces {
     uint8_t *found;      /* [n] SMR_FOUND_..., of the forces under way */
     uint8_t *found_last; /* [n] the same, of the last complete forces */
     smr_force_totals totals;
+    float matched;       /* as smr_tick_report.matched_share */
+    uint32_t unmeasured; /* 1: no complete forces since a target, the image or positions were set */
 } smr_forces;
 
 void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
 void smr_forces_wire(smr_forces *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
                      const smr_overlay *overlay);
-void smr_forces_reset(smr_forces *f); /* an iteration is given up: nothing of its forces is left */
+void smr_forces_reset(smr_forces *f);      /* an iteration is given up: nothing of its forces is left */
+void smr_forces_unmeasured(smr_forces *f); /* what was measured was about other targets or positions */
+/* Share of a structure's vertices with a goal when goals were last sought for it; -1: not with this target. */
+float smr_forces_matched(const smr_forces *f, uint32_t structure);
 
 uint32_t smr_force_chunk(const smr_forces *f); /* vertices of a task of smr_forces_search */
 uint32_t smr_forces_tasks(const void *forces);
@@ -67,6 +73,7 @@ static inline void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_sha
 static inline void smr_sources_wire(smr_forces *f, const smr_overlay *overlay)
 {
     smr_surface_goals_wire(&f->surface, f->shared, f->pace, f->shape);
+    smr_unseen_field_wire(&f->unseen, f->shared, f->pace, f->shape, &f->surface, overlay);
     smr_image_goals_wire(&f->image, f->shared, f->pace, f->shape, f->found_last, &overlay->rings);
 }
 
@@ -86,6 +93,7 @@ static inline void smr_sources_stand(smr_forces *f)
 /* What a source asks for before the search for goals, as steps of the tick: SMR_STEP(member, work, order, n_tasks, run,
  * pieces, abreast). */
 #define SMR_SOURCE_STEPS(SMR_STEP)                                                                                     \
+    SMR_STEP(unseen, SMR_WORK_TASKS, SMR_SERIAL, smr_unseen_field_tasks, smr_unseen_field_solve, NULL, NULL)           \
     SMR_STEP(surface, SMR_WORK_TASKS, SMR_ANY_ORDER, smr_attract_tasks, smr_attract_search, NULL, NULL)                \
     SMR_STEP(image, SMR_WORK_TASKS, SMR_ANY_ORDER, smr_fill_tasks, smr_fill_sum, smr_fill_pieces, smr_fill_abreast)
 
@@ -98,14 +106,27 @@ static inline void smr_sources_drop(smr_forces *f, uint32_t v)
 }
 
 /* The way to the vertex' goal, mm; 0 for none. A structure with a target surface follows it, every other one the image.
- * Returns SMR_FOUND_... */
+ * A vertex without triangles lies on no surface and follows neither. Returns SMR_FOUND_... */
 static inline uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *way)
 {
-    const smr_surface *target = f->surface.target[smr_model_owner(f->shared->model, v)].surface;
+    const smr_target *drawn = &f->surface.target[smr_model_owner(f->shared->model, v)];
+    const smr_surface *target = drawn->surface;
     *way = smr_v(0, 0, 0);
-    smr_image_forget(&f->image, v); /* nothing may stay from forces that started again after a surface came */
-    if (target != NULL)
-        return smr_surface_goal(&f->surface, v, target, way) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
+    /* nothing may stay from forces that started again after a surface came or went */
+    smr_image_forget(&f->image, v);
+    if (f->surface.seen_next != NULL)
+        f->surface.seen_next[v] = 0;
+    if (!f->shape->on_surface[v]) {
+        smr_sources_drop(f, v);
+        return SMR_FOUND_NO_TARGET;
+    }
+    if (target != NULL) {
+        const int found = smr_surface_goal(&f->surface, v, target, way);
+        if (!drawn->partial)
+            return found ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
+        smr_unseen_field_blend(&f->unseen, v, way);
+        return f->surface.seen_next[v] > 0u ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
+    }
     if (!f->image.has_image) {
         smr_sources_drop(f, v);
         return SMR_FOUND_NO_TARGET;

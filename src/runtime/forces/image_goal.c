@@ -43,6 +43,8 @@ void smr_image_goals_reset(smr_image_goals *g)
     memset(g->contrast_next, 0, g->shared->n);
     memset(g->brighter, SMR_BRIGHTER_NONE, g->shared->n);
     memset(g->brighter_next, SMR_BRIGHTER_NONE, g->shared->n);
+    for (uint32_t k = 0; k < g->shared->n_structures; k++)
+        g->structure[k].idle = 0;
 }
 
 void smr_image_goals_stand(smr_image_goals *g)
@@ -90,6 +92,12 @@ typedef struct reference_profile {
     uint32_t n, inward;  /* samples, and those before the vertex */
     uint32_t hop, first; /* of the stored ones every hop-th from the first on */
 } reference_profile;
+
+int smr_image_seeks(const smr_image_goals *g, uint32_t structure)
+{
+    const float far = smr_max(smr_max(g->pace->profile_mm, g->structure[structure].wide_mm), g->pace->gradient_mm);
+    return g->has_image && far >= 0.5f * smr_le_float(g->shared->model->profile_step);
+}
 
 /* Search distance of a vertex' profile, mm. */
 static float sought_mm(const smr_image_goals *g, uint32_t v)

@@ -27,6 +27,8 @@ typedef struct smr_image_structure {
     float gain_sum, gain_weight;
     float brighter; /* image minus profile brightness, likewise */
     float brighter_sum;
+    uint32_t idle; /* 1: its last complete forces sought nothing. Written by forces.c, as is: */
+    float matched; /* while idle: share of its vertices with a goal when it was last sought; -1: never */
 } smr_image_structure;
 
 typedef struct smr_image_goals {
@@ -57,11 +59,21 @@ void smr_image_goals_stand(smr_image_goals *g);                       /* the for
  * Notes how the image compares with the profile there. */
 int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *way);
 
+/* 1 when goals of this structure are sought in the image in the forces under way: no search distance reaches a sample
+ * where they end at 0. */
+int smr_image_seeks(const smr_image_goals *g, uint32_t structure);
+
 /* There is no goal in the image for v in the forces under way. */
 void smr_image_forget(smr_image_goals *g, uint32_t v);
 
 /* Asks the processor for the voxels that the goal of v will need. */
 void smr_image_ahead(const smr_image_goals *g, uint32_t v);
+
+/* image_likeness.c: whether profiles fit where the model is, or as well beside: what chance gives in this image. */
+
+/* Compares the profile of v in its place with the same profile in places beside it. wins: comparisons won less those
+ * lost, of n. Returns the score in its place, -1..1; n is 0 where there is no profile or it is not all inside. */
+float smr_image_compare(const smr_image_goals *g, uint32_t v, int32_t *wins, uint32_t *n);
 
 /* fill_unseen.c: sums over mesh neighbours, then the way of a vertex without a goal. */
 uint32_t smr_fill_tasks(const void *goals);

@@ -12,6 +12,10 @@ void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shar
     g->goal = smr_arena_take(a, shared->n_structures, sizeof *g->goal);
     g->warm = smr_arena_take(a, n, sizeof(uint32_t));
     g->warm_next = smr_arena_take(a, n, sizeof(uint32_t));
+    if (shared->config.coverage != SMR_COVERAGE_WHOLE) {
+        g->seen = smr_arena_take(a, n, 1);
+        g->seen_next = smr_arena_take(a, n, 1);
+    }
     if (m == 0u)
         return;
     g->target_warm = smr_arena_take(a, m, sizeof(uint32_t));
@@ -37,6 +41,10 @@ void smr_pulls_clear(smr_surface_goals *g)
 void smr_surface_goals_reset(smr_surface_goals *g)
 {
     smr_pulls_clear(g);
+    if (g->seen != NULL) {
+        memset(g->seen, 0, g->shared->n);
+        memset(g->seen_next, 0, g->shared->n);
+    }
     for (uint32_t v = 0; v < g->shared->n; v++)
         g->warm[v] = g->warm_next[v] = SMR_NONE;
     for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.n_target_vertices; j++)
@@ -46,6 +54,7 @@ void smr_surface_goals_reset(smr_surface_goals *g)
 void smr_surface_goals_stand(smr_surface_goals *g)
 {
     memcpy(g->warm, g->warm_next, g->pace->n_active * sizeof *g->warm);
+    smr_overlap_stand(g);
 }
 
 static int outside_box(const smr_config *c, smr_vec p)
@@ -61,6 +70,8 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     /* relative to the target's origin */
     const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), smr_sub(g->shape->origin, target->origin));
     g->warm_next[v] = g->warm[v];
+    if (g->seen != NULL)
+        g->seen_next[v] = 0;
     if (outside_box(c, smr_add(p, target->origin)))
         return 0;
     smr_query q = {p, smr_load(smr_at3(g->shape->normal, v)), g->shared->min_cos, c->node_budget, g->warm[v]};
@@ -76,6 +87,8 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     if (g->limit > 0.0f && hit.d2 > g->limit * g->limit)
         return 0;
     *way = smr_sub(smr_facet_point(&target->facets, hit.triangle, hit.weight), p);
+    if (smr_overlap_judged(g, smr_model_owner(g->shared->model, v)))
+        smr_overlap_judge(g, v, target, &hit, *way);
     return !outside_box(c, smr_add(smr_add(p, *way), target->origin));
 }
 

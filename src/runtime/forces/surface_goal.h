@@ -8,13 +8,17 @@
 #include "runtime/deformed/shape.h"
 
 #define SMR_FORCE_CHUNK 4u        /* vertices of a task that seeks goals on a surface, or the model from a target */
+#define SMR_SEEN_ONE 255u         /* seen in full */
 #define SMR_PULL_SCALE 1048576.0f /* 2^20: pulls are summed in units of 2^-20 mm times weight */
 #define SMR_PULL_FULL 0.25f       /* mean areas of target that count in full */
 
-/* The surface of one structure. Written by setup/targets.c; begun by tick/schedule.c. */
+/* The surface of one structure. Written by setup/targets.c; begun by tick/schedule.c, measured by forces.c, too. */
 typedef struct smr_target {
     const smr_surface *surface; /* NULL: none */
+    uint32_t partial;           /* 1: vertices count as far as they are seen; 0: all in full. Written by overlap.c */
+    uint32_t n_seen, n_judged;  /* vertices seen, and all that were judged, when they last were */
     uint32_t begun;             /* 1: it had one when the iteration under way began */
+    uint32_t measured;          /* 1: there were complete forces since it was set or taken away */
 } smr_target;
 
 /* A distinct target surface; structures may share it. Written by setup/targets.c. */
@@ -39,6 +43,9 @@ typedef struct smr_surface_goals {
     uint32_t *warm_next;   /* [n] the same, of those under way: they may have to start again */
     uint32_t *target_warm; /* [n_target_vertices] closest triangle of the model; NULL: no attraction */
     int64_t *pull;         /* [n_workers][n][4] target-to-model pulls: three sums and the weight; NULL: no attraction */
+    uint8_t *seen;         /* [n] 0 .. SMR_SEEN_ONE, of the last complete forces that judged it; NULL: nobody does */
+    uint8_t *seen_next;    /* [n] the same, of those under way */
+    uint32_t partial;      /* 1: some structure is seen in part */
     float limit;           /* mm: longer ways are dropped; 0: none are. Written by forces.c; 0 after new inputs */
 } smr_surface_goals;
 
@@ -51,6 +58,12 @@ void smr_pulls_clear(smr_surface_goals *g);
 
 /* The way from vertex v to its goal on the target, mm. Returns 0 for none. */
 int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way);
+
+/* overlap.c: how well the target shows each vertex, and which structures are seen in part. */
+void smr_overlap_start(smr_surface_goals *g);                           /* with the targets as they are now */
+int smr_overlap_judged(const smr_surface_goals *g, uint32_t structure); /* 1: in this iteration */
+void smr_overlap_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit, smr_vec way);
+void smr_overlap_stand(smr_surface_goals *g); /* the forces under way are complete */
 
 /* target_attraction.c: target-to-model attraction, when target vertices pull in this iteration. */
 int smr_attraction_on(const smr_surface_goals *g);

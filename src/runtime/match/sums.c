@@ -8,11 +8,6 @@
 
 #define SMR_ENTRY_CHUNK 32u /* entries of a piece of a block; half as many where records are longest */
 
-void smr_sums_layout(smr_arena *a, smr_sums *s, const smr_shared *shared)
-{
-    s->sum = smr_arena_take(a, shared->n, SMR_WORDS * sizeof(uint32_t));
-}
-
 void smr_sums_wire(smr_sums *s, const smr_shared *shared, const smr_pace *pace, const smr_forces *forces,
                    const smr_overlay *overlay)
 {
@@ -20,6 +15,7 @@ void smr_sums_wire(smr_sums *s, const smr_shared *shared, const smr_pace *pace, 
     s->pace = pace;
     s->forces = forces;
     s->record = overlay->record;
+    s->sum = overlay->sum;
     s->tally = overlay->tally;
 }
 

@@ -18,7 +18,6 @@ typedef struct smr_sums {
     uint32_t pieces;  /* of a block in the step under way; 0 and 1: whole */
 } smr_sums;
 
-void smr_sums_layout(smr_arena *a, smr_sums *s, const smr_shared *shared);
 void smr_sums_wire(smr_sums *s, const smr_shared *shared, const smr_pace *pace, const smr_forces *forces,
                    const smr_overlay *overlay);
 

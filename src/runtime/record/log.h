@@ -7,7 +7,7 @@
 #include "runtime/state.h"
 
 #define SMR_LOG_MAGIC 0x4c524d53u /* "SMRL" */
-#define SMR_LOG_VERSION 2u
+#define SMR_LOG_VERSION 3u
 #define SMR_LOG_FIXED 28u /* bytes of a header before the configuration */
 #define SMR_LOG_FRAME 8u  /* bytes of a record around its content: its head and its checksum */
 #define SMR_LOG_WORDS 12u /* of the largest content */

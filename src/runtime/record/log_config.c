@@ -1,13 +1,14 @@
-/* log_config.c: the configuration in a log's header. Version 2 writes each setting with its number of the table
+/* log_config.c: the configuration in a log's header. Versions 2 and 3 write each setting with its number of the table
  * (base/settings_config.def), so that fields can move and be added; a setting that a log lacks has its default.
- * Version 1 has the struct of library 0.1 as it lay in memory: its words are the numbers up to 44, with the cookie as
- * word 0.
+ * Before version 3 every target was taken as whole. Version 1 has the struct of library 0.1 as it lay in memory: its
+ * words are the numbers up to 44, with the cookie as word 0.
  * Bounds: SMR_LOG_CONFIG_WORDS words, the table's rows for each of them.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
 #include "runtime/record/log.h"
 
 #define SMR_LOG_WORDS_V1 45u
+#define SMR_LOG_COVERAGE 3u /* the version since which targets may show parts only */
 
 typedef struct log_row {
     uint32_t number, offset, n; /* n: words */
@@ -71,7 +72,9 @@ static smr_status get_numbered(const unsigned char *from, uint32_t n_words, smr_
 smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint32_t version, smr_config *config)
 {
     *config = smr_config_default();
-    if (version == SMR_LOG_VERSION)
+    if (version < SMR_LOG_COVERAGE)
+        config->coverage = SMR_COVERAGE_WHOLE;
+    if (version == 2u || version == SMR_LOG_VERSION)
         return get_numbered(from, n_words, config);
     if (version != 1u || n_words != SMR_LOG_WORDS_V1)
         return SMR_E_LOG;

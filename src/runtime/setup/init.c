@@ -11,11 +11,10 @@ static smr *layout(smr_arena *a, smr *s)
     const smr_shared *shared = &s->shared;
     const uint32_t hinge_tasks = smr_ceil_div(shared->n_hinges, SMR_HINGE_CHUNK);
     smr *self = smr_arena_take(a, 1, sizeof *self);
-    smr_overlay_layout(a, &s->overlay, shared->n, SMR_WORDS,
+    smr_overlay_layout(a, &s->overlay, shared->n, SMR_WORDS, smr_unseen_field_words(shared),
                        smr_max_u32(smr_ceil_div(shared->n, SMR_MATCH_CHUNK), hinge_tasks));
     smr_shape_layout(a, &s->shape, shared);
     smr_forces_layout(a, &s->forces, shared);
-    smr_sums_layout(a, &s->sums, shared);
     smr_reference_layout(a, &s->reference, shared);
     smr_match_layout(a, &s->match, shared);
     smr_evolve_layout(a, &s->evolve, shared);

@@ -35,30 +35,47 @@ smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz)
     return copy_out(s, structure, s == NULL ? NULL : s->shape.normal, smr_v(0, 0, 0), xyz);
 }
 
+/* What the last complete forces found for a structure, when they were about its target. */
+static void report_forces(const smr *s, const smr_shape_structure *one, smr_structure_report *report)
+{
+    float sum = 0.0f, most = 0.0f;
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        report->n_rejected += s->forces.found_last[v] >= SMR_FOUND_NONE;
+        if (s->forces.found_last[v] != SMR_FOUND_GOAL)
+            continue;
+        report->n_forces++;
+        sum += s->forces.residual[v];
+        most = smr_max(most, s->forces.residual[v]);
+    }
+    if (report->n_forces == 0u)
+        return;
+    report->residual_mean_mm = sum / (float)report->n_forces;
+    report->residual_max_mm = most;
+}
+
 smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report)
 {
     smr_status status = check(s, structure, report);
     if (status != SMR_OK)
         return status;
     const smr_shape_structure *one = &s->shape.structure[structure];
-    float residual = 0.0f, moved_sum = 0.0f;
+    const smr_target *target = &s->forces.surface.target[structure];
+    float moved_sum = 0.0f;
     memset(report, 0, sizeof *report);
-    report->has_target = s->forces.surface.target[structure].surface != NULL || s->forces.image.has_image;
+    report->has_target = target->surface != NULL || s->forces.image.has_image;
+    report->matched_share = smr_forces_matched(&s->forces, structure);
+    report->residual_mean_mm = report->residual_max_mm = -1.0f;
+    if (target->measured)
+        report_forces(s, one, report);
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
-        const float d = s->forces.found_last[v] == 1u ? s->forces.residual[v] : 0.0f;
         const float moved = smr_length(smr_sub(smr_load(smr_at3(s->shape.x, v)), smr_load(smr_at3(s->shape.start, v))));
-        report->n_forces += s->forces.found_last[v] == 1u;
-        report->n_rejected += s->forces.found_last[v] >= 2u;
-        residual += d;
-        report->residual_max_mm = smr_max(report->residual_max_mm, d);
         moved_sum += moved;
         report->moved_max_mm = smr_max(report->moved_max_mm, moved);
     }
     if (one->n_vertices > 0u)
         report->moved_mean_mm = moved_sum / (float)one->n_vertices;
-    if (report->n_forces > 0u)
-        report->residual_mean_mm = residual / (float)report->n_forces;
     return SMR_OK;
 }
 

@@ -28,6 +28,7 @@ static void start_here(smr *s)
     const smr_mesh mesh = {shape->x, s->shared.triangle, s->shared.n, s->shared.n_triangles};
     smr_rest_pose_now(shape);
     memcpy(shape->start, shape->x, bytes);
+    shape->start_box = smr_box_of(shape->x, s->shared.n);
     memcpy(shape->x_ref, shape->x, bytes);
     memset(s->forces.force, 0, bytes);
     memset(s->folds.marked, 0, s->shared.n);

@@ -65,10 +65,14 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
         return SMR_E_ARENA;
     const uint32_t first = structure == SMR_ALL ? 0u : structure;
     const uint32_t last = structure == SMR_ALL ? n_structures : structure + 1u;
-    for (uint32_t i = first; i < last; i++)
+    for (uint32_t i = first; i < last; i++) {
         g->target[i].surface = surface;
+        g->target[i].measured = 0;
+    }
+    smr_forces_unmeasured(&s->forces);
     (void)list_goals(g, g->goal, &g->n_goals, &g->n_tasks);
     forget_searches(g, structure);
+    smr_overlap_start(g);
     /* an iteration under way starts again with the new goals; one that has its forces ends with the old ones */
     if (smr_forces_pending(s))
         s->step = s->next_task = 0;

@@ -17,9 +17,10 @@ static void forces_end(smr *s)
     s->report.n_rejected = t->n_rejected;
     const int attracts = smr_attraction_on(&s->forces.surface) && s->pace.repairing == 0u; /* repairs have no forces */
     s->report.attraction_used = attracts ? s->shared.config.attraction : 0.0f;
-    s->report.residual_mean_mm = t->mean;
-    s->report.residual_rms_mm = t->rms;
-    s->report.residual_max_mm = t->max;
+    s->report.matched_share = s->forces.matched;
+    s->report.residual_mean_mm = t->n_forces > 0u ? t->mean : -1.0f;
+    s->report.residual_rms_mm = t->n_forces > 0u ? t->rms : -1.0f;
+    s->report.residual_max_mm = t->n_forces > 0u ? t->max : -1.0f;
 }
 
 static void match_end(smr *s)

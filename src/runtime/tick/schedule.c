@@ -86,6 +86,7 @@ void smr_schedule_start(smr *s)
     s->step = 0;
     s->next_task = 0;
     s->forces.surface.limit = 0.0f;
+    smr_overlap_start(&s->forces.surface);
     s->pace.ease = 1.0f;
     s->forces.surface.n_goals_begun = s->forces.surface.n_goals;
     use_radius(s, s->shared.config.radius_first);
@@ -162,7 +163,7 @@ void smr_schedule_next(smr *s)
     if (e.plastic)
         plastic_update(s);
     if (e.done) {
-        s->pace.converged = (uint32_t)(e.small || e.settled);
+        s->pace.converged = (uint32_t)((e.small || e.settled) && s->forces.matched > 0.0f);
         s->pace.done = 1;
     } else if (!repairs && !smr_at_last_radius(&s->shared, &s->pace) && (e.settled || e.spent)) {
         use_radius(s, s->pace.radius + 1u);

@@ -116,6 +116,18 @@ static void fill_report(smr *s, uint64_t *phase_ns)
     memcpy(r->phase_ns, phase_ns, sizeof r->phase_ns);
 }
 
+/* The report as the caller gets it. The log keeps what the iteration itself found, whatever was set since. */
+static smr_tick_report report_of(const smr *s)
+{
+    smr_tick_report r = s->report;
+    if (!s->forces.unmeasured)
+        return r;
+    r.n_active = r.n_forces = r.n_rejected = r.converged = 0;
+    r.attraction_used = 0.0f;
+    r.matched_share = r.residual_mean_mm = r.residual_rms_mm = r.residual_max_mm = -1.0f;
+    return r;
+}
+
 /* Every target surface is still the one that was set. */
 static int targets_stand(const smr *s)
 {
@@ -188,6 +200,6 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     fill_report(s, phase_ns);
     smr_log_tick(&s->log, &s->report, status, status == SMR_OK ? s->report.n_taken : smr_forces_evaluated(s));
     if (report != NULL)
-        *report = s->report;
+        *report = report_of(s);
     return status;
 }

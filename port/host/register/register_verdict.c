@@ -1,0 +1,154 @@
+/* register_verdict.c: the verdict: what the inputs, the start and the result itself say against a registration.
+ * SPDX-License-Identifier: MIT */
+#include "register/register_verdict.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "model/input_check.h"
+#include "register/register_job.h"
+
+#define SCALE_MOST 2.0     /* people's bones differ less in size, either way */
+#define RATIO_MOST 9.0     /* a part of a body and the whole of it: below; centimetres and inches: above */
+#define COVERED_LEAST 0.98 /* of the model's vertices: the rest may end in air */
+
+const char *host_verdict_name(int level)
+{
+    static const char *const names[] = {"good", "look", "failed"};
+    return names[level];
+}
+
+void host_verdict_add(host_verdict *verdict, int level, const char *reason, ...)
+{
+    va_list list;
+    verdict->level = level > verdict->level ? level : verdict->level;
+    if (verdict->n_reasons == HOST_REASONS_MAX)
+        return;
+    va_start(list, reason);
+    (void)vsnprintf(verdict->reason[verdict->n_reasons++], HOST_REASON_BYTES, reason, list);
+    va_end(list);
+}
+
+static int beyond(double ratio, double most) { return ratio > 0.0 && (ratio > most || ratio * most < 1.0); }
+
+/* What was seen of the target, and by how many iterations. */
+static void judge_run(const host_job *job, host_verdict *verdict)
+{
+    const int with_reference = job->options->image_target && job->options->reference != NULL;
+    if (!job->target_seen && with_reference && !(job->covered > 0.0))
+        host_verdict_add(verdict, HOST_VERDICT_FAILED,
+                         "nothing of the target was seen: none of the model's vertices lies in the reference image %s",
+                         job->options->reference);
+    else if (!job->target_seen)
+        host_verdict_add(verdict, HOST_VERDICT_FAILED,
+                         "nothing of the target was seen: no vertex had a goal in any iteration; look at the start and "
+                         "at --search");
+    if (with_reference && job->covered > 0.0 && job->covered < COVERED_LEAST)
+        host_verdict_add(verdict, HOST_VERDICT_LOOK,
+                         "%.1f %% of the model's vertices lie in the reference image: look at the ends of the others, "
+                         "which have no profiles",
+                         100.0 * job->covered);
+    if (job->last.done == 0)
+        host_verdict_add(verdict, HOST_VERDICT_LOOK, "--ticks ended first, after %.0f %% of the schedule",
+                         100.0 * (double)job->last.progress);
+}
+
+static void judge_start(const host_job *job, host_verdict *verdict)
+{
+    if (job->landmark_doubt[0] != '\0')
+        host_verdict_add(verdict, HOST_VERDICT_LOOK, "%s", job->landmark_doubt);
+    if (beyond(job->start_scale, SCALE_MOST))
+        host_verdict_add(verdict, HOST_VERDICT_LOOK,
+                         "the start makes the model %.3g times as large: look at the units of model and target",
+                         job->start_scale);
+    if (beyond(job->size_ratio, RATIO_MOST))
+        host_verdict_add(verdict, HOST_VERDICT_LOOK,
+                         "the target is %.3g times as large as the model: look at the units of both", job->size_ratio);
+}
+
+/* Surfaces that are inside out have normals that no other surface agrees with. */
+static void judge_orientation(host_job *job, host_verdict *verdict)
+{
+    uint32_t i = 0;
+    for (i = 0; i < job->model.n_parts; i++)
+        if (host_is_inside_out(&job->model.part[i].mesh)) {
+            host_verdict_add(&job->result[i].verdict, HOST_VERDICT_LOOK, "the model's surface is inside out");
+            host_verdict_add(verdict, HOST_VERDICT_LOOK, "the model's %s is a closed surface that is inside out",
+                             job->model.part[i].name);
+        }
+    for (i = 0; !job->options->image_target && i < job->n_targets; i++)
+        if (job->target[i].users > 0 && host_is_inside_out(&job->target[i].mesh)) {
+            host_verdict_add(&job->result[job->target[i].user].verdict, HOST_VERDICT_LOOK,
+                             "the target's surface is inside out");
+            host_verdict_add(verdict, HOST_VERDICT_LOOK, "the target %s is a closed surface that is inside out",
+                             job->target[i].path);
+        }
+}
+
+/* Structures of which nothing was found at the end. */
+static void judge_lost(host_job *job, host_verdict *verdict)
+{
+    uint32_t i = 0, n = 0, first = 0;
+    for (i = 0; i < job->model.n_parts; i++) {
+        const host_result *const result = &job->result[i];
+        if (result->report.has_target == 0 || job->model.part[i].mesh.n_triangles == 0 ||
+            result->report.matched_share > 0.0f)
+            continue;
+        host_verdict_add(&job->result[i].verdict, HOST_VERDICT_FAILED, "no vertex had a goal at the end");
+        first = n++ == 0 ? i : first;
+    }
+    if (n > 0 && job->target_seen)
+        host_verdict_add(verdict, HOST_VERDICT_LOOK, "no vertex of %s had a goal at the end%s",
+                         job->model.part[first].name, n > 1 ? ", nor of others" : "");
+}
+
+static void judge_folds(host_job *job, host_verdict *verdict)
+{
+    uint32_t i = 0, most = 0;
+    for (i = 0; i < job->model.n_parts; i++) {
+        const uint64_t folds = job->result[i].folds;
+        most = folds > job->result[most].folds ? i : most;
+        if (folds > 0)
+            host_verdict_add(&job->result[i].verdict, HOST_VERDICT_LOOK, "%" PRIu64 " folds are left", folds);
+    }
+    if (job->folds > 0)
+        host_verdict_add(verdict, HOST_VERDICT_LOOK, "%" PRIu64 " folds are left: look at the surface of %s first",
+                         job->folds, job->model.part[most].name);
+}
+
+/* What the library measured: its level and a sentence for each reason, but for that nothing was seen: judge_run and
+ * judge_lost say more of that. */
+static void judge_measures(smr *s, uint32_t structure, smr_verdict *measures, host_verdict *verdict)
+{
+    static const int levels[] = {HOST_VERDICT_GOOD, HOST_VERDICT_LOOK, HOST_VERDICT_FAILED};
+    uint32_t bit = 0;
+    verdict->expected_error_mm = (double)NAN;
+    if (smr_get_verdict(s, structure, measures) != SMR_OK) /* --ticks ended within an iteration */
+        return;
+    if (measures->expected_error_mm >= 0.0f)
+        verdict->expected_error_mm = (double)measures->expected_error_mm;
+    for (bit = SMR_REASON_NOTHING_SEEN << 1; bit <= measures->reasons; bit <<= 1)
+        if ((measures->reasons & bit) != 0)
+            host_verdict_add(verdict, levels[measures->level], "%s", smr_reason_text(bit));
+}
+
+void host_job_verdict(host_job *job)
+{
+    uint32_t i = 0;
+    judge_run(job, &job->verdict);
+    judge_start(job, &job->verdict);
+    judge_orientation(job, &job->verdict);
+    judge_lost(job, &job->verdict);
+    judge_folds(job, &job->verdict);
+    judge_measures(job->state, SMR_ALL, &job->measures, &job->verdict);
+    if (job->target_seen && (job->measures.reasons & SMR_REASON_NOTHING_SEEN) != 0)
+        host_verdict_add(&job->verdict, HOST_VERDICT_FAILED, "%s", smr_reason_text(SMR_REASON_NOTHING_SEEN));
+    for (i = 0; i < job->model.n_parts; i++) {
+        smr_verdict measures;
+        job->result[i].verdict.expected_error_mm = (double)NAN;
+        if (job->result[i].report.has_target != 0)
+            judge_measures(job->state, i, &measures, &job->result[i].verdict);
+    }
+}

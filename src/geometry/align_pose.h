@@ -1,0 +1,45 @@
+/* align_pose.h: arithmetic of rigid, scaled and mirrored poses.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_ALIGN_POSE_H
+#define SMR_ALIGN_POSE_H
+
+#include "base/vec.h"
+
+/* a turned and scaled by the pose, without its translation. */
+static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
+{
+    return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z,
+                 p->m[1][0] * a.x + p->m[1][1] * a.y + p->m[1][2] * a.z,
+                 p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z);
+}
+
+/* Sets the pose's translation so that it lays `from` onto `to`. */
+static inline void smr_pose_through(smr_pose *p, smr_vec from, smr_vec to)
+{
+    const smr_vec shift = smr_sub(to, smr_pose_turn(p, from));
+    p->m[0][3] = shift.x;
+    p->m[1][3] = shift.y;
+    p->m[2][3] = shift.z;
+}
+
+/* The pose's scale: the length of its first column. */
+static inline float smr_pose_scale(const smr_pose *p) { return smr_length(smr_v(p->m[0][0], p->m[1][0], p->m[2][0])); }
+
+/* align_pose.c: the inverse of a rigid, scaled or mirrored pose. */
+smr_pose smr_pose_invert(const smr_pose *p);
+
+/* The pose after the reflection x -> -x: a mirrored model's pose in the model's own coordinates, and back. */
+static inline void smr_pose_reflect(smr_pose *p)
+{
+    for (int r = 0; r < 3; r++)
+        p->m[r][0] = -p->m[r][0];
+}
+
+/* 1 for poses with a reflection. */
+static inline int smr_pose_mirrors(const smr_pose *p)
+{
+    const smr_vec a = smr_v(p->m[0][0], p->m[0][1], p->m[0][2]), b = smr_v(p->m[1][0], p->m[1][1], p->m[1][2]);
+    return smr_dot(smr_cross(a, b), smr_v(p->m[2][0], p->m[2][1], p->m[2][2])) < 0.0f;
+}
+
+#endif

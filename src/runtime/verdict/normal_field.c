@@ -1,0 +1,141 @@
+/* normal_field.c: how far vertices may be off. A surface says where it is along its normals only: along itself a vertex
+ * may have slid, and what is unseen may be anywhere that is smooth. Both follow from one regression by a kernel
+ * (Gaussian process; Rasmussen and Williams 2006, chapter 2): the displacement from the start is a random field with
+ * covariance k(d) = size2 / (1 + d^2 / l^2) for each axis, and n . displacement is known at seen vertices. What is left
+ * of the variance at a vertex says how far it may be off; the field's size follows from what was seen of it.
+ * Bounds: SMR_TELLERS^2 / 2 multiplications for each vertex and axis; SMR_TELLERS^3 / 6 once.
+ * SPDX-License-Identifier: MIT */
+#include "runtime/verdict/normal_field.h"
+
+#include "runtime/verdict/evidence.h"
+
+#define SMR_NORMAL_LENGTH 0.6f /* kernel length over the diagonal of the structure's box */
+#define SMR_NORMAL_LOOSE 0.01f /* of the variance: what a vertex may be off along its normal */
+#define SMR_TELLERS_LEAST 6u   /* with fewer nothing is known: a rigid pose alone has six */
+
+static float *row(const smr_normal_field *f, uint32_t i) { return f->lower + (size_t)i * (i + 1u) / 2u; }
+
+static float kernel(const smr_normal_field *f, smr_vec a, smr_vec b)
+{
+    const smr_vec d = smr_sub(a, b);
+    return 1.0f / (1.0f + smr_dot(d, d) * f->per_length2);
+}
+
+/* A place for each array: as many tellers as the memory holds. */
+static uint32_t place(smr_normal_field *f, const smr *s)
+{
+    const uint32_t words = smr_min_u32(s->shared.n, 4u * SMR_TELLERS) * SMR_WORDS;
+    uint32_t most = SMR_TELLERS;
+    while (most > 0u && most * (most + 1u) / 2u + 7u * most > words)
+        most--;
+    f->at = (float *)s->overlay.sum;
+    f->normal = f->at + 3u * (size_t)most;
+    f->moved = f->normal + 3u * (size_t)most;
+    f->lower = f->moved + most;
+    return most;
+}
+
+static int tells(const smr *s, uint32_t v)
+{
+    const smr_vec n = smr_load(smr_at3(s->shape.normal, v));
+    return smr_vertex_seen(s, v) && smr_dot(n, n) > 0.5f;
+}
+
+/* Every so many of the seen vertices in stored order, which winds through the structure; and the pose of all seen. */
+static void choose(smr_normal_field *f, uint32_t structure, uint32_t most, smr_fit *fit)
+{
+    const smr *s = f->s;
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    uint32_t total = 0, met = 0;
+    smr_box box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
+    for (uint32_t i = 0; i < one->n_vertices; i++)
+        total += (uint32_t)tells(s, smr_model_position(s->shared.model, one->first_vertex + i));
+    const uint32_t wanted = smr_min_u32(total, most);
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        if (smr_model_owner(s->shared.model, v) != structure)
+            continue;
+        const smr_vec p = smr_load(smr_at3(s->shape.start, v));
+        box.lo = smr_v(smr_min(box.lo.x, p.x), smr_min(box.lo.y, p.y), smr_min(box.lo.z, p.z));
+        box.hi = smr_v(smr_max(box.hi.x, p.x), smr_max(box.hi.y, p.y), smr_max(box.hi.z, p.z));
+        if (!tells(s, v))
+            continue;
+        if (met == 0u)
+            smr_fit_start(fit, p, smr_load(smr_at3(s->shape.x, v)));
+        smr_fit_add(fit, p, smr_load(smr_at3(s->shape.x, v)), 1.0f);
+        if (f->n < wanted && (uint64_t)met * wanted >= (uint64_t)f->n * total) {
+            smr_store(smr_at3(f->at, f->n), p);
+            smr_store(smr_at3(f->normal, f->n), smr_load(smr_at3(s->shape.normal, v)));
+            smr_store(smr_at3(f->lower, f->n), smr_load(smr_at3(s->shape.x, v))); /* until the factor needs it */
+            f->n++;
+        }
+        met++;
+    }
+    const float length = smr_max(SMR_NORMAL_LENGTH * smr_length(smr_sub(box.hi, box.lo)), 1.0e-6f);
+    f->per_length2 = 1.0f / (length * length);
+}
+
+static void factor(smr_normal_field *f)
+{
+    for (uint32_t i = 0; i < f->n; i++) {
+        float *const r = row(f, i);
+        const smr_vec at = smr_load(smr_at3(f->at, i)), normal = smr_load(smr_at3(f->normal, i));
+        for (uint32_t j = 0; j <= i; j++) {
+            const float *const other = row(f, j);
+            float sum = kernel(f, at, smr_load(smr_at3(f->at, j))) * smr_dot(normal, smr_load(smr_at3(f->normal, j)));
+            sum += i == j ? SMR_NORMAL_LOOSE : 0.0f;
+            for (uint32_t k = 0; k < j; k++)
+                sum -= r[k] * other[k];
+            r[j] = i == j ? SMR_SQRT(smr_max(sum, 0.5f * SMR_NORMAL_LOOSE)) : sum / other[j];
+        }
+    }
+}
+
+/* size2 = y K^-1 y / n, the likeliest one. */
+static void find_size(smr_normal_field *f)
+{
+    f->size2 = 0.0f;
+    for (uint32_t i = 0; i < f->n; i++) {
+        float sum = f->moved[i];
+        for (uint32_t k = 0; k < i; k++)
+            sum -= row(f, i)[k] * f->moved[k];
+        f->moved[i] = sum / row(f, i)[i];
+        f->size2 += f->moved[i] * f->moved[i] / (float)f->n;
+    }
+}
+
+void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structure)
+{
+    smr_fit fit;
+    memset(f, 0, sizeof *f);
+    memset(&fit, 0, sizeof fit);
+    f->s = s;
+    choose(f, structure, place(f, s), &fit);
+    if (f->n < SMR_TELLERS_LEAST) {
+        f->n = 0;
+        return;
+    }
+    const smr_pose pose = smr_fit_solve(&fit, 0);
+    for (uint32_t i = 0; i < f->n; i++) {
+        const smr_vec posed = smr_pose_apply(&pose, smr_load(smr_at3(f->at, i)));
+        const smr_vec way = smr_sub(smr_load(smr_at3(f->lower, i)), posed);
+        f->moved[i] = smr_dot(way, smr_load(smr_at3(f->normal, i)));
+    }
+    factor(f);
+    find_size(f);
+}
+
+float smr_normal_field_doubt(const smr_normal_field *f, uint32_t v)
+{
+    const smr_vec at = smr_load(smr_at3(f->s->shape.start, v));
+    smr_vec known[SMR_TELLERS]; /* for each axis: L^-1 of the covariances with the tellers */
+    float left = 3.0f;
+    for (uint32_t i = 0; i < f->n; i++) {
+        const float *const r = row(f, i);
+        smr_vec sum = smr_scale(smr_load(smr_at3(f->normal, i)), kernel(f, at, smr_load(smr_at3(f->at, i))));
+        for (uint32_t k = 0; k < i; k++)
+            sum = smr_sub(sum, smr_scale(known[k], r[k]));
+        known[i] = smr_scale(sum, 1.0f / r[i]);
+        left -= smr_dot(known[i], known[i]);
+    }
+    return SMR_SQRT(smr_max(left, 0.0f) * f->size2);
+}

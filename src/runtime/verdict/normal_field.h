@@ -1,0 +1,29 @@
+/* normal_field.h: what the seen part of a structure tells of where its vertices are: a smooth random displacement that
+ * is known at some seen vertices, and there along their normals only. In: start and present positions, normals, which
+ * vertices are seen. Out: how far each vertex may be off.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_NORMAL_FIELD_H
+#define SMR_NORMAL_FIELD_H
+
+#include "runtime/registration.h"
+
+#define SMR_TELLERS 64u /* seen vertices that are asked, at most */
+
+typedef struct smr_normal_field {
+    const smr *s;
+    float *at;         /* [n][3] their start positions, mm */
+    float *normal;     /* [n][3] */
+    float *moved;      /* [n] how far they went along their normals, but for the pose of the whole, mm */
+    float *lower;      /* Cholesky factor, row by row */
+    uint32_t n;        /* 0: too little is seen */
+    float per_length2; /* 1 / mm^2, of the kernel's length */
+    float size2;       /* mm^2: variance of the displacement along an axis */
+} smr_normal_field;
+
+/* Solves the field of a structure in the memory of sums, which is free between iterations. */
+void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structure);
+
+/* mm: one standard deviation of the place of stored vertex v. */
+float smr_normal_field_doubt(const smr_normal_field *f, uint32_t v);
+
+#endif

@@ -1,0 +1,197 @@
+/* test_measured.c: a report never shows a residual, a share or a convergence that nothing has measured: without forces,
+ * with a target that no iteration has looked at, or where the search in an image has ended.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/tick/iteration.h"
+
+static const float none[3] = {0, 0, 0};
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+/* Two balls 60 mm apart, and surfaces a little larger; far: out of reach. */
+static smr *start(const smr_port *port, const smr_surface *goal[2], const smr_surface **far)
+{
+    const smr_prepare_config radii = rig_radii(2, 15, 8, 0);
+    smr_config config = smr_config_default();
+    smr_mesh ball[2], larger;
+    for (uint32_t i = 0; i < 2u; i++) {
+        const float at[3] = {60.0f * (float)i, 0, 0};
+        ball[i] = rig_ball(20, 6, 9, at);
+        larger = rig_ball(22, 12, 18, at);
+        goal[i] = rig_surface(&larger);
+    }
+    const float away[3] = {0, 900, 0};
+    larger = rig_ball(22, 12, 18, away);
+    *far = rig_surface(&larger);
+    config.plastic_um = 1000.0f; /* at rest by then */
+    return rig_init(rig_model(ball, 2, &radii), &config, port);
+}
+
+static smr_structure_report part_of(const smr *s, uint32_t structure)
+{
+    smr_structure_report part;
+    assert_int_equal(SMR_OK, smr_get_structure_report(s, structure, &part));
+    return part;
+}
+
+static void is_unmeasured(const smr_tick_report *r)
+{
+    assert_int_equal(0, r->converged);
+    assert_int_equal(0, r->n_forces);
+    assert_true(r->residual_mean_mm == -1.0f && r->residual_rms_mm == -1.0f && r->residual_max_mm == -1.0f);
+}
+
+static void part_is_unmeasured(const smr_structure_report *part)
+{
+    assert_int_equal(0, part->n_forces + part->n_rejected);
+    assert_true(part->residual_mean_mm == -1.0f && part->residual_max_mm == -1.0f && part->matched_share == -1.0f);
+}
+
+static void test_without_forces(void **state)
+{
+    const smr_surface *goal[2], *far;
+    smr *s = start(NULL, goal, &far);
+    (void)state;
+    smr_tick_report r = rig_run(s, 1000);
+    assert_int_equal(1, r.done);
+    is_unmeasured(&r);
+    assert_true(r.matched_share == -1.0f);
+    s = start(NULL, goal, &far);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, far));
+    r = rig_run(s, 1000);
+    assert_int_equal(1, r.done);
+    is_unmeasured(&r);
+    assert_true(r.n_rejected > 0u && r.matched_share == 0.0f && part_of(s, 0).matched_share == 0.0f);
+}
+
+/* After the end a new target is not looked at; the other structure's figures stay. */
+static void test_target_after_the_end(void **state)
+{
+    const smr_surface *goal[2], *far;
+    smr *s = start(NULL, goal, &far);
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, goal[0]));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 1, goal[1]));
+    smr_tick_report r = rig_run(s, 1000);
+    const smr_structure_report before = part_of(s, 1);
+    assert_true(r.done && r.converged && r.matched_share > 0.9f && r.residual_mean_mm >= 0.0f);
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &r)); /* nothing new: the figures are still those of the last iteration */
+    assert_true(r.done && r.converged && r.n_forces > 0u && r.residual_mean_mm >= 0.0f);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, far));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
+    assert_int_equal(1, r.done);
+    assert_int_equal(0, r.n_active + r.n_rejected);
+    is_unmeasured(&r);
+    assert_true(r.matched_share == -1.0f && !(r.attraction_used > 0.0f));
+    smr_structure_report part = part_of(s, 0);
+    part_is_unmeasured(&part);
+    part = part_of(s, 1);
+    assert_memory_equal(&before, &part, sizeof part);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 1, NULL));
+    part = part_of(s, 1);
+    part_is_unmeasured(&part);
+}
+
+/* Within an iteration figures are of the iteration before, but for a target that came since. */
+static void test_target_within_an_iteration(void **state)
+{
+    const smr_surface *goal[2], *far;
+    rig_clock clock;
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 100);
+    smr *s = start(&port, goal, &far);
+    smr_tick_report r;
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, goal[0]));
+    while (s->pace.repairing > 0u || s->pace.iteration < 2u)
+        (void)rig_run(s, 1);
+    assert_int_equal(SMR_PARTIAL, smr_tick(s, 1, &r));
+    assert_true(smr_forces_pending(s) && r.n_forces > 0u && r.residual_mean_mm >= 0.0f);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, goal[0]));
+    assert_int_equal(SMR_PARTIAL, smr_tick(s, 1, &r));
+    is_unmeasured(&r);
+    while (smr_forces_pending(s))
+        assert_int_equal(SMR_PARTIAL, smr_tick(s, 1, &r));
+    assert_true(r.n_forces > 0u && r.residual_mean_mm >= 0.0f);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, goal[0])); /* the forces are found: they are about the old one */
+    while (smr_tick(s, 1, &r) == SMR_PARTIAL)
+        is_unmeasured(&r);
+    is_unmeasured(&r);
+    r = rig_run(s, 1);
+    assert_true(r.n_forces > 0u && r.residual_mean_mm >= 0.0f);
+}
+
+/* The image of a ball of 30 mm, 2 mm larger than the model. */
+static smr_volume ball_image(float radius)
+{
+    float *voxels;
+    const smr_volume v = rig_cube(60, 1.5f, &voxels);
+    for (uint32_t i = 0; i < 60u * 60u * 60u; i++) {
+        const uint32_t at[3] = {i % 60u, i / 60u % 60u, i / 3600u};
+        float d2 = 0.0f;
+        for (uint32_t a = 0; a < 3u; a++) {
+            const float d = v.origin[a] + 1.5f * (float)at[a];
+            d2 += d * d;
+        }
+        voxels[i] = (float)(500.0 + 400.0 * tanh(((double)radius - sqrt((double)d2)) / 2.0));
+    }
+    return v;
+}
+
+static void test_search_that_ends(void **state)
+{
+    const smr_volume reference = ball_image(28), target = ball_image(30);
+    const smr_mesh mesh = rig_ball(28, 9, 14, none);
+    smr_prepare_config prepare = rig_radii(2, 20, 10, 0);
+    smr_config c = smr_config_default_image();
+    smr_tick_report r = {0};
+    float last = -1.0f, share = -1.0f;
+    uint32_t idle = 0;
+    (void)state;
+    prepare.reference = &reference;
+    c.profile_mm = 6.0f;
+    c.gradient_mm = 2.0f;
+    c.profile_end_mm = c.gradient_end_mm = 0.0f;
+    smr *s = rig_init(rig_model(&mesh, 1, &prepare), &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &target));
+    while (r.done == 0u) {
+        r = rig_run(s, 1);
+        share = (float)r.n_forces / (float)(r.n_forces + r.n_rejected);
+        if (smr_image_seeks(&s->forces.image, 0)) {
+            assert_true(r.matched_share == share && part_of(s, 0).matched_share == share);
+            last = share;
+        } else {
+            idle++;
+            assert_true(share == 0.0f && r.residual_mean_mm == -1.0f);
+            assert_true(r.matched_share == last && part_of(s, 0).matched_share == last);
+        }
+    }
+    assert_true(idle > 0u && last > 0.5f);
+    c.profile_mm = c.gradient_mm = 0.0f; /* never sought at all */
+    s = rig_init(s->shared.model, &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &target));
+    r = rig_run(s, 1000);
+    assert_int_equal(1, r.done);
+    is_unmeasured(&r);
+    assert_true(r.matched_share == -1.0f && part_of(s, 0).matched_share == -1.0f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_without_forces, tidy),
+        cmocka_unit_test_teardown(test_target_after_the_end, tidy),
+        cmocka_unit_test_teardown(test_target_within_an_iteration, tidy),
+        cmocka_unit_test_teardown(test_search_that_ends, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,146 @@
+/* test_verdict.c: what is measured of a result, and what is judged from it.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/registration.h"
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static const float none[3] = {0, 0, 0};
+
+/* A ball and its target, a little larger one; the first n triangles of it. */
+static smr *start(uint32_t n_triangles, int inside_out, const smr_model **model)
+{
+    smr_config config = smr_config_default();
+    const smr_mesh ball = rig_ball(20, 14, 20, none);
+    smr_mesh goal = rig_ball(21, 18, 26, none);
+    uint32_t *const t = rig_alloc(3u * sizeof *t * goal.n_triangles);
+    for (uint32_t i = 0; i < 3u * goal.n_triangles; i++)
+        t[i] = goal.triangles[inside_out ? i - i % 3u + (3u - i % 3u) % 3u : i];
+    goal.triangles = t;
+    goal.n_triangles = n_triangles < goal.n_triangles ? n_triangles : goal.n_triangles;
+    config.n_target_vertices = goal.n_vertices;
+    *model = rig_model(&ball, 1, NULL);
+    smr *s = rig_init(*model, &config, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&goal)));
+    return s;
+}
+
+static void test_refusals(void **state)
+{
+    const smr_model *model;
+    smr *s = start(100000, 0, &model);
+    smr_verdict v;
+    float mm[2000];
+    unsigned char seen[2000];
+    (void)state;
+    assert_int_equal(SMR_E_NULL, smr_get_verdict(NULL, 0, &v));
+    assert_int_equal(SMR_E_NULL, smr_get_verdict(s, 0, NULL));
+    assert_int_equal(SMR_E_NULL, smr_get_seen(s, 0, NULL));
+    assert_int_equal(SMR_E_NULL, smr_get_expected_error(s, 0, NULL));
+    assert_int_equal(SMR_E_INPUT, smr_get_verdict(s, 1, &v));
+    assert_int_equal(SMR_E_INPUT, smr_get_seen(s, SMR_ALL, seen));
+    assert_int_equal(SMR_E_INPUT, smr_get_expected_error(s, SMR_ALL, mm));
+    s->next_task = 1; /* as if an iteration were under way */
+    assert_int_equal(SMR_E_STATE, smr_get_verdict(s, 0, &v));
+    assert_int_equal(SMR_E_STATE, smr_get_expected_error(s, 0, mm));
+    assert_int_equal(SMR_OK, smr_get_seen(s, 0, seen));
+    s->next_task = 0;
+    assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &v));
+    assert_int_equal(SMR_VERDICT_FAILED, v.level); /* nothing has been looked at yet */
+    assert_true((v.reasons & SMR_REASON_NOTHING_SEEN) != 0u);
+}
+
+static void test_good(void **state)
+{
+    const smr_model *model;
+    smr *s = start(100000, 0, &model);
+    smr_verdict v, all;
+    (void)state;
+    (void)rig_run(s, 400);
+    assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
+    assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &all));
+    assert_memory_equal(&v, &all, sizeof v);
+    assert_int_equal(0, v.reasons);
+    assert_int_equal(SMR_VERDICT_GOOD, v.level);
+    assert_true(v.target_covered > 0.99f && v.seen_share > 0.99f && v.normals_agree > 0.99f);
+    assert_true(v.scale > 1.03f && v.scale < 1.07f && v.strain < 0.1f && v.rotation_deg < 10.0f);
+    assert_true(v.volume_ratio > 0.95f && v.volume_ratio < 1.05f);
+    assert_true(v.likeness < -0.5f && v.goals_share < -0.5f); /* of images */
+}
+
+static void test_inside_out(void **state)
+{
+    const smr_model *model;
+    smr *s = start(100000, 1, &model);
+    smr_verdict v;
+    (void)state;
+    (void)rig_run(s, 400);
+    assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
+    assert_int_equal(SMR_VERDICT_FAILED, v.level);
+}
+
+/* What the target does not show is expected to be farther off, and said to be unseen. */
+static void test_half(void **state)
+{
+    const smr_model *model;
+    smr *s = start(468, 0, &model);
+    float mm[2000], sum[2] = {0, 0}, n[2] = {0, 0};
+    unsigned char seen[2000];
+    smr_structure_info info;
+    (void)state;
+    (void)rig_run(s, 400);
+    assert_int_equal(SMR_OK, smr_model_structure(model, 0, &info));
+    assert_int_equal(SMR_OK, smr_get_seen(s, 0, seen));
+    assert_int_equal(SMR_OK, smr_get_expected_error(s, 0, mm));
+    for (uint32_t i = 0; i < info.n_vertices; i++) {
+        assert_true(isfinite(mm[i]) && mm[i] >= 0.0f && seen[i] <= 1u);
+        sum[seen[i]] += mm[i];
+        n[seen[i]] += 1.0f;
+    }
+    assert_true(n[0] > 20.0f && n[1] > 20.0f);
+    assert_true(sum[0] / n[0] > sum[1] / n[1]);
+}
+
+/* Readouts use memory of an iteration, and change no bit of the next. */
+static void test_changes_nothing(void **state)
+{
+    const smr_model *model;
+    smr *a = start(468, 0, &model), *b = start(468, 0, &model);
+    (void)state;
+    for (uint32_t tick = 0; tick < 60u; tick++) {
+        smr_verdict v;
+        (void)rig_run(a, 1);
+        (void)rig_run(b, 1);
+        assert_int_equal(SMR_OK, smr_get_verdict(b, SMR_ALL, &v));
+        assert_true(smr_state_hash(a) == smr_state_hash(b));
+    }
+}
+
+static void test_reasons(void **state)
+{
+    (void)state;
+    for (uint32_t k = 0; k < 32u; k++)
+        assert_int_equal(1u << k <= SMR_REASON_STRUCTURES, smr_reason_text(1u << k)[0] != '\0');
+    assert_int_equal('\0', smr_reason_text(0)[0]);
+    assert_int_equal('\0', smr_reason_text(3)[0]);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_refusals, tidy),        cmocka_unit_test_teardown(test_good, tidy),
+        cmocka_unit_test_teardown(test_inside_out, tidy),      cmocka_unit_test_teardown(test_half, tidy),
+        cmocka_unit_test_teardown(test_changes_nothing, tidy), cmocka_unit_test(test_reasons),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
