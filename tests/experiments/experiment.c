@@ -40,7 +40,13 @@ static char *new_path(void) { return path_text[path_next++ % PATHS]; }
 int experiment_full(void)
 {
     const char *const asked = getenv("SMR_EXPERIMENTS");
-    return asked != NULL && strcmp(asked, "full") == 0;
+    return asked != NULL && (strcmp(asked, "full") == 0 || strcmp(asked, "all") == 0);
+}
+
+int experiment_all(void)
+{
+    const char *const asked = getenv("SMR_EXPERIMENTS");
+    return asked != NULL && strcmp(asked, "all") == 0;
 }
 
 const char *experiment_data(const char *format, ...)
@@ -211,11 +217,13 @@ int experiment_run(experiment_command *command)
     if (child < 0 || waitpid(child, &status, 0) != child)
         status = -1;
     status = status != -1 && WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-    if (status > 1)
+    if (!experiment_written(status))
         show_log(log, command);
     experiment_free(command);
     return status;
 }
+
+int experiment_written(int status) { return status == 0 || status == 1 || status == 3 || status == 4; }
 
 void experiment_bound(const char *what, double value, double limit)
 {
@@ -247,22 +255,19 @@ int experiment_write_landmarks(const char *path, const host_landmarks *landmarks
 int experiment_distance(const host_mesh *from, const unsigned char *use, const host_mesh *to, double *mean, double *max)
 {
     const smr_mesh view = host_mesh_view(to);
+    const smr_port one_thread = {0};
     void *memory = NULL;
-    const smr_surface *const surface = host_surface_make(&view, &memory);
-    uint32_t i = 0, n = 0;
-    int good = surface != NULL;
-    *mean = *max = 0.0;
-    for (i = 0; good && i < from->n_vertices; i++) {
-        smr_closest hit;
-        if (use != NULL && !use[i])
-            continue;
-        good = smr_surface_closest(surface, from->xyz + 3u * (size_t)i, NULL, -2.0f, 1e5f, &hit) == SMR_OK &&
-               hit.triangle != SMR_NONE;
-        *mean += good ? (double)hit.distance : 0.0;
-        *max = good && (double)hit.distance > *max ? (double)hit.distance : *max;
-        n++;
-    }
+    host_query query;
+    host_stats stats = {0.0, 0.0, 0.0, 0.0, 0};
+    int good = 0;
+    memset(&query, 0, sizeof query);
+    query.surface = host_surface_make(&view, &memory);
+    query.mesh = host_mesh_view(from);
+    good = query.surface != NULL && host_distances(&one_thread, &query, 1) == 0 &&
+           host_area_stats(&query, 1, &use, &stats) == 0 && stats.n > 0;
+    host_queries_free(&query, 1);
     free(memory);
-    *mean = n > 0 ? *mean / n : 0.0;
-    return good && n > 0;
+    *mean = stats.mean;
+    *max = stats.max;
+    return good;
 }

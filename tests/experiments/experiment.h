@@ -28,7 +28,7 @@ typedef struct experiment_structure {
     double residual, matched, folds;
 } experiment_structure;
 
-/* What report.json says. Distances in mm, of vertices to the other surface; -1: not in the report. */
+/* What report.json says. Distances in mm, over the area; -1: not in the report. */
 typedef struct experiment_result {
     int status;                            /* the exit status */
     double to_truth, to_model;             /* means over all structures */
@@ -43,6 +43,9 @@ typedef struct experiment_result {
 
 /* 1: all seeds and tables; 0: the short form that `make check` runs. SMR_EXPERIMENTS=full asks for all. */
 int experiment_full(void);
+
+/* 1: all runs with generated truth, too, about an hour (SMR_EXPERIMENTS=all); the full form runs a part of them. */
+int experiment_all(void);
 
 /* The data's path of this name, in SMR_TEST_DATA or ../shared/data; NULL with a line when it is not there, and
  * for the short form in an instrumented build. The texts of the last 16 calls stay. */
@@ -61,8 +64,11 @@ void experiment_add_surfaces(experiment_command *command, const char *directory)
 
 void experiment_free(experiment_command *command);
 
-/* smr WORDS...: the exit status; frees the command. Output goes to a log that is shown when the status is above 1. */
+/* smr WORDS...: the exit status; frees the command. Output goes to a log that is shown when nothing was written. */
 int experiment_run(experiment_command *command);
+
+/* 1 when a registration with this exit status has written its results. */
+int experiment_written(int status);
 
 /* smr build of a surface or of a directory of them. 1 when it is done. */
 int experiment_build(const char *surfaces, const char *reference, const char *out);
@@ -93,7 +99,8 @@ int experiment_misses(void);
 /* Landmarks as CSV, LPS. */
 int experiment_write_landmarks(const char *path, const host_landmarks *landmarks);
 
-/* Distances of the points of `from` for which use is not 0 (NULL: all) to `to`: mean and largest, mm. */
+/* Distances of `from` to `to` over the area of the triangles whose corners all have a use that is not 0 (NULL: all):
+ * mean and largest, mm. */
 int experiment_distance(const host_mesh *from, const unsigned char *use, const host_mesh *to, double *mean,
                         double *max);
 

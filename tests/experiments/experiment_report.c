@@ -101,7 +101,7 @@ experiment_result experiment_register(experiment_command *command, const char *o
     experiment_add(&whole, "%s", out);
     r.status = experiment_run(&whole);
     memset(&error, 0, sizeof error);
-    if (r.status <= 1 && host_file_read(path, NULL, &bytes, &error) == 0) {
+    if (experiment_written(r.status) && host_file_read(path, NULL, &bytes, &error) == 0) {
         char *const text = calloc(bytes.size + 1u, 1);
         if (text != NULL) {
             memcpy(text, bytes.data, bytes.size);
@@ -129,7 +129,10 @@ void experiment_print_head(void)
 void experiment_print(const char *name, const experiment_result *r)
 {
     (void)printf("  %-26s %8.3f %8.3f %8.3f %8.3f %6.2f %6.0f %5.1f%% %7.2f  %s%s\n", name, r->to_truth, r->to_model,
-                 r->worst_to_truth, r->worst_to_model, r->by_vertex, r->folds, 100.0 * r->matched, r->seconds, r->worst,
-                 r->status == 0 ? "" : "  (NOT DONE)");
+                 r->worst_to_truth, r->worst_to_model, r->by_vertex, r->folds,
+                 r->matched > 0.0 ? 100.0 * r->matched : 0.0, r->seconds, r->worst,
+                 r->status == 0   ? ""
+                 : r->status == 3 ? "  (LOOK)"
+                                  : "  (NOT DONE)");
     (void)fflush(stdout);
 }

@@ -221,7 +221,8 @@ static way run(uint32_t seed, int still, experiment_result *r)
                                            "--iterations", "1",   "--iterations-last", "1"};
     const char *const image = experiment_data("volumes/mri_hip_thigh_m.mha");
     char from[1024], to[1024], out[1024];
-    const char *words[] = {"--model", model, "--target", image, "--landmarks", from, to};
+    /* the image ends above the femur's end, which the verdict says */
+    const char *words[] = {"--model", model, "--target", image, "--landmarks", from, to, "--accept", "look"};
     experiment_command c = {{NULL}, 0};
     const spoil s = make_spoil(seed);
     size_t i = 0;
@@ -254,8 +255,8 @@ static void finds_back_in_the_mri(void **state)
         const way start = run(seed, 1, &r), w = run(seed, 0, &r);
         (void)printf("  seed %-5u %10.3f %10.3f %10.3f %10.3f %10.3f %10.3f %6.1f%% %6.0f%s\n", seed, start.to[0],
                      w.to[0], w.to[1], w.from[0], w.from[1], w.below, 100.0 * r.matched, r.folds,
-                     r.status == 0 ? "" : "  (NOT DONE)");
-        worst = fmax(worst, r.status == 0 ? w.to[0] : HUGE_VAL);
+                     experiment_written(r.status) ? "" : "  (NOT DONE)");
+        worst = fmax(worst, experiment_written(r.status) ? w.to[0] : HUGE_VAL);
         worst_from = fmax(worst_from, w.from[0]);
         assert_true(start.to[0] > 2.0); /* it was spoiled */
     }

@@ -76,6 +76,7 @@ surfaces() { # key, argument...
     put "$key.iterations" "$(value "$r" iterations %d)"
     put "$key.mean_to" "$(value "$r" distance_mm.model_to_target.mean '%.3f mm')"
     put "$key.mean_from" "$(value "$r" distance_mm.target_to_model.mean '%.3f mm')"
+    case $key in *_pair) put "$key.vertex_means" "$(pair "$r" vertex_distance_mm mean)" ;; esac
     put "$key.max_to" "$(value "$r" distance_mm.model_to_target.max '%.2f mm')"
     put "$key.max_from" "$(value "$r" distance_mm.target_to_model.max '%.2f mm')"
     put "$key.folds" "$(value "$r" folds %d)"
@@ -114,6 +115,13 @@ part_sides() {
     sizes thigh_sides
 }
 
+# A figure of both directions from what smr measure prints.
+measured() { # file, word before the figure, what stands behind "A to B", format
+    awk -v word="$2" -v tail="$3: " -v f="$4" '
+        /^[AB] to [AB]/ && index($0, tail) == 7 { for (i = 1; i < NF; i++) if ($i == word) v[++n] = $(i + 1) }
+        END { printf f " / " f " mm", v[1], v[2] }' "$1"
+}
+
 # The second pair's target is mirrored: one iteration of it onto itself, which moves nothing, writes it so.
 part_peers() {
     have peers peers || return 0
@@ -128,9 +136,10 @@ part_peers() {
         for name in spare meshmonk_pyramid90 meshmonk_nonrigid200; do
             "$smr" measure "$data/peers/${p}_$name.ply" "$target" >"$out/peer.txt" || { say "peers: $p $name not measured"; continue; }
             key=peers.$(echo "${p}_$name" | tr P p)
-            put "$key" "$(awk '/^[AB] to/ { v[++n] = $5 } END { printf "%.3f / %.3f mm", v[1], v[2] }' "$out/peer.txt")"
-            [ "$name" = spare ] &&
-                put "${key}_max" "$(awk '/^[AB] to/ { v[++n] = $11 } END { printf "%.2f / %.2f mm", v[1], v[2] }' "$out/peer.txt")"
+            put "$key" "$(measured "$out/peer.txt" mean '' %.3f)"
+            [ "$name" = spare ] || continue
+            put "${key}_max" "$(measured "$out/peer.txt" max '' %.2f)"
+            put "${key}_vertices" "$(measured "$out/peer.txt" mean ', vertices' %.3f)"
         done
     done
 }
