@@ -64,6 +64,14 @@ check "whose units are named" grep -q '"the start makes the model 0.1[01].* time
 awk '$1 == "v" { $2 *= 10; $3 *= 10; $4 *= 10 } { print }' target.obj >large.obj
 ends "a target in another unit" 1 failed ".*the target is 10[.0-9]* times as large as the model" --model bone.ply --target large.obj --search 5
 
+# Starts that can be doubted: a body of revolution, but for the pose that it is given in; one that has a handedness.
+awk '$1 == "v" { x = $2; $2 = 5 - $3; $3 = x; $4 += 40 } { print }' bone.obj >turned.obj
+ends "a start that could be another" 3 look "look at the result: [2-9] clearly different start poses" --model bone.obj --target turned.obj --align rigid
+ends "where the files agree they say which" 0 good "good" --model bone.ply --target target.ply --align rigid
+awk '$1 == "v" { d = $4 - 40; $3 += 0.004 * $4 * $4; $2 += 15 * exp(-d * d / 400) } { print }' bone.obj >right.obj
+ends "a body of one side" 0 good "good" --model right.obj --target right.obj --align rigid
+ends "onto one of the other side" 3 look "look at the result: the model's mirror image starts nearer, 0.0 instead of [1-9]" --model right.obj --target right.obj --mirror-target x --align rigid
+
 # Landmarks: exchanged, or one far off.
 printf 'a,30,0,0\nb,-30,0,0\nc,0,20,0\nd,0,0,60\ne,0,-20,-5\nf,0,3,-60\n' >from.csv
 printf 'a,33,1,0\nb,-32,0,0\nc,0,20,0\nd,0,0,63\ne,0,-19,-5\nf,0,3,-63\n' >to.csv
