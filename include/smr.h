@@ -407,6 +407,11 @@ typedef struct smr_config {
      * Only at the last radius, and only where there is a target surface. The share falls to 0 in the last iteration. */
     float even;
 
+    /* ---- goals of the caller's own ---- */
+
+    /* landmarks, [0, 64], default 0. Most that smr_set_landmarks() takes at one time. 0 takes no memory. */
+    uint32_t n_landmarks;
+
     /* ---- targets that are images (paper 2.1) ----
      * Goals are sought along the normal, both ways. Search distances fall linearly over the schedule. Over the second
      * half of the last radius all forces and the momentum fall to 0. */
@@ -545,7 +550,8 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 
 /* Upper bound of smr_arena_bytes() as a constant, for static storage:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(1000, 2000, 1, 1, 0, SMR_METHOD_RIGID)];
- * n_workers, n_target_vertices and method as in smr_config; no other setting changes the size.
+ * n_workers, n_target_vertices and method as in smr_config. n_landmarks adds SMR_LANDMARKS_BYTES; no other setting
+ * changes the size.
  * Above the exact size by about 6 kB, 1.3 kB for each further structure, and 0.4 %: with one structure a quarter at 50
  * vertices, 2 % at 1,000, and less than 1 % from 5,000 on. */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices, method)                   \
@@ -555,6 +561,9 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
      ((n_target_vertices) == 0u ? (size_t)0u                                                                           \
                                 : (size_t)4u * (n_target_vertices) + (size_t)32u * (n_workers) * (n_vertices) +        \
                                       SMR_TREE_BYTES(n_triangles, n_structures)))
+
+/* To add to it where config.n_landmarks is not 0. */
+#define SMR_LANDMARKS_BYTES(n_vertices, n_landmarks) ((size_t)38000u + (size_t)192u * (n_landmarks) + (n_vertices))
 
 /* Parts of the two bounds: search trees, and the triangles' copy where a model's byte order is not the processor's. */
 #define SMR_TREE_BYTES(n_triangles, n_structures)                                                                      \
@@ -594,6 +603,28 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
  * The schedule starts over from the present positions. The model needs intensity profiles.
  * Errors: E_NULL (voxels), E_INPUT (the volume's fields), E_STATE (no profiles). */
 smr_status smr_set_volume(smr *s, const smr_volume *volume);
+
+/* A point of the model, and where it is now. */
+typedef struct smr_landmark {
+    uint32_t structure; /* whose point; SMR_ALL (without a vertex): of whichever lies nearest at rest */
+    uint32_t vertex;    /* in the caller's numbering; SMR_NONE: `rest` says where, and the nearest triangle carries it */
+    float rest[3];      /* mm, in the model's rest shape, on a surface or off it; not looked at with a vertex */
+    float place[3];     /* mm, now */
+    float weight;       /* [0.001, 1000]: one over the variance of its place; 1 counts like a vertex that is seen */
+    uint32_t hard;      /* 1: the point ends in its place; weight is not looked at */
+} smr_landmark;
+
+/* Gives the model n landmarks in place of those before; n 0 takes them away. They are copied. Where no target shows
+ * the model, it follows a smooth field through them; where one does, they say what runs along the surface, and a hard
+ * one is reached all the same. Allowed between any two ticks, as smr_set_surface(). What is bound stays bound: to call
+ * this with new places only costs next to nothing, a point at rest costs a pass over the model's triangles.
+ * Errors: E_NULL, E_STATE (not a registration), E_ARENA (more than config.n_landmarks), E_INPUT (no such structure or
+ * vertex, a structure without vertices, a field outside its range). */
+smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n);
+
+/* Where the landmarks' points of the model are: [n][3] mm, in the order in which they were set.
+ * Errors: E_NULL, E_STATE (not a registration). */
+smr_status smr_get_landmarks(const smr *s, float *xyz);
 
 /* The phases of an iteration. What follows from a new reference shape is computed first and counts as SUMS. */
 enum { SMR_PHASE_FORCES = 0, SMR_PHASE_SUMS, SMR_PHASE_MATCH, SMR_PHASE_AVERAGE, SMR_PHASE_EVOLVE, SMR_PHASES };
@@ -674,7 +705,7 @@ smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
 
 typedef struct smr_structure_report {
-    uint32_t has_target; /* 1: a surface or an image; 0: carried along */
+    uint32_t has_target; /* 1: a surface, an image or landmarks; 0: carried along */
     uint32_t n_forces;   /* as in smr_tick_report, of the last complete forces */
     uint32_t n_rejected;
     float matched_share;                     /* as in smr_tick_report, of this structure */
@@ -766,11 +797,12 @@ uint64_t smr_state_hash(const smr *s);
 
 /* ------------------------------------------------------------------ 8. record and replay */
 
-/* Enough memory for a log of n_ticks ticks and n_sets calls of smr_set_...(), of any alignment. */
+/* Enough memory for a log of n_ticks ticks and n_sets calls of smr_set_...(), of any alignment. Each landmark that is
+ * set counts as a call. */
 #define SMR_LOG_BYTES(n_ticks, n_sets) ((size_t)512u + (size_t)40u * (n_ticks) + (size_t)56u * (n_sets))
 
 /* Records in memory[bytes] (of any alignment) what is done to s from here on: the configuration, each input that is set
- * (poses themselves, checksums of others), each tick, how far it came, and the state's hash.
+ * (poses and landmarks themselves, checksums of others), each tick, how far it came, and the state's hash.
  * memory is borrowed until replaced; NULL takes it away. Only right after smr_init(), so that the log says all.
  * If a record does not fit, a last record says so, recording ends, and the registration goes on.
  * Results are the same with and without a log. An input costs one pass over it.
@@ -801,7 +833,8 @@ enum {
     SMR_LOG_POSE,
     SMR_LOG_POSITIONS,
     SMR_LOG_ACTIVE,
-    SMR_LOG_FULL /* the memory ended here */
+    SMR_LOG_FULL,     /* the memory ended here */
+    SMR_LOG_LANDMARKS /* smr_set_landmarks: a record for each of them */
 };
 
 /* One record. Fields that its kind does not have are 0. */
@@ -812,6 +845,8 @@ typedef struct smr_log_record {
     uint32_t present;   /* 0: it was taken away (NULL) */
     uint64_t checksum;  /* of a surface, volume or positions */
     smr_pose pose;
+    smr_landmark landmark; /* number `index` of `count`; none when count is 0: they were taken away */
+    uint32_t index, count;
     /* ticks: what the tick's report said */
     uint32_t complete; /* 1: an iteration was completed, or the schedule was done already; 0: SMR_PARTIAL */
     uint32_t done, phase, iteration;
@@ -845,11 +880,12 @@ typedef struct smr_replay {
     smr_log_reader reader, later;
     smr_log_input input;
     void *ctx;
-    uint32_t n_ticks, has_forces, has_later;
+    uint32_t n_ticks, has_forces, has_later, n_landmarks, count;
+    smr_landmark landmark[SMR_LANDMARKS_MAX];
 } smr_replay;
 
 /* Prepares to repeat a log on s, which is as smr_init() left it, with the log's model and configuration. n_workers and
- * the port may differ. log and s must stay. input may be NULL when there are only poses.
+ * the port may differ. log and s must stay. input may be NULL when there are only poses and landmarks.
  * Errors: E_NULL, E_STATE (not a registration, or not right after smr_init()), E_LOG, E_MODEL (another model), E_CONFIG
  * (another configuration). */
 smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx, smr_replay *replay);

@@ -180,6 +180,21 @@ static void note_matched(smr_forces *f)
     f->unmeasured = 0;
 }
 
+void smr_forces_note_seen(smr_forces *f)
+{
+    for (uint32_t v = 0; v < f->pace->n_active; v++) {
+        const uint32_t owner = smr_model_owner(f->shared->model, v);
+        const smr_target *target = &f->surface.target[owner];
+        const uint8_t found = f->found_last[v] == SMR_FOUND_GOAL ? SMR_SEEN_ONE : 0u;
+        if (target->surface != NULL)
+            f->landmarks.seen[v] = target->partial ? f->surface.seen[v] : found;
+        else if (!f->image.has_image)
+            f->landmarks.seen[v] = 0;
+        else if (smr_image_seeks(&f->image, owner))
+            f->landmarks.seen[v] = found;
+    }
+}
+
 void smr_forces_end(smr_forces *f)
 {
     smr_tally all;

@@ -16,6 +16,7 @@ uint32_t smr_log_words(uint32_t kind)
     case SMR_LOG_VOLUME: return 3;
     case SMR_LOG_POSE: return 12;
     case SMR_LOG_POSITIONS: return 3;
+    case SMR_LOG_LANDMARKS: return 12;
     case SMR_LOG_ACTIVE:
     case SMR_LOG_FULL: return 1;
     default: return 0;
@@ -95,6 +96,28 @@ void smr_log_positions(smr_log *log, uint32_t structure, const float *xyz, uint3
     const uint64_t sum = smr_points_checksum(xyz, n);
     const uint32_t word[3] = {structure, low(sum), high(sum)};
     put(log, SMR_LOG_POSITIONS, word);
+}
+
+/* Each landmark is a record, so that contents stay short. None at all is one of zeros. */
+void smr_log_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n)
+{
+    if (!logs(log))
+        return;
+    for (uint32_t i = 0; i < n || i == 0u; i++) {
+        uint32_t word[12] = {n, i};
+        if (n > 0u) {
+            const smr_landmark *l = &landmark[i];
+            word[2] = l->structure;
+            word[3] = l->vertex;
+            for (uint32_t c = 0; c < 3u; c++) {
+                word[4u + c] = l->vertex == SMR_NONE ? smr_float_bits(l->rest[c]) : 0u;
+                word[7u + c] = smr_float_bits(l->place[c]);
+            }
+            word[10] = l->hard ? 0u : smr_float_bits(l->weight);
+            word[11] = l->hard;
+        }
+        put(log, SMR_LOG_LANDMARKS, word);
+    }
 }
 
 void smr_log_active(smr_log *log, uint32_t n_active)

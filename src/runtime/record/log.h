@@ -68,6 +68,7 @@ void smr_log_surface(smr_log *log, uint32_t structure, const smr_surface *surfac
 void smr_log_volume(smr_log *log, const smr_volume *volume);
 void smr_log_pose(smr_log *log, const smr_pose *pose);
 void smr_log_positions(smr_log *log, uint32_t structure, const float *xyz, uint32_t n);
+void smr_log_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n);
 void smr_log_active(smr_log *log, uint32_t n_active);
 
 /* n_evaluated: vertices whose forces were looked for, so far in the iteration or in the complete one. */

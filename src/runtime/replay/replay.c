@@ -31,6 +31,22 @@ smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input
     return SMR_OK;
 }
 
+/* Landmarks are set with the last of their records, which follow each other. */
+static smr_status set_landmark(smr_replay *r, const smr_log_record *record)
+{
+    if (record->index != r->n_landmarks || (record->index > 0u && record->count != r->count))
+        return SMR_E_LOG;
+    r->count = record->count;
+    r->landmark[r->n_landmarks++] = record->landmark;
+    if (r->n_landmarks < record->count)
+        return SMR_OK;
+    r->n_landmarks = 0;
+    return smr_set_landmarks(r->s, r->landmark, record->count);
+}
+
+/* 1 for what only forces look at: it counts in the iteration under way, or from the next one on. */
+static int of_forces(uint32_t kind) { return kind == SMR_LOG_SURFACE || kind == SMR_LOG_LANDMARKS; }
+
 /* Sets one recorded input again. */
 static smr_status set_input(smr_replay *r, const smr_log_record *record)
 {
@@ -38,6 +54,8 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     smr *s = r->s;
     if (record->kind == SMR_LOG_POSE)
         return smr_set_pose(s, &record->pose);
+    if (record->kind == SMR_LOG_LANDMARKS)
+        return set_landmark(r, record);
     if (record->kind == SMR_LOG_POSITIONS && record->structure >= s->shared.n_structures)
         return SMR_E_LOG;
     if (record->present) {
@@ -62,14 +80,14 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     return smr_set_positions(s, record->structure, given);
 }
 
-/* The surfaces that were set while an iteration had its forces already. Those records lie between r->later and the
+/* The goals that were set while an iteration had its forces already. Those records lie between r->later and the
  * reader. */
 static smr_status set_later(smr_replay *r, smr_log_record *record)
 {
     smr_status status = SMR_OK;
     while (status == SMR_OK && r->has_later && r->later.at < r->reader.at) {
         status = smr_log_next(&r->later, record);
-        if (status == SMR_OK && record->kind == SMR_LOG_SURFACE)
+        if (status == SMR_OK && of_forces(record->kind))
             status = set_input(r, record);
     }
     r->has_later = 0;
@@ -79,13 +97,13 @@ static smr_status set_later(smr_replay *r, smr_log_record *record)
 /* Sets an input now, or notes that it comes when the iteration under way is complete. */
 static smr_status take_input(smr_replay *r, const smr_log_reader *before, smr_log_record *record)
 {
-    if (record->kind == SMR_LOG_SURFACE && r->has_forces) {
+    if (of_forces(record->kind) && r->has_forces) {
         if (!r->has_later)
             r->later = *before;
         r->has_later = 1;
         return SMR_OK;
     }
-    if (record->kind != SMR_LOG_SURFACE) {
+    if (!of_forces(record->kind)) {
         smr_log_record earlier;
         const smr_status status = set_later(r, &earlier);
         r->has_forces = 0;

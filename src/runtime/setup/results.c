@@ -63,7 +63,7 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
     const smr_target *target = &s->forces.surface.target[structure];
     float moved_sum = 0.0f;
     memset(report, 0, sizeof *report);
-    report->has_target = target->surface != NULL || s->forces.image.has_image;
+    report->has_target = target->surface != NULL || s->forces.image.has_image || s->forces.landmarks.n > 0u;
     report->matched_share = smr_forces_matched(&s->forces, structure);
     report->residual_mean_mm = report->residual_max_mm = -1.0f;
     if (target->measured)

@@ -34,6 +34,8 @@ static void gather(const smr *s, uint32_t structure, smr_evidence *e)
         smr_measure_surface(s, structure, e);
     else if (s->forces.image.has_image)
         smr_measure_image(s, structure, e);
+    else if (smr_follows_landmarks(s, structure))
+        smr_measure_landmarks(s, structure, e);
     smr_measure_expected(s, structure, e);
 }
 
