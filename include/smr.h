@@ -705,7 +705,7 @@ smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
 
 typedef struct smr_structure_report {
-    uint32_t has_target; /* 1: a surface, an image or landmarks; 0: carried along */
+    uint32_t has_target; /* 1: a surface, an image or a landmark of its own; 0: carried along */
     uint32_t n_forces;   /* as in smr_tick_report, of the last complete forces */
     uint32_t n_rejected;
     float matched_share;                     /* as in smr_tick_report, of this structure */

@@ -35,6 +35,10 @@ typedef struct host_options {
     int command; /* HOST_REGISTER, ... */
     host_files model, target, operands;
     host_files landmarks;               /* no files, or the model's and the target's */
+    host_files landmark_goals;          /* likewise: places that points of the model are drawn to */
+    const char *landmark_weight;        /* "hard" or a number; NULL: 1 */
+    float goal_weight;                  /* what that says; 0: hard */
+    int start_by_goals;                 /* 1: the start pose is fitted to landmark_goals */
     const char *out, *c_array, *source; /* NULL when not given */
     const char *reference;              /* the image that the model was segmented from; NULL when not given */
     const char *log;                    /* path of the log file; NULL: no log */

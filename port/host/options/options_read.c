@@ -193,8 +193,10 @@ static int set_defaults(int command, host_options *options)
     options->target.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->operands.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->landmarks.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    options->landmark_goals.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    options->goal_weight = 1.0f;
     return options->model.path == NULL || options->target.path == NULL || options->operands.path == NULL ||
-                   options->landmarks.path == NULL
+                   options->landmarks.path == NULL || options->landmark_goals.path == NULL
                ? -1
                : 0;
 }
@@ -232,5 +234,6 @@ void host_options_free(host_options *options)
     free(options->target.path);
     free(options->operands.path);
     free(options->landmarks.path);
+    free(options->landmark_goals.path);
     memset(options, 0, sizeof *options);
 }

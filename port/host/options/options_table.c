@@ -19,6 +19,8 @@ const host_option host_option_table[] = {
     {"--reference", HOST_REGISTER | HOST_BUILD | HOST_BENCH, HOST_KIND_TEXT, OWN(reference), 0, 0, 0, 1, NULL,
      HOST_FOR_IMAGES},
     {"--landmarks", HOST_REGISTER | HOST_BENCH, HOST_KIND_FILES, OWN(landmarks), 0, 0, 0, 0, NULL, 0},
+    {"--landmark-goals", HOST_REGISTER, HOST_KIND_FILES, OWN(landmark_goals), 0, 0, 0, 0, NULL, 0},
+    {"--landmark-weight", HOST_REGISTER, HOST_KIND_TEXT, OWN(landmark_weight), 0, 0, 0, 0, NULL, 0},
     {"--log", HOST_REGISTER, HOST_KIND_TEXT, OWN(log), 0, 0, 0, 0, NULL, 0},
     {"--truth", HOST_REGISTER | HOST_BENCH, HOST_KIND_TEXT, OWN(truth), 0, 0, 0, 0, NULL, HOST_FOR_IMAGES},
     {"--c-array", HOST_BUILD, HOST_KIND_TEXT, OWN(c_array), 0, 0, 0, 0, NULL, 0},

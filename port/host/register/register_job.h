@@ -7,6 +7,7 @@
 #include "base/threads.h"
 #include "measure/surface_distances.h"
 #include "model/model_from_files.h"
+#include "register/landmark_goals_file.h"
 #include "register/register_verdict.h"
 #include "volumes/volume_image.h"
 
@@ -59,6 +60,7 @@ typedef struct host_job {
     float *start_xyz;                       /* [all vertices][3], start positions by landmarks; owned; NULL without */
     uint32_t n_landmarks, warp_kind;        /* SMR_WARP_... */
     char landmark_doubt[HOST_REASON_BYTES]; /* what is wrong with the landmarks; empty when nothing is */
+    host_landmark_goals *goals;             /* owned; NULL without --landmark-goals */
     double start_scale;                     /* by which the start scales the model; 0: not at all */
     double size_ratio;                      /* the targets' diagonal over the model's, where nothing is scaled; or 0 */
     void *arena;                            /* owned */
@@ -102,6 +104,7 @@ int host_job_load_truth(host_job *job, host_error *error);
 int host_job_place(host_job *job, host_error *error);
 /* host_job_place with given pairs, both [n_landmarks][3], mm. */
 int host_job_place_pairs(host_job *job, const float *from, const float *to, host_error *error);
+int host_job_place_by_goals(host_job *job, host_error *error); /* the pose, fitted to the landmark goals */
 int host_job_warp(host_job *job, host_error *error); /* start positions; needs the prepared model */
 int host_job_make_surfaces(host_job *job, host_error *error);
 
@@ -109,10 +112,10 @@ int host_job_make_surfaces(host_job *job, host_error *error);
 int host_job_record(host_job *job, host_error *error);
 int host_job_log(const host_job *job, host_buffer *out, host_error *error);
 
-/* 1 when nothing draws a structure: it has no target, or no triangles. */
+/* 1 when nothing draws a structure: it has no target and no landmark goals, or no triangles. */
 static inline int host_job_carries(const host_job *job, uint32_t part)
 {
-    return job->model.part[part].mesh.n_triangles == 0 ||
+    return job->goals != NULL ? job->result[part].report.has_target == 0 : job->model.part[part].mesh.n_triangles == 0 ||
            (!job->options->image_target && job->result[part].target == HOST_NO_TARGET);
 }
 

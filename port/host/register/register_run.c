@@ -42,6 +42,8 @@ static int set_targets(const host_job *job, host_error *error)
     for (i = 0; !job->options->image_target && status == SMR_OK && job->n_targets > 1 && i < job->model.n_parts; i++)
         if (job->result[i].target != HOST_NO_TARGET)
             status = smr_set_surface(job->state, i, job->target[job->result[i].target].surface);
+    if (status == SMR_OK && job->goals != NULL)
+        status = host_landmark_goals_set(job->goals, job->options->goal_weight, job->state);
     return status == SMR_OK ? 0 : refuse(error, "set up", status);
 }
 
@@ -51,6 +53,7 @@ int host_job_begin(host_job *job, host_error *error)
     smr_status status = SMR_OK;
     uint32_t i = 0;
     config.n_workers = job->port.port.n_workers;
+    config.n_landmarks = job->goals != NULL ? job->goals->set.n : 0;
     for (i = 0; !job->options->image_target && i < job->n_targets; i++)
         config.n_target_vertices += job->target[i].users > 0 ? job->target[i].mesh.n_vertices : 0;
     status = smr_arena_bytes(job->model.model, &config, &job->arena_bytes);

@@ -15,7 +15,7 @@ static int take_targets(host_job *job, host_load *loads, host_error *error)
 {
     uint32_t i = 0, k = 0;
     const uint32_t n = n_surfaces(job->options);
-    job->target = calloc(n, sizeof *job->target);
+    job->target = calloc(n + 1u, sizeof *job->target);
     if (job->target == NULL)
         return host_fail(error, "start", "free memory");
     job->n_targets = n;
@@ -110,7 +110,7 @@ int host_job_check(host_job *job, host_error *error)
         job->covered = host_share_covered(&job->model, &job->reference.view);
     }
     error->file = options->target.path[0];
-    if (scaled)
+    if (scaled || options->target.n == 0)
         return 0;
     if (options->image_target)
         return host_check_image_size(&job->model, &job->image.view, error);
@@ -136,6 +136,8 @@ int host_job_match(host_job *job, host_error *error)
         return host_fail(error, "start", "free memory");
     for (i = 0; i < job->model.n_parts; i++)
         job->result[i].target = HOST_NO_TARGET;
+    if (job->options->target.n == 0) /* landmark goals alone */
+        return 0;
     if (job->options->image_target) /* the truth, if any, has one surface for each structure */
         return host_job_load_truth(job, error);
     for (i = 0; i < job->model.n_parts; i++) {
@@ -240,8 +242,12 @@ int host_job_start(host_job *job, host_error *error)
 {
     const double start = host_seconds();
     int result = job->options->image_target ? 0 : host_job_make_surfaces(job, error);
+    if (result == 0 && job->options->landmark_goals.n > 0)
+        result = (job->goals = host_landmark_goals_read(job->options, error)) == NULL ? -1 : 0;
     if (result == 0 && job->options->landmarks.n > 0)
         result = host_job_place(job, error);
+    else if (result == 0 && job->options->start_by_goals && job->options->align != HOST_ALIGN_NONE)
+        result = host_job_place_by_goals(job, error);
     else if (result == 0 && job->options->align != HOST_ALIGN_NONE)
         result = align(job, error);
     if (result == 0 && job->options->align == HOST_ALIGN_SIMILARITY)

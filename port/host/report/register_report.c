@@ -254,7 +254,7 @@ static void put_structure(const host_job *job, uint32_t i, host_json *json)
     host_json_flag(json, "has_target", !carried);
     host_json_flag(json, "carried", carried);
     put_verdict(&result->verdict, json);
-    if (carried)
+    if (carried || (!image && result->target == HOST_NO_TARGET))
         host_json_null(json, "target");
     else
         host_json_text(json, "target", image ? job->options->target.path[0] : job->target[result->target].path);
@@ -292,6 +292,32 @@ static void put_align(const smr_align_report *said, host_json *json)
     host_json_number(json, "mirrored_rms_mm", (double)said->mirrored_rms_mm);
     host_json_flag(json, "model_inside_out", said->model_inside_out != 0);
     host_json_flag(json, "target_inside_out", said->target_inside_out != 0);
+    host_json_close(json, '}');
+}
+
+/* How far points ended from their places. */
+static void put_landmark_goals(const host_job *job, host_json *json)
+{
+    const host_landmark_goals *const g = job->goals;
+    uint32_t i = 0;
+    if (g == NULL) {
+        host_json_null(json, "landmark_goals");
+        return;
+    }
+    host_json_open(json, "landmark_goals", '{');
+    host_json_count(json, "count", g->set.n);
+    host_json_flag(json, "hard", !(job->options->goal_weight > 0.0f));
+    host_json_number(json, "weight", (double)job->options->goal_weight);
+    host_json_number(json, "residual_mean_mm", g->mean);
+    host_json_number(json, "residual_max_mm", g->max);
+    host_json_open(json, "points", '[');
+    for (i = 0; i < g->set.n; i++) {
+        host_json_open(json, NULL, '{');
+        host_json_text(json, "label", g->set.label[i]);
+        host_json_number(json, "residual_mm", g->residual[i]);
+        host_json_close(json, '}');
+    }
+    host_json_close(json, ']');
     host_json_close(json, '}');
 }
 
@@ -359,6 +385,7 @@ void host_job_report(const host_job *job, host_buffer *out)
     else
         host_json_null(&json, "similarity");
     put_start(job, &json);
+    put_landmark_goals(job, &json);
     put_times(job, &json);
     put_result(job, &json);
     (void)snprintf(text, sizeof text, "%016" PRIx64, smr_state_hash(job->state));

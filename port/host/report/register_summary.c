@@ -39,6 +39,8 @@ void host_job_summary(const host_job *job)
     }
     if (job->by_vertex.n > 0)
         (void)printf("vertex to vertex: mean %.3f  max %.3f mm\n", job->by_vertex.mean, job->by_vertex.max);
+    if (job->goals != NULL)
+        (void)printf("landmarks to their places: mean %.3f  max %.3f mm\n", job->goals->mean, job->goals->max);
     if (job->options->image_target)
         (void)printf("vertices with a goal in the image: %.1f %%\n",
                      job->last.matched_share > 0.0f ? 100.0 * (double)job->last.matched_share : 0.0);
