@@ -110,6 +110,41 @@ typedef struct smr_closest {
 smr_status smr_surface_closest(const smr_surface *surface, const float *point, const float *normal, float min_cos,
                                float max_mm, smr_closest *hit);
 
+/* A cloud of points as a target, in the caller's memory: a ring that keeps the newest. It shows the part of the model
+ * that it lies on; what is between a few points and beyond them follows (smr_config.coverage). */
+typedef struct smr_points smr_points;
+
+/* Bytes smr_points_open() needs. capacity: 1..SMR_VERTICES_MAX points. Errors: E_NULL, E_INPUT. */
+smr_status smr_points_bytes(uint32_t capacity, size_t *bytes);
+
+/* Upper bound of smr_points_bytes() as a constant, for static storage. */
+#define SMR_POINTS_BYTES(capacity) ((size_t)1024u + (size_t)28u * (capacity))
+
+/* Makes an empty cloud in `memory` (SMR_ALIGN-aligned), which must stay as long as the cloud is used.
+ * Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT; *points untouched then. */
+smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_points **points);
+
+/* Copies n points into the cloud, at most its capacity; those beyond take the place of the oldest. n times 50 ns, so
+ * a caller with little time adds a few at a time.
+ * xyz: [n][3] mm, finite, within +-SMR_COORD_MAX. normals: [n][3], outwards, of any length; 0 0 0: this point has none;
+ * NULL: none has. weights: [n], 0..16; NULL: 1 each. A point of weight 0 does nothing.
+ * Not while smr_tick() runs. Every smr_set_points() of the cloud must be repeated afterwards.
+ * Errors: E_NULL, E_STATE (not a cloud), E_INPUT; the cloud unchanged then. */
+smr_status smr_points_add(smr_points *points, const float *xyz, const float *normals, const float *weights, uint32_t n);
+
+/* Takes all points out of the cloud; otherwise as smr_points_add(). Errors: E_NULL, E_STATE. */
+smr_status smr_points_clear(smr_points *points);
+
+/* Points in the cloud. Errors: E_NULL, E_STATE. */
+smr_status smr_points_count(const smr_points *points, uint32_t *n);
+
+/* A copy of the cloud in which smr_surface_closest() finds the nearest point (with the point's index as the triangle),
+ * and onto which smr_align() lays a model. Not for smr_set_surface(), and not needed for smr_set_points().
+ * n: points in the cloud, 1 or more. memory (SMR_ALIGN-aligned) stays the caller's and holds the surface.
+ * Errors: E_NULL, E_STATE (not a cloud), E_ALIGN, E_ARENA, E_INPUT (no point); *surface untouched then. */
+smr_status smr_points_surface_bytes(uint32_t n, size_t *bytes);
+smr_status smr_points_surface(const smr_points *points, void *memory, size_t bytes, smr_surface **surface);
+
 /* Voxels in the caller's memory: borrowed, never written. */
 enum { SMR_VOXEL_UINT8 = 0, SMR_VOXEL_INT8, SMR_VOXEL_UINT16, SMR_VOXEL_INT16, SMR_VOXEL_FLOAT };
 
@@ -159,6 +194,7 @@ typedef struct smr_align_report {
 smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes);
 
 /* Finds the pose that lays `model` onto `target` without landmarks, wholes or parts of them.
+ * The target may be a cloud (smr_points_surface()); where its points have no normals their positions decide alone.
  * A search over rotations and over translations that match centres or ends, refined by closest points in both
  * directions; what the other surface does not have is left out. The pose as given is tried, too.
  * memory: SMR_ALIGN-aligned scratch. report may be NULL.
@@ -406,6 +442,9 @@ typedef struct smr_config {
     /* share, [0, 1], default 0.5. Of a vertex' motion along the surface that differs from its neighbours', taken back.
      * Only at the last radius, and only where there is a target surface. The share falls to 0 in the last iteration. */
     float even;
+    /* mm, [0, 100], default 0. Noise of target points: a point nearer to the model's surface pulls nothing, a farther
+     * one only by what it is farther. 0: noise of many points averages out. */
+    float noise_mm;
 
     /* ---- goals of the caller's own ---- */
 
@@ -598,6 +637,14 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose);
  * Errors: E_NULL, E_STATE (not a registration, or not a surface), E_INPUT (no such structure), E_ARENA (more vertices
  * than config.n_target_vertices, where that is not 0). */
 smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface);
+
+/* Gives a structure, or SMR_ALL, a cloud of points as its target, in place of a surface; borrowed until replaced. NULL
+ * takes it away. config.n_target_vertices must be at least the capacities of all clouds and the vertices of all
+ * surfaces set at one time. An empty cloud shows nothing: the structure is carried along.
+ * To be called again whenever points were added, between any two ticks; smr_tick() returns E_STATE until then. What an
+ * iteration under way does, and what a schedule that is done, is as with smr_set_surface().
+ * Errors: E_NULL, E_STATE (not a registration, or not a cloud), E_INPUT (no such structure), E_ARENA. */
+smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points);
 
 /* Gives every structure without a target surface this image, borrowed until replaced. NULL takes it away.
  * The schedule starts over from the present positions. The model needs intensity profiles.
@@ -833,17 +880,18 @@ enum {
     SMR_LOG_POSE,
     SMR_LOG_POSITIONS,
     SMR_LOG_ACTIVE,
-    SMR_LOG_FULL,     /* the memory ended here */
-    SMR_LOG_LANDMARKS /* smr_set_landmarks: a record for each of them */
+    SMR_LOG_FULL,      /* the memory ended here */
+    SMR_LOG_LANDMARKS, /* smr_set_landmarks: a record for each of them */
+    SMR_LOG_POINTS = 11
 };
 
 /* One record. Fields that its kind does not have are 0. */
 typedef struct smr_log_record {
     uint32_t kind; /* SMR_LOG_...; 0: the log ends here */
     /* inputs */
-    uint32_t structure; /* surface, positions: whose; SMR_ALL */
+    uint32_t structure; /* surface, points, positions: whose; SMR_ALL */
     uint32_t present;   /* 0: it was taken away (NULL) */
-    uint64_t checksum;  /* of a surface, volume or positions */
+    uint64_t checksum;  /* of a surface, points, volume or positions */
     smr_pose pose;
     smr_landmark landmark; /* number `index` of `count`; none when count is 0: they were taken away */
     uint32_t index, count;
@@ -870,8 +918,9 @@ smr_status smr_log_open(const void *log, size_t bytes, smr_log_reader *reader, s
 /* The next record; of kind 0 at the end. Errors: E_NULL, E_LOG (*record is of kind 0 then, and the reader stays). */
 smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record);
 
-/* Gives a replay the input that a record of kind surface, volume or positions names: a const smr_surface *, a
- * const smr_volume *, or a const float * ([n_vertices][3], mm). NULL: not there. Borrowed as in smr_set_...(). */
+/* Gives a replay the input that a record of kind surface, points, volume or positions names: a const smr_surface *, a
+ * const smr_points * with the points that it had then, a const smr_volume *, or a const float * ([n_vertices][3], mm).
+ * NULL: not there. Borrowed as in smr_set_...(). */
 typedef const void *(*smr_log_input)(void *ctx, const smr_log_record *record);
 
 /* A replay under way; the fields are the library's. */

@@ -8,7 +8,9 @@
 struct smr_surface {
     uint32_t magic; /* SMR_SURFACE_MAGIC */
     uint32_t n_vertices;
-    uint32_t open;         /* 1 when some edge has only one triangle */
+    uint32_t open;         /* 1 when some edge has only one triangle; a cloud is open, too */
+    uint32_t capacity;     /* most points of a cloud (points.h); 0: a mesh */
+    uint32_t changes;      /* of a cloud's points, so far */
     float area_mean;       /* mean of area[], mm^2 */
     smr_vec origin;        /* mm, whole numbers: centre of the bounding box; positions are relative to it */
     float *xyz;            /* [n_vertices][3] mm from origin, in the caller's order */
@@ -21,6 +23,9 @@ struct smr_surface {
 };
 
 #define SMR_SURFACE_MAGIC 0x736d7253u
+
+/* 1 for a cloud of points: no triangles, so nothing is closest on it. */
+static inline int smr_is_cloud(const smr_surface *s) { return s->capacity > 0u; }
 
 /* 1 for a surface that smr_surface_build() has built. */
 static inline int smr_surface_valid(const smr_surface *s) { return s != NULL && s->magic == SMR_SURFACE_MAGIC; }

@@ -1,6 +1,6 @@
 /* case_table.c: the lines with known deformations: one side, patches, an end, outliers; and what calls all tables.
  * SPDX-License-Identifier: MIT */
-#include "case_table.h"
+#include "case_points.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -190,6 +190,8 @@ int case_table(int n, char **word)
         missed += case_table_lengths(w.bones);
     if (case_named(w.lines, "thigh"))
         missed += case_table_thigh(w.first, w.last);
+    if (strncmp(w.lines, "points", 6) == 0 || w.lines[0] == '\0')
+        missed += case_table_points(w.lines, w.bones, w.first, w.last);
     if (w.lines[0] != '\0' && case_named(w.lines, "random"))
         missed += case_table_random(w.bones, w.first, w.last);
     (void)printf("%d bounds missed\n", missed);

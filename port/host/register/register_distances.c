@@ -61,7 +61,7 @@ static uint32_t make_queries(const host_job *job, const pair *pairs, uint32_t n_
     uint32_t i = 0, n = 0;
     for (i = 0; i < job->model.n_parts; i++) {
         const host_result *const result = &job->result[i];
-        if (!is_compared(job, i))
+        if (!is_compared(job, i) || job->target[result->target].surface == NULL)
             continue;
         query[n].surface = job->target[result->target].surface;
         query[n++].mesh = host_mesh_view(&result->mesh);
@@ -79,7 +79,7 @@ static uint32_t list_summaries(host_job *job, const pair *pairs, uint32_t n_pair
 {
     uint32_t i = 0, q = 0, n = 2;
     for (i = 0; i < job->model.n_parts; i++)
-        if (is_compared(job, i)) {
+        if (is_compared(job, i) && job->target[job->result[i].target].surface != NULL) {
             host_result *const of = &job->result[i];
             list[n++] = (summary){&query[q++], 1, &of->area.to_target, &of->vertices.to_target, 0};
         }

@@ -5,6 +5,7 @@
 #define REGISTER_JOB_H
 
 #include "base/threads.h"
+#include "measure/point_targets.h"
 #include "measure/surface_distances.h"
 #include "model/model_from_files.h"
 #include "register/landmark_goals_file.h"
@@ -18,7 +19,8 @@ typedef struct host_target {
     const char *path; /* borrowed */
     char name[SMR_NAME_BYTES];
     host_mesh mesh;       /* owned; mirrored when an option says so */
-    smr_surface *surface; /* lies in `memory` */
+    smr_surface *surface; /* lies in `memory`; NULL for a cloud */
+    smr_points *points;   /* a file without triangles; lies in `memory`; NULL for a surface */
     void *memory;         /* owned */
     uint32_t users;       /* number of structures that are registered to it */
     uint32_t user;        /* index of the last of these structures */

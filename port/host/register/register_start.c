@@ -50,7 +50,7 @@ static int load_surfaces(host_job *job, const host_files *models, host_error *er
     for (i = 0; i < n; i++) {
         const int of_model = i < models->n;
         loads[i].path = of_model ? models->path[i] : options->target.path[i - models->n];
-        loads[i].need = of_model ? HOST_MESH_POINTS_TOO : HOST_MESH_SURFACE; /* points are carried */
+        loads[i].need = of_model ? HOST_MESH_POINTS_TOO : HOST_MESH_CLOUD; /* the model's points are carried */
         loads[i].mirror = of_model ? options->mirror_model : options->mirror_target;
     }
     result = host_load_all(&job->port.port, loads, n, error);
@@ -156,7 +156,9 @@ static void build_target(void *arg, uint32_t task, uint32_t worker)
     host_target *const target = (host_target *)arg + task;
     const smr_mesh view = host_mesh_view(&target->mesh);
     (void)worker;
-    if (target->users > 0)
+    if (target->users > 0 && target->mesh.n_triangles == 0)
+        target->points = host_points_make(&target->mesh, &target->memory);
+    else if (target->users > 0)
         target->surface = host_surface_make(&view, &target->memory);
 }
 
@@ -202,7 +204,8 @@ static int align(host_job *job, host_error *error)
     for (i = 0; i < 2; i++) {
         if (join(job, i, &mesh[i]) == 0) {
             const smr_mesh view = host_mesh_view(&mesh[i]);
-            surface[i] = host_surface_make(&view, &memory[i]);
+            surface[i] = mesh[i].n_triangles == 0 ? host_points_surface(&mesh[i], &memory[i])
+                                                  : host_surface_make(&view, &memory[i]);
         }
         host_mesh_free(&mesh[i]);
     }
@@ -222,7 +225,7 @@ int host_job_make_surfaces(host_job *job, host_error *error)
     for (i = 0; i < job->n_targets; i++)
         build_target(job->target, i, 0);
     for (i = 0; i < job->n_targets; i++)
-        if (job->target[i].users > 0 && job->target[i].surface == NULL) {
+        if (job->target[i].users > 0 && job->target[i].surface == NULL && job->target[i].points == NULL) {
             error->file = job->target[i].path;
             return host_fail(error, "surface", "a surface within the library's limits and free memory for it");
         }

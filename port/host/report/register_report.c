@@ -153,7 +153,7 @@ static void put_result(const host_job *job, host_json *json)
     }
     put_distances(json, "distance_mm", compared, &job->area);
     put_distances(json, "vertex_distance_mm", compared, &job->vertices);
-    if (compared)
+    if (compared && job->area.to_target.n > 0) /* nothing is measured from the model to points */
         host_json_number(json, "hausdorff_mm", a > b ? a : b);
     else
         host_json_null(json, "hausdorff_mm");

@@ -31,12 +31,12 @@ void host_job_summary(const host_job *job)
     if (job->n_landmarks > 0 && job->warp_kind != SMR_WARP_SPLINE && job->options->align == HOST_ALIGN_NONE)
         (void)printf("start: %u landmarks as they lie carry no spline, a %s fit instead\n", job->n_landmarks,
                      host_warp_name(job->warp_kind));
-    if (job->n_targets > 0) {
+    if (a->n > 0)
         (void)printf("model to %s: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, a->mean, a->rms, a->p95,
                      a->max);
+    if (job->n_targets > 0)
         (void)printf("%s to model: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, b->mean, b->rms, b->p95,
                      b->max);
-    }
     if (job->by_vertex.n > 0)
         (void)printf("vertex to vertex: mean %.3f  max %.3f mm\n", job->by_vertex.mean, job->by_vertex.max);
     if (job->goals != NULL)

@@ -5,6 +5,7 @@
 #define SMR_FORCES_H
 
 #include "runtime/forces/image_goal.h"
+#include "runtime/forces/point_spread.h"
 #include "runtime/forces/unseen_field.h"
 
 /* What was found for a vertex. */
@@ -25,6 +26,7 @@ typedef struct smr_forces {
     const smr_shape *shape;
     smr_surface_goals surface;
     smr_landmark_goals landmarks;
+    smr_point_spread points;
     smr_unseen_field unseen;
     smr_image_goals image;
     smr_tally *tally;
@@ -77,6 +79,7 @@ static inline void smr_sources_wire(smr_forces *f, const smr_overlay *overlay)
 {
     smr_surface_goals_wire(&f->surface, f->shared, f->pace, f->shape);
     smr_landmark_goals_wire(&f->landmarks, f->shared, f->shape);
+    smr_point_spread_wire(&f->points, f->shared, f->shape, &f->surface, overlay);
     smr_unseen_field_wire(&f->unseen, f->shared, f->pace, f->shape, &f->surface, &f->landmarks, overlay);
     smr_image_goals_wire(&f->image, f->shared, f->pace, f->shape, f->found_last, &overlay->rings);
 }
@@ -102,6 +105,7 @@ static inline void smr_sources_stand(smr_forces *f)
 #define SMR_SOURCE_STEPS(SMR_STEP)                                                                                     \
     SMR_STEP(unseen, SMR_WORK_TASKS, SMR_SERIAL, smr_unseen_field_tasks, smr_unseen_field_solve, NULL, NULL)           \
     SMR_STEP(surface, SMR_WORK_TASKS, SMR_ANY_ORDER, smr_attract_tasks, smr_attract_search, NULL, NULL)                \
+    SMR_STEP(points, SMR_WORK_TASKS, SMR_SERIAL, smr_point_spread_tasks, smr_point_spread_run, NULL, NULL)             \
     SMR_STEP(image, SMR_WORK_TASKS, SMR_ANY_ORDER, smr_fill_tasks, smr_fill_sum, smr_fill_pieces, smr_fill_abreast)
 
 /* Nothing draws v. What pulls it must not wait for the next iteration. */

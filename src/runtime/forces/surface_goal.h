@@ -19,6 +19,7 @@ typedef struct smr_target {
     uint32_t n_seen, n_judged;  /* vertices seen, and all that were judged, when they last were */
     uint32_t begun;             /* 1: it had one when the iteration under way began */
     uint32_t measured;          /* 1: there were complete forces since it was set or taken away */
+    float spread;               /* of a cloud: mean weight that reached a vertex. Written by point_spread.c */
 } smr_target;
 
 /* A distinct target surface; structures may share it. Written by setup/targets.c. */
@@ -27,7 +28,15 @@ typedef struct smr_goal {
     uint32_t first_task; /* of the target-to-model search */
     uint32_t n_vertices; /* when it was set: a surface rebuilt since must be set again */
     uint32_t first_warm; /* its vertices' slots in target_warm */
+    uint32_t changes;    /* when it was set: as n_vertices, of a cloud */
 } smr_goal;
+
+/* 1: the target surface, or cloud, is as it was when it was set. */
+static inline int smr_goal_stands(const smr_goal *g)
+{
+    return smr_surface_valid(g->surface) && g->surface->n_vertices == g->n_vertices &&
+           g->surface->changes == g->changes;
+}
 
 typedef struct smr_surface_goals {
     const smr_shared *shared;
@@ -38,6 +47,8 @@ typedef struct smr_surface_goals {
     uint32_t n_goals;
     uint32_t n_goals_begun; /* n_goals when the iteration under way began: a later one does not count in it */
     uint32_t n_tasks;       /* of the target-to-model search */
+    uint32_t n_clouds;      /* goals that are clouds */
+    const float *spread;    /* [n][4] of structures with a cloud: sum of its points' pulls, mm, and their weight */
     /* written by the search for goals */
     uint32_t *warm;        /* [n] closest triangle of the target, of the last complete forces; SMR_NONE: none */
     uint32_t *warm_next;   /* [n] the same, of those under way: they may have to start again */
@@ -63,12 +74,16 @@ int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target
 void smr_overlap_start(smr_surface_goals *g);                           /* with the targets as they are now */
 int smr_overlap_judged(const smr_surface_goals *g, uint32_t structure); /* 1: in this iteration */
 void smr_overlap_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit, smr_vec way);
-void smr_overlap_stand(smr_surface_goals *g); /* the forces under way are complete */
+void smr_overlap_judge_points(smr_surface_goals *g, uint32_t v, float weight); /* of points that reached it */
+void smr_overlap_stand(smr_surface_goals *g);                                  /* the forces under way are complete */
 
 /* target_attraction.c: target-to-model attraction, when target vertices pull in this iteration. */
 int smr_attraction_on(const smr_surface_goals *g);
 uint32_t smr_attract_tasks(const void *goals);
 void smr_attract_search(void *goals, uint32_t task, uint32_t worker);
+
+/* Sum and weight of the pulls on a stored vertex, in units of 1 / SMR_PULL_SCALE; clears them. */
+void smr_pull_sum(smr_surface_goals *g, uint32_t v, int64_t sum[4]);
 
 /* The mean pull on a stored vertex, mm; clears it for the next iteration. Returns how much it counts, 0..1: less when
  * little of the target pulls there, so that no target vertex makes a difference by barely reaching a triangle. */

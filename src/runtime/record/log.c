@@ -12,7 +12,8 @@ uint32_t smr_log_words(uint32_t kind)
 {
     switch (kind) {
     case SMR_LOG_TICK: return 8;
-    case SMR_LOG_SURFACE: return 4;
+    case SMR_LOG_SURFACE:
+    case SMR_LOG_POINTS: return 4;
     case SMR_LOG_VOLUME: return 3;
     case SMR_LOG_POSE: return 12;
     case SMR_LOG_POSITIONS: return 3;
@@ -61,13 +62,23 @@ static int logs(smr_log *log)
 static uint32_t high(uint64_t v) { return (uint32_t)(v >> 32); }
 static uint32_t low(uint64_t v) { return (uint32_t)(v & 0xffffffffu); }
 
+static void put_target(smr_log *log, uint32_t kind, uint32_t structure, int present, uint64_t sum)
+{
+    const uint32_t word[4] = {structure, present != 0, low(sum), high(sum)};
+    put(log, kind, word);
+}
+
 void smr_log_surface(smr_log *log, uint32_t structure, const smr_surface *surface)
 {
-    if (!logs(log))
-        return;
-    const uint64_t sum = surface == NULL ? 0u : smr_surface_checksum(surface);
-    const uint32_t word[4] = {structure, surface != NULL, low(sum), high(sum)};
-    put(log, SMR_LOG_SURFACE, word);
+    if (logs(log))
+        put_target(log, SMR_LOG_SURFACE, structure, surface != NULL,
+                   surface == NULL ? 0u : smr_surface_checksum(surface));
+}
+
+void smr_log_points(smr_log *log, uint32_t structure, const smr_points *points)
+{
+    if (logs(log))
+        put_target(log, SMR_LOG_POINTS, structure, points != NULL, points == NULL ? 0u : smr_cloud_checksum(points));
 }
 
 void smr_log_volume(smr_log *log, const smr_volume *volume)

@@ -83,7 +83,7 @@ static smr_status take(const uint32_t *word, smr_log_record *r)
         return take_tick(word, r);
     if (r->kind == SMR_LOG_LANDMARKS)
         return take_landmark(word, r);
-    if (r->kind == SMR_LOG_SURFACE) {
+    if (r->kind == SMR_LOG_SURFACE || r->kind == SMR_LOG_POINTS) {
         r->structure = word[0];
         r->present = word[1];
         sum = word + 2;

@@ -45,7 +45,10 @@ static smr_status set_landmark(smr_replay *r, const smr_log_record *record)
 }
 
 /* 1 for what only forces look at: it counts in the iteration under way, or from the next one on. */
-static int of_forces(uint32_t kind) { return kind == SMR_LOG_SURFACE || kind == SMR_LOG_LANDMARKS; }
+static int of_forces(uint32_t kind)
+{
+    return kind == SMR_LOG_SURFACE || kind == SMR_LOG_POINTS || kind == SMR_LOG_LANDMARKS;
+}
 
 /* Sets one recorded input again. */
 static smr_status set_input(smr_replay *r, const smr_log_record *record)
@@ -68,6 +71,12 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
         if (surface != NULL && (!smr_surface_valid(surface) || smr_surface_checksum(surface) != record->checksum))
             return SMR_E_INPUT;
         return smr_set_surface(s, record->structure, surface);
+    }
+    if (record->kind == SMR_LOG_POINTS) {
+        const smr_points *points = given;
+        if (points != NULL && (!smr_points_valid(points) || smr_cloud_checksum(points) != record->checksum))
+            return SMR_E_INPUT;
+        return smr_set_points(s, record->structure, points);
     }
     if (record->kind == SMR_LOG_VOLUME) {
         smr_grid grid;

@@ -131,11 +131,9 @@ static smr_tick_report report_of(const smr *s)
 /* Every target surface is still the one that was set. */
 static int targets_stand(const smr *s)
 {
-    for (uint32_t i = 0; i < s->forces.surface.n_goals; i++) {
-        const smr_goal *goal = &s->forces.surface.goal[i];
-        if (!smr_surface_valid(goal->surface) || goal->surface->n_vertices != goal->n_vertices)
+    for (uint32_t i = 0; i < s->forces.surface.n_goals; i++)
+        if (!smr_goal_stands(&s->forces.surface.goal[i]))
             return 0;
-    }
     return 1;
 }
 

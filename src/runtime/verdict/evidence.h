@@ -46,6 +46,7 @@ static inline int smr_follows_landmarks(const smr *s, uint32_t structure)
 /* Each adds what one structure shows. */
 void smr_measure_shape(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_surface(const smr *s, uint32_t structure, smr_evidence *e);
+void smr_measure_points(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_image(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_landmarks(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e); /* fills smr_vertex_expected(), too */

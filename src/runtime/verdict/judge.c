@@ -126,7 +126,7 @@ void smr_judge(smr_verdict *v, float edge_mm)
     ask(v, SMR_REASON_SCALE, beyond(v->scale), SMR_SCALE_MOST, SMR_FAR);
     if (v->goals_share >= 0.0f)
         judge_image(v);
-    if (v->normals_agree >= 0.0f)
+    if (v->normals_agree >= 0.0f || v->target_covered >= 0.0f) /* points may have no normals */
         judge_surface(v, edge_mm);
     else if (v->goals_share < 0.0f && v->residual_mm >= 0.0f)
         judge_landmarks(v);
