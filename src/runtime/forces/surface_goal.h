@@ -48,6 +48,7 @@ typedef struct smr_surface_goals {
     uint32_t n_goals_begun; /* n_goals when the iteration under way began: a later one does not count in it */
     uint32_t n_tasks;       /* of the target-to-model search */
     uint32_t n_clouds;      /* goals that are clouds */
+    uint32_t n_points;      /* points of all clouds */
     const float *spread;    /* [n][4] of structures with a cloud: sum of its points' pulls, mm, and their weight */
     /* written by the search for goals */
     uint32_t *warm;        /* [n] closest triangle of the target, of the last complete forces; SMR_NONE: none */

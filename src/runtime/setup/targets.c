@@ -55,12 +55,14 @@ static void forget_searches(smr_surface_goals *g, uint32_t structure)
     g->limit = 0.0f;
 }
 
-static uint32_t count_clouds(const smr_surface_goals *g)
+static void count_clouds(smr_surface_goals *g)
 {
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < g->n_goals; i++)
-        n += (uint32_t)smr_is_cloud(g->goal[i].surface);
-    return n;
+    g->n_clouds = g->n_points = 0;
+    for (uint32_t i = 0; i < g->n_goals; i++) {
+        const uint32_t cloud = (uint32_t)smr_is_cloud(g->goal[i].surface);
+        g->n_clouds += cloud;
+        g->n_points += cloud * g->goal[i].n_vertices;
+    }
 }
 
 /* 0 when there are not enough slots. A cloud does nothing without. */
@@ -99,7 +101,7 @@ static smr_status set_target(smr *s, uint32_t structure, const smr_surface *surf
     }
     smr_forces_unmeasured(&s->forces);
     (void)list_goals(g, g->goal, &g->n_goals, &g->n_tasks);
-    g->n_clouds = count_clouds(g);
+    count_clouds(g);
     if (same)
         smr_pulls_clear(g);
     else

@@ -8,6 +8,8 @@
 #define SMR_ACTIVE_EVERY 8u    /* iterations between two changes of n_active at one radius */
 #define SMR_ABOUT 0.75f        /* share of the active vertices wanted at which a level is enough */
 #define SMR_FIRST_TIMES 2u     /* factor on the first radius' iterations with an image: most of the way is made there */
+#define SMR_GROWN 1.25f        /* factor on the points of clouds from which on a radius is repeated */
+#define SMR_FIRST_CLOUD 3u     /* the same with clouds: points without normals slide slowly into their places */
 #define SMR_NARROWING 0.5f     /* search distances shrink to this share at most, from one radius to the next */
 
 /* Active vertices that suffice for image forces: enough for active_enough in the smallest cluster. Image forces cost
@@ -64,6 +66,7 @@ static int repairs_before(const smr *s, uint32_t radius)
 static void use_radius(smr *s, uint32_t radius)
 {
     s->pace.radius = radius;
+    s->pace.n_points = s->forces.surface.n_points;
     s->pace.radius_iteration = 0;
     s->pace.lists = smr_model_lists(s->shared.model, radius);
     s->reference.stale = 1;
@@ -105,8 +108,10 @@ static void plastic_update(smr *s)
 static uint32_t first_iterations(const smr *s)
 {
     const int alone = s->shared.config.radius_first == smr_last_radius(&s->shared);
-    return alone ? s->shared.config.iterations_last
-                 : s->shared.config.iterations * (s->forces.image.has_image ? SMR_FIRST_TIMES : 1u);
+    const uint32_t times = s->forces.image.has_image         ? SMR_FIRST_TIMES
+                           : s->forces.surface.n_clouds > 0u ? SMR_FIRST_CLOUD
+                                                             : 1u;
+    return alone ? s->shared.config.iterations_last : s->shared.config.iterations * times;
 }
 
 static uint32_t radius_iterations(const smr *s)
@@ -151,6 +156,10 @@ int smr_schedule_plastic(const smr *s)
     return ending_of(s, s->pace.radius_iteration + 1u, s->pace.since_plastic + 1u).plastic;
 }
 
+/* 1: a cloud has grown so much since this radius began that the model is not yet laid out: the radius is repeated. A
+ * cloud cannot grow beyond its memory, so that ends. */
+static int grows(const smr *s) { return (float)s->forces.surface.n_points > SMR_GROWN * (float)s->pace.n_points; }
+
 /* After each iteration. */
 void smr_schedule_next(smr *s)
 {
@@ -166,7 +175,7 @@ void smr_schedule_next(smr *s)
         s->pace.converged = (uint32_t)((e.small || e.settled) && s->forces.matched > 0.0f);
         s->pace.done = 1;
     } else if (!repairs && !smr_at_last_radius(&s->shared, &s->pace) && (e.settled || e.spent)) {
-        use_radius(s, s->pace.radius + 1u);
+        use_radius(s, s->pace.radius + (grows(s) ? 0u : 1u));
     }
 }
 
@@ -216,6 +225,8 @@ void smr_schedule_begin(smr *s)
 {
     choose_active(s);
     s->report.n_taken = s->pace.n_active;
+    if (s->pace.radius_iteration == 0u)
+        s->pace.n_points = s->forces.surface.n_points;
     choose_distances(s);
     begin_targets(&s->forces.surface);
     smr_evening_begin(&s->evolve.evening);
