@@ -62,7 +62,7 @@ static uint32_t stored(const smr *s, uint32_t column, uint32_t row)
 
 static float tolerance(const smr *s) { return 0.5f * smr_le_float(s->shared.model->edge_mm) + 0.1f * RADIUS; }
 
-/* What is left this far beyond a border: the border's own share, and that of closest points that disagree by as much. */
+/* What is left this far beyond a border: the border's own share, and that of closest points as far apart. */
 static float share_beyond(const smr *s, float beyond)
 {
     const float at = tolerance(s), mutual = 1.5f - beyond / (at + 0.2f * APART);

@@ -1,5 +1,5 @@
-/* test_unseen_field.c: where vertices go that the target does not show: with a similarity of the seen ones exactly, with
- * a smooth displacement near them, with the pose far from them; and controls that determine little or nothing.
+/* test_unseen_field.c: where vertices go that the target does not show: with a similarity of the seen ones exactly,
+ * with a smooth displacement near them, with the pose far from them; controls that determine little or nothing.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

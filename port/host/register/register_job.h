@@ -38,6 +38,7 @@ typedef struct host_result {
     host_mesh mesh;  /* the registered structure; owned */
     uint64_t folds, folds_absolute;
     host_two_way area, vertices; /* distances integrated over the area, and over vertices */
+    host_stats overlap;          /* to the target, over the area that it shows; n = 0 where it shows nothing */
     host_stats by_vertex;        /* distances to the truth's vertices with the same index; n = 0 without such a truth */
     smr_structure_report report;
     host_verdict verdict;
@@ -77,6 +78,7 @@ typedef struct host_job {
     size_t tick_capacity;
     double start_s, register_s, load_s, measure_s, begin_s;
     host_two_way area, vertices; /* over all structures with a target */
+    host_stats overlap;          /* over the area of all that the targets show */
     host_stats by_vertex;        /* over all structures with a truth of as many vertices */
     uint64_t folds, folds_absolute;
     smr_verdict measures; /* what the library's verdict rests on */

@@ -116,6 +116,19 @@ static void put_distances(host_json *json, const char *key, int compared, const 
     host_json_close(json, '}');
 }
 
+/* Writes the distances of what of the model the target shows, and the share of its area that is left out. */
+static void put_overlap(host_json *json, int compared, const host_stats *all, const host_stats *overlap)
+{
+    if (!compared || all->n == 0) {
+        host_json_null(json, "overlap_distance_mm");
+        return;
+    }
+    host_json_open(json, "overlap_distance_mm", '{');
+    host_json_stats(json, "model_to_target", overlap);
+    host_json_number(json, "surplus", all->weight > 0.0 ? fmax(0.0, 1.0 - overlap->weight / all->weight) : 0.0);
+    host_json_close(json, '}');
+}
+
 static void put_by_vertex(host_json *json, const host_stats *stats)
 {
     if (stats->n == 0) {
@@ -152,6 +165,7 @@ static void put_result(const host_job *job, host_json *json)
         max = most > max ? most : max;
     }
     put_distances(json, "distance_mm", compared, &job->area);
+    put_overlap(json, compared && !job->options->image_target, &job->area.to_target, &job->overlap);
     put_distances(json, "vertex_distance_mm", compared, &job->vertices);
     if (compared && job->area.to_target.n > 0) /* nothing is measured from the model to points */
         host_json_number(json, "hausdorff_mm", a > b ? a : b);
@@ -259,6 +273,7 @@ static void put_structure(const host_job *job, uint32_t i, host_json *json)
     else
         host_json_text(json, "target", image ? job->options->target.path[0] : job->target[result->target].path);
     put_distances(json, "distance_mm", compared, &result->area);
+    put_overlap(json, !image && !carried, &result->area.to_target, &result->overlap);
     put_distances(json, "vertex_distance_mm", compared, &result->vertices);
     if (result->target != HOST_NO_TARGET && image) {
         host_json_open(json, "truth", '{');

@@ -5,6 +5,8 @@
 
 #include "report/register_report.h"
 
+#define SHOWN 0.995 /* of the model's area: less is said */
+
 /* The verdict in words, and what it is made of. */
 static void print_verdict(const host_verdict *verdict)
 {
@@ -34,6 +36,10 @@ void host_job_summary(const host_job *job)
     if (a->n > 0)
         (void)printf("model to %s: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, a->mean, a->rms, a->p95,
                      a->max);
+    if (job->overlap.n > 0 && job->overlap.weight < SHOWN * a->weight)
+        (void)printf("the %.0f %% of the model that the target shows: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n",
+                     100.0 * job->overlap.weight / a->weight, job->overlap.mean, job->overlap.rms, job->overlap.p95,
+                     job->overlap.max);
     if (job->n_targets > 0)
         (void)printf("%s to model: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, b->mean, b->rms, b->p95,
                      b->max);
