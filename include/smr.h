@@ -955,6 +955,52 @@ typedef struct smr_replay_report {
  * smr_set_...() and smr_tick(). */
 smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 
+/* ------------------------------------------------------------------ 9. carried points */
+
+/* Carries points of the space around the rest shape to where the model has taken them: a smooth map of space, exact at
+ * the vertices, fixed by the vertices' rest and present places. Far from the model it follows a similarity. */
+typedef struct smr_carry smr_carry;
+
+/* Exact bytes smr_carry_fit() needs. n_points may be 0. Errors: E_NULL, E_INPUT (a count; n_workers of the port). */
+smr_status smr_carry_bytes(uint32_t n_vertices, uint32_t n_points, uint32_t n_workers, size_t *bytes);
+
+/* Binds points [n_points][3] mm, given at rest, to the vertices rest [n_vertices][3] mm: structures in a row, as
+ * smr_model_mesh() or the caller's meshes have them. Takes about 20 us a point.
+ * memory (SMR_ALIGN-aligned) holds the map; rest and points may go afterwards. port is copied; NULL: one worker.
+ * Errors: E_NULL, E_ALIGN, E_INPUT (a count, a coordinate), E_ARENA, E_STATE (the port's worker number); *carry
+ * untouched then. */
+smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
+                         const smr_port *port, void *memory, size_t bytes, smr_carry **carry);
+
+/* xyz [n_points][3] mm: where the bound points are while the vertices are at now [n_vertices][3] mm, in the order of
+ * rest (smr_get_positions() for each structure). Not for two calls at a time.
+ * Errors: E_NULL, E_STATE (not a map, or a copy of its memory; the port's worker number), E_INPUT. */
+smr_status smr_carry_apply(smr_carry *carry, const float *now, float *xyz);
+
+typedef struct smr_carry_fact {
+    float miss_mm; /* inverse: how far forwards from the place found misses the point; above 0.01 it failed */
+    float volume;  /* determinant of the local map from rest, to about 0.1; 0 or less: the map folds there */
+} smr_carry_fact;
+
+/* The same map for n points that are not bound, xyz [n][3] mm; about 100 times the time of a bound one.
+ * inverse 0: from rest to now. 1: back. out: [n][3] mm, may be xyz; facts: [n], or NULL.
+ * Errors: as smr_carry_apply(). */
+smr_status smr_carry_map(smr_carry *carry, const float *now, uint32_t inverse, const float *xyz, uint32_t n, float *out,
+                         smr_carry_fact *facts);
+
+/* A frame is carried as SMR_FRAME_PLACES points. Their places for points [n][3] mm at rest: [n][SMR_FRAME_PLACES][3].
+ * size_mm: distance over which the frame is measured, half an implant's length or 1. Errors: E_NULL, E_INPUT. */
+#define SMR_FRAME_PLACES 5u
+smr_status smr_frame_places(const float *points, uint32_t n, float size_mm, float *places);
+
+/* From places at rest and carried ones: the rigid part of the local map, from rest to now, and the local maps
+ * themselves, row-major [n][9]; one of the two may be NULL. Errors: E_NULL, E_INPUT. */
+smr_status smr_frame_poses(const float *rest, const float *now, uint32_t n, smr_pose *poses, float *jacobians);
+
+/* Unit normals [n][3] carried by local maps [n][9], in place: perpendicular to what they were perpendicular to.
+ * Errors: E_NULL, E_INPUT. */
+smr_status smr_frame_normals(const float *jacobians, float *normals, uint32_t n);
+
 #ifdef __cplusplus
 }
 #endif
