@@ -79,7 +79,8 @@ static void mark(tracked *t, uint32_t n, double noise_mm, uint32_t hard, uint32_
         for (c = 0; c < 3; c++) {
             const size_t at = 3u * (size_t)l->vertex + (size_t)c;
             l->rest[c] = (float)from[c];
-            l->place[c] = (k % 2u != 0 ? (float)to[c] : body->truth.xyz[at]) + (float)(noise_mm * case_normal_random(&r));
+            l->place[c] =
+                (k % 2u != 0 ? (float)to[c] : body->truth.xyz[at]) + (float)(noise_mm * case_normal_random(&r));
         }
     }
     t->n = n;
@@ -139,7 +140,8 @@ static void drop(tracked *t)
 
 static void trial(void **state)
 {
-    const char *const names[] = {"femurs/femur_vhm_left.ply", "femurs/femur_2008_0019_left.ply", "hip_thigh_vhm/femur.ply"};
+    const char *const names[] = {"femurs/femur_vhm_left.ply", "femurs/femur_2008_0019_left.ply",
+                                 "hip_thigh_vhm/femur.ply"};
     (void)state;
     for (uint32_t seed = 1; seed <= 2; seed++)
         for (int k = 0; k < 3; k++) {
@@ -148,14 +150,20 @@ static void trial(void **state)
                 continue;
             }
             tracked t = make(names[k], seed, CASE_WHOLE);
-            static const struct { uint32_t n; double noise; uint32_t hard, surface; } set[] = {
-                {40, 0, 0, 0}, {40, 0.5, 0, 0}, {40, 0, 1, 0}, {40, 0.5, 1, 0}, {12, 0, 0, 0}, {0,0,0,1}, {12, 0, 0, 1}, {12, 0, 1, 1}, {12, 0.5, 1, 1}, {3, 0, 0, 0}};
+            static const struct {
+                uint32_t n;
+                double noise;
+                uint32_t hard, surface;
+            } set[] = {{40, 0, 0, 0}, {40, 0.5, 0, 0}, {40, 0, 1, 0}, {40, 0.5, 1, 0}, {12, 0, 0, 0},
+                       {0, 0, 0, 1},  {12, 0, 0, 1},   {12, 0, 1, 1}, {12, 0.5, 1, 1}, {3, 0, 0, 0}};
             for (size_t i = 0; i < sizeof set / sizeof set[0]; i++) {
                 const smr_mesh goal = host_mesh_view(&t.data->body[0].target);
                 mark(&t, set[i].n, set[i].noise, set[i].hard, seed);
                 run(&t, set[i].surface ? rig_surface(&goal) : NULL);
-                (void)printf("%s seed %u n %u noise %.1f hard %u surface %u: vertex %.3f surface %.3f farthest %.3f expected %.3f verdict %u reasons %u\n", names[k], seed, set[i].n,
-                             set[i].noise, set[i].hard, set[i].surface, t.vertex, t.surface, t.farthest, t.expected, t.verdict.level, t.verdict.reasons);
+                (void)printf("%s seed %u n %u noise %.1f hard %u surface %u: vertex %.3f surface %.3f farthest %.3f "
+                             "expected %.3f verdict %u reasons %u\n",
+                             names[k], seed, set[i].n, set[i].noise, set[i].hard, set[i].surface, t.vertex, t.surface,
+                             t.farthest, t.expected, t.verdict.level, t.verdict.reasons);
             }
             drop(&t);
         }

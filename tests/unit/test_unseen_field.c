@@ -19,10 +19,15 @@ typedef struct world {
     smr_surface_goals goals;
     smr_target target;
     smr_overlay overlay;
+    smr_landmark_goals landmarks;
     smr_unseen_field field;
-    uint32_t memory[7u * SMR_CONTROLS + SMR_FACTOR_WORDS];
+    uint32_t memory[7u * SMR_CONTROLS + SMR_FACTOR_WORDS(SMR_CONTROLS)];
     float start[3 * N], x[3 * N], normal[3 * N];
     uint8_t seen[N];
+    struct {
+        smr_model head;
+        uint16_t owner[N];
+    } model; /* of which only the structure of each vertex is asked for */
 } world;
 
 static world w; /* each test fills it */
@@ -34,6 +39,10 @@ static void begin(float radius)
     memset(&w, 0, sizeof w);
     w.shared.n = N;
     w.shared.n_structures = 1;
+    w.model.head.at_owner =
+        smr_le32((uint32_t)((const unsigned char *)w.model.owner - (const unsigned char *)&w.model));
+    w.shared.model = &w.model.head;
+    w.target.partial = 1;
     w.pace.lists.radius = radius;
     w.shape.start = w.start;
     w.shape.x = w.x;
@@ -50,7 +59,7 @@ static void begin(float radius)
         w.normal[3u * i] = 1.0f;
         w.seen[i] = SMR_SEEN_ONE;
     }
-    smr_unseen_field_wire(&w.field, &w.shared, &w.pace, &w.shape, &w.goals, &w.overlay);
+    smr_unseen_field_wire(&w.field, &w.shared, &w.pace, &w.shape, &w.goals, &w.landmarks, &w.overlay);
 }
 
 static void solve(void)
@@ -68,7 +77,7 @@ static smr_vec carried(uint32_t v)
     smr_vec way = smr_v(0, 0, 0);
     const uint8_t seen = w.seen[v];
     w.seen[v] = 0;
-    smr_unseen_field_blend(&w.field, v, &way);
+    smr_unseen_field_blend(&w.field, v, 1, &way);
     w.seen[v] = seen;
     return smr_add(way, smr_load(w.x + 3u * v));
 }
@@ -249,11 +258,11 @@ static void blends_by_what_is_seen(void **state)
     smr_store(w.x + 15, smr_add(smr_load(w.start + 15), smr_v(1, 1, 1)));
     solve();
     w.seen[5] = SMR_SEEN_ONE;
-    smr_unseen_field_blend(&w.field, 5, &way);
+    smr_unseen_field_blend(&w.field, 5, 1, &way);
     assert_true(smr_length(smr_sub(way, smr_v(2, -1, -1))) < 1.0e-3f);
     way = smr_v(2, 0, 0);
     w.seen[5] = 0;
-    smr_unseen_field_blend(&w.field, 5, &way);
+    smr_unseen_field_blend(&w.field, 5, 1, &way);
     assert_true(smr_length(smr_sub(way, smr_v(-1, -1, -1))) < 1.0e-3f);
 }
 
