@@ -66,7 +66,7 @@ static int repairs_before(const smr *s, uint32_t radius)
 static void use_radius(smr *s, uint32_t radius)
 {
     s->pace.radius = radius;
-    s->pace.n_points = s->forces.surface.n_points;
+    s->pace.n_points = s->forces.surface.n_points_begun;
     s->pace.radius_iteration = 0;
     s->pace.lists = smr_model_lists(s->shared.model, radius);
     s->reference.stale = 1;
@@ -92,6 +92,8 @@ void smr_schedule_start(smr *s)
     smr_overlap_start(&s->forces.surface);
     s->pace.ease = 1.0f;
     s->forces.surface.n_goals_begun = s->forces.surface.n_goals;
+    s->forces.surface.n_clouds_begun = s->forces.surface.n_clouds;
+    s->forces.surface.n_points_begun = s->forces.surface.n_points;
     use_radius(s, s->shared.config.radius_first);
     s->shape.rest_pose_due = 1; /* an abandoned iteration may have made it of other positions */
 }
@@ -108,9 +110,9 @@ static void plastic_update(smr *s)
 static uint32_t first_iterations(const smr *s)
 {
     const int alone = s->shared.config.radius_first == smr_last_radius(&s->shared);
-    const uint32_t times = s->forces.image.has_image         ? SMR_FIRST_TIMES
-                           : s->forces.surface.n_clouds > 0u ? SMR_FIRST_CLOUD
-                                                             : 1u;
+    const uint32_t times = s->forces.image.has_image               ? SMR_FIRST_TIMES
+                           : s->forces.surface.n_clouds_begun > 0u ? SMR_FIRST_CLOUD
+                                                                   : 1u;
     return alone ? s->shared.config.iterations_last : s->shared.config.iterations * times;
 }
 
@@ -158,7 +160,7 @@ int smr_schedule_plastic(const smr *s)
 
 /* 1: a cloud has grown so much since this radius began that the model is not yet laid out: the radius is repeated. A
  * cloud cannot grow beyond its memory, so that ends. */
-static int grows(const smr *s) { return (float)s->forces.surface.n_points > SMR_GROWN * (float)s->pace.n_points; }
+static int grows(const smr *s) { return (float)s->forces.surface.n_points_begun > SMR_GROWN * (float)s->pace.n_points; }
 
 /* After each iteration. */
 void smr_schedule_next(smr *s)
@@ -217,6 +219,8 @@ float smr_schedule_progress(const smr *s)
 static void begin_targets(smr_surface_goals *g)
 {
     g->n_goals_begun = g->n_goals;
+    g->n_clouds_begun = g->n_clouds;
+    g->n_points_begun = g->n_points;
     for (uint32_t i = 0; i < g->shared->n_structures; i++)
         g->target[i].begun = g->target[i].surface != NULL;
 }
@@ -225,9 +229,9 @@ void smr_schedule_begin(smr *s)
 {
     choose_active(s);
     s->report.n_taken = s->pace.n_active;
-    if (s->pace.radius_iteration == 0u)
-        s->pace.n_points = s->forces.surface.n_points;
     choose_distances(s);
     begin_targets(&s->forces.surface);
+    if (s->pace.radius_iteration == 0u)
+        s->pace.n_points = s->forces.surface.n_points_begun;
     smr_evening_begin(&s->evolve.evening);
 }
