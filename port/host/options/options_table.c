@@ -63,6 +63,7 @@ const host_option host_option_table[] = {
     {"--attraction", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(attraction), LIBRARY, 0, NULL, HOST_FOR_SURFACES},
     {"--slide", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(slide), LIBRARY, 0, NULL, HOST_FOR_SURFACES},
     {"--even", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(even), LIBRARY, 0, NULL, HOST_FOR_SURFACES},
+    {"--noise-mm", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(noise_mm), LIBRARY, 0, NULL, HOST_FOR_SURFACES},
     {"--relaxation", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(relaxation), LIBRARY, 0, NULL, 0},
     {"--reject-deviations", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(reject_deviations), LIBRARY, 0, NULL,
      HOST_FOR_SURFACES},
