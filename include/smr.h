@@ -127,7 +127,7 @@ smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_po
 /* Copies n points into the cloud, at most its capacity; those beyond take the place of the oldest. n times 50 ns, so
  * a caller with little time adds a few at a time.
  * xyz: [n][3] mm, finite, within +-SMR_COORD_MAX. normals: [n][3], outwards, of any length; 0 0 0: this point has none;
- * NULL: none has. weights: [n], 0..16; NULL: 1 each. A point of weight 0 does nothing.
+ * NULL: none has. weights: [n], 0..4; NULL: 1 each. A point of weight 0 does nothing.
  * Not while smr_tick() runs. Every smr_set_points() of the cloud must be repeated afterwards.
  * Errors: E_NULL, E_STATE (not a cloud), E_INPUT; the cloud unchanged then. */
 smr_status smr_points_add(smr_points *points, const float *xyz, const float *normals, const float *weights, uint32_t n);

@@ -13,7 +13,7 @@ struct smr_points {
 };
 
 #define SMR_POINTS_MAGIC 0x736d7250u
-#define SMR_WEIGHT_MAX 16.0f /* of a point */
+#define SMR_WEIGHT_MAX 4.0f /* of a point: the sums of pulls must fit */
 
 /* 1 for points that smr_points_open() has made. */
 static inline int smr_points_valid(const smr_points *p) { return p != NULL && p->magic == SMR_POINTS_MAGIC; }

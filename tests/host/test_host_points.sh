@@ -4,6 +4,7 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
+build_tool fuzz_tool || { not_ok "the tool compiles"; finish; exit 1; }
 cd "$scratch" || exit 1
 blob 12 30 20 60 0.08 >bone.ply
 # Every point of a finer blob on one side, moved a little; its normal is about its direction from the axis.
@@ -71,6 +72,16 @@ blob 8 12 12 12 0.02 | awk 'started && NF == 3 && !/^3 / { $1 += 60 } { print } 
 cp with.csv goals/a.csv
 cp several/b.ply goals/b.ply
 check "a cloud and a surface" sh -c "'$SMR' register --model several/*.ply --target goals/* -o both >out.txt 2>&1; [ \$? -eq 0 ] || [ \$? -eq 3 ]"
+
+# Damaged copies of a small cloud are refused, or read as legal points and normals.
+head -n 40 all.txt >few.txt && mv all.txt every.txt && mv few.txt all.txt && n=40
+{ echo 'x,y,z,nx,ny,nz'; tr ' ' , <all.txt; } >few.csv
+{ ply x y z nx ny nz; cat all.txt; } >few.ply
+awk '{ print "v", $1, $2, $3; print "vn", $4, $5, $6 }' all.txt >few.obj
+{ printf '# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 40 float\n'; cut -d' ' -f1-3 all.txt; printf 'POINT_DATA 40\nNORMALS n float\n'; cut -d' ' -f4-6 all.txt; } >few.vtk
+for file in few.csv few.ply few.obj few.vtk; do
+    check "2,000 damaged copies of $file" "$scratch/fuzz_tool" $file 2000 1
+done
 
 refused() { # refused NAME TEXT WORDS...
     name=$1 text=$2

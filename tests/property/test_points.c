@@ -483,7 +483,7 @@ static void test_hostile_points(void **state)
         c.search_mm = 1.0e5f;
         smr *s = rig_init(model, &c, NULL);
         for (uint32_t i = 0; i < 3u * CAPACITY; i++) {
-            point p = {{0, 0, 0}, {0, 0, 0}, rig_between(&seed, 0, 16)};
+            point p = {{0, 0, 0}, {0, 0, 0}, rig_between(&seed, 0, 4)};
             for (uint32_t k = 0; k < 3u; k++) {
                 p.xyz[k] = rig_random(&seed, 5) ? rig_between(&seed, -size, size) : part[0].xyz[3u * (i % 50u) + k];
                 p.normal[k] = rig_random(&seed, 3) ? rig_between(&seed, -1, 1) : 0.0f;

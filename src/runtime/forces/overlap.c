@@ -101,7 +101,7 @@ static float mutual(const smr_surface_goals *g, uint32_t v, const smr_surface *t
     const smr_shape_structure *one = &g->shape->structure[smr_model_owner(g->shared->model, v)];
     const uint32_t *corner = target->triangle + 3u * (size_t)hit->triangle;
     answer a = {{0, 0, 0}, 0, 0};
-    if (!smr_attraction_on(g))
+    if (!smr_attracts(g, target))
         return 1.0f;
     const uint32_t *warm = g->target_warm + first_warm(g, target);
     for (uint32_t c = 0; c < 3u; c++) {

@@ -81,6 +81,7 @@ void smr_overlap_stand(smr_surface_goals *g);                                  /
 
 /* target_attraction.c: target-to-model attraction, when target vertices pull in this iteration. */
 int smr_attraction_on(const smr_surface_goals *g);
+int smr_attracts(const smr_surface_goals *g, const smr_surface *target); /* this one does; a cloud always */
 uint32_t smr_attract_tasks(const void *goals);
 void smr_attract_search(void *goals, uint32_t task, uint32_t worker);
 

@@ -15,6 +15,11 @@ int smr_attraction_on(const smr_surface_goals *g)
     return (g->shared->config.attraction > 0.0f || g->n_clouds > 0u) && g->n_goals > 0u && g->target_warm != NULL;
 }
 
+int smr_attracts(const smr_surface_goals *g, const smr_surface *target)
+{
+    return smr_attraction_on(g) && (g->shared->config.attraction > 0.0f || smr_is_cloud(target));
+}
+
 uint32_t smr_attract_tasks(const void *arg)
 {
     const smr_surface_goals *g = arg;
@@ -100,6 +105,8 @@ void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
     while (k + 1u < g->n_goals && g->goal[k + 1u].first_task <= task)
         k++;
     const smr_goal *goal = &g->goal[k];
+    if (!smr_attracts(g, goal->surface))
+        return;
     const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK;
     const uint32_t last = smr_min_u32(first + SMR_FORCE_CHUNK, goal->n_vertices);
     for (uint32_t j = first; j < last; j++)
