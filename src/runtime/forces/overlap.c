@@ -18,7 +18,7 @@
     0.2f /* surfaces' closest points may disagree, besides this share of the way between them. From */
 #define SMR_MUTUAL_NONE 1.5f  /* half of it on a goal counts less, at so many times nothing */
 #define SMR_OFF_LEAST 1.0e-6f /* mm */
-#define SMR_POINTS_FULL 0.25f /* of the mean weight of points at a vertex: from here on it is seen in full */
+#define SMR_POINTS_FULL 0.22f /* of the mean weight of points at a vertex: from here on it is seen in full */
 
 static int open_target(const smr_target *t) { return t->surface != NULL && t->surface->open != 0u; }
 
