@@ -50,10 +50,12 @@ static void measure(const smr_forces *f, uint32_t v, smr_tally *tally)
     tally->forces.largest[1] = smr_max(tally->forces.largest[1], terms * arm * largest);
 }
 
-/* The share of forces that is left: only what follows the image is eased. */
+/* The share of forces that is left: only what follows the image is eased, not what a hard landmark draws. */
 static float ease_at(const smr_forces *f, uint32_t v)
 {
-    return f->surface.target[smr_model_owner(f->shared->model, v)].surface == NULL ? f->pace->ease : 1.0f;
+    if (!(f->pace->ease < 1.0f) || f->surface.target[smr_model_owner(f->shared->model, v)].surface != NULL)
+        return 1.0f;
+    return smr_max(f->pace->ease, smr_unseen_field_prevails(&f->unseen, v));
 }
 
 uint32_t smr_force_chunk(const smr_forces *f) { return f->image.has_image ? SMR_IMAGE_CHUNK : SMR_FORCE_CHUNK; }

@@ -78,7 +78,7 @@ static inline void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_sha
 static inline void smr_sources_wire(smr_forces *f, const smr_overlay *overlay)
 {
     smr_surface_goals_wire(&f->surface, f->shared, f->pace, f->shape);
-    smr_landmark_goals_wire(&f->landmarks, f->shared, f->shape);
+    smr_landmark_goals_wire(&f->landmarks, f->shared, f->pace, f->shape);
     smr_point_spread_wire(&f->points, f->shared, f->shape, &f->surface, overlay);
     smr_unseen_field_wire(&f->unseen, f->shared, f->pace, f->shape, &f->surface, &f->landmarks, overlay);
     smr_image_goals_wire(&f->image, f->shared, f->pace, f->shape, f->found_last, &overlay->rings);
@@ -96,6 +96,7 @@ static inline void smr_sources_stand(smr_forces *f)
 {
     smr_image_goals_stand(&f->image);
     smr_surface_goals_stand(&f->surface);
+    smr_landmark_goals_stand(&f->landmarks);
     if (f->landmarks.n > 0u)
         smr_forces_note_seen(f);
 }

@@ -4,6 +4,9 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/landmark_goals.h"
 
+#define SMR_MORE_SHARE 0.2f /* of what is left in an iteration, added to what a hard landmark asks for */
+#define SMR_MORE_MOST 0.1f  /* of the reach: most that is asked for beyond its place */
+
 void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_shared *shared)
 {
     if (shared->config.n_landmarks == 0u)
@@ -12,9 +15,11 @@ void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_sh
     g->seen = smr_arena_take(a, shared->n, 1);
 }
 
-void smr_landmark_goals_wire(smr_landmark_goals *g, const smr_shared *shared, const smr_shape *shape)
+void smr_landmark_goals_wire(smr_landmark_goals *g, const smr_shared *shared, const smr_pace *pace,
+                             const smr_shape *shape)
 {
     g->shared = shared;
+    g->pace = pace;
     g->shape = shape;
     g->reach = smr_max(SMR_HARD_EDGES * smr_le_float(shared->model->edge_mm), 1.0e-3f);
 }
@@ -23,6 +28,23 @@ void smr_landmark_goals_reset(smr_landmark_goals *g)
 {
     if (g->seen != NULL)
         memset(g->seen, 0, g->shared->n);
+    for (uint32_t k = 0; k < g->n; k++)
+        g->landmark[k].more = smr_v(0, 0, 0);
+}
+
+/* At the last radius a hard landmark asks for more by what is left, until it is reached (integral control). */
+void smr_landmark_goals_stand(smr_landmark_goals *g)
+{
+    const float most = SMR_MORE_MOST * g->reach;
+    for (uint32_t k = 0; k < g->n && smr_at_last_radius(g->shared, g->pace); k++) {
+        smr_bound_landmark *b = &g->landmark[k];
+        if (b->given.hard == 0u)
+            continue;
+        const smr_vec left = smr_sub(smr_landmark_goal(g, k), smr_landmark_foot(g, k, g->shape->x));
+        const smr_vec more = smr_add(b->more, smr_scale(left, SMR_MORE_SHARE));
+        const float length = smr_length(more);
+        b->more = length > most ? smr_scale(more, most / length) : more;
+    }
 }
 
 smr_vec smr_landmark_foot(const smr_landmark_goals *g, uint32_t k, float *xyz)

@@ -137,7 +137,8 @@ static void add_landmarks(smr_unseen_field *f, smr_fit *fit)
     const smr_landmark_goals *g = f->landmarks;
     for (uint32_t k = 0; k < g->n; k++) {
         const float weight = is_hard(f, k) ? 1.0f : g->landmark[k].given.weight;
-        add_control(f, k, smr_landmark_foot(g, k, f->shape->start), smr_landmark_goal(g, k), weight, fit);
+        const smr_vec to = smr_add(smr_landmark_goal(g, k), g->landmark[k].more);
+        add_control(f, k, smr_landmark_foot(g, k, f->shape->start), to, weight, fit);
         f->loose[k] = is_hard(f, k) ? SMR_FIELD_HARD : SMR_FIELD_LOOSE / weight;
     }
 }
@@ -241,8 +242,7 @@ static smr_vec mix(smr_vec a, smr_vec b, float share)
     return smr_add(smr_scale(a, 1.0f - share), smr_scale(b, share));
 }
 
-/* The largest share that a hard landmark asks for. */
-static float prevails(const smr_unseen_field *f, uint32_t v)
+float smr_unseen_field_prevails(const smr_unseen_field *f, uint32_t v)
 {
     float share = 0.0f;
     for (uint32_t k = 0; k < f->landmarks->n; k++)
@@ -261,7 +261,7 @@ static float shown(const smr_unseen_field *f, uint32_t v, int has_goal)
 
 void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way)
 {
-    const float share = shown(f, v, has_goal), hard = prevails(f, v);
+    const float share = shown(f, v, has_goal), hard = smr_unseen_field_prevails(f, v);
     const smr_vec by_field = carried(f, v), normal = smr_load(smr_at3(f->shape->normal, v));
     const smr_vec along = smr_sub(by_field, smr_scale(normal, smr_dot(normal, by_field)));
     *way = smr_add(smr_scale(smr_add(*way, along), share), smr_scale(by_field, 1.0f - share));
@@ -271,7 +271,7 @@ void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal,
 
 void smr_unseen_field_prevail(const smr_unseen_field *f, uint32_t v, smr_vec *way)
 {
-    const float hard = prevails(f, v);
+    const float hard = smr_unseen_field_prevails(f, v);
     if (hard > 0.0f)
         *way = mix(*way, carried(f, v), hard);
 }

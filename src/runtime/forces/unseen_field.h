@@ -44,6 +44,9 @@ void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal,
  * landmark is nearer than the nearest vertex that is seen. */
 void smr_unseen_field_fill(const smr_unseen_field *f, uint32_t v, smr_vec *way);
 
+/* How far hard landmarks prevail at a vertex, 0..1. */
+float smr_unseen_field_prevails(const smr_unseen_field *f, uint32_t v);
+
 /* Blends a way with the field as far as a hard landmark prevails over targets. */
 void smr_unseen_field_prevail(const smr_unseen_field *f, uint32_t v, smr_vec *way);
 

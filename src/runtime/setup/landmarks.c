@@ -106,6 +106,7 @@ static void bind_point(smr_bound_landmark *b, const smr *s, const smr_landmark *
     b->given = *given;
     if (known)
         return;
+    b->more = smr_v(0, 0, 0);
     if (given->vertex == SMR_NONE) {
         bind_rest(b, s);
         return;
