@@ -32,11 +32,14 @@ void smr_landmark_goals_reset(smr_landmark_goals *g)
         g->landmark[k].more = smr_v(0, 0, 0);
 }
 
-/* At the last radius a hard landmark asks for more by what is left, until it is reached (integral control). */
+/* At the last radius, where that has clusters of several vertices, a hard landmark asks for more by what is left, until
+ * it is reached (integral control). */
 void smr_landmark_goals_stand(smr_landmark_goals *g)
 {
     const float most = SMR_MORE_MOST * g->reach;
-    for (uint32_t k = 0; k < g->n && smr_at_last_radius(g->shared, g->pace); k++) {
+    if (!smr_at_last_radius(g->shared, g->pace) || g->pace->lists.largest <= 1u)
+        return;
+    for (uint32_t k = 0; k < g->n; k++) {
         smr_bound_landmark *b = &g->landmark[k];
         if (b->given.hard == 0u)
             continue;
