@@ -398,6 +398,7 @@ typedef struct smr_port {
 enum { SMR_METHOD_RIGID = 0, SMR_METHOD_POLAR = 1 };
 enum { SMR_SIMILARITY_NCC = 0, SMR_SIMILARITY_SSD = 1, SMR_SIMILARITY_CONCORDANCE = 2 };
 enum { SMR_COVERAGE_AUTO = 0, SMR_COVERAGE_WHOLE = 1, SMR_COVERAGE_PARTIAL = 2 };
+enum { SMR_CALLER_OFF = 0, SMR_CALLER_ON = 1, SMR_CALLER_CHECKED = 2 };
 enum { SMR_NORMALS_CARRIED = 0, SMR_NORMALS_EXACT = 1 };
 
 /* How a registration runs. Each comment starts with unit, range and default. Where two defaults stand, the second is
@@ -450,6 +451,14 @@ typedef struct smr_config {
 
     /* landmarks, [0, 64], default 0. Most that smr_set_landmarks() takes at one time. 0 takes no memory. */
     uint32_t n_landmarks;
+    /* 0 or 1, default 0. 1: there is memory for smr_set_goals(). */
+    uint32_t caller_goals;
+    /* SMR_CALLER_..., default off. Memory for smr_set_force(). checked: each call is made twice, and a force that gives
+     * something else the second time ends in SMR_E_STATE. */
+    uint32_t caller_force;
+    /* share, [0, 1], default 0. Weight of goals in the image for structures that have a target surface as well, whose
+     * goals weigh 1. 0: they follow the surface alone. */
+    float image_beside;
 
     /* ---- targets that are images (paper 2.1) ----
      * Goals are sought along the normal, both ways. Search distances fall linearly over the schedule. Over the second
@@ -589,8 +598,8 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 
 /* Upper bound of smr_arena_bytes() as a constant, for static storage:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(1000, 2000, 1, 1, 0, SMR_METHOD_RIGID)];
- * n_workers, n_target_vertices and method as in smr_config. n_landmarks adds SMR_LANDMARKS_BYTES; no other setting
- * changes the size.
+ * n_workers, n_target_vertices and method as in smr_config. n_landmarks adds SMR_LANDMARKS_BYTES,
+ * caller_goals and caller_force SMR_CALLER_BYTES; no other setting changes the size.
  * Above the exact size by about 6 kB, 1.3 kB for each further structure, and 0.4 %: with one structure a quarter at 50
  * vertices, 2 % at 1,000, and less than 1 % from 5,000 on. */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices, method)                   \
@@ -603,6 +612,10 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 
 /* To add to it where config.n_landmarks is not 0. */
 #define SMR_LANDMARKS_BYTES(n_vertices, n_landmarks) ((size_t)38000u + (size_t)192u * (n_landmarks) + (n_vertices))
+
+/* To add to it where config.caller_goals or config.caller_force are not 0. */
+#define SMR_CALLER_BYTES(n_vertices, n_structures)                                                                     \
+    ((size_t)256u + (size_t)16u * (n_vertices) + (size_t)16u * (n_structures))
 
 /* Parts of the two bounds: search trees, and the triangles' copy where a model's byte order is not the processor's. */
 #define SMR_TREE_BYTES(n_triangles, n_structures)                                                                      \
@@ -672,6 +685,38 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n);
 /* Where the landmarks' points of the model are: [n][3] mm, in the order in which they were set.
  * Errors: E_NULL, E_STATE (not a registration). */
 smr_status smr_get_landmarks(const smr *s, float *xyz);
+
+/* Goals of the caller's own for a structure: xyz, [n_vertices][3] mm, and weights, [n_vertices], 0..1000, 0 for none, in
+ * the caller's vertex order. weights NULL: 1 for all. Both are borrowed until replaced, and set again when they change;
+ * xyz NULL takes them away. A target's goal weighs 1: ways to goals are averaged by weight, so the only one counts in
+ * full, whatever it weighs. Allowed between any two ticks, as smr_set_surface().
+ * Errors: E_NULL, E_STATE (not a registration), E_ARENA (config.caller_goals is 0), E_INPUT (no such structure, a
+ * goal beyond SMR_COORD_MAX or not finite, a weight outside its range). */
+smr_status smr_set_goals(smr *s, uint32_t structure, const float *xyz, const float *weights);
+
+/* What a force of the caller's own sees: n vertices, which it may only read, and only until it returns. */
+typedef struct smr_force_view {
+    uint32_t n;
+    uint32_t iteration;        /* complete ones since the start */
+    float radius_mm;           /* of the clusters in use */
+    const uint32_t *structure; /* [n] */
+    const uint32_t *vertex;    /* [n] in the caller's numbering of that structure */
+    const float *xyz;          /* [n][3] mm, now */
+    const float *normal;       /* [n][3] unit, or 0 */
+    const float *rest;         /* [n][3] mm, in the model's rest shape */
+} smr_force_view;
+
+/* Adds to way[n][3] (mm) how far each vertex is asked to go and to weight[n] how much that counts, 0..1000, as for
+ * smr_set_goals(). Both are 0 before the call, and stay so for a vertex that is not drawn. Called from the port's
+ * workers, several at a time, each vertex once in an iteration: a pure function of the view and of what ctx holds, which
+ * does not change during a tick. Must not call the library with the same registration. */
+typedef void (*smr_force)(void *ctx, const smr_force_view *view, float *way, float *weight);
+
+/* Sets a force of the caller's own; NULL takes it away. Part of a tick's forces, under the same budget. If it gives what
+ * is not finite, beyond SMR_COORD_MAX or a weight outside its range, or breaks its contract (config.caller_force
+ * checked), smr_tick() returns E_STATE until it is set again. Allowed between any two ticks, as smr_set_surface().
+ * Errors: E_NULL, E_STATE (not a registration), E_ARENA (config.caller_force is off). */
+smr_status smr_set_force(smr *s, smr_force force, void *ctx);
 
 /* The phases of an iteration. What follows from a new reference shape is computed first and counts as SUMS. */
 enum { SMR_PHASE_FORCES = 0, SMR_PHASE_SUMS, SMR_PHASE_MATCH, SMR_PHASE_AVERAGE, SMR_PHASE_EVOLVE, SMR_PHASES };
@@ -752,7 +797,7 @@ smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
 
 typedef struct smr_structure_report {
-    uint32_t has_target; /* 1: a surface, an image or a landmark of its own; 0: carried along */
+    uint32_t has_target; /* 1: a surface, an image, a landmark of its own or the caller's goals; 0: carried along */
     uint32_t n_forces;   /* as in smr_tick_report, of the last complete forces */
     uint32_t n_rejected;
     float matched_share;                     /* as in smr_tick_report, of this structure */
@@ -882,19 +927,23 @@ enum {
     SMR_LOG_ACTIVE,
     SMR_LOG_FULL,      /* the memory ended here */
     SMR_LOG_LANDMARKS, /* smr_set_landmarks: a record for each of them */
-    SMR_LOG_POINTS = 11
+    SMR_LOG_GOALS,
+    SMR_LOG_FORCE, /* smr_set_force; or, before a tick, what the force gave in its iteration */
+    SMR_LOG_POINTS /* smr_set_points, and each change of its points */
 };
 
 /* One record. Fields that its kind does not have are 0. */
 typedef struct smr_log_record {
     uint32_t kind; /* SMR_LOG_...; 0: the log ends here */
     /* inputs */
-    uint32_t structure; /* surface, points, positions: whose; SMR_ALL */
+    uint32_t structure; /* surface, points, positions, goals: whose; SMR_ALL */
     uint32_t present;   /* 0: it was taken away (NULL) */
-    uint64_t checksum;  /* of a surface, points, volume or positions */
+    /* of a surface, points, volume, positions or goals; of what a force gave, also in the tick's */
+    uint64_t checksum;
     smr_pose pose;
     smr_landmark landmark; /* number `index` of `count`; none when count is 0: they were taken away */
     uint32_t index, count;
+    uint32_t gave; /* 1, of SMR_LOG_FORCE: the checksum is of what the force gave in the coming tick's iteration */
     /* ticks: what the tick's report said */
     uint32_t complete; /* 1: an iteration was completed, or the schedule was done already; 0: SMR_PARTIAL */
     uint32_t done, phase, iteration;
@@ -918,9 +967,18 @@ smr_status smr_log_open(const void *log, size_t bytes, smr_log_reader *reader, s
 /* The next record; of kind 0 at the end. Errors: E_NULL, E_LOG (*record is of kind 0 then, and the reader stays). */
 smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record);
 
-/* Gives a replay the input that a record of kind surface, points, volume or positions names: a const smr_surface *, a
- * const smr_points * with the points that it had then, a const smr_volume *, or a const float * ([n_vertices][3], mm).
- * NULL: not there. Borrowed as in smr_set_...(). */
+/* What smr_set_goals() and smr_set_force() were given. */
+typedef struct smr_goals {
+    const float *xyz, *weights;
+} smr_goals;
+typedef struct smr_caller_force {
+    smr_force force;
+    void *ctx;
+} smr_caller_force;
+
+/* Gives a replay the input that a record names: a const smr_surface *, a const smr_points * with the points that it had
+ * then, a const smr_volume *, a const float * (positions, [n_vertices][3], mm), a const smr_goals * or a
+ * const smr_caller_force *. NULL: not there. Borrowed as in smr_set_...(). */
 typedef const void *(*smr_log_input)(void *ctx, const smr_log_record *record);
 
 /* A replay under way; the fields are the library's. */
@@ -930,6 +988,7 @@ typedef struct smr_replay {
     smr_log_input input;
     void *ctx;
     uint32_t n_ticks, has_forces, has_later, n_landmarks, count;
+    uint64_t gave;
     smr_landmark landmark[SMR_LANDMARKS_MAX];
 } smr_replay;
 

@@ -8,11 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "case.h"
-#include "experiment.h"
+#include "case_kinds.h"
+#include "case_run.h"
+#include "files/file_read.h"
 #include "property/rig.h"
 
-enum { POINTS = 40, SEEDS_MAX = 5 };
+enum { POINTS = 40 };
 
 /* One model with a known deformation, its landmarks, and what came of it. */
 typedef struct tracked {
@@ -138,39 +139,228 @@ static void drop(tracked *t)
     rig_free_all();
 }
 
-static void trial(void **state)
+static void need_data(void)
 {
-    const char *const names[] = {"femurs/femur_vhm_left.ply", "femurs/femur_2008_0019_left.ply",
-                                 "hip_thigh_vhm/femur.ply"};
+    if (experiment_data("femurs") == NULL)
+        skip();
+}
+
+static const char *const femurs[] = {"femurs/femur_2008_0019_left_3k.ply", "femurs/femur_2007_5028_left_3k.ply",
+                                     "femurs/femur_vhm_left.ply", "femurs/femur_m_right.ply"};
+
+/* How many of them, of two seeds each, and how many seeds. */
+static uint32_t how_many(void) { return experiment_full() ? 4u : 1u; }
+static uint32_t how_often(void) { return experiment_full() ? 2u : 1u; }
+
+static void tell(const char *what, const tracked *t)
+{
+    (void)printf("%-46s vertices %.3f mm (expected %.3f)  surface %.3f  farthest landmark %.4f  verdict %u\n", what,
+                 t->vertex, t->expected, t->surface, t->farthest, t->verdict.level);
+}
+
+/* 40 tracked points alone, from 8 mm and 8 degrees off, with a known bend of 5 mm. */
+static void points_alone(void **state)
+{
     (void)state;
-    for (uint32_t seed = 1; seed <= 2; seed++)
-        for (int k = 0; k < 3; k++) {
-            if (experiment_data("%s", names[k]) == NULL) {
-                (void)printf("no %s\n", names[k]);
-                continue;
-            }
-            tracked t = make(names[k], seed, CASE_WHOLE);
-            static const struct {
-                uint32_t n;
-                double noise;
-                uint32_t hard, surface;
-            } set[] = {{40, 0, 0, 0}, {40, 0.5, 0, 0}, {40, 0, 1, 0}, {40, 0.5, 1, 0}, {12, 0, 0, 0},
-                       {0, 0, 0, 1},  {12, 0, 0, 1},   {12, 0, 1, 1}, {12, 0.5, 1, 1}, {3, 0, 0, 0}};
-            for (size_t i = 0; i < sizeof set / sizeof set[0]; i++) {
-                const smr_mesh goal = host_mesh_view(&t.data->body[0].target);
-                mark(&t, set[i].n, set[i].noise, set[i].hard, seed);
-                run(&t, set[i].surface ? rig_surface(&goal) : NULL);
-                (void)printf("%s seed %u n %u noise %.1f hard %u surface %u: vertex %.3f surface %.3f farthest %.3f "
-                             "expected %.3f verdict %u reasons %u\n",
-                             names[k], seed, set[i].n, set[i].noise, set[i].hard, set[i].surface, t.vertex, t.surface,
-                             t.farthest, t.expected, t.verdict.level, t.verdict.reasons);
+    need_data();
+    for (uint32_t k = 0; k < how_many(); k++)
+        for (uint32_t seed = 1; seed <= how_often(); seed++) {
+            tracked t = make(femurs[k], seed, CASE_WHOLE);
+            mark(&t, POINTS, 0.0, 0, seed);
+            run(&t, NULL);
+            tell(femurs[k], &t);
+            experiment_bound("40 points alone, vertices", t.vertex, 0.3);
+            experiment_bound("what was expected of them", fabs(t.expected - t.vertex), 0.5);
+            mark(&t, POINTS, 0.0, 1, seed);
+            run(&t, NULL);
+            tell("  hard", &t);
+            experiment_bound("a hard point", t.farthest, 0.05);
+            experiment_bound("hard points, vertices", t.vertex, 0.3);
+            if (experiment_full()) {
+                mark(&t, POINTS, 0.5, 0, seed);
+                run(&t, NULL);
+                tell("  with noise of 0.5 mm along each axis", &t);
+                experiment_bound("noisy points, vertices", t.vertex, 1.0);
             }
             drop(&t);
         }
+    EXPERIMENT_END();
+}
+
+/* A surface tells little of what runs along itself; twelve points do. */
+static void points_beside_a_surface(void **state)
+{
+    (void)state;
+    need_data();
+    if (!experiment_full())
+        skip();
+    for (uint32_t k = 0; k < how_many() / 2u; k++) {
+        tracked t = make(femurs[k], 2, CASE_WHOLE);
+        const smr_mesh view = host_mesh_view(&t.data->body[0].target);
+        const smr_surface *const surface = rig_surface(&view);
+        double without = 0.0, near = 0.0;
+        mark(&t, 0, 0.0, 0, 1);
+        run(&t, surface);
+        tell(femurs[k], &t);
+        without = t.vertex;
+        near = t.surface;
+        mark(&t, 12, 0.0, 1, 1);
+        run(&t, surface);
+        tell("  with 12 hard points", &t);
+        experiment_bound("12 points beside a surface, vertices", t.vertex, 0.6 * without);
+        experiment_bound("the surface itself", t.surface, near + 0.05);
+        experiment_bound("a hard point", t.farthest, 0.05);
+        drop(&t);
+    }
+    EXPERIMENT_END();
+}
+
+/* Where the lower half of the patient's image begins, in slices and mm. */
+typedef struct cut {
+    size_t slice, first_voxel;
+    double z;
+} cut;
+
+static cut wipe(const char *from, const char *to)
+{
+    cut c = {0, 0, 0.0};
+    unsigned size[3] = {0, 0, 0};
+    double offset[3], spacing[3];
+    host_bytes bytes;
+    host_error error;
+    char head[1024];
+    memset(&error, 0, sizeof error);
+    EXPERIMENT_NEED(host_file_read(from, NULL, &bytes, &error) == 0 && bytes.size > sizeof head);
+    memcpy(head, bytes.data, sizeof head - 1u);
+    head[sizeof head - 1u] = '\0';
+    const char *const last = strstr(head, "ElementDataFile = LOCAL\n");
+    EXPERIMENT_NEED(sscanf(strstr(head, "DimSize"), "DimSize = %u %u %u", &size[0], &size[1], &size[2]) == 3);
+    EXPERIMENT_NEED(sscanf(strstr(head, "Offset"), "Offset = %lf %lf %lf", &offset[0], &offset[1], &offset[2]) == 3);
+    EXPERIMENT_NEED(sscanf(strstr(head, "ElementSpacing"), "ElementSpacing = %lf %lf %lf", &spacing[0], &spacing[1],
+                           &spacing[2]) == 3 &&
+                    last != NULL);
+    c.first_voxel = (size_t)(last - head) + strlen("ElementDataFile = LOCAL\n");
+    c.slice = size[2] / 2u;
+    c.z = offset[2] + spacing[2] * ((double)c.slice - 0.5);
+    memset(bytes.data + c.first_voxel, 40, c.slice * size[0] * size[1]);
+    FILE *const file = fopen(to, "wb");
+    EXPERIMENT_NEED(file != NULL && fwrite(bytes.data, 1, bytes.size, file) == bytes.size && fclose(file) == 0);
+    host_file_free(&bytes);
+    return c;
+}
+
+/* Six true places below the cut, spread over all structures: each the one farthest from those before. */
+static void track(const case_data *data, const cut *c, const char *model, const char *now)
+{
+    host_landmarks *const at = case_alloc(2, sizeof *at);
+    uint32_t n = 0, i = 0, k = 0, m = 0;
+    for (n = 0; n < 7u; n++) {
+        double best = -1.0;
+        uint32_t body = 0, vertex = 0;
+        for (i = 0; i < data->n; i++)
+            for (k = 0; k < data->body[i].truth.n_vertices; k++) {
+                const float *const p = data->body[i].truth.xyz + 3u * (size_t)k;
+                double least = HUGE_VAL;
+                for (m = 0; m < n; m++)
+                    least = fmin(least, apart(p, at[1].xyz[m]));
+                if ((double)p[2] > c->z - 10.0 || !(least > best))
+                    continue;
+                best = least;
+                body = i;
+                vertex = k;
+            }
+        memcpy(at[0].xyz[n], data->body[body].model.xyz + 3u * (size_t)vertex, sizeof at[0].xyz[n]);
+        memcpy(at[1].xyz[n], data->body[body].truth.xyz + 3u * (size_t)vertex, sizeof at[1].xyz[n]);
+        (void)snprintf(at[0].label[n], HOST_LABEL_BYTES, "t%u", n);
+        (void)snprintf(at[1].label[n], HOST_LABEL_BYTES, "t%u", n);
+    }
+    for (i = 0; i < 2; i++) { /* the first one only began */
+        memmove(at[i].xyz[0], at[i].xyz[1], 6u * sizeof at[i].xyz[0]);
+        at[i].n = 6;
+        EXPERIMENT_NEED(experiment_write_landmarks(i == 0 ? model : now, &at[i]));
+    }
+    free(at);
+}
+
+/* Mean error of the vertices whose true place is in the wiped half. */
+static double wiped_error(const case_data *data, const cut *c, const char *out)
+{
+    double sum = 0.0, n = 0.0;
+    for (uint32_t i = 0; i < data->n; i++) {
+        const host_mesh *const truth = &data->body[i].truth;
+        host_mesh result;
+        host_error error;
+        char path[CASE_TEXT];
+        memset(&error, 0, sizeof error);
+        (void)snprintf(path, sizeof path, "%.900s/%s.ply", out, data->body[i].name);
+        EXPERIMENT_NEED(host_mesh_read(path, HOST_MESH_SURFACE, HOST_MIRROR_NONE, &result, &error) == 0 &&
+                        result.n_vertices == truth->n_vertices);
+        for (uint32_t k = 0; k < truth->n_vertices; k++) {
+            const float *const p = truth->xyz + 3u * (size_t)k;
+            if ((double)p[2] > c->z)
+                continue;
+            sum += apart(p, result.xyz + 3u * (size_t)k);
+            n += 1.0;
+        }
+        host_mesh_free(&result);
+    }
+    return sum / n;
+}
+
+/* The lower half of the image says nothing; six tracked points there do. Both runs start from all landmarks. */
+static void points_in_a_wiped_half(void **state)
+{
+    static const char *const names[] = {"without", "with", "hard"};
+    const case_kind plain = {.name = "plain", .fair = 1};
+    static case_job job;
+    double off[3];
+    (void)state;
+    if (!experiment_full())
+        skip();
+    oracle_random r = oracle_seed(4);
+    const char *const directory = experiment_scratch("wiped");
+    EXPERIMENT_NEED(experiment_directory(directory) && case_image_make(&job, &plain, &r, directory));
+    char base[CASE_TEXT];
+    (void)snprintf(base, sizeof base, "%.800s", directory);
+    char half[CASE_TEXT], from[CASE_TEXT], to[CASE_TEXT], out[CASE_TEXT], image[CASE_TEXT];
+    (void)snprintf(image, sizeof image, "%.900s/image.mha", base);
+    (void)snprintf(half, sizeof half, "%.900s/half.mha", base);
+    (void)snprintf(from, sizeof from, "%.900s/from.csv", base);
+    (void)snprintf(to, sizeof to, "%.900s/to.csv", base);
+    const cut c = wipe(image, half);
+    track(&job.data, &c, from, to);
+    for (int i = 0; i < 3; i++) {
+        experiment_command words = {{NULL}, 0};
+        case_run said;
+        for (int w = 0; w < job.words.n; w++)
+            experiment_add(&words, "%s", strcmp(job.words.word[w], image) == 0 ? half : job.words.word[w]);
+        if (i > 0) {
+            experiment_add(&words, "--landmark-goals");
+            experiment_add(&words, "%s", from);
+            experiment_add(&words, "%s", to);
+        }
+        if (i == 2) {
+            experiment_add(&words, "--landmark-weight");
+            experiment_add(&words, "hard");
+        }
+        (void)snprintf(out, sizeof out, "%.900s/%s", base, names[i]);
+        case_register(&words, out, &said);
+        EXPERIMENT_NEED(said.status != 2);
+        off[i] = wiped_error(&job.data, &c, out);
+        (void)printf("%-8s error in the wiped half %.3f mm, landmarks %.3f mm off\n", names[i], off[i],
+                     case_number(&said, "landmark_goals.residual_max_mm"));
+        if (i == 2)
+            experiment_bound("a hard point in an image", case_number(&said, "landmark_goals.residual_max_mm"), 0.1);
+    }
+    experiment_bound("error with six points", off[1], 0.5 * off[0]);
+    experiment_bound("error with six hard points", off[2], 0.5 * off[0]);
+    case_job_free(&job);
+    EXPERIMENT_END();
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(trial)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(points_alone), cmocka_unit_test(points_beside_a_surface),
+                                       cmocka_unit_test(points_in_a_wiped_half)};
     return cmocka_run_group_tests_name("experiment: landmarks", tests, NULL, NULL);
 }

@@ -4,6 +4,7 @@
 #ifndef SMR_FORCES_H
 #define SMR_FORCES_H
 
+#include "runtime/forces/caller_goals.h"
 #include "runtime/forces/image_goal.h"
 #include "runtime/forces/point_spread.h"
 #include "runtime/forces/unseen_field.h"
@@ -29,6 +30,7 @@ typedef struct smr_forces {
     smr_point_spread points;
     smr_unseen_field unseen;
     smr_image_goals image;
+    smr_caller_goals caller;
     smr_tally *tally;
     float *force;        /* [n][3] mm; while goals are sought: the way to the goal */
     float *residual;     /* [n] distance to the goal, mm, where there is one */
@@ -73,6 +75,7 @@ static inline void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_sha
     smr_surface_goals_layout(a, &f->surface, shared);
     smr_landmark_goals_layout(a, &f->landmarks, shared);
     smr_image_goals_layout(a, &f->image, shared);
+    smr_caller_goals_layout(a, &f->caller, shared);
 }
 
 static inline void smr_sources_wire(smr_forces *f, const smr_overlay *overlay)
@@ -82,6 +85,7 @@ static inline void smr_sources_wire(smr_forces *f, const smr_overlay *overlay)
     smr_point_spread_wire(&f->points, f->shared, f->shape, &f->surface, overlay);
     smr_unseen_field_wire(&f->unseen, f->shared, f->pace, f->shape, &f->surface, &f->landmarks, overlay);
     smr_image_goals_wire(&f->image, f->shared, f->pace, f->shape, f->found_last, &overlay->rings);
+    smr_caller_goals_wire(&f->caller, f->shared, f->pace, f->shape);
 }
 
 static inline void smr_sources_reset(smr_forces *f)
@@ -89,12 +93,14 @@ static inline void smr_sources_reset(smr_forces *f)
     smr_surface_goals_reset(&f->surface);
     smr_landmark_goals_reset(&f->landmarks);
     smr_image_goals_reset(&f->image);
+    f->caller.summed = 0;
 }
 
 /* The forces under way are complete: the next ones start from them. */
 static inline void smr_sources_stand(smr_forces *f)
 {
     smr_image_goals_stand(&f->image);
+    smr_caller_goals_stand(&f->caller);
     smr_surface_goals_stand(&f->surface);
     smr_landmark_goals_stand(&f->landmarks);
     if (f->landmarks.n > 0u)
@@ -104,6 +110,7 @@ static inline void smr_sources_stand(smr_forces *f)
 /* What a source asks for before the search for goals, as steps of the tick: SMR_STEP(member, work, order, n_tasks, run,
  * pieces, abreast). */
 #define SMR_SOURCE_STEPS(SMR_STEP)                                                                                     \
+    SMR_STEP(caller, SMR_WORK_TASKS, SMR_ANY_ORDER, smr_caller_tasks, smr_caller_ask, NULL, NULL)                      \
     SMR_STEP(unseen, SMR_WORK_TASKS, SMR_SERIAL, smr_unseen_field_tasks, smr_unseen_field_solve, NULL, NULL)           \
     SMR_STEP(surface, SMR_WORK_TASKS, SMR_ANY_ORDER, smr_attract_tasks, smr_attract_search, NULL, NULL)                \
     SMR_STEP(points, SMR_WORK_TASKS, SMR_SERIAL, smr_point_spread_tasks, smr_point_spread_run, NULL, NULL)             \
@@ -117,15 +124,27 @@ static inline void smr_sources_drop(smr_forces *f, uint32_t v)
         (void)smr_pull_take(&f->surface, v, &way);
 }
 
+/* The image's goal of a vertex that has a target surface, too, by the weight that it has there. Returns 1 when there is
+ * one. */
+static inline int smr_goal_beside(smr_forces *f, uint32_t v, int has_goal, smr_vec *way)
+{
+    const float share = f->shared->config.image_beside * f->pace->ease;
+    float weight = has_goal ? 1.0f : 0.0f;
+    smr_vec own;
+    if (!(share > 0.0f) || !f->image.has_image || smr_image_goal(&f->image, v, &own) != SMR_GOAL)
+        return 0;
+    smr_blend(way, &weight, own, share);
+    return 1;
+}
+
 /* The way to a goal on the surface, and of what it does not show. */
 static inline uint8_t smr_goal_on_surface(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *way)
 {
     const int found = smr_surface_goal(&f->surface, v, drawn->surface, way);
     if (drawn->partial || f->landmarks.n > 0u)
         smr_unseen_field_blend(&f->unseen, v, found, way);
-    if (!drawn->partial)
-        return found ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
-    return f->surface.seen_next[v] > 0u ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
+    const int goal = drawn->partial ? f->surface.seen_next[v] > 0u : found;
+    return smr_goal_beside(f, v, goal, way) || goal ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
 /* The way to a goal in the image, and what fills in. Where the search has ended its goals are kept. */
@@ -154,9 +173,9 @@ static inline uint8_t smr_goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *
     return smr_unseen_field_bound(&f->unseen, v) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
-/* The way to the vertex' goal, mm; 0 for none. A structure with a target surface follows it, every other one the image.
- * A vertex without triangles lies on no surface and follows neither. Returns SMR_FOUND_... */
-static inline uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *way)
+/* The way to the vertex' goal on a target, mm; 0 for none. A structure with a target surface follows it, every other one
+ * the image. A vertex without triangles lies on no surface and follows neither. Returns SMR_FOUND_... */
+static inline uint8_t smr_goal_on_target(smr_forces *f, uint32_t v, smr_vec *way)
 {
     const smr_target *drawn = &f->surface.target[smr_model_owner(f->shared->model, v)];
     *way = smr_v(0, 0, 0);
@@ -171,6 +190,14 @@ static inline uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *way)
         return SMR_FOUND_NO_TARGET;
     }
     return drawn->surface != NULL ? smr_goal_on_surface(f, v, drawn, way) : smr_goal_in_image(f, v, way);
+}
+
+/* The same of all sources: ways to goals are averaged by weight, and one on a target weighs 1. */
+static inline uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *way)
+{
+    const uint8_t found = smr_goal_on_target(f, v, way);
+    const float weight = found == SMR_FOUND_GOAL ? 1.0f : 0.0f;
+    return smr_caller_blend(&f->caller, v, way, weight) > weight ? SMR_FOUND_GOAL : found;
 }
 
 #endif

@@ -31,6 +31,14 @@ uint64_t smr_cloud_checksum(const smr_points *points)
     return closed(sum);
 }
 
+uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n)
+{
+    uint64_t sum = add_points(n, goals->xyz, n);
+    for (uint32_t i = 0; goals->weights != NULL && i < n; i++)
+        sum = add(sum, smr_float_bits(goals->weights[i]));
+    return closed(sum);
+}
+
 uint64_t smr_surface_checksum(const smr_surface *surface)
 {
     const smr_surface *s = surface;

@@ -13,8 +13,10 @@ uint32_t smr_log_words(uint32_t kind)
     switch (kind) {
     case SMR_LOG_TICK: return 8;
     case SMR_LOG_SURFACE:
-    case SMR_LOG_POINTS: return 4;
-    case SMR_LOG_VOLUME: return 3;
+    case SMR_LOG_POINTS:
+    case SMR_LOG_GOALS: return 4;
+    case SMR_LOG_VOLUME:
+    case SMR_LOG_FORCE: return 3;
     case SMR_LOG_POSE: return 12;
     case SMR_LOG_POSITIONS: return 3;
     case SMR_LOG_LANDMARKS: return 12;
@@ -129,6 +131,29 @@ void smr_log_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n)
         }
         put(log, SMR_LOG_LANDMARKS, word);
     }
+}
+
+void smr_log_goals(smr_log *log, uint32_t structure, const smr_goals *goals, uint32_t n)
+{
+    if (!logs(log))
+        return;
+    const uint64_t sum = goals->xyz == NULL ? 0u : smr_goals_checksum(goals, n);
+    const uint32_t word[4] = {structure, goals->xyz != NULL, low(sum), high(sum)};
+    put(log, SMR_LOG_GOALS, word);
+}
+
+void smr_log_force(smr_log *log, int present)
+{
+    const uint32_t word[3] = {present != 0, 0, 0};
+    if (logs(log))
+        put(log, SMR_LOG_FORCE, word);
+}
+
+void smr_log_gave(smr_log *log, uint64_t sum)
+{
+    const uint32_t word[3] = {2, low(sum), high(sum)};
+    if (logs(log))
+        put(log, SMR_LOG_FORCE, word);
 }
 
 void smr_log_active(smr_log *log, uint32_t n_active)

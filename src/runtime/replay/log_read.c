@@ -76,6 +76,15 @@ static smr_status take_landmark(const uint32_t *word, smr_log_record *r)
     return r->index < r->count && r->count <= SMR_LANDMARKS_MAX && word[11] <= 1u ? SMR_OK : SMR_E_LOG;
 }
 
+/* 0: taken away; 1: set; 2: what it gave. */
+static smr_status take_force(const uint32_t *word, smr_log_record *r)
+{
+    r->present = word[0] == 1u;
+    r->gave = word[0] == 2u;
+    r->checksum = joined(word + 1);
+    return word[0] <= 2u && (r->gave || r->checksum == 0u) ? SMR_OK : SMR_E_LOG;
+}
+
 static smr_status take(const uint32_t *word, smr_log_record *r)
 {
     const uint32_t *sum = NULL;
@@ -83,7 +92,9 @@ static smr_status take(const uint32_t *word, smr_log_record *r)
         return take_tick(word, r);
     if (r->kind == SMR_LOG_LANDMARKS)
         return take_landmark(word, r);
-    if (r->kind == SMR_LOG_SURFACE || r->kind == SMR_LOG_POINTS) {
+    if (r->kind == SMR_LOG_FORCE)
+        return take_force(word, r);
+    if (r->kind == SMR_LOG_SURFACE || r->kind == SMR_LOG_POINTS || r->kind == SMR_LOG_GOALS) {
         r->structure = word[0];
         r->present = word[1];
         sum = word + 2;

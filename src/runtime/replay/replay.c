@@ -47,7 +47,26 @@ static smr_status set_landmark(smr_replay *r, const smr_log_record *record)
 /* 1 for what only forces look at: it counts in the iteration under way, or from the next one on. */
 static int of_forces(uint32_t kind)
 {
-    return kind == SMR_LOG_SURFACE || kind == SMR_LOG_POINTS || kind == SMR_LOG_LANDMARKS;
+    return kind == SMR_LOG_SURFACE || kind == SMR_LOG_POINTS || kind == SMR_LOG_LANDMARKS || kind == SMR_LOG_GOALS ||
+           kind == SMR_LOG_FORCE;
+}
+
+/* Goals and forces of the caller's own. */
+static smr_status set_caller(smr *s, const smr_log_record *record, const void *given)
+{
+    if (record->kind == SMR_LOG_FORCE) {
+        const smr_caller_force *own = given;
+        return smr_set_force(s, own != NULL ? own->force : NULL, own != NULL ? own->ctx : NULL);
+    }
+    const smr_goals *goals = given;
+    if (goals == NULL)
+        return smr_set_goals(s, record->structure, NULL, NULL);
+    if (record->structure >= s->shared.n_structures)
+        return SMR_E_LOG;
+    if (goals->xyz == NULL ||
+        smr_goals_checksum(goals, s->shape.structure[record->structure].n_vertices) != record->checksum)
+        return SMR_E_INPUT;
+    return smr_set_goals(s, record->structure, goals->xyz, goals->weights);
 }
 
 /* Sets one recorded input again. */
@@ -59,13 +78,16 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
         return smr_set_pose(s, &record->pose);
     if (record->kind == SMR_LOG_LANDMARKS)
         return set_landmark(r, record);
-    if (record->kind == SMR_LOG_POSITIONS && record->structure >= s->shared.n_structures)
+    const int owned = record->kind == SMR_LOG_POSITIONS || record->kind == SMR_LOG_GOALS;
+    if (owned && record->structure >= s->shared.n_structures)
         return SMR_E_LOG;
     if (record->present) {
         given = r->input == NULL ? NULL : r->input(r->ctx, record);
         if (given == NULL)
             return SMR_E_INPUT;
     }
+    if (record->kind == SMR_LOG_GOALS || record->kind == SMR_LOG_FORCE)
+        return set_caller(s, record, given);
     if (record->kind == SMR_LOG_SURFACE) {
         const smr_surface *surface = given;
         if (surface != NULL && (!smr_surface_valid(surface) || smr_surface_checksum(surface) != record->checksum))
@@ -96,7 +118,7 @@ static smr_status set_later(smr_replay *r, smr_log_record *record)
     smr_status status = SMR_OK;
     while (status == SMR_OK && r->has_later && r->later.at < r->reader.at) {
         status = smr_log_next(&r->later, record);
-        if (status == SMR_OK && of_forces(record->kind))
+        if (status == SMR_OK && of_forces(record->kind) && !record->gave)
             status = set_input(r, record);
     }
     r->has_later = 0;
@@ -135,6 +157,7 @@ static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
     if (recorded->complete) {
         found.n_taken = found.n_evaluated = s->report.n_taken;
         found.n_forces = s->report.n_forces;
+        found.checksum = s->forces.caller.force != NULL ? s->forces.caller.sum : 0u;
     }
     return found;
 }
@@ -142,13 +165,16 @@ static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
 static int differ(const smr_log_record *a, const smr_log_record *b)
 {
     return a->iteration != b->iteration || a->state_hash != b->state_hash || a->done != b->done ||
-           a->plastic_updates != b->plastic_updates || a->n_taken != b->n_taken || a->n_forces != b->n_forces;
+           a->plastic_updates != b->plastic_updates || a->n_taken != b->n_taken || a->n_forces != b->n_forces ||
+           a->checksum != b->checksum;
 }
 
 static smr_status take_tick(smr_replay *r, smr_replay_report *report)
 {
     smr_status status = SMR_OK;
-    const smr_log_record *recorded = &report->record;
+    smr_log_record *const recorded = &report->record;
+    recorded->checksum = r->gave;
+    r->gave = 0;
     if (recorded->complete) {
         status = smr_set_active(r->s, recorded->n_taken);
         if (status == SMR_OK)
@@ -192,7 +218,9 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report)
             replay->n_ticks++;
             return take_tick(replay, report);
         }
-        if (kind != SMR_LOG_ACTIVE)
+        if (report->record.gave)
+            replay->gave = report->record.checksum;
+        else if (kind != SMR_LOG_ACTIVE)
             status = take_input(replay, &before, &report->record);
     }
     return status;

@@ -92,7 +92,7 @@ static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
             count = smr_min_u32(count, abreast - s->next_task % abreast);
         }
         run_part(s, step, count, w->deadline != 0u);
-        if (s->refused)
+        if (s->refused || __atomic_load_n(&s->forces.caller.broken, __ATOMIC_RELAXED))
             return SMR_E_STATE;
     }
     if (step->end != NULL)
@@ -187,7 +187,7 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     uint64_t phase_ns[SMR_PHASES] = {0};
     if (s == NULL)
         return SMR_E_NULL;
-    if (!smr_changeable(s) || s->refused || !targets_stand(s))
+    if (!smr_changeable(s) || s->refused || s->forces.caller.broken || !targets_stand(s))
         return SMR_E_STATE;
     s->ticking = 1;
     watch w = begin(s, budget_ns);
@@ -196,6 +196,10 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     if (status == SMR_E_STATE)
         return status;
     fill_report(s, phase_ns);
+    if (status == SMR_OK && s->forces.caller.summed) {
+        smr_log_gave(&s->log, s->forces.caller.sum);
+        s->forces.caller.summed = 0;
+    }
     smr_log_tick(&s->log, &s->report, status, status == SMR_OK ? s->report.n_taken : smr_forces_evaluated(s));
     if (report != NULL)
         *report = report_of(s);
