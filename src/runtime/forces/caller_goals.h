@@ -21,6 +21,7 @@ typedef struct smr_caller_goals {
     uint32_t broken; /* 1: the force broke its contract. Any thread sets it, atomically */
     uint32_t summed; /* 1: `sum` is of the forces under way, which are complete */
     uint64_t sum;    /* checksum of what it gave to active vertices */
+    uint64_t told;   /* the same, of the iteration that the last tick completed; 0: none. Written by tick/tick.c */
 } smr_caller_goals;
 
 void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared *shared);

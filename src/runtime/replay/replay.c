@@ -157,7 +157,7 @@ static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
     if (recorded->complete) {
         found.n_taken = found.n_evaluated = s->report.n_taken;
         found.n_forces = s->report.n_forces;
-        found.checksum = s->forces.caller.force != NULL ? s->forces.caller.sum : 0u;
+        found.checksum = s->forces.caller.told;
     }
     return found;
 }

@@ -182,6 +182,16 @@ static smr_status run_iteration(smr *s, watch *w, uint64_t *phase_ns)
     return SMR_OK;
 }
 
+/* What the caller's force gave in the iteration that is complete now. */
+static void tell_gave(smr *s)
+{
+    smr_caller_goals *g = &s->forces.caller;
+    g->told = g->summed ? g->sum : 0u;
+    if (g->summed)
+        smr_log_gave(&s->log, g->sum);
+    g->summed = 0;
+}
+
 smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
 {
     uint64_t phase_ns[SMR_PHASES] = {0};
@@ -196,10 +206,8 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     if (status == SMR_E_STATE)
         return status;
     fill_report(s, phase_ns);
-    if (status == SMR_OK && s->forces.caller.summed) {
-        smr_log_gave(&s->log, s->forces.caller.sum);
-        s->forces.caller.summed = 0;
-    }
+    if (status == SMR_OK)
+        tell_gave(s);
     smr_log_tick(&s->log, &s->report, status, status == SMR_OK ? s->report.n_taken : smr_forces_evaluated(s));
     if (report != NULL)
         *report = report_of(s);

@@ -49,6 +49,7 @@ void smr_measure_surface(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_points(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_image(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_landmarks(const smr *s, uint32_t structure, smr_evidence *e);
+void smr_measure_caller(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e); /* fills smr_vertex_expected(), too */
 
 /* How the whole of a structure, or of all, has moved: scale, scale_rest and turned_deg. */

@@ -1,4 +1,4 @@
-/* landmark_evidence.c: what landmarks alone say of a structure: how far its points are from their places, and how far
+/* landmark_evidence.c: what landmarks or goals of the caller's own alone say of a structure: how far its points are from their places, and how far
  * each vertex is expected from its own, by the field that it follows (forces/unseen_field.c).
  * Bounds: SMR_LANDMARKS_MAX^3 / 6 multiplications once, SMR_LANDMARKS_MAX^2 / 2 for each vertex.
  * SPDX-License-Identifier: MIT */
@@ -21,6 +21,19 @@ void smr_measure_landmarks(const smr *s, uint32_t structure, smr_evidence *e)
     for (uint32_t i = 0; i < one->n_vertices; i++)
         seen += (uint32_t)smr_vertex_seen(s, smr_model_position(s->shared.model, one->first_vertex + i));
     smr_mean_add(&e->seen, (float)seen / (float)one->n_vertices, (float)one->n_vertices);
+}
+
+/* Goals of the caller's own: who has one, and how far off it is. */
+void smr_measure_caller(const smr *s, uint32_t structure, smr_evidence *e)
+{
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        const int seen = smr_vertex_seen(s, v);
+        smr_mean_add(&e->seen, (float)seen, 1.0f);
+        if (seen)
+            smr_mean_add(&e->residual, s->forces.residual[v], 1.0f);
+    }
 }
 
 void smr_measure_by_landmarks(const smr *s, uint32_t structure, smr_evidence *e)

@@ -37,6 +37,8 @@ static void gather(const smr *s, uint32_t structure, smr_evidence *e)
         smr_measure_image(s, structure, e);
     else if (smr_follows_landmarks(s, structure))
         smr_measure_landmarks(s, structure, e);
+    else if (smr_caller_draws(&s->forces.caller, structure))
+        smr_measure_caller(s, structure, e);
     smr_measure_expected(s, structure, e);
 }
 
