@@ -33,7 +33,7 @@ check "--version prints one line" [ "$(wc -l <out.txt)" -eq 1 ]
 check "register" has_status 0 "$SMR" register --model bone_binary.ply --target target.ply -o out
 check "nothing on the error stream when it is no terminal" [ ! -s err.txt ]
 check "a summary of at most 8 lines" [ "$(wc -l <out.txt)" -le 8 ]
-check "the directory holds the results and nothing else" [ "$(ls -A out | tr '\n' ' ')" = "bone_binary.ply report.json " ]
+check "the directory holds the results and nothing else" [ "$(ls -A out | tr '\n' ' ')" = "bone_binary.ply carry.bin report.json " ]
 check "the result's comment says SPACE=LPS" grep -qa "comment SPACE=LPS" out/bone_binary.ply
 "$tool" convert out/bone_binary.ply obj result.obj
 "$tool" convert bone.ply obj source.obj
@@ -131,7 +131,7 @@ shift_x bone.obj 500 >t/stranger.obj
 check "three structures, two targets" has_status 0 "$SMR" register --model m/*.obj --target t/*.obj -o named
 check "the one without a target is said to be carried" grep -q "carried along.*part2" out.txt
 check "the target without a structure is named" grep -q "stranger" out.txt
-check "every structure has its file" [ "$(ls named | tr '\n' ' ')" = "part0.ply part1.ply part2.ply report.json " ]
+check "every structure has its file" [ "$(ls named | tr '\n' ' ')" = "carry.bin part0.ply part1.ply part2.ply report.json " ]
 check "the report says so too" [ "$(grep -c '"carried": true' named/report.json)" -eq 1 ]
 check "one target serves all, though two lie beside it" has_status 0 "$SMR" register --model m/*.obj --target target.ply -o served --quiet --accept look
 check "none is carried" [ "$(grep -c '"carried": true' served/report.json)" -eq 0 ]

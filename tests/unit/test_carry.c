@@ -124,7 +124,7 @@ static void similarities_are_exact(void **state)
 static void inside_is_near_the_truth(void **state)
 {
     (void)state;
-    follows(bend, 25.0f, "carry: a smooth bend", 0.5);
+    follows(bend, 25.0f, "carry: a smooth bend", 1.0);
 }
 
 /* The volume said is that of the map: compared with differences. */
@@ -151,7 +151,7 @@ static void volume_is_the_determinant(void **state)
                 ((double)out[6u * (k % 3u) + k / 3u] - (double)out[6u * (k % 3u) + 3u + k / 3u]) / (2.0 * (double)h);
         worst = fmax(worst, fabs(oracle_determinant(jacobian) - (double)fact.volume));
     }
-    assert_true(oracle_within("carry: volume", worst, 0.05));
+    assert_true(oracle_within("carry: volume", worst, 0.1));
     unit_free(b.memory);
     unit_mesh_free(&m);
     unit_mesh_free(&now);

@@ -14,7 +14,10 @@ enum {
     HOST_MEASURE = 8,
     HOST_PHANTOM = 16,
     HOST_BENCH = 32,
-    HOST_REPLAY = 64
+    HOST_REPLAY = 64,
+    HOST_CARRY = 1024,
+    HOST_FIELD = 2048,
+    HOST_WARP = 4096
 };
 enum { HOST_ALIGN_NONE = 0, HOST_ALIGN_RIGID, HOST_ALIGN_SIMILARITY };
 enum { HOST_CLUSTERS_AUTO = 0, HOST_CLUSTERS_SHARED, HOST_CLUSTERS_SEPARATE };
@@ -42,11 +45,15 @@ typedef struct host_options {
     const char *out, *c_array, *source; /* NULL when not given */
     const char *reference;              /* the image that the model was segmented from; NULL when not given */
     const char *log;                    /* path of the log file; NULL: no log */
+    const char *result;                 /* a result's directory */
+    const char *points, *like, *volume; /* files; NULL when not given */
+    uint32_t inverse;                   /* 1: from the result back to the model */
+    float spacing;                      /* mm, of a field; 0: the default */
     char **arguments;                   /* the arguments after the command; the texts are argv's */
     int n_arguments;
     const char *truth;               /* directory of the true surfaces, for measuring; NULL when not given */
     int image_target;                /* 1: the target is one volume */
-    uint64_t given;                  /* bit i: option i of the table was given */
+    uint64_t given[2];               /* bit i % 64 of i / 64: option i of the table was given */
     int mirror_model, mirror_target; /* HOST_MIRROR_... */
     uint32_t threads;                /* 0: one per processor */
     uint32_t ticks;                  /* 0: until the schedule ends */

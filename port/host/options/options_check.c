@@ -51,11 +51,29 @@ static int check_bench(const host_options *options, host_error *error)
     return 0;
 }
 
+/* What carries something by a result. */
+static int check_carry(const host_options *options, host_error *error)
+{
+    if (options->result == NULL)
+        return host_fail(error, "--result", "the directory that smr register wrote");
+    if (options->command == HOST_CARRY && options->points == NULL)
+        return host_fail(error, "--points", "a file of points");
+    if (options->command == HOST_WARP && options->volume == NULL)
+        return host_fail(error, "--volume", "the image that fits the model");
+    if (options->out == NULL)
+        return host_fail(error, "-o", "the file for what is carried");
+    if (options->like != NULL && host_option_given(options, "--spacing"))
+        return host_fail(error, "--spacing", "no --like beside it, which has its own");
+    return 0;
+}
+
 static int check_needs(host_options *options, host_error *error)
 {
     error->file = "usage";
     if (options->command == HOST_BENCH)
         return check_bench(options, error);
+    if ((options->command & (HOST_CARRY | HOST_FIELD | HOST_WARP)) != 0)
+        return check_carry(options, error);
     if (options->command == HOST_MEASURE && options->operands.n != 2)
         return host_fail(error, "measure", "two surfaces: smr measure A B");
     if (options->command == HOST_REPLAY && options->operands.n != 1)
@@ -125,7 +143,7 @@ static int check_targets(host_options *options, host_error *error)
     size_t i = 0;
     for (i = 0; i < host_option_count; i++) {
         error->file = host_option_table[i].name;
-        if ((options->given >> i & 1u) != 0 && host_option_table[i].targets == unfit)
+        if (host_option_was_given(options, i) && host_option_table[i].targets == unfit)
             return host_fail(error, "option",
                              options->image_target ? "surfaces as the target, it is a volume"
                                                    : "a volume as the target, it is a surface");

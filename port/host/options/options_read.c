@@ -156,7 +156,7 @@ static int read_option(int argc, char **argv, int *at, host_options *options, ho
     if (o == NULL)
         return host_fail(error, "option", "an option of this command (see smr --help)");
     *at += 1;
-    options->given |= (uint64_t)1 << (size_t)(o - host_option_table);
+    options->given[(size_t)(o - host_option_table) / 64u] |= (uint64_t)1 << (size_t)(o - host_option_table) % 64u;
     if (o->prepares && options->prepare_option == NULL)
         options->prepare_option = o->name;
     if (o->kind == HOST_KIND_FLAG) {
