@@ -1,6 +1,6 @@
-/* test_experiment_carry.c: what a registration into the computed patient's image carries along: points 4 and 15 mm under
- * the surfaces, whose true places are known, and the reference image. SMR_EXPERIMENTS=full: the small thigh; all: the
- * whole one.
+/* test_experiment_carry.c: what a registration into the computed patient's image carries along: points 4 and 15 mm
+ * under the surfaces, whose true places are known, and the reference image. SMR_EXPERIMENTS=full: the small thigh;
+ * all: the whole one.
  * SPDX-License-Identifier: MIT */
 #include "unit/cmocka_first.h"
 

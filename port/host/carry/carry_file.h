@@ -25,8 +25,8 @@ typedef struct host_carry_shape {
 /* Writes the file's bytes into the buffer, which stores failure. */
 void host_carry_write(const host_carry_shape *shape, host_buffer *out);
 
-/* Reads DIRECTORY/carry.bin, which may come from anywhere. 0, or -1 with the error filled and the shape empty. The error
- * borrows *path, which the caller frees at the end. */
+/* Reads DIRECTORY/carry.bin, which may come from anywhere. 0, or -1 with the error filled and the shape empty. The
+ * error borrows *path, which the caller frees at the end. */
 int host_carry_read(const char *directory, host_carry_shape *shape, char **path, host_error *error);
 
 void host_carry_free(host_carry_shape *shape);

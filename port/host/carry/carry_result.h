@@ -20,8 +20,8 @@ typedef struct host_carried {
 int host_carried_open(host_carried *c, const char *directory, uint32_t threads, host_error *error);
 void host_carried_close(host_carried *c);
 
-/* Carries n points xyz [n][3] mm in place: inverse 0 from the model's space to the result's, 1 back. The model's space is
- * that of its files, before register mirrored them. missed (may be NULL): [n], 1 where the way back was not found.
+/* Carries n points xyz [n][3] mm in place: inverse 0 from the model's space to the result's, 1 back. The model's space
+ * is that of its files, before register mirrored them. missed (may be NULL): [n], 1 where the way back was not found.
  * Returns how many were not, or -1 with the error filled. */
 int64_t host_carried_points(host_carried *c, uint32_t inverse, float *xyz, uint32_t n, unsigned char *missed,
                             host_error *error);

@@ -15,8 +15,8 @@ typedef struct host_points {
     host_mesh mesh;                  /* that file's triangles; its vertices are moved to xyz; owned */
 } host_points;
 
-/* Reads .mrk.json, .fcsv or CSV, told apart by content, or a surface file. Labels may be empty and occur more than once.
- * 0, or -1 with the error filled and the set empty. */
+/* Reads .mrk.json, .fcsv or CSV, told apart by content, or a surface file. Labels may be empty and occur more than
+ * once. 0, or -1 with the error filled and the set empty. */
 int host_points_read(const char *path, host_points *points, host_error *error);
 
 /* Appends a point. 0, or -1 when out of memory or beyond the library's limits. */

@@ -9,8 +9,8 @@
 /* Checks that the extension is .nrrd or .mha. 0, or -1 with the error filled. */
 int host_volume_can_write(const char *path, host_error *error);
 
-/* Writes the header of a volume with the grid of `grid`, of 1 or 3 channels, into the buffer. keys: more lines of a NRRD
- * header, each with its line break; "" for none. The voxels follow: x fastest, channels of a voxel together. */
+/* Writes the header of a volume with the grid of `grid`, of 1 or 3 channels, into the buffer. keys: more lines of a
+ * NRRD header, each with its line break; "" for none. The voxels follow: x fastest, channels of a voxel together. */
 void host_volume_write_header(const host_volume *grid, uint32_t type, uint32_t channels, const char *keys,
                               const char *path, host_buffer *out);
 
