@@ -225,6 +225,37 @@ static void bench_memory(const bench_input *in, const smr_model *model)
     tell_one("bytes_per_vertex_arena", (double)arena / (double)info.n_vertices);
 }
 
+#define CARRIED 3000u
+
+/* Points beside vertices, carried by the rest shape: bound once, after each tick, and back without being bound. */
+static void bench_carry(const bench_input *in)
+{
+    float *rest = rig_alloc(3u * sizeof *rest * in->n_vertices), *points = rig_alloc(6u * sizeof *points * CARRIED);
+    double time[3][REPETITIONS];
+    size_t bytes = 0, at = 0;
+    smr_carry *carry = NULL;
+    for (uint32_t i = 0; i < in->n; at += 3u * (size_t)in->mesh[i++].n_vertices)
+        memcpy(rest + at, in->mesh[i].xyz, 3u * sizeof *rest * in->mesh[i].n_vertices);
+    for (uint32_t i = 0; i < 3u * CARRIED; i++)
+        points[i] = rest[(i / 3u * 7919u % in->n_vertices) * 3u + i % 3u] + 3.0f;
+    (void)smr_carry_bytes(in->n_vertices, CARRIED, 1, &bytes);
+    void *memory = rig_alloc(bytes);
+    for (uint32_t r = 0; r < REPETITIONS; r++) {
+        const double start = seconds();
+        (void)smr_carry_fit(rest, in->n_vertices, points, CARRIED, NULL, memory, bytes, &carry);
+        const double fitted = seconds();
+        (void)smr_carry_apply(carry, rest, points + 3u * CARRIED);
+        const double applied = seconds();
+        (void)smr_carry_map(carry, rest, 1, points, CARRIED / 100u, points + 3u * CARRIED, NULL);
+        time[0][r] = 1.0e6 * (fitted - start) / (double)CARRIED;
+        time[1][r] = 1.0e9 * (applied - fitted) / (double)CARRIED;
+        time[2][r] = 1.0e6 * (seconds() - applied) / (double)(CARRIED / 100u);
+    }
+    (void)tell("carry_fit_us", time[0], REPETITIONS);
+    (void)tell("carry_apply_ns", time[1], REPETITIONS);
+    (void)tell("carry_inverse_us", time[2], REPETITIONS);
+}
+
 int main(int argc, char **argv)
 {
     static bench_input in;
@@ -243,6 +274,7 @@ int main(int argc, char **argv)
     bench_matching(&in, model, &config);
     bench_ticks(&in, model);
     bench_registration(&in);
+    bench_carry(&in);
     rig_free_all();
     return csv != NULL && fclose(csv) != 0;
 }

@@ -302,6 +302,20 @@ static void wrong_calls_change_nothing(void **state)
     unit_mesh_free(&m);
 }
 
+/* docs/SPEC.md, section 3. */
+static void memory_is_as_stated(void **state)
+{
+    size_t one = 0, vertices = 0, points = 0, workers = 0;
+    (void)state;
+    assert_int_equal(smr_carry_bytes(100000, 0, 1, &one), SMR_OK);
+    assert_int_equal(smr_carry_bytes(200000, 0, 1, &vertices), SMR_OK);
+    assert_int_equal(smr_carry_bytes(100000, 1000, 1, &points), SMR_OK);
+    assert_int_equal(smr_carry_bytes(100000, 0, 2, &workers), SMR_OK);
+    assert_true(fabs((double)(vertices - one) / 1.0e5 - 31.9) < 0.1);
+    assert_true(fabs((double)(points - one) / 1.0e3 - 432.0) < 1.0);
+    assert_int_equal(workers - one, 13312);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -313,6 +327,7 @@ int main(void)
         cmocka_unit_test(degenerate_shapes),
         cmocka_unit_test(frames_turn),
         cmocka_unit_test(wrong_calls_change_nothing),
+        cmocka_unit_test(memory_is_as_stated),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
