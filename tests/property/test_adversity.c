@@ -103,6 +103,8 @@ typedef struct run_pair {
     smr_config config;
     uint32_t seed, iteration, n_vertices, cut, partial;
     uint32_t pending;         /* 1: an iteration is under way and has its forces */
+    uint32_t under_way;       /* 1: an iteration may be under way */
+    uint32_t asked;           /* verdicts read out */
     const smr_surface *later; /* for the twin, after this iteration */
     void *arena;
     size_t bytes;
@@ -134,6 +136,7 @@ static void tick(run_pair *p)
     assert_true(status == SMR_OK || status == SMR_PARTIAL);
     assert_true(report.n_taken <= report.n_wanted);
     p->pending = status == SMR_PARTIAL && report.phase != SMR_PHASE_FORCES;
+    p->under_way = status == SMR_PARTIAL;
     p->partial += status == SMR_PARTIAL;
     if (report.iteration == p->iteration) { /* within an iteration, or done */
         assert_true(status == SMR_PARTIAL || report.done);
@@ -188,6 +191,21 @@ static void refused(run_pair *p)
     check_positions(p, p->last);
 }
 
+/* The twin is not asked: what is read out changes no bit of what follows. */
+static void ask(run_pair *p)
+{
+    smr_verdict v;
+    float mm[VERTICES_MAX];
+    unsigned char seen[VERTICES_MAX];
+    const smr_status status = smr_get_verdict(p->s, rig_random(&p->seed, 2) ? 0u : SMR_ALL, &v);
+    assert_true(status == SMR_OK || (status == SMR_E_STATE && p->under_way));
+    assert_int_equal(status, smr_get_expected_error(p->s, 0, mm));
+    assert_int_equal(SMR_OK, smr_get_seen(p->s, 0, seen));
+    for (uint32_t i = 0; i < p->n_vertices; i++)
+        assert_true(seen[i] <= 1u && (status != SMR_OK || mm[i] == -1.0f || (mm[i] >= 0.0f && mm[i] < 1.0e6f)));
+    p->asked += status == SMR_OK;
+}
+
 static void start_over(run_pair *p)
 {
     const smr_pose pose = {{{1, 0, 0, rig_between(&p->seed, -3, 3)}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
@@ -198,14 +216,14 @@ static void start_over(run_pair *p)
         assert_int_equal(SMR_OK, smr_set_pose(both[i], &pose));
     }
     p->later = NULL;
-    p->iteration = p->pending = 0;
+    p->iteration = p->pending = p->under_way = 0;
     assert_int_equal(SMR_OK, smr_get_positions(p->s, 0, p->last));
     check_positions(p, NULL);
 }
 
 static void test_a_thousand_runs(void **state)
 {
-    uint32_t seed = 41, cut = 0, partial = 0;
+    uint32_t seed = 41, cut = 0, partial = 0, asked = 0;
     (void)state;
     for (uint32_t r = 0; r < RUNS; r++) {
         evil_clock clock = {rig_random(&seed, 1u << 27), r % 8u, 1000000u};
@@ -235,12 +253,16 @@ static void test_a_thousand_runs(void **state)
                 refused(&p);
             else if (what == 5u)
                 start_over(&p);
+            else if (what == 6u)
+                ask(&p);
             else
                 tick(&p);
         }
         cut += p.cut;
         partial += p.partial;
+        asked += p.asked;
     }
+    assert_true(asked > RUNS / 10u);
     assert_true(cut > RUNS / 2u && partial > RUNS); /* the clocks meant something */
 }
 

@@ -75,12 +75,17 @@ static void test_null(void **state)
 static void test_not_a_registration(void **state)
 {
     float xyz[3 * 128];
+    unsigned char seen[128];
     smr_structure_report part;
+    smr_verdict verdict;
     const smr_pose pose = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     smr *s = rig_alloc(1u << 16); /* zero bytes */
     smr_config config = smr_config_default();
     smr *good = rig_init(model, &config, NULL);
+    size_t bytes = 0;
     (void)state;
+    assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &bytes));
+    unsigned char *copy = rig_alloc(bytes);
     assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
     assert_int_equal(SMR_E_STATE, smr_set_pose(s, &pose));
     assert_int_equal(SMR_E_STATE, smr_set_positions(s, 0, ball.xyz));
@@ -88,6 +93,9 @@ static void test_not_a_registration(void **state)
     assert_int_equal(SMR_E_STATE, smr_get_positions(s, 0, xyz));
     assert_int_equal(SMR_E_STATE, smr_get_normals(s, 0, xyz));
     assert_int_equal(SMR_E_STATE, smr_get_structure_report(s, 0, &part));
+    assert_int_equal(SMR_E_STATE, smr_get_verdict(s, SMR_ALL, &verdict));
+    assert_int_equal(SMR_E_STATE, smr_get_expected_error(s, 0, xyz));
+    assert_int_equal(SMR_E_STATE, smr_get_seen(s, 0, seen));
     assert_true(smr_state_hash(s) == 0u);
     assert_int_equal(SMR_E_STATE, smr_set_surface(good, 0, (const smr_surface *)rig_alloc(4096)));
     assert_int_equal(SMR_E_INPUT, smr_set_surface(good, 1, surface));
@@ -97,6 +105,13 @@ static void test_not_a_registration(void **state)
     assert_int_equal(SMR_E_INPUT, smr_get_positions(good, 1, xyz));
     assert_int_equal(SMR_E_INPUT, smr_get_normals(good, SMR_ALL, xyz));
     assert_int_equal(SMR_E_INPUT, smr_get_structure_report(good, 1, &part));
+    assert_int_equal(SMR_E_INPUT, smr_get_verdict(good, SMR_ALL - 1u, &verdict));
+    assert_int_equal(SMR_E_INPUT, smr_get_expected_error(good, 1, xyz));
+    assert_int_equal(SMR_E_INPUT, smr_get_seen(good, SMR_ALL, seen));
+    memcpy(copy, good, bytes); /* its pointers lead into another arena */
+    assert_int_equal(SMR_E_STATE, smr_get_verdict((smr *)(void *)copy, 0, &verdict));
+    assert_int_equal(SMR_E_STATE, smr_get_expected_error((smr *)(void *)copy, 0, xyz));
+    assert_int_equal(SMR_E_STATE, smr_get_seen((smr *)(void *)copy, 0, seen));
 }
 
 /* Refused by both calls, with *out and *bytes as they were. */

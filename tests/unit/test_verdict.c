@@ -126,6 +126,28 @@ static void test_changes_nothing(void **state)
     }
 }
 
+/* A closed body without a thickness: whatever its volume comes to is rounding. */
+static void test_flat(void **state)
+{
+    smr_verdict v;
+    (void)state;
+    for (uint32_t k = 0; k < 2u; k++) {
+        smr_config config = smr_config_default();
+        smr_mesh ball = rig_ball(20, 14, 20, none);
+        float *const xyz = rig_alloc(3u * sizeof *xyz * ball.n_vertices);
+        for (uint32_t i = 0; i < 3u * ball.n_vertices; i++)
+            xyz[i] = i % 3u == 2u ? ball.xyz[i] * (k == 0u ? 1.0e-7f : 0.02f) : ball.xyz[i];
+        ball.xyz = xyz;
+        const smr_model *const model = rig_model(&ball, 1, NULL);
+        smr *const s = rig_init(model, &config, NULL);
+        for (uint32_t i = 2; i < 3u * ball.n_vertices; i += 3u) /* twice as thick, and bent */
+            xyz[i] = 2.0f * xyz[i] + 1.0e-5f * xyz[i - 1u] * xyz[i - 1u];
+        assert_int_equal(SMR_OK, smr_set_positions(s, 0, xyz));
+        assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
+        assert_true(k == 0u ? v.volume_ratio == 1.0f : fabsf(v.volume_ratio - 2.0f) < 0.1f);
+    }
+}
+
 static void test_reasons(void **state)
 {
     (void)state;
@@ -138,9 +160,13 @@ static void test_reasons(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_refusals, tidy),        cmocka_unit_test_teardown(test_good, tidy),
-        cmocka_unit_test_teardown(test_inside_out, tidy),      cmocka_unit_test_teardown(test_half, tidy),
-        cmocka_unit_test_teardown(test_changes_nothing, tidy), cmocka_unit_test(test_reasons),
+        cmocka_unit_test_teardown(test_refusals, tidy),
+        cmocka_unit_test_teardown(test_good, tidy),
+        cmocka_unit_test_teardown(test_inside_out, tidy),
+        cmocka_unit_test_teardown(test_half, tidy),
+        cmocka_unit_test_teardown(test_changes_nothing, tidy),
+        cmocka_unit_test(test_reasons),
+        cmocka_unit_test_teardown(test_flat, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

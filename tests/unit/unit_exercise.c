@@ -61,6 +61,43 @@ static const char *check_positions(const smr *s, const smr_model_info *info, con
     return wrong;
 }
 
+/* The measures as numbers, in the order of the struct behind level and reasons. */
+static int finite_verdict(const smr_verdict *v)
+{
+    const float share[] = {v->seen_share, v->target_covered, v->normals_agree, v->goals_share};
+    const float rest[] = {v->expected_error_mm, v->residual_mm,  v->likeness,   v->strain,
+                          v->stretch,           v->volume_ratio, v->turned_deg, v->rotation_deg,
+                          v->bend_mm,           v->scale,        v->scale_rest, v->moved_last_mm};
+    for (size_t i = 0; i < sizeof share / sizeof share[0]; i++)
+        if (!(share[i] == -1.0f || (share[i] >= 0.0f && share[i] <= 1.0001f)))
+            return 0;
+    return v->level <= SMR_VERDICT_FAILED && unit_finite(rest, sizeof rest / sizeof rest[0], 1e30f);
+}
+
+/* Judges all and each structure. */
+static const char *check_verdict(smr *s, const smr_model_info *info, const smr_model *model)
+{
+    const char *wrong = NULL;
+    smr_verdict v;
+    if (smr_get_verdict(s, SMR_ALL, &v) != SMR_OK || !finite_verdict(&v))
+        return "the verdict";
+    for (uint32_t k = 0; k < info->n_structures && wrong == NULL; k++) {
+        smr_structure_info one;
+        (void)smr_model_structure(model, k, &one);
+        float *mm = unit_memory(4u * (size_t)one.n_vertices);
+        unsigned char *seen = unit_memory(one.n_vertices);
+        if (smr_get_verdict(s, k, &v) != SMR_OK || !finite_verdict(&v))
+            wrong = "a structure's verdict";
+        else if (smr_get_expected_error(s, k, mm) != SMR_OK || !unit_finite(mm, one.n_vertices, 1e30f))
+            wrong = "expected errors";
+        else if (smr_get_seen(s, k, seen) != SMR_OK || (one.n_vertices > 0u && seen[one.n_vertices - 1u] > 1u))
+            wrong = "what is seen";
+        unit_free(mm);
+        unit_free(seen);
+    }
+    return wrong;
+}
+
 static const char *run(const smr_model *model, const smr_model_info *info, const smr_surface *target, smr_config *c)
 {
     size_t bytes = 0;
@@ -85,6 +122,8 @@ static const char *run(const smr_model *model, const smr_model_info *info, const
         else
             wrong = check_positions(s, info, model);
     }
+    if (wrong == NULL)
+        wrong = check_verdict(s, info, model);
     unit_free(arena);
     return wrong;
 }

@@ -4,9 +4,12 @@
 #include "geometry/rotation.h"
 #include "runtime/verdict/evidence.h"
 
-#define SMR_PARTS 24u         /* parts whose rotation is looked at */
-#define SMR_PART_RADIUS 0.12f /* mm per mm of the structure's diagonal */
-#define SMR_CLOSED 1.0e-3f    /* sum of area vectors over the area, up to which a surface is closed */
+#define SMR_PARTS 24u          /* parts whose rotation is looked at */
+#define SMR_PART_RADIUS 0.12f  /* mm per mm of the structure's diagonal */
+#define SMR_CLOSED 1.0e-3f     /* sum of area vectors over the area, up to which a surface is closed */
+#define SMR_FLAT 1.0e-5f       /* volume over area^1.5: below it a body is flat, and its volume says nothing */
+#define SMR_EDGE_LEAST 1.0e-6f /* mm: shorter edges have no strain */
+#define SMR_RATIO_MOST 1.0e6f  /* of sizes: beyond it all are the same */
 
 /* The angle whose cosine is c, degrees, to a thousandth. */
 static float degrees_of(float c)
@@ -53,7 +56,7 @@ static void add_edges(const smr *s, const smr_shape_structure *one, float scale,
             const uint32_t a = t[c], b = t[(c + 1u) % 3u];
             const float now = smr_length(smr_sub(smr_load(smr_at3(s->shape.x, a)), smr_load(smr_at3(s->shape.x, b))));
             const float rest = scale * smr_length(smr_sub(smr_rest(&s->shared, a), smr_rest(&s->shared, b)));
-            if (rest > 0.0f)
+            if (rest > SMR_EDGE_LEAST)
                 smr_mean_add(&e->strain2, (now / rest - 1.0f) * (now / rest - 1.0f), 1.0f);
         }
     }
@@ -82,10 +85,11 @@ static void add_volume(const smr *s, const smr_shape_structure *one, float scale
         area += smr_length(n);
         all = smr_add(all, n);
     }
-    rest *= scale * scale * scale;
-    if (smr_length(all) > SMR_CLOSED * area || !(smr_abs(rest) > 0.0f))
+    if (smr_length(all) > SMR_CLOSED * area || !(smr_abs(rest) > SMR_FLAT * area * SMR_SQRT(area)))
         return;
-    smr_mean_add(&e->volume, now / rest, smr_abs(rest));
+    rest *= scale * scale * scale;
+    const int far = !(smr_abs(now) < SMR_RATIO_MOST * smr_abs(rest));
+    smr_mean_add(&e->volume, far ? SMR_RATIO_MOST : now / rest, smr_abs(rest));
 }
 
 /* Cosine of the angle between two rotations, each with a scale. */
@@ -123,7 +127,7 @@ static void add_rotations(const smr *s, const smr_shape_structure *one, const sm
         if (fit.weight < 6.0f)
             continue;
         const smr_pose part = smr_fit_solve(&fit, 1);
-        const float ratio = scale_of(&part) / smr_max(scale_of(whole), 1.0e-6f);
+        const float ratio = smr_min(scale_of(&part) / smr_max(scale_of(whole), 1.0e-6f), SMR_RATIO_MOST);
         smr_mean_add(&e->stretch2, (ratio - 1.0f) * (ratio - 1.0f), 1.0f);
         e->rotation_deg = smr_max(e->rotation_deg, degrees_of(between(&part, whole)));
     }
