@@ -2,11 +2,10 @@
  * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 
-const target_case target_cases[TARGET_CASES] = {
-    {"surface rigid", 0, SMR_METHOD_RIGID},
-    {"surface polar", 0, SMR_METHOD_POLAR},
-    {"image rigid", 1, SMR_METHOD_RIGID},
-    {"image polar", 1, SMR_METHOD_POLAR},
+const target_case target_cases[TARGET_BUDGETED] = {
+    {"surface rigid", 0, SMR_METHOD_RIGID, 0}, {"surface polar", 0, SMR_METHOD_POLAR, 0},
+    {"image rigid", 1, SMR_METHOD_RIGID, 0},   {"image polar", 1, SMR_METHOD_POLAR, 0},
+    {"part rigid", 0, SMR_METHOD_RIGID, 1},    {"part polar", 0, SMR_METHOD_POLAR, 1},
 };
 
 void target_text(const char *text) { smr_semihost_write(text); }

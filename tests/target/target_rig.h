@@ -16,10 +16,12 @@ typedef struct target_case {
     const char *name;
     uint32_t image;  /* 1: two structures of the computed thigh in a patient's image; 0: a bone onto a deformed one */
     uint32_t method; /* SMR_METHOD_... */
+    uint32_t part;   /* 1: the deformed bone without its upper end: an open target */
 } target_case;
 
-#define TARGET_CASES 4u
-extern const target_case target_cases[TARGET_CASES];
+#define TARGET_CASES 4u    /* that the table of instructions is made of */
+#define TARGET_BUDGETED 6u /* with those that only budgets are tried on */
+extern const target_case target_cases[TARGET_BUDGETED];
 
 /* What is registered onto what; one at a time, in static memory. */
 typedef struct target_scene {

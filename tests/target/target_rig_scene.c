@@ -12,7 +12,8 @@
 #define TARGET_FACETS 2048u
 #define TARGET_SIDE 48u /* voxels */
 #define TARGET_VOXELS (TARGET_SIDE * TARGET_SIDE * TARGET_SIDE)
-#define TARGET_OFF_MM 4.0f /* an image registration starts so far beside the truth */
+#define TARGET_TOP_MM 250.0f /* of 431: height above which an open target has nothing */
+#define TARGET_OFF_MM 4.0f   /* an image registration starts so far beside the truth */
 
 TARGET_MEMORY unsigned char target_arena[2][SMR_ARENA_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS *TARGET_FACETS,
                                                             TARGET_PARTS, 1, TARGET_POINTS, SMR_METHOD_POLAR)];
@@ -45,6 +46,20 @@ static int target_prepare(const smr_structure *part, uint32_t n, const smr_prepa
            smr_model_open(target_image, bytes, &scene->model) == SMR_OK;
 }
 
+/* Leaves out the triangles above: the vertices that only they have draw nothing. */
+static void target_cut(fixture_mesh *m, float most_z)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < m->n_triangles; i++) {
+        const uint32_t *const t = m->triangles + 3u * (size_t)i;
+        if (m->xyz[3u * (size_t)t[0] + 2u] > most_z || m->xyz[3u * (size_t)t[1] + 2u] > most_z ||
+            m->xyz[3u * (size_t)t[2] + 2u] > most_z)
+            continue;
+        memmove(m->triangles + 3u * (size_t)kept++, t, 3u * sizeof *t);
+    }
+    m->n_triangles = kept;
+}
+
 static int target_bone(target_scene *scene)
 {
     fixture_grid grid[2] = {fixture_grid_source(FIXTURE_CELL_SMALL), fixture_grid_target(FIXTURE_CELL_SMALL)};
@@ -55,6 +70,8 @@ static int target_bone(target_scene *scene)
     if (!fixture_bone_source(&grid[0], &m[0], target_words, words) ||
         !fixture_bone_target(&grid[1], 1.0f, &m[1], target_words, words))
         return 0;
+    if (scene->what->part)
+        target_cut(&m[1], TARGET_TOP_MM);
     structure.mesh = target_mesh(&m[0]);
     const smr_mesh goal = target_mesh(&m[1]);
     config.n_radii = 2;

@@ -6,8 +6,8 @@
  * clusters are large it is held stiff, for then the controls are not yet where they belong.
  * Landmarks are controls whose places are given. What is observed of one is the mean of its triangle's corners. So
  * that the field passes exactly by a hard one, what it may be off is not noise, but a second field of short reach.
- * Bounds: SMR_CONTROLS + config.n_landmarks + 2 tasks, of as many squared multiplications at most; two passes over the
- * vertices for the first.
+ * Bounds: two tasks for each SMR_LOOK vertices, and SMR_CONTROLS + config.n_landmarks + 2 of as many squared
+ * multiplications at most.
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/unseen_field.h"
 
@@ -15,6 +15,7 @@
 #define SMR_FIELD_LOOSE 0.003f /* of the variance: what a control may be off */
 #define SMR_FIELD_STIFF 4.0f   /* times (cluster radius / kernel length)^2, added to it */
 #define SMR_FIELD_LEAST 4u     /* controls: with fewer vertices there is no field, with fewer landmarks no scale */
+#define SMR_LOOK 2048u         /* vertices of a task that counts or chooses controls */
 #define SMR_FIELD_HARD 1.0e-5f /* of the variance: what a hard landmark may be off */
 
 size_t smr_unseen_field_words(const smr_shared *shared)
@@ -95,33 +96,45 @@ static uint32_t seen(const smr_unseen_field *f, uint32_t v)
     return f->landmarks->n > 0u ? f->landmarks->seen[v] : f->goals->seen[v];
 }
 
-static uint32_t count_seen(const smr_unseen_field *f)
+/* What is kept while controls are chosen, in the memory of the factor. */
+typedef struct smr_choice {
+    uint32_t control[SMR_CONTROLS]; /* stored vertices */
+    uint32_t n;                     /* of them so far */
+    uint32_t total, passed;         /* seen vertices: all, and those looked at */
+} smr_choice;
+
+static smr_choice *choice(const smr_unseen_field *f) { return (smr_choice *)(void *)f->lower; }
+
+static uint32_t looks(const smr_unseen_field *f) { return smr_ceil_div(f->shared->n, SMR_LOOK); }
+
+/* Counts what is seen. Without landmarks the structures know. */
+static void count_seen(smr_unseen_field *f, uint32_t task)
 {
-    uint32_t total = 0;
-    for (uint32_t i = 0; f->landmarks->n == 0u && i < f->shared->n_structures; i++)
-        total += f->goals->target[i].n_seen;
-    for (uint32_t v = 0; f->landmarks->n > 0u && v < f->shared->n; v++)
-        total += seen(f, v) > SMR_SEEN_ONE / 2u;
-    return total;
+    smr_choice *c = choice(f);
+    const uint32_t end = smr_min_u32((task + 1u) * SMR_LOOK, f->shared->n);
+    if (task == 0u)
+        c->n = c->total = c->passed = 0;
+    for (uint32_t i = 0; task == 0u && f->landmarks->n == 0u && i < f->shared->n_structures; i++)
+        c->total += f->goals->target[i].n_seen;
+    for (uint32_t v = task * SMR_LOOK; f->landmarks->n > 0u && v < end; v++)
+        c->total += seen(f, v) > SMR_SEEN_ONE / 2u;
 }
 
 /* Vertices that are controls, behind the landmarks: every so many of the seen ones in stored order, which winds through
  * the whole model. Not of the active ones alone: a budget may leave more out after this step, and a replay knows that
  * before. */
-static void choose(smr_unseen_field *f, uint32_t control[SMR_CONTROLS])
+static void choose(smr_unseen_field *f, uint32_t task)
 {
-    const uint32_t total = count_seen(f), wanted = smr_min_u32(total, SMR_CONTROLS);
-    uint32_t n = 0, at = 0;
-    for (uint32_t v = 0; v < f->shared->n && n < wanted; v++) {
+    smr_choice *c = choice(f);
+    const uint32_t end = smr_min_u32((task + 1u) * SMR_LOOK, f->shared->n);
+    const uint32_t wanted = smr_min_u32(c->total, SMR_CONTROLS);
+    for (uint32_t v = task * SMR_LOOK; v < end && c->n < wanted; v++) {
         if (seen(f, v) <= SMR_SEEN_ONE / 2u)
             continue;
-        if ((uint64_t)at * wanted >= (uint64_t)n * total)
-            control[n++] = v;
-        at++;
+        if ((uint64_t)c->passed * wanted >= (uint64_t)c->n * c->total)
+            c->control[c->n++] = v;
+        c->passed++;
     }
-    f->n = f->landmarks->n + n;
-    if (f->landmarks->n == 0u && n < SMR_FIELD_LEAST)
-        f->n = 0;
 }
 
 /* Notes a control and adds it to the pose. */
@@ -148,26 +161,22 @@ static void add_seen(smr_unseen_field *f, const uint32_t *control, float ratio, 
     for (uint32_t k = f->landmarks->n; k < f->n; k++) {
         const uint32_t v = control[k - f->landmarks->n];
         add_control(f, k, smr_load(smr_at3(f->shape->start, v)), smr_load(smr_at3(f->shape->x, v)), 1.0f, fit);
-        f->loose[k] =
-            (SMR_FIELD_LOOSE + SMR_FIELD_STIFF * ratio * ratio) * (float)SMR_SEEN_ONE / (float)seen(f, v);
+        f->loose[k] = (SMR_FIELD_LOOSE + SMR_FIELD_STIFF * ratio * ratio) * (float)SMR_SEEN_ONE / (float)seen(f, v);
     }
 }
 
-/* The pose, and what it leaves; vertices: of seen vertices, too. */
-static void begin(smr_unseen_field *f, int vertices)
+/* The pose, and what it leaves, of landmarks and of n chosen vertices. */
+static void begin(smr_unseen_field *f, uint32_t n)
 {
-    uint32_t control[SMR_CONTROLS];
     smr_fit fit;
     const smr_box box = f->shape->start_box;
     const float length = smr_max(SMR_FIELD_LENGTH * smr_length(smr_sub(box.hi, box.lo)), 1.0e-6f);
     const smr_vec middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
     f->per_length2 = 1.0f / (length * length);
-    f->n = f->landmarks->n;
-    if (vertices)
-        choose(f, control);
+    f->n = f->landmarks->n > 0u || n >= SMR_FIELD_LEAST ? f->landmarks->n + n : 0u;
     smr_fit_start(&fit, middle, middle);
     add_landmarks(f, &fit);
-    add_seen(f, control, f->pace->lists.radius / length, &fit);
+    add_seen(f, choice(f)->control, f->pace->lists.radius / length, &fit);
     f->pose = smr_fit_solve(&fit, f->n >= SMR_FIELD_LEAST);
     for (uint32_t k = 0; k < f->n; k++) {
         const smr_vec posed = smr_pose_apply(&f->pose, smr_load(smr_at3(f->start, k)));
@@ -210,18 +219,23 @@ static void substitute(smr_unseen_field *f)
 uint32_t smr_unseen_field_tasks(const void *arg)
 {
     const smr_unseen_field *f = arg;
-    return f->goals->partial || f->landmarks->n > 0u ? f->most + 2u : 0u;
+    return f->goals->partial || f->landmarks->n > 0u ? 2u * looks(f) + f->most + 2u : 0u;
 }
 
 void smr_unseen_field_solve(void *arg, uint32_t task, uint32_t worker)
 {
     smr_unseen_field *f = arg;
+    const uint32_t first = looks(f), then = 2u * first;
     (void)worker;
-    if (task == 0u)
-        begin(f, 1);
-    else if (task <= f->n)
-        factor(f, task - 1u);
-    else if (task == f->most + 1u)
+    if (task < first)
+        count_seen(f, task);
+    else if (task < then)
+        choose(f, task - first);
+    else if (task == then)
+        begin(f, choice(f)->n);
+    else if (task - then <= f->n)
+        factor(f, task - then - 1u);
+    else if (task - then == f->most + 1u)
         substitute(f);
 }
 

@@ -20,7 +20,7 @@ typedef struct smr_unseen_field {
     uint32_t most;     /* controls that there is room for */
     float *start;      /* [most][3] start positions of the controls, mm */
     float *bend;       /* [most][3] coefficients of the field; while it is solved: what the pose leaves, mm */
-    float *lower;      /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row */
+    float *lower;      /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row; before: which vertices are controls */
     float *loose;      /* [most] on the diagonal: how far the field may miss a control */
     uint32_t n;        /* controls in use, the landmarks first; 0: no field */
     smr_pose pose;     /* rigid, from start to present positions of the controls */
