@@ -132,6 +132,10 @@ smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_po
  * Errors: E_NULL, E_STATE (not a cloud), E_INPUT; the cloud unchanged then. */
 smr_status smr_points_add(smr_points *points, const float *xyz, const float *normals, const float *weights, uint32_t n);
 
+/* Gives a point of the cloud another weight, 0 for one that was a mistake; otherwise as smr_points_add(). index: in the
+ * order of adding, from 0, modulo the capacity. Errors: E_NULL, E_STATE, E_INPUT (no such point, or the weight). */
+smr_status smr_points_weigh(smr_points *points, uint32_t index, float weight);
+
 /* Takes all points out of the cloud; otherwise as smr_points_add(). Errors: E_NULL, E_STATE. */
 smr_status smr_points_clear(smr_points *points);
 
@@ -411,7 +415,7 @@ typedef struct smr_config {
 
     /* threads, [1, 64], default 1. Memory is laid out for so many; the port has at most so many. */
     uint32_t n_workers;
-    /* vertices, [0, 4000000], default 0. Of all target surfaces set at one time, together.
+    /* vertices, [0, 4000000], default 0. Of all target surfaces set at one time, together, and capacities of clouds.
      * 0 switches attraction off, whatever `attraction` says: surfaces of any size are then taken, and none attracts. */
     uint32_t n_target_vertices;
     /* SMR_METHOD_..., default rigid. How a cluster's rotation is found. */

@@ -77,6 +77,8 @@ static int take_normal(const float *normal, smr_vec *unit)
     return 1;
 }
 
+static int legal_weight(float weight) { return weight >= 0.0f && weight <= SMR_WEIGHT_MAX; }
+
 static int can_add(const float *xyz, const float *normals, const float *weights, uint32_t n)
 {
     smr_vec unit;
@@ -86,7 +88,7 @@ static int can_add(const float *xyz, const float *normals, const float *weights,
                 return 0;
         if (!take_normal(normals == NULL ? NULL : normals + 3u * i, &unit))
             return 0;
-        if (weights != NULL && !(weights[i] >= 0.0f && weights[i] <= SMR_WEIGHT_MAX))
+        if (weights != NULL && !legal_weight(weights[i]))
             return 0;
     }
     return 1;
@@ -112,6 +114,19 @@ smr_status smr_points_add(smr_points *points, const float *xyz, const float *nor
         s->n_vertices = smr_max_u32(s->n_vertices, (uint32_t)at + 1u);
     }
     s->changes += n > 0u;
+    return SMR_OK;
+}
+
+smr_status smr_points_weigh(smr_points *points, uint32_t index, float weight)
+{
+    if (points == NULL)
+        return SMR_E_NULL;
+    if (!smr_points_valid(points))
+        return SMR_E_STATE;
+    if (index >= points->surface.n_vertices || !legal_weight(weight))
+        return SMR_E_INPUT;
+    points->surface.area[index] = weight;
+    points->surface.changes++;
     return SMR_OK;
 }
 

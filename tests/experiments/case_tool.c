@@ -15,7 +15,7 @@ static const char usage[] =
     "case_tool measure DIR RESULT                       one line of figures; RESULT is a PLY or a directory of them\n"
     "case_tool run DIR OUT [WORDS...]                   smr register of the case, then the same line\n"
     "case_tool table [LINES...] [--bones NAME...] [--seeds A-B] [--keep DIR]\n"
-    "    LINES: side patches end outliers person length thigh random, or all (the default: all but random);\n"
+    "    LINES: side patches end outliers person length thigh points random, or all (the default: all but random);\n"
     "    --bones: beginnings of the names m_right 2008 2007 vhm_left hip_thigh hip_bone hip_right\n"
     "case_tool verdicts FIRST LAST DIR FILE.csv [KIND]  runs of all kinds, good and hopeless, a row each\n"
     "case_tool judge FILE.csv                           how often verdicts were wrong\n"

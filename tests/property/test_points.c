@@ -419,7 +419,8 @@ static void test_refused(void **state)
     smr_surface *surface = NULL;
     smr_config c = smr_config_default();
     unsigned char *memory = rig_alloc(4096);
-    point p = {{1, 2, 3}, {0, 0, 2}, 1};
+    smr_tick_report report;
+    point p = {{20, 2, 3}, {0, 0, 2}, 1};
     size_t bytes = 7;
     uint32_t n = 9;
     (void)state;
@@ -465,7 +466,17 @@ static void test_refused(void **state)
     assert_int_equal(SMR_OK, smr_points_add(cloud, p.xyz, NULL, NULL, 1));
     assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
     assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, cloud));
-    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+    assert_true(report.n_forces > 0u);
+    assert_int_equal(SMR_E_INPUT, smr_points_weigh(cloud, 1, 0.0f));
+    assert_int_equal(SMR_E_INPUT, smr_points_weigh(cloud, 0, NAN));
+    assert_int_equal(SMR_E_INPUT, smr_points_weigh(cloud, 0, 4.5f));
+    assert_int_equal(SMR_E_NULL, smr_points_weigh(NULL, 0, 1.0f));
+    assert_int_equal(SMR_OK, smr_points_weigh(cloud, 0, 0.0f)); /* a mistake: it pulls nothing */
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, cloud));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+    assert_int_equal(0, report.n_forces);
     assert_int_equal(SMR_OK, smr_points_clear(cloud));
     assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
 }
