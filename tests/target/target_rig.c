@@ -87,6 +87,7 @@ static const struct {
 } target_steps[] = {
     {smr_unseen_field_solve, SMR_PHASE_FORCES, TARGET_VERTICES, "unseen field"},
     {smr_attract_search, SMR_PHASE_FORCES, TARGET_GOALS, "target pulls"},
+    {smr_point_spread_run, SMR_PHASE_FORCES, TARGET_VERTICES, "point spread"},
     {smr_fill_sum, SMR_PHASE_FORCES, TARGET_TRIANGLES, "fill, sums"},
     {smr_forces_search, SMR_PHASE_FORCES, TARGET_VERTICES, "goals"},
     {smr_forces_take, SMR_PHASE_FORCES, TARGET_VERTICES, "forces"},
