@@ -671,11 +671,11 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume);
 /* A point of the model, and where it is now. */
 typedef struct smr_landmark {
     uint32_t structure; /* whose point; SMR_ALL (without a vertex): of whichever lies nearest at rest */
-    uint32_t vertex;    /* in the caller's numbering; SMR_NONE: `rest` says where, and the nearest triangle carries it */
-    float rest[3];      /* mm, in the model's rest shape, on a surface or off it; not looked at with a vertex */
-    float place[3];     /* mm, now */
-    float weight;       /* [0.001, 1000]: one over the variance of its place; 1 counts like a vertex that is seen */
-    uint32_t hard;      /* 1: the point ends in its place; weight is not looked at */
+    uint32_t vertex; /* in the caller's numbering; SMR_NONE: `rest` says where, and the nearest triangle carries it */
+    float rest[3];   /* mm, in the model's rest shape, on a surface or off it; not looked at with a vertex */
+    float place[3];  /* mm, now */
+    float weight;    /* [0.001, 1000]: one over the variance of its place; 1 counts like a vertex that is seen */
+    uint32_t hard;   /* 1: the point ends in its place; weight is not looked at */
 } smr_landmark;
 
 /* Gives the model n landmarks in place of those before; n 0 takes them away. They are copied. Where no target shows
@@ -690,12 +690,12 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n);
  * Errors: E_NULL, E_STATE (not a registration). */
 smr_status smr_get_landmarks(const smr *s, float *xyz);
 
-/* Goals of the caller's own for a structure: xyz, [n_vertices][3] mm, and weights, [n_vertices], 0..1000, 0 for none, in
- * the caller's vertex order. weights NULL: 1 for all. Both are borrowed until replaced, and set again when they change;
- * xyz NULL takes them away. A target's goal weighs 1: ways to goals are averaged by weight, so the only one counts in
- * full, whatever it weighs. Allowed between any two ticks, as smr_set_surface().
- * Errors: E_NULL, E_STATE (not a registration), E_ARENA (config.caller_goals is 0), E_INPUT (no such structure, a
- * goal beyond SMR_COORD_MAX or not finite, a weight outside its range). */
+/* Goals of the caller's own for a structure: xyz, [n_vertices][3] mm, and weights, [n_vertices], 0..1000, 0 for none,
+ * in the caller's vertex order. weights NULL: 1 for all. Both are borrowed until replaced, and set again when they
+ * change; xyz NULL takes them away. A target's goal weighs 1: ways to goals are averaged by weight, so the only one
+ * counts in full, whatever it weighs. Allowed between any two ticks, as smr_set_surface().
+ * Errors: E_NULL, E_STATE (not a registration), E_ARENA (config.caller_goals is 0), E_INPUT (no such structure, a goal
+ * beyond SMR_COORD_MAX or not finite, a weight outside its range). */
 smr_status smr_set_goals(smr *s, uint32_t structure, const float *xyz, const float *weights);
 
 /* What a force of the caller's own sees: n vertices, which it may only read, and only until it returns. */
@@ -712,12 +712,12 @@ typedef struct smr_force_view {
 
 /* Adds to way[n][3] (mm) how far each vertex is asked to go and to weight[n] how much that counts, 0..1000, as for
  * smr_set_goals(). Both are 0 before the call, and stay so for a vertex that is not drawn. Called from the port's
- * workers, several at a time, each vertex once in an iteration: a pure function of the view and of what ctx holds, which
- * does not change during a tick. Must not call the library with the same registration. */
+ * workers, several at a time, each vertex once in an iteration: a pure function of the view and of what ctx holds,
+ * which does not change during a tick. Must not call the library with the same registration. */
 typedef void (*smr_force)(void *ctx, const smr_force_view *view, float *way, float *weight);
 
-/* Sets a force of the caller's own; NULL takes it away. Part of a tick's forces, under the same budget. If it gives what
- * is not finite, beyond SMR_COORD_MAX or a weight outside its range, or breaks its contract (config.caller_force
+/* Sets a force of the caller's own; NULL takes it away. Part of a tick's forces, under the same budget. If it gives
+ * what is not finite, beyond SMR_COORD_MAX or a weight outside its range, or breaks its contract (config.caller_force
  * checked), smr_tick() returns E_STATE until it is set again. Allowed between any two ticks, as smr_set_surface().
  * Errors: E_NULL, E_STATE (not a registration), E_ARENA (config.caller_force is off). */
 smr_status smr_set_force(smr *s, smr_force force, void *ctx);

@@ -274,7 +274,8 @@ static void test_replay(void **state)
         uint32_t differ = 0;
         in.force.ctx = round == 0u ? &p : &other; /* another force is told at its first tick */
         memset(&report, 0, sizeof report);
-        assert_int_equal(SMR_OK, smr_replay_start(start(1, SMR_CALLER_ON, NULL), log, wrote.bytes, input, &in, &replay));
+        assert_int_equal(SMR_OK,
+                         smr_replay_start(start(1, SMR_CALLER_ON, NULL), log, wrote.bytes, input, &in, &replay));
         in.goals.xyz = bent_goals();
         while (!report.ended && differ == 0u) {
             assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));
@@ -287,10 +288,13 @@ static void test_replay(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_refused, tidy), cmocka_unit_test_teardown(test_bytes, tidy),
-        cmocka_unit_test_teardown(test_goals, tidy),   cmocka_unit_test_teardown(test_force, tidy),
-        cmocka_unit_test(test_blend),                  cmocka_unit_test_teardown(test_beside_a_surface, tidy),
-        cmocka_unit_test_teardown(test_broken, tidy),  cmocka_unit_test_teardown(test_replay, tidy)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test_teardown(test_refused, tidy),
+                                       cmocka_unit_test_teardown(test_bytes, tidy),
+                                       cmocka_unit_test_teardown(test_goals, tidy),
+                                       cmocka_unit_test_teardown(test_force, tidy),
+                                       cmocka_unit_test(test_blend),
+                                       cmocka_unit_test_teardown(test_beside_a_surface, tidy),
+                                       cmocka_unit_test_teardown(test_broken, tidy),
+                                       cmocka_unit_test_teardown(test_replay, tidy)};
     return cmocka_run_group_tests_name("caller", tests, NULL, NULL);
 }

@@ -83,12 +83,13 @@ static void test_refused(void **state)
     const struct {
         uint32_t structure, vertex, hard;
         float rest, place, weight;
-    } wrong[] = {{2, 0, 0, 0, 0, 1},           {0, 100000, 0, 0, 0, 1}, {SMR_ALL, 0, 0, 0, 0, 1}, {0, 0, 2, 0, 0, 1},
-                 {0, 0, 0, 0, 0, 0},           {0, 0, 0, 0, 0, NAN},    {0, 0, 0, 0, 0, 1001},    {0, 0, 0, 0, INFINITY, 1},
-                 {SMR_ALL, SMR_NONE, 0, NAN, 0, 1}, {0, SMR_NONE, 1, 2e5f, 0, 1}};
+    } wrong[] = {{2, 0, 0, 0, 0, 1},          {0, 100000, 0, 0, 0, 1},   {SMR_ALL, 0, 0, 0, 0, 1},
+                 {0, 0, 2, 0, 0, 1},          {0, 0, 0, 0, 0, 0},        {0, 0, 0, 0, 0, NAN},
+                 {0, 0, 0, 0, 0, 1001},       {0, 0, 0, 0, INFINITY, 1}, {SMR_ALL, SMR_NONE, 0, NAN, 0, 1},
+                 {0, SMR_NONE, 1, 2e5f, 0, 1}};
     assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, 1));
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        bad = (smr_landmark){wrong[i].structure,      wrong[i].vertex,          {0, wrong[i].rest, 0},
+        bad = (smr_landmark){wrong[i].structure,     wrong[i].vertex, {0, wrong[i].rest, 0},
                              {0, 0, wrong[i].place}, wrong[i].weight, wrong[i].hard};
         assert_int_equal(SMR_E_INPUT, smr_set_landmarks(s, &bad, 1));
     }
@@ -186,7 +187,8 @@ static void test_few(void **state)
     assert_true(farthest(s, &mark, 1) < 0.01f);
     const float *xyz = rig_positions(s, model);
     for (uint32_t i = 0; i < ball[0].n_vertices; i++) {
-        const float to[3] = {ball[0].xyz[3u * i] + 3.0f - ball[0].xyz[0], ball[0].xyz[3u * i + 1u] + 4.0f - ball[0].xyz[1],
+        const float to[3] = {ball[0].xyz[3u * i] + 3.0f - ball[0].xyz[0],
+                             ball[0].xyz[3u * i + 1u] + 4.0f - ball[0].xyz[1],
                              ball[0].xyz[3u * i + 2u] + 25.0f - ball[0].xyz[2]};
         assert_true(rig_far(xyz + 3u * (size_t)i, to, 1) < 0.05f);
     }

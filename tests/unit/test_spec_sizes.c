@@ -22,8 +22,9 @@
 
 enum { N = 4096, GRID = 64, FEW = 512, MANY = 4096, SECTION = 65536 };
 
-static char spec[SECTION]; /* the arena's and the surface's tables */
-static int misses;         /* all are told, not the first alone */
+static char spec[SECTION];                               /* the arena's and the surface's tables */
+static int misses;                                       /* all are told, not the first alone */
+static uint32_t n_landmarks, caller_goals, caller_force; /* of the next arena's configuration */
 
 /* A number such as 2,112 or 27.4. */
 static double number(const char *at)
@@ -140,6 +141,9 @@ static double arena_with(uint32_t nt, uint32_t n, uint32_t ns, uint32_t method, 
     config.method = method;
     config.n_target_vertices = targets;
     config.n_workers = workers;
+    config.n_landmarks = n_landmarks;
+    config.caller_goals = caller_goals;
+    config.caller_force = caller_force;
     const double bytes = arena_of(structure, ns, &config);
     test_free(triangle);
     test_free(xyz);
@@ -188,6 +192,35 @@ static void arena_is_as_stated(void **state)
     agrees("a worker and vertex, in the sentence", worker, stated(section, "and each worker"));
     agrees("a registration, to the next 64 bytes", many - N * vertex - 64.0 * structure,
            64.0 * (double)(int)((rows(section, "registration") + 63.0) / 64.0));
+    assert_int_equal(misses, 0);
+}
+
+/* What only a setting takes. */
+static void settings_are_as_stated(void **state)
+{
+    const char *const section = strstr(spec, "### Arena");
+    (void)state;
+    misses = 0;
+#ifdef RED_ZONES
+    skip();
+#endif
+    if (sizeof(void *) != 8)
+        skip();
+    assert_non_null(section);
+    const double least = arena(N, 64, SMR_METHOD_RIGID, 0, 1);
+    n_landmarks = 64;
+    const double marked = arena(N, 64, SMR_METHOD_RIGID, 0, 1) - least;
+    agrees("64 landmarks, and a byte for each vertex", marked,
+           64.0 * rows(section, "landmark") + N * rows(section, "vertex, landmarks"));
+    n_landmarks = 0;
+    caller_goals = 1;
+    agrees("goals of the caller's", (arena(N, 64, SMR_METHOD_RIGID, 0, 1) - least) / 64.0,
+           rows(section, "structure, caller's goals"));
+    caller_goals = 0;
+    caller_force = SMR_CALLER_ON;
+    agrees("a force of the caller's", (arena(N, 64, SMR_METHOD_RIGID, 0, 1) - least) / N,
+           rows(section, "vertex, caller's force"));
+    caller_force = SMR_CALLER_OFF;
     assert_int_equal(misses, 0);
 }
 
@@ -247,6 +280,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(arena_is_as_stated),
+        cmocka_unit_test(settings_are_as_stated),
         cmocka_unit_test(triangles_are_as_stated),
         cmocka_unit_test(surface_is_as_stated),
     };

@@ -7,10 +7,10 @@
 #include "options/options.h"
 
 typedef struct host_landmark_goals {
-    host_landmarks set; /* labels, and the points of the model at rest */
+    host_landmarks set;                                           /* labels, and the points of the model at rest */
     float from[HOST_LANDMARKS_MAX][3], to[HOST_LANDMARKS_MAX][3]; /* mm */
-    double residual[HOST_LANDMARKS_MAX]; /* mm: how far each ended from its place */
-    double mean, max;                    /* of them */
+    double residual[HOST_LANDMARKS_MAX];                          /* mm: how far each ended from its place */
+    double mean, max;                                             /* of them */
 } host_landmark_goals;
 
 /* Reads two files of landmarks and pairs them. Mirroring the model or the target mirrors its landmarks, too. set (may

@@ -109,7 +109,7 @@ int host_job_place(host_job *job, host_error *error);
 /* host_job_place with given pairs, both [n_landmarks][3], mm. */
 int host_job_place_pairs(host_job *job, const float *from, const float *to, host_error *error);
 int host_job_place_by_goals(host_job *job, host_error *error); /* the pose, fitted to the landmark goals */
-int host_job_warp(host_job *job, host_error *error); /* start positions; needs the prepared model */
+int host_job_warp(host_job *job, host_error *error);           /* start positions; needs the prepared model */
 int host_job_make_surfaces(host_job *job, host_error *error);
 
 /* register_log.c: starts recording, right after host_job_begin; writes the content of the log file. */
@@ -119,8 +119,9 @@ int host_job_log(const host_job *job, host_buffer *out, host_error *error);
 /* 1 when nothing draws a structure: it has no target and no landmark goals, or no triangles. */
 static inline int host_job_carries(const host_job *job, uint32_t part)
 {
-    return job->goals != NULL ? job->result[part].report.has_target == 0 : job->model.part[part].mesh.n_triangles == 0 ||
-           (!job->options->image_target && job->result[part].target == HOST_NO_TARGET);
+    return job->goals != NULL ? job->result[part].report.has_target == 0
+                              : job->model.part[part].mesh.n_triangles == 0 ||
+                                    (!job->options->image_target && job->result[part].target == HOST_NO_TARGET);
 }
 
 /* 1 when the schedule has ended and some vertex had a goal. */

@@ -14,8 +14,7 @@ void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared
         g->gave = smr_arena_take(a, shared->n, 4u * sizeof(float));
 }
 
-void smr_caller_goals_wire(smr_caller_goals *g, const smr_shared *shared, const smr_pace *pace,
-                           const smr_shape *shape)
+void smr_caller_goals_wire(smr_caller_goals *g, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape)
 {
     g->shared = shared;
     g->pace = pace;

@@ -6,8 +6,8 @@
 
 #include "runtime/deformed/shape.h"
 
-#define SMR_CALLER_CHUNK 32u       /* vertices of a call */
-#define SMR_CALLER_WEIGHT 1000.0f  /* largest */
+#define SMR_CALLER_CHUNK 32u      /* vertices of a call */
+#define SMR_CALLER_WEIGHT 1000.0f /* largest */
 
 typedef struct smr_caller_goals {
     const smr_shared *shared;
@@ -25,8 +25,7 @@ typedef struct smr_caller_goals {
 } smr_caller_goals;
 
 void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared *shared);
-void smr_caller_goals_wire(smr_caller_goals *g, const smr_shared *shared, const smr_pace *pace,
-                           const smr_shape *shape);
+void smr_caller_goals_wire(smr_caller_goals *g, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape);
 void smr_caller_goals_stand(smr_caller_goals *g); /* the forces under way are complete */
 
 /* 1: the caller may draw vertices of the structure. */

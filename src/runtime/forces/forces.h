@@ -173,8 +173,8 @@ static inline uint8_t smr_goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *
     return smr_unseen_field_bound(&f->unseen, v) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
-/* The way to the vertex' goal on a target, mm; 0 for none. A structure with a target surface follows it, every other one
- * the image. A vertex without triangles lies on no surface and follows neither. Returns SMR_FOUND_... */
+/* The way to the vertex' goal on a target, mm; 0 for none. A structure with a target surface follows it, every other
+ * one the image. A vertex without triangles lies on no surface and follows neither. Returns SMR_FOUND_... */
 static inline uint8_t smr_goal_on_target(smr_forces *f, uint32_t v, smr_vec *way)
 {
     const smr_target *drawn = &f->surface.target[smr_model_owner(f->shared->model, v)];

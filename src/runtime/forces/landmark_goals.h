@@ -28,7 +28,7 @@ typedef struct smr_landmark_goals {
     uint32_t n;                   /* set now */
     float reach;                  /* mm: how far a hard one prevails */
     const smr_pace *pace;
-    uint8_t *seen;                /* [n vertices] 0 .. SMR_SEEN_ONE: what the target showed when it last was sought */
+    uint8_t *seen; /* [n vertices] 0 .. SMR_SEEN_ONE: what the target showed when it last was sought */
 } smr_landmark_goals;
 
 void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_shared *shared);

@@ -58,8 +58,7 @@ static int bind_triangle(smr_bound_landmark *b, const smr *s, smr_vec p)
         least = d2;
         memcpy(b->corner, t, sizeof b->corner);
         memcpy(b->share, w, sizeof b->share);
-        b->foot =
-            smr_add(smr_scale(corner[0], w[0]), smr_add(smr_scale(corner[1], w[1]), smr_scale(corner[2], w[2])));
+        b->foot = smr_add(smr_scale(corner[0], w[0]), smr_add(smr_scale(corner[1], w[1]), smr_scale(corner[2], w[2])));
     }
     return least < SMR_FAR;
 }
@@ -114,8 +113,7 @@ static void bind_point(smr_bound_landmark *b, const smr *s, const smr_landmark *
     b->apart = smr_v(0, 0, 0);
     b->n_near = 0;
     bind_vertex(b, &s->shared,
-                smr_model_position(s->shared.model,
-                                   s->shape.structure[given->structure].first_vertex + given->vertex));
+                smr_model_position(s->shared.model, s->shape.structure[given->structure].first_vertex + given->vertex));
 }
 
 smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n)

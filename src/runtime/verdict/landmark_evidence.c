@@ -1,5 +1,6 @@
-/* landmark_evidence.c: what landmarks or goals of the caller's own alone say of a structure: how far its points are from their places, and how far
- * each vertex is expected from its own, by the field that it follows (forces/unseen_field.c).
+/* landmark_evidence.c: what landmarks, or goals of the caller's own, alone say of a structure: how far its points are
+ * from their places, and how far each vertex is expected from its own, by the field that it follows
+ * (forces/unseen_field.c).
  * Bounds: SMR_LANDMARKS_MAX^3 / 6 multiplications once, SMR_LANDMARKS_MAX^2 / 2 for each vertex.
  * SPDX-License-Identifier: MIT */
 #include "runtime/verdict/landmark_evidence.h"
