@@ -2,7 +2,8 @@
  *
  * Prints one line: smr-hash <state after the rigid run> <after the polar run> <after an image run> <after a run onto
  * half of the target> <CRC-32 of the models without and with profiles, of the start pose's facts and of the expected
- * errors> <state after a run onto a cloud of points that grows> <CRC-32 of carried points, and of the way back>.
+ * errors> <state after a run onto a cloud of points that grows> <CRC-32 of carried points, and of the way back>
+ * <state after a run drawn by landmarks, goals and a force of the caller's beside the target>.
  * Hosted: golden [threads N | workers N | reverse | shuffle | interleave]; without an argument a plain loop.
  * Bare metal (SMR_BAREMETAL): no argument; the buffers go to the section .arena.
  * SPDX-License-Identifier: MIT */
@@ -167,6 +168,51 @@ static int golden_points(const smr_model *model, const smr_mesh *mesh, const smr
     return 1;
 }
 
+/* Springs up to a plane, for the vertices of the lower half. */
+static void golden_force(void *ctx, const smr_force_view *view, float *way, float *weight)
+{
+    const float *plane = ctx;
+    for (uint32_t i = 0; i < view->n; i++) {
+        if (view->rest[3u * i + 2u] > *plane || view->vertex[i] % 3u != 0u)
+            continue;
+        way[3u * i + 2u] += 0.25f * (*plane - view->xyz[3u * i + 2u]) * view->normal[3u * i + 2u];
+        weight[i] += 0.5f;
+    }
+}
+
+/* Landmarks, one of them hard and one off the surface, goals for every other vertex, and a force, beside the target. */
+static int golden_drawn(const smr_model *model, const smr_mesh *mesh, const smr_surface *target, const smr_port *port,
+                        uint64_t *hash)
+{
+    const float *p = mesh->xyz;
+    const smr_landmark mark[3] = {{0, 7, {0, 0, 0}, {p[21] + 3.0f, p[22] + 2.0f, p[23]}, 1.0f, 0},
+                                  {0, SMR_NONE, {p[90], p[91], p[92]}, {p[90] - 2.0f, p[91], p[92] + 4.0f}, 1.0f, 1},
+                                  {SMR_ALL, SMR_NONE, {p[0], p[1], p[2] + 9.0f}, {p[0], p[1], p[2] + 12.0f}, 0.5f, 0}};
+    smr_config config = smr_config_default();
+    smr_tick_report report;
+    float plane = 0.0f;
+    smr *s = NULL;
+    config.n_workers = GOLDEN_WORKERS;
+    config.n_target_vertices = 1024;
+    config.n_landmarks = 3;
+    config.caller_goals = 1;
+    config.caller_force = SMR_CALLER_CHECKED;
+    config.iterations = 6;
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) /* weights, with the target's own goals */
+        golden_words[i] = i % 2u != 0u ? 0.25f : 0.0f;
+    if (!golden_ok("drawn init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
+        !golden_ok("drawn surface", smr_set_surface(s, SMR_ALL, target)) ||
+        !golden_ok("landmarks", smr_set_landmarks(s, mark, 3)) ||
+        !golden_ok("goals", smr_set_goals(s, 0, mesh->xyz, golden_words)) ||
+        !golden_ok("force", smr_set_force(s, golden_force, &plane)))
+        return 0;
+    for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++)
+        if (!golden_ok("drawn tick", smr_tick(s, 0, &report)))
+            return 0;
+    *hash = smr_state_hash(s);
+    return 1;
+}
+
 /* Two structures of the computed thigh in a coarse image, and a patient's. */
 #define GOLDEN_PARTS 2u
 #define GOLDEN_VOXELS (48u * 48u * 48u)
@@ -320,7 +366,7 @@ static int golden_main(const smr_port *port)
     smr_surface *source = NULL, *target = NULL;
     smr_pose pose;
     size_t image_bytes = 0;
-    uint64_t rigid = 0, polar = 0, image = 0, half = 0, points = 0;
+    uint64_t rigid = 0, polar = 0, image = 0, half = 0, points = 0, drawn = 0;
     uint32_t crc = 0, crc_image = 0, crc_start = 0, crc_half = 0, crc_carry = 0;
     smr *s = NULL;
     if (!golden_ok("self test", smr_self_test() == 0u ? SMR_OK : SMR_E_STATE) || !golden_meshes(mesh) ||
@@ -330,8 +376,8 @@ static int golden_main(const smr_port *port)
         !golden_start(source, target, &pose, &crc_start) ||
         !golden_run(model, target, port, SMR_METHOD_RIGID, NULL, &s, &rigid) ||
         !golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &s, &polar) ||
-        !golden_carry(s, &mesh[0], port, &crc_carry) || !golden_half(model, mesh[1], port, &half, &crc_half) ||
-        !golden_points(model, &mesh[1], port, &points))
+        !golden_carry(s, &mesh[0], port, &crc_carry) || !golden_drawn(model, &mesh[0], target, port, &drawn) ||
+        !golden_half(model, mesh[1], port, &half, &crc_half) || !golden_points(model, &mesh[1], port, &points))
         return 1;
     crc = golden_crc(golden_image, image_bytes);
     if (!golden_image_run(port, &image, &crc_image))
@@ -350,6 +396,8 @@ static int golden_main(const smr_port *port)
     print_hex(points, 16);
     print_text(" ");
     print_hex(crc_carry, 8);
+    print_text(" ");
+    print_hex(drawn, 16);
     print_text("\n");
     return 0;
 }
