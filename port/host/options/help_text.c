@@ -39,9 +39,8 @@ static const char *const start_lines[] = {
     "",
     "register, and its defaults:",
     "  --landmarks MODEL TARGET       start by landmarks, matched by label: a thin-plate spline",
-    "  --landmark-goals MODEL NOW     draw points of the model, carried along at rest, to where they are now; the "
-    "start",
-    "                                 pose is fitted to them, unless --align or --landmarks say otherwise",
+    "  --landmark-goals MODEL NOW     draw points of the model, carried along at rest, to where they are now; start",
+    "                                 pose: fitted to them, unless --align or --landmarks say otherwise",
     "  --landmark-weight W|hard       of each, one over the variance of its place (1); hard: it ends there",
     "  --truth DIR                    with an image: measure the result against DIR/NAME.ply",
     "  --smoothing MM                 of that spline: 0 passes through every landmark (0; into an image 100)",
