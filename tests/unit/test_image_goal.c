@@ -235,6 +235,41 @@ static void test_structure_report(void **state)
     assert_true(rejected > 0u && r.n_forces > 0u && part.residual_mean_mm > 0.0f);
 }
 
+/* A surface that says 29 mm and an image that says 31: the image counts as far as it may. */
+static void test_beside_a_surface(void **state)
+{
+    static const float shares[] = {0.0f, 0.5f, 1.0f};
+    const smr_volume reference = image(RADIUS, none), target = image(RADIUS + 1.0f, none);
+    const smr_model *model = ball_model(&reference);
+    const smr_mesh ball = rig_ball(RADIUS - 1.0f, 13, 20, none);
+    const smr_surface *surface = rig_surface(&ball);
+    double off[3];
+    uint64_t hash = 0;
+    (void)state;
+    for (uint32_t i = 0; i < 3u; i++) {
+        smr_config c = smr_config_default();
+        c.image_beside = shares[i];
+        c.profile_end_mm = 5.0f; /* seeks to the end */
+        smr *s = rig_init(model, &c, NULL);
+        assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface));
+        assert_int_equal(SMR_OK, smr_set_volume(s, &target));
+        (void)rig_run(s, 12); /* before image forces ease */
+        off[i] = off_ball(s, model, (double)RADIUS - 1.0, none);
+        if (i == 0u)
+            hash = smr_state_hash(s);
+    }
+    smr_config c = smr_config_default(); /* without the setting */
+    c.profile_end_mm = 5.0f;
+    smr *s = rig_init(model, &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface));
+    assert_int_equal(SMR_OK, smr_set_volume(s, &target));
+    (void)rig_run(s, 12);
+    assert_true(smr_state_hash(s) == hash);
+    if (!(off[0] < 0.2 && off[1] > off[0] + 0.2 && off[2] > off[1] + 0.1 && off[2] < 1.5))
+        print_error("off by %g %g %g\n", off[0], off[1], off[2]);
+    assert_true(off[0] < 0.2 && off[1] > off[0] + 0.2 && off[2] > off[1] + 0.1 && off[2] < 1.5);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -245,6 +280,7 @@ int main(void)
         cmocka_unit_test_teardown(test_equal_bits, tidy),
         cmocka_unit_test_teardown(test_surface_first, tidy),
         cmocka_unit_test_teardown(test_structure_report, tidy),
+        cmocka_unit_test_teardown(test_beside_a_surface, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
