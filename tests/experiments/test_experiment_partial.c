@@ -99,9 +99,9 @@ typedef struct line_floor {
 } line_floor;
 
 static const line_floor floors[] = {
-    {"whole", 7, 21, 1},  {"side", 7, 21, 1},     {"patches", 4, 16, 0}, {"end", 2, 10, 0},
-    {"whole+5", 0, 0, 0}, {"whole+20", 0, 0, 0},  {"side+5", 0, 0, 0},   {"side+20", 0, 0, 0},
-    {"top70", 7, 7, 0},   {"lower50", 20, 20, 1}, {"length", 20, 20, 1}, {"thigh", 1, 3, 1},
+    {"whole", 7, 21, 1},   {"side", 7, 21, 1},     {"patches", 4, 16, 0}, {"end", 2, 10, 0},
+    {"whole+5", 7, 20, 0}, {"whole+20", 7, 21, 0}, {"side+5", 3, 10, 0},  {"side+20", 4, 14, 0},
+    {"top70", 7, 7, 0},    {"lower50", 20, 20, 1}, {"length", 20, 20, 1}, {"thigh", 1, 3, 1},
 };
 
 static const line_floor *floor_of(const char *line)
