@@ -312,6 +312,9 @@ typedef struct smr_prepare_config {
 
 smr_prepare_config smr_prepare_config_default(void);
 
+/* The model as the paper has it: one radius of 30 mm over all structures, 30 samples of a profile, half inwards. */
+smr_prepare_config smr_prepare_config_paper(void);
+
 /* Scratch bytes smr_prepare() needs for these structures. Reads counts only. Errors: E_NULL, E_CONFIG, E_INPUT. */
 smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
                              size_t *scratch_bytes);
@@ -404,6 +407,9 @@ enum { SMR_SIMILARITY_NCC = 0, SMR_SIMILARITY_SSD = 1, SMR_SIMILARITY_CONCORDANC
 enum { SMR_COVERAGE_AUTO = 0, SMR_COVERAGE_WHOLE = 1, SMR_COVERAGE_PARTIAL = 2 };
 enum { SMR_CALLER_OFF = 0, SMR_CALLER_ON = 1, SMR_CALLER_CHECKED = 2 };
 enum { SMR_NORMALS_CARRIED = 0, SMR_NORMALS_EXACT = 1 };
+enum { SMR_EDGE_REFERENCE = 0, SMR_EDGE_STEEPEST = 1 };
+enum { SMR_PLASTIC_LARGEST = 0, SMR_PLASTIC_MEAN = 1 };
+enum { SMR_BLEND_CONFIDENCE = 0, SMR_BLEND_PLAIN = 1 };
 
 /* How a registration runs. Each comment starts with unit, range and default. Where two defaults stand, the second is
  * that of smr_config_default_image(). smr_config_settings() has the same as data, docs/SETTINGS.md as a page. */
@@ -526,7 +532,7 @@ typedef struct smr_config {
     /* share, [0, 0.99], default 0, 0.6. The same at the last radius.
      * There momentum would carry vertices along the surface, and rounding with them. */
     float momentum_last;
-    /* um, [0, 100000000], default 50. x^r = x when the largest displacement falls below it. */
+    /* um, [0, 100000000], default 50. x^r = x when the largest displacement falls below it; see plastic_by. */
     float plastic_um;
     /* iterations, [0, 1000], default 1, 5. x^r = x also after this many. 0: x^r follows only at rest (plastic_um) or
      * at the end of a radius, so that the model springs back towards its shape. */
@@ -554,6 +560,21 @@ typedef struct smr_config {
      * 1,000 of the whole model are active, too; the others are left out. Whole levels of priority are taken.
      * 0: active_share alone decides. */
     uint32_t active_enough;
+
+    /* ---- for experts: where the paper does otherwise; smr_config_paper() ---- */
+
+    /* score per mm, [0, 1], default 0.005. Taken off at the ends of a search for profiles: so the nearer place wins. */
+    float nearer;
+    /* SMR_EDGE_..., default reference. The edge that is sought: most like the reference's own, or steepest (paper). */
+    uint32_t edge;
+    /* SMR_BLEND_..., default confidence. How profile and edge are averaged: by confidence, or each in full (paper). */
+    uint32_t blend;
+    /* SMR_PLASTIC_..., default largest. Displacement that plastic_um is compared with: largest, or the mean (paper). */
+    uint32_t plastic_by;
+    /* 0 or 1, default 1. Image forces and momentum fall to 0 over the last radius' second half (not in the paper). */
+    uint32_t fade;
+    /* degrees, [0, 85], default 0: 86. Largest rotation of a cluster by rigid-body kinematics (paper: 20). */
+    float turn_deg;
 } smr_config;
 
 smr_config smr_config_default(void);
@@ -561,6 +582,10 @@ smr_config smr_config_default(void);
 /* The same for a registration into an image. Goals there are noisy and far, so the reference shape follows less often,
  * and there are more iterations. */
 smr_config smr_config_default_image(void);
+
+/* A registration as the paper has it, onto surfaces or into an image; docs/GUIDE.md has its settings. For a model of
+ * smr_prepare_config_paper(). The start is the caller's: smr_warp_fit() with smoothing 0 is the paper's. */
+smr_config smr_config_paper(void);
 
 /* ---- settings as data: for command lines, dialogs, documents ---- */
 

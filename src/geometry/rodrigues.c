@@ -33,13 +33,21 @@ float smr_cos_degrees(float degrees)
     return degrees > 90.0f ? -sine : sine;
 }
 
+smr_vec smr_turn_within(smr_vec w, float most)
+{
+    const float a2 = smr_dot(w, w);
+    if (a2 <= most * most)
+        return w;
+    if (!(a2 < 1.0e30f))
+        w = smr_scale(w, 1.0e-25f);
+    return smr_scale(smr_unit(w), most);
+}
+
 void smr_rodrigues(smr_vec w, float m[9])
 {
     float a2 = smr_dot(w, w);
     if (!(a2 <= SMR_ANGLE_MAX * SMR_ANGLE_MAX)) {
-        if (!(a2 < 1.0e30f))
-            w = smr_scale(w, 1.0e-25f);
-        w = smr_scale(smr_unit(w), SMR_ANGLE_MAX);
+        w = smr_turn_within(w, SMR_ANGLE_MAX);
         a2 = SMR_ANGLE_MAX * SMR_ANGLE_MAX;
     }
     float s, c;

@@ -13,6 +13,9 @@ void smr_sinc(float a2, float *sine, float *cosine);
 /* The cosine of an angle in degrees, 0 .. 180. */
 float smr_cos_degrees(float degrees);
 
+/* A rotation vector of the same direction, no longer than `most` rad; any w, also one that is not finite. */
+smr_vec smr_turn_within(smr_vec w, float most);
+
 /* R - I for the rotation about w by |w| rad (Rodrigues formula), row-major. R - I keeps the digits of small
  * rotations. */
 void smr_rodrigues(smr_vec w, float r_minus_i[9]);

@@ -1,5 +1,5 @@
 /* gradient_search.c: maximal gradient search along the normal (paper 2.1): the steepest edge of the image near the
- * surface whose polarity and brightness agree with the edge of the reference profile.
+ * surface whose polarity and brightness agree with the edge of the reference profile, or the steepest of all.
  * Bounds: 2 * reach + 1 samples; the place is refined by a parabola through the neighbouring slopes.
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
@@ -91,4 +91,24 @@ smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const flo
     const float part = smr_parabola_peak((l[0] - l[-2]) * scale, (l[1] - l[-1]) * scale, (l[2] - l[0]) * scale);
     const smr_peak peak = {(float)at + part - own.beyond, smr_min(best, 1.0f)};
     return peak;
+}
+
+smr_peak smr_steepest(const float *line, const unsigned char *inside, uint32_t m, uint32_t centre, uint32_t reach)
+{
+    const uint32_t first = smr_max_u32(centre > reach ? centre - reach : 2u, 2u);
+    float best = 0.0f;
+    uint32_t at = 0;
+    for (uint32_t k = first; k <= centre + reach && k + 2u < m; k++) {
+        const float steep = smr_abs(line[k + 1u] - line[k - 1u]);
+        if (steep > best && all_inside(inside + k - 2u, 5u)) {
+            best = steep;
+            at = k;
+        }
+    }
+    if (!(best > 0.0f))
+        return (smr_peak){0.0f, 0.0f};
+    const float *const l = line + at;
+    const float part =
+        smr_parabola_peak(smr_abs(l[0] - l[-2]) / best, smr_abs(l[1] - l[-1]) / best, smr_abs(l[2] - l[0]) / best);
+    return (smr_peak){(float)at + part, 1.0f};
 }

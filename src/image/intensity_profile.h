@@ -29,9 +29,10 @@ void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t 
 
 /* The similarity measure. */
 typedef struct smr_likeness {
-    uint32_t kind; /* SMR_SIMILARITY_... */
-    float noise;   /* intensity; concordance ignores contrast below it */
-    float nearer;  /* subtracted from scores, times the squared distance from the middle offset (1 at the ends) */
+    uint32_t kind;  /* SMR_SIMILARITY_... */
+    float noise;    /* intensity; concordance ignores contrast below it */
+    float nearer;   /* subtracted from scores, times the squared distance from the middle offset (1 at the ends) */
+    uint32_t plain; /* 1: a place with any likeness has the confidence 1 */
 } smr_likeness;
 
 /* Finds the offset 0 .. m - n at which the reference is most similar to line[m]; n: its samples. Returns a peak with
@@ -44,6 +45,10 @@ smr_peak smr_profile_match(const smr_profile *reference, const float *line, cons
  * is shifted by the distance between the reference's edge and `zero`. Confidence 0: no edge. */
 smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside,
                           uint32_t m, uint32_t centre, uint32_t reach);
+
+/* Finds the steepest place within `reach` samples of line sample `centre`, whatever it looks like (paper 3, gradient
+ * magnitude maximization). Of equally steep ones the first. Confidence 1; 0: nothing changes there. */
+smr_peak smr_steepest(const float *line, const unsigned char *inside, uint32_t m, uint32_t centre, uint32_t reach);
 
 /* The maximum of the parabola through three equally spaced values, relative to the middle one, -0.5 .. 0.5. */
 static inline float smr_parabola_peak(float before, float at, float after)

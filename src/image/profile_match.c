@@ -135,8 +135,8 @@ static float highest_peak(const float *score, uint32_t from, uint32_t to, float 
 }
 
 /* The offset with the highest score, between samples, and its confidence: higher for a higher score that stands out
- * more above the second peak. */
-static smr_peak peak_of(const float *score, uint32_t offsets, float *scratch)
+ * more above the second peak. plain: 1 for any likeness. */
+static smr_peak peak_of(const float *score, uint32_t offsets, uint32_t plain, float *scratch)
 {
     uint32_t best = 0;
     float top = -1.0f;
@@ -151,6 +151,8 @@ static smr_peak peak_of(const float *score, uint32_t offsets, float *scratch)
         peak.at += smr_parabola_peak(score[best - 1u], score[best], score[best + 1u]);
     peak.confidence = smr_max(top - SMR_SCORE_MIN, 0.0f) * (1.0f / (1.0f - SMR_SCORE_MIN)) *
                       smr_clamp((top - second) * SMR_DISTINCT, SMR_DISTINCT_MIN, 1.0f);
+    if (plain)
+        peak.confidence = top > 0.0f ? 1.0f : 0.0f;
     return peak;
 }
 
@@ -189,5 +191,5 @@ smr_peak smr_profile_match(const smr_profile *reference, const float *line, cons
                             how->nearer};
     score[0] = -1.0f; /* silences compilers that do not see that offsets >= 1 */
     scores_of(how->kind, &how_to, ref, n, centred, inside, offsets, score);
-    return peak_of(score, offsets, centred);
+    return peak_of(score, offsets, how->plain, centred);
 }

@@ -25,6 +25,20 @@ smr_prepare_config smr_prepare_config_default(void)
     return config;
 }
 
+smr_prepare_config smr_prepare_config_paper(void)
+{
+    smr_prepare_config config = smr_prepare_config_default();
+    config.n_radii = 1;
+    config.radius_mm[0] = 30.0f;
+    config.separate_below_mm = 0.0f;
+    config.profile_samples = 30;
+    config.profile_step_mm = 0.5f;
+    config.profile_inward = 0.5f;
+    config.ring = 0;
+    config.order = SMR_ORDER_BREADTH_FIRST;
+    return config;
+}
+
 /* 1 when every field lies in the range that the table of settings gives. */
 static int ranges_legal(const smr_prepare_config *c)
 {

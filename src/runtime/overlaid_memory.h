@@ -40,6 +40,7 @@ typedef union smr_tally {
     } match;
     struct {
         float moved2; /* largest displacement, mm^2 */
+        float moved;  /* sum of displacements, mm, where the configuration asks for it */
         uint64_t hash;
     } evolve;
     struct {

@@ -11,8 +11,9 @@
 #define N 30u
 #define M 70u
 
-static const smr_likeness likeness[] = {
-    {SMR_SIMILARITY_NCC, 0.0f, 0.0f}, {SMR_SIMILARITY_SSD, 0.0f, 0.0f}, {SMR_SIMILARITY_CONCORDANCE, 0.0f, 0.0f}};
+static const smr_likeness likeness[] = {{SMR_SIMILARITY_NCC, 0.0f, 0.0f, 0},
+                                        {SMR_SIMILARITY_SSD, 0.0f, 0.0f, 0},
+                                        {SMR_SIMILARITY_CONCORDANCE, 0.0f, 0.0f, 0}};
 
 static float value_of(uint32_t kind, float t)
 {
@@ -158,7 +159,7 @@ static void test_ssd_sees_level(void **state)
 static void test_concordance_sees_contrast(void **state)
 {
     const packed_profile p = reference(0);
-    const smr_likeness noisy = {SMR_SIMILARITY_CONCORDANCE, 4.0f, 0.0f};
+    const smr_likeness noisy = {SMR_SIMILARITY_CONCORDANCE, 4.0f, 0.0f, 0};
     float line[2u * M];
     unsigned char inside[2u * M];
     (void)state;
@@ -179,7 +180,7 @@ static void test_nearer_wins(void **state)
     const packed_profile p = reference(2);
     (void)state;
     for (uint32_t kind = 0; kind < 3u; kind++) {
-        const smr_likeness how = {kind, 0.0f, 0.2f};
+        const smr_likeness how = {kind, 0.0f, 0.2f, 0};
         for (uint32_t side = 0; side < 2u; side++) {
             float line[3u * M];
             unsigned char inside[3u * M];

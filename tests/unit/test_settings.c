@@ -20,7 +20,7 @@ static int tidy(void **state)
 /* The fields follow each other without a gap behind the cookie, in the table's order: nothing is forgotten or twice. */
 static void covers(const smr_setting *s, uint32_t n, size_t size)
 {
-    uint64_t numbers = 0;
+    uint64_t numbers[2] = {0, 0};
     size_t at = sizeof(uint32_t), fields = 0;
     for (uint32_t i = 0; i < n; i++) {
         assert_true(s[i].name != NULL && s[i].name[0] != '\0' && s[i].unit != NULL && s[i].text != NULL);
@@ -28,8 +28,9 @@ static void covers(const smr_setting *s, uint32_t n, size_t size)
             continue;
         assert_int_equal(at, s[i].offset);
         assert_true(s[i].bytes > 0u && s[i].bytes % 4u == 0u && strlen(s[i].text) > 4u);
-        assert_true(s[i].number > 0u && s[i].number < 64u && (numbers >> s[i].number & 1u) == 0u);
-        numbers |= (uint64_t)1 << s[i].number;
+        assert_true(s[i].number > 0u && s[i].number < 128u);
+        assert_true((numbers[s[i].number / 64u] >> s[i].number % 64u & 1u) == 0u);
+        numbers[s[i].number / 64u] |= (uint64_t)1 << s[i].number % 64u;
         at += s[i].bytes;
         fields++;
     }

@@ -4,6 +4,8 @@
 #include "base/settings.h"
 #include "runtime/config/config.h"
 
+#define SMR_PAPER_ITERATIONS 120u /* the paper does not say: as many as bring its own figures */
+
 smr_config smr_config_default(void)
 {
     smr_config config, *const c = &config;
@@ -21,6 +23,44 @@ smr_config smr_config_default_image(void)
 #define SMR_GROUP(title)
 #define SMR_SETTING SMR_ROW_IMAGE
 #include "base/settings_config.def"
+    return config;
+}
+
+smr_config smr_config_paper(void)
+{
+    smr_config config = smr_config_default_image(), *const c = &config;
+    /* 3, geometric registration: source vertices are projected onto the target, whatever lies between */
+    c->search_mm = SMR_COORD_MAX;
+    c->search_radii = 1.0e6f;
+    c->normal_deg = 180.0f;
+    c->coverage = SMR_COVERAGE_WHOLE;
+    c->attraction = c->even = 0.0f;
+    c->slide = 1.0f;
+    /* 3, iconic registration */
+    c->stiffness = 0.8f;
+    c->similarity = SMR_SIMILARITY_NCC;
+    c->profile_mm = 10.0f;
+    c->gradient_mm = 5.0f;
+    c->profile_end_mm = c->gradient_end_mm = 0.0f;
+    c->profile_radii = 1.0e6f;
+    c->confidence = c->sideways = c->fill = c->nearer = 0.0f;
+    c->edge = SMR_EDGE_STEEPEST;
+    c->blend = SMR_BLEND_PLAIN;
+    c->fade = 0;
+    /* 2.3, evolution: x = x~; 3, plasticity: at rest only */
+    c->relaxation = 1.0f;
+    c->momentum = c->momentum_last = 0.0f;
+    c->plastic_um = 50.0f;
+    c->plastic_by = SMR_PLASTIC_MEAN;
+    c->plastic_every = 0;
+    c->settle_um = 0.0f;
+    c->fold_guard = 0;
+    c->normals = SMR_NORMALS_EXACT;
+    c->turn_deg = 20.0f;
+    c->iterations = c->iterations_last = SMR_PAPER_ITERATIONS;
+    c->active_first = 0.2f;
+    c->active_share = 1.0f;
+    c->active_enough = 0;
     return config;
 }
 

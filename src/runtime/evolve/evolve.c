@@ -71,25 +71,31 @@ void smr_evolve_measure(void *arg, uint32_t task, uint32_t worker)
     smr_evolve *e = arg;
     float *const x = e->shape->x, *const x_next = e->shape->x_next;
     const uint32_t last = smr_chunk_end(e->shared, task);
-    float moved2 = 0.0f;
+    const int by_mean = e->shared->config.plastic_by == SMR_PLASTIC_MEAN;
+    float moved2 = 0.0f, sum = 0.0f;
     uint64_t hash = 0;
     (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
         const smr_vec moved = smr_sub(smr_load(smr_at3(x_next, v)), smr_load(smr_at3(x, v)));
         moved2 = smr_max(moved2, smr_dot(moved, moved));
+        if (by_mean)
+            sum += SMR_SQRT(smr_dot(moved, moved));
         hash += hash_point(v, smr_at3(x_next, v));
     }
     e->tally[task].evolve.moved2 = moved2;
+    e->tally[task].evolve.moved = sum;
     e->tally[task].evolve.hash = hash;
 }
 
 void smr_evolve_measure_end(smr_evolve *e)
 {
-    float moved2 = 0.0f;
+    float moved2 = 0.0f, sum = 0.0f;
     e->hash = 0;
     for (uint32_t t = 0; t < e->shared->n_tasks; t++) {
         moved2 = smr_max(moved2, e->tally[t].evolve.moved2);
+        sum += e->tally[t].evolve.moved;
         e->hash += e->tally[t].evolve.hash;
     }
     e->moved_mm = SMR_SQRT(moved2);
+    e->mean_mm = sum / (float)e->shared->n;
 }

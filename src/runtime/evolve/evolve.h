@@ -27,6 +27,7 @@ typedef struct smr_evolve {
     smr_evening evening;
     smr_tally *tally;
     float moved_mm;       /* largest displacement of the iteration under way */
+    float mean_mm;        /* mean displacement, where the configuration asks for it */
     uint64_t hash;        /* of its positions */
     uint32_t normals_due; /* 1: it ends with normals of the triangles. Written by the tick */
 } smr_evolve;

@@ -12,7 +12,6 @@
 
 #define SMR_LONG 16.0f /* samples: in a longer search every SMR_HOP-th sample is enough */
 #define SMR_HOP 2u
-#define SMR_NEARER 0.005f    /* score taken off at the ends of the search, per mm of its length */
 #define SMR_NOISE 0.1f       /* noise as a share of a structure's mean profile range */
 #define SMR_SIDE_VOXELS 0.5f /* reach of the search along the surface, in mean voxels, */
 #define SMR_SIDE_SHARE 0.25f /* or, when that is farther, as a share of the search distance */
@@ -236,8 +235,24 @@ static smr_vec side_way(const smr_image_goals *g, uint32_t v, const search_line 
     return smr_scale(smr_sideways(&g->grid, &place), g->shared->config.sideways);
 }
 
+/* The edge that is sought, and its confidence: 1 where goals are averaged plainly. */
+static smr_peak edge_of(const smr_config *c, const smr_profile *reference, const reference_profile *r,
+                        const search_line *l, const float *line, const unsigned char *inside)
+{
+    smr_peak edge = {0, 0};
+    if (l->edge_reach == 0u)
+        return edge;
+    if (c->edge == SMR_EDGE_STEEPEST)
+        return smr_steepest(line, inside, l->n, l->before, l->edge_reach);
+    edge = smr_profile_edge(reference, r->inward, line, inside, l->n, l->before, l->edge_reach);
+    if (c->blend == SMR_BLEND_PLAIN && edge.confidence > 0.0f)
+        edge.confidence = 1.0f;
+    return edge;
+}
+
 int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *way)
 {
+    const smr_config *const c = &g->shared->config;
     const float profile_mm = sought_mm(g, v);
     const reference_profile r = reference_shape(g, v, profile_mm);
     const search_line l = line_of(g, v, &r, profile_mm);
@@ -248,17 +263,16 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *way)
         return SMR_UNDECIDED;
     take_samples(g, v, &r, value);
     const int whole = smr_grid_line(&g->grid, l.start, l.step, l.n, line, inside) == l.n;
-    smr_peak match = {0, 0}, edge = {0, 0};
+    smr_peak match = {0, 0};
     const uint32_t first = l.before - l.reach - r.inward;
     const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
     const smr_profile as_bright = {value, r.low + owner->brighter, r.range, r.n}; /* as the image is */
-    const smr_likeness how = {g->shared->config.similarity, owner->noise, SMR_NEARER * profile_mm};
+    const smr_likeness how = {c->similarity, owner->noise, c->nearer * profile_mm, c->blend == SMR_BLEND_PLAIN};
     if (l.reach > 0u)
         match = smr_profile_match(&as_bright, line + first, inside + first, r.n + 2u * l.reach, &how);
-    if (l.edge_reach > 0u)
-        edge = smr_profile_edge(&as_bright, r.inward, line, inside, l.n, l.before, l.edge_reach);
+    const smr_peak edge = edge_of(c, &as_bright, &r, &l, line, inside);
     const float total = match.confidence + edge.confidence;
-    if (!(smr_min(total, 1.0f) > g->shared->config.confidence))
+    if (!(smr_min(total, 1.0f) > c->confidence))
         return whole && varies(line, l.n) ? SMR_NO_GOAL : SMR_UNDECIDED;
     const float offset =
         (match.confidence * (match.at - (float)l.reach) + edge.confidence * (edge.at - (float)l.before)) / total;

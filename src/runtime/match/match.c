@@ -33,15 +33,20 @@ void smr_match_reset(smr_match *m)
             m->eigen[9u * v + i] = i % 4u == 0u ? 1.0f : 0.0f;
 }
 
+#define SMR_RADIANS 0.017453293f /* rad per degree */
+
 /* r_minus_i of one cluster by rigid-body kinematics. mu: sum of m u; w: the sums' further words. */
-static void rigid(const smr_reference *r, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
+static void rigid(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
 {
+    const smr_reference *const r = m->reference;
+    const float turn_deg = m->shared->config.turn_deg;
     const smr_vec c = smr_load(smr_at3(r->centre, v));
     smr_vec l = smr_v(smr_unfix(w[0], inverse), smr_unfix(w[1], inverse), smr_unfix(w[2], inverse));
     l = smr_sub(l, smr_cross(c, mu));
     const float *i = r->spread + 6u * (size_t)v;
     const float full[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]};
-    smr_rodrigues(smr_mul(full, l), r_minus_i);
+    const smr_vec turn = smr_mul(full, l);
+    smr_rodrigues(turn_deg > 0.0f ? smr_turn_within(turn, turn_deg * SMR_RADIANS) : turn, r_minus_i);
 }
 
 static void polar(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
@@ -77,7 +82,7 @@ void smr_match_clusters(void *arg, uint32_t task, uint32_t worker)
         float *t = transform + 12u * (size_t)v;
         const smr_vec mu = smr_v(smr_unfix(w[0], inverse0), smr_unfix(w[1], inverse0), smr_unfix(w[2], inverse0));
         if (method == SMR_METHOD_RIGID)
-            rigid(reference, v, mu, w + 3, inverse1, t);
+            rigid(m, v, mu, w + 3, inverse1, t);
         else
             polar(m, v, mu, w + 3, inverse1, t);
         const smr_vec mean = smr_scale(mu, 1.0f / reference->cluster_mass[v]);

@@ -125,7 +125,7 @@ static uint32_t radius_iterations(const smr *s)
 
 /* What follows an iteration. All are 0 or 1. */
 typedef struct ending {
-    int small, spent, settled, done, plastic;
+    int small, still, spent, settled, done, plastic;
 } ending;
 
 /* 1 when a radius may end before its iterations are spent. While tangent evening works the last radius runs to its end:
@@ -147,9 +147,12 @@ static ending ending_of(const smr *s, uint32_t radius_iteration, uint32_t since_
     e.settled = moved_um < s->shared.config.settle_um && may_end_early(s);
     e.spent = radius_iteration >= radius_iterations(s);
     e.small = moved_um < s->shared.config.plastic_um;
+    e.still = s->shared.config.plastic_by == SMR_PLASTIC_MEAN
+                  ? s->evolve.mean_mm * 1000.0f < s->shared.config.plastic_um
+                  : e.small;
     e.done = s->pace.repairing == 0u && last && (e.settled || e.spent);
     const int due = s->shared.config.plastic_every != 0u && since_plastic >= s->shared.config.plastic_every;
-    e.plastic = s->pace.repairing > 0u || (!e.done && (e.small || due || e.settled || e.spent));
+    e.plastic = s->pace.repairing > 0u || (!e.done && (e.still || due || e.settled || e.spent));
     return e;
 }
 
@@ -186,7 +189,8 @@ void smr_schedule_next(smr *s)
 static float ease_of(const smr *s)
 {
     const uint32_t all = s->shared.config.iterations_last, left = all - smr_min_u32(s->pace.radius_iteration + 1u, all);
-    if (!s->forces.image.has_image || !smr_at_last_radius(&s->shared, &s->pace) || left >= all / 2u)
+    if (!s->shared.config.fade || !s->forces.image.has_image || !smr_at_last_radius(&s->shared, &s->pace) ||
+        left >= all / 2u)
         return 1.0f;
     return (float)left / (float)(all / 2u);
 }
