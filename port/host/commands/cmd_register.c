@@ -111,7 +111,7 @@ static int write_report(const host_job *job, host_output *output, host_error *er
     return result;
 }
 
-/* Writes results and log as one set. The report is its last file: where it lies, it tells of the files beside it. */
+/* Writes results, log and trace as one set. The report is its last file: where it lies, it tells of the others. */
 static int write_all(const host_job *job, host_error *error)
 {
     host_output *const output = host_output_begin(job->options->out);
@@ -123,6 +123,8 @@ static int write_all(const host_job *job, host_error *error)
         result = write_carry(job, output, error);
     if (result == 0 && job->options->log != NULL) /* may go into the directory that was just made */
         result = write_log(job, output, error);
+    if (result == 0 && job->options->trace != NULL)
+        result = host_output_add_path(output, job->options->trace, &job->trace, error);
     if (result == 0)
         result = write_report(job, output, error);
     if (result == 0)
@@ -141,10 +143,21 @@ static int status_of(const host_job *job)
     return job->verdict.level > (int)job->options->accept ? HOST_LOOK : HOST_DONE;
 }
 
+/* Log and trace may lie among the results, or elsewhere. */
+static int check_files(const host_options *options, host_error *error)
+{
+    if ((options->log != NULL && host_output_check_file(options->log, options->out, error) != 0) ||
+        (options->trace != NULL && host_output_check_file(options->trace, options->out, error) != 0))
+        return -1;
+    error->file = options->trace;
+    if (options->log != NULL && options->trace != NULL && strcmp(options->log, options->trace) == 0)
+        return host_fail(error, "output", "another file than the log's");
+    return 0;
+}
+
 static int run_steps(host_job *job, host_error *error)
 {
-    if (host_output_check(job->options->out, error) != 0 ||
-        (job->options->log != NULL && host_output_check_file(job->options->log, job->options->out, error) != 0) ||
+    if (host_output_check(job->options->out, error) != 0 || check_files(job->options, error) != 0 ||
         host_port_open(&job->port, job->options->threads, error) != 0 || host_job_load(job, error) != 0 ||
         host_job_check(job, error) != 0 || host_job_match(job, error) != 0 || host_job_prepare(job, error) != 0 ||
         host_job_run(job, error) != 0 || host_job_evaluate(job, error) != 0)

@@ -49,6 +49,7 @@ typedef struct host_options {
     const char *points, *like, *volume; /* files; NULL when not given */
     uint32_t inverse;                   /* 1: from the result back to the model */
     float spacing;                      /* mm, of a field; 0: the default */
+    const char *trace;                  /* path of the trace's file; NULL: none */
     char **arguments;                   /* the arguments after the command; the texts are argv's */
     int n_arguments;
     const char *truth;               /* directory of the true surfaces, for measuring; NULL when not given */
@@ -63,14 +64,15 @@ typedef struct host_options {
     host_span search, gradient;      /* mm, of image forces; search.from also of surface forces */
     uint32_t clusters;               /* HOST_CLUSTERS_... */
     uint32_t quiet;
-    uint32_t vertex_errors;     /* 1: results have seen and expected_error of each vertex */
-    uint32_t accept;            /* HOST_VERDICT_GOOD or _LOOK: the worst verdict with exit status 0 */
-    uint32_t seed;              /* seed of the phantom's patient */
-    uint32_t small;             /* 1: a coarse phantom */
-    uint32_t figure2, soak;     /* 1: this benchmark runs */
-    uint32_t repeats, step;     /* figure 2: repetitions of its times; distance of its points, % ignored */
-    double seconds;             /* soak: s per budget */
-    const char *prepare_option; /* the first option given that a prepared .smr refuses; NULL */
+    uint32_t paper;                  /* 1: both configurations start from the paper's */
+    uint32_t vertex_errors;          /* 1: results have seen and expected_error of each vertex */
+    uint32_t accept;                 /* HOST_VERDICT_GOOD or _LOOK: the worst verdict with exit status 0 */
+    uint32_t seed;                   /* seed of the phantom's patient */
+    uint32_t small;                  /* 1: a coarse phantom */
+    uint32_t figure1, figure2, soak; /* 1: this benchmark runs */
+    uint32_t repeats, step;          /* figure 2: repetitions of its times; distance of its points, % ignored */
+    double seconds;                  /* soak: s per budget */
+    const char *prepare_option;      /* the first option given that a prepared .smr refuses; NULL */
     smr_prepare_config prepare;
     smr_config config;
 } host_options;

@@ -12,17 +12,34 @@
 /* mm: about what clusters of the coarsest radius put right themselves; points clicked in an image are uncertain */
 #define IMAGE_SMOOTHING 100.0f
 
-/* A benchmark of the computed thigh, or of files: then the model, both images and the truth. */
-static int check_bench(const host_options *options, host_error *error)
+/* Of files: the model and its targets, for figure 1 surfaces; else also both images and the truth. All or none. */
+static int check_bench_files(const host_options *options, host_error *error)
 {
     static const char *const needed[] = {"--model", "--target", "--reference", "--truth"};
-    static const char *const optional[] = {"--landmarks", "--mirror-model", "--mirror-target"};
+    const size_t n = options->figure1 ? 2 : sizeof needed / sizeof needed[0];
+    size_t i = 0;
+    for (i = 0; i < sizeof needed / sizeof needed[0]; i++) {
+        error->file = needed[i];
+        if (i >= n && host_option_given(options, needed[i]))
+            return host_fail(error, "option", "--figure2 or --soak beside it");
+        if (i < n && (options->model.n > 0) != host_option_given(options, needed[i]))
+            return host_fail(error, "option",
+                             options->figure1 ? "both --model and --target, or none"
+                                              : "all of --model, --target, --reference and --truth, or none");
+    }
+    return 0;
+}
+
+/* A benchmark of the computed thigh, or of files. */
+static int check_bench(const host_options *options, host_error *error)
+{
+    static const char *const optional[] = {"--landmarks", "--mirror-model", "--mirror-target", "--align"};
     static const char *const computed[] = {"--seed", "--small"};
     static const char *const figure[] = {"--repeats", "--step"};
     const int files = options->model.n > 0;
     size_t i = 0;
-    if (options->figure2 + options->soak != 1u)
-        return host_fail(error, "bench", "either --figure2 or --soak");
+    if (options->figure1 + options->figure2 + options->soak != 1u)
+        return host_fail(error, "bench", "one of --figure1, --figure2 and --soak");
     if (options->out == NULL)
         return host_fail(error, "-o", "the directory for the results");
     error->file = "--seconds";
@@ -43,12 +60,10 @@ static int check_bench(const host_options *options, host_error *error)
         if (!files && host_option_given(options, optional[i]))
             return host_fail(error, "option", "--model beside it");
     }
-    for (i = 0; i < sizeof needed / sizeof needed[0]; i++) {
-        error->file = needed[i];
-        if (files != host_option_given(options, needed[i]))
-            return host_fail(error, "option", "all of --model, --target, --reference and --truth, or none");
-    }
-    return 0;
+    error->file = "--align";
+    if (host_option_given(options, error->file) && !options->figure1)
+        return host_fail(error, "option", "--figure1 beside it");
+    return check_bench_files(options, error);
 }
 
 /* What carries something by a result. */
@@ -160,10 +175,10 @@ static int check_targets(host_options *options, host_error *error)
 
 static float low_of(float a, float b) { return a < b ? a : b; }
 
-/* The library's defaults for images, where no option says otherwise. */
+/* The library's defaults for images, or the paper's, where no option says otherwise. */
 static void set_image_config(host_options *options)
 {
-    const smr_config image = smr_config_default_image();
+    const smr_config image = options->paper ? smr_config_paper() : smr_config_default_image();
     smr_config *const config = &options->config;
     config->profile_mm = options->search.n > 0 ? options->search.from : image.profile_mm;
     config->profile_end_mm =
@@ -175,7 +190,7 @@ static void set_image_config(host_options *options)
     config->momentum_last = image.momentum_last;
     config->n_target_vertices = 0;
     if (!host_option_given(options, "--smoothing"))
-        options->smoothing = IMAGE_SMOOTHING;
+        options->smoothing = options->paper ? 0.0f : IMAGE_SMOOTHING;
     if (!host_option_given(options, "--plastic-every"))
         config->plastic_every = image.plastic_every;
     if (!host_option_given(options, "--iterations"))
@@ -219,11 +234,11 @@ static int settle_targets(host_options *options, host_error *error)
     uint32_t i = 0;
     for (i = 0; i < options->target.n; i++)
         options->image_target |= host_is_volume_path(options->target.path[i]);
-    if (options->command == HOST_BENCH && options->target.n > 0 && !options->image_target) {
+    if (options->command == HOST_BENCH && options->target.n > 0 && options->image_target == (int)options->figure1) {
         error->file = "--target";
-        return host_fail(error, "files", "one volume");
+        return host_fail(error, "files", options->figure1 ? "surfaces" : "one volume");
     }
-    options->image_target |= options->command == HOST_BENCH;
+    options->image_target |= options->command == HOST_BENCH && !options->figure1;
     if ((options->command == HOST_REGISTER || options->target.n > 0) && check_targets(options, error) != 0)
         return -1;
     if (check_search(options, error) != 0 || check_profiles(options, error) != 0)

@@ -177,7 +177,17 @@ static int read_option(int argc, char **argv, int *at, host_options *options, ho
     return 0;
 }
 
-static int set_defaults(int command, host_options *options)
+/* Whether --paper is given anywhere: what other options set counts, whichever comes first. */
+static int wants_paper(int argc, char **argv)
+{
+    int i = 0;
+    for (i = 2; i < argc; i++)
+        if (strcmp(argv[i], "--paper") == 0)
+            return 1;
+    return 0;
+}
+
+static int set_defaults(int command, int paper, host_options *options)
 {
     memset(options, 0, sizeof *options);
     options->command = command;
@@ -187,8 +197,8 @@ static int set_defaults(int command, host_options *options)
     options->seconds = 4.0;
     options->mirror_model = HOST_MIRROR_NONE;
     options->mirror_target = HOST_MIRROR_NONE;
-    options->prepare = smr_prepare_config_default();
-    options->config = smr_config_default();
+    options->prepare = paper ? smr_prepare_config_paper() : smr_prepare_config_default();
+    options->config = paper ? smr_config_paper() : smr_config_default();
     options->model.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->target.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->operands.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
@@ -205,7 +215,7 @@ int host_options_read(int command, int argc, char **argv, host_options *options,
 {
     int at = 2;
     error->file = "usage";
-    if (set_defaults(command, options) != 0)
+    if (set_defaults(command, wants_paper(argc, argv), options) != 0)
         return host_fail(error, "start", "free memory");
     options->arguments = argv + at;
     options->n_arguments = argc - at;

@@ -11,8 +11,7 @@ static int copy_result(host_job *job, uint32_t i, host_error *error)
     const host_mesh *const rest = &job->model.part[i].mesh;
     host_result *const result = &job->result[i];
     error->file = "register";
-    memset(&result->mesh, 0, sizeof result->mesh);
-    if (host_mesh_append(&result->mesh, rest) != 0)
+    if (result->mesh.xyz == NULL && host_mesh_append(&result->mesh, rest) != 0)
         return host_fail_at(error, "structure", i, "free memory");
     if (smr_get_positions(job->state, i, result->mesh.xyz) != SMR_OK ||
         smr_get_structure_report(job->state, i, &result->report) != SMR_OK)
@@ -90,6 +89,7 @@ int host_job_evaluate(host_job *job, host_error *error)
     if (measure_all(job, error) != 0)
         return -1;
     error->file = "register";
+    job->folds = job->folds_absolute = 0;
     host_parallel(&job->port.port, count_folds, job, job->model.n_parts);
     for (i = 0; i < job->model.n_parts; i++) {
         if (job->result[i].folds_absolute == UINT64_MAX)

@@ -65,6 +65,8 @@ void host_job_free(host_job *job)
     free(job->result);
     free(job->target);
     free(job->tick_ms);
+    free(job->trace_xyz);
+    host_buffer_free(&job->trace);
     free(job->arena);
     free(job->log_memory);
     free(job->start_xyz);

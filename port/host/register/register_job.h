@@ -74,7 +74,11 @@ typedef struct host_job {
     smr_tick_report last;          /* report of the last tick */
     int target_seen;               /* 1: a vertex had a goal in some iteration */
     uint32_t ticks, overruns;
-    float *tick_ms; /* [ticks], owned */
+    float *tick_ms;    /* [ticks], owned */
+    double ticks_s;    /* of all ticks */
+    host_buffer trace; /* content of the trace's file; owned */
+    float *trace_xyz;  /* [all vertices][3], positions of its last row; owned; NULL without */
+    double trace_s;    /* spent on it */
     size_t tick_capacity;
     double start_s, register_s, load_s, measure_s, begin_s;
     host_two_way area, vertices; /* over all structures with a target */
@@ -93,7 +97,7 @@ int host_job_start(host_job *job, host_error *error);    /* target surfaces; sta
 int host_job_prepare(host_job *job, host_error *error);  /* prepares the model and calls host_job_start, in parallel */
 int host_job_begin(host_job *job, host_error *error);    /* allocates the arena, calls smr_init */
 int host_job_run(host_job *job, host_error *error);      /* runs ticks to the end of the schedule */
-int host_job_evaluate(host_job *job, host_error *error); /* measures the results */
+int host_job_evaluate(host_job *job, host_error *error); /* measures the results as they are, any number of times */
 void host_job_free(host_job *job);
 
 /* Judges the result: fills the verdicts, after host_job_evaluate. */
@@ -115,6 +119,10 @@ int host_job_make_surfaces(host_job *job, host_error *error);
 /* register_log.c: starts recording, right after host_job_begin; writes the content of the log file. */
 int host_job_record(host_job *job, host_error *error);
 int host_job_log(const host_job *job, host_buffer *out, host_error *error);
+
+/* register_trace.c: starts the trace with the row of the start; adds the row of a complete iteration. */
+int host_job_trace_begin(host_job *job, host_error *error);
+int host_job_trace_row(host_job *job, uint32_t radius, host_error *error);
 
 /* 1 when nothing draws a structure: it has no target and no landmark goals, or no triangles. */
 static inline int host_job_carries(const host_job *job, uint32_t part)

@@ -94,6 +94,7 @@ static int record(host_job *job, double seconds, host_error *error)
         job->tick_capacity = capacity;
     }
     job->tick_ms[job->ticks++] = (float)(seconds * 1e3);
+    job->ticks_s += seconds;
     if (job->options->budget_ms > 0.0 && seconds * 1e3 > job->options->budget_ms)
         job->overruns++;
     return 0;
@@ -118,13 +119,15 @@ int host_job_run(host_job *job, host_error *error)
     const uint64_t budget_ns = job->options->budget_ms > 0.0 && whole_ns == 0u ? 1u : whole_ns;
     const uint32_t limit = job->options->ticks > 0 ? job->options->ticks : TICKS_MAX;
     const int talk = !job->options->quiet && isatty(2);
+    const int traced = job->options->trace != NULL;
     const double start = host_seconds();
     double now = start, shown = start;
-    if (set_up(job, error) != 0)
+    if (set_up(job, error) != 0 || (traced && host_job_trace_begin(job, error) != 0))
         return -1;
     now = host_seconds();
     while (job->ticks < limit && !job->last.done) {
         const double before = now;
+        const uint32_t radius = job->last.radius, iteration = job->last.iteration;
         const smr_status status = smr_tick(job->state, budget_ns, &job->last);
         now = host_seconds();
         if (status < 0)
@@ -132,13 +135,16 @@ int host_job_run(host_job *job, host_error *error)
         job->target_seen |= job->last.n_forces > 0;
         if (record(job, now - before, error) != 0)
             return -1;
+        if (traced && job->last.iteration != iteration && host_job_trace_row(job, radius, error) != 0)
+            return -1;
         if (talk && now - shown > PROGRESS_EVERY_S) {
             show(job, now - start);
             shown = now;
         }
+        now = traced ? host_seconds() : now;
     }
     if (talk && shown > start)
         (void)fputs("\r\033[K", stderr);
-    job->register_s = host_seconds() - start;
+    job->register_s = host_seconds() - start - job->trace_s;
     return 0;
 }

@@ -156,6 +156,8 @@ static void build_target(void *arg, uint32_t task, uint32_t worker)
     host_target *const target = (host_target *)arg + task;
     const smr_mesh view = host_mesh_view(&target->mesh);
     (void)worker;
+    if (target->memory != NULL)
+        return; /* it stands already */
     if (target->users > 0 && target->mesh.n_triangles == 0)
         target->points = host_points_make(&target->mesh, &target->memory);
     else if (target->users > 0)
