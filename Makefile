@@ -92,7 +92,7 @@ ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT
 
 # ---------------------------------------------------------------- the first target, and the list of all
 
-.PHONY: all help demo demo-bone check check-quick experiments programs layer-objects cmocka bench figure2 soak size \
+.PHONY: all help demo demo-bone check check-quick experiments programs layer-objects cmocka bench figure1 figure2 soak size \
         stack hashes settings-page golden-update timing timing-update install clean
 .DELETE_ON_ERROR:
 
@@ -108,6 +108,7 @@ help:
 	@echo 'make results         measures and writes docs/RESULTS.md and README'"'"'s table; many minutes'
 	@echo 'make results-short   the same without what takes minutes: at most 8'
 	@echo 'make bench           benchmarks; writes $(BUILD)/bench.json'
+	@echo 'make figure1         the paper'"'"'s figure 1, distance over time for four radii, into docs/figures'
 	@echo 'make figure2         the paper'"'"'s figure 2, time and error over ignored vertices, into docs/figures'
 	@echo 'make soak            how far ticks overrun budgets of 1 to 33 ms on this machine; asserts nothing'
 	@echo 'make size            code and data size of the library'
@@ -271,6 +272,8 @@ results results-short: all $(BUILD)/fixture_write $(EXPERIMENTS) $(BENCHES) $(BU
 bench: $(BENCHES)
 	@BUILD="$(BUILD)" sh tests/run_bench.sh $(BENCHES)
 
+figure1: $(PROGRAM)
+	$(Q)$(BUILD)/smr bench --figure1 -o docs/figures
 figure2: $(PROGRAM)
 	$(Q)$(BUILD)/smr bench --figure2 -o docs/figures
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# smr bench: figure 2 and the soak: what is written, read back and recomputed; bad options. Times are never judged.
+# smr bench: figures 1 and 2 and the soak: what is written, read back and recomputed; bad options. Times are never judged.
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
@@ -128,6 +128,47 @@ case ${CFLAGS:-} in
         END { exit !(n == 9 && !bad) }'"
     ;;
 esac
+# Figure 1: of two femurs, from files and computed.
+for option in "--repeats 1" "--step 10" "--seconds 1" "--reference data/mri_reference.mha" "--truth data/truth"; do
+    # shellcheck disable=SC2086
+    refused "$option of figure 1" "${option%% *}" "$SMR" bench --figure1 -o new $option
+done
+refused "two figures" usage "$SMR" bench --figure1 --figure2 -o new
+refused "a model alone" --target "$SMR" bench --figure1 -o new --model data/model/femur.ply
+refused "a volume as the target of figure 1" --target "$SMR" bench --figure1 -o new --model data/model/femur.ply \
+    --target data/mri_patient.mha
+refused "--align of figure 2" --align "$SMR" bench --figure2 -o new --model data/model/femur.ply $(echo $files) --align rigid
+refused "--align of the computed femur" --align "$SMR" bench --figure1 -o new --align rigid
+# figure1 NAME DIR: 2 methods, elastic and plastic, 4 radii, 16 points; what the paper's figure 1 shows.
+figure1() {
+    check "$1: columns and rows" awk -F, 'NF != 9 { bad = 1 } NR > 1 { n[$1 $2 $3]++; if (!($6 > 0) || !($7 >= 0) || $7 > $6) bad = 1 }
+        END { for (k in n) { if (n[k] != 16) bad = 1; m++ } exit !(!bad && m == 16) }' "$2/figure1.csv"
+    check "$1: time goes on with the iterations" awk -F, 'NR > 1 { if ($4 == 0 ? $5 != 0 : $4 <= i || $5 <= t) bad = 1; i = $4; t = $5 } END { exit bad }' "$2/figure1.csv"
+    check "$1: all start from one place" [ "$(awk -F, '$4 == 0 { print $6 }' "$2/figure1.csv" | sort -u | wc -l)" -eq 1 ]
+    check "$1: x^r follows where it is plastic" awk -F, 'NR > 1 && $4 == 150 && ($9 > 0) != ($2 == "plastic") { bad = 1 } END { exit bad }' "$2/figure1.csv"
+    check "$1: the stiffer, the farther in the end" awk -F, 'NR > 1 && $4 == 150 && $2 == "elastic" { if ($3 != 100 && $7 >= d) bad = 1; d = $7 } END { exit bad }' "$2/figure1.csv"
+    check "$1: plastic is nearer than elastic" awk -F, 'NR > 1 && $4 == 150 { d[$1 $3 $2] = $7; k[$1 $3] = 1 }
+        END { for (i in k) { n++; if (d[i "plastic"] >= d[i "elastic"]) bad = 1 } exit !(!bad && n == 8) }' "$2/figure1.csv"
+    check "$1: both methods agree" awk -F, 'NR > 1 && $4 == 150 && $3 > 20 { k = $2 $3; if (k in d) { e = d[k] / $7; n++; if (e < 0.8 || e > 1.25) bad = 1 } d[k] = $7 } END { exit !(!bad && n == 6) }' "$2/figure1.csv"
+    check "$1: every point is in the picture" [ "$(grep -o '<circle' "$2/figure1.svg" | wc -l)" -eq $((16 * 16 + 16)) ]
+    check "$1: which is small" [ "$(wc -c <"$2/figure1.svg")" -lt 60000 ]
+    check "$1: and stands alone" sh -c "! grep -qE 'href|url\(|<script|<image|nan|inf' '$2/figure1.svg'"
+    for words in 'Hausdorff distance, mm' 'time, ms, one thread' 'Rigid-body kinematics' 'Polar decomposition' '100 mm, elastic' '20 mm, plastic'; do
+        check "$1: it says $words" grep -qF "$words" "$2/figure1.svg"
+    done
+}
+case ${CFLAGS:-} in
+*sanitize*) skip "figure 1" "too slow in an instrumented build" ;;
+*)
+    blob 5 30 20 60 0.05 >bone.ply
+    blob 6 33 19 63 0.08 >target.ply
+    check "figure 1 of files" "$SMR" bench --figure1 --align similarity -o bones --model bone.ply --target target.ply --threads 1
+    check "has all curves" [ "$(wc -l <bones/figure1.csv)" -eq 257 ]
+    check "figure 1 of the computed femur" sh -c "[ -z \"\$('$SMR' bench --figure1 --small --quiet -o deep/femur)\" ]"
+    figure1 "computed" deep/femur
+    ;;
+esac
+
 check "--quiet is quiet" sh -c "[ -z \"\$('$SMR' bench --soak --seconds 0.01 --small --quiet -o soak)\" ]"
 check "a soak: bins of both targets" awk -F, 'NR == 1 { bad = NF != 6; next } { n[$1]++; ticks[$1 $2 $3] += $6; bad += NF != 6 }
     END { for (k in ticks) bad += ticks[k] == 0; exit !(!bad && n["surface"] == 144 && n["image"] == 144) }' soak/soak.csv

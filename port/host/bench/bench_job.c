@@ -13,13 +13,13 @@ static int refuse(host_error *error, const char *place, smr_status status)
     return host_fail(error, place, "input and options within the library's limits (%s)", smr_status_name(status));
 }
 
-/* Moves the thigh's surfaces into the job. The thigh keeps its images and landmarks. */
-static void take_structure(host_bench *bench, uint32_t i)
+/* Moves the surfaces of a part of the thigh into the job, as structure i. The thigh keeps its images and landmarks. */
+static void take_structure(host_bench *bench, uint32_t part, uint32_t i)
 {
     host_job *const job = &bench->job;
-    host_mesh *const model = &bench->thigh->mesh[HOST_THIGH_MODEL][i];
-    host_mesh *const truth = &bench->thigh->mesh[HOST_THIGH_PATIENT][i];
-    const char *const name = bench->thigh->thigh.part[i].name;
+    host_mesh *const model = &bench->thigh->mesh[HOST_THIGH_MODEL][part];
+    host_mesh *const truth = &bench->thigh->mesh[HOST_THIGH_PATIENT][part];
+    const char *const name = bench->thigh->thigh.part[part].name;
     strncpy(job->model.part[i].name, name, sizeof job->model.part[i].name - 1u);
     strncpy(job->target[i].name, name, sizeof job->target[i].name - 1u);
     job->model.part[i].mesh = *model;
@@ -46,11 +46,14 @@ static int take_thigh(host_bench *bench, host_error *error)
         (void)host_thigh_landmark(bench->thigh, HOST_THIGH_MODEL, i, from[i]);
         (void)host_thigh_landmark(bench->thigh, HOST_THIGH_PATIENT, i, to[i]);
     }
-    job->model.n_parts = job->n_targets = FIXTURE_THIGH_PARTS;
     for (i = 0; i < FIXTURE_THIGH_PARTS; i++)
-        take_structure(bench, i);
-    job->reference.view = host_thigh_image(bench->thigh, HOST_THIGH_MODEL);
-    job->image.view = host_thigh_image(bench->thigh, HOST_THIGH_PATIENT);
+        if (!bench->given->figure1 || strcmp(bench->thigh->thigh.part[i].name, "femur") == 0)
+            take_structure(bench, i, job->n_targets++);
+    job->model.n_parts = job->n_targets;
+    if (!bench->given->figure1) {
+        job->reference.view = host_thigh_image(bench->thigh, HOST_THIGH_MODEL);
+        job->image.view = host_thigh_image(bench->thigh, HOST_THIGH_PATIENT);
+    }
     job->n_landmarks = FIXTURE_THIGH_LANDMARKS;
     return host_job_place_pairs(job, from[0], to[0], error);
 }
@@ -68,6 +71,8 @@ int host_bench_load(host_bench *bench, const host_options *options, host_error *
     bench->given = options;
     bench->options = *options;
     bench->options.quiet = 1;
+    if (options->figure1 && options->model.n == 0) /* a spline would leave little to do */
+        bench->options.align = HOST_ALIGN_SIMILARITY;
     bench->job.options = &bench->options;
     if (host_port_open(&bench->job.port, options->threads, error) != 0)
         return -1;
@@ -77,7 +82,8 @@ int host_bench_load(host_bench *bench, const host_options *options, host_error *
     bench->thigh = calloc(1, sizeof *bench->thigh);
     if (bench->thigh == NULL)
         return host_fail(error, "start", "free memory");
-    if (host_thigh_make(bench->thigh, &bench->job.port.port, options->seed, options->small, error) != 0)
+    if (host_thigh_make(bench->thigh, &bench->job.port.port, options->seed, options->small, !options->figure1, error) !=
+        0)
         return -1;
     return take_thigh(bench, error);
 }
@@ -107,13 +113,15 @@ smr_status host_bench_start(const host_bench *bench)
     const host_job *const job = &bench->job;
     const float *xyz = job->start_xyz;
     smr_status status = SMR_OK;
-    smr_pose still;
+    smr_pose pose = job->pose;
     uint32_t i = 0;
-    memset(&still, 0, sizeof still);
-    for (i = 0; i < 3; i++)
-        still.m[i][i] = 1.0f;
+    if (job->options->align == HOST_ALIGN_NONE) {
+        memset(&pose, 0, sizeof pose);
+        for (i = 0; i < 3; i++)
+            pose.m[i][i] = 1.0f;
+    }
     if (xyz == NULL)
-        return smr_set_pose(job->state, &still);
+        return smr_set_pose(job->state, &pose);
     for (i = 0; status == SMR_OK && i < job->model.n_parts; i++) {
         status = smr_set_positions(job->state, i, xyz);
         xyz += 3u * (size_t)job->model.part[i].mesh.n_vertices;
@@ -137,7 +145,8 @@ int host_bench_init(host_bench *bench, const smr_config *config, const smr_port 
     if (status == SMR_OK && image)
         status = smr_set_volume(job->state, &job->image.view);
     for (i = 0; !image && status == SMR_OK && i < job->model.n_parts; i++)
-        status = smr_set_surface(job->state, i, job->target[i].surface);
+        if (job->result[i].target != HOST_NO_TARGET)
+            status = smr_set_surface(job->state, i, job->target[job->result[i].target].surface);
     return status == SMR_OK ? 0 : refuse(error, "set up", status);
 }
 
@@ -155,6 +164,7 @@ static void forget_result(host_job *job)
     free(job->arena);
     job->arena = NULL;
     job->ticks = 0;
+    job->ticks_s = 0.0;
     job->folds = job->folds_absolute = 0;
     memset(&job->last, 0, sizeof job->last);
 }

@@ -40,7 +40,7 @@ static frame frame_of(const host_plot *plot, uint32_t index)
             f.y_max = plot->curve[c].y[i] > f.y_max ? plot->curve[c].y[i] : f.y_max;
     if (!(f.y_max > 0.0))
         f.y_max = 1.0;
-    f.y_max *= HEADROOM;
+    f.y_max *= plot->headroom > 0.0 ? plot->headroom : HEADROOM;
     f.y_step = nice_step(f.y_max);
     f.y_max = f.y_step * ceil(f.y_max / f.y_step);
     return f;

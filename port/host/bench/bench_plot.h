@@ -20,6 +20,7 @@ typedef struct host_plot {
     host_curve curve[HOST_CURVES_MAX];
     uint32_t n_curves;
     double x_max;    /* both axes start at 0 */
+    double headroom; /* top of the y axis over the largest value; 0: enough for a short legend */
     int legend_left; /* 1: the legend is at the top left, 0: at the top right */
 } host_plot;
 

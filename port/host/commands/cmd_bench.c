@@ -1,4 +1,4 @@
-/* cmd_bench.c: smr bench: the paper's figure 2, and how far ticks go beyond their budgets.
+/* cmd_bench.c: smr bench: the paper's figures 1 and 2, and how far ticks go beyond their budgets.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 
@@ -19,7 +19,9 @@ int host_bench_run(const host_options *options, host_error *error)
     if (result == 0) {
         result = host_bench_load(bench, options, error);
         if (result == 0)
-            result = options->figure2 ? host_bench_figure2(bench, error) : host_bench_soak(bench, error);
+            result = options->figure1   ? host_bench_figure1(bench, error)
+                     : options->figure2 ? host_bench_figure2(bench, error)
+                                        : host_bench_soak(bench, error);
         host_bench_free(bench);
     }
     free(bench);

@@ -117,7 +117,7 @@ int host_phantom(const host_options *options, host_error *error)
     ph->options = options;
     if (host_output_check(options->out, error) == 0 && host_port_open(&ph->port, options->threads, error) == 0) {
         error->file = options->out;
-        if (host_thigh_make(&ph->thigh, &ph->port.port, options->seed, options->small, error) == 0 &&
+        if (host_thigh_make(&ph->thigh, &ph->port.port, options->seed, options->small, 1, error) == 0 &&
             write_phantom(ph, error) == 0)
             result = HOST_DONE;
     }

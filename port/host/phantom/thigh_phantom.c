@@ -106,14 +106,14 @@ static int make_images(host_thigh *ph, host_error *error)
     return 0;
 }
 
-int host_thigh_make(host_thigh *ph, const smr_port *port, uint32_t seed, uint32_t small, host_error *error)
+int host_thigh_make(host_thigh *ph, const smr_port *port, uint32_t seed, uint32_t small, int images, host_error *error)
 {
     ph->port = port;
     ph->small = small;
     fixture_thigh_init(&ph->thigh);
     fixture_thigh_pose(0, &ph->pose[HOST_THIGH_MODEL]);
     fixture_thigh_pose(seed, &ph->pose[HOST_THIGH_PATIENT]);
-    return make_meshes(ph, error) == 0 && make_images(ph, error) == 0 ? 0 : -1;
+    return make_meshes(ph, error) == 0 && (!images || make_images(ph, error) == 0) ? 0 : -1;
 }
 
 /* Landmarks are prominent vertices; the patient's have the error of a person's click. */

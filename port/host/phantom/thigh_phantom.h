@@ -22,8 +22,9 @@ typedef struct host_thigh {
     int failed[FIXTURE_THIGH_PARTS];
 } host_thigh;
 
-/* Computes the phantom. 0, or -1 with the error filled. Call host_thigh_free() in both cases. */
-int host_thigh_make(host_thigh *ph, const smr_port *port, uint32_t seed, uint32_t small, host_error *error);
+/* Computes the phantom, without its images where `images` is 0. 0, or -1 with the error filled. Call host_thigh_free()
+ * in both cases. */
+int host_thigh_make(host_thigh *ph, const smr_port *port, uint32_t seed, uint32_t small, int images, host_error *error);
 void host_thigh_free(host_thigh *ph);
 
 /* Landmark i < FIXTURE_THIGH_LANDMARKS: returns its name; at[3]: its position on the model or the patient, mm. */
