@@ -21,8 +21,7 @@ static const char *const start_lines[] = {
     "  smr info MODEL.smr | FILE...                           what a model, volumes, landmarks are",
     "  smr measure A B [--source S]                           distances both ways, Hausdorff, folds",
     "  smr replay LOG [--threads N]                           repeat a registration that register --log recorded",
-    "  smr carry --result DIR --points FILE -o FILE           points to where a registration took them (--inverse: "
-    "back)",
+    "  smr carry --result DIR --points FILE -o FILE           points to where a registration took them, or back",
     "  smr field --result DIR -o FILE                         its displacement field, for ITK and 3D Slicer",
     "  smr warp --result DIR --volume FILE -o FILE            the model's image, deformed as the model was",
     "  smr phantom -o DIR [--seed N] [--small]                a computed thigh to try it on: model, images, truth",
