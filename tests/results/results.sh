@@ -324,6 +324,38 @@ part_figure2() {
         "$out/figure2/figure2.csv" >>"$new"
 }
 
+# As the paper has it; its figure 1 on two femurs.
+part_paper() {
+    have thigh_patient paper || return 0
+    say paper
+    for who in patient person; do
+        have "thigh_$who" "paper.$who" || continue
+        set -- --model "$data"/hip_thigh_vhm/*.ply --reference "$data/thigh_patient/mri_reference.mha" \
+            --target "$data/thigh_$who/mri_$who.mha" --truth "$data/thigh_$who/truth" --paper \
+            --landmarks "$data/thigh_patient/landmarks_reference.mrk.json" "$data/thigh_$who/landmarks_$who.mrk.json"
+        register "paper_$who" "$@"
+        [ $who = person ] || register paper_start "$@" --ticks 1 --trace "$out/paper_start.csv"
+    done
+    r=$out/paper_patient/report.json
+    put paper.start "$(awk -F , 'NR == 2 { printf "%.2f mm", $4 }' "$out/paper_start.csv")"
+    put paper.mean_to "$(value "$r" distance_mm.model_to_target.mean '%.3f mm')"
+    put paper.mean_from "$(value "$r" distance_mm.target_to_model.mean '%.3f mm')"
+    put paper.vertex "$(value "$r" truth.vertex_to_vertex_mm.mean '%.3f mm')"
+    put paper.max_to "$(value "$r" distance_mm.model_to_target.max '%.2f mm')"
+    put paper.iterations "$(value "$r" iterations %d)"
+    put paper.folds "$(value "$r" folds %d)"
+    [ ! -f "$out/paper_person/report.json" ] || put paper.person "$(pair "$out/paper_person/report.json" distance_mm mean)"
+    have femurs "paper.femurs, paper.figure1" || return 0
+    set -- --model "$data/femurs/femur_2008_0019_left_3k.ply" --target "$data/femurs/femur_2007_5028_left_3k.ply" \
+        --align similarity
+    register paper_femurs "$@" --paper
+    put paper.femurs "$(pair "$out/paper_femurs/report.json" distance_mm mean)"
+    "$smr" bench --figure1 "$@" --quiet -o "$out/figure1" || return 0
+    awk -F , '$1 == "rigid" { end[$2, $3] = $6; radius[$3] = 1 }
+        END { for (r in radius) printf "paper.figure1_%d\t%.2f / %.2f mm\n", r, end["elastic", r], end["plastic", r] }' \
+        "$out/figure1/figure1.csv" >>"$new"
+}
+
 part_sizes() {
     say "size, stack"
     $make -s size >"$out/size.txt" 2>&1
@@ -337,7 +369,7 @@ part_sizes() {
 
 # ---------------------------------------------------------------- all of them, cheap ones first
 
-parts='clusters bone example pairs sides peers demo images ct sizes bench moved'
+parts='clusters bone example pairs sides peers demo images ct paper sizes bench moved'
 [ "$mode" = short ] || parts="$parts seeds variants figure2"
 for part in ${PARTS:-$parts}; do "part_$part"; done
 
