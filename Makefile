@@ -74,7 +74,7 @@ HOST_OBJ    := $(call obj,$(HOST_SRC))
 HOST_MAIN_OBJ := $(call obj,$(HOST_MAIN))
 FIXTURE_OBJ := $(call obj,$(FIXTURE_SRC))
 SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
-PRINT_OBJ   := $(call obj,tests/golden/print.c)
+PRINT_OBJ   := $(call obj,tests/golden/print.c tests/golden/golden_save.c)
 
 CORE_LIB    := $(BUILD)/libsmr.a
 PTHREAD_LIB := $(BUILD)/libsmr_pthread.a

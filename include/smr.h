@@ -36,7 +36,8 @@ typedef enum smr_status {
     SMR_E_INPUT = -6,   /* a count, index or coordinate in the data is out of range */
     SMR_E_STATE = -7,   /* the call is not possible in this state */
     SMR_E_ABORTED = -8, /* the progress callback asked to stop */
-    SMR_E_LOG = -9      /* not a log, other version, damaged, or cut off within a record */
+    SMR_E_LOG = -9,     /* not a log, other version, damaged, or cut off within a record */
+    SMR_E_SAVE = -10    /* not a saved registration, other version, damaged, or inconsistent */
 } smr_status;
 
 /* The status' name, for example "SMR_E_ARENA". Never NULL. */
@@ -1088,6 +1089,56 @@ smr_status smr_frame_poses(const float *rest, const float *now, uint32_t n, smr_
 /* Unit normals [n][3] carried by local maps [n][9], in place: perpendicular to what they were perpendicular to.
  * Errors: E_NULL, E_INPUT. */
 smr_status smr_frame_normals(const float *jacobians, float *normals, uint32_t n);
+
+/* ------------------------------------------------------------------ 10. pause, save and restore */
+
+/* A registration rests between any two ticks, as long as the caller likes: that is a pause. To go on in another arena,
+ * another program or on another processor, it is saved as bytes and restored: position-independent, little-endian on
+ * every host, checksummed. From there on it has the same bits as without the interruption, with any number of threads,
+ * and its reports say the same but for times; what it had learnt of times it learns anew. */
+
+/* Exact bytes smr_save() writes. Depends on model and configuration alone. Errors: E_NULL, E_STATE. */
+smr_status smr_save_bytes(const smr *s, size_t *bytes);
+
+/* Upper bound of smr_save_bytes() as a constant, for static storage. */
+#define SMR_SAVE_BYTES(n_vertices, n_structures, n_target_vertices, n_landmarks, method)                               \
+    ((size_t)1024u + ((method) == SMR_METHOD_RIGID ? (size_t)85u : (size_t)121u) * (n_vertices) +                      \
+     (size_t)44u * (n_structures) + (size_t)4u * (n_target_vertices) +                                                 \
+     ((n_landmarks) > 0u ? (size_t)4u + (n_vertices) + (size_t)200u * (n_landmarks) : (size_t)0u))
+
+/* Writes s to memory[bytes] (of any alignment). The model and inputs are not in it, but their checksums: one pass over
+ * each. Only between complete iterations: after a tick that returned SMR_PARTIAL, tick until SMR_OK.
+ * Errors: E_NULL, E_STATE (not a registration; called from within a tick; an iteration is under way; a target surface
+ * has changed; inputs are awaited; the port was refused), E_ARENA. */
+smr_status smr_save(const smr *s, void *memory, size_t bytes);
+
+typedef struct smr_saved_info {
+    size_t bytes;            /* of the save itself; more may lie behind it */
+    uint32_t library;        /* version that wrote it: major << 16 | minor << 8 | patch */
+    uint32_t model_checksum; /* smr_model_info.checksum */
+    uint32_t n_vertices;     /* of the model */
+    smr_config config;       /* as it was given to smr_init; unchecked */
+} smr_saved_info;
+
+/* What saved[saved_bytes] holds: smr_arena_bytes() with info->config says what smr_restore() needs.
+ * Errors: E_NULL, E_SAVE; *info untouched then. */
+smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *info);
+
+/* Sets up the registration that saved[saved_bytes] (of any alignment, from anywhere) holds, in arena like smr_init().
+ * config: NULL, or as it was saved but for n_workers. port, model and arena as for smr_init(); saved may go afterwards.
+ * Positions and normals can be read at once. What was borrowed when it was saved must be set again, each input once, by
+ * smr_set_surface() or smr_set_points() for a structure or SMR_ALL, smr_set_volume(), smr_set_goals(), smr_set_force()
+ * (which is taken on trust), and smr_set_log() with the log
+ * (NULL: recording ends). Until then other calls that change or judge anything return E_STATE. An input that is not
+ * the one from before, by its checksum, or is shared by other structures, is refused with E_INPUT (a log: E_LOG).
+ * Setting inputs again restarts nothing and is not recorded: the log goes on as if there had been no interruption.
+ * Errors: E_NULL, E_SAVE, E_MODEL (another model), E_CONFIG, E_ALIGN, E_ARENA, E_INPUT; *s and arena untouched then. */
+smr_status smr_restore(const smr_model *model, const smr_config *config, const smr_port *port, const void *saved,
+                       size_t saved_bytes, void *arena, size_t bytes, smr **s);
+
+/* Inputs that must still be set again before s goes on: structures with a surface, the image, the log. 0 for one that
+ * was not restored. Errors: E_NULL, E_STATE. */
+smr_status smr_get_awaited(const smr *s, uint32_t *n);
 
 #ifdef __cplusplus
 }

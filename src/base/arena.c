@@ -25,7 +25,7 @@ void __asan_unpoison_memory_region(void const volatile *addr, size_t size);
 
 smr_arena smr_arena_measure(void)
 {
-    smr_arena a = {NULL, 0, 0};
+    smr_arena a = {NULL, 0, 0, NULL};
     return a;
 }
 
@@ -38,6 +38,7 @@ smr_status smr_arena_start(smr_arena *a, void *base, size_t capacity)
     a->base = base;
     a->capacity = capacity;
     a->used = 0;
+    a->keeper = NULL;
     return SMR_OK;
 }
 

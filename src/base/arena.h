@@ -10,6 +10,7 @@ typedef struct smr_arena {
     unsigned char *base; /* start of the memory; NULL: measure only */
     size_t capacity;     /* bytes at base */
     size_t used;         /* bytes requested so far, above capacity when short; SIZE_MAX after an overflow of size_t */
+    struct smr_keeper *keeper; /* what is kept is gone over, and nothing placed (keep.h); NULL: slots are placed */
 } smr_arena;
 
 /* Returns an arena that only measures. */

@@ -2,6 +2,7 @@
  * here.
  *
  *   memory          steps of an iteration, in order                           what it holds
+ *   record          smr_restore() -> the last input is set again              checksums of what is waited for
  *   record          fill -> forces                                            rings: middle of mesh neighbours
  *                   point spread -> forces                                    spread: pulls of a cloud's points
  *                   reference records -> their sums                           moments of x^r
@@ -20,7 +21,7 @@
 #ifndef SMR_OVERLAID_MEMORY_H
 #define SMR_OVERLAID_MEMORY_H
 
-#include "base/arena.h"
+#include "base/keep.h"
 
 /* What a task leaves for the end of its step; reduced in task order. */
 typedef union smr_tally {
@@ -77,9 +78,9 @@ static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, 
                                       uint32_t n_tallies)
 {
     const size_t n_words = (size_t)n * words;
-    o->record = smr_arena_take(a, n, words * sizeof(uint32_t));
-    o->sum = smr_arena_take(a, n_words > n_sum ? n_words : n_sum, sizeof(uint32_t));
-    o->tally = smr_arena_take(a, n_tallies, sizeof *o->tally);
+    o->record = smr_slot_scratch(a, o->record, n, words * sizeof(uint32_t));
+    o->sum = smr_slot_scratch(a, o->sum, n_words > n_sum ? n_words : n_sum, sizeof(uint32_t));
+    o->tally = smr_slot_scratch(a, o->tally, n_tallies, sizeof *o->tally);
     if (o->record == NULL)
         return;
     o->rings.sum = (float *)o->record;

@@ -20,6 +20,7 @@ struct smr {
     uint32_t step, next_task; /* where the tick stands: step of the iteration, tasks of it already done */
     uint32_t ticking;         /* 1: a tick is under way, perhaps in this very thread: nothing may be set */
     uint32_t refused;         /* 1: the port used a worker number that it has not; until positions are set anew */
+    uint32_t n_awaited;       /* inputs that must be set again: a restored one lacks them (setup/waiting.c) */
     const struct smr *placed; /* where smr_init() put it. A copy's arrays would be the original's */
     smr_port port;
     smr_shared shared;
@@ -42,5 +43,8 @@ static inline int smr_valid(const smr *s) { return s != NULL && s->magic == SMR_
 
 /* 1 when it may be changed, too: not from within a tick, as the port's functions or tasks beside this one are. */
 static inline int smr_changeable(const smr *s) { return smr_valid(s) && !s->ticking; }
+
+/* 1 when it may run: besides, none of its inputs is missing. */
+static inline int smr_ready(const smr *s) { return smr_changeable(s) && s->n_awaited == 0u; }
 
 #endif

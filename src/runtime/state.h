@@ -4,7 +4,7 @@
 #ifndef SMR_STATE_H
 #define SMR_STATE_H
 
-#include "base/arena.h"
+#include "base/keep.h"
 #include "base/vec.h"
 #include "model/model.h"
 
@@ -12,6 +12,10 @@
 #define SMR_CHUNK 128u          /* vertices of a task */
 #define SMR_MATCH_CHUNK 32u     /* vertices of a task that does much for each */
 #define SMR_TRIANGLE_CHUNK 256u /* triangles of a task */
+
+/* Ranges of kept values (base/keep.h). */
+#define SMR_KEPT_MM 2.0e6f   /* coordinates and distances: what legal inputs come to is well below */
+#define SMR_KEPT_UNIT 1.001f /* entries of unit vectors and rotations */
 
 /* Model, configuration and what follows from them. Written by setup, constant afterwards. */
 typedef struct smr_shared {

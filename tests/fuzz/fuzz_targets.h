@@ -11,4 +11,7 @@ int fuzz_model_open(const uint8_t *data, size_t size);
 int fuzz_mesh(const uint8_t *data, size_t size);
 int fuzz_log(const uint8_t *data, size_t size);
 
+/* fuzz_save.c: the kept values of a save. */
+int fuzz_save(const uint8_t *data, size_t size);
+
 #endif

@@ -4,8 +4,10 @@
  * half of the target> <CRC-32 of the models without and with profiles, of the start pose's facts and of the expected
  * errors> <state after a run onto a cloud of points that grows> <CRC-32 of carried points, and of the way back>
  * <state after a run drawn by landmarks, goals and a force of the caller's beside the target> <state after an image
- * run as the paper has it>.
- * Hosted: golden [threads N | workers N | reverse | shuffle | interleave]; without an argument a plain loop.
+ * run as the paper has it> <checksums of saves in the middle of the polar and the image run, which went on from them
+ * to the same state>.
+ * Hosted: golden [threads N | workers N | reverse | shuffle | interleave | saves FILE | restores FILE]; without an
+ * argument a plain loop. saves writes the saves as well, restores goes on from another processor's.
  * Bare metal (SMR_BAREMETAL): no argument; the buffers go to the section .arena.
  * SPDX-License-Identifier: MIT */
 #include <smr.h>
@@ -14,6 +16,7 @@
 
 #include "fixture_bone.h"
 #include "fixture_thigh.h"
+#include "golden_save.h"
 #include "print.h"
 
 #ifdef SMR_BAREMETAL
@@ -30,6 +33,7 @@
 #define GOLDEN_CELL FIXTURE_CELL_SMALL
 #define GOLDEN_WORKERS 8u
 #define GOLDEN_TICKS 40u
+#define GOLDEN_STOP 5u /* ticks before a run is interrupted */
 
 /* Static, so the sizes are numbers; golden_sizes() checks that the queries agree. */
 GOLDEN_MEMORY unsigned char golden_arena[SMR_ARENA_BYTES(1024, 2048, 1, GOLDEN_WORKERS, 1024, SMR_METHOD_POLAR)];
@@ -38,6 +42,9 @@ GOLDEN_MEMORY unsigned char golden_image[2u << 20];
 GOLDEN_MEMORY unsigned char golden_target[1u << 20];
 GOLDEN_MEMORY unsigned char golden_source[1u << 20];
 GOLDEN_MEMORY float golden_words[16384];
+GOLDEN_MEMORY unsigned char golden_save_memory[2u * SMR_SAVE_BYTES(1024, 2, 1024, 0, SMR_METHOD_POLAR)];
+static golden_saves golden_saved = {golden_save_memory, sizeof golden_save_memory, 0, 0, 0};
+static int golden_interrupts; /* 1: runs are saved and restored in the middle */
 GOLDEN_MEMORY float golden_xyz[2][3 * 1024];
 GOLDEN_MEMORY uint32_t golden_triangles[2][3 * 2048];
 
@@ -54,6 +61,19 @@ static uint32_t golden_crc(const unsigned char *bytes, size_t n)
 }
 
 static int golden_ok(const char *step, int status) { return print_ok("smr-hash", step, status); }
+
+/* The ticks of a run. */
+static int golden_ticks(smr **s, const smr_model *model, const smr_surface *target, const smr_volume *volume,
+                        smr_tick_report *report)
+{
+    const golden_inputs inputs = {model, target, volume, golden_arena, sizeof golden_arena};
+    for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++)
+        if ((tick == GOLDEN_STOP && golden_interrupts &&
+             !golden_ok("interrupt", golden_interrupt(&golden_saved, &inputs, s))) ||
+            !golden_ok("tick", smr_tick(*s, 0, report)))
+            return 0;
+    return 1;
+}
 
 /* Source and target meshes into golden_xyz and golden_triangles. */
 static int golden_meshes(smr_mesh *mesh)
@@ -110,11 +130,8 @@ static int golden_run(const smr_model *model, const smr_surface *target, const s
     config.iterations_last = 40;
     if (!golden_ok("init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
         (pose != NULL && !golden_ok("pose", smr_set_pose(s, pose))) ||
-        !golden_ok("surface", smr_set_surface(s, SMR_ALL, target)))
+        !golden_ok("surface", smr_set_surface(s, SMR_ALL, target)) || !golden_ticks(&s, model, target, NULL, &report))
         return 0;
-    for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++)
-        if (!golden_ok("tick", smr_tick(s, 0, &report)))
-            return 0;
     *state = s;
     *hash = smr_state_hash(s);
     return 1;
@@ -300,11 +317,9 @@ static int golden_image_run(const smr_port *port, smr_prepare_config prepare, sm
         if (!golden_ok("image start", smr_set_positions(s, i, golden_truth[i])))
             return 0;
     }
-    if (!golden_ok("image volume", smr_set_volume(s, &volume[1])))
+    if (!golden_ok("image volume", smr_set_volume(s, &volume[1])) ||
+        !golden_ticks(&s, model, NULL, &volume[1], &report))
         return 0;
-    for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++)
-        if (!golden_ok("image tick", smr_tick(s, 0, &report)))
-            return 0;
     *hash = smr_state_hash(s);
     *crc = golden_crc(golden_image, bytes);
     return golden_ok("image forces",
@@ -378,7 +393,7 @@ static int golden_main(const smr_port *port)
     smr_surface *source = NULL, *target = NULL;
     smr_pose pose;
     size_t image_bytes = 0;
-    uint64_t rigid = 0, polar = 0, image[2] = {0, 0}, half = 0, points = 0, drawn = 0;
+    uint64_t rigid = 0, polar = 0, image[2] = {0, 0}, half = 0, points = 0, drawn = 0, again[2];
     uint32_t crc = 0, crc_image = 0, crc_start = 0, crc_half = 0, crc_carry = 0;
     smr *s = NULL;
     if (!golden_ok("self test", smr_self_test() == 0u ? SMR_OK : SMR_E_STATE) || !golden_meshes(mesh) ||
@@ -389,17 +404,28 @@ static int golden_main(const smr_port *port)
         !golden_run(model, target, port, SMR_METHOD_RIGID, NULL, &s, &rigid) ||
         !golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &s, &polar) ||
         !golden_carry(s, &mesh[0], port, &crc_carry) || !golden_drawn(model, &mesh[0], target, port, &drawn) ||
-        !golden_half(model, mesh[1], port, &half, &crc_half) || !golden_points(model, &mesh[1], port, &points))
+        !golden_half(model, mesh[1], port, &half, &crc_half) || !golden_points(model, &mesh[1], port, &points) ||
+        !golden_ok("target again", smr_surface_build(&mesh[1], golden_target, sizeof golden_target, &target)))
         return 1;
+    golden_interrupts = 1;
+    if (!golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &s, &again[0]) ||
+        !golden_ok("restored polar", again[0] == polar ? SMR_OK : SMR_E_STATE))
+        return 1;
+    golden_interrupts = 0;
     crc = golden_crc(golden_image, image_bytes);
     if (!golden_images(port, image, &crc_image))
         return 1;
+    golden_interrupts = 1;
+    if (!golden_images(port, again, &crc_image) ||
+        !golden_ok("restored image", again[0] == image[0] && again[1] == image[1] ? SMR_OK : SMR_E_STATE))
+        return 1;
     const uint64_t words[] = {rigid,  polar,     image[0], half, crc ^ crc_image ^ crc_start ^ crc_half,
-                              points, crc_carry, drawn,    image[1]};
+                              points, crc_carry, drawn,    image[1],
+                              golden_saved.checksums};
     print_text("smr-hash");
     for (uint32_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         print_text(" ");
-        print_hex(words[i], i == 4u || i == 6u ? 8u : 16u);
+        print_hex(words[i], i == 4u || i == 6u || i == 9u ? 8u : 16u);
     }
     print_text("\n");
     return 0;
@@ -464,6 +490,20 @@ static int golden_threads(uint32_t n)
     return result;
 }
 
+/* Writes the saves, or reads another processor's. */
+static int golden_file(const char *path, const char *mode)
+{
+    FILE *file = fopen(path, mode);
+    size_t done = 0;
+    if (file == NULL)
+        return 0;
+    if (mode[0] == 'w')
+        done = fwrite(golden_save_memory, 1, golden_saved.used, file);
+    else
+        done = fread(golden_save_memory, 1, sizeof golden_save_memory, file);
+    return fclose(file) == 0 && done > 0u;
+}
+
 int main(int argc, char **argv)
 {
     uint32_t seed = 12345u;
@@ -481,8 +521,16 @@ int main(int argc, char **argv)
         port.parallel = golden_shuffle;
     } else if (strcmp(mode, "interleave") == 0) {
         port.parallel = golden_interleave;
+    } else if (argc > 2 && strcmp(mode, "saves") == 0) {
+        return golden_main(NULL) == 0 && golden_file(argv[2], "wb") ? 0 : 1;
+    } else if (argc > 2 && strcmp(mode, "restores") == 0 && golden_file(argv[2], "rb")) {
+        golden_saved.given = 1;
+        return golden_main(NULL);
     } else if (argc > 1) {
-        (void)fputs("usage: golden [threads N | workers N | reverse | shuffle | interleave], N 1..8\n", stderr);
+        (void)fputs(
+            "usage: golden [threads N | workers N | reverse | shuffle | interleave | saves FILE | restores FILE], "
+            "N 1..8\n",
+            stderr);
         return 2;
     } else {
         port.n_workers = 1;

@@ -36,6 +36,7 @@ if compile 'gcc -O3' gcc-O3 golden CC=gcc CFLAGS=-O3; then
     judge 'reverse order' "$("$host/golden" reverse)"
     judge 'shuffled order, 8 workers' "$("$host/golden" shuffle)"
     judge 'interleaved, 8 workers' "$("$host/golden" interleave)"
+    judge 'with saves' "$("$host/golden" saves "$build/saves")"
 fi
 for cc in gcc clang; do
     for flags in -O0 -O2 -O3 '-O3 -march=native'; do
@@ -58,6 +59,9 @@ cross 'Armv7 hard float (qemu-user)' arm-linux-gnueabihf qemu-arm libc6-dev-armh
 cross 'RISC-V 64 (qemu-user)' riscv64-linux-gnu qemu-riscv64 libc6-dev-riscv64-cross ''
 # s390x: strict C11 would evaluate floats in double there.
 cross 's390x, big-endian (qemu-user)' s390x-linux-gnu qemu-s390x libc6-dev-s390x-cross -fexcess-precision=fast
+if [ -x "$build/s390x-linux-gnu/golden" ] && have qemu-s390x && [ -s "$build/saves" ]; then
+    judge 's390x, from the saves of this machine' "$(qemu-s390x "$build/s390x-linux-gnu/golden" restores "$build/saves")"
+fi
 
 . tests/target/board.sh
 for board in m7 m55; do

@@ -78,7 +78,7 @@ static void one_byte_less_is_refused(void **state)
 
 static void refuses_null_and_misaligned(void **state)
 {
-    smr_arena a = {NULL, 7, 7};
+    smr_arena a = {NULL, 7, 7, NULL};
     unsigned char *memory = unit_memory(4096);
     (void)state;
     assert_int_equal(smr_arena_start(&a, NULL, 4096), SMR_E_NULL);

@@ -1,5 +1,5 @@
 /* test_fuzz.c: the fuzz targets as a regression test: a corpus made here, and mutations of it that are the same every
- * time. SMR_FUZZ_CORPUS=dir writes the seeds there (model-N, mesh-N, log-N) for a real fuzzer to start from.
+ * time. SMR_FUZZ_CORPUS=dir writes the seeds there (model-N, mesh-N, log-N, save-N) for a real fuzzer to start from.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -10,6 +10,7 @@
 #include "fuzz/fuzz_log.c"
 #include "fuzz/fuzz_mesh.c"
 #include "fuzz/fuzz_model_open.c"
+#include "fuzz/fuzz_save.c"
 
 #define SEEDS 6u
 
@@ -145,8 +146,41 @@ static void logs(void **state)
     rig_free_all();
 }
 
+/* Kept values of a real save: bytes and words changed, copied, cut off. */
+static void saves(void **state)
+{
+    static uint8_t copy[UNIT_SAVE_BYTES];
+    oracle_random r = oracle_seed(204);
+    const unit_save *u = fuzz_saved();
+    size_t end = 0;
+    const size_t first = unit_save_values(u->saved, &end), whole = end - first;
+    uint32_t restored = 0;
+    (void)state;
+    save("save", 0, u->saved + first, whole);
+    assert_int_equal(fuzz_save(NULL, 0), 1);
+    for (uint32_t i = 0; i < 400u; i++) {
+        memcpy(copy, u->saved + first, whole);
+        for (uint32_t k = 1u + oracle_below(&r, 3u); k > 0u; k--) {
+            const uint32_t from = oracle_below(&r, (uint32_t)whole / 4u), to = oracle_below(&r, (uint32_t)whole / 4u);
+            const uint32_t last = (uint32_t)whole - 1u - oracle_below(&r, 300u);
+            switch (oracle_below(&r, 3u)) {
+            case 0: copy[4u * to + oracle_below(&r, 4u)] = (uint8_t)oracle_next(&r); break;
+            case 1: copy[last] = (uint8_t)(copy[last] + 1u); break;
+            default: memmove(copy + 4u * (size_t)to, copy + 4u * (size_t)from, 4u); break;
+            }
+        }
+        const int result = fuzz_save(copy, 1u + oracle_below(&r, (uint32_t)whole));
+        if (result < 0)
+            fail_msg("save %u", (unsigned)i);
+        restored += (uint32_t)result;
+    }
+    assert_true(restored > 50u);
+    rig_free_all();
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(models), cmocka_unit_test(meshes), cmocka_unit_test(logs)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(models), cmocka_unit_test(meshes), cmocka_unit_test(logs),
+                                       cmocka_unit_test(saves)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

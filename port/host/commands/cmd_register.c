@@ -88,14 +88,17 @@ static int write_carry(const host_job *job, host_output *output, host_error *err
     return result;
 }
 
-static int write_log(const host_job *job, host_output *output, host_error *error)
+/* The log, or the save. */
+static int write_beside(const host_job *job, const char *path,
+                        int (*content)(const host_job *, host_buffer *, host_error *), host_output *output,
+                        host_error *error)
 {
     host_buffer buffer;
     int result = 0;
     memset(&buffer, 0, sizeof buffer);
-    result = host_job_log(job, &buffer, error);
+    result = content(job, &buffer, error);
     if (result == 0)
-        result = host_output_add_path(output, job->options->log, &buffer, error);
+        result = host_output_add_path(output, path, &buffer, error);
     host_buffer_free(&buffer);
     return result;
 }
@@ -111,7 +114,7 @@ static int write_report(const host_job *job, host_output *output, host_error *er
     return result;
 }
 
-/* Writes results, log and trace as one set. The report is its last file: where it lies, it tells of the others. */
+/* Writes results, log, trace and save as one set. The report is its last file: where it lies, it tells of the others. */
 static int write_all(const host_job *job, host_error *error)
 {
     host_output *const output = host_output_begin(job->options->out);
@@ -122,7 +125,9 @@ static int write_all(const host_job *job, host_error *error)
     if (result == 0)
         result = write_carry(job, output, error);
     if (result == 0 && job->options->log != NULL) /* may go into the directory that was just made */
-        result = write_log(job, output, error);
+        result = write_beside(job, job->options->log, host_job_log, output, error);
+    if (result == 0 && job->options->save != NULL)
+        result = write_beside(job, job->options->save, host_job_save, output, error);
     if (result == 0 && job->options->trace != NULL)
         result = host_output_add_path(output, job->options->trace, &job->trace, error);
     if (result == 0)
@@ -143,15 +148,20 @@ static int status_of(const host_job *job)
     return job->verdict.level > (int)job->options->accept ? HOST_LOOK : HOST_DONE;
 }
 
-/* Log and trace may lie among the results, or elsewhere. */
+/* Log, trace and save may lie among the results, or elsewhere; each is a file of its own. */
 static int check_files(const host_options *options, host_error *error)
 {
-    if ((options->log != NULL && host_output_check_file(options->log, options->out, error) != 0) ||
-        (options->trace != NULL && host_output_check_file(options->trace, options->out, error) != 0))
-        return -1;
-    error->file = options->trace;
-    if (options->log != NULL && options->trace != NULL && strcmp(options->log, options->trace) == 0)
-        return host_fail(error, "output", "another file than the log's");
+    static const char *const others[] = {"another file than the log's", "another file than the trace's"};
+    const char *const path[] = {options->log, options->trace, options->save};
+    size_t i = 0, k = 0;
+    for (i = 0; i < sizeof path / sizeof path[0]; i++) {
+        if (path[i] != NULL && host_output_check_file(path[i], options->out, error) != 0)
+            return -1;
+        error->file = path[i];
+        for (k = 0; k < i; k++)
+            if (path[i] != NULL && path[k] != NULL && strcmp(path[i], path[k]) == 0)
+                return host_fail(error, "output", others[k]);
+    }
     return 0;
 }
 

@@ -53,6 +53,8 @@ static const char *const start_lines[] = {
     "  --trace FILE.csv               a row for each iteration: radius, time, distances, likeness, strain, movement",
     "  --paper                        model and registration as the paper has them, where no option says otherwise;",
     "                                 also of build and info",
+    "  --save FILE                    write where it stopped, after --ticks perhaps; --resume FILE goes on from there,",
+    "                                 with the same inputs and options, to the same bits",
     "  --vertex-errors                seen (0, 1) and expected_error (mm) of each vertex in the results",
     "  --accept good|look             the worst verdict whose exit status is 0 (good)",
     "  --quiet                        print nothing",

@@ -50,6 +50,7 @@ typedef struct host_options {
     uint32_t inverse;                   /* 1: from the result back to the model */
     float spacing;                      /* mm, of a field; 0: the default */
     const char *trace;                  /* path of the trace's file; NULL: none */
+    const char *save, *resume;          /* paths: where it goes on from; NULL when not given */
     char **arguments;                   /* the arguments after the command; the texts are argv's */
     int n_arguments;
     const char *truth;               /* directory of the true surfaces, for measuring; NULL when not given */

@@ -137,6 +137,15 @@ static int check_landmark_goals(host_options *options, host_error *error)
     return 0;
 }
 
+/* A log tells of one run from its start. */
+static int check_save(const host_options *options, host_error *error)
+{
+    error->file = "--log";
+    if (options->log != NULL && (options->save != NULL || options->resume != NULL))
+        return host_fail(error, "option", "neither --save nor --resume beside it, a log is of a whole run");
+    return 0;
+}
+
 /* The options of the start: landmarks, a pose, both. */
 static int check_start(const host_options *options, host_error *error)
 {
@@ -252,5 +261,7 @@ static int settle_targets(host_options *options, host_error *error)
 
 int host_options_check(host_options *options, host_error *error)
 {
-    return check_needs(options, error) != 0 ? -1 : settle_targets(options, error);
+    if (check_needs(options, error) != 0 || check_save(options, error) != 0)
+        return -1;
+    return settle_targets(options, error);
 }

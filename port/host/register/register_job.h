@@ -124,6 +124,12 @@ int host_job_log(const host_job *job, host_buffer *out, host_error *error);
 int host_job_trace_begin(host_job *job, host_error *error);
 int host_job_trace_row(host_job *job, uint32_t radius, host_error *error);
 
+/* register_save.c: restores a saved registration into the arena; says whether all its targets are there again, status
+ * being what setting them came to; writes it as bytes. */
+int host_job_resume(host_job *job, const smr_config *config, host_error *error);
+int host_job_resumed(host_job *job, smr_status status, host_error *error);
+int host_job_save(const host_job *job, host_buffer *out, host_error *error);
+
 /* 1 when nothing draws a structure: it has no target and no landmark goals, or no triangles. */
 static inline int host_job_carries(const host_job *job, uint32_t part)
 {

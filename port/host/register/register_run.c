@@ -36,7 +36,7 @@ static smr_status set_target(smr *s, uint32_t part, const host_target *target)
     return target->points != NULL ? smr_set_points(s, part, target->points) : smr_set_surface(s, part, target->surface);
 }
 
-static int set_targets(const host_job *job, host_error *error)
+static int set_targets(host_job *job, host_error *error)
 {
     smr_status status = SMR_OK;
     uint32_t i = 0;
@@ -47,6 +47,8 @@ static int set_targets(const host_job *job, host_error *error)
     for (i = 0; !job->options->image_target && status == SMR_OK && job->n_targets > 1 && i < job->model.n_parts; i++)
         if (job->result[i].target != HOST_NO_TARGET)
             status = set_target(job->state, i, &job->target[job->result[i].target]);
+    if (job->options->resume != NULL) /* landmark goals are in the save */
+        return host_job_resumed(job, status, error);
     if (status == SMR_OK && job->goals != NULL)
         status = host_landmark_goals_set(job->goals, job->options->goal_weight, job->state);
     return status == SMR_OK ? 0 : refuse(error, "set up", status);
@@ -67,6 +69,8 @@ int host_job_begin(host_job *job, host_error *error)
     job->arena = host_alloc(job->arena_bytes);
     if (job->arena == NULL)
         return refuse(error, "memory", SMR_E_ARENA);
+    if (job->options->resume != NULL)
+        return host_job_resume(job, &config, error);
     status = smr_init(job->model.model, &config, &job->port.port, job->arena, job->arena_bytes, &job->state);
     return status == SMR_OK ? 0 : refuse(error, "set up", status);
 }
@@ -76,6 +80,8 @@ static int set_up(host_job *job, host_error *error)
     smr_status status = SMR_OK;
     if (host_job_begin(job, error) != 0 || (job->options->log != NULL && host_job_record(job, error) != 0))
         return -1;
+    if (job->options->resume != NULL)
+        return set_targets(job, error);
     if (job->options->align != HOST_ALIGN_NONE)
         status = smr_set_pose(job->state, &job->pose);
     if (status == SMR_OK && job->start_xyz != NULL)
@@ -122,17 +128,19 @@ int host_job_run(host_job *job, host_error *error)
     const int traced = job->options->trace != NULL;
     const double start = host_seconds();
     double now = start, shown = start;
+    smr_status status = SMR_OK;
     if (set_up(job, error) != 0 || (traced && host_job_trace_begin(job, error) != 0))
         return -1;
     now = host_seconds();
-    while (job->ticks < limit && !job->last.done) {
+    /* what is saved ends with a complete iteration, be it one tick more */
+    while (!job->last.done && (job->ticks < limit || (job->options->save != NULL && status == SMR_PARTIAL))) {
         const double before = now;
         const uint32_t radius = job->last.radius, iteration = job->last.iteration;
-        const smr_status status = smr_tick(job->state, budget_ns, &job->last);
+        status = smr_tick(job->state, job->ticks < limit ? budget_ns : 0u, &job->last);
         now = host_seconds();
         if (status < 0)
             return refuse(error, "tick", status);
-        job->target_seen |= job->last.n_forces > 0;
+        job->target_seen |= job->last.n_forces > 0 || job->last.matched_share > 0.0f;
         if (record(job, now - before, error) != 0)
             return -1;
         if (traced && job->last.iteration != iteration && host_job_trace_row(job, radius, error) != 0)

@@ -5,24 +5,46 @@
 
 #define SMR_LEAVES 32u /* tree leaves of a task */
 
+static int is_whole(smr_vec v)
+{
+    const smr_vec off = smr_sub(v, smr_whole(v));
+    return smr_dot(off, off) == 0.0f;
+}
+
+/* 1 when the columns are as long as each other and at right angles, as far as clusters' reach depends on it. */
+static int is_similarity(const smr_pose *p)
+{
+    const smr_vec a = smr_v(p->m[0][0], p->m[1][0], p->m[2][0]), b = smr_v(p->m[0][1], p->m[1][1], p->m[2][1]),
+                  c = smr_v(p->m[0][2], p->m[1][2], p->m[2][2]);
+    const float size = smr_dot(a, a), most = 1.0e-3f * size;
+    return smr_within(smr_dot(b, b) - size, most) && smr_within(smr_dot(c, c) - size, most) &&
+           smr_within(smr_dot(a, b), most) && smr_within(smr_dot(b, c), most) && smr_within(smr_dot(c, a), most);
+}
+
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
 {
-    const size_t n = shared->n, three = 3u * sizeof(float);
-    shape->structure = smr_arena_take(a, shared->n_structures, sizeof *shape->structure);
-    shape->x = smr_arena_take(a, n, three);
-    shape->x_next = smr_arena_take(a, n, three);
-    shape->x_ref = smr_arena_take(a, n, three);
-    shape->normal = smr_arena_take(a, n, three);
-    shape->normal_ref = smr_arena_take(a, n, three);
-    shape->start = smr_arena_take(a, n, three);
-    shape->on_surface = smr_arena_take(a, n, 1);
-    shape->facet_normal = smr_arena_take(a, shared->n_triangles, three);
+    const size_t n = shared->n;
+    shape->structure = smr_slot_scratch(a, shape->structure, shared->n_structures, sizeof *shape->structure);
+    shape->x = smr_slot_floats(a, shape->x, 3u * n, SMR_KEPT_MM);
+    shape->x_next = smr_slot_floats(a, shape->x_next, 3u * n, SMR_KEPT_MM);
+    shape->x_ref = smr_slot_floats(a, shape->x_ref, 3u * n, SMR_KEPT_MM);
+    shape->normal = smr_slot_floats(a, shape->normal, 3u * n, SMR_KEPT_UNIT);
+    shape->normal_ref = smr_slot_floats(a, shape->normal_ref, 3u * n, SMR_KEPT_UNIT);
+    shape->start = smr_slot_floats(a, shape->start, 3u * n, SMR_KEPT_MM);
+    shape->on_surface = smr_slot_scratch(a, shape->on_surface, n, 1);
+    shape->facet_normal = smr_slot_scratch(a, shape->facet_normal, shared->n_triangles, 3u * sizeof(float));
     if (SMR_BIG_ENDIAN)
-        shape->own_triangle = smr_arena_take(a, shared->n_triangles, 3u * sizeof(uint32_t));
+        shape->own_triangle = smr_slot_scratch(a, shape->own_triangle, shared->n_triangles, 3u * sizeof(uint32_t));
+    shape->n_nodes = 0;
     for (uint32_t i = 0; i < shared->n_structures; i++)
         shape->n_nodes += smr_tree_nodes(smr_le32(smr_model_record(shared->model, i)->n_triangles));
     if (shared->config.n_target_vertices > 0u)
-        shape->node = smr_arena_take(a, shape->n_nodes, sizeof *shape->node);
+        shape->node = smr_slot_scratch(a, shape->node, shape->n_nodes, sizeof *shape->node);
+    smr_keep_floats(a, &shape->origin.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
+    smr_keep_require(a, is_whole(shape->origin));
+    smr_keep_floats(a, &shape->rest_pose.m[0][0], 12, -SMR_KEPT_MM, SMR_KEPT_MM);
+    smr_keep_require(a, is_similarity(&shape->rest_pose));
+    smr_keep_words(a, &shape->rest_pose_due, 1, 1);
 }
 
 void smr_shape_start(smr_shape *shape)

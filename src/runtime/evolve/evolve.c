@@ -7,7 +7,8 @@
 
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared)
 {
-    e->evening.held = smr_arena_take(a, shared->n, 1);
+    e->evening.held = smr_slot_bytes(a, e->evening.held, shared->n, UINT8_MAX);
+    smr_keep_floats(a, &e->moved_mm, 1, 0.0f, 2.0f * SMR_KEPT_MM);
 }
 
 void smr_evolve_wire(smr_evolve *e, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,

@@ -8,8 +8,9 @@
 void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared)
 {
     f->n_hinge_tasks = smr_ceil_div(shared->n_hinges, SMR_HINGE_CHUNK);
-    f->marked = smr_arena_take(a, shared->n, 1);
-    f->folding = smr_arena_take(a, shared->n_structures, sizeof *f->folding);
+    f->marked = smr_slot_scratch(a, f->marked, shared->n, 1);
+    f->folding = smr_slot_scratch(a, f->folding, shared->n_structures, sizeof *f->folding);
+    smr_keep_words(a, &f->n_guarded, 1, shared->n);
 }
 
 void smr_folds_wire(smr_folds *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,

@@ -9,9 +9,9 @@
 void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared *shared)
 {
     if (shared->config.caller_goals != 0u)
-        g->goals = smr_arena_take(a, shared->n_structures, sizeof *g->goals);
+        g->goals = smr_slot_scratch(a, g->goals, shared->n_structures, sizeof *g->goals); /* set again: waiting.c */
     if (shared->config.caller_force != SMR_CALLER_OFF)
-        g->gave = smr_arena_take(a, shared->n, 4u * sizeof(float));
+        g->gave = smr_slot_scratch(a, g->gave, shared->n, 4u * sizeof(float));
 }
 
 void smr_caller_goals_wire(smr_caller_goals *g, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape)

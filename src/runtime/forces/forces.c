@@ -8,10 +8,12 @@
 void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
 {
     const size_t n = shared->n;
-    f->force = smr_arena_take(a, n, 3u * sizeof(float));
-    f->residual = smr_arena_take(a, n, sizeof(float));
-    f->found = smr_arena_take(a, n, 1);
-    f->found_last = smr_arena_take(a, n, 1);
+    f->force = smr_slot_scratch(a, f->force, n, 3u * sizeof(float));
+    f->residual = smr_slot_floats(a, f->residual, n, 2.0f * SMR_KEPT_MM);
+    f->found = smr_slot_scratch(a, f->found, n, 1);
+    f->found_last = smr_slot_bytes(a, f->found_last, n, SMR_FOUND_UNDECIDED);
+    smr_keep_floats(a, &f->matched, 1, -1.0f, 1.0f);
+    smr_keep_words(a, &f->unmeasured, 1, 1);
     smr_sources_layout(a, f, shared);
 }
 
@@ -27,6 +29,7 @@ void smr_forces_wire(smr_forces *f, const smr_shared *shared, const smr_pace *pa
 
 void smr_forces_reset(smr_forces *f)
 {
+    memset(f->residual, 0, f->shared->n * sizeof *f->residual);
     memset(f->found, SMR_FOUND_NO_TARGET, f->shared->n);
     memset(f->found_last, SMR_FOUND_NO_TARGET, f->shared->n);
     smr_forces_unmeasured(f);

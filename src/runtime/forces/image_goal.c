@@ -16,13 +16,24 @@
 #define SMR_SIDE_VOXELS 0.5f /* reach of the search along the surface, in mean voxels, */
 #define SMR_SIDE_SHARE 0.25f /* or, when that is farther, as a share of the search distance */
 
+/* What the next iteration counts anew is not kept, nor is the noise, which the model tells. NULL: there is none yet. */
+static void keep_structure(smr_arena *a, smr_image_structure *structure)
+{
+    smr_image_structure none = {0}, *s = structure == NULL ? &none : structure;
+    smr_keep_words(a, &s->idle, 1, 1);
+    smr_keep_floats(a, &s->matched, 1, -1.0f, 1.0f);
+}
+
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared)
 {
-    g->structure = smr_arena_take(a, shared->n_structures, sizeof *g->structure);
-    g->contrast = smr_arena_take(a, shared->n, 1);
-    g->contrast_next = smr_arena_take(a, shared->n, 1);
-    g->brighter = smr_arena_take(a, shared->n, 1);
-    g->brighter_next = smr_arena_take(a, shared->n, 1);
+    g->structure = smr_slot_scratch(a, g->structure, shared->n_structures, sizeof *g->structure);
+    g->contrast = smr_slot_bytes(a, g->contrast, shared->n, UINT8_MAX);
+    g->contrast_next = smr_slot_scratch(a, g->contrast_next, shared->n, 1);
+    g->brighter = smr_slot_bytes(a, g->brighter, shared->n, UINT8_MAX);
+    g->brighter_next = smr_slot_scratch(a, g->brighter_next, shared->n, 1);
+    smr_keep_words(a, &g->has_image, 1, smr_le32(shared->model->profile_samples) > 0u);
+    for (uint32_t k = 0; smr_keeps(a) && k < shared->n_structures; k++)
+        keep_structure(a, g->structure == NULL ? NULL : &g->structure[k]);
 }
 
 void smr_image_goals_wire(smr_image_goals *g, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
@@ -72,14 +83,20 @@ static float noise_of(const smr_model *m, const smr_shape_structure *one)
     return count > 0.0f ? SMR_NOISE * (sum / count) : 0.0f;
 }
 
+void smr_image_goals_noise(smr_image_goals *g)
+{
+    for (uint32_t k = 0; g->has_image && k < g->shared->n_structures; k++)
+        g->structure[k].noise = noise_of(g->shared->model, &g->shape->structure[k]);
+}
+
 void smr_image_goals_open(smr_image_goals *g, const smr_grid *image)
 {
     g->has_image = image != NULL;
     if (image == NULL)
         return;
     g->grid = *image;
+    smr_image_goals_noise(g);
     for (uint32_t k = 0; k < g->shared->n_structures; k++) {
-        g->structure[k].noise = noise_of(g->shared->model, &g->shape->structure[k]);
         g->structure[k].gain = 1.0f; /* until there were goals */
         g->structure[k].brighter = 0.0f;
     }

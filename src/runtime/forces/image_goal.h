@@ -51,6 +51,7 @@ void smr_image_goals_wire(smr_image_goals *g, const smr_shared *shared, const sm
                           const uint8_t *found, const smr_rings *rings);
 void smr_image_goals_reset(smr_image_goals *g);                       /* nothing of the forces so far is left */
 void smr_image_goals_open(smr_image_goals *g, const smr_grid *image); /* NULL: none from here on */
+void smr_image_goals_noise(smr_image_goals *g);                       /* noise of each structure, from the model */
 void smr_image_goals_stand(smr_image_goals *g);                       /* the forces under way are complete */
 
 /* The way from vertex v to its goal in the image, along its normal and a little along the surface: SMR_GOAL, and *way

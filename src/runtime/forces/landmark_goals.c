@@ -7,12 +7,53 @@
 #define SMR_MORE_SHARE 0.2f /* of what is left in an iteration, added to what a hard landmark asks for */
 #define SMR_MORE_MOST 0.1f  /* of the reach: most that is asked for beyond its place */
 
+/* A copy with 0 where nothing was written. */
+static smr_bound_landmark without_rest(const smr_bound_landmark *b)
+{
+    smr_bound_landmark copy = *b;
+    for (uint32_t i = copy.n_near; i < SMR_LANDMARK_NEAR; i++)
+        copy.near[i] = 0;
+    for (uint32_t c = 0; copy.given.vertex != SMR_NONE && c < 3u; c++)
+        copy.given.rest[c] = 0.0f;
+    copy.given.weight = copy.given.hard ? 0.0f : copy.given.weight;
+    return copy;
+}
+
+/* A landmark is the caller's, but copied; what it is bound to is kept rather than sought again. */
+static void keep_landmark(smr_arena *a, smr_bound_landmark *b, const smr_shared *c, int set)
+{
+    smr_landmark *given = &b->given;
+    smr_keep_words(a, &given->structure, 1, UINT32_MAX);
+    smr_keep_words(a, &given->vertex, 1, UINT32_MAX);
+    smr_keep_floats(a, given->rest, 3, -SMR_COORD_MAX, SMR_COORD_MAX);
+    smr_keep_floats(a, given->place, 3, -SMR_COORD_MAX, SMR_COORD_MAX);
+    smr_keep_floats(a, &given->weight, 1, 0.0f, 1000.0f);
+    smr_keep_words(a, &given->hard, 1, 1);
+    smr_keep_words(a, b->corner, 3, c->n - 1u);
+    smr_keep_floats(a, b->share, 3, -0.001f, SMR_KEPT_UNIT);
+    smr_keep_floats(a, &b->foot.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
+    smr_keep_floats(a, &b->apart.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
+    smr_keep_floats(a, &b->more.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
+    smr_keep_words(a, &b->n_near, 1, SMR_LANDMARK_NEAR);
+    smr_keep_words(a, b->near, SMR_LANDMARK_NEAR, c->n - 1u);
+    smr_keep_require(a, !set || given->hard || given->weight >= 0.001f);
+    smr_keep_require(a, !set || smr_within(b->share[0] + b->share[1] + b->share[2] - 1.0f, 0.001f));
+}
+
 void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_shared *shared)
 {
     if (shared->config.n_landmarks == 0u)
         return;
-    g->landmark = smr_arena_take(a, shared->config.n_landmarks, sizeof *g->landmark);
-    g->seen = smr_arena_take(a, shared->n, 1);
+    g->landmark = smr_slot_scratch(a, g->landmark, shared->config.n_landmarks, sizeof *g->landmark);
+    g->seen = smr_slot_bytes(a, g->seen, shared->n, SMR_SEEN_ONE);
+    smr_keep_words(a, &g->n, 1, shared->config.n_landmarks);
+    for (uint32_t k = 0; smr_keeps(a) && k < shared->config.n_landmarks; k++) {
+        const smr_bound_landmark none = {0};
+        smr_bound_landmark b = k < g->n && g->landmark != NULL ? without_rest(&g->landmark[k]) : none;
+        keep_landmark(a, &b, shared, k < g->n);
+        if (g->landmark != NULL && a->keeper->mode == SMR_KEEP_RESTORE)
+            g->landmark[k] = b;
+    }
 }
 
 void smr_landmark_goals_wire(smr_landmark_goals *g, const smr_shared *shared, const smr_pace *pace,

@@ -4,22 +4,41 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/surface_goal.h"
 
+/* Surfaces themselves are the caller's (setup/waiting.c). The list of distinct ones follows from them, and which there
+ * are when an iteration begins. */
+static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *shared)
+{
+    smr_keep_floats(a, &g->limit, 1, 0.0f, FLT_MAX);
+    smr_keep_words(a, &g->n_clouds_begun, 1, shared->n_structures);
+    smr_keep_words(a, &g->n_points_begun, 1, UINT32_MAX);
+    g->partial = 0;
+    for (uint32_t i = 0; smr_keeps(a) && i < shared->n_structures; i++) {
+        smr_target none = {0}, *t = g->target == NULL ? &none : &g->target[i];
+        smr_keep_words(a, &t->partial, 1, shared->config.coverage != SMR_COVERAGE_WHOLE);
+        smr_keep_words(a, &t->n_seen, 1, shared->n);
+        smr_keep_words(a, &t->n_judged, 1, shared->n);
+        smr_keep_words(a, &t->measured, 1, 1);
+        g->partial |= t->partial;
+    }
+}
+
 void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared)
 {
     const size_t n = shared->n;
     const uint32_t m = shared->config.n_target_vertices;
-    g->target = smr_arena_take(a, shared->n_structures, sizeof *g->target);
-    g->goal = smr_arena_take(a, shared->n_structures, sizeof *g->goal);
-    g->warm = smr_arena_take(a, n, sizeof(uint32_t));
-    g->warm_next = smr_arena_take(a, n, sizeof(uint32_t));
+    g->target = smr_slot_scratch(a, g->target, shared->n_structures, sizeof *g->target);
+    g->goal = smr_slot_scratch(a, g->goal, shared->n_structures, sizeof *g->goal);
+    g->warm = smr_slot_indexes(a, g->warm, n, SMR_TRIANGLES_MAX); /* a search checks it against its surface */
+    g->warm_next = smr_slot_scratch(a, g->warm_next, n, sizeof(uint32_t));
+    keep_targets(a, g, shared);
     if (shared->config.coverage != SMR_COVERAGE_WHOLE) {
-        g->seen = smr_arena_take(a, n, 1);
-        g->seen_next = smr_arena_take(a, n, 1);
+        g->seen = smr_slot_bytes(a, g->seen, n, SMR_SEEN_ONE);
+        g->seen_next = smr_slot_scratch(a, g->seen_next, n, 1);
     }
     if (m == 0u)
         return;
-    g->target_warm = smr_arena_take(a, m, sizeof(uint32_t));
-    g->pull = smr_arena_take(a, shared->config.n_workers * n, 4u * sizeof(int64_t));
+    g->target_warm = smr_slot_indexes(a, g->target_warm, m, SMR_TRIANGLES_MAX);
+    g->pull = smr_slot_scratch(a, g->pull, shared->config.n_workers * n, 4u * sizeof(int64_t)); /* 0 in between */
 }
 
 void smr_surface_goals_wire(smr_surface_goals *g, const smr_shared *shared, const smr_pace *pace,
@@ -55,6 +74,14 @@ void smr_surface_goals_stand(smr_surface_goals *g)
 {
     memcpy(g->warm, g->warm_next, g->pace->n_active * sizeof *g->warm);
     smr_overlap_stand(g);
+}
+
+int smr_targets_stand(const smr_surface_goals *g)
+{
+    for (uint32_t i = 0; i < g->n_goals; i++)
+        if (!smr_goal_stands(&g->goal[i]))
+            return 0;
+    return 1;
 }
 
 static int outside_box(const smr_config *c, smr_vec p)

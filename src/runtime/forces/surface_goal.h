@@ -68,6 +68,7 @@ void smr_surface_goals_wire(smr_surface_goals *g, const smr_shared *shared, cons
 void smr_surface_goals_reset(smr_surface_goals *g); /* nothing of the searches so far is left */
 void smr_surface_goals_stand(smr_surface_goals *g); /* the forces under way are complete */
 void smr_pulls_clear(smr_surface_goals *g);
+int smr_targets_stand(const smr_surface_goals *g); /* 1: every target surface is still the one that was set */
 
 /* The way from vertex v to its goal on the target, mm. Returns 0 for none. */
 int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way);

@@ -56,7 +56,7 @@ void smr_boundary_sums(void *arg, uint32_t task, uint32_t worker)
 uint32_t smr_reference_boundary_tasks(const void *arg)
 {
     const smr_reference *r = arg;
-    return r->stale ? smr_boundary_tasks(r->sums) : 0u;
+    return smr_reference_due(r) ? smr_boundary_tasks(r->sums) : 0u;
 }
 
 void smr_boundary_reference(void *arg, uint32_t task, uint32_t worker)

@@ -11,9 +11,9 @@
 
 void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared)
 {
-    m->transform = smr_arena_take(a, shared->n, 12u * sizeof(float));
+    m->transform = smr_slot_scratch(a, m->transform, shared->n, 12u * sizeof(float));
     if (shared->config.method == SMR_METHOD_POLAR)
-        m->eigen = smr_arena_take(a, shared->n, 9u * sizeof(float));
+        m->eigen = smr_slot_floats(a, m->eigen, 9u * (size_t)shared->n, SMR_KEPT_UNIT);
 }
 
 void smr_match_wire(smr_match *m, const smr_shared *shared, const smr_pace *pace, const smr_reference *reference,

@@ -16,10 +16,11 @@
 void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shared)
 {
     const size_t n = shared->n;
-    r->centre = smr_arena_take(a, n, 3u * sizeof(float));
-    r->spread = smr_arena_take(a, n, 6u * sizeof(float));
-    r->cluster_mass = smr_arena_take(a, n, sizeof(float));
-    r->share = smr_arena_take(a, n, sizeof(float));
+    r->centre = smr_slot_scratch(a, r->centre, n, 3u * sizeof(float)); /* these outlive an iteration, but x^r tells */
+    r->spread = smr_slot_scratch(a, r->spread, n, 6u * sizeof(float)); /* them: `missing` */
+    r->cluster_mass = smr_slot_scratch(a, r->cluster_mass, n, sizeof(float));
+    r->share = smr_slot_scratch(a, r->share, n, sizeof(float));
+    smr_keep_words(a, &r->stale, 1, 1);
 }
 
 void smr_reference_wire(smr_reference *r, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
@@ -35,19 +36,19 @@ void smr_reference_wire(smr_reference *r, const smr_shared *shared, const smr_pa
 uint32_t smr_reference_tasks(const void *arg)
 {
     const smr_reference *r = arg;
-    return r->stale ? r->shared->n_tasks : 0u;
+    return smr_reference_due(r) ? r->shared->n_tasks : 0u;
 }
 
 uint32_t smr_reference_record_tasks(const void *arg)
 {
     const smr_reference *r = arg;
-    return r->stale ? smr_match_tasks(r->pace) : 0u;
+    return smr_reference_due(r) ? smr_match_tasks(r->pace) : 0u;
 }
 
 uint32_t smr_reference_block_tasks(const void *arg)
 {
     const smr_reference *r = arg;
-    return r->stale ? smr_block_tasks(r->sums) : 0u;
+    return smr_reference_due(r) ? smr_block_tasks(r->sums) : 0u;
 }
 
 uint32_t smr_reference_block_abreast(const void *arg) { return smr_block_abreast(((const smr_reference *)arg)->sums); }
@@ -62,7 +63,7 @@ void smr_reference_forest(void *arg, uint32_t task, uint32_t worker)
 uint32_t smr_reference_cluster_tasks(const void *arg)
 {
     const smr_reference *r = arg;
-    return r->stale ? smr_ceil_div(r->shared->n, SMR_MATCH_CHUNK) : 0u;
+    return smr_reference_due(r) ? smr_ceil_div(r->shared->n, SMR_MATCH_CHUNK) : 0u;
 }
 
 /* How far x^r deviates from the rest pose, of a chunk; mm squared. */
@@ -236,6 +237,6 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
 
 void smr_reference_end(smr_reference *r)
 {
-    r->stale = 0;
+    r->stale = r->missing = 0;
     r->sums->words = smr_method_words(r->shared);
 }

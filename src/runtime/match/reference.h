@@ -13,6 +13,7 @@ typedef struct smr_reference {
     smr_sums *sums; /* lent: the moments are summed there, before the displacements */
     smr_tally *tally;
     uint32_t stale;      /* 1: x^r or the active vertices are new. Written by the tick */
+    uint32_t missing;    /* 1: what follows was not saved: it is made again though nothing is new. By setup/restore.c */
     float *centre;       /* [n][3] c^r of each cluster, mm */
     float *spread;       /* [n][6] inverse inertia tensor (rigid) or covariance (polar), upper triangle */
     float *cluster_mass; /* [n] M; this and the two above only of active vertices' clusters */
@@ -26,7 +27,10 @@ void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shar
 void smr_reference_wire(smr_reference *r, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
                         smr_sums *sums, const smr_overlay *overlay);
 
-/* Steps, all skipped unless stale. */
+/* 1 when what matching needs is made in this iteration. */
+static inline int smr_reference_due(const smr_reference *r) { return r->stale != 0u || r->missing != 0u; }
+
+/* Steps, all skipped unless due. */
 uint32_t smr_reference_tasks(const void *reference);
 void smr_reference_reach(void *reference, uint32_t task, uint32_t worker); /* deviation of x^r from the rest pose */
 void smr_reference_begin(smr_reference *r);                                /* chooses the steps of rounding */

@@ -22,13 +22,19 @@ static uint64_t closed(uint64_t sum) { return sum == 0u ? 1u : sum; }
 
 uint64_t smr_points_checksum(const float *xyz, uint32_t n) { return closed(add_points(n, xyz, n)); }
 
-uint64_t smr_cloud_checksum(const smr_points *points)
+static uint64_t add_cloud(const smr_surface *s)
 {
-    const smr_surface *s = &points->surface;
     uint64_t sum = add_points(add_points(s->n_vertices, s->xyz, s->n_vertices), s->normal, s->n_vertices);
     for (size_t i = 0; i < s->n_vertices; i++)
         sum = add(sum, smr_float_bits(s->area[i]));
-    return closed(sum);
+    return sum;
+}
+
+uint64_t smr_cloud_checksum(const smr_points *points) { return closed(add_cloud(&points->surface)); }
+
+uint64_t smr_target_checksum(const smr_surface *surface)
+{
+    return smr_is_cloud(surface) ? closed(add(add_cloud(surface), surface->capacity)) : smr_surface_checksum(surface);
 }
 
 uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n)

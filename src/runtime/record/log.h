@@ -59,11 +59,15 @@ uint64_t smr_points_checksum(const float *xyz, uint32_t n);
 uint64_t smr_cloud_checksum(const smr_points *points);
 uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n);
 uint64_t smr_surface_checksum(const smr_surface *surface);
+uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh, or of a cloud and its room */
 uint64_t smr_volume_checksum(const smr_volume *volume);
 
 /* log.c: starts a log with its header, and ends it. */
 void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t bytes);
 void smr_log_end(smr_log *log);
+
+/* Where recording stands, but for the memory. */
+void smr_log_keep(smr_arena *a, smr_log *log);
 
 /* A call that has succeeded. */
 void smr_log_surface(smr_log *log, uint32_t structure, const smr_surface *surface);

@@ -13,7 +13,7 @@ smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input
     smr_log_info info;
     if (replay == NULL || s == NULL || log == NULL)
         return SMR_E_NULL;
-    if (!smr_changeable(s) || !s->log.fresh)
+    if (!smr_ready(s) || !s->log.fresh)
         return SMR_E_STATE;
     const smr_status status = smr_log_open(log, bytes, &reader, &info);
     if (status != SMR_OK)

@@ -2,6 +2,7 @@
  * Bounds: one pass over a structure's goals.
  * SPDX-License-Identifier: MIT */
 #include "runtime/setup/restart.h"
+#include "runtime/setup/setup.h"
 
 static int legal(const float *xyz, const float *weights, uint32_t n)
 {
@@ -26,6 +27,8 @@ smr_status smr_set_goals(smr *s, uint32_t structure, const float *xyz, const flo
     const uint32_t n = s->shape.structure[structure].n_vertices;
     if (xyz != NULL && !legal(xyz, weights, n))
         return SMR_E_INPUT;
+    if (s->n_awaited > 0u)
+        return smr_await_goals(s, structure, &(smr_goals){xyz, xyz != NULL ? weights : NULL});
     s->forces.caller.goals[structure] = (smr_goals){xyz, xyz != NULL ? weights : NULL};
     smr_restart_forces(s);
     smr_log_goals(&s->log, structure, &s->forces.caller.goals[structure], n);
@@ -40,6 +43,8 @@ smr_status smr_set_force(smr *s, smr_force force, void *ctx)
         return SMR_E_STATE;
     if (s->forces.caller.gave == NULL)
         return SMR_E_ARENA;
+    if (s->n_awaited > 0u)
+        return smr_await_force(s, force, ctx);
     s->forces.caller.force = force;
     s->forces.caller.ctx = force != NULL ? ctx : NULL;
     s->forces.caller.broken = 0;

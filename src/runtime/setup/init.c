@@ -1,55 +1,10 @@
-/* init.c: cuts the arena and starts a registration at the model's rest shape. layout() runs twice over the same code:
- * once to measure for smr_arena_bytes(), once to place for smr_init().
+/* init.c: starts a registration at the model's rest shape. smr_layout() runs twice: once to measure for
+ * smr_arena_bytes(), once to place for smr_init(). Until the arena is known to be large enough that is of a copy on the
+ * stack.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation.h"
 #include "runtime/config/config.h"
-#include "runtime/registration.h"
-
-/* Counts are in s already; s is a copy on the stack until the arena is known to be large enough. */
-static smr *layout(smr_arena *a, smr *s)
-{
-    const smr_shared *shared = &s->shared;
-    const uint32_t hinge_tasks = smr_ceil_div(shared->n_hinges, SMR_HINGE_CHUNK);
-    smr *self = smr_arena_take(a, 1, sizeof *self);
-    smr_overlay_layout(a, &s->overlay, shared->n, SMR_WORDS, smr_unseen_field_words(shared),
-                       smr_max_u32(smr_ceil_div(shared->n, SMR_MATCH_CHUNK), hinge_tasks));
-    smr_shape_layout(a, &s->shape, shared);
-    smr_forces_layout(a, &s->forces, shared);
-    smr_reference_layout(a, &s->reference, shared);
-    smr_match_layout(a, &s->match, shared);
-    smr_evolve_layout(a, &s->evolve, shared);
-    smr_folds_layout(a, &s->folds, shared);
-    return self;
-}
-
-/* The stages' views of each other. */
-static void wire(smr *s)
-{
-    const smr_shared *shared = &s->shared;
-    const smr_pace *pace = &s->pace;
-    const smr_overlay *overlay = &s->overlay;
-    s->shape.shared = shared;
-    smr_forces_wire(&s->forces, shared, pace, &s->shape, overlay);
-    smr_sums_wire(&s->sums, shared, pace, &s->forces, overlay);
-    smr_reference_wire(&s->reference, shared, pace, &s->shape, &s->sums, overlay);
-    smr_match_wire(&s->match, shared, pace, &s->reference, &s->sums, overlay);
-    smr_evolve_wire(&s->evolve, shared, pace, &s->shape, &s->forces.surface, &s->reference, &s->sums, overlay);
-    smr_folds_wire(&s->folds, shared, pace, &s->shape, &s->evolve.evening, overlay);
-}
-
-/* Everything that follows from model and configuration alone. */
-static void count(smr *s, const smr_model *model, const smr_config *config)
-{
-    memset(s, 0, sizeof *s);
-    s->shared.model = model;
-    s->shared.config = *config;
-    s->shared.n = smr_le32(model->n_vertices);
-    s->shared.n_triangles = smr_le32(model->n_triangles);
-    s->shared.n_structures = smr_le32(model->n_structures);
-    s->shared.n_radii = smr_le32(model->n_radii);
-    s->shared.n_hinges = smr_le32(model->n_hinges);
-    s->shared.n_tasks = smr_ceil_div(s->shared.n, SMR_CHUNK);
-}
+#include "runtime/setup/setup.h"
 
 smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, size_t *bytes)
 {
@@ -59,9 +14,9 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
     const smr_status status = smr_config_check(config, model);
     if (status != SMR_OK)
         return status;
-    count(&s, model, config);
+    smr_count(&s, model, config);
     smr_arena a = smr_arena_measure();
-    (void)layout(&a, &s);
+    (void)smr_layout(&a, &s);
     *bytes = a.used;
     return a.used == SIZE_MAX ? SMR_E_INPUT : SMR_OK;
 }
@@ -106,9 +61,9 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
         return SMR_E_CONFIG;
     if (needed > arena_bytes)
         return SMR_E_ARENA;
-    count(&s, model, config);
+    smr_count(&s, model, config);
     smr_arena_release(arena, arena_bytes);
-    smr *self = layout(&a, &s);
+    smr *self = smr_layout(&a, &s);
     s.magic = SMR_STATE_MAGIC;
     s.placed = self;
     if (port != NULL)
@@ -118,7 +73,7 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
     start_masses(&s.shared);
     smr_budget_start(&s);
     *self = s;
-    wire(self);
+    smr_wire(self);
     smr_shape_start(&self->shape);
     if (smr_set_pose(self, &identity) != SMR_OK)
         return SMR_E_CONFIG;

@@ -120,7 +120,7 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n)
 {
     if (s == NULL || (landmarks == NULL && n > 0u))
         return SMR_E_NULL;
-    if (!smr_changeable(s))
+    if (!smr_ready(s))
         return SMR_E_STATE;
     if (n > s->shared.config.n_landmarks)
         return SMR_E_ARENA;

@@ -69,6 +69,8 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
     smr_status status = check(s, structure, report);
     if (status != SMR_OK)
         return status;
+    if (s->n_awaited > 0u)
+        return SMR_E_STATE; /* what its target is is not known */
     const smr_shape_structure *one = &s->shape.structure[structure];
     const smr_target *target = &s->forces.surface.target[structure];
     float moved_sum = 0.0f;

@@ -46,7 +46,7 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
 {
     if (s == NULL || pose == NULL)
         return SMR_E_NULL;
-    if (!smr_changeable(s))
+    if (!smr_ready(s))
         return SMR_E_STATE;
     for (uint32_t i = 0; i < 12u; i++)
         if (!smr_within(pose->m[i / 4u][i % 4u], SMR_COORD_MAX))
@@ -77,7 +77,7 @@ smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz)
 {
     if (s == NULL || xyz == NULL)
         return SMR_E_NULL;
-    if (!smr_changeable(s))
+    if (!smr_ready(s))
         return SMR_E_STATE;
     if (structure >= s->shared.n_structures)
         return SMR_E_INPUT;

@@ -1,6 +1,7 @@
 /* targets.c: what structures are drawn to: surfaces, an image; and how many vertices take part.
  * SPDX-License-Identifier: MIT */
 #include "geometry/points.h"
+#include "runtime/setup/setup.h"
 #include "runtime/tick/schedule.h"
 #include "runtime/tick/iteration_end.h"
 #include "runtime/tick/iteration.h"
@@ -8,8 +9,7 @@
 /* Slots that a surface needs: a cloud grows. */
 static uint32_t slots_of(const smr_surface *s) { return smr_is_cloud(s) ? s->capacity : s->n_vertices; }
 
-/* Distinct surfaces, their tasks and slots. goal may be NULL. Returns the slots they need. */
-static uint64_t list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks)
+uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks)
 {
     const smr_target *target = g->target;
     uint64_t slots = 0;
@@ -38,7 +38,7 @@ static uint64_t slots_with(smr_surface_goals *g, uint32_t structure, const smr_s
         return surface == NULL ? 0u : slots_of(surface);
     const smr_surface *before = g->target[structure].surface;
     g->target[structure].surface = surface;
-    const uint64_t slots = list_goals(g, NULL, &n_goals, &n_tasks);
+    const uint64_t slots = smr_list_goals(g, NULL, &n_goals, &n_tasks);
     g->target[structure].surface = before;
     return slots;
 }
@@ -55,8 +55,9 @@ static void forget_searches(smr_surface_goals *g, uint32_t structure)
     g->limit = 0.0f;
 }
 
-static void count_clouds(smr_surface_goals *g)
+void smr_take_goals(smr_surface_goals *g)
 {
+    (void)smr_list_goals(g, g->goal, &g->n_goals, &g->n_tasks);
     g->n_clouds = g->n_points = 0;
     for (uint32_t i = 0; i < g->n_goals; i++) {
         const uint32_t cloud = (uint32_t)smr_is_cloud(g->goal[i].surface);
@@ -100,8 +101,7 @@ static smr_status set_target(smr *s, uint32_t structure, const smr_surface *surf
         g->target[i].measured = 0;
     }
     smr_forces_unmeasured(&s->forces);
-    (void)list_goals(g, g->goal, &g->n_goals, &g->n_tasks);
-    count_clouds(g);
+    smr_take_goals(g);
     if (same)
         smr_pulls_clear(g);
     else
@@ -119,6 +119,8 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
         return SMR_E_NULL;
     if (!smr_changeable(s) || (surface != NULL && (!smr_surface_valid(surface) || smr_is_cloud(surface))))
         return SMR_E_STATE;
+    if (s->n_awaited > 0u)
+        return smr_await_surface(s, structure, surface);
     const smr_status status = set_target(s, structure, surface);
     if (status == SMR_OK)
         smr_log_surface(&s->log, structure, surface);
@@ -131,6 +133,8 @@ smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points)
         return SMR_E_NULL;
     if (!smr_changeable(s) || (points != NULL && !smr_points_valid(points)))
         return SMR_E_STATE;
+    if (s->n_awaited > 0u)
+        return smr_await_surface(s, structure, points == NULL ? NULL : &points->surface);
     const smr_status status = set_target(s, structure, points == NULL ? NULL : &points->surface);
     if (status == SMR_OK)
         smr_log_points(&s->log, structure, points);
@@ -149,6 +153,8 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
         if (status != SMR_OK)
             return status;
     }
+    if (s->n_awaited > 0u)
+        return smr_await_volume(s, volume, &grid);
     if (volume == NULL && !s->forces.image.has_image)
         return SMR_OK;
     smr_image_goals_open(&s->forces.image, volume == NULL ? NULL : &grid);
@@ -162,7 +168,7 @@ smr_status smr_set_active(smr *s, uint32_t n_active)
 {
     if (s == NULL)
         return SMR_E_NULL;
-    if (!smr_changeable(s))
+    if (!smr_ready(s))
         return SMR_E_STATE;
     s->pace.n_pinned = smr_min_u32(n_active, s->shared.n);
     smr_log_active(&s->log, n_active);
@@ -173,7 +179,9 @@ smr_status smr_set_log(smr *s, void *memory, size_t bytes)
 {
     if (s == NULL)
         return SMR_E_NULL;
-    if (!smr_changeable(s) || (memory != NULL && !s->log.fresh))
+    if (smr_changeable(s) && smr_awaits_log(&s->log))
+        return smr_await_log(s, memory, bytes);
+    if (!smr_ready(s) || (memory != NULL && !s->log.fresh))
         return SMR_E_STATE;
     if (memory != NULL && bytes < SMR_LOG_HEADER + SMR_LOG_FULL_BYTES)
         return SMR_E_ARENA;

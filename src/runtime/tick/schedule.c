@@ -63,19 +63,26 @@ static int repairs_before(const smr *s, uint32_t radius)
            (radius == s->shared.config.radius_first || radius + 1u == smr_last_radius(&s->shared));
 }
 
-static void use_radius(smr *s, uint32_t radius)
+/* What follows from the radius alone. */
+static void take_radius(smr *s)
 {
-    s->pace.radius = radius;
-    s->pace.n_points = s->forces.surface.n_points_begun;
-    s->pace.radius_iteration = 0;
+    const uint32_t radius = s->pace.radius;
     s->pace.lists = smr_model_lists(s->shared.model, radius);
-    s->reference.stale = 1;
-    s->pace.n_active = active_count(s);
     s->pace.momentum =
         radius == smr_last_radius(&s->shared) ? s->shared.config.momentum_last : s->shared.config.momentum;
     const float before = radius > 0u ? smr_model_lists(s->shared.model, radius - 1u).radius : 0.0f;
     s->pace.search_mm = smr_min(s->shared.config.search_mm,
                                 s->shared.config.search_radii * smr_max(s->pace.lists.radius, SMR_NARROWING * before));
+}
+
+static void use_radius(smr *s, uint32_t radius)
+{
+    s->pace.radius = radius;
+    s->pace.n_points = s->forces.surface.n_points_begun;
+    s->pace.radius_iteration = 0;
+    take_radius(s);
+    s->reference.stale = 1;
+    s->pace.n_active = active_count(s);
     s->shape.rest_pose_due = radius == smr_last_radius(&s->shared);
     s->pace.repairing = (uint32_t)repairs_before(s, radius);
 }
@@ -121,6 +128,32 @@ static uint32_t radius_iterations(const smr *s)
     if (s->pace.radius == s->shared.config.radius_first)
         return first_iterations(s);
     return smr_at_last_radius(&s->shared, &s->pace) ? s->shared.config.iterations_last : s->shared.config.iterations;
+}
+
+/* Search distances and shares are chosen when an iteration begins. */
+void smr_schedule_keep(smr_arena *a, smr *s)
+{
+    smr_pace *p = &s->pace;
+    const uint32_t n = s->shared.n;
+    smr_keep_words(a, &p->radius, 1, smr_last_radius(&s->shared));
+    smr_keep_words(a, &p->radius_iteration, 1, UINT32_MAX);
+    smr_keep_words(a, &p->iteration, 1, UINT32_MAX);
+    smr_keep_words(a, &p->n_points, 1, UINT32_MAX);
+    smr_keep_words(a, &p->since_plastic, 1, UINT32_MAX);
+    smr_keep_words(a, &p->plastic_updates, 1, UINT32_MAX);
+    smr_keep_words(a, &p->converged, 1, 1);
+    smr_keep_words(a, &p->done, 1, 1);
+    smr_keep_words(a, &p->repairing, 1, SMR_REPAIR_MAX);
+    smr_keep_words(a, &p->n_active, 1, n);
+    smr_keep_words(a, &p->n_pinned, 1, n);
+    smr_keep_require(a, p->radius >= s->shared.config.radius_first);
+    if (!smr_keeps(a) || a->keeper->mode == SMR_KEEP_COUNT || a->keeper->wrong)
+        return;
+    take_radius(s);
+    smr_keep_require(a, p->n_active >= smr_min_u32(p->lists.active_min, n));
+    smr_keep_require(a, p->radius_iteration <= (smr_at_last_radius(&s->shared, p)
+                                                    ? s->shared.config.iterations_last
+                                                    : SMR_FIRST_CLOUD * s->shared.config.iterations));
 }
 
 /* What follows an iteration. All are 0 or 1. */

@@ -101,6 +101,22 @@ static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
     return SMR_OK;
 }
 
+void smr_report_keep(smr_arena *a, smr_tick_report *r, uint32_t n)
+{
+    smr_keep_words(a, &r->n_taken, 1, n);
+    smr_keep_words(a, &r->n_wanted, 1, n);
+    smr_keep_words(a, &r->n_active, 1, n);
+    smr_keep_words(a, &r->n_forces, 1, n);
+    smr_keep_words(a, &r->n_rejected, 1, n);
+    smr_keep_floats(a, &r->matched_share, 1, -1.0f, 1.0f);
+    smr_keep_floats(a, &r->attraction_used, 1, 0.0f, 1.0f);
+    smr_keep_floats(a, &r->residual_mean_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_floats(a, &r->residual_rms_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_floats(a, &r->residual_max_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_floats(a, &r->displacement_max_mm, 1, 0.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_long(a, &r->state_hash);
+}
+
 static void fill_report(smr *s, uint64_t *phase_ns)
 {
     smr_tick_report *r = &s->report;
@@ -126,15 +142,6 @@ static smr_tick_report report_of(const smr *s)
     r.attraction_used = 0.0f;
     r.matched_share = r.residual_mean_mm = r.residual_rms_mm = r.residual_max_mm = -1.0f;
     return r;
-}
-
-/* Every target surface is still the one that was set. */
-static int targets_stand(const smr *s)
-{
-    for (uint32_t i = 0; i < s->forces.surface.n_goals; i++)
-        if (!smr_goal_stands(&s->forces.surface.goal[i]))
-            return 0;
-    return 1;
 }
 
 static uint64_t later(uint64_t time, uint64_t ns) { return ns > UINT64_MAX - time ? UINT64_MAX : time + ns; }
@@ -197,7 +204,7 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     uint64_t phase_ns[SMR_PHASES] = {0};
     if (s == NULL)
         return SMR_E_NULL;
-    if (!smr_changeable(s) || s->refused || s->forces.caller.broken || !targets_stand(s))
+    if (!smr_ready(s) || s->refused || s->forces.caller.broken || !smr_targets_stand(&s->forces.surface))
         return SMR_E_STATE;
     s->ticking = 1;
     watch w = begin(s, budget_ns);

@@ -5,19 +5,11 @@
 
 #define SMR_NOT_GOOD_SHARE 0.5f /* of the vertices: structures that may be other than good */
 
-static int targets_stand(const smr *s)
-{
-    for (uint32_t i = 0; i < s->forces.surface.n_goals; i++)
-        if (!smr_goal_stands(&s->forces.surface.goal[i]))
-            return 0;
-    return 1;
-}
-
 static smr_status check(const smr *s, const void *out)
 {
     if (s == NULL || out == NULL)
         return SMR_E_NULL;
-    if (!smr_changeable(s) || s->step != 0u || s->next_task != 0u || !targets_stand(s))
+    if (!smr_ready(s) || s->step != 0u || s->next_task != 0u || !smr_targets_stand(&s->forces.surface))
         return SMR_E_STATE;
     return SMR_OK;
 }
@@ -130,7 +122,7 @@ smr_status smr_get_seen(const smr *s, uint32_t structure, unsigned char *seen)
 {
     if (s == NULL || seen == NULL)
         return SMR_E_NULL;
-    if (!smr_valid(s))
+    if (!smr_valid(s) || s->n_awaited > 0u)
         return SMR_E_STATE;
     if (structure >= s->shared.n_structures)
         return SMR_E_INPUT;

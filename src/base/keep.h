@@ -1,0 +1,48 @@
+/* keep.h: the slots of a registration, and what of it outlives an iteration. A stage lists both once, in its layout
+ * function: each slot says whether it is scratch, or which values it may hold. The same lines then measure and place
+ * (arena.h), and count, save, check and restore what is kept. So nothing that is laid out can be left out of a save
+ * unless it says so.
+ * Kept values are little-endian, without gaps, in the order of the lines. Bounds: one pass over each slot.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_KEEP_H
+#define SMR_KEEP_H
+
+#include "base/arena.h"
+
+/* What happens to kept values. In none of these is a slot placed. */
+enum {
+    SMR_KEEP_COUNT = 1, /* their bytes are counted */
+    SMR_KEEP_SAVE,      /* written to `to`, and checked */
+    SMR_KEEP_CHECK,     /* read from `from` and checked; only fields are stored, for there are no slots yet */
+    SMR_KEEP_RESTORE    /* read and stored */
+};
+
+typedef struct smr_keeper {
+    uint32_t mode;             /* SMR_KEEP_... */
+    uint32_t wrong;            /* 1: a value is out of its range, or the bytes ended */
+    uint32_t plan;             /* checksum of which values were listed: counts, kinds and ranges */
+    unsigned char *to;         /* [bytes] */
+    const unsigned char *from; /* [bytes] */
+    size_t at, bytes;          /* so far, and all of them */
+} smr_keeper;
+
+/* 1: kept values are being gone over, and no slots placed. Fields of arrays of structs are listed only then. */
+static inline int smr_keeps(const smr_arena *a) { return a->keeper != NULL; }
+
+/* A slot of count elements. now: where it is, which is what these return while values are gone over.
+ * scratch: nothing in it is read before it is written in the same iteration. The others are kept:
+ * floats: each finite, within +-most. indexes: each below `below`, or SMR_NONE. bytes: each at most `most`. */
+void *smr_slot_scratch(smr_arena *a, void *now, size_t count, size_t size);
+float *smr_slot_floats(smr_arena *a, float *now, size_t count, float most);
+uint32_t *smr_slot_indexes(smr_arena *a, uint32_t *now, size_t count, uint32_t below);
+uint8_t *smr_slot_bytes(smr_arena *a, uint8_t *now, size_t count, uint32_t most);
+
+/* Kept fields of a struct; nothing happens while slots are placed. words: at most `most`. floats: least..most. */
+void smr_keep_words(smr_arena *a, uint32_t *field, size_t count, uint32_t most);
+void smr_keep_floats(smr_arena *a, float *field, size_t count, float least, float most);
+void smr_keep_long(smr_arena *a, uint64_t *field);
+
+/* What was read must be so, or the save is refused. */
+void smr_keep_require(smr_arena *a, int legal);
+
+#endif

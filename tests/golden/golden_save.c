@@ -1,0 +1,34 @@
+/* golden_save.c: interrupts a golden registration.
+ * SPDX-License-Identifier: MIT */
+#include "golden_save.h"
+
+#include <string.h>
+
+static uint32_t last_word(const unsigned char *end)
+{
+    return (uint32_t)end[-4] | (uint32_t)end[-3] << 8 | (uint32_t)end[-2] << 16 | (uint32_t)end[-1] << 24;
+}
+
+smr_status golden_interrupt(golden_saves *saves, const golden_inputs *inputs, smr **s)
+{
+    unsigned char *const saved = saves->memory + saves->used;
+    const size_t left = saves->bytes - saves->used;
+    smr_saved_info info;
+    smr_config config;
+    smr_status status = saves->given ? SMR_OK : smr_save(*s, saved, left);
+    if (status == SMR_OK)
+        status = smr_save_info(saved, left, &info);
+    if (status != SMR_OK)
+        return status;
+    config = info.config;
+    config.n_workers = 1;
+    memset(inputs->arena, 0xa5, inputs->arena_bytes);
+    status = smr_restore(inputs->model, &config, NULL, saved, left, inputs->arena, inputs->arena_bytes, s);
+    if (status == SMR_OK && inputs->target != NULL)
+        status = smr_set_surface(*s, SMR_ALL, inputs->target);
+    if (status == SMR_OK && inputs->volume != NULL)
+        status = smr_set_volume(*s, inputs->volume);
+    saves->used += info.bytes;
+    saves->checksums ^= last_word(saved + info.bytes);
+    return status;
+}

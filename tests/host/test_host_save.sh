@@ -1,0 +1,98 @@
+#!/bin/sh
+# smr register --save and --resume: surfaces, several structures, an image, budgets, other numbers of threads; the same bits as
+# in one run; other inputs, other options, damaged and forged saves.
+# SPDX-License-Identifier: MIT
+cd "$(dirname "$0")/../.." || exit 1
+. tests/host/host_common.inc
+
+build_tool || { not_ok "the mesh helper compiles"; finish; exit 1; }
+tool=$scratch/tool
+cd "$scratch" || exit 1
+blob 8 30 20 60 0.05 >bone.ply
+blob 9 33 19 63 0.08 >target.ply
+blob 9 33 19 63 0.09 >other.ply
+mkdir several others
+blob 10 20 20 20 0.02 >several/a.ply
+blob 10 22 19 21 0.03 >several/b.ply
+blob 11 22 20 21 0.02 >others/a.ply
+
+value() { sed -n "s/^ *\"$2\": \"\{0,1\}\([^,\"]*\)\"\{0,1\},\{0,1\}\$/\1/p" "$1" | head -1; }
+has_status() {
+    wanted=$1
+    shift
+    "$@" >out.txt 2>err.txt
+    got=$?
+    [ $got -eq "$wanted" ] || { echo "status $got, not $wanted: $(head -1 err.txt) $(head -1 out.txt)"; return 1; }
+}
+# Status 2 and one line, which says this; nothing is written.
+refused() { # words, arguments
+    words=$1
+    shift
+    rm -rf refused
+    has_status 2 "$SMR" register "$@" -o refused && [ ! -e refused ] && [ "$(wc -l <err.txt)" -eq 1 ] &&
+        grep -q "$words" err.txt || { cat err.txt; return 1; }
+}
+
+# in_three NAME ARGUMENTS...: one run, and the same in three on other numbers of threads.
+in_three() {
+    name=$1
+    shift
+    rm -rf whole part rest
+    "$SMR" register "$@" -o whole --threads 2 >out.txt 2>&1
+    status=$?
+    check "$name: 7 ticks" has_status 4 "$SMR" register "$@" --ticks 7 --save 1.save -o part --threads 1
+    check "$name: 9 more" has_status 4 "$SMR" register "$@" --ticks 9 --resume 1.save --save 2.save -o part --threads 4
+    check "$name: to the end" has_status $status "$SMR" register "$@" --resume 2.save -o rest --threads 2
+    check "$name: the same state" [ "$(value whole/report.json state_hash)" = "$(value rest/report.json state_hash)" ]
+    check "$name: the same verdict" [ "$(value whole/report.json verdict)" = "$(value rest/report.json verdict)" ]
+    for file in whole/*.ply; do
+        check "$name: $(basename "$file")" cmp "$file" "rest/$(basename "$file")"
+    done
+}
+
+short="--iterations 4 --iterations-last 8"
+# shellcheck disable=SC2086
+{
+    in_three "surfaces" --model bone.ply --target target.ply --align rigid $short
+    in_three "several structures" --model several/a.ply several/b.ply --target others/a.ply several/b.ply $short
+    in_three "one target for two" --model several/a.ply several/b.ply --target others/a.ply --method polar $short
+}
+case ${SMR_EXPERIMENTS:-} in
+full | all)
+    "$SMR" phantom -o thigh --small --quiet
+    in_three "an image" --model thigh/model/femur.ply thigh/model/patella.ply --reference thigh/mri_reference.mha \
+        --target thigh/mri_patient.mha --landmarks thigh/landmarks_reference.mrk.json thigh/landmarks_patient.mrk.json \
+        --iterations 3 --iterations-last 5
+    ;;
+*) skip "an image" "SMR_EXPERIMENTS=full, to compute the phantom" ;;
+esac
+
+# shellcheck disable=SC2086
+set -- --model bone.ply --target target.ply --accept look $short
+check "a budget that no iteration keeps: saved between iterations" \
+    has_status 4 "$SMR" register "$@" --budget-ms 0.001 --ticks 5 --save b.save -o part
+check "and resumed" has_status 0 "$SMR" register "$@" --resume b.save -o rest
+check "the end itself can be saved" has_status 0 "$SMR" register "$@" --save end.save -o whole
+check "and resumed" has_status 0 "$SMR" register "$@" --resume end.save -o rest
+check "with the same result" cmp whole/bone.ply rest/bone.ply
+cp whole/bone.ply before.ply
+check "into the results' directory" has_status 4 "$SMR" register "$@" --ticks 3 --save new/run.save -o new
+check "is there" [ -s new/run.save ]
+
+check "another target" refused 'b.save: options: ' --model bone.ply --target bone.ply $short --resume b.save
+"$SMR" register "$@" --ticks 3 --save 1.save -o part >out.txt 2>&1
+check "another target of as many vertices" refused '1.save: targets: ' --model bone.ply --target other.ply $short --resume 1.save
+check "another model" refused '1.save: model: ' --model other.ply --target target.ply $short --resume 1.save
+check "another option" refused '1.save: options: ' "$@" --resume 1.save --stiffness 0.5
+check "a log beside it" refused 'option' "$@" --resume 1.save --log run.log
+check "a log of what is saved" refused 'option' "$@" --save 3.save --log run.log
+check "not there" refused 'nowhere.save' "$@" --resume nowhere.save
+check "not a save" refused 'bone.ply: header: ' "$@" --resume bone.ply
+head -c 3000 1.save >cut.save
+check "cut off" refused 'cut.save: content: ' "$@" --resume cut.save
+{ head -c 3000 1.save; printf x; tail -c +3002 1.save; } >changed.save
+check "one byte changed" refused 'changed.save: content: ' "$@" --resume changed.save
+check "not over what is read" refused '1.save' "$@" --resume 1.save --save 1.save
+check "nowhere to write" refused 'missing' "$@" --save missing/1.save
+
+finish

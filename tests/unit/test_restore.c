@@ -1,0 +1,239 @@
+/* test_restore.c: what a restored registration waits for, and how it goes on: with the same inputs only, shared by the
+ * same structures, and with the same log. A registration also resumes from its log alone.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <string.h>
+
+#include "property/rig.h"
+#include "unit/unit_log.h"
+#include "unit/unit_save.h"
+
+static unit_save u;
+
+static int set_up(void **state)
+{
+    (void)state;
+    unit_save_make(&u);
+    unit_log_make(&unit_recorded);
+    return 0;
+}
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static smr *restored(void)
+{
+    smr_status status;
+    smr *s = unit_save_restored(&u, u.saved, u.bytes, 0, &status);
+    assert_int_equal(SMR_OK, status);
+    return s;
+}
+
+static void awaits(const smr *s, uint32_t expected)
+{
+    uint32_t n = 77;
+    assert_int_equal(SMR_OK, smr_get_awaited(s, &n));
+    assert_int_equal(expected, n);
+}
+
+/* Both come to the same end. */
+static void ends_alike(smr *a, smr *b)
+{
+    const smr_tick_report x = rig_run(a, 1000), y = rig_run(b, 1000);
+    assert_true(x.done && y.done && x.iteration == y.iteration && x.state_hash == y.state_hash);
+    assert_true(smr_state_hash(a) == smr_state_hash(b));
+}
+
+static void test_waits(void **state)
+{
+    static float xyz[2][3 * 200];
+    static unsigned char memory[UNIT_LOG_BYTES];
+    smr *s = restored(), *before = unit_save_begin(&u, 7);
+    const smr_pose pose = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    smr_verdict verdict;
+    smr_structure_report part;
+    smr_replay replay;
+    (void)state;
+    awaits(s, 2);
+    for (uint32_t round = 0; round < 2u; round++) { /* nothing, then the surface alone, is there */
+        assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+        assert_int_equal(SMR_E_STATE, smr_set_pose(s, &pose));
+        assert_int_equal(SMR_E_STATE, smr_set_positions(s, 0, u.ball[0].xyz));
+        assert_int_equal(SMR_E_STATE, smr_set_active(s, 10));
+        assert_int_equal(SMR_E_STATE, smr_set_surface(s, SMR_ALL, NULL));
+        assert_int_equal(SMR_E_STATE, smr_set_volume(s, NULL));
+        assert_int_equal(SMR_E_STATE, smr_set_log(s, memory, sizeof memory));
+        assert_int_equal(SMR_E_STATE, smr_get_verdict(s, 0, &verdict));
+        assert_int_equal(SMR_E_STATE, smr_get_expected_error(s, 0, xyz[0]));
+        assert_int_equal(SMR_E_STATE, smr_get_seen(s, 0, memory));
+        assert_int_equal(SMR_E_STATE, smr_get_structure_report(s, 0, &part));
+        assert_int_equal(SMR_E_STATE, smr_replay_start(s, unit_recorded.log, unit_recorded.bytes, NULL, NULL, &replay));
+        for (uint32_t i = 0; i < 2u; i++) {
+            assert_int_equal(SMR_OK, smr_get_positions(s, i, xyz[0]));
+            assert_int_equal(SMR_OK, smr_get_positions(before, i, xyz[1]));
+            assert_memory_equal(xyz[0], xyz[1], 12u * u.ball[i].n_vertices);
+        }
+        if (round == 0u)
+            assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, u.copy));
+    }
+    assert_int_equal(SMR_OK, smr_set_volume(s, &u.volume));
+    awaits(s, 0);
+    ends_alike(s, before);
+}
+
+/* A different input is refused, and so is one twice or where there was none. */
+static void test_other_inputs(void **state)
+{
+    smr *s = restored();
+    smr_volume changed = u.volume;
+    (void)state;
+    changed.voxels = NULL;
+    assert_int_equal(SMR_E_NULL, smr_set_volume(s, &changed));
+    assert_int_equal(SMR_E_INPUT, smr_set_surface(s, 0, u.other));
+    assert_int_equal(SMR_E_INPUT, smr_set_surface(s, SMR_ALL, u.other));
+    assert_int_equal(SMR_E_INPUT, smr_set_surface(s, 1, u.surface));
+    assert_int_equal(SMR_E_INPUT, smr_set_surface(s, 2, u.surface));
+    assert_int_equal(SMR_E_INPUT, smr_set_volume(s, &u.other_volume));
+    awaits(s, 2);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, u.copy));
+    assert_int_equal(SMR_E_INPUT, smr_set_surface(s, 0, u.copy));
+    awaits(s, 1);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &u.volume));
+    ends_alike(s, unit_save_begin(&u, 7));
+}
+
+/* A save of both balls onto these surfaces after three ticks, restored. */
+static smr *both(const smr_surface *first, const smr_surface *second, smr **before)
+{
+    static unsigned char saved[UNIT_SAVE_BYTES];
+    smr_status status;
+    smr *s = rig_init(u.model, &u.config, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, first));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 1, second));
+    for (uint32_t i = 0; i < 3u; i++)
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_save(s, saved, sizeof saved));
+    *before = s;
+    s = unit_save_restored(&u, saved, sizeof saved, 0, &status);
+    awaits(s, 2);
+    return s;
+}
+
+/* Structures that shared a surface share it again, others do not, though the surfaces be alike. */
+static void test_shared(void **state)
+{
+    smr *before = NULL, *s = both(u.surface, u.surface, &before);
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_surface(s, 1, u.copy));
+    assert_int_equal(SMR_E_INPUT, smr_set_surface(s, 0, u.surface));
+    assert_int_equal(SMR_E_INPUT, smr_set_surface(s, SMR_ALL, u.surface));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, u.copy));
+    ends_alike(s, before);
+    s = both(u.surface, u.surface, &before);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, u.surface));
+    ends_alike(s, before);
+    s = both(u.surface, u.copy, &before);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, u.copy)); /* the first's */
+    awaits(s, 1);
+    assert_int_equal(SMR_E_INPUT, smr_set_surface(s, 1, u.copy));
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, u.surface));
+    ends_alike(s, before);
+}
+
+/* ---- logs */
+
+static const void *give(void *ctx, const smr_log_record *record)
+{
+    const unit_save *from = ctx;
+    return record->kind == SMR_LOG_SURFACE ? (const void *)from->surface : (const void *)&from->volume;
+}
+
+/* The log of the interrupted run replays as a whole. */
+static void test_log_goes_on(void **state)
+{
+    static unsigned char saved[UNIT_SAVE_BYTES], log[UNIT_LOG_BYTES], other[UNIT_LOG_BYTES];
+    smr *s = rig_init(u.model, &u.config, NULL);
+    smr_log_state at;
+    smr_status status;
+    smr_replay replay;
+    smr_replay_report report = {0};
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, u.surface));
+    assert_int_equal(SMR_OK, smr_set_volume(s, &u.volume));
+    (void)rig_run(s, 5);
+    assert_int_equal(SMR_OK, smr_get_log(s, &at));
+    assert_int_equal(SMR_OK, smr_save(s, saved, sizeof saved));
+    s = unit_save_restored(&u, saved, sizeof saved, 1, &status);
+    awaits(s, 1);
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_E_LOG, smr_set_log(s, other, sizeof other));
+    assert_int_equal(SMR_E_ARENA, smr_set_log(s, log, at.bytes));
+    memcpy(other, log, at.bytes);
+    assert_int_equal(SMR_OK, smr_set_log(s, other, sizeof other));
+    assert_int_equal(SMR_E_STATE, smr_set_log(s, log, sizeof log));
+    (void)rig_run(s, 1000);
+    assert_int_equal(SMR_OK, smr_get_log(s, &at));
+    assert_int_equal(SMR_OK, smr_replay_start(rig_init(u.model, &u.config, NULL), other, at.bytes, give, &u, &replay));
+    while (!report.ended) {
+        assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));
+        assert_int_equal(0, report.differs);
+    }
+    assert_true(report.tick == at.n_ticks && smr_state_hash(replay.s) == smr_state_hash(s));
+    s = unit_save_restored(&u, saved, sizeof saved, 1, &status); /* without it */
+    assert_int_equal(SMR_OK, smr_set_log(s, NULL, 0));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_get_log(s, &at));
+    assert_true(at.bytes == 0u);
+}
+
+/* One that was saved right after smr_init() is as smr_init() leaves it: a log can start. */
+static void test_fresh(void **state)
+{
+    static unsigned char saved[UNIT_SAVE_BYTES], log[UNIT_LOG_BYTES];
+    smr *s = rig_init(u.model, &u.config, NULL);
+    smr_status status;
+    (void)state;
+    assert_int_equal(SMR_OK, smr_save(s, saved, sizeof saved));
+    s = unit_save_restored(&u, saved, sizeof saved, 0, &status);
+    awaits(s, 0);
+    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
+    s = unit_save_restored(&u, u.saved, u.bytes, 1, &status);
+    assert_int_equal(SMR_E_STATE, smr_set_log(s, log, sizeof log));
+}
+
+/* Without a save: the replay of a log up to its end, then ticks. */
+static void test_resumes_from_a_log(void **state)
+{
+    static unsigned char log[UNIT_LOG_BYTES];
+    smr *s = rig_init(u.model, &u.config, NULL), *again = rig_init(u.model, &u.config, NULL);
+    smr_log_state at;
+    smr_replay replay;
+    smr_replay_report report = {0};
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, u.surface));
+    assert_int_equal(SMR_OK, smr_set_volume(s, &u.volume));
+    (void)rig_run(s, 8);
+    assert_int_equal(SMR_OK, smr_get_log(s, &at));
+    assert_int_equal(SMR_OK, smr_replay_start(again, log, at.bytes, give, &u, &replay));
+    while (!report.ended)
+        assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));
+    assert_int_equal(SMR_OK, smr_set_active(again, 0)); /* configuration and budget decide again */
+    ends_alike(again, s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_waits),  cmocka_unit_test(test_other_inputs),
+        cmocka_unit_test(test_shared), cmocka_unit_test(test_log_goes_on),
+        cmocka_unit_test(test_fresh),  cmocka_unit_test(test_resumes_from_a_log),
+    };
+    return cmocka_run_group_tests(tests, set_up, tidy);
+}

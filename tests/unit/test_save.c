@@ -1,0 +1,238 @@
+/* test_save.c: what smr_save() and smr_restore() refuse and leave as it was; how large a save is.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <string.h>
+
+#include "property/rig.h"
+#include "unit/unit_save.h"
+
+static unit_save u;
+
+static int set_up(void **state)
+{
+    (void)state;
+    unit_save_make(&u);
+    return 0;
+}
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static smr *restored(int all)
+{
+    smr_status status;
+    smr *s = unit_save_restored(&u, u.saved, u.bytes, all, &status);
+    assert_int_equal(SMR_OK, status);
+    return s;
+}
+
+static void test_arguments(void **state)
+{
+    static _Alignas(SMR_ALIGN) unsigned char zero[4096];
+    smr *s = unit_save_begin(&u, 1), *out = s, *const none = (smr *)(void *)zero;
+    smr_saved_info info;
+    uint32_t n;
+    size_t bytes;
+    (void)state;
+    assert_int_equal(SMR_E_NULL, smr_save_bytes(NULL, &bytes));
+    assert_int_equal(SMR_E_NULL, smr_save_bytes(s, NULL));
+    assert_int_equal(SMR_E_STATE, smr_save_bytes(none, &bytes));
+    assert_int_equal(SMR_E_NULL, smr_save(NULL, zero, sizeof zero));
+    assert_int_equal(SMR_E_NULL, smr_save(s, NULL, 1u << 20));
+    assert_int_equal(SMR_E_STATE, smr_save(none, zero, sizeof zero));
+    assert_int_equal(SMR_E_NULL, smr_save_info(NULL, u.bytes, &info));
+    assert_int_equal(SMR_E_NULL, smr_save_info(u.saved, u.bytes, NULL));
+    assert_int_equal(SMR_E_NULL, smr_get_awaited(NULL, &n));
+    assert_int_equal(SMR_E_NULL, smr_get_awaited(s, NULL));
+    assert_int_equal(SMR_E_STATE, smr_get_awaited(none, &n));
+    assert_int_equal(SMR_E_NULL, smr_restore(NULL, NULL, NULL, u.saved, u.bytes, zero, sizeof zero, &out));
+    assert_int_equal(SMR_E_NULL, smr_restore(u.model, NULL, NULL, NULL, u.bytes, zero, sizeof zero, &out));
+    assert_int_equal(SMR_E_NULL, smr_restore(u.model, NULL, NULL, u.saved, u.bytes, NULL, 1u << 20, &out));
+    assert_int_equal(SMR_E_NULL, smr_restore(u.model, NULL, NULL, u.saved, u.bytes, zero, sizeof zero, NULL));
+    assert_ptr_equal(s, out);
+    assert_int_equal(SMR_OK, smr_get_awaited(s, &n));
+    assert_int_equal(0, n);
+}
+
+/* Exact size, any alignment, nothing written beyond or when refused; the same bytes each time. */
+static void test_bytes(void **state)
+{
+    static unsigned char memory[UNIT_SAVE_BYTES + 80u], before[sizeof memory];
+    smr *s = unit_save_begin(&u, 7);
+    size_t bytes = 0;
+    (void)state;
+    assert_int_equal(SMR_OK, smr_save_bytes(s, &bytes));
+    assert_true(bytes == u.bytes && bytes <= sizeof u.saved);
+    memset(memory, 0xa5, sizeof memory);
+    memcpy(before, memory, sizeof memory);
+    assert_int_equal(SMR_E_ARENA, smr_save(s, memory, bytes - 1u));
+    assert_int_equal(SMR_E_ARENA, smr_save(s, memory, 0));
+    assert_memory_equal(before, memory, sizeof memory);
+    for (uint32_t off = 0; off < 9u; off++) {
+        memset(memory, 0xa5, sizeof memory);
+        assert_int_equal(SMR_OK, smr_save(s, memory + off, bytes));
+        assert_memory_equal(before, memory, off);
+        assert_memory_equal(u.saved, memory + off, bytes);
+        assert_memory_equal(before, memory + off + bytes, sizeof memory - off - bytes);
+    }
+}
+
+/* The macro is a bound, and not far off. */
+static void test_macro(void **state)
+{
+    (void)state;
+    for (uint32_t method = 0; method < 2u; method++) {
+        for (uint32_t targets = 0; targets <= 4000u; targets += 4000u) {
+            smr_config config = smr_config_default();
+            smr_model_info info;
+            size_t bytes = 0;
+            config.method = method;
+            config.n_target_vertices = targets;
+            config.n_landmarks = targets / 400u;
+            assert_int_equal(SMR_OK, smr_model_get_info(u.model, &info));
+            assert_int_equal(SMR_OK, smr_save_bytes(rig_init(u.model, &config, NULL), &bytes));
+            const size_t most = SMR_SAVE_BYTES(info.n_vertices, info.n_structures, targets, config.n_landmarks, method);
+            if (!(bytes <= most && most - bytes < 500u))
+                fail_msg("%zu bytes, the macro says %zu", bytes, most);
+        }
+    }
+}
+
+/* ---- when nothing is saved */
+
+static struct within {
+    smr *s;
+    smr_status status;
+} within;
+
+static void save_within(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
+{
+    static unsigned char memory[UNIT_SAVE_BYTES];
+    (void)ctx;
+    for (uint32_t i = 0; i < n_tasks; i++)
+        run(arg, i, 0);
+    within.status = smr_save(within.s, memory, sizeof memory);
+}
+
+static void wrong_worker(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
+{
+    (void)ctx;
+    for (uint32_t i = 0; i < n_tasks; i++)
+        run(arg, i, 5);
+}
+
+static void test_states_refused(void **state)
+{
+    static unsigned char memory[UNIT_SAVE_BYTES];
+    rig_clock clock;
+    const smr_port timed = rig_clock_port(&clock, RIG_CLOCK_STEADY, 700), inside = {NULL, 1, save_within, NULL},
+                   wrong = {NULL, 1, wrong_worker, NULL};
+    const smr_pose here = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    (void)state;
+    smr *s = rig_init(u.model, &u.config, &timed);
+    assert_int_equal(SMR_PARTIAL, smr_tick(s, 1, NULL));
+    assert_int_equal(SMR_E_STATE, smr_save(s, memory, sizeof memory));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_save(s, memory, sizeof memory));
+    within.s = s = rig_init(u.model, &u.config, &inside);
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_E_STATE, within.status);
+    s = rig_init(u.model, &u.config, &wrong);
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_E_STATE, smr_save(s, memory, sizeof memory));
+    assert_int_equal(SMR_OK, smr_set_pose(s, &here));
+    assert_int_equal(SMR_OK, smr_save(s, memory, sizeof memory));
+    s = restored(0);
+    assert_int_equal(SMR_E_STATE, smr_save(s, memory, sizeof memory)); /* inputs are awaited */
+    s = rig_init(u.model, &u.config, NULL);
+    smr_surface *gone = rig_surface(&u.ball[0]);
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, gone));
+    memset((void *)gone, 0, 64);
+    assert_int_equal(SMR_E_STATE, smr_save(s, memory, sizeof memory));
+}
+
+/* ---- when nothing is restored */
+
+static void refused(smr_status expected, const smr_model *model, const smr_config *config, const smr_port *port,
+                    const unsigned char *saved, size_t bytes)
+{
+    static _Alignas(SMR_ALIGN) unsigned char arena[1u << 17];
+    smr *const mark = (smr *)(void *)arena, *out = mark;
+    memset(arena, 0x5a, sizeof arena);
+    assert_int_equal(expected, smr_restore(model, config, port, saved, bytes, arena, sizeof arena, &out));
+    assert_ptr_equal(mark, out);
+    for (size_t i = 0; i < sizeof arena; i++)
+        if (arena[i] != 0x5au)
+            fail_msg("byte %zu of the arena was written", i);
+}
+
+static void test_every_byte(void **state)
+{
+    static unsigned char saved[UNIT_SAVE_BYTES];
+    static const unsigned char flip[3] = {1, 0x80, 0xff};
+    smr_saved_info info;
+    (void)state;
+    memcpy(saved, u.saved, u.bytes);
+    for (size_t i = 0; i < u.bytes; i++) {
+        saved[i] = (unsigned char)(saved[i] ^ flip[i % 3u]);
+        assert_int_equal(SMR_E_SAVE, smr_save_info(saved, u.bytes, &info));
+        if (i % 251u == 0u)
+            refused(SMR_E_SAVE, u.model, NULL, NULL, saved, u.bytes);
+        saved[i] = u.saved[i];
+    }
+    for (size_t bytes = 0; bytes < u.bytes; bytes += bytes < 400u || bytes + 9u > u.bytes ? 1u : 7u)
+        assert_int_equal(SMR_E_SAVE, smr_save_info(saved, bytes, &info));
+    refused(SMR_E_SAVE, u.model, NULL, NULL, saved, u.bytes - 1u);
+    refused(SMR_E_SAVE, u.model, NULL, NULL, saved, 0);
+    assert_int_equal(SMR_OK, smr_save_info(saved, sizeof saved, &info)); /* what lies behind it does not matter */
+    assert_true(info.bytes == u.bytes);
+}
+
+static void test_others_refused(void **state)
+{
+    const smr_prepare_config radii = rig_radii(2, 40.0f, 15.0f, 0.0f);
+    const smr_model *other = rig_model(u.ball, 2, &radii);
+    const smr_port many = {NULL, 2, NULL, NULL};
+    smr_config config = u.config;
+    (void)state;
+    refused(SMR_E_MODEL, other, NULL, NULL, u.saved, u.bytes);
+    refused(SMR_E_CONFIG, u.model, NULL, &many, u.saved, u.bytes); /* saved with one worker */
+    config.momentum += 0.01f;
+    refused(SMR_E_CONFIG, u.model, &config, NULL, u.saved, u.bytes);
+    config = u.config;
+    config.cookie++;
+    refused(SMR_E_CONFIG, u.model, &config, NULL, u.saved, u.bytes);
+    config = u.config;
+    config.n_workers = SMR_WORKERS_MAX + 1u;
+    refused(SMR_E_CONFIG, u.model, &config, NULL, u.saved, u.bytes);
+}
+
+static void test_arena(void **state)
+{
+    smr_config config = u.config;
+    size_t bytes = 0;
+    smr *out = NULL;
+    (void)state;
+    config.n_workers = 3;
+    assert_int_equal(SMR_OK, smr_arena_bytes(u.model, &config, &bytes));
+    unsigned char *arena = rig_alloc(bytes + 64u);
+    assert_int_equal(SMR_E_ARENA, smr_restore(u.model, &config, NULL, u.saved, u.bytes, arena, bytes - 1u, &out));
+    assert_int_equal(SMR_E_ALIGN, smr_restore(u.model, &config, NULL, u.saved, u.bytes, arena + 1, bytes, &out));
+    assert_null(out);
+    assert_int_equal(SMR_OK, smr_restore(u.model, &config, NULL, u.saved, u.bytes, arena, bytes, &out));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_arguments),      cmocka_unit_test(test_bytes),      cmocka_unit_test(test_macro),
+        cmocka_unit_test(test_states_refused), cmocka_unit_test(test_every_byte), cmocka_unit_test(test_others_refused),
+        cmocka_unit_test(test_arena),
+    };
+    return cmocka_run_group_tests(tests, set_up, tidy);
+}
