@@ -43,6 +43,7 @@ GOLDEN_MEMORY unsigned char golden_target[1u << 20];
 GOLDEN_MEMORY unsigned char golden_source[1u << 20];
 GOLDEN_MEMORY float golden_words[16384];
 GOLDEN_MEMORY unsigned char golden_save_memory[2u * SMR_SAVE_BYTES(1024, 2, 1024, 0, SMR_METHOD_POLAR)];
+GOLDEN_MEMORY unsigned char golden_other[SMR_ARENA_BYTES(1024, 2048, 2, 1, 1024, SMR_METHOD_POLAR)];
 static golden_saves golden_saved = {golden_save_memory, sizeof golden_save_memory, 0, 0, 0};
 static int golden_interrupts; /* 1: runs are saved and restored in the middle */
 GOLDEN_MEMORY float golden_xyz[2][3 * 1024];
@@ -66,7 +67,7 @@ static int golden_ok(const char *step, int status) { return print_ok("smr-hash",
 static int golden_ticks(smr **s, const smr_model *model, const smr_surface *target, const smr_volume *volume,
                         smr_tick_report *report)
 {
-    const golden_inputs inputs = {model, target, volume, golden_arena, sizeof golden_arena};
+    const golden_inputs inputs = {model, target, volume, golden_other, sizeof golden_other};
     for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++)
         if ((tick == GOLDEN_STOP && golden_interrupts &&
              !golden_ok("interrupt", golden_interrupt(&golden_saved, &inputs, s))) ||

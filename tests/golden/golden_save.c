@@ -2,8 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include "golden_save.h"
 
-#include <string.h>
-
 static uint32_t last_word(const unsigned char *end)
 {
     return (uint32_t)end[-4] | (uint32_t)end[-3] << 8 | (uint32_t)end[-2] << 16 | (uint32_t)end[-1] << 24;
@@ -22,7 +20,6 @@ smr_status golden_interrupt(golden_saves *saves, const golden_inputs *inputs, sm
         return status;
     config = info.config;
     config.n_workers = 1;
-    memset(inputs->arena, 0xa5, inputs->arena_bytes);
     status = smr_restore(inputs->model, &config, NULL, saved, left, inputs->arena, inputs->arena_bytes, s);
     if (status == SMR_OK && inputs->target != NULL)
         status = smr_set_surface(*s, SMR_ALL, inputs->target);

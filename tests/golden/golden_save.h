@@ -1,5 +1,4 @@
-/* golden_save.h: interrupts a golden registration: saves it, wipes its arena, restores it there and sets its inputs
- * again.
+/* golden_save.h: interrupts a golden registration: saves it, restores it in another arena and sets its inputs again.
  * SPDX-License-Identifier: MIT */
 #ifndef GOLDEN_SAVE_H
 #define GOLDEN_SAVE_H
@@ -19,7 +18,7 @@ typedef struct golden_inputs {
     const smr_model *model;
     const smr_surface *target; /* of all structures; or NULL */
     const smr_volume *volume;  /* or NULL */
-    void *arena;
+    void *arena;               /* another one */
     size_t arena_bytes;
 } golden_inputs;
 

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/arena.h"
 #include "property/rig.h"
 
 #define RUNS 60u
@@ -126,7 +127,7 @@ static smr_config random_config(uint32_t *seed)
     c.active_enough = rig_random(seed, 30);
     c.confidence = rig_random(seed, 2) ? 0.4f : rig_between(seed, 0.75f, 0.98f); /* so that many find no goal */
     if (rig_random(seed, 2)) { /* the search in images ends before the schedule does */
-        c.profile_mm = c.gradient_mm = rig_between(seed, 0.5f, 6.0f);
+        c.profile_mm = c.gradient_mm = rig_between(seed, 0.26f, 0.6f);
         c.profile_end_mm = c.gradient_end_mm = 0.0f;
     }
     c.n_workers = 4;
@@ -339,6 +340,7 @@ static smr *twin_of(run *r, const smr *s, const smr_config *config, const smr_po
     others.n_workers = port->n_workers;
     assert_int_equal(SMR_OK, smr_arena_bytes(world.model[r->model], &others, &arena_bytes));
     assert_true(arena_bytes <= ARENA);
+    smr_arena_release(memory, ARENA); /* red zones of the run before */
     for (uint32_t i = 0; i < ARENA; i++)
         ((unsigned char *)memory)[i] = (unsigned char)rig_random(&r->seed, 256);
     assert_int_equal(SMR_OK,
