@@ -9,7 +9,7 @@
 
 #include "volumes/volume_write.h"
 
-#define SWEEPS 10u
+#define SWEEPS 60u
 #define FIT_SPACING_MM 5.0f /* coarser grids have too few voxels for the vertices, and are left */
 #define FIT_MM 0.002
 

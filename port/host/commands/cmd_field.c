@@ -10,7 +10,7 @@
 #include "files/output_files.h"
 #include "volumes/volume_write.h"
 
-#define SPACING_MM 4.0f /* the default */
+#define SPACING_MM 3.0f /* the default; vertices of the thigh are as far apart */
 #define MARGIN_MM 20.0f
 
 /* Which grid: another volume's, or one around the model or the result. */

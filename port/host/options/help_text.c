@@ -75,7 +75,7 @@ static const char *const other_lines[] = {
     "carry: points of the model's space: .mrk.json, .fcsv, .csv, .ply, in and out; --inverse: of the result's space;",
     "  --threads N; --quiet. Exit status 3: of some points the way back was not found",
     "field: .nrrd or .mha, LPS: adds to points of the model's space their way (--inverse: of the result's space, which",
-    "  is what deforms images and what 3D Slicer wants); --like VOLUME its grid, or --spacing MM around the model (4)",
+    "  is what deforms images and what 3D Slicer wants); --like VOLUME its grid, or --spacing MM around the model (3)",
     "warp: --volume the image that fits the model; --like VOLUME the patient's grid, or --spacing MM around the result",
     "",
     "replay reads the inputs again, from where it is called, and says that all ticks agree, or which one differs;",
