@@ -417,9 +417,7 @@ static void test_refused(void **state)
     static const float bad[] = {NAN, INFINITY, 1.1e5f, -2e5f};
     smr_points *cloud = new_cloud(4), *out = cloud;
     smr_surface *surface = NULL;
-    smr_config c = smr_config_default();
     unsigned char *memory = rig_alloc(4096);
-    smr_tick_report report;
     point p = {{20, 2, 3}, {0, 0, 2}, 1};
     size_t bytes = 7;
     uint32_t n = 9;
@@ -450,7 +448,17 @@ static void test_refused(void **state)
     assert_int_equal(SMR_OK, smr_points_count(cloud, &n));
     assert_int_equal(0, n);
     assert_int_equal(SMR_E_INPUT, smr_points_surface(cloud, memory, 4096, &surface)); /* empty */
-    /* a registration */
+}
+
+/* What a registration refuses, and what it does with a cloud that has changed. */
+static void test_set_points(void **state)
+{
+    smr_points *cloud = new_cloud(4);
+    smr_config c = smr_config_default();
+    unsigned char *memory = rig_alloc(4096);
+    smr_tick_report report;
+    const point p = {{20, 2, 3}, {0, 0, 2}, 1};
+    (void)state;
     c.n_target_vertices = 3;
     smr *s = rig_init(model, &c, NULL);
     assert_int_equal(SMR_E_ARENA, smr_set_points(s, SMR_ALL, cloud));
@@ -556,6 +564,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_one_side, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_moved_inputs, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_refused, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_set_points, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_hostile_points, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_nearest_point, set_up, tidy),
     };
