@@ -96,9 +96,9 @@ hostile "coordinate NaN, binary" nan_binary.ply "vertex 0"
 { ply ascii 0 0 uchar; } >no_vertex.ply
 hostile "no vertices" no_vertex.ply "header"
 { ply ascii 3 0 uchar; printf "$body"; } >no_face.ply
-hostile "no triangles" no_face.ply "faces"
+refused "no triangles, as model" no_face.ply "faces" register --model no_face.ply --target good.ply -o fresh
 sed '/element face/d; /property list/d' no_face.ply >points.ply
-hostile "no face element" points.ply "faces"
+refused "no face element, as model" points.ply "faces" register --model points.ply --target good.ply -o fresh
 printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n' >no_z.ply
 hostile "no z" no_z.ply "header line 3"
 printf 'ply\nformat ebcdic 1.0\nelement vertex 1\n' >format.ply
