@@ -1,0 +1,242 @@
+/* test_points_hostile.c: any points are refused or keep every position finite; and the nearest of a cloud.
+ * SPDX-License-Identifier: MIT */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "property/rig.h"
+
+enum { PARTS = 2, CAPACITY = 80 };
+
+static const float centre[PARTS][3] = {{0, 0, 0}, {40, 0, 0}};
+static smr_mesh part[PARTS];
+static const smr_model *model;
+
+static int set_up(void **state)
+{
+    const smr_prepare_config radii = rig_radii(3, 60, 30, 12);
+    (void)state;
+    for (uint32_t i = 0; i < PARTS; i++)
+        part[i] = rig_ball(22.0f, 8, 12u + 2u * i, centre[i]);
+    model = rig_model(part, PARTS, &radii);
+    return 0;
+}
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static smr_points *new_cloud(uint32_t capacity)
+{
+    smr_points *cloud = NULL;
+    size_t bytes = 0;
+    assert_int_equal(SMR_OK, smr_points_bytes(capacity, &bytes));
+    assert_true(bytes <= SMR_POINTS_BYTES(capacity));
+    assert_int_equal(SMR_OK, smr_points_open(capacity, rig_alloc(bytes), bytes, &cloud));
+    return cloud;
+}
+
+/* A point: position, normal (none: 0), weight. */
+typedef struct point {
+    float xyz[3], normal[3], weight;
+} point;
+
+static void add(smr_points *cloud, const point *p)
+{
+    assert_int_equal(SMR_OK, smr_points_add(cloud, p->xyz, p->normal, &p->weight, 1));
+}
+
+/* Near a ball, with some noise; of every third the normal is not known. */
+static point random_point(uint32_t *seed, uint32_t which, float radius, float noise)
+{
+    point p;
+    float length = 0.0f;
+    while (!(length > 0.2f && length < 1.0f)) {
+        for (uint32_t c = 0; c < 3u; c++)
+            p.normal[c] = rig_between(seed, -1, 1);
+        length = sqrtf(p.normal[0] * p.normal[0] + p.normal[1] * p.normal[1] + p.normal[2] * p.normal[2]);
+    }
+    for (uint32_t c = 0; c < 3u; c++)
+        p.xyz[c] = centre[which][c] + (radius + noise * rig_between(seed, -1, 1)) * p.normal[c] / length;
+    if (rig_random(seed, 3) == 0u)
+        memset(p.normal, 0, sizeof p.normal);
+    p.weight = rig_random(seed, 6) == 0u ? 0.0f : rig_between(seed, 0.5f, 2.0f);
+    return p;
+}
+
+static smr_config random_config(uint32_t *seed)
+{
+    smr_config c = smr_config_default();
+    c.n_workers = 4;
+    c.n_target_vertices = 3 * CAPACITY;
+    c.iterations = 1u + rig_random(seed, 3);
+    c.iterations_last = 4u + rig_random(seed, 8);
+    c.node_budget = rig_random(seed, 2) ? 8u : 512u;
+    c.noise_mm = rig_random(seed, 2) ? 0.5f : 0.0f;
+    c.attraction = rig_random(seed, 3) ? 0.5f : 0.0f;
+    c.coverage = rig_random(seed, 4) ? SMR_COVERAGE_AUTO : SMR_COVERAGE_WHOLE;
+    return c;
+}
+
+/* ---- what is refused */
+
+static void test_refused(void **state)
+{
+    static const float bad[] = {NAN, INFINITY, 1.1e5f, -2e5f};
+    smr_points *cloud = new_cloud(4), *out = cloud;
+    smr_surface *surface = NULL;
+    unsigned char *memory = rig_alloc(4096);
+    point p = {{20, 2, 3}, {0, 0, 2}, 1};
+    size_t bytes = 7;
+    uint32_t n = 9;
+    (void)state;
+    assert_int_equal(SMR_E_NULL, smr_points_bytes(1, NULL));
+    assert_int_equal(SMR_E_INPUT, smr_points_bytes(0, &bytes));
+    assert_int_equal(SMR_E_INPUT, smr_points_bytes(SMR_VERTICES_MAX + 1u, &bytes));
+    assert_int_equal(7, bytes);
+    assert_int_equal(SMR_E_NULL, smr_points_open(1, NULL, 4096, &out));
+    assert_int_equal(SMR_E_NULL, smr_points_open(1, memory, 4096, NULL));
+    assert_int_equal(SMR_E_ALIGN, smr_points_open(1, memory + 4, 4000, &out));
+    assert_int_equal(SMR_E_INPUT, smr_points_open(0, memory, 4096, &out));
+    assert_int_equal(SMR_OK, smr_points_bytes(8, &bytes));
+    assert_int_equal(SMR_E_ARENA, smr_points_open(8, memory, bytes - 1u, &out));
+    assert_ptr_equal(cloud, out);
+    for (uint32_t i = 0; i < 7u; i++)
+        for (uint32_t k = 0; k < 4u; k++) {
+            point q = p;
+            *(i < 3u ? &q.xyz[i] : i < 6u ? &q.normal[i - 3u] : &q.weight) = bad[k];
+            assert_int_equal(SMR_E_INPUT, smr_points_add(cloud, q.xyz, q.normal, &q.weight, 1));
+        }
+    p.weight = -1.0f;
+    assert_int_equal(SMR_E_INPUT, smr_points_add(cloud, p.xyz, NULL, &p.weight, 1));
+    assert_int_equal(SMR_E_INPUT, smr_points_add(cloud, part[0].xyz, NULL, NULL, 5));
+    assert_int_equal(SMR_E_NULL, smr_points_add(cloud, NULL, NULL, NULL, 1));
+    assert_int_equal(SMR_OK, smr_points_add(cloud, NULL, NULL, NULL, 0));
+    assert_int_equal(SMR_E_STATE, smr_points_add((smr_points *)(void *)memory, p.xyz, NULL, NULL, 1));
+    assert_int_equal(SMR_OK, smr_points_count(cloud, &n));
+    assert_int_equal(0, n);
+    assert_int_equal(SMR_E_INPUT, smr_points_surface(cloud, memory, 4096, &surface)); /* empty */
+}
+
+/* What a registration refuses, and what it does with a cloud that has changed. */
+static void test_set_points(void **state)
+{
+    smr_points *cloud = new_cloud(4);
+    smr_config c = smr_config_default();
+    unsigned char *memory = rig_alloc(4096);
+    smr_tick_report report;
+    const point p = {{20, 2, 3}, {0, 0, 2}, 1};
+    (void)state;
+    c.n_target_vertices = 3;
+    smr *s = rig_init(model, &c, NULL);
+    assert_int_equal(SMR_E_ARENA, smr_set_points(s, SMR_ALL, cloud));
+    assert_int_equal(SMR_E_INPUT, smr_set_points(s, PARTS, cloud));
+    assert_int_equal(SMR_E_STATE, smr_set_points(s, 0, (const smr_points *)(const void *)memory));
+    assert_int_equal(SMR_E_NULL, smr_set_points(NULL, 0, cloud));
+    c.n_target_vertices = 0;
+    assert_int_equal(SMR_E_ARENA, smr_set_points(rig_init(model, &c, NULL), SMR_ALL, cloud));
+    c.n_target_vertices = 4;
+    s = rig_init(model, &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, cloud));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL)); /* an empty cloud shows nothing */
+    assert_int_equal(SMR_OK, smr_points_add(cloud, p.xyz, NULL, NULL, 1));
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, cloud));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+    assert_true(report.n_forces > 0u);
+    assert_int_equal(SMR_E_INPUT, smr_points_weigh(cloud, 1, 0.0f));
+    assert_int_equal(SMR_E_INPUT, smr_points_weigh(cloud, 0, NAN));
+    assert_int_equal(SMR_E_INPUT, smr_points_weigh(cloud, 0, 4.5f));
+    assert_int_equal(SMR_E_NULL, smr_points_weigh(NULL, 0, 1.0f));
+    assert_int_equal(SMR_OK, smr_points_weigh(cloud, 0, 0.0f)); /* a mistake: it pulls nothing */
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, cloud));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+    assert_int_equal(0, report.n_forces);
+    assert_int_equal(SMR_OK, smr_points_clear(cloud));
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+}
+
+/* Any points, however they lie, keep every position finite. */
+static void test_hostile_points(void **state)
+{
+    uint32_t seed = 77;
+    (void)state;
+    for (uint32_t n = 0; n < 40u; n++) {
+        const float size = n % 4u == 0u ? 1.0e5f : (n % 4u == 1u ? 1.0e-6f : 60.0f);
+        smr_points *cloud = new_cloud(CAPACITY);
+        smr_config c = random_config(&seed);
+        c.n_workers = 1;
+        c.search_mm = 1.0e5f;
+        smr *s = rig_init(model, &c, NULL);
+        for (uint32_t i = 0; i < 3u * CAPACITY; i++) {
+            point p = {{0, 0, 0}, {0, 0, 0}, rig_between(&seed, 0, 4)};
+            for (uint32_t k = 0; k < 3u; k++) {
+                p.xyz[k] = rig_random(&seed, 5) ? rig_between(&seed, -size, size) : part[0].xyz[3u * (i % 50u) + k];
+                p.normal[k] = rig_random(&seed, 3) ? rig_between(&seed, -1, 1) : 0.0f;
+            }
+            add(cloud, &p);
+            if (i % 16u == 0u) {
+                assert_int_equal(SMR_OK, smr_set_points(s, i % 32u ? SMR_ALL : 0u, i % 64u ? cloud : NULL));
+                assert_int_equal(SMR_OK, smr_set_points(s, 1, cloud));
+                if (i % 32u == 0u)
+                    assert_int_equal(SMR_OK, smr_set_points(s, 0, cloud));
+                assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+            }
+        }
+        assert_true(rig_finite(rig_positions(s, model), part[0].n_vertices + part[1].n_vertices));
+    }
+}
+
+/* The nearest of all points, and its normal. */
+static void test_nearest_point(void **state)
+{
+    smr_points *cloud = new_cloud(CAPACITY);
+    smr_surface *surface = NULL;
+    point all[CAPACITY];
+    uint32_t seed = 4;
+    size_t bytes = 0;
+    (void)state;
+    for (uint32_t i = 0; i < CAPACITY; i++) {
+        all[i] = random_point(&seed, 0, 20.0f, 5.0f);
+        add(cloud, &all[i]);
+    }
+    assert_int_equal(SMR_OK, smr_points_surface_bytes(CAPACITY, &bytes));
+    assert_int_equal(SMR_E_ARENA, smr_points_surface(cloud, rig_alloc(bytes), bytes - 1u, &surface));
+    assert_int_equal(SMR_OK, smr_points_surface(cloud, rig_alloc(bytes), bytes, &surface));
+    for (uint32_t k = 0; k < 50u; k++) {
+        const point q = random_point(&seed, 0, 15.0f, 10.0f);
+        float least = 1.0e9f;
+        uint32_t best = 0;
+        smr_closest hit;
+        for (uint32_t i = 0; i < CAPACITY; i++) {
+            const float d = rig_far(q.xyz, all[i].xyz, 1);
+            best = d < least ? i : best;
+            least = d < least ? d : least;
+        }
+        assert_int_equal(SMR_OK, smr_surface_closest(surface, q.xyz, NULL, -1.0f, 1000.0f, &hit));
+        assert_true(hit.triangle == best && fabsf(hit.distance - least) < 1e-4f && hit.on_border == 0u);
+    }
+    smr_config c = smr_config_default();
+    assert_int_equal(SMR_E_STATE, smr_set_surface(rig_init(model, &c, NULL), 0, surface));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_refused, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_set_points, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_hostile_points, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_nearest_point, set_up, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
