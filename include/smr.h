@@ -363,6 +363,7 @@ enum { SMR_METHOD_RIGID = 0, SMR_METHOD_POLAR = 1 };
 enum { SMR_SIMILARITY_NCC = 0, SMR_SIMILARITY_SSD = 1, SMR_SIMILARITY_CONCORDANCE = 2 };
 enum { SMR_COVERAGE_AUTO = 0, SMR_COVERAGE_WHOLE = 1, SMR_COVERAGE_PARTIAL = 2 };
 enum { SMR_NORMALS_CARRIED = 0, SMR_NORMALS_EXACT = 1 };
+enum { SMR_TRACK_OFF = 0, SMR_TRACK_REPORT = 1, SMR_TRACK_RECOVER = 2 };
 
 /* How a registration runs. Each comment starts with unit, range and default. Where two defaults stand, the second is
  * that of smr_config_default_image(). smr_config_settings() has the same as data, docs/SETTINGS.md as a page. */
@@ -497,6 +498,24 @@ typedef struct smr_config {
      * 1,000 of the whole model are active, too; the others are left out. Whole levels of priority are taken.
      * 0: active_share alone decides. */
     uint32_t active_enough;
+
+    /* ---- moving targets ----
+     * After the coarse-to-fine schedule the model follows targets that are replaced between ticks. It is elastic about
+     * the schedule's result: x^r is that shape, each structure carried rigidly along, and does not creep. */
+
+    /* SMR_TRACK_..., default off. report: follows, and says of a target whether it jumped beyond reach. recover: then
+     * also goes through the coarser radii again. Not off, the arena has SMR_TRACK_BYTES more. */
+    uint32_t track;
+    /* mm, [0, 100000], default 0: chosen. Cluster radius while following; the model's nearest to it. Larger is stiffer
+     * and steadier. */
+    float track_mm;
+    /* mm, [0, 100000], default 0: a sixth of the radius. A target has jumped when the mean distance of its goals is
+     * larger, where nothing but its position is new, or when it has no goals. */
+    float track_jump_mm;
+    /* um, [0, 100000000], default 20. Largest displacement below which there is nothing to do until a target moves. */
+    float track_um;
+    /* iterations, [1, 100000], default 30. At most, for one position of the targets. */
+    uint32_t track_iterations;
 } smr_config;
 
 smr_config smr_config_default(void);
@@ -545,7 +564,7 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 
 /* Upper bound of smr_arena_bytes() as a constant, for static storage:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(1000, 2000, 1, 1, 0, SMR_METHOD_RIGID)];
- * n_workers, n_target_vertices and method as in smr_config; no other setting changes the size.
+ * n_workers, n_target_vertices and method as in smr_config; of other settings only `track` changes the size.
  * Above the exact size by about 6 kB, 1.3 kB for each further structure, and 0.4 %: with one structure a quarter at 50
  * vertices, 2 % at 1,000, and less than 1 % from 5,000 on. */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices, method)                   \
@@ -555,6 +574,10 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
      ((n_target_vertices) == 0u ? (size_t)0u                                                                           \
                                 : (size_t)4u * (n_target_vertices) + (size_t)32u * (n_workers) * (n_vertices) +        \
                                       SMR_TREE_BYTES(n_triangles, n_structures)))
+
+/* What config.track adds to it. */
+#define SMR_TRACK_BYTES(n_vertices, n_structures)                                                                      \
+    ((size_t)1024u + (size_t)12u * (n_vertices) + (size_t)48u * (n_structures))
 
 /* Parts of the two bounds: search trees, and the triangles' copy where a model's byte order is not the processor's. */
 #define SMR_TREE_BYTES(n_triangles, n_structures)                                                                      \
@@ -585,7 +608,10 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose);
  * carried along by its neighbours.
  * Target vertices attract the model only if config.n_target_vertices is not 0 (it is by default).
  * Allowed between any two ticks. An iteration under way that has not all its forces yet starts them again; one that has
- * them ends with the old target. A schedule that is done stays done until smr_set_pose() or smr_set_positions().
+ * them ends with what it found of the old target. The old target's memory is the caller's again as soon as this call
+ * returns and no other structure has the same target: no iteration looks at it any more.
+ * A schedule that is done stays done until smr_set_pose() or smr_set_positions(); with config.track a new target is
+ * followed, and this call is how a tick learns of it, also when it is the same surface refitted.
  * Errors: E_NULL, E_STATE (not a registration, or not a surface), E_INPUT (no such structure), E_ARENA (more vertices
  * than config.n_target_vertices, where that is not 0). */
 smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface);
@@ -645,6 +671,13 @@ typedef struct smr_tick_report {
     uint64_t phase_ns[SMR_PHASES];
     /* Hash of the positions relative to the start's whole millimetres: the same bits and hash on every processor. */
     uint64_t state_hash;
+    /* 1: the schedule is done, and targets are followed (config.track). done stays 0 then. */
+    uint32_t tracking;
+    /* 1: tracking, and there is nothing to do until a target is set: ticks change nothing and cost nothing. */
+    uint32_t settled;
+    /* 1: tracking, and the targets that were set last lay beyond reach when they were first looked at. Stays until
+     * others are set. */
+    uint32_t jumped;
 } smr_tick_report;
 
 /* One registration iteration (paper 2.3, the closing list): external forces, shape matching, averaging, evolution.

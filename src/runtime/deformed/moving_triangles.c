@@ -23,6 +23,7 @@ void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
         shape->n_nodes += smr_tree_nodes(smr_le32(smr_model_record(shared->model, i)->n_triangles));
     if (shared->config.n_target_vertices > 0u)
         shape->node = smr_arena_take(a, shape->n_nodes, sizeof *shape->node);
+    smr_held_layout(a, shape, shared);
 }
 
 void smr_shape_start(smr_shape *shape)

@@ -31,6 +31,9 @@ void smr_unseen_field_wire(smr_unseen_field *f, const smr_shared *shared, const 
     f->lower = f->loose + SMR_CONTROLS;
 }
 
+/* Where the field starts: what tracking holds to, or where the registration started. */
+static float *start_of(const smr_unseen_field *f) { return f->pace->tracking ? f->shape->held_x : f->shape->start; }
+
 static float *row(const smr_unseen_field *f, uint32_t i) { return f->lower + (size_t)i * (i + 1u) / 2u; }
 
 static float kernel(const smr_unseen_field *f, smr_vec a, smr_vec b)
@@ -66,7 +69,7 @@ static void begin(smr_unseen_field *f)
 {
     uint32_t control[SMR_CONTROLS];
     smr_fit fit;
-    const smr_box box = f->shape->start_box;
+    const smr_box box = f->pace->tracking ? f->shape->held->box : f->shape->start_box;
     const float length = smr_max(SMR_FIELD_LENGTH * smr_length(smr_sub(box.hi, box.lo)), 1.0e-6f);
     const float ratio = f->pace->lists.radius / length;
     const smr_vec middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
@@ -74,7 +77,7 @@ static void begin(smr_unseen_field *f)
     choose(f, control);
     smr_fit_start(&fit, middle, middle);
     for (uint32_t k = 0; k < f->n; k++) {
-        const smr_vec from = smr_load(smr_at3(f->shape->start, control[k]));
+        const smr_vec from = smr_load(smr_at3(start_of(f), control[k]));
         const smr_vec to = smr_load(smr_at3(f->shape->x, control[k]));
         smr_store(smr_at3(f->start, k), from);
         smr_store(smr_at3(f->bend, k), to);
@@ -140,7 +143,7 @@ void smr_unseen_field_solve(void *arg, uint32_t task, uint32_t worker)
 /* The way to where the field carries the vertex, mm. */
 static smr_vec carried(const smr_unseen_field *f, uint32_t v)
 {
-    const smr_vec from = smr_load(smr_at3(f->shape->start, v)), x = smr_load(smr_at3(f->shape->x, v));
+    const smr_vec from = smr_load(smr_at3(start_of(f), v)), x = smr_load(smr_at3(f->shape->x, v));
     if (f->n == 0u)
         return smr_v(0, 0, 0);
     smr_vec to = smr_pose_apply(&f->pose, from);

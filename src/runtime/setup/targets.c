@@ -3,6 +3,7 @@
 #include "runtime/tick/schedule.h"
 #include "runtime/tick/iteration_end.h"
 #include "runtime/tick/iteration.h"
+#include "runtime/tick/tracking.h"
 
 /* Distinct surfaces, their tasks and slots. goal may be NULL. Returns the slots they need. */
 static uint64_t list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks)
@@ -73,6 +74,7 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
     (void)list_goals(g, g->goal, &g->n_goals, &g->n_tasks);
     forget_searches(g, structure);
     smr_overlap_start(g);
+    smr_tracking_call(s);
     /* an iteration under way starts again with the new goals; one that has its forces ends with the old ones */
     if (smr_forces_pending(s))
         s->step = s->next_task = 0;
