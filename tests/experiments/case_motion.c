@@ -8,15 +8,16 @@
 #include <string.h>
 
 #include "experiment.h"
+#include "fixture_thigh.h"
 #include "measure/surface_distances.h"
 
 /* The scene at rest, and how it moves. */
 typedef struct scene {
     const case_motion_options *options;
-    case_data data;          /* one body: its truth, whole and target are those of the frame */
-    host_mesh whole, target; /* at rest */
-    double centre[3], half;  /* the middle, and half the length */
-    double axes[9];          /* long, middle, short */
+    case_data data;                                  /* truths, wholes and targets are those of the frame */
+    host_mesh whole[CASE_BODIES], target[CASE_BODIES]; /* at rest */
+    double centre[3], half;                          /* the middle, and half the length */
+    double axes[9];                                  /* long, middle, short */
     double turn_axis[3], jump_axis[3], jump_way[3], view[3];
 } scene;
 
@@ -42,47 +43,65 @@ case_motion_options case_motion_defaults(void)
 
 static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-static int make_scene(scene *s, const char *bone)
+/* The middle of all vertices, and half the length of the long axis. */
+static void measure_scene(scene *s, const host_mesh *const *model)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL, count = 0.0;
+    uint32_t i = 0, k = 0;
+    int c = 0;
+    case_axes(model, s->data.n, s->axes);
+    for (k = 0; k < s->data.n; k++)
+        count += model[k]->n_vertices;
+    for (k = 0; k < s->data.n; k++)
+        for (i = 0; i < 3u * model[k]->n_vertices; i++)
+            s->centre[i % 3u] += (double)model[k]->xyz[i] / count;
+    for (k = 0; k < s->data.n; k++)
+        for (i = 0; i < model[k]->n_vertices; i++) {
+            double d[3];
+            for (c = 0; c < 3; c++)
+                d[c] = (double)model[k]->xyz[3u * (size_t)i + (size_t)c] - s->centre[c];
+            low = fmin(low, dot(d, s->axes));
+            high = fmax(high, dot(d, s->axes));
+        }
+    s->half = 0.5 * (high - low);
+}
+
+static int make_scene(scene *s, const char *const *file, uint32_t n)
 {
     oracle_random r = oracle_seed(7000u + s->options->seed);
-    const host_mesh *model = &s->data.body[0].model;
-    double low = HUGE_VAL, high = -HUGE_VAL, angle = 0.0;
-    uint32_t i = 0;
+    const host_mesh *model[CASE_BODIES];
+    double angle = 0.0;
+    uint32_t k = 0;
     int c = 0;
-    if (!case_add(&s->data, bone, HOST_MIRROR_NONE))
-        return 0;
-    case_axes(&model, 1, s->axes);
-    for (i = 0; i < model->n_vertices; i++)
-        for (c = 0; c < 3; c++)
-            s->centre[c] += (double)model->xyz[3u * (size_t)i + (size_t)c] / model->n_vertices;
-    for (i = 0; i < model->n_vertices; i++) {
-        double d[3], at = 0.0;
-        for (c = 0; c < 3; c++)
-            d[c] = (double)model->xyz[3u * (size_t)i + (size_t)c] - s->centre[c];
-        at = dot(d, s->axes);
-        low = fmin(low, at);
-        high = fmax(high, at);
+    for (k = 0; k < n; k++) {
+        case_body *const body = &s->data.body[k];
+        if (!case_add(&s->data, file[k], HOST_MIRROR_NONE))
+            return 0;
+        s->whole[k] = case_subdivide(&body->model);
+        s->target[k] = case_resample(&body->model, 0, &r);
+        body->truth = case_copy(&body->model);
+        body->whole = case_copy(&s->whole[k]);
+        body->target = case_copy(&s->target[k]);
+        body->seen = case_alloc(body->model.n_vertices, 1);
+        model[k] = &body->model;
     }
-    s->half = 0.5 * (high - low);
-    s->whole = case_subdivide(model);
-    s->target = case_resample(model, 0, &r);
+    measure_scene(s, model);
     case_direction(&r, s->turn_axis);
     case_direction(&r, s->jump_axis);
     case_direction(&r, s->jump_way);
     angle = oracle_uniform(&r, 0.0, 2.0 * acos(-1.0));
     for (c = 0; c < 3; c++)
         s->view[c] = cos(angle) * s->axes[3 + c] + sin(angle) * s->axes[6 + c];
-    s->data.body[0].truth = case_copy(model);
-    s->data.body[0].whole = case_copy(&s->whole);
-    s->data.body[0].target = case_copy(&s->target);
-    s->data.body[0].seen = case_alloc(model->n_vertices, 1);
     return 1;
 }
 
 static void free_scene(scene *s)
 {
-    host_mesh_free(&s->whole);
-    host_mesh_free(&s->target);
+    uint32_t k = 0;
+    for (k = 0; k < CASE_BODIES; k++) {
+        host_mesh_free(&s->whole[k]);
+        host_mesh_free(&s->target[k]);
+    }
     case_free(&s->data);
 }
 
@@ -126,35 +145,62 @@ static void move_mesh(const scene *s, uint32_t frame, const host_mesh *rest, hos
     }
 }
 
-/* Truth, whole and target of a frame. Returns the share of the area that is seen. */
+/* The computed thigh's own flexion. */
+static void flex_mesh(const scene *s, uint32_t frame, host_mesh *mesh)
+{
+    fixture_pose pose;
+    float *const before = case_alloc(3u * (size_t)mesh->n_vertices, sizeof *before);
+    memset(&pose, 0, sizeof pose);
+    pose.seed = 1;
+    pose.scale[0] = pose.scale[1] = pose.scale[2] = 1.0f;
+    pose.flexion = (float)tan(0.5 * way_of(s->options, frame) * s->options->flex_deg * acos(-1.0) / 180.0);
+    memcpy(before, mesh->xyz, 3u * (size_t)mesh->n_vertices * sizeof *before);
+    fixture_thigh_truth(&pose, before, mesh->n_vertices, mesh->xyz);
+    free(before);
+}
+
+static void place_mesh(const scene *s, uint32_t frame, const host_mesh *rest, host_mesh *to)
+{
+    move_mesh(s, frame, rest, to);
+    if (s->options->flex_deg > 0.0)
+        flex_mesh(s, frame, to);
+}
+
+/* What is seen of a target. */
+static host_mesh seen_of(const scene *s, const host_mesh *all)
+{
+    const double least = cos(s->options->side_deg * acos(-1.0) / 180.0);
+    unsigned char *const keep = case_alloc(all->n_triangles, 1);
+    host_mesh cut;
+    uint32_t t = 0;
+    for (t = 0; t < all->n_triangles; t++) {
+        double n[3];
+        case_triangle_normal(all, t, n);
+        keep[t] = s->options->side_deg >= 180.0 || dot(n, s->view) > least * sqrt(dot(n, n));
+    }
+    cut = case_cut(all, keep);
+    free(keep);
+    return cut;
+}
+
+/* Truths, wholes and targets of a frame. Returns the share of the area that is seen. */
 static double make_frame(scene *s, uint32_t frame)
 {
-    case_body *const body = &s->data.body[0];
-    const double least = cos(s->options->side_deg * acos(-1.0) / 180.0);
-    host_mesh all = case_copy(&s->target), cut;
-    unsigned char *keep = NULL;
-    double share = 1.0;
-    uint32_t t = 0;
-    move_mesh(s, frame, &body->model, &body->truth);
-    move_mesh(s, frame, &s->whole, &body->whole);
-    move_mesh(s, frame, &s->target, &all);
-    host_mesh_free(&body->target);
-    if (s->options->side_deg >= 180.0) {
-        body->target = all;
-        return share;
+    double all = 0.0, seen = 0.0;
+    uint32_t k = 0;
+    for (k = 0; k < s->data.n; k++) {
+        case_body *const body = &s->data.body[k];
+        host_mesh target = case_copy(&s->target[k]);
+        place_mesh(s, frame, &body->model, &body->truth);
+        place_mesh(s, frame, &s->whole[k], &body->whole);
+        place_mesh(s, frame, &s->target[k], &target);
+        host_mesh_free(&body->target);
+        body->target = seen_of(s, &target);
+        all += case_area(&target);
+        seen += case_area(&body->target);
+        host_mesh_free(&target);
     }
-    keep = case_alloc(all.n_triangles, 1);
-    for (t = 0; t < all.n_triangles; t++) {
-        double n[3];
-        case_triangle_normal(&all, t, n);
-        keep[t] = dot(n, s->view) > least * sqrt(dot(n, n));
-    }
-    cut = case_cut(&all, keep);
-    share = case_area(&cut) / case_area(&all);
-    host_mesh_free(&all);
-    free(keep);
-    body->target = cut;
-    return share;
+    return seen / all;
 }
 
 /* A registration and its memory. */
@@ -162,35 +208,45 @@ typedef struct follower {
     void *scratch, *model, *arena;
     const smr_model *opened;
     smr *s;
-    float *xyz;
+    float *xyz[CASE_BODIES];
 } follower;
+
+static void *aligned(size_t bytes) { return aligned_alloc(SMR_ALIGN, (bytes + SMR_ALIGN) / SMR_ALIGN * SMR_ALIGN); }
 
 static int make_follower(const scene *s, follower *f)
 {
-    const smr_mesh mesh = host_mesh_view(&s->data.body[0].model);
-    const smr_structure one = {"bone", {mesh.xyz, mesh.triangles, mesh.n_vertices, mesh.n_triangles}};
     const smr_prepare_config prepare = smr_prepare_config_default();
+    smr_structure part[CASE_BODIES];
     smr_config config = s->options->config;
     size_t scratch = 0, bytes = 0, needed = 0;
-    config.n_target_vertices = s->target.n_vertices;
-    int good = smr_prepare_bytes(&one, 1, &prepare, &scratch) == SMR_OK;
-    f->scratch = aligned_alloc(SMR_ALIGN, (scratch + SMR_ALIGN) / SMR_ALIGN * SMR_ALIGN);
-    good = good && smr_prepare(&one, 1, &prepare, f->scratch, scratch, NULL, 0, &bytes) == SMR_OK;
-    f->model = aligned_alloc(SMR_ALIGN, (bytes + SMR_ALIGN) / SMR_ALIGN * SMR_ALIGN);
-    good = good && smr_prepare(&one, 1, &prepare, f->scratch, scratch, f->model, bytes, &bytes) == SMR_OK;
+    uint32_t k = 0;
+    int good = 0;
+    for (k = 0; k < s->data.n; k++) {
+        const host_mesh *const mesh = &s->data.body[k].model;
+        part[k].name = s->data.body[k].name;
+        part[k].mesh = host_mesh_view(mesh);
+        f->xyz[k] = case_alloc(3u * (size_t)mesh->n_vertices, sizeof(float));
+        config.n_target_vertices += s->target[k].n_vertices;
+    }
+    good = smr_prepare_bytes(part, s->data.n, &prepare, &scratch) == SMR_OK;
+    f->scratch = aligned(scratch);
+    good = good && smr_prepare(part, s->data.n, &prepare, f->scratch, scratch, NULL, 0, &bytes) == SMR_OK;
+    f->model = aligned(bytes);
+    good = good && smr_prepare(part, s->data.n, &prepare, f->scratch, scratch, f->model, bytes, &bytes) == SMR_OK;
     good = good && smr_model_open(f->model, bytes, &f->opened) == SMR_OK;
     good = good && smr_arena_bytes(f->opened, &config, &needed) == SMR_OK;
-    f->arena = aligned_alloc(SMR_ALIGN, (needed + SMR_ALIGN) / SMR_ALIGN * SMR_ALIGN);
-    f->xyz = case_alloc(3u * (size_t)mesh.n_vertices, sizeof *f->xyz);
+    f->arena = aligned(needed);
     return good && smr_init(f->opened, &config, NULL, f->arena, needed, &f->s) == SMR_OK;
 }
 
 static void free_follower(follower *f)
 {
+    uint32_t k = 0;
+    for (k = 0; k < CASE_BODIES; k++)
+        free(f->xyz[k]);
     free(f->scratch);
     free(f->model);
     free(f->arena);
-    free(f->xyz);
 }
 
 /* The start: turned about the centre and shifted. */
@@ -211,39 +267,55 @@ static int pose_follower(const scene *s, follower *f)
     return smr_set_pose(f->s, &pose) == SMR_OK;
 }
 
-/* Ticks on the frame's target. */
+static int set_targets(const scene *s, follower *f, void **memory)
+{
+    uint32_t k = 0;
+    int good = 1;
+    for (k = 0; good && k < s->data.n; k++) {
+        const smr_mesh view = host_mesh_view(&s->data.body[k].target);
+        const smr_surface *const surface = host_surface_make(&view, &memory[k]);
+        good = surface != NULL && smr_set_surface(f->s, k, surface) == SMR_OK;
+    }
+    return good;
+}
+
+/* Ticks on the frame's targets. */
 static int follow(const scene *s, follower *f, uint32_t most, case_motion_frame *frame)
 {
-    const smr_mesh view = host_mesh_view(&s->data.body[0].target);
-    void *memory = NULL;
-    const smr_surface *const surface = host_surface_make(&view, &memory);
+    void *memory[CASE_BODIES] = {NULL};
     smr_tick_report report;
-    uint32_t n = 0;
-    int good = surface != NULL && smr_set_surface(f->s, SMR_ALL, surface) == SMR_OK;
+    uint32_t n = 0, k = 0;
+    int good = 0;
+    for (k = 0; k < s->data.n; k++)
+        (void)smr_set_surface(f->s, k, NULL); /* the new ones come one after the other, and the old ones are gone */
+    good = set_targets(s, f, memory);
     memset(&report, 0, sizeof report);
     while (good && n < most && !report.settled && !report.done) {
         good = smr_tick(f->s, 0, &report) == SMR_OK;
-        if(getenv("DBG")&&n==0) printf("first %u forces %u res %.3f rms %.3f max %.3f disp %.3f\n",report.n_active,report.n_forces,report.residual_mean_mm,report.residual_rms_mm,report.residual_max_mm,report.displacement_max_mm);
         n++;
     }
-    good = good && smr_get_positions(f->s, 0, f->xyz) == SMR_OK;
+    for (k = 0; good && k < s->data.n; k++)
+        good = smr_get_positions(f->s, k, f->xyz[k]) == SMR_OK;
     frame->ticks = n;
     frame->settled = report.settled;
     frame->jumped = report.jumped;
     frame->residual = (double)report.residual_mean_mm;
-    free(memory);
+    for (k = 0; k < s->data.n; k++)
+        free(memory[k]);
     return good;
 }
 
-int case_motion_run(const char *bone, const case_motion_options *options, case_motion_frame *frame)
+int case_motion_run(const char *const *file, uint32_t n, const case_motion_options *options, case_motion_frame *frame)
 {
     scene *const s = case_alloc(1, sizeof *s);
-    follower f = {NULL, NULL, NULL, NULL, NULL, NULL};
+    follower f;
     uint32_t i = 0;
+    int good = 0;
+    memset(&f, 0, sizeof f);
     s->options = options;
-    int good = make_scene(s, bone) && make_follower(s, &f) && pose_follower(s, &f);
+    good = make_scene(s, file, n) && make_follower(s, &f) && pose_follower(s, &f);
     for (i = 0; good && i < options->n_frames; i++) {
-        const float *xyz[1] = {f.xyz};
+        const float *const *const xyz = (const float *const *)f.xyz;
         if (i > 0u)
             frame[i] = frame[i - 1u];
         else

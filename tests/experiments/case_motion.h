@@ -1,4 +1,5 @@
-/* case_motion.h: targets that move, with a known truth: a bone turns and bends to and fro, seen in whole or from one side.
+/* case_motion.h: targets that move, with a known truth: a bone turns and bends to and fro, a thigh
+ * flexes; seen in whole or from one side.
  * SPDX-License-Identifier: MIT */
 #ifndef CASE_MOTION_H
 #define CASE_MOTION_H
@@ -11,6 +12,7 @@ typedef struct case_motion_options {
     uint32_t seed;                 /* of the axis, the view and the resampling */
     double turn_deg, bend_mm;      /* at the end of a turn */
     double turn_s;                 /* one way takes so long, and so does the way back */
+    double flex_deg;               /* of the computed thigh, besides */
     double jump_mm, jump_deg;      /* added from jump_frame on */
     uint32_t jump_frame;           /* 0: never */
     double side_deg;               /* triangles whose normals lie within it of the view are seen; 180: all */
@@ -30,9 +32,9 @@ typedef struct case_motion_frame {
 
 case_motion_options case_motion_defaults(void);
 
-/* Follows a bone. frame: [n_frames]; what was not measured is that of the frame before. Returns 0 when something failed.
- * every 0: nothing is measured. */
-int case_motion_run(const char *bone, const case_motion_options *options, case_motion_frame *frame);
+/* Follows the surfaces of files. frame: [n_frames]; what was not measured is that of the frame before. Returns 0 when
+ * something failed. every 0: nothing is measured. */
+int case_motion_run(const char *const *file, uint32_t n, const case_motion_options *options, case_motion_frame *frame);
 
 /* Means over frames first .. last-1. */
 case_motion_frame case_motion_mean(const case_motion_frame *frame, uint32_t first, uint32_t last);
