@@ -78,6 +78,8 @@ typedef struct smr_mesh {
     uint32_t n_triangles;      /* 0..SMR_TRIANGLES_MAX */
 } smr_mesh;
 
+struct smr_port;
+
 /* A target surface made ready for closest-point search, in the caller's memory. */
 typedef struct smr_surface smr_surface;
 
@@ -93,6 +95,27 @@ smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *
  * The mesh may go afterwards. `memory` must stay as long as the surface is used.
  * Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT; *surface untouched then. */
 smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface);
+
+/* The same in pieces, for a thread that may not be long: begins, and smr_surface_step() does the work. Until that
+ * returns SMR_OK the mesh must stay, and the surface is none: other calls refuse it with E_STATE.
+ * Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT (a count); *surface untouched then. */
+smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface);
+
+/* New positions of a complete surface's vertices, xyz: [n_vertices][3] mm, in its mesh's order: begins, and
+ * smr_surface_step() does the work, several times faster than a build. xyz is borrowed until that returns SMR_OK.
+ * Until then no registration may tick that has the surface as a target (E_STATE), nor afterwards, until smr_set_surface()
+ * gives it again; a registration that must tick in the meantime has another surface then.
+ * The result is a surface like another, with the tree of the first positions: searches are slower where it no longer
+ * fits. A log has its checksum, which depends on both; a replay refits the same surfaces again.
+ * Errors: E_NULL, E_STATE (not a complete surface). */
+smr_status smr_surface_refit(smr_surface *surface, const float *xyz);
+
+/* Goes on with building or refitting: for `units` pieces of work (0: no limit), each of about 256 vertices or triangles,
+ * or until budget_ns have passed by the port's clock (0, or no clock: no limit), which is exceeded by one piece at
+ * most. Always does one piece. Neither limit changes a bit of the result.
+ * SMR_OK: the surface is complete. SMR_PARTIAL: there is more to do. Errors: E_NULL, E_STATE (not a surface), E_INPUT (an
+ * index or a coordinate; what was to be built is no surface, what was to be refitted is as it was). */
+smr_status smr_surface_step(smr_surface *surface, uint32_t units, const struct smr_port *port, uint64_t budget_ns);
 
 typedef struct smr_closest {
     float point[3];     /* mm, on the surface */

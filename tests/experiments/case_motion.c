@@ -286,8 +286,6 @@ static int follow(const scene *s, follower *f, uint32_t most, case_motion_frame 
     smr_tick_report report;
     uint32_t n = 0, k = 0;
     int good = 0;
-    for (k = 0; k < s->data.n; k++)
-        (void)smr_set_surface(f->s, k, NULL); /* the new ones come one after the other, and the old ones are gone */
     good = set_targets(s, f, memory);
     memset(&report, 0, sizeof report);
     while (good && n < most && !report.settled && !report.done) {
@@ -296,6 +294,7 @@ static int follow(const scene *s, follower *f, uint32_t most, case_motion_frame 
     }
     for (k = 0; good && k < s->data.n; k++)
         good = smr_get_positions(f->s, k, f->xyz[k]) == SMR_OK;
+    good = good && smr_set_surface(f->s, SMR_ALL, NULL) == SMR_OK; /* their memory goes */
     frame->ticks = n;
     frame->settled = report.settled;
     frame->jumped = report.jumped;

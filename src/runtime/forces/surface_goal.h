@@ -25,9 +25,17 @@ typedef struct smr_target {
 typedef struct smr_goal {
     const smr_surface *surface;
     uint32_t first_task; /* of the target-to-model search */
-    uint32_t n_vertices; /* when it was set: a surface rebuilt since must be set again */
+    uint32_t n_vertices; /* when it was set: a surface rebuilt since must be set again, and so must */
+    uint32_t n_refits;   /* one that was refitted */
     uint32_t first_warm; /* its vertices' slots in target_warm */
 } smr_goal;
+
+/* 1: the surface is still the one that was set. */
+static inline int smr_goal_stands(const smr_goal *goal)
+{
+    const smr_surface *s = goal->surface;
+    return smr_surface_valid(s) && s->n_vertices == goal->n_vertices && s->n_refits == goal->n_refits;
+}
 
 typedef struct smr_surface_goals {
     const smr_shared *shared;

@@ -19,7 +19,7 @@ static uint64_t list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t 
         if (surface == NULL || known < i)
             continue;
         if (goal != NULL)
-            goal[*n_goals] = (smr_goal){surface, *n_tasks, surface->n_vertices, (uint32_t)slots};
+            goal[*n_goals] = (smr_goal){surface, *n_tasks, surface->n_vertices, surface->n_refits, (uint32_t)slots};
         ++*n_goals;
         *n_tasks += smr_ceil_div(surface->n_vertices, SMR_FORCE_CHUNK);
         slots += surface->n_vertices;

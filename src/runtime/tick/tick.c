@@ -136,7 +136,7 @@ static int targets_stand(const smr *s)
 {
     for (uint32_t i = 0; i < s->forces.surface.n_goals; i++) {
         const smr_goal *goal = &s->forces.surface.goal[i];
-        if (!smr_surface_valid(goal->surface) || goal->surface->n_vertices != goal->n_vertices)
+        if (!smr_goal_stands(goal))
             return 0;
     }
     return 1;
