@@ -529,11 +529,11 @@ typedef struct smr_config {
     /* SMR_TRACK_..., default off. report: follows, and says of a target whether it jumped beyond reach. recover: then
      * also goes through the coarser radii again. Not off, the arena has SMR_TRACK_BYTES more. */
     uint32_t track;
-    /* mm, [0, 100000], default 0: chosen. Cluster radius while following; the model's nearest to it. Larger is stiffer
-     * and steadier. */
+    /* mm, [0, 100000], default 0: six mean edges; with several structures at most the largest at which clusters keep to
+     * their own structure. Cluster radius while following; the model's nearest to it. Larger is stiffer and steadier. */
     float track_mm;
-    /* mm, [0, 100000], default 0: a sixth of the radius. A target has jumped when the mean distance of its goals is
-     * larger, where nothing but its position is new, or when it has no goals. */
+    /* mm, [0, 100000], default 0: a twelfth of the radius. A target has jumped when the mean distance of its goals
+     * is larger in the first iteration that looks at it, or when it has none. */
     float track_jump_mm;
     /* um, [0, 100000000], default 20. Largest displacement below which there is nothing to do until a target moves. */
     float track_um;

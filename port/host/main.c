@@ -39,6 +39,8 @@ static int run(int command, int argc, char **argv, host_error *error)
             result = host_bench_run(&options, error);
         else if (command == HOST_REPLAY)
             result = host_replay(&options, error);
+        else if (command == HOST_TRACK)
+            result = host_track(&options, error);
         else
             result = host_measure(&options, error);
     }
@@ -55,7 +57,7 @@ static int dispatch(int argc, char **argv, host_error *error)
         int command;
     } commands[] = {{"register", HOST_REGISTER}, {"build", HOST_BUILD},     {"info", HOST_INFO},
                     {"measure", HOST_MEASURE},   {"phantom", HOST_PHANTOM}, {"bench", HOST_BENCH},
-                    {"replay", HOST_REPLAY}};
+                    {"replay", HOST_REPLAY},     {"track", HOST_TRACK}};
     size_t i = 0;
     int k = 0;
     for (k = 1; k < argc; k++)
@@ -71,7 +73,7 @@ static int dispatch(int argc, char **argv, host_error *error)
         if (strcmp(argv[1], commands[i].name) == 0)
             return run(commands[i].command, argc, argv, error);
     error->file = argc > 1 ? argv[1] : "usage";
-    (void)host_fail(error, "command", "register, build, info, measure, phantom, bench, replay, --help or --version");
+    (void)host_fail(error, "command", "register, build, info, measure, phantom, bench, replay, track, --help or --version");
     host_error_print(error);
     return HOST_REFUSED;
 }

@@ -14,7 +14,8 @@ enum {
     HOST_MEASURE = 8,
     HOST_PHANTOM = 16,
     HOST_BENCH = 32,
-    HOST_REPLAY = 64
+    HOST_REPLAY = 64,
+    HOST_TRACK = 128
 };
 enum { HOST_ALIGN_NONE = 0, HOST_ALIGN_RIGID, HOST_ALIGN_SIMILARITY };
 enum { HOST_CLUSTERS_AUTO = 0, HOST_CLUSTERS_SHARED, HOST_CLUSTERS_SEPARATE };
@@ -35,6 +36,7 @@ typedef struct host_options {
     int command; /* HOST_REGISTER, ... */
     host_files model, target, operands;
     host_files landmarks;               /* no files, or the model's and the target's */
+    host_files frames;                  /* of a moving target: files or directories */
     const char *out, *c_array, *source; /* NULL when not given */
     const char *reference;              /* the image that the model was segmented from; NULL when not given */
     const char *log;                    /* path of the log file; NULL: no log */
@@ -59,6 +61,7 @@ typedef struct host_options {
     uint32_t figure2, soak;     /* 1: this benchmark runs */
     uint32_t repeats, step;     /* figure 2: repetitions of its times; distance of its points, % ignored */
     double seconds;             /* soak: s per budget */
+    double fps;                 /* frames a second */
     const char *prepare_option; /* the first option given that a prepared .smr refuses; NULL */
     smr_prepare_config prepare;
     smr_config config;

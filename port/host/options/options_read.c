@@ -185,6 +185,7 @@ static int set_defaults(int command, host_options *options)
     options->repeats = 7;
     options->step = 10;
     options->seconds = 4.0;
+    options->fps = 30.0;
     options->mirror_model = HOST_MIRROR_NONE;
     options->mirror_target = HOST_MIRROR_NONE;
     options->prepare = smr_prepare_config_default();
@@ -193,8 +194,9 @@ static int set_defaults(int command, host_options *options)
     options->target.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->operands.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->landmarks.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    options->frames.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     return options->model.path == NULL || options->target.path == NULL || options->operands.path == NULL ||
-                   options->landmarks.path == NULL
+                   options->landmarks.path == NULL || options->frames.path == NULL
                ? -1
                : 0;
 }
@@ -232,5 +234,6 @@ void host_options_free(host_options *options)
     free(options->target.path);
     free(options->operands.path);
     free(options->landmarks.path);
+    free(options->frames.path);
     memset(options, 0, sizeof *options);
 }

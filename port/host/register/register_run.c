@@ -51,7 +51,7 @@ int host_job_begin(host_job *job, host_error *error)
     smr_status status = SMR_OK;
     uint32_t i = 0;
     config.n_workers = job->port.port.n_workers;
-    for (i = 0; !job->options->image_target && i < job->n_targets; i++)
+    for (i = 0; !job->options->image_target && i < job->n_targets; i++) /* beside those that come later */
         config.n_target_vertices += job->target[i].users > 0 ? job->target[i].mesh.n_vertices : 0;
     status = smr_arena_bytes(job->model.model, &config, &job->arena_bytes);
     if (status != SMR_OK)
@@ -115,7 +115,7 @@ int host_job_run(host_job *job, host_error *error)
     if (set_up(job, error) != 0)
         return -1;
     now = host_seconds();
-    while (job->ticks < limit && !job->last.done) {
+    while (job->ticks < limit && !job->last.done && !job->last.settled) {
         const double before = now;
         const smr_status status = smr_tick(job->state, budget_ns, &job->last);
         now = host_seconds();

@@ -15,18 +15,29 @@
 #define SMR_TRACK_MOMENTUM 0.7f /* at most, when a target has jumped: more swings, for what is left falls fast there */
 #define SMR_TRACK_GAIN 3.0f    /* factor on forces at coarser radii, at most */
 
-/* The model's radius nearest to what is asked for, by their ratio. */
+static float radius_mm(const smr *s, uint32_t radius) { return smr_model_lists(s->shared.model, radius).radius; }
+
+/* The model's radius nearest to this one, by their ratio. */
+static uint32_t nearest_radius(const smr *s, float wanted)
+{
+    uint32_t best = s->shared.config.radius_first;
+    for (uint32_t r = best + 1u; r <= smr_last_radius(&s->shared); r++)
+        if (wanted * wanted < radius_mm(s, best) * radius_mm(s, r))
+            best = r;
+    return best;
+}
+
+/* The radius of tracking. Where none is asked for and there are several structures, one at which clusters keep to their
+ * own, if there is one with clusters at all: structures slide past each other, and joints turn. */
 static uint32_t radius_of(const smr *s)
 {
-    const float asked = s->shared.config.track_mm;
-    const float wanted = asked > 0.0f ? asked : SMR_TRACK_EDGES * smr_le_float(s->shared.model->edge_mm);
-    uint32_t best = s->shared.config.radius_first;
-    for (uint32_t r = best + 1u; r <= smr_last_radius(&s->shared); r++) {
-        const float before = smr_model_lists(s->shared.model, best).radius;
-        const float radius = smr_model_lists(s->shared.model, r).radius;
-        if (wanted * wanted < before * radius)
-            best = r;
-    }
+    const float asked = s->shared.config.track_mm, edge = smr_le_float(s->shared.model->edge_mm);
+    const uint32_t best = nearest_radius(s, asked > 0.0f ? asked : SMR_TRACK_EDGES * edge);
+    if (asked > 0.0f || s->shared.n_structures == 1u)
+        return best;
+    for (uint32_t r = best; r <= smr_last_radius(&s->shared) && radius_mm(s, r) > edge; r++)
+        if (smr_model_separate(s->shared.model, r))
+            return r;
     return best;
 }
 
