@@ -124,6 +124,8 @@ static void move_items(smr_order *o, uint32_t pass, uint32_t from, uint32_t to)
     }
 }
 
+#define SMR_ORDER_SORTING 3u /* visits that a triangle of a small range is worth when it is sorted at once */
+
 /* Stages of a range: its box, its keys, then counting and moving for each byte. Small ones are sorted with the keys. */
 enum { SMR_ORDER_BOX = 0, SMR_ORDER_KEYS, SMR_ORDER_SORT, SMR_ORDER_SORTED = SMR_ORDER_SORT + 8 };
 
@@ -158,8 +160,11 @@ int smr_order_step(smr_order *o, uint32_t most)
             move_items(o, (o->stage - SMR_ORDER_SORT) / 2u, o->at, to);
         o->at = to;
         most -= done;
-        if (to == o->size)
-            advance(o);
+        if (to < o->size)
+            continue;
+        advance(o);
+        if (o->size == 0u && done <= SMR_ORDER_SMALL) /* it was sorted at once */
+            most -= smr_min_u32(most, SMR_ORDER_SORTING * done);
     }
     return o->size == 0u && o->top == 0u;
 }

@@ -22,7 +22,7 @@ void smr_mesh_order(const smr_mesh *mesh, uint32_t *order, float *centre, uint32
 
 /* The same in steps. centre and order are those of smr_mesh_centres(). */
 #define SMR_ORDER_BYTES 256u /* values of a byte */
-#define SMR_ORDER_SMALL 128u /* triangles: ranges up to this size are sorted at once */
+#define SMR_ORDER_SMALL 88u  /* triangles: ranges up to this size are sorted at once */
 
 typedef struct smr_order {
     const float *centre;                 /* [n][3] of triangles */

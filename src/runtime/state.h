@@ -51,6 +51,7 @@ typedef struct smr_pace {
     uint32_t called;     /* 1: a target was set since the last iteration began */
     uint32_t settled, jumped; /* as in smr_tick_report */
     float gain;               /* factor on forces */
+    float found;              /* share of vertices with goals when targets were followed last */
 } smr_pace;
 
 /* 1 when a tick changes nothing. */

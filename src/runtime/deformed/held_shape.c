@@ -21,7 +21,6 @@ void smr_held_start(smr_shape *shape)
     memset(h, 0, sizeof *h);
     memcpy(shape->held_x, shape->x, 3u * (size_t)shape->shared->n * sizeof(float));
     h->box = smr_box_of(shape->held_x, shape->shared->n);
-    smr_rest_pose_now(shape);
     h->rest_pose = shape->rest_pose;
     for (uint32_t i = 0; i < shape->shared->n_structures; i++)
         h->n_tasks += smr_ceil_div(shape->structure[i].n_vertices, SMR_MATCH_CHUNK);

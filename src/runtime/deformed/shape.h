@@ -20,7 +20,7 @@ typedef struct smr_shape_structure {
 /* What tracking is elastic about, besides arrays. */
 typedef struct smr_held {
     smr_box box;                /* around held_x, mm */
-    smr_pose rest_pose;         /* of the rest shape onto held_x */
+    smr_pose rest_pose;         /* of the rest shape when the last radius began: near held_x */
     smr_pose whole;             /* of held_x onto x, all structures together */
     smr_fit one, all;           /* sums so far: of a structure, of the whole model */
     uint32_t structure, vertex; /* where these sums stand, in the caller's numbering */

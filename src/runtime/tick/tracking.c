@@ -10,6 +10,7 @@
 
 #define SMR_TRACK_EDGES 6.0f   /* mean edges: the radius that is chosen */
 #define SMR_TRACK_REACH 12.0f  /* 1 / share of the radius that goals may be off in the mean */
+#define SMR_TRACK_FEWER 0.8f   /* of the share of vertices with goals before: there are fewer */
 #define SMR_TRACK_COARSE 24u   /* iterations at coarser radii, together, when a target has jumped */
 
 #define SMR_TRACK_MOMENTUM 0.7f /* at most, when a target has jumped: more swings, for what is left falls fast there */
@@ -50,11 +51,19 @@ static void go_to(smr *s, uint32_t radius)
     s->shape.rest_pose_due = 0;
 }
 
+/* Share of the vertices with a target that have a goal on it. */
+static float share_found(const smr *s)
+{
+    const smr_force_totals *t = &s->forces.totals;
+    return t->n_drawn > 0u ? (float)t->n_forces / (float)t->n_drawn : 0.0f;
+}
+
 void smr_tracking_start(smr *s)
 {
     s->pace.tracking = s->pace.settled = 1;
     s->pace.jumped = s->pace.recovering = 0;
     s->pace.called = 0;
+    s->pace.found = share_found(s);
     smr_plastic_positions(&s->shape);
     smr_held_start(&s->shape);
     go_to(s, radius_of(s));
@@ -66,6 +75,7 @@ void smr_tracking_end(smr *s)
     if (s->shape.held != NULL)
         s->shape.held->due = 0;
     s->pace.gain = 1.0f;
+    s->pace.found = 0.0f;
 }
 
 /* Vertices that see nothing ask for no way of their own, and hold large clusters back. */
@@ -94,14 +104,16 @@ void smr_tracking_begin(smr *s)
     s->pace.radius_iteration = 0;
 }
 
-/* In the first iteration on new targets. */
+/* In the first iteration on new targets. Of a partial view that jumps what is left of goals is nearer: then it counts,
+ * too, that there are fewer. */
 void smr_tracking_look(smr *s)
 {
-    const float asked = s->shared.config.track_jump_mm;
+    const float asked = s->shared.config.track_jump_mm, mean = s->forces.totals.mean;
     const float reach = asked > 0.0f ? asked : s->pace.lists.radius / SMR_TRACK_REACH;
     if (!s->pace.tracking || s->pace.recovering || s->pace.radius_iteration > 0u)
         return;
-    s->pace.jumped = s->forces.totals.n_forces == 0u || s->forces.totals.mean > reach;
+    const int fewer = share_found(s) < SMR_TRACK_FEWER * s->pace.found;
+    s->pace.jumped = s->forces.totals.n_forces == 0u || mean > (fewer ? 0.5f * reach : reach);
 }
 
 /* Coarse to fine, once more, as long as targets have goals. */
@@ -125,6 +137,7 @@ void smr_tracking_next(smr *s)
         recover(s);
         return;
     }
+    s->pace.found = share_found(s);
     s->pace.settled = s->evolve.moved_mm * 1000.0f < s->shared.config.track_um ||
                       s->pace.radius_iteration >= s->shared.config.track_iterations;
 }
