@@ -103,18 +103,18 @@ smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, s
 
 /* New positions of a complete surface's vertices, xyz: [n_vertices][3] mm, in its mesh's order: begins, and
  * smr_surface_step() does the work, several times faster than a build. xyz is borrowed until that returns SMR_OK.
- * Until then no registration may tick that has the surface as a target (E_STATE), nor afterwards, until smr_set_surface()
- * gives it again; a registration that must tick in the meantime has another surface then.
+ * Until then no registration may tick that has the surface as a target (E_STATE), nor afterwards, until
+ * smr_set_surface() gives it again; a registration that must tick in the meantime has another surface then.
  * The result is a surface like another, with the tree of the first positions: searches are slower where it no longer
  * fits. A log has its checksum, which depends on both; a replay refits the same surfaces again.
  * Errors: E_NULL, E_STATE (not a complete surface). */
 smr_status smr_surface_refit(smr_surface *surface, const float *xyz);
 
-/* Goes on with building or refitting: for `units` pieces of work (0: no limit), each of about 256 vertices or triangles,
- * or until budget_ns have passed by the port's clock (0, or no clock: no limit), which is exceeded by one piece at
- * most. Always does one piece. Neither limit changes a bit of the result.
- * SMR_OK: the surface is complete. SMR_PARTIAL: there is more to do. Errors: E_NULL, E_STATE (not a surface), E_INPUT (an
- * index or a coordinate; what was to be built is no surface, what was to be refitted is as it was). */
+/* Goes on with building or refitting: for `units` pieces of work (0: no limit), each of about 256 vertices or
+ * triangles, or until budget_ns have passed by the port's clock (0, or no clock: no limit), which is exceeded by one
+ * piece at most. Always does one piece. Neither limit changes a bit of the result.
+ * SMR_OK: the surface is complete. SMR_PARTIAL: there is more to do. Errors: E_NULL, E_STATE (not a surface), E_INPUT
+ * (an index or a coordinate; what was to be built is no surface, what was to be refitted is as it was). */
 smr_status smr_surface_step(smr_surface *surface, uint32_t units, const struct smr_port *port, uint64_t budget_ns);
 
 typedef struct smr_closest {
@@ -530,7 +530,8 @@ typedef struct smr_config {
      * also goes through the coarser radii again. Not off, the arena has SMR_TRACK_BYTES more. */
     uint32_t track;
     /* mm, [0, 100000], default 0: six mean edges; with several structures at most the largest at which clusters keep to
-     * their own structure. Cluster radius while following; the model's nearest to it. Larger is stiffer and steadier. */
+     * their own structure. Cluster radius while following; the model's nearest to it. Larger is stiffer and steadier.
+     * */
     float track_mm;
     /* mm, [0, 100000], default 0: a twelfth of the radius. A target has jumped when the mean distance of its goals
      * is larger in the first iteration that looks at it, or when it has none. */

@@ -73,7 +73,8 @@ static int dispatch(int argc, char **argv, host_error *error)
         if (strcmp(argv[1], commands[i].name) == 0)
             return run(commands[i].command, argc, argv, error);
     error->file = argc > 1 ? argv[1] : "usage";
-    (void)host_fail(error, "command", "register, build, info, measure, phantom, bench, replay, track, --help or --version");
+    (void)host_fail(error, "command",
+                    "register, build, info, measure, phantom, bench, replay, track, --help, --version");
     host_error_print(error);
     return HOST_REFUSED;
 }

@@ -116,7 +116,8 @@ static void move_items(smr_order *o, uint32_t pass, uint32_t from, uint32_t to)
     uint32_t *const own_item = o->order + o->first, *const other_item = o->tmp + o->size;
     const uint32_t *const key = pass % 2u == 0u ? o->key : o->tmp;
     const uint32_t *const item = pass % 2u == 0u ? own_item : other_item;
-    uint32_t *const to_key = pass % 2u == 0u ? o->tmp : o->key, *const to_item = pass % 2u == 0u ? other_item : own_item;
+    uint32_t *const to_key = pass % 2u == 0u ? o->tmp : o->key, *const to_item =
+                                                                    pass % 2u == 0u ? other_item : own_item;
     for (uint32_t i = from; i < to; i++) {
         const uint32_t at = o->count[(key[i] >> 8u * pass) & 255u]++;
         to_key[at] = key[i];

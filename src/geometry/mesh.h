@@ -38,7 +38,8 @@ void smr_mesh_centres(const smr_mesh *mesh, float *centre, uint32_t *order, uint
 void smr_order_start(smr_order *o, uint32_t n, const float *centre, uint32_t *order, uint32_t *key, uint32_t *tmp,
                      uint32_t *count);
 
-/* Goes on for `most` visits to a triangle, and to sort a small range once more. Returns 1 when the order is complete. */
+/* Goes on for `most` visits to a triangle, and to sort a small range once more. Returns 1 when the order is complete.
+ * */
 int smr_order_step(smr_order *o, uint32_t most);
 
 #endif

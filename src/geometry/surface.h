@@ -14,10 +14,10 @@ typedef struct smr_surface_work {
     smr_box box;        /* around the vertices so far */
     float area;         /* of the surface so far, mm^2 */
     smr_order order;
-    float *middle;                     /* [n_triangles][3] centres of triangles */
-    uint32_t *key, *tmp;               /* [n_triangles], [2 n_triangles] */
-    uint32_t *start;                   /* [n_vertices + 1] triangles around vertices; then a flag a vertex */
-    uint32_t *around;                  /* [at least 3 n_triangles] */
+    float *middle;       /* [n_triangles][3] centres of triangles */
+    uint32_t *key, *tmp; /* [n_triangles], [2 n_triangles] */
+    uint32_t *start;     /* [n_vertices + 1] triangles around vertices; then a flag a vertex */
+    uint32_t *around;    /* [at least 3 n_triangles] */
 } smr_surface_work;
 
 struct smr_surface {

@@ -1,6 +1,6 @@
-/* surface_build.c: builds a target surface in the caller's memory: a copy in tree order, normals, areas, border edges, box
- * tree; and refits it: other positions of the same triangles. Both are lists of stages, each a loop over vertices,
- * triangles or nodes that can stop anywhere; where it stops makes no difference to what comes out.
+/* surface_build.c: builds a target surface in the caller's memory: a copy in tree order, normals, areas, border
+ * edges, box tree; and refits it: other positions of the same triangles. Both are lists of stages, each a loop over
+ * vertices, triangles or nodes that can stop anywhere; where it stops makes no difference to what comes out.
  * Bounds: SMR_SURFACE_ITEMS of a loop between two readings of the clock. Of border edges an item takes as long as the
  * vertex of it with fewer triangles has some.
  * SPDX-License-Identifier: MIT */
@@ -9,7 +9,9 @@
 #include "geometry/triangle.h"
 
 #define SMR_SURFACE_ITEMS 256u /* of a loop: a unit of work */
-#define SMR_SURFACE_EVERY 4u   /* a leaf of the tree, or a border, counts as so many */
+#define SMR_SURFACE_EDGES 4u   /* a triangle whose edges are counted is worth so many items, */
+#define SMR_SURFACE_LEAF 16u   /* a leaf of the tree, */
+#define SMR_SURFACE_NODE 32u   /* and a node above */
 
 /* Takes all slots from the arena, or measures them. */
 static smr_surface *layout(smr_arena *a, uint32_t nv, uint32_t nt, smr_surface *s)
@@ -263,12 +265,12 @@ static const struct {
     {count_corners, OF_TRIANGLES, 0, 1},
     {sum_counts, OF_VERTICES, 0, 1},
     {list_triangles, OF_TRIANGLES, 0, 1},
-    {find_borders, OF_TRIANGLES, 0, SMR_SURFACE_EVERY},
+    {find_borders, OF_TRIANGLES, 0, SMR_SURFACE_EDGES},
     {clear_counts, OF_VERTICES, 0, 1},
     {mark_borders, OF_TRIANGLES, 0, 1},
     {find_corners, OF_TRIANGLES, 0, 1},
-    {refit_leaves, OF_LEAVES, 1, 4u * SMR_SURFACE_EVERY},
-    {refit_nodes, OF_NODES, 1, SMR_SURFACE_EVERY},
+    {refit_leaves, OF_LEAVES, 1, SMR_SURFACE_LEAF},
+    {refit_nodes, OF_NODES, 1, SMR_SURFACE_NODE},
 };
 
 #define SMR_SURFACE_STAGES ((uint32_t)(sizeof stages / sizeof stages[0]))

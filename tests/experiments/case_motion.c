@@ -14,10 +14,10 @@
 /* The scene at rest, and how it moves. */
 typedef struct scene {
     const case_motion_options *options;
-    case_data data;                                  /* truths, wholes and targets are those of the frame */
+    case_data data;                                    /* truths, wholes and targets are those of the frame */
     host_mesh whole[CASE_BODIES], target[CASE_BODIES]; /* at rest */
-    double centre[3], half;                          /* the middle, and half the length */
-    double axes[9];                                  /* long, middle, short */
+    double centre[3], half;                            /* the middle, and half the length */
+    double axes[9];                                    /* long, middle, short */
     double turn_axis[3], jump_axis[3], jump_way[3], view[3];
 } scene;
 

@@ -9,14 +9,14 @@
 
 /* How it moves and how it is followed. */
 typedef struct case_motion_options {
-    uint32_t seed;                 /* of the axis, the view and the resampling */
-    double turn_deg, bend_mm;      /* at the end of a turn */
-    double turn_s;                 /* one way takes so long, and so does the way back */
-    double flex_deg;               /* of the computed thigh, besides */
-    double jump_mm, jump_deg;      /* added from jump_frame on */
-    uint32_t jump_frame;           /* 0: never */
-    double side_deg;               /* triangles whose normals lie within it of the view are seen; 180: all */
-    double shift_mm, start_deg;    /* how far the model starts from the first frame */
+    uint32_t seed;              /* of the axis, the view and the resampling */
+    double turn_deg, bend_mm;   /* at the end of a turn */
+    double turn_s;              /* one way takes so long, and so does the way back */
+    double flex_deg;            /* of the computed thigh, besides */
+    double jump_mm, jump_deg;   /* added from jump_frame on */
+    uint32_t jump_frame;        /* 0: never */
+    double side_deg;            /* triangles whose normals lie within it of the view are seen; 180: all */
+    double shift_mm, start_deg; /* how far the model starts from the first frame */
     double fps;
     uint32_t n_frames, most_ticks; /* most_ticks: of a frame */
     uint32_t every;                /* frames between two measurements */

@@ -1,6 +1,6 @@
 /* test_experiment_track.c: targets that move, with a known truth: a femur turns by 30 degrees in 2 s and bends by 5 mm,
- * thirty times a second, seen in whole or to two fifths; ten seconds of it; jumps; a computed thigh flexes. Defaults, from
- * a start that is 3 mm and 3 degrees off. The targets have none of the model's vertices.
+ * thirty times a second, seen in whole or to two fifths; ten seconds of it; jumps; a computed thigh flexes. Defaults,
+ * from a start that is 3 mm and 3 degrees off. The targets have none of the model's vertices.
  * SPDX-License-Identifier: MIT */
 #include "unit/cmocka_first.h"
 
@@ -74,8 +74,8 @@ static int jump_bone(uint32_t bone, int view, uint32_t seed)
     o.every = 1;
     run(bones[bone], &o);
     there = frames[1].jumped && frames[1].surface <= 0.6;
-    (void)printf("  %-30s %-10s seed %u: jumped %u, surface %.3f, vertices %.3f %s\n", bones[bone] + 7, views[view], seed,
-                 frames[1].jumped, frames[1].surface, frames[1].vertex, there ? "" : "SHORT");
+    (void)printf("  %-30s %-10s seed %u: jumped %u, surface %.3f, vertices %.3f %s\n", bones[bone] + 7, views[view],
+                 seed, frames[1].jumped, frames[1].surface, frames[1].vertex, there ? "" : "SHORT");
     return there;
 }
 

@@ -30,8 +30,8 @@
 #define GOLDEN_TICKS 40u
 
 /* Static, so the sizes are numbers; golden_sizes() checks that the queries agree. */
-GOLDEN_MEMORY unsigned char golden_arena[SMR_ARENA_BYTES(1024, 2048, 1, GOLDEN_WORKERS, 1024, SMR_METHOD_POLAR) +
-                                         SMR_TRACK_BYTES(1024, 1)];
+GOLDEN_MEMORY unsigned char
+    golden_arena[SMR_ARENA_BYTES(1024, 2048, 1, GOLDEN_WORKERS, 1024, SMR_METHOD_POLAR) + SMR_TRACK_BYTES(1024, 1)];
 GOLDEN_MEMORY unsigned char golden_scratch[6u << 20];
 GOLDEN_MEMORY unsigned char golden_image[2u << 20];
 GOLDEN_MEMORY unsigned char golden_target[1u << 20];

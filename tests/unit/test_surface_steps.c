@@ -133,12 +133,13 @@ static void test_refit(void **state)
     assert_int_equal(SMR_OK, refit(refitted, next.xyz, 0));
     assert_int_equal(SMR_OK, refit(again, mesh.xyz, 2)); /* there and back, and there */
     assert_int_equal(SMR_OK, refit(again, next.xyz, 1));
-    assert_memory_equal(refitted->facets.node, again->facets.node,
-                        smr_tree_nodes(mesh.n_triangles) * sizeof(smr_node));
-    assert_true(refitted->area_mean == again->area_mean && fabsf(refitted->area_mean / built->area_mean - 1.0f) < 1e-5f);
+    assert_memory_equal(refitted->facets.node, again->facets.node, smr_tree_nodes(mesh.n_triangles) * sizeof(smr_node));
+    assert_true(refitted->area_mean == again->area_mean &&
+                fabsf(refitted->area_mean / built->area_mean - 1.0f) < 1e-5f);
     for (uint32_t i = 0; i < 300u; i++) {
         smr_closest a, b;
-        const float p[3] = {rig_between(&seed, -150, 150), rig_between(&seed, -150, 150), rig_between(&seed, -200, 200)};
+        const float p[3] = {rig_between(&seed, -150, 150), rig_between(&seed, -150, 150),
+                            rig_between(&seed, -200, 200)};
         assert_int_equal(SMR_OK, smr_surface_closest(refitted, p, NULL, 0, 1000, &a));
         assert_int_equal(SMR_OK, smr_surface_closest(built, p, NULL, 0, 1000, &b));
         assert_true(a.triangle == b.triangle && a.distance == b.distance);

@@ -271,10 +271,14 @@ static void test_replays(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_off_costs_nothing, tidy), cmocka_unit_test_teardown(test_settled, tidy),
-        cmocka_unit_test_teardown(test_gives_up, tidy),          cmocka_unit_test_teardown(test_follows, tidy),
-        cmocka_unit_test_teardown(test_jumps, tidy),             cmocka_unit_test_teardown(test_starts_over, tidy),
-        cmocka_unit_test_teardown(test_same_bits, tidy),         cmocka_unit_test_teardown(test_replays, tidy),
+        cmocka_unit_test_teardown(test_off_costs_nothing, tidy),
+        cmocka_unit_test_teardown(test_settled, tidy),
+        cmocka_unit_test_teardown(test_gives_up, tidy),
+        cmocka_unit_test_teardown(test_follows, tidy),
+        cmocka_unit_test_teardown(test_jumps, tidy),
+        cmocka_unit_test_teardown(test_starts_over, tidy),
+        cmocka_unit_test_teardown(test_same_bits, tidy),
+        cmocka_unit_test_teardown(test_replays, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

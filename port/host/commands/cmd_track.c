@@ -9,8 +9,8 @@
 #include "register/register_job.h"
 #include "track/track_frames.h"
 
-#define TICKS 30u      /* of a frame, at most, where nothing else is asked for */
-#define CSV_EVERY 32u  /* frames between two writings of track.csv: what is there is always whole */
+#define TICKS 30u     /* of a frame, at most, where nothing else is asked for */
+#define CSV_EVERY 32u /* frames between two writings of track.csv: what is there is always whole */
 #define NAME_ROOM (2u * SMR_NAME_BYTES + 8u)
 
 /* What is known of a frame. */
@@ -100,8 +100,7 @@ static int follow(tracked *t, const host_frame *frame, host_load *loads, void **
     for (i = 0; i < frame->files.n && status == SMR_OK; i++) {
         const smr_mesh view = host_mesh_view(&loads[i].mesh);
         const smr_surface *const surface = host_surface_make(&view, &memory[i]);
-        status = surface == NULL ? SMR_E_ARENA
-                                 : smr_set_surface(s, host_frame_part(frame, i, &t->job.model), surface);
+        status = surface == NULL ? SMR_E_ARENA : smr_set_surface(s, host_frame_part(frame, i, &t->job.model), surface);
     }
     memset(&report->last, 0, sizeof report->last);
     for (report->ticks = 0; status >= 0 && report->ticks < most && !report->last.settled; report->ticks++)
@@ -244,7 +243,9 @@ int host_track(const host_options *options, host_error *error)
         result = status_of(t);
         if (!options->quiet)
             (void)printf("%u frames, verdict of the worst: %s\n", t->frames.n,
-                         t->worst == SMR_VERDICT_GOOD ? "good" : t->worst == SMR_VERDICT_LOOK ? "look" : "failed");
+                         t->worst == SMR_VERDICT_GOOD   ? "good"
+                         : t->worst == SMR_VERDICT_LOOK ? "look"
+                                                        : "failed");
     }
     if (result == HOST_REFUSED)
         keep_file(error);

@@ -1,7 +1,8 @@
-/* held_shape.c: the shape that tracking is elastic about. It is the result of the coarse-to-fine schedule; the reference
- * shape x^r is that shape, not x, so errors do not creep into it. Clusters find small rotations best (match/match.c), and
- * parts may turn against each other: so each structure is carried by the rigid pose that lays it onto x. The pose is
- * fitted anew each time and nothing adds up; x^r follows when the iteration stands. A structure without triangles goes with the whole model.
+/* held_shape.c: the shape that tracking is elastic about. It is the result of the coarse-to-fine schedule; the
+ * reference shape x^r is that shape, not x, so errors do not creep into it. Clusters find small rotations best
+ * (match/match.c), and parts may turn against each other: so each structure is carried by the rigid pose that lays it
+ * onto x. The pose is fitted anew each time and nothing adds up; x^r follows when the iteration stands. A structure
+ * without triangles goes with the whole model.
  * Bounds: a pass over the vertices in chunks and one in a piece, a fit for each structure.
  * SPDX-License-Identifier: MIT */
 #include "runtime/deformed/shape.h"

@@ -5,11 +5,11 @@
 
 #include "runtime/registration.h"
 
-void smr_schedule_start(smr *s);           /* at the first radius, from the present positions */
-void smr_schedule_begin(smr *s);           /* before an iteration: active vertices, search distances, shares */
-int smr_schedule_plastic(const smr *s);    /* 1: the iteration about to stand ends with x^r = x */
+void smr_schedule_start(smr *s);                   /* at the first radius, from the present positions */
+void smr_schedule_begin(smr *s);                   /* before an iteration: active vertices, search distances, shares */
+int smr_schedule_plastic(const smr *s);            /* 1: the iteration about to stand ends with x^r = x */
 void smr_schedule_radius(smr *s, uint32_t radius); /* goes on at this radius */
-void smr_schedule_next(smr *s);            /* after an iteration: x^r = x, the next radius, the end */
-float smr_schedule_progress(const smr *s); /* 0..1: share of the schedule's iterations done */
+void smr_schedule_next(smr *s);                    /* after an iteration: x^r = x, the next radius, the end */
+float smr_schedule_progress(const smr *s);         /* 0..1: share of the schedule's iterations done */
 
 #endif

@@ -1,20 +1,21 @@
-/* tracking.c: follows targets that move. When the coarse-to-fine schedule is done the model stays at one radius, elastic
- * about the schedule's result (deformed/held_shape.c). Each target that is set calls for iterations until the model
- * rests, or track_iterations are spent; then there is nothing to do. The first forces tell whether a target has jumped:
- * its goals are farther than the model can follow. Where that is asked for the coarser radii are gone through again.
+/* tracking.c: follows targets that move. When the coarse-to-fine schedule is done the model stays at one radius,
+ * elastic about the schedule's result (deformed/held_shape.c). Each target that is set calls for iterations until the
+ * model rests, or track_iterations are spent; then there is nothing to do. The first forces tell whether a target has
+ * jumped: its goals are farther than the model can follow. Where that is asked for the coarser radii are gone through
+ * again.
  * Bounds: SMR_RADII_MAX; where tracking starts, two passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "runtime/tick/tracking.h"
 
 #include "runtime/tick/schedule.h"
 
-#define SMR_TRACK_EDGES 6.0f   /* mean edges: the radius that is chosen */
-#define SMR_TRACK_REACH 12.0f  /* 1 / share of the radius that goals may be off in the mean */
-#define SMR_TRACK_FEWER 0.8f   /* of the share of vertices with goals before: there are fewer */
-#define SMR_TRACK_COARSE 24u   /* iterations at coarser radii, together, when a target has jumped */
+#define SMR_TRACK_EDGES 6.0f  /* mean edges: the radius that is chosen */
+#define SMR_TRACK_REACH 12.0f /* 1 / share of the radius that goals may be off in the mean */
+#define SMR_TRACK_FEWER 0.8f  /* of the share of vertices with goals before: there are fewer */
+#define SMR_TRACK_COARSE 24u  /* iterations at coarser radii, together, when a target has jumped */
 
 #define SMR_TRACK_MOMENTUM 0.7f /* at most, when a target has jumped: more swings, for what is left falls fast there */
-#define SMR_TRACK_GAIN 3.0f    /* factor on forces at coarser radii, at most */
+#define SMR_TRACK_GAIN 3.0f     /* factor on forces at coarser radii, at most */
 
 static float radius_mm(const smr *s, uint32_t radius) { return smr_model_lists(s->shared.model, radius).radius; }
 
@@ -45,8 +46,8 @@ static uint32_t radius_of(const smr *s)
 static void go_to(smr *s, uint32_t radius)
 {
     smr_schedule_radius(s, radius);
-    s->pace.momentum = s->pace.recovering > 0u ? smr_min(s->shared.config.momentum, SMR_TRACK_MOMENTUM)
-                                               : s->shared.config.momentum;
+    s->pace.momentum =
+        s->pace.recovering > 0u ? smr_min(s->shared.config.momentum, SMR_TRACK_MOMENTUM) : s->shared.config.momentum;
     s->pace.repairing = 0;
     s->shape.rest_pose_due = 0;
 }
