@@ -133,6 +133,41 @@ typedef struct smr_closest {
 smr_status smr_surface_closest(const smr_surface *surface, const float *point, const float *normal, float min_cos,
                                float max_mm, smr_closest *hit);
 
+/* A cloud of points as a target, in the caller's memory: a ring that keeps the newest. It shows the part of the model
+ * that it lies on; what is between a few points and beyond them follows (smr_config.coverage). */
+typedef struct smr_points smr_points;
+
+/* Bytes smr_points_open() needs. capacity: 1..SMR_VERTICES_MAX points. Errors: E_NULL, E_INPUT. */
+smr_status smr_points_bytes(uint32_t capacity, size_t *bytes);
+
+/* Upper bound of smr_points_bytes() as a constant, for static storage. */
+#define SMR_POINTS_BYTES(capacity) ((size_t)1024u + (size_t)28u * (capacity))
+
+/* Makes an empty cloud in `memory` (SMR_ALIGN-aligned), which must stay as long as the cloud is used.
+ * Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT; *points untouched then. */
+smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_points **points);
+
+/* Copies n points into the cloud, at most its capacity; those beyond take the place of the oldest. n times 50 ns, so
+ * a caller with little time adds a few at a time.
+ * xyz: [n][3] mm, finite, within +-SMR_COORD_MAX. normals: [n][3], outwards, of any length; 0 0 0: this point has none;
+ * NULL: none has. weights: [n], 0..4; NULL: 1 each. A point of weight 0 does nothing.
+ * Not while smr_tick() runs. Every smr_set_points() of the cloud must be repeated afterwards.
+ * Errors: E_NULL, E_STATE (not a cloud), E_INPUT; the cloud unchanged then. */
+smr_status smr_points_add(smr_points *points, const float *xyz, const float *normals, const float *weights, uint32_t n);
+
+/* Takes all points out of the cloud; otherwise as smr_points_add(). Errors: E_NULL, E_STATE. */
+smr_status smr_points_clear(smr_points *points);
+
+/* Points in the cloud. Errors: E_NULL, E_STATE. */
+smr_status smr_points_count(const smr_points *points, uint32_t *n);
+
+/* A copy of the cloud in which smr_surface_closest() finds the nearest point (with the point's index as the triangle),
+ * and onto which smr_align() lays a model. Not for smr_set_surface(), and not needed for smr_set_points().
+ * n: points in the cloud, 1 or more. memory (SMR_ALIGN-aligned) stays the caller's and holds the surface.
+ * Errors: E_NULL, E_STATE (not a cloud), E_ALIGN, E_ARENA, E_INPUT (no point); *surface untouched then. */
+smr_status smr_points_surface_bytes(uint32_t n, size_t *bytes);
+smr_status smr_points_surface(const smr_points *points, void *memory, size_t bytes, smr_surface **surface);
+
 /* Voxels in the caller's memory: borrowed, never written. */
 enum { SMR_VOXEL_UINT8 = 0, SMR_VOXEL_INT8, SMR_VOXEL_UINT16, SMR_VOXEL_INT16, SMR_VOXEL_FLOAT };
 
@@ -182,6 +217,7 @@ typedef struct smr_align_report {
 smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes);
 
 /* Finds the pose that lays `model` onto `target` without landmarks, wholes or parts of them.
+ * The target may be a cloud (smr_points_surface()); where its points have no normals their positions decide alone.
  * A search over rotations and over translations that match centres or ends, refined by closest points in both
  * directions; what the other surface does not have is left out. The pose as given is tried, too.
  * memory: SMR_ALIGN-aligned scratch. report may be NULL.
@@ -385,6 +421,7 @@ typedef struct smr_port {
 enum { SMR_METHOD_RIGID = 0, SMR_METHOD_POLAR = 1 };
 enum { SMR_SIMILARITY_NCC = 0, SMR_SIMILARITY_SSD = 1, SMR_SIMILARITY_CONCORDANCE = 2 };
 enum { SMR_COVERAGE_AUTO = 0, SMR_COVERAGE_WHOLE = 1, SMR_COVERAGE_PARTIAL = 2 };
+enum { SMR_CALLER_OFF = 0, SMR_CALLER_ON = 1, SMR_CALLER_CHECKED = 2 };
 enum { SMR_NORMALS_CARRIED = 0, SMR_NORMALS_EXACT = 1 };
 enum { SMR_TRACK_OFF = 0, SMR_TRACK_REPORT = 1, SMR_TRACK_RECOVER = 2 };
 
@@ -430,6 +467,22 @@ typedef struct smr_config {
     /* share, [0, 1], default 0.5. Of a vertex' motion along the surface that differs from its neighbours', taken back.
      * Only at the last radius, and only where there is a target surface. The share falls to 0 in the last iteration. */
     float even;
+    /* mm, [0, 100], default 0. Noise of target points: a point nearer to the model's surface pulls nothing, a farther
+     * one only by what it is farther. 0: noise of many points averages out. */
+    float noise_mm;
+
+    /* ---- goals of the caller's own ---- */
+
+    /* landmarks, [0, 64], default 0. Most that smr_set_landmarks() takes at one time. 0 takes no memory. */
+    uint32_t n_landmarks;
+    /* 0 or 1, default 0. 1: there is memory for smr_set_goals(). */
+    uint32_t caller_goals;
+    /* SMR_CALLER_..., default off. Memory for smr_set_force(). checked: each call is made twice, and a force that gives
+     * something else the second time ends in SMR_E_STATE. */
+    uint32_t caller_force;
+    /* share, [0, 1], default 0. Weight of goals in the image for structures that have a target surface as well, whose
+     * goals weigh 1. 0: they follow the surface alone. */
+    float image_beside;
 
     /* ---- targets that are images (paper 2.1) ----
      * Goals are sought along the normal, both ways. Search distances fall linearly over the schedule. Over the second
@@ -588,7 +641,8 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 
 /* Upper bound of smr_arena_bytes() as a constant, for static storage:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(1000, 2000, 1, 1, 0, SMR_METHOD_RIGID)];
- * n_workers, n_target_vertices and method as in smr_config; of other settings only `track` changes the size.
+ * n_workers, n_target_vertices and method as in smr_config. n_landmarks adds SMR_LANDMARKS_BYTES, caller_goals and
+ * caller_force SMR_CALLER_BYTES, track SMR_TRACK_BYTES; no other setting changes the size.
  * Above the exact size by about 6 kB, 1.3 kB for each further structure, and 0.4 %: with one structure a quarter at 50
  * vertices, 2 % at 1,000, and less than 1 % from 5,000 on. */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices, method)                   \
@@ -602,6 +656,13 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 /* What config.track adds to it. */
 #define SMR_TRACK_BYTES(n_vertices, n_structures)                                                                      \
     ((size_t)1024u + (size_t)12u * (n_vertices) + (size_t)48u * (n_structures))
+
+/* To add to it where config.n_landmarks is not 0. */
+#define SMR_LANDMARKS_BYTES(n_vertices, n_landmarks) ((size_t)38000u + (size_t)192u * (n_landmarks) + (n_vertices))
+
+/* To add to it where config.caller_goals or config.caller_force are not 0. */
+#define SMR_CALLER_BYTES(n_vertices, n_structures)                                                                     \
+    ((size_t)256u + (size_t)16u * (n_vertices) + (size_t)16u * (n_structures))
 
 /* Parts of the two bounds: search trees, and the triangles' copy where a model's byte order is not the processor's. */
 #define SMR_TREE_BYTES(n_triangles, n_structures)                                                                      \
@@ -640,10 +701,72 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose);
  * than config.n_target_vertices, where that is not 0). */
 smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface);
 
+/* Gives a structure, or SMR_ALL, a cloud of points as its target, in place of a surface; borrowed until replaced. NULL
+ * takes it away. config.n_target_vertices must be at least the capacities of all clouds and the vertices of all
+ * surfaces set at one time. An empty cloud shows nothing: the structure is carried along.
+ * To be called again whenever points were added, between any two ticks; smr_tick() returns E_STATE until then. What an
+ * iteration under way does, and what a schedule that is done, is as with smr_set_surface().
+ * Errors: E_NULL, E_STATE (not a registration, or not a cloud), E_INPUT (no such structure), E_ARENA. */
+smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points);
+
 /* Gives every structure without a target surface this image, borrowed until replaced. NULL takes it away.
  * The schedule starts over from the present positions. The model needs intensity profiles.
  * Errors: E_NULL (voxels), E_INPUT (the volume's fields), E_STATE (no profiles). */
 smr_status smr_set_volume(smr *s, const smr_volume *volume);
+
+/* A point of the model, and where it is now. */
+typedef struct smr_landmark {
+    uint32_t structure; /* whose point; SMR_ALL (without a vertex): of whichever lies nearest at rest */
+    uint32_t vertex;    /* in the caller's numbering; SMR_NONE: `rest` says where, and the nearest triangle carries it */
+    float rest[3];      /* mm, in the model's rest shape, on a surface or off it; not looked at with a vertex */
+    float place[3];     /* mm, now */
+    float weight;       /* [0.001, 1000]: one over the variance of its place; 1 counts like a vertex that is seen */
+    uint32_t hard;      /* 1: the point ends in its place; weight is not looked at */
+} smr_landmark;
+
+/* Gives the model n landmarks in place of those before; n 0 takes them away. They are copied. Where no target shows
+ * the model, it follows a smooth field through them; where one does, they say what runs along the surface, and a hard
+ * one is reached all the same. Allowed between any two ticks, as smr_set_surface(). What is bound stays bound: to call
+ * this with new places only costs next to nothing, a point at rest costs a pass over the model's triangles.
+ * Errors: E_NULL, E_STATE (not a registration), E_ARENA (more than config.n_landmarks), E_INPUT (no such structure or
+ * vertex, a structure without vertices, a field outside its range). */
+smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n);
+
+/* Where the landmarks' points of the model are: [n][3] mm, in the order in which they were set.
+ * Errors: E_NULL, E_STATE (not a registration). */
+smr_status smr_get_landmarks(const smr *s, float *xyz);
+
+/* Goals of the caller's own for a structure: xyz, [n_vertices][3] mm, and weights, [n_vertices], 0..1000, 0 for none, in
+ * the caller's vertex order. weights NULL: 1 for all. Both are borrowed until replaced, and set again when they change;
+ * xyz NULL takes them away. A target's goal weighs 1: ways to goals are averaged by weight, so the only one counts in
+ * full, whatever it weighs. Allowed between any two ticks, as smr_set_surface().
+ * Errors: E_NULL, E_STATE (not a registration), E_ARENA (config.caller_goals is 0), E_INPUT (no such structure, a
+ * goal beyond SMR_COORD_MAX or not finite, a weight outside its range). */
+smr_status smr_set_goals(smr *s, uint32_t structure, const float *xyz, const float *weights);
+
+/* What a force of the caller's own sees: n vertices, which it may only read, and only until it returns. */
+typedef struct smr_force_view {
+    uint32_t n;
+    uint32_t iteration;        /* complete ones since the start */
+    float radius_mm;           /* of the clusters in use */
+    const uint32_t *structure; /* [n] */
+    const uint32_t *vertex;    /* [n] in the caller's numbering of that structure */
+    const float *xyz;          /* [n][3] mm, now */
+    const float *normal;       /* [n][3] unit, or 0 */
+    const float *rest;         /* [n][3] mm, in the model's rest shape */
+} smr_force_view;
+
+/* Adds to way[n][3] (mm) how far each vertex is asked to go and to weight[n] how much that counts, 0..1000, as for
+ * smr_set_goals(). Both are 0 before the call, and stay so for a vertex that is not drawn. Called from the port's
+ * workers, several at a time, each vertex once in an iteration: a pure function of the view and of what ctx holds, which
+ * does not change during a tick. Must not call the library with the same registration. */
+typedef void (*smr_force)(void *ctx, const smr_force_view *view, float *way, float *weight);
+
+/* Sets a force of the caller's own; NULL takes it away. Part of a tick's forces, under the same budget. If it gives what
+ * is not finite, beyond SMR_COORD_MAX or a weight outside its range, or breaks its contract (config.caller_force
+ * checked), smr_tick() returns E_STATE until it is set again. Allowed between any two ticks, as smr_set_surface().
+ * Errors: E_NULL, E_STATE (not a registration), E_ARENA (config.caller_force is off). */
+smr_status smr_set_force(smr *s, smr_force force, void *ctx);
 
 /* The phases of an iteration. What follows from a new reference shape is computed first and counts as SUMS. */
 enum { SMR_PHASE_FORCES = 0, SMR_PHASE_SUMS, SMR_PHASE_MATCH, SMR_PHASE_AVERAGE, SMR_PHASE_EVOLVE, SMR_PHASES };
@@ -731,7 +854,7 @@ smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
 
 typedef struct smr_structure_report {
-    uint32_t has_target; /* 1: a surface or an image; 0: carried along */
+    uint32_t has_target; /* 1: a surface, an image, a landmark of its own or the caller's goals; 0: carried along */
     uint32_t n_forces;   /* as in smr_tick_report, of the last complete forces */
     uint32_t n_rejected;
     float matched_share;                     /* as in smr_tick_report, of this structure */
@@ -823,11 +946,12 @@ uint64_t smr_state_hash(const smr *s);
 
 /* ------------------------------------------------------------------ 8. record and replay */
 
-/* Enough memory for a log of n_ticks ticks and n_sets calls of smr_set_...(), of any alignment. */
-#define SMR_LOG_BYTES(n_ticks, n_sets) ((size_t)512u + (size_t)40u * (n_ticks) + (size_t)56u * (n_sets))
+/* Enough memory for a log of n_ticks ticks and n_sets calls of smr_set_...(), of any alignment. Each landmark that is
+ * set counts as a call. */
+#define SMR_LOG_BYTES(n_ticks, n_sets) ((size_t)640u + (size_t)40u * (n_ticks) + (size_t)56u * (n_sets))
 
 /* Records in memory[bytes] (of any alignment) what is done to s from here on: the configuration, each input that is set
- * (poses themselves, checksums of others), each tick, how far it came, and the state's hash.
+ * (poses and landmarks themselves, checksums of others), each tick, how far it came, and the state's hash.
  * memory is borrowed until replaced; NULL takes it away. Only right after smr_init(), so that the log says all.
  * If a record does not fit, a last record says so, recording ends, and the registration goes on.
  * Results are the same with and without a log. An input costs one pass over it.
@@ -858,17 +982,25 @@ enum {
     SMR_LOG_POSE,
     SMR_LOG_POSITIONS,
     SMR_LOG_ACTIVE,
-    SMR_LOG_FULL /* the memory ended here */
+    SMR_LOG_FULL,      /* the memory ended here */
+    SMR_LOG_LANDMARKS, /* smr_set_landmarks: a record for each of them */
+    SMR_LOG_GOALS,
+    SMR_LOG_FORCE, /* smr_set_force; or, before a tick, what the force gave in its iteration */
+    SMR_LOG_POINTS /* smr_set_points, and each change of its points */
 };
 
 /* One record. Fields that its kind does not have are 0. */
 typedef struct smr_log_record {
     uint32_t kind; /* SMR_LOG_...; 0: the log ends here */
     /* inputs */
-    uint32_t structure; /* surface, positions: whose; SMR_ALL */
+    uint32_t structure; /* surface, points, positions, goals: whose; SMR_ALL */
     uint32_t present;   /* 0: it was taken away (NULL) */
-    uint64_t checksum;  /* of a surface, volume or positions */
+    /* of a surface, points, volume, positions or goals; of what a force gave, also in the tick's */
+    uint64_t checksum;
     smr_pose pose;
+    smr_landmark landmark; /* number `index` of `count`; none when count is 0: they were taken away */
+    uint32_t index, count;
+    uint32_t gave; /* 1, of SMR_LOG_FORCE: the checksum is of what the force gave in the coming tick's iteration */
     /* ticks: what the tick's report said */
     uint32_t complete; /* 1: an iteration was completed, or the schedule was done already; 0: SMR_PARTIAL */
     uint32_t done, phase, iteration;
@@ -892,8 +1024,18 @@ smr_status smr_log_open(const void *log, size_t bytes, smr_log_reader *reader, s
 /* The next record; of kind 0 at the end. Errors: E_NULL, E_LOG (*record is of kind 0 then, and the reader stays). */
 smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record);
 
-/* Gives a replay the input that a record of kind surface, volume or positions names: a const smr_surface *, a
- * const smr_volume *, or a const float * ([n_vertices][3], mm). NULL: not there. Borrowed as in smr_set_...(). */
+/* What smr_set_goals() and smr_set_force() were given. */
+typedef struct smr_goals {
+    const float *xyz, *weights;
+} smr_goals;
+typedef struct smr_caller_force {
+    smr_force force;
+    void *ctx;
+} smr_caller_force;
+
+/* Gives a replay the input that a record names: a const smr_surface *, a const smr_points * with the points that it had
+ * then, a const smr_volume *, a const float * (positions, [n_vertices][3], mm), a const smr_goals * or a
+ * const smr_caller_force *. NULL: not there. Borrowed as in smr_set_...(). */
 typedef const void *(*smr_log_input)(void *ctx, const smr_log_record *record);
 
 /* A replay under way; the fields are the library's. */
@@ -902,11 +1044,13 @@ typedef struct smr_replay {
     smr_log_reader reader, later;
     smr_log_input input;
     void *ctx;
-    uint32_t n_ticks, has_forces, has_later;
+    uint32_t n_ticks, has_forces, has_later, n_landmarks, count;
+    uint64_t gave;
+    smr_landmark landmark[SMR_LANDMARKS_MAX];
 } smr_replay;
 
 /* Prepares to repeat a log on s, which is as smr_init() left it, with the log's model and configuration. n_workers and
- * the port may differ. log and s must stay. input may be NULL when there are only poses.
+ * the port may differ. log and s must stay. input may be NULL when there are only poses and landmarks.
  * Errors: E_NULL, E_STATE (not a registration, or not right after smr_init()), E_LOG, E_MODEL (another model), E_CONFIG
  * (another configuration). */
 smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx, smr_replay *replay);
@@ -926,6 +1070,52 @@ typedef struct smr_replay_report {
  * Errors: E_NULL, E_LOG, E_INPUT (an input is missing, has another checksum, or was refused), and those of
  * smr_set_...() and smr_tick(). */
 smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
+
+/* ------------------------------------------------------------------ 9. carried points */
+
+/* Carries points of the space around the rest shape to where the model has taken them: a smooth map of space, exact at
+ * the vertices, fixed by the vertices' rest and present places. Far from the model it follows a similarity. */
+typedef struct smr_carry smr_carry;
+
+/* Exact bytes smr_carry_fit() needs. n_points may be 0. Errors: E_NULL, E_INPUT (a count; n_workers of the port). */
+smr_status smr_carry_bytes(uint32_t n_vertices, uint32_t n_points, uint32_t n_workers, size_t *bytes);
+
+/* Binds points [n_points][3] mm, given at rest, to the vertices rest [n_vertices][3] mm: structures in a row, as
+ * smr_model_mesh() or the caller's meshes have them. Takes about 20 us a point.
+ * memory (SMR_ALIGN-aligned) holds the map; rest and points may go afterwards. port is copied; NULL: one worker.
+ * Errors: E_NULL, E_ALIGN, E_INPUT (a count, a coordinate), E_ARENA, E_STATE (the port's worker number); *carry
+ * untouched then. */
+smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
+                         const smr_port *port, void *memory, size_t bytes, smr_carry **carry);
+
+/* xyz [n_points][3] mm: where the bound points are while the vertices are at now [n_vertices][3] mm, in the order of
+ * rest (smr_get_positions() for each structure). Not for two calls at a time.
+ * Errors: E_NULL, E_STATE (not a map, or a copy of its memory; the port's worker number), E_INPUT. */
+smr_status smr_carry_apply(smr_carry *carry, const float *now, float *xyz);
+
+typedef struct smr_carry_fact {
+    float miss_mm; /* inverse: how far forwards from the place found misses the point; above 0.01 it failed */
+    float volume;  /* determinant of the local map from rest, to about 0.1; 0 or less: the map folds there */
+} smr_carry_fact;
+
+/* The same map for n points that are not bound, xyz [n][3] mm; about 100 times the time of a bound one.
+ * inverse 0: from rest to now. 1: back. out: [n][3] mm, may be xyz; facts: [n], or NULL.
+ * Errors: as smr_carry_apply(). */
+smr_status smr_carry_map(smr_carry *carry, const float *now, uint32_t inverse, const float *xyz, uint32_t n, float *out,
+                         smr_carry_fact *facts);
+
+/* A frame is carried as SMR_FRAME_PLACES points. Their places for points [n][3] mm at rest: [n][SMR_FRAME_PLACES][3].
+ * size_mm: distance over which the frame is measured, half an implant's length or 1. Errors: E_NULL, E_INPUT. */
+#define SMR_FRAME_PLACES 5u
+smr_status smr_frame_places(const float *points, uint32_t n, float size_mm, float *places);
+
+/* From places at rest and carried ones: the rigid part of the local map, from rest to now, and the local maps
+ * themselves, row-major [n][9]; one of the two may be NULL. Errors: E_NULL, E_INPUT. */
+smr_status smr_frame_poses(const float *rest, const float *now, uint32_t n, smr_pose *poses, float *jacobians);
+
+/* Unit normals [n][3] carried by local maps [n][9], in place: perpendicular to what they were perpendicular to.
+ * Errors: E_NULL, E_INPUT. */
+smr_status smr_frame_normals(const float *jacobians, float *normals, uint32_t n);
 
 #ifdef __cplusplus
 }

@@ -1,6 +1,7 @@
 /* align_coarse.c: what a pose costs among a few samples of both surfaces.
  * Method: the squared distance of a pair counts in full across the target's surface and less along it, for samples do
- * not lie opposite each other; normals that differ add to it. Each sample has its best partner.
+ * not lie opposite each other; normals that differ add to it. Without normals it counts in full. Each sample has its
+ * best partner.
  * Bounds: SMR_COARSE squared pairs.
  * SPDX-License-Identifier: MIT */
 #include "geometry/align_coarse.h"
@@ -12,6 +13,7 @@
 
 void smr_coarse_take(smr_coarse *c, const smr_aligner *a)
 {
+    c->faced = a->side[SMR_TARGET].bare || a->side[SMR_MODEL].bare ? 0.0f : 1.0f;
     c->limit = SMR_COARSE_LIMIT * smr_aligner_spread(a);
     for (uint32_t side = 0; side < SMR_SIDES; side++) {
         float all = 1.0e-6f;
@@ -41,7 +43,7 @@ smr_vec smr_coarse_point(const smr_coarse *c, uint32_t side, uint32_t i, const s
 static float pair_with_all(const smr_coarse *c, const float p[6], float best[SMR_COARSE])
 {
     const float(*t)[SMR_COARSE] = c->x[SMR_TARGET];
-    const float bend = c->limit * c->limit;
+    const float bend = c->limit * c->limit, faced = c->faced, blind = 1.0f - faced;
     float lane[SMR_COARSE_LANES], least = FLT_MAX;
     for (uint32_t k = 0; k < SMR_COARSE_LANES; k++)
         lane[k] = FLT_MAX;
@@ -51,8 +53,9 @@ static float pair_with_all(const smr_coarse *c, const float p[6], float best[SMR
             const float x = p[0] - t[0][i], y = p[1] - t[1][i], z = p[2] - t[2][i];
             const float across = x * t[3][i] + y * t[4][i] + z * t[5][i];
             const float cosine = p[3] * t[3][i] + p[4] * t[4][i] + p[5] * t[5][i];
-            const float cost =
-                SMR_ALONG * (x * x + y * y + z * z) + (1.0f - SMR_ALONG) * across * across + bend * (1.0f - cosine);
+            const float d2 = x * x + y * y + z * z;
+            const float cost = SMR_ALONG * d2 + (1.0f - SMR_ALONG) * across * across + bend * (faced - cosine) +
+                               blind * (1.0f - SMR_ALONG) * d2;
             lane[k] = cost < lane[k] ? cost : lane[k];
             best[i] = cost < best[i] ? cost : best[i];
         }

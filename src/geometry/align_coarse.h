@@ -11,6 +11,7 @@
 typedef struct smr_coarse {
     float x[SMR_SIDES][6][SMR_COARSE];   /* positions, mm, and unit normals: three rows each */
     float weight[SMR_SIDES][SMR_COARSE]; /* adds up to 1 */
+    float faced;                         /* 1; 0: the target is a cloud without normals */
     float limit;                         /* mm: what is farther is not explained */
 } smr_coarse;
 

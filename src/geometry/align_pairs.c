@@ -14,11 +14,12 @@ static void find(const smr_align_side *from, const smr_align_side *to, const smr
                  float scale, float far2)
 {
     const float sign = to->outward;
+    const float min_cos = from->bare || to->bare ? -2.0f : SMR_AGREE;
     for (uint32_t k = 0; k < samples; k++) {
         const uint32_t i = smr_sample(from, k, samples);
         smr_pair *const pair = &from->pair[k];
         const smr_query q = {smr_pose_apply(pose, from->point[i]),
-                             smr_scale(smr_unit(smr_pose_turn(pose, from->normal[i])), sign), SMR_AGREE, UINT32_MAX,
+                             smr_scale(smr_unit(smr_pose_turn(pose, from->normal[i])), sign), min_cos, UINT32_MAX,
                              pair->triangle};
         smr_hit hit = {far2 / (scale * scale), SMR_NONE, {0, 0, 0}};
         smr_tree_closest(&to->surface->facets, &q, &hit);

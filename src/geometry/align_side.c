@@ -67,11 +67,22 @@ static int inside_out(const smr_surface *s, smr_vec centre)
     return volume < 0.0f;
 }
 
+static int is_bare(const smr_surface *s)
+{
+    if (!smr_is_cloud(s))
+        return 0;
+    for (size_t i = 0; i < 3u * (size_t)s->n_vertices; i++)
+        if (s->normal[i] != 0.0f)
+            return 0;
+    return 1;
+}
+
 void smr_align_side_make(smr_align_side *side, const smr_surface *s, uint32_t n)
 {
     const float inverse = s->area_mean > 0.0f ? 1.0f / s->area_mean : 0.0f;
     side->surface = s;
     side->n = n;
+    side->bare = (uint32_t)is_bare(s);
     describe(side, s);
     side->outward = inside_out(s, side->centre) ? -1.0f : 1.0f;
     for (uint32_t k = 0; k < n; k++) {

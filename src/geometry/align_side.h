@@ -20,6 +20,7 @@ typedef struct smr_align_side {
     smr_vec *normal; /* [n] unit, outward */
     float *weight;   /* [n] the area it stands for, over the mean */
     smr_pair *pair;  /* [n] */
+    uint32_t bare;   /* 1: a cloud whose points have no normals */
     float outward;   /* 1; -1 for a closed surface that is inside out */
     smr_vec centre;  /* mm: area-weighted */
     float axes[9];   /* principal axes (columns), longest first */

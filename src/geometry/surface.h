@@ -23,9 +23,10 @@ typedef struct smr_surface_work {
 struct smr_surface {
     uint32_t magic; /* SMR_SURFACE_MAGIC; SMR_SURFACE_BUSY while it is built or refitted */
     uint32_t n_vertices;
-    uint32_t open;         /* 1 when some edge has only one triangle */
+    uint32_t open;         /* 1 when some edge has only one triangle; a cloud is open, too */
     uint32_t n_used;       /* vertices with triangles */
-    uint32_t n_refits;     /* since it was built */
+    uint32_t capacity;     /* most points of a cloud (points.h); 0: a mesh */
+    uint32_t changes;      /* of a cloud's points, or refits of a mesh, so far */
     float area_mean;       /* mean of area[], mm^2 */
     smr_vec origin;        /* mm, whole numbers: centre of the bounding box; positions are relative to it */
     float *xyz;            /* [n_vertices][3] mm from origin, in the caller's order */
@@ -40,6 +41,9 @@ struct smr_surface {
 
 #define SMR_SURFACE_MAGIC 0x736d7253u
 #define SMR_SURFACE_BUSY 0x736d7262u
+
+/* 1 for a cloud of points: no triangles, so nothing is closest on it. */
+static inline int smr_is_cloud(const smr_surface *s) { return s->capacity > 0u; }
 
 /* 1 for a surface that is complete. */
 static inline int smr_surface_valid(const smr_surface *s) { return s != NULL && s->magic == SMR_SURFACE_MAGIC; }

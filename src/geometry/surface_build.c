@@ -99,7 +99,7 @@ static int check_triangles(smr_surface *s, uint32_t first, uint32_t last)
 static int copy_vertices(smr_surface *s, uint32_t first, uint32_t last)
 {
     s->magic = SMR_SURFACE_BUSY;
-    s->n_refits += first == 0u ? s->work.refit : 0u;
+    s->changes += first == 0u ? s->work.refit : 0u;
     s->origin = smr_whole(smr_scale(smr_add(s->work.box.lo, s->work.box.hi), 0.5f));
     for (uint32_t i = first; i < last; i++) {
         smr_store(s->xyz + 3u * (size_t)i, smr_sub(smr_load(s->work.mesh.xyz + 3u * (size_t)i), s->origin));
@@ -323,6 +323,8 @@ smr_status smr_surface_step(smr_surface *surface, uint32_t units, const smr_port
         return SMR_E_NULL;
     if (surface->magic != SMR_SURFACE_BUSY && surface->magic != SMR_SURFACE_MAGIC)
         return SMR_E_STATE;
+    if (smr_is_cloud(surface))
+        return SMR_E_STATE;
     if (surface->work.stage >= SMR_SURFACE_STAGES)
         return SMR_OK;
     const int timed = budget_ns > 0u && port != NULL && port->now_ns != NULL;
@@ -376,7 +378,7 @@ smr_status smr_surface_refit(smr_surface *surface, const float *xyz)
 {
     if (surface == NULL || xyz == NULL)
         return SMR_E_NULL;
-    if (!smr_surface_valid(surface))
+    if (!smr_surface_valid(surface) || smr_is_cloud(surface))
         return SMR_E_STATE;
     surface->work.stage = surface->work.at = 0;
     surface->work.refit = 1;

@@ -170,6 +170,12 @@ static inline uint32_t smr_model_along(const smr_model *m, uint32_t vertex)
     return smr_le32(((const uint32_t *)smr_at(m, m->at_along))[vertex]);
 }
 
+/* The origin of rest positions, mm. */
+static inline smr_vec smr_model_centre(const smr_model *m)
+{
+    return smr_v(smr_le_float(m->centre[0]), smr_le_float(m->centre[1]), smr_le_float(m->centre[2]));
+}
+
 /* Stored vertex of a caller's vertex. */
 static inline uint32_t smr_model_position(const smr_model *m, uint32_t callers)
 {

@@ -3,6 +3,7 @@
  *
  *   memory          steps of an iteration, in order                           what it holds
  *   record          fill -> forces                                            rings: middle of mesh neighbours
+ *                   point spread -> forces                                    spread: pulls of a cloud's points
  *                   reference records -> their sums                           moments of x^r
  *                   records of displacements -> their sums                    displacements, fixed point
  *                   records of transforms -> their sums                       transforms, fixed point
@@ -55,10 +56,18 @@ typedef struct smr_rings {
     float *asked;        /* [n] fold limit: the largest share that a hinge asks of the vertex; over displacement */
 } smr_rings;
 
+/* How pulls of points spread over the mesh, in the memory of the records behind the rings. */
+typedef struct smr_spread {
+    float *pull;  /* [n][4] sum, mm, and weight */
+    float *next;  /* [n][4] of the neighbours, in a round under way */
+    float *count; /* [n] of neighbours */
+} smr_spread;
+
 typedef struct smr_overlay {
     uint32_t *record; /* [n][SMR_WORDS] */
     uint32_t *sum;    /* [n][SMR_WORDS], and at least n_sum words */
     smr_rings rings;
+    smr_spread spread;
     smr_tally *tally; /* [n_tallies] */
 } smr_overlay;
 
@@ -76,6 +85,9 @@ static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, 
     o->rings.weight = o->rings.sum + 3u * (size_t)n;
     o->rings.displacement = o->rings.weight + n;
     o->rings.asked = o->rings.displacement;
+    o->spread.pull = o->rings.displacement + 3u * (size_t)n;
+    o->spread.next = o->spread.pull + 4u * (size_t)n;
+    o->spread.count = o->spread.next + 4u * (size_t)n;
 }
 
 #endif

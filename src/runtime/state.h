@@ -32,6 +32,7 @@ typedef struct smr_pace {
     uint32_t radius;           /* index of the radius in use */
     uint32_t radius_iteration; /* complete iterations at it */
     uint32_t iteration;        /* complete iterations since the start */
+    uint32_t n_points;         /* points of all clouds when this radius began */
     uint32_t since_plastic;    /* complete iterations since x^r was new */
     uint32_t plastic_updates;  /* since the start */
     uint32_t converged, done;  /* as in smr_tick_report */

@@ -85,24 +85,33 @@ static double start_scale(const case_run *run)
     return i == 12 ? cbrt(det) : -1.0;
 }
 
-typedef struct sums {
-    double mean, worst;
-    int n, wrong;
-} sums;
+/* A line of pairs: what of the target is kept, and bounds of the surface error, mm. */
+typedef struct pairs {
+    const char *line;
+    double from, to, mean, worst;
+} pairs;
 
-static void run_pair(const case_bone *model, const case_bone *target, const char *line, double from, double to,
-                     sums *sum)
+static void add_pair(case_score *score, const case_row *row, double worst, int wrong)
+{
+    score->rows++;
+    score->held += row->status >= 0 && row->result.surface <= worst && !wrong;
+    score->wrong_way += wrong != 0;
+    score->mean += (row->result.surface - score->mean) / score->rows;
+    score->worst = fmax(score->worst, row->result.surface);
+}
+
+static void run_pair(const case_bone *model, const case_bone *target, const pairs *p, case_score *score)
 {
     case_data *const data = case_alloc(1, sizeof *data);
     case_run *const run = case_alloc(1, sizeof *run);
     char name[48], said[80], path[CASE_TEXT];
-    if (make_pair(data, model, target, from, to)) {
+    if (make_pair(data, model, target, p->from, p->to)) {
         case_row row;
         host_mesh result;
         host_error error;
         double angle = 180.0;
         (void)snprintf(name, sizeof name, "%.10s-%.10s", model->name, target->name);
-        row = case_run_data(line, name, 0, data, "--align rigid", run);
+        row = case_run_data(p->line, name, 0, data, "--align rigid", run);
         (void)snprintf(path, sizeof path, "%.900s", case_out(data, &row));
         memset(&error, 0, sizeof error);
         if (host_mesh_read(path, HOST_MESH_POINTS_TOO, HOST_MIRROR_NONE, &result, &error) == 0) {
@@ -111,38 +120,37 @@ static void run_pair(const case_bone *model, const case_bone *target, const char
         }
         (void)snprintf(said, sizeof said, "turned %.0f%s", angle, angle < 60.0 ? "" : " MISS wrong way");
         case_print_row(&row, -1.0, said);
-        sum->mean += row.result.surface;
-        sum->worst = fmax(sum->worst, row.result.surface);
-        sum->wrong += angle >= 60.0;
-        sum->n++;
+        add_pair(score, &row, p->worst, !(angle < 60.0));
     }
     case_free(data);
     free(data);
     free(run);
 }
 
-static int run_pairs(const char *models, const char *targets, const char *line, double from, double to, double mean,
-                     double worst)
+/* Counts a miss for the mean, the worst and the wrong way round. */
+static int run_pairs(const char *models, const char *targets, const pairs *p, case_score *score)
 {
-    sums sum = {0.0, 0.0, 0, 0};
     int m = 0, t = 0, missed = 0;
+    (void)snprintf(score->line, sizeof score->line, "%s", p->line);
     for (t = 0; t < CASE_FEMURS; t++)
         for (m = 0; case_named(targets, case_bones[t].name) && m < CASE_FEMURS; m++)
             if (m != t && case_named(models, case_bones[m].name))
-                run_pair(&case_bones[m], &case_bones[t], line, from, to, &sum);
-    if (sum.n == 0)
+                run_pair(&case_bones[m], &case_bones[t], p, score);
+    if (score->rows == 0)
         return 0;
-    missed = (sum.mean / sum.n > mean) + (sum.worst > worst) + (sum.wrong > 0);
-    (void)printf("sum %-10s %3d runs: surface mean %.3f (at most %g) worst %.3f (at most %g), %d the wrong way: %s\n",
-                 line, sum.n, sum.mean / sum.n, mean, sum.worst, worst, sum.wrong, missed > 0 ? "MISS" : "ok");
+    missed = (score->mean > p->mean) + (score->worst > p->worst) + (score->wrong_way > 0);
+    (void)printf("sum %-10s %3u runs: surface mean %.3f (at most %g) worst %.3f (at most %g), %u the wrong way: %s\n",
+                 p->line, score->rows, score->mean, p->mean, score->worst, p->worst, score->wrong_way,
+                 missed > 0 ? "MISS" : "ok");
     return missed;
 }
 
-int case_table_persons(const char *models, const char *targets)
+int case_table_persons(const char *models, const char *targets, case_score *score)
 {
+    static const pairs lines[2] = {{"top70", 0.3, 1.0, 2.2, 3.5}, {"lower50", 0.0, 0.5, 3.5, 6.0}};
+    memset(score, 0, 2u * sizeof *score);
     case_print_head();
-    return run_pairs(models, targets, "top70", 0.3, 1.0, 2.2, 3.5) +
-           run_pairs(models, targets, "lower50", 0.0, 0.5, 3.5, 6.0);
+    return run_pairs(models, targets, &lines[0], &score[0]) + run_pairs(models, targets, &lines[1], &score[1]);
 }
 
 static double height(const host_mesh *mesh)
@@ -161,7 +169,7 @@ static int run_length(const case_bone *model, const case_bone *target, double of
 {
     case_data *const data = case_alloc(1, sizeof *data);
     case_run *const run = case_alloc(1, sizeof *run);
-    int missed = 0;
+    int missed = 1;
     if (make_pair(data, model, target, 1.0 - of_target, 1.0)) {
         const double ratio = height(&data->body[0].whole) / height(&data->body[0].model);
         host_mesh cut = cut_height(&data->body[0].model, 1.0 - of_model, 1.0);
@@ -184,26 +192,32 @@ static int run_length(const case_bone *model, const case_bone *target, double of
     return missed;
 }
 
-int case_table_lengths(const char *bones)
+int case_table_lengths(const char *bones, case_score *score)
 {
     static const double parts[][2] = {{0.5, 0.7}, {0.7, 0.4}};
-    int m = 0, t = 0, k = 0, missed = 0;
+    int m = 0, t = 0, k = 0;
+    memset(score, 0, sizeof *score);
+    (void)snprintf(score->line, sizeof score->line, "length");
     case_print_head();
     for (k = 0; k < 2; k++)
         for (t = 0; t < CASE_FEMURS; t++)
             for (m = 0; case_named(bones, case_bones[t].name) && m < CASE_FEMURS; m++)
-                if (m == (t + 1) % CASE_FEMURS || m == t)
-                    missed += run_length(&case_bones[m], &case_bones[t], parts[k][0], parts[k][1]);
-    return missed;
+                if (m == (t + 1) % CASE_FEMURS || m == t) {
+                    score->rows++;
+                    score->held += !run_length(&case_bones[m], &case_bones[t], parts[k][0], parts[k][1]);
+                }
+    return (int)(score->rows - score->held);
 }
 
-int case_table_thigh(uint32_t first, uint32_t last)
+int case_table_thigh(uint32_t first, uint32_t last, case_score *score)
 {
     case_data *const data = case_alloc(1, sizeof *data);
     case_run *const run = case_alloc(1, sizeof *run);
     const char *const thigh = experiment_data("hip_thigh_vhm");
     uint32_t seed = 0;
-    int missed = 0, i = 0;
+    int i = 0;
+    memset(score, 0, sizeof *score);
+    (void)snprintf(score->line, sizeof score->line, "thigh");
     case_print_head();
     for (seed = first; thigh != NULL && seed <= last; seed++) {
         experiment_command names = {{NULL}, 0};
@@ -216,13 +230,13 @@ int case_table_thigh(uint32_t first, uint32_t last)
         experiment_free(&names);
         case_make(data, &o);
         row = case_run_data("thigh", "24 structures", seed, data, "", run);
-        missed += !(row.status >= 0 && row.result.surface <= 3.0);
+        add_pair(score, &row, 3.0, 0);
         case_print_row(&row, -1.0, row.status >= 0 && row.result.surface <= 3.0 ? "ok" : "MISS");
         case_free(data);
     }
     free(data);
     free(run);
-    return missed;
+    return (int)(score->rows - score->held);
 }
 
 /* A view of a seed: a patch of 15 to 90 % of the area, a start up to 15 mm and 10 degrees off. */
@@ -239,12 +253,7 @@ static case_options random_view(uint32_t seed)
     return o;
 }
 
-/* Counts by one measure of the error: by vertex, or of the surface. */
-typedef struct counts {
-    uint32_t near, near_good, farther, farther_good, far, far_good;
-} counts;
-
-static void count(counts *n, double error, double start, int good)
+static void count(case_views *n, double error, double start, int good)
 {
     n->near += error < 1.0;
     n->near_good += error < 1.0 && good;
@@ -254,7 +263,7 @@ static void count(counts *n, double error, double start, int good)
     n->far_good += error > 3.0 && good;
 }
 
-static int print_counts(const counts *n, const char *what, uint32_t runs)
+static int print_counts(const case_views *n, const char *what, uint32_t runs)
 {
     (void)printf("sum random %u runs by %s: %u farther than their start, %u of them called good; %u below 1 mm, %u of "
                  "them good; %u above 3 mm, %u of them called good\n",
@@ -262,10 +271,10 @@ static int print_counts(const counts *n, const char *what, uint32_t runs)
     return (int)n->farther_good + (n->near_good < 0.6 * n->near);
 }
 
-int case_table_random(const char *bones, uint32_t first, uint32_t last)
+int case_table_random(const char *bones, uint32_t first, uint32_t last, case_views *views)
 {
     uint32_t seed = 0, n = 0;
-    counts vertex = {0, 0, 0, 0, 0, 0}, surface = {0, 0, 0, 0, 0, 0};
+    memset(views, 0, 2u * sizeof *views);
     case_print_head();
     for (seed = first; seed <= last; seed++) {
         const case_bone *const bone = &case_bones[seed % CASE_BONES];
@@ -278,9 +287,9 @@ int case_table_random(const char *bones, uint32_t first, uint32_t last)
         good = row.verdict[0] != '\0' ? strcmp(row.verdict, "good") == 0 : row.status == 0;
         bad = good && (row.result.vertex > row.start.vertex || row.result.surface > row.start.surface);
         n++;
-        count(&vertex, row.result.vertex, row.start.vertex, good);
-        count(&surface, row.result.surface, row.start.surface, good);
+        count(&views[0], row.result.vertex, row.start.vertex, good);
+        count(&views[1], row.result.surface, row.start.surface, good);
         case_print_row(&row, -1.0, bad ? "MISS farther than its start" : "ok");
     }
-    return print_counts(&vertex, "vertex", n) + print_counts(&surface, "surface", n);
+    return print_counts(&views[0], "vertex", n) + print_counts(&views[1], "surface", n);
 }

@@ -1,6 +1,6 @@
 /* case_table.c: the lines with known deformations: one side, patches, an end, outliers; and what calls all tables.
  * SPDX-License-Identifier: MIT */
-#include "case_table.h"
+#include "case_points.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,10 +13,9 @@ typedef struct wanted {
     uint32_t first, last;        /* seeds */
 } wanted;
 
-/* The sums of a line. */
+/* The largest errors of a line, mm. */
 typedef struct tally {
-    double surface, vertex, worst_surface, worst_vertex, extra;
-    int n, missed;
+    double worst_vertex, extra;
 } tally;
 
 /* Bounds of a line, mm: surface, vertices beyond the whole target's run, vertices for femurs and for hip bones. */
@@ -37,6 +36,7 @@ static const bounds limits[] = {
     {"side+20", HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, 4.0 / 3.0, "side"},
 };
 enum { LINES = sizeof limits / sizeof limits[0] };
+_Static_assert(sizeof limits / sizeof limits[0] == CASE_LINES, "a score for each line");
 
 static int judge(const bounds *b, const case_row *row, const case_bone *bone, const case_row *whole,
                  const case_row *against, char said[160])
@@ -58,14 +58,15 @@ static int judge(const bounds *b, const case_row *row, const case_bone *bone, co
     return good;
 }
 
-static void add_to(tally *t, const case_row *row, const case_row *whole, int good)
+static void add_to(tally *t, case_score *s, const case_row *row, const case_row *whole, int good)
 {
-    t->n++;
-    t->missed += !good;
-    t->surface += row->result.surface;
-    t->vertex += row->result.vertex;
+    s->rows++;
+    s->held += good != 0;
+    s->good_far += row->result.vertex > 3.0 && strcmp(row->verdict, "good") == 0;
+    s->mean += (row->result.surface - s->mean) / s->rows;
+    s->vertex += (row->result.vertex - s->vertex) / s->rows;
+    s->worst = fmax(s->worst, row->result.surface);
     t->extra = fmax(t->extra, row->result.vertex - whole->result.vertex);
-    t->worst_surface = fmax(t->worst_surface, row->result.surface);
     t->worst_vertex = fmax(t->worst_vertex, row->result.vertex);
 }
 
@@ -80,7 +81,7 @@ static int is_needed(const wanted *w, const bounds *b)
     return case_named(w->lines, b->line) || case_named(w->lines, "outliers");
 }
 
-static void run_bone(const wanted *w, const case_bone *bone, uint32_t seed, tally *sums)
+static void run_bone(const wanted *w, const case_bone *bone, uint32_t seed, tally *sums, case_score *score)
 {
     case_row row[LINES];
     int i = 0, k = 0;
@@ -97,32 +98,35 @@ static void run_bone(const wanted *w, const case_bone *bone, uint32_t seed, tall
                 against = &row[k];
         good = judge(&limits[i], &row[i], bone, &row[0], against, said);
         case_print_row(&row[i], row[0].result.vertex, said);
-        add_to(&sums[i], &row[i], &row[0], good);
+        add_to(&sums[i], &score[i], &row[i], &row[0], good);
     }
 }
 
-static int run_deformed(const wanted *w)
+static int run_deformed(const wanted *w, case_score *score)
 {
     tally sums[LINES];
-    uint32_t seed = 0;
-    int b = 0, i = 0, missed = 0;
+    uint32_t seed = 0, missed = 0;
+    int b = 0, i = 0;
     memset(sums, 0, sizeof sums);
+    memset(score, 0, LINES * sizeof *score);
     case_print_head();
     for (b = 0; b < CASE_BONES; b++)
         for (seed = w->first; case_named(w->bones, case_bones[b].name) && seed <= w->last; seed++)
-            run_bone(w, &case_bones[b], seed, sums);
+            run_bone(w, &case_bones[b], seed, sums, score);
     for (i = 0; i < LINES; i++) {
-        if (sums[i].n > 0)
-            (void)printf("sum %-10s %3d runs, %3d missed: surface mean %.3f worst %.3f, vertex mean %.3f worst %.3f, "
+        case_score *const s = &score[i];
+        (void)snprintf(s->line, sizeof s->line, "%s", limits[i].line);
+        if (s->rows > 0)
+            (void)printf("sum %-10s %3u runs, %3u missed: surface mean %.3f worst %.3f, vertex mean %.3f worst %.3f, "
                          "beyond whole at most %.3f\n",
-                         limits[i].line, sums[i].n, sums[i].missed, sums[i].surface / sums[i].n, sums[i].worst_surface,
-                         sums[i].vertex / sums[i].n, sums[i].worst_vertex, sums[i].extra);
-        missed += sums[i].missed;
+                         s->line, s->rows, s->rows - s->held, s->mean, s->worst, s->vertex, sums[i].worst_vertex,
+                         sums[i].extra);
+        missed += s->rows - s->held;
     }
-    return missed;
+    return (int)missed;
 }
 
-int case_table_deformed(const char *lines, const char *bones, uint32_t first, uint32_t last)
+int case_table_deformed(const char *lines, const char *bones, uint32_t first, uint32_t last, case_score *score)
 {
     wanted w;
     memset(&w, 0, sizeof w);
@@ -130,7 +134,7 @@ int case_table_deformed(const char *lines, const char *bones, uint32_t first, ui
     (void)snprintf(w.bones, sizeof w.bones, "%s", bones);
     w.first = first;
     w.last = last;
-    return run_deformed(&w);
+    return run_deformed(&w, score);
 }
 
 /* Words behind an option, or before any, as one text with commas. */
@@ -175,6 +179,8 @@ static int read_wanted(int n, char **word, wanted *w)
 int case_table(int n, char **word)
 {
     wanted w;
+    case_score score[LINES];
+    case_views views[2];
     int i = 0, missed = 0, deformed = 0;
     if (!read_wanted(n, word, &w)) {
         (void)fputs("case_tool: table: see case_tool --help\n", stderr);
@@ -183,15 +189,17 @@ int case_table(int n, char **word)
     for (i = 0; i < LINES; i++)
         deformed |= case_named(w.lines, limits[i].line) || case_named(w.lines, "outliers");
     if (deformed)
-        missed += run_deformed(&w);
+        missed += run_deformed(&w, score);
     if (case_named(w.lines, "person"))
-        missed += case_table_persons("", w.bones);
+        missed += case_table_persons("", w.bones, score);
     if (case_named(w.lines, "length"))
-        missed += case_table_lengths(w.bones);
+        missed += case_table_lengths(w.bones, score);
     if (case_named(w.lines, "thigh"))
-        missed += case_table_thigh(w.first, w.last);
+        missed += case_table_thigh(w.first, w.last, score);
+    if (strncmp(w.lines, "points", 6) == 0 || w.lines[0] == '\0')
+        missed += case_table_points(w.lines, w.bones, w.first, w.last);
     if (w.lines[0] != '\0' && case_named(w.lines, "random"))
-        missed += case_table_random(w.bones, w.first, w.last);
+        missed += case_table_random(w.bones, w.first, w.last, views);
     (void)printf("%d bounds missed\n", missed);
     return 0;
 }

@@ -27,6 +27,34 @@ typedef struct case_row {
     double expected; /* expected_error_mm of the report, -1: none */
 } case_row;
 
+/* What a line of a table came to. */
+typedef struct case_score {
+    char line[24];
+    uint32_t rows, held; /* runs, and those within all bounds of their line */
+    uint32_t good_far;   /* runs called good with vertices more than 3 mm off in the mean */
+    uint32_t wrong_way;  /* persons: ends upside down */
+    double mean, worst;  /* surface, mm */
+    double vertex;       /* mean of the vertices' errors, mm */
+} case_score;
+
+/* Lines of case_table_deformed, in the order of their scores. */
+enum {
+    CASE_LINE_WHOLE = 0,
+    CASE_LINE_SIDE,
+    CASE_LINE_PATCHES,
+    CASE_LINE_END,
+    CASE_LINE_WHOLE_5, /* per cent of outliers */
+    CASE_LINE_WHOLE_20,
+    CASE_LINE_SIDE_5,
+    CASE_LINE_SIDE_20,
+    CASE_LINES
+};
+
+/* Runs counted by their error, that of vertices or of the surface. */
+typedef struct case_views {
+    uint32_t near, near_good, farther, farther_good, far, far_good;
+} case_views;
+
 /* Where the files of a run are kept, and whether they stay; NULL: scratch. */
 void case_keep(const char *directory);
 
@@ -43,14 +71,16 @@ const char *case_out(const case_data *data, const case_row *row);
 /* The options of a line: "whole", "side", "patches", "end", with "+5" or "+20" per cent of outliers behind it. */
 case_options case_line(const char *line, uint32_t seed);
 
-/* Lines with known deformations, over bones and seeds; words as in case_named. Returns how many bounds were missed. */
-int case_table_deformed(const char *lines, const char *bones, uint32_t first, uint32_t last);
+/* Lines with known deformations, over bones and seeds; words as in case_named. score: [CASE_LINES], of lines that did
+ * not run without rows. Returns how many bounds were missed, as all tables do. */
+int case_table_deformed(const char *lines, const char *bones, uint32_t first, uint32_t last, case_score *score);
 
-/* Another person's femur: 20 pairs, targets cut; and scales of part onto part. */
-int case_table_persons(const char *models, const char *targets);
-int case_table_lengths(const char *bones);
-int case_table_thigh(uint32_t first, uint32_t last);
-int case_table_random(const char *bones, uint32_t first, uint32_t last);
+/* Another person's femur: 20 pairs, targets cut: score[2], top and lower end; and scales of part onto part. */
+int case_table_persons(const char *models, const char *targets, case_score *score);
+int case_table_lengths(const char *bones, case_score *score);
+int case_table_thigh(uint32_t first, uint32_t last, case_score *score);
+/* views: [2], by vertices and by the surface. */
+int case_table_random(const char *bones, uint32_t first, uint32_t last, case_views *views);
 
 /* 1 when a name begins with one of the words, which are separated by commas; "" means all. */
 int case_named(const char *words, const char *name);

@@ -258,7 +258,7 @@ int experiment_distance(const host_mesh *from, const unsigned char *use, const h
     const smr_port one_thread = {0};
     void *memory = NULL;
     host_query query;
-    host_stats stats = {0.0, 0.0, 0.0, 0.0, 0};
+    host_stats stats = {0.0, 0.0, 0.0, 0.0, 0, 0.0};
     int good = 0;
     memset(&query, 0, sizeof query);
     query.surface = host_surface_make(&view, &memory);

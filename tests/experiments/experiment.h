@@ -23,7 +23,7 @@ typedef struct experiment_command {
 
 /* One structure of report.json. */
 typedef struct experiment_structure {
-    char name[64];
+    char name[64], verdict[16];
     double to_truth, to_model; /* means, mm */
     double residual, matched, folds;
 } experiment_structure;

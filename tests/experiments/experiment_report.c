@@ -44,6 +44,7 @@ static void read_structures(const char *at, experiment_result *r)
     for (at = after(at, "name"); at != NULL && r->n_structures < 32u; at = after(at, "name")) {
         experiment_structure *const s = &r->structure[r->n_structures++];
         text_at(at, s->name, sizeof s->name);
+        text_at(after(at, "verdict"), s->verdict, sizeof s->verdict);
         s->to_truth = number(after(after(after(at, "distance_mm"), "model_to_target"), "mean"));
         s->to_model = number(after(after(after(at, "distance_mm"), "target_to_model"), "mean"));
         s->residual = number(after(at, "residual_mean_mm"));

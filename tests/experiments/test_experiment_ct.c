@@ -127,6 +127,26 @@ static experiment_result run(const char *const *more)
     return experiment_register(&c, experiment_scratch("hip"));
 }
 
+/* The right verdict is "look": muscle on muscle looks alike in CT, so profiles fit hardly better than beside their
+ * places (likeness 0.83, below 0.85), and tendons end some millimetres off. That is said of the gluteus medius and
+ * minimus, the two that are farthest off, and not of the hip bone, which CT shows and which is found to 0.6 mm. */
+static void judge(const experiment_result *r)
+{
+    uint32_t i = 0, found = 0;
+    assert_int_equal(r->status, 3);
+    for (i = 0; i < r->n_structures; i++) {
+        const experiment_structure *const s = &r->structure[i];
+        if (strcmp(s->name, "hip_bone_right") == 0)
+            assert_string_equal(s->verdict, "good");
+        else if (strcmp(s->name, "gluteus_medius_right") == 0 || strcmp(s->name, "gluteus_minimus_right") == 0)
+            assert_string_equal(s->verdict, "look");
+        else
+            continue;
+        found++;
+    }
+    assert_int_equal(found, 3);
+}
+
 static void finds_the_mirrored_side(void **state)
 {
     static const char *const no_force[] = {"--search",          "0,0", "--gradient", "0,0", "--iterations", "1",
@@ -142,7 +162,7 @@ static void finds_the_mirrored_side(void **state)
     experiment_print("start", &start);
     experiment_print("result", &r);
     assert_string_equal(r.start, "landmarks rigid");
-    assert_true(r.status == 0 || r.status == 3); /* more than a millimetre off, it may say so */
+    judge(&r);
     assert_int_equal(r.n_structures, STRUCTURES);
     for (i = 0; i < r.n_structures; i++) {
         char what[120];

@@ -2,7 +2,8 @@
  *
  * Prints one line: smr-hash <state after the rigid run> <after the polar run> <after an image run> <after a run onto
  * half of the target> <CRC-32 of the models without and with profiles, of the start pose's facts and of the expected
- * errors> <state after a target was followed that moved and jumped>.
+ * errors> <state after a run onto a cloud of points that grows> <CRC-32 of carried points, and of the way back> <state
+ * after a target was followed that moved and jumped>.
  * Hosted: golden [threads N | workers N | reverse | shuffle | interleave]; without an argument a plain loop.
  * Bare metal (SMR_BAREMETAL): no argument; the buffers go to the section .arena.
  * SPDX-License-Identifier: MIT */
@@ -189,6 +190,30 @@ static int golden_half(const smr_model *model, smr_mesh half, const smr_port *po
     return 1;
 }
 
+/* Onto a cloud of 600 points at most that grows by vertices of the target: in every other tick with normals, which are
+ * about right. The first ones are forgotten. */
+static int golden_points(const smr_model *model, const smr_mesh *mesh, const smr_port *port, uint64_t *hash)
+{
+    smr_config config = smr_config_default();
+    smr_points *points = NULL;
+    smr *s = NULL;
+    config.n_workers = GOLDEN_WORKERS;
+    config.n_target_vertices = 600;
+    config.iterations = 4;
+    if (!golden_ok("points", smr_points_open(600, golden_target, sizeof golden_target, &points)) ||
+        !golden_ok("init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)))
+        return 0;
+    for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++) {
+        const uint32_t n = mesh->n_vertices / GOLDEN_TICKS;
+        const float *xyz = mesh->xyz + 3u * (size_t)(tick * n);
+        if (!golden_ok("add", smr_points_add(points, xyz, tick % 2u ? xyz : NULL, NULL, n)) ||
+            !golden_ok("set points", smr_set_points(s, SMR_ALL, points)) || !golden_ok("tick", smr_tick(s, 0, NULL)))
+            return 0;
+    }
+    *hash = smr_state_hash(s);
+    return 1;
+}
+
 /* Two structures of the computed thigh in a coarse image, and a patient's. */
 #define GOLDEN_PARTS 2u
 #define GOLDEN_VOXELS (48u * 48u * 48u)
@@ -311,6 +336,30 @@ static int golden_start(const smr_surface *source, const smr_surface *target, sm
     return 1;
 }
 
+/* Points beside the rest shape's vertices, carried to where s has the bone, and back. */
+#define GOLDEN_CARRIED 192u
+static int golden_carry(const smr *s, const smr_mesh *rest, const smr_port *port, uint32_t *crc)
+{
+    static float xyz[2][3u * GOLDEN_CARRIED];
+    unsigned char *bytes = golden_source; /* its surface is done with */
+    smr_carry *carry = NULL;
+    for (uint32_t i = 0; i < 3u * GOLDEN_CARRIED; i++)
+        xyz[0][i] = rest->xyz[i] + (float)(i % 7u) * 2.5f - 7.5f;
+    if (!golden_ok("now", smr_get_positions(s, 0, golden_words)) ||
+        !golden_ok("carry fit", smr_carry_fit(rest->xyz, rest->n_vertices, xyz[0], GOLDEN_CARRIED, port, golden_scratch,
+                                              sizeof golden_scratch, &carry)) ||
+        !golden_ok("carry", smr_carry_apply(carry, golden_words, xyz[0])) ||
+        !golden_ok("carry back", smr_carry_map(carry, golden_words, 1, xyz[0], GOLDEN_CARRIED, xyz[1], NULL)))
+        return 0;
+    for (size_t i = 0; i < sizeof xyz; i++) { /* little-endian everywhere */
+        uint32_t word;
+        memcpy(&word, &xyz[i / sizeof xyz[0]][i % sizeof xyz[0] / 4u], sizeof word);
+        bytes[i] = (unsigned char)(word >> 8u * (i % 4u));
+    }
+    *crc = golden_crc(bytes, sizeof xyz);
+    return 1;
+}
+
 static int golden_main(const smr_port *port)
 {
     smr_mesh mesh[2];
@@ -318,8 +367,8 @@ static int golden_main(const smr_port *port)
     smr_surface *source = NULL, *target = NULL;
     smr_pose pose;
     size_t image_bytes = 0;
-    uint64_t rigid = 0, polar = 0, image = 0, half = 0, track = 0;
-    uint32_t crc = 0, crc_image = 0, crc_start = 0, crc_half = 0;
+    uint64_t rigid = 0, polar = 0, image = 0, half = 0, points = 0, track = 0;
+    uint32_t crc = 0, crc_image = 0, crc_start = 0, crc_half = 0, crc_carry = 0;
     smr *s = NULL;
     if (!golden_ok("self test", smr_self_test() == 0u ? SMR_OK : SMR_E_STATE) || !golden_meshes(mesh) ||
         !golden_prepare(&mesh[0], &model, &image_bytes) ||
@@ -328,7 +377,8 @@ static int golden_main(const smr_port *port)
         !golden_start(source, target, &pose, &crc_start) ||
         !golden_run(model, target, port, SMR_METHOD_RIGID, NULL, &s, &rigid) ||
         !golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &s, &polar) ||
-        !golden_half(model, mesh[1], port, &half, &crc_half) || !golden_track(model, &mesh[1], port, &track))
+        !golden_carry(s, &mesh[0], port, &crc_carry) || !golden_half(model, mesh[1], port, &half, &crc_half) ||
+        !golden_points(model, &mesh[1], port, &points) || !golden_track(model, &mesh[1], port, &track))
         return 1;
     crc = golden_crc(golden_image, image_bytes);
     if (!golden_image_run(port, &image, &crc_image))
@@ -343,6 +393,10 @@ static int golden_main(const smr_port *port)
     print_hex(half, 16);
     print_text(" ");
     print_hex(crc ^ crc_image ^ crc_start ^ crc_half, 8);
+    print_text(" ");
+    print_hex(points, 16);
+    print_text(" ");
+    print_hex(crc_carry, 8);
     print_text(" ");
     print_hex(track, 16);
     print_text("\n");

@@ -11,7 +11,8 @@
 
 typedef int (*fuzz_reader)(host_mesh_reader *reader, const unsigned char *data, size_t n);
 
-static const fuzz_reader readers[4] = {host_read_ply, host_read_stl, host_read_obj, host_read_vtk};
+enum { READERS = 5 };
+static const fuzz_reader readers[READERS] = {host_read_ply, host_read_stl, host_read_obj, host_read_vtk, host_read_csv};
 
 /* Reads from a copy of exactly n bytes, so that a sanitizer sees every step beyond. 1: read, 0: refused. */
 static int try_one(fuzz_reader read, const unsigned char *data, size_t n)
@@ -28,6 +29,7 @@ static int try_one(fuzz_reader read, const unsigned char *data, size_t n)
     reader.mesh = &mesh;
     reader.error = &error;
     reader.unit = "header line";
+    reader.cloud = 1; /* normals are read, too */
     if (copy == NULL)
         abort();
     if (n > 0)
@@ -41,6 +43,9 @@ static int try_one(fuzz_reader read, const unsigned char *data, size_t n)
     for (i = 0; good && i < 3u * (size_t)mesh.n_vertices; i++)
         if (!(mesh.xyz[i] >= -SMR_COORD_MAX && mesh.xyz[i] <= SMR_COORD_MAX))
             abort();
+    for (i = 0; good && i < 3u * reader.n_normals; i++)
+        if (!(mesh.normals[i] >= -1.001f && mesh.normals[i] <= 1.001f))
+            abort();
     host_mesh_free(&mesh);
     free(copy);
     return good;
@@ -53,7 +58,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t n);
 int LLVMFuzzerTestOneInput(const unsigned char *data, size_t n)
 {
     if (n > 0)
-        (void)try_one(readers[data[0] % 4u], data + 1, n - 1u);
+        (void)try_one(readers[data[0] % READERS], data + 1, n - 1u);
     return 0;
 }
 
@@ -115,10 +120,10 @@ int main(int argc, char **argv)
         uint32_t r = 0;
         memcpy(work, bytes.data, bytes.size);
         size = damage(work, bytes.size, &state);
-        for (r = 0; r < 4; r++)
+        for (r = 0; r < READERS; r++)
             good += try_one(readers[r], work, size);
     }
-    printf("%ld of %ld read, the others refused\n", good, 4 * n);
+    printf("%ld of %ld read, the others refused\n", good, READERS * n);
     free(work);
     host_file_free(&bytes);
     return i == n ? 0 : 1;

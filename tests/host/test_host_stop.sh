@@ -48,7 +48,7 @@ judge() {
     fi
     case $1 in
     9 | broken) ;;
-    *) ls -A out 2>/dev/null | grep -vxE 'a\.ply|b\.ply|run\.log|report\.json' ;;
+    *) ls -A out 2>/dev/null | grep -vxE 'a\.ply|b\.ply|carry\.bin|run\.log|report\.json' ;;
     esac
 }
 

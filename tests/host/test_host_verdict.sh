@@ -64,6 +64,14 @@ check "whose units are named" grep -q '"the start makes the model 0.1[01].* time
 awk '$1 == "v" { $2 *= 10; $3 *= 10; $4 *= 10 } { print }' target.obj >large.obj
 ends "a target in another unit" 1 failed ".*the target is 10[.0-9]* times as large as the model" --model bone.ply --target large.obj --search 5
 
+# Starts that can be doubted: a body of revolution, but for the pose that it is given in; one that has a handedness.
+awk '$1 == "v" { x = $2; $2 = 5 - $3; $3 = x; $4 += 40 } { print }' bone.obj >turned.obj
+ends "a start that could be another" 3 look "look at the result: [2-9] clearly different start poses" --model bone.obj --target turned.obj --align rigid
+ends "where the files agree they say which" 0 good "good" --model bone.ply --target target.ply --align rigid
+awk '$1 == "v" { d = $4 - 40; $3 += 0.004 * $4 * $4; $2 += 15 * exp(-d * d / 400) } { print }' bone.obj >right.obj
+ends "a body of one side" 0 good "good" --model right.obj --target right.obj --align rigid
+ends "onto one of the other side" 3 look "look at the result: the model's mirror image starts nearer, 0.0 instead of [1-9]" --model right.obj --target right.obj --mirror-target x --align rigid
+
 # Landmarks: exchanged, or one far off.
 printf 'a,30,0,0\nb,-30,0,0\nc,0,20,0\nd,0,0,60\ne,0,-20,-5\nf,0,3,-60\n' >from.csv
 printf 'a,33,1,0\nb,-32,0,0\nc,0,20,0\nd,0,0,63\ne,0,-19,-5\nf,0,3,-63\n' >to.csv
@@ -77,6 +85,21 @@ sed 's/^c,0,20,0/c,0,110,0/' to.csv >off.csv
 "$SMR" register $landmarks off.csv -o out --quiet
 check "a landmark 90 mm off" [ $? -ne 0 ]
 check "is named, and how far" grep -qE '"landmark \\"c\\" is (8|9)[0-9] mm from where the others put it' out/report.json
+
+# A target without the model's upper end: what it does not show is left out beside the plain distances.
+figure() { sed -n "/^  \"$1\": {/,/^  }/p" out/report.json | sed -n "s/^ *\"$2\": \([^,]*\),\{0,1\}$/\1/p" | head -n 1; }
+between() { awk -v a="$1" -v b="$2" -v c="$3" 'BEGIN { exit !(b != "" && a <= b && b <= c) }'; }
+awk '$1 == "v" { z[++n] = $4; print } $1 == "f" && z[$2 + 0] < 25 && z[$3 + 0] < 25 && z[$4 + 0] < 25 { print }' target.obj >low.obj
+ends "a target that lacks an end" 0 good "good" --model bone.ply --target low.obj
+check "the end is far from it" between 3 "$(figure distance_mm mean)" 10
+check "what it shows is near" between 0 "$(figure overlap_distance_mm mean)" 0.3
+check "a third is surplus" between 0.28 "$(figure overlap_distance_mm surplus)" 0.38
+check "and the summary says so" grep -q '^the 6[0-9] % of the model that the target shows: mean 0\.[0-2]' out.txt
+check "of the structure, too" [ "$(grep -c '^ *"surplus": 0\.3' out/report.json)" -eq 2 ]
+ends "a target that lacks nothing" 0 good "good" $onto
+check "has no surplus" [ "$(figure overlap_distance_mm surplus)" = 0 ]
+check "nor another distance" [ "$(figure overlap_distance_mm mean)" = "$(figure distance_mm mean)" ]
+check "nor a line of its own" sh -c '! grep -q "that the target shows" out.txt'
 
 # The command and the inputs; gzip keeps the same checksum, low byte first.
 "$SMR" register $landmarks to.csv -o out --quiet

@@ -106,6 +106,7 @@ static void tells_area_from_vertices(void **state)
     assert_int_equal(masked.n, 7);
     assert_true(fabs(vertices.mean - (2.0 + far) / 2.0) < 1e-6);
     assert_true(fabs(vertices.max - far) < 1e-6 && fabs(area.max - far) < 1e-6);
+    assert_true(fabs(area.weight - 100.0) < 1e-4 && fabs(masked.weight - 50.0) < 1e-4 && vertices.weight == 4.0);
     assert_true(area.mean > 2.0 && area.mean < vertices.mean && masked.mean < area.mean);
     assert_true(vertices.rms > vertices.mean && area.p95 <= area.max);
     free_scene(&s);

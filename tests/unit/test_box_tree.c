@@ -6,83 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "geometry/mesh.h"
-#include "geometry/box_tree.h"
-#include "geometry/triangle.h"
-#include "unit_mesh.h"
-
-/* Triangles of m in tree order with boxes and normals; frees nothing of m. */
-static smr_facets plant(const unit_mesh *m, uint32_t **triangles)
-{
-    const smr_mesh view = unit_view(m);
-    smr_facets f;
-    memset(&f, 0, sizeof f);
-    smr_tree_shape(&f, m->nt);
-    uint32_t *order = unit_memory(4u * (size_t)m->nt), *key = unit_memory(4u * (size_t)m->nt);
-    uint32_t *tmp = unit_memory(8u * (size_t)m->nt);
-    float *centre = unit_memory(12u * (size_t)m->nt);
-    smr_mesh_order(&view, order, centre, key, tmp);
-    *triangles = unit_memory(12u * (size_t)m->nt);
-    for (uint32_t i = 0; i < m->nt; i++)
-        memcpy(*triangles + 3u * (size_t)i, m->triangles + 3u * (size_t)order[i], 12u);
-    unit_free(order);
-    unit_free(key);
-    unit_free(tmp);
-    f.xyz = m->xyz;
-    f.triangle = *triangles;
-    f.normal = centre; /* as large as the normals */
-    f.node = unit_memory(sizeof(smr_node) * smr_tree_nodes(m->nt));
-    smr_tree_refit_leaves(&f, 0, smr_tree_leaves(&f));
-    smr_tree_refit_upper(&f);
-    return f;
-}
-
-static void uproot(smr_facets *f, uint32_t *triangles)
-{
-    unit_free(f->normal);
-    unit_free(f->node);
-    unit_free(triangles);
-}
-
-static void brute_force(const smr_facets *f, const smr_query *q, smr_hit *hit)
-{
-    for (uint32_t i = 0; i < f->n_triangles; i++) {
-        const uint32_t *t = f->triangle + 3u * (size_t)i;
-        float w[3];
-        if (smr_dot(smr_load(f->normal + 3u * (size_t)i), q->normal) < q->min_cos)
-            continue;
-        const float d2 =
-            smr_triangle_closest(q->point, smr_load(f->xyz + 3u * (size_t)t[0]), smr_load(f->xyz + 3u * (size_t)t[1]),
-                                 smr_load(f->xyz + 3u * (size_t)t[2]), w);
-        if (d2 < hit->d2 || (d2 == hit->d2 && hit->triangle == SMR_NONE)) {
-            hit->d2 = d2;
-            hit->triangle = i;
-            memcpy(hit->weight, w, sizeof w);
-        }
-    }
-}
-
-static smr_vec unit_direction(oracle_random *r)
-{
-    double m[9];
-    oracle_rotation(r, m);
-    return smr_v((float)m[0], (float)m[1], (float)m[2]);
-}
-
-static smr_query random_query(oracle_random *r, const unit_mesh *m, uint32_t kind)
-{
-    smr_query q = {smr_v(oracle_uniformf(r, -40, 140), oracle_uniformf(r, -40, 140), oracle_uniformf(r, -40, 140)),
-                   smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
-    if (kind % 3u == 1u) /* a vertex of the mesh: many ties */
-        q.point = smr_load(m->xyz + 3u * (size_t)oracle_below(r, m->nv));
-    if (kind % 5u == 4u)
-        q.warm = oracle_below(r, m->nt);
-    if (kind % 4u == 3u) {
-        q.normal = unit_direction(r);
-        q.min_cos = oracle_uniformf(r, -0.5f, 0.9f);
-    }
-    return q;
-}
+#include "unit_tree.h"
 
 static void same(const smr_hit *got, const smr_hit *want, double *worst)
 {
@@ -108,15 +32,15 @@ static void equals_brute_force(void **state)
     for (uint32_t k = 0; k < 24u; k++) {
         unit_mesh m = unit_soup(&r, sizes[k % 12u], 100.0f, k % 3u == 0u);
         uint32_t *triangles;
-        smr_facets f = plant(&m, &triangles);
+        smr_facets f = unit_plant(&m, &triangles);
         for (uint32_t i = 0; i < 240u; i++) {
-            const smr_query q = random_query(&r, &m, i);
+            const smr_query q = unit_query(&r, &m, i);
             smr_hit got = {reach[i % 4u], SMR_NONE, {0, 0, 0}}, want = got;
             smr_tree_closest(&f, &q, &got);
-            brute_force(&f, &q, &want);
+            unit_closest(&f, &q, &want);
             same(&got, &want, &worst);
         }
-        uproot(&f, triangles);
+        unit_uproot(&f, triangles);
         unit_mesh_free(&m);
     }
     assert_true(oracle_within("tree: d2 beyond brute force, relative", worst, 4e-7));
@@ -128,7 +52,7 @@ static void equals_double(void **state)
     oracle_random r = oracle_seed(71);
     unit_mesh m = unit_sphere(3, 50.0f, 20.0f);
     uint32_t *triangles;
-    smr_facets f = plant(&m, &triangles);
+    smr_facets f = unit_plant(&m, &triangles);
     double worst = 0.0;
     (void)state;
     for (uint32_t i = 0; i < 1500u; i++) {
@@ -148,7 +72,7 @@ static void equals_double(void **state)
         worst = fmax(worst, fabs(sqrt((double)hit.d2) - sqrt(want)));
     }
     assert_true(oracle_within("tree: distance against double, mm", worst, 3e-5));
-    uproot(&f, triangles);
+    unit_uproot(&f, triangles);
     unit_mesh_free(&m);
 }
 
@@ -158,10 +82,10 @@ static void node_budgets(void **state)
     oracle_random r = oracle_seed(72);
     unit_mesh m = unit_soup(&r, 700, 100.0f, 0);
     uint32_t *triangles;
-    smr_facets f = plant(&m, &triangles);
+    smr_facets f = unit_plant(&m, &triangles);
     (void)state;
     for (uint32_t i = 0; i < 300u; i++) {
-        smr_query q = random_query(&r, &m, i);
+        smr_query q = unit_query(&r, &m, i);
         smr_hit full = {1e12f, SMR_NONE, {0, 0, 0}}, last = full, warm = full;
         smr_tree_closest(&f, &q, &full);
         q.node_budget = 0;
@@ -179,7 +103,7 @@ static void node_budgets(void **state)
         smr_tree_closest(&f, &q, &hit);
         assert_memory_equal(&hit, &full, sizeof hit);
     }
-    uproot(&f, triangles);
+    unit_uproot(&f, triangles);
     unit_mesh_free(&m);
 }
 
@@ -189,7 +113,7 @@ static void a_budget_is_a_number_of_nodes(void **state)
     oracle_random r = oracle_seed(75);
     unit_mesh m = unit_soup(&r, 60, 100.0f, 0);
     uint32_t *triangles;
-    smr_facets f = plant(&m, &triangles);
+    smr_facets f = unit_plant(&m, &triangles);
     (void)state;
     for (uint32_t i = 0; i < 200u; i++) {
         smr_query q = {
@@ -202,7 +126,7 @@ static void a_budget_is_a_number_of_nodes(void **state)
         smr_tree_closest(&f, &q, &hit);
         assert_true(hit.triangle < m.nt);
     }
-    uproot(&f, triangles);
+    unit_uproot(&f, triangles);
     unit_mesh_free(&m);
 }
 
@@ -211,7 +135,7 @@ static void nothing_found_changes_nothing(void **state)
     oracle_random r = oracle_seed(73);
     unit_mesh m = unit_soup(&r, 100, 10.0f, 0);
     uint32_t *triangles;
-    smr_facets f = plant(&m, &triangles), none;
+    smr_facets f = unit_plant(&m, &triangles), none;
     (void)state;
     const smr_query far_away = {smr_v(500, 500, 500), smr_v(0, 0, 0), -2.0f, UINT32_MAX, 3u};
     smr_hit hit = {4.0f, 77u, {0.25f, 0.5f, 0.25f}};
@@ -223,7 +147,7 @@ static void nothing_found_changes_nothing(void **state)
     assert_int_equal(none.n_levels, 0);
     smr_tree_closest(&none, &far_away, &hit);
     assert_memory_equal(&hit, &was, sizeof hit);
-    uproot(&f, triangles);
+    unit_uproot(&f, triangles);
     unit_mesh_free(&m);
 }
 
@@ -233,7 +157,7 @@ static void refit_follows_the_mesh(void **state)
     oracle_random r = oracle_seed(74);
     unit_mesh m = unit_soup(&r, 333, 100.0f, 1);
     uint32_t *triangles;
-    smr_facets f = plant(&m, &triangles);
+    smr_facets f = unit_plant(&m, &triangles);
     double worst = 0.0;
     (void)state;
     for (uint32_t i = 0; i < 3u * m.nv; i++)
@@ -243,14 +167,14 @@ static void refit_follows_the_mesh(void **state)
     smr_tree_refit_leaves(&f, 0, leaves / 2u);
     smr_tree_refit_upper(&f);
     for (uint32_t i = 0; i < 300u; i++) {
-        const smr_query q = random_query(&r, &m, i);
+        const smr_query q = unit_query(&r, &m, i);
         smr_hit got = {1e12f, SMR_NONE, {0, 0, 0}}, want = got;
         smr_tree_closest(&f, &q, &got);
-        brute_force(&f, &q, &want);
+        unit_closest(&f, &q, &want);
         same(&got, &want, &worst);
     }
     assert_true(oracle_within("tree: after a refit, relative", worst, 4e-7));
-    uproot(&f, triangles);
+    unit_uproot(&f, triangles);
     unit_mesh_free(&m);
 }
 
@@ -303,132 +227,6 @@ static void shape_adds_up(void **state)
     }
 }
 
-/* The squared distance of triangle i alone; negative when it is not acceptable. */
-static float distance2_of(const smr_facets *f, const smr_query *q, uint32_t i)
-{
-    const smr_facets single = {f->xyz, f->triangle + 3u * (size_t)i, f->normal + 3u * (size_t)i, NULL, NULL, 1, 0, {0}};
-    smr_hit one = {1.0e12f, SMR_NONE, {0, 0, 0}};
-    brute_force(&single, q, &one);
-    return one.triangle == SMR_NONE ? -1.0f : one.d2;
-}
-
-static int has(const smr_near_list *list, uint32_t triangle)
-{
-    for (uint32_t i = 0; i < list->n; i++)
-        if (list->item[i].triangle == triangle)
-            return 1;
-    return 0;
-}
-
-/* All acceptable triangles within a tenth beyond the closest, no shares beyond that, and the shares add up to 1. */
-static void near_ones_are_all_of_them(void **state)
-{
-    oracle_random r = oracle_seed(75);
-    uint32_t several = 0;
-    (void)state;
-    for (uint32_t k = 0; k < 8u; k++) {
-        unit_mesh m = k % 2u == 0u ? unit_soup(&r, 40u + 60u * k, 100.0f, k % 4u == 0u) : unit_sphere(2, 50.0f, 20.0f);
-        uint32_t *triangles;
-        smr_facets f = plant(&m, &triangles);
-        for (uint32_t round = 0; round < 300u; round++) {
-            const smr_query q = random_query(&r, &m, round);
-            smr_hit closest = {1.0e12f, SMR_NONE, {0, 0, 0}}, hit = closest;
-            smr_near_list list;
-            float sum = 0.0f;
-            smr_tree_closest(&f, &q, &closest);
-            smr_tree_near(&f, &q, &hit, &list);
-            assert_true(hit.triangle == closest.triangle && hit.d2 == closest.d2);
-            assert_true((list.n == 0u) == (hit.triangle == SMR_NONE) && list.n <= SMR_NEAR_MOST);
-            for (uint32_t i = 0; i < list.n; i++) {
-                const float d2 = distance2_of(&f, &q, list.item[i].triangle);
-                assert_true(d2 >= 0.0f && list.item[i].share >= 0.0f);
-                assert_true(d2 <= 1.2101f * hit.d2 || list.item[i].share == 0.0f);
-                sum += list.item[i].share;
-                several += list.item[i].share > 0.0f && list.item[i].triangle != hit.triangle;
-            }
-            assert_true(list.n == 0u || fabsf(sum - 1.0f) < 1.0e-5f);
-            for (uint32_t i = 0; i < m.nt && list.n > 1u && list.n < SMR_NEAR_MOST; i++) {
-                const float d2 = distance2_of(&f, &q, i);
-                assert_true(d2 < 0.0f || d2 > 1.2099f * hit.d2 || has(&list, i));
-            }
-        }
-        uproot(&f, triangles);
-        unit_mesh_free(&m);
-    }
-    assert_true(several > 300u);
-}
-
-/* From one sheet to another that lies opposite: the mean place goes there bit by bit, the closest one jumps. */
-static void near_ones_take_over_gradually(void **state)
-{
-    unit_mesh m = unit_mesh_new(6, 2);
-    uint32_t *triangles;
-    float last = 0.0f, jump = 0.0f;
-    (void)state;
-    for (uint32_t i = 0; i < 6u; i++) {
-        m.xyz[3u * i] = i < 3u ? -10.0f : 10.0f;
-        m.xyz[3u * i + 1u] = i % 3u == 1u ? 30.0f : -15.0f;
-        m.xyz[3u * i + 2u] = i % 3u == 2u ? 30.0f : -15.0f;
-        m.triangles[i] = i;
-    }
-    smr_facets f = plant(&m, &triangles);
-    for (int step = -4000; step <= 4000; step++) {
-        const smr_query q = {smr_v(0.001f * (float)step, 0, 0), smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
-        smr_hit hit = {1.0e12f, SMR_NONE, {0, 0, 0}};
-        smr_near_list list;
-        float mean = 0.0f;
-        smr_tree_near(&f, &q, &hit, &list);
-        for (uint32_t i = 0; i < list.n; i++)
-            mean += list.item[i].share * smr_facet_point(&f, list.item[i].triangle, list.item[i].weight).x;
-        jump = step > -4000 ? fmaxf(jump, fabsf(mean - last)) : 0.0f;
-        last = mean;
-    }
-    assert_true(fabsf(last - 10.0f) < 1.0e-4f); /* it has arrived, */
-    assert_true(jump < 0.06f);                  /* by steps of a 300th of the way at most */
-    uproot(&f, triangles);
-    unit_mesh_free(&m);
-}
-
-/* With however small a node budget, the nearest known triangle has its share. Where more are near than the list
- * holds, the last bits do not decide which are kept. */
-static void near_ones_end_where_room_or_budget_do(void **state)
-{
-    oracle_random r = oracle_seed(76);
-    unit_mesh m = unit_grid(60, 60, 2.0f);
-    uint32_t *triangles, full = 0;
-    (void)state;
-    for (uint32_t i = 0; i < m.nv; i++)
-        m.xyz[3u * (size_t)i + 2u] = oracle_uniformf(&r, -0.2f, 0.2f);
-    smr_facets f = plant(&m, &triangles);
-    for (uint32_t k = 0; k < 400u; k++) {
-        smr_query q = {smr_v(oracle_uniformf(&r, 20, 100), oracle_uniformf(&r, 20, 100), k % 2u == 0u ? 10.0f : 20.0f),
-                       smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
-        smr_hit closest = {1.0e12f, SMR_NONE, {0, 0, 0}}, hit = closest;
-        smr_near_list list;
-        float most = 0.0f;
-        smr_tree_near(&f, &q, &closest, &list);
-        if (list.n == SMR_NEAR_MOST) {
-            full++;
-            for (uint32_t i = 0; i < list.n; i++) /* the farthest in the list is about to leave it */
-                most = fmaxf(most, list.item[i].d2);
-            for (uint32_t i = 0; i < list.n; i++)
-                assert_true(list.item[i].d2 < most || list.item[i].share < 0.05f);
-            assert_true(list.cut2 >= most);
-        }
-        q.node_budget = 8;
-        q.warm = closest.triangle;
-        smr_tree_near(&f, &q, &hit, &list);
-        assert_int_equal(closest.triangle, hit.triangle);
-        float nearest = 0.0f;
-        for (uint32_t i = 0; i < list.n; i++)
-            nearest = list.item[i].triangle == hit.triangle ? list.item[i].share : nearest;
-        assert_true(nearest > 0.0f);
-    }
-    assert_true(full > 100u);
-    uproot(&f, triangles);
-    unit_mesh_free(&m);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -440,9 +238,6 @@ int main(void)
         cmocka_unit_test(refit_follows_the_mesh),
         cmocka_unit_test(shape_adds_up),
         cmocka_unit_test(points_that_are_nowhere),
-        cmocka_unit_test(near_ones_are_all_of_them),
-        cmocka_unit_test(near_ones_take_over_gradually),
-        cmocka_unit_test(near_ones_end_where_room_or_budget_do),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -161,7 +161,7 @@ static void test_refused(void **state)
     assert_int_equal(SMR_E_INPUT, refit(s, xyz, 1));
     assert_int_equal(SMR_OK, smr_surface_closest(s, p, NULL, 0, 1000, &after));
     assert_memory_equal(&before, &after, sizeof before);
-    assert_int_equal(0, s->n_refits);
+    assert_int_equal(0, s->changes);
     assert_int_equal(SMR_E_NULL, smr_surface_refit(NULL, xyz));
     assert_int_equal(SMR_E_NULL, smr_surface_refit(s, NULL));
     assert_int_equal(SMR_E_NULL, smr_surface_step(NULL, 0, NULL, 0));

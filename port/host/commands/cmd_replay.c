@@ -90,6 +90,11 @@ static int read_options(replayed *r, uint32_t threads, host_error *error)
     return 0;
 }
 
+static const void *input_target(const host_target *target, uint32_t kind)
+{
+    return kind == SMR_LOG_POINTS ? (const void *)target->points : target->surface;
+}
+
 /* Finds the input that a record names. */
 static const void *input_of(void *ctx, const smr_log_record *record)
 {
@@ -99,12 +104,14 @@ static const void *input_of(void *ctx, const smr_log_record *record)
     uint32_t i = 0;
     if (record->kind == SMR_LOG_VOLUME)
         return job->options->image_target ? &job->image.view : NULL;
-    if (record->kind == SMR_LOG_SURFACE && part == SMR_ALL)
-        return job->n_targets == 1 ? job->target[0].surface : NULL;
+    if ((record->kind == SMR_LOG_SURFACE || record->kind == SMR_LOG_POINTS) && part == SMR_ALL)
+        return job->n_targets == 1 ? input_target(&job->target[0], record->kind) : NULL;
     if (part >= job->model.n_parts)
         return NULL;
-    if (record->kind == SMR_LOG_SURFACE)
-        return job->result[part].target != HOST_NO_TARGET ? job->target[job->result[part].target].surface : NULL;
+    if (record->kind == SMR_LOG_SURFACE || record->kind == SMR_LOG_POINTS)
+        return job->result[part].target != HOST_NO_TARGET
+                   ? input_target(&job->target[job->result[part].target], record->kind)
+                   : NULL;
     for (i = 0; xyz != NULL && i < part; i++)
         xyz += 3u * (size_t)job->model.part[i].mesh.n_vertices;
     return xyz;

@@ -64,7 +64,8 @@ static int is_result(const char *path)
 {
     const char *const slash = strrchr(path, '/'), *const name = slash != NULL ? slash + 1 : path;
     const size_t n = strlen(name);
-    return strcmp(name, "report.json") == 0 || (n > 4u && strcmp(name + n - 4u, ".ply") == 0);
+    return strcmp(name, "report.json") == 0 || strcmp(name, "carry.bin") == 0 ||
+           (n > 4u && strcmp(name + n - 4u, ".ply") == 0);
 }
 
 int host_output_check_file(const char *path, const char *directory, host_error *error)

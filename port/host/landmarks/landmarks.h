@@ -14,6 +14,7 @@ typedef struct host_landmarks {
     uint32_t n;
     char label[HOST_LANDMARKS_MAX][HOST_LABEL_BYTES]; /* UTF-8, not empty, unique */
     float xyz[HOST_LANDMARKS_MAX][3];                 /* mm, LPS, finite */
+    struct host_points *points;                       /* not NULL: points go there, in any number; see points_file.h */
 } host_landmarks;
 
 /* Reads 3D Slicer markups (.mrk.json, .fcsv) or CSV (label,x,y,z in LPS, or as its header line names the columns),

@@ -14,7 +14,7 @@ static int by_distance(const void *a, const void *b)
 
 host_stats host_stats_of(host_weighted *value, size_t n)
 {
-    host_stats stats = {0.0, 0.0, 0.0, 0.0, 0};
+    host_stats stats = {0.0, 0.0, 0.0, 0.0, 0, 0.0};
     double sum = 0.0, squares = 0.0, all = 0.0, below = 0.0;
     size_t i = 0;
     stats.n = n;
@@ -29,6 +29,7 @@ host_stats host_stats_of(host_weighted *value, size_t n)
     }
     for (i = 0; i + 1u < n && 20.0 * (below += (double)value[i].weight) < 19.0 * all;)
         i++;
+    stats.weight = all;
     stats.mean = sum / all;
     stats.rms = sqrt(squares / all);
     stats.max = (double)value[n - 1u].mm;

@@ -10,6 +10,7 @@ typedef struct host_stats {
     double mean, rms, max;
     double p95; /* 95th percentile: distances up to this have at least 95 % of the weight */
     size_t n;
+    double weight; /* of all */
 } host_stats;
 
 /* A query: the distances from one mesh to one surface. host_distances writes samples and mm. */

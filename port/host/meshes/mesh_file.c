@@ -65,6 +65,21 @@ static int accept_mesh(const char *path, const unsigned char *head, size_t n, si
     return 0;
 }
 
+/* A cloud may be a CSV file, too. */
+static read_function cloud_reader(const char *path, const unsigned char *head, size_t n, size_t total)
+{
+    const read_function found = reader_for(path, head, n, total);
+    return found == NULL && host_has_extension(path, ".csv") ? host_read_csv : found;
+}
+
+static int accept_cloud(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+{
+    const size_t skip = mark_bytes(head, n);
+    if (cloud_reader(path, head + skip, n - skip, total - skip) == NULL)
+        return host_fail(error, "content", "a PLY, STL, OBJ, legacy VTK polydata or CSV file");
+    return 0;
+}
+
 /* Turns RAS into LPS: a rotation by 180 degrees about the third axis, which keeps the triangles' outside. */
 static void turn_ras(host_mesh *mesh)
 {
@@ -72,6 +87,10 @@ static void turn_ras(host_mesh *mesh)
     for (i = 0; i < mesh->n_vertices; i++) {
         mesh->xyz[3u * i] = -mesh->xyz[3u * i];
         mesh->xyz[3u * i + 1u] = -mesh->xyz[3u * i + 1u];
+    }
+    for (i = 0; mesh->normals != NULL && i < mesh->n_vertices; i++) {
+        mesh->normals[3u * i] = -mesh->normals[3u * i];
+        mesh->normals[3u * i + 1u] = -mesh->normals[3u * i + 1u];
     }
 }
 
@@ -82,6 +101,16 @@ static int check(const host_mesh *mesh, int need, host_error *error)
     if (need == HOST_MESH_SURFACE && mesh->n_triangles == 0)
         return host_fail(error, "faces", "at least one triangle, for a surface is needed here");
     return 0;
+}
+
+/* Normals that are not those of the points. */
+static void drop_normals(const host_mesh_reader *reader)
+{
+    host_mesh *const mesh = reader->mesh;
+    if (mesh->n_triangles == 0 && reader->n_normals == mesh->n_vertices)
+        return;
+    free(mesh->normals);
+    mesh->normals = NULL;
 }
 
 int host_mesh_read(const char *path, int need, int mirror, host_mesh *mesh, host_error *error)
@@ -96,10 +125,11 @@ int host_mesh_read(const char *path, int need, int mirror, host_mesh *mesh, host
     reader.mesh = mesh;
     reader.error = error;
     reader.unit = "header line";
-    if (host_file_read(path, accept_mesh, &bytes, error) != 0)
+    reader.cloud = need == HOST_MESH_CLOUD;
+    if (host_file_read(path, reader.cloud ? accept_cloud : accept_mesh, &bytes, error) != 0)
         return -1;
     skip = mark_bytes(bytes.data, bytes.size);
-    read = reader_for(path, bytes.data + skip, bytes.size - skip, bytes.size - skip);
+    read = (reader.cloud ? cloud_reader : reader_for)(path, bytes.data + skip, bytes.size - skip, bytes.size - skip);
     result = read != NULL ? read(&reader, bytes.data + skip, bytes.size - skip)
                           : host_fail(error, "content", "a PLY, STL, OBJ or legacy VTK polydata file");
     host_file_free(&bytes);
@@ -109,6 +139,7 @@ int host_mesh_read(const char *path, int need, int mirror, host_mesh *mesh, host
         host_mesh_free(mesh);
         return -1;
     }
+    drop_normals(&reader);
     if (reader.ras)
         turn_ras(mesh);
     if (mirror != HOST_MIRROR_NONE)

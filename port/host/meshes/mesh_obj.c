@@ -39,16 +39,18 @@ static int next_word(host_text *line, host_word *word)
     return 0;
 }
 
-static int read_vertex(host_mesh_reader *reader, host_text *text)
+/* v and vn. */
+static int read_three(host_mesh_reader *reader, host_text *text, int is_normal)
 {
     double xyz[3];
     int i = 0;
     for (i = 0; i < 3; i++) {
         host_word word;
         if (!next_word(text, &word) || !host_word_double(word, &xyz[i]))
-            return host_fail_at(reader->error, "line", reader->number, "three numbers after v");
+            return host_fail_at(reader->error, "line", reader->number, "three numbers after %s",
+                                is_normal ? "vn" : "v");
     }
-    return host_reader_vertex(reader, xyz);
+    return is_normal ? host_reader_normal(reader, xyz) : host_reader_vertex(reader, xyz);
 }
 
 /* Reads "7/1/3" as vertex index 6. Negative numbers count back from the last vertex read. */
@@ -107,7 +109,9 @@ int host_read_obj(host_mesh_reader *reader, const unsigned char *data, size_t n)
         if (word.start[0] == '#')
             reader->ras |= host_word_has(whole, "SPACE=RAS");
         else if (host_word_is(word, "v"))
-            result = read_vertex(reader, &words);
+            result = read_three(reader, &words, 0);
+        else if (reader->cloud && host_word_is(word, "vn"))
+            result = read_three(reader, &words, 1);
         else if (host_word_is(word, "f"))
             result = read_face(reader, &words, &last);
         else if (memchr(whole.start, '\0', whole.n) != NULL)

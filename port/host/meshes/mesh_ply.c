@@ -72,10 +72,20 @@ static int skip_property(source *from, const host_ply_property *property)
     return skip_values(from, property->type, count);
 }
 
+static int has_normals(const host_ply_element *element)
+{
+    uint32_t i = 0, found = 0;
+    for (i = 0; i < element->n_properties; i++)
+        if (element->property[i].role >= 3)
+            found |= 1u << (element->property[i].role - 3);
+    return found == 7u;
+}
+
 static int read_vertices(source *from, const host_ply_element *element)
 {
     host_mesh_reader *const reader = from->reader;
-    double xyz[3] = {0.0, 0.0, 0.0};
+    double value[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0}; /* position and normal */
+    const int faced = has_normals(element);
     if (host_reader_reserve(reader, (size_t)element->count, 0) != 0)
         return -1;
     for (reader->number = 0; reader->number < element->count; reader->number++) {
@@ -83,11 +93,11 @@ static int read_vertices(source *from, const host_ply_element *element)
         for (i = 0; i < element->n_properties; i++) {
             const host_ply_property *const property = &element->property[i];
             const int result = property->role < 0 ? skip_property(from, property)
-                                                  : next_value(from, property->type, &xyz[property->role]);
+                                                  : next_value(from, property->type, &value[property->role]);
             if (result != 0)
                 return -1;
         }
-        if (host_reader_vertex(reader, xyz) != 0)
+        if (host_reader_vertex(reader, value) != 0 || (faced && host_reader_normal(reader, value + 3) != 0))
             return -1;
     }
     return 0;

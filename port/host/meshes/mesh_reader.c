@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "meshes/mesh_reader.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -56,6 +57,25 @@ int host_reader_vertex(host_mesh_reader *reader, const double *xyz)
     for (i = 0; i < 3; i++)
         to[i] = (float)xyz[i];
     mesh->n_vertices++;
+    return 0;
+}
+
+int host_reader_normal(host_mesh_reader *reader, const double *normal)
+{
+    void *rows = reader->mesh->normals;
+    double length = 0.0;
+    int i = 0, result = 0;
+    if (!reader->cloud)
+        return 0;
+    result = grow(reader, &rows, &reader->normal_capacity, reader->n_normals + 1u, SMR_VERTICES_MAX, "normals");
+    reader->mesh->normals = rows;
+    if (result != 0)
+        return -1;
+    length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    for (i = 0; i < 3; i++) /* written so that NaN and infinity fail */
+        reader->mesh->normals[3u * reader->n_normals + (size_t)i] =
+            length > 1e-6 && length < 1e6 ? (float)(normal[i] / length) : 0.0f;
+    reader->n_normals++;
     return 0;
 }
 

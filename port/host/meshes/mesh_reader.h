@@ -15,7 +15,9 @@ typedef struct host_mesh_reader {
     const char *unit; /* "vertex", "face", "line" */
     uint64_t number;
     size_t vertex_capacity, triangle_capacity;
-    int ras; /* 1: the file says SPACE=RAS */
+    size_t n_normals, normal_capacity;
+    int cloud; /* 1: normals of points are wanted */
+    int ras;   /* 1: the file says SPACE=RAS */
 } host_mesh_reader;
 
 /* Reserves memory for a total of vertices and triangles. The numbers must be bounded by the file's size. */
@@ -23,6 +25,9 @@ int host_reader_reserve(host_mesh_reader *reader, size_t vertices, size_t triang
 
 /* Adds one vertex. Refuses coordinates that are not finite or too large. */
 int host_reader_vertex(host_mesh_reader *reader, const double *xyz);
+
+/* Adds the next point's normal, where wanted. One that is no direction becomes 0. */
+int host_reader_normal(host_mesh_reader *reader, const double *normal);
 
 /* Adds one triangle. The caller checks the indexes. */
 int host_reader_triangle(host_mesh_reader *reader, uint32_t a, uint32_t b, uint32_t c);
@@ -38,6 +43,7 @@ int host_reader_truncated(const host_mesh_reader *reader);
 int host_read_ply(host_mesh_reader *reader, const unsigned char *data, size_t n);
 int host_read_stl(host_mesh_reader *reader, const unsigned char *data, size_t n);
 int host_read_obj(host_mesh_reader *reader, const unsigned char *data, size_t n);
+int host_read_csv(host_mesh_reader *reader, const unsigned char *data, size_t n);
 int host_read_vtk(host_mesh_reader *reader, const unsigned char *data, size_t n);
 
 /* 1 when a binary STL file with the head's number of triangles has exactly `total` bytes. */

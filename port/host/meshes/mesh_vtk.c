@@ -86,6 +86,34 @@ static void skip_metadata(host_vtk *vtk)
         continue;
 }
 
+/* Reads the points' normals, where they come first: "POINT_DATA n", "NORMALS name type". */
+static int read_normals(host_vtk *vtk)
+{
+    host_mesh_reader *const reader = vtk->reader;
+    host_type type = HOST_TYPE_NONE;
+    host_word word;
+    uint64_t n = 0;
+    if (host_vtk_count(vtk, "a count of points", &n) != 0)
+        return -1;
+    if (n != reader->mesh->n_vertices || !host_text_word(&vtk->text, &word) || !host_word_is_nocase(word, "NORMALS") ||
+        !host_text_word_in_line(&vtk->text, &word))
+        return 0;
+    if (host_vtk_type_word(vtk, "the type of the normals, float or double", &type) != 0)
+        return -1;
+    host_vtk_end_line(vtk);
+    reader->unit = "normal";
+    for (reader->number = 0; reader->number < n; reader->number++) {
+        double normal[3];
+        int i = 0;
+        for (i = 0; i < 3; i++)
+            if (host_vtk_value(vtk, type, &normal[i]) != 0)
+                return -1;
+        if (host_reader_normal(reader, normal) != 0)
+            return -1;
+    }
+    return 0;
+}
+
 /* Reads one section. 1 at the end of the geometry, 0 to go on, -1 with the error filled. */
 static int read_section(host_vtk *vtk, host_word keyword)
 {
@@ -103,6 +131,8 @@ static int read_section(host_vtk *vtk, host_word keyword)
         skip_metadata(vtk);
         return 0;
     }
+    if (host_word_is_nocase(keyword, "POINT_DATA") && vtk->reader->cloud && vtk->reader->mesh->n_triangles == 0)
+        return read_normals(vtk) != 0 ? -1 : 1;
     if (host_word_is_nocase(keyword, "POINT_DATA") || host_word_is_nocase(keyword, "CELL_DATA"))
         return 1;
     return host_vtk_fail(vtk, "POINTS, POLYGONS, TRIANGLE_STRIPS, VERTICES, LINES, FIELD, POINT_DATA or CELL_DATA");

@@ -78,6 +78,9 @@ static int role_of(int kind, const host_ply_property *property, host_word name)
     const int is_list = property->count_type != HOST_TYPE_NONE;
     if (kind == HOST_PLY_VERTEX && !is_list && name.n == 1 && name.start[0] >= 'x' && name.start[0] <= 'z')
         return name.start[0] - 'x';
+    if (kind == HOST_PLY_VERTEX && !is_list && name.n == 2 && name.start[0] == 'n' && name.start[1] >= 'x' &&
+        name.start[1] <= 'z')
+        return 3 + name.start[1] - 'x';
     if (kind == HOST_PLY_FACE && is_list &&
         (host_word_is(name, "vertex_indices") || host_word_is(name, "vertex_index")))
         return 0;
@@ -120,7 +123,7 @@ static int read_property(const host_mesh_reader *reader, host_text *line, host_p
 /* Checks that an element has each role it needs exactly once. */
 static int check_roles(const host_mesh_reader *reader, const host_ply_element *element)
 {
-    uint32_t found[3] = {0, 0, 0};
+    uint32_t found[6] = {0, 0, 0, 0, 0, 0};
     uint32_t i = 0;
     for (i = 0; i < element->n_properties; i++)
         if (element->property[i].role >= 0)

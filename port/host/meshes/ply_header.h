@@ -15,7 +15,7 @@ enum { HOST_PLY_ASCII = 0, HOST_PLY_LITTLE, HOST_PLY_BIG };
 typedef struct host_ply_property {
     host_type type;
     host_type count_type; /* of a list's length; HOST_TYPE_NONE: a single value */
-    int role;             /* vertex: 0, 1, 2 for x, y, z; face: 0 for the index list; -1: ignored */
+    int role; /* vertex: 0, 1, 2 for x, y, z, 3, 4, 5 for nx, ny, nz; face: 0 for the index list; -1: ignored */
 } host_ply_property;
 
 typedef struct host_ply_element {

@@ -10,6 +10,8 @@ void host_mesh_mirror(host_mesh *mesh, int axis)
     size_t i = 0;
     for (i = 0; i < mesh->n_vertices; i++)
         mesh->xyz[3u * i + (size_t)axis] = -mesh->xyz[3u * i + (size_t)axis];
+    for (i = 0; mesh->normals != NULL && i < mesh->n_vertices; i++)
+        mesh->normals[3u * i + (size_t)axis] = -mesh->normals[3u * i + (size_t)axis];
     for (i = 0; i < mesh->n_triangles; i++) {
         const uint32_t second = mesh->triangles[3u * i + 1u];
         mesh->triangles[3u * i + 1u] = mesh->triangles[3u * i + 2u];
@@ -21,6 +23,7 @@ void host_mesh_free(host_mesh *mesh)
 {
     free(mesh->xyz);
     free(mesh->triangles);
+    free(mesh->normals);
     memset(mesh, 0, sizeof *mesh);
 }
 
@@ -34,6 +37,24 @@ smr_mesh host_mesh_view(const host_mesh *mesh)
     return view;
 }
 
+/* Joins normals, which both must have. Called before the vertices are joined. */
+static int append_normals(host_mesh *whole, const host_mesh *part)
+{
+    const size_t before = whole->n_vertices, more = part->n_vertices;
+    float *grown = NULL;
+    if (part->normals == NULL || (before > 0 && whole->normals == NULL)) {
+        free(whole->normals);
+        whole->normals = NULL;
+        return 0;
+    }
+    grown = realloc(whole->normals, 12u * (before + more) + 1u);
+    if (grown == NULL)
+        return -1;
+    memcpy(grown + 3u * before, part->normals, 12u * more);
+    whole->normals = grown;
+    return 0;
+}
+
 int host_mesh_append(host_mesh *whole, const host_mesh *part)
 {
     const size_t vertices = (size_t)whole->n_vertices + part->n_vertices;
@@ -43,6 +64,8 @@ int host_mesh_append(host_mesh *whole, const host_mesh *part)
     uint32_t *rows = NULL;
     size_t i = 0;
     if (vertices > SMR_VERTICES_MAX || triangles > SMR_TRIANGLES_MAX)
+        return -1;
+    if (append_normals(whole, part) != 0)
         return -1;
     xyz = realloc(whole->xyz, 12u * vertices + 1u);
     if (xyz == NULL)

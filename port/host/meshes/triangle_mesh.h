@@ -16,13 +16,15 @@
 typedef struct host_mesh {
     float *xyz;          /* [n_vertices][3], mm; owned */
     uint32_t *triangles; /* [n_triangles][3]; owned; NULL without triangles */
+    float *normals;      /* [n_vertices][3] of a cloud of points whose file has them; owned; NULL without */
     uint32_t n_vertices, n_triangles;
 } host_mesh;
 
-enum { HOST_MESH_POINTS_TOO = 0, HOST_MESH_SURFACE = 1 };
+enum { HOST_MESH_POINTS_TOO = 0, HOST_MESH_SURFACE = 1, HOST_MESH_CLOUD = 2 };
 
 /* Reads PLY, STL, OBJ or legacy VTK polydata, also gzipped; the content decides the format, then the extension.
- * need: HOST_MESH_SURFACE refuses a file without triangles. mirror: HOST_MIRROR_..., applied after
+ * need: HOST_MESH_SURFACE refuses a file without triangles; HOST_MESH_CLOUD reads points with their normals, from CSV,
+ * too. mirror: HOST_MIRROR_..., applied after
  * reading. Returns 0, or -1 with the error filled and the mesh empty. */
 int host_mesh_read(const char *path, int need, int mirror, host_mesh *mesh, host_error *error);
 

@@ -15,7 +15,10 @@ enum {
     HOST_PHANTOM = 16,
     HOST_BENCH = 32,
     HOST_REPLAY = 64,
-    HOST_TRACK = 128
+    HOST_TRACK = 128,
+    HOST_CARRY = 1024,
+    HOST_FIELD = 2048,
+    HOST_WARP = 4096
 };
 enum { HOST_ALIGN_NONE = 0, HOST_ALIGN_RIGID, HOST_ALIGN_SIMILARITY };
 enum { HOST_CLUSTERS_AUTO = 0, HOST_CLUSTERS_SHARED, HOST_CLUSTERS_SEPARATE };
@@ -37,14 +40,22 @@ typedef struct host_options {
     host_files model, target, operands;
     host_files landmarks;               /* no files, or the model's and the target's */
     host_files frames;                  /* of a moving target: files or directories */
+    host_files landmark_goals;          /* likewise: places that points of the model are drawn to */
+    const char *landmark_weight;        /* "hard" or a number; NULL: 1 */
+    float goal_weight;                  /* what that says; 0: hard */
+    int start_by_goals;                 /* 1: the start pose is fitted to landmark_goals */
     const char *out, *c_array, *source; /* NULL when not given */
     const char *reference;              /* the image that the model was segmented from; NULL when not given */
     const char *log;                    /* path of the log file; NULL: no log */
+    const char *result;                 /* a result's directory */
+    const char *points, *like, *volume; /* files; NULL when not given */
+    uint32_t inverse;                   /* 1: from the result back to the model */
+    float spacing;                      /* mm, of a field; 0: the default */
     char **arguments;                   /* the arguments after the command; the texts are argv's */
     int n_arguments;
     const char *truth;               /* directory of the true surfaces, for measuring; NULL when not given */
     int image_target;                /* 1: the target is one volume */
-    uint64_t given;                  /* bit i: option i of the table was given */
+    uint64_t given[2];               /* bit i % 64 of i / 64: option i of the table was given */
     int mirror_model, mirror_target; /* HOST_MIRROR_... */
     uint32_t threads;                /* 0: one per processor */
     uint32_t ticks;                  /* 0: until the schedule ends */

@@ -4,7 +4,9 @@
 #include "options/options_table.h"
 
 #include <float.h>
+#include <string.h>
 
+#include "base/text_scan.h"
 #include "volumes/voxel_volume.h"
 
 /* mm: about what clusters of the coarsest radius put right themselves; points clicked in an image are uncertain */
@@ -60,6 +62,22 @@ static int check_track(const host_options *options, host_error *error)
     return 0;
 }
 
+/* What carries something by a result. */
+static int check_carry(const host_options *options, host_error *error)
+{
+    if (options->result == NULL)
+        return host_fail(error, "--result", "the directory that smr register wrote");
+    if (options->command == HOST_CARRY && options->points == NULL)
+        return host_fail(error, "--points", "a file of points");
+    if (options->command == HOST_WARP && options->volume == NULL)
+        return host_fail(error, "--volume", "the image that fits the model");
+    if (options->out == NULL)
+        return host_fail(error, "-o", "the file for what is carried");
+    if (options->like != NULL && host_option_given(options, "--spacing"))
+        return host_fail(error, "--spacing", "no --like beside it, which has its own");
+    return 0;
+}
+
 static int check_needs(host_options *options, host_error *error)
 {
     error->file = "usage";
@@ -67,6 +85,8 @@ static int check_needs(host_options *options, host_error *error)
         return check_bench(options, error);
     if (options->command == HOST_TRACK)
         return check_track(options, error);
+    if ((options->command & (HOST_CARRY | HOST_FIELD | HOST_WARP)) != 0)
+        return check_carry(options, error);
     if (options->command == HOST_MEASURE && options->operands.n != 2)
         return host_fail(error, "measure", "two surfaces: smr measure A B");
     if (options->command == HOST_REPLAY && options->operands.n != 1)
@@ -78,8 +98,8 @@ static int check_needs(host_options *options, host_error *error)
     if ((options->command & (HOST_REGISTER | HOST_BUILD)) != 0) {
         if (options->model.n == 0)
             return host_fail(error, "--model", "one file or more");
-        if (options->command == HOST_REGISTER && options->target.n == 0)
-            return host_fail(error, "--target", "one file or more");
+        if (options->command == HOST_REGISTER && options->target.n == 0 && options->landmark_goals.n == 0)
+            return host_fail(error, "--target", "one file or more, or --landmark-goals");
         if (options->out == NULL)
             return host_fail(error, "-o",
                              options->command == HOST_REGISTER ? "the directory for the results"
@@ -88,11 +108,38 @@ static int check_needs(host_options *options, host_error *error)
     return 0;
 }
 
+/* Places of landmarks, alone or beside a target. Where nothing else says how to start, the pose is fitted to them. */
+static int check_landmark_goals(host_options *options, host_error *error)
+{
+    const char *const text = options->landmark_weight;
+    double weight = 1.0;
+    error->file = "--landmark-goals";
+    if (options->landmark_goals.n != 0 && options->landmark_goals.n != 2)
+        return host_fail(error, "files", "two of them, the model's landmarks and where they are now");
+    error->file = "--landmark-weight";
+    if (text != NULL && options->landmark_goals.n == 0)
+        return host_fail(error, "option", "--landmark-goals beside it");
+    if (text != NULL && strcmp(text, "hard") == 0)
+        weight = 0.0;
+    else if (text != NULL &&
+             (!host_word_double((host_word){text, strlen(text)}, &weight) || weight < 0.001 || weight > 1000.0))
+        return host_fail(error, text, "a number of at least 0.001 and at most 1000, or hard");
+    options->goal_weight = (float)weight;
+    if (options->landmark_goals.n == 0 || options->landmarks.n != 0)
+        return 0;
+    if (!host_option_given(options, "--align"))
+        options->align = HOST_ALIGN_RIGID;
+    else if (!options->image_target && options->target.n > 0)
+        return 0;
+    options->start_by_goals = options->align != HOST_ALIGN_NONE;
+    return 0;
+}
+
 /* The options of the start: landmarks, a pose, both. */
 static int check_start(const host_options *options, host_error *error)
 {
     const int landmarks = host_option_given(options, "--landmarks");
-    if (options->image_target && options->align != HOST_ALIGN_NONE && !landmarks) {
+    if (options->image_target && options->align != HOST_ALIGN_NONE && !landmarks && options->landmark_goals.n == 0) {
         error->file = "--align";
         return host_fail(error, "option", "--landmarks beside it or surfaces as the target, it is a volume");
     }
@@ -103,13 +150,13 @@ static int check_start(const host_options *options, host_error *error)
 }
 
 /* The options that do not go with this kind of target, and those that exclude each other. */
-static int check_targets(const host_options *options, host_error *error)
+static int check_targets(host_options *options, host_error *error)
 {
     const int unfit = options->image_target ? HOST_FOR_SURFACES : HOST_FOR_IMAGES;
     size_t i = 0;
     for (i = 0; i < host_option_count; i++) {
         error->file = host_option_table[i].name;
-        if ((options->given >> i & 1u) != 0 && host_option_table[i].targets == unfit)
+        if (host_option_was_given(options, i) && host_option_table[i].targets == unfit)
             return host_fail(error, "option",
                              options->image_target ? "surfaces as the target, it is a volume"
                                                    : "a volume as the target, it is a surface");
@@ -121,7 +168,7 @@ static int check_targets(const host_options *options, host_error *error)
     error->file = "--landmarks";
     if (host_option_given(options, "--landmarks") && options->landmarks.n != 2)
         return host_fail(error, "files", "two of them, the model's landmarks and the target's");
-    return check_start(options, error);
+    return check_start(options, error) != 0 ? -1 : check_landmark_goals(options, error);
 }
 
 static float low_of(float a, float b) { return a < b ? a : b; }

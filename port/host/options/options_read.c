@@ -156,7 +156,7 @@ static int read_option(int argc, char **argv, int *at, host_options *options, ho
     if (o == NULL)
         return host_fail(error, "option", "an option of this command (see smr --help)");
     *at += 1;
-    options->given |= (uint64_t)1 << (size_t)(o - host_option_table);
+    options->given[(size_t)(o - host_option_table) / 64u] |= (uint64_t)1 << (size_t)(o - host_option_table) % 64u;
     if (o->prepares && options->prepare_option == NULL)
         options->prepare_option = o->name;
     if (o->kind == HOST_KIND_FLAG) {
@@ -194,9 +194,12 @@ static int set_defaults(int command, host_options *options)
     options->target.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->operands.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->landmarks.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    options->landmark_goals.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->frames.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    options->goal_weight = 1.0f;
     return options->model.path == NULL || options->target.path == NULL || options->operands.path == NULL ||
-                   options->landmarks.path == NULL || options->frames.path == NULL
+                   options->landmarks.path == NULL || options->landmark_goals.path == NULL ||
+                   options->frames.path == NULL
                ? -1
                : 0;
 }
@@ -235,5 +238,6 @@ void host_options_free(host_options *options)
     free(options->operands.path);
     free(options->landmarks.path);
     free(options->frames.path);
+    free(options->landmark_goals.path);
     memset(options, 0, sizeof *options);
 }

@@ -11,6 +11,7 @@
 #define LIBRARY 0, 0, 0 /* the range is the setting's */
 #define PREPARING (HOST_REGISTER | HOST_BUILD | HOST_INFO | HOST_TRACK)
 #define ONTO (HOST_REGISTER | HOST_TRACK)
+#define CARRYING (HOST_CARRY | HOST_FIELD | HOST_WARP)
 #define COORD ((double)SMR_COORD_MAX)
 
 const host_option host_option_table[] = {
@@ -19,25 +20,34 @@ const host_option host_option_table[] = {
     {"--frames", HOST_TRACK, HOST_KIND_FILES, OWN(frames), 0, 0, 0, 0, NULL, 0},
     {"--fps", HOST_TRACK, HOST_KIND_DOUBLE, OWN(fps), 0, 1e6, 1, 0, NULL, 0},
     {"--track-radius", HOST_TRACK, HOST_KIND_FLOAT, CONFIG(track_mm), LIBRARY, 0, NULL, 0},
-    {"-o", ONTO | HOST_BUILD | HOST_PHANTOM | HOST_BENCH, HOST_KIND_TEXT, OWN(out), 0, 0, 0, 0, NULL, 0},
+    {"-o", ONTO | HOST_BUILD | HOST_PHANTOM | HOST_BENCH | CARRYING, HOST_KIND_TEXT, OWN(out), 0, 0, 0, 0, NULL, 0},
+    {"--result", CARRYING, HOST_KIND_TEXT, OWN(result), 0, 0, 0, 0, NULL, 0},
+    {"--points", HOST_CARRY, HOST_KIND_TEXT, OWN(points), 0, 0, 0, 0, NULL, 0},
+    {"--volume", HOST_WARP, HOST_KIND_TEXT, OWN(volume), 0, 0, 0, 0, NULL, 0},
+    {"--like", HOST_FIELD | HOST_WARP, HOST_KIND_TEXT, OWN(like), 0, 0, 0, 0, NULL, 0},
+    {"--spacing", HOST_FIELD | HOST_WARP, HOST_KIND_FLOAT, OWN(spacing), 0, 1000, 1, 0, NULL, 0},
+    {"--inverse", HOST_CARRY | HOST_FIELD, HOST_KIND_FLAG, OWN(inverse), 0, 0, 0, 0, NULL, 0},
     {"--reference", HOST_REGISTER | HOST_BUILD | HOST_BENCH, HOST_KIND_TEXT, OWN(reference), 0, 0, 0, 1, NULL,
      HOST_FOR_IMAGES},
     {"--landmarks", HOST_REGISTER | HOST_BENCH, HOST_KIND_FILES, OWN(landmarks), 0, 0, 0, 0, NULL, 0},
+    {"--landmark-goals", HOST_REGISTER, HOST_KIND_FILES, OWN(landmark_goals), 0, 0, 0, 0, NULL, 0},
+    {"--landmark-weight", HOST_REGISTER, HOST_KIND_TEXT, OWN(landmark_weight), 0, 0, 0, 0, NULL, 0},
     {"--log", HOST_REGISTER, HOST_KIND_TEXT, OWN(log), 0, 0, 0, 0, NULL, 0},
     {"--truth", HOST_REGISTER | HOST_BENCH, HOST_KIND_TEXT, OWN(truth), 0, 0, 0, 0, NULL, HOST_FOR_IMAGES},
     {"--c-array", HOST_BUILD, HOST_KIND_TEXT, OWN(c_array), 0, 0, 0, 0, NULL, 0},
     {"--source", HOST_MEASURE, HOST_KIND_TEXT, OWN(source), 0, 0, 0, 0, NULL, 0},
     {"--mirror-model", PREPARING | HOST_BENCH, HOST_KIND_WORD, OWN(mirror_model), 0, 0, 0, 1, "x|y|z", 0},
     {"--mirror-target", ONTO | HOST_BENCH, HOST_KIND_WORD, OWN(mirror_target), 0, 0, 0, 0, "x|y|z", 0},
-    {"--threads", ONTO | HOST_MEASURE | HOST_PHANTOM | HOST_BENCH | HOST_REPLAY, HOST_KIND_COUNT, OWN(threads), 1,
-     SMR_WORKERS_MAX, 0, 0, NULL, 0},
+    {"--threads", ONTO | HOST_MEASURE | HOST_PHANTOM | HOST_BENCH | HOST_REPLAY | CARRYING, HOST_KIND_COUNT,
+     OWN(threads), 1, SMR_WORKERS_MAX, 0, 0, NULL, 0},
     {"--ticks", ONTO, HOST_KIND_COUNT, OWN(ticks), 1, 1e9, 0, 0, NULL, 0},
     {"--budget-ms", ONTO, HOST_KIND_DOUBLE, OWN(budget_ms), 0, 1e6, 0, 0, NULL, 0},
     {"--align", ONTO, HOST_KIND_WORD, OWN(align), 0, 0, 0, 0, "none|rigid|similarity", 0},
     {"--vertex-errors", HOST_REGISTER, HOST_KIND_FLAG, OWN(vertex_errors), 0, 0, 0, 0, NULL, 0},
     {"--accept", ONTO, HOST_KIND_WORD, OWN(accept), 0, 0, 0, 0, "good|look", 0},
     {"--smoothing", HOST_REGISTER, HOST_KIND_FLOAT, OWN(smoothing), 0, 1e9, 0, 0, NULL, 0},
-    {"--quiet", ONTO | HOST_BUILD | HOST_PHANTOM | HOST_BENCH, HOST_KIND_FLAG, OWN(quiet), 0, 0, 0, 0, NULL, 0},
+    {"--quiet", ONTO | HOST_BUILD | HOST_PHANTOM | HOST_BENCH | CARRYING, HOST_KIND_FLAG, OWN(quiet), 0, 0, 0, 0, NULL,
+     0},
     {"--radius", PREPARING, HOST_KIND_RADII, PREPARE(radius_mm), LIBRARY, 1, NULL, 0},
     {"--clusters", PREPARING, HOST_KIND_WORD, OWN(clusters), 0, 0, 0, 1, "auto|shared|separate", 0},
     {"--distance", PREPARING, HOST_KIND_WORD, PREPARE(distance), LIBRARY, 1, NULL, 0},
@@ -64,6 +74,7 @@ const host_option host_option_table[] = {
     {"--attraction", ONTO, HOST_KIND_FLOAT, CONFIG(attraction), LIBRARY, 0, NULL, HOST_FOR_SURFACES},
     {"--slide", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(slide), LIBRARY, 0, NULL, HOST_FOR_SURFACES},
     {"--even", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(even), LIBRARY, 0, NULL, HOST_FOR_SURFACES},
+    {"--noise-mm", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(noise_mm), LIBRARY, 0, NULL, HOST_FOR_SURFACES},
     {"--relaxation", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(relaxation), LIBRARY, 0, NULL, 0},
     {"--reject-deviations", HOST_REGISTER, HOST_KIND_FLOAT, CONFIG(reject_deviations), LIBRARY, 0, NULL,
      HOST_FOR_SURFACES},
@@ -85,7 +96,7 @@ const host_option host_option_table[] = {
     {"--active-enough", HOST_REGISTER, HOST_KIND_COUNT, CONFIG(active_enough), LIBRARY, 0, NULL, HOST_FOR_IMAGES},
 };
 
-_Static_assert(sizeof host_option_table / sizeof host_option_table[0] <= 64, "one bit for each option");
+_Static_assert(sizeof host_option_table / sizeof host_option_table[0] <= 128, "one bit for each option");
 
 const size_t host_option_count = sizeof host_option_table / sizeof host_option_table[0];
 
@@ -142,8 +153,13 @@ const host_option *host_option_find(const char *name, int command)
     return NULL;
 }
 
+int host_option_was_given(const host_options *options, size_t i)
+{
+    return (options->given[i / 64u] >> i % 64u & 1u) != 0;
+}
+
 int host_option_given(const host_options *options, const char *name)
 {
     const host_option *const o = host_option_find(name, options->command);
-    return o != NULL && (options->given >> (size_t)(o - host_option_table) & 1u) != 0;
+    return o != NULL && host_option_was_given(options, (size_t)(o - host_option_table));
 }

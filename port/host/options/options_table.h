@@ -54,7 +54,8 @@ double host_image_search_max(void);
 /* The command's option of this name, or NULL. */
 const host_option *host_option_find(const char *name, int command);
 
-/* Whether it was given. */
+/* Whether it was given: by its place in the table, or by its name. */
+int host_option_was_given(const host_options *options, size_t i);
 int host_option_given(const host_options *options, const char *name);
 
 /* options_check.c: what options need beside them, and what they exclude, once all are read. 0, or -1 with the error

@@ -85,6 +85,8 @@ int host_job_evaluate(host_job *job, host_error *error)
     for (i = 0; i < job->model.n_parts; i++)
         if (copy_result(job, i, error) != 0)
             return -1;
+    if (job->goals != NULL && host_landmark_goals_measure(job->goals, job->state) != SMR_OK)
+        return host_fail(error, "result", "landmarks from the library");
     if (measure_all(job, error) != 0)
         return -1;
     error->file = "register";

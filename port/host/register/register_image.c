@@ -132,35 +132,6 @@ static void doubt_pairs(host_job *job, const host_landmarks *set, const float *f
         job->start_scale = doubt.scale;
 }
 
-/* Reads the landmarks and pairs them. Mirroring the model or the target mirrors its landmarks, too. */
-static int read_pairs(host_job *job, float from[HOST_LANDMARKS_MAX][3], float to[HOST_LANDMARKS_MAX][3],
-                      host_error *error)
-{
-    const host_options *const options = job->options;
-    uint32_t *const n = &job->n_landmarks;
-    host_landmarks *const set = calloc(2, sizeof *set);
-    uint32_t i = 0;
-    int result = 0;
-    error->file = "--landmarks";
-    if (set == NULL)
-        return host_fail(error, "start", "free memory");
-    for (i = 0; result == 0 && i < 2; i++)
-        result = host_landmarks_read(options->landmarks.path[i], &set[i], error);
-    if (result == 0)
-        result = host_landmarks_pair(&set[0], &set[1], options->landmarks.path[0], options->landmarks.path[1], from, to,
-                                     n, error);
-    for (i = 0; result == 0 && i < *n; i++) {
-        if (options->mirror_model != HOST_MIRROR_NONE)
-            from[i][options->mirror_model] = 0.0f - from[i][options->mirror_model];
-        if (options->mirror_target != HOST_MIRROR_NONE)
-            to[i][options->mirror_target] = 0.0f - to[i][options->mirror_target];
-    }
-    if (result == 0)
-        doubt_pairs(job, &set[0], from[0], to[0]);
-    free(set);
-    return result;
-}
-
 /* Applies the warp to all rest positions. They are read from the prepared model, which rounds them, so that a .smr and
  * the surfaces it was built from give the same bits. */
 int host_job_warp(host_job *job, host_error *error)
@@ -224,9 +195,27 @@ int host_job_place_pairs(host_job *job, const float *from, const float *to, host
 
 int host_job_place(host_job *job, host_error *error)
 {
+    const host_options *const options = job->options;
     float from[HOST_LANDMARKS_MAX][3], to[HOST_LANDMARKS_MAX][3];
-    if (read_pairs(job, from, to, error) != 0)
+    host_landmarks *const set = calloc(1, sizeof *set);
+    int result = 0;
+    error->file = "--landmarks";
+    if (set == NULL)
+        return host_fail(error, "start", "free memory");
+    result = host_landmark_pairs_read(options, &options->landmarks, set, from, to, &job->n_landmarks, error);
+    if (result == 0)
+        doubt_pairs(job, set, from[0], to[0]);
+    free(set);
+    if (result != 0)
         return -1;
-    error->file = job->options->landmarks.path[0];
+    error->file = options->landmarks.path[0];
     return host_job_place_pairs(job, from[0], to[0], error);
+}
+
+int host_job_place_by_goals(host_job *job, host_error *error)
+{
+    job->n_landmarks = job->goals->set.n;
+    doubt_pairs(job, &job->goals->set, job->goals->from[0], job->goals->to[0]);
+    error->file = job->options->landmark_goals.path[0];
+    return host_job_place_pairs(job, job->goals->from[0], job->goals->to[0], error);
 }

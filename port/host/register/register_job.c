@@ -69,6 +69,7 @@ void host_job_free(host_job *job)
     free(job->log_memory);
     free(job->start_xyz);
     free(job->warp_memory);
+    free(job->goals);
     free(job->truth_paths);
     host_image_free(&job->reference);
     host_image_free(&job->image);

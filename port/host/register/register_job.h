@@ -5,8 +5,10 @@
 #define REGISTER_JOB_H
 
 #include "base/threads.h"
+#include "measure/point_targets.h"
 #include "measure/surface_distances.h"
 #include "model/model_from_files.h"
+#include "register/landmark_goals_file.h"
 #include "register/register_verdict.h"
 #include "volumes/volume_image.h"
 
@@ -17,7 +19,8 @@ typedef struct host_target {
     const char *path; /* borrowed */
     char name[SMR_NAME_BYTES];
     host_mesh mesh;       /* owned; mirrored when an option says so */
-    smr_surface *surface; /* lies in `memory` */
+    smr_surface *surface; /* lies in `memory`; NULL for a cloud */
+    smr_points *points;   /* a file without triangles; lies in `memory`; NULL for a surface */
     void *memory;         /* owned */
     uint32_t users;       /* number of structures that are registered to it */
     uint32_t user;        /* index of the last of these structures */
@@ -35,6 +38,7 @@ typedef struct host_result {
     host_mesh mesh;  /* the registered structure; owned */
     uint64_t folds, folds_absolute;
     host_two_way area, vertices; /* distances integrated over the area, and over vertices */
+    host_stats overlap;          /* to the target, over the area that it shows; n = 0 where it shows nothing */
     host_stats by_vertex;        /* distances to the truth's vertices with the same index; n = 0 without such a truth */
     smr_structure_report report;
     host_verdict verdict;
@@ -59,6 +63,7 @@ typedef struct host_job {
     float *start_xyz;                       /* [all vertices][3], start positions by landmarks; owned; NULL without */
     uint32_t n_landmarks, warp_kind;        /* SMR_WARP_... */
     char landmark_doubt[HOST_REASON_BYTES]; /* what is wrong with the landmarks; empty when nothing is */
+    host_landmark_goals *goals;             /* owned; NULL without --landmark-goals */
     double start_scale;                     /* by which the start scales the model; 0: not at all */
     double size_ratio;                      /* the targets' diagonal over the model's, where nothing is scaled; or 0 */
     void *arena;                            /* owned */
@@ -73,6 +78,7 @@ typedef struct host_job {
     size_t tick_capacity;
     double start_s, register_s, load_s, measure_s, begin_s;
     host_two_way area, vertices; /* over all structures with a target */
+    host_stats overlap;          /* over the area of all that the targets show */
     host_stats by_vertex;        /* over all structures with a truth of as many vertices */
     uint64_t folds, folds_absolute;
     smr_verdict measures; /* what the library's verdict rests on */
@@ -102,6 +108,7 @@ int host_job_load_truth(host_job *job, host_error *error);
 int host_job_place(host_job *job, host_error *error);
 /* host_job_place with given pairs, both [n_landmarks][3], mm. */
 int host_job_place_pairs(host_job *job, const float *from, const float *to, host_error *error);
+int host_job_place_by_goals(host_job *job, host_error *error); /* the pose, fitted to the landmark goals */
 int host_job_warp(host_job *job, host_error *error); /* start positions; needs the prepared model */
 int host_job_make_surfaces(host_job *job, host_error *error);
 
@@ -109,10 +116,10 @@ int host_job_make_surfaces(host_job *job, host_error *error);
 int host_job_record(host_job *job, host_error *error);
 int host_job_log(const host_job *job, host_buffer *out, host_error *error);
 
-/* 1 when nothing draws a structure: it has no target, or no triangles. */
+/* 1 when nothing draws a structure: it has no target and no landmark goals, or no triangles. */
 static inline int host_job_carries(const host_job *job, uint32_t part)
 {
-    return job->model.part[part].mesh.n_triangles == 0 ||
+    return job->goals != NULL ? job->result[part].report.has_target == 0 : job->model.part[part].mesh.n_triangles == 0 ||
            (!job->options->image_target && job->result[part].target == HOST_NO_TARGET);
 }
 

@@ -31,6 +31,11 @@ static smr_status put_start(const host_job *job)
     return status;
 }
 
+static smr_status set_target(smr *s, uint32_t part, const host_target *target)
+{
+    return target->points != NULL ? smr_set_points(s, part, target->points) : smr_set_surface(s, part, target->surface);
+}
+
 static int set_targets(const host_job *job, host_error *error)
 {
     smr_status status = SMR_OK;
@@ -38,10 +43,12 @@ static int set_targets(const host_job *job, host_error *error)
     if (job->options->image_target)
         status = smr_set_volume(job->state, &job->image.view);
     else if (job->n_targets == 1)
-        status = smr_set_surface(job->state, SMR_ALL, job->target[0].surface);
+        status = set_target(job->state, SMR_ALL, &job->target[0]);
     for (i = 0; !job->options->image_target && status == SMR_OK && job->n_targets > 1 && i < job->model.n_parts; i++)
         if (job->result[i].target != HOST_NO_TARGET)
-            status = smr_set_surface(job->state, i, job->target[job->result[i].target].surface);
+            status = set_target(job->state, i, &job->target[job->result[i].target]);
+    if (status == SMR_OK && job->goals != NULL)
+        status = host_landmark_goals_set(job->goals, job->options->goal_weight, job->state);
     return status == SMR_OK ? 0 : refuse(error, "set up", status);
 }
 
@@ -51,6 +58,7 @@ int host_job_begin(host_job *job, host_error *error)
     smr_status status = SMR_OK;
     uint32_t i = 0;
     config.n_workers = job->port.port.n_workers;
+    config.n_landmarks = job->goals != NULL ? job->goals->set.n : 0;
     for (i = 0; !job->options->image_target && i < job->n_targets; i++) /* beside those that come later */
         config.n_target_vertices += job->target[i].users > 0 ? job->target[i].mesh.n_vertices : 0;
     status = smr_arena_bytes(job->model.model, &config, &job->arena_bytes);

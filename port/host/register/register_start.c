@@ -15,7 +15,7 @@ static int take_targets(host_job *job, host_load *loads, host_error *error)
 {
     uint32_t i = 0, k = 0;
     const uint32_t n = n_surfaces(job->options);
-    job->target = calloc(n, sizeof *job->target);
+    job->target = calloc(n + 1u, sizeof *job->target);
     if (job->target == NULL)
         return host_fail(error, "start", "free memory");
     job->n_targets = n;
@@ -50,7 +50,7 @@ static int load_surfaces(host_job *job, const host_files *models, host_error *er
     for (i = 0; i < n; i++) {
         const int of_model = i < models->n;
         loads[i].path = of_model ? models->path[i] : options->target.path[i - models->n];
-        loads[i].need = of_model ? HOST_MESH_POINTS_TOO : HOST_MESH_SURFACE; /* points are carried */
+        loads[i].need = of_model ? HOST_MESH_POINTS_TOO : HOST_MESH_CLOUD; /* the model's points are carried */
         loads[i].mirror = of_model ? options->mirror_model : options->mirror_target;
     }
     result = host_load_all(&job->port.port, loads, n, error);
@@ -110,7 +110,7 @@ int host_job_check(host_job *job, host_error *error)
         job->covered = host_share_covered(&job->model, &job->reference.view);
     }
     error->file = options->target.path[0];
-    if (scaled)
+    if (scaled || options->target.n == 0)
         return 0;
     if (options->image_target)
         return host_check_image_size(&job->model, &job->image.view, error);
@@ -136,6 +136,8 @@ int host_job_match(host_job *job, host_error *error)
         return host_fail(error, "start", "free memory");
     for (i = 0; i < job->model.n_parts; i++)
         job->result[i].target = HOST_NO_TARGET;
+    if (job->options->target.n == 0) /* landmark goals alone */
+        return 0;
     if (job->options->image_target) /* the truth, if any, has one surface for each structure */
         return host_job_load_truth(job, error);
     for (i = 0; i < job->model.n_parts; i++) {
@@ -154,7 +156,9 @@ static void build_target(void *arg, uint32_t task, uint32_t worker)
     host_target *const target = (host_target *)arg + task;
     const smr_mesh view = host_mesh_view(&target->mesh);
     (void)worker;
-    if (target->users > 0)
+    if (target->users > 0 && target->mesh.n_triangles == 0)
+        target->points = host_points_make(&target->mesh, &target->memory);
+    else if (target->users > 0)
         target->surface = host_surface_make(&view, &target->memory);
 }
 
@@ -200,7 +204,8 @@ static int align(host_job *job, host_error *error)
     for (i = 0; i < 2; i++) {
         if (join(job, i, &mesh[i]) == 0) {
             const smr_mesh view = host_mesh_view(&mesh[i]);
-            surface[i] = host_surface_make(&view, &memory[i]);
+            surface[i] = mesh[i].n_triangles == 0 ? host_points_surface(&mesh[i], &memory[i])
+                                                  : host_surface_make(&view, &memory[i]);
         }
         host_mesh_free(&mesh[i]);
     }
@@ -220,7 +225,7 @@ int host_job_make_surfaces(host_job *job, host_error *error)
     for (i = 0; i < job->n_targets; i++)
         build_target(job->target, i, 0);
     for (i = 0; i < job->n_targets; i++)
-        if (job->target[i].users > 0 && job->target[i].surface == NULL) {
+        if (job->target[i].users > 0 && job->target[i].surface == NULL && job->target[i].points == NULL) {
             error->file = job->target[i].path;
             return host_fail(error, "surface", "a surface within the library's limits and free memory for it");
         }
@@ -240,8 +245,12 @@ int host_job_start(host_job *job, host_error *error)
 {
     const double start = host_seconds();
     int result = job->options->image_target ? 0 : host_job_make_surfaces(job, error);
+    if (result == 0 && job->options->landmark_goals.n > 0)
+        result = (job->goals = host_landmark_goals_read(job->options, error)) == NULL ? -1 : 0;
     if (result == 0 && job->options->landmarks.n > 0)
         result = host_job_place(job, error);
+    else if (result == 0 && job->options->start_by_goals && job->options->align != HOST_ALIGN_NONE)
+        result = host_job_place_by_goals(job, error);
     else if (result == 0 && job->options->align != HOST_ALIGN_NONE)
         result = align(job, error);
     if (result == 0 && job->options->align == HOST_ALIGN_SIMILARITY)

@@ -12,6 +12,7 @@
 
 #define SCALE_MOST 2.0     /* people's bones differ less in size, either way */
 #define RATIO_MOST 9.0     /* a part of a body and the whole of it: below; centimetres and inches: above */
+#define MIRRORED_MOST 0.7  /* of the start's distance: the other side's bone starts at half of it */
 #define COVERED_LEAST 0.98 /* of the model's vertices: the rest may end in air */
 
 const char *host_verdict_name(int level)
@@ -55,8 +56,27 @@ static void judge_run(const host_job *job, host_verdict *verdict)
                          100.0 * (double)job->last.progress);
 }
 
+/* What aligning the surfaces says against the pose that it found. Where the pose as given was kept, the files say which
+ * of several it is. */
+static void judge_align(const smr_align_report *said, host_verdict *verdict)
+{
+    if (said->n_alike > 1 && said->given == 0)
+        host_verdict_add(verdict, HOST_VERDICT_LOOK,
+                         "%" PRIu32
+                         " clearly different start poses explain the surfaces alike: look which way round the "
+                         "result lies, or give landmarks",
+                         said->n_alike);
+    if (said->n_alike > 0 && (double)said->mirrored_rms_mm < MIRRORED_MOST * (double)said->rms_mm)
+        host_verdict_add(
+            verdict, HOST_VERDICT_LOOK,
+            "the model's mirror image starts nearer, %.1f instead of %.1f mm: look whether the target is of "
+            "the other side of the body",
+            (double)said->mirrored_rms_mm, (double)said->rms_mm);
+}
+
 static void judge_start(const host_job *job, host_verdict *verdict)
 {
+    judge_align(&job->align_report, verdict);
     if (job->landmark_doubt[0] != '\0')
         host_verdict_add(verdict, HOST_VERDICT_LOOK, "%s", job->landmark_doubt);
     if (beyond(job->start_scale, SCALE_MOST))

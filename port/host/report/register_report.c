@@ -116,6 +116,19 @@ static void put_distances(host_json *json, const char *key, int compared, const 
     host_json_close(json, '}');
 }
 
+/* Writes the distances of what of the model the target shows, and the share of its area that is left out. */
+static void put_overlap(host_json *json, int compared, const host_stats *all, const host_stats *overlap)
+{
+    if (!compared || all->n == 0) {
+        host_json_null(json, "overlap_distance_mm");
+        return;
+    }
+    host_json_open(json, "overlap_distance_mm", '{');
+    host_json_stats(json, "model_to_target", overlap);
+    host_json_number(json, "surplus", all->weight > 0.0 ? fmax(0.0, 1.0 - overlap->weight / all->weight) : 0.0);
+    host_json_close(json, '}');
+}
+
 static void put_by_vertex(host_json *json, const host_stats *stats)
 {
     if (stats->n == 0) {
@@ -152,8 +165,9 @@ static void put_result(const host_job *job, host_json *json)
         max = most > max ? most : max;
     }
     put_distances(json, "distance_mm", compared, &job->area);
+    put_overlap(json, compared && !job->options->image_target, &job->area.to_target, &job->overlap);
     put_distances(json, "vertex_distance_mm", compared, &job->vertices);
-    if (compared)
+    if (compared && job->area.to_target.n > 0) /* nothing is measured from the model to points */
         host_json_number(json, "hausdorff_mm", a > b ? a : b);
     else
         host_json_null(json, "hausdorff_mm");
@@ -254,11 +268,12 @@ static void put_structure(const host_job *job, uint32_t i, host_json *json)
     host_json_flag(json, "has_target", !carried);
     host_json_flag(json, "carried", carried);
     put_verdict(&result->verdict, json);
-    if (carried)
+    if (carried || (!image && result->target == HOST_NO_TARGET))
         host_json_null(json, "target");
     else
         host_json_text(json, "target", image ? job->options->target.path[0] : job->target[result->target].path);
     put_distances(json, "distance_mm", compared, &result->area);
+    put_overlap(json, !image && !carried, &result->area.to_target, &result->overlap);
     put_distances(json, "vertex_distance_mm", compared, &result->vertices);
     if (result->target != HOST_NO_TARGET && image) {
         host_json_open(json, "truth", '{');
@@ -292,6 +307,32 @@ static void put_align(const smr_align_report *said, host_json *json)
     host_json_number(json, "mirrored_rms_mm", (double)said->mirrored_rms_mm);
     host_json_flag(json, "model_inside_out", said->model_inside_out != 0);
     host_json_flag(json, "target_inside_out", said->target_inside_out != 0);
+    host_json_close(json, '}');
+}
+
+/* How far points ended from their places. */
+static void put_landmark_goals(const host_job *job, host_json *json)
+{
+    const host_landmark_goals *const g = job->goals;
+    uint32_t i = 0;
+    if (g == NULL) {
+        host_json_null(json, "landmark_goals");
+        return;
+    }
+    host_json_open(json, "landmark_goals", '{');
+    host_json_count(json, "count", g->set.n);
+    host_json_flag(json, "hard", !(job->options->goal_weight > 0.0f));
+    host_json_number(json, "weight", (double)job->options->goal_weight);
+    host_json_number(json, "residual_mean_mm", g->mean);
+    host_json_number(json, "residual_max_mm", g->max);
+    host_json_open(json, "points", '[');
+    for (i = 0; i < g->set.n; i++) {
+        host_json_open(json, NULL, '{');
+        host_json_text(json, "label", g->set.label[i]);
+        host_json_number(json, "residual_mm", g->residual[i]);
+        host_json_close(json, '}');
+    }
+    host_json_close(json, ']');
     host_json_close(json, '}');
 }
 
@@ -359,6 +400,7 @@ void host_job_report(const host_job *job, host_buffer *out)
     else
         host_json_null(&json, "similarity");
     put_start(job, &json);
+    put_landmark_goals(job, &json);
     put_times(job, &json);
     put_result(job, &json);
     (void)snprintf(text, sizeof text, "%016" PRIx64, smr_state_hash(job->state));

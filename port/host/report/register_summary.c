@@ -5,6 +5,8 @@
 
 #include "report/register_report.h"
 
+#define SHOWN 0.995 /* of the model's area: less is said */
+
 /* The verdict in words, and what it is made of. */
 static void print_verdict(const host_verdict *verdict)
 {
@@ -31,14 +33,20 @@ void host_job_summary(const host_job *job)
     if (job->n_landmarks > 0 && job->warp_kind != SMR_WARP_SPLINE && job->options->align == HOST_ALIGN_NONE)
         (void)printf("start: %u landmarks as they lie carry no spline, a %s fit instead\n", job->n_landmarks,
                      host_warp_name(job->warp_kind));
-    if (job->n_targets > 0) {
+    if (a->n > 0)
         (void)printf("model to %s: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, a->mean, a->rms, a->p95,
                      a->max);
+    if (job->overlap.n > 0 && job->overlap.weight < SHOWN * a->weight)
+        (void)printf("the %.0f %% of the model that the target shows: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n",
+                     100.0 * job->overlap.weight / a->weight, job->overlap.mean, job->overlap.rms, job->overlap.p95,
+                     job->overlap.max);
+    if (job->n_targets > 0)
         (void)printf("%s to model: mean %.3f  rms %.3f  p95 %.3f  max %.3f mm\n", name, b->mean, b->rms, b->p95,
                      b->max);
-    }
     if (job->by_vertex.n > 0)
         (void)printf("vertex to vertex: mean %.3f  max %.3f mm\n", job->by_vertex.mean, job->by_vertex.max);
+    if (job->goals != NULL)
+        (void)printf("landmarks to their places: mean %.3f  max %.3f mm\n", job->goals->mean, job->goals->max);
     if (job->options->image_target)
         (void)printf("vertices with a goal in the image: %.1f %%\n",
                      job->last.matched_share > 0.0f ? 100.0 * (double)job->last.matched_share : 0.0);

@@ -50,10 +50,12 @@ static void measure(const smr_forces *f, uint32_t v, smr_tally *tally)
     tally->forces.largest[1] = smr_max(tally->forces.largest[1], terms * arm * largest);
 }
 
-/* The share of forces that is left: only what follows the image is eased. */
+/* The share of forces that is left: only what follows the image is eased, not what a hard landmark draws. */
 static float ease_at(const smr_forces *f, uint32_t v)
 {
-    return f->surface.target[smr_model_owner(f->shared->model, v)].surface == NULL ? f->pace->ease : 1.0f;
+    if (!(f->pace->ease < 1.0f) || f->surface.target[smr_model_owner(f->shared->model, v)].surface != NULL)
+        return 1.0f;
+    return smr_max(f->pace->ease, smr_unseen_field_prevails(&f->unseen, v));
 }
 
 uint32_t smr_force_chunk(const smr_forces *f) { return f->image.has_image ? SMR_IMAGE_CHUNK : SMR_FORCE_CHUNK; }
@@ -178,6 +180,21 @@ static void note_matched(smr_forces *f)
     if (sought)
         f->matched = share_of(f->totals.n_forces, f->totals.n_rejected);
     f->unmeasured = 0;
+}
+
+void smr_forces_note_seen(smr_forces *f)
+{
+    for (uint32_t v = 0; v < f->pace->n_active; v++) {
+        const uint32_t owner = smr_model_owner(f->shared->model, v);
+        const smr_target *target = &f->surface.target[owner];
+        const uint8_t found = f->found_last[v] == SMR_FOUND_GOAL ? SMR_SEEN_ONE : 0u;
+        if (target->surface != NULL)
+            f->landmarks.seen[v] = target->partial ? f->surface.seen[v] : found;
+        else if (!f->image.has_image)
+            f->landmarks.seen[v] = 0;
+        else if (smr_image_seeks(&f->image, owner))
+            f->landmarks.seen[v] = found;
+    }
 }
 
 void smr_forces_end(smr_forces *f)

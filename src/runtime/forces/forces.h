@@ -4,7 +4,9 @@
 #ifndef SMR_FORCES_H
 #define SMR_FORCES_H
 
+#include "runtime/forces/caller_goals.h"
 #include "runtime/forces/image_goal.h"
+#include "runtime/forces/point_spread.h"
 #include "runtime/forces/unseen_field.h"
 
 /* What was found for a vertex. */
@@ -24,8 +26,11 @@ typedef struct smr_forces {
     const smr_pace *pace;
     const smr_shape *shape;
     smr_surface_goals surface;
+    smr_landmark_goals landmarks;
+    smr_point_spread points;
     smr_unseen_field unseen;
     smr_image_goals image;
+    smr_caller_goals caller;
     smr_tally *tally;
     float *force;        /* [n][3] mm; while goals are sought: the way to the goal */
     float *residual;     /* [n] distance to the goal, mm, where there is one */
@@ -50,6 +55,7 @@ void smr_forces_search(void *forces, uint32_t task, uint32_t worker); /* ways to
 uint32_t smr_forces_take_tasks(const void *forces);
 void smr_forces_take(void *forces, uint32_t task, uint32_t worker); /* ways -> forces */
 void smr_forces_end(smr_forces *f);                                 /* totals, and what the next forces start from */
+void smr_forces_note_seen(smr_forces *f); /* what targets showed of each vertex, for landmarks between them */
 
 /* The displacement that matching sees: x + f^e - x^r, and a share of the last iteration's step (momentum; Polyak 1964).
  * Valid until evolve writes x_next, which holds the positions before x. */
@@ -67,34 +73,47 @@ static inline smr_vec smr_drive(const smr_forces *f, uint32_t v)
 static inline void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
 {
     smr_surface_goals_layout(a, &f->surface, shared);
+    smr_landmark_goals_layout(a, &f->landmarks, shared);
     smr_image_goals_layout(a, &f->image, shared);
+    smr_caller_goals_layout(a, &f->caller, shared);
 }
 
 static inline void smr_sources_wire(smr_forces *f, const smr_overlay *overlay)
 {
     smr_surface_goals_wire(&f->surface, f->shared, f->pace, f->shape);
-    smr_unseen_field_wire(&f->unseen, f->shared, f->pace, f->shape, &f->surface, overlay);
+    smr_landmark_goals_wire(&f->landmarks, f->shared, f->pace, f->shape);
+    smr_point_spread_wire(&f->points, f->shared, f->shape, &f->surface, overlay);
+    smr_unseen_field_wire(&f->unseen, f->shared, f->pace, f->shape, &f->surface, &f->landmarks, overlay);
     smr_image_goals_wire(&f->image, f->shared, f->pace, f->shape, f->found_last, &overlay->rings);
+    smr_caller_goals_wire(&f->caller, f->shared, f->pace, f->shape);
 }
 
 static inline void smr_sources_reset(smr_forces *f)
 {
     smr_surface_goals_reset(&f->surface);
+    smr_landmark_goals_reset(&f->landmarks);
     smr_image_goals_reset(&f->image);
+    f->caller.summed = 0;
 }
 
 /* The forces under way are complete: the next ones start from them. */
 static inline void smr_sources_stand(smr_forces *f)
 {
     smr_image_goals_stand(&f->image);
+    smr_caller_goals_stand(&f->caller);
     smr_surface_goals_stand(&f->surface);
+    smr_landmark_goals_stand(&f->landmarks);
+    if (f->landmarks.n > 0u)
+        smr_forces_note_seen(f);
 }
 
 /* What a source asks for before the search for goals, as steps of the tick: SMR_STEP(member, work, order, n_tasks, run,
  * pieces, abreast). */
 #define SMR_SOURCE_STEPS(SMR_STEP)                                                                                     \
+    SMR_STEP(caller, SMR_WORK_TASKS, SMR_ANY_ORDER, smr_caller_tasks, smr_caller_ask, NULL, NULL)                      \
     SMR_STEP(unseen, SMR_WORK_TASKS, SMR_SERIAL, smr_unseen_field_tasks, smr_unseen_field_solve, NULL, NULL)           \
     SMR_STEP(surface, SMR_WORK_TASKS, SMR_ANY_ORDER, smr_attract_tasks, smr_attract_search, NULL, NULL)                \
+    SMR_STEP(points, SMR_WORK_TASKS, SMR_SERIAL, smr_point_spread_tasks, smr_point_spread_run, NULL, NULL)             \
     SMR_STEP(image, SMR_WORK_TASKS, SMR_ANY_ORDER, smr_fill_tasks, smr_fill_sum, smr_fill_pieces, smr_fill_abreast)
 
 /* Nothing draws v. What pulls it must not wait for the next iteration. */
@@ -105,39 +124,80 @@ static inline void smr_sources_drop(smr_forces *f, uint32_t v)
         (void)smr_pull_take(&f->surface, v, &way);
 }
 
-/* The way to the vertex' goal, mm; 0 for none. A structure with a target surface follows it, every other one the image.
- * A vertex without triangles lies on no surface and follows neither. Returns SMR_FOUND_... */
-static inline uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *way)
+/* The image's goal of a vertex that has a target surface, too, by the weight that it has there. Returns 1 when there is
+ * one. */
+static inline int smr_goal_beside(smr_forces *f, uint32_t v, int has_goal, smr_vec *way)
+{
+    const float share = f->shared->config.image_beside * f->pace->ease;
+    float weight = has_goal ? 1.0f : 0.0f;
+    smr_vec own;
+    if (!(share > 0.0f) || !f->image.has_image || smr_image_goal(&f->image, v, &own) != SMR_GOAL)
+        return 0;
+    smr_blend(way, &weight, own, share);
+    return 1;
+}
+
+/* The way to a goal on the surface, and of what it does not show. */
+static inline uint8_t smr_goal_on_surface(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *way)
+{
+    const int found = smr_surface_goal(&f->surface, v, drawn->surface, way);
+    if (drawn->partial || f->landmarks.n > 0u)
+        smr_unseen_field_blend(&f->unseen, v, found, way);
+    const int goal = drawn->partial ? f->surface.seen_next[v] > 0u : found;
+    return smr_goal_beside(f, v, goal, way) || goal ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
+}
+
+/* The way to a goal in the image, and what fills in. Where the search has ended its goals are kept. */
+static inline uint8_t smr_goal_in_image(smr_forces *f, uint32_t v, smr_vec *way)
+{
+    const int seen = smr_image_goal(&f->image, v, way);
+    if (seen == SMR_NO_GOAL)
+        *way = smr_fill_way(&f->image, v);
+    if (f->landmarks.n == 0u)
+        return seen == SMR_GOAL ? SMR_FOUND_GOAL : seen == SMR_UNDECIDED ? SMR_FOUND_UNDECIDED : SMR_FOUND_NONE;
+    const int kept = !smr_image_seeks(&f->image, smr_model_owner(f->shared->model, v)) && f->landmarks.seen[v] > 0u;
+    if (seen == SMR_GOAL || kept)
+        smr_unseen_field_prevail(&f->unseen, v, way);
+    else
+        smr_unseen_field_fill(&f->unseen, v, way);
+    return seen == SMR_GOAL ? SMR_FOUND_GOAL : seen == SMR_UNDECIDED ? SMR_FOUND_UNDECIDED : SMR_FOUND_NONE;
+}
+
+/* Without a target of its own a vertex follows landmarks, where there are any. */
+static inline uint8_t smr_goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *way)
+{
+    smr_sources_drop(f, v);
+    if (f->landmarks.n == 0u)
+        return SMR_FOUND_NO_TARGET;
+    smr_unseen_field_fill(&f->unseen, v, way);
+    return smr_unseen_field_bound(&f->unseen, v) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
+}
+
+/* The way to the vertex' goal on a target, mm; 0 for none. A structure with a target surface follows it, every other one
+ * the image. A vertex without triangles lies on no surface and follows neither. Returns SMR_FOUND_... */
+static inline uint8_t smr_goal_on_target(smr_forces *f, uint32_t v, smr_vec *way)
 {
     const smr_target *drawn = &f->surface.target[smr_model_owner(f->shared->model, v)];
-    const smr_surface *target = drawn->surface;
     *way = smr_v(0, 0, 0);
     /* nothing may stay from forces that started again after a surface came or went */
     smr_image_forget(&f->image, v);
     if (f->surface.seen_next != NULL)
         f->surface.seen_next[v] = 0;
+    if (drawn->surface == NULL && !f->image.has_image)
+        return smr_goal_of_landmarks(f, v, way);
     if (!f->shape->on_surface[v]) {
         smr_sources_drop(f, v);
         return SMR_FOUND_NO_TARGET;
     }
-    if (target != NULL) {
-        const int found = smr_surface_goal(&f->surface, v, target, way);
-        if (!drawn->partial)
-            return found ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
-        smr_unseen_field_blend(&f->unseen, v, way);
-        return f->surface.seen_next[v] > 0u ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
-    }
-    if (!f->image.has_image) {
-        smr_sources_drop(f, v);
-        return SMR_FOUND_NO_TARGET;
-    }
-    const int seen = smr_image_goal(&f->image, v, way);
-    if (seen == SMR_GOAL)
-        return SMR_FOUND_GOAL;
-    if (seen == SMR_UNDECIDED)
-        return SMR_FOUND_UNDECIDED;
-    *way = smr_fill_way(&f->image, v);
-    return SMR_FOUND_NONE;
+    return drawn->surface != NULL ? smr_goal_on_surface(f, v, drawn, way) : smr_goal_in_image(f, v, way);
+}
+
+/* The same of all sources: ways to goals are averaged by weight, and one on a target weighs 1. */
+static inline uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *way)
+{
+    const uint8_t found = smr_goal_on_target(f, v, way);
+    const float weight = found == SMR_FOUND_GOAL ? 1.0f : 0.0f;
+    return smr_caller_blend(&f->caller, v, way, weight) > weight ? SMR_FOUND_GOAL : found;
 }
 
 #endif

@@ -3,6 +3,7 @@
  * mutual: where the model's points closest to the target around the goal lie elsewhere than the vertex. Each falls off
  * continuously. Beyond that the vertex follows its seen neighbours (unseen_field.c).
  * A closed target is taken as whole while most of what is drawn to it is seen: then everything counts in full.
+ * A cloud of points shows the vertices that its points' weights reach (point_spread.c).
  * Bounds: three closest points on triangles for each vertex that is judged.
  * SPDX-License-Identifier: MIT */
 #include "geometry/triangle.h"
@@ -17,6 +18,7 @@
     0.2f /* surfaces' closest points may disagree, besides this share of the way between them. From */
 #define SMR_MUTUAL_NONE 1.5f  /* half of it on a goal counts less, at so many times nothing */
 #define SMR_OFF_LEAST 1.0e-6f /* mm */
+#define SMR_POINTS_FULL 0.22f /* of the mean weight of points at a vertex: from here on it is seen in full */
 
 static int open_target(const smr_target *t) { return t->surface != NULL && t->surface->open != 0u; }
 
@@ -99,7 +101,7 @@ static float mutual(const smr_surface_goals *g, uint32_t v, const smr_surface *t
     const smr_shape_structure *one = &g->shape->structure[smr_model_owner(g->shared->model, v)];
     const uint32_t *corner = target->triangle + 3u * (size_t)hit->triangle;
     answer a = {{0, 0, 0}, 0, 0};
-    if (!smr_attraction_on(g))
+    if (!smr_attracts(g, target))
         return 1.0f;
     const uint32_t *warm = g->target_warm + first_warm(g, target);
     for (uint32_t c = 0; c < 3u; c++) {
@@ -121,6 +123,12 @@ static float tolerance_of(const smr_surface_goals *g)
     return smr_max(SMR_OFF_EDGES * edge + SMR_OFF_RADII * g->pace->lists.radius, SMR_OFF_LEAST);
 }
 
+static void put_seen(smr_surface_goals *g, uint32_t v, float share)
+{
+    const uint32_t now = (uint32_t)(share * (float)SMR_SEEN_ONE + 0.5f), before = g->seen[v];
+    g->seen_next[v] = (uint8_t)(now + SMR_SEEN_STEADY >= before && now <= before + SMR_SEEN_STEADY ? before : now);
+}
+
 void smr_overlap_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit, smr_vec way)
 {
     const float tolerance = tolerance_of(g);
@@ -131,8 +139,13 @@ void smr_overlap_judge(smr_surface_goals *g, uint32_t v, const smr_surface *targ
     float share = agree * inside_border(target, hit, way, tolerance);
     if (share > 0.0f)
         share *= mutual(g, v, target, hit, tolerance);
-    const uint32_t now = (uint32_t)(share * (float)SMR_SEEN_ONE + 0.5f), before = g->seen[v];
-    g->seen_next[v] = (uint8_t)(now + SMR_SEEN_STEADY >= before && now <= before + SMR_SEEN_STEADY ? before : now);
+    put_seen(g, v, share);
+}
+
+void smr_overlap_judge_points(smr_surface_goals *g, uint32_t v, float weight)
+{
+    const float full = SMR_POINTS_FULL * g->target[smr_model_owner(g->shared->model, v)].spread;
+    put_seen(g, v, weight < full ? weight / full : 1.0f);
 }
 
 /* Counts what is seen of each structure: vertices without a goal are unseen, those without triangles do not count. */

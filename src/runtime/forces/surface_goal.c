@@ -102,8 +102,24 @@ static smr_vec off_surface(const smr_surface_goals *g, uint32_t v, smr_vec way)
     return smr_add(along_normal, smr_scale(smr_sub(way, along_normal), g->shared->config.slide));
 }
 
+/* The way that the points of a cloud ask of v, and how far they show it. */
+static int point_goal(smr_surface_goals *g, uint32_t v, smr_vec *way)
+{
+    const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), g->shape->origin);
+    const float *s = g->spread + 4u * (size_t)v;
+    g->warm_next[v] = SMR_NONE;
+    if (!(s[3] > 0.0f) || outside_box(&g->shared->config, p))
+        return 0;
+    *way = off_surface(g, v, smr_scale(smr_load(s), 1.0f / s[3]));
+    if (g->seen != NULL)
+        smr_overlap_judge_points(g, v, s[3]);
+    return 1;
+}
+
 int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way)
 {
+    if (smr_is_cloud(target))
+        return point_goal(g, v, way);
     smr_vec pull = smr_v(0, 0, 0), goal = pull;
     const int has_goal = project(g, v, target, &goal);
     float weight = smr_attraction_on(g) ? smr_pull_take(g, v, &pull) : 0.0f;

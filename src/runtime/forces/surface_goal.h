@@ -19,22 +19,23 @@ typedef struct smr_target {
     uint32_t n_seen, n_judged;  /* vertices seen, and all that were judged, when they last were */
     uint32_t begun;             /* 1: it had one when the iteration under way began */
     uint32_t measured;          /* 1: there were complete forces since it was set or taken away */
+    float spread;               /* of a cloud: mean weight that reached a vertex. Written by point_spread.c */
 } smr_target;
 
 /* A distinct target surface; structures may share it. Written by setup/targets.c. */
 typedef struct smr_goal {
     const smr_surface *surface;
     uint32_t first_task; /* of the target-to-model search */
-    uint32_t n_vertices; /* when it was set: a surface rebuilt since must be set again, and so must */
-    uint32_t n_refits;   /* one that was refitted */
+    uint32_t n_vertices; /* when it was set: a surface rebuilt since must be set again */
     uint32_t first_warm; /* its vertices' slots in target_warm */
+    uint32_t changes;    /* when it was set: as n_vertices, of a cloud, or of a surface that was refitted */
 } smr_goal;
 
-/* 1: the surface is still the one that was set. */
-static inline int smr_goal_stands(const smr_goal *goal)
+/* 1: the target surface, or cloud, is as it was when it was set. */
+static inline int smr_goal_stands(const smr_goal *g)
 {
-    const smr_surface *s = goal->surface;
-    return smr_surface_valid(s) && s->n_vertices == goal->n_vertices && s->n_refits == goal->n_refits;
+    return smr_surface_valid(g->surface) && g->surface->n_vertices == g->n_vertices &&
+           g->surface->changes == g->changes;
 }
 
 typedef struct smr_surface_goals {
@@ -46,6 +47,10 @@ typedef struct smr_surface_goals {
     uint32_t n_goals;
     uint32_t n_goals_begun; /* n_goals when the iteration under way began: a later one does not count in it */
     uint32_t n_tasks;       /* of the target-to-model search */
+    uint32_t n_clouds;      /* goals that are clouds */
+    uint32_t n_points;      /* points of all clouds */
+    uint32_t n_clouds_begun, n_points_begun; /* when the iteration under way began */
+    const float *spread;    /* [n][4] of structures with a cloud: sum of its points' pulls, mm, and their weight */
     /* written by the search for goals */
     uint32_t *warm;        /* [n] closest triangle of the target, of the last complete forces; SMR_NONE: none */
     uint32_t *warm_next;   /* [n] the same, of those under way: they may have to start again */
@@ -71,12 +76,17 @@ int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target
 void smr_overlap_start(smr_surface_goals *g);                           /* with the targets as they are now */
 int smr_overlap_judged(const smr_surface_goals *g, uint32_t structure); /* 1: in this iteration */
 void smr_overlap_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit, smr_vec way);
-void smr_overlap_stand(smr_surface_goals *g); /* the forces under way are complete */
+void smr_overlap_judge_points(smr_surface_goals *g, uint32_t v, float weight); /* of points that reached it */
+void smr_overlap_stand(smr_surface_goals *g);                                  /* the forces under way are complete */
 
 /* target_attraction.c: target-to-model attraction, when target vertices pull in this iteration. */
 int smr_attraction_on(const smr_surface_goals *g);
+int smr_attracts(const smr_surface_goals *g, const smr_surface *target); /* this one does; a cloud always */
 uint32_t smr_attract_tasks(const void *goals);
 void smr_attract_search(void *goals, uint32_t task, uint32_t worker);
+
+/* Sum and weight of the pulls on a stored vertex, in units of 1 / SMR_PULL_SCALE; clears them. */
+void smr_pull_sum(smr_surface_goals *g, uint32_t v, int64_t sum[4]);
 
 /* The mean pull on a stored vertex, mm; clears it for the next iteration. Returns how much it counts, 0..1: less when
  * little of the target pulls there, so that no target vertex makes a difference by barely reaching a triangle. */

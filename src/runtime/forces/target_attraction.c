@@ -12,7 +12,12 @@
 
 int smr_attraction_on(const smr_surface_goals *g)
 {
-    return g->shared->config.attraction > 0.0f && g->n_goals > 0u && g->target_warm != NULL;
+    return (g->shared->config.attraction > 0.0f || g->n_clouds > 0u) && g->n_goals > 0u && g->target_warm != NULL;
+}
+
+int smr_attracts(const smr_surface_goals *g, const smr_surface *target)
+{
+    return smr_attraction_on(g) && (g->shared->config.attraction > 0.0f || smr_is_cloud(target));
 }
 
 uint32_t smr_attract_tasks(const void *arg)
@@ -49,10 +54,13 @@ static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface 
     return found;
 }
 
-/* The target vertex at y pulls the corners of a triangle. */
-static void add_pull(const smr_shape_structure *one, smr_vec y, const smr_near *near, float area, int64_t *pull)
+/* The target vertex at y pulls the corners of a triangle. noise: mm, within which it does not. */
+static void add_pull(const smr_shape_structure *one, smr_vec y, const smr_near *near, float area, float noise,
+                     int64_t *pull)
 {
-    const smr_vec r = smr_sub(y, smr_facet_point(&one->facets, near->triangle, near->weight));
+    smr_vec r = smr_sub(y, smr_facet_point(&one->facets, near->triangle, near->weight));
+    if (noise > 0.0f)
+        r = smr_scale(r, smr_positive(1.0f - noise / smr_max(smr_length(r), noise)));
     for (uint32_t c = 0; c < 3u; c++) {
         int64_t *to = pull + 4u * (size_t)one->facets.triangle[3u * (size_t)near->triangle + c];
         const float w = area * near->share * near->weight[c] * SMR_PULL_SCALE;
@@ -72,6 +80,8 @@ static void pull_one(const smr_surface_goals *g, const smr_surface *surface, uin
     smr_hit hit = {g->pace->search_mm * g->pace->search_mm, SMR_NONE, {0, 0, 0}};
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f;
+    if (smr_is_cloud(surface) && !(surface->area[j] > 0.0f))
+        return;
     smr_near_list near;
     const uint32_t found = closest_structure(g, surface, &q, *warm, &hit, &near);
     if (found == SMR_NONE)
@@ -82,8 +92,9 @@ static void pull_one(const smr_surface_goals *g, const smr_surface *surface, uin
     if (g->limit > 0.0f && smr_dot(r, r) > g->limit * g->limit)
         return;
     const float area = surface->area_mean > 0.0f ? smr_min(surface->area[j] / surface->area_mean, SMR_AREA_MAX) : 1.0f;
+    const float noise = smr_is_cloud(surface) ? g->shared->config.noise_mm : 0.0f;
     for (uint32_t i = 0; i < near.n; i++)
-        add_pull(one, y, &near.item[i], area, pull);
+        add_pull(one, y, &near.item[i], area, noise, pull);
 }
 
 void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
@@ -94,15 +105,17 @@ void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
     while (k + 1u < g->n_goals && g->goal[k + 1u].first_task <= task)
         k++;
     const smr_goal *goal = &g->goal[k];
+    if (!smr_attracts(g, goal->surface))
+        return;
     const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK;
     const uint32_t last = smr_min_u32(first + SMR_FORCE_CHUNK, goal->n_vertices);
     for (uint32_t j = first; j < last; j++)
         pull_one(g, goal->surface, j, &g->target_warm[goal->first_warm + j], pull);
 }
 
-float smr_pull_take(smr_surface_goals *g, uint32_t v, smr_vec *mean)
+void smr_pull_sum(smr_surface_goals *g, uint32_t v, int64_t sum[4])
 {
-    int64_t sum[4] = {0, 0, 0, 0};
+    sum[0] = sum[1] = sum[2] = sum[3] = 0;
     for (uint32_t w = 0; w < g->shared->config.n_workers; w++) {
         int64_t *p = g->pull + 4u * ((size_t)g->shared->n * w + v);
         for (uint32_t i = 0; i < 4u; i++) {
@@ -110,6 +123,12 @@ float smr_pull_take(smr_surface_goals *g, uint32_t v, smr_vec *mean)
             p[i] = 0;
         }
     }
+}
+
+float smr_pull_take(smr_surface_goals *g, uint32_t v, smr_vec *mean)
+{
+    int64_t sum[4];
+    smr_pull_sum(g, v, sum);
     if (sum[3] <= 0)
         return 0.0f;
     const float inverse = 1.0f / (float)sum[3];

@@ -4,31 +4,41 @@
  * leaves. Far from all controls only the pose is left. The field is a regression by a kernel (Gaussian process;
  * Rasmussen and Williams 2006, chapter 2) with k(d) = 1 / (1 + d^2 / l^2), solved by Cholesky decomposition. While
  * clusters are large it is held stiff, for then the controls are not yet where they belong.
- * Bounds: SMR_CONTROLS + 2 tasks, of SMR_CONTROLS^2 multiplications at most; one pass over the vertices for the first.
+ * Landmarks are controls whose places are given. What is observed of one is the mean of its triangle's corners. So
+ * that the field passes exactly by a hard one, what it may be off is not noise, but a second field of short reach.
+ * Bounds: SMR_CONTROLS + config.n_landmarks + 2 tasks, of as many squared multiplications at most; two passes over the
+ * vertices for the first.
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/unseen_field.h"
 
 #define SMR_FIELD_LENGTH 0.4f  /* kernel length over the diagonal of the model's box */
 #define SMR_FIELD_LOOSE 0.003f /* of the variance: what a control may be off */
 #define SMR_FIELD_STIFF 4.0f   /* times (cluster radius / kernel length)^2, added to it */
-#define SMR_FIELD_LEAST 4u     /* controls: with fewer there is no field */
+#define SMR_FIELD_LEAST 4u     /* controls: with fewer vertices there is no field, with fewer landmarks no scale */
+#define SMR_FIELD_HARD 1.0e-5f /* of the variance: what a hard landmark may be off */
 
 size_t smr_unseen_field_words(const smr_shared *shared)
 {
-    return shared->config.coverage == SMR_COVERAGE_WHOLE ? 0u : 7u * SMR_CONTROLS + SMR_FACTOR_WORDS;
+    const size_t n_landmarks = shared->config.n_landmarks, most = SMR_CONTROLS + n_landmarks;
+    if (n_landmarks == 0u && shared->config.coverage == SMR_COVERAGE_WHOLE)
+        return 0;
+    return 7u * most + SMR_FACTOR_WORDS(most);
 }
 
 void smr_unseen_field_wire(smr_unseen_field *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
-                           const smr_surface_goals *goals, const smr_overlay *overlay)
+                           const smr_surface_goals *goals, const smr_landmark_goals *landmarks,
+                           const smr_overlay *overlay)
 {
     f->shared = shared;
     f->pace = pace;
     f->shape = shape;
     f->goals = goals;
+    f->landmarks = landmarks;
+    f->most = SMR_CONTROLS + shared->config.n_landmarks;
     f->start = (float *)overlay->sum;
-    f->bend = f->start + 3u * SMR_CONTROLS;
-    f->loose = f->bend + 3u * SMR_CONTROLS;
-    f->lower = f->loose + SMR_CONTROLS;
+    f->bend = f->start + 3u * f->most;
+    f->loose = f->bend + 3u * f->most;
+    f->lower = f->loose + f->most;
 }
 
 /* Where the field starts: what tracking holds to, or where the registration started. */
@@ -42,50 +52,126 @@ static float kernel(const smr_unseen_field *f, smr_vec a, smr_vec b)
     return 1.0f / (1.0f + smr_dot(d, d) * f->per_length2);
 }
 
-static int seen(const smr_unseen_field *f, uint32_t v) { return f->goals->seen[v] > SMR_SEEN_ONE / 2u; }
+static int is_landmark(const smr_unseen_field *f, uint32_t k) { return k < f->landmarks->n; }
 
-/* The controls: every so many of the seen vertices in stored order, which winds through the whole model. Not of the
- * active ones alone: a budget may leave more out after this step, and a replay knows that before. */
+static int is_hard(const smr_unseen_field *f, uint32_t k)
+{
+    return is_landmark(f, k) && f->landmarks->landmark[k].given.hard != 0u;
+}
+
+/* The covariance of the field at a place with control k, a landmark's with the mean of its corners; sharp: with the
+ * field of short reach, too. */
+static float with_control(const smr_unseen_field *f, smr_vec at, uint32_t k, int sharp)
+{
+    float sum = 0.0f;
+    if (!is_landmark(f, k))
+        return kernel(f, at, smr_load(smr_at3(f->start, k)));
+    const smr_bound_landmark *b = &f->landmarks->landmark[k];
+    for (uint32_t c = 0; c < 3u; c++) {
+        const smr_vec corner = smr_load(smr_at3(start_of(f), b->corner[c]));
+        if (!(b->share[c] > 0.0f))
+            continue;
+        float one = kernel(f, at, corner);
+        if (sharp)
+            one += SMR_FIELD_LOOSE * smr_bump(smr_length(smr_sub(at, corner)) / f->landmarks->reach);
+        sum += b->share[c] * one;
+    }
+    return sum;
+}
+
+/* The covariance of controls i and j <= i. */
+static float between(const smr_unseen_field *f, uint32_t i, uint32_t j)
+{
+    const int sharp = is_hard(f, i) && is_hard(f, j);
+    float sum = 0.0f;
+    if (!is_landmark(f, i))
+        return with_control(f, smr_load(smr_at3(f->start, i)), j, 0);
+    const smr_bound_landmark *b = &f->landmarks->landmark[i];
+    for (uint32_t c = 0; c < 3u; c++)
+        if (b->share[c] > 0.0f)
+            sum += b->share[c] * with_control(f, smr_load(smr_at3(start_of(f), b->corner[c])), j, sharp);
+    return sum;
+}
+
+static uint32_t seen(const smr_unseen_field *f, uint32_t v)
+{
+    return f->landmarks->n > 0u ? f->landmarks->seen[v] : f->goals->seen[v];
+}
+
+static uint32_t count_seen(const smr_unseen_field *f)
+{
+    uint32_t total = 0;
+    for (uint32_t i = 0; f->landmarks->n == 0u && i < f->shared->n_structures; i++)
+        total += f->goals->target[i].n_seen;
+    for (uint32_t v = 0; f->landmarks->n > 0u && v < f->shared->n; v++)
+        total += seen(f, v) > SMR_SEEN_ONE / 2u;
+    return total;
+}
+
+/* Vertices that are controls, behind the landmarks: every so many of the seen ones in stored order, which winds through
+ * the whole model. Not of the active ones alone: a budget may leave more out after this step, and a replay knows that
+ * before. */
 static void choose(smr_unseen_field *f, uint32_t control[SMR_CONTROLS])
 {
-    uint32_t total = 0, at = 0;
-    for (uint32_t i = 0; i < f->shared->n_structures; i++)
-        total += f->goals->target[i].n_seen;
-    const uint32_t wanted = smr_min_u32(total, SMR_CONTROLS);
-    f->n = 0;
-    for (uint32_t v = 0; v < f->shared->n && f->n < wanted; v++) {
-        if (!seen(f, v))
+    const uint32_t total = count_seen(f), wanted = smr_min_u32(total, SMR_CONTROLS);
+    uint32_t n = 0, at = 0;
+    for (uint32_t v = 0; v < f->shared->n && n < wanted; v++) {
+        if (seen(f, v) <= SMR_SEEN_ONE / 2u)
             continue;
-        if ((uint64_t)at * wanted >= (uint64_t)f->n * total)
-            control[f->n++] = v;
+        if ((uint64_t)at * wanted >= (uint64_t)n * total)
+            control[n++] = v;
         at++;
     }
-    if (f->n < SMR_FIELD_LEAST)
+    f->n = f->landmarks->n + n;
+    if (f->landmarks->n == 0u && n < SMR_FIELD_LEAST)
         f->n = 0;
 }
 
-/* The pose, and what it leaves. */
-static void begin(smr_unseen_field *f)
+/* Notes a control and adds it to the pose. */
+static void add_control(smr_unseen_field *f, uint32_t k, smr_vec from, smr_vec to, float weight, smr_fit *fit)
+{
+    smr_store(smr_at3(f->start, k), from);
+    smr_store(smr_at3(f->bend, k), to);
+    smr_fit_add(fit, from, to, weight);
+}
+
+static void add_landmarks(smr_unseen_field *f, smr_fit *fit)
+{
+    const smr_landmark_goals *g = f->landmarks;
+    for (uint32_t k = 0; k < g->n; k++) {
+        const float weight = is_hard(f, k) ? 1.0f : g->landmark[k].given.weight;
+        const smr_vec to = smr_add(smr_landmark_goal(g, k), g->landmark[k].more);
+        add_control(f, k, smr_landmark_foot(g, k, start_of(f)), to, weight, fit);
+        f->loose[k] = is_hard(f, k) ? SMR_FIELD_HARD : SMR_FIELD_LOOSE / weight;
+    }
+}
+
+static void add_seen(smr_unseen_field *f, const uint32_t *control, float ratio, smr_fit *fit)
+{
+    for (uint32_t k = f->landmarks->n; k < f->n; k++) {
+        const uint32_t v = control[k - f->landmarks->n];
+        add_control(f, k, smr_load(smr_at3(start_of(f), v)), smr_load(smr_at3(f->shape->x, v)), 1.0f, fit);
+        f->loose[k] =
+            (SMR_FIELD_LOOSE + SMR_FIELD_STIFF * ratio * ratio) * (float)SMR_SEEN_ONE / (float)seen(f, v);
+    }
+}
+
+/* The pose, and what it leaves; vertices: of seen vertices, too. */
+static void begin(smr_unseen_field *f, int vertices)
 {
     uint32_t control[SMR_CONTROLS];
     smr_fit fit;
     const smr_box box = f->pace->tracking ? f->shape->held->box : f->shape->start_box;
     const float length = smr_max(SMR_FIELD_LENGTH * smr_length(smr_sub(box.hi, box.lo)), 1.0e-6f);
-    const float ratio = f->pace->lists.radius / length;
     const smr_vec middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
     f->per_length2 = 1.0f / (length * length);
-    choose(f, control);
+    f->n = f->landmarks->n;
+    if (vertices)
+        choose(f, control);
     smr_fit_start(&fit, middle, middle);
-    for (uint32_t k = 0; k < f->n; k++) {
-        const smr_vec from = smr_load(smr_at3(start_of(f), control[k]));
-        const smr_vec to = smr_load(smr_at3(f->shape->x, control[k]));
-        smr_store(smr_at3(f->start, k), from);
-        smr_store(smr_at3(f->bend, k), to);
-        smr_fit_add(&fit, from, to, 1.0f);
-        f->loose[k] = (SMR_FIELD_LOOSE + SMR_FIELD_STIFF * ratio * ratio) * (float)SMR_SEEN_ONE /
-                      (float)f->goals->seen[control[k]];
-    }
-    f->pose = smr_fit_solve(&fit, 1);
+    add_landmarks(f, &fit);
+    add_seen(f, control, f->pace->lists.radius / length, &fit);
+    f->pose = smr_fit_solve(&fit, f->n >= SMR_FIELD_LEAST);
     for (uint32_t k = 0; k < f->n; k++) {
         const smr_vec posed = smr_pose_apply(&f->pose, smr_load(smr_at3(f->start, k)));
         smr_store(smr_at3(f->bend, k), smr_sub(smr_load(smr_at3(f->bend, k)), posed));
@@ -96,13 +182,14 @@ static void begin(smr_unseen_field *f)
 static void factor(smr_unseen_field *f, uint32_t j)
 {
     const float *const above = row(f, j);
+    const float least = 0.5f * smr_min(f->loose[j], SMR_FIELD_LOOSE);
     for (uint32_t i = j; i < f->n; i++) {
         float *const r = row(f, i);
-        float sum = kernel(f, smr_load(smr_at3(f->start, i)), smr_load(smr_at3(f->start, j)));
+        float sum = between(f, i, j);
         sum += i == j ? f->loose[i] : 0.0f;
         for (uint32_t k = 0; k < j; k++)
             sum -= r[k] * above[k];
-        r[j] = i == j ? SMR_SQRT(smr_max(sum, 0.5f * SMR_FIELD_LOOSE)) : sum / above[j];
+        r[j] = i == j ? SMR_SQRT(smr_max(sum, least)) : sum / above[j];
     }
 }
 
@@ -125,7 +212,8 @@ static void substitute(smr_unseen_field *f)
 
 uint32_t smr_unseen_field_tasks(const void *arg)
 {
-    return ((const smr_unseen_field *)arg)->goals->partial ? SMR_CONTROLS + 2u : 0u;
+    const smr_unseen_field *f = arg;
+    return f->goals->partial || f->landmarks->n > 0u ? f->most + 2u : 0u;
 }
 
 void smr_unseen_field_solve(void *arg, uint32_t task, uint32_t worker)
@@ -133,10 +221,10 @@ void smr_unseen_field_solve(void *arg, uint32_t task, uint32_t worker)
     smr_unseen_field *f = arg;
     (void)worker;
     if (task == 0u)
-        begin(f);
+        begin(f, 1);
     else if (task <= f->n)
         factor(f, task - 1u);
-    else if (task == SMR_CONTROLS + 1u)
+    else if (task == f->most + 1u)
         substitute(f);
 }
 
@@ -148,14 +236,106 @@ static smr_vec carried(const smr_unseen_field *f, uint32_t v)
         return smr_v(0, 0, 0);
     smr_vec to = smr_pose_apply(&f->pose, from);
     for (uint32_t k = 0; k < f->n; k++)
-        to = smr_add(to, smr_scale(smr_load(smr_at3(f->bend, k)), kernel(f, from, smr_load(smr_at3(f->start, k)))));
+        to = smr_add(to, smr_scale(smr_load(smr_at3(f->bend, k)), with_control(f, from, k, is_hard(f, k))));
     return smr_sub(to, x);
 }
 
-void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, smr_vec *way)
+static smr_vec mix(smr_vec a, smr_vec b, float share)
 {
-    const float share = (float)f->goals->seen_next[v] * (1.0f / (float)SMR_SEEN_ONE);
+    return smr_add(smr_scale(a, 1.0f - share), smr_scale(b, share));
+}
+
+float smr_unseen_field_prevails(const smr_unseen_field *f, uint32_t v)
+{
+    float share = 0.0f;
+    for (uint32_t k = 0; k < f->landmarks->n; k++)
+        if (is_hard(f, k))
+            share = smr_max(share, smr_landmark_prevails(f->landmarks, k, v));
+    return share;
+}
+
+/* How far the target shows the vertex: a whole one in full where there is a goal. */
+static float shown(const smr_unseen_field *f, uint32_t v, int has_goal)
+{
+    if (f->goals->target[smr_model_owner(f->shared->model, v)].partial)
+        return (float)f->goals->seen_next[v] * (1.0f / (float)SMR_SEEN_ONE);
+    return has_goal ? 1.0f : 0.0f;
+}
+
+void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way)
+{
+    const float share = shown(f, v, has_goal), hard = smr_unseen_field_prevails(f, v);
     const smr_vec by_field = carried(f, v), normal = smr_load(smr_at3(f->shape->normal, v));
     const smr_vec along = smr_sub(by_field, smr_scale(normal, smr_dot(normal, by_field)));
     *way = smr_add(smr_scale(smr_add(*way, along), share), smr_scale(by_field, 1.0f - share));
+    if (hard > 0.0f)
+        *way = mix(*way, by_field, hard);
+}
+
+void smr_unseen_field_prevail(const smr_unseen_field *f, uint32_t v, smr_vec *way)
+{
+    const float hard = smr_unseen_field_prevails(f, v);
+    if (hard > 0.0f)
+        *way = mix(*way, carried(f, v), hard);
+}
+
+/* The square of the distance at the start to the nearest of controls first .. last - 1, mm^2. */
+static float nearest(const smr_unseen_field *f, smr_vec at, uint32_t first, uint32_t last)
+{
+    float least = SMR_FAR;
+    for (uint32_t k = first; k < last; k++) {
+        const smr_vec d = smr_sub(at, smr_load(smr_at3(f->start, k)));
+        least = smr_min(least, smr_dot(d, d));
+    }
+    return least;
+}
+
+void smr_unseen_field_fill(const smr_unseen_field *f, uint32_t v, smr_vec *way)
+{
+    const smr_vec at = smr_load(smr_at3(start_of(f), v));
+    const float landmark = nearest(f, at, 0, f->landmarks->n), vertex = nearest(f, at, f->landmarks->n, f->n);
+    const float share = vertex < SMR_FAR ? vertex / smr_max(vertex + landmark, FLT_MIN) : 1.0f;
+    *way = mix(*way, carried(f, v), share);
+}
+
+int smr_unseen_field_bound(const smr_unseen_field *f, uint32_t v)
+{
+    const smr_landmark_goals *g = f->landmarks;
+    int bound = 0;
+    for (uint32_t k = 0; k < g->n; k++)
+        for (uint32_t c = 0; c < 3u; c++)
+            bound |= g->landmark[k].corner[c] == v && g->landmark[k].share[c] > 0.0f;
+    return bound;
+}
+
+float smr_landmark_field_solve(smr_unseen_field *f)
+{
+    float sum = 0.0f;
+    begin(f, 0);
+    for (uint32_t j = 0; j < f->n; j++)
+        factor(f, j);
+    for (uint32_t i = 0; i < f->n; i++) { /* y^T K^-1 y is |L^-1 y|^2 */
+        smr_vec y = smr_load(smr_at3(f->bend, i));
+        for (uint32_t k = 0; k < i; k++)
+            y = smr_sub(y, smr_scale(smr_load(smr_at3(f->bend, k)), row(f, i)[k]));
+        y = smr_scale(y, 1.0f / row(f, i)[i]);
+        smr_store(smr_at3(f->bend, i), y);
+        sum += smr_dot(y, y);
+    }
+    return f->n < SMR_FIELD_LEAST ? -1.0f : sum / (3.0f * (float)f->n);
+}
+
+float smr_landmark_field_left(const smr_unseen_field *f, uint32_t v)
+{
+    const smr_vec at = smr_load(smr_at3(start_of(f), v));
+    float known[SMR_CONTROLS_MAX], left = 1.0f;
+    for (uint32_t i = 0; i < f->n; i++) {
+        const float *const r = row(f, i);
+        float sum = with_control(f, at, i, is_hard(f, i));
+        for (uint32_t k = 0; k < i; k++)
+            sum -= known[k] * r[k];
+        known[i] = sum / r[i];
+        left -= known[i] * known[i];
+    }
+    return smr_max(left, 0.0f);
 }

@@ -1,39 +1,61 @@
-/* unseen_field.h: where the parts of the model lie that the target does not show. In: positions, and which vertices are
- * seen. Out: a smooth field from the start positions, which unseen vertices follow.
+/* unseen_field.h: where the parts of the model lie that the target does not show. In: positions, which vertices are
+ * seen, and landmarks. Out: a smooth field from the start positions, which unseen vertices follow.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_UNSEEN_FIELD_H
 #define SMR_UNSEEN_FIELD_H
 
-#include "runtime/forces/surface_goal.h"
+#include "runtime/forces/landmark_goals.h"
 #include "runtime/overlaid_memory.h"
 
 #define SMR_CONTROLS 64u /* seen vertices that the field passes by */
-#define SMR_FACTOR_WORDS (SMR_CONTROLS * (SMR_CONTROLS + 1u) / 2u)
+#define SMR_CONTROLS_MAX (SMR_CONTROLS + SMR_LANDMARKS_MAX)
+#define SMR_FACTOR_WORDS(n) ((n) * ((n) + 1u) / 2u)
 
 typedef struct smr_unseen_field {
     const smr_shared *shared;
     const smr_pace *pace;
     const smr_shape *shape;
     const smr_surface_goals *goals;
-    float *start;      /* [SMR_CONTROLS][3] start positions of the controls, mm */
-    float *bend;       /* [SMR_CONTROLS][3] coefficients of the field; while it is solved: what the pose leaves, mm */
-    float *lower;      /* [SMR_FACTOR_WORDS] Cholesky factor, row by row */
-    float *loose;      /* [SMR_CONTROLS] on the diagonal: how far the field may miss a control */
-    uint32_t n;        /* controls in use; 0: no field */
+    const smr_landmark_goals *landmarks;
+    uint32_t most;     /* controls that there is room for */
+    float *start;      /* [most][3] start positions of the controls, mm */
+    float *bend;       /* [most][3] coefficients of the field; while it is solved: what the pose leaves, mm */
+    float *lower;      /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row */
+    float *loose;      /* [most] on the diagonal: how far the field may miss a control */
+    uint32_t n;        /* controls in use, the landmarks first; 0: no field */
     smr_pose pose;     /* rigid, from start to present positions of the controls */
     float per_length2; /* 1 / mm^2, of the kernel's length */
 } smr_unseen_field;
 
 size_t smr_unseen_field_words(const smr_shared *shared); /* of memory that it needs while forces are computed */
 void smr_unseen_field_wire(smr_unseen_field *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
-                           const smr_surface_goals *goals, const smr_overlay *overlay);
+                           const smr_surface_goals *goals, const smr_landmark_goals *landmarks,
+                           const smr_overlay *overlay);
 
 /* Steps, skipped where nothing is unseen; one task after the other. */
 uint32_t smr_unseen_field_tasks(const void *field);
 void smr_unseen_field_solve(void *field, uint32_t task, uint32_t worker);
 
 /* Adds to the way to a goal what the field does along the surface, and blends it with the field as far as the vertex is
- * unseen. way: in: to the goal; out: mm. */
-void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, smr_vec *way);
+ * unseen. way: in: to the goal; out: mm. has_goal: whether there is one. */
+void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way);
+
+/* Blends the way of a vertex that has none, or none but that to its neighbours, with the field: as far as the nearest
+ * landmark is nearer than the nearest vertex that is seen. */
+void smr_unseen_field_fill(const smr_unseen_field *f, uint32_t v, smr_vec *way);
+
+/* How far hard landmarks prevail at a vertex, 0..1. */
+float smr_unseen_field_prevails(const smr_unseen_field *f, uint32_t v);
+
+/* Blends a way with the field as far as a hard landmark prevails over targets. */
+void smr_unseen_field_prevail(const smr_unseen_field *f, uint32_t v, smr_vec *way);
+
+/* 1 at a vertex that a landmark is bound to. */
+int smr_unseen_field_bound(const smr_unseen_field *f, uint32_t v);
+
+/* Between iterations: solves the field through the landmarks alone and returns the variance of their places along an
+ * axis, mm^2; below 0 where they are too few. Then the share of it that is left at a vertex. */
+float smr_landmark_field_solve(smr_unseen_field *f);
+float smr_landmark_field_left(const smr_unseen_field *f, uint32_t v);
 
 #endif

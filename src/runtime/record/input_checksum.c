@@ -22,6 +22,23 @@ static uint64_t closed(uint64_t sum) { return sum == 0u ? 1u : sum; }
 
 uint64_t smr_points_checksum(const float *xyz, uint32_t n) { return closed(add_points(n, xyz, n)); }
 
+uint64_t smr_cloud_checksum(const smr_points *points)
+{
+    const smr_surface *s = &points->surface;
+    uint64_t sum = add_points(add_points(s->n_vertices, s->xyz, s->n_vertices), s->normal, s->n_vertices);
+    for (size_t i = 0; i < s->n_vertices; i++)
+        sum = add(sum, smr_float_bits(s->area[i]));
+    return closed(sum);
+}
+
+uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n)
+{
+    uint64_t sum = add_points(n, goals->xyz, n);
+    for (uint32_t i = 0; goals->weights != NULL && i < n; i++)
+        sum = add(sum, smr_float_bits(goals->weights[i]));
+    return closed(sum);
+}
+
 uint64_t smr_surface_checksum(const smr_surface *surface)
 {
     const smr_surface *s = surface;

@@ -12,10 +12,14 @@ uint32_t smr_log_words(uint32_t kind)
 {
     switch (kind) {
     case SMR_LOG_TICK: return 8;
-    case SMR_LOG_SURFACE: return 4;
-    case SMR_LOG_VOLUME: return 3;
+    case SMR_LOG_SURFACE:
+    case SMR_LOG_POINTS:
+    case SMR_LOG_GOALS: return 4;
+    case SMR_LOG_VOLUME:
+    case SMR_LOG_FORCE: return 3;
     case SMR_LOG_POSE: return 12;
     case SMR_LOG_POSITIONS: return 3;
+    case SMR_LOG_LANDMARKS: return 12;
     case SMR_LOG_ACTIVE:
     case SMR_LOG_FULL: return 1;
     default: return 0;
@@ -60,13 +64,23 @@ static int logs(smr_log *log)
 static uint32_t high(uint64_t v) { return (uint32_t)(v >> 32); }
 static uint32_t low(uint64_t v) { return (uint32_t)(v & 0xffffffffu); }
 
+static void put_target(smr_log *log, uint32_t kind, uint32_t structure, int present, uint64_t sum)
+{
+    const uint32_t word[4] = {structure, present != 0, low(sum), high(sum)};
+    put(log, kind, word);
+}
+
 void smr_log_surface(smr_log *log, uint32_t structure, const smr_surface *surface)
 {
-    if (!logs(log))
-        return;
-    const uint64_t sum = surface == NULL ? 0u : smr_surface_checksum(surface);
-    const uint32_t word[4] = {structure, surface != NULL, low(sum), high(sum)};
-    put(log, SMR_LOG_SURFACE, word);
+    if (logs(log))
+        put_target(log, SMR_LOG_SURFACE, structure, surface != NULL,
+                   surface == NULL ? 0u : smr_surface_checksum(surface));
+}
+
+void smr_log_points(smr_log *log, uint32_t structure, const smr_points *points)
+{
+    if (logs(log))
+        put_target(log, SMR_LOG_POINTS, structure, points != NULL, points == NULL ? 0u : smr_cloud_checksum(points));
 }
 
 void smr_log_volume(smr_log *log, const smr_volume *volume)
@@ -95,6 +109,51 @@ void smr_log_positions(smr_log *log, uint32_t structure, const float *xyz, uint3
     const uint64_t sum = smr_points_checksum(xyz, n);
     const uint32_t word[3] = {structure, low(sum), high(sum)};
     put(log, SMR_LOG_POSITIONS, word);
+}
+
+/* Each landmark is a record, so that contents stay short. None at all is one of zeros. */
+void smr_log_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n)
+{
+    if (!logs(log))
+        return;
+    for (uint32_t i = 0; i < n || i == 0u; i++) {
+        uint32_t word[12] = {n, i};
+        if (n > 0u) {
+            const smr_landmark *l = &landmark[i];
+            word[2] = l->structure;
+            word[3] = l->vertex;
+            for (uint32_t c = 0; c < 3u; c++) {
+                word[4u + c] = l->vertex == SMR_NONE ? smr_float_bits(l->rest[c]) : 0u;
+                word[7u + c] = smr_float_bits(l->place[c]);
+            }
+            word[10] = l->hard ? 0u : smr_float_bits(l->weight);
+            word[11] = l->hard;
+        }
+        put(log, SMR_LOG_LANDMARKS, word);
+    }
+}
+
+void smr_log_goals(smr_log *log, uint32_t structure, const smr_goals *goals, uint32_t n)
+{
+    if (!logs(log))
+        return;
+    const uint64_t sum = goals->xyz == NULL ? 0u : smr_goals_checksum(goals, n);
+    const uint32_t word[4] = {structure, goals->xyz != NULL, low(sum), high(sum)};
+    put(log, SMR_LOG_GOALS, word);
+}
+
+void smr_log_force(smr_log *log, int present)
+{
+    const uint32_t word[3] = {present != 0, 0, 0};
+    if (logs(log))
+        put(log, SMR_LOG_FORCE, word);
+}
+
+void smr_log_gave(smr_log *log, uint64_t sum)
+{
+    const uint32_t word[3] = {2, low(sum), high(sum)};
+    if (logs(log))
+        put(log, SMR_LOG_FORCE, word);
 }
 
 void smr_log_active(smr_log *log, uint32_t n_active)

@@ -3,7 +3,7 @@
 #ifndef SMR_LOG_H
 #define SMR_LOG_H
 
-#include "geometry/surface.h"
+#include "geometry/points.h"
 #include "runtime/state.h"
 
 #define SMR_LOG_MAGIC 0x4c524d53u /* "SMRL" */
@@ -56,6 +56,8 @@ smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint3
 
 /* input_checksum.c: of the numbers, not of their bytes in memory: the same on every processor. Never 0. */
 uint64_t smr_points_checksum(const float *xyz, uint32_t n);
+uint64_t smr_cloud_checksum(const smr_points *points);
+uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n);
 uint64_t smr_surface_checksum(const smr_surface *surface);
 uint64_t smr_volume_checksum(const smr_volume *volume);
 
@@ -65,9 +67,14 @@ void smr_log_end(smr_log *log);
 
 /* A call that has succeeded. */
 void smr_log_surface(smr_log *log, uint32_t structure, const smr_surface *surface);
+void smr_log_points(smr_log *log, uint32_t structure, const smr_points *points);
 void smr_log_volume(smr_log *log, const smr_volume *volume);
 void smr_log_pose(smr_log *log, const smr_pose *pose);
 void smr_log_positions(smr_log *log, uint32_t structure, const float *xyz, uint32_t n);
+void smr_log_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n);
+void smr_log_goals(smr_log *log, uint32_t structure, const smr_goals *goals, uint32_t n);
+void smr_log_force(smr_log *log, int present);
+void smr_log_gave(smr_log *log, uint64_t sum); /* by the force, in the tick that follows */
 void smr_log_active(smr_log *log, uint32_t n_active);
 
 /* n_evaluated: vertices whose forces were looked for, so far in the iteration or in the complete one. */

@@ -59,12 +59,42 @@ static smr_status take_tick(const uint32_t *word, smr_log_record *r)
     return legal ? SMR_OK : SMR_E_LOG;
 }
 
+static smr_status take_landmark(const uint32_t *word, smr_log_record *r)
+{
+    r->count = word[0];
+    r->index = word[1];
+    if (r->count == 0u)
+        return r->index == 0u ? SMR_OK : SMR_E_LOG;
+    r->landmark.structure = word[2];
+    r->landmark.vertex = word[3];
+    for (uint32_t c = 0; c < 3u; c++) {
+        r->landmark.rest[c] = float_of(word[4u + c]);
+        r->landmark.place[c] = float_of(word[7u + c]);
+    }
+    r->landmark.weight = float_of(word[10]);
+    r->landmark.hard = word[11];
+    return r->index < r->count && r->count <= SMR_LANDMARKS_MAX && word[11] <= 1u ? SMR_OK : SMR_E_LOG;
+}
+
+/* 0: taken away; 1: set; 2: what it gave. */
+static smr_status take_force(const uint32_t *word, smr_log_record *r)
+{
+    r->present = word[0] == 1u;
+    r->gave = word[0] == 2u;
+    r->checksum = joined(word + 1);
+    return word[0] <= 2u && (r->gave || r->checksum == 0u) ? SMR_OK : SMR_E_LOG;
+}
+
 static smr_status take(const uint32_t *word, smr_log_record *r)
 {
     const uint32_t *sum = NULL;
     if (r->kind == SMR_LOG_TICK)
         return take_tick(word, r);
-    if (r->kind == SMR_LOG_SURFACE) {
+    if (r->kind == SMR_LOG_LANDMARKS)
+        return take_landmark(word, r);
+    if (r->kind == SMR_LOG_FORCE)
+        return take_force(word, r);
+    if (r->kind == SMR_LOG_SURFACE || r->kind == SMR_LOG_POINTS || r->kind == SMR_LOG_GOALS) {
         r->structure = word[0];
         r->present = word[1];
         sum = word + 2;

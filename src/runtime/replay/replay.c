@@ -31,6 +31,44 @@ smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input
     return SMR_OK;
 }
 
+/* Landmarks are set with the last of their records, which follow each other. */
+static smr_status set_landmark(smr_replay *r, const smr_log_record *record)
+{
+    if (record->index != r->n_landmarks || (record->index > 0u && record->count != r->count))
+        return SMR_E_LOG;
+    r->count = record->count;
+    r->landmark[r->n_landmarks++] = record->landmark;
+    if (r->n_landmarks < record->count)
+        return SMR_OK;
+    r->n_landmarks = 0;
+    return smr_set_landmarks(r->s, r->landmark, record->count);
+}
+
+/* 1 for what only forces look at: it counts in the iteration under way, or from the next one on. */
+static int of_forces(uint32_t kind)
+{
+    return kind == SMR_LOG_SURFACE || kind == SMR_LOG_POINTS || kind == SMR_LOG_LANDMARKS || kind == SMR_LOG_GOALS ||
+           kind == SMR_LOG_FORCE;
+}
+
+/* Goals and forces of the caller's own. */
+static smr_status set_caller(smr *s, const smr_log_record *record, const void *given)
+{
+    if (record->kind == SMR_LOG_FORCE) {
+        const smr_caller_force *own = given;
+        return smr_set_force(s, own != NULL ? own->force : NULL, own != NULL ? own->ctx : NULL);
+    }
+    const smr_goals *goals = given;
+    if (goals == NULL)
+        return smr_set_goals(s, record->structure, NULL, NULL);
+    if (record->structure >= s->shared.n_structures)
+        return SMR_E_LOG;
+    if (goals->xyz == NULL ||
+        smr_goals_checksum(goals, s->shape.structure[record->structure].n_vertices) != record->checksum)
+        return SMR_E_INPUT;
+    return smr_set_goals(s, record->structure, goals->xyz, goals->weights);
+}
+
 /* Sets one recorded input again. */
 static smr_status set_input(smr_replay *r, const smr_log_record *record)
 {
@@ -38,18 +76,29 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     smr *s = r->s;
     if (record->kind == SMR_LOG_POSE)
         return smr_set_pose(s, &record->pose);
-    if (record->kind == SMR_LOG_POSITIONS && record->structure >= s->shared.n_structures)
+    if (record->kind == SMR_LOG_LANDMARKS)
+        return set_landmark(r, record);
+    const int owned = record->kind == SMR_LOG_POSITIONS || record->kind == SMR_LOG_GOALS;
+    if (owned && record->structure >= s->shared.n_structures)
         return SMR_E_LOG;
     if (record->present) {
         given = r->input == NULL ? NULL : r->input(r->ctx, record);
         if (given == NULL)
             return SMR_E_INPUT;
     }
+    if (record->kind == SMR_LOG_GOALS || record->kind == SMR_LOG_FORCE)
+        return set_caller(s, record, given);
     if (record->kind == SMR_LOG_SURFACE) {
         const smr_surface *surface = given;
         if (surface != NULL && (!smr_surface_valid(surface) || smr_surface_checksum(surface) != record->checksum))
             return SMR_E_INPUT;
         return smr_set_surface(s, record->structure, surface);
+    }
+    if (record->kind == SMR_LOG_POINTS) {
+        const smr_points *points = given;
+        if (points != NULL && (!smr_points_valid(points) || smr_cloud_checksum(points) != record->checksum))
+            return SMR_E_INPUT;
+        return smr_set_points(s, record->structure, points);
     }
     if (record->kind == SMR_LOG_VOLUME) {
         smr_grid grid;
@@ -62,14 +111,14 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     return smr_set_positions(s, record->structure, given);
 }
 
-/* The surfaces that were set while an iteration had its forces already. Those records lie between r->later and the
+/* The goals that were set while an iteration had its forces already. Those records lie between r->later and the
  * reader. */
 static smr_status set_later(smr_replay *r, smr_log_record *record)
 {
     smr_status status = SMR_OK;
     while (status == SMR_OK && r->has_later && r->later.at < r->reader.at) {
         status = smr_log_next(&r->later, record);
-        if (status == SMR_OK && record->kind == SMR_LOG_SURFACE)
+        if (status == SMR_OK && of_forces(record->kind) && !record->gave)
             status = set_input(r, record);
     }
     r->has_later = 0;
@@ -79,13 +128,13 @@ static smr_status set_later(smr_replay *r, smr_log_record *record)
 /* Sets an input now, or notes that it comes when the iteration under way is complete. */
 static smr_status take_input(smr_replay *r, const smr_log_reader *before, smr_log_record *record)
 {
-    if (record->kind == SMR_LOG_SURFACE && r->has_forces) {
+    if (of_forces(record->kind) && r->has_forces) {
         if (!r->has_later)
             r->later = *before;
         r->has_later = 1;
         return SMR_OK;
     }
-    if (record->kind != SMR_LOG_SURFACE) {
+    if (!of_forces(record->kind)) {
         smr_log_record earlier;
         const smr_status status = set_later(r, &earlier);
         r->has_forces = 0;
@@ -108,6 +157,7 @@ static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
     if (recorded->complete) {
         found.n_taken = found.n_evaluated = s->report.n_taken;
         found.n_forces = s->report.n_forces;
+        found.checksum = s->forces.caller.told;
     }
     return found;
 }
@@ -115,13 +165,16 @@ static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
 static int differ(const smr_log_record *a, const smr_log_record *b)
 {
     return a->iteration != b->iteration || a->state_hash != b->state_hash || a->done != b->done ||
-           a->plastic_updates != b->plastic_updates || a->n_taken != b->n_taken || a->n_forces != b->n_forces;
+           a->plastic_updates != b->plastic_updates || a->n_taken != b->n_taken || a->n_forces != b->n_forces ||
+           a->checksum != b->checksum;
 }
 
 static smr_status take_tick(smr_replay *r, smr_replay_report *report)
 {
     smr_status status = SMR_OK;
-    const smr_log_record *recorded = &report->record;
+    smr_log_record *const recorded = &report->record;
+    recorded->checksum = r->gave;
+    r->gave = 0;
     if (recorded->complete) {
         status = smr_set_active(r->s, recorded->n_taken);
         if (status == SMR_OK)
@@ -165,7 +218,9 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report)
             replay->n_ticks++;
             return take_tick(replay, report);
         }
-        if (kind != SMR_LOG_ACTIVE)
+        if (report->record.gave)
+            replay->gave = report->record.checksum;
+        else if (kind != SMR_LOG_ACTIVE)
             status = take_input(replay, &before, &report->record);
     }
     return status;

@@ -54,6 +54,16 @@ static void report_forces(const smr *s, const smr_shape_structure *one, smr_stru
     report->residual_max_mm = most;
 }
 
+/* 1: some landmark is bound to the structure. */
+static int has_landmark(const smr *s, uint32_t structure)
+{
+    const smr_landmark_goals *g = &s->forces.landmarks;
+    int has = 0;
+    for (uint32_t k = 0; k < g->n; k++)
+        has |= smr_model_owner(s->shared.model, g->landmark[k].corner[0]) == structure;
+    return has;
+}
+
 smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report)
 {
     smr_status status = check(s, structure, report);
@@ -63,7 +73,8 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
     const smr_target *target = &s->forces.surface.target[structure];
     float moved_sum = 0.0f;
     memset(report, 0, sizeof *report);
-    report->has_target = target->surface != NULL || s->forces.image.has_image;
+    report->has_target = target->surface != NULL || s->forces.image.has_image || has_landmark(s, structure) ||
+                         smr_caller_draws(&s->forces.caller, structure);
     report->matched_share = smr_forces_matched(&s->forces, structure);
     report->residual_mean_mm = report->residual_max_mm = -1.0f;
     if (target->measured)

@@ -1,9 +1,13 @@
 /* targets.c: what structures are drawn to: surfaces, an image; and how many vertices take part.
  * SPDX-License-Identifier: MIT */
+#include "geometry/points.h"
 #include "runtime/tick/schedule.h"
 #include "runtime/tick/iteration_end.h"
 #include "runtime/tick/iteration.h"
 #include "runtime/tick/tracking.h"
+
+/* Slots that a surface needs: a cloud grows. */
+static uint32_t slots_of(const smr_surface *s) { return smr_is_cloud(s) ? s->capacity : s->n_vertices; }
 
 /* Distinct surfaces, their tasks and slots. goal may be NULL. Returns the slots they need. */
 static uint64_t list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks)
@@ -19,10 +23,10 @@ static uint64_t list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t 
         if (surface == NULL || known < i)
             continue;
         if (goal != NULL)
-            goal[*n_goals] = (smr_goal){surface, *n_tasks, surface->n_vertices, surface->n_refits, (uint32_t)slots};
+            goal[*n_goals] = (smr_goal){surface, *n_tasks, surface->n_vertices, (uint32_t)slots, surface->changes};
         ++*n_goals;
         *n_tasks += smr_ceil_div(surface->n_vertices, SMR_FORCE_CHUNK);
-        slots += surface->n_vertices;
+        slots += slots_of(surface);
     }
     return slots;
 }
@@ -32,7 +36,7 @@ static uint64_t slots_with(smr_surface_goals *g, uint32_t structure, const smr_s
 {
     uint32_t n_goals, n_tasks;
     if (structure == SMR_ALL)
-        return surface == NULL ? 0u : surface->n_vertices;
+        return surface == NULL ? 0u : slots_of(surface);
     const smr_surface *before = g->target[structure].surface;
     g->target[structure].surface = surface;
     const uint64_t slots = list_goals(g, NULL, &n_goals, &n_tasks);
@@ -52,34 +56,87 @@ static void forget_searches(smr_surface_goals *g, uint32_t structure)
     g->limit = 0.0f;
 }
 
-smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface)
+static void count_clouds(smr_surface_goals *g)
 {
-    if (s == NULL)
-        return SMR_E_NULL;
-    if (!smr_changeable(s) || (surface != NULL && !smr_surface_valid(surface)))
-        return SMR_E_STATE;
+    g->n_clouds = g->n_points = 0;
+    for (uint32_t i = 0; i < g->n_goals; i++) {
+        const uint32_t cloud = (uint32_t)smr_is_cloud(g->goal[i].surface);
+        g->n_clouds += cloud;
+        g->n_points += cloud * g->goal[i].n_vertices;
+    }
+}
+
+/* 0 when there are not enough slots. A cloud does nothing without. */
+static int has_slots(smr_surface_goals *g, uint32_t structure, const smr_surface *surface)
+{
+    const uint32_t n_slots = g->shared->config.n_target_vertices;
+    if (n_slots == 0u)
+        return surface == NULL || !smr_is_cloud(surface);
+    return slots_with(g, structure, surface) <= n_slots;
+}
+
+/* What is set again after points were added keeps its searches: they only say where to look first. */
+static int same_cloud(const smr_surface_goals *g, uint32_t first, uint32_t last, const smr_surface *surface)
+{
+    for (uint32_t i = first; i < last; i++)
+        if (surface == NULL || !smr_is_cloud(surface) || g->target[i].surface != surface)
+            return 0;
+    return 1;
+}
+
+/* Surfaces and clouds. */
+static smr_status set_target(smr *s, uint32_t structure, const smr_surface *surface)
+{
     smr_surface_goals *g = &s->forces.surface;
-    const uint32_t n_structures = s->shared.n_structures, n_slots = s->shared.config.n_target_vertices;
+    const uint32_t n_structures = s->shared.n_structures;
     if (structure != SMR_ALL && structure >= n_structures)
         return SMR_E_INPUT;
-    if (n_slots > 0u && slots_with(g, structure, surface) > n_slots)
+    if (!has_slots(g, structure, surface))
         return SMR_E_ARENA;
     const uint32_t first = structure == SMR_ALL ? 0u : structure;
     const uint32_t last = structure == SMR_ALL ? n_structures : structure + 1u;
+    const int same = same_cloud(g, first, last, surface);
     for (uint32_t i = first; i < last; i++) {
         g->target[i].surface = surface;
         g->target[i].measured = 0;
     }
     smr_forces_unmeasured(&s->forces);
     (void)list_goals(g, g->goal, &g->n_goals, &g->n_tasks);
-    forget_searches(g, structure);
+    count_clouds(g);
+    if (same)
+        smr_pulls_clear(g);
+    else
+        forget_searches(g, structure);
     smr_overlap_start(g);
     smr_tracking_call(s);
     /* an iteration under way starts again with the new goals; one that has its forces ends with the old ones */
     if (smr_forces_pending(s))
         s->step = s->next_task = 0;
-    smr_log_surface(&s->log, structure, surface);
     return SMR_OK;
+}
+
+smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface)
+{
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!smr_changeable(s) || (surface != NULL && (!smr_surface_valid(surface) || smr_is_cloud(surface))))
+        return SMR_E_STATE;
+    const smr_status status = set_target(s, structure, surface);
+    if (status == SMR_OK)
+        smr_log_surface(&s->log, structure, surface);
+    return status;
+}
+
+smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points)
+{
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!smr_changeable(s) || (points != NULL && !smr_points_valid(points)))
+        return SMR_E_STATE;
+    const smr_status status = set_target(s, structure, points == NULL ? NULL : &points->surface);
+    if (status == SMR_OK)
+        smr_log_points(&s->log, structure, points);
+    return status;
 }
 
 smr_status smr_set_volume(smr *s, const smr_volume *volume)

@@ -9,6 +9,8 @@
 #define SMR_ACTIVE_EVERY 8u    /* iterations between two changes of n_active at one radius */
 #define SMR_ABOUT 0.75f        /* share of the active vertices wanted at which a level is enough */
 #define SMR_FIRST_TIMES 2u     /* factor on the first radius' iterations with an image: most of the way is made there */
+#define SMR_GROWN 1.25f        /* factor on the points of clouds from which on a radius is repeated */
+#define SMR_FIRST_CLOUD 3u     /* the same with clouds: points without normals slide slowly into their places */
 #define SMR_NARROWING 0.5f     /* search distances shrink to this share at most, from one radius to the next */
 
 /* Active vertices that suffice for image forces: enough for active_enough in the smallest cluster. Image forces cost
@@ -65,6 +67,7 @@ static int repairs_before(const smr *s, uint32_t radius)
 void smr_schedule_radius(smr *s, uint32_t radius)
 {
     s->pace.radius = radius;
+    s->pace.n_points = s->forces.surface.n_points_begun;
     s->pace.radius_iteration = 0;
     s->pace.lists = smr_model_lists(s->shared.model, radius);
     s->reference.stale = 1;
@@ -91,6 +94,8 @@ void smr_schedule_start(smr *s)
     smr_overlap_start(&s->forces.surface);
     s->pace.ease = 1.0f;
     s->forces.surface.n_goals_begun = s->forces.surface.n_goals;
+    s->forces.surface.n_clouds_begun = s->forces.surface.n_clouds;
+    s->forces.surface.n_points_begun = s->forces.surface.n_points;
     smr_schedule_radius(s, s->shared.config.radius_first);
     s->shape.rest_pose_due = 1; /* an abandoned iteration may have made it of other positions */
 }
@@ -107,8 +112,10 @@ static void plastic_update(smr *s)
 static uint32_t first_iterations(const smr *s)
 {
     const int alone = s->shared.config.radius_first == smr_last_radius(&s->shared);
-    return alone ? s->shared.config.iterations_last
-                 : s->shared.config.iterations * (s->forces.image.has_image ? SMR_FIRST_TIMES : 1u);
+    const uint32_t times = s->forces.image.has_image               ? SMR_FIRST_TIMES
+                           : s->forces.surface.n_clouds_begun > 0u ? SMR_FIRST_CLOUD
+                                                                   : 1u;
+    return alone ? s->shared.config.iterations_last : s->shared.config.iterations * times;
 }
 
 static uint32_t radius_iterations(const smr *s)
@@ -153,6 +160,10 @@ int smr_schedule_plastic(const smr *s)
     return !s->pace.tracking && ending_of(s, s->pace.radius_iteration + 1u, s->pace.since_plastic + 1u).plastic;
 }
 
+/* 1: a cloud has grown so much since this radius began that the model is not yet laid out: the radius is repeated. A
+ * cloud cannot grow beyond its memory, so that ends. */
+static int grows(const smr *s) { return (float)s->forces.surface.n_points_begun > SMR_GROWN * (float)s->pace.n_points; }
+
 /* After each iteration. */
 void smr_schedule_next(smr *s)
 {
@@ -174,7 +185,7 @@ void smr_schedule_next(smr *s)
         if (!s->pace.done)
             smr_tracking_start(s);
     } else if (!repairs && !smr_at_last_radius(&s->shared, &s->pace) && (e.settled || e.spent)) {
-        smr_schedule_radius(s, s->pace.radius + 1u);
+        smr_schedule_radius(s, s->pace.radius + (grows(s) ? 0u : 1u));
     }
 }
 
@@ -216,6 +227,8 @@ float smr_schedule_progress(const smr *s)
 static void begin_targets(smr_surface_goals *g)
 {
     g->n_goals_begun = g->n_goals;
+    g->n_clouds_begun = g->n_clouds;
+    g->n_points_begun = g->n_points;
     for (uint32_t i = 0; i < g->shared->n_structures; i++)
         g->target[i].begun = g->target[i].surface != NULL;
 }
@@ -227,5 +240,7 @@ void smr_schedule_begin(smr *s)
     s->report.n_taken = s->pace.n_active;
     choose_distances(s);
     begin_targets(&s->forces.surface);
+    if (s->pace.radius_iteration == 0u)
+        s->pace.n_points = s->forces.surface.n_points_begun;
     smr_evening_begin(&s->evolve.evening);
 }

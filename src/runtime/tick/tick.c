@@ -92,7 +92,7 @@ static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
             count = smr_min_u32(count, abreast - s->next_task % abreast);
         }
         run_part(s, step, count, w->deadline != 0u);
-        if (s->refused)
+        if (s->refused || __atomic_load_n(&s->forces.caller.broken, __ATOMIC_RELAXED))
             return SMR_E_STATE;
     }
     if (step->end != NULL)
@@ -134,11 +134,9 @@ static smr_tick_report report_of(const smr *s)
 /* Every target surface is still the one that was set. */
 static int targets_stand(const smr *s)
 {
-    for (uint32_t i = 0; i < s->forces.surface.n_goals; i++) {
-        const smr_goal *goal = &s->forces.surface.goal[i];
-        if (!smr_goal_stands(goal))
+    for (uint32_t i = 0; i < s->forces.surface.n_goals; i++)
+        if (!smr_goal_stands(&s->forces.surface.goal[i]))
             return 0;
-    }
     return 1;
 }
 
@@ -187,12 +185,22 @@ static smr_status run_iteration(smr *s, watch *w, uint64_t *phase_ns)
     return SMR_OK;
 }
 
+/* What the caller's force gave in the iteration that is complete now. */
+static void tell_gave(smr *s)
+{
+    smr_caller_goals *g = &s->forces.caller;
+    g->told = g->summed ? g->sum : 0u;
+    if (g->summed)
+        smr_log_gave(&s->log, g->sum);
+    g->summed = 0;
+}
+
 smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
 {
     uint64_t phase_ns[SMR_PHASES] = {0};
     if (s == NULL)
         return SMR_E_NULL;
-    if (!smr_changeable(s) || s->refused || !targets_stand(s))
+    if (!smr_changeable(s) || s->refused || s->forces.caller.broken || !targets_stand(s))
         return SMR_E_STATE;
     s->ticking = 1;
     watch w = begin(s, budget_ns);
@@ -201,6 +209,8 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     if (status == SMR_E_STATE)
         return status;
     fill_report(s, phase_ns);
+    if (status == SMR_OK)
+        tell_gave(s);
     smr_log_tick(&s->log, &s->report, status, status == SMR_OK ? s->report.n_taken : smr_forces_evaluated(s));
     if (report != NULL)
         *report = report_of(s);

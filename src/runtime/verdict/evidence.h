@@ -36,10 +36,20 @@ static inline float smr_mean_of(smr_mean m, float otherwise) { return m.weight >
 /* 1 where the target showed stored vertex v when that was last judged. */
 int smr_vertex_seen(const smr *s, uint32_t v);
 
+/* 1 where a structure has neither surface nor image and follows landmarks. */
+static inline int smr_follows_landmarks(const smr *s, uint32_t structure)
+{
+    const smr_forces *f = &s->forces;
+    return f->landmarks.n > 0u && f->surface.target[structure].surface == NULL && !f->image.has_image;
+}
+
 /* Each adds what one structure shows. */
 void smr_measure_shape(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_surface(const smr *s, uint32_t structure, smr_evidence *e);
+void smr_measure_points(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_image(const smr *s, uint32_t structure, smr_evidence *e);
+void smr_measure_landmarks(const smr *s, uint32_t structure, smr_evidence *e);
+void smr_measure_caller(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e); /* fills smr_vertex_expected(), too */
 
 /* How the whole of a structure, or of all, has moved: scale, scale_rest and turned_deg. */

@@ -2,7 +2,7 @@
  * (normal_field.c), and the distance that is left to the target.
  * Bounds: those of normal_field.c.
  * SPDX-License-Identifier: MIT */
-#include "runtime/verdict/evidence.h"
+#include "runtime/verdict/landmark_evidence.h"
 #include "runtime/verdict/normal_field.h"
 
 void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
@@ -11,6 +11,10 @@ void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
     float *const expected = smr_vertex_expected(s);
     const float residual = smr_mean_of(e->residual, 0.0f);
     smr_normal_field field;
+    if (smr_follows_landmarks(s, structure)) {
+        smr_measure_by_landmarks(s, structure, e);
+        return;
+    }
     smr_normal_field_solve(&field, s, structure);
     for (uint32_t i = 0; field.n == 0u && i < one->n_vertices; i++)
         expected[smr_model_position(s->shared.model, one->first_vertex + i)] = -1.0f;

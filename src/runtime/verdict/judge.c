@@ -15,6 +15,7 @@
 #define SMR_AGREE_LEAST 0.85f
 #define SMR_AGREE_FAILED 0.6f
 #define SMR_RESIDUAL_MOST 0.25f /* mean edges */
+#define SMR_LANDMARK_MOST 3.0f  /* mm: what landmarks may be off in the mean */
 #define SMR_SCALE_MOST 1.25f    /* either way, within the registration */
 #define SMR_STRAIN_MOST 0.25f
 #define SMR_STRETCH_MOST 0.045f
@@ -79,21 +80,35 @@ static void ask_least(smr_verdict *verdict, uint32_t reason, float measure, floa
 /* A ratio to 1 or more, whichever way it is. */
 static float beyond(float ratio) { return ratio > 1.0f ? ratio : ratio > 0.0f ? 1.0f / ratio : SMR_FAR; }
 
-static void judge_surface(smr_verdict *v, float edge_mm)
+/* What holds of everything that bends towards places. */
+static void judge_bend(smr_verdict *v)
 {
-    const float covered = v->seen_share > SMR_SEEN_ALL ? SMR_COVERED_LEAST : SMR_COVERED_PART;
-    ask_least(v, SMR_REASON_UNSEEN, v->seen_share, SMR_SEEN_LEAST, -1.0f);
     if (v->expected_error_mm > SMR_OPEN_LEAST)
         ask(v, SMR_REASON_UNSEEN, v->expected_error_mm, SMR_OPEN_MOST * v->bend_mm, SMR_FAR);
-    ask_least(v, SMR_REASON_UNCOVERED, v->target_covered, covered, SMR_COVERED_FAILED);
-    ask_least(v, SMR_REASON_NORMALS, v->normals_agree, SMR_AGREE_LEAST, SMR_AGREE_FAILED);
-    ask(v, SMR_REASON_RESIDUAL, v->residual_mm, SMR_RESIDUAL_MOST * edge_mm, SMR_FAR);
     ask(v, SMR_REASON_STRAIN, v->stretch, SMR_STRETCH_MOST, SMR_STRETCH_FAILED);
     ask(v, SMR_REASON_STRAIN, v->strain, SMR_STRAIN_MOST, SMR_FAR);
     ask(v, SMR_REASON_VOLUME, beyond(v->volume_ratio), SMR_VOLUME_MOST, SMR_VOLUME_FAILED);
     ask(v, SMR_REASON_ROTATION, v->rotation_deg, SMR_ROTATION_MOST, SMR_ROTATION_FAILED);
     ask(v, SMR_REASON_BEND, v->bend_mm, SMR_BEND_MOST, SMR_FAR);
     ask(v, SMR_REASON_EXPECTED, v->expected_error_mm, SMR_EXPECTED_MOST, SMR_FAR);
+}
+
+static void judge_surface(smr_verdict *v, float edge_mm)
+{
+    const float covered = v->seen_share > SMR_SEEN_ALL ? SMR_COVERED_LEAST : SMR_COVERED_PART;
+    ask_least(v, SMR_REASON_UNSEEN, v->seen_share, SMR_SEEN_LEAST, -1.0f);
+    ask_least(v, SMR_REASON_UNCOVERED, v->target_covered, covered, SMR_COVERED_FAILED);
+    ask_least(v, SMR_REASON_NORMALS, v->normals_agree, SMR_AGREE_LEAST, SMR_AGREE_FAILED);
+    ask(v, SMR_REASON_RESIDUAL, v->residual_mm, SMR_RESIDUAL_MOST * edge_mm, SMR_FAR);
+    judge_bend(v);
+}
+
+/* Landmarks alone: few vertices are seen, however many there are; too few tell nothing of what they leave open. */
+static void judge_landmarks(smr_verdict *v)
+{
+    ask(v, SMR_REASON_UNSEEN, v->expected_error_mm < 0.0f ? 1.0f : 0.0f, 0.5f, SMR_FAR);
+    ask(v, SMR_REASON_RESIDUAL, v->residual_mm, SMR_LANDMARK_MOST, SMR_FAR);
+    judge_bend(v);
 }
 
 static void judge_image(smr_verdict *v)
@@ -111,6 +126,8 @@ void smr_judge(smr_verdict *v, float edge_mm)
     ask(v, SMR_REASON_SCALE, beyond(v->scale), SMR_SCALE_MOST, SMR_FAR);
     if (v->goals_share >= 0.0f)
         judge_image(v);
-    if (v->normals_agree >= 0.0f)
+    if (v->normals_agree >= 0.0f || v->target_covered >= 0.0f) /* points may have no normals */
         judge_surface(v, edge_mm);
+    else if (v->goals_share < 0.0f && v->residual_mm >= 0.0f)
+        judge_landmarks(v);
 }

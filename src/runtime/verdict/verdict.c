@@ -7,11 +7,9 @@
 
 static int targets_stand(const smr *s)
 {
-    for (uint32_t i = 0; i < s->forces.surface.n_goals; i++) {
-        const smr_goal *goal = &s->forces.surface.goal[i];
-        if (!smr_goal_stands(goal))
+    for (uint32_t i = 0; i < s->forces.surface.n_goals; i++)
+        if (!smr_goal_stands(&s->forces.surface.goal[i]))
             return 0;
-    }
     return 1;
 }
 
@@ -30,10 +28,17 @@ static void gather(const smr *s, uint32_t structure, smr_evidence *e)
     if (s->shape.structure[structure].n_vertices == 0u)
         return;
     smr_measure_shape(s, structure, e);
-    if (s->forces.surface.target[structure].surface != NULL)
+    const smr_surface *target = s->forces.surface.target[structure].surface;
+    if (target != NULL && smr_is_cloud(target))
+        smr_measure_points(s, structure, e);
+    else if (target != NULL)
         smr_measure_surface(s, structure, e);
     else if (s->forces.image.has_image)
         smr_measure_image(s, structure, e);
+    else if (smr_follows_landmarks(s, structure))
+        smr_measure_landmarks(s, structure, e);
+    else if (smr_caller_draws(&s->forces.caller, structure))
+        smr_measure_caller(s, structure, e);
     smr_measure_expected(s, structure, e);
 }
 

@@ -1,0 +1,15 @@
+/* carry_field.h: a result's displacement field on a grid.
+ * SPDX-License-Identifier: MIT */
+#ifndef CARRY_FIELD_H
+#define CARRY_FIELD_H
+
+#include "carry/carry_result.h"
+#include "volumes/voxel_volume.h"
+
+/* Fills field [size[2]][size[1]][size[0]][3], mm: what leads from a place to where the registration carried it; inverse 1:
+ * from a place of the result to the model's. On grids of 5 mm or finer the values near vertices are changed a little, so
+ * that linear interpolation between voxels leads from vertex to vertex. Returns at how many voxels the way back was not found, or -1 with
+ * the error filled. */
+int64_t host_carried_field(host_carried *c, const host_volume *grid, uint32_t inverse, float *field, host_error *error);
+
+#endif

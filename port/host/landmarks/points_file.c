@@ -1,0 +1,203 @@
+/* points_file.c: reads and writes sets of points.
+ * SPDX-License-Identifier: MIT */
+#include "landmarks/points_file.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "files/file_kind.h"
+#include "files/file_names.h"
+#include "files/file_read.h"
+#include "landmarks/landmarks_reader.h"
+
+int host_points_add(host_points *points, const char *label, size_t label_bytes, const float xyz[3])
+{
+    if (points->n == points->capacity) {
+        const uint32_t wanted = points->capacity < 64u ? 64u : points->capacity * 2u;
+        void *const more = realloc(points->xyz, wanted * sizeof *points->xyz);
+        void *named = NULL;
+        if (more == NULL)
+            return -1;
+        points->xyz = more;
+        named = realloc(points->label, wanted * sizeof *points->label);
+        if (named == NULL || wanted > SMR_VERTICES_MAX)
+            return -1;
+        points->label = named;
+        points->capacity = wanted;
+    }
+    memset(points->label[points->n], 0, sizeof points->label[0]);
+    memcpy(points->label[points->n], label, label_bytes < HOST_LABEL_BYTES ? label_bytes : HOST_LABEL_BYTES - 1u);
+    memcpy(points->xyz[points->n++], xyz, sizeof points->xyz[0]);
+    return 0;
+}
+
+static int read_surface(const char *path, host_points *points, host_error *error)
+{
+    if (host_mesh_read(path, HOST_MESH_POINTS_TOO, HOST_MIRROR_NONE, &points->mesh, error) != 0)
+        return -1;
+    points->n = points->mesh.n_vertices;
+    points->xyz = malloc((points->n + 1u) * sizeof *points->xyz);
+    if (points->xyz == NULL)
+        return host_fail(error, "points", "free memory");
+    memcpy(points->xyz, points->mesh.xyz, points->n * sizeof *points->xyz);
+    return 0;
+}
+
+static int accept_text(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+{
+    (void)path;
+    (void)total;
+    if (memchr(head, '\0', n) != NULL)
+        return host_fail(error, "content", "points: Slicer .mrk.json or .fcsv, CSV label,x,y,z, or a surface file");
+    return 0;
+}
+
+static int read_labelled(const char *path, host_points *points, host_error *error)
+{
+    host_landmarks *const set = calloc(1, sizeof *set);
+    host_bytes bytes;
+    host_text text;
+    host_word word;
+    int result = 0;
+    if (set == NULL)
+        return host_fail(error, "points", "free memory");
+    set->points = points;
+    if (host_file_read(path, accept_text, &bytes, error) != 0) {
+        free(set);
+        return -1;
+    }
+    const char *data = (const char *)bytes.data;
+    size_t n = bytes.size;
+    if (n >= 3u && memcmp(data, "\xef\xbb\xbf", 3) == 0) { /* the UTF-8 byte order mark */
+        data += 3;
+        n -= 3u;
+    }
+    text = host_text_over(data, n);
+    result = host_text_word(&text, &word) && word.start[0] == '{'
+                 ? host_read_markups(set, data, n, error)
+                 : host_read_landmark_table(set, data, n, host_has_extension(path, ".fcsv"), error);
+    if (result == 0 && points->n == 0)
+        result = host_fail(error, "points", "at least one point");
+    host_file_free(&bytes);
+    free(set);
+    return result;
+}
+
+int host_points_read(const char *path, host_points *points, host_error *error)
+{
+    int result = 0;
+    memset(points, 0, sizeof *points);
+    error->file = path;
+    result = host_file_kind(path) == HOST_KIND_SURFACE ? read_surface(path, points, error)
+                                                       : read_labelled(path, points, error);
+    if (result != 0)
+        host_points_free(points);
+    return result;
+}
+
+int host_points_can_write(const char *path, host_error *error)
+{
+    error->file = path;
+    if (host_has_extension(path, ".json") || host_has_extension(path, ".fcsv") || host_has_extension(path, ".csv") ||
+        host_has_extension(path, ".ply"))
+        return 0;
+    return host_fail(error, "name", "an output that ends in .mrk.json, .fcsv, .csv or .ply");
+}
+
+static const char *label_of(const host_points *points, uint32_t i)
+{
+    return points->label != NULL ? points->label[i] : "";
+}
+
+/* A label within quotes where it needs them; without one the point's number. */
+static void put_csv_label(const host_points *points, uint32_t i, host_buffer *out)
+{
+    const char *c = label_of(points, i);
+    if (*c == '\0') {
+        host_buffer_print(out, "%u", i + 1u);
+        return;
+    }
+    host_buffer_add(out, "\"", 1);
+    for (; *c != '\0'; c++)
+        host_buffer_add(out, *c == '"' ? "\"\"" : c, *c == '"' ? 2 : 1);
+    host_buffer_add(out, "\"", 1);
+}
+
+static void put_json_label(const host_points *points, uint32_t i, host_buffer *out)
+{
+    const char *c = label_of(points, i);
+    if (*c == '\0')
+        host_buffer_print(out, "%u", i + 1u);
+    for (; *c != '\0'; c++) {
+        if (*c == '"' || *c == '\\')
+            host_buffer_add(out, "\\", 1);
+        if ((unsigned char)*c < 0x20u)
+            host_buffer_print(out, "\\u%04x", (unsigned)(unsigned char)*c);
+        else
+            host_buffer_add(out, c, 1);
+    }
+}
+
+static void put_json(const host_points *points, host_buffer *out)
+{
+    uint32_t i = 0;
+    host_buffer_print(out,
+                      "{\n \"@schema\": \"https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/"
+                      "Markups/Resources/Schema/markups-schema-v1.0.3.json#\",\n \"markups\": [\n  {\n   \"type\": "
+                      "\"Fiducial\",\n   \"coordinateSystem\": \"LPS\",\n   \"coordinateUnits\": \"mm\",\n"
+                      "   \"controlPoints\": [\n");
+    for (i = 0; i < points->n; i++) {
+        const float *const p = points->xyz[i];
+        host_buffer_print(out, "    { \"id\": \"%u\", \"label\": \"", i + 1u);
+        put_json_label(points, i, out);
+        host_buffer_print(out, "\", \"position\": [%.6g, %.6g, %.6g], \"positionStatus\": \"defined\" }%s\n",
+                          (double)p[0], (double)p[1], (double)p[2], i + 1u < points->n ? "," : "");
+    }
+    host_buffer_print(out, "   ]\n  }\n ]\n}\n");
+}
+
+static void put_table(const host_points *points, int fcsv, host_buffer *out)
+{
+    uint32_t i = 0;
+    if (fcsv)
+        host_buffer_print(out, "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n"
+                               "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n");
+    else
+        host_buffer_print(out, "label,x,y,z\n");
+    for (i = 0; i < points->n; i++) {
+        const float *const p = points->xyz[i];
+        if (fcsv)
+            host_buffer_print(out, "%u", i + 1u);
+        else
+            put_csv_label(points, i, out);
+        host_buffer_print(out, ",%.6g,%.6g,%.6g", (double)p[0], (double)p[1], (double)p[2]);
+        if (fcsv) {
+            host_buffer_print(out, ",0,0,0,1,1,1,0,");
+            put_csv_label(points, i, out);
+            host_buffer_print(out, ",,");
+        }
+        host_buffer_print(out, "\n");
+    }
+}
+
+void host_points_write(const host_points *points, const char *path, host_buffer *out)
+{
+    host_mesh mesh = points->mesh;
+    if (host_has_extension(path, ".json")) {
+        put_json(points, out);
+    } else if (host_has_extension(path, ".ply")) {
+        mesh.xyz = points->xyz[0];
+        mesh.n_vertices = points->n;
+        host_mesh_write(&mesh, HOST_FORMAT_PLY, out);
+    } else {
+        put_table(points, host_has_extension(path, ".fcsv"), out);
+    }
+}
+
+void host_points_free(host_points *points)
+{
+    host_mesh_free(&points->mesh);
+    free(points->xyz);
+    free(points->label);
+    memset(points, 0, sizeof *points);
+}

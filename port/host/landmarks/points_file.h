@@ -1,0 +1,33 @@
+/* points_file.h: sets of any number of points: landmark files as landmarks.h reads them, and the vertices of a surface
+ * file; written in the format of the output's extension.
+ * SPDX-License-Identifier: MIT */
+#ifndef POINTS_FILE_H
+#define POINTS_FILE_H
+
+#include "base/byte_buffer.h"
+#include "landmarks/landmarks.h"
+#include "meshes/triangle_mesh.h"
+
+typedef struct host_points {
+    uint32_t n, capacity;
+    float (*xyz)[3];                 /* [n] mm, LPS; owned */
+    char (*label)[HOST_LABEL_BYTES]; /* [n]; NULL: from a surface file, which has none; owned */
+    host_mesh mesh;                  /* that file's triangles; its vertices are moved to xyz; owned */
+} host_points;
+
+/* Reads .mrk.json, .fcsv or CSV, told apart by content, or a surface file. Labels may be empty and occur more than once.
+ * 0, or -1 with the error filled and the set empty. */
+int host_points_read(const char *path, host_points *points, host_error *error);
+
+/* Appends a point. 0, or -1 when out of memory or beyond the library's limits. */
+int host_points_add(host_points *points, const char *label, size_t label_bytes, const float xyz[3]);
+
+/* Checks that the extension is .json, .fcsv, .csv or .ply. 0, or -1 with the error filled. */
+int host_points_can_write(const char *path, host_error *error);
+
+/* Writes the points in the path's format into the buffer, which stores failure. */
+void host_points_write(const host_points *points, const char *path, host_buffer *out);
+
+void host_points_free(host_points *points);
+
+#endif

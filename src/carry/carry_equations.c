@@ -1,0 +1,101 @@
+/* carry_equations.c: the coefficients of vertices near a point.
+ * Method: simple kriging with the covariance 1 + rough - g(r), g the sum of two parts that are twice
+ * differentiable (Wendland 1995): one that reaches over the model, and a small one that reaches over some edges and
+ * takes up what neighbouring vertices do not agree in. The nearest vertex is
+ * eliminated by hand: with covariances K_ij = C - g_ij, C = 1 + rough, what is left is
+ * K_ij - K_i0 K_0j / C = g_i0 + g_0j - g_ij - g_i0 g_0j / C, small numbers without cancellation. So at a vertex the
+ * point's side is 0 to the last bit, and a vertex is carried exactly to where it is.
+ * Bounds: SMR_CARRY_NEAR^3 / 6 multiplications for a factor, SMR_CARRY_NEAR^2 for a solution.
+ * SPDX-License-Identifier: MIT */
+#include "carry/carry.h"
+
+#define SMR_CARRY_WIDTH ((size_t)SMR_CARRY_NEAR)
+#define SMR_CARRY_PIVOT 3.0e-6f /* of the diagonal: a vertex that adds less than this share is left out */
+#define SMR_CARRY_NOTHING 1.0e-12f
+#define SMR_CARRY_ALL (1.0f + SMR_CARRY_ROUGH)
+
+/* g: 0 at distance 0, 1 + rough beyond both reaches. */
+static inline float growth(const smr_carry *c, float d2)
+{
+    const float r = SMR_SQRT(d2);
+    const float s = 1.0f - smr_positive(1.0f - r * c->per_smooth), u = 1.0f - smr_positive(1.0f - r * c->per_rough);
+    return s * s * (10.0f + s * (-20.0f + s * (15.0f - 4.0f * s))) +
+           SMR_CARRY_ROUGH * (u * u * (10.0f + u * (-20.0f + u * (15.0f - 4.0f * u))));
+}
+
+/* g of the distances from p to vertices first .. end-1. */
+static void growths(const smr_carry *c, const smr_carry_site *s, smr_vec p, uint32_t first, uint32_t end, float *g)
+{
+    for (uint32_t i = first; i < end; i++) {
+        const float x = s->x[0][i] - p.x, y = s->x[1][i] - p.y, z = s->x[2][i] - p.z;
+        g[i] = growth(c, x * x + y * y + z * z);
+    }
+}
+
+static smr_vec place(const smr_carry_site *s, uint32_t i) { return smr_v(s->x[0][i], s->x[1][i], s->x[2][i]); }
+
+static void fill(const smr_carry *c, smr_carry_site *s)
+{
+    s->far[0] = 0.0f;
+    s->part[0] = 1.0f;
+    growths(c, s, place(s, 0), 1, s->n, s->far);
+    for (uint32_t i = 1; i < s->n; i++) {
+        float *row = s->lower + i * SMR_CARRY_WIDTH;
+        const float far = s->far[i], part = 1.0f - far / SMR_CARRY_ALL;
+        s->part[i] = part;
+        growths(c, s, place(s, i), 1, i, row);
+        for (uint32_t j = 1; j < i; j++)
+            row[j] = far + part * s->far[j] - row[j];
+        row[i] = far + part * far + s->loose[i];
+    }
+}
+
+/* L D L^T by columns: what is left of a row changes element by element, so that vector units serve. */
+void smr_carry_factor(const smr_carry *c, smr_carry_site *s)
+{
+    float column[SMR_CARRY_NEAR], least[SMR_CARRY_NEAR];
+    fill(c, s);
+    for (uint32_t j = 1; j < s->n; j++)
+        least[j] = SMR_CARRY_PIVOT * s->lower[j * SMR_CARRY_WIDTH + j] + SMR_CARRY_NOTHING;
+    s->inverse[0] = 0.0f;
+    for (uint32_t j = 1; j < s->n; j++) {
+        const float pivot = s->lower[j * SMR_CARRY_WIDTH + j];
+        s->inverse[j] = pivot > least[j] ? 1.0f / pivot : 0.0f;
+        for (uint32_t i = j + 1u; i < s->n; i++)
+            column[i] = s->lower[i * SMR_CARRY_WIDTH + j];
+        for (uint32_t i = j + 1u; i < s->n; i++) {
+            float *row = s->lower + i * SMR_CARRY_WIDTH;
+            const float f = column[i] * s->inverse[j];
+            row[j] = f;
+            for (uint32_t k = j + 1u; k <= i; k++)
+                row[k] -= f * column[k];
+        }
+    }
+}
+
+void smr_carry_solve(const smr_carry_site *s, float *b)
+{
+    for (uint32_t i = 2; i < s->n; i++) {
+        const float *row = s->lower + i * SMR_CARRY_WIDTH;
+        float sum = b[i];
+        for (uint32_t j = 1; j < i; j++)
+            sum -= row[j] * b[j];
+        b[i] = sum;
+    }
+    for (uint32_t i = 1; i < s->n; i++)
+        b[i] *= s->inverse[i];
+    for (uint32_t i = s->n; i-- > 2u;) {
+        const float *row = s->lower + i * SMR_CARRY_WIDTH;
+        for (uint32_t j = 1; j < i; j++)
+            b[j] -= row[j] * b[i];
+    }
+}
+
+float smr_carry_side(const smr_carry *c, smr_vec p, smr_carry_site *s)
+{
+    growths(c, s, p, 0, s->n, s->side);
+    const float near = s->side[0];
+    for (uint32_t i = 1; i < s->n; i++)
+        s->side[i] = (s->far[i] - s->side[i]) + s->part[i] * near;
+    return near;
+}

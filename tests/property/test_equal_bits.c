@@ -1,0 +1,96 @@
+/* test_equal_bits.c: what holds for any registration to the last bit: nothing moves without a target, and neither
+ * threads nor schedulers matter.
+ * SPDX-License-Identifier: MIT */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include "property/rig.h"
+#include "smr_pthread.h"
+
+/* About 900 vertices. */
+#define CELL 10000u
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static void test_rest_stays(void **state)
+{
+    const float centre[3] = {301.3f, -12.7f, 44.4f};
+    (void)state;
+    for (uint32_t k = 0; k < 4u; k++) {
+        const smr_mesh mesh = rig_ball(30.0f, 9, 12, centre);
+        const smr_prepare_config radii = rig_radii(2, 25.0f, 12.0f, 0);
+        const smr_model *model = rig_model(&mesh, 1, &radii);
+        smr_config config = smr_config_default();
+        smr_tick_report report;
+        config.method = k % 2u;
+        config.iterations = config.iterations_last = 100000;
+        config.settle_um = 0.0f; /* nothing moves, so nothing else would keep the schedule from ending */
+        config.plastic_um = k < 2u ? 50.0f : 0.0f;
+        config.plastic_every = k < 2u ? 1u : 0u;
+        smr *s = rig_init(model, &config, NULL);
+        float *before = rig_positions(s, model);
+        for (uint32_t tick = 0; tick < 10000u; tick++)
+            assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+        assert_int_equal(10000, report.iteration);
+        assert_int_equal(0, report.done);
+        assert_memory_equal(before, rig_positions(s, model), mesh.n_vertices * 3u * sizeof(float));
+        assert_true(report.displacement_max_mm == 0.0f);
+        assert_true(rig_far(before, mesh.xyz, mesh.n_vertices) <= 3.1e-5f); /* one rounding at 300 mm */
+    }
+}
+
+static uint64_t hash_with(const smr_model *model, const smr_surface *target, uint32_t method, const smr_port *port)
+{
+    smr_config config = smr_config_default();
+    config.method = method;
+    config.n_workers = 8;
+    config.n_target_vertices = 4000;
+    smr *s = rig_init(model, &config, port);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target));
+    (void)rig_run(s, 25);
+    return smr_state_hash(s);
+}
+
+static void test_workers_and_schedulers(void **state)
+{
+    static const uint32_t workers[] = {1, 2, 3, 4, 8};
+    smr_mesh source, target;
+    (void)state;
+    rig_bone(CELL, 1.0f, &source, &target);
+    const smr_prepare_config radii = rig_radii(2, 60.0f, 15.0f, 0);
+    const smr_model *model = rig_model(&source, 1, &radii);
+    const smr_surface *surface = rig_surface(&target);
+    for (uint32_t method = 0; method < 2u; method++) {
+        const uint64_t expected = hash_with(model, surface, method, NULL);
+        for (uint32_t w = 0; w < sizeof workers / sizeof workers[0]; w++) {
+            smr_pthread *pool = NULL;
+            const size_t bytes = smr_pthread_bytes(workers[w]);
+            assert_int_equal(SMR_OK, smr_pthread_create(&pool, rig_alloc(bytes), bytes, workers[w]));
+            const smr_port threads = smr_pthread_port(pool);
+            const uint64_t hash = hash_with(model, surface, method, &threads);
+            smr_pthread_destroy(pool);
+            assert_true(hash == expected);
+            for (uint32_t scheduler = 0; scheduler < RIG_SCHEDULERS; scheduler++) {
+                const smr_port port = rig_port(scheduler, workers[w]);
+                assert_true(hash_with(model, surface, method, &port) == expected);
+            }
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_rest_stays, tidy),
+        cmocka_unit_test_teardown(test_workers_and_schedulers, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,552 @@
+/* test_points.c: registrations onto clouds of points. Clouds that grow between ticks, also partial ones, replay from
+ * their logs to the last bit with other numbers of workers and task orders. Moved inputs give the moved result. Any
+ * points are refused or keep every position finite. Many noisy points give a better surface than one of them.
+ * SPDX-License-Identifier: MIT */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "property/rig.h"
+
+enum { RUNS = 60, STEPS = 60, PARTS = 2, CLOUDS = 2, CAPACITY = 80, ADDED = 200 };
+
+static const float centre[PARTS][3] = {{0, 0, 0}, {40, 0, 0}};
+static smr_mesh part[PARTS];
+static const smr_model *model;
+
+static int set_up(void **state)
+{
+    const smr_prepare_config radii = rig_radii(3, 60, 30, 12);
+    (void)state;
+    for (uint32_t i = 0; i < PARTS; i++)
+        part[i] = rig_ball(22.0f, 8, 12u + 2u * i, centre[i]);
+    model = rig_model(part, PARTS, &radii);
+    return 0;
+}
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static smr_points *new_cloud(uint32_t capacity)
+{
+    smr_points *cloud = NULL;
+    size_t bytes = 0;
+    assert_int_equal(SMR_OK, smr_points_bytes(capacity, &bytes));
+    assert_true(bytes <= SMR_POINTS_BYTES(capacity));
+    assert_int_equal(SMR_OK, smr_points_open(capacity, rig_alloc(bytes), bytes, &cloud));
+    return cloud;
+}
+
+/* A point: position, normal (none: 0), weight. */
+typedef struct point {
+    float xyz[3], normal[3], weight;
+} point;
+
+static void add(smr_points *cloud, const point *p)
+{
+    assert_int_equal(SMR_OK, smr_points_add(cloud, p->xyz, p->normal, &p->weight, 1));
+}
+
+/* Near a ball, with some noise; of every third the normal is not known. */
+static point random_point(uint32_t *seed, uint32_t which, float radius, float noise)
+{
+    point p;
+    float length = 0.0f;
+    while (!(length > 0.2f && length < 1.0f)) {
+        for (uint32_t c = 0; c < 3u; c++)
+            p.normal[c] = rig_between(seed, -1, 1);
+        length = sqrtf(p.normal[0] * p.normal[0] + p.normal[1] * p.normal[1] + p.normal[2] * p.normal[2]);
+    }
+    for (uint32_t c = 0; c < 3u; c++)
+        p.xyz[c] = centre[which][c] + (radius + noise * rig_between(seed, -1, 1)) * p.normal[c] / length;
+    if (rig_random(seed, 3) == 0u)
+        memset(p.normal, 0, sizeof p.normal);
+    p.weight = rig_random(seed, 6) == 0u ? 0.0f : rig_between(seed, 0.5f, 2.0f);
+    return p;
+}
+
+/* ---- logs */
+
+typedef struct jitter {
+    uint32_t seed;
+    uint64_t time;
+} jitter;
+
+static uint64_t read_jitter(void *ctx)
+{
+    jitter *c = ctx;
+    c->time += 200u + rig_random(&c->seed, 3000) + (rig_random(&c->seed, 40) == 0u ? 60000u : 0u);
+    return c->time;
+}
+
+/* A set of the log: of which cloud, and how many points it had been given. */
+typedef struct given {
+    uint32_t cloud, n;
+} given;
+
+static struct run {
+    smr *s;
+    uint32_t seed, ticks, partial, early, late, full;
+    int has_forces, gathers;
+    point added[CLOUDS][ADDED];
+    uint32_t n_added[CLOUDS];
+    smr_points *cloud[CLOUDS], *again[CLOUDS]; /* of the run, and of its replay */
+    uint32_t n_again[CLOUDS];
+    given given[STEPS];
+    uint32_t n_given, next;
+    unsigned char log[SMR_LOG_BYTES(STEPS, STEPS)];
+} r;
+
+/* The replay's own cloud, as far as it had grown when it was set. */
+static const void *grown_cloud(void *ctx, const smr_log_record *record)
+{
+    const given *g = &r.given[r.next++];
+    (void)ctx;
+    assert_int_equal(SMR_LOG_POINTS, record->kind);
+    for (; r.n_again[g->cloud] < g->n; r.n_again[g->cloud]++)
+        add(r.again[g->cloud], &r.added[g->cloud][r.n_again[g->cloud]]);
+    return r.again[g->cloud];
+}
+
+static void set_points(uint32_t which)
+{
+    const uint32_t structure = rig_random(&r.seed, 4), more = rig_random(&r.seed, 25);
+    const int taken = rig_random(&r.seed, 8) == 0u;
+    for (uint32_t i = 0; i < more && r.n_added[which] < ADDED; i++) {
+        point *p = &r.added[which][r.n_added[which]++];
+        *p = random_point(&r.seed, which, 25.0f, 1.0f);
+        add(r.cloud[which], p);
+    }
+    r.full += r.n_added[which] > CAPACITY;
+    r.late += (uint32_t)r.has_forces;
+    r.early += (uint32_t)r.gathers;
+    r.gathers = 0;
+    /* both, for a cloud that has grown must be set again wherever it is in use */
+    for (uint32_t k = 0; k < CLOUDS; k++) {
+        const smr_points *cloud = taken && k == which ? NULL : r.cloud[k];
+        assert_int_equal(SMR_OK, smr_set_points(r.s, structure == 3u && k == which ? SMR_ALL : k, cloud));
+        if (cloud != NULL)
+            r.given[r.n_given++] = (given){k, r.n_added[k]};
+    }
+}
+
+static void tick(uint64_t budget)
+{
+    smr_tick_report report;
+    const smr_status status = smr_tick(r.s, budget, &report);
+    assert_true(status == SMR_OK || status == SMR_PARTIAL);
+    r.ticks++;
+    r.partial += status == SMR_PARTIAL;
+    r.has_forces = status == SMR_PARTIAL && report.phase != SMR_PHASE_FORCES;
+    r.gathers = status == SMR_PARTIAL && report.phase == SMR_PHASE_FORCES;
+}
+
+static smr_config random_config(uint32_t *seed)
+{
+    smr_config c = smr_config_default();
+    c.n_workers = 4;
+    c.n_target_vertices = 3 * CAPACITY;
+    c.iterations = 1u + rig_random(seed, 3);
+    c.iterations_last = 4u + rig_random(seed, 8);
+    c.node_budget = rig_random(seed, 2) ? 8u : 512u;
+    c.noise_mm = rig_random(seed, 2) ? 0.5f : 0.0f;
+    c.attraction = rig_random(seed, 3) ? 0.5f : 0.0f;
+    c.coverage = rig_random(seed, 4) ? SMR_COVERAGE_AUTO : SMR_COVERAGE_WHOLE;
+    return c;
+}
+
+static void begin_run(uint32_t seed)
+{
+    memset(&r, 0, sizeof r);
+    r.seed = seed;
+    for (uint32_t k = 0; k < CLOUDS; k++) {
+        r.cloud[k] = new_cloud(CAPACITY);
+        r.again[k] = new_cloud(CAPACITY);
+    }
+}
+
+static void replay(smr *twin)
+{
+    smr_log_state state;
+    smr_replay again;
+    smr_replay_report report;
+    assert_int_equal(SMR_OK, smr_get_log(r.s, &state));
+    assert_true(state.n_ticks == r.ticks && state.full == 0u);
+    assert_int_equal(SMR_OK, smr_replay_start(twin, r.log, state.bytes, grown_cloud, NULL, &again));
+    for (uint32_t i = 1; i <= r.ticks; i++) {
+        assert_int_equal(SMR_OK, smr_replay_tick(&again, &report));
+        assert_int_equal(0, report.differs);
+    }
+    assert_true(smr_state_hash(twin) == smr_state_hash(r.s));
+}
+
+static void test_growth_replays(void **state)
+{
+    uint32_t seed = 5, partial = 0, early = 0, late = 0, full = 0;
+    (void)state;
+    for (uint32_t n = 0; n < RUNS; n++) {
+        jitter clock = {rig_random(&seed, 1u << 27), 1000000u};
+        const smr_port recording = {&clock, 1u + n % 4u, NULL, read_jitter};
+        const smr_port other = rig_port(n % RIG_SCHEDULERS, 1u + n / 4u % 4u);
+        begin_run(rig_random(&seed, 1u << 27));
+        smr_config config = random_config(&r.seed);
+        r.s = rig_init(model, &config, &recording);
+        assert_int_equal(SMR_OK, smr_set_log(r.s, r.log, sizeof r.log));
+        for (uint32_t step = 0; step < STEPS / 2u; step++) {
+            if (rig_random(&r.seed, 3) == 0u)
+                set_points(rig_random(&r.seed, CLOUDS));
+            tick(rig_random(&r.seed, 4) == 0u ? 0u
+                                              : (uint64_t)(10u + rig_random(&r.seed, 1000)) << rig_random(&r.seed, 12));
+        }
+        config.n_workers = other.n_workers;
+        replay(rig_init(model, &config, &other));
+        partial += r.partial;
+        early += r.early;
+        late += r.late;
+        full += r.full;
+    }
+    assert_true(partial > 5u * RUNS && early > RUNS / 2u && late > RUNS / 4u && full > RUNS / 4u);
+}
+
+/* A replay that gets another cloud says so. */
+static void test_another_cloud_is_told(void **state)
+{
+    smr_replay again;
+    smr_replay_report report;
+    smr_log_state log;
+    smr_config config;
+    (void)state;
+    begin_run(3);
+    config = random_config(&r.seed);
+    r.s = rig_init(model, &config, NULL);
+    assert_int_equal(SMR_OK, smr_set_log(r.s, r.log, sizeof r.log));
+    add(r.cloud[0], &(point){{22, 0, 0}, {1, 0, 0}, 1});
+    assert_int_equal(SMR_OK, smr_set_points(r.s, SMR_ALL, r.cloud[0]));
+    tick(0);
+    r.given[0] = (given){0, 1};
+    r.added[0][0] = (point){{22, 0, 0}, {1, 0, 0}, 1.5f}; /* another weight */
+    assert_int_equal(SMR_OK, smr_get_log(r.s, &log));
+    assert_int_equal(SMR_OK,
+                     smr_replay_start(rig_init(model, &config, NULL), r.log, log.bytes, grown_cloud, NULL, &again));
+    assert_int_equal(SMR_E_INPUT, smr_replay_tick(&again, &report));
+    assert_int_equal(SMR_LOG_POINTS, report.record.kind);
+}
+
+/* ---- what is reached */
+
+static smr *run_onto(const smr_points *cloud, uint32_t n, const smr_port *port, uint32_t workers)
+{
+    smr_config c = smr_config_default();
+    c.n_target_vertices = n;
+    c.n_workers = workers;
+    smr *s = rig_init(model, &c, port);
+    assert_int_equal(SMR_OK, smr_set_points(s, 0, cloud));
+    assert_int_equal(1, rig_run(s, 1000).done);
+    return s;
+}
+
+static void radii_of(const smr *s, float *radius)
+{
+    float *xyz = rig_alloc(3u * part[0].n_vertices * sizeof *xyz);
+    assert_int_equal(SMR_OK, smr_get_positions(s, 0, xyz));
+    for (uint32_t v = 0; v < part[0].n_vertices; v++) {
+        const float *p = xyz + 3u * (size_t)v;
+        radius[v] = sqrtf(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+    }
+}
+
+static float mean_difference(const float *a, const float *b)
+{
+    float sum = 0.0f;
+    for (uint32_t v = 0; v < part[0].n_vertices; v++)
+        sum += fabsf(a[v] - b[v]);
+    return sum / (float)part[0].n_vertices;
+}
+
+/* Against points without noise: vertices of a coarse ball lie outside the sphere that its facets are laid onto. */
+static void test_noise_averages(void **state)
+{
+    enum { MANY = 1500 };
+    float *radius[2];
+    smr_verdict verdict;
+    (void)state;
+    for (uint32_t k = 0; k < 2u; k++) {
+        smr_points *cloud = new_cloud(MANY);
+        uint32_t seed = 9;
+        for (uint32_t i = 0; i < MANY; i++) {
+            const point p = random_point(&seed, 0, 24.0f, (float)k);
+            add(cloud, &p);
+        }
+        smr *s = run_onto(cloud, MANY, NULL, 1);
+        radius[k] = rig_alloc(part[0].n_vertices * sizeof(float));
+        radii_of(s, radius[k]);
+        assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &verdict));
+        assert_true(verdict.seen_share > 0.95f && verdict.target_covered > 0.95f && verdict.normals_agree > 0.95f);
+        assert_true(k == 0u || (verdict.residual_mm > 0.3f && verdict.residual_mm < 0.9f));
+    }
+    assert_true(mean_difference(radius[0], radius[1]) < 0.1f); /* a point is 0.5 off in the mean */
+    for (uint32_t v = 0; v < part[0].n_vertices; v++)
+        assert_true(radius[0][v] > 24.0f && radius[0][v] < 26.0f);
+}
+
+static void test_workers_change_no_bit(void **state)
+{
+    smr_points *cloud = new_cloud(CAPACITY);
+    uint32_t seed = 11;
+    uint64_t hash = 0;
+    (void)state;
+    for (uint32_t i = 0; i < CAPACITY; i++) {
+        const point p = random_point(&seed, 0, 24.0f, 0.5f);
+        add(cloud, &p);
+    }
+    for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
+        const smr_port port = rig_port(k, 1u + k);
+        const uint64_t now = smr_state_hash(run_onto(cloud, CAPACITY, &port, 1u + k));
+        assert_true(k == 0u || now == hash);
+        hash = now;
+    }
+}
+
+/* Within its noise a point pulls nothing. */
+static void test_noise_pulls_nothing(void **state)
+{
+    smr_points *cloud = new_cloud(CAPACITY);
+    smr_config c = smr_config_default();
+    smr_tick_report report = {0};
+    float *radius[3];
+    uint32_t seed = 2;
+    (void)state;
+    for (uint32_t k = 0; k < 3u; k++)
+        radius[k] = rig_alloc(part[0].n_vertices * sizeof(float));
+    for (uint32_t i = 0; i < CAPACITY; i++) {
+        const point p = random_point(&seed, 0, 22.5f, 0.0f);
+        add(cloud, &p);
+    }
+    c.n_target_vertices = CAPACITY;
+    c.coverage = SMR_COVERAGE_WHOLE;
+    radii_of(rig_init(model, &c, NULL), radius[2]);
+    for (uint32_t k = 0; k < 2u; k++) {
+        c.noise_mm = k == 0u ? 0.0f : 5.0f;
+        smr *s = rig_init(model, &c, NULL);
+        assert_int_equal(SMR_OK, smr_set_points(s, 0, cloud));
+        do
+            assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+        while (!report.done);
+        radii_of(s, radius[k]);
+    }
+    assert_true(mean_difference(radius[0], radius[2]) > 0.2f && mean_difference(radius[1], radius[2]) < 1e-4f);
+}
+
+/* Some 20 points hold one side; the far side follows, and is not said to be seen. */
+static void test_one_side(void **state)
+{
+    static const float turn[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, shift[3] = {3, 1, -2};
+    smr_points *cloud = new_cloud(CAPACITY);
+    unsigned char *seen = rig_alloc(part[0].n_vertices);
+    const smr_mesh truth = rig_moved(&part[0], turn, shift);
+    float *xyz = rig_alloc(3u * part[0].n_vertices * sizeof *xyz);
+    uint32_t front = 0, back = 0, n = 0;
+    (void)state;
+    for (uint32_t v = 0; v < truth.n_vertices; v++) {
+        const float *p = truth.xyz + 3u * (size_t)v;
+        if (p[2] > 3.0f && n++ < CAPACITY)
+            add(cloud, &(point){{p[0], p[1], p[2]}, {0, 0, 0}, 1});
+    }
+    smr *s = run_onto(cloud, CAPACITY, NULL, 1);
+    assert_int_equal(SMR_OK, smr_get_positions(s, 0, xyz));
+    assert_int_equal(SMR_OK, smr_get_seen(s, 0, seen));
+    for (uint32_t v = 0; v < part[0].n_vertices; v++) {
+        front += seen[v] && part[0].xyz[3u * (size_t)v + 2u] > 5.0f;
+        back += seen[v] && part[0].xyz[3u * (size_t)v + 2u] < -15.0f;
+    }
+    assert_true(front > 20u && back == 0u);
+    assert_true(rig_far(xyz, truth.xyz, truth.n_vertices) < 2.0f);
+}
+
+/* A bone, for a ball could turn about itself. */
+static void test_moved_inputs(void **state)
+{
+    static const float far[3] = {120, -35, 64};
+    enum { BONE = 2000 };
+    smr_mesh bone, goal;
+    float turn[9], *xyz[2];
+    (void)state;
+    rig_bone(9000, 1.0f, &bone, &goal);
+    rig_rotation(1, 2, -1, 40, turn);
+    const smr_mesh moved_goal = rig_moved(&goal, turn, far);
+    const smr_model *one = rig_model(&bone, 1, NULL);
+    const smr_pose pose = {{{turn[0], turn[1], turn[2], far[0]},
+                            {turn[3], turn[4], turn[5], far[1]},
+                            {turn[6], turn[7], turn[8], far[2]}}};
+    for (uint32_t k = 0; k < 2u; k++) {
+        smr_points *cloud = new_cloud(BONE);
+        smr_config c = smr_config_default();
+        c.n_target_vertices = BONE;
+        c.coverage = SMR_COVERAGE_WHOLE; /* which vertices are controls of what is unseen depends on last bits */
+        for (uint32_t i = 0; i < BONE && i < goal.n_vertices; i++)
+            assert_int_equal(
+                SMR_OK, smr_points_add(cloud, (k == 0u ? &goal : &moved_goal)->xyz + 3u * (size_t)i, NULL, NULL, 1));
+        smr *s = rig_init(one, &c, NULL);
+        if (k == 1u)
+            assert_int_equal(SMR_OK, smr_set_pose(s, &pose));
+        assert_int_equal(SMR_OK, smr_set_points(s, 0, cloud));
+        assert_int_equal(1, rig_run(s, 1000).done);
+        xyz[k] = rig_positions(s, one);
+    }
+    const smr_mesh first = {xyz[0], NULL, bone.n_vertices, 0};
+    const float apart = rig_far(rig_moved(&first, turn, far).xyz, xyz[1], bone.n_vertices);
+    if (getenv("SMR_TEST_SHOW") != NULL)
+        print_message("%u vertices, moved inputs: %.4f mm apart\n", bone.n_vertices, (double)apart);
+    assert_true(apart < 0.002f);
+}
+
+/* ---- what is refused */
+
+static void test_refused(void **state)
+{
+    static const float bad[] = {NAN, INFINITY, 1.1e5f, -2e5f};
+    smr_points *cloud = new_cloud(4), *out = cloud;
+    smr_surface *surface = NULL;
+    smr_config c = smr_config_default();
+    unsigned char *memory = rig_alloc(4096);
+    point p = {{1, 2, 3}, {0, 0, 2}, 1};
+    size_t bytes = 7;
+    uint32_t n = 9;
+    (void)state;
+    assert_int_equal(SMR_E_NULL, smr_points_bytes(1, NULL));
+    assert_int_equal(SMR_E_INPUT, smr_points_bytes(0, &bytes));
+    assert_int_equal(SMR_E_INPUT, smr_points_bytes(SMR_VERTICES_MAX + 1u, &bytes));
+    assert_int_equal(7, bytes);
+    assert_int_equal(SMR_E_NULL, smr_points_open(1, NULL, 4096, &out));
+    assert_int_equal(SMR_E_NULL, smr_points_open(1, memory, 4096, NULL));
+    assert_int_equal(SMR_E_ALIGN, smr_points_open(1, memory + 4, 4000, &out));
+    assert_int_equal(SMR_E_INPUT, smr_points_open(0, memory, 4096, &out));
+    assert_int_equal(SMR_OK, smr_points_bytes(8, &bytes));
+    assert_int_equal(SMR_E_ARENA, smr_points_open(8, memory, bytes - 1u, &out));
+    assert_ptr_equal(cloud, out);
+    for (uint32_t i = 0; i < 7u; i++)
+        for (uint32_t k = 0; k < 4u; k++) {
+            point q = p;
+            *(i < 3u ? &q.xyz[i] : i < 6u ? &q.normal[i - 3u] : &q.weight) = bad[k];
+            assert_int_equal(SMR_E_INPUT, smr_points_add(cloud, q.xyz, q.normal, &q.weight, 1));
+        }
+    p.weight = -1.0f;
+    assert_int_equal(SMR_E_INPUT, smr_points_add(cloud, p.xyz, NULL, &p.weight, 1));
+    assert_int_equal(SMR_E_INPUT, smr_points_add(cloud, part[0].xyz, NULL, NULL, 5));
+    assert_int_equal(SMR_E_NULL, smr_points_add(cloud, NULL, NULL, NULL, 1));
+    assert_int_equal(SMR_OK, smr_points_add(cloud, NULL, NULL, NULL, 0));
+    assert_int_equal(SMR_E_STATE, smr_points_add((smr_points *)(void *)memory, p.xyz, NULL, NULL, 1));
+    assert_int_equal(SMR_OK, smr_points_count(cloud, &n));
+    assert_int_equal(0, n);
+    assert_int_equal(SMR_E_INPUT, smr_points_surface(cloud, memory, 4096, &surface)); /* empty */
+    /* a registration */
+    c.n_target_vertices = 3;
+    smr *s = rig_init(model, &c, NULL);
+    assert_int_equal(SMR_E_ARENA, smr_set_points(s, SMR_ALL, cloud));
+    assert_int_equal(SMR_E_INPUT, smr_set_points(s, PARTS, cloud));
+    assert_int_equal(SMR_E_STATE, smr_set_points(s, 0, (const smr_points *)(const void *)memory));
+    assert_int_equal(SMR_E_NULL, smr_set_points(NULL, 0, cloud));
+    c.n_target_vertices = 0;
+    assert_int_equal(SMR_E_ARENA, smr_set_points(rig_init(model, &c, NULL), SMR_ALL, cloud));
+    c.n_target_vertices = 4;
+    s = rig_init(model, &c, NULL);
+    assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, cloud));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL)); /* an empty cloud shows nothing */
+    assert_int_equal(SMR_OK, smr_points_add(cloud, p.xyz, NULL, NULL, 1));
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, cloud));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_points_clear(cloud));
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+}
+
+/* Any points, however they lie, keep every position finite. */
+static void test_hostile_points(void **state)
+{
+    uint32_t seed = 77;
+    (void)state;
+    for (uint32_t n = 0; n < 40u; n++) {
+        const float size = n % 4u == 0u ? 1.0e5f : (n % 4u == 1u ? 1.0e-6f : 60.0f);
+        smr_points *cloud = new_cloud(CAPACITY);
+        smr_config c = random_config(&seed);
+        c.n_workers = 1;
+        c.search_mm = 1.0e5f;
+        smr *s = rig_init(model, &c, NULL);
+        for (uint32_t i = 0; i < 3u * CAPACITY; i++) {
+            point p = {{0, 0, 0}, {0, 0, 0}, rig_between(&seed, 0, 4)};
+            for (uint32_t k = 0; k < 3u; k++) {
+                p.xyz[k] = rig_random(&seed, 5) ? rig_between(&seed, -size, size) : part[0].xyz[3u * (i % 50u) + k];
+                p.normal[k] = rig_random(&seed, 3) ? rig_between(&seed, -1, 1) : 0.0f;
+            }
+            add(cloud, &p);
+            if (i % 16u == 0u) {
+                assert_int_equal(SMR_OK, smr_set_points(s, i % 32u ? SMR_ALL : 0u, i % 64u ? cloud : NULL));
+                assert_int_equal(SMR_OK, smr_set_points(s, 1, cloud));
+                if (i % 32u == 0u)
+                    assert_int_equal(SMR_OK, smr_set_points(s, 0, cloud));
+                assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+            }
+        }
+        assert_true(rig_finite(rig_positions(s, model), part[0].n_vertices + part[1].n_vertices));
+    }
+}
+
+/* The nearest of all points, and its normal. */
+static void test_nearest_point(void **state)
+{
+    smr_points *cloud = new_cloud(CAPACITY);
+    smr_surface *surface = NULL;
+    point all[CAPACITY];
+    uint32_t seed = 4;
+    size_t bytes = 0;
+    (void)state;
+    for (uint32_t i = 0; i < CAPACITY; i++) {
+        all[i] = random_point(&seed, 0, 20.0f, 5.0f);
+        add(cloud, &all[i]);
+    }
+    assert_int_equal(SMR_OK, smr_points_surface_bytes(CAPACITY, &bytes));
+    assert_int_equal(SMR_E_ARENA, smr_points_surface(cloud, rig_alloc(bytes), bytes - 1u, &surface));
+    assert_int_equal(SMR_OK, smr_points_surface(cloud, rig_alloc(bytes), bytes, &surface));
+    for (uint32_t k = 0; k < 50u; k++) {
+        const point q = random_point(&seed, 0, 15.0f, 10.0f);
+        float least = 1.0e9f;
+        uint32_t best = 0;
+        smr_closest hit;
+        for (uint32_t i = 0; i < CAPACITY; i++) {
+            const float d = rig_far(q.xyz, all[i].xyz, 1);
+            best = d < least ? i : best;
+            least = d < least ? d : least;
+        }
+        assert_int_equal(SMR_OK, smr_surface_closest(surface, q.xyz, NULL, -1.0f, 1000.0f, &hit));
+        assert_true(hit.triangle == best && fabsf(hit.distance - least) < 1e-4f && hit.on_border == 0u);
+    }
+    smr_config c = smr_config_default();
+    assert_int_equal(SMR_E_STATE, smr_set_surface(rig_init(model, &c, NULL), 0, surface));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_growth_replays, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_another_cloud_is_told, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_noise_averages, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_workers_change_no_bit, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_noise_pulls_nothing, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_one_side, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_moved_inputs, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_refused, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_hostile_points, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_nearest_point, set_up, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,144 @@
+/* test_box_tree_near.c: the triangles that are nearly the nearest: all of them are found, and their shares change
+ * continuously.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+
+#include "unit_tree.h"
+
+/* The squared distance of triangle i alone; negative when it is not acceptable. */
+static float distance2_of(const smr_facets *f, const smr_query *q, uint32_t i)
+{
+    const smr_facets single = {f->xyz, f->triangle + 3u * (size_t)i, f->normal + 3u * (size_t)i, NULL, NULL, 1, 0, {0}};
+    smr_hit one = {1.0e12f, SMR_NONE, {0, 0, 0}};
+    unit_closest(&single, q, &one);
+    return one.triangle == SMR_NONE ? -1.0f : one.d2;
+}
+
+static int has(const smr_near_list *list, uint32_t triangle)
+{
+    for (uint32_t i = 0; i < list->n; i++)
+        if (list->item[i].triangle == triangle)
+            return 1;
+    return 0;
+}
+
+/* All acceptable triangles within a tenth beyond the closest, no shares beyond that, and the shares add up to 1. */
+static void near_ones_are_all_of_them(void **state)
+{
+    oracle_random r = oracle_seed(75);
+    uint32_t several = 0;
+    (void)state;
+    for (uint32_t k = 0; k < 8u; k++) {
+        unit_mesh m = k % 2u == 0u ? unit_soup(&r, 40u + 60u * k, 100.0f, k % 4u == 0u) : unit_sphere(2, 50.0f, 20.0f);
+        uint32_t *triangles;
+        smr_facets f = unit_plant(&m, &triangles);
+        for (uint32_t round = 0; round < 300u; round++) {
+            const smr_query q = unit_query(&r, &m, round);
+            smr_hit closest = {1.0e12f, SMR_NONE, {0, 0, 0}}, hit = closest;
+            smr_near_list list;
+            float sum = 0.0f;
+            smr_tree_closest(&f, &q, &closest);
+            smr_tree_near(&f, &q, &hit, &list);
+            assert_true(hit.triangle == closest.triangle && hit.d2 == closest.d2);
+            assert_true((list.n == 0u) == (hit.triangle == SMR_NONE) && list.n <= SMR_NEAR_MOST);
+            for (uint32_t i = 0; i < list.n; i++) {
+                const float d2 = distance2_of(&f, &q, list.item[i].triangle);
+                assert_true(d2 >= 0.0f && list.item[i].share >= 0.0f);
+                assert_true(d2 <= 1.2101f * hit.d2 || list.item[i].share == 0.0f);
+                sum += list.item[i].share;
+                several += list.item[i].share > 0.0f && list.item[i].triangle != hit.triangle;
+            }
+            assert_true(list.n == 0u || fabsf(sum - 1.0f) < 1.0e-5f);
+            for (uint32_t i = 0; i < m.nt && list.n > 1u && list.n < SMR_NEAR_MOST; i++) {
+                const float d2 = distance2_of(&f, &q, i);
+                assert_true(d2 < 0.0f || d2 > 1.2099f * hit.d2 || has(&list, i));
+            }
+        }
+        unit_uproot(&f, triangles);
+        unit_mesh_free(&m);
+    }
+    assert_true(several > 300u);
+}
+
+/* From one sheet to another that lies opposite: the mean place goes there bit by bit, the closest one jumps. */
+static void near_ones_take_over_gradually(void **state)
+{
+    unit_mesh m = unit_mesh_new(6, 2);
+    uint32_t *triangles;
+    float last = 0.0f, jump = 0.0f;
+    (void)state;
+    for (uint32_t i = 0; i < 6u; i++) {
+        m.xyz[3u * i] = i < 3u ? -10.0f : 10.0f;
+        m.xyz[3u * i + 1u] = i % 3u == 1u ? 30.0f : -15.0f;
+        m.xyz[3u * i + 2u] = i % 3u == 2u ? 30.0f : -15.0f;
+        m.triangles[i] = i;
+    }
+    smr_facets f = unit_plant(&m, &triangles);
+    for (int step = -4000; step <= 4000; step++) {
+        const smr_query q = {smr_v(0.001f * (float)step, 0, 0), smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
+        smr_hit hit = {1.0e12f, SMR_NONE, {0, 0, 0}};
+        smr_near_list list;
+        float mean = 0.0f;
+        smr_tree_near(&f, &q, &hit, &list);
+        for (uint32_t i = 0; i < list.n; i++)
+            mean += list.item[i].share * smr_facet_point(&f, list.item[i].triangle, list.item[i].weight).x;
+        jump = step > -4000 ? fmaxf(jump, fabsf(mean - last)) : 0.0f;
+        last = mean;
+    }
+    assert_true(fabsf(last - 10.0f) < 1.0e-4f); /* it has arrived, */
+    assert_true(jump < 0.06f);                  /* by steps of a 300th of the way at most */
+    unit_uproot(&f, triangles);
+    unit_mesh_free(&m);
+}
+
+/* With however small a node budget, the nearest known triangle has its share. Where more are near than the list
+ * holds, the last bits do not decide which are kept. */
+static void near_ones_end_where_room_or_budget_do(void **state)
+{
+    oracle_random r = oracle_seed(76);
+    unit_mesh m = unit_grid(60, 60, 2.0f);
+    uint32_t *triangles, full = 0;
+    (void)state;
+    for (uint32_t i = 0; i < m.nv; i++)
+        m.xyz[3u * (size_t)i + 2u] = oracle_uniformf(&r, -0.2f, 0.2f);
+    smr_facets f = unit_plant(&m, &triangles);
+    for (uint32_t k = 0; k < 400u; k++) {
+        smr_query q = {smr_v(oracle_uniformf(&r, 20, 100), oracle_uniformf(&r, 20, 100), k % 2u == 0u ? 10.0f : 20.0f),
+                       smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
+        smr_hit closest = {1.0e12f, SMR_NONE, {0, 0, 0}}, hit = closest;
+        smr_near_list list;
+        float most = 0.0f;
+        smr_tree_near(&f, &q, &closest, &list);
+        if (list.n == SMR_NEAR_MOST) {
+            full++;
+            for (uint32_t i = 0; i < list.n; i++) /* the farthest in the list is about to leave it */
+                most = fmaxf(most, list.item[i].d2);
+            for (uint32_t i = 0; i < list.n; i++)
+                assert_true(list.item[i].d2 < most || list.item[i].share < 0.05f);
+            assert_true(list.cut2 >= most);
+        }
+        q.node_budget = 8;
+        q.warm = closest.triangle;
+        smr_tree_near(&f, &q, &hit, &list);
+        assert_int_equal(closest.triangle, hit.triangle);
+        float nearest = 0.0f;
+        for (uint32_t i = 0; i < list.n; i++)
+            nearest = list.item[i].triangle == hit.triangle ? list.item[i].share : nearest;
+        assert_true(nearest > 0.0f);
+    }
+    assert_true(full > 100u);
+    unit_uproot(&f, triangles);
+    unit_mesh_free(&m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(near_ones_are_all_of_them),
+        cmocka_unit_test(near_ones_take_over_gradually),
+        cmocka_unit_test(near_ones_end_where_room_or_budget_do),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,296 @@
+/* test_caller.c: goals and forces of the caller's own: refused where they are wrong, blended by weight, the same bits
+ * for any port, found out when they break their contract, and repeated from a log.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/registration.h"
+
+enum { LOG = 65536 };
+
+static smr_mesh ball;
+static const smr_model *model;
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static smr_config config_of(uint32_t goals, uint32_t force)
+{
+    smr_config c = smr_config_default();
+    c.caller_goals = goals;
+    c.caller_force = force;
+    c.iterations_last = 30;
+    return c;
+}
+
+static smr *start(uint32_t goals, uint32_t force, const smr_port *port)
+{
+    const smr_prepare_config radii = rig_radii(2, 30, 0.1f, 0);
+    const float at[3] = {100, 200, -300};
+    smr_config config = config_of(goals, force);
+    config.n_workers = port != NULL ? port->n_workers : 1u;
+    ball = rig_ball(20, 10, 14, at);
+    model = rig_model(&ball, 1, &radii);
+    return rig_init(model, &config, port);
+}
+
+/* Where a vertex of the rest shape is drawn to. */
+static void bent(const float *p, float *to)
+{
+    to[0] = p[0] + 3.0f;
+    to[1] = p[1] + 0.01f * (p[2] + 300.0f) * (p[2] + 300.0f);
+    to[2] = 1.1f * (p[2] + 300.0f) - 300.0f;
+}
+
+static float *bent_goals(void)
+{
+    float *xyz = rig_alloc(3u * (size_t)ball.n_vertices * sizeof(float));
+    for (uint32_t i = 0; i < ball.n_vertices; i++)
+        bent(ball.xyz + 3u * (size_t)i, xyz + 3u * (size_t)i);
+    return xyz;
+}
+
+static void test_refused(void **state)
+{
+    smr *s = start(1, SMR_CALLER_ON, NULL);
+    float *xyz = bent_goals(), *weight = rig_alloc(ball.n_vertices * sizeof(float));
+    (void)state;
+    memset(weight, 0, ball.n_vertices * sizeof *weight);
+    assert_int_equal(SMR_E_NULL, smr_set_goals(NULL, 0, xyz, NULL));
+    assert_int_equal(SMR_E_NULL, smr_set_force(NULL, NULL, NULL));
+    assert_int_equal(SMR_E_INPUT, smr_set_goals(s, 1, xyz, NULL));
+    assert_int_equal(SMR_E_INPUT, smr_set_goals(s, SMR_ALL, NULL, NULL));
+    weight[3] = -1.0f;
+    assert_int_equal(SMR_E_INPUT, smr_set_goals(s, 0, xyz, weight));
+    weight[3] = NAN;
+    assert_int_equal(SMR_E_INPUT, smr_set_goals(s, 0, xyz, weight));
+    weight[3] = 1.0f;
+    assert_int_equal(SMR_OK, smr_set_goals(s, 0, xyz, weight));
+    xyz[7] = INFINITY;
+    assert_int_equal(SMR_E_INPUT, smr_set_goals(s, 0, xyz, NULL));
+    assert_ptr_equal(weight, s->forces.caller.goals[0].weights); /* those before stay */
+    assert_int_equal(SMR_OK, smr_set_goals(s, 0, NULL, NULL));
+    s = start(0, SMR_CALLER_OFF, NULL);
+    xyz[7] = 0.0f;
+    assert_int_equal(SMR_E_ARENA, smr_set_goals(s, 0, xyz, NULL));
+    assert_int_equal(SMR_E_ARENA, smr_set_force(s, NULL, NULL));
+}
+
+static void test_bytes(void **state)
+{
+    size_t none = 0, some = 0;
+    const smr_config off = config_of(0, SMR_CALLER_OFF), on = config_of(1, SMR_CALLER_CHECKED);
+    (void)state;
+    (void)start(0, SMR_CALLER_OFF, NULL);
+    assert_int_equal(SMR_OK, smr_arena_bytes(model, &off, &none));
+    assert_int_equal(SMR_OK, smr_arena_bytes(model, &on, &some));
+    assert_true(some > none);
+#if !defined(__SANITIZE_ADDRESS__)
+    assert_true(some <= none + SMR_CALLER_BYTES(ball.n_vertices, 1));
+#endif
+}
+
+/* Goals are reached; those with weight 0 are none; they are taken away. */
+static void test_goals(void **state)
+{
+    smr *s = start(1, SMR_CALLER_OFF, NULL);
+    const float *goal = bent_goals();
+    float *weight = rig_alloc(ball.n_vertices * sizeof(float));
+    smr_structure_report report;
+    smr_verdict verdict;
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_goals(s, 0, goal, NULL));
+    smr_tick_report last = rig_run(s, 1000);
+    assert_true(last.done && last.n_forces == ball.n_vertices && last.residual_max_mm < 0.01f);
+    assert_true(rig_far(rig_positions(s, model), goal, ball.n_vertices) < 0.01f);
+    assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &report));
+    assert_int_equal(1, report.has_target);
+    assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &verdict));
+    assert_true(verdict.seen_share > 0.99f && verdict.residual_mm < 0.01f);
+    s = start(1, SMR_CALLER_OFF, NULL);
+    for (uint32_t i = 0; i < ball.n_vertices; i++)
+        weight[i] = i % 2u != 0u ? 0.5f : 0.0f;
+    assert_int_equal(SMR_OK, smr_set_goals(s, 0, goal, weight));
+    last = rig_run(s, 3);
+    assert_int_equal(ball.n_vertices / 2u, last.n_forces);
+    assert_int_equal(SMR_OK, smr_set_goals(s, 0, NULL, NULL));
+    last = rig_run(s, 1);
+    assert_int_equal(0, last.n_forces);
+}
+
+/* The same as a force: where each vertex is drawn follows from its place at rest. Notes what it saw. */
+typedef struct pull {
+    uint32_t n_vertices, wild;
+    float weight, far;
+} pull;
+
+static void draw(void *ctx, const smr_force_view *view, float *way, float *weight)
+{
+    const pull *p = ctx;
+    for (uint32_t i = 0; i < view->n; i++) {
+        float to[3];
+        bent(view->rest + 3u * (size_t)i, to);
+        for (uint32_t c = 0; c < 3u; c++)
+            way[3u * i + c] += to[c] - view->xyz[3u * i + c];
+        weight[i] += p->weight;
+        if (view->structure[i] != 0u || view->vertex[i] >= p->n_vertices)
+            way[3u * i] += NAN;
+    }
+    if (p->wild && view->n > 2u)
+        way[5] = p->far;
+}
+
+static uint64_t forced(const smr_port *port, uint32_t how, float *off)
+{
+    smr *s = start(0, how, port);
+    pull p = {ball.n_vertices, 0, 2.0f, 0.0f};
+    assert_int_equal(SMR_OK, smr_set_force(s, draw, &p));
+    assert_true(rig_run(s, 1000).done);
+    *off = rig_far(rig_positions(s, model), bent_goals(), ball.n_vertices);
+    return smr_state_hash(s);
+}
+
+static void test_force(void **state)
+{
+    float off = 0.0f;
+    const uint64_t hash = forced(NULL, SMR_CALLER_ON, &off);
+    (void)state;
+    assert_true(off < 0.01f);
+    for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
+        const smr_port port = rig_port(k, 6);
+        assert_true(forced(&port, SMR_CALLER_CHECKED, &off) == hash);
+    }
+}
+
+/* Ways are averaged by weight. */
+static void test_blend(void **state)
+{
+    smr_vec way = smr_v(1, 0, 0);
+    float weight = 0.0f;
+    (void)state;
+    smr_blend(&way, &weight, smr_v(3, 0, 0), 0.0f);
+    assert_true(way.x == 1.0f && weight == 0.0f);
+    smr_blend(&way, &weight, smr_v(0, 3, 0), 0.5f); /* what is no goal does not count */
+    assert_true(way.x == 0.0f && way.y == 3.0f && weight == 0.5f);
+    smr_blend(&way, &weight, smr_v(0, 0, 8), 1.5f);
+    assert_true(way.y == 0.75f && way.z == 6.0f && weight == 2.0f);
+}
+
+/* Beside a surface: half of the way to goals that lie 4 mm above it, where they weigh as much. */
+static void test_beside_a_surface(void **state)
+{
+    smr *s = start(1, SMR_CALLER_OFF, NULL);
+    const float away[3] = {4, 0, 0}, unit[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const smr_mesh moved = rig_moved(&ball, unit, away);
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&ball)));
+    assert_int_equal(SMR_OK, smr_set_goals(s, 0, moved.xyz, NULL));
+    (void)rig_run(s, 1000);
+    float x = 0.0f;
+    const float *xyz = rig_positions(s, model);
+    for (uint32_t i = 0; i < ball.n_vertices; i++)
+        x += (xyz[3u * i] - ball.xyz[3u * i]) / (float)ball.n_vertices;
+    assert_true(x > 1.0f && x < 3.5f);
+}
+
+/* A force that remembers is found out, and so is one that gives what is not a number; it can be set again. */
+static void forgets(void *ctx, const smr_force_view *view, float *way, float *weight)
+{
+    uint32_t *calls = ctx;
+    way[0] = (float)++*calls;
+    weight[0] = (float)(view->n > 0u);
+}
+
+static void test_broken(void **state)
+{
+    smr *s = start(0, SMR_CALLER_ON, NULL);
+    uint32_t calls = 0;
+    pull p = {ball.n_vertices, 1, 1.0f, NAN};
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_force(s, forgets, &calls));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL)); /* nobody looks */
+    s = start(0, SMR_CALLER_CHECKED, NULL);
+    const uint64_t before = smr_state_hash(s);
+    assert_int_equal(SMR_OK, smr_set_force(s, forgets, &calls));
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_set_force(s, draw, &p)); /* not a number */
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    p.far = 2e5f;
+    assert_int_equal(SMR_OK, smr_set_force(s, draw, &p));
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    assert_true(smr_state_hash(s) == before);
+    p.wild = 0;
+    assert_int_equal(SMR_OK, smr_set_force(s, draw, &p));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_set_force(s, NULL, NULL));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+}
+
+/* Inputs of the replay, in turn. */
+typedef struct inputs {
+    smr_goals goals;
+    smr_caller_force force;
+} inputs;
+
+static const void *input(void *ctx, const smr_log_record *record)
+{
+    const inputs *in = ctx;
+    return record->kind == SMR_LOG_GOALS ? (const void *)&in->goals : (const void *)&in->force;
+}
+
+static void test_replay(void **state)
+{
+    static unsigned char log[LOG];
+    rig_clock clock;
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    smr *s = start(1, SMR_CALLER_ON, &port);
+    pull p = {ball.n_vertices, 0, 1.0f, 0.0f}, other = {ball.n_vertices, 0, 1.5f, 0.0f};
+    inputs in = {{bent_goals(), NULL}, {draw, &p}};
+    smr_log_state wrote;
+    smr_replay replay;
+    smr_replay_report report = {0};
+    uint32_t seed = 3, partial = 0;
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
+    for (uint32_t tick = 0; tick < 120u; tick++) {
+        if (tick % 5u == 0u)
+            assert_int_equal(SMR_OK, smr_set_goals(s, 0, tick % 2u != 0u ? in.goals.xyz : NULL, NULL));
+        if (tick % 7u == 3u)
+            assert_int_equal(SMR_OK, smr_set_force(s, tick % 2u != 0u ? draw : NULL, &p));
+        partial += smr_tick(s, 10000u + rig_random(&seed, 60000u), NULL) == SMR_PARTIAL;
+    }
+    assert_true(partial > 20u);
+    assert_int_equal(SMR_OK, smr_get_log(s, &wrote));
+    assert_int_equal(0, wrote.full);
+    for (uint32_t round = 0; round < 2u; round++) {
+        uint32_t differ = 0;
+        in.force.ctx = round == 0u ? &p : &other; /* another force is told at its first tick */
+        memset(&report, 0, sizeof report);
+        assert_int_equal(SMR_OK, smr_replay_start(start(1, SMR_CALLER_ON, NULL), log, wrote.bytes, input, &in, &replay));
+        in.goals.xyz = bent_goals();
+        while (!report.ended && differ == 0u) {
+            assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));
+            differ += report.differs;
+        }
+        assert_true(round == 0u ? differ == 0u && report.tick == 120u : differ == 1u);
+        assert_true(round == 0u || report.record.checksum != report.found.checksum);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_refused, tidy), cmocka_unit_test_teardown(test_bytes, tidy),
+        cmocka_unit_test_teardown(test_goals, tidy),   cmocka_unit_test_teardown(test_force, tidy),
+        cmocka_unit_test(test_blend),                  cmocka_unit_test_teardown(test_beside_a_surface, tidy),
+        cmocka_unit_test_teardown(test_broken, tidy),  cmocka_unit_test_teardown(test_replay, tidy)};
+    return cmocka_run_group_tests_name("caller", tests, NULL, NULL);
+}

@@ -1,0 +1,318 @@
+/* test_carry.c: carried points: exact at vertices, exact for similarities, near the truth under a smooth deformation,
+ * there and back, the same bits for any order and number of workers; sizes, statuses, degenerate shapes, frames.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "carry/carry.h"
+#include "unit_mesh.h"
+
+#define POINTS 300u
+
+typedef struct bound {
+    void *memory; /* owned */
+    smr_carry *carry;
+} bound;
+
+static bound bind_with(const unit_mesh *m, const float *points, uint32_t n, const smr_port *port)
+{
+    bound b = {NULL, NULL};
+    size_t bytes = 0;
+    assert_int_equal(smr_carry_bytes(m->nv, n, port != NULL ? port->n_workers : 1u, &bytes), SMR_OK);
+    b.memory = unit_memory(bytes);
+    assert_int_equal(smr_carry_fit(m->xyz, m->nv, points, n, port, b.memory, bytes, &b.carry), SMR_OK);
+    return b;
+}
+
+/* A smooth map with a bend of some millimetres. */
+static void bend(const float *p, float *q)
+{
+    q[0] = p[0] + 0.0005f * p[1] * p[1] + 12.0f;
+    q[1] = 1.05f * p[1] - 0.00025f * p[0] * p[2];
+    q[2] = 0.95f * p[2] + 0.0004f * p[0] * p[1] - 7.0f;
+}
+
+/* x' = 1.1 R x + t. */
+static void similar(const float *p, float *q)
+{
+    const float x = p[0], y = p[1];
+    q[0] = 1.1f * (0.8f * x - 0.6f * y) + 30.0f;
+    q[1] = 1.1f * (0.6f * x + 0.8f * y) - 20.0f;
+    q[2] = 1.1f * p[2] + 5.0f;
+}
+
+static void map_all(void (*map)(const float *, float *), const float *from, uint32_t n, float *to)
+{
+    for (uint32_t i = 0; i < n; i++)
+        map(from + 3 * i, to + 3 * i);
+}
+
+static double farthest(const float *a, const float *b, uint32_t n)
+{
+    double worst = 0.0;
+    for (uint32_t i = 0; i < n; i++) {
+        double d2 = 0.0;
+        for (uint32_t k = 0; k < 3u; k++)
+            d2 += pow((double)a[3 * i + k] - (double)b[3 * i + k], 2);
+        worst = fmax(worst, sqrt(d2));
+    }
+    return worst;
+}
+
+static void random_points(oracle_random *r, float half, uint32_t n, float *xyz)
+{
+    for (uint32_t i = 0; i < 3u * n; i++)
+        xyz[i] = oracle_uniformf(r, -half, half);
+}
+
+static void vertices_are_exact(void **state)
+{
+    unit_mesh m = unit_sphere(4, 40.0f, 0.0f), now = unit_sphere(4, 40.0f, 0.0f);
+    bound b = bind_with(&m, m.xyz, m.nv, NULL);
+    float *out = unit_memory(12u * m.nv);
+    (void)state;
+    map_all(bend, m.xyz, m.nv, now.xyz);
+    assert_int_equal(smr_carry_apply(b.carry, now.xyz, out), SMR_OK);
+    assert_true(oracle_within("carry: a vertex", farthest(out, now.xyz, m.nv), 1e-5));
+    assert_int_equal(smr_carry_map(b.carry, now.xyz, 0, m.xyz, m.nv, out, NULL), SMR_OK);
+    assert_true(oracle_within("carry: a vertex, not bound", farthest(out, now.xyz, m.nv), 1e-5));
+    unit_free(out);
+    unit_free(b.memory);
+    unit_mesh_free(&m);
+    unit_mesh_free(&now);
+}
+
+static void follows(void (*map)(const float *, float *), float half, const char *what, double budget)
+{
+    oracle_random r = oracle_seed(71);
+    unit_mesh m = unit_sphere(4, 40.0f, 0.0f), now = unit_sphere(4, 40.0f, 0.0f);
+    float points[3 * POINTS], truth[3 * POINTS], out[3 * POINTS], back[3 * POINTS];
+    smr_carry_fact facts[POINTS];
+    random_points(&r, half, POINTS, points);
+    for (uint32_t i = 0; i < POINTS && half < 40.0f; i++) { /* at most 15 mm under the surface */
+        const float length = sqrtf(points[3 * i] * points[3 * i] + points[3 * i + 1] * points[3 * i + 1] +
+                                   points[3 * i + 2] * points[3 * i + 2]);
+        for (uint32_t k = 0; k < 3u; k++)
+            points[3 * i + k] *= oracle_uniformf(&r, 25.0f, 40.0f) / (length + 1.0e-3f);
+    }
+    bound b = bind_with(&m, points, POINTS, NULL);
+    map_all(map, m.xyz, m.nv, now.xyz);
+    map_all(map, points, POINTS, truth);
+    assert_int_equal(smr_carry_apply(b.carry, now.xyz, out), SMR_OK);
+    assert_true(oracle_within(what, farthest(out, truth, POINTS), budget));
+    assert_int_equal(smr_carry_map(b.carry, now.xyz, 0, points, POINTS, back, facts), SMR_OK);
+    assert_true(oracle_within("carry: bound or not", farthest(out, back, POINTS), 1e-3));
+    for (uint32_t i = 0; i < POINTS; i++)
+        assert_true(facts[i].volume > 0.1f);
+    assert_int_equal(smr_carry_map(b.carry, now.xyz, 1, out, POINTS, back, facts), SMR_OK);
+    assert_true(oracle_within("carry: there and back", farthest(points, back, POINTS), 0.01));
+    for (uint32_t i = 0; i < POINTS; i++)
+        assert_true(facts[i].miss_mm < 0.01f);
+    unit_free(b.memory);
+    unit_mesh_free(&m);
+    unit_mesh_free(&now);
+}
+
+static void similarities_are_exact(void **state)
+{
+    (void)state;
+    follows(similar, 400.0f, "carry: a similarity", 2e-3);
+}
+
+static void inside_is_near_the_truth(void **state)
+{
+    (void)state;
+    follows(bend, 25.0f, "carry: a smooth bend", 1.0);
+}
+
+/* The volume said is that of the map: compared with differences. */
+static void volume_is_the_determinant(void **state)
+{
+    oracle_random r = oracle_seed(72);
+    unit_mesh m = unit_sphere(4, 40.0f, 0.0f), now = unit_sphere(4, 40.0f, 0.0f);
+    bound b = bind_with(&m, NULL, 0, NULL);
+    const float h = 0.25f;
+    double worst = 0.0;
+    (void)state;
+    map_all(bend, m.xyz, m.nv, now.xyz);
+    for (uint32_t i = 0; i < 40u; i++) {
+        float p[3], q[18], out[18], at[3];
+        double jacobian[9];
+        smr_carry_fact fact;
+        random_points(&r, 30.0f, 1, p);
+        for (uint32_t k = 0; k < 18u; k++)
+            q[k] = p[k % 3u] + (k / 6u == k % 3u ? (k / 3u % 2u ? -h : h) : 0.0f);
+        assert_int_equal(smr_carry_map(b.carry, now.xyz, 0, q, 6, out, NULL), SMR_OK);
+        assert_int_equal(smr_carry_map(b.carry, now.xyz, 0, p, 1, at, &fact), SMR_OK);
+        for (uint32_t k = 0; k < 9u; k++)
+            jacobian[k] =
+                ((double)out[6u * (k % 3u) + k / 3u] - (double)out[6u * (k % 3u) + 3u + k / 3u]) / (2.0 * (double)h);
+        worst = fmax(worst, fabs(oracle_determinant(jacobian) - (double)fact.volume));
+    }
+    assert_true(oracle_within("carry: volume", worst, 0.1));
+    unit_free(b.memory);
+    unit_mesh_free(&m);
+    unit_mesh_free(&now);
+}
+
+/* Tasks from the last to the first, each on another worker. */
+static void backwards(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
+{
+    (void)ctx;
+    for (uint32_t t = n_tasks; t-- > 0u;)
+        run(arg, t, t % 3u);
+}
+
+static void bad_worker(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
+{
+    (void)ctx;
+    for (uint32_t t = 0; t < n_tasks; t++)
+        run(arg, t, 3u);
+}
+
+static void any_order_gives_the_same_bits(void **state)
+{
+    const smr_port reverse = {NULL, 3, backwards, NULL}, bad = {NULL, 3, bad_worker, NULL};
+    oracle_random r = oracle_seed(73);
+    unit_mesh m = unit_sphere(3, 40.0f, 0.0f), now = unit_sphere(3, 40.0f, 0.0f);
+    float points[3 * POINTS], a[3 * POINTS], c[3 * POINTS];
+    size_t bytes = 0;
+    void *memory;
+    smr_carry *carry = NULL;
+    (void)state;
+    random_points(&r, 60.0f, POINTS, points);
+    map_all(bend, m.xyz, m.nv, now.xyz);
+    bound one = bind_with(&m, points, POINTS, NULL), three = bind_with(&m, points, POINTS, &reverse);
+    assert_int_equal(smr_carry_apply(one.carry, now.xyz, a), SMR_OK);
+    assert_int_equal(smr_carry_apply(three.carry, now.xyz, c), SMR_OK);
+    assert_memory_equal(a, c, sizeof a);
+    for (uint32_t inverse = 0; inverse < 2u; inverse++) {
+        assert_int_equal(smr_carry_map(one.carry, now.xyz, inverse, points, POINTS, a, NULL), SMR_OK);
+        assert_int_equal(smr_carry_map(three.carry, now.xyz, inverse, points, POINTS, c, NULL), SMR_OK);
+        assert_memory_equal(a, c, sizeof a);
+    }
+    assert_int_equal(smr_carry_bytes(m.nv, POINTS, 3, &bytes), SMR_OK);
+    memory = unit_memory(bytes);
+    assert_int_equal(smr_carry_fit(m.xyz, m.nv, points, POINTS, &bad, memory, bytes, &carry), SMR_E_STATE);
+    assert_null(carry);
+    unit_free(memory);
+    unit_free(one.memory);
+    unit_free(three.memory);
+    unit_mesh_free(&m);
+    unit_mesh_free(&now);
+}
+
+/* Few vertices, all in one place, on a line, far away: finite, and where they should be. */
+static void degenerate_shapes(void **state)
+{
+    oracle_random r = oracle_seed(74);
+    (void)state;
+    for (uint32_t kind = 0; kind < 4u; kind++)
+        for (uint32_t n = 1; n < 130u; n = n * 2u + 1u) {
+            unit_mesh m = unit_points(&r, n, kind == 3u ? 9.0e4f : 0.0f, kind == 0u ? 0.0f : 50.0f);
+            unit_mesh now = unit_points(&r, n, 0.0f, 50.0f);
+            float p[9], out[9];
+            smr_carry_fact facts[3];
+            for (uint32_t i = 0; i < n && kind == 2u; i++)
+                m.xyz[3 * i + 1] = m.xyz[3 * i + 2] = 0.0f;
+            random_points(&r, 300.0f, 3, p);
+            memcpy(p, m.xyz, 3u * sizeof *p);
+            bound b = bind_with(&m, p, 3, NULL);
+            assert_int_equal(smr_carry_apply(b.carry, now.xyz, out), SMR_OK);
+            assert_true(unit_finite(out, 9, 1.0e6f));
+            if (n == 1u)
+                assert_true(farthest(out, now.xyz, 1) < 1e-5);
+            for (uint32_t inverse = 0; inverse < 2u; inverse++) {
+                assert_int_equal(smr_carry_map(b.carry, now.xyz, inverse, p, 3, out, facts), SMR_OK);
+                assert_true(unit_finite(out, 9, 1.0e6f));
+            }
+            unit_free(b.memory);
+            unit_mesh_free(&m);
+            unit_mesh_free(&now);
+        }
+}
+
+static void frames_turn(void **state)
+{
+    unit_mesh m = unit_sphere(4, 40.0f, 0.0f), now = unit_sphere(4, 40.0f, 0.0f);
+    const float point[3] = {5.0f, -3.0f, 8.0f}, turned[9] = {0.8f, -0.6f, 0.0f, 0.6f, 0.8f, 0.0f, 0.0f, 0.0f, 1.0f};
+    float rest[3 * SMR_FRAME_PLACES], out[3 * SMR_FRAME_PLACES], jacobian[9], normal[3] = {1.0f, 0.0f, 0.0f};
+    smr_pose pose;
+    (void)state;
+    map_all(similar, m.xyz, m.nv, now.xyz);
+    assert_int_equal(smr_frame_places(point, 1, 10.0f, rest), SMR_OK);
+    bound b = bind_with(&m, rest, SMR_FRAME_PLACES, NULL);
+    assert_int_equal(smr_carry_apply(b.carry, now.xyz, out), SMR_OK);
+    assert_int_equal(smr_frame_poses(rest, out, 1, &pose, jacobian), SMR_OK);
+    for (uint32_t i = 0; i < 9u; i++) {
+        assert_true(fabsf(pose.m[i / 3u][i % 3u] - turned[i]) < 1e-3f);
+        assert_true(fabsf(jacobian[i] - 1.1f * turned[i]) < 1e-3f);
+    }
+    for (uint32_t k = 0; k < 3u; k++) {
+        const float at = pose.m[k][0] * point[0] + pose.m[k][1] * point[1] + pose.m[k][2] * point[2] + pose.m[k][3];
+        assert_true(fabsf(at - out[k]) < 1e-3f);
+    }
+    for (uint32_t i = 0; i < 9u; i++) /* a stretch and a shear: the plane x = 0 holds (1, 1, 0) then */
+        jacobian[i] = i == 0u ? 2.0f : (i == 1u || i % 4u == 0u ? 1.0f : 0.0f);
+    assert_int_equal(smr_frame_normals(jacobian, normal, 1), SMR_OK);
+    assert_true(fabsf(normal[0] - 0.70710678f) < 1e-5f && fabsf(normal[0] + normal[1]) < 1e-5f);
+    unit_free(b.memory);
+    unit_mesh_free(&m);
+    unit_mesh_free(&now);
+}
+
+static void wrong_calls_change_nothing(void **state)
+{
+    unit_mesh m = unit_sphere(2, 40.0f, 0.0f);
+    float p[3] = {1.0f, 2.0f, 3.0f}, out[3] = {7.0f, 7.0f, 7.0f};
+    const smr_port none = {NULL, 0, NULL, NULL};
+    size_t bytes = 0;
+    smr_carry *carry = NULL;
+    (void)state;
+    assert_int_equal(smr_carry_bytes(0, 1, 1, &bytes), SMR_E_INPUT);
+    assert_int_equal(smr_carry_bytes(1, SMR_VERTICES_MAX + 1u, 1, &bytes), SMR_E_INPUT);
+    assert_int_equal(smr_carry_bytes(1, 1, SMR_WORKERS_MAX + 1u, &bytes), SMR_E_INPUT);
+    assert_int_equal(smr_carry_bytes(m.nv, 1, 1, NULL), SMR_E_NULL);
+    assert_int_equal(smr_carry_bytes(m.nv, 1, 1, &bytes), SMR_OK);
+    unsigned char *memory = unit_memory(bytes), *copy = unit_memory(bytes);
+    assert_int_equal(smr_carry_fit(m.xyz, m.nv, p, 1, NULL, memory, bytes - 1u, &carry), SMR_E_ARENA);
+    assert_int_equal(smr_carry_fit(m.xyz, m.nv, p, 1, NULL, memory + 4, bytes, &carry), SMR_E_ALIGN);
+    assert_int_equal(smr_carry_fit(m.xyz, m.nv, p, 1, NULL, NULL, bytes, &carry), SMR_E_NULL);
+    assert_int_equal(smr_carry_fit(m.xyz, m.nv, NULL, 1, NULL, memory, bytes, &carry), SMR_E_NULL);
+    assert_int_equal(smr_carry_fit(m.xyz, m.nv, p, 1, &none, memory, bytes, &carry), SMR_E_INPUT);
+    p[1] = NAN;
+    assert_int_equal(smr_carry_fit(m.xyz, m.nv, p, 1, NULL, memory, bytes, &carry), SMR_E_INPUT);
+    assert_null(carry);
+    p[1] = 2.0f;
+    assert_int_equal(smr_carry_fit(m.xyz, m.nv, p, 1, NULL, memory, bytes, &carry), SMR_OK);
+    memcpy(copy, memory, sizeof(struct smr_carry)); /* its first slot */
+    assert_int_equal(smr_carry_apply((smr_carry *)(void *)copy, m.xyz, out), SMR_E_STATE);
+    assert_int_equal(smr_carry_apply(carry, NULL, out), SMR_E_NULL);
+    assert_int_equal(smr_carry_map(carry, m.xyz, 2, p, 1, out, NULL), SMR_E_INPUT);
+    p[0] = 2.0f * SMR_COORD_MAX;
+    assert_int_equal(smr_carry_map(carry, m.xyz, 1, p, 1, out, NULL), SMR_E_INPUT);
+    assert_int_equal(smr_frame_places(p, 1, 1.0f, out), SMR_E_INPUT);
+    m.xyz[5] = INFINITY;
+    assert_int_equal(smr_carry_apply(carry, m.xyz, out), SMR_E_INPUT);
+    assert_true(out[0] == 7.0f && out[1] == 7.0f && out[2] == 7.0f);
+    unit_free(memory);
+    unit_free(copy);
+    unit_mesh_free(&m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(vertices_are_exact),
+        cmocka_unit_test(similarities_are_exact),
+        cmocka_unit_test(inside_is_near_the_truth),
+        cmocka_unit_test(volume_is_the_determinant),
+        cmocka_unit_test(any_order_gives_the_same_bits),
+        cmocka_unit_test(degenerate_shapes),
+        cmocka_unit_test(frames_turn),
+        cmocka_unit_test(wrong_calls_change_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,286 @@
+/* test_landmarks.c: landmarks bind to the model, draw it, are refused where they are wrong, and are repeated from a log
+ * to the last bit.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/registration.h"
+
+enum { N = 6, LOG = 65536 };
+
+static smr_mesh ball[2];
+static const smr_model *model;
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static smr_config config_of(uint32_t n_landmarks)
+{
+    smr_config c = smr_config_default();
+    c.n_landmarks = n_landmarks;
+    c.iterations_last = 30;
+    return c;
+}
+
+/* Two balls beside each other. */
+static smr *start(uint32_t n_landmarks, const smr_port *port)
+{
+    const smr_prepare_config radii = rig_radii(2, 30, 0.1f, 0);
+    const float at[2][3] = {{0, 0, 0}, {60, 0, 0}};
+    smr_config config = config_of(n_landmarks);
+    config.n_workers = port != NULL ? port->n_workers : 1u;
+    for (uint32_t i = 0; i < 2u; i++)
+        ball[i] = rig_ball(20, 8, 12, at[i]);
+    model = rig_model(ball, 2, &radii);
+    return rig_init(model, &config, port);
+}
+
+/* Vertices of the first ball, spread, and where they go: turned a little and pulled out. */
+static void marks(smr_landmark mark[N], uint32_t hard)
+{
+    float m[9];
+    rig_rotation(1, 2, 3, 6, m);
+    for (uint32_t i = 0; i < N; i++) {
+        const uint32_t v = i * (ball[0].n_vertices - 1u) / (N - 1u);
+        const float *p = ball[0].xyz + 3u * (size_t)v;
+        mark[i] = (smr_landmark){0, v, {0, 0, 0}, {0, 0, 0}, 1.0f, hard};
+        for (uint32_t c = 0; c < 3u; c++)
+            mark[i].place[c] =
+                m[3u * c] * p[0] + m[3u * c + 1u] * p[1] + m[3u * c + 2u] * p[2] + 0.005f * p[2] * p[2] * (float)c;
+    }
+}
+
+static float farthest(const smr *s, const smr_landmark *mark, uint32_t n)
+{
+    float xyz[SMR_LANDMARKS_MAX][3], most = 0.0f;
+    assert_int_equal(SMR_OK, smr_get_landmarks(s, xyz[0]));
+    for (uint32_t i = 0; i < n; i++)
+        most = fmaxf(most, rig_far(xyz[i], mark[i].place, 1));
+    return most;
+}
+
+static void test_refused(void **state)
+{
+    smr *s = start(N, NULL);
+    const uint64_t before = smr_state_hash(s);
+    smr_landmark mark[N + 1], bad;
+    float xyz[N][3];
+    (void)state;
+    marks(mark, 0);
+    mark[N] = mark[0];
+    assert_int_equal(SMR_E_NULL, smr_set_landmarks(NULL, mark, 1));
+    assert_int_equal(SMR_E_NULL, smr_set_landmarks(s, NULL, 1));
+    assert_int_equal(SMR_E_NULL, smr_get_landmarks(s, NULL));
+    assert_int_equal(SMR_E_ARENA, smr_set_landmarks(s, mark, N + 1));
+    assert_int_equal(SMR_E_ARENA, smr_set_landmarks(start(0, NULL), mark, 1));
+    const struct {
+        uint32_t structure, vertex, hard;
+        float rest, place, weight;
+    } wrong[] = {{2, 0, 0, 0, 0, 1},           {0, 100000, 0, 0, 0, 1}, {SMR_ALL, 0, 0, 0, 0, 1}, {0, 0, 2, 0, 0, 1},
+                 {0, 0, 0, 0, 0, 0},           {0, 0, 0, 0, 0, NAN},    {0, 0, 0, 0, 0, 1001},    {0, 0, 0, 0, INFINITY, 1},
+                 {SMR_ALL, SMR_NONE, 0, NAN, 0, 1}, {0, SMR_NONE, 1, 2e5f, 0, 1}};
+    assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, 1));
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        bad = (smr_landmark){wrong[i].structure,      wrong[i].vertex,          {0, wrong[i].rest, 0},
+                             {0, 0, wrong[i].place}, wrong[i].weight, wrong[i].hard};
+        assert_int_equal(SMR_E_INPUT, smr_set_landmarks(s, &bad, 1));
+    }
+    assert_int_equal(1, s->forces.landmarks.n); /* the one before stays */
+    assert_int_equal(SMR_OK, smr_get_landmarks(s, xyz[0]));
+    assert_true(rig_far(xyz[0], ball[0].xyz, 1) < 1e-5f && smr_state_hash(s) == before);
+    assert_int_equal(SMR_OK, smr_set_landmarks(s, NULL, 0));
+    assert_int_equal(0, s->forces.landmarks.n);
+}
+
+/* Without them nothing is taken; what they take is what the header says at most. */
+static void test_bytes(void **state)
+{
+    size_t none = 0, some = 0;
+    smr_config config = config_of(0);
+    (void)state;
+    (void)start(0, NULL);
+    assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &none));
+    config.n_landmarks = SMR_LANDMARKS_MAX;
+    assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &some));
+    assert_true(some > none);
+#if !defined(__SANITIZE_ADDRESS__)
+    assert_true(some <= none + SMR_LANDMARKS_BYTES(ball[0].n_vertices + ball[1].n_vertices, SMR_LANDMARKS_MAX));
+#endif
+    config.n_landmarks = SMR_LANDMARKS_MAX + 1u;
+    assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(model, &config, &some));
+}
+
+/* A point on a triangle, one off it, and one of whichever structure is nearest, are where they were given at rest, and
+ * go with the model. */
+static void test_bound(void **state)
+{
+    static const float point[3][3] = {{0, 19.5f, 1}, {0, 26, 0}, {60, 1, 27}};
+    const smr_pose pose = {{{0, -1, 0, 5}, {1, 0, 0, 6}, {0, 0, 1, 7}}};
+    smr *s = start(3, NULL);
+    smr_landmark mark[3];
+    float xyz[3][3];
+    (void)state;
+    for (uint32_t i = 0; i < 3u; i++) {
+        mark[i] = (smr_landmark){i == 2u ? SMR_ALL : 0, SMR_NONE, {0, 0, 0}, {0, 0, 0}, 1.0f, 0};
+        memcpy(mark[i].rest, point[i], sizeof mark[i].rest);
+    }
+    assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, 3));
+    assert_int_equal(SMR_OK, smr_get_landmarks(s, xyz[0]));
+    assert_true(rig_far(xyz[0], point[0], 3) < 1e-4f);
+    assert_int_equal(1, smr_model_owner(model, s->forces.landmarks.landmark[2].corner[0]));
+    assert_int_equal(SMR_OK, smr_set_pose(s, &pose));
+    assert_int_equal(SMR_OK, smr_get_landmarks(s, xyz[0]));
+    for (uint32_t i = 0; i < 3u; i++) {
+        const float to[3] = {5 - point[i][1], 6 + point[i][0], 7 + point[i][2]};
+        assert_true(rig_far(xyz[i], to, 1) < 1e-3f);
+    }
+}
+
+static void test_draw(void **state)
+{
+    (void)state;
+    for (uint32_t hard = 0; hard < 2u; hard++) {
+        smr *s = start(N, NULL);
+        smr_landmark mark[N];
+        smr_structure_report own, other;
+        unsigned char *seen = rig_alloc(ball[0].n_vertices);
+        float *mm = rig_alloc(ball[0].n_vertices * sizeof(float));
+        uint32_t n_seen = 0;
+        smr_verdict verdict;
+        marks(mark, hard);
+        assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, N));
+        const smr_tick_report report = rig_run(s, 1000);
+        assert_true(report.done && report.n_forces == N && report.matched_share > 0.0f);
+        assert_true(farthest(s, mark, N) < (hard ? 0.01f : 0.2f));
+        assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &own));
+        assert_int_equal(SMR_OK, smr_get_structure_report(s, 1, &other));
+        assert_true(own.has_target == 1u && own.n_forces == N && other.has_target == 0u && other.moved_mean_mm > 0.5f);
+        assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &verdict));
+        assert_true(verdict.expected_error_mm > 0.0f && verdict.residual_mm < 0.2f);
+        assert_int_equal(SMR_OK, smr_get_seen(s, 0, seen));
+        for (uint32_t i = 0; i < ball[0].n_vertices; i++)
+            n_seen += seen[i];
+        assert_int_equal(N, n_seen);
+        assert_int_equal(SMR_OK, smr_get_expected_error(s, 0, mm));
+        for (uint32_t i = 0; i < N; i++) /* less is left open where the landmarks are */
+            assert_true(mm[mark[i].vertex] < verdict.expected_error_mm);
+    }
+}
+
+/* One landmark shifts, and too few for a field say so. */
+static void test_few(void **state)
+{
+    smr *s = start(N, NULL);
+    const smr_landmark mark = {0, 0, {0, 0, 0}, {3, 4, 25}, 1.0f, 1};
+    smr_verdict verdict;
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_landmarks(s, &mark, 1));
+    assert_true(rig_run(s, 1000).done);
+    assert_true(farthest(s, &mark, 1) < 0.01f);
+    const float *xyz = rig_positions(s, model);
+    for (uint32_t i = 0; i < ball[0].n_vertices; i++) {
+        const float to[3] = {ball[0].xyz[3u * i] + 3.0f - ball[0].xyz[0], ball[0].xyz[3u * i + 1u] + 4.0f - ball[0].xyz[1],
+                             ball[0].xyz[3u * i + 2u] + 25.0f - ball[0].xyz[2]};
+        assert_true(rig_far(xyz + 3u * (size_t)i, to, 1) < 0.05f);
+    }
+    assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &verdict));
+    assert_true(verdict.expected_error_mm < 0.0f && verdict.level == SMR_VERDICT_LOOK);
+    assert_true((verdict.reasons & SMR_REASON_UNSEEN) != 0u);
+}
+
+/* Places that cannot be meant: what comes of them is finite. */
+static void test_wild(void **state)
+{
+    smr *s = start(N, NULL);
+    smr_landmark mark[N];
+    (void)state;
+    marks(mark, 1);
+    for (uint32_t i = 0; i < N; i++) {
+        mark[i].vertex = i / 2u; /* each twice, with other places */
+        mark[i].place[i % 3u] = i % 2u != 0 ? 1e5f : -1e5f;
+    }
+    assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, N));
+    (void)rig_run(s, 1000);
+    assert_true(rig_finite(rig_positions(s, model), ball[0].n_vertices + ball[1].n_vertices));
+}
+
+/* Beside a surface the surface decides along normals, landmarks along itself; and any port gives the same bits. */
+static uint64_t beside_a_surface(const smr_port *port, float *off)
+{
+    smr *s = start(N, port);
+    smr_landmark mark[N];
+    float m[9];
+    rig_rotation(0, 0, 1, 8, m);
+    for (uint32_t i = 0; i < N; i++) {
+        const float *p = ball[0].xyz + 3u * (size_t)(i * 7u);
+        mark[i] = (smr_landmark){0, i * 7u, {0, 0, 0}, {0, 0, 0}, 1.0f, i % 2u};
+        for (uint32_t c = 0; c < 3u; c++) /* turned about z: along the surface */
+            mark[i].place[c] = m[3u * c] * p[0] + m[3u * c + 1u] * p[1] + m[3u * c + 2u] * p[2];
+    }
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&ball[0])));
+    assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, N));
+    (void)rig_run(s, 1000);
+    *off = farthest(s, mark, N);
+    return smr_state_hash(s);
+}
+
+static void test_beside_a_surface(void **state)
+{
+    float off = 0.0f;
+    const uint64_t hash = beside_a_surface(NULL, &off);
+    (void)state;
+    assert_true(off < 0.5f); /* of 2.8 mm */
+    for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
+        const smr_port port = rig_port(k, 5);
+        assert_true(beside_a_surface(&port, &off) == hash);
+    }
+}
+
+/* Tracked in ticks that a clock cuts, and repeated from the log alone. */
+static void test_replay(void **state)
+{
+    static unsigned char log[LOG];
+    rig_clock clock;
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    smr *s = start(N, &port);
+    smr_landmark mark[N];
+    smr_log_state wrote;
+    smr_replay replay;
+    smr_replay_report report = {0};
+    uint32_t seed = 7, partial = 0;
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
+    for (uint32_t tick = 0; tick < 120u; tick++) {
+        marks(mark, tick % 2u);
+        mark[0].place[0] += 0.05f * (float)tick;
+        if (tick % 3u == 0u)
+            assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, tick == 60u ? 0u : N));
+        partial += smr_tick(s, 10000u + rig_random(&seed, 60000u), NULL) == SMR_PARTIAL;
+    }
+    assert_true(partial > 20u);
+    assert_int_equal(SMR_OK, smr_get_log(s, &wrote));
+    assert_int_equal(0, wrote.full);
+    assert_int_equal(SMR_OK, smr_replay_start(start(N, NULL), log, wrote.bytes, NULL, NULL, &replay));
+    while (!report.ended) {
+        assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));
+        assert_int_equal(0, report.differs);
+    }
+    assert_int_equal(120, report.tick);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_refused, tidy), cmocka_unit_test_teardown(test_bytes, tidy),
+        cmocka_unit_test_teardown(test_bound, tidy),   cmocka_unit_test_teardown(test_draw, tidy),
+        cmocka_unit_test_teardown(test_few, tidy),     cmocka_unit_test_teardown(test_wild, tidy),
+        cmocka_unit_test_teardown(test_replay, tidy),  cmocka_unit_test_teardown(test_beside_a_surface, tidy)};
+    return cmocka_run_group_tests_name("landmarks", tests, NULL, NULL);
+}

@@ -1,0 +1,282 @@
+/* test_unseen_field.c: where vertices go that the target does not show: with a similarity of the seen ones exactly,
+ * with a smooth displacement near them, with the pose far from them; controls that determine little or nothing.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "oracle.h"
+#include "runtime/forces/unseen_field.h"
+
+enum { N = 400 };
+
+/* A registration of N vertices as far as the field looks at it. Lengths in mm. */
+typedef struct world {
+    smr_shared shared;
+    smr_pace pace;
+    smr_shape shape;
+    smr_surface_goals goals;
+    smr_target target;
+    smr_overlay overlay;
+    smr_landmark_goals landmarks;
+    smr_unseen_field field;
+    uint32_t memory[7u * SMR_CONTROLS + SMR_FACTOR_WORDS(SMR_CONTROLS)];
+    float start[3 * N], x[3 * N], normal[3 * N];
+    uint8_t seen[N];
+    struct {
+        smr_model head;
+        uint16_t owner[N];
+    } model; /* of which only the structure of each vertex is asked for */
+} world;
+
+static world w; /* each test fills it */
+
+/* Random places in a box of 100 x 60 x 400 mm, at rest; all seen. */
+static void begin(float radius)
+{
+    oracle_random r = oracle_seed(7);
+    memset(&w, 0, sizeof w);
+    w.shared.n = N;
+    w.shared.n_structures = 1;
+    w.model.head.at_owner =
+        smr_le32((uint32_t)((const unsigned char *)w.model.owner - (const unsigned char *)&w.model));
+    w.shared.model = &w.model.head;
+    w.target.partial = 1;
+    w.pace.lists.radius = radius;
+    w.shape.start = w.start;
+    w.shape.x = w.x;
+    w.shape.normal = w.normal;
+    w.shape.start_box = (smr_box){{0, 0, 0}, {100, 60, 400}};
+    w.goals.target = &w.target;
+    w.goals.seen = w.goals.seen_next = w.seen;
+    w.goals.partial = 1;
+    w.overlay.sum = w.memory;
+    for (uint32_t i = 0; i < N; i++) {
+        const float at[3] = {oracle_uniformf(&r, 0, 100), oracle_uniformf(&r, 0, 60), oracle_uniformf(&r, 0, 400)};
+        memcpy(w.start + 3u * i, at, sizeof at);
+        memcpy(w.x + 3u * i, at, sizeof at);
+        w.normal[3u * i] = 1.0f;
+        w.seen[i] = SMR_SEEN_ONE;
+    }
+    smr_unseen_field_wire(&w.field, &w.shared, &w.pace, &w.shape, &w.goals, &w.landmarks, &w.overlay);
+}
+
+static void solve(void)
+{
+    w.target.n_seen = 0;
+    for (uint32_t i = 0; i < N; i++)
+        w.target.n_seen += w.seen[i] > SMR_SEEN_ONE / 2u;
+    for (uint32_t task = 0; task < smr_unseen_field_tasks(&w.field); task++)
+        smr_unseen_field_solve(&w.field, task, 0);
+}
+
+/* Where the field carries a vertex. */
+static smr_vec carried(uint32_t v)
+{
+    smr_vec way = smr_v(0, 0, 0);
+    const uint8_t seen = w.seen[v];
+    w.seen[v] = 0;
+    smr_unseen_field_blend(&w.field, v, 1, &way);
+    w.seen[v] = seen;
+    return smr_add(way, smr_load(w.x + 3u * v));
+}
+
+static float off(uint32_t v, smr_vec from) { return smr_length(smr_sub(carried(v), from)); }
+
+static smr_vec similar(const float start[3])
+{
+    float m[9];
+    const smr_vec p = smr_load(start);
+    static const float axis[3] = {0.6f, 0.0f, 0.8f};
+    const float c = cosf(0.7f), s = sinf(0.7f);
+    for (uint32_t i = 0; i < 3u; i++)
+        for (uint32_t k = 0; k < 3u; k++)
+            m[3u * i + k] = (1.0f - c) * axis[i] * axis[k] + (i == k ? c : 0.0f);
+    m[1] -= s * axis[2], m[2] += s * axis[1], m[3] += s * axis[2], m[5] -= s * axis[0], m[6] -= s * axis[1],
+        m[7] += s * axis[0];
+    return smr_v(1.2f * (m[0] * p.x + m[1] * p.y + m[2] * p.z) + 30.0f,
+                 1.2f * (m[3] * p.x + m[4] * p.y + m[5] * p.z) - 12.0f,
+                 1.2f * (m[6] * p.x + m[7] * p.y + m[8] * p.z) + 5.0f);
+}
+
+/* However stiff: the pose explains it all. Only the lower end is seen. */
+static void a_similarity_is_exact(void **state)
+{
+    static const float radius[] = {0.1f, 20.0f, 300.0f};
+    (void)state;
+    for (uint32_t k = 0; k < 3u; k++) {
+        begin(radius[k]);
+        for (uint32_t i = 0; i < N; i++) {
+            const int low = w.start[3u * i + 2u] < 150.0f;
+            w.seen[i] = low ? SMR_SEEN_ONE : 0u;
+            if (low)
+                smr_store(w.x + 3u * i, similar(w.start + 3u * i));
+        }
+        solve();
+        assert_int_equal(w.field.n, SMR_CONTROLS);
+        for (uint32_t i = 0; i < N; i++)
+            assert_true(off(i, similar(w.start + 3u * i)) < 2.0e-3f);
+    }
+}
+
+static smr_vec bent(const float p[3])
+{
+    return smr_v(p[0] + 6.0f * sinf(0.012f * p[2]), p[1] + 4.0f * cosf(0.01f * p[2] + 0.02f * p[0]), p[2]);
+}
+
+static float mean_off(void)
+{
+    float sum = 0.0f;
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < N; i++)
+        if (w.seen[i] == 0u) {
+            sum += off(i, bent(w.start + 3u * i));
+            n++;
+        }
+    return sum / (float)n;
+}
+
+/* Every other vertex is seen. A field that is held stiff does less than a loose one, and a pose alone leaves more. */
+static void a_smooth_displacement_near_controls(void **state)
+{
+    float at[3];
+    static const float radius[3] = {1.0f, 60.0f, 1.0e4f};
+    (void)state;
+    for (uint32_t k = 0; k < 3u; k++) {
+        begin(radius[k]);
+        for (uint32_t i = 0; i < N; i++) {
+            smr_store(w.x + 3u * i, bent(w.start + 3u * i));
+            w.seen[i] = i % 2u == 0u ? SMR_SEEN_ONE : 0u;
+        }
+        solve();
+        at[k] = mean_off();
+    }
+    if (!(at[0] < 0.25f && at[1] > 1.5f * at[0] && at[2] > 2.0f))
+        print_error("%g %g %g mm off\n", (double)at[0], (double)at[1], (double)at[2]);
+    assert_true(at[0] < 0.25f); /* of some 4.5 mm */
+    assert_true(at[1] > 1.5f * at[0]);
+    assert_true(at[2] > 2.0f);
+}
+
+/* Half-seen controls hold less than those that are seen in full. */
+static void what_is_seen_better_counts_more(void **state)
+{
+    float moved[2];
+    (void)state;
+    for (uint32_t k = 0; k < 2u; k++) {
+        begin(1.0f);
+        for (uint32_t i = 0; i < N; i++) {
+            w.seen[i] = k == 0u && i % 8u == 0u ? 130u : SMR_SEEN_ONE;
+            w.x[3u * i] += i % 8u == 0u ? 8.0f : 0.0f;
+        }
+        solve();
+        moved[k] = 0.0f;
+        for (uint32_t i = 0; i < N; i++)
+            moved[k] += (carried(i).x - w.start[3u * i]) / N;
+    }
+    assert_true(moved[0] > 0.0f && moved[0] < 0.999f * moved[1]);
+}
+
+/* Controls on a line, in a plane, at one point: nothing but what they say, and everywhere finite. */
+static void degenerate_controls(void **state)
+{
+    (void)state;
+    for (uint32_t free_axes = 0; free_axes < 3u; free_axes++) {
+        begin(0.0f);
+        for (uint32_t i = 0; i < N; i++) {
+            w.seen[i] = i < 100u ? SMR_SEEN_ONE : 0u;
+            for (uint32_t a = free_axes; i < 100u && a < 3u; a++)
+                w.start[3u * i + a] = 30.0f;
+            smr_store(w.x + 3u * i, smr_add(smr_load(w.start + 3u * i), smr_v(3, -2, 1)));
+        }
+        solve();
+        assert_int_equal(w.field.n, SMR_CONTROLS);
+        for (uint32_t i = 0; i < N; i++)
+            assert_true(off(i, smr_load(w.x + 3u * i)) < 2.0e-3f); /* not so for NaN */
+    }
+}
+
+/* The same controls moved against each other: nothing explodes. */
+static void contradicting_controls(void **state)
+{
+    (void)state;
+    begin(0.0f);
+    for (uint32_t i = 0; i < N; i++) {
+        memcpy(w.start + 3u * i, w.start, 3u * sizeof *w.start);
+        w.x[3u * i] = w.start[0] + (i % 2u == 0u ? 10.0f : -10.0f);
+    }
+    solve();
+    for (uint32_t i = 0; i < N; i++)
+        assert_true(off(i, smr_load(w.start)) < 20.0f);
+}
+
+/* With fewer than four controls, or none, what is unseen stays. */
+static void nothing_to_follow(void **state)
+{
+    (void)state;
+    for (uint32_t n_seen = 0; n_seen < 6u; n_seen++) {
+        begin(1.0f);
+        for (uint32_t i = 0; i < N; i++) {
+            w.seen[i] = i < n_seen ? SMR_SEEN_ONE : 0u;
+            w.x[3u * i + 1u] += i < n_seen ? 9.0f : 0.0f;
+        }
+        solve();
+        assert_int_equal(w.field.n, n_seen < 4u ? 0 : n_seen);
+        assert_true((off(N - 1u, smr_load(w.x + 3u * (N - 1u))) < 1.0e-6f) == (n_seen < 4u));
+    }
+}
+
+/* As many controls as there is room for, along all of the seen ones; no tasks where nothing is unseen. */
+static void bounds(void **state)
+{
+    (void)state;
+    begin(1.0f);
+    for (uint32_t i = 0; i < N; i++)
+        w.start[3u * i + 2u] = w.x[3u * i + 2u] = (float)i;
+    solve();
+    assert_int_equal(w.field.n, SMR_CONTROLS);
+    for (uint32_t k = 0; k < SMR_CONTROLS; k++)
+        assert_true(fabsf(w.field.start[3u * k + 2u] - (float)(k * N) / (float)SMR_CONTROLS) <= 1.0f);
+    assert_int_equal(smr_unseen_field_tasks(&w.field), SMR_CONTROLS + 2u);
+    w.goals.partial = 0;
+    assert_int_equal(smr_unseen_field_tasks(&w.field), 0);
+    w.shared.config.coverage = SMR_COVERAGE_WHOLE;
+    assert_int_equal(smr_unseen_field_words(&w.shared), 0);
+    w.shared.config.coverage = SMR_COVERAGE_AUTO;
+    assert_int_equal(smr_unseen_field_words(&w.shared), sizeof w.memory / sizeof w.memory[0]);
+}
+
+/* A seen vertex takes its goal along the normal and the field beside it, an unseen one the field alone. */
+static void blends_by_what_is_seen(void **state)
+{
+    smr_vec way = smr_v(2, 0, 0);
+    (void)state;
+    begin(1.0f);
+    for (uint32_t i = 0; i < N; i++) /* at rest but for vertex 5, which no control is near to */
+        w.seen[i] = i != 5u ? SMR_SEEN_ONE : 0u;
+    smr_store(w.x + 15, smr_add(smr_load(w.start + 15), smr_v(1, 1, 1)));
+    solve();
+    w.seen[5] = SMR_SEEN_ONE;
+    smr_unseen_field_blend(&w.field, 5, 1, &way);
+    assert_true(smr_length(smr_sub(way, smr_v(2, -1, -1))) < 1.0e-3f);
+    way = smr_v(2, 0, 0);
+    w.seen[5] = 0;
+    smr_unseen_field_blend(&w.field, 5, 1, &way);
+    assert_true(smr_length(smr_sub(way, smr_v(-1, -1, -1))) < 1.0e-3f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_similarity_is_exact),
+        cmocka_unit_test(a_smooth_displacement_near_controls),
+        cmocka_unit_test(what_is_seen_better_counts_more),
+        cmocka_unit_test(degenerate_controls),
+        cmocka_unit_test(contradicting_controls),
+        cmocka_unit_test(nothing_to_follow),
+        cmocka_unit_test(bounds),
+        cmocka_unit_test(blends_by_what_is_seen),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,19 @@
+/* unit_tree.h: box trees of test meshes, questions to them, and a search of all triangles.
+ * SPDX-License-Identifier: MIT */
+#ifndef UNIT_TREE_H
+#define UNIT_TREE_H
+
+#include "geometry/box_tree.h"
+#include "unit_mesh.h"
+
+/* Triangles of m in tree order with boxes and normals; frees nothing of m. Both are released with unit_uproot(). */
+smr_facets unit_plant(const unit_mesh *m, uint32_t **triangles);
+void unit_uproot(smr_facets *f, uint32_t *triangles);
+
+/* Writes the closest acceptable triangle nearer than *hit; ties go to the smallest index. */
+void unit_closest(const smr_facets *f, const smr_query *q, smr_hit *hit);
+
+/* A question of a kind: free points or the mesh's own, with and without a warm start or a normal. */
+smr_query unit_query(oracle_random *r, const unit_mesh *m, uint32_t kind);
+
+#endif
