@@ -50,7 +50,7 @@ typedef struct smr_surface_goals {
     uint32_t n_clouds;      /* goals that are clouds */
     uint32_t n_points;      /* points of all clouds */
     uint32_t n_clouds_begun, n_points_begun; /* when the iteration under way began */
-    const float *spread;    /* [n][4] of structures with a cloud: sum of its points' pulls, mm, and their weight */
+    const float *spread; /* [n][4] of structures with a cloud: sum of its points' pulls, mm, and their weight */
     /* written by the search for goals */
     uint32_t *warm;        /* [n] closest triangle of the target, of the last complete forces; SMR_NONE: none */
     uint32_t *warm_next;   /* [n] the same, of those under way: they may have to start again */

@@ -151,8 +151,7 @@ static void add_seen(smr_unseen_field *f, const uint32_t *control, float ratio, 
     for (uint32_t k = f->landmarks->n; k < f->n; k++) {
         const uint32_t v = control[k - f->landmarks->n];
         add_control(f, k, smr_load(smr_at3(start_of(f), v)), smr_load(smr_at3(f->shape->x, v)), 1.0f, fit);
-        f->loose[k] =
-            (SMR_FIELD_LOOSE + SMR_FIELD_STIFF * ratio * ratio) * (float)SMR_SEEN_ONE / (float)seen(f, v);
+        f->loose[k] = (SMR_FIELD_LOOSE + SMR_FIELD_STIFF * ratio * ratio) * (float)SMR_SEEN_ONE / (float)seen(f, v);
     }
 }
 
