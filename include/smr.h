@@ -79,6 +79,8 @@ typedef struct smr_mesh {
     uint32_t n_triangles;      /* 0..SMR_TRIANGLES_MAX */
 } smr_mesh;
 
+struct smr_port;
+
 /* A target surface made ready for closest-point search, in the caller's memory. */
 typedef struct smr_surface smr_surface;
 
@@ -94,6 +96,27 @@ smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *
  * The mesh may go afterwards. `memory` must stay as long as the surface is used.
  * Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT; *surface untouched then. */
 smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface);
+
+/* The same in pieces, for a thread that may not be long: begins, and smr_surface_step() does the work. Until that
+ * returns SMR_OK the mesh must stay, and the surface is none: other calls refuse it with E_STATE.
+ * Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT (a count); *surface untouched then. */
+smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface);
+
+/* New positions of a complete surface's vertices, xyz: [n_vertices][3] mm, in its mesh's order: begins, and
+ * smr_surface_step() does the work, several times faster than a build. xyz is borrowed until that returns SMR_OK.
+ * Until then no registration may tick that has the surface as a target (E_STATE), nor afterwards, until
+ * smr_set_surface() gives it again; a registration that must tick in the meantime has another surface then.
+ * The result is a surface like another, with the tree of the first positions: searches are slower where it no longer
+ * fits. A log has its checksum, which depends on both; a replay refits the same surfaces again.
+ * Errors: E_NULL, E_STATE (not a complete surface). */
+smr_status smr_surface_refit(smr_surface *surface, const float *xyz);
+
+/* Goes on with building or refitting: for `units` pieces of work (0: no limit), each of about 256 vertices or
+ * triangles, or until budget_ns have passed by the port's clock (0, or no clock: no limit), which is exceeded by one
+ * piece at most. Always does one piece. Neither limit changes a bit of the result.
+ * SMR_OK: the surface is complete. SMR_PARTIAL: there is more to do. Errors: E_NULL, E_STATE (not a surface), E_INPUT
+ * (an index or a coordinate; what was to be built is no surface, what was to be refitted is as it was). */
+smr_status smr_surface_step(smr_surface *surface, uint32_t units, const struct smr_port *port, uint64_t budget_ns);
 
 typedef struct smr_closest {
     float point[3];     /* mm, on the surface */
@@ -411,6 +434,7 @@ enum { SMR_NORMALS_CARRIED = 0, SMR_NORMALS_EXACT = 1 };
 enum { SMR_EDGE_REFERENCE = 0, SMR_EDGE_STEEPEST = 1 };
 enum { SMR_PLASTIC_LARGEST = 0, SMR_PLASTIC_MEAN = 1 };
 enum { SMR_BLEND_CONFIDENCE = 0, SMR_BLEND_PLAIN = 1 };
+enum { SMR_TRACK_OFF = 0, SMR_TRACK_REPORT = 1, SMR_TRACK_RECOVER = 2 };
 
 /* How a registration runs. Each comment starts with unit, range and default. Where two defaults stand, the second is
  * that of smr_config_default_image(). smr_config_settings() has the same as data, docs/SETTINGS.md as a page. */
@@ -576,6 +600,25 @@ typedef struct smr_config {
     uint32_t fade;
     /* degrees, [0, 85], default 0: 86. Largest rotation of a cluster by rigid-body kinematics (paper: 20). */
     float turn_deg;
+
+    /* ---- moving targets ----
+     * After the coarse-to-fine schedule the model follows targets that are replaced between ticks. It is elastic about
+     * the schedule's result: x^r is that shape, each structure carried rigidly along, and does not creep. */
+
+    /* SMR_TRACK_..., default off. report: follows, and says of a target whether it jumped beyond reach. recover: then
+     * also goes through the coarser radii again. Not off, the arena has SMR_TRACK_BYTES more. */
+    uint32_t track;
+    /* mm, [0, 100000], default 0: six mean edges; with several structures at most the largest at which clusters keep to
+     * their own structure. Cluster radius while following; the model's nearest to it. Larger is stiffer and steadier.
+     * */
+    float track_mm;
+    /* mm, [0, 100000], default 0: a twelfth of the radius. A target has jumped when the mean distance of its goals
+     * is larger in the first iteration that looks at it, or when it has none. */
+    float track_jump_mm;
+    /* um, [0, 100000000], default 20. Largest displacement below which there is nothing to do until a target moves. */
+    float track_um;
+    /* iterations, [1, 100000], default 30. At most, for one position of the targets. */
+    uint32_t track_iterations;
 } smr_config;
 
 smr_config smr_config_default(void);
@@ -628,8 +671,8 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 
 /* Upper bound of smr_arena_bytes() as a constant, for static storage:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(1000, 2000, 1, 1, 0, SMR_METHOD_RIGID)];
- * n_workers, n_target_vertices and method as in smr_config. n_landmarks adds SMR_LANDMARKS_BYTES,
- * caller_goals and caller_force SMR_CALLER_BYTES; no other setting changes the size.
+ * n_workers, n_target_vertices and method as in smr_config. n_landmarks adds SMR_LANDMARKS_BYTES, caller_goals and
+ * caller_force SMR_CALLER_BYTES, track SMR_TRACK_BYTES; no other setting changes the size.
  * Above the exact size by about 6 kB, 1.3 kB for each further structure, and 0.4 %: with one structure a quarter at 50
  * vertices, 2 % at 1,000, and less than 1 % from 5,000 on. */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices, method)                   \
@@ -639,6 +682,10 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
      ((n_target_vertices) == 0u ? (size_t)0u                                                                           \
                                 : (size_t)4u * (n_target_vertices) + (size_t)32u * (n_workers) * (n_vertices) +        \
                                       SMR_TREE_BYTES(n_triangles, n_structures)))
+
+/* What config.track adds to it. */
+#define SMR_TRACK_BYTES(n_vertices, n_structures)                                                                      \
+    ((size_t)1024u + (size_t)12u * (n_vertices) + (size_t)48u * (n_structures))
 
 /* To add to it where config.n_landmarks is not 0. */
 #define SMR_LANDMARKS_BYTES(n_vertices, n_landmarks) ((size_t)38000u + (size_t)192u * (n_landmarks) + (n_vertices))
@@ -676,7 +723,10 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose);
  * carried along by its neighbours.
  * Target vertices attract the model only if config.n_target_vertices is not 0 (it is by default).
  * Allowed between any two ticks. An iteration under way that has not all its forces yet starts them again; one that has
- * them ends with the old target. A schedule that is done stays done until smr_set_pose() or smr_set_positions().
+ * them ends with what it found of the old target. The old target's memory is the caller's again as soon as this call
+ * returns and no other structure has the same target: no iteration looks at it any more.
+ * A schedule that is done stays done until smr_set_pose() or smr_set_positions(); with config.track a new target is
+ * followed, and this call is how a tick learns of it, also when it is the same surface refitted.
  * Errors: E_NULL, E_STATE (not a registration, or not a surface), E_INPUT (no such structure), E_ARENA (more vertices
  * than config.n_target_vertices, where that is not 0). */
 smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface);
@@ -798,6 +848,13 @@ typedef struct smr_tick_report {
     uint64_t phase_ns[SMR_PHASES];
     /* Hash of the positions relative to the start's whole millimetres: the same bits and hash on every processor. */
     uint64_t state_hash;
+    /* 1: the schedule is done, and targets are followed (config.track). done stays 0 then. */
+    uint32_t tracking;
+    /* 1: tracking, and there is nothing to do until a target is set: ticks change nothing and cost nothing. */
+    uint32_t settled;
+    /* 1: tracking, and the targets that were set last lay beyond reach when they were first looked at. Stays until
+     * others are set. */
+    uint32_t jumped;
 } smr_tick_report;
 
 /* One registration iteration (paper 2.3, the closing list): external forces, shape matching, averaging, evolution.
@@ -1102,14 +1159,14 @@ smr_status smr_save_bytes(const smr *s, size_t *bytes);
 
 /* Upper bound of smr_save_bytes() as a constant, for static storage. */
 #define SMR_SAVE_BYTES(n_vertices, n_structures, n_target_vertices, n_landmarks, method)                               \
-    ((size_t)1024u + ((method) == SMR_METHOD_RIGID ? (size_t)85u : (size_t)121u) * (n_vertices) +                      \
+    ((size_t)1152u + ((method) == SMR_METHOD_RIGID ? (size_t)85u : (size_t)121u) * (n_vertices) +                      \
      (size_t)44u * (n_structures) + (size_t)4u * (n_target_vertices) +                                                 \
      ((n_landmarks) > 0u ? (size_t)4u + (n_vertices) + (size_t)200u * (n_landmarks) : (size_t)0u))
 
 /* Writes s to memory[bytes] (of any alignment). The model and inputs are not in it, but their checksums: one pass over
  * each. Only between complete iterations: after a tick that returned SMR_PARTIAL, tick until SMR_OK.
  * Errors: E_NULL, E_STATE (not a registration; called from within a tick; an iteration is under way; a target surface
- * has changed; inputs are awaited; the port was refused), E_ARENA. */
+ * has changed; inputs are awaited; the port was refused; config.track is on), E_ARENA. */
 smr_status smr_save(const smr *s, void *memory, size_t bytes);
 
 typedef struct smr_saved_info {

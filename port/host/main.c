@@ -39,6 +39,8 @@ static int run(int command, int argc, char **argv, host_error *error)
             result = host_bench_run(&options, error);
         else if (command == HOST_REPLAY)
             result = host_replay(&options, error);
+        else if (command == HOST_TRACK)
+            result = host_track(&options, error);
         else if (command == HOST_CARRY)
             result = host_carry(&options, error);
         else if (command == HOST_FIELD)
@@ -62,7 +64,7 @@ static int dispatch(int argc, char **argv, host_error *error)
     } commands[] = {{"register", HOST_REGISTER}, {"build", HOST_BUILD},     {"info", HOST_INFO},
                     {"measure", HOST_MEASURE},   {"phantom", HOST_PHANTOM}, {"bench", HOST_BENCH},
                     {"replay", HOST_REPLAY},     {"carry", HOST_CARRY},     {"field", HOST_FIELD},
-                    {"warp", HOST_WARP}};
+                    {"warp", HOST_WARP},         {"track", HOST_TRACK}};
     size_t i = 0;
     int k = 0;
     for (k = 1; k < argc; k++)
@@ -79,7 +81,8 @@ static int dispatch(int argc, char **argv, host_error *error)
             return run(commands[i].command, argc, argv, error);
     error->file = argc > 1 ? argv[1] : "usage";
     (void)host_fail(error, "command",
-                    "register, build, info, measure, phantom, bench, replay, carry, field, warp, --help or --version");
+                    "register, build, info, measure, phantom, bench, replay, carry, field, warp, track, --help or "
+                    "--version");
     host_error_print(error);
     return HOST_REFUSED;
 }

@@ -74,30 +74,37 @@ void smr_tree_refit_leaves(const smr_facets *f, uint32_t first, uint32_t last)
     }
 }
 
+/* The box of a node, as child k of the one above. */
+static void set_from(smr_node *node, uint32_t k, const smr_node *child)
+{
+    for (uint32_t axis = 0; axis < 3u; axis++) {
+        float lo = child->lo[axis][0], hi = child->hi[axis][0];
+        for (uint32_t c = 1; c < SMR_TREE_WIDTH; c++) {
+            if (child->lo[axis][c] >= SMR_FAR)
+                break;
+            lo = smr_min(lo, child->lo[axis][c]);
+            hi = smr_max(hi, child->hi[axis][c]);
+        }
+        node->lo[axis][k] = lo;
+        node->hi[axis][k] = hi;
+    }
+}
+
+void smr_tree_refit_nodes(const smr_facets *f, uint32_t first, uint32_t last)
+{
+    uint32_t l = 1;
+    for (uint32_t i = first; i < last; i++) {
+        while (l + 1u < f->n_levels && i >= f->level[l + 1u])
+            l++;
+        smr_node *node = &f->node[i];
+        const uint32_t child = f->level[l - 1u] + (i - f->level[l]) * SMR_TREE_WIDTH;
+        clear_node(node);
+        for (uint32_t k = 0; k < SMR_TREE_WIDTH && child + k < f->level[l]; k++)
+            set_from(node, k, &f->node[child + k]);
+    }
+}
+
 void smr_tree_refit_upper(const smr_facets *f)
 {
-    uint32_t n = smr_tree_leaves(f);
-    for (uint32_t l = 1; l < f->n_levels; l++) {
-        uint32_t above = smr_ceil_div(n, SMR_TREE_WIDTH);
-        for (uint32_t i = 0; i < above; i++) {
-            smr_node *node = &f->node[f->level[l] + i];
-            clear_node(node);
-            for (uint32_t k = 0; k < SMR_TREE_WIDTH && i * SMR_TREE_WIDTH + k < n; k++) {
-                uint32_t child_index = i * SMR_TREE_WIDTH + k;
-                const smr_node *child = &f->node[f->level[l - 1u] + child_index];
-                for (uint32_t axis = 0; axis < 3u; axis++) {
-                    float lo = child->lo[axis][0], hi = child->hi[axis][0];
-                    for (uint32_t c = 1; c < SMR_TREE_WIDTH; c++) {
-                        if (child->lo[axis][c] >= SMR_FAR)
-                            break;
-                        lo = smr_min(lo, child->lo[axis][c]);
-                        hi = smr_max(hi, child->hi[axis][c]);
-                    }
-                    node->lo[axis][k] = lo;
-                    node->hi[axis][k] = hi;
-                }
-            }
-        }
-        n = above;
-    }
+    smr_tree_refit_nodes(f, smr_tree_leaves(f), smr_tree_nodes(f->n_triangles));
 }

@@ -41,6 +41,9 @@ static inline uint32_t smr_tree_leaves(const smr_facets *f) { return smr_ceil_di
 /* Recomputes normals and, where f->node is not NULL, boxes of the leaves first .. last-1 from the positions. */
 void smr_tree_refit_leaves(const smr_facets *f, uint32_t first, uint32_t last);
 
+/* Recomputes the boxes of nodes first .. last-1, which lie above the leaves; those below them are new already. */
+void smr_tree_refit_nodes(const smr_facets *f, uint32_t first, uint32_t last);
+
 /* Recomputes the boxes of all levels above the leaves. */
 void smr_tree_refit_upper(const smr_facets *f);
 

@@ -3,14 +3,30 @@
 #ifndef SMR_SURFACE_H
 #define SMR_SURFACE_H
 
-#include "geometry/box_tree.h"
+#include "geometry/hilbert_curve.h"
+#include "geometry/mesh.h"
+
+/* Where building or refitting stands, and what only that needs. */
+typedef struct smr_surface_work {
+    smr_mesh mesh;      /* the caller's; of a refit: its positions, and the surface's triangles */
+    uint32_t stage, at; /* stage of the list, and how far it is */
+    uint32_t refit;     /* 1: positions only */
+    smr_box box;        /* around the vertices so far */
+    float area;         /* of the surface so far, mm^2 */
+    smr_order order;
+    float *middle;       /* [n_triangles][3] centres of triangles */
+    uint32_t *key, *tmp; /* [n_triangles], [2 n_triangles] */
+    uint32_t *start;     /* [n_vertices + 1] triangles around vertices; then a flag a vertex */
+    uint32_t *around;    /* [at least 3 n_triangles] */
+} smr_surface_work;
 
 struct smr_surface {
-    uint32_t magic; /* SMR_SURFACE_MAGIC */
+    uint32_t magic; /* SMR_SURFACE_MAGIC; SMR_SURFACE_BUSY while it is built or refitted */
     uint32_t n_vertices;
     uint32_t open;         /* 1 when some edge has only one triangle; a cloud is open, too */
+    uint32_t n_used;       /* vertices with triangles */
     uint32_t capacity;     /* most points of a cloud (points.h); 0: a mesh */
-    uint32_t changes;      /* of a cloud's points, so far */
+    uint32_t changes;      /* of a cloud's points, or refits of a mesh, so far */
     float area_mean;       /* mean of area[], mm^2 */
     smr_vec origin;        /* mm, whole numbers: centre of the bounding box; positions are relative to it */
     float *xyz;            /* [n_vertices][3] mm from origin, in the caller's order */
@@ -20,14 +36,16 @@ struct smr_surface {
     uint32_t *original;    /* [n_triangles] the caller's index of each triangle */
     unsigned char *border; /* [n_triangles] bit k: edge k..k+1 is a border edge; bit 3+k: corner k lies on one */
     smr_facets facets;     /* the arrays above as a box tree */
+    smr_surface_work work;
 };
 
 #define SMR_SURFACE_MAGIC 0x736d7253u
+#define SMR_SURFACE_BUSY 0x736d7262u
 
 /* 1 for a cloud of points: no triangles, so nothing is closest on it. */
 static inline int smr_is_cloud(const smr_surface *s) { return s->capacity > 0u; }
 
-/* 1 for a surface that smr_surface_build() has built. */
+/* 1 for a surface that is complete. */
 static inline int smr_surface_valid(const smr_surface *s) { return s != NULL && s->magic == SMR_SURFACE_MAGIC; }
 
 /* 1 when the point with these barycentric weights on this triangle lies on a border edge. */

@@ -146,6 +146,7 @@ static inline const void *smr_at(const smr_model *m, uint32_t stored_offset)
 }
 
 smr_lists smr_model_lists(const smr_model *m, uint32_t radius);
+int smr_model_separate(const smr_model *m, uint32_t radius); /* 1: clusters keep to their own structure */
 
 static inline uint32_t smr_list_count(const smr_lists *l, uint32_t vertex)
 {

@@ -50,7 +50,17 @@ typedef struct smr_pace {
     float profile_mm;  /* search distance of intensity profiles in this iteration */
     float farthest_mm; /* the same, were it not for the radius */
     float gradient_mm; /* search distance of edges in this iteration */
+    /* tick/tracking.c; what is set between ticks calls for a new look: setup/targets.c */
+    uint32_t tracking;        /* 1: the schedule is done, and targets are followed */
+    uint32_t recovering;      /* 1: at a coarser radius again, for the targets have jumped; 2: that is over */
+    uint32_t called;          /* 1: a target was set since the last iteration began */
+    uint32_t settled, jumped; /* as in smr_tick_report */
+    float gain;               /* factor on forces */
+    float found;              /* share of vertices with goals when targets were followed last */
 } smr_pace;
+
+/* 1 when a tick changes nothing. */
+static inline int smr_idle(const smr_pace *p) { return p->done || (p->settled && !p->called); }
 
 static inline float *smr_at3(float *array, uint32_t i) { return array + 3u * (size_t)i; }
 

@@ -5,7 +5,7 @@
  * errors> <state after a run onto a cloud of points that grows> <CRC-32 of carried points, and of the way back>
  * <state after a run drawn by landmarks, goals and a force of the caller's beside the target> <state after an image
  * run as the paper has it> <checksums of saves in the middle of the polar and the image run, which went on from them
- * to the same state>.
+ * to the same state> <state after a target was followed that moved and jumped>.
  * Hosted: golden [threads N | workers N | reverse | shuffle | interleave | saves FILE | restores FILE]; without an
  * argument a plain loop. saves writes the saves as well, restores goes on from another processor's.
  * Bare metal (SMR_BAREMETAL): no argument; the buffers go to the section .arena.
@@ -36,7 +36,8 @@
 #define GOLDEN_STOP 5u /* ticks before a run is interrupted */
 
 /* Static, so the sizes are numbers; golden_sizes() checks that the queries agree. */
-GOLDEN_MEMORY unsigned char golden_arena[SMR_ARENA_BYTES(1024, 2048, 1, GOLDEN_WORKERS, 1024, SMR_METHOD_POLAR)];
+GOLDEN_MEMORY unsigned char
+    golden_arena[SMR_ARENA_BYTES(1024, 2048, 1, GOLDEN_WORKERS, 1024, SMR_METHOD_POLAR) + SMR_TRACK_BYTES(1024, 1)];
 GOLDEN_MEMORY unsigned char golden_scratch[6u << 20];
 GOLDEN_MEMORY unsigned char golden_image[2u << 20];
 GOLDEN_MEMORY unsigned char golden_target[1u << 20];
@@ -136,6 +137,51 @@ static int golden_run(const smr_model *model, const smr_surface *target, const s
     *state = s;
     *hash = smr_state_hash(s);
     return 1;
+}
+
+/* The target turned about the z axis, by the tangent of half the angle, and shifted. */
+static void golden_move(const smr_mesh *mesh, float t, float shift, float *xyz)
+{
+    const float c = (1.0f - t * t) / (1.0f + t * t), s = 2.0f * t / (1.0f + t * t);
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+        const float *const p = mesh->xyz + 3u * i;
+        xyz[3u * i] = c * p[0] - s * p[1] + shift;
+        xyz[3u * i + 1u] = s * p[0] + c * p[1];
+        xyz[3u * i + 2u] = p[2];
+    }
+}
+
+/* A target that moves, the same surface refitted in pieces, and at last jumps. */
+static int golden_track(const smr_model *model, const smr_mesh *mesh, const smr_port *port, uint64_t *hash)
+{
+    static const float turn[] = {0.0f, 0.02f, 0.05f, 0.15f}, shift[] = {0.0f, 1.0f, 3.0f, 28.0f};
+    smr_config config = smr_config_default();
+    smr_tick_report report = {0};
+    smr_surface *target = NULL;
+    smr *s = NULL;
+    config.n_workers = GOLDEN_WORKERS;
+    config.n_target_vertices = 1024;
+    config.track = SMR_TRACK_RECOVER;
+    config.iterations = 4;
+    config.iterations_last = 8;
+    if (!golden_ok("moving", smr_surface_build(mesh, golden_target, sizeof golden_target, &target)) ||
+        !golden_ok("track", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)))
+        return 0;
+    for (uint32_t i = 0; i < 4u; i++) {
+        smr_status status = SMR_PARTIAL;
+        golden_move(mesh, turn[i], shift[i], golden_words);
+        if (!golden_ok("refit", smr_surface_refit(target, golden_words)))
+            return 0;
+        while (status == SMR_PARTIAL)
+            status = smr_surface_step(target, 3, NULL, 0);
+        if (!golden_ok("refitted", status) || !golden_ok("moved", smr_set_surface(s, SMR_ALL, target)))
+            return 0;
+        for (uint32_t tick = 0; tick < 30u; tick++)
+            if (!golden_ok("tracking tick", smr_tick(s, 0, &report)))
+                return 0;
+    }
+    *hash = smr_state_hash(s);
+    return golden_ok("jump", report.tracking && report.jumped ? SMR_OK : SMR_E_STATE);
 }
 
 /* Onto a target that shows half of the bone only, and what is said about each vertex. */
@@ -394,7 +440,7 @@ static int golden_main(const smr_port *port)
     smr_surface *source = NULL, *target = NULL;
     smr_pose pose;
     size_t image_bytes = 0;
-    uint64_t rigid = 0, polar = 0, image[2] = {0, 0}, half = 0, points = 0, drawn = 0, again[2];
+    uint64_t rigid = 0, polar = 0, image[2] = {0, 0}, half = 0, points = 0, drawn = 0, again[2], track = 0;
     uint32_t crc = 0, crc_image = 0, crc_start = 0, crc_half = 0, crc_carry = 0;
     smr *s = NULL;
     if (!golden_ok("self test", smr_self_test() == 0u ? SMR_OK : SMR_E_STATE) || !golden_meshes(mesh) ||
@@ -406,6 +452,7 @@ static int golden_main(const smr_port *port)
         !golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &s, &polar) ||
         !golden_carry(s, &mesh[0], port, &crc_carry) || !golden_drawn(model, &mesh[0], target, port, &drawn) ||
         !golden_half(model, mesh[1], port, &half, &crc_half) || !golden_points(model, &mesh[1], port, &points) ||
+        !golden_track(model, &mesh[1], port, &track) ||
         !golden_ok("target again", smr_surface_build(&mesh[1], golden_target, sizeof golden_target, &target)))
         return 1;
     golden_interrupts = 1;
@@ -422,7 +469,7 @@ static int golden_main(const smr_port *port)
         return 1;
     const uint64_t words[] = {rigid,  polar,     image[0], half, crc ^ crc_image ^ crc_start ^ crc_half,
                               points, crc_carry, drawn,    image[1],
-                              golden_saved.checksums};
+                              golden_saved.checksums, track};
     print_text("smr-hash");
     for (uint32_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         print_text(" ");

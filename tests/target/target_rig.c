@@ -113,6 +113,7 @@ static const struct {
     {smr_fold_repair_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "repair of folds"},
     {smr_fold_limit_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "limiting of folds"},
     {smr_fold_open_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "opening of folds"},
+    {smr_held_sum, SMR_PHASE_EVOLVE, TARGET_VERTICES, "poses of what is tracked"},
     {smr_evolve_measure, SMR_PHASE_EVOLVE, TARGET_VERTICES, "displacements, hash"},
     {smr_exact_normals_clear, SMR_PHASE_EVOLVE, TARGET_VERTICES, "normals, clear"},
     {smr_exact_normals_facets, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "normals, sums"},

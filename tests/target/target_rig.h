@@ -28,6 +28,7 @@ typedef struct target_scene {
     const target_case *what;
     const smr_model *model;
     smr_surface *surface; /* NULL with an image */
+    smr_mesh goal;        /* that it was built from */
     smr_volume volume;
 } target_scene;
 

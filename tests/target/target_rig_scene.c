@@ -16,7 +16,8 @@
 #define TARGET_OFF_MM 4.0f   /* an image registration starts so far beside the truth */
 
 TARGET_MEMORY unsigned char target_arena[2][SMR_ARENA_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS *TARGET_FACETS,
-                                                            TARGET_PARTS, 1, TARGET_POINTS, SMR_METHOD_POLAR)];
+                                                            TARGET_PARTS, 1, TARGET_POINTS, SMR_METHOD_POLAR) +
+                                            SMR_TRACK_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS)];
 TARGET_MEMORY unsigned char target_scratch[6u << 20];
 TARGET_MEMORY unsigned char target_image[3u << 20];
 TARGET_MEMORY unsigned char target_surface[1u << 20];
@@ -73,7 +74,7 @@ static int target_bone(target_scene *scene)
     if (scene->what->part)
         target_cut(&m[1], TARGET_TOP_MM);
     structure.mesh = target_mesh(&m[0]);
-    const smr_mesh goal = target_mesh(&m[1]);
+    const smr_mesh goal = scene->goal = target_mesh(&m[1]);
     config.n_radii = 2;
     config.radius_mm[0] = 90.0f;
     config.radius_mm[1] = 45.0f;

@@ -239,9 +239,9 @@ static void test_structure_report(void **state)
 static void test_beside_a_surface(void **state)
 {
     static const float shares[] = {0.0f, 0.5f, 1.0f};
-    const smr_volume reference = image(RADIUS, none), target = image(RADIUS + 1.0f, none);
-    const smr_model *model = ball_model(&reference);
-    const smr_mesh ball = rig_ball(RADIUS - 1.0f, 13, 20, none);
+    const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere), target = rig_ball_image(RIG_BALL_MM + 1.0f, rig_nowhere);
+    const smr_model *model = rig_ball_model(&reference);
+    const smr_mesh ball = rig_ball(RIG_BALL_MM - 1.0f, 13, 20, rig_nowhere);
     const smr_surface *surface = rig_surface(&ball);
     double off[3];
     uint64_t hash = 0;
@@ -254,7 +254,7 @@ static void test_beside_a_surface(void **state)
         assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface));
         assert_int_equal(SMR_OK, smr_set_volume(s, &target));
         (void)rig_run(s, 12); /* before image forces ease */
-        off[i] = off_ball(s, model, (double)RADIUS - 1.0, none);
+        off[i] = off_ball(s, model, (double)RIG_BALL_MM - 1.0, rig_nowhere);
         if (i == 0u)
             hash = smr_state_hash(s);
     }

@@ -19,6 +19,7 @@ int host_build(const host_options *options, host_error *error);
 int host_info(const host_options *options, host_error *error);
 int host_phantom(const host_options *options, host_error *error);
 int host_bench_run(const host_options *options, host_error *error);
+int host_track(const host_options *options, host_error *error);
 int host_replay(const host_options *options, host_error *error);
 int host_carry(const host_options *options, host_error *error);
 int host_field(const host_options *options, host_error *error);

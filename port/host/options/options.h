@@ -15,6 +15,7 @@ enum {
     HOST_PHANTOM = 16,
     HOST_BENCH = 32,
     HOST_REPLAY = 64,
+    HOST_TRACK = 128,
     HOST_CARRY = 1024,
     HOST_FIELD = 2048,
     HOST_WARP = 4096
@@ -38,6 +39,7 @@ typedef struct host_options {
     int command; /* HOST_REGISTER, ... */
     host_files model, target, operands;
     host_files landmarks;               /* no files, or the model's and the target's */
+    host_files frames;                  /* of a moving target: files or directories */
     host_files landmark_goals;          /* likewise: places that points of the model are drawn to */
     const char *landmark_weight;        /* "hard" or a number; NULL: 1 */
     float goal_weight;                  /* what that says; 0: hard */
@@ -73,6 +75,7 @@ typedef struct host_options {
     uint32_t figure1, figure2, soak; /* 1: this benchmark runs */
     uint32_t repeats, step;          /* figure 2: repetitions of its times; distance of its points, % ignored */
     double seconds;                  /* soak: s per budget */
+    double fps;                      /* frames a second */
     const char *prepare_option;      /* the first option given that a prepared .smr refuses; NULL */
     smr_prepare_config prepare;
     smr_config config;

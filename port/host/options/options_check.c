@@ -66,6 +66,17 @@ static int check_bench(const host_options *options, host_error *error)
     return check_bench_files(options, error);
 }
 
+static int check_track(const host_options *options, host_error *error)
+{
+    if (options->model.n == 0)
+        return host_fail(error, "--model", "one file or more");
+    if (options->frames.n == 0)
+        return host_fail(error, "--frames", "one file or directory or more, each a frame");
+    if (options->out == NULL)
+        return host_fail(error, "-o", "the directory for the results");
+    return 0;
+}
+
 /* What carries something by a result. */
 static int check_carry(const host_options *options, host_error *error)
 {
@@ -87,6 +98,8 @@ static int check_needs(host_options *options, host_error *error)
     error->file = "usage";
     if (options->command == HOST_BENCH)
         return check_bench(options, error);
+    if (options->command == HOST_TRACK)
+        return check_track(options, error);
     if ((options->command & (HOST_CARRY | HOST_FIELD | HOST_WARP)) != 0)
         return check_carry(options, error);
     if (options->command == HOST_MEASURE && options->operands.n != 2)

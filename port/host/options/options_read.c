@@ -195,6 +195,7 @@ static int set_defaults(int command, int paper, host_options *options)
     options->repeats = 7;
     options->step = 10;
     options->seconds = 4.0;
+    options->fps = 30.0;
     options->mirror_model = HOST_MIRROR_NONE;
     options->mirror_target = HOST_MIRROR_NONE;
     options->prepare = paper ? smr_prepare_config_paper() : smr_prepare_config_default();
@@ -204,9 +205,11 @@ static int set_defaults(int command, int paper, host_options *options)
     options->operands.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->landmarks.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->landmark_goals.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    options->frames.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->goal_weight = 1.0f;
     return options->model.path == NULL || options->target.path == NULL || options->operands.path == NULL ||
-                   options->landmarks.path == NULL || options->landmark_goals.path == NULL
+                   options->landmarks.path == NULL || options->landmark_goals.path == NULL ||
+                   options->frames.path == NULL
                ? -1
                : 0;
 }
@@ -244,6 +247,7 @@ void host_options_free(host_options *options)
     free(options->target.path);
     free(options->operands.path);
     free(options->landmarks.path);
+    free(options->frames.path);
     free(options->landmark_goals.path);
     memset(options, 0, sizeof *options);
 }

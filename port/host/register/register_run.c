@@ -61,7 +61,7 @@ int host_job_begin(host_job *job, host_error *error)
     uint32_t i = 0;
     config.n_workers = job->port.port.n_workers;
     config.n_landmarks = job->goals != NULL ? job->goals->set.n : 0;
-    for (i = 0; !job->options->image_target && i < job->n_targets; i++)
+    for (i = 0; !job->options->image_target && i < job->n_targets; i++) /* beside those that come later */
         config.n_target_vertices += job->target[i].users > 0 ? job->target[i].mesh.n_vertices : 0;
     status = smr_arena_bytes(job->model.model, &config, &job->arena_bytes);
     if (status != SMR_OK)
@@ -133,7 +133,8 @@ int host_job_run(host_job *job, host_error *error)
         return -1;
     now = host_seconds();
     /* what is saved ends with a complete iteration, be it one tick more */
-    while (!job->last.done && (job->ticks < limit || (job->options->save != NULL && status == SMR_PARTIAL))) {
+    while (!job->last.done && !job->last.settled &&
+           (job->ticks < limit || (job->options->save != NULL && status == SMR_PARTIAL))) {
         const double before = now;
         const uint32_t radius = job->last.radius, iteration = job->last.iteration;
         status = smr_tick(job->state, job->ticks < limit ? budget_ns : 0u, &job->last);

@@ -45,6 +45,7 @@ void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
     smr_keep_floats(a, &shape->rest_pose.m[0][0], 12, -SMR_KEPT_MM, SMR_KEPT_MM);
     smr_keep_require(a, is_similarity(&shape->rest_pose));
     smr_keep_words(a, &shape->rest_pose_due, 1, 1);
+    smr_held_layout(a, shape, shared);
 }
 
 void smr_shape_start(smr_shape *shape)

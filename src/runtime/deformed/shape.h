@@ -17,6 +17,17 @@ typedef struct smr_shape_structure {
     smr_facets facets;   /* triangles, normals and box tree, as they move */
 } smr_shape_structure;
 
+/* What tracking is elastic about, besides arrays. */
+typedef struct smr_held {
+    smr_box box;                /* around held_x, mm */
+    smr_pose rest_pose;         /* of the rest shape when the last radius began: near held_x */
+    smr_pose whole;             /* of held_x onto x, all structures together */
+    smr_fit one, all;           /* sums so far: of a structure, of the whole model */
+    uint32_t structure, vertex; /* where these sums stand, in the caller's numbering */
+    uint32_t n_tasks;           /* that the sums take */
+    uint32_t due;               /* 1: x^r is to follow in this iteration. Written by tick/tracking.c */
+} smr_held;
+
 typedef struct smr_shape {
     const smr_shared *shared;
     smr_vec origin; /* mm, whole: positions are relative to it */
@@ -41,6 +52,10 @@ typedef struct smr_shape {
     smr_pose rest_pose;     /* the similarity that lays the rest shape onto x best */
     smr_fit fit;            /* its sums so far */
     uint32_t rest_pose_due; /* 1: it is to be made of the present positions */
+    /* written by held_shape.c; NULL where nothing is tracked */
+    smr_held *held;
+    float *held_x;       /* [n][3] the schedule's result, which tracking is elastic about */
+    smr_pose *held_pose; /* [n_structures] rigid, lays each structure of held_x onto its present positions */
 } smr_shape;
 
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
@@ -60,6 +75,15 @@ uint32_t smr_rest_pose_tasks(const void *shape);
 void smr_rest_pose_sum(void *shape, uint32_t task, uint32_t worker);
 void smr_rest_pose_end(smr_shape *shape);
 void smr_rest_pose_now(smr_shape *shape); /* at once, without steps */
+
+/* held_shape.c: x^r is the held shape, each structure carried along by the pose that lays it onto x best.
+ * The sums are of x_next, at the end of an iteration. */
+void smr_held_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
+void smr_held_start(smr_shape *shape); /* x is the held shape from here on */
+uint32_t smr_held_sum_tasks(const void *shape);
+void smr_held_sum(void *shape, uint32_t task, uint32_t worker); /* serial */
+void smr_held_sum_end(smr_shape *shape);
+void smr_held_stand(smr_shape *shape); /* the iteration stands: x^r follows */
 
 /* A stored vertex of the rest shape in its pose. */
 static inline smr_vec smr_rest_posed(const smr_shape *shape, uint32_t vertex)

@@ -115,7 +115,7 @@ void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
     smr_forces *f = arg;
     (void)worker;
     smr_tally *tally = &f->tally[task];
-    const float stiffness = f->pace->repairing > 0u ? 0.0f : f->shared->config.stiffness;
+    const float stiffness = f->pace->repairing > 0u ? 0.0f : f->shared->config.stiffness * f->pace->gain;
     memset(tally, 0, sizeof *tally);
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(f->shared, task); v++) {
         if (!smr_active(f->pace, v)) {

@@ -28,7 +28,7 @@ typedef struct smr_goal {
     uint32_t first_task; /* of the target-to-model search */
     uint32_t n_vertices; /* when it was set: a surface rebuilt since must be set again */
     uint32_t first_warm; /* its vertices' slots in target_warm */
-    uint32_t changes;    /* when it was set: as n_vertices, of a cloud */
+    uint32_t changes;    /* when it was set: as n_vertices, of a cloud, or of a surface that was refitted */
 } smr_goal;
 
 /* 1: the target surface, or cloud, is as it was when it was set. */

@@ -42,6 +42,9 @@ void smr_unseen_field_wire(smr_unseen_field *f, const smr_shared *shared, const 
     f->lower = f->loose + f->most;
 }
 
+/* Where the field starts: what tracking holds to, or where the registration started. */
+static float *start_of(const smr_unseen_field *f) { return f->pace->tracking ? f->shape->held_x : f->shape->start; }
+
 static float *row(const smr_unseen_field *f, uint32_t i) { return f->lower + (size_t)i * (i + 1u) / 2u; }
 
 static float kernel(const smr_unseen_field *f, smr_vec a, smr_vec b)
@@ -66,7 +69,7 @@ static float with_control(const smr_unseen_field *f, smr_vec at, uint32_t k, int
         return kernel(f, at, smr_load(smr_at3(f->start, k)));
     const smr_bound_landmark *b = &f->landmarks->landmark[k];
     for (uint32_t c = 0; c < 3u; c++) {
-        const smr_vec corner = smr_load(smr_at3(f->shape->start, b->corner[c]));
+        const smr_vec corner = smr_load(smr_at3(start_of(f), b->corner[c]));
         if (!(b->share[c] > 0.0f))
             continue;
         float one = kernel(f, at, corner);
@@ -87,7 +90,7 @@ static float between(const smr_unseen_field *f, uint32_t i, uint32_t j)
     const smr_bound_landmark *b = &f->landmarks->landmark[i];
     for (uint32_t c = 0; c < 3u; c++)
         if (b->share[c] > 0.0f)
-            sum += b->share[c] * with_control(f, smr_load(smr_at3(f->shape->start, b->corner[c])), j, sharp);
+            sum += b->share[c] * with_control(f, smr_load(smr_at3(start_of(f), b->corner[c])), j, sharp);
     return sum;
 }
 
@@ -151,7 +154,7 @@ static void add_landmarks(smr_unseen_field *f, smr_fit *fit)
     for (uint32_t k = 0; k < g->n; k++) {
         const float weight = is_hard(f, k) ? 1.0f : g->landmark[k].given.weight;
         const smr_vec to = smr_add(smr_landmark_goal(g, k), g->landmark[k].more);
-        add_control(f, k, smr_landmark_foot(g, k, f->shape->start), to, weight, fit);
+        add_control(f, k, smr_landmark_foot(g, k, start_of(f)), to, weight, fit);
         f->loose[k] = is_hard(f, k) ? SMR_FIELD_HARD : SMR_FIELD_LOOSE / weight;
     }
 }
@@ -160,7 +163,7 @@ static void add_seen(smr_unseen_field *f, const uint32_t *control, float ratio, 
 {
     for (uint32_t k = f->landmarks->n; k < f->n; k++) {
         const uint32_t v = control[k - f->landmarks->n];
-        add_control(f, k, smr_load(smr_at3(f->shape->start, v)), smr_load(smr_at3(f->shape->x, v)), 1.0f, fit);
+        add_control(f, k, smr_load(smr_at3(start_of(f), v)), smr_load(smr_at3(f->shape->x, v)), 1.0f, fit);
         f->loose[k] = (SMR_FIELD_LOOSE + SMR_FIELD_STIFF * ratio * ratio) * (float)SMR_SEEN_ONE / (float)seen(f, v);
     }
 }
@@ -169,7 +172,7 @@ static void add_seen(smr_unseen_field *f, const uint32_t *control, float ratio, 
 static void begin(smr_unseen_field *f, uint32_t n)
 {
     smr_fit fit;
-    const smr_box box = f->shape->start_box;
+    const smr_box box = f->pace->tracking ? f->shape->held->box : f->shape->start_box;
     const float length = smr_max(SMR_FIELD_LENGTH * smr_length(smr_sub(box.hi, box.lo)), 1.0e-6f);
     const smr_vec middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
     f->per_length2 = 1.0f / (length * length);
@@ -242,7 +245,7 @@ void smr_unseen_field_solve(void *arg, uint32_t task, uint32_t worker)
 /* The way to where the field carries the vertex, mm. */
 static smr_vec carried(const smr_unseen_field *f, uint32_t v)
 {
-    const smr_vec from = smr_load(smr_at3(f->shape->start, v)), x = smr_load(smr_at3(f->shape->x, v));
+    const smr_vec from = smr_load(smr_at3(start_of(f), v)), x = smr_load(smr_at3(f->shape->x, v));
     if (f->n == 0u)
         return smr_v(0, 0, 0);
     smr_vec to = smr_pose_apply(&f->pose, from);
@@ -303,7 +306,7 @@ static float nearest(const smr_unseen_field *f, smr_vec at, uint32_t first, uint
 
 void smr_unseen_field_fill(const smr_unseen_field *f, uint32_t v, smr_vec *way)
 {
-    const smr_vec at = smr_load(smr_at3(f->shape->start, v));
+    const smr_vec at = smr_load(smr_at3(start_of(f), v));
     const float landmark = nearest(f, at, 0, f->landmarks->n), vertex = nearest(f, at, f->landmarks->n, f->n);
     const float share = vertex < SMR_FAR ? vertex / smr_max(vertex + landmark, FLT_MIN) : 1.0f;
     *way = mix(*way, carried(f, v), share);
@@ -338,7 +341,7 @@ float smr_landmark_field_solve(smr_unseen_field *f)
 
 float smr_landmark_field_left(const smr_unseen_field *f, uint32_t v)
 {
-    const smr_vec at = smr_load(smr_at3(f->shape->start, v));
+    const smr_vec at = smr_load(smr_at3(start_of(f), v));
     float known[SMR_CONTROLS_MAX], left = 1.0f;
     for (uint32_t i = 0; i < f->n; i++) {
         const float *const r = row(f, i);

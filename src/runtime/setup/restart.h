@@ -4,6 +4,7 @@
 #define SMR_RESTART_H
 
 #include "runtime/tick/iteration.h"
+#include "runtime/tick/tracking.h"
 
 /* What was measured was about other goals. An iteration that has not all its forces yet starts them again with the new
  * ones; one that has them ends with the old ones. A replay does not know how far a search had come, so nothing of it
@@ -16,6 +17,7 @@ static inline void smr_restart_forces(smr *s)
     for (uint32_t i = 0; i < s->shared.n_structures; i++)
         g->target[i].measured = 0;
     smr_forces_unmeasured(&s->forces);
+    smr_tracking_call(s);
     if (!smr_forces_pending(s))
         return;
     smr_pulls_clear(g);

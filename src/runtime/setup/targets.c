@@ -5,6 +5,7 @@
 #include "runtime/tick/schedule.h"
 #include "runtime/tick/iteration_end.h"
 #include "runtime/tick/iteration.h"
+#include "runtime/tick/tracking.h"
 
 /* Slots that a surface needs: a cloud grows. */
 static uint32_t slots_of(const smr_surface *s) { return smr_is_cloud(s) ? s->capacity : s->n_vertices; }
@@ -107,6 +108,7 @@ static smr_status set_target(smr *s, uint32_t structure, const smr_surface *surf
     else
         forget_searches(g, structure);
     smr_overlap_start(g);
+    smr_tracking_call(s);
     /* an iteration under way starts again with the new goals; one that has its forces ends with the old ones */
     if (smr_forces_pending(s))
         s->step = s->next_task = 0;

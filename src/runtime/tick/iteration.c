@@ -4,6 +4,7 @@
 #include "runtime/tick/iteration.h"
 
 #include "runtime/tick/schedule.h"
+#include "runtime/tick/tracking.h"
 #include "runtime/tick/iteration_end.h"
 
 static void forces_end(smr *s)
@@ -21,7 +22,10 @@ static void forces_end(smr *s)
     s->report.residual_mean_mm = t->n_forces > 0u ? t->mean : -1.0f;
     s->report.residual_rms_mm = t->n_forces > 0u ? t->rms : -1.0f;
     s->report.residual_max_mm = t->n_forces > 0u ? t->max : -1.0f;
+    smr_tracking_look(s);
 }
+
+static void held_end(smr *s) { smr_held_sum_end(&s->shape); }
 
 static void match_end(smr *s)
 {
@@ -32,7 +36,8 @@ static void match_end(smr *s)
 static void measure_end(smr *s)
 {
     smr_evolve_measure_end(&s->evolve);
-    s->evolve.normals_due = s->shared.config.normals == SMR_NORMALS_EXACT || smr_schedule_plastic(s);
+    s->evolve.normals_due =
+        s->shared.config.normals == SMR_NORMALS_EXACT || s->pace.tracking || smr_schedule_plastic(s);
 }
 
 static void rest_pose_end(smr *s) { smr_rest_pose_end(&s->shape); }
@@ -107,6 +112,8 @@ const smr_step smr_steps[] = { /* `magic`, the first member, stands for the whol
     SMR_SERIAL_STEP(EVOLVE, FOLDS, folds, smr_fold_limit_tasks, smr_fold_limit_pass, folds_moved),
     SMR_SERIAL_STEP(EVOLVE, FOLDS, folds, smr_fold_open_tasks, smr_fold_open_pass, folds_moved),
     SMR_STEP(EVOLVE, FOLDS, magic, facets_again, smr_refit_again, facets_end),
+    /* where structures have gone, for x^r to follow while targets are tracked */
+    SMR_SERIAL_STEP(EVOLVE, TASKS, shape, smr_held_sum_tasks, smr_held_sum, held_end),
     /* what has moved; normals; then everything becomes current at once, and x^r = x where it follows (plasticity) */
     SMR_STEP(EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_measure, measure_end),
     SMR_STEP(EVOLVE, TASKS, evolve, smr_exact_normals_tasks, smr_exact_normals_clear, NULL),

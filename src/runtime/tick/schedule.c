@@ -2,6 +2,7 @@
  * Bounds: one pass over the vertices where x^r follows; SMR_RADII_MAX.
  * SPDX-License-Identifier: MIT */
 #include "runtime/tick/schedule.h"
+#include "runtime/tick/tracking.h"
 
 #define SMR_REPAIR_MAX 30u     /* iterations spent on repairing folds before a radius starts, at most */
 #define SMR_ENOUGH_ALL 1000.0f /* vertices: fewest active ones of the whole model, with an image */
@@ -75,7 +76,7 @@ static void take_radius(smr *s)
                                 s->shared.config.search_radii * smr_max(s->pace.lists.radius, SMR_NARROWING * before));
 }
 
-static void use_radius(smr *s, uint32_t radius)
+void smr_schedule_radius(smr *s, uint32_t radius)
 {
     s->pace.radius = radius;
     s->pace.n_points = s->forces.surface.n_points_begun;
@@ -93,6 +94,7 @@ void smr_schedule_start(smr *s)
     s->pace.since_plastic = 0;
     s->pace.plastic_updates = 0;
     s->pace.converged = s->pace.done = s->pace.repairing = 0;
+    smr_tracking_end(s);
     s->step = 0;
     s->next_task = 0;
     s->forces.surface.limit = 0.0f;
@@ -101,7 +103,7 @@ void smr_schedule_start(smr *s)
     s->forces.surface.n_goals_begun = s->forces.surface.n_goals;
     s->forces.surface.n_clouds_begun = s->forces.surface.n_clouds;
     s->forces.surface.n_points_begun = s->forces.surface.n_points;
-    use_radius(s, s->shared.config.radius_first);
+    smr_schedule_radius(s, s->shared.config.radius_first);
     s->shape.rest_pose_due = 1; /* an abandoned iteration may have made it of other positions */
 }
 
@@ -191,7 +193,7 @@ static ending ending_of(const smr *s, uint32_t radius_iteration, uint32_t since_
 
 int smr_schedule_plastic(const smr *s)
 {
-    return ending_of(s, s->pace.radius_iteration + 1u, s->pace.since_plastic + 1u).plastic;
+    return !s->pace.tracking && ending_of(s, s->pace.radius_iteration + 1u, s->pace.since_plastic + 1u).plastic;
 }
 
 /* 1: a cloud has grown so much since this radius began that the model is not yet laid out: the radius is repeated. A
@@ -201,6 +203,10 @@ static int grows(const smr *s) { return (float)s->forces.surface.n_points_begun 
 /* After each iteration. */
 void smr_schedule_next(smr *s)
 {
+    if (s->pace.tracking) {
+        smr_tracking_next(s);
+        return;
+    }
     const ending e = ending_of(s, s->pace.radius_iteration, s->pace.since_plastic);
     const int repairs = s->pace.repairing > 0u; /* these iterations do not count */
     if (repairs) {
@@ -211,9 +217,11 @@ void smr_schedule_next(smr *s)
         plastic_update(s);
     if (e.done) {
         s->pace.converged = (uint32_t)((e.small || e.settled) && s->forces.matched > 0.0f);
-        s->pace.done = 1;
+        s->pace.done = s->shared.config.track == SMR_TRACK_OFF;
+        if (!s->pace.done)
+            smr_tracking_start(s);
     } else if (!repairs && !smr_at_last_radius(&s->shared, &s->pace) && (e.settled || e.spent)) {
-        use_radius(s, s->pace.radius + (grows(s) ? 0u : 1u));
+        smr_schedule_radius(s, s->pace.radius + (grows(s) ? 0u : 1u));
     }
 }
 
@@ -222,8 +230,8 @@ void smr_schedule_next(smr *s)
 static float ease_of(const smr *s)
 {
     const uint32_t all = s->shared.config.iterations_last, left = all - smr_min_u32(s->pace.radius_iteration + 1u, all);
-    if (!s->shared.config.fade || !s->forces.image.has_image || !smr_at_last_radius(&s->shared, &s->pace) ||
-        left >= all / 2u)
+    if (!s->shared.config.fade || s->pace.tracking || !s->forces.image.has_image ||
+        !smr_at_last_radius(&s->shared, &s->pace) || left >= all / 2u)
         return 1.0f;
     return (float)left / (float)(all / 2u);
 }
@@ -242,7 +250,7 @@ static void choose_distances(smr *s)
 
 float smr_schedule_progress(const smr *s)
 {
-    if (s->pace.done)
+    if (s->pace.done || s->pace.tracking)
         return 1.0f;
     const float first = (float)first_iterations(s), level = (float)s->shared.config.iterations;
     const uint32_t steps = smr_last_radius(&s->shared) - s->shared.config.radius_first,
@@ -264,6 +272,7 @@ static void begin_targets(smr_surface_goals *g)
 
 void smr_schedule_begin(smr *s)
 {
+    smr_tracking_begin(s);
     choose_active(s);
     s->report.n_taken = s->pace.n_active;
     choose_distances(s);

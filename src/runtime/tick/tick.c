@@ -128,6 +128,9 @@ static void fill_report(smr *s, uint64_t *phase_ns)
     r->plastic_updates = s->pace.plastic_updates;
     r->converged = s->pace.converged;
     r->done = s->pace.done;
+    r->tracking = s->pace.tracking;
+    r->settled = s->pace.settled && !s->pace.called;
+    r->jumped = s->pace.jumped;
     r->progress = smr_schedule_progress(s);
     memcpy(r->phase_ns, phase_ns, sizeof r->phase_ns);
 }
@@ -153,7 +156,7 @@ static watch begin(smr *s, uint64_t budget_ns)
     const int timed = budget_ns != 0u && s->port.now_ns != NULL;
     if (s->step > 0u || s->next_task > 0u) {
         smr_budget_resume(s);
-    } else if (!s->pace.done) {
+    } else if (!smr_idle(&s->pace)) {
         smr_schedule_begin(s);
         smr_budget_plan(s, timed ? budget_ns : UINT64_MAX);
     }
@@ -168,7 +171,7 @@ static watch begin(smr *s, uint64_t budget_ns)
 static smr_status run_iteration(smr *s, watch *w, uint64_t *phase_ns)
 {
     smr_status status = SMR_OK;
-    for (; !s->pace.done && s->step < smr_n_steps; s->step++) {
+    for (; !smr_idle(&s->pace) && s->step < smr_n_steps; s->step++) {
         const smr_step *step = &smr_steps[s->step];
         if (s->next_task == 0u && step->pieces != NULL)
             step->pieces(smr_stage_of(s, step), w->deadline != 0u);

@@ -1,0 +1,257 @@
+/* cmd_track.c: smr track: registers the model onto the first frame, follows the others, and writes each.
+ * SPDX-License-Identifier: MIT */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands/commands.h"
+#include "files/output_files.h"
+#include "register/register_job.h"
+#include "track/track_frames.h"
+
+#define TICKS 30u     /* of a frame, at most, where nothing else is asked for */
+#define CSV_EVERY 32u /* frames between two writings of track.csv: what is there is always whole */
+#define NAME_ROOM (2u * SMR_NAME_BYTES + 8u)
+
+/* What is known of a frame. */
+typedef struct frame_report {
+    smr_tick_report last;
+    smr_verdict verdict;
+    uint32_t ticks;
+} frame_report;
+
+typedef struct tracked {
+    host_options options; /* of the registration onto the first frame */
+    host_job job;
+    host_frames frames;
+    host_buffer csv;
+    uint64_t most_vertices; /* of a frame's targets */
+    uint32_t worst;         /* verdict */
+} tracked;
+
+/* Reads a frame to see that it can be used. */
+static int check_frame(tracked *t, const host_frame *frame, const smr_port *port, host_error *error)
+{
+    host_load *loads = NULL;
+    uint64_t vertices = 0;
+    uint32_t i = 0;
+    int result = host_frame_load(frame, port, t->options.mirror_target, &loads, error);
+    for (i = 0; result == 0 && i < frame->files.n; i++)
+        vertices += loads[i].mesh.n_vertices;
+    if (vertices > t->most_vertices)
+        t->most_vertices = vertices;
+    if (result == 0 && vertices > SMR_VERTICES_MAX) {
+        error->file = frame->files.path[0];
+        result = host_fail(error, "frame", "at most %u vertices in all its files", SMR_VERTICES_MAX);
+    }
+    host_frame_unload(frame, loads);
+    return result;
+}
+
+/* Every file of every frame must have a structure. */
+static int check_names(tracked *t, host_error *error)
+{
+    uint32_t i = 0, k = 0;
+    for (i = 0; i < t->frames.n; i++)
+        for (k = 0; k < t->frames.frame[i].files.n; k++)
+            if (host_frame_part(&t->frames.frame[i], k, &t->job.model) == HOST_NO_PART) {
+                error->file = t->frames.frame[i].files.path[k];
+                return host_fail(error, "name", "the name of one of the model's structures");
+            }
+    return 0;
+}
+
+/* Everything up to the end of the first frame's registration. Nothing is written before all frames were read once. */
+static int start(tracked *t, const host_options *options, host_error *error)
+{
+    uint32_t i = 0;
+    int result = 0;
+    t->options = *options;
+    t->options.config.track = SMR_TRACK_RECOVER;
+    t->options.ticks = 0; /* the first frame's schedule ends */
+    t->job.options = &t->options;
+    if (host_output_check(options->out, error) != 0 || host_frames_list(&options->frames, &t->frames, error) != 0 ||
+        host_port_open(&t->job.port, options->threads, error) != 0)
+        return -1;
+    for (i = 0; result == 0 && i < t->frames.n; i++)
+        result = check_frame(t, &t->frames.frame[i], &t->job.port.port, error);
+    t->options.target = t->frames.frame[0].files;
+    t->options.config.n_target_vertices = (uint32_t)t->most_vertices;
+    if (result != 0 || host_job_load(&t->job, error) != 0 || host_job_check(&t->job, error) != 0 ||
+        check_names(t, error) != 0 || host_job_match(&t->job, error) != 0 || host_job_prepare(&t->job, error) != 0)
+        return -1;
+    return host_job_run(&t->job, error);
+}
+
+static int refuse(const host_frame *frame, smr_status status, host_error *error)
+{
+    error->file = frame->files.path[0];
+    return host_fail(error, "frame", "surfaces within the library's limits (%s)", smr_status_name(status));
+}
+
+/* Sets a frame's surfaces and ticks. */
+static int follow(tracked *t, const host_frame *frame, host_load *loads, void **memory, frame_report *report,
+                  host_error *error)
+{
+    const uint32_t most = t->job.options->ticks > 0 ? t->job.options->ticks : TICKS;
+    smr *const s = t->job.state;
+    smr_status status = SMR_OK;
+    uint32_t i = 0;
+    for (i = 0; i < frame->files.n && status == SMR_OK; i++) {
+        const smr_mesh view = host_mesh_view(&loads[i].mesh);
+        const smr_surface *const surface = host_surface_make(&view, &memory[i]);
+        status = surface == NULL ? SMR_E_ARENA : smr_set_surface(s, host_frame_part(frame, i, &t->job.model), surface);
+    }
+    memset(&report->last, 0, sizeof report->last);
+    for (report->ticks = 0; status >= 0 && report->ticks < most && !report->last.settled; report->ticks++)
+        status = smr_tick(s, (uint64_t)(t->options.budget_ms * 1e6), &report->last);
+    while (status == SMR_PARTIAL) /* to the end of the iteration, which the verdict needs */
+        status = smr_tick(s, 0, &report->last);
+    if (status >= 0)
+        status = smr_get_verdict(s, SMR_ALL, &report->verdict);
+    return status < 0 ? refuse(frame, status, error) : 0;
+}
+
+static void add_line(tracked *t, uint32_t number, const host_frame *frame, const frame_report *r)
+{
+    static const char *const levels[] = {"good", "look", "failed"};
+    if (number == 0)
+        host_buffer_print(&t->csv, "frame,time_s,ticks,residual_mm,verdict,settled,jumped\n");
+    host_buffer_print(&t->csv, "%s,%.4f,%u,%.4f,%s,%u,%u\n", frame->name, number / t->options.fps, r->ticks,
+                      (double)r->last.residual_mean_mm, levels[r->verdict.level], r->last.settled, r->last.jumped);
+    if (r->verdict.level > t->worst)
+        t->worst = r->verdict.level;
+}
+
+static int add_parts(tracked *t, const host_frame *frame, host_output *output, host_error *error)
+{
+    host_buffer buffer;
+    uint32_t i = 0;
+    int result = 0;
+    memset(&buffer, 0, sizeof buffer);
+    for (i = 0; result == 0 && i < t->job.model.n_parts; i++) {
+        const host_part *const part = &t->job.model.part[i];
+        host_mesh mesh = part->mesh;
+        char name[NAME_ROOM];
+        (void)snprintf(name, sizeof name, "%s/%s.ply", frame->name, part->name);
+        mesh.xyz = malloc((mesh.n_vertices + 1u) * 3u * sizeof *mesh.xyz);
+        buffer.size = 0;
+        if (mesh.xyz == NULL || smr_get_positions(t->job.state, i, mesh.xyz) != SMR_OK)
+            buffer.failed = 1;
+        else
+            host_mesh_write(&mesh, HOST_FORMAT_PLY, &buffer);
+        result = host_output_add(output, name, &buffer, error);
+        free(mesh.xyz);
+    }
+    host_buffer_free(&buffer);
+    return result;
+}
+
+/* A frame's files, and at times the table as far as it is: a set of their own, there in whole or not at all. */
+static int write_frame(tracked *t, uint32_t number, host_error *error)
+{
+    const host_frame *const frame = &t->frames.frame[number];
+    host_output *const output = host_output_begin(t->options.out);
+    const int table = number % CSV_EVERY == 0 || number + 1u == t->frames.n;
+    int result = 0;
+    if (output == NULL)
+        return host_fail(error, "output", "free memory");
+    result = add_parts(t, frame, output, error);
+    if (result == 0 && table)
+        result = host_output_add(output, "track.csv", &t->csv, error);
+    if (result == 0)
+        return host_output_commit(output, error);
+    host_output_abandon(output);
+    return -1;
+}
+
+/* Frames after the first. The surfaces of a frame are borrowed until the next one's take their place. */
+static int run_frame(tracked *t, uint32_t number, host_error *error)
+{
+    const host_frame *const frame = &t->frames.frame[number];
+    host_load *loads = NULL;
+    frame_report report;
+    void **const memory = calloc(frame->files.n, sizeof *memory);
+    uint32_t i = 0;
+    int result = memory == NULL ? host_fail(error, "frame", "free memory") : 0;
+    memset(&report, 0, sizeof report);
+    (void)smr_set_surface(t->job.state, SMR_ALL, NULL); /* what this frame lacks is carried */
+    if (result == 0)
+        result = host_frame_load(frame, &t->job.port.port, t->options.mirror_target, &loads, error);
+    if (result == 0)
+        result = follow(t, frame, loads, memory, &report, error);
+    if (result == 0) {
+        add_line(t, number, frame, &report);
+        result = write_frame(t, number, error);
+    }
+    (void)smr_set_surface(t->job.state, SMR_ALL, NULL);
+    host_frame_unload(frame, loads);
+    for (i = 0; memory != NULL && i < frame->files.n; i++)
+        free(memory[i]);
+    free(memory);
+    return result;
+}
+
+static int run(tracked *t, const host_options *options, host_error *error)
+{
+    frame_report first;
+    uint32_t i = 0;
+    memset(&first, 0, sizeof first);
+    if (start(t, options, error) != 0)
+        return -1;
+    t->options.ticks = options->ticks;
+    first.last = t->job.last;
+    first.ticks = t->job.ticks;
+    if (smr_get_verdict(t->job.state, SMR_ALL, &first.verdict) != SMR_OK)
+        return refuse(&t->frames.frame[0], SMR_E_STATE, error);
+    add_line(t, 0, &t->frames.frame[0], &first);
+    if (write_frame(t, 0, error) != 0)
+        return -1;
+    for (i = 1; i < t->frames.n; i++)
+        if (run_frame(t, i, error) != 0)
+            return -1;
+    return 0;
+}
+
+/* By the worst frame. */
+static int status_of(const tracked *t)
+{
+    if (t->worst == SMR_VERDICT_FAILED)
+        return HOST_FAILED;
+    return t->worst > t->options.accept ? HOST_LOOK : HOST_DONE;
+}
+
+/* The error outlives the frames, whose texts it may borrow. */
+static void keep_file(host_error *error)
+{
+    static char path[2048];
+    if (error->file == NULL)
+        return;
+    (void)snprintf(path, sizeof path, "%s", error->file);
+    error->file = path;
+}
+
+int host_track(const host_options *options, host_error *error)
+{
+    tracked *const t = calloc(1, sizeof *t);
+    int result = HOST_REFUSED;
+    if (t == NULL) {
+        (void)host_fail(error, "start", "free memory");
+        return HOST_REFUSED;
+    }
+    if (run(t, options, error) == 0) {
+        result = status_of(t);
+        if (!options->quiet)
+            (void)printf("%u frames, verdict of the worst: %s\n", t->frames.n,
+                         t->worst == SMR_VERDICT_GOOD   ? "good"
+                         : t->worst == SMR_VERDICT_LOOK ? "look"
+                                                        : "failed");
+    }
+    if (result == HOST_REFUSED)
+        keep_file(error);
+    host_job_free(&t->job);
+    host_frames_free(&t->frames);
+    host_buffer_free(&t->csv);
+    free(t);
+    return result;
+}

@@ -1,0 +1,144 @@
+/* tracking.c: follows targets that move. When the coarse-to-fine schedule is done the model stays at one radius,
+ * elastic about the schedule's result (deformed/held_shape.c). Each target that is set calls for iterations until the
+ * model rests, or track_iterations are spent; then there is nothing to do. The first forces tell whether a target has
+ * jumped: its goals are farther than the model can follow. Where that is asked for the coarser radii are gone through
+ * again.
+ * Bounds: SMR_RADII_MAX; where tracking starts, two passes over the vertices.
+ * SPDX-License-Identifier: MIT */
+#include "runtime/tick/tracking.h"
+
+#include "runtime/tick/schedule.h"
+
+#define SMR_TRACK_EDGES 6.0f  /* mean edges: the radius that is chosen */
+#define SMR_TRACK_REACH 12.0f /* 1 / share of the radius that goals may be off in the mean */
+#define SMR_TRACK_FEWER 0.8f  /* of the share of vertices with goals before: there are fewer */
+#define SMR_TRACK_COARSE 24u  /* iterations at coarser radii, together, when a target has jumped */
+
+#define SMR_TRACK_MOMENTUM 0.7f /* at most, when a target has jumped: more swings, for what is left falls fast there */
+#define SMR_TRACK_GAIN 3.0f     /* factor on forces at coarser radii, at most */
+
+static float radius_mm(const smr *s, uint32_t radius) { return smr_model_lists(s->shared.model, radius).radius; }
+
+/* The model's radius nearest to this one, by their ratio. */
+static uint32_t nearest_radius(const smr *s, float wanted)
+{
+    uint32_t best = s->shared.config.radius_first;
+    for (uint32_t r = best + 1u; r <= smr_last_radius(&s->shared); r++)
+        if (wanted * wanted < radius_mm(s, best) * radius_mm(s, r))
+            best = r;
+    return best;
+}
+
+/* The radius of tracking. Where none is asked for and there are several structures, one at which clusters keep to their
+ * own, if there is one with clusters at all: structures slide past each other, and joints turn. */
+static uint32_t radius_of(const smr *s)
+{
+    const float asked = s->shared.config.track_mm, edge = smr_le_float(s->shared.model->edge_mm);
+    const uint32_t best = nearest_radius(s, asked > 0.0f ? asked : SMR_TRACK_EDGES * edge);
+    if (asked > 0.0f || s->shared.n_structures == 1u)
+        return best;
+    for (uint32_t r = best; r <= smr_last_radius(&s->shared) && radius_mm(s, r) > edge; r++)
+        if (smr_model_separate(s->shared.model, r))
+            return r;
+    return best;
+}
+
+static void go_to(smr *s, uint32_t radius)
+{
+    smr_schedule_radius(s, radius);
+    s->pace.momentum =
+        s->pace.recovering > 0u ? smr_min(s->shared.config.momentum, SMR_TRACK_MOMENTUM) : s->shared.config.momentum;
+    s->pace.repairing = 0;
+    s->shape.rest_pose_due = 0;
+}
+
+/* Share of the vertices with a target that have a goal on it. */
+static float share_found(const smr *s)
+{
+    const smr_force_totals *t = &s->forces.totals;
+    return t->n_drawn > 0u ? (float)t->n_forces / (float)t->n_drawn : 0.0f;
+}
+
+void smr_tracking_start(smr *s)
+{
+    s->pace.tracking = s->pace.settled = 1;
+    s->pace.jumped = s->pace.recovering = 0;
+    s->pace.called = 0;
+    s->pace.found = share_found(s);
+    smr_plastic_positions(&s->shape);
+    smr_held_start(&s->shape);
+    go_to(s, radius_of(s));
+}
+
+void smr_tracking_end(smr *s)
+{
+    s->pace.tracking = s->pace.settled = s->pace.jumped = s->pace.recovering = s->pace.called = 0;
+    if (s->shape.held != NULL)
+        s->shape.held->due = 0;
+    s->pace.gain = 1.0f;
+    s->pace.found = 0.0f;
+}
+
+/* Vertices that see nothing ask for no way of their own, and hold large clusters back. */
+static float gain_of(const smr *s)
+{
+    const smr_force_totals *t = &s->forces.totals;
+    if (s->pace.recovering != 1u || t->n_forces == 0u)
+        return 1.0f;
+    return smr_min((float)t->n_drawn / (float)t->n_forces, SMR_TRACK_GAIN);
+}
+
+void smr_tracking_begin(smr *s)
+{
+    if (!s->pace.tracking)
+        return;
+    s->shape.held->due = 1;
+    s->reference.stale = 1;
+    s->pace.gain = gain_of(s);
+    if (!s->pace.called)
+        return;
+    s->pace.gain = 1.0f;
+    s->pace.called = s->pace.settled = s->pace.jumped = s->pace.recovering = 0;
+    if (s->pace.radius != radius_of(s))
+        go_to(s, radius_of(s));
+    s->pace.momentum = s->shared.config.momentum;
+    s->pace.radius_iteration = 0;
+}
+
+/* In the first iteration on new targets. Of a partial view that jumps what is left of goals is nearer: then it counts,
+ * too, that there are fewer. */
+void smr_tracking_look(smr *s)
+{
+    const float asked = s->shared.config.track_jump_mm, mean = s->forces.totals.mean;
+    const float reach = asked > 0.0f ? asked : s->pace.lists.radius / SMR_TRACK_REACH;
+    if (!s->pace.tracking || s->pace.recovering || s->pace.radius_iteration > 0u)
+        return;
+    const int fewer = share_found(s) < SMR_TRACK_FEWER * s->pace.found;
+    s->pace.jumped = s->forces.totals.n_forces == 0u || mean > (fewer ? 0.5f * reach : reach);
+}
+
+/* Coarse to fine, once more, as long as targets have goals. */
+static void recover(smr *s)
+{
+    const uint32_t at = s->pace.radius, to = radius_of(s), first = s->shared.config.radius_first;
+    if (!s->pace.recovering) {
+        s->pace.recovering = 1;
+        go_to(s, first);
+    } else if (s->pace.radius_iteration >= smr_max_u32(SMR_TRACK_COARSE / (to - first), 2u)) {
+        s->pace.recovering = at + 1u < to ? 1u : 2u;
+        go_to(s, at + 1u);
+    }
+}
+
+void smr_tracking_next(smr *s)
+{
+    const int coarser = radius_of(s) > s->shared.config.radius_first && s->shared.config.track == SMR_TRACK_RECOVER;
+    const int found = s->pace.jumped && s->forces.totals.n_forces > 0u;
+    if (s->pace.recovering == 1u || (s->pace.recovering == 0u && coarser && found)) {
+        recover(s);
+        return;
+    }
+    s->pace.found = share_found(s);
+    s->pace.settled = s->evolve.moved_mm * 1000.0f < s->shared.config.track_um ||
+                      s->pace.radius_iteration >= s->shared.config.track_iterations;
+}

@@ -1,0 +1,17 @@
+/* tracking.h: targets that move, after the coarse-to-fine schedule.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_TRACKING_H
+#define SMR_TRACKING_H
+
+#include "runtime/registration.h"
+
+void smr_tracking_start(smr *s); /* the schedule is done: x is the shape from here on */
+void smr_tracking_end(smr *s);   /* the schedule starts over */
+void smr_tracking_begin(smr *s); /* before an iteration */
+void smr_tracking_look(smr *s);  /* the forces are complete */
+void smr_tracking_next(smr *s);  /* after an iteration */
+
+/* A target was set: there is something to look at. */
+static inline void smr_tracking_call(smr *s) { s->pace.called = s->pace.tracking; }
+
+#endif

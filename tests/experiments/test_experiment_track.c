@@ -1,0 +1,184 @@
+/* test_experiment_track.c: targets that move, with a known truth: a femur turns by 30 degrees in 2 s and bends by 5 mm,
+ * thirty times a second, seen in whole or to two fifths; ten seconds of it; jumps; a computed thigh flexes. Defaults,
+ * from a start that is 3 mm and 3 degrees off. The targets have none of the model's vertices.
+ * SPDX-License-Identifier: MIT */
+#include "unit/cmocka_first.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "case_motion.h"
+#include "experiment.h"
+
+enum { MOST = 300 };
+
+static case_motion_frame frames[MOST];
+
+static const char *const bones[] = {"femurs/femur_2007_5028_left_3k.ply", "femurs/femur_m_right.ply",
+                                    "femurs/femur_2008_0019_left_3k.ply", "femurs/femur_vhm_left.ply"};
+static const char *const views[] = {"whole", "two fifths"};
+static const double sides[] = {180.0, 78.0};
+
+static void need_data(void)
+{
+    if (experiment_data("femurs") == NULL)
+        skip();
+}
+
+static void run(const char *bone, const case_motion_options *o)
+{
+    const char *const file = experiment_data("%s", bone);
+    assert_true(o->n_frames <= MOST);
+    EXPERIMENT_NEED(case_motion_run(&file, 1, o, frames));
+}
+
+/* The last half of the frames. */
+static void bound_half(const char *name, const char *view, uint32_t n)
+{
+    const case_motion_frame mean = case_motion_mean(frames, n / 2u, n);
+    char what[120];
+    (void)printf("%s, %s (%.0f %%): %.1f ticks a frame, residual %.3f\n", name, view, 100.0 * mean.seen, mean.ticks,
+                 mean.residual);
+    (void)snprintf(what, sizeof what, "%.30s, %s: surface, mm", name, view);
+    experiment_bound(what, mean.surface, 0.6);
+    (void)snprintf(what, sizeof what, "%.30s, %s: vertices, mm", name, view);
+    experiment_bound(what, mean.vertex, 2.0);
+    (void)snprintf(what, sizeof what, "%.30s, %s: frames taken for jumps", name, view);
+    experiment_bound(what, mean.jumped, 0.0);
+}
+
+static void follow_bone(uint32_t bone, int view, uint32_t n_frames, uint32_t ticks)
+{
+    case_motion_options o = case_motion_defaults();
+    o.side_deg = sides[view];
+    o.n_frames = n_frames;
+    o.most_ticks = ticks;
+    o.every = n_frames / 6u;
+    run(bones[bone], &o);
+    bound_half(bones[bone] + 7, views[view], n_frames);
+}
+
+/* One jump; 1 when it was found and the model is there after 30 ticks. */
+static int jump_bone(uint32_t bone, int view, uint32_t seed)
+{
+    case_motion_options o = case_motion_defaults();
+    int there = 0;
+    o.seed = seed;
+    o.side_deg = sides[view];
+    o.n_frames = 2;
+    o.jump_frame = 1;
+    o.jump_mm = 25.0;
+    o.jump_deg = 10.0;
+    o.most_ticks = 30;
+    o.every = 1;
+    run(bones[bone], &o);
+    there = frames[1].jumped && frames[1].surface <= 0.6;
+    (void)printf("  %-30s %-10s seed %u: jumped %u, surface %.3f, vertices %.3f %s\n", bones[bone] + 7, views[view],
+                 seed, frames[1].jumped, frames[1].surface, frames[1].vertex, there ? "" : "SHORT");
+    return there;
+}
+
+static void follows_a_side(void **state)
+{
+    (void)state;
+    need_data();
+    follow_bone(0, 1, 12, 5);
+    EXPERIMENT_END();
+}
+
+static void recovers_from_a_jump(void **state)
+{
+    (void)state;
+    need_data();
+    assert_true(jump_bone(0, 0, 1));
+}
+
+static void follows_femurs(void **state)
+{
+    const uint32_t n = experiment_all() ? 4 : 1;
+    uint32_t i = 0;
+    int view = 0;
+    (void)state;
+    need_data();
+    for (i = 0; i < n; i++)
+        for (view = 0; view < 2; view++)
+            follow_bone(i, view, 60, experiment_all() ? 10 : 5);
+    EXPERIMENT_END();
+}
+
+/* Of whole views all of twelve, of partial ones ten. */
+static void recovers_from_jumps(void **state)
+{
+    const uint32_t n = experiment_all() ? 4 : 1, seeds = experiment_all() ? 3 : 2;
+    uint32_t i = 0, seed = 0;
+    int view = 0;
+    (void)state;
+    need_data();
+    for (view = 0; view < 2; view++) {
+        uint32_t there = 0;
+        for (i = 0; i < n; i++)
+            for (seed = 1; seed <= seeds; seed++)
+                there += (uint32_t)jump_bone(i, view, seed);
+        (void)printf("%s: %u of %u are there after 30 ticks\n", views[view], there, n * seeds);
+        experiment_bound("share of jumps not recovered", 1.0 - there / (double)(n * seeds), view == 0 ? 0.0 : 0.25);
+    }
+    EXPERIMENT_END();
+}
+
+/* Ten seconds to and fro: seconds 2 and 10 are of the same motion. */
+static void does_not_drift(void **state)
+{
+    int view = 0;
+    (void)state;
+    need_data();
+    if (!experiment_all())
+        skip();
+    for (view = 0; view < 2; view++) {
+        case_motion_options o = case_motion_defaults();
+        case_motion_frame early, late;
+        o.side_deg = sides[view];
+        o.n_frames = 300;
+        o.every = 10;
+        run(bones[0], &o);
+        early = case_motion_mean(frames, 30, 60);
+        late = case_motion_mean(frames, 270, 300);
+        (void)printf("%s: second 2 %.3f, %.3f; second 10 %.3f, %.3f\n", views[view], early.surface, early.vertex,
+                     late.surface, late.vertex);
+        experiment_bound("drift of the surface, mm", late.surface - early.surface, 0.1);
+        experiment_bound("drift of the vertices, mm", late.vertex - early.vertex, 0.1);
+    }
+    EXPERIMENT_END();
+}
+
+/* 24 structures of the computed thigh, flexed by 20 degrees. */
+static void follows_a_thigh(void **state)
+{
+    const char *const folder = experiment_scratch("thigh");
+    experiment_command words = {{NULL}, 0}, files = {{NULL}, 0};
+    case_motion_options o = case_motion_defaults();
+    (void)state;
+    if (!experiment_all())
+        skip();
+    experiment_add(&words, "phantom");
+    experiment_add(&words, "--small");
+    experiment_add(&words, "-o");
+    experiment_add(&words, "%s", folder);
+    EXPERIMENT_NEED(experiment_run(&words) == 0);
+    experiment_add_surfaces(&files, experiment_scratch("thigh/model"));
+    o.turn_deg = o.bend_mm = 0.0;
+    o.flex_deg = 20.0;
+    o.every = 10;
+    EXPERIMENT_NEED(case_motion_run((const char *const *)files.word, (uint32_t)files.n, &o, frames));
+    bound_half("thigh", "whole", o.n_frames);
+    experiment_free(&files);
+    EXPERIMENT_END();
+}
+
+int main(void)
+{
+    const struct CMUnitTest quick[] = {cmocka_unit_test(follows_a_side), cmocka_unit_test(recovers_from_a_jump)};
+    const struct CMUnitTest full[] = {cmocka_unit_test(follows_femurs), cmocka_unit_test(recovers_from_jumps),
+                                      cmocka_unit_test(does_not_drift), cmocka_unit_test(follows_a_thigh)};
+    return experiment_full() ? cmocka_run_group_tests(full, NULL, NULL) : cmocka_run_group_tests(quick, NULL, NULL);
+}
