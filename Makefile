@@ -74,7 +74,8 @@ HOST_OBJ    := $(call obj,$(HOST_SRC))
 HOST_MAIN_OBJ := $(call obj,$(HOST_MAIN))
 FIXTURE_OBJ := $(call obj,$(FIXTURE_SRC))
 SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
-PRINT_OBJ   := $(call obj,tests/golden/print.c tests/golden/golden_save.c)
+PRINT_OBJ   := $(call obj,tests/golden/print.c)
+GOLDEN_OBJ  := $(call obj,tests/golden/golden.c tests/golden/golden_goals.c tests/golden/golden_save.c) $(PRINT_OBJ)
 
 CORE_LIB    := $(BUILD)/libsmr.a
 PTHREAD_LIB := $(BUILD)/libsmr_pthread.a
@@ -85,9 +86,9 @@ TESTS       := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 HOST_TESTS  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(HOST_TEST_SRC))
 EXPERIMENTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(EXPERIMENT_SRC))
 BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
-ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT_OBJ) $(PRINT_OBJ) \
+ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT_OBJ) $(GOLDEN_OBJ) \
                $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC) $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) \
-               $(BAREMETAL_SRC) $(TARGET_SRC) fixtures/fixture_write.c tests/golden/golden.c \
+               $(BAREMETAL_SRC) $(TARGET_SRC) fixtures/fixture_write.c \
                tests/golden/replay_run.c tests/docs/settings_page.c)
 
 # ---------------------------------------------------------------- the first target, and the list of all
@@ -184,7 +185,7 @@ $(BUILD)/fixture_write: $(BUILD)/obj/fixtures/fixture_write.o $(SUPPORT_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
-$(BUILD)/golden: $(BUILD)/obj/tests/golden/golden.o $(PRINT_OBJ) $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
+$(BUILD)/golden: $(GOLDEN_OBJ) $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
@@ -218,7 +219,7 @@ TARGET_RIG_OBJ := $(call obj,$(filter tests/target/target_rig%,$(TARGET_SRC)))
 TARGETS := $(patsubst tests/target/%.c,%,$(filter-out tests/target/target_rig%,$(TARGET_SRC)))
 link_board = $(CC) $(ALL_CFLAGS) -nostartfiles -Wl,--gc-sections -L port/baremetal -T $(1) -o $@ $(filter %.o,$^) \
              $(CORE_LIB) -lm -lc -lgcc
-$(BUILD)/golden_m7.elf $(BUILD)/golden_m55.elf: $(BUILD)/obj/tests/golden/golden.o $(PRINT_OBJ)
+$(BUILD)/golden_m7.elf $(BUILD)/golden_m55.elf: $(GOLDEN_OBJ)
 $(BUILD)/replay_run_m7.elf: $(BUILD)/obj/tests/golden/replay_run.o $(PRINT_OBJ)
 $(foreach t,$(TARGETS),\
     $(eval $(BUILD)/$(t)_m7.elf $(BUILD)/$(t)_m55.elf: $(call obj,tests/target/$(t).c) $(TARGET_RIG_OBJ)))

@@ -20,7 +20,7 @@ END
 $cc "$tmp/traps.c" "$tmp/divides.c" -lm -o "$tmp/divides" 2>/dev/null || { echo "skip: no feenableexcept"; exit 77; }
 sh -c '"$0"; exit $?' "$tmp/divides" 2>/dev/null && { echo "skip: this processor does not trap"; exit 77; }
 # shellcheck disable=SC2086
-for file in fixtures/fixture_[!w]*.c tests/golden/golden.c tests/golden/print.c port/pthread/smr_pthread.c "$tmp/traps.c"; do
+for file in fixtures/fixture_[!w]*.c tests/golden/golden*.c tests/golden/print.c port/pthread/smr_pthread.c "$tmp/traps.c"; do
     $cc $flags -Itests/golden -O1 -fno-tree-vectorize -c "$file" -o "$tmp/$(basename "$file" .c).o" || exit 1
 done
 for level in "${@:--O3 -march=native}"; do

@@ -16,42 +16,37 @@
 
 #include "fixture_bone.h"
 #include "fixture_thigh.h"
+#include "golden.h"
 #include "golden_save.h"
 #include "print.h"
 
 #ifdef SMR_BAREMETAL
 #include "smr_baremetal.h"
 #include "smr_semihost.h"
-#define GOLDEN_MEMORY static __attribute__((section(".arena"))) _Alignas(SMR_ALIGN)
 #else
 #include "smr_pthread.h"
 #include <stdio.h>
 #include <stdlib.h>
-#define GOLDEN_MEMORY static _Alignas(SMR_ALIGN)
 #endif
 
 #define GOLDEN_CELL FIXTURE_CELL_SMALL
-#define GOLDEN_WORKERS 8u
-#define GOLDEN_TICKS 40u
 #define GOLDEN_STOP 5u /* ticks before a run is interrupted */
 
 /* Static, so the sizes are numbers; golden_sizes() checks that the queries agree. */
-GOLDEN_MEMORY unsigned char
-    golden_arena[SMR_ARENA_BYTES(1024, 2048, 1, GOLDEN_WORKERS, 1024, SMR_METHOD_POLAR) + SMR_TRACK_BYTES(1024, 1)];
-GOLDEN_MEMORY unsigned char golden_scratch[6u << 20];
-GOLDEN_MEMORY unsigned char golden_image[2u << 20];
-GOLDEN_MEMORY unsigned char golden_target[1u << 20];
-GOLDEN_MEMORY unsigned char golden_source[1u << 20];
-GOLDEN_MEMORY float golden_words[16384];
-GOLDEN_MEMORY unsigned char golden_save_memory[2u * SMR_SAVE_BYTES(1024, 2, 1024, 0, SMR_METHOD_POLAR)];
-GOLDEN_MEMORY unsigned char golden_other[SMR_ARENA_BYTES(1024, 2048, 2, 1, 1024, SMR_METHOD_POLAR)];
+GOLDEN_MEMORY unsigned char golden_arena[GOLDEN_ARENA_BYTES];
+GOLDEN_MEMORY unsigned char golden_scratch[GOLDEN_SCRATCH_BYTES];
+static GOLDEN_MEMORY unsigned char golden_image[2u << 20];
+GOLDEN_MEMORY unsigned char golden_target[GOLDEN_SURFACE_BYTES];
+GOLDEN_MEMORY unsigned char golden_source[GOLDEN_SURFACE_BYTES];
+GOLDEN_MEMORY float golden_words[GOLDEN_WORDS];
+static GOLDEN_MEMORY unsigned char golden_save_memory[2u * SMR_SAVE_BYTES(1024, 2, 1024, 0, SMR_METHOD_POLAR)];
+static GOLDEN_MEMORY unsigned char golden_other[SMR_ARENA_BYTES(1024, 2048, 2, 1, 1024, SMR_METHOD_POLAR)];
 static golden_saves golden_saved = {golden_save_memory, sizeof golden_save_memory, 0, 0, 0};
 static int golden_interrupts; /* 1: runs are saved and restored in the middle */
-GOLDEN_MEMORY float golden_xyz[2][3 * 1024];
-GOLDEN_MEMORY uint32_t golden_triangles[2][3 * 2048];
+static GOLDEN_MEMORY float golden_xyz[2][3 * 1024];
+static GOLDEN_MEMORY uint32_t golden_triangles[2][3 * 2048];
 
-/* CRC-32 (IEEE 802.3), bit by bit: independent of the library's own. */
-static uint32_t golden_crc(const unsigned char *bytes, size_t n)
+uint32_t golden_crc(const unsigned char *bytes, size_t n)
 {
     uint32_t crc = 0xffffffffu;
     for (size_t i = 0; i < n; i++) {
@@ -62,7 +57,7 @@ static uint32_t golden_crc(const unsigned char *bytes, size_t n)
     return ~crc;
 }
 
-static int golden_ok(const char *step, int status) { return print_ok("smr-hash", step, status); }
+int golden_ok(const char *step, int status) { return print_ok("smr-hash", step, status); }
 
 /* The ticks of a run. */
 static int golden_ticks(smr **s, const smr_model *model, const smr_surface *target, const smr_volume *volume,
@@ -139,51 +134,6 @@ static int golden_run(const smr_model *model, const smr_surface *target, const s
     return 1;
 }
 
-/* The target turned about the z axis, by the tangent of half the angle, and shifted. */
-static void golden_move(const smr_mesh *mesh, float t, float shift, float *xyz)
-{
-    const float c = (1.0f - t * t) / (1.0f + t * t), s = 2.0f * t / (1.0f + t * t);
-    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
-        const float *const p = mesh->xyz + 3u * i;
-        xyz[3u * i] = c * p[0] - s * p[1] + shift;
-        xyz[3u * i + 1u] = s * p[0] + c * p[1];
-        xyz[3u * i + 2u] = p[2];
-    }
-}
-
-/* A target that moves, the same surface refitted in pieces, and at last jumps. */
-static int golden_track(const smr_model *model, const smr_mesh *mesh, const smr_port *port, uint64_t *hash)
-{
-    static const float turn[] = {0.0f, 0.02f, 0.05f, 0.15f}, shift[] = {0.0f, 1.0f, 3.0f, 28.0f};
-    smr_config config = smr_config_default();
-    smr_tick_report report = {0};
-    smr_surface *target = NULL;
-    smr *s = NULL;
-    config.n_workers = GOLDEN_WORKERS;
-    config.n_target_vertices = 1024;
-    config.track = SMR_TRACK_RECOVER;
-    config.iterations = 4;
-    config.iterations_last = 8;
-    if (!golden_ok("moving", smr_surface_build(mesh, golden_target, sizeof golden_target, &target)) ||
-        !golden_ok("track", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)))
-        return 0;
-    for (uint32_t i = 0; i < 4u; i++) {
-        smr_status status = SMR_PARTIAL;
-        golden_move(mesh, turn[i], shift[i], golden_words);
-        if (!golden_ok("refit", smr_surface_refit(target, golden_words)))
-            return 0;
-        while (status == SMR_PARTIAL)
-            status = smr_surface_step(target, 3, NULL, 0);
-        if (!golden_ok("refitted", status) || !golden_ok("moved", smr_set_surface(s, SMR_ALL, target)))
-            return 0;
-        for (uint32_t tick = 0; tick < 30u; tick++)
-            if (!golden_ok("tracking tick", smr_tick(s, 0, &report)))
-                return 0;
-    }
-    *hash = smr_state_hash(s);
-    return golden_ok("jump", report.tracking && report.jumped ? SMR_OK : SMR_E_STATE);
-}
-
 /* Onto a target that shows half of the bone only, and what is said about each vertex. */
 static int golden_half(const smr_model *model, smr_mesh half, const smr_port *port, uint64_t *hash, uint32_t *crc)
 {
@@ -209,83 +159,14 @@ static int golden_half(const smr_model *model, smr_mesh half, const smr_port *po
     return 1;
 }
 
-/* Onto a cloud of 600 points at most that grows by vertices of the target: in every other tick with normals, which are
- * about right. The first ones are forgotten. */
-static int golden_points(const smr_model *model, const smr_mesh *mesh, const smr_port *port, uint64_t *hash)
-{
-    smr_config config = smr_config_default();
-    smr_points *points = NULL;
-    smr *s = NULL;
-    config.n_workers = GOLDEN_WORKERS;
-    config.n_target_vertices = 600;
-    config.iterations = 4;
-    if (!golden_ok("points", smr_points_open(600, golden_target, sizeof golden_target, &points)) ||
-        !golden_ok("init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)))
-        return 0;
-    for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++) {
-        const uint32_t n = mesh->n_vertices / GOLDEN_TICKS;
-        const float *xyz = mesh->xyz + 3u * (size_t)(tick * n);
-        if (!golden_ok("add", smr_points_add(points, xyz, tick % 2u ? xyz : NULL, NULL, n)) ||
-            !golden_ok("set points", smr_set_points(s, SMR_ALL, points)) || !golden_ok("tick", smr_tick(s, 0, NULL)))
-            return 0;
-    }
-    *hash = smr_state_hash(s);
-    return 1;
-}
-
-/* Springs up to a plane, for the vertices of the lower half. */
-static void golden_force(void *ctx, const smr_force_view *view, float *way, float *weight)
-{
-    const float *plane = ctx;
-    for (uint32_t i = 0; i < view->n; i++) {
-        if (view->rest[3u * i + 2u] > *plane || view->vertex[i] % 3u != 0u)
-            continue;
-        way[3u * i + 2u] += 0.25f * (*plane - view->xyz[3u * i + 2u]) * view->normal[3u * i + 2u];
-        weight[i] += 0.5f;
-    }
-}
-
-/* Landmarks, one of them hard and one off the surface, goals for every other vertex, and a force, beside the target. */
-static int golden_drawn(const smr_model *model, const smr_mesh *mesh, const smr_surface *target, const smr_port *port,
-                        uint64_t *hash)
-{
-    const float *p = mesh->xyz;
-    const smr_landmark mark[3] = {{0, 7, {0, 0, 0}, {p[21] + 3.0f, p[22] + 2.0f, p[23]}, 1.0f, 0},
-                                  {0, SMR_NONE, {p[90], p[91], p[92]}, {p[90] - 2.0f, p[91], p[92] + 4.0f}, 1.0f, 1},
-                                  {SMR_ALL, SMR_NONE, {p[0], p[1], p[2] + 9.0f}, {p[0], p[1], p[2] + 12.0f}, 0.5f, 0}};
-    smr_config config = smr_config_default();
-    smr_tick_report report;
-    float plane = 0.0f;
-    smr *s = NULL;
-    config.n_workers = GOLDEN_WORKERS;
-    config.n_target_vertices = 1024;
-    config.n_landmarks = 3;
-    config.caller_goals = 1;
-    config.caller_force = SMR_CALLER_CHECKED;
-    config.iterations = 6;
-    for (uint32_t i = 0; i < mesh->n_vertices; i++) /* weights, with the target's own goals */
-        golden_words[i] = i % 2u != 0u ? 0.25f : 0.0f;
-    if (!golden_ok("drawn init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
-        !golden_ok("drawn surface", smr_set_surface(s, SMR_ALL, target)) ||
-        !golden_ok("landmarks", smr_set_landmarks(s, mark, 3)) ||
-        !golden_ok("goals", smr_set_goals(s, 0, mesh->xyz, golden_words)) ||
-        !golden_ok("force", smr_set_force(s, golden_force, &plane)))
-        return 0;
-    for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++)
-        if (!golden_ok("drawn tick", smr_tick(s, 0, &report)))
-            return 0;
-    *hash = smr_state_hash(s);
-    return 1;
-}
-
 /* Two structures of the computed thigh in a coarse image, and a patient's. */
 #define GOLDEN_PARTS 2u
 #define GOLDEN_VOXELS (48u * 48u * 48u)
-GOLDEN_MEMORY unsigned char golden_voxels[2][GOLDEN_VOXELS];
-GOLDEN_MEMORY fixture_thigh golden_thigh;
-GOLDEN_MEMORY float golden_thigh_words[FIXTURE_THIGH_SCRATCH];
-GOLDEN_MEMORY float golden_slice[FIXTURE_IMAGE_SCRATCH(48, 48)];
-GOLDEN_MEMORY float golden_truth[GOLDEN_PARTS][3 * 1024];
+static GOLDEN_MEMORY unsigned char golden_voxels[2][GOLDEN_VOXELS];
+static GOLDEN_MEMORY fixture_thigh golden_thigh;
+static GOLDEN_MEMORY float golden_thigh_words[FIXTURE_THIGH_SCRATCH];
+static GOLDEN_MEMORY float golden_slice[FIXTURE_IMAGE_SCRATCH(48, 48)];
+static GOLDEN_MEMORY float golden_truth[GOLDEN_PARTS][3 * 1024];
 
 /* The box around points [n][3] of all parts, in voxels of 4 mm. */
 static fixture_box golden_box(const smr_structure *part, float xyz[GOLDEN_PARTS][3 * 1024])
@@ -409,30 +290,6 @@ static int golden_start(const smr_surface *source, const smr_surface *target, sm
     return 1;
 }
 
-/* Points beside the rest shape's vertices, carried to where s has the bone, and back. */
-#define GOLDEN_CARRIED 192u
-static int golden_carry(const smr *s, const smr_mesh *rest, const smr_port *port, uint32_t *crc)
-{
-    static float xyz[2][3u * GOLDEN_CARRIED];
-    unsigned char *bytes = golden_source; /* its surface is done with */
-    smr_carry *carry = NULL;
-    for (uint32_t i = 0; i < 3u * GOLDEN_CARRIED; i++)
-        xyz[0][i] = rest->xyz[i] + (float)(i % 7u) * 2.5f - 7.5f;
-    if (!golden_ok("now", smr_get_positions(s, 0, golden_words)) ||
-        !golden_ok("carry fit", smr_carry_fit(rest->xyz, rest->n_vertices, xyz[0], GOLDEN_CARRIED, port, golden_scratch,
-                                              sizeof golden_scratch, &carry)) ||
-        !golden_ok("carry", smr_carry_apply(carry, golden_words, xyz[0])) ||
-        !golden_ok("carry back", smr_carry_map(carry, golden_words, 1, xyz[0], GOLDEN_CARRIED, xyz[1], NULL)))
-        return 0;
-    for (size_t i = 0; i < sizeof xyz; i++) { /* little-endian everywhere */
-        uint32_t word;
-        memcpy(&word, &xyz[i / sizeof xyz[0]][i % sizeof xyz[0] / 4u], sizeof word);
-        bytes[i] = (unsigned char)(word >> 8u * (i % 4u));
-    }
-    *crc = golden_crc(bytes, sizeof xyz);
-    return 1;
-}
-
 static int golden_main(const smr_port *port)
 {
     smr_mesh mesh[2];
@@ -467,9 +324,9 @@ static int golden_main(const smr_port *port)
     if (!golden_images(port, again, &crc_image) ||
         !golden_ok("restored image", again[0] == image[0] && again[1] == image[1] ? SMR_OK : SMR_E_STATE))
         return 1;
-    const uint64_t words[] = {rigid,  polar,     image[0], half, crc ^ crc_image ^ crc_start ^ crc_half,
-                              points, crc_carry, drawn,    image[1],
-                              golden_saved.checksums, track};
+    const uint64_t words[] = {rigid,  polar,     image[0], half,     crc ^ crc_image ^ crc_start ^ crc_half,
+                              points, crc_carry, drawn,    image[1], golden_saved.checksums,
+                              track};
     print_text("smr-hash");
     for (uint32_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         print_text(" ");

@@ -15,9 +15,12 @@
 #define TARGET_TOP_MM 250.0f /* of 431: height above which an open target has nothing */
 #define TARGET_OFF_MM 4.0f   /* an image registration starts so far beside the truth */
 
-TARGET_MEMORY unsigned char target_arena[2][SMR_ARENA_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS *TARGET_FACETS,
-                                                            TARGET_PARTS, 1, TARGET_POINTS, SMR_METHOD_POLAR) +
-                                            SMR_TRACK_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS)];
+#define TARGET_ARENA                                                                                                   \
+    (SMR_ARENA_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS * TARGET_FACETS, TARGET_PARTS, 1, TARGET_POINTS,       \
+                     SMR_METHOD_POLAR) +                                                                               \
+     SMR_TRACK_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS))
+
+TARGET_MEMORY unsigned char target_arena[2][(TARGET_ARENA + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN]; /* both aligned */
 TARGET_MEMORY unsigned char target_scratch[6u << 20];
 TARGET_MEMORY unsigned char target_image[3u << 20];
 TARGET_MEMORY unsigned char target_surface[1u << 20];

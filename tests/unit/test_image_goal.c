@@ -239,7 +239,8 @@ static void test_structure_report(void **state)
 static void test_beside_a_surface(void **state)
 {
     static const float shares[] = {0.0f, 0.5f, 1.0f};
-    const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere), target = rig_ball_image(RIG_BALL_MM + 1.0f, rig_nowhere);
+    const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere),
+                     target = rig_ball_image(RIG_BALL_MM + 1.0f, rig_nowhere);
     const smr_model *model = rig_ball_model(&reference);
     const smr_mesh ball = rig_ball(RIG_BALL_MM - 1.0f, 13, 20, rig_nowhere);
     const smr_surface *surface = rig_surface(&ball);

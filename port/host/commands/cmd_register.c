@@ -114,7 +114,7 @@ static int write_report(const host_job *job, host_output *output, host_error *er
     return result;
 }
 
-/* Writes results, log, trace and save as one set. The report is its last file: where it lies, it tells of the others. */
+/* Writes results, log, trace and save as one set. The report is its last file: it tells of the others. */
 static int write_all(const host_job *job, host_error *error)
 {
     host_output *const output = host_output_begin(job->options->out);

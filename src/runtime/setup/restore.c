@@ -4,8 +4,6 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/setup/saved.h"
 
-#include "runtime/tick/schedule.h"
-
 static uint32_t word_of(const unsigned char *saved, uint32_t word) { return smr_log_get32(saved + 4u * word); }
 
 /* Bytes before the kept values; 0 when lengths do not agree or the bytes are damaged. */

@@ -1,0 +1,143 @@
+/* golden_goals.c: golden runs onto targets that move, grow, or are the caller's own goals, and points carried along.
+ * SPDX-License-Identifier: MIT */
+#include "golden.h"
+
+#include <string.h>
+
+/* The target turned about the z axis, by the tangent of half the angle, and shifted. */
+static void golden_move(const smr_mesh *mesh, float t, float shift, float *xyz)
+{
+    const float c = (1.0f - t * t) / (1.0f + t * t), s = 2.0f * t / (1.0f + t * t);
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+        const float *const p = mesh->xyz + 3u * i;
+        xyz[3u * i] = c * p[0] - s * p[1] + shift;
+        xyz[3u * i + 1u] = s * p[0] + c * p[1];
+        xyz[3u * i + 2u] = p[2];
+    }
+}
+
+/* A target that moves, the same surface refitted in pieces, and at last jumps. */
+int golden_track(const smr_model *model, const smr_mesh *mesh, const smr_port *port, uint64_t *hash)
+{
+    static const float turn[] = {0.0f, 0.02f, 0.05f, 0.15f}, shift[] = {0.0f, 1.0f, 3.0f, 28.0f};
+    smr_config config = smr_config_default();
+    smr_tick_report report = {0};
+    smr_surface *target = NULL;
+    smr *s = NULL;
+    config.n_workers = GOLDEN_WORKERS;
+    config.n_target_vertices = 1024;
+    config.track = SMR_TRACK_RECOVER;
+    config.iterations = 4;
+    config.iterations_last = 8;
+    if (!golden_ok("moving", smr_surface_build(mesh, golden_target, sizeof golden_target, &target)) ||
+        !golden_ok("track", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)))
+        return 0;
+    for (uint32_t i = 0; i < 4u; i++) {
+        smr_status status = SMR_PARTIAL;
+        golden_move(mesh, turn[i], shift[i], golden_words);
+        if (!golden_ok("refit", smr_surface_refit(target, golden_words)))
+            return 0;
+        while (status == SMR_PARTIAL)
+            status = smr_surface_step(target, 3, NULL, 0);
+        if (!golden_ok("refitted", status) || !golden_ok("moved", smr_set_surface(s, SMR_ALL, target)))
+            return 0;
+        for (uint32_t tick = 0; tick < 30u; tick++)
+            if (!golden_ok("tracking tick", smr_tick(s, 0, &report)))
+                return 0;
+    }
+    *hash = smr_state_hash(s);
+    return golden_ok("jump", report.tracking && report.jumped ? SMR_OK : SMR_E_STATE);
+}
+
+/* Onto a cloud of 600 points at most that grows by vertices of the target: in every other tick with normals, which are
+ * about right. The first ones are forgotten. */
+int golden_points(const smr_model *model, const smr_mesh *mesh, const smr_port *port, uint64_t *hash)
+{
+    smr_config config = smr_config_default();
+    smr_points *points = NULL;
+    smr *s = NULL;
+    config.n_workers = GOLDEN_WORKERS;
+    config.n_target_vertices = 600;
+    config.iterations = 4;
+    if (!golden_ok("points", smr_points_open(600, golden_target, sizeof golden_target, &points)) ||
+        !golden_ok("init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)))
+        return 0;
+    for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++) {
+        const uint32_t n = mesh->n_vertices / GOLDEN_TICKS;
+        const float *xyz = mesh->xyz + 3u * (size_t)(tick * n);
+        if (!golden_ok("add", smr_points_add(points, xyz, tick % 2u ? xyz : NULL, NULL, n)) ||
+            !golden_ok("set points", smr_set_points(s, SMR_ALL, points)) || !golden_ok("tick", smr_tick(s, 0, NULL)))
+            return 0;
+    }
+    *hash = smr_state_hash(s);
+    return 1;
+}
+
+/* Springs up to a plane, for the vertices of the lower half. */
+static void golden_force(void *ctx, const smr_force_view *view, float *way, float *weight)
+{
+    const float *plane = ctx;
+    for (uint32_t i = 0; i < view->n; i++) {
+        if (view->rest[3u * i + 2u] > *plane || view->vertex[i] % 3u != 0u)
+            continue;
+        way[3u * i + 2u] += 0.25f * (*plane - view->xyz[3u * i + 2u]) * view->normal[3u * i + 2u];
+        weight[i] += 0.5f;
+    }
+}
+
+/* Landmarks, one of them hard and one off the surface, goals for every other vertex, and a force, beside the target. */
+int golden_drawn(const smr_model *model, const smr_mesh *mesh, const smr_surface *target, const smr_port *port,
+                 uint64_t *hash)
+{
+    const float *p = mesh->xyz;
+    const smr_landmark mark[3] = {{0, 7, {0, 0, 0}, {p[21] + 3.0f, p[22] + 2.0f, p[23]}, 1.0f, 0},
+                                  {0, SMR_NONE, {p[90], p[91], p[92]}, {p[90] - 2.0f, p[91], p[92] + 4.0f}, 1.0f, 1},
+                                  {SMR_ALL, SMR_NONE, {p[0], p[1], p[2] + 9.0f}, {p[0], p[1], p[2] + 12.0f}, 0.5f, 0}};
+    smr_config config = smr_config_default();
+    smr_tick_report report;
+    float plane = 0.0f;
+    smr *s = NULL;
+    config.n_workers = GOLDEN_WORKERS;
+    config.n_target_vertices = 1024;
+    config.n_landmarks = 3;
+    config.caller_goals = 1;
+    config.caller_force = SMR_CALLER_CHECKED;
+    config.iterations = 6;
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) /* weights, with the target's own goals */
+        golden_words[i] = i % 2u != 0u ? 0.25f : 0.0f;
+    if (!golden_ok("drawn init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
+        !golden_ok("drawn surface", smr_set_surface(s, SMR_ALL, target)) ||
+        !golden_ok("landmarks", smr_set_landmarks(s, mark, 3)) ||
+        !golden_ok("goals", smr_set_goals(s, 0, mesh->xyz, golden_words)) ||
+        !golden_ok("force", smr_set_force(s, golden_force, &plane)))
+        return 0;
+    for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++)
+        if (!golden_ok("drawn tick", smr_tick(s, 0, &report)))
+            return 0;
+    *hash = smr_state_hash(s);
+    return 1;
+}
+
+/* Points beside the rest shape's vertices, carried to where s has the bone, and back. */
+#define GOLDEN_CARRIED 192u
+int golden_carry(const smr *s, const smr_mesh *rest, const smr_port *port, uint32_t *crc)
+{
+    static float xyz[2][3u * GOLDEN_CARRIED];
+    unsigned char *bytes = golden_source; /* its surface is done with */
+    smr_carry *carry = NULL;
+    for (uint32_t i = 0; i < 3u * GOLDEN_CARRIED; i++)
+        xyz[0][i] = rest->xyz[i] + (float)(i % 7u) * 2.5f - 7.5f;
+    if (!golden_ok("now", smr_get_positions(s, 0, golden_words)) ||
+        !golden_ok("carry fit", smr_carry_fit(rest->xyz, rest->n_vertices, xyz[0], GOLDEN_CARRIED, port, golden_scratch,
+                                              sizeof golden_scratch, &carry)) ||
+        !golden_ok("carry", smr_carry_apply(carry, golden_words, xyz[0])) ||
+        !golden_ok("carry back", smr_carry_map(carry, golden_words, 1, xyz[0], GOLDEN_CARRIED, xyz[1], NULL)))
+        return 0;
+    for (size_t i = 0; i < sizeof xyz; i++) { /* little-endian everywhere */
+        uint32_t word;
+        memcpy(&word, &xyz[i / sizeof xyz[0]][i % sizeof xyz[0] / 4u], sizeof word);
+        bytes[i] = (unsigned char)(word >> 8u * (i % 4u));
+    }
+    *crc = golden_crc(bytes, sizeof xyz);
+    return 1;
+}
