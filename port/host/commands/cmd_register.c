@@ -160,7 +160,7 @@ static int check_files(const host_options *options, host_error *error)
         error->file = path[i];
         for (k = 0; k < i; k++)
             if (path[i] != NULL && path[k] != NULL && strcmp(path[i], path[k]) == 0)
-                return host_fail(error, "output", others[k]);
+                return host_fail(error, "output", "%s", others[k]);
     }
     return 0;
 }
