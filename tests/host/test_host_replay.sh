@@ -31,7 +31,8 @@ has_status() {
 recorded() {
     recorded_name=$1
     shift
-    check "$recorded_name: recorded" has_status 0 "$SMR" register "$@" -o results --log run.log --threads 2
+    # what a clock leaves out may tell in the verdict: good or look
+    check "$recorded_name: recorded" has_status 0 "$SMR" register "$@" -o results --log run.log --threads 2 --accept look
     hash=$(value results/report.json state_hash)
     ticks=$(value results/report.json ticks)
     for threads in 1 4; do
