@@ -108,7 +108,7 @@ static void test_not_a_registration(void **state)
     assert_int_equal(SMR_E_INPUT, smr_get_verdict(good, SMR_ALL - 1u, &verdict));
     assert_int_equal(SMR_E_INPUT, smr_get_expected_error(good, 1, xyz));
     assert_int_equal(SMR_E_INPUT, smr_get_seen(good, SMR_ALL, seen));
-    memcpy(copy, good, bytes); /* its pointers lead into another arena */
+    memcpy(copy, good, 1024); /* the head is enough: it says where it was */
     assert_int_equal(SMR_E_STATE, smr_get_verdict((smr *)(void *)copy, 0, &verdict));
     assert_int_equal(SMR_E_STATE, smr_get_expected_error((smr *)(void *)copy, 0, xyz));
     assert_int_equal(SMR_E_STATE, smr_get_seen((smr *)(void *)copy, 0, seen));
