@@ -79,7 +79,7 @@ double *case_vertex_normals(const host_mesh *mesh)
 
 host_mesh case_new_mesh(uint32_t n_vertices, uint32_t n_triangles)
 {
-    host_mesh mesh;
+    host_mesh mesh = {0};
     mesh.xyz = case_alloc(3u * (size_t)n_vertices, sizeof *mesh.xyz);
     mesh.triangles = case_alloc(3u * (size_t)n_triangles, sizeof *mesh.triangles);
     mesh.n_vertices = n_vertices;
