@@ -75,7 +75,7 @@ HOST_MAIN_OBJ := $(call obj,$(HOST_MAIN))
 FIXTURE_OBJ := $(call obj,$(FIXTURE_SRC))
 SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
 PRINT_OBJ   := $(call obj,tests/golden/print.c)
-GOLDEN_OBJ  := $(call obj,tests/golden/golden.c tests/golden/golden_goals.c tests/golden/golden_save.c) $(PRINT_OBJ)
+GOLDEN_OBJ  := $(call obj,$(addprefix tests/golden/golden,.c _goals.c _images.c _save.c)) $(PRINT_OBJ)
 
 CORE_LIB    := $(BUILD)/libsmr.a
 PTHREAD_LIB := $(BUILD)/libsmr_pthread.a

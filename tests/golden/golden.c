@@ -15,7 +15,6 @@
 #include <string.h>
 
 #include "fixture_bone.h"
-#include "fixture_thigh.h"
 #include "golden.h"
 #include "golden_save.h"
 #include "print.h"
@@ -35,33 +34,48 @@
 /* Static, so the sizes are numbers; golden_sizes() checks that the queries agree. */
 GOLDEN_MEMORY unsigned char golden_arena[GOLDEN_ARENA_BYTES];
 GOLDEN_MEMORY unsigned char golden_scratch[GOLDEN_SCRATCH_BYTES];
-static GOLDEN_MEMORY unsigned char golden_image[2u << 20];
+GOLDEN_MEMORY unsigned char golden_image[GOLDEN_IMAGE_BYTES];
 GOLDEN_MEMORY unsigned char golden_target[GOLDEN_SURFACE_BYTES];
-GOLDEN_MEMORY unsigned char golden_source[GOLDEN_SURFACE_BYTES];
+static GOLDEN_MEMORY unsigned char golden_source[GOLDEN_SURFACE_BYTES];
 GOLDEN_MEMORY float golden_words[GOLDEN_WORDS];
 static GOLDEN_MEMORY unsigned char golden_save_memory[2u * SMR_SAVE_BYTES(1024, 2, 1024, 0, SMR_METHOD_POLAR)];
 static GOLDEN_MEMORY unsigned char golden_other[SMR_ARENA_BYTES(1024, 2048, 2, 1, 1024, SMR_METHOD_POLAR)];
 static golden_saves golden_saved = {golden_save_memory, sizeof golden_save_memory, 0, 0, 0};
 static int golden_interrupts; /* 1: runs are saved and restored in the middle */
-static GOLDEN_MEMORY float golden_xyz[2][3 * 1024];
-static GOLDEN_MEMORY uint32_t golden_triangles[2][3 * 2048];
+GOLDEN_MEMORY float golden_xyz[2][3 * 1024];
+GOLDEN_MEMORY uint32_t golden_triangles[2][3 * 2048];
+
+/* A byte more. CRC-32 (IEEE 802.3), bit by bit: independent of the library's own. */
+static uint32_t golden_crc_byte(uint32_t crc, uint32_t byte)
+{
+    crc ^= byte;
+    for (int bit = 0; bit < 8; bit++)
+        crc = (crc >> 1) ^ (0xedb88320u & (0u - (crc & 1u)));
+    return crc;
+}
 
 uint32_t golden_crc(const unsigned char *bytes, size_t n)
 {
     uint32_t crc = 0xffffffffu;
-    for (size_t i = 0; i < n; i++) {
-        crc ^= bytes[i];
-        for (int bit = 0; bit < 8; bit++)
-            crc = (crc >> 1) ^ (0xedb88320u & (0u - (crc & 1u)));
+    for (size_t i = 0; i < n; i++)
+        crc = golden_crc_byte(crc, bytes[i]);
+    return ~crc;
+}
+
+uint32_t golden_crc_words(const void *words, size_t n)
+{
+    uint32_t crc = 0xffffffffu, word;
+    for (size_t i = 0; i < 4u * n; i++) {
+        memcpy(&word, (const unsigned char *)words + i / 4u * 4u, sizeof word);
+        crc = golden_crc_byte(crc, word >> 8u * (i % 4u) & 255u);
     }
     return ~crc;
 }
 
 int golden_ok(const char *step, int status) { return print_ok("smr-hash", step, status); }
 
-/* The ticks of a run. */
-static int golden_ticks(smr **s, const smr_model *model, const smr_surface *target, const smr_volume *volume,
-                        smr_tick_report *report)
+int golden_ticks(smr **s, const smr_model *model, const smr_surface *target, const smr_volume *volume,
+                 smr_tick_report *report)
 {
     const golden_inputs inputs = {model, target, volume, golden_other, sizeof golden_other};
     for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++)
@@ -140,7 +154,6 @@ static int golden_half(const smr_model *model, smr_mesh half, const smr_port *po
     smr_surface *target = NULL;
     smr_verdict verdict;
     smr *s = NULL;
-    unsigned char *bytes = golden_scratch;
     const size_t n = 1024;
     half.n_triangles /= 2u;
     memset(golden_words, 0, n * sizeof(float));
@@ -150,122 +163,8 @@ static int golden_half(const smr_model *model, smr_mesh half, const smr_port *po
         !golden_ok("half is not all", verdict.level != SMR_VERDICT_GOOD ? SMR_OK : SMR_E_STATE) ||
         !golden_ok("errors", smr_get_expected_error(s, 0, golden_words)))
         return 0;
-    for (size_t i = 0; i < n * sizeof(float); i++) { /* little-endian everywhere */
-        uint32_t word;
-        memcpy(&word, &golden_words[i / 4u], sizeof word);
-        bytes[i] = (unsigned char)(word >> 8u * (i % 4u));
-    }
-    *crc = golden_crc(bytes, n * sizeof(float));
+    *crc = golden_crc_words(golden_words, n);
     return 1;
-}
-
-/* Two structures of the computed thigh in a coarse image, and a patient's. */
-#define GOLDEN_PARTS 2u
-#define GOLDEN_VOXELS (48u * 48u * 48u)
-static GOLDEN_MEMORY unsigned char golden_voxels[2][GOLDEN_VOXELS];
-static GOLDEN_MEMORY fixture_thigh golden_thigh;
-static GOLDEN_MEMORY float golden_thigh_words[FIXTURE_THIGH_SCRATCH];
-static GOLDEN_MEMORY float golden_slice[FIXTURE_IMAGE_SCRATCH(48, 48)];
-static GOLDEN_MEMORY float golden_truth[GOLDEN_PARTS][3 * 1024];
-
-/* The box around points [n][3] of all parts, in voxels of 4 mm. */
-static fixture_box golden_box(const smr_structure *part, float xyz[GOLDEN_PARTS][3 * 1024])
-{
-    fixture_box box;
-    float low[3] = {1e9f, 1e9f, 1e9f}, high[3] = {-1e9f, -1e9f, -1e9f};
-    for (uint32_t i = 0; i < GOLDEN_PARTS; i++)
-        fixture_bounds(xyz[i], part[i].mesh.n_vertices, low, high);
-    fixture_margin_box(low, high, 20.0f, 4.0f, &box);
-    return box;
-}
-
-static int golden_volume(const fixture_pose *pose, const fixture_box *box, unsigned char *voxels, smr_volume *volume)
-{
-    const smr_volume plain = {voxels,
-                              NULL,
-                              SMR_VOXEL_UINT8,
-                              {box->n[0], box->n[1], box->n[2]},
-                              {box->low[0], box->low[1], box->low[2]},
-                              {box->spacing[0], box->spacing[1], box->spacing[2]},
-                              {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-    if (box->n[0] > 48u || box->n[1] > 48u || box->n[0] * box->n[1] * box->n[2] > GOLDEN_VOXELS)
-        return golden_ok("volume", SMR_E_ARENA);
-    fixture_thigh_slices(&golden_thigh, pose, box, voxels, golden_slice);
-    *volume = plain;
-    return 1;
-}
-
-/* Meshes, both images and the model with profiles. */
-static int golden_image_set_up(smr_prepare_config config, smr_structure *part, smr_volume *volume,
-                               const smr_model **model, size_t *bytes)
-{
-    static const uint32_t which[GOLDEN_PARTS] = {13, 23}; /* patella, vastus medialis */
-    fixture_pose pose[2];
-    size_t need = 0;
-    fixture_thigh_init(&golden_thigh);
-    for (uint32_t i = 0; i < GOLDEN_PARTS; i++) {
-        fixture_mesh m = {golden_xyz[i], golden_triangles[i], 1024, 2048, 0, 0};
-        if (!fixture_thigh_mesh(&golden_thigh, which[i], 1.6f, &m, golden_thigh_words))
-            return golden_ok("thigh", SMR_E_ARENA);
-        part[i].name = golden_thigh.part[which[i]].name;
-        part[i].mesh = (smr_mesh){m.xyz, m.triangles, m.n_vertices, m.n_triangles};
-        fixture_thigh_pose(1, &pose[1]);
-        fixture_thigh_truth(&pose[1], m.xyz, m.n_vertices, golden_truth[i]);
-    }
-    fixture_thigh_pose(0, &pose[0]);
-    fixture_box box[2] = {golden_box(part, golden_xyz), golden_box(part, golden_truth)};
-    if (!golden_volume(&pose[0], &box[0], golden_voxels[0], &volume[0]) ||
-        !golden_volume(&pose[1], &box[1], golden_voxels[1], &volume[1]))
-        return 0;
-    config.reference = &volume[0];
-    return golden_ok("image bytes", smr_prepare_bytes(part, GOLDEN_PARTS, &config, &need)) &&
-           golden_ok("image scratch", need <= sizeof golden_scratch ? SMR_OK : SMR_E_ARENA) &&
-           golden_ok("image prepare", smr_prepare(part, GOLDEN_PARTS, &config, golden_scratch, sizeof golden_scratch,
-                                                  golden_image, sizeof golden_image, bytes)) &&
-           golden_ok("image open", smr_model_open(golden_image, *bytes, model));
-}
-
-/* From 4 mm beside the truth back onto the patient's image. */
-static int golden_image_run(const smr_port *port, smr_prepare_config prepare, smr_config config, uint64_t *hash,
-                            uint32_t *crc)
-{
-    smr_structure part[GOLDEN_PARTS];
-    smr_volume volume[2];
-    const smr_model *model = NULL;
-    smr_tick_report report;
-    smr *s = NULL;
-    size_t bytes = 0;
-    config.n_workers = GOLDEN_WORKERS;
-    if (!golden_image_set_up(prepare, part, volume, &model, &bytes) ||
-        !golden_ok("image init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)))
-        return 0;
-    for (uint32_t i = 0; i < GOLDEN_PARTS; i++) {
-        for (uint32_t k = 0; k < part[i].mesh.n_vertices; k++)
-            golden_truth[i][3u * k] += 4.0f;
-        if (!golden_ok("image start", smr_set_positions(s, i, golden_truth[i])))
-            return 0;
-    }
-    if (!golden_ok("image volume", smr_set_volume(s, &volume[1])) ||
-        !golden_ticks(&s, model, NULL, &volume[1], &report))
-        return 0;
-    *hash = smr_state_hash(s);
-    *crc = golden_crc(golden_image, bytes);
-    return golden_ok("image forces",
-                     report.done && report.n_forces > 100u && report.plastic_updates > 1u ? SMR_OK : SMR_E_STATE);
-}
-
-/* By the defaults, and as the paper has it. */
-static int golden_images(const smr_port *port, uint64_t hash[2], uint32_t *crc)
-{
-    smr_config config = smr_config_default(), paper = smr_config_paper();
-    uint32_t unused;
-    config.plastic_every = 3;
-    config.iterations = 4;
-    config.iterations_last = config.active_enough = 6;
-    paper.iterations_last = 12;
-    paper.plastic_um = 200.0f; /* so that x^r follows */
-    return golden_image_run(port, smr_prepare_config_default(), config, &hash[0], crc) &&
-           golden_image_run(port, smr_prepare_config_paper(), paper, &hash[1], &unused);
 }
 
 /* The start pose, from a quarter turn away, so that it must be searched, and the checksum of what is said about it. */
@@ -274,19 +173,13 @@ static int golden_start(const smr_surface *source, const smr_surface *target, sm
     static const smr_pose quarter = {{{0, -1, 0, 30}, {1, 0, 0, 5}, {0, 0, 1, -9}}};
     smr_align_config align = smr_align_config_default();
     smr_align_report said;
-    unsigned char bytes[sizeof said];
     align.samples = 200;
     align.iterations = 10;
     align.given = &quarter;
     if (!golden_ok("align", smr_align(source, target, &align, golden_scratch, sizeof golden_scratch, pose, &said)) ||
         !golden_ok("align found", !said.given && said.n_alike == 1u ? SMR_OK : SMR_E_STATE))
         return 0;
-    for (size_t i = 0; i < sizeof said; i++) { /* little-endian everywhere */
-        uint32_t word;
-        memcpy(&word, (const unsigned char *)&said + i / 4u * 4u, sizeof word);
-        bytes[i] = (unsigned char)(word >> 8u * (i % 4u));
-    }
-    *crc = golden_crc(bytes, sizeof bytes);
+    *crc = golden_crc_words(&said, sizeof said / 4u);
     return 1;
 }
 

@@ -123,7 +123,6 @@ int golden_drawn(const smr_model *model, const smr_mesh *mesh, const smr_surface
 int golden_carry(const smr *s, const smr_mesh *rest, const smr_port *port, uint32_t *crc)
 {
     static float xyz[2][3u * GOLDEN_CARRIED];
-    unsigned char *bytes = golden_source; /* its surface is done with */
     smr_carry *carry = NULL;
     for (uint32_t i = 0; i < 3u * GOLDEN_CARRIED; i++)
         xyz[0][i] = rest->xyz[i] + (float)(i % 7u) * 2.5f - 7.5f;
@@ -133,11 +132,6 @@ int golden_carry(const smr *s, const smr_mesh *rest, const smr_port *port, uint3
         !golden_ok("carry", smr_carry_apply(carry, golden_words, xyz[0])) ||
         !golden_ok("carry back", smr_carry_map(carry, golden_words, 1, xyz[0], GOLDEN_CARRIED, xyz[1], NULL)))
         return 0;
-    for (size_t i = 0; i < sizeof xyz; i++) { /* little-endian everywhere */
-        uint32_t word;
-        memcpy(&word, &xyz[i / sizeof xyz[0]][i % sizeof xyz[0] / 4u], sizeof word);
-        bytes[i] = (unsigned char)(word >> 8u * (i % 4u));
-    }
-    *crc = golden_crc(bytes, sizeof xyz);
+    *crc = golden_crc_words(xyz, sizeof xyz / sizeof(float));
     return 1;
 }

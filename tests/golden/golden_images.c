@@ -1,0 +1,112 @@
+/* golden_images.c: golden runs into an image: two structures of the computed thigh.
+ * SPDX-License-Identifier: MIT */
+#include "fixture_thigh.h"
+#include "golden.h"
+
+/* Two structures of the computed thigh in a coarse image, and a patient's. */
+#define GOLDEN_PARTS 2u
+#define GOLDEN_VOXELS (48u * 48u * 48u)
+static GOLDEN_MEMORY unsigned char golden_voxels[2][GOLDEN_VOXELS];
+static GOLDEN_MEMORY fixture_thigh golden_thigh;
+static GOLDEN_MEMORY float golden_thigh_words[FIXTURE_THIGH_SCRATCH];
+static GOLDEN_MEMORY float golden_slice[FIXTURE_IMAGE_SCRATCH(48, 48)];
+static GOLDEN_MEMORY float golden_truth[GOLDEN_PARTS][3 * 1024];
+
+/* The box around points [n][3] of all parts, in voxels of 4 mm. */
+static fixture_box golden_box(const smr_structure *part, float xyz[GOLDEN_PARTS][3 * 1024])
+{
+    fixture_box box;
+    float low[3] = {1e9f, 1e9f, 1e9f}, high[3] = {-1e9f, -1e9f, -1e9f};
+    for (uint32_t i = 0; i < GOLDEN_PARTS; i++)
+        fixture_bounds(xyz[i], part[i].mesh.n_vertices, low, high);
+    fixture_margin_box(low, high, 20.0f, 4.0f, &box);
+    return box;
+}
+
+static int golden_volume(const fixture_pose *pose, const fixture_box *box, unsigned char *voxels, smr_volume *volume)
+{
+    const smr_volume plain = {voxels,
+                              NULL,
+                              SMR_VOXEL_UINT8,
+                              {box->n[0], box->n[1], box->n[2]},
+                              {box->low[0], box->low[1], box->low[2]},
+                              {box->spacing[0], box->spacing[1], box->spacing[2]},
+                              {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    if (box->n[0] > 48u || box->n[1] > 48u || box->n[0] * box->n[1] * box->n[2] > GOLDEN_VOXELS)
+        return golden_ok("volume", SMR_E_ARENA);
+    fixture_thigh_slices(&golden_thigh, pose, box, voxels, golden_slice);
+    *volume = plain;
+    return 1;
+}
+
+/* Meshes, both images and the model with profiles. */
+static int golden_image_set_up(smr_prepare_config config, smr_structure *part, smr_volume *volume,
+                               const smr_model **model, size_t *bytes)
+{
+    static const uint32_t which[GOLDEN_PARTS] = {13, 23}; /* patella, vastus medialis */
+    fixture_pose pose[2];
+    size_t need = 0;
+    fixture_thigh_init(&golden_thigh);
+    for (uint32_t i = 0; i < GOLDEN_PARTS; i++) {
+        fixture_mesh m = {golden_xyz[i], golden_triangles[i], 1024, 2048, 0, 0};
+        if (!fixture_thigh_mesh(&golden_thigh, which[i], 1.6f, &m, golden_thigh_words))
+            return golden_ok("thigh", SMR_E_ARENA);
+        part[i].name = golden_thigh.part[which[i]].name;
+        part[i].mesh = (smr_mesh){m.xyz, m.triangles, m.n_vertices, m.n_triangles};
+        fixture_thigh_pose(1, &pose[1]);
+        fixture_thigh_truth(&pose[1], m.xyz, m.n_vertices, golden_truth[i]);
+    }
+    fixture_thigh_pose(0, &pose[0]);
+    fixture_box box[2] = {golden_box(part, golden_xyz), golden_box(part, golden_truth)};
+    if (!golden_volume(&pose[0], &box[0], golden_voxels[0], &volume[0]) ||
+        !golden_volume(&pose[1], &box[1], golden_voxels[1], &volume[1]))
+        return 0;
+    config.reference = &volume[0];
+    return golden_ok("image bytes", smr_prepare_bytes(part, GOLDEN_PARTS, &config, &need)) &&
+           golden_ok("image scratch", need <= sizeof golden_scratch ? SMR_OK : SMR_E_ARENA) &&
+           golden_ok("image prepare", smr_prepare(part, GOLDEN_PARTS, &config, golden_scratch, sizeof golden_scratch,
+                                                  golden_image, sizeof golden_image, bytes)) &&
+           golden_ok("image open", smr_model_open(golden_image, *bytes, model));
+}
+
+/* From 4 mm beside the truth back onto the patient's image. */
+static int golden_image_run(const smr_port *port, smr_prepare_config prepare, smr_config config, uint64_t *hash,
+                            uint32_t *crc)
+{
+    smr_structure part[GOLDEN_PARTS];
+    smr_volume volume[2];
+    const smr_model *model = NULL;
+    smr_tick_report report;
+    smr *s = NULL;
+    size_t bytes = 0;
+    config.n_workers = GOLDEN_WORKERS;
+    if (!golden_image_set_up(prepare, part, volume, &model, &bytes) ||
+        !golden_ok("image init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)))
+        return 0;
+    for (uint32_t i = 0; i < GOLDEN_PARTS; i++) {
+        for (uint32_t k = 0; k < part[i].mesh.n_vertices; k++)
+            golden_truth[i][3u * k] += 4.0f;
+        if (!golden_ok("image start", smr_set_positions(s, i, golden_truth[i])))
+            return 0;
+    }
+    if (!golden_ok("image volume", smr_set_volume(s, &volume[1])) ||
+        !golden_ticks(&s, model, NULL, &volume[1], &report))
+        return 0;
+    *hash = smr_state_hash(s);
+    *crc = golden_crc(golden_image, bytes);
+    return golden_ok("image forces",
+                     report.done && report.n_forces > 100u && report.plastic_updates > 1u ? SMR_OK : SMR_E_STATE);
+}
+
+int golden_images(const smr_port *port, uint64_t hash[2], uint32_t *crc)
+{
+    smr_config config = smr_config_default(), paper = smr_config_paper();
+    uint32_t unused;
+    config.plastic_every = 3;
+    config.iterations = 4;
+    config.iterations_last = config.active_enough = 6;
+    paper.iterations_last = 12;
+    paper.plastic_um = 200.0f; /* so that x^r follows */
+    return golden_image_run(port, smr_prepare_config_default(), config, &hash[0], crc) &&
+           golden_image_run(port, smr_prepare_config_paper(), paper, &hash[1], &unused);
+}
