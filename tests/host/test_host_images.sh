@@ -172,6 +172,15 @@ check "--confidence 1 accepts no goal" has_status 1 $SMR register --model bone.p
 check "and says so, too" grep -q '^verdict: failed: nothing of the target was seen: ' out.txt
 check "no residual was measured" [ "$(value far/report.json residual_mean_mm) $(value far/report.json matched_share)" = "null 0" ]
 rm -rf far
+# An image of noise: what the model was moved by is chance, so the start is what is written.
+LC_ALL=C awk '/^ElementDataFile/ { print; exit } { print }' pat.mha >noise.mha
+awk 'BEGIN { s = 1; for (i = 0; i < 32 * 32 * 48; i++) { s = (s * 69069 + 5) % 4294967296; printf "%c", 33 + int(s / 16777216) % 90 } }' >>noise.mha
+check "an image of noise ends with status 1" has_status 1 "$SMR" register --model bone.ply -o noise --reference ref.mha --target noise.mha
+check "and says what is written" grep -q '^verdict: failed: .*; the start is written instead of what was found' out.txt
+check "vertices had moved, though" less 0.3 "$(value noise/report.json matched_share)"
+check "they are where they began" sh -c "[ '$(value noise/report.json start_kept)' = true ] && '$SMR' measure noise/bone.ply bone.ply | grep -q '^Hausdorff: 0.0000 mm'"
+check "a result that was found is no start" [ "$(value spline/report.json start_kept)" = false ]
+
 check "a search that ends before the schedule" has_status 0 $SMR register --model bone.ply -o ends $image4 --search 8,0 --gradient 4,0 --quiet
 check "has the share of its last search" less 0.5 "$(value ends/report.json matched_share)"
 check "for each structure" less 0.5 "$(sed '1,/per_structure/d' ends/report.json | value /dev/stdin matched_share)"

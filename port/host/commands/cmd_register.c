@@ -173,7 +173,7 @@ static int run_steps(host_job *job, host_error *error)
         host_job_run(job, error) != 0 || host_job_evaluate(job, error) != 0)
         return HOST_REFUSED;
     host_job_verdict(job);
-    if (write_all(job, error) != 0)
+    if (host_job_keep_start(job, error) != 0 || write_all(job, error) != 0)
         return HOST_REFUSED;
     if (!job->options->quiet)
         host_job_summary(job);

@@ -6,6 +6,8 @@
 
 #include "register/register_job.h"
 
+#define LIKENESS_LEAST 0.5f /* below, the library's verdict on an image is failed */
+
 static int copy_result(host_job *job, uint32_t i, host_error *error)
 {
     const host_mesh *const rest = &job->model.part[i].mesh;
@@ -77,13 +79,11 @@ static int measure_all(host_job *job, host_error *error)
     return result == 0 ? 0 : host_fail(error, "result", "surfaces that can be measured, and free memory for it");
 }
 
-int host_job_evaluate(host_job *job, host_error *error)
+/* What the meshes of the results say, wherever they come from. */
+static int measure(host_job *job, host_error *error)
 {
     const double start = host_seconds();
     uint32_t i = 0;
-    for (i = 0; i < job->model.n_parts; i++)
-        if (copy_result(job, i, error) != 0)
-            return -1;
     if (job->goals != NULL && host_landmark_goals_measure(job->goals, job->state) != SMR_OK)
         return host_fail(error, "result", "landmarks from the library");
     if (measure_all(job, error) != 0)
@@ -99,4 +99,47 @@ int host_job_evaluate(host_job *job, host_error *error)
     }
     job->measure_s += host_seconds() - start;
     return 0;
+}
+
+int host_job_evaluate(host_job *job, host_error *error)
+{
+    uint32_t i = 0;
+    for (i = 0; i < job->model.n_parts; i++)
+        if (copy_result(job, i, error) != 0)
+            return -1;
+    return measure(job, error);
+}
+
+int host_job_remember_start(host_job *job, host_error *error)
+{
+    size_t n = 0, at = 0;
+    uint32_t i = 0;
+    for (i = 0; i < job->model.n_parts; i++)
+        n += 3u * (size_t)job->model.part[i].mesh.n_vertices;
+    error->file = "register";
+    free(job->begun_xyz);
+    job->begun_xyz = malloc((n + 1u) * sizeof *job->begun_xyz);
+    if (job->begun_xyz == NULL)
+        return host_fail(error, "start", "free memory");
+    for (i = 0; i < job->model.n_parts; at += 3u * (size_t)job->model.part[i].mesh.n_vertices, i++)
+        if (smr_get_positions(job->state, i, job->begun_xyz + at) != SMR_OK)
+            return host_fail_at(error, "structure", i, "positions from the library");
+    return 0;
+}
+
+int host_job_keep_start(host_job *job, host_error *error)
+{
+    const float *xyz = job->begun_xyz;
+    uint32_t i = 0;
+    if (xyz == NULL || (job->measures.reasons & SMR_REASON_LIKENESS) == 0 || !(job->measures.likeness < LIKENESS_LEAST))
+        return 0;
+    for (i = 0; i < job->model.n_parts; i++) {
+        const size_t n = 3u * (size_t)job->result[i].mesh.n_vertices;
+        memcpy(job->result[i].mesh.xyz, xyz, n * sizeof *xyz);
+        job->result[i].report.moved_mean_mm = job->result[i].report.moved_max_mm = 0.0f;
+        xyz += n;
+    }
+    job->kept_start = 1;
+    host_verdict_add(&job->verdict, HOST_VERDICT_FAILED, "the start is written instead of what was found");
+    return measure(job, error);
 }

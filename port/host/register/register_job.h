@@ -79,6 +79,8 @@ typedef struct host_job {
     host_buffer trace; /* content of the trace's file; owned */
     float *trace_xyz;  /* [all vertices][3], positions of its last row; owned; NULL without */
     double trace_s;    /* spent on it */
+    float *begun_xyz;  /* [all vertices][3], where a registration into an image began; owned; NULL without */
+    int kept_start;    /* 1: the results are where it began, host_job_keep_start */
     size_t tick_capacity;
     double start_s, register_s, load_s, measure_s, begin_s;
     host_two_way area, vertices; /* over all structures with a target */
@@ -102,6 +104,13 @@ void host_job_free(host_job *job);
 
 /* Judges the result: fills the verdicts, after host_job_evaluate. */
 void host_job_verdict(host_job *job);
+
+/* Remembers where the model is, before the first tick into an image. */
+int host_job_remember_start(host_job *job, host_error *error);
+
+/* After the verdict: where the image is no more like the model in its place than elsewhere, nothing was found, and what
+ * the model was moved by is chance: the results become the remembered start. 0, or -1 with the error filled. */
+int host_job_keep_start(host_job *job, host_error *error);
 
 /* Measures the distances between results and targets, for host_job_evaluate. 0, or -1 when that is not possible. */
 int host_job_distances(host_job *job);

@@ -129,7 +129,9 @@ int host_job_run(host_job *job, host_error *error)
     const double start = host_seconds();
     double now = start, shown = start;
     smr_status status = SMR_OK;
-    if (set_up(job, error) != 0 || (traced && host_job_trace_begin(job, error) != 0))
+    const int back = job->options->image_target && job->goals == NULL && job->options->resume == NULL;
+    if (set_up(job, error) != 0 || (back && host_job_remember_start(job, error) != 0) ||
+        (traced && host_job_trace_begin(job, error) != 0))
         return -1;
     now = host_seconds();
     /* what is saved ends with a complete iteration, be it one tick more */

@@ -392,6 +392,7 @@ void host_job_report(const host_job *job, host_buffer *out)
     host_json_flag(&json, "converged", host_job_converged(job));
     host_json_flag(&json, "target_seen", job->target_seen);
     host_json_flag(&json, "settled", job->last.converged != 0 && job->target_seen);
+    host_json_flag(&json, "start_kept", job->kept_start); /* the surfaces are where they began */
     host_json_number(&json, "displacement_max_mm", (double)job->last.displacement_max_mm);
     host_json_count(&json, "threads", job->port.port.n_workers);
     host_json_text(&json, "method", job->options->config.method == SMR_METHOD_POLAR ? "polar" : "rigid");
