@@ -5,6 +5,7 @@
 # usage: CC=... check_fused.sh
 set -u
 cc=${CC:-cc}
+case ${CFLAGS:-} in *sanitize*) echo "skip: an instrumented build, and its compiler has been asked without"; exit 77 ;; esac
 tmp=$(mktemp -d) || exit 1
 trap 'rm -rf "$tmp"' EXIT
 command -v objdump >/dev/null 2>&1 || { echo "skip: no objdump"; exit 77; }
