@@ -338,3 +338,12 @@ void rig_rotation(float x, float y, float z, float degrees, float m[9])
     for (uint32_t i = 0; i < 9u; i++)
         m[i] = (float)((i % 4u == 0u ? c : 0.0) + s * skew[i] + (1.0 - c) * u[i / 3u] * u[i % 3u]);
 }
+
+uint32_t rig_times(uint32_t n)
+{
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    return n < 20u ? 1u : n / 10u;
+#else
+    return n;
+#endif
+}

@@ -57,6 +57,9 @@ smr_port rig_clock_port(rig_clock *clock, uint32_t kind, uint64_t step_ns);
 uint32_t rig_random(uint32_t *seed, uint32_t n);
 float rig_between(uint32_t *seed, float lo, float hi);
 
+/* How often a test repeats what takes long: n times, a tenth of it (at least once) in an instrumented build. */
+uint32_t rig_times(uint32_t n);
+
 /* A proper rotation matrix, row-major, of `degrees` about an axis. */
 void rig_rotation(float x, float y, float z, float degrees, float m[9]);
 

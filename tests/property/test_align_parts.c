@@ -196,7 +196,7 @@ static void test_femurs(void **state)
     (void)state;
     if (!femurs(bone))
         skip();
-    for (uint32_t i = 0; i < PEOPLE; i++)
+    for (uint32_t i = 0; i < rig_times(PEOPLE); i++)
         for (uint32_t k = 0; k < 2u; k++) { /* ten of the twenty pairs */
             const smr_mesh *a = &bone[i], *b = &bone[(i + 1u + 2u * k) % PEOPLE];
             smr_align_report report;

@@ -198,7 +198,7 @@ static apart femurs_moved(const smr_mesh *source, const smr_mesh *target)
                                     {1, 0, 0, 0, 0.1f, 0.3f, 0.7f}};
     apart most = {0, 0, 0};
     const float *plain = aligned(source, target);
-    for (size_t i = 0; i < sizeof turn / sizeof turn[0]; i++) {
+    for (size_t i = 0; i < rig_times(sizeof turn / sizeof turn[0]); i++) {
         float m[9];
         rig_rotation(turn[i][0], turn[i][1], turn[i][2], turn[i][3], m);
         const smr_mesh source2 = rig_moved(source, m, turn[i] + 4), target2 = rig_moved(target, m, turn[i] + 4);
