@@ -7,6 +7,7 @@
 #   make BUILD=build/clang CC=clang
 BUILD   ?= build
 PREFIX  ?= /usr/local
+LIBDIR  ?= $(PREFIX)/lib
 DESTDIR ?=
 NM      ?= nm
 SIZE    ?= size
@@ -82,6 +83,7 @@ PTHREAD_LIB := $(BUILD)/libsmr_pthread.a
 HOST_LIB    := $(BUILD)/libhost.a
 SUPPORT_LIB := $(BUILD)/libsupport.a
 PROGRAM     := $(if $(HOST_MAIN),$(BUILD)/smr)
+SHARED_OBJ  := $(patsubst %.c,$(BUILD)/pic/%.o,$(CORE_SRC) $(PTHREAD_SRC))
 TESTS       := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 HOST_TESTS  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(HOST_TEST_SRC))
 EXPERIMENTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(EXPERIMENT_SRC))
@@ -89,12 +91,13 @@ BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT_OBJ) $(GOLDEN_OBJ) \
                $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC) $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) \
                $(BAREMETAL_SRC) $(TARGET_SRC) fixtures/fixture_write.c \
-               tests/golden/replay_run.c tests/docs/settings_page.c)
+               tests/golden/replay_run.c tests/docs/settings_page.c) $(SHARED_OBJ)
 
 # ---------------------------------------------------------------- the first target, and the list of all
 
 .PHONY: all help demo demo-bone check check-quick experiments programs layer-objects cmocka bench figure1 figure2 soak size \
-        stack hashes settings-page golden-update timing timing-update install clean
+        stack hashes settings-page golden-update timing timing-update shared amalgamation install install-core \
+        install-shared clean
 .DELETE_ON_ERROR:
 
 all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM)
@@ -120,10 +123,13 @@ help:
 	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of'
 	@echo '                     instructions; minutes'
 	@echo 'make timing-update   records that table in tests/timing/results'
-	@echo 'make install         to $$(DESTDIR)$$(PREFIX), default /usr/local'
+	@echo 'make shared          $(BUILD)/libsmr.so with the functions of smr.h and smr_pthread.h, and no others'
+	@echo 'make amalgamation    the library as one source, smr.c and smr.h, in $(BUILD)/amalgamation'
+	@echo 'make install         to $$(DESTDIR)$$(PREFIX), default /usr/local; install-core: header and libsmr.a alone,'
+	@echo '                     for cross compilers; install-shared: the shared library'
 	@echo 'make clean           removes $(BUILD)/'
-	@echo 'Variables: CC, CFLAGS (appended), LDFLAGS, BUILD, WERROR=1 (warnings are errors), PREFIX, DESTDIR,'
-	@echo '           V=1 (whole commands; a line for every test program)'
+	@echo 'Variables: CC, CFLAGS (appended), LDFLAGS, BUILD, WERROR=1 (warnings are errors), PREFIX, LIBDIR,'
+	@echo '           DESTDIR, V=1 (whole commands; a line for every test program)'
 
 # ---------------------------------------------------------------- objects and libraries
 
@@ -170,6 +176,35 @@ $(CORE_LIB) $(PTHREAD_LIB) $(HOST_LIB) $(SUPPORT_LIB):
 	$(call begin,AR,$@)
 	@rm -f $@
 	$(Q)$(AR) rcs $@ $^
+
+# ---------------------------------------------------------------- the shared library, and one source
+
+version := $(shell awk '/define SMR_VERSION_(MAJOR|MINOR|PATCH)/ {v = v s $$3; s = "."} END {print v}' include/smr.h)
+# Versions of one series have one interface: up to 1.0 each minor version begins one, later each major version.
+series  := $(if $(filter 0.%,$(version)),$(basename $(version)),$(firstword $(subst ., ,$(version))))
+SHARED_LIB := $(BUILD)/libsmr.so.$(version)
+
+# Calls between the library's own functions cannot be replaced from outside, so they need no detour.
+$(BUILD)/pic/%.o: %.c
+	$(call begin,CC,$< (shared))
+	$(Q)$(CC) $(ALL_CFLAGS) -fPIC -fno-semantic-interposition $(THREADS) -Iinclude -Isrc -c $< -o $@
+
+# What the public headers declare is exported, and nothing else.
+$(BUILD)/smr.map: include/smr.h port/pthread/smr_pthread.h
+	$(call begin,MAP,$@)
+	$(Q)$(CC) -E -P -Iinclude port/pthread/smr_pthread.h | grep -oE 'smr_[a-z0-9_]+ *\(' | sort -u | \
+	    awk 'BEGIN { print "{ global:" } { sub(/ *\(/, ";"); print } END { print "local: *; };"; exit !NR }' > $@
+
+$(SHARED_LIB): $(SHARED_OBJ) $(BUILD)/smr.map
+	$(call begin,LINK,$@)
+	$(Q)$(CC) $(ALL_CFLAGS) $(THREADS) $(LDFLAGS) -shared -Wl,-soname,libsmr.so.$(series) \
+	    -Wl,--version-script=$(BUILD)/smr.map -o $@ $(SHARED_OBJ) -lm
+	@ln -sf $(@F) $(BUILD)/libsmr.so.$(series) && ln -sf libsmr.so.$(series) $(BUILD)/libsmr.so
+
+shared: $(SHARED_LIB)
+
+amalgamation:
+	$(Q)sh port/package/amalgamate.sh $(BUILD)/amalgamation
 
 # ---------------------------------------------------------------- programs
 
@@ -319,18 +354,20 @@ timing:
 timing-update:
 	@BUILD="$(BUILD)" sh tests/target/check_timing.sh --update
 
-version = $(shell awk '/define SMR_VERSION_(MAJOR|MINOR|PATCH)/ {v = v s $$3; s = "."} END {print v}' include/smr.h)
-
-# The libraries are archives: who links them needs what they need.
+# Archives: who links them needs what they need, which smr.pc and smrConfig.cmake say.
+put = BUILD='$(BUILD)' DESTDIR='$(DESTDIR)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' VERSION=$(version) SERIES=$(series) \
+      sh port/package/install.sh
 install: all
 	$(call begin,INST,$(DESTDIR)$(PREFIX))
-	$(Q)install -d '$(DESTDIR)$(PREFIX)/include' '$(DESTDIR)$(PREFIX)/lib/pkgconfig' '$(DESTDIR)$(PREFIX)/bin'
-	$(Q)install -m 644 include/smr.h port/pthread/smr_pthread.h '$(DESTDIR)$(PREFIX)/include'
-	$(Q)install -m 644 $(CORE_LIB) $(PTHREAD_LIB) '$(DESTDIR)$(PREFIX)/lib'
-	$(Q)$(if $(PROGRAM),install -m 755 $(PROGRAM) '$(DESTDIR)$(PREFIX)/bin')
-	$(Q)printf '%s\n' 'prefix=$(PREFIX)' 'Name: smr' 'Description: shape-matching registration' \
-	    'Version: $(version)' 'Cflags: -I$${prefix}/include' \
-	    'Libs: -L$${prefix}/lib -lsmr_pthread -lsmr -pthread -lm' > '$(DESTDIR)$(PREFIX)/lib/pkgconfig/smr.pc'
+	$(Q)$(put) core pthread $(if $(PROGRAM),program)
+
+install-core: $(CORE_LIB)
+	$(call begin,INST,$(DESTDIR)$(PREFIX))
+	$(Q)$(put) core
+
+install-shared: $(SHARED_LIB)
+	$(call begin,INST,$(DESTDIR)$(PREFIX))
+	$(Q)$(put) shared
 
 clean:
 	$(Q)rm -rf $(BUILD)
