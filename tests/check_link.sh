@@ -207,6 +207,17 @@ if have cmake; then
         subdirectory 'Debug' -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS="$native"
         subdirectory 'gnu17, contraction asked for' -DCMAKE_C_STANDARD=17 -DCMAKE_C_EXTENSIONS=ON \
             -DCMAKE_C_FLAGS="$(fusing "$cc") -ffp-contract=fast"
+        mkdir "$tmp/cxx" && cp "$tmp/user.cpp" "$tmp/cxx" && cat >"$tmp/cxx/CMakeLists.txt" <<'CMAKE'
+cmake_minimum_required(VERSION 3.13)
+project(user CXX)
+find_package(smr REQUIRED)
+add_executable(user user.cpp)
+target_link_libraries(user smr::pthread)
+CMAKE
+        if [ -n "$cxx" ]; then
+            try 'a project of C++ alone: configured' env CXX="$cxx" cmake -S "$tmp/cxx" -B "$tmp/cxx/build" -DCMAKE_PREFIX_PATH="$root" &&
+                try 'a project of C++ alone: built' cmake --build "$tmp/cxx/build" && try 'it runs' "$tmp/cxx/build/user"
+        fi
     fi
     if [ "${SMR_EXPERIMENTS:-}" = all ]; then
         subdirectory 'without a build type'
