@@ -103,12 +103,22 @@ static int write_beside(const host_job *job, const char *path,
     return result;
 }
 
+/* The exit status. */
+static int status_of(const host_job *job)
+{
+    if (job->last.done == 0)
+        return HOST_ENDED;
+    if (job->verdict.level == HOST_VERDICT_FAILED)
+        return HOST_FAILED;
+    return job->verdict.level > (int)job->options->accept ? HOST_LOOK : HOST_DONE;
+}
+
 static int write_report(const host_job *job, host_output *output, host_error *error)
 {
     host_buffer buffer;
     int result = 0;
     memset(&buffer, 0, sizeof buffer);
-    host_job_report(job, &buffer);
+    host_job_report(job, status_of(job), output, &buffer);
     result = host_output_add(output, "report.json", &buffer, error);
     host_buffer_free(&buffer);
     return result;
@@ -136,16 +146,6 @@ static int write_all(const host_job *job, host_error *error)
         return host_output_commit(output, error);
     host_output_abandon(output);
     return -1;
-}
-
-/* The exit status. */
-static int status_of(const host_job *job)
-{
-    if (job->last.done == 0)
-        return HOST_ENDED;
-    if (job->verdict.level == HOST_VERDICT_FAILED)
-        return HOST_FAILED;
-    return job->verdict.level > (int)job->options->accept ? HOST_LOOK : HOST_DONE;
 }
 
 /* Log, trace and save may lie among the results, or elsewhere; each is a file of its own. */

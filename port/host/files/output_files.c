@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/crc32.h"
 #include "base/stop_signals.h"
 #include "files/file_names.h"
 #include "files/file_read.h"
@@ -21,6 +22,9 @@
 typedef struct output_file {
     char *path;      /* owned */
     char *temporary; /* owned; NULL: the path is written directly */
+    size_t inside;   /* where the path goes on behind the set's directory; 0: it need not lie there */
+    size_t bytes;    /* of the content */
+    uint32_t crc32;  /* of the content */
     int made;        /* 1: the temporary file has been made */
     int renamed;     /* 1: the temporary file has been renamed to the path */
     int replaced;    /* 1: the path existed before */
@@ -219,6 +223,7 @@ static output_file *prepare_file(host_output *output, const char *directory, con
     }
     if (directory != NULL && make_directories(output, file->path, error) != 0)
         return NULL;
+    file->inside = directory != NULL ? strlen(directory) + 1u : 0u;
     file->replaced = stat(file->path, &st) == 0;
     if (file->replaced && S_ISDIR(st.st_mode)) {
         (void)host_fail(error, name, "a file there, not a directory");
@@ -239,6 +244,15 @@ static output_file *prepare_file(host_output *output, const char *directory, con
     return file;
 }
 
+static void note(output_file *file, const host_buffer *content)
+{
+    host_crc32 crc;
+    host_crc32_start(&crc);
+    host_crc32_add(&crc, content->data, content->size);
+    file->bytes = content->size;
+    file->crc32 = host_crc32_end(&crc);
+}
+
 static int add(host_output *output, const char *directory, const char *name, const host_buffer *content,
                host_error *error)
 {
@@ -250,7 +264,18 @@ static int add(host_output *output, const char *directory, const char *name, con
     host_stop_block(&before);
     file = prepare_file(output, directory, name, error);
     host_stop_restore(&before);
+    if (file != NULL)
+        note(file, content);
     return file != NULL ? write_file(file, content, error) : -1;
+}
+
+size_t host_output_count(const host_output *output) { return output->n; }
+
+host_output_fact host_output_fact_of(const host_output *output, size_t i)
+{
+    const output_file *const file = &output->file[i];
+    const host_output_fact fact = {file->path + file->inside, file->inside > 0, file->bytes, file->crc32};
+    return fact;
 }
 
 int host_output_add(host_output *output, const char *name, const host_buffer *content, host_error *error)

@@ -27,6 +27,18 @@ int host_output_add(host_output *output, const char *name, const host_buffer *co
 /* Adds a file that need not be in the set's directory; otherwise like host_output_add. */
 int host_output_add_path(host_output *output, const char *path, const host_buffer *content, host_error *error);
 
+/* A file of the set. */
+typedef struct host_output_fact {
+    const char *name; /* the set's, until it is freed */
+    int inside;       /* 1: lies in the set's directory, and `name` is without it */
+    uint64_t bytes;
+    uint32_t crc32;
+} host_output_fact;
+
+/* The files added so far, in that order. */
+size_t host_output_count(const host_output *output);
+host_output_fact host_output_fact_of(const host_output *output, size_t i);
+
 /* Renames all files to their names, in the order of adding; on failure undoes what it can, and an old last file is
  * gone. Frees the set in both cases. */
 int host_output_commit(host_output *output, host_error *error);

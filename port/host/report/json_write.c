@@ -1,29 +1,18 @@
-/* json_write.c: writes JSON: two spaces per level, one item per line.
+/* json_write.c: writes JSON: two spaces per level, one item per line; or all on one line.
  * SPDX-License-Identifier: MIT */
 #include "report/json_write.h"
 
 #include <inttypes.h>
 #include <math.h>
 
-/* Bytes of the UTF-8 character at text, 0 when it is invalid: file names may contain any bytes, JSON may not.
- * Checks the bit patterns only. */
-static size_t utf8_bytes(const char *text)
-{
-    const unsigned char *const c = (const unsigned char *)text;
-    const size_t n = c[0] < 0x80 ? 1u : c[0] < 0xc2 ? 0u : c[0] < 0xe0 ? 2u : c[0] < 0xf0 ? 3u : c[0] < 0xf5 ? 4u : 0u;
-    size_t i = 0;
-    for (i = 1; i < n; i++)
-        if ((c[i] & 0xc0) != 0x80)
-            return 0;
-    return n;
-}
+#include "base/clean_text.h"
 
 static void put_text(host_json *json, const char *text)
 {
     host_buffer_add(json->out, "\"", 1);
     while (*text != '\0') {
         const unsigned char c = (unsigned char)*text;
-        const size_t n = utf8_bytes(text);
+        const size_t n = host_utf8_bytes(text);
         if (c == '"' || c == '\\')
             host_buffer_print(json->out, "\\%c", c);
         else if (c < 32 || c == 127)
@@ -40,6 +29,8 @@ static void put_text(host_json *json, const char *text)
 static void new_line(host_json *json)
 {
     int i = 0;
+    if (json->one_line)
+        return;
     host_buffer_add(json->out, "\n", 1);
     for (i = 0; i < json->depth; i++)
         host_buffer_add(json->out, "  ", 2);
@@ -48,7 +39,7 @@ static void new_line(host_json *json)
 static void start_item(host_json *json, const char *key)
 {
     if (!json->fresh)
-        host_buffer_add(json->out, ",", 1);
+        host_buffer_add(json->out, ", ", json->one_line ? 2 : 1);
     if (json->depth > 0)
         new_line(json);
     json->fresh = 0;

@@ -9,7 +9,8 @@
 typedef struct host_json {
     host_buffer *out;
     int depth;
-    int fresh; /* 1: the current object or list is empty */
+    int fresh;    /* 1: the current object or list is empty */
+    int one_line; /* 1: no line breaks but the last */
 } host_json;
 
 /* key: NULL inside a list. */

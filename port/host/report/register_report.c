@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "files/file_read.h"
 #include "report/json_write.h"
+#include "report/report_files.h"
 
 const char *host_warp_name(uint32_t kind)
 {
@@ -41,6 +41,9 @@ static void put_model(const host_job *job, host_json *json)
         stored += (double)info->indexes_per_cluster[i] / info->n_radii;
         direct += (double)info->direct_per_cluster[i] / info->n_radii;
     }
+    char text[16];
+    (void)snprintf(text, sizeof text, "%08" PRIx32, info->checksum);
+    host_json_text(json, "model_checksum", text);
     host_json_count(json, "structures", info->n_structures);
     host_json_count(json, "vertices", info->n_vertices);
     host_json_count(json, "triangles", info->n_triangles);
@@ -224,38 +227,6 @@ static void put_measures(const smr_verdict *v, host_json *json)
     host_json_close(json, '}');
 }
 
-static void put_command(const host_job *job, host_json *json)
-{
-    int i = 0;
-    host_json_open(json, "command", '[');
-    host_json_text(json, NULL, "smr");
-    host_json_text(json, NULL, "register");
-    for (i = 0; i < job->options->n_arguments; i++)
-        host_json_text(json, NULL, job->options->arguments[i]);
-    host_json_close(json, ']');
-}
-
-/* Every file that was read, those that only measuring needs, too. */
-static void put_inputs(host_json *json)
-{
-    host_input *input = NULL;
-    const int n = host_file_list(0, 0, &input);
-    int i = 0;
-    json->out->failed |= n < 0;
-    host_json_open(json, "inputs", '[');
-    for (i = 0; i < n; i++) {
-        char text[16];
-        (void)snprintf(text, sizeof text, "%08" PRIx32, input[i].crc32);
-        host_json_open(json, NULL, '{');
-        host_json_text(json, "path", input[i].path);
-        host_json_count(json, "bytes", input[i].bytes);
-        host_json_text(json, "crc32", text);
-        host_json_close(json, '}');
-    }
-    host_json_close(json, ']');
-    free(input);
-}
-
 static void put_structure(const host_job *job, uint32_t i, host_json *json)
 {
     const host_result *const result = &job->result[i];
@@ -372,18 +343,20 @@ static const char *similarity_name(uint32_t similarity)
     }
 }
 
-void host_job_report(const host_job *job, host_buffer *out)
+void host_job_report(const host_job *job, int exit_status, const host_output *output, host_buffer *out)
 {
-    host_json json = {out, 0, 1};
+    host_json json = {out, 0, 1, 0};
     char text[40];
     uint32_t i = 0;
     host_json_open(&json, NULL, '{');
     (void)snprintf(text, sizeof text, "%d.%d.%d", SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH);
     host_json_text(&json, "version", text);
     put_verdict(&job->verdict, &json);
+    host_json_count(&json, "exit_status", (uint64_t)exit_status);
     put_measures(&job->measures, &json);
-    put_command(job, &json);
-    put_inputs(&json);
+    host_report_command(job->options, &json);
+    host_report_inputs(&json);
+    host_report_results(output, &json);
     put_model(job, &json);
     host_json_count(&json, "ticks", job->ticks);
     host_json_count(&json, "iterations", job->last.iteration);

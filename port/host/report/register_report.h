@@ -3,10 +3,11 @@
 #ifndef REGISTER_REPORT_H
 #define REGISTER_REPORT_H
 
+#include "files/output_files.h"
 #include "register/register_job.h"
 
-/* Writes the text of report.json into the buffer, which stores failure. */
-void host_job_report(const host_job *job, host_buffer *out);
+/* Writes the text of report.json into the buffer, which stores failure. output: the set with all other files. */
+void host_job_report(const host_job *job, int exit_status, const host_output *output, host_buffer *out);
 
 /* The name of SMR_WARP_... */
 const char *host_warp_name(uint32_t kind);
