@@ -45,6 +45,8 @@ static int run(int command, int argc, char **argv, host_error *error)
             result = host_carry(&options, error);
         else if (command == HOST_FIELD)
             result = host_field(&options, error);
+        else if (command == HOST_SUMMARY)
+            result = host_summary(&options, error);
         else if (command == HOST_WARP)
             result = host_warp(&options, error);
         else
@@ -64,7 +66,7 @@ static int dispatch(int argc, char **argv, host_error *error)
     } commands[] = {{"register", HOST_REGISTER}, {"build", HOST_BUILD},     {"info", HOST_INFO},
                     {"measure", HOST_MEASURE},   {"phantom", HOST_PHANTOM}, {"bench", HOST_BENCH},
                     {"replay", HOST_REPLAY},     {"carry", HOST_CARRY},     {"field", HOST_FIELD},
-                    {"warp", HOST_WARP},         {"track", HOST_TRACK}};
+                    {"warp", HOST_WARP},         {"track", HOST_TRACK},     {"summary", HOST_SUMMARY}};
     size_t i = 0;
     int k = 0;
     for (k = 1; k < argc; k++)
@@ -80,9 +82,10 @@ static int dispatch(int argc, char **argv, host_error *error)
         if (strcmp(argv[1], commands[i].name) == 0)
             return run(commands[i].command, argc, argv, error);
     error->file = argc > 1 ? argv[1] : "usage";
-    (void)host_fail(error, "command",
-                    "register, build, info, measure, phantom, bench, replay, carry, field, warp, track, --help or "
-                    "--version");
+    (void)host_fail(
+        error, "command",
+        "register, build, info, measure, phantom, bench, replay, carry, field, warp, track, summary, --help "
+        "or --version");
     host_error_print(error);
     return HOST_REFUSED;
 }

@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "carry/carry_file.h"
+#include "cohort/report_done.h"
+#include "cohort/report_line.h"
 #include "commands/commands.h"
 #include "files/file_read.h"
 #include "files/output_files.h"
@@ -113,39 +115,42 @@ static int status_of(const host_job *job)
     return job->verdict.level > (int)job->options->accept ? HOST_LOOK : HOST_DONE;
 }
 
-static int write_report(const host_job *job, host_output *output, host_error *error)
+/* Writes results, log, trace and save, then the report, which tells of the others. */
+static int write_set(const host_job *job, host_output *output, host_buffer *report, host_error *error)
 {
-    host_buffer buffer;
-    int result = 0;
-    memset(&buffer, 0, sizeof buffer);
-    host_job_report(job, status_of(job), output, &buffer);
-    result = host_output_add(output, "report.json", &buffer, error);
-    host_buffer_free(&buffer);
-    return result;
+    if (write_surfaces(job, output, error) != 0 || write_carry(job, output, error) != 0)
+        return -1;
+    if (job->options->log != NULL && /* may go into the directory that was just made */
+        write_beside(job, job->options->log, host_job_log, output, error) != 0)
+        return -1;
+    if (job->options->save != NULL && write_beside(job, job->options->save, host_job_save, output, error) != 0)
+        return -1;
+    if (job->options->trace != NULL && host_output_add_path(output, job->options->trace, &job->trace, error) != 0)
+        return -1;
+    host_job_report(job, status_of(job), output, report);
+    return host_output_add(output, HOST_REPORT_NAME, report, error);
 }
 
-/* Writes results, log, trace and save as one set. The report is its last file: it tells of the others. */
+/* All or nothing; what is said of it is said once it is there. */
 static int write_all(const host_job *job, host_error *error)
 {
     host_output *const output = host_output_begin(job->options->out);
+    host_buffer report;
     int result = 0;
+    memset(&report, 0, sizeof report);
     if (output == NULL)
         return host_fail(error, "output", "free memory");
-    result = write_surfaces(job, output, error);
+    result = write_set(job, output, &report, error);
     if (result == 0)
-        result = write_carry(job, output, error);
-    if (result == 0 && job->options->log != NULL) /* may go into the directory that was just made */
-        result = write_beside(job, job->options->log, host_job_log, output, error);
-    if (result == 0 && job->options->save != NULL)
-        result = write_beside(job, job->options->save, host_job_save, output, error);
-    if (result == 0 && job->options->trace != NULL)
-        result = host_output_add_path(output, job->options->trace, &job->trace, error);
-    if (result == 0)
-        result = write_report(job, output, error);
-    if (result == 0)
-        return host_output_commit(output, error);
-    host_output_abandon(output);
-    return -1;
+        result = host_output_commit(output, error);
+    else
+        host_output_abandon(output);
+    if (result == 0 && job->options->json)
+        result = host_report_print(&report, job->options->out, error);
+    else if (result == 0 && !job->options->quiet)
+        host_job_summary(job);
+    host_buffer_free(&report);
+    return result;
 }
 
 /* Log, trace and save may lie among the results, or elsewhere; each is a file of its own. */
@@ -175,15 +180,30 @@ static int run_steps(host_job *job, host_error *error)
     host_job_verdict(job);
     if (host_job_keep_start(job, error) != 0 || write_all(job, error) != 0)
         return HOST_REFUSED;
-    if (!job->options->quiet)
-        host_job_summary(job);
     return status_of(job);
+}
+
+/* The exit status of the result that is there already, or -1. Says why a result that is there is made again. */
+static int skip_done(const host_options *options, host_error *error)
+{
+    host_report_head head;
+    char why[HOST_WHY_BYTES];
+    int status = -1;
+    if (host_report_done(options, &head, why)) {
+        status = host_report_skipped(&head, options, error) == 0 ? head.exit_status : HOST_REFUSED;
+        host_report_free(&head);
+    } else if (why[0] != '\0' && !options->quiet) {
+        host_report_again(options->out, why);
+    }
+    return status;
 }
 
 int host_register(const host_options *options, host_error *error)
 {
     host_job job;
-    int result = 0;
+    int result = options->skip_done ? skip_done(options, error) : -1;
+    if (result >= 0)
+        return result;
     memset(&job, 0, sizeof job);
     host_file_keep_checksums();
     job.options = options;

@@ -9,6 +9,7 @@ enum {
     HOST_DONE = 0,
     HOST_FAILED = 1,  /* register: the result cannot be relied on; its files are written all the same */
     HOST_DIFFERS = 1, /* replay */
+    HOST_LACKS = 1,   /* summary: a report is missing or cannot be read */
     HOST_REFUSED = 2, /* bad usage or input: one line says which, nothing is written */
     HOST_LOOK = 3,    /* register: somebody should look at the result */
     HOST_ENDED = 4    /* register: --ticks ended first */
@@ -24,6 +25,7 @@ int host_replay(const host_options *options, host_error *error);
 int host_carry(const host_options *options, host_error *error);
 int host_field(const host_options *options, host_error *error);
 int host_warp(const host_options *options, host_error *error);
+int host_summary(const host_options *options, host_error *error);
 int host_measure(const host_options *options, host_error *error);
 
 #endif

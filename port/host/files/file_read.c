@@ -71,7 +71,8 @@ static struct {
     struct file_id {
         dev_t device;
         ino_t number;
-        host_input input; /* owns its path, until the program ends */
+        char *path; /* owned, until the program ends or forgets it */
+        host_input input;
     } * file;
     size_t n;
     int checksums; /* 1: they are kept */
@@ -122,6 +123,7 @@ static int remember(const char *path, const struct stat *st, size_t *index)
     grown = realloc(seen.file, (seen.n + 1u) * sizeof *grown);
     if (grown != NULL) {
         seen.file = grown;
+        seen.file[seen.n].path = name;
         seen.file[seen.n].input.path = name;
         seen.file[seen.n].input.bytes = (uint64_t)st->st_size;
         seen.file[seen.n].input.crc32 = 0;
@@ -142,6 +144,14 @@ size_t host_file_count(void)
     n = seen.n;
     (void)pthread_mutex_unlock(&seen.lock);
     return n;
+}
+
+void host_file_forget(size_t first)
+{
+    (void)pthread_mutex_lock(&seen.lock);
+    while (seen.n > first)
+        free(seen.file[--seen.n].path);
+    (void)pthread_mutex_unlock(&seen.lock);
 }
 
 host_input host_file_input(size_t i)

@@ -31,7 +31,7 @@ int host_file_was_read(const char *path);
 
 /* A file that this run has read: its name as it was given, and its bytes on disk, packed or not. */
 typedef struct host_input {
-    const char *path; /* stays until the program ends */
+    const char *path; /* stays until the program ends or forgets it */
     uint64_t bytes;
     uint32_t crc32; /* 0 unless host_file_keep_checksums() was called before */
 } host_input;
@@ -39,6 +39,9 @@ typedef struct host_input {
 /* The files that this run has read so far, in the order of opening. */
 size_t host_file_count(void);
 host_input host_file_input(size_t i);
+
+/* Forgets files from number first on, as if they had not been read. */
+void host_file_forget(size_t first);
 
 /* From here on files that are read get a checksum, which costs time. */
 void host_file_keep_checksums(void);

@@ -25,6 +25,7 @@ static const char *const start_lines[] = {
     "  smr carry --result DIR --points FILE -o FILE           points to where a registration took them, or back",
     "  smr field --result DIR -o FILE                         its displacement field, for ITK and 3D Slicer",
     "  smr warp --result DIR --volume FILE -o FILE            the model's image, deformed as the model was",
+    "  smr summary DIR... -o TABLE.csv [--html PAGE.html]     a row for each result of register; a page of all",
     "  smr phantom -o DIR [--seed N] [--small]                a computed thigh to try it on: model, images, truth",
     "  smr bench --figure1 | --figure2 | --soak -o DIR        distance over time; ignored vertices; budgets",
     "  smr --help | --version",
@@ -58,6 +59,9 @@ static const char *const start_lines[] = {
     "                                 with the same inputs and options, to the same bits",
     "  --vertex-errors                seen (0, 1) and expected_error (mm) of each vertex in the results",
     "  --accept good|look             the worst verdict whose exit status is 0 (good)",
+    "  --json                         the result as one line of JSON on standard output, and nothing else there",
+    "  --skip-done                    compute nothing where -o has this command's result of the same inputs: the same",
+    "                                 exit status, and a line that says so; anything else is computed anew",
     "  --quiet                        print nothing",
 };
 
@@ -81,6 +85,9 @@ static const char *const other_lines[] = {
     "field: .nrrd or .mha, LPS: adds to points of the model's space their way (--inverse: of the result's space, which",
     "  is what deforms images and what 3D Slicer wants); --like VOLUME its grid, or --spacing MM around the model (3)",
     "warp: --volume the image that fits the model; --like VOLUME the patient's grid, or --spacing MM around the result",
+    "",
+    "summary: of directories that register wrote, in the natural order of their names; --times columns of times, too;",
+    "  --html a page with pictures, failed ones first; --quiet. Exit status 1: a report is missing or cannot be read",
     "",
     "replay reads the inputs again, from where it is called, and says that all ticks agree, or which one differs;",
     "  --threads N",

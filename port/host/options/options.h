@@ -18,7 +18,8 @@ enum {
     HOST_TRACK = 128,
     HOST_CARRY = 1024,
     HOST_FIELD = 2048,
-    HOST_WARP = 4096
+    HOST_WARP = 4096,
+    HOST_SUMMARY = 32768
 };
 enum { HOST_ALIGN_NONE = 0, HOST_ALIGN_RIGID, HOST_ALIGN_SIMILARITY };
 enum { HOST_CLUSTERS_AUTO = 0, HOST_CLUSTERS_SHARED, HOST_CLUSTERS_SEPARATE };
@@ -67,6 +68,10 @@ typedef struct host_options {
     host_span search, gradient;      /* mm, of image forces; search.from also of surface forces */
     uint32_t clusters;               /* HOST_CLUSTERS_... */
     uint32_t quiet;
+    uint32_t json;                   /* 1: the result as one line of JSON on standard output, nothing else there */
+    uint32_t skip_done;              /* 1: nothing is computed where the result is there already */
+    const char *overview;            /* path of the summary's page; NULL: none */
+    uint32_t times;                  /* 1: the summary has columns of times */
     uint32_t paper;                  /* 1: both configurations start from the paper's */
     uint32_t vertex_errors;          /* 1: results have seen and expected_error of each vertex */
     uint32_t accept;                 /* HOST_VERDICT_GOOD or _LOOK: the worst verdict with exit status 0 */

@@ -108,6 +108,10 @@ static int check_needs(host_options *options, host_error *error)
         return host_fail(error, "replay", "one log: smr replay LOG");
     if (options->command == HOST_INFO && options->operands.n == 0)
         return host_fail(error, "info", "a model or surfaces: smr info MODEL.smr");
+    if (options->command == HOST_SUMMARY && options->operands.n == 0)
+        return host_fail(error, "summary", "directories that smr register wrote: smr summary DIR... -o TABLE.csv");
+    if (options->command == HOST_SUMMARY && options->out == NULL && options->overview == NULL)
+        return host_fail(error, "-o", "the file for the table, or --html the one for the page");
     if (options->command == HOST_PHANTOM && options->out == NULL)
         return host_fail(error, "-o", "the directory for the phantom");
     if ((options->command & (HOST_REGISTER | HOST_BUILD)) != 0) {

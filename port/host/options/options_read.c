@@ -101,10 +101,10 @@ static int read_choice(const host_option *o, const char *text, uint32_t *choice,
     return host_fail(error, text, "one of %s", host_option_words(o));
 }
 
-static int add_file(host_files *files, const char *path, host_error *error)
+static int add_file(host_files *files, const char *path, uint32_t most, host_error *error)
 {
-    if (files->n == SMR_STRUCTURES_MAX)
-        return host_fail(error, path, "at most %u files", SMR_STRUCTURES_MAX);
+    if (files->n == most)
+        return host_fail(error, path, "at most %u files", most);
     files->path[files->n++] = path;
     return 0;
 }
@@ -115,7 +115,7 @@ static int store(const host_option *o, const char *text, host_options *options, 
     void *const field = (unsigned char *)options + o->field;
     double value = 0.0;
     if (o->kind == HOST_KIND_FILES)
-        return add_file(field, text, error);
+        return add_file(field, text, SMR_STRUCTURES_MAX, error);
     if (o->kind == HOST_KIND_RADII)
         return read_radii(o, text, &options->prepare, error);
     if (o->kind == HOST_KIND_WORD)
@@ -187,7 +187,13 @@ static int wants_paper(int argc, char **argv)
     return 0;
 }
 
-static int set_defaults(int command, int paper, host_options *options)
+/* A summary is of as many results as there are; others take as many as a model has structures. */
+static uint32_t operands_most(int command, int argc)
+{
+    return command == HOST_SUMMARY ? (uint32_t)argc : SMR_STRUCTURES_MAX;
+}
+
+static int set_defaults(int command, int argc, int paper, host_options *options)
 {
     memset(options, 0, sizeof *options);
     options->command = command;
@@ -202,7 +208,7 @@ static int set_defaults(int command, int paper, host_options *options)
     options->config = paper ? smr_config_paper() : smr_config_default();
     options->model.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->target.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
-    options->operands.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    options->operands.path = calloc(operands_most(command, argc), sizeof(char *));
     options->landmarks.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->landmark_goals.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->frames.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
@@ -218,7 +224,7 @@ int host_options_read(int command, int argc, char **argv, host_options *options,
 {
     int at = 2;
     error->file = "usage";
-    if (set_defaults(command, wants_paper(argc, argv), options) != 0)
+    if (set_defaults(command, argc, wants_paper(argc, argv), options) != 0)
         return host_fail(error, "start", "free memory");
     options->arguments = argv + at;
     options->n_arguments = argc - at;
@@ -228,9 +234,9 @@ int host_options_read(int command, int argc, char **argv, host_options *options,
                 return -1;
         } else {
             error->file = argv[at];
-            if ((command & (HOST_INFO | HOST_MEASURE | HOST_REPLAY)) == 0)
+            if ((command & (HOST_INFO | HOST_MEASURE | HOST_REPLAY | HOST_SUMMARY)) == 0)
                 return host_fail(error, "argument", "an option before it (see smr --help)");
-            if (add_file(&options->operands, argv[at++], error) != 0)
+            if (add_file(&options->operands, argv[at++], operands_most(command, argc), error) != 0)
                 return -1;
         }
     }

@@ -1,0 +1,49 @@
+/* report_head.h: what a result's report.json says at its head, read from bytes that may be anything.
+ * SPDX-License-Identifier: MIT */
+#ifndef REPORT_HEAD_H
+#define REPORT_HEAD_H
+
+#include "landmarks/json_scan.h"
+#include "measure/surface_distances.h"
+#include "register/register_verdict.h"
+#include "smr.h"
+
+#define HOST_REPORT_NAME "report.json"
+
+/* A structure of the result. */
+typedef struct host_report_part {
+    char name[SMR_NAME_BYTES];
+    int level;                /* HOST_VERDICT_... */
+    double expected_error_mm; /* NaN: not known */
+} host_report_part;
+
+typedef struct host_report_head {
+    char version[16];
+    host_verdict verdict; /* longer and further reasons are cut */
+    int exit_status;      /* -1: not said */
+    host_stats to, from;  /* mm, model to target (or truth) and back; n = 0: not measured */
+    double hausdorff_mm;  /* NaN: not known */
+    double seconds;       /* of the whole run; NaN: not known */
+    uint64_t iterations, folds;
+    char state_hash[20];
+    host_report_part *part; /* [n_parts]; owned */
+    uint32_t n_parts;
+} host_report_head;
+
+/* Reads n bytes of a report.json of this version. 0, or -1 with the error filled and the head empty. */
+int host_report_parse(const void *data, size_t n, host_report_head *head, host_error *error);
+
+/* The structure to look at first: of those with the worst verdict the one with the largest expected error, and of like
+ * ones the first. NULL without structures. */
+const host_report_part *host_report_worst(const host_report_head *head);
+
+void host_report_free(host_report_head *head);
+
+/* "0.1.0": the version of this program. */
+const char *host_report_version(void);
+
+/* Reads a whole number of 0 to 2^53, and a number or null (NaN). 0, or -1 with the error filled. */
+int host_scan_count(host_scan *scan, uint64_t *value);
+int host_scan_number_or_null(host_scan *scan, double *value);
+
+#endif

@@ -1,0 +1,23 @@
+/* report_line.h: a result as one line of JSON: register --json.
+ * SPDX-License-Identifier: MIT */
+#ifndef REPORT_LINE_H
+#define REPORT_LINE_H
+
+#include "base/byte_buffer.h"
+#include "cohort/report_head.h"
+#include "options/options.h"
+
+/* Writes the head's facts by report.json's names on one line, with the directory, and whether they were found done. The
+ * buffer stores failure. */
+void host_report_line(const host_report_head *head, const char *directory, int skipped, host_buffer *out);
+
+/* Prints that line on standard output, of the bytes of a report.json. 0, or -1 with the error filled. */
+int host_report_print(const host_buffer *report, const char *directory, host_error *error);
+
+/* Says that a result was found done: as that line, or as one for people; nothing where quiet says so. */
+int host_report_skipped(const host_report_head *head, const host_options *options, host_error *error);
+
+/* Says on standard error, in one line, why a result that is there is computed again. */
+void host_report_again(const char *directory, const char *why);
+
+#endif
