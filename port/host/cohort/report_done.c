@@ -80,7 +80,7 @@ static int compare_word(host_scan *scan, const char *key, void *context)
     }
     now = next_argument(c);
     return now != NULL && strcmp(now, c->path) == 0 ? 0
-                                                    : differs(c, "another command, found", now != NULL ? now : c->path);
+                                                    : differs(c, "another command, from", now != NULL ? now : c->path);
 }
 
 static int compare_command(host_scan *scan, done_check *c)
@@ -89,7 +89,7 @@ static int compare_command(host_scan *scan, done_check *c)
     if (host_scan_list(scan, compare_word, c) != 0)
         return -1;
     left = next_argument(c);
-    return left == NULL && c->word == 2 ? 0 : differs(c, "another command, found", left != NULL ? left : "");
+    return left == NULL && c->word == 2 ? 0 : differs(c, "another command, from", left != NULL ? left : "");
 }
 
 static int read_file_member(host_scan *scan, const char *key, void *context)

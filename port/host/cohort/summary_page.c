@@ -1,5 +1,5 @@
-/* summary_page.c: a cohort as one HTML file: a card for each result, those to be looked at first come first. It needs no
- * network and no script, and says in words what it says in colour.
+/* summary_page.c: a cohort as one HTML file: a card for each result, those to be looked at first come first. It needs
+ * no network and no script, and says in words what it says in colour.
  * SPDX-License-Identifier: MIT */
 #define _XOPEN_SOURCE 700
 

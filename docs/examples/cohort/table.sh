@@ -1,0 +1,9 @@
+#!/bin/sh
+# table.sh: the table and the page of a cohort: table.sh writes table.csv and overview.html.
+# SPDX-License-Identifier: MIT
+# A row for each of cases/*, whether it has a result or not. Exit status 1: some have none yet. SMR: the program.
+set -u
+for case in cases/*; do
+    set -- "$@" "results/${case##*/}"
+done
+exec "${SMR:-smr}" summary "$@" -o table.csv --html overview.html
