@@ -1,6 +1,8 @@
 /* test_report_head.c: reports of any bytes are read or refused; what is read is within its bounds, and becomes a row, a
  * line and a card that keep to their formats.
  * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L /* mkdtemp */
+
 #include "unit/cmocka_first.h"
 
 #include <math.h>
@@ -8,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cohort/report_done.h"
 #include "cohort/report_line.h"
 #include "cohort/summary_table.h"
 #include "unit/oracle.h"
@@ -217,6 +220,95 @@ static void damaged_reports_do_no_harm(void **state)
     assert_true(read > DAMAGED / 50 && read < DAMAGED);
 }
 
+typedef struct directory {
+    char path[64], input[80], result[80], report[80];
+    char *arguments[2];
+    host_options options;
+} directory;
+
+static void write_bytes(const char *path, const char *bytes, size_t n)
+{
+    FILE *const f = fopen(path, "wb");
+    assert_non_null(f);
+    assert_int_equal(fwrite(bytes, 1, n, f), n);
+    assert_int_equal(fclose(f), 0);
+}
+
+/* A directory with one result of one input, both of the text "123456789". Returns its report's length. */
+static size_t make_done(directory *d, char *text)
+{
+    static char out[] = "-o";
+    char *at = NULL, tail[ROOM];
+    (void)make(text);
+    at = strstr(text, "\"command\"");
+    (void)snprintf(tail, sizeof tail, "%s", strchr(at, '\n'));
+    (void)snprintf(d->input, sizeof d->input, "%s/input", d->path);
+    (void)snprintf(d->result, sizeof d->result, "%s/result", d->path);
+    (void)snprintf(d->report, sizeof d->report, "%s/report.json", d->path);
+    write_bytes(d->input, "123456789", 9);
+    write_bytes(d->result, "123456789", 9);
+    d->arguments[0] = out;
+    d->arguments[1] = d->path;
+    d->options.out = d->path;
+    d->options.arguments = d->arguments;
+    d->options.n_arguments = 2;
+    return (size_t)(at - text) +
+           (size_t)snprintf(at, ROOM - (size_t)(at - text),
+                            "\"command\": [\"smr\", \"register\", \"--threads\", \"2\", \"-o\", \"%s\", \"--json\"],\n"
+                            "\"inputs\": [{\"path\": \"%s\", \"bytes\": 9, \"crc32\": \"cbf43926\"}],\n"
+                            "\"results\": [{\"name\": \"result\", \"bytes\": 9, \"crc32\": \"cbf43926\"}],%s",
+                            d->path, d->input, tail);
+}
+
+static int is_done(const directory *d, const char *text, size_t n)
+{
+    host_report_head head;
+    char why[HOST_WHY_BYTES];
+    int done = 0;
+    write_bytes(d->report, text, n);
+    memset(why, 1, sizeof why);
+    done = host_report_done(&d->options, &head, why);
+    assert_non_null(memchr(why, 0, sizeof why));
+    assert_int_equal(done, why[0] == '\0');
+    assert_int_equal(done, head.n_parts > 0);
+    host_report_free(&head);
+    return done;
+}
+
+/* Done is what names itself whole; what is damaged anywhere else is refused, or done. */
+static void damaged_reports_are_done_or_not(void **state)
+{
+    char text[ROOM];
+    oracle_random r = oracle_seed(6);
+    directory d;
+    size_t n = 0;
+    int i = 0, done = 0;
+    (void)state;
+    memset(&d, 0, sizeof d);
+    (void)snprintf(d.path, sizeof d.path, "/tmp/report_head.XXXXXX");
+    assert_non_null(mkdtemp(d.path));
+    n = make_done(&d, text);
+    assert_true(is_done(&d, text, n));
+    for (i = 0; i < 600; i++) {
+        n = make_done(&d, text);
+        done += is_done(&d, text, damage(text, n, &r));
+    }
+    assert_true(done < 300);
+    n = make_done(&d, text);
+    write_bytes(d.result, "12345678x", 9);
+    assert_false(is_done(&d, text, n));
+    n = make_done(&d, text);
+    assert_int_equal(remove(d.input), 0);
+    assert_false(is_done(&d, text, n));
+    n = make_done(&d, text);
+    d.options.n_arguments = 1;
+    assert_false(is_done(&d, text, n));
+    (void)remove(d.input);
+    (void)remove(d.result);
+    (void)remove(d.report);
+    (void)remove(d.path);
+}
+
 static void order_is_natural(void **state)
 {
     static const char *const sorted[] = {
@@ -233,8 +325,11 @@ static void order_is_natural(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_report_is_read), cmocka_unit_test(others_are_refused),
-        cmocka_unit_test(long_lists_end),   cmocka_unit_test(damaged_reports_do_no_harm),
+        cmocka_unit_test(a_report_is_read),
+        cmocka_unit_test(others_are_refused),
+        cmocka_unit_test(long_lists_end),
+        cmocka_unit_test(damaged_reports_do_no_harm),
+        cmocka_unit_test(damaged_reports_are_done_or_not),
         cmocka_unit_test(order_is_natural),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
