@@ -39,6 +39,28 @@ static void add_box(picture *p, const host_mesh *mesh)
         }
 }
 
+/* A structure's surface, whatever format it was written in. 0, or -1 when there is none that can be read. */
+static int read_surface(const host_case *c, uint32_t part, host_mesh *mesh)
+{
+    static const char *const extensions[] = {"ply", "vtk", "obj", "stl"};
+    size_t i = 0;
+    for (i = 0; i < sizeof extensions / sizeof extensions[0]; i++) {
+        char name[SMR_NAME_BYTES + 8u];
+        char *path = NULL;
+        host_error error;
+        int there = 0;
+        memset(&error, 0, sizeof error);
+        (void)snprintf(name, sizeof name, "%s.%s", c->head.part[part].name, extensions[i]);
+        path = host_report_beside(c->path, name);
+        there = path != NULL && host_report_there(path) &&
+                host_mesh_read(path, HOST_MESH_SURFACE, HOST_MIRROR_NONE, mesh, &error) == 0;
+        free(path);
+        if (there)
+            return 0;
+    }
+    return -1;
+}
+
 /* What cannot be read is left out: the table says what the report says. */
 static int read_surfaces(picture *p, const host_case *c)
 {
@@ -49,15 +71,8 @@ static int read_surfaces(picture *p, const host_case *c)
     if (p->mesh == NULL)
         return -1;
     for (i = 0; i < p->n && vertices < VERTICES_MOST; i++) {
-        char name[SMR_NAME_BYTES + 8u];
-        char *path = NULL;
-        host_error error;
-        memset(&error, 0, sizeof error);
-        (void)snprintf(name, sizeof name, "%s.ply", c->head.part[i].name);
-        path = host_report_beside(c->path, name);
-        if (path != NULL && host_mesh_read(path, HOST_MESH_SURFACE, HOST_MIRROR_NONE, &p->mesh[i], &error) == 0)
+        if (read_surface(c, i, &p->mesh[i]) == 0)
             add_box(p, &p->mesh[i]);
-        free(path);
         vertices += p->mesh[i].n_vertices;
     }
     return 0;
