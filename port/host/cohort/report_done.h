@@ -6,7 +6,7 @@
 #include "cohort/report_head.h"
 #include "options/options.h"
 
-#define HOST_WHY_BYTES 320u
+#define HOST_WHY_BYTES 360u
 
 /* Looks for a result in options->out. Returns 1 when its report.json is of this version, has the same words of the
  * command line (but for --skip-done, --json, --quiet and --threads, which change no result), and all inputs and results

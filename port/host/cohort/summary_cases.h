@@ -12,7 +12,7 @@ enum { HOST_CASE_READ = 0, HOST_CASE_UNREADABLE, HOST_CASE_MISSING };
 typedef struct host_case {
     char *path;    /* as it was given, without slashes at its end; owned */
     int state;     /* HOST_CASE_... */
-    char why[340]; /* what is wrong, where nothing was read */
+    char why[360]; /* what is wrong, where nothing was read */
     host_report_head head;
 } host_case;
 
