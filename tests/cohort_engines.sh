@@ -38,7 +38,15 @@ judge() {
     check "$1: the same table" cmp table.csv ../reference/table.csv
 }
 # Kills a whole session by its processes' numbers, without warning.
-kill_session() { kill -KILL "$1" $(ps -o pid= -s "$1") 2>/dev/null; wait "$1" 2>/dev/null; }
+kill_session() {
+    for tick in $(seq 20); do # some may be started meanwhile
+        pids=$(ps -o pid= -s "$1")
+        # shellcheck disable=SC2086
+        [ -n "$pids" ] && kill -KILL $pids 2>/dev/null
+        sleep 0.05
+    done
+    wait "$1" 2>/dev/null
+}
 
 # by_session ENGINE RESUME COMMAND...: starts the command, kills it and all that it started, resumes by the line RESUME.
 by_session() {
