@@ -79,7 +79,7 @@ fi
 slurm=$base/slurm_files
 start_slurm() { # ends with 0 once the node is idle
     "$slurm_munged" --force --foreground --key-file="$slurm/munge.key" --socket="$slurm/munge.socket" \
-        --pid-file="$slurm/munged.pid" --log-file="$slurm/munged.log" --seed-file="$slurm/munged.seed" &
+        --pid-file="$slurm/munged.pid" --log-file="$slurm/munged.log" --seed-file="$slurm/munged.seed" >"$slurm/munged.out" 2>&1 &
     munged=$!
     for tick in $(seq 50); do [ -S "$slurm/munge.socket" ] && break; sleep 0.1; done
     start_slurm_daemons
