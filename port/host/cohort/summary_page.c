@@ -28,19 +28,21 @@ static const char *const head[] = {
     "body{font:15px/1.45 system-ui,sans-serif;margin:1.5rem auto;max-width:82rem;padding:0 1rem;color:#111;",
     "background:#fff}\nh1{font-size:1.4rem}h2{font-size:1.1rem;margin:2rem 0 .6rem}h3{font-size:1rem;margin:0}\n",
     ".grid{display:grid;grid-template-columns:repeat(auto-fill,minmax(25rem,1fr));gap:.8rem}\n",
-    "article{display:grid;grid-template-columns:7.2rem 1fr;gap:.8rem;border:1px solid #777;border-radius:4px;",
+    "article{display:grid;grid-template-columns:7.2rem minmax(0,1fr);gap:.8rem;border:1px solid "
+    "#777;border-radius:4px;",
     "padding:.7rem;break-inside:avoid}\n",
     "article.look{border:2px dashed #8a5a00}article.failed{border:5px double #a00000}\n",
     "article.missing,article.unreadable{border:2px dotted #333}\n",
-    "svg{width:7.2rem;height:9.6rem}svg path{fill:none;stroke-width:1.05}\n",
+    "svg{width:7.2rem;height:12rem}svg path{fill:none;stroke-width:1.05}\n",
     ".t0{stroke:#767676}.t1{stroke:#969696}.t2{stroke:#b2b2b2}.t3{stroke:#cccccc}.t4{stroke:#e4e4e4}.t5{stroke:#111}\n",
-    ".none{display:grid;place-items:center;width:7.2rem;height:9.6rem;border:1px solid #bbb;color:#555;",
+    ".none{display:grid;place-items:center;width:7.2rem;height:12rem;border:1px solid #bbb;color:#555;",
     "font-size:.8rem;text-align:center}\n",
     ".badge{display:inline-block;font-weight:700;border:1px solid;border-radius:3px;padding:0 .4em;",
     "text-transform:uppercase;font-size:.8rem}\n",
     ".good .badge{color:#0a5c1e}.look .badge{color:#fff;background:#8a5a00}.failed .badge{color:#fff;",
     "background:#a00000}\n",
-    "dl{display:grid;grid-template-columns:max-content 1fr;gap:0 .7rem;margin:.4rem 0}dt{color:#444}dd{margin:0}\n",
+    "dl{display:grid;grid-template-columns:max-content minmax(0,1fr);gap:0 .7rem;margin:.4rem "
+    "0}dt{color:#444}dd{margin:0;overflow-wrap:anywhere}\n",
     "ul{margin:.3rem 0 0;padding-left:1.1rem;font-size:.9rem;overflow-wrap:anywhere}h3 a{overflow-wrap:anywhere}\n",
     "</style>\n</head>\n<body>\n"};
 

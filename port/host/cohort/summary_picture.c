@@ -11,7 +11,7 @@
 #include "cohort/summary_table.h"
 #include "meshes/triangle_mesh.h"
 
-enum { WIDE = 96, HIGH = 128, SHADES = 5, INK = SHADES, TONES = 6 };
+enum { WIDE = 96, HIGH = 160, SHADES = 5, INK = SHADES, TONES = 6 };
 #define VERTICES_MOST 8000000u /* of a result; further structures are left out */
 #define PIXELS_MOST 200000000u /* looked at for one picture; what would come then is left out */
 #define EMPTY 0xffffu
