@@ -278,7 +278,7 @@ static int is_done(const directory *d, const char *text, size_t n)
 /* Done is what names itself whole; what is damaged anywhere else is refused, or done. */
 static void damaged_reports_are_done_or_not(void **state)
 {
-    char text[ROOM];
+    char text[ROOM], dotted[80];
     oracle_random r = oracle_seed(6);
     directory d;
     size_t n = 0;
@@ -297,6 +297,12 @@ static void damaged_reports_are_done_or_not(void **state)
     n = make_done(&d, text);
     write_bytes(d.result, "12345678x", 9);
     assert_false(is_done(&d, text, n));
+    n = make_done(&d, text);
+    (void)snprintf(dotted, sizeof dotted, "%s/.esult", d.path); /* as "../..." begins */
+    write_bytes(dotted, "123456789", 9);
+    memcpy(strstr(text, "\"result\""), "\".esult\"", 8);
+    assert_false(is_done(&d, text, n));
+    assert_int_equal(remove(dotted), 0);
     n = make_done(&d, text);
     assert_int_equal(remove(d.input), 0);
     assert_false(is_done(&d, text, n));
