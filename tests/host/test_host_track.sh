@@ -55,6 +55,42 @@ check "follows several structures" [ "$(status track --model left.ply right.ply 
 check "writes them" [ -s pair/g1/left.ply ]
 check "and the other" [ -s pair/g1/right.ply ]
 
+# Points go along, as carry takes them by the same frame.
+{
+    echo label,x,y,z
+    awk 'BEGIN { for (i = 0; i < 20; i++) printf "p%d,%g,%g,%g\n", i, 9 * sin(i), 6 * cos(2 * i), 4 * i - 40 }'
+    echo '"left, ""deep""",1,2,3'
+} >points.csv
+has_places() { "$SMR" carry --result with/f0 --points "$1" -o again.csv --quiet && [ "$(wc -l <again.csv)" -eq 22 ]; }
+# carried FRAME DIRECTORY FILE: the table's places of the frame are those of smr carry.
+carried() {
+    "$SMR" carry --result "$2/$1" --points "$3" -o carried.csv --quiet || return 1
+    awk -F, 'NR > 1 { print $(NF - 2); print $(NF - 1); print $NF }' carried.csv >wanted.txt
+    grep "^$1," "$2/track.csv" | cut -d, -f8- | tr , '\n' | paste -d, wanted.txt - | awk -F, '
+        { d = $1 - $2; if (d * d > 1e-8 || $2 == "") { print NR ": " $0; bad = 1 } } END { exit bad || NR != 63 }'
+}
+check "takes points along" [ "$(status track --model bone.ply --frames frames/*.ply --points points.csv -o with)" -le 3 ]
+check "names them" grep -q '^frame,.*,jumped,p0_x,p0_y,p0_z,p1_x,.*,p19_z,"left, ""deep""_x"' with/track.csv
+for i in 0 3; do check "to where carry does, frame $i" carried "f$i" with points.csv; done
+check "they move" sh -c '! cmp -s with/f0/points.csv with/f3/points.csv'
+check "no other bit changes" cmp out/f3/bone.ply with/f3/bone.ply
+for format in fcsv mrk.json; do
+    "$SMR" carry --result with/f0 --points points.csv -o "points.$format" --quiet
+    check "from .$format" [ "$(status track --model bone.ply --frames frames/f[01].ply --points "points.$format" --threads 3 -o "$format")" -le 3 ]
+    check "to where carry does, .$format" carried f1 "$format" "points.$format"
+    check "writes .$format" has_places "$format/f1/points.$format"
+done
+check "from a surface" [ "$(status track --model bone.ply --frames frames/f[01].ply --points bone.ply -o surface)" -le 3 ]
+check "whose vertices go where the model's do" cmp surface/f1/points.ply surface/f1/bone.ply
+check "and which have numbers" grep -q '^frame,.*,jumped,1_x,1_y,1_z,2_x' surface/track.csv
+check "a mirrored model" [ "$(status track --model bone.ply --mirror-model x --frames frames/f[01].ply --points points.csv -o mirror)" -le 3 ]
+check "takes points as its files have them" carried f1 mirror points.csv
+refuses "points that are not there" "none.csv" --model bone.ply --frames frames/f0.ply --points none.csv
+echo 'p,1e9,0,0' >far.csv
+refuses "points too far" "far.csv" --model bone.ply --frames frames/f0.ply --points far.csv
+cp bone.ply points.ply
+refuses "a structure with the name of their file" "no structure 'points'" --model points.ply --frames frames/f0.ply --points bone.ply
+
 refuses "no frames" "--frames" --model bone.ply
 refuses "no model" "--model" --frames frames/f0.ply
 refuses "a frame that is not there" "frames/none.ply: frame" --model bone.ply --frames frames/f0.ply frames/none.ply

@@ -46,45 +46,13 @@ static int write_surfaces(const host_job *job, host_output *output, host_error *
     return result;
 }
 
-/* Rest and registered positions, structures in a row. */
-static int fill_shape(const host_job *job, host_carry_shape *shape)
-{
-    uint32_t i = 0;
-    size_t at = 0;
-    for (i = 0; i < job->model.n_parts; i++)
-        shape->n_vertices += job->result[i].mesh.n_vertices;
-    shape->n_structures = job->model.n_parts;
-    shape->mirror = job->options->mirror_model;
-    shape->name = calloc(shape->n_structures, sizeof *shape->name);
-    shape->count = calloc(shape->n_structures, sizeof *shape->count);
-    shape->rest = malloc(3u * sizeof(float) * shape->n_vertices);
-    shape->now = malloc(3u * sizeof(float) * shape->n_vertices);
-    if (shape->name == NULL || shape->count == NULL || shape->rest == NULL || shape->now == NULL)
-        return -1;
-    for (i = 0; i < job->model.n_parts; at += 3u * (size_t)shape->count[i], i++) {
-        const host_mesh *const mesh = &job->result[i].mesh;
-        (void)snprintf(shape->name[i], SMR_NAME_BYTES, "%s", job->model.part[i].name);
-        shape->count[i] = mesh->n_vertices;
-        memcpy(shape->now + at, mesh->xyz, 3u * sizeof(float) * mesh->n_vertices);
-        if (smr_model_mesh(job->model.model, i, shape->rest + at, NULL) != SMR_OK)
-            return -1;
-    }
-    return 0;
-}
-
 /* What points, fields and volumes are carried by. */
 static int write_carry(const host_job *job, host_output *output, host_error *error)
 {
-    host_carry_shape shape;
     host_buffer buffer;
     int result = 0;
-    memset(&shape, 0, sizeof shape);
     memset(&buffer, 0, sizeof buffer);
-    if (fill_shape(job, &shape) != 0)
-        buffer.failed = 1;
-    else
-        host_carry_write(&shape, &buffer);
-    host_carry_free(&shape);
+    host_job_carry(job, &buffer);
     result = host_output_add(output, HOST_CARRY_NAME, &buffer, error);
     host_buffer_free(&buffer);
     return result;

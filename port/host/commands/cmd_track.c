@@ -4,10 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "carry/carry_file.h"
 #include "commands/commands.h"
 #include "files/output_files.h"
 #include "register/register_job.h"
 #include "track/track_frames.h"
+#include "track/track_points.h"
 
 #define TICKS 30u     /* of a frame, at most, where nothing else is asked for */
 #define CSV_EVERY 32u /* frames between two writings of track.csv: what is there is always whole */
@@ -24,6 +26,7 @@ typedef struct tracked {
     host_options options; /* of the registration onto the first frame */
     host_job job;
     host_frames frames;
+    host_track_points points;
     host_buffer csv;
     uint64_t most_vertices; /* of a frame's targets */
     uint32_t worst;         /* verdict */
@@ -71,14 +74,16 @@ static int start(tracked *t, const host_options *options, host_error *error)
     t->options.ticks = 0; /* the first frame's schedule ends */
     t->job.options = &t->options;
     if (host_output_check(options->out, error) != 0 || host_frames_list(&options->frames, &t->frames, error) != 0 ||
-        host_port_open(&t->job.port, options->threads, error) != 0)
+        host_port_open(&t->job.port, options->threads, error) != 0 ||
+        (options->points != NULL && host_track_points_read(&t->points, options->points, error) != 0))
         return -1;
     for (i = 0; result == 0 && i < t->frames.n; i++)
         result = check_frame(t, &t->frames.frame[i], &t->job.port.port, error);
     t->options.target = t->frames.frame[0].files;
     t->options.config.n_target_vertices = (uint32_t)t->most_vertices;
     if (result != 0 || host_job_load(&t->job, error) != 0 || host_job_check(&t->job, error) != 0 ||
-        check_names(t, error) != 0 || host_job_match(&t->job, error) != 0 || host_job_prepare(&t->job, error) != 0)
+        check_names(t, error) != 0 || host_job_match(&t->job, error) != 0 || host_job_prepare(&t->job, error) != 0 ||
+        host_track_points_bind(&t->points, &t->job.model, options->mirror_model, &t->job.port.port, error) != 0)
         return -1;
     return host_job_run(&t->job, error);
 }
@@ -115,10 +120,15 @@ static int follow(tracked *t, const host_frame *frame, host_load *loads, void **
 static void add_line(tracked *t, uint32_t number, const host_frame *frame, const frame_report *r)
 {
     static const char *const levels[] = {"good", "look", "failed"};
-    if (number == 0)
-        host_buffer_print(&t->csv, "frame,time_s,ticks,residual_mm,verdict,settled,jumped\n");
-    host_buffer_print(&t->csv, "%s,%.4f,%u,%.4f,%s,%u,%u\n", frame->name, number / t->options.fps, r->ticks,
+    if (number == 0) {
+        host_buffer_print(&t->csv, "frame,time_s,ticks,residual_mm,verdict,settled,jumped");
+        host_track_points_columns(&t->points, &t->csv);
+        host_buffer_print(&t->csv, "\n");
+    }
+    host_buffer_print(&t->csv, "%s,%.4f,%u,%.4f,%s,%u,%u", frame->name, number / t->options.fps, r->ticks,
                       (double)r->last.residual_mean_mm, levels[r->verdict.level], r->last.settled, r->last.jumped);
+    host_track_points_row(&t->points, &t->csv);
+    host_buffer_print(&t->csv, "\n");
     if (r->verdict.level > t->worst)
         t->worst = r->verdict.level;
 }
@@ -147,6 +157,20 @@ static int add_parts(tracked *t, const host_frame *frame, host_output *output, h
     return result;
 }
 
+/* What else can be carried by the frame's result at any later time. */
+static int add_carry(tracked *t, const host_frame *frame, host_output *output, host_error *error)
+{
+    char name[NAME_ROOM + sizeof HOST_CARRY_NAME];
+    host_buffer buffer;
+    int result = 0;
+    memset(&buffer, 0, sizeof buffer);
+    (void)snprintf(name, sizeof name, "%s/" HOST_CARRY_NAME, frame->name);
+    host_job_carry(&t->job, &buffer);
+    result = host_output_add(output, name, &buffer, error);
+    host_buffer_free(&buffer);
+    return result;
+}
+
 /* A frame's files, and at times the table as far as it is: a set of their own, there in whole or not at all. */
 static int write_frame(tracked *t, uint32_t number, host_error *error)
 {
@@ -157,6 +181,10 @@ static int write_frame(tracked *t, uint32_t number, host_error *error)
     if (output == NULL)
         return host_fail(error, "output", "free memory");
     result = add_parts(t, frame, output, error);
+    if (result == 0)
+        result = add_carry(t, frame, output, error);
+    if (result == 0)
+        result = host_track_points_add(&t->points, frame->name, output, error);
     if (result == 0 && table)
         result = host_output_add(output, "track.csv", &t->csv, error);
     if (result == 0)
@@ -180,6 +208,8 @@ static int run_frame(tracked *t, uint32_t number, host_error *error)
         result = host_frame_load(frame, &t->job.port.port, t->options.mirror_target, &loads, error);
     if (result == 0)
         result = follow(t, frame, loads, memory, &report, error);
+    if (result == 0)
+        result = host_track_points_carry(&t->points, t->job.state, &t->job.model, error);
     if (result == 0) {
         add_line(t, number, frame, &report);
         result = write_frame(t, number, error);
@@ -204,6 +234,8 @@ static int run(tracked *t, const host_options *options, host_error *error)
     first.ticks = t->job.ticks;
     if (smr_get_verdict(t->job.state, SMR_ALL, &first.verdict) != SMR_OK)
         return refuse(&t->frames.frame[0], SMR_E_STATE, error);
+    if (host_track_points_carry(&t->points, t->job.state, &t->job.model, error) != 0)
+        return -1;
     add_line(t, 0, &t->frames.frame[0], &first);
     if (write_frame(t, 0, error) != 0)
         return -1;
@@ -251,6 +283,7 @@ int host_track(const host_options *options, host_error *error)
         keep_file(error);
     host_job_free(&t->job);
     host_frames_free(&t->frames);
+    host_track_points_free(&t->points);
     host_buffer_free(&t->csv);
     free(t);
     return result;

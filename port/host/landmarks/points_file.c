@@ -1,4 +1,5 @@
-/* points_file.c: reads and writes sets of points.
+/* points_file.c: reads and writes sets of points. Texts have nine significant digits, so that reading gives the same
+ * floats.
  * SPDX-License-Identifier: MIT */
 #include "landmarks/points_file.h"
 
@@ -109,7 +110,19 @@ static const char *label_of(const host_points *points, uint32_t i)
     return points->label != NULL ? points->label[i] : "";
 }
 
-/* A label within quotes where it needs them; without one the point's number. */
+void host_points_put_name(const host_points *points, uint32_t i, const char *tail, host_buffer *out)
+{
+    const char *c = label_of(points, i);
+    const char *const quote = strpbrk(c, ",;\"\r\n") != NULL ? "\"" : "";
+    host_buffer_print(out, "%s", quote);
+    if (*c == '\0')
+        host_buffer_print(out, "%u", i + 1u);
+    for (; *c != '\0'; c++)
+        host_buffer_add(out, *c == '"' ? "\"\"" : c, *c == '"' ? 2 : 1);
+    host_buffer_print(out, "%s%s", tail, quote);
+}
+
+/* A label within quotes; without one the point's number. */
 static void put_csv_label(const host_points *points, uint32_t i, host_buffer *out)
 {
     const char *c = label_of(points, i);
@@ -150,7 +163,7 @@ static void put_json(const host_points *points, host_buffer *out)
         const float *const p = points->xyz[i];
         host_buffer_print(out, "    { \"id\": \"%u\", \"label\": \"", i + 1u);
         put_json_label(points, i, out);
-        host_buffer_print(out, "\", \"position\": [%.6g, %.6g, %.6g], \"positionStatus\": \"defined\" }%s\n",
+        host_buffer_print(out, "\", \"position\": [%.9g, %.9g, %.9g], \"positionStatus\": \"defined\" }%s\n",
                           (double)p[0], (double)p[1], (double)p[2], i + 1u < points->n ? "," : "");
     }
     host_buffer_print(out, "   ]\n  }\n ]\n}\n");
@@ -170,7 +183,7 @@ static void put_table(const host_points *points, int fcsv, host_buffer *out)
             host_buffer_print(out, "%u", i + 1u);
         else
             put_csv_label(points, i, out);
-        host_buffer_print(out, ",%.6g,%.6g,%.6g", (double)p[0], (double)p[1], (double)p[2]);
+        host_buffer_print(out, ",%.9g,%.9g,%.9g", (double)p[0], (double)p[1], (double)p[2]);
         if (fcsv) {
             host_buffer_print(out, ",0,0,0,1,1,1,0,");
             put_csv_label(points, i, out);

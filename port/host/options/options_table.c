@@ -23,7 +23,7 @@ const host_option host_option_table[] = {
     {"-o", ONTO | HOST_BUILD | HOST_PHANTOM | HOST_BENCH | CARRYING | HOST_SUMMARY, HOST_KIND_TEXT, OWN(out), 0, 0, 0,
      0, NULL, 0},
     {"--result", CARRYING, HOST_KIND_TEXT, OWN(result), 0, 0, 0, 0, NULL, 0},
-    {"--points", HOST_CARRY, HOST_KIND_TEXT, OWN(points), 0, 0, 0, 0, NULL, 0},
+    {"--points", HOST_CARRY | HOST_TRACK, HOST_KIND_TEXT, OWN(points), 0, 0, 0, 0, NULL, 0},
     {"--volume", HOST_WARP, HOST_KIND_TEXT, OWN(volume), 0, 0, 0, 0, NULL, 0},
     {"--like", HOST_FIELD | HOST_WARP, HOST_KIND_TEXT, OWN(like), 0, 0, 0, 0, NULL, 0},
     {"--spacing", HOST_FIELD | HOST_WARP, HOST_KIND_FLOAT, OWN(spacing), 0, 1000, 1, 0, NULL, 0},
