@@ -806,7 +806,8 @@ typedef struct smr_tick_report {
     uint32_t iteration;
     /* SMR_PHASE_...: the phase that the next tick resumes; 0 after a whole iteration. */
     uint32_t phase;
-    /* Index of the radius that the iteration used, and complete iterations at it. */
+    /* Index of the radius of the iteration that this tick completed or worked on, and complete iterations at it; where
+     * there was nothing to do, that of the next one. Iterations that only repair folds do not count. */
     uint32_t radius;
     uint32_t radius_iteration;
     /* Vertices that take part: the first so many in the order of priority. The others are ignored in this iteration.

@@ -31,16 +31,18 @@ static void test_report(void **state)
 {
     smr_config c = smr_config_default();
     smr_tick_report report;
-    uint32_t n = 0;
+    uint32_t n = 0, next_radius = 0;
     (void)state;
     smr *s = start(&c, NULL);
     do {
-        const uint32_t radius = s->pace.radius;
+        const uint32_t radius = s->pace.radius, at = s->pace.radius_iteration, repairs = s->pace.repairing > 0u;
         memset(&report, 0xee, sizeof report);
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
         assert_int_equal(++n, report.iteration);
         assert_int_equal(0, report.phase);
-        assert_true(report.radius == radius || report.radius == radius + 1u);
+        assert_int_equal(radius, report.radius); /* also where it was the last one there */
+        assert_int_equal(repairs ? 0u : at + 1u, report.radius_iteration);
+        next_radius += s->pace.radius != radius;
         assert_int_equal(s->shared.n, report.n_active);
         assert_int_equal(s->shared.n, report.n_forces + report.n_rejected);
         assert_true(report.residual_mean_mm <= report.residual_rms_mm * 1.0001f);
@@ -50,6 +52,9 @@ static void test_report(void **state)
             assert_true(report.phase_ns[i] == 0u); /* no clock */
     } while (!report.done && n < 500u);
     assert_int_equal(1, report.done);
+    assert_int_equal(1, next_radius);
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &report)); /* nothing to do */
+    assert_true(report.radius == 1u && report.radius_iteration == s->pace.radius_iteration && report.iteration == n);
     assert_true(report.residual_mean_mm < 1.0f); /* and it did get there: 6 mm at first */
 }
 

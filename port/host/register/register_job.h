@@ -134,7 +134,7 @@ void host_job_carry(const host_job *job, host_buffer *out);
 
 /* register_trace.c: starts the trace with the row of the start; adds the row of a complete iteration. */
 int host_job_trace_begin(host_job *job, host_error *error);
-int host_job_trace_row(host_job *job, uint32_t radius, host_error *error);
+int host_job_trace_row(host_job *job, host_error *error);
 
 /* register_save.c: restores a saved registration into the arena; says whether all its targets are there again, status
  * being what setting them came to; writes it as bytes. */

@@ -138,7 +138,7 @@ int host_job_run(host_job *job, host_error *error)
     while (!job->last.done && !job->last.settled &&
            (job->ticks < limit || (job->options->save != NULL && status == SMR_PARTIAL))) {
         const double before = now;
-        const uint32_t radius = job->last.radius, iteration = job->last.iteration;
+        const uint32_t iteration = job->last.iteration;
         status = smr_tick(job->state, job->ticks < limit ? budget_ns : 0u, &job->last);
         now = host_seconds();
         if (status < 0)
@@ -146,7 +146,7 @@ int host_job_run(host_job *job, host_error *error)
         job->target_seen |= job->last.n_forces > 0 || job->last.matched_share > 0.0f;
         if (record(job, now - before, error) != 0)
             return -1;
-        if (traced && job->last.iteration != iteration && host_job_trace_row(job, radius, error) != 0)
+        if (traced && job->last.iteration != iteration && host_job_trace_row(job, error) != 0)
             return -1;
         if (talk && now - shown > PROGRESS_EVERY_S) {
             show(job, now - start);

@@ -40,8 +40,8 @@ static void take_steps(host_job *job, double *mean, double *max)
     *mean /= n > 0 ? (double)n : 1.0;
 }
 
-/* The row of the positions as they are; radius: index of the one that the iteration used. */
-static int add_row(host_job *job, uint32_t radius, host_error *error)
+/* The row of the positions as they are. */
+static int add_row(host_job *job, host_error *error)
 {
     host_buffer *const out = &job->trace;
     const smr_tick_report *const last = &job->last;
@@ -56,7 +56,7 @@ static int add_row(host_job *job, uint32_t radius, host_error *error)
         return host_fail(error, "trace", "an iteration that can be measured");
     take_steps(job, &mean, &max);
     host_buffer_print(out, "%" PRIu32, last->iteration);
-    put(out, 1, (double)job->model.info.radius_mm[radius]);
+    put(out, 1, (double)job->model.info.radius_mm[job->last.radius]);
     put(out, 1, 1e3 * job->ticks_s);
     put(out, to->n > 0, to->mean);
     put(out, from->n > 0, from->mean);
@@ -75,10 +75,10 @@ static int add_row(host_job *job, uint32_t radius, host_error *error)
     return out->failed ? host_fail(error, "trace", "free memory") : 0;
 }
 
-int host_job_trace_row(host_job *job, uint32_t radius, host_error *error)
+int host_job_trace_row(host_job *job, host_error *error)
 {
     const double start = host_seconds();
-    const int result = add_row(job, radius, error);
+    const int result = add_row(job, error);
     job->trace_s += host_seconds() - start;
     return result;
 }
@@ -95,5 +95,5 @@ int host_job_trace_begin(host_job *job, host_error *error)
     host_buffer_print(
         &job->trace, "iteration,radius_mm,time_ms,mean_to_mm,mean_from_mm,hausdorff_mm,vertex_mm,likeness,strain_share,"
                      "moved_mean_mm,moved_max_mm,active,forces,residual_mm,reference_updates,folds\n");
-    return host_job_trace_row(job, 0, error);
+    return host_job_trace_row(job, error);
 }

@@ -117,13 +117,17 @@ void smr_report_keep(smr_arena *a, smr_tick_report *r, uint32_t n)
     smr_keep_long(a, &r->state_hash);
 }
 
-static void fill_report(smr *s, uint64_t *phase_ns)
+/* before: iterations that were complete when the tick began. One that it completed has told its radius
+ * (iteration_end.c). */
+static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
 {
     smr_tick_report *r = &s->report;
+    if (s->pace.iteration == before) {
+        r->radius = s->pace.radius;
+        r->radius_iteration = s->pace.radius_iteration;
+    }
     r->iteration = s->pace.iteration;
     r->phase = s->step == 0u ? 0u : smr_steps[s->step].phase;
-    r->radius = s->pace.radius;
-    r->radius_iteration = s->pace.radius_iteration;
     r->n_guarded = s->folds.n_guarded;
     r->plastic_updates = s->pace.plastic_updates;
     r->converged = s->pace.converged;
@@ -209,13 +213,14 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
         return SMR_E_NULL;
     if (!smr_ready(s) || s->refused || s->forces.caller.broken || !smr_targets_stand(&s->forces.surface))
         return SMR_E_STATE;
+    const uint32_t before = s->pace.iteration;
     s->ticking = 1;
     watch w = begin(s, budget_ns);
     const smr_status status = run_iteration(s, &w, phase_ns);
     s->ticking = 0;
     if (status == SMR_E_STATE)
         return status;
-    fill_report(s, phase_ns);
+    fill_report(s, before, phase_ns);
     if (status == SMR_OK)
         tell_gave(s);
     smr_log_tick(&s->log, &s->report, status, status == SMR_OK ? s->report.n_taken : smr_forces_evaluated(s));
