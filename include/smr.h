@@ -978,8 +978,8 @@ uint64_t smr_state_hash(const smr *s);
 /* ------------------------------------------------------------------ 8. record and replay */
 
 /* Enough memory for a log of n_ticks ticks and n_sets calls of smr_set_...(), of any alignment. Each landmark that is
- * set counts as a call. */
-#define SMR_LOG_BYTES(n_ticks, n_sets) ((size_t)640u + (size_t)40u * (n_ticks) + (size_t)56u * (n_sets))
+ * set counts as a call. 60: a tick, and what a force of the caller's own gave in it. */
+#define SMR_LOG_BYTES(n_ticks, n_sets) ((size_t)640u + (size_t)60u * (n_ticks) + (size_t)56u * (n_sets))
 
 /* Records in memory[bytes] (of any alignment) what is done to s from here on: the configuration, each input that is set
  * (poses and landmarks themselves, checksums of others), each tick, how far it came, and the state's hash.

@@ -18,14 +18,6 @@
 
 #define FUZZ_LOG_RECORDS 8192u /* bytes at most */
 
-static const void *fuzz_log_input(void *ctx, const smr_log_record *record)
-{
-    const unit_log *u = ctx;
-    if (record->kind == SMR_LOG_POSITIONS)
-        return u->ball.xyz;
-    return record->kind == SMR_LOG_SURFACE ? u->surface[record->checksum == smr_surface_checksum(u->surface[1])] : NULL;
-}
-
 /* The bytes as the configuration of a log of either version: refused, or a configuration that replay compares. */
 static void fuzz_header(const unit_log *u, const uint8_t *data, size_t size, smr *s)
 {
@@ -54,7 +46,7 @@ int fuzz_log(const uint8_t *data, size_t size)
     smr_replay_report report = {0};
     smr *s = NULL;
     if (arena == NULL) {
-        unit_log_make(&u);
+        unit_log_make_kinds(&u);
         (void)smr_arena_bytes(u.model, &u.config, &arena_bytes);
         arena = rig_alloc(arena_bytes);
     }
@@ -66,7 +58,7 @@ int fuzz_log(const uint8_t *data, size_t size)
     unit_log_seal(log, SMR_LOG_HEADER + size);
     if (smr_init(u.model, &u.config, NULL, arena, arena_bytes, &s) == SMR_OK)
         fuzz_header(&u, data, size, s);
-    if (s == NULL || smr_replay_start(s, log, SMR_LOG_HEADER + size, fuzz_log_input, &u, &replay) != SMR_OK) {
+    if (s == NULL || smr_replay_start(s, log, SMR_LOG_HEADER + size, unit_log_input, &u, &replay) != SMR_OK) {
         (void)fprintf(stderr, "fuzz_log: a good header is refused\n");
         return -1;
     }

@@ -101,6 +101,18 @@ static void meshes(void **state)
     assert_true(accepted > 700u);
 }
 
+/* A seed for each kind of record: the log up to and with the first one of it. */
+static void save_kinds(const unit_log *seed, uint32_t n)
+{
+    for (uint32_t i = 0, known = 0; i < n; i++) {
+        size_t bytes;
+        const size_t at = unit_log_record(seed->log, seed->bytes, i, &bytes);
+        if ((known >> seed->log[at] & 1u) == 0u)
+            save("log", 1u + seed->log[at], seed->log + SMR_LOG_HEADER, at + bytes - SMR_LOG_HEADER);
+        known |= 1u << seed->log[at];
+    }
+}
+
 /* Records of a real log: bytes changed, records copied over others, the end cut off. */
 static void logs(void **state)
 {
@@ -109,11 +121,13 @@ static void logs(void **state)
     oracle_random r = oracle_seed(203);
     uint32_t repeated = 0;
     (void)state;
-    unit_log_make(&seed);
+    unit_log_make_kinds(&seed);
+    const uint32_t n = unit_log_records(seed.log, seed.bytes);
     const uint8_t *records = seed.log + SMR_LOG_HEADER;
     const uint32_t whole = (uint32_t)(seed.bytes - SMR_LOG_HEADER);
     save("log", 0, records, whole);
     save("log", 1, seed.log + SMR_LOG_FIXED, 4u * SMR_LOG_CONFIG_WORDS); /* a header's configuration */
+    save_kinds(&seed, n);
     assert_true(fuzz_log(seed.log + SMR_LOG_FIXED, 4u * SMR_LOG_CONFIG_WORDS) == 0);
     assert_int_equal(fuzz_log(NULL, 0), 1);
     assert_int_equal(fuzz_log(records, whole), 1);
@@ -122,9 +136,9 @@ static void logs(void **state)
         memcpy(copy, records, whole);
         for (uint32_t k = 1u + oracle_below(&r, 3u); k > 0u; k--) {
             size_t to_bytes, from_bytes;
-            const size_t to = unit_log_record(seed.log, seed.bytes, oracle_below(&r, 43u), &to_bytes) - SMR_LOG_HEADER;
+            const size_t to = unit_log_record(seed.log, seed.bytes, oracle_below(&r, n), &to_bytes) - SMR_LOG_HEADER;
             const size_t from =
-                unit_log_record(seed.log, seed.bytes, oracle_below(&r, 43u), &from_bytes) - SMR_LOG_HEADER;
+                unit_log_record(seed.log, seed.bytes, oracle_below(&r, n), &from_bytes) - SMR_LOG_HEADER;
             switch (oracle_below(&r, 4u)) {
             case 0: copy[oracle_below(&r, size)] = (uint8_t)oracle_next(&r); break;
             case 1: copy[to + 4u + oracle_below(&r, 8u)] ^= (uint8_t)(1u << oracle_below(&r, 8u)); break;

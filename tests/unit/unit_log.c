@@ -15,15 +15,11 @@ static void ticks(smr *s, uint32_t n, uint32_t *seed)
         (void)smr_tick(s, 100u * (100u + rig_random(seed, 900)), NULL);
 }
 
-void unit_log_make(unit_log *u)
+/* The ball, its targets, the model and what both recordings have of the configuration. */
+static void make_scene(unit_log *u)
 {
     const float none[3] = {0, 0, 0}, off[3] = {4, -3, 2};
-    const smr_pose pose = {{{1, 0, 0, 1.5f}, {0, 1, 0, -0.5f}, {0, 0, 1, 0}}};
     const smr_prepare_config prepare = rig_radii(2, 40.0f, 15.0f, 0.0f);
-    rig_clock clock;
-    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 700);
-    uint32_t seed = 5;
-    smr_log_state state = {0, 0, 0};
     memset(u, 0, sizeof *u);
     u->ball = rig_ball(30.0f, 8, 12, none);
     for (uint32_t i = 0; i < 2u; i++) {
@@ -35,6 +31,23 @@ void unit_log_make(unit_log *u)
     u->config.n_target_vertices = 200;
     u->config.iterations = 30;
     u->config.settle_um = 0.0f;
+}
+
+static void end_log(unit_log *u, const smr *s)
+{
+    smr_log_state state = {0, 0, 0};
+    (void)smr_get_log(s, &state);
+    u->bytes = state.bytes;
+    u->ticks = state.n_ticks;
+}
+
+void unit_log_make(unit_log *u)
+{
+    const smr_pose pose = {{{1, 0, 0, 1.5f}, {0, 1, 0, -0.5f}, {0, 0, 1, 0}}};
+    rig_clock clock;
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 700);
+    uint32_t seed = 5;
+    make_scene(u);
     smr *s = unit_log_begin(u, &port);
     (void)smr_set_log(s, u->log, sizeof u->log);
     (void)smr_set_pose(s, &pose);
@@ -42,9 +55,113 @@ void unit_log_make(unit_log *u)
     ticks(s, 20, &seed);
     (void)smr_set_surface(s, SMR_ALL, u->surface[1]);
     ticks(s, 20, &seed);
-    (void)smr_get_log(s, &state);
-    u->bytes = state.bytes;
-    u->ticks = state.n_ticks;
+    end_log(u, s);
+}
+
+/* ---- every kind */
+
+static void spring(void *ctx, const smr_force_view *view, float *way, float *weight)
+{
+    for (uint32_t i = 0; i < view->n; i++) {
+        way[3u * i] += 0.1f * (*(const float *)ctx - view->xyz[3u * i]);
+        weight[i] += 0.3f;
+    }
+}
+
+static void make_inputs(unit_log *u)
+{
+    static float plane = 4.0f;
+    const uint32_t n = u->ball.n_vertices;
+    u->force = (smr_caller_force){spring, &plane};
+    for (uint32_t i = 0; i < 2u; i++) {
+        size_t bytes = 0;
+        float *xyz = rig_alloc(3u * n * sizeof *xyz), *weights = rig_alloc(n * sizeof *weights);
+        for (uint32_t k = 0; k < 3u * n; k++)
+            xyz[k] = u->ball.xyz[k] * (1.05f + 0.02f * (float)i);
+        for (uint32_t k = 0; k < n; k++)
+            weights[k] = 0.2f * (float)(k % 3u);
+        u->goals[i] = (smr_goals){xyz, i == 0u ? NULL : weights};
+        (void)smr_points_bytes(40, &bytes);
+        (void)smr_points_open(40, rig_alloc(bytes), bytes, &u->cloud[i]);
+        (void)smr_points_add(u->cloud[i], u->goal[0].xyz, i == 0u ? NULL : u->goal[0].xyz, NULL, 20u + 10u * i);
+    }
+}
+
+/* The landmarks' places are `by` away; one is at rest beside the surface, the last is hard. */
+static void set_landmarks(smr *s, const unit_log *u, float by)
+{
+    smr_landmark mark[3] = {
+        {0, 5, {0}, {0}, 2, 0}, {SMR_ALL, SMR_NONE, {0, 0, 33}, {0}, 0.5f, 0}, {0, 40, {0}, {0}, 0, 1}};
+    for (uint32_t i = 0; i < 3u; i++)
+        for (uint32_t c = 0; c < 3u; c++)
+            mark[i].place[c] = (i == 1u ? mark[i].rest[c] : u->ball.xyz[3u * mark[i].vertex + c]) + by;
+    (void)smr_set_landmarks(s, mark, 3);
+}
+
+void unit_log_make_kinds(unit_log *u)
+{
+    const smr_pose pose = {{{1, 0, 0, 1.5f}, {0, 1, 0, -0.5f}, {0, 0, 1, 0}}};
+    rig_clock clock;
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 700);
+    uint32_t seed = 6;
+    make_scene(u);
+    make_inputs(u);
+    u->config.n_landmarks = 4;
+    u->config.caller_goals = 1;
+    u->config.caller_force = SMR_CALLER_ON;
+    u->config.track = SMR_TRACK_RECOVER;
+    u->config.track_mm = 15.0f;
+    u->config.track_iterations = 4;
+    u->config.iterations = 2;
+    u->config.iterations_last = 3;
+    smr *s = unit_log_begin(u, &port);
+    (void)smr_set_log(s, u->log, sizeof u->log);
+    (void)smr_set_positions(s, 0, u->ball.xyz);
+    (void)smr_set_pose(s, &pose);
+    set_landmarks(s, u, 1.0f);
+    ticks(s, 6, &seed);
+    (void)smr_set_goals(s, 0, u->goals[0].xyz, NULL);
+    (void)smr_set_force(s, u->force.force, u->force.ctx);
+    ticks(s, 8, &seed);
+    for (uint32_t i = 0; i < 2u; i++) {
+        (void)smr_set_points(s, 0, u->cloud[i]);
+        (void)smr_set_active(s, 70u * i);
+        ticks(s, 6, &seed);
+    }
+    set_landmarks(s, u, 2.0f);
+    (void)smr_set_goals(s, 0, u->goals[1].xyz, u->goals[1].weights);
+    ticks(s, 6, &seed);
+    (void)smr_set_landmarks(s, NULL, 0);
+    (void)smr_set_goals(s, 0, NULL, NULL);
+    (void)smr_set_force(s, NULL, NULL);
+    (void)smr_set_points(s, SMR_ALL, NULL);
+    for (uint32_t i = 0; i < 2u; i++) {
+        (void)smr_set_surface(s, SMR_ALL, u->surface[i]);
+        ticks(s, 6, &seed);
+    }
+    end_log(u, s);
+}
+
+const void *unit_log_input(void *ctx, const smr_log_record *record)
+{
+    const unit_log *u = ctx;
+    switch (record->kind) {
+    case SMR_LOG_SURFACE: return u->surface[record->checksum == smr_surface_checksum(u->surface[1])];
+    case SMR_LOG_POINTS: return u->cloud[record->checksum == smr_cloud_checksum(u->cloud[1])];
+    case SMR_LOG_GOALS: return &u->goals[record->checksum == smr_goals_checksum(&u->goals[1], u->ball.n_vertices)];
+    case SMR_LOG_POSITIONS: return u->ball.xyz;
+    case SMR_LOG_FORCE: return &u->force;
+    default: return NULL;
+    }
+}
+
+uint32_t unit_log_records(const unsigned char *log, size_t bytes)
+{
+    uint32_t n = 0;
+    size_t of_it = 0;
+    while (unit_log_record(log, bytes, n, &of_it) > 0u)
+        n++;
+    return n;
 }
 
 size_t unit_log_record(const unsigned char *log, size_t bytes, uint32_t i, size_t *record_bytes)

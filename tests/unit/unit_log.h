@@ -5,7 +5,7 @@
 
 #include "smr.h"
 
-#define UNIT_LOG_BYTES SMR_LOG_BYTES(200, 20)
+#define UNIT_LOG_BYTES SMR_LOG_BYTES(200, 40)
 
 /* A ball between two target surfaces. */
 typedef struct unit_log {
@@ -13,6 +13,9 @@ typedef struct unit_log {
     smr_mesh ball, goal[2];
     const smr_surface *surface[2];
     smr_config config;
+    smr_points *cloud[2]; /* these three of unit_log_make_kinds() only */
+    smr_goals goals[2];
+    smr_caller_force force;
     uint32_t ticks;
     unsigned char log[UNIT_LOG_BYTES];
     size_t bytes;
@@ -22,6 +25,13 @@ typedef struct unit_log {
  * frees it. */
 void unit_log_make(unit_log *u);
 
+/* With every kind of record but an image's: landmarks, goals and a force of the caller's own, clouds, positions, all
+ * of them taken away again; the schedule is short and targets are followed after it. */
+void unit_log_make_kinds(unit_log *u);
+
+/* For smr_replay_start(), ctx is the unit_log: the input of that kind and checksum, or another one of that kind. */
+const void *unit_log_input(void *ctx, const smr_log_record *record);
+
 /* The one that a test program shares, and its CMocka fixtures. */
 extern unit_log unit_recorded;
 int unit_log_set_up(void **state);
@@ -29,6 +39,9 @@ int unit_log_tidy(void **state);
 
 /* A registration of it as smr_init leaves it. port may be NULL. */
 smr *unit_log_begin(const unit_log *u, const smr_port *port);
+
+/* Records of a log. */
+uint32_t unit_log_records(const unsigned char *log, size_t bytes);
 
 /* The log's record number i from 0: where it begins, and its bytes; 0 past the end. */
 size_t unit_log_record(const unsigned char *log, size_t bytes, uint32_t i, size_t *record_bytes);

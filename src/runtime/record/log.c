@@ -6,6 +6,8 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/record/log.h"
 
+_Static_assert(SMR_LOG_BYTES(1, 0) - SMR_LOG_BYTES(0, 0) == 2u * SMR_LOG_FRAME + 4u * (8u + 3u),
+               "a tick, and what a force gave");
 _Static_assert(SMR_LOG_BYTES(0, 0) >= SMR_LOG_HEADER + SMR_LOG_FULL_BYTES, "SMR_LOG_BYTES is too small");
 
 uint32_t smr_log_words(uint32_t kind)

@@ -56,6 +56,8 @@ static smr_status set_caller(smr *s, const smr_log_record *record, const void *g
 {
     if (record->kind == SMR_LOG_FORCE) {
         const smr_caller_force *own = given;
+        if (own != NULL && own->force == NULL)
+            return SMR_E_INPUT;
         return smr_set_force(s, own != NULL ? own->force : NULL, own != NULL ? own->ctx : NULL);
     }
     const smr_goals *goals = given;
@@ -122,7 +124,7 @@ static smr_status set_later(smr_replay *r, smr_log_record *record)
             status = set_input(r, record);
     }
     r->has_later = 0;
-    return status;
+    return status == SMR_OK && r->n_landmarks > 0u ? SMR_E_LOG : status;
 }
 
 /* Sets an input now, or notes that it comes when the iteration under way is complete. */
@@ -214,6 +216,8 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report)
             replay->reader = before; /* stays here */
             break;
         }
+        if (replay->n_landmarks > 0u && kind != SMR_LOG_LANDMARKS)
+            return SMR_E_LOG; /* some of a set of landmarks are missing */
         if (kind == SMR_LOG_TICK) {
             replay->n_ticks++;
             return take_tick(replay, report);

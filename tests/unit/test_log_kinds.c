@@ -1,0 +1,272 @@
+/* test_log_kinds.c: damaged records of landmarks, of goals and forces of the caller's own, and of clouds, in the log of a
+ * registration that tracks: forged fields with right checksums are refused where they are read or where they are
+ * replayed, every flipped bit is, and what was not forged replays.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/record/log.h"
+#include "runtime/registration.h"
+#include "unit/unit_log.h"
+
+static unit_log u;
+static unsigned char forged[UNIT_LOG_BYTES];
+
+static int set_up(void **state)
+{
+    (void)state;
+    unit_log_make_kinds(&u);
+    return 0;
+}
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+/* What reading the forged log comes to, and how many records of a kind it had up to there. */
+static smr_status read_all(uint32_t kind, uint32_t *n)
+{
+    smr_log_reader reader;
+    smr_log_record r;
+    smr_status status = smr_log_open(forged, u.bytes, &reader, NULL);
+    *n = 0;
+    do {
+        if (status == SMR_OK)
+            status = smr_log_next(&reader, &r);
+        *n += status == SMR_OK && r.kind == kind;
+    } while (status == SMR_OK && r.kind != 0u);
+    return status;
+}
+
+/* What replaying it comes to; *differs: the first tick that differs, from 1. */
+static smr_status replay_all(smr_log_input input, uint32_t *differs)
+{
+    smr *s = unit_log_begin(&u, NULL);
+    smr_replay replay;
+    smr_replay_report report = {0};
+    smr_status status = smr_replay_start(s, forged, u.bytes, input, &u, &replay);
+    *differs = 0;
+    while (status == SMR_OK && !report.ended && *differs == 0u) {
+        status = smr_replay_tick(&replay, &report);
+        *differs = status == SMR_OK && report.differs ? report.tick : 0u;
+    }
+    assert_true(rig_finite(rig_positions(s, u.model), u.ball.n_vertices));
+    return status;
+}
+
+/* The nth record of a kind, from 0. */
+static size_t find(uint32_t kind, uint32_t nth)
+{
+    size_t bytes = 0, at = 0;
+    for (uint32_t i = 0; (at = unit_log_record(u.log, u.bytes, i, &bytes)) > 0u; i++)
+        if (u.log[at] == kind && nth-- == 0u)
+            return at;
+    fail_msg("no such record of kind %u", (unsigned)kind);
+    return 0;
+}
+
+static void put(uint32_t kind, uint32_t nth, uint32_t word, uint32_t value)
+{
+    smr_log_put32(forged + find(kind, nth) + 4u + 4u * word, value);
+}
+
+static void test_whole(void **state)
+{
+    uint32_t n, differs;
+    (void)state;
+    memcpy(forged, u.log, sizeof forged);
+    for (uint32_t kind = SMR_LOG_TICK; kind <= SMR_LOG_POINTS; kind++) {
+        assert_int_equal(SMR_OK, read_all(kind, &n));
+        assert_true((n > 0u) == (kind != SMR_LOG_VOLUME && kind != SMR_LOG_FULL));
+    }
+    assert_int_equal(SMR_OK, read_all(SMR_LOG_LANDMARKS, &n));
+    assert_int_equal(7, n); /* three, three with other places, none */
+    assert_int_equal(SMR_OK, replay_all(unit_log_input, &differs));
+    assert_int_equal(0, differs);
+}
+
+/* The memory that SMR_LOG_BYTES() says suffices where a force is recorded with each tick, too. */
+static void test_bytes(void **state)
+{
+    const uint32_t n = unit_log_records(u.log, u.bytes);
+    uint32_t gave = 0;
+    (void)state;
+    for (uint32_t i = 0; i < n; i++) {
+        size_t bytes;
+        const size_t at = unit_log_record(u.log, u.bytes, i, &bytes);
+        gave += u.log[at] == SMR_LOG_FORCE && u.log[at + 4u] == 2u;
+    }
+    assert_true(gave > 4u && u.bytes <= SMR_LOG_BYTES(u.ticks, n - u.ticks - gave));
+}
+
+#define NAN_BITS 0x7fc00000u
+#define FAR_BITS 0x48000000u /* 131072 */
+#define NEVER SMR_PARTIAL    /* reading refuses it already */
+
+/* Fields of single records. */
+static const struct forgery {
+    uint32_t kind, nth, word, value;
+    smr_status read, replay;
+} forgeries[] = {
+    {SMR_LOG_LANDMARKS, 0, 0, SMR_LANDMARKS_MAX + 1u, SMR_E_LOG, NEVER},
+    {SMR_LOG_LANDMARKS, 0, 0, 0xffffffffu, SMR_E_LOG, NEVER},
+    {SMR_LOG_LANDMARKS, 1, 0, 0, SMR_E_LOG, NEVER}, /* number 1 of none */
+    {SMR_LOG_LANDMARKS, 2, 1, 3, SMR_E_LOG, NEVER}, /* number 3 of three */
+    {SMR_LOG_LANDMARKS, 2, 1, 0xffffffffu, SMR_E_LOG, NEVER},
+    {SMR_LOG_LANDMARKS, 0, 11, 2, SMR_E_LOG, NEVER},
+    {SMR_LOG_LANDMARKS, 0, 0, 0, SMR_OK, SMR_E_LOG},  /* none, then number 1 of three */
+    {SMR_LOG_LANDMARKS, 2, 0, 64, SMR_OK, SMR_E_LOG}, /* another count */
+    {SMR_LOG_LANDMARKS, 1, 1, 2, SMR_OK, SMR_E_LOG},  /* number 1 is missing */
+    {SMR_LOG_LANDMARKS, 1, 1, 0, SMR_OK, SMR_E_LOG},
+    {SMR_LOG_LANDMARKS, 6, 0, 1, SMR_OK, SMR_E_INPUT}, /* a landmark of zeros */
+    {SMR_LOG_LANDMARKS, 0, 2, 1, SMR_OK, SMR_E_INPUT},
+    {SMR_LOG_LANDMARKS, 0, 2, SMR_ALL, SMR_OK, SMR_E_INPUT}, /* a vertex of no structure */
+    {SMR_LOG_LANDMARKS, 0, 3, 86, SMR_OK, SMR_E_INPUT},
+    {SMR_LOG_LANDMARKS, 1, 4, NAN_BITS, SMR_OK, SMR_E_INPUT},
+    {SMR_LOG_LANDMARKS, 1, 6, FAR_BITS, SMR_OK, SMR_E_INPUT},
+    {SMR_LOG_LANDMARKS, 0, 7, NAN_BITS, SMR_OK, SMR_E_INPUT},
+    {SMR_LOG_LANDMARKS, 0, 9, FAR_BITS, SMR_OK, SMR_E_INPUT},
+    {SMR_LOG_LANDMARKS, 0, 10, NAN_BITS, SMR_OK, SMR_E_INPUT},
+    {SMR_LOG_LANDMARKS, 0, 10, 0, SMR_OK, SMR_E_INPUT},
+    {SMR_LOG_GOALS, 0, 0, 1, SMR_OK, SMR_E_LOG},
+    {SMR_LOG_GOALS, 0, 0, SMR_ALL, SMR_OK, SMR_E_LOG},
+    {SMR_LOG_GOALS, 2, 0, 1, SMR_OK, SMR_E_LOG},
+    {SMR_LOG_GOALS, 0, 1, 0, SMR_E_LOG, NEVER},
+    {SMR_LOG_GOALS, 0, 1, 2, SMR_E_LOG, NEVER},
+    {SMR_LOG_GOALS, 2, 1, 1, SMR_E_LOG, NEVER}, /* set, without a checksum */
+    {SMR_LOG_GOALS, 0, 2, 77, SMR_OK, SMR_E_INPUT},
+    {SMR_LOG_FORCE, 0, 0, 0xffffffffu, SMR_E_LOG, NEVER},
+    {SMR_LOG_FORCE, 0, 0, 3, SMR_E_LOG, NEVER},
+    {SMR_LOG_FORCE, 0, 1, 9, SMR_E_LOG, NEVER},
+    {SMR_LOG_POINTS, 0, 0, 1, SMR_OK, SMR_E_INPUT},
+    {SMR_LOG_POINTS, 0, 1, 0, SMR_E_LOG, NEVER},
+    {SMR_LOG_POINTS, 0, 1, 2, SMR_E_LOG, NEVER},
+    {SMR_LOG_POINTS, 2, 1, 1, SMR_E_LOG, NEVER},
+    {SMR_LOG_POINTS, 0, 3, 5, SMR_OK, SMR_E_INPUT},
+};
+
+static void test_fields(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < sizeof forgeries / sizeof forgeries[0]; i++) {
+        const struct forgery *f = &forgeries[i];
+        uint32_t n, differs;
+        memcpy(forged, u.log, sizeof forged);
+        put(f->kind, f->nth, f->word, f->value);
+        unit_log_seal(forged, u.bytes);
+        const smr_status read = read_all(f->kind, &n), replay = replay_all(unit_log_input, &differs);
+        if (read != f->read || replay != (f->read == SMR_OK ? f->replay : f->read))
+            fail_msg("forgery %u: read %s, replayed %s", (unsigned)i, smr_status_name(read), smr_status_name(replay));
+        assert_true(read == SMR_OK || n == f->nth || f->kind == SMR_LOG_FORCE);
+    }
+}
+
+/* Landmarks of a set that is not whole: another record lies between, or a tick follows. */
+static void test_landmarks_cut_short(void **state)
+{
+    const size_t second = find(SMR_LOG_LANDMARKS, 1), third = find(SMR_LOG_LANDMARKS, 2), n = third - second;
+    uint32_t differs, seen;
+    (void)state;
+    memcpy(forged, u.log, sizeof forged);
+    memmove(forged + third, forged + third + n, u.bytes - third - n); /* the third is gone */
+    memset(forged + u.bytes - n, 0, n);
+    const size_t bytes = u.bytes;
+    u.bytes -= n;
+    unit_log_seal(forged, u.bytes);
+    assert_int_equal(SMR_OK, read_all(SMR_LOG_LANDMARKS, &seen));
+    assert_int_equal(6, seen);
+    assert_int_equal(SMR_E_LOG, replay_all(unit_log_input, &differs));
+    u.bytes = second; /* a log may end there: nothing was set yet */
+    assert_int_equal(SMR_OK, replay_all(unit_log_input, &differs));
+    assert_int_equal(0, differs);
+    u.bytes = bytes;
+}
+
+/* Other sums of what a force gave, or none, are found at their tick. */
+static void test_what_a_force_gave(void **state)
+{
+    uint32_t differs;
+    (void)state;
+    memcpy(forged, u.log, sizeof forged);
+    put(SMR_LOG_FORCE, 2, 1, 12345); /* the first two: it is set, and what it gave first */
+    unit_log_seal(forged, u.bytes);
+    assert_int_equal(SMR_OK, replay_all(unit_log_input, &differs));
+    assert_true(differs > 6u);
+    memcpy(forged, u.log, sizeof forged);
+    put(SMR_LOG_FORCE, 0, 0, 0); /* it was never set */
+    unit_log_seal(forged, u.bytes);
+    assert_int_equal(SMR_OK, replay_all(unit_log_input, &differs));
+    assert_true(differs > 6u);
+}
+
+static const void *no_force(void *ctx, const smr_log_record *record)
+{
+    static const smr_caller_force none = {NULL, NULL};
+    return record->kind == SMR_LOG_FORCE ? &none : unit_log_input(ctx, record);
+}
+
+static const void *no_goals(void *ctx, const smr_log_record *record)
+{
+    static const smr_goals none = {NULL, NULL};
+    return record->kind == SMR_LOG_GOALS ? &none : unit_log_input(ctx, record);
+}
+
+static const void *no_cloud(void *ctx, const smr_log_record *record)
+{
+    static const _Alignas(SMR_ALIGN) unsigned char none[1024];
+    return record->kind == SMR_LOG_POINTS ? none : unit_log_input(ctx, record);
+}
+
+static const void *nothing(void *ctx, const smr_log_record *record)
+{
+    return record->kind == SMR_LOG_POINTS ? NULL : unit_log_input(ctx, record);
+}
+
+static void test_inputs_that_are_none(void **state)
+{
+    static const smr_log_input input[] = {no_force, no_goals, no_cloud, nothing};
+    uint32_t differs;
+    (void)state;
+    memcpy(forged, u.log, sizeof forged);
+    for (uint32_t i = 0; i < sizeof input / sizeof input[0]; i++)
+        assert_int_equal(SMR_E_INPUT, replay_all(input[i], &differs));
+}
+
+/* Every bit of these records, and every cut within one. */
+static void test_every_bit(void **state)
+{
+    uint32_t seen;
+    (void)state;
+    for (uint32_t i = 0, n = unit_log_records(u.log, u.bytes); i < n; i++) {
+        size_t bytes;
+        const size_t at = unit_log_record(u.log, u.bytes, i, &bytes), whole = u.bytes;
+        for (size_t bit = 0; u.log[at] >= SMR_LOG_LANDMARKS && bit < 8u * bytes; bit++) {
+            memcpy(forged, u.log, sizeof forged);
+            forged[at + bit / 8u] = (unsigned char)(forged[at + bit / 8u] ^ 1u << bit % 8u);
+            assert_int_equal(SMR_E_LOG, read_all(0, &seen));
+        }
+        memcpy(forged, u.log, sizeof forged);
+        for (u.bytes = at + 1u; u.bytes < at + bytes; u.bytes++)
+            assert_int_equal(SMR_E_LOG, read_all(0, &seen));
+        u.bytes = whole;
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_whole),
+        cmocka_unit_test(test_bytes),
+        cmocka_unit_test(test_fields),
+        cmocka_unit_test(test_landmarks_cut_short),
+        cmocka_unit_test(test_what_a_force_gave),
+        cmocka_unit_test(test_inputs_that_are_none),
+        cmocka_unit_test(test_every_bit),
+    };
+    return cmocka_run_group_tests(tests, set_up, tidy);
+}
