@@ -865,8 +865,9 @@ typedef struct smr_tick_report {
  * between two chunks of work and returns SMR_PARTIAL. The last complete positions stay valid, and the next tick
  * goes on. Every tick does some work, however short its budget. Once the schedule is done a tick changes nothing.
  * report may be NULL.
- * Errors: E_NULL, E_STATE (not a registration; a target surface has changed; called from within a tick; the port used a
- * worker number that it has not). After the last the positions are those of the last complete iteration, and further
+ * Errors: E_NULL, E_STATE (not a registration; a target has changed, or is being refitted; inputs are awaited after
+ * smr_restore(); called from within a tick; the caller's force broke its contract; the port used a worker number that
+ * it has not). After the last the positions are those of the last complete iteration, and further
  * ticks are refused until smr_set_pose() or smr_set_positions(). */
 smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report);
 
@@ -1113,7 +1114,8 @@ smr_status smr_carry_bytes(uint32_t n_vertices, uint32_t n_points, uint32_t n_wo
 
 /* Binds points [n_points][3] mm, given at rest, to the vertices rest [n_vertices][3] mm: structures in a row, as
  * smr_model_mesh() or the caller's meshes have them. Takes about 20 us a point.
- * memory (SMR_ALIGN-aligned) holds the map; rest and points may go afterwards. port is copied; NULL: one worker.
+ * memory (SMR_ALIGN-aligned) holds the map and stays where it is; rest and points may go afterwards. port is copied,
+ * what it names is used by later calls, too; NULL: one worker.
  * Errors: E_NULL, E_ALIGN, E_INPUT (a count, a coordinate), E_ARENA, E_STATE (the port's worker number); *carry
  * untouched then. */
 smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
@@ -1194,8 +1196,8 @@ smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *
 smr_status smr_restore(const smr_model *model, const smr_config *config, const smr_port *port, const void *saved,
                        size_t saved_bytes, void *arena, size_t bytes, smr **s);
 
-/* Inputs that must still be set again before s goes on: structures with a surface, the image, the log. 0 for one that
- * was not restored. Errors: E_NULL, E_STATE. */
+/* Inputs that must still be set again before s goes on: structures with a surface or a cloud, the image, structures
+ * with the caller's goals, the caller's force, the log. 0 for one that was not restored. Errors: E_NULL, E_STATE. */
 smr_status smr_get_awaited(const smr *s, uint32_t *n);
 
 #ifdef __cplusplus

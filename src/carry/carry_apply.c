@@ -73,7 +73,8 @@ static void run_apply(void *arg, uint32_t task, uint32_t worker)
 {
     const job *j = arg;
     const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(j->c->n_points, first + SMR_CARRY_CHUNK);
-    (void)worker;
+    if (smr_carry_site_of(j->c, worker) == NULL) /* no scratch is needed, but that port is wrong */
+        return;
     for (uint32_t i = first; i < end; i++)
         smr_store(j->out + 3u * (size_t)i, apply(j, i));
 }

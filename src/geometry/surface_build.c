@@ -98,7 +98,6 @@ static int check_triangles(smr_surface *s, uint32_t first, uint32_t last)
 /* From here on positions are new: relative to the origin. */
 static int copy_vertices(smr_surface *s, uint32_t first, uint32_t last)
 {
-    s->magic = SMR_SURFACE_BUSY;
     s->changes += first == 0u ? s->work.refit : 0u;
     s->origin = smr_whole(smr_scale(smr_add(s->work.box.lo, s->work.box.hi), 0.5f));
     for (uint32_t i = first; i < last; i++) {
@@ -380,6 +379,7 @@ smr_status smr_surface_refit(smr_surface *surface, const float *xyz)
         return SMR_E_NULL;
     if (!smr_surface_valid(surface) || smr_is_cloud(surface))
         return SMR_E_STATE;
+    surface->magic = SMR_SURFACE_BUSY;
     surface->work.stage = surface->work.at = 0;
     surface->work.refit = 1;
     surface->work.mesh.xyz = xyz;

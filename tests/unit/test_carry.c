@@ -165,16 +165,17 @@ static void backwards(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
         run(arg, t, t % 3u);
 }
 
-static void bad_worker(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
+/* ctx: the worker's number. */
+static void one_worker(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
 {
-    (void)ctx;
     for (uint32_t t = 0; t < n_tasks; t++)
-        run(arg, t, 3u);
+        run(arg, t, *(const uint32_t *)ctx);
 }
 
 static void any_order_gives_the_same_bits(void **state)
 {
-    const smr_port reverse = {NULL, 3, backwards, NULL}, bad = {NULL, 3, bad_worker, NULL};
+    uint32_t worker = 3;
+    const smr_port reverse = {NULL, 3, backwards, NULL}, bad = {&worker, 3, one_worker, NULL};
     oracle_random r = oracle_seed(73);
     unit_mesh m = unit_sphere(3, 40.0f, 0.0f), now = unit_sphere(3, 40.0f, 0.0f);
     float points[3 * POINTS], a[3 * POINTS], c[3 * POINTS];
@@ -197,6 +198,12 @@ static void any_order_gives_the_same_bits(void **state)
     memory = unit_memory(bytes);
     assert_int_equal(smr_carry_fit(m.xyz, m.nv, points, POINTS, &bad, memory, bytes, &carry), SMR_E_STATE);
     assert_null(carry);
+    worker = 2;
+    assert_int_equal(smr_carry_fit(m.xyz, m.nv, points, POINTS, &bad, memory, bytes, &carry), SMR_OK);
+    assert_int_equal(smr_carry_apply(carry, now.xyz, c), SMR_OK);
+    worker = 3; /* the port turns bad later */
+    assert_int_equal(smr_carry_apply(carry, now.xyz, c), SMR_E_STATE);
+    assert_int_equal(smr_carry_map(carry, now.xyz, 0, points, POINTS, c, NULL), SMR_E_STATE);
     unit_free(memory);
     unit_free(one.memory);
     unit_free(three.memory);

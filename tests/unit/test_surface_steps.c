@@ -197,10 +197,20 @@ static void test_ticks(void **state)
     const smr_mesh next = bent(&target);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, surface));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    const float nowhere = NAN;
+    float *wrong = rig_alloc(3u * (size_t)target.n_vertices * sizeof *wrong);
+    memcpy(wrong, next.xyz, 3u * (size_t)target.n_vertices * sizeof *wrong);
+    memcpy(wrong + 3u * (target.n_vertices - 1u), &nowhere, sizeof nowhere);
+    assert_int_equal(SMR_OK, smr_surface_refit(surface, wrong));
+    assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_E_INPUT, smr_surface_step(surface, 0, NULL, 0));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL)); /* it is as it was */
     assert_int_equal(SMR_OK, smr_surface_refit(surface, next.xyz));
-    while (smr_surface_step(surface, 1, NULL, 0) == SMR_PARTIAL)
-        if (!smr_surface_valid(surface))
-            assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    do {
+        assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+        assert_int_equal(SMR_E_STATE, smr_set_surface(s, SMR_ALL, surface));
+        assert_int_equal(SMR_E_STATE, smr_surface_refit(surface, next.xyz));
+    } while (smr_surface_step(surface, 1, NULL, 0) == SMR_PARTIAL);
     assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, surface));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
