@@ -1166,10 +1166,14 @@ smr_status smr_save_bytes(const smr *s, size_t *bytes);
      (size_t)44u * (n_structures) + (size_t)4u * (n_target_vertices) +                                                 \
      ((n_landmarks) > 0u ? (size_t)4u + (n_vertices) + (size_t)200u * (n_landmarks) : (size_t)0u))
 
+/* What config.track adds to it. */
+#define SMR_SAVE_TRACK_BYTES(n_vertices) ((size_t)128u + (size_t)12u * (n_vertices))
+
 /* Writes s to memory[bytes] (of any alignment). The model and inputs are not in it, but their checksums: one pass over
  * each. Only between complete iterations: after a tick that returned SMR_PARTIAL, tick until SMR_OK.
  * Errors: E_NULL, E_STATE (not a registration; called from within a tick; an iteration is under way; a target surface
- * has changed; inputs are awaited; the port was refused; config.track is on), E_ARENA. */
+ * has changed; inputs are awaited; the port was refused, or the caller's force; a coordinate is beyond 2e6 mm, and
+ * memory is written to then), E_ARENA. */
 smr_status smr_save(const smr *s, void *memory, size_t bytes);
 
 typedef struct smr_saved_info {

@@ -9,23 +9,39 @@
 
 void smr_held_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
 {
+    smr_pose none = {{{0}}};
     if (shared->config.track == SMR_TRACK_OFF)
         return;
-    /* not kept: a registration that tracks is not saved */
     shape->held = smr_slot_scratch(a, shape->held, 1, sizeof *shape->held);
-    shape->held_x = smr_slot_scratch(a, shape->held_x, shared->n, 3u * sizeof(float));
+    shape->held_x = smr_slot_floats(a, shape->held_x, 3u * (size_t)shared->n, SMR_KEPT_MM);
     shape->held_pose = smr_slot_scratch(a, shape->held_pose, shared->n_structures, sizeof *shape->held_pose);
+    if (!smr_keeps(a))
+        return;
+    smr_keep_pose(a, shape->held != NULL ? &shape->held->rest_pose : &none); /* where there are no slots yet */
+}
+
+void smr_held_wire(smr_shape *shape)
+{
+    smr_held *h = shape->held;
+    if (h == NULL)
+        return;
+    memset(h, 0, sizeof *h);
+    memset(shape->held_x, 0, 3u * (size_t)shape->shared->n * sizeof(float));
+    for (uint32_t i = 0; i < shape->shared->n_structures; i++)
+        h->n_tasks += smr_ceil_div(shape->structure[i].n_vertices, SMR_MATCH_CHUNK);
+}
+
+void smr_held_derive(smr_shape *shape)
+{
+    if (shape->held != NULL)
+        shape->held->box = smr_box_of(shape->held_x, shape->shared->n);
 }
 
 void smr_held_start(smr_shape *shape)
 {
-    smr_held *h = shape->held;
-    memset(h, 0, sizeof *h);
     memcpy(shape->held_x, shape->x, 3u * (size_t)shape->shared->n * sizeof(float));
-    h->box = smr_box_of(shape->held_x, shape->shared->n);
-    h->rest_pose = shape->rest_pose;
-    for (uint32_t i = 0; i < shape->shared->n_structures; i++)
-        h->n_tasks += smr_ceil_div(shape->structure[i].n_vertices, SMR_MATCH_CHUNK);
+    shape->held->rest_pose = shape->rest_pose;
+    smr_held_derive(shape);
 }
 
 uint32_t smr_held_sum_tasks(const void *arg)

@@ -21,6 +21,12 @@ static int is_similarity(const smr_pose *p)
            smr_within(smr_dot(a, b), most) && smr_within(smr_dot(b, c), most) && smr_within(smr_dot(c, a), most);
 }
 
+void smr_keep_pose(smr_arena *a, smr_pose *pose)
+{
+    smr_keep_floats(a, &pose->m[0][0], 12, -SMR_KEPT_MM, SMR_KEPT_MM);
+    smr_keep_require(a, is_similarity(pose));
+}
+
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
 {
     const size_t n = shared->n;
@@ -42,8 +48,7 @@ void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
         shape->node = smr_slot_scratch(a, shape->node, shape->n_nodes, sizeof *shape->node);
     smr_keep_floats(a, &shape->origin.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
     smr_keep_require(a, is_whole(shape->origin));
-    smr_keep_floats(a, &shape->rest_pose.m[0][0], 12, -SMR_KEPT_MM, SMR_KEPT_MM);
-    smr_keep_require(a, is_similarity(&shape->rest_pose));
+    smr_keep_pose(a, &shape->rest_pose);
     smr_keep_words(a, &shape->rest_pose_due, 1, 1);
     smr_held_layout(a, shape, shared);
 }
@@ -67,6 +72,7 @@ void smr_shape_start(smr_shape *shape)
         leaf += smr_tree_leaves(&one->facets);
         node += smr_tree_nodes(one->facets.n_triangles);
     }
+    smr_held_wire(shape);
     memset(shape->on_surface, 0, c->n);
     for (size_t i = 0; i < 3u * (size_t)c->n_triangles; i++)
         shape->on_surface[c->triangle[i]] = 1;

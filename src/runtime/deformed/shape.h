@@ -59,6 +59,7 @@ typedef struct smr_shape {
 } smr_shape;
 
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
+void smr_keep_pose(smr_arena *a, smr_pose *pose); /* a kept similarity */
 
 /* Shapes of the trees and their places in the arrays. */
 void smr_shape_start(smr_shape *shape);
@@ -79,7 +80,9 @@ void smr_rest_pose_now(smr_shape *shape); /* at once, without steps */
 /* held_shape.c: x^r is the held shape, each structure carried along by the pose that lays it onto x best.
  * The sums are of x_next, at the end of an iteration. */
 void smr_held_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
-void smr_held_start(smr_shape *shape); /* x is the held shape from here on */
+void smr_held_wire(smr_shape *shape);   /* nothing is held yet; the structures are known */
+void smr_held_derive(smr_shape *shape); /* what follows from held_x, which was restored */
+void smr_held_start(smr_shape *shape);  /* x is the held shape from here on */
 uint32_t smr_held_sum_tasks(const void *shape);
 void smr_held_sum(void *shape, uint32_t task, uint32_t worker); /* serial */
 void smr_held_sum_end(smr_shape *shape);

@@ -66,6 +66,7 @@ static void derive(smr *s)
     s->shape.start_box = smr_box_of(s->shape.start, s->shared.n);
     smr_image_goals_noise(&s->forces.image);
     smr_facets_now(&s->shape);
+    smr_held_derive(&s->shape);
     s->reference.missing = 1;
 }
 

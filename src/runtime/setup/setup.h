@@ -29,8 +29,7 @@ void smr_take_goals(smr_surface_goals *g);
 /* Lists which surfaces there are, which structures share them, the image, the caller's goals and force. */
 void smr_keep_inputs(smr_arena *a, smr *s);
 
-/* 1: there is memory for the list of what is waited for (not so in a forged model of empty structures alone), and
- * nothing tracks: what tracking holds is not saved. */
+/* 1: there is memory for the list of what is waited for (not so in a forged model of empty structures alone). */
 int smr_can_wait(const smr_shared *c);
 
 /* 1: the log's memory is waited for. */

@@ -18,8 +18,6 @@ static awaited *list_of(const smr *s) { return (awaited *)s->overlay.record; }
 
 int smr_can_wait(const smr_shared *c)
 {
-    if (c->config.track != SMR_TRACK_OFF) /* the shape that tracking holds is not kept */
-        return 0;
     return (2u * (uint64_t)c->n_structures + 2u) * SMR_AWAITED_WORDS <= (uint64_t)c->n * SMR_WORDS;
 }
 

@@ -149,10 +149,15 @@ void smr_schedule_keep(smr_arena *a, smr *s)
     smr_keep_words(a, &p->n_active, 1, n);
     smr_keep_words(a, &p->n_pinned, 1, n);
     smr_keep_require(a, p->radius >= s->shared.config.radius_first);
+    smr_tracking_keep(a, s);
     if (!smr_keeps(a) || a->keeper->mode == SMR_KEEP_COUNT || a->keeper->wrong)
         return;
     take_radius(s);
     smr_keep_require(a, p->n_active >= smr_min_u32(p->lists.active_min, n));
+    if (p->tracking) {
+        smr_keep_require(a, smr_tracking_legal(s));
+        return;
+    }
     smr_keep_require(a, p->radius_iteration <= (smr_at_last_radius(&s->shared, p)
                                                     ? s->shared.config.iterations_last
                                                     : SMR_FIRST_CLOUD * s->shared.config.iterations));

@@ -43,13 +43,42 @@ static uint32_t radius_of(const smr *s)
     return best;
 }
 
+static float momentum_of(const smr *s)
+{
+    const float asked = s->shared.config.momentum;
+    return s->pace.recovering > 0u ? smr_min(asked, SMR_TRACK_MOMENTUM) : asked;
+}
+
 static void go_to(smr *s, uint32_t radius)
 {
     smr_schedule_radius(s, radius);
-    s->pace.momentum =
-        s->pace.recovering > 0u ? smr_min(s->shared.config.momentum, SMR_TRACK_MOMENTUM) : s->shared.config.momentum;
+    s->pace.momentum = momentum_of(s);
     s->pace.repairing = 0;
     s->shape.rest_pose_due = 0;
+}
+
+void smr_tracking_keep(smr_arena *a, smr *s)
+{
+    smr_pace *p = &s->pace;
+    if (s->shared.config.track == SMR_TRACK_OFF)
+        return;
+    smr_keep_words(a, &p->tracking, 1, 1);
+    smr_keep_words(a, &p->recovering, 1, 2);
+    smr_keep_words(a, &p->called, 1, 1);
+    smr_keep_words(a, &p->settled, 1, 1);
+    smr_keep_words(a, &p->jumped, 1, 1);
+    smr_keep_floats(a, &p->gain, 1, 1.0f, SMR_TRACK_GAIN);
+    smr_keep_floats(a, &p->found, 1, 0.0f, 1.0f);
+    smr_keep_require(a, p->tracking || !(p->recovering || p->called || p->settled || p->jumped));
+}
+
+int smr_tracking_legal(smr *s)
+{
+    const smr_pace *p = &s->pace;
+    const uint32_t at = radius_of(s);
+    s->pace.momentum = momentum_of(s);
+    return !p->done && (p->recovering == 1u ? p->radius < at : p->radius == at) &&
+           p->radius_iteration <= s->shared.config.track_iterations + SMR_TRACK_COARSE;
 }
 
 /* Share of the vertices with a target that have a goal on it. */
@@ -94,7 +123,6 @@ void smr_tracking_begin(smr *s)
         return;
     s->shape.held->due = 1;
     s->reference.stale = 1;
-    s->pace.gain = gain_of(s);
     if (!s->pace.called)
         return;
     s->pace.gain = 1.0f;
@@ -136,8 +164,10 @@ void smr_tracking_next(smr *s)
     const int found = s->pace.jumped && s->forces.totals.n_forces > 0u;
     if (s->pace.recovering == 1u || (s->pace.recovering == 0u && coarser && found)) {
         recover(s);
+        s->pace.gain = gain_of(s);
         return;
     }
+    s->pace.gain = 1.0f;
     s->pace.found = share_found(s);
     s->pace.settled = s->evolve.moved_mm * 1000.0f < s->shared.config.track_um ||
                       s->pace.radius_iteration >= s->shared.config.track_iterations;

@@ -11,6 +11,11 @@ void smr_tracking_begin(smr *s); /* before an iteration */
 void smr_tracking_look(smr *s);  /* the forces are complete */
 void smr_tracking_next(smr *s);  /* after an iteration */
 
+/* What a save keeps of it. After that smr_tracking_legal() says whether what was kept while targets are followed can
+ * be, and sets what follows from it. */
+void smr_tracking_keep(smr_arena *a, smr *s);
+int smr_tracking_legal(smr *s);
+
 /* A target was set: there is something to look at. */
 static inline void smr_tracking_call(smr *s) { s->pace.called = s->pace.tracking; }
 
