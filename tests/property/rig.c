@@ -347,3 +347,10 @@ uint32_t rig_times(uint32_t n)
     return n;
 #endif
 }
+
+uint64_t rig_jitter_read(void *jitter)
+{
+    rig_jitter *c = jitter;
+    c->time += 200u + rig_random(&c->seed, 3000) + (rig_random(&c->seed, 40) == 0u ? 60000u : 0u);
+    return c->time;
+}

@@ -53,6 +53,13 @@ typedef struct rig_clock {
 } rig_clock;
 smr_port rig_clock_port(rig_clock *clock, uint32_t kind, uint64_t step_ns);
 
+/* A clock that runs forward, now and then by a lot: smr_port.ctx and now_ns. */
+typedef struct rig_jitter {
+    uint32_t seed;
+    uint64_t time;
+} rig_jitter;
+uint64_t rig_jitter_read(void *jitter);
+
 /* Numbers that look random and are the same everywhere: 0..n-1, and lo..hi. */
 uint32_t rig_random(uint32_t *seed, uint32_t n);
 float rig_between(uint32_t *seed, float lo, float hi);

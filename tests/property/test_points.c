@@ -12,21 +12,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "property/rig.h"
+#include "property/rig_cloud.h"
 
-enum { RUNS = 60, STEPS = 60, PARTS = 2, CLOUDS = 2, CAPACITY = 80, ADDED = 200 };
+enum { RUNS = 60, STEPS = 60, PARTS = RIG_PAIR, CLOUDS = 2, CAPACITY = RIG_CLOUD_ROOM, ADDED = 200 };
 
-static const float centre[PARTS][3] = {{0, 0, 0}, {40, 0, 0}};
 static smr_mesh part[PARTS];
 static const smr_model *model;
 
 static int set_up(void **state)
 {
-    const smr_prepare_config radii = rig_radii(3, 60, 30, 12);
+    const rig_pair pair = rig_pair_make();
     (void)state;
-    for (uint32_t i = 0; i < PARTS; i++)
-        part[i] = rig_ball(22.0f, 8, 12u + 2u * i, centre[i]);
-    model = rig_model(part, PARTS, &radii);
+    memcpy(part, pair.part, sizeof part);
+    model = pair.model;
     return 0;
 }
 
@@ -39,55 +37,16 @@ static int tidy(void **state)
 
 static smr_points *new_cloud(uint32_t capacity)
 {
-    smr_points *cloud = NULL;
-    size_t bytes = 0;
-    assert_int_equal(SMR_OK, smr_points_bytes(capacity, &bytes));
-    assert_true(bytes <= SMR_POINTS_BYTES(capacity));
-    assert_int_equal(SMR_OK, smr_points_open(capacity, rig_alloc(bytes), bytes, &cloud));
+    smr_points *cloud = rig_cloud(capacity);
+    assert_non_null(cloud);
     return cloud;
 }
 
-/* A point: position, normal (none: 0), weight. */
-typedef struct point {
-    float xyz[3], normal[3], weight;
-} point;
+typedef rig_point point;
 
-static void add(smr_points *cloud, const point *p)
-{
-    assert_int_equal(SMR_OK, smr_points_add(cloud, p->xyz, p->normal, &p->weight, 1));
-}
-
-/* Near a ball, with some noise; of every third the normal is not known. */
-static point random_point(uint32_t *seed, uint32_t which, float radius, float noise)
-{
-    point p;
-    float length = 0.0f;
-    while (!(length > 0.2f && length < 1.0f)) {
-        for (uint32_t c = 0; c < 3u; c++)
-            p.normal[c] = rig_between(seed, -1, 1);
-        length = sqrtf(p.normal[0] * p.normal[0] + p.normal[1] * p.normal[1] + p.normal[2] * p.normal[2]);
-    }
-    for (uint32_t c = 0; c < 3u; c++)
-        p.xyz[c] = centre[which][c] + (radius + noise * rig_between(seed, -1, 1)) * p.normal[c] / length;
-    if (rig_random(seed, 3) == 0u)
-        memset(p.normal, 0, sizeof p.normal);
-    p.weight = rig_random(seed, 6) == 0u ? 0.0f : rig_between(seed, 0.5f, 2.0f);
-    return p;
-}
+static void add(smr_points *cloud, const point *p) { assert_int_equal(SMR_OK, rig_cloud_add(cloud, p)); }
 
 /* ---- logs */
-
-typedef struct jitter {
-    uint32_t seed;
-    uint64_t time;
-} jitter;
-
-static uint64_t read_jitter(void *ctx)
-{
-    jitter *c = ctx;
-    c->time += 200u + rig_random(&c->seed, 3000) + (rig_random(&c->seed, 40) == 0u ? 60000u : 0u);
-    return c->time;
-}
 
 /* A set of the log: of which cloud, and how many points it had been given. */
 typedef struct given {
@@ -124,7 +83,7 @@ static void set_points(uint32_t which)
     const int taken = rig_random(&r.seed, 8) == 0u;
     for (uint32_t i = 0; i < more && r.n_added[which] < ADDED; i++) {
         point *p = &r.added[which][r.n_added[which]++];
-        *p = random_point(&r.seed, which, 25.0f, 1.0f);
+        *p = rig_cloud_point(&r.seed, which, 25.0f, 1.0f);
         add(r.cloud[which], p);
     }
     r.full += r.n_added[which] > CAPACITY;
@@ -149,20 +108,6 @@ static void tick(uint64_t budget)
     r.partial += status == SMR_PARTIAL;
     r.has_forces = status == SMR_PARTIAL && report.phase != SMR_PHASE_FORCES;
     r.gathers = status == SMR_PARTIAL && report.phase == SMR_PHASE_FORCES;
-}
-
-static smr_config random_config(uint32_t *seed)
-{
-    smr_config c = smr_config_default();
-    c.n_workers = 4;
-    c.n_target_vertices = 3 * CAPACITY;
-    c.iterations = 1u + rig_random(seed, 3);
-    c.iterations_last = 4u + rig_random(seed, 8);
-    c.node_budget = rig_random(seed, 2) ? 8u : 512u;
-    c.noise_mm = rig_random(seed, 2) ? 0.5f : 0.0f;
-    c.attraction = rig_random(seed, 3) ? 0.5f : 0.0f;
-    c.coverage = rig_random(seed, 4) ? SMR_COVERAGE_AUTO : SMR_COVERAGE_WHOLE;
-    return c;
 }
 
 static void begin_run(uint32_t seed)
@@ -195,11 +140,11 @@ static void test_growth_replays(void **state)
     uint32_t seed = 5, partial = 0, early = 0, late = 0, full = 0;
     (void)state;
     for (uint32_t n = 0; n < RUNS; n++) {
-        jitter clock = {rig_random(&seed, 1u << 27), 1000000u};
-        const smr_port recording = {&clock, 1u + n % 4u, NULL, read_jitter};
+        rig_jitter clock = {rig_random(&seed, 1u << 27), 1000000u};
+        const smr_port recording = {&clock, 1u + n % 4u, NULL, rig_jitter_read};
         const smr_port other = rig_port(n % RIG_SCHEDULERS, 1u + n / 4u % 4u);
         begin_run(rig_random(&seed, 1u << 27));
-        smr_config config = random_config(&r.seed);
+        smr_config config = rig_cloud_config(&r.seed);
         r.s = rig_init(model, &config, &recording);
         assert_int_equal(SMR_OK, smr_set_log(r.s, r.log, sizeof r.log));
         for (uint32_t step = 0; step < STEPS / 2u; step++) {
@@ -227,7 +172,7 @@ static void test_another_cloud_is_told(void **state)
     smr_config config;
     (void)state;
     begin_run(3);
-    config = random_config(&r.seed);
+    config = rig_cloud_config(&r.seed);
     r.s = rig_init(model, &config, NULL);
     assert_int_equal(SMR_OK, smr_set_log(r.s, r.log, sizeof r.log));
     add(r.cloud[0], &(point){{22, 0, 0}, {1, 0, 0}, 1});
@@ -284,7 +229,7 @@ static void test_noise_averages(void **state)
         smr_points *cloud = new_cloud(MANY);
         uint32_t seed = 9;
         for (uint32_t i = 0; i < MANY; i++) {
-            const point p = random_point(&seed, 0, 24.0f, (float)k);
+            const point p = rig_cloud_point(&seed, 0, 24.0f, (float)k);
             add(cloud, &p);
         }
         smr *s = run_onto(cloud, MANY, NULL, 1);
@@ -306,7 +251,7 @@ static void test_workers_change_no_bit(void **state)
     uint64_t hash = 0;
     (void)state;
     for (uint32_t i = 0; i < CAPACITY; i++) {
-        const point p = random_point(&seed, 0, 24.0f, 0.5f);
+        const point p = rig_cloud_point(&seed, 0, 24.0f, 0.5f);
         add(cloud, &p);
     }
     for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
@@ -329,7 +274,7 @@ static void test_noise_pulls_nothing(void **state)
     for (uint32_t k = 0; k < 3u; k++)
         radius[k] = rig_alloc(part[0].n_vertices * sizeof(float));
     for (uint32_t i = 0; i < CAPACITY; i++) {
-        const point p = random_point(&seed, 0, 22.5f, 0.0f);
+        const point p = rig_cloud_point(&seed, 0, 22.5f, 0.0f);
         add(cloud, &p);
     }
     c.n_target_vertices = CAPACITY;

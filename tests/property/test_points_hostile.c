@@ -10,21 +10,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "property/rig.h"
+#include "property/rig_cloud.h"
 
-enum { PARTS = 2, CAPACITY = 80 };
+enum { PARTS = RIG_PAIR, CAPACITY = RIG_CLOUD_ROOM };
 
-static const float centre[PARTS][3] = {{0, 0, 0}, {40, 0, 0}};
 static smr_mesh part[PARTS];
 static const smr_model *model;
 
 static int set_up(void **state)
 {
-    const smr_prepare_config radii = rig_radii(3, 60, 30, 12);
+    const rig_pair pair = rig_pair_make();
     (void)state;
-    for (uint32_t i = 0; i < PARTS; i++)
-        part[i] = rig_ball(22.0f, 8, 12u + 2u * i, centre[i]);
-    model = rig_model(part, PARTS, &radii);
+    memcpy(part, pair.part, sizeof part);
+    model = pair.model;
     return 0;
 }
 
@@ -37,55 +35,14 @@ static int tidy(void **state)
 
 static smr_points *new_cloud(uint32_t capacity)
 {
-    smr_points *cloud = NULL;
-    size_t bytes = 0;
-    assert_int_equal(SMR_OK, smr_points_bytes(capacity, &bytes));
-    assert_true(bytes <= SMR_POINTS_BYTES(capacity));
-    assert_int_equal(SMR_OK, smr_points_open(capacity, rig_alloc(bytes), bytes, &cloud));
+    smr_points *cloud = rig_cloud(capacity);
+    assert_non_null(cloud);
     return cloud;
 }
 
-/* A point: position, normal (none: 0), weight. */
-typedef struct point {
-    float xyz[3], normal[3], weight;
-} point;
+typedef rig_point point;
 
-static void add(smr_points *cloud, const point *p)
-{
-    assert_int_equal(SMR_OK, smr_points_add(cloud, p->xyz, p->normal, &p->weight, 1));
-}
-
-/* Near a ball, with some noise; of every third the normal is not known. */
-static point random_point(uint32_t *seed, uint32_t which, float radius, float noise)
-{
-    point p;
-    float length = 0.0f;
-    while (!(length > 0.2f && length < 1.0f)) {
-        for (uint32_t c = 0; c < 3u; c++)
-            p.normal[c] = rig_between(seed, -1, 1);
-        length = sqrtf(p.normal[0] * p.normal[0] + p.normal[1] * p.normal[1] + p.normal[2] * p.normal[2]);
-    }
-    for (uint32_t c = 0; c < 3u; c++)
-        p.xyz[c] = centre[which][c] + (radius + noise * rig_between(seed, -1, 1)) * p.normal[c] / length;
-    if (rig_random(seed, 3) == 0u)
-        memset(p.normal, 0, sizeof p.normal);
-    p.weight = rig_random(seed, 6) == 0u ? 0.0f : rig_between(seed, 0.5f, 2.0f);
-    return p;
-}
-
-static smr_config random_config(uint32_t *seed)
-{
-    smr_config c = smr_config_default();
-    c.n_workers = 4;
-    c.n_target_vertices = 3 * CAPACITY;
-    c.iterations = 1u + rig_random(seed, 3);
-    c.iterations_last = 4u + rig_random(seed, 8);
-    c.node_budget = rig_random(seed, 2) ? 8u : 512u;
-    c.noise_mm = rig_random(seed, 2) ? 0.5f : 0.0f;
-    c.attraction = rig_random(seed, 3) ? 0.5f : 0.0f;
-    c.coverage = rig_random(seed, 4) ? SMR_COVERAGE_AUTO : SMR_COVERAGE_WHOLE;
-    return c;
-}
+static void add(smr_points *cloud, const point *p) { assert_int_equal(SMR_OK, rig_cloud_add(cloud, p)); }
 
 /* ---- what is refused */
 
@@ -174,7 +131,7 @@ static void test_hostile_points(void **state)
     for (uint32_t n = 0; n < 40u; n++) {
         const float size = n % 4u == 0u ? 1.0e5f : (n % 4u == 1u ? 1.0e-6f : 60.0f);
         smr_points *cloud = new_cloud(CAPACITY);
-        smr_config c = random_config(&seed);
+        smr_config c = rig_cloud_config(&seed);
         c.n_workers = 1;
         c.search_mm = 1.0e5f;
         smr *s = rig_init(model, &c, NULL);
@@ -207,14 +164,14 @@ static void test_nearest_point(void **state)
     size_t bytes = 0;
     (void)state;
     for (uint32_t i = 0; i < CAPACITY; i++) {
-        all[i] = random_point(&seed, 0, 20.0f, 5.0f);
+        all[i] = rig_cloud_point(&seed, 0, 20.0f, 5.0f);
         add(cloud, &all[i]);
     }
     assert_int_equal(SMR_OK, smr_points_surface_bytes(CAPACITY, &bytes));
     assert_int_equal(SMR_E_ARENA, smr_points_surface(cloud, rig_alloc(bytes), bytes - 1u, &surface));
     assert_int_equal(SMR_OK, smr_points_surface(cloud, rig_alloc(bytes), bytes, &surface));
     for (uint32_t k = 0; k < 50u; k++) {
-        const point q = random_point(&seed, 0, 15.0f, 10.0f);
+        const point q = rig_cloud_point(&seed, 0, 15.0f, 10.0f);
         float least = 1.0e9f;
         uint32_t best = 0;
         smr_closest hit;

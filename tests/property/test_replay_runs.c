@@ -12,74 +12,32 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "property/rig.h"
+#include "property/rig_parts.h"
 
 #define RUNS 600u
 #define STEPS 70u
-#define PARTS 3u
+#define PARTS RIG_PARTS
 #define SURFACES 3u
-#define SIDE 36u          /* voxels of an image */
-#define VERTICES_MAX 160u /* of a structure */
-
-/* Runs forward, now and then by a lot. */
-typedef struct jitter {
-    uint32_t seed;
-    uint64_t time;
-} jitter;
-
-static uint64_t read_jitter(void *ctx)
-{
-    jitter *c = ctx;
-    c->time += 200u + rig_random(&c->seed, 3000) + (rig_random(&c->seed, 40) == 0u ? 60000u : 0u);
-    return c->time;
-}
+#define VERTICES_MAX RIG_PART_VERTICES
 
 static struct world {
-    smr_mesh part[PARTS];
-    const smr_model *model[2]; /* the second with intensity profiles */
+    rig_parts of;
     const smr_surface *surface[SURFACES];
     smr_volume volume[2];
 } world;
 
-/* Two balls in each other's reach and one more, bright on dark. */
-static smr_volume image_of(float shift)
-{
-    uint8_t *voxels = rig_alloc(SIDE * SIDE * SIDE);
-    for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
-        const float p[3] = {4.0f * (float)(i % SIDE) - 60.0f - shift, 4.0f * (float)(i / SIDE % SIDE) - 70.0f,
-                            4.0f * (float)(i / SIDE / SIDE) - 70.0f};
-        float inside = 0.0f;
-        for (uint32_t k = 0; k < PARTS; k++) {
-            const float x = p[0] - 32.0f * (float)k;
-            const float d2 = x * x + p[1] * p[1] + p[2] * p[2];
-            inside = d2 < 400.0f ? 1.0f : (d2 < 625.0f && inside < 0.5f ? 0.4f : inside);
-        }
-        voxels[i] = (uint8_t)(20.0f + 200.0f * inside);
-    }
-    return (smr_volume){
-        voxels, NULL, SMR_VOXEL_UINT8, {SIDE, SIDE, SIDE}, {-60, -70, -70}, {4, 4, 4}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-}
-
 static int set_up(void **state)
 {
     (void)state;
-    for (uint32_t i = 0; i < PARTS; i++) {
-        const float centre[3] = {32.0f * (float)i, 0, 0};
-        world.part[i] = rig_ball(22.0f, 8, 12u + 2u * i, centre);
-        assert_true(world.part[i].n_vertices <= VERTICES_MAX);
-    }
     for (uint32_t i = 0; i < SURFACES; i++) {
-        const float centre[3] = {32.0f * (float)i + 3.0f, 2, -3};
-        const smr_mesh goal = rig_ball(24.0f + (float)i, 11, 17, centre);
+        const smr_mesh goal = rig_parts_goal(i);
         world.surface[i] = rig_surface(&goal);
     }
     for (uint32_t i = 0; i < 2u; i++)
-        world.volume[i] = image_of(3.0f * (float)i);
-    smr_prepare_config c = rig_radii(3, 60.0f, 40.0f, 18.0f);
-    c.block_vertices = 64;
-    world.model[0] = rig_model(world.part, PARTS, &c);
-    c.reference = &world.volume[0];
-    world.model[1] = rig_model(world.part, PARTS, &c);
+        world.volume[i] = rig_parts_image(3.0f * (float)i);
+    world.of = rig_parts_make(&world.volume[0]);
+    for (uint32_t i = 0; i < PARTS; i++)
+        assert_true(world.of.part[i].n_vertices <= VERTICES_MAX);
     return 0;
 }
 
@@ -175,7 +133,7 @@ static void start_over(run *r, uint32_t step)
     if (what == 0u) {
         assert_int_equal(SMR_OK, smr_set_pose(r->s, &pose));
     } else if (what == 1u) {
-        const smr_mesh *mesh = &world.part[structure];
+        const smr_mesh *mesh = &world.of.part[structure];
         for (uint32_t i = 0; i < 3u * mesh->n_vertices; i++)
             r->xyz[step][i] = mesh->xyz[i] + rig_between(&r->seed, -1, 1);
         assert_int_equal(SMR_OK, smr_set_positions(r->s, structure, r->xyz[step]));
@@ -191,7 +149,7 @@ static void start_over(run *r, uint32_t step)
 static smr *begin(const run *r, const smr_config *config, const smr_port *port, void *arena, size_t bytes)
 {
     smr *s = NULL;
-    assert_int_equal(SMR_OK, smr_init(world.model[r->model], config, port, arena, bytes, &s));
+    assert_int_equal(SMR_OK, smr_init(world.of.model[r->model], config, port, arena, bytes, &s));
     return s;
 }
 
@@ -242,9 +200,9 @@ static void test_replays(void **state)
     uint32_t seed = 7, ticks = 0, partial = 0, cut = 0, early = 0, late = 0;
     (void)state;
     for (uint32_t n = 0; n < RUNS; n++) {
-        jitter clock = {rig_random(&seed, 1u << 27), 1000000u};
+        rig_jitter clock = {rig_random(&seed, 1u << 27), 1000000u};
         const smr_port other = rig_port(n % RIG_SCHEDULERS, 1u + n / 4u % 4u);
-        const smr_port recording = {&clock, 1u + n % 4u, NULL, read_jitter};
+        const smr_port recording = {&clock, 1u + n % 4u, NULL, rig_jitter_read};
         size_t bytes = 0;
         memset(&r, 0, sizeof r);
         r.seed = rig_random(&seed, 1u << 27);
@@ -252,7 +210,7 @@ static void test_replays(void **state)
         const smr_config config = random_config(&r.seed);
         smr_config others = config;
         others.n_workers = other.n_workers;
-        assert_int_equal(SMR_OK, smr_arena_bytes(world.model[r.model], &config, &bytes));
+        assert_int_equal(SMR_OK, smr_arena_bytes(world.of.model[r.model], &config, &bytes));
         assert_true(bytes <= sizeof memory[0]);
         r.s = begin(&r, &config, &recording, memory[0], bytes);
         record(&r);
@@ -278,8 +236,8 @@ static void test_last_surface_goes_late(void **state)
 {
     static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
     static run r;
-    jitter clock = {3, 1000000u};
-    const smr_port port = {&clock, 1, NULL, read_jitter};
+    rig_jitter clock = {3, 1000000u};
+    const smr_port port = {&clock, 1, NULL, rig_jitter_read};
     smr_config config = smr_config_default_image();
     smr_tick_report report = {0};
     size_t bytes = 0;
@@ -288,7 +246,7 @@ static void test_last_surface_goes_late(void **state)
     r.model = 1;
     config.iterations = 1; /* twice as many at the first radius */
     config.settle_um = 0.0f;
-    assert_int_equal(SMR_OK, smr_arena_bytes(world.model[1], &config, &bytes));
+    assert_int_equal(SMR_OK, smr_arena_bytes(world.of.model[1], &config, &bytes));
     assert_true(bytes <= sizeof memory[0]);
     r.s = begin(&r, &config, &port, memory[0], bytes);
     assert_int_equal(SMR_OK, smr_set_log(r.s, r.log, sizeof r.log));
@@ -313,8 +271,8 @@ static void test_last_surface_goes_before_the_end(void **state)
 {
     static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
     static run r;
-    jitter clock = {3, 1000000u};
-    const smr_port port = {&clock, 1, NULL, read_jitter};
+    rig_jitter clock = {3, 1000000u};
+    const smr_port port = {&clock, 1, NULL, rig_jitter_read};
     smr_config config = smr_config_default();
     smr_tick_report report = {0};
     size_t bytes = 0;
@@ -322,7 +280,7 @@ static void test_last_surface_goes_before_the_end(void **state)
     memset(&r, 0, sizeof r);
     config.radius_first = 2;
     config.settle_um = 1.0e6f; /* whatever moves is settled */
-    assert_int_equal(SMR_OK, smr_arena_bytes(world.model[0], &config, &bytes));
+    assert_int_equal(SMR_OK, smr_arena_bytes(world.of.model[0], &config, &bytes));
     assert_true(bytes <= sizeof memory[0]);
     r.s = begin(&r, &config, &port, memory[0], bytes);
     assert_int_equal(SMR_OK, smr_set_log(r.s, r.log, sizeof r.log));

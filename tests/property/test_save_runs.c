@@ -3,98 +3,51 @@
  * copies of the inputs. From there on both get the same calls, and come to the same bits, reports, verdicts and logs.
  * Clocks cut iterations before the save. SMR_TEST_SHOW=1 prints what was met.
  * SPDX-License-Identifier: MIT */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "unit/cmocka_first.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/arena.h"
-#include "property/rig.h"
+#include "property/rig_cloud.h"
+#include "property/rig_parts.h"
 
 #define RUNS 60u
 #define BEFORE 40u /* calls before the save, at most */
 #define AFTER 40u
-#define PARTS 3u
+#define PARTS RIG_PARTS
 #define SURFACES 4u
 #define CLOUD SURFACES /* the number of the cloud, behind the surfaces */
 #define CLOUD_ROOM 60u
 #define LANDMARKS 4u
-#define SIDE 36u
-#define VERTICES_MAX 160u
+#define VERTICES_MAX RIG_PART_VERTICES
 #define ARENA (1u << 19)
 #define LOG_BYTES SMR_LOG_BYTES(BEFORE + AFTER + 40u, BEFORE + AFTER)
 
-/* Runs forward, now and then by a lot. */
-typedef struct jitter {
-    uint32_t seed;
-    uint64_t time;
-} jitter;
-
-static uint64_t read_jitter(void *ctx)
-{
-    jitter *c = ctx;
-    c->time += 200u + rig_random(&c->seed, 3000) + (rig_random(&c->seed, 40) == 0u ? 60000u : 0u);
-    return c->time;
-}
-
 static struct world {
-    smr_mesh part[PARTS];
-    const smr_model *model[2];               /* the second with intensity profiles */
+    rig_parts of;
     const smr_surface *surface[2][SURFACES]; /* and copies; the last is open */
     smr_points *cloud[2];
     smr_volume volume[2][2];
 } world;
 
-/* Three balls in a row, bright on dark. */
-static smr_volume image_of(float shift)
-{
-    uint8_t *voxels = rig_alloc(SIDE * SIDE * SIDE);
-    for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
-        const float p[3] = {4.0f * (float)(i % SIDE) - 60.0f - shift, 4.0f * (float)(i / SIDE % SIDE) - 70.0f,
-                            4.0f * (float)(i / SIDE / SIDE) - 70.0f};
-        float inside = 0.0f;
-        for (uint32_t k = 0; k < PARTS; k++) {
-            const float x = p[0] - 32.0f * (float)k, d2 = x * x + p[1] * p[1] + p[2] * p[2];
-            inside = d2 < 400.0f ? 1.0f : (d2 < 625.0f && inside < 0.5f ? 0.4f : inside);
-        }
-        voxels[i] = (uint8_t)(20.0f + 200.0f * inside);
-    }
-    return (smr_volume){
-        voxels, NULL, SMR_VOXEL_UINT8, {SIDE, SIDE, SIDE}, {-60, -70, -70}, {4, 4, 4}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-}
-
 static int set_up(void **state)
 {
     (void)state;
-    for (uint32_t i = 0; i < PARTS; i++) {
-        const float centre[3] = {32.0f * (float)i, 0, 0};
-        world.part[i] = rig_ball(22.0f, 8, 12u + 2u * i, centre);
-        assert_true(world.part[i].n_vertices <= VERTICES_MAX);
-    }
     for (uint32_t i = 0; i < 2u * SURFACES; i++) {
         const uint32_t which = i % SURFACES;
-        const float centre[3] = {32.0f * (float)(which % 3u) + 3.0f, 2, -3};
-        smr_mesh goal = rig_ball(24.0f + (float)which, 11, 17, centre);
+        smr_mesh goal = rig_parts_goal(which);
         if (which == SURFACES - 1u)
             goal.n_triangles = goal.n_triangles * 3u / 5u;
         world.surface[i / SURFACES][which] = rig_surface(&goal);
     }
     for (uint32_t i = 0; i < 4u; i++)
-        world.volume[i / 2u][i % 2u] = image_of(3.0f * (float)(i % 2u));
-    for (uint32_t i = 0; i < 2u; i++) {
-        size_t bytes = 0;
-        assert_int_equal(SMR_OK, smr_points_bytes(CLOUD_ROOM, &bytes));
-        assert_int_equal(SMR_OK, smr_points_open(CLOUD_ROOM, rig_alloc(bytes), bytes, &world.cloud[i]));
-    }
-    smr_prepare_config c = rig_radii(3, 60.0f, 40.0f, 18.0f);
-    c.block_vertices = 64;
-    world.model[0] = rig_model(world.part, PARTS, &c);
-    c.reference = &world.volume[0][0];
-    world.model[1] = rig_model(world.part, PARTS, &c);
+        world.volume[i / 2u][i % 2u] = rig_parts_image(3.0f * (float)(i % 2u));
+    for (uint32_t i = 0; i < 2u; i++)
+        assert_non_null(world.cloud[i] = rig_cloud(CLOUD_ROOM));
+    world.of = rig_parts_make(&world.volume[0][0]);
+    for (uint32_t i = 0; i < PARTS; i++)
+        assert_true(world.of.part[i].n_vertices <= VERTICES_MAX);
     return 0;
 }
 
@@ -130,6 +83,9 @@ static smr_config random_config(uint32_t *seed)
         c.profile_mm = c.gradient_mm = rig_between(seed, 0.26f, 0.6f);
         c.profile_end_mm = c.gradient_end_mm = 0.0f;
     }
+    c.track = rig_random(seed, 3) ? SMR_TRACK_OFF : SMR_TRACK_REPORT + rig_random(seed, 2);
+    c.track_mm = 18.0f;
+    c.track_iterations = 4;
     c.n_workers = 4;
     return c;
 }
@@ -154,7 +110,7 @@ typedef struct run {
 } run;
 
 static struct met {
-    uint32_t surfaces, clouds, shared, images, cuts, repairs, landmarks, polar, logs, ended;
+    uint32_t surfaces, clouds, shared, images, cuts, repairs, landmarks, polar, logs, ended, tracking;
 } met;
 
 /* A spring to a plane. */
@@ -171,8 +127,8 @@ static void spring(void *ctx, const smr_force_view *view, float *way, float *wei
 static void set_own(smr *s, const smr_config *config, uint32_t copy)
 {
     static float xyz[2][3 * VERTICES_MAX], plane[2] = {3.0f, 3.0f};
-    for (uint32_t i = 0; i < 3u * world.part[1].n_vertices; i++)
-        xyz[copy][i] = world.part[1].xyz[i] + 2.0f;
+    for (uint32_t i = 0; i < 3u * world.of.part[1].n_vertices; i++)
+        xyz[copy][i] = world.of.part[1].xyz[i] + 2.0f;
     if (config->caller_goals != 0u)
         assert_int_equal(SMR_OK, smr_set_goals(s, 1, xyz[copy], NULL));
     if (config->caller_force != SMR_CALLER_OFF)
@@ -185,12 +141,12 @@ static void choose_landmarks(run *r)
     for (uint32_t i = 0; i < LANDMARKS; i++) {
         smr_landmark *l = &r->now.landmark[i];
         l->structure = rig_random(&r->seed, PARTS);
-        const uint32_t v = rig_random(&r->seed, world.part[l->structure].n_vertices);
+        const uint32_t v = rig_random(&r->seed, world.of.part[l->structure].n_vertices);
         l->vertex = rig_random(&r->seed, 2) ? v : SMR_NONE;
         l->hard = rig_random(&r->seed, 3) == 0u;
         l->weight = rig_between(&r->seed, 0.1f, 3.0f);
         for (uint32_t c = 0; c < 3u; c++) {
-            l->rest[c] = world.part[l->structure].xyz[3u * v + c] + (float)(i % 2u) * rig_between(&r->seed, -4, 4);
+            l->rest[c] = world.of.part[l->structure].xyz[3u * v + c] + (float)(i % 2u) * rig_between(&r->seed, -4, 4);
             l->place[c] = l->rest[c] + rig_between(&r->seed, -4, 4);
         }
     }
@@ -200,9 +156,9 @@ static void choose_landmarks(run *r)
 static void choose_points(run *r)
 {
     for (uint32_t i = 0; i < 20u; i++) {
-        const uint32_t v = rig_random(&r->seed, world.part[1].n_vertices);
+        const uint32_t v = rig_random(&r->seed, world.of.part[1].n_vertices);
         for (uint32_t c = 0; c < 3u; c++)
-            r->now.xyz[3u * i + c] = world.part[1].xyz[3u * v + c] + rig_between(&r->seed, -3, 3);
+            r->now.xyz[3u * i + c] = world.of.part[1].xyz[3u * v + c] + rig_between(&r->seed, -3, 3);
     }
 }
 
@@ -225,8 +181,8 @@ static void choose(run *r, uint32_t step, int timed)
                     ? 0u
                     : (uint64_t)(500u + rig_random(&r->seed, 1000)) << rig_random(&r->seed, 12);
     c->pose = (smr_pose){{{1, 0, 0, rig_between(&r->seed, -3, 3)}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    for (uint32_t i = 0; c->kind == CALL_POSITIONS && i < 3u * world.part[c->structure].n_vertices; i++)
-        c->xyz[i] = world.part[c->structure].xyz[i] + rig_between(&r->seed, -1, 1);
+    for (uint32_t i = 0; c->kind == CALL_POSITIONS && i < 3u * world.of.part[c->structure].n_vertices; i++)
+        c->xyz[i] = world.of.part[c->structure].xyz[i] + rig_between(&r->seed, -1, 1);
 }
 
 /* A surface, the cloud, or nothing. */
@@ -326,25 +282,26 @@ static void set_again(run *r, smr *twin, const smr_config *config)
 
 static smr *twin_of(run *r, const smr *s, const smr_config *config, const smr_port *port, void *memory)
 {
-    static unsigned char saved[SMR_SAVE_BYTES(PARTS * VERTICES_MAX, PARTS, 1000, LANDMARKS, SMR_METHOD_POLAR)];
+    static unsigned char saved[ARENA];
     smr_config others = *config;
+    smr *twin = NULL;
     smr_saved_info info;
     smr_log_state log;
-    smr *twin = NULL;
     size_t bytes = 0, arena_bytes = 0;
     assert_int_equal(SMR_OK, smr_save_bytes(s, &bytes));
-    assert_true(bytes <= sizeof saved);
+    assert_true(bytes <= SMR_SAVE_BYTES(PARTS * VERTICES_MAX, PARTS, 1000, LANDMARKS, SMR_METHOD_POLAR) +
+                             SMR_SAVE_TRACK_BYTES(PARTS * VERTICES_MAX));
     assert_int_equal(SMR_OK, smr_save(s, saved, bytes));
     assert_int_equal(SMR_OK, smr_save_info(saved, sizeof saved, &info));
     assert_true(info.bytes == bytes && info.config.n_workers == config->n_workers);
     others.n_workers = port->n_workers;
-    assert_int_equal(SMR_OK, smr_arena_bytes(world.model[r->model], &others, &arena_bytes));
+    assert_int_equal(SMR_OK, smr_arena_bytes(world.of.model[r->model], &others, &arena_bytes));
     assert_true(arena_bytes <= ARENA);
     smr_arena_release(memory, ARENA); /* red zones of the run before */
     for (uint32_t i = 0; i < ARENA; i++)
         ((unsigned char *)memory)[i] = (unsigned char)rig_random(&r->seed, 256);
     assert_int_equal(SMR_OK,
-                     smr_restore(world.model[r->model], &others, port, saved, bytes, memory, arena_bytes, &twin));
+                     smr_restore(world.of.model[r->model], &others, port, saved, bytes, memory, arena_bytes, &twin));
     assert_true(smr_state_hash(s) == smr_state_hash(twin));
     memset(saved, 0, sizeof saved);
     assert_int_equal(SMR_OK, smr_get_log(s, &log));
@@ -352,6 +309,7 @@ static smr *twin_of(run *r, const smr *s, const smr_config *config, const smr_po
     if (log.bytes > 0u && !log.full)
         assert_int_equal(SMR_OK, smr_set_log(twin, r->log[1], r->log_bytes));
     met.logs += log.bytes > 0u;
+    met.tracking += r->report[0].tracking;
     set_again(r, twin, config);
     return twin;
 }
@@ -374,7 +332,7 @@ static void same_results(run *r, smr *s, smr *twin)
         smr_verdict verdict[2];
         smr_structure_report part[2];
         smr *const both[2] = {s, twin};
-        const size_t n = world.part[i].n_vertices;
+        const size_t n = world.of.part[i].n_vertices;
         for (uint32_t k = 0; k < 2u; k++) {
             memset(&verdict[k], 0, sizeof verdict[k]);
             assert_int_equal(SMR_OK, smr_get_verdict(both[k], i, &verdict[k]));
@@ -419,9 +377,9 @@ static void test_saves(void **state)
     uint32_t seed = 11;
     (void)state;
     for (uint32_t n = 0; n < RUNS; n++) {
-        jitter clock = {rig_random(&seed, 1u << 27), 1000000u};
+        rig_jitter clock = {rig_random(&seed, 1u << 27), 1000000u};
         const smr_port other = rig_port(n % RIG_SCHEDULERS, 1u + n / 4u % 4u);
-        const smr_port saving = {&clock, 1u + n % 4u, NULL, read_jitter};
+        const smr_port saving = {&clock, 1u + n % 4u, NULL, rig_jitter_read};
         smr *s = NULL;
         size_t bytes = 0;
         memset(&r, 0, sizeof r);
@@ -432,9 +390,9 @@ static void test_saves(void **state)
         r.image = r.has[0] = r.has[1] = r.has[2] = SMR_NONE;
         const smr_config config = random_config(&r.seed);
         met.polar += config.method == SMR_METHOD_POLAR;
-        assert_int_equal(SMR_OK, smr_arena_bytes(world.model[r.model], &config, &bytes));
+        assert_int_equal(SMR_OK, smr_arena_bytes(world.of.model[r.model], &config, &bytes));
         assert_true(bytes <= ARENA);
-        assert_int_equal(SMR_OK, smr_init(world.model[r.model], &config, &saving, memory[0], bytes, &s));
+        assert_int_equal(SMR_OK, smr_init(world.of.model[r.model], &config, &saving, memory[0], bytes, &s));
         r.log_bytes = n % 3u == 1u ? sizeof r.log[0] : 1500u;
         if (n % 3u != 0u)
             assert_int_equal(SMR_OK, smr_set_log(s, r.log[0], r.log_bytes));
@@ -443,13 +401,13 @@ static void test_saves(void **state)
         run_after(&r, s, twin_of(&r, s, &config, &other, memory[1]), n);
     }
     if (getenv("SMR_TEST_SHOW") != NULL)
-        print_message("%u runs: %u polar, %u calls with landmarks, %u targets, %u of them clouds, %u shared, %u "
-                      "images, %u cut iterations, %u logs; after "
-                      "it %u guarded and %u ended ticks\n",
-                      RUNS, met.polar, met.landmarks, met.surfaces, met.clouds, met.shared, met.images, met.cuts,
-                      met.logs, met.repairs, met.ended);
+        print_message(
+            "%u runs: %u polar, %u tracking, %u calls with landmarks, %u targets, %u of them clouds, %u shared, "
+            "%u images, %u cut iterations, %u logs; after it %u guarded and %u ended ticks\n",
+            RUNS, met.polar, met.tracking, met.landmarks, met.surfaces, met.clouds, met.shared, met.images, met.cuts,
+            met.logs, met.repairs, met.ended);
     assert_true(met.surfaces > RUNS && met.shared > RUNS / 4u && met.images > RUNS / 8u && met.cuts > RUNS / 2u &&
-                met.repairs > RUNS / 4u && met.ended > RUNS);
+                met.repairs > RUNS / 4u && met.ended > RUNS && met.tracking > 3u);
 }
 
 int main(void)

@@ -1,0 +1,43 @@
+/* rig_parts.c: three balls in a row, for random registrations of several structures to surfaces and images.
+ * SPDX-License-Identifier: MIT */
+#include "property/rig_parts.h"
+
+#define SIDE 36u /* voxels of an image */
+
+smr_volume rig_parts_image(float shift)
+{
+    uint8_t *voxels = rig_alloc(SIDE * SIDE * SIDE);
+    for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const float p[3] = {4.0f * (float)(i % SIDE) - 60.0f - shift, 4.0f * (float)(i / SIDE % SIDE) - 70.0f,
+                            4.0f * (float)(i / SIDE / SIDE) - 70.0f};
+        float inside = 0.0f;
+        for (uint32_t k = 0; k < RIG_PARTS; k++) {
+            const float x = p[0] - 32.0f * (float)k, d2 = x * x + p[1] * p[1] + p[2] * p[2];
+            inside = d2 < 400.0f ? 1.0f : (d2 < 625.0f && inside < 0.5f ? 0.4f : inside);
+        }
+        voxels[i] = (uint8_t)(20.0f + 200.0f * inside);
+    }
+    return (smr_volume){
+        voxels, NULL, SMR_VOXEL_UINT8, {SIDE, SIDE, SIDE}, {-60, -70, -70}, {4, 4, 4}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+}
+
+rig_parts rig_parts_make(const smr_volume *reference)
+{
+    smr_prepare_config c = rig_radii(3, 60.0f, 40.0f, 18.0f);
+    rig_parts w;
+    for (uint32_t i = 0; i < RIG_PARTS; i++) {
+        const float centre[3] = {32.0f * (float)i, 0, 0};
+        w.part[i] = rig_ball(22.0f, 8, 12u + 2u * i, centre);
+    }
+    c.block_vertices = 64;
+    w.model[0] = rig_model(w.part, RIG_PARTS, &c);
+    c.reference = reference;
+    w.model[1] = rig_model(w.part, RIG_PARTS, &c);
+    return w;
+}
+
+smr_mesh rig_parts_goal(uint32_t which)
+{
+    const float centre[3] = {32.0f * (float)(which % RIG_PARTS) + 3.0f, 2, -3};
+    return rig_ball(24.0f + (float)which, 11, 17, centre);
+}

@@ -1,0 +1,25 @@
+/* rig_parts.h: three balls in a row, for random registrations of several structures to surfaces and images.
+ * SPDX-License-Identifier: MIT */
+#ifndef RIG_PARTS_H
+#define RIG_PARTS_H
+
+#include "property/rig.h"
+
+#define RIG_PARTS 3u
+#define RIG_PART_VERTICES 160u /* of one, at most */
+
+typedef struct rig_parts {
+    smr_mesh part[RIG_PARTS];
+    const smr_model *model[2]; /* the second with intensity profiles */
+} rig_parts;
+
+/* The balls' image, bright on dark, moved by `shift` mm along the row. */
+smr_volume rig_parts_image(float shift);
+
+/* The balls, and models of them; reference: the image that fits them. */
+rig_parts rig_parts_make(const smr_volume *reference);
+
+/* A target that lies near ball number which % 3, larger by 2 mm and `which`. */
+smr_mesh rig_parts_goal(uint32_t which);
+
+#endif
