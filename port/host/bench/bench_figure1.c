@@ -15,7 +15,6 @@
 
 #include "bench/bench_job.h"
 #include "bench/bench_plot.h"
-#include "files/output_files.h"
 
 enum { RADII = 4, POINTS = 16, METHODS = 2, KINDS = 2 };
 enum { ELASTIC = 0, PLASTIC };
@@ -180,25 +179,12 @@ static void tell(const figure1 *f, const char *directory)
 
 static int write_files(const figure1 *f, const char *directory, host_error *error)
 {
-    host_output *const output = host_output_begin(directory);
     host_buffer csv, svg;
-    int result = 0;
-    if (output == NULL)
-        return host_fail(error, "output", "free memory");
     memset(&csv, 0, sizeof csv);
     memset(&svg, 0, sizeof svg);
     put_csv(f, &csv);
     put_svg(f, &svg);
-    if (host_output_add(output, "figure1.csv", &csv, error) != 0 ||
-        host_output_add(output, "figure1.svg", &svg, error) != 0) {
-        host_output_abandon(output);
-        result = -1;
-    } else {
-        result = host_output_commit(output, error);
-    }
-    host_buffer_free(&csv);
-    host_buffer_free(&svg);
-    return result;
+    return host_bench_write(directory, "figure1", &csv, &svg, error);
 }
 
 int host_bench_figure1(host_bench *bench, host_error *error)

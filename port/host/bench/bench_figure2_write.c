@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "bench/bench_job.h"
 #include "bench/bench_plot.h"
-#include "files/output_files.h"
 
 static const char *const methods[2] = {"rigid", "polar"};
 static const char *const time_names[HOST_TIMES] = {"with_forces", "without_forces", "matching"};
@@ -118,25 +118,14 @@ static void print_summary(const host_figure2 *f, const char *out)
 
 int host_figure2_write(host_figure2 *figure, const host_options *options, host_error *error)
 {
-    host_output *const output = host_output_begin(options->out);
     host_buffer csv, svg;
-    int result = 0;
-    if (output == NULL)
-        return host_fail(error, "output", "free memory");
     memset(&csv, 0, sizeof csv);
     memset(&svg, 0, sizeof svg);
     put_csv(figure, &csv);
     put_svg(figure, &svg);
-    if (host_output_add(output, "figure2.csv", &csv, error) != 0 ||
-        host_output_add(output, "figure2.svg", &svg, error) != 0) {
-        host_output_abandon(output);
-        result = -1;
-    } else {
-        result = host_output_commit(output, error);
-    }
-    host_buffer_free(&csv);
-    host_buffer_free(&svg);
-    if (result == 0 && !options->quiet)
+    if (host_bench_write(options->out, "figure2", &csv, &svg, error) != 0)
+        return -1;
+    if (!options->quiet)
         print_summary(figure, options->out);
-    return result;
+    return 0;
 }

@@ -10,7 +10,6 @@
 #include <time.h>
 
 #include "bench/bench_job.h"
-#include "files/output_files.h"
 
 enum { BUDGETS = 6, BINS = 12, KINDS = 2 };
 enum { WALL = 0, PROCESSOR, CLOCKS };
@@ -128,20 +127,10 @@ static void tell(soak_row rows[KINDS][BUDGETS], const host_bench *bench)
 
 static int write_csv(soak_row rows[KINDS][BUDGETS], const char *directory, host_error *error)
 {
-    host_output *const output = host_output_begin(directory);
     host_buffer csv;
-    int result = 0;
-    if (output == NULL)
-        return host_fail(error, "output", "free memory");
     memset(&csv, 0, sizeof csv);
     put_csv(rows, &csv);
-    result = host_output_add(output, "soak.csv", &csv, error);
-    if (result == 0)
-        result = host_output_commit(output, error);
-    else
-        host_output_abandon(output);
-    host_buffer_free(&csv);
-    return result;
+    return host_bench_write(directory, "soak", &csv, NULL, error);
 }
 
 int host_bench_soak(host_bench *bench, host_error *error)
