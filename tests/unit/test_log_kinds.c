@@ -126,7 +126,7 @@ static const struct forgery {
     {SMR_LOG_LANDMARKS, 6, 0, 1, SMR_OK, SMR_E_INPUT}, /* a landmark of zeros */
     {SMR_LOG_LANDMARKS, 0, 2, 1, SMR_OK, SMR_E_INPUT},
     {SMR_LOG_LANDMARKS, 0, 2, SMR_ALL, SMR_OK, SMR_E_INPUT}, /* a vertex of no structure */
-    {SMR_LOG_LANDMARKS, 0, 3, 86, SMR_OK, SMR_E_INPUT},
+    {SMR_LOG_LANDMARKS, 0, 3, 100000, SMR_OK, SMR_E_INPUT},
     {SMR_LOG_LANDMARKS, 1, 4, NAN_BITS, SMR_OK, SMR_E_INPUT},
     {SMR_LOG_LANDMARKS, 1, 6, FAR_BITS, SMR_OK, SMR_E_INPUT},
     {SMR_LOG_LANDMARKS, 0, 7, NAN_BITS, SMR_OK, SMR_E_INPUT},
