@@ -86,6 +86,8 @@ static smr_config random_config(uint32_t *seed)
     c.track = rig_random(seed, 3) ? SMR_TRACK_OFF : SMR_TRACK_REPORT + rig_random(seed, 2);
     c.track_mm = 18.0f;
     c.track_iterations = 4;
+    if (c.track != SMR_TRACK_OFF)
+        c.iterations = c.iterations_last = 1u + rig_random(seed, 2);
     c.n_workers = 4;
     return c;
 }

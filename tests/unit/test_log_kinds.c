@@ -1,5 +1,5 @@
-/* test_log_kinds.c: damaged records of landmarks, of goals and forces of the caller's own, and of clouds, in the log of a
- * registration that tracks: forged fields with right checksums are refused where they are read or where they are
+/* test_log_kinds.c: damaged records of landmarks, of goals and forces of the caller's own, and of clouds, in the log of
+ * a registration that tracks: forged fields with right checksums are refused where they are read or where they are
  * replayed, every flipped bit is, and what was not forged replays.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"

@@ -129,7 +129,7 @@ int host_job_make_surfaces(host_job *job, host_error *error);
 int host_job_record(host_job *job, host_error *error);
 int host_job_log(const host_job *job, host_buffer *out, host_error *error);
 
-/* register_carry.c: writes the content of carry.bin, of the model as it is now, into the buffer, which stores failure. */
+/* register_carry.c: writes the content of carry.bin, of the model as it is now. The buffer stores failure. */
 void host_job_carry(const host_job *job, host_buffer *out);
 
 /* register_trace.c: starts the trace with the row of the start; adds the row of a complete iteration. */
