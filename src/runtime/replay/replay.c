@@ -124,7 +124,7 @@ static smr_status set_later(smr_replay *r, smr_log_record *record)
             status = set_input(r, record);
     }
     r->has_later = 0;
-    return status == SMR_OK && r->n_landmarks > 0u ? SMR_E_LOG : status;
+    return status == SMR_OK && r->n_landmarks > 0u ? SMR_E_LOG : status; /* the rest of a set is missing */
 }
 
 /* Sets an input now, or notes that it comes when the iteration under way is complete. */
@@ -216,8 +216,6 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report)
             replay->reader = before; /* stays here */
             break;
         }
-        if (replay->n_landmarks > 0u && kind != SMR_LOG_LANDMARKS)
-            return SMR_E_LOG; /* some of a set of landmarks are missing */
         if (kind == SMR_LOG_TICK) {
             replay->n_ticks++;
             return take_tick(replay, report);
