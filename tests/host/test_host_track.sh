@@ -91,6 +91,15 @@ refuses "points too far" "far.csv" --model bone.ply --frames frames/f0.ply --poi
 cp bone.ply points.ply
 refuses "a structure with the name of their file" "no structure 'points'" --model points.ply --frames frames/f0.ply --points bone.ply
 
+# A camera's points: a cloud without normals, another number of them in each frame, and a surface among them.
+for i in 0 1 2 3; do
+    { echo x,y,z; awk -v every="$((i % 2 + 2))" '/^end_header/ { on = 1; next } on && NF == 3 && n++ % every == 0 { print $1 "," $2 "," $3 }' "frames/f$i.ply"; } >"c$i.csv"
+done
+check "follows clouds" [ "$(status track --model bone.ply --frames c0.csv c1.csv frames/f2.ply c3.csv -o clouds)" -le 3 ]
+check "near them" awk -F, 'NR > 1 && $4 > 1 { bad = 1 } END { exit bad || NR != 5 }' clouds/track.csv
+"$SMR" measure clouds/c3/bone.ply out/f3/bone.ply >distance.txt
+check "where surfaces lead" awk '/A to B, vertices: mean/ { near = $6 < 1 } END { exit !near }' distance.txt
+
 refuses "no frames" "--frames" --model bone.ply
 refuses "no model" "--model" --frames frames/f0.ply
 refuses "a frame that is not there" "frames/none.ply: frame" --model bone.ply --frames frames/f0.ply frames/none.ply

@@ -7,6 +7,7 @@
 #include "carry/carry_file.h"
 #include "commands/commands.h"
 #include "files/output_files.h"
+#include "measure/point_targets.h"
 #include "register/register_job.h"
 #include "track/track_frames.h"
 #include "track/track_points.h"
@@ -91,10 +92,25 @@ static int start(tracked *t, const host_options *options, host_error *error)
 static int refuse(const host_frame *frame, smr_status status, host_error *error)
 {
     error->file = frame->files.path[0];
-    return host_fail(error, "frame", "surfaces within the library's limits (%s)", smr_status_name(status));
+    return host_fail(error, "frame", "surfaces or clouds within the library's limits (%s)", smr_status_name(status));
 }
 
-/* Sets a frame's surfaces and ticks. */
+/* A structure's surface, or cloud where the file has no triangles. It lies in *memory, which the caller frees. */
+static smr_status set_target(smr *s, uint32_t part, const host_mesh *mesh, void **memory)
+{
+    const smr_mesh view = host_mesh_view(mesh);
+    const smr_surface *surface = NULL;
+    const smr_points *points = NULL;
+    if (mesh->n_triangles == 0)
+        points = host_points_make(mesh, memory);
+    else
+        surface = host_surface_make(&view, memory);
+    if (points == NULL && surface == NULL)
+        return SMR_E_ARENA;
+    return points != NULL ? smr_set_points(s, part, points) : smr_set_surface(s, part, surface);
+}
+
+/* Sets a frame's targets and ticks. */
 static int follow(tracked *t, const host_frame *frame, host_load *loads, void **memory, frame_report *report,
                   host_error *error)
 {
@@ -102,11 +118,8 @@ static int follow(tracked *t, const host_frame *frame, host_load *loads, void **
     smr *const s = t->job.state;
     smr_status status = SMR_OK;
     uint32_t i = 0;
-    for (i = 0; i < frame->files.n && status == SMR_OK; i++) {
-        const smr_mesh view = host_mesh_view(&loads[i].mesh);
-        const smr_surface *const surface = host_surface_make(&view, &memory[i]);
-        status = surface == NULL ? SMR_E_ARENA : smr_set_surface(s, host_frame_part(frame, i, &t->job.model), surface);
-    }
+    for (i = 0; i < frame->files.n && status == SMR_OK; i++)
+        status = set_target(s, host_frame_part(frame, i, &t->job.model), &loads[i].mesh, &memory[i]);
     memset(&report->last, 0, sizeof report->last);
     for (report->ticks = 0; status >= 0 && report->ticks < most && !report->last.settled; report->ticks++)
         status = smr_tick(s, (uint64_t)(t->options.budget_ms * 1e6), &report->last);
@@ -193,7 +206,7 @@ static int write_frame(tracked *t, uint32_t number, host_error *error)
     return -1;
 }
 
-/* Frames after the first. The surfaces of a frame are borrowed until the next one's take their place. */
+/* Frames after the first. The targets of a frame are borrowed until the next one's take their place. */
 static int run_frame(tracked *t, uint32_t number, host_error *error)
 {
     const host_frame *const frame = &t->frames.frame[number];

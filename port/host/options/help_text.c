@@ -69,7 +69,7 @@ static const char *const other_lines[] = {
     "  --clusters auto|shared|separate",
     "                                 separate at small radii (auto), nowhere or everywhere",
     "build: --c-array NAME            C source instead when -o ends in .c, else beside it",
-    "track: each FILE of --frames is one frame, or a DIRECTORY with a file for each structure, by name. Writes",
+    "track: each FILE of --frames, a surface or a cloud, is a frame, or a DIRECTORY with one a structure. Writes",
     "  DIR/FRAME/NAME.ply and DIR/track.csv; --fps N frames a second (30); --ticks N of a frame at most (30);",
     "  --points FILE goes along, as for carry: columns of track.csv, and DIR/FRAME/points in the file's format;",
     "  --align, --search, --coverage and others as for register",

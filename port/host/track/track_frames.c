@@ -13,9 +13,10 @@
 
 #include "files/file_names.h"
 
-static int is_surface(const struct dirent *entry)
+/* Surfaces and clouds. */
+static int is_target(const struct dirent *entry)
 {
-    static const char *const kinds[] = {".ply", ".stl", ".obj", ".vtk"};
+    static const char *const kinds[] = {".ply", ".stl", ".obj", ".vtk", ".csv"};
     size_t i = 0;
     for (i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
         if (entry->d_name[0] != '.' && host_has_extension(entry->d_name, kinds[i]))
@@ -35,7 +36,7 @@ static const char *joined(const char *directory, const char *name)
 static int list_directory(const char *path, host_frame *frame, host_error *error)
 {
     struct dirent **list = NULL;
-    const int n = scandir(path, &list, is_surface, alphasort);
+    const int n = scandir(path, &list, is_target, alphasort);
     int i = 0, good = n > 0;
     frame->files.path = n > 0 ? calloc((size_t)n, sizeof(char *)) : NULL;
     for (i = 0; i < n; i++) {
@@ -49,7 +50,8 @@ static int list_directory(const char *path, host_frame *frame, host_error *error
         return host_fail(error, "frame", "a directory that can be read (%s)", strerror(errno));
     if (n > (int)SMR_STRUCTURES_MAX)
         return host_fail(error, "frame", "at most %u files", SMR_STRUCTURES_MAX);
-    return good ? 0 : host_fail(error, "frame", n > 0 ? "free memory" : "a surface or more in the directory");
+    return good ? 0
+                : host_fail(error, "frame", n > 0 ? "free memory" : "a surface or a cloud, or more, in the directory");
 }
 
 static int list_file(const char *path, host_frame *frame, host_error *error)
@@ -123,7 +125,7 @@ int host_frame_load(const host_frame *frame, const smr_port *port, int mirror, h
         return host_fail(error, "frame", "free memory");
     for (i = 0; i < frame->files.n; i++) {
         (*loads)[i].path = frame->files.path[i];
-        (*loads)[i].need = HOST_MESH_SURFACE;
+        (*loads)[i].need = HOST_MESH_CLOUD;
         (*loads)[i].mirror = mirror;
     }
     return host_load_all(port, *loads, frame->files.n, error);
