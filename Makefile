@@ -204,6 +204,7 @@ $(SHARED_LIB): $(SHARED_OBJ) $(BUILD)/smr.map
 shared: $(SHARED_LIB)
 
 amalgamation:
+	$(call begin,ONE,$(BUILD)/amalgamation)
 	$(Q)sh port/package/amalgamate.sh $(BUILD)/amalgamation
 
 # ---------------------------------------------------------------- programs
