@@ -49,6 +49,10 @@ static int run(int command, int argc, char **argv, host_error *error)
             result = host_summary(&options, error);
         else if (command == HOST_WARP)
             result = host_warp(&options, error);
+        else if (command == HOST_SURFACES)
+            result = host_surfaces(&options, error);
+        else if (command == HOST_LABELS)
+            result = host_labels(&options, error);
         else
             result = host_measure(&options, error);
     }
@@ -66,7 +70,8 @@ static int dispatch(int argc, char **argv, host_error *error)
     } commands[] = {{"register", HOST_REGISTER}, {"build", HOST_BUILD},     {"info", HOST_INFO},
                     {"measure", HOST_MEASURE},   {"phantom", HOST_PHANTOM}, {"bench", HOST_BENCH},
                     {"replay", HOST_REPLAY},     {"carry", HOST_CARRY},     {"field", HOST_FIELD},
-                    {"warp", HOST_WARP},         {"track", HOST_TRACK},     {"summary", HOST_SUMMARY}};
+                    {"warp", HOST_WARP},         {"track", HOST_TRACK},     {"summary", HOST_SUMMARY},
+                    {"surfaces", HOST_SURFACES}, {"labels", HOST_LABELS}};
     size_t i = 0;
     int k = 0;
     for (k = 1; k < argc; k++)
@@ -84,8 +89,8 @@ static int dispatch(int argc, char **argv, host_error *error)
     error->file = argc > 1 ? argv[1] : "usage";
     (void)host_fail(
         error, "command",
-        "register, build, info, measure, phantom, bench, replay, carry, field, warp, track, summary, --help "
-        "or --version");
+        "register, build, info, measure, phantom, bench, replay, carry, field, warp, track, summary, surfaces, "
+        "labels, --help or --version");
     host_error_print(error);
     return HOST_REFUSED;
 }

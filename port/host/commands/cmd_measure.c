@@ -7,6 +7,7 @@
 
 #include "base/threads.h"
 #include "commands/commands.h"
+#include "labels/label_side.h"
 #include "measure/surface_distances.h"
 #include "meshes/mesh_load.h"
 
@@ -123,6 +124,8 @@ int host_measure(const host_options *options, host_error *error)
     measured m;
     int result = HOST_REFUSED;
     uint32_t i = 0;
+    if (host_is_label_side(options->operands.path[0]) || host_is_label_side(options->operands.path[1]))
+        return host_measure_labels(options, error);
     memset(&port, 0, sizeof port);
     memset(&m, 0, sizeof m);
     if (host_port_open(&port, options->threads, error) == 0 && load(&m, options, &port.port, error) == 0 &&

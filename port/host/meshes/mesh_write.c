@@ -60,6 +60,19 @@ void host_mesh_write_judged(const host_mesh *mesh, const unsigned char *seen, co
     write_ply_faces(mesh, 0, buffer);
 }
 
+void host_mesh_write_coloured(const host_mesh *mesh, const unsigned char colour[3], host_buffer *buffer)
+{
+    size_t i = 0, k = 0;
+    write_ply_header(mesh, 0, "property uchar red\nproperty uchar green\nproperty uchar blue\n", buffer);
+    (void)host_buffer_reserve(buffer, 15u * (size_t)mesh->n_vertices + 13u * (size_t)mesh->n_triangles);
+    for (i = 0; i < mesh->n_vertices; i++) {
+        for (k = 0; k < 3; k++)
+            host_buffer_f32(buffer, mesh->xyz[3u * i + k]);
+        host_buffer_add(buffer, colour, 3);
+    }
+    write_ply_faces(mesh, 0, buffer);
+}
+
 /* The normal is written as zero: readers of the format compute it from the vertices. */
 static void write_stl(const host_mesh *mesh, host_buffer *buffer)
 {

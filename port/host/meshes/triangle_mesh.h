@@ -44,6 +44,9 @@ enum { HOST_FORMAT_PLY = 0, HOST_FORMAT_PLY_ASCII, HOST_FORMAT_STL, HOST_FORMAT_
 /* Writes the mesh in a format (HOST_FORMAT_PLY: binary little-endian) into the buffer, which stores failure. */
 void host_mesh_write(const host_mesh *mesh, int format, host_buffer *buffer);
 
+/* Writes a binary PLY whose vertices have a colour, red, green, blue. */
+void host_mesh_write_coloured(const host_mesh *mesh, const unsigned char colour[3], host_buffer *buffer);
+
 /* Writes a binary PLY whose vertices have two more properties: seen and expected_error, [n_vertices] each. */
 void host_mesh_write_judged(const host_mesh *mesh, const unsigned char *seen, const float *expected_error,
                             host_buffer *buffer);

@@ -19,7 +19,9 @@ enum {
     HOST_CARRY = 1024,
     HOST_FIELD = 2048,
     HOST_WARP = 4096,
-    HOST_SUMMARY = 32768
+    HOST_SUMMARY = 32768,
+    HOST_SURFACES = 1 << 20,
+    HOST_LABELS = 1 << 21
 };
 enum { HOST_ALIGN_NONE = 0, HOST_ALIGN_RIGID, HOST_ALIGN_SIMILARITY };
 enum { HOST_CLUSTERS_AUTO = 0, HOST_CLUSTERS_SHARED, HOST_CLUSTERS_SEPARATE };
@@ -50,6 +52,8 @@ typedef struct host_options {
     const char *log;                    /* path of the log file; NULL: no log */
     const char *result;                 /* a result's directory */
     const char *points, *like, *volume; /* files; NULL when not given */
+    const char *names;                  /* a file with labels and their names; NULL when not given */
+    uint32_t passes;                    /* of smoothing the surfaces of a label map */
     uint32_t inverse;                   /* 1: from the result back to the model */
     float spacing;                      /* mm, of a field; 0: the default */
     const char *trace;                  /* path of the trace's file; NULL: none */

@@ -93,11 +93,29 @@ static int check_carry(const host_options *options, host_error *error)
     return 0;
 }
 
+/* Label maps: one input, and what says where to. */
+static int check_labels(const host_options *options, host_error *error)
+{
+    if (options->command == HOST_SURFACES && options->operands.n != 1)
+        return host_fail(error, "surfaces", "one label map: smr surfaces LABELS -o DIR");
+    if (options->command == HOST_LABELS && options->operands.n != 1)
+        return host_fail(error, "labels", "one directory of surfaces: smr labels DIR --like VOLUME -o FILE");
+    if (options->command == HOST_LABELS && options->like == NULL)
+        return host_fail(error, "--like", "a volume whose voxels get the labels");
+    if (options->out == NULL)
+        return host_fail(error, "-o",
+                         options->command == HOST_SURFACES ? "the directory for the surfaces"
+                                                           : "the file for the label map");
+    return 0;
+}
+
 static int check_needs(host_options *options, host_error *error)
 {
     error->file = "usage";
     if (options->command == HOST_BENCH)
         return check_bench(options, error);
+    if ((options->command & (HOST_SURFACES | HOST_LABELS)) != 0)
+        return check_labels(options, error);
     if (options->command == HOST_TRACK)
         return check_track(options, error);
     if ((options->command & (HOST_CARRY | HOST_FIELD | HOST_WARP)) != 0)

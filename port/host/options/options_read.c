@@ -202,6 +202,7 @@ static int set_defaults(int command, int argc, int paper, host_options *options)
     options->step = 10;
     options->seconds = 4.0;
     options->fps = 30.0;
+    options->passes = 80;
     options->mirror_model = HOST_MIRROR_NONE;
     options->mirror_target = HOST_MIRROR_NONE;
     options->prepare = paper ? smr_prepare_config_paper() : smr_prepare_config_default();
@@ -234,7 +235,7 @@ int host_options_read(int command, int argc, char **argv, host_options *options,
                 return -1;
         } else {
             error->file = argv[at];
-            if ((command & (HOST_INFO | HOST_MEASURE | HOST_REPLAY | HOST_SUMMARY)) == 0)
+            if ((command & (HOST_INFO | HOST_MEASURE | HOST_REPLAY | HOST_SUMMARY | HOST_SURFACES | HOST_LABELS)) == 0)
                 return host_fail(error, "argument", "an option before it (see smr --help)");
             if (add_file(&options->operands, argv[at++], operands_most(command, argc), error) != 0)
                 return -1;

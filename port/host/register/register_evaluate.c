@@ -45,8 +45,8 @@ static int measure_vertices(host_job *job)
         return -1;
     for (i = 0; i < job->model.n_parts; i++) {
         host_result *const result = &job->result[i];
-        const host_mesh *const truth = &job->target[result->target].mesh;
-        if (truth->n_vertices != result->mesh.n_vertices)
+        const host_mesh *const truth = result->target != HOST_NO_TARGET ? &job->target[result->target].mesh : NULL;
+        if (truth == NULL || job->truth_map != NULL || truth->n_vertices != result->mesh.n_vertices)
             continue;
         for (k = 0; k < truth->n_vertices; k++) {
             const float *const a = truth->xyz + 3u * k, *const b = result->mesh.xyz + 3u * k;
@@ -97,6 +97,7 @@ static int measure(host_job *job, host_error *error)
         job->folds += job->result[i].folds;
         job->folds_absolute += job->result[i].folds_absolute;
     }
+    host_job_measure_labels(job);
     job->measure_s += host_seconds() - start;
     return 0;
 }

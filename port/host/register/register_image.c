@@ -83,6 +83,8 @@ int host_job_load_truth(host_job *job, host_error *error)
     error->file = "--truth";
     if (job->options->truth == NULL)
         return 0;
+    if (host_is_volume_path(job->options->truth))
+        return host_job_load_truth_map(job, error);
     loads = calloc(n, sizeof *loads);
     if (loads == NULL)
         return host_fail(error, "start", "free memory");

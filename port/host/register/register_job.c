@@ -74,6 +74,9 @@ void host_job_free(host_job *job)
     free(job->warp_memory);
     free(job->goals);
     free(job->truth_paths);
+    if (job->truth_map != NULL)
+        host_label_map_free(job->truth_map);
+    free(job->truth_map);
     host_image_free(&job->reference);
     host_image_free(&job->image);
     host_model_free(&job->model);

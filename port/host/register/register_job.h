@@ -5,6 +5,7 @@
 #define REGISTER_JOB_H
 
 #include "base/threads.h"
+#include "labels/label_map.h"
 #include "measure/point_targets.h"
 #include "measure/surface_distances.h"
 #include "model/model_from_files.h"
@@ -40,6 +41,8 @@ typedef struct host_result {
     host_two_way area, vertices; /* distances integrated over the area, and over vertices */
     host_stats overlap;          /* to the target, over the area that it shows; n = 0 where it shows nothing */
     host_stats by_vertex;        /* distances to the truth's vertices with the same index; n = 0 without such a truth */
+    double dice,
+        label_mm3[2]; /* with a label map as the truth: overlap, -1: none; voxels' volumes, its and the truth's */
     smr_structure_report report;
     host_verdict verdict;
 } host_result;
@@ -53,6 +56,7 @@ typedef struct host_job {
     host_target *target;         /* [n_targets]: target surfaces, or true surfaces when the target is an image; owned */
     double covered;              /* share of the model's vertices in the reference image, when one is read */
     char *truth_paths;           /* the paths of the true surfaces; owned */
+    host_label_map *truth_map;   /* a label map as the truth; owned; NULL when it is a directory */
     uint32_t n_targets;
     host_result *result; /* [model.n_parts] */
     smr_pose pose;       /* the start pose */
@@ -118,6 +122,8 @@ int host_job_distances(host_job *job);
 /* Parts of these steps for an image target: read the volumes and the true surfaces, place the model by landmarks. */
 int host_job_load_images(host_job *job, host_error *error);
 int host_job_load_truth(host_job *job, host_error *error);
+int host_job_load_truth_map(host_job *job, host_error *error); /* its part when the truth is a label map */
+void host_job_measure_labels(host_job *job);                   /* the overlap with it, for host_job_evaluate */
 int host_job_place(host_job *job, host_error *error);
 /* host_job_place with given pairs, both [n_landmarks][3], mm. */
 int host_job_place_pairs(host_job *job, const float *from, const float *to, host_error *error);

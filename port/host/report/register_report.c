@@ -250,6 +250,7 @@ static void put_structure(const host_job *job, uint32_t i, host_json *json)
         host_json_open(json, "truth", '{');
         host_json_text(json, "file", job->target[result->target].path);
         put_by_vertex(json, &result->by_vertex);
+        host_report_labels(job, i, json);
         host_json_close(json, '}');
     }
     host_json_number(json, "matched_share", measured(result->report.matched_share));

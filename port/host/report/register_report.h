@@ -5,9 +5,13 @@
 
 #include "files/output_files.h"
 #include "register/register_job.h"
+#include "report/json_write.h"
 
 /* Writes the text of report.json into the buffer, which stores failure. output: the set with all other files. */
 void host_job_report(const host_job *job, int exit_status, const host_output *output, host_buffer *out);
+
+/* Writes "labels", the overlap of a structure with its label; nothing when the truth is no label map. */
+void host_report_labels(const host_job *job, uint32_t part, host_json *json);
 
 /* The name of SMR_WARP_... */
 const char *host_warp_name(uint32_t kind);

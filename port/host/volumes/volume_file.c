@@ -55,7 +55,7 @@ static int accept_volume(const char *path, const unsigned char *head, size_t n, 
     return host_fail(error, "content", "a MetaImage, NIfTI-1 or NRRD volume");
 }
 
-int host_volume_read(const char *path, host_volume *volume, host_error *error)
+static int read_file(const char *path, host_volume *volume, uint32_t *layers, host_buffer *keys, host_error *error)
 {
     host_bytes bytes;
     host_volume_reader reader;
@@ -66,6 +66,7 @@ int host_volume_read(const char *path, host_volume *volume, host_error *error)
     reader.volume = volume;
     reader.error = error;
     reader.path = path;
+    reader.keys = keys;
     if (host_file_read(path, accept_volume, &bytes, error) != 0)
         return -1;
     read = reader_for(path, bytes.data, bytes.size);
@@ -75,7 +76,20 @@ int host_volume_read(const char *path, host_volume *volume, host_error *error)
     host_file_free(&reader.detached);
     if (result != 0)
         host_volume_free(volume);
+    *layers = reader.layers > 0u ? reader.layers : 1u;
     return result;
+}
+
+int host_volume_read(const char *path, host_volume *volume, host_error *error)
+{
+    uint32_t layers = 0;
+    return read_file(path, volume, &layers, NULL, error);
+}
+
+int host_volume_read_layers(const char *path, host_volume *volume, uint32_t *layers, host_buffer *keys,
+                            host_error *error)
+{
+    return read_file(path, volume, layers, keys, error);
 }
 
 void host_volume_free(host_volume *volume)

@@ -9,7 +9,8 @@
 enum { SPACE_NONE = 0, SPACE_LPS, SPACE_RAS, SPACE_LAS };
 
 typedef struct nrrd_header {
-    int has_size, has_encoding, has_order, has_steps, has_spacing, space, other_space;
+    int has_size, has_encoding, has_order, has_steps, has_spacing, has_layers, space, other_space;
+    int n; /* axes: 3, or 4 when the first one is of layers */
     double steps[3][3], spacing[3], origin[3];
     host_word file; /* n 0: the voxels follow the header */
 } nrrd_header;
@@ -27,10 +28,23 @@ static int is_one_of(host_word value, const char *const *names)
 static int field_dimension(host_volume_reader *reader, nrrd_header *header, host_word value)
 {
     int64_t n = 0;
-    (void)header;
-    if (host_word_int(value, &n) && n == 3)
+    if (host_word_int(value, &n) && (n == 3 || (n == 4 && reader->keys != NULL))) {
+        header->n = (int)n;
         return 0;
-    return host_volume_fail(reader, "dimension: 3 (colour, vectors and series are not read)");
+    }
+    return host_volume_fail(reader, reader->keys != NULL ? "dimension: 3, or 4 with layers"
+                                                         : "dimension: 3 (colour, vectors and series are not read)");
+}
+
+/* The first count of a map with layers. */
+static int read_layers(host_volume_reader *reader, host_text *words)
+{
+    host_word word;
+    int64_t n = 0;
+    if (!host_text_word_in_line(words, &word) || !host_word_int(word, &n) || n < 1 || n > HOST_LAYERS_MAX)
+        return host_volume_fail(reader, "sizes: 1 to %d layers, then three counts", HOST_LAYERS_MAX);
+    reader->layers = (uint32_t)n;
+    return 0;
 }
 
 static int field_sizes(host_volume_reader *reader, nrrd_header *header, host_word value)
@@ -39,13 +53,19 @@ static int field_sizes(host_volume_reader *reader, nrrd_header *header, host_wor
     host_word word;
     int64_t size[3];
     int i = 0;
+    if (header->n == 4 && read_layers(reader, &words) != 0)
+        return -1;
     for (i = 0; i < 3; i++)
         if (!host_text_word_in_line(&words, &word) || !host_word_int(word, &size[i]))
             return host_volume_fail(reader, "sizes: three counts");
     if (host_text_word_in_line(&words, &word))
         return host_volume_fail(reader, "sizes: three counts, found more");
     header->has_size = 1;
-    return host_volume_set_size(reader, "sizes", size);
+    if (host_volume_set_size(reader, "sizes", size) != 0)
+        return -1;
+    if (reader->layers > HOST_FILE_MAX / ((uint64_t)size[0] * (uint64_t)size[1] * (uint64_t)size[2]))
+        return host_volume_fail(reader, "sizes: at most %zu million values", HOST_FILE_MAX / 1000000u);
+    return 0;
 }
 
 static int field_type(host_volume_reader *reader, nrrd_header *header, host_word value)
@@ -155,6 +175,9 @@ static int field_directions(host_volume_reader *reader, nrrd_header *header, hos
     host_text text = host_text_over(value.start, value.n);
     host_word rest;
     int j = 0;
+    if (header->n == 4 && (!host_text_word_in_line(&text, &rest) || !host_word_is_nocase(rest, "none")))
+        return host_volume_fail(reader,
+                                "space directions: none (x,y,z) (x,y,z) (x,y,z), for the first axis is of layers");
     for (j = 0; j < 3; j++)
         if (!read_vector(&text, header->steps[j]))
             return host_volume_fail(reader, "space directions: (x,y,z) (x,y,z) (x,y,z)");
@@ -192,7 +215,11 @@ static int field_kinds(host_volume_reader *reader, nrrd_header *header, host_wor
     static const char *const kinds[] = {"domain", "space", "none", "???", NULL};
     host_text words = host_text_over(value.start, value.n);
     host_word word;
-    (void)header;
+    if (header->n == 4) {
+        if (!host_text_word_in_line(&words, &word) || !host_word_is_nocase(word, "list"))
+            return host_volume_fail(reader, "kinds: list domain domain domain (vectors and series are not read)");
+        header->has_layers = 1;
+    }
     while (host_text_word_in_line(&words, &word))
         if (!is_one_of(word, kinds))
             return host_volume_fail(reader, "kinds: domain domain domain (colour, vectors and series are not read)");
@@ -289,8 +316,11 @@ static int read_header(host_volume_reader *reader, nrrd_header *header, host_tex
         colon = memchr(line.start, ':', line.n);
         if (colon == NULL)
             return host_volume_fail(reader, "a line like dimension: 3");
-        if (colon + 1 < line.start + line.n && colon[1] == '=') /* user-defined "key:=value" */
+        if (colon + 1 < line.start + line.n && colon[1] == '=') { /* user-defined "key:=value" */
+            if (reader->keys != NULL)
+                host_buffer_print(reader->keys, "%.*s\n", (int)line.n, line.start);
             continue;
+        }
         if (read_field(reader, header, host_word_trimmed(line.start, colon),
                        host_word_trimmed(colon + 1, line.start + line.n)) != 0)
             return -1;
@@ -313,6 +343,10 @@ static int check_header(const host_volume_reader *reader, const nrrd_header *hea
         missing = "space directions";
     else if (header->space == SPACE_NONE && (header->has_steps || header->other_space))
         missing = "space";
+    else if ((header->n == 4) != (reader->layers > 0u))
+        missing = "dimension before the line sizes";
+    else if (header->n == 4 && (!header->has_layers || !header->has_steps))
+        missing = "kinds: list domain domain domain and one of space directions";
     if (missing != NULL)
         return host_fail(reader->error, "header", "a line %s", missing);
     if (reader->byte_skip < 0 && reader->encoding != HOST_ENCODING_RAW)
@@ -341,6 +375,7 @@ int host_read_nrrd(host_volume_reader *reader, const unsigned char *data, size_t
     nrrd_header header;
     host_text text = host_text_over(data, n);
     memset(&header, 0, sizeof header);
+    header.n = 3;
     if (read_header(reader, &header, &text) != 0 || check_header(reader, &header) != 0 || place(reader, &header) != 0)
         return -1;
     reader->data = (const unsigned char *)text.at;

@@ -6,11 +6,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/byte_buffer.h"
 #include "base/number_types.h"
 #include "base/text_scan.h"
 #include "files/file_read.h"
 #include "volumes/voxel_volume.h"
 
+enum { HOST_LAYERS_MAX = 1024 };
 enum { HOST_ENCODING_RAW = 0, HOST_ENCODING_TEXT, HOST_ENCODING_DEFLATE };
 
 /* A volume being read. A format's reader fills the layout, then calls the functions below in order. */
@@ -28,6 +30,8 @@ typedef struct host_volume_reader {
     double slope, inter;
     int64_t line_skip; /* lines to skip before the voxels, before unpacking */
     int64_t byte_skip; /* bytes to skip before the voxels, after unpacking; -1: the voxels are at the end of the file */
+    uint32_t layers;   /* values of each voxel, one after the other; 0: one */
+    host_buffer *keys; /* gets a NRRD's "key:=value" lines; NULL: an image is read, which has one layer */
 
     const unsigned char *data; /* [n] bytes with the voxels; borrowed, or detached.data */
     size_t n;

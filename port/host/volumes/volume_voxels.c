@@ -13,9 +13,11 @@
 /* The best compression by deflate: the longest copy takes at least two bits. */
 #define PACKED_BEST 1032u
 
-static size_t voxel_count(const host_volume *volume)
+/* Values, of all layers. */
+static size_t voxel_count(const host_volume_reader *reader)
 {
-    return (size_t)volume->size[0] * volume->size[1] * volume->size[2];
+    const host_volume *const volume = reader->volume;
+    return (size_t)volume->size[0] * volume->size[1] * volume->size[2] * (reader->layers > 0u ? reader->layers : 1u);
 }
 
 /* The type in memory of a file's type. */
@@ -92,7 +94,7 @@ static int allocate(const host_volume_reader *reader, size_t n)
 
 static int load_raw(const host_volume_reader *reader, const unsigned char *data, size_t size)
 {
-    const size_t n = voxel_count(reader->volume), bytes = host_type_bytes(reader->type);
+    const size_t n = voxel_count(reader), bytes = host_type_bytes(reader->type);
     size_t skip = 0;
     if (n * bytes > size)
         return host_fail(reader->error, "voxels",
@@ -136,7 +138,7 @@ static int put_number(const host_volume_reader *reader, size_t i, double value)
 
 static int load_text(const host_volume_reader *reader, const unsigned char *data, size_t size)
 {
-    const size_t n = voxel_count(reader->volume);
+    const size_t n = voxel_count(reader);
     const size_t skip = reader->byte_skip > 0 ? (size_t)reader->byte_skip : 0u;
     host_text text;
     size_t i = 0;
@@ -161,7 +163,7 @@ static int load_text(const host_volume_reader *reader, const unsigned char *data
 
 static int load_deflated(const host_volume_reader *reader, const unsigned char *data, size_t size)
 {
-    const size_t bytes = voxel_count(reader->volume) * host_type_bytes(reader->type);
+    const size_t bytes = voxel_count(reader) * host_type_bytes(reader->type);
     const size_t skip = reader->byte_skip > 0 ? (size_t)reader->byte_skip : 0u;
     const char *expected = NULL;
     unsigned char *unpacked = NULL;

@@ -14,6 +14,9 @@ int host_volume_can_write(const char *path, host_error *error);
 void host_volume_write_header(const host_volume *grid, uint32_t type, uint32_t channels, const char *keys,
                               const char *path, host_buffer *out);
 
+/* Writes the header of a NIfTI-1 file, of one channel; the voxels follow. 0, or -1 when an axis has more than 32767. */
+int host_volume_write_nifti(const host_volume *grid, uint32_t type, host_buffer *out);
+
 /* Writes n values of a type, host byte order, as little-endian. */
 void host_volume_write_values(const void *values, uint32_t type, size_t n, host_buffer *out);
 

@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-#include "base/error_line.h"
+#include "base/byte_buffer.h"
 
 enum { HOST_UINT8 = 0, HOST_INT8, HOST_UINT16, HOST_INT16, HOST_FLOAT32 };
 
@@ -24,6 +24,11 @@ typedef struct host_volume {
 /* Reads MetaImage, NIfTI-1 or NRRD, also gzipped; the content decides the format, then the extension.
  * Returns 0, or -1 with the error filled and the volume empty. */
 int host_volume_read(const char *path, host_volume *volume, host_error *error);
+
+/* The same for label maps: a NRRD may have several layers, whose values are next to each other for each voxel, and
+ * lines "key:=value", which are added to keys. layers: 1 or more. */
+int host_volume_read_layers(const char *path, host_volume *volume, uint32_t *layers, host_buffer *keys,
+                            host_error *error);
 
 void host_volume_free(host_volume *volume);
 

@@ -1,0 +1,140 @@
+/* label_surfaces.c: makes the surfaces of a label map, a task for each label.
+ * SPDX-License-Identifier: MIT */
+#include "labels/label_surfaces.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/threads.h"
+#include "labels/label_cells.h"
+#include "labels/surface_net.h"
+#include "volumes/volume_write.h"
+
+/* Steps between slices are as many vertices long as a slice is thicker than voxels are wide, and smoothing goes with
+ * the square of that: passes are multiplied by it, up to this. */
+#define UNEVEN_MOST 10.0
+
+/* The labels of one layer, and where their surfaces go. */
+typedef struct layer {
+    const host_label_map *map;
+    const host_cells *cells;
+    host_label_surface *surface;
+    uint32_t passes;
+    double mm3; /* of a voxel; negative when the axes are left-handed */
+} layer;
+
+/* Millimetres along the map's axes become places in space. */
+static void place_vertices(const host_volume *grid, const host_net *net, float *xyz)
+{
+    size_t v = 0;
+    unsigned k = 0;
+    for (v = 0; v < net->n_vertices; v++) {
+        double index[3], at[3];
+        for (k = 0; k < 3u; k++)
+            index[k] = (double)net->xyz[3u * v + k] / (double)grid->spacing[k];
+        host_volume_place(grid, index, at);
+        for (k = 0; k < 3u; k++)
+            xyz[3u * v + k] = (float)at[k];
+    }
+}
+
+static void place_triangles(const host_net *net, int turned, uint32_t *triangles)
+{
+    uint32_t q = 0;
+    unsigned t = 0, c = 0;
+    for (q = 0; q < net->n_quads; q++) {
+        unsigned char corner[2][3];
+        host_net_corners(net, q, corner);
+        for (t = 0; t < 2u; t++)
+            for (c = 0; c < 3u; c++)
+                *triangles++ = net->quad[4u * (size_t)q + corner[t][turned ? 2u - c : c]];
+    }
+}
+
+/* The net as a mesh. 0, or -1 when out of memory or when vertices lie outside what meshes may have. */
+static int take_mesh(const layer *l, const host_net *net, host_mesh *mesh)
+{
+    size_t i = 0;
+    mesh->xyz = host_alloc(3u * (size_t)net->n_vertices * sizeof *mesh->xyz);
+    mesh->triangles = host_alloc(6u * (size_t)net->n_quads * sizeof *mesh->triangles);
+    if (mesh->xyz == NULL || mesh->triangles == NULL)
+        return -1;
+    mesh->n_vertices = net->n_vertices;
+    mesh->n_triangles = 2u * net->n_quads;
+    place_vertices(&l->map->grid, net, mesh->xyz);
+    place_triangles(net, l->mm3 < 0.0, mesh->triangles);
+    for (i = 0; i < 3u * (size_t)mesh->n_vertices; i++)
+        if (!(fabsf(mesh->xyz[i]) <= SMR_COORD_MAX))
+            return -1;
+    return 0;
+}
+
+/* The surface of one label; nothing when it is in another layer. */
+static void make_surface(void *arg, uint32_t task, uint32_t worker)
+{
+    const layer *const l = arg;
+    const host_cells *const cells = l->cells;
+    const float *const s = l->map->grid.spacing;
+    const double box_mm3 = (double)s[0] * (double)s[1] * (double)s[2];
+    const size_t first = cells->first[task], n = cells->first[task + 1u] - first;
+    const double uneven = (double)(fmaxf(fmaxf(s[0], s[1]), s[2]) / fminf(fminf(s[0], s[1]), s[2]));
+    const uint32_t passes = (uint32_t)((double)l->passes * fmin(uneven * uneven, UNEVEN_MOST));
+    host_label_surface *const to = &l->surface[task];
+    host_net net;
+    (void)worker;
+    if (n == 0)
+        return;
+    if (host_net_make(cells->cell + first, cells->mask + first, n, cells->size, s, &net) != 0) {
+        to->failed = "free memory, and at most 4 million vertices in a structure: is it a label map?";
+    } else {
+        to->voxel_volume = (double)l->map->label[task].voxels * fabs(l->mm3);
+        to->folds = host_net_smooth(&net, passes, (double)l->map->label[task].voxels * box_mm3);
+        to->volume = host_net_volume(&net, &to->area) / box_mm3 * fabs(l->mm3);
+        if (to->folds == UINT32_MAX || take_mesh(l, &net, &to->mesh) != 0)
+            to->failed = "free memory, and surfaces within 100 m of the origin";
+    }
+    host_net_free(&net);
+}
+
+static int make_layer(const smr_port *port, layer *l, uint32_t number, host_error *error)
+{
+    const host_label_map *const map = l->map;
+    host_cells cells;
+    const int result =
+        host_cells_find(map->index + number * host_label_voxels(map), map->grid.size, map->n_labels, &cells, error);
+    l->cells = &cells;
+    if (result == 0)
+        host_parallel(port, make_surface, l, map->n_labels);
+    host_cells_free(&cells);
+    return result;
+}
+
+int host_label_surfaces_make(const smr_port *port, const host_label_map *map, uint32_t passes,
+                             host_label_surface *surface, host_error *error)
+{
+    layer l;
+    uint32_t i = 0;
+    memset(surface, 0, map->n_labels * sizeof *surface);
+    memset(&l, 0, sizeof l);
+    l.map = map;
+    l.surface = surface;
+    l.passes = passes;
+    l.mm3 = host_label_mm3(&map->grid);
+    for (i = 0; i < map->n_layers; i++)
+        if (make_layer(port, &l, i, error) != 0)
+            return -1;
+    for (i = 0; i < map->n_labels; i++)
+        if (surface[i].failed != NULL)
+            return host_fail(error, map->label[i].name, "%s", surface[i].failed);
+    return 0;
+}
+
+void host_label_surfaces_free(host_label_surface *surface, uint32_t n)
+{
+    uint32_t i = 0;
+    for (i = 0; surface != NULL && i < n; i++)
+        host_mesh_free(&surface[i].mesh);
+    free(surface);
+}

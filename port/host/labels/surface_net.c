@@ -1,0 +1,246 @@
+/* surface_net.c: builds the surface net of a label. A cell that the surface passes several times has as many vertices,
+ * so each edge has exactly two quadrangles.
+ * Source: S. F. F. Gibson, "Constrained elastic surface nets", 1998; for several vertices in a cell, see cell_loops.c.
+ * SPDX-License-Identifier: MIT */
+#include "labels/surface_net.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "labels/cell_loops.h"
+#include "smr.h"
+
+#define MARGIN 0.02f /* voxels: between a vertex and the walls of its cell */
+
+typedef struct builder {
+    const uint32_t *cell;
+    const unsigned char *mask;
+    size_t n;
+    const uint32_t *size;
+    const float *spacing;
+    uint32_t stride[3];     /* from a cell's number to the next one's along each axis */
+    host_loops table[256];  /* by mask */
+    unsigned char *joined;  /* [n] for host_cell_loops; owned */
+    uint32_t *first_vertex; /* [n] of each cell; owned */
+    host_net *net;
+} builder;
+
+/* Where a cell is in the list; n when it is not. */
+static size_t find_cell(const builder *b, uint32_t cell)
+{
+    size_t low = 0, high = b->n;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2u;
+        if (b->cell[middle] < cell)
+            low = middle + 1u;
+        else
+            high = middle;
+    }
+    return low < b->n && b->cell[low] == cell ? low : b->n;
+}
+
+/* Where one loop would cross a face twice in both its cells, the face's inside corners are joined: else an edge of the
+ * net would have four quadrangles. */
+static void join_faces(builder *b)
+{
+    size_t i = 0;
+    unsigned a = 0;
+    for (i = 0; i < b->n; i++) {
+        const unsigned twice = b->table[b->mask[i]].twice;
+        for (a = 0; a < 3u; a++) {
+            size_t next = 0;
+            if ((twice >> (2u * a + 1u) & 1u) == 0)
+                continue;
+            next = find_cell(b, b->cell[i] + b->stride[a]);
+            if (next < b->n && (b->table[b->mask[next]].twice >> 2u * a & 1u) != 0) {
+                b->joined[i] |= (unsigned char)(1u << (2u * a + 1u));
+                b->joined[next] |= (unsigned char)(1u << 2u * a);
+            }
+        }
+    }
+}
+
+static host_loops loops_of(const builder *b, size_t i)
+{
+    return b->joined[i] == 0 ? b->table[b->mask[i]] : host_cell_loops(b->mask[i], b->joined[i]);
+}
+
+/* The middle of an edge in its cell, 0 to 1 along each axis. */
+static void edge_middle(unsigned edge, float at[3])
+{
+    unsigned corner[2], k = 0;
+    host_cell_edge(edge, corner);
+    for (k = 0; k < 3u; k++)
+        at[k] = 0.5f * (float)((corner[0] >> k & 1u) + (corner[1] >> k & 1u));
+}
+
+/* The vertex of a loop starts in the middle of the crossed edges. With several loops each keeps to its part of the
+ * cell. */
+static void place_vertex(const builder *b, size_t i, const host_loops *loops, unsigned loop)
+{
+    const uint32_t c = b->cell[i], v = b->first_vertex[i] + loop;
+    const uint32_t index[3] = {c % b->stride[1], c / b->stride[1] % (b->size[1] + 1u), c / b->stride[2]};
+    float sum[3] = {0}, low[3] = {1, 1, 1}, high[3] = {0}, n = 0.0f;
+    unsigned e = 0, k = 0;
+    for (e = 0; e < HOST_CELL_EDGES; e++) {
+        float at[3];
+        if (loops->of[e] != loop)
+            continue;
+        edge_middle(e, at);
+        n += 1.0f;
+        for (k = 0; k < 3u; k++) {
+            sum[k] += at[k];
+            low[k] = at[k] < low[k] ? at[k] : low[k];
+            high[k] = at[k] > high[k] ? at[k] : high[k];
+        }
+    }
+    for (k = 0; k < 3u; k++) {
+        const float wall = (float)index[k] - 1.0f, mm = b->spacing[k];
+        const float from = loops->n > 1u ? low[k] : 0.0f, to = loops->n > 1u ? high[k] : 1.0f;
+        b->net->xyz[3u * (size_t)v + k] = (wall + sum[k] / n) * mm;
+        b->net->low[3u * (size_t)v + k] = (wall + from + MARGIN) * mm;
+        b->net->high[3u * (size_t)v + k] = (wall + to - MARGIN) * mm;
+    }
+}
+
+static int place_vertices(builder *b)
+{
+    host_net *const net = b->net;
+    size_t i = 0, n = 0;
+    unsigned loop = 0;
+    for (i = 0; i < b->n; i++) {
+        b->first_vertex[i] = (uint32_t)n;
+        n += loops_of(b, i).n;
+        if (n > SMR_VERTICES_MAX)
+            return -1;
+    }
+    net->n_vertices = (uint32_t)n;
+    net->xyz = malloc((3u * n + 1u) * sizeof *net->xyz);
+    net->start = malloc((3u * n + 1u) * sizeof *net->start);
+    net->low = malloc((3u * n + 1u) * sizeof *net->low);
+    net->high = malloc((3u * n + 1u) * sizeof *net->high);
+    if (net->xyz == NULL || net->start == NULL || net->low == NULL || net->high == NULL)
+        return -1;
+    for (i = 0; i < b->n; i++) {
+        const host_loops loops = loops_of(b, i);
+        for (loop = 0; loop < loops.n; loop++)
+            place_vertex(b, i, &loops, loop);
+    }
+    for (i = 0; i < 3u * n; i++) {
+        const float x = net->xyz[i], low = net->low[i], high = net->high[i];
+        net->xyz[i] = net->start[i] = x < low ? low : (x > high ? high : x);
+    }
+    return 0;
+}
+
+/* The vertex of a cell through whose loop an edge runs. */
+static uint32_t vertex_at(const builder *b, size_t i, unsigned edge)
+{
+    return b->first_vertex[i] + loops_of(b, i).of[edge];
+}
+
+/* The four cells around an edge are those before its cell along the two other axes; at[axis combination] follows them
+ * while the cell moves on: the bits of the combination are the axes. */
+static void add_quads_of(const builder *b, size_t i, size_t at[8])
+{
+    host_net *const net = b->net;
+    unsigned a = 0, set = 0;
+    for (set = 1; set < 7u; set++) {
+        const uint32_t back = (set & 1u) * b->stride[0] + (set >> 1 & 1u) * b->stride[1] + (set >> 2) * b->stride[2];
+        while (at[set] < b->n && b->cell[at[set]] + back < b->cell[i])
+            at[set]++;
+    }
+    for (a = 0; a < 3u; a++) {
+        const unsigned u = 1u << (a + 1u) % 3u, v = 1u << (a + 2u) % 3u, inside = b->mask[i] & 1u;
+        uint32_t *const quad = net->quad + 4u * (size_t)net->n_quads;
+        if ((b->mask[i] >> (1u << a) & 1u) == inside)
+            continue;
+        quad[0] = vertex_at(b, i, 4u * a);
+        quad[inside ? 1 : 3] = vertex_at(b, at[u], 4u * a + 1u);
+        quad[2] = vertex_at(b, at[u | v], 4u * a + 3u);
+        quad[inside ? 3 : 1] = vertex_at(b, at[v], 4u * a + 2u);
+        net->n_quads++;
+    }
+}
+
+static int add_quads(builder *b)
+{
+    size_t i = 0, n = 0, at[8] = {0};
+    unsigned a = 0;
+    for (i = 0; i < b->n; i++)
+        for (a = 0; a < 3u; a++)
+            n += ((b->mask[i] >> (1u << a)) & 1u) != (b->mask[i] & 1u);
+    if (2u * n > SMR_TRIANGLES_MAX)
+        return -1;
+    b->net->quad = malloc(4u * n * sizeof *b->net->quad + 1u);
+    b->net->split = calloc(n + 1u, 1);
+    if (b->net->quad == NULL || b->net->split == NULL)
+        return -1;
+    for (i = 0; i < b->n; i++)
+        add_quads_of(b, i, at);
+    return 0;
+}
+
+/* Groups the sides by the vertex they start at. */
+static int link_sides(host_net *net)
+{
+    const size_t n = 4u * (size_t)net->n_quads;
+    size_t *const first = calloc((size_t)net->n_vertices + 2u, sizeof *first);
+    size_t i = 0;
+    net->side_first = first;
+    net->side = malloc(n * sizeof *net->side + 1u);
+    if (first == NULL || net->side == NULL)
+        return -1;
+    for (i = 0; i < n; i++)
+        first[net->quad[i] + 2u]++;
+    for (i = 2; i < (size_t)net->n_vertices + 2u; i++)
+        first[i] += first[i - 1u];
+    for (i = 0; i < n; i++) {
+        const uint32_t k = (uint32_t)(i % 4u), quad = (uint32_t)(i / 4u);
+        net->side[first[net->quad[i] + 1u]++] = (host_net_side){net->quad[4u * (size_t)quad + (k + 1u) % 4u], quad, k};
+    }
+    return 0;
+}
+
+int host_net_make(const uint32_t *cell, const unsigned char *mask, size_t n, const uint32_t size[3],
+                  const float spacing[3], host_net *net)
+{
+    builder b;
+    unsigned k = 0;
+    int result = -1;
+    memset(net, 0, sizeof *net);
+    memset(&b, 0, sizeof b);
+    b.cell = cell;
+    b.mask = mask;
+    b.n = n;
+    b.size = size;
+    b.spacing = spacing;
+    b.net = net;
+    b.stride[0] = 1;
+    b.stride[1] = size[0] + 1u;
+    b.stride[2] = b.stride[1] * (size[1] + 1u);
+    for (k = 0; k < 256u; k++)
+        b.table[k] = host_cell_loops(k, 0);
+    b.joined = calloc(n + 1u, 1);
+    b.first_vertex = malloc((n + 1u) * sizeof *b.first_vertex);
+    if (b.joined != NULL && b.first_vertex != NULL) {
+        join_faces(&b);
+        result = place_vertices(&b) != 0 || add_quads(&b) != 0 || link_sides(net) != 0 ? -1 : 0;
+    }
+    free(b.joined);
+    free(b.first_vertex);
+    return result;
+}
+
+void host_net_free(host_net *net)
+{
+    free(net->xyz);
+    free(net->start);
+    free(net->low);
+    free(net->high);
+    free(net->quad);
+    free(net->split);
+    free(net->side_first);
+    free(net->side);
+    memset(net, 0, sizeof *net);
+}

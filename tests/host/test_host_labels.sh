@@ -1,0 +1,214 @@
+#!/bin/sh
+# smr surfaces, labels and measure of label maps: there and back in all formats, names, layers, overlaps, refusals; VTK
+# fills the same voxels where it is installed.
+# SPDX-License-Identifier: MIT
+cd "$(dirname "$0")/../.." || exit 1
+. tests/host/host_common.inc
+
+cd "$scratch" || exit 1
+
+# has_status STATUS COMMAND...
+has_status() {
+    wanted=$1
+    shift
+    "$@" >out.txt 2>err.txt
+    got=$?
+    [ $got -eq "$wanted" ] || { echo "status $got, not $wanted: $(head -1 err.txt)"; return 1; }
+}
+# refused NAME TEXT COMMAND...: status 2, the text in the one line, nothing on standard output, nothing written.
+refused() {
+    refused_name=$1 refused_text=$2
+    shift 2
+    "$@" >out.txt 2>err.txt
+    if [ $? -eq 2 ] && [ "$(wc -l <err.txt)" -eq 1 ] && grep -q -- "$refused_text" err.txt && [ ! -s out.txt ] &&
+        [ ! -e no ] && [ ! -e no.nrrd ]; then ok "$refused_name"; else
+        not_ok "$refused_name"
+        sed 's/^/#   /' err.txt | head -3
+    fi
+}
+# header TYPE "MORE LINES": of an oblique, uneven map of 30 x 26 x 20 voxels as text.
+header() {
+    printf 'NRRD0005\ntype: %s\ndimension: 3\nspace: left-posterior-superior\nsizes: 30 26 20\n' "$1"
+    printf 'space directions: (0.96,0.28,0) (-0.28,0.96,0) (0,0.3,1.4)\nkinds: domain domain domain\nencoding: ascii\n'
+    printf 'space origin: (-20,5,100)\n%s\n' "$2"
+}
+# Two structures that touch, and a third of a few voxels at the border. values A B C
+draw() {
+    awk -v a="$1" -v b="$2" -v c="$3" 'BEGIN {
+        for (z = 0; z < 20; z++) for (y = 0; y < 26; y++) { for (x = 0; x < 30; x++) {
+            v = 0
+            if (((x - 14) / 11)^2 + ((y - 13) / 9)^2 + ((z - 10) / 6)^2 < 1) v = x + y > 28 ? b : a
+            if (x > 26 && y > 22 && z > 16) v = c
+            printf "%s ", v } print "" } }'
+}
+segments='Segment0_ID:=one
+Segment0_Name:=Left part/x
+Segment0_Color:=1 0.5 0
+Segment0_LabelValue:=3
+Segment0_Layer:=0
+Segment1_ID:=two
+Segment1_Name:=right
+Segment1_Color:=0 0 1
+Segment1_LabelValue:=7
+Segment1_Layer:=0
+'
+{ header uchar "$segments"; draw 3 7 200; } >map.seg.nrrd
+dice() { "$SMR" measure "$@" | sed -n 's/.* structures in both: Dice \([0-9.]*\).*/\1/p'; }
+# same A B: the structures of both are the same to the voxel.
+same() {
+    "$SMR" measure "$@" >same.txt 2>&1 || { head -1 same.txt; return 1; }
+    grep -q "^3 structures in both: Dice 1.0000" same.txt || { cat same.txt; return 1; }
+}
+
+check "surfaces of a segmentation" has_status 0 "$SMR" surfaces map.seg.nrrd -o parts --threads 1
+check "each structure by its name" [ "$(ls parts | tr '\n' ' ')" = "Left_part_x.ply label_200.ply labels.ctbl right.ply " ]
+check "its colours" sh -c "grep -q '^3 Left_part_x 255 128 0 255' parts/labels.ctbl && grep -q '^7 right 0 0 255 255' parts/labels.ctbl &&
+    head -c 400 parts/right.ply | grep -aq 'property uchar blue'"
+check "no folds, the volume of the voxels" awk '/^label/ { n++; if ($NF != 0 || ($7 - $10)^2 > (0.01 * $7)^2) bad = 1; }
+    END { exit bad || n != 3 }' out.txt
+"$SMR" surfaces map.seg.nrrd -o again --threads 3 --quiet >quiet.txt
+check "threads change no byte, quiet says nothing" sh -c "cmp parts/right.ply again/right.ply && cmp parts/Left_part_x.ply again/Left_part_x.ply && [ ! -s quiet.txt ]"
+
+for format in seg.nrrd nrrd mha nii nii.gz; do
+    check "labels as .$format" has_status 0 "$SMR" labels parts --like map.seg.nrrd -o "back.$format"
+    check "every voxel is back from .$format" same map.seg.nrrd "back.$format"
+done
+check "threads change no label" sh -c "'$SMR' labels parts --like map.seg.nrrd -o three.mha --threads 3 --quiet && cmp three.mha back.mha"
+check "packed, it is small" sh -c "[ \$(wc -c <back.nii.gz) -lt 2000 ] && gzip -t back.nii.gz"
+check "the segments' keys are there" sh -c "grep -aq '^Segment1_LabelValue:=200' back.seg.nrrd && grep -aq '^Segment1_Extent:=27 29 23 25 17 19' back.seg.nrrd"
+check "a directory of surfaces against the map" sh -c "'$SMR' measure map.seg.nrrd parts | grep -q '^3 structures in both: Dice 1.0000'"
+{ header uchar "$segments"; draw 3 0 7; } >other.seg.nrrd
+"$SMR" measure map.seg.nrrd other.seg.nrrd >measured.txt
+check "what differs is seen" awk '/^Left_part_x / { a = $3 < 0.999 && $3 > 0.99 ? 1 : 0 } /^right / { b = $3 < 0.1 } /^label_200 .*only in A/ { c = 1 }
+    END { exit !(a + b + c >= 2) }' measured.txt
+
+# A finer grid: what comes back is near, not the same.
+sed 's/^sizes: .*/sizes: 60 26 20/; s/(0.96,0.28,0)/(0.48,0.14,0)/' map.seg.nrrd | sed '/^Segment/d' >fine.nrrd
+awk '{ if ($0 == "") { print; body = 1; next } if (!body) { print; next }
+    for (i = 1; i <= NF; i++) printf "%s %s ", $i, $i; print "" }' fine.nrrd >finer.nrrd
+check "another grid" has_status 0 "$SMR" labels parts --like finer.nrrd -o fine.mha --names parts/labels.ctbl
+check "it is near the coarse voxels" awk -v d="$(dice finer.nrrd fine.mha)" 'BEGIN { exit !(d > 0.9 && d < 0.999) }'
+check "maps with other voxels are measured on those of A" awk -v d="$(dice map.seg.nrrd fine.mha --names parts/labels.ctbl)" 'BEGIN { exit !(d == 1) }'
+
+printf '# names\n3 upper  left 9 8 7\n\n200 odd\n' >names.txt
+check "names from a file" sh -c "'$SMR' surfaces map.seg.nrrd -o named --names names.txt --quiet && [ -s named/upper_left.ply ] && [ -s named/odd.ply ] &&
+    [ -s named/right.ply ] && grep -q '^3 upper_left 9 8 7 255' named/labels.ctbl"
+{ header float ""; draw 1 2 4; } >float.nrrd
+check "floats that are whole numbers" has_status 0 "$SMR" surfaces float.nrrd -o whole --quiet
+check "are labels" [ "$(ls whole | tr '\n' ' ')" = "label_1.ply label_2.ply label_4.ply labels.ctbl " ]
+check "more passes change the surface" sh -c "'$SMR' surfaces float.nrrd -o rough --passes 0 --quiet && ! cmp -s rough/label_1.ply whole/label_1.ply"
+
+# Layers: structures that overlap, each in its own; a layer is read where it says, or nowhere.
+layered() {
+    printf 'NRRD0005\ntype: uchar\ndimension: 4\nspace: left-posterior-superior\nsizes: 2 12 12 12\n'
+    printf 'space directions: none (1,0,0) (0,1,0) (0,0,1)\nkinds: %s domain domain domain\nencoding: ascii\nspace origin: (0,0,0)\n' "$1"
+    printf 'Segment0_ID:=a\nSegment0_Name:=ball\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n'
+    printf 'Segment1_ID:=b\nSegment1_Name:=inner\nSegment1_LabelValue:=1\nSegment1_Layer:=%s\n\n' "$2"
+    awk 'BEGIN { for (z = 0; z < 12; z++) for (y = 0; y < 12; y++) for (x = 0; x < 12; x++) {
+        d = (x - 5.5)^2 + (y - 5.5)^2 + (z - 5.5)^2; print (d < 25), (d < 9) } }'
+}
+layered list 1 >layers.seg.nrrd
+check "two layers" has_status 0 "$SMR" surfaces layers.seg.nrrd -o two
+check "both have their voxels" awk '/ ball / { a = $5 } / inner / { b = $5 } END { exit !(a == 552 && b == 136) }' out.txt
+check "of two as deep as they can be the deeper one wins" has_status 0 "$SMR" labels two --like layers.seg.nrrd -o flat.mha
+refused "layers are no image" "dimension: 3" "$SMR" info layers.seg.nrrd
+layered vector 1 >vector.seg.nrrd
+refused "vectors are no layers" "kinds: list" "$SMR" surfaces vector.seg.nrrd -o no
+layered list 2 >beyond.seg.nrrd
+refused "a layer that is not there" "Segment1: expected a Layer of 0 to 1" "$SMR" surfaces beyond.seg.nrrd -o no
+layered list 0 >twice.seg.nrrd
+refused "two segments of one label" "Segment1: expected a label of its own" "$SMR" surfaces twice.seg.nrrd -o no
+grep -v '^kinds' layers.seg.nrrd >kinds.seg.nrrd
+refused "layers that do not say so" "kinds" "$SMR" surfaces kinds.seg.nrrd -o no
+
+# hostile NAME TEXT TYPE A B C
+hostile() {
+    hostile_name=$1 hostile_text=$2
+    { header "$3" ""; draw "$4" "$5" "$6"; } >hostile.nrrd
+    refused "$hostile_name" "$hostile_text" "$SMR" surfaces hostile.nrrd -o no
+}
+hostile "halves are no labels" "voxel .* expected a label, a whole number from 0 to 16777215, found 0.5" float 1 0.5 2
+hostile "negative labels" "found -3" short 1 -3 2
+hostile "labels that floats do not tell apart" "found 1.67772e+07" int 1 16777216 2
+hostile "not a number" "found -\?nan" float 1 nan 2
+hostile "nothing but background" "a voxel that is not 0" uchar 0 0 0
+{ printf 'NRRD0005\ntype: ushort\ndimension: 3\nsizes: 256 256 1\nspacings: 1 1 1\nencoding: ascii\n\n'
+    awk 'BEGIN { for (i = 0; i < 65536; i++) print i }'; } >many.nrrd
+refused "65536 labels" "at most 1024 of them" "$SMR" surfaces many.nrrd -o no
+printf 'NRRD0005\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100000\nspacings: 1 1 1\nencoding: raw\n\n' >huge.nrrd
+refused "huge counts" "voxels" "$SMR" surfaces huge.nrrd -o no
+printf '3 a\n7 a\n200 a\n' >double.txt
+check "names that are alike get their labels" sh -c "'$SMR' surfaces map.seg.nrrd -o alike --names double.txt --quiet && ls alike | grep -q '^a_200.ply'"
+printf '3 ../../up\n' >up.txt
+check "no name leads out of the directory" sh -c "'$SMR' surfaces map.seg.nrrd -o caught --names up.txt --quiet && [ -s caught/_.__.._up.ply -o -s caught/_._.._up.ply ]"
+printf 'three left\n' >bad.txt
+refused "a name without a label" "bad.txt: line 1" "$SMR" surfaces map.seg.nrrd -o no --names bad.txt
+refused "no such file of names" "none.txt" "$SMR" surfaces map.seg.nrrd -o no --names none.txt
+refused "no directory" "-o" "$SMR" surfaces map.seg.nrrd
+refused "two maps" "one label map" "$SMR" surfaces map.seg.nrrd map.seg.nrrd -o no
+refused "labels without a grid" "--like" "$SMR" labels parts -o no.nrrd
+refused "labels in a format that is not written" "ends in" "$SMR" labels parts --like map.seg.nrrd -o no.dcm
+mkdir open empty
+blob 8 20 20 20 0 | sed '$d' | sed "s/^element face .*/element face $(($(blob 8 20 20 20 0 | sed -n 's/^element face //p') - 1))/" >open/cap.ply
+refused "open surfaces" "cap.ply: surface: expected a closed one, but 3 edges" "$SMR" labels open --like map.seg.nrrd -o no.nrrd
+refused "no surfaces" "a surface or more" "$SMR" labels empty --like map.seg.nrrd -o no.nrrd
+refused "neither is a label map" "one of the two must be" "$SMR" measure parts again
+
+# Overlaps go to the deepest: of two balls of 20 mm, 20 mm apart, each keeps its half, to the plane between them.
+mkdir balls
+blob 24 20 20 20 0 >balls/a.ply
+awk 'NF == 3 && $1 != "element" && $1 != "format" && !/property/ { printf "%.6f %s %s\n", $1 + 20, $2, $3; next } { print }' balls/a.ply >balls/b.ply
+printf 'NRRD0005\ntype: uchar\ndimension: 3\nspace: LPS\nsizes: 74 52 52\nspace directions: (0.9,0,0) (0,0.9,0) (0,0,0.9)\nspace origin: (-23,-23,-23)\nencoding: ascii\n\n' >box.nrrd
+awk 'BEGIN { for (i = 0; i < 74 * 52; i++) { for (k = 0; k < 52; k++) printf "0 "; print "" } }' >>box.nrrd
+check "overlapping balls" has_status 0 "$SMR" labels balls --like box.nrrd -o balls.mha
+check "share what both have" awk '/ a / { a = $5 } / b / { b = $5 } / voxels in several/ { n = $(NF - 8) } / labels; / { for (i = 1; i < NF; i++) if ($(i) == "labels;") n = $(i + 1) }
+    END { exit !((a - b)^2 < (0.03 * a)^2 && n > 8000 && a > 30000) }' out.txt
+
+# A label map as the truth: the report has the overlap, and distances like those to the surfaces it was made from.
+"$SMR" phantom -o thigh --small --quiet
+check "the truth as a label map" has_status 0 "$SMR" labels thigh/truth --like thigh/mri_patient.mha -o truth.seg.nrrd
+into="--model thigh/model/femur.ply thigh/model/vastus_lateralis.ply --reference thigh/mri_reference.mha --target thigh/mri_patient.mha --landmarks thigh/landmarks_reference.mrk.json thigh/landmarks_patient.mrk.json --quiet --iterations 4"
+# shellcheck disable=SC2086
+"$SMR" register $into --truth truth.seg.nrrd -o by_labels 2>err.txt
+# shellcheck disable=SC2086
+"$SMR" register $into --truth thigh/truth -o by_surfaces 2>>err.txt
+check "the report has Dice of each structure" sh -c "[ \$(grep -c '\"dice\": 0\\.[89]' by_labels/report.json) -eq 2 ] && grep -q hausdorff95_mm by_labels/report.json && ! grep -q dice by_surfaces/report.json"
+first_mean() { grep -A8 '"distance_mm"' "$1/report.json" | sed -n 's/.*"mean": \([0-9.]*\).*/\1/p' | head -1; }
+check "distances are those to the surfaces, within voxels" awk -v a="$(first_mean by_labels)" -v b="$(first_mean by_surfaces)" 'BEGIN { d = a - b; print a, b; exit !(a > 0 && d < 0.7 && d > -0.7) }'
+# shellcheck disable=SC2086
+refused "a truth without the model's names" "the name of one of the model's structures" "$SMR" register $into --truth map.seg.nrrd -o no
+
+python=$(for p in /usr/bin/python3 python3; do "$p" -c 'import vtkmodules, numpy' 2>/dev/null && { echo "$p"; break; }; done)
+if [ -z "$python" ]; then
+    skip "VTK fills the same voxels" "python3-vtk9 is not installed"
+else
+    mkdir one && cp balls/a.ply one/ && "$SMR" labels one --like box.nrrd -o one.mha --quiet
+    cat >fill.py <<'END'
+import sys
+from vtkmodules.vtkIOImage import vtkMetaImageReader
+from vtkmodules.vtkIOPLY import vtkPLYReader
+from vtkmodules.vtkImagingStencil import vtkPolyDataToImageStencil, vtkImageStencilToImage
+from vtkmodules.util.numpy_support import vtk_to_numpy
+image = vtkMetaImageReader()
+image.SetFileName(sys.argv[2])
+image.Update()
+ours = vtk_to_numpy(image.GetOutput().GetPointData().GetScalars()) > 0
+mesh = vtkPLYReader()
+mesh.SetFileName(sys.argv[1])
+stencil = vtkPolyDataToImageStencil()
+stencil.SetInputConnection(mesh.GetOutputPort())
+stencil.SetOutputOrigin(image.GetOutput().GetOrigin())
+stencil.SetOutputSpacing(image.GetOutput().GetSpacing())
+stencil.SetOutputWholeExtent(image.GetOutput().GetExtent())
+fill = vtkImageStencilToImage()
+fill.SetInputConnection(stencil.GetOutputPort())
+fill.SetInsideValue(1)
+fill.Update()
+theirs = vtk_to_numpy(fill.GetOutput().GetPointData().GetScalars()) > 0
+dice = 2.0 * (ours & theirs).sum() / (ours.sum() + theirs.sum())
+print(dice, ours.sum(), theirs.sum())
+sys.exit(not (dice >= 0.995 and ours.sum() > 40000))
+END
+    check "VTK fills the same voxels" "$python" fill.py one/a.ply one.mha
+fi
+finish
