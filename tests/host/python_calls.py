@@ -1,0 +1,348 @@
+"""python_calls.py: what test_host_python.sh asks of port/python/smr.py.
+
+usage: python_calls.py structs                C source that compiles only where structs, calls and sentences agree
+       python_calls.py inputs DIR             writes what twin_tool reads, prints its arguments
+       python_calls.py twin DIR               the same registrations as twin_tool, the same lines
+       python_calls.py behave DIR             prints ok and not ok lines
+SPDX-License-Identifier: MIT
+"""
+import ctypes
+import gc
+import os
+import re
+import sys
+
+import numpy as np
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "port", "python"))
+import smr  # noqa: E402
+
+FRAMES, MARKS, CARRIED, VOXELS = 5, 6, 9, 30
+HEADER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "include", "smr.h")
+
+
+# ------------------------------------------------------------------ structs
+
+def c_kind(kind):
+    """What _Generic() must find, or None."""
+    return {ctypes.c_uint32: "uint32_t", ctypes.c_float: "float", ctypes.c_double: "double",
+            ctypes.c_uint64: "uint64_t", ctypes.c_size_t: "size_t"}.get(kind)
+
+
+def check_calls(header):
+    """The prototypes in the header against the table of calls."""
+    codes = {"uint32_t": "u", "size_t": "z", "uint64_t": "q", "float": "f", "smr_status": "u"}
+    declared = {}
+    for name, arguments in re.findall(r"^smr_status (smr_\w+)\(([^;]*)\);", header, re.M):
+        words = [a.strip() for a in " ".join(arguments.split()).split(",")]
+        declared[name] = "".join("p" if "*" in a else codes.get(a.split()[0], "p") for a in words)
+    for name, expected in smr._CALLS.items():
+        if not name.startswith("smr_pthread") and declared.get(name) != expected:
+            print(f"#error {name} takes {declared.get(name)}, smr.py gives {expected}")
+    print(f"/* {len(smr._CALLS)} calls */")
+
+
+def structs():
+    with open(HEADER, encoding="utf-8") as file:
+        header = file.read()
+    for number, text in re.findall(r"SMR_E_\w+ = (-\d+),? +/\* (.*?) \*/", header):
+        if smr._SENTENCES.get(int(number)) != text:
+            print(f"#error smr.py does not say of {number}: {text}")
+    check_calls(header)
+    print("#include <smr.h>")
+    table = dict(smr.STRUCTS, smr_config=smr._Config, smr_prepare_config=smr._PrepareConfig)
+    for name, kind in table.items():
+        print(f'_Static_assert(sizeof({name}) == {ctypes.sizeof(kind)}, "size of {name}");')
+        for field, of in kind._fields_:
+            where = getattr(kind, field)
+            print(f'_Static_assert(offsetof({name}, {field}) == {where.offset}, "{name}.{field}");')
+            print(f'_Static_assert(sizeof((({name} *)0)->{field}) == {where.size}, "{name}.{field}");')
+            if c_kind(of) is not None:
+                print(f'_Static_assert(_Generic((({name} *)0)->{field}, {c_kind(of)}: 1, default: 0), "{field}");')
+    print(f"int main(void) {{ return {len(table)} == 0; }}")
+
+
+# ------------------------------------------------------------------ inputs
+
+def bone(n, m, bend=0.0):
+    """A bone-like closed surface of 2 + n m vertices, 60 mm wide and 200 long, bent."""
+    z = np.repeat(np.cos(np.pi * np.arange(1, n + 1) / (n + 1)), m)
+    angle = np.tile(2 * np.pi * np.arange(m) / m, n)
+    r = np.sqrt(1 - z * z) * (1 + 0.5 * z * z) * (1 + 0.4 * z) * (1 + 0.1 * np.cos(2 * angle) + 0.3 * z * np.sin(angle))
+    xyz = np.stack([16 * r * np.cos(angle), 13 * r * np.sin(angle), 60 * z], 1)
+    xyz = np.concatenate([[[0, 0, 60]], xyz, [[0, 0, -60]]])
+    xyz[:, 0] += bend * (xyz[:, 2] / 60) ** 2
+    ring = lambda i, j: 1 + i * m + j % m  # noqa: E731
+    triangles = [[0, ring(0, j), ring(0, j + 1)] for j in range(m)]
+    triangles += [t for i in range(n - 1) for j in range(m)
+                  for t in ([ring(i, j), ring(i + 1, j), ring(i + 1, j + 1)],
+                            [ring(i, j), ring(i + 1, j + 1), ring(i, j + 1)])]
+    triangles += [[ring(n - 1, j), 1 + n * m, ring(n - 1, j + 1)] for j in range(m)]
+    return xyz.astype(np.float32), np.array(triangles, np.uint32)
+
+
+def image(bend):
+    """A bright bone in a dark image: voxels of 3 x 3 x 4 mm from (-45, -45, -70)."""
+    z, y, x = np.meshgrid(*[np.arange(VOXELS)] * 3, indexing="ij")
+    z = (4 * z - 70) / 60.0
+    x, y = 3 * x - 45 - bend * z * z, 3 * y - 45
+    r = np.sqrt((x / 16) ** 2 + (y / 13) ** 2 + z * z)
+    return np.clip(230 - 150 * (r - 0.6) + 20 * np.sin(x / 7.0 + y / 5.0), 10, 240).astype(np.uint8)
+
+
+def make_inputs(folder):
+    rest, triangles = bone(20, 14)
+    now = bone(20, 14, 7.0)[0]
+    frames = np.stack([now + np.float32(i) * np.float32([0.4, 0.2, -0.3]) for i in range(FRAMES)])
+    points = np.float32([[i, 2 * i - 8, 10 * i - 40] for i in range(CARRIED)])
+    for name, a in (("rest.f32", rest), ("now.f32", now), ("frames.f32", frames), ("points.f32", points),
+                    ("triangles.u32", triangles), ("reference.u8", image(0)), ("image.u8", image(4))):
+        a.tofile(os.path.join(folder, name))
+    print(len(rest), len(triangles), VOXELS)
+
+
+def load(folder):
+    read = lambda name, kind: np.fromfile(os.path.join(folder, name), kind)  # noqa: E731
+    rest = read("rest.f32", np.float32).reshape(-1, 3)
+    return (rest, read("triangles.u32", np.uint32).reshape(-1, 3), read("now.f32", np.float32).reshape(-1, 3),
+            read("frames.f32", np.float32).reshape(FRAMES, -1, 3), read("points.f32", np.float32).reshape(-1, 3))
+
+
+def volume(folder, name):
+    voxels = np.fromfile(os.path.join(folder, name), np.uint8).reshape(VOXELS, VOXELS, VOXELS)
+    return smr.Volume(voxels, (3, 3, 4), (-45, -45, -70))
+
+
+# ------------------------------------------------------------------ the twin
+
+def bits(a):
+    return "".join(f" {word:08x}" for word in np.ascontiguousarray(a, np.float32).ravel().view(np.uint32))
+
+
+def end(name, hash_, verdict):
+    print(f"{name} {hash_:016x}")
+    figures = [getattr(verdict, field) for field, _ in verdict._fields_[2:]]
+    print(f"{name}.verdict {verdict.level} {verdict.reasons}{bits(np.float32(figures))}")
+
+
+def twin(folder):
+    rest, triangles, now, frames, points = load(folder)
+    model = smr.Model.prepare({"bone": (rest, triangles)})
+    result = smr.register(model, (now, triangles), threads=2)
+    end("surface", result.hash, result.verdict)
+    result = smr.register(model, (now, triangles), method="polar", search_mm=25, ticks=12)
+    end("polar", result.hash, result.verdict)
+    print("align" + bits(smr.align(smr.Surface(rest, triangles), smr.Surface(now, triangles))[0]))
+    cloud = smr.Points(len(now))
+    cloud.add(now[:len(now) // 2])
+    result = smr.register(model, cloud)
+    end("points", result.hash, result.verdict)
+    at = [i * (len(rest) // MARKS) for i in range(MARKS)]
+    marks = [smr.Landmark(now[v], vertex=v, structure="bone", weight=2, hard=i % 2 == 1) for i, v in enumerate(at)]
+    result = smr.register(model, landmarks=marks)
+    end("landmarks", result.hash, result.verdict)
+    pictured = smr.Model.prepare({"bone": (rest, triangles)}, volume(folder, "reference.u8"))
+    result = smr.register(pictured, volume(folder, "image.u8"))
+    end("image", result.hash, result.verdict)
+    first = [smr.Surface(frames[0], triangles)]
+    for frame in smr.track(model, first + list(frames[1:])):
+        print(f"track.{frame.number} {frame.registration.hash:016x}")
+    carry = smr.Carry(model, points)
+    print("carry" + bits(carry.apply(now)))
+    back, facts = carry.map(now, points, inverse=True)
+    print("back" + bits(back))
+    print("facts" + bits(np.stack([facts["miss_mm"], facts["volume"]], 1)))
+
+
+# ------------------------------------------------------------------ behaviour
+
+counts = [0, 0]
+
+
+def check(name, good):
+    counts[0 if good else 1] += 1
+    print(("ok " if good else "not ok ") + "python: " + name)
+
+
+def refused(name, kind, text, call, *arguments, **named):
+    try:
+        call(*arguments, **named)
+    except kind as error:
+        check(f"{name}: {error}", text in str(error))
+    else:
+        check(f"{name} is refused", False)
+
+
+def hash_of(model, xyz, triangles, **settings):
+    return smr.register(model, (xyz, triangles), ticks=6, **settings).hash
+
+
+def arrays(model, rest, triangles, now):
+    want = hash_of(model, now, triangles)
+    check("float64 and int64 are converted", hash_of(model, now.astype(float), triangles.astype(np.int64)) == want)
+    check("lists are taken", hash_of(model, now.tolist(), triangles.tolist()) == want)
+    strided = np.zeros((len(now), 6), np.float32)
+    strided[:, ::2] = now
+    check("strides and Fortran order are copied",
+          hash_of(model, strided[:, ::2], np.asfortranarray(triangles)) == want)
+    check("other byte orders are turned", hash_of(model, now.astype(">f4"), triangles.astype(">u4")) == want)
+    check("three threads give the bits of one", hash_of(model, now, triangles, threads=3) == want)
+    check("another setting gives others", hash_of(model, now, triangles, stiffness=0.5) != want)
+    refused("a flat array", ValueError, "[n][3]", smr.Surface, now.ravel(), triangles)
+    refused("complex positions", TypeError, "real numbers", smr.Surface, now.astype(complex), triangles)
+    refused("triangles of floats", TypeError, "whole numbers", smr.Surface, now, triangles.astype(float))
+    refused("a negative index", smr.SmrError, "SMR_E_INPUT", smr.Surface, now, -triangles.astype(np.int64))
+    refused("an index beyond the vertices", smr.SmrError, "smr_surface_build", smr.Surface, now[:9], triangles)
+    refused("a NaN", smr.SmrError, "out of range", smr.Surface, now * np.nan, triangles)
+    refused("1e300", smr.SmrError, "out of range", smr.Surface, now * 1e300, triangles)
+    refused("positions of another number", ValueError, "vertices", smr.Registration(model).set_positions, 0, now[1:])
+
+
+def settings(model, now, triangles):
+    check("a word is its index", smr.Registration(model, method="polar").setting("method") == 1)
+    check("an array is set", smr.Registration(model, box_min=[-1, -2, -3]).setting("box_min") == [-1, -2, -3])
+    refused("a setting that is not there", TypeError, "no setting", smr.Registration, model, stifness=1)
+    refused("a word that is not there", smr.SmrError, "rigid, polar", smr.Registration, model, method="soft")
+    refused("a value out of range", smr.SmrError, "(0, 1]", smr.Registration, model, stiffness=0)
+    refused("half an iteration", TypeError, "whole number", smr.Registration, model, iterations=1.5)
+    refused("65 threads", smr.SmrError, "1 to 64", smr.Registration, model, threads=65)
+    rest = model.mesh(0)
+    soft = smr.Model.prepare({"a": rest}, radius_mm=[40, 20, 6.5])
+    check("radii are set with their number", list(soft.info.radius_mm)[:soft.info.n_radii] == [40, 20, 6.5])
+    refused("a setting of the other table", TypeError, "no setting", smr.Model.prepare, rest, stiffness=1)
+    check("the tables have the sentences", "rotation" in smr.SETTINGS["method"].text)
+
+
+def models(model, folder, now, triangles):
+    path = os.path.join(folder, "bone.smr")
+    model.save(path)
+    want = hash_of(model, now, triangles)
+    check("a saved model is the same", hash_of(smr.Model.open(path), now, triangles) == want)
+    check("so are its bytes", hash_of(smr.Model.open(bytes(model)), now, triangles) == want)
+    check("a mesh comes back as it was given", (model.mesh("bone")[1] == triangles).all() and len(model) == 1)
+    damaged = bytearray(bytes(model))
+    damaged[len(damaged) // 2] ^= 1
+    refused("a damaged model", smr.SmrError, "SMR_E_MODEL", smr.Model.open, damaged)
+    refused("half a model", smr.SmrError, "SMR_E_MODEL", smr.Model.open, bytes(model)[:1000])
+    refused("no model", smr.SmrError, "SMR_E_MODEL", smr.Model.open, b"")
+    refused("a structure that is not there", KeyError, "femur", model.mesh, "femur")
+    refused("a structure's number that is not there", smr.SmrError, "no structure", model.mesh, 1)
+    try:
+        model._memory[0] = 1
+        check("a model cannot be written to", False)
+    except ValueError:
+        check("a model cannot be written to", True)
+
+
+def n_threads():
+    return len(os.listdir("/proc/self/task")) if os.path.isdir("/proc/self/task") else 0
+
+
+def ownership(rest, triangles, now):
+    """Inputs that nobody else holds stay while they are borrowed."""
+    want = smr.register(smr.Model.prepare((rest, triangles)), (now, triangles)).hash
+    s = smr.Registration(smr.Model.prepare((rest, triangles)), smr.Surface(now.copy(), triangles.copy()))
+    gc.collect()
+    rubbish = [np.full(1 << 16, 255, np.uint8) for _ in range(200)]
+    for _ in s.run():
+        pass
+    check("what is borrowed is kept", s.hash == want and len(rubbish) == 200)
+    surface = smr.Surface(now, triangles)
+    s = smr.Registration(smr.Model.prepare((rest, triangles)), surface)
+    held = sys.getrefcount(surface)
+    s.set_surface(smr.Surface(now, triangles), 0)
+    s.set_surface(None)
+    check("and let go when it is replaced", sys.getrefcount(surface) < held)
+    before = n_threads()
+    ended = smr.Registration(smr.Model.prepare((rest, triangles)), threads=4)
+    del ended
+    gc.collect()
+    check("threads end with their registration", n_threads() == before)
+
+
+def ticks(model, rest, triangles, now):
+    s = smr.Registration(model, (now, triangles))
+    partial = sum(not s.tick(1).complete for _ in range(50))
+    check(f"a budget of 1 ns ends within iterations: {partial} of 50 ticks", partial > 25)
+    while s.tick(1).complete:
+        pass
+    refused("a verdict within an iteration", smr.SmrError, "SMR_E_STATE", s.verdict)
+    seen = []
+    result = smr.register(model, (now, triangles), align="rigid", progress=seen.append)
+    check("progress is told of each tick", len(seen) > 10 and seen[-1].done == 1)
+    off = np.linalg.norm(result.positions[0] - now, axis=1)
+    check(f"a good result: {off.mean():.2f} mm from the truth", off.mean() < 1.5 and result.verdict.word == "good")
+    check("its expected error is a number for each vertex", np.isfinite(result.expected_error[0]).all()
+          and len(result.expected_error[0]) == len(rest) and result.seen[0].dtype == bool)
+    half = smr.register(model, {"bone": (now, triangles[np.all(now[triangles][:, :, 2] > 30, 1)])})
+    seen, error = half.seen[0], half.expected_error[0]
+    check(f"an end of a target: {seen.sum()} of {len(rest)} vertices are seen, the others are less certain",
+          0 < seen.sum() < len(rest) / 2 and np.mean(error[~seen]) > 1.5 * np.mean(error[seen]))
+    nothing = smr.register(model, (now + 5000, triangles))
+    check("a target out of reach failed", nothing.verdict.word == "failed" and len(nothing.verdict.why) > 0)
+    check("and has no expected error", np.isnan(nothing.expected_error[0]).any())
+    turned = smr.apply_pose([[0, -1, 0, 50], [1, 0, 0, -20], [0, 0, 1, 300]], now)
+    result = smr.register(model, (turned, triangles), align="similarity")
+    off = np.linalg.norm(result.positions[0] - turned, axis=1)
+    check(f"align finds a bone that lies elsewhere: {off.mean():.2f} mm", off.mean() < 2 and result.start is not None
+          and result.pose.shape == (3, 4))
+    s = smr.Registration(model, caller_goals=1)
+    s.set_goals("bone", now)
+    for _ in s.run():
+        pass
+    off = np.linalg.norm(s.positions(0) - now, axis=1)
+    check(f"goals of the caller's own: {off.max():.3f} mm", off.max() < 1)
+
+
+def targets(model, rest, triangles, now):
+    hit = smr.Surface(now, triangles).closest(now[:5] + np.float32([0, 0, 0.01]))
+    check("closest points", hit["distance"].max() < 0.02 and (hit["triangle"] != smr.NONE).all())
+    check("none within nothing", smr.Surface(now, triangles).closest(now[:2] + 50, max_mm=1)["triangle"][0] == smr.NONE)
+    marks = [smr.Landmark(now[v], vertex=v, structure=0, hard=True) for v in (0, 40, 90, 200)]
+    result = smr.register(model, landmarks=marks)
+    off = np.linalg.norm(result.registration.landmarks() - now[[0, 40, 90, 200]], axis=1)
+    check(f"hard landmarks are reached: {off.max():.3f} mm", off.max() < 0.06)
+    refused("a landmark of nothing", ValueError, "a vertex or a place", smr.register, model,
+            landmarks=[smr.Landmark((0, 0, 0))])
+    warp = smr.Warp(rest[::20], now[::20])
+    check("a spline passes through its landmarks",
+          warp.kind == "spline" and np.abs(warp.apply(rest[::20]) - now[::20]).max() < 0.01)
+    pose, rms = smr.align_landmarks(rest[:9], rest[:9] + np.float32([1, 2, 3]))
+    check("landmarks give a pose", rms < 1e-3 and np.abs(pose[:, 3] - [1, 2, 3]).max() < 1e-3)
+    cloud = smr.Points(100)
+    cloud.add(now[:150][:100], weights=np.ones(100))
+    cloud.weigh(0, 0)
+    check("a cloud counts its points", len(cloud) == 100)
+    refused("more points than fit", smr.SmrError, "SMR_E_INPUT", cloud.add, now[:101])
+    refused("voxels of int32", TypeError, "convert them", smr.Volume, np.zeros((3, 3, 3), np.int32), (1, 1, 1))
+    refused("an image without profiles", smr.SmrError, "SMR_E_STATE", smr.register, model,
+            smr.Volume(np.zeros((3, 3, 3)), (1, 1, 1)))
+    jump = [frame.jumped for frame in smr.track(model, [(now, triangles), now + 1, now + 120])]
+    check(f"a jump is seen: {jump}", jump == [False, False, True])
+    carry = smr.Carry(model, rest[:7])
+    check("a vertex is carried to its place", np.abs(carry.apply(now) - now[:7]).max() < 1e-3)
+    check("and back", np.abs(carry.map(now, now[:7], inverse=True)[0] - rest[:7]).max() < 0.02)
+
+
+def behave(folder):
+    rest, triangles, now, _, _ = load(folder)
+    model = smr.Model.prepare({"bone": (rest, triangles)})
+    arrays(model, rest, triangles, now)
+    settings(model, now, triangles)
+    models(model, folder, now, triangles)
+    ownership(rest, triangles, now)
+    ticks(model, rest, triangles, now)
+    targets(model, rest, triangles, now)
+    return counts[1]
+
+
+if __name__ == "__main__":
+    command = sys.argv[1]
+    if command == "structs":
+        structs()
+    elif command == "inputs":
+        make_inputs(sys.argv[2])
+    elif command == "twin":
+        twin(sys.argv[2])
+    else:
+        sys.exit(1 if behave(sys.argv[2]) else 0)
