@@ -119,6 +119,8 @@ help:
 	@echo 'make stack           largest stack frames; fails on an unbounded one'
 	@echo 'make hashes          state hash over threads, schedulers, compilers and processors'
 	@echo 'make settings-page   writes docs/SETTINGS.md from the tables of settings'
+	@echo 'make man             man pages and shell completion, from the table of options, in $(BUILD)/man'
+	@echo 'make reference       the interface as one page, from include/smr.h: $(BUILD)/reference.html'
 	@echo 'make golden-update   records the current state hash as the expected one'
 	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of'
 	@echo '                     instructions; minutes'
@@ -233,6 +235,11 @@ $(BUILD)/settings_page: $(BUILD)/obj/tests/docs/settings_page.o $(HOST_LIB) $(CO
 	$(call begin,LINK,$@)
 	$(Q)$(LINK)
 
+ALL_OBJ += $(call obj,tests/docs/help_pages.c)
+$(BUILD)/help_pages: $(BUILD)/obj/tests/docs/help_pages.o $(HOST_LIB) $(CORE_LIB)
+	$(call begin,LINK,$@)
+	$(Q)$(LINK)
+
 $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(HOST_LIB)
 $(EXPERIMENTS): $(call obj,$(EXPERIMENT_HELPER_SRC))
 $(TESTS) $(HOST_TESTS) $(EXPERIMENTS): private LDLIBS += -lcmocka
@@ -342,6 +349,24 @@ hashes:
 
 settings-page: $(BUILD)/settings_page
 	$(Q)$(BUILD)/settings_page > docs/SETTINGS.md
+
+.PHONY: man reference install-man
+programs: $(BUILD)/help_pages
+man: $(BUILD)/help_pages
+	$(Q)mkdir -p $(BUILD)/man && $(BUILD)/help_pages $(BUILD)/man
+
+# Not where another machine's program would have to write them.
+install: $(if $(PROGRAM),install-man)
+install-man: $(BUILD)/help_pages
+	$(Q)mkdir -p $(BUILD)/man; if $(BUILD)/help_pages $(BUILD)/man 2>/dev/null; then \
+	    install -d $(addprefix '$(DESTDIR)$(PREFIX)'/share/,man/man1 bash-completion/completions zsh/site-functions) && \
+	    install -m 644 $(BUILD)/man/*.1 '$(DESTDIR)$(PREFIX)/share/man/man1' && \
+	    install -m 644 $(BUILD)/man/smr.bash '$(DESTDIR)$(PREFIX)/share/bash-completion/completions/smr' && \
+	    install -m 644 $(BUILD)/man/_smr '$(DESTDIR)$(PREFIX)/share/zsh/site-functions'; \
+	else echo 'no man pages: $(BUILD)/help_pages does not run here'; fi
+
+reference:
+	$(Q)mkdir -p $(BUILD) && sh tests/docs/reference.sh include/smr.h > $(BUILD)/reference.html
 
 golden-update: $(BUILD)/golden
 	$(Q)$(BUILD)/golden > tests/golden/expected.txt

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "commands/commands.h"
+#include "options/command_text.h"
 
 /* Opens closed standard streams: otherwise the next opened file would take their place. */
 static void keep_streams_open(void)
@@ -76,7 +77,8 @@ static int dispatch(int argc, char **argv, host_error *error)
     int k = 0;
     for (k = 1; k < argc; k++)
         if (strcmp(argv[k], "--help") == 0 || strcmp(argv[k], "-h") == 0) {
-            host_help();
+            if (host_command_help(argv[1]) != 0)
+                host_help();
             return HOST_DONE;
         }
     if (argc == 2 && strcmp(argv[1], "--version") == 0) {

@@ -168,8 +168,8 @@ static void marks(const smr_model *model)
 
 static smr_volume volume_of(const void *at)
 {
-    const smr_volume volume = {at, NULL, SMR_VOXEL_UINT8, {voxels, voxels, voxels}, {-45, -45, -70}, {3, 3, 4},
-                               {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    const smr_volume volume = {
+        at, NULL, SMR_VOXEL_UINT8, {voxels, voxels, voxels}, {-45, -45, -70}, {3, 3, 4}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     return volume;
 }
 

@@ -1,13 +1,10 @@
-/* help_text.c: the help text. Options that set one of the library's settings are told by its table: unit, sentence,
- * default.
+/* help_text.c: the help text of the whole program.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
-#include <string.h>
 
-#include "options/options_table.h"
+#include "options/option_text.h"
 
 #define NAME_WIDTH 33 /* where sentences start */
-#define LINE_WIDTH 110
 
 static const char *const start_lines[] = {
     "smr: shape-matching registration of surfaces onto surfaces or images",
@@ -31,7 +28,7 @@ static const char *const start_lines[] = {
     "  smr labels DIR --like VOLUME -o FILE                   closed surfaces as a label map on the volume's grid",
     "  smr phantom -o DIR [--seed N] [--small]                a computed thigh to try it on: model, images, truth",
     "  smr bench --figure1 | --figure2 | --soak -o DIR        distance over time; ignored vertices; budgets",
-    "  smr --help | --version",
+    "  smr --help | --version | COMMAND --help                this text; all of a command's options",
     "",
     "Files: PLY, STL, OBJ, legacy VTK polydata, each also with .gz; coordinates are LPS millimetres",
     "(a file that says SPACE=RAS is turned). Structures carry the base names of their files; several",
@@ -103,81 +100,15 @@ static const char *const other_lines[] = {
     "first; results are written in each case. 1 a replay that differs, 2 bad usage or input.",
 };
 
-/* What stands for an option's value. */
-static const char *value_name(const host_option *o)
+/* An option of register: name, value and sentence. */
+static void print_option(const host_option *o)
 {
-    const smr_setting *const s = host_option_setting(o);
-    if (o->kind == HOST_KIND_WORD)
-        return host_option_words(o);
-    if (o->kind == HOST_KIND_FLAG)
-        return "";
-    if (o->kind == HOST_KIND_RADII)
-        return "MM[,MM...]";
-    if (o->kind == HOST_KIND_SPAN)
-        return "MM[,MM]";
-    if (strcmp(s->unit, "mm") == 0)
-        return "MM";
-    if (strcmp(s->unit, "degrees") == 0)
-        return "DEG";
-    return o->kind == HOST_KIND_COUNT ? "N" : "X";
-}
-
-/* A default as it is typed. */
-static void print_value(const smr_setting *s, double value, char *to, size_t bytes)
-{
-    const char *word = s->unit;
-    if (s->kind != SMR_SETTING_CHOICE) {
-        (void)snprintf(to, bytes, "%g", value);
-        return;
-    }
-    for (; value >= 1.0 && strchr(word, '|') != NULL; value -= 1.0)
-        word = strchr(word, '|') + 1;
-    (void)snprintf(to, bytes, "%.*s", (int)strcspn(word, "|"), word);
-}
-
-/* The default, or both where images have another. */
-static void print_default(const host_option *o, const smr_setting *s, char *to, size_t bytes)
-{
-    char value[64], image[64];
-    const host_range range = host_option_range(o);
-    print_value(s, s->value, value, sizeof value);
-    print_value(s, s->image, image, sizeof image);
-    to[0] = '\0';
-    if (o->kind == HOST_KIND_FLAG)
-        return;
-    if (o->kind == HOST_KIND_SPAN) /* the table's next row is where it ends */
-        (void)snprintf(to, bytes, " (%g,%g)", s->image, s[1].image);
-    else if (o->kind == HOST_KIND_RADII)
-        (void)snprintf(to, bytes, " (chosen from the surfaces; with a reference image 60,40,25,15)");
-    else if (s->value < range.min)
-        (void)snprintf(to, bytes, " (chosen)");
-    else if (strcmp(value, image) == 0 || o->targets == HOST_FOR_SURFACES)
-        (void)snprintf(to, bytes, " (%s)", value);
-    else
-        (void)snprintf(to, bytes, " (%s; into an image %s)", value, image);
-}
-
-/* Without its full stop; what the library's own default means is left out where the option does not take it. */
-static int sentence_length(const host_option *o, const smr_setting *s)
-{
-    const size_t n = s->value < host_option_range(o).min ? strcspn(s->text, ";") : strlen(s->text);
-    return (int)(n > 0 && s->text[n - 1u] == '.' ? n - 1u : n);
-}
-
-/* The words of a text from column NAME_WIDTH on, in lines of LINE_WIDTH. */
-static void print_wrapped(size_t column, const char *text)
-{
-    while (*text != '\0') {
-        const size_t n = strcspn(text, " ");
-        if (column + 1u + n > LINE_WIDTH) {
-            (void)printf("\n%*s", NAME_WIDTH - 1, "");
-            column = NAME_WIDTH - 1;
-        }
-        (void)printf(" %.*s", (int)n, text);
-        column += 1u + n;
-        text += n + (text[n] == ' ');
-    }
-    (void)printf("\n");
+    char sentence[512];
+    const int n = printf("  %s %s", o->name, host_option_value(o, HOST_REGISTER));
+    host_option_sentence(o, HOST_REGISTER, sentence, sizeof sentence);
+    if (n < NAME_WIDTH - 1)
+        (void)printf("%*s", NAME_WIDTH - 1 - n, "");
+    host_print_wrapped(n < NAME_WIDTH - 1 ? NAME_WIDTH - 1 : (size_t)n, NAME_WIDTH - 1, sentence);
 }
 
 /* The options of register for this kind of target (0: any), or those of preparing, that set a setting. */
@@ -188,31 +119,9 @@ static void print_settings(const char *title, int prepares, int targets)
     for (i = 0; i < host_option_count; i++) {
         const host_option *const o = &host_option_table[i];
         const smr_setting *const s = host_option_setting(o);
-        char sentence[512], standard[160];
-        if (s == NULL || o->prepares != prepares || (!prepares && o->targets != targets))
-            continue;
-        const int n = printf("  %s %s", o->name, value_name(o));
-        print_default(o, s, standard, sizeof standard);
-        (void)snprintf(sentence, sizeof sentence, "%.*s%s%s", sentence_length(o, s), s->text,
-                       o->kind == HOST_KIND_SPAN ? " and at its end" : "", standard);
-        if (n < NAME_WIDTH - 1)
-            (void)printf("%*s", NAME_WIDTH - 1 - n, "");
-        print_wrapped(n < NAME_WIDTH - 1 ? NAME_WIDTH - 1 : (size_t)n, sentence);
+        if (s != NULL && o->prepares == prepares && (prepares || o->targets == targets))
+            print_option(o);
     }
-}
-
-/* One option for two settings. */
-static void print_search(void)
-{
-    const smr_config surfaces = smr_config_default(), image = smr_config_default_image();
-    char text[256];
-    const int n = printf("  --search MM[,MM]");
-    (void)snprintf(text, sizeof text,
-                   "surfaces: farthest closest point that is a goal (%g); an image: search distance of profile "
-                   "matching, first and last (%g,%g), at most half a radius",
-                   (double)surfaces.search_mm, (double)image.profile_mm, (double)image.profile_end_mm);
-    (void)printf("%*s", NAME_WIDTH - 1 - n, "");
-    print_wrapped(NAME_WIDTH - 1, text);
 }
 
 static void print_lines(const char *const *lines, size_t n)
@@ -225,7 +134,7 @@ static void print_lines(const char *const *lines, size_t n)
 void host_help(void)
 {
     print_lines(start_lines, sizeof start_lines / sizeof start_lines[0]);
-    print_search();
+    print_option(host_option_find("--search", HOST_REGISTER));
     print_settings("register, any target:", 0, 0);
     print_settings("register, surfaces as targets:", 0, HOST_FOR_SURFACES);
     print_settings("register, an image as the target:", 0, HOST_FOR_IMAGES);

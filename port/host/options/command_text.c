@@ -1,0 +1,176 @@
+/* command_text.c: the commands in words, and the help of one command.
+ * SPDX-License-Identifier: MIT */
+#include "options/command_text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "options/option_text.h"
+
+#define TEXT_COLUMN 30 /* behind which sentences start */
+
+#define MESH_FILES                                                                                                     \
+    "Surfaces are PLY, STL, OBJ or legacy VTK polydata, each also with .gz; volumes MetaImage, NIfTI-1 or NRRD. "      \
+    "Coordinates are LPS millimetres; a file that says SPACE=RAS is turned. Structures carry the base names of their " \
+    "files."
+
+const host_command_text host_command_texts[] = {
+    {"register",
+     HOST_REGISTER,
+     "deform a model onto surfaces, points or landmarks, or into an image",
+     {"--model FILE... --target FILE... -o DIR [OPTION]...",
+      "--model FILE... --reference VOLUME --target VOLUME [--landmarks MODEL TARGET] -o DIR [OPTION]...",
+      "--model FILE... --landmark-goals MODEL NOW [--target FILE...] -o DIR [OPTION]...", NULL},
+     {MESH_FILES,
+      "Several targets are matched to structures by name, one target serves all, and structures without one are "
+      "carried "
+      "along. A target without triangles is a cloud of points. The reference is the image that fits the model's "
+      "surfaces; a .smr that was built with --reference needs none. Landmarks are Slicer's .mrk.json or .fcsv, or CSV "
+      "with label,x,y,z.",
+      "DIR gets NAME.ply for every structure, carry.bin for carry, field and warp, and report.json, which is written "
+      "last: a directory without it is not a whole result. The report has a verdict, good, look or failed, with "
+      "reasons "
+      "and the error that is expected.",
+      "Results are the same for any number of threads and on any processor.", NULL},
+     "by the verdict: 1 failed, 3 look at it (0 with --accept look); 4 --ticks ended first. Results are written in "
+     "each "
+     "case"},
+    {"track",
+     HOST_TRACK,
+     "follow a target that moves, frame by frame",
+     {"--model FILE... --frames FILE... -o DIR [OPTION]...", NULL},
+     {MESH_FILES,
+      "The model is registered onto the first frame and follows the others. DIR gets FRAME/NAME.ply for every frame "
+      "and structure, and track.csv with a line for each frame: time, ticks, residual, verdict, whether the target "
+      "jumped.",
+      NULL},
+     "by the worst frame's verdict: 1 failed, 3 look at it (0 with --accept look)"},
+    {"build",
+     HOST_BUILD,
+     "prepare a model",
+     {"--model FILE... [--reference VOLUME] -o MODEL.smr [OPTION]...", NULL},
+     {"A prepared model saves the time of preparing, and is what devices get. With --reference it holds the intensity "
+      "profiles that registrations into images need.",
+      MESH_FILES, NULL},
+     ""},
+    {"info",
+     HOST_INFO,
+     "say what models, surfaces, volumes and landmarks are",
+     {"FILE... [OPTION]...", NULL},
+     {"Of surfaces it says what the model of them would be, with the options of preparing.", MESH_FILES, NULL},
+     ""},
+    {"measure",
+     HOST_MEASURE,
+     "measure the distances between two surfaces",
+     {"A B [--source S] [--threads N]", NULL},
+     {"Distances are over the area, both ways: mean, root mean square, 95 % and the largest (Hausdorff); those of "
+      "vertices alone stand apart. Also folds of A, new ones with --source.",
+      NULL},
+     ""},
+    {"carry",
+     HOST_CARRY,
+     "carry points to where a registration took them, or back",
+     {"--result DIR --points FILE -o FILE [OPTION]...", NULL},
+     {"A smooth map of space, exact at the vertices, carries what lies between and beside them.", NULL},
+     "3 of some points, which are named, the way back was not found"},
+    {"field",
+     HOST_FIELD,
+     "write the displacement field of a registration, for ITK and 3D Slicer",
+     {"--result DIR [--like VOLUME | --spacing MM] [--inverse] -o FILE", NULL},
+     {"Vectors in LPS millimetres: what is added to points of the model's space, or with --inverse to those of the "
+      "result's space to lead them back.",
+      NULL},
+     ""},
+    {"warp",
+     HOST_WARP,
+     "deform the model's image as the model was",
+     {"--result DIR --volume VOLUME [--like VOLUME | --spacing MM] -o FILE", NULL},
+     {NULL},
+     ""},
+    {"replay",
+     HOST_REPLAY,
+     "repeat a registration that register --log recorded",
+     {"LOG [--threads N]", NULL},
+     {"The inputs are read again, from where it is called. It says that all ticks agree to the last bit, or which one "
+      "differs.",
+      NULL},
+     "1 it differs"},
+    {"phantom",
+     HOST_PHANTOM,
+     "compute a thigh of 24 structures to try it on",
+     {"-o DIR [--seed N] [--small] [OPTION]...", NULL},
+     {"DIR gets model/NAME.ply, the image that fits it, a patient's image, landmarks of both and truth/NAME.ply, where "
+      "the patient's surfaces are.",
+      NULL},
+     ""},
+    {"bench",
+     HOST_BENCH,
+     "draw the paper's figures, measure how budgets are kept",
+     {"--figure1 | --figure2 | --soak -o DIR [OPTION]...",
+      "--figure1 | --figure2 | --soak --model FILE... --target FILE... -o DIR [OPTION]...", NULL},
+     {"Of the computed thigh, or of files.", NULL},
+     ""},
+};
+
+const size_t host_command_count = sizeof host_command_texts / sizeof host_command_texts[0];
+
+const char *const host_option_groups[] = {"Options", "Surfaces as targets", "An image as the target",
+                                          "Preparing the model (not with a .smr)", NULL};
+
+const char host_status_text[] = "0 done; 2 bad usage or input: one line says which, and nothing is written";
+
+size_t host_option_group(const host_option *o, int command)
+{
+    if ((command & (HOST_REGISTER | HOST_TRACK)) == 0)
+        return 0;
+    if (o->prepares && o->setting != 0)
+        return 3;
+    return o->setting == 0 ? 0 : (size_t)o->targets;
+}
+
+static void print_option(const host_option *o, int command)
+{
+    char sentence[512];
+    const int n = printf("  %s %s", o->name, host_option_value(o, command));
+    host_option_sentence(o, command, sentence, sizeof sentence);
+    (void)printf("%s%*s", n > TEXT_COLUMN ? "\n" : "", n > TEXT_COLUMN ? TEXT_COLUMN : TEXT_COLUMN - n, "");
+    host_print_wrapped(TEXT_COLUMN, TEXT_COLUMN, sentence);
+}
+
+static void print_group(size_t group, int command)
+{
+    size_t i = 0, n = 0;
+    for (i = 0; i < host_option_count; i++) {
+        const host_option *const o = &host_option_table[i];
+        if ((o->commands & command) == 0 || host_option_group(o, command) != group)
+            continue;
+        if (n++ == 0)
+            (void)printf("\n%s:\n", host_option_groups[group]);
+        print_option(o, command);
+    }
+}
+
+int host_command_help(const char *name)
+{
+    const host_command_text *c = host_command_texts;
+    size_t i = 0;
+    char status[512];
+    while (c < host_command_texts + host_command_count && strcmp(c->name, name) != 0)
+        c++;
+    if (c == host_command_texts + host_command_count)
+        return -1;
+    (void)printf("smr %s: %s\n\n", c->name, c->purpose);
+    for (i = 0; c->synopsis[i] != NULL; i++)
+        (void)printf("%s smr %s %s\n", i == 0 ? "usage:" : "      ", c->name, c->synopsis[i]);
+    for (i = 0; c->paragraph[i] != NULL; i++) {
+        (void)printf("\n");
+        host_print_wrapped(0, 0, c->paragraph[i]);
+    }
+    for (i = 0; host_option_groups[i] != NULL; i++)
+        print_group(i, c->command);
+    (void)snprintf(status, sizeof status, "Exit status: %s%s%s.", host_status_text, c->status[0] == '\0' ? "" : "; ",
+                   c->status);
+    (void)printf("\n");
+    host_print_wrapped(0, 0, status);
+    return 0;
+}
