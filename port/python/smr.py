@@ -447,8 +447,9 @@ def self_test() -> List[str]:
 
 # ------------------------------------------------------------------ threads
 
-def _end_pool(handle: int, memory: Array, process: int) -> None:
-    if process == os.getpid() and memory is not None:  # a forked child has no such threads
+def _end_pool(handle: int, process: int, _kept: Array) -> None:
+    """The memory is kept until here. A forked child has no such threads."""
+    if process == os.getpid():
         _lib.smr_pthread_destroy(handle)
 
 
@@ -464,7 +465,7 @@ class _Pool:
         _lib.smr_pthread_create(C.byref(handle), _at(memory), size, n)
         self.n = n
         self.port = _lib.smr_pthread_port(handle)
-        weakref.finalize(self, _end_pool, handle.value, memory, os.getpid())
+        weakref.finalize(self, _end_pool, handle.value or 0, os.getpid(), memory)
 
 
 # ------------------------------------------------------------------ inputs
@@ -766,7 +767,7 @@ class Warp:
 # ------------------------------------------------------------------ registration
 
 Target = Union[Surface, Points, Volume, Mesh, Array]
-Targets = Union[Target, Mapping[Union[int, str], Target], None]
+Targets = Union[Target, Mapping[Any, Target], None]  # a mapping: structures, by number or name, to targets
 
 
 def _as_target(target: Any) -> Union[Surface, Points, Volume]:
