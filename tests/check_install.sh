@@ -11,6 +11,9 @@ put DESTDIR="$tmp/a place" PREFIX=/usr
 for file in include/smr.h include/smr_pthread.h lib/libsmr.a lib/libsmr_pthread.a lib/pkgconfig/smr.pc bin/smr; do
     [ -f "$tmp/a place/usr/$file" ] || { echo "not installed: $file"; exit 1; }
 done
+for file in man/man1/smr.1 man/man1/smr-register.1 bash-completion/completions/smr zsh/site-functions/_smr; do
+    [ -s "$tmp/a place/usr/share/$file" ] || { echo "not installed: share/$file"; exit 1; }
+done
 if ${MAKE:-make} -s BUILD='a b' all >"$tmp/log" 2>&1 || ! grep -q 'without spaces' "$tmp/log"; then
     echo "a build directory with a space is not refused"
     exit 1

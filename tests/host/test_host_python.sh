@@ -13,7 +13,9 @@ for one in ${PYTHON:-} python3 /usr/bin/python3; do
 done
 [ -n "$python" ] || { skip "Python" "no python3 with numpy"; finish; exit; }
 export PYTHONDONTWRITEBYTECODE=1 OPENBLAS_NUM_THREADS=1
-if [ -z "${SMR_LIBRARY:-}" ]; then
+if [ -z "${SMR_LIBRARY:-}" ] && [ -e "$build/libsmr.so" ] && [ ! "$build/libsmr.so" -ot "$build/libsmr.a" ]; then
+    SMR_LIBRARY=$(cd "$build" && pwd)/libsmr.so
+elif [ -z "${SMR_LIBRARY:-}" ]; then
     SMR_LIBRARY=$scratch/libsmr.so
     # Compilers that make position-independent programs make objects that do for this; others need make shared.
     # shellcheck disable=SC2086
