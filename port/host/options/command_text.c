@@ -40,7 +40,8 @@ const host_command_text host_command_texts[] = {
      "follow a target that moves, frame by frame",
      {"--model FILE... --frames FILE... -o DIR [OPTION]...", NULL},
      {MESH_FILES,
-      "The model is registered onto the first frame and follows the others. DIR gets FRAME/NAME.ply for every frame "
+      "The model is registered onto the first frame and follows the others, surfaces or clouds of points. DIR gets "
+      "FRAME/NAME.ply for every frame "
       "and structure, and track.csv with a line for each frame: time, ticks, residual, verdict, whether the target "
       "jumped.",
       NULL},
@@ -87,6 +88,14 @@ const host_command_text host_command_texts[] = {
      {"--result DIR --volume VOLUME [--like VOLUME | --spacing MM] -o FILE", NULL},
      {NULL},
      ""},
+    {"summary",
+     HOST_SUMMARY,
+     "tell many results of register in one table",
+     {"DIR... -o TABLE.csv [--html PAGE.html] [OPTION]...", NULL},
+     {"A row for each directory that register wrote, in the natural order of their names; a page of all with pictures, "
+      "sorted by verdict.",
+      NULL},
+     "1 a report is missing or cannot be read"},
     {"replay",
      HOST_REPLAY,
      "repeat a registration that register --log recorded",
