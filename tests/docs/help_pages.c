@@ -214,7 +214,7 @@ static const char *value_kind(const host_option *o, int command)
         return "file";
     if (o->kind != HOST_KIND_TEXT || strcmp(value, "W|hard") == 0 || strcmp(value, "NAME") == 0)
         return "none";
-    return strcmp(value, "DIR") == 0 ? "directory" : "file";
+    return strcmp(value, "DIR") == 0 ? "directory" : "file"; /* a file may be a directory, too */
 }
 
 /* "x|y|z" with another sign between the words. */

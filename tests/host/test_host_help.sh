@@ -65,7 +65,7 @@ if command -v bash >/dev/null && bash -c 'type mapfile compgen' >/dev/null 2>&1;
     offers '--budget-ms' smr register --model a.ply --bu
     offers 'femur.ply' smr register --model fem
     offers 'femur.ply' smr register --model a.ply b.ply fem
-    offers 'folder' smr register --truth fo
+    offers 'folder' smr carry --result fo
     offers '' smr register --ticks ''
     offers '--mirror-model --mirror-target' smr register --quiet --mir
     offers '--mirror-model --mirror-target' smr register --ticks 3 --mir
