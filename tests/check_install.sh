@@ -8,7 +8,7 @@ tmp=$(mktemp -d) || exit 1
 trap 'rm -rf "$tmp"' EXIT
 put() { ${MAKE:-make} -s BUILD="$build" CC="${CC:-cc}" CFLAGS="${CFLAGS:-}" install "$@" >"$tmp/log" 2>&1 || { cat "$tmp/log"; exit 1; }; }
 put DESTDIR="$tmp/a place" PREFIX=/usr
-for file in include/smr.h include/smr_pthread.h lib/libsmr.a lib/libsmr_pthread.a lib/pkgconfig/smr.pc bin/smr; do
+for file in include/smr.h include/smr_pthread.h lib/libsmr.a lib/libsmr_pthread.a lib/pkgconfig/smr.pc bin/smr lib/smr/slicer/smr-register; do
     [ -f "$tmp/a place/usr/$file" ] || { echo "not installed: $file"; exit 1; }
 done
 for file in man/man1/smr.1 man/man1/smr-register.1 bash-completion/completions/smr zsh/site-functions/_smr; do

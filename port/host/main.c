@@ -85,6 +85,8 @@ static int dispatch(int argc, char **argv, host_error *error)
         (void)printf("smr %d.%d.%d\n", SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH);
         return HOST_DONE;
     }
+    if (argc == 3 && strcmp(argv[1], "register") == 0 && strcmp(argv[2], "--xml") == 0)
+        return host_module_xml() == 0 ? HOST_DONE : HOST_REFUSED;
     for (i = 0; argc > 1 && i < sizeof commands / sizeof commands[0]; i++)
         if (strcmp(argv[1], commands[i].name) == 0)
             return run(commands[i].command, argc, argv, error);

@@ -16,7 +16,9 @@ for part in "$@"; do
         install -m 644 "$BUILD/libsmr_pthread.a" "$lib" ;;
     program)
         install -d "$DESTDIR$PREFIX/bin"
-        install -m 755 "$BUILD/smr" "$DESTDIR$PREFIX/bin" ;;
+        install -m 755 "$BUILD/smr" "$DESTDIR$PREFIX/bin"
+        install -d "$DESTDIR$PREFIX/lib/smr/slicer"
+        install -m 755 port/host/slicer/smr-register.sh "$DESTDIR$PREFIX/lib/smr/slicer/smr-register" ;;
     shared)
         install -m 644 include/smr.h port/pthread/smr_pthread.h "$DESTDIR$PREFIX/include"
         install -m 755 "$BUILD/libsmr.so.$VERSION" "$lib"

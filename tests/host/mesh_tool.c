@@ -26,14 +26,14 @@ static int read_mesh(const char *path, host_mesh *mesh)
 
 static int convert(const char *in, const char *format, const char *out)
 {
-    static const char *const names[] = {"ply", "ply-ascii", "stl", "obj", "vtk"};
+    static const char *const names[] = {"ply", "stl", "vtk-binary", "obj", "ply-ascii", "vtk"};
     host_mesh mesh;
     host_buffer buffer = {0};
     FILE *file = NULL;
     int i = 0, result = read_mesh(in, &mesh);
     if (result != 0)
         return result;
-    while (i < 4 && strcmp(format, names[i]) != 0)
+    while (i < 5 && strcmp(format, names[i]) != 0)
         i++;
     host_mesh_write(&mesh, i, &buffer);
     file = fopen(out, "wb");

@@ -179,6 +179,8 @@ check "an image of noise ends with status 1" has_status 1 "$SMR" register --mode
 check "and says what is written" grep -q '^verdict: failed: .*; the start is written instead of what was found' out.txt
 check "vertices had moved, though" less 0.3 "$(value noise/report.json matched_share)"
 check "they are where they began" sh -c "[ '$(value noise/report.json start_kept)' = true ] && '$SMR' measure noise/bone.ply bone.ply | grep -q '^Hausdorff: 0.0000 mm'"
+"$SMR" carry --result noise --points bone.ply -o carried.ply --quiet
+check "points are carried to what is written" sh -c "'$SMR' measure carried.ply noise/bone.ply | grep -q '^Hausdorff: 0.0000 mm'"
 check "a result that was found is no start" [ "$(value spline/report.json start_kept)" = false ]
 
 check "a search that ends before the schedule" has_status 0 $SMR register --model bone.ply -o ends $image4 --search 8,0 --gradient 4,0 --quiet

@@ -92,10 +92,13 @@ static double fit_knot(const knot *at, float *field)
     return miss2;
 }
 
-static void fit(const host_carried *c, const host_volume *grid, uint32_t inverse, float *field)
+void host_carried_field_fit(const host_carried *c, const host_volume *grid, uint32_t inverse, float *field)
 {
     double to_index[9], worst2 = 1.0;
     uint32_t sweep = 0, v = 0;
+    if (!(grid->spacing[0] <= FIT_SPACING_MM && grid->spacing[1] <= FIT_SPACING_MM &&
+          grid->spacing[2] <= FIT_SPACING_MM))
+        return;
     host_volume_to_index(grid, to_index);
     for (sweep = 0; sweep < SWEEPS && worst2 > FIT_MM * FIT_MM; sweep++) {
         worst2 = 0.0;
@@ -124,7 +127,16 @@ int64_t host_carried_field(host_carried *c, const host_volume *grid, uint32_t in
     free(xyz);
     if (bad < 0)
         return -1;
-    if (grid->spacing[0] <= FIT_SPACING_MM && grid->spacing[1] <= FIT_SPACING_MM && grid->spacing[2] <= FIT_SPACING_MM)
-        fit(c, grid, inverse, field);
+    host_carried_field_fit(c, grid, inverse, field);
     return missed;
+}
+
+void host_carried_field_file(const host_volume *grid, uint32_t inverse, const float *field, const char *path,
+                             host_buffer *out)
+{
+    host_volume_write_header(grid, HOST_FLOAT32, 3,
+                             inverse ? "displacement field type:=resampling\nintent_code:=1006\n"
+                                     : "displacement field type:=modeling\nintent_code:=1006\n",
+                             path, out);
+    host_volume_write_values(field, HOST_FLOAT32, (size_t)3u * grid->size[0] * grid->size[1] * grid->size[2], out);
 }

@@ -3,6 +3,7 @@
 #ifndef CARRY_FIELD_H
 #define CARRY_FIELD_H
 
+#include "base/byte_buffer.h"
 #include "carry/carry_result.h"
 #include "volumes/voxel_volume.h"
 
@@ -11,5 +12,12 @@
  * a little, so that linear interpolation between voxels leads from vertex to vertex. Returns at how many voxels the
  * way back was not found, or -1 with the error filled. */
 int64_t host_carried_field(host_carried *c, const host_volume *grid, uint32_t inverse, float *field, host_error *error);
+
+/* That fit alone, to any field on the grid; nothing is done on a coarser one. */
+void host_carried_field_fit(const host_carried *c, const host_volume *grid, uint32_t inverse, float *field);
+
+/* Writes the field as a file of the path's format into the buffer, which stores failure. */
+void host_carried_field_file(const host_volume *grid, uint32_t inverse, const float *field, const char *path,
+                             host_buffer *out);
 
 #endif

@@ -123,6 +123,16 @@ static int parse(host_carry_shape *shape, const unsigned char *data, size_t size
                : 0;
 }
 
+int host_carry_parse(const unsigned char *data, size_t size, host_carry_shape *shape, host_error *error)
+{
+    int result = 0;
+    memset(shape, 0, sizeof *shape);
+    result = parse(shape, data, size, error);
+    if (result != 0)
+        host_carry_free(shape);
+    return result;
+}
+
 static int accept_ours(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
 {
     (void)path;
@@ -146,10 +156,8 @@ int host_carry_read(const char *directory, host_carry_shape *shape, char **path,
     error->file = *path;
     if (host_file_read(*path, accept_ours, &bytes, error) != 0)
         return -1;
-    result = parse(shape, bytes.data, bytes.size, error);
+    result = host_carry_parse(bytes.data, bytes.size, shape, error);
     host_file_free(&bytes);
-    if (result != 0)
-        host_carry_free(shape);
     return result;
 }
 

@@ -29,6 +29,9 @@ void host_carry_write(const host_carry_shape *shape, host_buffer *out);
  * error borrows *path, which the caller frees at the end. */
 int host_carry_read(const char *directory, host_carry_shape *shape, char **path, host_error *error);
 
+/* Takes the bytes of such a file; likewise. */
+int host_carry_parse(const unsigned char *data, size_t size, host_carry_shape *shape, host_error *error);
+
 void host_carry_free(host_carry_shape *shape);
 
 #endif

@@ -7,18 +7,31 @@
 
 #include "base/memory.h"
 
-int host_carried_open(host_carried *c, const char *directory, uint32_t threads, host_error *error)
+static int fit(host_carried *c, host_error *error)
 {
     size_t bytes = 0;
-    memset(c, 0, sizeof *c);
-    if (host_port_open(&c->port, threads, error) != 0 || host_carry_read(directory, &c->shape, &c->path, error) != 0)
-        return -1;
     if (smr_carry_bytes(c->shape.n_vertices, 0, c->port.port.n_workers, &bytes) == SMR_OK)
         c->memory = host_alloc(bytes);
     if (c->memory == NULL || smr_carry_fit(c->shape.rest, c->shape.n_vertices, NULL, 0, &c->port.port, c->memory, bytes,
                                            &c->carry) != SMR_OK)
         return host_fail(error, "start", "free memory");
     return 0;
+}
+
+int host_carried_open(host_carried *c, const char *directory, uint32_t threads, host_error *error)
+{
+    memset(c, 0, sizeof *c);
+    if (host_port_open(&c->port, threads, error) != 0 || host_carry_read(directory, &c->shape, &c->path, error) != 0)
+        return -1;
+    return fit(c, error);
+}
+
+int host_carried_take(host_carried *c, const unsigned char *data, size_t size, uint32_t threads, host_error *error)
+{
+    memset(c, 0, sizeof *c);
+    if (host_port_open(&c->port, threads, error) != 0 || host_carry_parse(data, size, &c->shape, error) != 0)
+        return -1;
+    return fit(c, error);
 }
 
 void host_carried_close(host_carried *c)
@@ -60,6 +73,45 @@ int64_t host_carried_points(host_carried *c, uint32_t inverse, float *xyz, uint3
     return status == SMR_OK ? bad
                             : host_fail(error, "carry", "points within +-%.0f mm (%s)", (double)SMR_COORD_MAX,
                                         smr_status_name(status));
+}
+
+/* Columns of each matrix by the pose. */
+static void turn(const smr_pose *poses, uint32_t n, float *orientation)
+{
+    uint32_t i = 0, k = 0, r = 0;
+    for (i = 0; i < n; i++, orientation += 9)
+        for (k = 0; k < 3; k++) {
+            const float x = orientation[k], y = orientation[3u + k], z = orientation[6u + k];
+            for (r = 0; r < 3; r++)
+                orientation[3u * r + k] = poses[i].m[r][0] * x + poses[i].m[r][1] * y + poses[i].m[r][2] * z;
+        }
+}
+
+int host_carried_frames(host_carried *c, uint32_t inverse, const float *xyz, uint32_t n, float *orientation,
+                        host_error *error)
+{
+    const size_t places = (size_t)SMR_FRAME_PLACES * n;
+    float *const from = malloc(places * 3u * sizeof *from + 1u), *const to = malloc(places * 3u * sizeof *to + 1u);
+    smr_pose *const poses = malloc((n + 1u) * sizeof *poses);
+    int result = -1;
+    if (from == NULL || to == NULL || poses == NULL || places > SMR_VERTICES_MAX)
+        (void)host_fail(error, "carry", "at most %u points with orientations, and free memory",
+                        SMR_VERTICES_MAX / SMR_FRAME_PLACES);
+    else if (smr_frame_places(xyz, n, HOST_FRAME_MM, from) != SMR_OK)
+        (void)host_fail(error, "carry", "points within +-%.0f mm", (double)SMR_COORD_MAX);
+    else {
+        memcpy(to, from, places * 3u * sizeof *to);
+        if (host_carried_points(c, inverse, to, (uint32_t)places, NULL, error) >= 0)
+            result = smr_frame_poses(from, to, n, poses, NULL) == SMR_OK
+                         ? 0
+                         : host_fail(error, "carry", "frames that stay frames");
+    }
+    if (result == 0)
+        turn(poses, n, orientation);
+    free(from);
+    free(to);
+    free(poses);
+    return result;
 }
 
 void host_carried_box(const host_carried *c, uint32_t inverse, float low[3], float high[3])

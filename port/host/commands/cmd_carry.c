@@ -45,6 +45,16 @@ static void tell_missed(const host_points *points, const unsigned char *missed, 
     (void)fprintf(stderr, "%s\n", n > (int64_t)told ? " ..." : "");
 }
 
+/* Where the model was mirrored, a frame would be, too, and none is written. */
+static int carry_frames(host_carried *c, host_points *points, uint32_t inverse, host_error *error)
+{
+    if (c->shape.mirror != HOST_MIRROR_NONE)
+        host_points_unorient(points);
+    return points->orientation == NULL
+               ? 0
+               : host_carried_frames(c, inverse, points->xyz[0], points->n, points->orientation[0], error);
+}
+
 static int carry_points(host_carried *c, host_points *points, const host_options *options, host_error *error)
 {
     unsigned char *const missed = calloc(points->n + 1u, 1);
@@ -53,7 +63,8 @@ static int carry_points(host_carried *c, host_points *points, const host_options
     error->file = options->points;
     if (missed == NULL)
         (void)host_fail(error, "points", "free memory");
-    else if ((bad = host_carried_points(c, options->inverse, points->xyz[0], points->n, missed, error)) >= 0 &&
+    else if (carry_frames(c, points, options->inverse, error) == 0 &&
+             (bad = host_carried_points(c, options->inverse, points->xyz[0], points->n, missed, error)) >= 0 &&
              write_points(points, options->out, error) == 0)
         result = bad > 0 ? HOST_LOOK : HOST_DONE;
     if (result == HOST_LOOK)
@@ -73,6 +84,7 @@ int host_carry(const host_options *options, host_error *error)
     memset(&c, 0, sizeof c);
     memset(&points, 0, sizeof points);
     if (host_points_can_write(options->out, error) == 0 && host_points_read(options->points, &points, error) == 0 &&
+        host_points_fit(&points, options->out, error) == 0 &&
         host_carried_open(&c, options->result, options->threads, error) == 0)
         result = carry_points(&c, &points, options, error);
     if (result == HOST_REFUSED && error->file == c.path) /* the name goes with the map */

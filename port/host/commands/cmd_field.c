@@ -40,12 +40,8 @@ static int put_field(host_carried *c, const host_volume *grid, const host_option
     error->file = options->like != NULL ? options->like : "field";
     *missed = field != NULL ? host_carried_field(c, grid, options->inverse, field, error)
                             : host_fail(error, "size", "free memory for %zu voxels", n);
-    host_volume_write_header(grid, HOST_FLOAT32, 3,
-                             options->inverse ? "displacement field type:=resampling\nintent_code:=1006\n"
-                                              : "displacement field type:=modeling\nintent_code:=1006\n",
-                             options->out, out);
     if (*missed >= 0)
-        host_volume_write_values(field, HOST_FLOAT32, 3u * n, out);
+        host_carried_field_file(grid, options->inverse, field, options->out, out);
     free(field);
     return *missed >= 0 ? 0 : -1;
 }

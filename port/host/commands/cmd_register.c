@@ -11,23 +11,7 @@
 #include "files/file_read.h"
 #include "files/output_files.h"
 #include "report/register_report.h"
-
-/* With what is known of each vertex, where that was asked for. */
-static void write_surface(const host_job *job, uint32_t part, host_buffer *buffer)
-{
-    const host_mesh *const mesh = &job->result[part].mesh;
-    float *const expected = malloc((mesh->n_vertices + 1u) * sizeof *expected);
-    unsigned char *const seen = malloc(mesh->n_vertices + 1u);
-    if (!job->options->vertex_errors)
-        host_mesh_write(mesh, HOST_FORMAT_PLY, buffer);
-    else if (expected == NULL || seen == NULL || smr_get_seen(job->state, part, seen) != SMR_OK ||
-             smr_get_expected_error(job->state, part, expected) != SMR_OK)
-        buffer->failed = 1;
-    else
-        host_mesh_write_judged(mesh, seen, expected, buffer);
-    free(expected);
-    free(seen);
-}
+#include "scene/register_scene.h"
 
 static int write_surfaces(const host_job *job, host_output *output, host_error *error)
 {
@@ -37,9 +21,10 @@ static int write_surfaces(const host_job *job, host_output *output, host_error *
     memset(&buffer, 0, sizeof buffer);
     for (i = 0; result == 0 && i < job->model.n_parts; i++) {
         char name[SMR_NAME_BYTES + 4u];
-        (void)snprintf(name, sizeof name, "%s.ply", job->model.part[i].name);
+        (void)snprintf(name, sizeof name, "%s%s", job->model.part[i].name,
+                       host_format_extension((int)job->options->format));
         buffer.size = 0;
-        write_surface(job, i, &buffer);
+        host_job_surface(job, i, &buffer);
         result = host_output_add(output, name, &buffer, error);
     }
     host_buffer_free(&buffer);
@@ -83,10 +68,12 @@ static int status_of(const host_job *job)
     return job->verdict.level > (int)job->options->accept ? HOST_LOOK : HOST_DONE;
 }
 
-/* Writes results, log, trace and save, then the report, which tells of the others. */
+/* Writes results, scene, log, trace and save, then the report, which tells of the others. */
 static int write_set(const host_job *job, host_output *output, host_buffer *report, host_error *error)
 {
     if (write_surfaces(job, output, error) != 0 || write_carry(job, output, error) != 0)
+        return -1;
+    if (job->options->slicer != NULL && host_scene_add(job, output, error) != 0)
         return -1;
     if (job->options->log != NULL && /* may go into the directory that was just made */
         write_beside(job, job->options->log, host_job_log, output, error) != 0)
@@ -121,11 +108,12 @@ static int write_all(const host_job *job, host_error *error)
     return result;
 }
 
-/* Log, trace and save may lie among the results, or elsewhere; each is a file of its own. */
+/* Log, trace, save and scene may lie among the results, or elsewhere; each is a file of its own. */
 static int check_files(const host_options *options, host_error *error)
 {
-    static const char *const others[] = {"another file than the log's", "another file than the trace's"};
-    const char *const path[] = {options->log, options->trace, options->save};
+    static const char *const others[] = {"another file than the log's", "another file than the trace's",
+                                         "another file than the save's"};
+    const char *const path[] = {options->log, options->trace, options->save, options->slicer};
     size_t i = 0, k = 0;
     for (i = 0; i < sizeof path / sizeof path[0]; i++) {
         if (path[i] != NULL && host_output_check_file(path[i], options->out, error) != 0)
@@ -142,8 +130,8 @@ static int run_steps(host_job *job, host_error *error)
 {
     if (host_output_check(job->options->out, error) != 0 || check_files(job->options, error) != 0 ||
         host_port_open(&job->port, job->options->threads, error) != 0 || host_job_load(job, error) != 0 ||
-        host_job_check(job, error) != 0 || host_job_match(job, error) != 0 || host_job_prepare(job, error) != 0 ||
-        host_job_run(job, error) != 0 || host_job_evaluate(job, error) != 0)
+        host_job_check_format(job, error) != 0 || host_job_check(job, error) != 0 || host_job_match(job, error) != 0 ||
+        host_job_prepare(job, error) != 0 || host_job_run(job, error) != 0 || host_job_evaluate(job, error) != 0)
         return HOST_REFUSED;
     host_job_verdict(job);
     if (host_job_keep_start(job, error) != 0 || write_all(job, error) != 0)

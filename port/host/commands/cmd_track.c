@@ -82,8 +82,9 @@ static int start(tracked *t, const host_options *options, host_error *error)
         result = check_frame(t, &t->frames.frame[i], &t->job.port.port, error);
     t->options.target = t->frames.frame[0].files;
     t->options.config.n_target_vertices = (uint32_t)t->most_vertices;
-    if (result != 0 || host_job_load(&t->job, error) != 0 || host_job_check(&t->job, error) != 0 ||
-        check_names(t, error) != 0 || host_job_match(&t->job, error) != 0 || host_job_prepare(&t->job, error) != 0 ||
+    if (result != 0 || host_job_load(&t->job, error) != 0 || host_job_check_format(&t->job, error) != 0 ||
+        host_job_check(&t->job, error) != 0 || check_names(t, error) != 0 || host_job_match(&t->job, error) != 0 ||
+        host_job_prepare(&t->job, error) != 0 ||
         host_track_points_bind(&t->points, &t->job.model, options->mirror_model, &t->job.port.port, error) != 0)
         return -1;
     return host_job_run(&t->job, error);
@@ -156,13 +157,14 @@ static int add_parts(tracked *t, const host_frame *frame, host_output *output, h
         const host_part *const part = &t->job.model.part[i];
         host_mesh mesh = part->mesh;
         char name[NAME_ROOM];
-        (void)snprintf(name, sizeof name, "%s/%s.ply", frame->name, part->name);
+        (void)snprintf(name, sizeof name, "%s/%s%s", frame->name, part->name,
+                       host_format_extension((int)t->options.format));
         mesh.xyz = malloc((mesh.n_vertices + 1u) * 3u * sizeof *mesh.xyz);
         buffer.size = 0;
         if (mesh.xyz == NULL || smr_get_positions(t->job.state, i, mesh.xyz) != SMR_OK)
             buffer.failed = 1;
         else
-            host_mesh_write(&mesh, HOST_FORMAT_PLY, &buffer);
+            host_mesh_write(&mesh, (int)t->options.format, &buffer);
         result = host_output_add(output, name, &buffer, error);
         free(mesh.xyz);
     }

@@ -62,10 +62,17 @@ static int same_directory(const char *a, const char *b)
 /* 1 when a result could have this file's name. */
 static int is_result(const char *path)
 {
+    static const char *const names[] = {"report.json", "carry.bin", "field.nrrd"};
+    static const char *const ends[] = {".ply", ".stl", ".vtk", ".obj", ".mrk.json"};
     const char *const slash = strrchr(path, '/'), *const name = slash != NULL ? slash + 1 : path;
     const size_t n = strlen(name);
-    return strcmp(name, "report.json") == 0 || strcmp(name, "carry.bin") == 0 ||
-           (n > 4u && strcmp(name + n - 4u, ".ply") == 0);
+    size_t i = 0;
+    int found = 0;
+    for (i = 0; i < sizeof names / sizeof names[0]; i++)
+        found |= strcmp(name, names[i]) == 0;
+    for (i = 0; i < sizeof ends / sizeof ends[0]; i++)
+        found |= n > strlen(ends[i]) && strcmp(name + n - strlen(ends[i]), ends[i]) == 0;
+    return found;
 }
 
 int host_output_check_file(const char *path, const char *directory, host_error *error)

@@ -4,6 +4,7 @@
 
 #include "landmarks/json_scan.h"
 #include "landmarks/landmarks_reader.h"
+#include "landmarks/points_file.h"
 
 #define MILLIMETRES "coordinateUnits \"mm\" or [\"mm\", \"UCUM\", ...]"
 
@@ -16,6 +17,8 @@ typedef struct markup {
     size_t label_bytes;
     double xyz[3];
     int n_xyz;
+    float orientation[9];
+    int n_orientation;
     int undefined; /* 1: the point has no position */
 } markup;
 
@@ -30,6 +33,19 @@ static int read_coordinate(host_scan *scan, const char *key, void *context)
         m->xyz[m->n_xyz] = value;
     m->n_xyz++;
     return m->n_xyz <= 3 ? 0 : host_scan_fail(scan, "three coordinates");
+}
+
+static int read_axis_number(host_scan *scan, const char *key, void *context)
+{
+    markup *const m = context;
+    double value = 0.0;
+    (void)key;
+    if (host_scan_number(scan, &value) != 0)
+        return -1;
+    if (m->n_orientation == 9 || !(value >= -1.001 && value <= 1.001))
+        return host_scan_fail(scan, "an orientation of nine numbers from -1 to 1");
+    m->orientation[m->n_orientation++] = (float)value;
+    return 0;
 }
 
 /* Slicer writes null or "" for a point that was not placed. */
@@ -58,6 +74,10 @@ static int read_point_member(host_scan *scan, const char *key, void *context)
         m->n_xyz = 0;
         return host_scan_peek(scan) == '[' ? host_scan_list(scan, read_coordinate, m) : skip_no_position(scan);
     }
+    if (strcmp(key, "orientation") == 0 && m->landmarks->points != NULL && host_scan_peek(scan) == '[') {
+        m->n_orientation = 0;
+        return host_scan_list(scan, read_axis_number, m);
+    }
     if (strcmp(key, "positionStatus") == 0) {
         if (host_scan_text(scan, status, sizeof status, &n) != 0)
             return -1;
@@ -79,6 +99,7 @@ static int read_point(host_scan *scan, const char *key, void *context)
     line = scan->text.line;
     m->label_bytes = 0;
     m->n_xyz = 0;
+    m->n_orientation = 0;
     m->undefined = 0;
     if (host_scan_object(scan, read_point_member, m) != 0)
         return -1;
@@ -88,7 +109,13 @@ static int read_point(host_scan *scan, const char *key, void *context)
         return host_fail_at(scan->error, "line", line, "a control point with a position of three numbers");
     label.start = m->label;
     label.n = m->label_bytes;
-    return host_landmarks_add(m->landmarks, scan->error, line, label, m->xyz);
+    if (host_landmarks_add(m->landmarks, scan->error, line, label, m->xyz) != 0)
+        return -1;
+    if (m->n_orientation != 0 && m->n_orientation != 9)
+        return host_fail_at(scan->error, "line", line, "an orientation of nine numbers");
+    if (m->n_orientation == 9 && host_points_orient(m->landmarks->points, m->orientation) != 0)
+        return host_fail_at(scan->error, "line", line, "free memory");
+    return 0;
 }
 
 static int read_unit(host_scan *scan, const char *key, void *context)

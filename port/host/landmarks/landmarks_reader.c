@@ -61,7 +61,7 @@ int host_landmarks_add(host_landmarks *landmarks, host_error *error, uint32_t li
 int host_landmarks_to_lps(host_landmarks *landmarks, host_error *error, uint32_t line, host_word system, uint32_t first)
 {
     float(*const xyz)[3] = landmarks->points != NULL ? landmarks->points->xyz : landmarks->xyz;
-    uint32_t i = 0;
+    uint32_t i = 0, k = 0;
     if (host_word_is(system, "LPS") || host_word_is(system, "1"))
         return 0;
     if (!host_word_is(system, "RAS") && !host_word_is(system, "0"))
@@ -70,6 +70,8 @@ int host_landmarks_to_lps(host_landmarks *landmarks, host_error *error, uint32_t
     for (i = first; i < landmarks->n; i++) {
         xyz[i][0] = 0.0f - xyz[i][0];
         xyz[i][1] = 0.0f - xyz[i][1];
+        for (k = 0; landmarks->points != NULL && landmarks->points->orientation != NULL && k < 6u; k++)
+            landmarks->points->orientation[i][k] = 0.0f - landmarks->points->orientation[i][k];
     }
     return 0;
 }

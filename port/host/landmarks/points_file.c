@@ -11,6 +11,34 @@
 #include "files/file_read.h"
 #include "landmarks/landmarks_reader.h"
 
+/* Room for the orientations of so many points; what is new are the axes of LPS. */
+static int grow_orientations(host_points *points, uint32_t wanted)
+{
+    static const float axes[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    float(*const more)[9] = realloc(points->orientation, wanted * sizeof *more);
+    uint32_t i = points->orientation != NULL ? points->capacity : 0;
+    if (more == NULL)
+        return -1;
+    points->orientation = more;
+    for (; i < wanted; i++)
+        memcpy(more[i], axes, sizeof axes);
+    return 0;
+}
+
+int host_points_orient(host_points *points, const float orientation[9])
+{
+    if (points->orientation == NULL && grow_orientations(points, points->capacity) != 0)
+        return -1;
+    memcpy(points->orientation[points->n - 1u], orientation, sizeof points->orientation[0]);
+    return 0;
+}
+
+void host_points_unorient(host_points *points)
+{
+    free(points->orientation);
+    points->orientation = NULL;
+}
+
 int host_points_add(host_points *points, const char *label, size_t label_bytes, const float xyz[3])
 {
     if (points->n == points->capacity) {
@@ -24,6 +52,8 @@ int host_points_add(host_points *points, const char *label, size_t label_bytes, 
         if (named == NULL || wanted > SMR_VERTICES_MAX)
             return -1;
         points->label = named;
+        if (points->orientation != NULL && grow_orientations(points, wanted) != 0)
+            return -1;
         points->capacity = wanted;
     }
     memset(points->label[points->n], 0, sizeof points->label[0]);
@@ -100,9 +130,17 @@ int host_points_can_write(const char *path, host_error *error)
 {
     error->file = path;
     if (host_has_extension(path, ".json") || host_has_extension(path, ".fcsv") || host_has_extension(path, ".csv") ||
-        host_has_extension(path, ".ply"))
+        host_format_of(path) >= 0)
         return 0;
-    return host_fail(error, "name", "an output that ends in .mrk.json, .fcsv, .csv or .ply");
+    return host_fail(error, "name", "an output that ends in .mrk.json, .fcsv, .csv, .ply, .stl, .vtk or .obj");
+}
+
+int host_points_fit(const host_points *points, const char *path, host_error *error)
+{
+    error->file = path;
+    if (host_format_of(path) == HOST_FORMAT_STL && points->mesh.n_triangles == 0)
+        return host_fail(error, "name", "another format than STL, which has triangles only, and these are points");
+    return 0;
 }
 
 static const char *label_of(const host_points *points, uint32_t i)
@@ -161,10 +199,14 @@ static void put_json(const host_points *points, host_buffer *out)
                       "   \"controlPoints\": [\n");
     for (i = 0; i < points->n; i++) {
         const float *const p = points->xyz[i];
+        uint32_t k = 0;
         host_buffer_print(out, "    { \"id\": \"%u\", \"label\": \"", i + 1u);
         put_json_label(points, i, out);
-        host_buffer_print(out, "\", \"position\": [%.9g, %.9g, %.9g], \"positionStatus\": \"defined\" }%s\n",
-                          (double)p[0], (double)p[1], (double)p[2], i + 1u < points->n ? "," : "");
+        host_buffer_print(out, "\", \"position\": [%.9g, %.9g, %.9g], ", (double)p[0], (double)p[1], (double)p[2]);
+        for (k = 0; points->orientation != NULL && k < 9u; k++)
+            host_buffer_print(out, "%s%.9g%s", k == 0 ? "\"orientation\": [" : "", (double)points->orientation[i][k],
+                              k < 8u ? ", " : "], ");
+        host_buffer_print(out, "\"positionStatus\": \"defined\" }%s\n", i + 1u < points->n ? "," : "");
     }
     host_buffer_print(out, "   ]\n  }\n ]\n}\n");
 }
@@ -198,10 +240,10 @@ void host_points_write(const host_points *points, const char *path, host_buffer 
     host_mesh mesh = points->mesh;
     if (host_has_extension(path, ".json")) {
         put_json(points, out);
-    } else if (host_has_extension(path, ".ply")) {
+    } else if (host_format_of(path) >= 0) {
         mesh.xyz = points->xyz[0];
         mesh.n_vertices = points->n;
-        host_mesh_write(&mesh, HOST_FORMAT_PLY, out);
+        host_mesh_write(&mesh, host_format_of(path), out);
     } else {
         put_table(points, host_has_extension(path, ".fcsv"), out);
     }
@@ -212,5 +254,6 @@ void host_points_free(host_points *points)
     host_mesh_free(&points->mesh);
     free(points->xyz);
     free(points->label);
+    free(points->orientation);
     memset(points, 0, sizeof *points);
 }

@@ -12,7 +12,8 @@ typedef struct host_points {
     uint32_t n, capacity;
     float (*xyz)[3];                 /* [n] mm, LPS; owned */
     char (*label)[HOST_LABEL_BYTES]; /* [n]; NULL: from a surface file, which has none; owned */
-    host_mesh mesh;                  /* that file's triangles; its vertices are moved to xyz; owned */
+    float (*orientation)[9]; /* [n] rows of matrices whose columns are axes, LPS; NULL: no point has one; owned */
+    host_mesh mesh;          /* that file's triangles; its vertices are moved to xyz; owned */
 } host_points;
 
 /* Reads .mrk.json, .fcsv or CSV, told apart by content, or a surface file. Labels may be empty and occur more than
@@ -22,8 +23,17 @@ int host_points_read(const char *path, host_points *points, host_error *error);
 /* Appends a point. 0, or -1 when out of memory or beyond the library's limits. */
 int host_points_add(host_points *points, const char *label, size_t label_bytes, const float xyz[3]);
 
-/* Checks that the extension is .json, .fcsv, .csv or .ply. 0, or -1 with the error filled. */
+/* Gives the last point an orientation; those that have none get the coordinates' axes. 0, or -1 when out of memory. */
+int host_points_orient(host_points *points, const float orientation[9]);
+
+/* Takes all orientations away: of points that are carried without them. */
+void host_points_unorient(host_points *points);
+
+/* Checks that the extension is .json, .fcsv, .csv, .ply, .stl, .vtk or .obj. 0, or -1 with the error filled. */
 int host_points_can_write(const char *path, host_error *error);
+
+/* Checks that such a file can hold these points. 0, or -1 with the error filled. */
+int host_points_fit(const host_points *points, const char *path, host_error *error);
 
 /* Writes the points in the path's format into the buffer, which stores failure. */
 void host_points_write(const host_points *points, const char *path, host_buffer *out);

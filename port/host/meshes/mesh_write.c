@@ -1,8 +1,22 @@
 /* mesh_write.c: writes meshes. Text formats have nine significant digits, so that reading gives the same floats.
+ * All say SPACE=LPS, which 3D Slicer believes before anything else. VTK is of version 4.2, which ITK reads, too.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
+#include "files/file_names.h"
 #include "meshes/triangle_mesh.h"
+
+static const char *const extensions[] = {".ply", ".stl", ".vtk", ".obj", ".ply", ".vtk"}; /* [HOST_FORMAT_...] */
+
+const char *host_format_extension(int format) { return extensions[format]; }
+
+int host_format_of(const char *path)
+{
+    int format = HOST_FORMAT_PLY;
+    while (format <= HOST_FORMAT_OBJ && !host_has_extension(path, extensions[format]))
+        format++;
+    return format <= HOST_FORMAT_OBJ ? format : -1;
+}
 
 static void write_ply_faces(const host_mesh *mesh, int ascii, host_buffer *buffer)
 {
@@ -45,8 +59,7 @@ static void write_ply(const host_mesh *mesh, int ascii, host_buffer *buffer)
     write_ply_faces(mesh, ascii, buffer);
 }
 
-void host_mesh_write_judged(const host_mesh *mesh, const unsigned char *seen, const float *expected_error,
-                            host_buffer *buffer)
+static void write_ply_judged(const host_mesh *mesh, const host_vertex_values *values, host_buffer *buffer)
 {
     size_t i = 0, k = 0;
     write_ply_header(mesh, 0, "property uchar seen\nproperty float expected_error\n", buffer);
@@ -54,8 +67,8 @@ void host_mesh_write_judged(const host_mesh *mesh, const unsigned char *seen, co
     for (i = 0; i < mesh->n_vertices; i++) {
         for (k = 0; k < 3; k++)
             host_buffer_f32(buffer, mesh->xyz[3u * i + k]);
-        host_buffer_add(buffer, seen + i, 1);
-        host_buffer_f32(buffer, expected_error[i]);
+        host_buffer_add(buffer, values->seen + i, 1);
+        host_buffer_f32(buffer, values->expected_error[i]);
     }
     write_ply_faces(mesh, 0, buffer);
 }
@@ -101,7 +114,7 @@ static void write_obj(const host_mesh *mesh, host_buffer *buffer)
                           mesh->triangles[3u * i + 2u] + 1u);
 }
 
-static void write_vtk(const host_mesh *mesh, host_buffer *buffer)
+static void write_vtk_ascii(const host_mesh *mesh, host_buffer *buffer)
 {
     size_t i = 0;
     host_buffer_print(buffer,
@@ -118,14 +131,71 @@ static void write_vtk(const host_mesh *mesh, host_buffer *buffer)
                           mesh->triangles[3u * i + 2u]);
 }
 
+static void put_big(host_buffer *buffer, uint32_t value)
+{
+    const unsigned char b[4] = {(unsigned char)(value >> 24), (unsigned char)(value >> 16 & 255u),
+                                (unsigned char)(value >> 8 & 255u), (unsigned char)(value & 255u)};
+    host_buffer_add(buffer, b, 4);
+}
+
+static void put_big_floats(host_buffer *buffer, const float *values, size_t n)
+{
+    size_t i = 0;
+    for (i = 0; i < n; i++) {
+        uint32_t bits = 0;
+        memcpy(&bits, &values[i], 4);
+        put_big(buffer, bits);
+    }
+    host_buffer_add(buffer, "\n", 1);
+}
+
+static void write_vtk(const host_mesh *mesh, host_buffer *buffer)
+{
+    size_t i = 0;
+    host_buffer_print(buffer,
+                      "# vtk DataFile Version 4.2\nsmr SPACE=LPS units mm\nBINARY\nDATASET POLYDATA\nPOINTS %u float\n",
+                      mesh->n_vertices);
+    (void)host_buffer_reserve(buffer, 12u * (size_t)mesh->n_vertices + 16u * (size_t)mesh->n_triangles + 100u);
+    put_big_floats(buffer, mesh->xyz, 3u * (size_t)mesh->n_vertices);
+    if (mesh->n_triangles == 0)
+        return;
+    host_buffer_print(buffer, "POLYGONS %u %zu\n", mesh->n_triangles, 4u * (size_t)mesh->n_triangles);
+    for (i = 0; i < 3u * (size_t)mesh->n_triangles; i++) {
+        if (i % 3u == 0)
+            put_big(buffer, 3u);
+        put_big(buffer, mesh->triangles[i]);
+    }
+    host_buffer_add(buffer, "\n", 1);
+}
+
+static void write_vtk_values(const host_mesh *mesh, const host_vertex_values *values, host_buffer *buffer)
+{
+    const size_t n = mesh->n_vertices;
+    host_buffer_print(buffer, "POINT_DATA %zu\nSCALARS expected_error float 1\nLOOKUP_TABLE default\n", n);
+    put_big_floats(buffer, values->expected_error, n);
+    host_buffer_print(buffer, "SCALARS seen unsigned_char 1\nLOOKUP_TABLE default\n");
+    host_buffer_add(buffer, values->seen, n);
+    host_buffer_print(buffer, "\nVECTORS displacement float\n");
+    put_big_floats(buffer, values->displacement, 3u * n);
+}
+
+void host_mesh_write_judged(const host_mesh *mesh, int format, const host_vertex_values *values, host_buffer *buffer)
+{
+    if (format == HOST_FORMAT_PLY)
+        write_ply_judged(mesh, values, buffer);
+    else
+        host_mesh_write(mesh, format, buffer);
+    if (format == HOST_FORMAT_VTK)
+        write_vtk_values(mesh, values, buffer);
+}
+
 void host_mesh_write(const host_mesh *mesh, int format, host_buffer *buffer)
 {
-    if (format == HOST_FORMAT_STL)
-        write_stl(mesh, buffer);
-    else if (format == HOST_FORMAT_OBJ)
-        write_obj(mesh, buffer);
-    else if (format == HOST_FORMAT_VTK)
-        write_vtk(mesh, buffer);
-    else
-        write_ply(mesh, format == HOST_FORMAT_PLY_ASCII, buffer);
+    switch (format) {
+    case HOST_FORMAT_STL: write_stl(mesh, buffer); break;
+    case HOST_FORMAT_OBJ: write_obj(mesh, buffer); break;
+    case HOST_FORMAT_VTK: write_vtk(mesh, buffer); break;
+    case HOST_FORMAT_VTK_ASCII: write_vtk_ascii(mesh, buffer); break;
+    default: write_ply(mesh, format == HOST_FORMAT_PLY_ASCII, buffer);
+    }
 }

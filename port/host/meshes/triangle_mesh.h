@@ -39,16 +39,37 @@ smr_mesh host_mesh_view(const host_mesh *mesh);
 /* Appends `part` to `whole`. 0, or -1 when out of memory or beyond the library's limits. */
 int host_mesh_append(host_mesh *whole, const host_mesh *part);
 
-enum { HOST_FORMAT_PLY = 0, HOST_FORMAT_PLY_ASCII, HOST_FORMAT_STL, HOST_FORMAT_OBJ, HOST_FORMAT_VTK };
+/* The first four are what results are written in, in the order of the words of --format: binary but for OBJ. */
+enum {
+    HOST_FORMAT_PLY = 0, /* little-endian */
+    HOST_FORMAT_STL,     /* triangles only: vertices lose their order */
+    HOST_FORMAT_VTK,     /* legacy polydata 4.2, big-endian */
+    HOST_FORMAT_OBJ,
+    HOST_FORMAT_PLY_ASCII,
+    HOST_FORMAT_VTK_ASCII
+};
 
-/* Writes the mesh in a format (HOST_FORMAT_PLY: binary little-endian) into the buffer, which stores failure. */
+/* What a format's files end in, with the dot: four characters. */
+const char *host_format_extension(int format);
+
+/* The format of a path's extension, one of the first four, or -1. */
+int host_format_of(const char *path);
+
+/* Writes the mesh in a format into the buffer, which stores failure. */
 void host_mesh_write(const host_mesh *mesh, int format, host_buffer *buffer);
 
 /* Writes a binary PLY whose vertices have a colour, red, green, blue. */
 void host_mesh_write_coloured(const host_mesh *mesh, const unsigned char colour[3], host_buffer *buffer);
 
-/* Writes a binary PLY whose vertices have two more properties: seen and expected_error, [n_vertices] each. */
-void host_mesh_write_judged(const host_mesh *mesh, const unsigned char *seen, const float *expected_error,
-                            host_buffer *buffer);
+/* What is known of each vertex. */
+typedef struct host_vertex_values {
+    const unsigned char *seen;   /* [n_vertices] 0 or 1 */
+    const float *expected_error; /* [n_vertices] mm; -1: unknown */
+    const float *displacement;   /* [n_vertices][3] mm, from where the vertex was in the model */
+} host_vertex_values;
+
+/* Writes PLY, whose vertices have the properties seen and expected_error then, or VTK with all three as arrays of
+ * point data. Other formats hold none of them. */
+void host_mesh_write_judged(const host_mesh *mesh, int format, const host_vertex_values *values, host_buffer *buffer);
 
 #endif

@@ -79,6 +79,8 @@ static const struct {
     {"--budget-ms", 0, "MS", "time of a tick; 0: no clock, deterministic (0)"},
     {"--align", 0, "none|rigid|similarity",
      "start pose from the surfaces; with --landmarks: fitted to them, in place of the spline (none)"},
+    {"--format", 0, "ply|stl|vtk|obj", "of the results, binary but for OBJ (ply)"},
+    {"--slicer", 0, "FILE.mrml", "a scene for 3D Slicer: results, targets, volumes, landmarks, DIR/field.nrrd"},
     {"--vertex-errors", 0, "", "results have seen (0, 1) and expected_error (mm) of each vertex"},
     {"--paper", 0, "", "model and registration as the paper has them, where no option says otherwise"},
     {"--accept", 0, "good|look", "the worst verdict whose exit status is 0 (good)"},

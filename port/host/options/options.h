@@ -78,6 +78,8 @@ typedef struct host_options {
     uint32_t times;                  /* 1: the summary has columns of times */
     uint32_t paper;                  /* 1: both configurations start from the paper's */
     uint32_t vertex_errors;          /* 1: results have seen and expected_error of each vertex */
+    uint32_t format;                 /* HOST_FORMAT_...: what results are written in */
+    const char *slicer;              /* path of the scene for 3D Slicer; NULL: none */
     uint32_t accept;                 /* HOST_VERDICT_GOOD or _LOOK: the worst verdict with exit status 0 */
     uint32_t seed;                   /* seed of the phantom's patient */
     uint32_t small;                  /* 1: a coarse phantom */
@@ -96,5 +98,8 @@ void host_options_free(host_options *options);
 
 /* Prints the whole help text on standard output. */
 void host_help(void);
+
+/* Prints the description of `smr register` as a module of 3D Slicer on standard output. 0, or -1: it is not whole. */
+int host_module_xml(void);
 
 #endif

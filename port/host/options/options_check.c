@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "base/text_scan.h"
+#include "files/file_names.h"
+#include "meshes/triangle_mesh.h"
 #include "volumes/voxel_volume.h"
 
 /* mm: about what clusters of the coarsest radius put right themselves; points clicked in an image are uncertain */
@@ -181,6 +183,18 @@ static int check_save(const host_options *options, host_error *error)
     return 0;
 }
 
+/* What the results are written as. */
+static int check_format(const host_options *options, host_error *error)
+{
+    error->file = options->slicer;
+    if (options->slicer != NULL && !host_has_extension(options->slicer, ".mrml"))
+        return host_fail(error, "name", "a scene that ends in .mrml");
+    error->file = "--vertex-errors";
+    if (options->vertex_errors && options->format != HOST_FORMAT_PLY && options->format != HOST_FORMAT_VTK)
+        return host_fail(error, "option", "--format ply or vtk, which have room for them");
+    return 0;
+}
+
 /* The options of the start: landmarks, a pose, both. */
 static int check_start(const host_options *options, host_error *error)
 {
@@ -296,7 +310,7 @@ static int settle_targets(host_options *options, host_error *error)
 
 int host_options_check(host_options *options, host_error *error)
 {
-    if (check_needs(options, error) != 0 || check_save(options, error) != 0)
+    if (check_needs(options, error) != 0 || check_save(options, error) != 0 || check_format(options, error) != 0)
         return -1;
     return settle_targets(options, error);
 }

@@ -51,6 +51,8 @@ const host_option host_option_table[] = {
     {"--budget-ms", ONTO, HOST_KIND_DOUBLE, OWN(budget_ms), 0, 1e6, 0, 0, NULL, 0},
     {"--align", ONTO | HOST_BENCH, HOST_KIND_WORD, OWN(align), 0, 0, 0, 0, "none|rigid|similarity", 0},
     {"--vertex-errors", HOST_REGISTER, HOST_KIND_FLAG, OWN(vertex_errors), 0, 0, 0, 0, NULL, 0},
+    {"--format", ONTO, HOST_KIND_WORD, OWN(format), 0, 0, 0, 0, "ply|stl|vtk|obj", 0},
+    {"--slicer", HOST_REGISTER, HOST_KIND_TEXT, OWN(slicer), 0, 0, 0, 0, NULL, 0},
     {"--paper", PREPARING, HOST_KIND_FLAG, OWN(paper), 0, 0, 0, 0, NULL, 0},
     {"--accept", ONTO, HOST_KIND_WORD, OWN(accept), 0, 0, 0, 0, "good|look", 0},
     {"--json", HOST_REGISTER, HOST_KIND_FLAG, OWN(json), 0, 0, 0, 0, NULL, 0},

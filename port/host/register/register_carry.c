@@ -27,6 +27,8 @@ static int fill(const host_job *job, host_carry_shape *shape)
         if (smr_model_mesh(job->model.model, i, shape->rest + at, NULL) != SMR_OK ||
             smr_get_positions(job->state, i, shape->now + at) != SMR_OK)
             return -1;
+        if (job->kept_start) /* what is written is not what was found */
+            memcpy(shape->now + at, job->result[i].mesh.xyz, 3u * sizeof(float) * shape->count[i]);
     }
     return 0;
 }

@@ -138,6 +138,11 @@ int host_job_log(const host_job *job, host_buffer *out, host_error *error);
 /* register_carry.c: writes the content of carry.bin, of the model as it is now. The buffer stores failure. */
 void host_job_carry(const host_job *job, host_buffer *out);
 
+/* register_surfaces.c: refuses a format that cannot hold all structures, once they are loaded; writes a structure's
+ * surface file into the buffer, which stores failure. */
+int host_job_check_format(const host_job *job, host_error *error);
+void host_job_surface(const host_job *job, uint32_t part, host_buffer *buffer);
+
 /* register_trace.c: starts the trace with the row of the start; adds the row of a complete iteration. */
 int host_job_trace_begin(host_job *job, host_error *error);
 int host_job_trace_row(host_job *job, host_error *error);

@@ -62,5 +62,7 @@ void host_job_summary(const host_job *job)
     if (job->options->log != NULL && smr_get_log(job->state, &log) == SMR_OK)
         (void)printf("log: %s, %u ticks%s\n", job->options->log, log.n_ticks, log.full ? ", then it was full" : "");
     (void)printf("results: %s\n", job->options->out);
+    if (job->options->slicer != NULL)
+        (void)printf("scene for 3D Slicer: %s\n", job->options->slicer);
     print_verdict(&job->verdict);
 }

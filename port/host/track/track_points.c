@@ -15,6 +15,7 @@ int host_track_points_read(host_track_points *t, const char *path, host_error *e
     memset(t, 0, sizeof *t);
     if (host_points_read(path, &t->points, error) != 0)
         return -1;
+    host_points_unorient(&t->points);
     t->path = path;
     t->file = "points.csv";
     if (host_file_kind(path) == HOST_KIND_SURFACE)
