@@ -151,7 +151,11 @@ refused "labels in a format that is not written" "ends in" "$SMR" labels parts -
 mkdir open empty
 blob 8 20 20 20 0 | sed '$d' | sed "s/^element face .*/element face $(($(blob 8 20 20 20 0 | sed -n 's/^element face //p') - 1))/" >open/cap.ply
 refused "open surfaces" "cap.ply: surface: expected a closed one, but 3 edges" "$SMR" labels open --like map.seg.nrrd -o no.nrrd
-refused "no surfaces" "a surface or more" "$SMR" labels empty --like map.seg.nrrd -o no.nrrd
+refused "no surfaces" "empty: frame: expected a surface" "$SMR" labels empty --like map.seg.nrrd -o no.nrrd
+printf 'x,y,z\n1,2,3\n' >empty/points.csv
+refused "only points" "a surface or more" "$SMR" labels empty --like map.seg.nrrd -o no.nrrd
+cp parts/right.ply empty/
+check "a table beside a surface" has_status 0 "$SMR" labels empty --like map.seg.nrrd -o beside.mha --quiet
 refused "neither is a label map" "one of the two must be" "$SMR" measure parts again
 
 # Overlaps go to the deepest: of two balls of 20 mm, 20 mm apart, each keeps its half, to the plane between them.

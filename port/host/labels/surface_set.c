@@ -101,6 +101,39 @@ static int label_surfaces(const host_surface_set *set, const host_names *names, 
     return 0;
 }
 
+/* Tables of points may lie beside the surfaces: they come last. Returns how many files come before. */
+static uint32_t surfaces_first(const host_frame *frame)
+{
+    uint32_t i = 0, k = 0, n = 0;
+    for (i = 0; i < frame->files.n; i++) {
+        const char *const path = frame->files.path[i];
+        if (host_has_extension(path, ".csv"))
+            continue;
+        for (k = i; k > n; k--)
+            frame->files.path[k] = frame->files.path[k - 1u];
+        frame->files.path[n++] = path;
+    }
+    return n;
+}
+
+static int load_surfaces(host_surface_set *set, const smr_port *port, host_error *error)
+{
+    host_frame frame = set->files.frame[0];
+    uint32_t i = 0;
+    frame.files.n = surfaces_first(&frame);
+    if (frame.files.n == 0)
+        return host_fail(error, "files", "a surface or more");
+    if (host_frame_load(&frame, port, HOST_MIRROR_NONE, &set->load, error) != 0)
+        return -1;
+    set->n = frame.files.n;
+    for (i = 0; i < set->n; i++)
+        if (set->load[i].mesh.n_triangles == 0) {
+            error->file = set->load[i].path;
+            return host_fail(error, "faces", "at least one triangle");
+        }
+    return 0;
+}
+
 int host_surface_set_read(const char *directory, const char *names_path, const smr_port *port, host_surface_set *set,
                           host_error *error)
 {
@@ -110,8 +143,7 @@ int host_surface_set_read(const char *directory, const char *names_path, const s
     memset(set, 0, sizeof *set);
     set->directory = error->file = directory;
     if (read_names(directory, names_path, &names, error) == 0 && host_frames_list(&paths, &set->files, error) == 0 &&
-        host_frame_load(&set->files.frame[0], port, HOST_MIRROR_NONE, &set->load, error) == 0) {
-        set->n = set->files.frame[0].files.n;
+        load_surfaces(set, port, error) == 0) {
         set->label = calloc(set->n, sizeof *set->label);
         result = set->label != NULL ? label_surfaces(set, &names, error) : host_fail(error, "names", "free memory");
     }
@@ -121,8 +153,10 @@ int host_surface_set_read(const char *directory, const char *names_path, const s
 
 void host_surface_set_free(host_surface_set *set)
 {
-    if (set->files.n > 0)
-        host_frame_unload(&set->files.frame[0], set->load);
+    uint32_t i = 0;
+    for (i = 0; i < set->n; i++)
+        host_mesh_free(&set->load[i].mesh);
+    free(set->load);
     host_frames_free(&set->files);
     free(set->label);
     memset(set, 0, sizeof *set);
