@@ -52,7 +52,7 @@ static void join_faces(builder *b)
             if ((twice >> (2u * a + 1u) & 1u) == 0)
                 continue;
             next = find_cell(b, b->cell[i] + b->stride[a]);
-            if (next < b->n && (b->table[b->mask[next]].twice >> 2u * a & 1u) != 0) {
+            if (next < b->n && ((unsigned)b->table[b->mask[next]].twice >> 2u * a & 1u) != 0) {
                 b->joined[i] |= (unsigned char)(1u << (2u * a + 1u));
                 b->joined[next] |= (unsigned char)(1u << 2u * a);
             }
