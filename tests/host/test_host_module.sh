@@ -4,8 +4,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
 
-build_tool || { not_ok "the helper compiles"; finish; exit 1; }
-tool=$scratch/tool
 cd "$scratch" || exit 1
 mkdir -p root/bin root/lib/smr/slicer 'a dir'
 ln -s "$SMR" root/bin/smr
@@ -91,7 +89,7 @@ check "the verdict is returned" grep -qx "verdict = good" values.txt
 check "and the expected error" grep -q "^expected_error = [0-9]" values.txt
 check "progress is told" grep -q "<filter-start>" out.txt
 check "no scratch is left" sh -c "TMPDIR=. '$module' --model bone.ply --target 'a dir/target.ply' --output x.stl >/dev/null && ! ls -d tmp.* 2>/dev/null"
-check "STL by its name" [ "$("$tool" count x.stl)" = "$("$tool" count plain/bone.ply)" ]
+check "STL by its name" sh -c "head -c 30 x.stl | grep -qa '^smr SPACE=LPS' && '$SMR' measure x.stl plain/bone.ply | grep -q '^Hausdorff: 0.0000 mm'"
 check "a value that is no default is passed" has_status 0 "$module" --model bone.ply --target 'a dir/target.ply' \
     --output y.ply --iterations 3 --attraction 0.25 --align none
 check "and counts" sh -c "! cmp -s y.ply plain/bone.ply"
