@@ -73,6 +73,8 @@ CORE_OBJ    := $(call obj,$(CORE_SRC))
 PTHREAD_OBJ := $(call obj,$(PTHREAD_SRC))
 HOST_OBJ    := $(call obj,$(HOST_SRC))
 HOST_MAIN_OBJ := $(call obj,$(HOST_MAIN))
+PAGE_PARTS  := $(wildcard port/host/html/*.html port/host/html/*.css port/host/html/*.js) port/host/html/embed_page.sh
+PAGE_OBJ    := $(BUILD)/obj/page/report_page.o
 FIXTURE_OBJ := $(call obj,$(FIXTURE_SRC))
 SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
 PRINT_OBJ   := $(call obj,tests/golden/print.c)
@@ -91,7 +93,7 @@ BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT_OBJ) $(GOLDEN_OBJ) \
                $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC) $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) \
                $(BAREMETAL_SRC) $(TARGET_SRC) fixtures/fixture_write.c \
-               tests/golden/replay_run.c tests/docs/settings_page.c) $(SHARED_OBJ)
+               tests/golden/replay_run.c tests/docs/settings_page.c) $(SHARED_OBJ) $(PAGE_OBJ)
 
 # ---------------------------------------------------------------- the first target, and the list of all
 
@@ -108,6 +110,7 @@ help:
 	@echo 'make demo-bone       a generated bone onto a deformed one'
 	@echo 'make check           all tests; the last line is the sum; logs in $(BUILD)/log'
 	@echo 'make check-quick     unit tests, golden run and the checks of the sources; less than a minute'
+	@echo 'make check-html      the page of a report in a headless Chromium; skipped without one'
 	@echo 'make experiments     accuracy on real data, as tables; minutes; skipped without ../shared'
 	@echo 'make results         measures and writes docs/RESULTS.md and README'"'"'s table; many minutes'
 	@echo 'make results-short   the same without what takes minutes: at most 8'
@@ -149,6 +152,15 @@ $(BUILD)/obj/port/host/%.o: port/host/%.c
 	$(call begin,CC,$<)
 	$(Q)$(CC) $(ALL_CFLAGS) $(THREADS) -Iinclude -Iport/host -Iport/pthread -Ifixtures -c $< -o $@
 
+# The page of a report, as an array of bytes.
+$(BUILD)/page/report_page.c: $(PAGE_PARTS)
+	$(call begin,PAGE,$@)
+	$(Q)sh port/host/html/embed_page.sh port/host/html/report_page.html > $@
+
+$(PAGE_OBJ): $(BUILD)/page/report_page.c
+	$(call begin,CC,$<)
+	$(Q)$(CC) $(ALL_CFLAGS) $(THREADS) -Iinclude -Iport/host -Iport/pthread -c $< -o $@
+
 $(BUILD)/obj/fixtures/%.o: fixtures/%.c
 	$(call begin,CC,$<)
 	$(Q)$(CC) $(ALL_CFLAGS) -Ifixtures -c $< -o $@
@@ -173,7 +185,7 @@ $(BUILD)/obj/tests/%.o: tests/%.c
 
 $(CORE_LIB): $(CORE_OBJ)
 $(PTHREAD_LIB): $(PTHREAD_OBJ)
-$(HOST_LIB): $(HOST_OBJ)
+$(HOST_LIB): $(HOST_OBJ) $(PAGE_OBJ)
 $(SUPPORT_LIB): $(SUPPORT_OBJ)
 $(CORE_LIB) $(PTHREAD_LIB) $(HOST_LIB) $(SUPPORT_LIB):
 	$(call begin,AR,$@)
@@ -301,6 +313,10 @@ run_checks = BUILD="$(BUILD)" CC="$(CC)" NM="$(NM)" SMR="$(BUILD)/smr" FIXTURE_W
 
 check: programs
 	@$(run_checks) $(TESTS) $(HOST_TESTS) $(EXPERIMENTS)
+
+.PHONY: check-html
+check-html: $(PROGRAM)
+	@SMR="$(BUILD)/smr" BUILD="$(BUILD)" sh tests/html/check_html.sh
 
 UNIT_TESTS := $(filter $(BUILD)/tests/unit/%,$(TESTS))
 check-quick: all $(UNIT_TESTS) $(BUILD)/golden

@@ -11,7 +11,7 @@ rm -rf "$dir"
 "$smr" phantom -o "$dir"
 "$smr" register --model "$dir"/model/*.ply --reference "$dir/mri_reference.mha" --target "$dir/mri_patient.mha" \
     --landmarks "$dir/landmarks_reference.mrk.json" "$dir/landmarks_patient.mrk.json" \
-    --truth "$dir/truth" -o "$dir/result" --quiet
+    --truth "$dir/truth" --html -o "$dir/result" --quiet
 
 # "NAME vertices surface-distance vertex-distance" of every structure before, then the report's figures.
 for file in "$dir"/model/*.ply; do
@@ -41,4 +41,5 @@ done | cat - "$dir/result/report.json" | awk -v dir="$dir/result" '
         printf "%d iterations, %d threads, %.1f s from files to files; folds: %d\n", whole["iterations"], whole["threads"],
                whole["total"], whole["folds"]
         print "result: " dir "/NAME.ply and report.json"
+        print "to look at, in a browser: " dir "/report.html"
     }'

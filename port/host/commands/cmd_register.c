@@ -10,6 +10,7 @@
 #include "commands/commands.h"
 #include "files/file_read.h"
 #include "files/output_files.h"
+#include "html/report_html.h"
 #include "report/register_report.h"
 #include "scene/register_scene.h"
 
@@ -68,6 +69,21 @@ static int status_of(const host_job *job)
     return job->verdict.level > (int)job->options->accept ? HOST_LOOK : HOST_DONE;
 }
 
+/* The page shows the report as it is before; then the report tells of the page, too. */
+static int write_page(const host_job *job, host_output *output, host_error *error)
+{
+    host_buffer report, page;
+    int result = 0;
+    memset(&report, 0, sizeof report);
+    memset(&page, 0, sizeof page);
+    host_job_report(job, status_of(job), output, &report);
+    host_report_html(job, &report, &page);
+    result = host_output_add(output, "report.html", &page, error);
+    host_buffer_free(&report);
+    host_buffer_free(&page);
+    return result;
+}
+
 /* Writes results, scene, log, trace and save, then the report, which tells of the others. */
 static int write_set(const host_job *job, host_output *output, host_buffer *report, host_error *error)
 {
@@ -81,6 +97,8 @@ static int write_set(const host_job *job, host_output *output, host_buffer *repo
     if (job->options->save != NULL && write_beside(job, job->options->save, host_job_save, output, error) != 0)
         return -1;
     if (job->options->trace != NULL && host_output_add_path(output, job->options->trace, &job->trace, error) != 0)
+        return -1;
+    if (job->options->html && write_page(job, output, error) != 0)
         return -1;
     host_job_report(job, status_of(job), output, report);
     return host_output_add(output, HOST_REPORT_NAME, report, error);

@@ -62,7 +62,7 @@ static int same_directory(const char *a, const char *b)
 /* 1 when a result could have this file's name. */
 static int is_result(const char *path)
 {
-    static const char *const names[] = {"report.json", "carry.bin", "field.nrrd"};
+    static const char *const names[] = {"report.json", "report.html", "carry.bin", "field.nrrd"};
     static const char *const ends[] = {".ply", ".stl", ".vtk", ".obj", ".mrk.json"};
     const char *const slash = strrchr(path, '/'), *const name = slash != NULL ? slash + 1 : path;
     const size_t n = strlen(name);

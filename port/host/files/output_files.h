@@ -13,8 +13,8 @@ typedef struct host_output host_output;
 int host_output_check(const char *directory, host_error *error);
 
 /* Checks that the file can be written; changes nothing. Its directory must exist or be `directory`, which will be made
- * and where report.json, carry.bin, field.nrrd and all names of surfaces and markups are taken. 0, or -1 with the error
- * filled. */
+ * and where report.json, report.html, carry.bin, field.nrrd and all names of surfaces and markups are taken. 0, or -1
+ * with the error filled. */
 int host_output_check_file(const char *path, const char *directory, host_error *error);
 
 /* Starts a set of files in a directory, which is made when missing; NULL: file names are paths. The directory's text

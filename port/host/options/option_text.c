@@ -56,6 +56,7 @@ static const struct {
     {"--landmark-weight", 0, "W|hard", "of each goal, one over the variance of its place; hard: it ends there (1)"},
     {"--log", 0, "FILE", "record what is done, for smr replay: the command line, checksums of inputs, each tick"},
     {"--trace", 0, "FILE.csv", "a row for each iteration: radius, time, distances, likeness, strain, movement"},
+    {"--html", HOST_REGISTER, "", "report.html beside report.json: the result to look at, in any browser, one file"},
     {"--save", 0, "FILE", "write where it stopped, after --ticks perhaps"},
     {"--resume", 0, "FILE", "go on from what --save wrote, with the same inputs and options, to the same bits"},
     {"--json", 0, "", "the result as one line of JSON on standard output, and nothing else there"},

@@ -56,6 +56,7 @@ typedef struct host_options {
     uint32_t passes;                    /* of smoothing the surfaces of a label map */
     uint32_t inverse;                   /* 1: from the result back to the model */
     float spacing;                      /* mm, of a field; 0: the default */
+    uint32_t html;                      /* 1: a page of the report beside it */
     const char *trace;                  /* path of the trace's file; NULL: none */
     const char *save, *resume;          /* paths: where it goes on from; NULL when not given */
     char **arguments;                   /* the arguments after the command; the texts are argv's */

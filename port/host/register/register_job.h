@@ -47,6 +47,21 @@ typedef struct host_result {
     host_verdict verdict;
 } host_result;
 
+/* An iteration, as it was left. */
+typedef struct host_step {
+    uint32_t iteration, taken;                      /* its number, from 1; vertices that took part */
+    double radius_mm, time_ms;                      /* time: of all ticks so far */
+    float residual_mm, moved_max_mm, matched_share; /* -1: not measured */
+} host_step;
+
+/* Kept for the page of the report, with --html only. */
+typedef struct host_course {
+    smr_config config; /* as the library has it */
+    float *before_xyz; /* [all vertices][3], positions before the first tick; owned */
+    host_step *step;   /* [n]; owned */
+    size_t n, capacity;
+} host_course;
+
 typedef struct host_job {
     const host_options *options;
     host_port port;
@@ -85,6 +100,7 @@ typedef struct host_job {
     double trace_s;    /* spent on it */
     float *begun_xyz;  /* [all vertices][3], where a registration into an image began; owned; NULL without */
     int kept_start;    /* 1: the results are where it began, host_job_keep_start */
+    host_course course;
     size_t tick_capacity;
     double start_s, register_s, load_s, measure_s, begin_s;
     host_two_way area, vertices; /* over all structures with a target */
@@ -146,6 +162,11 @@ void host_job_surface(const host_job *job, uint32_t part, host_buffer *buffer);
 /* register_trace.c: starts the trace with the row of the start; adds the row of a complete iteration. */
 int host_job_trace_begin(host_job *job, host_error *error);
 int host_job_trace_row(host_job *job, host_error *error);
+
+/* register_course.c: keeps the start positions; a complete iteration. Both do nothing without --html. */
+int host_job_course_begin(host_job *job, host_error *error);
+int host_job_course_step(host_job *job, host_error *error);
+void host_course_free(host_course *course);
 
 /* register_save.c: restores a saved registration into the arena; says whether all its targets are there again, status
  * being what setting them came to; writes it as bytes. */

@@ -63,6 +63,7 @@ int host_job_begin(host_job *job, host_error *error)
     config.n_landmarks = job->goals != NULL ? job->goals->set.n : 0;
     for (i = 0; !job->options->image_target && i < job->n_targets; i++) /* beside those that come later */
         config.n_target_vertices += job->target[i].users > 0 ? job->target[i].mesh.n_vertices : 0;
+    job->course.config = config;
     status = smr_arena_bytes(job->model.model, &config, &job->arena_bytes);
     if (status != SMR_OK)
         return refuse(error, "memory", status);
@@ -131,7 +132,7 @@ int host_job_run(host_job *job, host_error *error)
     smr_status status = SMR_OK;
     const int back = job->options->image_target && job->goals == NULL && job->options->resume == NULL;
     if (set_up(job, error) != 0 || (back && host_job_remember_start(job, error) != 0) ||
-        (traced && host_job_trace_begin(job, error) != 0))
+        (traced && host_job_trace_begin(job, error) != 0) || host_job_course_begin(job, error) != 0)
         return -1;
     now = host_seconds();
     /* what is saved ends with a complete iteration, be it one tick more */
@@ -146,7 +147,8 @@ int host_job_run(host_job *job, host_error *error)
         job->target_seen |= job->last.n_forces > 0 || job->last.matched_share > 0.0f;
         if (record(job, now - before, error) != 0)
             return -1;
-        if (traced && job->last.iteration != iteration && host_job_trace_row(job, error) != 0)
+        if (job->last.iteration != iteration &&
+            ((traced && host_job_trace_row(job, error) != 0) || host_job_course_step(job, error) != 0))
             return -1;
         if (talk && now - shown > PROGRESS_EVERY_S) {
             show(job, now - start);

@@ -64,5 +64,7 @@ void host_job_summary(const host_job *job)
     (void)printf("results: %s\n", job->options->out);
     if (job->options->slicer != NULL)
         (void)printf("scene for 3D Slicer: %s\n", job->options->slicer);
+    if (job->options->html)
+        (void)printf("to look at: %s/report.html\n", job->options->out);
     print_verdict(&job->verdict);
 }

@@ -1,0 +1,211 @@
+/* report_selftest.js: with #selftest behind its address the page tests itself and writes what came of it. */
+
+const selftest = { errors: [], lines: [], failed: 0 };
+window.addEventListener('error', (event) => selftest.errors.push(event.message));
+window.addEventListener('unhandledrejection', (event) => selftest.errors.push(String(event.reason)));
+
+function expect(name, good) {
+  selftest.lines.push(`${good ? 'ok' : 'not ok'} ${name}`);
+  selftest.failed += good ? 0 : 1;
+}
+
+/* All pixels of the 3D view, as they are after drawing. */
+function viewPixels() {
+  drawView();
+  const gl = view.gl, pixels = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
+  gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  return pixels;
+}
+
+function slicePixels(slice) {
+  drawSlice(slice);
+  return slice.canvas.getContext('2d').getImageData(0, 0, slice.canvas.width, slice.canvas.height).data;
+}
+
+/* How many pixels differ by more than a little. */
+function different(a, b) {
+  let n = a.length === b.length ? 0 : Infinity;
+  for (let i = 0; i < a.length; i += 4) {
+    if (Math.abs(a[i] - b[i]) + Math.abs(a[i + 1] - b[i + 1]) + Math.abs(a[i + 2] - b[i + 2]) > 12) n++;
+  }
+  return n;
+}
+
+function press(target, key, shiftKey = false) {
+  target.dispatchEvent(new KeyboardEvent('keydown', { key, shiftKey, bubbles: true, cancelable: true }));
+}
+
+function change(control, value) {
+  if (control.type === 'checkbox' || control.type === 'radio') control.checked = value;
+  else control.value = value;
+  control.dispatchEvent(new Event('input', { bubbles: true }));
+  control.dispatchEvent(new Event('change', { bubbles: true }));
+}
+
+/* Does something, looks whether the view changed, undoes it and looks whether it is as before. */
+function changesView(name, act, undo) {
+  const before = viewPixels();
+  act();
+  const then = viewPixels();
+  expect(`${name} changes the view`, different(before, then) > 20);
+  undo();
+  expect(`${name}: and back`, different(before, viewPixels()) === 0);
+}
+
+function testView() {
+  expect('WebGL2', view.gl !== null && view.gl.getError() === 0);
+  if (view.gl === null) return;
+  byId('all-off').click();
+  const empty = viewPixels();
+  byId('all-on').click();
+  expect('the model is drawn', different(empty, viewPixels()) > 500);
+  structures.forEach((s, i) => {
+    if (structures.length > 8 && i % 6 !== 0) return;
+    setAllVisible((k) => k === i);
+    expect(`structure ${i + 1} alone is drawn`, different(empty, viewPixels()) > 10);
+  });
+  setAllVisible(() => true);
+  const box = () => byId('structure-list').querySelector('input');
+  lookFrom('A');
+  if (structures.length === 1) changesView('a structure switched off', () => change(box(), false), () => change(box(), true));
+  changesView('before', () => change(document.querySelector('#when input[value="before"]'), true), () => change(document.querySelector('#when input[value="after"]'), true));
+  changesView('half way', () => change(byId('blend'), '0.5'), () => change(byId('blend'), '1'));
+  if (targets.length > 0) changesView('the target', () => change(byId('show-target'), true), () => change(byId('show-target'), false));
+  testMoves();
+  testColours();
+  testPicking();
+  expect('no error of WebGL', view.gl.getError() === 0);
+}
+
+function testMoves() {
+  const canvas = byId('gl');
+  changesView('an arrow', () => press(canvas, 'ArrowRight'), () => press(canvas, 'ArrowLeft'));
+  changesView('Shift and an arrow', () => press(canvas, 'ArrowUp', true), () => press(canvas, '0'));
+  changesView('plus', () => press(canvas, '+'), () => press(canvas, '0'));
+  for (const letter of ['P', 'L', 'S']) changesView(`looking from ${letter}`, () => press(canvas, letter), () => press(canvas, 'A'));
+  const drag = (from, to, type, id) => {
+    const send = (name, [x, y]) => canvas.dispatchEvent(new PointerEvent(name, { pointerId: id, pointerType: type, clientX: x, clientY: y, buttons: 1, bubbles: true }));
+    send('pointerdown', from);
+    send('pointermove', to);
+    send('pointerup', to);
+  };
+  changesView('a drag', () => drag([200, 200], [260, 230], 'mouse', 1), () => press(canvas, 'A'));
+  changesView('a finger', () => drag([200, 200], [150, 200], 'touch', 7), () => press(canvas, 'A'));
+  changesView('the wheel', () => canvas.dispatchEvent(new WheelEvent('wheel', { deltaY: 240, cancelable: true })), () => press(canvas, '0'));
+}
+
+function testColours() {
+  const seen = [];
+  for (const option of byId('colour').options) {
+    change(byId('colour'), option.value);
+    const pixels = viewPixels();
+    expect(`colour: ${option.value} differs`, seen.every((other) => different(other, pixels) > 100));
+    seen.push(pixels);
+    expect(`colour: ${option.value} has its legend`, byId('legend').hidden === (option.value === 'structure'));
+  }
+  if (byId('colour').options.length > 1) {
+    const most = byId('legend-max').value;
+    changesView('the end of the colours', () => change(byId('legend-max'), String(0.2 * Number(most))), () => change(byId('legend-max'), most));
+  }
+  change(byId('colour'), 'structure');
+}
+
+function testPicking() {
+  const canvas = byId('gl');
+  let hit = null;
+  for (let y = 0.1; y < 0.95 && !hit; y += 0.05) for (let x = 0.1; x < 0.95 && !hit; x += 0.05) hit = pick(x * canvas.clientWidth, y * canvas.clientHeight);
+  expect('a click finds a surface', hit !== null);
+  if (!hit) return;
+  const s = structures[hit.structure], at = 3 * hit.vertex;
+  expect('near the vertex that it reads', Math.hypot(...hit.point.map((v, c) => v - s.place.after[at + c])) < 0.2 * sceneRadius);
+  showVertex(hit.structure, hit.vertex);
+  expect('and names it', byId('reading').textContent.startsWith(s.name));
+  choose(hit.structure);
+  state.pointed = false;
+}
+
+function testSlices() {
+  for (const slice of slices) {
+    const name = slice.along ? 'along' : slice.plane.title, at = slice.slider.value, before = slicePixels(slice);
+    expect(`${name}: something is drawn`, new Set(before).size > 8);
+    press(slice.canvas, 'PageUp');
+    expect(`${name}: a key moves it`, different(before, slicePixels(slice)) > 20);
+    change(slice.slider, at);
+    expect(`${name}: the slider moves it back`, different(before, slicePixels(slice)) === 0);
+  }
+  const first = slices[0], whole = slicePixels(first);
+  for (const kind of Object.keys(OUTLINES)) {
+    const box = byId(`outline-${kind}`);
+    if (!box || !slices.some((s) => hasOutline(s, kind))) continue;
+    const slice = slices.find((s) => hasOutline(s, kind)), with_ = slicePixels(slice);
+    change(box, false);
+    expect(`outlines of ${kind} can be switched off`, different(with_, slicePixels(slice)) > 5);
+    change(box, true);
+  }
+  if (image) {
+    const window = byId('window').value;
+    change(byId('window'), String(0.3 * Number(window)));
+    expect('the window changes the greys', different(whole, slicePixels(first)) > 100);
+    byId('window-reset').click();
+    expect('and is reset', different(whole, slicePixels(first)) === 0);
+  }
+  byId('blink').click();
+  setBlend(0);
+  const dark = slicePixels(first);
+  setBlend(1);
+  expect('blinking changes slices', different(dark, slicePixels(first)) > 5 || !hasOutline(first, 'after'));
+  byId('blink').click();
+  expect('and ends', blinking.timer === 0 && state.blend === 1);
+}
+
+function hasOutline(slice, kind) {
+  const cut = (xyz, index) => cutSurface(xyz, index, slice.plane, slice.at).length > 0;
+  return kind === 'target' ? targets.some((t) => cut(t.place, t.index)) : structures.some((s) => cut(s.place[kind], s.index));
+}
+
+/* Colours of slices are where the image is: each main plane through the middle of a voxel shows that voxel's grey. */
+function testSampling() {
+  if (!image) return;
+  const at = image.size.map((n) => n >> 1), point = frameAxes().reduce((p, axis, j) => along(p, axis, at[j] * image.spacing[j]), image.first);
+  const want = image.voxels[(at[2] * image.size[1] + at[1]) * image.size[0] + at[0]];
+  for (const { plane } of slices.filter((s) => !s.along)) {
+    const mm = 0.5, depth = dot(point, plane.normal), got = sampleImage(plane, depth, mm);
+    const x = Math.round((dot(point, plane.right) - plane.rangeRight[0]) / mm - 0.5), y = Math.round((dot(point, plane.down) - plane.rangeDown[0]) / mm - 0.5);
+    expect(`${plane.title}: the voxel in the middle is where it should be`, Math.abs(got.grey[y * got.width + x] - want) <= 40);
+  }
+}
+
+function testTables() {
+  const names = () => [...byId('structure-table').querySelectorAll('tbody td:first-child')].map((cell) => cell.textContent);
+  expect('a row for each structure', names().length === structures.length && structures.every((s) => names().includes(s.name)));
+  const first = names().join();
+  byId('structure-table').querySelectorAll('th button')[0].click();
+  expect('the table is sorted the other way', structures.length < 2 || names().join() !== first);
+  byId('structure-table').querySelectorAll('th button')[0].click();
+  expect('the verdict is in words', byId('verdict-word').textContent.length > 3 && byId('verdict-text').textContent.length > 20);
+  expect('inputs with checksums', byId('inputs-table').querySelectorAll('tbody tr').length === report.inputs.length && /[0-9a-f]{8}/.test(byId('inputs-table').textContent));
+  const all = byId('settings-table').querySelectorAll('tbody tr').length;
+  change(byId('changed-only'), true);
+  expect('settings: all, and those that changed', all > 60 && byId('settings-table').querySelectorAll('tbody tr').length < all);
+  change(byId('changed-only'), false);
+  expect('a curve of the convergence', page.course.length > 0 && byId('course').querySelectorAll('path').length === 2);
+  expect('nothing of the data became markup', document.querySelectorAll('script').length === 5 && document.querySelectorAll('img, iframe, object').length === 0);
+  const light = getComputedStyle(document.body).backgroundColor;
+  byId('theme').click();
+  expect('the theme changes', getComputedStyle(document.body).backgroundColor !== light);
+  byId('theme').click();
+}
+
+function runSelftest() {
+  for (const part of [testTables, testView, testSlices, testSampling]) {
+    try { part(); } catch (error) { expect(`${part.name} ends: ${error && error.stack}`, false); }
+  }
+  expect(`no error: ${selftest.errors.join('; ')}`, selftest.errors.length === 0 && byId('failure').hidden);
+  const result = `selftest: ${selftest.failed === 0 ? 'passed' : 'failed'}, ${selftest.lines.length} checks, ${selftest.failed} failed`;
+  byId('selftest-result').textContent = `${selftest.lines.join('\n')}\n${result}`;
+  byId('selftest-result').hidden = false;
+  document.title = result;
+  setColour('distance');
+}
+
+window.addEventListener('load', () => { if (location.hash === '#selftest') setTimeout(runSelftest, 50); });

@@ -1,0 +1,113 @@
+#!/bin/sh
+# The page of a report: --html writes one file, in ASCII, of bounded size, which no name can break.
+# SPDX-License-Identifier: MIT
+cd "$(dirname "$0")/../.." || exit 1
+. tests/host/host_common.inc
+
+build_tool || { not_ok "the helper compiles"; finish; exit 1; }
+tool=$scratch/tool
+cd "$scratch" || exit 1
+blob 12 30 20 60 0.05 >bone.ply
+blob 14 33 19 63 0.08 >target.ply
+value() { sed -n "s/^ *\"$2\": \"\{0,1\}\([^,\"]*\)\"\{0,1\},\{0,1\}\$/\1/p" "$1" | head -1; }
+# number PAGE PATTERN: the digits behind the first "PATTERN" in what the page shows.
+number() { sed -n 's/.*<script type="application\/json" id="page-data">\(.*\)<\/script>/\1/p' "$1" | grep -oE "$2-?[0-9.e+-]+" | head -1 | grep -oE -e '-?[0-9.e+-]+$'; }
+
+# page NAME FILE: what holds for each page: whole, plain ASCII, bounded, five scripts and none of the data's.
+page() {
+    check "$1: a whole page" sh -c "head -n 1 '$2' | grep -q '^<!doctype html>\$' && tail -n 1 '$2' | grep -q '^</html>\$'"
+    check "$1: ASCII" [ "$(LC_ALL=C tr -d '\12\40-\176' <"$2" | wc -c)" -eq 0 ]
+    check "$1: at most 15 MB" [ "$(wc -c <"$2")" -le 15000000 ]
+    check "$1: five scripts" [ "$(grep -o '<script' "$2" | wc -l) $(grep -o '</script>' "$2" | wc -l)" = "5 5" ]
+    check "$1: no network" [ -z "$(grep -oE '(src|href)="?[a-z]+:|url\(|fetch\(|XMLHttp|@import' "$2")" ]
+    check "$1: all parts are in it" sh -c "! grep -qE '^@(include|data)' '$2'"
+}
+
+onto="--model bone.ply --target target.ply --threads 2 --quiet"
+"$SMR" register $onto -o plain
+check "no page without --html" [ ! -e plain/report.html ]
+check "a page with it" "$SMR" register $onto --html -o out
+page "a surface" out/report.html
+check "changes no bit" [ "$(value plain/report.json state_hash)" = "$(value out/report.json state_hash)" ]
+check "and no result" cmp plain/bone.ply out/bone.ply
+check "has the report's figures" grep -q "\"state_hash\":\"$(value out/report.json state_hash)\"" out/report.html
+check "a row for each iteration" [ "$(grep -o '"iteration":' out/report.html | wc -l)" -eq "$(value out/report.json iterations)" ]
+check "nothing is left over" [ -z "$(find . -name '*.tmp')" ]
+
+# The result's places, decoded from the page, are those of the result's file to half a step and a rounding.
+sed -n '/id="surface-bytes"/,/<\/script>/p' out/report.html | sed 's/.*id="surface-bytes">//; s/<\/script>.*//' | base64 -d >surfaces.bin
+"$tool" convert out/bone.ply obj result.obj
+{
+    sed -n 's/.*"low":\[\([^]]*\)\],"high":\[\([^]]*\)\].*/box,\1,\2/p' out/report.html | head -1
+    od -An -v -tu2 -w6 -j "$(number out/report.html '"after":')" -N "$((6 * $(value out/report.json vertices)))" surfaces.bin | sed 's/^ */q,/; s/  */,/g'
+    sed -n 's/^v /v,/p' result.obj | tr ' ' ','
+} | awk -F, '
+    $1 == "box" { for (c = 1; c <= 3; c++) { low[c] = $(c + 1); high[c] = $(c + 4) } }
+    $1 == "q" { n++; for (c = 1; c <= 3; c++) q[n, c] = low[c] + $(c + 1) / 65535 * (high[c] - low[c]) }
+    $1 == "v" { m++; for (c = 1; c <= 3; c++) { d = $(c + 1) - q[m, c]; if (d < 0) d = -d; if (d > worst) worst = d } }
+    END { print n, m, worst; exit !(n > 200 && n == m && worst < 0.002) }' >places.txt
+check "has the result's places ($(cat places.txt))" awk '{ exit !($1 > 200 && $1 == $2 && $3 < 0.002) }' places.txt
+
+# Hostile names: of files, of folders, and bytes that are no UTF-8.
+mkdir -p 'a</script><script>alert(1)<'
+odd=$(printf 'x<!--<script>"\\&'"'"'\303\251\377')
+cp bone.ply "a</script><script>alert(1)</$odd.ply"
+check "hostile names" "$SMR" register --model "a</script><script>alert(1)</$odd.ply" --target target.ply --quiet --html -o odd
+page "hostile names" odd/report.html
+check "are there, escaped" grep -qF 'a\u003c/script\u003e\u003cscript\u003ealert(1)\u003c/x\u003c!--\u003cscript\u003e\"\\\u0026'"'"'\u00e9?' odd/report.html
+check "and nowhere else" sh -c "! grep -q 'alert(1)<' odd/report.html"
+
+# All kinds of targets and ends.
+"$tool" convert target.ply obj target.obj
+grep '^v ' target.obj >cloud.obj
+"$SMR" register --model bone.ply --target cloud.obj --html --quiet --accept look -o cloud
+page "a cloud" cloud/report.html
+check "has points, no triangles" [ "$(grep -oE '"path":"cloud.obj","vertices":[0-9]+,"triangles":0' cloud/report.html | wc -l)" -eq 1 ]
+"$SMR" register $onto --html --budget-ms 0.2 --ticks 3 -o ended
+check "a run that ended within an iteration" [ $? -eq 4 ]
+page "a run that ended" ended/report.html
+"$SMR" build --model bone.ply --quiet -o bone.smr
+check "a prepared model" "$SMR" register --model bone.smr --target target.ply --html --quiet -o built
+page "a prepared model" built/report.html
+check "says so" grep -q '"prepared":true' built/report.html
+
+# An image: 4 mm voxels around an ellipsoid; the truth.
+mkdir truth
+blob 12 32 22 63 0 >truth/bone.ply
+image() {
+    {
+        printf 'ObjectType = Image\nNDims = 3\nDimSize = 32 32 48\nElementSpacing = 4 4 4\nOffset = -62 -62 -94\n'
+        printf 'ElementType = MET_UCHAR\nElementDataFile = LOCAL\n'
+        awk -v a="$2" -v b="$3" -v c="$4" 'BEGIN {
+            for (k = 0; k < 48; k++) for (j = 0; j < 32; j++) for (i = 0; i < 32; i++) {
+                x = (4 * i - 62) / a; y = (4 * j - 62) / b; z = (4 * k - 94) / c; d = x * x + y * y + z * z
+                printf "%s", d < 0.9 ? "Z" : d < 1.1 ? "2" : "\n"
+            }
+        }'
+    } >"$1"
+}
+image ref.mha 30 20 60
+image pat.mha 32 22 63
+"$SMR" register --model bone.ply --reference ref.mha --target pat.mha --truth truth --html --quiet --accept look -o image
+page "an image" image/report.html
+check "has its voxels" sh -c "sed -n '/id=\"voxel-bytes\"/,/<\\/script>/p' image/report.html | sed 's/.*id=\"voxel-bytes\">//; s/<\\/script>.*//' | base64 -d | LC_ALL=C tr -d '\\n2Z' | wc -c | grep -qx 0"
+check "and the truth" grep -q '"path":"truth/bone.ply"' image/report.html
+
+# refused NAME FILE ARGUMENT...: status 2 and a line that names the file; nothing new.
+refused() {
+    refused_name=$1 refused_file=$2
+    shift 2
+    "$SMR" register "$@" >out.txt 2>err.txt
+    if [ $? -eq 2 ] && [ "$(wc -l <err.txt)" -eq 1 ] && grep -qF "smr: $refused_file: " err.txt && [ ! -e new/bone.ply ]; then
+        ok "$refused_name"
+    else
+        not_ok "$refused_name"
+        head -2 err.txt | sed 's/^/#   /'
+    fi
+}
+refused "a trace in the page's place" new/report.html $onto --html -o new --trace new/report.html
+mkdir -p new/report.html
+refused "a directory in its place" new $onto --html -o new
+check "leaves nothing" [ "$(ls new)" = report.html ]
+check "--help tells of it" sh -c "'$SMR' --help | grep -q -e '--html'"
+finish
