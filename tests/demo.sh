@@ -42,4 +42,5 @@ done | cat - "$dir/result/report.json" | awk -v dir="$dir/result" '
                whole["total"], whole["folds"]
         print "result: " dir "/NAME.ply and report.json"
         print "to look at, in a browser: " dir "/report.html"
+        exit !(after["model_to_target"] > 0 && after["model_to_target"] < surface / n) # nothing read is no result
     }'

@@ -83,7 +83,7 @@ sed 's/"version": "/"version": "9/' out/report.json >old && mv old out/report.js
 again "a report of another version" computes 0 $onto
 sed '/^  "results": \[/,/^  \],/d' out/report.json >old && mv old out/report.json
 again "a report that names no results" computes 0 $onto
-sed 's/"name": "bone.ply"/"name": "..\/bone.ply"/' out/report.json >odd && mv odd out/report.json
+sed 's/"file": "bone.ply"/"file": "..\/bone.ply"/' out/report.json >odd && mv odd out/report.json
 again "one that names files elsewhere" computes 0 $onto
 rm -rf out
 "$SMR" register $onto --ticks 2 --quiet --log run.log -o ended

@@ -256,7 +256,7 @@ static size_t make_done(directory *d, char *text)
            (size_t)snprintf(at, ROOM - (size_t)(at - text),
                             "\"command\": [\"smr\", \"register\", \"--threads\", \"2\", \"-o\", \"%s\", \"--json\"],\n"
                             "\"inputs\": [{\"path\": \"%s\", \"bytes\": 9, \"crc32\": \"cbf43926\"}],\n"
-                            "\"results\": [{\"name\": \"result\", \"bytes\": 9, \"crc32\": \"cbf43926\"}],%s",
+                            "\"results\": [{\"file\": \"result\", \"bytes\": 9, \"crc32\": \"cbf43926\"}],%s",
                             d->path, d->input, tail);
 }
 

@@ -96,8 +96,8 @@ static int read_file_member(host_scan *scan, const char *key, void *context)
 {
     done_check *const c = context;
     size_t n = 0;
-    if (strcmp(key, "path") == 0 || strcmp(key, "name") == 0) {
-        c->inside = key[0] == 'n';
+    if (strcmp(key, "path") == 0 || strcmp(key, "file") == 0) {
+        c->inside = key[0] == 'f';
         c->has |= 1u;
         return host_scan_text(scan, c->path, sizeof c->path, &c->path_bytes);
     }

@@ -49,7 +49,7 @@ void host_report_results(const host_output *output, host_json *json)
     host_json_open(json, "results", '[');
     for (i = 0; i < host_output_count(output); i++) {
         const host_output_fact fact = host_output_fact_of(output, i);
-        put_file(fact.inside ? "name" : "path", fact.name, fact.bytes, fact.crc32, json);
+        put_file(fact.inside ? "file" : "path", fact.name, fact.bytes, fact.crc32, json);
     }
     host_json_close(json, ']');
 }

@@ -13,7 +13,7 @@ void host_report_command(const host_options *options, host_json *json);
 /* "inputs": every file that was read, those that only measuring needs, too. */
 void host_report_inputs(host_json *json);
 
-/* "results": the files of the set so far. "name" lies in the report's directory, "path" where it says. */
+/* "results": the files of the set so far. "file" lies in the report's directory, "path" where it says. */
 void host_report_results(const host_output *output, host_json *json);
 
 #endif
