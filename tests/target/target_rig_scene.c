@@ -96,9 +96,11 @@ static fixture_box target_box(const smr_structure *part, float xyz[TARGET_PARTS]
     return box;
 }
 
-static int target_volume(const fixture_pose *pose, const fixture_box *box, unsigned char *voxels, smr_volume *volume)
+/* Image i of the two, of the same box each time: drawn once, for that takes longer than a registration. */
+static int target_volume(uint32_t i, const fixture_pose *pose, const fixture_box *box, smr_volume *volume)
 {
-    const smr_volume plain = {voxels,
+    static int drawn[2];
+    const smr_volume plain = {target_voxels[i],
                               NULL,
                               SMR_VOXEL_UINT8,
                               {box->n[0], box->n[1], box->n[2]},
@@ -107,7 +109,9 @@ static int target_volume(const fixture_pose *pose, const fixture_box *box, unsig
                               {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     if (box->n[0] > TARGET_SIDE || box->n[1] > TARGET_SIDE || box->n[0] * box->n[1] * box->n[2] > TARGET_VOXELS)
         return 0;
-    fixture_thigh_slices(&target_thigh, pose, box, voxels, target_slice);
+    if (!drawn[i])
+        fixture_thigh_slices(&target_thigh, pose, box, target_voxels[i], target_slice);
+    drawn[i] = 1;
     *volume = plain;
     return 1;
 }
@@ -131,8 +135,7 @@ static int target_thigh_in_image(target_scene *scene)
         fixture_thigh_truth(&pose[1], m.xyz, m.n_vertices, target_begin[i]);
     }
     const fixture_box box[2] = {target_box(part, target_xyz), target_box(part, target_begin)};
-    if (!target_volume(&pose[0], &box[0], target_voxels[0], &reference) ||
-        !target_volume(&pose[1], &box[1], target_voxels[1], &scene->volume))
+    if (!target_volume(0, &pose[0], &box[0], &reference) || !target_volume(1, &pose[1], &box[1], &scene->volume))
         return 0;
     for (uint32_t i = 0; i < TARGET_PARTS; i++)
         for (uint32_t k = 0; k < part[i].mesh.n_vertices; k++)
