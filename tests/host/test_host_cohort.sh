@@ -172,11 +172,11 @@ for tick in $(seq 200); do
     grep -qs . results/runs.jsonl && break
     sleep 0.05
 done
-for try in $(seq 20); do # jobs may have process groups of their own, and be started meanwhile
-    pids=$(ps -o pid= -s $leader)
+for try in $(seq 200); do # jobs may have process groups of their own, be started meanwhile, and outlive the first
+    pids=$(ps -o pid=,stat= -s $leader | awk '$2 !~ /^Z/ { print $1 }')
+    [ -n "$pids" ] || break
     # shellcheck disable=SC2086
-    [ -n "$pids" ] && kill -KILL $pids 2>/dev/null
-    kill -0 $leader 2>/dev/null || break
+    kill -KILL $pids 2>/dev/null
     sleep 0.02
 done
 wait $leader 2>/dev/null
