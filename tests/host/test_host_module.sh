@@ -99,6 +99,34 @@ check "a folder keeps all" has_status 0 "$module" --model bone.ply --target 'a d
 check "which carries points" has_status 0 "$SMR" carry --result 'a dir/kept' --points bone.ply -o z.ply --quiet
 check "with its report" [ -s 'a dir/kept/report.json' ]
 
+mkdir held
+cp bone.ply held/older.ply
+check "an existing folder keeps all, too" has_status 0 "$module" --model bone.ply --target 'a dir/target.ply' -o held \
+    --output held.ply --field held.nrrd
+check "the surface is this run's" cmp held.ply plain/bone.ply
+check "beside what lay there" cmp held/older.ply bone.ply
+check "the field is that of the folder" cmp held.nrrd held/field.nrrd
+check "the kept scene leads to what lies beside it" sh -c "grep -q 'fileName=\"bone.ply\"' held/scene.mrml &&
+    grep -q 'fileName=\"field.nrrd\"' held/scene.mrml && ! grep -q '\.\./\.\./' held/scene.mrml"
+check "the report's command says where" sh -c "sed -n '/\"command\"/,/\]/p' held/report.json | grep -qx ' *\"held\"'"
+check "outputs that are results of the folder" has_status 0 "$module" --model bone.ply --target 'a dir/target.ply' -o held \
+    --output held/bone.ply --field held/field.nrrd
+check "are left as they are" cmp held/bone.ply plain/bone.ply
+
+# No output may be an input.
+cp bone.ply bone_before.ply
+cp 'a dir/target.ply' target_before.ply
+ln -s bone.ply link.ply
+for option in "--output bone.ply" "--output link.ply" "--field a dir/target.ply" "--returnparameterfile ./bone.ply"; do
+    check "an input as ${option%% *}" has_status 2 "$module" --model bone.ply --target 'a dir/target.ply' "${option%% *}" "${option#* }"
+    check "is refused in one line" sh -c "[ \$(grep -c . err.txt) -eq 1 ] && grep -q 'none of the inputs' err.txt"
+    check "and kept" sh -c "cmp bone.ply bone_before.ply && cmp 'a dir/target.ply' target_before.ply"
+    cp bone_before.ply bone.ply
+    cp target_before.ply 'a dir/target.ply'
+done
+check "an input as a result of -o" has_status 2 "$module" --model bone.ply --target 'a dir/target.ply' -o .
+check "is kept" cmp bone.ply bone_before.ply
+
 printf 'label,x,y,z\na,0,0,60\nb,0,0,-60\nc,30,0,0\nd,0,20,0\n' >a.csv
 printf 'label,x,y,z\na,0,0,63\nb,0,0,-63\nc,33,0,0\nd,0,19,0\n' >b.csv
 check "landmarks" has_status 0 "$module" --model bone.ply --target 'a dir/target.ply' --model-landmarks a.csv \

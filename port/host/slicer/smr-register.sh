@@ -10,7 +10,7 @@
 #   --field FILE.nrrd              NRRD: the transform that carries points and images of the model to the patient
 #   --returnparameterfile FILE     verdict and expected error
 # Slicer passes each number and word, also where nobody changed it: what has the default that --xml says is dropped, so
-# that the target's kind decides. -o DIR keeps all results. Exit status: 0 also where somebody should look at the result,
+# that the target's kind decides. -o DIR keeps all results: smr writes there. No output may be an input. Exit status: 0 also where somebody should look at the result,
 # since Slicer loads nothing otherwise; else that of smr.
 set -u
 case $0 in */*) here=${0%/*} ;; *) here=. ;; esac
@@ -88,31 +88,48 @@ if [ -n "$output" ]; then
     esac
     set -- "$@" --format $extension
 fi
+
+# Whether this file is one of the inputs, or lies in a directory that is one.
+# shellcheck disable=SC3013
+is_input() {
+    result=$1
+    shift
+    for word; do
+        [ "$result" -ef "$word" ] && return 0
+        [ -d "$word" ] || continue
+        for one in "$word"/*; do
+            [ "$result" -ef "$one" ] && return 0
+        done
+    done
+    return 1
+}
+for wanted in "$output" "$field" "$values"; do
+    [ -z "$wanted" ] || ! is_input "$wanted" "$@" || refuse "$wanted: expected an output that is none of the inputs"
+done
 scratch=$(mktemp -d) || exit 2
 trap 'rm -rf "$scratch"' EXIT
 trap 'exit 1' HUP INT TERM
-out=$scratch/out
+out=${kept:-$scratch/out}
 [ -z "$field" ] || set -- "$@" --slicer "$out/scene.mrml" # which has it beside it, as coarse as need be
 
 echo '<filter-start><filter-name>smr register</filter-name><filter-comment>registering</filter-comment></filter-start>'
 "$SMR" register "$@" --accept look -o "$out"
 status=$?
-[ "$status" -ne 2 ] || exit 2
+[ "$status" -ne 2 ] && [ "$status" -lt 126 ] || exit 2
 
-if [ -n "$output" ]; then
-    set -- "$out"/*."$extension"
-    [ $# -eq 1 ] || refuse "--output: expected a model of one structure, -o DIR takes several"
-    cp "$1" "$output" || exit 2
+# copy RESULT OUTPUT: nothing is to be done where both are one file of DIR.
+# shellcheck disable=SC3013
+copy() { [ "$1" -ef "$2" ] || cp "$1" "$2" || exit 2; }
+if [ -n "$output" ]; then # the folder may hold older surfaces: report.json says which is the result
+    surface=$(sed -n '/^  "results": \[/,/^  \]/s/^ *"file": "\(.*\.'$extension'\)",*$/\1/p' "$out/report.json" |
+        sed 's/\\\(["\\]\)/\1/g')
+    [ -f "$out/$surface" ] || refuse "--output: expected a model of one structure, -o DIR takes several"
+    copy "$out/$surface" "$output"
 fi
-if [ -n "$field" ]; then
-    cp "$out/field.nrrd" "$field" || exit 2
-fi
+[ -z "$field" ] || copy "$out/field.nrrd" "$field"
 if [ -n "$values" ]; then
     sed -n 's/^  "verdict": "\([a-z]*\)".*/verdict = \1/p; s/^  "expected_error_mm": \([0-9.e+-]*\),*$/expected_error = \1/p' \
         "$out/report.json" >"$values" || exit 2
-fi
-if [ -n "$kept" ]; then # the report last, as ever
-    mkdir -p "$kept" && mv "$out/report.json" "$scratch" && cp "$out"/* "$kept" && cp "$scratch/report.json" "$kept" || exit 2
 fi
 echo '<filter-end><filter-name>smr register</filter-name></filter-end>'
 exit "$status"
