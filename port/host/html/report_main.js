@@ -139,7 +139,7 @@ function fillList() {
     const mark = VERDICTS[s.facts.verdict] || VERDICTS.look;
     return element('li', { class: i === state.chosen ? 'chosen' : '' }, box,
       element('span', { class: 'swatch', style: `background:${cssColour(s.colour)}` }),
-      element('button', { type: 'button', title: s.name, 'aria-pressed': undefined, click: () => choose(i) }, s.name),
+      element('button', { type: 'button', title: s.name, 'aria-pressed': String(i === state.chosen), click: () => choose(i) }, s.name),
       element('span', { class: 'value' }, listValue(s)),
       element('span', { class: s.facts.verdict, title: mark.word }, mark.sign));
   }));

@@ -120,6 +120,8 @@ function testPicking() {
   expect('near the vertex that it reads', Math.hypot(...hit.point.map((v, c) => v - s.place.after[at + c])) < 0.2 * sceneRadius);
   showVertex(hit.structure, hit.vertex);
   expect('and names it', byId('reading').textContent.startsWith(s.name));
+  const pressed = [...byId('structure-list').querySelectorAll('button')].map((button) => button.getAttribute('aria-pressed'));
+  expect('the list says which one is chosen', state.chosen === hit.structure && pressed.every((is, i) => is === String(i === state.chosen)));
   choose(hit.structure);
   state.pointed = false;
 }
@@ -175,6 +177,18 @@ function testSampling() {
   }
 }
 
+/* As many iterations as nobody makes: what takes them as arguments of one call ends here. */
+function testLongCourse() {
+  const { course } = page, drawn = [...byId('course').childNodes];
+  if (course.length === 0) return;
+  page.course = Array.from({ length: 100000 }, (_, i) => ({ ...course[0], iteration: i + 1, residual_mm: 1, moved_max_mm: 1 }));
+  byId('course').replaceChildren();
+  try { drawCourse(); } catch (error) { expect(`a long curve: ${error}`, false); }
+  expect('a long curve is drawn', byId('course').querySelectorAll('path').length === 2);
+  page.course = course;
+  byId('course').replaceChildren(...drawn);
+}
+
 function testTables() {
   const names = () => [...byId('structure-table').querySelectorAll('tbody td:first-child')].map((cell) => cell.textContent);
   expect('a row for each structure', names().length === structures.length && structures.every((s) => names().includes(s.name)));
@@ -197,7 +211,7 @@ function testTables() {
 }
 
 function runSelftest() {
-  for (const part of [testTables, testView, testSlices, testSampling]) {
+  for (const part of [testTables, testLongCourse, testView, testSlices, testSampling]) {
     try { part(); } catch (error) { expect(`${part.name} ends: ${error && error.stack}`, false); }
   }
   expect(`no error: ${selftest.errors.join('; ')}`, selftest.errors.length === 0 && byId('failure').hidden);

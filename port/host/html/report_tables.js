@@ -163,7 +163,8 @@ function drawCourse() {
   }
   const series = [['residual_mm', 'residual', 'var(--accent)', ''], ['moved_max_mm', 'largest movement', 'var(--look)', '7 4']];
   const all = rows.flatMap((r) => series.map(([key]) => r[key])).filter((v) => v !== null && v > 0);
-  const high = 10 ** Math.ceil(Math.log10(Math.max(...all, 0.01))), low = Math.max(1e-4, 10 ** Math.floor(Math.log10(Math.min(...all, high / 10))));
+  const high = 10 ** Math.ceil(Math.log10(all.reduce((a, b) => Math.max(a, b), 0.01)));
+  const low = Math.max(1e-4, 10 ** Math.floor(Math.log10(all.reduce((a, b) => Math.min(a, b), high / 10))));
   const last = rows[rows.length - 1].iteration, x = (i) => left + (W - left - right) * (last > 1 ? (i - 1) / (last - 1) : 0.5);
   const y = (v) => (v === null ? null : top + (H - top - bottom) * Math.log10(high / Math.max(low, v)) / Math.log10(high / low));
   const drawn = svg('svg', { viewBox: `0 0 ${W} ${H}`, role: 'img', 'aria-label': 'residual and largest movement over the iterations, in mm' });
