@@ -175,11 +175,16 @@ rm -rf far
 # An image of noise: what the model was moved by is chance, so the start is what is written.
 LC_ALL=C awk '/^ElementDataFile/ { print; exit } { print }' pat.mha >noise.mha
 awk 'BEGIN { s = 1; for (i = 0; i < 32 * 32 * 48; i++) { s = (s * 69069 + 5) % 4294967296; printf "%c", 33 + int(s / 16777216) % 90 } }' >>noise.mha
-check "an image of noise ends with status 1" has_status 1 "$SMR" register --model bone.ply -o noise --reference ref.mha --target noise.mha
+check "an image of noise ends with status 1" has_status 1 "$SMR" register --model bone.ply -o noise --reference ref.mha --target noise.mha \
+    --vertex-errors --html
 check "and says what is written" grep -q '^verdict: failed: .*; the start is written instead of what was found' out.txt
 check "vertices had moved, though" less 0.3 "$(value noise/report.json matched_share)"
 check "they are where they began" sh -c "[ '$(value noise/report.json start_kept)' = true ] && '$SMR' measure noise/bone.ply bone.ply | grep -q '^Hausdorff: 0.0000 mm'"
 "$SMR" carry --result noise --points bone.ply -o carried.ply --quiet
+header=$(LC_ALL=C sed '/^end_header$/q' noise/bone.ply | wc -c)
+tail -c +$((header + 1)) noise/bone.ply | head -c "$((17 * $(value noise/report.json vertices)))" | od -An -v -tu1 -w17 >vertices.txt
+check "nothing is said of their vertices" awk '$13 != 0 || $14 != 0 || $15 != 0 || $16 != 128 || $17 != 191 { bad = 1 } END { exit bad || NR < 200 }' vertices.txt
+check "nor in the page" [ "$(grep -o '"seen":[0-9]*' noise/report.html | sort -u)" = '"seen":0' ]
 check "points are carried to what is written" sh -c "'$SMR' measure carried.ply noise/bone.ply | grep -q '^Hausdorff: 0.0000 mm'"
 check "a result that was found is no start" [ "$(value spline/report.json start_kept)" = false ]
 

@@ -63,7 +63,8 @@ static void measure(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-/* Where a registration says nothing of a vertex it is -1, which is written as not known. */
+/* Where a registration says nothing of a vertex it is -1, which is written as not known: so are all where the start was
+ * kept, for what it says is of what was rejected. */
 static int find_known(scene *s)
 {
     const host_job *const job = s->job;
@@ -81,10 +82,11 @@ static int find_known(scene *s)
         of->distance[0] = of->memory;
         of->distance[1] = of->memory + n;
         of->expected = of->memory + 2u * n;
-        if (smr_get_expected_error(job->state, i, of->expected) != SMR_OK)
+        if (job->kept_start || smr_get_expected_error(job->state, i, of->expected) != SMR_OK)
             for (k = 0; k < n; k++)
                 of->expected[k] = -1.0f;
-        (void)smr_get_seen(job->state, i, of->seen);
+        if (!job->kept_start)
+            (void)smr_get_seen(job->state, i, of->seen);
     }
     host_parallel(&job->port.port, measure, s, job->model.n_parts);
     return 0;
