@@ -73,18 +73,13 @@ static void blame_truth(const host_job *job, host_error *error)
     error->file = job->options->truth;
 }
 
-int host_job_load_truth(host_job *job, host_error *error)
+/* A file for each structure, in a directory. */
+static int load_truth_files(host_job *job, host_error *error)
 {
-    const double start = host_seconds();
     const uint32_t n = job->model.n_parts;
     host_load *loads = NULL;
     uint32_t i = 0;
     int result = 0;
-    error->file = "--truth";
-    if (job->options->truth == NULL)
-        return 0;
-    if (host_is_volume_path(job->options->truth))
-        return host_job_load_truth_map(job, error);
     loads = calloc(n, sizeof *loads);
     if (loads == NULL)
         return host_fail(error, "start", "free memory");
@@ -110,6 +105,18 @@ int host_job_load_truth(host_job *job, host_error *error)
     if (result != 0)
         blame_truth(job, error);
     free(loads);
+    return result;
+}
+
+int host_job_load_truth(host_job *job, host_error *error)
+{
+    const double start = host_seconds();
+    int result = 0;
+    error->file = "--truth";
+    if (job->options->truth == NULL)
+        return 0;
+    result =
+        host_is_volume_path(job->options->truth) ? host_job_load_truth_map(job, error) : load_truth_files(job, error);
     job->measure_s += host_seconds() - start;
     return result;
 }
