@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clean_text.h"
 #include "files/file_kind.h"
 #include "files/file_names.h"
 #include "files/file_read.h"
@@ -174,18 +175,21 @@ static void put_csv_label(const host_points *points, uint32_t i, host_buffer *ou
     host_buffer_add(out, "\"", 1);
 }
 
+/* JSON holds UTF-8 alone: any other byte becomes '?'. */
 static void put_json_label(const host_points *points, uint32_t i, host_buffer *out)
 {
     const char *c = label_of(points, i);
+    size_t n = 0;
     if (*c == '\0')
         host_buffer_print(out, "%u", i + 1u);
-    for (; *c != '\0'; c++) {
+    for (; *c != '\0'; c += n > 0 ? n : 1u) {
+        n = host_utf8_bytes(c);
         if (*c == '"' || *c == '\\')
             host_buffer_add(out, "\\", 1);
-        if ((unsigned char)*c < 0x20u)
+        if ((unsigned char)*c < 0x20u || *c == 0x7f)
             host_buffer_print(out, "\\u%04x", (unsigned)(unsigned char)*c);
         else
-            host_buffer_add(out, c, 1);
+            host_buffer_add(out, n > 0 ? c : "?", n > 0 ? n : 1u);
     }
 }
 
