@@ -111,6 +111,13 @@ check "which smr reads" grep -q "10 x 10 x 14  uint8" info.txt
 
 check "no result" refused "$(printf '')" "$SMR" carry --result nowhere --points points.csv -o no.csv
 check "no points" refused "" "$SMR" carry --result out --points nothing.csv -o no.csv
+printf 'label,x,y,z\n"a\377b\\\303\251\177",1,2,3\n' >odd.csv
+check "labels that are no UTF-8" has_status 0 "$SMR" carry --result out --points odd.csv -o odd.mrk.json --quiet
+check "become some" grep -qF "$(printf '"label": "a?b\\\\\303\251\\u007f"')" odd.mrk.json
+for name in p.ply.gz p.csv.GZ p.mrk.json.gz; do
+    check "points are not written packed, $name" refused "$name: name: expected an output that ends in" "$SMR" carry --result out --points points.csv -o $name
+done
+check "nor fields" refused "f.nrrd.gz: name: expected an output that ends in" "$SMR" field --result out --spacing 6 -o f.nrrd.gz
 check "an unknown format" refused "mrk.json" "$SMR" carry --result out --points points.csv -o no.txt
 check "no --points" refused "points" "$SMR" carry --result out -o no.csv
 check "no --volume" refused "volume" "$SMR" warp --result out -o no.mha

@@ -142,9 +142,9 @@ volume() {
 volume 0 >reference.mha
 volume 2 >patient.mha
 check "into an image" sh -c "'$SMR' register --model bone.ply --reference reference.mha --target patient.mha -o image --slicer image/scene.mrml --accept look --quiet; [ \$? -le 1 ]"
-gzip -c patient.mha >packed.mha.gz
-check "a packed one" sh -c "'$SMR' register --model bone.ply --reference reference.mha --target packed.mha.gz -o packed --slicer packed/scene.mrml --ticks 1 >out.txt 2>err.txt; [ \$? -eq 4 ]"
-check "is left out, which is said" grep -q "packed.mha.gz: left out" err.txt
+gzip -c patient.mha >packed.mha.GZ
+check "a packed one" sh -c "'$SMR' register --model bone.ply --reference reference.mha --target packed.mha.GZ -o packed --slicer packed/scene.mrml --ticks 1 >out.txt 2>err.txt; [ \$? -eq 4 ]"
+check "is left out, which is said" grep -q "packed.mha.GZ: left out" err.txt
 if [ -n "$python" ]; then
     check "well-formed" scene xml image/scene.mrml
     check "the image, as it lies" listed image/scene.mrml "^Volume patient image/../patient.mha"
@@ -156,6 +156,7 @@ check "a mirrored target" has_status 0 run -o mirrored --mirror-target x --slice
 check "its file is left out" sh -c "! grep -q target.ply mirrored/scene.mrml"
 
 check "another ending" refused "ends in .mrml" run -o no --slicer scene.xml
+check "a packed one" refused "ends in .mrml" run -o no --slicer scene.mrml.gz
 check "no such directory" refused "directory" run -o no --slicer nowhere/scene.mrml
 check "the log's name" refused "another file" run -o no --slicer x.mrml --log x.mrml
 check "a directory" refused "not a directory" sh -c 'mkdir -p d.mrml; exec "$@"' sh "$SMR" register --model bone.ply --target target.ply -o no --slicer d.mrml

@@ -18,12 +18,10 @@ static int ends_with(const char *text, size_t n, const char *end)
     return 1;
 }
 
+int host_is_packed_name(const char *path) { return ends_with(path, strlen(path), ".gz"); }
+
 /* Length of the path without ".gz". */
-static size_t unpacked_length(const char *path)
-{
-    const size_t n = strlen(path);
-    return ends_with(path, n, ".gz") ? n - 3u : n;
-}
+static size_t unpacked_length(const char *path) { return strlen(path) - (host_is_packed_name(path) ? 3u : 0u); }
 
 int host_has_extension(const char *path, const char *extension)
 {

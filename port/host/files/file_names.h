@@ -12,6 +12,9 @@ size_t host_base_name(const char *path, char *name, size_t bytes);
 /* 1 when the path, without ".gz", ends with the extension (".ply"), regardless of case. */
 int host_has_extension(const char *path, const char *extension);
 
+/* 1 when the path ends with ".gz", regardless of case. */
+int host_is_packed_name(const char *path);
+
 /* Replaces the path by its parent: "a/b" -> "a", "/a" -> "/", "a" -> ".". The array has room for two bytes or more. */
 void host_path_to_parent(char *path);
 

@@ -12,15 +12,9 @@
 
 #define VALUE_MAX 65535u
 
-static int ends_with_gz(const char *path)
-{
-    const size_t n = strlen(path);
-    return n > 3u && strcmp(path + n - 3u, ".gz") == 0;
-}
-
 int host_labels_can_write(const char *path, host_error *error)
 {
-    const int packed = ends_with_gz(path);
+    const int packed = host_is_packed_name(path);
     error->file = path;
     if (host_has_extension(path, ".nii") ||
         (!packed && (host_has_extension(path, ".nrrd") || host_has_extension(path, ".mha"))))
@@ -100,7 +94,7 @@ static int write_nifti(const host_label_map *map, uint32_t type, const char *pat
         result = host_fail(error, "size", "at most 32767 voxels along an axis, for NIfTI");
     else if (put_values(map, type, &plain) != 0)
         result = host_fail(error, "output", "free memory");
-    if (result == 0 && ends_with_gz(path)) {
+    if (result == 0 && host_is_packed_name(path)) {
         host_gzip_write(plain.data, plain.size, out);
     } else if (result == 0) {
         *out = plain;

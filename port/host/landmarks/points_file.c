@@ -130,8 +130,8 @@ int host_points_read(const char *path, host_points *points, host_error *error)
 int host_points_can_write(const char *path, host_error *error)
 {
     error->file = path;
-    if (host_has_extension(path, ".json") || host_has_extension(path, ".fcsv") || host_has_extension(path, ".csv") ||
-        host_format_of(path) >= 0)
+    if (!host_is_packed_name(path) && (host_has_extension(path, ".json") || host_has_extension(path, ".fcsv") ||
+                                       host_has_extension(path, ".csv") || host_format_of(path) >= 0))
         return 0;
     return host_fail(error, "name", "an output that ends in .mrk.json, .fcsv, .csv, .ply, .stl, .vtk or .obj");
 }

@@ -187,7 +187,8 @@ static int check_save(const host_options *options, host_error *error)
 static int check_format(const host_options *options, host_error *error)
 {
     error->file = options->slicer;
-    if (options->slicer != NULL && !host_has_extension(options->slicer, ".mrml"))
+    if (options->slicer != NULL &&
+        (!host_has_extension(options->slicer, ".mrml") || host_is_packed_name(options->slicer)))
         return host_fail(error, "name", "a scene that ends in .mrml");
     error->file = "--vertex-errors";
     if (options->vertex_errors && options->format != HOST_FORMAT_PLY && options->format != HOST_FORMAT_VTK)

@@ -47,9 +47,8 @@ static char *in_directory(const host_job *job, const char *name)
 /* Packed files are read by nobody but us; NIfTI's are an exception. */
 static int slicer_reads(const char *path, const char *const *extensions, size_t n)
 {
-    const size_t bytes = strlen(path);
     size_t i = 0;
-    if (bytes > 3u && strcmp(path + bytes - 3u, ".gz") == 0 && !host_has_extension(path, ".nii"))
+    if (host_is_packed_name(path) && !host_has_extension(path, ".nii"))
         return 0;
     while (i < n && !host_has_extension(path, extensions[i]))
         i++;

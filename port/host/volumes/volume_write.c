@@ -14,7 +14,7 @@
 int host_volume_can_write(const char *path, host_error *error)
 {
     error->file = path;
-    if (host_has_extension(path, ".nrrd") || host_has_extension(path, ".mha"))
+    if (!host_is_packed_name(path) && (host_has_extension(path, ".nrrd") || host_has_extension(path, ".mha")))
         return 0;
     return host_fail(error, "name", "an output that ends in .nrrd or .mha");
 }
