@@ -1,7 +1,7 @@
 /* test_label_surfaces.c: surfaces of known shapes in straight, oblique and uneven volumes: each edge has two
  * triangles, no folds, the volume within 1 %, normals at most 12 degrees off in the mean, and every voxel comes
  * back. Any voxels at all give closed surfaces. Rays through edges and corners are counted once.
- * Damaged maps are refused, or legal.
+ * Damaged maps are refused, or legal; axes that floats cannot count are refused.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L /* mkstemp */
 
@@ -455,6 +455,23 @@ static void survives_damage(void **state)
     assert_true(good > 100u && good < 1400u);
 }
 
+/* Places along an axis are floats. */
+static void refuses_long_axes(void **state)
+{
+    host_volume grid = make_grid(1.0, 1.0, 1.0, 0.0, 0.0, 1);
+    host_label_surface surface[1];
+    host_error error = {0};
+    host_label_map map;
+    (void)state;
+    grid.size[0] = 16777217;
+    grid.size[1] = grid.size[2] = 1;
+    map = make_map(&grid, 1);
+    set_voxel(&map, 5, 1);
+    assert_int_equal(host_label_surfaces_make(&port.port, &map, 0, surface, &error), -1);
+    assert_string_equal(error.place, "size");
+    host_label_map_free(&map);
+}
+
 static int open_port(void **state)
 {
     host_error error = {0};
@@ -475,6 +492,7 @@ int main(void)
         cmocka_unit_test(groups_all_cells),          cmocka_unit_test(keeps_shapes),
         cmocka_unit_test(keeps_touching_structures), cmocka_unit_test(closes_noise),
         cmocka_unit_test(fills_once_on_rays),        cmocka_unit_test(survives_damage),
+        cmocka_unit_test(refuses_long_axes),
     };
     return cmocka_run_group_tests(tests, open_port, close_port);
 }

@@ -15,6 +15,7 @@
 /* Steps between slices are as many vertices long as a slice is thicker than voxels are wide, and smoothing goes with
  * the square of that: passes are multiplied by it, up to this. */
 #define UNEVEN_MOST 10.0
+#define AXIS_MAX 16777216u /* voxels: floats count them up to here */
 
 /* The labels of one layer, and where their surfaces go. */
 typedef struct layer {
@@ -117,6 +118,9 @@ int host_label_surfaces_make(const smr_port *port, const host_label_map *map, ui
     layer l;
     uint32_t i = 0;
     memset(surface, 0, map->n_labels * sizeof *surface);
+    for (i = 0; i < 3u; i++)
+        if (map->grid.size[i] > AXIS_MAX)
+            return host_fail(error, "size", "at most %u voxels along an axis", AXIS_MAX);
     memset(&l, 0, sizeof l);
     l.map = map;
     l.surface = surface;
