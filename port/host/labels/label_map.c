@@ -49,25 +49,32 @@ static int check_values(const host_volume *v, uint32_t layers, uint32_t *most, h
     return 0;
 }
 
-/* Adds the labels of a layer, in the order of their values. number: [most + 1] gets 1 + each label's number. */
-static int number_layer(host_label_map *map, const host_volume *v, uint32_t layer, uint32_t most, uint16_t *number,
-                        host_error *error)
+static int by_value(const void *a, const void *b)
+{
+    const uint32_t *const x = a, *const y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/* Adds the labels of a layer, in the order of their values. number: of all values there are, 0 before and after. */
+static int number_layer(host_label_map *map, const host_volume *v, uint32_t layer, uint16_t *number, host_error *error)
 {
     const size_t n = host_label_voxels(map);
+    uint32_t met[SMR_STRUCTURES_MAX], n_met = 0, k = 0;
     size_t i = 0;
-    uint32_t k = 0;
-    memset(number, 0, ((size_t)most + 1u) * sizeof *number);
-    for (i = 0; i < n; i++)
-        number[(uint32_t)value_at(v, i * map->n_layers + layer)] = 1;
-    number[0] = 0;
-    for (k = 1; k <= most; k++) {
-        if (number[k] == 0)
+    for (i = 0; i < n; i++) {
+        const uint32_t value = (uint32_t)value_at(v, i * map->n_layers + layer);
+        if (value == 0 || number[value] != 0)
             continue;
-        if (map->n_labels == SMR_STRUCTURES_MAX)
+        if (map->n_labels + n_met == SMR_STRUCTURES_MAX)
             return host_fail(error, "labels", "at most %u of them, found more: is it an image?", SMR_STRUCTURES_MAX);
-        map->label[map->n_labels].value = k;
+        number[value] = 1;
+        met[n_met++] = value;
+    }
+    qsort(met, n_met, sizeof *met, by_value);
+    for (k = 0; k < n_met; k++) {
+        map->label[map->n_labels].value = met[k];
         map->label[map->n_labels++].layer = layer;
-        number[k] = (uint16_t)map->n_labels;
+        number[met[k]] = (uint16_t)map->n_labels;
     }
     for (i = 0; i < n; i++) {
         const uint16_t label = number[(uint32_t)value_at(v, i * map->n_layers + layer)];
@@ -75,6 +82,8 @@ static int number_layer(host_label_map *map, const host_volume *v, uint32_t laye
         if (label > 0)
             map->label[label - 1u].voxels++;
     }
+    for (k = 0; k < n_met; k++)
+        number[met[k]] = 0;
     return 0;
 }
 
@@ -85,13 +94,13 @@ static int number_labels(host_label_map *map, const host_volume *v, host_error *
     int result = check_values(v, map->n_layers, &most, error);
     if (result != 0)
         return -1;
-    number = malloc(((size_t)most + 1u) * sizeof *number);
+    number = calloc((size_t)most + 1u, sizeof *number);
     map->index = host_alloc_scattered(host_label_voxels(map) * map->n_layers * sizeof *map->index);
     map->label = calloc(SMR_STRUCTURES_MAX, sizeof *map->label);
     if (number == NULL || map->index == NULL || map->label == NULL)
         result = host_fail(error, "labels", "free memory");
     for (layer = 0; result == 0 && layer < map->n_layers; layer++)
-        result = number_layer(map, v, layer, most, number, error);
+        result = number_layer(map, v, layer, number, error);
     free(number);
     if (result == 0 && map->n_labels == 0)
         return host_fail(error, "labels", "a voxel that is not 0");
