@@ -10,6 +10,7 @@
 #include "labels/label_side.h"
 #include "measure/surface_distances.h"
 #include "meshes/mesh_load.h"
+#include "options/options_table.h"
 
 /* Surfaces A and B, and the source: A before it was deformed. */
 typedef struct measured {
@@ -118,6 +119,19 @@ static void print(const measured *m)
         (void)printf("folds: %" PRIu64 "  (edges turned back in A; --source tells new ones)\n", m->absolute);
 }
 
+/* What label maps alone can use. */
+static int check_options(const host_options *options, host_error *error)
+{
+    static const char *const names[] = {"--names", "--passes"};
+    size_t i = 0;
+    for (i = 0; i < sizeof names / sizeof names[0]; i++) {
+        error->file = names[i];
+        if (host_option_given(options, names[i]))
+            return host_fail(error, "option", "a label map beside it, these are two surfaces");
+    }
+    return 0;
+}
+
 int host_measure(const host_options *options, host_error *error)
 {
     host_port port;
@@ -128,8 +142,8 @@ int host_measure(const host_options *options, host_error *error)
         return host_measure_labels(options, error);
     memset(&port, 0, sizeof port);
     memset(&m, 0, sizeof m);
-    if (host_port_open(&port, options->threads, error) == 0 && load(&m, options, &port.port, error) == 0 &&
-        (m.n < 3 || check_source(&m, error) == 0)) {
+    if (check_options(options, error) == 0 && host_port_open(&port, options->threads, error) == 0 &&
+        load(&m, options, &port.port, error) == 0 && (m.n < 3 || check_source(&m, error) == 0)) {
         error->file = "measure";
         if (evaluate(&m, &port.port) == 0) {
             print(&m);

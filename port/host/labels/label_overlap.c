@@ -31,27 +31,32 @@ static int is_plain(const host_label *label)
     return strcmp(name, label->name) == 0;
 }
 
-/* The label of `map` that is the same structure; SMR_NONE: none. */
-static uint32_t same_label(const host_label *label, const host_label_map *map)
+/* The label of `map` that is the same structure as a label of `own`; SMR_NONE: none. By value only where no label of
+ * `own` has its name. */
+static uint32_t same_label(const host_label_map *own, const host_label *label, const host_label_map *map)
 {
     const host_label *const named = host_label_find(map, label->name);
     uint32_t i = 0;
     if (named != NULL)
         return (uint32_t)(named - map->label);
     for (i = 0; i < map->n_labels; i++)
-        if (map->label[i].value == label->value && is_plain(label) != is_plain(&map->label[i]))
+        if (map->label[i].value == label->value && is_plain(label) != is_plain(&map->label[i]) &&
+            host_label_find(own, map->label[i].name) == NULL)
             return i;
     return SMR_NONE;
 }
 
-/* Pairs the labels. Returns how many structures there are. */
+/* Pairs the labels, each with one at most. Returns how many structures there are. */
 static uint32_t pair_labels(const host_label_map *a, const host_label_map *b, host_overlap *overlap)
 {
     uint32_t i = 0, k = 0, n = 0;
     for (i = 0; i < a->n_labels; i++, n++) {
         memset(&overlap[n], 0, sizeof *overlap);
         overlap[n].a = i;
-        overlap[n].b = same_label(&a->label[i], b);
+        overlap[n].b = same_label(a, &a->label[i], b);
+        for (k = 0; k < n; k++) /* values of layers need not differ */
+            if (overlap[k].b == overlap[n].b)
+                overlap[n].b = SMR_NONE;
         memcpy(overlap[n].name, a->label[i].name, SMR_NAME_BYTES);
         if (overlap[n].b != SMR_NONE && is_plain(&a->label[i]))
             memcpy(overlap[n].name, b->label[overlap[n].b].name, SMR_NAME_BYTES);
