@@ -10,6 +10,8 @@
 #include "base/text_scan.h"
 #include "files/file_read.h"
 
+#define SNAP_NUMBERS 6u
+
 /* What a .seg.nrrd says of one segment. */
 typedef struct segment {
     host_word id, name, colour;
@@ -145,7 +147,29 @@ int host_labels_take_segments(host_label_map *map, const host_buffer *keys, host
     return result;
 }
 
-/* "value name...", perhaps a colour behind. 0 when that is what the line says. */
+/* 1 when these words behind a value are those of ITK-SNAP: red, green, blue, opacity, two switches. */
+static int is_snap(const host_word *word, size_t n)
+{
+    double number = 0.0;
+    size_t i = 0;
+    for (i = 0; i < SNAP_NUMBERS && i < n; i++)
+        if (!host_word_double(word[i], &number))
+            return 0;
+    return n >= SNAP_NUMBERS;
+}
+
+/* The rest of such a line is the name, in quotes. */
+static int read_snap_line(host_word line, const host_word *word, size_t n, host_named *named)
+{
+    const char *const end = line.start + line.n, *const name = n > SNAP_NUMBERS ? word[SNAP_NUMBERS].start : end;
+    if (end - name < 2 || name[0] != '"' || end[-1] != '"' ||
+        read_colour(host_text_over(word[0].start, (size_t)(name - word[0].start)), 255.0, named->colour) != 0)
+        return -1;
+    named->coloured = 1;
+    return host_label_name(name + 1, (size_t)(end - name) - 2u, named->name);
+}
+
+/* "value name...", perhaps a colour behind, or a line of ITK-SNAP. 0 when that is what the line says. */
 static int read_line(host_word line, host_named *named)
 {
     host_text words = host_text_over(line.start, line.n), rest;
@@ -161,6 +185,8 @@ static int read_line(host_word line, host_named *named)
     rest = words;
     while (n < 16u && host_text_word_in_line(&rest, &word[n]))
         n++;
+    if (is_snap(word, n))
+        return read_snap_line(line, word, n, named);
     if (host_text_word_in_line(&rest, &more))
         return -1;
     for (i = n; i > 1u && host_word_double(word[i - 1u], &number);)
@@ -267,4 +293,10 @@ int host_labels_settle_names(host_label_map *map, const host_names *names, host_
         if (is_taken(map, i))
             return host_fail(error, "names", "labels with names that differ, '%s' is there twice", map->label[i].name);
     return 0;
+}
+
+const host_label *host_label_find_like(const host_label_map *map, const char *name)
+{
+    char label[SMR_NAME_BYTES];
+    return host_label_name(name, strlen(name), label) == 0 ? host_label_find(map, label) : NULL;
 }

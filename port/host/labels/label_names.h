@@ -20,7 +20,8 @@ typedef struct host_names {
 } host_names;
 
 /* Reads lines "value name", perhaps with "red green blue" or "red green blue opacity" of 0 to 255 behind, as in
- * Slicer's colour tables; empty lines and those that start with '#' are skipped, as is the value 0.
+ * Slicer's colour tables, and ITK-SNAP's: value red green blue opacity visible mesh "name". Empty lines and those that
+ * start with '#' are skipped, as is the value 0.
  * 0, or -1 with the error filled; host_names_free in either case. */
 int host_names_read(const char *path, host_names *names, host_error *error);
 void host_names_free(host_names *names);
@@ -35,6 +36,9 @@ int host_labels_settle_names(host_label_map *map, const host_names *names, host_
 /* Copies a text as a name. Other characters than a name may have become '_', also a dot at the start. 0, or -1 when
  * it is empty or too long. */
 int host_label_name(const char *text, size_t n, char name[SMR_NAME_BYTES]);
+
+/* The label that has this name once its characters are those of a name, or NULL. */
+const host_label *host_label_find_like(const host_label_map *map, const char *name);
 
 /* A colour for structure i that has none. */
 void host_label_colour(uint32_t i, float colour[3]);

@@ -1,15 +1,29 @@
 /* register_truth_map.c: a label map as the truth: its surfaces to measure distances to, its voxels to measure overlap.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "files/file_read.h"
+#include "labels/label_names.h"
 #include "labels/label_surfaces.h"
 #include "labels/surface_fill.h"
 #include "register/register_job.h"
 
-/* The surfaces become the targets of the structures with their names. */
+/* Names the structures that nothing is measured of, in one line. */
+static void tell_missing(const host_job *job)
+{
+    uint32_t i = 0, n = 0;
+    for (i = 0; i < job->model.n_parts; i++)
+        if (job->result[i].target == HOST_NO_TARGET && job->model.part[i].mesh.n_triangles > 0)
+            (void)fprintf(stderr, "%s%s", n++ == 0 ? "smr: --truth: no label is named like " : ", ",
+                          job->model.part[i].name);
+    if (n > 0)
+        (void)fprintf(stderr, "\n");
+}
+
+/* The surfaces become the targets of the structures with their names, each of one. */
 static int take_surfaces(host_job *job, host_label_surface *surface, host_error *error)
 {
     uint32_t i = 0;
@@ -17,9 +31,10 @@ static int take_surfaces(host_job *job, host_label_surface *surface, host_error 
     if (job->target == NULL)
         return host_fail(error, "start", "free memory");
     for (i = 0; i < job->model.n_parts; i++) {
-        const host_label *const label = host_label_find(job->truth_map, job->model.part[i].name);
+        const host_label *const label = host_label_find_like(job->truth_map, job->model.part[i].name);
         host_target *const target = &job->target[job->n_targets];
-        if (label == NULL || job->model.part[i].mesh.n_triangles == 0)
+        if (label == NULL || job->model.part[i].mesh.n_triangles == 0 ||
+            surface[label - job->truth_map->label].mesh.n_triangles == 0)
             continue;
         target->path = job->options->truth;
         target->mesh = surface[label - job->truth_map->label].mesh;
@@ -29,7 +44,10 @@ static int take_surfaces(host_job *job, host_label_surface *surface, host_error 
         target->user = i;
         job->result[i].target = job->n_targets++;
     }
-    return job->n_targets > 0 ? 0 : host_fail(error, "names", "a label with the name of one of the model's structures");
+    if (job->n_targets == 0)
+        return host_fail(error, "names", "a label with the name of one of the model's structures");
+    tell_missing(job);
+    return 0;
 }
 
 int host_job_load_truth_map(host_job *job, host_error *error)
@@ -79,7 +97,7 @@ static void measure_overlap(void *arg, uint32_t task, uint32_t worker)
     host_job *const job = arg;
     const host_label_map *const map = job->truth_map;
     const double mm3 = fabs(host_label_mm3(&map->grid));
-    const host_label *const label = host_label_find(map, job->model.part[task].name);
+    const host_label *const label = host_label_find_like(map, job->model.part[task].name);
     host_result *const result = &job->result[task];
     host_filled filled;
     host_error error;
