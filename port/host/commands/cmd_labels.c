@@ -47,6 +47,28 @@ static int write_map(const host_label_map *map, const char *path, host_error *er
     return -1;
 }
 
+/* A volume somewhere else would get a map of nothing. */
+static int check_met(const host_label_map *map, const char *like, host_error *error)
+{
+    uint32_t i = 0;
+    for (i = 0; i < map->n_labels; i++)
+        if (map->label[i].voxels > 0)
+            return 0;
+    error->file = like;
+    return host_fail(error, "voxels", "at least one voxel's centre inside the surfaces: is it another frame or unit?");
+}
+
+/* Names the structures that are not in the map, in one line. */
+static void tell_missing(const host_label_map *map)
+{
+    uint32_t i = 0, n = 0;
+    for (i = 0; i < map->n_labels; i++)
+        if (map->label[i].voxels == 0)
+            (void)fprintf(stderr, "%s%s", n++ == 0 ? "smr: structures without a voxel: " : ", ", map->label[i].name);
+    if (n > 0)
+        (void)fprintf(stderr, "\n");
+}
+
 static void tell(const host_options *options, const host_label_map *map, uint64_t shared)
 {
     const double mm3 = fabs(host_label_mm3(&map->grid));
@@ -74,8 +96,10 @@ int host_labels(const host_options *options, host_error *error)
         read_grid(options->like, &grid, error) == 0 &&
         host_surface_set_read(options->operands.path[0], options->names, &port.port, &set, error) == 0 &&
         host_surface_set_paint(&set, &port.port, &grid, &map, &shared, error) == 0 &&
-        write_map(&map, options->out, error) == 0)
+        check_met(&map, options->like, error) == 0 && write_map(&map, options->out, error) == 0)
         result = HOST_DONE;
+    if (result == HOST_DONE)
+        tell_missing(&map);
     if (result == HOST_DONE && !options->quiet)
         tell(options, &map, shared);
     host_surface_set_free(&set);

@@ -1,5 +1,8 @@
 /* cmd_surfaces.c: smr surfaces: a label map's structures as smooth closed surfaces, and a table of their names.
  * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+
+#include <dirent.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,6 +26,38 @@ static void colour_of(const host_label *label, uint32_t i, unsigned char colour[
         host_label_colour(i, shade);
     for (k = 0; k < 3u; k++)
         colour[k] = (unsigned char)(255.0f * shade[k] + 0.5f);
+}
+
+/* 1 when a file's name is that of a surface which the map does not give. */
+static int is_stranger(const host_label_map *map, const char *file)
+{
+    char name[SMR_NAME_BYTES + 8u];
+    uint32_t i = 0;
+    if (file[0] == '.' || host_format_of(file) < 0)
+        return 0;
+    for (i = 0; i < map->n_labels; i++) {
+        (void)snprintf(name, sizeof name, "%s.ply", map->label[i].name);
+        if (strcmp(name, file) == 0)
+            return 0;
+    }
+    return 1;
+}
+
+/* smr labels takes all surfaces of a directory: none of another map may lie there. */
+static int check_directory(const host_label_map *map, const char *path, host_error *error)
+{
+    DIR *const directory = opendir(path);
+    const struct dirent *entry = NULL;
+    char found[256] = ""; /* the first one by name */
+    if (directory == NULL)
+        return 0; /* it is still to be made */
+    while ((entry = readdir(directory)) != NULL)
+        if (is_stranger(map, entry->d_name) && (found[0] == '\0' || strcmp(entry->d_name, found) < 0))
+            (void)snprintf(found, sizeof found, "%.255s", entry->d_name);
+    (void)closedir(directory);
+    error->file = path;
+    return found[0] == '\0' ? 0
+                            : host_fail(error, "surfaces", "a directory without other surfaces, found %.180s", found);
 }
 
 /* Values that differ: those of layers need not. */
@@ -101,7 +136,8 @@ int host_surfaces(const host_options *options, host_error *error)
     memset(&map, 0, sizeof map);
     memset(&port, 0, sizeof port);
     if (host_output_check(options->out, error) == 0 && host_port_open(&port, options->threads, error) == 0 &&
-        host_label_map_read(path, options->names, &map, error) == 0) {
+        host_label_map_read(path, options->names, &map, error) == 0 &&
+        check_directory(&map, options->out, error) == 0) {
         error->file = path;
         surface = calloc(map.n_labels, sizeof *surface);
         if (surface == NULL)
