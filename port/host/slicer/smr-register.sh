@@ -10,8 +10,8 @@
 #   --field FILE.nrrd              NRRD: the transform that carries points and images of the model to the patient
 #   --returnparameterfile FILE     verdict and expected error
 # Slicer passes each number and word, also where nobody changed it: what has the default that --xml says is dropped, so
-# that the target's kind decides. -o DIR keeps all results: smr writes there. No output may be an input. Exit status: 0 also where somebody should look at the result,
-# since Slicer loads nothing otherwise; else that of smr.
+# that the target's kind decides. -o DIR keeps all results: smr writes there. No output may be an input. Exit status:
+# 0 also where somebody should look at the result, since Slicer loads nothing otherwise; else that of smr.
 set -u
 case $0 in */*) here=${0%/*} ;; *) here=. ;; esac
 link=$(readlink -f "$0" 2>/dev/null) && [ -n "$link" ] && here=${link%/*}
