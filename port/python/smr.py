@@ -15,13 +15,15 @@ the same without "smr_".
 Arrays. Positions, normals and weights: any real numbers, converted to float32 in C order; what is that already is not
 copied. Triangles: any whole numbers from 0 on, converted to uint32. Voxels: uint8, int8, uint16, int16, float32 and, by
 conversion, float64 and bool; other types are refused, for their values may not fit. A wrong shape is a ValueError, a
-wrong kind of number a TypeError. What the library refuses is an SmrError, and nothing has changed then.
+wrong kind of number a TypeError. What the library refuses is an SmrError, and nothing has changed then (of a mapping
+of targets: see Registration.set_target()).
 
 Ownership. Each object owns the memory that the library works in. What the library borrows (a registration its model,
 targets and image) is kept alive by the object that borrows it. Voxels and goals are not copied if they have the right
-type: do not write into them while a registration has them.
+type: do not write into them while a registration has them. Surfaces and clouds are copies.
 
-Threads. The library runs with the interpreter's lock released. One object is for one thread at a time.
+Threads. The library runs with the interpreter's lock released. One object is for one thread at a time. A child of
+fork() has none of its parent's threads: it makes its objects anew (multiprocessing: the start method "spawn").
 
 SPDX-License-Identifier: MIT
 """
@@ -44,6 +46,7 @@ ALIGN = 64  # bytes: where memory starts
 ALL = 0xFFFFFFFF  # every structure
 NONE = 0xFFFFFFFF  # no triangle, no vertex
 FINEST = 0xFFFFFFFF  # the last radius of the model
+_MOST = 0xFFFFFFFE  # of a count or an index
 COORD_MAX = 1.0e5  # mm: largest absolute coordinate
 
 Array = np.ndarray
@@ -76,6 +79,9 @@ class SmrError(Exception):
         self.sentence = _SENTENCES.get(status, "unknown status")
         self.where = where
         super().__init__(f"{self.name}: {self.sentence}" + (f" ({where})" if where else ""))
+
+    def __reduce__(self) -> Tuple[Any, Tuple[int, str]]:
+        return SmrError, (self.status, self.where)  # args has the sentence, of which none can be made again
 
 
 def _check(result: int, function: Any, _arguments: Any) -> int:
@@ -368,8 +374,8 @@ def _apply_settings(config: Any, table: Dict[str, Setting], settings: Mapping[st
             setattr(config, name, _one_value(s, value))
             continue
         values = [_one_value(s, v) for v in value]
-        if len(values) > s.length:
-            raise ValueError(f"{name} takes at most {s.length} values")
+        if len(values) > s.length or (len(values) < s.length and name != "radius_mm"):
+            raise ValueError(f"{name} takes {'at most ' if name == 'radius_mm' else ''}{s.length} values")
         for i, number in enumerate(values):
             getattr(config, name)[i] = number
         if name == "radius_mm" and "n_radii" not in settings:
@@ -401,6 +407,29 @@ def _indexes(value: Any, what: str) -> Array:
     if a.min() < 0 or a.max() > 0xFFFFFFFF:
         raise SmrError(_E_INPUT, f"{what}: an index below 0 or beyond 32 bits")
     return np.ascontiguousarray(a, np.uint32)
+
+
+def _integer(value: Any, what: str) -> int:
+    number = int(value)
+    if number != value:
+        raise TypeError(f"{what}: expected a whole number, not {value!r}")
+    return number
+
+
+def _whole(value: Any, what: str, most: int, status: int = _E_INPUT) -> int:
+    """A whole number from 0 to most; ctypes would take any, and cut it to its bits."""
+    number = _integer(value, what)
+    if not 0 <= number <= most:
+        raise SmrError(status, f"{what} is {number}, expected 0 to {most}")
+    return number
+
+
+def _three(value: Any, what: str) -> Array:
+    """[3] float32."""
+    a = np.asarray(value)
+    if a.shape != (3,):
+        raise ValueError(f"{what}: expected three numbers, not the shape {list(a.shape)}")
+    return _numbers(a, what, 0)
 
 
 def _memory(n: int) -> Array:
@@ -457,7 +486,7 @@ class _Pool:
     """Threads behind a port; they end with it. threads None: as many as processors."""
 
     def __init__(self, threads: Optional[int] = None) -> None:
-        n = min(os.cpu_count() or 1, 64) if threads is None else int(threads)
+        n = min(os.cpu_count() or 1, 64) if threads is None else _integer(threads, "threads")
         size = _lib.smr_pthread_bytes(n) if 1 <= n <= 64 else 0
         if size == 0:
             raise SmrError(_E_CONFIG, f"{threads} threads, expected 1 to 64")
@@ -474,8 +503,8 @@ class Surface:
     """A target surface, ready for closest points. xyz: [n][3] mm; triangles: [m][3], at least one."""
 
     def __init__(self, xyz: Any, triangles: Any) -> None:
-        self.xyz = _numbers(xyz, "xyz")
-        self.triangles = _indexes(triangles, "triangles")
+        self.xyz = _numbers(xyz, "xyz").copy()  # what the library has, whatever the caller writes
+        self.triangles = _indexes(triangles, "triangles").copy()
         mesh = _Mesh(_at(self.xyz), _at(self.triangles), len(self.xyz), len(self.triangles))
         size = _sized(_lib.smr_surface_bytes, mesh.n_vertices, mesh.n_triangles)
         self._memory, self._handle = _memory(size), _P()
@@ -489,7 +518,7 @@ class Surface:
     def refit(self, xyz: Any) -> None:
         """New positions [n][3] mm of the same triangles, several times faster than a new surface. Registrations that
         have it must get it again by set_surface() before they tick."""
-        new = _numbers(xyz, "xyz")
+        new = _numbers(xyz, "xyz").copy()
         if new.shape != self.xyz.shape:
             raise ValueError(f"xyz: expected the shape {list(self.xyz.shape)}, not {list(new.shape)}")
         _lib.smr_surface_refit(self._handle, _at(new))
@@ -516,10 +545,10 @@ class Points:
     """A cloud of points as a target: a ring of `capacity` points that keeps the newest."""
 
     def __init__(self, capacity: int) -> None:
-        size = _sized(_lib.smr_points_bytes, capacity)
-        self.capacity = capacity
+        self.capacity = _whole(capacity, "capacity", _MOST)
+        size = _sized(_lib.smr_points_bytes, self.capacity)
         self._memory, self._handle = _memory(size), _P()
-        _lib.smr_points_open(capacity, _at(self._memory), size, C.byref(self._handle))
+        _lib.smr_points_open(self.capacity, _at(self._memory), size, C.byref(self._handle))
 
     @property
     def room(self) -> int:
@@ -543,7 +572,7 @@ class Points:
 
     def weigh(self, index: int, weight: float) -> None:
         """Another weight for one point, 0 for a mistake; index in the order of adding."""
-        _lib.smr_points_weigh(self._handle, index, weight)
+        _lib.smr_points_weigh(self._handle, _whole(index, "index", _MOST), weight)
 
     def clear(self) -> None:
         """Takes all points out."""
@@ -581,8 +610,8 @@ class Volume:
             raise ValueError(f"mask: expected the shape {list(self.voxels.shape)}, not {list(self.mask.shape)}")
         axes = np.eye(3) if direction is None else np.asarray(direction, float).reshape(3, 3)
         self._view = _Volume(_at(self.voxels), _at(self.mask), _VOXELS[self.voxels.dtype.name],
-                             (_U * 3)(*self.voxels.shape[::-1]), (_F * 3)(*origin), (_F * 3)(*spacing),
-                             (_F * 9)(*axes.ravel()))
+                             (_U * 3)(*self.voxels.shape[::-1]), (_F * 3)(*_three(origin, "origin")),
+                             (_F * 3)(*_three(spacing, "spacing")), (_F * 9)(*axes.ravel()))
 
 
 @dataclass
@@ -668,20 +697,23 @@ class Model:
         return [s.name.decode(errors="replace") for s in self._structures]
 
     def index(self, structure: Union[int, str, None]) -> int:
-        """A structure's number; None: ALL."""
-        if structure is None:
+        """A structure's number; None, or ALL: ALL."""
+        if structure is None or (structure == ALL and not isinstance(structure, str)):
             return ALL
         if isinstance(structure, str):
             if structure not in self.names:
                 raise KeyError(f"the model has no structure {structure!r}")
             return self.names.index(structure)
-        return int(structure)
+        k = _integer(structure, "structure")
+        if not 0 <= k < len(self):
+            raise SmrError(_E_INPUT, f"the model has no structure {k}")
+        return k
 
     def n_vertices(self, structure: Union[int, str]) -> int:
         """Vertices of a structure."""
         k = self.index(structure)
-        if not 0 <= k < len(self):
-            raise SmrError(_E_INPUT, f"the model has no structure {structure}")
+        if k == ALL:
+            raise SmrError(_E_INPUT, "one structure is expected, not all")
         return int(self._structures[k].n_vertices)
 
     def mesh(self, structure: Union[int, str]) -> Tuple[Array, Array]:
@@ -720,7 +752,7 @@ def align(model: Union[Model, Surface], target: Union[Surface, Points], scaled: 
     for name, value in settings.items():
         if name not in ("iterations", "samples"):
             raise TypeError(f"align() has no setting {name!r}")
-        setattr(config, name, value)
+        setattr(config, name, _whole(value, name, _MOST, _E_CONFIG))
     start = None if given is None else _pose_struct(given)
     config.given = None if start is None else C.addressof(start)
     scratch = _memory(_sized(_lib.smr_align_bytes, C.byref(config)))
@@ -786,7 +818,10 @@ def _as_targets(target: Targets) -> Dict[Union[int, str, None], Union[Surface, P
     if target is None:
         return {}
     if isinstance(target, Mapping):
-        return {key: _as_target(value) for key, value in target.items()}
+        made = {key: _as_target(value) for key, value in target.items()}
+        if any(key is not None and isinstance(value, Volume) for key, value in made.items()):
+            raise ValueError("target: an image is for every structure without a surface: its key is None")
+        return made
     return {None: _as_target(target)}
 
 
@@ -846,7 +881,7 @@ class Registration:
 
     def set_target(self, target: Targets) -> None:
         """A Surface, Points or Volume, a (xyz, triangles), an array [n][3] of points; or a mapping of structures to
-        these."""
+        these, an image under None only. Of a mapping those are set that stand before the one that was refused."""
         for structure, one in _as_targets(target).items():
             self._set_one(structure, one)
 
@@ -873,7 +908,8 @@ class Registration:
 
     def set_positions(self, structure: Union[int, str], xyz: Any) -> None:
         """Puts a structure at [n][3] mm, in the order of its vertices, and starts over."""
-        _lib.smr_set_positions(self._handle, self.model.index(structure), _at(self._vertices(structure, xyz)))
+        a = self._vertices(structure, xyz)  # kept until the library has it
+        _lib.smr_set_positions(self._handle, self.model.index(structure), _at(a))
 
     def _vertices(self, structure: Union[int, str], xyz: Any) -> Array:
         a, n = _numbers(xyz, "xyz"), self.model.n_vertices(structure)
@@ -888,9 +924,10 @@ class Registration:
             if (mark.rest is None) == (mark.vertex is None):
                 raise ValueError("a landmark has either a vertex or a place at rest")
             row.structure = self.model.index(mark.structure)
-            row.vertex = NONE if mark.vertex is None else mark.vertex
-            row.rest = (_F * 3)(*(mark.rest if mark.rest is not None else (0.0, 0.0, 0.0)))
-            row.place, row.weight, row.hard = (_F * 3)(*mark.place), mark.weight, int(mark.hard)
+            row.vertex = NONE if mark.vertex is None else _whole(mark.vertex, "vertex", _MOST)
+            row.rest = (_F * 3)(*((0.0, 0.0, 0.0) if mark.rest is None else _three(mark.rest, "rest")))
+            row.place = (_F * 3)(*_three(mark.place, "place"))
+            row.weight, row.hard = mark.weight, int(mark.hard)
         _lib.smr_set_landmarks(self._handle, table, len(landmarks))
         self._n_landmarks = len(landmarks)
 
@@ -914,14 +951,15 @@ class Registration:
 
     def set_active(self, n: int) -> None:
         """Exactly the first n vertices in the order of priority take part from the next iteration on; 0: as set up."""
-        _lib.smr_set_active(self._handle, n)
+        _lib.smr_set_active(self._handle, _whole(n, "n", _MOST))
 
     # ---- ticks
 
     def tick(self, budget_ns: int = 0) -> TickReport:
         """One iteration, or as much of it as budget_ns allows (report.complete says which); 0: no clock."""
         report = TickReport()
-        report.complete = _lib.smr_tick(self._handle, int(budget_ns), C.byref(report)) == 0
+        budget = _whole(int(budget_ns), "budget_ns", (1 << 64) - 1)
+        report.complete = _lib.smr_tick(self._handle, budget, C.byref(report)) == 0
         self.report = report
         return report
 
@@ -1012,6 +1050,8 @@ def _start(s: Registration, model: Model, targets: Mapping[Any, Any], align_by: 
            start: Any) -> Tuple[Optional[Pose], Optional[AlignReport]]:
     """Puts a registration at its start: a Warp, a pose, or what align() finds."""
     if isinstance(start, Warp):
+        if align_by is not None:
+            raise ValueError("align: a Warp is the start already; one of both")
         for i in range(len(model)):
             s.set_positions(i, start.apply(model.mesh(i)[0]))
         return None, None
@@ -1086,6 +1126,8 @@ def _next_target(frame: Any, before: Any) -> Union[Surface, Points]:
         before.refit(frame)
     else:
         xyz = _numbers(frame, "frame")
+        if len(xyz) > before.capacity or not (np.abs(xyz) <= COORD_MAX).all():  # before it is emptied
+            raise SmrError(_E_INPUT, f"a frame of at most {before.capacity} points within {COORD_MAX:g} mm is expected")
         before.clear()
         before.add(xyz)
     return before

@@ -9,8 +9,10 @@ SPDX-License-Identifier: MIT
 import ctypes
 import gc
 import os
+import pickle
 import re
 import sys
+import weakref
 
 import numpy as np
 
@@ -324,6 +326,100 @@ def targets(model, rest, triangles, now):
     check("and back", np.abs(carry.map(now, now[:7], inverse=True)[0] - rest[:7]).max() < 0.02)
 
 
+class Watch:
+    """In place of the library: before each call rubbish takes memory that was let go, and arrays that were converted
+    and are gone by then are counted."""
+
+    def __init__(self):
+        self.real, self.numbers, self.made, self.gone = smr._lib, smr._numbers, [], 0
+
+    def __getattr__(self, name):
+        function = getattr(self.real, name)
+
+        def call(*arguments):
+            self.gone += sum(one() is None for one in self.made)
+            self.rubbish = [np.full(self.shape, 7, np.float32) for _ in range(50)]
+            return function(*arguments)
+        return call
+
+    def convert(self, *arguments):
+        a = self.numbers(*arguments)
+        self.shape = a.shape
+        self.made.append(weakref.ref(a))
+        return a
+
+    def __enter__(self):
+        smr._lib, smr._numbers = self, self.convert
+        return self
+
+    def __exit__(self, *_):
+        smr._lib, smr._numbers = self.real, self.numbers
+
+
+def converted(model, now, triangles):
+    """What is converted lives until the library has read it; what it has nobody else writes."""
+    s = smr.Registration(model)
+    with Watch() as watch:
+        s.set_positions("bone", now.astype(float))
+    check("positions of float64 are set", np.abs(s.positions(0) - now).max() < 1e-3)
+    check("and live until they are", len(watch.made) == 1 and watch.gone == 0)
+    mine = now.copy()
+    surface = smr.Surface(mine, triangles)
+    mine[:] = 9
+    check("a surface's positions are its own", (surface.xyz == now).all())
+    frame = now + 1
+    surface.refit(frame)
+    frame[:] = 9
+    check("those of refit as well", (surface.xyz == now + 1).all())
+
+
+def wrapped(model, now, triangles):
+    """No whole number is cut to 32 bits, no vector is filled up."""
+    s, cloud = smr.Registration(model, n_landmarks=1), smr.Points(10)
+    cloud.add(now[:10])
+    surface = smr.Surface(now, triangles)
+    for name, call in (("a structure", s.verdict), ("a structure's report", s.structure_report),
+                       ("an index", model.index), ("active ones", s.set_active),
+                       ("a target's structure", lambda k: s.set_surface(surface, k)),
+                       ("points", smr.Points), ("a point", lambda i: cloud.weigh(i, 1)), ("a budget", s.tick),
+                       ("a landmark's vertex", lambda v: s.set_landmarks([smr.Landmark((0, 0, 0), vertex=v)])),
+                       ("samples", lambda n: smr.align(surface, surface, samples=n))):
+        refused(f"{name} -1", smr.SmrError, "-1", call, -1)
+        if name != "a budget":
+            refused(f"{name} beyond 32 bits", smr.SmrError, "", call, 1 << 32)
+            refused(f"{name} and a half", TypeError, "whole number", call, 0.5)
+    check("none and ALL are all", model.index(None) == model.index(smr.ALL) == smr.ALL)
+    check("numbers of numpy are numbers", model.index(np.int64(0)) == 0 == model.index(np.uint8(0)))
+    refused("positions of all", smr.SmrError, "one structure", s.positions, None)
+    voxels = np.zeros((3, 3, 3), np.uint8)
+    for name, call in (("a place", lambda v: s.set_landmarks([smr.Landmark(v, vertex=0)])),
+                       ("a place at rest", lambda v: s.set_landmarks([smr.Landmark((0, 0, 0), rest=v)])),
+                       ("spacing", lambda v: smr.Volume(voxels, v)),
+                       ("origin", lambda v: smr.Volume(voxels, (1, 1, 1), v))):
+        refused(f"{name} of two numbers", ValueError, "three numbers", call, (1, 2))
+    refused("a corner of two numbers", ValueError, "takes 3", smr.Registration, model, box_min=[1, 2])
+
+
+def refusals(model, rest, now, triangles):
+    """What is refused changes nothing, and says so in any process."""
+    try:
+        smr.Points(0)
+    except smr.SmrError as error:
+        again = pickle.loads(pickle.dumps(error))
+        check(f"an error crosses processes: {again}", (str(again), again.status, again.where)
+              == (str(error), error.status, error.where))
+    for name, frame in (("too many points", np.tile(now, (2, 1))), ("NaN", now * np.nan), ("1e6 mm", now + 1e6)):
+        cloud = smr.Points(len(now))
+        cloud.add(now)
+        refused(f"a frame of {name}", smr.SmrError, "SMR_E_INPUT", list,
+                smr.track(model, [cloud, frame], iterations=2, iterations_last=2))
+        check("leaves the cloud as it was", len(cloud) == len(now))
+    image_of = smr.Volume(np.zeros((3, 3, 3)), (1, 1, 1))
+    refused("an image for one structure", ValueError, "is None", smr.register, model, {"bone": image_of})
+    refused("a start of both kinds", ValueError, "a Warp", smr.register, model, (now, triangles), align="rigid",
+            start=smr.Warp(rest[::20], now[::20]))
+
+
 def behave(folder):
     rest, triangles, now, _, _ = load(folder)
     model = smr.Model.prepare({"bone": (rest, triangles)})
@@ -333,6 +429,9 @@ def behave(folder):
     ownership(rest, triangles, now)
     ticks(model, rest, triangles, now)
     targets(model, rest, triangles, now)
+    converted(model, now, triangles)
+    wrapped(model, now, triangles)
+    refusals(model, rest, now, triangles)
     return counts[1]
 
 
