@@ -90,6 +90,12 @@ echo 'p,1e9,0,0' >far.csv
 refuses "points too far" "far.csv" --model bone.ply --frames frames/f0.ply --points far.csv
 cp bone.ply points.ply
 refuses "a structure with the name of their file" "no structure 'points'" --model points.ply --frames frames/f0.ply --points bone.ply
+check "unless they are in another format" [ "$(status track --model points.ply --frames frames/f0.ply --points bone.ply --format stl -o beside)" -le 3 ]
+check "where both are there" [ -s beside/f0/points.stl -a -s beside/f0/points.ply ]
+cp frames/f0.ply 'a, "b".ply'
+check "a frame with a comma in its name" [ "$(status track --model bone.ply --frames 'a, "b".ply' frames/f1.ply -o comma)" -le 3 ]
+check "has it within quotes" grep -q '^"a, ""b""",0\.0000,' comma/track.csv
+check "others have none" grep -q '^f1,' comma/track.csv
 
 # A camera's points: a cloud without normals, another number of them in each frame, and a surface among them.
 for i in 0 1 2 3; do

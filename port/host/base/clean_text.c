@@ -10,6 +10,10 @@ size_t host_utf8_bytes(const char *text)
     for (i = 1; i < n; i++)
         if ((c[i] & 0xc0) != 0x80)
             return 0;
+    if ((c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xf0 && c[1] < 0x90))
+        return 0; /* longer than needed */
+    if ((c[0] == 0xed && c[1] > 0x9f) || (c[0] == 0xf4 && c[1] > 0x8f))
+        return 0; /* halves of pairs; beyond the last character */
     return n;
 }
 

@@ -5,7 +5,8 @@
 
 #include <stddef.h>
 
-/* Bytes of the UTF-8 character at text, 0 when it is none. Checks the bit patterns only. text ends with a NUL. */
+/* Bytes of the UTF-8 character at text, 0 when it is none: cut off, longer than needed, half of a pair, beyond the last
+ * character. text ends with a NUL. */
 size_t host_utf8_bytes(const char *text);
 
 /* The next character of a text: its first byte, with control characters as ' ' and what is no UTF-8 as '?'; *bytes: how

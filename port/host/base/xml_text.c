@@ -2,21 +2,17 @@
  * SPDX-License-Identifier: MIT */
 #include "base/xml_text.h"
 
+#include "base/clean_text.h"
+
 /* Bytes of the character at c, which is one that XML and its attributes keep as it is; 0: it is none. */
 static size_t character(const unsigned char *c)
 {
-    const size_t n = c[0] < 0x80 ? 1u : c[0] < 0xc2 ? 0u : c[0] < 0xe0 ? 2u : c[0] < 0xf0 ? 3u : c[0] < 0xf5 ? 4u : 0u;
-    size_t i = 0;
+    const size_t n = host_utf8_bytes((const char *)c);
     if (n == 1u)
         return c[0] >= 0x20 && c[0] != 0x7f ? 1u : 0u;
-    for (i = 1; i < n; i++)
-        if ((c[i] & 0xc0) != 0x80)
-            return 0;
-    if ((c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xf0 && c[1] < 0x90) || (c[0] == 0xf4 && c[1] > 0x8f))
-        return 0; /* longer than needed, or beyond the last character */
-    if ((c[0] == 0xed && c[1] > 0x9f) || (c[0] == 0xef && c[1] == 0xbf && c[2] > 0xbd))
-        return 0; /* halves of pairs; U+FFFE and U+FFFF */
-    if (c[0] == 0xc2 && c[1] < 0xa0)
+    if (n == 3u && c[0] == 0xef && c[1] == 0xbf && c[2] > 0xbd)
+        return 0; /* U+FFFE and U+FFFF */
+    if (n == 2u && c[0] == 0xc2 && c[1] < 0xa0)
         return 0; /* the other control characters */
     return n;
 }

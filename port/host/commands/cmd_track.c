@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/csv_text.h"
 #include "carry/carry_file.h"
 #include "commands/commands.h"
 #include "files/output_files.h"
@@ -85,7 +86,8 @@ static int start(tracked *t, const host_options *options, host_error *error)
     if (result != 0 || host_job_load(&t->job, error) != 0 || host_job_check_format(&t->job, error) != 0 ||
         host_job_check(&t->job, error) != 0 || check_names(t, error) != 0 || host_job_match(&t->job, error) != 0 ||
         host_job_prepare(&t->job, error) != 0 ||
-        host_track_points_bind(&t->points, &t->job.model, options->mirror_model, &t->job.port.port, error) != 0)
+        host_track_points_bind(&t->points, &t->job.model, options->mirror_model, (int)options->format,
+                               &t->job.port.port, error) != 0)
         return -1;
     return host_job_run(&t->job, error);
 }
@@ -139,7 +141,8 @@ static void add_line(tracked *t, uint32_t number, const host_frame *frame, const
         host_track_points_columns(&t->points, &t->csv);
         host_buffer_print(&t->csv, "\n");
     }
-    host_buffer_print(&t->csv, "%s,%.4f,%u,%.4f,%s,%u,%u", frame->name, number / t->options.fps, r->ticks,
+    host_csv_text(&t->csv, frame->name, "");
+    host_buffer_print(&t->csv, ",%.4f,%u,%.4f,%s,%u,%u", number / t->options.fps, r->ticks,
                       (double)r->last.residual_mean_mm, levels[r->verdict.level], r->last.settled, r->last.jumped);
     host_track_points_row(&t->points, &t->csv);
     host_buffer_print(&t->csv, "\n");

@@ -3,10 +3,12 @@
  * SPDX-License-Identifier: MIT */
 #include "landmarks/points_file.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clean_text.h"
+#include "base/csv_text.h"
 #include "files/file_kind.h"
 #include "files/file_names.h"
 #include "files/file_read.h"
@@ -151,14 +153,9 @@ static const char *label_of(const host_points *points, uint32_t i)
 
 void host_points_put_name(const host_points *points, uint32_t i, const char *tail, host_buffer *out)
 {
-    const char *c = label_of(points, i);
-    const char *const quote = strpbrk(c, ",;\"\r\n") != NULL ? "\"" : "";
-    host_buffer_print(out, "%s", quote);
-    if (*c == '\0')
-        host_buffer_print(out, "%u", i + 1u);
-    for (; *c != '\0'; c++)
-        host_buffer_add(out, *c == '"' ? "\"\"" : c, *c == '"' ? 2 : 1);
-    host_buffer_print(out, "%s%s", tail, quote);
+    char number[16];
+    (void)snprintf(number, sizeof number, "%u", i + 1u);
+    host_csv_text(out, *label_of(points, i) != '\0' ? label_of(points, i) : number, tail);
 }
 
 /* A label within quotes; without one the point's number. */

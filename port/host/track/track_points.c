@@ -27,13 +27,15 @@ int host_track_points_read(host_track_points *t, const char *path, host_error *e
     return 0;
 }
 
-/* A structure's surface would have the same name. */
-static int check_names(const host_track_points *t, const host_model *model, host_error *error)
+/* A structure's surface must not have the same name. */
+static int check_names(const host_track_points *t, const host_model *model, int format, host_error *error)
 {
+    const char *const extension = host_format_extension(format);
+    const size_t n = strlen("points");
     uint32_t i = 0;
-    for (i = 0; i < model->n_parts; i++)
-        if (strcmp(t->file, "points.ply") == 0 && strcmp(model->part[i].name, "points") == 0)
-            return host_fail(error, "name", "no structure 'points' beside points.ply, which the frames have");
+    for (i = 0; i < model->n_parts && strcmp(t->file + n, extension) == 0; i++)
+        if (strncmp(t->file, model->part[i].name, n) == 0 && model->part[i].name[n] == '\0')
+            return host_fail(error, "name", "no structure 'points' beside %s, which the frames have", t->file);
     return 0;
 }
 
@@ -52,7 +54,7 @@ static int fit(host_track_points *t, const float *rest, const smr_port *port, co
     return status == SMR_OK ? 0 : host_fail(error, "points", "free memory (%s)", smr_status_name(status));
 }
 
-int host_track_points_bind(host_track_points *t, const host_model *model, int mirror, const smr_port *port,
+int host_track_points_bind(host_track_points *t, const host_model *model, int mirror, int format, const smr_port *port,
                            host_error *error)
 {
     const size_t room = 3u * sizeof(float) * model->info.n_vertices;
@@ -67,7 +69,7 @@ int host_track_points_bind(host_track_points *t, const host_model *model, int mi
     if (rest == NULL || t->now == NULL)
         (void)host_fail(error, "points", "free memory");
     else
-        result = check_names(t, model, error);
+        result = check_names(t, model, format, error);
     for (i = 0; result == 0 && i < model->n_parts; at += 3u * (size_t)model->part[i++].mesh.n_vertices)
         if (smr_model_mesh(model->model, i, rest + at, NULL) != SMR_OK)
             result = host_fail(error, "points", "a model that can carry them");

@@ -21,9 +21,10 @@ typedef struct host_track_points {
 /* Reads the file. 0, or -1 with the error filled. Call host_track_points_free() in both cases. */
 int host_track_points_read(host_track_points *t, const char *path, host_error *error);
 
-/* Binds the points to the prepared model at rest. mirror: the coordinate that was negated in the model's files. The
- * port stays. Without points nothing is done. 0, or -1 with the error filled. */
-int host_track_points_bind(host_track_points *t, const host_model *model, int mirror, const smr_port *port,
+/* Binds the points to the prepared model at rest. mirror: the coordinate that was negated in the model's files; format:
+ * of the frames' surfaces, none of which may be called as the points are. The port stays. Without points nothing is
+ * done. 0, or -1 with the error filled. */
+int host_track_points_bind(host_track_points *t, const host_model *model, int mirror, int format, const smr_port *port,
                            host_error *error);
 
 /* Carries them to where the model of s is. Without points nothing is done. 0, or -1 with the error filled. */
