@@ -21,7 +21,7 @@ check "xargs: $n patients" test "$(grep -c . table.csv)" -eq $((n + 1))
 echo "# xargs: $(($(date +%s) - started)) s; $(sed 1d table.csv | cut -d , -f 2 | sort | uniq -c | tr -s ' \n' ' ')"
 
 begin() { mkdir -p "$base/$1" && cd "$base/$1" && ln -s ../reference/cases cases; }
-done_now() { if [ -f results/runs.jsonl ]; then grep -c 'skipped": false' results/runs.jsonl; else echo 0; fi; }
+done_now() { if [ -d runs ]; then cat runs/*.jsonl 2>/dev/null | grep -c 'skipped": false'; else echo 0; fi; }
 # Waits until a third of all patients are done.
 wait_for_some() {
     for tick in $(seq 3000); do
@@ -31,10 +31,10 @@ wait_for_some() {
 }
 # judge ENGINE EARLY: the table, and how often each patient was computed.
 judge() {
-    echo "# $1: $2 of $n done when it was killed; then $(done_now) computed, $(grep -c 'skipped": true' results/runs.jsonl) found done"
+    echo "# $1: $2 of $n done when it was killed; then $(done_now) computed, $(grep -c 'skipped": true' runs.jsonl) found done"
     check "$1: killed in the middle" test "$2" -ge 1 -a "$2" -lt "$n"
-    check "$1: nothing lost" test "$(grep -o '"output": "[^"]*"' results/runs.jsonl | sort -u | wc -l)" -eq "$n"
-    check "$1: nothing done twice" test -z "$(grep 'skipped": false' results/runs.jsonl | grep -o 'output": "[^"]*' | sort | uniq -d)"
+    check "$1: nothing lost" test "$(grep -o '"output": "[^"]*"' runs.jsonl | sort -u | wc -l)" -eq "$n"
+    check "$1: nothing done twice" test -z "$(grep 'skipped": false' runs.jsonl | grep -o 'output": "[^"]*' | sort | uniq -d)"
     check "$1: the same table" cmp table.csv ../reference/table.csv
 }
 # Kills a whole session by its processes' numbers, without warning.

@@ -30,6 +30,28 @@ assert a["distance_mm"] == b["distance_mm"] and a["seconds"] == b["time_s"]["tot
 else
     skip "it is JSON" "no python3"
 fi
+odd=$(printf 'odd\355\240\200\340\200\257\364\220\200\200\303\244') # half a pair, too long, too large, a letter
+"$SMR" register --model bone.ply --target target.ply -o "$odd" --json >line.json 2>err.txt
+check "bytes that are no text are none there" grep -qF "\"output\": \"odd??????????$(printf '\303\244')\"" line.json
+# Every write() to such a socket is a message; the name takes more than stdio would hold back.
+if command -v python3 >/dev/null 2>&1; then
+    check "a line longer than a buffer is written at once" python3 -c 'import os, socket, subprocess, sys
+here, there = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+name = "long/" + "/".join(["\1" * 240] * 4)
+os.makedirs(name)
+command = [sys.argv[1], "register", "--model", "bone.ply", "--target", "target.ply", "-o", name, "--json"]
+status = subprocess.run(command, stdout=there).returncode
+line = here.recv(1 << 20)
+assert status == 0 and len(line) > 5000 and line.endswith(b"}\n"), (status, len(line))' "$SMR"
+else
+    skip "a line longer than a buffer" "no python3"
+fi
+if [ -c /dev/full ]; then
+    "$SMR" register --model bone.ply --target target.ply -o out --json >/dev/full 2>err.txt
+    check "a line that finds no room" sh -c "[ $? -eq 2 ] && [ \$(wc -l <err.txt) -eq 1 ] && grep -q 'standard output' err.txt"
+else
+    skip "a line that finds no room" "no /dev/full"
+fi
 "$SMR" register --model bone.ply --target target.ply -o ended --json --ticks 2 >line.json 2>err.txt
 check "exit status 4" sh -c "[ $? -eq 4 ] && grep -q '\"exit_status\": 4' line.json && grep -q '\"exit_status\": 4' ended/report.json"
 "$SMR" register --model none.ply --target target.ply -o none --json >line.json 2>err.txt
@@ -158,7 +180,7 @@ sh "$examples/cases.sh" 4
 JOBS=2 sh "$examples/run_xargs.sh" >out.txt 2>err.txt
 check "four patients by xargs" sh -c "[ $? -eq 0 ] && [ \$(grep -c . table.csv) -eq 5 ]"
 cp table.csv ../whole.csv
-rm -rf results table.csv
+rm -rf results runs runs.jsonl table.csv
 
 if ! command -v ps >/dev/null 2>&1 || ! command -v setsid >/dev/null 2>&1; then
     skip "four patients, killed and resumed" "no ps or no setsid"
@@ -169,7 +191,7 @@ fi
 setsid sh -c 'JOBS=2 exec sh "$0"' "$examples/$engine" >out.txt 2>err.txt &
 leader=$!
 for tick in $(seq 200); do
-    grep -qs . results/runs.jsonl && break
+    cat runs/*.jsonl 2>/dev/null | grep -q . && break
     sleep 0.05
 done
 for try in $(seq 200); do # jobs may have process groups of their own, be started meanwhile, and outlive the first
@@ -180,13 +202,13 @@ for try in $(seq 200); do # jobs may have process groups of their own, be starte
     sleep 0.02
 done
 wait $leader 2>/dev/null
-early=$(grep -c . results/runs.jsonl)
+early=$(cat runs/*.jsonl | grep -c .)
 check "killed in the middle" test "$early" -ge 1 -a "$early" -lt 4
 sh "$examples/table.sh" >out.txt 2>err.txt
 check "the table says what is missing" sh -c "[ $? -eq 1 ] && [ \$(grep -c ',missing,' table.csv) -ge 1 ]"
 JOBS=2 sh "$examples/$engine" >out.txt 2>err.txt
 check "and resumed by $engine" [ $? -eq 0 ]
 check "the same table" cmp table.csv ../whole.csv
-check "nothing lost" [ "$(grep -o '"output": "[^"]*"' results/runs.jsonl | sort -u | wc -l)" -eq 4 ]
-check "nothing done twice" sh -c '[ -z "$(grep "skipped\": false" results/runs.jsonl | grep -o "output\": \"[^\"]*" | sort | uniq -d)" ]'
+check "nothing lost" [ "$(grep -o '"output": "[^"]*"' runs.jsonl | sort -u | wc -l)" -eq 4 ]
+check "nothing done twice" sh -c '[ -z "$(grep "skipped\": false" runs.jsonl | grep -o "output\": \"[^\"]*" | sort | uniq -d)" ]'
 finish

@@ -1,9 +1,12 @@
 /* report_line.c: a result as one line of JSON.
  * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
 #include "cohort/report_line.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/clean_text.h"
 #include "report/json_write.h"
@@ -44,6 +47,23 @@ void host_report_line(const host_report_head *head, const char *directory, int s
     host_json_close(&json, '}');
 }
 
+/* One write(), so that lines that several programs append to one file do not mix; more only where the system takes a
+ * part. */
+static int put_line(const host_buffer *line, host_error *error)
+{
+    size_t at = 0;
+    int failed = fflush(stdout) != 0;
+    while (!failed && at < line->size) {
+        const ssize_t n = write(STDOUT_FILENO, line->data + at, line->size - at);
+        failed = n == 0 || (n < 0 && errno != EINTR);
+        at += n > 0 ? (size_t)n : 0u;
+    }
+    if (!failed)
+        return 0;
+    error->file = "standard output";
+    return host_fail(error, "output", "room for the line (%s)", strerror(errno));
+}
+
 static int print_line(const host_report_head *head, const char *directory, int skipped, host_error *error)
 {
     host_buffer line = {NULL, 0, 0, 0};
@@ -52,7 +72,7 @@ static int print_line(const host_report_head *head, const char *directory, int s
     if (line.failed)
         result = host_fail(error, "output", "free memory");
     else
-        (void)fwrite(line.data, 1, line.size, stdout); /* main looks whether it went out */
+        result = put_line(&line, error);
     host_buffer_free(&line);
     return result;
 }

@@ -11,7 +11,8 @@
  * buffer stores failure. */
 void host_report_line(const host_report_head *head, const char *directory, int skipped, host_buffer *out);
 
-/* Prints that line on standard output, of the bytes of a report.json. 0, or -1 with the error filled. */
+/* Prints that line on standard output, of the bytes of a report.json, at once and after what stands there. 0, or -1
+ * with the error filled. */
 int host_report_print(const host_buffer *report, const char *directory, host_error *error);
 
 /* Says that a result was found done: as that line, or as one for people; nothing where quiet says so. */
