@@ -7,7 +7,9 @@ build=${BUILD:-build}
 tmp=$(mktemp -d) || exit 1
 trap 'rm -rf "$tmp"' EXIT
 put() { ${MAKE:-make} -s BUILD="$build" CC="${CC:-cc}" CFLAGS="${CFLAGS:-}" install "$@" >"$tmp/log" 2>&1 || { cat "$tmp/log"; exit 1; }; }
-put DESTDIR="$tmp/a place" PREFIX=/usr
+(umask 077 && put DESTDIR="$tmp/a place" PREFIX=/usr) || exit 1
+closed=$(find "$tmp/a place" ! -perm -444)
+[ -z "$closed" ] || { echo "not for all to read: $closed"; exit 1; }
 for file in include/smr.h include/smr_pthread.h lib/libsmr.a lib/libsmr_pthread.a lib/pkgconfig/smr.pc bin/smr lib/smr/slicer/smr-register; do
     [ -f "$tmp/a place/usr/$file" ] || { echo "not installed: $file"; exit 1; }
 done

@@ -201,6 +201,10 @@ if have cmake; then
     by_cmake 'find_package shared' "$tmp/found_shared" -DCMAKE_PREFIX_PATH="$root" -Dsmr_SHARED=ON -DPARTS=smr
     refuse 'find_package of a later version' 'version' configure "$tmp/later" -DCMAKE_PREFIX_PATH="$root" -DASKED=9.0 -DPARTS=smr
     try 'find_package of a core' configure "$tmp/of_core" -DCMAKE_PREFIX_PATH="$core" -DPARTS=smr
+    try 'find_package of the core where there are no threads' configure "$tmp/alone" -DCMAKE_PREFIX_PATH="$root" \
+        -DCMAKE_DISABLE_FIND_PACKAGE_Threads=ON -DPARTS=smr
+    refuse 'find_package of threads where there are none' 'Threads' configure "$tmp/lacking" -DCMAKE_PREFIX_PATH="$root" \
+        -DCMAKE_DISABLE_FIND_PACKAGE_Threads=ON -DPARTS=pthread
     refuse 'find_package of threads that a core lacks' 'no pthread' configure "$tmp/none" -DCMAKE_PREFIX_PATH="$core" -DPARTS=pthread
     for flag in $(sed -n 's/^STD *:= *-std=c11 //p' Makefile); do
         if grep -qe "PRIVATE.* $flag" port/cmake/CMakeLists.txt; then ok "CMake sets $flag"; else not_ok "CMake does not set $flag"; fi

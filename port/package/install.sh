@@ -46,7 +46,8 @@ esac
 
 values=$(printf '%s\n' "PREFIX=$PREFIX" "LIBDIR=$libdir" "INCLUDE=$include" "VERSION=$VERSION" "SERIES=$SERIES" \
     "LIBS=$libs" "PRIVATE=$private" | sed 's/[\&|]/\\&/g; s/^\([A-Z]*\)=\(.*\)/s|@\1@|\2|g/')
-fill() { sed "$values" "$1"; }
-fill port/package/smr.pc.in >"$lib/pkgconfig/smr.pc"
-fill port/cmake/smrConfig.cmake.in >"$lib/cmake/smr/smrConfig.cmake"
-fill port/cmake/smrConfigVersion.cmake.in >"$lib/cmake/smr/smrConfigVersion.cmake"
+# All may read them, whatever the umask.
+fill() { sed "$values" "$1" >"$2" && chmod 644 "$2"; }
+fill port/package/smr.pc.in "$lib/pkgconfig/smr.pc"
+fill port/cmake/smrConfig.cmake.in "$lib/cmake/smr/smrConfig.cmake"
+fill port/cmake/smrConfigVersion.cmake.in "$lib/cmake/smr/smrConfigVersion.cmake"
