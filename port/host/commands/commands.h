@@ -10,7 +10,7 @@ enum {
     HOST_FAILED = 1,  /* register: the result cannot be relied on; its files are written all the same */
     HOST_DIFFERS = 1, /* replay */
     HOST_LACKS = 1,   /* summary: a report is missing or cannot be read */
-    HOST_REFUSED = 2, /* bad usage or input: one line says which, nothing is written */
+    HOST_REFUSED = 2, /* bad usage or input, nothing is written; or the text could not be printed */
     HOST_LOOK = 3,    /* register: somebody should look at the result */
     HOST_ENDED = 4    /* register: --ticks ended first */
 };

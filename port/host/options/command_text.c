@@ -141,7 +141,8 @@ const size_t host_command_count = sizeof host_command_texts / sizeof host_comman
 const char *const host_option_groups[] = {"Options", "Surfaces as targets", "An image as the target",
                                           "Preparing the model (not with a .smr)", NULL};
 
-const char host_status_text[] = "0 done; 2 bad usage or input: one line says which, and nothing is written";
+const char host_status_text[] =
+    "0 done; 2 bad usage or input, and nothing is written, or the text could not be printed: one line says which";
 
 size_t host_option_group(const host_option *o, int command)
 {

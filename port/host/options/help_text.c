@@ -59,6 +59,8 @@ static const char *const start_lines[] = {
     "                                 also of build and info",
     "  --save FILE                    write where it stopped, after --ticks perhaps; --resume FILE goes on from there,",
     "                                 with the same inputs and options, to the same bits",
+    "  --html                         report.html beside report.json: the result to look at in any browser, with",
+    "                                 slices of the image, in one file",
     "  --vertex-errors                seen (0, 1) and expected_error (mm) of each vertex in the results (ply, vtk)",
     "  --format ply|stl|vtk|obj       of the results, binary but for OBJ; also of track (ply)",
     "  --slicer FILE.mrml             a scene for 3D Slicer: results, targets, volumes, landmarks, and the field",
@@ -102,7 +104,8 @@ static const char *const other_lines[] = {
     "replay reads the inputs again, from where it is called, and says that all ticks agree, or which one differs;",
     "  --threads N",
     "Exit status: 0 done; register: by the verdict in report.json, 0 good, 3 look, 1 failed, or 4 where --ticks ended",
-    "first; results are written in each case. 1 a replay that differs, 2 bad usage or input.",
+    "first; results are written in each case. 1 a replay that differs, 2 bad usage or input, or the text could",
+    "not be printed.",
 };
 
 /* An option of register: name, value and sentence. */
