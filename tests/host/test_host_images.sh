@@ -186,6 +186,7 @@ tail -c +$((header + 1)) noise/bone.ply | head -c "$((17 * $(value noise/report.
 check "nothing is said of their vertices" awk '$13 != 0 || $14 != 0 || $15 != 0 || $16 != 128 || $17 != 191 { bad = 1 } END { exit bad || NR < 200 }' vertices.txt
 check "nor in the page" [ "$(grep -o '"seen":[0-9]*' noise/report.html | sort -u)" = '"seen":0' ]
 check "points are carried to what is written" sh -c "'$SMR' measure carried.ply noise/bone.ply | grep -q '^Hausdorff: 0.0000 mm'"
+check "no error is expected of them" [ "$(value noise/report.json expected_error_mm)" = null ]
 check "a result that was found is no start" [ "$(value spline/report.json start_kept)" = false ]
 
 check "a search that ends before the schedule" has_status 0 $SMR register --model bone.ply -o ends $image4 --search 8,0 --gradient 4,0 --quiet

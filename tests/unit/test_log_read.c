@@ -139,7 +139,9 @@ static smr_status open_header(uint32_t version, const uint32_t *word, uint32_t n
     smr_log_put32(log + bytes - 4u, smr_crc32(0, log, bytes - 4u));
     const smr_status status = smr_log_open(log, bytes, &reader, &info);
     if (status == SMR_OK) {
-        assert_true(info.library == 1u && info.model_checksum == 2u && info.n_vertices == 3u);
+        assert_int_equal(1, info.library);
+        assert_int_equal(2, info.model_checksum);
+        assert_int_equal(3, info.n_vertices);
         assert_int_equal(SMR_OK, smr_log_next(&reader, &r));
         assert_int_equal(0, r.kind);
         *config = info.config;

@@ -138,9 +138,11 @@ int host_job_keep_start(host_job *job, host_error *error)
         const size_t n = 3u * (size_t)job->result[i].mesh.n_vertices;
         memcpy(job->result[i].mesh.xyz, xyz, n * sizeof *xyz);
         job->result[i].report.moved_mean_mm = job->result[i].report.moved_max_mm = 0.0f;
+        job->result[i].verdict.expected_error_mm = (double)NAN;
         xyz += n;
     }
     job->kept_start = 1;
+    job->verdict.expected_error_mm = (double)NAN; /* it was of what is not written */
     host_verdict_add(&job->verdict, HOST_VERDICT_FAILED, "the start is written instead of what was found");
     return measure(job, error);
 }
