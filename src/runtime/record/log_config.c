@@ -23,7 +23,8 @@ static const log_row rows[] = {
 
 #define SMR_LOG_ROWS (sizeof rows / sizeof rows[0])
 
-_Static_assert(SMR_LOG_ROWS <= 64u, "one bit for each setting that was read");
+/* One bit for each setting that was read. */
+#define SMR_LOG_SEEN_WORDS ((SMR_LOG_ROWS + 31u) / 32u)
 
 void smr_log_put_config(unsigned char *to, const smr_config *config)
 {
@@ -57,12 +58,12 @@ static size_t row_of(uint32_t head)
 
 static smr_status get_numbered(const unsigned char *from, uint32_t n_words, smr_config *config)
 {
-    uint64_t seen = 0;
+    uint32_t seen[SMR_LOG_SEEN_WORDS] = {0};
     for (uint32_t at = 0; at < n_words;) {
         const size_t i = row_of(smr_log_get32(from + 4u * at));
-        if (i == SMR_LOG_ROWS || (seen >> i & 1u) != 0u || n_words - at - 1u < rows[i].n)
+        if (i == SMR_LOG_ROWS || (seen[i / 32u] >> i % 32u & 1u) != 0u || n_words - at - 1u < rows[i].n)
             return SMR_E_LOG;
-        seen |= (uint64_t)1 << i;
+        seen[i / 32u] |= 1u << i % 32u;
         set(config, &rows[i], from + 4u * ((size_t)at + 1u));
         at += 1u + rows[i].n;
     }
