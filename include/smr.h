@@ -740,7 +740,9 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
 smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points);
 
 /* Gives every structure without a target surface this image, borrowed until replaced. NULL takes it away.
- * The schedule starts over from the present positions. The model needs intensity profiles.
+ * The schedule starts over from the present positions. While moving targets are followed (config.track), an image in
+ * the place of another is followed, too: profiles are sought as far as at the schedule's start, within half the
+ * radius, and the image before is free when the call returns. The model needs intensity profiles.
  * Errors: E_NULL (voxels), E_INPUT (the volume's fields), E_STATE (no profiles). */
 smr_status smr_set_volume(smr *s, const smr_volume *volume);
 

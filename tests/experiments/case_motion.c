@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "case_motion_image.h"
 #include "experiment.h"
-#include "fixture_thigh.h"
 #include "measure/surface_distances.h"
 
 /* The scene at rest, and how it moves. */
@@ -145,15 +145,13 @@ static void move_mesh(const scene *s, uint32_t frame, const host_mesh *rest, hos
     }
 }
 
-/* The computed thigh's own flexion. */
+/* The computed thigh's own flexion, degrees. */
+static double flexion_of(const case_motion_options *o, uint32_t frame) { return way_of(o, frame) * o->flex_deg; }
+
 static void flex_mesh(const scene *s, uint32_t frame, host_mesh *mesh)
 {
-    fixture_pose pose;
+    const fixture_pose pose = case_motion_pose(flexion_of(s->options, frame));
     float *const before = case_alloc(3u * (size_t)mesh->n_vertices, sizeof *before);
-    memset(&pose, 0, sizeof pose);
-    pose.seed = 1;
-    pose.scale[0] = pose.scale[1] = pose.scale[2] = 1.0f;
-    pose.flexion = (float)tan(0.5 * way_of(s->options, frame) * s->options->flex_deg * acos(-1.0) / 180.0);
     memcpy(before, mesh->xyz, 3u * (size_t)mesh->n_vertices * sizeof *before);
     fixture_thigh_truth(&pose, before, mesh->n_vertices, mesh->xyz);
     free(before);
@@ -207,15 +205,36 @@ static double make_frame(scene *s, uint32_t frame)
 typedef struct follower {
     void *scratch, *model, *arena;
     const smr_model *opened;
+    case_motion_image image; /* where images are followed */
     smr *s;
     float *xyz[CASE_BODIES];
 } follower;
 
 static void *aligned(size_t bytes) { return aligned_alloc(SMR_ALIGN, (bytes + SMR_ALIGN) / SMR_ALIGN * SMR_ALIGN); }
 
+/* A volume that holds the model wherever it flexes. */
+static void open_image(const scene *s, follower *f)
+{
+    const fixture_pose most = case_motion_pose(s->options->flex_deg);
+    float low[3] = {0}, high[3] = {0};
+    uint32_t k = 0;
+    for (k = 0; k < s->data.n; k++) {
+        const host_mesh *const mesh = &s->data.body[k].model;
+        if (k == 0u) {
+            memcpy(low, mesh->xyz, sizeof low);
+            memcpy(high, mesh->xyz, sizeof high);
+        }
+        fixture_thigh_truth(&most, mesh->xyz, mesh->n_vertices, f->xyz[k]);
+        fixture_bounds(mesh->xyz, mesh->n_vertices, low, high);
+        fixture_bounds(f->xyz[k], mesh->n_vertices, low, high);
+    }
+    case_motion_image_open(&f->image, low, high);
+}
+
 static int make_follower(const scene *s, follower *f)
 {
-    const smr_prepare_config prepare = smr_prepare_config_default();
+    smr_prepare_config prepare = smr_prepare_config_default();
+    smr_volume reference;
     smr_structure part[CASE_BODIES];
     smr_config config = s->options->config;
     size_t scratch = 0, bytes = 0, needed = 0;
@@ -227,6 +246,11 @@ static int make_follower(const scene *s, follower *f)
         part[k].mesh = host_mesh_view(mesh);
         f->xyz[k] = case_alloc(3u * (size_t)mesh->n_vertices, sizeof(float));
         config.n_target_vertices += s->target[k].n_vertices;
+    }
+    if (s->options->image_every > 0u) {
+        open_image(s, f);
+        reference = case_motion_image_make(&f->image, 0.0);
+        prepare.reference = &reference;
     }
     good = smr_prepare_bytes(part, s->data.n, &prepare, &scratch) == SMR_OK;
     f->scratch = aligned(scratch);
@@ -244,6 +268,7 @@ static void free_follower(follower *f)
     uint32_t k = 0;
     for (k = 0; k < CASE_BODIES; k++)
         free(f->xyz[k]);
+    case_motion_image_free(&f->image);
     free(f->scratch);
     free(f->model);
     free(f->arena);
@@ -267,11 +292,28 @@ static int pose_follower(const scene *s, follower *f)
     return smr_set_pose(f->s, &pose) == SMR_OK;
 }
 
-static int set_targets(const scene *s, follower *f, void **memory)
+/* 1: this structure's target is a surface. */
+static int has_surface(const scene *s, uint32_t k)
+{
+    static const char *const bones[] = {"femur", "hip_bone", "patella"};
+    uint32_t i = 0;
+    for (i = 0; s->options->image_every > 0u && i < sizeof bones / sizeof bones[0]; i++)
+        if (strcmp(s->data.body[k].name, bones[i]) == 0)
+            return 1;
+    return s->options->image_every == 0u;
+}
+
+static int set_targets(const scene *s, follower *f, uint32_t frame, void **memory)
 {
     uint32_t k = 0;
     int good = 1;
+    if (s->options->image_every > 0u && frame % s->options->image_every == 0u) {
+        const smr_volume image = case_motion_image_make(&f->image, flexion_of(s->options, frame));
+        good = smr_set_volume(f->s, &image) == SMR_OK;
+    }
     for (k = 0; good && k < s->data.n; k++) {
+        if (!has_surface(s, k))
+            continue;
         const smr_mesh view = host_mesh_view(&s->data.body[k].target);
         const smr_surface *const surface = host_surface_make(&view, &memory[k]);
         good = surface != NULL && smr_set_surface(f->s, k, surface) == SMR_OK;
@@ -280,13 +322,13 @@ static int set_targets(const scene *s, follower *f, void **memory)
 }
 
 /* Ticks on the frame's targets. */
-static int follow(const scene *s, follower *f, uint32_t most, case_motion_frame *frame)
+static int follow(const scene *s, follower *f, uint32_t number, uint32_t most, case_motion_frame *frame)
 {
     void *memory[CASE_BODIES] = {NULL};
     smr_tick_report report;
     uint32_t n = 0, k = 0;
     int good = 0;
-    good = set_targets(s, f, memory);
+    good = set_targets(s, f, number, memory);
     memset(&report, 0, sizeof report);
     while (good && n < most && !report.settled && !report.done) {
         good = smr_tick(f->s, 0, &report) == SMR_OK;
@@ -320,7 +362,7 @@ int case_motion_run(const char *const *file, uint32_t n, const case_motion_optio
         else
             memset(frame, 0, sizeof *frame);
         frame[i].seen = make_frame(s, i);
-        good = follow(s, &f, i == 0u ? 1000u : options->most_ticks, &frame[i]);
+        good = follow(s, &f, i, i == 0u ? 1000u : options->most_ticks, &frame[i]);
         if (good && options->every > 0u && i % options->every == 0u) {
             const case_figures figures = case_measure(&s->data, xyz);
             frame[i].surface = figures.surface;

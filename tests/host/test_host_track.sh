@@ -106,6 +106,26 @@ check "near them" awk -F, 'NR > 1 && $4 > 1 { bad = 1 } END { exit bad || NR != 
 "$SMR" measure clouds/c3/bone.ply out/f3/bone.ply >distance.txt
 check "where surfaces lead" awk '/A to B, vertices: mean/ { near = $6 < 1 } END { exit !near }' distance.txt
 
+# Images: the reference itself, moved a little farther in each frame.
+"$SMR" phantom --small -o thigh --quiet
+image() { # name, mm
+    LC_ALL=C awk -v by="$2" '$1 == "Offset" && !seen { seen = 1; $3 += by; $5 -= by } { print } /^ElementDataFile/ { exit }' thigh/mri_reference.mha >"$1"
+    at=$(LC_ALL=C grep -a -b -o 'ElementDataFile = LOCAL' thigh/mri_reference.mha | head -n 1 | cut -d: -f1)
+    tail -c +"$((at + 25))" thigh/mri_reference.mha >>"$1"
+}
+for i in 0 1 2; do image "i$i.mha" "$((3 * i))"; done
+printf 'label,x,y,z\nspot,-80,0,-60\n' >inside.csv
+check "follows images" [ "$(status track --model thigh/model/femur.ply thigh/model/vastus_intermedius.ply --reference thigh/mri_reference.mha --frames i0.mha i1.mha i2.mha --points inside.csv -o images)" -le 3 ]
+check "as far as they go" awk -F, '
+    NR == 2 { x = $8; y = $9; z = $10 }
+    function off(a, b) { return a < b ? b - a : a - b }
+    END { exit !(NR == 4 && off($8 - x, 6) < 0.5 && off($9, y) < 0.5 && off($10 - z, -6) < 0.7) }' images/track.csv
+refuses "images without a reference" "--reference" --model thigh/model/femur.ply --frames i0.mha i1.mha
+refuses "a surface among images" "bone.ply: frame: expected a volume" --model thigh/model/femur.ply --reference thigh/mri_reference.mha --frames i0.mha bone.ply
+refuses "an image among surfaces" "i1.mha: frame: expected a surface" --model bone.ply --frames frames/f0.ply i1.mha
+head -c 5000 i1.mha >cut.mha
+refuses "a broken image, before anything is written" "cut.mha" --model thigh/model/femur.ply --reference thigh/mri_reference.mha --frames i0.mha cut.mha
+
 refuses "no frames" "--frames" --model bone.ply
 refuses "no model" "--model" --frames frames/f0.ply
 refuses "a frame that is not there" "frames/none.ply: frame" --model bone.ply --frames frames/f0.ply frames/none.ply

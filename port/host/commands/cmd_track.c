@@ -30,9 +30,27 @@ typedef struct tracked {
     host_frames frames;
     host_track_points points;
     host_buffer csv;
+    host_image image[2];    /* frames that are images: one is borrowed until the next one has taken its place */
     uint64_t most_vertices; /* of a frame's targets */
     uint32_t worst;         /* verdict */
 } tracked;
+
+/* Frames are images, or none is. */
+static int check_image(const tracked *t, const host_frame *frame, host_error *error)
+{
+    host_image image;
+    int result = 0;
+    memset(&image, 0, sizeof image);
+    error->file = frame->files.path[0];
+    if (host_frame_is_image(frame) != t->options.image_target)
+        return host_fail(error, "frame",
+                         t->options.image_target ? "a volume, as the first frame is"
+                                                 : "a surface or a cloud, as in the first frame");
+    if (t->options.image_target)
+        result = host_image_read(frame->files.path[0], t->options.mirror_target, &image, error);
+    host_image_free(&image);
+    return result;
+}
 
 /* Reads a frame to see that it can be used. */
 static int check_frame(tracked *t, const host_frame *frame, const smr_port *port, host_error *error)
@@ -40,7 +58,10 @@ static int check_frame(tracked *t, const host_frame *frame, const smr_port *port
     host_load *loads = NULL;
     uint64_t vertices = 0;
     uint32_t i = 0;
-    int result = host_frame_load(frame, port, t->options.mirror_target, &loads, error);
+    int result = check_image(t, frame, error);
+    if (result != 0 || t->options.image_target)
+        return result;
+    result = host_frame_load(frame, port, t->options.mirror_target, &loads, error);
     for (i = 0; result == 0 && i < frame->files.n; i++)
         vertices += loads[i].mesh.n_vertices;
     if (vertices > t->most_vertices)
@@ -113,16 +134,11 @@ static smr_status set_target(smr *s, uint32_t part, const host_mesh *mesh, void 
     return points != NULL ? smr_set_points(s, part, points) : smr_set_surface(s, part, surface);
 }
 
-/* Sets a frame's targets and ticks. */
-static int follow(tracked *t, const host_frame *frame, host_load *loads, void **memory, frame_report *report,
-                  host_error *error)
+/* Ticks towards the frame's targets, which setting them came to this status. */
+static int follow(tracked *t, const host_frame *frame, smr_status status, frame_report *report, host_error *error)
 {
     const uint32_t most = t->job.options->ticks > 0 ? t->job.options->ticks : TICKS;
     smr *const s = t->job.state;
-    smr_status status = SMR_OK;
-    uint32_t i = 0;
-    for (i = 0; i < frame->files.n && status == SMR_OK; i++)
-        status = set_target(s, host_frame_part(frame, i, &t->job.model), &loads[i].mesh, &memory[i]);
     memset(&report->last, 0, sizeof report->last);
     for (report->ticks = 0; status >= 0 && report->ticks < most && !report->last.settled; report->ticks++)
         status = smr_tick(s, (uint64_t)(t->options.budget_ms * 1e6), &report->last);
@@ -211,33 +227,52 @@ static int write_frame(tracked *t, uint32_t number, host_error *error)
     return -1;
 }
 
-/* Frames after the first. The targets of a frame are borrowed until the next one's take their place. */
-static int run_frame(tracked *t, uint32_t number, host_error *error)
+/* Follows surfaces and clouds, which are borrowed until the frame is done. What the frame lacks is carried. */
+static int follow_surfaces(tracked *t, const host_frame *frame, frame_report *report, host_error *error)
 {
-    const host_frame *const frame = &t->frames.frame[number];
     host_load *loads = NULL;
-    frame_report report;
     void **const memory = calloc(frame->files.n, sizeof *memory);
+    smr_status status = SMR_OK;
     uint32_t i = 0;
     int result = memory == NULL ? host_fail(error, "frame", "free memory") : 0;
-    memset(&report, 0, sizeof report);
-    (void)smr_set_surface(t->job.state, SMR_ALL, NULL); /* what this frame lacks is carried */
+    (void)smr_set_surface(t->job.state, SMR_ALL, NULL);
     if (result == 0)
         result = host_frame_load(frame, &t->job.port.port, t->options.mirror_target, &loads, error);
+    for (i = 0; result == 0 && i < frame->files.n && status == SMR_OK; i++)
+        status = set_target(t->job.state, host_frame_part(frame, i, &t->job.model), &loads[i].mesh, &memory[i]);
     if (result == 0)
-        result = follow(t, frame, loads, memory, &report, error);
-    if (result == 0)
-        result = host_track_points_carry(&t->points, t->job.state, &t->job.model, error);
-    if (result == 0) {
-        add_line(t, number, frame, &report);
-        result = write_frame(t, number, error);
-    }
+        result = follow(t, frame, status, report, error);
     (void)smr_set_surface(t->job.state, SMR_ALL, NULL);
     host_frame_unload(frame, loads);
     for (i = 0; memory != NULL && i < frame->files.n; i++)
         free(memory[i]);
     free(memory);
     return result;
+}
+
+/* Follows an image: it takes the place of the one before the last. */
+static int follow_image(tracked *t, uint32_t number, frame_report *report, host_error *error)
+{
+    const host_frame *const frame = &t->frames.frame[number];
+    host_image *const image = &t->image[number % 2u];
+    host_image_free(image);
+    if (host_image_read(frame->files.path[0], t->options.mirror_target, image, error) != 0)
+        return -1;
+    return follow(t, frame, smr_set_volume(t->job.state, &image->view), report, error);
+}
+
+/* Frames after the first. */
+static int run_frame(tracked *t, uint32_t number, host_error *error)
+{
+    const host_frame *const frame = &t->frames.frame[number];
+    frame_report report;
+    memset(&report, 0, sizeof report);
+    if ((t->options.image_target ? follow_image(t, number, &report, error)
+                                 : follow_surfaces(t, frame, &report, error)) != 0 ||
+        host_track_points_carry(&t->points, t->job.state, &t->job.model, error) != 0)
+        return -1;
+    add_line(t, number, frame, &report);
+    return write_frame(t, number, error);
 }
 
 static int run(tracked *t, const host_options *options, host_error *error)
@@ -300,6 +335,8 @@ int host_track(const host_options *options, host_error *error)
     if (result == HOST_REFUSED)
         keep_file(error);
     host_job_free(&t->job);
+    host_image_free(&t->image[0]);
+    host_image_free(&t->image[1]);
     host_frames_free(&t->frames);
     host_track_points_free(&t->points);
     host_buffer_free(&t->csv);

@@ -222,7 +222,7 @@ static int check_targets(host_options *options, host_error *error)
                              options->image_target ? "surfaces as the target, it is a volume"
                                                    : "a volume as the target, it is a surface");
     }
-    if (options->image_target && options->target.n != 1) {
+    if (options->image_target && options->command != HOST_TRACK && options->target.n != 1) {
         error->file = "--target";
         return host_fail(error, "files", "one volume alone, or surfaces");
     }
@@ -293,12 +293,15 @@ static int settle_targets(host_options *options, host_error *error)
     uint32_t i = 0;
     for (i = 0; i < options->target.n; i++)
         options->image_target |= host_is_volume_path(options->target.path[i]);
+    if (options->command == HOST_TRACK) /* all frames are of the first one's kind */
+        options->image_target |= host_is_volume_path(options->frames.path[0]);
     if (options->command == HOST_BENCH && options->target.n > 0 && options->image_target == (int)options->figure1) {
         error->file = "--target";
         return host_fail(error, "files", options->figure1 ? "surfaces" : "one volume");
     }
     options->image_target |= options->command == HOST_BENCH && !options->figure1;
-    if ((options->command == HOST_REGISTER || options->target.n > 0) && check_targets(options, error) != 0)
+    if (((options->command & (HOST_REGISTER | HOST_TRACK)) != 0 || options->target.n > 0) &&
+        check_targets(options, error) != 0)
         return -1;
     if (check_search(options, error) != 0 || check_profiles(options, error) != 0)
         return -1;

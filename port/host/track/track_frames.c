@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 
 #include "files/file_names.h"
+#include "volumes/voxel_volume.h"
 
 /* Surfaces and clouds. */
 static int is_target(const struct dirent *entry)
@@ -137,6 +138,11 @@ void host_frame_unload(const host_frame *frame, host_load *loads)
     for (i = 0; loads != NULL && i < frame->files.n; i++)
         host_mesh_free(&loads[i].mesh);
     free(loads);
+}
+
+int host_frame_is_image(const host_frame *frame)
+{
+    return frame->files.n == 1u && host_is_volume_path(frame->files.path[0]);
 }
 
 uint32_t host_frame_part(const host_frame *frame, uint32_t i, const host_model *model)

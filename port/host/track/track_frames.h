@@ -28,6 +28,9 @@ void host_frames_free(host_frames *frames);
 int host_frame_load(const host_frame *frame, const smr_port *port, int mirror, host_load **loads, host_error *error);
 void host_frame_unload(const host_frame *frame, host_load *loads);
 
+/* 1: the frame is an image. */
+int host_frame_is_image(const host_frame *frame);
+
 /* The structure of file i, SMR_ALL for a frame's only file; HOST_NO_PART when no structure has its name. */
 uint32_t host_frame_part(const host_frame *frame, uint32_t i, const host_model *model);
 

@@ -1,6 +1,7 @@
 /* targets.c: what structures are drawn to: surfaces, an image; and how many vertices take part.
  * SPDX-License-Identifier: MIT */
 #include "geometry/points.h"
+#include "runtime/setup/restart.h"
 #include "runtime/setup/setup.h"
 #include "runtime/tick/schedule.h"
 #include "runtime/tick/iteration_end.h"
@@ -159,9 +160,13 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
         return smr_await_volume(s, volume, &grid);
     if (volume == NULL && !s->forces.image.has_image)
         return SMR_OK;
+    const int follows = s->pace.tracking && volume != NULL && s->forces.image.has_image;
     smr_image_goals_open(&s->forces.image, volume == NULL ? NULL : &grid);
     smr_abandon_iteration(s);
-    smr_schedule_start(s);
+    if (follows)
+        smr_restart_forces(s);
+    else
+        smr_schedule_start(s);
     smr_log_volume(&s->log, volume);
     return SMR_OK;
 }

@@ -245,7 +245,7 @@ static float ease_of(const smr *s)
 static void choose_distances(smr *s)
 {
     s->pace.ease = ease_of(s);
-    const float done = smr_schedule_progress(s);
+    const float done = s->pace.tracking ? smr_tracking_progress(s) : smr_schedule_progress(s);
     s->pace.farthest_mm =
         s->shared.config.profile_mm + done * (s->shared.config.profile_end_mm - s->shared.config.profile_mm);
     s->pace.profile_mm = smr_min(s->pace.farthest_mm, s->shared.config.profile_radii * s->pace.lists.radius);

@@ -9,10 +9,12 @@
 
 #include "runtime/tick/schedule.h"
 
-#define SMR_TRACK_EDGES 6.0f  /* mean edges: the radius that is chosen */
-#define SMR_TRACK_REACH 12.0f /* 1 / share of the radius that goals may be off in the mean */
-#define SMR_TRACK_FEWER 0.8f  /* of the share of vertices with goals before: there are fewer */
-#define SMR_TRACK_COARSE 24u  /* iterations at coarser radii, together, when a target has jumped */
+#define SMR_TRACK_EDGES 6.0f     /* mean edges: the radius that is chosen */
+#define SMR_TRACK_REACH 12.0f    /* 1 / share of the radius that goals may be off in the mean */
+#define SMR_TRACK_SOUGHT 0.5f    /* share of the search distance in an image that goals may be off in the mean */
+#define SMR_TRACK_FEWER 0.8f     /* of the share of vertices with goals before: there are fewer */
+#define SMR_TRACK_NARROWING 0.5f /* of a target's iterations: so long search distances in an image fall */
+#define SMR_TRACK_COARSE 24u     /* iterations at coarser radii, together, when a target has jumped */
 
 #define SMR_TRACK_MOMENTUM 0.7f /* at most, when a target has jumped: more swings, for what is left falls fast there */
 #define SMR_TRACK_GAIN 3.0f     /* factor on forces at coarser radii, at most */
@@ -117,6 +119,16 @@ static float gain_of(const smr *s)
     return smr_min((float)t->n_drawn / (float)t->n_forces, SMR_TRACK_GAIN);
 }
 
+/* A structure that moves in an image is sought as far as at the schedule's start, as far as the radius allows, and less
+ * and less over the first half of the iterations. At coarser radii it is not known yet. */
+float smr_tracking_progress(const smr *s)
+{
+    const float narrowing = SMR_TRACK_NARROWING * (float)s->shared.config.track_iterations;
+    if (s->pace.recovering == 1u)
+        return 0.0f;
+    return smr_min((float)s->pace.radius_iteration / smr_max(narrowing, 1.0f), 1.0f);
+}
+
 void smr_tracking_begin(smr *s)
 {
     if (!s->pace.tracking)
@@ -133,12 +145,20 @@ void smr_tracking_begin(smr *s)
     s->pace.radius_iteration = 0;
 }
 
+/* Mean distance of goals that the model can follow, mm. In an image no goal is farther than the search goes. */
+static float reach_mm(const smr *s)
+{
+    const float asked = s->shared.config.track_jump_mm, reach = s->pace.lists.radius / SMR_TRACK_REACH;
+    if (asked > 0.0f)
+        return asked;
+    return s->forces.image.has_image ? smr_max(reach, SMR_TRACK_SOUGHT * s->pace.profile_mm) : reach;
+}
+
 /* In the first iteration on new targets. Of a partial view that jumps what is left of goals is nearer: then it counts,
  * too, that there are fewer. */
 void smr_tracking_look(smr *s)
 {
-    const float asked = s->shared.config.track_jump_mm, mean = s->forces.totals.mean;
-    const float reach = asked > 0.0f ? asked : s->pace.lists.radius / SMR_TRACK_REACH;
+    const float mean = s->forces.totals.mean, reach = reach_mm(s);
     if (!s->pace.tracking || s->pace.recovering || s->pace.radius_iteration > 0u)
         return;
     const int fewer = share_found(s) < SMR_TRACK_FEWER * s->pace.found;

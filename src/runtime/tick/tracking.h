@@ -11,6 +11,9 @@ void smr_tracking_begin(smr *s); /* before an iteration */
 void smr_tracking_look(smr *s);  /* the forces are complete */
 void smr_tracking_next(smr *s);  /* after an iteration */
 
+/* 0..1: how far the model is on its way to the targets that are followed, as search distances in an image go by it. */
+float smr_tracking_progress(const smr *s);
+
 /* What a save keeps of it. After that smr_tracking_legal() says whether what was kept while targets are followed can
  * be, and sets what follows from it. */
 void smr_tracking_keep(smr_arena *a, smr *s);

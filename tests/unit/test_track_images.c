@@ -1,0 +1,182 @@
+/* test_track_images.c: after the schedule a registration follows images that are replaced, as it follows surfaces: the
+ * same bits for any threads, and from a log. The target is a ball that moves through computed images.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include "property/rig_ball_image.h"
+#include "runtime/record/log.h"
+#include "runtime/registration.h"
+
+enum { FRAMES = 6, LOG = SMR_LOG_BYTES(2000, 20) };
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+typedef struct scene {
+    const smr_model *model;
+    smr_config config;
+    smr_volume frame[FRAMES + 1];
+    float centre[FRAMES + 1][3];
+} scene;
+
+/* The ball goes 3.6 mm in each frame, and 14 mm in the last one. */
+static scene make(uint32_t track)
+{
+    scene e;
+    const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere);
+    e.model = rig_ball_model(&reference);
+    e.config = smr_config_default_image();
+    e.config.n_workers = 4;
+    e.config.track = track;
+    for (uint32_t i = 0; i <= FRAMES; i++) {
+        const float way = i < FRAMES ? 2.0f * (float)i : 2.0f * (float)(FRAMES - 1u) - 8.0f;
+        e.centre[i][0] = 1.0f * way;
+        e.centre[i][1] = -1.2f * way;
+        e.centre[i][2] = 0.9f * way - 4.0f;
+        e.frame[i] = rig_ball_image(RIG_BALL_MM, e.centre[i]);
+    }
+    return e;
+}
+
+static smr_tick_report until_settled(smr *s)
+{
+    smr_tick_report r = {0};
+    uint32_t most = 1000;
+    do
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
+    while (!r.settled && !r.done && --most > 0u);
+    return r;
+}
+
+/* Farthest that a vertex is from the ball's surface, mm. */
+static float off_ball(const smr *s, const scene *e, uint32_t frame)
+{
+    const float *xyz = rig_positions(s, e->model);
+    const smr_vec centre = smr_load(e->centre[frame]);
+    float far = 0.0f;
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        const float d = smr_length(smr_sub(smr_load(xyz + 3u * (size_t)v), centre)) - RIG_BALL_MM;
+        far = smr_max(far, d < 0.0f ? -d : d);
+    }
+    return far;
+}
+
+static void follow(uint32_t track)
+{
+    const scene e = make(track);
+    smr_tick_report r;
+    smr *s = rig_init(e.model, &e.config, NULL);
+    for (uint32_t i = 0; i < FRAMES; i++) {
+        assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[i]));
+        r = until_settled(s);
+        const float off = off_ball(s, &e, i);
+        assert_true(r.tracking && r.settled && off < 0.8f);
+    }
+    assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[FRAMES]));
+    r = until_settled(s);
+    assert_true(r.tracking && r.jumped && off_ball(s, &e, FRAMES) < 0.8f);
+}
+
+static void test_follows(void **state)
+{
+    (void)state;
+    follow(SMR_TRACK_RECOVER);
+    follow(SMR_TRACK_REPORT);
+}
+
+/* What is set while ticks are cut by the clock. */
+static void sequence(const scene *e, smr *s, uint64_t budget)
+{
+    for (uint32_t i = 0; i < 4u; i++) {
+        assert_int_equal(SMR_OK, smr_set_volume(s, &e->frame[i]));
+        for (uint32_t k = 0; k < (i == 0u ? 2000u : 57u); k++) {
+            const smr_status status = smr_tick(s, budget, NULL);
+            assert_true(status == SMR_OK || status == SMR_PARTIAL);
+        }
+    }
+}
+
+static void test_same_bits(void **state)
+{
+    const scene e = make(SMR_TRACK_RECOVER);
+    uint64_t hash = 0;
+    (void)state;
+    for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
+        const smr_port port = rig_port(k, 4);
+        smr *s = rig_init(e.model, &e.config, &port);
+        sequence(&e, s, 0);
+        if (k == 0u)
+            hash = smr_state_hash(s);
+        assert_true(hash == smr_state_hash(s) && s->pace.tracking);
+    }
+}
+
+/* Images by their checksums. */
+static const void *by_checksum(void *ctx, const smr_log_record *record)
+{
+    const scene *e = ctx;
+    for (uint32_t i = 0; i < 4u; i++)
+        if (smr_volume_checksum(&e->frame[i]) == record->checksum)
+            return &e->frame[i];
+    return NULL;
+}
+
+static void test_replays(void **state)
+{
+    static unsigned char memory[LOG];
+    scene e = make(SMR_TRACK_RECOVER);
+    rig_clock clock = {0};
+    smr_log_state log;
+    smr_replay replay;
+    smr_replay_report report = {0};
+    uint32_t partial = 0;
+    (void)state;
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
+    smr *s = rig_init(e.model, &e.config, &port);
+    assert_int_equal(SMR_OK, smr_set_log(s, memory, sizeof memory));
+    sequence(&e, s, 60000);
+    assert_int_equal(1, s->pace.tracking);
+    assert_int_equal(SMR_OK, smr_get_log(s, &log));
+    assert_int_equal(0, log.full);
+    smr *again = rig_init(e.model, &e.config, NULL);
+    assert_int_equal(SMR_OK, smr_replay_start(again, memory, log.bytes, by_checksum, &e, &replay));
+    while (!report.ended) {
+        assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));
+        assert_int_equal(0, report.differs);
+        partial += (uint32_t)(!report.ended && !report.record.complete);
+    }
+    assert_true(partial > 10u);
+    assert_true(smr_state_hash(s) == smr_state_hash(again));
+}
+
+/* Without an image before there is nothing to go on from, and without one afterwards nothing to follow. */
+static void test_starts_over(void **state)
+{
+    const scene e = make(SMR_TRACK_RECOVER);
+    smr_tick_report r;
+    (void)state;
+    smr *s = rig_init(e.model, &e.config, NULL);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[0]));
+    assert_int_equal(1, until_settled(s).tracking);
+    assert_int_equal(SMR_OK, smr_set_volume(s, NULL));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
+    assert_true(r.radius == 0u && !r.tracking);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[1]));
+    assert_int_equal(1, until_settled(s).tracking);
+    assert_true(off_ball(s, &e, 1) < 0.8f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_follows, tidy),
+        cmocka_unit_test_teardown(test_starts_over, tidy),
+        cmocka_unit_test_teardown(test_same_bits, tidy),
+        cmocka_unit_test_teardown(test_replays, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
