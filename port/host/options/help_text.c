@@ -19,7 +19,7 @@ static const char *const start_lines[] = {
     "  smr measure A B [--source S]                           distances both ways, Hausdorff, folds",
     "  smr measure LABELS LABELS|DIR                          Dice, Hausdorff95, distances, volumes of label maps",
     "  smr track --model FILE... --frames FILE... -o DIR      follow a target that moves, frame by frame",
-    "  smr replay LOG [--threads N]                           repeat a registration that register --log recorded",
+    "  smr replay LOG [--threads N]                           repeat a registration from its log, to the last bit",
     "  smr carry --result DIR --points FILE -o FILE           points to where a registration took them, or back",
     "  smr field --result DIR -o FILE                         its displacement field, for ITK and 3D Slicer",
     "  smr warp --result DIR --volume FILE -o FILE            the model's image, deformed as the model was",
@@ -56,7 +56,7 @@ static const char *const start_lines[] = {
     "                                 each tick",
     "  --trace FILE.csv               a row for each iteration: radius, time, distances, likeness, strain, movement",
     "  --paper                        model and registration as the paper has them, where no option says otherwise;",
-    "                                 also of build and info",
+    "                                 also of track, build and info",
     "  --save FILE                    write where it stopped, after --ticks perhaps; --resume FILE goes on from there,",
     "                                 with the same inputs and options, to the same bits",
     "  --html                         report.html beside report.json: the result to look at in any browser, with",
@@ -79,6 +79,7 @@ static const char *const other_lines[] = {
     "track: each FILE of --frames, a surface or a cloud, is a frame, or a DIRECTORY with one a structure. Writes",
     "  DIR/FRAME/NAME.ply and DIR/track.csv; --fps N frames a second (30); --ticks N of a frame at most (30);",
     "  --points FILE goes along, as for carry: columns of track.csv, and DIR/FRAME/points in the file's format;",
+    "  --track-radius MM of the clusters, the model's nearest to it (chosen);",
     "  --align, --search, --coverage and others as for register",
     "phantom: --seed N another patient (1); --small fewer vertices and voxels; --threads N; --quiet",
     "bench: --figure1 writes figure1.csv and figure1.svg: distance over time by one thread, for four radii; of the",
@@ -127,7 +128,8 @@ static void print_settings(const char *title, int prepares, int targets)
     for (i = 0; i < host_option_count; i++) {
         const host_option *const o = &host_option_table[i];
         const smr_setting *const s = host_option_setting(o);
-        if (s != NULL && o->prepares == prepares && (prepares || o->targets == targets))
+        if (s != NULL && (o->commands & HOST_REGISTER) != 0 && o->prepares == prepares &&
+            (prepares || o->targets == targets))
             print_option(o);
     }
 }
@@ -146,6 +148,7 @@ void host_help(void)
     print_settings("register, any target:", 0, 0);
     print_settings("register, surfaces as targets:", 0, HOST_FOR_SURFACES);
     print_settings("register, an image as the target:", 0, HOST_FOR_IMAGES);
-    print_settings("preparing (register, build, info); the profile's for images:", 1, 0);
+    print_settings("preparing (register, track, build, info); profiles with register and build alone, for images:", 1,
+                   0);
     print_lines(other_lines, sizeof other_lines / sizeof other_lines[0]);
 }
