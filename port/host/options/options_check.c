@@ -183,6 +183,22 @@ static int check_save(const host_options *options, host_error *error)
     return 0;
 }
 
+/* Nothing is packed but label maps, and a plain file with a packed one's name cannot be read back. Points, fields,
+ * volumes, label maps and scenes go by their extensions, which are checked where they are written. */
+static int check_packed(const host_options *options, host_error *error)
+{
+    const int is_file = (options->command & (HOST_BUILD | HOST_SUMMARY)) != 0;
+    const char *const path[] = {is_file ? options->out : NULL, options->overview, options->log, options->trace,
+                                options->save};
+    size_t i = 0;
+    for (i = 0; i < sizeof path / sizeof path[0]; i++) {
+        error->file = path[i];
+        if (path[i] != NULL && host_is_packed_name(path[i]))
+            return host_fail(error, "name", "one without .gz, for what is written there is not packed");
+    }
+    return 0;
+}
+
 /* What the results are written as. */
 static int check_format(const host_options *options, host_error *error)
 {
@@ -314,7 +330,8 @@ static int settle_targets(host_options *options, host_error *error)
 
 int host_options_check(host_options *options, host_error *error)
 {
-    if (check_needs(options, error) != 0 || check_save(options, error) != 0 || check_format(options, error) != 0)
+    if (check_needs(options, error) != 0 || check_save(options, error) != 0 || check_packed(options, error) != 0 ||
+        check_format(options, error) != 0)
         return -1;
     return settle_targets(options, error);
 }
