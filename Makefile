@@ -60,11 +60,11 @@ HOST_TEST_SRC := $(sort $(wildcard tests/host/test_*.c))
 EXPERIMENT_SRC := $(sort $(wildcard tests/experiments/test_*.c))
 EXPERIMENT_HELPER_SRC := $(filter-out $(EXPERIMENT_SRC) %_tool.c,$(sort $(wildcard tests/experiments/*.c)))
 BENCH_SRC   := $(sort $(wildcard tests/bench/bench_*.c))
-# Every other file beside the tests is a helper that all tests may call, except tests/host/*_tool.c:
-# programs that the scripts there compile for themselves.
-TOOL_SRC    := $(sort $(wildcard tests/host/*_tool.c))
-HELPER_SRC  := $(filter-out $(TEST_SRC) $(HOST_TEST_SRC) $(BENCH_SRC) $(TOOL_SRC), \
-               $(sort $(wildcard tests/*.c tests/unit/*.c tests/property/*.c tests/host/*.c tests/bench/*.c)))
+# Every other file beside the tests is a helper: those of tests/host are the host's tests' own, all tests may call the
+# others. tests/host/*_tool.c are programs that the scripts there compile for themselves.
+HOST_HELPER_SRC := $(filter-out $(HOST_TEST_SRC) %_tool.c,$(sort $(wildcard tests/host/*.c)))
+HELPER_SRC  := $(filter-out $(TEST_SRC) $(BENCH_SRC), \
+               $(sort $(wildcard tests/*.c tests/unit/*.c tests/property/*.c tests/bench/*.c)))
 
 # ---------------------------------------------------------------- what is built from them
 
@@ -91,7 +91,8 @@ HOST_TESTS  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(HOST_TEST_SRC))
 EXPERIMENTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(EXPERIMENT_SRC))
 BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT_OBJ) $(GOLDEN_OBJ) \
-               $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC) $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) \
+               $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(HOST_HELPER_SRC) $(EXPERIMENT_SRC) \
+               $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) \
                $(BAREMETAL_SRC) $(TARGET_SRC) fixtures/fixture_write.c \
                tests/golden/replay_run.c tests/docs/settings_page.c) $(SHARED_OBJ) $(PAGE_OBJ)
 
@@ -254,6 +255,7 @@ $(BUILD)/help_pages: $(BUILD)/obj/tests/docs/help_pages.o $(HOST_LIB) $(CORE_LIB
 	$(Q)$(LINK)
 
 $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(HOST_LIB)
+$(HOST_TESTS): $(call obj,$(HOST_HELPER_SRC))
 $(EXPERIMENTS): $(call obj,$(EXPERIMENT_HELPER_SRC))
 $(TESTS) $(HOST_TESTS) $(EXPERIMENTS): private LDLIBS += -lcmocka
 $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o \
@@ -300,7 +302,7 @@ demo-bone: $(BUILD)/fixture_write $(PROGRAM)
 cmocka:
 	@$(if $(TEST_SRC)$(HOST_TEST_SRC)$(EXPERIMENT_SRC),sh tests/need_cmocka.sh "$(CC)",:)
 
-$(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(EXPERIMENT_SRC)): | cmocka
+$(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(HOST_HELPER_SRC) $(EXPERIMENT_SRC)): | cmocka
 
 # What tests/check_layers.sh reads symbols from; it gives a BUILD and CFLAGS of its own.
 layer-objects: $(CORE_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ)
