@@ -11,14 +11,6 @@ blob 12 30 20 60 0.05 >bone.ply
 blob 14 33 19 63 0.08 >target.ply
 "$tool" convert bone.ply ply bone_binary.ply
 
-# has_status STATUS COMMAND...
-has_status() {
-    wanted=$1
-    shift
-    "$@" >out.txt 2>err.txt
-    got=$?
-    [ $got -eq "$wanted" ] || { echo "status $got, not $wanted: $(head -1 err.txt)"; return 1; }
-}
 # refused TEXT COMMAND...: status 2, the text in the one line, and no output file.
 refused() {
     text=$1

@@ -11,16 +11,6 @@ blob 12 30 20 60 0.05 >bone.ply
 blob 14 33 19 63 0.08 >target.ply
 "$tool" convert bone.ply ply bone_binary.ply
 
-# has_status STATUS COMMAND...
-has_status() {
-    wanted=$1
-    shift
-    "$@" >out.txt 2>err.txt
-    got=$?
-    [ $got -eq "$wanted" ] || { echo "status $got, not $wanted: $(head -1 err.txt)"; return 1; }
-}
-# The value of a scalar key of a report, wherever it stands first.
-value() { sed -n "s/^ *\"$2\": \"\{0,1\}\([^,\"]*\)\"\{0,1\},\{0,1\}\$/\1/p" "$1" | head -1; }
 less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && a < b) }'; }
 # The mean of a line of smr measure.
 mean() { "$SMR" measure "$1" "$2" | sed -n "s/^$3: mean \([0-9.]*\).*/\1/p"; }

@@ -9,7 +9,6 @@ tool=$scratch/tool
 cd "$scratch" || exit 1
 blob 12 30 20 60 0.05 >bone.ply
 blob 14 33 19 63 0.08 >target.ply
-value() { sed -n "s/^ *\"$2\": \"\{0,1\}\([^,\"]*\)\"\{0,1\},\{0,1\}\$/\1/p" "$1" | head -1; }
 # number PAGE PATTERN: the digits behind the first "PATTERN" in what the page shows.
 number() { sed -n 's/.*<script type="application\/json" id="page-data">\(.*\)<\/script>/\1/p' "$1" | grep -oE "$2-?[0-9.e+-]+" | head -1 | grep -oE -e '-?[0-9.e+-]+$'; }
 
@@ -74,18 +73,6 @@ check "says so" grep -q '"prepared":true' built/report.html
 # An image: 4 mm voxels around an ellipsoid; the truth.
 mkdir truth
 blob 12 32 22 63 0 >truth/bone.ply
-image() {
-    {
-        printf 'ObjectType = Image\nNDims = 3\nDimSize = 32 32 48\nElementSpacing = 4 4 4\nOffset = -62 -62 -94\n'
-        printf 'ElementType = MET_UCHAR\nElementDataFile = LOCAL\n'
-        awk -v a="$2" -v b="$3" -v c="$4" 'BEGIN {
-            for (k = 0; k < 48; k++) for (j = 0; j < 32; j++) for (i = 0; i < 32; i++) {
-                x = (4 * i - 62) / a; y = (4 * j - 62) / b; z = (4 * k - 94) / c; d = x * x + y * y + z * z
-                printf "%s", d < 0.9 ? "Z" : d < 1.1 ? "2" : "\n"
-            }
-        }'
-    } >"$1"
-}
 image ref.mha 30 20 60
 image pat.mha 32 22 63
 "$SMR" register --model bone.ply --reference ref.mha --target pat.mha --truth truth --html --quiet --accept look -o image

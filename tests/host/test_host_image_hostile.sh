@@ -10,7 +10,6 @@ build_tool || { not_ok "the helper compiles"; finish; exit 1; }
 tool=$scratch/tool
 cd "$scratch" || exit 1
 blob 12 30 20 60 0.05 >bone.ply
-value() { sed -n "s/^ *\"$2\": \"\{0,1\}\([^,\"]*\)\"\{0,1\},\{0,1\}\$/\1/p" "$1" | head -1; }
 # The distance that the vertices moved at most.
 moved() { "$SMR" measure out/bone.ply bone.ply | sed -n 's/^Hausdorff: \([0-9.]*\).*/\1/p'; }
 

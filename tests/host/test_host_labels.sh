@@ -7,14 +7,6 @@ cd "$(dirname "$0")/../.." || exit 1
 
 cd "$scratch" || exit 1
 
-# has_status STATUS COMMAND...
-has_status() {
-    wanted=$1
-    shift
-    "$@" >out.txt 2>err.txt
-    got=$?
-    [ $got -eq "$wanted" ] || { echo "status $got, not $wanted: $(head -1 err.txt)"; return 1; }
-}
 # refused NAME TEXT COMMAND...: status 2, the text in the one line, nothing on standard output, nothing written.
 refused() {
     refused_name=$1 refused_text=$2

@@ -28,7 +28,6 @@ refused() {
         echo "#   status $refused_got: $(head -2 err.txt)"
     fi
 }
-value() { sed -n "s/^ *\"$2\": \"\{0,1\}\([^,\"]*\)\"\{0,1\},\{0,1\}\$/\1/p" "$1" | head -1; }
 mean() { sed -n "/\"$2\": {/,/}/s/^ *\"mean\": \([^,]*\),\{0,1\}\$/\1/p" "$1" | head -1; }
 
 # The whole resolution once, the small one in all variations.

@@ -10,7 +10,6 @@ blob 12 30 20 60 0.08 >bone.ply
 # Every point of a finer blob on one side, moved a little; its normal is about its direction from the axis.
 blob 24 31 20.5 61 0.08 | awk 'started && NF == 3 && $1 > -3 { print $1 + 2, $2 - 1, $3 + 2, $1, $2, 0.1 * $3 } /^end_header/ { started = 1 }' >all.txt
 n=$(wc -l <all.txt)
-value() { sed -n "s/^ *\"$2\": \"\{0,1\}\([^,\"]*\)\"\{0,1\},\{0,1\}\$/\1/p" "$1" | head -1; }
 
 ply() { # ply NAME... : an ASCII PLY of these columns
     printf 'ply\nformat ascii 1.0\nelement vertex %d\n' "$n"

@@ -18,15 +18,6 @@ blob 10 22 19 21 0.03 >several/b.ply
 mkdir others
 blob 11 22 20 21 0.02 >others/a.ply
 
-value() { sed -n "s/^ *\"$2\": \"\{0,1\}\([^,\"]*\)\"\{0,1\},\{0,1\}\$/\1/p" "$1" | head -1; }
-has_status() {
-    wanted=$1
-    shift
-    "$@" >out.txt 2>err.txt
-    got=$?
-    [ $got -eq "$wanted" ] || { echo "status $got, not $wanted: $(head -1 err.txt) $(head -1 out.txt)"; return 1; }
-}
-
 # recorded NAME ARGUMENTS...: registers with a log and repeats it on other numbers of threads.
 recorded() {
     recorded_name=$1

@@ -10,23 +10,9 @@ blob 14 33 19 63 0.08 >target.ply
 mkdir truth
 blob 12 32 22 63 0 >truth/bone.ply
 
-# image NAME A B C: an ellipsoid of value 90 in 10, with a soft edge, 4 mm voxels, as MetaImage.
-image() {
-    {
-        printf 'ObjectType = Image\nNDims = 3\nDimSize = 32 32 48\nElementSpacing = 4 4 4\nOffset = -62 -62 -94\n'
-        printf 'ElementType = MET_UCHAR\nElementDataFile = LOCAL\n'
-        awk -v a="$2" -v b="$3" -v c="$4" 'BEGIN {
-            for (k = 0; k < 48; k++) for (j = 0; j < 32; j++) for (i = 0; i < 32; i++) {
-                x = (4 * i - 62) / a; y = (4 * j - 62) / b; z = (4 * k - 94) / c; d = x * x + y * y + z * z
-                printf "%s", d < 0.9 ? "Z" : d < 1.1 ? "2" : "\n"
-            }
-        }'
-    } >"$1"
-}
 image ref.mha 30 20 60
 image pat.mha 32 22 63
 into="--model bone.ply --reference ref.mha --target pat.mha"
-value() { sed -n "s/^ *\"$2\": \"\{0,1\}\([^,\"]*\)\"\{0,1\},\{0,1\}\$/\1/p" "$1" | head -1; }
 # column FILE NAME: its values, without the header.
 column() { awk -F, -v name="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name) at = i; next } { print $at }' "$1"; }
 last() { column "$1" "$2" | tail -n 1; }
