@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/xml_text.h"
-#include "options/options_table.h"
+#include "options/option_text.h"
 
 /* A parameter; NULL: it has no such element. */
 typedef struct parameter {
@@ -118,20 +118,6 @@ static void put_listed(host_buffer *out, const parameter *p)
     put_end(out, p);
 }
 
-/* A default as it is typed. */
-static void print_value(const smr_setting *s, char *to, size_t bytes)
-{
-    const char *word = s->unit;
-    double value = s->value;
-    if (s->kind != SMR_SETTING_CHOICE) {
-        (void)snprintf(to, bytes, "%g", value);
-        return;
-    }
-    for (; value >= 1.0 && strchr(word, '|') != NULL; value -= 1.0)
-        word = strchr(word, '|') + 1;
-    (void)snprintf(to, bytes, "%.*s", (int)strcspn(word, "|"), word);
-}
-
 static void put_range(host_buffer *out, const host_option *o)
 {
     const host_range range = host_option_range(o);
@@ -156,7 +142,7 @@ static void put_setting(host_buffer *out, const host_option *o, const smr_settin
     parameter p = {"string", o->name + strspn(o->name, "-"), NULL, text, NULL, value};
     if (known) {
         p.tag = tags[o->kind];
-        print_value(s, value, sizeof value);
+        host_setting_value(s, s->value, value, sizeof value);
     }
     if (o->kind == HOST_KIND_FLAG)
         p.standard = "false";

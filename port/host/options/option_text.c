@@ -132,8 +132,7 @@ const char *host_option_value(const host_option *o, int command)
     return o->kind == HOST_KIND_COUNT ? "N" : "X";
 }
 
-/* A default as it is typed. */
-static void print_value(const smr_setting *s, double value, char *to, size_t bytes)
+void host_setting_value(const smr_setting *s, double value, char *to, size_t bytes)
 {
     const char *word = s->unit;
     if (s->kind != SMR_SETTING_CHOICE) {
@@ -150,8 +149,8 @@ static void print_default(const host_option *o, const smr_setting *s, char *to, 
 {
     char value[64], image[64];
     const host_range range = host_option_range(o);
-    print_value(s, s->value, value, sizeof value);
-    print_value(s, s->image, image, sizeof image);
+    host_setting_value(s, s->value, value, sizeof value);
+    host_setting_value(s, s->image, image, sizeof image);
     to[0] = '\0';
     if (o->kind == HOST_KIND_FLAG)
         return;
