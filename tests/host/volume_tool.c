@@ -32,18 +32,6 @@ static size_t type_index(const char *name)
     return i;
 }
 
-static double voxel_at(const host_volume *volume, size_t i)
-{
-    const void *const p = volume->voxels;
-    switch (volume->type) {
-    case HOST_UINT8: return ((const uint8_t *)p)[i];
-    case HOST_INT8: return ((const int8_t *)p)[i];
-    case HOST_UINT16: return ((const uint16_t *)p)[i];
-    case HOST_INT16: return ((const int16_t *)p)[i];
-    default: return (double)((const float *)p)[i];
-    }
-}
-
 static int read_volume(const char *path, host_volume *volume)
 {
     host_error error = {0};
@@ -73,7 +61,7 @@ static int info(const char *path, int axis)
         host_volume_mirror(&volume, axis);
     n = (size_t)volume.size[0] * volume.size[1] * volume.size[2];
     for (i = 0; i < n; i++) {
-        const double v = voxel_at(&volume, i);
+        const double v = host_voxel(volume.voxels, volume.type, i);
         nan += isnan(v) ? 1u : 0u;
         if (!isnan(v))
             sum += v * (double)(i % 251u + 1u);
@@ -98,7 +86,7 @@ static int print_voxel(const char *path, char **index)
     x = (size_t)atoi(index[0]);
     y = (size_t)atoi(index[1]);
     z = (size_t)atoi(index[2]);
-    printf("%.9g\n", voxel_at(&volume, (z * volume.size[1] + y) * volume.size[0] + x));
+    printf("%.9g\n", host_voxel(volume.voxels, volume.type, (z * volume.size[1] + y) * volume.size[0] + x));
     host_volume_free(&volume);
     return 0;
 }

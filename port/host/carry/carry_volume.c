@@ -19,18 +19,6 @@ typedef struct warp {
     double to_index[9];     /* of the image: index = to_index (place - origin) */
 } warp;
 
-/* The value of a voxel as a number. */
-static double voxel(const host_volume *v, size_t i)
-{
-    switch (v->type) {
-    case HOST_UINT8: return (double)((const uint8_t *)v->voxels)[i];
-    case HOST_INT8: return (double)((const int8_t *)v->voxels)[i];
-    case HOST_UINT16: return (double)((const uint16_t *)v->voxels)[i];
-    case HOST_INT16: return (double)((const int16_t *)v->voxels)[i];
-    default: return (double)((const float *)v->voxels)[i];
-    }
-}
-
 static void put_voxel(host_volume *v, size_t i, double value)
 {
     const double whole = floor(value + 0.5);
@@ -72,7 +60,7 @@ static double sample(const host_volume *v, const double index[3])
             i = i * v->size[k] + at[k] + up;
         }
         if (weight > 0.0)
-            sum += weight * voxel(v, i);
+            sum += weight * host_voxel(v->voxels, v->type, i);
     }
     return sum;
 }

@@ -41,17 +41,6 @@ static void print_info(const host_model *model, int prepared_here)
         (void)printf("prepared in %.3f s\n", model->prepare_s);
 }
 
-static double voxel(const smr_volume *volume, size_t i)
-{
-    switch (volume->type) {
-    case SMR_VOXEL_UINT8: return ((const uint8_t *)volume->voxels)[i];
-    case SMR_VOXEL_INT8: return ((const int8_t *)volume->voxels)[i];
-    case SMR_VOXEL_UINT16: return ((const uint16_t *)volume->voxels)[i];
-    case SMR_VOXEL_INT16: return ((const int16_t *)volume->voxels)[i];
-    default: return (double)((const float *)volume->voxels)[i];
-    }
-}
-
 static void print_volume(const char *path, const smr_volume *volume)
 {
     static const char *const types[] = {"uint8", "int8", "uint16", "int16", "float"};
@@ -61,7 +50,7 @@ static void print_volume(const char *path, const smr_volume *volume)
     host_box box;
     size_t i = 0;
     for (i = 0; i < n; i++) { /* NaN is left out */
-        const double v = voxel(volume, i);
+        const double v = host_voxel(volume->voxels, volume->type, i);
         low = v < low ? v : low;
         high = v > high ? v : high;
     }

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "volumes/voxel_volume.h"
+
 #define BINS 4096
 #define CUT 0.001
 
@@ -15,17 +17,6 @@ typedef struct axis {
     uint32_t first, end, n;
     double step;
 } axis;
-
-static float voxel(const smr_volume *v, size_t i)
-{
-    switch (v->type) {
-    case SMR_VOXEL_UINT8: return ((const uint8_t *)v->voxels)[i];
-    case SMR_VOXEL_INT8: return ((const int8_t *)v->voxels)[i];
-    case SMR_VOXEL_UINT16: return ((const uint16_t *)v->voxels)[i];
-    case SMR_VOXEL_INT16: return ((const int16_t *)v->voxels)[i];
-    default: return ((const float *)v->voxels)[i];
-    }
-}
 
 static size_t index_of(const smr_volume *v, size_t i, size_t j, size_t k)
 {
@@ -121,7 +112,8 @@ static float mean_of(const smr_volume *v, const axis a[3], const uint32_t at[3])
         for (j = first_of(&a[1], at[1]); j < end_of(&a[1], at[1]); j++) {
             const double row = share(&a[2], at[2], k) * share(&a[1], at[1], j);
             for (i = first_of(&a[0], at[0]); i < end_of(&a[0], at[0]); i++) {
-                const double value = (double)voxel(v, index_of(v, i, j, k)), w = row * share(&a[0], at[0], i);
+                const double value = host_voxel(v->voxels, v->type, index_of(v, i, j, k)),
+                             w = row * share(&a[0], at[0], i);
                 if (!isfinite(value))
                     continue;
                 sum += w * value;

@@ -10,21 +10,9 @@
 #include "base/memory.h"
 #include "labels/label_names.h"
 
-/* A value of the file. */
-static double value_at(const host_volume *v, size_t i)
-{
-    switch (v->type) {
-    case HOST_UINT8: return (double)((const uint8_t *)v->voxels)[i];
-    case HOST_INT8: return (double)((const int8_t *)v->voxels)[i];
-    case HOST_UINT16: return (double)((const uint16_t *)v->voxels)[i];
-    case HOST_INT16: return (double)((const int16_t *)v->voxels)[i];
-    default: return (double)((const float *)v->voxels)[i];
-    }
-}
-
 static int refuse_value(const host_volume *v, size_t i, uint32_t layers, host_error *error)
 {
-    const double value = value_at(v, i);
+    const double value = host_voxel(v->voxels, v->type, i);
     const size_t at = i / layers, x = at % v->size[0], y = at / v->size[0] % v->size[1],
                  z = at / v->size[0] / v->size[1];
     char place[64];
@@ -40,7 +28,7 @@ static int check_values(const host_volume *v, uint32_t layers, uint32_t *most, h
     double high = 0.0;
     size_t i = 0;
     for (i = 0; i < n; i++) {
-        const double value = value_at(v, i);
+        const double value = host_voxel(v->voxels, v->type, i);
         if (!(value >= 0.0 && value <= (double)HOST_LABEL_MAX) || floor(value) < value) /* so that NaN fails */
             return refuse_value(v, i, layers, error);
         high = value > high ? value : high;
@@ -62,7 +50,7 @@ static int number_layer(host_label_map *map, const host_volume *v, uint32_t laye
     uint32_t met[SMR_STRUCTURES_MAX], n_met = 0, k = 0;
     size_t i = 0;
     for (i = 0; i < n; i++) {
-        const uint32_t value = (uint32_t)value_at(v, i * map->n_layers + layer);
+        const uint32_t value = (uint32_t)host_voxel(v->voxels, v->type, i * map->n_layers + layer);
         if (value == 0 || number[value] != 0)
             continue;
         if (map->n_labels + n_met == SMR_STRUCTURES_MAX)
@@ -77,7 +65,7 @@ static int number_layer(host_label_map *map, const host_volume *v, uint32_t laye
         number[met[k]] = (uint16_t)map->n_labels;
     }
     for (i = 0; i < n; i++) {
-        const uint16_t label = number[(uint32_t)value_at(v, i * map->n_layers + layer)];
+        const uint16_t label = number[(uint32_t)host_voxel(v->voxels, v->type, i * map->n_layers + layer)];
         map->index[layer * n + i] = label;
         if (label > 0)
             map->label[label - 1u].voxels++;

@@ -6,6 +6,7 @@
 #ifndef VOXEL_VOLUME_H
 #define VOXEL_VOLUME_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "base/byte_buffer.h"
@@ -40,5 +41,17 @@ int host_is_volume_path(const char *path);
 
 /* Bytes of one voxel. */
 uint32_t host_volume_voxel_bytes(uint32_t type);
+
+/* Voxel i as a number. type: HOST_UINT8 ...; SMR_VOXEL_UINT8 ... are the same numbers (volume_image.c). */
+static inline double host_voxel(const void *voxels, uint32_t type, size_t i)
+{
+    switch (type) {
+    case HOST_UINT8: return (double)((const uint8_t *)voxels)[i];
+    case HOST_INT8: return (double)((const int8_t *)voxels)[i];
+    case HOST_UINT16: return (double)((const uint16_t *)voxels)[i];
+    case HOST_INT16: return (double)((const int16_t *)voxels)[i];
+    default: return (double)((const float *)voxels)[i];
+    }
+}
 
 #endif
