@@ -74,7 +74,7 @@ PTHREAD_OBJ := $(call obj,$(PTHREAD_SRC))
 HOST_OBJ    := $(call obj,$(HOST_SRC))
 HOST_MAIN_OBJ := $(call obj,$(HOST_MAIN))
 PAGE_PARTS  := $(wildcard port/host/html/*.html port/host/html/*.css port/host/html/*.js) port/host/html/embed_page.sh
-PAGE_OBJ    := $(BUILD)/obj/page/report_page.o
+PAGE_OBJ    := $(BUILD)/obj/page/report_page.o $(BUILD)/obj/page/track_page.o
 FIXTURE_OBJ := $(call obj,$(FIXTURE_SRC))
 SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
 PRINT_OBJ   := $(call obj,tests/golden/print.c)
@@ -153,12 +153,12 @@ $(BUILD)/obj/port/host/%.o: port/host/%.c
 	$(call begin,CC,$<)
 	$(Q)$(CC) $(ALL_CFLAGS) $(THREADS) -Iinclude -Iport/host -Iport/pthread -Ifixtures -c $< -o $@
 
-# The page of a report, as an array of bytes.
-$(BUILD)/page/report_page.c: $(PAGE_PARTS)
+# The pages of reports, as arrays of bytes.
+$(BUILD)/page/%_page.c: port/host/html/%_page.html $(PAGE_PARTS)
 	$(call begin,PAGE,$@)
-	$(Q)sh port/host/html/embed_page.sh port/host/html/report_page.html > $@
+	$(Q)sh port/host/html/embed_page.sh $< > $@
 
-$(PAGE_OBJ): $(BUILD)/page/report_page.c
+$(PAGE_OBJ): $(BUILD)/obj/page/%.o: $(BUILD)/page/%.c
 	$(call begin,CC,$<)
 	$(Q)$(CC) $(ALL_CFLAGS) $(THREADS) -Iinclude -Iport/host -Iport/pthread -c $< -o $@
 

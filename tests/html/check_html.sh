@@ -1,5 +1,6 @@
 #!/bin/sh
-# check_html: pages of reports test themselves in a headless Chromium: a surface onto another, a small computed thigh.
+# check_html: pages of reports test themselves in a headless Chromium: a surface onto another, a small computed thigh,
+# a moving target.
 # SPDX-License-Identifier: MIT
 # usage: BUILD=... SMR=... check_html.sh      `make check-html`; 77 without a Chromium
 # Pictures and what the pages said stay in BUILD/html.
@@ -70,6 +71,31 @@ if "$SMR" register --quiet --html --accept look --align rigid --model "$out/pair
     --target "$out/to/<img src=x onerror=alert(1)>.ply" -o "$out/pair/result" >"$out/pair.log" 2>&1; then
     test_page pair "$out/pair/result/report.html" 50
 else not_ok "a pair of surfaces: $(head -n 1 "$out/pair.log")"; fi
+# An ellipsoid followed through frames that bend it, the last one far off: a jump.
+mkdir -p "$out/frames"
+awk_frame() { # AMOUNT: the vertices of an ASCII surface, moved
+    awk -v by="$1" '/^element vertex/ { n = $3 } on && n-- > 0 { $1 += by * $3 * $3 / 4000; $2 += by } /^end_header/ { on = 1 } { print }'
+}
+blob_ply() { # an ellipsoid, its long axis along z
+    awk 'BEGIN {
+        n = 20; m = 30; pi = atan2(0, -1)
+        printf "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n", (n - 1) * m + 2
+        printf "element face %d\nproperty list uchar int vertex_indices\nend_header\n", 2 * m * (n - 1)
+        print "0 0 60"
+        for (i = 1; i < n; i++) for (j = 0; j < m; j++) print 30 * sin(pi * i / n) * cos(2 * pi * j / m), 20 * sin(pi * i / n) * sin(2 * pi * j / m), 60 * cos(pi * i / n)
+        print "0 0 -60"
+        for (j = 0; j < m; j++) {
+            k = (j + 1) % m; print 3, 0, 1 + j, 1 + k
+            for (i = 1; i < n - 1; i++) { a = 1 + (i - 1) * m; print 3, a + j, a + m + j, a + m + k; print 3, a + j, a + m + k, a + k }
+            print 3, (n - 1) * m + 1, 1 + (n - 2) * m + k, 1 + (n - 2) * m + j
+        }
+    }'
+}
+blob_ply >"$out/frames/$name.ply"
+for i in 0 1 2 3 4 5 6 7; do awk_frame "$((i == 7 ? 45 : i))" <"$out/frames/$name.ply" >"$out/frames/<b>$i.ply"; done
+if "$SMR" track --quiet --html --accept look --model "$out/frames/$name.ply" --frames "$out/frames/<b>"?.ply -o "$out/frames/result" >"$out/frames.log" 2>&1; then
+    test_page frames "$out/frames/result/report.html" 50
+else not_ok "a tracking run: $(head -n 1 "$out/frames.log")"; fi
 rm -rf "$out/profile"
 echo "$passed passed, $failed failed, 0 skipped"
 [ "$failed" -eq 0 ]

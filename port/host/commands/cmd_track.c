@@ -7,7 +7,9 @@
 #include "base/csv_text.h"
 #include "carry/carry_file.h"
 #include "commands/commands.h"
+#include "files/file_read.h"
 #include "files/output_files.h"
+#include "html/track_html.h"
 #include "measure/point_targets.h"
 #include "register/register_job.h"
 #include "track/track_frames.h"
@@ -15,6 +17,7 @@
 
 #define TICKS 30u     /* of a frame, at most, where nothing else is asked for */
 #define CSV_EVERY 32u /* frames between two writings of track.csv: what is there is always whole */
+#define PAGE "report.html"
 #define NAME_ROOM (2u * SMR_NAME_BYTES + 8u)
 
 /* What is known of a frame. */
@@ -31,6 +34,7 @@ typedef struct tracked {
     host_track_points points;
     host_buffer csv;
     host_image image[2];    /* frames that are images: one is borrowed until the next one has taken its place */
+    host_track_page *page;  /* NULL without --html */
     uint64_t most_vertices; /* of a frame's targets */
     uint32_t worst;         /* verdict */
 } tracked;
@@ -84,6 +88,11 @@ static int check_names(tracked *t, host_error *error)
                 error->file = t->frames.frame[i].files.path[k];
                 return host_fail(error, "name", "the name of one of the model's structures");
             }
+    for (i = 0; i < t->frames.n && t->options.html; i++)
+        if (strcmp(t->frames.frame[i].name, PAGE) == 0) {
+            error->file = t->frames.frame[i].name;
+            return host_fail(error, "name", "another name, that is the page's");
+        }
     return 0;
 }
 
@@ -110,6 +119,12 @@ static int start(tracked *t, const host_options *options, host_error *error)
         host_track_points_bind(&t->points, &t->job.model, options->mirror_model, (int)options->format,
                                &t->job.port.port, error) != 0)
         return -1;
+    if (options->html) {
+        t->page = host_track_page_begin(&t->job.model, t->frames.n);
+        error->file = options->out;
+        if (t->page == NULL)
+            return host_fail(error, "page", "free memory");
+    }
     return host_job_run(&t->job, error);
 }
 
@@ -205,6 +220,43 @@ static int add_carry(tracked *t, const host_frame *frame, host_output *output, h
     return result;
 }
 
+/* Keeps the frame for the page. loads: its meshes; NULL: those of the first frame, none of an image. */
+static int keep_frame(tracked *t, uint32_t number, const host_load *loads, const frame_report *r, host_error *error)
+{
+    const host_frame *const frame = &t->frames.frame[number];
+    host_track_row row;
+    uint32_t i = 0;
+    int result = 0;
+    if (t->page == NULL)
+        return 0;
+    memset(&row, 0, sizeof row);
+    memcpy(row.name, frame->name, sizeof row.name);
+    row.number = number;
+    row.ticks = r->ticks;
+    row.level = r->verdict.level;
+    row.reasons = r->verdict.reasons;
+    row.settled = r->last.settled;
+    row.jumped = r->last.jumped;
+    row.residual_mm = r->last.residual_mean_mm;
+    result = host_track_page_add(t->page, &row, t->job.state);
+    for (i = 0; result == 0 && i < (loads == NULL ? t->job.n_targets : frame->files.n); i++)
+        result =
+            host_track_page_target(t->page, loads == NULL ? &t->job.target[i].mesh : &loads[i].mesh, frame->files.n);
+    error->file = t->options.out;
+    return result == 0 ? 0 : host_fail(error, "page", "free memory");
+}
+
+static int add_page(tracked *t, host_output *output, host_error *error)
+{
+    host_buffer buffer;
+    int result = 0;
+    memset(&buffer, 0, sizeof buffer);
+    host_track_html(&t->job, t->page, t->frames.n, &buffer);
+    result = host_output_add(output, PAGE, &buffer, error);
+    host_buffer_free(&buffer);
+    return result;
+}
+
 /* A frame's files, and at times the table as far as it is: a set of their own, there in whole or not at all. */
 static int write_frame(tracked *t, uint32_t number, host_error *error)
 {
@@ -221,6 +273,8 @@ static int write_frame(tracked *t, uint32_t number, host_error *error)
         result = host_track_points_add(&t->points, frame->name, output, error);
     if (result == 0 && table)
         result = host_output_add(output, "track.csv", &t->csv, error);
+    if (result == 0 && t->page != NULL && number + 1u == t->frames.n)
+        result = add_page(t, output, error);
     if (result == 0)
         return host_output_commit(output, error);
     host_output_abandon(output);
@@ -228,8 +282,9 @@ static int write_frame(tracked *t, uint32_t number, host_error *error)
 }
 
 /* Follows surfaces and clouds, which are borrowed until the frame is done. What the frame lacks is carried. */
-static int follow_surfaces(tracked *t, const host_frame *frame, frame_report *report, host_error *error)
+static int follow_surfaces(tracked *t, uint32_t number, frame_report *report, host_error *error)
 {
+    const host_frame *const frame = &t->frames.frame[number];
     host_load *loads = NULL;
     void **const memory = calloc(frame->files.n, sizeof *memory);
     smr_status status = SMR_OK;
@@ -242,6 +297,8 @@ static int follow_surfaces(tracked *t, const host_frame *frame, frame_report *re
         status = set_target(t->job.state, host_frame_part(frame, i, &t->job.model), &loads[i].mesh, &memory[i]);
     if (result == 0)
         result = follow(t, frame, status, report, error);
+    if (result == 0)
+        result = keep_frame(t, number, loads, report, error);
     (void)smr_set_surface(t->job.state, SMR_ALL, NULL);
     host_frame_unload(frame, loads);
     for (i = 0; memory != NULL && i < frame->files.n; i++)
@@ -258,7 +315,9 @@ static int follow_image(tracked *t, uint32_t number, frame_report *report, host_
     host_image_free(image);
     if (host_image_read(frame->files.path[0], t->options.mirror_target, image, error) != 0)
         return -1;
-    return follow(t, frame, smr_set_volume(t->job.state, &image->view), report, error);
+    if (follow(t, frame, smr_set_volume(t->job.state, &image->view), report, error) != 0)
+        return -1;
+    return keep_frame(t, number, NULL, report, error);
 }
 
 /* Frames after the first. */
@@ -268,7 +327,7 @@ static int run_frame(tracked *t, uint32_t number, host_error *error)
     frame_report report;
     memset(&report, 0, sizeof report);
     if ((t->options.image_target ? follow_image(t, number, &report, error)
-                                 : follow_surfaces(t, frame, &report, error)) != 0 ||
+                                 : follow_surfaces(t, number, &report, error)) != 0 ||
         host_track_points_carry(&t->points, t->job.state, &t->job.model, error) != 0)
         return -1;
     add_line(t, number, frame, &report);
@@ -290,7 +349,7 @@ static int run(tracked *t, const host_options *options, host_error *error)
     if (host_track_points_carry(&t->points, t->job.state, &t->job.model, error) != 0)
         return -1;
     add_line(t, 0, &t->frames.frame[0], &first);
-    if (write_frame(t, 0, error) != 0)
+    if (keep_frame(t, 0, NULL, &first, error) != 0 || write_frame(t, 0, error) != 0)
         return -1;
     for (i = 1; i < t->frames.n; i++)
         if (run_frame(t, i, error) != 0)
@@ -324,6 +383,8 @@ int host_track(const host_options *options, host_error *error)
         (void)host_fail(error, "start", "free memory");
         return HOST_REFUSED;
     }
+    if (options->html)
+        host_file_keep_checksums();
     if (run(t, options, error) == 0) {
         result = status_of(t);
         if (!options->quiet)
@@ -331,9 +392,12 @@ int host_track(const host_options *options, host_error *error)
                          t->worst == SMR_VERDICT_GOOD   ? "good"
                          : t->worst == SMR_VERDICT_LOOK ? "look"
                                                         : "failed");
+        if (!options->quiet && options->html)
+            (void)printf("to look at: %s/" PAGE "\n", options->out);
     }
     if (result == HOST_REFUSED)
         keep_file(error);
+    host_track_page_free(t->page);
     host_job_free(&t->job);
     host_image_free(&t->image[0]);
     host_image_free(&t->image[1]);

@@ -1,10 +1,11 @@
 #!/bin/sh
-# embed_page: the page of a report as C: report_page.html with its parts, cut in two where the data go.
+# embed_page: a page as C, NAME_page.html with its parts, cut in two where the data go.
 # SPDX-License-Identifier: MIT
-# usage: embed_page.sh report_page.html >OUT.c       Needs awk and od only.
+# usage: embed_page.sh NAME_page.html >OUT.c       Needs awk and od only.
 set -eu
 page=$1
 folder=$(dirname "$page")
+name=$(basename "$page" .html)
 
 # The page's lines; "@include FILE@" is a file beside it, without what its first lines say to those who read the source.
 expand() {
@@ -26,6 +27,6 @@ array() { # name: standard input as an array of bytes
 }
 
 echo '/* Made by embed_page.sh. */'
-echo '#include "html/report_html.h"'
-expand | awk '/^@data@$/ { exit } { print }' | array host_page_head
-expand | awk 'behind { print } /^@data@$/ { behind = 1 }' | array host_page_tail
+echo '#include "html/page_parts.h"'
+expand | awk '/^@data@$/ { exit } { print }' | array "host_${name}_head"
+expand | awk 'behind { print } /^@data@$/ { behind = 1 }' | array "host_${name}_tail"

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "html/page_parts.h"
 #include "html/page_thin.h"
 
 #define MODEL_BYTES 18u    /* of a vertex: two places, three values */
@@ -131,31 +132,9 @@ static void choose_cell(scene *s)
         s->cell_mm *= 1.25f;
 }
 
-/* Places in the bytes are multiples of 4. */
-static void put_place(scene *s, const char *key)
-{
-    while (s->bytes->size % 4u != 0)
-        host_buffer_add(s->bytes, "", 1);
-    host_json_count(s->json, key, s->bytes->size);
-}
-
 static void put_triangles(scene *s, const host_page_mesh *thin)
 {
-    const size_t n = 3u * (size_t)thin->n_triangles;
-    const int narrow = thin->n_vertices <= 65536u;
-    size_t i = 0;
-    host_json_count(s->json, "vertices", thin->n_vertices);
-    host_json_count(s->json, "triangles", thin->n_triangles);
-    host_json_count(s->json, "index_bytes", narrow ? 2u : 4u);
-    put_place(s, "index");
-    for (i = 0; i < n; i++) {
-        const uint32_t v = thin->triangles[i];
-        const unsigned char b[2] = {(unsigned char)(v & 255u), (unsigned char)(v >> 8 & 255u)};
-        if (narrow)
-            host_buffer_add(s->bytes, b, 2);
-        else
-            host_buffer_u32(s->bytes, v);
-    }
+    host_page_put_triangles(s->json, s->bytes, thin->triangles, thin->n_triangles, thin->n_vertices);
     s->shown += thin->n_triangles;
 }
 
@@ -166,14 +145,14 @@ static void put_values(scene *s, const char *key, const host_page_mesh *thin, co
     for (i = 0; i < thin->n_vertices; i++)
         room[i] = value[thin->keep[i]];
     host_json_open(s->json, key, '{');
-    put_place(s, "at");
+    host_page_put_place(s->json, "at", s->bytes);
     host_json_number(s->json, "unit", host_page_values(s->bytes, room, thin->n_vertices));
     host_json_close(s->json, '}');
 }
 
 static void put_points(scene *s, const char *key, const host_page_mesh *thin, const float *xyz)
 {
-    put_place(s, key);
+    host_page_put_place(s->json, key, s->bytes);
     host_page_points(s->bytes, &s->box, xyz, thin->keep, thin->n_vertices);
 }
 
@@ -223,25 +202,12 @@ static void put_target(scene *s, const host_target *target)
     host_page_mesh_free(&thin);
 }
 
-static void put_box(const scene *s)
-{
-    int c = 0;
-    host_json_open(s->json, "low", '[');
-    for (c = 0; c < 3; c++)
-        host_json_number(s->json, NULL, (double)s->box.low[c]);
-    host_json_close(s->json, ']');
-    host_json_open(s->json, "high", '[');
-    for (c = 0; c < 3; c++)
-        host_json_number(s->json, NULL, (double)s->box.high[c]);
-    host_json_close(s->json, ']');
-}
-
 static void put_all(scene *s)
 {
     const host_job *const job = s->job;
     uint32_t i = 0;
     host_json_open(s->json, "scene", '{');
-    put_box(s);
+    host_page_put_box(&s->box, s->json);
     host_json_open(s->json, "structures", '[');
     for (i = 0; i < job->model.n_parts; i++)
         put_structure(s, i);

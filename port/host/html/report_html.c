@@ -7,13 +7,12 @@
 #include <string.h>
 
 #include "html/page_image.h"
+#include "html/page_parts.h"
 #include "html/page_scene.h"
 #include "html/page_settings.h"
 
 #define MARGIN_MM 25.0f     /* of the image around the surfaces */
 #define VOXELS_MAX 5600000u /* of the image */
-
-static void put_text(host_buffer *out, const char *text) { host_buffer_add(out, text, strlen(text)); }
 
 static void put_floats(host_json *json, const char *key, const float *value, int n)
 {
@@ -82,20 +81,6 @@ static void put_course(const host_course *course, host_json *json)
     host_json_close(json, ']');
 }
 
-static void put_json(host_buffer *out, const char *name, const host_buffer *json)
-{
-    host_buffer_print(out, "<script type=\"application/json\" id=\"%s\">", name);
-    host_page_json(out, json->data, json->size);
-    put_text(out, "</script>\n");
-}
-
-static void put_bytes(host_buffer *out, const char *name, const host_buffer *bytes)
-{
-    host_buffer_print(out, "<script type=\"text/plain\" id=\"%s\">", name);
-    host_page_base64(out, bytes->data, bytes->size);
-    put_text(out, "</script>\n");
-}
-
 void host_report_html(const host_job *job, const host_buffer *report, host_buffer *out)
 {
     host_buffer text, surfaces, voxels;
@@ -115,12 +100,12 @@ void host_report_html(const host_job *job, const host_buffer *report, host_buffe
         host_page_settings(job->options, &job->course.config, job->model_is_prepared, &json);
         host_json_close(&json, '}');
     }
-    host_buffer_add(out, host_page_head, host_page_head_bytes);
-    put_json(out, "report-data", report);
-    put_json(out, "page-data", &text);
-    put_bytes(out, "surface-bytes", &surfaces);
-    put_bytes(out, "voxel-bytes", &voxels);
-    host_buffer_add(out, host_page_tail, host_page_tail_bytes);
+    host_buffer_add(out, host_report_page_head, host_report_page_head_bytes);
+    host_page_put_json(out, "report-data", report);
+    host_page_put_json(out, "page-data", &text);
+    host_page_put_bytes(out, "surface-bytes", &surfaces);
+    host_page_put_bytes(out, "voxel-bytes", &voxels);
+    host_buffer_add(out, host_report_page_tail, host_report_page_tail_bytes);
     out->failed |= report->failed | text.failed | surfaces.failed | voxels.failed;
     host_buffer_free(&text);
     host_buffer_free(&surfaces);

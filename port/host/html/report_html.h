@@ -8,8 +8,4 @@
 /* Writes report.html into the buffer, which stores failure. report: the text of report.json. */
 void host_report_html(const host_job *job, const host_buffer *report, host_buffer *out);
 
-/* The page without its data: what stands before them and behind. Made from report_page.html by embed_page.sh. */
-extern const unsigned char host_page_head[], host_page_tail[];
-extern const size_t host_page_head_bytes, host_page_tail_bytes;
-
 #endif

@@ -1,16 +1,5 @@
 /* report_tables.js: the verdict in words, figures, the tables and the curve of convergence. */
 
-const VERDICTS = {
-  good: { word: 'good', sign: '\u2713', text: 'Nothing that was measured speaks against this result.' },
-  look: { word: 'look at it', sign: '!', text: 'Something speaks against this result. Look at what is listed before you use it.' },
-  failed: { word: 'failed', sign: '\u2717', text: 'Do not use this result.' },
-};
-
-function verdictMark(level) {
-  const verdict = VERDICTS[level] || VERDICTS.look;
-  return element('span', { class: level, title: verdict.word }, `${verdict.sign} ${verdict.word}`);
-}
-
 /* A button that chooses a structure and goes to the vertex with the largest of these values. */
 function showButton(which, colour) {
   return element('button', { type: 'button', click: () => {
@@ -56,10 +45,6 @@ function tellVerdict() {
   byId('verdict-text').textContent = verdict.text + (others > 0 ? ` ${others} of ${structures.length} structures are not good.` : '') +
     (level === 'good' ? ' Where to look first, all the same:' : ' Where to look:');
   byId('look-list').append(...lookItems().map((parts) => element('li', {}, ...parts)));
-}
-
-function figure(name, value, unitText, more) {
-  return element('div', {}, element('dt', {}, name), element('dd', {}, value, unitText ? ` ${unitText}` : '', more ? element('small', {}, more) : null));
 }
 
 function tellFigures() {
@@ -141,19 +126,6 @@ function sortBy(column) {
   byId('structure-table').querySelectorAll('th button')[column].focus();
 }
 
-/* A curve as a path; gaps where nothing was measured. */
-function curve(points) {
-  let path = '', open = false;
-  for (const [x, y] of points) {
-    if (y === null) open = false;
-    else {
-      path += `${open ? 'L' : 'M'}${x.toFixed(1)} ${y.toFixed(1)}`;
-      open = true;
-    }
-  }
-  return path;
-}
-
 /* Residual and movement over the iterations, on a logarithmic scale. */
 function drawCourse() {
   const rows = page.course, W = 1100, H = 300, left = 62, right = 16, top = 26, bottom = 40;
@@ -188,44 +160,6 @@ function drawCourse() {
     drawn.append(svg('line', { x1: px, x2: px + 30, y1: py - 4, y2: py - 4, stroke: colour, 'stroke-width': 2.2, 'stroke-dasharray': dash }), text(name, px + 36, py, 'start'));
   });
   byId('course').append(drawn);
-}
-
-function fillSettings() {
-  const only = byId('changed-only').checked, rows = [];
-  let group = null;
-  for (const s of page.settings) {
-    const changed = s.value !== s.default;
-    if (only && !changed) continue;
-    if (s.group !== group) rows.push(element('tr', { class: 'group' }, element('th', { colspan: 4, scope: 'colgroup' }, s.group)));
-    ({ group } = s);
-    rows.push(element('tr', { class: changed ? 'changed' : '' }, element('td', {}, s.name),
-      element('td', { class: 'text' }, `${s.value}${s.unit ? ` ${s.unit}` : ''}${changed ? ' *' : ''}`), element('td', { class: 'text' }, s.default),
-      element('td', { class: 'wrap' }, s.text)));
-  }
-  if (rows.length === 0) rows.push(element('tr', {}, element('td', { colspan: 4 }, 'All settings are the defaults.')));
-  const heads = ['setting', 'value', 'default', 'meaning'].map((name) => element('th', { scope: 'col', class: 'text' }, name));
-  byId('settings-table').replaceChildren(element('thead', {}, element('tr', {}, ...heads)), element('tbody', {}, ...rows));
-  byId('settings-note').textContent = '* differs from the default. n_workers, n_landmarks and n_target_vertices follow from the machine and the inputs; search and radii that are chosen by the library show as the default.' +
-    (page.prepared ? ' The model was prepared before: what it was prepared with is not known here.' : '');
-}
-
-/* As it would be typed. */
-function commandText() {
-  return report.command.map((word) => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`)).join(' ');
-}
-
-function fillInputs() {
-  byId('command').textContent = commandText();
-  byId('copy').addEventListener('click', () => {
-    const range = document.createRange();
-    range.selectNodeContents(byId('command'));
-    getSelection().removeAllRanges();
-    getSelection().addRange(range);
-    document.execCommand('copy');
-  });
-  const heads = ['file', 'bytes', 'CRC-32'].map((name) => element('th', { scope: 'col' }, name));
-  byId('inputs-table').append(element('thead', {}, element('tr', {}, ...heads)), element('tbody', {}, ...report.inputs.map((file) =>
-    element('tr', {}, element('td', {}, file.path), element('td', {}, String(file.bytes)), element('td', {}, element('code', {}, file.crc32))))));
 }
 
 function tellTables() {

@@ -59,6 +59,8 @@ static const struct {
     {"--trace", 0, "FILE.csv", "a row for each iteration: radius, time, distances, likeness, strain, movement"},
     {"--html", HOST_REGISTER, "",
      "report.html beside report.json: the result to look at in any browser, with slices of the image, in one file"},
+    {"--html", HOST_TRACK, "",
+     "DIR/report.html: frames in a 3D view, curves of track.csv and what to look at, in one file for any browser"},
     {"--save", 0, "FILE", "write where it stopped, after --ticks perhaps"},
     {"--resume", 0, "FILE", "go on from what --save wrote, with the same inputs and options, to the same bits"},
     {"--json", 0, "", "the result as one line of JSON on standard output, and nothing else there"},

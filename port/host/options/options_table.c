@@ -36,7 +36,7 @@ const host_option host_option_table[] = {
     {"--landmark-weight", HOST_REGISTER, HOST_KIND_TEXT, OWN(landmark_weight), 0, 0, 0, 0, NULL, 0},
     {"--log", HOST_REGISTER, HOST_KIND_TEXT, OWN(log), 0, 0, 0, 0, NULL, 0},
     {"--trace", HOST_REGISTER, HOST_KIND_TEXT, OWN(trace), 0, 0, 0, 0, NULL, 0},
-    {"--html", HOST_REGISTER, HOST_KIND_FLAG, OWN(html), 0, 0, 0, 0, NULL, 0},
+    {"--html", ONTO, HOST_KIND_FLAG, OWN(html), 0, 0, 0, 0, NULL, 0},
     {"--save", HOST_REGISTER, HOST_KIND_TEXT, OWN(save), 0, 0, 0, 0, NULL, 0},
     {"--resume", HOST_REGISTER, HOST_KIND_TEXT, OWN(resume), 0, 0, 0, 0, NULL, 0},
     {"--truth", HOST_REGISTER | HOST_BENCH, HOST_KIND_TEXT, OWN(truth), 0, 0, 0, 0, NULL, HOST_FOR_IMAGES},

@@ -13,7 +13,7 @@ void host_report_command(const host_options *options, host_json *json)
     int i = 0;
     host_json_open(json, "command", '[');
     host_json_text(json, NULL, "smr");
-    host_json_text(json, NULL, "register");
+    host_json_text(json, NULL, options->command == HOST_TRACK ? "track" : "register");
     for (i = 0; i < options->n_arguments; i++)
         host_json_text(json, NULL, options->arguments[i]);
     host_json_close(json, ']');

@@ -1,4 +1,4 @@
-/* report_view3d.js: draws the surfaces with WebGL2; letters, scale bar and the chosen point on a canvas above. */
+/* page_view3d.js: draws the surfaces with WebGL2; letters, scale bar and the chosen point on a canvas above. */
 
 const VERTEX_SHADER = `#version 300 es
 in vec3 a_before, a_after, a_normal_before, a_normal_after;
@@ -82,15 +82,16 @@ function upload(gl, before, after, index, n) {
     gl.vertexAttribPointer(slot, size, gl.FLOAT, false, 0, 0);
     return buffer;
   };
-  attribute(0, before, 3);
-  attribute(1, after, 3);
-  attribute(2, normalsOf(before, index), 3);
-  attribute(3, normalsOf(after, index), 3);
+  const first = attribute(0, before, 3);
+  const places = attribute(1, after, 3);
+  const still = attribute(2, normalsOf(before, index), 3);
+  const normals = attribute(3, normalsOf(after, index), 3);
   const values = attribute(4, new Float32Array(2 * n), 2);
-  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+  const list = gl.createBuffer();
+  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, list);
   gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, index, gl.STATIC_DRAW);
   gl.bindVertexArray(null);
-  return { array, values, count: index.length, n };
+  return { array, before: first, places, still, normals, values, index: list, count: index.length, n };
 }
 
 function startView() {
@@ -253,8 +254,7 @@ function drawOver() {
   drawText(c, letters(minus(up)), width / 2, height - 8 * scale, 'center', 'bottom');
   c.font = `${13 * scale}px system-ui, sans-serif`;
   drawBar(c, width - 14 * scale, height - 46 * scale, 2 * halfX / width, width * 0.2);
-  const now = state.blend > 0.995 ? 'after' : state.blend < 0.005 ? 'before' : `${Math.round(100 * state.blend)} % of the way`;
-  drawText(c, `model: ${now}${state.showTarget ? `, ${targetWord} in blue` : ''}`, 10 * scale, 8 * scale, 'left', 'top');
+  drawText(c, viewText(), 10 * scale, 8 * scale, 'left', 'top');
   const away = state.point.map((v, k) => v - camera.at[k]);
   const x = width * (0.5 + 0.5 * dot(away, right) / halfX), y = height * (0.5 - 0.5 * dot(away, up) / halfY);
   if (state.pointed) drawCross(c, x, y, scale);

@@ -1,4 +1,4 @@
-/* report_camera.js: an orthographic camera that turns about the patient's long axis; mouse, touch and keys move it. */
+/* page_camera.js: an orthographic camera that turns about the patient's long axis; mouse, touch and keys move it. */
 
 const camera = { turn: 0, rise: 0, half: sceneSide * 0.54, at: sceneCentre.slice() };
 
