@@ -434,6 +434,7 @@ enum { SMR_NORMALS_CARRIED = 0, SMR_NORMALS_EXACT = 1 };
 enum { SMR_EDGE_REFERENCE = 0, SMR_EDGE_STEEPEST = 1 };
 enum { SMR_PLASTIC_LARGEST = 0, SMR_PLASTIC_MEAN = 1 };
 enum { SMR_BLEND_CONFIDENCE = 0, SMR_BLEND_PLAIN = 1 };
+enum { SMR_FUSING_LINEAR = 0, SMR_FUSING_LIE = 1 };
 enum { SMR_TRACK_OFF = 0, SMR_TRACK_REPORT = 1, SMR_TRACK_RECOVER = 2 };
 
 /* How a registration runs. Each comment starts with unit, range and default. Where two defaults stand, the second is
@@ -619,6 +620,13 @@ typedef struct smr_config {
     float track_um;
     /* iterations, [1, 100000], default 30. At most, for one position of the targets. */
     uint32_t track_iterations;
+
+    /* ---- how clusters are fused ---- */
+
+    /* SMR_FUSING_..., default linear. The mean of the transforms of a vertex' clusters: of their matrices (paper 2.3),
+     * which shrinks where these turn differently, or of their logarithms, which is a rigid motion again. Differences
+     * show where x^r follows seldom (plastic_every). */
+    uint32_t fusing;
 } smr_config;
 
 smr_config smr_config_default(void);

@@ -118,6 +118,35 @@ int golden_drawn(const smr_model *model, const smr_mesh *mesh, const smr_surface
     return 1;
 }
 
+/* The rest shape twisted: what lies above the middle is drawn to turn by 77 degrees. Clusters are fused by logarithms,
+ * by both methods, elastic and plastic. */
+int golden_fused(const smr_model *model, const smr_mesh *mesh, const smr_port *port, uint64_t *hash)
+{
+    *hash = 0;
+    golden_move(mesh, 0.8f, 0.0f, golden_words);
+    for (uint32_t i = 0; i < mesh->n_vertices; i++)
+        if (mesh->xyz[3u * i + 2u] < 0.0f)
+            memcpy(golden_words + 3u * i, mesh->xyz + 3u * i, 3u * sizeof(float));
+    for (uint32_t k = 0; k < 4u; k++) {
+        smr_config config = smr_config_default();
+        smr *s = NULL;
+        config.n_workers = GOLDEN_WORKERS;
+        config.method = k % 2u;
+        config.fusing = SMR_FUSING_LIE;
+        config.plastic_every = k / 2u;
+        config.caller_goals = 1;
+        config.iterations = 4;
+        if (!golden_ok("fused init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
+            !golden_ok("fused goals", smr_set_goals(s, 0, golden_words, NULL)))
+            return 0;
+        for (uint32_t tick = 0; tick < 12u; tick++)
+            if (!golden_ok("fused tick", smr_tick(s, 0, NULL)))
+                return 0;
+        *hash = *hash * 3u + smr_state_hash(s);
+    }
+    return 1;
+}
+
 /* Points beside the rest shape's vertices, carried to where s has the bone, and back. */
 #define GOLDEN_CARRIED 192u
 int golden_carry(const smr *s, const smr_mesh *rest, const smr_port *port, uint32_t *crc)

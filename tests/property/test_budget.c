@@ -44,6 +44,7 @@ static smr *start(uint32_t method, const smr_port *port)
 {
     smr_config config = smr_config_default();
     config.method = method;
+    config.fusing = method; /* the polar method's rotations by their logarithms */
     config.iterations = 4;
     config.settle_um = 0.0f;
     config.n_target_vertices = 500;

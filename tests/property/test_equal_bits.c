@@ -24,7 +24,7 @@ static void test_rest_stays(void **state)
 {
     const float centre[3] = {301.3f, -12.7f, 44.4f};
     (void)state;
-    for (uint32_t k = 0; k < 4u; k++) {
+    for (uint32_t k = 0; k < 8u; k++) {
         const smr_mesh mesh = rig_ball(30.0f, 9, 12, centre);
         const smr_prepare_config radii = rig_radii(2, 25.0f, 12.0f, 0);
         const smr_model *model = rig_model(&mesh, 1, &radii);
@@ -33,8 +33,9 @@ static void test_rest_stays(void **state)
         config.method = k % 2u;
         config.iterations = config.iterations_last = 100000;
         config.settle_um = 0.0f; /* nothing moves, so nothing else would keep the schedule from ending */
-        config.plastic_um = k < 2u ? 50.0f : 0.0f;
-        config.plastic_every = k < 2u ? 1u : 0u;
+        config.plastic_um = k & 2u ? 0.0f : 50.0f;
+        config.plastic_every = k & 2u ? 0u : 1u;
+        config.fusing = k >> 2;
         smr *s = rig_init(model, &config, NULL);
         float *before = rig_positions(s, model);
         for (uint32_t tick = 0; tick < 10000u; tick++)
@@ -50,7 +51,8 @@ static void test_rest_stays(void **state)
 static uint64_t hash_with(const smr_model *model, const smr_surface *target, uint32_t method, const smr_port *port)
 {
     smr_config config = smr_config_default();
-    config.method = method;
+    config.method = method & 1u;
+    config.fusing = method >> 1;
     config.n_workers = 8;
     config.n_target_vertices = 4000;
     smr *s = rig_init(model, &config, port);
@@ -68,9 +70,9 @@ static void test_workers_and_schedulers(void **state)
     const smr_prepare_config radii = rig_radii(2, 60.0f, 15.0f, 0);
     const smr_model *model = rig_model(&source, 1, &radii);
     const smr_surface *surface = rig_surface(&target);
-    for (uint32_t method = 0; method < 2u; method++) {
+    for (uint32_t method = 0; method < 4u; method++) { /* those of 2 and 3 are fused by logarithms */
         const uint64_t expected = hash_with(model, surface, method, NULL);
-        for (uint32_t w = 0; w < sizeof workers / sizeof workers[0]; w++) {
+        for (uint32_t w = method; w < sizeof workers / sizeof workers[0]; w++) {
             smr_pthread *pool = NULL;
             const size_t bytes = smr_pthread_bytes(workers[w]);
             assert_int_equal(SMR_OK, smr_pthread_create(&pool, rig_alloc(bytes), bytes, workers[w]));

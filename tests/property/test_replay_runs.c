@@ -64,6 +64,7 @@ static smr_config random_config(uint32_t *seed)
     c.active_enough = rig_random(seed, 30);
     c.confidence = rig_random(seed, 2) ? 0.4f : rig_between(seed, 0.75f, 0.98f); /* so that many find no goal */
     c.n_workers = 4;
+    c.fusing = *seed >> 10 & 1u;
     return c;
 }
 

@@ -89,6 +89,7 @@ static smr_config random_config(uint32_t *seed)
     if (c.track != SMR_TRACK_OFF)
         c.iterations = c.iterations_last = 1u + rig_random(seed, 2);
     c.n_workers = 4;
+    c.fusing = *seed >> 10 & 1u;
     return c;
 }
 

@@ -78,6 +78,7 @@ static void both_methods(const smr_mesh *source, const smr_mesh *target, float r
         config.method = k & 1u;
         config.n_target_vertices = k & 2u ? 1000 : 0;
         config.search_mm = SMR_COORD_MAX;
+        config.fusing = (k ^ k >> 1) & 1u;
         config.search_radii = 1.0e6f;
         config.settle_um = 0.0f;
         config.iterations_last = 1000;
@@ -204,6 +205,7 @@ static smr_config random_config(uint32_t *seed, uint32_t n_radii)
     c.radius_last = rig_random(seed, 2) ? SMR_FINEST : c.radius_first + rig_random(seed, n_radii - c.radius_first);
     c.iterations = 1u + rig_random(seed, 10);
     c.iterations_last = 1u + rig_random(seed, 60);
+    c.fusing = *seed >> 10 & 1u;
     return c;
 }
 

@@ -112,6 +112,7 @@ void unit_log_make_kinds(unit_log *u)
     u->config.track = SMR_TRACK_RECOVER;
     u->config.track_mm = 15.0f;
     u->config.track_iterations = 4;
+    u->config.fusing = SMR_FUSING_LIE;
     u->config.iterations = 2;
     u->config.iterations_last = 3;
     smr *s = unit_log_begin(u, &port);

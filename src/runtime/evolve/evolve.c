@@ -27,6 +27,19 @@ void smr_evolve_wire(smr_evolve *e, const smr_shared *shared, const smr_pace *pa
 
 void smr_evolve_reset(smr_evolve *e) { memset(e->evening.held, 0, e->shared->n); }
 
+/* Where the average of its clusters' transforms takes a vertex from ref, relative to it; *normal turns with it.
+ * w: the vertex' sum. */
+static inline smr_vec average_way(int logs, const uint32_t *w, const float inverse[2], float share, smr_vec ref,
+                                  smr_vec *normal)
+{
+    float r_minus_i[9];
+    if (logs)
+        return smr_twist_move(smr_average_twist(w, inverse, share), ref, normal);
+    const smr_vec t = smr_average_transform(w, inverse, share, r_minus_i);
+    *normal = smr_add(*normal, smr_mul(r_minus_i, *normal));
+    return smr_add(smr_mul(r_minus_i, ref), t);
+}
+
 uint32_t smr_evolve_tasks(const void *arg) { return ((const smr_evolve *)arg)->shared->n_tasks; }
 
 void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
@@ -38,16 +51,16 @@ void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     const float inverse[2] = {1.0f / e->sums->scale[0], 1.0f / e->sums->scale[1]};
     const uint32_t last = smr_chunk_end(e->shared, task);
+    const int logs = smr_blends_logs(e->shared);
     for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
-        float r_minus_i[9];
-        const smr_vec t = smr_average_transform(sum + SMR_WORDS * (size_t)v, inverse, share[v], r_minus_i);
         const smr_vec ref = smr_load(smr_at3(shape.x_ref, v)), old = smr_load(smr_at3(shape.x, v));
-        const smr_vec goal = smr_add(ref, smr_add(smr_mul(r_minus_i, ref), t));
+        smr_vec n = smr_load(smr_at3(shape.normal_ref, v));
+        const smr_vec way = average_way(logs, sum + SMR_WORDS * (size_t)v, inverse, share[v], ref, &n);
+        const smr_vec goal = smr_add(ref, way);
         const smr_vec step = smr_scale(smr_sub(goal, old), relaxation);
         const smr_vec next = smr_add(smr_add(old, step), smr_evening_way(&e->evening, v));
         smr_store(smr_at3(shape.x_next, v), next);
-        const smr_vec n = smr_load(smr_at3(shape.normal_ref, v));
-        smr_next_normal_set(sum, v, smr_unit(smr_add(n, smr_mul(r_minus_i, n))));
+        smr_next_normal_set(sum, v, smr_unit(n));
     }
 }
 

@@ -35,8 +35,8 @@ void smr_match_reset(smr_match *m)
 
 #define SMR_RADIANS 0.017453293f /* rad per degree */
 
-/* r_minus_i of one cluster by rigid-body kinematics. mu: sum of m u; w: the sums' further words. */
-static void rigid(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
+/* The rotation vector of one cluster by rigid-body kinematics. mu: sum of m u; w: the sums' further words. */
+static smr_vec rigid_turn(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse)
 {
     const smr_reference *const r = m->reference;
     const float turn_deg = m->shared->config.turn_deg;
@@ -46,7 +46,7 @@ static void rigid(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w,
     const float *i = r->spread + 6u * (size_t)v;
     const float full[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]};
     const smr_vec turn = smr_mul(full, l);
-    smr_rodrigues(turn_deg > 0.0f ? smr_turn_within(turn, turn_deg * SMR_RADIANS) : turn, r_minus_i);
+    return turn_deg > 0.0f ? smr_turn_within(turn, turn_deg * SMR_RADIANS) : turn;
 }
 
 static void polar(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float r_minus_i[9])
@@ -66,14 +66,40 @@ static void polar(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w,
     smr_polar(a, m->eigen + 9u * (size_t)v, r_minus_i);
 }
 
+/* R - I and t of one cluster. */
+static void matrix_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float t[12])
+{
+    if (m->shared->config.method == SMR_METHOD_RIGID)
+        smr_rodrigues(rigid_turn(m, v, mu, w, inverse), t);
+    else
+        polar(m, v, mu, w, inverse, t);
+    const smr_vec mean = smr_scale(mu, 1.0f / m->reference->cluster_mass[v]);
+    smr_store(t + 9, smr_sub(mean, smr_mul(t, smr_load(smr_at3(m->reference->centre, v)))));
+}
+
+/* The logarithm of the same. */
+static void log_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float t[12])
+{
+    smr_vec turn;
+    if (m->shared->config.method == SMR_METHOD_RIGID) {
+        turn = smr_turn_within(rigid_turn(m, v, mu, w, inverse), SMR_ANGLE_MAX);
+    } else {
+        polar(m, v, mu, w, inverse, t);
+        turn = smr_rotation_log(t);
+    }
+    const smr_vec mean = smr_scale(mu, 1.0f / m->reference->cluster_mass[v]);
+    const smr_twist twist = smr_twist_about(turn, smr_load(smr_at3(m->reference->centre, v)), mean);
+    smr_store(t, twist.turn);
+    smr_store(t + 3, twist.rate);
+}
+
 uint32_t smr_match_cluster_tasks(const void *arg) { return smr_match_tasks(((const smr_match *)arg)->pace); }
 
 void smr_match_clusters(void *arg, uint32_t task, uint32_t worker)
 {
     smr_match *m = arg;
     (void)worker;
-    const smr_reference *reference = m->reference;
-    const uint32_t *const sum = m->sums->sum, method = m->shared->config.method;
+    const uint32_t *const sum = m->sums->sum, words = smr_transform_words(m->shared), first = words - 3u;
     const float inverse0 = 1.0f / m->sums->scale[0], inverse1 = 1.0f / m->sums->scale[1];
     float *const transform = m->transform, largest_r = 0.0f, largest_t = 0.0f;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, m->pace->n_active);
@@ -81,15 +107,10 @@ void smr_match_clusters(void *arg, uint32_t task, uint32_t worker)
         const uint32_t *w = sum + SMR_WORDS * (size_t)v;
         float *t = transform + 12u * (size_t)v;
         const smr_vec mu = smr_v(smr_unfix(w[0], inverse0), smr_unfix(w[1], inverse0), smr_unfix(w[2], inverse0));
-        if (method == SMR_METHOD_RIGID)
-            rigid(m, v, mu, w + 3, inverse1, t);
-        else
-            polar(m, v, mu, w + 3, inverse1, t);
-        const smr_vec mean = smr_scale(mu, 1.0f / reference->cluster_mass[v]);
-        smr_store(t + 9, smr_sub(mean, smr_mul(t, smr_load(smr_at3(reference->centre, v)))));
-        for (uint32_t i = 0; i < 9u; i++)
+        (smr_blends_logs(m->shared) ? log_of : matrix_of)(m, v, mu, w + 3, inverse1, t);
+        for (uint32_t i = 0; i < first; i++)
             largest_r = smr_max(largest_r, smr_abs(t[i]));
-        for (uint32_t i = 9; i < 12u; i++)
+        for (uint32_t i = first; i < words; i++)
             largest_t = smr_max(largest_t, smr_abs(t[i]));
     }
     m->tally[task].match.largest[0] = largest_r;

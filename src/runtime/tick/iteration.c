@@ -30,7 +30,7 @@ static void held_end(smr *s) { smr_held_sum_end(&s->shape); }
 static void match_end(smr *s)
 {
     smr_match_end(&s->match);
-    smr_sums_expect(&s->sums, 12u, s->match.largest[0], s->match.largest[1]);
+    smr_sums_expect(&s->sums, smr_transform_words(&s->shared), s->match.largest[0], s->match.largest[1]);
 }
 
 static void measure_end(smr *s)
