@@ -3,8 +3,8 @@
 # SPDX-License-Identifier: MIT
 # usage: python3 docs/figures/make_trace.py OUT.svg TITLE=TRACE.csv...
 #
-# For each trace a column: distances to the truth, likeness, and movement (logarithmic) over time; a line where the
-# cluster radius falls or x^r follows.
+# For each trace a column: distances to the target or the truth, likeness, and movement (logarithmic) over time; a line
+# where the cluster radius falls. What no trace has is left out: surfaces have no likeness.
 import csv
 import math
 import sys
@@ -79,13 +79,21 @@ def changes(rows):
     return found
 
 
-def draw(out, column, title, rows, ranges):
+def panels_of(tables):
+    """Those with values. Without a likeness the target is a surface, and distances are to it."""
+    has = [any(v > 0 or not logarithmic for rows in tables for key, _, _ in curves for _, v in numbers(rows, key))
+           for _, logarithmic, curves in PANELS]
+    return [(title if has[-1] else title.replace("truth", "target"), logarithmic, curves)
+            for (title, logarithmic, curves), there in zip(PANELS, has) if there]
+
+
+def draw(out, column, title, rows, panels, ranges):
     t_max = max(t for t, _ in numbers(rows, "time_ms"))
     x = WIDTH * column + LEFT
     out.append('<text x="%.1f" y="22" font-size="15">%s</text>' % (x, title))
-    for k, (name, logarithmic, curves) in enumerate(PANELS):
+    for k, (name, logarithmic, curves) in enumerate(panels):
         p = Panel(x, TOP + k * (HEIGHT + GAP), t_max, ranges[k][0], ranges[k][1], logarithmic)
-        axes(out, p, name, ranges[k][0], ranges[k][1], k + 1 == len(PANELS))
+        axes(out, p, name, ranges[k][0], ranges[k][1], k + 1 == len(panels))
         for t, label in changes(rows):
             out.append('<path d="M%.1f %.1fv%d" stroke="#999999" stroke-dasharray="2 3"/>' % (p.px(t), p.y, HEIGHT))
             if k == 0:
@@ -102,9 +110,9 @@ def draw(out, column, title, rows, ranges):
                            % (p.px(t_max) - 2 - 78 * i, p.y - 8, colour, label))
 
 
-def ranges_of(tables):
+def ranges_of(panels, tables):
     ranges = []
-    for _, logarithmic, curves in PANELS:
+    for _, logarithmic, curves in panels:
         values = [v for rows in tables for key, _, _ in curves for _, v in numbers(rows, key) if v > 0 or not logarithmic]
         if logarithmic:
             ranges.append((10.0 ** math.floor(math.log10(min(values))), 10.0 ** math.ceil(math.log10(max(values)))))
@@ -116,13 +124,14 @@ def ranges_of(tables):
 
 def main():
     titles, tables = zip(*((text.split("=", 1)[0], read(text.split("=", 1)[1])) for text in sys.argv[2:]))
-    height = TOP + len(PANELS) * (HEIGHT + GAP) - GAP + BOTTOM
+    panels = panels_of(tables)
+    height = TOP + len(panels) * (HEIGHT + GAP) - GAP + BOTTOM
     width = WIDTH * len(tables)
     out = ['<svg xmlns="http://www.w3.org/2000/svg" width="%d" height="%d" viewBox="0 0 %d %d" '
            'font-family="sans-serif" font-size="12" fill="#222222">' % (width, height, width, height),
            "<title>%s</title>" % "; ".join(titles), '<rect width="%d" height="%d" fill="#ffffff"/>' % (width, height)]
     for k, (title, rows) in enumerate(zip(titles, tables)):
-        draw(out, k, title, rows, ranges_of(tables))
+        draw(out, k, title, rows, panels, ranges_of(panels, tables))
     out.append("</svg>")
     with open(sys.argv[1], "w") as file:
         file.write("\n".join(out) + "\n")

@@ -81,7 +81,7 @@ check "the likeness of an image" awk -F, 'NR > 1 { if (!($8 > -1 && $8 <= 1)) ba
 check "nearer to the truth than before" awk -v a="$(column paper.csv mean_to_mm | head -n 1)" -v b="$(last paper.csv mean_to_mm)" 'BEGIN { exit !(b < 0.5 * a) }'
 check "its own similarity" [ "$(value paper/report.json similarity)" = ncc ]
 check "the same bits from one thread, without a trace" [ "$(value one/report.json state_hash)" = "$(value paper/report.json state_hash)" ]
-rm paper.csv
+mv paper.csv image.csv
 check "its log repeats" "$SMR" replay paper.log
 check "and makes no trace" [ ! -e paper.csv ]
 check "other options count beside it, before" "$SMR" register --iterations-last 7 --radius 40 $into --paper --accept look --quiet -o less --trace less.csv
@@ -96,4 +96,18 @@ check "info says 30 samples" sh -c "'$SMR' info bone.smr | grep -q '30 samples'"
 check "--paper onto a surface" "$SMR" register $onto --paper --accept look --quiet -o onto
 check "is near it, but not as near as the defaults" awk -v a="$(mean onto/report.json model_to_target)" -v b="$(mean plain/report.json model_to_target)" 'BEGIN { exit !(b < a && a < 2) }'
 check "--help tells of both" sh -c "'$SMR' --help | grep -q -e '--paper' && '$SMR' --help | grep -q -e '--trace'"
+
+# Drawings: panels are what the traces have.
+if command -v python3 >/dev/null; then
+    draws() { # FILE TITLE...: these panels
+        file=$1
+        shift
+        python3 "$top/docs/figures/make_trace.py" drawn.svg "a=$file" || return 1
+        [ "$(grep -c 'x="52.0"[^>]*>[a-z]' drawn.svg)" -eq $(($# + 1)) ] || return 1 # a's own title is one
+        for title in "$@"; do grep -q ">$title" drawn.svg || return 1; done
+    }
+    check "a surface's trace is drawn" draws traced/trace.csv "distance to the target" movement
+    check "an image's" draws image.csv "distance to the truth" movement likeness
+    check "and one without a truth" draws less.csv movement likeness
+else skip "traces are drawn" "no python3"; fi
 finish
