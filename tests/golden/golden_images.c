@@ -10,20 +10,9 @@ static GOLDEN_MEMORY unsigned char golden_voxels[2][GOLDEN_VOXELS];
 static GOLDEN_MEMORY fixture_thigh golden_thigh;
 static GOLDEN_MEMORY float golden_thigh_words[FIXTURE_THIGH_SCRATCH];
 static GOLDEN_MEMORY float golden_slice[FIXTURE_IMAGE_SCRATCH(48, 48)];
-static GOLDEN_MEMORY float golden_truth[GOLDEN_PARTS][3 * 1024];
+static GOLDEN_MEMORY float golden_start[GOLDEN_PARTS][3 * 1024];
 static smr_structure golden_part[GOLDEN_PARTS];
 static smr_volume golden_volumes[2]; /* the model's image and the patient's; drawn once, for that takes longest */
-
-/* The box around points [n][3] of all parts, in voxels of 4 mm. */
-static fixture_box golden_box(const smr_structure *part, float xyz[GOLDEN_PARTS][3 * 1024])
-{
-    fixture_box box;
-    float low[3] = {1e9f, 1e9f, 1e9f}, high[3] = {-1e9f, -1e9f, -1e9f};
-    for (uint32_t i = 0; i < GOLDEN_PARTS; i++)
-        fixture_bounds(xyz[i], part[i].mesh.n_vertices, low, high);
-    fixture_margin_box(low, high, 20.0f, 4.0f, &box);
-    return box;
-}
 
 static int golden_volume(const fixture_pose *pose, const fixture_box *box, unsigned char *voxels, smr_volume *volume)
 {
@@ -41,28 +30,22 @@ static int golden_volume(const fixture_pose *pose, const fixture_box *box, unsig
     return 1;
 }
 
-/* Meshes and both images; golden_truth becomes the start, 4 mm beside the truth. */
+/* Meshes and both images; golden_start is 4 mm beside the truth. */
 static int golden_draw(void)
 {
-    static const uint32_t which[GOLDEN_PARTS] = {13, 23}; /* patella, vastus medialis */
-    fixture_pose pose[2];
-    fixture_thigh_init(&golden_thigh);
-    fixture_thigh_pose(0, &pose[0]);
-    fixture_thigh_pose(1, &pose[1]);
-    for (uint32_t i = 0; i < GOLDEN_PARTS; i++) {
-        fixture_mesh m = {golden_xyz[i], golden_triangles[i], 1024, 2048, 0, 0};
-        if (!fixture_thigh_mesh(&golden_thigh, which[i], 1.6f, &m, golden_thigh_words))
-            return golden_ok("thigh", SMR_E_ARENA);
-        golden_part[i].name = golden_thigh.part[which[i]].name;
-        golden_part[i].mesh = (smr_mesh){m.xyz, m.triangles, m.n_vertices, m.n_triangles};
-        fixture_thigh_truth(&pose[1], m.xyz, m.n_vertices, golden_truth[i]);
-    }
-    fixture_box box[2] = {golden_box(golden_part, golden_xyz), golden_box(golden_part, golden_truth)};
+    fixture_mesh m[GOLDEN_PARTS];
+    fixture_pair pair;
+    float *const start[GOLDEN_PARTS] = {golden_start[0], golden_start[1]};
     for (uint32_t i = 0; i < GOLDEN_PARTS; i++)
-        for (uint32_t k = 0; k < golden_part[i].mesh.n_vertices; k++)
-            golden_truth[i][3u * k] += 4.0f;
-    return golden_volume(&pose[0], &box[0], golden_voxels[0], &golden_volumes[0]) &&
-           golden_volume(&pose[1], &box[1], golden_voxels[1], &golden_volumes[1]);
+        m[i] = (fixture_mesh){golden_xyz[i], golden_triangles[i], 1024, 2048, 0, 0};
+    if (!fixture_thigh_pair(&golden_thigh, m, start, golden_thigh_words, &pair))
+        return golden_ok("thigh", SMR_E_ARENA);
+    for (uint32_t i = 0; i < GOLDEN_PARTS; i++) {
+        golden_part[i].name = pair.name[i];
+        golden_part[i].mesh = (smr_mesh){m[i].xyz, m[i].triangles, m[i].n_vertices, m[i].n_triangles};
+    }
+    return golden_volume(&pair.pose[0], &pair.box[0], golden_voxels[0], &golden_volumes[0]) &&
+           golden_volume(&pair.pose[1], &pair.box[1], golden_voxels[1], &golden_volumes[1]);
 }
 
 /* The model with profiles, in golden_image. */
@@ -90,7 +73,7 @@ static int golden_image_run(const smr_port *port, smr_prepare_config prepare, sm
         !golden_ok("image init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)))
         return 0;
     for (uint32_t i = 0; i < GOLDEN_PARTS; i++)
-        if (!golden_ok("image start", smr_set_positions(s, i, golden_truth[i])))
+        if (!golden_ok("image start", smr_set_positions(s, i, golden_start[i])))
             return 0;
     if (!golden_ok("image volume", smr_set_volume(s, &golden_volumes[1])) ||
         !golden_ticks(&s, model, NULL, &golden_volumes[1], &report))

@@ -13,7 +13,6 @@
 #define TARGET_SIDE 48u /* voxels */
 #define TARGET_VOXELS (TARGET_SIDE * TARGET_SIDE * TARGET_SIDE)
 #define TARGET_TOP_MM 250.0f /* of 431: height above which an open target has nothing */
-#define TARGET_OFF_MM 4.0f   /* an image registration starts so far beside the truth */
 
 #define TARGET_ARENA                                                                                                   \
     (SMR_ARENA_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS * TARGET_FACETS, TARGET_PARTS, 1, TARGET_POINTS,       \
@@ -85,17 +84,6 @@ static int target_bone(target_scene *scene)
            smr_surface_build(&goal, target_surface, sizeof target_surface, &scene->surface) == SMR_OK;
 }
 
-/* The box around points [n][3] of all parts, in voxels of 4 mm. */
-static fixture_box target_box(const smr_structure *part, float xyz[TARGET_PARTS][3 * TARGET_POINTS])
-{
-    fixture_box box;
-    float low[3] = {1e9f, 1e9f, 1e9f}, high[3] = {-1e9f, -1e9f, -1e9f};
-    for (uint32_t i = 0; i < TARGET_PARTS; i++)
-        fixture_bounds(xyz[i], part[i].mesh.n_vertices, low, high);
-    fixture_margin_box(low, high, 20.0f, 4.0f, &box);
-    return box;
-}
-
 /* Image i of the two, of the same box each time: drawn once, for that takes longer than a registration. */
 static int target_volume(uint32_t i, const fixture_pose *pose, const fixture_box *box, smr_volume *volume)
 {
@@ -118,28 +106,18 @@ static int target_volume(uint32_t i, const fixture_pose *pose, const fixture_box
 
 static int target_thigh_in_image(target_scene *scene)
 {
-    static const uint32_t which[TARGET_PARTS] = {13, 23}; /* patella, vastus medialis */
     smr_prepare_config config = smr_prepare_config_default();
     smr_structure part[TARGET_PARTS];
-    fixture_pose pose[2];
+    fixture_mesh m[TARGET_PARTS] = {target_room(0), target_room(1)};
+    fixture_pair pair;
     smr_volume reference;
-    fixture_thigh_init(&target_thigh);
-    fixture_thigh_pose(0, &pose[0]);
-    fixture_thigh_pose(1, &pose[1]);
-    for (uint32_t i = 0; i < TARGET_PARTS; i++) {
-        fixture_mesh m = target_room(i);
-        if (!fixture_thigh_mesh(&target_thigh, which[i], 1.6f, &m, target_words))
-            return 0;
-        part[i].name = target_thigh.part[which[i]].name;
-        part[i].mesh = target_mesh(&m);
-        fixture_thigh_truth(&pose[1], m.xyz, m.n_vertices, target_begin[i]);
-    }
-    const fixture_box box[2] = {target_box(part, target_xyz), target_box(part, target_begin)};
-    if (!target_volume(0, &pose[0], &box[0], &reference) || !target_volume(1, &pose[1], &box[1], &scene->volume))
+    float *const begin[TARGET_PARTS] = {target_begin[0], target_begin[1]};
+    if (!fixture_thigh_pair(&target_thigh, m, begin, target_words, &pair) ||
+        !target_volume(0, &pair.pose[0], &pair.box[0], &reference) ||
+        !target_volume(1, &pair.pose[1], &pair.box[1], &scene->volume))
         return 0;
     for (uint32_t i = 0; i < TARGET_PARTS; i++)
-        for (uint32_t k = 0; k < part[i].mesh.n_vertices; k++)
-            target_begin[i][3u * k] += TARGET_OFF_MM;
+        part[i] = (smr_structure){pair.name[i], target_mesh(&m[i])};
     config.reference = &reference;
     return target_prepare(part, TARGET_PARTS, &config, scene);
 }
