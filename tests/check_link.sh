@@ -3,7 +3,8 @@
 # the shared library, the amalgamation. The golden run's own objects are the same for all; only the library is another.
 # SPDX-License-Identifier: MIT
 # usage: BUILD=... CC=... CFLAGS=... check_link.sh        the last line is the sum
-# SMR_EXPERIMENTS=full: more of CMake's flags. =all: all build types; a core for AArch64 without a host program.
+# SMR_LINK=full: more of CMake's flags. =all: all build types; a core for AArch64 without a host program. SMR_EXPERIMENTS says
+# it where SMR_LINK does not.
 set -u
 export LC_ALL=C
 build=${BUILD:-build}
@@ -30,7 +31,8 @@ ok() { passed=$((passed + 1)); echo "ok $1"; }
 not_ok() { failed=$((failed + 1)); echo "not ok $1"; }
 skip() { skipped=$((skipped + 1)); echo "ok $1 # skip $2"; }
 have() { command -v "$1" >/dev/null 2>&1; }
-full() { case ${SMR_EXPERIMENTS:-} in full | all) return 0 ;; esac; return 1; }
+asked=${SMR_LINK:-${SMR_EXPERIMENTS:-}}
+full() { case $asked in full | all) return 0 ;; esac; return 1; }
 
 # try NAME COMMAND...: passes when the command succeeds.
 try() {
@@ -228,7 +230,7 @@ CMAKE
                 try 'a project of C++ alone: built' cmake --build "$tmp/cxx/build" && try 'it runs' "$tmp/cxx/build/user"
         fi
     fi
-    if [ "${SMR_EXPERIMENTS:-}" = all ]; then
+    if [ "$asked" = all ]; then
         subdirectory 'without a build type'
         for type in Release RelWithDebInfo; do
             subdirectory "$type $native" -DCMAKE_BUILD_TYPE=$type -DCMAKE_C_FLAGS="$native" -DCMAKE_INTERPROCEDURAL_OPTIMIZATION=ON
@@ -258,7 +260,7 @@ if [ -n "$cxx" ] && [ -n "$object" ]; then
     link_golden golden_cxx "$cxx" "$object" "$tmp/port.o" -pthread && golden "amalgamation, linked by $cxx" "$tmp/golden_cxx"
 else skip 'a C++ program' 'needs g++ or clang++'; fi
 # Another processor, one that fuses without being asked: the core installed alone, and the one source without flags.
-if [ "${SMR_EXPERIMENTS:-}" = all ]; then
+if [ "$asked" = all ]; then
     cross=$work/aarch64
     prefix=aarch64-linux-gnu
     if have $prefix-gcc && have qemu-aarch64; then

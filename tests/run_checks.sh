@@ -2,6 +2,7 @@
 # run_checks: runs test programs and the scripts that check; the last line is the sum.
 # SPDX-License-Identifier: MIT
 # usage: BUILD=... CC=... SMR=... FIXTURE_WRITE=... run_checks.sh [--quick] PROGRAM...     (V=1: a line for each)
+# SMR_SKIP: words; what has one of them in its name is not run, and counts as skipped.
 #
 # A script ends with 0 (passed), 77 (skipped) or another status (failed), unless its last line is a sum of its own,
 # "N passed, N failed, N skipped". The terminal shows progress, what failed with the lines that matter, what was
@@ -114,6 +115,14 @@ fi
 for script in $scripts; do
     [ "$script" = tests/check_stack.sh ] || set -- "$script" "$@"
 done
+passed=0; failed=0; skipped=0
+for item in "$@"; do
+    shift
+    for word in ${SMR_SKIP:-}; do
+        case $item in *"$word"*) skipped=$((skipped + 1)); echo "skip  ${item#"$BUILD"/}: SMR_SKIP has $word"; continue 2 ;; esac
+    done
+    set -- "$@" "$item"
+done
 total=$#
 workers=
 trap 'kill $workers 2>/dev/null; exit 1' HUP INT TERM # they end with what they are at
@@ -123,7 +132,6 @@ for k in $(seq "$jobs"); do
 done
 wait
 [ "$terminal" = 1 ] && printf '\r\033[K'
-passed=0; failed=0; skipped=0
 reason='s/^\[  SKIPPED \] //; s/^skip[a-z]*: *//'
 for item in "$@"; do
     log=$(log_of "$item")

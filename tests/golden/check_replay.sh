@@ -39,20 +39,23 @@ if [ "${SMR_NO_BOARDS:-0}" = 1 ]; then
     echo "$passed passed, $failed failed, 1 skipped"
     exit $((failed > 0))
 fi
-# The host's own flags (a sanitiser, perhaps) are not for other compilers and processors; whatever BUILD is, these are the same.
+# The host's own flags (a sanitiser, perhaps) are not for other compilers and processors. The directories are those of
+# `make hashes`, which has the same flags: the library is compiled once for both.
 unset CFLAGS LDFLAGS
 make=${MAKE:-make}
+others=$build/hashes
+mkdir -p "$others"
 if have clang; then
-    $make -s BUILD="build/replay-clang" CC=clang CFLAGS=-O2 "build/replay-clang/replay_run" || failed=$((failed + 1))
-    agrees 'big, clang' "$state_big" "build/replay-clang/replay_run" replay "$logs/big.log" 4
+    $make -s BUILD="$others/clang-O2" CC=clang CFLAGS=-O2 "$others/clang-O2/replay_run" || failed=$((failed + 1))
+    agrees 'big, clang' "$state_big" "$others/clang-O2/replay_run" replay "$logs/big.log" 4
 else skip 'big, clang' clang; fi
 
 cross() { # name, log, state, compiler prefix, qemu, package of the C library, more flags
     if ! have "$4-gcc"; then skip "$1" "gcc-$4 $6"; return; fi
     if ! have "$5"; then skip "$1" qemu-user; return; fi
-    $make -s BUILD="build/replay-$4" CC="$4-gcc" AR="$4-ar" CFLAGS="-O2 $7" LDFLAGS=-static \
-        "build/replay-$4/replay_run" || failed=$((failed + 1))
-    agrees "$1" "$3" "$5" "build/replay-$4/replay_run" replay "$logs/$2.log" 2
+    $make -s BUILD="$others/$4" CC="$4-gcc" AR="$4-ar" CFLAGS="-O2 $7" LDFLAGS=-static \
+        "$others/$4/replay_run" || failed=$((failed + 1))
+    agrees "$1" "$3" "$5" "$others/$4/replay_run" replay "$logs/$2.log" 2
 }
 cross 'big, AArch64' big "$state_big" aarch64-linux-gnu qemu-aarch64 libc6-dev-arm64-cross ''
 # s390x, big-endian: strict C11 would evaluate floats in double there.
@@ -61,13 +64,13 @@ cross 'small, s390x' small "$state_small" s390x-linux-gnu qemu-s390x libc6-dev-s
 if ! have arm-none-eabi-gcc; then skip 'small, Cortex-M7' 'gcc-arm-none-eabi libnewlib-arm-none-eabi'
 elif ! have qemu-system-arm; then skip 'small, Cortex-M7' qemu-system-arm
 else
-    $make -s BUILD="$build/m7-golden" CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
-        CFLAGS="${M7_CFLAGS:--mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard} -O2 -DSMR_BAREMETAL" \
-        "$build/m7-golden/replay_run_m7.elf" || failed=$((failed + 1))
-    board=$(cd "$build/m7-golden" && pwd)/replay_run_m7.elf
+    . tests/target/board.sh
+    board_set m7
+    program=$(board_build replay_run) || failed=$((failed + 1))
+    case $program in /*) ;; *) program=$PWD/$program ;; esac
     cp "$logs/small.log" "$logs/replay.log" && cd "$logs" || exit 1
     agrees 'small, Cortex-M7' "$state_small" timeout 300 qemu-system-arm -M mps2-an500 -nographic -monitor none \
-        -serial none -semihosting-config enable=on,target=native -icount shift=6 -kernel "$board"
+        -serial none -semihosting-config enable=on,target=native -icount shift=6 -kernel "$program"
 fi
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]
