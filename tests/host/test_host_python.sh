@@ -6,6 +6,7 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
 build=${BUILD:-build}
 calls=$top/tests/host/python_calls.py
+structs=$top/tests/host/python_structs.py
 
 python=
 for one in ${PYTHON:-} python3 /usr/bin/python3; do
@@ -35,7 +36,7 @@ case " ${CFLAGS:-} " in
 *) run() { "$python" "$@"; } ;;
 esac
 
-run "$calls" structs >"$scratch/structs.c"
+run "$structs" >"$scratch/structs.c"
 check "structs, calls and sentences are listed" [ $? -eq 0 ]
 check "they are the header's" "$CC" -std=c11 -Iinclude -fsyntax-only "$scratch/structs.c"
 check "as many structs as there are" [ "$(grep -c '"size of' "$scratch/structs.c")" -eq 18 ]
@@ -65,7 +66,7 @@ passed=$((passed + $(grep -c '^ok ' "$scratch/behave.txt")))
 failed=$((failed + $(grep -c '^not ok ' "$scratch/behave.txt")))
 check "all of it ran" [ $status -eq 0 ]
 
-SMR_LIBRARY=$scratch/none.so run "$calls" structs >"$scratch/out.txt" 2>"$scratch/err.txt"
+SMR_LIBRARY=$scratch/none.so run "$structs" >"$scratch/out.txt" 2>"$scratch/err.txt"
 check "a library that is not there is named" grep -q 'ImportError.*libsmr.so was not found' "$scratch/err.txt"
 
 mkdir "$scratch/figure"

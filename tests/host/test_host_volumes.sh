@@ -1,18 +1,12 @@
 #!/bin/sh
-# Volumes and landmarks: one sample in every format, type, order of bytes and packing must come out the same; real
-# files have the ranges they are known for; each hostile file gets exit status 2 and one line with file and place.
+# Volumes: one sample in every format, type, order of bytes and packing must come out the same; real files have the
+# ranges they are known for; each hostile file gets exit status 2 and one line with file and place.
 # SPDX-License-Identifier: MIT
 # SMR_TEST_KB: more memory for sanitized builds. SMR_TEST_CFLAGS: for the helper. SMR_TEST_DATA: where real data lies.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
 
-build_tool || { not_ok "the mesh helper compiles"; finish; exit 1; }
-compile_tool volume_tool "$scratch/volume" base files meshes volumes landmarks || { not_ok "the helper compiles"; finish; exit 1; }
-data=${SMR_TEST_DATA:-../shared/data}
-[ -d "$data" ] && data=$(cd "$data" && pwd)
-tool=$scratch/tool
-volume=$scratch/volume
-cd "$scratch" || exit 1
+. tests/host/volumes_common.inc
 command -v gzip >/dev/null 2>&1 && gzip=1 || gzip=0
 
 # What every file of the sample must give, by type in memory.
@@ -35,17 +29,6 @@ gives() {
         echo "#   $gives_is"
     fi
 }
-# says NAME EXPECTED COMMAND...: prints exactly that.
-says() {
-    says_name=$1 says_expected=$2
-    shift 2
-    says_is=$("$@" 2>&1)
-    if [ "$says_is" = "$says_expected" ]; then ok "$says_name"; else
-        not_ok "$says_name"
-        echo "#   $says_is"
-    fi
-}
-
 # meta TYPE MSB FILE [LINE]: a MetaImage header.
 meta() {
     printf 'ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = %s\n' "$2"
@@ -188,23 +171,6 @@ says "constant" "uint8 $place v 0 0 0.0 0" "$volume" info constant.mha
 { meta MET_USHORT True LOCAL; cat raw16; echo more; } >longer.mha
 gives "more bytes than voxels" longer.mha uint16
 
-# refused NAME FILE PLACE [COMMAND [FILE]]: status 2 and one line that names file, place and expectation.
-refused() {
-    refused_name=$1 refused_file=$2 refused_place=$3
-    if [ $# -gt 3 ]; then shift 3; else shift 3; set -- info "$refused_file"; fi
-    "$tool" run 2000 "${SMR_TEST_KB:-204800}" "$volume" "$@" >out.txt 2>err.txt
-    refused_status=$?
-    refused_why=
-    [ $refused_status -eq 2 ] || refused_why="status $refused_status"
-    [ "$(wc -l <err.txt)" -eq 1 ] || refused_why="$refused_why, $(wc -l <err.txt) lines"
-    grep -qF "smr: $refused_file: " err.txt || refused_why="$refused_why, no file"
-    grep -qE "^smr: [^:]*: .*$refused_place.*: expected ." err.txt || refused_why="$refused_why, no place like $refused_place"
-    [ -s out.txt ] && refused_why="$refused_why, standard output not empty"
-    if [ -z "$refused_why" ]; then ok "refused: $refused_name"; else
-        not_ok "refused: $refused_name ($refused_why)"
-        sed 's/^/#   /' err.txt | head -3
-    fi
-}
 # meta_refused NAME PLACE SED: the good MetaImage with one change.
 meta_refused() {
     { meta MET_USHORT True LOCAL | sed "$3"; cat raw16; } >bad.mha
@@ -349,124 +315,10 @@ if [ $gzip -eq 1 ]; then
     refused "NRRD, packed, detached, cut off" sub/cut.nhdr "data file cut.gz"
 fi
 
-# Landmarks.
-json() { printf '{"markups": [{"type": "Fiducial", "controlPoints": [%s], "coordinateSystem": "%s"}]}\n' "$2" "$1"; }
-point() { printf '{"label": "%s", "position": [%s]}' "$1" "$2"; }
-json LPS "$(point 'tip, low' '1, -2.5, 3e1'), $(point b\\u00e9 '0,0,0')" >a.mrk.json
-both='tip, low: 1.000 -2.500 30.000
-bé: 0.000 0.000 0.000'
-says "markups, LPS" "$both" "$volume" landmarks a.mrk.json
-json RAS "$(point 'tip, low' '-1, 2.5, 30'), $(point bé '0,0,0')" >ras.mrk.json
-says "markups, RAS" "$both" "$volume" landmarks ras.mrk.json
-fcsv() { printf '# Markups fiducial file version = 4.11\n# CoordinateSystem = %s\n# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n%s\n' "$1" "$2"; }
-for pair in LPS:1,-2.5,30 1:1,-2.5,30 RAS:-1,2.5,30 0:-1,2.5,30; do
-    fcsv "${pair%:*}" "n_0,${pair#*:},0,0,0,1,1,1,0,\"tip, low\",,
-n_1,0,0,0,0,0,0,1,1,1,0,bé,,vtkMRMLModelNode4" >a.fcsv
-    says "fcsv, ${pair%:*}" "$both" "$volume" landmarks a.fcsv
-done
-printf '\357\273\277label,x,y,z\r\n"tip, low",1,-2.5,30\r\nb\303\251, 0, 0, 0\r\n' >a.csv
-says "CSV with names of columns" "$both" "$volume" landmarks a.csv
-printf '"tip, low",1,-2.5,30\n\n# remark\nb\303\251,0,0,0' >b.csv
-says "CSV without" "$both" "$volume" landmarks b.csv
-for head in label,x,y,z:'"tip, low",1,-2.5,30' label,z,y,x:'"tip, low",30,-2.5,1' Z,Label,X,Y:'30,"tip, low",1,-2.5' \
-    label,R,A,S:'"tip, low",-1,2.5,30' '"label","s","l","p":"tip, low",30,1,-2.5'; do
-    printf '%s\n%s\n' "${head%%:*}" "${head#*:}" >head.csv
-    says "CSV, names ${head%%:*}" "tip, low: 1.000 -2.500 30.000" "$volume" landmarks head.csv
-    { echo "# columns = ${head%%:*}"; cat head.csv; } >column.csv
-    says "CSV, names ${head%%:*}, as a comment, too" "tip, low: 1.000 -2.500 30.000" "$volume" landmarks column.csv
-done
-printf '# CoordinateSystem = RAS\nlabel,z,y,x\na,3,2,-1\n' >head.csv
-says "CSV, names and a system" "a: 1.000 -2.000 3.000" "$volume" landmarks head.csv
-printf '# CoordinateSystem = 0\nlabel,S,A,R\na,3,2,-1\n' >head.csv
-says "CSV, names and the same system" "a: 1.000 -2.000 3.000" "$volume" landmarks head.csv
-fcsv LPS '1,1,2,3,0,0,0,1,1,1,0,a,,,2,0
-2,0,0,0,0,0,0,1,1,1,0,b,,,0,0
-3,7,7,7,0,0,0,1,1,1,0,c,,,1,1' >status.fcsv
-says "fcsv, status of a point" "a: 1.000 2.000 3.000" "$volume" landmarks status.fcsv
-fcsv LPS '30,-2.5,1,tip' | sed 's/columns = .*/columns = z,y,x,label/' >columns.fcsv
-says "fcsv, other columns" "tip: 1.000 -2.500 30.000" "$volume" landmarks columns.fcsv
-for units in '"mm"' '["mm", "UCUM", "millimeter"]' '["mm"]'; do
-    json LPS "$(point a 1,2,3)" | sed "s/\"Fiducial\"/&, \"coordinateUnits\": $units/" >units.mrk.json
-    says "markups, units $units" "a: 1.000 2.000 3.000" "$volume" landmarks units.mrk.json
-done
-printf 'b\303\251,7,8,9\n"tip, low",4,5,6\n' >target.csv
-says "pairs by label" "1.000 -2.500 30.000 -> 4.000 5.000 6.000
-0.000 0.000 0.000 -> 7.000 8.000 9.000" "$volume" pair a.mrk.json target.csv
-says "64 landmarks" 64 sh -c "seq 1 64 | sed 's/.*/p&,&,0,0/' >64.csv; '$volume' landmarks 64.csv | wc -l"
-printf '{"markups":[{"coordinateSystem":"LPS","controlPoints":[%s,{"label":"x","positionStatus":"undefined","position":null}]}]}' "$(point a 1,2,3)" >undefined.mrk.json
-says "markups, a point not placed" "a: 1.000 2.000 3.000" "$volume" landmarks undefined.mrk.json
-
-printf '{"markups":[{"coordinateSystem":"LPS","controlPoints":[%s,{"label":"x","position":"","positionStatus":"undefined"}]}]}' "$(point a 1,2,3)" >undefined.mrk.json
-says "markups, a position of no text" "a: 1.000 2.000 3.000" "$volume" landmarks undefined.mrk.json
-
-lost() { refused "landmarks, $1" "$2" "$3" landmarks "$2"; }
-for units in '"um"' '["um", "UCUM", "micrometer"]' '["mm", "other"]' '[]' '{"code": "um"}' '{"code": "mm"}' null 1 '[["mm"]]'; do
-    json LPS "$(point a 1,2,3)" | sed "s/\"Fiducial\"/&, \"coordinateUnits\": $units/" >bad.mrk.json
-    lost "units $units" bad.mrk.json "line 1"
-done
-json LPS '{"label": "a", "position": ""}' >bad.mrk.json; lost "position of no text" bad.mrk.json "line 1"
-json LPS '{"label": "a", "position": [1,2,3], "positionStatus": "lost"}' >bad.mrk.json; lost "unknown status" bad.mrk.json "line 1"
-json LPI "$(point a 1,2,3)" >bad.mrk.json; lost "unknown system" bad.mrk.json "line 1"
-json LPS "$(point a 1,2,3), $(point a 4,5,6)" >bad.mrk.json; lost "label twice" bad.mrk.json "line 1"
-json LPS "$(point a 1,2)" >bad.mrk.json; lost "two coordinates" bad.mrk.json "line 1"
-json LPS "$(point a 1,2,3,4)" >bad.mrk.json; lost "four coordinates" bad.mrk.json "line 1"
-json LPS "$(point a 1,NaN,3)" >bad.mrk.json; lost "NaN" bad.mrk.json "line 1"
-json LPS "$(point a 1,1e300,3)" >bad.mrk.json; lost "far away" bad.mrk.json "line 1"
-json LPS "$(point a 01,2,3)" >bad.mrk.json; lost "number that is none" bad.mrk.json "line 1"
-json LPS "$(point '' 1,2,3)" >bad.mrk.json; lost "empty label" bad.mrk.json "line 1"
-json LPS "$(point "$(printf '%064d' 0)" 1,2,3)" >bad.mrk.json; lost "label of 64 bytes" bad.mrk.json "line 1"
-json LPS "$(point 'a\q' 1,2,3)" >bad.mrk.json; lost "unknown escape" bad.mrk.json "line 1"
-json LPS "$(point 'a\ud800' 1,2,3)" >bad.mrk.json; lost "half a character" bad.mrk.json "line 1"
-json LPS "$(point a 1,2,3)," >bad.mrk.json; lost "comma too many" bad.mrk.json "line 1"
-json LPS "" >bad.mrk.json; lost "none" bad.mrk.json landmarks
-echo '{}' >bad.mrk.json; lost "no markups" bad.mrk.json landmarks
-printf '{"markups":[{"controlPoints":[%s]}]}' "$(point a 1,2,3)" >bad.mrk.json; lost "no system" bad.mrk.json "line 1"
-json LPS "$(point a 1,2,3)" | head -c 60 >bad.mrk.json; lost "cut off" bad.mrk.json "line 1"
-{ json LPS "$(point a 1,2,3)"; echo more; } >bad.mrk.json; lost "more behind" bad.mrk.json "line 2"
-{ printf '{"a":'; head -c 100000 /dev/zero | tr '\0' '['; } >bad.mrk.json; lost "100,000 lists" bad.mrk.json "line 1"
-fcsv LIP "1,1,2,3,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, unknown system" bad.fcsv "line 2"
-fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,," | sed 2d >bad.fcsv; lost "fcsv, no system" bad.fcsv header
-echo "1,1,2,3,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, no header" bad.fcsv header
-fcsv LPS "1,1,2" >bad.fcsv; lost "fcsv, cut row" bad.fcsv "line 4"
-fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,,," >bad.fcsv; lost "fcsv, no label" bad.fcsv "line 4"
-fcsv LPS "1,1,5,2,3,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, a decimal comma" bad.fcsv "line 4"
-fcsv LPS "1,1,5,2,5,3,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, two decimal commas" bad.fcsv "line 4"
-fcsv LPS "1,1,5,2,5,3,5,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, three decimal commas" bad.fcsv "line 4"
-fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a" >bad.fcsv; lost "fcsv, twelve fields" bad.fcsv "line 4"
-fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,,,3,0" >bad.fcsv; lost "fcsv, unknown status" bad.fcsv "line 4"
-fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,,,2" >bad.fcsv; lost "fcsv, fifteen fields" bad.fcsv "line 4"
-fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,," | sed 's/,oz/,x/' >bad.fcsv; lost "fcsv, a column twice" bad.fcsv "line 3"
-for head in label,a,b,c label,x,y name,x,y,z label,x,y,z,w label,x,A,S label,x,x,y label,i,j,k 'label;x;y;z' 'label,x (mm),y,z' a,b,c,d; do
-    printf '%s\na,1,2,3\n' "$head" >bad.csv; lost "CSV, names $head" bad.csv "line 1"
-done
-printf '# columns = label,x,y,z\nlabel,z,y,x\na,1,2,3\n' >bad.csv; lost "CSV, names that differ" bad.csv "line 2"
-printf 'a,1,2,3\n# columns = label,z,y,x\n' >bad.csv; lost "CSV, names after a landmark" bad.csv "line 2"
-printf '# CoordinateSystem = LPS\nlabel,R,A,S\na,1,2,3\n' >bad.csv; lost "CSV, names of another system" bad.csv "line 1"
-printf 'a,1,5,2,3\n' >bad.csv; lost "CSV, a decimal comma" bad.csv "line 1"
-printf 'a;1,5;2,5;3,5\n' >bad.csv; lost "CSV, semicolons" bad.csv "line 1"
-printf 'label,x,y,z\nlabel,x,y,z\na,1,2,3\n' >bad.csv; lost "CSV, names twice" bad.csv "line 2"
-printf 'a,1,2,3\na,4,5,6\n' >bad.csv; lost "CSV, label twice" bad.csv "line 2"
-printf 'a,1,2,3\nb,4,5\n' >bad.csv; lost "CSV, three fields" bad.csv "line 2"
-printf 'a,1,2,3\nb,4,x,6\n' >bad.csv; lost "CSV, no number" bad.csv "line 2"
-printf 'a,1,2,nan\n' >bad.csv; lost "CSV, NaN" bad.csv "line 1"
-printf 'a, b,1,2,3\n' >bad.csv; lost "CSV, comma without quotes" bad.csv "line 1"
-printf '"a,1,2,3\n' >bad.csv; lost "CSV, open quote" bad.csv "line 1"
-printf '# CoordinateSystem = IJK\na,1,2,3\n' >bad.csv; lost "CSV, unknown system" bad.csv "line 1"
-printf 'label,x,y,z\n' >bad.csv; lost "CSV, none" bad.csv landmarks
-seq 1 65 | sed 's/.*/p&,&,0,0/' >bad.csv; lost "65" bad.csv "line 65"
-lost "missing" none.csv file
-lost "a volume" a.nii content
-printf 'a,1,2,3\nb,4,5,6\n' >two.csv
-printf 'a,1,2,3\nc,4,5,6\n' >other.csv
-printf 'a,1,2,3\n' >one.csv
-refused "landmarks, counts differ" one.csv landmarks pair two.csv one.csv
-refused "landmarks, label missing" other.csv landmarks pair two.csv other.csv
-
 # Damaged files: refused or read, never a crash (which gives another status).
 for file in a.mha text.mha packed.mha s.nii q.nii a.nrrd packed.nrrd text.nrrd; do
     [ -f $file ] && check "damaged $file" "$volume" fuzz $file "${SMR_TEST_FUZZ:-3000}" 1
 done
-for file in a.mrk.json units.mrk.json a.fcsv status.fcsv a.csv column.csv; do check "damaged $file" "$volume" fuzz-landmarks $file "${SMR_TEST_FUZZ:-3000}" 1; done
 
 # Real files.
 identity='d 1.000 0.000 0.000 0.000 1.000 0.000 0.000 0.000 1.000 v'
@@ -477,11 +329,4 @@ real volumes/mri_hip_thigh_m.mha "uint8 100 200 120 o -188.574 -113.047 -344.723
 real volumes/mri_thighs.mha "int16 261 134 31 o -673.500 -589.500 93.000 s 1.500 1.500 6.000 $identity 0 4362"
 real thigh_patient/mri_reference.mha "uint8 257 270 273 o -229.019 -120.573 -494.369 s 1.000 1.000 3.000 $identity 0"
 real thigh_patient/mri_patient.mha "uint8 245 282 259 o -202.026 -117.333 -443.184 s 1.000 1.000 3.000 $identity 0"
-if [ -d "$data/thigh_patient" ]; then
-    for file in thigh_patient/landmarks_patient thigh_person/landmarks_person; do
-        says "$file, pairs" 15 sh -c "'$volume' pair '$data/thigh_patient/landmarks_reference.mrk.json' '$data/$file.mrk.json' | wc -l"
-    done
-else
-    skip "real landmarks" "not there"
-fi
 finish
