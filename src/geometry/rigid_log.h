@@ -22,8 +22,8 @@ smr_vec smr_rotation_log(const float r_minus_i[9]);
  * shifts by `shift`, mm. The rate is at most |turn| |centre| + 1.571 |shift|. */
 smr_twist smr_twist_about(smr_vec turn, smr_vec centre, smr_vec shift);
 
-/* How far the motion takes the point p, mm; *normal (unit, or 0) turns with it. A turn that is longer than SMR_HALF_TURN
- * is shortened to it. */
+/* How far the motion takes the point p, mm; *normal (unit, or 0) turns with it. A turn longer than SMR_HALF_TURN is
+ * shortened to it. */
 smr_vec smr_twist_move(smr_twist twist, smr_vec p, smr_vec *normal);
 
 #endif
