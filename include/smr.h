@@ -627,6 +627,18 @@ typedef struct smr_config {
      * which shrinks where these turn differently, or of their logarithms, which is a rigid motion again. Differences
      * show where x^r follows seldom (plastic_every). */
     uint32_t fusing;
+
+    /* ---- volume and smoothness ---- */
+
+    /* share, [0, 1], default 0: off. Of what is missing from a closed structure's volume that each iteration gives back,
+     * everywhere equally far along the normals. 1: it is what is asked after each iteration: the volume of the rest
+     * shape in the scale of the start, times smr_set_volume_ratio(). Less: a compromise with the targets'.
+     * Structures that are not closed are left alone. Not 0, the arena has SMR_VOLUME_BYTES more. */
+    float volume;
+    /* share, [0, 1], default 0: off. Weight of smoothing on the surface beside goals, which weigh the rest to 1: a vertex
+     * is drawn along its normal to where it stands out from its mesh neighbours as much as at rest. Finest radii feel it
+     * most: clusters are stiff. Not 0, the arena has SMR_SMOOTH_BYTES more. */
+    float smooth;
 } smr_config;
 
 smr_config smr_config_default(void);
@@ -680,7 +692,7 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 /* Upper bound of smr_arena_bytes() as a constant, for static storage:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(1000, 2000, 1, 1, 0, SMR_METHOD_RIGID)];
  * n_workers, n_target_vertices and method as in smr_config. n_landmarks adds SMR_LANDMARKS_BYTES, caller_goals and
- * caller_force SMR_CALLER_BYTES, track SMR_TRACK_BYTES; no other setting changes the size.
+ * caller_force SMR_CALLER_BYTES, track SMR_TRACK_BYTES, volume and smooth theirs; no other setting changes the size.
  * Above the exact size by about 6 kB, 1.3 kB for each further structure, and 0.4 %: with one structure a quarter at 50
  * vertices, 2 % at 1,000, and less than 1 % from 5,000 on. */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices, method)                   \
@@ -701,6 +713,10 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 /* To add to it where config.caller_goals or config.caller_force are not 0. */
 #define SMR_CALLER_BYTES(n_vertices, n_structures)                                                                     \
     ((size_t)256u + (size_t)16u * (n_vertices) + (size_t)16u * (n_structures))
+
+/* To add to it where config.volume, or config.smooth, is not 0. */
+#define SMR_VOLUME_BYTES(n_structures) ((size_t)64u + (size_t)72u * (n_structures))
+#define SMR_SMOOTH_BYTES(n_vertices) ((size_t)64u + (size_t)4u * (n_vertices))
 
 /* Parts of the two bounds: search trees, and the triangles' copy where a model's byte order is not the processor's. */
 #define SMR_TREE_BYTES(n_triangles, n_structures)                                                                      \
@@ -783,6 +799,14 @@ smr_status smr_get_landmarks(const smr *s, float *xyz);
  * Errors: E_NULL, E_STATE (not a registration), E_ARENA (config.caller_goals is 0), E_INPUT (no such structure, a goal
  * beyond SMR_COORD_MAX or not finite, a weight outside its range). */
 smr_status smr_set_goals(smr *s, uint32_t structure, const float *xyz, const float *weights);
+
+/* The volume that a closed structure, or each of them (SMR_ALL), is to have: ratio, 0.1..10, times the rest shape's in
+ * the scale of the start, which is that of the similarity that lays the model's rest shape onto the start positions
+ * best. 1 until set. Gone to by steps of 4 % an iteration. Allowed between any two ticks, as smr_set_surface(); stays
+ * over smr_set_pose() and smr_set_positions().
+ * Errors: E_NULL, E_STATE (not a registration), E_ARENA (config.volume is 0), E_INPUT (no such structure, one that
+ * encloses no volume, a ratio outside its range). */
+smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio);
 
 /* What a force of the caller's own sees: n vertices, which it may only read, and only until it returns. */
 typedef struct smr_force_view {
@@ -906,6 +930,22 @@ typedef struct smr_structure_report {
 
 smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report);
 
+/* The volume of a structure that encloses one: each edge of its triangles belongs to as many triangles in one sense as in
+ * the other. Volumes are positive, also where triangles look inwards at rest; a structure turned inside out since has a
+ * negative one. */
+typedef struct smr_structure_volume {
+    uint32_t closed;   /* 0: it encloses none, and all else is 0 */
+    float rest_mm3;    /* of the rest shape, in the scale of the start (smr_set_volume_ratio()) */
+    float asked_mm3;   /* at the end of the way there; 0 while config.volume is 0 */
+    float present_mm3; /* of the last complete iteration */
+    float asked_ratio; /* asked_mm3 over rest_mm3 */
+    float ratio;       /* present_mm3 over rest_mm3 */
+} smr_structure_volume;
+
+/* Errors: E_NULL, E_INPUT, E_STATE (not a registration). One pass over the model's vertices and the structure's
+ * triangles, whether config.volume is on or off. */
+smr_status smr_get_structure_volume(const smr *s, uint32_t structure, smr_structure_volume *volume);
+
 /* Whether a result can be relied on. GOOD: nothing measured speaks against it. LOOK: something does. FAILED: the result
  * tells nothing of the target. */
 enum { SMR_VERDICT_GOOD = 0, SMR_VERDICT_LOOK = 1, SMR_VERDICT_FAILED = 2 };
@@ -1028,20 +1068,22 @@ enum {
     SMR_LOG_LANDMARKS, /* smr_set_landmarks: a record for each of them */
     SMR_LOG_GOALS,
     SMR_LOG_FORCE, /* smr_set_force; or, before a tick, what the force gave in its iteration */
-    SMR_LOG_POINTS /* smr_set_points, and each change of its points */
+    SMR_LOG_POINTS, /* smr_set_points, and each change of its points */
+    SMR_LOG_VOLUME_RATIO = 13 /* smr_set_volume_ratio */
 };
 
 /* One record. Fields that its kind does not have are 0. */
 typedef struct smr_log_record {
     uint32_t kind; /* SMR_LOG_...; 0: the log ends here */
     /* inputs */
-    uint32_t structure; /* surface, points, positions, goals: whose; SMR_ALL */
+    uint32_t structure; /* surface, points, positions, goals, volume ratio: whose; SMR_ALL */
     uint32_t present;   /* 0: it was taken away (NULL) */
     /* of a surface, points, volume, positions or goals; of what a force gave, also in the tick's */
     uint64_t checksum;
     smr_pose pose;
     smr_landmark landmark; /* number `index` of `count`; none when count is 0: they were taken away */
     uint32_t index, count;
+    float ratio;   /* of a volume */
     uint32_t gave; /* 1, of SMR_LOG_FORCE: the checksum is of what the force gave in the coming tick's iteration */
     /* ticks: what the tick's report said */
     uint32_t complete; /* 1: an iteration was completed, or the schedule was done already; 0: SMR_PARTIAL */
@@ -1175,6 +1217,9 @@ smr_status smr_save_bytes(const smr *s, size_t *bytes);
     ((size_t)1152u + ((method) == SMR_METHOD_RIGID ? (size_t)85u : (size_t)121u) * (n_vertices) +                      \
      (size_t)44u * (n_structures) + (size_t)4u * (n_target_vertices) +                                                 \
      ((n_landmarks) > 0u ? (size_t)4u + (n_vertices) + (size_t)200u * (n_landmarks) : (size_t)0u))
+
+/* What config.volume adds to it. */
+#define SMR_SAVE_VOLUME_BYTES(n_structures) ((size_t)8u * (n_structures))
 
 /* What config.track adds to it. */
 #define SMR_SAVE_TRACK_BYTES(n_vertices) ((size_t)128u + (size_t)12u * (n_vertices))

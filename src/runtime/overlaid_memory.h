@@ -5,6 +5,7 @@
  *   record          smr_restore() -> the last input is set again              checksums of what is waited for
  *   record          fill -> forces                                            rings: middle of mesh neighbours
  *                   point spread -> forces                                    spread: pulls of a cloud's points
+ *                   smoothing -> forces are taken                            rings: mesh neighbours' positions
  *                   reference records -> their sums                           moments of x^r
  *                   records of displacements -> their sums                    displacements, fixed point
  *                   records of transforms -> their sums                       transforms, fixed point
@@ -22,6 +23,7 @@
 #define SMR_OVERLAID_MEMORY_H
 
 #include "base/keep.h"
+#include "base/vec.h"
 
 /* What a task leaves for the end of its step; reduced in task order. */
 typedef union smr_tally {
@@ -57,6 +59,19 @@ typedef struct smr_rings {
     float *displacement; /* [n][3] tangent evening: from the rest shape in its pose, mm */
     float *asked;        /* [n] fold limit: the largest share that a hinge asks of the vertex; over displacement */
 } smr_rings;
+
+/* Adds to the rings of a triangle's corners what the two others have: value [n][3]. Neighbours count once for each
+ * triangle between. */
+static inline void smr_ring_add(const smr_rings *rings, const uint32_t *t, const float *value)
+{
+    for (uint32_t c = 0; c < 3u; c++) {
+        const smr_vec a = smr_load(value + 3u * (size_t)t[(c + 1u) % 3u]);
+        const smr_vec b = smr_load(value + 3u * (size_t)t[(c + 2u) % 3u]);
+        float *sum = rings->sum + 3u * (size_t)t[c];
+        smr_store(sum, smr_add(smr_load(sum), smr_add(a, b)));
+        rings->weight[t[c]] += 2.0f;
+    }
+}
 
 /* How pulls of points spread over the mesh, in the memory of the records behind the rings. */
 typedef struct smr_spread {

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "runtime/evolve/evolve.h"
+#include "runtime/evolve/volume_preservation.h"
 #include "runtime/folds/folds.h"
 #include "runtime/forces/forces.h"
 #include "runtime/match/match.h"
@@ -32,6 +33,7 @@ struct smr {
     smr_reference reference;
     smr_match match;
     smr_evolve evolve;
+    smr_volumes volumes;
     smr_folds folds;
     smr_time_budget budget;
     smr_log log;

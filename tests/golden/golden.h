@@ -50,6 +50,7 @@ int golden_points(const smr_model *model, const smr_mesh *mesh, const smr_port *
 int golden_drawn(const smr_model *model, const smr_mesh *mesh, const smr_surface *target, const smr_port *port,
                  uint64_t *hash);
 int golden_fused(const smr_model *model, const smr_mesh *mesh, const smr_port *port, uint64_t *hash);
+int golden_kept(const smr_model *model, const smr_surface *target, const smr_port *port, uint64_t *hash);
 int golden_carry(const smr *s, const smr_mesh *rest, const smr_port *port, uint32_t *crc);
 
 #endif

@@ -147,6 +147,29 @@ int golden_fused(const smr_model *model, const smr_mesh *mesh, const smr_port *p
     return 1;
 }
 
+/* Onto the target with a tenth more volume than at rest, and less from the middle on, smoothed. */
+int golden_kept(const smr_model *model, const smr_surface *target, const smr_port *port, uint64_t *hash)
+{
+    smr_config config = smr_config_default();
+    smr_structure_volume volume;
+    smr *s = NULL;
+    config.n_workers = GOLDEN_WORKERS;
+    config.n_target_vertices = 1024;
+    config.volume = 1.0f;
+    config.smooth = 0.3f;
+    config.iterations = 8;
+    if (!golden_ok("volume init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
+        !golden_ok("volume surface", smr_set_surface(s, SMR_ALL, target)))
+        return 0;
+    for (uint32_t tick = 0; tick < GOLDEN_TICKS; tick++)
+        if ((tick % 20u == 0u && !golden_ok("ratio", smr_set_volume_ratio(s, 0, tick == 0u ? 1.1f : 0.95f))) ||
+            !golden_ok("volume tick", smr_tick(s, 0, NULL)))
+            return 0;
+    *hash = smr_state_hash(s);
+    return golden_ok("volume", smr_get_structure_volume(s, 0, &volume)) &&
+           golden_ok("ratio reached", volume.ratio > 0.94f && volume.ratio < 0.96f ? SMR_OK : SMR_E_STATE);
+}
+
 /* Points beside the rest shape's vertices, carried to where s has the bone, and back. */
 #define GOLDEN_CARRIED 192u
 int golden_carry(const smr *s, const smr_mesh *rest, const smr_port *port, uint32_t *crc)

@@ -52,6 +52,8 @@ typedef struct host_options {
     const char *log;                    /* path of the log file; NULL: no log */
     const char *result;                 /* a result's directory */
     const char *points, *like, *volume; /* files; NULL when not given */
+    uint32_t keep_volume;               /* 1: closed structures keep their volume */
+    host_files volume_ratio;            /* words NAME=R; implies keep_volume */
     const char *names;                  /* a file with labels and their names; NULL when not given */
     uint32_t passes;                    /* of smoothing the surfaces of a label map */
     uint32_t inverse;                   /* 1: from the result back to the model */

@@ -9,6 +9,7 @@
 #include "base/text_scan.h"
 #include "files/file_names.h"
 #include "meshes/triangle_mesh.h"
+#include "options/volume_ratios.h"
 #include "volumes/voxel_volume.h"
 
 /* mm: about what clusters of the coarsest radius put right themselves; points clicked in an image are uncertain */
@@ -330,6 +331,8 @@ static int settle_targets(host_options *options, host_error *error)
 
 int host_options_check(host_options *options, host_error *error)
 {
+    if (host_volume_ratios_check(&options->volume_ratio, error) != 0)
+        return -1;
     if (check_needs(options, error) != 0 || check_save(options, error) != 0 || check_packed(options, error) != 0 ||
         check_format(options, error) != 0)
         return -1;

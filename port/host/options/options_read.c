@@ -213,10 +213,11 @@ static int set_defaults(int command, int argc, int paper, host_options *options)
     options->landmarks.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->landmark_goals.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->frames.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    options->volume_ratio.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->goal_weight = 1.0f;
     return options->model.path == NULL || options->target.path == NULL || options->operands.path == NULL ||
                    options->landmarks.path == NULL || options->landmark_goals.path == NULL ||
-                   options->frames.path == NULL
+                   options->frames.path == NULL || options->volume_ratio.path == NULL
                ? -1
                : 0;
 }
@@ -245,6 +246,8 @@ int host_options_read(int command, int argc, char **argv, host_options *options,
         options->prepare.separate_below_mm = 0.0f;
     else if (options->clusters == HOST_CLUSTERS_SEPARATE)
         options->prepare.separate_below_mm = SMR_COORD_MAX; /* the most that smr_prepare() takes */
+    if (options->keep_volume || options->volume_ratio.n > 0)
+        options->config.volume = 1.0f;
     return host_options_check(options, error);
 }
 
@@ -255,6 +258,7 @@ void host_options_free(host_options *options)
     free(options->operands.path);
     free(options->landmarks.path);
     free(options->frames.path);
+    free(options->volume_ratio.path);
     free(options->landmark_goals.path);
     memset(options, 0, sizeof *options);
 }

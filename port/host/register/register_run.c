@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
-#include "register/register_job.h"
+#include "register/register_volume.h"
 
 #define PROGRESS_EVERY_S 0.1
 #define TICKS_MAX 10000000u /* with a budget, an iteration may take many ticks */
@@ -51,6 +51,8 @@ static int set_targets(host_job *job, host_error *error)
         return host_job_resumed(job, status, error);
     if (status == SMR_OK && job->goals != NULL)
         status = host_landmark_goals_set(job->goals, job->options->goal_weight, job->state);
+    if (status == SMR_OK && host_volume_ratios_set(job, error) != 0)
+        return -1;
     return status == SMR_OK ? 0 : refuse(error, "set up", status);
 }
 

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "register/register_volume.h"
 #include "report/json_write.h"
 #include "report/report_files.h"
 
@@ -258,6 +259,7 @@ static void put_structure(const host_job *job, uint32_t i, host_json *json)
               (double)result->report.moved_mean_mm, (double)result->report.moved_max_mm);
     host_json_count(json, "folds", result->folds);
     host_json_count(json, "folds_absolute", result->folds_absolute);
+    host_report_volume(job, i, json);
     host_json_close(json, '}');
 }
 

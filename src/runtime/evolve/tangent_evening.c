@@ -52,28 +52,14 @@ void smr_evening_clear(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-static void add(smr_evening *e, uint32_t v, smr_vec a, smr_vec b)
-{
-    float *sum = smr_at3(e->rings.sum, v);
-    smr_store(sum, smr_add(smr_load(sum), smr_add(a, b)));
-    e->rings.weight[v] += 2.0f;
-}
-
 /* Sums of the mesh neighbours' displacements. Triangles share vertices: one task after the other. */
 void smr_evening_rings(void *arg, uint32_t task, uint32_t worker)
 {
     smr_evening *e = arg;
     (void)worker;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_TRIANGLE_CHUNK, e->shared->n_triangles);
-    for (uint32_t k = task * SMR_TRIANGLE_CHUNK; k < last; k++) {
-        const uint32_t *t = e->shared->triangle + 3u * (size_t)k;
-        float *displacement = e->rings.displacement;
-        const smr_vec a = smr_load(smr_at3(displacement, t[0])), b = smr_load(smr_at3(displacement, t[1]));
-        const smr_vec c = smr_load(smr_at3(displacement, t[2]));
-        add(e, t[0], b, c);
-        add(e, t[1], c, a);
-        add(e, t[2], a, b);
-    }
+    for (uint32_t k = task * SMR_TRIANGLE_CHUNK; k < last; k++)
+        smr_ring_add(&e->rings, e->shared->triangle + 3u * (size_t)k, e->rings.displacement);
 }
 
 smr_vec smr_evening_way(const smr_evening *e, uint32_t v)

@@ -124,7 +124,7 @@ void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
         }
         const smr_vec way = smr_load(smr_at3(f->force, v));
         count(f, v, way, tally);
-        smr_store(smr_at3(f->force, v), smr_scale(way, stiffness * ease_at(f, v)));
+        smr_store(smr_at3(f->force, v), smr_scale(smr_smooth_blend(&f->smooth, v, way), stiffness * ease_at(f, v)));
         measure(f, v, tally);
     }
 }

@@ -7,6 +7,7 @@
 #include "runtime/forces/caller_goals.h"
 #include "runtime/forces/image_goal.h"
 #include "runtime/forces/point_spread.h"
+#include "runtime/forces/smooth.h"
 #include "runtime/forces/unseen_field.h"
 
 /* What was found for a vertex. */
@@ -31,6 +32,7 @@ typedef struct smr_forces {
     smr_unseen_field unseen;
     smr_image_goals image;
     smr_caller_goals caller;
+    smr_smooth smooth;
     smr_tally *tally;
     float *force;        /* [n][3] mm; while goals are sought: the way to the goal */
     float *residual;     /* [n] distance to the goal, mm, where there is one */
@@ -76,6 +78,7 @@ static inline void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_sha
     smr_landmark_goals_layout(a, &f->landmarks, shared);
     smr_image_goals_layout(a, &f->image, shared);
     smr_caller_goals_layout(a, &f->caller, shared);
+    smr_smooth_layout(a, &f->smooth, shared);
 }
 
 static inline void smr_sources_wire(smr_forces *f, const smr_overlay *overlay)
@@ -86,6 +89,7 @@ static inline void smr_sources_wire(smr_forces *f, const smr_overlay *overlay)
     smr_unseen_field_wire(&f->unseen, f->shared, f->pace, f->shape, &f->surface, &f->landmarks, overlay);
     smr_image_goals_wire(&f->image, f->shared, f->pace, f->shape, f->found_last, &overlay->rings);
     smr_caller_goals_wire(&f->caller, f->shared, f->pace, f->shape);
+    smr_smooth_wire(&f->smooth, f->shared, f->pace, f->shape, &overlay->rings);
 }
 
 static inline void smr_sources_reset(smr_forces *f)

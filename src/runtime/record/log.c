@@ -21,6 +21,7 @@ uint32_t smr_log_words(uint32_t kind)
     case SMR_LOG_FORCE: return 3;
     case SMR_LOG_POSE: return 12;
     case SMR_LOG_POSITIONS: return 3;
+    case SMR_LOG_VOLUME_RATIO: return 2;
     case SMR_LOG_LANDMARKS: return 12;
     case SMR_LOG_ACTIVE:
     case SMR_LOG_FULL: return 1;
@@ -156,6 +157,13 @@ void smr_log_gave(smr_log *log, uint64_t sum)
     const uint32_t word[3] = {2, low(sum), high(sum)};
     if (logs(log))
         put(log, SMR_LOG_FORCE, word);
+}
+
+void smr_log_volume_ratio(smr_log *log, uint32_t structure, float ratio)
+{
+    const uint32_t word[2] = {structure, smr_float_bits(ratio)};
+    if (logs(log))
+        put(log, SMR_LOG_VOLUME_RATIO, word);
 }
 
 void smr_log_active(smr_log *log, uint32_t n_active)

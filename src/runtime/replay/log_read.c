@@ -94,6 +94,11 @@ static smr_status take(const uint32_t *word, smr_log_record *r)
         return take_landmark(word, r);
     if (r->kind == SMR_LOG_FORCE)
         return take_force(word, r);
+    if (r->kind == SMR_LOG_VOLUME_RATIO) {
+        r->structure = word[0];
+        r->ratio = float_of(word[1]); /* as hostile as a pose: checked where it is set */
+        return SMR_OK;
+    }
     if (r->kind == SMR_LOG_SURFACE || r->kind == SMR_LOG_POINTS || r->kind == SMR_LOG_GOALS) {
         r->structure = word[0];
         r->present = word[1];

@@ -48,7 +48,7 @@ static smr_status set_landmark(smr_replay *r, const smr_log_record *record)
 static int of_forces(uint32_t kind)
 {
     return kind == SMR_LOG_SURFACE || kind == SMR_LOG_POINTS || kind == SMR_LOG_LANDMARKS || kind == SMR_LOG_GOALS ||
-           kind == SMR_LOG_FORCE;
+           kind == SMR_LOG_FORCE || kind == SMR_LOG_VOLUME_RATIO;
 }
 
 /* Goals and forces of the caller's own. */
@@ -80,6 +80,8 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
         return smr_set_pose(s, &record->pose);
     if (record->kind == SMR_LOG_LANDMARKS)
         return set_landmark(r, record);
+    if (record->kind == SMR_LOG_VOLUME_RATIO)
+        return smr_set_volume_ratio(s, record->structure, record->ratio);
     const int owned = record->kind == SMR_LOG_POSITIONS || record->kind == SMR_LOG_GOALS;
     if (owned && record->structure >= s->shared.n_structures)
         return SMR_E_LOG;

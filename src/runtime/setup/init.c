@@ -75,8 +75,10 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
     *self = s;
     smr_wire(self);
     smr_shape_start(&self->shape);
+    smr_volumes_model(&self->volumes);
     if (smr_set_pose(self, &identity) != SMR_OK)
         return SMR_E_CONFIG;
+    smr_smooth_rest(&self->forces.smooth);
     self->log.fresh = 1;
     *out = self;
     return SMR_OK;

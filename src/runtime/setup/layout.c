@@ -30,6 +30,7 @@ smr *smr_layout(smr_arena *a, smr *s)
     smr_reference_layout(a, &s->reference, shared);
     smr_match_layout(a, &s->match, shared);
     smr_evolve_layout(a, &s->evolve, shared);
+    smr_volumes_layout(a, &s->volumes, shared);
     smr_folds_layout(a, &s->folds, shared);
     smr_log_keep(a, &s->log);
     smr_budget_keep(a, &s->budget);
@@ -50,5 +51,6 @@ void smr_wire(smr *s)
     smr_reference_wire(&s->reference, shared, pace, &s->shape, &s->sums, overlay);
     smr_match_wire(&s->match, shared, pace, &s->reference, &s->sums, overlay);
     smr_evolve_wire(&s->evolve, shared, pace, &s->shape, &s->forces.surface, &s->reference, &s->sums, overlay);
+    smr_volumes_wire(&s->volumes, shared, pace, &s->shape, &s->sums);
     smr_folds_wire(&s->folds, shared, pace, &s->shape, &s->evolve.evening, overlay);
 }

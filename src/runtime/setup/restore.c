@@ -67,6 +67,7 @@ static void derive(smr *s)
     smr_image_goals_noise(&s->forces.image);
     smr_facets_now(&s->shape);
     smr_held_derive(&s->shape);
+    smr_volumes_scale(&s->volumes);
     s->reference.missing = 1;
 }
 

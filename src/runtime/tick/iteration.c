@@ -82,7 +82,8 @@ const smr_step smr_steps[] = { /* `magic`, the first member, stands for the whol
     /* compute external forces f^e: what sources of goals ask for first, then the goals in the order of priority */
     SMR_SOURCE_STEPS(SMR_SOURCE_STEP)
     SMR_STEP(FORCES, ACTIVE, forces, smr_forces_tasks, smr_forces_search, NULL),
-    /* who takes part is known now */
+    /* smoothing on the surface; who takes part is known now */
+    SMR_SERIAL_STEP(FORCES, TASKS, forces.smooth, smr_smooth_tasks, smr_smooth_sum, NULL),
     SMR_STEP(FORCES, TASKS, forces, smr_forces_take_tasks, smr_forces_take, forces_end),
     /* what x^r and they imply, when either is new: cluster centres, masses and spreads */
     SMR_SERIAL_STEP(SUMS, TASKS, shape, smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end),
@@ -105,6 +106,7 @@ const smr_step smr_steps[] = { /* `magic`, the first member, stands for the whol
     SMR_STEP(EVOLVE, TASKS, evolve.evening, smr_evening_tasks, smr_evening_clear, NULL),
     SMR_SERIAL_STEP(EVOLVE, TASKS, evolve.evening, smr_evening_ring_tasks, smr_evening_rings, NULL),
     SMR_STEP(EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_step, evolve_end),
+    SMR_SERIAL_STEP(EVOLVE, TASKS, volumes, smr_volume_tasks, smr_volume_lead, NULL),
     SMR_STEP(EVOLVE, TASKS, shape, smr_facets_tasks, smr_facets_refit, facets_end),
     /* find folds; repair, limit and open them */
     SMR_STEP(EVOLVE, TASKS, folds, smr_fold_find_tasks, smr_fold_find, find_end),

@@ -169,9 +169,12 @@ typedef struct ending {
 } ending;
 
 /* 1 when a radius may end before its iterations are spent. While tangent evening works the last radius runs to its end:
- * rounding would decide an early end. If nothing moved at all the end changes nothing. */
+ * rounding would decide an early end. If nothing moved at all the end changes nothing. Volumes first reach what is asked,
+ * where coarse clusters spread it. */
 static int may_end_early(const smr *s)
 {
+    if (smr_volumes_under_way(&s->volumes))
+        return 0;
     return !(s->evolve.moved_mm > 0.0f) || !smr_at_last_radius(&s->shared, &s->pace) ||
            s->forces.surface.n_goals_begun == 0u || !(s->shared.config.even > 0.0f);
 }
@@ -285,4 +288,5 @@ void smr_schedule_begin(smr *s)
     if (s->pace.radius_iteration == 0u)
         s->pace.n_points = s->forces.surface.n_points_begun;
     smr_evening_begin(&s->evolve.evening);
+    smr_volumes_begin(&s->volumes);
 }

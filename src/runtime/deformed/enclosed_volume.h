@@ -1,0 +1,55 @@
+/* enclosed_volume.h: the volume that closed triangles enclose, and how it changes when vertices go along their normals.
+ * In: triangles, positions. Out: whether there is a volume, and the volume.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_ENCLOSED_VOLUME_H
+#define SMR_ENCLOSED_VOLUME_H
+
+#include "runtime/deformed/shape.h"
+
+/* Volume while each vertex goes t mm along its normal: c[0] + c[1] t + c[2] t^2 + c[3] t^3, mm^3. Negative where
+ * triangles look inwards. c[1] is the area, mm^2, but for how far normals of vertices lean. */
+typedef struct smr_enclosed {
+    float c[4];
+} smr_enclosed;
+
+/* 1: each directed edge of the structure's triangles has its opposite, so that a volume is enclosed wherever vertices
+ * go. Decided by a sum of hashes: 64 bits. */
+int smr_is_closed(const smr_shape *shape, uint32_t structure);
+
+/* A point amid the structure's vertices at xyz [n][3] (NULL: at rest), from a few of them. Terms of a volume are taken from there. */
+smr_vec smr_amid(const smr_shape *shape, uint32_t structure, float *xyz);
+
+/* The volume of the cone over a triangle from a point at 0. at, normal: of its corners. */
+smr_enclosed smr_cone(const smr_vec at[3], const smr_vec normal[3]);
+
+static inline smr_enclosed smr_enclosed_add(smr_enclosed a, smr_enclosed b)
+{
+    for (uint32_t i = 0; i < 4u; i++)
+        a.c[i] += b.c[i];
+    return a;
+}
+
+/* The volume at t. */
+static inline float smr_enclosed_at(const smr_enclosed *e, float t)
+{
+    return e->c[0] + t * (e->c[1] + t * (e->c[2] + t * e->c[3]));
+}
+
+/* How far the vertices must go for this volume, within +-most mm. */
+float smr_enclosed_way(const smr_enclosed *e, float volume, float most);
+
+/* The cones from amid over the model's triangles from .. to - 1, vertices at x [n][3] (NULL: at rest) with normals
+ * [n][3]; normal NULL: c[0] alone, the others 0. */
+smr_enclosed smr_enclosed_piece(const smr_shape *shape, uint32_t from, uint32_t to, smr_vec amid, float *x,
+                                float *normal);
+
+/* All of a structure, by pieces of SMR_TRIANGLE_CHUNK. */
+smr_enclosed smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x, float *normal);
+
+/* Of the rest shape: 1 when it is closed and encloses a volume, mm^3, and then its volume over its area, mm. */
+int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, float *thick_mm);
+
+/* The scale of the similarity that lays the whole model's rest shape onto the start positions best. */
+float smr_start_scale(const smr_shape *shape);
+
+#endif
