@@ -436,6 +436,9 @@ enum { SMR_PLASTIC_LARGEST = 0, SMR_PLASTIC_MEAN = 1 };
 enum { SMR_BLEND_CONFIDENCE = 0, SMR_BLEND_PLAIN = 1 };
 enum { SMR_FUSING_LINEAR = 0, SMR_FUSING_LIE = 1 };
 enum { SMR_TRACK_OFF = 0, SMR_TRACK_REPORT = 1, SMR_TRACK_RECOVER = 2 };
+enum { SMR_DYNAMICS_OFF = 0, SMR_DYNAMICS_ON = 1 };
+#define SMR_SWEEPS 8u          /* iterations of a time step of dynamics */
+#define SMR_GRAVITY_MAX 1.0e6f /* mm/s^2 along an axis */
 
 /* How a registration runs. Each comment starts with unit, range and default. Where two defaults stand, the second is
  * that of smr_config_default_image(). smr_config_settings() has the same as data, docs/SETTINGS.md as a page. */
@@ -621,6 +624,25 @@ typedef struct smr_config {
     /* iterations, [1, 100000], default 30. At most, for one position of the targets. */
     uint32_t track_iterations;
 
+    /* ---- dynamics ----
+     * The model has mass and moves in time, by implicit Euler, in place of the schedule: from the start pose, which is
+     * its shape at rest, at the cluster radius of track_mm. SMR_SWEEPS iterations make a time step; velocities are new
+     * when smr_tick_report.iteration is a multiple of it. More of them would let stiffness reach farther. Each
+     * structure is elastic about its shape at rest; forces are springs to their goals, `stiffness` as strong as those
+     * of shape matching. All vertices take part; folds are not looked at, and done stays 0. */
+
+    /* SMR_DYNAMICS_..., default off. Not with track. On, the arena has SMR_DYNAMICS_BYTES more. */
+    uint32_t dynamics;
+    /* ms, [0.01, 1000], default 10. Length of a time step. Any is stable; long ones take energy out. */
+    float step_ms;
+    /* 1/s, [0, 1000000], default 1. Velocities fall to 1 / (1 + step * damping) in each step. */
+    float damping;
+    /* mm/s^2, within +-1e6, default 0 0 0. Along the caller's axes; 9810 is that of the Earth. */
+    float gravity[3];
+    /* 1/s^2, [0, 1e8], default 10000. Stiffness of the springs of shape matching, for each unit of mass: a vertex that
+     * is off its clusters' mean swings with sqrt(elastic) / 2 pi Hz. */
+    float elastic;
+
     /* ---- how clusters are fused ---- */
 
     /* SMR_FUSING_..., default linear. The mean of the transforms of a vertex' clusters: of their matrices (paper 2.3),
@@ -692,7 +714,8 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 /* Upper bound of smr_arena_bytes() as a constant, for static storage:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(1000, 2000, 1, 1, 0, SMR_METHOD_RIGID)];
  * n_workers, n_target_vertices and method as in smr_config. n_landmarks adds SMR_LANDMARKS_BYTES, caller_goals and
- * caller_force SMR_CALLER_BYTES, track SMR_TRACK_BYTES, volume and smooth theirs; no other setting changes the size.
+ * caller_force SMR_CALLER_BYTES, track SMR_TRACK_BYTES, dynamics SMR_DYNAMICS_BYTES, volume and smooth theirs; no
+ * other setting changes the size.
  * Above the exact size by about 6 kB, 1.3 kB for each further structure, and 0.4 %: with one structure a quarter at 50
  * vertices, 2 % at 1,000, and less than 1 % from 5,000 on. */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices, method)                   \
@@ -706,6 +729,10 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 /* What config.track adds to it. */
 #define SMR_TRACK_BYTES(n_vertices, n_structures)                                                                      \
     ((size_t)1024u + (size_t)12u * (n_vertices) + (size_t)48u * (n_structures))
+
+/* What config.dynamics adds to it. */
+#define SMR_DYNAMICS_BYTES(n_vertices, n_structures)                                                                   \
+    ((size_t)1536u + (size_t)48u * (n_vertices) + (size_t)48u * (n_structures))
 
 /* To add to it where config.n_landmarks is not 0. */
 #define SMR_LANDMARKS_BYTES(n_vertices, n_landmarks) ((size_t)38000u + (size_t)192u * (n_landmarks) + (n_vertices))
@@ -905,6 +932,21 @@ typedef struct smr_tick_report {
  * ticks are refused until smr_set_pose() or smr_set_positions(). */
 smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report);
 
+/* What smr_set_motion() was given. */
+typedef struct smr_motion {
+    const float *mass, *velocity;
+} smr_motion;
+
+/* Masses and velocities of a structure's vertices, in the caller's order; copied. mass: [n_vertices] g, 1e-6 to 1e6, or
+ * INFINITY: the vertex is pinned, it keeps its velocity whatever draws it, and clusters turn about it. NULL: they stay;
+ * at first each is what smr_prepare_config.mass says. A mass counts as at most 1024 times the mean, with a rounding
+ * of 1/32 of the mean; smr_get_energy() says what counts. velocity: [n_vertices][3] mm/s, within +-1e6; NULL: they
+ * stay. Between any two ticks: an iteration under way starts again. smr_set_pose(), smr_set_positions() and
+ * smr_set_volume() set velocities to 0, masses stay.
+ * Errors: E_NULL (both), E_STATE (not a registration, or inputs are awaited), E_ARENA (config.dynamics is off), E_INPUT
+ * (no such structure, a value outside its range). */
+smr_status smr_set_motion(smr *s, uint32_t structure, const float *mass, const float *velocity);
+
 /* From the next iteration on exactly the first n_active vertices in the order of priority take part, whatever
  * configuration and budget say. At least smr_model_info.active_min of the radius take part, at most all vertices.
  * 0 (as at the start): configuration and budget decide again. Stays over smr_set_pose() and smr_set_positions().
@@ -918,6 +960,27 @@ smr_status smr_set_active(smr *s, uint32_t n_active);
  * the caller's vertex order. Errors: E_NULL, E_INPUT, E_STATE. */
 smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
+
+/* Velocities of a structure's vertices, [n_vertices][3] mm/s in the caller's order: those at the end of the last complete
+ * time step, or as set since. Errors: E_NULL, E_INPUT, E_STATE (not a registration), E_ARENA (config.dynamics is off). */
+smr_status smr_get_velocities(const smr *s, uint32_t structure, float *velocity);
+
+/* Energies of all structures together. 1 uJ is 1000 g mm^2/s^2. */
+typedef struct smr_energy {
+    uint32_t steps;    /* complete time steps since the start */
+    uint32_t sweeps;   /* iterations of the step under way, 0..SMR_SWEEPS - 1 */
+    uint32_t n_pinned; /* vertices */
+    float mass_g;      /* of the others, as it counts */
+    float centre[3];   /* mm: their centre of mass, now */
+    float kinetic_uj;  /* of the velocities that smr_get_velocities() says, without pinned vertices */
+    float gravity_uj;  /* potential energy in the gravity, now; 0 at the start positions */
+    float elastic_uj;  /* last complete step: half of deviation times force. Good while parts turn little against
+                          each other */
+    float goals_uj;    /* last complete step: of the springs to the goals */
+} smr_energy;
+
+/* Errors: E_NULL, E_STATE (not a registration), E_ARENA (config.dynamics is off). */
+smr_status smr_get_energy(const smr *s, smr_energy *energy);
 
 typedef struct smr_structure_report {
     uint32_t has_target; /* 1: a surface, an image, a landmark of its own or the caller's goals; 0: carried along */
@@ -1067,18 +1130,19 @@ enum {
     SMR_LOG_FULL,      /* the memory ended here */
     SMR_LOG_LANDMARKS, /* smr_set_landmarks: a record for each of them */
     SMR_LOG_GOALS,
-    SMR_LOG_FORCE, /* smr_set_force; or, before a tick, what the force gave in its iteration */
-    SMR_LOG_POINTS, /* smr_set_points, and each change of its points */
-    SMR_LOG_VOLUME_RATIO = 13 /* smr_set_volume_ratio */
+    SMR_LOG_FORCE,             /* smr_set_force; or, before a tick, what the force gave in its iteration */
+    SMR_LOG_POINTS,            /* smr_set_points, and each change of its points */
+    SMR_LOG_VOLUME_RATIO = 13, /* smr_set_volume_ratio */
+    SMR_LOG_MOTION = 14        /* smr_set_motion */
 };
 
 /* One record. Fields that its kind does not have are 0. */
 typedef struct smr_log_record {
     uint32_t kind; /* SMR_LOG_...; 0: the log ends here */
     /* inputs */
-    uint32_t structure; /* surface, points, positions, goals, volume ratio: whose; SMR_ALL */
+    uint32_t structure; /* surface, points, positions, goals, volume ratio, motion: whose; SMR_ALL */
     uint32_t present;   /* 0: it was taken away (NULL) */
-    /* of a surface, points, volume, positions or goals; of what a force gave, also in the tick's */
+    /* of a surface, points, volume, positions, goals or motion; of what a force gave, also in the tick's */
     uint64_t checksum;
     smr_pose pose;
     smr_landmark landmark; /* number `index` of `count`; none when count is 0: they were taken away */
@@ -1118,8 +1182,8 @@ typedef struct smr_caller_force {
 } smr_caller_force;
 
 /* Gives a replay the input that a record names: a const smr_surface *, a const smr_points * with the points that it had
- * then, a const smr_volume *, a const float * (positions, [n_vertices][3], mm), a const smr_goals * or a
- * const smr_caller_force *. NULL: not there. Borrowed as in smr_set_...(). */
+ * then, a const smr_volume *, a const float * (positions, [n_vertices][3], mm), a const smr_goals *, a
+ * const smr_motion * or a const smr_caller_force *. NULL: not there. Borrowed as in smr_set_...(). */
 typedef const void *(*smr_log_input)(void *ctx, const smr_log_record *record);
 
 /* A replay under way; the fields are the library's. */
@@ -1223,6 +1287,9 @@ smr_status smr_save_bytes(const smr *s, size_t *bytes);
 
 /* What config.track adds to it. */
 #define SMR_SAVE_TRACK_BYTES(n_vertices) ((size_t)128u + (size_t)12u * (n_vertices))
+
+/* What config.dynamics adds to it. */
+#define SMR_SAVE_DYNAMICS_BYTES(n_vertices) ((size_t)128u + (size_t)40u * (n_vertices))
 
 /* Writes s to memory[bytes] (of any alignment). The model and inputs are not in it, but their checksums: one pass over
  * each. Only between complete iterations: after a tick that returned SMR_PARTIAL, tick until SMR_OK.

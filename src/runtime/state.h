@@ -27,6 +27,8 @@ typedef struct smr_shared {
     const uint32_t *triangle; /* [n_triangles][3] stored vertices; in the model itself on little-endian hosts */
     float mass_max;           /* largest mass of a vertex */
     float mass_unit;          /* masses are whole multiples of 1 / mass_unit */
+    float mass_sum;           /* of all vertices, in dynamics; 0: not known */
+    const float *mass;        /* [n] weights in the clusters' fits, in dynamics; NULL: the model's masses */
     float min_cos;            /* of config.normal_deg */
 } smr_shared;
 
@@ -86,6 +88,8 @@ static inline int smr_active(const smr_pace *p, uint32_t vertex) { return vertex
 
 static inline float smr_mass(const smr_shared *c, uint32_t vertex)
 {
+    if (c->mass != NULL)
+        return c->mass[vertex];
     return smr_le_float(((const uint32_t *)smr_at(c->model, c->model->at_mass))[vertex]);
 }
 

@@ -83,6 +83,15 @@ static int box_legal(const smr_config *c)
     return legal;
 }
 
+/* Moving targets are followed by relaxation or in time, not both. */
+static int dynamics_legal(const smr_config *c)
+{
+    int legal = !c->dynamics || c->track == SMR_TRACK_OFF;
+    for (uint32_t i = 0; i < 3u; i++)
+        legal &= smr_within(c->gravity[i], SMR_GRAVITY_MAX);
+    return legal;
+}
+
 static int radii_legal(const smr_config *c, uint32_t n_radii)
 {
     return c->radius_first < n_radii && (c->radius_last == SMR_FINEST || c->radius_last < n_radii) &&
@@ -92,5 +101,7 @@ static int radii_legal(const smr_config *c, uint32_t n_radii)
 smr_status smr_config_check(const smr_config *c, const smr_model *m)
 {
     const int known = c->cookie == SMR_COOKIE('R', smr_config);
-    return known && ranges_legal(c) && box_legal(c) && radii_legal(c, smr_le32(m->n_radii)) ? SMR_OK : SMR_E_CONFIG;
+    return known && ranges_legal(c) && box_legal(c) && dynamics_legal(c) && radii_legal(c, smr_le32(m->n_radii))
+               ? SMR_OK
+               : SMR_E_CONFIG;
 }

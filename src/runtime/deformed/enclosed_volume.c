@@ -7,9 +7,9 @@
 
 #include "geometry/triangle.h"
 
-#define SMR_AMID 64u   /* vertices of which the middle is taken, at most */
+#define SMR_AMID 64u     /* vertices of which the middle is taken, at most */
 #define SMR_THIN 1.0e-3f /* mm: what is not thicker encloses nothing */
-#define SMR_NEWTON 12u /* steps; the cubic is nearly straight where they are taken */
+#define SMR_NEWTON 12u   /* steps; the cubic is nearly straight where they are taken */
 
 /* A vertex where it is in xyz [n][3]; NULL: at rest. */
 static smr_vec place(const smr_shape *shape, float *xyz, uint32_t v)

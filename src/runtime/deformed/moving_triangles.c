@@ -51,6 +51,7 @@ void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
     smr_keep_pose(a, &shape->rest_pose);
     smr_keep_words(a, &shape->rest_pose_due, 1, 1);
     smr_held_layout(a, shape, shared);
+    smr_dynamics_layout(a, &shape->dynamics, shared);
 }
 
 void smr_shape_start(smr_shape *shape)

@@ -7,7 +7,7 @@
 #include "geometry/box_tree.h"
 #include "geometry/hilbert_curve.h"
 #include "geometry/transform_fit.h"
-#include "runtime/state.h"
+#include "runtime/deformed/dynamics.h"
 
 /* One structure of the model. */
 typedef struct smr_shape_structure {
@@ -54,8 +54,9 @@ typedef struct smr_shape {
     uint32_t rest_pose_due; /* 1: it is to be made of the present positions */
     /* written by held_shape.c; NULL where nothing is tracked */
     smr_held *held;
-    float *held_x;       /* [n][3] the schedule's result, which tracking is elastic about */
-    smr_pose *held_pose; /* [n_structures] rigid, lays each structure of held_x onto its present positions */
+    float *held_x;          /* [n][3] the schedule's result, which tracking is elastic about */
+    smr_pose *held_pose;    /* [n_structures] rigid, lays each structure of held_x onto its present positions */
+    smr_dynamics *dynamics; /* NULL: relaxation, without mass */
 } smr_shape;
 
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);

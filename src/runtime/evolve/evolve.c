@@ -1,5 +1,5 @@
 /* evolve.c: new positions (paper 2.3, evolution): x += relaxation (x~ - x) with x~_i = Sum_i(T) x^r_i / |zeta_i|,
- * normals carried by the averaged rotation, and the state hash.
+ * normals carried by the averaged rotation, and the state hash. In dynamics: a sweep (tick/time_steps.c).
  * Bounds: two passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "runtime/evolve/evolve.h"
@@ -12,16 +12,17 @@ void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared)
 }
 
 void smr_evolve_wire(smr_evolve *e, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
-                     const smr_surface_goals *goals, const smr_reference *reference, const smr_sums *sums,
+                     const smr_forces *forces, const smr_reference *reference, const smr_sums *sums,
                      const smr_overlay *overlay)
 {
     e->shared = e->evening.shared = shared;
     e->shape = e->evening.shape = shape;
+    e->forces = forces;
     e->reference = reference;
     e->sums = sums;
     e->tally = overlay->tally;
     e->evening.pace = pace;
-    e->evening.goals = goals;
+    e->evening.goals = &forces->surface;
     e->evening.rings = overlay->rings;
 }
 
@@ -42,6 +43,16 @@ static inline smr_vec average_way(int logs, const uint32_t *w, const float inver
 
 uint32_t smr_evolve_tasks(const void *arg) { return ((const smr_evolve *)arg)->shared->n_tasks; }
 
+/* Where the springs to the clusters' average and to its goal take a vertex in a sweep (dynamics). */
+static smr_vec swept(const smr_evolve *e, uint32_t v, smr_vec average)
+{
+    const int drawn = e->forces->found_last[v] == SMR_FOUND_GOAL;
+    const float share = drawn ? e->shared->config.stiffness : 0.0f;
+    const smr_vec x = smr_load(smr_at3(e->shape->x, v));
+    const smr_vec pull = smr_add(smr_scale(x, share), smr_load(smr_at3(e->forces->force, v)));
+    return smr_dynamics_next(e->shape->dynamics, v, average, share, drawn ? pull : smr_v(0, 0, 0));
+}
+
 void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
 {
     const smr_evolve *e = arg;
@@ -59,7 +70,7 @@ void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
         const smr_vec goal = smr_add(ref, way);
         const smr_vec step = smr_scale(smr_sub(goal, old), relaxation);
         const smr_vec next = smr_add(smr_add(old, step), smr_evening_way(&e->evening, v));
-        smr_store(smr_at3(shape.x_next, v), next);
+        smr_store(smr_at3(shape.x_next, v), shape.dynamics != NULL ? swept(e, v, goal) : next);
         smr_next_normal_set(sum, v, smr_unit(n));
     }
 }

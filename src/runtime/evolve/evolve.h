@@ -22,6 +22,7 @@ typedef struct smr_evening {
 typedef struct smr_evolve {
     const smr_shared *shared;
     const smr_shape *shape;
+    const smr_forces *forces;
     const smr_reference *reference;
     const smr_sums *sums;
     smr_evening evening;
@@ -34,7 +35,7 @@ typedef struct smr_evolve {
 
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared);
 void smr_evolve_wire(smr_evolve *e, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
-                     const smr_surface_goals *goals, const smr_reference *reference, const smr_sums *sums,
+                     const smr_forces *forces, const smr_reference *reference, const smr_sums *sums,
                      const smr_overlay *overlay);
 void smr_evolve_reset(smr_evolve *e); /* an iteration is given up */
 

@@ -13,7 +13,7 @@ void smr_evening_begin(smr_evening *e)
 {
     const smr_config *c = &e->shared->config;
     e->share = 0.0f;
-    if (!smr_at_last_radius(e->shared, e->pace) || e->pace->tracking || e->pace->repairing > 0u ||
+    if (c->dynamics || !smr_at_last_radius(e->shared, e->pace) || e->pace->tracking || e->pace->repairing > 0u ||
         e->goals->n_goals == 0u)
         return;
     const float left = 1.0f - (float)e->pace->radius_iteration / (float)c->iterations_last;

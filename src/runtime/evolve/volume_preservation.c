@@ -10,9 +10,9 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/evolve/volume_preservation.h"
 
-#define SMR_VOLUME_STEP 0.04f    /* of the volume: largest change of what is asked, in an iteration */
-#define SMR_WAY_MOST 0.5f        /* of half the thickness: largest way in an iteration */
-#define SMR_NOW_MOST 100.0f      /* ratio of the start positions to the rest shape, either way */
+#define SMR_VOLUME_STEP 0.04f /* of the volume: largest change of what is asked, in an iteration */
+#define SMR_WAY_MOST 0.5f     /* of half the thickness: largest way in an iteration */
+#define SMR_NOW_MOST 100.0f   /* ratio of the start positions to the rest shape, either way */
 
 void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared)
 {

@@ -60,10 +60,13 @@ void smr_forces_end(smr_forces *f);                                 /* totals, a
 void smr_forces_note_seen(smr_forces *f); /* what targets showed of each vertex, for landmarks between them */
 
 /* The displacement that matching sees: x + f^e - x^r, and a share of the last iteration's step (momentum; Polyak 1964).
+ * In dynamics forces act on the vertices, not on the clusters' fits: x - x^r, or y - x^r when a time step starts.
  * Valid until evolve writes x_next, which holds the positions before x. */
 static inline smr_vec smr_drive(const smr_forces *f, uint32_t v)
 {
     const smr_vec x = smr_load(smr_at3(f->shape->x, v));
+    if (f->shape->dynamics != NULL)
+        return smr_sub(smr_dynamics_from(f->shape->dynamics, f->pace, v, x), smr_load(smr_at3(f->shape->x_ref, v)));
     const smr_vec step = smr_sub(x, smr_load(smr_at3(f->shape->x_next, v)));
     const float share = f->pace->repairing > 0u ? 0.0f : f->pace->momentum * f->pace->ease;
     const smr_vec u = smr_sub(smr_add(x, smr_load(smr_at3(f->force, v))), smr_load(smr_at3(f->shape->x_ref, v)));

@@ -106,7 +106,9 @@ static float step_for(float mass, float reach, int power)
 void smr_reference_begin(smr_reference *r)
 {
     const float reach = reach_bound(r);
-    const float mass = (float)r->pace->lists.largest * r->shared->mass_max * r->shared->mass_unit;
+    float mass = (float)r->pace->lists.largest * r->shared->mass_max * r->shared->mass_unit;
+    if (r->shared->mass_sum > 0.0f)
+        mass = smr_min(mass, r->shared->mass_sum * r->shared->mass_unit);
     r->coarse = step_for(mass, reach, 2);
     r->fine = smr_max(step_for(mass, reach, 1), r->coarse * SMR_FINE_SHARE);
     r->per_coarse = 1.0f / r->coarse; /* powers of two: exact */

@@ -45,6 +45,14 @@ uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n)
     return closed(sum);
 }
 
+uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n)
+{
+    uint64_t sum = add(n, (motion->mass != NULL ? 1u : 0u) + (motion->velocity != NULL ? 2u : 0u));
+    for (uint32_t i = 0; motion->mass != NULL && i < n; i++)
+        sum = add(sum, smr_float_bits(motion->mass[i]));
+    return closed(motion->velocity != NULL ? add_points(sum, motion->velocity, n) : sum);
+}
+
 uint64_t smr_surface_checksum(const smr_surface *surface)
 {
     const smr_surface *s = surface;

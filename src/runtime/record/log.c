@@ -20,6 +20,7 @@ uint32_t smr_log_words(uint32_t kind)
     case SMR_LOG_VOLUME:
     case SMR_LOG_FORCE: return 3;
     case SMR_LOG_POSE: return 12;
+    case SMR_LOG_MOTION:
     case SMR_LOG_POSITIONS: return 3;
     case SMR_LOG_VOLUME_RATIO: return 2;
     case SMR_LOG_LANDMARKS: return 12;
@@ -112,6 +113,15 @@ void smr_log_positions(smr_log *log, uint32_t structure, const float *xyz, uint3
     const uint64_t sum = smr_points_checksum(xyz, n);
     const uint32_t word[3] = {structure, low(sum), high(sum)};
     put(log, SMR_LOG_POSITIONS, word);
+}
+
+void smr_log_motion(smr_log *log, uint32_t structure, const smr_motion *motion, uint32_t n)
+{
+    if (!logs(log))
+        return;
+    const uint64_t sum = smr_motion_checksum(motion, n);
+    const uint32_t word[3] = {structure, low(sum), high(sum)};
+    put(log, SMR_LOG_MOTION, word);
 }
 
 /* Each landmark is a record, so that contents stay short. None at all is one of zeros. */

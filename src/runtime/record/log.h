@@ -58,6 +58,7 @@ smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint3
 uint64_t smr_points_checksum(const float *xyz, uint32_t n);
 uint64_t smr_cloud_checksum(const smr_points *points);
 uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n);
+uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n);
 uint64_t smr_surface_checksum(const smr_surface *surface);
 uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh, or of a cloud and its room */
 uint64_t smr_volume_checksum(const smr_volume *volume);
@@ -75,6 +76,7 @@ void smr_log_points(smr_log *log, uint32_t structure, const smr_points *points);
 void smr_log_volume(smr_log *log, const smr_volume *volume);
 void smr_log_pose(smr_log *log, const smr_pose *pose);
 void smr_log_positions(smr_log *log, uint32_t structure, const float *xyz, uint32_t n);
+void smr_log_motion(smr_log *log, uint32_t structure, const smr_motion *motion, uint32_t n);
 void smr_log_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n);
 void smr_log_goals(smr_log *log, uint32_t structure, const smr_goals *goals, uint32_t n);
 void smr_log_force(smr_log *log, int present);

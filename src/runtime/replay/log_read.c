@@ -106,7 +106,7 @@ static smr_status take(const uint32_t *word, smr_log_record *r)
     } else if (r->kind == SMR_LOG_VOLUME) {
         r->present = word[0];
         sum = word + 1;
-    } else if (r->kind == SMR_LOG_POSITIONS) {
+    } else if (r->kind == SMR_LOG_POSITIONS || r->kind == SMR_LOG_MOTION) {
         r->structure = word[0];
         r->present = 1;
         sum = word + 1;

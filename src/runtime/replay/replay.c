@@ -71,6 +71,15 @@ static smr_status set_caller(smr *s, const smr_log_record *record, const void *g
     return smr_set_goals(s, record->structure, goals->xyz, goals->weights);
 }
 
+/* Masses and velocities, which are always there. */
+static smr_status set_motion(smr *s, const smr_log_record *record, const smr_motion *motion)
+{
+    const uint32_t n = s->shape.structure[record->structure].n_vertices;
+    if ((motion->mass == NULL && motion->velocity == NULL) || smr_motion_checksum(motion, n) != record->checksum)
+        return SMR_E_INPUT;
+    return smr_set_motion(s, record->structure, motion->mass, motion->velocity);
+}
+
 /* Sets one recorded input again. */
 static smr_status set_input(smr_replay *r, const smr_log_record *record)
 {
@@ -82,7 +91,8 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
         return set_landmark(r, record);
     if (record->kind == SMR_LOG_VOLUME_RATIO)
         return smr_set_volume_ratio(s, record->structure, record->ratio);
-    const int owned = record->kind == SMR_LOG_POSITIONS || record->kind == SMR_LOG_GOALS;
+    const int owned =
+        record->kind == SMR_LOG_POSITIONS || record->kind == SMR_LOG_GOALS || record->kind == SMR_LOG_MOTION;
     if (owned && record->structure >= s->shared.n_structures)
         return SMR_E_LOG;
     if (record->present) {
@@ -92,6 +102,8 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     }
     if (record->kind == SMR_LOG_GOALS || record->kind == SMR_LOG_FORCE)
         return set_caller(s, record, given);
+    if (record->kind == SMR_LOG_MOTION)
+        return set_motion(s, record, given);
     if (record->kind == SMR_LOG_SURFACE) {
         const smr_surface *surface = given;
         if (surface != NULL && (!smr_surface_valid(surface) || smr_surface_checksum(surface) != record->checksum))

@@ -46,11 +46,13 @@ void smr_wire(smr *s)
     const smr_pace *pace = &s->pace;
     const smr_overlay *overlay = &s->overlay;
     s->shape.shared = shared;
+    if (s->shape.dynamics != NULL)
+        smr_dynamics_wire(s->shape.dynamics, shared);
     smr_forces_wire(&s->forces, shared, pace, &s->shape, overlay);
     smr_sums_wire(&s->sums, shared, pace, &s->forces, overlay);
     smr_reference_wire(&s->reference, shared, pace, &s->shape, &s->sums, overlay);
     smr_match_wire(&s->match, shared, pace, &s->reference, &s->sums, overlay);
-    smr_evolve_wire(&s->evolve, shared, pace, &s->shape, &s->forces.surface, &s->reference, &s->sums, overlay);
+    smr_evolve_wire(&s->evolve, shared, pace, &s->shape, &s->forces, &s->reference, &s->sums, overlay);
     smr_volumes_wire(&s->volumes, shared, pace, &s->shape, &s->sums);
     smr_folds_wire(&s->folds, shared, pace, &s->shape, &s->evolve.evening, overlay);
 }

@@ -3,6 +3,7 @@
  * Bounds: two passes over the bytes; those of smr_init().
  * SPDX-License-Identifier: MIT */
 #include "runtime/setup/saved.h"
+#include "runtime/tick/time_steps.h"
 
 static uint32_t word_of(const unsigned char *saved, uint32_t word) { return smr_log_get32(saved + 4u * word); }
 
@@ -68,6 +69,8 @@ static void derive(smr *s)
     smr_facets_now(&s->shape);
     smr_held_derive(&s->shape);
     smr_volumes_scale(&s->volumes);
+    if (s->shape.dynamics != NULL)
+        smr_time_steps_weigh(s);
     s->reference.missing = 1;
 }
 

@@ -36,8 +36,8 @@ static void match_end(smr *s)
 static void measure_end(smr *s)
 {
     smr_evolve_measure_end(&s->evolve);
-    s->evolve.normals_due =
-        s->shared.config.normals == SMR_NORMALS_EXACT || s->pace.tracking || smr_schedule_plastic(s);
+    s->evolve.normals_due = s->shared.config.normals == SMR_NORMALS_EXACT || s->pace.tracking ||
+                            s->shared.config.dynamics || smr_schedule_plastic(s);
 }
 
 static void rest_pose_end(smr *s) { smr_rest_pose_end(&s->shape); }

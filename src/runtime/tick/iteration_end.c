@@ -23,7 +23,8 @@ void smr_stand(void *arg, uint32_t task, uint32_t worker)
     shape->x_next = before;
     for (uint32_t v = 0; v < s->shared.n; v++)
         smr_store(smr_at3(shape->normal, v), smr_next_normal(s->sums.sum, v));
-    smr_held_stand(shape);
+    if (shape->dynamics == NULL)
+        smr_held_stand(shape);
     smr_volumes_stand(&s->volumes);
     smr_folds_reset(&s->folds);
     s->report.displacement_max_mm = s->evolve.moved_mm;

@@ -2,6 +2,7 @@
  * Bounds: one pass over the vertices where x^r follows; SMR_RADII_MAX.
  * SPDX-License-Identifier: MIT */
 #include "runtime/tick/schedule.h"
+#include "runtime/tick/time_steps.h"
 #include "runtime/tick/tracking.h"
 
 #define SMR_REPAIR_MAX 30u     /* iterations spent on repairing folds before a radius starts, at most */
@@ -71,6 +72,10 @@ static void take_radius(smr *s)
     s->pace.lists = smr_model_lists(s->shared.model, radius);
     s->pace.momentum =
         radius == smr_last_radius(&s->shared) ? s->shared.config.momentum_last : s->shared.config.momentum;
+    if (s->shared.config.dynamics) {
+        s->pace.lists.active_min = s->shared.n; /* momentum is that of all vertices */
+        s->pace.momentum = 0.0f;
+    }
     const float before = radius > 0u ? smr_model_lists(s->shared.model, radius - 1u).radius : 0.0f;
     s->pace.search_mm = smr_min(s->shared.config.search_mm,
                                 s->shared.config.search_radii * smr_max(s->pace.lists.radius, SMR_NARROWING * before));
@@ -105,6 +110,8 @@ void smr_schedule_start(smr *s)
     s->forces.surface.n_points_begun = s->forces.surface.n_points;
     smr_schedule_radius(s, s->shared.config.radius_first);
     s->shape.rest_pose_due = 1; /* an abandoned iteration may have made it of other positions */
+    if (s->shared.config.dynamics)
+        smr_time_steps_start(s);
 }
 
 static void plastic_update(smr *s)
@@ -154,6 +161,10 @@ void smr_schedule_keep(smr_arena *a, smr *s)
         return;
     take_radius(s);
     smr_keep_require(a, p->n_active >= smr_min_u32(p->lists.active_min, n));
+    if (s->shared.config.dynamics) {
+        smr_keep_require(a, !p->done && !p->repairing && p->radius == smr_tracking_radius(s));
+        return;
+    }
     if (p->tracking) {
         smr_keep_require(a, smr_tracking_legal(s));
         return;
@@ -201,7 +212,8 @@ static ending ending_of(const smr *s, uint32_t radius_iteration, uint32_t since_
 
 int smr_schedule_plastic(const smr *s)
 {
-    return !s->pace.tracking && ending_of(s, s->pace.radius_iteration + 1u, s->pace.since_plastic + 1u).plastic;
+    return !s->pace.tracking && !s->shared.config.dynamics &&
+           ending_of(s, s->pace.radius_iteration + 1u, s->pace.since_plastic + 1u).plastic;
 }
 
 /* 1: a cloud has grown so much since this radius began that the model is not yet laid out: the radius is repeated. A
@@ -211,8 +223,8 @@ static int grows(const smr *s) { return (float)s->forces.surface.n_points_begun 
 /* After each iteration. */
 void smr_schedule_next(smr *s)
 {
-    if (s->pace.tracking) {
-        smr_tracking_next(s);
+    if (s->shared.config.dynamics || s->pace.tracking) {
+        (s->shared.config.dynamics ? smr_time_steps_next : smr_tracking_next)(s);
         return;
     }
     const ending e = ending_of(s, s->pace.radius_iteration, s->pace.since_plastic);
@@ -238,7 +250,7 @@ void smr_schedule_next(smr *s)
 static float ease_of(const smr *s)
 {
     const uint32_t all = s->shared.config.iterations_last, left = all - smr_min_u32(s->pace.radius_iteration + 1u, all);
-    if (!s->shared.config.fade || s->pace.tracking || !s->forces.image.has_image ||
+    if (!s->shared.config.fade || s->pace.tracking || s->shared.config.dynamics || !s->forces.image.has_image ||
         !smr_at_last_radius(&s->shared, &s->pace) || left >= all / 2u)
         return 1.0f;
     return (float)left / (float)(all / 2u);
@@ -260,6 +272,8 @@ float smr_schedule_progress(const smr *s)
 {
     if (s->pace.done || s->pace.tracking)
         return 1.0f;
+    if (s->shared.config.dynamics)
+        return 0.0f;
     const float first = (float)first_iterations(s), level = (float)s->shared.config.iterations;
     const uint32_t steps = smr_last_radius(&s->shared) - s->shared.config.radius_first,
                    at = s->pace.radius - s->shared.config.radius_first;
@@ -281,6 +295,8 @@ static void begin_targets(smr_surface_goals *g)
 void smr_schedule_begin(smr *s)
 {
     smr_tracking_begin(s);
+    if (s->shared.config.dynamics)
+        smr_time_steps_begin(s);
     choose_active(s);
     s->report.n_taken = s->pace.n_active;
     choose_distances(s);

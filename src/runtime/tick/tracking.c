@@ -33,7 +33,7 @@ static uint32_t nearest_radius(const smr *s, float wanted)
 
 /* The radius of tracking. Where none is asked for and there are several structures, one at which clusters keep to their
  * own, if there is one with clusters at all: structures slide past each other, and joints turn. */
-static uint32_t radius_of(const smr *s)
+uint32_t smr_tracking_radius(const smr *s)
 {
     const float asked = s->shared.config.track_mm, edge = smr_le_float(s->shared.model->edge_mm);
     const uint32_t best = nearest_radius(s, asked > 0.0f ? asked : SMR_TRACK_EDGES * edge);
@@ -77,7 +77,7 @@ void smr_tracking_keep(smr_arena *a, smr *s)
 int smr_tracking_legal(smr *s)
 {
     const smr_pace *p = &s->pace;
-    const uint32_t at = radius_of(s);
+    const uint32_t at = smr_tracking_radius(s);
     s->pace.momentum = momentum_of(s);
     return !p->done && (p->recovering == 1u ? p->radius < at : p->radius == at) &&
            p->radius_iteration <= s->shared.config.track_iterations + SMR_TRACK_COARSE;
@@ -98,7 +98,7 @@ void smr_tracking_start(smr *s)
     s->pace.found = share_found(s);
     smr_plastic_positions(&s->shape);
     smr_held_start(&s->shape);
-    go_to(s, radius_of(s));
+    go_to(s, smr_tracking_radius(s));
 }
 
 void smr_tracking_end(smr *s)
@@ -139,8 +139,8 @@ void smr_tracking_begin(smr *s)
         return;
     s->pace.gain = 1.0f;
     s->pace.called = s->pace.settled = s->pace.jumped = s->pace.recovering = 0;
-    if (s->pace.radius != radius_of(s))
-        go_to(s, radius_of(s));
+    if (s->pace.radius != smr_tracking_radius(s))
+        go_to(s, smr_tracking_radius(s));
     s->pace.momentum = s->shared.config.momentum;
     s->pace.radius_iteration = 0;
 }
@@ -168,7 +168,7 @@ void smr_tracking_look(smr *s)
 /* Coarse to fine, once more, as long as targets have goals. */
 static void recover(smr *s)
 {
-    const uint32_t at = s->pace.radius, to = radius_of(s), first = s->shared.config.radius_first;
+    const uint32_t at = s->pace.radius, to = smr_tracking_radius(s), first = s->shared.config.radius_first;
     if (!s->pace.recovering) {
         s->pace.recovering = 1;
         go_to(s, first);
@@ -180,7 +180,8 @@ static void recover(smr *s)
 
 void smr_tracking_next(smr *s)
 {
-    const int coarser = radius_of(s) > s->shared.config.radius_first && s->shared.config.track == SMR_TRACK_RECOVER;
+    const int coarser =
+        smr_tracking_radius(s) > s->shared.config.radius_first && s->shared.config.track == SMR_TRACK_RECOVER;
     const int found = s->pace.jumped && s->forces.totals.n_forces > 0u;
     if (s->pace.recovering == 1u || (s->pace.recovering == 0u && coarser && found)) {
         recover(s);

@@ -19,6 +19,8 @@ float smr_tracking_progress(const smr *s);
 void smr_tracking_keep(smr_arena *a, smr *s);
 int smr_tracking_legal(smr *s);
 
+uint32_t smr_tracking_radius(const smr *s); /* index of the radius at which moving targets are followed */
+
 /* A target was set: there is something to look at. */
 static inline void smr_tracking_call(smr *s) { s->pace.called = s->pace.tracking; }
 
