@@ -222,7 +222,7 @@ static int golden_main(const smr_port *port)
         return 1;
     const uint64_t words[] = {rigid,  polar,     image[0], half,     crc ^ crc_image ^ crc_start ^ crc_half,
                               points, crc_carry, drawn,    image[1], golden_saved.checksums,
-                              track,  fused, volume};
+                              track,  fused,     volume};
     print_text("smr-hash");
     for (uint32_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         print_text(" ");

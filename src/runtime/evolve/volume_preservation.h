@@ -12,12 +12,12 @@
 
 /* One structure. Ratios are volume over rest_mm3. */
 typedef struct smr_held_volume {
-    uint32_t closed;  /* 1: it encloses a volume, and this is led. Otherwise the rest is not looked at */
-    float model_mm3;  /* of the rest shape */
-    float rest_mm3;   /* of the rest shape in the scale of the start; negative where triangles look inwards */
+    uint32_t closed; /* 1: it encloses a volume, and this is led. Otherwise the rest is not looked at */
+    float model_mm3; /* of the rest shape */
+    float rest_mm3;  /* of the rest shape in the scale of the start; negative where triangles look inwards */
     float model_thick_mm, thick_mm; /* half its thickness, in the mean: volume over area; and in that scale */
-    float ratio;      /* the caller's. Written by setup/volume_ratio.c */
-    float begun;      /* the same, when the iteration under way began */
+    float ratio;                    /* the caller's. Written by setup/volume_ratio.c */
+    float begun;                    /* the same, when the iteration under way began */
     float now;        /* asked in the iteration under way: goes from the start's to the caller's by steps */
     float way_mm;     /* each vertex goes so far along its normal */
     smr_vec amid;     /* its cones start there */
@@ -40,7 +40,7 @@ void smr_volumes_scale(smr_volumes *v); /* and from the start positions, which a
 void smr_volumes_start(smr_volumes *v); /* the same, and the present volumes are where the way to the ratios begins */
 void smr_volumes_begin(smr_volumes *v); /* an iteration begins */
 int smr_volumes_under_way(const smr_volumes *v); /* 1: some volume has not come to what is asked for */
-void smr_volumes_stand(smr_volumes *v); /* it stands: a step towards what was asked when it began */
+void smr_volumes_stand(smr_volumes *v);          /* it stands: a step towards what was asked when it began */
 
 /* Step: sums over triangles, then positions. Serial. */
 uint32_t smr_volume_tasks(const void *volumes);

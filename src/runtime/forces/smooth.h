@@ -12,7 +12,7 @@ typedef struct smr_smooth {
     const smr_pace *pace;
     const smr_shape *shape;
     smr_rings rings; /* sums over the mesh neighbours' positions */
-    float *height;   /* [n] mm at rest: of the middle of its mesh neighbours over a vertex, along its normal; NULL: off */
+    float *height; /* [n] mm at rest: of the middle of its mesh neighbours over a vertex, along its normal; NULL: off */
 } smr_smooth;
 
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared);
