@@ -65,6 +65,8 @@ static const char *const start_lines[] = {
     "  --format ply|stl|vtk|obj       of the results, binary but for OBJ; also of track (ply)",
     "  --slicer FILE.mrml             a scene for 3D Slicer: results, targets, volumes, landmarks, and the field",
     "                                 DIR/field.nrrd that carries the model's images and points to the patient",
+    "  --volume                       closed structures keep the volume that they have at rest, in the start's scale;",
+    "  --volume-ratio NAME=R...       structures get R times that volume, 0.1 to 10; the others keep theirs",
     "  --accept good|look             the worst verdict whose exit status is 0 (good)",
     "  --json                         the result as one line of JSON on standard output, and nothing else there",
     "  --skip-done                    compute nothing where -o has this command's result of the same inputs: the same",
