@@ -23,7 +23,8 @@ int host_volume_ratios_set(const host_job *job, host_error *error)
         size_t name = 0;
         double ratio = 0.0;
         error->file = "--volume-ratio";
-        if (!host_volume_ratio_split(words->path[i], &name, &ratio) || part_of(job, words->path[i], name) == job->model.n_parts)
+        if (!host_volume_ratio_split(words->path[i], &name, &ratio) ||
+            part_of(job, words->path[i], name) == job->model.n_parts)
             return host_fail(error, words->path[i], "the name of a structure of the model");
         if (smr_set_volume_ratio(job->state, part_of(job, words->path[i], name), (float)ratio) != SMR_OK)
             return host_fail(error, words->path[i], "a structure that is closed: each edge has two triangles");
@@ -40,10 +41,9 @@ void host_report_volume(const host_job *job, uint32_t i, host_json *json)
     size_t k = 0;
     const int known = smr_get_structure_volume(job->state, i, &v) == SMR_OK && v.closed && !job->kept_start;
     const float value[] = {v.present_mm3, v.rest_mm3, v.ratio, v.asked_mm3, v.asked_ratio};
-    for (k = 0; k < sizeof keys / sizeof keys[0]; k++) {
+    for (k = 0; k < sizeof keys / sizeof keys[0]; k++)
         if (known && (k < 3 || job->options->config.volume > 0.0f))
             host_json_number(json, keys[k], (double)value[k]);
         else
             host_json_null(json, keys[k]);
-    }
 }
