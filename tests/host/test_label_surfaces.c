@@ -28,7 +28,7 @@ static host_label_surface *surfaces_of(const host_label_map *map)
     host_label_surface *const s = calloc(map->n_labels, sizeof *s);
     host_error error = {0};
     assert_non_null(s);
-    if (host_label_surfaces_make(&port.port, map, HOST_SMOOTHING_PASSES, s, &error) != 0) {
+    if (host_label_surfaces_make(&port.port, map, HOST_SMOOTHING_PASSES, 0, s, &error) != 0) {
         host_error_print(&error);
         fail();
     }
@@ -257,7 +257,7 @@ static void refuses_long_axes(void **state)
     grid.size[1] = grid.size[2] = 1;
     map = make_map(&grid, 1);
     set_voxel(&map, 5, 1);
-    assert_int_equal(host_label_surfaces_make(&port.port, &map, 0, surface, &error), -1);
+    assert_int_equal(host_label_surfaces_make(&port.port, &map, 0, 0, surface, &error), -1);
     assert_string_equal(error.place, "size");
     host_label_map_free(&map);
 }

@@ -142,7 +142,7 @@ int host_surfaces(const host_options *options, host_error *error)
         surface = calloc(map.n_labels, sizeof *surface);
         if (surface == NULL)
             (void)host_fail(error, "labels", "free memory");
-        else if (host_label_surfaces_make(&port.port, &map, options->passes, surface, error) == 0 &&
+        else if (host_label_surfaces_make(&port.port, &map, options->passes, options->triangles, surface, error) == 0 &&
                  write_all(&map, surface, options->out, error) == 0)
             result = HOST_DONE;
     }

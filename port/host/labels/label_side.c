@@ -28,7 +28,7 @@ static int read_map(host_label_side *side, const char *names, uint32_t passes, c
     side->surface = calloc(side->map.n_labels, sizeof *side->surface);
     if (side->surface == NULL)
         return host_fail(error, "labels", "free memory");
-    return host_label_surfaces_make(port, &side->map, passes, side->surface, error);
+    return host_label_surfaces_make(port, &side->map, passes, 0, side->surface, error);
 }
 
 /* The surfaces of a map on another grid, in place of its own voxels. */

@@ -10,6 +10,8 @@
 #include "base/threads.h"
 #include "labels/label_cells.h"
 #include "labels/surface_net.h"
+#include "labels/surface_thin.h"
+#include "measure/surface_distances.h"
 #include "volumes/volume_write.h"
 
 /* Steps between slices are as many vertices long as a slice is thicker than voxels are wide, and smoothing goes with
@@ -22,7 +24,7 @@ typedef struct layer {
     const host_label_map *map;
     const host_cells *cells;
     host_label_surface *surface;
-    uint32_t passes;
+    uint32_t passes, most;
     double mm3; /* of a voxel; negative when the axes are left-handed */
 } layer;
 
@@ -72,6 +74,46 @@ static int take_mesh(const layer *l, const host_net *net, host_mesh *mesh)
     return 0;
 }
 
+/* Volume inside, mm^3, and area, mm^2. */
+static void measure(const host_mesh *mesh, double *volume, double *area)
+{
+    const float *const origin = mesh->xyz;
+    double six = 0.0, twice = 0.0;
+    size_t t = 0;
+    for (t = 0; t < mesh->n_triangles; t++) {
+        const uint32_t *const corner = mesh->triangles + 3u * t;
+        double p[3][3], n[3];
+        unsigned i = 0, k = 0;
+        for (i = 0; i < 3u; i++)
+            for (k = 0; k < 3u; k++)
+                p[i][k] = (double)mesh->xyz[3u * (size_t)corner[i] + k] -
+                          (double)(i == 0 ? origin[k] : mesh->xyz[3u * (size_t)corner[0] + k]);
+        for (k = 0; k < 3u; k++)
+            n[k] = p[1][(k + 1u) % 3u] * p[2][(k + 2u) % 3u] - p[1][(k + 2u) % 3u] * p[2][(k + 1u) % 3u];
+        six += p[0][0] * n[0] + p[0][1] * n[1] + p[0][2] * n[2];
+        twice += sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    }
+    *volume = six / 6.0;
+    *area = twice / 2.0;
+}
+
+/* Fewer triangles, and what they are. 0, or -1 when out of memory. */
+static int thin(host_label_surface *s, uint32_t most)
+{
+    uint64_t folds = 0, absolute = 0;
+    smr_mesh view;
+    if (most == 0 || s->mesh.n_triangles <= most)
+        return 0;
+    if (host_surface_thin(&s->mesh, most) != 0)
+        return -1;
+    view = host_mesh_view(&s->mesh);
+    if (host_count_folds(&view, NULL, &folds, &absolute) != 0)
+        return -1;
+    s->folds = (uint32_t)absolute;
+    measure(&s->mesh, &s->volume, &s->area);
+    return 0;
+}
+
 /* The surface of one label; nothing when it is in another layer. */
 static void make_surface(void *arg, uint32_t task, uint32_t worker)
 {
@@ -93,7 +135,7 @@ static void make_surface(void *arg, uint32_t task, uint32_t worker)
         to->voxel_volume = (double)l->map->label[task].voxels * fabs(l->mm3);
         to->folds = host_net_smooth(&net, passes, (double)l->map->label[task].voxels * box_mm3);
         to->volume = host_net_volume(&net, &to->area) / box_mm3 * fabs(l->mm3);
-        if (to->folds == UINT32_MAX || take_mesh(l, &net, &to->mesh) != 0)
+        if (to->folds == UINT32_MAX || take_mesh(l, &net, &to->mesh) != 0 || thin(to, l->most) != 0)
             to->failed = "free memory, and surfaces within 100 m of the origin";
     }
     host_net_free(&net);
@@ -112,7 +154,7 @@ static int make_layer(const smr_port *port, layer *l, uint32_t number, host_erro
     return result;
 }
 
-int host_label_surfaces_make(const smr_port *port, const host_label_map *map, uint32_t passes,
+int host_label_surfaces_make(const smr_port *port, const host_label_map *map, uint32_t passes, uint32_t most,
                              host_label_surface *surface, host_error *error)
 {
     layer l;
@@ -125,6 +167,7 @@ int host_label_surfaces_make(const smr_port *port, const host_label_map *map, ui
     l.map = map;
     l.surface = surface;
     l.passes = passes;
+    l.most = most;
     l.mm3 = host_label_mm3(&map->grid);
     for (i = 0; i < map->n_layers; i++)
         if (make_layer(port, &l, i, error) != 0)
@@ -132,6 +175,10 @@ int host_label_surfaces_make(const smr_port *port, const host_label_map *map, ui
     for (i = 0; i < map->n_labels; i++)
         if (surface[i].failed != NULL)
             return host_fail(error, map->label[i].name, "%s", surface[i].failed);
+    for (i = 0; i < map->n_labels && most > 0; i++)
+        if (surface[i].mesh.n_triangles > most)
+            return host_fail(error, map->label[i].name, "a budget of at least %u triangles, it has parts or is thin",
+                             surface[i].mesh.n_triangles);
     return 0;
 }
 

@@ -14,9 +14,10 @@ typedef struct host_label_surface {
     const char *failed;  /* what was expected; NULL: made */
 } host_label_surface;
 
-/* Makes the surface of each label, surface[map->n_labels], with all threads. passes: of smoothing. 0, or -1 with the
+/* Makes the surface of each label, surface[map->n_labels], with all threads. passes: of smoothing. most: triangles of
+ * each, 4 or more; 0: all; refuses where one cannot have so few. 0, or -1 with the
  * error filled; host_label_surfaces_free in either case. */
-int host_label_surfaces_make(const smr_port *port, const host_label_map *map, uint32_t passes,
+int host_label_surfaces_make(const smr_port *port, const host_label_map *map, uint32_t passes, uint32_t most,
                              host_label_surface *surface, host_error *error);
 /* Frees the array, too; it may be NULL. */
 void host_label_surfaces_free(host_label_surface *surface, uint32_t n);

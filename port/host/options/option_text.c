@@ -44,6 +44,7 @@ static const struct {
     {"--names", HOST_LABELS, "FILE", "values of the structures (labels.ctbl in the directory; else 1, 2 ... by name)"},
     {"--names", 0, "FILE", "lines \"7 femur\", or a colour table of 3D Slicer: labels and their names"},
     {"--passes", 0, "N", "passes of smoothing the surfaces of a label map (80)"},
+    {"--triangles", 0, "N", "at most so many triangles of each structure, by collapsing edges (all)"},
     {"--like", HOST_LABELS, "VOLUME", "the volume whose grid the label map has"},
     {"--like", HOST_WARP, "VOLUME", "the patient's image, whose grid the result has"},
     {"--like", 0, "VOLUME", "the field has this volume's grid"},

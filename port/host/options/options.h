@@ -56,6 +56,7 @@ typedef struct host_options {
     host_files volume_ratio;            /* words NAME=R; implies keep_volume */
     const char *names;                  /* a file with labels and their names; NULL when not given */
     uint32_t passes;                    /* of smoothing the surfaces of a label map */
+    uint32_t triangles;                 /* of each of them, at most; 0: all */
     uint32_t inverse;                   /* 1: from the result back to the model */
     float spacing;                      /* mm, of a field; 0: the default */
     uint32_t html;                      /* 1: a page of the report beside it */

@@ -28,6 +28,7 @@ const host_option host_option_table[] = {
     {"--like", HOST_FIELD | HOST_WARP | HOST_LABELS, HOST_KIND_TEXT, OWN(like), 0, 0, 0, 0, NULL, 0},
     {"--names", HOST_SURFACES | HOST_LABELS | HOST_MEASURE, HOST_KIND_TEXT, OWN(names), 0, 0, 0, 0, NULL, 0},
     {"--passes", HOST_SURFACES | HOST_MEASURE, HOST_KIND_COUNT, OWN(passes), 0, 1000, 0, 0, NULL, 0},
+    {"--triangles", HOST_SURFACES, HOST_KIND_COUNT, OWN(triangles), 4, 1e8, 0, 0, NULL, 0},
     {"--spacing", HOST_FIELD | HOST_WARP, HOST_KIND_FLOAT, OWN(spacing), 0, 1000, 1, 0, NULL, 0},
     {"--inverse", HOST_CARRY | HOST_FIELD, HOST_KIND_FLAG, OWN(inverse), 0, 0, 0, 0, NULL, 0},
     {"--reference", ONTO | HOST_BUILD | HOST_BENCH, HOST_KIND_TEXT, OWN(reference), 0, 0, 0, 1, NULL, HOST_FOR_IMAGES},

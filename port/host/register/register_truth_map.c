@@ -67,7 +67,8 @@ int host_job_load_truth_map(host_job *job, host_error *error)
         surface = calloc(n, sizeof *surface);
         if (surface == NULL)
             (void)host_fail(error, "start", "free memory");
-        else if (host_label_surfaces_make(&job->port.port, job->truth_map, HOST_SMOOTHING_PASSES, surface, error) == 0)
+        else if (host_label_surfaces_make(&job->port.port, job->truth_map, HOST_SMOOTHING_PASSES, 0, surface, error) ==
+                 0)
             result = take_surfaces(job, surface, error);
     }
     job->truth_end = host_file_count();
