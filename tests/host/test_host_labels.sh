@@ -154,7 +154,21 @@ layered list 1 >layers.seg.nrrd
 check "two layers" has_status 0 "$SMR" surfaces layers.seg.nrrd -o two
 check "both have their voxels" awk '/ ball / { a = $5 } / inner / { b = $5 } END { exit !(a == 552 && b == 136) }' out.txt
 check "of two as deep as they can be the deeper one wins" has_status 0 "$SMR" labels two --like layers.seg.nrrd -o flat.mha
-refused "layers are no image" "dimension: 3" "$SMR" info layers.seg.nrrd
+check "info of layers" has_status 0 "$SMR" info layers.seg.nrrd
+check "says each segment" sh -c "grep -q '^label map layers.seg.nrrd  voxels 12 x 12 x 12  layers 2  labels 2\$' out.txt && grep -q '^spacing 1 1 1 mm' out.txt &&
+    grep -qE '^label     1  layer 0  ball  +voxels       552 +0.552 ml\$' out.txt && grep -qE '^label     1  layer 1  inner +voxels       136 +0.136 ml\$' out.txt"
+cp layers.seg.nrrd layers4.nrrd
+refused "layers by another name are no image" "dimension: 3" "$SMR" info layers4.nrrd
+check "info of one layer" has_status 0 "$SMR" info map.seg.nrrd
+check "says names and volumes" sh -c "[ \$(grep -c '^label ' out.txt) -eq 4 ] && grep -qE '^label     7  right +voxels      1034 +1.448 ml\$' out.txt"
+"$SMR" labels parts --like map.seg.nrrd -o plain.mha --quiet
+check "info of a map without names" has_status 0 "$SMR" info plain.mha
+check "says its labels" sh -c "grep -q '^volume plain.mha .*values 0 to 200\$' out.txt && grep -qE '^label     3  label_3 +voxels      1417 +1.984 ml\$' out.txt"
+check "by names" sh -c "'$SMR' info plain.mha --names parts/labels.ctbl | grep -qE '^label     3  Left_part_x +voxels      1417 '"
+awk '{ if ($0 == "") { print; body = 1; next } if (!body) { print; next } for (i = 1; i <= NF; i++) printf "%d ", (i * 7919 + NR * 104729) % 251; print "" }' map.seg.nrrd | sed '/^Segment/d' >image.nrrd
+check "an image has none" sh -c "'$SMR' info image.nrrd >out.txt && grep -q '^volume image.nrrd' out.txt && ! grep -q '^label' out.txt"
+{ header uchar "$segments"; draw 0 0 0; } >empty.seg.nrrd
+check "an empty segmentation is a volume" sh -c "'$SMR' info empty.seg.nrrd | grep -q '^volume empty.seg.nrrd .*values 0 to 0\$'"
 layered vector 1 >vector.seg.nrrd
 refused "vectors are no layers" "kinds: list" "$SMR" surfaces vector.seg.nrrd -o no
 layered list 2 >beyond.seg.nrrd

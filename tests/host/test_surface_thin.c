@@ -1,6 +1,6 @@
 /* test_surface_thin.c: known shapes with fewer triangles: the budget is kept, each edge has two triangles, no folds,
- * the same volume, and both surfaces are near each other, the nearer the more triangles there are. What cannot be thinned
- * further stays closed. Noise of any kind stays closed.
+ * the same volume, and both surfaces are near each other, the nearer the more triangles there are. What cannot get
+ * thinner stays closed. Noise of any kind stays closed.
  * SPDX-License-Identifier: MIT */
 #include "unit/cmocka_first.h"
 

@@ -1,17 +1,16 @@
-/* cmd_info.c: smr info: prints the structures, radii and sizes of a model, what a volume is, and landmarks.
+/* cmd_info.c: smr info: prints the structures, radii and sizes of a model, and landmarks.
  * SPDX-License-Identifier: MIT */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/threads.h"
 #include "commands/commands.h"
+#include "commands/info_volume.h"
 #include "files/file_kind.h"
 #include "landmarks/landmarks.h"
-#include "model/input_check.h"
 #include "model/model_from_files.h"
-#include "volumes/volume_image.h"
+#include "volumes/voxel_volume.h"
 
 static void print_info(const host_model *model, int prepared_here)
 {
@@ -41,44 +40,6 @@ static void print_info(const host_model *model, int prepared_here)
         (void)printf("prepared in %.3f s\n", model->prepare_s);
 }
 
-static void print_volume(const char *path, const smr_volume *volume)
-{
-    static const char *const types[] = {"uint8", "int8", "uint16", "int16", "float"};
-    const size_t n = (size_t)volume->size[0] * volume->size[1] * volume->size[2];
-    const float *const d = volume->direction;
-    double low = (double)INFINITY, high = -(double)INFINITY;
-    host_box box;
-    size_t i = 0;
-    for (i = 0; i < n; i++) { /* NaN is left out */
-        const double v = host_voxel(volume->voxels, volume->type, i);
-        low = v < low ? v : low;
-        high = v > high ? v : high;
-    }
-    if (low > high)
-        low = high = (double)NAN;
-    memset(&box, 0, sizeof box);
-    host_box_add_volume(&box, volume);
-    (void)printf("volume %s  voxels %u x %u x %u  %s  values %g to %g\n", path, volume->size[0], volume->size[1],
-                 volume->size[2], types[volume->type], low, high);
-    (void)printf("spacing %g %g %g mm  first voxel at %g %g %g mm, LPS\n", (double)volume->spacing[0],
-                 (double)volume->spacing[1], (double)volume->spacing[2], (double)volume->origin[0],
-                 (double)volume->origin[1], (double)volume->origin[2]);
-    for (i = 0; i < 3; i++)
-        (void)printf("axis %zu runs along %.4f %.4f %.4f\n", i, (double)d[i], (double)d[3u + i], (double)d[6u + i]);
-    (void)printf("centres of voxels from %g %g %g to %g %g %g mm, LPS\n", (double)box.low[0], (double)box.low[1],
-                 (double)box.low[2], (double)box.high[0], (double)box.high[1], (double)box.high[2]);
-}
-
-static int describe_volume(const char *path, host_error *error)
-{
-    host_image image;
-    if (host_image_read(path, HOST_MIRROR_NONE, &image, error) != 0)
-        return -1;
-    print_volume(path, &image.view);
-    host_image_free(&image);
-    return 0;
-}
-
 static int describe_landmarks(const char *path, host_error *error)
 {
     host_landmarks *const set = calloc(1, sizeof *set);
@@ -98,14 +59,14 @@ static int describe_landmarks(const char *path, host_error *error)
 }
 
 /* Describes volumes and landmarks at once; the files that are left are those of a model. */
-static int describe_others(const host_files *files, host_files *left, host_error *error)
+static int describe_others(const host_files *files, const char *names, host_files *left, host_error *error)
 {
     uint32_t i = 0;
     for (i = 0; i < files->n; i++) {
         const int kind = host_file_kind(files->path[i]);
         int result = 0;
         if (kind == HOST_KIND_VOLUME || host_is_volume_path(files->path[i]))
-            result = describe_volume(files->path[i], error);
+            result = host_info_volume(files->path[i], names, error);
         else if (kind == HOST_KIND_LANDMARKS)
             result = describe_landmarks(files->path[i], error);
         else
@@ -145,7 +106,7 @@ int host_info(const host_options *options, host_error *error)
     if (left.path == NULL)
         (void)host_fail(error, "start", "free memory");
     else
-        result = describe_others(&options->operands, &left, error);
+        result = describe_others(&options->operands, options->names, &left, error);
     if (result == 0 && left.n > 0)
         result = describe_model(&left, options, error);
     free(left.path);

@@ -58,7 +58,10 @@ const host_command_text host_command_texts[] = {
      HOST_INFO,
      "say what models, surfaces, volumes and landmarks are",
      {"FILE... [OPTION]...", NULL},
-     {"Of surfaces it says what the model of them would be, with the options of preparing.", MESH_FILES, NULL},
+     {"Of surfaces it says what the model of them would be, with the options of preparing; of a label map each "
+      "structure "
+      "with its voxels and volume.",
+      MESH_FILES, NULL},
      ""},
     {"measure",
      HOST_MEASURE,

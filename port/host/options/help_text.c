@@ -15,7 +15,7 @@ static const char *const start_lines[] = {
     "  smr register --model FILE... --landmark-goals MODEL NOW [--target ...] -o DIR",
     "                                                         deform the model to tracked points, alone or as well",
     "  smr build --model FILE... -o MODEL.smr                 prepare a model (--reference: for images)",
-    "  smr info MODEL.smr | FILE...                           what a model, volumes, landmarks are",
+    "  smr info MODEL.smr | FILE...                           what a model, volumes, label maps, landmarks are",
     "  smr measure A B [--source S]                           distances both ways, Hausdorff, folds",
     "  smr measure LABELS LABELS|DIR                          Dice, Hausdorff95, distances, volumes of label maps",
     "  smr track --model FILE... --frames FILE... -o DIR      follow a target that moves, frame by frame",
