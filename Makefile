@@ -126,7 +126,7 @@ help:
 	@echo 'make man             man pages and shell completion, from the table of options, in $(BUILD)/man'
 	@echo 'make reference       the interface as one page, from include/smr.h: $(BUILD)/reference.html'
 	@echo 'make golden-update   records the current state hash as the expected one'
-	@echo 'make check-itk       a displacement field read and applied by ITK, where CMake and ITK are installed'
+	@echo 'make check-itk       a field applied by ITK, where CMake and ITK are installed; scenes drawn by VTK, likewise'
 	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of'
 	@echo '                     instructions; minutes'
 	@echo 'make timing-update   records that table in tests/timing/results'
@@ -366,10 +366,11 @@ stack:
 hashes:
 	@MAKE="$(MAKE)" BUILD="$(BUILD)" sh tests/golden/hashes.sh
 
-# A displacement field read by ITK; compiles a C++ program by CMake.
+# A displacement field read by ITK, in a C++ program by CMake; scenes drawn by VTK.
 .PHONY: check-itk
 check-itk: $(PROGRAM)
 	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" sh tests/itk/itk.sh || [ $$? -eq 77 ]
+	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" sh tests/itk/scene.sh || [ $$? -eq 77 ]
 
 settings-page: $(BUILD)/settings_page
 	$(Q)$(BUILD)/settings_page > docs/SETTINGS.md

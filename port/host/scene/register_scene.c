@@ -101,12 +101,23 @@ static void add_volumes(making *m)
         add_volume(m, options->reference, 1);
 }
 
-static int add_results(making *m, host_error *error)
+/* Twelve colours, then the same paler, then darker: 36 that differ. Dark lines are hard to see in slices. */
+static void color_of(uint32_t i, float color[3])
 {
     static const float colors[][3] = {{0.90f, 0.80f, 0.60f}, {0.85f, 0.35f, 0.30f}, {0.40f, 0.65f, 0.85f},
                                       {0.55f, 0.75f, 0.40f}, {0.80f, 0.55f, 0.80f}, {0.95f, 0.65f, 0.30f},
                                       {0.35f, 0.75f, 0.70f}, {0.75f, 0.45f, 0.45f}, {0.60f, 0.60f, 0.90f},
                                       {0.85f, 0.80f, 0.35f}, {0.95f, 0.60f, 0.70f}, {0.55f, 0.50f, 0.40f}};
+    const uint32_t n = sizeof colors / sizeof colors[0], round = i / n % 3u;
+    uint32_t k = 0;
+    for (k = 0; k < 3u; k++) {
+        const float c = colors[i % n][k];
+        color[k] = round == 0 ? c : round == 1u ? 0.5f + 0.5f * c : 0.6f * c;
+    }
+}
+
+static int add_results(making *m, host_error *error)
+{
     const host_options *const options = m->job->options;
     uint32_t i = 0;
     for (i = 0; i < m->job->model.n_parts; i++) {
@@ -119,7 +130,7 @@ static int add_results(making *m, host_error *error)
         if (path == NULL)
             return host_fail(error, "output", "free memory");
         model.file = path;
-        memcpy(model.color, colors[i % (sizeof colors / sizeof colors[0])], sizeof model.color);
+        color_of(i, model.color);
         if (options->vertex_errors && options->format == HOST_FORMAT_VTK)
             model.scalars = "expected_error";
         host_scene_model_add(&m->scene, &model);
