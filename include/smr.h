@@ -1086,11 +1086,11 @@ smr_status smr_get_seen(const smr *s, uint32_t structure, unsigned char *seen);
  * Errors: as smr_get_verdict(). */
 smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm);
 
-/* ratio: [n_vertices], caller's order; for SMR_ALL those of all structures in a row. Volume around each vertex over that
- * at rest, scale and all: between the surface of its cluster and the cluster's middle. Negative: turned inside out.
- * -1e6..1e6. The less the surface surrounds its cluster, the more this is the change of its area instead; where there is
- * none it is the whole's. radius_mm: of the clusters, the model's nearest to it, 0..SMR_COORD_MAX; 0: eight mean edges.
- * Take one as large as the structure is thick. Takes about as long as an iteration. Changes no result. Serial.
+/* ratio: [n_vertices], caller's order; for SMR_ALL those of all structures in a row. Volume around each vertex over
+ * that at rest, scale and all: between the surface of its cluster and the cluster's middle. Negative: turned inside out.
+ * -1e6..1e6. The less the surface surrounds its cluster, the more this is the change of its area instead; where there
+ * is none it is the whole's. radius_mm: of the clusters, the model's nearest to it, 0..SMR_COORD_MAX; 0: eight mean
+ * edges. Take one as large as the structure is thick. Takes about as long as an iteration. Changes no result. Serial.
  * Errors: E_NULL, E_INPUT, E_STATE (not a registration; called from within a tick; inputs are awaited; an iteration is
  * under way, whose memory this needs). */
 smr_status smr_get_local_volume(smr *s, uint32_t structure, float radius_mm, float *ratio);

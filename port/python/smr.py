@@ -223,7 +223,8 @@ _CALLS = {
     "smr_set_pose": "pp", "smr_set_surface": "pup", "smr_set_points": "pup", "smr_set_volume": "pp",
     "smr_set_landmarks": "ppu", "smr_get_landmarks": "pp", "smr_set_goals": "pupp", "smr_tick": "pqp",
     "smr_set_active": "pu", "smr_get_positions": "pup", "smr_get_normals": "pup", "smr_get_structure_report": "pup",
-    "smr_get_verdict": "pup", "smr_get_seen": "pup", "smr_get_expected_error": "pup", "smr_carry_bytes": "uuup",
+    "smr_get_verdict": "pup", "smr_get_seen": "pup", "smr_get_expected_error": "pup", "smr_get_local_volume": "pufp",
+    "smr_carry_bytes": "uuup",
     "smr_carry_fit": "pupuppzp", "smr_carry_apply": "ppp", "smr_carry_map": "ppupupp", "smr_pthread_create": "ppzu",
 }
 _CODES = {"p": _P, "u": _U, "z": _Z, "q": _Q, "f": _F}
@@ -999,6 +1000,12 @@ class Registration:
         mm = self._for_vertices(_lib.smr_get_expected_error, structure, np.float32, 0)
         mm[mm < 0] = np.nan
         return mm
+
+    def local_volume(self, structure: Union[int, str], radius_mm: float = 0.0) -> Array:
+        """[n]: volume around each vertex over that at rest, in clusters of about radius_mm; 0: eight mean edges."""
+        ratio = np.empty(self.model.n_vertices(structure), np.float32)
+        _lib.smr_get_local_volume(self._handle, self.model.index(structure), radius_mm, _at(ratio))
+        return ratio
 
     def seen(self, structure: Union[int, str]) -> Array:
         """[n] bool: whether the target shows the vertex."""

@@ -95,6 +95,7 @@ static void test_not_a_registration(void **state)
     assert_int_equal(SMR_E_STATE, smr_get_structure_report(s, 0, &part));
     assert_int_equal(SMR_E_STATE, smr_get_verdict(s, SMR_ALL, &verdict));
     assert_int_equal(SMR_E_STATE, smr_get_expected_error(s, 0, xyz));
+    assert_int_equal(SMR_E_STATE, smr_get_local_volume(s, 0, 0, xyz));
     assert_int_equal(SMR_E_STATE, smr_get_seen(s, 0, seen));
     assert_true(smr_state_hash(s) == 0u);
     assert_int_equal(SMR_E_STATE, smr_set_surface(good, 0, (const smr_surface *)rig_alloc(4096)));
@@ -107,10 +108,12 @@ static void test_not_a_registration(void **state)
     assert_int_equal(SMR_E_INPUT, smr_get_structure_report(good, 1, &part));
     assert_int_equal(SMR_E_INPUT, smr_get_verdict(good, SMR_ALL - 1u, &verdict));
     assert_int_equal(SMR_E_INPUT, smr_get_expected_error(good, 1, xyz));
+    assert_int_equal(SMR_E_INPUT, smr_get_local_volume(good, 1, 0, xyz));
     assert_int_equal(SMR_E_INPUT, smr_get_seen(good, SMR_ALL, seen));
     memcpy(copy, good, 1024); /* the head is enough: it says where it was */
     assert_int_equal(SMR_E_STATE, smr_get_verdict((smr *)(void *)copy, 0, &verdict));
     assert_int_equal(SMR_E_STATE, smr_get_expected_error((smr *)(void *)copy, 0, xyz));
+    assert_int_equal(SMR_E_STATE, smr_get_local_volume((smr *)(void *)copy, 0, 0, xyz));
     assert_int_equal(SMR_E_STATE, smr_get_seen((smr *)(void *)copy, 0, seen));
 }
 

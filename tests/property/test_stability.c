@@ -55,6 +55,11 @@ static void run_and_check(const smr_model *model, const smr_config *config, cons
     for (uint32_t i = 0; i < info.n_structures; i++) {
         assert_int_equal(SMR_OK, smr_get_normals(s, i, normal));
         assert_int_equal(SMR_OK, smr_get_structure_report(s, i, &part));
+        assert_int_equal(SMR_OK, smr_get_local_volume(s, SMR_ALL, 3.0f * (float)i, normal));
+        for (uint32_t v = 0; v < info.n_vertices; v++)
+            if (!(normal[v] >= -1.0e6f && normal[v] <= 1.0e6f))
+                fail_msg("%s: a local volume of %g", what, (double)normal[v]);
+        assert_int_equal(SMR_OK, smr_get_normals(s, i, normal));
         smr_structure_info structure;
         assert_int_equal(SMR_OK, smr_model_structure(model, i, &structure));
         for (uint32_t v = 0; v < structure.n_vertices; v++) {

@@ -90,6 +90,8 @@ static const char *check_verdict(smr *s, const smr_model_info *info, const smr_m
             wrong = "a structure's verdict";
         else if (smr_get_expected_error(s, k, mm) != SMR_OK || !unit_finite(mm, one.n_vertices, 1e30f))
             wrong = "expected errors";
+        else if (smr_get_local_volume(s, k, 5.0f * (float)k, mm) != SMR_OK || !unit_finite(mm, one.n_vertices, 1e6f))
+            wrong = "local volumes";
         else if (smr_get_seen(s, k, seen) != SMR_OK || (one.n_vertices > 0u && seen[one.n_vertices - 1u] > 1u))
             wrong = "what is seen";
         unit_free(mm);

@@ -66,10 +66,11 @@ typedef struct host_vertex_values {
     const unsigned char *seen;   /* [n_vertices] 0 or 1 */
     const float *expected_error; /* [n_vertices] mm; -1: unknown */
     const float *displacement;   /* [n_vertices][3] mm, from where the vertex was in the model */
+    const float *local_volume;   /* [n_vertices] around the vertex, over that in the model */
 } host_vertex_values;
 
-/* Writes PLY, whose vertices have the properties seen and expected_error then, or VTK with all three as arrays of
- * point data. Other formats hold none of them. */
+/* Writes PLY, whose vertices have the properties seen, expected_error and local_volume then, or VTK with all four as
+ * arrays of point data. Other formats hold none of them. */
 void host_mesh_write_judged(const host_mesh *mesh, int format, const host_vertex_values *values, host_buffer *buffer);
 
 #endif

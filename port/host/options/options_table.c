@@ -77,6 +77,7 @@ const host_option host_option_table[] = {
     {"--profile-inward", HOST_REGISTER | HOST_BUILD, HOST_KIND_FLOAT, PREPARE(profile_inward), 0, 1, 0, 1, NULL,
      HOST_FOR_IMAGES},
     {"--method", ONTO, HOST_KIND_WORD, CONFIG(method), LIBRARY, 0, NULL, 0},
+    {"--fusing", ONTO, HOST_KIND_WORD, CONFIG(fusing), LIBRARY, 0, NULL, 0},
     {"--normals", HOST_REGISTER, HOST_KIND_WORD, CONFIG(normals), LIBRARY, 0, NULL, 0},
     {"--search", ONTO, HOST_KIND_SPAN, OWN(search), 0, COORD, 0, 0, NULL, 0},
     {"--gradient", HOST_REGISTER, HOST_KIND_SPAN, FIELD(gradient), FIELD(config.gradient_mm), LIBRARY, 0, NULL,

@@ -45,6 +45,7 @@ typedef struct host_result {
         label_mm3[2]; /* with a label map as the truth: overlap, -1: none; voxels' volumes, its and the truth's */
     smr_structure_report report;
     host_verdict verdict;
+    float local_volume[2]; /* least and most around a vertex, over that at rest; NaN: not known */
 } host_result;
 
 /* An iteration, as it was left. */

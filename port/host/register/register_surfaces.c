@@ -29,14 +29,17 @@ static int fill_displacement(const host_job *job, uint32_t part, float *displace
 }
 
 /* What is known of the vertices. Where the start was kept that is of what was rejected: nothing of these. */
-static int fill_known(const host_job *job, uint32_t part, unsigned char *seen, float *expected)
+static int fill_known(const host_job *job, uint32_t part, unsigned char *seen, float *expected, float *volume)
 {
     uint32_t i = 0;
-    if (smr_get_seen(job->state, part, seen) != SMR_OK || smr_get_expected_error(job->state, part, expected) != SMR_OK)
+    if (smr_get_seen(job->state, part, seen) != SMR_OK ||
+        smr_get_expected_error(job->state, part, expected) != SMR_OK ||
+        smr_get_local_volume(job->state, part, 0, volume) != SMR_OK)
         return -1;
     for (i = 0; job->kept_start && i < job->result[part].mesh.n_vertices; i++) {
         seen[i] = 0;
         expected[i] = -1.0f;
+        volume[i] = 1.0f;
     }
     return 0;
 }
@@ -47,15 +50,17 @@ static void write_judged(const host_job *job, uint32_t part, host_buffer *buffer
     float *const expected = malloc((mesh->n_vertices + 1u) * sizeof *expected);
     float *const displacement = malloc((mesh->n_vertices + 1u) * 3u * sizeof *displacement);
     unsigned char *const seen = malloc(mesh->n_vertices + 1u);
-    const host_vertex_values values = {seen, expected, displacement};
-    if (expected == NULL || displacement == NULL || seen == NULL || fill_known(job, part, seen, expected) != 0 ||
-        fill_displacement(job, part, displacement) != 0)
+    float *const volume = malloc((mesh->n_vertices + 1u) * sizeof *volume);
+    const host_vertex_values values = {seen, expected, displacement, volume};
+    if (expected == NULL || displacement == NULL || seen == NULL || volume == NULL ||
+        fill_known(job, part, seen, expected, volume) != 0 || fill_displacement(job, part, displacement) != 0)
         buffer->failed = 1;
     else
         host_mesh_write_judged(mesh, (int)job->options->format, &values, buffer);
     free(expected);
     free(displacement);
     free(seen);
+    free(volume);
 }
 
 void host_job_surface(const host_job *job, uint32_t part, host_buffer *buffer)

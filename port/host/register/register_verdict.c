@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "model/input_check.h"
 #include "register/register_job.h"
@@ -154,9 +155,36 @@ static void judge_measures(smr *s, uint32_t structure, smr_verdict *measures, ho
             host_verdict_add(verdict, levels[measures->level], "%s", smr_reason_text(bit));
 }
 
+/* Least and most of each structure. Where the start was kept they are of what was rejected: not known. */
+static void find_local_volumes(host_job *job)
+{
+    const float *ratio = NULL;
+    float *all = NULL;
+    size_t n = 0;
+    uint32_t i = 0, k = 0;
+    for (i = 0; i < job->model.n_parts; i++)
+        n += job->result[i].mesh.n_vertices;
+    all = malloc((n + 1u) * sizeof *all);
+    ratio = all;
+    const int known = !job->kept_start && all != NULL && smr_get_local_volume(job->state, SMR_ALL, 0, all) == SMR_OK;
+    for (i = 0; i < job->model.n_parts; i++) {
+        host_result *const result = &job->result[i];
+        result->local_volume[0] = result->local_volume[1] =
+            known && result->mesh.n_vertices > 0 ? ratio[0] : (float)NAN;
+        for (k = 0; known && k < result->mesh.n_vertices; k++) {
+            result->local_volume[0] = fminf(result->local_volume[0], ratio[k]);
+            result->local_volume[1] = fmaxf(result->local_volume[1], ratio[k]);
+        }
+        if (known)
+            ratio += result->mesh.n_vertices;
+    }
+    free(all);
+}
+
 void host_job_verdict(host_job *job)
 {
     uint32_t i = 0;
+    find_local_volumes(job);
     judge_run(job, &job->verdict);
     judge_start(job, &job->verdict);
     judge_orientation(job, &job->verdict);

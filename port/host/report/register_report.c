@@ -260,6 +260,8 @@ static void put_structure(const host_job *job, uint32_t i, host_json *json)
     host_json_count(json, "folds", result->folds);
     host_json_count(json, "folds_absolute", result->folds_absolute);
     host_report_volume(job, i, json);
+    host_json_number(json, "local_volume_least", (double)result->local_volume[0]);
+    host_json_number(json, "local_volume_most", (double)result->local_volume[1]);
     host_json_close(json, '}');
 }
 
