@@ -1087,7 +1087,7 @@ smr_status smr_get_seen(const smr *s, uint32_t structure, unsigned char *seen);
 smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm);
 
 /* ratio: [n_vertices], caller's order; for SMR_ALL those of all structures in a row. Volume around each vertex over
- * that at rest, scale and all: between the surface of its cluster and the cluster's middle. Negative: turned inside out.
+ * that at rest, scale and all: between the surface of its cluster and the cluster's middle. Negative: inside out.
  * -1e6..1e6. The less the surface surrounds its cluster, the more this is the change of its area instead; where there
  * is none it is the whole's. radius_mm: of the clusters, the model's nearest to it, 0..SMR_COORD_MAX; 0: eight mean
  * edges. Take one as large as the structure is thick. Takes about as long as an iteration. Changes no result. Serial.

@@ -123,7 +123,7 @@ static float determinant_of(int fused, const uint32_t *w, const float inverse[2]
         float r_minus_i[9];
         smr_vec n = smr_v(0, 0, 1);
         const smr_vec p = smr_v(i == 1u ? 21.0f : 20.0f, i == 2u ? 51.0f : 50.0f, i == 3u ? 301.0f : 300.0f);
-        const smr_vec t = smr_average_transform(w, inverse, share, r_minus_i);
+        const smr_vec t = smr_average_transform(w, inverse, share, r_minus_i); /* of no use where fused */
         const smr_vec linear = smr_add(smr_mul(r_minus_i, p), t);
         const smr_vec way = fused ? smr_twist_move(smr_average_twist(w, inverse, share), p, &n) : linear;
         column[i] = smr_add(p, way);
@@ -193,7 +193,7 @@ static void test_two_clusters(void **state)
     const float scale[2] = {smr_fixed_scale(4.0f), smr_fixed_scale(4000.0f)};
     const float inverse[2] = {1.0f / scale[0], 1.0f / scale[1]};
     const smr_vec centre = smr_v(5, 20, 300);
-    uint32_t linear[12] = {0}, fused[6] = {0};
+    uint32_t linear[12] = {0}, fused[12] = {0};
     (void)state;
     for (uint32_t k = 0; k < 2u; k++) {
         const smr_vec turn = smr_v(k == 0u ? EIGHTH : -EIGHTH, 0, 0);
