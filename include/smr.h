@@ -657,9 +657,9 @@ typedef struct smr_config {
      * shape in the scale of the start, times smr_set_volume_ratio(). Less: a compromise with the targets'.
      * Structures that are not closed are left alone. Not 0, the arena has SMR_VOLUME_BYTES more. */
     float volume;
-    /* share, [0, 1], default 0: off. Weight of smoothing on the surface beside goals, which weigh the rest to 1: a vertex
-     * is drawn along its normal to where it stands out from its mesh neighbours as much as at rest. Finest radii feel it
-     * most: clusters are stiff. Not 0, the arena has SMR_SMOOTH_BYTES more. */
+    /* share, [0, 1], default 0: off. Weight of smoothing on the surface beside goals, which weigh the rest to 1: a
+     * vertex is drawn along its normal to where it stands out from its mesh neighbours as much as at rest. Finest radii
+     * feel it most: clusters are stiff. Not 0, the arena has SMR_SMOOTH_BYTES more. */
     float smooth;
 } smr_config;
 
@@ -993,9 +993,9 @@ typedef struct smr_structure_report {
 
 smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report);
 
-/* The volume of a structure that encloses one: each edge of its triangles belongs to as many triangles in one sense as in
- * the other. Volumes are positive, also where triangles look inwards at rest; a structure turned inside out since has a
- * negative one. */
+/* The volume of a structure that encloses one: each edge of its triangles belongs to as many triangles in one sense as
+ * in the other. Volumes are positive, also where triangles look inwards at rest; a structure turned inside out since
+ * has a negative one. */
 typedef struct smr_structure_volume {
     uint32_t closed;   /* 0: it encloses none, and all else is 0 */
     float rest_mm3;    /* of the rest shape, in the scale of the start (smr_set_volume_ratio()) */

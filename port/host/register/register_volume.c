@@ -1,4 +1,4 @@
-/* register_volume.c: volumes of structures: --volume-ratio, and the report's volume_... of each structure.
+/* register_volume.c: volumes of structures: what --volume-ratio asks for.
  * SPDX-License-Identifier: MIT */
 #include "register/register_volume.h"
 
@@ -31,19 +31,4 @@ int host_volume_ratios_set(const host_job *job, host_error *error)
     }
     error->file = NULL;
     return 0;
-}
-
-void host_report_volume(const host_job *job, uint32_t i, host_json *json)
-{
-    static const char *const keys[] = {"volume_mm3", "volume_rest_mm3", "volume_ratio", "volume_asked_mm3",
-                                       "volume_ratio_asked"};
-    smr_structure_volume v = {0};
-    size_t k = 0;
-    const int known = smr_get_structure_volume(job->state, i, &v) == SMR_OK && v.closed && !job->kept_start;
-    const float value[] = {v.present_mm3, v.rest_mm3, v.ratio, v.asked_mm3, v.asked_ratio};
-    for (k = 0; k < sizeof keys / sizeof keys[0]; k++)
-        if (known && (k < 3 || job->options->config.volume > 0.0f))
-            host_json_number(json, keys[k], (double)value[k]);
-        else
-            host_json_null(json, keys[k]);
 }

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "register/register_volume.h"
 #include "report/json_write.h"
 #include "report/report_files.h"
+#include "report/report_volume.h"
 
 const char *host_warp_name(uint32_t kind)
 {

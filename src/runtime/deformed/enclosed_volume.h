@@ -16,8 +16,7 @@ typedef struct smr_enclosed {
  * go. Decided by a sum of hashes: 64 bits. */
 int smr_is_closed(const smr_shape *shape, uint32_t structure);
 
-/* A point amid the structure's vertices at xyz [n][3] (NULL: at rest), from a few of them. Terms of a volume
- * are taken from there. */
+/* A point amid the structure's vertices at xyz [n][3] (NULL: at rest), from a few of them. Cones start there. */
 smr_vec smr_amid(const smr_shape *shape, uint32_t structure, float *xyz);
 
 /* The volume of the cone over a triangle from a point at 0. at, normal: of its corners. */

@@ -180,8 +180,8 @@ typedef struct ending {
 } ending;
 
 /* 1 when a radius may end before its iterations are spent. While tangent evening works the last radius runs to its end:
- * rounding would decide an early end. If nothing moved at all the end changes nothing. Volumes first reach what is
- * asked, where coarse clusters spread it. */
+ * rounding would decide an early end. If nothing moved at all the end changes nothing. Volumes come to what is
+ * asked at the first radius, before anything is fine. */
 static int may_end_early(const smr *s)
 {
     if (smr_volumes_under_way(&s->volumes))
