@@ -742,7 +742,7 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
     ((size_t)256u + (size_t)16u * (n_vertices) + (size_t)16u * (n_structures))
 
 /* To add to it where config.volume, or config.smooth, is not 0. */
-#define SMR_VOLUME_BYTES(n_structures) ((size_t)64u + (size_t)72u * (n_structures))
+#define SMR_VOLUME_BYTES(n_structures) ((size_t)64u + (size_t)64u * (n_structures))
 #define SMR_SMOOTH_BYTES(n_vertices) ((size_t)64u + (size_t)4u * (n_vertices))
 
 /* Parts of the two bounds: search trees, and the triangles' copy where a model's byte order is not the processor's. */

@@ -176,6 +176,12 @@ class StructureReport(_Struct):
                 ("residual_mean_mm", _F), ("residual_max_mm", _F), ("moved_mean_mm", _F), ("moved_max_mm", _F)]
 
 
+class StructureVolume(_Struct):
+    """The volume of a closed structure (smr_structure_volume). closed 0: it encloses none, and all else is 0."""
+    _fields_ = [("closed", _U), ("rest_mm3", _F), ("asked_mm3", _F), ("present_mm3", _F), ("asked_ratio", _F),
+                ("ratio", _F)]
+
+
 class Verdict(_Struct):
     """Whether a result can be relied on, and what was measured (smr_verdict). -1: nothing of the kind was measured."""
     _fields_ = [("level", _U), ("reasons", _U), ("expected_error_mm", _F), ("seen_share", _F), ("target_covered", _F),
@@ -208,7 +214,8 @@ class _Setting(_Struct):
 STRUCTS = {"smr_mesh": _Mesh, "smr_structure": _Structure, "smr_volume": _Volume, "smr_pose": _Pose, "smr_port": _Port,
            "smr_closest": _Closest, "smr_align_config": _AlignConfig, "smr_align_report": AlignReport,
            "smr_model_info": ModelInfo, "smr_structure_info": _StructureInfo, "smr_landmark": _Landmark,
-           "smr_tick_report": TickReport, "smr_structure_report": StructureReport, "smr_verdict": Verdict,
+           "smr_tick_report": TickReport, "smr_structure_report": StructureReport,
+           "smr_structure_volume": StructureVolume, "smr_verdict": Verdict,
            "smr_carry_fact": _Fact, "smr_setting": _Setting}
 
 # Calls that return a status: p pointer, u uint32_t, z size_t, q uint64_t, f float.
@@ -222,6 +229,7 @@ _CALLS = {
     "smr_model_mesh": "pupp", "smr_arena_bytes": "ppp", "smr_init": "ppppzp", "smr_set_positions": "pup",
     "smr_set_pose": "pp", "smr_set_surface": "pup", "smr_set_points": "pup", "smr_set_volume": "pp",
     "smr_set_landmarks": "ppu", "smr_get_landmarks": "pp", "smr_set_goals": "pupp", "smr_tick": "pqp",
+    "smr_set_volume_ratio": "puf", "smr_get_structure_volume": "pup",
     "smr_set_active": "pu", "smr_get_positions": "pup", "smr_get_normals": "pup", "smr_get_structure_report": "pup",
     "smr_get_verdict": "pup", "smr_get_seen": "pup", "smr_get_expected_error": "pup", "smr_get_local_volume": "pufp",
     "smr_carry_bytes": "uuup",
@@ -949,6 +957,17 @@ class Registration:
             raise ValueError("weights: expected as many as vertices")
         _lib.smr_set_goals(self._handle, self.model.index(structure), _at(at), _at(weight))
         self._borrowed["goals", self.model.index(structure)] = (at, weight)
+
+    def set_volume_ratio(self, structure: Union[int, str, None], ratio: float) -> None:
+        """The volume that a closed structure, or each of them (None), is to have over the rest shape's in the scale of
+        the start, 0.1..10; 1 until set. The setting volume must be above 0."""
+        _lib.smr_set_volume_ratio(self._handle, ALL if structure is None else self.model.index(structure), ratio)
+
+    def structure_volume(self, structure: Union[int, str]) -> StructureVolume:
+        """Volumes of a structure at rest, as asked for and now, mm^3."""
+        volume = StructureVolume()
+        _lib.smr_get_structure_volume(self._handle, self.model.index(structure), C.byref(volume))
+        return volume
 
     def set_active(self, n: int) -> None:
         """Exactly the first n vertices in the order of priority take part from the next iteration on; 0: as set up."""

@@ -90,6 +90,8 @@ static smr_config random_config(uint32_t *seed)
         c.iterations = c.iterations_last = 1u + rig_random(seed, 2);
     c.n_workers = 4;
     c.fusing = *seed >> 10 & 1u;
+    c.volume = *seed >> 11 & 1u ? 0.8f : 0.0f;
+    c.smooth = *seed >> 12 & 1u ? 0.4f : 0.0f;
     return c;
 }
 
@@ -400,6 +402,8 @@ static void test_saves(void **state)
         if (n % 3u != 0u)
             assert_int_equal(SMR_OK, smr_set_log(s, r.log[0], r.log_bytes));
         set_own(s, &config, 0);
+        if (config.volume > 0.0f)
+            assert_int_equal(SMR_OK, smr_set_volume_ratio(s, SMR_ALL, 1.2f));
         run_before(&r, s);
         run_after(&r, s, twin_of(&r, s, &config, &other, memory[1]), n);
     }

@@ -84,6 +84,8 @@ static void both_methods(const smr_mesh *source, const smr_mesh *target, float r
         config.n_target_vertices = k & 2u ? 1000 : 0;
         config.search_mm = SMR_COORD_MAX;
         config.fusing = (k ^ k >> 1) & 1u;
+        config.volume = k & 1u ? 1.0f : 0.0f;
+        config.smooth = k & 2u ? 1.0f : 0.0f;
         config.search_radii = 1.0e6f;
         config.settle_um = 0.0f;
         config.iterations_last = 1000;
@@ -211,6 +213,8 @@ static smr_config random_config(uint32_t *seed, uint32_t n_radii)
     c.iterations = 1u + rig_random(seed, 10);
     c.iterations_last = 1u + rig_random(seed, 60);
     c.fusing = *seed >> 10 & 1u;
+    c.volume = *seed >> 11 & 1u ? 1.0f : 0.0f;
+    c.smooth = *seed >> 12 & 1u ? 0.7f : 0.0f;
     return c;
 }
 

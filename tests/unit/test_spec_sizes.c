@@ -25,6 +25,7 @@ enum { N = 4096, GRID = 64, FEW = 512, MANY = 4096, SECTION = 65536 };
 static char spec[SECTION];                               /* the arena's and the surface's tables */
 static int misses;                                       /* all are told, not the first alone */
 static uint32_t n_landmarks, caller_goals, caller_force; /* of the next arena's configuration */
+static float volume, smooth;
 
 /* A number such as 2,112 or 27.4. */
 static double number(const char *at)
@@ -144,6 +145,8 @@ static double arena_with(uint32_t nt, uint32_t n, uint32_t ns, uint32_t method, 
     config.n_landmarks = n_landmarks;
     config.caller_goals = caller_goals;
     config.caller_force = caller_force;
+    config.volume = volume;
+    config.smooth = smooth;
     const double bytes = arena_of(structure, ns, &config);
     test_free(triangle);
     test_free(xyz);
@@ -221,6 +224,13 @@ static void settings_are_as_stated(void **state)
     agrees("a force of the caller's", (arena(N, 64, SMR_METHOD_RIGID, 0, 1) - least) / N,
            rows(section, "vertex, caller's force"));
     caller_force = SMR_CALLER_OFF;
+    volume = 1.0f;
+    agrees("volumes that are kept", (arena(N, 64, SMR_METHOD_RIGID, 0, 1) - least) / 64.0,
+           rows(section, "structure, volume"));
+    volume = 0.0f;
+    smooth = 1.0f;
+    agrees("smoothing", (arena(N, 64, SMR_METHOD_RIGID, 0, 1) - least) / N, rows(section, "vertex, smoothing"));
+    smooth = 0.0f;
     assert_int_equal(misses, 0);
 }
 

@@ -113,6 +113,8 @@ void unit_log_make_kinds(unit_log *u)
     u->config.track_mm = 15.0f;
     u->config.track_iterations = 4;
     u->config.fusing = SMR_FUSING_LIE;
+    u->config.volume = 0.7f;
+    u->config.smooth = 0.2f;
     u->config.iterations = 2;
     u->config.iterations_last = 3;
     smr *s = unit_log_begin(u, &port);
@@ -121,11 +123,13 @@ void unit_log_make_kinds(unit_log *u)
     (void)smr_set_pose(s, &pose);
     set_landmarks(s, u, 1.0f);
     ticks(s, 6, &seed);
+    (void)smr_set_volume_ratio(s, 0, 1.1f);
     (void)smr_set_goals(s, 0, u->goals[0].xyz, NULL);
     (void)smr_set_force(s, u->force.force, u->force.ctx);
     ticks(s, 8, &seed);
     for (uint32_t i = 0; i < 2u; i++) {
         (void)smr_set_points(s, 0, u->cloud[i]);
+        (void)smr_set_volume_ratio(s, SMR_ALL, 0.8f + 0.1f * (float)i);
         (void)smr_set_active(s, 70u * i);
         ticks(s, 6, &seed);
     }
