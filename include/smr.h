@@ -631,16 +631,16 @@ typedef struct smr_config {
      * structure is elastic about its shape at rest; forces are springs to their goals, `stiffness` as strong as those
      * of shape matching. All vertices take part; folds are not looked at, and done stays 0. */
 
-    /* SMR_DYNAMICS_..., default off. Not with track. On, the arena has SMR_DYNAMICS_BYTES more. */
+    /* SMR_DYNAMICS_..., default off. Not with track, volume or smooth. On, the arena has SMR_DYNAMICS_BYTES more. */
     uint32_t dynamics;
     /* ms, [0.01, 1000], default 10. Length of a time step. Any is stable; long ones take energy out. */
     float step_ms;
     /* 1/s, [0, 1000000], default 1. Velocities fall to 1 / (1 + step * damping) in each step. */
     float damping;
-    /* mm/s^2, within +-1e6, default 0 0 0. Along the caller's axes; 9810 is that of the Earth. */
+    /* mm/s^2, [-1000000, 1000000], default 0. Along the caller's axes; 9810 is that of the Earth. */
     float gravity[3];
-    /* 1/s^2, [0, 1e8], default 10000. Stiffness of the springs of shape matching, for each unit of mass: a vertex that
-     * is off its clusters' mean swings with sqrt(elastic) / 2 pi Hz. */
+    /* 1/s^2, [0, 100000000], default 10000. Stiffness of the springs of shape matching, for each unit of mass: a vertex
+     * that is off its clusters' mean swings with sqrt(elastic) / 2 pi Hz. */
     float elastic;
 
     /* ---- how clusters are fused ---- */
@@ -961,8 +961,9 @@ smr_status smr_set_active(smr *s, uint32_t n_active);
 smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz);
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
 
-/* Velocities of a structure's vertices, [n_vertices][3] mm/s in the caller's order: those at the end of the last complete
- * time step, or as set since. Errors: E_NULL, E_INPUT, E_STATE (not a registration), E_ARENA (config.dynamics is off). */
+/* Velocities of a structure's vertices, [n_vertices][3] mm/s in the caller's order: those at the end of the last
+ * complete time step, or as set since.
+ * Errors: E_NULL, E_INPUT, E_STATE (not a registration), E_ARENA (config.dynamics is off). */
 smr_status smr_get_velocities(const smr *s, uint32_t structure, float *velocity);
 
 /* Energies of all structures together. 1 uJ is 1000 g mm^2/s^2. */

@@ -6,7 +6,8 @@
  * <state after a run drawn by landmarks, goals and a force of the caller's beside the target> <state after an image
  * run as the paper has it> <checksums of saves in the middle of the polar and the image run, which went on from them
  * to the same state> <state after a target was followed that moved and jumped> <of states after runs that fuse clusters
- * by logarithms> <state after a run with volume preservation and smoothing>.
+ * by logarithms> <state after a run with volume preservation and smoothing> <of states and velocities after runs in
+ * time>.
  * Hosted: golden [threads N | workers N | reverse | shuffle | interleave | saves FILE | restores FILE]; without an
  * argument a plain loop. saves writes the saves as well, restores goes on from another processor's.
  * Bare metal (SMR_BAREMETAL): no argument; the buffers go to the section .arena.
@@ -192,7 +193,7 @@ static int golden_main(const smr_port *port)
     smr_pose pose;
     size_t image_bytes = 0;
     uint64_t rigid = 0, polar = 0, image[2] = {0, 0}, half = 0, points = 0, drawn = 0, again[2], track = 0, fused = 0,
-             volume = 0;
+             volume = 0, moves = 0;
     uint32_t crc = 0, crc_image = 0, crc_start = 0, crc_half = 0, crc_carry = 0;
     smr *s = NULL;
     if (!golden_ok("self test", smr_self_test() == 0u ? SMR_OK : SMR_E_STATE) || !golden_meshes(mesh) ||
@@ -206,7 +207,7 @@ static int golden_main(const smr_port *port)
         !golden_half(model, mesh[1], port, &half, &crc_half) || !golden_points(model, &mesh[1], port, &points) ||
         !golden_track(model, &mesh[1], port, &track) || !golden_fused(model, &mesh[0], port, &fused) ||
         !golden_ok("target again", smr_surface_build(&mesh[1], golden_target, sizeof golden_target, &target)) ||
-        !golden_kept(model, target, port, &volume))
+        !golden_kept(model, target, port, &volume) || !golden_dynamics(model, &mesh[0], port, &moves))
         return 1;
     golden_interrupts = 1;
     if (!golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &s, &again[0]) ||
@@ -222,7 +223,7 @@ static int golden_main(const smr_port *port)
         return 1;
     const uint64_t words[] = {rigid,  polar,     image[0], half,     crc ^ crc_image ^ crc_start ^ crc_half,
                               points, crc_carry, drawn,    image[1], golden_saved.checksums,
-                              track,  fused,     volume};
+                              track,  fused,     volume,   moves};
     print_text("smr-hash");
     for (uint32_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         print_text(" ");

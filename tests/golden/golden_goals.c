@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "golden.h"
 
+#include <math.h>
 #include <string.h>
 
 /* The target turned about the z axis, by the tangent of half the angle, and shifted. */
@@ -168,6 +169,41 @@ int golden_kept(const smr_model *model, const smr_surface *target, const smr_por
     *hash = smr_state_hash(s);
     return golden_ok("volume", smr_get_structure_volume(s, 0, &volume)) &&
            golden_ok("ratio reached", volume.ratio > 0.94f && volume.ratio < 0.96f ? SMR_OK : SMR_E_STATE);
+}
+
+/* The bone swings in time, by both methods: pinned at one end, thrown, drawn to goals in between. */
+int golden_dynamics(const smr_model *model, const smr_mesh *mesh, const smr_port *port, uint64_t *hash)
+{
+    const uint32_t n = mesh->n_vertices;
+    float *const mass = golden_words, *const speed = mass + n, *const goal = speed + 3u * n;
+    *hash = 0;
+    golden_move(mesh, 0.05f, 2.0f, goal);
+    for (uint32_t i = 0; i < n; i++) {
+        mass[i] = mesh->xyz[3u * i + 2u] < 15.0f ? INFINITY : 0.5f + 0.25f * (float)(i % 5u);
+        for (uint32_t c = 0; c < 3u; c++)
+            speed[3u * i + c] = mass[i] < 9.0f && c == 0u ? mesh->xyz[3u * i + 2u] : 0.0f;
+    }
+    for (uint32_t k = 0; k < 2u; k++) {
+        smr_config config = smr_config_default();
+        smr *s = NULL;
+        config.n_workers = GOLDEN_WORKERS;
+        config.method = k;
+        config.dynamics = SMR_DYNAMICS_ON;
+        config.gravity[1] = -9810.0f;
+        config.caller_goals = 1;
+        if (!golden_ok("dynamics init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
+            !golden_ok("motion", smr_set_motion(s, 0, mass, speed)))
+            return 0;
+        for (uint32_t tick = 0; tick < 5u * SMR_SWEEPS; tick++)
+            if ((tick == 12u && !golden_ok("springs", smr_set_goals(s, 0, goal, NULL))) ||
+                !golden_ok("dynamics tick", smr_tick(s, 0, NULL)))
+                return 0;
+        if (!golden_ok("speed", smr_get_velocities(s, 0, goal)))
+            return 0;
+        *hash = *hash * 3u + smr_state_hash(s) + golden_crc_words(goal, 3u * (size_t)n);
+        golden_move(mesh, 0.05f, 2.0f, goal);
+    }
+    return 1;
 }
 
 /* Points beside the rest shape's vertices, carried to where s has the bone, and back. */

@@ -65,6 +65,9 @@ static smr_config random_config(uint32_t *seed)
     c.confidence = rig_random(seed, 2) ? 0.4f : rig_between(seed, 0.75f, 0.98f); /* so that many find no goal */
     c.n_workers = 4;
     c.fusing = *seed >> 10 & 1u;
+    c.dynamics = c.track == SMR_TRACK_OFF && c.volume == 0.0f && c.smooth == 0.0f && (*seed >> 12 & 3u) == 0u;
+    c.gravity[1] = -9810.0f;
+    c.step_ms = (float)(1u + (*seed >> 14 & 63u));
     return c;
 }
 

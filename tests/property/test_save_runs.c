@@ -92,6 +92,9 @@ static smr_config random_config(uint32_t *seed)
     c.fusing = *seed >> 10 & 1u;
     c.volume = *seed >> 11 & 1u ? 0.8f : 0.0f;
     c.smooth = *seed >> 12 & 1u ? 0.4f : 0.0f;
+    c.dynamics = c.track == SMR_TRACK_OFF && c.volume == 0.0f && c.smooth == 0.0f && (*seed >> 12 & 3u) == 0u;
+    c.gravity[1] = -9810.0f;
+    c.step_ms = (float)(1u + (*seed >> 14 & 63u));
     return c;
 }
 
@@ -295,7 +298,8 @@ static smr *twin_of(run *r, const smr *s, const smr_config *config, const smr_po
     size_t bytes = 0, arena_bytes = 0;
     assert_int_equal(SMR_OK, smr_save_bytes(s, &bytes));
     assert_true(bytes <= SMR_SAVE_BYTES(PARTS * VERTICES_MAX, PARTS, 1000, LANDMARKS, SMR_METHOD_POLAR) +
-                             SMR_SAVE_TRACK_BYTES(PARTS * VERTICES_MAX));
+                             SMR_SAVE_TRACK_BYTES(PARTS * VERTICES_MAX) +
+                             SMR_SAVE_DYNAMICS_BYTES(PARTS * VERTICES_MAX));
     assert_int_equal(SMR_OK, smr_save(s, saved, bytes));
     assert_int_equal(SMR_OK, smr_save_info(saved, sizeof saved, &info));
     assert_true(info.bytes == bytes && info.config.n_workers == config->n_workers);

@@ -215,6 +215,9 @@ static smr_config random_config(uint32_t *seed, uint32_t n_radii)
     c.fusing = *seed >> 10 & 1u;
     c.volume = *seed >> 11 & 1u ? 1.0f : 0.0f;
     c.smooth = *seed >> 12 & 1u ? 0.7f : 0.0f;
+    c.dynamics = c.track == SMR_TRACK_OFF && c.volume == 0.0f && c.smooth == 0.0f && (*seed >> 12 & 3u) == 0u;
+    c.gravity[1] = -9810.0f;
+    c.step_ms = (float)(1u + (*seed >> 14 & 63u));
     return c;
 }
 

@@ -83,10 +83,10 @@ static int box_legal(const smr_config *c)
     return legal;
 }
 
-/* Moving targets are followed by relaxation or in time, not both. */
+/* Moving targets are followed by relaxation or in time, not both; volumes and smoothness are kept by relaxation. */
 static int dynamics_legal(const smr_config *c)
 {
-    int legal = !c->dynamics || c->track == SMR_TRACK_OFF;
+    int legal = !c->dynamics || (c->track == SMR_TRACK_OFF && !(c->volume > 0.0f) && !(c->smooth > 0.0f));
     for (uint32_t i = 0; i < 3u; i++)
         legal &= smr_within(c->gravity[i], SMR_GRAVITY_MAX);
     return legal;

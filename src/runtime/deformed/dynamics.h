@@ -49,7 +49,7 @@ static inline smr_vec smr_dynamics_free(const smr_dynamics *d, uint32_t v)
 /* 1: the iteration is the first of a time step: it starts at y. */
 static inline int smr_first_sweep(const smr_pace *p) { return p->iteration % SMR_SWEEPS == 0u; }
 
-/* What the first term of the sums starts from: y, or where the sweep before came to. */
+/* Where a sweep starts: at y, or where the sweep before came to. */
 static inline smr_vec smr_dynamics_from(const smr_dynamics *d, const smr_pace *p, uint32_t v, smr_vec x)
 {
     return smr_first_sweep(p) ? smr_dynamics_free(d, v) : x;

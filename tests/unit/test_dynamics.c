@@ -1,0 +1,378 @@
+/* test_dynamics.c: a bone with mass, in time: it rests, falls, keeps its momentum, loses energy only, for any stiffness
+ * and step, swings about a pinned vertex as a physical pendulum, and follows springs.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "property/rig.h"
+#include "runtime/registration.h"
+
+static struct scene {
+    smr_mesh bone, target;
+    const smr_model *model;
+    smr_config config;
+    uint32_t n;
+    float *mass, *speed;
+} e;
+
+static int set_up(void **state)
+{
+    const smr_prepare_config radii = rig_radii(3, 600, 150, 60);
+    (void)state;
+    memset(&e, 0, sizeof e);
+    rig_bone(12000, 1.0f, &e.bone, &e.target);
+    e.model = rig_model(&e.bone, 1, &radii);
+    e.config = smr_config_default();
+    e.config.dynamics = SMR_DYNAMICS_ON;
+    e.config.track_mm = 150.0f;
+    e.n = e.bone.n_vertices;
+    e.mass = rig_alloc(e.n * sizeof *e.mass);
+    e.speed = rig_alloc(3u * (size_t)e.n * sizeof *e.speed);
+    for (uint32_t i = 0; i < e.n; i++)
+        e.mass[i] = 1.0f;
+    return 0;
+}
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static const float *at(uint32_t i) { return e.bone.xyz + 3u * (size_t)i; }
+
+static smr_energy energy_of(const smr *s)
+{
+    smr_energy energy;
+    assert_int_equal(SMR_OK, smr_get_energy(s, &energy));
+    return energy;
+}
+
+static void steps(smr *s, uint32_t n)
+{
+    for (uint32_t i = 0; i < n * SMR_SWEEPS; i++)
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+}
+
+static void test_off_costs_nothing(void **state)
+{
+    size_t off, on, saved_off, saved_on;
+    smr_config config = e.config;
+    (void)state;
+    config.dynamics = SMR_DYNAMICS_OFF;
+    smr *s = rig_init(e.model, &config, NULL);
+    smr_energy energy;
+    assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &config, &off));
+    assert_int_equal(SMR_OK, smr_save_bytes(s, &saved_off));
+    assert_null(s->shape.dynamics);
+    assert_int_equal(SMR_E_ARENA, smr_set_motion(s, 0, e.mass, NULL));
+    assert_int_equal(SMR_E_ARENA, smr_get_velocities(s, 0, e.speed));
+    assert_int_equal(SMR_E_ARENA, smr_get_energy(s, &energy));
+    assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &on));
+    assert_int_equal(SMR_OK, smr_save_bytes(rig_init(e.model, &e.config, NULL), &saved_on));
+    assert_true(on > off + 44u * e.n && on <= off + SMR_DYNAMICS_BYTES(e.n, 1));
+    assert_true(saved_on > saved_off + 40u * e.n && saved_on <= saved_off + SMR_SAVE_DYNAMICS_BYTES(e.n));
+}
+
+static void test_refused(void **state)
+{
+    smr *s = rig_init(e.model, &e.config, NULL);
+    smr_config config = e.config;
+    smr_energy energy;
+    size_t bytes;
+    (void)state;
+    const float wrong[] = {0.0f, -1.0f, 0.9e-6f, 1.1e6f, NAN, -INFINITY};
+    const uint64_t hash = smr_state_hash(s);
+    assert_int_equal(SMR_E_NULL, smr_set_motion(NULL, 0, e.mass, NULL));
+    assert_int_equal(SMR_E_NULL, smr_set_motion(s, 0, NULL, NULL));
+    assert_int_equal(SMR_E_NULL, smr_get_velocities(s, 0, NULL));
+    assert_int_equal(SMR_E_NULL, smr_get_energy(s, NULL));
+    assert_int_equal(SMR_E_NULL, smr_get_energy(NULL, &energy));
+    assert_int_equal(SMR_E_INPUT, smr_set_motion(s, 1, e.mass, NULL));
+    assert_int_equal(SMR_E_INPUT, smr_get_velocities(s, SMR_ALL, e.speed));
+    for (uint32_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        e.mass[e.n - 1u] = wrong[i];
+        assert_int_equal(SMR_E_INPUT, smr_set_motion(s, 0, e.mass, NULL));
+    }
+    e.mass[e.n - 1u] = 1.0f;
+    e.speed[4] = INFINITY;
+    assert_int_equal(SMR_E_INPUT, smr_set_motion(s, 0, NULL, e.speed));
+    e.speed[4] = 0.0f;
+    assert_true(hash == smr_state_hash(s) && energy_of(s).kinetic_uj == 0.0f);
+    config.track = SMR_TRACK_REPORT;
+    assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(e.model, &config, &bytes));
+    config = e.config;
+    config.gravity[2] = NAN;
+    assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(e.model, &config, &bytes));
+    config = e.config;
+    config.volume = 0.5f;
+    assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(e.model, &config, &bytes));
+    config = e.config;
+    config.gravity[2] = 1.1e6f;
+    assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(e.model, &config, &bytes));
+}
+
+/* Without forces nothing moves but by rounding; in a fall the centre goes as implicit Euler says, and back up with as
+ * much energy. */
+static void test_rests_and_falls(void **state)
+{
+    smr *s = rig_init(e.model, &e.config, NULL);
+    const smr_energy before = energy_of(s);
+    (void)state;
+    steps(s, 10);
+    assert_true(rig_far(rig_positions(s, e.model), e.bone.xyz, e.n) < 1e-3f);
+    e.config.gravity[1] = -9810.0f;
+    e.config.damping = 0.0f;
+    s = rig_init(e.model, &e.config, NULL);
+    steps(s, 20);
+    const smr_energy after = energy_of(s);
+    const float way = 0.5f * 9810.0f * 1e-4f * 20.0f * 21.0f;
+    assert_int_equal(20, after.steps);
+    assert_int_equal(0, after.sweeps);
+    assert_true(fabsf(before.centre[1] - after.centre[1] - way) < 0.01f &&
+                fabsf(before.centre[0] - after.centre[0]) < 0.01f);
+    assert_true(fabsf(after.gravity_uj + 0.001f * after.mass_g * 9810.0f * way) < 1e-3f * fabsf(after.gravity_uj));
+    assert_true(after.elastic_uj < 1e-4f * after.kinetic_uj);
+}
+
+/* Velocities of a spin about the centre, a bend along x and a translation, for the vertices that are not pinned. */
+static void throw(const float centre[3], float spin, float bend)
+{
+    for (uint32_t i = 0; i < e.n; i++) {
+        const float x = at(i)[0] - centre[0], y = at(i)[1] - centre[1], z = at(i)[2] - centre[2];
+        float *const v = e.speed + 3u * (size_t)i;
+        const float on = e.mass[i] < 9.0f ? 1.0f : 0.0f;
+        v[0] = on * (100.0f + spin * y + bend * (z * z / 4e4f - 0.333f));
+        v[1] = on * spin * (0.5f * z - x);
+        v[2] = on * -0.5f * spin * y;
+    }
+}
+
+/* Linear and angular momentum about the origin, of masses as they count. */
+static void momentum(const smr *s, double p[6])
+{
+    const smr_dynamics *d = s->shape.dynamics;
+    memset(p, 0, 6u * sizeof *p);
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        const double m = (double)(d->weight[v] * d->members[v] * d->gram);
+        double x[3], w[3];
+        for (uint32_t c = 0; c < 3u; c++) {
+            x[c] = (double)smr_at3(s->shape.x, v)[c];
+            w[c] = (double)smr_at3(d->velocity, v)[c];
+            p[c] += m * w[c];
+        }
+        for (uint32_t c = 0; c < 3u; c++)
+            p[3u + c] += m * (x[(c + 1u) % 3u] * w[(c + 2u) % 3u] - x[(c + 2u) % 3u] * w[(c + 1u) % 3u]);
+    }
+}
+
+static void test_keeps_momentum(void **state)
+{
+    (void)state;
+    e.config.damping = 0.0f;
+    for (uint32_t k = 0; k < 4u; k++) {
+        double before[6], after[6];
+        e.config.method = k % 2u;
+        e.config.elastic = k < 2u ? 1e3f : 1e6f;
+        smr *s = rig_init(e.model, &e.config, NULL);
+        throw(energy_of(s).centre, 1.0f, 200.0f);
+        assert_int_equal(SMR_OK, smr_set_motion(s, 0, NULL, e.speed));
+        momentum(s, before);
+        const double size = sqrt(before[3] * before[3] + before[4] * before[4] + before[5] * before[5]);
+        steps(s, 20);
+        momentum(s, after);
+        for (uint32_t c = 0; c < 3u; c++) {
+            assert_true(fabs(after[c] - before[c]) < 1e-4 * fabs(before[0]));
+            assert_true(fabs(after[3u + c] - before[3u + c]) < 2e-2 * size);
+        }
+    }
+}
+
+/* Stiffness over six decades, steps from 1 to 100 ms: the energy falls in each step. */
+static void test_energy_falls(void **state)
+{
+    const uint32_t n = rig_times(20);
+    (void)state;
+    for (uint32_t k = 0; k < 12u; k++) {
+        e.config.elastic = powf(10.0f, (float)(k / 3u * 2u + 1u));
+        e.config.step_ms = powf(10.0f, (float)(k % 3u));
+        smr *s = rig_init(e.model, &e.config, NULL);
+        throw(energy_of(s).centre, 2.0f, 200.0f);
+        assert_int_equal(SMR_OK, smr_set_motion(s, 0, NULL, e.speed));
+        const float start = energy_of(s).kinetic_uj;
+        float last = start;
+        for (uint32_t i = 0; i < n; i++) {
+            steps(s, 1);
+            const smr_energy now = energy_of(s);
+            if (!(now.kinetic_uj + now.elastic_uj <= last + 1e-6f * start))
+                fail_msg("stiffness %g, step %g ms: energy %g after %g", (double)e.config.elastic,
+                         (double)e.config.step_ms, (double)(now.kinetic_uj + now.elastic_uj), (double)last);
+            last = now.kinetic_uj + now.elastic_uj;
+        }
+        assert_true(rig_finite(rig_positions(s, e.model), e.n));
+    }
+}
+
+/* ---- a pendulum: the bone hangs from its topmost vertex, as a whole cluster */
+
+typedef struct pendulum {
+    double pivot[3], axis[3], down[3], side[3]; /* down: where it hangs at rest; side: where it swings */
+    double period;                              /* s, of small swings */
+} pendulum;
+
+static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void cross(const double *a, const double *b, double *c)
+{
+    for (uint32_t i = 0; i < 3u; i++)
+        c[i] = a[(i + 1u) % 3u] * b[(i + 2u) % 3u] - a[(i + 2u) % 3u] * b[(i + 1u) % 3u];
+}
+
+static void unit(double *a)
+{
+    const double l = sqrt(dot(a, a));
+    for (uint32_t i = 0; i < 3u; i++)
+        a[i] /= l;
+}
+
+/* Inertia about the pivot between two directions. */
+static double inertia(const pendulum *p, const double *a, const double *b)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < e.n; i++) {
+        double r[3];
+        for (uint32_t c = 0; c < 3u; c++)
+            r[c] = (double)at(i)[c] - p->pivot[c];
+        sum += dot(r, r) * dot(a, b) - dot(r, a) * dot(r, b);
+    }
+    return sum;
+}
+
+/* The slower of the two ways to swing: without spin about the line to the centre, and with the axis that keeps it. */
+static void hang(pendulum *p, uint32_t pin)
+{
+    double first[3] = {1, 0, 0}, second[3], mean[3] = {0, 0, 0}, k[3];
+    for (uint32_t c = 0; c < 3u; c++)
+        p->pivot[c] = (double)at(pin)[c];
+    for (uint32_t i = 0; i < 3u * e.n; i++)
+        mean[i % 3u] += ((double)e.bone.xyz[i] - p->pivot[i % 3u]) / (e.n - 1.0);
+    const double length = sqrt(dot(mean, mean));
+    memcpy(p->down, mean, sizeof mean);
+    unit(p->down);
+    cross(p->down, first, second);
+    unit(second);
+    cross(second, p->down, first);
+    const double spin = inertia(p, p->down, p->down), one = inertia(p, first, p->down),
+                 two = inertia(p, second, p->down);
+    k[0] = inertia(p, first, first) - one * one / spin;
+    k[1] = inertia(p, first, second) - one * two / spin;
+    k[2] = inertia(p, second, second) - two * two / spin;
+    const double half = 0.5 * (k[0] + k[2]), most = half + sqrt(0.25 * (k[0] - k[2]) * (k[0] - k[2]) + k[1] * k[1]);
+    for (uint32_t c = 0; c < 3u; c++)
+        p->axis[c] = k[1] * first[c] + (most - k[0]) * second[c];
+    unit(p->axis);
+    p->period = 2.0 * acos(-1.0) * sqrt(most / ((e.n - 1.0) * 9810.0 * length));
+}
+
+/* Turns the direction of gravity by 5 degrees about the axis. */
+static void tilt(pendulum *p, float gravity[3])
+{
+    const double angle = acos(-1.0) / 36.0;
+    double way[3];
+    cross(p->axis, p->down, way);
+    for (uint32_t c = 0; c < 3u; c++)
+        p->down[c] = cos(angle) * p->down[c] + sin(angle) * way[c];
+    cross(p->axis, p->down, p->side);
+    for (uint32_t c = 0; c < 3u; c++)
+        gravity[c] = (float)(9810.0 * p->down[c]);
+}
+
+/* The period between the first and the last passage of the centre below the pivot. */
+static double swing(smr *s, const pendulum *p, double h, uint32_t n)
+{
+    double first = 0.0, last = 0.0, before = -1.0;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        double r[3];
+        steps(s, 1);
+        const smr_energy now = energy_of(s);
+        for (uint32_t c = 0; c < 3u; c++)
+            r[c] = (double)now.centre[c] - p->pivot[c];
+        const double angle = atan2(dot(r, p->side), dot(r, p->down));
+        if (i > 0u && before * angle < 0.0) {
+            last = h * (i + before / (before - angle));
+            first = count++ == 0u ? last : first;
+        }
+        before = angle;
+    }
+    return count > 1u ? 2.0 * (last - first) / (count - 1.0) : 0.0;
+}
+
+static void test_pendulum(void **state)
+{
+    pendulum p;
+    uint32_t pin = 0;
+    (void)state;
+    for (uint32_t i = 0; i < e.n; i++)
+        pin = at(i)[2] > at(pin)[2] ? i : pin;
+    e.mass[pin] = INFINITY;
+    e.config.track_mm = 600.0f;
+    e.config.damping = 0.0f;
+    e.config.elastic = 1e6f;
+    hang(&p, pin);
+    tilt(&p, e.config.gravity);
+    e.config.step_ms = (float)(10.0 * p.period);
+    smr *s = rig_init(e.model, &e.config, NULL);
+    assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, NULL));
+    assert_int_equal(1, energy_of(s).n_pinned);
+    const double period = swing(s, &p, p.period / 100.0, 140);
+    (void)printf("pendulum: %.4f s computed, %.4f s (%.2f %%)\n", p.period, period, 100.0 * (period / p.period - 1.0));
+    assert_true(fabs(period / p.period - 1.0) < 0.03);
+    const float *const xyz = rig_positions(s, e.model);
+    assert_true(rig_far(xyz + 3u * (size_t)pin, at(pin), 1) < 1e-4f);
+}
+
+/* Pinned vertices with a velocity carry the others along; springs to goals bring the bone onto them. */
+static void test_drawn(void **state)
+{
+    (void)state;
+    float *const goal = rig_alloc(3u * (size_t)e.n * sizeof *goal);
+    for (uint32_t i = 0; i < e.n; i++)
+        e.mass[i] = at(i)[2] < 60.0f ? INFINITY : 1.0f;
+    for (uint32_t i = 0; i < e.n; i++)
+        e.speed[3u * i] = e.mass[i] > 9.0f ? 50.0f : 0.0f;
+    smr *s = rig_init(e.model, &e.config, NULL);
+    assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, e.speed));
+    steps(s, 100);
+    const float *xyz = rig_positions(s, e.model);
+    for (uint32_t i = 0; i < e.n; i++)
+        assert_true(fabsf(xyz[3u * i] - at(i)[0] - 50.0f) < (e.mass[i] > 9.0f ? 0.01f : 15.0f));
+    e.config.caller_goals = 1;
+    e.config.damping = 20.0f;
+    for (uint32_t i = 0; i < 3u * e.n; i++)
+        goal[i] = e.bone.xyz[i] + (i % 3u == 1u ? 12.0f : 0.0f);
+    s = rig_init(e.model, &e.config, NULL);
+    assert_int_equal(SMR_OK, smr_set_goals(s, 0, goal, NULL));
+    steps(s, 4);
+    assert_true(energy_of(s).goals_uj > 1.0f);
+    steps(s, 60);
+    assert_true(rig_far(rig_positions(s, e.model), goal, e.n) < 0.05f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_off_costs_nothing, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_refused, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_rests_and_falls, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_keeps_momentum, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_energy_falls, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_pendulum, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_drawn, set_up, tidy),
+    };
+    return cmocka_run_group_tests_name("dynamics", tests, NULL, NULL);
+}
