@@ -62,6 +62,7 @@ uint32_t smr_self_test(void);
 #define SMR_NAME_BYTES 64u /* structure names, with the closing NUL */
 #define SMR_RADII_MAX 16u
 #define SMR_LEVELS_MAX 24u /* of priority, in a model */
+#define SMR_FIXED_MAX 64u  /* fixed surfaces */
 #define SMR_WORKERS_MAX 64u
 #define SMR_ALL 0xffffffffu    /* every structure */
 #define SMR_NONE 0xffffffffu   /* no triangle */
@@ -133,6 +134,19 @@ typedef struct smr_closest {
  * Errors: E_NULL, E_STATE (not a surface), E_INPUT. */
 smr_status smr_surface_closest(const smr_surface *surface, const float *point, const float *normal, float min_cos,
                                float max_mm, smr_closest *hit);
+
+/* How two closed surfaces lie in each other. All are 0 where one of them is open: it has no inside. */
+typedef struct smr_contact_report {
+    float deepest_mm; /* farthest that a point of one lies inside the other, at vertices and three points a triangle */
+    float volume_mm3; /* of what is inside both */
+    float area_mm2;   /* of one surface within the distance of the other, or inside; mean of both */
+} smr_contact_report;
+
+/* Measures the contact of two surfaces, which must not be clouds. within_mm: 0..100, distance that counts as contact.
+ * Takes about as long as the closest points of both surfaces' vertices. For a result: smr_surface_build() of each
+ * structure's positions.
+ * Errors: E_NULL, E_STATE (not a complete surface with triangles), E_INPUT; *report untouched then. */
+smr_status smr_surface_contact(const smr_surface *a, const smr_surface *b, float within_mm, smr_contact_report *report);
 
 /* A cloud of points as a target, in the caller's memory: a ring that keeps the newest. It shows the part of the model
  * that it lies on; what is between a few points and beyond them follows (smr_config.coverage). */
@@ -661,6 +675,17 @@ typedef struct smr_config {
      * vertex is drawn along its normal to where it stands out from its mesh neighbours as much as at rest. Finest radii
      * feel it most: clusters are stiff. Not 0, the arena has SMR_SMOOTH_BYTES more. */
     float smooth;
+
+    /* ---- structures that keep apart ----
+     * A vertex inside another closed structure, or a fixed surface, goes out the short way, both sides by mass. It
+     * slides freely. Structures overlap at rest? They are parted, too. Not 0, the arena has SMR_CONTACT_BYTES more. */
+
+    /* share, [0, 1], default 0: off. Of the way out that is gone in an iteration; 1 is meant. Not with dynamics. */
+    float contact;
+    /* mm, [0, 100], default 0. Distance kept between surfaces. */
+    float contact_mm;
+    /* surfaces, [0, 64], default 0. Most that smr_set_fixed() takes at one time. 0 takes no memory. */
+    uint32_t n_fixed;
 } smr_config;
 
 smr_config smr_config_default(void);
@@ -714,8 +739,8 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 /* Upper bound of smr_arena_bytes() as a constant, for static storage:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(1000, 2000, 1, 1, 0, SMR_METHOD_RIGID)];
  * n_workers, n_target_vertices and method as in smr_config. n_landmarks adds SMR_LANDMARKS_BYTES, caller_goals and
- * caller_force SMR_CALLER_BYTES, track SMR_TRACK_BYTES, dynamics SMR_DYNAMICS_BYTES, volume and smooth theirs; no
- * other setting changes the size.
+ * caller_force SMR_CALLER_BYTES, track SMR_TRACK_BYTES, dynamics SMR_DYNAMICS_BYTES, contact and n_fixed
+ * SMR_CONTACT_BYTES, volume and smooth theirs; no other setting changes the size.
  * Above the exact size by about 6 kB, 1.3 kB for each further structure, and 0.4 %: with one structure a quarter at 50
  * vertices, 2 % at 1,000, and less than 1 % from 5,000 on. */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices, method)                   \
@@ -744,6 +769,11 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 /* To add to it where config.volume, or config.smooth, is not 0. */
 #define SMR_VOLUME_BYTES(n_structures) ((size_t)64u + (size_t)64u * (n_structures))
 #define SMR_SMOOTH_BYTES(n_vertices) ((size_t)64u + (size_t)4u * (n_vertices))
+
+/* To add to it where config.contact or config.n_fixed are not 0. */
+#define SMR_CONTACT_BYTES(n_vertices, n_triangles, n_structures)                                                       \
+    ((size_t)4096u + (size_t)100u * (n_vertices) + (size_t)40u * (n_triangles) + (size_t)25u * (n_structures) +        \
+     SMR_TREE_BYTES(n_triangles, n_structures))
 
 /* Parts of the two bounds: search trees, and the triangles' copy where a model's byte order is not the processor's. */
 #define SMR_TREE_BYTES(n_triangles, n_structures)                                                                      \
@@ -818,6 +848,14 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n);
 /* Where the landmarks' points of the model are: [n][3] mm, in the order in which they were set.
  * Errors: E_NULL, E_STATE (not a registration). */
 smr_status smr_get_landmarks(const smr *s, float *xyz);
+
+/* A fixed surface that structures are kept out of, number index, borrowed until replaced; NULL takes it away. One that
+ * is closed has an inside, which no vertex may be in: an implant inside a bone keeps the bone's surface off. One that
+ * is open has an outside where its normals point to; what lies beyond its border is not held. It acts with
+ * config.contact only. A refitted one is set again. Allowed between any two ticks, as smr_set_surface().
+ * Errors: E_NULL, E_STATE (not a registration, not a complete surface, or a cloud), E_ARENA (config.n_fixed is 0),
+ * E_INPUT (index is not below config.n_fixed). */
+smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface);
 
 /* Goals of the caller's own for a structure: xyz, [n_vertices][3] mm, and weights, [n_vertices], 0..1000, 0 for none,
  * in the caller's vertex order. weights NULL: 1 for all. Both are borrowed until replaced, and set again when they
@@ -1140,10 +1178,11 @@ enum {
     SMR_LOG_FULL,      /* the memory ended here */
     SMR_LOG_LANDMARKS, /* smr_set_landmarks: a record for each of them */
     SMR_LOG_GOALS,
-    SMR_LOG_FORCE,             /* smr_set_force; or, before a tick, what the force gave in its iteration */
-    SMR_LOG_POINTS,            /* smr_set_points, and each change of its points */
-    SMR_LOG_VOLUME_RATIO = 13, /* smr_set_volume_ratio */
-    SMR_LOG_MOTION = 14        /* smr_set_motion */
+    SMR_LOG_FORCE,              /* smr_set_force; or, before a tick, what the force gave in its iteration */
+    SMR_LOG_POINTS,             /* smr_set_points, and each change of its points */
+    SMR_LOG_FIXED_SURFACE = 12, /* smr_set_fixed: number `index` */
+    SMR_LOG_VOLUME_RATIO = 13,  /* smr_set_volume_ratio */
+    SMR_LOG_MOTION = 14         /* smr_set_motion */
 };
 
 /* One record. Fields that its kind does not have are 0. */
@@ -1191,9 +1230,10 @@ typedef struct smr_caller_force {
     void *ctx;
 } smr_caller_force;
 
-/* Gives a replay the input that a record names: a const smr_surface *, a const smr_points * with the points that it had
- * then, a const smr_volume *, a const float * (positions, [n_vertices][3], mm), a const smr_goals *, a
- * const smr_motion * or a const smr_caller_force *. NULL: not there. Borrowed as in smr_set_...(). */
+/* Gives a replay the input that a record names: a const smr_surface * (a target's, or a fixed one), a const
+ * smr_points * with the points that it had then, a const smr_volume *, a const float * (positions, [n_vertices][3],
+ * mm), a const smr_goals *, a const smr_motion * or a const smr_caller_force *. NULL: not there. Borrowed as in
+ * smr_set_...(). */
 typedef const void *(*smr_log_input)(void *ctx, const smr_log_record *record);
 
 /* A replay under way; the fields are the library's. */
@@ -1301,6 +1341,9 @@ smr_status smr_save_bytes(const smr *s, size_t *bytes);
 /* What config.dynamics adds to it. */
 #define SMR_SAVE_DYNAMICS_BYTES(n_vertices) ((size_t)128u + (size_t)40u * (n_vertices))
 
+/* What config.contact and config.n_fixed add to it. */
+#define SMR_SAVE_CONTACT_BYTES(n_vertices, n_fixed) ((size_t)4u * (n_vertices) + (size_t)8u * (n_fixed))
+
 /* Writes s to memory[bytes] (of any alignment). The model and inputs are not in it, but their checksums: one pass over
  * each. Only between complete iterations: after a tick that returned SMR_PARTIAL, tick until SMR_OK.
  * Errors: E_NULL, E_STATE (not a registration; called from within a tick; an iteration is under way; a target surface
@@ -1323,8 +1366,8 @@ smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *
 /* Sets up the registration that saved[saved_bytes] (of any alignment, from anywhere) holds, in arena like smr_init().
  * config: NULL, or as it was saved but for n_workers. port, model and arena as for smr_init(); saved may go afterwards.
  * Positions and normals can be read at once. What was borrowed when it was saved must be set again, each input once, by
- * smr_set_surface() or smr_set_points() for a structure or SMR_ALL, smr_set_volume(), smr_set_goals(), smr_set_force()
- * (which is taken on trust), and smr_set_log() with the log
+ * smr_set_surface() or smr_set_points() for a structure or SMR_ALL, smr_set_volume(), smr_set_goals(), smr_set_fixed(),
+ * smr_set_force() (which is taken on trust), and smr_set_log() with the log
  * (NULL: recording ends). Until then other calls that change or judge anything return E_STATE. An input that is not
  * the one from before, by its checksum, or is shared by other structures, is refused with E_INPUT (a log: E_LOG).
  * Setting inputs again restarts nothing and is not recorded: the log goes on as if there had been no interruption.

@@ -193,7 +193,7 @@ static int golden_main(const smr_port *port)
     smr_pose pose;
     size_t image_bytes = 0;
     uint64_t rigid = 0, polar = 0, image[2] = {0, 0}, half = 0, points = 0, drawn = 0, again[2], track = 0, fused = 0,
-             volume = 0, moves = 0;
+             volume = 0, moves = 0, contact = 0;
     uint32_t crc = 0, crc_image = 0, crc_start = 0, crc_half = 0, crc_carry = 0;
     smr *s = NULL;
     if (!golden_ok("self test", smr_self_test() == 0u ? SMR_OK : SMR_E_STATE) || !golden_meshes(mesh) ||
@@ -204,6 +204,7 @@ static int golden_main(const smr_port *port)
         !golden_run(model, target, port, SMR_METHOD_RIGID, NULL, &s, &rigid) ||
         !golden_run(model, target, port, SMR_METHOD_POLAR, &pose, &s, &polar) ||
         !golden_carry(s, &mesh[0], port, &crc_carry) || !golden_drawn(model, &mesh[0], target, port, &drawn) ||
+        !golden_contact(model, target, source, port, &contact) ||
         !golden_half(model, mesh[1], port, &half, &crc_half) || !golden_points(model, &mesh[1], port, &points) ||
         !golden_track(model, &mesh[1], port, &track) || !golden_fused(model, &mesh[0], port, &fused) ||
         !golden_ok("target again", smr_surface_build(&mesh[1], golden_target, sizeof golden_target, &target)) ||
@@ -223,7 +224,7 @@ static int golden_main(const smr_port *port)
         return 1;
     const uint64_t words[] = {rigid,  polar,     image[0], half,     crc ^ crc_image ^ crc_start ^ crc_half,
                               points, crc_carry, drawn,    image[1], golden_saved.checksums,
-                              track,  fused,     volume,   moves};
+                              track,  fused,     volume,   moves,    contact};
     print_text("smr-hash");
     for (uint32_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         print_text(" ");

@@ -16,7 +16,7 @@
 #define GOLDEN_TICKS 40u
 #define GOLDEN_ARENA_BYTES                                                                                             \
     (SMR_ARENA_BYTES(1024, 2048, 1, GOLDEN_WORKERS, 1024, SMR_METHOD_POLAR) + SMR_DYNAMICS_BYTES(1024, 1) +            \
-     SMR_CALLER_BYTES(1024, 1))
+     SMR_CALLER_BYTES(1024, 1) + SMR_TRACK_BYTES(1024, 1) + SMR_CONTACT_BYTES(1024, 2048, 1))
 #define GOLDEN_SCRATCH_BYTES (6u << 20)
 #define GOLDEN_SURFACE_BYTES (1u << 20)
 #define GOLDEN_IMAGE_BYTES (2u << 20)
@@ -53,6 +53,8 @@ int golden_drawn(const smr_model *model, const smr_mesh *mesh, const smr_surface
 int golden_fused(const smr_model *model, const smr_mesh *mesh, const smr_port *port, uint64_t *hash);
 int golden_kept(const smr_model *model, const smr_surface *target, const smr_port *port, uint64_t *hash);
 int golden_dynamics(const smr_model *model, const smr_mesh *mesh, const smr_port *port, uint64_t *hash);
+int golden_contact(const smr_model *model, const smr_surface *target, const smr_surface *fixed, const smr_port *port,
+                   uint64_t *hash);
 int golden_carry(const smr *s, const smr_mesh *rest, const smr_port *port, uint32_t *crc);
 
 #endif

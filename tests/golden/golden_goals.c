@@ -223,3 +223,28 @@ int golden_carry(const smr *s, const smr_mesh *rest, const smr_port *port, uint3
     *crc = golden_crc_words(xyz, sizeof xyz / sizeof(float));
     return 1;
 }
+
+/* Onto the target, but never into the fixed surface, which is where the model began. */
+int golden_contact(const smr_model *model, const smr_surface *target, const smr_surface *fixed, const smr_port *port,
+                   uint64_t *hash)
+{
+    smr_config config = smr_config_default();
+    smr_tick_report report = {0};
+    smr *s = NULL;
+    config.n_workers = GOLDEN_WORKERS;
+    config.n_target_vertices = 1024;
+    config.contact = 1.0f;
+    config.contact_mm = 0.25f;
+    config.n_fixed = 2;
+    config.iterations = 6;
+    config.iterations_last = 16;
+    if (!golden_ok("contact init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
+        !golden_ok("contact surface", smr_set_surface(s, SMR_ALL, target)) ||
+        !golden_ok("fixed", smr_set_fixed(s, 1, fixed)))
+        return 0;
+    while (!report.done)
+        if (!golden_ok("contact tick", smr_tick(s, 0, &report)))
+            return 0;
+    *hash = smr_state_hash(s);
+    return 1;
+}

@@ -119,7 +119,7 @@ static void test_bytes_macro(void **state)
     (void)state;
     assert_true(SMR_LOG_BYTES(40, 3) >= unit_recorded.bytes);
     assert_true(SMR_LOG_BYTES(1, 0) - SMR_LOG_BYTES(0, 0) >= SMR_LOG_FRAME + 4u * smr_log_words(SMR_LOG_TICK));
-    for (uint32_t kind = SMR_LOG_SURFACE; kind <= SMR_LOG_FORCE; kind++) {
+    for (uint32_t kind = SMR_LOG_SURFACE; kind <= SMR_LOG_FIXED_SURFACE; kind++) {
         assert_true(SMR_LOG_BYTES(0, 1) - SMR_LOG_BYTES(0, 0) >= SMR_LOG_FRAME + 4u * smr_log_words(kind));
         assert_true(smr_log_words(kind) >= 1u && smr_log_words(kind) <= SMR_LOG_WORDS);
     }

@@ -152,6 +152,12 @@ static const struct forgery {
     {SMR_LOG_POINTS, 0, 1, 2, SMR_E_LOG, NEVER},
     {SMR_LOG_POINTS, 2, 1, 1, SMR_E_LOG, NEVER},
     {SMR_LOG_POINTS, 0, 3, 5, SMR_OK, SMR_E_INPUT},
+    {SMR_LOG_FIXED_SURFACE, 0, 0, 1, SMR_OK, SMR_E_INPUT},
+    {SMR_LOG_FIXED_SURFACE, 0, 0, SMR_NONE, SMR_OK, SMR_E_INPUT},
+    {SMR_LOG_FIXED_SURFACE, 0, 1, 0, SMR_E_LOG, NEVER},
+    {SMR_LOG_FIXED_SURFACE, 0, 1, 2, SMR_E_LOG, NEVER},
+    {SMR_LOG_FIXED_SURFACE, 1, 1, 1, SMR_E_LOG, NEVER}, /* taken away, without a checksum */
+    {SMR_LOG_FIXED_SURFACE, 0, 2, 77, SMR_OK, SMR_E_INPUT},
 };
 
 static void test_fields(void **state)

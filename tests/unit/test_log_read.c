@@ -33,7 +33,7 @@ static int read_all(const unsigned char *log, size_t bytes, uint32_t *seen)
             }
             if (r.kind == 0u)
                 break;
-            assert_true(reader.at > before && reader.at <= bytes && r.kind <= SMR_LOG_FULL);
+            assert_true(reader.at > before && reader.at <= bytes && r.kind <= SMR_LOG_FIXED_SURFACE);
             assert_true(r.present <= 1u && r.phase < SMR_PHASES && r.complete <= 1u && r.done <= 1u);
             n++;
             ++*seen;

@@ -26,6 +26,7 @@ static char spec[SECTION];                               /* the arena's and the 
 static int misses;                                       /* all are told, not the first alone */
 static uint32_t n_landmarks, caller_goals, caller_force; /* of the next arena's configuration */
 static float volume, smooth;
+static uint32_t contact, n_fixed;
 
 /* A number such as 2,112 or 27.4. */
 static double number(const char *at)
@@ -147,6 +148,8 @@ static double arena_with(uint32_t nt, uint32_t n, uint32_t ns, uint32_t method, 
     config.caller_force = caller_force;
     config.volume = volume;
     config.smooth = smooth;
+    config.contact = (float)contact;
+    config.n_fixed = n_fixed;
     const double bytes = arena_of(structure, ns, &config);
     test_free(triangle);
     test_free(xyz);
@@ -231,6 +234,19 @@ static void settings_are_as_stated(void **state)
     smooth = 1.0f;
     agrees("smoothing", (arena(N, 64, SMR_METHOD_RIGID, 0, 1) - least) / N, rows(section, "vertex, smoothing"));
     smooth = 0.0f;
+    n_fixed = 64;
+    agrees("64 fixed surfaces", arena(N, 64, SMR_METHOD_RIGID, 0, 1) - least, 64.0 * rows(section, "fixed surface"));
+    n_fixed = 0;
+    contact = 1;
+    agrees("contact", arena(N, 64, SMR_METHOD_RIGID, 0, 1) - least,
+           N * rows(section, "vertex, contact") + 64.0 * rows(section, "structure, contact"));
+    agrees("a triangle's touch",
+           rounded((arena_with(MANY, N, 1, SMR_METHOD_RIGID, N, 1) - arena_with(FEW, N, 1, SMR_METHOD_RIGID, N, 1)) /
+                           (MANY - FEW) -
+                       rows(section, "triangle") - rows(section, "triangle, targets"),
+                   1.0),
+           rows(section, "triangle, contact"));
+    contact = 0;
     assert_int_equal(misses, 0);
 }
 

@@ -109,6 +109,8 @@ void unit_log_make_kinds(unit_log *u)
     u->config.n_landmarks = 4;
     u->config.caller_goals = 1;
     u->config.caller_force = SMR_CALLER_ON;
+    u->config.contact = 1.0f;
+    u->config.n_fixed = 1;
     u->config.track = SMR_TRACK_RECOVER;
     u->config.track_mm = 15.0f;
     u->config.track_iterations = 4;
@@ -131,6 +133,7 @@ void unit_log_make_kinds(unit_log *u)
         (void)smr_set_points(s, 0, u->cloud[i]);
         (void)smr_set_volume_ratio(s, SMR_ALL, 0.8f + 0.1f * (float)i);
         (void)smr_set_active(s, 70u * i);
+        (void)smr_set_fixed(s, 0, i == 0u ? u->surface[1] : NULL);
         ticks(s, 6, &seed);
     }
     set_landmarks(s, u, 2.0f);
@@ -151,6 +154,7 @@ const void *unit_log_input(void *ctx, const smr_log_record *record)
 {
     const unit_log *u = ctx;
     switch (record->kind) {
+    case SMR_LOG_FIXED_SURFACE:
     case SMR_LOG_SURFACE: return u->surface[record->checksum == smr_surface_checksum(u->surface[1])];
     case SMR_LOG_POINTS: return u->cloud[record->checksum == smr_cloud_checksum(u->cloud[1])];
     case SMR_LOG_GOALS: return &u->goals[record->checksum == smr_goals_checksum(&u->goals[1], u->ball.n_vertices)];

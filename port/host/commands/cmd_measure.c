@@ -20,7 +20,10 @@ typedef struct measured {
     void *memory[2];                 /* owned */
     host_stats area[2], vertices[2]; /* A to B, B to A */
     uint64_t folds, absolute;
+    smr_contact_report contact; /* all 0 where they are not two closed surfaces */
 } measured;
+
+#define CONTACT_MM 0.5f /* what is nearer touches */
 
 static int load(measured *m, const host_options *options, const smr_port *port, host_error *error)
 {
@@ -88,6 +91,9 @@ static int evaluate(measured *m, const smr_port *port)
     }
     if (measure(m, port) != 0)
         return -1;
+    if (m->surface[0] != NULL && m->surface[1] != NULL &&
+        smr_surface_contact(m->surface[0], m->surface[1], CONTACT_MM, &m->contact) != SMR_OK)
+        return -1;
     return a.n_triangles == 0 ? 0
                               : host_count_folds(&a, m->n == 3 ? m->load[2].mesh.xyz : NULL, &m->folds, &m->absolute);
 }
@@ -113,6 +119,10 @@ static void print(const measured *m)
     print_stats(m, 1);
     if (m->area[0].n > 0 && m->area[1].n > 0)
         (void)printf("Hausdorff: %.4f mm\n", m->area[0].max > m->area[1].max ? m->area[0].max : m->area[1].max);
+    if (m->contact.deepest_mm > 0.0f || m->contact.area_mm2 > 0.0f)
+        (void)printf("contact: deepest %.4f mm  overlap %.1f mm3  area within %.1f mm %.1f mm2\n",
+                     (double)m->contact.deepest_mm, (double)m->contact.volume_mm3, (double)CONTACT_MM,
+                     (double)m->contact.area_mm2);
     if (m->n == 3)
         (void)printf("folds: %" PRIu64 "  (edges turned back in A: %" PRIu64 ")\n", m->folds, m->absolute);
     else if (m->surface[0] != NULL)

@@ -102,6 +102,8 @@ static const void *input_of(void *ctx, const smr_log_record *record)
     const float *xyz = job->start_xyz;
     const uint32_t part = record->structure;
     uint32_t i = 0;
+    if (record->kind == SMR_LOG_FIXED_SURFACE)
+        return record->index < job->contacts.n_fixed ? job->contacts.fixed[record->index].surface : NULL;
     if (record->kind == SMR_LOG_VOLUME)
         return job->options->image_target ? &job->image.view : NULL;
     if ((record->kind == SMR_LOG_SURFACE || record->kind == SMR_LOG_POINTS) && part == SMR_ALL)

@@ -60,6 +60,9 @@ static const struct {
      "draw points of the model, carried along at rest, to where they are now; the start pose is fitted to them unless "
      "--align or --landmarks say otherwise"},
     {"--landmark-weight", 0, "W|hard", "of each goal, one over the variance of its place; hard: it ends there (1)"},
+    {"--contact", 0, "", "keep structures out of each other"},
+    {"--contact-with", 0, "FILE...",
+     "keep structures out of each other and of these surfaces, which stay where they are in the target's space"},
     {"--log", 0, "FILE", "record what is done, for smr replay: the command line, checksums of inputs, each tick"},
     {"--trace", 0, "FILE.csv", "a row for each iteration: radius, time, distances, likeness, strain, movement"},
     {"--html", HOST_REGISTER, "",

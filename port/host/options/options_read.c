@@ -214,10 +214,12 @@ static int set_defaults(int command, int argc, int paper, host_options *options)
     options->landmark_goals.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->frames.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->volume_ratio.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
+    options->contact_with.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->goal_weight = 1.0f;
     return options->model.path == NULL || options->target.path == NULL || options->operands.path == NULL ||
                    options->landmarks.path == NULL || options->landmark_goals.path == NULL ||
-                   options->frames.path == NULL || options->volume_ratio.path == NULL
+                   options->frames.path == NULL || options->volume_ratio.path == NULL ||
+                   options->contact_with.path == NULL
                ? -1
                : 0;
 }
@@ -260,5 +262,6 @@ void host_options_free(host_options *options)
     free(options->frames.path);
     free(options->volume_ratio.path);
     free(options->landmark_goals.path);
+    free(options->contact_with.path);
     memset(options, 0, sizeof *options);
 }

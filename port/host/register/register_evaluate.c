@@ -98,6 +98,8 @@ static int measure(host_job *job, host_error *error)
         job->folds_absolute += job->result[i].folds_absolute;
     }
     host_job_measure_labels(job);
+    if (host_job_measure_contact(job, error) != 0)
+        return -1;
     job->measure_s += host_seconds() - start;
     return 0;
 }

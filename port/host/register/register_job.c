@@ -68,6 +68,7 @@ void host_job_free(host_job *job)
     free(job->trace_xyz);
     free(job->begun_xyz);
     host_course_free(&job->course);
+    host_contacts_free(&job->contacts);
     host_buffer_free(&job->trace);
     free(job->arena);
     free(job->log_memory);

@@ -10,6 +10,7 @@
 #include "measure/surface_distances.h"
 #include "model/model_from_files.h"
 #include "register/landmark_goals_file.h"
+#include "register/register_contact.h"
 #include "register/register_verdict.h"
 #include "volumes/volume_image.h"
 
@@ -102,6 +103,7 @@ typedef struct host_job {
     float *begun_xyz;  /* [all vertices][3], where a registration into an image began; owned; NULL without */
     int kept_start;    /* 1: the results are where it began, host_job_keep_start */
     host_course course;
+    host_contacts contacts;
     size_t tick_capacity;
     double start_s, register_s, load_s, measure_s, begin_s;
     host_two_way area, vertices; /* over all structures with a target */

@@ -47,6 +47,8 @@ static int set_targets(host_job *job, host_error *error)
     for (i = 0; !job->options->image_target && status == SMR_OK && job->n_targets > 1 && i < job->model.n_parts; i++)
         if (job->result[i].target != HOST_NO_TARGET)
             status = set_target(job->state, i, &job->target[job->result[i].target]);
+    if (status == SMR_OK)
+        status = host_job_set_fixed(job);
     if (job->options->resume != NULL) /* landmark goals are in the save */
         return host_job_resumed(job, status, error);
     if (status == SMR_OK && job->goals != NULL)
@@ -63,6 +65,8 @@ int host_job_begin(host_job *job, host_error *error)
     uint32_t i = 0;
     config.n_workers = job->port.port.n_workers;
     config.n_landmarks = job->goals != NULL ? job->goals->set.n : 0;
+    config.n_fixed = job->contacts.n_fixed;
+    config.contact = job->options->contact || config.n_fixed > 0 ? 1.0f : 0.0f;
     for (i = 0; !job->options->image_target && i < job->n_targets; i++) /* beside those that come later */
         config.n_target_vertices += job->target[i].users > 0 ? job->target[i].mesh.n_vertices : 0;
     job->course.config = config;

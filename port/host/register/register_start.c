@@ -91,6 +91,8 @@ int host_job_load(host_job *job, host_error *error)
     }
     if (result == 0 && options->image_target)
         result = host_job_load_images(job, error);
+    if (result == 0)
+        result = host_job_load_fixed(job, error);
     job->load_s = host_seconds() - start;
     return result;
 }

@@ -393,5 +393,6 @@ void host_job_report(const host_job *job, int exit_status, const host_output *ou
         if (job->target[i].users == 0)
             host_json_text(&json, NULL, job->target[i].path);
     host_json_close(&json, ']');
+    host_report_contact(job, &json);
     host_json_close(&json, '}');
 }

@@ -13,6 +13,9 @@ void host_job_report(const host_job *job, int exit_status, const host_output *ou
 /* Writes "labels", the overlap of a structure with its label; nothing when the truth is no label map. */
 void host_report_labels(const host_job *job, uint32_t part, host_json *json);
 
+/* Writes "contact"; null where nothing was measured. */
+void host_report_contact(const host_job *job, host_json *json);
+
 /* The name of SMR_WARP_... */
 const char *host_warp_name(uint32_t kind);
 

@@ -86,7 +86,8 @@ static int box_legal(const smr_config *c)
 /* Moving targets are followed by relaxation or in time, not both; volumes and smoothness are kept by relaxation. */
 static int dynamics_legal(const smr_config *c)
 {
-    int legal = !c->dynamics || (c->track == SMR_TRACK_OFF && !(c->volume > 0.0f) && !(c->smooth > 0.0f));
+    const int alone = c->track == SMR_TRACK_OFF && !(c->volume > 0.0f) && !(c->smooth > 0.0f) && !(c->contact > 0.0f);
+    int legal = !c->dynamics || alone;
     for (uint32_t i = 0; i < 3u; i++)
         legal &= smr_within(c->gravity[i], SMR_GRAVITY_MAX);
     return legal;

@@ -5,6 +5,7 @@
 #define SMR_FORCES_H
 
 #include "runtime/forces/caller_goals.h"
+#include "runtime/forces/contact.h"
 #include "runtime/forces/image_goal.h"
 #include "runtime/forces/point_spread.h"
 #include "runtime/forces/smooth.h"
@@ -33,6 +34,7 @@ typedef struct smr_forces {
     smr_image_goals image;
     smr_caller_goals caller;
     smr_smooth smooth;
+    smr_contact contact;
     smr_tally *tally;
     float *force;        /* [n][3] mm; while goals are sought: the way to the goal */
     float *residual;     /* [n] distance to the goal, mm, where there is one */
@@ -54,26 +56,39 @@ float smr_forces_matched(const smr_forces *f, uint32_t structure);
 uint32_t smr_force_chunk(const smr_forces *f); /* vertices of a task of smr_forces_search */
 uint32_t smr_forces_tasks(const void *forces);
 void smr_forces_search(void *forces, uint32_t task, uint32_t worker); /* ways to goals; the dearest step */
+uint32_t smr_contact_tasks(const void *forces);
+void smr_contact_search(void *forces, uint32_t task, uint32_t worker); /* what is touched, and what that adds */
 uint32_t smr_forces_take_tasks(const void *forces);
 void smr_forces_take(void *forces, uint32_t task, uint32_t worker); /* ways -> forces */
 void smr_forces_end(smr_forces *f);                                 /* totals, and what the next forces start from */
 void smr_forces_note_seen(smr_forces *f); /* what targets showed of each vertex, for landmarks between them */
 
-/* The displacement that matching sees: x + f^e - x^r, and a share of the last iteration's step (momentum; Polyak 1964).
- * In dynamics forces act on the vertices, not on the clusters' fits: x - x^r, or y - x^r when a time step starts.
- * Valid until evolve writes x_next, which holds the positions before x. */
+/* A share of the last iteration's step (momentum; Polyak 1964). Valid until evolve writes x_next, which holds the
+ * positions before x. */
+static inline smr_vec smr_momentum(const smr_forces *f, uint32_t v)
+{
+    const smr_vec step = smr_sub(smr_load(smr_at3(f->shape->x, v)), smr_load(smr_at3(f->shape->x_next, v)));
+    return smr_scale(step, f->pace->repairing > 0u ? 0.0f : f->pace->momentum * f->pace->ease);
+}
+
+/* The displacement that matching sees: x + f^e - x^r, and momentum. In dynamics forces act on the vertices, not on the
+ * clusters' fits: x - x^r, or y - x^r when a time step starts. */
 static inline smr_vec smr_drive(const smr_forces *f, uint32_t v)
 {
     const smr_vec x = smr_load(smr_at3(f->shape->x, v));
     if (f->shape->dynamics != NULL)
         return smr_sub(smr_dynamics_from(f->shape->dynamics, f->pace, v, x), smr_load(smr_at3(f->shape->x_ref, v)));
-    const smr_vec step = smr_sub(x, smr_load(smr_at3(f->shape->x_next, v)));
-    const float share = f->pace->repairing > 0u ? 0.0f : f->pace->momentum * f->pace->ease;
     const smr_vec u = smr_sub(smr_add(x, smr_load(smr_at3(f->force, v))), smr_load(smr_at3(f->shape->x_ref, v)));
-    return smr_add(u, smr_scale(step, share));
+    return smr_add(u, smr_momentum(f, v));
 }
 
 /* ---- The sources of goals. A further one has its struct in smr_forces and its lines in what follows. ---- */
+
+/* 1: every surface is still the one that was set. */
+static inline int smr_inputs_stand(const smr_forces *f)
+{
+    return smr_targets_stand(&f->surface) && smr_fixed_stand(&f->contact);
+}
 
 static inline void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
 {
@@ -82,6 +97,7 @@ static inline void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_sha
     smr_image_goals_layout(a, &f->image, shared);
     smr_caller_goals_layout(a, &f->caller, shared);
     smr_smooth_layout(a, &f->smooth, shared);
+    smr_contact_layout(a, &f->contact, shared);
 }
 
 static inline void smr_sources_wire(smr_forces *f, const smr_overlay *overlay)
@@ -93,6 +109,7 @@ static inline void smr_sources_wire(smr_forces *f, const smr_overlay *overlay)
     smr_image_goals_wire(&f->image, f->shared, f->pace, f->shape, f->found_last, &overlay->rings);
     smr_caller_goals_wire(&f->caller, f->shared, f->pace, f->shape);
     smr_smooth_wire(&f->smooth, f->shared, f->pace, f->shape, &overlay->rings);
+    smr_contact_wire(&f->contact, f->shared, f->pace, f->shape);
 }
 
 static inline void smr_sources_reset(smr_forces *f)
@@ -101,6 +118,7 @@ static inline void smr_sources_reset(smr_forces *f)
     smr_landmark_goals_reset(&f->landmarks);
     smr_image_goals_reset(&f->image);
     f->caller.summed = 0;
+    smr_contact_reset(&f->contact);
 }
 
 /* The forces under way are complete: the next ones start from them. */
@@ -110,6 +128,7 @@ static inline void smr_sources_stand(smr_forces *f)
     smr_caller_goals_stand(&f->caller);
     smr_surface_goals_stand(&f->surface);
     smr_landmark_goals_stand(&f->landmarks);
+    smr_contact_stand(&f->contact);
     if (f->landmarks.n > 0u)
         smr_forces_note_seen(f);
 }

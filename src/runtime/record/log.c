@@ -16,6 +16,7 @@ uint32_t smr_log_words(uint32_t kind)
     case SMR_LOG_TICK: return 8;
     case SMR_LOG_SURFACE:
     case SMR_LOG_POINTS:
+    case SMR_LOG_FIXED_SURFACE:
     case SMR_LOG_GOALS: return 4;
     case SMR_LOG_VOLUME:
     case SMR_LOG_FORCE: return 3;
@@ -78,6 +79,13 @@ void smr_log_surface(smr_log *log, uint32_t structure, const smr_surface *surfac
 {
     if (logs(log))
         put_target(log, SMR_LOG_SURFACE, structure, surface != NULL,
+                   surface == NULL ? 0u : smr_surface_checksum(surface));
+}
+
+void smr_log_fixed(smr_log *log, uint32_t index, const smr_surface *surface)
+{
+    if (logs(log))
+        put_target(log, SMR_LOG_FIXED_SURFACE, index, surface != NULL,
                    surface == NULL ? 0u : smr_surface_checksum(surface));
 }
 

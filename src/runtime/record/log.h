@@ -82,6 +82,7 @@ void smr_log_goals(smr_log *log, uint32_t structure, const smr_goals *goals, uin
 void smr_log_force(smr_log *log, int present);
 void smr_log_gave(smr_log *log, uint64_t sum); /* by the force, in the tick that follows */
 void smr_log_volume_ratio(smr_log *log, uint32_t structure, float ratio);
+void smr_log_fixed(smr_log *log, uint32_t index, const smr_surface *surface);
 void smr_log_active(smr_log *log, uint32_t n_active);
 
 /* n_evaluated: vertices whose forces were looked for, so far in the iteration or in the complete one. */

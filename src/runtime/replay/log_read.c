@@ -103,6 +103,10 @@ static smr_status take(const uint32_t *word, smr_log_record *r)
         r->structure = word[0];
         r->present = word[1];
         sum = word + 2;
+    } else if (r->kind == SMR_LOG_FIXED_SURFACE) {
+        r->index = word[0];
+        r->present = word[1];
+        sum = word + 2;
     } else if (r->kind == SMR_LOG_VOLUME) {
         r->present = word[0];
         sum = word + 1;

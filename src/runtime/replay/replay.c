@@ -48,7 +48,7 @@ static smr_status set_landmark(smr_replay *r, const smr_log_record *record)
 static int of_forces(uint32_t kind)
 {
     return kind == SMR_LOG_SURFACE || kind == SMR_LOG_POINTS || kind == SMR_LOG_LANDMARKS || kind == SMR_LOG_GOALS ||
-           kind == SMR_LOG_FORCE || kind == SMR_LOG_VOLUME_RATIO;
+           kind == SMR_LOG_FORCE || kind == SMR_LOG_FIXED_SURFACE || kind == SMR_LOG_VOLUME_RATIO;
 }
 
 /* Goals and forces of the caller's own. */
@@ -104,11 +104,12 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
         return set_caller(s, record, given);
     if (record->kind == SMR_LOG_MOTION)
         return set_motion(s, record, given);
-    if (record->kind == SMR_LOG_SURFACE) {
+    if (record->kind == SMR_LOG_SURFACE || record->kind == SMR_LOG_FIXED_SURFACE) {
         const smr_surface *surface = given;
         if (surface != NULL && (!smr_surface_valid(surface) || smr_surface_checksum(surface) != record->checksum))
             return SMR_E_INPUT;
-        return smr_set_surface(s, record->structure, surface);
+        return record->kind == SMR_LOG_SURFACE ? smr_set_surface(s, record->structure, surface)
+                                               : smr_set_fixed(s, record->index, surface);
     }
     if (record->kind == SMR_LOG_POINTS) {
         const smr_points *points = given;

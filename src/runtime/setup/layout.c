@@ -54,5 +54,6 @@ void smr_wire(smr *s)
     smr_match_wire(&s->match, shared, pace, &s->reference, &s->sums, overlay);
     smr_evolve_wire(&s->evolve, shared, pace, &s->shape, &s->forces, &s->reference, &s->sums, overlay);
     smr_volumes_wire(&s->volumes, shared, pace, &s->shape, &s->sums);
+    s->forces.contact.moved_mm = &s->evolve.moved_mm;
     smr_folds_wire(&s->folds, shared, pace, &s->shape, &s->evolve.evening, overlay);
 }

@@ -31,7 +31,7 @@ smr_status smr_save_bytes(const smr *s, size_t *bytes)
 static int can_be_saved(const smr *s)
 {
     return smr_ready(s) && !s->refused && !s->forces.caller.broken && s->step == 0u && s->next_task == 0u &&
-           smr_can_wait(&s->shared) && smr_targets_stand(&s->forces.surface);
+           smr_can_wait(&s->shared) && smr_inputs_stand(&s->forces);
 }
 
 smr_status smr_save(const smr *s, void *memory, size_t bytes)

@@ -39,6 +39,7 @@ int smr_awaits_log(const smr_log *log);
 smr_status smr_await_surface(smr *s, uint32_t structure, const smr_surface *surface);
 smr_status smr_await_goals(smr *s, uint32_t structure, const smr_goals *goals);
 smr_status smr_await_force(smr *s, smr_force force, void *ctx);
+smr_status smr_await_fixed(smr *s, uint32_t index, const smr_surface *surface);
 smr_status smr_await_log(smr *s, void *memory, size_t bytes); /* NULL: recording ends. E_ARENA, E_LOG (another log) */
 smr_status smr_await_volume(smr *s, const smr_volume *volume, const smr_grid *grid);
 

@@ -6,7 +6,7 @@
 #include "runtime/setup/setup.h"
 
 /* What one structure waits for. In the list are the structures' surfaces, the image, the structures' goals of the
- * caller's own, and the caller's force, whose checksum is 1. */
+ * caller's own, the caller's force, whose checksum is 1, and fixed surfaces. */
 typedef struct awaited {
     uint32_t like;        /* the first structure with the same surface; SMR_NONE: it has none */
     uint32_t checksum[2]; /* low and high word, of such a first structure's surface, and so on; 0: none */
@@ -18,7 +18,7 @@ static awaited *list_of(const smr *s) { return (awaited *)s->overlay.record; }
 
 int smr_can_wait(const smr_shared *c)
 {
-    return (2u * (uint64_t)c->n_structures + 2u) * SMR_AWAITED_WORDS <= (uint64_t)c->n * SMR_WORDS;
+    return (2u * (uint64_t)c->n_structures + 2u + c->config.n_fixed) * SMR_AWAITED_WORDS <= (uint64_t)c->n * SMR_WORDS;
 }
 
 int smr_awaits_log(const smr_log *log) { return log->used > 0u && !log->full && log->memory == NULL; }
@@ -84,6 +84,15 @@ static void keep_caller(smr_arena *a, smr *s)
         keep_sum(a, s, 2u * n + 1u, save && g->force != NULL);
 }
 
+static void keep_fixed(smr_arena *a, smr *s)
+{
+    const smr_fixed_surface *fixed = s->forces.contact.fixed;
+    const int save = a->keeper->mode == SMR_KEEP_SAVE;
+    for (uint32_t i = 0; i < s->shared.config.n_fixed; i++)
+        keep_sum(a, s, 2u * s->shared.n_structures + 2u + i,
+                 save && fixed[i].surface != NULL ? smr_surface_checksum(fixed[i].surface) : 0u);
+}
+
 void smr_keep_inputs(smr_arena *a, smr *s)
 {
     awaited w;
@@ -106,6 +115,7 @@ void smr_keep_inputs(smr_arena *a, smr *s)
              k->mode == SMR_KEEP_SAVE && has_image ? smr_volume_checksum(&s->forces.image.grid.volume) : 0u);
     smr_keep_require(a, (s->n_awaited > n) == has_image);
     keep_caller(a, s);
+    keep_fixed(a, s);
 }
 
 /* 1 when structure i waits for this surface. Structures that shared one share it again, and no others do. */
@@ -208,6 +218,17 @@ smr_status smr_await_force(smr *s, smr_force force, void *ctx)
         s->forces.caller.force = force;
         s->forces.caller.ctx = ctx;
     }
+    go_on(s);
+    return status;
+}
+
+smr_status smr_await_fixed(smr *s, uint32_t index, const smr_surface *surface)
+{
+    if (surface == NULL)
+        return SMR_E_STATE;
+    const smr_status status = take(s, 2u * s->shared.n_structures + 2u + index, smr_surface_checksum(surface));
+    if (status == SMR_OK)
+        s->forces.contact.fixed[index] = (smr_fixed_surface){surface, surface->n_vertices, surface->changes};
     go_on(s);
     return status;
 }

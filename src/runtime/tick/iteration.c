@@ -82,8 +82,9 @@ const smr_step smr_steps[] = { /* `magic`, the first member, stands for the whol
     /* compute external forces f^e: what sources of goals ask for first, then the goals in the order of priority */
     SMR_SOURCE_STEPS(SMR_SOURCE_STEP)
     SMR_STEP(FORCES, ACTIVE, forces, smr_forces_tasks, smr_forces_search, NULL),
-    /* smoothing on the surface; who takes part is known now */
+    /* smoothing on the surface; who takes part is known now: what keeps structures apart, then the forces */
     SMR_SERIAL_STEP(FORCES, TASKS, forces.smooth, smr_smooth_tasks, smr_smooth_sum, NULL),
+    SMR_STEP(FORCES, ACTIVE, forces, smr_contact_tasks, smr_contact_search, NULL),
     SMR_STEP(FORCES, TASKS, forces, smr_forces_take_tasks, smr_forces_take, forces_end),
     /* what x^r and they imply, when either is new: cluster centres, masses and spreads */
     SMR_SERIAL_STEP(SUMS, TASKS, shape, smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end),
@@ -107,6 +108,7 @@ const smr_step smr_steps[] = { /* `magic`, the first member, stands for the whol
     SMR_SERIAL_STEP(EVOLVE, TASKS, evolve.evening, smr_evening_ring_tasks, smr_evening_rings, NULL),
     SMR_STEP(EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_step, evolve_end),
     SMR_SERIAL_STEP(EVOLVE, TASKS, volumes, smr_volume_tasks, smr_volume_lead, NULL),
+    SMR_SERIAL_STEP(EVOLVE, TASKS, forces.contact, smr_contact_settle_tasks, smr_contact_settle, NULL),
     SMR_STEP(EVOLVE, TASKS, shape, smr_facets_tasks, smr_facets_refit, facets_end),
     /* find folds; repair, limit and open them */
     SMR_STEP(EVOLVE, TASKS, folds, smr_fold_find_tasks, smr_fold_find, find_end),
@@ -144,6 +146,7 @@ uint32_t smr_forces_evaluated(const smr *s)
 {
     if (smr_seeks_forces(&smr_steps[s->step]))
         return smr_min_u32(s->next_task * smr_force_chunk(&s->forces), s->pace.n_active);
-    const int found = !smr_forces_pending(s) || smr_steps[s->step].run == smr_forces_take;
+    const smr_task run = smr_steps[s->step].run;
+    const int found = !smr_forces_pending(s) || run == smr_forces_take || run == smr_contact_search;
     return s->step > 0u && found ? s->pace.n_active : 0u;
 }

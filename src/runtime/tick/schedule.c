@@ -186,6 +186,8 @@ static int may_end_early(const smr *s)
 {
     if (smr_volumes_under_way(&s->volumes))
         return 0;
+    if (smr_contact_on(&s->forces.contact) && smr_at_last_radius(&s->shared, &s->pace) && !s->forces.contact.facets_due)
+        return 0; /* triangles were not looked at yet */
     return !(s->evolve.moved_mm > 0.0f) || !smr_at_last_radius(&s->shared, &s->pace) ||
            s->forces.surface.n_goals_begun == 0u || !(s->shared.config.even > 0.0f);
 }
@@ -305,4 +307,5 @@ void smr_schedule_begin(smr *s)
         s->pace.n_points = s->forces.surface.n_points_begun;
     smr_evening_begin(&s->evolve.evening);
     smr_volumes_begin(&s->volumes);
+    smr_contact_begin(&s->forces.contact);
 }

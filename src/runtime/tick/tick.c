@@ -211,7 +211,7 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     uint64_t phase_ns[SMR_PHASES] = {0};
     if (s == NULL)
         return SMR_E_NULL;
-    if (!smr_ready(s) || s->refused || s->forces.caller.broken || !smr_targets_stand(&s->forces.surface))
+    if (!smr_ready(s) || s->refused || s->forces.caller.broken || !smr_inputs_stand(&s->forces))
         return SMR_E_STATE;
     const uint32_t before = s->pace.iteration;
     s->ticking = 1;

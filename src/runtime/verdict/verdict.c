@@ -9,7 +9,7 @@ static smr_status check(const smr *s, const void *out)
 {
     if (s == NULL || out == NULL)
         return SMR_E_NULL;
-    if (!smr_ready(s) || s->step != 0u || s->next_task != 0u || !smr_targets_stand(&s->forces.surface))
+    if (!smr_ready(s) || s->step != 0u || s->next_task != 0u || !smr_inputs_stand(&s->forces))
         return SMR_E_STATE;
     return SMR_OK;
 }

@@ -1,0 +1,172 @@
+/* register_contact.c: reads and sets fixed surfaces; measures how result surfaces touch and overlap.
+ * SPDX-License-Identifier: MIT */
+#include <stdlib.h>
+#include <string.h>
+
+#include "files/file_names.h"
+#include "meshes/mesh_load.h"
+#include "model/input_check.h"
+#include "register/register_job.h"
+
+int host_job_load_fixed(host_job *job, host_error *error)
+{
+    const host_files *const files = &job->options->contact_with;
+    host_contacts *const c = &job->contacts;
+    host_load *const loads = calloc(files->n + 1u, sizeof *loads);
+    uint32_t i = 0;
+    int result = 0;
+    error->file = "--contact-with";
+    c->fixed = calloc(files->n + 1u, sizeof *c->fixed);
+    if (loads == NULL || c->fixed == NULL)
+        result = host_fail(error, "start", "free memory");
+    for (i = 0; result == 0 && i < files->n; i++) {
+        loads[i].path = files->path[i];
+        loads[i].need = HOST_MESH_SURFACE;
+        loads[i].mirror = job->options->mirror_target;
+    }
+    if (result == 0 && files->n > 0)
+        result = host_load_all(&job->port.port, loads, files->n, error);
+    for (i = 0; result == 0 && i < files->n; i++) {
+        host_target *const fixed = &c->fixed[c->n_fixed++];
+        fixed->path = loads[i].path;
+        fixed->mesh = loads[i].mesh;
+        (void)host_base_name(fixed->path, fixed->name, sizeof fixed->name);
+        host_warn_inside_out(fixed->path, &fixed->mesh);
+        const smr_mesh view = host_mesh_view(&fixed->mesh);
+        fixed->surface = host_surface_make(&view, &fixed->memory);
+        error->file = fixed->path;
+        memset(&loads[i].mesh, 0, sizeof loads[i].mesh);
+        if (fixed->surface == NULL)
+            result = host_fail(error, "surface", "a surface within the library's limits and free memory for it");
+    }
+    for (i = 0; loads != NULL && i < files->n; i++)
+        host_mesh_free(&loads[i].mesh);
+    free(loads);
+    return result;
+}
+
+smr_status host_job_set_fixed(host_job *job)
+{
+    smr_status status = SMR_OK;
+    uint32_t i = 0;
+    for (i = 0; status == SMR_OK && i < job->contacts.n_fixed; i++)
+        status = smr_set_fixed(job->state, i, job->contacts.fixed[i].surface);
+    return status;
+}
+
+/* A surface with its box: a structure's result, or a fixed one. */
+typedef struct body {
+    const host_mesh *mesh;
+    const smr_surface *surface; /* NULL: no triangles */
+    void *memory;               /* owned; NULL for a fixed one */
+    float lo[3], hi[3];
+    int failed;
+} body;
+
+/* Tasks of two parallel loops: a surface, a pair. */
+typedef struct bodies {
+    body *body;
+    host_contact_pair *pair;
+} bodies;
+
+static void build_body(void *arg, uint32_t task, uint32_t worker)
+{
+    body *const b = (body *)arg + task;
+    const smr_mesh view = host_mesh_view(b->mesh);
+    size_t i = 0;
+    (void)worker;
+    for (i = 0; i < view.n_vertices; i++)
+        for (int c = 0; c < 3; c++) {
+            const float at = view.xyz[3u * i + (size_t)c];
+            b->lo[c] = i == 0 || at < b->lo[c] ? at : b->lo[c];
+            b->hi[c] = i == 0 || at > b->hi[c] ? at : b->hi[c];
+        }
+    if (b->surface != NULL || view.n_triangles == 0)
+        return;
+    b->surface = host_surface_make(&view, &b->memory);
+    b->failed = b->surface == NULL;
+}
+
+static void measure_pair(void *arg, uint32_t task, uint32_t worker)
+{
+    const bodies *const all = arg;
+    host_contact_pair *const pair = &all->pair[task];
+    (void)worker;
+    (void)smr_surface_contact(all->body[pair->a].surface, all->body[pair->b].surface, HOST_CONTACT_MM, &pair->report);
+}
+
+static int near(const body *a, const body *b)
+{
+    int c = 0, apart = a->surface == NULL || b->surface == NULL;
+    for (c = 0; c < 3; c++)
+        apart |= a->lo[c] > b->hi[c] + HOST_CONTACT_MM || b->lo[c] > a->hi[c] + HOST_CONTACT_MM;
+    return !apart;
+}
+
+/* Pairs whose boxes meet; two fixed surfaces are none. */
+static uint32_t list_pairs(const host_job *job, const body *list, host_contact_pair *pair)
+{
+    const uint32_t n_parts = job->model.n_parts, n_all = n_parts + job->contacts.n_fixed;
+    uint32_t a = 0, b = 0, n = 0;
+    for (a = 0; a < n_parts; a++)
+        for (b = a + 1u; b < n_all; b++)
+            if (near(&list[a], &list[b])) {
+                if (pair != NULL)
+                    pair[n] = (host_contact_pair){a, b, {0, 0, 0}};
+                n++;
+            }
+    return n;
+}
+
+static int measure(host_job *job, body *list)
+{
+    host_contacts *const c = &job->contacts;
+    const uint32_t n_all = job->model.n_parts + c->n_fixed;
+    uint32_t i = 0, n = 0, kept = 0;
+    for (i = 0; i < n_all; i++) {
+        const int moves = i < job->model.n_parts;
+        list[i].mesh = moves ? &job->result[i].mesh : &c->fixed[i - job->model.n_parts].mesh;
+        list[i].surface = moves ? NULL : c->fixed[i - job->model.n_parts].surface;
+    }
+    host_parallel(&job->port.port, build_body, list, n_all);
+    for (i = 0; i < n_all; i++)
+        if (list[i].failed)
+            return -1;
+    n = list_pairs(job, list, NULL);
+    free(c->pair);
+    c->pair = calloc(n + 1u, sizeof *c->pair);
+    if (c->pair == NULL)
+        return -1;
+    (void)list_pairs(job, list, c->pair);
+    host_parallel(&job->port.port, measure_pair, &(bodies){list, c->pair}, n);
+    for (i = 0; i < n; i++)
+        if (c->pair[i].report.area_mm2 > 0.0f || c->pair[i].report.deepest_mm > 0.0f)
+            c->pair[kept++] = c->pair[i];
+    c->n_pairs = kept;
+    c->measured = 1;
+    return 0;
+}
+
+int host_job_measure_contact(host_job *job, host_error *error)
+{
+    const uint32_t n_all = job->model.n_parts + job->contacts.n_fixed;
+    body *const list = calloc(n_all + 1u, sizeof *list);
+    uint32_t i = 0;
+    const int result = list == NULL ? -1 : measure(job, list);
+    for (i = 0; list != NULL && i < n_all; i++)
+        free(list[i].memory);
+    free(list);
+    error->file = "register";
+    return result == 0 ? 0 : host_fail(error, "result", "surfaces that can be measured, and free memory for it");
+}
+
+void host_contacts_free(host_contacts *c)
+{
+    uint32_t i = 0;
+    for (i = 0; c->fixed != NULL && i < c->n_fixed; i++) {
+        host_mesh_free(&c->fixed[i].mesh);
+        free(c->fixed[i].memory);
+    }
+    free(c->fixed);
+    free(c->pair);
+}

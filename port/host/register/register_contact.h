@@ -1,0 +1,38 @@
+/* register_contact.h: what structures are kept out of besides each other, and how result surfaces touch and overlap.
+ * SPDX-License-Identifier: MIT */
+#ifndef REGISTER_CONTACT_H
+#define REGISTER_CONTACT_H
+
+#include "base/error_line.h"
+#include "smr.h"
+
+#define HOST_CONTACT_MM 0.5f /* surfaces nearer than this touch */
+
+/* Two surfaces that touch or overlap. */
+typedef struct host_contact_pair {
+    uint32_t a, b; /* structures; b - n_parts: a fixed surface */
+    smr_contact_report report;
+} host_contact_pair;
+
+typedef struct host_contacts {
+    struct host_target *fixed; /* [n_fixed]; owned */
+    uint32_t n_fixed;
+    host_contact_pair *pair; /* [n_pairs] those that touch or overlap, in order; owned */
+    uint32_t n_pairs;
+    int measured; /* 1: pair is of the results */
+} host_contacts;
+
+struct host_job;
+
+/* Reads the files of --contact-with. 0, or -1 with the error filled. */
+int host_job_load_fixed(struct host_job *job, host_error *error);
+
+/* Sets them. */
+smr_status host_job_set_fixed(struct host_job *job);
+
+/* Measures all pairs of results and fixed surfaces. 0, or -1 with the error filled. */
+int host_job_measure_contact(struct host_job *job, host_error *error);
+
+void host_contacts_free(host_contacts *contacts);
+
+#endif

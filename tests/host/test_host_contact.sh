@@ -1,0 +1,66 @@
+#!/bin/sh
+# Structures that keep apart: --contact and --contact-with, the report's figures with the force on and off, the log, a
+# save, and what is refused.
+# SPDX-License-Identifier: MIT
+cd "$(dirname "$0")/../.." || exit 1
+. tests/host/host_common.inc
+
+build_tool || { not_ok "the helper compiles"; finish; exit 1; }
+cd "$scratch" || exit 1
+mkdir model target || exit 1
+blob 14 24 20 40 0 >blob.ply
+"$scratch/tool" convert blob.ply obj blob.obj
+
+# blob.obj moved along x.
+moved() { awk -v by="$1" '$1 == "v" { printf "v %.6f %s %s\n", $2 + by, $3, $4; next } { print }' blob.obj; }
+wide=$(awk '$1 == "v" { if (n++ == 0 || $2 < lo) lo = $2; if (n == 1 || $2 > hi) hi = $2 }
+            END { printf "%.3f", hi - lo }' blob.obj)
+by() { awk -v w="$wide" -v less="$1" 'BEGIN { print w - less }'; }
+for way in model target; do
+    moved 0 >"$way/left.obj"
+    moved "$(by 3)" >"$way/right.obj"
+done
+moved "-$(by 2)" >wall.obj
+
+# The first of these is of the whole.
+field() { sed -n '/"contact": {/,$p' out/report.json | sed -n "s/^ *\"$1\": \(.*[^,]\),*$/\1/p" | head -n 1; }
+below() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && a + 0 < b) }'; }
+run() {
+    rm -rf out
+    "$SMR" register --model model/left.obj model/right.obj --target target/left.obj target/right.obj --align none "$@" \
+        -o out --quiet >out.txt 2>err.txt
+}
+
+run
+off=$(field volume_mm3)
+check "off: the overlap is measured" below 50 "$off"
+check "off: and said to be" [ "$(field on)" = false ]
+check "off: 3 mm deep" below 2 "$(field deepest_mm)"
+check "the pair by its names" sh -c "grep -q '\"a\": \"left\"' out/report.json && grep -q '\"b\": \"right\"' out/report.json"
+run --contact --log run.log
+check "on: nearly nothing of it is left" below "$(field volume_mm3)" "$(awk -v v="$off" 'BEGIN { print v / 10 }')"
+check "on: nor of its depth" below "$(field deepest_mm)" 0.5
+check "on: they touch" below 10 "$(field area_mm2)"
+check "on" [ "$(field on)" = true ]
+check "a log replays" sh -c "'$SMR' replay run.log --threads 3 | grep -q 'ticks agree'"
+run --contact-with wall.obj --log wall.log
+check "a fixed surface is in the report" grep -q '"b": "wall"' out/report.json
+check "and nothing is in it" below "$(field deepest_mm)" 0.5
+check "with it a log replays" sh -c "'$SMR' replay wall.log --threads 3 | grep -q 'ticks agree'"
+cp out/left.ply whole.ply
+run --contact-with wall.obj --ticks 20 --save half.sav
+run --contact-with wall.obj --resume half.sav
+check "saved and resumed: the same" cmp -s whole.ply out/left.ply
+run --contact-with blob.ply --resume half.sav
+check "another fixed surface is refused" [ $? -eq 2 ]
+run --contact --contact-mm 1
+check "a distance is kept" below "$(field volume_mm3)" 1
+
+run --contact-with nothing.obj
+check "a file that is not there is refused" [ $? -eq 2 ]
+printf '1,2,3\n' >points.csv
+run --contact-with points.csv
+check "points are refused" [ $? -eq 2 ]
+run --contact --contact-mm -1
+check "a negative distance is refused" [ $? -eq 2 ]
+finish
