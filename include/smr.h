@@ -666,9 +666,9 @@ typedef struct smr_config {
 
     /* ---- volume and smoothness ---- */
 
-    /* share, [0, 1], default 0: off. Of what is missing from a closed structure's volume that each iteration gives back,
-     * everywhere equally far along the normals. 1: it is what is asked after each iteration: the volume of the rest
-     * shape in the scale of the start, times smr_set_volume_ratio(). Less: a compromise with the targets'.
+    /* share, [0, 1], default 0: off. Of what is missing from a closed structure's volume that each iteration gives
+     * back, everywhere equally far along the normals. 1: it is what is asked after each iteration: the volume of the
+     * rest shape in the scale of the start, times smr_set_volume_ratio(). Less: a compromise with the targets'.
      * Structures that are not closed are left alone. Not 0, the arena has SMR_VOLUME_BYTES more. */
     float volume;
     /* share, [0, 1], default 0: off. Weight of smoothing on the surface beside goals, which weigh the rest to 1: a

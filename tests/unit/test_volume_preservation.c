@@ -1,5 +1,5 @@
-/* test_volume_preservation.c: what encloses a volume, how large it is, and that it comes to what is asked for: without a
- * target, against one, with any port or budget, replayed and restored.
+/* test_volume_preservation.c: what encloses a volume, how large it is, and that it comes to what is asked for: without
+ * a target, against one, with any port or budget, replayed and restored.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 

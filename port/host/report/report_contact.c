@@ -1,4 +1,4 @@
-/* report_contact.c: "contact" of report.json: which surfaces touch and overlap, pair by pair, and sums.
+/* report_contact.c: the key "contact" of report.json: which surfaces touch and overlap, pair by pair, and sums.
  * SPDX-License-Identifier: MIT */
 #include "report/register_report.h"
 
