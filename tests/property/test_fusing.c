@@ -212,6 +212,26 @@ static void test_two_clusters(void **state)
     assert_true(fabsf(determinant_of(1, fused, inverse, 0.5f) - 1.0f) < 1.0e-3f);
 }
 
+/* Goals of one motion for all: every cluster turns alike, so both means are that motion, in full. */
+static void test_one_motion(void **state)
+{
+    const smr_mesh bar = make_bar();
+    const smr_prepare_config radii = rig_radii(1, 40, 0, 0);
+    const smr_model *model = rig_model(&bar, 1, &radii);
+    const float t[3] = {5, -20, 11};
+    (void)state;
+    for (uint32_t k = 0; k < 4u; k++) {
+        const smr_config config = springy(SMR_METHOD_POLAR, SMR_FUSING_LIE);
+        float m[9];
+        rig_rotation(2, 1, -0.5f, 10.0f + 50.0f * (float)k, m); /* up to 160 degrees */
+        const smr_mesh goal = rig_moved(&bar, m, t);
+        smr *s = rig_init(model, &config, NULL);
+        assert_int_equal(SMR_OK, smr_set_goals(s, 0, goal.xyz, NULL));
+        (void)rig_run(s, 2u * ITERATIONS);
+        assert_true(rig_far(rig_positions(s, model), goal.xyz, bar.n_vertices) < 0.02f);
+    }
+}
+
 /* How far from the moved result the result of moved inputs is, mm. */
 static float moved_apart(const smr_mesh *bar, const smr_config *config)
 {
@@ -254,6 +274,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_bar_keeps_its_volume, tidy),
         cmocka_unit_test_teardown(test_two_clusters, tidy),
+        cmocka_unit_test_teardown(test_one_motion, tidy),
         cmocka_unit_test_teardown(test_moved_inputs, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
