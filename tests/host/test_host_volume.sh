@@ -1,0 +1,49 @@
+#!/bin/sh
+# Kept volumes and smoothing of the command line: the report, the log, and what is refused.
+# SPDX-License-Identifier: MIT
+cd "$(dirname "$0")/../.." || exit 1
+. tests/host/host_common.inc
+
+build_tool || { not_ok "the helper compiles"; finish; exit 1; }
+cd "$scratch" || exit 1
+blob 12 30 20 60 0.05 >bone.ply
+"$scratch/tool" convert bone.ply obj bone.obj
+awk '$1 == "v" { printf "v %.6f %.6f %.6f\n", 1.04 * $2, 1.04 * $3, 1.04 * $4; next } { print }' bone.obj >target.obj
+awk '$1 == "f" && ++n < 3 { next } { print }' bone.obj >open.obj
+
+# Of the structure: the verdict's measures have a volume_ratio, too, and come first.
+of() { sed -n "s/^ *\"$1\": \([^,]*\),\{0,1\}\$/\1/p" out/report.json | tail -1; }
+near() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && a - b < 0.005 && b - a < 0.005) }'; }
+run() { rm -rf out; "$SMR" register --model "$model" --target target.obj "$@" -o out --quiet >out.txt 2>err.txt; }
+
+model=bone.ply
+run
+check "off: the report has the volume" near "$(of volume_ratio)" 1.125
+check "off: nothing is asked" [ "$(of volume_ratio_asked)" = null ]
+run --volume --log run.log
+check "--volume: as at rest" near "$(of volume_ratio)" 1
+check "a log replays" sh -c "'$SMR' replay run.log --threads 3 | grep -q 'ticks agree'"
+run --volume-ratio bone=1.1 --smooth 0.3 --log run.log
+check "--volume-ratio: what is asked" near "$(of volume_ratio)" 1.1
+check "and is in the report" near "$(of volume_ratio_asked)" 1.1
+check "its log replays" sh -c "'$SMR' replay run.log --threads 2 | grep -q 'ticks agree'"
+run --volume-ratio bone=0.9 --ticks 3 --save stop.sav
+run --volume-ratio bone=0.9 --resume stop.sav
+check "stopped on the way and resumed" near "$(of volume_ratio)" 0.9
+model=open.obj
+run --volume
+check "open: none" [ "$(of volume_mm3)" = null ]
+
+refused() { # name, text, arguments
+    refused_name=$1 refused_text=$2
+    shift 2
+    run "$@"
+    check "$refused_name" sh -c "[ $? -eq 2 ] && [ ! -e out ] && grep -q '$refused_text' err.txt"
+}
+refused "a ratio of an open structure" 'closed' --volume-ratio open=1.1
+refused "an unknown structure" 'name of a structure' --volume-ratio femur=1.1
+refused "no ratio" 'NAME=R' --volume-ratio open
+refused "a ratio that is none" 'NAME=R' --volume-ratio open=big
+refused "a ratio out of range" 'NAME=R' --volume-ratio open=0.01
+refused "too much smoothing" 'smooth' --smooth 1.5
+finish
