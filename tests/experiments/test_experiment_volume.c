@@ -85,7 +85,9 @@ static void need_data(void)
 static experiment_result run(const char *out, const double *ratio, const char *noisy, double smooth)
 {
     experiment_command c = {{NULL}, 0};
+    char to[512];
     uint32_t i = 0;
+    (void)snprintf(to, sizeof to, "%s", out); /* texts of scratch paths do not stay long */
     experiment_add(&c, "--model");
     for (i = 0; i < n_names; i++)
         experiment_add(&c, "%s", experiment_data("hip_thigh_vhm/%s.ply", all_names[i]));
@@ -103,8 +105,8 @@ static experiment_result run(const char *out, const double *ratio, const char *n
         experiment_add(&c, "--volume-ratio");
     for (i = 0; ratio != NULL && i < n_names; i++)
         experiment_add(&c, "%s=%.9g", all_names[i], ratio[i]);
-    const experiment_result r = experiment_register(&c, out);
-    experiment_print(strrchr(out, '/') + 1, &r);
+    const experiment_result r = experiment_register(&c, to);
+    experiment_print(strrchr(to, '/') + 1, &r);
     return r;
 }
 
