@@ -138,6 +138,7 @@ smr_status smr_surface_closest(const smr_surface *surface, const float *point, c
 /* How two closed surfaces lie in each other. All are 0 where one of them is open: it has no inside. */
 typedef struct smr_contact_report {
     float deepest_mm; /* farthest that a point of one lies inside the other, at vertices and three points a triangle */
+    float a_in_b_mm;  /* the same of points of a only: of an implant b inside a bone a what cuts the bone's surface */
     float volume_mm3; /* of what is inside both */
     float area_mm2;   /* of one surface within the distance of the other, or inside; mean of both */
 } smr_contact_report;

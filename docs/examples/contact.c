@@ -23,7 +23,7 @@ static void make(float x, float y, float xyz[NV][3])
 static float deepest(uint32_t i, uint32_t k) /* of one ring in another, mm */
 {
     const smr_mesh a = {ring[i][0], triangles[0], NV, NT}, b = {ring[k][0], triangles[0], NV, NT};
-    smr_contact_report report = {INFINITY, 0, 0};
+    smr_contact_report report = {INFINITY, 0, 0, 0};
     smr_surface *one, *other;
     if (smr_surface_build(&a, memory[0], sizeof memory[0], &one) == SMR_OK &&
         smr_surface_build(&b, memory[1], sizeof memory[1], &other) == SMR_OK)

@@ -252,6 +252,7 @@ smr_status smr_surface_contact(const smr_surface *a, const smr_surface *b, float
     box.lo = most_of(box.lo, most_of(all_a.lo, smr_add(one.around.lo, one.shift)));
     box.hi = least(box.hi, least(all_a.hi, smr_add(one.around.hi, one.shift)));
     report->deepest_mm = smr_max(one.deepest, other.deepest);
+    report->a_in_b_mm = one.deepest;
     report->area_mm2 = 0.5f * (one.area + other.area);
     report->volume_mm3 = volume_of(a, b, one.shift, box);
     return SMR_OK;

@@ -95,6 +95,7 @@ static smr_config random_config(uint32_t *seed)
     c.dynamics = c.track == SMR_TRACK_OFF && c.volume == 0.0f && c.smooth == 0.0f && (*seed >> 12 & 3u) == 0u;
     c.gravity[1] = -9810.0f;
     c.step_ms = (float)(1u + (*seed >> 14 & 63u));
+    c.contact = c.dynamics ? 0.0f : (float)(*seed >> 13 & 1u);
     return c;
 }
 

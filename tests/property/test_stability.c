@@ -36,6 +36,8 @@ static void run_and_check(const smr_model *model, const smr_config *config, cons
     smr *s = rig_init(model, config, NULL);
     if (target != NULL)
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target));
+    if (target != NULL && config->n_fixed > 0u)
+        assert_int_equal(SMR_OK, smr_set_fixed(s, 0, target));
     for (uint32_t tick = 0; tick < 200u && !report.done; tick++) {
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
         const float shown[] = {report.residual_mean_mm, report.residual_rms_mm, report.residual_max_mm,
@@ -86,6 +88,8 @@ static void both_methods(const smr_mesh *source, const smr_mesh *target, float r
         config.fusing = (k ^ k >> 1) & 1u;
         config.volume = k & 1u ? 1.0f : 0.0f;
         config.smooth = k & 2u ? 1.0f : 0.0f;
+        config.contact = (float)(k >> 1 & 1u);
+        config.n_fixed = k >> 2 & 1u;
         config.search_radii = 1.0e6f;
         config.settle_um = 0.0f;
         config.iterations_last = 1000;

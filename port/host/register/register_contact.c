@@ -67,6 +67,7 @@ typedef struct body {
 typedef struct bodies {
     body *body;
     host_contact_pair *pair;
+    uint32_t n_parts; /* bodies that are structures */
 } bodies;
 
 static void build_body(void *arg, uint32_t task, uint32_t worker)
@@ -87,12 +88,21 @@ static void build_body(void *arg, uint32_t task, uint32_t worker)
     b->failed = b->surface == NULL;
 }
 
+/* A fixed surface inside a structure is there by design: all that counts is how far it cuts the structure's own. */
+#define INSIDE_TIMES 2.0f
+#define INSIDE_MM 2.0f
+
 static void measure_pair(void *arg, uint32_t task, uint32_t worker)
 {
     const bodies *const all = arg;
     host_contact_pair *const pair = &all->pair[task];
+    smr_contact_report *const r = &pair->report;
     (void)worker;
-    (void)smr_surface_contact(all->body[pair->a].surface, all->body[pair->b].surface, HOST_CONTACT_MM, &pair->report);
+    (void)smr_surface_contact(all->body[pair->a].surface, all->body[pair->b].surface, HOST_CONTACT_MM, r);
+    if (pair->b >= all->n_parts && r->deepest_mm > INSIDE_TIMES * r->a_in_b_mm + INSIDE_MM) {
+        r->deepest_mm = r->a_in_b_mm;
+        r->volume_mm3 = r->area_mm2 = 0.0f;
+    }
 }
 
 static int near(const body *a, const body *b)
@@ -112,7 +122,7 @@ static uint32_t list_pairs(const host_job *job, const body *list, host_contact_p
         for (b = a + 1u; b < n_all; b++)
             if (near(&list[a], &list[b])) {
                 if (pair != NULL)
-                    pair[n] = (host_contact_pair){a, b, {0, 0, 0}};
+                    pair[n] = (host_contact_pair){a, b, {0, 0, 0, 0}};
                 n++;
             }
     return n;
@@ -138,7 +148,7 @@ static int measure(host_job *job, body *list)
     if (c->pair == NULL)
         return -1;
     (void)list_pairs(job, list, c->pair);
-    host_parallel(&job->port.port, measure_pair, &(bodies){list, c->pair}, n);
+    host_parallel(&job->port.port, measure_pair, &(bodies){list, c->pair, job->model.n_parts}, n);
     for (i = 0; i < n; i++)
         if (c->pair[i].report.area_mm2 > 0.0f || c->pair[i].report.deepest_mm > 0.0f)
             c->pair[kept++] = c->pair[i];

@@ -19,7 +19,6 @@
 #define SMR_PASSED 4.0f         /* a vertex nearer by so many times to the surface behind it has passed through */
 #define SMR_FACETS_LAST 2u      /* last iterations in which triangles' centres are looked at, too: more of them drift */
 #define SMR_FACET_REACH 3.0f    /* mm beyond the thickness: so deep at most */
-#define SMR_FACETS_STILL 10.0f  /* times settle_um: so little moves when they are looked at, too */
 #define SMR_REACH_UNKNOWN (-SMR_CONTACT_DEEP)
 
 static uint32_t n_bodies(const smr_shared *c) { return c->n_structures + c->config.n_fixed; }
@@ -119,13 +118,11 @@ static void place_box(smr_contact *c, uint32_t body)
         box_of(f, shift, c->box + 6u * (size_t)body);
 }
 
-/* As the last radius ends, by its iterations or because next to nothing moves. */
+/* As the last radius ends. */
 static int facets_due(const smr_contact *c)
 {
-    const smr_config *config = &c->shared->config;
-    const int still = c->pace->radius_iteration > 0u && *c->moved_mm * 1000.0f < SMR_FACETS_STILL * config->settle_um;
     return smr_contact_on(c) && smr_at_last_radius(c->shared, c->pace) && !c->pace->tracking &&
-           (still || c->pace->radius_iteration + SMR_FACETS_LAST >= config->iterations_last);
+           c->pace->radius_iteration + SMR_FACETS_LAST >= c->shared->config.iterations_last;
 }
 
 void smr_contact_begin(smr_contact *c)
@@ -147,15 +144,16 @@ void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface)
         c->reach[v] = SMR_REACH_UNKNOWN;
 }
 
-/* Vertices that did not take part are nearer by what has moved. */
+/* Vertices that did not take part are nearer by what has moved; where folds are repaired that is all of them. */
 void smr_contact_stand(smr_contact *c)
 {
-    if (!smr_contact_on(c))
+    const uint32_t n = smr_contact_on(c) ? c->pace->n_active : 0u;
+    if (c->touch == NULL)
         return;
-    memcpy(c->reach, c->reach_next, c->pace->n_active * sizeof *c->reach);
-    for (uint32_t v = c->pace->n_active; v < c->shared->n; v++)
-        if (c->reach[v] > 0.0f)
-            c->reach[v] = smr_positive(c->reach[v] - 2.0f * *c->moved_mm);
+    memcpy(c->reach, c->reach_next, n * sizeof *c->reach);
+    for (uint32_t v = n; v < c->shared->n; v++)
+        if (c->reach[v] != SMR_REACH_UNKNOWN)
+            c->reach[v] = smr_max(c->reach[v] - 2.0f * *c->moved_mm, 2.0f * SMR_REACH_UNKNOWN);
 }
 
 static int in_reach(const float *box, smr_vec p, float reach)
@@ -200,16 +198,22 @@ static float side_of(const smr_contact *c, const probe *p, uint32_t body, float 
     return ramp(smr_dot(p->inward, side->out), SMR_FACING_NONE, SMR_FACING_FULL);
 }
 
-/* Keeps the n deepest touches, in order. */
+/* Keeps the n deepest touches in the order of the bodies, so that no two change places. */
 static void keep(smr_touch *touch, uint32_t n, const smr_touch *more)
 {
-    uint32_t at = n;
-    while (at > 0u && (touch[at - 1u].body == SMR_NONE || more->mm < touch[at - 1u].mm))
-        at--;
-    for (uint32_t i = n - 1u; i > at && at < n; i--)
-        touch[i] = touch[i - 1u];
-    if (at < n)
-        touch[at] = *more;
+    uint32_t shallow = 0, used = 0;
+    for (; used < n && touch[used].body != SMR_NONE; used++)
+        if (touch[used].mm > touch[shallow].mm)
+            shallow = used;
+    if (used < n) {
+        touch[used] = *more;
+        return;
+    }
+    if (!(more->mm < touch[shallow].mm))
+        return;
+    for (uint32_t i = shallow; i + 1u < n; i++)
+        touch[i] = touch[i + 1u];
+    touch[n - 1u] = *more;
 }
 
 /* Looks at every body within reach of a point for its n deepest touches. Returns the new bound. */
@@ -241,12 +245,14 @@ static float look(const smr_contact *c, const probe *p, float reach, smr_touch *
 
 void smr_contact_find(smr_contact *c, uint32_t v)
 {
-    const float zone = c->shared->config.contact_mm + SMR_CONTACT_BAND, moved = 2.0f * *c->moved_mm;
+    /* what moved last may have been given up, and a replay knows nothing of it */
+    const float moved = c->reach[v] == SMR_REACH_UNKNOWN ? 0.0f : 2.0f * *c->moved_mm;
+    const float zone = c->shared->config.contact_mm + SMR_CONTACT_BAND;
     smr_touch *touch = c->touch + SMR_TOUCHES * (size_t)v;
     const float bound = c->reach[v] - moved;
     for (uint32_t i = 0; i < SMR_TOUCHES; i++)
         touch[i].body = SMR_NONE;
-    c->reach_next[v] = bound;
+    c->reach_next[v] = smr_max(bound, 2.0f * SMR_REACH_UNKNOWN);
     if (!c->shape->on_surface[v] || (c->reach[v] > 0.0f && bound > zone))
         return;
     /* -bound: as deep inside as it can be now */

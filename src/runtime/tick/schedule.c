@@ -186,8 +186,8 @@ static int may_end_early(const smr *s)
 {
     if (smr_volumes_under_way(&s->volumes))
         return 0;
-    if (smr_contact_on(&s->forces.contact) && smr_at_last_radius(&s->shared, &s->pace) && !s->forces.contact.facets_due)
-        return 0; /* triangles were not looked at yet */
+    if (smr_contact_on(&s->forces.contact) && smr_at_last_radius(&s->shared, &s->pace))
+        return 0; /* triangles are looked at as it ends */
     return !(s->evolve.moved_mm > 0.0f) || !smr_at_last_radius(&s->shared, &s->pace) ||
            s->forces.surface.n_goals_begun == 0u || !(s->shared.config.even > 0.0f);
 }
