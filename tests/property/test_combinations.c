@@ -1,0 +1,165 @@
+/* test_combinations.c: whatever is switched on together, of contact, fixed surfaces, volumes, smoothing, dynamics,
+ * tracking and fusing by logarithms, positions stay finite, and are the same bits with one and with three threads, in
+ * any order of tasks, by ticks that a clock cuts, and when local volumes are asked for in between. A combination is
+ * refused or runs.
+ * SPDX-License-Identifier: MIT */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "property/rig_parts.h"
+#include "smr_pthread.h"
+
+#define ITERATIONS 12u
+#define TICKS_MAX 200000u
+
+enum { CONTACT = 1, VOLUME = 2, SMOOTH = 4, DYNAMICS = 8, TRACK = 16, LIE = 32, COMBINATIONS = 64 };
+
+static struct world {
+    rig_parts of;
+    const smr_surface *goal[RIG_PARTS], *fixed;
+    smr_port threads;
+} world;
+
+static int set_up(void **state)
+{
+    const float beside[3] = {30, 34, 0};
+    const smr_volume image = rig_parts_image(0.0f);
+    const smr_mesh fixed = rig_ball(16.0f, 9, 13, beside);
+    (void)state;
+    for (uint32_t i = 0; i < RIG_PARTS; i++) {
+        const smr_mesh goal = rig_parts_goal(i);
+        world.goal[i] = rig_surface(&goal);
+    }
+    world.fixed = rig_surface(&fixed);
+    world.of = rig_parts_make(&image);
+    return 0;
+}
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static smr_config config_of(uint32_t what)
+{
+    smr_config c = smr_config_default();
+    c.n_workers = 3;
+    c.n_target_vertices = what & DYNAMICS ? 0u : 1200u;
+    c.iterations = 2;
+    c.iterations_last = 5;
+    c.settle_um = 0.0f;
+    c.method = (what ^ what >> 1 ^ what >> 3 ^ what >> 5) & 1u;
+    c.fusing = what & LIE ? SMR_FUSING_LIE : SMR_FUSING_LINEAR;
+    c.contact = what & CONTACT ? 0.9f : 0.0f;
+    c.contact_mm = what & CONTACT ? 0.5f : 0.0f;
+    c.n_fixed = what & CONTACT ? 1u : 0u;
+    c.volume = what & VOLUME ? 0.8f : 0.0f;
+    c.smooth = what & SMOOTH ? 0.3f : 0.0f;
+    c.track = what & TRACK ? SMR_TRACK_RECOVER : SMR_TRACK_OFF;
+    c.dynamics = what & DYNAMICS ? SMR_DYNAMICS_ON : SMR_DYNAMICS_OFF;
+    c.gravity[2] = what & DYNAMICS ? -9810.0f : 0.0f;
+    return c;
+}
+
+static smr *start(uint32_t what, const smr_config *config, const smr_port *port)
+{
+    smr *s = rig_init(world.of.model[0], config, port);
+    for (uint32_t i = 0; i < RIG_PARTS; i++)
+        assert_int_equal(SMR_OK, smr_set_surface(s, i, world.goal[i]));
+    if (what & CONTACT)
+        assert_int_equal(SMR_OK, smr_set_fixed(s, 0, world.fixed));
+    if (what & VOLUME)
+        assert_int_equal(SMR_OK, smr_set_volume_ratio(s, 1, 0.9f));
+    assert_int_equal(SMR_OK, smr_set_active(s, SMR_ALL)); /* whatever the clock says */
+    return s;
+}
+
+/* What is read between ticks, in memory that is free then. */
+static void look(smr *s)
+{
+    float ratio[RIG_PARTS * RIG_PART_VERTICES];
+    smr_verdict verdict;
+    assert_int_equal(SMR_OK, smr_get_local_volume(s, SMR_ALL, 0, ratio));
+    assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &verdict));
+}
+
+/* State hashes of ITERATIONS complete iterations. */
+static void run(uint32_t what, const smr_config *config, const smr_port *port, uint64_t budget, int looks,
+                uint64_t hash[ITERATIONS + 1u])
+{
+    smr *s = start(what, config, port);
+    smr_tick_report report = {0};
+    uint32_t done = 0;
+    for (uint32_t tick = 0; tick < TICKS_MAX && done < ITERATIONS; tick++) {
+        const smr_status status = smr_tick(s, budget, &report);
+        if (status == SMR_PARTIAL && budget > 0u)
+            continue;
+        assert_int_equal(SMR_OK, status);
+        hash[done++] = smr_state_hash(s);
+        if (looks)
+            look(s);
+    }
+    assert_int_equal(ITERATIONS, done);
+    hash[ITERATIONS] = report.iteration;
+    assert_true(rig_finite(rig_positions(s, world.of.model[0]), RIG_PARTS * 100u));
+}
+
+static int runs_alike(uint32_t what)
+{
+    const smr_config config = config_of(what);
+    const smr_port shuffled = rig_port(RIG_SHUFFLE, 3);
+    uint64_t plain[ITERATIONS + 1u], other[ITERATIONS + 1u];
+    rig_clock clock;
+    size_t bytes;
+    if (smr_arena_bytes(world.of.model[0], &config, &bytes) == SMR_E_CONFIG)
+        return 0;
+    const smr_port cut = rig_clock_port(&clock, RIG_CLOCK_STEADY, 700);
+    const struct {
+        const char *name;
+        const smr_port *port;
+        uint64_t budget;
+        int looks;
+    } way[] = {
+        {"three threads", &world.threads, 0, 0}, {"another order", &shuffled, 0, 1}, {"a clock", &cut, 100000, 0}};
+    run(what, &config, NULL, 0, 0, plain);
+    for (uint32_t k = 0; k < sizeof way / sizeof way[0]; k++) {
+        run(what, &config, way[k].port, way[k].budget, way[k].looks, other);
+        for (uint32_t i = 0; i < ITERATIONS; i++)
+            if (plain[i] != other[i])
+                fail_msg("combination %u: %s differs in iteration %u", what, way[k].name, i);
+    }
+    return 1;
+}
+
+static void test_combinations(void **state)
+{
+    smr_pthread *pool = NULL;
+    const size_t pool_bytes = smr_pthread_bytes(3);
+    uint32_t legal = 0;
+    (void)state;
+    assert_int_equal(SMR_OK, smr_pthread_create(&pool, rig_alloc(pool_bytes), pool_bytes, 3));
+    world.threads = smr_pthread_port(pool);
+    for (uint32_t what = 0; what < COMBINATIONS; what++) {
+        const int ran = runs_alike(what);
+        legal += (uint32_t)ran;
+        assert_true(ran || (what & DYNAMICS)); /* only dynamics excludes others */
+    }
+    smr_pthread_destroy(pool);
+    if (getenv("SMR_TEST_SHOW") != NULL)
+        print_message("%u of %u combinations are legal\n", legal, (uint32_t)COMBINATIONS);
+    assert_true(legal > COMBINATIONS / 2u);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test_setup_teardown(test_combinations, set_up, tidy)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
