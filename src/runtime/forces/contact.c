@@ -174,6 +174,12 @@ static float face_out(const smr_facets *f, const float *normal, smr_query q, smr
     return smr_clamp(SMR_PASSED * nearest / smr_max(-side->mm, 1.0e-6f), 0.0f, 1.0f);
 }
 
+/* 1: the nearest triangle faces the vertex, so that the shortest way is it. */
+static int facing(const smr_facets *f, uint32_t triangle, smr_vec inward)
+{
+    return smr_dot(smr_load(f->normal + 3u * (size_t)triangle), inward) > 0.0f;
+}
+
 /* A point of a structure's surface. */
 typedef struct probe {
     smr_vec at, inward; /* mm; unit, against the normal */
@@ -194,7 +200,7 @@ static float side_of(const smr_contact *c, const probe *p, uint32_t body, float 
     if (!moves)
         return fixed->open && smr_surface_on_border(fixed, side->triangle, side->weight) ? 0.0f : 1.0f;
     if (side->mm < 0.0f)
-        return face_out(f, normal, q, side);
+        return facing(f, side->triangle, q.normal) ? 1.0f : face_out(f, normal, q, side);
     return ramp(smr_dot(p->inward, side->out), SMR_FACING_NONE, SMR_FACING_FULL);
 }
 

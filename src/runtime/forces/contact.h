@@ -53,8 +53,14 @@ void smr_contact_stand(smr_contact *c); /* the forces under way are complete */
 void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface);
 int smr_fixed_stand(const smr_contact *c); /* 1: every fixed surface is still the one that was set */
 
-/* 1 where structures are kept apart in this iteration. */
-static inline int smr_contact_on(const smr_contact *c) { return c->touch != NULL && c->pace->repairing == 0u; }
+/* 1 where structures are kept apart in this iteration. Where clusters hold several structures the pushes of both sides
+ * cancel in them. */
+static inline int smr_contact_on(const smr_contact *c)
+{
+    return c->touch != NULL && c->pace->repairing == 0u &&
+           (c->shared->n_structures == 1u || smr_at_last_radius(c->shared, c->pace) ||
+            smr_model_separate(c->shared->model, c->pace->radius));
+}
 
 /* What a vertex touches at its present place, and the centre of a triangle, in the iterations in which they are due. */
 void smr_contact_find(smr_contact *c, uint32_t v);
