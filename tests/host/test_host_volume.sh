@@ -32,7 +32,7 @@ run --volume-ratio bone=0.9 --resume stop.sav
 check "stopped on the way and resumed" near "$(of volume_ratio)" 0.9
 model=open.obj
 run --volume
-check "open: none" [ "$(of volume_mm3)" = null ]
+check "open: none" [ "$(of volume_rest_mm3)" = null ]
 
 refused() { # name, text, arguments
     refused_name=$1 refused_text=$2
