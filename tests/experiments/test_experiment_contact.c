@@ -82,7 +82,7 @@ static void parts(int image, double deepest, double farther)
 static void parts_a_thigh_on_surfaces(void **state)
 {
     (void)state;
-    parts(0, 0.4, 0.10);
+    parts(0, 0.2, 0.10);
 }
 
 static void parts_a_thigh_in_an_image(void **state)

@@ -221,8 +221,8 @@ static float off_surface(const smr_mesh *mesh, const float *xyz)
     return most;
 }
 
-/* Model, fixed surface and goals moved together give nearly the moved surface: where goals and contact pull against each
- * other, last bits decide some hundredths of a millimetre. */
+/* Model, fixed surface and goals moved together give nearly the moved surface: where goals and contact pull against
+ * each other, last bits decide some hundredths of a millimetre. */
 static void test_moved(void **state)
 {
     static const float at[3][3] = {{-19.3f, 1, 2}, {19.3f, 0, 0}, {0, 34.2f, 5}}, shift[3] = {30, -200, 55};
