@@ -249,6 +249,13 @@ def ticks(model, rest, triangles, now):
         pass
     off = np.linalg.norm(s.positions(0) - now, axis=1)
     check(f"goals of the caller's own: {off.max():.3f} mm", off.max() < 1)
+    s = smr.Registration(model, volume=1.0)
+    s.set_volume_ratio(None, 1.1)
+    for _ in s.run():
+        pass
+    volume = s.structure_volume("bone")
+    check(f"a volume asked for: {volume.ratio:.4f}", volume.closed == 1 and abs(volume.ratio - 1.1) < 0.01
+          and abs(volume.asked_ratio - 1.1) < 1e-6 and volume.rest_mm3 > 0)
 
 
 def targets(model, rest, triangles, now):
