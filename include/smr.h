@@ -638,6 +638,11 @@ typedef struct smr_config {
     float track_um;
     /* iterations, [1, 100000], default 30. At most, for one position of the targets. */
     uint32_t track_iterations;
+    /* share, [0, 1], default 0. When targets are set, each structure first goes on as a rigid body by this share of the
+     * way that it went since they were set before: for targets that come at even intervals. Not after a jump. The rest
+     * of the share is left of the last iteration's momentum. The first tick on new targets does so at once, in one pass
+     * over vertices and triangles, whatever its budget. */
+    float track_ahead;
 
     /* ---- dynamics ----
      * The model has mass and moves in time, by implicit Euler, in place of the schedule: from the start pose, which is
@@ -754,7 +759,7 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 
 /* What config.track adds to it. */
 #define SMR_TRACK_BYTES(n_vertices, n_structures)                                                                      \
-    ((size_t)1024u + (size_t)12u * (n_vertices) + (size_t)48u * (n_structures))
+    ((size_t)1024u + (size_t)12u * (n_vertices) + (size_t)96u * (n_structures))
 
 /* What config.dynamics adds to it. */
 #define SMR_DYNAMICS_BYTES(n_vertices, n_structures)                                                                   \
@@ -1338,6 +1343,9 @@ smr_status smr_save_bytes(const smr *s, size_t *bytes);
 
 /* What config.track adds to it. */
 #define SMR_SAVE_TRACK_BYTES(n_vertices) ((size_t)128u + (size_t)12u * (n_vertices))
+
+/* What config.track_ahead adds to it. */
+#define SMR_SAVE_AHEAD_BYTES(n_structures) ((size_t)96u * (n_structures))
 
 /* What config.dynamics adds to it. */
 #define SMR_SAVE_DYNAMICS_BYTES(n_vertices) ((size_t)128u + (size_t)40u * (n_vertices))

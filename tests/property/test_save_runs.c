@@ -85,6 +85,7 @@ static smr_config random_config(uint32_t *seed)
     }
     c.track = rig_random(seed, 3) ? SMR_TRACK_OFF : SMR_TRACK_REPORT + rig_random(seed, 2);
     c.track_mm = 18.0f;
+    c.track_ahead = (float)(*seed >> 9 & 1u);
     c.track_iterations = 4;
     if (c.track != SMR_TRACK_OFF)
         c.iterations = c.iterations_last = 1u + rig_random(seed, 2);
@@ -299,7 +300,7 @@ static smr *twin_of(run *r, const smr *s, const smr_config *config, const smr_po
     size_t bytes = 0, arena_bytes = 0;
     assert_int_equal(SMR_OK, smr_save_bytes(s, &bytes));
     assert_true(bytes <= SMR_SAVE_BYTES(PARTS * VERTICES_MAX, PARTS, 1000, LANDMARKS, SMR_METHOD_POLAR) +
-                             SMR_SAVE_TRACK_BYTES(PARTS * VERTICES_MAX) +
+                             SMR_SAVE_TRACK_BYTES(PARTS * VERTICES_MAX) + SMR_SAVE_AHEAD_BYTES(PARTS) +
                              SMR_SAVE_DYNAMICS_BYTES(PARTS * VERTICES_MAX));
     assert_int_equal(SMR_OK, smr_save(s, saved, bytes));
     assert_int_equal(SMR_OK, smr_save_info(saved, sizeof saved, &info));

@@ -109,6 +109,44 @@ static void test_settled(void **state)
     assert_true(r.iteration == before + 1u && !r.settled && r.tracking);
 }
 
+/* Mean distance from where the motion takes the schedule's result, over the last frames of a steady motion, two ticks
+ * each. What is set twice, or once more within an iteration, counts once. */
+static double lag_of(const scene *e, int twice)
+{
+    double sum = 0.0;
+    smr *s = started(e, NULL);
+    const uint32_t n = e->source.n_vertices;
+    const smr_mesh before = {rig_positions(s, e->model), e->source.triangles, n, e->source.n_triangles};
+    for (uint32_t i = 1; i <= 12u; i++) {
+        const float by = (float)i, t[3] = {by, 0.5f * by, -0.5f * by};
+        float m[9];
+        const smr_mesh next = turned(e, 1.5f * by, by);
+        const smr_surface *surface = rig_surface(&next);
+        rig_rotation(1, 2, 0.5f, 1.5f * by, m);
+        for (int k = 0; k <= twice; k++)
+            assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, surface));
+        for (uint32_t k = 0; k < 2u; k++)
+            assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        const smr_mesh want = rig_moved(&before, m, t);
+        const float *const xyz = rig_positions(s, e->model);
+        for (uint32_t v = 0; v < n && i > 6u; v++)
+            sum += (double)rig_far(want.xyz + 3u * (size_t)v, xyz + 3u * (size_t)v, 1) / (6.0 * n);
+    }
+    return sum;
+}
+
+static void test_goes_ahead(void **state)
+{
+    scene e = make(SMR_TRACK_REPORT);
+    (void)state;
+    const double behind = lag_of(&e, 0);
+    e.config.track_ahead = 1.0f;
+    const double ahead = lag_of(&e, 0);
+    print_message("lag %.3f mm, going ahead %.3f mm\n", behind, ahead);
+    assert_true(ahead < 0.5 * behind);
+    assert_true(lag_of(&e, 1) == ahead);
+}
+
 /* Most iterations for one target: also with a limit that is never reached. */
 static void test_gives_up(void **state)
 {
@@ -213,9 +251,10 @@ static void sequence(const scene *e, smr *s, uint64_t budget)
 
 static void test_same_bits(void **state)
 {
-    const scene e = make(SMR_TRACK_RECOVER);
+    scene e = make(SMR_TRACK_RECOVER);
     uint64_t hash = 0;
     (void)state;
+    e.config.track_ahead = 0.7f;
     for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
         const smr_port port = rig_port(k, 4);
         smr *s = rig_init(e.model, &e.config, &port);
@@ -249,6 +288,7 @@ static void test_replays(void **state)
     smr_replay_report report = {0};
     uint32_t partial = 0;
     (void)state;
+    e.config.track_ahead = 1.0f;
     const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
     smr *s = rig_init(e.model, &e.config, &port);
     assert_int_equal(SMR_OK, smr_set_log(s, memory, sizeof memory));
@@ -271,13 +311,10 @@ static void test_replays(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_off_costs_nothing, tidy),
-        cmocka_unit_test_teardown(test_settled, tidy),
-        cmocka_unit_test_teardown(test_gives_up, tidy),
-        cmocka_unit_test_teardown(test_follows, tidy),
-        cmocka_unit_test_teardown(test_jumps, tidy),
-        cmocka_unit_test_teardown(test_starts_over, tidy),
-        cmocka_unit_test_teardown(test_same_bits, tidy),
+        cmocka_unit_test_teardown(test_off_costs_nothing, tidy), cmocka_unit_test_teardown(test_settled, tidy),
+        cmocka_unit_test_teardown(test_goes_ahead, tidy),        cmocka_unit_test_teardown(test_gives_up, tidy),
+        cmocka_unit_test_teardown(test_follows, tidy),           cmocka_unit_test_teardown(test_jumps, tidy),
+        cmocka_unit_test_teardown(test_starts_over, tidy),       cmocka_unit_test_teardown(test_same_bits, tidy),
         cmocka_unit_test_teardown(test_replays, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -26,6 +26,7 @@ typedef struct smr_held {
     uint32_t structure, vertex; /* where these sums stand, in the caller's numbering */
     uint32_t n_tasks;           /* that the sums take */
     uint32_t due;               /* 1: x^r is to follow in this iteration. Written by tick/tracking.c */
+    uint32_t ahead;             /* 1: structures went on already for the iteration under way */
 } smr_held;
 
 typedef struct smr_shape {
@@ -56,6 +57,7 @@ typedef struct smr_shape {
     smr_held *held;
     float *held_x;          /* [n][3] the schedule's result, which tracking is elastic about */
     smr_pose *held_pose;    /* [n_structures] rigid, lays each structure of held_x onto its present positions */
+    smr_pose *held_last;    /* [n_structures] the same when targets were set last; NULL: structures do not go on */
     smr_dynamics *dynamics; /* NULL: relaxation, without mass */
 } smr_shape;
 
@@ -87,7 +89,8 @@ void smr_held_start(smr_shape *shape);  /* x is the held shape from here on */
 uint32_t smr_held_sum_tasks(const void *shape);
 void smr_held_sum(void *shape, uint32_t task, uint32_t worker); /* serial */
 void smr_held_sum_end(smr_shape *shape);
-void smr_held_stand(smr_shape *shape); /* the iteration stands: x^r follows */
+void smr_held_stand(smr_shape *shape);             /* the iteration stands: x^r follows */
+void smr_held_ahead(smr_shape *shape, int steady); /* new targets: structures go on as they went, if that is steady */
 
 /* A stored vertex of the rest shape in its pose. */
 static inline smr_vec smr_rest_posed(const smr_shape *shape, uint32_t vertex)

@@ -3,7 +3,8 @@
  * model rests, or track_iterations are spent; then there is nothing to do. The first forces tell whether a target has
  * jumped: its goals are farther than the model can follow. Where that is asked for the coarser radii are gone through
  * again.
- * Bounds: SMR_RADII_MAX; where tracking starts, two passes over the vertices.
+ * Bounds: SMR_RADII_MAX; where tracking starts, two passes over the vertices; with track_ahead, one over vertices and
+ * triangles for new targets.
  * SPDX-License-Identifier: MIT */
 #include "runtime/tick/tracking.h"
 
@@ -137,6 +138,7 @@ void smr_tracking_begin(smr *s)
     s->reference.stale = 1;
     if (!s->pace.called)
         return;
+    smr_held_ahead(&s->shape, !s->pace.jumped && !s->pace.recovering);
     s->pace.gain = 1.0f;
     s->pace.called = s->pace.settled = s->pace.jumped = s->pace.recovering = 0;
     if (s->pace.radius != smr_tracking_radius(s))
