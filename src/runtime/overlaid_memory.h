@@ -64,13 +64,16 @@ typedef struct smr_rings {
  * triangle between. */
 static inline void smr_ring_add(const smr_rings *rings, const uint32_t *t, const float *value)
 {
-    for (uint32_t c = 0; c < 3u; c++) {
-        const smr_vec a = smr_load(value + 3u * (size_t)t[(c + 1u) % 3u]);
-        const smr_vec b = smr_load(value + 3u * (size_t)t[(c + 2u) % 3u]);
-        float *sum = rings->sum + 3u * (size_t)t[c];
-        smr_store(sum, smr_add(smr_load(sum), smr_add(a, b)));
-        rings->weight[t[c]] += 2.0f;
-    }
+    float *const sum = rings->sum, *const weight = rings->weight;
+    float *const p = sum + 3u * (size_t)t[0], *const q = sum + 3u * (size_t)t[1], *const r = sum + 3u * (size_t)t[2];
+    const smr_vec a = smr_load(value + 3u * (size_t)t[0]), b = smr_load(value + 3u * (size_t)t[1]);
+    const smr_vec c = smr_load(value + 3u * (size_t)t[2]);
+    smr_store(p, smr_add(smr_load(p), smr_add(b, c)));
+    smr_store(q, smr_add(smr_load(q), smr_add(c, a)));
+    smr_store(r, smr_add(smr_load(r), smr_add(a, b)));
+    weight[t[0]] += 2.0f;
+    weight[t[1]] += 2.0f;
+    weight[t[2]] += 2.0f;
 }
 
 /* How pulls of points spread over the mesh, in the memory of the records behind the rings. */

@@ -153,7 +153,7 @@ void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     smr_tally *tally = &f->tally[task];
     const float stiffness = f->pace->repairing > 0u ? 0.0f : f->shared->config.stiffness * f->pace->gain;
-    const int apart = smr_contact_on(&f->contact);
+    const int apart = smr_contact_on(&f->contact), smooth = smr_smooth_tasks(&f->smooth) > 0u;
     memset(tally, 0, sizeof *tally);
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(f->shared, task); v++) {
         if (!smr_active(f->pace, v)) {
@@ -162,7 +162,8 @@ void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
         }
         const smr_vec way = smr_load(smr_at3(f->force, v));
         count(f, v, way, tally);
-        smr_store(smr_at3(f->force, v), smr_scale(smr_smooth_blend(&f->smooth, v, way), stiffness * ease_at(f, v)));
+        const smr_vec blended = smooth ? smr_smooth_blend(&f->smooth, v, way) : way;
+        smr_store(smr_at3(f->force, v), smr_scale(blended, stiffness * ease_at(f, v)));
         if (apart)
             smr_store(smr_at3(f->force, v),
                       smr_add(smr_load(smr_at3(f->force, v)), smr_load(smr_at3(f->contact.push, v))));

@@ -73,7 +73,7 @@ void smr_smooth_rest(smr_smooth *s)
 smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec way)
 {
     const float share = s->shared->config.smooth, (*m)[4] = s->shape->rest_pose.m;
-    if (s->height == NULL || s->pace->repairing > 0u || !s->shape->on_surface[v])
+    if (!s->shape->on_surface[v])
         return way;
     const float scale = smr_length(smr_v(m[0][0], m[1][0], m[2][0]));
     const float off = height_of(s, v) - scale * s->height[v];

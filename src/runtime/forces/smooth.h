@@ -24,7 +24,7 @@ void smr_smooth_rest(smr_smooth *s); /* notes the heights; the shape is the rest
 uint32_t smr_smooth_tasks(const void *smooth);
 void smr_smooth_sum(void *smooth, uint32_t task, uint32_t worker);
 
-/* Blends a way to a goal with what smoothing asks for. */
+/* Blends a way to a goal with what smoothing asks for, where the step has tasks. */
 smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec way);
 
 #endif

@@ -100,6 +100,7 @@ void smr_match_clusters(void *arg, uint32_t task, uint32_t worker)
     smr_match *m = arg;
     (void)worker;
     const uint32_t *const sum = m->sums->sum, words = smr_transform_words(m->shared), first = words - 3u;
+    const int logs = smr_blends_logs(m->shared);
     const float inverse0 = 1.0f / m->sums->scale[0], inverse1 = 1.0f / m->sums->scale[1];
     float *const transform = m->transform, largest_r = 0.0f, largest_t = 0.0f;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, m->pace->n_active);
@@ -107,7 +108,10 @@ void smr_match_clusters(void *arg, uint32_t task, uint32_t worker)
         const uint32_t *w = sum + SMR_WORDS * (size_t)v;
         float *t = transform + 12u * (size_t)v;
         const smr_vec mu = smr_v(smr_unfix(w[0], inverse0), smr_unfix(w[1], inverse0), smr_unfix(w[2], inverse0));
-        (smr_blends_logs(m->shared) ? log_of : matrix_of)(m, v, mu, w + 3, inverse1, t);
+        if (logs)
+            log_of(m, v, mu, w + 3, inverse1, t);
+        else
+            matrix_of(m, v, mu, w + 3, inverse1, t);
         for (uint32_t i = 0; i < first; i++)
             largest_r = smr_max(largest_r, smr_abs(t[i]));
         for (uint32_t i = first; i < words; i++)
