@@ -22,7 +22,7 @@ extern "C" {
 /* ------------------------------------------------------------------ 1. version, status, limits */
 
 #define SMR_VERSION_MAJOR 0
-#define SMR_VERSION_MINOR 1
+#define SMR_VERSION_MINOR 2
 #define SMR_VERSION_PATCH 0
 
 typedef enum smr_status {

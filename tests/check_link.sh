@@ -199,7 +199,7 @@ subdirectory() { # name, options...
 }
 in_haste() { configure "$tmp/fast" -DSMR_TREE="$top" -DCMAKE_C_FLAGS=-ffast-math && cmake --build "$tmp/fast" --target smr; }
 if have cmake; then
-    by_cmake find_package "$tmp/found" -DCMAKE_PREFIX_PATH="$root" -DASKED=0.1 -DPARTS='smr;pthread'
+    by_cmake find_package "$tmp/found" -DCMAKE_PREFIX_PATH="$root" -DASKED=0.2 -DPARTS='smr;pthread'
     by_cmake 'find_package shared' "$tmp/found_shared" -DCMAKE_PREFIX_PATH="$root" -Dsmr_SHARED=ON -DPARTS=smr
     refuse 'find_package of a later version' 'version' configure "$tmp/later" -DCMAKE_PREFIX_PATH="$root" -DASKED=9.0 -DPARTS=smr
     try 'find_package of a core' configure "$tmp/of_core" -DCMAKE_PREFIX_PATH="$core" -DPARTS=smr

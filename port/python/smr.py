@@ -40,7 +40,7 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Named
 
 import numpy as np
 
-VERSION = (0, 1)  # of the library's interface that this file knows
+VERSION = (0, 2)  # of the library's interface that this file knows
 
 ALIGN = 64  # bytes: where memory starts
 ALL = 0xFFFFFFFF  # every structure
