@@ -12,14 +12,14 @@
 #define SMR_SIDE_NEAR 0.1f     /* mm: nearer than about this the direction is that of the vertices' normals */
 #define SMR_SIDE_TIE 1.00001f  /* squared distances within this factor are the same feature */
 #define SMR_SIDE_ZERO 1.0e-10f /* mm^2 */
-#define SMR_HALF_TURN 3.14159265f
+#define SMR_STRAIGHT 3.14159265f
 
 /* The arc cosine to 7e-5, as exact as the weights need to be. Source: Abramowitz and Stegun, 4.4.45. */
 static float angle_of(float cosine)
 {
     const float c = smr_min(smr_abs(cosine), 1.0f);
     const float angle = SMR_SQRT(1.0f - c) * (1.5707288f + c * (-0.2121144f + c * (0.0742610f - 0.0187293f * c)));
-    return cosine < 0.0f ? SMR_HALF_TURN - angle : angle;
+    return cosine < 0.0f ? SMR_STRAIGHT - angle : angle;
 }
 
 /* The angle that a triangle has at its corner nearest to the closest point. */

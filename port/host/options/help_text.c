@@ -67,6 +67,7 @@ static const char *const start_lines[] = {
     "                                 DIR/field.nrrd that carries the model's images and points to the patient",
     "  --volume                       closed structures keep the volume that they have at rest, in the start's scale;",
     "  --volume-ratio NAME=R...       structures get R times that volume, 0.1 to 10; the others keep theirs",
+    "  --contact-with FILE...         surfaces that stay where they are and that structures keep out of; sets --contact",
     "  --accept good|look             the worst verdict whose exit status is 0 (good)",
     "  --json                         the result as one line of JSON on standard output, and nothing else there",
     "  --skip-done                    compute nothing where -o has this command's result of the same inputs: the same",

@@ -64,7 +64,7 @@ void host_report_contact(const host_job *job, host_json *json)
     for (i = 0; i < job->model.n_parts + c->n_fixed; i++) {
         t = total_of(c, i);
         host_json_open(json, NULL, '{');
-        host_json_text(json, "name", name_of(job, i));
+        host_json_text(json, "structure", name_of(job, i)); /* "name" is what line by line readers look for */
         put(json, &t);
         host_json_close(json, '}');
     }
