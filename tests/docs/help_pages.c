@@ -9,7 +9,7 @@
 #include "options/command_text.h"
 #include "options/option_text.h"
 
-#define PAGES_DATE "2026-11-22" /* of the version: a page says when it was written, and the same sources say the same */
+#define PAGES_DATE "2026-11-23" /* of the version: a page says when it was written, and the same sources say the same */
 
 static FILE *page;
 
