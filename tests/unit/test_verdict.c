@@ -89,7 +89,8 @@ static void test_inside_out(void **state)
     assert_int_equal(SMR_VERDICT_FAILED, v.level);
 }
 
-/* What the target does not show is expected to be farther off, and said to be unseen. */
+/* What the target does not show is expected to be farther off, and said to be unseen; and a part does not tell by how
+ * much the whole is larger. */
 static void test_half(void **state)
 {
     const smr_model *model;
@@ -109,6 +110,11 @@ static void test_half(void **state)
     }
     assert_true(n[0] > 20.0f && n[1] > 20.0f);
     assert_true(sum[0] / n[0] > sum[1] / n[1]);
+    smr_verdict v;
+    assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
+    assert_true(v.seen_share > 0.3f && v.seen_share < 0.8f && v.scale > 1.04f && v.scale < 1.2f);
+    assert_int_equal(SMR_VERDICT_LOOK, v.level);
+    assert_true((v.reasons & SMR_REASON_SCALE) != 0u);
 }
 
 /* Readouts use memory of an iteration, and change no bit of the next. */

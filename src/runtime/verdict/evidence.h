@@ -55,8 +55,8 @@ void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e); /*
 /* How the whole of a structure, or of all, has moved: scale, scale_rest and turned_deg. */
 void smr_measure_moved(const smr *s, uint32_t structure, smr_verdict *verdict);
 
-/* Level and reasons, from the measures. */
-void smr_judge(smr_verdict *verdict, float edge_mm);
+/* Level and reasons, from the measures. whole: 1 for all of the model, 0 for a structure of several. */
+void smr_judge(smr_verdict *verdict, float edge_mm, int whole);
 
 /* In the memory of records, mm, by stored vertex, [n] each: distance to the target surface; expected error. */
 static inline float *smr_vertex_away(const smr *s) { return (float *)s->overlay.record; }

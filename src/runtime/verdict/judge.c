@@ -17,6 +17,8 @@
 #define SMR_RESIDUAL_MOST 0.25f /* mean edges */
 #define SMR_LANDMARK_MOST 3.0f  /* mm: what landmarks may be off in the mean */
 #define SMR_SCALE_MOST 1.25f    /* either way, within the registration */
+#define SMR_SCALE_PART 1.04f    /* the same where less than */
+#define SMR_SEEN_PART 0.8f      /* of the whole model is seen: a part hardly tells the size of the rest */
 #define SMR_STRAIN_MOST 0.25f
 #define SMR_STRETCH_MOST 0.045f
 #define SMR_STRETCH_FAILED 0.2f
@@ -43,7 +45,7 @@ const char *smr_reason_text(uint32_t bit)
         return "normals of model and target disagree: look for a surface that is inside out, or a wrong start";
     case SMR_REASON_RESIDUAL: return "seen vertices stay away from the target: look at its noise and at the start";
     case SMR_REASON_SCALE:
-        return "the size has changed much: look at the units of model and target, or give a scaled start";
+        return "the size has changed much for what is seen: look at units, or start with a scale that is known";
     case SMR_REASON_STRAIN:
         return "parts of the model have changed their size much: look whether the target is the same body";
     case SMR_REASON_VOLUME: return "the volume has changed much: look whether the target is the same body, and closed";
@@ -117,13 +119,14 @@ static void judge_image(smr_verdict *v)
     ask_least(v, SMR_REASON_GOALS, v->goals_share, SMR_GOALS_LEAST, SMR_GOALS_FAILED);
 }
 
-void smr_judge(smr_verdict *v, float edge_mm)
+void smr_judge(smr_verdict *v, float edge_mm, int whole)
 {
+    const int part = whole && v->goals_share < 0.0f && v->seen_share < SMR_SEEN_PART;
     v->level = SMR_VERDICT_GOOD;
     v->reasons = 0;
     if (!(v->seen_share > 0.0f))
         ask(v, SMR_REASON_NOTHING_SEEN, 1.0f, 0.0f, 0.5f);
-    ask(v, SMR_REASON_SCALE, beyond(v->scale), SMR_SCALE_MOST, SMR_FAR);
+    ask(v, SMR_REASON_SCALE, beyond(v->scale), part ? SMR_SCALE_PART : SMR_SCALE_MOST, SMR_FAR);
     if (v->goals_share >= 0.0f)
         judge_image(v);
     if (v->normals_agree >= 0.0f || v->target_covered >= 0.0f) /* points may have no normals */

@@ -73,7 +73,7 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
     verdict->bend_mm = smr_mean_of(e->bend, 0.0f);
     verdict->moved_last_mm = s->evolve.moved_mm;
     smr_measure_moved(s, structure, verdict);
-    smr_judge(verdict, smr_le_float(s->shared.model->edge_mm));
+    smr_judge(verdict, smr_le_float(s->shared.model->edge_mm), structure == SMR_ALL || s->shared.n_structures == 1u);
 }
 
 /* Of all structures together; and how many vertices are in structures that have a target and are not good. */
