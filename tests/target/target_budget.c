@@ -1,5 +1,6 @@
 /* target_budget.c: on an emulated board: ticks keep to their budget, cutting the work changes no bit, and an iteration
- * shortened by a budget repeats without a clock; for a surface, an image and an open surface, rigid and polar.
+ * shortened by a budget repeats without a clock; for a surface, an image and an open surface, rigid and polar, and with
+ * contact, volumes, smoothing and fusing on.
  *
  * Under `-icount shift=0` one instruction takes one nanosecond of the board's time, so times are the same in every
  * run. A chunk is the longest stretch between two readings of the clock. The command line says how many ticks of
@@ -12,7 +13,7 @@
 #define TARGET_ENDLESS (UINT64_MAX / 4u) /* a budget that never ends, but the clock is read */
 #define TARGET_READING_NS 2000u          /* what the readings before and after a tick may take */
 #define TARGET_TWIN_TICKS 250u           /* so long a twin without a clock goes along */
-#define TARGET_SHARE_PART 16u            /* the same where an open target's pulls open more nodes */
+#define TARGET_SHARE_PART 16u            /* the same where searches of an open target or contact open more */
 #define TARGET_SHARE 20u                 /* a chunk is at most one in so many parts of an iteration's fixed part */
 
 /* What a run through the schedule showed. */
@@ -145,7 +146,8 @@ static int target_judge(const target_scene *scene, target_clock *clock, uint32_t
            target_ok("whole ticks without a budget, partial ones with",
                      plain.partial + whole.partial == 0u && cut.partial > 0u) &&
            target_ok("a chunk is a small part of the fixed part",
-                     (scene->what->part ? TARGET_SHARE_PART : TARGET_SHARE) * clock->longest <= whole.fixed) &&
+                     (scene->what->part || scene->what->more ? TARGET_SHARE_PART : TARGET_SHARE) * clock->longest <=
+                         whole.fixed) &&
            target_ok("at most a chunk beyond the short budget",
                      cut.longest <= TARGET_BUDGET_NS + clock->longest + TARGET_READING_NS) &&
            target_ok("at most a chunk beyond random budgets", random.over <= clock->longest + TARGET_READING_NS) &&

@@ -17,7 +17,9 @@
 #define TARGET_ARENA                                                                                                   \
     (SMR_ARENA_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS * TARGET_FACETS, TARGET_PARTS, 1, TARGET_POINTS,       \
                      SMR_METHOD_POLAR) +                                                                               \
-     SMR_TRACK_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS))
+     SMR_TRACK_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS) +                                                     \
+     SMR_CONTACT_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS * TARGET_FACETS, TARGET_PARTS) +                     \
+     SMR_SMOOTH_BYTES(TARGET_PARTS * TARGET_POINTS) + SMR_VOLUME_BYTES(TARGET_PARTS))
 
 TARGET_MEMORY unsigned char target_arena[2][(TARGET_ARENA + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN]; /* both aligned */
 TARGET_MEMORY unsigned char target_scratch[6u << 20];
@@ -137,6 +139,12 @@ smr_config target_config(const target_scene *scene)
     config.iterations = 5;
     config.iterations_last = 12;
     config.n_target_vertices = scene->what->image ? 0u : TARGET_POINTS;
+    if (scene->what->more) {
+        config.contact = config.volume = 1.0f;
+        config.smooth = 0.3f;
+        config.fusing = SMR_FUSING_LIE;
+        config.n_fixed = scene->what->image ? 0u : 1u;
+    }
     return config;
 }
 
@@ -157,6 +165,9 @@ smr *target_start(const target_scene *scene, const smr_config *config, const smr
         return NULL;
     if ((scene->what->image ? smr_set_volume(s, &scene->volume) : smr_set_surface(s, SMR_ALL, scene->surface)) !=
         SMR_OK)
+        return NULL;
+    /* the bone's target is what it must keep out of, too: where it goes it touches it */
+    if (config->n_fixed > 0u && smr_set_fixed(s, 0, scene->surface) != SMR_OK)
         return NULL;
     return s;
 }

@@ -8,7 +8,7 @@
 #include "runtime/deformed/shape.h"
 
 #define SMR_TOUCHES 2u        /* surfaces that a vertex touches at one time; of more the deepest */
-#define SMR_CONTACT_CHUNK 32u /* vertices of a task */
+#define SMR_CONTACT_CHUNK 16u /* vertices of a task */
 
 /* A surface near a vertex. */
 typedef struct smr_touch {
