@@ -29,7 +29,7 @@ typedef enum smr_status {
     SMR_OK = 0,
     SMR_PARTIAL = 1,    /* the budget ended within an iteration; the next tick resumes it */
     SMR_E_NULL = -1,    /* a required pointer is NULL */
-    SMR_E_CONFIG = -2,  /* wrong cookie, or a field outside its stated range */
+    SMR_E_CONFIG = -2,  /* wrong cookie, a field outside its stated range, or fields that exclude each other */
     SMR_E_ARENA = -3,   /* the memory handed over is too small */
     SMR_E_ALIGN = -4,   /* the memory handed over is not aligned to SMR_ALIGN */
     SMR_E_MODEL = -5,   /* not a model, other version, damaged, or inconsistent */
@@ -641,7 +641,8 @@ typedef struct smr_config {
     /* share, [0, 1], default 0. When targets are set, each structure first goes on as a rigid body by this share of the
      * way that it went since they were set before: for targets that come at even intervals. Not after a jump. The rest
      * of the share is left of the last iteration's momentum. The first tick on new targets does so at once, in one pass
-     * over vertices and triangles, whatever its budget. */
+     * over vertices and triangles, whatever its budget, and positions show it even if that tick is partial. Meant for
+     * one to three ticks a target, or for targets at which the model settles. */
     float track_ahead;
 
     /* ---- dynamics ----
@@ -651,7 +652,8 @@ typedef struct smr_config {
      * structure is elastic about its shape at rest; forces are springs to their goals, `stiffness` as strong as those
      * of shape matching. All vertices take part; folds are not looked at, and done stays 0. */
 
-    /* SMR_DYNAMICS_..., default off. Not with track, volume or smooth. On, the arena has SMR_DYNAMICS_BYTES more. */
+    /* SMR_DYNAMICS_..., default off. Not with track, volume, smooth or contact. On, the arena has SMR_DYNAMICS_BYTES
+     * more. */
     uint32_t dynamics;
     /* ms, [0.01, 1000], default 10. Length of a time step. Any is stable; long ones take energy out. */
     float step_ms;
@@ -1345,7 +1347,7 @@ smr_status smr_save_bytes(const smr *s, size_t *bytes);
 #define SMR_SAVE_TRACK_BYTES(n_vertices) ((size_t)128u + (size_t)12u * (n_vertices))
 
 /* What config.track_ahead adds to it. */
-#define SMR_SAVE_AHEAD_BYTES(n_structures) ((size_t)96u * (n_structures))
+#define SMR_SAVE_AHEAD_BYTES(n_structures) ((size_t)4u + (size_t)96u * (n_structures))
 
 /* What config.dynamics adds to it. */
 #define SMR_SAVE_DYNAMICS_BYTES(n_vertices) ((size_t)128u + (size_t)40u * (n_vertices))

@@ -57,7 +57,7 @@ Pose = np.ndarray  # [3][4]: rotation times scale, and translation, mm
 
 _SENTENCES = {
     -1: "a required pointer is NULL",
-    -2: "wrong cookie, or a field outside its stated range",
+    -2: "wrong cookie, a field outside its stated range, or fields that exclude each other",
     -3: "the memory handed over is too small",
     -4: "the memory handed over is not aligned to SMR_ALIGN",
     -5: "not a model, other version, damaged, or inconsistent",

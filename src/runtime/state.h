@@ -55,7 +55,7 @@ typedef struct smr_pace {
     /* tick/tracking.c; what is set between ticks calls for a new look: setup/targets.c */
     uint32_t tracking;        /* 1: the schedule is done, and targets are followed */
     uint32_t recovering;      /* 1: at a coarser radius again, for the targets have jumped; 2: that is over */
-    uint32_t called;          /* 1: a target was set since the last iteration began */
+    uint32_t called;          /* SMR_CALLED..: something was set since the last iteration began; 0: nothing */
     uint32_t settled, jumped; /* as in smr_tick_report */
     float gain;               /* factor on forces */
     float found;              /* share of vertices with goals when targets were followed last */

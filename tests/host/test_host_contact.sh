@@ -61,6 +61,11 @@ check "a file that is not there is refused" [ $? -eq 2 ]
 printf '1,2,3\n' >points.csv
 run --contact-with points.csv
 check "points are refused" [ $? -eq 2 ]
+run --contact-mm 1
+check "a distance between what may meet is refused" [ $? -eq 2 ]
+awk '$1 == "f" { print $1, $3, $2, $4; next } { print }' wall.obj >inwards.obj
+run --contact-with inwards.obj
+check "a surface that looks inwards is refused" sh -c "[ $? -eq 2 ] && grep -q 'inwards.obj: faces' err.txt"
 run --contact --contact-mm -1
 check "a negative distance is refused" [ $? -eq 2 ]
 finish

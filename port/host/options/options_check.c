@@ -200,6 +200,16 @@ static int check_packed(const host_options *options, host_error *error)
     return 0;
 }
 
+/* A distance is kept where something is kept apart. */
+static int check_contact(const host_options *options, host_error *error)
+{
+    error->file = "--contact-mm";
+    if (host_option_given(options, "--contact-mm") && !host_option_given(options, "--contact") &&
+        options->contact_with.n == 0)
+        return host_fail(error, "option", "--contact or --contact-with beside it");
+    return 0;
+}
+
 /* What the results are written as. */
 static int check_format(const host_options *options, host_error *error)
 {
@@ -334,7 +344,7 @@ int host_options_check(host_options *options, host_error *error)
     if (host_volume_ratios_check(&options->volume_ratio, error) != 0)
         return -1;
     if (check_needs(options, error) != 0 || check_save(options, error) != 0 || check_packed(options, error) != 0 ||
-        check_format(options, error) != 0)
+        check_format(options, error) != 0 || check_contact(options, error) != 0)
         return -1;
     return settle_targets(options, error);
 }

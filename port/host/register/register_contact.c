@@ -31,7 +31,10 @@ int host_job_load_fixed(host_job *job, host_error *error)
         fixed->path = loads[i].path;
         fixed->mesh = loads[i].mesh;
         (void)host_base_name(fixed->path, fixed->name, sizeof fixed->name);
-        host_warn_inside_out(fixed->path, &fixed->mesh);
+        if (host_is_inside_out(&fixed->mesh)) {
+            error->file = fixed->path;
+            result = host_fail(error, "faces", "normals that point outwards, this closed surface is inside out");
+        }
         const smr_mesh view = host_mesh_view(&fixed->mesh);
         fixed->surface = host_surface_make(&view, &fixed->memory);
         error->file = fixed->path;
@@ -88,8 +91,8 @@ static void build_body(void *arg, uint32_t task, uint32_t worker)
     b->failed = b->surface == NULL;
 }
 
-/* A fixed surface inside a structure is there by design: all that counts is how far it cuts the structure's own. */
-#define INSIDE_TIMES 2.0f
+/* A fixed surface that lies so much deeper in a structure than it cuts the structure's own surface is there by design:
+ * what both have in common says nothing. */
 #define INSIDE_MM 2.0f
 
 static void measure_pair(void *arg, uint32_t task, uint32_t worker)
@@ -99,10 +102,11 @@ static void measure_pair(void *arg, uint32_t task, uint32_t worker)
     smr_contact_report *const r = &pair->report;
     (void)worker;
     (void)smr_surface_contact(all->body[pair->a].surface, all->body[pair->b].surface, HOST_CONTACT_MM, r);
-    if (pair->b >= all->n_parts && r->deepest_mm > INSIDE_TIMES * r->a_in_b_mm + INSIDE_MM) {
-        r->deepest_mm = r->a_in_b_mm;
+    if (pair->b < all->n_parts)
+        return;
+    if (r->deepest_mm > r->a_in_b_mm + INSIDE_MM)
         r->volume_mm3 = r->area_mm2 = 0.0f;
-    }
+    r->deepest_mm = r->a_in_b_mm; /* how far it cuts the surface */
 }
 
 static int near(const body *a, const body *b)

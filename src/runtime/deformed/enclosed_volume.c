@@ -9,6 +9,7 @@
 
 #define SMR_AMID 64u     /* vertices of which the middle is taken, at most */
 #define SMR_THIN 1.0e-3f /* mm: what is not thicker encloses nothing */
+#define SMR_FLAT 1.0e-6f /* determinant of a covariance, largest entry 1, from which on it says which side is which */
 #define SMR_NEWTON 12u   /* steps; the cubic is nearly straight where they are taken */
 
 /* A vertex where it is in xyz [n][3]; NULL: at rest. */
@@ -112,12 +113,34 @@ int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, floa
     return *thick_mm > SMR_THIN && smr_is_closed(shape, structure);
 }
 
-float smr_start_scale(const smr_shape *shape)
+/* Sums of the whole model's rest shape and start positions. */
+static smr_fit start_fit(const smr_shape *shape)
 {
     smr_fit fit;
     smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
     for (uint32_t v = 0; v < shape->shared->n; v++)
         smr_fit_add(&fit, smr_rest(shape->shared, v), smr_load(smr_at3(shape->start, v)), 1.0f);
+    return fit;
+}
+
+float smr_start_scale(const smr_shape *shape)
+{
+    const smr_fit fit = start_fit(shape);
     const smr_pose pose = smr_fit_solve(&fit, 1);
     return smr_length(smr_v(pose.m[0][0], pose.m[1][0], pose.m[2][0]));
+}
+
+int smr_start_mirrored(const smr_shape *shape)
+{
+    const smr_fit fit = start_fit(shape);
+    float m[9], most = 0.0f;
+    for (uint32_t i = 0; i < 9u; i++) {
+        const float means = fit.sum[SMR_FIT_TO + i / 3u] * fit.sum[SMR_FIT_FROM + i % 3u];
+        m[i] = fit.sum[SMR_FIT_CROSS + i] - means / smr_max(fit.weight, 1.0f);
+        most = smr_max(most, smr_abs(m[i]));
+    }
+    for (uint32_t i = 0; i < 9u; i++)
+        m[i] = most > 0.0f ? m[i] / most : 0.0f; /* so that products stay in range */
+    const smr_vec x = smr_v(m[0], m[1], m[2]), y = smr_v(m[3], m[4], m[5]), z = smr_v(m[6], m[7], m[8]);
+    return smr_dot(x, smr_cross(y, z)) < -SMR_FLAT;
 }

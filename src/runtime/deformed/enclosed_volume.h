@@ -52,4 +52,7 @@ int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, floa
 /* The scale of the similarity that lays the whole model's rest shape onto the start positions best. */
 float smr_start_scale(const smr_shape *shape);
 
+/* 1: the start positions are mirrored. */
+int smr_start_mirrored(const smr_shape *shape);
+
 #endif

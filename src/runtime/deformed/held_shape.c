@@ -10,17 +10,21 @@
 
 void smr_held_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
 {
+    const int ahead = shared->config.track != SMR_TRACK_OFF && shared->config.track_ahead > 0.0f;
     smr_pose none = {{{0}}};
+    uint32_t gone = 0;
     if (shared->config.track == SMR_TRACK_OFF && !shared->config.dynamics)
         return;
     shape->held = smr_slot_scratch(a, shape->held, 1, sizeof *shape->held);
     shape->held_x = smr_slot_floats(a, shape->held_x, 3u * (size_t)shared->n, SMR_KEPT_MM);
     shape->held_pose = smr_slot_scratch(a, shape->held_pose, shared->n_structures, sizeof *shape->held_pose);
-    if (shared->config.track_ahead > 0.0f)
+    if (ahead)
         shape->held_last = smr_slot_scratch(a, shape->held_last, shared->n_structures, sizeof *shape->held_last);
     if (!smr_keeps(a))
         return;
-    for (uint32_t i = 0; shared->config.track_ahead > 0.0f && i < shared->n_structures; i++) {
+    if (ahead)
+        smr_keep_words(a, shape->held != NULL ? &shape->held->ahead : &gone, 1, 1);
+    for (uint32_t i = 0; ahead && i < shared->n_structures; i++) {
         smr_keep_pose(a, shape->held_pose != NULL ? &shape->held_pose[i] : &none);
         smr_keep_pose(a, shape->held_last != NULL ? &shape->held_last[i] : &none);
     }

@@ -48,8 +48,9 @@ void smr_volumes_model(smr_volumes *v)
 void smr_volumes_scale(smr_volumes *v)
 {
     const float scale = v->held != NULL ? smr_start_scale(v->shape) : 1.0f;
+    const float side = v->held != NULL && smr_start_mirrored(v->shape) ? -1.0f : 1.0f;
     for (uint32_t i = 0; v->held != NULL && i < v->shared->n_structures; i++) {
-        v->held[i].rest_mm3 = v->held[i].model_mm3 * scale * scale * scale;
+        v->held[i].rest_mm3 = side * v->held[i].model_mm3 * scale * scale * scale;
         v->held[i].thick_mm = v->held[i].model_thick_mm * scale;
     }
 }

@@ -8,6 +8,8 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/smooth.h"
 
+#include "runtime/deformed/enclosed_volume.h"
+
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared)
 {
     if (shared->config.smooth > 0.0f)
@@ -70,13 +72,15 @@ void smr_smooth_rest(smr_smooth *s)
         s->height[v] = height_of(s, v);
 }
 
+void smr_smooth_start(smr_smooth *s) { s->side = s->height != NULL && smr_start_mirrored(s->shape) ? -1.0f : 1.0f; }
+
 smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec way)
 {
     const float share = s->shared->config.smooth, (*m)[4] = s->shape->rest_pose.m;
     if (!s->shape->on_surface[v])
         return way;
     const float scale = smr_length(smr_v(m[0][0], m[1][0], m[2][0]));
-    const float off = height_of(s, v) - scale * s->height[v];
+    const float off = height_of(s, v) - s->side * scale * s->height[v];
     const smr_vec own = smr_scale(smr_load(smr_at3(s->shape->normal, v)), off);
     return smr_add(way, smr_scale(smr_sub(own, way), share));
 }

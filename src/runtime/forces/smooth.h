@@ -12,6 +12,7 @@ typedef struct smr_smooth {
     const smr_pace *pace;
     const smr_shape *shape;
     smr_rings rings; /* sums over the mesh neighbours' positions */
+    float side;      /* of the heights in the start: -1 where it is mirrored */
     float *height; /* [n] mm at rest: of the middle of its mesh neighbours over a vertex, along its normal; NULL: off */
 } smr_smooth;
 
@@ -19,6 +20,8 @@ void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared);
 void smr_smooth_wire(smr_smooth *s, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
                      const smr_rings *rings);
 void smr_smooth_rest(smr_smooth *s); /* notes the heights; the shape is the rest shape */
+
+void smr_smooth_start(smr_smooth *s); /* positions start anew, or were restored */
 
 /* Step: sums over mesh neighbours. Serial. */
 uint32_t smr_smooth_tasks(const void *smooth);

@@ -69,6 +69,7 @@ static void derive(smr *s)
     smr_facets_now(&s->shape);
     smr_held_derive(&s->shape);
     smr_volumes_scale(&s->volumes);
+    smr_smooth_start(&s->forces.smooth);
     if (s->shape.dynamics != NULL)
         smr_time_steps_weigh(s);
     s->reference.missing = 1;

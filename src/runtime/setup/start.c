@@ -34,6 +34,7 @@ static void start_here(smr *s)
     memset(s->folds.marked, 0, s->shared.n);
     s->folds.n_guarded = 0;
     smr_volumes_start(&s->volumes);
+    smr_smooth_start(&s->forces.smooth);
     smr_facets_now(shape);
     smr_mesh_normals(&mesh, shape->normal, NULL);
     smr_plastic_normals(shape);

@@ -21,7 +21,7 @@ smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio)
     for (uint32_t i = 0; i < n; i++)
         if (structure == SMR_ALL || structure == i)
             held[i].ratio = ratio;
-    smr_restart_forces(s);
+    smr_restart_forces(s, 0);
     smr_log_volume_ratio(&s->log, structure, ratio);
     return SMR_OK;
 }
@@ -40,8 +40,9 @@ smr_status smr_get_structure_volume(const smr *s, uint32_t structure, smr_struct
     volume->closed = (uint32_t)smr_rest_volume(&s->shape, structure, &rest, &thick);
     if (!volume->closed)
         return SMR_OK;
-    const float scale = smr_start_scale(&s->shape), side = rest < 0.0f ? -1.0f : 1.0f;
-    rest *= scale * scale * scale;
+    const float scale = smr_start_scale(&s->shape);
+    rest *= scale * scale * (smr_start_mirrored(&s->shape) ? -scale : scale);
+    const float side = rest < 0.0f ? -1.0f : 1.0f;
     volume->rest_mm3 = side * rest;
     volume->present_mm3 = side * smr_enclosed_of(&s->shape, structure, s->shape.x, NULL).c[0];
     volume->ratio = rest * side > 0.0f ? volume->present_mm3 / volume->rest_mm3 : 0.0f;

@@ -67,7 +67,7 @@ void smr_tracking_keep(smr_arena *a, smr *s)
         return;
     smr_keep_words(a, &p->tracking, 1, 1);
     smr_keep_words(a, &p->recovering, 1, 2);
-    smr_keep_words(a, &p->called, 1, 1);
+    smr_keep_words(a, &p->called, 1, SMR_CALLED_MOVED);
     smr_keep_words(a, &p->settled, 1, 1);
     smr_keep_words(a, &p->jumped, 1, 1);
     smr_keep_floats(a, &p->gain, 1, 1.0f, SMR_TRACK_GAIN);
@@ -95,7 +95,7 @@ void smr_tracking_start(smr *s)
 {
     s->pace.tracking = s->pace.settled = 1;
     s->pace.jumped = s->pace.recovering = 0;
-    s->pace.called = 0;
+    s->pace.called = s->forces.unmeasured ? SMR_CALLED : 0u; /* set after the schedule's last forces */
     s->pace.found = share_found(s);
     smr_plastic_positions(&s->shape);
     smr_held_start(&s->shape);
@@ -130,6 +130,14 @@ float smr_tracking_progress(const smr *s)
     return smr_min((float)s->pace.radius_iteration / smr_max(narrowing, 1.0f), 1.0f);
 }
 
+/* Distances to what is touched are not known where structures have gone to. */
+static void go_ahead(smr *s)
+{
+    if (s->shape.held_last != NULL && !s->shape.held->ahead)
+        smr_contact_reset(&s->forces.contact);
+    smr_held_ahead(&s->shape, !s->pace.jumped && !s->pace.recovering);
+}
+
 void smr_tracking_begin(smr *s)
 {
     if (!s->pace.tracking)
@@ -138,7 +146,8 @@ void smr_tracking_begin(smr *s)
     s->reference.stale = 1;
     if (!s->pace.called)
         return;
-    smr_held_ahead(&s->shape, !s->pace.jumped && !s->pace.recovering);
+    if (s->pace.called == SMR_CALLED_MOVED)
+        go_ahead(s);
     s->pace.gain = 1.0f;
     s->pace.called = s->pace.settled = s->pace.jumped = s->pace.recovering = 0;
     if (s->pace.radius != smr_tracking_radius(s))

@@ -5,6 +5,8 @@
 
 #include "runtime/registration.h"
 
+enum { SMR_CALLED = 1u, SMR_CALLED_MOVED = 2u }; /* smr_pace.called */
+
 void smr_tracking_start(smr *s); /* the schedule is done: x is the shape from here on */
 void smr_tracking_end(smr *s);   /* the schedule starts over */
 void smr_tracking_begin(smr *s); /* before an iteration */
@@ -21,7 +23,11 @@ int smr_tracking_legal(smr *s);
 
 uint32_t smr_tracking_radius(const smr *s); /* index of the radius at which moving targets are followed */
 
-/* A target was set: there is something to look at. */
-static inline void smr_tracking_call(smr *s) { s->pace.called = s->pace.tracking; }
+/* There is something to look at: 1: what was set may have moved, as targets do; 0: it only acts upon the model. */
+static inline void smr_tracking_call(smr *s, int moves)
+{
+    if (s->pace.tracking)
+        s->pace.called = smr_max_u32(s->pace.called, moves ? SMR_CALLED_MOVED : SMR_CALLED);
+}
 
 #endif
