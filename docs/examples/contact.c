@@ -40,8 +40,7 @@ int main(void)
                                     {"right", {ring[1][0], triangles[0], NV, NT}}};
     const smr_prepare_config prepare = smr_prepare_config_default();
     smr_config config = smr_config_default();
-    config.contact = 1; /* targets, if there are any, are set as usual */
-    config.n_fixed = 1;
+    config.contact = 1, config.n_fixed = 1; /* targets, if there are any, are set as usual */
     size_t bytes;
     const smr_model *model;
     smr_surface *wall;
