@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/mesh.h"
 
+#include "base/bytes.h"
 #include "geometry/triangle.h"
 
 smr_status smr_mesh_check(const smr_mesh *mesh)
@@ -55,4 +56,21 @@ void smr_mesh_around(const smr_mesh *mesh, uint32_t *start, uint32_t *around)
     /* start[v] is the end of v's range; filling from the back moves it to the beginning */
     for (size_t i = 3u * (size_t)mesh->n_triangles; i-- > 0u;)
         around[--start[mesh->triangles[i]]] = (uint32_t)(i / 3u);
+}
+
+/* An edge's share of the sum: opposite for the two ways along it. */
+static uint64_t edge(uint32_t a, uint32_t b)
+{
+    const uint64_t mixed = a < b ? smr_mix((uint64_t)a << 32 | b) : smr_mix((uint64_t)b << 32 | a);
+    return a == b ? 0u : a < b ? mixed : 0u - mixed;
+}
+
+int smr_mesh_closed(const uint32_t *triangle, uint32_t n_triangles)
+{
+    uint64_t sum = 0;
+    for (size_t k = 0; k < n_triangles; k++) {
+        const uint32_t *t = triangle + 3u * k;
+        sum += edge(t[0], t[1]) + edge(t[1], t[2]) + edge(t[2], t[0]);
+    }
+    return n_triangles > 0u && sum == 0u;
 }

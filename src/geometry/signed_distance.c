@@ -7,8 +7,6 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/signed_distance.h"
 
-#include "base/bytes.h"
-
 #define SMR_SIDE_NEAR 0.1f     /* mm: nearer than about this the direction is that of the vertices' normals */
 #define SMR_SIDE_TIE 1.00001f  /* squared distances within this factor are the same feature */
 #define SMR_SIDE_ZERO 1.0e-10f /* mm^2 */
@@ -83,21 +81,4 @@ int smr_signed_distance(const smr_facets *f, const float *normal, const smr_quer
     side->triangle = hit.triangle;
     memcpy(side->weight, hit.weight, sizeof side->weight);
     return 1;
-}
-
-/* An edge's share of the sum: opposite for the two ways along it. */
-static uint64_t edge(uint32_t a, uint32_t b)
-{
-    const uint64_t mixed = a < b ? smr_mix((uint64_t)a << 32 | b) : smr_mix((uint64_t)b << 32 | a);
-    return a == b ? 0u : a < b ? mixed : 0u - mixed;
-}
-
-int smr_mesh_closed(const uint32_t *triangle, uint32_t n_triangles)
-{
-    uint64_t sum = 0;
-    for (size_t k = 0; k < n_triangles; k++) {
-        const uint32_t *t = triangle + 3u * k;
-        sum += edge(t[0], t[1]) + edge(t[1], t[2]) + edge(t[2], t[0]);
-    }
-    return n_triangles > 0u && sum == 0u;
 }

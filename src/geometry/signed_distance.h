@@ -17,7 +17,4 @@ typedef struct smr_side {
  * normals. Returns 0 when there is no such triangle; *side is unchanged then. */
 int smr_signed_distance(const smr_facets *f, const float *normal, const smr_query *q, float most, smr_side *side);
 
-/* 1 when each edge of a mesh has as many triangles that run along it one way as the other way: it has an inside. */
-int smr_mesh_closed(const uint32_t *triangle, uint32_t n_triangles);
-
 #endif

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "geometry/mesh.h"
 #include "geometry/signed_distance.h"
 #include "property/rig.h"
 #include "runtime/registration.h"

@@ -5,8 +5,10 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/deformed/enclosed_volume.h"
 
+#include "geometry/mesh.h"
 #include "geometry/triangle.h"
 
+#define SMR_SIXTH (1.0f / 6.0f)
 #define SMR_AMID 64u     /* vertices of which the middle is taken, at most */
 #define SMR_THIN 1.0e-3f /* mm: what is not thicker encloses nothing */
 #define SMR_FLAT 1.0e-6f /* determinant of a covariance, largest entry 1, from which on it says which side is which */
@@ -16,23 +18,6 @@
 static smr_vec place(const smr_shape *shape, float *xyz, uint32_t v)
 {
     return xyz != NULL ? smr_load(smr_at3(xyz, v)) : smr_rest(shape->shared, v);
-}
-
-static uint64_t edge_hash(uint32_t from, uint32_t to)
-{
-    return smr_mix(((uint64_t)from << 32 | to) * 0x9e3779b97f4a7c15u + 1u);
-}
-
-int smr_is_closed(const smr_shape *shape, uint32_t structure)
-{
-    const smr_facets *f = &shape->structure[structure].facets;
-    uint64_t sum = 0;
-    for (uint32_t k = 0; k < f->n_triangles; k++) {
-        const uint32_t *t = f->triangle + 3u * (size_t)k;
-        for (uint32_t c = 0; c < 3u; c++)
-            sum += edge_hash(t[c], t[(c + 1u) % 3u]) - edge_hash(t[(c + 1u) % 3u], t[c]);
-    }
-    return f->n_triangles > 0u && sum == 0u;
 }
 
 smr_vec smr_amid(const smr_shape *shape, uint32_t structure, float *xyz)
@@ -52,9 +37,8 @@ smr_enclosed smr_cone(const smr_vec at[3], const smr_vec normal[3])
 {
     const smr_vec a = at[0], b = at[1], c = at[2], na = normal[0], nb = normal[1], nc = normal[2];
     const smr_vec flat = smr_cross(b, c), turn = smr_add(smr_cross(nb, c), smr_cross(b, nc)), twist = smr_cross(nb, nc);
-    const float sixth = 1.0f / 6.0f;
-    const smr_enclosed e = {{sixth * smr_dot(a, flat), sixth * (smr_dot(na, flat) + smr_dot(a, turn)),
-                             sixth * (smr_dot(na, turn) + smr_dot(a, twist)), sixth * smr_dot(na, twist)}};
+    const smr_enclosed e = {{SMR_SIXTH * smr_dot(a, flat), SMR_SIXTH * (smr_dot(na, flat) + smr_dot(a, turn)),
+                             SMR_SIXTH * (smr_dot(na, turn) + smr_dot(a, twist)), SMR_SIXTH * smr_dot(na, twist)}};
     return e;
 }
 
@@ -70,31 +54,25 @@ float smr_enclosed_way(const smr_enclosed *e, float volume, float most)
     return t;
 }
 
-smr_enclosed smr_enclosed_piece(const smr_shape *shape, uint32_t from, uint32_t to, smr_vec amid, float *x,
-                                float *normal)
+static float cones(const smr_shape *shape, uint32_t from, uint32_t to, smr_vec amid, float *x)
 {
-    smr_enclosed sum = {{0, 0, 0, 0}};
+    float sum = 0.0f;
     for (uint32_t k = from; k < to; k++) {
         const uint32_t *t = shape->shared->triangle + 3u * (size_t)k;
-        smr_vec at[3], along[3];
-        for (uint32_t c = 0; c < 3u; c++) {
-            at[c] = smr_sub(place(shape, x, t[c]), amid);
-            along[c] = normal != NULL ? smr_load(smr_at3(normal, t[c])) : smr_v(0, 0, 0);
-        }
-        sum = smr_enclosed_add(sum, smr_cone(at, along));
+        const smr_vec a = smr_sub(place(shape, x, t[0]), amid), b = smr_sub(place(shape, x, t[1]), amid);
+        sum += SMR_SIXTH * smr_dot(a, smr_cross(b, smr_sub(place(shape, x, t[2]), amid)));
     }
     return sum;
 }
 
-smr_enclosed smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x, float *normal)
+float smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x)
 {
     const smr_shape_structure *one = &shape->structure[structure];
     const smr_vec amid = smr_amid(shape, structure, x);
     const uint32_t first = one->first_triangle, last = first + one->facets.n_triangles;
-    smr_enclosed sum = {{0, 0, 0, 0}};
+    float sum = 0.0f;
     for (uint32_t k = first; k < last; k += SMR_TRIANGLE_CHUNK)
-        sum = smr_enclosed_add(
-            sum, smr_enclosed_piece(shape, k, smr_min_u32(k + SMR_TRIANGLE_CHUNK, last), amid, x, normal));
+        sum += cones(shape, k, smr_min_u32(k + SMR_TRIANGLE_CHUNK, last), amid, x);
     return sum;
 }
 
@@ -108,9 +86,9 @@ int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, floa
         area += 0.5f * smr_length(smr_triangle_cross(smr_rest(shape->shared, t[0]), smr_rest(shape->shared, t[1]),
                                                      smr_rest(shape->shared, t[2])));
     }
-    *mm3 = smr_enclosed_of(shape, structure, NULL, NULL).c[0];
+    *mm3 = smr_enclosed_of(shape, structure, NULL);
     *thick_mm = area > 0.0f ? smr_abs(*mm3) / area : 0.0f;
-    return *thick_mm > SMR_THIN && smr_is_closed(shape, structure);
+    return *thick_mm > SMR_THIN && smr_mesh_closed(one->facets.triangle, one->facets.n_triangles);
 }
 
 /* Sums of the whole model's rest shape and start positions. */

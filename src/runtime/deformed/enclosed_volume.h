@@ -12,10 +12,6 @@ typedef struct smr_enclosed {
     float c[4];
 } smr_enclosed;
 
-/* 1: each directed edge of the structure's triangles has its opposite, so that a volume is enclosed wherever vertices
- * go. Decided by a sum of hashes: 64 bits. */
-int smr_is_closed(const smr_shape *shape, uint32_t structure);
-
 /* A point amid the structure's vertices at xyz [n][3] (NULL: at rest), from a few of them. Cones start there. */
 smr_vec smr_amid(const smr_shape *shape, uint32_t structure, float *xyz);
 
@@ -38,13 +34,8 @@ static inline float smr_enclosed_at(const smr_enclosed *e, float t)
 /* How far the vertices must go for this volume, within +-most mm. */
 float smr_enclosed_way(const smr_enclosed *e, float volume, float most);
 
-/* The cones from amid over the model's triangles from .. to - 1, vertices at x [n][3] (NULL: at rest) with normals
- * [n][3]; normal NULL: c[0] alone, the others 0. */
-smr_enclosed smr_enclosed_piece(const smr_shape *shape, uint32_t from, uint32_t to, smr_vec amid, float *x,
-                                float *normal);
-
-/* All of a structure, by pieces of SMR_TRIANGLE_CHUNK. */
-smr_enclosed smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x, float *normal);
+/* The volume of a structure with its vertices at x [n][3] (NULL: at rest), mm^3. */
+float smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x);
 
 /* Of the rest shape: 1 when it is closed and encloses a volume, mm^3, and then its volume over its area, mm. */
 int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, float *thick_mm);

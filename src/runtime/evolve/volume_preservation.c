@@ -62,7 +62,7 @@ void smr_volumes_start(smr_volumes *v)
         smr_held_volume *one = &v->held[i];
         if (!one->closed || !(one->thick_mm > 0.0f))
             continue;
-        const float present = smr_enclosed_of(v->shape, i, v->shape->x, NULL).c[0];
+        const float present = smr_enclosed_of(v->shape, i, v->shape->x);
         one->now = smr_clamp(present / one->rest_mm3, -SMR_NOW_MOST, SMR_NOW_MOST);
     }
 }

@@ -7,8 +7,10 @@
  * A lower bound on the distance to everything spares most searches: it falls by what has moved since.
  * Bounds: two searches of config.node_budget tree nodes for each vertex and body whose box is near.
  * SPDX-License-Identifier: MIT */
-#include "geometry/signed_distance.h"
 #include "runtime/forces/contact.h"
+
+#include "geometry/signed_distance.h"
+#include "runtime/deformed/enclosed_volume.h"
 
 #define SMR_CONTACT_DEEP 10.0f  /* mm: a vertex deeper inside when first looked at is not drawn out */
 #define SMR_CONTACT_BAND 0.5f   /* mm beyond the thickness: from there on a touch counts, in full from half of it */
@@ -39,19 +41,6 @@ void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared)
     c->reach_next = smr_slot_scratch(a, c->reach_next, n, sizeof(float));
 }
 
-/* Triangles of the rest shape that look inwards enclose less than nothing. */
-static int looks_outwards(const smr_shared *c, uint32_t first, uint32_t n)
-{
-    float sum = 0.0f;
-    const smr_vec from = n > 0u ? smr_rest(c, c->triangle[3u * (size_t)first]) : smr_v(0, 0, 0);
-    for (uint32_t k = first; k < first + n; k++) {
-        const uint32_t *t = c->triangle + 3u * (size_t)k;
-        const smr_vec p = smr_sub(smr_rest(c, t[0]), from), q = smr_sub(smr_rest(c, t[1]), from);
-        sum += smr_dot(p, smr_cross(q, smr_sub(smr_rest(c, t[2]), from)));
-    }
-    return sum > 0.0f;
-}
-
 void smr_contact_wire(smr_contact *c, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape)
 {
     c->shared = shared;
@@ -59,12 +48,13 @@ void smr_contact_wire(smr_contact *c, const smr_shared *shared, const smr_pace *
     c->shape = shape;
     if (c->fixed != NULL)
         memset(c->fixed, 0, shared->config.n_fixed * sizeof *c->fixed);
-    for (uint32_t i = 0; c->closed != NULL && i < shared->n_structures; i++) {
-        const smr_stored_structure *r = smr_model_record(shared->model, i);
-        const uint32_t first = smr_le32(r->first_triangle), n = smr_le32(r->n_triangles);
-        c->closed[i] =
-            (uint8_t)(smr_mesh_closed(shared->triangle + 3u * (size_t)first, n) && looks_outwards(shared, first, n));
-    }
+}
+
+void smr_contact_model(smr_contact *c)
+{
+    float mm3 = 0.0f, thick_mm;
+    for (uint32_t i = 0; c->closed != NULL && i < c->shared->n_structures; i++)
+        c->closed[i] = (uint8_t)(smr_rest_volume(c->shape, i, &mm3, &thick_mm) && mm3 > 0.0f);
 }
 
 void smr_contact_reset(smr_contact *c)

@@ -35,7 +35,7 @@ typedef struct smr_contact {
     /* NULL: config.contact is 0 */
     float *box;          /* [n_bodies][6] lowest and highest corner, mm from the shape's origin; of structures where
                            an iteration begins */
-    uint8_t *closed;     /* [n_structures] 1: it has an inside */
+    uint8_t *closed;     /* [n_structures] 1: it has an inside, which its triangles look away from */
     smr_touch *touch;    /* [n][SMR_TOUCHES] of the iteration under way */
     smr_touch *facet;    /* [n_triangles] of their centres, where facets are due */
     uint32_t facets_due; /* 1: in this iteration */
@@ -46,6 +46,7 @@ typedef struct smr_contact {
 
 void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared);
 void smr_contact_wire(smr_contact *c, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape);
+void smr_contact_model(smr_contact *c); /* what follows from the model alone */
 void smr_contact_reset(smr_contact *c); /* nothing is known of any distance */
 void smr_contact_begin(smr_contact *c); /* an iteration begins */
 void smr_contact_stand(smr_contact *c); /* the forces under way are complete */

@@ -76,6 +76,7 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
     smr_wire(self);
     smr_shape_start(&self->shape);
     smr_volumes_model(&self->volumes);
+    smr_contact_model(&self->forces.contact);
     if (smr_set_pose(self, &identity) != SMR_OK)
         return SMR_E_CONFIG;
     smr_smooth_rest(&self->forces.smooth);

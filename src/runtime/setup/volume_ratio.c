@@ -44,7 +44,7 @@ smr_status smr_get_structure_volume(const smr *s, uint32_t structure, smr_struct
     rest *= scale * scale * (smr_start_mirrored(&s->shape) ? -scale : scale);
     const float side = rest < 0.0f ? -1.0f : 1.0f;
     volume->rest_mm3 = side * rest;
-    volume->present_mm3 = side * smr_enclosed_of(&s->shape, structure, s->shape.x, NULL).c[0];
+    volume->present_mm3 = side * smr_enclosed_of(&s->shape, structure, s->shape.x);
     volume->ratio = rest * side > 0.0f ? volume->present_mm3 / volume->rest_mm3 : 0.0f;
     if (held != NULL) {
         volume->asked_ratio = held[structure].ratio;
