@@ -12,8 +12,8 @@ smr_status smr_mesh_check(const smr_mesh *mesh);
  * area[n_vertices], unless NULL: a third of the area of the adjacent triangles, mm^2. */
 void smr_mesh_normals(const smr_mesh *mesh, float *normal, float *area);
 
-/* 1 when each edge of a mesh has as many triangles that run along it one way as the other way: it has an inside wherever
- * its vertices go. Decided by a sum of hashes: 64 bits. */
+/* 1 when each edge of a mesh has as many triangles that run along it one way as the other way: it has an inside
+ * wherever its vertices go. Decided by a sum of hashes: 64 bits. */
 int smr_mesh_closed(const uint32_t *triangle, uint32_t n_triangles);
 
 /* Lists the triangles at each vertex v: around[start[v] .. start[v+1]-1], ascending indexes.
