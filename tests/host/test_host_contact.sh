@@ -56,6 +56,32 @@ check "another fixed surface is refused" [ $? -eq 2 ]
 run --contact --contact-mm 1
 check "a distance is kept" below "$(field volume_mm3)" 1
 
+# What contact cannot part is no good result; what lies in another by design is.
+judged() { # STATUS MODEL OPTION...: a registration onto itself; its last line stays in out.txt
+    judged_status=$1 judged_model=$2
+    shift 2
+    rm -rf out
+    # shellcheck disable=SC2086
+    "$SMR" register --model $judged_model --target $judged_model --align none "$@" -o out >out.txt 2>err.txt
+    [ $? -eq "$judged_status" ] || { tail -n 1 out.txt err.txt; return 1; }
+}
+blob 24 60 8 8 0 >stem.ply
+blob 14 10 9 25 0 >marrow.ply
+cp blob.ply bone.ply
+check "a stem through a bone" judged 3 bone.ply --contact-with stem.ply --html
+reason='bone and stem, which contact should part, overlap by [2-9][.][0-9] mm'
+check "is the last line" sh -c "tail -n 1 out.txt | grep -q '^verdict: look at the result: $reason'"
+check "in the report" [ "$(grep -cE "^    \"$reason\",?\$" out/report.json)" -eq 1 ]
+check "the bone's" grep -qE '^ +"still [2-9][.][0-9] mm deep in contact with stem",?$' out/report.json
+check "on the page" grep -q "$reason" out/report.html
+"$SMR" summary out -o table.csv --quiet
+check "in the table" grep -q ",look,.*$reason" table.csv
+check "accepted" judged 0 bone.ply --contact-with stem.ply --accept look
+check "nobody asked for it" judged 0 "bone.ply stem.ply"
+check "marrow in a bone" judged 0 "bone.ply marrow.ply" --contact --contact-mm 1
+check "deep, by design" below 10 "$(field deepest_mm)"
+check "a stem as a structure" judged 3 "bone.ply stem.ply" --contact
+check "both are to look at" [ "$(grep -cE '^ +"still [0-9.]+ mm deep in contact with (bone|stem)",?$' out/report.json)" -eq 2 ]
 run --contact-with nothing.obj
 check "a file that is not there is refused" [ $? -eq 2 ]
 printf '1,2,3\n' >points.csv

@@ -1,5 +1,6 @@
 /* register_contact.c: reads and sets fixed surfaces; measures how result surfaces touch and overlap.
  * SPDX-License-Identifier: MIT */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,6 +8,8 @@
 #include "meshes/mesh_load.h"
 #include "model/input_check.h"
 #include "register/register_job.h"
+
+#define MOST_MM 2.0f /* deeper is more than what folds and large triangles keep back */
 
 int host_job_load_fixed(host_job *job, host_error *error)
 {
@@ -68,6 +71,7 @@ typedef struct body {
 
 /* Tasks of two parallel loops: a surface, a pair. */
 typedef struct bodies {
+    const host_job *job;
     body *body;
     host_contact_pair *pair;
     uint32_t n_parts; /* bodies that are structures */
@@ -95,6 +99,34 @@ static void build_body(void *arg, uint32_t task, uint32_t worker)
  * what both have in common says nothing. */
 #define INSIDE_MM 2.0f
 
+/* How far two surfaces cut each other's walls: a tip that went through one lies deep in it, and that counts; what lies
+ * wholly in the other does not. */
+static float cut(const smr_surface *a, const smr_surface *b)
+{
+    smr_contact_report ab = {0, 0, 0, 0}, ba = {0, 0, 0, 0};
+    (void)smr_surface_contact(a, b, 0.0f, &ab);
+    (void)smr_surface_contact(b, a, 0.0f, &ba);
+    return fminf(ab.a_in_b_mm, ba.a_in_b_mm);
+}
+
+#define NESTED_CUT 0.1f /* of the depth: a wall that is cut by less is not */
+
+/* 1 where one of two structures lies in the other at rest, as marrow in a bone. */
+static int is_nested(const host_job *job, const host_contact_pair *pair)
+{
+    void *memory[2] = {NULL, NULL};
+    const smr_mesh a = host_mesh_view(&job->model.part[pair->a].mesh),
+                   b = host_mesh_view(&job->model.part[pair->b].mesh);
+    const smr_surface *const one = host_surface_make(&a, &memory[0]), *const other = host_surface_make(&b, &memory[1]);
+    smr_contact_report r = {0, 0, 0, 0};
+    if (one != NULL && other != NULL)
+        (void)smr_surface_contact(one, other, 0.0f, &r);
+    const int nested = r.deepest_mm > HOST_CONTACT_MM && cut(one, other) < NESTED_CUT * r.deepest_mm;
+    free(memory[0]);
+    free(memory[1]);
+    return nested;
+}
+
 static void measure_pair(void *arg, uint32_t task, uint32_t worker)
 {
     const bodies *const all = arg;
@@ -102,11 +134,14 @@ static void measure_pair(void *arg, uint32_t task, uint32_t worker)
     smr_contact_report *const r = &pair->report;
     (void)worker;
     (void)smr_surface_contact(all->body[pair->a].surface, all->body[pair->b].surface, HOST_CONTACT_MM, r);
-    if (pair->b < all->n_parts)
+    if (pair->b < all->n_parts) {
+        const int nested = r->deepest_mm > host_contact_bound(all->job) && is_nested(all->job, pair);
+        pair->left_mm = nested ? cut(all->body[pair->a].surface, all->body[pair->b].surface) : r->deepest_mm;
         return;
+    }
     if (r->deepest_mm > r->a_in_b_mm + INSIDE_MM)
         r->volume_mm3 = r->area_mm2 = 0.0f;
-    r->deepest_mm = r->a_in_b_mm; /* how far it cuts the surface */
+    pair->left_mm = r->deepest_mm = r->a_in_b_mm; /* how far it cuts the surface */
 }
 
 static int near(const body *a, const body *b)
@@ -126,7 +161,7 @@ static uint32_t list_pairs(const host_job *job, const body *list, host_contact_p
         for (b = a + 1u; b < n_all; b++)
             if (near(&list[a], &list[b])) {
                 if (pair != NULL)
-                    pair[n] = (host_contact_pair){a, b, {0, 0, 0, 0}};
+                    pair[n] = (host_contact_pair){a, b, {0, 0, 0, 0}, 0};
                 n++;
             }
     return n;
@@ -152,7 +187,7 @@ static int measure(host_job *job, body *list)
     if (c->pair == NULL)
         return -1;
     (void)list_pairs(job, list, c->pair);
-    host_parallel(&job->port.port, measure_pair, &(bodies){list, c->pair, job->model.n_parts}, n);
+    host_parallel(&job->port.port, measure_pair, &(bodies){job, list, c->pair, job->model.n_parts}, n);
     for (i = 0; i < n; i++)
         if (c->pair[i].report.area_mm2 > 0.0f || c->pair[i].report.deepest_mm > 0.0f)
             c->pair[kept++] = c->pair[i];
@@ -172,6 +207,18 @@ int host_job_measure_contact(host_job *job, host_error *error)
     free(list);
     error->file = "register";
     return result == 0 ? 0 : host_fail(error, "result", "surfaces that can be measured, and free memory for it");
+}
+
+float host_contact_bound(const host_job *job)
+{
+    if (!(job->course.config.contact > 0.0f))
+        return INFINITY;
+    return fmaxf(MOST_MM - job->options->config.contact_mm, HOST_CONTACT_MM);
+}
+
+const char *host_contact_name(const host_job *job, uint32_t i)
+{
+    return i < job->model.n_parts ? job->model.part[i].name : job->contacts.fixed[i - job->model.n_parts].name;
 }
 
 void host_contacts_free(host_contacts *c)

@@ -12,6 +12,7 @@
 typedef struct host_contact_pair {
     uint32_t a, b; /* structures; b - n_parts: a fixed surface */
     smr_contact_report report;
+    float left_mm; /* how deep they are in each other that should not be; 0 where one lies in the other by design */
 } host_contact_pair;
 
 typedef struct host_contacts {
@@ -32,6 +33,13 @@ smr_status host_job_set_fixed(struct host_job *job);
 
 /* Measures all pairs of results and fixed surfaces. 0, or -1 with the error filled. */
 int host_job_measure_contact(struct host_job *job, host_error *error);
+
+/* How deep surfaces may still lie in each other for a good result, mm: less where they keep a distance; any depth where
+ * contact is off. */
+float host_contact_bound(const struct host_job *job);
+
+/* The name of a pair's surface. */
+const char *host_contact_name(const struct host_job *job, uint32_t i);
 
 void host_contacts_free(host_contacts *contacts);
 

@@ -139,6 +139,28 @@ static void judge_folds(host_job *job, host_verdict *verdict)
                          job->folds, job->model.part[most].name);
 }
 
+/* Pairs that contact should have parted. */
+static void judge_contact(host_job *job, host_verdict *verdict)
+{
+    const host_contacts *const c = &job->contacts;
+    uint32_t i = 0, n = 0, most = 0;
+    for (i = 0; i < c->n_pairs; i++) {
+        const host_contact_pair *const pair = &c->pair[i];
+        if (pair->left_mm <= host_contact_bound(job))
+            continue;
+        most = n++ == 0 || pair->left_mm > c->pair[most].left_mm ? i : most;
+        host_verdict_add(&job->result[pair->a].verdict, HOST_VERDICT_LOOK, "still %.1f mm deep in contact with %s",
+                         (double)pair->left_mm, host_contact_name(job, pair->b));
+        if (pair->b < job->model.n_parts)
+            host_verdict_add(&job->result[pair->b].verdict, HOST_VERDICT_LOOK, "still %.1f mm deep in contact with %s",
+                             (double)pair->left_mm, host_contact_name(job, pair->a));
+    }
+    if (n > 0)
+        host_verdict_add(verdict, HOST_VERDICT_LOOK, "%s and %s, which contact should part, overlap by %.1f mm%s",
+                         host_contact_name(job, c->pair[most].a), host_contact_name(job, c->pair[most].b),
+                         (double)c->pair[most].left_mm, n > 1 ? ", and so do others" : "");
+}
+
 /* What the library measured: its level and a sentence for each reason, but for that nothing was seen: judge_run and
  * judge_lost say more of that. */
 static void judge_measures(smr *s, uint32_t structure, smr_verdict *measures, host_verdict *verdict)
@@ -190,6 +212,7 @@ void host_job_verdict(host_job *job)
     judge_orientation(job, &job->verdict);
     judge_lost(job, &job->verdict);
     judge_folds(job, &job->verdict);
+    judge_contact(job, &job->verdict);
     judge_measures(job->state, SMR_ALL, &job->measures, &job->verdict);
     if (job->target_seen && (job->measures.reasons & SMR_REASON_NOTHING_SEEN) != 0)
         host_verdict_add(&job->verdict, HOST_VERDICT_FAILED, "%s", smr_reason_text(SMR_REASON_NOTHING_SEEN));

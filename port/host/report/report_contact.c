@@ -2,11 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include "report/register_report.h"
 
-static const char *name_of(const host_job *job, uint32_t i)
-{
-    return i < job->model.n_parts ? job->model.part[i].name : job->contacts.fixed[i - job->model.n_parts].name;
-}
-
 /* A sum under way. */
 typedef struct total {
     double deepest, volume, area;
@@ -54,8 +49,8 @@ void host_report_contact(const host_job *job, host_json *json)
         t = (total){0, 0, 0};
         add(&t, &c->pair[i].report);
         host_json_open(json, NULL, '{');
-        host_json_text(json, "a", name_of(job, c->pair[i].a));
-        host_json_text(json, "b", name_of(job, c->pair[i].b));
+        host_json_text(json, "a", host_contact_name(job, c->pair[i].a));
+        host_json_text(json, "b", host_contact_name(job, c->pair[i].b));
         put(json, &t);
         host_json_close(json, '}');
     }
@@ -64,7 +59,7 @@ void host_report_contact(const host_job *job, host_json *json)
     for (i = 0; i < job->model.n_parts + c->n_fixed; i++) {
         t = total_of(c, i);
         host_json_open(json, NULL, '{');
-        host_json_text(json, "structure", name_of(job, i)); /* "name" is what line by line readers look for */
+        host_json_text(json, "structure", host_contact_name(job, i)); /* "name" is what line by line readers look for */
         put(json, &t);
         host_json_close(json, '}');
     }
