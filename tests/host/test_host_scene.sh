@@ -133,7 +133,7 @@ volume() {
 }
 volume 0 >reference.mha
 volume 2 >patient.mha
-check "into an image" sh -c "'$SMR' register --model bone.ply --reference reference.mha --target patient.mha -o image --slicer image/scene.mrml --accept look --quiet; [ \$? -le 1 ]"
+check "into an image" has_verdict failed "$SMR" register --model bone.ply --reference reference.mha --target patient.mha -o image --slicer image/scene.mrml --quiet
 gzip -c patient.mha >packed.mha.GZ
 check "a packed one" sh -c "'$SMR' register --model bone.ply --reference reference.mha --target packed.mha.GZ -o packed --slicer packed/scene.mrml --ticks 1 >out.txt 2>err.txt; [ \$? -eq 4 ]"
 check "is left out, which is said" grep -q "packed.mha.GZ: left out" err.txt

@@ -54,12 +54,10 @@ check "--accept takes good or look" sh -c "[ $? -eq 2 ] && grep -q 'one of good|
 
 # Inputs that can hardly be meant.
 awk '$1 == "f" { t = $3; $3 = $4; $4 = t } { print }' target.obj >inside.obj
-"$SMR" register --model bone.ply --target inside.obj -o out --quiet >out.txt 2>err.txt
-check "a target that is inside out is not good" [ $? -ne 0 ]
+check "a target that is inside out is not good" has_status 1 "$SMR" register --model bone.ply --target inside.obj -o out --quiet
 check "and its report says why" grep -q '"the target inside.obj is a closed surface that is inside out"' out/report.json
 awk '$1 == "v" { $2 /= 10; $3 /= 10; $4 /= 10 } { print }' target.obj >small.obj
-"$SMR" register --model bone.ply --target small.obj --align similarity -o out --quiet >out.txt 2>err.txt
-check "nor is a target in centimetres that the start scales to" [ $? -ne 0 ]
+check "nor is a target in centimetres that the start scales to" has_status 3 "$SMR" register --model bone.ply --target small.obj --align similarity -o out --quiet
 check "whose units are named" grep -q '"the start makes the model 0.1[01].* times as large: look at the units' out/report.json
 awk '$1 == "v" { $2 *= 10; $3 *= 10; $4 *= 10 } { print }' target.obj >large.obj
 ends "a target in another unit" 1 failed ".*the target is 10[.0-9]* times as large as the model" --model bone.ply --target large.obj --search 5
@@ -78,12 +76,10 @@ printf 'a,33,1,0\nb,-32,0,0\nc,0,20,0\nd,0,0,63\ne,0,-19,-5\nf,0,3,-63\n' >to.cs
 landmarks="$onto --landmarks from.csv"
 ends "landmarks that agree" 0 good "good" $landmarks to.csv
 sed 's/^a,/x,/; s/^d,/a,/; s/^x,/d,/' to.csv >swapped.csv
-"$SMR" register $landmarks swapped.csv -o out --quiet
-check "two landmarks exchanged" [ $? -ne 0 ]
+check "two landmarks exchanged" has_status 1 "$SMR" register $landmarks swapped.csv -o out --quiet
 check "are named" grep -q '"landmarks \\"a\\" and \\"d\\" fit far better exchanged' out/report.json
 sed 's/^c,0,20,0/c,0,110,0/' to.csv >off.csv
-"$SMR" register $landmarks off.csv -o out --quiet
-check "a landmark 90 mm off" [ $? -ne 0 ]
+check "a landmark 90 mm off" has_status 1 "$SMR" register $landmarks off.csv -o out --quiet
 check "is named, and how far" grep -qE '"landmark \\"c\\" is (8|9)[0-9] mm from where the others put it' out/report.json
 
 # A target without the model's upper end: what it does not show is left out beside the plain distances.
