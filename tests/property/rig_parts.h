@@ -22,4 +22,10 @@ rig_parts rig_parts_make(const smr_volume *reference);
 /* A target that lies near ball number which % 3, larger by 2 mm and `which`. */
 smr_mesh rig_parts_goal(uint32_t which);
 
+/* A configuration from the seed: short schedules, searches that open few nodes, images that often show nothing. */
+smr_config rig_parts_config(uint32_t *seed);
+
+/* In some, where the rest of it allows: dynamics, or contact. */
+void rig_parts_forces(smr_config *config, uint32_t seed);
+
 #endif

@@ -50,25 +50,9 @@ static int tidy(void **state)
 
 static smr_config random_config(uint32_t *seed)
 {
-    smr_config c = rig_random(seed, 2) ? smr_config_default() : smr_config_default_image();
-    c.method = rig_random(seed, 2);
-    c.plastic_every = rig_random(seed, 3);
-    c.normals = rig_random(seed, 2);
-    c.iterations = 1u + rig_random(seed, 4);
-    c.iterations_last = 4u + rig_random(seed, 12);
-    c.reject_deviations = rig_random(seed, 3) ? 0.0f : 2.0f;
-    c.node_budget = rig_random(seed, 2) ? 8u : 512u;
+    smr_config c = rig_parts_config(seed);
     c.n_target_vertices = rig_random(seed, 3) ? 800u : 0u;
-    c.settle_um = 0.0f;
-    c.fold_guard = rig_random(seed, 2);
-    c.active_enough = rig_random(seed, 30);
-    c.confidence = rig_random(seed, 2) ? 0.4f : rig_between(seed, 0.75f, 0.98f); /* so that many find no goal */
-    c.n_workers = 4;
-    c.fusing = *seed >> 10 & 1u;
-    c.dynamics = c.track == SMR_TRACK_OFF && c.volume == 0.0f && c.smooth == 0.0f && (*seed >> 12 & 3u) == 0u;
-    c.gravity[1] = -9810.0f;
-    c.step_ms = (float)(1u + (*seed >> 14 & 63u));
-    c.contact = c.dynamics ? 0.0f : (float)(*seed >> 13 & 1u);
+    rig_parts_forces(&c, *seed);
     return c;
 }
 

@@ -60,25 +60,14 @@ static int tidy(void **state)
 
 static smr_config random_config(uint32_t *seed)
 {
-    smr_config c = rig_random(seed, 2) ? smr_config_default() : smr_config_default_image();
-    c.method = rig_random(seed, 2);
-    c.plastic_every = rig_random(seed, 4);
-    c.normals = rig_random(seed, 2);
-    c.iterations = 1u + rig_random(seed, 5);
-    c.iterations_last = 4u + rig_random(seed, 12);
-    c.reject_deviations = rig_random(seed, 3) ? 0.0f : 2.0f;
-    c.node_budget = rig_random(seed, 2) ? 8u : 512u;
+    smr_config c = rig_parts_config(seed);
     c.n_target_vertices = rig_random(seed, 3) ? 1000u : 0u;
     c.n_landmarks = rig_random(seed, 2) ? LANDMARKS : 0u;
     c.caller_goals = rig_random(seed, 3) == 0u;
     c.caller_force = rig_random(seed, 3) == 0u ? SMR_CALLER_CHECKED : SMR_CALLER_OFF;
     c.coverage = rig_random(seed, 3);
-    c.settle_um = 0.0f;
     c.plastic_um = rig_random(seed, 3) ? 50.0f : 1.0e5f; /* whatever moves has converged */
-    c.fold_guard = rig_random(seed, 2);
     c.active_first = rig_random(seed, 2) ? 1.0f : 0.3f;
-    c.active_enough = rig_random(seed, 30);
-    c.confidence = rig_random(seed, 2) ? 0.4f : rig_between(seed, 0.75f, 0.98f); /* so that many find no goal */
     if (rig_random(seed, 2)) { /* the search in images ends before the schedule does */
         c.profile_mm = c.gradient_mm = rig_between(seed, 0.26f, 0.6f);
         c.profile_end_mm = c.gradient_end_mm = 0.0f;
@@ -89,14 +78,9 @@ static smr_config random_config(uint32_t *seed)
     c.track_iterations = 4;
     if (c.track != SMR_TRACK_OFF)
         c.iterations = c.iterations_last = 1u + rig_random(seed, 2);
-    c.n_workers = 4;
-    c.fusing = *seed >> 10 & 1u;
     c.volume = *seed >> 11 & 1u ? 0.8f : 0.0f;
     c.smooth = *seed >> 12 & 1u ? 0.4f : 0.0f;
-    c.dynamics = c.track == SMR_TRACK_OFF && c.volume == 0.0f && c.smooth == 0.0f && (*seed >> 12 & 3u) == 0u;
-    c.gravity[1] = -9810.0f;
-    c.step_ms = (float)(1u + (*seed >> 14 & 63u));
-    c.contact = c.dynamics ? 0.0f : (float)(*seed >> 13 & 1u);
+    rig_parts_forces(&c, *seed);
     return c;
 }
 
