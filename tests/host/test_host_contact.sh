@@ -87,6 +87,8 @@ check "a file that is not there is refused" [ $? -eq 2 ]
 printf '1,2,3\n' >points.csv
 run --contact-with points.csv
 check "points are refused" [ $? -eq 2 ]
+check "one structure alone is refused" sh -c "'$SMR' register --model bone.ply --target bone.ply --contact -o none 2>err.txt;
+    [ \$? -eq 2 ] && [ ! -e none ] && grep -q '^smr: --contact: option: expected a model of several' err.txt"
 run --contact-mm 1
 check "a distance between what may meet is refused" [ $? -eq 2 ]
 awk '$1 == "f" { print $1, $3, $2, $4; next } { print }' wall.obj >inwards.obj

@@ -45,5 +45,6 @@ refused "an unknown structure" 'name of a structure' --volume-ratio femur=1.1
 refused "no ratio" 'NAME=R' --volume-ratio open
 refused "a ratio that is none" 'NAME=R' --volume-ratio open=big
 refused "a ratio out of range" 'NAME=R' --volume-ratio open=0.01
+refused "two ratios of one structure" 'one ratio for each' --volume-ratio open=1.1 open=1.2
 refused "too much smoothing" 'smooth' --smooth 1.5
 finish

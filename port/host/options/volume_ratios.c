@@ -19,6 +19,20 @@ int host_volume_ratio_split(const char *word, size_t *name, double *ratio)
            *ratio <= RATIO_MOST;
 }
 
+/* 1 where an earlier word has the same name. */
+static int is_again(const host_files *words, uint32_t number)
+{
+    size_t name = 0, other = 0;
+    double ratio = 0.0;
+    uint32_t i = 0;
+    (void)host_volume_ratio_split(words->path[number], &name, &ratio);
+    for (i = 0; i < number; i++)
+        if (host_volume_ratio_split(words->path[i], &other, &ratio) && other == name &&
+            strncmp(words->path[i], words->path[number], name) == 0)
+            return 1;
+    return 0;
+}
+
 int host_volume_ratios_check(const host_files *words, host_error *error)
 {
     size_t name = 0;
@@ -29,5 +43,7 @@ int host_volume_ratios_check(const host_files *words, host_error *error)
         if (!host_volume_ratio_split(words->path[i], &name, &ratio))
             return host_fail(error, words->path[i], "NAME=R, a structure and a ratio of at least %g and at most %g",
                              RATIO_LEAST, RATIO_MOST);
+        else if (is_again(words, i))
+            return host_fail(error, words->path[i], "one ratio for each structure");
     return 0;
 }

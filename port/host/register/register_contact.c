@@ -15,10 +15,14 @@ int host_job_load_fixed(host_job *job, host_error *error)
 {
     const host_files *const files = &job->options->contact_with;
     host_contacts *const c = &job->contacts;
-    host_load *const loads = calloc(files->n + 1u, sizeof *loads);
+    host_load *loads = NULL;
     uint32_t i = 0;
     int result = 0;
+    error->file = "--contact";
+    if (job->options->contact && files->n == 0 && job->model.n_parts == 1)
+        return host_fail(error, "option", "a model of several structures, or --contact-with beside it");
     error->file = "--contact-with";
+    loads = calloc(files->n + 1u, sizeof *loads);
     c->fixed = calloc(files->n + 1u, sizeof *c->fixed);
     if (loads == NULL || c->fixed == NULL)
         result = host_fail(error, "start", "free memory");

@@ -25,7 +25,7 @@ typedef struct host_contacts {
 
 struct host_job;
 
-/* Reads the files of --contact-with. 0, or -1 with the error filled. */
+/* Reads the files of --contact-with, after the model. 0, or -1 with the error filled: also where nothing can touch. */
 int host_job_load_fixed(struct host_job *job, host_error *error);
 
 /* Sets them. */
