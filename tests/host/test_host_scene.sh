@@ -80,7 +80,7 @@ check "the field is of a bounded size" [ "$(wc -c <out/field.nrrd)" -lt 800000 ]
 if [ -n "$python" ]; then
     check "well-formed, and leads to all files" scene xml out/scene.mrml
     check "the result" listed out/scene.mrml "^Model bone out/bone.ply"
-    check "the target" listed out/scene.mrml "^Model bone\|^Model target (target) out/../target.ply"
+    check "the target" listed out/scene.mrml "^Model target (target) out/../target.ply"
     check "the field" listed out/scene.mrml "^GridTransform model to patient out/field.nrrd"
     check "both landmarks" sh -c "[ \$('$python' '$top/tests/host/scene_check.py' list out/scene.mrml | grep -c ^MarkupsFiducial) -eq 2 ]"
     check "landmarks are JSON, in LPS" "$python" -c "
@@ -144,6 +144,11 @@ if [ -n "$python" ]; then
     check "the slices show the image" grep -q '<SliceComposite.*backgroundVolumeID="vtkMRMLScalarVolumeNode1"' image/scene.mrml
     check "without the packed one" scene xml packed/scene.mrml
 fi
+{ sed '/^end_header/q' target.ply; awk 'on && NF == 3 { $1 += 70 } on { print } /^end_header/ { on = 1 }' target.ply; } >wall.ply
+check "kept out of a fixed surface" has_status 0 run -o kept --contact-with wall.ply --html --slicer kept/scene.mrml
+check "which is an input" grep -q '^ *"path": "wall.ply",$' kept/report.json
+check "on the page, too" grep -q '"path": *"wall.ply"' kept/report.html
+[ -z "$python" ] || check "and in the scene" listed kept/scene.mrml "^Model wall (fixed) kept/../wall.ply"
 check "a mirrored target" has_status 0 run -o mirrored --mirror-target x --slicer mirrored/scene.mrml --accept look
 check "its file is left out" sh -c "! grep -q target.ply mirrored/scene.mrml"
 

@@ -26,7 +26,7 @@ typedef struct making {
 } making;
 
 static const float places_color[3] = {0.1f, 0.8f, 0.2f}, carried_color[3] = {1.0f, 0.3f, 0.1f},
-                   target_color[3] = {0.85f, 0.85f, 0.85f};
+                   target_color[3] = {0.85f, 0.85f, 0.85f}, fixed_color[3] = {0.45f, 0.5f, 0.6f};
 
 static void tell_left_out(const host_job *job, const char *file, const char *why)
 {
@@ -139,26 +139,32 @@ static int add_results(making *m, host_error *error)
     return 0;
 }
 
-/* The surfaces that the results were registered to, to be seen through. */
-static void add_targets(making *m)
+/* A surface that was read, to be seen through. what: "target", or what else it is. */
+static void add_seen_through(making *m, const host_target *surface, const char *what, const float color[3])
 {
     static const char *const extensions[] = {".ply", ".stl", ".obj", ".vtk"};
+    char name[NAME_ROOM];
+    host_scene_model model = {name, surface->path, {0}, TARGET_OPACITY, NULL, 0.0};
+    (void)snprintf(name, sizeof name, "%s (%s)", surface->name, what);
+    memcpy(model.color, color, sizeof model.color);
+    if (m->job->options->mirror_target != HOST_MIRROR_NONE)
+        tell_left_out(m->job, surface->path, "the results are mirrored");
+    else if (surface->surface == NULL ||
+             !slicer_reads(surface->path, extensions, sizeof extensions / sizeof extensions[0]))
+        tell_left_out(m->job, surface->path, "Slicer does not read it as a surface");
+    else
+        host_scene_model_add(&m->scene, &model);
+}
+
+/* The surfaces that the results were registered to, and those that they were kept out of. */
+static void add_targets(making *m)
+{
     const host_job *const job = m->job;
     uint32_t i = 0;
-    for (i = 0; i < job->n_targets && !job->options->image_target; i++) {
-        const host_target *const target = &job->target[i];
-        char name[NAME_ROOM];
-        host_scene_model model = {name, target->path, {0}, TARGET_OPACITY, NULL, 0.0};
-        (void)snprintf(name, sizeof name, "%s (target)", target->name);
-        memcpy(model.color, target_color, sizeof model.color);
-        if (job->options->mirror_target != HOST_MIRROR_NONE)
-            tell_left_out(job, target->path, "the results are mirrored");
-        else if (target->surface == NULL ||
-                 !slicer_reads(target->path, extensions, sizeof extensions / sizeof extensions[0]))
-            tell_left_out(job, target->path, "Slicer does not read it as a surface");
-        else
-            host_scene_model_add(&m->scene, &model);
-    }
+    for (i = 0; i < job->n_targets && !job->options->image_target; i++)
+        add_seen_through(m, &job->target[i], "target", target_color);
+    for (i = 0; i < job->contacts.n_fixed; i++)
+        add_seen_through(m, &job->contacts.fixed[i], "fixed", fixed_color);
 }
 
 /* A set of landmarks as a file of its own. */
