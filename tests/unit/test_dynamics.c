@@ -1,5 +1,5 @@
 /* test_dynamics.c: a bone with mass, in time: it rests, falls, keeps its momentum, loses energy only, for any stiffness
- * and step, swings about a pinned vertex as a physical pendulum, and follows springs.
+ * and step, and follows springs. How it swings about pins: test_pendulum.c.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -217,125 +217,6 @@ static void test_energy_falls(void **state)
     }
 }
 
-/* ---- a pendulum: the bone hangs from its topmost vertex, as a whole cluster */
-
-typedef struct pendulum {
-    double pivot[3], axis[3], down[3], side[3]; /* down: where it hangs at rest; side: where it swings */
-    double period;                              /* s, of small swings */
-} pendulum;
-
-static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-static void cross(const double *a, const double *b, double *c)
-{
-    for (uint32_t i = 0; i < 3u; i++)
-        c[i] = a[(i + 1u) % 3u] * b[(i + 2u) % 3u] - a[(i + 2u) % 3u] * b[(i + 1u) % 3u];
-}
-
-static void unit(double *a)
-{
-    const double l = sqrt(dot(a, a));
-    for (uint32_t i = 0; i < 3u; i++)
-        a[i] /= l;
-}
-
-/* Inertia about the pivot between two directions. */
-static double inertia(const pendulum *p, const double *a, const double *b)
-{
-    double sum = 0.0;
-    for (uint32_t i = 0; i < e.n; i++) {
-        double r[3];
-        for (uint32_t c = 0; c < 3u; c++)
-            r[c] = (double)at(i)[c] - p->pivot[c];
-        sum += dot(r, r) * dot(a, b) - dot(r, a) * dot(r, b);
-    }
-    return sum;
-}
-
-/* The slower of the two ways to swing: without spin about the line to the centre, and with the axis that keeps it. */
-static void hang(pendulum *p, uint32_t pin)
-{
-    double first[3] = {1, 0, 0}, second[3], mean[3] = {0, 0, 0}, k[3];
-    for (uint32_t c = 0; c < 3u; c++)
-        p->pivot[c] = (double)at(pin)[c];
-    for (uint32_t i = 0; i < 3u * e.n; i++)
-        mean[i % 3u] += ((double)e.bone.xyz[i] - p->pivot[i % 3u]) / (e.n - 1.0);
-    const double length = sqrt(dot(mean, mean));
-    memcpy(p->down, mean, sizeof mean);
-    unit(p->down);
-    cross(p->down, first, second);
-    unit(second);
-    cross(second, p->down, first);
-    const double spin = inertia(p, p->down, p->down), one = inertia(p, first, p->down),
-                 two = inertia(p, second, p->down);
-    k[0] = inertia(p, first, first) - one * one / spin;
-    k[1] = inertia(p, first, second) - one * two / spin;
-    k[2] = inertia(p, second, second) - two * two / spin;
-    const double half = 0.5 * (k[0] + k[2]), most = half + sqrt(0.25 * (k[0] - k[2]) * (k[0] - k[2]) + k[1] * k[1]);
-    for (uint32_t c = 0; c < 3u; c++)
-        p->axis[c] = k[1] * first[c] + (most - k[0]) * second[c];
-    unit(p->axis);
-    p->period = 2.0 * acos(-1.0) * sqrt(most / ((e.n - 1.0) * 9810.0 * length));
-}
-
-/* Turns the direction of gravity by 5 degrees about the axis. */
-static void tilt(pendulum *p, float gravity[3])
-{
-    const double angle = acos(-1.0) / 36.0;
-    double way[3];
-    cross(p->axis, p->down, way);
-    for (uint32_t c = 0; c < 3u; c++)
-        p->down[c] = cos(angle) * p->down[c] + sin(angle) * way[c];
-    cross(p->axis, p->down, p->side);
-    for (uint32_t c = 0; c < 3u; c++)
-        gravity[c] = (float)(9810.0 * p->down[c]);
-}
-
-/* The period between the first and the last passage of the centre below the pivot. */
-static double swing(smr *s, const pendulum *p, double h, uint32_t n)
-{
-    double first = 0.0, last = 0.0, before = -1.0;
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        double r[3];
-        steps(s, 1);
-        const smr_energy now = energy_of(s);
-        for (uint32_t c = 0; c < 3u; c++)
-            r[c] = (double)now.centre[c] - p->pivot[c];
-        const double angle = atan2(dot(r, p->side), dot(r, p->down));
-        if (i > 0u && before * angle < 0.0) {
-            last = h * (i + before / (before - angle));
-            first = count++ == 0u ? last : first;
-        }
-        before = angle;
-    }
-    return count > 1u ? 2.0 * (last - first) / (count - 1.0) : 0.0;
-}
-
-static void test_pendulum(void **state)
-{
-    pendulum p;
-    uint32_t pin = 0;
-    (void)state;
-    for (uint32_t i = 0; i < e.n; i++)
-        pin = at(i)[2] > at(pin)[2] ? i : pin;
-    e.mass[pin] = INFINITY;
-    e.config.track_mm = 600.0f;
-    e.config.damping = 0.0f;
-    e.config.elastic = 1e6f;
-    hang(&p, pin);
-    tilt(&p, e.config.gravity);
-    e.config.step_ms = (float)(10.0 * p.period);
-    smr *s = rig_init(e.model, &e.config, NULL);
-    assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, NULL));
-    assert_int_equal(1, energy_of(s).n_pinned);
-    const double period = swing(s, &p, p.period / 100.0, 140);
-    (void)printf("pendulum: %.4f s computed, %.4f s (%.2f %%)\n", p.period, period, 100.0 * (period / p.period - 1.0));
-    assert_true(fabs(period / p.period - 1.0) < 0.03);
-    const float *const xyz = rig_positions(s, e.model);
-    assert_true(rig_far(xyz + 3u * (size_t)pin, at(pin), 1) < 1e-4f);
-}
-
 /* Pinned vertices with a velocity carry the others along; springs to goals bring the bone onto them. */
 static void test_drawn(void **state)
 {
@@ -371,7 +252,6 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_rests_and_falls, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_keeps_momentum, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_energy_falls, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_pendulum, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_drawn, set_up, tidy),
     };
     return cmocka_run_group_tests_name("dynamics", tests, NULL, NULL);

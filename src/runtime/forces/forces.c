@@ -242,6 +242,18 @@ void smr_forces_note_seen(smr_forces *f)
     }
 }
 
+/* In dynamics pinned vertices weigh more than all others together. There the sum of the chunks' largest, as if all of a
+ * chunk were so, may bound a cluster's sum more closely than so many of the largest. */
+static void bound_closely(const smr_forces *f, float largest[2])
+{
+    for (uint32_t kind = 0; kind < 2u; kind++) {
+        float sum = 0.0f;
+        for (uint32_t t = 0; t < f->shared->n_tasks; t++)
+            sum += (float)SMR_CHUNK * f->tally[t].forces.largest[kind];
+        largest[kind] = smr_min(largest[kind], sum / (float)smr_max_u32(f->pace->lists.largest, 1u));
+    }
+}
+
 void smr_forces_end(smr_forces *f)
 {
     smr_tally all;
@@ -257,6 +269,8 @@ void smr_forces_end(smr_forces *f)
         all.forces.largest[0] = smr_max(all.forces.largest[0], one->forces.largest[0]);
         all.forces.largest[1] = smr_max(all.forces.largest[1], one->forces.largest[1]);
     }
+    if (f->shared->mass != NULL)
+        bound_closely(f, all.forces.largest);
     const float n = all.forces.n_forces > 0u ? (float)all.forces.n_forces : 1.0f;
     const float mean = all.forces.sum / n, square = all.forces.sum2 / n;
     f->totals = (smr_force_totals){all.forces.n_drawn,

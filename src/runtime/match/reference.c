@@ -2,7 +2,8 @@
  * and covariance C^r or inverse inertia tensor (paper 2.3). x^r is rounded to powers of two of a millimetre and the
  * moments are summed as whole numbers with wrap-around; taken relative to the cluster's own vertex the final values
  * fit and are exact, however far the cluster lies from the origin. Second moments use a coarse step, about a
- * thousandth of the cluster's reach, and enter only as the spread; the centre has a fine step of its own.
+ * thousandth of the cluster's reach, and enter only as the spread; the centre has a fine step of its own. In dynamics
+ * weights differ by more, and the moments are rounded, not the positions.
  * Bounds: four passes over the vertices, one over the lists.
  * SPDX-License-Identifier: MIT */
 #include "runtime/match/reference.h"
@@ -11,6 +12,7 @@
 #include "geometry/jacobi.h"
 
 #define SMR_FINE_SHARE (1.0f / 1024.0f) /* of the coarse step: finer gains nothing */
+#define SMR_PART_BITS 10u               /* a step has 2^this parts */
 #define SMR_INERTIA_FLOOR 1.0e-4f /* a cluster thinner than this share of its length is a line: no torque about it */
 
 void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shared)
@@ -126,11 +128,54 @@ static void steps_of(const float *x, float inverse, uint32_t out[3])
     }
 }
 
+/* x^r of a vertex in parts of a step. */
+static void parts_of(const float *x, float inverse, uint64_t out[3])
+{
+    for (uint32_t a = 0; a < 3u; a++) {
+        const float v = smr_clamp(x[a] * inverse * (float)(1u << SMR_PART_BITS), -1.0e18f, 1.0e18f);
+        out[a] = (uint64_t)(int64_t)(v + (v < 0.0f ? -0.5f : 0.5f));
+    }
+}
+
+static uint32_t whole(uint64_t parts, uint32_t bits)
+{
+    return (uint32_t)((parts + ((uint64_t)1 << (bits - 1u))) >> bits);
+}
+
+/* Moments in dynamics. A pinned vertex weighs as much as a whole cluster, so what rounding moves it by is not lost in
+ * the mean, and heavy sums have coarse steps. So here not the position is rounded but each of the moments, once, which
+ * is a unit of a sum's 2^30. They are needed modulo 2^32, so 64 bits may wrap, too. */
+static void record_parts(const smr_reference *r, uint32_t v, uint64_t m, uint32_t *w)
+{
+    uint64_t q[3], f[3];
+    parts_of(smr_at3(r->shape->x_ref, v), r->per_coarse, q);
+    parts_of(smr_at3(r->shape->x_ref, v), r->per_fine, f);
+    for (uint32_t a = 0, i = 4; a < 3u; a++) {
+        w[1u + a] = whole(m * q[a], SMR_PART_BITS);
+        w[10u + a] = whole(m * f[a], SMR_PART_BITS);
+        for (uint32_t b = a; b < 3u; b++, i++)
+            w[i] = whole(m * q[a] * q[b], 2u * SMR_PART_BITS);
+    }
+}
+
 /* The same rounding as a position, mm. */
 static float stepped(float x, float step)
 {
     const float v = smr_clamp(x / step, -1.0e18f, 1.0e18f);
     return (float)(int64_t)(v + (v < 0.0f ? -0.5f : 0.5f)) * step;
+}
+
+static void record_steps(const smr_reference *r, uint32_t v, uint32_t m, uint32_t *w)
+{
+    uint32_t q[3], f[3];
+    steps_of(smr_at3(r->shape->x_ref, v), r->per_coarse, q);
+    steps_of(smr_at3(r->shape->x_ref, v), r->per_fine, f);
+    for (uint32_t a = 0, i = 4; a < 3u; a++) {
+        w[1u + a] = m * q[a];
+        w[10u + a] = m * f[a];
+        for (uint32_t b = a; b < 3u; b++, i++)
+            w[i] = m * q[a] * q[b];
+    }
 }
 
 void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
@@ -141,16 +186,11 @@ void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
     for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
         uint32_t *w = r->sums->record + SMR_WORDS * (size_t)v;
         const uint32_t m = (uint32_t)(smr_mass(r->shared, v) * r->shared->mass_unit);
-        uint32_t q[3], f[3];
-        steps_of(smr_at3(r->shape->x_ref, v), r->per_coarse, q);
-        steps_of(smr_at3(r->shape->x_ref, v), r->per_fine, f);
+        if (r->shared->mass != NULL)
+            record_parts(r, v, m, w);
+        else
+            record_steps(r, v, m, w);
         w[0] = m;
-        for (uint32_t a = 0, i = 4; a < 3u; a++) {
-            w[1u + a] = m * q[a];
-            w[10u + a] = m * f[a];
-            for (uint32_t b = a; b < 3u; b++, i++)
-                w[i] = m * q[a] * q[b];
-        }
         w[13] = SMR_BOUNDARY_UNITS; /* counts members */
         w[14] = w[15] = 0;
     }

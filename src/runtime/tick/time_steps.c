@@ -20,7 +20,7 @@
 #define SMR_WEIGHT_UNIT 32.0f     /* of weights around 1: rounding takes 1.6 % of a mass at most */
 #define SMR_WEIGHTS_SUM 262144.0f /* units of a cluster's members; more would make its centre coarse */
 #define SMR_WEIGHT_MOST 1024.0f   /* of a vertex, times the mean */
-#define SMR_PINNED_MOST 65536.0f  /* of a pinned one */
+#define SMR_PINNED_MOST 3.4e7f    /* of a pinned one */
 #define SMR_PINNED_TIMES 8.0f     /* weight of all pinned vertices, in clusters' masses */
 
 #define SMR_LINE 1.0e-4f /* pinned vertices thinner than this share of their length are a line: it may turn */
