@@ -650,7 +650,8 @@ typedef struct smr_config {
      * its shape at rest, at the cluster radius of track_mm. SMR_SWEEPS iterations make a time step; velocities are new
      * when smr_tick_report.iteration is a multiple of it. More of them would let stiffness reach farther. Each
      * structure is elastic about its shape at rest; forces are springs to their goals, `stiffness` as strong as those
-     * of shape matching. All vertices take part; folds are not looked at, and done stays 0. */
+     * of shape matching. All vertices take part; folds are not looked at, and done stays 0. Where clusters deform much,
+     * as small ones around few pinned vertices do, `method` polar is the right one. */
 
     /* SMR_DYNAMICS_..., default off. Not with track, volume, smooth or contact. On, the arena has SMR_DYNAMICS_BYTES
      * more. */

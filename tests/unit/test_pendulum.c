@@ -1,6 +1,6 @@
 /* test_pendulum.c: a bone as a rigid pendulum: it swings about one pinned vertex, or about two or three on a line, with
  * the period of rigid mechanics, computed here in double precision; turned about them without gravity it loses what
- * damping takes. Bones of 600 vertices and of 3,500, each a single cluster. SMR_TEST_SHOW=1 prints what came out.
+ * damping takes. Bones of 600 vertices and of 3,700, single clusters or many. SMR_TEST_SHOW=1 prints what came out.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -44,9 +44,9 @@ static void choose_pins(void)
     memcpy(e.xyz + 3u * (size_t)pin[2], middle, sizeof middle);
 }
 
-static int make_scene(uint32_t cell_um)
+static int make_scene(uint32_t cell_um, uint32_t n_radii, float r0, float r1)
 {
-    const smr_prepare_config radii = rig_radii(1, 600, 0, 0);
+    const smr_prepare_config radii = rig_radii(n_radii, r0, r1, 0);
     memset(&e, 0, sizeof e);
     rig_bone(cell_um, 1.0f, &e.bone, NULL);
     e.xyz = rig_alloc(3u * (size_t)e.bone.n_vertices * sizeof *e.xyz);
@@ -56,7 +56,7 @@ static int make_scene(uint32_t cell_um)
     e.model = rig_model(&e.bone, 1, &radii);
     e.config = smr_config_default();
     e.config.dynamics = SMR_DYNAMICS_ON;
-    e.config.track_mm = 600.0f;
+    e.config.track_mm = r0;
     e.config.elastic = 1e6f;
     e.n = e.bone.n_vertices;
     e.mass = rig_alloc(e.n * sizeof *e.mass);
@@ -70,14 +70,20 @@ static int make_scene(uint32_t cell_um)
 static int set_up(void **state)
 {
     (void)state;
-    return make_scene(12000);
+    return make_scene(12000, 1, 600, 0);
 }
 
 /* As many vertices as a femur out of a CT has. */
 static int set_up_dense(void **state)
 {
     (void)state;
-    return make_scene(4950);
+    return make_scene(4950, 1, 600, 0);
+}
+
+static int set_up_clusters(void **state)
+{
+    (void)state;
+    return make_scene(4950, 2, 150, 60);
 }
 
 static int tidy(void **state)
@@ -231,7 +237,7 @@ static void swings(const pendulum *hanging, uint32_t n_pins)
 static void slows_down(const pendulum *p, uint32_t n_pins, float step_ms)
 {
     static const double any[3] = {1, 2, 3};
-    const uint32_t n = 30;
+    const uint32_t n = rig_times(30);
     double turn[3], r[3], v[3];
     memset(e.config.gravity, 0, sizeof e.config.gravity);
     e.config.damping = 1.0f;
@@ -276,11 +282,26 @@ static void test_pendulum(void **state)
     }
 }
 
+/* Clusters smaller than the bone, which stretches where it hangs. */
+static void test_clusters(void **state)
+{
+    pendulum p;
+    (void)state;
+    e.config.method = SMR_METHOD_POLAR;
+    e.mass[e.pin[0]] = INFINITY;
+    hang(&p, 1);
+    swings(&p, 1);
+    e.config.track_mm = 60.0f;
+    slows_down(&p, 1, 5.0f);
+    slows_down(&p, 1, 20.0f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_pendulum, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_pendulum, set_up_dense, tidy),
+        cmocka_unit_test_setup_teardown(test_clusters, set_up_clusters, tidy),
     };
     return cmocka_run_group_tests_name("pendulum", tests, NULL, NULL);
 }
