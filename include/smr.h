@@ -1063,7 +1063,7 @@ enum { SMR_VERDICT_GOOD = 0, SMR_VERDICT_LOOK = 1, SMR_VERDICT_FAILED = 2 };
 
 /* What a verdict other than good rests on. */
 #define SMR_REASON_NOTHING_SEEN 1u  /* no vertex had a goal in the last complete forces, or there were none */
-#define SMR_REASON_UNSEEN 2u        /* seen_share is low, or expected_error_mm high for bend_mm */
+#define SMR_REASON_UNSEEN 2u        /* seen_share is low, or expected_error_mm high for bend_mm or for a part */
 #define SMR_REASON_EXPECTED 4u      /* expected_error_mm is high */
 #define SMR_REASON_UNCOVERED 8u     /* target_covered is low */
 #define SMR_REASON_NORMALS 16u      /* normals_agree is low */

@@ -4,6 +4,7 @@
 #include "runtime/verdict/evidence.h"
 
 #define SMR_EXPECTED_MOST 4.5f  /* mm */
+#define SMR_EXPECTED_PART 2.6f  /* mm, of a part (below SMR_SEEN_PART), the rest of which is a guess */
 #define SMR_OPEN_MOST 0.58f     /* expected error over the bend: so much is left open by what is seen, */
 #define SMR_OPEN_LEAST 1.8f     /* mm: and it matters */
 #define SMR_SEEN_LEAST 0.1f     /* share of the model */
@@ -17,8 +18,8 @@
 #define SMR_RESIDUAL_MOST 0.25f /* mean edges */
 #define SMR_LANDMARK_MOST 3.0f  /* mm: what landmarks may be off in the mean */
 #define SMR_SCALE_MOST 1.25f    /* either way, within the registration */
-#define SMR_SCALE_PART 1.04f    /* the same where less than */
-#define SMR_SEEN_PART 0.8f      /* of the whole model is seen: a part hardly tells the size of the rest */
+#define SMR_SCALE_PART 1.06f    /* the same where less than SMR_SEEN_PART is seen: a part hardly tells the size */
+#define SMR_SEEN_PART 0.8f      /* share of the model: below it the target shows a part */
 #define SMR_STRAIN_MOST 0.25f
 #define SMR_STRETCH_MOST 0.045f
 #define SMR_STRETCH_FAILED 0.2f
@@ -99,6 +100,8 @@ static void judge_surface(smr_verdict *v, float edge_mm)
 {
     const float covered = v->seen_share > SMR_SEEN_ALL ? SMR_COVERED_LEAST : SMR_COVERED_PART;
     ask_least(v, SMR_REASON_UNSEEN, v->seen_share, SMR_SEEN_LEAST, -1.0f);
+    if (v->seen_share < SMR_SEEN_PART)
+        ask(v, SMR_REASON_UNSEEN, v->expected_error_mm, SMR_EXPECTED_PART, SMR_FAR);
     ask_least(v, SMR_REASON_UNCOVERED, v->target_covered, covered, SMR_COVERED_FAILED);
     ask_least(v, SMR_REASON_NORMALS, v->normals_agree, SMR_AGREE_LEAST, SMR_AGREE_FAILED);
     ask(v, SMR_REASON_RESIDUAL, v->residual_mm, SMR_RESIDUAL_MOST * edge_mm, SMR_FAR);
