@@ -832,7 +832,9 @@ smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points);
 /* Gives every structure without a target surface this image, borrowed until replaced. NULL takes it away.
  * The schedule starts over from the present positions. While moving targets are followed (config.track), an image in
  * the place of another is followed, too: profiles are sought as far as at the schedule's start, within half the
- * radius, and the image before is free when the call returns. The model needs intensity profiles.
+ * radius, and the image before is free when the call returns. Along their surfaces, where an image says little, and
+ * where they have no goal, structures then go with a smooth field from the schedule's result through everything that
+ * has one. The model needs intensity profiles.
  * Errors: E_NULL (voxels), E_INPUT (the volume's fields), E_STATE (no profiles). */
 smr_status smr_set_volume(smr *s, const smr_volume *volume);
 

@@ -14,6 +14,7 @@
 #include "register/register_job.h"
 #include "track/track_frames.h"
 #include "track/track_points.h"
+#include "track/track_verdict.h"
 
 #define TICKS 30u     /* of a frame, at most, where nothing else is asked for */
 #define CSV_EVERY 32u /* frames between two writings of track.csv: what is there is always whole */
@@ -32,6 +33,7 @@ typedef struct tracked {
     host_job job;
     host_frames frames;
     host_track_points points;
+    host_track_doubts doubts;
     host_buffer csv;
     host_image image[2];    /* frames that are images: one is borrowed until the next one has taken its place */
     host_track_page *page;  /* NULL without --html */
@@ -149,6 +151,12 @@ static smr_status set_target(smr *s, uint32_t part, const host_mesh *mesh, void 
     return points != NULL ? smr_set_points(s, part, points) : smr_set_surface(s, part, surface);
 }
 
+static smr_status judge(tracked *t, frame_report *r)
+{
+    const host_model *const images = t->options.image_target ? &t->job.model : NULL;
+    return host_track_judge(t->job.state, images, (int)r->last.settled, &r->verdict, &t->doubts);
+}
+
 /* Ticks towards the frame's targets, which setting them came to this status. */
 static int follow(tracked *t, const host_frame *frame, smr_status status, frame_report *report, host_error *error)
 {
@@ -160,7 +168,7 @@ static int follow(tracked *t, const host_frame *frame, smr_status status, frame_
     while (status == SMR_PARTIAL) /* to the end of the iteration, which the verdict needs */
         status = smr_tick(s, 0, &report->last);
     if (status >= 0)
-        status = smr_get_verdict(s, SMR_ALL, &report->verdict);
+        status = judge(t, report);
     return status < 0 ? refuse(frame, status, error) : 0;
 }
 
@@ -344,7 +352,7 @@ static int run(tracked *t, const host_options *options, host_error *error)
     t->options.ticks = options->ticks;
     first.last = t->job.last;
     first.ticks = t->job.ticks;
-    if (smr_get_verdict(t->job.state, SMR_ALL, &first.verdict) != SMR_OK)
+    if (judge(t, &first) != SMR_OK)
         return refuse(&t->frames.frame[0], SMR_E_STATE, error);
     if (host_track_points_carry(&t->points, t->job.state, &t->job.model, error) != 0)
         return -1;
@@ -392,6 +400,8 @@ int host_track(const host_options *options, host_error *error)
                          t->worst == SMR_VERDICT_GOOD   ? "good"
                          : t->worst == SMR_VERDICT_LOOK ? "look"
                                                         : "failed");
+        if (!options->quiet)
+            host_track_print_doubts(&t->doubts, &t->job.model);
         if (!options->quiet && options->html)
             (void)printf("to look at: %s/" PAGE "\n", options->out);
     }

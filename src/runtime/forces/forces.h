@@ -106,6 +106,7 @@ static inline void smr_sources_wire(smr_forces *f, const smr_overlay *overlay)
     smr_landmark_goals_wire(&f->landmarks, f->shared, f->pace, f->shape);
     smr_point_spread_wire(&f->points, f->shared, f->shape, &f->surface, overlay);
     smr_unseen_field_wire(&f->unseen, f->shared, f->pace, f->shape, &f->surface, &f->landmarks, overlay);
+    smr_unseen_field_watch(&f->unseen, f->found_last, &f->image.has_image);
     smr_image_goals_wire(&f->image, f->shared, f->pace, f->shape, f->found_last, &overlay->rings);
     smr_caller_goals_wire(&f->caller, f->shared, f->pace, f->shape);
     smr_smooth_wire(&f->smooth, f->shared, f->pace, f->shape, &overlay->rings);
@@ -177,7 +178,9 @@ static inline uint8_t smr_goal_on_surface(smr_forces *f, uint32_t v, const smr_t
 static inline uint8_t smr_goal_in_image(smr_forces *f, uint32_t v, smr_vec *way)
 {
     const int seen = smr_image_goal(&f->image, v, way);
-    if (seen == SMR_NO_GOAL)
+    if (smr_field_of_image(&f->unseen))
+        smr_unseen_field_steady(&f->unseen, v, seen == SMR_GOAL, way);
+    else if (seen == SMR_NO_GOAL)
         *way = smr_fill_way(&f->image, v);
     if (f->landmarks.n == 0u)
         return seen == SMR_GOAL ? SMR_FOUND_GOAL : seen == SMR_UNDECIDED ? SMR_FOUND_UNDECIDED : SMR_FOUND_NONE;

@@ -4,12 +4,14 @@
  * leaves. Far from all controls only the pose is left. The field is a regression by a kernel (Gaussian process;
  * Rasmussen and Williams 2006, chapter 2) with k(d) = 1 / (1 + d^2 / l^2), solved by Cholesky decomposition. While
  * clusters are large it is held stiff, for then the controls are not yet where they belong.
+ * While images are followed every vertex with a goal is seen, whatever draws it. Without the field a structure slides
+ * along itself for as long as images come: nothing but its ends holds it there, and profiles err about those.
  * Landmarks are controls whose places are given. What is observed of one is the mean of its triangle's corners. So
  * that the field passes exactly by a hard one, what it may be off is not noise, but a second field of short reach.
  * Bounds: two tasks for each SMR_LOOK vertices, and SMR_CONTROLS + config.n_landmarks + 2 of as many squared
  * multiplications at most.
  * SPDX-License-Identifier: MIT */
-#include "runtime/forces/unseen_field.h"
+#include "runtime/forces/forces.h"
 
 #define SMR_FIELD_LENGTH 0.4f  /* kernel length over the diagonal of the model's box */
 #define SMR_FIELD_LOOSE 0.003f /* of the variance: what a control may be off */
@@ -21,7 +23,8 @@
 size_t smr_unseen_field_words(const smr_shared *shared)
 {
     const size_t n_landmarks = shared->config.n_landmarks, most = SMR_CONTROLS + n_landmarks;
-    if (n_landmarks == 0u && shared->config.coverage == SMR_COVERAGE_WHOLE)
+    const int images = shared->config.track != SMR_TRACK_OFF && smr_le32(shared->model->profile_samples) > 0u;
+    if (n_landmarks == 0u && shared->config.coverage == SMR_COVERAGE_WHOLE && !images)
         return 0;
     return 7u * most + SMR_FACTOR_WORDS(most);
 }
@@ -40,6 +43,12 @@ void smr_unseen_field_wire(smr_unseen_field *f, const smr_shared *shared, const 
     f->bend = f->start + 3u * f->most;
     f->loose = f->bend + 3u * f->most;
     f->lower = f->loose + f->most;
+}
+
+void smr_unseen_field_watch(smr_unseen_field *f, const uint8_t *found, const uint32_t *has_image)
+{
+    f->found = found;
+    f->has_image = has_image;
 }
 
 /* Where the field starts: what tracking holds to, or where the registration started. */
@@ -96,8 +105,15 @@ static float between(const smr_unseen_field *f, uint32_t i, uint32_t j)
 
 static uint32_t seen(const smr_unseen_field *f, uint32_t v)
 {
-    return f->landmarks->n > 0u ? f->landmarks->seen[v] : f->goals->seen[v];
+    if (f->landmarks->n > 0u)
+        return f->landmarks->seen[v];
+    if (!smr_field_of_image(f) || f->goals->target[smr_model_owner(f->shared->model, v)].partial)
+        return f->goals->seen[v];
+    return f->found[v] == SMR_FOUND_GOAL ? SMR_SEEN_ONE : 0u;
 }
+
+/* 1 where each vertex has to be asked; otherwise structures know how many are seen. */
+static int counts(const smr_unseen_field *f) { return f->landmarks->n > 0u || smr_field_of_image(f); }
 
 /* What is kept while controls are chosen, in the memory of the factor. */
 typedef struct smr_choice {
@@ -110,16 +126,16 @@ static smr_choice *choice(const smr_unseen_field *f) { return (smr_choice *)(voi
 
 static uint32_t looks(const smr_unseen_field *f) { return smr_ceil_div(f->shared->n, SMR_LOOK); }
 
-/* Counts what is seen. Without landmarks the structures know. */
+/* Counts what is seen. */
 static void count_seen(smr_unseen_field *f, uint32_t task)
 {
     smr_choice *c = choice(f);
     const uint32_t end = smr_min_u32((task + 1u) * SMR_LOOK, f->shared->n);
     if (task == 0u)
         c->n = c->total = c->passed = 0;
-    for (uint32_t i = 0; task == 0u && f->landmarks->n == 0u && i < f->shared->n_structures; i++)
+    for (uint32_t i = 0; task == 0u && !counts(f) && i < f->shared->n_structures; i++)
         c->total += f->goals->target[i].n_seen;
-    for (uint32_t v = task * SMR_LOOK; f->landmarks->n > 0u && v < end; v++)
+    for (uint32_t v = task * SMR_LOOK; counts(f) && v < end; v++)
         c->total += seen(f, v) > SMR_SEEN_ONE / 2u;
 }
 
@@ -222,7 +238,7 @@ static void substitute(smr_unseen_field *f)
 uint32_t smr_unseen_field_tasks(const void *arg)
 {
     const smr_unseen_field *f = arg;
-    return f->goals->partial || f->landmarks->n > 0u ? 2u * looks(f) + f->most + 2u : 0u;
+    return f->goals->partial || counts(f) ? 2u * looks(f) + f->most + 2u : 0u;
 }
 
 void smr_unseen_field_solve(void *arg, uint32_t task, uint32_t worker)
@@ -276,14 +292,26 @@ static float shown(const smr_unseen_field *f, uint32_t v, int has_goal)
     return has_goal ? 1.0f : 0.0f;
 }
 
+/* What is left of a way along the surface at v. */
+static smr_vec along(const smr_unseen_field *f, uint32_t v, smr_vec way)
+{
+    const smr_vec normal = smr_load(smr_at3(f->shape->normal, v));
+    return smr_sub(way, smr_scale(normal, smr_dot(normal, way)));
+}
+
 void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way)
 {
     const float share = shown(f, v, has_goal), hard = smr_unseen_field_prevails(f, v);
-    const smr_vec by_field = carried(f, v), normal = smr_load(smr_at3(f->shape->normal, v));
-    const smr_vec along = smr_sub(by_field, smr_scale(normal, smr_dot(normal, by_field)));
-    *way = smr_add(smr_scale(smr_add(*way, along), share), smr_scale(by_field, 1.0f - share));
+    const smr_vec by_field = carried(f, v);
+    *way = smr_add(smr_scale(smr_add(*way, along(f, v, by_field)), share), smr_scale(by_field, 1.0f - share));
     if (hard > 0.0f)
         *way = mix(*way, by_field, hard);
+}
+
+void smr_unseen_field_steady(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way)
+{
+    const smr_vec by_field = carried(f, v);
+    *way = has_goal ? smr_add(*way, along(f, v, by_field)) : by_field;
 }
 
 void smr_unseen_field_prevail(const smr_unseen_field *f, uint32_t v, smr_vec *way)

@@ -17,9 +17,11 @@ typedef struct smr_unseen_field {
     const smr_shape *shape;
     const smr_surface_goals *goals;
     const smr_landmark_goals *landmarks;
-    uint32_t most;     /* controls that there is room for */
-    float *start;      /* [most][3] start positions of the controls, mm */
-    float *bend;       /* [most][3] coefficients of the field; while it is solved: what the pose leaves, mm */
+    const uint8_t *found;      /* [n] forces.found_last: what the last complete forces found */
+    const uint32_t *has_image; /* 1: structures without a surface follow an image */
+    uint32_t most;             /* controls that there is room for */
+    float *start;              /* [most][3] start positions of the controls, mm */
+    float *bend;               /* [most][3] coefficients of the field; while it is solved: what the pose leaves, mm */
     float *lower;      /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row; before: which vertices are controls */
     float *loose;      /* [most] on the diagonal: how far the field may miss a control */
     uint32_t n;        /* controls in use, the landmarks first; 0: no field */
@@ -31,6 +33,10 @@ size_t smr_unseen_field_words(const smr_shared *shared); /* of memory that it ne
 void smr_unseen_field_wire(smr_unseen_field *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
                            const smr_surface_goals *goals, const smr_landmark_goals *landmarks,
                            const smr_overlay *overlay);
+void smr_unseen_field_watch(smr_unseen_field *f, const uint8_t *found, const uint32_t *has_image);
+
+/* 1 while images are followed: an image says nothing along a surface, and of some surfaces little at all. */
+static inline int smr_field_of_image(const smr_unseen_field *f) { return f->pace->tracking && *f->has_image; }
 
 /* Steps, skipped where nothing is unseen; one task after the other. */
 uint32_t smr_unseen_field_tasks(const void *field);
@@ -43,6 +49,10 @@ void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal,
 /* Blends the way of a vertex that has none, or none but that to its neighbours, with the field: as far as the nearest
  * landmark is nearer than the nearest vertex that is seen. */
 void smr_unseen_field_fill(const smr_unseen_field *f, uint32_t v, smr_vec *way);
+
+/* The same while images are followed: a vertex with a goal in the image goes along the surface with the field, every
+ * other one goes with the field alone. */
+void smr_unseen_field_steady(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way);
 
 /* How far hard landmarks prevail at a vertex, 0..1. */
 float smr_unseen_field_prevails(const smr_unseen_field *f, uint32_t v);
