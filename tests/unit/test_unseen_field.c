@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "oracle.h"
-#include "runtime/forces/unseen_field.h"
+#include "runtime/forces/forces.h"
 
 enum { N = 5000 }; /* so that controls are chosen in several tasks */
 
@@ -244,6 +244,11 @@ static void bounds(void **state)
     assert_int_equal(smr_unseen_field_tasks(&w.field), 0);
     w.shared.config.coverage = SMR_COVERAGE_WHOLE;
     assert_int_equal(smr_unseen_field_words(&w.shared), 0);
+    w.shared.config.track = SMR_TRACK_REPORT;
+    assert_int_equal(smr_unseen_field_words(&w.shared), 0);
+    w.model.head.profile_samples = smr_le32(20); /* images may be followed */
+    assert_int_equal(smr_unseen_field_words(&w.shared), sizeof w.memory / sizeof w.memory[0]);
+    w.shared.config.track = SMR_TRACK_OFF;
     w.shared.config.coverage = SMR_COVERAGE_AUTO;
     assert_int_equal(smr_unseen_field_words(&w.shared), sizeof w.memory / sizeof w.memory[0]);
 }
@@ -267,6 +272,43 @@ static void blends_by_what_is_seen(void **state)
     assert_true(smr_length(smr_sub(way, smr_v(-1, -1, -1))) < 1.0e-3f);
 }
 
+/* While images are followed: controls are what has a goal, from the held shape on; a vertex with one goes along the
+ * surface with the field, every other one with the field alone. */
+static void follows_images(void **state)
+{
+    static uint8_t found[N];
+    const uint32_t has_image = 1;
+    smr_held held = {.box = {{0, 0, 0}, {100, 60, 400}}};
+    (void)state;
+    begin(1.0f);
+    w.goals.partial = w.target.partial = 0;
+    w.pace.tracking = 1;
+    w.shape.held = &held;
+    w.shape.held_x = w.start;
+    w.shape.start = NULL;
+    smr_unseen_field_watch(&w.field, found, &has_image);
+    for (uint32_t i = 0; i < N; i++) {
+        found[i] = w.start[3u * i + 2u] < 150.0f ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
+        w.seen[i] = 0;
+        if (found[i] == SMR_FOUND_GOAL)
+            smr_store(w.x + 3u * i, similar(w.start + 3u * i));
+    }
+    solve();
+    assert_int_equal(w.field.n, SMR_CONTROLS);
+    for (uint32_t i = 0; i < N; i++) {
+        const int goal = found[i] == SMR_FOUND_GOAL;
+        const smr_vec place = similar(w.start + 3u * i);
+        smr_vec way = smr_v(2, 0, 0);
+        if (goal)
+            smr_store(w.x + 3u * i, smr_add(place, smr_v(1, 1, 1))); /* slid, and off along the normal */
+        const smr_vec left = smr_sub(place, smr_load(w.x + 3u * i));
+        smr_unseen_field_steady(&w.field, i, goal, &way);
+        assert_true(smr_length(smr_sub(way, goal ? smr_v(2, -1, -1) : left)) < 5.0e-3f);
+    }
+    w.pace.tracking = 0;
+    assert_int_equal(smr_unseen_field_tasks(&w.field), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -278,6 +320,7 @@ int main(void)
         cmocka_unit_test(nothing_to_follow),
         cmocka_unit_test(bounds),
         cmocka_unit_test(blends_by_what_is_seen),
+        cmocka_unit_test(follows_images),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
