@@ -82,6 +82,19 @@ check "marrow in a bone" judged 0 "bone.ply marrow.ply" --contact --contact-mm 1
 check "deep, by design" below 10 "$(field deepest_mm)"
 check "a stem as a structure" judged 3 "bone.ply stem.ply" --contact
 check "both are to look at" [ "$(grep -cE '^ +"still [0-9.]+ mm deep in contact with (bone|stem)",?$' out/report.json)" -eq 2 ]
+# Frames are followed alike.
+mkdir next
+for part in left right; do awk '$1 == "v" { $2 += 2 } { print }' target/$part.obj >next/$part.obj; done
+awk '$1 == "v" { $2 += 1 } { print }' wall.obj >near.obj
+follow() { "$SMR" track --model model/left.obj model/right.obj --frames target next --quiet -o "$@"; }
+depth() { "$SMR" measure "$1" "$2" | sed -n 's/^contact: deepest \([0-9.]*\) mm .*/\1/p'; }
+check "frames" has_verdict look follow loose
+check "overlap" below 2 "$(depth loose/next/left.ply loose/next/right.ply)"
+check "frames with contact" has_verdict look follow apart --contact --contact-with near.obj --track-ahead 0.5
+for frame in target next; do check "do not: $frame" below "$(depth apart/$frame/left.ply apart/$frame/right.ply)" 0.5; done
+check "nor with what is fixed" below "$(depth apart/target/left.ply near.obj)" 0.5
+check "which they did" below 1 "$(depth loose/target/left.ply near.obj)"
+
 run --contact-with nothing.obj
 check "a file that is not there is refused" [ $? -eq 2 ]
 printf '1,2,3\n' >points.csv

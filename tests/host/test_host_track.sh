@@ -38,6 +38,8 @@ check "moves" sh -c '! cmp -s out/f0/bone.ply out/f3/bone.ply'
 "$SMR" track --model bone.ply --frames frames/*.ply --fps 10 --threads 3 --quiet -o again >quiet.txt 2>&1
 check "is quiet" [ ! -s quiet.txt ]
 check "has the same bits with other threads" cmp out/f3/bone.ply again/f3/bone.ply
+check "looks ahead" has_verdict look "$SMR" track --model bone.ply --frames frames/*.ply --track-ahead 1 --ticks 2 --quiet -o ahead
+check "and goes another way" sh -c '! cmp -s out/f3/bone.ply ahead/f3/bone.ply'
 
 # A directory is a frame; a structure that it lacks is carried.
 cp bone.ply left.ply
@@ -177,6 +179,7 @@ cp frames/f0.ply report.html/bone.ply
 refuses "a frame with the page's name" "report.html: name" --model bone.ply --frames report.html --html
 check "without a page it may have it" has_verdict look "$SMR" track --model bone.ply --frames report.html -o named
 
+refuses "more than the last way" "--track-ahead" --model bone.ply --frames frames/f0.ply --track-ahead 1.5
 refuses "no frames" "--frames" --model bone.ply
 refuses "no model" "--model" --frames frames/f0.ply
 refuses "a frame that is not there" "frames/none.ply: frame" --model bone.ply --frames frames/f0.ply frames/none.ply

@@ -30,6 +30,14 @@ check "its log replays" sh -c "'$SMR' replay run.log --threads 2 | grep -q 'tick
 run --volume-ratio bone=0.9 --ticks 3 --save stop.sav
 run --volume-ratio bone=0.9 --resume stop.sav
 check "stopped on the way and resumed" near "$(of volume_ratio)" 0.9
+# Frames are followed alike.
+volume() { awk '$1 == "v" { x[++n] = $2; y[n] = $3; z[n] = $4 } $1 == "f" { a = $2 + 0; b = $3 + 0; c = $4 + 0
+    v += x[a] * (y[b] * z[c] - z[b] * y[c]) + y[a] * (z[b] * x[c] - x[b] * z[c]) + z[a] * (x[b] * y[c] - y[b] * x[c]) }
+    END { print v / 6 }' "$1"; }
+awk '$1 == "v" { $2 += 1 } { print }' target.obj >next.obj
+"$SMR" track --model bone.obj --frames target.obj next.obj --volume-ratio bone=1.05 --format obj --accept look --quiet -o frames
+ratio=$(awk -v a="$(volume frames/next/bone.obj)" -v b="$(volume bone.obj)" 'BEGIN { print a / b }')
+check "frames keep what is asked ($ratio)" near "$ratio" 1.05
 model=open.obj
 run --volume
 check "open: none" [ "$(of volume_rest_mm3)" = null ]
