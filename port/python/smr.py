@@ -182,6 +182,12 @@ class StructureVolume(_Struct):
                 ("ratio", _F)]
 
 
+class Energy(_Struct):
+    """Energies of a model in motion, of all structures together (smr_energy): uJ, g, mm."""
+    _fields_ = [("steps", _U), ("sweeps", _U), ("n_pinned", _U), ("mass_g", _F), ("centre", _F * 3), ("kinetic_uj", _F),
+                ("gravity_uj", _F), ("elastic_uj", _F), ("goals_uj", _F)]
+
+
 class Verdict(_Struct):
     """Whether a result can be relied on, and what was measured (smr_verdict). -1: nothing of the kind was measured."""
     _fields_ = [("level", _U), ("reasons", _U), ("expected_error_mm", _F), ("seen_share", _F), ("target_covered", _F),
@@ -215,7 +221,7 @@ STRUCTS = {"smr_mesh": _Mesh, "smr_structure": _Structure, "smr_volume": _Volume
            "smr_closest": _Closest, "smr_align_config": _AlignConfig, "smr_align_report": AlignReport,
            "smr_model_info": ModelInfo, "smr_structure_info": _StructureInfo, "smr_landmark": _Landmark,
            "smr_tick_report": TickReport, "smr_structure_report": StructureReport,
-           "smr_structure_volume": StructureVolume, "smr_verdict": Verdict,
+           "smr_structure_volume": StructureVolume, "smr_verdict": Verdict, "smr_energy": Energy,
            "smr_carry_fact": _Fact, "smr_setting": _Setting}
 
 # Calls that return a status: p pointer, u uint32_t, z size_t, q uint64_t, f float.
@@ -229,7 +235,9 @@ _CALLS = {
     "smr_model_mesh": "pupp", "smr_arena_bytes": "ppp", "smr_init": "ppppzp", "smr_set_positions": "pup",
     "smr_set_pose": "pp", "smr_set_surface": "pup", "smr_set_points": "pup", "smr_set_volume": "pp",
     "smr_set_landmarks": "ppu", "smr_get_landmarks": "pp", "smr_set_goals": "pupp", "smr_tick": "pqp",
-    "smr_set_volume_ratio": "puf", "smr_get_structure_volume": "pup",
+    "smr_set_volume_ratio": "puf", "smr_get_structure_volume": "pup", "smr_set_fixed": "pup",
+    "smr_set_motion": "pupp", "smr_get_velocities": "pup", "smr_get_energy": "pp", "smr_save_bytes": "pp",
+    "smr_save": "ppz", "smr_save_info": "pzp", "smr_restore": "ppppzpzp", "smr_get_awaited": "pp",
     "smr_set_active": "pu", "smr_get_positions": "pup", "smr_get_normals": "pup", "smr_get_structure_report": "pup",
     "smr_get_verdict": "pup", "smr_get_seen": "pup", "smr_get_expected_error": "pup", "smr_get_local_volume": "pufp",
     "smr_carry_bytes": "uuup",
@@ -336,6 +344,10 @@ SETTINGS = _read_settings(_lib.smr_config_settings)
 PREPARE_SETTINGS = _read_settings(_lib.smr_prepare_settings)
 _Config = _config_class("smr_config", SETTINGS)
 _PrepareConfig = _config_class("smr_prepare_config", PREPARE_SETTINGS)
+
+
+class _SavedInfo(_Struct):
+    _fields_ = [("bytes", _Z), ("library", _U), ("model_checksum", _U), ("n_vertices", _U), ("config", _Config)]
 
 
 def _take_defaults() -> None:
@@ -852,18 +864,56 @@ class Registration:
         config.n_workers = self._pool.n
         config.n_target_vertices = sum({id(t): t.room for t in targets.values() if not isinstance(t, Volume)}.values())
         _apply_settings(config, SETTINGS, settings)
-        self._config = config
-        self._borrowed: Dict[Any, Any] = {}  # what the library points to, by structure
-        size = _sized(_lib.smr_arena_bytes, model._handle, C.byref(config))
-        self._memory, self._handle = _memory(size), _P()
+        size = self._begin(config)
         _lib.smr_init(model._handle, C.byref(config), C.byref(self._pool.port), _at(self._memory), size,
                       C.byref(self._handle))
+        for structure, one in targets.items():
+            self._set_one(structure, one)
+
+    def _begin(self, config: Any) -> int:
+        """Memory for this configuration; its bytes."""
+        self._config = config
+        self._borrowed: Dict[Any, Any] = {}  # what the library points to, by structure
+        size = _sized(_lib.smr_arena_bytes, self.model._handle, C.byref(config))
+        self._memory, self._handle = _memory(size), _P()
         self.report = TickReport()
         wrong = self_test()
         if wrong:
             warnings.warn(f"this thread's float arithmetic is {', '.join(wrong)}: results have other bits than others'")
-        for structure, one in targets.items():
+        return size
+
+    # ---- save and restore
+
+    def save(self) -> bytes:
+        """The registration as bytes, between complete iterations; inputs are in it as checksums only."""
+        size = _sized(_lib.smr_save_bytes, self._handle)
+        out = np.empty(size, np.uint8)
+        _lib.smr_save(self._handle, _at(out), size)
+        return out.tobytes()
+
+    @classmethod
+    def restore(cls, model: Model, saved: Any, target: Targets = None, threads: Optional[int] = 1) -> Registration:
+        """Goes on from what save() wrote, to the same bits. What was set then is set again: target here, goals and
+        fixed surfaces by their calls; `awaited` says how many inputs are missing. A Surface that structures shared is
+        one again."""
+        info, a = _SavedInfo(), np.frombuffer(saved, np.uint8)
+        _lib.smr_save_info(_at(a), len(a), C.byref(info))
+        self = cls.__new__(cls)
+        self.model, self._pool = model, _Pool(threads)
+        info.config.n_workers = self._pool.n
+        size = self._begin(info.config)
+        _lib.smr_restore(model._handle, C.byref(info.config), C.byref(self._pool.port), _at(a), len(a),
+                         _at(self._memory), size, C.byref(self._handle))
+        for structure, one in _as_targets(target).items():
             self._set_one(structure, one)
+        return self
+
+    @property
+    def awaited(self) -> int:
+        """Inputs that must still be set again after restore()."""
+        n = _U()
+        _lib.smr_get_awaited(self._handle, C.byref(n))
+        return n.value
 
     def setting(self, name: str) -> Any:
         """A setting's value in this registration."""
@@ -957,6 +1007,32 @@ class Registration:
             raise ValueError("weights: expected as many as vertices")
         _lib.smr_set_goals(self._handle, self.model.index(structure), _at(at), _at(weight))
         self._borrowed["goals", self.model.index(structure)] = (at, weight)
+
+    def set_fixed(self, index: int, surface: Optional[Surface]) -> None:
+        """Number `index`, below the setting n_fixed, of the surfaces that structures keep out of; None takes it away.
+        The setting contact must be above 0."""
+        i = _whole(index, "index", _MOST)
+        _lib.smr_set_fixed(self._handle, i, None if surface is None else surface._handle)
+        self._borrowed["fixed", i] = surface
+
+    def set_motion(self, structure: Union[int, str], mass: Any = None, velocity: Any = None) -> None:
+        """Masses [n] g, inf: pinned, and velocities [n][3] mm/s of a structure's vertices; None: as they are. Copied.
+        The setting dynamics must be on."""
+        speed = None if velocity is None else self._vertices(structure, velocity)
+        weight = None if mass is None else _numbers(mass, "mass", 0)
+        if weight is not None and len(weight) != self.model.n_vertices(structure):
+            raise ValueError("mass: expected as many as vertices")
+        _lib.smr_set_motion(self._handle, self.model.index(structure), _at(weight), _at(speed))
+
+    def velocities(self, structure: Union[int, str]) -> Array:
+        """[n][3] mm/s, of a structure in motion."""
+        return self._for_vertices(_lib.smr_get_velocities, structure, np.float32, 3)
+
+    def energy(self) -> Energy:
+        """Energies of a model in motion."""
+        energy = Energy()
+        _lib.smr_get_energy(self._handle, C.byref(energy))
+        return energy
 
     def set_volume_ratio(self, structure: Union[int, str, None], ratio: float) -> None:
         """The volume that a closed structure, or each of them (None), is to have over the rest shape's in the scale of

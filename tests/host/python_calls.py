@@ -382,6 +382,64 @@ def refusals(model, rest, now, triangles):
             start=smr.Warp(rest[::20], now[::20]))
 
 
+def finished(s):
+    for _ in s.run():
+        pass
+    return s.hash
+
+
+def saves(model, now, triangles):
+    """What is saved goes on elsewhere to the same bits."""
+    s = smr.Registration(model, (now, triangles))
+    for _ in s.run(ticks=9):
+        pass
+    saved = s.save()
+    want = finished(s)
+    again = smr.Registration.restore(model, saved, (now, triangles), threads=3)
+    check("a saved registration awaits nothing once its target is set", again.awaited == 0)
+    check("and ends with the same bits", finished(again) == want)
+    again = smr.Registration.restore(model, bytearray(saved))
+    check("one without its target awaits it", again.awaited == 1)
+    refused("and does not tick", smr.SmrError, "SMR_E_STATE", again.tick)
+    refused("another target", smr.SmrError, "SMR_E_INPUT", smr.Registration.restore, model, saved, (now + 1, triangles))
+    damaged = bytearray(saved)
+    damaged[len(saved) // 2] ^= 1
+    for name, what in (("a damaged save", damaged), ("half a save", saved[:len(saved) // 2]), ("no save", b"")):
+        refused(name, smr.SmrError, "SMR_E_SAVE", smr.Registration.restore, model, what)
+    s = smr.Registration(model, (now, triangles))
+    while s.tick(1).complete:
+        pass
+    refused("to save within an iteration", smr.SmrError, "SMR_E_STATE", s.save)
+
+
+def motion(model, rest, triangles):
+    """Fixed surfaces, masses, velocities, energies."""
+    s = smr.Registration(model, contact=1, n_fixed=1)
+    s.set_fixed(0, smr.Surface(rest + np.float32([24, 0, 0]), triangles))
+    finished(s)
+    off = np.abs(s.positions(0) - rest).max()
+    check(f"a fixed surface keeps a structure off: {off:.2f} mm", off > 0.5)
+    refused("a second one", smr.SmrError, "SMR_E_INPUT", s.set_fixed, 1, None)
+    s.set_fixed(0, None)
+    s.set_pose(np.eye(4))
+    finished(s)
+    check("until it is taken away", np.abs(s.positions(0) - rest).max() < 1e-3)
+    s = smr.Registration(model, dynamics="on", damping=0, step_ms=10, gravity=[0, 0, -9810])
+    s.set_motion("bone", mass=np.full(len(rest), 2.0), velocity=np.full((len(rest), 3), [100, 0, 0]))
+    for _ in range(8 * 5):
+        s.tick()
+    energy, speed = s.energy(), s.velocities("bone").mean(0)
+    check(f"a bone falls: {speed.round(1).tolist()} mm/s after {energy.steps} steps of {energy.mass_g:.0f} g",
+          energy.steps == 5 and abs(speed[0] - 100) < 1 and abs(speed[2] + 490.5) < 5
+          and abs(energy.mass_g - 2 * len(rest)) < 1)
+    check("with the energy of its speed", abs(energy.kinetic_uj / (len(rest) * (speed ** 2).sum() / 1000) - 1) < 0.02)
+    s.set_motion("bone", mass=np.where(np.arange(len(rest)) < 3, np.inf, 2.0))
+    check("pinned vertices are counted", [s.tick(), s.energy().n_pinned][1] == 3)
+    refused("masses of another number", ValueError, "as many", s.set_motion, "bone", np.ones(3))
+    refused("neither", smr.SmrError, "SMR_E_NULL", s.set_motion, "bone")
+    refused("no dynamics", smr.SmrError, "SMR_E_ARENA", smr.Registration(model).energy)
+
+
 def behave(folder):
     rest, triangles, now, _, _ = load(folder)
     model = smr.Model.prepare({"bone": (rest, triangles)})
@@ -394,6 +452,8 @@ def behave(folder):
     converted(model, now, triangles)
     wrapped(model, now, triangles)
     refusals(model, rest, now, triangles)
+    saves(model, now, triangles)
+    motion(model, rest, triangles)
     return counts[1]
 
 

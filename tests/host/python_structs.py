@@ -42,7 +42,8 @@ def main():
             print(f"#error smr.py does not say of {number}: {text}")
     check_calls(header)
     print("#include <smr.h>")
-    table = dict(smr.STRUCTS, smr_config=smr._Config, smr_prepare_config=smr._PrepareConfig)
+    table = dict(smr.STRUCTS, smr_config=smr._Config, smr_prepare_config=smr._PrepareConfig,
+                 smr_saved_info=smr._SavedInfo)
     for name, kind in table.items():
         print(f'_Static_assert(sizeof({name}) == {ctypes.sizeof(kind)}, "size of {name}");')
         for field, of in kind._fields_:
