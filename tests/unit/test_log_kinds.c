@@ -1,6 +1,6 @@
 /* test_log_kinds.c: damaged records of landmarks, of goals and forces of the caller's own, and of clouds, in the log of
- * a registration that tracks: forged fields with right checksums are refused where they are read or where they are
- * replayed, every flipped bit is, and what was not forged replays.
+ * a registration that tracks, and of masses and velocities in one with dynamics: forged fields with right checksums are
+ * refused where they are read or where they are replayed, every flipped bit is, and what was not forged replays.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -160,11 +160,10 @@ static const struct forgery {
     {SMR_LOG_FIXED_SURFACE, 0, 2, 77, SMR_OK, SMR_E_INPUT},
 };
 
-static void test_fields(void **state)
+static void forge(const struct forgery *row, uint32_t rows)
 {
-    (void)state;
-    for (uint32_t i = 0; i < sizeof forgeries / sizeof forgeries[0]; i++) {
-        const struct forgery *f = &forgeries[i];
+    for (uint32_t i = 0; i < rows; i++) {
+        const struct forgery *f = &row[i];
         uint32_t n, differs;
         memcpy(forged, u.log, sizeof forged);
         put(f->kind, f->nth, f->word, f->value);
@@ -174,6 +173,12 @@ static void test_fields(void **state)
             fail_msg("forgery %u: read %s, replayed %s", (unsigned)i, smr_status_name(read), smr_status_name(replay));
         assert_true(read == SMR_OK || n == f->nth || f->kind == SMR_LOG_FORCE);
     }
+}
+
+static void test_fields(void **state)
+{
+    (void)state;
+    forge(forgeries, sizeof forgeries / sizeof forgeries[0]);
 }
 
 /* The bytes of the log up to and with the first complete tick behind `from`; 0: there is none. */
@@ -280,6 +285,48 @@ static void test_every_bit(void **state)
     }
 }
 
+static const void *no_motion(void *ctx, const smr_log_record *record)
+{
+    static const smr_motion none = {NULL, NULL};
+    return record->kind == SMR_LOG_MOTION ? &none : unit_log_input(ctx, record);
+}
+
+static const void *nothing_moves(void *ctx, const smr_log_record *record)
+{
+    return record->kind == SMR_LOG_MOTION ? NULL : unit_log_input(ctx, record);
+}
+
+/* Masses and velocities, in a log of their own: dynamics goes with little else. */
+static void test_motion(void **state)
+{
+    static const struct forgery rows[] = {
+        {SMR_LOG_MOTION, 0, 0, 1, SMR_OK, SMR_E_LOG},
+        {SMR_LOG_MOTION, 1, 0, SMR_ALL, SMR_OK, SMR_E_LOG},
+        {SMR_LOG_MOTION, 0, 1, 77, SMR_OK, SMR_E_INPUT},
+        {SMR_LOG_MOTION, 1, 2, 77, SMR_OK, SMR_E_INPUT},
+    };
+    static unit_log kept;
+    uint32_t n, differs;
+    (void)state;
+    kept = u;
+    unit_log_make_motion(&u);
+    memcpy(forged, u.log, sizeof forged);
+    assert_int_equal(SMR_OK, read_all(SMR_LOG_MOTION, &n));
+    assert_int_equal(2, n);
+    assert_int_equal(SMR_OK, replay_all(unit_log_input, &differs));
+    assert_int_equal(0, differs);
+    assert_int_equal(SMR_E_INPUT, replay_all(no_motion, &differs));
+    assert_int_equal(SMR_E_INPUT, replay_all(nothing_moves, &differs));
+    forge(rows, sizeof rows / sizeof rows[0]);
+    memcpy(forged, u.log, sizeof forged);
+    smr_log_put32(forged + find(SMR_LOG_MOTION, 1) + 8u, 0);
+    smr_log_put32(forged + find(SMR_LOG_MOTION, 1) + 12u, 0); /* set, without a checksum */
+    unit_log_seal(forged, u.bytes);
+    assert_int_equal(SMR_E_LOG, read_all(SMR_LOG_MOTION, &n));
+    test_every_bit(state);
+    u = kept;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -290,6 +337,7 @@ int main(void)
         cmocka_unit_test(test_what_a_force_gave),
         cmocka_unit_test(test_inputs_that_are_none),
         cmocka_unit_test(test_every_bit),
+        cmocka_unit_test(test_motion),
     };
     return cmocka_run_group_tests(tests, set_up, tidy);
 }

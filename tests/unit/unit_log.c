@@ -150,6 +150,31 @@ void unit_log_make_kinds(unit_log *u)
     end_log(u, s);
 }
 
+void unit_log_make_motion(unit_log *u)
+{
+    rig_clock clock;
+    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 700);
+    uint32_t seed = 7;
+    make_scene(u);
+    const uint32_t n = u->ball.n_vertices;
+    float *mass = rig_alloc(n * sizeof *mass), *velocity = rig_alloc(3u * n * sizeof *velocity);
+    for (uint32_t i = 0; i < n; i++)
+        mass[i] = 1.0f + (float)(i % 5u);
+    for (uint32_t i = 0; i < 3u * n; i++)
+        velocity[i] = 20.0f * (float)(i % 3u);
+    u->motion = (smr_motion){mass, velocity};
+    u->config.dynamics = SMR_DYNAMICS_ON;
+    smr *s = unit_log_begin(u, &port);
+    (void)smr_set_log(s, u->log, sizeof u->log);
+    (void)smr_set_motion(s, 0, mass, velocity);
+    ticks(s, 12, &seed);
+    (void)smr_set_surface(s, SMR_ALL, u->surface[0]);
+    ticks(s, 12, &seed);
+    (void)smr_set_motion(s, 0, mass, velocity);
+    ticks(s, 12, &seed);
+    end_log(u, s);
+}
+
 const void *unit_log_input(void *ctx, const smr_log_record *record)
 {
     const unit_log *u = ctx;
@@ -160,6 +185,7 @@ const void *unit_log_input(void *ctx, const smr_log_record *record)
     case SMR_LOG_GOALS: return &u->goals[record->checksum == smr_goals_checksum(&u->goals[1], u->ball.n_vertices)];
     case SMR_LOG_POSITIONS: return u->ball.xyz;
     case SMR_LOG_FORCE: return &u->force;
+    case SMR_LOG_MOTION: return &u->motion;
     default: return NULL;
     }
 }

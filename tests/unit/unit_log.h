@@ -16,6 +16,7 @@ typedef struct unit_log {
     smr_points *cloud[2]; /* these three of unit_log_make_kinds() only */
     smr_goals goals[2];
     smr_caller_force force;
+    smr_motion motion; /* of unit_log_make_motion() only */
     uint32_t ticks;
     unsigned char log[UNIT_LOG_BYTES];
     size_t bytes;
@@ -28,6 +29,9 @@ void unit_log_make(unit_log *u);
 /* With every kind of record but an image's: landmarks, goals and a force of the caller's own, clouds, positions, all
  * of them taken away again; the schedule is short and targets are followed after it. */
 void unit_log_make_kinds(unit_log *u);
+
+/* With dynamics: masses and velocities, a surface, both again. */
+void unit_log_make_motion(unit_log *u);
 
 /* For smr_replay_start(), ctx is the unit_log: the input of that kind and checksum, or another one of that kind. */
 const void *unit_log_input(void *ctx, const smr_log_record *record);
