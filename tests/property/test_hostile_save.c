@@ -7,9 +7,11 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/arena.h"
 #include "base/bytes.h"
 #include "fuzz/fuzz_save.c"
 
@@ -90,8 +92,86 @@ static void test_runs_of_words(void **state)
     assert_true(ran > 12u);
 }
 
+/* A ball in motion, and its save: within a time step, and once with a pinned vertex. */
+static struct moving {
+    const smr_model *model;
+    const smr_surface *surface;
+    smr_config config;
+    uint32_t n;
+    unsigned char saved[UNIT_SAVE_BYTES + SMR_SAVE_DYNAMICS_BYTES(200)];
+    size_t bytes;
+} moving;
+
+static void make_moving(void)
+{
+    static float mass[200], velocity[3 * 200];
+    const float at[3] = {0, 0, 0}, off[3] = {3, -2, 1};
+    const smr_prepare_config prepare = rig_radii(2, 40.0f, 15.0f, 0.0f);
+    const smr_mesh ball = rig_ball(20.0f, 7, 10, at), goal = rig_ball(22.0f, 8, 11, off);
+    moving.n = ball.n_vertices;
+    moving.model = rig_model(&ball, 1, &prepare);
+    moving.surface = rig_surface(&goal);
+    moving.config = smr_config_default();
+    moving.config.n_target_vertices = 200;
+    moving.config.dynamics = SMR_DYNAMICS_ON;
+    moving.config.gravity[2] = -9810.0f;
+    for (uint32_t i = 0; i < moving.n; i++)
+        mass[i] = i == 3u ? INFINITY : 2.0f;
+    smr *s = rig_init(moving.model, &moving.config, NULL);
+    assert_int_equal(SMR_OK, smr_set_motion(s, 0, mass, velocity));
+    assert_int_equal(SMR_OK, smr_set_surface(s, 0, moving.surface));
+    for (uint32_t i = 0; i < 3u * SMR_SWEEPS + 3u; i++)
+        (void)smr_tick(s, 0, NULL);
+    assert_int_equal(SMR_OK, smr_save_bytes(s, &moving.bytes));
+    assert_int_equal(SMR_OK, smr_save(s, moving.saved, sizeof moving.saved));
+}
+
+/* 1: the forged save ran, 0: it was refused. */
+static int run_moving(const unsigned char *saved)
+{
+    static _Alignas(SMR_ALIGN) unsigned char arena[1u << 18];
+    smr_energy energy;
+    smr *s = NULL;
+    const smr_status status = smr_restore(moving.model, NULL, NULL, saved, moving.bytes, arena, sizeof arena, &s);
+    assert_true(status == SMR_OK || status == SMR_E_SAVE);
+    if (s == NULL)
+        return 0;
+    (void)smr_set_surface(s, SMR_ALL, moving.surface);
+    for (uint32_t i = 0; i < 2u * SMR_SWEEPS; i++) {
+        (void)smr_tick(s, 0, NULL);
+        assert_true(rig_finite(rig_positions(s, moving.model), moving.n));
+    }
+    (void)smr_get_energy(s, &energy);
+    smr_arena_release(arena, sizeof arena); /* red zones */
+    return 1;
+}
+
+/* Words of the arrays, every field behind them, as test_words() has them. */
+static void test_moving(void **state)
+{
+    static unsigned char saved[sizeof moving.saved];
+    uint32_t ran = 0, refused = 0;
+    size_t end = 0;
+    (void)state;
+    make_moving();
+    const size_t first = unit_save_values(moving.saved, &end), fields = end - 400u;
+    for (size_t at = first; at + 4u <= end; at += at < fields ? 4u * STRIDE : 4u)
+        for (uint32_t k = 0; k < HOSTILE; k++) {
+            memcpy(saved, moving.saved, moving.bytes);
+            put(saved + at, hostile[k]);
+            unit_save_seal(saved, moving.bytes);
+            const int result = run_moving(saved);
+            ran += (uint32_t)result;
+            refused += !result;
+        }
+    if (getenv("SMR_TEST_SHOW") != NULL)
+        print_message("%u forged saves in motion ran, %u were refused\n", ran, refused);
+    assert_true(ran > 100u && refused > 300u);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_words), cmocka_unit_test(test_runs_of_words)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_words), cmocka_unit_test(test_runs_of_words),
+                                       cmocka_unit_test(test_moving)};
     return cmocka_run_group_tests(tests, NULL, tidy);
 }
