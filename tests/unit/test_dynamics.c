@@ -236,6 +236,25 @@ static void test_energy_falls_in_small_clusters(void **state)
     }
 }
 
+/* All that a cluster can have weigh eight clusters together, however many others are pinned elsewhere. */
+static void test_pins_weigh(void **state)
+{
+    (void)state;
+    e.config.track_mm = 60.0f;
+    for (uint32_t n_pins = 1; n_pins < e.n; n_pins *= 3u) {
+        for (uint32_t i = 0; i < e.n; i++)
+            e.mass[i] = i < n_pins ? INFINITY : 1.0f;
+        smr *s = rig_init(e.model, &e.config, NULL);
+        assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, NULL));
+        const smr_dynamics *d = s->shape.dynamics;
+        const uint32_t largest = s->pace.lists.largest, together = n_pins < largest ? n_pins : largest;
+        assert_true(largest > 9u && largest < 400u);
+        for (uint32_t v = 0; v < e.n; v++)
+            if (!(d->mass[v] > 0.0f))
+                assert_true(fabsf(d->weight[v] * (float)together / (8.0f * (float)largest) - 1.0f) < 0.02f);
+    }
+}
+
 /* Pinned vertices with a velocity carry the others along; springs to goals bring the bone onto them. */
 static void test_drawn(void **state)
 {
@@ -272,6 +291,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_keeps_momentum, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_energy_falls, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_energy_falls_in_small_clusters, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_pins_weigh, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_drawn, set_up, tidy),
     };
     return cmocka_run_group_tests_name("dynamics", tests, NULL, NULL);

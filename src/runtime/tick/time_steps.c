@@ -21,7 +21,7 @@
 #define SMR_WEIGHTS_SUM 262144.0f /* units of a cluster's members; more would make its centre coarse */
 #define SMR_WEIGHT_MOST 1024.0f   /* of a vertex, times the mean */
 #define SMR_PINNED_MOST 3.4e7f    /* of a pinned one */
-#define SMR_PINNED_TIMES 8.0f     /* weight of all pinned vertices, in clusters' masses */
+#define SMR_PINNED_TIMES 8.0f     /* weight of as many pinned vertices as a cluster can have, in clusters' masses */
 
 #define SMR_LINE 1.0e-4f /* pinned vertices thinner than this share of their length are a line: it may turn */
 
@@ -70,7 +70,8 @@ void smr_time_steps_weigh(smr *s)
     const float mean = mean_of(d, c->n, &n_pinned), largest = (float)s->pace.lists.largest;
     while (unit > 1.0f && unit * largest > SMR_WEIGHTS_SUM)
         unit *= 0.5f;
-    const float pinned = SMR_PINNED_TIMES * largest / (float)smr_max_u32(n_pinned, 1u);
+    const uint32_t together = smr_min_u32(n_pinned, s->pace.lists.largest); /* no cluster has more pinned ones */
+    const float pinned = SMR_PINNED_TIMES * largest / (float)smr_max_u32(together, 1u);
     d->gram = mean;
     c->mass_max = c->mass_sum = 0.0f;
     for (uint32_t v = 0; v < c->n; v++) {
