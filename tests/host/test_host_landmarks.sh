@@ -57,24 +57,29 @@ printf '{"markups":[{"coordinateSystem":"LPS","controlPoints":[%s,{"label":"x","
 says "markups, a position of no text" "a: 1.000 2.000 3.000" "$volume" landmarks undefined.mrk.json
 
 lost() { refused "landmarks, $1" "$2" "$3" landmarks "$2"; }
+# Bad rows and points, by the line that is told: bad_json SYSTEM POINTS NAME, bad_fcsv ROW NAME, bad_csv TEXT NAME LINE.
+bad_json() { json "$1" "$2" >bad.mrk.json; lost "$3" bad.mrk.json "line 1"; }
+bad_fcsv() { fcsv LPS "$1" >bad.fcsv; lost "fcsv, $2" bad.fcsv "line 4"; }
+# shellcheck disable=SC2059
+bad_csv() { printf "$1" >bad.csv; lost "CSV, $2" bad.csv "line $3"; }
 for units in '"um"' '["um", "UCUM", "micrometer"]' '["mm", "other"]' '[]' '{"code": "um"}' '{"code": "mm"}' null 1 '[["mm"]]'; do
     json LPS "$(point a 1,2,3)" | sed "s/\"Fiducial\"/&, \"coordinateUnits\": $units/" >bad.mrk.json
     lost "units $units" bad.mrk.json "line 1"
 done
-json LPS '{"label": "a", "position": ""}' >bad.mrk.json; lost "position of no text" bad.mrk.json "line 1"
-json LPS '{"label": "a", "position": [1,2,3], "positionStatus": "lost"}' >bad.mrk.json; lost "unknown status" bad.mrk.json "line 1"
-json LPI "$(point a 1,2,3)" >bad.mrk.json; lost "unknown system" bad.mrk.json "line 1"
-json LPS "$(point a 1,2,3), $(point a 4,5,6)" >bad.mrk.json; lost "label twice" bad.mrk.json "line 1"
-json LPS "$(point a 1,2)" >bad.mrk.json; lost "two coordinates" bad.mrk.json "line 1"
-json LPS "$(point a 1,2,3,4)" >bad.mrk.json; lost "four coordinates" bad.mrk.json "line 1"
-json LPS "$(point a 1,NaN,3)" >bad.mrk.json; lost "NaN" bad.mrk.json "line 1"
-json LPS "$(point a 1,1e300,3)" >bad.mrk.json; lost "far away" bad.mrk.json "line 1"
-json LPS "$(point a 01,2,3)" >bad.mrk.json; lost "number that is none" bad.mrk.json "line 1"
-json LPS "$(point '' 1,2,3)" >bad.mrk.json; lost "empty label" bad.mrk.json "line 1"
-json LPS "$(point "$(printf '%064d' 0)" 1,2,3)" >bad.mrk.json; lost "label of 64 bytes" bad.mrk.json "line 1"
-json LPS "$(point 'a\q' 1,2,3)" >bad.mrk.json; lost "unknown escape" bad.mrk.json "line 1"
-json LPS "$(point 'a\ud800' 1,2,3)" >bad.mrk.json; lost "half a character" bad.mrk.json "line 1"
-json LPS "$(point a 1,2,3)," >bad.mrk.json; lost "comma too many" bad.mrk.json "line 1"
+bad_json LPS '{"label": "a", "position": ""}' "position of no text"
+bad_json LPS '{"label": "a", "position": [1,2,3], "positionStatus": "lost"}' "unknown status"
+bad_json LPI "$(point a 1,2,3)" "unknown system"
+bad_json LPS "$(point a 1,2,3), $(point a 4,5,6)" "label twice"
+bad_json LPS "$(point a 1,2)" "two coordinates"
+bad_json LPS "$(point a 1,2,3,4)" "four coordinates"
+bad_json LPS "$(point a 1,NaN,3)" "NaN"
+bad_json LPS "$(point a 1,1e300,3)" "far away"
+bad_json LPS "$(point a 01,2,3)" "number that is none"
+bad_json LPS "$(point '' 1,2,3)" "empty label"
+bad_json LPS "$(point "$(printf '%064d' 0)" 1,2,3)" "label of 64 bytes"
+bad_json LPS "$(point 'a\q' 1,2,3)" "unknown escape"
+bad_json LPS "$(point 'a\ud800' 1,2,3)" "half a character"
+bad_json LPS "$(point a 1,2,3)," "comma too many"
 json LPS "" >bad.mrk.json; lost "none" bad.mrk.json landmarks
 echo '{}' >bad.mrk.json; lost "no markups" bad.mrk.json landmarks
 printf '{"markups":[{"controlPoints":[%s]}]}' "$(point a 1,2,3)" >bad.mrk.json; lost "no system" bad.mrk.json "line 1"
@@ -84,31 +89,31 @@ json LPS "$(point a 1,2,3)" | head -c 60 >bad.mrk.json; lost "cut off" bad.mrk.j
 fcsv LIP "1,1,2,3,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, unknown system" bad.fcsv "line 2"
 fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,," | sed 2d >bad.fcsv; lost "fcsv, no system" bad.fcsv header
 echo "1,1,2,3,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, no header" bad.fcsv header
-fcsv LPS "1,1,2" >bad.fcsv; lost "fcsv, cut row" bad.fcsv "line 4"
-fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,,," >bad.fcsv; lost "fcsv, no label" bad.fcsv "line 4"
-fcsv LPS "1,1,5,2,3,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, a decimal comma" bad.fcsv "line 4"
-fcsv LPS "1,1,5,2,5,3,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, two decimal commas" bad.fcsv "line 4"
-fcsv LPS "1,1,5,2,5,3,5,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, three decimal commas" bad.fcsv "line 4"
-fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a" >bad.fcsv; lost "fcsv, twelve fields" bad.fcsv "line 4"
-fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,,,3,0" >bad.fcsv; lost "fcsv, unknown status" bad.fcsv "line 4"
-fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,,,2" >bad.fcsv; lost "fcsv, fifteen fields" bad.fcsv "line 4"
+bad_fcsv "1,1,2" "cut row"
+bad_fcsv "1,1,2,3,0,0,0,1,1,1,0,,," "no label"
+bad_fcsv "1,1,5,2,3,0,0,0,1,1,1,0,a,," "a decimal comma"
+bad_fcsv "1,1,5,2,5,3,0,0,0,1,1,1,0,a,," "two decimal commas"
+bad_fcsv "1,1,5,2,5,3,5,0,0,0,1,1,1,0,a,," "three decimal commas"
+bad_fcsv "1,1,2,3,0,0,0,1,1,1,0,a" "twelve fields"
+bad_fcsv "1,1,2,3,0,0,0,1,1,1,0,a,,,3,0" "unknown status"
+bad_fcsv "1,1,2,3,0,0,0,1,1,1,0,a,,,2" "fifteen fields"
 fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,," | sed 's/,oz/,x/' >bad.fcsv; lost "fcsv, a column twice" bad.fcsv "line 3"
 for head in label,a,b,c label,x,y name,x,y,z label,x,y,z,w label,x,A,S label,x,x,y label,i,j,k 'label;x;y;z' 'label,x (mm),y,z' a,b,c,d; do
     printf '%s\na,1,2,3\n' "$head" >bad.csv; lost "CSV, names $head" bad.csv "line 1"
 done
-printf '# columns = label,x,y,z\nlabel,z,y,x\na,1,2,3\n' >bad.csv; lost "CSV, names that differ" bad.csv "line 2"
-printf 'a,1,2,3\n# columns = label,z,y,x\n' >bad.csv; lost "CSV, names after a landmark" bad.csv "line 2"
-printf '# CoordinateSystem = LPS\nlabel,R,A,S\na,1,2,3\n' >bad.csv; lost "CSV, names of another system" bad.csv "line 1"
-printf 'a,1,5,2,3\n' >bad.csv; lost "CSV, a decimal comma" bad.csv "line 1"
-printf 'a;1,5;2,5;3,5\n' >bad.csv; lost "CSV, semicolons" bad.csv "line 1"
-printf 'label,x,y,z\nlabel,x,y,z\na,1,2,3\n' >bad.csv; lost "CSV, names twice" bad.csv "line 2"
-printf 'a,1,2,3\na,4,5,6\n' >bad.csv; lost "CSV, label twice" bad.csv "line 2"
-printf 'a,1,2,3\nb,4,5\n' >bad.csv; lost "CSV, three fields" bad.csv "line 2"
-printf 'a,1,2,3\nb,4,x,6\n' >bad.csv; lost "CSV, no number" bad.csv "line 2"
-printf 'a,1,2,nan\n' >bad.csv; lost "CSV, NaN" bad.csv "line 1"
-printf 'a, b,1,2,3\n' >bad.csv; lost "CSV, comma without quotes" bad.csv "line 1"
-printf '"a,1,2,3\n' >bad.csv; lost "CSV, open quote" bad.csv "line 1"
-printf '# CoordinateSystem = IJK\na,1,2,3\n' >bad.csv; lost "CSV, unknown system" bad.csv "line 1"
+bad_csv '# columns = label,x,y,z\nlabel,z,y,x\na,1,2,3\n' "names that differ" 2
+bad_csv 'a,1,2,3\n# columns = label,z,y,x\n' "names after a landmark" 2
+bad_csv '# CoordinateSystem = LPS\nlabel,R,A,S\na,1,2,3\n' "names of another system" 1
+bad_csv 'a,1,5,2,3\n' "a decimal comma" 1
+bad_csv 'a;1,5;2,5;3,5\n' "semicolons" 1
+bad_csv 'label,x,y,z\nlabel,x,y,z\na,1,2,3\n' "names twice" 2
+bad_csv 'a,1,2,3\na,4,5,6\n' "label twice" 2
+bad_csv 'a,1,2,3\nb,4,5\n' "three fields" 2
+bad_csv 'a,1,2,3\nb,4,x,6\n' "no number" 2
+bad_csv 'a,1,2,nan\n' "NaN" 1
+bad_csv 'a, b,1,2,3\n' "comma without quotes" 1
+bad_csv '"a,1,2,3\n' "open quote" 1
+bad_csv '# CoordinateSystem = IJK\na,1,2,3\n' "unknown system" 1
 printf 'label,x,y,z\n' >bad.csv; lost "CSV, none" bad.csv landmarks
 seq 1 65 | sed 's/.*/p&,&,0,0/' >bad.csv; lost "65" bad.csv "line 65"
 lost "missing" none.csv file
