@@ -93,6 +93,11 @@ check "overlap" below 2 "$(depth loose/next/left.ply loose/next/right.ply)"
 check "frames with contact" has_verdict look follow apart --contact --contact-with near.obj --track-ahead 0.5
 for frame in target next; do check "do not: $frame" below "$(depth apart/$frame/left.ply apart/$frame/right.ply)" 0.5; done
 check "nor with what is fixed" below "$(depth apart/target/left.ply near.obj)" 0.5
+follow pierced --contact-with stem.ply --html >out.txt 2>err.txt
+check "frames with a stem through them" [ $? -eq 3 ]
+check "are all to look at" [ "$(cut -d, -f5 pierced/track.csv | tr '\n' ' ')" = "verdict look look " ]
+check "for that" grep -q 'surfaces that contact should part overlap by [2-9]' pierced/report.html
+check "and without the force are not" has_verdict good follow loose --accept good
 check "which they did" below 1 "$(depth loose/target/left.ply near.obj)"
 
 run --contact-with nothing.obj

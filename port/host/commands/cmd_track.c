@@ -25,6 +25,7 @@
 typedef struct frame_report {
     smr_tick_report last;
     smr_verdict verdict;
+    float overlap_mm; /* of what contact should have parted */
     uint32_t ticks;
 } frame_report;
 
@@ -151,10 +152,19 @@ static smr_status set_target(smr *s, uint32_t part, const host_mesh *mesh, void 
     return points != NULL ? smr_set_points(s, part, points) : smr_set_surface(s, part, surface);
 }
 
-static smr_status judge(tracked *t, frame_report *r)
+/* By what the library says, and by what contact has left. */
+static int judge(tracked *t, const host_frame *frame, frame_report *report, host_error *error)
 {
     const host_model *const images = t->options.image_target ? &t->job.model : NULL;
-    return host_track_judge(t->job.state, images, (int)r->last.settled, &r->verdict, &t->doubts);
+    const smr_status status =
+        host_track_judge(t->job.state, images, (int)report->last.settled, &report->verdict, &t->doubts);
+    if (status != SMR_OK)
+        return refuse(frame, status, error);
+    if (host_job_contact_left(&t->job, &report->overlap_mm, error) != 0)
+        return -1;
+    if (report->overlap_mm > 0.0f && report->verdict.level == SMR_VERDICT_GOOD)
+        report->verdict.level = SMR_VERDICT_LOOK;
+    return 0;
 }
 
 /* Ticks towards the frame's targets, which setting them came to this status. */
@@ -167,14 +177,11 @@ static int follow(tracked *t, const host_frame *frame, smr_status status, frame_
         status = smr_tick(s, (uint64_t)(t->options.budget_ms * 1e6), &report->last);
     while (status == SMR_PARTIAL) /* to the end of the iteration, which the verdict needs */
         status = smr_tick(s, 0, &report->last);
-    if (status >= 0)
-        status = judge(t, report);
-    return status < 0 ? refuse(frame, status, error) : 0;
+    return status < 0 ? refuse(frame, status, error) : judge(t, frame, report, error);
 }
 
 static void add_line(tracked *t, uint32_t number, const host_frame *frame, const frame_report *r)
 {
-    static const char *const levels[] = {"good", "look", "failed"};
     if (number == 0) {
         host_buffer_print(&t->csv, "frame,time_s,ticks,residual_mm,verdict,settled,jumped");
         host_track_points_columns(&t->points, &t->csv);
@@ -182,7 +189,8 @@ static void add_line(tracked *t, uint32_t number, const host_frame *frame, const
     }
     host_csv_text(&t->csv, frame->name, "");
     host_buffer_print(&t->csv, ",%.4f,%u,%.4f,%s,%u,%u", number / t->options.fps, r->ticks,
-                      (double)r->last.residual_mean_mm, levels[r->verdict.level], r->last.settled, r->last.jumped);
+                      (double)r->last.residual_mean_mm, host_verdict_name((int)r->verdict.level), r->last.settled,
+                      r->last.jumped);
     host_track_points_row(&t->points, &t->csv);
     host_buffer_print(&t->csv, "\n");
     if (r->verdict.level > t->worst)
@@ -243,6 +251,7 @@ static int keep_frame(tracked *t, uint32_t number, const host_load *loads, const
     row.ticks = r->ticks;
     row.level = r->verdict.level;
     row.reasons = r->verdict.reasons;
+    row.overlap_mm = r->overlap_mm;
     row.settled = r->last.settled;
     row.jumped = r->last.jumped;
     row.residual_mm = r->last.residual_mean_mm;
@@ -352,9 +361,8 @@ static int run(tracked *t, const host_options *options, host_error *error)
     t->options.ticks = options->ticks;
     first.last = t->job.last;
     first.ticks = t->job.ticks;
-    if (judge(t, &first) != SMR_OK)
-        return refuse(&t->frames.frame[0], SMR_E_STATE, error);
-    if (host_track_points_carry(&t->points, t->job.state, &t->job.model, error) != 0)
+    if (judge(t, &t->frames.frame[0], &first, error) != 0 ||
+        host_track_points_carry(&t->points, t->job.state, &t->job.model, error) != 0)
         return -1;
     add_line(t, 0, &t->frames.frame[0], &first);
     if (keep_frame(t, 0, NULL, &first, error) != 0 || write_frame(t, 0, error) != 0)
@@ -396,10 +404,7 @@ int host_track(const host_options *options, host_error *error)
     if (run(t, options, error) == 0) {
         result = status_of(t);
         if (!options->quiet)
-            (void)printf("%u frames, verdict of the worst: %s\n", t->frames.n,
-                         t->worst == SMR_VERDICT_GOOD   ? "good"
-                         : t->worst == SMR_VERDICT_LOOK ? "look"
-                                                        : "failed");
+            (void)printf("%u frames, verdict of the worst: %s\n", t->frames.n, host_verdict_name((int)t->worst));
         if (!options->quiet)
             host_track_print_doubts(&t->doubts, &t->job.model);
         if (!options->quiet && options->html)

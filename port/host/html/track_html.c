@@ -14,9 +14,23 @@
 
 #define INPUTS_MOST 5000u
 
+static void put_reasons(const host_track_row *row, host_json *json)
+{
+    char text[80];
+    uint32_t bit = 0;
+    host_json_open(json, "reasons", '[');
+    for (bit = 1; bit != 0 && bit <= row->reasons; bit <<= 1)
+        if ((row->reasons & bit) != 0)
+            host_json_text(json, NULL, smr_reason_text(bit));
+    (void)snprintf(text, sizeof text, "surfaces that contact should part overlap by %.1f mm", (double)row->overlap_mm);
+    if (row->overlap_mm > 0.0f)
+        host_json_text(json, NULL, text);
+    host_json_close(json, ']');
+}
+
 static void put_rows(const host_track_shown *s, double fps, host_json *json)
 {
-    uint32_t i = 0, bit = 0;
+    uint32_t i = 0;
     host_json_open(json, "rows", '[');
     for (i = 0; i < s->n_rows; i++) {
         const host_track_row *const row = &s->row[i];
@@ -29,11 +43,7 @@ static void put_rows(const host_track_shown *s, double fps, host_json *json)
         host_json_text(json, "verdict", host_verdict_name((int)row->level));
         host_json_flag(json, "settled", row->settled != 0);
         host_json_flag(json, "jumped", row->jumped != 0);
-        host_json_open(json, "reasons", '[');
-        for (bit = 1; bit != 0 && bit <= row->reasons; bit <<= 1)
-            if ((row->reasons & bit) != 0)
-                host_json_text(json, NULL, smr_reason_text(bit));
-        host_json_close(json, ']');
+        put_reasons(row, json);
         host_json_close(json, '}');
     }
     host_json_close(json, ']');

@@ -13,6 +13,7 @@ typedef struct host_track_row {
     uint32_t number, ticks; /* number: from 0 */
     uint32_t level, reasons, settled, jumped;
     float residual_mm; /* -1: not measured */
+    float overlap_mm;  /* of what contact should have parted; 0: nothing */
 } host_track_row;
 
 typedef struct host_track_page host_track_page;

@@ -213,6 +213,20 @@ int host_job_measure_contact(host_job *job, host_error *error)
     return result == 0 ? 0 : host_fail(error, "result", "surfaces that can be measured, and free memory for it");
 }
 
+int host_job_contact_left(host_job *job, float *left_mm, host_error *error)
+{
+    uint32_t i = 0;
+    *left_mm = 0.0f;
+    if (!(job->course.config.contact > 0.0f))
+        return 0;
+    if (host_job_copy_results(job, error) != 0 || host_job_measure_contact(job, error) != 0)
+        return -1;
+    for (i = 0; i < job->contacts.n_pairs; i++)
+        if (job->contacts.pair[i].left_mm > host_contact_bound(job))
+            *left_mm = fmaxf(*left_mm, job->contacts.pair[i].left_mm);
+    return 0;
+}
+
 float host_contact_bound(const host_job *job)
 {
     if (!(job->course.config.contact > 0.0f))

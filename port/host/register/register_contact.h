@@ -34,6 +34,10 @@ smr_status host_job_set_fixed(struct host_job *job);
 /* Measures all pairs of results and fixed surfaces. 0, or -1 with the error filled. */
 int host_job_measure_contact(struct host_job *job, host_error *error);
 
+/* Of the model as it is now: the deepest pair that contact should have parted, mm; 0: there is none, or contact is off.
+ * 0, or -1 with the error filled. */
+int host_job_contact_left(struct host_job *job, float *left_mm, host_error *error);
+
 /* How deep surfaces may still lie in each other for a good result, mm: less where they keep a distance; any depth where
  * contact is off. */
 float host_contact_bound(const struct host_job *job);

@@ -104,13 +104,18 @@ static int measure(host_job *job, host_error *error)
     return 0;
 }
 
-int host_job_evaluate(host_job *job, host_error *error)
+int host_job_copy_results(host_job *job, host_error *error)
 {
     uint32_t i = 0;
     for (i = 0; i < job->model.n_parts; i++)
         if (copy_result(job, i, error) != 0)
             return -1;
-    return measure(job, error);
+    return 0;
+}
+
+int host_job_evaluate(host_job *job, host_error *error)
+{
+    return host_job_copy_results(job, error) != 0 ? -1 : measure(job, error);
 }
 
 int host_job_remember_start(host_job *job, host_error *error)

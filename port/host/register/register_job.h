@@ -125,6 +125,9 @@ int host_job_run(host_job *job, host_error *error);      /* runs ticks to the en
 int host_job_evaluate(host_job *job, host_error *error); /* measures the results as they are, any number of times */
 void host_job_free(host_job *job);
 
+/* The results' positions as they are now, for measuring. 0, or -1 with the error filled. */
+int host_job_copy_results(host_job *job, host_error *error);
+
 /* Judges the result: fills the verdicts, after host_job_evaluate. */
 void host_job_verdict(host_job *job);
 
