@@ -10,7 +10,6 @@
 #include "files/file_read.h"
 #include "files/output_files.h"
 #include "html/track_html.h"
-#include "measure/point_targets.h"
 #include "register/register_job.h"
 #include "track/track_frames.h"
 #include "track/track_points.h"
@@ -135,21 +134,6 @@ static int refuse(const host_frame *frame, smr_status status, host_error *error)
 {
     error->file = frame->files.path[0];
     return host_fail(error, "frame", "surfaces or clouds within the library's limits (%s)", smr_status_name(status));
-}
-
-/* A structure's surface, or cloud where the file has no triangles. It lies in *memory, which the caller frees. */
-static smr_status set_target(smr *s, uint32_t part, const host_mesh *mesh, void **memory)
-{
-    const smr_mesh view = host_mesh_view(mesh);
-    const smr_surface *surface = NULL;
-    const smr_points *points = NULL;
-    if (mesh->n_triangles == 0)
-        points = host_points_make(mesh, memory);
-    else
-        surface = host_surface_make(&view, memory);
-    if (points == NULL && surface == NULL)
-        return SMR_E_ARENA;
-    return points != NULL ? smr_set_points(s, part, points) : smr_set_surface(s, part, surface);
 }
 
 /* By what the library says, and by what contact has left. */
@@ -311,7 +295,8 @@ static int follow_surfaces(tracked *t, uint32_t number, frame_report *report, ho
     if (result == 0)
         result = host_frame_load(frame, &t->job.port.port, t->options.mirror_target, &loads, error);
     for (i = 0; result == 0 && i < frame->files.n && status == SMR_OK; i++)
-        status = set_target(t->job.state, host_frame_part(frame, i, &t->job.model), &loads[i].mesh, &memory[i]);
+        status =
+            host_frame_set_target(t->job.state, host_frame_part(frame, i, &t->job.model), &loads[i].mesh, &memory[i]);
     if (result == 0)
         result = follow(t, frame, status, report, error);
     if (result == 0)

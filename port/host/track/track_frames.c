@@ -1,4 +1,4 @@
-/* track_frames.c: lists and reads the frames of a moving target.
+/* track_frames.c: lists and reads the frames of a moving target, sets what they show.
  * SPDX-License-Identifier: MIT */
 #define _XOPEN_SOURCE 700
 
@@ -12,6 +12,8 @@
 #include <sys/stat.h>
 
 #include "files/file_names.h"
+#include "measure/point_targets.h"
+#include "measure/surface_distances.h"
 #include "volumes/voxel_volume.h"
 
 /* Surfaces and clouds. */
@@ -157,4 +159,18 @@ uint32_t host_frame_part(const host_frame *frame, uint32_t i, const host_model *
         if (strcmp(model->part[k].name, name) == 0)
             return k;
     return HOST_NO_PART;
+}
+
+smr_status host_frame_set_target(smr *s, uint32_t part, const host_mesh *mesh, void **memory)
+{
+    const smr_mesh view = host_mesh_view(mesh);
+    const smr_surface *surface = NULL;
+    const smr_points *points = NULL;
+    if (mesh->n_triangles == 0)
+        points = host_points_make(mesh, memory);
+    else
+        surface = host_surface_make(&view, memory);
+    if (points == NULL && surface == NULL)
+        return SMR_E_ARENA;
+    return points != NULL ? smr_set_points(s, part, points) : smr_set_surface(s, part, surface);
 }

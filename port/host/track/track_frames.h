@@ -28,6 +28,9 @@ void host_frames_free(host_frames *frames);
 int host_frame_load(const host_frame *frame, const smr_port *port, int mirror, host_load **loads, host_error *error);
 void host_frame_unload(const host_frame *frame, host_load *loads);
 
+/* Sets a structure's surface, or cloud where the file has no triangles. It lies in *memory, which the caller frees. */
+smr_status host_frame_set_target(smr *s, uint32_t part, const host_mesh *mesh, void **memory);
+
 /* 1: the frame is an image. */
 int host_frame_is_image(const host_frame *frame);
 
