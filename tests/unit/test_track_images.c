@@ -153,6 +153,34 @@ static void test_replays(void **state)
     assert_true(smr_state_hash(s) == smr_state_hash(again));
 }
 
+/* Saved between two ticks and restored: what the image showed last is kept, for the field begins from it. */
+static void test_restores(void **state)
+{
+    const scene e = make(SMR_TRACK_RECOVER);
+    size_t bytes = 0, room = 0;
+    smr *run[2] = {rig_init(e.model, &e.config, NULL), NULL};
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_volume(run[0], &e.frame[0]));
+    assert_int_equal(1, until_settled(run[0]).tracking);
+    assert_int_equal(SMR_OK, smr_set_volume(run[0], &e.frame[1]));
+    for (uint32_t k = 0; k < 4u; k++)
+        assert_int_equal(SMR_OK, smr_tick(run[0], 0, NULL));
+    assert_int_equal(SMR_OK, smr_save_bytes(run[0], &bytes));
+    void *saved = rig_alloc(bytes);
+    assert_int_equal(SMR_OK, smr_save(run[0], saved, bytes));
+    assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &room));
+    void *arena = rig_alloc(room);
+    memset(arena, 0xb5, room);
+    assert_int_equal(SMR_OK, smr_restore(e.model, NULL, NULL, saved, bytes, arena, room, &run[1]));
+    assert_int_equal(SMR_OK, smr_set_volume(run[1], &e.frame[1]));
+    for (uint32_t i = 0; i < 2u; i++) {
+        (void)until_settled(run[i]);
+        assert_int_equal(SMR_OK, smr_set_volume(run[i], &e.frame[2]));
+        (void)until_settled(run[i]);
+    }
+    assert_true(smr_state_hash(run[0]) == smr_state_hash(run[1]));
+}
+
 /* Without an image before there is nothing to go on from, and without one afterwards nothing to follow. */
 static void test_starts_over(void **state)
 {
@@ -173,10 +201,9 @@ static void test_starts_over(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_follows, tidy),
-        cmocka_unit_test_teardown(test_starts_over, tidy),
-        cmocka_unit_test_teardown(test_same_bits, tidy),
-        cmocka_unit_test_teardown(test_replays, tidy),
+        cmocka_unit_test_teardown(test_follows, tidy),   cmocka_unit_test_teardown(test_starts_over, tidy),
+        cmocka_unit_test_teardown(test_same_bits, tidy), cmocka_unit_test_teardown(test_replays, tidy),
+        cmocka_unit_test_teardown(test_restores, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
