@@ -59,6 +59,8 @@ static int inside_out(const smr_surface *s, smr_vec centre)
         return 0;
     for (uint32_t i = 0; i < s->facets.n_triangles; i++) {
         const uint32_t *t = s->triangle + 3u * (size_t)i;
+        if (smr_surface_stray(s, t[0]))
+            continue;
         const smr_vec a = smr_sub(smr_load(s->xyz + 3u * (size_t)t[0]), centre);
         const smr_vec b = smr_sub(smr_load(s->xyz + 3u * (size_t)t[1]), centre);
         const smr_vec c = smr_sub(smr_load(s->xyz + 3u * (size_t)t[2]), centre);
@@ -77,16 +79,26 @@ static int is_bare(const smr_surface *s)
     return 1;
 }
 
+/* The vertex with `wanted` others before it that are no scraps. at: where the last one was found, and how many. */
+static uint32_t vertex_of(const smr_surface *s, uint32_t wanted, uint32_t at[2])
+{
+    for (; at[1] < wanted || smr_surface_stray(s, at[0]); at[0]++)
+        at[1] += !smr_surface_stray(s, at[0]);
+    return at[0];
+}
+
 void smr_align_side_make(smr_align_side *side, const smr_surface *s, uint32_t n)
 {
     const float inverse = s->area_mean > 0.0f ? 1.0f / s->area_mean : 0.0f;
+    const uint32_t kept = s->n_vertices - s->n_stray_vertices;
+    uint32_t at[2] = {0, 0};
     side->surface = s;
     side->n = n;
     side->bare = (uint32_t)is_bare(s);
     describe(side, s);
     side->outward = inside_out(s, side->centre) ? -1.0f : 1.0f;
     for (uint32_t k = 0; k < n; k++) {
-        const uint32_t i = (uint32_t)(((uint64_t)2u * k + 1u) * s->n_vertices / (2u * (uint64_t)n));
+        const uint32_t i = vertex_of(s, (uint32_t)(((uint64_t)2u * k + 1u) * kept / (2u * (uint64_t)n)), at);
         side->point[k] = smr_load(s->xyz + 3u * (size_t)i);
         side->normal[k] = smr_scale(smr_load(s->normal + 3u * (size_t)i), side->outward);
         side->weight[k] = s->area[i] * inverse;

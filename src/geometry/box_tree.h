@@ -103,6 +103,11 @@ typedef struct smr_hit {
 /* Finds the closest acceptable triangle within hit->d2. Without one *hit stays unchanged. */
 void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit);
 
+#define SMR_SKIPPED 64u /* of a triangle that is not to be found */
+
+/* The same without triangles that have SMR_SKIPPED. skip: [n_triangles]; NULL: all count. */
+void smr_tree_closest_but(const smr_facets *f, const unsigned char *skip, const smr_query *q, smr_hit *hit);
+
 #define SMR_NEAR_MOST 24u /* most near triangles: more than usually meet at a vertex */
 
 /* A triangle nearly as close as the closest one. */

@@ -47,12 +47,12 @@ static void add_near(smr_near_list *list, uint32_t triangle, float d2, const flo
 }
 
 /* Tests triangle i: updates *hit when it is closer, or as close with a smaller rank, and adds it to the list when it
- * is near. Triangles whose normal does not agree are ignored. */
-static void try_triangle(const smr_facets *f, const smr_query *q, uint32_t i, smr_hit *hit, float widen,
-                         smr_near_list *list)
+ * is near. Triangles whose normal does not agree, or that are to be skipped, are ignored. */
+static void try_triangle(const smr_facets *f, const unsigned char *skip, const smr_query *q, uint32_t i, smr_hit *hit,
+                         float widen, smr_near_list *list)
 {
     smr_vec n = smr_load(f->normal + 3u * (size_t)i);
-    if (smr_dot(n, q->normal) < q->min_cos)
+    if (smr_dot(n, q->normal) < q->min_cos || (skip != NULL && (skip[i] & SMR_SKIPPED) != 0u))
         return;
     const uint32_t *t = f->triangle + 3u * (size_t)i;
     float weight[3];
@@ -77,14 +77,15 @@ typedef struct visit {
 
 /* Finds the closest triangle for *hit. Boxes and triangles within `widen` times its squared distance are looked at,
  * too, and go into the list. widen: 1 or more; list: NULL for the closest triangle alone. */
-static void search(const smr_facets *f, const smr_query *q, smr_hit *hit, float widen, smr_near_list *list)
+static void search(const smr_facets *f, const unsigned char *skip, const smr_query *q, smr_hit *hit, float widen,
+                   smr_near_list *list)
 {
     visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0, opened = 0, ties = 0;
     if (f->n_levels == 0u || !(smr_dot(q->point, q->point) < SMR_FAR))
         return; /* NaN, or as far away as the empty boxes are: positions of a forged model */
     if (q->warm < f->n_triangles)
-        try_triangle(f, q, q->warm, hit, widen, NULL);
+        try_triangle(f, skip, q, q->warm, hit, widen, NULL);
     stack[top++] = (visit){0.0f, f->n_levels - 1u, 0u};
     while (top > 0u && opened < q->node_budget) {
         const visit v = stack[--top];
@@ -98,7 +99,7 @@ static void search(const smr_facets *f, const smr_query *q, smr_hit *hit, float 
             for (; near != 0u; near &= near - 1u) {
                 const uint32_t k = (uint32_t)__builtin_ctz(near);
                 if (d2[k] <= hit->d2 * widen && base + k < f->n_triangles)
-                    try_triangle(f, q, base + k, hit, widen, list);
+                    try_triangle(f, skip, q, base + k, hit, widen, list);
             }
             continue;
         }
@@ -118,13 +119,18 @@ static void search(const smr_facets *f, const smr_query *q, smr_hit *hit, float 
         list->cut2 = smr_min(list->cut2, stack[--top].d2);
 }
 
-void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit) { search(f, q, hit, 1.0f, NULL); }
+void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit) { search(f, NULL, q, hit, 1.0f, NULL); }
+
+void smr_tree_closest_but(const smr_facets *f, const unsigned char *skip, const smr_query *q, smr_hit *hit)
+{
+    search(f, skip, q, hit, 1.0f, NULL);
+}
 
 void smr_tree_near(const smr_facets *f, const smr_query *q, smr_hit *hit, smr_near_list *list)
 {
     list->n = 0;
     list->cut2 = FLT_MAX;
-    search(f, q, hit, (1.0f + SMR_NEARLY) * (1.0f + SMR_NEARLY), list);
+    search(f, NULL, q, hit, (1.0f + SMR_NEARLY) * (1.0f + SMR_NEARLY), list);
     if (hit->triangle == SMR_NONE)
         list->n = 0; /* nothing within the search distance: the list holds triangles just beyond it */
     const float distance = SMR_SQRT(hit->d2), width = smr_min(SMR_NEARLY * distance, SMR_SQRT(list->cut2) - distance);

@@ -206,7 +206,6 @@ static int find_borders(smr_surface *s, uint32_t first, uint32_t last)
         for (uint32_t e = 0; e < 3u; e++)
             if (edge_count(s, t[e], t[(e + 1u) % 3u]) == 1u)
                 s->border[k] |= (unsigned char)(1u << e);
-        s->open |= s->border[k] != 0;
     }
     return 1;
 }
@@ -268,6 +267,12 @@ static const struct {
     {clear_counts, OF_VERTICES, 0, 1},
     {mark_borders, OF_TRIANGLES, 0, 1},
     {find_corners, OF_TRIANGLES, 0, 1},
+    {smr_strays_forget, OF_VERTICES, 0, 1},
+    {smr_strays_join, OF_TRIANGLES, 0, 2},
+    {smr_strays_count, OF_TRIANGLES, 0, 1},
+    {smr_strays_sum, OF_TRIANGLES, 0, 1},
+    {smr_strays_mark, OF_TRIANGLES, 0, 1},
+    {smr_strays_release, OF_VERTICES, 1, 1},
     {refit_leaves, OF_LEAVES, 1, SMR_SURFACE_LEAF},
     {refit_nodes, OF_NODES, 1, SMR_SURFACE_NODE},
 };

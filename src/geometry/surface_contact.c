@@ -243,7 +243,7 @@ smr_status smr_surface_contact(const smr_surface *a, const smr_surface *b, float
     if (!(within_mm >= 0.0f && within_mm <= SMR_DEPTH_MOST))
         return SMR_E_INPUT;
     memset(report, 0, sizeof *report);
-    if (a->open || b->open)
+    if (a->open || b->open || a->n_stray + b->n_stray > 0u)
         return SMR_OK;
     const sweep one = sweep_of(a, b, within_mm), other = sweep_of(b, a, within_mm);
     const smr_box all_a = used_box(a);

@@ -105,7 +105,7 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f; /* no triangles around this vertex: any normal will do */
     smr_hit hit = {g->pace->search_mm * g->pace->search_mm, SMR_NONE, {0, 0, 0}};
-    smr_tree_closest(&target->facets, &q, &hit);
+    smr_surface_search(target, &q, &hit);
     if (hit.triangle == SMR_NONE)
         return 0;
     g->warm_next[v] = hit.triangle;

@@ -23,7 +23,7 @@ static void find_distances(const smr *s, const smr_shape_structure *one, const s
         const smr_vec p = smr_add(smr_load(smr_at3(s->shape.x, v)), smr_sub(s->shape.origin, target->origin));
         const smr_query q = {p, smr_load(smr_at3(s->shape.normal, v)), -2.0f, SMR_NODES, s->forces.surface.warm[v]};
         smr_hit hit = {SMR_FAR, SMR_NONE, {0, 0, 0}};
-        smr_tree_closest(&target->facets, &q, &hit);
+        smr_surface_search(target, &q, &hit);
         away[v] = hit.triangle == SMR_NONE ? SMR_FAR : SMR_SQRT(hit.d2);
     }
 }
@@ -48,7 +48,7 @@ static void add_model(const smr *s, const smr_shape_structure *one, const smr_su
         const smr_vec middle = smr_add(smr_scale(smr_add(a, smr_add(b, c)), 1.0f / 3.0f), shift);
         const smr_query q = {middle, normal, -2.0f, SMR_NODES, SMR_NONE};
         smr_hit hit = {4.0f * near * near, SMR_NONE, {0, 0, 0}};
-        smr_tree_closest(&target->facets, &q, &hit);
+        smr_surface_search(target, &q, &hit);
         if (hit.triangle != SMR_NONE)
             smr_mean_add(
                 &e->agree,
@@ -62,6 +62,8 @@ static void add_target(const smr *s, const smr_surface *target, float near, smr_
     const smr_vec shift = smr_sub(target->origin, s->shape.origin);
     for (uint32_t k = 0; k < target->facets.n_triangles; k++) {
         const uint32_t *t = target->triangle + 3u * (size_t)k;
+        if (smr_surface_stray(target, t[0]))
+            continue;
         const smr_vec a = corner(target->xyz, t, 0), b = corner(target->xyz, t, 1), c = corner(target->xyz, t, 2);
         const float area = smr_length(area_of(a, b, c));
         const smr_vec middle = smr_add(smr_scale(smr_add(a, smr_add(b, c)), 1.0f / 3.0f), shift);
