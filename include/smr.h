@@ -754,7 +754,7 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
  * vertices, 2 % at 1,000, and less than 1 % from 5,000 on. */
 #define SMR_ARENA_BYTES(n_vertices, n_triangles, n_structures, n_workers, n_target_vertices, method)                   \
     ((size_t)8192u + ((method) == SMR_METHOD_RIGID ? (size_t)328u : (size_t)364u) * (n_vertices) +                     \
-     ((n_vertices) < 158u ? (size_t)64u * (158u - (n_vertices)) : (size_t)0u) +                                        \
+     ((n_vertices) < 190u ? (size_t)64u * (190u - (n_vertices)) : (size_t)0u) +                                        \
      (size_t)(12u + SMR_SWAPPED_BYTES) * (n_triangles) + (size_t)(n_triangles) / 16u + (size_t)256u * (n_structures) + \
      ((n_target_vertices) == 0u ? (size_t)0u                                                                           \
                                 : (size_t)4u * (n_target_vertices) + (size_t)32u * (n_workers) * (n_vertices) +        \

@@ -1,5 +1,6 @@
 /* test_unseen_field.c: where vertices go that the target does not show: with a similarity of the seen ones exactly,
- * with a smooth displacement near them, with the pose far from them; controls that determine little or nothing.
+ * with a smooth displacement near them, with the pose far from them; along normals only where a part is all there is;
+ * controls that determine little or nothing.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
@@ -21,7 +22,7 @@ typedef struct world {
     smr_overlay overlay;
     smr_landmark_goals landmarks;
     smr_unseen_field field;
-    uint32_t memory[7u * SMR_CONTROLS + SMR_FACTOR_WORDS(SMR_CONTROLS)];
+    uint32_t memory[(8u + SMR_FIELD_MOTIONS) * SMR_FIELD_ROWS + SMR_FACTOR_WORDS(SMR_FIELD_ROWS)];
     float start[3 * N], x[3 * N], normal[3 * N];
     uint8_t seen[N];
     struct {
@@ -48,6 +49,7 @@ static void begin(float radius)
     w.shape.x = w.x;
     w.shape.normal = w.normal;
     w.shape.start_box = (smr_box){{0, 0, 0}, {100, 60, 400}};
+    w.goals.shared = &w.shared;
     w.goals.target = &w.target;
     w.goals.seen = w.goals.seen_next = w.seen;
     w.goals.partial = 1;
@@ -239,7 +241,7 @@ static void bounds(void **state)
     assert_int_equal(w.field.n, SMR_CONTROLS);
     for (uint32_t k = 0; k < SMR_CONTROLS; k++)
         assert_true(fabsf(w.field.start[3u * k + 2u] - (float)(k * N) / (float)SMR_CONTROLS) <= 1.0f);
-    assert_int_equal(smr_unseen_field_tasks(&w.field), 6u + SMR_CONTROLS + 2u);
+    assert_int_equal(smr_unseen_field_tasks(&w.field), 6u + SMR_FIELD_ROWS + 2u);
     w.goals.partial = 0;
     assert_int_equal(smr_unseen_field_tasks(&w.field), 0);
     w.shared.config.coverage = SMR_COVERAGE_WHOLE;
@@ -309,6 +311,68 @@ static void follows_images(void **state)
     assert_int_equal(smr_unseen_field_tasks(&w.field), 0);
 }
 
+/* Of a part that is all there is, positions along the surface are only what the start left there. */
+static float mean_off_slid(uint32_t coverage)
+{
+    begin(1.0f);
+    w.shared.config.coverage = coverage;
+    for (uint32_t i = 0; i < N; i++) {
+        const smr_vec at = bent(w.start + 3u * i);
+        const float turn = (float)i * 2.4f, z = 1.0f - 2.0f * (float)i / (float)N, r = sqrtf(1.0f - z * z);
+        const smr_vec n = smr_v(r * cosf(turn), r * sinf(turn), z), by = smr_v(9, -6, 12);
+        smr_store(w.normal + 3u * i, n);
+        smr_store(w.x + 3u * i, smr_add(at, smr_sub(by, smr_scale(n, smr_dot(n, by)))));
+        w.seen[i] = i % 2u == 0u ? SMR_SEEN_ONE : 0u;
+    }
+    solve();
+    assert_int_equal(w.field.n, coverage == SMR_COVERAGE_PARTIAL ? SMR_FIELD_ROWS : SMR_CONTROLS);
+    return mean_off();
+}
+
+/* Known is what lies along normals: what has slid along the surface is found. Of a target that is whole it stays. */
+static void what_slid_is_found_along_normals(void **state)
+{
+    (void)state;
+    const float by_normals = mean_off_slid(SMR_COVERAGE_PARTIAL), by_places = mean_off_slid(SMR_COVERAGE_AUTO);
+    if (!(by_normals < 1.0f && by_places > 5.0f))
+        print_error("%g mm off by normals, %g by places\n", (double)by_normals, (double)by_places);
+    assert_true(by_normals < 1.0f);
+    assert_true(by_places > 5.0f);
+}
+
+/* A similarity that is known along normals, where x has it: nothing is added to the pose. */
+static void a_similarity_along_normals(void **state)
+{
+    (void)state;
+    begin(0.1f);
+    w.shared.config.coverage = SMR_COVERAGE_PARTIAL;
+    for (uint32_t i = 0; i < N; i++) {
+        const float turn = (float)i * 2.4f;
+        smr_store(w.normal + 3u * i, smr_v(cosf(turn), sinf(turn), 0));
+        smr_store(w.x + 3u * i, similar(w.start + 3u * i));
+    }
+    solve();
+    for (uint32_t i = 0; i < N; i++)
+        assert_true(off(i, similar(w.start + 3u * i)) < 5.0e-3f);
+}
+
+/* One normal for all, or none: finite, and what that direction does not tell stays as the pose has it. */
+static void normals_that_tell_little(void **state)
+{
+    (void)state;
+    for (uint32_t k = 0; k < 2u; k++) {
+        begin(0.0f);
+        w.shared.config.coverage = SMR_COVERAGE_PARTIAL;
+        for (uint32_t i = 0; i < N; i++) {
+            w.normal[3u * i] = k == 0u ? 1.0f : 0.0f;
+            w.x[3u * i] += i % 2u == 0u ? 3.0f : -3.0f;
+        }
+        solve();
+        for (uint32_t i = 0; i < N; i++)
+            assert_true(off(i, smr_load(w.start + 3u * i)) < 6.0f);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -321,6 +385,9 @@ int main(void)
         cmocka_unit_test(bounds),
         cmocka_unit_test(blends_by_what_is_seen),
         cmocka_unit_test(follows_images),
+        cmocka_unit_test(what_slid_is_found_along_normals),
+        cmocka_unit_test(a_similarity_along_normals),
+        cmocka_unit_test(normals_that_tell_little),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

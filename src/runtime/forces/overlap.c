@@ -29,6 +29,12 @@ static int can_judge(const smr_surface_goals *g, uint32_t structure)
            g->shape->structure[structure].facets.n_triangles > 0u;
 }
 
+int smr_overlap_lasting(const smr_surface_goals *g, uint32_t structure)
+{
+    const smr_target *t = &g->target[structure];
+    return t->partial != 0u && (g->shared->config.coverage == SMR_COVERAGE_PARTIAL || open_target(t));
+}
+
 void smr_overlap_start(smr_surface_goals *g)
 {
     g->partial = 0;

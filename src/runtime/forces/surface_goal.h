@@ -74,7 +74,9 @@ int smr_targets_stand(const smr_surface_goals *g); /* 1: every target surface is
 int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way);
 
 /* overlap.c: how well the target shows each vertex, and which structures are seen in part. */
-void smr_overlap_start(smr_surface_goals *g);                           /* with the targets as they are now */
+void smr_overlap_start(smr_surface_goals *g); /* with the targets as they are now */
+/* 1: partial from the start to the end, not only until it is covered. */
+int smr_overlap_lasting(const smr_surface_goals *g, uint32_t structure);
 int smr_overlap_judged(const smr_surface_goals *g, uint32_t structure); /* 1: in this iteration */
 void smr_overlap_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit, smr_vec way);
 void smr_overlap_judge_points(smr_surface_goals *g, uint32_t v, float weight); /* of points that reached it */

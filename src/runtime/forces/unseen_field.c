@@ -15,18 +15,37 @@
 
 #define SMR_FIELD_LENGTH 0.4f  /* kernel length over the diagonal of the model's box */
 #define SMR_FIELD_LOOSE 0.003f /* of the variance: what a control may be off */
+#define SMR_FIELD_NORMAL 0.03f /* the same along its normal: there are more of them */
 #define SMR_FIELD_STIFF 4.0f   /* times (cluster radius / kernel length)^2, added to it */
+#define SMR_FIELD_PART 8u      /* vertices for a control along its normal */
 #define SMR_FIELD_LEAST 4u     /* controls: with fewer vertices there is no field, with fewer landmarks no scale */
 #define SMR_LOOK 2048u         /* vertices of a task that counts or chooses controls */
 #define SMR_FIELD_HARD 1.0e-5f /* of the variance: what a hard landmark may be off */
 
+/* What is kept while controls are chosen, in the memory of the factor. */
+typedef struct smr_choice {
+    uint32_t control[SMR_FIELD_ROWS]; /* stored vertices */
+    uint32_t n;                       /* of them so far */
+    uint32_t total, passed;           /* seen vertices: all, and those looked at */
+} smr_choice;
+
+_Static_assert(sizeof(smr_choice) <= SMR_FACTOR_WORDS(SMR_CONTROLS) * sizeof(float), "it lies over the factor");
+
+/* Controls that there is room for: along normals as many as a model needs, so that its sums are no smaller. */
+static uint32_t most_of(const smr_shared *shared)
+{
+    const uint32_t n_landmarks = shared->config.n_landmarks;
+    const uint32_t rows = smr_min_u32(smr_max_u32(shared->n / SMR_FIELD_PART, SMR_CONTROLS), SMR_FIELD_ROWS);
+    return n_landmarks > 0u ? SMR_CONTROLS + n_landmarks : rows;
+}
+
 size_t smr_unseen_field_words(const smr_shared *shared)
 {
-    const size_t n_landmarks = shared->config.n_landmarks, most = SMR_CONTROLS + n_landmarks;
+    const size_t most = most_of(shared);
     const int images = shared->config.track != SMR_TRACK_OFF && smr_le32(shared->model->profile_samples) > 0u;
-    if (n_landmarks == 0u && shared->config.coverage == SMR_COVERAGE_WHOLE && !images)
+    if (shared->config.n_landmarks == 0u && shared->config.coverage == SMR_COVERAGE_WHOLE && !images)
         return 0;
-    return 7u * most + SMR_FACTOR_WORDS(most);
+    return (8u + SMR_FIELD_MOTIONS) * most + SMR_FACTOR_WORDS(most);
 }
 
 void smr_unseen_field_wire(smr_unseen_field *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
@@ -38,11 +57,13 @@ void smr_unseen_field_wire(smr_unseen_field *f, const smr_shared *shared, const 
     f->shape = shape;
     f->goals = goals;
     f->landmarks = landmarks;
-    f->most = SMR_CONTROLS + shared->config.n_landmarks;
+    f->most = most_of(shared);
     f->start = (float *)overlay->sum;
     f->bend = f->start + 3u * f->most;
     f->loose = f->bend + 3u * f->most;
-    f->lower = f->loose + f->most;
+    f->left = f->loose + f->most;
+    f->motion = f->left + f->most;
+    f->lower = f->motion + SMR_FIELD_MOTIONS * f->most;
 }
 
 void smr_unseen_field_watch(smr_unseen_field *f, const uint8_t *found, const uint32_t *has_image)
@@ -54,7 +75,15 @@ void smr_unseen_field_watch(smr_unseen_field *f, const uint8_t *found, const uin
 /* Where the field starts: what tracking holds to, or where the registration started. */
 static float *start_of(const smr_unseen_field *f) { return f->pace->tracking ? f->shape->held_x : f->shape->start; }
 
-static float *row(const smr_unseen_field *f, uint32_t i) { return f->lower + (size_t)i * (i + 1u) / 2u; }
+/* Landmarks and images give places in space. Without them what is known of a part lies along normals. A closed target that is
+ * not covered yet is taken for the whole that it will be: what the start pose gave stays. */
+static uint32_t knows_normals_only(const smr_unseen_field *f)
+{
+    uint32_t open = 0;
+    for (uint32_t i = 0; i < f->shared->n_structures; i++)
+        open |= (uint32_t)smr_overlap_lasting(f->goals, i);
+    return f->shared->config.n_landmarks == 0u && !smr_field_of_image(f) ? open : 0u;
+}
 
 static float kernel(const smr_unseen_field *f, smr_vec a, smr_vec b)
 {
@@ -115,13 +144,6 @@ static uint32_t seen(const smr_unseen_field *f, uint32_t v)
 /* 1 where each vertex has to be asked; otherwise structures know how many are seen. */
 static int counts(const smr_unseen_field *f) { return f->landmarks->n > 0u || smr_field_of_image(f); }
 
-/* What is kept while controls are chosen, in the memory of the factor. */
-typedef struct smr_choice {
-    uint32_t control[SMR_CONTROLS]; /* stored vertices */
-    uint32_t n;                     /* of them so far */
-    uint32_t total, passed;         /* seen vertices: all, and those looked at */
-} smr_choice;
-
 static smr_choice *choice(const smr_unseen_field *f) { return (smr_choice *)(void *)f->lower; }
 
 static uint32_t looks(const smr_unseen_field *f) { return smr_ceil_div(f->shared->n, SMR_LOOK); }
@@ -131,8 +153,10 @@ static void count_seen(smr_unseen_field *f, uint32_t task)
 {
     smr_choice *c = choice(f);
     const uint32_t end = smr_min_u32((task + 1u) * SMR_LOOK, f->shared->n);
-    if (task == 0u)
+    if (task == 0u) {
         c->n = c->total = c->passed = 0;
+        f->by_normals = knows_normals_only(f);
+    }
     for (uint32_t i = 0; task == 0u && !counts(f) && i < f->shared->n_structures; i++)
         c->total += f->goals->target[i].n_seen;
     for (uint32_t v = task * SMR_LOOK; counts(f) && v < end; v++)
@@ -146,7 +170,7 @@ static void choose(smr_unseen_field *f, uint32_t task)
 {
     smr_choice *c = choice(f);
     const uint32_t end = smr_min_u32((task + 1u) * SMR_LOOK, f->shared->n);
-    const uint32_t wanted = smr_min_u32(c->total, SMR_CONTROLS);
+    const uint32_t wanted = smr_min_u32(c->total, f->by_normals ? f->most : SMR_CONTROLS);
     for (uint32_t v = task * SMR_LOOK; v < end && c->n < wanted; v++) {
         if (seen(f, v) <= SMR_SEEN_ONE / 2u)
             continue;
@@ -177,10 +201,11 @@ static void add_landmarks(smr_unseen_field *f, smr_fit *fit)
 
 static void add_seen(smr_unseen_field *f, const uint32_t *control, float ratio, smr_fit *fit)
 {
+    const float loose = f->by_normals ? SMR_FIELD_NORMAL : SMR_FIELD_LOOSE;
     for (uint32_t k = f->landmarks->n; k < f->n; k++) {
         const uint32_t v = control[k - f->landmarks->n];
         add_control(f, k, smr_load(smr_at3(start_of(f), v)), smr_load(smr_at3(f->shape->x, v)), 1.0f, fit);
-        f->loose[k] = (SMR_FIELD_LOOSE + SMR_FIELD_STIFF * ratio * ratio) * (float)SMR_SEEN_ONE / (float)seen(f, v);
+        f->loose[k] = (loose + SMR_FIELD_STIFF * ratio * ratio) * (float)SMR_SEEN_ONE / (float)seen(f, v);
     }
 }
 
@@ -197,6 +222,10 @@ static void begin(smr_unseen_field *f, uint32_t n)
     add_landmarks(f, &fit);
     add_seen(f, choice(f)->control, f->pace->lists.radius / length, &fit);
     f->pose = smr_fit_solve(&fit, f->n >= SMR_FIELD_LEAST);
+    if (f->by_normals) {
+        smr_field_normals_begin(f, choice(f)->control, middle);
+        return;
+    }
     for (uint32_t k = 0; k < f->n; k++) {
         const smr_vec posed = smr_pose_apply(&f->pose, smr_load(smr_at3(f->start, k)));
         smr_store(smr_at3(f->bend, k), smr_sub(smr_load(smr_at3(f->bend, k)), posed));
@@ -206,11 +235,13 @@ static void begin(smr_unseen_field *f, uint32_t n)
 /* Column j of the Cholesky factor. */
 static void factor(smr_unseen_field *f, uint32_t j)
 {
-    const float *const above = row(f, j);
+    const float *const above = smr_field_row(f, j);
     const float least = 0.5f * smr_min(f->loose[j], SMR_FIELD_LOOSE);
     for (uint32_t i = j; i < f->n; i++) {
-        float *const r = row(f, i);
+        float *const r = smr_field_row(f, i);
         float sum = between(f, i, j);
+        if (f->by_normals)
+            sum = smr_field_normals_between(f, i, j, sum);
         sum += i == j ? f->loose[i] : 0.0f;
         for (uint32_t k = 0; k < j; k++)
             sum -= r[k] * above[k];
@@ -224,14 +255,14 @@ static void substitute(smr_unseen_field *f)
     for (uint32_t i = 0; i < f->n; i++) {
         smr_vec sum = smr_load(smr_at3(f->bend, i));
         for (uint32_t k = 0; k < i; k++)
-            sum = smr_sub(sum, smr_scale(smr_load(smr_at3(f->bend, k)), row(f, i)[k]));
-        smr_store(smr_at3(f->bend, i), smr_scale(sum, 1.0f / row(f, i)[i]));
+            sum = smr_sub(sum, smr_scale(smr_load(smr_at3(f->bend, k)), smr_field_row(f, i)[k]));
+        smr_store(smr_at3(f->bend, i), smr_scale(sum, 1.0f / smr_field_row(f, i)[i]));
     }
     for (uint32_t i = f->n; i-- > 0u;) {
         smr_vec sum = smr_load(smr_at3(f->bend, i));
         for (uint32_t k = i + 1u; k < f->n; k++)
-            sum = smr_sub(sum, smr_scale(smr_load(smr_at3(f->bend, k)), row(f, k)[i]));
-        smr_store(smr_at3(f->bend, i), smr_scale(sum, 1.0f / row(f, i)[i]));
+            sum = smr_sub(sum, smr_scale(smr_load(smr_at3(f->bend, k)), smr_field_row(f, k)[i]));
+        smr_store(smr_at3(f->bend, i), smr_scale(sum, 1.0f / smr_field_row(f, i)[i]));
     }
 }
 
@@ -254,6 +285,8 @@ void smr_unseen_field_solve(void *arg, uint32_t task, uint32_t worker)
         begin(f, choice(f)->n);
     else if (task - then <= f->n)
         factor(f, task - then - 1u);
+    else if (task - then == f->most + 1u && f->by_normals)
+        smr_field_normals_end(f);
     else if (task - then == f->most + 1u)
         substitute(f);
 }
@@ -359,8 +392,8 @@ float smr_landmark_field_solve(smr_unseen_field *f)
     for (uint32_t i = 0; i < f->n; i++) { /* y^T K^-1 y is |L^-1 y|^2 */
         smr_vec y = smr_load(smr_at3(f->bend, i));
         for (uint32_t k = 0; k < i; k++)
-            y = smr_sub(y, smr_scale(smr_load(smr_at3(f->bend, k)), row(f, i)[k]));
-        y = smr_scale(y, 1.0f / row(f, i)[i]);
+            y = smr_sub(y, smr_scale(smr_load(smr_at3(f->bend, k)), smr_field_row(f, i)[k]));
+        y = smr_scale(y, 1.0f / smr_field_row(f, i)[i]);
         smr_store(smr_at3(f->bend, i), y);
         sum += smr_dot(y, y);
     }
@@ -372,7 +405,7 @@ float smr_landmark_field_left(const smr_unseen_field *f, uint32_t v)
     const smr_vec at = smr_load(smr_at3(start_of(f), v));
     float known[SMR_CONTROLS_MAX], left = 1.0f;
     for (uint32_t i = 0; i < f->n; i++) {
-        const float *const r = row(f, i);
+        const float *const r = smr_field_row(f, i);
         float sum = with_control(f, at, i, is_hard(f, i));
         for (uint32_t k = 0; k < i; k++)
             sum -= known[k] * r[k];

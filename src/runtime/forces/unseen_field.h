@@ -7,7 +7,9 @@
 #include "runtime/forces/landmark_goals.h"
 #include "runtime/overlaid_memory.h"
 
-#define SMR_CONTROLS 64u /* seen vertices that the field passes by */
+#define SMR_CONTROLS 64u     /* seen vertices that the field passes by, in space */
+#define SMR_FIELD_ROWS 192u  /* without landmarks: those that it passes by along their normals */
+#define SMR_FIELD_MOTIONS 7u /* shifts, turns and scale */
 #define SMR_CONTROLS_MAX (SMR_CONTROLS + SMR_LANDMARKS_MAX)
 #define SMR_FACTOR_WORDS(n) ((n) * ((n) + 1u) / 2u)
 
@@ -22,12 +24,28 @@ typedef struct smr_unseen_field {
     uint32_t most;             /* controls that there is room for */
     float *start;              /* [most][3] start positions of the controls, mm */
     float *bend;               /* [most][3] coefficients of the field; while it is solved: what the pose leaves, mm */
-    float *lower;      /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row; before: which vertices are controls */
-    float *loose;      /* [most] on the diagonal: how far the field may miss a control */
-    uint32_t n;        /* controls in use, the landmarks first; 0: no field */
-    smr_pose pose;     /* rigid, from start to present positions of the controls */
-    float per_length2; /* 1 / mm^2, of the kernel's length */
+    float *lower;        /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row; before: which vertices are controls */
+    float *loose;        /* [most] on the diagonal: how far the field may miss a control */
+    float *motion;       /* [most][SMR_FIELD_MOTIONS] along a control's normal, of motions by 1; without landmarks */
+    float *left;         /* [most] what the pose leaves along it, mm; then coefficients; without landmarks */
+    smr_vec middle;      /* about which motions turn and scale */
+    uint32_t by_normals; /* 1: controls are known along their normals only; set when they are chosen */
+    uint32_t n;          /* controls in use, the landmarks first; 0: no field */
+    smr_pose pose;       /* rigid, from start to present positions of the controls */
+    float per_length2;   /* 1 / mm^2, of the kernel's length */
 } smr_unseen_field;
+
+static inline float *smr_field_row(const smr_unseen_field *f, uint32_t i)
+{
+    return f->lower + (size_t)i * (i + 1u) / 2u;
+}
+
+/* By normals (field_normals.c). The pose is there, and `bend` holds present positions; control: stored vertices,
+ * middle: about which motions turn, at the start. Then the covariance of what two controls tell, from the kernel
+ * between them. At the end, from the factor: coefficients, and motions added to the pose. */
+void smr_field_normals_begin(smr_unseen_field *f, const uint32_t *control, smr_vec middle);
+float smr_field_normals_between(const smr_unseen_field *f, uint32_t i, uint32_t j, float kernel);
+void smr_field_normals_end(smr_unseen_field *f);
 
 size_t smr_unseen_field_words(const smr_shared *shared); /* of memory that it needs while forces are computed */
 void smr_unseen_field_wire(smr_unseen_field *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
