@@ -99,9 +99,9 @@ typedef struct line_floor {
 } line_floor;
 
 static const line_floor floors[] = {
-    {"whole", 7, 21, 1},   {"side", 7, 21, 1},     {"patches", 4, 16, 0}, {"end", 2, 10, 0},
-    {"whole+5", 7, 20, 0}, {"whole+20", 7, 21, 0}, {"side+5", 3, 10, 0},  {"side+20", 4, 14, 0},
-    {"top70", 7, 7, 0},    {"lower50", 20, 20, 1}, {"length", 20, 20, 1}, {"thigh", 1, 3, 1},
+    {"whole", 7, 21, 1},   {"side", 7, 21, 1},     {"patches", 6, 20, 0}, {"end", 1, 10, 0},
+    {"whole+5", 7, 20, 0}, {"whole+20", 7, 21, 0}, {"side+5", 5, 12, 0},  {"side+20", 7, 21, 1},
+    {"top70", 16, 16, 0},  {"lower50", 19, 19, 0}, {"length", 20, 20, 1}, {"thigh", 1, 3, 1},
 };
 
 static const line_floor *floor_of(const char *line)
@@ -273,25 +273,20 @@ static void persons_top(void **state)
 {
     (void)state;
     need_data();
-    experiment_bound("top70, surface mean (asked for: 2.2)", persons[0].mean, 4.7);
-    experiment_bound("top70, surface at worst (asked for: 3.5)", persons[0].worst, 9.0);
+    experiment_bound("top70, surface mean (asked for: 2.2)", persons[0].mean, 2.35);
+    experiment_bound("top70, surface at worst (asked for: 3.5)", persons[0].worst, 4.0);
     EXPERIMENT_END();
     hold(&persons[0]);
 }
 
-/* Each pair is within 6 mm; the mean is not within 3.5. */
+/* The mean is within 3.5 mm; one pair of 20 is not within 6. */
 static void persons_lower_half(void **state)
 {
     (void)state;
     need_data();
-    experiment_bound("lower50, surface mean (asked for: 3.5)", persons[1].mean, 3.6);
+    experiment_bound("lower50, surface mean", persons[1].mean, 3.5);
     EXPERIMENT_END();
     hold(&persons[1]);
-    if (persons[1].mean <= 3.5)
-        return;
-    (void)printf("SHORT lower50: surface mean %.3f mm, at most 3.5 is asked for\n", persons[1].mean);
-    (void)fflush(stdout);
-    skip();
 }
 
 static void scale_follows_what_overlaps(void **state)

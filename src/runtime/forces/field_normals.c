@@ -1,7 +1,7 @@
 /* field_normals.c: the field of unseen vertices through what the target really shows. A surface holds a vertex along
  * its normal only, so a control tells one number: how far it lies from the pose along its normal. What runs along the
- * surface follows from the field, of which each component has the same kernel; taken as seen, it would keep whatever the
- * start left there. The pose has taken its share of that, too, so the field contains the seven small motions of a
+ * surface follows from the field, of which each component has the same kernel. Taken as seen, it would keep whatever
+ * the start left there. The pose has taken its share of that, too, so the field contains the seven small motions of a
  * similarity, and they are added to the pose.
  * Bounds: those of unseen_field.c.
  * SPDX-License-Identifier: MIT */
