@@ -100,7 +100,7 @@ typedef struct line_floor {
 
 static const line_floor floors[] = {
     {"whole", 7, 21, 1},   {"side", 7, 21, 1},     {"patches", 6, 20, 0}, {"end", 1, 10, 0},
-    {"whole+5", 7, 20, 0}, {"whole+20", 7, 21, 0}, {"side+5", 5, 12, 0},  {"side+20", 7, 21, 1},
+    {"whole+5", 7, 20, 0}, {"whole+20", 7, 21, 0}, {"side+5", 5, 11, 0},  {"side+20", 7, 21, 1},
     {"top70", 16, 16, 0},  {"lower50", 19, 19, 0}, {"length", 20, 20, 1}, {"thigh", 1, 3, 1},
 };
 
