@@ -159,9 +159,9 @@ landmarks "a label twice" twice.csv "line 5"
 landmarks "an unknown coordinate system" system.csv "line 1"
 landmarks "an unknown coordinate system in markups" system.mrk.json "line 1"
 # shellcheck disable=SC2086
-refused "unequal counts" four.csv landmarks $images --landmarks five.csv four.csv
+refused "one is missing" four.csv landmarks $images --landmarks five.csv four.csv
 # shellcheck disable=SC2086
-refused "unequal counts the other way round" five.csv landmarks $images --landmarks four.csv five.csv
+refused "one is missing in the other file" four.csv landmarks $images --landmarks four.csv five.csv
 # shellcheck disable=SC2086
 refused "labels that do not pair" label.csv landmarks $images --landmarks five.csv label.csv
 finish

@@ -77,11 +77,6 @@ int host_landmarks_pair(const host_landmarks *model, const host_landmarks *targe
 {
     uint32_t i = 0;
     *n = 0;
-    if (model->n != target->n) {
-        error->file = target_path;
-        return host_fail(error, "landmarks", "%" PRIu32 " of them as in %s, found %" PRIu32, model->n, model_path,
-                         target->n);
-    }
     if (all_in(model, target, model_path, target_path, error) != 0 ||
         all_in(target, model, target_path, model_path, error) != 0)
         return -1;
