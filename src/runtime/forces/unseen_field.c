@@ -75,8 +75,8 @@ void smr_unseen_field_watch(smr_unseen_field *f, const uint8_t *found, const uin
 /* Where the field starts: what tracking holds to, or where the registration started. */
 static float *start_of(const smr_unseen_field *f) { return f->pace->tracking ? f->shape->held_x : f->shape->start; }
 
-/* Landmarks and images give places in space. Without them what is known of a part lies along normals. A closed target that is
- * not covered yet is taken for the whole that it will be: what the start pose gave stays. */
+/* Landmarks and images give places in space. Without them what is known of a part lies along normals. A closed target
+ * that is not covered yet is taken for the whole that it will be: what the start pose gave stays. */
 static uint32_t knows_normals_only(const smr_unseen_field *f)
 {
     uint32_t open = 0;
