@@ -282,6 +282,41 @@ static void test_drawn(void **state)
     assert_true(rig_far(rig_positions(s, e.model), goal, e.n) < 0.05f);
 }
 
+/* A flat plate flies 16 m while it spins: rounding is not to bend it, however far it has come. */
+static void test_flies_far(void **state)
+{
+    enum { N = 21 };
+    (void)state;
+    float *const x = rig_alloc(3u * N * N * sizeof *x);
+    uint32_t *const t = rig_alloc(6u * (N - 1) * (N - 1) * sizeof *t);
+    for (uint32_t i = 0; i < N * N; i++) {
+        x[3u * i] = 5.0f * (float)(i % N) - 50.0f;
+        x[3u * i + 1u] = 5.0f * (float)(i / N) - 50.0f;
+        e.speed[3u * i] = -5.0f * x[3u * i + 1u];
+        e.speed[3u * i + 1u] = 5.0f * x[3u * i];
+        e.speed[3u * i + 2u] = 20000.0f;
+    }
+    for (uint32_t k = 0; k < 2u * (N - 1) * (N - 1); k++) {
+        const uint32_t a = k / 2u / (N - 1) * N + k / 2u % (N - 1);
+        t[3u * k] = k % 2u ? a + N + 1u : a;
+        t[3u * k + 1u] = k % 2u ? a + N : a + 1u;
+        t[3u * k + 2u] = k % 2u ? a + 1u : a + N;
+    }
+    const smr_mesh plate = {x, t, N * N, 2u * (N - 1) * (N - 1)};
+    const smr_prepare_config radius = rig_radii(1, 300, 0, 0);
+    e.config.track_mm = 300.0f;
+    e.config.elastic = 1e6f;
+    e.config.damping = 0.0f;
+    e.config.step_ms = 5.0f;
+    e.config.method = SMR_METHOD_POLAR;
+    smr *s = rig_init(rig_model(&plate, 1, &radius), &e.config, NULL);
+    assert_int_equal(SMR_OK, smr_set_motion(s, 0, NULL, e.speed));
+    for (uint32_t k = 0; k < 160u; k++) {
+        steps(s, 1);
+        assert_true(energy_of(s).elastic_uj < 100.0f);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -293,6 +328,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_energy_falls_in_small_clusters, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_pins_weigh, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_drawn, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_flies_far, set_up, tidy),
     };
     return cmocka_run_group_tests_name("dynamics", tests, NULL, NULL);
 }

@@ -142,14 +142,35 @@ static uint32_t whole(uint64_t parts, uint32_t bits)
     return (uint32_t)((parts + ((uint64_t)1 << (bits - 1u))) >> bits);
 }
 
+/* Whole steps of a vertex in the middle of things. A body that flies far would have moments about the origin that
+ * rounding spoils, all in one direction where it is flat; about this place it has not. */
+static void middle_of(const smr_reference *r, uint32_t out[3])
+{
+    out[0] = out[1] = out[2] = 0;
+    if (r->shared->mass != NULL)
+        steps_of(smr_at3(r->shape->x_ref, 0), r->per_coarse, out);
+}
+
+/* A position in coarse steps from there, modulo 2^32. */
+static void steps_from(const smr_reference *r, const uint32_t middle[3], const float *x, uint32_t out[3])
+{
+    steps_of(x, r->per_coarse, out);
+    for (uint32_t a = 0; a < 3u; a++)
+        out[a] -= middle[a];
+}
+
 /* Moments in dynamics. A pinned vertex weighs as much as a whole cluster, so what rounding moves it by is not lost in
  * the mean, and heavy sums have coarse steps. So here not the position is rounded but each of the moments, once, which
  * is a unit of a sum's 2^30. They are needed modulo 2^32, so 64 bits may wrap, too. */
 static void record_parts(const smr_reference *r, uint32_t v, uint64_t m, uint32_t *w)
 {
     uint64_t q[3], f[3];
+    uint32_t middle[3];
+    middle_of(r, middle);
     parts_of(smr_at3(r->shape->x_ref, v), r->per_coarse, q);
     parts_of(smr_at3(r->shape->x_ref, v), r->per_fine, f);
+    for (uint32_t a = 0; a < 3u; a++)
+        q[a] -= (uint64_t)(int64_t)smr_signed(middle[a]) << SMR_PART_BITS;
     for (uint32_t a = 0, i = 4; a < 3u; a++) {
         w[1u + a] = whole(m * q[a], SMR_PART_BITS);
         w[10u + a] = whole(m * f[a], SMR_PART_BITS);
@@ -196,10 +217,13 @@ void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-/* a - b steps. Members of a cluster are nearer than this bound; what a forged image names need not be. */
-static int64_t steps_apart(uint32_t a, uint32_t b)
+#define SMR_COARSE_MOST (1 << 15) /* steps between members of a cluster, by step_for() */
+#define SMR_FINE_MOST (1 << 30)
+
+/* a - b steps. Members of a cluster are no farther apart than `most`; what a forged model names may be. */
+static int64_t steps_apart(uint32_t a, uint32_t b, int32_t most)
 {
-    const int32_t d = smr_signed(a - b), most = 1 << 20;
+    const int32_t d = smr_signed(a - b);
     return d > most ? most : (d < -most ? -most : d);
 }
 
@@ -207,21 +231,23 @@ static int64_t steps_apart(uint32_t a, uint32_t b)
  * cluster's vertex, which are small whole numbers. What is left of its mass has a word of its own. */
 void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t share)
 {
-    uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)to, q[3], f[3], there[3], fine[3], first[3];
+    uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)to, middle[3], q[3], f[3], there[3], fine[3], first[3];
     const int64_t m = (int64_t)(smr_mass(r->shared, from) * r->shared->mass_unit) * share;
-    steps_of(smr_at3(r->shape->x_ref, from), r->per_coarse, q);
+    int64_t d[3];
+    middle_of(r, middle);
+    steps_from(r, middle, smr_at3(r->shape->x_ref, from), q);
     steps_of(smr_at3(r->shape->x_ref, from), r->per_fine, f);
-    steps_of(smr_at3(r->shape->x_ref, to), r->per_coarse, there);
+    steps_from(r, middle, smr_at3(r->shape->x_ref, to), there);
     steps_of(smr_at3(r->shape->x_ref, to), r->per_fine, fine);
     for (uint32_t a = 0; a < 3u; a++) {
-        first[a] = smr_boundary_part(m * steps_apart(q[a], there[a]));
+        d[a] = steps_apart(q[a], there[a], SMR_COARSE_MOST);
+        first[a] = smr_boundary_part(m * d[a]);
         w[1u + a] += first[a];
-        w[10u + a] += smr_boundary_part(m * smr_signed(f[a] - fine[a]));
+        w[10u + a] += smr_boundary_part(m * steps_apart(f[a], fine[a], SMR_FINE_MOST));
     }
     for (uint32_t a = 0, i = 4; a < 3u; a++)
         for (uint32_t b = a; b < 3u; b++, i++)
-            w[i] += smr_boundary_part(m * steps_apart(q[a], there[a]) * steps_apart(q[b], there[b])) +
-                    there[a] * first[b] + there[b] * first[a];
+            w[i] += smr_boundary_part(m * d[a] * d[b]) + there[a] * first[b] + there[b] * first[a];
     w[13] += (uint32_t)share;
     w[14] += (uint32_t)m;
 }
@@ -251,6 +277,8 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     const float k = r->coarse, unit = 1.0f / r->shared->mass_unit;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, r->shared->n);
+    uint32_t middle[3];
+    middle_of(r, middle);
     for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
         const uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)v;
         const float *x = smr_at3(r->shape->x_ref, v);
@@ -258,7 +286,7 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
         r->share[v] = w[13] > 0u ? (float)SMR_BOUNDARY_UNITS / (float)w[13] : 0.0f;
         if (!smr_active(r->pace, v))
             continue;
-        steps_of(x, r->per_coarse, q);
+        steps_from(r, middle, x, q);
         steps_of(x, r->per_fine, f);
         /* moments about the cluster's own vertex */
         const float mass = smr_max(smr_unfix(w[0], unit) + smr_unfix(w[14], unit / (float)SMR_BOUNDARY_UNITS), unit);

@@ -46,7 +46,7 @@ uint32_t smr_reference_cluster_tasks(const void *reference);
 void smr_reference_cluster(void *reference, uint32_t task, uint32_t worker);
 void smr_reference_end(smr_reference *r);
 
-/* value / SMR_BOUNDARY_UNITS, to the nearest, for values within +-2^61. Takes as long whatever its sign. */
+/* value / SMR_BOUNDARY_UNITS, to the nearest, for values within +-2^62. Takes as long whatever its sign. */
 static inline uint32_t smr_boundary_part(int64_t value)
 {
     const uint64_t up = (uint64_t)1 << 62;
