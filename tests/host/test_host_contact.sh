@@ -74,6 +74,8 @@ check "is the last line" sh -c "tail -n 1 out.txt | grep -q '^verdict: look at t
 check "in the report" [ "$(grep -cE "^    \"$reason\",?\$" out/report.json)" -eq 1 ]
 check "the bone's" grep -qE '^ +"still [2-9][.][0-9] mm deep in contact with stem",?$' out/report.json
 check "on the page" grep -q "$reason" out/report.html
+check "its target lies there, too" [ "$(grep -cE '^ +"the target of bone lies [2-9][.][0-9] mm deep in stem: contact keeps' out/report.json)" -eq 1 ]
+check "the bone's target" grep -qE '^ +"its target lies [2-9][.][0-9] mm deep in stem, which contact keeps it out of",?$' out/report.json
 "$SMR" summary out -o table.csv --quiet
 check "in the table" grep -q ",look,.*$reason" table.csv
 check "accepted" judged 0 bone.ply --contact-with stem.ply --accept look

@@ -131,6 +131,16 @@ static int is_nested(const host_job *job, const host_contact_pair *pair)
     return nested;
 }
 
+/* How deep the surface that a structure is registered to lies in a fixed one; 0 of an open one. */
+static float asked(const host_job *job, uint32_t part, const smr_surface *fixed)
+{
+    const uint32_t target = job->result[part].target;
+    smr_contact_report r = {0, 0, 0, 0};
+    if (!job->options->image_target && target != HOST_NO_TARGET && job->target[target].surface != NULL)
+        (void)smr_surface_contact(job->target[target].surface, fixed, 0.0f, &r);
+    return r.a_in_b_mm;
+}
+
 static void measure_pair(void *arg, uint32_t task, uint32_t worker)
 {
     const bodies *const all = arg;
@@ -146,6 +156,7 @@ static void measure_pair(void *arg, uint32_t task, uint32_t worker)
     if (r->deepest_mm > r->a_in_b_mm + INSIDE_MM)
         r->volume_mm3 = r->area_mm2 = 0.0f;
     pair->left_mm = r->deepest_mm = r->a_in_b_mm; /* how far it cuts the surface */
+    pair->asked_mm = asked(all->job, pair->a, all->body[pair->b].surface);
 }
 
 static int near(const body *a, const body *b)
@@ -165,7 +176,7 @@ static uint32_t list_pairs(const host_job *job, const body *list, host_contact_p
         for (b = a + 1u; b < n_all; b++)
             if (near(&list[a], &list[b])) {
                 if (pair != NULL)
-                    pair[n] = (host_contact_pair){a, b, {0, 0, 0, 0}, 0};
+                    pair[n] = (host_contact_pair){a, b, {0, 0, 0, 0}, 0, 0};
                 n++;
             }
     return n;
@@ -193,7 +204,7 @@ static int measure(host_job *job, body *list)
     (void)list_pairs(job, list, c->pair);
     host_parallel(&job->port.port, measure_pair, &(bodies){job, list, c->pair, job->model.n_parts}, n);
     for (i = 0; i < n; i++)
-        if (c->pair[i].report.area_mm2 > 0.0f || c->pair[i].report.deepest_mm > 0.0f)
+        if (c->pair[i].report.area_mm2 > 0.0f || c->pair[i].report.deepest_mm > 0.0f || c->pair[i].asked_mm > 0.0f)
             c->pair[kept++] = c->pair[i];
     c->n_pairs = kept;
     c->measured = 1;

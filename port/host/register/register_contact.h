@@ -12,7 +12,8 @@
 typedef struct host_contact_pair {
     uint32_t a, b; /* structures; b - n_parts: a fixed surface */
     smr_contact_report report;
-    float left_mm; /* how deep they are in each other that should not be; 0 where one lies in the other by design */
+    float left_mm;  /* how deep they are in each other that should not be; 0 where one lies in the other by design */
+    float asked_mm; /* how deep the structure's own target lies in the fixed surface: what contact works against */
 } host_contact_pair;
 
 typedef struct host_contacts {

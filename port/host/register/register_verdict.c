@@ -161,6 +161,26 @@ static void judge_contact(host_job *job, host_verdict *verdict)
                          (double)c->pair[most].left_mm, n > 1 ? ", and so do others" : "");
 }
 
+/* Where a target lies in what is to be kept out of, contact draws the structure off what is seen of it. */
+static void judge_contradiction(host_job *job, host_verdict *verdict)
+{
+    const host_contacts *const c = &job->contacts;
+    uint32_t i = 0, most = 0;
+    for (i = 0; i < c->n_pairs; i++) {
+        const host_contact_pair *const pair = &c->pair[i];
+        most = pair->asked_mm > c->pair[most].asked_mm ? i : most;
+        if (pair->asked_mm > host_contact_bound(job))
+            host_verdict_add(&job->result[pair->a].verdict, HOST_VERDICT_LOOK,
+                             "its target lies %.1f mm deep in %s, which contact keeps it out of",
+                             (double)pair->asked_mm, host_contact_name(job, pair->b));
+    }
+    if (c->n_pairs > 0 && c->pair[most].asked_mm > host_contact_bound(job))
+        host_verdict_add(verdict, HOST_VERDICT_LOOK,
+                         "the target of %s lies %.1f mm deep in %s: contact keeps the result off its target there",
+                         host_contact_name(job, c->pair[most].a), (double)c->pair[most].asked_mm,
+                         host_contact_name(job, c->pair[most].b));
+}
+
 /* What the library measured: its level and a sentence for each reason, but for that nothing was seen: judge_run and
  * judge_lost say more of that. */
 static void judge_measures(smr *s, uint32_t structure, smr_verdict *measures, host_verdict *verdict)
@@ -213,6 +233,7 @@ void host_job_verdict(host_job *job)
     judge_lost(job, &job->verdict);
     judge_folds(job, &job->verdict);
     judge_contact(job, &job->verdict);
+    judge_contradiction(job, &job->verdict);
     judge_measures(job->state, SMR_ALL, &job->measures, &job->verdict);
     if (job->target_seen && (job->measures.reasons & SMR_REASON_NOTHING_SEEN) != 0)
         host_verdict_add(&job->verdict, HOST_VERDICT_FAILED, "%s", smr_reason_text(SMR_REASON_NOTHING_SEEN));
