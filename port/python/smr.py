@@ -762,12 +762,20 @@ def _merged(meshes: Iterable[Tuple[Array, Array]]) -> Surface:
     return Surface(np.concatenate(all_xyz), np.concatenate(all_triangles))
 
 
-def align(model: Union[Model, Surface], target: Union[Surface, Points], scaled: bool = True,
+def _as_surface(shape: Any, what: str) -> Surface:
+    """A model's structures as one surface; a cloud as one without triangles."""
+    made = _merged(shape.mesh(i) for i in range(len(shape))) if isinstance(shape, Model) else _as_target(shape)
+    if isinstance(made, Volume):
+        raise TypeError(f"{what}: expected a surface or points, not an image")
+    return made.surface() if isinstance(made, Points) else made
+
+
+def align(model: Union[Model, Surface, Mesh], target: Union[Surface, Points, Mesh, Array], scaled: bool = True,
           given: Any = None, **settings: int) -> Tuple[Pose, AlignReport]:
-    """The pose [3][4] that lays a model onto a target, without landmarks. scaled: with one scale. given: the pose
-    [3][4] that is tried as well; None: as the files lie. settings: iterations, samples."""
-    source = _merged(model.mesh(i) for i in range(len(model))) if isinstance(model, Model) else model
-    onto = target.surface() if isinstance(target, Points) else target
+    """The pose [3][4] that lays a model onto a target, without landmarks. A (xyz, triangles) is a surface, an array
+    [n][3] a cloud. scaled: with one scale. given: the pose [3][4] that is tried as well; None: as the files lie.
+    settings: iterations, samples."""
+    source, onto = _as_surface(model, "model"), _as_surface(target, "target")
     config = _lib.smr_align_config_default()
     config.scaled = int(scaled)
     for name, value in settings.items():

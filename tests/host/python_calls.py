@@ -89,7 +89,9 @@ def twin(folder):
     end("surface", result.hash, result.verdict)
     result = smr.register(model, (now, triangles), method="polar", search_mm=25, ticks=12)
     end("polar", result.hash, result.verdict)
-    print("align" + bits(smr.align(smr.Surface(rest, triangles), smr.Surface(now, triangles))[0]))
+    pose = smr.align(smr.Surface(rest, triangles), smr.Surface(now, triangles))[0]
+    print("align" + bits(pose))
+    assert np.array_equal(pose, smr.align((rest, triangles), (now, triangles))[0])
     cloud = smr.Points(len(now))
     cloud.add(now[:len(now) // 2])
     result = smr.register(model, cloud)
