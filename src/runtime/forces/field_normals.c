@@ -7,6 +7,7 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/unseen_field.h"
 
+#define SMR_FIELD_FAR 1.0e7f     /* mm: no coordinate is */
 #define SMR_MOTION_VARIANCE 4.0f /* of the motions, over the field's: at a kernel length for turns and scale */
 
 static float *motions(const smr_unseen_field *f, uint32_t k) { return f->motion + (size_t)SMR_FIELD_MOTIONS * k; }
@@ -76,6 +77,15 @@ static void add_motions(smr_unseen_field *f, const float m[SMR_FIELD_MOTIONS])
     }
 }
 
+/* 1 for numbers that a field near the target has: not what rounding leaves where a model has gone very far. */
+static int is_sane(const float *number, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++)
+        if (!(number[i] > -SMR_FIELD_FAR && number[i] < SMR_FIELD_FAR))
+            return 0;
+    return 1;
+}
+
 void smr_field_normals_end(smr_unseen_field *f)
 {
     float sum[SMR_FIELD_MOTIONS] = {0};
@@ -87,4 +97,6 @@ void smr_field_normals_end(smr_unseen_field *f)
         smr_store(to, smr_scale(smr_load(to), f->left[k]));
     }
     add_motions(f, sum);
+    if (!is_sane(f->bend, 3u * f->n) || !is_sane(&f->pose.m[0][0], 12u))
+        f->n = 0;
 }

@@ -13,14 +13,15 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/forces.h"
 
-#define SMR_FIELD_LENGTH 0.4f  /* kernel length over the diagonal of the model's box */
-#define SMR_FIELD_LOOSE 0.003f /* of the variance: what a control may be off */
-#define SMR_FIELD_NORMAL 0.03f /* the same along its normal: there are more of them */
-#define SMR_FIELD_STIFF 4.0f   /* times (cluster radius / kernel length)^2, added to it */
-#define SMR_FIELD_PART 8u      /* vertices for a control along its normal */
-#define SMR_FIELD_LEAST 4u     /* controls: with fewer vertices there is no field, with fewer landmarks no scale */
-#define SMR_LOOK 2048u         /* vertices of a task that counts or chooses controls */
-#define SMR_FIELD_HARD 1.0e-5f /* of the variance: what a hard landmark may be off */
+#define SMR_FIELD_LENGTH 0.4f     /* kernel length over the diagonal of the model's box */
+#define SMR_FIELD_LOOSE 0.003f    /* of the variance: what a control may be off */
+#define SMR_FIELD_NORMAL 0.03f    /* the same along its normal: there are more of them */
+#define SMR_FIELD_ROUNDED 1.0e-5f /* of a variance: what sums of SMR_FIELD_ROWS products lose */
+#define SMR_FIELD_STIFF 4.0f      /* times (cluster radius / kernel length)^2, added to it */
+#define SMR_FIELD_PART 8u         /* vertices for a control along its normal */
+#define SMR_FIELD_LEAST 4u        /* controls: with fewer vertices there is no field, with fewer landmarks no scale */
+#define SMR_LOOK 2048u            /* vertices of a task that counts or chooses controls */
+#define SMR_FIELD_HARD 1.0e-5f    /* of the variance: what a hard landmark may be off */
 
 /* What is kept while controls are chosen, in the memory of the factor. */
 typedef struct smr_choice {
@@ -232,16 +233,18 @@ static void begin(smr_unseen_field *f, uint32_t n)
     }
 }
 
-/* Column j of the Cholesky factor. */
+/* Column j of the Cholesky factor. What is left on the diagonal is no smaller than what its differences are off by. */
 static void factor(smr_unseen_field *f, uint32_t j)
 {
     const float *const above = smr_field_row(f, j);
-    const float least = 0.5f * smr_min(f->loose[j], SMR_FIELD_LOOSE);
+    float least = 0.5f * smr_min(f->loose[j], SMR_FIELD_LOOSE);
     for (uint32_t i = j; i < f->n; i++) {
         float *const r = smr_field_row(f, i);
         float sum = between(f, i, j);
         if (f->by_normals)
             sum = smr_field_normals_between(f, i, j, sum);
+        if (i == j)
+            least = smr_max(least, SMR_FIELD_ROUNDED * sum);
         sum += i == j ? f->loose[i] : 0.0f;
         for (uint32_t k = 0; k < j; k++)
             sum -= r[k] * above[k];
