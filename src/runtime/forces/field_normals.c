@@ -7,10 +7,19 @@
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/unseen_field.h"
 
+#define SMR_FIELD_ALIKE 0.9f     /* length of the mean of unit normals: above, they are those of a sheet */
 #define SMR_FIELD_FAR 1.0e7f     /* mm: no coordinate is */
 #define SMR_MOTION_VARIANCE 4.0f /* of the motions, over the field's: at a kernel length for turns and scale */
 
 static float *motions(const smr_unseen_field *f, uint32_t k) { return f->motion + (size_t)SMR_FIELD_MOTIONS * k; }
+
+uint32_t smr_field_normals_alike(const smr_unseen_field *f, const uint32_t *control)
+{
+    smr_vec sum = smr_v(0, 0, 0);
+    for (uint32_t k = 0; k < f->n; k++)
+        sum = smr_add(sum, smr_load(smr_at3(f->shape->normal, control[k])));
+    return smr_dot(sum, sum) > SMR_FIELD_ALIKE * SMR_FIELD_ALIKE * (float)f->n * (float)f->n;
+}
 
 void smr_field_normals_begin(smr_unseen_field *f, const uint32_t *control, smr_vec middle)
 {

@@ -16,7 +16,6 @@
 #define SMR_FIELD_LENGTH 0.4f     /* kernel length over the diagonal of the model's box */
 #define SMR_FIELD_LOOSE 0.003f    /* of the variance: what a control may be off */
 #define SMR_FIELD_NORMAL 0.03f    /* the same along its normal: there are more of them */
-#define SMR_FIELD_ALIKE 0.9f      /* length of the mean of unit normals: above, they are those of a sheet */
 #define SMR_FIELD_ROUNDED 1.0e-5f /* of a variance: what sums of SMR_FIELD_ROWS products lose */
 #define SMR_FIELD_STIFF 4.0f      /* times (cluster radius / kernel length)^2, added to it */
 #define SMR_FIELD_PART 8u         /* vertices for a control along its normal */
@@ -211,15 +210,6 @@ static void add_seen(smr_unseen_field *f, const uint32_t *control, float ratio, 
     }
 }
 
-/* 1 where normals say little of what runs across them: a sheet, whose size they would leave to chance. */
-static uint32_t are_alike(const smr_unseen_field *f, const uint32_t *control)
-{
-    smr_vec sum = smr_v(0, 0, 0);
-    for (uint32_t k = 0; k < f->n; k++)
-        sum = smr_add(sum, smr_load(smr_at3(f->shape->normal, control[k])));
-    return smr_dot(sum, sum) > SMR_FIELD_ALIKE * SMR_FIELD_ALIKE * (float)f->n * (float)f->n;
-}
-
 /* The pose, and what it leaves, of landmarks and of n chosen vertices. */
 static void begin(smr_unseen_field *f, uint32_t n)
 {
@@ -229,8 +219,7 @@ static void begin(smr_unseen_field *f, uint32_t n)
     const smr_vec middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
     f->per_length2 = 1.0f / (length * length);
     f->n = f->landmarks->n > 0u || n >= SMR_FIELD_LEAST ? f->landmarks->n + n : 0u;
-    if (f->by_normals && are_alike(f, choice(f)->control))
-        f->by_normals = 0;
+    f->by_normals = f->by_normals != 0u && !smr_field_normals_alike(f, choice(f)->control);
     smr_fit_start(&fit, middle, middle);
     add_landmarks(f, &fit);
     add_seen(f, choice(f)->control, f->pace->lists.radius / length, &fit);

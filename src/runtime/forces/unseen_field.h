@@ -40,6 +40,9 @@ static inline float *smr_field_row(const smr_unseen_field *f, uint32_t i)
     return f->lower + (size_t)i * (i + 1u) / 2u;
 }
 
+/* 1 where normals say little of what runs across them: of a sheet, whose size they would leave to chance. */
+uint32_t smr_field_normals_alike(const smr_unseen_field *f, const uint32_t *control);
+
 /* By normals (field_normals.c). The pose is there, and `bend` holds present positions; control: stored vertices,
  * middle: about which motions turn, at the start. Then the covariance of what two controls tell, from the kernel
  * between them. At the end, from the factor: coefficients, and motions added to the pose. */
