@@ -1,50 +1,89 @@
 /* field_normals.c: the field of unseen vertices through what the target really shows. A surface holds a vertex along
  * its normal only, so a control tells one number: how far it lies from the pose along its normal. What runs along the
  * surface follows from the field, of which each component has the same kernel. Taken as seen, it would keep whatever
- * the start left there. The pose has taken its share of that, too, so the field contains the seven small motions of a
- * similarity, and they are added to the pose.
+ * the start left there. The pose has taken its share of that, too, so the field contains the seven motions of a
+ * similarity, and they are added to the pose. They are measured from the start: what normals do not tell, a ball's turn
+ * or how large a flat cap is, stays as the start had it, and does not wander from iteration to iteration.
  * Bounds: those of unseen_field.c.
  * SPDX-License-Identifier: MIT */
+#include "geometry/triangle.h"
 #include "runtime/forces/unseen_field.h"
 
-#define SMR_FIELD_ALIKE 0.9f     /* length of the mean of unit normals: above, they are those of a sheet */
+#define SMR_FIELD_SHEET 0.5f     /* of its area: the sum of area vectors, above which a model is a sheet */
 #define SMR_FIELD_FAR 1.0e7f     /* mm: no coordinate is */
-#define SMR_MOTION_VARIANCE 4.0f /* of the motions, over the field's: at a kernel length for turns and scale */
+#define SMR_TURN_MOST 0.1f       /* of 4: what Cayley's parameter divides by, near half a turn */
+#define SMR_SIZE_MOST 2.0f       /* in a step */
+#define SMR_MOTION_VARIANCE 8.0f /* of the motions, over the field's: at a kernel length for turns and scale */
 
 static float *motions(const smr_unseen_field *f, uint32_t k) { return f->motion + (size_t)SMR_FIELD_MOTIONS * k; }
 
-uint32_t smr_field_normals_alike(const smr_unseen_field *f, const uint32_t *control)
+/* The sum of a structure's area vectors at rest, twice; adds twice its area. */
+static smr_vec open_part(const smr_shared *shared, const smr_shape_structure *one, float *area)
 {
+    const uint32_t first = one->first_triangle, last = first + one->facets.n_triangles;
     smr_vec sum = smr_v(0, 0, 0);
-    for (uint32_t k = 0; k < f->n; k++)
-        sum = smr_add(sum, smr_load(smr_at3(f->shape->normal, control[k])));
-    return smr_dot(sum, sum) > SMR_FIELD_ALIKE * SMR_FIELD_ALIKE * (float)f->n * (float)f->n;
+    for (uint32_t k = first; k < last; k++) {
+        const uint32_t *t = shared->triangle + 3u * (size_t)k;
+        const smr_vec two = smr_triangle_cross(smr_rest(shared, t[0]), smr_rest(shared, t[1]), smr_rest(shared, t[2]));
+        sum = smr_add(sum, two);
+        *area += smr_length(two);
+    }
+    return sum;
+}
+
+void smr_unseen_field_model(smr_unseen_field *f)
+{
+    float open = 0.0f, area = 0.0f;
+    for (uint32_t i = 0; i < f->shared->n_structures; i++)
+        open += smr_length(open_part(f->shared, &f->shape->structure[i], &area));
+    f->sheet = open > SMR_FIELD_SHEET * area;
+}
+
+static float dot(const float a[SMR_FIELD_MOTIONS], const float b[SMR_FIELD_MOTIONS])
+{
+    float sum = 0.0f;
+    for (uint32_t m = 0; m < SMR_FIELD_MOTIONS; m++)
+        sum += a[m] * b[m];
+    return sum;
+}
+
+static smr_vec column(const smr_pose *p, uint32_t c) { return smr_v(p->m[0][c], p->m[1][c], p->m[2][c]); }
+
+/* The motions that take the pose back to the start; while targets are followed, to its size only. */
+static void find_way_back(smr_unseen_field *f, smr_vec middle)
+{
+    const smr_pose *p = &f->pose;
+    const float length = 1.0f / SMR_SQRT(f->per_length2);
+    const float scale = smr_length(column(p, 0)), trace = p->m[0][0] + p->m[1][1] + p->m[2][2];
+    const smr_vec turn = smr_v(p->m[1][2] - p->m[2][1], p->m[2][0] - p->m[0][2], p->m[0][1] - p->m[1][0]);
+    const float half = f->pace->tracking ? 0.0f : length / smr_max(scale + trace, SMR_TURN_MOST * scale);
+    smr_store(f->back, f->pace->tracking ? smr_v(0, 0, 0) : smr_sub(middle, f->middle));
+    smr_store(f->back + 3, smr_scale(turn, 2.0f * half));
+    f->back[6] = length * (1.0f / scale - 1.0f);
 }
 
 void smr_field_normals_begin(smr_unseen_field *f, const uint32_t *control, smr_vec middle)
 {
     const float inverse = SMR_SQRT(f->per_length2);
     f->middle = smr_pose_apply(&f->pose, middle);
+    find_way_back(f, middle);
     for (uint32_t k = 0; k < f->n; k++) {
         const smr_vec n = smr_load(smr_at3(f->shape->normal, control[k]));
         const smr_vec posed = smr_pose_apply(&f->pose, smr_load(smr_at3(f->start, k)));
         const smr_vec arm = smr_scale(smr_sub(posed, f->middle), inverse), turn = smr_cross(arm, n);
         float *const m = motions(f, k);
-        f->left[k] = smr_dot(n, smr_sub(smr_load(smr_at3(f->bend, k)), posed));
-        smr_store(smr_at3(f->bend, k), n);
         smr_store(m, n);
         smr_store(m + 3, turn);
         m[6] = smr_dot(arm, n);
+        f->left[k] = smr_dot(n, smr_sub(smr_load(smr_at3(f->bend, k)), posed)) - dot(f->back, m);
+        smr_store(smr_at3(f->bend, k), n);
     }
 }
 
 float smr_field_normals_between(const smr_unseen_field *f, uint32_t i, uint32_t j, float kernel)
 {
     const float *const a = motions(f, i), *const b = motions(f, j);
-    float sum = 0.0f;
-    for (uint32_t m = 0; m < SMR_FIELD_MOTIONS; m++)
-        sum += a[m] * b[m];
-    return kernel * smr_dot(smr_load(a), smr_load(b)) + SMR_MOTION_VARIANCE * sum;
+    return kernel * smr_dot(smr_load(a), smr_load(b)) + SMR_MOTION_VARIANCE * dot(a, b);
 }
 
 /* left = (L L^T)^-1 left */
@@ -65,21 +104,24 @@ static void substitute(smr_unseen_field *f)
     }
 }
 
-/* The motion of a point that lies at `arm` from the middle, in kernel lengths. */
-static smr_vec moved(const float m[SMR_FIELD_MOTIONS], smr_vec arm)
+/* v turned by a motion's turn, given as Cayley's parameter: a rotation however large the turn. */
+static smr_vec turned(smr_vec half, smr_vec v)
 {
-    return smr_add(smr_cross(smr_load(m + 3), arm), smr_scale(arm, m[6]));
+    const smr_vec once = smr_add(v, smr_cross(half, v));
+    const float per = 2.0f / (1.0f + smr_dot(half, half));
+    return smr_add(v, smr_scale(smr_cross(half, once), per));
 }
-
-static smr_vec column(const smr_pose *p, uint32_t c) { return smr_v(p->m[0][c], p->m[1][c], p->m[2][c]); }
 
 static void add_motions(smr_unseen_field *f, const float m[SMR_FIELD_MOTIONS])
 {
     const float inverse = SMR_SQRT(f->per_length2);
+    const smr_vec half = smr_scale(smr_load(m + 3), 0.5f * inverse);
+    const float scale = smr_clamp(1.0f + inverse * m[6], 1.0f / SMR_SIZE_MOST, SMR_SIZE_MOST);
     for (uint32_t c = 0; c < 4u; c++) {
-        const smr_vec from = column(&f->pose, c), arm = c < 3u ? from : smr_sub(from, f->middle);
-        const smr_vec shift = c < 3u ? smr_v(0, 0, 0) : smr_load(m);
-        const smr_vec to = smr_add(smr_add(from, shift), moved(m, smr_scale(arm, inverse)));
+        const smr_vec from = c < 3u ? column(&f->pose, c) : smr_sub(column(&f->pose, c), f->middle);
+        smr_vec to = smr_scale(turned(half, from), scale);
+        if (c == 3u)
+            to = smr_add(smr_add(to, f->middle), smr_load(m));
         f->pose.m[0][c] = to.x;
         f->pose.m[1][c] = to.y;
         f->pose.m[2][c] = to.z;
@@ -97,7 +139,7 @@ static int is_sane(const float *number, uint32_t n)
 
 void smr_field_normals_end(smr_unseen_field *f)
 {
-    float sum[SMR_FIELD_MOTIONS] = {0};
+    float *const sum = f->back;
     substitute(f);
     for (uint32_t k = 0; k < f->n; k++) {
         float *const to = smr_at3(f->bend, k);

@@ -8,8 +8,7 @@
  * along itself for as long as images come: nothing but its ends holds it there, and profiles err about those.
  * Landmarks are controls whose places are given. What is observed of one is the mean of its triangle's corners. So
  * that the field passes exactly by a hard one, what it may be off is not noise, but a second field of short reach.
- * Bounds: two tasks for each SMR_LOOK vertices, and SMR_CONTROLS + config.n_landmarks + 2 of as many squared
- * multiplications at most.
+ * Bounds: two tasks for each SMR_LOOK vertices, and as many and 2 as controls, of their square multiplications at most.
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/forces.h"
 
@@ -76,14 +75,14 @@ void smr_unseen_field_watch(smr_unseen_field *f, const uint8_t *found, const uin
 /* Where the field starts: what tracking holds to, or where the registration started. */
 static float *start_of(const smr_unseen_field *f) { return f->pace->tracking ? f->shape->held_x : f->shape->start; }
 
-/* Landmarks and images give places in space. Without them what is known of a part lies along normals. A closed target
- * that is not covered yet is taken for the whole that it will be: what the start pose gave stays. */
+/* Landmarks, images and the borders of sheets give places. Without them what is known of a part lies along normals. A
+ * closed target that is not covered yet is taken for the whole that it will be: what the start pose gave stays. */
 static uint32_t knows_normals_only(const smr_unseen_field *f)
 {
     uint32_t open = 0;
     for (uint32_t i = 0; i < f->shared->n_structures; i++)
         open |= (uint32_t)smr_overlap_lasting(f->goals, i);
-    return f->shared->config.n_landmarks == 0u && !smr_field_of_image(f) ? open : 0u;
+    return f->shared->config.n_landmarks == 0u && !smr_field_of_image(f) && !f->sheet ? open : 0u;
 }
 
 static float kernel(const smr_unseen_field *f, smr_vec a, smr_vec b)
@@ -219,7 +218,6 @@ static void begin(smr_unseen_field *f, uint32_t n)
     const smr_vec middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
     f->per_length2 = 1.0f / (length * length);
     f->n = f->landmarks->n > 0u || n >= SMR_FIELD_LEAST ? f->landmarks->n + n : 0u;
-    f->by_normals = f->by_normals != 0u && !smr_field_normals_alike(f, choice(f)->control);
     smr_fit_start(&fit, middle, middle);
     add_landmarks(f, &fit);
     add_seen(f, choice(f)->control, f->pace->lists.radius / length, &fit);
@@ -336,13 +334,15 @@ static smr_vec along(const smr_unseen_field *f, uint32_t v, smr_vec way)
     return smr_sub(way, smr_scale(normal, smr_dot(normal, way)));
 }
 
+/* The share of a way to take that itself follows from positions: momentum adds the rest. Both in full would swing. */
+static float step_of(const smr_unseen_field *f) { return f->by_normals ? 1.0f - f->pace->momentum : 1.0f; }
+
 void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way)
 {
-    const float share = shown(f, v, has_goal), hard = smr_unseen_field_prevails(f, v);
-    const smr_vec by_field = carried(f, v);
+    const float share = shown(f, v, has_goal);
+    const smr_vec by_field = smr_scale(carried(f, v), step_of(f));
     *way = smr_add(smr_scale(smr_add(*way, along(f, v, by_field)), share), smr_scale(by_field, 1.0f - share));
-    if (hard > 0.0f)
-        *way = mix(*way, by_field, hard);
+    smr_unseen_field_prevail(f, v, way);
 }
 
 void smr_unseen_field_steady(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way)

@@ -24,24 +24,23 @@ typedef struct smr_unseen_field {
     uint32_t most;             /* controls that there is room for */
     float *start;              /* [most][3] start positions of the controls, mm */
     float *bend;               /* [most][3] coefficients of the field; while it is solved: what the pose leaves, mm */
-    float *lower;        /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row; before: which vertices are controls */
-    float *loose;        /* [most] on the diagonal: how far the field may miss a control */
-    float *motion;       /* [most][SMR_FIELD_MOTIONS] along a control's normal, of motions by 1; without landmarks */
-    float *left;         /* [most] what the pose leaves along it, mm; then coefficients; without landmarks */
-    smr_vec middle;      /* about which motions turn and scale */
-    uint32_t by_normals; /* 1: controls are known along their normals only; set when they are chosen */
-    uint32_t n;          /* controls in use, the landmarks first; 0: no field */
-    smr_pose pose;       /* rigid, from start to present positions of the controls */
-    float per_length2;   /* 1 / mm^2, of the kernel's length */
+    float *lower;  /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row; before: which vertices are controls */
+    float *loose;  /* [most] on the diagonal: how far the field may miss a control */
+    float *motion; /* [most][SMR_FIELD_MOTIONS] along a control's normal, of motions by 1; without landmarks */
+    float *left;   /* [most] what the pose leaves along it, mm; then coefficients; without landmarks */
+    float back[SMR_FIELD_MOTIONS]; /* motions: from the pose to the start, then to where normals show it */
+    smr_vec middle;                /* about which motions turn and scale */
+    uint32_t sheet;                /* 1: the model is one, whose size along itself is told by its borders alone */
+    uint32_t by_normals;           /* 1: controls are known along their normals only; set when they are chosen */
+    uint32_t n;                    /* controls in use, the landmarks first; 0: no field */
+    smr_pose pose;                 /* rigid, from start to present positions of the controls */
+    float per_length2;             /* 1 / mm^2, of the kernel's length */
 } smr_unseen_field;
 
 static inline float *smr_field_row(const smr_unseen_field *f, uint32_t i)
 {
     return f->lower + (size_t)i * (i + 1u) / 2u;
 }
-
-/* 1 where normals say little of what runs across them: of a sheet, whose size they would leave to chance. */
-uint32_t smr_field_normals_alike(const smr_unseen_field *f, const uint32_t *control);
 
 /* By normals (field_normals.c). The pose is there, and `bend` holds present positions; control: stored vertices,
  * middle: about which motions turn, at the start. Then the covariance of what two controls tell, from the kernel
@@ -54,6 +53,9 @@ size_t smr_unseen_field_words(const smr_shared *shared); /* of memory that it ne
 void smr_unseen_field_wire(smr_unseen_field *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
                            const smr_surface_goals *goals, const smr_landmark_goals *landmarks,
                            const smr_overlay *overlay);
+/* Once the model's structures are there: whether they are sheets, of which normals say little that runs across them.
+ * One pass over their triangles. */
+void smr_unseen_field_model(smr_unseen_field *f);
 void smr_unseen_field_watch(smr_unseen_field *f, const uint8_t *found, const uint32_t *has_image);
 
 /* 1 while images are followed: an image says nothing along a surface, and of some surfaces little at all. */

@@ -77,6 +77,7 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
     smr_shape_start(&self->shape);
     smr_volumes_model(&self->volumes);
     smr_contact_model(&self->forces.contact);
+    smr_unseen_field_model(&self->forces.unseen);
     if (smr_set_pose(self, &identity) != SMR_OK)
         return SMR_E_CONFIG;
     smr_smooth_rest(&self->forces.smooth);

@@ -1,0 +1,190 @@
+/* test_smooth_bodies.c: bodies on which next to nothing tells one place from another. A part of a ball, a rod, a disc
+ * or a bean is seen: what normals do not tell stays as the start has it, the rest is found, and nothing swings or
+ * drifts away. Open sheets, of which borders alone tell the size: they keep to those.
+ * Accuracy: of vertices to their true places, in mm, below.
+ * SPDX-License-Identifier: MIT */
+#include "unit/cmocka_first.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "rig.h"
+
+#define BODIES_MM 2.4f /* in the mean over all views */
+#define SHEETS_MM 4.5f /* each */
+
+enum { RINGS = 28, AROUND = 40, GRID = 31 };
+
+static const float nowhere[3] = {0, 0, 0};
+
+typedef struct body {
+    const char *name;
+    float size[3]; /* mm, half */
+    float power;   /* of its surface: 2 is an ellipsoid, more is boxier */
+    float bend;    /* mm that its ends are off the x axis */
+} body;
+
+static const body bodies[] = {{"ball", {50, 50, 50}, 2, 0},
+                              {"ellipsoid", {70, 45, 30}, 2, 0},
+                              {"rod", {120, 15, 15}, 4, 0},
+                              {"disc", {50, 50, 12}, 4, 0},
+                              {"bean", {60, 30, 30}, 2, 18}};
+
+/* The body, with the poles of its grid along x, y or z. */
+static smr_mesh body_mesh(const body *b, uint32_t rings, uint32_t around, uint32_t axis)
+{
+    const smr_mesh ball = rig_ball(1.0f, rings, around, nowhere);
+    float *xyz = rig_alloc(12u * (size_t)ball.n_vertices);
+    for (uint32_t v = 0; v < ball.n_vertices; v++) {
+        float sum = 0.0f, u[3];
+        for (uint32_t c = 0; c < 3u; c++) {
+            u[c] = ball.xyz[3u * v + (c + axis) % 3u];
+            sum += powf(fabsf(u[c]) / b->size[c], b->power);
+        }
+        for (uint32_t c = 0; c < 3u; c++)
+            xyz[3u * v + c] = u[c] * powf(sum, -1.0f / b->power);
+        xyz[3u * v + 1u] += b->bend * (xyz[3u * v] / b->size[0]) * (xyz[3u * v] / b->size[0]);
+    }
+    return (smr_mesh){xyz, ball.triangles, ball.n_vertices, ball.n_triangles};
+}
+
+/* Smooth displacements of some 5 mm. */
+static void bend(float *xyz, uint32_t n)
+{
+    static const float centre[3][3] = {{40, 20, 30}, {-50, -20, 10}, {0, 40, -40}};
+    static const float way[3][3] = {{3, -4, 2}, {-2, 3, 4}, {4, 2, -3}};
+    for (uint32_t v = 0; v < n; v++) {
+        float *x = xyz + 3u * (size_t)v, d[3] = {0, 0, 0};
+        for (uint32_t k = 0; k < 3u; k++) {
+            float r2 = 0.0f;
+            for (uint32_t c = 0; c < 3u; c++)
+                r2 += (x[c] - centre[k][c]) * (x[c] - centre[k][c]);
+            for (uint32_t c = 0; c < 3u; c++)
+                d[c] += way[k][c] * expf(-r2 / (2.0f * 70.0f * 70.0f));
+        }
+        for (uint32_t c = 0; c < 3u; c++)
+            x[c] += d[c];
+    }
+}
+
+/* The triangles whose normals lie within 60 degrees of a direction. */
+static smr_mesh seen_from(const smr_mesh *m, const float towards[3])
+{
+    uint32_t *t = rig_alloc(12u * (size_t)m->n_triangles);
+    smr_mesh part = {m->xyz, t, m->n_vertices, 0};
+    for (uint32_t i = 0; i < m->n_triangles; i++) {
+        const uint32_t *from = m->triangles + 3u * (size_t)i;
+        const float *a = m->xyz + 3u * from[0], *b = m->xyz + 3u * from[1], *c = m->xyz + 3u * from[2];
+        const float u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+        const float n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+        const float dot = n[0] * towards[0] + n[1] * towards[1] + n[2] * towards[2];
+        if (dot > 0.5f * sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]))
+            memcpy(t + 3u * (size_t)part.n_triangles++, from, 12u);
+    }
+    return part;
+}
+
+/* Mean distance between equally numbered points. */
+static float mean_off(const float *a, const float *b, uint32_t n)
+{
+    float sum = 0.0f;
+    for (uint32_t v = 0; v < n; v++)
+        sum += rig_far(a + 3u * (size_t)v, b + 3u * (size_t)v, 1);
+    return sum / (float)n;
+}
+
+/* Registers with the defaults from where they are: the mean distance of vertices to their true places. */
+static float registered(const smr_mesh *mesh, const smr_mesh *target, const float *truth)
+{
+    const smr_model *model = rig_model(mesh, 1, NULL);
+    smr_config config = smr_config_default();
+    config.n_target_vertices = target->n_vertices;
+    smr *s = rig_init(model, &config, NULL);
+    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(target)));
+    (void)rig_run(s, 1000);
+    return mean_off(rig_positions(s, model), truth, mesh->n_vertices);
+}
+
+static void parts_of_bodies(void **state)
+{
+    static const float towards[3][3] = {{0, 0, 1}, {0.505f, 0.808f, 0.303f}, {0.990f, 0.099f, 0.099f}};
+    float sum = 0.0f, n = 0.0f;
+    (void)state;
+    for (uint32_t i = 0; i < sizeof bodies / sizeof bodies[0]; i++) {
+        const smr_mesh mesh = body_mesh(&bodies[i], RINGS, AROUND, 0);
+        smr_mesh whole = body_mesh(&bodies[i], RINGS + 3, AROUND + 5, 1);
+        float *truth = rig_alloc(12u * (size_t)mesh.n_vertices), *xyz = rig_alloc(12u * (size_t)whole.n_vertices);
+        memcpy(truth, mesh.xyz, 12u * (size_t)mesh.n_vertices);
+        memcpy(xyz, whole.xyz, 12u * (size_t)whole.n_vertices);
+        bend(truth, mesh.n_vertices);
+        bend(xyz, whole.n_vertices);
+        whole.xyz = xyz;
+        for (uint32_t k = 0; k < 3u; k++) {
+            const smr_mesh part = seen_from(&whole, towards[k]);
+            const float start = mean_off(mesh.xyz, truth, mesh.n_vertices), off = registered(&mesh, &part, truth);
+            if (!(off <= start + 0.01f))
+                print_error("%s, view %u: %g mm off, %g at the start\n", bodies[i].name, k, (double)off, (double)start);
+            assert_true(off <= start + 0.01f);
+            sum += off;
+            n += 1.0f;
+        }
+        rig_free_all();
+    }
+    if (!(sum < BODIES_MM * n))
+        print_error("%g mm off in the mean\n", (double)(sum / n));
+    assert_true(sum < BODIES_MM * n);
+}
+
+enum { CAP, CYLINDER, SADDLE, SHEETS };
+
+/* A place of a sheet of some 100 mm that turns by `angle`; larger > 1: of the target, which is bent besides. */
+static void sheet_place(uint32_t kind, float angle, float u, float v, float larger, float p[3])
+{
+    const float more = larger > 1.0f ? 1.0f : 0.0f, r = (kind == CAP ? 50.0f : 40.0f) + 2.0f * more;
+    const float across = angle * u, along = angle * v;
+    p[0] = r * larger * sinf(across) * (kind == CAP ? cosf(0.7f * along) : 1.0f);
+    p[1] = kind == CAP ? r * larger * sinf(along) + 4.0f * more * sinf(3.0f * u) : 100.0f * larger * v;
+    p[2] = r * cosf(across) * (kind == CAP ? cosf(along) : 1.0f) + 8.0f * more * v * v;
+    if (kind == SADDLE) {
+        p[0] = 100.0f * larger * u;
+        p[2] = 28.0f * angle * (1.0f + 0.2f * more) * (u * u - v * v) + 12.0f * more * u * v;
+    }
+}
+
+static smr_mesh sheet(uint32_t kind, float angle, uint32_t n, float larger)
+{
+    float *xyz = rig_alloc(12u * (size_t)n * n);
+    uint32_t *t = rig_alloc(24u * (size_t)n * n), n_triangles = 0;
+    for (uint32_t i = 0; i < n * n; i++) {
+        const float u = (float)(i % n) / (float)(n - 1u) - 0.5f, v = (float)(i / n) / (float)(n - 1u) - 0.5f;
+        sheet_place(kind, angle, u, v, larger, xyz + 3u * (size_t)i);
+        if (i % n + 1u == n || i / n + 1u == n)
+            continue;
+        const uint32_t quad[6] = {i, i + 1u, i + n, i + n + 1u, i + n, i + 1u};
+        memcpy(t + 3u * (size_t)n_triangles, quad, sizeof quad);
+        n_triangles += 2u;
+    }
+    return (smr_mesh){xyz, t, n * n, n_triangles};
+}
+
+static void sheets_keep_to_borders(void **state)
+{
+    static const float degrees[] = {20, 80, 100, 140};
+    (void)state;
+    for (uint32_t k = 0; k < SHEETS * 4u; k++) {
+        const float angle = degrees[k % 4u] * 0.01745329f;
+        const smr_mesh mesh = sheet(k / 4u, angle, GRID, 1.0f), target = sheet(k / 4u, angle, GRID + 6, 1.03f);
+        const smr_mesh truth = sheet(k / 4u, angle, GRID, 1.03f);
+        const float off = registered(&mesh, &target, truth.xyz);
+        if (!(off < SHEETS_MM))
+            print_error("sheet %u of %g degrees: %g mm off\n", k / 4u, (double)degrees[k % 4u], (double)off);
+        assert_true(off < SHEETS_MM);
+        rig_free_all();
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(parts_of_bodies), cmocka_unit_test(sheets_keep_to_borders)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
