@@ -10,8 +10,9 @@
 
 #include "rig.h"
 
-#define BODIES_MM 2.4f /* in the mean over all views */
-#define SHEETS_MM 4.5f /* each */
+#define BODIES_MM 2.4f      /* in the mean over all views */
+#define EXPECTED_LEAST 0.5f /* of what vertices are off: their expected errors, in the mean */
+#define SHEETS_MM 4.5f      /* each */
 
 enum { RINGS = 28, AROUND = 40, GRID = 31 };
 
@@ -94,7 +95,7 @@ static float mean_off(const float *a, const float *b, uint32_t n)
 }
 
 /* Registers with the defaults from where they are: the mean distance of vertices to their true places. */
-static float registered(const smr_mesh *mesh, const smr_mesh *target, const float *truth)
+static float registered(const smr_mesh *mesh, const smr_mesh *target, const float *truth, float *expected)
 {
     const smr_model *model = rig_model(mesh, 1, NULL);
     smr_config config = smr_config_default();
@@ -102,13 +103,19 @@ static float registered(const smr_mesh *mesh, const smr_mesh *target, const floa
     smr *s = rig_init(model, &config, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(target)));
     (void)rig_run(s, 1000);
+    if (expected != NULL) {
+        float *each = rig_alloc(4u * (size_t)mesh->n_vertices);
+        assert_int_equal(SMR_OK, smr_get_expected_error(s, 0, each));
+        for (uint32_t v = 0; v < mesh->n_vertices; v++)
+            *expected += each[v] / (float)mesh->n_vertices;
+    }
     return mean_off(rig_positions(s, model), truth, mesh->n_vertices);
 }
 
 static void parts_of_bodies(void **state)
 {
     static const float towards[3][3] = {{0, 0, 1}, {0.505f, 0.808f, 0.303f}, {0.990f, 0.099f, 0.099f}};
-    float sum = 0.0f, n = 0.0f;
+    float sum = 0.0f, expected = 0.0f, n = 0.0f;
     (void)state;
     for (uint32_t i = 0; i < sizeof bodies / sizeof bodies[0]; i++) {
         const smr_mesh mesh = body_mesh(&bodies[i], RINGS, AROUND, 0);
@@ -121,7 +128,8 @@ static void parts_of_bodies(void **state)
         whole.xyz = xyz;
         for (uint32_t k = 0; k < 3u; k++) {
             const smr_mesh part = seen_from(&whole, towards[k]);
-            const float start = mean_off(mesh.xyz, truth, mesh.n_vertices), off = registered(&mesh, &part, truth);
+            const float start = mean_off(mesh.xyz, truth, mesh.n_vertices),
+                        off = registered(&mesh, &part, truth, &expected);
             if (!(off <= start + 0.01f))
                 print_error("%s, view %u: %g mm off, %g at the start\n", bodies[i].name, k, (double)off, (double)start);
             assert_true(off <= start + 0.01f);
@@ -133,6 +141,9 @@ static void parts_of_bodies(void **state)
     if (!(sum < BODIES_MM * n))
         print_error("%g mm off in the mean\n", (double)(sum / n));
     assert_true(sum < BODIES_MM * n);
+    if (!(expected > EXPECTED_LEAST * sum))
+        print_error("expected %g times what vertices are off\n", (double)(expected / sum));
+    assert_true(expected > EXPECTED_LEAST * sum);
 }
 
 enum { CAP, CYLINDER, SADDLE, SHEETS };
@@ -175,7 +186,7 @@ static void sheets_keep_to_borders(void **state)
         const float angle = degrees[k % 4u] * 0.01745329f;
         const smr_mesh mesh = sheet(k / 4u, angle, GRID, 1.0f), target = sheet(k / 4u, angle, GRID + 6, 1.03f);
         const smr_mesh truth = sheet(k / 4u, angle, GRID, 1.03f);
-        const float off = registered(&mesh, &target, truth.xyz);
+        const float off = registered(&mesh, &target, truth.xyz, NULL);
         if (!(off < SHEETS_MM))
             print_error("sheet %u of %g degrees: %g mm off\n", k / 4u, (double)degrees[k % 4u], (double)off);
         assert_true(off < SHEETS_MM);

@@ -81,6 +81,7 @@ static smr_vec carried(uint32_t v)
     w.seen[v] = 0;
     smr_unseen_field_blend(&w.field, v, 1, &way);
     w.seen[v] = seen;
+    way = smr_scale(way, w.field.by_normals ? 1.0f / SMR_FIELD_STEP : 1.0f);
     return smr_add(way, smr_load(w.x + 3u * v));
 }
 

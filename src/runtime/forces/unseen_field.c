@@ -334,8 +334,8 @@ static smr_vec along(const smr_unseen_field *f, uint32_t v, smr_vec way)
     return smr_sub(way, smr_scale(normal, smr_dot(normal, way)));
 }
 
-/* The share of a way to take that itself follows from positions: momentum adds the rest. Both in full would swing. */
-static float step_of(const smr_unseen_field *f) { return f->by_normals ? 1.0f - f->pace->momentum : 1.0f; }
+/* The share of a way to take that itself follows from positions: momentum adds to it. Both in full would swing. */
+static float step_of(const smr_unseen_field *f) { return f->by_normals ? SMR_FIELD_STEP : 1.0f; }
 
 void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way)
 {

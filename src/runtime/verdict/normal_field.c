@@ -1,17 +1,19 @@
 /* normal_field.c: how far vertices may be off. A surface says where it is along its normals only: along itself a vertex
  * may have slid, and what is unseen may be anywhere that is smooth. Both follow from one regression by a kernel
  * (Gaussian process; Rasmussen and Williams 2006, chapter 2): the displacement from the start is a random field with
- * covariance k(d) = size2 / (1 + d^2 / l^2) for each axis, and n . displacement is known at seen vertices. What is left
- * of the variance at a vertex says how far it may be off; the field's size follows from what was seen of it.
+ * covariance k(d) = size2 / (1 + d^2 / l^2) for each axis and the motions of a similarity; n . displacement is known
+ * at seen vertices. What is left of the variance at a vertex says how far it may be off: far from what was seen, which
+ * hardly holds a turn or the size, that is much. The field's size follows from what was seen of it.
  * Bounds: SMR_TELLERS^2 / 2 multiplications for each vertex and axis; SMR_TELLERS^3 / 6 once.
  * SPDX-License-Identifier: MIT */
 #include "runtime/verdict/normal_field.h"
 
 #include "runtime/verdict/evidence.h"
 
-#define SMR_NORMAL_LENGTH 0.6f /* kernel length over the diagonal of the structure's box */
-#define SMR_NORMAL_LOOSE 0.01f /* of the variance: what a vertex may be off along its normal */
-#define SMR_TELLERS_LEAST 6u   /* with fewer nothing is known: a rigid pose alone has six */
+#define SMR_NORMAL_LENGTH 0.5f  /* kernel length over the diagonal of the structure's box */
+#define SMR_NORMAL_LOOSE 0.01f  /* of the variance: what a vertex may be off along its normal */
+#define SMR_NORMAL_MOTIONS 8.0f /* of the variance: of motions, at a kernel length for turns and scale */
+#define SMR_TELLERS_LEAST 6u    /* with fewer nothing is known: a rigid pose alone has six */
 
 static float *row(const smr_normal_field *f, uint32_t i) { return f->lower + (size_t)i * (i + 1u) / 2u; }
 
@@ -72,6 +74,23 @@ static void choose(smr_normal_field *f, uint32_t structure, uint32_t most, smr_f
     }
     const float length = smr_max(SMR_NORMAL_LENGTH * smr_length(smr_sub(box.hi, box.lo)), 1.0e-6f);
     f->per_length2 = 1.0f / (length * length);
+    f->middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
+}
+
+/* From the middle, in kernel lengths. */
+static smr_vec arm_of(const smr_normal_field *f, smr_vec at)
+{
+    return smr_scale(smr_sub(at, f->middle), SMR_SQRT(f->per_length2));
+}
+
+/* The covariance of the displacement at a place with what teller i knows. */
+static smr_vec with_teller(const smr_normal_field *f, smr_vec at, uint32_t i)
+{
+    const smr_vec n = smr_load(smr_at3(f->normal, i)), from = smr_load(smr_at3(f->at, i));
+    const smr_vec arm = arm_of(f, at), other = arm_of(f, from);
+    const smr_vec turn = smr_cross(smr_cross(other, n), arm), scale = smr_scale(arm, smr_dot(other, n));
+    const smr_vec motions = smr_add(smr_add(n, turn), scale);
+    return smr_add(smr_scale(n, kernel(f, at, from)), smr_scale(motions, f->motions));
 }
 
 static void factor(smr_normal_field *f)
@@ -81,7 +100,7 @@ static void factor(smr_normal_field *f)
         const smr_vec at = smr_load(smr_at3(f->at, i)), normal = smr_load(smr_at3(f->normal, i));
         for (uint32_t j = 0; j <= i; j++) {
             const float *const other = row(f, j);
-            float sum = kernel(f, at, smr_load(smr_at3(f->at, j))) * smr_dot(normal, smr_load(smr_at3(f->normal, j)));
+            float sum = smr_dot(normal, with_teller(f, at, j));
             sum += i == j ? SMR_NORMAL_LOOSE : 0.0f;
             for (uint32_t k = 0; k < j; k++)
                 sum -= r[k] * other[k];
@@ -109,6 +128,7 @@ void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structur
     memset(f, 0, sizeof *f);
     memset(&fit, 0, sizeof fit);
     f->s = s;
+    f->motions = s->forces.unseen.sheet ? 0.0f : SMR_NORMAL_MOTIONS; /* borders hold a sheet */
     choose(f, structure, place(f, s), &fit);
     if (f->n < SMR_TELLERS_LEAST) {
         f->n = 0;
@@ -128,10 +148,11 @@ float smr_normal_field_doubt(const smr_normal_field *f, uint32_t v)
 {
     const smr_vec at = smr_load(smr_at3(f->s->shape.start, v));
     smr_vec known[SMR_TELLERS]; /* for each axis: L^-1 of the covariances with the tellers */
-    float left = 3.0f;
+    const smr_vec arm = arm_of(f, at);
+    float left = 3.0f + 3.0f * f->motions * (1.0f + smr_dot(arm, arm));
     for (uint32_t i = 0; i < f->n; i++) {
         const float *const r = row(f, i);
-        smr_vec sum = smr_scale(smr_load(smr_at3(f->normal, i)), kernel(f, at, smr_load(smr_at3(f->at, i))));
+        smr_vec sum = with_teller(f, at, i);
         for (uint32_t k = 0; k < i; k++)
             sum = smr_sub(sum, smr_scale(known[k], r[k]));
         known[i] = smr_scale(sum, 1.0f / r[i]);

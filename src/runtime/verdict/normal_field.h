@@ -16,6 +16,8 @@ typedef struct smr_normal_field {
     float *moved;      /* [n] how far they went along their normals, but for the pose of the whole, mm */
     float *lower;      /* Cholesky factor, row by row */
     uint32_t n;        /* 0: too little is seen */
+    smr_vec middle;    /* of the box at the start */
+    float motions;     /* their variance, over that of the displacement */
     float per_length2; /* 1 / mm^2, of the kernel's length */
     float size2;       /* mm^2: variance of the displacement along an axis */
 } smr_normal_field;
