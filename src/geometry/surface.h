@@ -66,7 +66,6 @@ static inline void smr_surface_search(const smr_surface *s, const smr_query *q, 
 /* Stages of a build that find scraps; the last one belongs to a refit, too. */
 int smr_strays_forget(smr_surface *s, uint32_t first, uint32_t last); /* vertices */
 int smr_strays_join(smr_surface *s, uint32_t first, uint32_t last);   /* triangles */
-int smr_strays_count(smr_surface *s, uint32_t first, uint32_t last);
 int smr_strays_sum(smr_surface *s, uint32_t first, uint32_t last);
 int smr_strays_mark(smr_surface *s, uint32_t first, uint32_t last);
 int smr_strays_release(smr_surface *s, uint32_t first, uint32_t last); /* vertices */

@@ -269,7 +269,6 @@ static const struct {
     {find_corners, OF_TRIANGLES, 0, 1},
     {smr_strays_forget, OF_VERTICES, 0, 1},
     {smr_strays_join, OF_TRIANGLES, 0, 2},
-    {smr_strays_count, OF_TRIANGLES, 0, 1},
     {smr_strays_sum, OF_TRIANGLES, 0, 1},
     {smr_strays_mark, OF_TRIANGLES, 0, 1},
     {smr_strays_release, OF_VERTICES, 1, 1},

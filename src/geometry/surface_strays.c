@@ -2,8 +2,9 @@
  * air. Pieces hang together by vertices. An open piece of very few triangles is a scrap; where scraps are a good part
  * of all triangles the surface comes in pieces, and none is. Registration passes scraps by: they are not found, attract
  * nothing, and open no closed surface. A closed piece has an inside, however small: it stays.
- * Method: a forest over triangles. A triangle's parent has no larger number, so that every way up ends.
- * Bounds: the stages of surface_build.c; ways up are halved as they are gone.
+ * Method: a forest over triangles, united by size (Tarjan 1975): of two pieces the smaller goes below the larger, so
+ * that a triangle's way up at least doubles the piece with each step.
+ * Bounds: the stages of surface_build.c; a way up has at most log2(n_triangles) steps, whatever the mesh.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface.h"
 
@@ -13,7 +14,7 @@
 
 static uint32_t *parent(const smr_surface *s) { return s->work.key; }
 
-/* Of a root: triangles of its piece, and edges with one triangle only. */
+/* Of a root: triangles of its piece, and those of them with a border edge. */
 static uint32_t *count(const smr_surface *s) { return s->work.tmp; }
 static uint32_t *edges(const smr_surface *s) { return s->work.tmp + s->facets.n_triangles; }
 
@@ -25,6 +26,17 @@ static uint32_t root(const smr_surface *s, uint32_t k)
     return k;
 }
 
+/* Makes two pieces one. */
+static void unite(smr_surface *s, uint32_t a, uint32_t b)
+{
+    const uint32_t more = count(s)[a] < count(s)[b] ? b : a, fewer = more == a ? b : a;
+    if (a == b)
+        return;
+    parent(s)[fewer] = more;
+    count(s)[more] += count(s)[fewer];
+    edges(s)[more] += edges(s)[fewer];
+}
+
 int smr_strays_forget(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t v = first; v < last; v++)
@@ -34,27 +46,16 @@ int smr_strays_forget(smr_surface *s, uint32_t first, uint32_t last)
 
 int smr_strays_join(smr_surface *s, uint32_t first, uint32_t last)
 {
-    uint32_t *const up = parent(s);
     for (uint32_t k = first; k < last; k++) {
-        up[k] = k;
-        count(s)[k] = edges(s)[k] = 0;
+        parent(s)[k] = k;
+        count(s)[k] = 1;
+        edges(s)[k] = (s->border[k] & 7u) != 0u;
         for (uint32_t c = 0; c < 3u; c++) {
             uint32_t *const one = &s->work.start[s->triangle[3u * (size_t)k + c]];
             if (*one == SMR_NONE)
                 *one = k;
-            const uint32_t a = root(s, *one), b = root(s, k);
-            up[a < b ? b : a] = a < b ? a : b;
+            unite(s, root(s, *one), root(s, k));
         }
-    }
-    return 1;
-}
-
-int smr_strays_count(smr_surface *s, uint32_t first, uint32_t last)
-{
-    for (uint32_t k = first; k < last; k++) {
-        const uint32_t r = root(s, k);
-        count(s)[r]++;
-        edges(s)[r] += (s->border[k] & 7u) != 0u;
     }
     return 1;
 }

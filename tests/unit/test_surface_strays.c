@@ -150,13 +150,66 @@ static void samples_are_the_same(void **state)
     unit_mesh_free(&spoilt);
 }
 
+/* `n` single triangles in a row along x, in tree order; behind them others that join the last to the one before, that
+ * to the one before it, and so on: the newest piece is always the one to be joined, the largest never is. */
+static unit_mesh backwards(uint32_t n)
+{
+    unit_mesh m = unit_mesh_new(3u * n + n - 1u, 2u * n - 1u);
+    for (uint32_t i = 0; i < 3u * n; i++) {
+        m.triangles[i] = i;
+        for (uint32_t c = 0; c < 3u; c++)
+            m.xyz[3u * i + c] = (c == 0u ? (float)(i / 3u) : 0.0f) + (i % 3u == c ? 0.25f : 0.0f);
+    }
+    for (uint32_t k = 0; k + 1u < n; k++) {
+        uint32_t *t = m.triangles + 3u * (n + k);
+        t[0] = 3u * (n - 1u - k);
+        t[1] = 3u * (n - 2u - k);
+        t[2] = 3u * n + k;
+        for (uint32_t c = 0; c < 3u; c++) /* the centre is the next one of the row */
+            m.xyz[3u * t[2] + c] =
+                (c == 0u ? 3.0f * (float)(n + k) : 0.0f) - m.xyz[3u * t[0] + c] - m.xyz[3u * t[1] + c];
+    }
+    return m;
+}
+
+/* Steps from a triangle up to its piece's root, at most. */
+static uint32_t longest_way(const smr_surface *s)
+{
+    uint32_t most = 0;
+    for (uint32_t k = 0; k < s->facets.n_triangles; k++) {
+        uint32_t steps = 0;
+        for (uint32_t at = k; s->work.key[at] != at; at = s->work.key[at])
+            steps++;
+        most = steps > most ? steps : most;
+    }
+    return most;
+}
+
+/* However triangles are joined, no search of a piece's root takes longer than the logarithm of their number. */
+static void ways_up_stay_short(void **state)
+{
+    unit_mesh m = backwards(1000);
+    smr_surface *s = unit_surface(&m);
+    uint32_t roots = 0;
+    (void)state;
+    for (uint32_t k = 0; k < m.nt; k++)
+        assert_int_equal(s->original[k], k);
+    smr_strays_forget(s, 0, s->n_vertices);
+    smr_strays_join(s, 0, s->facets.n_triangles);
+    assert_in_range(longest_way(s), 1, 10); /* 2^11 > 1999 */
+    for (uint32_t k = 0; k < m.nt; k++)
+        roots += s->work.key[k] == k;
+    assert_int_equal(roots, 1);
+    unit_free(s);
+    unit_mesh_free(&m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(which_pieces_are_scraps),
-        cmocka_unit_test(scraps_show_nothing),
-        cmocka_unit_test(a_refit_knows_them),
-        cmocka_unit_test(samples_are_the_same),
+        cmocka_unit_test(which_pieces_are_scraps), cmocka_unit_test(scraps_show_nothing),
+        cmocka_unit_test(a_refit_knows_them),      cmocka_unit_test(samples_are_the_same),
+        cmocka_unit_test(ways_up_stay_short),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
