@@ -1,14 +1,15 @@
 /* test_cluster_boundary.c: vertices near the cluster boundary get fractional weight, the same from either end.
  * Cluster masses, centres and shares agree with double precision, and a vertex that crosses the radius by rounding
- * changes next to nothing.
+ * changes next to nothing. Boundary pairs of a forged model overflow nothing, in dynamics with a pin either.
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
+#include "property/rig_motion.h"
 #include "runtime/tick/iteration.h"
+#include "unit_exercise.h"
 
 static const float none[3] = {0, 0, 0};
 
@@ -142,12 +143,62 @@ static void test_crossing(void **state)
     assert_true(bit < 0.1 * whole);
 }
 
+/* A copy with the caller's first vertices paired with its last, which are far away, and with clusters that reach
+ * nowhere: what lies between the two is many more steps of rounding than in any cluster. */
+static const smr_model *forged(const smr_model *model)
+{
+    const size_t bytes = smr_le32(model->bytes);
+    const uint32_t n = smr_le32(model->n_vertices);
+    const smr_model *opened = NULL;
+    unsigned char *const copy = rig_alloc(bytes);
+    memcpy(copy, model, bytes);
+    smr_stored_radius *const r = (smr_stored_radius *)(void *)(copy + smr_le32(model->at_radii));
+    smr_stored_boundary *const pair = (smr_stored_boundary *)(void *)(copy + smr_le32(r->at_boundary));
+    r->reach = 0;
+    assert_true(smr_le32(r->n_boundary) > n);
+    for (uint32_t i = 0; i < smr_le32(r->n_boundary); i++) {
+        pair[i].first = smr_le32(smr_model_position(model, i % n));
+        pair[i].second = smr_le32(smr_model_position(model, n - 1u - i % n));
+        pair[i].share = smr_le32(SMR_BOUNDARY_UNITS);
+    }
+    unit_repair(copy, bytes);
+    assert_int_equal(SMR_OK, smr_model_open(copy, bytes, &opened));
+    return opened;
+}
+
+/* A plate of 1.5 m, its first corner pinned: the heaviest that a vertex can be. The undefined behaviour sanitiser sees
+ * what overflows; the sums say how far apart two vertices count. */
+static void test_forged_pairs(void **state)
+{
+    const smr_prepare_config radius = rig_radii(1, 450, 0, 0);
+    const smr_mesh plate = rig_plate(21, 75.0f);
+    rig_motion m = rig_motion_make(&plate, &radius);
+    (void)state;
+    for (uint32_t pinned = 0; pinned < 2u; pinned++) {
+        m.mass[0] = pinned > 0u ? INFINITY : 1.0f;
+        smr *s = rig_init(forged(m.model), &m.config, NULL);
+        smr_reference *const r = &s->reference;
+        assert_int_equal(SMR_OK, smr_set_motion(s, 0, m.mass, NULL));
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        const uint32_t to = smr_model_position(m.model, 20), from = smr_model_position(m.model, 0);
+        const int64_t units = (int64_t)(smr_mass(&s->shared, from) * s->shared.mass_unit);
+        uint32_t *const w = s->sums.sum + SMR_WORDS * (size_t)to;
+        memset(w, 0, SMR_WORDS * sizeof *w);
+        smr_reference_add(r, to, from, 1);
+        assert_int_equal(smr_boundary_part(-units * 32768), w[1]);
+        assert_int_equal(smr_boundary_part(-units * 1073741824), w[10]);
+        rig_steps(s, 2);
+        assert_true(rig_finite(rig_positions(s, m.model), m.n));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_shares, tidy),
         cmocka_unit_test_teardown(test_reference, tidy),
         cmocka_unit_test_teardown(test_crossing, tidy),
+        cmocka_unit_test_teardown(test_forged_pairs, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,7 +3,7 @@
  * moments are summed as whole numbers with wrap-around; taken relative to the cluster's own vertex the final values
  * fit and are exact, however far the cluster lies from the origin. Second moments use a coarse step, about a
  * thousandth of the cluster's reach, and enter only as the spread; the centre has a fine step of its own. In dynamics
- * weights differ by more, and the moments are rounded, not the positions.
+ * weights differ by more: there the moments, about stored vertex 0, are rounded, not the positions.
  * Bounds: four passes over the vertices, one over the lists.
  * SPDX-License-Identifier: MIT */
 #include "runtime/match/reference.h"
@@ -142,21 +142,22 @@ static uint32_t whole(uint64_t parts, uint32_t bits)
     return (uint32_t)((parts + ((uint64_t)1 << (bits - 1u))) >> bits);
 }
 
-/* Whole steps of a vertex in the middle of things. A body that flies far would have moments about the origin that
- * rounding spoils, all in one direction where it is flat; about this place it has not. */
-static void middle_of(const smr_reference *r, uint32_t out[3])
+/* What moments in coarse steps are summed about, in whole steps modulo 2^32: in dynamics stored vertex 0, otherwise the
+ * model's origin. A body that flies far has large moments about that, which rounding spoils, all in one direction where
+ * the body is flat; about one of its own vertices they stay small. */
+static void origin_of(const smr_reference *r, uint32_t out[3])
 {
     out[0] = out[1] = out[2] = 0;
     if (r->shared->mass != NULL)
         steps_of(smr_at3(r->shape->x_ref, 0), r->per_coarse, out);
 }
 
-/* A position in coarse steps from there, modulo 2^32. */
-static void steps_from(const smr_reference *r, const uint32_t middle[3], const float *x, uint32_t out[3])
+/* A position in whole coarse steps from there, modulo 2^32. */
+static void steps_from(const smr_reference *r, const uint32_t origin[3], const float *x, uint32_t out[3])
 {
     steps_of(x, r->per_coarse, out);
     for (uint32_t a = 0; a < 3u; a++)
-        out[a] -= middle[a];
+        out[a] -= origin[a];
 }
 
 /* Moments in dynamics. A pinned vertex weighs as much as a whole cluster, so what rounding moves it by is not lost in
@@ -165,12 +166,12 @@ static void steps_from(const smr_reference *r, const uint32_t middle[3], const f
 static void record_parts(const smr_reference *r, uint32_t v, uint64_t m, uint32_t *w)
 {
     uint64_t q[3], f[3];
-    uint32_t middle[3];
-    middle_of(r, middle);
+    uint32_t origin[3];
+    origin_of(r, origin);
     parts_of(smr_at3(r->shape->x_ref, v), r->per_coarse, q);
     parts_of(smr_at3(r->shape->x_ref, v), r->per_fine, f);
     for (uint32_t a = 0; a < 3u; a++)
-        q[a] -= (uint64_t)(int64_t)smr_signed(middle[a]) << SMR_PART_BITS;
+        q[a] -= (uint64_t)(int64_t)smr_signed(origin[a]) << SMR_PART_BITS;
     for (uint32_t a = 0, i = 4; a < 3u; a++) {
         w[1u + a] = whole(m * q[a], SMR_PART_BITS);
         w[10u + a] = whole(m * f[a], SMR_PART_BITS);
@@ -231,13 +232,13 @@ static int64_t steps_apart(uint32_t a, uint32_t b, int32_t most)
  * cluster's vertex, which are small whole numbers. What is left of its mass has a word of its own. */
 void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t share)
 {
-    uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)to, middle[3], q[3], f[3], there[3], fine[3], first[3];
+    uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)to, origin[3], q[3], f[3], there[3], fine[3], first[3];
     const int64_t m = (int64_t)(smr_mass(r->shared, from) * r->shared->mass_unit) * share;
     int64_t d[3];
-    middle_of(r, middle);
-    steps_from(r, middle, smr_at3(r->shape->x_ref, from), q);
+    origin_of(r, origin);
+    steps_from(r, origin, smr_at3(r->shape->x_ref, from), q);
     steps_of(smr_at3(r->shape->x_ref, from), r->per_fine, f);
-    steps_from(r, middle, smr_at3(r->shape->x_ref, to), there);
+    steps_from(r, origin, smr_at3(r->shape->x_ref, to), there);
     steps_of(smr_at3(r->shape->x_ref, to), r->per_fine, fine);
     for (uint32_t a = 0; a < 3u; a++) {
         d[a] = steps_apart(q[a], there[a], SMR_COARSE_MOST);
@@ -277,8 +278,8 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     const float k = r->coarse, unit = 1.0f / r->shared->mass_unit;
     const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, r->shared->n);
-    uint32_t middle[3];
-    middle_of(r, middle);
+    uint32_t origin[3];
+    origin_of(r, origin);
     for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
         const uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)v;
         const float *x = smr_at3(r->shape->x_ref, v);
@@ -286,7 +287,7 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
         r->share[v] = w[13] > 0u ? (float)SMR_BOUNDARY_UNITS / (float)w[13] : 0.0f;
         if (!smr_active(r->pace, v))
             continue;
-        steps_from(r, middle, x, q);
+        steps_from(r, origin, x, q);
         steps_of(x, r->per_fine, f);
         /* moments about the cluster's own vertex */
         const float mass = smr_max(smr_unfix(w[0], unit) + smr_unfix(w[14], unit / (float)SMR_BOUNDARY_UNITS), unit);
