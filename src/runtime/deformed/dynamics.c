@@ -22,6 +22,8 @@ void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared
     d->weight = smr_slot_scratch(a, d->weight, n, sizeof(float));
     smr_keep_floats(a, &d->stored.elastic, 1, 0.0f, SMR_STORED_MOST);
     smr_keep_floats(a, &d->stored.goals, 1, 0.0f, SMR_STORED_MOST);
+    smr_keep_floats(a, &d->stored.spare, 1, 0.0f, SMR_STORED_MOST);
+    smr_keep_words(a, &d->weighed, 1, 1);
 }
 
 void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared)
@@ -31,7 +33,7 @@ void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared)
     d->step_s = 0.001f * c->step_ms;
     d->springs = c->elastic * d->step_s * d->step_s;
     d->keeps = 1.0f / (1.0f + c->damping * d->step_s);
-    d->ends = 0;
+    d->ends = d->weighed = 0;
     d->fall = smr_scale(smr_load(c->gravity), d->step_s * d->step_s);
     memset(&d->stored, 0, sizeof d->stored);
     memset(d->velocity, 0, 3u * (size_t)shared->n * sizeof(float));

@@ -16,6 +16,7 @@
 /* Energies of the last complete time step, uJ. */
 typedef struct smr_stored_energy {
     float elastic, goals;
+    float spare; /* what all steps so far have taken, beside damping */
 } smr_stored_energy;
 
 typedef struct smr_dynamics {
@@ -27,11 +28,12 @@ typedef struct smr_dynamics {
     uint32_t ends; /* 1: the iteration under way ends a time step. Written by tick/time_steps.c */
     float gram;    /* g: mass of a vertex is weight * members * gram */
     smr_stored_energy stored;
-    float *begin;    /* [n][3] mm: positions at the start of the time step */
-    float *velocity; /* [n][3] mm/s at the start of the time step */
-    float *mass;     /* [n] g as asked for; 0: it keeps its velocity whatever happens */
-    float *members;  /* [n] |zeta|, of the radius in use */
-    float *weight;   /* [n] in the clusters' fits: whole multiples of 1 / smr_shared.mass_unit */
+    uint32_t weighed; /* 1: masses were set since the last complete time step */
+    float *begin;     /* [n][3] mm: positions at the start of the time step */
+    float *velocity;  /* [n][3] mm/s at the start of the time step */
+    float *mass;      /* [n] g as asked for; 0: it keeps its velocity whatever happens */
+    float *members;   /* [n] |zeta|, of the radius in use */
+    float *weight;    /* [n] in the clusters' fits: whole multiples of 1 / smr_shared.mass_unit */
 } smr_dynamics;
 
 void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared *shared);

@@ -45,6 +45,7 @@ smr_status smr_set_motion(smr *s, uint32_t structure, const float *mass, const f
         if (velocity != NULL)
             smr_store(smr_at3(d->velocity, v), smr_load(velocity + 3u * (size_t)i));
     }
+    d->weighed |= mass != NULL && s->pace.iteration > 0u; /* before it, all is at rest */
     smr_abandon_iteration(s);
     smr_time_steps_weigh(s);
     smr_log_motion(&s->log, structure, &motion, one->n_vertices);

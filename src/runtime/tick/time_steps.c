@@ -9,7 +9,7 @@
  * masses M and lies between 0 and 1: it keeps linear and angular momentum, and however few the sweeps and however
  * stiff the springs, the step is that of implicit Euler with other springs, whose energy does not grow. What sweeps
  * have not reached is softer.
- * Bounds: a step ends with two passes over the vertices; a start sums over the clusters.
+ * Bounds: a step ends with eight passes over the vertices; a start sums over the clusters.
  * SPDX-License-Identifier: MIT */
 #include "runtime/tick/time_steps.h"
 
@@ -96,6 +96,7 @@ void smr_time_steps_start(smr *s)
     memcpy(d->begin, s->shape.x, bytes);
     memset(d->velocity, 0, bytes);
     memset(&d->stored, 0, sizeof d->stored);
+    d->weighed = 0;
     count_members(s);
     smr_time_steps_weigh(s);
 }
@@ -123,25 +124,31 @@ typedef struct small_motion {
     smr_vec centre, way, turn;
 } small_motion;
 
+static uint32_t pinned_of(const smr *s, uint32_t structure)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < s->shape.structure[structure].n_vertices; i++)
+        count += !(s->shape.dynamics->mass[vertex_of(s, structure, i)] > 0.0f);
+    return count;
+}
+
 /* That of a structure's pinned vertices from the reference shape: forces that hold them do no work against it. */
 static small_motion pinned_motion(const smr *s, uint32_t structure)
 {
-    const uint32_t n = s->shape.structure[structure].n_vertices;
+    const uint32_t n = s->shape.structure[structure].n_vertices, count = pinned_of(s, structure);
     const float *const mass = s->shape.dynamics->mass;
     small_motion m = {smr_v(0, 0, 0), smr_v(0, 0, 0), smr_v(0, 0, 0)};
     smr_vec moment = smr_v(0, 0, 0);
     float inertia[6] = {0}, inverse[6];
-    uint32_t count = 0;
+    if (count == 0u)
+        return m;
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t v = vertex_of(s, structure, i);
         if (mass[v] > 0.0f)
             continue;
         m.centre = smr_add(m.centre, smr_load(smr_at3(s->shape.x, v)));
         m.way = smr_add(m.way, off_of(s, v));
-        count++;
     }
-    if (count == 0u)
-        return m;
     m.centre = smr_scale(m.centre, 1.0f / (float)count);
     m.way = smr_scale(m.way, 1.0f / (float)count);
     for (uint32_t i = 0; i < n; i++) {
@@ -162,8 +169,25 @@ static small_motion pinned_motion(const smr *s, uint32_t structure)
     return m;
 }
 
+/* Sums over vertices. Energies of springs at the end of the time step; kinetic ones at its start, and at its end before
+ * damping of structures without pinned vertices (LOOSE) and with (HELD); work of gravity and goals. PUSHED: pinned
+ * vertices that move. */
+enum { ELASTIC, GOALS, BEFORE, LOOSE, HELD, WORK, PUSHED, ENERGIES };
+
+static void add_kinetic(const smr *s, uint32_t v, int held, float sum[ENERGIES])
+{
+    const smr_dynamics *d = s->shape.dynamics;
+    const smr_vec speed = smr_load(smr_at3(d->velocity, v));
+    const smr_vec way = smr_sub(smr_load(smr_at3(s->shape.x, v)), smr_load(smr_at3(d->begin, v)));
+    const float mass = smr_counted_mass(d, v), h2 = d->step_s * d->step_s;
+    sum[BEFORE] += 0.5f * mass * smr_dot(speed, speed);
+    sum[held ? HELD : LOOSE] += 0.5f * mass / h2 * smr_dot(way, way);
+    sum[WORK] += mass * smr_dot(smr_load(s->shared.config.gravity), way);
+    sum[PUSHED] += mass > 0.0f || !(smr_dot(speed, speed) > 0.0f) ? 0.0f : 1.0f;
+}
+
 /* Half the product of force and deviation (Clapeyron): the force is what the step has shown of it, M (x - y) / h^2. */
-static void add_energy(const smr *s, uint32_t v, const small_motion *held, smr_stored_energy *sum)
+static void add_springs(const smr *s, uint32_t v, const small_motion *held, float sum[ENERGIES])
 {
     const smr_dynamics *d = s->shape.dynamics;
     const smr_vec x = smr_load(smr_at3(s->shape.x, v));
@@ -176,29 +200,66 @@ static void add_energy(const smr *s, uint32_t v, const small_motion *held, smr_s
         const float share = s->shared.config.stiffness, k = s->shared.config.elastic;
         const smr_vec moved = smr_sub(x, smr_load(smr_at3(s->shape.x_next, v))); /* since the goal was sought */
         const smr_vec pull = smr_sub(smr_load(smr_at3(s->forces.force, v)), smr_scale(moved, share));
-        sum->goals += 0.5f * mass * k / share * smr_dot(pull, pull);
+        sum[GOALS] += 0.5f * mass * k / share * smr_dot(pull, pull);
+        sum[WORK] += mass * k * smr_dot(pull, smr_sub(x, smr_load(smr_at3(d->begin, v))));
         force = smr_sub(force, smr_scale(pull, mass * k));
     }
-    sum->elastic -= 0.5f * smr_dot(force, smr_sub(off_of(s, v), rigid));
+    sum[ELASTIC] -= 0.5f * smr_dot(force, smr_sub(off_of(s, v), rigid));
 }
 
-/* Summed by chunks, so that rounding stays small. */
-static smr_stored_energy energy_of(const smr *s)
+/* Summed by chunks, so that rounding stays small. Energies in uJ. */
+static void energies_of(const smr *s, float all[ENERGIES])
 {
-    smr_stored_energy all = {0, 0};
+    memset(all, 0, ENERGIES * sizeof *all);
     for (uint32_t k = 0; k < s->shared.n_structures; k++) {
         const small_motion held = pinned_motion(s, k);
         const uint32_t n = s->shape.structure[k].n_vertices;
+        const int pinned = pinned_of(s, k) > 0u;
         for (uint32_t from = 0; from < n; from += SMR_CHUNK) {
-            smr_stored_energy one = {0, 0};
-            for (uint32_t i = from; i < smr_min_u32(from + SMR_CHUNK, n); i++)
-                add_energy(s, vertex_of(s, k, i), &held, &one);
-            all.elastic += one.elastic;
-            all.goals += one.goals;
+            float one[ENERGIES] = {0};
+            for (uint32_t i = from; i < smr_min_u32(from + SMR_CHUNK, n); i++) {
+                add_kinetic(s, vertex_of(s, k, i), pinned, one);
+                add_springs(s, vertex_of(s, k, i), &held, one);
+            }
+            for (uint32_t i = 0; i < ENERGIES; i++)
+                all[i] += 0.001f * one[i];
         }
     }
-    return (smr_stored_energy){smr_clamp(0.001f * all.elastic, 0.0f, SMR_STORED_MOST),
-                               smr_clamp(0.001f * all.goals, 0.0f, SMR_STORED_MOST)};
+    all[ELASTIC] = smr_clamp(all[ELASTIC], 0.0f, SMR_STORED_MOST);
+    all[GOALS] = smr_clamp(all[GOALS], 0.0f, SMR_STORED_MOST);
+}
+
+/* What velocities of structures with pinned vertices are scaled by. Around pins clusters turn and stretch so far that
+ * the fits are approximate, and time steps could add energy without end. So kinetic and elastic energy come to no more
+ * than at the start and what gravity and goals have done since, less what damping took (passivity observer and
+ * controller; Hannaford and Ryu 2002). A step may add what others have taken, `spare`: by so much the elastic energy,
+ * which is approximate, may waver. What new masses or moving pins add is not known: such a step may do as it does. */
+static float passive_share(smr_dynamics *d, const float now[ENERGIES])
+{
+    const smr_stored_energy *was = &d->stored;
+    const float most = now[BEFORE] + was->elastic + was->spare + now[WORK] - now[LOOSE] - now[ELASTIC];
+    const int known = !d->weighed && !(now[PUSHED] > 0.0f), fits = !known || now[HELD] <= most;
+    const float share = fits ? 1.0f : (most > 0.0f ? SMR_SQRT(most / now[HELD]) : 0.0f);
+    d->stored.elastic = now[ELASTIC];
+    d->stored.goals = now[GOALS];
+    if (known)
+        d->stored.spare = fits ? smr_min(most - now[HELD], SMR_STORED_MOST) : 0.0f;
+    d->weighed = 0;
+    return share;
+}
+
+/* Scales the velocities of structures with pinned vertices. */
+static void slow_down(smr *s, float share)
+{
+    smr_dynamics *d = s->shape.dynamics;
+    for (uint32_t k = 0; k < s->shared.n_structures && share < 1.0f; k++) {
+        if (pinned_of(s, k) == 0u)
+            continue;
+        for (uint32_t i = 0; i < s->shape.structure[k].n_vertices; i++) {
+            float *const speed = smr_at3(d->velocity, vertex_of(s, k, i));
+            smr_store(speed, smr_scale(smr_load(speed), share));
+        }
+    }
 }
 
 static float speed_of(float way, float per_s) { return smr_clamp(way * per_s, -SMR_SPEED_MOST, SMR_SPEED_MOST); }
@@ -207,11 +268,12 @@ void smr_time_steps_next(smr *s)
 {
     smr_dynamics *d = s->shape.dynamics;
     const float per_s = d->keeps / d->step_s;
+    float now[ENERGIES];
     if (!d->ends) {
         smr_held_stand(&s->shape);
         return;
     }
-    d->stored = energy_of(s); /* x^r is still that of x */
+    energies_of(s, now); /* x^r is still that of x */
     smr_held_stand(&s->shape);
     for (uint32_t v = 0; v < s->shared.n; v++) {
         const smr_vec x = smr_load(smr_at3(s->shape.x, v)), way = smr_sub(x, smr_load(smr_at3(d->begin, v)));
@@ -220,4 +282,5 @@ void smr_time_steps_next(smr *s)
                       smr_v(speed_of(way.x, per_s), speed_of(way.y, per_s), speed_of(way.z, per_s)));
         smr_store(smr_at3(d->begin, v), x);
     }
+    slow_down(s, passive_share(d, now));
 }
