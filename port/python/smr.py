@@ -67,18 +67,40 @@ _SENTENCES = {
     -9: "not a log, other version, damaged, or cut off within a record",
     -10: "not a saved registration, other version, damaged, or inconsistent",
 }
-_E_CONFIG, _E_INPUT = -2, -6
+_E_CONFIG, _E_ARENA, _E_INPUT, _E_STATE = -2, -3, -6, -7
+
+# What calls expect that the status alone does not tell.
+_NO_DYNAMICS = "the setting dynamics is off: make the registration with dynamics=\"on\""
+_COMPLETE = "a complete iteration is expected (tick until report.complete), and targets as they were set"
+_EXPECTED = {
+    ("smr_set_motion", _E_ARENA): _NO_DYNAMICS,
+    ("smr_get_velocities", _E_ARENA): _NO_DYNAMICS,
+    ("smr_get_energy", _E_ARENA): _NO_DYNAMICS,
+    ("smr_set_goals", _E_ARENA): "the setting caller_goals is off: make the registration with caller_goals=1",
+    ("smr_set_fixed", _E_ARENA): "there are no fixed surfaces: make the registration with contact=1 and n_fixed=1",
+    ("smr_set_fixed", _E_INPUT): "an index below the setting n_fixed is expected",
+    ("smr_set_volume_ratio", _E_ARENA): "the setting volume is 0: make the registration with volume=1",
+    ("smr_set_surface", _E_ARENA): "the setting n_target_vertices is expected to hold all targets' vertices",
+    ("smr_set_points", _E_ARENA): "the setting n_target_vertices is expected to hold all targets' points",
+    ("smr_set_landmarks", _E_ARENA): "at most as many landmarks as the setting n_landmarks are expected",
+    ("smr_set_volume", _E_STATE): "profiles are expected: Model.prepare(..., reference=the image of the model)",
+    ("smr_save", _E_STATE): _COMPLETE,
+    ("smr_get_verdict", _E_STATE): _COMPLETE,
+    ("smr_get_expected_error", _E_STATE): _COMPLETE,
+}
 
 
 class SmrError(Exception):
-    """What the library refuses. status: negative; name: "SMR_E_..."; sentence: what that means; where: which call."""
+    """What the library refuses. status: negative; name: "SMR_E_..."; sentence: what that means; where: which call, or
+    what was expected in place of the sentence."""
 
     def __init__(self, status: int, where: str = "") -> None:
         self.status = status
         self.name: str = _lib.smr_status_name(status).decode()
         self.sentence = _SENTENCES.get(status, "unknown status")
         self.where = where
-        super().__init__(f"{self.name}: {self.sentence}" + (f" ({where})" if where else ""))
+        said = f"{self.sentence} ({where})" if where else self.sentence
+        super().__init__(f"{self.name}: {where if ' ' in where else said}")
 
     def __reduce__(self) -> Tuple[Any, Tuple[int, str]]:
         return SmrError, (self.status, self.where)  # args has the sentence, of which none can be made again
@@ -86,7 +108,9 @@ class SmrError(Exception):
 
 def _check(result: int, function: Any, _arguments: Any) -> int:
     if result < 0:
-        raise SmrError(result, function.__name__)
+        name = function.__name__
+        words = _EXPECTED.get((name, result))
+        raise SmrError(result, name if words is None else f"{name}: {words}")
     return result
 
 
@@ -896,7 +920,7 @@ class Registration:
         """The registration as bytes, between complete iterations; inputs are in it as checksums only."""
         size = _sized(_lib.smr_save_bytes, self._handle)
         out = np.empty(size, np.uint8)
-        _lib.smr_save(self._handle, _at(out), size)
+        self._call(_lib.smr_save, _at(out), size)
         return out.tobytes()
 
     @classmethod
@@ -915,6 +939,20 @@ class Registration:
         for structure, one in _as_targets(target).items():
             self._set_one(structure, one)
         return self
+
+    def _call(self, function: Any, *arguments: Any) -> int:
+        """A call for this registration. What is refused while inputs are awaited says which are expected."""
+        try:
+            return int(function(self._handle, *arguments))
+        except SmrError as error:
+            n = self.awaited if error.status in (_E_STATE, _E_INPUT) else 0
+            name = error.where.split(":")[0]
+            if n == 0 or (error.status == _E_INPUT and not name.startswith("smr_set_")):
+                raise
+            words = (f"{n} of what the saved registration had must be set again first: targets by set_target() or "
+                     "restore(), goals and fixed surfaces by their calls" if error.status == _E_STATE
+                     else "the saved registration had something else here: set again what it had, equal to the bit")
+            raise SmrError(error.status, f"{name}: {words}") from None
 
     @property
     def awaited(self) -> int:
@@ -955,28 +993,28 @@ class Registration:
     def set_surface(self, surface: Optional[Surface], structure: Union[int, str, None] = None) -> None:
         """The target surface of a structure, or of all. None takes it away."""
         handle = None if surface is None else surface._handle
-        _lib.smr_set_surface(self._handle, self.model.index(structure), handle)
+        self._call(_lib.smr_set_surface, self.model.index(structure), handle)
         self._keep(structure, surface)
 
     def set_points(self, points: Optional[Points], structure: Union[int, str, None] = None) -> None:
         """The cloud that a structure, or all, has as its target; again whenever points were added."""
         handle = None if points is None else points._handle
-        _lib.smr_set_points(self._handle, self.model.index(structure), handle)
+        self._call(_lib.smr_set_points, self.model.index(structure), handle)
         self._keep(structure, points)
 
     def set_volume(self, volume: Optional[Volume]) -> None:
         """The image for every structure without a surface. None takes it away."""
-        _lib.smr_set_volume(self._handle, None if volume is None else C.byref(volume._view))
+        self._call(_lib.smr_set_volume, None if volume is None else C.byref(volume._view))
         self._borrowed["volume"] = volume
 
     def set_pose(self, pose: Any) -> None:
         """Starts from the rest shape moved by a pose [3][4]."""
-        _lib.smr_set_pose(self._handle, C.byref(_pose_struct(pose)))
+        self._call(_lib.smr_set_pose, C.byref(_pose_struct(pose)))
 
     def set_positions(self, structure: Union[int, str], xyz: Any) -> None:
         """Puts a structure at [n][3] mm, in the order of its vertices, and starts over."""
         a = self._vertices(structure, xyz)  # kept until the library has it
-        _lib.smr_set_positions(self._handle, self.model.index(structure), _at(a))
+        self._call(_lib.smr_set_positions, self.model.index(structure), _at(a))
 
     def _vertices(self, structure: Union[int, str], xyz: Any) -> Array:
         a, n = _numbers(xyz, "xyz"), self.model.n_vertices(structure)
@@ -995,7 +1033,7 @@ class Registration:
             row.rest = (_F * 3)(*((0.0, 0.0, 0.0) if mark.rest is None else _three(mark.rest, "rest")))
             row.place = (_F * 3)(*_three(mark.place, "place"))
             row.weight, row.hard = mark.weight, int(mark.hard)
-        _lib.smr_set_landmarks(self._handle, table, len(landmarks))
+        self._call(_lib.smr_set_landmarks, table, len(landmarks))
         self._n_landmarks = len(landmarks)
 
     _n_landmarks = 0
@@ -1003,7 +1041,7 @@ class Registration:
     def landmarks(self) -> Array:
         """Where the landmarks' points of the model are, [n][3] mm."""
         xyz = np.empty((self._n_landmarks, 3), np.float32)
-        _lib.smr_get_landmarks(self._handle, _at(xyz))
+        self._call(_lib.smr_get_landmarks, _at(xyz))
         return xyz
 
     def set_goals(self, structure: Union[int, str], xyz: Any, weights: Any = None) -> None:
@@ -1013,14 +1051,14 @@ class Registration:
         weight = None if weights is None else _numbers(weights, "weights", 0)
         if at is not None and weight is not None and len(weight) != len(at):
             raise ValueError("weights: expected as many as vertices")
-        _lib.smr_set_goals(self._handle, self.model.index(structure), _at(at), _at(weight))
+        self._call(_lib.smr_set_goals, self.model.index(structure), _at(at), _at(weight))
         self._borrowed["goals", self.model.index(structure)] = (at, weight)
 
     def set_fixed(self, index: int, surface: Optional[Surface]) -> None:
         """Number `index`, below the setting n_fixed, of the surfaces that structures keep out of; None takes it away.
         The setting contact must be above 0."""
         i = _whole(index, "index", _MOST)
-        _lib.smr_set_fixed(self._handle, i, None if surface is None else surface._handle)
+        self._call(_lib.smr_set_fixed, i, None if surface is None else surface._handle)
         self._borrowed["fixed", i] = surface
 
     def set_motion(self, structure: Union[int, str], mass: Any = None, velocity: Any = None) -> None:
@@ -1030,7 +1068,7 @@ class Registration:
         weight = None if mass is None else _numbers(mass, "mass", 0)
         if weight is not None and len(weight) != self.model.n_vertices(structure):
             raise ValueError("mass: expected as many as vertices")
-        _lib.smr_set_motion(self._handle, self.model.index(structure), _at(weight), _at(speed))
+        self._call(_lib.smr_set_motion, self.model.index(structure), _at(weight), _at(speed))
 
     def velocities(self, structure: Union[int, str]) -> Array:
         """[n][3] mm/s, of a structure in motion."""
@@ -1039,23 +1077,23 @@ class Registration:
     def energy(self) -> Energy:
         """Energies of a model in motion."""
         energy = Energy()
-        _lib.smr_get_energy(self._handle, C.byref(energy))
+        self._call(_lib.smr_get_energy, C.byref(energy))
         return energy
 
     def set_volume_ratio(self, structure: Union[int, str, None], ratio: float) -> None:
         """The volume that a closed structure, or each of them (None), is to have over the rest shape's in the scale of
         the start, 0.1..10; 1 until set. The setting volume must be above 0."""
-        _lib.smr_set_volume_ratio(self._handle, ALL if structure is None else self.model.index(structure), ratio)
+        self._call(_lib.smr_set_volume_ratio, ALL if structure is None else self.model.index(structure), ratio)
 
     def structure_volume(self, structure: Union[int, str]) -> StructureVolume:
         """Volumes of a structure at rest, as asked for and now, mm^3."""
         volume = StructureVolume()
-        _lib.smr_get_structure_volume(self._handle, self.model.index(structure), C.byref(volume))
+        self._call(_lib.smr_get_structure_volume, self.model.index(structure), C.byref(volume))
         return volume
 
     def set_active(self, n: int) -> None:
         """Exactly the first n vertices in the order of priority take part from the next iteration on; 0: as set up."""
-        _lib.smr_set_active(self._handle, _whole(n, "n", _MOST))
+        self._call(_lib.smr_set_active, _whole(n, "n", _MOST))
 
     # ---- ticks
 
@@ -1063,7 +1101,7 @@ class Registration:
         """One iteration, or as much of it as budget_ns allows (report.complete says which); 0: no clock."""
         report = TickReport()
         budget = _whole(int(budget_ns), "budget_ns", (1 << 64) - 1)
-        report.complete = _lib.smr_tick(self._handle, budget, C.byref(report)) == 0
+        report.complete = self._call(_lib.smr_tick, budget, C.byref(report)) == 0
         self.report = report
         return report
 
@@ -1083,7 +1121,7 @@ class Registration:
     def _for_vertices(self, call: Any, structure: Union[int, str], kind: Any, columns: int) -> Array:
         n = self.model.n_vertices(structure)
         out = np.empty((n, columns) if columns else n, kind)
-        call(self._handle, self.model.index(structure), _at(out))
+        self._call(call, self.model.index(structure), _at(out))
         return out
 
     def positions(self, structure: Union[int, str]) -> Array:
@@ -1107,7 +1145,7 @@ class Registration:
     def local_volume(self, structure: Union[int, str], radius_mm: float = 0.0) -> Array:
         """[n]: volume around each vertex over that at rest, in clusters of about radius_mm; 0: eight mean edges."""
         ratio = np.empty(self.model.n_vertices(structure), np.float32)
-        _lib.smr_get_local_volume(self._handle, self.model.index(structure), radius_mm, _at(ratio))
+        self._call(_lib.smr_get_local_volume, self.model.index(structure), radius_mm, _at(ratio))
         return ratio
 
     def seen(self, structure: Union[int, str]) -> Array:
@@ -1117,13 +1155,13 @@ class Registration:
     def verdict(self, structure: Union[int, str, None] = None) -> Verdict:
         """Whether a structure, or the whole, can be relied on. Only between complete iterations."""
         verdict = Verdict()
-        _lib.smr_get_verdict(self._handle, self.model.index(structure), C.byref(verdict))
+        self._call(_lib.smr_get_verdict, self.model.index(structure), C.byref(verdict))
         return verdict
 
     def structure_report(self, structure: Union[int, str]) -> StructureReport:
         """What a structure's forces did in the last iteration."""
         report = StructureReport()
-        _lib.smr_get_structure_report(self._handle, self.model.index(structure), C.byref(report))
+        self._call(_lib.smr_get_structure_report, self.model.index(structure), C.byref(report))
         return report
 
     @property

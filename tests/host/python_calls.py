@@ -127,7 +127,7 @@ def refused(name, kind, text, call, *arguments, **named):
     try:
         call(*arguments, **named)
     except kind as error:
-        check(f"{name}: {error}", text in str(error))
+        check(f"{name}: {error}", all(part in str(error) for part in text.split("...")))
     else:
         check(f"{name} is refused", False)
 
@@ -281,7 +281,7 @@ def targets(model, rest, triangles, now):
     check("a cloud counts its points", len(cloud) == 100)
     refused("more points than fit", smr.SmrError, "SMR_E_INPUT", cloud.add, now[:101])
     refused("voxels of int32", TypeError, "convert them", smr.Volume, np.zeros((3, 3, 3), np.int32), (1, 1, 1))
-    refused("an image without profiles", smr.SmrError, "SMR_E_STATE", smr.register, model,
+    refused("an image without profiles", smr.SmrError, "reference=", smr.register, model,
             smr.Volume(np.zeros((3, 3, 3)), (1, 1, 1)))
     jump = [frame.jumped for frame in smr.track(model, [(now, triangles), now + 1, now + 120])]
     check(f"a jump is seen: {jump}", jump == [False, False, True])
@@ -402,8 +402,13 @@ def saves(model, now, triangles):
     check("and ends with the same bits", finished(again) == want)
     again = smr.Registration.restore(model, bytearray(saved))
     check("one without its target awaits it", again.awaited == 1)
-    refused("and does not tick", smr.SmrError, "SMR_E_STATE", again.tick)
-    refused("another target", smr.SmrError, "SMR_E_INPUT", smr.Registration.restore, model, saved, (now + 1, triangles))
+    refused("and does not tick", smr.SmrError, "SMR_E_STATE...1 of what...must be set again first: targets", again.tick)
+    refused("is not judged", smr.SmrError, "SMR_E_STATE...must be set again first", again.verdict)
+    refused("a structure that is not there", smr.SmrError, "SMR_E_INPUT", again.positions, 9)
+    refused("another target", smr.SmrError, "SMR_E_INPUT...had something else here", smr.Registration.restore, model,
+            saved, (now + 1, triangles))
+    again.set_target((now, triangles))
+    check("and then goes on", again.awaited == 0 and finished(again) == want)
     damaged = bytearray(saved)
     damaged[len(saved) // 2] ^= 1
     for name, what in (("a damaged save", damaged), ("half a save", saved[:len(saved) // 2]), ("no save", b"")):
@@ -411,7 +416,7 @@ def saves(model, now, triangles):
     s = smr.Registration(model, (now, triangles))
     while s.tick(1).complete:
         pass
-    refused("to save within an iteration", smr.SmrError, "SMR_E_STATE", s.save)
+    refused("to save within an iteration", smr.SmrError, "SMR_E_STATE...until report.complete", s.save)
 
 
 def motion(model, rest, triangles):
@@ -439,7 +444,15 @@ def motion(model, rest, triangles):
     check("pinned vertices are counted", [s.tick(), s.energy().n_pinned][1] == 3)
     refused("masses of another number", ValueError, "as many", s.set_motion, "bone", np.ones(3))
     refused("neither", smr.SmrError, "SMR_E_NULL", s.set_motion, "bone")
-    refused("no dynamics", smr.SmrError, "SMR_E_ARENA", smr.Registration(model).energy)
+    s, few = smr.Registration(model), smr.Registration(model, n_target_vertices=9)
+    for name, words, call in (("energy", "dynamics", s.energy), ("velocities", "dynamics", lambda: s.velocities(0)),
+                              ("motion", "dynamics", lambda: s.set_motion(0, np.ones(len(rest)))),
+                              ("fixed surfaces", "n_fixed", lambda: s.set_fixed(0, None)),
+                              ("volume ratios", "volume=1", lambda: s.set_volume_ratio(0, 1.1)),
+                              ("goals", "caller_goals=1", lambda: s.set_goals(0, None)),
+                              ("landmarks", "n_landmarks", lambda: s.set_landmarks([smr.Landmark(rest[0], vertex=0)])),
+                              ("a target", "n_target_vertices", lambda: few.set_target((rest, triangles)))):
+        refused(f"{name} without room says which setting", smr.SmrError, f"SMR_E_ARENA...{words}", call)
 
 
 def behave(folder):
