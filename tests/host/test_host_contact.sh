@@ -90,6 +90,8 @@ for part in left right; do awk '$1 == "v" { $2 += 2 } { print }' target/$part.ob
 awk '$1 == "v" { $2 += 1 } { print }' wall.obj >near.obj
 follow() { "$SMR" track --model model/left.obj model/right.obj --frames target next --quiet -o "$@"; }
 depth() { "$SMR" measure "$1" "$2" | sed -n 's/^contact: deepest \([0-9.]*\) mm .*/\1/p'; }
+check "surfaces of one body have no contact" [ -z "$(depth bone.ply bone.ply)" ]
+check "a body inside another one has" [ -n "$(depth bone.ply marrow.ply)" ]
 check "frames" has_verdict look follow loose
 check "overlap" below 2 "$(depth loose/next/left.ply loose/next/right.ply)"
 check "frames with contact" has_verdict look follow apart --contact --contact-with near.obj --track-ahead 0.5

@@ -1,6 +1,7 @@
 /* cmd_measure.c: smr measure: distances between two surfaces both ways, Hausdorff distance, folds.
  * SPDX-License-Identifier: MIT */
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +11,7 @@
 #include "labels/label_side.h"
 #include "measure/surface_distances.h"
 #include "meshes/mesh_load.h"
+#include "model/input_check.h"
 #include "options/options_table.h"
 
 /* Surfaces A and B, and the source: A before it was deformed. */
@@ -113,13 +115,20 @@ static void print_stats(const measured *m, uint32_t i)
                      names[i], v->mean, v->rms, v->p95, v->max, v->n);
 }
 
+/* Two bodies: not two surfaces of the same one, which have more than half of the larger one in common. */
+static int two_bodies(const measured *m)
+{
+    const double a = fabs(host_enclosed_volume(&m->load[0].mesh)), b = fabs(host_enclosed_volume(&m->load[1].mesh));
+    return (double)m->contact.volume_mm3 < 0.5 * fmax(a, b);
+}
+
 static void print(const measured *m)
 {
     print_stats(m, 0);
     print_stats(m, 1);
     if (m->area[0].n > 0 && m->area[1].n > 0)
         (void)printf("Hausdorff: %.4f mm\n", m->area[0].max > m->area[1].max ? m->area[0].max : m->area[1].max);
-    if (m->contact.deepest_mm > 0.0f || m->contact.area_mm2 > 0.0f)
+    if ((m->contact.deepest_mm > 0.0f || m->contact.area_mm2 > 0.0f) && two_bodies(m))
         (void)printf("contact: deepest %.4f mm  overlap %.1f mm3  area within %.1f mm %.1f mm2\n",
                      (double)m->contact.deepest_mm, (double)m->contact.volume_mm3, (double)CONTACT_MM,
                      (double)m->contact.area_mm2);

@@ -22,7 +22,7 @@ static double six_volumes(const host_mesh *mesh, const uint32_t *corner, const f
            v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
 }
 
-static double signed_volume(const host_mesh *mesh)
+double host_enclosed_volume(const host_mesh *mesh)
 {
     double sum = 0.0;
     size_t i = 0;
@@ -97,7 +97,7 @@ static double diagonal(const host_box *box)
 
 int host_is_inside_out(const host_mesh *mesh)
 {
-    const double volume = mesh->n_triangles > 0 ? signed_volume(mesh) : 0.0;
+    const double volume = mesh->n_triangles > 0 ? host_enclosed_volume(mesh) : 0.0;
     host_box box;
     double size = 0.0;
     memset(&box, 0, sizeof box);
@@ -118,7 +118,7 @@ void host_warn_inside_out(const char *path, const host_mesh *mesh)
         &error, "faces",
         "normals that point outwards, but this closed surface is inside out (volume %.4g mm^3): reverse the "
         "order of each face's vertices",
-        signed_volume(mesh));
+        host_enclosed_volume(mesh));
     host_error_print(&error);
 }
 

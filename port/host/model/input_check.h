@@ -13,6 +13,9 @@ int host_is_inside_out(const host_mesh *mesh);
 /* Prints a line on stderr when it is so. */
 void host_warn_inside_out(const char *path, const host_mesh *mesh);
 
+/* What a closed surface encloses, mm^3: below 0 where it is inside out. */
+double host_enclosed_volume(const host_mesh *mesh);
+
 /* The box around points. Start with count = 0. */
 typedef struct host_box {
     float low[3], high[3]; /* mm */
