@@ -28,6 +28,10 @@ refuses() {
 }
 
 check "follows" has_verdict look "$SMR" track --model bone.ply --frames frames/*.ply --fps 10 -o out
+said() { [ "$(tail -n 1 out.txt | cut -c-"${#1}")" = "$1" ] || { tail -n 2 out.txt; return 1; }; } # begin of the last line
+check "says of how many frames which are good" grep -q '^4 frames: 4 good, 0 to look at, 0 failed$' out.txt
+check "and what the last one is" said "verdict of the last frame, f3: good (expected error "
+check "no other is worse" [ "$(grep -c '^verdict' out.txt)" -eq 1 ]
 check "writes a line for each frame" [ "$(wc -l <out/track.csv)" -eq 5 ]
 check "says what is in it" [ "$(head -n 1 out/track.csv)" = "frame,time_s,ticks,residual_mm,verdict,settled,jumped" ]
 check "counts the time" grep -q '^f3,0.3000,' out/track.csv
@@ -106,6 +110,13 @@ check "near them" awk -F, 'NR > 1 && $4 > 1 { bad = 1 } END { exit bad || NR != 
 "$SMR" measure clouds/c3/bone.ply out/f3/bone.ply >distance.txt
 check "where surfaces lead" awk '/A to B, vertices: mean/ { near = $6 < 1 } END { exit !near }' distance.txt
 
+# A frame whose target is elsewhere, between good ones: the last lines are of both.
+awk '/^end_header/ { on = 1; print; next } on && NF == 3 { $1 += 400 } { print }' frames/f1.ply >gone.ply
+check "a frame that is lost" has_status 1 "$SMR" track --model bone.ply --frames frames/f0.ply gone.ply frames/f2.ply -o lost
+check "is told" grep -q '^3 frames: 2 good, 0 to look at, 1 failed$' out.txt
+check "beside the last one" sh -c 'tail -n 2 out.txt | head -n 1 | grep -q "^verdict of the last frame, f2: good"'
+check "with the reasons" said "verdict of the worst frame, gone: failed: nothing of the target was seen: look at the start"
+
 # Images: the reference itself, moved a little farther in each frame.
 "$SMR" phantom --small -o thigh --quiet
 image() { # name, mm
@@ -135,6 +146,7 @@ moved() { # structure: mean way of its vertices from the first frame to the last
 for part in femur psoas_major vastus_intermedius; do
     check "$part stays where it is" awk -v mm="$(moved "$part")" 'BEGIN { exit !(mm != "" && mm < 0.8) }'
 done
+check "says why" sh -c 'tail -n 1 out.txt | grep -q "^verdict of the last frame, still3: look at the result: .*: look at .* (expected error [0-9.]* mm)\$"'
 check "names what was not held" grep -q "in themselves, and in how many frames: .*vastus_intermedius 4" out.txt
 refuses "images without a reference" "--reference" --model thigh/model/femur.ply --frames i0.mha i1.mha
 refuses "a surface among images" "bone.ply: frame: expected a volume" --model thigh/model/femur.ply --reference thigh/mri_reference.mha --frames i0.mha bone.ply

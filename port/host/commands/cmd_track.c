@@ -20,14 +20,6 @@
 #define PAGE "report.html"
 #define NAME_ROOM (2u * SMR_NAME_BYTES + 8u)
 
-/* What is known of a frame. */
-typedef struct frame_report {
-    smr_tick_report last;
-    smr_verdict verdict;
-    float overlap_mm; /* of what contact should have parted */
-    uint32_t ticks;
-} frame_report;
-
 typedef struct tracked {
     host_options options; /* of the registration onto the first frame */
     host_job job;
@@ -38,7 +30,7 @@ typedef struct tracked {
     host_image image[2];    /* frames that are images: one is borrowed until the next one has taken its place */
     host_track_page *page;  /* NULL without --html */
     uint64_t most_vertices; /* of a frame's targets */
-    uint32_t worst;         /* verdict */
+    host_track_verdict verdict;
 } tracked;
 
 /* Frames are images, or none is. */
@@ -137,7 +129,7 @@ static int refuse(const host_frame *frame, smr_status status, host_error *error)
 }
 
 /* By what the library says, and by what contact has left. */
-static int judge(tracked *t, const host_frame *frame, frame_report *report, host_error *error)
+static int judge(tracked *t, const host_frame *frame, host_frame_report *report, host_error *error)
 {
     const host_model *const images = t->options.image_target ? &t->job.model : NULL;
     const smr_status status =
@@ -152,7 +144,7 @@ static int judge(tracked *t, const host_frame *frame, frame_report *report, host
 }
 
 /* Ticks towards the frame's targets, which setting them came to this status. */
-static int follow(tracked *t, const host_frame *frame, smr_status status, frame_report *report, host_error *error)
+static int follow(tracked *t, const host_frame *frame, smr_status status, host_frame_report *report, host_error *error)
 {
     const uint32_t most = t->job.options->ticks > 0 ? t->job.options->ticks : TICKS;
     smr *const s = t->job.state;
@@ -164,7 +156,7 @@ static int follow(tracked *t, const host_frame *frame, smr_status status, frame_
     return status < 0 ? refuse(frame, status, error) : judge(t, frame, report, error);
 }
 
-static void add_line(tracked *t, uint32_t number, const host_frame *frame, const frame_report *r)
+static void add_line(tracked *t, uint32_t number, const host_frame *frame, const host_frame_report *r)
 {
     if (number == 0) {
         host_buffer_print(&t->csv, "frame,time_s,ticks,residual_mm,verdict,settled,jumped");
@@ -177,8 +169,7 @@ static void add_line(tracked *t, uint32_t number, const host_frame *frame, const
                       r->last.jumped);
     host_track_points_row(&t->points, &t->csv);
     host_buffer_print(&t->csv, "\n");
-    if (r->verdict.level > t->worst)
-        t->worst = r->verdict.level;
+    host_track_note(&t->verdict, r);
 }
 
 static int add_parts(tracked *t, const host_frame *frame, host_output *output, host_error *error)
@@ -221,7 +212,8 @@ static int add_carry(tracked *t, const host_frame *frame, host_output *output, h
 }
 
 /* Keeps the frame for the page. loads: its meshes; NULL: those of the first frame, none of an image. */
-static int keep_frame(tracked *t, uint32_t number, const host_load *loads, const frame_report *r, host_error *error)
+static int keep_frame(tracked *t, uint32_t number, const host_load *loads, const host_frame_report *r,
+                      host_error *error)
 {
     const host_frame *const frame = &t->frames.frame[number];
     host_track_row row;
@@ -283,7 +275,7 @@ static int write_frame(tracked *t, uint32_t number, host_error *error)
 }
 
 /* Follows surfaces and clouds, which are borrowed until the frame is done. What the frame lacks is carried. */
-static int follow_surfaces(tracked *t, uint32_t number, frame_report *report, host_error *error)
+static int follow_surfaces(tracked *t, uint32_t number, host_frame_report *report, host_error *error)
 {
     const host_frame *const frame = &t->frames.frame[number];
     host_load *loads = NULL;
@@ -310,7 +302,7 @@ static int follow_surfaces(tracked *t, uint32_t number, frame_report *report, ho
 }
 
 /* Follows an image: it takes the place of the one before the last. */
-static int follow_image(tracked *t, uint32_t number, frame_report *report, host_error *error)
+static int follow_image(tracked *t, uint32_t number, host_frame_report *report, host_error *error)
 {
     const host_frame *const frame = &t->frames.frame[number];
     host_image *const image = &t->image[number % 2u];
@@ -326,8 +318,9 @@ static int follow_image(tracked *t, uint32_t number, frame_report *report, host_
 static int run_frame(tracked *t, uint32_t number, host_error *error)
 {
     const host_frame *const frame = &t->frames.frame[number];
-    frame_report report;
+    host_frame_report report;
     memset(&report, 0, sizeof report);
+    report.name = frame->name;
     if ((t->options.image_target ? follow_image(t, number, &report, error)
                                  : follow_surfaces(t, number, &report, error)) != 0 ||
         host_track_points_carry(&t->points, t->job.state, &t->job.model, error) != 0)
@@ -338,12 +331,13 @@ static int run_frame(tracked *t, uint32_t number, host_error *error)
 
 static int run(tracked *t, const host_options *options, host_error *error)
 {
-    frame_report first;
+    host_frame_report first;
     uint32_t i = 0;
     memset(&first, 0, sizeof first);
     if (start(t, options, error) != 0)
         return -1;
     t->options.ticks = options->ticks;
+    first.name = t->frames.frame[0].name;
     first.last = t->job.last;
     first.ticks = t->job.ticks;
     if (judge(t, &t->frames.frame[0], &first, error) != 0 ||
@@ -361,9 +355,23 @@ static int run(tracked *t, const host_options *options, host_error *error)
 /* By the worst frame. */
 static int status_of(const tracked *t)
 {
-    if (t->worst == SMR_VERDICT_FAILED)
+    const uint32_t worst = t->verdict.worst.verdict.level;
+    if (worst == SMR_VERDICT_FAILED)
         return HOST_FAILED;
-    return t->worst > t->options.accept ? HOST_LOOK : HOST_DONE;
+    return worst > t->options.accept ? HOST_LOOK : HOST_DONE;
+}
+
+/* For people. The last lines are the verdict. */
+static void print(const tracked *t)
+{
+    const uint32_t *const n = t->verdict.n;
+    (void)printf("%u frames: %u good, %u to look at, %u failed\n", t->frames.n, n[SMR_VERDICT_GOOD],
+                 n[SMR_VERDICT_LOOK], n[SMR_VERDICT_FAILED]);
+    host_track_print_doubts(&t->doubts, &t->job.model);
+    (void)printf("results: %s\n", t->options.out);
+    if (t->options.html)
+        (void)printf("to look at: %s/" PAGE "\n", t->options.out);
+    host_track_print_verdict(&t->verdict);
 }
 
 /* The error outlives the frames, whose texts it may borrow. */
@@ -389,11 +397,7 @@ int host_track(const host_options *options, host_error *error)
     if (run(t, options, error) == 0) {
         result = status_of(t);
         if (!options->quiet)
-            (void)printf("%u frames, verdict of the worst: %s\n", t->frames.n, host_verdict_name((int)t->worst));
-        if (!options->quiet)
-            host_track_print_doubts(&t->doubts, &t->job.model);
-        if (!options->quiet && options->html)
-            (void)printf("to look at: %s/" PAGE "\n", options->out);
+            print(t);
     }
     if (result == HOST_REFUSED)
         keep_file(error);

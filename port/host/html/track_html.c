@@ -11,6 +11,7 @@
 #include "html/page_parts.h"
 #include "html/page_settings.h"
 #include "report/report_files.h"
+#include "track/track_verdict.h"
 
 #define INPUTS_MOST 5000u
 
@@ -22,7 +23,7 @@ static void put_reasons(const host_track_row *row, host_json *json)
     for (bit = 1; bit != 0 && bit <= row->reasons; bit <<= 1)
         if ((row->reasons & bit) != 0)
             host_json_text(json, NULL, smr_reason_text(bit));
-    (void)snprintf(text, sizeof text, "surfaces that contact should part overlap by %.1f mm", (double)row->overlap_mm);
+    (void)snprintf(text, sizeof text, HOST_OVERLAP_TEXT, (double)row->overlap_mm);
     if (row->overlap_mm > 0.0f)
         host_json_text(json, NULL, text);
     host_json_close(json, ']');
