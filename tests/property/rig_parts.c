@@ -24,10 +24,11 @@ smr_volume rig_parts_image(float shift)
 rig_parts rig_parts_make(const smr_volume *reference)
 {
     smr_prepare_config c = rig_radii(3, 60.0f, 40.0f, 18.0f);
-    rig_parts w;
+    rig_parts w = {.n_vertices = 0};
     for (uint32_t i = 0; i < RIG_PARTS; i++) {
         const float centre[3] = {32.0f * (float)i, 0, 0};
-        w.part[i] = rig_ball(22.0f, 8, 12u + 2u * i, centre);
+        w.part[i] = rig_ball(22.0f, 6, 10u + 2u * i, centre);
+        w.n_vertices += w.part[i].n_vertices;
     }
     c.block_vertices = 64;
     w.model[0] = rig_model(w.part, RIG_PARTS, &c);
@@ -39,7 +40,7 @@ rig_parts rig_parts_make(const smr_volume *reference)
 smr_mesh rig_parts_goal(uint32_t which)
 {
     const float centre[3] = {32.0f * (float)(which % RIG_PARTS) + 3.0f, 2, -3};
-    return rig_ball(24.0f + (float)which, 11, 17, centre);
+    return rig_ball(24.0f + (float)which, 7, 11, centre);
 }
 
 smr_config rig_parts_config(uint32_t *seed)

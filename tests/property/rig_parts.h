@@ -10,6 +10,7 @@
 
 typedef struct rig_parts {
     smr_mesh part[RIG_PARTS];
+    uint32_t n_vertices;       /* of all */
     const smr_model *model[2]; /* the second with intensity profiles */
 } rig_parts;
 

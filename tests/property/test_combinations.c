@@ -109,7 +109,7 @@ static void run(uint32_t what, const smr_config *config, const smr_port *port, u
     }
     assert_int_equal(ITERATIONS, done);
     hash[ITERATIONS] = report.iteration;
-    assert_true(rig_finite(rig_positions(s, world.of.model[0]), RIG_PARTS * 100u));
+    assert_true(rig_finite(rig_positions(s, world.of.model[0]), world.of.n_vertices));
 }
 
 static int runs_alike(uint32_t what)

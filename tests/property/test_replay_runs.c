@@ -14,7 +14,7 @@
 
 #include "property/rig_parts.h"
 
-#define RUNS 600u
+#define RUNS 480u
 #define STEPS 70u
 #define PARTS RIG_PARTS
 #define SURFACES 3u
