@@ -203,6 +203,25 @@ smr_tick_report rig_run(smr *s, uint32_t n)
     return report;
 }
 
+uint32_t rig_replays(const smr *s, const void *log, smr_log_input input, void *ctx, smr *twin, uint32_t *partial)
+{
+    smr_log_state wrote;
+    smr_replay replay;
+    smr_replay_report report = {0};
+    uint32_t count = 0;
+    if (smr_get_log(s, &wrote) != SMR_OK || wrote.full ||
+        smr_replay_start(twin, log, wrote.bytes, input, ctx, &replay) != SMR_OK)
+        return 0;
+    while (!report.ended) {
+        if (smr_replay_tick(&replay, &report) != SMR_OK || report.differs)
+            return 0;
+        count += !report.ended && !report.record.complete;
+    }
+    if (partial != NULL)
+        *partial = count;
+    return report.tick == wrote.n_ticks ? report.tick : 0u;
+}
+
 float *rig_positions(const smr *s, const smr_model *model)
 {
     smr_model_info info;

@@ -34,6 +34,10 @@ smr *rig_init(const smr_model *model, const smr_config *config, const smr_port *
 /* Ticks without a clock until done or n ticks; returns the last report. */
 smr_tick_report rig_run(smr *s, uint32_t n);
 
+/* Replays in twin the log that s wrote. Returns its ticks; 0 where it was full or anything came out otherwise.
+ * *partial, unless NULL: ticks that did not complete an iteration. */
+uint32_t rig_replays(const smr *s, const void *log, smr_log_input input, void *ctx, smr *twin, uint32_t *partial);
+
 /* Positions of all structures in the caller's order, one after the other: [n][3] in rig memory. */
 float *rig_positions(const smr *s, const smr_model *model);
 
