@@ -1,6 +1,7 @@
 #!/bin/sh
 # smr bench: figures 1 and 2 and the soak: what is written, read back and recomputed; bad options. Times are never judged.
 # SPDX-License-Identifier: MIT
+# SMR_AGAIN=1: figures of files were drawn with another compiler.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
 cd "$scratch" || exit 1
@@ -118,14 +119,18 @@ figure() {
 case ${CFLAGS:-} in
 *sanitize*) skip "figure 2" "too slow in an instrumented build" ;;
 *)
-    check "figure 2 of files" "$SMR" bench --figure2 --repeats 1 --step 45 -o files --model data/model/*.ply $files
-    figure "files" files
     check "figure 2 of the computed thigh" "$SMR" bench --figure2 --repeats 1 --step 45 --small --quiet -o deep/thigh
     figure "thigh" deep/thigh
-    # Landmarks and meshes come through files with fewer digits, so nearly: 0.05 mm, or 6 % where most vertices are ignored.
-    check "the same errors" sh -c "grep -h ^error files/figure2.csv deep/thigh/figure2.csv | awk -F, '
-        { k = \$2 \$3 \$4; if (k in mm) { d = mm[k] - \$9; b = 0.06 * \$9; if (b < 0.05) b = 0.05; n++; if (d > b || d < -b) bad = 1 }; mm[k] = \$9 }
-        END { exit !(n == 9 && !bad) }'"
+    if [ "${SMR_AGAIN:-0}" = 1 ]; then
+        skip "figure 2 of files" "another compiler's run has it, SMR_AGAIN=1"
+    else
+        check "figure 2 of files" "$SMR" bench --figure2 --repeats 1 --step 45 -o files --model data/model/*.ply $files
+        figure "files" files
+        # Landmarks and meshes come through files with fewer digits, so nearly: 0.05 mm, or 6 % where most vertices are ignored.
+        check "the same errors" sh -c "grep -h ^error files/figure2.csv deep/thigh/figure2.csv | awk -F, '
+            { k = \$2 \$3 \$4; if (k in mm) { d = mm[k] - \$9; b = 0.06 * \$9; if (b < 0.05) b = 0.05; n++; if (d > b || d < -b) bad = 1 }; mm[k] = \$9 }
+            END { exit !(n == 9 && !bad) }'"
+    fi
     ;;
 esac
 # Figure 1: of two femurs, from files and computed.

@@ -2,7 +2,7 @@
 # smr phantom: all files or none, the same bytes for any number of threads, read back by our own readers, fit for
 # a registration; bad options.
 # SPDX-License-Identifier: MIT
-# SMR_TEST_CFLAGS: for the helpers.
+# SMR_TEST_CFLAGS: for the helpers. SMR_AGAIN=1: another compiler's run has the whole resolution, here it is the small one.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
 
@@ -31,8 +31,14 @@ refused() {
 mean() { sed -n "/\"$2\": {/,/}/s/^ *\"mean\": \([^,]*\),\{0,1\}\$/\1/p" "$1" | head -1; }
 
 # The whole resolution once, the small one in all variations.
-check "made" "$SMR" phantom -o whole
 check "made small" "$SMR" phantom -o one/small --small --threads 1
+if [ "${SMR_AGAIN:-0}" = 1 ]; then
+    whole=one/small size='[0-9]{2} [0-9]{2} [0-9]{3}' spacing='3.000 3.000 6.000' most=3.6
+    skip "made" "another compiler's run has it, SMR_AGAIN=1"
+else
+    whole=whole size='2[0-9]{2} 2[0-9]{2} 2[0-9]{2}' spacing='1.000 1.000 3.000' most=1.8
+    check "made" "$SMR" phantom -o whole
+fi
 for threads in 2 4; do
     check "made small by $threads threads" "$SMR" phantom -o "by$threads" --small --threads $threads --quiet
     check "the same bytes" diff -r one/small "by$threads"
@@ -45,27 +51,28 @@ check "another patient" sh -c "! cmp -s one/small/mri_patient.mha other/mri_pati
 check "--quiet is quiet" [ -z "$("$SMR" phantom -o by4 --small --quiet)" ]
 check "over an older one: the same" diff -r one/small by4
 
-check "52 files" [ "$(find whole -type f | wc -l)" -eq 52 ]
+check "52 files" [ "$(find $whole -type f | wc -l)" -eq 52 ]
 n=0
-for file in whole/model/*.ply; do
+for file in $whole/model/*.ply; do
     name=${file##*/}
     n=$((n + 1))
     # vertices, triangles
     a=$("$scratch/tool" count "$file" 2>&1 | cut -d ' ' -f 1,2)
-    b=$("$scratch/tool" count "whole/truth/$name" 2>&1 | cut -d ' ' -f 1,2)
+    b=$("$scratch/tool" count "$whole/truth/$name" 2>&1 | cut -d ' ' -f 1,2)
     [ -n "$a" ] && [ "$a" = "$b" ] || { not_ok "$name: model $a, truth $b"; continue; }
+    [ $whole = whole ] || continue # coarse surfaces have sharp edges
     for set in model truth; do
-        "$SMR" measure whole/$set/"$name" whole/$set/"$name" >measure.txt 2>&1
+        "$SMR" measure $whole/$set/"$name" $whole/$set/"$name" >measure.txt 2>&1
         grep -q '^folds: 0 ' measure.txt || not_ok "$set/$name: $(grep folds measure.txt)"
     done
 done
-check "24 structures without folds" [ $n -eq 24 ]
+check "24 structures, those of the whole without folds" [ $n -eq 24 ]
 for name in femur hip_bone patella gluteus_maximus rectus_femoris vastus_medialis; do
-    check "there is $name" [ -f whole/model/$name.ply ]
+    check "there is $name" [ -f $whole/model/$name.ply ]
 done
 for image in reference patient; do
-    check "mri_$image.mha: $("$scratch/volume" info whole/mri_$image.mha | cut -c 1-60)" sh -c \
-        "'$scratch/volume' info whole/mri_$image.mha | grep -qE '^uint8 2[0-9]{2} 2[0-9]{2} 2[0-9]{2} o .* s 1.000 1.000 3.000 d 1.000 0.000 0.000 0.000 1.000'"
+    check "mri_$image.mha: $("$scratch/volume" info $whole/mri_$image.mha | cut -c 1-60)" sh -c \
+        "'$scratch/volume' info $whole/mri_$image.mha | grep -qE '^uint8 $size o .* s $spacing d 1.000 0.000 0.000 0.000 1.000'"
 done
 
 # near LANDMARKS SET MM: every landmark lies by a vertex of the structure that its description names.
@@ -80,10 +87,10 @@ near() {
                   exit !(n && sqrt(best) <= most) }' part.obj || return 1
     done <marks.txt
 }
-check "landmarks of the reference are vertices" near whole/landmarks_reference.mrk.json whole/model 0.01
-check "landmarks of the patient are near vertices" near whole/landmarks_patient.mrk.json whole/truth 1.8
+check "landmarks of the reference are vertices" near $whole/landmarks_reference.mrk.json $whole/model 0.01
+check "landmarks of the patient are near vertices" near $whole/landmarks_patient.mrk.json $whole/truth $most
 check "the landmarks are pairs" sh -c \
-    "[ \$('$scratch/volume' pair whole/landmarks_reference.mrk.json whole/landmarks_patient.mrk.json | wc -l) -ge 15 ]"
+    "[ \$('$scratch/volume' pair $whole/landmarks_reference.mrk.json $whole/landmarks_patient.mrk.json | wc -l) -ge 15 ]"
 
 small=one/small
 check "a registration with it" "$SMR" register --model $small/model/*.ply --reference $small/mri_reference.mha \

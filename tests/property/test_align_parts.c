@@ -244,7 +244,7 @@ static void check_side(const smr_mesh *bone, uint32_t *seed)
     smr_pose pose = aligned(bone, &seen, 0, NULL, NULL, &report);
     assert_int_equal(report.given, 1);
     assert_memory_equal(&pose, &identity, sizeof pose);
-    for (uint32_t i = 0; i < 4u; i++) {
+    for (uint32_t i = 0; i < rig_times(4u); i++) {
         smr_pose off = identity;
         float m[9];
         rig_rotation((float)rig_random(seed, 9u) - 4.0f, (float)rig_random(seed, 9u) - 4.0f, 1.5f,

@@ -122,7 +122,7 @@ static void test_translation(void **state)
     (void)state;
     exact_bone(&source, &target);
     const float *plain = registered(&source, &target);
-    for (size_t i = 0; i < sizeof by / sizeof by[0]; i++)
+    for (size_t i = 0; i < rig_times(sizeof by / sizeof by[0]); i++)
         moved_difference(&source, &target, plain, identity, by[i], &most);
     show("translated inputs", most.worst);
     assert_true(most.worst <= TOLERANCE_MM);
@@ -142,7 +142,7 @@ static void test_rotation(void **state)
     (void)state;
     exact_bone(&source, &target);
     const float *plain = registered(&source, &target);
-    for (size_t i = 0; i < sizeof turn / sizeof turn[0]; i++)
+    for (size_t i = 0; i < rig_times(sizeof turn / sizeof turn[0]); i++)
         moved_difference(&source, &target, plain, turn[i].m, turn[i].t, &most);
     assert_moves_along("rotated and translated inputs", &most);
 }
@@ -161,7 +161,7 @@ static void test_rounded_inputs(void **state)
     (void)state;
     rig_bone(CELL, 1.0f, &source, &target);
     const float *plain = registered(&source, &target);
-    for (size_t i = 0; i < sizeof turn / sizeof turn[0]; i++) {
+    for (size_t i = 0; i < rig_times(sizeof turn / sizeof turn[0]); i++) {
         float m[9];
         rig_rotation(turn[i][0], turn[i][1], turn[i][2], turn[i][3], m);
         moved_difference(&source, &target, plain, m, turn[i] + 4, &most);

@@ -186,9 +186,10 @@ static void test_replays(void **state)
 {
     static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
     static run r;
+    const uint32_t runs = rig_times(RUNS);
     uint32_t seed = 7, ticks = 0, partial = 0, cut = 0, early = 0, late = 0;
     (void)state;
-    for (uint32_t n = 0; n < RUNS; n++) {
+    for (uint32_t n = 0; n < runs; n++) {
         rig_jitter clock = {rig_random(&seed, 1u << 27), 1000000u};
         const smr_port other = rig_port(n % RIG_SCHEDULERS, 1u + n / 4u % 4u);
         const smr_port recording = {&clock, 1u + n % 4u, NULL, rig_jitter_read};
@@ -213,10 +214,10 @@ static void test_replays(void **state)
     if (getenv("SMR_TEST_SHOW") != NULL) {
         print_message(
             "%u runs: %u ticks, %u partial, %u cut; surfaces set while forces were gathered: %u, after that: %u\n",
-            RUNS, ticks, partial, cut, early, late);
+            runs, ticks, partial, cut, early, late);
     }
-    assert_true(partial > 10u * RUNS && cut > RUNS / 4u && early > RUNS &&
-                late > RUNS / 2u); /* the clock meant something */
+    assert_true(partial > 10u * runs && cut > runs / 4u && early > runs &&
+                late > runs / 2u); /* the clock meant something */
 }
 
 /* The last surface is taken away while the iteration that ends the first radius already has its forces. Whether the

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "property/rig.h"
 #include "unit_mesh.h"
 
 typedef struct planted {
@@ -88,13 +89,13 @@ static void run(uint32_t seed, int scaled, uint32_t n, int other_mesh, double bu
 static void rigid_poses(void **state)
 {
     (void)state;
-    run(110, 0, 25, 0, 0.02);
+    run(110, 0, rig_times(25), 0, 0.02);
 }
 
 static void similarity_poses(void **state)
 {
     (void)state;
-    run(111, 1, 25, 0, 0.02);
+    run(111, 1, rig_times(25), 0, 0.02);
 }
 
 static void two_meshes_of_one_bone(void **state)
