@@ -233,6 +233,8 @@ static void test_femurs(void **state)
         skip();
     apart most = femurs_moved(&source, &target);
     assert_moves_along("femurs", &most);
+    if (rig_times(20) < 20u) /* instrumented */
+        return;
     most = femurs_moved(&target, &source);
     assert_moves_along("femurs, the other way round", &most);
 }
