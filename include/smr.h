@@ -760,9 +760,9 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
                                 : (size_t)4u * (n_target_vertices) + (size_t)32u * (n_workers) * (n_vertices) +        \
                                       SMR_TREE_BYTES(n_triangles, n_structures)))
 
-/* What config.track adds to it. */
+/* What config.track adds to it; for a model without intensity profiles 12 n_vertices less. */
 #define SMR_TRACK_BYTES(n_vertices, n_structures)                                                                      \
-    ((size_t)1024u + (size_t)12u * (n_vertices) + (size_t)96u * (n_structures))
+    ((size_t)1024u + (size_t)24u * (n_vertices) + (size_t)96u * (n_structures))
 
 /* What config.dynamics adds to it. */
 #define SMR_DYNAMICS_BYTES(n_vertices, n_structures)                                                                   \
@@ -831,10 +831,10 @@ smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points);
 
 /* Gives every structure without a target surface this image, borrowed until replaced. NULL takes it away.
  * The schedule starts over from the present positions. While moving targets are followed (config.track), an image in
- * the place of another is followed, too: profiles are sought as far as at the schedule's start, within half the
- * radius, and the image before is free when the call returns. Along their surfaces, where an image says little, and
- * where they have no goal, structures then go with a smooth field from the schedule's result through everything that
- * has one. The model needs intensity profiles.
+ * the place of another is followed, too: profiles are sought as far as at the schedule's start, within half the radius,
+ * and the image before is free when the call returns. Along their surfaces, and where they have no goal, structures
+ * then go with a smooth field from the schedule's result through everything that has one. Once surfaces, clouds or
+ * landmarks are set again and no image is, what was found in this one goes along with them, until the next.
  * Errors: E_NULL (voxels), E_INPUT (the volume's fields), E_STATE (no profiles). */
 smr_status smr_set_volume(smr *s, const smr_volume *volume);
 
@@ -1346,8 +1346,8 @@ smr_status smr_save_bytes(const smr *s, size_t *bytes);
 /* What config.volume adds to it. */
 #define SMR_SAVE_VOLUME_BYTES(n_structures) ((size_t)8u * (n_structures))
 
-/* What config.track adds to it. */
-#define SMR_SAVE_TRACK_BYTES(n_vertices) ((size_t)128u + (size_t)12u * (n_vertices))
+/* What config.track adds to it; for a model without intensity profiles 12 n_vertices less. */
+#define SMR_SAVE_TRACK_BYTES(n_vertices) ((size_t)128u + (size_t)24u * (n_vertices))
 
 /* What config.track_ahead adds to it. */
 #define SMR_SAVE_AHEAD_BYTES(n_structures) ((size_t)4u + (size_t)96u * (n_structures))

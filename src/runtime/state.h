@@ -32,6 +32,9 @@ typedef struct smr_shared {
     float min_cos;            /* of config.normal_deg */
 } smr_shared;
 
+/* Image that is followed: no iteration stands on it; one does; and what else is followed has gone on since then. */
+enum { SMR_IMAGE_NEW = 0, SMR_IMAGE_SEEN = 1, SMR_IMAGE_PAST = 2 };
+
 /* Where the schedule stands. Written by tick/schedule.c; tick/tick.c lowers n_active where a budget ends, and the
  * caller chooses n_pinned (setup/targets.c). */
 typedef struct smr_pace {
@@ -57,9 +60,16 @@ typedef struct smr_pace {
     uint32_t recovering;      /* 1: at a coarser radius again, for the targets have jumped; 2: that is over */
     uint32_t called;          /* SMR_CALLED..: something was set since the last iteration began; 0: nothing */
     uint32_t settled, jumped; /* as in smr_tick_report */
+    uint32_t image_age;       /* SMR_IMAGE_.., of the image that is followed */
     float gain;               /* factor on forces */
     float found;              /* share of vertices with goals when targets were followed last */
 } smr_pace;
+
+/* 1 where images can be followed. */
+static inline int smr_follows_images(const smr_shared *c)
+{
+    return c->config.track != SMR_TRACK_OFF && smr_le32(c->model->profile_samples) > 0u;
+}
 
 /* 1 when a tick changes nothing. */
 static inline int smr_idle(const smr_pace *p) { return p->done || (p->settled && !p->called); }

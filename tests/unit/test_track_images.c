@@ -7,7 +7,7 @@
 #include "runtime/record/log.h"
 #include "runtime/registration.h"
 
-enum { FRAMES = 6, LOG = SMR_LOG_BYTES(2000, 20) };
+enum { FRAMES = 6, MARKS = 6, LOG = SMR_LOG_BYTES(2000, 60) };
 
 static int tidy(void **state)
 {
@@ -88,12 +88,27 @@ static void test_follows(void **state)
     follow(SMR_TRACK_REPORT);
 }
 
-/* What is set while ticks are cut by the clock. */
+/* Points of the ball, all around it, where they are in a frame. */
+static void set_marks(smr *s, const scene *e, uint32_t frame)
+{
+    smr_landmark mark[MARKS] = {{0}};
+    for (uint32_t i = 0; i < MARKS; i++) {
+        mark[i] = (smr_landmark){0, SMR_NONE, {0}, {0}, 1.0f, 0};
+        mark[i].rest[i / 2u] = i % 2u == 0u ? RIG_BALL_MM : -RIG_BALL_MM;
+        for (uint32_t c = 0; c < 3u; c++)
+            mark[i].place[c] = mark[i].rest[c] + e->centre[frame][c];
+    }
+    assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, MARKS));
+}
+
+/* What is set while ticks are cut by the clock: images, and marks that leave them behind. */
 static void sequence(const scene *e, smr *s, uint64_t budget)
 {
     for (uint32_t i = 0; i < 4u; i++) {
         assert_int_equal(SMR_OK, smr_set_volume(s, &e->frame[i]));
         for (uint32_t k = 0; k < (i == 0u ? 2000u : 57u); k++) {
+            if (k == 30u && i > 0u)
+                set_marks(s, e, i + 1u);
             const smr_status status = smr_tick(s, budget, NULL);
             assert_true(status == SMR_OK || status == SMR_PARTIAL);
         }
@@ -102,16 +117,17 @@ static void sequence(const scene *e, smr *s, uint64_t budget)
 
 static void test_same_bits(void **state)
 {
-    const scene e = make(SMR_TRACK_RECOVER);
+    scene e = make(SMR_TRACK_RECOVER);
     uint64_t hash = 0;
     (void)state;
+    e.config.n_landmarks = MARKS;
     for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
         const smr_port port = rig_port(k, 4);
         smr *s = rig_init(e.model, &e.config, &port);
         sequence(&e, s, 0);
         if (k == 0u)
             hash = smr_state_hash(s);
-        assert_true(hash == smr_state_hash(s) && s->pace.tracking);
+        assert_true(hash == smr_state_hash(s) && s->pace.image_age == SMR_IMAGE_PAST);
     }
 }
 
@@ -132,11 +148,13 @@ static void test_replays(void **state)
     rig_clock clock = {0};
     uint32_t partial = 0;
     (void)state;
+    e.config.n_landmarks = MARKS;
     const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
     smr *s = rig_init(e.model, &e.config, &port);
     assert_int_equal(SMR_OK, smr_set_log(s, memory, sizeof memory));
     sequence(&e, s, 60000);
     assert_int_equal(1, s->pace.tracking);
+    assert_int_equal(SMR_IMAGE_PAST, s->pace.image_age);
     smr *again = rig_init(e.model, &e.config, NULL);
     assert_true(rig_replays(s, memory, by_checksum, &e, again, &partial) > 0u);
     assert_true(partial > 10u);
@@ -171,6 +189,69 @@ static void test_restores(void **state)
     assert_true(smr_state_hash(run[0]) == smr_state_hash(run[1]));
 }
 
+/* The image is as old as its marks: they are set in the same tick. */
+static smr *at_first_frame(const scene *e)
+{
+    smr *s = rig_init(e->model, &e->config, NULL);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &e->frame[0]));
+    set_marks(s, e, 0);
+    assert_int_equal(1, until_settled(s).tracking);
+    return s;
+}
+
+/* Marks go on by 3.6 mm a frame and images do not: the old one does not hold the ball back, nor is it lost when marks
+ * stand still. The next one counts again. */
+static void test_old_image(void **state)
+{
+    scene e = make(SMR_TRACK_REPORT);
+    (void)state;
+    e.config.n_landmarks = MARKS;
+    smr *s = at_first_frame(&e);
+    for (uint32_t i = 1; i < 4u; i++) {
+        set_marks(s, &e, i);
+        assert_int_equal(1, until_settled(s).settled);
+        assert_true(off_ball(s, &e, i) < 0.8f);
+    }
+    set_marks(s, &e, 3);
+    (void)until_settled(s);
+    assert_true(off_ball(s, &e, 3) < 0.8f);
+    assert_int_equal(SMR_OK, smr_set_landmarks(s, NULL, 0));
+    (void)until_settled(s);
+    assert_true(off_ball(s, &e, 3) < 0.8f);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[4]));
+    (void)until_settled(s);
+    assert_true(off_ball(s, &e, 4) < 0.8f);
+}
+
+/* Where the image was left behind is kept. */
+static void test_restores_old_image(void **state)
+{
+    scene e = make(SMR_TRACK_REPORT);
+    size_t bytes = 0, room = 0;
+    (void)state;
+    e.config.n_landmarks = MARKS;
+    smr *run[2] = {at_first_frame(&e), NULL};
+    set_marks(run[0], &e, 1);
+    for (uint32_t k = 0; k < 3u; k++)
+        assert_int_equal(SMR_OK, smr_tick(run[0], 0, NULL));
+    assert_int_equal(SMR_OK, smr_save_bytes(run[0], &bytes));
+    void *saved = rig_alloc(bytes);
+    assert_int_equal(SMR_OK, smr_save(run[0], saved, bytes));
+    assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &room));
+    void *arena = rig_alloc(room);
+    memset(arena, 0xb5, room);
+    assert_int_equal(SMR_OK, smr_restore(e.model, NULL, NULL, saved, bytes, arena, room, &run[1]));
+    assert_int_equal(SMR_OK, smr_set_volume(run[1], &e.frame[0]));
+    for (uint32_t i = 0; i < 2u; i++) {
+        (void)until_settled(run[i]);
+        assert_true(off_ball(run[i], &e, 1) < 0.8f);
+        set_marks(run[i], &e, 2);
+        (void)until_settled(run[i]);
+        assert_true(off_ball(run[i], &e, 2) < 0.8f);
+    }
+    assert_true(smr_state_hash(run[0]) == smr_state_hash(run[1]));
+}
+
 /* Without an image before there is nothing to go on from, and without one afterwards nothing to follow. */
 static void test_starts_over(void **state)
 {
@@ -191,9 +272,13 @@ static void test_starts_over(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_follows, tidy),   cmocka_unit_test_teardown(test_starts_over, tidy),
-        cmocka_unit_test_teardown(test_same_bits, tidy), cmocka_unit_test_teardown(test_replays, tidy),
+        cmocka_unit_test_teardown(test_follows, tidy),
+        cmocka_unit_test_teardown(test_starts_over, tidy),
+        cmocka_unit_test_teardown(test_same_bits, tidy),
+        cmocka_unit_test_teardown(test_replays, tidy),
         cmocka_unit_test_teardown(test_restores, tidy),
+        cmocka_unit_test_teardown(test_old_image, tidy),
+        cmocka_unit_test_teardown(test_restores_old_image, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

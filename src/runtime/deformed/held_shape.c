@@ -18,6 +18,8 @@ void smr_held_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
     shape->held = smr_slot_scratch(a, shape->held, 1, sizeof *shape->held);
     shape->held_x = smr_slot_floats(a, shape->held_x, 3u * (size_t)shared->n, SMR_KEPT_MM);
     shape->held_pose = smr_slot_scratch(a, shape->held_pose, shared->n_structures, sizeof *shape->held_pose);
+    if (smr_follows_images(shared))
+        shape->image_x = smr_slot_floats(a, shape->image_x, 3u * (size_t)shared->n, SMR_KEPT_MM);
     if (ahead)
         shape->held_last = smr_slot_scratch(a, shape->held_last, shared->n_structures, sizeof *shape->held_last);
     if (!smr_keeps(a))
@@ -39,6 +41,8 @@ void smr_held_wire(smr_shape *shape)
     memset(h, 0, sizeof *h);
     memset(shape->held_x, 0, 3u * (size_t)shape->shared->n * sizeof(float));
     memset(shape->held_pose, 0, shape->shared->n_structures * sizeof *shape->held_pose);
+    if (shape->image_x != NULL)
+        memset(shape->image_x, 0, 3u * (size_t)shape->shared->n * sizeof(float));
     if (shape->held_last != NULL)
         memset(shape->held_last, 0, shape->shared->n_structures * sizeof *shape->held_last);
     for (uint32_t i = 0; i < shape->shared->n_structures; i++)
@@ -63,6 +67,11 @@ void smr_held_start(smr_shape *shape)
     memcpy(shape->held_x, shape->x, 3u * (size_t)shape->shared->n * sizeof(float));
     shape->held->rest_pose = shape->rest_pose;
     smr_held_derive(shape);
+}
+
+void smr_held_leave(smr_shape *shape)
+{
+    memcpy(shape->image_x, shape->x, 3u * (size_t)shape->shared->n * sizeof(float));
 }
 
 uint32_t smr_held_sum_tasks(const void *arg)

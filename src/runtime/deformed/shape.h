@@ -56,6 +56,7 @@ typedef struct smr_shape {
     /* written by held_shape.c; NULL where nothing is tracked */
     smr_held *held;
     float *held_x;          /* [n][3] the schedule's result, which tracking is elastic about */
+    float *image_x;         /* [n][3] x when the image was left behind; NULL: no images can be followed */
     smr_pose *held_pose;    /* [n_structures] rigid, lays each structure of held_x onto its present positions */
     smr_pose *held_last;    /* [n_structures] the same when targets were set last; NULL: structures do not go on */
     smr_dynamics *dynamics; /* NULL: relaxation, without mass */
@@ -89,7 +90,8 @@ void smr_held_start(smr_shape *shape);  /* x is the held shape from here on */
 uint32_t smr_held_sum_tasks(const void *shape);
 void smr_held_sum(void *shape, uint32_t task, uint32_t worker); /* serial */
 void smr_held_sum_end(smr_shape *shape);
-void smr_held_stand(smr_shape *shape);             /* the iteration stands: x^r follows */
+void smr_held_stand(smr_shape *shape); /* the iteration stands: x^r follows */
+void smr_held_leave(smr_shape *shape); /* what else is followed goes on from here, and the image stays behind */
 void smr_held_ahead(smr_shape *shape, int steady); /* new targets: structures go on as they went, if that is steady */
 
 /* A stored vertex of the rest shape in its pose. */

@@ -75,10 +75,11 @@ void smr_forces_search(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     const uint32_t n_active = f->pace->n_active, chunk = smr_force_chunk(f);
     const uint32_t last = smr_min_u32((task + 1u) * chunk, n_active);
+    const int looks = f->image.has_image && !smr_field_of_past(&f->unseen);
     for (uint32_t v = task * chunk; v < last; v++) {
         smr_vec way;
         /* voxels lie far apart: to reach them takes as long as the work on a vertex */
-        if (f->image.has_image && v + 1u < n_active)
+        if (looks && v + 1u < n_active)
             smr_image_ahead(&f->image, v + 1u);
         f->found[v] = smr_sources_goal(f, v, &way);
         smr_store(smr_at3(f->force, v), way);

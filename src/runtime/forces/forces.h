@@ -158,7 +158,8 @@ static inline int smr_goal_beside(smr_forces *f, uint32_t v, int has_goal, smr_v
     const float share = f->shared->config.image_beside * f->pace->ease;
     float weight = has_goal ? 1.0f : 0.0f;
     smr_vec own;
-    if (!(share > 0.0f) || !f->image.has_image || smr_image_goal(&f->image, v, &own) != SMR_GOAL)
+    if (!(share > 0.0f) || !f->image.has_image || smr_field_of_past(&f->unseen) ||
+        smr_image_goal(&f->image, v, &own) != SMR_GOAL)
         return 0;
     smr_blend(way, &weight, own, share);
     return 1;
@@ -174,9 +175,19 @@ static inline uint8_t smr_goal_on_surface(smr_forces *f, uint32_t v, const smr_t
     return smr_goal_beside(f, v, goal, way) || goal ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
+/* The image is of the past: its goals were found, and go along with what else is followed. */
+static inline uint8_t smr_goal_of_past(smr_forces *f, uint32_t v, smr_vec *way)
+{
+    smr_image_keep(&f->image, v);
+    *way = smr_unseen_field_way(&f->unseen, v);
+    return f->found_last[v] == SMR_FOUND_NO_TARGET ? SMR_FOUND_UNDECIDED : f->found_last[v];
+}
+
 /* The way to a goal in the image, and what fills in. Where the search has ended its goals are kept. */
 static inline uint8_t smr_goal_in_image(smr_forces *f, uint32_t v, smr_vec *way)
 {
+    if (smr_field_of_past(&f->unseen))
+        return smr_goal_of_past(f, v, way);
     const int seen = smr_image_goal(&f->image, v, way);
     if (smr_field_of_image(&f->unseen))
         smr_unseen_field_steady(&f->unseen, v, seen == SMR_GOAL, way);
@@ -199,7 +210,7 @@ static inline uint8_t smr_goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *
     if (f->landmarks.n == 0u)
         return SMR_FOUND_NO_TARGET;
     smr_unseen_field_fill(&f->unseen, v, way);
-    return smr_unseen_field_bound(&f->unseen, v) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
+    return smr_landmark_binds(&f->landmarks, v) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
 /* The way to the vertex' goal on a target, mm; 0 for none. A structure with a target surface follows it, every other

@@ -69,6 +69,12 @@ void smr_image_forget(smr_image_goals *g, uint32_t v)
     g->brighter_next[v] = SMR_BRIGHTER_NONE;
 }
 
+void smr_image_keep(smr_image_goals *g, uint32_t v)
+{
+    g->contrast_next[v] = g->contrast[v];
+    g->brighter_next[v] = g->brighter[v];
+}
+
 /* The contrast that counts as none: a share of what the structure's profiles have in the mean. */
 static float noise_of(const smr_model *m, const smr_shape_structure *one)
 {

@@ -67,6 +67,9 @@ int smr_image_seeks(const smr_image_goals *g, uint32_t structure);
 /* There is no goal in the image for v in the forces under way. */
 void smr_image_forget(smr_image_goals *g, uint32_t v);
 
+/* What the last forces found of v in the image stays. */
+void smr_image_keep(smr_image_goals *g, uint32_t v);
+
 /* Asks the processor for the voxels that the goal of v will need. */
 void smr_image_ahead(const smr_image_goals *g, uint32_t v);
 

@@ -131,3 +131,12 @@ float smr_landmark_prevails(const smr_landmark_goals *g, uint32_t k, uint32_t v)
     }
     return smr_bump(SMR_SQRT(least) / g->reach);
 }
+
+int smr_landmark_binds(const smr_landmark_goals *g, uint32_t v)
+{
+    int binds = 0;
+    for (uint32_t k = 0; k < g->n; k++)
+        for (uint32_t c = 0; c < 3u; c++)
+            binds |= g->landmark[k].corner[c] == v && g->landmark[k].share[c] > 0.0f;
+    return binds;
+}

@@ -56,4 +56,7 @@ static inline float smr_bump(float distance)
     return left2 * left2 * (4.0f * distance + 1.0f);
 }
 
+/* 1 at a vertex that a landmark is bound to. */
+int smr_landmark_binds(const smr_landmark_goals *g, uint32_t v);
+
 #endif

@@ -6,6 +6,7 @@
  * clusters are large it is held stiff, for then the controls are not yet where they belong.
  * While images are followed every vertex with a goal is seen, whatever draws it. Without the field a structure slides
  * along itself for as long as images come: nothing but its ends holds it there, and profiles err about those.
+ * An image of the past shows where its vertices were. From there the field of what else is followed carries them.
  * Landmarks are controls whose places are given. What is observed of one is the mean of its triangle's corners. So
  * that the field passes exactly by a hard one, what it may be off is not noise, but a second field of short reach.
  * Bounds: two tasks for each SMR_LOOK vertices, and as many and 2 as controls, of their square multiplications at most.
@@ -42,8 +43,8 @@ static uint32_t most_of(const smr_shared *shared)
 size_t smr_unseen_field_words(const smr_shared *shared)
 {
     const size_t most = most_of(shared);
-    const int images = shared->config.track != SMR_TRACK_OFF && smr_le32(shared->model->profile_samples) > 0u;
-    if (shared->config.n_landmarks == 0u && shared->config.coverage == SMR_COVERAGE_WHOLE && !images)
+    if (shared->config.n_landmarks == 0u && shared->config.coverage == SMR_COVERAGE_WHOLE &&
+        !smr_follows_images(shared))
         return 0;
     return (8u + SMR_FIELD_MOTIONS) * most + SMR_FACTOR_WORDS(most);
 }
@@ -72,8 +73,14 @@ void smr_unseen_field_watch(smr_unseen_field *f, const uint8_t *found, const uin
     f->has_image = has_image;
 }
 
-/* Where the field starts: what tracking holds to, or where the registration started. */
-static float *start_of(const smr_unseen_field *f) { return f->pace->tracking ? f->shape->held_x : f->shape->start; }
+/* Where the field starts: what tracking holds to, or where the registration started. From an image of the past: where
+ * the model was then. */
+static float *start_of(const smr_unseen_field *f)
+{
+    if (smr_field_of_past(f))
+        return f->shape->image_x;
+    return f->pace->tracking ? f->shape->held_x : f->shape->start;
+}
 
 /* Landmarks, images and the borders of sheets give places. Without them what is known of a part lies along normals. A
  * closed target that is not covered yet is taken for the whole that it will be: what the start pose gave stays. */
@@ -134,9 +141,12 @@ static float between(const smr_unseen_field *f, uint32_t i, uint32_t j)
 
 static uint32_t seen(const smr_unseen_field *f, uint32_t v)
 {
+    const smr_target *const target = &f->goals->target[smr_model_owner(f->shared->model, v)];
+    if (smr_field_of_past(f) && target->surface == NULL)
+        return 0u;
     if (f->landmarks->n > 0u)
         return f->landmarks->seen[v];
-    if (!smr_field_of_image(f) || f->goals->target[smr_model_owner(f->shared->model, v)].partial)
+    if (!smr_field_of_image(f) || target->partial)
         return f->goals->seen[v];
     return f->found[v] == SMR_FOUND_GOAL ? SMR_SEEN_ONE : 0u;
 }
@@ -251,8 +261,8 @@ static void factor(smr_unseen_field *f, uint32_t j)
     }
 }
 
-/* bend = (L L^T)^-1 bend */
-static void substitute(smr_unseen_field *f)
+/* bend = L^-1 bend */
+static void substitute_forward(smr_unseen_field *f)
 {
     for (uint32_t i = 0; i < f->n; i++) {
         smr_vec sum = smr_load(smr_at3(f->bend, i));
@@ -260,6 +270,12 @@ static void substitute(smr_unseen_field *f)
             sum = smr_sub(sum, smr_scale(smr_load(smr_at3(f->bend, k)), smr_field_row(f, i)[k]));
         smr_store(smr_at3(f->bend, i), smr_scale(sum, 1.0f / smr_field_row(f, i)[i]));
     }
+}
+
+/* bend = (L L^T)^-1 bend */
+static void substitute(smr_unseen_field *f)
+{
+    substitute_forward(f);
     for (uint32_t i = f->n; i-- > 0u;) {
         smr_vec sum = smr_load(smr_at3(f->bend, i));
         for (uint32_t k = i + 1u; k < f->n; k++)
@@ -293,8 +309,7 @@ void smr_unseen_field_solve(void *arg, uint32_t task, uint32_t worker)
         substitute(f);
 }
 
-/* The way to where the field carries the vertex, mm. */
-static smr_vec carried(const smr_unseen_field *f, uint32_t v)
+smr_vec smr_unseen_field_way(const smr_unseen_field *f, uint32_t v)
 {
     const smr_vec from = smr_load(smr_at3(start_of(f), v)), x = smr_load(smr_at3(f->shape->x, v));
     if (f->n == 0u)
@@ -340,14 +355,14 @@ static float step_of(const smr_unseen_field *f) { return f->by_normals ? SMR_FIE
 void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way)
 {
     const float share = shown(f, v, has_goal);
-    const smr_vec by_field = smr_scale(carried(f, v), step_of(f));
+    const smr_vec by_field = smr_scale(smr_unseen_field_way(f, v), step_of(f));
     *way = smr_add(smr_scale(smr_add(*way, along(f, v, by_field)), share), smr_scale(by_field, 1.0f - share));
     smr_unseen_field_prevail(f, v, way);
 }
 
 void smr_unseen_field_steady(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way)
 {
-    const smr_vec by_field = carried(f, v);
+    const smr_vec by_field = smr_unseen_field_way(f, v);
     *way = has_goal ? smr_add(*way, along(f, v, by_field)) : by_field;
 }
 
@@ -355,7 +370,7 @@ void smr_unseen_field_prevail(const smr_unseen_field *f, uint32_t v, smr_vec *wa
 {
     const float hard = smr_unseen_field_prevails(f, v);
     if (hard > 0.0f)
-        *way = mix(*way, carried(f, v), hard);
+        *way = mix(*way, smr_unseen_field_way(f, v), hard);
 }
 
 /* The square of the distance at the start to the nearest of controls first .. last - 1, mm^2. */
@@ -374,17 +389,7 @@ void smr_unseen_field_fill(const smr_unseen_field *f, uint32_t v, smr_vec *way)
     const smr_vec at = smr_load(smr_at3(start_of(f), v));
     const float landmark = nearest(f, at, 0, f->landmarks->n), vertex = nearest(f, at, f->landmarks->n, f->n);
     const float share = vertex < SMR_FAR ? vertex / smr_max(vertex + landmark, FLT_MIN) : 1.0f;
-    *way = mix(*way, carried(f, v), share);
-}
-
-int smr_unseen_field_bound(const smr_unseen_field *f, uint32_t v)
-{
-    const smr_landmark_goals *g = f->landmarks;
-    int bound = 0;
-    for (uint32_t k = 0; k < g->n; k++)
-        for (uint32_t c = 0; c < 3u; c++)
-            bound |= g->landmark[k].corner[c] == v && g->landmark[k].share[c] > 0.0f;
-    return bound;
+    *way = mix(*way, smr_unseen_field_way(f, v), share);
 }
 
 float smr_landmark_field_solve(smr_unseen_field *f)
@@ -393,14 +398,9 @@ float smr_landmark_field_solve(smr_unseen_field *f)
     begin(f, 0);
     for (uint32_t j = 0; j < f->n; j++)
         factor(f, j);
-    for (uint32_t i = 0; i < f->n; i++) { /* y^T K^-1 y is |L^-1 y|^2 */
-        smr_vec y = smr_load(smr_at3(f->bend, i));
-        for (uint32_t k = 0; k < i; k++)
-            y = smr_sub(y, smr_scale(smr_load(smr_at3(f->bend, k)), smr_field_row(f, i)[k]));
-        y = smr_scale(y, 1.0f / smr_field_row(f, i)[i]);
-        smr_store(smr_at3(f->bend, i), y);
-        sum += smr_dot(y, y);
-    }
+    substitute_forward(f);
+    for (uint32_t i = 0; i < f->n; i++) /* y^T K^-1 y is |L^-1 y|^2 */
+        sum += smr_dot(smr_load(smr_at3(f->bend, i)), smr_load(smr_at3(f->bend, i)));
     return f->n < SMR_FIELD_LEAST ? -1.0f : sum / (3.0f * (float)f->n);
 }
 

@@ -62,6 +62,12 @@ void smr_unseen_field_watch(smr_unseen_field *f, const uint8_t *found, const uin
 /* 1 while images are followed: an image says nothing along a surface, and of some surfaces little at all. */
 static inline int smr_field_of_image(const smr_unseen_field *f) { return f->pace->tracking && *f->has_image; }
 
+/* 1: what the image shows is of the past. */
+static inline int smr_field_of_past(const smr_unseen_field *f)
+{
+    return smr_field_of_image(f) && f->pace->image_age == SMR_IMAGE_PAST;
+}
+
 /* Steps, skipped where nothing is unseen; one task after the other. */
 uint32_t smr_unseen_field_tasks(const void *field);
 void smr_unseen_field_solve(void *field, uint32_t task, uint32_t worker);
@@ -78,14 +84,14 @@ void smr_unseen_field_fill(const smr_unseen_field *f, uint32_t v, smr_vec *way);
  * other one goes with the field alone. */
 void smr_unseen_field_steady(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way);
 
+/* The way to where the field carries the vertex, mm: all that an image of the past leaves to go by. */
+smr_vec smr_unseen_field_way(const smr_unseen_field *f, uint32_t v);
+
 /* How far hard landmarks prevail at a vertex, 0..1. */
 float smr_unseen_field_prevails(const smr_unseen_field *f, uint32_t v);
 
 /* Blends a way with the field as far as a hard landmark prevails over targets. */
 void smr_unseen_field_prevail(const smr_unseen_field *f, uint32_t v, smr_vec *way);
-
-/* 1 at a vertex that a landmark is bound to. */
-int smr_unseen_field_bound(const smr_unseen_field *f, uint32_t v);
 
 /* Between iterations: solves the field through the landmarks alone and returns the variance of their places along an
  * axis, mm^2; below 0 where they are too few. Then the share of it that is left at a vertex. */

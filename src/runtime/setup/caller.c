@@ -30,7 +30,7 @@ smr_status smr_set_goals(smr *s, uint32_t structure, const float *xyz, const flo
     if (s->n_awaited > 0u)
         return smr_await_goals(s, structure, &(smr_goals){xyz, xyz != NULL ? weights : NULL});
     s->forces.caller.goals[structure] = (smr_goals){xyz, xyz != NULL ? weights : NULL};
-    smr_restart_forces(s, 1);
+    smr_restart_forces(s, SMR_CALLED_MOVED);
     smr_log_goals(&s->log, structure, &s->forces.caller.goals[structure], n);
     return SMR_OK;
 }
@@ -48,7 +48,7 @@ smr_status smr_set_force(smr *s, smr_force force, void *ctx)
     s->forces.caller.force = force;
     s->forces.caller.ctx = force != NULL ? ctx : NULL;
     s->forces.caller.broken = 0;
-    smr_restart_forces(s, 0);
+    smr_restart_forces(s, SMR_CALLED);
     smr_log_force(&s->log, force != NULL);
     return SMR_OK;
 }

@@ -18,7 +18,7 @@ smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface)
     if (s->n_awaited > 0u)
         return smr_await_fixed(s, index, surface);
     smr_contact_fix(c, index, surface);
-    smr_restart_forces(s, 0);
+    smr_restart_forces(s, SMR_CALLED);
     smr_log_fixed(&s->log, index, surface);
     return SMR_OK;
 }

@@ -109,7 +109,7 @@ static smr_status set_target(smr *s, uint32_t structure, const smr_surface *surf
     else
         forget_searches(g, structure);
     smr_overlap_start(g);
-    smr_tracking_call(s, 1);
+    smr_tracking_call(s, SMR_CALLED_MOVED);
     /* an iteration under way starts again with the new goals; one that has its forces ends with the old ones */
     if (smr_forces_pending(s))
         s->step = s->next_task = 0;
@@ -164,7 +164,7 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
     smr_image_goals_open(&s->forces.image, volume == NULL ? NULL : &grid);
     smr_abandon_iteration(s);
     if (follows)
-        smr_restart_forces(s, 1);
+        smr_restart_forces(s, SMR_CALLED_IMAGE);
     else
         smr_schedule_start(s);
     smr_log_volume(&s->log, volume);

@@ -21,7 +21,7 @@ smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio)
     for (uint32_t i = 0; i < n; i++)
         if (structure == SMR_ALL || structure == i)
             held[i].ratio = ratio;
-    smr_restart_forces(s, 0);
+    smr_restart_forces(s, SMR_CALLED);
     smr_log_volume_ratio(&s->log, structure, ratio);
     return SMR_OK;
 }

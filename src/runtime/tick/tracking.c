@@ -2,9 +2,10 @@
  * elastic about the schedule's result (deformed/held_shape.c). Each target that is set calls for iterations until the
  * model rests, or track_iterations are spent; then there is nothing to do. The first forces tell whether a target has
  * jumped: its goals are farther than the model can follow. Where that is asked for the coarser radii are gone through
- * again.
- * Bounds: SMR_RADII_MAX; where tracking starts, two passes over the vertices; with track_ahead, one over vertices and
- * triangles for new targets.
+ * again. Where surfaces or landmarks are followed beside an image and go on without a new one, it is of the past: it
+ * would hold back what it shows. What was found in it goes along with the others (forces/unseen_field.c).
+ * Bounds: SMR_RADII_MAX; where tracking starts, two passes over the vertices; one where an image is left behind; with
+ * track_ahead, one over vertices and triangles for new targets.
  * SPDX-License-Identifier: MIT */
 #include "runtime/tick/tracking.h"
 
@@ -67,12 +68,14 @@ void smr_tracking_keep(smr_arena *a, smr *s)
         return;
     smr_keep_words(a, &p->tracking, 1, 1);
     smr_keep_words(a, &p->recovering, 1, 2);
-    smr_keep_words(a, &p->called, 1, SMR_CALLED_MOVED);
+    smr_keep_words(a, &p->called, 1, smr_follows_images(&s->shared) ? SMR_CALLED_IMAGE : SMR_CALLED_MOVED);
     smr_keep_words(a, &p->settled, 1, 1);
     smr_keep_words(a, &p->jumped, 1, 1);
     smr_keep_floats(a, &p->gain, 1, 1.0f, SMR_TRACK_GAIN);
     smr_keep_floats(a, &p->found, 1, 0.0f, 1.0f);
-    smr_keep_require(a, p->tracking || !(p->recovering || p->called || p->settled || p->jumped));
+    if (smr_follows_images(&s->shared))
+        smr_keep_words(a, &p->image_age, 1, SMR_IMAGE_PAST);
+    smr_keep_require(a, p->tracking || !(p->recovering || p->called || p->settled || p->jumped || p->image_age));
 }
 
 int smr_tracking_legal(smr *s)
@@ -97,6 +100,7 @@ void smr_tracking_start(smr *s)
     s->pace.jumped = s->pace.recovering = 0;
     s->pace.called = s->forces.unmeasured ? SMR_CALLED : 0u; /* set after the schedule's last forces */
     s->pace.found = share_found(s);
+    s->pace.image_age = SMR_IMAGE_SEEN;
     smr_plastic_positions(&s->shape);
     smr_held_start(&s->shape);
     go_to(s, smr_tracking_radius(s));
@@ -105,6 +109,7 @@ void smr_tracking_start(smr *s)
 void smr_tracking_end(smr *s)
 {
     s->pace.tracking = s->pace.settled = s->pace.jumped = s->pace.recovering = s->pace.called = 0;
+    s->pace.image_age = SMR_IMAGE_NEW;
     if (s->shape.held != NULL)
         s->shape.held->due = 0;
     s->pace.gain = 1.0f;
@@ -138,6 +143,20 @@ static void go_ahead(smr *s)
     smr_held_ahead(&s->shape, !s->pace.jumped && !s->pace.recovering);
 }
 
+/* The image was looked at, and what else is followed goes on: now the image is of the past. It stays so when the others
+ * are taken away, until the next one comes. */
+static void note_age(smr *s)
+{
+    const int others = s->forces.surface.n_goals > 0u || s->forces.landmarks.n > 0u;
+    if (s->pace.called == SMR_CALLED_IMAGE) {
+        s->pace.image_age = SMR_IMAGE_NEW;
+    } else if (s->pace.called == SMR_CALLED_MOVED && s->forces.image.has_image && others &&
+               s->pace.image_age == SMR_IMAGE_SEEN) {
+        s->pace.image_age = SMR_IMAGE_PAST;
+        smr_held_leave(&s->shape);
+    }
+}
+
 void smr_tracking_begin(smr *s)
 {
     if (!s->pace.tracking)
@@ -146,7 +165,8 @@ void smr_tracking_begin(smr *s)
     s->reference.stale = 1;
     if (!s->pace.called)
         return;
-    if (s->pace.called == SMR_CALLED_MOVED)
+    note_age(s);
+    if (s->pace.called >= SMR_CALLED_MOVED)
         go_ahead(s);
     s->pace.gain = 1.0f;
     s->pace.called = s->pace.settled = s->pace.jumped = s->pace.recovering = 0;
@@ -191,6 +211,8 @@ static void recover(smr *s)
 
 void smr_tracking_next(smr *s)
 {
+    if (s->pace.image_age == SMR_IMAGE_NEW)
+        s->pace.image_age = SMR_IMAGE_SEEN;
     const int coarser =
         smr_tracking_radius(s) > s->shared.config.radius_first && s->shared.config.track == SMR_TRACK_RECOVER;
     const int found = s->pace.jumped && s->forces.totals.n_forces > 0u;

@@ -5,7 +5,9 @@
 
 #include "runtime/registration.h"
 
-enum { SMR_CALLED = 1u, SMR_CALLED_MOVED = 2u }; /* smr_pace.called */
+/* smr_pace.called, and what has happened then: something acts upon the model; a target may have moved, as targets do;
+ * there is another image. */
+enum { SMR_CALLED = 1u, SMR_CALLED_MOVED = 2u, SMR_CALLED_IMAGE = 3u };
 
 void smr_tracking_start(smr *s); /* the schedule is done: x is the shape from here on */
 void smr_tracking_end(smr *s);   /* the schedule starts over */
@@ -23,11 +25,11 @@ int smr_tracking_legal(smr *s);
 
 uint32_t smr_tracking_radius(const smr *s); /* index of the radius at which moving targets are followed */
 
-/* There is something to look at: 1: what was set may have moved, as targets do; 0: it only acts upon the model. */
-static inline void smr_tracking_call(smr *s, int moves)
+/* There is something to look at: SMR_CALLED... */
+static inline void smr_tracking_call(smr *s, uint32_t called)
 {
     if (s->pace.tracking)
-        s->pace.called = smr_max_u32(s->pace.called, moves ? SMR_CALLED_MOVED : SMR_CALLED);
+        s->pace.called = smr_max_u32(s->pace.called, called);
 }
 
 #endif
