@@ -35,6 +35,9 @@ untold=$(awk -F '\t' '$4 == "" { print $1, $2 }' list.txt)
 check "every option has a sentence in option_text.c: $untold" [ -z "$untold" ]
 check "lines of help are at most 110 characters" sh -c "! grep -n '^.\{111,\}' ./*.txt | grep -v -e list.txt -e said.txt -e '^./[a-z]*.txt:[0-9]*:\(usage:\|      \)'"
 check "help of what is no command is the whole" sh -c "'$SMR' --help >all.txt && '$SMR' nothing --help | cmp - all.txt"
+lost=
+for option in $(cut -f 2 list.txt | sort -u); do grep -q -e "$option\([^a-z-]\|\$\)" all.txt || lost="$lost $option"; done
+check "which has all options:$lost" [ -z "$lost" ]
 check "the version" sh -c "'$SMR' --version | grep -q '^smr [0-9]*\.[0-9]*\.[0-9]*\$'"
 check "the pages have it" grep -q "$("$SMR" --version)" man/smr.1
 

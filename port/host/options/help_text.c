@@ -67,6 +67,7 @@ static const char *const start_lines[] = {
     "                                 DIR/field.nrrd that carries the model's images and points to the patient",
     "  --volume                       closed structures keep the volume that they have at rest, in the start's scale;",
     "  --volume-ratio NAME=R...       structures get R times that volume, 0.1 to 10; the others keep theirs",
+    "  --contact                      keep structures out of each other; also of track",
     "  --contact-with FILE...         surfaces that stay where they are, which structures keep out of, too",
     "  --accept good|look             the worst verdict whose exit status is 0 (good)",
     "  --json                         the result as one line of JSON on standard output, and nothing else there",
@@ -110,8 +111,8 @@ static const char *const other_lines[] = {
     "replay reads the inputs again, from where it is called, and says that all ticks agree, or which one differs;",
     "  --threads N",
     "Exit status: 0 done; register: by the verdict in report.json, 0 good, 3 look, 1 failed, or 4 where --ticks ended",
-    "first; results are written in each case. 1 a replay that differs, 2 bad usage or input, or the text could",
-    "not be printed.",
+    "first; track: by that of the worst frame; results are written in each case. 1 a replay that differs, 2 bad",
+    "usage or input, or the text could not be printed.",
 };
 
 /* An option of register: name, value and sentence. */
