@@ -119,12 +119,12 @@ check "with the reasons" said "verdict of the worst frame, gone: failed: nothing
 
 # Images: the reference itself, moved a little farther in each frame.
 "$SMR" phantom --small -o thigh --quiet
-image() { # name, mm
-    LC_ALL=C awk -v by="$2" '$1 == "Offset" && !seen { seen = 1; $3 += by; $5 -= by } { print } /^ElementDataFile/ { exit }' thigh/mri_reference.mha >"$1"
+image() { # name, mm aside, mm along
+    LC_ALL=C awk -v aside="$2" -v along="$3" '$1 == "Offset" && !seen { seen = 1; $3 += aside; $5 -= along } { print } /^ElementDataFile/ { exit }' thigh/mri_reference.mha >"$1"
     at=$(LC_ALL=C grep -a -b -o 'ElementDataFile = LOCAL' thigh/mri_reference.mha | head -n 1 | cut -d: -f1)
     tail -c +"$((at + 25))" thigh/mri_reference.mha >>"$1"
 }
-for i in 0 1 2; do image "i$i.mha" "$((3 * i))"; done
+for i in 0 1 2; do image "i$i.mha" "$((3 * i))" "$((3 * i))"; done
 printf 'label,x,y,z\nspot,-80,0,-60\n' >inside.csv
 check "follows images" has_verdict look "$SMR" track --model thigh/model/femur.ply thigh/model/vastus_intermedius.ply --reference thigh/mri_reference.mha --frames i0.mha i1.mha i2.mha --points inside.csv -o images
 check "as far as they go" awk -F, '
@@ -132,6 +132,11 @@ check "as far as they go" awk -F, '
     function off(a, b) { return a < b ? b - a : a - b }
     END { exit !(NR == 4 && off($8 - x, 6) < 0.5 && off($9, y) < 0.5 && off($10 - z, -6) < 0.7) }' images/track.csv
 check "all of them good" awk -F, 'NR > 1 && $5 != "good" { bad = 1 } END { exit bad }' images/track.csv
+
+# A shaft that goes along itself is missed at its ends only.
+image along.mha 0 20
+check "follows a jump along the thigh" has_status 0 "$SMR" track --model thigh/model/femur.ply thigh/model/vastus_intermedius.ply --reference thigh/mri_reference.mha --frames i0.mha along.mha --points inside.csv --ticks 60 -o along
+check "and says so" awk -F, 'NR > 1 { jumps = jumps $7; y = $10 - last; last = $10 } END { exit !(jumps == "01" && y < -19.5 && y > -20.5) }' along/track.csv
 
 # A patient's coarse image again and again: nothing moves, and what the image does not hold is not called good.
 for i in 0 1 2 3; do ln -s thigh/mri_patient.mha "still$i.mha"; done

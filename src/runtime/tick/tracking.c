@@ -15,6 +15,7 @@
 #define SMR_TRACK_REACH 12.0f    /* 1 / share of the radius that goals may be off in the mean */
 #define SMR_TRACK_SOUGHT 0.5f    /* share of the search distance in an image that goals may be off in the mean */
 #define SMR_TRACK_FEWER 0.8f     /* of the share of vertices with goals before: there are fewer */
+#define SMR_TRACK_LOST 0.9f      /* the same in an image, where what is out of reach has no goal or a wrong, near one */
 #define SMR_TRACK_NARROWING 0.5f /* of a target's iterations: so long search distances in an image fall */
 #define SMR_TRACK_COARSE 24u     /* iterations at coarser radii, together, when a target has jumped */
 
@@ -192,7 +193,8 @@ void smr_tracking_look(smr *s)
     const float mean = s->forces.totals.mean, reach = reach_mm(s);
     if (!s->pace.tracking || s->pace.recovering || s->pace.radius_iteration > 0u)
         return;
-    const int fewer = share_found(s) < SMR_TRACK_FEWER * s->pace.found;
+    const float enough = s->forces.image.has_image ? SMR_TRACK_LOST : SMR_TRACK_FEWER;
+    const int fewer = share_found(s) < enough * s->pace.found;
     s->pace.jumped = s->forces.totals.n_forces == 0u || mean > (fewer ? 0.5f * reach : reach);
 }
 
