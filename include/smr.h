@@ -1122,7 +1122,7 @@ typedef struct smr_verdict {
 } smr_verdict;
 
 /* Measures and judges one structure, or SMR_ALL: a closest-point search for each vertex and each triangle of its
- * target, and about 7,000 multiplications for each vertex. Changes no result. Serial.
+ * target, and about 9,000 multiplications for each vertex. Changes no result. Serial.
  * Errors: E_NULL, E_INPUT, E_STATE (not a registration; called from within a tick; a target surface has changed; an
  * iteration is under way, whose memory this needs: tick until SMR_OK). */
 smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict);

@@ -204,6 +204,7 @@ static smr *at_first_frame(const scene *e)
 static void test_old_image(void **state)
 {
     scene e = make(SMR_TRACK_REPORT);
+    smr_verdict verdict;
     (void)state;
     e.config.n_landmarks = MARKS;
     smr *s = at_first_frame(&e);
@@ -212,6 +213,8 @@ static void test_old_image(void **state)
         assert_int_equal(1, until_settled(s).settled);
         assert_true(off_ball(s, &e, i) < 0.8f);
     }
+    assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &verdict)); /* profiles are not where the old image has them */
+    assert_int_equal(0, verdict.reasons & SMR_REASON_LIKENESS);
     set_marks(s, &e, 3);
     (void)until_settled(s);
     assert_true(off_ball(s, &e, 3) < 0.8f);

@@ -69,8 +69,7 @@ const host_command_text host_command_texts[] = {
      {"A B [--source S] [--threads N]", "LABELS LABELS|DIR [OPTION]...", NULL},
      {"Distances are over the area, both ways: mean, root mean square, 95 % and the largest (Hausdorff); those of "
       "vertices alone stand apart. Also folds of A, new ones with --source, and where A and B are two bodies how they "
-      "touch "
-      "and overlap.",
+      "touch and overlap.",
       "Of label maps: Dice, Hausdorff 95, mean surface distance and volumes of each structure.", NULL},
      ""},
     {"carry",

@@ -16,7 +16,7 @@
 /* Energies of the last complete time step, uJ. */
 typedef struct smr_stored_energy {
     float elastic, goals;
-    float spare; /* what all steps so far have taken, beside damping */
+    float spare; /* of structures with pins: elastic energy, and what steps have taken beside damping */
 } smr_stored_energy;
 
 typedef struct smr_dynamics {

@@ -10,7 +10,7 @@
 #define SMR_CONTROLS 64u     /* seen vertices that the field passes by, in space */
 #define SMR_FIELD_ROWS 192u  /* without landmarks: those that it passes by along their normals */
 #define SMR_FIELD_MOTIONS 7u /* shifts, turns and scale */
-#define SMR_FIELD_STEP 0.4f  /* of the way that normals ask for, in an iteration */
+#define SMR_FIELD_STEP 0.35f /* of the way that normals ask for, in an iteration */
 #define SMR_CONTROLS_MAX (SMR_CONTROLS + SMR_LANDMARKS_MAX)
 #define SMR_FACTOR_WORDS(n) ((n) * ((n) + 1u) / 2u)
 

@@ -169,25 +169,25 @@ static small_motion pinned_motion(const smr *s, uint32_t structure)
     return m;
 }
 
-/* Sums over vertices. Energies of springs at the end of the time step; kinetic ones at its start, and at its end before
- * damping of structures without pinned vertices (LOOSE) and with (HELD); work of gravity and goals. PUSHED: pinned
- * vertices that move. */
-enum { ELASTIC, GOALS, BEFORE, LOOSE, HELD, WORK, PUSHED, ENERGIES };
+/* Sums over vertices. Energies of springs at the end of the time step; of structures with pinned vertices, which share
+ * no sum with loose ones that may fly fast: BENT, the elastic energy then, kinetic ones at the step's start and at its
+ * end before damping, work of gravity and goals. PUSHED: pinned vertices that move. */
+enum { ELASTIC, GOALS, BENT, BEFORE, AFTER, WORK, PUSHED, ENERGIES };
 
-static void add_kinetic(const smr *s, uint32_t v, int held, float sum[ENERGIES])
+static void add_kinetic(const smr *s, uint32_t v, float sum[ENERGIES])
 {
     const smr_dynamics *d = s->shape.dynamics;
     const smr_vec speed = smr_load(smr_at3(d->velocity, v));
     const smr_vec way = smr_sub(smr_load(smr_at3(s->shape.x, v)), smr_load(smr_at3(d->begin, v)));
     const float mass = smr_counted_mass(d, v), h2 = d->step_s * d->step_s;
     sum[BEFORE] += 0.5f * mass * smr_dot(speed, speed);
-    sum[held ? HELD : LOOSE] += 0.5f * mass / h2 * smr_dot(way, way);
+    sum[AFTER] += 0.5f * mass / h2 * smr_dot(way, way);
     sum[WORK] += mass * smr_dot(smr_load(s->shared.config.gravity), way);
     sum[PUSHED] += mass > 0.0f || !(smr_dot(speed, speed) > 0.0f) ? 0.0f : 1.0f;
 }
 
 /* Half the product of force and deviation (Clapeyron): the force is what the step has shown of it, M (x - y) / h^2. */
-static void add_springs(const smr *s, uint32_t v, const small_motion *held, float sum[ENERGIES])
+static void add_springs(const smr *s, uint32_t v, const small_motion *held, int pinned, float sum[ENERGIES])
 {
     const smr_dynamics *d = s->shape.dynamics;
     const smr_vec x = smr_load(smr_at3(s->shape.x, v));
@@ -201,10 +201,12 @@ static void add_springs(const smr *s, uint32_t v, const small_motion *held, floa
         const smr_vec moved = smr_sub(x, smr_load(smr_at3(s->shape.x_next, v))); /* since the goal was sought */
         const smr_vec pull = smr_sub(smr_load(smr_at3(s->forces.force, v)), smr_scale(moved, share));
         sum[GOALS] += 0.5f * mass * k / share * smr_dot(pull, pull);
-        sum[WORK] += mass * k * smr_dot(pull, smr_sub(x, smr_load(smr_at3(d->begin, v))));
+        sum[WORK] += !pinned ? 0.0f : mass * k * smr_dot(pull, smr_sub(x, smr_load(smr_at3(d->begin, v))));
         force = smr_sub(force, smr_scale(pull, mass * k));
     }
-    sum[ELASTIC] -= 0.5f * smr_dot(force, smr_sub(off_of(s, v), rigid));
+    const float bent = -0.5f * smr_dot(force, smr_sub(off_of(s, v), rigid));
+    sum[ELASTIC] += bent;
+    sum[BENT] += pinned ? bent : 0.0f;
 }
 
 /* Summed by chunks, so that rounding stays small. Energies in uJ. */
@@ -218,8 +220,9 @@ static void energies_of(const smr *s, float all[ENERGIES])
         for (uint32_t from = 0; from < n; from += SMR_CHUNK) {
             float one[ENERGIES] = {0};
             for (uint32_t i = from; i < smr_min_u32(from + SMR_CHUNK, n); i++) {
-                add_kinetic(s, vertex_of(s, k, i), pinned, one);
-                add_springs(s, vertex_of(s, k, i), &held, one);
+                if (pinned)
+                    add_kinetic(s, vertex_of(s, k, i), one);
+                add_springs(s, vertex_of(s, k, i), &held, pinned, one);
             }
             for (uint32_t i = 0; i < ENERGIES; i++)
                 all[i] += 0.001f * one[i];
@@ -227,23 +230,23 @@ static void energies_of(const smr *s, float all[ENERGIES])
     }
     all[ELASTIC] = smr_clamp(all[ELASTIC], 0.0f, SMR_STORED_MOST);
     all[GOALS] = smr_clamp(all[GOALS], 0.0f, SMR_STORED_MOST);
+    all[BENT] = smr_clamp(all[BENT], 0.0f, SMR_STORED_MOST);
 }
 
 /* What velocities of structures with pinned vertices are scaled by. Around pins clusters turn and stretch so far that
  * the fits are approximate, and time steps could add energy without end. So kinetic and elastic energy come to no more
  * than at the start and what gravity and goals have done since, less what damping took (passivity observer and
- * controller; Hannaford and Ryu 2002). A step may add what others have taken, `spare`: by so much the elastic energy,
- * which is approximate, may waver. What new masses or moving pins add is not known: such a step may do as it does. */
+ * controller; Hannaford and Ryu 2002). `spare` is the elastic energy, and what steps have taken: so much a step may
+ * add, for the elastic energy is approximate and wavers. What new masses or moving pins add is not known: such a step
+ * may do as it does. */
 static float passive_share(smr_dynamics *d, const float now[ENERGIES])
 {
-    const smr_stored_energy *was = &d->stored;
-    const float most = now[BEFORE] + was->elastic + was->spare + now[WORK] - now[LOOSE] - now[ELASTIC];
-    const int known = !d->weighed && !(now[PUSHED] > 0.0f), fits = !known || now[HELD] <= most;
-    const float share = fits ? 1.0f : (most > 0.0f ? SMR_SQRT(most / now[HELD]) : 0.0f);
+    const float most = now[BEFORE] + d->stored.spare + now[WORK] - now[BENT];
+    const int known = !d->weighed && !(now[PUSHED] > 0.0f), fits = !known || now[AFTER] <= most;
+    const float share = fits ? 1.0f : (most > 0.0f ? SMR_SQRT(most / now[AFTER]) : 0.0f);
     d->stored.elastic = now[ELASTIC];
     d->stored.goals = now[GOALS];
-    if (known)
-        d->stored.spare = fits ? smr_min(most - now[HELD], SMR_STORED_MOST) : 0.0f;
+    d->stored.spare = smr_min(now[BENT] + (known && fits ? most - now[AFTER] : 0.0f), SMR_STORED_MOST);
     d->weighed = 0;
     return share;
 }

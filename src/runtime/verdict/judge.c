@@ -118,7 +118,7 @@ static void judge_landmarks(smr_verdict *v)
 
 static void judge_image(smr_verdict *v)
 {
-    ask_least(v, SMR_REASON_LIKENESS, smr_max(v->likeness, 0.0f), SMR_LIKENESS_LEAST, SMR_LIKENESS_FAILED);
+    ask_least(v, SMR_REASON_LIKENESS, v->likeness, SMR_LIKENESS_LEAST, SMR_LIKENESS_FAILED);
     ask_least(v, SMR_REASON_GOALS, v->goals_share, SMR_GOALS_LEAST, SMR_GOALS_FAILED);
 }
 

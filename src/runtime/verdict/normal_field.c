@@ -122,6 +122,14 @@ static void find_size(smr_normal_field *f)
     }
 }
 
+/* By the inverse of a pose's rotation: to where it lay at the start. */
+static smr_vec turned_back(const smr_pose *p, smr_vec v)
+{
+    return smr_v(p->m[0][0] * v.x + p->m[1][0] * v.y + p->m[2][0] * v.z,
+                 p->m[0][1] * v.x + p->m[1][1] * v.y + p->m[2][1] * v.z,
+                 p->m[0][2] * v.x + p->m[1][2] * v.y + p->m[2][2] * v.z);
+}
+
 void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structure)
 {
     smr_fit fit;
@@ -138,7 +146,9 @@ void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structur
     for (uint32_t i = 0; i < f->n; i++) {
         const smr_vec posed = smr_pose_apply(&pose, smr_load(smr_at3(f->at, i)));
         const smr_vec way = smr_sub(smr_load(smr_at3(f->lower, i)), posed);
-        f->moved[i] = smr_dot(way, smr_load(smr_at3(f->normal, i)));
+        const smr_vec normal = smr_load(smr_at3(f->normal, i));
+        f->moved[i] = smr_dot(way, normal);
+        smr_store(smr_at3(f->normal, i), turned_back(&pose, normal));
     }
     factor(f);
     find_size(f);
