@@ -161,11 +161,26 @@ static void test_replays(void **state)
     assert_true(smr_state_hash(s) == smr_state_hash(again));
 }
 
+/* A copy by way of a save, in memory that was used before, with its image set again. */
+static smr *restored(const scene *e, const smr *s, uint32_t frame)
+{
+    size_t bytes = 0, room = 0;
+    smr *copy = NULL;
+    assert_int_equal(SMR_OK, smr_save_bytes(s, &bytes));
+    void *saved = rig_alloc(bytes);
+    assert_int_equal(SMR_OK, smr_save(s, saved, bytes));
+    assert_int_equal(SMR_OK, smr_arena_bytes(e->model, &e->config, &room));
+    void *arena = rig_alloc(room);
+    memset(arena, 0xb5, room);
+    assert_int_equal(SMR_OK, smr_restore(e->model, NULL, NULL, saved, bytes, arena, room, &copy));
+    assert_int_equal(SMR_OK, smr_set_volume(copy, &e->frame[frame]));
+    return copy;
+}
+
 /* Saved between two ticks and restored: what the image showed last is kept, for the field begins from it. */
 static void test_restores(void **state)
 {
     const scene e = make(SMR_TRACK_RECOVER);
-    size_t bytes = 0, room = 0;
     smr *run[2] = {rig_init(e.model, &e.config, NULL), NULL};
     (void)state;
     assert_int_equal(SMR_OK, smr_set_volume(run[0], &e.frame[0]));
@@ -173,14 +188,7 @@ static void test_restores(void **state)
     assert_int_equal(SMR_OK, smr_set_volume(run[0], &e.frame[1]));
     for (uint32_t k = 0; k < 4u; k++)
         assert_int_equal(SMR_OK, smr_tick(run[0], 0, NULL));
-    assert_int_equal(SMR_OK, smr_save_bytes(run[0], &bytes));
-    void *saved = rig_alloc(bytes);
-    assert_int_equal(SMR_OK, smr_save(run[0], saved, bytes));
-    assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &room));
-    void *arena = rig_alloc(room);
-    memset(arena, 0xb5, room);
-    assert_int_equal(SMR_OK, smr_restore(e.model, NULL, NULL, saved, bytes, arena, room, &run[1]));
-    assert_int_equal(SMR_OK, smr_set_volume(run[1], &e.frame[1]));
+    run[1] = restored(&e, run[0], 1);
     for (uint32_t i = 0; i < 2u; i++) {
         (void)until_settled(run[i]);
         assert_int_equal(SMR_OK, smr_set_volume(run[i], &e.frame[2]));
@@ -226,25 +234,34 @@ static void test_old_image(void **state)
     assert_true(off_ball(s, &e, 4) < 0.8f);
 }
 
+/* Goals of the caller's own leave no image behind, nor does what is taken away: the image is sought in as before. */
+static void test_goals_leave_no_image(void **state)
+{
+    scene e = make(SMR_TRACK_REPORT);
+    (void)state;
+    e.config.n_landmarks = MARKS;
+    e.config.caller_goals = 1;
+    smr *s = at_first_frame(&e);
+    float *goal = rig_positions(s, e.model), *weight = rig_alloc(4u * (size_t)s->shared.n);
+    assert_int_equal(SMR_OK, smr_set_goals(s, 0, goal, weight));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_IMAGE_SEEN, s->pace.image_age);
+    assert_int_equal(SMR_OK, smr_set_landmarks(s, NULL, 0));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_IMAGE_SEEN, s->pace.image_age);
+}
+
 /* Where the image was left behind is kept. */
 static void test_restores_old_image(void **state)
 {
     scene e = make(SMR_TRACK_REPORT);
-    size_t bytes = 0, room = 0;
     (void)state;
     e.config.n_landmarks = MARKS;
     smr *run[2] = {at_first_frame(&e), NULL};
     set_marks(run[0], &e, 1);
     for (uint32_t k = 0; k < 3u; k++)
         assert_int_equal(SMR_OK, smr_tick(run[0], 0, NULL));
-    assert_int_equal(SMR_OK, smr_save_bytes(run[0], &bytes));
-    void *saved = rig_alloc(bytes);
-    assert_int_equal(SMR_OK, smr_save(run[0], saved, bytes));
-    assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &room));
-    void *arena = rig_alloc(room);
-    memset(arena, 0xb5, room);
-    assert_int_equal(SMR_OK, smr_restore(e.model, NULL, NULL, saved, bytes, arena, room, &run[1]));
-    assert_int_equal(SMR_OK, smr_set_volume(run[1], &e.frame[0]));
+    run[1] = restored(&e, run[0], 0);
     for (uint32_t i = 0; i < 2u; i++) {
         (void)until_settled(run[i]);
         assert_true(off_ball(run[i], &e, 1) < 0.8f);
@@ -281,6 +298,7 @@ int main(void)
         cmocka_unit_test_teardown(test_replays, tidy),
         cmocka_unit_test_teardown(test_restores, tidy),
         cmocka_unit_test_teardown(test_old_image, tidy),
+        cmocka_unit_test_teardown(test_goals_leave_no_image, tidy),
         cmocka_unit_test_teardown(test_restores_old_image, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -131,7 +131,7 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n)
     for (uint32_t i = 0; i < n; i++)
         bind_point(&g->landmark[i], s, &landmarks[i], i < g->n && same_point(&g->landmark[i].given, &landmarks[i]));
     g->n = n;
-    smr_restart_forces(s, n > 0u ? SMR_CALLED_MOVED : SMR_CALLED);
+    smr_restart_forces(s, n > 0u ? SMR_CALLED_SHOWN : SMR_CALLED);
     smr_log_landmarks(&s->log, landmarks, n);
     return SMR_OK;
 }

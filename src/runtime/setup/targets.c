@@ -109,7 +109,7 @@ static smr_status set_target(smr *s, uint32_t structure, const smr_surface *surf
     else
         forget_searches(g, structure);
     smr_overlap_start(g);
-    smr_tracking_call(s, surface != NULL ? SMR_CALLED_MOVED : SMR_CALLED);
+    smr_tracking_call(s, surface != NULL ? SMR_CALLED_SHOWN : SMR_CALLED);
     /* an iteration under way starts again with the new goals; one that has its forces ends with the old ones */
     if (smr_forces_pending(s))
         s->step = s->next_task = 0;

@@ -69,7 +69,7 @@ void smr_tracking_keep(smr_arena *a, smr *s)
         return;
     smr_keep_words(a, &p->tracking, 1, 1);
     smr_keep_words(a, &p->recovering, 1, 2);
-    smr_keep_words(a, &p->called, 1, smr_follows_images(&s->shared) ? SMR_CALLED_IMAGE : SMR_CALLED_MOVED);
+    smr_keep_words(a, &p->called, 1, smr_follows_images(&s->shared) ? SMR_CALLED_IMAGE : SMR_CALLED_SHOWN);
     smr_keep_words(a, &p->settled, 1, 1);
     smr_keep_words(a, &p->jumped, 1, 1);
     smr_keep_floats(a, &p->gain, 1, 1.0f, SMR_TRACK_GAIN);
@@ -151,7 +151,7 @@ static void note_age(smr *s)
     const int others = s->forces.surface.n_goals > 0u || s->forces.landmarks.n > 0u;
     if (s->pace.called == SMR_CALLED_IMAGE) {
         s->pace.image_age = SMR_IMAGE_NEW;
-    } else if (s->pace.called == SMR_CALLED_MOVED && s->forces.image.has_image && others &&
+    } else if (s->pace.called == SMR_CALLED_SHOWN && s->forces.image.has_image && others &&
                s->pace.image_age == SMR_IMAGE_SEEN) {
         s->pace.image_age = SMR_IMAGE_PAST;
         smr_held_leave(&s->shape);

@@ -5,9 +5,9 @@
 
 #include "runtime/registration.h"
 
-/* smr_pace.called, and what has happened then: something acts upon the model; a target may have moved, as targets do;
- * there is another image. */
-enum { SMR_CALLED = 1u, SMR_CALLED_MOVED = 2u, SMR_CALLED_IMAGE = 3u };
+/* smr_pace.called, and what has happened then: something acts upon the model; a goal may have moved; so may a surface,
+ * cloud or landmarks, which show more than an image before them; there is another image. */
+enum { SMR_CALLED = 1u, SMR_CALLED_MOVED = 2u, SMR_CALLED_SHOWN = 3u, SMR_CALLED_IMAGE = 4u };
 
 void smr_tracking_start(smr *s); /* the schedule is done: x is the shape from here on */
 void smr_tracking_end(smr *s);   /* the schedule starts over */
