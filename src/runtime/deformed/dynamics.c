@@ -19,9 +19,12 @@ void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared
     d->velocity = smr_slot_floats(a, d->velocity, 3u * n, SMR_SPEED_MOST);
     d->mass = smr_slot_floats(a, d->mass, n, SMR_MASS_MOST);
     d->members = smr_slot_scratch(a, d->members, n, sizeof(float));
+    d->mixed = smr_slot_scratch(a, d->mixed, shared->n_structures, sizeof *d->mixed);
+    d->tied = smr_slot_scratch(a, d->tied, shared->n_structures, sizeof *d->tied);
     d->weight = smr_slot_scratch(a, d->weight, n, sizeof(float));
     smr_keep_floats(a, &d->stored.elastic, 1, 0.0f, SMR_STORED_MOST);
     smr_keep_floats(a, &d->stored.goals, 1, 0.0f, SMR_STORED_MOST);
+    smr_keep_floats(a, &d->stored.bent, 1, 0.0f, SMR_STORED_MOST);
     smr_keep_floats(a, &d->stored.spare, 1, 0.0f, SMR_STORED_MOST);
     smr_keep_words(a, &d->weighed, 1, 1);
 }

@@ -16,7 +16,8 @@
 /* Energies of the last complete time step, uJ. */
 typedef struct smr_stored_energy {
     float elastic, goals;
-    float spare; /* of structures with pins: elastic energy, and what steps have taken beside damping */
+    float bent;  /* of elastic: that of tied structures */
+    float spare; /* of those: all their elastic energy, and what steps have taken beside damping */
 } smr_stored_energy;
 
 typedef struct smr_dynamics {
@@ -29,6 +30,8 @@ typedef struct smr_dynamics {
     float gram;    /* g: mass of a vertex is weight * members * gram */
     smr_stored_energy stored;
     uint32_t weighed; /* 1: masses were set since the last complete time step */
+    uint32_t *mixed;  /* [n_structures] 1: shares clusters with others, at the radius in use */
+    uint32_t *tied;   /* [n_structures] 1: does, or has pinned vertices */
     float *begin;     /* [n][3] mm: positions at the start of the time step */
     float *velocity;  /* [n][3] mm/s at the start of the time step */
     float *mass;      /* [n] g as asked for; 0: it keeps its velocity whatever happens */

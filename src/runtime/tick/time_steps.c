@@ -23,24 +23,49 @@
 #define SMR_PINNED_MOST 3.4e7f    /* of a pinned one */
 #define SMR_PINNED_TIMES 8.0f     /* weight of as many pinned vertices as a cluster can have, in clusters' masses */
 
-#define SMR_LINE 1.0e-4f /* pinned vertices thinner than this share of their length are a line: it may turn */
+#define SMR_LESS 0.999999f /* of what energy may be: sums are rounded */
+#define SMR_TIES 8u        /* rounds in which structures are tied */
+#define SMR_LINE 1.0e-4f   /* pinned vertices thinner than this share of their length are a line: it may turn */
 
-/* How many members each vertex' cluster has, fractions at the boundary included. */
+/* How many members each vertex' cluster has, fractions at the boundary included. Structures are tied where members are
+ * of others, which have another number: the sum of (number - own)^2 is not 0. */
 static void count_members(smr *s)
 {
     smr_sums *sums = &s->sums;
     smr_dynamics *d = s->shape.dynamics;
     memset(sums->record, 0, SMR_WORDS * (size_t)s->shared.n * sizeof *sums->record);
-    for (uint32_t v = 0; v < s->shared.n; v++)
-        sums->record[SMR_WORDS * (size_t)v] = SMR_BOUNDARY_UNITS;
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        const uint32_t owner = smr_model_owner(s->shared.model, v);
+        uint32_t *const record = sums->record + SMR_WORDS * (size_t)v;
+        record[0] = SMR_BOUNDARY_UNITS;
+        record[1] = SMR_BOUNDARY_UNITS * owner;
+        record[2] = SMR_BOUNDARY_UNITS * owner * owner;
+    }
     sums->words = 4;
     smr_block_pieces(sums, 0);
     for (uint32_t t = 0; t < smr_block_tasks(sums); t++)
         smr_sums_forest(sums, t, 0);
     for (uint32_t t = 0; t < smr_boundary_tasks(sums); t++)
         smr_boundary_sums(sums, t, 0);
-    for (uint32_t v = 0; v < s->shared.n; v++)
-        d->members[v] = smr_max(smr_unfix(sums->sum[SMR_WORDS * (size_t)v], 1.0f / (float)SMR_BOUNDARY_UNITS), 1.0f);
+    memset(d->mixed, 0, s->shared.n_structures * sizeof *d->mixed);
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        const uint32_t owner = smr_model_owner(s->shared.model, v), *const sum = sums->sum + SMR_WORDS * (size_t)v;
+        d->members[v] = smr_max(smr_unfix(sum[0], 1.0f / (float)SMR_BOUNDARY_UNITS), 1.0f);
+        d->mixed[owner] |= sum[2] - 2u * owner * sum[1] + owner * owner * sum[0] != 0u;
+    }
+}
+
+static uint32_t vertex_of(const smr *s, uint32_t structure, uint32_t i)
+{
+    return smr_model_position(s->shared.model, s->shape.structure[structure].first_vertex + i);
+}
+
+static uint32_t pinned_of(const smr *s, uint32_t structure)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < s->shape.structure[structure].n_vertices; i++)
+        count += !(s->shape.dynamics->mass[vertex_of(s, structure, i)] > 0.0f);
+    return count;
 }
 
 static float rounded(float weight, float most, float unit)
@@ -83,6 +108,8 @@ void smr_time_steps_weigh(smr *s)
     c->mass_unit = unit;
     c->mass = d->weight;
     s->reference.stale = 1;
+    for (uint32_t k = 0; k < c->n_structures; k++)
+        d->tied[k] = d->mixed[k] | (pinned_of(s, k) > 0u);
 }
 
 void smr_time_steps_start(smr *s)
@@ -114,23 +141,10 @@ static smr_vec off_of(const smr *s, uint32_t v)
     return smr_sub(smr_load(smr_at3(s->shape.x, v)), smr_load(smr_at3(s->shape.x_ref, v)));
 }
 
-static uint32_t vertex_of(const smr *s, uint32_t structure, uint32_t i)
-{
-    return smr_model_position(s->shared.model, s->shape.structure[structure].first_vertex + i);
-}
-
 /* A small rigid motion: way + turn x (x - centre). */
 typedef struct small_motion {
     smr_vec centre, way, turn;
 } small_motion;
-
-static uint32_t pinned_of(const smr *s, uint32_t structure)
-{
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < s->shape.structure[structure].n_vertices; i++)
-        count += !(s->shape.dynamics->mass[vertex_of(s, structure, i)] > 0.0f);
-    return count;
-}
 
 /* That of a structure's pinned vertices from the reference shape: forces that hold them do no work against it. */
 static small_motion pinned_motion(const smr *s, uint32_t structure)
@@ -169,10 +183,10 @@ static small_motion pinned_motion(const smr *s, uint32_t structure)
     return m;
 }
 
-/* Sums over vertices. Energies of springs at the end of the time step; of structures with pinned vertices, which share
- * no sum with loose ones that may fly fast: BENT, the elastic energy then, kinetic ones at the step's start and at its
- * end before damping, work of gravity and goals. PUSHED: pinned vertices that move. */
-enum { ELASTIC, GOALS, BENT, BEFORE, AFTER, WORK, PUSHED, ENERGIES };
+/* Sums over vertices. Energies of springs at the end of the time step: LOOSE and BENT, the elastic ones of structures
+ * that are not tied and that are. The latter share no sum with loose ones that may fly fast: kinetic energies at the
+ * step's start and at its end before damping, work of gravity and goals. PUSHED: pinned vertices that move. */
+enum { LOOSE, GOALS, BENT, BEFORE, AFTER, WORK, PUSHED, ENERGIES };
 
 static void add_kinetic(const smr *s, uint32_t v, float sum[ENERGIES])
 {
@@ -187,7 +201,7 @@ static void add_kinetic(const smr *s, uint32_t v, float sum[ENERGIES])
 }
 
 /* Half the product of force and deviation (Clapeyron): the force is what the step has shown of it, M (x - y) / h^2. */
-static void add_springs(const smr *s, uint32_t v, const small_motion *held, int pinned, float sum[ENERGIES])
+static void add_springs(const smr *s, uint32_t v, const small_motion *held, int tied, float sum[ENERGIES])
 {
     const smr_dynamics *d = s->shape.dynamics;
     const smr_vec x = smr_load(smr_at3(s->shape.x, v));
@@ -201,12 +215,10 @@ static void add_springs(const smr *s, uint32_t v, const small_motion *held, int 
         const smr_vec moved = smr_sub(x, smr_load(smr_at3(s->shape.x_next, v))); /* since the goal was sought */
         const smr_vec pull = smr_sub(smr_load(smr_at3(s->forces.force, v)), smr_scale(moved, share));
         sum[GOALS] += 0.5f * mass * k / share * smr_dot(pull, pull);
-        sum[WORK] += !pinned ? 0.0f : mass * k * smr_dot(pull, smr_sub(x, smr_load(smr_at3(d->begin, v))));
+        sum[WORK] += !tied ? 0.0f : mass * k * smr_dot(pull, smr_sub(x, smr_load(smr_at3(d->begin, v))));
         force = smr_sub(force, smr_scale(pull, mass * k));
     }
-    const float bent = -0.5f * smr_dot(force, smr_sub(off_of(s, v), rigid));
-    sum[ELASTIC] += bent;
-    sum[BENT] += pinned ? bent : 0.0f;
+    sum[tied ? BENT : LOOSE] -= 0.5f * smr_dot(force, smr_sub(off_of(s, v), rigid));
 }
 
 /* Summed by chunks, so that rounding stays small. Energies in uJ. */
@@ -216,47 +228,52 @@ static void energies_of(const smr *s, float all[ENERGIES])
     for (uint32_t k = 0; k < s->shared.n_structures; k++) {
         const small_motion held = pinned_motion(s, k);
         const uint32_t n = s->shape.structure[k].n_vertices;
-        const int pinned = pinned_of(s, k) > 0u;
+        const int tied = s->shape.dynamics->tied[k] != 0u;
         for (uint32_t from = 0; from < n; from += SMR_CHUNK) {
             float one[ENERGIES] = {0};
             for (uint32_t i = from; i < smr_min_u32(from + SMR_CHUNK, n); i++) {
-                if (pinned)
+                if (tied)
                     add_kinetic(s, vertex_of(s, k, i), one);
-                add_springs(s, vertex_of(s, k, i), &held, pinned, one);
+                add_springs(s, vertex_of(s, k, i), &held, tied, one);
             }
             for (uint32_t i = 0; i < ENERGIES; i++)
                 all[i] += 0.001f * one[i];
         }
     }
-    all[ELASTIC] = smr_clamp(all[ELASTIC], 0.0f, SMR_STORED_MOST);
+    all[LOOSE] = smr_clamp(all[LOOSE], 0.0f, SMR_STORED_MOST);
     all[GOALS] = smr_clamp(all[GOALS], 0.0f, SMR_STORED_MOST);
     all[BENT] = smr_clamp(all[BENT], 0.0f, SMR_STORED_MOST);
 }
 
-/* What velocities of structures with pinned vertices are scaled by. Around pins clusters turn and stretch so far that
- * the fits are approximate, and time steps could add energy without end. So kinetic and elastic energy come to no more
- * than at the start and what gravity and goals have done since, less what damping took (passivity observer and
- * controller; Hannaford and Ryu 2002). `spare` is the elastic energy, and what steps have taken: so much a step may
- * add, for the elastic energy is approximate and wavers. What new masses or moving pins add is not known: such a step
- * may do as it does. */
+/* What velocities of tied structures are scaled by. Around pins clusters turn and stretch so far that
+ * the fits are approximate, and time steps could add energy without end. So energy is counted in each step (passivity
+ * observer and controller; Hannaford and Ryu 2002), in two ways, and velocities obey both:
+ * - kinetic and elastic energy come to no more than at the start and what gravity and goals have done since, less what
+ *   damping took. `spare` is the elastic energy, and what steps have taken: so much a step may add.
+ * - kinetic energy comes to no more than that of the step before, what gravity and goals did, and `bent`: as much of
+ *   the elastic energy as is reported. That wavers, for it is approximate: what it grows by beyond all this is not
+ *   reported, so that the sum of both never grows.
+ * What new masses or moving pins add is not known: such a step may do as it does. */
 static float passive_share(smr_dynamics *d, const float now[ENERGIES])
 {
-    const float most = now[BEFORE] + d->stored.spare + now[WORK] - now[BENT];
-    const int known = !d->weighed && !(now[PUSHED] > 0.0f), fits = !known || now[AFTER] <= most;
-    const float share = fits ? 1.0f : (most > 0.0f ? SMR_SQRT(most / now[AFTER]) : 0.0f);
-    d->stored.elastic = now[ELASTIC];
+    const float all = now[BEFORE] + d->stored.spare + now[WORK] - now[BENT];
+    const float told = SMR_LESS * (now[BEFORE] + d->stored.bent + now[WORK]);
+    const int known = !d->weighed && !(now[PUSHED] > 0.0f);
+    const float most = known ? smr_max(smr_min(all, told), 0.0f) : now[AFTER], left = smr_min(now[AFTER], most);
+    d->stored.spare = smr_min(now[BENT] + (known ? smr_max(all - left, 0.0f) : 0.0f), SMR_STORED_MOST);
+    d->stored.bent = known ? smr_min(now[BENT], smr_max(told - left, 0.0f)) : now[BENT];
+    d->stored.elastic = smr_min(now[LOOSE] + d->stored.bent, SMR_STORED_MOST);
     d->stored.goals = now[GOALS];
-    d->stored.spare = smr_min(now[BENT] + (known && fits ? most - now[AFTER] : 0.0f), SMR_STORED_MOST);
     d->weighed = 0;
-    return share;
+    return left < now[AFTER] ? SMR_SQRT(left / now[AFTER]) : 1.0f;
 }
 
-/* Scales the velocities of structures with pinned vertices. */
+/* Scales the velocities of tied structures. */
 static void slow_down(smr *s, float share)
 {
     smr_dynamics *d = s->shape.dynamics;
     for (uint32_t k = 0; k < s->shared.n_structures && share < 1.0f; k++) {
-        if (pinned_of(s, k) == 0u)
+        if (!s->shape.dynamics->tied[k])
             continue;
         for (uint32_t i = 0; i < s->shape.structure[k].n_vertices; i++) {
             float *const speed = smr_at3(d->velocity, vertex_of(s, k, i));
