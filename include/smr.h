@@ -766,9 +766,9 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 
 /* What config.dynamics adds to it. */
 #define SMR_DYNAMICS_BYTES(n_vertices, n_structures)                                                                   \
-    ((size_t)1536u + (size_t)48u * (n_vertices) + (size_t)56u * (n_structures))
+    ((size_t)1536u + (size_t)48u * (n_vertices) + (size_t)64u * (n_structures))
 
-/* To add to it where config.n_landmarks is not 0. */
+/* Likewise config.n_landmarks. */
 #define SMR_LANDMARKS_BYTES(n_vertices, n_landmarks) ((size_t)38000u + (size_t)192u * (n_landmarks) + (n_vertices))
 
 /* To add to it where config.caller_goals or config.caller_force are not 0. */
@@ -963,8 +963,7 @@ typedef struct smr_tick_report {
     uint32_t tracking;
     /* 1: tracking, and there is nothing to do until a target is set: ticks change nothing and cost nothing. */
     uint32_t settled;
-    /* 1: tracking, and the targets that were set last lay beyond reach when they were first looked at. Stays until
-     * others are set. */
+    /* 1: tracking, and the targets set last lay beyond reach when first looked at. Stays until others are set. */
     uint32_t jumped;
 } smr_tick_report;
 
@@ -1024,8 +1023,8 @@ typedef struct smr_energy {
     float centre[3];   /* mm: their centre of mass, now */
     float kinetic_uj;  /* of the velocities that smr_get_velocities() says, without pinned vertices */
     float gravity_uj;  /* potential energy in the gravity, now; 0 at the start positions */
-    float elastic_uj;  /* last complete step: half of deviation times force. Good while parts turn little against
-                          each other */
+    float elastic_uj;  /* last complete step: half of deviation times force, good while parts turn little against
+                          each other; at most what the other energies leave for it */
     float goals_uj;    /* last complete step: of the springs to the goals */
 } smr_energy;
 
@@ -1353,7 +1352,8 @@ smr_status smr_save_bytes(const smr *s, size_t *bytes);
 #define SMR_SAVE_AHEAD_BYTES(n_structures) ((size_t)4u + (size_t)96u * (n_structures))
 
 /* What config.dynamics adds to it. */
-#define SMR_SAVE_DYNAMICS_BYTES(n_vertices) ((size_t)128u + (size_t)40u * (n_vertices))
+#define SMR_SAVE_DYNAMICS_BYTES(n_vertices, n_structures)                                                              \
+    ((size_t)128u + (size_t)40u * (n_vertices) + (size_t)8u * (n_structures))
 
 /* What config.contact and config.n_fixed add to it. */
 #define SMR_SAVE_CONTACT_BYTES(n_vertices, n_fixed) ((size_t)4u * (n_vertices) + (size_t)8u * (n_fixed))

@@ -43,6 +43,19 @@ smr_mesh rig_plate(uint32_t n, float step)
     return (smr_mesh){x, t, n * n, n_triangles};
 }
 
+void rig_throw(rig_motion *m, const smr_mesh *mesh, const float centre[3], float spin, float bend)
+{
+    for (uint32_t i = 0; i < m->n; i++) {
+        const float *const p = mesh->xyz + 3u * (size_t)i;
+        const float x = p[0] - centre[0], y = p[1] - centre[1], z = p[2] - centre[2];
+        float *const v = m->speed + 3u * (size_t)i;
+        const float on = m->mass[i] < 9.0f ? 1.0f : 0.0f;
+        v[0] = on * (100.0f + spin * y + bend * (z * z / 4e4f - 0.333f));
+        v[1] = on * spin * (0.5f * z - x);
+        v[2] = on * -0.5f * spin * y;
+    }
+}
+
 smr_energy rig_energy(const smr *s)
 {
     smr_energy energy;

@@ -18,6 +18,9 @@ rig_motion rig_motion_make(const smr_mesh *mesh, const smr_prepare_config *radii
 /* n by n vertices around the origin, `step` apart along x and y. */
 smr_mesh rig_plate(uint32_t n, float step);
 
+/* Velocities of a spin about the centre, a bend along x and a translation, for the vertices that are not pinned. */
+void rig_throw(rig_motion *m, const smr_mesh *mesh, const float centre[3], float spin, float bend);
+
 smr_energy rig_energy(const smr *s);
 void rig_steps(smr *s, uint32_t n); /* whole time steps */
 

@@ -98,7 +98,7 @@ static struct moving {
     const smr_surface *surface;
     smr_config config;
     uint32_t n;
-    unsigned char saved[UNIT_SAVE_BYTES + SMR_SAVE_DYNAMICS_BYTES(200)];
+    unsigned char saved[UNIT_SAVE_BYTES + SMR_SAVE_DYNAMICS_BYTES(200, 1)];
     size_t bytes;
 } moving;
 

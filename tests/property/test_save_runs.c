@@ -285,7 +285,7 @@ static smr *twin_of(run *r, const smr *s, const smr_config *config, const smr_po
     assert_int_equal(SMR_OK, smr_save_bytes(s, &bytes));
     assert_true(bytes <= SMR_SAVE_BYTES(PARTS * VERTICES_MAX, PARTS, 1000, LANDMARKS, SMR_METHOD_POLAR) +
                              SMR_SAVE_TRACK_BYTES(PARTS * VERTICES_MAX) + SMR_SAVE_AHEAD_BYTES(PARTS) +
-                             SMR_SAVE_DYNAMICS_BYTES(PARTS * VERTICES_MAX));
+                             SMR_SAVE_DYNAMICS_BYTES(PARTS * VERTICES_MAX, PARTS));
     assert_int_equal(SMR_OK, smr_save(s, saved, bytes));
     assert_int_equal(SMR_OK, smr_save_info(saved, sizeof saved, &info));
     assert_true(info.bytes == bytes && info.config.n_workers == config->n_workers);

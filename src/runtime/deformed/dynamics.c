@@ -20,12 +20,12 @@ void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared
     d->mass = smr_slot_floats(a, d->mass, n, SMR_MASS_MOST);
     d->members = smr_slot_scratch(a, d->members, n, sizeof(float));
     d->mixed = smr_slot_scratch(a, d->mixed, shared->n_structures, sizeof *d->mixed);
-    d->tied = smr_slot_scratch(a, d->tied, shared->n_structures, sizeof *d->tied);
+    d->group = smr_slot_scratch(a, d->group, shared->n_structures, sizeof *d->group);
+    d->bent = smr_slot_floats(a, d->bent, shared->n_structures, SMR_STORED_MOST);
+    d->spare = smr_slot_floats(a, d->spare, shared->n_structures, SMR_STORED_MOST);
     d->weight = smr_slot_scratch(a, d->weight, n, sizeof(float));
     smr_keep_floats(a, &d->stored.elastic, 1, 0.0f, SMR_STORED_MOST);
     smr_keep_floats(a, &d->stored.goals, 1, 0.0f, SMR_STORED_MOST);
-    smr_keep_floats(a, &d->stored.bent, 1, 0.0f, SMR_STORED_MOST);
-    smr_keep_floats(a, &d->stored.spare, 1, 0.0f, SMR_STORED_MOST);
     smr_keep_words(a, &d->weighed, 1, 1);
 }
 
@@ -39,6 +39,8 @@ void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared)
     d->ends = d->weighed = 0;
     d->fall = smr_scale(smr_load(c->gravity), d->step_s * d->step_s);
     memset(&d->stored, 0, sizeof d->stored);
+    memset(d->bent, 0, shared->n_structures * sizeof *d->bent);
+    memset(d->spare, 0, shared->n_structures * sizeof *d->spare);
     memset(d->velocity, 0, 3u * (size_t)shared->n * sizeof(float));
     for (uint32_t v = 0; v < shared->n; v++)
         d->mass[v] = smr_mass(shared, v);

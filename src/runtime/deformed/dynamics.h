@@ -16,8 +16,6 @@
 /* Energies of the last complete time step, uJ. */
 typedef struct smr_stored_energy {
     float elastic, goals;
-    float bent;  /* of elastic: that of tied structures */
-    float spare; /* of those: all their elastic energy, and what steps have taken beside damping */
 } smr_stored_energy;
 
 typedef struct smr_dynamics {
@@ -31,7 +29,9 @@ typedef struct smr_dynamics {
     smr_stored_energy stored;
     uint32_t weighed; /* 1: masses were set since the last complete time step */
     uint32_t *mixed;  /* [n_structures] 1: shares clusters with others, at the radius in use */
-    uint32_t *tied;   /* [n_structures] 1: does, or has pinned vertices */
+    uint32_t *group;  /* [n_structures] first of those whose energies are counted together */
+    float *bent;      /* [n_structures] uJ, of each group's first: elastic energy as reported */
+    float *spare;     /* [n_structures] uJ, likewise: all of it, and what steps have taken beside damping */
     float *begin;     /* [n][3] mm: positions at the start of the time step */
     float *velocity;  /* [n][3] mm/s at the start of the time step */
     float *mass;      /* [n] g as asked for; 0: it keeps its velocity whatever happens */
