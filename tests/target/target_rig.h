@@ -18,10 +18,11 @@ typedef struct target_case {
     uint32_t method; /* SMR_METHOD_... */
     uint32_t part;   /* 1: the deformed bone without its upper end: an open target */
     uint32_t more;   /* 1: contact, volumes, smoothing and fusing by logarithms are on */
+    uint32_t moves;  /* 1: dynamics: time steps, which never end; nothing is left out */
 } target_case;
 
-#define TARGET_CASES 4u    /* that the table of instructions is made of */
-#define TARGET_BUDGETED 8u /* with those that only budgets are tried on */
+#define TARGET_CASES 4u     /* that the table of instructions is made of */
+#define TARGET_BUDGETED 10u /* with those that only budgets are tried on */
 extern const target_case target_cases[TARGET_BUDGETED];
 
 /* What is registered onto what; one at a time, in static memory. */

@@ -145,6 +145,12 @@ smr_config target_config(const target_scene *scene)
         config.fusing = SMR_FUSING_LIE;
         config.n_fixed = scene->what->image ? 0u : 1u;
     }
+    if (scene->what->moves) {
+        config.dynamics = SMR_DYNAMICS_ON;
+        config.damping = 1.0f;
+        config.gravity[2] = -9810.0f;
+        config.track_mm = 45.0f;
+    }
     return config;
 }
 

@@ -21,6 +21,7 @@ void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared
     d->members = smr_slot_scratch(a, d->members, n, sizeof(float));
     d->mixed = smr_slot_scratch(a, d->mixed, shared->n_structures, sizeof *d->mixed);
     d->group = smr_slot_scratch(a, d->group, shared->n_structures, sizeof *d->group);
+    d->sums = smr_slot_scratch(a, d->sums, shared->n_structures, sizeof *d->sums);
     d->bent = smr_slot_floats(a, d->bent, shared->n_structures, SMR_STORED_MOST);
     d->spare = smr_slot_floats(a, d->spare, shared->n_structures, SMR_STORED_MOST);
     d->weight = smr_slot_scratch(a, d->weight, n, sizeof(float));

@@ -18,6 +18,22 @@ typedef struct smr_stored_energy {
     float elastic, goals;
 } smr_stored_energy;
 
+/* Energies of a group of structures, uJ: of springs at a time step's end; kinetic ones at its start, and at its end
+ * before damping; work of gravity and goals. PUSHED: how many pinned vertices move. */
+enum { SMR_ELASTIC, SMR_GOALS, SMR_BEFORE, SMR_AFTER, SMR_WORK, SMR_PUSHED, SMR_STEP_ENERGIES };
+
+/* What is summed at a time step's end. The first five are of a group, in the sums of its first structure. */
+typedef struct smr_step_sums {
+    float mass;         /* g */
+    smr_vec speed, way; /* momentum when the step began, and way by mass in it; then means; 0 where some are pinned */
+    float energy[SMR_STEP_ENERGIES];
+    uint32_t fixed;            /* 1: has pinned vertices */
+    float share;               /* what velocities are scaled by */
+    float n_pinned;            /* of the structure's own, as are the others */
+    smr_vec centre, off, turn; /* of pinned vertices; their motion off the reference shape: off + turn x (x - centre) */
+    float inertia[6];
+} smr_step_sums;
+
 typedef struct smr_dynamics {
     const smr_shared *shared;
     float step_s;  /* h */
@@ -27,16 +43,18 @@ typedef struct smr_dynamics {
     uint32_t ends; /* 1: the iteration under way ends a time step. Written by tick/time_steps.c */
     float gram;    /* g: mass of a vertex is weight * members * gram */
     smr_stored_energy stored;
-    uint32_t weighed; /* 1: masses were set since the last complete time step */
-    uint32_t *mixed;  /* [n_structures] 1: shares clusters with others, at the radius in use */
-    uint32_t *group;  /* [n_structures] first of those whose energies are counted together */
-    float *bent;      /* [n_structures] uJ, of each group's first: elastic energy as reported */
-    float *spare;     /* [n_structures] uJ, likewise: all of it, and what steps have taken beside damping */
-    float *begin;     /* [n][3] mm: positions at the start of the time step */
-    float *velocity;  /* [n][3] mm/s at the start of the time step */
-    float *mass;      /* [n] g as asked for; 0: it keeps its velocity whatever happens */
-    float *members;   /* [n] |zeta|, of the radius in use */
-    float *weight;    /* [n] in the clusters' fits: whole multiples of 1 / smr_shared.mass_unit */
+    uint32_t weighed;           /* 1: masses were set since the last complete time step */
+    uint32_t *mixed;            /* [n_structures] 1: shares clusters with others, at the radius in use */
+    uint32_t *group;            /* [n_structures] first of those whose energies are counted together */
+    float *bent;                /* [n_structures] uJ, of each group's first: elastic energy as reported */
+    float *spare;               /* [n_structures] uJ, likewise: all of it, and what steps have taken beside damping */
+    smr_step_sums *sums;        /* [n_structures] */
+    uint32_t structure, vertex; /* where summing is */
+    float *begin;               /* [n][3] mm: positions at the start of the time step */
+    float *velocity;            /* [n][3] mm/s at the start of the time step */
+    float *mass;                /* [n] g as asked for; 0: it keeps its velocity whatever happens */
+    float *members;             /* [n] |zeta|, of the radius in use */
+    float *weight;              /* [n] in the clusters' fits: whole multiples of 1 / smr_shared.mass_unit */
 } smr_dynamics;
 
 void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared *shared);

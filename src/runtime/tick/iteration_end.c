@@ -5,20 +5,20 @@
 #include "runtime/tick/iteration_end.h"
 
 #include "runtime/tick/schedule.h"
+#include "runtime/tick/step_energy.h"
 
-uint32_t smr_stand_tasks(const void *s)
-{
-    (void)s;
-    return 1;
-}
+uint32_t smr_stand_tasks(const void *s) { return smr_step_energy_tasks(s) + 1u; }
 
 void smr_stand(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     smr_shape *shape = &s->shape;
     float *before = shape->x;
-    (void)task;
     (void)worker;
+    if (task < smr_step_energy_tasks(s)) {
+        smr_step_energy(s, task);
+        return;
+    }
     shape->x = shape->x_next;
     shape->x_next = before;
     for (uint32_t v = 0; v < s->shared.n; v++)

@@ -4,7 +4,7 @@
  * (passivity observer and controller; Hannaford and Ryu 2002).
  * Counted together are structures that share clusters, for energy goes from one to the other, and those with pinned
  * vertices; any other by itself, about the mean of its motion, which nothing within it can change.
- * Bounds: two passes over the vertices, some more over structures with pinned ones; the structures squared.
+ * Bounds: three passes over the vertices, cut into tasks; one in a piece.
  * SPDX-License-Identifier: MIT */
 #include "runtime/tick/step_energy.h"
 
@@ -13,155 +13,171 @@
 #define SMR_LESS 0.999999f /* of what energy may be: sums are rounded */
 #define SMR_LINE 1.0e-4f   /* pinned vertices thinner than this share of their length are a line: it may turn */
 
-/* How far a vertex is from the reference shape, which is still that of x. */
-static smr_vec off_of(const smr *s, uint32_t v)
-{
-    return smr_sub(smr_load(smr_at3(s->shape.x, v)), smr_load(smr_at3(s->shape.x_ref, v)));
-}
+/* The passes. What is summed in one is used in the next. */
+enum { MEANS, PINS, ENERGY, PASSES };
 
-/* A small rigid motion: way + turn x (x - centre). */
-typedef struct small_motion {
-    smr_vec centre, way, turn;
-} small_motion;
-
-/* That of a structure's pinned vertices from the reference shape: forces that hold them do no work against it. */
-static small_motion pinned_motion(const smr *s, uint32_t structure)
-{
-    const uint32_t n = s->shape.structure[structure].n_vertices, count = smr_pinned_of(s, structure);
-    const float *const mass = s->shape.dynamics->mass;
-    small_motion m = {smr_v(0, 0, 0), smr_v(0, 0, 0), smr_v(0, 0, 0)};
-    smr_vec moment = smr_v(0, 0, 0);
-    float inertia[6] = {0}, inverse[6];
-    if (count == 0u)
-        return m;
-    for (uint32_t i = 0; i < n; i++) {
-        const uint32_t v = smr_vertex_of(s, structure, i);
-        if (mass[v] > 0.0f)
-            continue;
-        m.centre = smr_add(m.centre, smr_load(smr_at3(s->shape.x, v)));
-        m.way = smr_add(m.way, off_of(s, v));
-    }
-    m.centre = smr_scale(m.centre, 1.0f / (float)count);
-    m.way = smr_scale(m.way, 1.0f / (float)count);
-    for (uint32_t i = 0; i < n; i++) {
-        const uint32_t v = smr_vertex_of(s, structure, i);
-        if (mass[v] > 0.0f)
-            continue;
-        const smr_vec r = smr_sub(smr_load(smr_at3(s->shape.x, v)), m.centre);
-        const float r2 = smr_dot(r, r);
-        const float part[6] = {r2 - r.x * r.x, -r.x * r.y, -r.x * r.z, r2 - r.y * r.y, -r.y * r.z, r2 - r.z * r.z};
-        for (uint32_t k = 0; k < 6u; k++)
-            inertia[k] += part[k];
-        moment = smr_add(moment, smr_cross(r, off_of(s, v)));
-    }
-    smr_pseudo_inverse(inertia, SMR_LINE, inverse);
-    const float full[9] = {inverse[0], inverse[1], inverse[2], inverse[1], inverse[3],
-                           inverse[4], inverse[2], inverse[4], inverse[5]};
-    m.turn = smr_mul(full, moment);
-    return m;
-}
-
-/* Structures that are counted together, and how they move as a whole where none of their vertices is pinned. */
-typedef struct group {
-    uint32_t lead;
-    smr_vec speed, way; /* mm/s when the step began; mm in it */
-} group;
+/* While the step's last iteration is under way its positions are x_next, and x those of the iteration before. */
+static smr_vec next_of(const smr *s, uint32_t v) { return smr_load(smr_at3(s->shape.x_next, v)); }
 
 static smr_vec way_of(const smr *s, uint32_t v)
 {
-    return smr_sub(smr_load(smr_at3(s->shape.x, v)), smr_load(smr_at3(s->shape.dynamics->begin, v)));
+    return smr_sub(next_of(s, v), smr_load(smr_at3(s->shape.dynamics->begin, v)));
 }
 
-/* Means by mass. Summed by chunks, so that rounding stays small. */
-static group group_of(const smr *s, uint32_t lead)
+/* How far a vertex is from the reference shape. */
+static smr_vec off_of(const smr *s, uint32_t v) { return smr_sub(next_of(s, v), smr_load(smr_at3(s->shape.x_ref, v))); }
+
+/* A group's mass and momentum, or where a structure's pinned vertices are. */
+static void add_means(const smr *s, uint32_t v, smr_step_sums *own, smr_step_sums *lead)
 {
     const smr_dynamics *d = s->shape.dynamics;
-    const smr_vec zero = smr_v(0, 0, 0);
-    group all = {lead, zero, zero};
-    float mass = 0.0f;
-    for (uint32_t k = 0; k < s->shared.n_structures; k++) {
-        const uint32_t n = d->group[k] == lead ? s->shape.structure[k].n_vertices : 0u;
-        for (uint32_t from = 0; from < n; from += SMR_CHUNK) {
-            smr_vec speed = zero, way = zero;
-            float part = 0.0f;
-            for (uint32_t i = from; i < smr_min_u32(from + SMR_CHUNK, n); i++) {
-                const uint32_t v = smr_vertex_of(s, k, i);
-                const float m = smr_counted_mass(d, v);
-                if (!(m > 0.0f))
-                    return (group){lead, zero, zero};
-                part += m;
-                speed = smr_add(speed, smr_scale(smr_load(smr_at3(d->velocity, v)), m));
-                way = smr_add(way, smr_scale(way_of(s, v), m));
-            }
-            mass += part;
-            all.speed = smr_add(all.speed, speed);
-            all.way = smr_add(all.way, way);
-        }
+    const float mass = smr_counted_mass(d, v);
+    if (mass > 0.0f) {
+        lead->mass += mass;
+        lead->speed = smr_add(lead->speed, smr_scale(smr_load(smr_at3(d->velocity, v)), mass));
+        lead->way = smr_add(lead->way, smr_scale(way_of(s, v), mass));
+        return;
     }
-    const float inverse = mass > 0.0f ? 1.0f / mass : 0.0f;
-    all.speed = smr_scale(all.speed, inverse);
-    all.way = smr_scale(all.way, inverse);
-    return all;
+    own->n_pinned += 1.0f;
+    own->centre = smr_add(own->centre, next_of(s, v));
+    own->off = smr_add(own->off, off_of(s, v));
 }
 
-/* Sums over a group's vertices: energies of springs at the end of the time step; kinetic ones at its start, and at its
- * end before damping; work of gravity and goals. PUSHED: pinned vertices that move. */
-enum { ELASTIC, GOALS, BEFORE, AFTER, WORK, PUSHED, ENERGIES };
+static void end_means(smr_dynamics *d, uint32_t n_structures)
+{
+    for (uint32_t k = 0; k < n_structures; k++) {
+        smr_step_sums *const own = d->sums + k;
+        const float inverse = own->n_pinned > 0.0f ? 1.0f / own->n_pinned : 0.0f;
+        own->centre = smr_scale(own->centre, inverse);
+        own->off = smr_scale(own->off, inverse);
+        d->sums[d->group[k]].fixed |= own->n_pinned > 0.0f;
+    }
+    for (uint32_t k = 0; k < n_structures; k++) {
+        smr_step_sums *const lead = d->sums + k;
+        const float inverse = lead->mass > 0.0f && !lead->fixed ? 1.0f / lead->mass : 0.0f;
+        lead->speed = smr_scale(lead->speed, inverse);
+        lead->way = smr_scale(lead->way, inverse);
+    }
+}
 
-static void add_kinetic(const smr *s, uint32_t v, const group *g, float sum[ENERGIES])
+/* Moments of a structure's pinned vertices, and of their deviations. */
+static void add_pinned(const smr *s, uint32_t v, const smr_step_sums *so_far, smr_step_sums *own)
+{
+    if (s->shape.dynamics->mass[v] > 0.0f)
+        return;
+    const smr_vec r = smr_sub(next_of(s, v), so_far->centre);
+    const float r2 = smr_dot(r, r);
+    const float part[6] = {r2 - r.x * r.x, -r.x * r.y, -r.x * r.z, r2 - r.y * r.y, -r.y * r.z, r2 - r.z * r.z};
+    for (uint32_t k = 0; k < 6u; k++)
+        own->inertia[k] += part[k];
+    own->turn = smr_add(own->turn, smr_cross(r, off_of(s, v)));
+}
+
+static void end_pins(smr_dynamics *d, uint32_t n_structures)
+{
+    for (uint32_t k = 0; k < n_structures; k++) {
+        smr_step_sums *const own = d->sums + k;
+        float i[6];
+        if (!(own->n_pinned > 0.0f))
+            continue;
+        smr_pseudo_inverse(own->inertia, SMR_LINE, i);
+        const float full[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]};
+        own->turn = smr_mul(full, own->turn);
+    }
+}
+
+static void add_kinetic(const smr *s, uint32_t v, const smr_step_sums *group, float sum[SMR_STEP_ENERGIES])
 {
     const smr_dynamics *d = s->shape.dynamics;
-    const smr_vec all = smr_load(smr_at3(d->velocity, v)), speed = smr_sub(all, g->speed);
-    const smr_vec way = smr_sub(way_of(s, v), g->way);
+    const smr_vec all = smr_load(smr_at3(d->velocity, v)), speed = smr_sub(all, group->speed);
+    const smr_vec way = smr_sub(way_of(s, v), group->way);
     const float mass = smr_counted_mass(d, v), h2 = d->step_s * d->step_s;
-    sum[BEFORE] += 0.5f * mass * smr_dot(speed, speed);
-    sum[AFTER] += 0.5f * mass / h2 * smr_dot(way, way);
-    sum[WORK] += mass * smr_dot(smr_load(s->shared.config.gravity), way);
-    sum[PUSHED] += mass > 0.0f || !(smr_dot(all, all) > 0.0f) ? 0.0f : 1.0f;
+    sum[SMR_BEFORE] += 0.5f * mass * smr_dot(speed, speed);
+    sum[SMR_AFTER] += 0.5f * mass / h2 * smr_dot(way, way);
+    sum[SMR_WORK] += mass * smr_dot(smr_load(s->shared.config.gravity), way);
+    sum[SMR_PUSHED] += mass > 0.0f || !(smr_dot(all, all) > 0.0f) ? 0.0f : 1.0f;
 }
 
-/* Half the product of force and deviation (Clapeyron): the force is what the step has shown of it, M (x - y) / h^2. */
-static void add_springs(const smr *s, uint32_t v, const group *g, const small_motion *held, float sum[ENERGIES])
+/* Half the product of force and deviation (Clapeyron): the force is what the step has shown of it, M (x - y) / h^2. How
+ * a structure's pinned vertices moved off the reference shape, as a whole, is none: what holds them does no work. */
+static void add_springs(const smr *s, uint32_t v, const smr_step_sums *group, const smr_step_sums *own,
+                        float sum[SMR_STEP_ENERGIES])
 {
     const smr_dynamics *d = s->shape.dynamics;
-    const smr_vec x = smr_load(smr_at3(s->shape.x, v));
-    const smr_vec rigid = smr_add(held->way, smr_cross(held->turn, smr_sub(x, held->centre)));
+    const smr_vec x = next_of(s, v), rigid = smr_add(own->off, smr_cross(own->turn, smr_sub(x, own->centre)));
     const float mass = smr_counted_mass(d, v), h2 = d->step_s * d->step_s;
     smr_vec force = smr_scale(smr_sub(x, smr_dynamics_free(d, v)), mass / h2);
     if (!(mass > 0.0f))
         return;
     if (s->forces.found_last[v] == SMR_FOUND_GOAL) {
         const float share = s->shared.config.stiffness, k = s->shared.config.elastic;
-        const smr_vec moved = smr_sub(x, smr_load(smr_at3(s->shape.x_next, v))); /* since the goal was sought */
+        const smr_vec moved = smr_sub(x, smr_load(smr_at3(s->shape.x, v))); /* since the goal was sought */
         const smr_vec pull = smr_sub(smr_load(smr_at3(s->forces.force, v)), smr_scale(moved, share));
-        sum[GOALS] += 0.5f * mass * k / share * smr_dot(pull, pull);
-        sum[WORK] += mass * k * smr_dot(pull, smr_sub(way_of(s, v), g->way));
+        sum[SMR_GOALS] += 0.5f * mass * k / share * smr_dot(pull, pull);
+        sum[SMR_WORK] += mass * k * smr_dot(pull, smr_sub(way_of(s, v), group->way));
         force = smr_sub(force, smr_scale(pull, mass * k));
     }
-    sum[ELASTIC] -= 0.5f * smr_dot(force, smr_sub(off_of(s, v), rigid));
+    sum[SMR_ELASTIC] -= 0.5f * smr_dot(force, smr_sub(off_of(s, v), rigid));
 }
 
-/* Energies in uJ. */
-static void energies_of(const smr *s, const group *g, float all[ENERGIES])
+uint32_t smr_step_energy_tasks(const smr *s)
 {
-    memset(all, 0, ENERGIES * sizeof *all);
-    for (uint32_t k = 0; k < s->shared.n_structures; k++) {
-        if (s->shape.dynamics->group[k] != g->lead)
-            continue;
-        const small_motion held = pinned_motion(s, k);
-        const uint32_t n = s->shape.structure[k].n_vertices;
-        for (uint32_t from = 0; from < n; from += SMR_CHUNK) {
-            float one[ENERGIES] = {0};
-            for (uint32_t i = from; i < smr_min_u32(from + SMR_CHUNK, n); i++) {
-                add_kinetic(s, smr_vertex_of(s, k, i), g, one);
-                add_springs(s, smr_vertex_of(s, k, i), g, &held, one);
-            }
-            for (uint32_t i = 0; i < ENERGIES; i++)
-                all[i] += 0.001f * one[i];
+    return s->shape.dynamics != NULL && s->shape.dynamics->ends ? PASSES * s->shape.held->n_tasks : 0u;
+}
+
+/* Before a pass. */
+static void begin(smr_dynamics *d, uint32_t pass, uint32_t n_structures)
+{
+    d->structure = d->vertex = 0;
+    if (pass == MEANS)
+        memset(d->sums, 0, n_structures * sizeof *d->sums);
+    else
+        (pass == PINS ? end_means : end_pins)(d, n_structures);
+}
+
+/* Sums of a chunk are added to those of its structure and group: so rounding stays small. */
+static void add_sums(smr_step_sums *to, const smr_step_sums *part)
+{
+    to->mass += part->mass;
+    to->speed = smr_add(to->speed, part->speed);
+    to->way = smr_add(to->way, part->way);
+    to->n_pinned += part->n_pinned;
+    to->centre = smr_add(to->centre, part->centre);
+    to->off = smr_add(to->off, part->off);
+    to->turn = smr_add(to->turn, part->turn);
+    for (uint32_t i = 0; i < 6u; i++)
+        to->inertia[i] += part->inertia[i];
+    for (uint32_t i = 0; i < SMR_STEP_ENERGIES; i++)
+        to->energy[i] += 0.001f * part->energy[i]; /* uJ */
+}
+
+/* A chunk of one structure, in the caller's order. */
+void smr_step_energy(smr *s, uint32_t task)
+{
+    smr_dynamics *d = s->shape.dynamics;
+    const uint32_t pass = task / s->shape.held->n_tasks;
+    if (task % s->shape.held->n_tasks == 0u)
+        begin(d, pass, s->shared.n_structures);
+    smr_step_sums *const own = d->sums + d->structure, *const lead = d->sums + d->group[d->structure];
+    const uint32_t n = s->shape.structure[d->structure].n_vertices, last = smr_min_u32(d->vertex + SMR_MATCH_CHUNK, n);
+    smr_step_sums of_own, of_lead;
+    memset(&of_own, 0, sizeof of_own);
+    memset(&of_lead, 0, sizeof of_lead);
+    for (uint32_t i = d->vertex; i < last; i++) {
+        const uint32_t v = smr_vertex_of(s, d->structure, i);
+        if (pass == MEANS) {
+            add_means(s, v, &of_own, &of_lead);
+        } else if (pass == PINS) {
+            add_pinned(s, v, own, &of_own);
+        } else {
+            add_kinetic(s, v, lead, of_lead.energy);
+            add_springs(s, v, lead, own, of_lead.energy);
         }
     }
-    all[ELASTIC] = smr_clamp(all[ELASTIC], 0.0f, SMR_STORED_MOST);
-    all[GOALS] = smr_clamp(all[GOALS], 0.0f, SMR_STORED_MOST);
+    add_sums(own, &of_own);
+    add_sums(lead, &of_lead);
+    d->vertex = last < n ? last : 0u;
+    d->structure += last == n;
 }
 
 /* What velocities of a group are scaled by. They obey two limits:
@@ -171,51 +187,43 @@ static void energies_of(const smr *s, const group *g, float all[ENERGIES])
  *   the elastic energy as is reported. That wavers, for it is approximate: what it grows by beyond all this is not
  *   reported, so that the sum of both never grows.
  * What new masses or moving pins add is not known: such a step may do as it does. */
-static float passive_share(smr_dynamics *d, uint32_t lead, const float now[ENERGIES])
+static float passive_share(smr_dynamics *d, uint32_t lead)
 {
-    const float all = now[BEFORE] + d->spare[lead] + now[WORK] - now[ELASTIC];
-    const float told = SMR_LESS * (now[BEFORE] + d->bent[lead] + now[WORK]);
-    const int known = !d->weighed && !(now[PUSHED] > 0.0f);
-    const float most = known ? smr_max(smr_min(all, told), 0.0f) : now[AFTER], left = smr_min(now[AFTER], most);
-    d->spare[lead] = smr_min(now[ELASTIC] + (known ? smr_max(all - left, 0.0f) : 0.0f), SMR_STORED_MOST);
-    d->bent[lead] = known ? smr_min(now[ELASTIC], smr_max(told - left, 0.0f)) : now[ELASTIC];
+    const float *const now = d->sums[lead].energy;
+    const float elastic = smr_clamp(now[SMR_ELASTIC], 0.0f, SMR_STORED_MOST);
+    const float goals = smr_clamp(now[SMR_GOALS], 0.0f, SMR_STORED_MOST);
+    const float all = now[SMR_BEFORE] + d->spare[lead] + now[SMR_WORK] - elastic;
+    const float told = SMR_LESS * (now[SMR_BEFORE] + d->bent[lead] + now[SMR_WORK]);
+    const int known = !d->weighed && !(now[SMR_PUSHED] > 0.0f);
+    const float most = known ? smr_max(smr_min(all, told), 0.0f) : now[SMR_AFTER];
+    const float left = smr_min(now[SMR_AFTER], most);
+    d->spare[lead] = smr_min(elastic + (known ? smr_max(all - left, 0.0f) : 0.0f), SMR_STORED_MOST);
+    d->bent[lead] = known ? smr_min(elastic, smr_max(told - left, 0.0f)) : elastic;
     d->stored.elastic = smr_min(d->stored.elastic + d->bent[lead], SMR_STORED_MOST);
-    d->stored.goals = smr_min(d->stored.goals + now[GOALS], SMR_STORED_MOST);
-    return left < now[AFTER] ? SMR_SQRT(left / now[AFTER]) : 1.0f;
+    d->stored.goals = smr_min(d->stored.goals + goals, SMR_STORED_MOST);
+    return left < now[SMR_AFTER] ? SMR_SQRT(left / now[SMR_AFTER]) : 1.0f;
 }
 
 static float speed_of(float way, float per_s) { return smr_clamp(way * per_s, -SMR_SPEED_MOST, SMR_SPEED_MOST); }
 
-static void move_on(smr *s, const group *g, float share)
-{
-    smr_dynamics *d = s->shape.dynamics;
-    const float per_s = d->keeps / d->step_s;
-    for (uint32_t k = 0; k < s->shared.n_structures; k++) {
-        const uint32_t n = d->group[k] == g->lead ? s->shape.structure[k].n_vertices : 0u;
-        for (uint32_t i = 0; i < n; i++) {
-            const uint32_t v = smr_vertex_of(s, k, i);
-            smr_vec way = way_of(s, v);
-            if (!(d->mass[v] > 0.0f))
-                continue;
-            if (share < 1.0f)
-                way = smr_add(g->way, smr_scale(smr_sub(way, g->way), share));
-            smr_store(smr_at3(d->velocity, v),
-                      smr_v(speed_of(way.x, per_s), speed_of(way.y, per_s), speed_of(way.z, per_s)));
-        }
-    }
-}
-
 void smr_step_velocities(smr *s)
 {
     smr_dynamics *d = s->shape.dynamics;
-    float now[ENERGIES];
+    const float per_s = d->keeps / d->step_s;
     d->stored.elastic = d->stored.goals = 0.0f;
-    for (uint32_t k = 0; k < s->shared.n_structures; k++) {
-        if (d->group[k] != k)
-            continue;
-        const group g = group_of(s, k);
-        energies_of(s, &g, now);
-        move_on(s, &g, passive_share(d, k, now));
-    }
+    for (uint32_t k = 0; k < s->shared.n_structures; k++)
+        if (d->group[k] == k)
+            d->sums[k].share = passive_share(d, k);
     d->weighed = 0;
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        const smr_step_sums *const group = d->sums + d->group[smr_model_owner(s->shared.model, v)];
+        const smr_vec x = smr_load(smr_at3(s->shape.x, v));
+        smr_vec way = smr_sub(x, smr_load(smr_at3(d->begin, v)));
+        if (group->share < 1.0f)
+            way = smr_add(group->way, smr_scale(smr_sub(way, group->way), group->share));
+        if (d->mass[v] > 0.0f)
+            smr_store(smr_at3(d->velocity, v),
+                      smr_v(speed_of(way.x, per_s), speed_of(way.y, per_s), speed_of(way.z, per_s)));
+        smr_store(smr_at3(d->begin, v), x);
+    }
 }

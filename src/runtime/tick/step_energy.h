@@ -5,7 +5,11 @@
 
 #include "runtime/tick/time_steps.h"
 
-/* At the end of a time step, while x^r is still that of x and `begin` is where the step began. */
+/* Before the iteration that ends a time step stands: sums, in tasks one after the other. */
+uint32_t smr_step_energy_tasks(const smr *s); /* 0 in other iterations */
+void smr_step_energy(smr *s, uint32_t task);
+
+/* When it stands: velocities. `begin` is where the step began, and becomes x. */
 void smr_step_velocities(smr *s);
 
 #endif

@@ -9,7 +9,7 @@
  * masses M and lies between 0 and 1: it keeps linear and angular momentum, and however few the sweeps and however
  * stiff the springs, the step is that of implicit Euler with other springs, whose energy does not grow. What sweeps
  * have not reached is softer.
- * Bounds: a step ends with eight passes over the vertices; a start sums over the clusters.
+ * Bounds: a step ends with passes over the vertices that step_energy.c has in tasks; a start sums over the clusters.
  * SPDX-License-Identifier: MIT */
 #include "runtime/tick/time_steps.h"
 
@@ -133,10 +133,7 @@ void smr_time_steps_begin(smr *s)
 
 void smr_time_steps_next(smr *s)
 {
-    smr_dynamics *d = s->shape.dynamics;
-    if (d->ends) {
-        smr_step_velocities(s); /* x^r is still that of x */
-        memcpy(d->begin, s->shape.x, 3u * (size_t)s->shared.n * sizeof(float));
-    }
+    if (s->shape.dynamics->ends)
+        smr_step_velocities(s);
     smr_held_stand(&s->shape);
 }
