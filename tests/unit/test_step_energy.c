@@ -95,6 +95,7 @@ static void test_hung_up(void **state)
         assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, NULL));
         for (uint32_t i = 0; i < rig_times(60); i++) {
             rig_steps(s, 1);
+            assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, NULL)); /* the same again: no new energy */
             const smr_energy now = rig_energy(s);
             least = fminf(least, now.gravity_uj);
             assert_true(now.kinetic_uj + now.elastic_uj + now.gravity_uj <= -1e-5f * least);
@@ -217,6 +218,81 @@ static void test_one_draws_the_other(void **state)
     }
 }
 
+/* Two pairs of balls, each pair in clusters that hold both, 1 m apart: what one does is nothing to the other. */
+static void test_strangers(void **state)
+{
+    static const float place[4][3] = {{0, 0, 0}, {0, 0, -110}, {0, 1000, 0}, {0, 1000, -110}};
+    const smr_prepare_config radii = rig_radii(1, 60, 0, 0);
+    smr_config config = smr_config_default();
+    smr_mesh balls[4];
+    (void)state;
+    for (uint32_t i = 0; i < 4u; i++)
+        balls[i] = rig_ball(50, 12, 16, place[i]);
+    const smr_model *model = rig_model(balls, 4, &radii);
+    const uint32_t n = balls[0].n_vertices;
+    float *mass = rig_alloc(4u * (size_t)n), *speed = rig_alloc(12u * (size_t)n);
+    config.dynamics = SMR_DYNAMICS_ON;
+    config.track_mm = 60.0f;
+    config.elastic = 1e5f;
+    config.damping = 0.0f;
+    config.method = SMR_METHOD_POLAR;
+    smr *s = rig_init(model, &config, NULL);
+    for (uint32_t k = 0; k < 4u; k++) {
+        for (uint32_t i = 0; i < n; i++) {
+            const float fast[3] = {3000, k == 0u ? 3000.0f : 0.0f, 0}, slow[3] = {0, 20, 0};
+            mass[i] = k < 2u ? 50.0f : 1.0f;
+            memcpy(speed + 3u * (size_t)i, k < 2u ? fast : slow, sizeof fast);
+        }
+        assert_int_equal(SMR_OK, smr_set_motion(s, k, mass, speed));
+    }
+    rig_steps(s, rig_times(60));
+    assert_int_equal(SMR_OK, smr_get_velocities(s, 2, speed));
+    double mean = 0.0;
+    for (uint32_t i = 0; i < n; i++)
+        mean += (double)speed[3u * i + 1u] / n;
+    if (!(fabs(mean - 20.0) < 2.0))
+        fail_msg("%g mm/s instead of 20", mean);
+}
+
+/* Two balls that spin as one, in small clusters: what is too much is not taken from their angular momentum. */
+static void test_keeps_spinning(void **state)
+{
+    static const float place[2][3] = {{0, 0, 0}, {0, 0, -110}};
+    const smr_mesh balls[2] = {rig_ball(50, 12, 16, place[0]), rig_ball(50, 12, 16, place[1])};
+    const smr_prepare_config radii = rig_radii(1, 60, 0, 0);
+    const smr_model *model = rig_model(balls, 2, &radii);
+    const uint32_t n = balls[0].n_vertices, many = rig_times(300);
+    smr_config config = smr_config_default();
+    float *const speed = rig_alloc(12u * (size_t)n), *const at_end = rig_alloc(12u * (size_t)n);
+    double spin[2] = {0.0, 0.0};
+    (void)state;
+    config.dynamics = SMR_DYNAMICS_ON;
+    config.track_mm = 60.0f;
+    config.elastic = 1e6f;
+    config.damping = 0.0f;
+    config.step_ms = 1.0f;
+    config.method = SMR_METHOD_POLAR;
+    smr *s = rig_init(model, &config, NULL);
+    for (uint32_t k = 0; k < 2u; k++) {
+        for (uint32_t i = 0; i < n; i++) {
+            const float *const x = balls[k].xyz + 3u * (size_t)i;
+            const float z = x[2] + 55.0f, turned[3] = {10.0f * z, 0, -10.0f * x[0]};
+            memcpy(speed + 3u * (size_t)i, turned, sizeof turned);
+            spin[0] += (double)(z * turned[0] - x[0] * turned[2]);
+        }
+        assert_int_equal(SMR_OK, smr_set_motion(s, k, NULL, speed));
+    }
+    rig_steps(s, many);
+    for (uint32_t k = 0; k < 2u; k++) {
+        assert_int_equal(SMR_OK, smr_get_positions(s, k, at_end));
+        assert_int_equal(SMR_OK, smr_get_velocities(s, k, speed));
+        for (uint32_t i = 0; i < 3u * n; i += 3u)
+            spin[1] += (double)((at_end[i + 2u] + 55.0f) * speed[i] - at_end[i] * speed[i + 2u]);
+    }
+    if (!(spin[1] > 0.98 * spin[0]))
+        fail_msg("%g of the spin is left", spin[1] / spin[0]);
+}
+
 /* What is pinned shares no sum of energies with what flies fast: rounding there would slow it down here. */
 static void test_a_loose_one_flies_by(void **state)
 {
@@ -237,6 +313,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_hung_up, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_masses_change_under_way, set_up, tidy),
         cmocka_unit_test_teardown(test_one_draws_the_other, tidy),
+        cmocka_unit_test_teardown(test_strangers, tidy),
+        cmocka_unit_test_teardown(test_keeps_spinning, tidy),
         cmocka_unit_test_teardown(test_a_loose_one_flies_by, tidy),
     };
     return cmocka_run_group_tests_name("energy of time steps", tests, NULL, NULL);

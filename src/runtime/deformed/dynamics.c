@@ -19,7 +19,6 @@ void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared
     d->velocity = smr_slot_floats(a, d->velocity, 3u * n, SMR_SPEED_MOST);
     d->mass = smr_slot_floats(a, d->mass, n, SMR_MASS_MOST);
     d->members = smr_slot_scratch(a, d->members, n, sizeof(float));
-    d->mixed = smr_slot_scratch(a, d->mixed, shared->n_structures, sizeof *d->mixed);
     d->group = smr_slot_scratch(a, d->group, shared->n_structures, sizeof *d->group);
     d->sums = smr_slot_scratch(a, d->sums, shared->n_structures, sizeof *d->sums);
     d->bent = smr_slot_floats(a, d->bent, shared->n_structures, SMR_STORED_MOST);

@@ -19,19 +19,21 @@ typedef struct smr_stored_energy {
 } smr_stored_energy;
 
 /* Energies of a group of structures, uJ: of springs at a time step's end; kinetic ones at its start, and at its end
- * before damping; work of gravity and goals. PUSHED: how many pinned vertices move. */
-enum { SMR_ELASTIC, SMR_GOALS, SMR_BEFORE, SMR_AFTER, SMR_WORK, SMR_PUSHED, SMR_STEP_ENERGIES };
+ * before damping, of that SPIN in the group's turn; work of gravity and goals. PUSHED: number of moving pins. */
+enum { SMR_ELASTIC, SMR_GOALS, SMR_BEFORE, SMR_AFTER, SMR_SPIN, SMR_WORK, SMR_PUSHED, SMR_STEP_ENERGIES };
 
-/* What is summed at a time step's end. The first five are of a group, in the sums of its first structure. */
+/* What is summed at a time step's end. First what is of a group, in the sums of its first structure; of groups without
+ * pinned vertices also the motion as a whole, for nothing within them changes its momentum. */
 typedef struct smr_step_sums {
-    float mass;         /* g */
-    smr_vec speed, way; /* momentum when the step began, and way by mass in it; then means; 0 where some are pinned */
     float energy[SMR_STEP_ENERGIES];
-    uint32_t fixed;            /* 1: has pinned vertices */
-    float share;               /* what velocities are scaled by */
-    float n_pinned;            /* of the structure's own, as are the others */
-    smr_vec centre, off, turn; /* of pinned vertices; their motion off the reference shape: off + turn x (x - centre) */
-    float inertia[6];
+    uint32_t fixed;             /* 1: has pinned vertices: no such motion, all is 0 */
+    float mass;                 /* g */
+    smr_vec speed, way, middle; /* means: mm/s when the step began, mm in it, mm at its end */
+    smr_vec spin;               /* turn in the step about the middle */
+    float share, spin_share;    /* what velocities are scaled by: the turn's, and what is beside way and turn */
+    float n_pinned;             /* of the structure's own, as are the next three */
+    smr_vec centre, off, turn;  /* of pinned vertices; off the reference shape: off + turn x (x - centre) */
+    float inertia[6];           /* of what turns: the group, or the structure's pinned vertices */
 } smr_step_sums;
 
 typedef struct smr_dynamics {
@@ -44,8 +46,7 @@ typedef struct smr_dynamics {
     float gram;    /* g: mass of a vertex is weight * members * gram */
     smr_stored_energy stored;
     uint32_t weighed;           /* 1: masses were set since the last complete time step */
-    uint32_t *mixed;            /* [n_structures] 1: shares clusters with others, at the radius in use */
-    uint32_t *group;            /* [n_structures] first of those whose energies are counted together */
+    uint32_t *group;            /* [n_structures] first of those that share clusters, at the radius in use */
     float *bent;                /* [n_structures] uJ, of each group's first: elastic energy as reported */
     float *spare;               /* [n_structures] uJ, likewise: all of it, and what steps have taken beside damping */
     smr_step_sums *sums;        /* [n_structures] */

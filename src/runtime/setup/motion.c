@@ -38,14 +38,17 @@ smr_status smr_set_motion(smr *s, uint32_t structure, const float *mass, const f
     if (!legal(mass, velocity, one->n_vertices))
         return SMR_E_INPUT;
     smr_dynamics *d = s->shape.dynamics;
+    uint32_t other = 0;
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        const float before = d->mass[v];
         if (mass != NULL)
             d->mass[v] = mass[i] > FLT_MAX ? 0.0f : mass[i];
+        other |= d->mass[v] < before || d->mass[v] > before;
         if (velocity != NULL)
             smr_store(smr_at3(d->velocity, v), smr_load(velocity + 3u * (size_t)i));
     }
-    d->weighed |= mass != NULL && s->pace.iteration > 0u; /* before it, all is at rest */
+    d->weighed |= other && s->pace.iteration > 0u; /* before it, all is at rest */
     smr_abandon_iteration(s);
     smr_time_steps_weigh(s);
     smr_log_motion(&s->log, structure, &motion, one->n_vertices);

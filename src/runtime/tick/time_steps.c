@@ -23,32 +23,61 @@
 #define SMR_PINNED_MOST 3.4e7f    /* of a pinned one */
 #define SMR_PINNED_TIMES 8.0f     /* weight of as many pinned vertices as a cluster can have, in clusters' masses */
 
-/* How many members each vertex' cluster has, fractions at the boundary included. Structures are mixed where
- * members are of others, which have another number: the sum of (number - own)^2 is not 0. */
-static void count_members(smr *s)
+/* Sums of records over clusters. */
+static void sum_records(smr *s, uint32_t words)
 {
     smr_sums *sums = &s->sums;
-    smr_dynamics *d = s->shape.dynamics;
-    memset(sums->record, 0, SMR_WORDS * (size_t)s->shared.n * sizeof *sums->record);
-    for (uint32_t v = 0; v < s->shared.n; v++) {
-        const uint32_t owner = smr_model_owner(s->shared.model, v);
-        uint32_t *const record = sums->record + SMR_WORDS * (size_t)v;
-        record[0] = SMR_BOUNDARY_UNITS;
-        record[1] = SMR_BOUNDARY_UNITS * owner;
-        record[2] = SMR_BOUNDARY_UNITS * owner * owner;
-    }
-    sums->words = 4;
+    sums->words = words;
     smr_block_pieces(sums, 0);
     for (uint32_t t = 0; t < smr_block_tasks(sums); t++)
         smr_sums_forest(sums, t, 0);
     for (uint32_t t = 0; t < smr_boundary_tasks(sums); t++)
         smr_boundary_sums(sums, t, 0);
-    memset(d->mixed, 0, s->shared.n_structures * sizeof *d->mixed);
+}
+
+/* Marks the vertices of structures from `first` on, as many as a record has words: each has its own. */
+static void mark_owners(smr *s, uint32_t first)
+{
+    uint32_t *const record = s->sums.record;
+    memset(record, 0, SMR_WORDS * (size_t)s->shared.n * sizeof *record);
     for (uint32_t v = 0; v < s->shared.n; v++) {
-        const uint32_t owner = smr_model_owner(s->shared.model, v), *const sum = sums->sum + SMR_WORDS * (size_t)v;
-        d->members[v] = smr_max(smr_unfix(sum[0], 1.0f / (float)SMR_BOUNDARY_UNITS), 1.0f);
-        d->mixed[owner] |= sum[2] - 2u * owner * sum[1] + owner * owner * sum[0] != 0u;
+        const uint32_t at = smr_model_owner(s->shared.model, v) - first;
+        if (at < SMR_WORDS)
+            record[SMR_WORDS * (size_t)v + at] = SMR_BOUNDARY_UNITS;
     }
+}
+
+static void join(uint32_t *group, uint32_t n, uint32_t a, uint32_t b)
+{
+    const uint32_t first = smr_min_u32(group[a], group[b]), other = group[a] + group[b] - first;
+    for (uint32_t k = 0; other != first && k < n; k++)
+        group[k] = group[k] == other ? first : group[k];
+}
+
+/* How many members each vertex' cluster has, fractions at the boundary included. Structures that share clusters, with
+ * each other or by way of others, are one group; the number of the first is the group's. */
+static void count_members(smr *s)
+{
+    smr_dynamics *d = s->shape.dynamics;
+    const uint32_t n_structures = s->shared.n_structures;
+    memset(d->members, 0, s->shared.n * sizeof *d->members);
+    for (uint32_t k = 0; k < n_structures; k++)
+        d->group[k] = k;
+    for (uint32_t first = 0; first < n_structures; first += SMR_WORDS) {
+        const uint32_t words = smr_min_u32(SMR_WORDS, n_structures - first);
+        mark_owners(s, first);
+        sum_records(s, SMR_WORDS);
+        for (uint32_t v = 0; v < s->shared.n; v++) {
+            const uint32_t *const sum = s->sums.sum + SMR_WORDS * (size_t)v;
+            for (uint32_t i = 0; i < words; i++) {
+                d->members[v] += smr_unfix(sum[i], 1.0f / (float)SMR_BOUNDARY_UNITS);
+                if (smr_signed(sum[i]) > 0)
+                    join(d->group, n_structures, smr_model_owner(s->shared.model, v), first + i);
+            }
+        }
+    }
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        d->members[v] = smr_max(d->members[v], 1.0f);
 }
 
 static float rounded(float weight, float most, float unit)
@@ -66,18 +95,6 @@ static float mean_of(const smr_dynamics *d, uint32_t n, uint32_t *n_pinned)
         sum += d->mass[v] / d->members[v];
     }
     return *n_pinned < n ? sum / (float)(n - *n_pinned) : 1.0f;
-}
-
-/* Structures that share clusters or have pinned vertices are one group; the number of the first is the group's. */
-static void group_structures(smr *s)
-{
-    smr_dynamics *d = s->shape.dynamics;
-    uint32_t first = s->shared.n_structures;
-    for (uint32_t k = 0; k < s->shared.n_structures; k++) {
-        const int joins = d->mixed[k] || smr_pinned_of(s, k) > 0u;
-        first = joins ? smr_min_u32(first, k) : first;
-        d->group[k] = joins ? first : k;
-    }
 }
 
 /* A pinned vertex does not move for its clusters, and clusters turn about it: it weighs more than their others. */
@@ -103,7 +120,6 @@ void smr_time_steps_weigh(smr *s)
     c->mass_unit = unit;
     c->mass = d->weight;
     s->reference.stale = 1;
-    group_structures(s);
 }
 
 void smr_time_steps_start(smr *s)
