@@ -485,8 +485,8 @@ typedef struct smr_config {
     float search_mm;
     /* SMR_COVERAGE_..., default auto. Whether target surfaces show all of the model. Where they do not, a vertex counts
      * as far as it is seen: less beyond an open border, where normals disagree, and where the target's closest points
-     * lie elsewhere on the model. What is unseen follows what is seen by a smooth field. auto: whole for closed
-     * surfaces of which the model covers nine tenths. whole takes no memory. */
+     * lie elsewhere on the model. What is unseen follows the image where that shows it, or what is seen by a smooth
+     * field. auto: whole for closed surfaces of which the model covers nine tenths. whole takes no memory. */
     uint32_t coverage;
     /* share, [0, 1], default 0.5. Of the target-to-model pull in the goal.
      * Without effect while n_target_vertices is 0; smr_tick_report.attraction_used says what was used. */
@@ -510,8 +510,8 @@ typedef struct smr_config {
     /* SMR_CALLER_..., default off. Memory for smr_set_force(). checked: each call is made twice, and a force that gives
      * something else the second time ends in SMR_E_STATE. */
     uint32_t caller_force;
-    /* share, [0, 1], default 0. Weight of goals in the image for structures that have a target surface as well, whose
-     * goals weigh 1. 0: they follow the surface alone. */
+    /* share, [0, 1], default 0. Weight of goals in the image beside those on a target surface, which weigh 1. Beside an
+     * open surface or a cloud it is 1 in any case, and theirs is the share of the vertex that they show. */
     float image_beside;
 
     /* ---- targets that are images (paper 2.1) ----

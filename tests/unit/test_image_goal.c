@@ -271,6 +271,67 @@ static void test_beside_a_surface(void **state)
     assert_true(off[0] < 0.2 && off[1] > off[0] + 0.2 && off[2] > off[1] + 0.1 && off[2] < 1.5);
 }
 
+/* An image of a ball that is 3 mm larger below: its upper half is that of the model. */
+static smr_volume larger_below(void)
+{
+    const smr_volume large = rig_ball_image(RIG_BALL_MM + 3.0f, rig_nowhere);
+    smr_volume both = rig_ball_image(RIG_BALL_MM, rig_nowhere);
+    float *voxels = rig_alloc(RIG_BALL_SIDE * RIG_BALL_SIDE * RIG_BALL_SIDE * sizeof *voxels);
+    memcpy(voxels, both.voxels, RIG_BALL_SIDE * RIG_BALL_SIDE * RIG_BALL_SIDE * sizeof *voxels);
+    memcpy(voxels, large.voxels, RIG_BALL_SIDE * RIG_BALL_SIDE * (RIG_BALL_SIDE / 2u) * sizeof *voxels);
+    both.voxels = voxels;
+    return both;
+}
+
+/* The mean distance from the middle, of vertices above or below a height. */
+static double mean_radius(const smr *s, const smr_model *model, double side)
+{
+    const float *x = rig_positions(s, model);
+    double sum = 0.0, n = 0.0;
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        if (side * (double)x[3u * v + 2u] > 10.0) {
+            sum += (double)smr_length(smr_load(x + 3u * (size_t)v));
+            n += 1.0;
+        }
+    return sum / n;
+}
+
+/* A surface shows the upper third of what the image shows in whole: the image shows the rest. Without it the
+ * rest stays as it was. */
+static void test_rest_of_a_part(void **state)
+{
+    const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere), target = larger_below();
+    const smr_model *model = rig_ball_model(&reference);
+    smr_mesh cap = rig_ball(RIG_BALL_MM, 13, 20, rig_nowhere);
+    uint32_t *t = rig_alloc(3u * (size_t)cap.n_triangles * sizeof *t), n = 0;
+    double below[2];
+    (void)state;
+    for (uint32_t k = 0; k < cap.n_triangles; k++) {
+        const uint32_t *corner = cap.triangles + 3u * (size_t)k;
+        if (cap.xyz[3u * corner[0] + 2u] > 10.0f && cap.xyz[3u * corner[1] + 2u] > 10.0f &&
+            cap.xyz[3u * corner[2] + 2u] > 10.0f)
+            memcpy(t + 3u * (size_t)n++, corner, 3u * sizeof *t);
+    }
+    cap.triangles = t;
+    cap.n_triangles = n;
+    const smr_surface *surface = rig_surface(&cap);
+    for (uint32_t alone = 0; alone < 2u; alone++) {
+        const smr_config c = smr_config_default_image();
+        smr *s = rig_init(model, &c, NULL);
+        assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface));
+        assert_int_equal(SMR_OK, alone ? SMR_OK : smr_set_volume(s, &target));
+        assert_int_equal(1, rig_run(s, 10000).done);
+        below[alone] = mean_radius(s, model, -1.0) - (double)RIG_BALL_MM;
+        const double above = mean_radius(s, model, 1.0) - (double)RIG_BALL_MM;
+        if (!(fabs(above) < 0.3))
+            print_error("alone %u: %g above, %g below\n", alone, above, below[alone]);
+        assert_true(fabs(above) < 0.3);
+    }
+    if (!(below[0] > 2.3 && below[1] < 0.5))
+        print_error("below: %g, without the image %g\n", below[0], below[1]);
+    assert_true(below[0] > 2.3 && below[1] < 0.5);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -282,6 +343,7 @@ int main(void)
         cmocka_unit_test_teardown(test_surface_first, tidy),
         cmocka_unit_test_teardown(test_structure_report, tidy),
         cmocka_unit_test_teardown(test_beside_a_surface, tidy),
+        cmocka_unit_test_teardown(test_rest_of_a_part, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

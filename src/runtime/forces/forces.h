@@ -151,28 +151,30 @@ static inline void smr_sources_drop(smr_forces *f, uint32_t v)
         (void)smr_pull_take(&f->surface, v, &way);
 }
 
-/* The image's goal of a vertex that has a target surface, too, by the weight that it has there. Returns 1 when there is
- * one. */
-static inline int smr_goal_beside(smr_forces *f, uint32_t v, int has_goal, smr_vec *way)
+/* Weight of goals in the image beside those on a surface. */
+static inline float smr_weight_beside(const smr_forces *f, int rest)
 {
-    const float share = f->shared->config.image_beside * f->pace->ease;
-    float weight = has_goal ? 1.0f : 0.0f;
-    smr_vec own;
-    if (!(share > 0.0f) || !f->image.has_image || smr_field_of_past(&f->unseen) ||
-        smr_image_goal(&f->image, v, &own) != SMR_GOAL)
-        return 0;
-    smr_blend(way, &weight, own, share);
-    return 1;
+    const int looks = f->image.has_image && !smr_field_of_past(&f->unseen);
+    return rest ? 1.0f : looks ? f->shared->config.image_beside * f->pace->ease : 0.0f;
 }
 
-/* The way to a goal on the surface, and of what it does not show. */
+/* The way to a goal on the surface, to one in the image beside it, and of what neither shows. Of a part goals on the
+ * surface weigh as far as it shows the vertex. */
 static inline uint8_t smr_goal_on_surface(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *way)
 {
-    const int found = smr_surface_goal(&f->surface, v, drawn->surface, way);
-    if (drawn->partial || f->landmarks.n > 0u)
-        smr_unseen_field_blend(&f->unseen, v, found, way);
+    const int found = smr_surface_goal(&f->surface, v, drawn->surface, way), rest = smr_field_of_rest(&f->unseen, v);
     const int goal = drawn->partial ? f->surface.seen_next[v] > 0u : found;
-    return smr_goal_beside(f, v, goal, way) || goal ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
+    const float beside = smr_weight_beside(f, rest);
+    float weight = rest ? (float)f->surface.seen_next[v] * (1.0f / (float)SMR_SEEN_ONE) : (float)goal;
+    smr_vec own;
+    const int in_image = beside > 0.0f && smr_image_goal(&f->image, v, &own) == SMR_GOAL;
+    if (!(rest && in_image) && (drawn->partial || f->landmarks.n > 0u))
+        smr_unseen_field_blend(&f->unseen, v, found, way);
+    if (in_image)
+        smr_blend(way, &weight, own, beside);
+    if (rest && in_image)
+        smr_unseen_field_prevail(&f->unseen, v, way);
+    return weight > 0.0f ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
 }
 
 /* The image is of the past: its goals were found, and go along with what else is followed. */

@@ -146,7 +146,7 @@ static uint32_t seen(const smr_unseen_field *f, uint32_t v)
         return 0u;
     if (f->landmarks->n > 0u)
         return f->landmarks->seen[v];
-    if (!smr_field_of_image(f) || target->partial)
+    if (!smr_field_of_image(f) || (target->partial && !smr_field_of_rest(f, v)))
         return f->goals->seen[v];
     return f->found[v] == SMR_FOUND_GOAL ? SMR_SEEN_ONE : 0u;
 }

@@ -68,6 +68,13 @@ static inline int smr_field_of_past(const smr_unseen_field *f)
     return smr_field_of_image(f) && f->pace->image_age == SMR_IMAGE_PAST;
 }
 
+/* 1: a surface shows a part of the vertex' structure, and the image, which is not of the past, the rest. */
+static inline int smr_field_of_rest(const smr_unseen_field *f, uint32_t v)
+{
+    return *f->has_image && !smr_field_of_past(f) &&
+           smr_overlap_lasting(f->goals, smr_model_owner(f->shared->model, v));
+}
+
 /* Steps, skipped where nothing is unseen; one task after the other. */
 uint32_t smr_unseen_field_tasks(const void *field);
 void smr_unseen_field_solve(void *field, uint32_t task, uint32_t worker);

@@ -4,7 +4,7 @@
  * jumped: its goals are farther than the model can follow. Where that is asked for the coarser radii are gone through
  * again. Where surfaces or landmarks are followed beside an image and go on without a new one, it is of the past: it
  * would hold back what it shows. What was found in it goes along with the others (forces/unseen_field.c).
- * Bounds: SMR_RADII_MAX; where tracking starts, two passes over the vertices; one where an image is left behind; with
+ * Bounds: SMR_RADII_MAX; where tracking starts, two passes over the vertices; two where an image is left behind; with
  * track_ahead, one over vertices and triangles for new targets.
  * SPDX-License-Identifier: MIT */
 #include "runtime/tick/tracking.h"
@@ -144,6 +144,20 @@ static void go_ahead(smr *s)
     smr_held_ahead(&s->shape, !s->pace.jumped && !s->pace.recovering);
 }
 
+/* Share of the vertices with a target that have a goal without the image, too. What it showed goes along, but for the
+ * rest of a view of a part. */
+static float share_without_image(const smr *s)
+{
+    const smr_surface_goals *g = &s->forces.surface;
+    uint32_t n_found = 0;
+    for (uint32_t v = 0; v < s->pace.n_active; v++) {
+        const int part = smr_overlap_lasting(g, smr_model_owner(s->shared.model, v));
+        n_found += s->forces.found_last[v] == SMR_FOUND_GOAL && (!part || g->seen[v] > 0u);
+    }
+    const uint32_t n_drawn = s->forces.totals.n_drawn;
+    return n_drawn > 0u ? smr_min((float)n_found / (float)n_drawn, 1.0f) : 0.0f;
+}
+
 /* The image was looked at, and what else is followed goes on: now the image is of the past. It stays so when the others
  * are taken away, until the next one comes. */
 static void note_age(smr *s)
@@ -154,6 +168,7 @@ static void note_age(smr *s)
     } else if (s->pace.called == SMR_CALLED_SHOWN && s->forces.image.has_image && others &&
                s->pace.image_age == SMR_IMAGE_SEEN) {
         s->pace.image_age = SMR_IMAGE_PAST;
+        s->pace.found = share_without_image(s);
         smr_held_leave(&s->shape);
     }
 }
