@@ -4,7 +4,11 @@
  * covariance k(d) = size2 / (1 + d^2 / l^2) for each axis and the motions of a similarity; n . displacement is known
  * at seen vertices. What is left of the variance at a vertex says how far it may be off: far from what was seen, which
  * hardly holds a turn or the size, that is much. The field's size follows from what was seen of it.
- * Bounds: SMR_TELLERS^2 / 2 multiplications for each vertex and axis; SMR_TELLERS^3 / 6 once.
+ * How far off the start was nobody knows beforehand. Of a part, the registration (forces/field_normals.c) stays near it
+ * in what normals hardly tell. Where it moved far in what they tell, the rest may lack as much of the same motion. So the
+ * motion from the start is one more of the motions, with a variance of its own; and how far that would carry a vertex
+ * beyond what it does without counts as doubt, too.
+ * Bounds: SMR_TELLERS^2 / 2 multiplications for each vertex and axis; SMR_TELLERS^3 / 6 twice.
  * SPDX-License-Identifier: MIT */
 #include "runtime/verdict/normal_field.h"
 
@@ -13,6 +17,9 @@
 #define SMR_NORMAL_LENGTH 0.5f  /* kernel length over the diagonal of the structure's box */
 #define SMR_NORMAL_LOOSE 0.01f  /* of the variance: what a vertex may be off along its normal */
 #define SMR_NORMAL_MOTIONS 8.0f /* of the variance: of motions, at a kernel length for turns and scale */
+#define SMR_NORMAL_MORE 0.5f    /* times its square: the variance of the motion from the start */
+#define SMR_NORMAL_MOST 4.0e3f  /* of the variance: that motion's, at most; beyond it rounding nears what is loose */
+#define SMR_NORMAL_TURN 0.1f    /* of 4: what Cayley's parameter divides by, near half a turn */
 #define SMR_TELLERS_LEAST 6u    /* with fewer nothing is known: a rigid pose alone has six */
 
 static float *row(const smr_normal_field *f, uint32_t i) { return f->lower + (size_t)i * (i + 1u) / 2u; }
@@ -28,12 +35,13 @@ static uint32_t place(smr_normal_field *f, const smr *s)
 {
     const uint32_t words = smr_min_u32(s->shared.n, 4u * SMR_TELLERS) * SMR_WORDS;
     uint32_t most = SMR_TELLERS;
-    while (most > 0u && most * (most + 1u) / 2u + 7u * most > words)
+    while (most > 0u && most * (most + 1u) / 2u + 8u * most > words)
         most--;
     f->at = (float *)s->overlay.sum;
     f->normal = f->at + 3u * (size_t)most;
     f->moved = f->normal + 3u * (size_t)most;
-    f->lower = f->moved + most;
+    f->open = f->moved + most;
+    f->lower = f->open + most;
     return most;
 }
 
@@ -83,14 +91,18 @@ static smr_vec arm_of(const smr_normal_field *f, smr_vec at)
     return smr_scale(smr_sub(at, f->middle), SMR_SQRT(f->per_length2));
 }
 
+/* The motion from the start to the pose, of a place on this arm, mm. */
+static smr_vec motion_at(const smr_normal_field *f, smr_vec arm) { return smr_add(f->shift, smr_cross(f->turn, arm)); }
+
 /* The covariance of the displacement at a place with what teller i knows. */
 static smr_vec with_teller(const smr_normal_field *f, smr_vec at, uint32_t i)
 {
     const smr_vec n = smr_load(smr_at3(f->normal, i)), from = smr_load(smr_at3(f->at, i));
     const smr_vec arm = arm_of(f, at), other = arm_of(f, from);
     const smr_vec turn = smr_cross(smr_cross(other, n), arm), scale = smr_scale(arm, smr_dot(other, n));
-    const smr_vec motions = smr_add(smr_add(n, turn), scale);
-    return smr_add(smr_scale(n, kernel(f, at, from)), smr_scale(motions, f->motions));
+    const smr_vec motions = smr_scale(smr_add(smr_add(n, turn), scale), f->motions);
+    const smr_vec more = smr_scale(motion_at(f, arm), f->more * smr_dot(motion_at(f, other), n));
+    return smr_add(smr_scale(n, kernel(f, at, from)), smr_add(motions, more));
 }
 
 static void factor(smr_normal_field *f)
@@ -109,17 +121,38 @@ static void factor(smr_normal_field *f)
     }
 }
 
+/* y = L^-1 y */
+static void substitute(const smr_normal_field *f, float *y)
+{
+    for (uint32_t i = 0; i < f->n; i++) {
+        const float *const r = row(f, i);
+        float sum = y[i];
+        for (uint32_t k = 0; k < i; k++)
+            sum -= r[k] * y[k];
+        y[i] = sum / r[i];
+    }
+}
+
+/* y = L^-T y */
+static void substitute_back(const smr_normal_field *f, float *y)
+{
+    for (uint32_t i = f->n; i-- > 0u;) {
+        const float *const r = row(f, i);
+        y[i] /= r[i];
+        for (uint32_t k = 0; k < i; k++)
+            y[k] -= r[k] * y[i];
+    }
+}
+
 /* size2 = y K^-1 y / n, the likeliest one. */
 static void find_size(smr_normal_field *f)
 {
+    memcpy(f->open, f->moved, f->n * sizeof *f->open);
+    substitute(f, f->open);
     f->size2 = 0.0f;
-    for (uint32_t i = 0; i < f->n; i++) {
-        float sum = f->moved[i];
-        for (uint32_t k = 0; k < i; k++)
-            sum -= row(f, i)[k] * f->moved[k];
-        f->moved[i] = sum / row(f, i)[i];
-        f->size2 += f->moved[i] * f->moved[i] / (float)f->n;
-    }
+    for (uint32_t i = 0; i < f->n; i++)
+        f->size2 += f->open[i] * f->open[i] / (float)f->n;
+    memset(f->open, 0, f->n * sizeof *f->open);
 }
 
 /* By the inverse of a pose's rotation: to where it lay at the start. */
@@ -128,6 +161,50 @@ static smr_vec turned_back(const smr_pose *p, smr_vec v)
     return smr_v(p->m[0][0] * v.x + p->m[1][0] * v.y + p->m[2][0] * v.z,
                  p->m[0][1] * v.x + p->m[1][1] * v.y + p->m[2][1] * v.z,
                  p->m[0][2] * v.x + p->m[1][2] * v.y + p->m[2][2] * v.z);
+}
+
+static void find_motion(smr_normal_field *f, const smr_pose *p)
+{
+    const float trace = p->m[0][0] + p->m[1][1] + p->m[2][2];
+    const smr_vec axis = smr_v(p->m[2][1] - p->m[1][2], p->m[0][2] - p->m[2][0], p->m[1][0] - p->m[0][1]);
+    const float per = 2.0f / (SMR_SQRT(f->per_length2) * smr_max(1.0f + trace, SMR_NORMAL_TURN));
+    f->turn = smr_scale(axis, per);
+    f->shift = turned_back(p, smr_sub(smr_pose_apply(p, f->middle), f->middle));
+}
+
+/* Adds the motion that the normals show. */
+static void count_from_start(smr_normal_field *f)
+{
+    for (uint32_t i = 0; i < f->n; i++) {
+        const smr_vec arm = arm_of(f, smr_load(smr_at3(f->at, i)));
+        f->moved[i] += smr_dot(motion_at(f, arm), smr_load(smr_at3(f->normal, i)));
+    }
+}
+
+/* Leaves in `open` by which coefficients the field differs once the motion from the start has a variance. */
+static void open_motion(smr_normal_field *f)
+{
+    const float square = smr_dot(f->shift, f->shift) + smr_dot(f->turn, f->turn);
+    const float most = SMR_NORMAL_MOST * f->size2;
+    memcpy(f->open, f->moved, f->n * sizeof *f->open);
+    substitute(f, f->open);
+    substitute_back(f, f->open);
+    f->more = SMR_NORMAL_MORE * square < most ? SMR_NORMAL_MORE / f->size2 : SMR_NORMAL_MOST / square;
+    factor(f);
+    substitute(f, f->moved);
+    substitute_back(f, f->moved);
+    for (uint32_t i = 0; i < f->n; i++) {
+        const smr_vec arm = arm_of(f, smr_load(smr_at3(f->at, i)));
+        f->again += f->more * f->open[i] * smr_dot(motion_at(f, arm), smr_load(smr_at3(f->normal, i)));
+        f->open[i] = f->moved[i] - f->open[i];
+    }
+}
+
+/* 1 where what normals hardly tell stays as the start had it. */
+static int keeps_to_start(const smr *s, uint32_t structure)
+{
+    return s->forces.surface.target[structure].surface != NULL && !s->forces.unseen.sheet && !s->pace.tracking &&
+           s->shared.config.n_landmarks == 0u && smr_overlap_lasting(&s->forces.surface, structure);
 }
 
 void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structure)
@@ -152,21 +229,28 @@ void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structur
     }
     factor(f);
     find_size(f);
+    find_motion(f, &pose);
+    count_from_start(f);
+    if (keeps_to_start(s, structure) && smr_dot(f->shift, f->shift) + smr_dot(f->turn, f->turn) > 0.0f)
+        open_motion(f);
 }
 
 float smr_normal_field_doubt(const smr_normal_field *f, uint32_t v)
 {
     const smr_vec at = smr_load(smr_at3(f->s->shape.start, v));
     smr_vec known[SMR_TELLERS]; /* for each axis: L^-1 of the covariances with the tellers */
-    const smr_vec arm = arm_of(f, at);
-    float left = 3.0f + 3.0f * f->motions * (1.0f + smr_dot(arm, arm));
+    const smr_vec arm = arm_of(f, at), motion = motion_at(f, arm);
+    smr_vec way = smr_scale(motion, f->again);
+    float left = 3.0f + 3.0f * f->motions * (1.0f + smr_dot(arm, arm)) + f->more * smr_dot(motion, motion);
     for (uint32_t i = 0; i < f->n; i++) {
         const float *const r = row(f, i);
-        smr_vec sum = with_teller(f, at, i);
+        const smr_vec with = with_teller(f, at, i);
+        smr_vec sum = with;
         for (uint32_t k = 0; k < i; k++)
             sum = smr_sub(sum, smr_scale(known[k], r[k]));
         known[i] = smr_scale(sum, 1.0f / r[i]);
         left -= smr_dot(known[i], known[i]);
+        way = smr_add(way, smr_scale(with, f->open[i]));
     }
-    return SMR_SQRT(smr_max(left, 0.0f) * f->size2);
+    return SMR_SQRT(smr_max(left, 0.0f) * f->size2 + smr_dot(way, way));
 }
