@@ -4,10 +4,10 @@
  * covariance k(d) = size2 / (1 + d^2 / l^2) for each axis and the motions of a similarity; n . displacement is known
  * at seen vertices. What is left of the variance at a vertex says how far it may be off: far from what was seen, which
  * hardly holds a turn or the size, that is much. The field's size follows from what was seen of it.
- * How far off the start was nobody knows beforehand. Of a part, the registration (forces/field_normals.c) stays near it
- * in what normals hardly tell. Where it moved far in what they tell, the rest may lack as much of the same motion. So the
- * motion from the start is one more of the motions, with a variance of its own; and how far that would carry a vertex
- * beyond what it does without counts as doubt, too.
+ * How far off the start was nobody knows beforehand. Of a part, the registration (forces/field_normals.c) stays near
+ * it in what normals hardly tell. Where it moved far in what they tell, the rest may lack as much of the same motion.
+ * So the motion from the start is one more of the motions, with a variance of its own; and how far that would carry a
+ * vertex beyond what it does without counts as doubt, too.
  * Bounds: SMR_TELLERS^2 / 2 multiplications for each vertex and axis; SMR_TELLERS^3 / 6 twice.
  * SPDX-License-Identifier: MIT */
 #include "runtime/verdict/normal_field.h"
