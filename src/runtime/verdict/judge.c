@@ -4,7 +4,7 @@
 #include "runtime/verdict/evidence.h"
 
 #define SMR_EXPECTED_MOST 4.5f  /* mm */
-#define SMR_EXPECTED_PART 3.2f  /* mm, of a part (below SMR_SEEN_PART), the rest of which is a guess */
+#define SMR_EXPECTED_PART 3.4f  /* mm, of a part (below SMR_SEEN_PART), the rest of which is a guess */
 #define SMR_OPEN_MOST 0.75f     /* expected error over the bend: so much is left open by what is seen, */
 #define SMR_OPEN_LEAST 1.8f     /* mm: and it matters */
 #define SMR_SEEN_LEAST 0.1f     /* share of the model */
