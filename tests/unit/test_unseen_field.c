@@ -81,7 +81,7 @@ static smr_vec carried(uint32_t v)
     w.seen[v] = 0;
     smr_unseen_field_blend(&w.field, v, 1, &way);
     w.seen[v] = seen;
-    way = smr_scale(way, w.field.by_normals ? 1.0f / SMR_FIELD_STEP : 1.0f);
+    way = smr_scale(way, w.field.by_normals ? 1.0f / smr_field_normals_step(&w.field) : 1.0f);
     return smr_add(way, smr_load(w.x + 3u * v));
 }
 
@@ -312,15 +312,62 @@ static void follows_images(void **state)
     assert_int_equal(smr_unseen_field_tasks(&w.field), 0);
 }
 
+/* Which vertices are controls of a part, in an iteration. */
+static uint32_t mark_controls(uint32_t iteration, uint8_t *is_control)
+{
+    uint32_t n = 0;
+    memset(is_control, 0, N);
+    w.pace.iteration = iteration;
+    solve();
+    for (uint32_t v = 0; v < N; v++)
+        for (uint32_t k = 0; k < w.field.n; k++)
+            is_control[v] |= memcmp(w.field.start + 3u * k, w.start + 3u * v, 12) == 0;
+    for (uint32_t v = 0; v < N; v++)
+        n += is_control[v];
+    return n;
+}
+
+/* What a part shows is told by all its vertices in turn. One that is seen no longer makes way for one other. */
+static void controls_take_turns(void **state)
+{
+    static uint8_t first[N], other[N], ever[N];
+    uint32_t n = 0;
+    (void)state;
+    begin(1.0f);
+    w.shared.config.coverage = SMR_COVERAGE_PARTIAL;
+    assert_int_equal(mark_controls(0, first), SMR_FIELD_ROWS);
+    for (uint32_t v = 0; v < N; v += 13u) {
+        uint32_t gone = 0;
+        w.seen[v] = 0;
+        assert_int_equal(mark_controls(0, other), SMR_FIELD_ROWS);
+        for (uint32_t i = 0; i < N; i++)
+            gone += first[i] && !other[i];
+        w.seen[v] = SMR_SEEN_ONE;
+        assert_int_equal(gone, first[v]);
+    }
+    for (uint32_t iteration = 0; iteration < 60u; iteration++) {
+        assert_int_equal(mark_controls(iteration, other), SMR_FIELD_ROWS);
+        for (uint32_t i = 0; i < N; i++)
+            ever[i] |= other[i];
+    }
+    for (uint32_t i = 0; i < N; i++)
+        n += ever[i];
+    assert_true(n > N * 3u / 4u);
+}
+
 /* Of a part that is all there is, positions along the surface are only what the start left there. */
+static smr_vec any_normal(uint32_t i)
+{
+    const float turn = (float)i * 2.4f, z = 1.0f - 2.0f * (float)i / (float)N, r = sqrtf(1.0f - z * z);
+    return smr_v(r * cosf(turn), r * sinf(turn), z);
+}
+
 static float mean_off_slid(uint32_t coverage)
 {
     begin(1.0f);
     w.shared.config.coverage = coverage;
     for (uint32_t i = 0; i < N; i++) {
-        const smr_vec at = bent(w.start + 3u * i);
-        const float turn = (float)i * 2.4f, z = 1.0f - 2.0f * (float)i / (float)N, r = sqrtf(1.0f - z * z);
-        const smr_vec n = smr_v(r * cosf(turn), r * sinf(turn), z), by = smr_v(9, -6, 12);
+        const smr_vec at = bent(w.start + 3u * i), n = any_normal(i), by = smr_v(9, -6, 12);
         smr_store(w.normal + 3u * i, n);
         smr_store(w.x + 3u * i, smr_add(at, smr_sub(by, smr_scale(n, smr_dot(n, by)))));
         w.seen[i] = i % 2u == 0u ? SMR_SEEN_ONE : 0u;
@@ -330,7 +377,38 @@ static float mean_off_slid(uint32_t coverage)
     return mean_off();
 }
 
-/* Known is what lies along normals: what has slid along the surface is found. Of a target that is whole it stays. */
+/* All is at rest and the target only pulls: the field is where that leads to, not where the seen vertices are. */
+static void goals_are_asked_not_places(void **state)
+{
+    static int64_t pull[4 * N];
+    static uint32_t warm[N], target_warm[1];
+    static const smr_surface surface; /* has no triangle that is the closest */
+    (void)state;
+    begin(1.0f);
+    w.shared.config.coverage = SMR_COVERAGE_PARTIAL;
+    w.shared.config.attraction = 0.5f;
+    w.shared.config.n_workers = 1;
+    w.target.surface = &surface;
+    w.goals.n_goals = 1;
+    w.goals.pull = pull;
+    w.goals.warm = warm;
+    w.goals.target_warm = target_warm;
+    for (uint32_t i = 0; i < N; i++) {
+        const smr_vec way = smr_sub(bent(w.start + 3u * i), smr_load(w.start + 3u * i));
+        const float each[4] = {way.x, way.y, way.z, 1.0f};
+        smr_store(w.normal + 3u * i, any_normal(i));
+        w.seen[i] = i % 2u == 0u ? SMR_SEEN_ONE : 0u;
+        for (uint32_t k = 0; w.seen[i] && k < 4u; k++)
+            pull[4u * i + k] = (int64_t)(each[k] * SMR_PULL_SCALE);
+    }
+    solve();
+    const float left = mean_off();
+    if (!(left < 1.0f))
+        print_error("%g mm off by goals\n", (double)left);
+    assert_true(left < 1.0f);
+    assert_true(pull[3] == (int64_t)SMR_PULL_SCALE); /* they are left to the search */
+}
+
 static void what_slid_is_found_along_normals(void **state)
 {
     (void)state;
@@ -406,6 +484,8 @@ int main(void)
         cmocka_unit_test(bounds),
         cmocka_unit_test(blends_by_what_is_seen),
         cmocka_unit_test(follows_images),
+        cmocka_unit_test(controls_take_turns),
+        cmocka_unit_test(goals_are_asked_not_places),
         cmocka_unit_test(what_slid_is_found_along_normals),
         cmocka_unit_test(a_similarity_along_normals),
         cmocka_unit_test(normals_that_tell_little),

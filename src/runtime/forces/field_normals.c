@@ -4,16 +4,60 @@
  * the start left there. The pose has taken its share of that, too, so the field contains the seven motions of a
  * similarity, and they are added to the pose. They are measured from the start: what normals do not tell, a ball's turn
  * or how large a flat cap is, stays as the start had it, and does not wander from iteration to iteration.
+ * How far a control lies from the pose is asked of its goal, not of its place: a field through places follows what
+ * follows it, momentum adds to both, and it swings. In each iteration other vertices are controls, so that all of them
+ * tell in turn; at the last radius a small step takes the mean.
  * Bounds: those of unseen_field.c.
  * SPDX-License-Identifier: MIT */
 #include "geometry/triangle.h"
 #include "runtime/forces/unseen_field.h"
 
+#define SMR_GOLDEN 2654435769u   /* 2^32 times the golden ratio's part: its multiples are even in any first ones */
+#define SMR_FIELD_TURN 3u        /* places of the order by which an iteration begins later than the one before */
 #define SMR_FIELD_SHEET 0.5f     /* of its area: the sum of area vectors, above which a model is a sheet */
 #define SMR_FIELD_FAR 1.0e7f     /* mm: no coordinate is */
 #define SMR_TURN_MOST 0.1f       /* of 4: what Cayley's parameter divides by, near half a turn */
 #define SMR_SIZE_MOST 2.0f       /* in a step */
 #define SMR_MOTION_VARIANCE 8.0f /* of the motions, over the field's: at a kernel length for turns and scale */
+
+/* Landmarks, images and the borders of sheets give places. Without them what is known of a part lies along normals. A
+ * closed target that is not covered yet is taken for the whole that it will be: what the start pose gave stays. */
+uint32_t smr_field_normals_only(const smr_unseen_field *f)
+{
+    uint32_t open = 0;
+    for (uint32_t i = 0; i < f->shared->n_structures; i++)
+        open |= (uint32_t)smr_overlap_lasting(f->goals, i);
+    return f->shared->config.n_landmarks == 0u && !smr_field_of_image(f) && !f->sheet ? open : 0u;
+}
+
+/* The least power of two from n on. */
+static uint32_t period(uint32_t n)
+{
+    uint32_t bits = 0;
+    while (bits < 31u && 1u << bits < n)
+        bits++;
+    return 1u << bits;
+}
+
+/* That one vertex more is seen makes a difference to one control. With every so many of the seen ones it would to all,
+ * and what is not determined well would jump. */
+uint32_t smr_field_normals_choose(const smr_unseen_field *f, uint32_t first, uint32_t last, uint32_t *control,
+                                  uint32_t n)
+{
+    const uint32_t all = period(f->shared->n);
+    const uint32_t apart = (uint32_t)((uint64_t)all * SMR_GOLDEN >> 32) | 1u; /* odd: each place comes once */
+    for (uint32_t i = first; i < smr_min_u32(last, all) && n < f->most; i++) {
+        const uint32_t v = (i * apart + SMR_FIELD_TURN * f->pace->iteration) & (all - 1u);
+        if (v < f->shared->n && f->goals->seen[v] > SMR_SEEN_ONE / 2u)
+            control[n++] = v;
+    }
+    return n;
+}
+
+float smr_field_normals_step(const smr_unseen_field *f)
+{
+    return smr_at_last_radius(f->shared, f->pace) ? SMR_FIELD_MEAN : SMR_FIELD_STEP;
+}
 
 static float *motions(const smr_unseen_field *f, uint32_t k) { return f->motion + (size_t)SMR_FIELD_MOTIONS * k; }
 
@@ -75,7 +119,8 @@ void smr_field_normals_begin(smr_unseen_field *f, const uint32_t *control, smr_v
         smr_store(m, n);
         smr_store(m + 3, turn);
         m[6] = smr_dot(arm, n);
-        f->left[k] = smr_dot(n, smr_sub(smr_load(smr_at3(f->bend, k)), posed)) - dot(f->back, m);
+        const smr_vec goal = smr_add(smr_load(smr_at3(f->bend, k)), smr_surface_goal_again(f->goals, control[k]));
+        f->left[k] = smr_dot(n, smr_sub(goal, posed)) - dot(f->back, m);
         smr_store(smr_at3(f->bend, k), n);
     }
 }

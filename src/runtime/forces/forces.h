@@ -138,9 +138,9 @@ static inline void smr_sources_stand(smr_forces *f)
  * pieces, abreast). */
 #define SMR_SOURCE_STEPS(SMR_STEP)                                                                                     \
     SMR_STEP(caller, SMR_WORK_TASKS, SMR_ANY_ORDER, smr_caller_tasks, smr_caller_ask, NULL, NULL)                      \
-    SMR_STEP(unseen, SMR_WORK_TASKS, SMR_SERIAL, smr_unseen_field_tasks, smr_unseen_field_solve, NULL, NULL)           \
     SMR_STEP(surface, SMR_WORK_TASKS, SMR_ANY_ORDER, smr_attract_tasks, smr_attract_search, NULL, NULL)                \
     SMR_STEP(points, SMR_WORK_TASKS, SMR_SERIAL, smr_point_spread_tasks, smr_point_spread_run, NULL, NULL)             \
+    SMR_STEP(unseen, SMR_WORK_TASKS, SMR_SERIAL, smr_unseen_field_tasks, smr_unseen_field_solve, NULL, NULL)           \
     SMR_STEP(image, SMR_WORK_TASKS, SMR_ANY_ORDER, smr_fill_tasks, smr_fill_sum, smr_fill_pieces, smr_fill_abreast)
 
 /* Nothing draws v. What pulls it must not wait for the next iteration. */

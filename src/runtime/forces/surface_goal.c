@@ -2,6 +2,7 @@
  * the target's own pull (target_attraction.c). What runs along the model's surface counts with a share only.
  * Source: paper 2.1 and 3, geometric registration. Bounds: config.node_budget tree nodes a vertex.
  * SPDX-License-Identifier: MIT */
+#include "geometry/triangle.h"
 #include "runtime/forces/surface_goal.h"
 
 /* Surfaces themselves are the caller's (setup/waiting.c). The list of distinct ones follows from them, and which there
@@ -143,6 +144,12 @@ static int point_goal(smr_surface_goals *g, uint32_t v, smr_vec *way)
     return 1;
 }
 
+static smr_vec blend(const smr_surface_goals *g, int has_goal, smr_vec goal, float weight, smr_vec pull)
+{
+    const float share = has_goal ? g->shared->config.attraction * weight : weight;
+    return smr_add(smr_scale(goal, 1.0f - share), smr_scale(pull, share));
+}
+
 int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way)
 {
     if (smr_is_cloud(target))
@@ -154,8 +161,32 @@ int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target
         goal = smr_v(0, 0, 0);
     if (!has_goal && g->shared->config.use_box) /* outside the box nothing pulls either */
         weight = 0.0f;
-    const float share = has_goal ? g->shared->config.attraction * weight : weight;
-    goal = smr_add(smr_scale(goal, 1.0f - share), smr_scale(pull, share));
-    *way = off_surface(g, v, goal);
+    *way = off_surface(g, v, blend(g, has_goal, goal, weight, pull));
     return has_goal || weight > 0.0f;
+}
+
+/* The way from vertex v to a triangle of its target. */
+static smr_vec to_triangle(const smr_surface_goals *g, uint32_t v, const smr_surface *target, uint32_t triangle)
+{
+    const uint32_t *const c = target->triangle + 3u * (size_t)triangle;
+    const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), smr_sub(g->shape->origin, target->origin));
+    float w[3];
+    (void)smr_triangle_closest(p, smr_load(smr_at3(target->xyz, c[0])), smr_load(smr_at3(target->xyz, c[1])),
+                               smr_load(smr_at3(target->xyz, c[2])), w);
+    return smr_sub(smr_facet_point(&target->facets, triangle, w), p);
+}
+
+smr_vec smr_surface_goal_again(const smr_surface_goals *g, uint32_t v)
+{
+    const smr_surface *const target = g->target[smr_model_owner(g->shared->model, v)].surface;
+    smr_vec goal = smr_v(0, 0, 0), pull = goal;
+    int64_t sum[4] = {0, 0, 0, 0};
+    if (target == NULL || smr_is_cloud(target))
+        return goal;
+    const int has_goal = g->warm[v] < target->facets.n_triangles;
+    if (has_goal)
+        goal = to_triangle(g, v, target, g->warm[v]);
+    if (smr_attraction_on(g))
+        smr_pull_look(g, v, sum);
+    return blend(g, has_goal, goal, smr_pull_mean(sum, &pull), pull);
 }

@@ -73,6 +73,10 @@ int smr_targets_stand(const smr_surface_goals *g); /* 1: every target surface is
 /* The way from vertex v to its goal on the target, mm. Returns 0 for none. */
 int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way);
 
+/* Before the search: the same with the triangle that was the closest in the last complete forces, whatever runs along
+ * the surface; 0 for a vertex that had none and is not pulled. Looks at the pulls and leaves them. */
+smr_vec smr_surface_goal_again(const smr_surface_goals *g, uint32_t v);
+
 /* overlap.c: how well the target shows each vertex, and which structures are seen in part. */
 void smr_overlap_start(smr_surface_goals *g); /* with the targets as they are now */
 /* 1: partial from the start to the end, not only until it is covered. */
@@ -88,8 +92,12 @@ int smr_attracts(const smr_surface_goals *g, const smr_surface *target); /* this
 uint32_t smr_attract_tasks(const void *goals);
 void smr_attract_search(void *goals, uint32_t task, uint32_t worker);
 
-/* Sum and weight of the pulls on a stored vertex, in units of 1 / SMR_PULL_SCALE; clears them. */
+/* Sum and weight of the pulls on a stored vertex, in units of 1 / SMR_PULL_SCALE. Then the same, and clears them. */
+void smr_pull_look(const smr_surface_goals *g, uint32_t v, int64_t sum[4]);
 void smr_pull_sum(smr_surface_goals *g, uint32_t v, int64_t sum[4]);
+
+/* The mean of that, mm, and how much it counts, 0..1. */
+float smr_pull_mean(const int64_t sum[4], smr_vec *mean);
 
 /* The mean pull on a stored vertex, mm; clears it for the next iteration. Returns how much it counts, 0..1: less when
  * little of the target pulls there, so that no target vertex makes a difference by barely reaching a triangle. */

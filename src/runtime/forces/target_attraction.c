@@ -113,25 +113,35 @@ void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
         pull_one(g, goal->surface, j, &g->target_warm[goal->first_warm + j], pull);
 }
 
-void smr_pull_sum(smr_surface_goals *g, uint32_t v, int64_t sum[4])
+void smr_pull_look(const smr_surface_goals *g, uint32_t v, int64_t sum[4])
 {
     sum[0] = sum[1] = sum[2] = sum[3] = 0;
     for (uint32_t w = 0; w < g->shared->config.n_workers; w++) {
-        int64_t *p = g->pull + 4u * ((size_t)g->shared->n * w + v);
-        for (uint32_t i = 0; i < 4u; i++) {
+        const int64_t *p = g->pull + 4u * ((size_t)g->shared->n * w + v);
+        for (uint32_t i = 0; i < 4u; i++)
             sum[i] += p[i];
-            p[i] = 0;
-        }
     }
+}
+
+void smr_pull_sum(smr_surface_goals *g, uint32_t v, int64_t sum[4])
+{
+    smr_pull_look(g, v, sum);
+    for (uint32_t w = 0; w < g->shared->config.n_workers; w++)
+        memset(g->pull + 4u * ((size_t)g->shared->n * w + v), 0, 4u * sizeof *g->pull);
+}
+
+float smr_pull_mean(const int64_t sum[4], smr_vec *mean)
+{
+    if (sum[3] <= 0)
+        return 0.0f;
+    const float inverse = 1.0f / (float)sum[3];
+    *mean = smr_v((float)sum[0] * inverse, (float)sum[1] * inverse, (float)sum[2] * inverse);
+    return smr_min((float)sum[3] * (1.0f / (SMR_PULL_SCALE * SMR_PULL_FULL)), 1.0f);
 }
 
 float smr_pull_take(smr_surface_goals *g, uint32_t v, smr_vec *mean)
 {
     int64_t sum[4];
     smr_pull_sum(g, v, sum);
-    if (sum[3] <= 0)
-        return 0.0f;
-    const float inverse = 1.0f / (float)sum[3];
-    *mean = smr_v((float)sum[0] * inverse, (float)sum[1] * inverse, (float)sum[2] * inverse);
-    return smr_min((float)sum[3] * (1.0f / (SMR_PULL_SCALE * SMR_PULL_FULL)), 1.0f);
+    return smr_pull_mean(sum, mean);
 }

@@ -15,7 +15,7 @@
 
 #define SMR_FIELD_LENGTH 0.4f     /* kernel length over the diagonal of the model's box */
 #define SMR_FIELD_LOOSE 0.003f    /* of the variance: what a control may be off */
-#define SMR_FIELD_NORMAL 0.03f    /* the same along its normal: there are more of them */
+#define SMR_FIELD_NORMAL 0.02f    /* the same along its normal: there are more of them */
 #define SMR_FIELD_ROUNDED 1.0e-5f /* of a variance: what sums of SMR_FIELD_ROWS products lose */
 #define SMR_FIELD_STIFF 4.0f      /* times (cluster radius / kernel length)^2, added to it */
 #define SMR_FIELD_PART 8u         /* vertices for a control along its normal */
@@ -80,16 +80,6 @@ static float *start_of(const smr_unseen_field *f)
     if (smr_field_of_past(f))
         return f->shape->image_x;
     return f->pace->tracking ? f->shape->held_x : f->shape->start;
-}
-
-/* Landmarks, images and the borders of sheets give places. Without them what is known of a part lies along normals. A
- * closed target that is not covered yet is taken for the whole that it will be: what the start pose gave stays. */
-static uint32_t knows_normals_only(const smr_unseen_field *f)
-{
-    uint32_t open = 0;
-    for (uint32_t i = 0; i < f->shared->n_structures; i++)
-        open |= (uint32_t)smr_overlap_lasting(f->goals, i);
-    return f->shared->config.n_landmarks == 0u && !smr_field_of_image(f) && !f->sheet ? open : 0u;
 }
 
 static float kernel(const smr_unseen_field *f, smr_vec a, smr_vec b)
@@ -165,7 +155,7 @@ static void count_seen(smr_unseen_field *f, uint32_t task)
     const uint32_t end = smr_min_u32((task + 1u) * SMR_LOOK, f->shared->n);
     if (task == 0u) {
         c->n = c->total = c->passed = 0;
-        f->by_normals = knows_normals_only(f);
+        f->by_normals = smr_field_normals_only(f);
     }
     for (uint32_t i = 0; task == 0u && !counts(f) && i < f->shared->n_structures; i++)
         c->total += f->goals->target[i].n_seen;
@@ -180,7 +170,11 @@ static void choose(smr_unseen_field *f, uint32_t task)
 {
     smr_choice *c = choice(f);
     const uint32_t end = smr_min_u32((task + 1u) * SMR_LOOK, f->shared->n);
-    const uint32_t wanted = smr_min_u32(c->total, f->by_normals ? f->most : SMR_CONTROLS);
+    const uint32_t wanted = smr_min_u32(c->total, SMR_CONTROLS);
+    if (f->by_normals) {
+        c->n = smr_field_normals_choose(f, 2u * task * SMR_LOOK, 2u * (task + 1u) * SMR_LOOK, c->control, c->n);
+        return;
+    }
     for (uint32_t v = task * SMR_LOOK; v < end && c->n < wanted; v++) {
         if (seen(f, v) <= SMR_SEEN_ONE / 2u)
             continue;
@@ -211,11 +205,12 @@ static void add_landmarks(smr_unseen_field *f, smr_fit *fit)
 
 static void add_seen(smr_unseen_field *f, const uint32_t *control, float ratio, smr_fit *fit)
 {
-    const float loose = f->by_normals ? SMR_FIELD_NORMAL : SMR_FIELD_LOOSE;
+    const float loose = f->by_normals ? SMR_FIELD_NORMAL : SMR_FIELD_LOOSE, one = (float)SMR_SEEN_ONE;
     for (uint32_t k = f->landmarks->n; k < f->n; k++) {
         const uint32_t v = control[k - f->landmarks->n];
+        const float counts = f->by_normals ? 2.0f * (float)seen(f, v) - one : (float)seen(f, v);
         add_control(f, k, smr_load(smr_at3(start_of(f), v)), smr_load(smr_at3(f->shape->x, v)), 1.0f, fit);
-        f->loose[k] = (loose + SMR_FIELD_STIFF * ratio * ratio) * (float)SMR_SEEN_ONE / (float)seen(f, v);
+        f->loose[k] = (loose + SMR_FIELD_STIFF * ratio * ratio) * one / counts;
     }
 }
 
@@ -349,13 +344,10 @@ static smr_vec along(const smr_unseen_field *f, uint32_t v, smr_vec way)
     return smr_sub(way, smr_scale(normal, smr_dot(normal, way)));
 }
 
-/* The share of a way to take that itself follows from positions: momentum adds to it. Both in full would swing. */
-static float step_of(const smr_unseen_field *f) { return f->by_normals ? SMR_FIELD_STEP : 1.0f; }
-
 void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way)
 {
     const float share = shown(f, v, has_goal);
-    const smr_vec by_field = smr_scale(smr_unseen_field_way(f, v), step_of(f));
+    const smr_vec by_field = smr_scale(smr_unseen_field_way(f, v), f->by_normals ? smr_field_normals_step(f) : 1.0f);
     *way = smr_add(smr_scale(smr_add(*way, along(f, v, by_field)), share), smr_scale(by_field, 1.0f - share));
     smr_unseen_field_prevail(f, v, way);
 }

@@ -10,7 +10,8 @@
 #define SMR_CONTROLS 64u     /* seen vertices that the field passes by, in space */
 #define SMR_FIELD_ROWS 192u  /* without landmarks: those that it passes by along their normals */
 #define SMR_FIELD_MOTIONS 7u /* shifts, turns and scale */
-#define SMR_FIELD_STEP 0.35f /* of the way that normals ask for, in an iteration */
+#define SMR_FIELD_STEP 0.8f  /* of the way that normals ask for, in an iteration */
+#define SMR_FIELD_MEAN 0.1f  /* the same at the last radius: the mean of what vertices tell in turn */
 #define SMR_CONTROLS_MAX (SMR_CONTROLS + SMR_LANDMARKS_MAX)
 #define SMR_FACTOR_WORDS(n) ((n) * ((n) + 1u) / 2u)
 
@@ -28,7 +29,7 @@ typedef struct smr_unseen_field {
     float *lower;  /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row; before: which vertices are controls */
     float *loose;  /* [most] on the diagonal: how far the field may miss a control */
     float *motion; /* [most][SMR_FIELD_MOTIONS] along a control's normal, of motions by 1; without landmarks */
-    float *left;   /* [most] what the pose leaves along it, mm; then coefficients; without landmarks */
+    float *left;   /* [most] from the pose to the goal along it, mm; then coefficients; without landmarks */
     float back[SMR_FIELD_MOTIONS]; /* motions: from the pose to the start, then to where normals show it */
     smr_vec middle;                /* about which motions turn and scale */
     uint32_t sheet;                /* 1: the model is one, whose size along itself is told by its borders alone */
@@ -43,9 +44,17 @@ static inline float *smr_field_row(const smr_unseen_field *f, uint32_t i)
     return f->lower + (size_t)i * (i + 1u) / 2u;
 }
 
-/* By normals (field_normals.c). The pose is there, and `bend` holds present positions; control: stored vertices,
- * middle: about which motions turn, at the start. Then the covariance of what two controls tell, from the kernel
- * between them. At the end, from the factor: coefficients, and motions added to the pose. */
+/* 1: nothing gives places, so controls are known along their normals only (field_normals.c). */
+uint32_t smr_field_normals_only(const smr_unseen_field *f);
+/* Adds seen vertices to n controls, from places first .. last - 1 of an order that winds through the model. Returns how
+ * many controls there are then. */
+uint32_t smr_field_normals_choose(const smr_unseen_field *f, uint32_t first, uint32_t last, uint32_t *control,
+                                  uint32_t n);
+/* The share of the way to take in this iteration. */
+float smr_field_normals_step(const smr_unseen_field *f);
+/* The pose is there, and `bend` holds present positions; control: stored vertices, middle: about which motions turn, at
+ * the start. Then the covariance of what two controls tell, from the kernel between them. At the end, from the factor:
+ * coefficients, and motions added to the pose. */
 void smr_field_normals_begin(smr_unseen_field *f, const uint32_t *control, smr_vec middle);
 float smr_field_normals_between(const smr_unseen_field *f, uint32_t i, uint32_t j, float kernel);
 void smr_field_normals_end(smr_unseen_field *f);
