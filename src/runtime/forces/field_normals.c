@@ -56,6 +56,8 @@ uint32_t smr_field_normals_choose(const smr_unseen_field *f, uint32_t first, uin
 
 float smr_field_normals_step(const smr_unseen_field *f)
 {
+    if (f->pace->tracking)
+        return SMR_FIELD_FOLLOW;
     return smr_at_last_radius(f->shared, f->pace) ? SMR_FIELD_MEAN : SMR_FIELD_STEP;
 }
 

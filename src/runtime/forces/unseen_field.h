@@ -7,11 +7,12 @@
 #include "runtime/forces/landmark_goals.h"
 #include "runtime/overlaid_memory.h"
 
-#define SMR_CONTROLS 64u     /* seen vertices that the field passes by, in space */
-#define SMR_FIELD_ROWS 192u  /* without landmarks: those that it passes by along their normals */
-#define SMR_FIELD_MOTIONS 7u /* shifts, turns and scale */
-#define SMR_FIELD_STEP 0.8f  /* of the way that normals ask for, in an iteration */
-#define SMR_FIELD_MEAN 0.1f  /* the same at the last radius: the mean of what vertices tell in turn */
+#define SMR_CONTROLS 64u       /* seen vertices that the field passes by, in space */
+#define SMR_FIELD_ROWS 192u    /* without landmarks: those that it passes by along their normals */
+#define SMR_FIELD_MOTIONS 7u   /* shifts, turns and scale */
+#define SMR_FIELD_STEP 0.8f    /* of the way that normals ask for, in an iteration */
+#define SMR_FIELD_FOLLOW 0.35f /* while targets are tracked: of new ones no triangle is known yet, only pulls */
+#define SMR_FIELD_MEAN 0.1f    /* the same at the last radius: the mean of what vertices tell in turn */
 #define SMR_CONTROLS_MAX (SMR_CONTROLS + SMR_LANDMARKS_MAX)
 #define SMR_FACTOR_WORDS(n) ((n) * ((n) + 1u) / 2u)
 
