@@ -141,7 +141,7 @@ uint32_t smr_step_energy_tasks(const smr *s)
 }
 
 /* Before a pass. */
-static void begin(smr_dynamics *d, uint32_t pass, uint32_t n_structures)
+static void begin_pass(smr_dynamics *d, uint32_t pass, uint32_t n_structures)
 {
     d->structure = d->vertex = 0;
     if (pass == MEANS)
@@ -174,7 +174,7 @@ void smr_step_energy(smr *s, uint32_t task)
     smr_dynamics *d = s->shape.dynamics;
     const uint32_t pass = task / s->shape.held->n_tasks;
     if (task % s->shape.held->n_tasks == 0u)
-        begin(d, pass, s->shared.n_structures);
+        begin_pass(d, pass, s->shared.n_structures);
     smr_step_sums *const own = d->sums + d->structure, *const lead = d->sums + d->group[d->structure];
     const uint32_t n = s->shape.structure[d->structure].n_vertices, last = smr_min_u32(d->vertex + SMR_MATCH_CHUNK, n);
     smr_step_sums of_own, of_lead;
