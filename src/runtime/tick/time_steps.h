@@ -16,18 +16,10 @@ static inline float smr_counted_mass(const smr_dynamics *d, uint32_t v)
     return d->mass[v] > 0.0f ? d->weight[v] * d->members[v] * d->gram : 0.0f;
 }
 
-/* A structure's vertex i in the caller's order, and how many of its vertices are pinned. */
+/* A structure's vertex i in the caller's order. */
 static inline uint32_t smr_vertex_of(const smr *s, uint32_t structure, uint32_t i)
 {
     return smr_model_position(s->shared.model, s->shape.structure[structure].first_vertex + i);
-}
-
-static inline uint32_t smr_pinned_of(const smr *s, uint32_t structure)
-{
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < s->shape.structure[structure].n_vertices; i++)
-        count += !(s->shape.dynamics->mass[smr_vertex_of(s, structure, i)] > 0.0f);
-    return count;
 }
 
 #endif
