@@ -766,7 +766,7 @@ smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, siz
 
 /* What config.dynamics adds to it. */
 #define SMR_DYNAMICS_BYTES(n_vertices, n_structures)                                                                   \
-    ((size_t)1536u + (size_t)48u * (n_vertices) + (size_t)208u * (n_structures))
+    ((size_t)2304u + (size_t)48u * (n_vertices) + (size_t)208u * (n_structures))
 
 /* Likewise config.n_landmarks. */
 #define SMR_LANDMARKS_BYTES(n_vertices, n_landmarks) ((size_t)38000u + (size_t)192u * (n_landmarks) + (n_vertices))
