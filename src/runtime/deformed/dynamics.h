@@ -30,7 +30,7 @@ typedef struct smr_step_sums {
     float mass;                 /* g */
     smr_vec speed, way, middle; /* means: mm/s when the step began, mm in it, mm at its end */
     smr_vec spin;               /* turn in the step about the middle */
-    float share, spin_share;    /* what velocities are scaled by: the turn's, and what is beside way and turn */
+    float share, spin_share;    /* what velocities are scaled by: what is beside way and turn, and the turn's */
     float n_pinned;             /* of the structure's own, as are the next three */
     smr_vec centre, off, turn;  /* of pinned vertices; off the reference shape: off + turn x (x - centre) */
     float inertia[6];           /* of what turns: the group, or the structure's pinned vertices */
