@@ -116,7 +116,7 @@ smr_status smr_surface_refit(smr_surface *surface, const float *xyz);
  * triangles, or until budget_ns have passed by the port's clock (0, or no clock: no limit), which is exceeded by one
  * piece at most. Always does one piece. Neither limit changes a bit of the result.
  * SMR_OK: the surface is complete. SMR_PARTIAL: there is more to do. Errors: E_NULL, E_STATE (not a surface), E_INPUT
- * (an index or a coordinate; what was to be built is no surface, what was to be refitted is as it was). */
+ * (an index, a coordinate, a changed cloud; what was to be built is none, what was to be refitted is as it was). */
 smr_status smr_surface_step(smr_surface *surface, uint32_t units, const struct smr_port *port, uint64_t budget_ns);
 
 typedef struct smr_closest {
@@ -157,18 +157,16 @@ typedef struct smr_points smr_points;
 smr_status smr_points_bytes(uint32_t capacity, size_t *bytes);
 
 /* Upper bound of smr_points_bytes() as a constant, for static storage. */
-#define SMR_POINTS_BYTES(capacity) ((size_t)1024u + (size_t)28u * (capacity))
+#define SMR_POINTS_BYTES(capacity) ((size_t)1280u + (size_t)28u * (capacity))
 
 /* Makes an empty cloud in `memory` (SMR_ALIGN-aligned), which must stay as long as the cloud is used.
  * Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT; *points untouched then. */
 smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_points **points);
 
-/* Copies n points into the cloud, at most its capacity; those beyond take the place of the oldest. n times 50 ns, so
- * a caller with little time adds a few at a time.
+/* Copies n points into the cloud, at most its capacity; those beyond take the place of the oldest. n times 50 ns.
  * xyz: [n][3] mm, finite, within +-SMR_COORD_MAX. normals: [n][3], outwards, of any length; 0 0 0: this point has none;
- * NULL: none has. weights: [n], 0..4; NULL: 1 each. A point of weight 0 does nothing.
- * Not while smr_tick() runs. Every smr_set_points() of the cloud must be repeated afterwards.
- * Errors: E_NULL, E_STATE (not a cloud), E_INPUT; the cloud unchanged then. */
+ * NULL: none has. weights: [n], 0..4; NULL: 1 each. A point of weight 0 does nothing. Not while smr_tick() runs. Every
+ * smr_set_points() of the cloud must be repeated. Errors: E_NULL, E_STATE (not a cloud), E_INPUT; it is unchanged. */
 smr_status smr_points_add(smr_points *points, const float *xyz, const float *normals, const float *weights, uint32_t n);
 
 /* Gives a point of the cloud another weight, 0 for one that was a mistake; otherwise as smr_points_add(). index: in the
@@ -183,10 +181,12 @@ smr_status smr_points_count(const smr_points *points, uint32_t *n);
 
 /* A copy of the cloud in which smr_surface_closest() finds the nearest point (with the point's index as the triangle),
  * and onto which smr_align() lays a model. Not for smr_set_surface(), and not needed for smr_set_points().
- * n: points in the cloud, 1 or more. memory (SMR_ALIGN-aligned) stays the caller's and holds the surface.
+ * n: points in the cloud, 1 or more. memory (SMR_ALIGN-aligned) stays the caller's and holds the surface. The same in
+ * pieces: begin, then smr_surface_step() until it returns SMR_OK; until then the cloud stays as it is.
  * Errors: E_NULL, E_STATE (not a cloud), E_ALIGN, E_ARENA, E_INPUT (no point); *surface untouched then. */
 smr_status smr_points_surface_bytes(uint32_t n, size_t *bytes);
 smr_status smr_points_surface(const smr_points *points, void *memory, size_t bytes, smr_surface **surface);
+smr_status smr_points_surface_begin(const smr_points *points, void *memory, size_t bytes, smr_surface **surface);
 
 /* Voxels in the caller's memory: borrowed, never written. */
 enum { SMR_VOXEL_UINT8 = 0, SMR_VOXEL_INT8, SMR_VOXEL_UINT16, SMR_VOXEL_INT16, SMR_VOXEL_FLOAT };
@@ -833,8 +833,8 @@ smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points);
  * The schedule starts over from the present positions. While moving targets are followed (config.track), an image in
  * the place of another is followed, too: profiles are sought as far as at the schedule's start, within half the radius,
  * and the image before is free when the call returns. Along their surfaces, and where they have no goal, structures
- * then go with a smooth field from the schedule's result through everything that has one. Once surfaces, clouds or
- * landmarks are set again and no image is, what was found in this one goes along with them, until the next.
+ * then go with a smooth field from the schedule's result through everything that has one. Once surfaces, clouds (but
+ * for points added) or landmarks are set again and no image is, what was found goes along with them, until the next.
  * Errors: E_NULL (voxels), E_INPUT (the volume's fields), E_STATE (no profiles). */
 smr_status smr_set_volume(smr *s, const smr_volume *volume);
 
@@ -1339,7 +1339,7 @@ smr_status smr_save_bytes(const smr *s, size_t *bytes);
 /* Upper bound of smr_save_bytes() as a constant, for static storage. */
 #define SMR_SAVE_BYTES(n_vertices, n_structures, n_target_vertices, n_landmarks, method)                               \
     ((size_t)1152u + ((method) == SMR_METHOD_RIGID ? (size_t)85u : (size_t)121u) * (n_vertices) +                      \
-     (size_t)44u * (n_structures) + (size_t)4u * (n_target_vertices) +                                                 \
+     (size_t)56u * (n_structures) + (size_t)4u * (n_target_vertices) +                                                 \
      ((n_landmarks) > 0u ? (size_t)4u + (n_vertices) + (size_t)200u * (n_landmarks) : (size_t)0u))
 
 /* What config.volume adds to it. */

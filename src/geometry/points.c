@@ -9,7 +9,7 @@
 #define SMR_NORMAL_LEAST 1.0e-3f /* a shorter normal is none */
 #define SMR_NORMAL_MOST 1.0e3f   /* largest entry */
 
-_Static_assert(SMR_POINTS_BYTES(0) >= sizeof(smr_points) + 4u * SMR_ALIGN, "SMR_POINTS_BYTES is too small");
+_Static_assert(SMR_POINTS_BYTES(0) >= sizeof(smr_points) + 8u * SMR_ALIGN, "SMR_POINTS_BYTES is too small");
 
 static void layout(smr_arena *a, uint32_t capacity, smr_points **self, smr_surface *s)
 {

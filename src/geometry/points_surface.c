@@ -1,8 +1,10 @@
 /* points_surface.c: a cloud as a surface to search in: each point is a triangle without an area, with the point's
  * normal. For start poses and for what else asks which point is nearest; forces need no search in a cloud.
- * Bounds: those of smr_surface_build() for as many triangles as points.
+ * Bounds: those of surface_build.c, whose stages build it, for as many triangles as points.
  * SPDX-License-Identifier: MIT */
 #include "geometry/points.h"
+
+#include "base/arena.h"
 
 static size_t index_bytes(uint32_t n) { return 3u * (size_t)n * sizeof(uint32_t); }
 
@@ -17,24 +19,33 @@ smr_status smr_points_surface_bytes(uint32_t n, size_t *bytes)
     return SMR_OK;
 }
 
-/* What a mesh has not: normals and weights of its own, and no border. */
-static void take_points(smr_surface *s, const smr_surface *cloud)
+int smr_cloud_index(smr_surface *s, uint32_t first, uint32_t last)
 {
-    const size_t n = cloud->n_vertices;
-    memcpy(s->normal, cloud->normal, 3u * n * sizeof(float));
-    memcpy(s->area, cloud->area, n * sizeof(float));
-    memset(s->border, 0, n);
-    for (size_t k = 0; k < n; k++)
-        memcpy(s->facets.normal + 3u * k, cloud->normal + 3u * (size_t)s->original[k], 3u * sizeof(float));
-    s->area_mean = 1.0f;
-    s->open = 1;
-    s->capacity = cloud->n_vertices;
+    for (uint32_t i = first; i < last; i++) {
+        uint32_t *const corner = s->work.index + 3u * (size_t)i;
+        corner[0] = corner[1] = corner[2] = i;
+    }
+    return 1;
 }
 
-smr_status smr_points_surface(const smr_points *points, void *memory, size_t bytes, smr_surface **surface)
+/* What a mesh has not: normals and weights of its own, and no border. Refused where the cloud is not what it was. */
+int smr_cloud_copy(smr_surface *s, uint32_t first, uint32_t last)
+{
+    const smr_surface *cloud = s->work.cloud;
+    const size_t at = first, n = last - first;
+    if (cloud->changes != s->work.changes)
+        return 0;
+    memcpy(s->normal + 3u * at, cloud->normal + 3u * at, 3u * n * sizeof(float));
+    memcpy(s->area + at, cloud->area + at, n * sizeof(float));
+    memset(s->border + at, 0, n);
+    for (size_t k = at; k < last; k++)
+        memcpy(s->facets.normal + 3u * k, cloud->normal + 3u * (size_t)s->original[k], 3u * sizeof(float));
+    return 1;
+}
+
+smr_status smr_points_surface_begin(const smr_points *points, void *memory, size_t bytes, smr_surface **surface)
 {
     size_t needed;
-    smr_surface *built;
     if (points == NULL || memory == NULL || surface == NULL)
         return SMR_E_NULL;
     if (!smr_points_valid(points))
@@ -49,13 +60,19 @@ smr_status smr_points_surface(const smr_points *points, void *memory, size_t byt
     if (bytes < needed)
         return SMR_E_ARENA;
     uint32_t *index = (void *)((unsigned char *)memory + needed - index_bytes(n));
-    for (uint32_t i = 0; i < n; i++)
-        index[3u * (size_t)i] = index[3u * (size_t)i + 1u] = index[3u * (size_t)i + 2u] = i;
     const smr_mesh mesh = {cloud->xyz, index, n, n};
-    status = smr_surface_build(&mesh, memory, needed - index_bytes(n), &built);
-    if (status != SMR_OK)
-        return status;
-    take_points(built, cloud);
-    *surface = built;
-    return SMR_OK;
+    status = smr_surface_begin(&mesh, memory, needed - index_bytes(n), surface);
+    if (status == SMR_OK) {
+        smr_arena_release(index, index_bytes(n));
+        (*surface)->work.index = index;
+        (*surface)->work.cloud = cloud;
+        (*surface)->work.changes = cloud->changes;
+    }
+    return status;
+}
+
+smr_status smr_points_surface(const smr_points *points, void *memory, size_t bytes, smr_surface **surface)
+{
+    const smr_status status = smr_points_surface_begin(points, memory, bytes, surface);
+    return status == SMR_OK ? smr_surface_step(*surface, 0, NULL, 0) : status;
 }

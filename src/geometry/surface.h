@@ -8,11 +8,14 @@
 
 /* Where building or refitting stands, and what only that needs. */
 typedef struct smr_surface_work {
-    smr_mesh mesh;      /* the caller's; of a refit: its positions, and the surface's triangles */
-    uint32_t stage, at; /* stage of the list, and how far it is */
-    uint32_t refit;     /* 1: positions only */
-    smr_box box;        /* around the vertices so far */
-    float area;         /* of the surface so far, mm^2 */
+    smr_mesh mesh;                   /* the caller's; of a refit: its positions, and the surface's triangles */
+    uint32_t stage, at;              /* stage of the list, and how far it is */
+    uint32_t refit;                  /* 1: positions only */
+    uint32_t *index;                 /* of a cloud's copy: [n][3], triangle k is point k; NULL: a mesh */
+    const struct smr_surface *cloud; /* its normals and weights */
+    uint32_t changes;                /* of the cloud, when this began */
+    smr_box box;                     /* around the vertices so far */
+    float area;                      /* of the surface so far, mm^2 */
     smr_order order;
     float *middle;       /* [n_triangles][3] centres of triangles */
     uint32_t *key, *tmp; /* [n_triangles], [2 n_triangles] */
@@ -47,6 +50,10 @@ struct smr_surface {
 
 /* 1 for a cloud of points: no triangles, so nothing is closest on it. */
 static inline int smr_is_cloud(const smr_surface *s) { return s->capacity > 0u; }
+
+/* points_surface.c: stages of building a cloud's copy. */
+int smr_cloud_index(smr_surface *s, uint32_t first, uint32_t last);
+int smr_cloud_copy(smr_surface *s, uint32_t first, uint32_t last);
 
 /* 1 for a surface that is complete. */
 static inline int smr_surface_valid(const smr_surface *s) { return s != NULL && s->magic == SMR_SURFACE_MAGIC; }

@@ -248,9 +248,10 @@ enum { OF_VERTICES = 0, OF_TRIANGLES, OF_LEAVES, OF_NODES, OF_ONE };
 
 static const struct {
     stage_run *run;
-    uint16_t of, refit; /* refit 1: positions need it, too */
-    uint32_t cost;      /* of an item */
+    uint16_t of, when; /* 1: positions need it, too; 2: only a cloud's copy does */
+    uint32_t cost;     /* of an item */
 } stages[] = {
+    {smr_cloud_index, OF_TRIANGLES, 2, 1},
     {check_vertices, OF_VERTICES, 1, 1},
     {check_triangles, OF_TRIANGLES, 0, 1},
     {copy_vertices, OF_VERTICES, 1, 1},
@@ -274,6 +275,7 @@ static const struct {
     {smr_strays_release, OF_VERTICES, 1, 1},
     {refit_leaves, OF_LEAVES, 1, SMR_SURFACE_LEAF},
     {refit_nodes, OF_NODES, 1, SMR_SURFACE_NODE},
+    {smr_cloud_copy, OF_TRIANGLES, 2, 1},
 };
 
 #define SMR_SURFACE_STAGES ((uint32_t)(sizeof stages / sizeof stages[0]))
@@ -287,6 +289,14 @@ static uint32_t items_of(const smr_surface *s, uint32_t stage)
     case OF_NODES: return smr_tree_nodes(s->facets.n_triangles) - smr_tree_leaves(&s->facets);
     default: return 1;
     }
+}
+
+/* Goes to the next stage that this work needs, from the present one on. */
+static void skip_stages(smr_surface_work *w)
+{
+    for (; w->stage < SMR_SURFACE_STAGES; w->stage++)
+        if (stages[w->stage].when == 2u ? w->index != NULL : (!w->refit || stages[w->stage].when == 1u))
+            return;
 }
 
 /* One unit of work. Returns SMR_PARTIAL as long as there is more. */
@@ -303,12 +313,13 @@ static smr_status run_unit(smr_surface *s)
     if (w->at < n)
         return SMR_PARTIAL;
     w->at = 0;
-    do
-        w->stage++;
-    while (w->stage < SMR_SURFACE_STAGES && w->refit && !stages[w->stage].refit);
+    w->stage++;
+    skip_stages(w);
     if (w->stage < SMR_SURFACE_STAGES)
         return SMR_PARTIAL;
-    s->area_mean = w->area / (float)s->n_used;
+    s->area_mean = w->index == NULL ? w->area / (float)s->n_used : 1.0f;
+    s->capacity = w->index == NULL ? 0u : s->n_vertices;
+    s->open |= w->index != NULL;
     s->magic = SMR_SURFACE_MAGIC;
     return SMR_OK;
 }
@@ -326,10 +337,9 @@ smr_status smr_surface_step(smr_surface *surface, uint32_t units, const smr_port
         return SMR_E_NULL;
     if (surface->magic != SMR_SURFACE_BUSY && surface->magic != SMR_SURFACE_MAGIC)
         return SMR_E_STATE;
-    if (smr_is_cloud(surface))
-        return SMR_E_STATE;
     if (surface->work.stage >= SMR_SURFACE_STAGES)
         return SMR_OK;
+    skip_stages(&surface->work);
     const int timed = budget_ns > 0u && port != NULL && port->now_ns != NULL;
     const uint64_t begin = timed ? port->now_ns(port->ctx) : 0u;
     uint32_t done = 0;

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "case_motion_image.h"
+#include "case_points.h"
 #include "experiment.h"
 #include "measure/surface_distances.h"
 
@@ -245,7 +246,7 @@ static int make_follower(const scene *s, follower *f)
         part[k].name = s->data.body[k].name;
         part[k].mesh = host_mesh_view(mesh);
         f->xyz[k] = case_alloc(3u * (size_t)mesh->n_vertices, sizeof(float));
-        config.n_target_vertices += s->target[k].n_vertices;
+        config.n_target_vertices += s->options->n_points > 0u ? s->options->n_points : s->target[k].n_vertices;
     }
     if (s->options->image_every > 0u) {
         open_image(s, f);
@@ -303,6 +304,27 @@ static int has_surface(const scene *s, uint32_t k)
     return s->options->image_every == 0u;
 }
 
+/* A cloud of the frame's own points, as a camera gives them. */
+static int set_cloud(const scene *s, follower *f, uint32_t frame, uint32_t k, void **memory)
+{
+    const uint32_t n = s->options->n_points;
+    case_cloud cloud = case_sample(&s->data.body[k].target, n, s->options->noise_mm, 1000u * k + frame);
+    smr_points *points = NULL;
+    *memory = aligned(SMR_POINTS_BYTES(n));
+    const int good = smr_points_open(n, *memory, SMR_POINTS_BYTES(n), &points) == SMR_OK &&
+                     smr_points_add(points, cloud.xyz, NULL, NULL, n) == SMR_OK &&
+                     smr_set_points(f->s, k, points) == SMR_OK;
+    case_cloud_free(&cloud);
+    return good;
+}
+
+static int set_surface(const scene *s, follower *f, uint32_t k, void **memory)
+{
+    const smr_mesh view = host_mesh_view(&s->data.body[k].target);
+    const smr_surface *const surface = host_surface_make(&view, memory);
+    return surface != NULL && smr_set_surface(f->s, k, surface) == SMR_OK;
+}
+
 static int set_targets(const scene *s, follower *f, uint32_t frame, void **memory)
 {
     uint32_t k = 0;
@@ -311,13 +333,9 @@ static int set_targets(const scene *s, follower *f, uint32_t frame, void **memor
         const smr_volume image = case_motion_image_make(&f->image, flexion_of(s->options, frame));
         good = smr_set_volume(f->s, &image) == SMR_OK;
     }
-    for (k = 0; good && k < s->data.n; k++) {
-        if (!has_surface(s, k))
-            continue;
-        const smr_mesh view = host_mesh_view(&s->data.body[k].target);
-        const smr_surface *const surface = host_surface_make(&view, &memory[k]);
-        good = surface != NULL && smr_set_surface(f->s, k, surface) == SMR_OK;
-    }
+    for (k = 0; good && k < s->data.n; k++)
+        if (has_surface(s, k))
+            good = s->options->n_points > 0u ? set_cloud(s, f, frame, k, &memory[k]) : set_surface(s, f, k, &memory[k]);
     return good;
 }
 

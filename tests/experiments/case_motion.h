@@ -20,6 +20,8 @@ typedef struct case_motion_options {
     double fps;
     uint32_t n_frames, most_ticks; /* most_ticks: of a frame */
     uint32_t every;                /* frames between two measurements */
+    uint32_t n_points;             /* targets are clouds of so many points without normals; 0: surfaces */
+    double noise_mm;               /* of points */
     uint32_t image_every;          /* computed thigh: frames between two images; bones have surfaces. 0: no image */
     smr_config config;             /* n_target_vertices is set */
 } case_motion_options;

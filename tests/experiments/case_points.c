@@ -15,9 +15,8 @@ typedef struct place {
     uint32_t index;
 } place;
 
-case_cloud case_sample(const case_data *data, uint32_t n, double noise_mm, uint32_t seed)
+case_cloud case_sample(const host_mesh *mesh, uint32_t n, double noise_mm, uint32_t seed)
 {
-    const host_mesh *const mesh = &data->body[0].target;
     oracle_random r = oracle_seed(9000u + seed);
     double *const below = case_alloc(mesh->n_triangles + 1u, sizeof *below);
     case_cloud cloud = {case_alloc(3u * (size_t)n, sizeof(float)), case_alloc(3u * (size_t)n, sizeof(float)), n};
@@ -160,7 +159,7 @@ int case_run_points(const case_data *data, const case_feed *feed, double noise_m
 {
     static const char *const names[] = {"good", "look", "failed"};
     const host_mesh *const mesh = &data->body[0].model;
-    case_cloud cloud = case_sample(data, feed->n, noise_mm, seed);
+    case_cloud cloud = case_sample(&data->body[0].target, feed->n, noise_mm, seed);
     float *const xyz = case_alloc(3u * (size_t)mesh->n_vertices, sizeof *xyz);
     const float *const list[1] = {xyz};
     smr_verdict verdict;

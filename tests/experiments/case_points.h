@@ -18,8 +18,8 @@ typedef struct case_feed {
     int sweep;         /* 1: in the order of the long axis instead of a random one */
 } case_feed;
 
-/* n points evenly over the area of body 0's target, with isotropic noise; normals of the triangles. */
-case_cloud case_sample(const case_data *data, uint32_t n, double noise_mm, uint32_t seed);
+/* n points evenly over a mesh' area, with isotropic noise; normals of the triangles. */
+case_cloud case_sample(const host_mesh *mesh, uint32_t n, double noise_mm, uint32_t seed);
 void case_cloud_free(case_cloud *cloud);
 
 /* The library's registration of body 0 with the defaults. 0 when a call failed. */

@@ -101,7 +101,7 @@ typedef struct line_floor {
 static const line_floor floors[] = {
     {"whole", 7, 21, 1},   {"side", 7, 21, 1},     {"patches", 6, 20, 0}, {"end", 1, 13, 0},
     {"whole+5", 7, 20, 0}, {"whole+20", 7, 21, 0}, {"side+5", 7, 21, 0},  {"side+20", 7, 21, 1},
-    {"top70", 20, 20, 1},  {"lower50", 19, 19, 0}, {"length", 20, 20, 1}, {"thigh", 1, 3, 1},
+    {"top70", 20, 20, 1},  {"lower50", 20, 20, 1}, {"length", 20, 20, 1}, {"thigh", 1, 3, 1},
 };
 
 static const line_floor *floor_of(const char *line)

@@ -203,6 +203,19 @@ smr_tick_report rig_run(smr *s, uint32_t n)
     return report;
 }
 
+smr *rig_restored(const smr *s, const smr_model *model, const smr_config *config)
+{
+    size_t bytes = 0, room = 0;
+    smr *copy = NULL;
+    if (smr_save_bytes(s, &bytes) != SMR_OK || smr_arena_bytes(model, config, &room) != SMR_OK)
+        return NULL;
+    void *saved = rig_alloc(bytes), *arena = rig_alloc(room);
+    memset(arena, 0xb5, room);
+    if (smr_save(s, saved, bytes) != SMR_OK)
+        return NULL;
+    return smr_restore(model, NULL, NULL, saved, bytes, arena, room, &copy) == SMR_OK ? copy : NULL;
+}
+
 uint32_t rig_replays(const smr *s, const void *log, smr_log_input input, void *ctx, smr *twin, uint32_t *partial)
 {
     smr_log_state wrote;

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/arena.h"
 #include "property/rig_cloud.h"
 
 enum { PARTS = RIG_PAIR, CAPACITY = RIG_CLOUD_ROOM };
@@ -154,6 +155,48 @@ static void test_hostile_points(void **state)
     }
 }
 
+/* The copy of a cloud that is made in pieces has the bytes of one made at once, and is none until then, nor where the
+ * cloud has changed. */
+static void test_copy_in_pieces(void **state)
+{
+    smr_points *cloud = new_cloud(CAPACITY);
+    smr_surface *surface = NULL;
+    smr_closest hit;
+    uint32_t seed = 9, calls = 0;
+    size_t bytes = 0;
+    smr_status status = SMR_PARTIAL;
+    const float p[3] = {1, 2, 3};
+    (void)state;
+    for (uint32_t i = 0; i < CAPACITY; i++) {
+        const point one = rig_cloud_point(&seed, 0, 20.0f, 5.0f);
+        add(cloud, &one);
+    }
+    assert_int_equal(SMR_OK, smr_points_surface_bytes(CAPACITY, &bytes));
+    unsigned char *memory = rig_alloc(bytes), *whole = rig_alloc(bytes);
+    assert_int_equal(SMR_E_ARENA, smr_points_surface_begin(cloud, memory, bytes - 1u, &surface));
+    assert_true(surface == NULL);
+    memset(memory, 0x5a, bytes);
+    assert_int_equal(SMR_OK, smr_points_surface(cloud, memory, bytes, &surface));
+    smr_arena_release(memory, bytes);
+    memcpy(whole, memory, bytes);
+    memset(memory, 0x5a, bytes);
+    assert_int_equal(SMR_OK, smr_points_surface_begin(cloud, memory, bytes, &surface));
+    for (; status == SMR_PARTIAL; calls++) {
+        assert_int_equal(SMR_E_STATE, smr_surface_closest(surface, p, NULL, 0, 100, &hit));
+        status = smr_surface_step(surface, 1, NULL, 0);
+    }
+    assert_true(status == SMR_OK && calls >= 18u);
+    assert_int_equal(SMR_OK, smr_surface_step(surface, 1, NULL, 0));
+    assert_int_equal(SMR_E_STATE, smr_surface_refit(surface, p));
+    smr_arena_release(memory, bytes);
+    assert_memory_equal(whole, memory, bytes);
+    assert_int_equal(SMR_OK, smr_points_surface_begin(cloud, memory, bytes, &surface));
+    assert_int_equal(SMR_PARTIAL, smr_surface_step(surface, 2, NULL, 0));
+    assert_int_equal(SMR_OK, smr_points_weigh(cloud, 0, 0.5f));
+    assert_int_equal(SMR_E_INPUT, smr_surface_step(surface, 0, NULL, 0));
+    assert_int_equal(SMR_E_STATE, smr_surface_step(surface, 0, NULL, 0));
+}
+
 /* The nearest of all points, and its normal. */
 static void test_nearest_point(void **state)
 {
@@ -194,6 +237,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_set_points, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_hostile_points, set_up, tidy),
         cmocka_unit_test_setup_teardown(test_nearest_point, set_up, tidy),
+        cmocka_unit_test_setup_teardown(test_copy_in_pieces, set_up, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,66 +3,17 @@
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
-#include "property/rig_ball_image.h"
 #include "runtime/record/log.h"
 #include "runtime/registration.h"
+#include "unit_moving_ball.h"
 
-enum { FRAMES = 6, MARKS = 6, LOG = SMR_LOG_BYTES(2000, 60) };
+enum { MARKS = 6, LOG = SMR_LOG_BYTES(2000, 60) };
 
 static int tidy(void **state)
 {
     (void)state;
     rig_free_all();
     return 0;
-}
-
-typedef struct scene {
-    const smr_model *model;
-    smr_config config;
-    smr_volume frame[FRAMES + 1];
-    float centre[FRAMES + 1][3];
-} scene;
-
-/* The ball goes 3.6 mm in each frame, and 14 mm in the last one. */
-static scene make(uint32_t track)
-{
-    scene e;
-    const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere);
-    e.model = rig_ball_model(&reference);
-    e.config = smr_config_default_image();
-    e.config.n_workers = 4;
-    e.config.track = track;
-    for (uint32_t i = 0; i <= FRAMES; i++) {
-        const float way = i < FRAMES ? 2.0f * (float)i : 2.0f * (float)(FRAMES - 1u) - 8.0f;
-        e.centre[i][0] = 1.0f * way;
-        e.centre[i][1] = -1.2f * way;
-        e.centre[i][2] = 0.9f * way - 4.0f;
-        e.frame[i] = rig_ball_image(RIG_BALL_MM, e.centre[i]);
-    }
-    return e;
-}
-
-static smr_tick_report until_settled(smr *s)
-{
-    smr_tick_report r = {0};
-    uint32_t most = 1000;
-    do
-        assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    while (!r.settled && !r.done && --most > 0u);
-    return r;
-}
-
-/* Farthest that a vertex is from the ball's surface, mm. */
-static float off_ball(const smr *s, const scene *e, uint32_t frame)
-{
-    const float *xyz = rig_positions(s, e->model);
-    const smr_vec centre = smr_load(e->centre[frame]);
-    float far = 0.0f;
-    for (uint32_t v = 0; v < s->shared.n; v++) {
-        const float d = smr_length(smr_sub(smr_load(xyz + 3u * (size_t)v), centre)) - RIG_BALL_MM;
-        far = smr_max(far, d < 0.0f ? -d : d);
-    }
-    return far;
 }
 
 static void follow(uint32_t track)
@@ -159,22 +110,6 @@ static void test_replays(void **state)
     assert_true(rig_replays(s, memory, by_checksum, &e, again, &partial) > 0u);
     assert_true(partial > 10u);
     assert_true(smr_state_hash(s) == smr_state_hash(again));
-}
-
-/* A copy by way of a save, in memory that was used before, with its image set again. */
-static smr *restored(const scene *e, const smr *s, uint32_t frame)
-{
-    size_t bytes = 0, room = 0;
-    smr *copy = NULL;
-    assert_int_equal(SMR_OK, smr_save_bytes(s, &bytes));
-    void *saved = rig_alloc(bytes);
-    assert_int_equal(SMR_OK, smr_save(s, saved, bytes));
-    assert_int_equal(SMR_OK, smr_arena_bytes(e->model, &e->config, &room));
-    void *arena = rig_alloc(room);
-    memset(arena, 0xb5, room);
-    assert_int_equal(SMR_OK, smr_restore(e->model, NULL, NULL, saved, bytes, arena, room, &copy));
-    assert_int_equal(SMR_OK, smr_set_volume(copy, &e->frame[frame]));
-    return copy;
 }
 
 /* Saved between two ticks and restored: what the image showed last is kept, for the field begins from it. */

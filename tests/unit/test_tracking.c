@@ -298,14 +298,57 @@ static void test_replays(void **state)
     assert_true(smr_state_hash(s) == smr_state_hash(again));
 }
 
+/* The places of a mesh whose normals lie within 78 degrees of the x axis. */
+static void see_front(smr_points *cloud, const smr_mesh *mesh)
+{
+    const smr_surface *surface = rig_surface(mesh);
+    assert_int_equal(SMR_OK, smr_points_clear(cloud));
+    for (uint32_t v = 0; v < mesh->n_vertices; v++)
+        if (surface->normal[3u * (size_t)v] > 0.2f)
+            assert_int_equal(SMR_OK, smr_points_add(cloud, mesh->xyz + 3u * (size_t)v, NULL, NULL, 1));
+}
+
+/* A bone that is followed from one side jumps away by more than its thickness: its points are now nearer to the far
+ * side of where it was, but it is known which side they show. */
+static void test_jumps_with_its_side(void **state)
+{
+    static const float away[3] = {-40, 3, -2};
+    scene e = make(SMR_TRACK_RECOVER);
+    const uint32_t n = e.source.n_vertices;
+    void *memory = rig_alloc(SMR_POINTS_BYTES(n));
+    smr_tick_report report = {0};
+    smr_points *cloud = NULL;
+    float turn[9];
+    (void)state;
+    assert_int_equal(SMR_OK, smr_points_open(n, memory, SMR_POINTS_BYTES(n), &cloud));
+    e.config.n_target_vertices = n;
+    e.model = rig_model(&e.source, 1, NULL);
+    rig_rotation(1, 0, 1, -12, turn);
+    const smr_mesh there = rig_moved(&e.source, turn, away);
+    smr *s = rig_init(e.model, &e.config, NULL);
+    see_front(cloud, &e.source);
+    assert_int_equal(SMR_OK, smr_set_points(s, 0, cloud));
+    assert_int_equal(1, until_settled(s, 1000).tracking);
+    see_front(cloud, &there);
+    assert_int_equal(SMR_OK, smr_set_points(s, 0, cloud));
+    for (uint32_t i = 0; i < 30u; i++)
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
+    assert_true(report.jumped && rig_far(rig_positions(s, e.model), there.xyz, n) < 0.6f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_off_costs_nothing, tidy), cmocka_unit_test_teardown(test_settled, tidy),
-        cmocka_unit_test_teardown(test_goes_ahead, tidy),        cmocka_unit_test_teardown(test_gives_up, tidy),
-        cmocka_unit_test_teardown(test_follows, tidy),           cmocka_unit_test_teardown(test_jumps, tidy),
-        cmocka_unit_test_teardown(test_starts_over, tidy),       cmocka_unit_test_teardown(test_same_bits, tidy),
+        cmocka_unit_test_teardown(test_off_costs_nothing, tidy),
+        cmocka_unit_test_teardown(test_settled, tidy),
+        cmocka_unit_test_teardown(test_goes_ahead, tidy),
+        cmocka_unit_test_teardown(test_gives_up, tidy),
+        cmocka_unit_test_teardown(test_follows, tidy),
+        cmocka_unit_test_teardown(test_jumps, tidy),
+        cmocka_unit_test_teardown(test_starts_over, tidy),
+        cmocka_unit_test_teardown(test_same_bits, tidy),
         cmocka_unit_test_teardown(test_replays, tidy),
+        cmocka_unit_test_teardown(test_jumps_with_its_side, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -127,7 +127,7 @@ static void bounds(void **state)
     assert_int_equal(w.field.n, SMR_CONTROLS);
     for (uint32_t k = 0; k < SMR_CONTROLS; k++)
         assert_true(fabsf(w.field.start[3u * k + 2u] - (float)(k * N) / (float)SMR_CONTROLS) <= 1.0f);
-    assert_int_equal(smr_unseen_field_tasks(&w.field), 6u + SMR_FIELD_ROWS + 2u);
+    assert_int_equal(smr_unseen_field_tasks(&w.field), 6u + SMR_FIELD_TRIES * SMR_TRY_TASKS + SMR_FIELD_ROWS + 2u);
     w.goals.partial = 0;
     assert_int_equal(smr_unseen_field_tasks(&w.field), 0);
     w.shared.config.coverage = SMR_COVERAGE_WHOLE;

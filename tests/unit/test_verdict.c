@@ -258,6 +258,29 @@ static void test_part(void **state)
     }
 }
 
+/* Edges of a surface that lies close on its target have not changed by noise; landmarks have a limit for all. */
+static void test_strain(void **state)
+{
+    static const struct {
+        float residual_mm, strain;
+        int surface;
+        uint32_t reasons;
+    } all[] = {{0.05f, 0.14f, 1, 0}, {0.05f, 0.16f, 1, SMR_REASON_STRAIN},
+               {0.2f, 0.17f, 1, 0},  {0.2f, 0.19f, 1, SMR_REASON_STRAIN},
+               {0.9f, 0.24f, 1, 0},  {0.9f, 0.26f, 1, SMR_REASON_STRAIN},
+               {0.05f, 0.24f, 0, 0}, {0.05f, 0.26f, 0, SMR_REASON_STRAIN}};
+    (void)state;
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+        smr_verdict v = fair(0.9f, 1.0f);
+        v.residual_mm = all[i].residual_mm;
+        v.strain = all[i].strain;
+        if (!all[i].surface)
+            v.target_covered = v.normals_agree = -1.0f;
+        smr_judge(&v, 4.0f, 1);
+        assert_int_equal(all[i].reasons, v.reasons);
+    }
+}
+
 static void test_reasons(void **state)
 {
     (void)state;
@@ -277,6 +300,7 @@ int main(void)
         cmocka_unit_test_teardown(test_turned, tidy),
         cmocka_unit_test_teardown(test_changes_nothing, tidy),
         cmocka_unit_test(test_part),
+        cmocka_unit_test(test_strain),
         cmocka_unit_test(test_reasons),
         cmocka_unit_test_teardown(test_flat, tidy),
     };

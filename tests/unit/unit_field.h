@@ -22,7 +22,7 @@ typedef struct world {
     smr_overlay overlay;
     smr_landmark_goals landmarks;
     smr_unseen_field field;
-    uint32_t memory[(8u + SMR_FIELD_MOTIONS) * SMR_FIELD_ROWS + SMR_FACTOR_WORDS(SMR_FIELD_ROWS)];
+    uint32_t memory[(9u + SMR_FIELD_MOTIONS) * SMR_FIELD_ROWS + SMR_FACTOR_WORDS(SMR_FIELD_ROWS)];
     float start[3 * N], x[3 * N], normal[3 * N];
     uint8_t seen[N];
     struct {

@@ -7,18 +7,18 @@
  * How far a control lies from the pose is asked of its goal, not of its place: a field through places follows what
  * follows it, momentum adds to both, and it swings. In each iteration other vertices are controls, so that all of them
  * tell in turn; at the last radius a small step takes the mean.
+ * How rough the deformation is: field_roughness.c.
  * Bounds: those of unseen_field.c.
  * SPDX-License-Identifier: MIT */
 #include "geometry/triangle.h"
 #include "runtime/forces/unseen_field.h"
 
-#define SMR_GOLDEN 2654435769u   /* 2^32 times the golden ratio's part: its multiples are even in any first ones */
-#define SMR_FIELD_TURN 3u        /* places of the order by which an iteration begins later than the one before */
-#define SMR_FIELD_SHEET 0.5f     /* of its area: the sum of area vectors, above which a model is a sheet */
-#define SMR_FIELD_FAR 1.0e7f     /* mm: no coordinate is */
-#define SMR_TURN_MOST 0.1f       /* of 4: what Cayley's parameter divides by, near half a turn */
-#define SMR_SIZE_MOST 2.0f       /* in a step */
-#define SMR_MOTION_VARIANCE 8.0f /* of the motions, over the field's: at a kernel length for turns and scale */
+#define SMR_GOLDEN 2654435769u /* 2^32 times the golden ratio's part: its multiples are even in any first ones */
+#define SMR_FIELD_TURN 3u      /* places of the order by which an iteration begins later than the one before */
+#define SMR_FIELD_SHEET 0.5f   /* of its area: the sum of area vectors, above which a model is a sheet */
+#define SMR_FIELD_FAR 1.0e7f   /* mm: no coordinate is */
+#define SMR_TURN_MOST 0.1f     /* of 4: what Cayley's parameter divides by, near half a turn */
+#define SMR_SIZE_MOST 2.0f     /* in a step */
 
 /* Landmarks, images and the borders of sheets give places. Without them what is known of a part lies along normals. A
  * closed target that is not covered yet is taken for the whole that it will be: what the start pose gave stays. */
@@ -130,7 +130,7 @@ void smr_field_normals_begin(smr_unseen_field *f, const uint32_t *control, smr_v
 float smr_field_normals_between(const smr_unseen_field *f, uint32_t i, uint32_t j, float kernel)
 {
     const float *const a = motions(f, i), *const b = motions(f, j);
-    return kernel * smr_dot(smr_load(a), smr_load(b)) + SMR_MOTION_VARIANCE * dot(a, b);
+    return kernel * smr_dot(smr_load(a), smr_load(b)) + f->motion_variance * dot(a, b);
 }
 
 /* left = (L L^T)^-1 left */
@@ -191,7 +191,7 @@ void smr_field_normals_end(smr_unseen_field *f)
     for (uint32_t k = 0; k < f->n; k++) {
         float *const to = smr_at3(f->bend, k);
         for (uint32_t m = 0; m < SMR_FIELD_MOTIONS; m++)
-            sum[m] += SMR_MOTION_VARIANCE * f->left[k] * motions(f, k)[m];
+            sum[m] += f->motion_variance * f->left[k] * motions(f, k)[m];
         smr_store(to, smr_scale(smr_load(to), f->left[k]));
     }
     add_motions(f, sum);

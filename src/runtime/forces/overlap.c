@@ -4,7 +4,7 @@
  * continuously. Beyond that the vertex follows its seen neighbours (unseen_field.c).
  * A closed target is taken as whole while most of what is drawn to it is seen: then everything counts in full.
  * A cloud of points shows the vertices that its points' weights reach (point_spread.c).
- * Bounds: three closest points on triangles for each vertex that is judged.
+ * Bounds: three closest points on triangles for each vertex that is judged; two passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/triangle.h"
 #include "runtime/forces/surface_goal.h"
@@ -20,6 +20,7 @@
 #define SMR_OFF_LEAST 1.0e-6f /* mm */
 #define SMR_POINTS_FULL 0.22f /* of the mean weight of points at a vertex: from here on it is seen in full */
 
+static int cloud_shows(const smr_target *t) { return t->surface != NULL && smr_is_cloud(t->surface); }
 static int open_target(const smr_target *t) { return t->surface != NULL && t->surface->open != 0u; }
 
 /* Without triangles a structure has no normals, and nothing of the target finds it. */
@@ -163,6 +164,29 @@ static void count_seen(const smr_surface_goals *g)
         smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
         t->n_seen += g->seen[v] > SMR_SEEN_ONE / 2u;
         t->n_judged += g->shape->on_surface[v];
+    }
+}
+
+/* Which way the places face that a cloud shows: the mean of their normals, short where it shows them all around. Known
+ * while the model is laid out, unless what is followed has jumped: then the look may be a wrong one. */
+void smr_overlap_look(smr_surface_goals *g)
+{
+    const smr_pace *p = g->pace;
+    const int laid_out = p->tracking ? p->recovering != 1u : smr_at_last_radius(g->shared, p);
+    if (g->shared->config.track == SMR_TRACK_OFF || g->seen == NULL || g->n_clouds == 0u || !laid_out || p->jumped)
+        return;
+    for (uint32_t i = 0; i < g->shared->n_structures; i++)
+        if (cloud_shows(&g->target[i]))
+            g->target[i].view = smr_v(0, 0, 0);
+    for (uint32_t v = 0; v < g->pace->n_active; v++) {
+        smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
+        if (g->seen[v] > SMR_SEEN_ONE / 2u && cloud_shows(t))
+            t->view = smr_add(t->view, smr_load(smr_at3(g->shape->normal, v)));
+    }
+    for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+        smr_target *t = &g->target[i];
+        if (cloud_shows(t))
+            t->view = smr_scale(t->view, 1.0f / (float)smr_max_u32(t->n_seen, 1));
     }
 }
 

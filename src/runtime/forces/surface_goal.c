@@ -19,6 +19,8 @@ static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *s
         smr_keep_words(a, &t->n_seen, 1, shared->n);
         smr_keep_words(a, &t->n_judged, 1, shared->n);
         smr_keep_words(a, &t->measured, 1, 1);
+        if (shared->config.track != SMR_TRACK_OFF)
+            smr_keep_floats(a, &t->view.x, 3, -SMR_KEPT_UNIT, SMR_KEPT_UNIT);
         g->partial |= t->partial;
     }
 }
@@ -38,6 +40,7 @@ void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shar
     }
     if (m == 0u)
         return;
+    g->then = smr_slot_scratch(a, g->then, shared->n_structures, sizeof *g->then);
     g->target_warm = smr_slot_indexes(a, g->target_warm, m, SMR_TRIANGLES_MAX);
     g->pull = smr_slot_scratch(a, g->pull, shared->config.n_workers * n, 4u * sizeof(int64_t)); /* 0 in between */
 }
@@ -49,6 +52,8 @@ void smr_surface_goals_wire(smr_surface_goals *g, const smr_shared *shared, cons
     g->pace = pace;
     g->shape = shape;
     memset(g->target, 0, shared->n_structures * sizeof *g->target);
+    if (g->then != NULL)
+        memset(g->then, 0, shared->n_structures * sizeof *g->then);
     smr_pulls_clear(g);
 }
 
@@ -65,6 +70,8 @@ void smr_surface_goals_reset(smr_surface_goals *g)
         memset(g->seen, 0, g->shared->n);
         memset(g->seen_next, 0, g->shared->n);
     }
+    for (uint32_t i = 0; i < g->shared->n_structures; i++)
+        g->target[i].view = smr_v(0, 0, 0);
     for (uint32_t v = 0; v < g->shared->n; v++)
         g->warm[v] = g->warm_next[v] = SMR_NONE;
     for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.n_target_vertices; j++)
@@ -79,9 +86,12 @@ void smr_surface_goals_stand(smr_surface_goals *g)
 
 int smr_targets_stand(const smr_surface_goals *g)
 {
-    for (uint32_t i = 0; i < g->n_goals; i++)
-        if (!smr_goal_stands(&g->goal[i]))
+    for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+        const smr_target *t = &g->target[i];
+        if (t->surface != NULL && (!smr_surface_valid(t->surface) || t->surface->n_vertices != t->n_vertices ||
+                                   t->surface->changes != t->changes))
             return 0;
+    }
     return 1;
 }
 

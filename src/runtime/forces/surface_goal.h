@@ -14,36 +14,37 @@
 
 /* The surface of one structure. Written by setup/targets.c; begun by tick/schedule.c, measured by forces.c, too. */
 typedef struct smr_target {
-    const smr_surface *surface; /* NULL: none */
-    uint32_t partial;           /* 1: vertices count as far as they are seen; 0: all in full. Written by overlap.c */
-    uint32_t n_seen, n_judged;  /* vertices seen, and all that were judged, when they last were */
-    uint32_t begun;             /* 1: it had one when the iteration under way began */
-    uint32_t measured;          /* 1: there were complete forces since it was set or taken away */
-    float spread;               /* of a cloud: mean weight that reached a vertex. Written by point_spread.c */
+    const smr_surface *surface;   /* NULL: none */
+    uint32_t partial;             /* 1: vertices count as far as they are seen; 0: all in full. Written by overlap.c */
+    uint32_t n_seen, n_judged;    /* vertices seen, and all that were judged, when they last were */
+    uint32_t begun;               /* 1: it had one when the iteration under way began */
+    uint32_t measured;            /* 1: there were complete forces since it was set or taken away */
+    uint32_t n_vertices, changes; /* of the surface when it was set */
+    float spread;                 /* of a cloud: mean weight that reached a vertex. Written by point_spread.c */
+    smr_vec view;                 /* of a cloud: mean normal of what it shows; 0: none. Written by overlap.c */
 } smr_target;
 
 /* A distinct target surface; structures may share it. Written by setup/targets.c. */
 typedef struct smr_goal {
     const smr_surface *surface;
     uint32_t first_task; /* of the target-to-model search */
-    uint32_t n_vertices; /* when it was set: a surface rebuilt since must be set again */
+    uint32_t n_vertices; /* when it was set */
     uint32_t first_warm; /* its vertices' slots in target_warm */
-    uint32_t changes;    /* when it was set: as n_vertices, of a cloud, or of a surface that was refitted */
 } smr_goal;
 
-/* 1: the target surface, or cloud, is as it was when it was set. */
-static inline int smr_goal_stands(const smr_goal *g)
-{
-    return smr_surface_valid(g->surface) && g->surface->n_vertices == g->n_vertices &&
-           g->surface->changes == g->changes;
-}
+/* The points of a structure's cloud when it was set. */
+typedef struct smr_points_then {
+    uint64_t sum; /* smr_points_checksum() of their places; 0: it was no cloud */
+    uint32_t n;
+} smr_points_then;
 
 typedef struct smr_surface_goals {
     const smr_shared *shared;
     const smr_pace *pace;
     const smr_shape *shape;
-    smr_target *target; /* [n_structures] */
-    smr_goal *goal;     /* [n_structures], the first n_goals are in use */
+    smr_target *target;    /* [n_structures] */
+    smr_goal *goal;        /* [n_structures], the first n_goals are in use */
+    smr_points_then *then; /* [n_structures]; NULL where no target attracts. Written by setup/targets.c */
     uint32_t n_goals;
     uint32_t n_goals_begun; /* n_goals when the iteration under way began: a later one does not count in it */
     uint32_t n_tasks;       /* of the target-to-model search */
@@ -85,6 +86,7 @@ int smr_overlap_judged(const smr_surface_goals *g, uint32_t structure); /* 1: in
 void smr_overlap_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit, smr_vec way);
 void smr_overlap_judge_points(smr_surface_goals *g, uint32_t v, float weight); /* of points that reached it */
 void smr_overlap_stand(smr_surface_goals *g);                                  /* the forces under way are complete */
+void smr_overlap_look(smr_surface_goals *g); /* then, once it is known whether targets have jumped */
 
 /* target_attraction.c: target-to-model attraction, when target vertices pull in this iteration. */
 int smr_attraction_on(const smr_surface_goals *g);

@@ -10,6 +10,10 @@
 
 #define SMR_AREA_MAX 16.0f /* mean areas: a larger target triangle pulls no harder */
 
+/* Length of the mean normal of what a cloud shows, from which on it begins to say which side that is, and says it. */
+#define SMR_VIEW_NONE 0.2f
+#define SMR_VIEW_FULL 0.4f
+
 int smr_attraction_on(const smr_surface_goals *g)
 {
     return (g->shared->config.attraction > 0.0f || g->n_clouds > 0u) && g->n_goals > 0u && g->target_warm != NULL;
@@ -26,10 +30,25 @@ uint32_t smr_attract_tasks(const void *arg)
     return smr_attraction_on(g) ? g->n_tasks : 0u;
 }
 
+/* After a jump a point without a normal may be nearer to the far side. While what has jumped is laid out again it pulls
+ * no place that faces away from what the cloud showed before. */
+static void face_view(const smr_surface_goals *g, uint32_t structure, smr_query *q)
+{
+    const smr_vec view = g->target[structure].view;
+    const float length = smr_length(view);
+    const int known = g->pace->tracking && g->pace->recovering == 1u && length > SMR_VIEW_NONE;
+    q->min_cos = -2.0f;
+    if (!known)
+        return;
+    q->min_cos = smr_min((length - SMR_VIEW_NONE) / (SMR_VIEW_FULL - SMR_VIEW_NONE), 1.0f) - 1.001f;
+    q->normal = smr_scale(view, 1.0f / length);
+}
+
 /* The closest acceptable model point over the structures that share this surface. Returns its structure or SMR_NONE. */
 static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface *surface, smr_query *q, uint32_t warm,
                                   smr_hit *hit, smr_near_list *near)
 {
+    const int bare = q->min_cos < -1.5f && smr_is_cloud(surface);
     smr_near_list list;
     uint32_t found = SMR_NONE;
     /* the structure of the last time first: its distance spares the others most of their search */
@@ -40,6 +59,8 @@ static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface 
             const int is_warm = warm != SMR_NONE && local < one->facets.n_triangles;
             if (g->target[i].surface != surface || is_warm != (round == 0u))
                 continue;
+            if (bare)
+                face_view(g, i, q);
             q->warm = is_warm ? local : SMR_NONE;
             smr_hit h = *hit;
             h.triangle = SMR_NONE;

@@ -9,19 +9,18 @@
  * An image of the past shows where its vertices were. From there the field of what else is followed carries them.
  * Landmarks are controls whose places are given. What is observed of one is the mean of its triangle's corners. So
  * that the field passes exactly by a hard one, what it may be off is not noise, but a second field of short reach.
- * Bounds: two tasks for each SMR_LOOK vertices, and as many and 2 as controls, of their square multiplications at most.
+ * Bounds: two tasks for each SMR_LOOK vertices, and as many and 2 as controls, of their square multiplications.
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/forces.h"
 
-#define SMR_FIELD_LENGTH 0.4f     /* kernel length over the diagonal of the model's box */
-#define SMR_FIELD_LOOSE 0.003f    /* of the variance: what a control may be off */
-#define SMR_FIELD_NORMAL 0.02f    /* the same along its normal: there are more of them */
-#define SMR_FIELD_ROUNDED 1.0e-5f /* of a variance: what sums of SMR_FIELD_ROWS products lose */
-#define SMR_FIELD_STIFF 4.0f      /* times (cluster radius / kernel length)^2, added to it */
-#define SMR_FIELD_PART 8u         /* vertices for a control along its normal */
-#define SMR_FIELD_LEAST 4u        /* controls: with fewer vertices there is no field, with fewer landmarks no scale */
-#define SMR_LOOK 2048u            /* vertices of a task that counts or chooses controls */
-#define SMR_FIELD_HARD 1.0e-5f    /* of the variance: what a hard landmark may be off */
+#define SMR_FIELD_LENGTH 0.4f  /* kernel length over the diagonal of the model's box */
+#define SMR_FIELD_LOOSE 0.003f /* of the variance: what a control may be off */
+#define SMR_FIELD_NORMAL 0.02f /* the same along its normal: there are more of them */
+#define SMR_FIELD_STIFF 4.0f   /* times (cluster radius / kernel length)^2, added to it */
+#define SMR_FIELD_PART 8u      /* vertices for a control along its normal */
+#define SMR_FIELD_LEAST 4u     /* controls: with fewer vertices there is no field, with fewer landmarks no scale */
+#define SMR_LOOK 2048u         /* vertices of a task that counts or chooses controls */
+#define SMR_FIELD_HARD 1.0e-5f /* of the variance: what a hard landmark may be off */
 
 /* What is kept while controls are chosen, in the memory of the factor. */
 typedef struct smr_choice {
@@ -46,7 +45,7 @@ size_t smr_unseen_field_words(const smr_shared *shared)
     if (shared->config.n_landmarks == 0u && shared->config.coverage == SMR_COVERAGE_WHOLE &&
         !smr_follows_images(shared))
         return 0;
-    return (8u + SMR_FIELD_MOTIONS) * most + SMR_FACTOR_WORDS(most);
+    return (9u + SMR_FIELD_MOTIONS) * most + SMR_FACTOR_WORDS(most);
 }
 
 void smr_unseen_field_wire(smr_unseen_field *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
@@ -63,7 +62,8 @@ void smr_unseen_field_wire(smr_unseen_field *f, const smr_shared *shared, const 
     f->bend = f->start + 3u * f->most;
     f->loose = f->bend + 3u * f->most;
     f->left = f->loose + f->most;
-    f->motion = f->left + f->most;
+    f->told = f->left + f->most;
+    f->motion = f->told + f->most;
     f->lower = f->motion + SMR_FIELD_MOTIONS * f->most;
 }
 
@@ -85,7 +85,9 @@ static float *start_of(const smr_unseen_field *f)
 static float kernel(const smr_unseen_field *f, smr_vec a, smr_vec b)
 {
     const smr_vec d = smr_sub(a, b);
-    return 1.0f / (1.0f + smr_dot(d, d) * f->per_length2);
+    const float d2 = smr_dot(d, d), smooth = 1.0f / (1.0f + d2 * f->per_length2);
+    const float near = f->rough > 0.0f ? 1.0f / (1.0f + d2 * f->per_rough2) : 0.0f;
+    return smooth + f->rough * (near * near * near);
 }
 
 static int is_landmark(const smr_unseen_field *f, uint32_t k) { return k < f->landmarks->n; }
@@ -127,6 +129,11 @@ static float between(const smr_unseen_field *f, uint32_t i, uint32_t j)
         if (b->share[c] > 0.0f)
             sum += b->share[c] * with_control(f, smr_load(smr_at3(start_of(f), b->corner[c])), j, sharp);
     return sum;
+}
+
+float smr_unseen_field_between(const smr_unseen_field *f, uint32_t i, uint32_t j)
+{
+    return f->by_normals ? smr_field_normals_between(f, i, j, between(f, i, j)) : between(f, i, j);
 }
 
 static uint32_t seen(const smr_unseen_field *f, uint32_t v)
@@ -222,6 +229,7 @@ static void begin(smr_unseen_field *f, uint32_t n)
     const float length = smr_max(SMR_FIELD_LENGTH * smr_length(smr_sub(box.hi, box.lo)), 1.0e-6f);
     const smr_vec middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
     f->per_length2 = 1.0f / (length * length);
+    f->rough = f->rough_loose = 0.0f;
     f->n = f->landmarks->n > 0u || n >= SMR_FIELD_LEAST ? f->landmarks->n + n : 0u;
     smr_fit_start(&fit, middle, middle);
     add_landmarks(f, &fit);
@@ -244,12 +252,10 @@ static void factor(smr_unseen_field *f, uint32_t j)
     float least = 0.5f * smr_min(f->loose[j], SMR_FIELD_LOOSE);
     for (uint32_t i = j; i < f->n; i++) {
         float *const r = smr_field_row(f, i);
-        float sum = between(f, i, j);
-        if (f->by_normals)
-            sum = smr_field_normals_between(f, i, j, sum);
+        float sum = smr_unseen_field_between(f, i, j);
         if (i == j)
             least = smr_max(least, SMR_FIELD_ROUNDED * sum);
-        sum += i == j ? f->loose[i] : 0.0f;
+        sum += i == j ? f->loose[i] + f->rough_loose : 0.0f;
         for (uint32_t k = 0; k < j; k++)
             sum -= r[k] * above[k];
         r[j] = i == j ? SMR_SQRT(smr_max(sum, least)) : sum / above[j];
@@ -282,20 +288,22 @@ static void substitute(smr_unseen_field *f)
 uint32_t smr_unseen_field_tasks(const void *arg)
 {
     const smr_unseen_field *f = arg;
-    return f->goals->partial || counts(f) ? 2u * looks(f) + f->most + 2u : 0u;
+    return f->goals->partial || counts(f) ? 2u * looks(f) + SMR_FIELD_TRIES * SMR_TRY_TASKS + f->most + 2u : 0u;
 }
 
 void smr_unseen_field_solve(void *arg, uint32_t task, uint32_t worker)
 {
     smr_unseen_field *f = arg;
-    const uint32_t first = looks(f), then = 2u * first;
+    const uint32_t first = looks(f), tries = 2u * first, then = tries + SMR_FIELD_TRIES * SMR_TRY_TASKS;
     (void)worker;
     if (task < first)
         count_seen(f, task);
-    else if (task < then)
+    else if (task < tries)
         choose(f, task - first);
-    else if (task == then)
+    else if (task == tries)
         begin(f, choice(f)->n);
+    else if (task <= then)
+        smr_field_roughness_try(f, task - tries - 1u);
     else if (task - then <= f->n)
         factor(f, task - then - 1u);
     else if (task - then == f->most + 1u && f->by_normals)

@@ -7,12 +7,16 @@
 #include "runtime/forces/landmark_goals.h"
 #include "runtime/overlaid_memory.h"
 
-#define SMR_CONTROLS 64u       /* seen vertices that the field passes by, in space */
-#define SMR_FIELD_ROWS 192u    /* without landmarks: those that it passes by along their normals */
-#define SMR_FIELD_MOTIONS 7u   /* shifts, turns and scale */
-#define SMR_FIELD_STEP 0.8f    /* of the way that normals ask for, in an iteration */
-#define SMR_FIELD_FOLLOW 0.35f /* while targets are tracked: of new ones no triangle is known yet, only pulls */
-#define SMR_FIELD_MEAN 0.1f    /* the same at the last radius: the mean of what vertices tell in turn */
+#define SMR_CONTROLS 64u          /* seen vertices that the field passes by, in space */
+#define SMR_FIELD_ROWS 192u       /* without landmarks: those that it passes by along their normals */
+#define SMR_FIELD_MOTIONS 7u      /* shifts, turns and scale */
+#define SMR_FIELD_TRIES 3u        /* kinds of roughness, of which the likeliest is taken */
+#define SMR_TRY_TASKS 24u         /* of each */
+#define SMR_FIELD_ROUNDED 1.0e-5f /* of a variance: what sums of SMR_FIELD_ROWS products lose */
+#define SMR_FIELD_STEP 0.8f       /* of the way that normals ask for, in an iteration */
+#define SMR_FIELD_FOLLOW 0.35f    /* while targets are tracked: of new ones no triangle is known yet, only pulls */
+#define SMR_FIELD_MEAN 0.1f       /* the same at the last radius: the mean of what vertices tell in turn */
+#define SMR_MOTION_VARIANCE 8.0f  /* of the motions, over the field's: at a kernel length for turns and scale */
 #define SMR_CONTROLS_MAX (SMR_CONTROLS + SMR_LANDMARKS_MAX)
 #define SMR_FACTOR_WORDS(n) ((n) * ((n) + 1u) / 2u)
 
@@ -30,6 +34,7 @@ typedef struct smr_unseen_field {
     float *lower;  /* [SMR_FACTOR_WORDS(most)] Cholesky factor, row by row; before: which vertices are controls */
     float *loose;  /* [most] on the diagonal: how far the field may miss a control */
     float *motion; /* [most][SMR_FIELD_MOTIONS] along a control's normal, of motions by 1; without landmarks */
+    float *told;   /* [most] of the try under way: what each row tells beside those before */
     float *left;   /* [most] from the pose to the goal along it, mm; then coefficients; without landmarks */
     float back[SMR_FIELD_MOTIONS]; /* motions: from the pose to the start, then to where normals show it */
     smr_vec middle;                /* about which motions turn and scale */
@@ -38,6 +43,12 @@ typedef struct smr_unseen_field {
     uint32_t n;                    /* controls in use, the landmarks first; 0: no field */
     smr_pose pose;                 /* rigid, from start to present positions of the controls */
     float per_length2;             /* 1 / mm^2, of the kernel's length */
+    float rough, per_rough2;       /* the kernel's short term: its variance, 0: none; 1 / mm^2 */
+    float motion_variance;         /* of the motions, over the field's */
+    float rough_loose;             /* what a control may be off besides */
+    float likelihood;              /* the largest one yet, and which roughness has it */
+    uint32_t likeliest;
+    float square, log; /* of the try under way: sums over its rows */
 } smr_unseen_field;
 
 static inline float *smr_field_row(const smr_unseen_field *f, uint32_t i)
@@ -59,6 +70,12 @@ float smr_field_normals_step(const smr_unseen_field *f);
 void smr_field_normals_begin(smr_unseen_field *f, const uint32_t *control, smr_vec middle);
 float smr_field_normals_between(const smr_unseen_field *f, uint32_t i, uint32_t j, float kernel);
 void smr_field_normals_end(smr_unseen_field *f);
+
+/* Tries each roughness on the controls, in SMR_FIELD_TRIES * SMR_TRY_TASKS tasks, one after the other; then sets the
+ * likeliest. */
+void smr_field_roughness_try(smr_unseen_field *f, uint32_t task);
+/* The covariance of what controls i and j <= i tell. */
+float smr_unseen_field_between(const smr_unseen_field *f, uint32_t i, uint32_t j);
 
 size_t smr_unseen_field_words(const smr_shared *shared); /* of memory that it needs while forces are computed */
 void smr_unseen_field_wire(smr_unseen_field *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,

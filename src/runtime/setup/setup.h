@@ -23,6 +23,8 @@ uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_
 
 /* The same into g, and what else follows from the surfaces that structures have. */
 void smr_take_goals(smr_surface_goals *g);
+void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last);    /* what these structures have got */
+void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other); /* as another one */
 
 /* waiting.c: borrowed inputs are not saved but their checksums, and a restored registration waits for the same ones. */
 

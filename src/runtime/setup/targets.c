@@ -1,6 +1,7 @@
 /* targets.c: what structures are drawn to: surfaces, an image; and how many vertices take part.
  * SPDX-License-Identifier: MIT */
 #include "geometry/points.h"
+#include "runtime/record/log.h"
 #include "runtime/setup/restart.h"
 #include "runtime/setup/setup.h"
 #include "runtime/tick/schedule.h"
@@ -24,7 +25,7 @@ uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_
         if (surface == NULL || known < i)
             continue;
         if (goal != NULL)
-            goal[*n_goals] = (smr_goal){surface, *n_tasks, surface->n_vertices, (uint32_t)slots, surface->changes};
+            goal[*n_goals] = (smr_goal){surface, *n_tasks, surface->n_vertices, (uint32_t)slots};
         ++*n_goals;
         *n_tasks += smr_ceil_div(surface->n_vertices, SMR_FORCE_CHUNK);
         slots += slots_of(surface);
@@ -68,6 +69,49 @@ void smr_take_goals(smr_surface_goals *g)
     }
 }
 
+/* 1: the cloud has the same places in the same order as the one before, and maybe more: nothing has moved, and an image
+ * beside it is not of the past. Weights and normals may differ. By contents, for a replay may have another cloud. */
+static int only_grown(const smr_surface_goals *g, uint32_t first, uint32_t last, const smr_surface *surface)
+{
+    smr_points_then known = {0, 0};
+    if (g->then == NULL || surface == NULL || !smr_is_cloud(surface))
+        return 0;
+    for (uint32_t i = first; i < last; i++) {
+        const smr_points_then *then = &g->then[i];
+        if (then->sum == known.sum && then->n == known.n && known.sum != 0u)
+            continue;
+        if (then->n > surface->n_vertices || smr_points_checksum(surface->xyz, then->n) != then->sum)
+            return 0;
+        known = *then;
+    }
+    return 1;
+}
+
+void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other)
+{
+    g->target[structure].n_vertices = g->target[other].n_vertices;
+    g->target[structure].changes = g->target[other].changes;
+    if (g->then != NULL)
+        g->then[structure] = g->then[other];
+}
+
+void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last)
+{
+    const smr_surface *surface = g->target[first].surface;
+    const int cloud = surface != NULL && smr_is_cloud(surface);
+    g->target[first].n_vertices = surface == NULL ? 0u : surface->n_vertices;
+    g->target[first].changes = surface == NULL ? 0u : surface->changes;
+    if (g->then != NULL) {
+        const uint32_t n = cloud ? surface->n_vertices : 0u;
+        g->then[first] = (smr_points_then){cloud ? smr_points_checksum(surface->xyz, n) : 0u, n};
+    }
+    for (uint32_t i = first; i < last; i++) {
+        smr_note_like(g, i, first);
+        if (surface != NULL && !cloud)
+            g->target[i].view = smr_v(0, 0, 0);
+    }
+}
+
 /* 0 when there are not enough slots. A cloud does nothing without. */
 static int has_slots(smr_surface_goals *g, uint32_t structure, const smr_surface *surface)
 {
@@ -75,15 +119,6 @@ static int has_slots(smr_surface_goals *g, uint32_t structure, const smr_surface
     if (n_slots == 0u)
         return surface == NULL || !smr_is_cloud(surface);
     return slots_with(g, structure, surface) <= n_slots;
-}
-
-/* What is set again after points were added keeps its searches: they only say where to look first. */
-static int same_cloud(const smr_surface_goals *g, uint32_t first, uint32_t last, const smr_surface *surface)
-{
-    for (uint32_t i = first; i < last; i++)
-        if (surface == NULL || !smr_is_cloud(surface) || g->target[i].surface != surface)
-            return 0;
-    return 1;
 }
 
 /* Surfaces and clouds. */
@@ -97,19 +132,20 @@ static smr_status set_target(smr *s, uint32_t structure, const smr_surface *surf
         return SMR_E_ARENA;
     const uint32_t first = structure == SMR_ALL ? 0u : structure;
     const uint32_t last = structure == SMR_ALL ? n_structures : structure + 1u;
-    const int same = same_cloud(g, first, last, surface);
+    const int grown = only_grown(g, first, last, surface);
     for (uint32_t i = first; i < last; i++) {
         g->target[i].surface = surface;
         g->target[i].measured = 0;
     }
+    smr_note_target(g, first, last);
     smr_forces_unmeasured(&s->forces);
     smr_take_goals(g);
-    if (same)
+    if (grown) /* its searches say where to look first */
         smr_pulls_clear(g);
     else
         forget_searches(g, structure);
     smr_overlap_start(g);
-    smr_tracking_call(s, surface != NULL ? SMR_CALLED_SHOWN : SMR_CALLED);
+    smr_tracking_call(s, surface != NULL && !grown ? SMR_CALLED_SHOWN : SMR_CALLED);
     /* an iteration under way starts again with the new goals; one that has its forces ends with the old ones */
     if (smr_forces_pending(s))
         s->step = s->next_task = 0;

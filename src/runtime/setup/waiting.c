@@ -157,11 +157,13 @@ smr_status smr_await_surface(smr *s, uint32_t structure, const smr_surface *surf
         target[first].surface = NULL;
         return SMR_E_ARENA;
     }
+    smr_note_target(&s->forces.surface, first, first + 1u);
     s->n_awaited--;
     for (uint32_t i = first + 1u; structure == SMR_ALL && i < n; i++) {
         if (!waits_for(s, i, surface, sum))
             continue;
         target[i].surface = surface;
+        smr_note_like(&s->forces.surface, i, first);
         s->n_awaited--;
     }
     go_on(s);

@@ -23,6 +23,7 @@ static void forces_end(smr *s)
     s->report.residual_rms_mm = t->n_forces > 0u ? t->rms : -1.0f;
     s->report.residual_max_mm = t->n_forces > 0u ? t->max : -1.0f;
     smr_tracking_look(s);
+    smr_overlap_look(&s->forces.surface);
 }
 
 static void held_end(smr *s) { smr_held_sum_end(&s->shape); }

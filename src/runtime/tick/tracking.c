@@ -173,6 +173,17 @@ static void note_age(smr *s)
     }
 }
 
+/* Nothing is newer than the image that is followed, but something acts, or a cloud has grown: the search in the image
+ * goes on where it is, and so does a way through coarser radii. */
+static void go_on_looking(smr *s)
+{
+    const float narrow = SMR_TRACK_NARROWING * (float)s->shared.config.track_iterations;
+    s->pace.called = s->pace.settled = 0;
+    if (s->pace.recovering == 1u)
+        return;
+    s->pace.radius_iteration = smr_min_u32(s->pace.radius_iteration, (uint32_t)narrow);
+}
+
 void smr_tracking_begin(smr *s)
 {
     if (!s->pace.tracking)
@@ -181,6 +192,11 @@ void smr_tracking_begin(smr *s)
     s->reference.stale = 1;
     if (!s->pace.called)
         return;
+    const int lost = s->pace.jumped && s->forces.totals.n_forces == 0u;
+    if (s->pace.called == SMR_CALLED && s->forces.image.has_image && s->pace.image_age == SMR_IMAGE_SEEN && !lost) {
+        go_on_looking(s);
+        return;
+    }
     note_age(s);
     if (s->pace.called >= SMR_CALLED_MOVED)
         go_ahead(s);

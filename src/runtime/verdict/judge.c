@@ -21,6 +21,8 @@
 #define SMR_SCALE_PART 1.06f    /* the same where less than SMR_SEEN_PART is seen: a part hardly tells the size */
 #define SMR_SEEN_PART 0.8f      /* share of the model: below it the target shows a part */
 #define SMR_STRAIN_MOST 0.25f
+#define SMR_STRAIN_SMOOTH 0.15f /* the same but for what the target's noise does to edges: */
+#define SMR_STRAIN_NOISE 2.0f   /* so many times the residual in mean edges */
 #define SMR_STRETCH_MOST 0.045f
 #define SMR_STRETCH_FAILED 0.2f
 #define SMR_VOLUME_MOST 1.25f /* either way */
@@ -96,6 +98,13 @@ static void judge_bend(smr_verdict *v)
     ask(v, SMR_REASON_EXPECTED, v->expected_error_mm, SMR_EXPECTED_MOST, SMR_FAR);
 }
 
+/* The strain of a body of the same kind. Noise of the target adds to it, in square. */
+static float strain_most(const smr_verdict *v, float edge_mm)
+{
+    const float noise = SMR_STRAIN_NOISE * smr_max(v->residual_mm, 0.0f) / smr_max(edge_mm, 1.0e-6f);
+    return smr_min(SMR_STRAIN_MOST, SMR_SQRT(SMR_STRAIN_SMOOTH * SMR_STRAIN_SMOOTH + noise * noise));
+}
+
 static void judge_surface(smr_verdict *v, float edge_mm)
 {
     const float covered = v->seen_share > SMR_SEEN_ALL ? SMR_COVERED_LEAST : SMR_COVERED_PART;
@@ -105,6 +114,7 @@ static void judge_surface(smr_verdict *v, float edge_mm)
     ask_least(v, SMR_REASON_UNCOVERED, v->target_covered, covered, SMR_COVERED_FAILED);
     ask_least(v, SMR_REASON_NORMALS, v->normals_agree, SMR_AGREE_LEAST, SMR_AGREE_FAILED);
     ask(v, SMR_REASON_RESIDUAL, v->residual_mm, SMR_RESIDUAL_MOST * edge_mm, SMR_FAR);
+    ask(v, SMR_REASON_STRAIN, v->strain, strain_most(v, edge_mm), SMR_FAR);
     judge_bend(v);
 }
 

@@ -1,0 +1,200 @@
+/* test_track_clouds.c: clouds that are followed: the side that they show goes along with what looks at them, is saved,
+ * and a jump is laid out on it; whichever cloud object a replay has, the bits are the same; each change must be set.
+ * SPDX-License-Identifier: MIT */
+#include "cmocka_first.h"
+
+#include <math.h>
+
+#include "property/rig.h"
+#include "runtime/record/log.h"
+#include "runtime/registration.h"
+
+enum { GIVEN = 12, AT_A_TIME = 40, LOG = SMR_LOG_BYTES(GIVEN * 2, GIVEN) };
+
+typedef struct scene {
+    smr_mesh bone, goal;
+    const smr_surface *surface; /* of the bone */
+    const smr_model *model;
+    smr_config config;
+    smr_points *cloud;
+} scene;
+
+static int tidy(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+static smr_points *cloud_of(uint32_t capacity)
+{
+    const size_t bytes = SMR_POINTS_BYTES(capacity);
+    smr_points *cloud = NULL;
+    assert_int_equal(SMR_OK, smr_points_open(capacity, rig_alloc(bytes), bytes, &cloud));
+    return cloud;
+}
+
+static scene make(uint32_t track)
+{
+    const smr_prepare_config radii = rig_radii(3, 110, 60, 35);
+    scene e;
+    rig_bone(12000, 1.0f, &e.bone, &e.goal);
+    e.surface = rig_surface(&e.bone);
+    e.model = rig_model(&e.bone, 1, &radii);
+    e.config = smr_config_default();
+    e.config.n_target_vertices = 6000;
+    e.config.track = track;
+    e.cloud = cloud_of(6000);
+    return e;
+}
+
+/* The cloud: places of a mesh, which moves as the bone, whose normals on the bone lie within 78 degrees of d. */
+static void see(const scene *e, smr *s, const smr_mesh *mesh, smr_vec d)
+{
+    assert_int_equal(SMR_OK, smr_points_clear(e->cloud));
+    for (uint32_t v = 0; v < mesh->n_vertices; v++)
+        if (smr_dot(smr_load(e->surface->normal + 3u * (size_t)v), d) > 0.2f)
+            assert_int_equal(SMR_OK, smr_points_add(e->cloud, mesh->xyz + 3u * (size_t)v, NULL, NULL, 1));
+    assert_int_equal(SMR_OK, smr_set_points(s, 0, e->cloud));
+}
+
+/* Followed from one side, at rest. */
+static smr *at_rest(const scene *e)
+{
+    smr *s = rig_init(e->model, &e->config, NULL);
+    smr_tick_report r = {0};
+    see(e, s, &e->bone, smr_v(1, 0, 0));
+    for (uint32_t i = 0; i < 1000u && !r.settled; i++)
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
+    assert_int_equal(1, r.tracking);
+    return s;
+}
+
+static smr_mesh jumped(const scene *e, smr_vec way)
+{
+    const float shift[3] = {way.x, way.y + 3.0f, way.z - 2.0f};
+    float turn[9];
+    rig_rotation(1, 0, 1, -12, turn);
+    return rig_moved(&e->bone, turn, shift);
+}
+
+/* A camera goes round a bone that lies still, a tick a step; then the bone jumps away from it. */
+static void test_camera_goes_round(void **state)
+{
+    const scene e = make(SMR_TRACK_RECOVER);
+    smr *s = at_rest(&e);
+    smr_vec d = {0, 0, 0};
+    smr_tick_report r = {0};
+    (void)state;
+    for (uint32_t i = 1; i <= 30u; i++) {
+        d = smr_v(cosf(0.10472f * (float)i), sinf(0.10472f * (float)i), 0);
+        see(&e, s, &e.bone, d);
+        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    }
+    const smr_mesh there = jumped(&e, smr_scale(d, 40.0f));
+    see(&e, s, &there, d);
+    for (uint32_t i = 0; i < 30u; i++)
+        assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
+    assert_true(r.jumped && rig_far(rig_positions(s, e.model), there.xyz, e.bone.n_vertices) < 1.0f);
+}
+
+/* Saved and restored while a jump is laid out. */
+static void test_restores_in_a_jump(void **state)
+{
+    const scene e = make(SMR_TRACK_RECOVER);
+    const smr_mesh there = jumped(&e, smr_v(-40, 0, 0));
+    (void)state;
+    for (uint32_t cut = 0; cut < 12u; cut += 3u) {
+        smr *s = at_rest(&e);
+        see(&e, s, &there, smr_v(1, 0, 0));
+        for (uint32_t i = 0; i < cut; i++)
+            assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+        smr *copy = rig_restored(s, e.model, &e.config);
+        assert_int_equal(SMR_OK, smr_set_points(copy, 0, e.cloud));
+        for (uint32_t i = 0; i < 30u; i++)
+            assert_true(smr_tick(s, 0, NULL) == SMR_OK && smr_tick(copy, 0, NULL) == SMR_OK);
+        assert_true(smr_state_hash(s) == smr_state_hash(copy));
+    }
+}
+
+static smr_points *given[GIVEN];
+
+static const void *by_checksum(void *ctx, const smr_log_record *record)
+{
+    (void)ctx;
+    for (uint32_t i = 0; i < GIVEN; i++)
+        if (smr_cloud_checksum(given[i]) == record->checksum)
+            return given[i];
+    return NULL;
+}
+
+/* A cloud that grew is replayed with another cloud for each time that it was set: what searches leave for the next
+ * iteration does not depend on which it is. */
+static void test_replays_with_copies(void **state)
+{
+    static unsigned char log[LOG];
+    scene e = make(SMR_TRACK_OFF);
+    uint32_t partial = 0;
+    (void)state;
+    e.config.reject_deviations = 2.0f;
+    smr *s = rig_init(e.model, &e.config, NULL);
+    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
+    for (uint32_t i = 0; i < GIVEN; i++) {
+        const float *more = e.goal.xyz + 3u * (size_t)(AT_A_TIME * i);
+        given[i] = cloud_of(2000);
+        assert_int_equal(SMR_OK, smr_points_add(given[i], e.goal.xyz, NULL, NULL, AT_A_TIME * (i + 1u)));
+        assert_int_equal(SMR_OK, smr_points_add(e.cloud, more, NULL, NULL, AT_A_TIME));
+        assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, e.cloud));
+        assert_true(smr_tick(s, 0, NULL) == SMR_OK && smr_tick(s, 0, NULL) == SMR_OK);
+    }
+    smr *again = rig_init(e.model, &e.config, NULL);
+    assert_int_equal(2 * GIVEN, rig_replays(s, log, by_checksum, NULL, again, &partial));
+    assert_true(smr_state_hash(s) == smr_state_hash(again));
+}
+
+/* Whatever happened to a cloud. */
+static void test_changes_are_seen(void **state)
+{
+    const scene e = make(SMR_TRACK_OFF);
+    smr *s = rig_init(e.model, &e.config, NULL);
+    (void)state;
+    for (uint32_t i = 0; i < 5120u; i++)
+        assert_int_equal(SMR_OK, smr_points_add(e.cloud, e.goal.xyz + 3u * (size_t)(i % 500u), NULL, NULL, 1));
+    assert_int_equal(SMR_OK, smr_set_points(s, 0, e.cloud));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_int_equal(SMR_OK, smr_points_clear(e.cloud));
+    for (uint32_t i = 0; i < 600u; i++) {
+        assert_int_equal(SMR_OK, smr_points_add(e.cloud, e.goal.xyz, NULL, NULL, 1u + (i == 0u)));
+        assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
+    }
+}
+
+/* Also while a restored registration waits for what else it had. */
+static void test_changes_are_seen_while_waiting(void **state)
+{
+    static unsigned char log[LOG];
+    const scene e = make(SMR_TRACK_OFF);
+    smr *s = rig_init(e.model, &e.config, NULL);
+    (void)state;
+    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
+    assert_int_equal(SMR_OK, smr_points_add(e.cloud, e.goal.xyz, NULL, NULL, AT_A_TIME));
+    assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, e.cloud));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    smr *copy = rig_restored(s, e.model, &e.config);
+    assert_int_equal(SMR_OK, smr_set_points(copy, SMR_ALL, e.cloud));
+    assert_int_equal(SMR_OK, smr_points_add(e.cloud, e.goal.xyz, NULL, NULL, AT_A_TIME));
+    assert_int_equal(SMR_OK, smr_set_log(copy, log, sizeof log));
+    assert_int_equal(SMR_E_STATE, smr_tick(copy, 0, NULL));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_camera_goes_round, tidy),
+        cmocka_unit_test_teardown(test_restores_in_a_jump, tidy),
+        cmocka_unit_test_teardown(test_replays_with_copies, tidy),
+        cmocka_unit_test_teardown(test_changes_are_seen, tidy),
+        cmocka_unit_test_teardown(test_changes_are_seen_while_waiting, tidy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
