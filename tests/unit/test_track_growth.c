@@ -22,8 +22,8 @@ static void show(smr *s, const scene *e, smr_points *cloud, uint32_t frame, uint
     float xyz[CLOUD][3];
     for (uint32_t i = first; i < end; i++) {
         uint32_t seed = i + 1u;
-        const smr_vec n =
-            smr_unit(smr_v(rig_between(&seed, -1, 1), rig_between(&seed, -1, 1), rig_between(&seed, 0, 1)));
+        const float x = rig_between(&seed, -1, 1), y = rig_between(&seed, -1, 1);
+        const smr_vec n = smr_unit(smr_v(x, y, rig_between(&seed, 0, 1)));
         smr_store(xyz[i - first], smr_add(smr_load(e->centre[frame]), smr_scale(n, RIG_BALL_MM)));
     }
     assert_int_equal(SMR_OK, smr_points_add(cloud, xyz[0], NULL, NULL, end - first));
@@ -75,6 +75,7 @@ static void test_lost_while_growing(void **state)
     smr_tick_report r = {0};
     (void)state;
     e.config.n_target_vertices = CLOUD;
+    e.config.track_jump_mm = 1.0f;
     smr_points *cloud = empty_cloud(rig_alloc(SMR_POINTS_BYTES(CLOUD)));
     smr *s = rig_init(e.model, &e.config, NULL);
     smr_volume nothing = e.frame[0];
