@@ -68,6 +68,48 @@ static void test_cloud_that_grows(void **state)
     assert_true(s->pace.image_age == SMR_IMAGE_PAST && off_ball(s, &e, 2) < 0.8f);
 }
 
+/* How far a field that shifts everything by 1 mm carries seen vertices along their surface, mm, when so many of ten are
+ * seen. */
+static float carried_along(smr *s, uint32_t seen)
+{
+    static const smr_pose shift = {{{1, 0, 0, 1}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    smr_target *const t = &s->forces.surface.target[0];
+    smr_unseen_field *const field = &s->forces.unseen;
+    float most = 0.0f;
+    field->pose = shift;
+    field->n = 1;
+    memset(field->start, 0, 3u * sizeof *field->start);
+    memset(field->bend, 0, 3u * sizeof *field->bend);
+    t->n_judged = 10;
+    t->n_seen = seen;
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        smr_vec way = smr_v(0, 0, 0);
+        s->forces.surface.seen_next[v] = SMR_SEEN_ONE;
+        smr_unseen_field_blend(field, v, 1, &way);
+        most = smr_max(most, smr_length(way));
+    }
+    return most;
+}
+
+/* Beside an image the field carries along what is shown in part, and less and less what is shown nearly whole. */
+static void test_whole_cloud_holds_itself(void **state)
+{
+    scene e = make(SMR_TRACK_REPORT);
+    (void)state;
+    e.config.n_target_vertices = CLOUD;
+    smr_points *cloud = empty_cloud(rig_alloc(SMR_POINTS_BYTES(CLOUD)));
+    smr *s = rig_init(e.model, &e.config, NULL);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[0]));
+    show(s, &e, cloud, 0, 0, CLOUD);
+    assert_int_equal(1, until_settled(s).tracking);
+    assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[1]));
+    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
+    assert_true(s->forces.surface.target[0].partial && s->pace.momentum < e.config.momentum);
+    const float part = carried_along(s, 7);
+    assert_true(part > 0.5f && carried_along(s, 8) > 0.4f * part && carried_along(s, 8) < 0.6f * part);
+    assert_true(!(carried_along(s, 9) > 0.001f * part) && !(carried_along(s, 10) > 0.0f));
+}
+
 /* An image that shows nothing has lost the ball; the first points of a cloud beside it are far off: a jump, too. */
 static void test_lost_while_growing(void **state)
 {
@@ -116,6 +158,7 @@ int main(void)
         cmocka_unit_test_teardown(test_cloud_that_grows, tidy),
         cmocka_unit_test_teardown(test_restores_growth, tidy),
         cmocka_unit_test_teardown(test_lost_while_growing, tidy),
+        cmocka_unit_test_teardown(test_whole_cloud_holds_itself, tidy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,6 +10,7 @@
 #include "runtime/forces/surface_goal.h"
 
 #define SMR_SEEN_WHOLE 0.9f /* share of a structure seen from which on its closed target is taken as whole */
+#define SMR_SEEN_PART 0.7f  /* the same up to which it is taken as a part */
 #define SMR_SEEN_COS 0.6f   /* cosine between normals from which on they agree in full */
 #define SMR_SEEN_STEADY 8u  /* smaller changes are none, so that goals and weights come to rest */
 #define SMR_OFF_EDGES 0.5f  /* mean edges, and */
@@ -153,6 +154,20 @@ void smr_overlap_judge_points(smr_surface_goals *g, uint32_t v, float weight)
 {
     const float full = SMR_POINTS_FULL * g->target[smr_model_owner(g->shared->model, v)].spread;
     put_seen(g, v, weight < full ? weight / full : 1.0f);
+}
+
+float smr_overlap_shown(const smr_surface_goals *g, uint32_t v, int has_goal)
+{
+    if (g->target[smr_model_owner(g->shared->model, v)].partial)
+        return (float)g->seen_next[v] * (1.0f / (float)SMR_SEEN_ONE);
+    return has_goal ? 1.0f : 0.0f;
+}
+
+float smr_overlap_part(const smr_surface_goals *g, uint32_t v)
+{
+    const smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
+    const float seen = (float)t->n_seen / (float)smr_max_u32(t->n_judged, 1);
+    return smr_clamp((SMR_SEEN_WHOLE - seen) / (SMR_SEEN_WHOLE - SMR_SEEN_PART), 0.0f, 1.0f);
 }
 
 /* Counts what is seen of each structure: vertices without a goal are unseen, those without triangles do not count. */

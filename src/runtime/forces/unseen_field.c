@@ -337,14 +337,6 @@ float smr_unseen_field_prevails(const smr_unseen_field *f, uint32_t v)
     return share;
 }
 
-/* How far the target shows the vertex: a whole one in full where there is a goal. */
-static float shown(const smr_unseen_field *f, uint32_t v, int has_goal)
-{
-    if (f->goals->target[smr_model_owner(f->shared->model, v)].partial)
-        return (float)f->goals->seen_next[v] * (1.0f / (float)SMR_SEEN_ONE);
-    return has_goal ? 1.0f : 0.0f;
-}
-
 /* What is left of a way along the surface at v. */
 static smr_vec along(const smr_unseen_field *f, uint32_t v, smr_vec way)
 {
@@ -352,11 +344,15 @@ static smr_vec along(const smr_unseen_field *f, uint32_t v, smr_vec way)
     return smr_sub(way, smr_scale(normal, smr_dot(normal, way)));
 }
 
+/* Beside an image a structure that is shown nearly whole holds itself along its surface: at a joint the field of all
+ * would draw one along with the next. Landmarks say what a surface cannot. */
 void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way)
 {
-    const float share = shown(f, v, has_goal);
+    const float share = smr_overlap_shown(f->goals, v, has_goal);
+    const int holds = smr_field_of_image(f) && f->landmarks->n == 0u;
+    const float slides = holds ? smr_overlap_part(f->goals, v) : 1.0f;
     const smr_vec by_field = smr_scale(smr_unseen_field_way(f, v), f->by_normals ? smr_field_normals_step(f) : 1.0f);
-    *way = smr_add(smr_scale(smr_add(*way, along(f, v, by_field)), share), smr_scale(by_field, 1.0f - share));
+    *way = mix(by_field, smr_add(*way, smr_scale(along(f, v, by_field), slides)), share);
     smr_unseen_field_prevail(f, v, way);
 }
 

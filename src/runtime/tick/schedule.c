@@ -303,6 +303,7 @@ void smr_schedule_begin(smr *s)
     s->report.n_taken = s->pace.n_active;
     choose_distances(s);
     begin_targets(&s->forces.surface);
+    smr_tracking_momentum(s);
     if (s->pace.radius_iteration == 0u)
         s->pace.n_points = s->forces.surface.n_points_begun;
     smr_evening_begin(&s->evolve.evening);

@@ -20,6 +20,7 @@
 #define SMR_TRACK_COARSE 24u     /* iterations at coarser radii, together, when a target has jumped */
 
 #define SMR_TRACK_MOMENTUM 0.7f /* at most, when a target has jumped: more swings, for what is left falls fast there */
+#define SMR_TRACK_STEADY 0.6f   /* at most for clouds beside an image: points draw faster than a surface does */
 #define SMR_TRACK_GAIN 3.0f     /* factor on forces at coarser radii, at most */
 
 static float radius_mm(const smr *s, uint32_t radius) { return smr_model_lists(s->shared.model, radius).radius; }
@@ -48,16 +49,20 @@ uint32_t smr_tracking_radius(const smr *s)
     return best;
 }
 
-static float momentum_of(const smr *s)
+/* With what the iteration that begins looks at. */
+void smr_tracking_momentum(smr *s)
 {
     const float asked = s->shared.config.momentum;
-    return s->pace.recovering > 0u ? smr_min(asked, SMR_TRACK_MOMENTUM) : asked;
+    if (!s->pace.tracking)
+        return;
+    const int steady = s->forces.image.has_image && s->forces.surface.n_clouds_begun > 0u;
+    const float most = s->pace.recovering > 0u ? SMR_TRACK_MOMENTUM : steady ? SMR_TRACK_STEADY : asked;
+    s->pace.momentum = smr_min(asked, most);
 }
 
 static void go_to(smr *s, uint32_t radius)
 {
     smr_schedule_radius(s, radius);
-    s->pace.momentum = momentum_of(s);
     s->pace.repairing = 0;
     s->shape.rest_pose_due = 0;
 }
@@ -79,11 +84,10 @@ void smr_tracking_keep(smr_arena *a, smr *s)
     smr_keep_require(a, p->tracking || !(p->recovering || p->called || p->settled || p->jumped || p->image_age));
 }
 
-int smr_tracking_legal(smr *s)
+int smr_tracking_legal(const smr *s)
 {
     const smr_pace *p = &s->pace;
     const uint32_t at = smr_tracking_radius(s);
-    s->pace.momentum = momentum_of(s);
     return !p->done && (p->recovering == 1u ? p->radius < at : p->radius == at) &&
            p->radius_iteration <= s->shared.config.track_iterations + SMR_TRACK_COARSE;
 }
@@ -204,7 +208,6 @@ void smr_tracking_begin(smr *s)
     s->pace.called = s->pace.settled = s->pace.jumped = s->pace.recovering = 0;
     if (s->pace.radius != smr_tracking_radius(s))
         go_to(s, smr_tracking_radius(s));
-    s->pace.momentum = s->shared.config.momentum;
     s->pace.radius_iteration = 0;
 }
 
