@@ -85,8 +85,8 @@ int smr_overlap_lasting(const smr_surface_goals *g, uint32_t structure);
 int smr_overlap_judged(const smr_surface_goals *g, uint32_t structure); /* 1: in this iteration */
 void smr_overlap_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit, smr_vec way);
 void smr_overlap_judge_points(smr_surface_goals *g, uint32_t v, float weight); /* of points that reached it */
-/* 0..1, how far its target shows vertex v, a whole one in full where there is a goal; and how far that is a part: 0 of a
- * structure that is shown nearly whole. */
+/* 0..1: how far its target shows vertex v, a whole one in full where there is a goal; and how far that is a part, 0 of
+ * a structure that is shown nearly whole. */
 float smr_overlap_shown(const smr_surface_goals *g, uint32_t v, int has_goal);
 float smr_overlap_part(const smr_surface_goals *g, uint32_t v);
 void smr_overlap_stand(smr_surface_goals *g); /* the forces under way are complete */
