@@ -31,8 +31,7 @@ smr_surface *rig_surface(const smr_mesh *mesh);
 /* A registration in memory of exactly the size that it needs. port may be NULL. */
 smr *rig_init(const smr_model *model, const smr_config *config, const smr_port *port);
 
-/* A copy by way of a save, in memory that was used before. Its inputs are to be set again. NULL where a
- * call failed. */
+/* A copy by way of a save, in memory that was used before. Its inputs are to be set again. NULL where a call failed. */
 smr *rig_restored(const smr *s, const smr_model *model, const smr_config *config);
 
 /* Ticks without a clock until done or n ticks; returns the last report. */
