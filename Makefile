@@ -329,7 +329,7 @@ experiments: all $(EXPERIMENTS)
 
 # Every figure that a document names: docs/RESULTS.md and README's table. The short form leaves out what takes minutes.
 .PHONY: results results-short
-results results-short: all $(BUILD)/fixture_write $(EXPERIMENTS) $(BENCHES) $(BUILD)/tests/property/test_properties
+results results-short: all $(BUILD)/fixture_write $(EXPERIMENTS) $(CASE_TOOL) $(BENCHES) $(BUILD)/tests/property/test_properties
 	@BUILD="$(BUILD)" MAKE="$(MAKE)" CC="$(CC)" sh tests/results/results.sh $(if $(findstring short,$@),short,all)
 
 bench: $(BENCHES)

@@ -206,6 +206,8 @@ int case_table_lengths(const char *bones, case_score *score)
                     score->rows++;
                     score->held += !run_length(&case_bones[m], &case_bones[t], parts[k][0], parts[k][1]);
                 }
+    if (score->rows > 0)
+        (void)printf("sum %-10s %3u runs, %3u missed\n", score->line, score->rows, score->rows - score->held);
     return (int)(score->rows - score->held);
 }
 
@@ -234,6 +236,9 @@ int case_table_thigh(uint32_t first, uint32_t last, case_score *score)
         case_print_row(&row, -1.0, row.status >= 0 && row.result.surface <= 3.0 ? "ok" : "MISS");
         case_free(data);
     }
+    if (score->rows > 0)
+        (void)printf("sum %-10s %3u runs, %3u missed: surface mean %.3f worst %.3f\n", score->line, score->rows,
+                     score->rows - score->held, score->mean, score->worst);
     free(data);
     free(run);
     return (int)(score->rows - score->held);

@@ -50,6 +50,7 @@ static int run_job(case_job *job, const char *directory, case_run *run, case_fig
         (void)snprintf(path, sizeof path, "%.900s/%.64s.ply", out, job->data.body[i].name);
         (void)remove(path);
     }
+    experiment_add(&job->words, "--vertex-errors");
     case_register(&job->words, out, run);
     memset(f, 0, sizeof *f);
     f->surface = f->vertex = -1.0;

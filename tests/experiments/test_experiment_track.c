@@ -250,8 +250,9 @@ static void follow_images(const experiment_command *files, uint32_t seed, uint32
 static void follows_images(void **state)
 {
     /* seed, every, view, points */
-    static const uint32_t run[][4] = {{1, 6, 0, 0}, {2, 6, 0, 0},    {1, 3, 0, 0},   {2, 12, 0, 0},
-                                      {1, 6, 1, 0}, {1, 6, 0, 1000}, {1, 6, 1, 1000}};
+    static const uint32_t run[][4] = {{1, 6, 0, 0},    {2, 6, 0, 0},    {1, 3, 0, 0},    {2, 12, 0, 0},
+                                      {1, 6, 1, 0},    {1, 6, 0, 1000}, {1, 6, 1, 1000}, {2, 6, 0, 1000},
+                                      {2, 6, 1, 1000}, {3, 6, 0, 1000}, {3, 6, 1, 1000}};
     experiment_command files = {{NULL}, 0};
     uint32_t i = 0;
     (void)state;

@@ -12,7 +12,9 @@ build=${BUILD:-build}
 make=${MAKE:-make}
 smr=$build/smr
 compare=$build/fixture_write
+tool=$build/tests/experiments/case_tool
 data=${SMR_TEST_DATA:-../shared/data}
+export SMR="$smr" SMR_TEST_DATA="$data"
 mode=${1:-all}
 out=$build/results
 new=$out/new.txt
@@ -367,10 +369,12 @@ part_sizes() {
          key != "" && $1 + 0 > 0 { printf "stack.%s\t%.1f kB (%s)\n", key, $1 / 1000, $2; key = "" }' "$out/stack.txt" >>"$new"
 }
 
+. $here/tables.sh # parts, verdict, track
+
 # ---------------------------------------------------------------- all of them, cheap ones first
 
 parts='clusters bone example pairs sides peers demo images ct paper sizes bench moved'
-[ "$mode" = short ] || parts="$parts seeds variants figure2"
+[ "$mode" = short ] || parts="$parts seeds variants figure2 parts verdict track"
 for part in ${PARTS:-$parts}; do "part_$part"; done
 
 old=docs/RESULTS.md
