@@ -196,7 +196,7 @@ int case_table(int n, char **word)
         missed += case_table_lengths(w.bones, score);
     if (case_named(w.lines, "thigh"))
         missed += case_table_thigh(w.first, w.last, score);
-    if (strncmp(w.lines, "points", 6) == 0 || w.lines[0] == '\0')
+    if (strstr(w.lines, "points") != NULL || w.lines[0] == '\0')
         missed += case_table_points(w.lines, w.bones, w.first, w.last);
     if (w.lines[0] != '\0' && case_named(w.lines, "random"))
         missed += case_table_random(w.bones, w.first, w.last, views);

@@ -36,10 +36,10 @@ part_verdict() {
     wait
     { cat "$out/verdicts_a.csv"; tail -n +2 "$out/verdicts_b.csv"; } >"$out/verdicts.csv"
     "$tool" judge "$out/verdicts.csv" >"$out/verdicts.txt"
-    sed -n 's/[(),;%=]/ /g; s/ seeds / /p' "$out/verdicts.txt" | awk '
+    sed -n 's/[(),;%=<]/ /g; s/ seeds / /p' "$out/verdicts.txt" | awk '
         $2 == "by" { key = "verdict." $1 "_" $3
-                     printf "%s_far\t%d of %d (%s %%)\n", key, $11, $9, $14
-                     printf "%s_near\t%d of %d (%s %%)\n", key, $20, $17, $23 }
+                     printf "%s_far\t%d of %d (%s %%)\n", key, $11, $9, $13
+                     printf "%s_near\t%d of %d (%s %%)\n", key, $20, $17, $22 }
         $2 == "expected" { printf "verdict.%s_spearman\t%s\n", $1, $6
                            printf "verdict.%s_ratio\t%s %% of %d\n", $1, $(NF - 2), $NF }' >>"$new"
 }
