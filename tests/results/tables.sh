@@ -18,16 +18,16 @@ part_parts() {
           key = name ~ /^points/ ? name : "parts." name
           sub(/^points_/, "points.", key)
           sub(/^points$/, "points.with_normals", key)
-          whole = key ~ /^parts[.](whole|side|patches|end|length)$/ # vertices, and bounds of them, are of interest
-          if ($(i + 3) == "missed" && whole && name != "whole") printf "%s_held\t%d of %d\n", key, $i - $(i + 2), $i
+          deformed = key ~ /^parts[.](whole|side|patches|end)$/ # their vertices are told, too
+          if ($(i + 3) == "missed" && key ~ /^parts/ && name != "whole") printf "%s_held\t%d of %d\n", key, $i - $(i + 2), $i
           for (; i < NF; i++) {
               if ($i == "surface") printf "%s_surface\t%s / %s mm\n", key, $(i + 2), $(i + 4)
-              if ($i == "vertex" && whole) printf "%s_vertex\t%s mm\n", key, $(i + 2)
+              if ($i == "vertex" && deformed) printf "%s_vertex\t%s mm\n", key, $(i + 2)
               if ($(i + 1) == "the" && $(i + 2) == "wrong") printf "%s_wrong\t%d\n", key, $i
           } }' >>"$new"
 }
 
-# 1,000 generated runs; limits were set by those of even seeds.
+# 1,000 generated runs, a half by each process.
 part_verdict() {
     have femurs verdict || return 0
     say "verdicts"
