@@ -161,14 +161,14 @@ static void blends_by_what_is_seen(void **state)
 }
 
 /* While images are followed: controls are what has a goal, from the held shape on; a vertex with one goes along the
- * surface with the field, every other one with the field alone. */
+ * surface with the field, every other one, and one that has strayed, with the field alone. */
 static void follows_images(void **state)
 {
     static uint8_t found[N];
     const uint32_t has_image = 1;
     smr_held held = {.box = {{0, 0, 0}, {100, 60, 400}}};
     (void)state;
-    begin(1.0f);
+    begin(20.0f);
     w.goals.partial = w.target.partial = 0;
     w.pace.tracking = 1;
     w.shape.held = &held;
@@ -190,8 +190,12 @@ static void follows_images(void **state)
         if (goal)
             smr_store(w.x + 3u * i, smr_add(place, smr_v(1, 1, 1))); /* slid, and off along the normal */
         const smr_vec left = smr_sub(place, smr_load(w.x + 3u * i));
-        smr_unseen_field_steady(&w.field, i, goal, &way);
+        assert_int_equal(smr_unseen_field_steady(&w.field, i, goal ? SMR_GOAL : SMR_UNDECIDED, &way),
+                         goal ? SMR_GOAL : SMR_UNDECIDED);
         assert_true(smr_length(smr_sub(way, goal ? smr_v(2, -1, -1) : left)) < 5.0e-3f);
+        smr_store(w.x + 3u * i, smr_add(place, smr_v(15, 15, 0))); /* strayed farther than clusters reach */
+        assert_int_equal(smr_unseen_field_steady(&w.field, i, SMR_GOAL, &way), SMR_NO_GOAL);
+        assert_true(smr_length(smr_add(way, smr_v(15, 15, 0))) < 5.0e-3f);
     }
     w.pace.tracking = 0;
     assert_int_equal(smr_unseen_field_tasks(&w.field), 0);

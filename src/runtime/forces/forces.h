@@ -190,9 +190,9 @@ static inline uint8_t smr_goal_in_image(smr_forces *f, uint32_t v, smr_vec *way)
 {
     if (smr_field_of_past(&f->unseen))
         return smr_goal_of_past(f, v, way);
-    const int seen = smr_image_goal(&f->image, v, way);
+    int seen = smr_image_goal(&f->image, v, way);
     if (smr_field_of_image(&f->unseen))
-        smr_unseen_field_steady(&f->unseen, v, seen == SMR_GOAL, way);
+        seen = smr_unseen_field_steady(&f->unseen, v, seen, way);
     else if (seen == SMR_NO_GOAL)
         *way = smr_fill_way(&f->image, v);
     if (f->landmarks.n == 0u)

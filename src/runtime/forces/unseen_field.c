@@ -6,6 +6,8 @@
  * clusters are large it is held stiff, for then the controls are not yet where they belong.
  * While images are followed every vertex with a goal is seen, whatever draws it. Without the field a structure slides
  * along itself for as long as images come: nothing but its ends holds it there, and profiles err about those.
+ * A vertex that has strayed farther than clusters reach has found what is not its own: it is unseen. As a control it
+ * would carry others along.
  * An image of the past shows where its vertices were. From there the field of what else is followed carries them.
  * Landmarks are controls whose places are given. What is observed of one is the mean of its triangle's corners. So
  * that the field passes exactly by a hard one, what it may be off is not noise, but a second field of short reach.
@@ -356,10 +358,12 @@ void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal,
     smr_unseen_field_prevail(f, v, way);
 }
 
-void smr_unseen_field_steady(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way)
+int smr_unseen_field_steady(const smr_unseen_field *f, uint32_t v, int seen, smr_vec *way)
 {
     const smr_vec by_field = smr_unseen_field_way(f, v);
-    *way = has_goal ? smr_add(*way, along(f, v, by_field)) : by_field;
+    const int strays = smr_length(by_field) > f->pace->lists.radius, counts = seen == SMR_GOAL && !strays;
+    *way = counts ? smr_add(*way, along(f, v, by_field)) : by_field;
+    return counts || seen != SMR_GOAL ? seen : SMR_NO_GOAL;
 }
 
 void smr_unseen_field_prevail(const smr_unseen_field *f, uint32_t v, smr_vec *way)

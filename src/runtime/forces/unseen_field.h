@@ -115,8 +115,9 @@ void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal,
 void smr_unseen_field_fill(const smr_unseen_field *f, uint32_t v, smr_vec *way);
 
 /* The same while images are followed: a vertex with a goal in the image goes along the surface with the field, every
- * other one goes with the field alone. */
-void smr_unseen_field_steady(const smr_unseen_field *f, uint32_t v, int has_goal, smr_vec *way);
+ * other one goes with the field alone. seen: what the search in the image said. Returns SMR_NO_GOAL where the vertex
+ * has strayed too far for its goal to count. */
+int smr_unseen_field_steady(const smr_unseen_field *f, uint32_t v, int seen, smr_vec *way);
 
 /* The way to where the field carries the vertex, mm: all that an image of the past leaves to go by. */
 smr_vec smr_unseen_field_way(const smr_unseen_field *f, uint32_t v);
