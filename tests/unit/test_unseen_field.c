@@ -165,6 +165,7 @@ static void blends_by_what_is_seen(void **state)
 static void follows_images(void **state)
 {
     static uint8_t found[N];
+    static const uint8_t long_edge[4] = {0, 0, 0xc0, 0x41}; /* 24 mm, little-endian */
     const uint32_t has_image = 1;
     smr_held held = {.box = {{0, 0, 0}, {100, 60, 400}}};
     (void)state;
@@ -196,6 +197,11 @@ static void follows_images(void **state)
         smr_store(w.x + 3u * i, smr_add(place, smr_v(15, 15, 0))); /* strayed farther than clusters reach */
         assert_int_equal(smr_unseen_field_steady(&w.field, i, SMR_GOAL, &way), SMR_NO_GOAL);
         assert_true(smr_length(smr_add(way, smr_v(15, 15, 0))) < 5.0e-3f);
+        w.pace.lists.radius = 0.0f; /* clusters of one vertex: less than an edge off is no stray */
+        memcpy(&w.model.head.edge_mm, long_edge, sizeof w.model.head.edge_mm);
+        assert_int_equal(smr_unseen_field_steady(&w.field, i, SMR_GOAL, &way), SMR_GOAL);
+        w.pace.lists.radius = 20.0f;
+        w.model.head.edge_mm = 0;
     }
     w.pace.tracking = 0;
     assert_int_equal(smr_unseen_field_tasks(&w.field), 0);

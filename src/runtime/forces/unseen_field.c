@@ -5,12 +5,11 @@
  * Rasmussen and Williams 2006, chapter 2) with k(d) = 1 / (1 + d^2 / l^2), solved by Cholesky decomposition. While
  * clusters are large it is held stiff, for then the controls are not yet where they belong.
  * While images are followed every vertex with a goal is seen, whatever draws it. Without the field a structure slides
- * along itself for as long as images come: nothing but its ends holds it there, and profiles err about those.
- * A vertex that has strayed farther than clusters reach has found what is not its own: it is unseen. As a control it
- * would carry others along.
+ * along itself while images come: nothing but its ends holds it there, and profiles err about those. One that has
+ * strayed farther than clusters and edges reach has found what is not its own, and would carry others along: unseen.
  * An image of the past shows where its vertices were. From there the field of what else is followed carries them.
- * Landmarks are controls whose places are given. What is observed of one is the mean of its triangle's corners. So
- * that the field passes exactly by a hard one, what it may be off is not noise, but a second field of short reach.
+ * Landmarks are controls whose places are given. What is observed of one is the mean of its triangle's corners. So that
+ * the field passes exactly by a hard one, what it may be off is not noise, but a second field of short reach.
  * Bounds: two tasks for each SMR_LOOK vertices, and as many and 2 as controls, of their square multiplications.
  * SPDX-License-Identifier: MIT */
 #include "runtime/forces/forces.h"
@@ -237,11 +236,9 @@ static void begin(smr_unseen_field *f, uint32_t n)
     add_landmarks(f, &fit);
     add_seen(f, choice(f)->control, f->pace->lists.radius / length, &fit);
     f->pose = smr_fit_solve(&fit, f->n >= SMR_FIELD_LEAST);
-    if (f->by_normals) {
+    if (f->by_normals)
         smr_field_normals_begin(f, choice(f)->control, middle);
-        return;
-    }
-    for (uint32_t k = 0; k < f->n; k++) {
+    for (uint32_t k = 0; !f->by_normals && k < f->n; k++) {
         const smr_vec posed = smr_pose_apply(&f->pose, smr_load(smr_at3(f->start, k)));
         smr_store(smr_at3(f->bend, k), smr_sub(smr_load(smr_at3(f->bend, k)), posed));
     }
@@ -361,9 +358,10 @@ void smr_unseen_field_blend(const smr_unseen_field *f, uint32_t v, int has_goal,
 int smr_unseen_field_steady(const smr_unseen_field *f, uint32_t v, int seen, smr_vec *way)
 {
     const smr_vec by_field = smr_unseen_field_way(f, v);
-    const int strays = smr_length(by_field) > f->pace->lists.radius, counts = seen == SMR_GOAL && !strays;
-    *way = counts ? smr_add(*way, along(f, v, by_field)) : by_field;
-    return counts || seen != SMR_GOAL ? seen : SMR_NO_GOAL;
+    const float most = smr_max(f->pace->lists.radius, smr_le_float(f->shared->model->edge_mm));
+    seen = seen == SMR_GOAL && smr_length(by_field) > most ? SMR_NO_GOAL : seen;
+    *way = seen == SMR_GOAL ? smr_add(*way, along(f, v, by_field)) : by_field;
+    return seen;
 }
 
 void smr_unseen_field_prevail(const smr_unseen_field *f, uint32_t v, smr_vec *way)
