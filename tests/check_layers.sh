@@ -29,7 +29,7 @@ check_includes() {
             if (word[1] == "layer") level[word[2]] = word[3]
             if (word[1] == "room") { rank[word[2]] = word[3]; sub(/\/.*/, "", word[2]); rooms[word[2]] = 1 }
         }
-        whole = "runtime/registration.h"
+        whole = "registration/registration.h"
         opens["runtime/tick"] = opens["runtime/setup"] = opens["runtime/replay"] = opens["runtime/verdict"] = 1
     }
     function room_of(f) { sub(/\/[^\/]*$/, "", f); return f }
@@ -74,16 +74,16 @@ grep -rnE --include='*.[ch]' '^[[:space:]]*#[[:space:]]*include' src | check_inc
 
 # The rule can fail: of these includes the first five are refused, and no other.
 cat >"$tmp/planted" <<'END'
-src/runtime/forces/target_attraction.c:1:#include "runtime/folds/folds.h"
-src/runtime/config/config.c:2:#include "runtime/deformed/shape.h"
-src/runtime/folds/fold_find.c:3:#include "runtime/registration.h"
-src/runtime/state.h:4:#include "registration.h"
-src/runtime/state.h:5:#include "runtime/forces/forces.h"
-src/runtime/folds/fold_find.c:6:#include "runtime/evolve/evolve.h"
-src/runtime/setup/init.c:7:#include "runtime/registration.h"
-src/runtime/forces/forces.c:8:#include "runtime/state.h"
-src/runtime/setup/init.c:9:#include "runtime/tick/iteration.h"
-src/runtime/folds/fold_find.c:10:#include "folds.h"
+src/registration/goals/target_attraction.c:1:#include "registration/folds/folds.h"
+src/registration/api/config.c:2:#include "registration/shape/shape.h"
+src/registration/folds/fold_find.c:3:#include "registration/registration.h"
+src/registration/shape/state.h:4:#include "registration.h"
+src/registration/shape/state.h:5:#include "registration/goals/forces.h"
+src/registration/folds/fold_find.c:6:#include "registration/evolve/evolve.h"
+src/registration/api/init.c:7:#include "registration/registration.h"
+src/registration/goals/forces.c:8:#include "registration/shape/state.h"
+src/registration/api/init.c:9:#include "registration/tick/iteration.h"
+src/registration/folds/fold_find.c:10:#include "folds.h"
 END
 refused=$(check_includes <"$tmp/planted" | sed 's/^[^:]*:\([0-9]*\):.*/\1/' | tr '\n' ' ')
 [ "$refused" = '1 2 3 4 5 ' ] ||

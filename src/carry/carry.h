@@ -11,7 +11,7 @@
 #define SMR_CARRY_H
 
 #include "base/vec.h"
-#include "geometry/box_tree.h"
+#include "geometry/box_tree/box_tree.h"
 
 #define SMR_CARRY_MAGIC 0x63726163u
 #define SMR_CARRY_DENSITIES 4u

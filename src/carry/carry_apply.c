@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "base/parallel.h"
 #include "carry/carry.h"
-#include "geometry/transform_fit.h"
+#include "geometry/rotation/transform_fit.h"
 
 /* One call: where the vertices are, where T takes the rest shape, and where points go. */
 typedef struct job {

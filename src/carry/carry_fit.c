@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "carry/carry.h"
-#include "geometry/hilbert_curve.h"
+#include "geometry/box_tree/hilbert_curve.h"
 
 /* Reach of the covariance's parts, over the diagonal of the rest shape's box and over the mean step from vertex to
  * vertex along the curve; by trials, docs/NOTES.md. */

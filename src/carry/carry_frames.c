@@ -2,7 +2,7 @@
  * it. Their differences give the local linear map J exactly where the map is linear.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
-#include "geometry/rotation.h"
+#include "geometry/rotation/rotation.h"
 
 #define SMR_FRAME_SIDE 0.57735027f /* 1 / sqrt(3): corners at distance 1 */
 

@@ -1,8 +1,8 @@
 /* fold_hinges.c: hinges, the edges of exactly two triangles, with the angle at which each counts as folded.
  * Method: edges are sorted by their two vertices, so that the triangles of an edge are neighbours in the sorted list.
  * SPDX-License-Identifier: MIT */
-#include "geometry/hilbert_curve.h"
-#include "geometry/triangle.h"
+#include "geometry/box_tree/hilbert_curve.h"
+#include "geometry/box_tree/triangle.h"
 #include "prepare/plan.h"
 
 /* Cosines of the angle between the normals of a hinge's two triangles. */

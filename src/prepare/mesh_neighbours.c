@@ -1,7 +1,7 @@
 /* mesh_neighbours.c: the mesh neighbours of each vertex, and edge lengths.
  * Bounds: 6 nt neighbours before duplicates are removed; up to 24 of a vertex are sorted by insertion, more by radix.
  * SPDX-License-Identifier: MIT */
-#include "geometry/hilbert_curve.h"
+#include "geometry/box_tree/hilbert_curve.h"
 #include "prepare/plan.h"
 
 /* Sorts the n keys of one vertex' neighbours. */

@@ -7,7 +7,7 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/model_write.h"
 
-#include "geometry/hilbert_curve.h"
+#include "geometry/box_tree/hilbert_curve.h"
 
 /* s_min, mm: the largest distance from a vertex to its nearest vertex, with room for rounding. */
 static float one_ring_radius(smr_plan *p)

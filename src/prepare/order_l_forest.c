@@ -8,7 +8,7 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/model_write.h"
 
-#include "geometry/hilbert_curve.h"
+#include "geometry/box_tree/hilbert_curve.h"
 
 /* Union-find: the representative of i's set; shortens the path to it. */
 static uint32_t find(uint32_t *set, uint32_t i)

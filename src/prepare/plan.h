@@ -8,7 +8,7 @@
 
 #include "base/arena.h"
 #include "base/parallel.h"
-#include "geometry/box_tree.h"
+#include "geometry/box_tree/box_tree.h"
 #include "model/model.h"
 #include "prepare/cluster_rows.h"
 

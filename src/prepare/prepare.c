@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "base/settings.h"
-#include "geometry/mesh.h"
+#include "geometry/surface/mesh.h"
 #include "image/intensity_profile.h"
 #include "prepare/model_write.h"
 

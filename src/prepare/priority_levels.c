@@ -5,7 +5,7 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/plan.h"
 
-#include "geometry/hilbert_curve.h"
+#include "geometry/box_tree/hilbert_curve.h"
 
 #define SMR_LEVEL_EIGHTHS 16u /* growth: a level and all before it hold 16/8 as many vertices as those before it */
 

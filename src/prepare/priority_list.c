@@ -11,7 +11,7 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/plan.h"
 
-#include "geometry/hilbert_curve.h"
+#include "geometry/box_tree/hilbert_curve.h"
 
 #define SMR_KEPT 3u    /* vertices of a cluster that a rigid transform needs */
 #define SMR_ASKED 256u /* clusters between two calls of the progress callback */

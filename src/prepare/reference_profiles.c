@@ -1,7 +1,7 @@
 /* reference_profiles.c: samples the reference image along the normal of each vertex (paper 2.1): its intensity
  * profile.
  * SPDX-License-Identifier: MIT */
-#include "geometry/mesh.h"
+#include "geometry/surface/mesh.h"
 #include "image/intensity_profile.h"
 #include "image/volume.h"
 #include "prepare/plan.h"

@@ -14,7 +14,7 @@
 
 #include "property/model_lists.h"
 #include "property/rig.h"
-#include "runtime/registration.h"
+#include "registration/registration.h"
 
 static const float none[3] = {0, 0, 0};
 

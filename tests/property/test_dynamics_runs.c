@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/record/log.h"
-#include "runtime/registration.h"
+#include "log/record/log.h"
+#include "registration/registration.h"
 
 enum { CALLS = 60, ROOM = 60000 };
 

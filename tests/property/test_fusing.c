@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "geometry/rotation.h"
+#include "geometry/rotation/rotation.h"
 #include "property/rig.h"
-#include "runtime/registration.h"
+#include "registration/registration.h"
 
 #define AROUND 24u
 #define RINGS 51u

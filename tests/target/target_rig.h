@@ -6,8 +6,8 @@
 
 #include <smr.h>
 
-#include "runtime/tick/iteration_end.h"
-#include "runtime/tick/iteration.h"
+#include "registration/tick/iteration_end.h"
+#include "registration/tick/iteration.h"
 #include "smr_baremetal.h"
 #include "smr_semihost.h"
 

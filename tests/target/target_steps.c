@@ -5,9 +5,9 @@
  * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 
-#include "geometry/jacobi.h"
-#include "geometry/rotation.h"
-#include "geometry/triangle.h"
+#include "geometry/linear_solve/jacobi.h"
+#include "geometry/rotation/rotation.h"
+#include "geometry/box_tree/triangle.h"
 
 #define TARGET_ENDLESS (UINT64_MAX / 4u) /* a budget that never ends, but the clock is read */
 #define TARGET_FIXED_ITERATIONS 24u

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "geometry/mesh.h"
-#include "geometry/box_tree.h"
+#include "geometry/surface/mesh.h"
+#include "geometry/box_tree/box_tree.h"
 #include "unit_mesh.h"
 
 static uint32_t *order_of(const unit_mesh *m)

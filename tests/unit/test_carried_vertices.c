@@ -10,7 +10,7 @@
 
 #include "fixture_bone.h"
 #include "property/rig.h"
-#include "runtime/registration.h"
+#include "registration/registration.h"
 
 #define DEPTH 4.0f /* mm: of the outer of two layers of points; the inner one is twice as deep */
 

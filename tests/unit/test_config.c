@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/config/config.h"
+#include "registration/api/config.h"
 
 static int tidy(void **state)
 {

@@ -6,10 +6,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "geometry/mesh.h"
-#include "geometry/signed_distance.h"
+#include "geometry/surface/mesh.h"
+#include "geometry/surface/signed_distance.h"
 #include "property/rig.h"
-#include "runtime/registration.h"
+#include "registration/registration.h"
 
 enum { LOG = 65536 };
 

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "geometry/hilbert_curve.h"
+#include "geometry/box_tree/hilbert_curve.h"
 #include "unit_lists.h"
 
 static void numbering_and_curve(void **state)

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/tick/schedule.h"
-#include "runtime/tick/iteration.h"
+#include "registration/tick/schedule.h"
+#include "registration/tick/iteration.h"
 
 static int tidy(void **state)
 {

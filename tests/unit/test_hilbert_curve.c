@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "geometry/hilbert_curve.h"
+#include "geometry/box_tree/hilbert_curve.h"
 #include "oracle.h"
 #include "unit_mesh.h"
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/record/log.h"
+#include "log/record/log.h"
 
 static int tidy(void **state)
 {

@@ -4,7 +4,7 @@
 #include "cmocka_first.h"
 
 #include "property/rig.h"
-#include "runtime/registration.h"
+#include "registration/registration.h"
 
 static const float at_origin[3] = {0, 0, 0}, beside[3] = {2, 0, 0};
 

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/record/log.h"
-#include "runtime/registration.h"
+#include "log/record/log.h"
+#include "registration/registration.h"
 #include "unit/unit_log.h"
 
 static unit_log u;

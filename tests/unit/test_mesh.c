@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "geometry/mesh.h"
+#include "geometry/surface/mesh.h"
 #include "unit_mesh.h"
 
 static void refuses_bad_meshes(void **state)

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/registration.h"
+#include "registration/registration.h"
 
 #define STEP 5.0f    /* mm, of the sheets */
 #define RADIUS 20.0f /* mm, of the clusters */

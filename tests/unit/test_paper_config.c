@@ -6,10 +6,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "geometry/rotation.h"
+#include "geometry/rotation/rotation.h"
 #include "image/intensity_profile.h"
 #include "property/rig.h"
-#include "runtime/registration.h"
+#include "registration/registration.h"
 
 #define SIDE 76u     /* voxels */
 #define SPACING 1.5f /* mm */

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "geometry/rotation.h"
+#include "geometry/rotation/rotation.h"
 #include "oracle.h"
 
 static const float identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};

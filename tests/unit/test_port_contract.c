@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/registration.h"
+#include "registration/registration.h"
 
 /* Runs tasks in order. `meddle`: the first one of each loop is followed by calls that must be refused.
  * `worker`: the number that the last task of each loop is given. */

@@ -6,7 +6,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "geometry/rotation.h"
+#include "geometry/rotation/rotation.h"
 #include "oracle.h"
 
 static double wide(const float m[9], double r[9])

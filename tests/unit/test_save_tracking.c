@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/registration.h"
+#include "registration/registration.h"
 #include "unit/unit_save.h"
 
 enum { FRAMES = 5, JUMP = 3, TICKS = 32, CALLS = FRAMES * (TICKS + 1), ROOM = 20000 };

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/registration.h"
+#include "registration/registration.h"
 
 static int tidy(void **state)
 {

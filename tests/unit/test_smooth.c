@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/registration.h"
+#include "registration/registration.h"
 
 static const float none[3] = {0, 0, 0};
 static const smr_model *model;

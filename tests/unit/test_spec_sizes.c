@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "base/bytes.h"
-#include "geometry/surface.h"
+#include "geometry/surface/surface.h"
 #include "smr.h"
 
 #if defined(__has_feature)

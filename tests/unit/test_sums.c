@@ -8,7 +8,7 @@
 #include "base/fixed_point.h"
 #include "property/model_lists.h"
 #include "property/rig.h"
-#include "runtime/registration.h"
+#include "registration/registration.h"
 
 static int tidy(void **state)
 {

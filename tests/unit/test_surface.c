@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "geometry/surface.h"
+#include "geometry/surface/surface.h"
 #include "unit_mesh.h"
 
 static void refuses_and_leaves_alone(void **state)

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/arena.h"
-#include "geometry/surface.h"
+#include "geometry/surface/surface.h"
 #include "property/rig.h"
 #include "unit_mesh.h"
 

@@ -6,8 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "geometry/align_side.h"
-#include "geometry/surface.h"
+#include "start/align/align_side.h"
+#include "geometry/surface/surface.h"
 #include "unit_mesh.h"
 
 /* A mesh, and behind it `n` single triangles of 2 mm somewhere within 100 mm. */

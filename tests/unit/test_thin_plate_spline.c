@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "geometry/thin_plate_solve.h"
+#include "geometry/linear_solve/thin_plate_solve.h"
 #include "unit_mesh.h"
 #include "unit_warp.h"
 

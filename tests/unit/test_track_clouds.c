@@ -6,8 +6,8 @@
 #include <math.h>
 
 #include "property/rig.h"
-#include "runtime/record/log.h"
-#include "runtime/registration.h"
+#include "log/record/log.h"
+#include "registration/registration.h"
 
 enum { GIVEN = 12, AT_A_TIME = 40, LOG = SMR_LOG_BYTES(GIVEN * 2, GIVEN) };
 

@@ -3,8 +3,8 @@
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
-#include "runtime/record/log.h"
-#include "runtime/registration.h"
+#include "log/record/log.h"
+#include "registration/registration.h"
 #include "unit_moving_ball.h"
 
 enum { MARKS = 6, LOG = SMR_LOG_BYTES(2000, 60) };

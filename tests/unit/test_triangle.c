@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-#include "geometry/triangle.h"
+#include "geometry/box_tree/triangle.h"
 #include "oracle.h"
 
 typedef struct residuals {

@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "runtime/registration.h"
-#include "runtime/verdict/evidence.h"
+#include "registration/registration.h"
+#include "verdict/evidence.h"
 
 static int tidy(void **state)
 {

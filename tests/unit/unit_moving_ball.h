@@ -6,7 +6,7 @@
 #include "cmocka_first.h"
 
 #include "property/rig_ball_image.h"
-#include "runtime/registration.h"
+#include "registration/registration.h"
 
 enum { FRAMES = 6 };
 

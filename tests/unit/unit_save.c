@@ -6,7 +6,7 @@
 
 #include "base/bytes.h"
 #include "property/rig.h"
-#include "runtime/record/log.h"
+#include "log/record/log.h"
 
 #define SIDE 30u
 

@@ -4,8 +4,8 @@
 
 #include <string.h>
 
-#include "geometry/mesh.h"
-#include "geometry/triangle.h"
+#include "geometry/surface/mesh.h"
+#include "geometry/box_tree/triangle.h"
 
 smr_facets unit_plant(const unit_mesh *m, uint32_t **triangles)
 {

@@ -3,7 +3,7 @@
 #ifndef UNIT_TREE_H
 #define UNIT_TREE_H
 
-#include "geometry/box_tree.h"
+#include "geometry/box_tree/box_tree.h"
 #include "unit_mesh.h"
 
 /* Triangles of m in tree order with boxes and normals; frees nothing of m. Both are released with unit_uproot(). */

@@ -1,0 +1,110 @@
+/* box_tree.c: shape and boxes of the box tree over triangles. Refitting recomputes normals and boxes after the
+ * positions changed; the tree's shape follows from the number of triangles alone.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/box_tree.h"
+
+#include "geometry/box_tree/triangle.h"
+
+uint32_t smr_tree_nodes(uint32_t n_triangles)
+{
+    uint32_t total = 0;
+    for (uint32_t n = n_triangles; n > 0u;) {
+        n = smr_ceil_div(n, SMR_TREE_WIDTH);
+        total += n;
+        if (n == 1u)
+            break;
+    }
+    return total;
+}
+
+void smr_tree_shape(smr_facets *f, uint32_t n_triangles)
+{
+    f->n_triangles = n_triangles;
+    f->n_levels = 0;
+    uint32_t first = 0;
+    for (uint32_t n = n_triangles; n > 0u;) {
+        n = smr_ceil_div(n, SMR_TREE_WIDTH);
+        f->level[f->n_levels++] = first;
+        first += n;
+        if (n == 1u)
+            break;
+    }
+}
+
+/* Makes all eight child boxes empty. */
+static void clear_node(smr_node *node)
+{
+    for (uint32_t axis = 0; axis < 3u; axis++)
+        for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++)
+            node->lo[axis][k] = node->hi[axis][k] = SMR_FAR;
+}
+
+static void set_child(smr_node *node, uint32_t k, smr_vec lo, smr_vec hi)
+{
+    node->lo[0][k] = lo.x;
+    node->lo[1][k] = lo.y;
+    node->lo[2][k] = lo.z;
+    node->hi[0][k] = hi.x;
+    node->hi[1][k] = hi.y;
+    node->hi[2][k] = hi.z;
+}
+
+void smr_tree_refit_leaves(const smr_facets *f, uint32_t first, uint32_t last)
+{
+    for (uint32_t leaf = first; leaf < last; leaf++) {
+        smr_node *node = f->node == NULL ? NULL : &f->node[leaf];
+        uint32_t base = leaf * SMR_TREE_WIDTH;
+        uint32_t n = smr_min_u32(f->n_triangles - base, SMR_TREE_WIDTH);
+        if (node != NULL && n < SMR_TREE_WIDTH)
+            clear_node(node);
+        for (uint32_t k = 0; k < n; k++) {
+            const uint32_t *t = f->triangle + 3u * (size_t)(base + k);
+            smr_vec a = smr_load(f->xyz + 3u * (size_t)t[0]);
+            smr_vec b = smr_load(f->xyz + 3u * (size_t)t[1]);
+            smr_vec c = smr_load(f->xyz + 3u * (size_t)t[2]);
+            smr_store(f->normal + 3u * (size_t)(base + k), smr_unit(smr_triangle_cross(a, b, c)));
+            if (node == NULL)
+                continue;
+            set_child(node, k,
+                      smr_v(smr_min(a.x, smr_min(b.x, c.x)), smr_min(a.y, smr_min(b.y, c.y)),
+                            smr_min(a.z, smr_min(b.z, c.z))),
+                      smr_v(smr_max(a.x, smr_max(b.x, c.x)), smr_max(a.y, smr_max(b.y, c.y)),
+                            smr_max(a.z, smr_max(b.z, c.z))));
+        }
+    }
+}
+
+/* The box of a node, as child k of the one above. */
+static void set_from(smr_node *node, uint32_t k, const smr_node *child)
+{
+    for (uint32_t axis = 0; axis < 3u; axis++) {
+        float lo = child->lo[axis][0], hi = child->hi[axis][0];
+        for (uint32_t c = 1; c < SMR_TREE_WIDTH; c++) {
+            if (child->lo[axis][c] >= SMR_FAR)
+                break;
+            lo = smr_min(lo, child->lo[axis][c]);
+            hi = smr_max(hi, child->hi[axis][c]);
+        }
+        node->lo[axis][k] = lo;
+        node->hi[axis][k] = hi;
+    }
+}
+
+void smr_tree_refit_nodes(const smr_facets *f, uint32_t first, uint32_t last)
+{
+    uint32_t l = 1;
+    for (uint32_t i = first; i < last; i++) {
+        while (l + 1u < f->n_levels && i >= f->level[l + 1u])
+            l++;
+        smr_node *node = &f->node[i];
+        const uint32_t child = f->level[l - 1u] + (i - f->level[l]) * SMR_TREE_WIDTH;
+        clear_node(node);
+        for (uint32_t k = 0; k < SMR_TREE_WIDTH && child + k < f->level[l]; k++)
+            set_from(node, k, &f->node[child + k]);
+    }
+}
+
+void smr_tree_refit_upper(const smr_facets *f)
+{
+    smr_tree_refit_nodes(f, smr_tree_leaves(f), smr_tree_nodes(f->n_triangles));
+}

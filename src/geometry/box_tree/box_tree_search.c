@@ -1,0 +1,151 @@
+/* box_tree_search.c: closest-point search in the box tree: the closest acceptable triangle, and the triangles nearly
+ * as close.
+ * Method: depth first, nearest child first, boxes beyond the best distance so far are skipped. A warm start with the
+ * last iteration's triangle usually is the answer at once.
+ * Bounds: node_budget nodes opened, 8 box tests and at most 8 triangles each. The stack holds at most 7 entries a
+ * level and 8 at the bottom. At most SMR_TIES nodes that can only tie with the best distance.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/box_tree.h"
+
+#include "geometry/box_tree/triangle.h"
+
+smr_vec smr_facet_point(const smr_facets *f, uint32_t triangle, const float weight[3])
+{
+    const uint32_t *t = f->triangle + 3u * (size_t)triangle;
+    smr_vec a = smr_load(f->xyz + 3u * (size_t)t[0]);
+    smr_vec b = smr_load(f->xyz + 3u * (size_t)t[1]);
+    smr_vec c = smr_load(f->xyz + 3u * (size_t)t[2]);
+    return smr_add(smr_add(smr_scale(a, weight[0]), smr_scale(b, weight[1])), smr_scale(c, weight[2]));
+}
+
+/* 1 when triangle i wins a tie against the triangle found so far. */
+static int comes_first(const smr_facets *f, uint32_t i, uint32_t found)
+{
+    if (found == SMR_NONE || f->rank == NULL)
+        return i < found;
+    return f->rank[i] < f->rank[found];
+}
+
+#define SMR_NEARLY 0.1f      /* triangles farther than (1 + this) times the closest distance are not near */
+#define SMR_NORMAL_RAMP 0.2f /* cosine: width above min_cos over which shares rise from 0 to all */
+
+/* Adds a triangle to the list of near ones. A full list drops its farthest, and cut2 falls to that distance. */
+static void add_near(smr_near_list *list, uint32_t triangle, float d2, const float weight[3])
+{
+    uint32_t at = list->n;
+    if (at == SMR_NEAR_MOST) {
+        at = 0;
+        for (uint32_t i = 1; i < list->n; i++)
+            if (list->item[i].d2 > list->item[at].d2)
+                at = i;
+        list->cut2 = smr_min(list->cut2, smr_max(list->item[at].d2, d2));
+        if (list->item[at].d2 <= d2)
+            return;
+    } else
+        list->n++;
+    list->item[at] = (smr_near){0.0f, d2, triangle, {weight[0], weight[1], weight[2]}};
+}
+
+/* Tests triangle i: updates *hit when it is closer, or as close with a smaller rank, and adds it to the list when it
+ * is near. Triangles whose normal does not agree, or that are to be skipped, are ignored. */
+static void try_triangle(const smr_facets *f, const unsigned char *skip, const smr_query *q, uint32_t i, smr_hit *hit,
+                         float widen, smr_near_list *list)
+{
+    smr_vec n = smr_load(f->normal + 3u * (size_t)i);
+    if (smr_dot(n, q->normal) < q->min_cos || (skip != NULL && (skip[i] & SMR_SKIPPED) != 0u))
+        return;
+    const uint32_t *t = f->triangle + 3u * (size_t)i;
+    float weight[3];
+    float d2 = smr_triangle_closest(q->point, smr_load(f->xyz + 3u * (size_t)t[0]),
+                                    smr_load(f->xyz + 3u * (size_t)t[1]), smr_load(f->xyz + 3u * (size_t)t[2]), weight);
+    if (list != NULL && d2 < hit->d2 * widen)
+        add_near(list, i, d2, weight);
+    if (d2 < hit->d2 || (d2 == hit->d2 && comes_first(f, i, hit->triangle))) {
+        hit->d2 = d2;
+        hit->triangle = i;
+        memcpy(hit->weight, weight, sizeof weight);
+    }
+}
+
+#define SMR_TIES 64u /* nodes opened at most whose boxes are exactly as far as the best triangle */
+
+/* A node to be opened: its level, its index there, and the squared distance to its box. */
+typedef struct visit {
+    float d2;
+    uint32_t level, index;
+} visit;
+
+/* Finds the closest triangle for *hit. Boxes and triangles within `widen` times its squared distance are looked at,
+ * too, and go into the list. widen: 1 or more; list: NULL for the closest triangle alone. */
+static void search(const smr_facets *f, const unsigned char *skip, const smr_query *q, smr_hit *hit, float widen,
+                   smr_near_list *list)
+{
+    visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
+    uint32_t top = 0, opened = 0, ties = 0;
+    if (f->n_levels == 0u || !(smr_dot(q->point, q->point) < SMR_FAR))
+        return; /* NaN, or as far away as the empty boxes are: positions of a forged model */
+    if (q->warm < f->n_triangles)
+        try_triangle(f, skip, q, q->warm, hit, widen, NULL);
+    stack[top++] = (visit){0.0f, f->n_levels - 1u, 0u};
+    while (top > 0u && opened < q->node_budget) {
+        const visit v = stack[--top];
+        if (v.d2 > hit->d2 * widen || (v.d2 == hit->d2 && hit->triangle != SMR_NONE && ++ties > SMR_TIES))
+            continue;
+        opened++;
+        float d2[SMR_TREE_WIDTH];
+        uint32_t near = smr_box_distances(&f->node[f->level[v.level] + v.index], q->point, hit->d2 * widen, d2);
+        uint32_t base = v.index * SMR_TREE_WIDTH;
+        if (v.level == 0u) {
+            for (; near != 0u; near &= near - 1u) {
+                const uint32_t k = (uint32_t)__builtin_ctz(near);
+                if (d2[k] <= hit->d2 * widen && base + k < f->n_triangles)
+                    try_triangle(f, skip, q, base + k, hit, widen, list);
+            }
+            continue;
+        }
+        /* push the near children, nearest on top */
+        const uint32_t bottom = top;
+        for (; near != 0u; near &= near - 1u) {
+            const uint32_t k = (uint32_t)__builtin_ctz(near);
+            if (d2[k] >= SMR_FAR)
+                continue;
+            uint32_t at = top++;
+            for (; at > bottom && stack[at - 1u].d2 < d2[k]; at--)
+                stack[at] = stack[at - 1u];
+            stack[at] = (visit){d2[k], v.level - 1u, base + k};
+        }
+    }
+    while (list != NULL && top > 0u) /* node budget used up: triangles beyond the nearest unopened box are not near */
+        list->cut2 = smr_min(list->cut2, stack[--top].d2);
+}
+
+void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit) { search(f, NULL, q, hit, 1.0f, NULL); }
+
+void smr_tree_closest_but(const smr_facets *f, const unsigned char *skip, const smr_query *q, smr_hit *hit)
+{
+    search(f, skip, q, hit, 1.0f, NULL);
+}
+
+void smr_tree_near(const smr_facets *f, const smr_query *q, smr_hit *hit, smr_near_list *list)
+{
+    list->n = 0;
+    list->cut2 = FLT_MAX;
+    search(f, NULL, q, hit, (1.0f + SMR_NEARLY) * (1.0f + SMR_NEARLY), list);
+    if (hit->triangle == SMR_NONE)
+        list->n = 0; /* nothing within the search distance: the list holds triangles just beyond it */
+    const float distance = SMR_SQRT(hit->d2), width = smr_min(SMR_NEARLY * distance, SMR_SQRT(list->cut2) - distance);
+    float total = 0.0f;
+    for (uint32_t i = 0; i < list->n; i++) {
+        smr_near *near = &list->item[i];
+        const float beyond = width > 0.0f ? (SMR_SQRT(near->d2) - distance) / width : 1.0f;
+        const float above = smr_dot(smr_load(f->normal + 3u * (size_t)near->triangle), q->normal) - q->min_cos;
+        near->share = smr_clamp(1.0f - beyond, 0.0f, 1.0f) * smr_clamp(above / SMR_NORMAL_RAMP, 0.0f, 1.0f);
+        total += near->share;
+    }
+    for (uint32_t i = 0; i < list->n; i++)
+        list->item[i].share /= total > 0.0f ? total : 1.0f;
+    if (total > 0.0f || hit->triangle == SMR_NONE)
+        return;
+    list->n = 1; /* no share is above 0 (distance 0, ties, or normals barely accepted): the closest one gets all */
+    list->item[0] = (smr_near){1.0f, hit->d2, hit->triangle, {hit->weight[0], hit->weight[1], hit->weight[2]}};
+}

@@ -1,0 +1,76 @@
+/* mesh.c: validation of triangle meshes, vertex normals and areas, and the triangles around each vertex.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/surface/mesh.h"
+
+#include "base/bytes.h"
+#include "geometry/box_tree/triangle.h"
+
+smr_status smr_mesh_check(const smr_mesh *mesh)
+{
+    if (mesh == NULL || mesh->xyz == NULL || (mesh->triangles == NULL && mesh->n_triangles > 0u))
+        return SMR_E_NULL;
+    if (mesh->n_vertices == 0u || mesh->n_vertices > SMR_VERTICES_MAX || mesh->n_triangles > SMR_TRIANGLES_MAX)
+        return SMR_E_INPUT;
+    for (size_t i = 0; i < 3u * (size_t)mesh->n_vertices; i++)
+        if (!smr_within(mesh->xyz[i], SMR_COORD_MAX))
+            return SMR_E_INPUT;
+    for (size_t i = 0; i < 3u * (size_t)mesh->n_triangles; i++)
+        if (mesh->triangles[i] >= mesh->n_vertices)
+            return SMR_E_INPUT;
+    return SMR_OK;
+}
+
+void smr_mesh_normals(const smr_mesh *mesh, float *normal, float *area)
+{
+    for (size_t i = 0; i < 3u * (size_t)mesh->n_vertices; i++)
+        normal[i] = 0.0f;
+    for (uint32_t i = 0; area != NULL && i < mesh->n_vertices; i++)
+        area[i] = 0.0f;
+    for (uint32_t k = 0; k < mesh->n_triangles; k++) {
+        const uint32_t *t = mesh->triangles + 3u * (size_t)k;
+        smr_vec n = smr_triangle_cross(smr_load(mesh->xyz + 3u * (size_t)t[0]), smr_load(mesh->xyz + 3u * (size_t)t[1]),
+                                       smr_load(mesh->xyz + 3u * (size_t)t[2]));
+        float third = smr_length(n) * (1.0f / 6.0f);
+        for (uint32_t c = 0; c < 3u; c++) {
+            float *at = normal + 3u * (size_t)t[c];
+            smr_store(at, smr_add(smr_load(at), n));
+            if (area != NULL)
+                area[t[c]] += third;
+        }
+    }
+    for (uint32_t i = 0; i < mesh->n_vertices; i++)
+        smr_store(normal + 3u * (size_t)i, smr_unit(smr_load(normal + 3u * (size_t)i)));
+}
+
+void smr_mesh_around(const smr_mesh *mesh, uint32_t *start, uint32_t *around)
+{
+    for (uint32_t v = 0; v <= mesh->n_vertices; v++)
+        start[v] = 0;
+    for (size_t i = 0; i < 3u * (size_t)mesh->n_triangles; i++)
+        start[mesh->triangles[i]]++;
+    uint32_t sum = 0;
+    for (uint32_t v = 0; v <= mesh->n_vertices; v++) {
+        sum += start[v];
+        start[v] = sum;
+    }
+    /* start[v] is the end of v's range; filling from the back moves it to the beginning */
+    for (size_t i = 3u * (size_t)mesh->n_triangles; i-- > 0u;)
+        around[--start[mesh->triangles[i]]] = (uint32_t)(i / 3u);
+}
+
+/* An edge's share of the sum: opposite for the two ways along it. */
+static uint64_t edge(uint32_t a, uint32_t b)
+{
+    const uint64_t mixed = a < b ? smr_mix((uint64_t)a << 32 | b) : smr_mix((uint64_t)b << 32 | a);
+    return a == b ? 0u : a < b ? mixed : 0u - mixed;
+}
+
+int smr_mesh_closed(const uint32_t *triangle, uint32_t n_triangles)
+{
+    uint64_t sum = 0;
+    for (size_t k = 0; k < n_triangles; k++) {
+        const uint32_t *t = triangle + 3u * k;
+        sum += edge(t[0], t[1]) + edge(t[1], t[2]) + edge(t[2], t[0]);
+    }
+    return n_triangles > 0u && sum == 0u;
+}

@@ -1,0 +1,152 @@
+/* points.c: a cloud of points as a ring: new points take the place of the oldest ones when it is full. Nothing is
+ * searched for in a cloud, so there is no tree: adding a point costs the same whatever there is already.
+ * Bounds: one pass over the points that are added.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/surface/points.h"
+
+#include "base/arena.h"
+
+#define SMR_NORMAL_LEAST 1.0e-3f /* a shorter normal is none */
+#define SMR_NORMAL_MOST 1.0e3f   /* largest entry */
+
+_Static_assert(SMR_POINTS_BYTES(0) >= sizeof(smr_points) + 8u * SMR_ALIGN, "SMR_POINTS_BYTES is too small");
+
+static void layout(smr_arena *a, uint32_t capacity, smr_points **self, smr_surface *s)
+{
+    *self = smr_arena_take(a, 1, sizeof **self);
+    s->xyz = smr_arena_take(a, capacity, 3 * sizeof(float));
+    s->normal = smr_arena_take(a, capacity, 3 * sizeof(float));
+    s->area = smr_arena_take(a, capacity, sizeof(float));
+}
+
+smr_status smr_points_bytes(uint32_t capacity, size_t *bytes)
+{
+    smr_points *self;
+    smr_surface s;
+    if (bytes == NULL)
+        return SMR_E_NULL;
+    if (capacity == 0u || capacity > SMR_VERTICES_MAX)
+        return SMR_E_INPUT;
+    smr_arena a = smr_arena_measure();
+    layout(&a, capacity, &self, &s);
+    if (a.used == SIZE_MAX)
+        return SMR_E_INPUT;
+    *bytes = a.used;
+    return SMR_OK;
+}
+
+smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_points **points)
+{
+    smr_arena a;
+    smr_points p, *self;
+    size_t needed;
+    if (points == NULL)
+        return SMR_E_NULL;
+    smr_status status = smr_arena_start(&a, memory, bytes);
+    if (status == SMR_OK)
+        status = smr_points_bytes(capacity, &needed);
+    if (status != SMR_OK)
+        return status;
+    if (needed > bytes)
+        return SMR_E_ARENA;
+    smr_arena_release(memory, bytes);
+    memset(&p, 0, sizeof p);
+    layout(&a, capacity, &self, &p.surface);
+    p.magic = SMR_POINTS_MAGIC;
+    p.surface.magic = SMR_SURFACE_MAGIC;
+    p.surface.capacity = capacity;
+    p.surface.open = 1;
+    p.surface.area_mean = 1.0f;
+    *self = p;
+    *points = self;
+    return SMR_OK;
+}
+
+/* The normal as unit vector, or 0 for none. Returns 0 when it is not finite or too large. */
+static int take_normal(const float *normal, smr_vec *unit)
+{
+    *unit = smr_v(0, 0, 0);
+    if (normal == NULL)
+        return 1;
+    for (uint32_t i = 0; i < 3u; i++)
+        if (!smr_within(normal[i], SMR_NORMAL_MOST))
+            return 0;
+    const smr_vec n = smr_load(normal);
+    if (smr_dot(n, n) >= SMR_NORMAL_LEAST * SMR_NORMAL_LEAST)
+        *unit = smr_unit(n);
+    return 1;
+}
+
+static int legal_weight(float weight) { return weight >= 0.0f && weight <= SMR_WEIGHT_MAX; }
+
+static int can_add(const float *xyz, const float *normals, const float *weights, uint32_t n)
+{
+    smr_vec unit;
+    for (size_t i = 0; i < n; i++) {
+        for (uint32_t c = 0; c < 3u; c++)
+            if (!smr_within(xyz[3u * i + c], SMR_COORD_MAX))
+                return 0;
+        if (!take_normal(normals == NULL ? NULL : normals + 3u * i, &unit))
+            return 0;
+        if (weights != NULL && !legal_weight(weights[i]))
+            return 0;
+    }
+    return 1;
+}
+
+smr_status smr_points_add(smr_points *points, const float *xyz, const float *normals, const float *weights, uint32_t n)
+{
+    if (points == NULL || (xyz == NULL && n > 0u))
+        return SMR_E_NULL;
+    if (!smr_points_valid(points))
+        return SMR_E_STATE;
+    smr_surface *s = &points->surface;
+    if (n > s->capacity || !can_add(xyz, normals, weights, n))
+        return SMR_E_INPUT;
+    for (size_t i = 0; i < n; i++) {
+        smr_vec unit;
+        const size_t at = points->next;
+        (void)take_normal(normals == NULL ? NULL : normals + 3u * i, &unit);
+        memcpy(s->xyz + 3u * at, xyz + 3u * i, 3u * sizeof(float));
+        smr_store(s->normal + 3u * at, unit);
+        s->area[at] = weights == NULL ? 1.0f : weights[i];
+        points->next = points->next + 1u < s->capacity ? points->next + 1u : 0u;
+        s->n_vertices = smr_max_u32(s->n_vertices, (uint32_t)at + 1u);
+    }
+    s->changes += n > 0u;
+    return SMR_OK;
+}
+
+smr_status smr_points_weigh(smr_points *points, uint32_t index, float weight)
+{
+    if (points == NULL)
+        return SMR_E_NULL;
+    if (!smr_points_valid(points))
+        return SMR_E_STATE;
+    if (index >= points->surface.n_vertices || !legal_weight(weight))
+        return SMR_E_INPUT;
+    points->surface.area[index] = weight;
+    points->surface.changes++;
+    return SMR_OK;
+}
+
+smr_status smr_points_clear(smr_points *points)
+{
+    if (points == NULL)
+        return SMR_E_NULL;
+    if (!smr_points_valid(points))
+        return SMR_E_STATE;
+    points->next = points->surface.n_vertices = 0;
+    points->surface.changes++;
+    return SMR_OK;
+}
+
+smr_status smr_points_count(const smr_points *points, uint32_t *n)
+{
+    if (points == NULL || n == NULL)
+        return SMR_E_NULL;
+    if (!smr_points_valid(points))
+        return SMR_E_STATE;
+    *n = points->surface.n_vertices;
+    return SMR_OK;
+}

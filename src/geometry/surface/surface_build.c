@@ -1,0 +1,419 @@
+/* surface_build.c: builds a target surface in the caller's memory: a copy in tree order, normals, areas, border
+ * edges, box tree; and refits it: other positions of the same triangles. Both are lists of stages, each a loop over
+ * vertices, triangles or nodes that can stop anywhere; where it stops makes no difference to what comes out.
+ * Bounds: SMR_SURFACE_ITEMS of a loop between two readings of the clock. Of border edges an item takes as long as the
+ * vertex of it with fewer triangles has some.
+ * SPDX-License-Identifier: MIT */
+#include "base/arena.h"
+#include "geometry/surface/surface.h"
+#include "geometry/box_tree/triangle.h"
+
+#define SMR_SURFACE_ITEMS 256u /* of a loop: a unit of work */
+#define SMR_SURFACE_EDGES 4u   /* a triangle whose edges are counted is worth so many items, */
+#define SMR_SURFACE_LEAF 16u   /* a leaf of the tree, */
+#define SMR_SURFACE_NODE 32u   /* and a node above */
+
+/* Takes all slots from the arena, or measures them. */
+static smr_surface *layout(smr_arena *a, uint32_t nv, uint32_t nt, smr_surface *s)
+{
+    smr_surface *self = smr_arena_take(a, 1, sizeof *self);
+    s->xyz = smr_arena_take(a, nv, 3 * sizeof(float));
+    s->normal = smr_arena_take(a, nv, 3 * sizeof(float));
+    s->area = smr_arena_take(a, nv, sizeof(float));
+    s->triangle = smr_arena_take(a, nt, 3 * sizeof(uint32_t));
+    s->original = smr_arena_take(a, nt, sizeof(uint32_t));
+    s->border = smr_arena_take(a, nt, 1);
+    s->facets.normal = smr_arena_take(a, nt, 3 * sizeof(float));
+    s->facets.node = smr_arena_take(a, smr_tree_nodes(nt), sizeof(smr_node));
+    s->work.middle = smr_arena_take(a, nt, 3 * sizeof(float));
+    s->work.key = smr_arena_take(a, nt, sizeof(uint32_t));
+    s->work.tmp = smr_arena_take(a, nt, 2 * sizeof(uint32_t));
+    s->work.start = smr_arena_take(a, (size_t)nv + 1u, sizeof(uint32_t));
+    /* before it holds triangles, the counts of a sort: SMR_ORDER_BYTES where more than SMR_ORDER_SMALL are sorted */
+    s->work.around = smr_arena_take(a, nt, 3 * sizeof(uint32_t));
+    return self;
+}
+
+_Static_assert(3u * SMR_ORDER_SMALL >= SMR_ORDER_BYTES, "a sort's counts lie over triangles around vertices");
+
+smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *bytes)
+{
+    if (bytes == NULL)
+        return SMR_E_NULL;
+    if (n_vertices == 0u || n_vertices > SMR_VERTICES_MAX || n_triangles == 0u || n_triangles > SMR_TRIANGLES_MAX)
+        return SMR_E_INPUT;
+    smr_arena a = smr_arena_measure();
+    smr_surface s;
+    (void)layout(&a, n_vertices, n_triangles, &s);
+    if (a.used == SIZE_MAX)
+        return SMR_E_INPUT;
+    *bytes = a.used;
+    return SMR_OK;
+}
+
+/* Number of triangles with the edge v-w, at most 2. Searches the triangles around the vertex that has fewer. */
+static uint32_t edge_count(const smr_surface *s, uint32_t v, uint32_t w)
+{
+    const uint32_t *const start = s->work.start;
+    uint32_t count = 0;
+    if (start[w + 1u] - start[w] < start[v + 1u] - start[v]) {
+        const uint32_t swap = v;
+        v = w;
+        w = swap;
+    }
+    for (uint32_t i = start[v]; i < start[v + 1u] && count < 2u; i++) {
+        const uint32_t *t = s->triangle + 3u * (size_t)s->work.around[i];
+        count += t[0] == w || t[1] == w || t[2] == w;
+    }
+    return count;
+}
+
+/* ---- The stages: items first .. last-1. They return 0 where the input is refused. ---- */
+
+typedef int stage_run(smr_surface *s, uint32_t first, uint32_t last);
+
+static int check_vertices(smr_surface *s, uint32_t first, uint32_t last)
+{
+    smr_box *const box = &s->work.box;
+    for (uint32_t i = first; i < last; i++) {
+        const smr_vec p = smr_load(s->work.mesh.xyz + 3u * (size_t)i);
+        if (!smr_within(p.x, SMR_COORD_MAX) || !smr_within(p.y, SMR_COORD_MAX) || !smr_within(p.z, SMR_COORD_MAX))
+            return 0;
+        if (i == 0u)
+            box->lo = box->hi = p;
+        box->lo = smr_v(smr_min(box->lo.x, p.x), smr_min(box->lo.y, p.y), smr_min(box->lo.z, p.z));
+        box->hi = smr_v(smr_max(box->hi.x, p.x), smr_max(box->hi.y, p.y), smr_max(box->hi.z, p.z));
+    }
+    return 1;
+}
+
+static int check_triangles(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (size_t i = 3u * (size_t)first; i < 3u * (size_t)last; i++)
+        if (s->work.mesh.triangles[i] >= s->n_vertices)
+            return 0;
+    return 1;
+}
+
+/* From here on positions are new: relative to the origin. */
+static int copy_vertices(smr_surface *s, uint32_t first, uint32_t last)
+{
+    s->changes += first == 0u ? s->work.refit : 0u;
+    s->origin = smr_whole(smr_scale(smr_add(s->work.box.lo, s->work.box.hi), 0.5f));
+    for (uint32_t i = first; i < last; i++) {
+        smr_store(s->xyz + 3u * (size_t)i, smr_sub(smr_load(s->work.mesh.xyz + 3u * (size_t)i), s->origin));
+        smr_store(s->normal + 3u * (size_t)i, smr_v(0, 0, 0));
+        s->area[i] = 0.0f;
+    }
+    return 1;
+}
+
+static int find_centres(smr_surface *s, uint32_t first, uint32_t last)
+{
+    smr_surface_work *const w = &s->work;
+    smr_mesh_centres(&w->mesh, w->middle, s->original, first, last);
+    if (last == s->facets.n_triangles)
+        smr_order_start(&w->order, last, w->middle, s->original, w->key, w->tmp, w->around);
+    return 1;
+}
+
+/* One item, however long the order takes: advance() knows. */
+static int find_order(smr_surface *s, uint32_t first, uint32_t last)
+{
+    (void)first;
+    (void)last;
+    return smr_order_step(&s->work.order, SMR_SURFACE_ITEMS) ? 1 : 2;
+}
+
+static int copy_triangles(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (uint32_t k = first; k < last; k++)
+        memcpy(s->triangle + 3u * (size_t)k, s->work.mesh.triangles + 3u * (size_t)s->original[k],
+               3u * sizeof(uint32_t));
+    return 1;
+}
+
+/* As smr_mesh_normals(): area-weighted sums, then unit normals. */
+static int add_normals(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (uint32_t k = first; k < last; k++) {
+        const uint32_t *t = s->triangle + 3u * (size_t)k;
+        const smr_vec n = smr_triangle_cross(smr_load(s->xyz + 3u * (size_t)t[0]), smr_load(s->xyz + 3u * (size_t)t[1]),
+                                             smr_load(s->xyz + 3u * (size_t)t[2]));
+        const float third = smr_length(n) * (1.0f / 6.0f);
+        for (uint32_t c = 0; c < 3u; c++) {
+            float *at = s->normal + 3u * (size_t)t[c];
+            smr_store(at, smr_add(smr_load(at), n));
+            s->area[t[c]] += third;
+        }
+    }
+    return 1;
+}
+
+/* The mean area around a vertex; those without triangles attract nothing and do not count. */
+static int unit_normals(smr_surface *s, uint32_t first, uint32_t last)
+{
+    if (first == 0u)
+        s->work.area = 0.0f;
+    for (uint32_t i = first; i < last; i++) {
+        smr_store(s->normal + 3u * (size_t)i, smr_unit(smr_load(s->normal + 3u * (size_t)i)));
+        s->work.area += s->area[i];
+    }
+    return 1;
+}
+
+/* As smr_mesh_around(): counts, their sums, then triangles from the back. */
+static int clear_counts(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (uint32_t v = first; v < last; v++)
+        s->work.start[v] = 0;
+    s->work.start[last] = 0;
+    return 1;
+}
+
+static int count_corners(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (size_t i = 3u * (size_t)first; i < 3u * (size_t)last; i++)
+        s->work.start[s->triangle[i]]++;
+    return 1;
+}
+
+static int sum_counts(smr_surface *s, uint32_t first, uint32_t last)
+{
+    uint32_t *const start = s->work.start;
+    for (uint32_t v = first; v < last; v++) {
+        s->n_used += start[v] > 0u;
+        start[v] += v > 0u ? start[v - 1u] : 0u;
+    }
+    start[last] += last == s->n_vertices ? start[last - 1u] : 0u;
+    return 1;
+}
+
+static int list_triangles(smr_surface *s, uint32_t first, uint32_t last)
+{
+    const uint32_t nt = s->facets.n_triangles;
+    for (size_t i = 3u * (size_t)(nt - first); i-- > 3u * (size_t)(nt - last);)
+        s->work.around[--s->work.start[s->triangle[i]]] = (uint32_t)(i / 3u);
+    return 1;
+}
+
+/* First border edges, then the corners on them. */
+static int find_borders(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (uint32_t k = first; k < last; k++) {
+        const uint32_t *t = s->triangle + 3u * (size_t)k;
+        s->border[k] = 0;
+        for (uint32_t e = 0; e < 3u; e++)
+            if (edge_count(s, t[e], t[(e + 1u) % 3u]) == 1u)
+                s->border[k] |= (unsigned char)(1u << e);
+    }
+    return 1;
+}
+
+static int mark_borders(smr_surface *s, uint32_t first, uint32_t last)
+{
+    uint32_t *const flag = s->work.start;
+    for (uint32_t k = first; k < last; k++)
+        for (uint32_t e = 0; e < 3u; e++)
+            if ((uint32_t)s->border[k] >> e & 1u)
+                flag[s->triangle[3u * (size_t)k + e]] = flag[s->triangle[3u * (size_t)k + (e + 1u) % 3u]] = 1u;
+    return 1;
+}
+
+static int find_corners(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (uint32_t k = first; k < last; k++)
+        for (uint32_t c = 0; c < 3u; c++)
+            if (s->work.start[s->triangle[3u * (size_t)k + c]])
+                s->border[k] |= (unsigned char)(8u << c);
+    return 1;
+}
+
+static int refit_leaves(smr_surface *s, uint32_t first, uint32_t last)
+{
+    smr_tree_refit_leaves(&s->facets, first, last);
+    return 1;
+}
+
+static int refit_nodes(smr_surface *s, uint32_t first, uint32_t last)
+{
+    const uint32_t leaves = smr_tree_leaves(&s->facets);
+    smr_tree_refit_nodes(&s->facets, leaves + first, leaves + last);
+    return 1;
+}
+
+/* ---- The list ---- */
+
+enum { OF_VERTICES = 0, OF_TRIANGLES, OF_LEAVES, OF_NODES, OF_ONE };
+
+static const struct {
+    stage_run *run;
+    uint16_t of, when; /* 1: positions need it, too; 2: only a cloud's copy does */
+    uint32_t cost;     /* of an item */
+} stages[] = {
+    {smr_cloud_index, OF_TRIANGLES, 2, 1},
+    {check_vertices, OF_VERTICES, 1, 1},
+    {check_triangles, OF_TRIANGLES, 0, 1},
+    {copy_vertices, OF_VERTICES, 1, 1},
+    {find_centres, OF_TRIANGLES, 0, 1},
+    {find_order, OF_ONE, 0, SMR_SURFACE_ITEMS},
+    {copy_triangles, OF_TRIANGLES, 0, 1},
+    {add_normals, OF_TRIANGLES, 1, 2},
+    {unit_normals, OF_VERTICES, 1, 1},
+    {clear_counts, OF_VERTICES, 0, 1},
+    {count_corners, OF_TRIANGLES, 0, 1},
+    {sum_counts, OF_VERTICES, 0, 1},
+    {list_triangles, OF_TRIANGLES, 0, 1},
+    {find_borders, OF_TRIANGLES, 0, SMR_SURFACE_EDGES},
+    {clear_counts, OF_VERTICES, 0, 1},
+    {mark_borders, OF_TRIANGLES, 0, 1},
+    {find_corners, OF_TRIANGLES, 0, 1},
+    {smr_strays_forget, OF_VERTICES, 0, 1},
+    {smr_strays_join, OF_TRIANGLES, 0, 2},
+    {smr_strays_sum, OF_TRIANGLES, 0, 1},
+    {smr_strays_mark, OF_TRIANGLES, 0, 1},
+    {smr_strays_release, OF_VERTICES, 1, 1},
+    {refit_leaves, OF_LEAVES, 1, SMR_SURFACE_LEAF},
+    {refit_nodes, OF_NODES, 1, SMR_SURFACE_NODE},
+    {smr_cloud_copy, OF_TRIANGLES, 2, 1},
+};
+
+#define SMR_SURFACE_STAGES ((uint32_t)(sizeof stages / sizeof stages[0]))
+
+static uint32_t items_of(const smr_surface *s, uint32_t stage)
+{
+    switch (stages[stage].of) {
+    case OF_VERTICES: return s->n_vertices;
+    case OF_TRIANGLES: return s->facets.n_triangles;
+    case OF_LEAVES: return smr_tree_leaves(&s->facets);
+    case OF_NODES: return smr_tree_nodes(s->facets.n_triangles) - smr_tree_leaves(&s->facets);
+    default: return 1;
+    }
+}
+
+/* Goes to the next stage that this work needs, from the present one on. */
+static void skip_stages(smr_surface_work *w)
+{
+    for (; w->stage < SMR_SURFACE_STAGES; w->stage++)
+        if (stages[w->stage].when == 2u ? w->index != NULL : (!w->refit || stages[w->stage].when == 1u))
+            return;
+}
+
+/* One unit of work. Returns SMR_PARTIAL as long as there is more. */
+static smr_status run_unit(smr_surface *s)
+{
+    smr_surface_work *const w = &s->work;
+    const uint32_t n = items_of(s, w->stage), most = SMR_SURFACE_ITEMS / stages[w->stage].cost;
+    const uint32_t last = smr_min_u32(n, w->at + most);
+    const int said = w->at < n ? stages[w->stage].run(s, w->at, last) : 1;
+    if (said == 0)
+        return SMR_E_INPUT;
+    if (said == 1)
+        w->at = last;
+    if (w->at < n)
+        return SMR_PARTIAL;
+    w->at = 0;
+    w->stage++;
+    skip_stages(w);
+    if (w->stage < SMR_SURFACE_STAGES)
+        return SMR_PARTIAL;
+    s->area_mean = w->index == NULL ? w->area / (float)s->n_used : 1.0f;
+    s->capacity = w->index == NULL ? 0u : s->n_vertices;
+    s->open |= w->index != NULL;
+    s->magic = SMR_SURFACE_MAGIC;
+    return SMR_OK;
+}
+
+/* Refused: of a build nothing is left, a surface that was to be refitted stays what it was. */
+static void give_up(smr_surface *s)
+{
+    s->work.stage = SMR_SURFACE_STAGES;
+    s->magic = s->work.refit ? SMR_SURFACE_MAGIC : 0u;
+}
+
+smr_status smr_surface_step(smr_surface *surface, uint32_t units, const smr_port *port, uint64_t budget_ns)
+{
+    if (surface == NULL)
+        return SMR_E_NULL;
+    if (surface->magic != SMR_SURFACE_BUSY && surface->magic != SMR_SURFACE_MAGIC)
+        return SMR_E_STATE;
+    if (surface->work.stage >= SMR_SURFACE_STAGES)
+        return SMR_OK;
+    skip_stages(&surface->work);
+    const int timed = budget_ns > 0u && port != NULL && port->now_ns != NULL;
+    const uint64_t begin = timed ? port->now_ns(port->ctx) : 0u;
+    uint32_t done = 0;
+    for (;;) {
+        const smr_status status = run_unit(surface);
+        if (status < 0)
+            give_up(surface);
+        if (status != SMR_PARTIAL)
+            return status;
+        done++;
+        if ((units > 0u && done >= units) || (timed && port->now_ns(port->ctx) - begin >= budget_ns))
+            return SMR_PARTIAL;
+    }
+}
+
+smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface)
+{
+    smr_arena a;
+    smr_surface s;
+    size_t needed;
+    if (surface == NULL || mesh == NULL)
+        return SMR_E_NULL;
+    const smr_status status = smr_arena_start(&a, memory, bytes);
+    if (status != SMR_OK)
+        return status;
+    const uint32_t nv = mesh->n_vertices, nt = mesh->n_triangles;
+    if (mesh->xyz == NULL || (mesh->triangles == NULL && nt > 0u))
+        return SMR_E_NULL;
+    if (smr_surface_bytes(nv, nt, &needed) != SMR_OK)
+        return SMR_E_INPUT;
+    if (needed > bytes)
+        return SMR_E_ARENA;
+    smr_arena_release(memory, bytes);
+    memset(&s, 0, sizeof s);
+    smr_surface *const self = layout(&a, nv, nt, &s);
+    s.magic = SMR_SURFACE_BUSY;
+    s.n_vertices = nv;
+    s.work.mesh = *mesh;
+    smr_tree_shape(&s.facets, nt);
+    s.facets.xyz = s.xyz;
+    s.facets.triangle = s.triangle;
+    s.facets.rank = s.original;
+    *self = s;
+    *surface = self;
+    return SMR_OK;
+}
+
+smr_status smr_surface_refit(smr_surface *surface, const float *xyz)
+{
+    if (surface == NULL || xyz == NULL)
+        return SMR_E_NULL;
+    if (!smr_surface_valid(surface) || smr_is_cloud(surface))
+        return SMR_E_STATE;
+    surface->magic = SMR_SURFACE_BUSY;
+    surface->work.stage = surface->work.at = 0;
+    surface->work.refit = 1;
+    surface->work.mesh.xyz = xyz;
+    return SMR_OK;
+}
+
+smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface)
+{
+    smr_arena a;
+    smr_surface *s;
+    if (surface == NULL || mesh == NULL)
+        return SMR_E_NULL;
+    smr_status status = smr_arena_start(&a, memory, bytes);
+    if (status == SMR_OK)
+        status = smr_mesh_check(mesh); /* what is refused leaves the memory alone */
+    if (status == SMR_OK)
+        status = smr_surface_begin(mesh, memory, bytes, &s);
+    if (status == SMR_OK)
+        status = smr_surface_step(s, 0, NULL, 0);
+    if (status == SMR_OK)
+        *surface = s;
+    return status;
+}

@@ -1,0 +1,109 @@
+/* input_checksum.c: checksums of inputs, for the log: a replay that is given other inputs must be told from one that
+ * differs. They are of numbers, so every processor gets the same ones, and of the whole input, so one changed bit
+ * shows.
+ * Bounds: one pass over points, triangles or voxels.
+ * SPDX-License-Identifier: MIT */
+#include "log/record/log.h"
+
+#define SMR_GOLDEN 0x9e3779b97f4a7c15u /* 2^64 over the golden ratio */
+
+static uint64_t add(uint64_t sum, uint64_t value) { return smr_mix(sum * SMR_GOLDEN + value); }
+
+static uint64_t add_points(uint64_t sum, const float *xyz, uint32_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        const float *p = xyz + 3u * i;
+        sum = add(add(sum, (uint64_t)smr_float_bits(p[0]) << 32 | smr_float_bits(p[1])), smr_float_bits(p[2]));
+    }
+    return sum;
+}
+
+static uint64_t closed(uint64_t sum) { return sum == 0u ? 1u : sum; }
+
+uint64_t smr_points_checksum(const float *xyz, uint32_t n) { return closed(add_points(n, xyz, n)); }
+
+static uint64_t add_cloud(const smr_surface *s)
+{
+    uint64_t sum = add_points(add_points(s->n_vertices, s->xyz, s->n_vertices), s->normal, s->n_vertices);
+    for (size_t i = 0; i < s->n_vertices; i++)
+        sum = add(sum, smr_float_bits(s->area[i]));
+    return sum;
+}
+
+uint64_t smr_cloud_checksum(const smr_points *points) { return closed(add_cloud(&points->surface)); }
+
+uint64_t smr_target_checksum(const smr_surface *surface)
+{
+    return smr_is_cloud(surface) ? closed(add(add_cloud(surface), surface->capacity)) : smr_surface_checksum(surface);
+}
+
+uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n)
+{
+    uint64_t sum = add_points(n, goals->xyz, n);
+    for (uint32_t i = 0; goals->weights != NULL && i < n; i++)
+        sum = add(sum, smr_float_bits(goals->weights[i]));
+    return closed(sum);
+}
+
+uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n)
+{
+    uint64_t sum = add(n, (motion->mass != NULL ? 1u : 0u) + (motion->velocity != NULL ? 2u : 0u));
+    for (uint32_t i = 0; motion->mass != NULL && i < n; i++)
+        sum = add(sum, smr_float_bits(motion->mass[i]));
+    return closed(motion->velocity != NULL ? add_points(sum, motion->velocity, n) : sum);
+}
+
+uint64_t smr_surface_checksum(const smr_surface *surface)
+{
+    const smr_surface *s = surface;
+    const uint32_t nt = s->facets.n_triangles;
+    const float origin[3] = {s->origin.x, s->origin.y, s->origin.z};
+    uint64_t sum = add_points((uint64_t)s->n_vertices << 32 | nt, origin, 1);
+    sum = add_points(sum, s->xyz, s->n_vertices);
+    for (size_t k = 0; k < nt; k++) {
+        const uint32_t *t = s->triangle + 3u * k;
+        sum = add(add(sum, (uint64_t)t[0] << 32 | t[1]), (uint64_t)t[2] << 32 | s->original[k]);
+    }
+    return closed(sum);
+}
+
+/* Voxel number i of 1, 2 or 4 bytes as a number. */
+static uint32_t voxel(const unsigned char *voxels, uint32_t bytes, size_t i)
+{
+    uint16_t two;
+    uint32_t four;
+    if (bytes == 1u)
+        return voxels[i];
+    if (bytes == 2u) {
+        memcpy(&two, voxels + 2u * i, sizeof two);
+        return two;
+    }
+    memcpy(&four, voxels + 4u * i, sizeof four);
+    return four;
+}
+
+static uint64_t add_voxels(uint64_t sum, const void *voxels, uint32_t bytes, size_t n)
+{
+    const uint32_t share = 8u / bytes; /* so many to a word */
+    for (size_t i = 0; i < n; i += share) {
+        const size_t last = n - i < share ? n : i + share;
+        uint64_t word = 0;
+        for (size_t k = i; k < last; k++)
+            word = word << (8u * bytes) | voxel(voxels, bytes, k);
+        sum = add(sum, word);
+    }
+    return sum;
+}
+
+uint64_t smr_volume_checksum(const smr_volume *volume)
+{
+    const smr_volume *v = volume;
+    const uint32_t bytes = v->type <= SMR_VOXEL_INT8 ? 1u : (v->type <= SMR_VOXEL_INT16 ? 2u : 4u);
+    const size_t n = (size_t)v->size[0] * v->size[1] * v->size[2];
+    uint64_t sum = v->type * 2u + (v->mask != NULL);
+    for (uint32_t a = 0; a < 3u; a++)
+        sum = add(sum, v->size[a]);
+    sum = add_points(add_points(sum, v->origin, 1), v->spacing, 1);
+    sum = add_voxels(add_points(sum, v->direction, 3), v->voxels, bytes, n);
+    return closed(v->mask != NULL ? add_voxels(sum, v->mask, 1, n) : sum);
+}

@@ -1,0 +1,91 @@
+/* log.h: the log of a registration: how its records lie in bytes, and what the calls leave in it.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_LOG_H
+#define SMR_LOG_H
+
+#include "geometry/surface/points.h"
+#include "registration/shape/state.h"
+
+#define SMR_LOG_MAGIC 0x4c524d53u /* "SMRL" */
+#define SMR_LOG_VERSION 3u
+#define SMR_LOG_FIXED 28u /* bytes of a header before the configuration */
+#define SMR_LOG_FRAME 8u  /* bytes of a record around its content: its head and its checksum */
+#define SMR_LOG_WORDS 12u /* of the largest content */
+
+/* Words of the configuration: for each setting a head and its value. */
+enum {
+    SMR_LOG_CONFIG_WORDS = 0
+#define SMR_GROUP(title)
+#define SMR_SETTING(kind, number, name, ...) +1 + (int)(sizeof(((smr_config *)NULL)->name) / 4u)
+#include "base/settings_config.def"
+};
+
+#define SMR_LOG_HEADER (SMR_LOG_FIXED + 4u * SMR_LOG_CONFIG_WORDS + 4u) /* bytes, as written here */
+#define SMR_LOG_FULL_BYTES (SMR_LOG_FRAME + 4u)                         /* kept free until recording ends */
+
+/* Words of a record's content; 0: no such kind. */
+uint32_t smr_log_words(uint32_t kind);
+
+static inline void smr_log_put32(unsigned char *to, uint32_t v)
+{
+    to[0] = (unsigned char)(v & 255u);
+    to[1] = (unsigned char)(v >> 8 & 255u);
+    to[2] = (unsigned char)(v >> 16 & 255u);
+    to[3] = (unsigned char)(v >> 24);
+}
+
+static inline uint32_t smr_log_get32(const unsigned char *from)
+{
+    return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 | (uint32_t)from[3] << 24;
+}
+
+/* Where recording stands. */
+typedef struct smr_log {
+    unsigned char *memory; /* the caller's; NULL: nothing is recorded */
+    size_t bytes, used;
+    uint32_t crc; /* of the last record */
+    uint32_t n_ticks;
+    uint32_t full;  /* 1: a record did not fit, and none follows */
+    uint32_t fresh; /* 1: the registration is as smr_init left it */
+} smr_log;
+
+/* log_config.c: the configuration as SMR_LOG_CONFIG_WORDS words, and back from n_words words of a log of this version.
+ * Errors: E_LOG (other version, unknown or repeated setting, wrong length). Values are not checked. */
+void smr_log_put_config(unsigned char *to, const smr_config *config);
+smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint32_t version, smr_config *config);
+
+/* input_checksum.c: of the numbers, not of their bytes in memory: the same on every processor. Never 0. */
+uint64_t smr_points_checksum(const float *xyz, uint32_t n);
+uint64_t smr_cloud_checksum(const smr_points *points);
+uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n);
+uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n);
+uint64_t smr_surface_checksum(const smr_surface *surface);
+uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh, or of a cloud and its room */
+uint64_t smr_volume_checksum(const smr_volume *volume);
+
+/* log.c: starts a log with its header, and ends it. */
+void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t bytes);
+void smr_log_end(smr_log *log);
+
+/* Where recording stands, but for the memory. */
+void smr_log_keep(smr_arena *a, smr_log *log);
+
+/* A call that has succeeded. */
+void smr_log_surface(smr_log *log, uint32_t structure, const smr_surface *surface);
+void smr_log_points(smr_log *log, uint32_t structure, const smr_points *points);
+void smr_log_volume(smr_log *log, const smr_volume *volume);
+void smr_log_pose(smr_log *log, const smr_pose *pose);
+void smr_log_positions(smr_log *log, uint32_t structure, const float *xyz, uint32_t n);
+void smr_log_motion(smr_log *log, uint32_t structure, const smr_motion *motion, uint32_t n);
+void smr_log_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n);
+void smr_log_goals(smr_log *log, uint32_t structure, const smr_goals *goals, uint32_t n);
+void smr_log_force(smr_log *log, int present);
+void smr_log_gave(smr_log *log, uint64_t sum); /* by the force, in the tick that follows */
+void smr_log_volume_ratio(smr_log *log, uint32_t structure, float ratio);
+void smr_log_fixed(smr_log *log, uint32_t index, const smr_surface *surface);
+void smr_log_active(smr_log *log, uint32_t n_active);
+
+/* n_evaluated: vertices whose forces were looked for, so far in the iteration or in the complete one. */
+void smr_log_tick(smr_log *log, const smr_tick_report *report, smr_status status, uint32_t n_evaluated);
+
+#endif

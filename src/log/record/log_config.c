@@ -1,0 +1,86 @@
+/* log_config.c: the configuration in a log's header. Versions 2 and 3 write each setting with its number of the table
+ * (base/settings_config.def), so that fields can move and be added; a setting that a log lacks has its default.
+ * Before version 3 every target was taken as whole. Version 1 has the struct of library 0.1 as it lay in memory: its
+ * words are the numbers up to 44, with the cookie as word 0.
+ * Bounds: SMR_LOG_CONFIG_WORDS words, the table's rows for each of them.
+ * SPDX-License-Identifier: MIT */
+#include "base/settings.h"
+#include "log/record/log.h"
+
+#define SMR_LOG_WORDS_V1 45u
+#define SMR_LOG_COVERAGE 3u /* the version since which targets may show parts only */
+
+typedef struct log_row {
+    uint32_t number, offset, n; /* n: words */
+} log_row;
+
+static const log_row rows[] = {
+#define SMR_GROUP(title)
+#define SMR_SETTING(kind, number, name, unit, low, high, ends, value, image, text)                                     \
+    {number, (uint32_t)offsetof(smr_config, name), (uint32_t)(sizeof(((smr_config *)NULL)->name) / 4u)},
+#include "base/settings_config.def"
+};
+
+#define SMR_LOG_ROWS (sizeof rows / sizeof rows[0])
+
+/* One bit for each setting that was read. */
+#define SMR_LOG_SEEN_WORDS ((SMR_LOG_ROWS + 31u) / 32u)
+
+void smr_log_put_config(unsigned char *to, const smr_config *config)
+{
+    for (size_t i = 0; i < SMR_LOG_ROWS; i++) {
+        smr_log_put32(to, rows[i].number | rows[i].n << 16);
+        to += 4;
+        for (uint32_t k = 0; k < rows[i].n; k++, to += 4) {
+            uint32_t word;
+            memcpy(&word, (const unsigned char *)config + rows[i].offset + 4u * k, sizeof word);
+            smr_log_put32(to, word);
+        }
+    }
+}
+
+static void set(smr_config *config, const log_row *row, const unsigned char *from)
+{
+    for (uint32_t k = 0; k < row->n; k++) {
+        const uint32_t word = smr_log_get32(from + 4u * k);
+        memcpy((unsigned char *)config + row->offset + 4u * k, &word, sizeof word);
+    }
+}
+
+/* The row of this number and size; SMR_LOG_ROWS when there is none. */
+static size_t row_of(uint32_t head)
+{
+    size_t i = 0;
+    while (i < SMR_LOG_ROWS && (rows[i].number | rows[i].n << 16) != head)
+        i++;
+    return i;
+}
+
+static smr_status get_numbered(const unsigned char *from, uint32_t n_words, smr_config *config)
+{
+    uint32_t seen[SMR_LOG_SEEN_WORDS] = {0};
+    for (uint32_t at = 0; at < n_words;) {
+        const size_t i = row_of(smr_log_get32(from + 4u * at));
+        if (i == SMR_LOG_ROWS || (seen[i / 32u] >> i % 32u & 1u) != 0u || n_words - at - 1u < rows[i].n)
+            return SMR_E_LOG;
+        seen[i / 32u] |= 1u << i % 32u;
+        set(config, &rows[i], from + 4u * ((size_t)at + 1u));
+        at += 1u + rows[i].n;
+    }
+    return SMR_OK;
+}
+
+smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint32_t version, smr_config *config)
+{
+    *config = smr_config_default();
+    if (version < SMR_LOG_COVERAGE)
+        config->coverage = SMR_COVERAGE_WHOLE;
+    if (version == 2u || version == SMR_LOG_VERSION)
+        return get_numbered(from, n_words, config);
+    if (version != 1u || n_words != SMR_LOG_WORDS_V1)
+        return SMR_E_LOG;
+    for (size_t i = 0; i < SMR_LOG_ROWS; i++)
+        if (rows[i].number + rows[i].n <= SMR_LOG_WORDS_V1)
+            set(config, &rows[i], from + 4u * (size_t)rows[i].number);
+    return SMR_OK;
+}

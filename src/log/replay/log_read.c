@@ -1,0 +1,161 @@
+/* log_read.c: reads a log back, record by record. The bytes may come from anywhere: every length, kind and flag is
+ * checked before it is used, nothing outside is read, and each record takes the reader further, so reading ends.
+ * SPDX-License-Identifier: MIT */
+#include "log/record/log.h"
+
+/* Where the records start; 0 when the header's lengths do not agree with each other or with the bytes there are. */
+static size_t header_bytes(const unsigned char *at, size_t bytes)
+{
+    if (bytes < SMR_LOG_FIXED + 4u || smr_log_get32(at) != SMR_LOG_MAGIC)
+        return 0;
+    const uint32_t header = smr_log_get32(at + 8), n_config = smr_log_get32(at + 24);
+    return header <= bytes && n_config <= header / 4u && header == SMR_LOG_FIXED + 4u * n_config + 4u ? header : 0u;
+}
+
+smr_status smr_log_open(const void *log, size_t bytes, smr_log_reader *reader, smr_log_info *info)
+{
+    const unsigned char *at = log;
+    smr_config config;
+    if (log == NULL || reader == NULL)
+        return SMR_E_NULL;
+    const size_t header = header_bytes(at, bytes);
+    if (header == 0u || smr_log_get32(at + header - 4u) != smr_crc32(0, at, header - 4u) ||
+        smr_log_get_config(at + SMR_LOG_FIXED, smr_log_get32(at + 24), smr_log_get32(at + 4), &config) != SMR_OK)
+        return SMR_E_LOG;
+    reader->log = at;
+    reader->bytes = bytes;
+    reader->at = header;
+    reader->checksum = smr_log_get32(at + header - 4u);
+    if (info == NULL)
+        return SMR_OK;
+    info->config = config;
+    info->library = smr_log_get32(at + 12);
+    info->model_checksum = smr_log_get32(at + 16);
+    info->n_vertices = smr_log_get32(at + 20);
+    return SMR_OK;
+}
+
+static uint64_t joined(const uint32_t *word) { return (uint64_t)word[1] << 32 | word[0]; }
+
+static float float_of(uint32_t bits)
+{
+    float v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+static smr_status take_tick(const uint32_t *word, smr_log_record *r)
+{
+    r->complete = word[0] & 1u;
+    r->done = word[0] >> 1 & 1u;
+    r->phase = word[0] >> 8;
+    r->iteration = word[1];
+    r->n_taken = word[2];
+    r->n_evaluated = word[3];
+    r->n_forces = word[4];
+    r->plastic_updates = word[5];
+    r->state_hash = joined(word + 6);
+    const int legal = (word[0] & 0xfcu) == 0u && r->phase < SMR_PHASES && (!r->complete || r->phase == 0u);
+    return legal ? SMR_OK : SMR_E_LOG;
+}
+
+static smr_status take_landmark(const uint32_t *word, smr_log_record *r)
+{
+    r->count = word[0];
+    r->index = word[1];
+    if (r->count == 0u)
+        return r->index == 0u ? SMR_OK : SMR_E_LOG;
+    r->landmark.structure = word[2];
+    r->landmark.vertex = word[3];
+    for (uint32_t c = 0; c < 3u; c++) {
+        r->landmark.rest[c] = float_of(word[4u + c]);
+        r->landmark.place[c] = float_of(word[7u + c]);
+    }
+    r->landmark.weight = float_of(word[10]);
+    r->landmark.hard = word[11];
+    return r->index < r->count && r->count <= SMR_LANDMARKS_MAX && word[11] <= 1u ? SMR_OK : SMR_E_LOG;
+}
+
+/* 0: taken away; 1: set; 2: what it gave. */
+static smr_status take_force(const uint32_t *word, smr_log_record *r)
+{
+    r->present = word[0] == 1u;
+    r->gave = word[0] == 2u;
+    r->checksum = joined(word + 1);
+    return word[0] <= 2u && (r->gave || r->checksum == 0u) ? SMR_OK : SMR_E_LOG;
+}
+
+static smr_status take(const uint32_t *word, smr_log_record *r)
+{
+    const uint32_t *sum = NULL;
+    if (r->kind == SMR_LOG_TICK)
+        return take_tick(word, r);
+    if (r->kind == SMR_LOG_LANDMARKS)
+        return take_landmark(word, r);
+    if (r->kind == SMR_LOG_FORCE)
+        return take_force(word, r);
+    if (r->kind == SMR_LOG_VOLUME_RATIO) {
+        r->structure = word[0];
+        r->ratio = float_of(word[1]); /* as hostile as a pose: checked where it is set */
+        return SMR_OK;
+    }
+    if (r->kind == SMR_LOG_SURFACE || r->kind == SMR_LOG_POINTS || r->kind == SMR_LOG_GOALS) {
+        r->structure = word[0];
+        r->present = word[1];
+        sum = word + 2;
+    } else if (r->kind == SMR_LOG_FIXED_SURFACE) {
+        r->index = word[0];
+        r->present = word[1];
+        sum = word + 2;
+    } else if (r->kind == SMR_LOG_VOLUME) {
+        r->present = word[0];
+        sum = word + 1;
+    } else if (r->kind == SMR_LOG_POSITIONS || r->kind == SMR_LOG_MOTION) {
+        r->structure = word[0];
+        r->present = 1;
+        sum = word + 1;
+    } else if (r->kind == SMR_LOG_POSE) {
+        for (uint32_t i = 0; i < 12u; i++)
+            r->pose.m[i / 4u][i % 4u] = float_of(word[i]);
+    } else if (r->kind == SMR_LOG_ACTIVE) {
+        r->n_taken = word[0];
+    }
+    if (sum != NULL)
+        r->checksum = joined(sum);
+    return r->present > 1u || (sum != NULL && (r->checksum != 0u) != (r->present == 1u)) ? SMR_E_LOG : SMR_OK;
+}
+
+smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record)
+{
+    uint32_t word[SMR_LOG_WORDS];
+    if (reader == NULL || record == NULL)
+        return SMR_E_NULL;
+    memset(record, 0, sizeof *record);
+    if (reader->log == NULL || reader->at > reader->bytes)
+        return SMR_E_LOG;
+    const size_t left = reader->bytes - reader->at;
+    const unsigned char *at = reader->log + reader->at;
+    if (left == 0u)
+        return SMR_OK;
+    if (left < SMR_LOG_FRAME)
+        return SMR_E_LOG;
+    const uint32_t head = smr_log_get32(at), kind = head & 255u, n = smr_log_words(kind),
+                   bytes = SMR_LOG_FRAME + 4u * n;
+    if (n == 0u || head >> 8 != bytes || left < bytes)
+        return SMR_E_LOG;
+    const uint32_t crc = smr_crc32(reader->checksum, at, bytes - 4u);
+    if (smr_log_get32(at + bytes - 4u) != crc)
+        return SMR_E_LOG;
+    for (uint32_t i = 0; i < n; i++)
+        word[i] = smr_log_get32(at + 4u + 4u * i);
+    smr_log_record r;
+    memset(&r, 0, sizeof r);
+    r.kind = kind;
+    const smr_status status = take(word, &r);
+    if (status != SMR_OK)
+        return status;
+    *record = r;
+    reader->at += bytes;
+    reader->checksum = crc;
+    return SMR_OK;
+}

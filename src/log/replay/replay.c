@@ -1,0 +1,244 @@
+/* replay.c: repeats a recorded registration from its log and its inputs, to the last bit, on any processor and any
+ * number of threads. A budget decides how many vertices an iteration takes, and at which of the caller's inputs it
+ * looks; both are in the log. So each complete iteration is run in one piece with that number of vertices, and inputs
+ * are set where they counted: one that came while an iteration still gathered its forces started it again and counts
+ * before it, a later one counts after it, and one that starts the schedule over gives the iteration up.
+ * Bounds: a tick reads the log's records at most twice.
+ * SPDX-License-Identifier: MIT */
+#include "registration/registration.h"
+
+smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx, smr_replay *replay)
+{
+    smr_log_reader reader;
+    smr_log_info info;
+    if (replay == NULL || s == NULL || log == NULL)
+        return SMR_E_NULL;
+    if (!smr_ready(s) || !s->log.fresh)
+        return SMR_E_STATE;
+    const smr_status status = smr_log_open(log, bytes, &reader, &info);
+    if (status != SMR_OK)
+        return status;
+    if (info.model_checksum != smr_le32(s->shared.model->checksum) || info.n_vertices != s->shared.n)
+        return SMR_E_MODEL;
+    info.config.n_workers = s->shared.config.n_workers; /* makes no difference */
+    if (memcmp(&info.config, &s->shared.config, sizeof info.config) != 0)
+        return SMR_E_CONFIG;
+    memset(replay, 0, sizeof *replay);
+    replay->s = s;
+    replay->reader = reader;
+    replay->input = input;
+    replay->ctx = ctx;
+    return SMR_OK;
+}
+
+/* Landmarks are set with the last of their records, which follow each other. */
+static smr_status set_landmark(smr_replay *r, const smr_log_record *record)
+{
+    if (record->index != r->n_landmarks || (record->index > 0u && record->count != r->count))
+        return SMR_E_LOG;
+    r->count = record->count;
+    r->landmark[r->n_landmarks++] = record->landmark;
+    if (r->n_landmarks < record->count)
+        return SMR_OK;
+    r->n_landmarks = 0;
+    return smr_set_landmarks(r->s, r->landmark, record->count);
+}
+
+/* 1 for what only forces look at: it counts in the iteration under way, or from the next one on. */
+static int of_forces(uint32_t kind)
+{
+    return kind == SMR_LOG_SURFACE || kind == SMR_LOG_POINTS || kind == SMR_LOG_LANDMARKS || kind == SMR_LOG_GOALS ||
+           kind == SMR_LOG_FORCE || kind == SMR_LOG_FIXED_SURFACE || kind == SMR_LOG_VOLUME_RATIO;
+}
+
+/* Goals and forces of the caller's own. */
+static smr_status set_caller(smr *s, const smr_log_record *record, const void *given)
+{
+    if (record->kind == SMR_LOG_FORCE) {
+        const smr_caller_force *own = given;
+        if (own != NULL && own->force == NULL)
+            return SMR_E_INPUT;
+        return smr_set_force(s, own != NULL ? own->force : NULL, own != NULL ? own->ctx : NULL);
+    }
+    const smr_goals *goals = given;
+    if (goals == NULL)
+        return smr_set_goals(s, record->structure, NULL, NULL);
+    if (record->structure >= s->shared.n_structures)
+        return SMR_E_LOG;
+    if (goals->xyz == NULL ||
+        smr_goals_checksum(goals, s->shape.structure[record->structure].n_vertices) != record->checksum)
+        return SMR_E_INPUT;
+    return smr_set_goals(s, record->structure, goals->xyz, goals->weights);
+}
+
+/* Masses and velocities, which are always there. */
+static smr_status set_motion(smr *s, const smr_log_record *record, const smr_motion *motion)
+{
+    const uint32_t n = s->shape.structure[record->structure].n_vertices;
+    if ((motion->mass == NULL && motion->velocity == NULL) || smr_motion_checksum(motion, n) != record->checksum)
+        return SMR_E_INPUT;
+    return smr_set_motion(s, record->structure, motion->mass, motion->velocity);
+}
+
+/* Sets one recorded input again. */
+static smr_status set_input(smr_replay *r, const smr_log_record *record)
+{
+    const void *given = NULL;
+    smr *s = r->s;
+    if (record->kind == SMR_LOG_POSE)
+        return smr_set_pose(s, &record->pose);
+    if (record->kind == SMR_LOG_LANDMARKS)
+        return set_landmark(r, record);
+    if (record->kind == SMR_LOG_VOLUME_RATIO)
+        return smr_set_volume_ratio(s, record->structure, record->ratio);
+    const int owned =
+        record->kind == SMR_LOG_POSITIONS || record->kind == SMR_LOG_GOALS || record->kind == SMR_LOG_MOTION;
+    if (owned && record->structure >= s->shared.n_structures)
+        return SMR_E_LOG;
+    if (record->present) {
+        given = r->input == NULL ? NULL : r->input(r->ctx, record);
+        if (given == NULL)
+            return SMR_E_INPUT;
+    }
+    if (record->kind == SMR_LOG_GOALS || record->kind == SMR_LOG_FORCE)
+        return set_caller(s, record, given);
+    if (record->kind == SMR_LOG_MOTION)
+        return set_motion(s, record, given);
+    if (record->kind == SMR_LOG_SURFACE || record->kind == SMR_LOG_FIXED_SURFACE) {
+        const smr_surface *surface = given;
+        if (surface != NULL && (!smr_surface_valid(surface) || smr_surface_checksum(surface) != record->checksum))
+            return SMR_E_INPUT;
+        return record->kind == SMR_LOG_SURFACE ? smr_set_surface(s, record->structure, surface)
+                                               : smr_set_fixed(s, record->index, surface);
+    }
+    if (record->kind == SMR_LOG_POINTS) {
+        const smr_points *points = given;
+        if (points != NULL && (!smr_points_valid(points) || smr_cloud_checksum(points) != record->checksum))
+            return SMR_E_INPUT;
+        return smr_set_points(s, record->structure, points);
+    }
+    if (record->kind == SMR_LOG_VOLUME) {
+        smr_grid grid;
+        if (given != NULL && (smr_grid_open(given, &grid) != SMR_OK || smr_volume_checksum(given) != record->checksum))
+            return SMR_E_INPUT;
+        return smr_set_volume(s, given);
+    }
+    if (smr_points_checksum(given, s->shape.structure[record->structure].n_vertices) != record->checksum)
+        return SMR_E_INPUT;
+    return smr_set_positions(s, record->structure, given);
+}
+
+/* The goals that were set while an iteration had its forces already. Those records lie between r->later and the
+ * reader. */
+static smr_status set_later(smr_replay *r, smr_log_record *record)
+{
+    smr_status status = SMR_OK;
+    while (status == SMR_OK && r->has_later && r->later.at < r->reader.at) {
+        status = smr_log_next(&r->later, record);
+        if (status == SMR_OK && of_forces(record->kind) && !record->gave)
+            status = set_input(r, record);
+    }
+    r->has_later = 0;
+    return status == SMR_OK && r->n_landmarks > 0u ? SMR_E_LOG : status; /* the rest of a set is missing */
+}
+
+/* Sets an input now, or notes that it comes when the iteration under way is complete. */
+static smr_status take_input(smr_replay *r, const smr_log_reader *before, smr_log_record *record)
+{
+    if (of_forces(record->kind) && r->has_forces) {
+        if (!r->has_later)
+            r->later = *before;
+        r->has_later = 1;
+        return SMR_OK;
+    }
+    if (!of_forces(record->kind)) {
+        smr_log_record earlier;
+        const smr_status status = set_later(r, &earlier);
+        r->has_forces = 0;
+        if (status != SMR_OK) {
+            *record = earlier;
+            return status;
+        }
+    }
+    return set_input(r, record);
+}
+
+/* The state of this registration as a record. */
+static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
+{
+    smr_log_record found = *recorded;
+    found.iteration = s->pace.iteration;
+    found.state_hash = s->report.state_hash;
+    found.done = s->pace.done;
+    found.plastic_updates = s->pace.plastic_updates;
+    if (recorded->complete) {
+        found.n_taken = found.n_evaluated = s->report.n_taken;
+        found.n_forces = s->report.n_forces;
+        found.checksum = s->forces.caller.told;
+    }
+    return found;
+}
+
+static int differ(const smr_log_record *a, const smr_log_record *b)
+{
+    return a->iteration != b->iteration || a->state_hash != b->state_hash || a->done != b->done ||
+           a->plastic_updates != b->plastic_updates || a->n_taken != b->n_taken || a->n_forces != b->n_forces ||
+           a->checksum != b->checksum;
+}
+
+static smr_status take_tick(smr_replay *r, smr_replay_report *report)
+{
+    smr_status status = SMR_OK;
+    smr_log_record *const recorded = &report->record;
+    recorded->checksum = r->gave;
+    r->gave = 0;
+    if (recorded->complete) {
+        status = smr_set_active(r->s, recorded->n_taken);
+        if (status == SMR_OK)
+            status = smr_tick(r->s, 0, NULL);
+        if (status != SMR_OK)
+            return status;
+    }
+    r->has_forces = !recorded->complete && recorded->phase != SMR_PHASE_FORCES;
+    report->found = found_here(r->s, recorded);
+    report->differs = (uint32_t)differ(recorded, &report->found);
+    if (recorded->complete) {
+        smr_log_record late;
+        status = set_later(r, &late);
+        if (status != SMR_OK)
+            report->record = late;
+    }
+    return status;
+}
+
+smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report)
+{
+    smr_status status = SMR_OK;
+    if (replay == NULL || report == NULL)
+        return SMR_E_NULL;
+    memset(report, 0, sizeof *report);
+    report->tick = replay->n_ticks + 1u;
+    while (status == SMR_OK) {
+        const smr_log_reader before = replay->reader;
+        status = smr_log_next(&replay->reader, &report->record);
+        const uint32_t kind = report->record.kind;
+        if (status != SMR_OK)
+            break;
+        if (kind == 0u || kind == SMR_LOG_FULL) {
+            report->ended = 1;
+            report->tick = replay->n_ticks;
+            report->full = kind == SMR_LOG_FULL;
+            replay->reader = before; /* stays here */
+            break;
+        }
+        if (kind == SMR_LOG_TICK) {
+            replay->n_ticks++;
+            return take_tick(replay, report);
+        }
+        if (report->record.gave)
+            replay->gave = report->record.checksum;
+        else if (kind != SMR_LOG_ACTIVE)
+            status = take_input(replay, &before, &report->record);
+    }
+    return status;
+}

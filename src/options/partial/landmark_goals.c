@@ -1,0 +1,142 @@
+/* landmark_goals.c: where landmarks' points of the model are, and where they want to be. A point off the surface keeps
+ * to its foot there; the vertices around the foot turn what lies between.
+ * Bounds: SMR_LANDMARK_NEAR pairs of a fit for a landmark off the surface.
+ * SPDX-License-Identifier: MIT */
+#include "options/partial/landmark_goals.h"
+
+#define SMR_MORE_SHARE 0.2f /* of what is left in an iteration, added to what a hard landmark asks for */
+#define SMR_MORE_MOST 0.1f  /* of the reach: most that is asked for beyond its place */
+
+/* A copy with 0 where nothing was written. */
+static smr_bound_landmark without_rest(const smr_bound_landmark *b)
+{
+    smr_bound_landmark copy = *b;
+    for (uint32_t i = copy.n_near; i < SMR_LANDMARK_NEAR; i++)
+        copy.near[i] = 0;
+    for (uint32_t c = 0; copy.given.vertex != SMR_NONE && c < 3u; c++)
+        copy.given.rest[c] = 0.0f;
+    copy.given.weight = copy.given.hard ? 0.0f : copy.given.weight;
+    return copy;
+}
+
+/* A landmark is the caller's, but copied; what it is bound to is kept rather than sought again. */
+static void keep_landmark(smr_arena *a, smr_bound_landmark *b, const smr_shared *c, int set)
+{
+    smr_landmark *given = &b->given;
+    smr_keep_words(a, &given->structure, 1, UINT32_MAX);
+    smr_keep_words(a, &given->vertex, 1, UINT32_MAX);
+    smr_keep_floats(a, given->rest, 3, -SMR_COORD_MAX, SMR_COORD_MAX);
+    smr_keep_floats(a, given->place, 3, -SMR_COORD_MAX, SMR_COORD_MAX);
+    smr_keep_floats(a, &given->weight, 1, 0.0f, 1000.0f);
+    smr_keep_words(a, &given->hard, 1, 1);
+    smr_keep_words(a, b->corner, 3, c->n - 1u);
+    smr_keep_floats(a, b->share, 3, -0.001f, SMR_KEPT_UNIT);
+    smr_keep_floats(a, &b->foot.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
+    smr_keep_floats(a, &b->apart.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
+    smr_keep_floats(a, &b->more.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
+    smr_keep_words(a, &b->n_near, 1, SMR_LANDMARK_NEAR);
+    smr_keep_words(a, b->near, SMR_LANDMARK_NEAR, c->n - 1u);
+    smr_keep_require(a, !set || given->hard || given->weight >= 0.001f);
+    smr_keep_require(a, !set || smr_within(b->share[0] + b->share[1] + b->share[2] - 1.0f, 0.001f));
+}
+
+void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_shared *shared)
+{
+    if (shared->config.n_landmarks == 0u)
+        return;
+    g->landmark = smr_slot_scratch(a, g->landmark, shared->config.n_landmarks, sizeof *g->landmark);
+    g->seen = smr_slot_bytes(a, g->seen, shared->n, SMR_SEEN_ONE);
+    smr_keep_words(a, &g->n, 1, shared->config.n_landmarks);
+    for (uint32_t k = 0; smr_keeps(a) && k < shared->config.n_landmarks; k++) {
+        const smr_bound_landmark none = {0};
+        smr_bound_landmark b = k < g->n && g->landmark != NULL ? without_rest(&g->landmark[k]) : none;
+        keep_landmark(a, &b, shared, k < g->n);
+        if (g->landmark != NULL && a->keeper->mode == SMR_KEEP_RESTORE)
+            g->landmark[k] = b;
+    }
+}
+
+void smr_landmark_goals_wire(smr_landmark_goals *g, const smr_shared *shared, const smr_pace *pace,
+                             const smr_shape *shape)
+{
+    g->shared = shared;
+    g->pace = pace;
+    g->shape = shape;
+    g->reach = smr_max(SMR_HARD_EDGES * smr_le_float(shared->model->edge_mm), 1.0e-3f);
+}
+
+void smr_landmark_goals_reset(smr_landmark_goals *g)
+{
+    if (g->seen != NULL)
+        memset(g->seen, 0, g->shared->n);
+    for (uint32_t k = 0; k < g->n; k++)
+        g->landmark[k].more = smr_v(0, 0, 0);
+}
+
+/* At the last radius, where that has clusters of several vertices, a hard landmark asks for more by what is left, until
+ * it is reached (integral control). */
+void smr_landmark_goals_stand(smr_landmark_goals *g)
+{
+    const float most = SMR_MORE_MOST * g->reach;
+    if (!smr_at_last_radius(g->shared, g->pace) || g->pace->lists.largest <= 1u)
+        return;
+    for (uint32_t k = 0; k < g->n; k++) {
+        smr_bound_landmark *b = &g->landmark[k];
+        if (b->given.hard == 0u)
+            continue;
+        const smr_vec left = smr_sub(smr_landmark_goal(g, k), smr_landmark_foot(g, k, g->shape->x));
+        const smr_vec more = smr_add(b->more, smr_scale(left, SMR_MORE_SHARE));
+        const float length = smr_length(more);
+        b->more = length > most ? smr_scale(more, most / length) : more;
+    }
+}
+
+smr_vec smr_landmark_foot(const smr_landmark_goals *g, uint32_t k, float *xyz)
+{
+    const smr_bound_landmark *b = &g->landmark[k];
+    smr_vec sum = smr_v(0, 0, 0);
+    for (uint32_t c = 0; c < 3u; c++)
+        sum = smr_add(sum, smr_scale(smr_load(smr_at3(xyz, b->corner[c])), b->share[c]));
+    return sum;
+}
+
+smr_vec smr_landmark_apart(const smr_landmark_goals *g, uint32_t k)
+{
+    const smr_bound_landmark *b = &g->landmark[k];
+    smr_fit fit;
+    if (b->n_near == 0u)
+        return smr_v(0, 0, 0);
+    smr_fit_start(&fit, b->foot, smr_load(smr_at3(g->shape->x, b->corner[0])));
+    for (uint32_t i = 0; i < b->n_near; i++)
+        smr_fit_add(&fit, smr_rest(g->shared, b->near[i]), smr_load(smr_at3(g->shape->x, b->near[i])), 1.0f);
+    const smr_pose pose = smr_fit_solve(&fit, 1);
+    return smr_sub(smr_pose_apply(&pose, b->apart), smr_v(pose.m[0][3], pose.m[1][3], pose.m[2][3]));
+}
+
+smr_vec smr_landmark_goal(const smr_landmark_goals *g, uint32_t k)
+{
+    const smr_vec place = smr_sub(smr_load(g->landmark[k].given.place), g->shape->origin);
+    return smr_sub(place, smr_landmark_apart(g, k));
+}
+
+float smr_landmark_prevails(const smr_landmark_goals *g, uint32_t k, uint32_t v)
+{
+    const smr_bound_landmark *b = &g->landmark[k];
+    const smr_vec at = smr_load(smr_at3(g->shape->start, v));
+    float least = g->reach * g->reach;
+    for (uint32_t c = 0; c < 3u; c++) {
+        const smr_vec d = smr_sub(at, smr_load(smr_at3(g->shape->start, b->corner[c])));
+        if (b->share[c] > 0.0f)
+            least = smr_min(least, smr_dot(d, d));
+    }
+    return smr_bump(SMR_SQRT(least) / g->reach);
+}
+
+int smr_landmark_binds(const smr_landmark_goals *g, uint32_t v)
+{
+    int binds = 0;
+    for (uint32_t k = 0; k < g->n; k++)
+        for (uint32_t c = 0; c < 3u; c++)
+            binds |= g->landmark[k].corner[c] == v && g->landmark[k].share[c] > 0.0f;
+    return binds;
+}

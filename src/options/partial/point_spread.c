@@ -1,0 +1,139 @@
+/* point_spread.c: spreads the pulls of a cloud's points over the mesh, so that the noise of near points averages out
+ * and the vertices between a few points have goals, too: a normalised convolution (Knutsson and Westin 1993). In each
+ * round a vertex keeps half of its pull and of its weight, and takes half of its mesh neighbours' mean. What is spread
+ * is the way that is left, not positions: at the end it is 0 in the mean, and the model keeps its own fine shape.
+ * Rounds go on until every vertex reached has several points within reach, whatever the mesh. Along the mesh, because
+ * the far side of a thin wall is near in space.
+ * All clouds of a registration spread as far. Not of the active vertices alone: a budget may leave more out after this.
+ * Bounds: SMR_ROUNDS_MAX passes over triangles and vertices, one over the pulls.
+ * SPDX-License-Identifier: MIT */
+#include "options/partial/point_spread.h"
+
+#define SMR_ROUNDS_LEAST 2u
+#define SMR_ROUNDS_MAX 12u
+#define SMR_REACH_POINTS 4.0f /* points within reach of a vertex, in the mean */
+
+void smr_point_spread_wire(smr_point_spread *p, const smr_shared *shared, const smr_shape *shape,
+                           smr_surface_goals *goals, const smr_overlay *overlay)
+{
+    p->shared = shared;
+    p->shape = shape;
+    p->goals = goals;
+    p->memory = overlay->spread;
+    goals->spread = overlay->spread.pull;
+}
+
+static uint32_t vertex_tasks(const smr_point_spread *p) { return smr_ceil_div(p->shared->n, SMR_CHUNK); }
+static uint32_t round_tasks(const smr_point_spread *p)
+{
+    return smr_ceil_div(p->shared->n_triangles, SMR_TRIANGLE_CHUNK) + vertex_tasks(p);
+}
+
+uint32_t smr_point_spread_tasks(const void *arg)
+{
+    const smr_point_spread *p = arg;
+    return p->goals->n_clouds > 0u ? vertex_tasks(p) + p->rounds * round_tasks(p) : 0u;
+}
+
+static smr_target *cloud_of(const smr_point_spread *p, uint32_t v)
+{
+    smr_target *t = &p->goals->target[smr_model_owner(p->shared->model, v)];
+    return t->surface != NULL && smr_is_cloud(t->surface) ? t : NULL;
+}
+
+/* Takes the points' pulls. */
+static void take(smr_point_spread *p, uint32_t v)
+{
+    int64_t sum[4];
+    float *pull = p->memory.pull + 4u * (size_t)v, *next = p->memory.next + 4u * (size_t)v;
+    p->memory.count[v] = 0.0f;
+    for (uint32_t i = 0; i < 4u; i++)
+        pull[i] = next[i] = 0.0f;
+    if (cloud_of(p, v) == NULL)
+        return;
+    smr_pull_sum(p->goals, v, sum);
+    for (uint32_t i = 0; i < 4u; i++)
+        pull[i] = (float)sum[i] * (1.0f / SMR_PULL_SCALE);
+    p->weight += pull[3];
+}
+
+static void add(const smr_point_spread *p, const uint32_t *t)
+{
+    for (uint32_t c = 0; c < 3u; c++) {
+        float *to = p->memory.next + 4u * (size_t)t[c];
+        const float *a = p->memory.pull + 4u * (size_t)t[(c + 1u) % 3u];
+        const float *b = p->memory.pull + 4u * (size_t)t[(c + 2u) % 3u];
+        for (uint32_t i = 0; i < 4u; i++)
+            to[i] += a[i] + b[i];
+        p->memory.count[t[c]] += 2.0f;
+    }
+}
+
+static void combine(smr_point_spread *p, uint32_t v)
+{
+    float *pull = p->memory.pull + 4u * (size_t)v, *next = p->memory.next + 4u * (size_t)v;
+    const float share = p->memory.count[v] > 0.0f ? 1.0f / p->memory.count[v] : 0.0f;
+    p->memory.count[v] = 0.0f;
+    for (uint32_t i = 0; i < 4u; i++) {
+        pull[i] = 0.5f * (pull[i] + share * next[i]);
+        next[i] = 0.0f;
+    }
+    p->n_reached += pull[3] > 0.0f;
+}
+
+/* Each structure's mean weight over the vertices reached. */
+static void measure(const smr_point_spread *p)
+{
+    for (uint32_t i = 0; i < p->shared->n_structures; i++) {
+        const smr_shape_structure *one = &p->shape->structure[i];
+        float sum = 0.0f, n = 0.0f;
+        for (uint32_t k = 0; k < one->n_vertices; k++) {
+            const uint32_t v = smr_model_position(p->shared->model, one->first_vertex + k);
+            const float weight = p->memory.pull[4u * (size_t)v + 3u];
+            sum += weight;
+            n += weight > 0.0f ? 1.0f : 0.0f;
+        }
+        p->goals->target[i].spread = n > 0.0f ? sum / n : 0.0f;
+    }
+}
+
+/* A round is complete: another one while there are few points within reach. r rounds reach about 3 r (r + 1) + 1
+ * vertices. */
+static void end_round(smr_point_spread *p)
+{
+    const float r = (float)p->rounds;
+    const float points = p->weight * (3.0f * r * (r + 1.0f) + 1.0f);
+    if (p->rounds < SMR_ROUNDS_LEAST || (p->rounds < SMR_ROUNDS_MAX && points < SMR_REACH_POINTS * (float)p->n_reached))
+        p->rounds++;
+    else
+        measure(p);
+    p->n_reached = 0;
+}
+
+void smr_point_spread_run(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_point_spread *p = arg;
+    const uint32_t n = vertex_tasks(p), of_triangles = round_tasks(p) - n;
+    (void)worker;
+    if (task == 0u) {
+        p->rounds = 1;
+        p->n_reached = 0;
+        p->weight = 0.0f;
+    }
+    if (task < n) {
+        for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(p->shared, task); v++)
+            take(p, v);
+        return;
+    }
+    const uint32_t at = (task - n) % round_tasks(p);
+    if (at < of_triangles) {
+        const uint32_t last = smr_min_u32((at + 1u) * SMR_TRIANGLE_CHUNK, p->shared->n_triangles);
+        for (uint32_t k = at * SMR_TRIANGLE_CHUNK; k < last; k++)
+            add(p, p->shared->triangle + 3u * (size_t)k);
+        return;
+    }
+    for (uint32_t v = (at - of_triangles) * SMR_CHUNK; v < smr_chunk_end(p->shared, at - of_triangles); v++)
+        combine(p, v);
+    if (at + 1u == round_tasks(p))
+        end_round(p);
+}

@@ -1,0 +1,215 @@
+/* held_shape.c: the shape that tracking is elastic about. It is the result of the coarse-to-fine schedule; the
+ * reference shape x^r is that shape, not x, so errors do not creep into it. Clusters find small rotations best
+ * (match/match.c), and parts may turn against each other: so each structure is carried by the rigid pose that lays it
+ * onto x. The pose is fitted anew each time and nothing adds up; x^r follows when the iteration stands. A structure
+ * without triangles goes with the whole model.
+ * Bounds: a pass over the vertices in chunks and one in a piece, a fit for each structure.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/rotation/rigid_log.h"
+#include "registration/shape/shape.h"
+
+void smr_held_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
+{
+    const int ahead = shared->config.track != SMR_TRACK_OFF && shared->config.track_ahead > 0.0f;
+    smr_pose none = {{{0}}};
+    uint32_t gone = 0;
+    if (shared->config.track == SMR_TRACK_OFF && !shared->config.dynamics)
+        return;
+    shape->held = smr_slot_scratch(a, shape->held, 1, sizeof *shape->held);
+    shape->held_x = smr_slot_floats(a, shape->held_x, 3u * (size_t)shared->n, SMR_KEPT_MM);
+    shape->held_pose = smr_slot_scratch(a, shape->held_pose, shared->n_structures, sizeof *shape->held_pose);
+    if (smr_follows_images(shared))
+        shape->image_x = smr_slot_floats(a, shape->image_x, 3u * (size_t)shared->n, SMR_KEPT_MM);
+    if (ahead)
+        shape->held_last = smr_slot_scratch(a, shape->held_last, shared->n_structures, sizeof *shape->held_last);
+    if (!smr_keeps(a))
+        return;
+    if (ahead)
+        smr_keep_words(a, shape->held != NULL ? &shape->held->ahead : &gone, 1, 1);
+    for (uint32_t i = 0; ahead && i < shared->n_structures; i++) {
+        smr_keep_pose(a, shape->held_pose != NULL ? &shape->held_pose[i] : &none);
+        smr_keep_pose(a, shape->held_last != NULL ? &shape->held_last[i] : &none);
+    }
+    smr_keep_pose(a, shape->held != NULL ? &shape->held->rest_pose : &none); /* where there are no slots yet */
+}
+
+void smr_held_wire(smr_shape *shape)
+{
+    smr_held *h = shape->held;
+    if (h == NULL)
+        return;
+    memset(h, 0, sizeof *h);
+    memset(shape->held_x, 0, 3u * (size_t)shape->shared->n * sizeof(float));
+    memset(shape->held_pose, 0, shape->shared->n_structures * sizeof *shape->held_pose);
+    if (shape->image_x != NULL)
+        memset(shape->image_x, 0, 3u * (size_t)shape->shared->n * sizeof(float));
+    if (shape->held_last != NULL)
+        memset(shape->held_last, 0, shape->shared->n_structures * sizeof *shape->held_last);
+    for (uint32_t i = 0; i < shape->shared->n_structures; i++)
+        h->n_tasks += smr_ceil_div(shape->structure[i].n_vertices, SMR_MATCH_CHUNK);
+}
+
+void smr_held_derive(smr_shape *shape)
+{
+    if (shape->held != NULL)
+        shape->held->box = smr_box_of(shape->held_x, shape->shared->n);
+}
+
+void smr_held_start(smr_shape *shape)
+{
+    static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    for (uint32_t i = 0; i < shape->shared->n_structures; i++) {
+        shape->held_pose[i] = identity;
+        if (shape->held_last != NULL)
+            shape->held_last[i] = identity;
+    }
+    shape->held->ahead = 0;
+    memcpy(shape->held_x, shape->x, 3u * (size_t)shape->shared->n * sizeof(float));
+    shape->held->rest_pose = shape->rest_pose;
+    smr_held_derive(shape);
+}
+
+void smr_held_leave(smr_shape *shape)
+{
+    memcpy(shape->image_x, shape->x, 3u * (size_t)shape->shared->n * sizeof(float));
+}
+
+uint32_t smr_held_sum_tasks(const void *arg)
+{
+    const smr_shape *shape = arg;
+    return shape->held != NULL && shape->held->due ? shape->held->n_tasks : 0u;
+}
+
+static void begin(smr_fit *fit) { smr_fit_start(fit, smr_v(0, 0, 0), smr_v(0, 0, 0)); }
+
+/* Where the pose is to lay a vertex: x, or, when a time step ends, where the next one starts. */
+static smr_vec to_of(const smr_shape *shape, uint32_t v)
+{
+    const smr_vec x = smr_load(smr_at3(shape->x_next, v));
+    return shape->dynamics == NULL ? x : smr_dynamics_ahead(shape->dynamics, v, x);
+}
+
+/* A chunk of one structure, in the caller's order. */
+void smr_held_sum(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_shape *shape = arg;
+    smr_held *h = shape->held;
+    (void)worker;
+    if (task == 0u) {
+        h->structure = h->vertex = 0;
+        begin(&h->one);
+        begin(&h->all);
+    }
+    const smr_shape_structure *one = &shape->structure[h->structure];
+    const uint32_t last = smr_min_u32(h->vertex + SMR_MATCH_CHUNK, one->n_vertices);
+    for (; h->vertex < last; h->vertex++) {
+        const uint32_t v = smr_model_position(shape->shared->model, one->first_vertex + h->vertex);
+        const smr_vec from = smr_load(smr_at3(shape->held_x, v)), to = to_of(shape, v);
+        smr_fit_add(&h->one, from, to, 1.0f);
+        smr_fit_add(&h->all, from, to, 1.0f);
+    }
+    if (h->vertex < one->n_vertices)
+        return;
+    shape->held_pose[h->structure] = smr_fit_solve(&h->one, 0);
+    begin(&h->one);
+    h->structure++;
+    h->vertex = 0;
+}
+
+/* The pose q after p. */
+static smr_pose after(const smr_pose *q, const smr_pose *p)
+{
+    smr_pose r;
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 4; k++)
+            r.m[i][k] = q->m[i][0] * p->m[0][k] + q->m[i][1] * p->m[1][k] + q->m[i][2] * p->m[2][k];
+        r.m[i][3] += q->m[i][3];
+    }
+    return r;
+}
+
+void smr_held_sum_end(smr_shape *shape)
+{
+    smr_held *h = shape->held;
+    h->whole = smr_fit_solve(&h->all, 0);
+    for (uint32_t i = 0; i < shape->shared->n_structures; i++)
+        if (shape->structure[i].facets.n_triangles == 0u)
+            shape->held_pose[i] = h->whole;
+}
+
+void smr_held_stand(smr_shape *shape)
+{
+    if (shape->held == NULL || !shape->held->due)
+        return;
+    shape->held->ahead = 0;
+    shape->rest_pose = after(&shape->held->whole, &shape->held->rest_pose);
+    for (uint32_t v = 0; v < shape->shared->n; v++) {
+        const smr_pose *pose = &shape->held_pose[smr_model_owner(shape->shared->model, v)];
+        smr_store(smr_at3(shape->x_ref, v), smr_pose_apply(pose, smr_load(smr_at3(shape->held_x, v))));
+    }
+}
+
+/* The inverse of a rigid pose. */
+static smr_pose inverse(const smr_pose *p)
+{
+    smr_pose r;
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++)
+            r.m[i][k] = p->m[k][i];
+        r.m[i][3] = -(p->m[0][i] * p->m[0][3] + p->m[1][i] * p->m[1][3] + p->m[2][i] * p->m[2][3]);
+    }
+    return r;
+}
+
+/* A share of a rigid motion: along the same screw. */
+static smr_twist part_of(const smr_pose *p, float share)
+{
+    float r_minus_i[9];
+    for (uint32_t i = 0; i < 9u; i++)
+        r_minus_i[i] = p->m[i / 3u][i % 3u] - (i % 4u == 0u ? 1.0f : 0.0f);
+    smr_twist twist =
+        smr_twist_about(smr_rotation_log(r_minus_i), smr_v(0, 0, 0), smr_v(p->m[0][3], p->m[1][3], p->m[2][3]));
+    twist.turn = smr_scale(twist.turn, share);
+    twist.rate = smr_scale(twist.rate, share);
+    return twist;
+}
+
+static void move(float *xyz, const smr_twist *by, smr_vec *normal)
+{
+    const smr_vec x = smr_load(xyz);
+    smr_store(xyz, smr_add(x, smr_twist_move(*by, x, normal)));
+}
+
+/* A structure's vertices and their x^r. What the last iteration moved is carried on for the rest of the share: it is in
+ * the motion. */
+static void move_structure(smr_shape *shape, uint32_t structure, const smr_twist *by)
+{
+    const smr_shape_structure *one = &shape->structure[structure];
+    const float left = 1.0f - shape->shared->config.track_ahead;
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(shape->shared->model, one->first_vertex + i);
+        smr_vec normal = smr_load(smr_at3(shape->normal, v)), none = smr_v(0, 0, 0);
+        const smr_vec step = smr_sub(smr_load(smr_at3(shape->x, v)), smr_load(smr_at3(shape->x_next, v)));
+        move(smr_at3(shape->x, v), by, &normal);
+        smr_store(smr_at3(shape->x_next, v), smr_sub(smr_load(smr_at3(shape->x, v)), smr_scale(step, left)));
+        move(smr_at3(shape->x_ref, v), by, &none);
+        smr_store(smr_at3(shape->normal, v), normal);
+    }
+}
+
+/* Each structure by a share of what took it from where it was when targets were set last. */
+void smr_held_ahead(smr_shape *shape, int steady)
+{
+    if (shape->held_last == NULL || shape->held->ahead)
+        return;
+    shape->held->ahead = 1;
+    for (uint32_t i = 0; i < shape->shared->n_structures; i++) {
+        const smr_pose now = shape->held_pose[i], back = inverse(&shape->held_last[i]), by = after(&now, &back);
+        const smr_twist twist = part_of(&by, shape->shared->config.track_ahead);
+        shape->held_last[i] = now;
+        if (steady)
+            move_structure(shape, i, &twist);
+    }
+    if (steady)
+        smr_facets_now(shape);
+}

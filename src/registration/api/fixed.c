@@ -1,0 +1,24 @@
+/* fixed.c: surfaces that do not move, as they are set: what structures are kept out of.
+ * Bounds: one pass over the vertices.
+ * SPDX-License-Identifier: MIT */
+#include "registration/api/restart.h"
+#include "registration/api/setup.h"
+
+smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface)
+{
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!smr_changeable(s) || (surface != NULL && (!smr_surface_valid(surface) || smr_is_cloud(surface))))
+        return SMR_E_STATE;
+    smr_contact *c = &s->forces.contact;
+    if (c->fixed == NULL)
+        return SMR_E_ARENA;
+    if (index >= s->shared.config.n_fixed)
+        return SMR_E_INPUT;
+    if (s->n_awaited > 0u)
+        return smr_await_fixed(s, index, surface);
+    smr_contact_fix(c, index, surface);
+    smr_restart_forces(s, SMR_CALLED);
+    smr_log_fixed(&s->log, index, surface);
+    return SMR_OK;
+}

@@ -1,0 +1,87 @@
+/* init.c: starts a registration at the model's rest shape. smr_layout() runs twice: once to measure for
+ * smr_arena_bytes(), once to place for smr_init(). Until the arena is known to be large enough that is of a copy on the
+ * stack.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/rotation/rotation.h"
+#include "registration/api/config.h"
+#include "registration/api/setup.h"
+
+smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, size_t *bytes)
+{
+    smr s;
+    if (model == NULL || config == NULL || bytes == NULL)
+        return SMR_E_NULL;
+    const smr_status status = smr_config_check(config, model);
+    if (status != SMR_OK)
+        return status;
+    smr_count(&s, model, config);
+    smr_arena a = smr_arena_measure();
+    (void)smr_layout(&a, &s);
+    *bytes = a.used;
+    return a.used == SIZE_MAX ? SMR_E_INPUT : SMR_OK;
+}
+
+static void start_triangles(smr *s)
+{
+    const uint32_t *stored = smr_at(s->shared.model, s->shared.model->at_triangles);
+    s->shared.triangle = stored;
+    if (!SMR_BIG_ENDIAN)
+        return;
+    for (size_t i = 0; i < 3u * (size_t)s->shared.n_triangles; i++)
+        s->shape.own_triangle[i] = smr_le32(stored[i]);
+    s->shared.triangle = s->shape.own_triangle;
+}
+
+static void start_masses(smr_shared *c)
+{
+    c->mass_unit = 1.0f;
+    for (uint32_t v = 0; v < c->n; v++) {
+        const float m = smr_mass(c, v);
+        c->mass_max = smr_max(c->mass_max, m);
+        if (m != (float)(uint32_t)m)
+            c->mass_unit = SMR_MASS_UNITS;
+    }
+}
+
+smr_status smr_init(const smr_model *model, const smr_config *config, const smr_port *port, void *arena,
+                    size_t arena_bytes, smr **out)
+{
+    static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    smr s;
+    smr_arena a;
+    size_t needed;
+    if (out == NULL)
+        return SMR_E_NULL;
+    smr_status status = smr_arena_bytes(model, config, &needed);
+    if (status == SMR_OK)
+        status = smr_arena_start(&a, arena, arena_bytes);
+    if (status != SMR_OK)
+        return status;
+    if (port != NULL && (port->n_workers < 1u || port->n_workers > config->n_workers))
+        return SMR_E_CONFIG;
+    if (needed > arena_bytes)
+        return SMR_E_ARENA;
+    smr_count(&s, model, config);
+    smr_arena_release(arena, arena_bytes);
+    smr *self = smr_layout(&a, &s);
+    s.magic = SMR_STATE_MAGIC;
+    s.placed = self;
+    if (port != NULL)
+        s.port = *port;
+    s.shared.min_cos = smr_cos_degrees(config->normal_deg);
+    start_triangles(&s);
+    start_masses(&s.shared);
+    smr_budget_start(&s);
+    *self = s;
+    smr_wire(self);
+    smr_shape_start(&self->shape);
+    smr_volumes_model(&self->volumes);
+    smr_contact_model(&self->forces.contact);
+    smr_unseen_field_model(&self->forces.unseen);
+    if (smr_set_pose(self, &identity) != SMR_OK)
+        return SMR_E_CONFIG;
+    smr_smooth_rest(&self->forces.smooth);
+    self->log.fresh = 1;
+    *out = self;
+    return SMR_OK;
+}

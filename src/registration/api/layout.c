@@ -1,0 +1,59 @@
+/* layout.c: cuts the arena. The same code measures for smr_arena_bytes(), places for smr_init(), and goes over what is
+ * kept for smr_save() and smr_restore(): each stage lists its slots and fields once.
+ * SPDX-License-Identifier: MIT */
+#include "registration/api/setup.h"
+
+#include "registration/tick/schedule.h"
+
+void smr_count(smr *s, const smr_model *model, const smr_config *config)
+{
+    memset(s, 0, sizeof *s);
+    s->shared.model = model;
+    s->shared.config = *config;
+    s->shared.n = smr_le32(model->n_vertices);
+    s->shared.n_triangles = smr_le32(model->n_triangles);
+    s->shared.n_structures = smr_le32(model->n_structures);
+    s->shared.n_radii = smr_le32(model->n_radii);
+    s->shared.n_hinges = smr_le32(model->n_hinges);
+    s->shared.n_tasks = smr_ceil_div(s->shared.n, SMR_CHUNK);
+}
+
+smr *smr_layout(smr_arena *a, smr *s)
+{
+    const smr_shared *shared = &s->shared;
+    const uint32_t hinge_tasks = smr_ceil_div(shared->n_hinges, SMR_HINGE_CHUNK);
+    smr *self = smr_slot_scratch(a, NULL, 1, sizeof *self);
+    smr_overlay_layout(a, &s->overlay, shared->n, SMR_WORDS, smr_unseen_field_words(shared),
+                       smr_max_u32(smr_ceil_div(shared->n, SMR_MATCH_CHUNK), hinge_tasks));
+    smr_shape_layout(a, &s->shape, shared);
+    smr_forces_layout(a, &s->forces, shared);
+    smr_reference_layout(a, &s->reference, shared);
+    smr_match_layout(a, &s->match, shared);
+    smr_evolve_layout(a, &s->evolve, shared);
+    smr_volumes_layout(a, &s->volumes, shared);
+    smr_folds_layout(a, &s->folds, shared);
+    smr_log_keep(a, &s->log);
+    smr_budget_keep(a, &s->budget);
+    smr_report_keep(a, &s->report, shared->n);
+    smr_keep_inputs(a, s);
+    smr_schedule_keep(a, s); /* last: its ranges follow from the others */
+    return self;
+}
+
+void smr_wire(smr *s)
+{
+    const smr_shared *shared = &s->shared;
+    const smr_pace *pace = &s->pace;
+    const smr_overlay *overlay = &s->overlay;
+    s->shape.shared = shared;
+    if (s->shape.dynamics != NULL)
+        smr_dynamics_wire(s->shape.dynamics, shared);
+    smr_forces_wire(&s->forces, shared, pace, &s->shape, overlay);
+    smr_sums_wire(&s->sums, shared, pace, &s->forces, overlay);
+    smr_reference_wire(&s->reference, shared, pace, &s->shape, &s->sums, overlay);
+    smr_match_wire(&s->match, shared, pace, &s->reference, &s->sums, overlay);
+    smr_evolve_wire(&s->evolve, shared, pace, &s->shape, &s->forces, &s->reference, &s->sums, overlay);
+    smr_volumes_wire(&s->volumes, shared, pace, &s->shape, &s->sums);
+    s->forces.contact.moved_mm = &s->evolve.moved_mm;
+    smr_folds_wire(&s->folds, shared, pace, &s->shape, &s->evolve.evening, overlay);
+}

@@ -1,0 +1,110 @@
+/* restore.c: a registration out of saved bytes, which may come from anywhere: all of them are checked before the first
+ * one is used, and nothing is written until then.
+ * Bounds: two passes over the bytes; those of smr_init().
+ * SPDX-License-Identifier: MIT */
+#include "registration/api/saved.h"
+#include "options/dynamics/time_steps.h"
+
+static uint32_t word_of(const unsigned char *saved, uint32_t word) { return smr_log_get32(saved + 4u * word); }
+
+/* Bytes before the kept values; 0 when lengths do not agree or the bytes are damaged. */
+static size_t values_at(const unsigned char *saved, size_t bytes)
+{
+    if (bytes < SMR_SAVED_FIXED + 4u || word_of(saved, SMR_SAVED_AT_MAGIC) != SMR_SAVED_MAGIC ||
+        word_of(saved, SMR_SAVED_AT_VERSION) != SMR_SAVED_VERSION)
+        return 0;
+    const size_t all = word_of(saved, SMR_SAVED_AT_BYTES), n_config = word_of(saved, SMR_SAVED_AT_CONFIG_WORDS);
+    if (all > bytes || all < SMR_SAVED_FIXED + 4u || n_config > (all - SMR_SAVED_FIXED - 4u) / 4u ||
+        smr_log_get32(saved + all - 4u) != smr_crc32(0, saved, all - 4u))
+        return 0;
+    return SMR_SAVED_FIXED + 4u * n_config;
+}
+
+smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *info)
+{
+    const unsigned char *from = saved;
+    smr_config config;
+    if (saved == NULL || info == NULL)
+        return SMR_E_NULL;
+    if (values_at(from, saved_bytes) == 0u ||
+        smr_log_get_config(from + SMR_SAVED_FIXED, word_of(from, SMR_SAVED_AT_CONFIG_WORDS), SMR_LOG_VERSION,
+                           &config) != SMR_OK)
+        return SMR_E_SAVE;
+    info->bytes = word_of(from, SMR_SAVED_AT_BYTES);
+    info->library = word_of(from, SMR_SAVED_AT_LIBRARY);
+    info->model_checksum = word_of(from, SMR_SAVED_AT_MODEL);
+    info->n_vertices = word_of(from, SMR_SAVED_AT_VERTICES);
+    info->config = config;
+    return SMR_OK;
+}
+
+/* Goes over the kept values. Returns 1 when all are in their ranges and there are no more. */
+static int go_over(smr *s, uint32_t mode, const unsigned char *from, size_t bytes)
+{
+    smr_keeper k = {mode, 0, 0, NULL, from, values_at(from, bytes), word_of(from, SMR_SAVED_AT_BYTES) - 4u};
+    smr_arena a = smr_arena_measure();
+    a.keeper = &k;
+    (void)smr_layout(&a, s);
+    return !k.wrong && k.at == k.bytes && k.plan == word_of(from, SMR_SAVED_AT_PLAN);
+}
+
+/* The model, and a configuration that differs in nothing but n_workers. */
+static smr_status check(const smr_model *model, const smr_config *config, const smr_saved_info *info)
+{
+    size_t bytes;
+    if (info->model_checksum != smr_le32(model->checksum) || info->n_vertices != smr_le32(model->n_vertices))
+        return SMR_E_MODEL;
+    smr_config as_saved = info->config;
+    as_saved.n_workers = config->n_workers;
+    if (memcmp(&as_saved, config, sizeof as_saved) != 0)
+        return SMR_E_CONFIG;
+    return smr_arena_bytes(model, config, &bytes);
+}
+
+/* What the kept values tell, and what matching needs of x^r: with the next iteration. */
+static void derive(smr *s)
+{
+    s->shape.start_box = smr_box_of(s->shape.start, s->shared.n);
+    smr_image_goals_noise(&s->forces.image);
+    smr_facets_now(&s->shape);
+    smr_held_derive(&s->shape);
+    smr_volumes_scale(&s->volumes);
+    smr_smooth_start(&s->forces.smooth);
+    if (s->shape.dynamics != NULL)
+        smr_time_steps_weigh(s);
+    s->reference.missing = 1;
+}
+
+smr_status smr_restore(const smr_model *model, const smr_config *config, const smr_port *port, const void *saved,
+                       size_t saved_bytes, void *arena, size_t bytes, smr **out)
+{
+    smr_saved_info info;
+    smr s, *self;
+    if (model == NULL || saved == NULL || out == NULL)
+        return SMR_E_NULL;
+    smr_status status = smr_save_info(saved, saved_bytes, &info);
+    if (status == SMR_OK)
+        status = check(model, config == NULL ? &info.config : config, &info);
+    if (status != SMR_OK)
+        return status;
+    smr_count(&s, model, config == NULL ? &info.config : config);
+    if (!smr_can_wait(&s.shared) || !go_over(&s, SMR_KEEP_CHECK, saved, saved_bytes))
+        return SMR_E_SAVE;
+    status = smr_init(model, &s.shared.config, port, arena, bytes, &self);
+    if (status != SMR_OK)
+        return status;
+    (void)go_over(self, SMR_KEEP_RESTORE, saved, saved_bytes);
+    derive(self);
+    *out = self;
+    return SMR_OK;
+}
+
+smr_status smr_get_awaited(const smr *s, uint32_t *n)
+{
+    if (s == NULL || n == NULL)
+        return SMR_E_NULL;
+    if (!smr_valid(s))
+        return SMR_E_STATE;
+    *n = s->n_awaited;
+    return SMR_OK;
+}

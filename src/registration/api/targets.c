@@ -1,0 +1,236 @@
+/* targets.c: what structures are drawn to: surfaces, an image; and how many vertices take part.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/surface/points.h"
+#include "log/record/log.h"
+#include "registration/api/restart.h"
+#include "registration/api/setup.h"
+#include "registration/tick/schedule.h"
+#include "registration/tick/iteration_end.h"
+#include "registration/tick/iteration.h"
+#include "options/track/tracking.h"
+
+/* Slots that a surface needs: a cloud grows. */
+static uint32_t slots_of(const smr_surface *s) { return smr_is_cloud(s) ? s->capacity : s->n_vertices; }
+
+uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks)
+{
+    const smr_target *target = g->target;
+    uint64_t slots = 0;
+    *n_goals = *n_tasks = 0;
+    for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+        const smr_surface *surface = target[i].surface;
+        uint32_t known = 0;
+        while (known < i && target[known].surface != surface)
+            known++;
+        if (surface == NULL || known < i)
+            continue;
+        if (goal != NULL)
+            goal[*n_goals] = (smr_goal){surface, *n_tasks, surface->n_vertices, (uint32_t)slots};
+        ++*n_goals;
+        *n_tasks += smr_ceil_div(surface->n_vertices, SMR_FORCE_CHUNK);
+        slots += slots_of(surface);
+    }
+    return slots;
+}
+
+/* Slots needed if `structure` had this surface. */
+static uint64_t slots_with(smr_surface_goals *g, uint32_t structure, const smr_surface *surface)
+{
+    uint32_t n_goals, n_tasks;
+    if (structure == SMR_ALL)
+        return surface == NULL ? 0u : slots_of(surface);
+    const smr_surface *before = g->target[structure].surface;
+    g->target[structure].surface = surface;
+    const uint64_t slots = smr_list_goals(g, NULL, &n_goals, &n_tasks);
+    g->target[structure].surface = before;
+    return slots;
+}
+
+/* Nothing of searches towards another surface is left. */
+static void forget_searches(smr_surface_goals *g, uint32_t structure)
+{
+    for (uint32_t v = 0; v < g->shared->n; v++)
+        if (structure == SMR_ALL || smr_model_owner(g->shared->model, v) == structure)
+            g->warm[v] = SMR_NONE;
+    for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.n_target_vertices; j++)
+        g->target_warm[j] = SMR_NONE;
+    smr_pulls_clear(g);
+    g->limit = 0.0f;
+}
+
+void smr_take_goals(smr_surface_goals *g)
+{
+    (void)smr_list_goals(g, g->goal, &g->n_goals, &g->n_tasks);
+    g->n_clouds = g->n_points = 0;
+    for (uint32_t i = 0; i < g->n_goals; i++) {
+        const uint32_t cloud = (uint32_t)smr_is_cloud(g->goal[i].surface);
+        g->n_clouds += cloud;
+        g->n_points += cloud * g->goal[i].n_vertices;
+    }
+}
+
+/* 1: the cloud has the same places in the same order as the one before, and maybe more: nothing has moved, and an image
+ * beside it is not of the past. Weights and normals may differ. By contents, for a replay may have another cloud. */
+static int only_grown(const smr_surface_goals *g, uint32_t first, uint32_t last, const smr_surface *surface)
+{
+    smr_points_then known = {0, 0};
+    if (g->then == NULL || surface == NULL || !smr_is_cloud(surface))
+        return 0;
+    for (uint32_t i = first; i < last; i++) {
+        const smr_points_then *then = &g->then[i];
+        if (then->sum == known.sum && then->n == known.n && known.sum != 0u)
+            continue;
+        if (then->n > surface->n_vertices || smr_points_checksum(surface->xyz, then->n) != then->sum)
+            return 0;
+        known = *then;
+    }
+    return 1;
+}
+
+void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other)
+{
+    g->target[structure].n_vertices = g->target[other].n_vertices;
+    g->target[structure].changes = g->target[other].changes;
+    if (g->then != NULL)
+        g->then[structure] = g->then[other];
+}
+
+void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last)
+{
+    const smr_surface *surface = g->target[first].surface;
+    const int cloud = surface != NULL && smr_is_cloud(surface);
+    g->target[first].n_vertices = surface == NULL ? 0u : surface->n_vertices;
+    g->target[first].changes = surface == NULL ? 0u : surface->changes;
+    if (g->then != NULL) {
+        const uint32_t n = cloud ? surface->n_vertices : 0u;
+        g->then[first] = (smr_points_then){cloud ? smr_points_checksum(surface->xyz, n) : 0u, n};
+    }
+    for (uint32_t i = first; i < last; i++) {
+        smr_note_like(g, i, first);
+        if (surface != NULL && !cloud)
+            g->target[i].view = smr_v(0, 0, 0);
+    }
+}
+
+/* 0 when there are not enough slots. A cloud does nothing without. */
+static int has_slots(smr_surface_goals *g, uint32_t structure, const smr_surface *surface)
+{
+    const uint32_t n_slots = g->shared->config.n_target_vertices;
+    if (n_slots == 0u)
+        return surface == NULL || !smr_is_cloud(surface);
+    return slots_with(g, structure, surface) <= n_slots;
+}
+
+/* Surfaces and clouds. */
+static smr_status set_target(smr *s, uint32_t structure, const smr_surface *surface)
+{
+    smr_surface_goals *g = &s->forces.surface;
+    const uint32_t n_structures = s->shared.n_structures;
+    if (structure != SMR_ALL && structure >= n_structures)
+        return SMR_E_INPUT;
+    if (!has_slots(g, structure, surface))
+        return SMR_E_ARENA;
+    const uint32_t first = structure == SMR_ALL ? 0u : structure;
+    const uint32_t last = structure == SMR_ALL ? n_structures : structure + 1u;
+    const int grown = only_grown(g, first, last, surface);
+    for (uint32_t i = first; i < last; i++) {
+        g->target[i].surface = surface;
+        g->target[i].measured = 0;
+    }
+    smr_note_target(g, first, last);
+    smr_forces_unmeasured(&s->forces);
+    smr_take_goals(g);
+    if (grown) /* its searches say where to look first */
+        smr_pulls_clear(g);
+    else
+        forget_searches(g, structure);
+    smr_overlap_start(g);
+    smr_tracking_call(s, surface != NULL && !grown ? SMR_CALLED_SHOWN : SMR_CALLED);
+    /* an iteration under way starts again with the new goals; one that has its forces ends with the old ones */
+    if (smr_forces_pending(s))
+        s->step = s->next_task = 0;
+    return SMR_OK;
+}
+
+smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface)
+{
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!smr_changeable(s) || (surface != NULL && (!smr_surface_valid(surface) || smr_is_cloud(surface))))
+        return SMR_E_STATE;
+    if (s->n_awaited > 0u)
+        return smr_await_surface(s, structure, surface);
+    const smr_status status = set_target(s, structure, surface);
+    if (status == SMR_OK)
+        smr_log_surface(&s->log, structure, surface);
+    return status;
+}
+
+smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points)
+{
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!smr_changeable(s) || (points != NULL && !smr_points_valid(points)))
+        return SMR_E_STATE;
+    if (s->n_awaited > 0u)
+        return smr_await_surface(s, structure, points == NULL ? NULL : &points->surface);
+    const smr_status status = set_target(s, structure, points == NULL ? NULL : &points->surface);
+    if (status == SMR_OK)
+        smr_log_points(&s->log, structure, points);
+    return status;
+}
+
+smr_status smr_set_volume(smr *s, const smr_volume *volume)
+{
+    smr_grid grid;
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!smr_changeable(s) || (volume != NULL && smr_le32(s->shared.model->profile_samples) == 0u))
+        return SMR_E_STATE;
+    if (volume != NULL) {
+        const smr_status status = smr_grid_open(volume, &grid);
+        if (status != SMR_OK)
+            return status;
+    }
+    if (s->n_awaited > 0u)
+        return smr_await_volume(s, volume, &grid);
+    if (volume == NULL && !s->forces.image.has_image)
+        return SMR_OK;
+    const int follows = s->pace.tracking && volume != NULL && s->forces.image.has_image;
+    smr_image_goals_open(&s->forces.image, volume == NULL ? NULL : &grid);
+    smr_abandon_iteration(s);
+    if (follows)
+        smr_restart_forces(s, SMR_CALLED_IMAGE);
+    else
+        smr_schedule_start(s);
+    smr_log_volume(&s->log, volume);
+    return SMR_OK;
+}
+
+smr_status smr_set_active(smr *s, uint32_t n_active)
+{
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!smr_ready(s))
+        return SMR_E_STATE;
+    s->pace.n_pinned = smr_min_u32(n_active, s->shared.n);
+    smr_log_active(&s->log, n_active);
+    return SMR_OK;
+}
+
+smr_status smr_set_log(smr *s, void *memory, size_t bytes)
+{
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (smr_changeable(s) && smr_awaits_log(&s->log))
+        return smr_await_log(s, memory, bytes);
+    if (!smr_ready(s) || (memory != NULL && !s->log.fresh))
+        return SMR_E_STATE;
+    if (memory != NULL && bytes < SMR_LOG_HEADER + SMR_LOG_FULL_BYTES)
+        return SMR_E_ARENA;
+    if (memory == NULL)
+        smr_log_end(&s->log);
+    else
+        smr_log_start(&s->log, &s->shared, memory, bytes);
+    return SMR_OK;
+}

@@ -1,0 +1,97 @@
+/* fold_find.c: looks for hinges that fold. Shape matching makes folds rare; forces that cross can still turn a triangle
+ * over, and a plastic reference would then keep it so. Coarse radii move the model almost rigidly, and most of what
+ * bends there straightens again, so hinges are searched from the last radius but one on.
+ * Bounds: one pass over the hinges.
+ * SPDX-License-Identifier: MIT */
+#include "registration/folds/folds.h"
+
+void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared)
+{
+    f->n_hinge_tasks = smr_ceil_div(shared->n_hinges, SMR_HINGE_CHUNK);
+    f->marked = smr_slot_scratch(a, f->marked, shared->n, 1);
+    f->folding = smr_slot_scratch(a, f->folding, shared->n_structures, sizeof *f->folding);
+    smr_keep_words(a, &f->n_guarded, 1, shared->n);
+}
+
+void smr_folds_wire(smr_folds *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
+                    smr_evening *evening, const smr_overlay *overlay)
+{
+    f->shared = shared;
+    f->pace = pace;
+    f->shape = shape;
+    f->evening = evening;
+    f->rings = overlay->rings;
+    f->tally = overlay->tally;
+    memset(f->folding, 0, shared->n_structures * sizeof *f->folding);
+}
+
+void smr_folds_reset(smr_folds *f)
+{
+    memset(&f->repair, 0, sizeof f->repair);
+    memset(&f->limit, 0, sizeof f->limit);
+    memset(&f->open, 0, sizeof f->open);
+    f->moved = 0;
+}
+
+int smr_folds_guarded(const smr_shared *c, const smr_pace *p)
+{
+    return c->config.fold_guard && !c->config.dynamics && p->radius + 2u > smr_last_radius(c);
+}
+
+uint32_t smr_fold_find_tasks(const void *arg)
+{
+    const smr_folds *f = arg;
+    return smr_folds_guarded(f->shared, f->pace) ? f->n_hinge_tasks : 0u;
+}
+
+/* Counts a chunk's hinges that fold, or would be held back, by the facets' normals at x_next. */
+void smr_fold_find(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_folds *f = arg;
+    (void)worker;
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_HINGE_CHUNK, f->shared->n_hinges);
+    const smr_stored_hinge *const hinge = smr_hinge_at(f, 0);
+    const float *const normal = f->shape->facet_normal;
+    const int repairing = f->pace->repairing > 0u;
+    uint32_t n = 0, n_open = 0;
+    for (uint32_t i = task * SMR_HINGE_CHUNK; i < last; i++) {
+        const smr_stored_hinge *h = hinge + i;
+        const smr_vec a = smr_load(normal + 3u * (size_t)smr_le32(h->first));
+        const smr_vec b = smr_load(normal + 3u * (size_t)smr_hinge_second(h));
+        const float next = smr_dot(a, b);
+        if (!(next < SMR_LIMIT_BELOW))
+            continue;
+        n += repairing ? next < smr_hinge_limit_of(h) : smr_fold_limit_share(f, h, next) > 0.0f;
+        n_open += smr_hinge_open(h) && next < SMR_FOLD_COS;
+    }
+    f->tally[task].folds.n_bent = n;
+    f->tally[task].folds.n_open = n_open;
+}
+
+void smr_fold_find_end(smr_folds *f)
+{
+    uint32_t n_bent = 0, n_open = 0;
+    f->n_guarded = 0;
+    f->n_folding = 0;
+    for (uint32_t task = 0; task < f->n_hinge_tasks; task++) {
+        n_bent += f->tally[task].folds.n_bent;
+        n_open += f->tally[task].folds.n_open;
+    }
+    if (n_bent + n_open == 0u)
+        return;
+    memset(f->folding, 0, f->shared->n_structures * sizeof *f->folding);
+    memset(f->marked, 0, f->shared->n);
+    if (n_bent > 0u && f->pace->repairing > 0u)
+        smr_fold_repair_start(f);
+    else if (n_bent > 0u)
+        smr_fold_limit_start(f);
+    smr_fold_open_start(f);
+}
+
+void smr_folds_moved(smr_folds *f)
+{
+    f->n_guarded = 0;
+    for (uint32_t v = 0; v < f->shared->n; v++)
+        f->n_guarded += f->marked[v];
+    f->moved = 1;
+}

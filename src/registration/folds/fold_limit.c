@@ -1,0 +1,229 @@
+/* fold_limit.c: at the finest radii, limits the steps x_next - x that would fold hinges. A hinge may come nearer to
+ * its limit by a share of what is left in an iteration. Where its cosine would fall by more, the steps of its four
+ * corners become more alike: so far towards their mean as it takes, for corners that all move alike do not turn it.
+ * Vertices of several such hinges go by the mean of what these ask, the nearer to it the more the most urgent asks.
+ * Hinges that share corners pull each other along, so that is done a few times over. All this is continuous in the
+ * positions: who is close to a limit by a last bit is moved by a last bit. What would fold even so has its steps
+ * halved, and at last stays where it was, which did not fold. Each round depends on the one before: one task after
+ * the other, each a piece of a pass.
+ * Bounds: SMR_LIMIT_ROUNDS passes over the hinges, and SMR_SOFT_ROUNDS over triangles and vertices of the structures
+ * that fold.
+ * SPDX-License-Identifier: MIT */
+#include "registration/folds/folds.h"
+
+#define SMR_LIMIT_SHARE 0.75f  /* largest fraction of the remaining margin that a hinge may go in an iteration */
+#define SMR_LIMIT_ROOM 0.05f   /* cosine: within it of the limit a hinge only creeps */
+#define SMR_LIMIT_CREEP 0.001f /* cosine: so much in an iteration, */
+#define SMR_LIMIT_LEFT 0.05f   /* and at most this fraction of what is left, so that it never arrives */
+#define SMR_LOOK_CHUNK 64u     /* hinges of a task: each takes two triangles' normals, twice */
+#define SMR_SOFT_ROUNDS 20u
+#define SMR_HALVINGS 3u
+#define SMR_LIMIT_ROUNDS 40u
+#define SMR_ENOUGH 0.001f /* a round that asks for less everywhere is the last one of the soft ones */
+
+enum { SMR_LIMIT_IDLE = 0, SMR_LIMIT_LOOK, SMR_LIMIT_TOUCH, SMR_LIMIT_MOVE };
+enum { SMR_MARKED = 1, SMR_ASKED = 2 };
+
+float smr_fold_limit_share(const smr_folds *f, const smr_stored_hinge *h, float next)
+{
+    const float limit = smr_hinge_limit_of(h), near = limit + SMR_LIMIT_ROOM;
+    if (!(next < 1.0f - SMR_LIMIT_SHARE * (1.0f - near)))
+        return 0.0f; /* not even from flat */
+    const float now = smr_hinge_cosine(f, f->shape->x, h);
+    const float creep = smr_min(SMR_LIMIT_CREEP, SMR_LIMIT_LEFT * smr_abs(now - limit));
+    const float may = SMR_LIMIT_SHARE * smr_positive(now - near) + creep;
+    return now - next > may ? 1.0f - may / (now - next) : 0.0f;
+}
+
+static smr_vec step_of(const smr_folds *f, uint32_t v)
+{
+    return smr_sub(smr_load(smr_at3(f->shape->x_next, v)), smr_load(smr_at3(f->shape->x, v)));
+}
+
+static void set_step(const smr_folds *f, uint32_t v, smr_vec step)
+{
+    smr_store(smr_at3(f->shape->x_next, v), smr_add(smr_load(smr_at3(f->shape->x, v)), step));
+}
+
+/* The four corners of a hinge: the first triangle's, and the second's that the first does not have. */
+static void corners_of(const smr_folds *f, const smr_stored_hinge *h, uint32_t corner[4])
+{
+    const uint32_t *a = smr_corners(f, smr_le32(h->first)), *b = smr_corners(f, smr_hinge_second(h));
+    memcpy(corner, a, 3u * sizeof *a);
+    corner[3] = a[0];
+    for (uint32_t c = 0; c < 3u; c++)
+        if (b[c] != a[0] && b[c] != a[1] && b[c] != a[2])
+            corner[3] = b[c];
+}
+
+/* Asks a hinge's corners to move more alike, by this share. */
+static void ask(smr_folds *f, const smr_stored_hinge *h, float share)
+{
+    uint32_t corner[4];
+    corners_of(f, h, corner);
+    smr_vec mean = smr_v(0, 0, 0);
+    for (uint32_t c = 0; c < 4u; c++)
+        mean = smr_add(mean, smr_scale(step_of(f, corner[c]), 0.25f));
+    for (uint32_t c = 0; c < 4u; c++) {
+        const uint32_t v = corner[c];
+        float *sum = smr_at3(f->rings.sum, v);
+        if (!(f->marked[v] & SMR_ASKED)) {
+            smr_store(sum, smr_v(0, 0, 0));
+            f->rings.weight[v] = f->rings.asked[v] = 0.0f;
+        }
+        smr_store(sum, smr_add(smr_load(sum), smr_scale(mean, share)));
+        f->rings.weight[v] += share;
+        f->rings.asked[v] = smr_max(f->rings.asked[v], share);
+        f->marked[v] = SMR_MARKED | SMR_ASKED;
+    }
+    f->folding[smr_model_owner(f->shared->model, corner[0])] = 1;
+}
+
+/* Shortens the steps of a hinge's corners to this share. */
+static void hold(smr_folds *f, const smr_stored_hinge *h, float keep)
+{
+    uint32_t corner[4];
+    corners_of(f, h, corner);
+    for (uint32_t c = 0; c < 4u; c++) {
+        set_step(f, corner[c], smr_scale(step_of(f, corner[c]), keep));
+        f->marked[corner[c]] |= SMR_MARKED;
+        smr_evening_hold(f->evening, corner[c], 1.0f);
+    }
+}
+
+/* 1 when nothing has moved about a hinge since the last look at it. */
+static int passed_over(const smr_folds *f, uint32_t i)
+{
+    const smr_stored_hinge *h = smr_hinge_at(f, i);
+    const uint32_t first = smr_le32(h->first), second = smr_hinge_second(h), round = f->limit.round;
+    if (round == 0u)
+        return f->tally[i / SMR_HINGE_CHUNK].folds.n_bent == 0u;
+    return (round <= SMR_SOFT_ROUNDS && !smr_run_touched(f, first) && !smr_run_touched(f, second)) ||
+           (!smr_any_marked(f, first) && !smr_any_marked(f, second));
+}
+
+static void look(smr_folds *f, uint32_t from, uint32_t to)
+{
+    smr_fold_limit *l = &f->limit;
+    for (uint32_t i = from; i < to; i++) {
+        if (passed_over(f, i))
+            continue;
+        const smr_stored_hinge *h = smr_hinge_at(f, i);
+        const float next = smr_hinge_cosine(f, f->shape->x_next, h), limit = smr_hinge_limit_of(h);
+        if (l->round < SMR_SOFT_ROUNDS) {
+            const float share = smr_fold_limit_share(f, h, next);
+            if (share > 0.0f) {
+                ask(f, h, share);
+                l->most = smr_max(l->most, share);
+            }
+        } else if (next < limit && !(smr_hinge_cosine(f, f->shape->x, h) < limit)) {
+            hold(f, h, l->round < SMR_SOFT_ROUNDS + SMR_HALVINGS ? 0.5f : 0.0f);
+            l->most = 1.0f;
+        }
+    }
+}
+
+static void touch(smr_folds *f, uint32_t triangle, uint32_t last)
+{
+    for (; triangle < last; triangle++)
+        if (smr_any_marked(f, triangle))
+            smr_run_touch(f, triangle);
+}
+
+static void move(smr_folds *f, uint32_t from, uint32_t to)
+{
+    for (uint32_t i = from; i < to; i++) {
+        const uint32_t v = smr_model_position(f->shared->model, i);
+        if (!(f->marked[v] & SMR_ASKED))
+            continue;
+        const smr_vec mean = smr_scale(smr_load(smr_at3(f->rings.sum, v)), 1.0f / f->rings.weight[v]);
+        const smr_vec step = step_of(f, v);
+        const float asked = f->rings.asked[v];
+        set_step(f, v, smr_add(step, smr_scale(smr_sub(mean, step), asked)));
+        f->marked[v] = SMR_MARKED;
+        smr_evening_hold(f->evening, v, asked);
+    }
+}
+
+/* The next structure that folds, from this one on; n_structures for none. */
+static uint32_t folding_from(const smr_folds *f, uint32_t structure)
+{
+    while (structure < f->shared->n_structures && !f->folding[structure])
+        structure++;
+    return structure;
+}
+
+/* On to the next structure that folds, from the present one on, and with the stage that comes next behind the last. */
+static void next_structure(smr_folds *f, uint32_t stage)
+{
+    smr_fold_limit *l = &f->limit;
+    l->pass.structure = folding_from(f, l->pass.structure);
+    if (l->pass.structure == f->shared->n_structures && stage == SMR_LIMIT_TOUCH) {
+        stage = SMR_LIMIT_MOVE;
+        l->pass.structure = folding_from(f, 0);
+    }
+    l->pass.stage = stage;
+    if (l->pass.structure < f->shared->n_structures)
+        return;
+    l->pass.structure = 0;
+    l->pass.stage = SMR_LIMIT_LOOK;
+    l->round = l->most < SMR_ENOUGH && l->round < SMR_SOFT_ROUNDS ? SMR_SOFT_ROUNDS : l->round + 1u;
+    l->most = 0.0f;
+}
+
+/* A pass is complete. */
+static void next_pass(smr_folds *f)
+{
+    smr_fold_limit *l = &f->limit;
+    l->pass.at = 0;
+    if (l->pass.stage != SMR_LIMIT_LOOK) {
+        l->pass.structure++;
+        next_structure(f, l->pass.stage);
+        return;
+    }
+    const int soft = l->round < SMR_SOFT_ROUNDS;
+    l->pass.structure = 0;
+    if (soft && l->most > 0.0f) {
+        next_structure(f, SMR_LIMIT_TOUCH);
+    } else if (soft) {
+        l->round = SMR_SOFT_ROUNDS;
+    } else {
+        l->pass.stage = l->most > 0.0f && ++l->round < SMR_LIMIT_ROUNDS ? SMR_LIMIT_LOOK : SMR_LIMIT_IDLE;
+        l->most = 0.0f;
+    }
+}
+
+void smr_fold_limit_start(smr_folds *f)
+{
+    memset(&f->limit, 0, sizeof f->limit);
+    f->limit.pass.stage = SMR_LIMIT_LOOK;
+    smr_runs_clear(f);
+}
+
+uint32_t smr_fold_limit_tasks(const void *arg)
+{
+    const smr_fold_pass *p = &((const smr_folds *)arg)->limit.pass;
+    return p->n_done + (p->stage != SMR_LIMIT_IDLE);
+}
+
+/* A piece of the pass under way. */
+void smr_fold_limit_pass(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_folds *f = arg;
+    smr_fold_pass *pass = &f->limit.pass;
+    const uint32_t over = pass->stage == SMR_LIMIT_LOOK   ? SMR_OVER_HINGES
+                          : pass->stage == SMR_LIMIT_MOVE ? SMR_OVER_VERTICES
+                                                          : SMR_OVER_TRIANGLES;
+    const uint32_t chunk = over == SMR_OVER_HINGES ? SMR_LOOK_CHUNK : SMR_TRIANGLE_CHUNK;
+    const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, chunk);
+    (void)task;
+    (void)worker;
+    if (over == SMR_OVER_HINGES)
+        look(f, piece.from, piece.to);
+    else if (over == SMR_OVER_TRIANGLES)
+        touch(f, piece.from, piece.to);
+    else
+        move(f, piece.from, piece.to);
+    if (smr_fold_piece_done(pass, &piece))
+        next_pass(f);
+}

@@ -1,0 +1,130 @@
+/* fold_open.c: opens what is folded all the same, at the last radius: hinges whose triangles look away from each
+ * other and did not at rest. fold_limit.c leaves hinges that are right angles at rest some room, since holding these
+ * back would hold back whole caps and corners; and what has been folded for long it only keeps from folding further.
+ * Here the corners of such a hinge go the shortest way along which the cosine between its normals comes back above
+ * zero, one hinge after the other, over and over, for one may turn its neighbour.
+ * Source: a constraint's projection, Mueller et al., "Position based dynamics", 2006.
+ * Bounds: SMR_OPEN_PASSES passes over the hinges.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
+#include "registration/folds/folds.h"
+
+#define SMR_OPEN_PASSES 16u
+#define SMR_OPEN_CHUNK 64u     /* hinges of a task */
+#define SMR_OPEN_COS 0.01f     /* so far hinges open */
+#define SMR_CORNER_REACH 0.25f /* of the hinge's shortest edge: a corner's largest way in a pass */
+#define SMR_AREA_FLOOR 1.0e-6f /* mm^2, twice the area: less has no normal */
+
+void smr_fold_open_start(smr_folds *f)
+{
+    memset(&f->open, 0, sizeof f->open);
+    f->open.pass = smr_at_last_radius(f->shared, f->pace) && f->pace->repairing == 0u ? 1u : 0u;
+}
+
+uint32_t smr_fold_open_tasks(const void *arg)
+{
+    const smr_fold_open *o = &((const smr_folds *)arg)->open;
+    return o->n_done + (o->pass != 0u);
+}
+
+/* One triangle of a hinge. */
+typedef struct side {
+    const uint32_t *corner;
+    smr_vec edge[3]; /* across from each corner */
+    smr_vec normal;
+    float area2;     /* twice the area */
+    float shortest2; /* shortest edge, squared */
+} side;
+
+static side side_of(const smr_folds *f, uint32_t triangle)
+{
+    side t;
+    t.corner = smr_corners(f, triangle);
+    const smr_vec a = smr_load(smr_at3(f->shape->x_next, t.corner[0])),
+                  b = smr_load(smr_at3(f->shape->x_next, t.corner[1]));
+    const smr_vec c = smr_load(smr_at3(f->shape->x_next, t.corner[2])), cross = smr_triangle_cross(a, b, c);
+    t.edge[0] = smr_sub(c, b);
+    t.edge[1] = smr_sub(a, c);
+    t.edge[2] = smr_sub(b, a);
+    t.area2 = smr_length(cross);
+    t.normal = smr_unit(cross);
+    t.shortest2 =
+        smr_min(smr_dot(t.edge[0], t.edge[0]), smr_min(smr_dot(t.edge[1], t.edge[1]), smr_dot(t.edge[2], t.edge[2])));
+    return t;
+}
+
+/* Adds to gradient, at the places of its corners, how the cosine changes with one side's corners: these turn the side
+ * only along its normal. Places 0 to 2 are the first side's corners, 3 the second's that the first does not have. */
+static void add_gradient(const side *own, const side *other, const uint32_t place[3], smr_vec gradient[4])
+{
+    for (uint32_t c = 0; c < 3u; c++) {
+        const float turn = -smr_dot(other->normal, smr_cross(own->normal, own->edge[c])) / own->area2;
+        gradient[place[c]] = smr_add(gradient[place[c]], smr_scale(own->normal, turn));
+    }
+}
+
+static void open_hinge(smr_folds *f, const side *a, const side *b, float cosine)
+{
+    static const uint32_t own[3] = {0, 1, 2};
+    uint32_t place[3] = {3, 3, 3}, corner[4] = {a->corner[0], a->corner[1], a->corner[2], a->corner[0]};
+    smr_vec gradient[4] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    for (uint32_t c = 0; c < 3u; c++) {
+        for (uint32_t k = 0; k < 3u; k++)
+            if (b->corner[c] == a->corner[k])
+                place[c] = k;
+        if (place[c] == 3u)
+            corner[3] = b->corner[c];
+    }
+    add_gradient(a, b, own, gradient);
+    add_gradient(b, a, place, gradient);
+    float square = 0.0f, largest2 = 0.0f;
+    for (uint32_t c = 0; c < 4u; c++) {
+        square += smr_dot(gradient[c], gradient[c]);
+        largest2 = smr_max(largest2, smr_dot(gradient[c], gradient[c]));
+    }
+    if (!(square > 0.0f))
+        return; /* turned back as far as it goes: no way is better than another */
+    const float most = SMR_CORNER_REACH * SMR_SQRT(smr_min(a->shortest2, b->shortest2) / largest2);
+    const float share = smr_min((SMR_OPEN_COS - cosine) / square, most);
+    for (uint32_t c = 0; c < 4u; c++) {
+        float *x = smr_at3(f->shape->x_next, corner[c]);
+        smr_store(x, smr_add(smr_load(x), smr_scale(gradient[c], share)));
+        f->marked[corner[c]] = 1;
+        smr_evening_hold(f->evening, corner[c], 1.0f);
+    }
+}
+
+/* A chunk of hinges: those that the search found, and those where something moved since. */
+static void open_chunk(smr_folds *f, uint32_t chunk)
+{
+    const uint32_t from = chunk * SMR_OPEN_CHUNK, to = smr_min_u32(from + SMR_OPEN_CHUNK, f->shared->n_hinges);
+    const int found = f->tally[from / SMR_HINGE_CHUNK].folds.n_open > 0u;
+    for (uint32_t i = from; i < to; i++) {
+        const smr_stored_hinge *h = smr_hinge_at(f, i);
+        const uint32_t first = smr_le32(h->first), second = smr_hinge_second(h);
+        if (!smr_hinge_open(h) || !(found || smr_any_marked(f, first) || smr_any_marked(f, second)))
+            continue;
+        const side a = side_of(f, first), b = side_of(f, second);
+        const float cosine = smr_dot(a.normal, b.normal);
+        if (!(cosine < SMR_FOLD_COS) || !(smr_min(a.area2, b.area2) > SMR_AREA_FLOOR))
+            continue;
+        open_hinge(f, &a, &b, cosine);
+        f->open.n_folds++;
+    }
+}
+
+/* One chunk. The next pass needs what this one moved. */
+void smr_fold_open_pass(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_folds *f = arg;
+    smr_fold_open *o = &f->open;
+    (void)task;
+    (void)worker;
+    open_chunk(f, o->chunk);
+    o->n_done++;
+    if (++o->chunk < smr_ceil_div(f->shared->n_hinges, SMR_OPEN_CHUNK))
+        return;
+    o->chunk = 0;
+    o->pass = o->n_folds > 0u && o->pass < SMR_OPEN_PASSES ? o->pass + 1u : 0u;
+    o->n_folds = 0;
+}

@@ -1,0 +1,187 @@
+/* fold_repair.c: repairs what folds before the last two radii, in iterations without forces: in a patch around it,
+ * which grows while this does not suffice, the displacement from the rest shape is made as smooth as the patch's
+ * surroundings. One task after the other, each a piece of a pass over hinges, triangles or vertices.
+ * Bounds: one pass over the hinges, and over the structures that fold 3 + 2 SMR_REPAIR_SWEEPS for each ring of the
+ * patch.
+ * SPDX-License-Identifier: MIT */
+#include "registration/folds/folds.h"
+
+#define SMR_EDGE_FLOOR 1.0e-3f /* mm, added to edge lengths before they divide */
+#define SMR_REPAIR_SWEEPS 10u
+#define SMR_REPAIR_WIDEN 3u /* iterations until the patch grows by a ring */
+
+/* Passes. */
+enum {
+    SMR_REPAIR_IDLE = 0,
+    SMR_REPAIR_MARK,
+    SMR_REPAIR_WIDER,
+    SMR_REPAIR_JOIN,
+    SMR_REPAIR_CLEAR,
+    SMR_REPAIR_SUM,
+    SMR_REPAIR_MOVE
+};
+
+static void mark(smr_folds *f, uint32_t triangle)
+{
+    const uint32_t *t = smr_corners(f, triangle);
+    for (uint32_t c = 0; c < 3u; c++)
+        f->marked[t[c]] = 1;
+    f->folding[smr_model_owner(f->shared->model, t[0])] = 1;
+}
+
+/* Marks the corners of hinges that fold at x_next, where the search counted some. */
+static void mark_folds(smr_folds *f, uint32_t from, uint32_t to)
+{
+    for (uint32_t i = from; i < to; i++) {
+        const smr_stored_hinge *h = smr_hinge_at(f, i);
+        if (f->tally[i / SMR_HINGE_CHUNK].folds.n_bent == 0u ||
+            !(smr_hinge_cosine(f, f->shape->x_next, h) < smr_hinge_limit_of(h)))
+            continue;
+        mark(f, smr_le32(h->first));
+        mark(f, smr_hinge_second(h));
+        f->repair.n_folds++;
+    }
+}
+
+/* Marks the neighbours of marked vertices with a sign of their own, so that a pass goes one ring far. */
+static void widen(smr_folds *f, const uint32_t *t, const uint32_t *end)
+{
+    for (; t < end; t += 3)
+        if ((f->marked[t[0]] | f->marked[t[1]] | f->marked[t[2]]) & 1u)
+            for (uint32_t c = 0; c < 3u; c++)
+                f->marked[t[c]] |= 2u;
+}
+
+/* Makes all marks alike. */
+static void join(smr_folds *f, const uint32_t *t, const uint32_t *end)
+{
+    for (; t < end; t++)
+        f->marked[*t] = f->marked[*t] != 0u;
+}
+
+static void clear_rings(smr_folds *f, uint32_t triangle, uint32_t last)
+{
+    for (; triangle < last; triangle++) {
+        const uint32_t *t = smr_corners(f, triangle);
+        if (!smr_any_marked(f, triangle))
+            continue;
+        smr_run_touch(f, triangle);
+        for (uint32_t c = 0; c < 3u; c++) {
+            smr_store(smr_at3(f->rings.sum, t[c]), smr_v(0, 0, 0));
+            f->rings.weight[t[c]] = 0.0f;
+        }
+    }
+}
+
+/* Weighted sums of the displacements of marked vertices' mesh neighbours, of one triangle. Near neighbours weigh more,
+ * so that the corners of a sliver, which the smallest difference turns over, move alike. */
+static void sum_ring(smr_folds *f, const uint32_t *t)
+{
+    smr_vec at[3], moved[3];
+    for (uint32_t c = 0; c < 3u; c++) {
+        at[c] = smr_rest_posed(f->shape, t[c]);
+        moved[c] = smr_sub(smr_load(smr_at3(f->shape->x_next, t[c])), at[c]);
+    }
+    for (uint32_t a = 0; a < 3u; a++) { /* the edge from corner a to the next, both ways */
+        const uint32_t b = (a + 1u) % 3u;
+        const float w = 1.0f / (smr_length(smr_sub(at[a], at[b])) + SMR_EDGE_FLOOR);
+        float *sum_a = smr_at3(f->rings.sum, t[a]), *sum_b = smr_at3(f->rings.sum, t[b]);
+        smr_store(sum_a, smr_add(smr_load(sum_a), smr_scale(moved[b], w)));
+        smr_store(sum_b, smr_add(smr_load(sum_b), smr_scale(moved[a], w)));
+        f->rings.weight[t[a]] += w;
+        f->rings.weight[t[b]] += w;
+    }
+}
+
+static void sum_rings(smr_folds *f, uint32_t triangle, uint32_t last)
+{
+    for (; triangle < last; triangle++)
+        if (!smr_run_touched(f, triangle))
+            triangle |= ((uint32_t)1 << f->run_bits) - 1u; /* to the end of the run */
+        else if (smr_any_marked(f, triangle))
+            sum_ring(f, smr_corners(f, triangle));
+}
+
+/* Displacements of marked vertices become the mean of their mesh neighbours' displacements, over and over:
+ * a few sweeps towards the smoothest displacement that joins the patch's surroundings. */
+static void move(smr_folds *f, uint32_t from, uint32_t to)
+{
+    for (uint32_t i = from; i < to; i++) {
+        const uint32_t v = smr_model_position(f->shared->model, i);
+        if (!f->marked[v])
+            continue;
+        const smr_vec mean = smr_scale(smr_load(smr_at3(f->rings.sum, v)), 1.0f / f->rings.weight[v]);
+        smr_store(smr_at3(f->shape->x_next, v), smr_add(smr_rest_posed(f->shape, v), mean));
+        smr_store(smr_at3(f->rings.sum, v), smr_v(0, 0, 0)); /* for the next sweep */
+        f->rings.weight[v] = 0.0f;
+    }
+}
+
+static uint32_t rings_of(const smr_folds *f) { return 1u + f->pace->repairing / SMR_REPAIR_WIDEN; }
+
+/* On to the next structure that folds, from the present one on. */
+static void next_structure(smr_folds *f)
+{
+    smr_fold_repair *r = &f->repair;
+    while (r->pass.structure < f->shared->n_structures && !f->folding[r->pass.structure])
+        r->pass.structure++;
+    r->ring = r->sweep = 0;
+    r->pass.stage = r->pass.structure < f->shared->n_structures ? SMR_REPAIR_WIDER : SMR_REPAIR_IDLE;
+}
+
+/* A pass is complete. */
+static void next_pass(smr_folds *f)
+{
+    smr_fold_repair *r = &f->repair;
+    r->pass.at = 0;
+    if (r->pass.stage == SMR_REPAIR_MARK) {
+        f->n_folding = r->n_folds;
+        next_structure(f);
+    } else if (r->pass.stage == SMR_REPAIR_JOIN) {
+        r->pass.stage = ++r->ring < rings_of(f) ? SMR_REPAIR_WIDER : SMR_REPAIR_CLEAR;
+    } else if (r->pass.stage != SMR_REPAIR_MOVE) {
+        r->pass.stage++;
+    } else if (++r->sweep < SMR_REPAIR_SWEEPS * rings_of(f)) {
+        r->pass.stage = SMR_REPAIR_SUM;
+    } else {
+        r->pass.structure++;
+        next_structure(f);
+    }
+}
+
+void smr_fold_repair_start(smr_folds *f)
+{
+    memset(&f->repair, 0, sizeof f->repair);
+    f->repair.pass.stage = SMR_REPAIR_MARK;
+    smr_runs_clear(f);
+}
+
+uint32_t smr_fold_repair_tasks(const void *arg)
+{
+    const smr_fold_pass *p = &((const smr_folds *)arg)->repair.pass;
+    return p->n_done + (p->stage != SMR_REPAIR_IDLE);
+}
+
+/* A piece of the pass under way. */
+void smr_fold_repair_pass(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_folds *f = arg;
+    smr_fold_pass *pass = &f->repair.pass;
+    const uint32_t over = pass->stage == SMR_REPAIR_MARK   ? SMR_OVER_HINGES
+                          : pass->stage == SMR_REPAIR_MOVE ? SMR_OVER_VERTICES
+                                                           : SMR_OVER_TRIANGLES;
+    const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, SMR_TRIANGLE_CHUNK);
+    (void)task;
+    (void)worker;
+    switch (pass->stage) {
+    case SMR_REPAIR_MARK: mark_folds(f, piece.from, piece.to); break;
+    case SMR_REPAIR_WIDER: widen(f, smr_corners(f, piece.from), smr_corners(f, piece.to)); break;
+    case SMR_REPAIR_JOIN: join(f, smr_corners(f, piece.from), smr_corners(f, piece.to)); break;
+    case SMR_REPAIR_CLEAR: clear_rings(f, piece.from, piece.to); break;
+    case SMR_REPAIR_SUM: sum_rings(f, piece.from, piece.to); break;
+    case SMR_REPAIR_MOVE: move(f, piece.from, piece.to); break;
+    default: break;
+    }
+    if (smr_fold_piece_done(pass, &piece))
+        next_pass(f);
+}

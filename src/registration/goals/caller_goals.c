@@ -1,0 +1,146 @@
+/* caller_goals.c: goals and forces of the caller's own. A force is asked once for each chunk of vertices, before goals
+ * are looked for; what it gave waits in an array, so that threads and budgets decide nothing.
+ * Bounds: a call for each SMR_CALLER_CHUNK active vertices, two where they are checked.
+ * SPDX-License-Identifier: MIT */
+#include "registration/goals/caller_goals.h"
+
+#define SMR_GAVE_MULTIPLIER 0x9e3779b97f4a7c15u /* 2^64 over the golden ratio */
+
+void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared *shared)
+{
+    if (shared->config.caller_goals != 0u)
+        g->goals = smr_slot_scratch(a, g->goals, shared->n_structures, sizeof *g->goals); /* set again: waiting.c */
+    if (shared->config.caller_force != SMR_CALLER_OFF)
+        g->gave = smr_slot_scratch(a, g->gave, shared->n, 4u * sizeof(float));
+}
+
+void smr_caller_goals_wire(smr_caller_goals *g, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape)
+{
+    g->shared = shared;
+    g->pace = pace;
+    g->shape = shape;
+    if (g->goals != NULL)
+        memset(g->goals, 0, shared->n_structures * sizeof *g->goals);
+}
+
+void smr_caller_goals_stand(smr_caller_goals *g)
+{
+    g->summed = g->force != NULL;
+    g->sum = g->pace->n_active;
+    for (size_t i = 0; g->summed && i < 2u * (size_t)g->pace->n_active; i++) {
+        const uint64_t two = (uint64_t)smr_float_bits(g->gave[2u * i]) << 32 | smr_float_bits(g->gave[2u * i + 1u]);
+        g->sum = smr_mix(g->sum * SMR_GAVE_MULTIPLIER + two);
+    }
+}
+
+uint32_t smr_caller_tasks(const void *arg)
+{
+    const smr_caller_goals *g = arg;
+    return g->force != NULL ? smr_ceil_div(g->pace->n_active, SMR_CALLER_CHUNK) : 0u;
+}
+
+/* What a call is about, and what it gives. */
+typedef struct chunk {
+    uint32_t structure[SMR_CALLER_CHUNK], vertex[SMR_CALLER_CHUNK];
+    float xyz[SMR_CALLER_CHUNK][3], rest[SMR_CALLER_CHUNK][3];
+    float way[SMR_CALLER_CHUNK][3], weight[SMR_CALLER_CHUNK];
+} chunk;
+
+static void ask(const smr_caller_goals *g, const smr_force_view *view, chunk *c)
+{
+    memset(c->way, 0, sizeof c->way);
+    memset(c->weight, 0, sizeof c->weight);
+    g->force(g->ctx, view, c->way[0], c->weight);
+}
+
+static int legal(const chunk *c, uint32_t i)
+{
+    return smr_within(c->way[i][0], SMR_COORD_MAX) && smr_within(c->way[i][1], SMR_COORD_MAX) &&
+           smr_within(c->way[i][2], SMR_COORD_MAX) && c->weight[i] >= 0.0f && c->weight[i] <= SMR_CALLER_WEIGHT;
+}
+
+/* Keeps what was given. Returns 0 when something of it is not legal. */
+static int keep(smr_caller_goals *g, const chunk *c, uint32_t first, uint32_t n)
+{
+    int good = 1;
+    for (uint32_t i = 0; i < n; i++) {
+        float *to = g->gave + 4u * ((size_t)first + i);
+        good &= legal(c, i);
+        memcpy(to, c->way[i], 3u * sizeof(float));
+        to[3] = c->weight[i];
+    }
+    return good;
+}
+
+/* 1 when the array has what the chunk has. */
+static int same(const smr_caller_goals *g, const chunk *c, uint32_t first, uint32_t n)
+{
+    int alike = 1;
+    for (uint32_t i = 0; i < n; i++) {
+        const float *was = g->gave + 4u * ((size_t)first + i);
+        alike &= memcmp(was, c->way[i], 3u * sizeof(float)) == 0 && memcmp(was + 3, &c->weight[i], sizeof(float)) == 0;
+    }
+    return alike;
+}
+
+void smr_caller_ask(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_caller_goals *g = arg;
+    (void)worker;
+    chunk c;
+    const smr_model *model = g->shared->model;
+    const uint32_t first = task * SMR_CALLER_CHUNK;
+    const uint32_t n = smr_min_u32(g->pace->n_active - first, SMR_CALLER_CHUNK);
+    const smr_force_view view = {n,
+                                 g->pace->iteration,
+                                 g->pace->lists.radius,
+                                 c.structure,
+                                 c.vertex,
+                                 c.xyz[0],
+                                 g->shape->normal + 3u * (size_t)first,
+                                 c.rest[0]};
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t v = first + i, owner = smr_model_owner(model, v);
+        c.structure[i] = owner;
+        c.vertex[i] = smr_model_original(model, v) - g->shape->structure[owner].first_vertex;
+        smr_store(c.xyz[i], smr_add(smr_load(smr_at3(g->shape->x, v)), g->shape->origin));
+        smr_store(c.rest[i], smr_add(smr_rest(g->shared, v), smr_model_centre(model)));
+    }
+    ask(g, &view, &c);
+    int good = keep(g, &c, first, n);
+    if (g->shared->config.caller_force == SMR_CALLER_CHECKED) {
+        ask(g, &view, &c);
+        good &= same(g, &c, first, n);
+    }
+    if (!good)
+        __atomic_store_n(&g->broken, 1u, __ATOMIC_RELAXED);
+}
+
+/* What smr_set_goals() says about v. */
+static float set_goal(const smr_caller_goals *g, uint32_t v, smr_vec *way)
+{
+    const uint32_t owner = smr_model_owner(g->shared->model, v);
+    const smr_goals *own = &g->goals[owner];
+    const uint32_t i = smr_model_original(g->shared->model, v) - g->shape->structure[owner].first_vertex;
+    if (own->xyz == NULL)
+        return 0.0f;
+    const smr_vec goal = smr_load(own->xyz + 3u * (size_t)i);
+    const float weight = own->weights != NULL ? own->weights[i] : 1.0f;
+    if (!smr_within(goal.x, SMR_COORD_MAX) || !smr_within(goal.y, SMR_COORD_MAX) ||
+        !smr_within(goal.z, SMR_COORD_MAX) || !(weight <= SMR_CALLER_WEIGHT))
+        return 0.0f; /* changed since it was set */
+    *way = smr_sub(smr_sub(goal, g->shape->origin), smr_load(smr_at3(g->shape->x, v)));
+    return weight;
+}
+
+float smr_caller_blend(const smr_caller_goals *g, uint32_t v, smr_vec *way, float weight)
+{
+    smr_vec own = smr_v(0, 0, 0);
+    if (g->goals != NULL) {
+        const float of_goal = set_goal(g, v, &own);
+        smr_blend(way, &weight, own, of_goal);
+    }
+    if (g->force != NULL)
+        smr_blend(way, &weight, smr_load(g->gave + 4u * (size_t)v), g->gave[4u * (size_t)v + 3u]);
+    return weight;
+}

@@ -1,0 +1,52 @@
+/* registration.h: a registration in progress: the stages, in the order of an iteration, and where it stands. It lies
+ * at the start of the caller's arena; the stages' arrays follow. Only tick/, setup/ and replay/ see it whole: stages
+ * get their own struct, with const views of what they read.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_REGISTRATION_H
+#define SMR_REGISTRATION_H
+
+#include "base/parallel.h"
+#include "registration/evolve/evolve.h"
+#include "options/contact/volume_preservation.h"
+#include "registration/folds/folds.h"
+#include "registration/goals/forces.h"
+#include "registration/match/match.h"
+#include "log/record/log.h"
+#include "registration/tick/time_budget.h"
+
+#define SMR_STATE_MAGIC 0x736d7254u
+
+struct smr {
+    uint32_t magic;
+    uint32_t step, next_task; /* where the tick stands: step of the iteration, tasks of it already done */
+    uint32_t ticking;         /* 1: a tick is under way, perhaps in this very thread: nothing may be set */
+    uint32_t refused;         /* 1: the port used a worker number that it has not; until positions are set anew */
+    uint32_t n_awaited;       /* inputs that must be set again: a restored one lacks them (setup/waiting.c) */
+    const struct smr *placed; /* where smr_init() put it. A copy's arrays would be the original's */
+    smr_port port;
+    smr_shared shared;
+    smr_pace pace;
+    smr_overlay overlay;
+    smr_shape shape;
+    smr_forces forces;
+    smr_sums sums;
+    smr_reference reference;
+    smr_match match;
+    smr_evolve evolve;
+    smr_volumes volumes;
+    smr_folds folds;
+    smr_time_budget budget;
+    smr_log log;
+    smr_tick_report report;
+};
+
+/* 1: a registration, where smr_init() put it. */
+static inline int smr_valid(const smr *s) { return s != NULL && s->magic == SMR_STATE_MAGIC && s->placed == s; }
+
+/* 1 when it may be changed, too: not from within a tick, as the port's functions or tasks beside this one are. */
+static inline int smr_changeable(const smr *s) { return smr_valid(s) && !s->ticking; }
+
+/* 1 when it may run: besides, none of its inputs is missing. */
+static inline int smr_ready(const smr *s) { return smr_changeable(s) && s->n_awaited == 0u; }
+
+#endif

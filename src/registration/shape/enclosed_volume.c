@@ -1,0 +1,124 @@
+/* enclosed_volume.c: the signed volume within closed triangles, as a sum of cones (Zhang and Chen 2001), and its change
+ * when vertices go along their normals, which is a cubic. Cones start from a point amid the structure, so that floats
+ * keep their digits; pieces of triangles are summed first, and then the pieces.
+ * Bounds: one pass over a structure's triangles; SMR_AMID vertices; SMR_NEWTON steps.
+ * SPDX-License-Identifier: MIT */
+#include "registration/shape/enclosed_volume.h"
+
+#include "geometry/surface/mesh.h"
+#include "geometry/box_tree/triangle.h"
+
+#define SMR_SIXTH (1.0f / 6.0f)
+#define SMR_AMID 64u     /* vertices of which the middle is taken, at most */
+#define SMR_THIN 1.0e-3f /* mm: what is not thicker encloses nothing */
+#define SMR_FLAT 1.0e-6f /* determinant of a covariance, largest entry 1, from which on it says which side is which */
+#define SMR_NEWTON 12u   /* steps; the cubic is nearly straight where they are taken */
+
+/* A vertex where it is in xyz [n][3]; NULL: at rest. */
+static smr_vec place(const smr_shape *shape, float *xyz, uint32_t v)
+{
+    return xyz != NULL ? smr_load(smr_at3(xyz, v)) : smr_rest(shape->shared, v);
+}
+
+smr_vec smr_amid(const smr_shape *shape, uint32_t structure, float *xyz)
+{
+    const smr_shape_structure *one = &shape->structure[structure];
+    const uint32_t n = smr_min_u32(one->n_vertices, SMR_AMID);
+    smr_vec sum = smr_v(0, 0, 0);
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t at = (uint32_t)((uint64_t)i * one->n_vertices / n);
+        const uint32_t v = smr_model_position(shape->shared->model, one->first_vertex + at);
+        sum = smr_add(sum, place(shape, xyz, v));
+    }
+    return n > 0u ? smr_scale(sum, 1.0f / (float)n) : sum;
+}
+
+smr_enclosed smr_cone(const smr_vec at[3], const smr_vec normal[3])
+{
+    const smr_vec a = at[0], b = at[1], c = at[2], na = normal[0], nb = normal[1], nc = normal[2];
+    const smr_vec flat = smr_cross(b, c), turn = smr_add(smr_cross(nb, c), smr_cross(b, nc)), twist = smr_cross(nb, nc);
+    const smr_enclosed e = {{SMR_SIXTH * smr_dot(a, flat), SMR_SIXTH * (smr_dot(na, flat) + smr_dot(a, turn)),
+                             SMR_SIXTH * (smr_dot(na, turn) + smr_dot(a, twist)), SMR_SIXTH * smr_dot(na, twist)}};
+    return e;
+}
+
+float smr_enclosed_way(const smr_enclosed *e, float volume, float most)
+{
+    float t = 0.0f;
+    for (uint32_t i = 0; i < SMR_NEWTON; i++) {
+        const float slope = e->c[1] + t * (2.0f * e->c[2] + 3.0f * t * e->c[3]);
+        if (!(smr_abs(slope) > 1.0e-3f * smr_abs(e->c[1])))
+            return 0.0f; /* no volume nearby, or none at all */
+        t = smr_clamp(t + (volume - smr_enclosed_at(e, t)) / slope, -most, most);
+    }
+    return t;
+}
+
+static float cones(const smr_shape *shape, uint32_t from, uint32_t to, smr_vec amid, float *x)
+{
+    float sum = 0.0f;
+    for (uint32_t k = from; k < to; k++) {
+        const uint32_t *t = shape->shared->triangle + 3u * (size_t)k;
+        const smr_vec a = smr_sub(place(shape, x, t[0]), amid), b = smr_sub(place(shape, x, t[1]), amid);
+        sum += SMR_SIXTH * smr_dot(a, smr_cross(b, smr_sub(place(shape, x, t[2]), amid)));
+    }
+    return sum;
+}
+
+float smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x)
+{
+    const smr_shape_structure *one = &shape->structure[structure];
+    const smr_vec amid = smr_amid(shape, structure, x);
+    const uint32_t first = one->first_triangle, last = first + one->facets.n_triangles;
+    float sum = 0.0f;
+    for (uint32_t k = first; k < last; k += SMR_TRIANGLE_CHUNK)
+        sum += cones(shape, k, smr_min_u32(k + SMR_TRIANGLE_CHUNK, last), amid, x);
+    return sum;
+}
+
+int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, float *thick_mm)
+{
+    const smr_shape_structure *one = &shape->structure[structure];
+    const uint32_t first = one->first_triangle, last = first + one->facets.n_triangles;
+    float area = 0.0f;
+    for (uint32_t k = first; k < last; k++) {
+        const uint32_t *t = shape->shared->triangle + 3u * (size_t)k;
+        area += 0.5f * smr_length(smr_triangle_cross(smr_rest(shape->shared, t[0]), smr_rest(shape->shared, t[1]),
+                                                     smr_rest(shape->shared, t[2])));
+    }
+    *mm3 = smr_enclosed_of(shape, structure, NULL);
+    *thick_mm = area > 0.0f ? smr_abs(*mm3) / area : 0.0f;
+    return *thick_mm > SMR_THIN && smr_mesh_closed(one->facets.triangle, one->facets.n_triangles);
+}
+
+/* Sums of the whole model's rest shape and start positions. */
+static smr_fit start_fit(const smr_shape *shape)
+{
+    smr_fit fit;
+    smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
+    for (uint32_t v = 0; v < shape->shared->n; v++)
+        smr_fit_add(&fit, smr_rest(shape->shared, v), smr_load(smr_at3(shape->start, v)), 1.0f);
+    return fit;
+}
+
+float smr_start_scale(const smr_shape *shape)
+{
+    const smr_fit fit = start_fit(shape);
+    const smr_pose pose = smr_fit_solve(&fit, 1);
+    return smr_length(smr_v(pose.m[0][0], pose.m[1][0], pose.m[2][0]));
+}
+
+int smr_start_mirrored(const smr_shape *shape)
+{
+    const smr_fit fit = start_fit(shape);
+    float m[9], most = 0.0f;
+    for (uint32_t i = 0; i < 9u; i++) {
+        const float means = fit.sum[SMR_FIT_TO + i / 3u] * fit.sum[SMR_FIT_FROM + i % 3u];
+        m[i] = fit.sum[SMR_FIT_CROSS + i] - means / smr_max(fit.weight, 1.0f);
+        most = smr_max(most, smr_abs(m[i]));
+    }
+    for (uint32_t i = 0; i < 9u; i++)
+        m[i] = most > 0.0f ? m[i] / most : 0.0f; /* so that products stay in range */
+    const smr_vec x = smr_v(m[0], m[1], m[2]), y = smr_v(m[3], m[4], m[5]), z = smr_v(m[6], m[7], m[8]);
+    return smr_dot(x, smr_cross(y, z)) < -SMR_FLAT;
+}

@@ -1,0 +1,121 @@
+/* moving_triangles.c: the model's triangles as they move: normals, and box trees for target-to-model attraction.
+ * Bounds: one pass over the triangles.
+ * SPDX-License-Identifier: MIT */
+#include "registration/shape/shape.h"
+
+#define SMR_LEAVES 32u /* tree leaves of a task */
+
+static int is_whole(smr_vec v)
+{
+    const smr_vec off = smr_sub(v, smr_whole(v));
+    return smr_dot(off, off) == 0.0f;
+}
+
+/* 1 when the columns are as long as each other and at right angles, as far as clusters' reach depends on it. */
+static int is_similarity(const smr_pose *p)
+{
+    const smr_vec a = smr_v(p->m[0][0], p->m[1][0], p->m[2][0]), b = smr_v(p->m[0][1], p->m[1][1], p->m[2][1]),
+                  c = smr_v(p->m[0][2], p->m[1][2], p->m[2][2]);
+    const float size = smr_dot(a, a), most = 1.0e-3f * size;
+    return smr_within(smr_dot(b, b) - size, most) && smr_within(smr_dot(c, c) - size, most) &&
+           smr_within(smr_dot(a, b), most) && smr_within(smr_dot(b, c), most) && smr_within(smr_dot(c, a), most);
+}
+
+void smr_keep_pose(smr_arena *a, smr_pose *pose)
+{
+    smr_keep_floats(a, &pose->m[0][0], 12, -SMR_KEPT_MM, SMR_KEPT_MM);
+    smr_keep_require(a, is_similarity(pose));
+}
+
+void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
+{
+    const size_t n = shared->n;
+    shape->structure = smr_slot_scratch(a, shape->structure, shared->n_structures, sizeof *shape->structure);
+    shape->x = smr_slot_floats(a, shape->x, 3u * n, SMR_KEPT_MM);
+    shape->x_next = smr_slot_floats(a, shape->x_next, 3u * n, SMR_KEPT_MM);
+    shape->x_ref = smr_slot_floats(a, shape->x_ref, 3u * n, SMR_KEPT_MM);
+    shape->normal = smr_slot_floats(a, shape->normal, 3u * n, SMR_KEPT_UNIT);
+    shape->normal_ref = smr_slot_floats(a, shape->normal_ref, 3u * n, SMR_KEPT_UNIT);
+    shape->start = smr_slot_floats(a, shape->start, 3u * n, SMR_KEPT_MM);
+    shape->on_surface = smr_slot_scratch(a, shape->on_surface, n, 1);
+    shape->facet_normal = smr_slot_scratch(a, shape->facet_normal, shared->n_triangles, 3u * sizeof(float));
+    if (SMR_BIG_ENDIAN)
+        shape->own_triangle = smr_slot_scratch(a, shape->own_triangle, shared->n_triangles, 3u * sizeof(uint32_t));
+    shape->n_nodes = 0;
+    for (uint32_t i = 0; i < shared->n_structures; i++)
+        shape->n_nodes += smr_tree_nodes(smr_le32(smr_model_record(shared->model, i)->n_triangles));
+    if (shared->config.n_target_vertices > 0u || shared->config.contact > 0.0f)
+        shape->node = smr_slot_scratch(a, shape->node, shape->n_nodes, sizeof *shape->node);
+    smr_keep_floats(a, &shape->origin.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
+    smr_keep_require(a, is_whole(shape->origin));
+    smr_keep_pose(a, &shape->rest_pose);
+    smr_keep_words(a, &shape->rest_pose_due, 1, 1);
+    smr_held_layout(a, shape, shared);
+    smr_dynamics_layout(a, &shape->dynamics, shared);
+}
+
+void smr_shape_start(smr_shape *shape)
+{
+    const smr_shared *c = shape->shared;
+    uint32_t leaf = 0, node = 0;
+    for (uint32_t i = 0; i < c->n_structures; i++) {
+        const smr_stored_structure *r = smr_model_record(c->model, i);
+        smr_shape_structure *one = &shape->structure[i];
+        memset(one, 0, sizeof *one);
+        one->first_vertex = smr_le32(r->first_vertex);
+        one->n_vertices = smr_le32(r->n_vertices);
+        one->first_triangle = smr_le32(r->first_triangle);
+        one->first_leaf = leaf;
+        smr_tree_shape(&one->facets, smr_le32(r->n_triangles));
+        one->facets.triangle = c->triangle + 3u * (size_t)one->first_triangle;
+        one->facets.normal = shape->facet_normal + 3u * (size_t)one->first_triangle;
+        one->facets.node = shape->node == NULL ? NULL : shape->node + node;
+        leaf += smr_tree_leaves(&one->facets);
+        node += smr_tree_nodes(one->facets.n_triangles);
+    }
+    smr_held_wire(shape);
+    memset(shape->on_surface, 0, c->n);
+    for (size_t i = 0; i < 3u * (size_t)c->n_triangles; i++)
+        shape->on_surface[c->triangle[i]] = 1;
+}
+
+uint32_t smr_facets_tasks(const void *arg)
+{
+    const smr_shape *shape = arg;
+    const smr_shape_structure *last = &shape->structure[shape->shared->n_structures - 1u];
+    return smr_ceil_div(last->first_leaf + smr_tree_leaves(&last->facets), SMR_LEAVES);
+}
+
+void smr_facets_refit(void *arg, uint32_t task, uint32_t worker)
+{
+    const smr_shape *shape = arg;
+    (void)worker;
+    const uint32_t from = task * SMR_LEAVES, to = from + SMR_LEAVES;
+    for (uint32_t i = 0; i < shape->shared->n_structures; i++) {
+        const smr_shape_structure *one = &shape->structure[i];
+        const uint32_t first = one->first_leaf, last = first + smr_tree_leaves(&one->facets);
+        if (last > from && first < to)
+            smr_tree_refit_leaves(&one->facets, smr_max_u32(first, from) - first, smr_min_u32(last, to) - first);
+    }
+}
+
+void smr_facets_end(smr_shape *shape)
+{
+    for (uint32_t i = 0; i < shape->shared->n_structures; i++)
+        if (shape->structure[i].facets.node != NULL) /* without a target, too: one may come before the next iteration */
+            smr_tree_refit_upper(&shape->structure[i].facets);
+}
+
+void smr_facets_follow(smr_shape *shape, const float *xyz)
+{
+    for (uint32_t i = 0; i < shape->shared->n_structures; i++)
+        shape->structure[i].facets.xyz = xyz;
+}
+
+void smr_facets_now(smr_shape *shape)
+{
+    smr_facets_follow(shape, shape->x);
+    for (uint32_t i = 0; i < shape->shared->n_structures; i++)
+        smr_tree_refit_leaves(&shape->structure[i].facets, 0, smr_tree_leaves(&shape->structure[i].facets));
+    smr_facets_end(shape);
+}

@@ -1,0 +1,230 @@
+/* tick.c: runs the steps of an iteration (iteration.c) and keeps the time. A step is a number of independent tasks
+ * and a serial end; the clock is read between groups of tasks, and a tick that runs out of time resumes at the task
+ * where it stopped.
+ * Bounds: those of the steps.
+ * SPDX-License-Identifier: MIT */
+#include "registration/tick/schedule.h"
+#include "registration/tick/iteration.h"
+
+static uint64_t now(const smr *s) { return s->port.now_ns == NULL ? 0u : s->port.now_ns(s->port.ctx); }
+
+/* `count` tasks of one step from `first` on, as a loop over bundles that counts from 0. Where no clock is watched
+ * tasks are bundled: handing out one takes its time, too. */
+typedef struct part_of_step {
+    void *stage;
+    smr_task run;
+    uint32_t first, count, bundle;
+    uint32_t n_workers;
+    uint32_t refused; /* 1: some worker was none of n_workers. Any thread sets it, atomically */
+} part_of_step;
+
+#define SMR_BUNDLES 64u /* of a step, about */
+
+static void run_bundle(void *arg, uint32_t bundle, uint32_t worker)
+{
+    part_of_step *p = arg;
+    if (worker >= p->n_workers) { /* another worker's memory may be in use, and there is none beyond */
+        __atomic_store_n(&p->refused, 1u, __ATOMIC_RELAXED);
+        return;
+    }
+    const uint32_t last = smr_min_u32((bundle + 1u) * p->bundle, p->count);
+    for (uint32_t task = bundle * p->bundle; task < last; task++)
+        p->run(p->stage, p->first + task, worker);
+}
+
+static void run_part(smr *s, const smr_step *step, uint32_t count, int timed)
+{
+    const uint32_t bundle = timed ? 1u : smr_max_u32(count / SMR_BUNDLES, 1u);
+    part_of_step part = {
+        smr_stage_of(s, step), step->run, s->next_task, count, bundle, smr_max_u32(s->port.n_workers, 1u), 0};
+    smr_fork(&s->port, run_bundle, &part, smr_ceil_div(count, bundle));
+    s->next_task += count;
+    s->refused |= __atomic_load_n(&part.refused, __ATOMIC_RELAXED);
+}
+
+/* A tick's time. */
+typedef struct watch {
+    uint64_t deadline; /* of this tick; 0: none */
+    uint64_t budget;   /* ns; 0: none */
+    uint64_t last;     /* reading */
+    int begun;         /* the first group runs whatever the clock says: a tick always gets on */
+} watch;
+
+/* Reads the clock; returns 1 when the time is over, or will be after so many ns more. A clock that runs backwards
+ * ends the tick, too. */
+static int over(smr *s, watch *w, uint64_t ahead)
+{
+    const uint64_t time = now(s);
+    const int back = time < w->last;
+    s->budget.odd |= (uint32_t)back;
+    if (!back)
+        smr_budget_spend(s, time - w->last, w->budget);
+    w->last = time;
+    return back || time >= w->deadline || ahead > w->deadline - time;
+}
+
+/* 1 when the vertices from the next task on must be ignored, so that the iteration ends in time. */
+static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
+{
+    const uint64_t left = w->deadline > w->last ? w->deadline - w->last : 0u;
+    if (!smr_seeks_forces(step) || w->deadline == 0u || !smr_budget_reached(s, left, group))
+        return 0;
+    s->pace.n_active = s->next_task * smr_force_chunk(&s->forces);
+    s->reference.stale = s->budget.cut = 1;
+    return 1;
+}
+
+/* Runs the current step of n tasks, one at least. SMR_PARTIAL: the deadline passed before its last task. SMR_E_STATE:
+ * tasks were not run. */
+static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
+{
+    const uint32_t group = step->order != SMR_ANY_ORDER ? 1u : (w->deadline == 0u ? n : smr_budget_group(s, n));
+    const uint64_t ahead = w->deadline == 0u ? 0u : smr_min_u64(smr_budget_ahead(s, n, group), w->budget / 4u);
+    for (; s->next_task < n; n = smr_step_tasks(s, step)) { /* what folds asks for more as it goes */
+        if (w->deadline != 0u && w->begun && over(s, w, ahead))
+            return SMR_PARTIAL;
+        w->begun = 1;
+        if (cut(s, step, w, group))
+            break;
+        uint32_t count = smr_min_u32(group, n - s->next_task);
+        if (step->abreast != NULL) { /* the next pieces need the ones before */
+            const uint32_t abreast = step->abreast(smr_stage_of(s, step));
+            count = smr_min_u32(count, abreast - s->next_task % abreast);
+        }
+        run_part(s, step, count, w->deadline != 0u);
+        if (s->refused || __atomic_load_n(&s->forces.caller.broken, __ATOMIC_RELAXED))
+            return SMR_E_STATE;
+    }
+    if (step->end != NULL)
+        step->end(s);
+    s->next_task = 0;
+    return SMR_OK;
+}
+
+void smr_report_keep(smr_arena *a, smr_tick_report *r, uint32_t n)
+{
+    smr_keep_words(a, &r->n_taken, 1, n);
+    smr_keep_words(a, &r->n_wanted, 1, n);
+    smr_keep_words(a, &r->n_active, 1, n);
+    smr_keep_words(a, &r->n_forces, 1, n);
+    smr_keep_words(a, &r->n_rejected, 1, n);
+    smr_keep_floats(a, &r->matched_share, 1, -1.0f, 1.0f);
+    smr_keep_floats(a, &r->attraction_used, 1, 0.0f, 1.0f);
+    smr_keep_floats(a, &r->residual_mean_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_floats(a, &r->residual_rms_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_floats(a, &r->residual_max_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_floats(a, &r->displacement_max_mm, 1, 0.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_long(a, &r->state_hash);
+}
+
+/* before: iterations that were complete when the tick began. One that it completed has told its radius
+ * (iteration_end.c). */
+static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
+{
+    smr_tick_report *r = &s->report;
+    if (s->pace.iteration == before) {
+        r->radius = s->pace.radius;
+        r->radius_iteration = s->pace.radius_iteration;
+    }
+    r->iteration = s->pace.iteration;
+    r->phase = s->step == 0u ? 0u : smr_steps[s->step].phase;
+    r->n_guarded = s->folds.n_guarded;
+    r->plastic_updates = s->pace.plastic_updates;
+    r->converged = s->pace.converged;
+    r->done = s->pace.done;
+    r->tracking = s->pace.tracking;
+    r->settled = s->pace.settled && !s->pace.called;
+    r->jumped = s->pace.jumped;
+    r->progress = smr_schedule_progress(s);
+    memcpy(r->phase_ns, phase_ns, sizeof r->phase_ns);
+}
+
+/* The report as the caller gets it. The log keeps what the iteration itself found, whatever was set since. */
+static smr_tick_report report_of(const smr *s)
+{
+    smr_tick_report r = s->report;
+    if (!s->forces.unmeasured)
+        return r;
+    r.n_active = r.n_forces = r.n_rejected = r.converged = 0;
+    r.attraction_used = 0.0f;
+    r.matched_share = r.residual_mean_mm = r.residual_rms_mm = r.residual_max_mm = -1.0f;
+    return r;
+}
+
+static uint64_t later(uint64_t time, uint64_t ns) { return ns > UINT64_MAX - time ? UINT64_MAX : time + ns; }
+
+/* What comes before an iteration, and the time of this tick. */
+static watch begin(smr *s, uint64_t budget_ns)
+{
+    watch w = {0, 0, now(s), 0};
+    const int timed = budget_ns != 0u && s->port.now_ns != NULL;
+    if (s->step > 0u || s->next_task > 0u) {
+        smr_budget_resume(s);
+    } else if (!smr_idle(&s->pace)) {
+        smr_schedule_begin(s);
+        smr_budget_plan(s, timed ? budget_ns : UINT64_MAX);
+    }
+    if (timed) {
+        w.budget = budget_ns;
+        w.deadline = later(w.last, budget_ns);
+    }
+    return w;
+}
+
+/* Steps until the iteration is complete, the time is over or a task was refused. */
+static smr_status run_iteration(smr *s, watch *w, uint64_t *phase_ns)
+{
+    smr_status status = SMR_OK;
+    for (; !smr_idle(&s->pace) && s->step < smr_n_steps; s->step++) {
+        const smr_step *step = &smr_steps[s->step];
+        if (s->next_task == 0u && step->pieces != NULL)
+            step->pieces(smr_stage_of(s, step), w->deadline != 0u);
+        const uint32_t n_tasks = smr_step_tasks(s, step);
+        const uint64_t before = w->last;
+        if (n_tasks > 0u)
+            status = run_step(s, step, n_tasks, w);
+        (void)over(s, w, 0);
+        phase_ns[step->phase] += w->last > before ? w->last - before : 0u;
+        if (status != SMR_OK)
+            return status;
+        smr_budget_learn(s, n_tasks);
+    }
+    if (s->step == smr_n_steps) {
+        smr_budget_done(s);
+        s->step = 0;
+    }
+    return SMR_OK;
+}
+
+/* What the caller's force gave in the iteration that is complete now. */
+static void tell_gave(smr *s)
+{
+    smr_caller_goals *g = &s->forces.caller;
+    g->told = g->summed ? g->sum : 0u;
+    if (g->summed)
+        smr_log_gave(&s->log, g->sum);
+    g->summed = 0;
+}
+
+smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
+{
+    uint64_t phase_ns[SMR_PHASES] = {0};
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!smr_ready(s) || s->refused || s->forces.caller.broken || !smr_inputs_stand(&s->forces))
+        return SMR_E_STATE;
+    const uint32_t before = s->pace.iteration;
+    s->ticking = 1;
+    watch w = begin(s, budget_ns);
+    const smr_status status = run_iteration(s, &w, phase_ns);
+    s->ticking = 0;
+    if (status == SMR_E_STATE)
+        return status;
+    fill_report(s, before, phase_ns);
+    if (status == SMR_OK)
+        tell_gave(s);
+    smr_log_tick(&s->log, &s->report, status, status == SMR_OK ? s->report.n_taken : smr_forces_evaluated(s));
+    if (report != NULL)
+        *report = report_of(s);
+    return status;
+}

@@ -1,0 +1,196 @@
+/* time_budget.c: fits an iteration into a budget. From the port's clock it learns what each step costs: so many
+ * nanoseconds a unit of its work. While forces are looked for, in the order of priority, it keeps in reserve what the
+ * rest of the iteration will take with the vertices reached so far; when the time left comes down to that, the
+ * vertices not reached are ignored in this iteration (paper 2.2, complexity tuning). Everything that depends on how
+ * many take part is computed after the forces, so a cut iteration has the bits of one that was given that number from
+ * the start. If even the minimum set exceeds the budget, the iteration spans several ticks and skips nothing. So it
+ * does where the schedule closes: what is left out there is never found.
+ * Bounds: SMR_STEPS_MAX, for each group of forces.
+ * SPDX-License-Identifier: MIT */
+#include "registration/tick/iteration.h"
+
+#define SMR_UNKNOWN (-1.0f)
+#define SMR_FOREVER 1.0e18f  /* ns: cost not known */
+#define SMR_RISE 0.5f        /* weight of a sample above the rate */
+#define SMR_FALL 0.125f      /* weight of a sample below it: the rate stays near the upper end of what is usual */
+#define SMR_OUTLIER 0.0625f  /* share of an iteration: a sample counts as at most so much above the rate */
+#define SMR_MARGIN_MIN 1.03f /* smallest factor on the reserve */
+#define SMR_MARGIN_MAX 1.5f
+#define SMR_LATE 0.0625f          /* added to the margin by an iteration that did not end in its tick */
+#define SMR_IN_TIME 0.001f        /* taken off by one that did: about one in sixty is late */
+#define SMR_STRETCH_NS 100000000u /* ns between two readings: what exceeds it and the budget is a jump of the clock */
+#define SMR_FORK_NS 50000.0f      /* ns of work that is worth one parallel loop */
+#define SMR_FORK_TASKS 64.0f      /* most tasks for each worker in one parallel loop */
+#define SMR_LOOK 16u              /* vertices between two looks at the reserve, at least */
+#define SMR_CLOSING 3u            /* 1 / share of the last radius in which vertices may be left out */
+#define SMR_FIRST 0.75f           /* share of the budget kept in reserve while costs are not known */
+
+void smr_budget_keep(smr_arena *a, smr_time_budget *c) { smr_keep_words(a, &c->cut, 1, 1); }
+
+void smr_budget_start(smr *s)
+{
+    memset(&s->budget, 0, sizeof s->budget);
+    s->budget.margin = SMR_MARGIN_MIN;
+    for (uint32_t i = 0; i < SMR_STEPS_MAX; i++)
+        s->budget.rate[i] = SMR_UNKNOWN;
+}
+
+/* Entries and indexes of the chain along the order L. With fewer active vertices it reads fewer, but how many fewer is
+ * not known beforehand. */
+static float lists_units(const smr *s)
+{
+    return (float)s->shared.n + (float)smr_le32(s->pace.lists.block[s->pace.lists.n_blocks].first_index);
+}
+
+static float units_of(smr *s, const smr_step *step, uint32_t n_tasks)
+{
+    if (step->work == SMR_WORK_ACTIVE)
+        return (float)s->pace.n_active;
+    if (step->work == SMR_WORK_FOLDS)
+        return smr_fold_find_tasks(&s->folds) > 0u ? 1.0f : 0.0f;
+    return step->work == SMR_WORK_LISTS ? lists_units(s) : (float)n_tasks;
+}
+
+/* The rate after one more sample. A sample counts as at most twice the rate, or as SMR_OUTLIER of an iteration above it
+ * where that is more: something else may have run in between. */
+static float blend(const smr_time_budget *c, float rate, float sample, float units)
+{
+    if (rate < 0.0f)
+        return sample;
+    sample = smr_min(sample, rate + smr_max(rate, SMR_OUTLIER * c->whole / units));
+    return rate + (sample > rate ? SMR_RISE : SMR_FALL) * (sample - rate);
+}
+
+void smr_budget_spend(smr *s, uint64_t ns, uint64_t budget_ns)
+{
+    const uint64_t most = budget_ns > SMR_STRETCH_NS ? budget_ns : SMR_STRETCH_NS;
+    s->budget.spent += smr_min_u64(ns, smr_min_u64(most, UINT64_MAX - s->budget.spent));
+}
+
+void smr_budget_learn(smr *s, uint32_t n_tasks)
+{
+    smr_time_budget *c = &s->budget;
+    const smr_step *step = &smr_steps[s->step];
+    const float spent = smr_min((float)c->spent, SMR_FOREVER), units = units_of(s, step, n_tasks);
+    const int odd =
+        c->odd != 0u || s->port.now_ns == NULL || !(units > 0.0f) || (n_tasks == 0u && step->work != SMR_WORK_FOLDS);
+    c->sum += spent;
+    c->spent = 0;
+    c->odd = 0;
+    if (odd)
+        return;
+    c->rate[s->step] = blend(c, c->rate[s->step], spent / units, units);
+    if (step->work == SMR_WORK_LISTS)
+        c->count = s->pace.n_active;
+}
+
+/* ns a task of a step that was never met: those of the most expensive known step. */
+static float dearest(const smr_time_budget *c)
+{
+    float rate = SMR_UNKNOWN;
+    for (uint32_t i = 0; i < smr_n_steps; i++)
+        if (smr_steps[i].work != SMR_WORK_LISTS && smr_steps[i].phase != SMR_PHASE_FORCES)
+            rate = smr_max(rate, c->rate[i] * (smr_steps[i].work == SMR_WORK_ACTIVE ? (float)SMR_CHUNK : 1.0f));
+    return rate;
+}
+
+/* ns that the steps from `first` on will take with `count` active vertices; SMR_FOREVER when that is not known. */
+static float cost_of(smr *s, uint32_t first, uint32_t count)
+{
+    const smr_time_budget *c = &s->budget;
+    const uint32_t active = s->pace.n_active, stale = s->reference.stale;
+    const float unknown = dearest(c);
+    const float more = c->count > 0u && count > c->count ? (float)count / (float)c->count : 1.0f;
+    float sum = 0.0f;
+    s->pace.n_active = count;
+    s->reference.stale = stale || count != active;
+    for (uint32_t i = first; i < smr_n_steps; i++) {
+        const smr_step *step = &smr_steps[i];
+        const uint32_t n_tasks = smr_step_tasks(s, step);
+        const float units = units_of(s, step, n_tasks);
+        float rate = c->rate[i];
+        if ((n_tasks == 0u && step->work != SMR_WORK_FOLDS) || !(units > 0.0f))
+            continue;
+        if (step->work == SMR_WORK_FOLDS)
+            rate = smr_max(rate, 0.0f);
+        if (rate < 0.0f && step->work != SMR_WORK_LISTS)
+            rate = step->work == SMR_WORK_ACTIVE ? unknown / (float)SMR_CHUNK : unknown;
+        if (rate < 0.0f)
+            sum = SMR_FOREVER;
+        sum += rate * units * (step->work == SMR_WORK_LISTS ? more : 1.0f);
+    }
+    s->pace.n_active = active;
+    s->reference.stale = stale;
+    return smr_min(smr_max(sum, 0.0f) * c->margin, SMR_FOREVER);
+}
+
+/* Fewest active vertices that this radius allows. */
+static uint32_t fewest(const smr *s)
+{
+    return s->pace.n_pinned > 0u ? s->pace.n_active
+                                 : smr_min_u32(smr_max_u32(s->pace.lists.active_min, 1u), s->pace.n_active);
+}
+
+void smr_budget_plan(smr *s, uint64_t budget_ns)
+{
+    const float cost = cost_of(s, 0, fewest(s));
+    s->budget.spent = 0;
+    s->budget.sum = 0.0f;
+    s->budget.odd = s->budget.late = s->budget.look = 0;
+    s->budget.budget = budget_ns;
+    const int closing = smr_at_last_radius(&s->shared, &s->pace) &&
+                        SMR_CLOSING * s->pace.radius_iteration >= s->shared.config.iterations_last;
+    s->budget.uncut = cost < SMR_FOREVER && (closing || cost > (float)budget_ns);
+}
+
+uint32_t smr_budget_group(smr *s, uint32_t n_tasks)
+{
+    const smr_step *step = &smr_steps[s->step];
+    const uint32_t workers = smr_max_u32(s->port.n_workers, 1u);
+    const float rate = s->budget.rate[s->step];
+    if (workers == 1u || n_tasks == 0u || !(rate >= 0.0f))
+        return workers;
+    const float task_ns = smr_max(rate * units_of(s, step, n_tasks) * (float)workers / (float)n_tasks, 1.0f);
+    return workers * smr_max_u32((uint32_t)smr_min(SMR_FORK_NS / task_ns, SMR_FORK_TASKS), 1u);
+}
+
+uint64_t smr_budget_ahead(smr *s, uint32_t n_tasks, uint32_t group)
+{
+    const smr_step *step = &smr_steps[s->step];
+    const float rate = s->budget.rate[s->step];
+    if (rate < 0.0f || n_tasks == 0u || step->work == SMR_WORK_FOLDS)
+        return 0;
+    const float tasks = (float)smr_min_u32(group, n_tasks);
+    return (uint64_t)smr_min(rate * units_of(s, step, n_tasks) * tasks / (float)n_tasks, SMR_FOREVER);
+}
+
+void smr_budget_resume(smr *s) { s->budget.late = !s->budget.uncut; }
+
+void smr_budget_done(smr *s)
+{
+    smr_time_budget *c = &s->budget;
+    const float whole = c->whole > 0.0f ? smr_min(c->sum, 2.0f * c->whole) : c->sum;
+    c->whole += (c->whole > 0.0f ? SMR_FALL : 1.0f) * (whole - c->whole);
+    for (uint32_t i = 0; i < smr_n_steps && c->repairing && s->pace.repairing == 0u; i++)
+        if (smr_steps[i].work == SMR_WORK_FOLDS)
+            c->rate[i] = SMR_UNKNOWN; /* repairs cost more than what comes after them */
+    c->repairing = s->pace.repairing > 0u;
+    c->margin = smr_clamp(c->margin + (c->late ? SMR_LATE : -SMR_IN_TIME), SMR_MARGIN_MIN, SMR_MARGIN_MAX);
+}
+
+int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group)
+{
+    const uint32_t chunk = smr_force_chunk(&s->forces), reached = s->next_task * chunk,
+                   more = smr_max_u32(group * chunk, SMR_LOOK);
+    if (s->pace.n_pinned > 0u || reached < fewest(s))
+        return 0;
+    if (s->pace.repairing > 0u)
+        return 1; /* no forces act now */
+    if (s->budget.uncut || reached < s->budget.look)
+        return 0;
+    s->budget.look = reached + more;
+    const uint32_t next = smr_min_u32(reached + more, s->pace.n_active);
+    const float force = smr_max(s->budget.rate[s->step], 0.0f) * (float)(next - reached);
+    const float rest = cost_of(s, s->step + 1u, next);
+    return force + (rest < SMR_FOREVER ? rest : SMR_FIRST * (float)s->budget.budget) > (float)left_ns;
+}

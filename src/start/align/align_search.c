@@ -1,0 +1,141 @@
+/* align_search.c: the coarse search of start poses.
+ * Method: 192 rotations between the principal axes (those of a cube, each also after 45 degrees about an axis and 60
+ * about a diagonal) times 7 translations: centroid onto centroid, and for each axis of the target the lower or the
+ * upper ends onto each other, where what lies beyond the shorter one does not count sideways. Parts of a surface have
+ * other axes and centroids than the whole, but often one of its ends.
+ * Bounds: 192 * 7 poses of smr_coarse_cost().
+ * SPDX-License-Identifier: MIT */
+#include "start/align/align_search.h"
+
+#include "start/align/align_pose.h"
+#include "geometry/rotation/rotation.h"
+
+#define SMR_CUBE 24u          /* rotations of a cube */
+#define SMR_TURNS 8u          /* further turns, each after all of them */
+#define SMR_EDGE 0.785398163f /* rad: 45 degrees */
+#define SMR_DIAG 0.604599788f /* rad: 60 degrees about (1, 1, 1), along each axis */
+#define SMR_END_SLACK 0.01f   /* of the shorter one's length, so that rounding does not decide who is in it */
+
+/* The k-th of the 24 rotations of a cube: axis permutations with signs whose determinant is 1. */
+static void cube_rotation(uint32_t k, float g[9])
+{
+    static const unsigned char permutation[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
+    const unsigned char *p = permutation[k / 4u];
+    const float odd = k / 4u >= 3u ? -1.0f : 1.0f;
+    const float a = k & 1u ? -1.0f : 1.0f, b = k & 2u ? -1.0f : 1.0f;
+    memset(g, 0, 9u * sizeof *g);
+    g[p[0]] = a;
+    g[3 + p[1]] = b;
+    g[6 + p[2]] = a * b * odd;
+}
+
+/* out = a b. */
+static void multiply(const float a[9], const float b[9], float out[9])
+{
+    for (uint32_t i = 0; i < 9u; i++) {
+        const float *row = a + i / 3u * 3u, *column = b + i % 3u;
+        out[i] = row[0] * column[0] + row[1] * column[3] + row[2] * column[6];
+    }
+}
+
+/* The k-th rotation of the search, B C T A^T, with A and B the axes of model and target, C a cube's rotation, T the
+ * further turn, which for the mirror image also reflects the model's longest axis. */
+static void set_rotation(const smr_aligner *a, uint32_t k, float scale, int mirrored, smr_pose *pose)
+{
+    static const float turn[SMR_TURNS][3] = {{0, 0, 0},
+                                             {SMR_EDGE, 0, 0},
+                                             {0, SMR_EDGE, 0},
+                                             {0, 0, SMR_EDGE},
+                                             {SMR_DIAG, SMR_DIAG, SMR_DIAG},
+                                             {-SMR_DIAG, SMR_DIAG, SMR_DIAG},
+                                             {SMR_DIAG, -SMR_DIAG, SMR_DIAG},
+                                             {SMR_DIAG, SMR_DIAG, -SMR_DIAG}};
+    const float *from = a->side[SMR_MODEL].axes;
+    const float back[9] = {from[0], from[3], from[6], from[1], from[4], from[7], from[2], from[5], from[8]};
+    float c[9], t[9], ct[9], bct[9], r[9];
+    cube_rotation(k % SMR_CUBE, c);
+    smr_rodrigues(smr_load(turn[k / SMR_CUBE]), t); /* T - I */
+    for (uint32_t i = 0; i < 3u; i++) {
+        t[4u * i] += 1.0f;
+        t[3u * i] = mirrored ? -t[3u * i] : t[3u * i];
+    }
+    multiply(c, t, ct);
+    multiply(a->side[SMR_TARGET].axes, ct, bct);
+    multiply(bct, back, r);
+    for (uint32_t i = 0; i < 9u; i++)
+        pose->m[i / 3u][i % 3u] = r[i] * scale;
+}
+
+/* Both ends of a side's samples along a direction, mm. */
+static void find_ends(const smr_coarse *c, uint32_t side, const smr_pose *pose, smr_vec along, float end[2])
+{
+    end[0] = FLT_MAX;
+    end[1] = -FLT_MAX;
+    for (uint32_t i = 0; i < SMR_COARSE; i++) {
+        const float at = smr_dot(smr_coarse_point(c, side, i, pose), along);
+        end[0] = smr_min(end[0], at);
+        end[1] = smr_max(end[1], at);
+    }
+}
+
+/* Centroid of a side's samples between two places along a direction. */
+static smr_vec centre_between(const smr_coarse *c, uint32_t side, const smr_pose *pose, smr_vec along, float lo,
+                              float hi)
+{
+    smr_vec sum = smr_v(0, 0, 0);
+    float n = 0.0f;
+    for (uint32_t i = 0; i < SMR_COARSE; i++) {
+        const smr_vec p = smr_coarse_point(c, side, i, pose);
+        const float at = smr_dot(p, along);
+        if (at < lo || at > hi)
+            continue;
+        sum = smr_add(sum, p);
+        n += 1.0f;
+    }
+    return smr_scale(sum, 1.0f / smr_max(n, 1.0f));
+}
+
+/* Sets the k-th translation of the pose's rotation. */
+static void set_shift(const smr_aligner *a, const smr_coarse *c, uint32_t k, smr_pose *pose)
+{
+    const smr_align_side *target = &a->side[SMR_TARGET];
+    if (k == 0u) {
+        smr_pose_through(pose, a->side[SMR_MODEL].centre, target->centre);
+        return;
+    }
+    const uint32_t axis = (k - 1u) / 2u, end = (k - 1u) % 2u;
+    const smr_vec along = smr_v(target->axes[axis], target->axes[3u + axis], target->axes[6u + axis]);
+    float m[2], t[2];
+    find_ends(c, SMR_MODEL, pose, along, m);
+    find_ends(c, SMR_TARGET, pose, along, t);
+    const float by = t[end] - m[end], length = smr_min(m[1] - m[0], t[1] - t[0]), slack = SMR_END_SLACK * length;
+    const float lo = (end ? t[1] - length : t[0]) - slack, hi = (end ? t[1] : t[0] + length) + slack;
+    const smr_vec from = centre_between(c, SMR_MODEL, pose, along, lo - by, hi - by);
+    const smr_vec move = smr_sub(centre_between(c, SMR_TARGET, pose, along, lo, hi), from);
+    smr_pose_through(pose, smr_v(0, 0, 0), smr_add(move, smr_scale(along, by - smr_dot(move, along))));
+}
+
+void smr_align_search(const smr_aligner *a, const smr_coarse *c, float scale, uint32_t n_shifts, int mirrored,
+                      smr_pose_list *found)
+{
+    for (uint32_t k = 0; k < SMR_CUBE * SMR_TURNS; k++) {
+        smr_pose pose, best[2];
+        float cost[2] = {FLT_MAX, FLT_MAX};
+        set_rotation(a, k, scale, mirrored, &pose);
+        for (uint32_t s = 0; s < n_shifts; s++) {
+            set_shift(a, c, s, &pose);
+            const float now = smr_coarse_cost(c, &pose);
+            const uint32_t place = now < cost[0] ? 0u : 1u;
+            if (!(now < cost[place]))
+                continue;
+            if (place == 0u) {
+                cost[1] = cost[0];
+                best[1] = best[0];
+            }
+            cost[place] = now;
+            best[place] = pose;
+        }
+        for (uint32_t i = 0; i < 2u && cost[i] < FLT_MAX; i++)
+            smr_list_insert(found, &best[i], cost[i]);
+    }
+}

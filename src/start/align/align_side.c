@@ -1,0 +1,107 @@
+/* align_side.c: samples of a surface, its principal axes, and the sign of its volume.
+ * SPDX-License-Identifier: MIT */
+#include "start/align/align_side.h"
+
+#include "geometry/linear_solve/jacobi.h"
+
+/* Turns the axes so that the surface's third moments along the first two are positive: eigenvectors have no sign, and
+ * which of equally good poses a search finds first would depend on how the surface lies. */
+static void turn_axes(smr_align_side *side, const smr_surface *s)
+{
+    float *a = side->axes, skew[2] = {0.0f, 0.0f};
+    for (uint32_t i = 0; i < s->n_vertices; i++) {
+        const smr_vec d = smr_sub(smr_load(s->xyz + 3u * (size_t)i), side->centre);
+        for (uint32_t k = 0; k < 2u; k++) {
+            const float along = d.x * a[k] + d.y * a[3u + k] + d.z * a[6u + k];
+            skew[k] += s->area[i] * along * along * along;
+        }
+    }
+    for (uint32_t k = 0; k < 2u; k++)
+        for (uint32_t r = 0; r < 3u && skew[k] < 0.0f; r++) {
+            a[3u * r + k] = -a[3u * r + k];
+            a[3u * r + 2u] = -a[3u * r + 2u];
+        }
+}
+
+/* Area-weighted centroid, principal axes and spread. */
+static void describe(smr_align_side *side, const smr_surface *s)
+{
+    smr_vec sum = smr_v(0, 0, 0);
+    float weight = 0.0f;
+    const smr_vec origin = smr_load(s->xyz);
+    for (uint32_t i = 0; i < s->n_vertices; i++) {
+        sum = smr_add(sum, smr_scale(smr_sub(smr_load(s->xyz + 3u * (size_t)i), origin), s->area[i]));
+        weight += s->area[i];
+    }
+    const float inverse = weight > 0.0f ? 1.0f / weight : 0.0f;
+    side->centre = smr_add(origin, smr_scale(sum, inverse));
+    float c[6] = {0}, value[3];
+    for (uint32_t i = 0; i < s->n_vertices; i++) {
+        const smr_vec d = smr_sub(smr_load(s->xyz + 3u * (size_t)i), side->centre);
+        const float w = s->area[i] * inverse;
+        c[SMR_XX] += w * d.x * d.x;
+        c[SMR_XY] += w * d.x * d.y;
+        c[SMR_XZ] += w * d.x * d.z;
+        c[SMR_YY] += w * d.y * d.y;
+        c[SMR_YZ] += w * d.y * d.z;
+        c[SMR_ZZ] += w * d.z * d.z;
+    }
+    side->spread = SMR_SQRT(c[SMR_XX] + c[SMR_YY] + c[SMR_ZZ]);
+    smr_eigen(c, value, side->axes);
+    turn_axes(side, s);
+}
+
+/* 1 for a closed surface with a negative volume. */
+static int inside_out(const smr_surface *s, smr_vec centre)
+{
+    float volume = 0.0f;
+    if (s->open)
+        return 0;
+    for (uint32_t i = 0; i < s->facets.n_triangles; i++) {
+        const uint32_t *t = s->triangle + 3u * (size_t)i;
+        if (smr_surface_stray(s, t[0]))
+            continue;
+        const smr_vec a = smr_sub(smr_load(s->xyz + 3u * (size_t)t[0]), centre);
+        const smr_vec b = smr_sub(smr_load(s->xyz + 3u * (size_t)t[1]), centre);
+        const smr_vec c = smr_sub(smr_load(s->xyz + 3u * (size_t)t[2]), centre);
+        volume += smr_dot(a, smr_cross(b, c));
+    }
+    return volume < 0.0f;
+}
+
+static int is_bare(const smr_surface *s)
+{
+    if (!smr_is_cloud(s))
+        return 0;
+    for (size_t i = 0; i < 3u * (size_t)s->n_vertices; i++)
+        if (s->normal[i] != 0.0f)
+            return 0;
+    return 1;
+}
+
+/* The vertex with `wanted` others before it that are no scraps. at: where the last one was found, and how many. */
+static uint32_t vertex_of(const smr_surface *s, uint32_t wanted, uint32_t at[2])
+{
+    for (; at[1] < wanted || smr_surface_stray(s, at[0]); at[0]++)
+        at[1] += !smr_surface_stray(s, at[0]);
+    return at[0];
+}
+
+void smr_align_side_make(smr_align_side *side, const smr_surface *s, uint32_t n)
+{
+    const float inverse = s->area_mean > 0.0f ? 1.0f / s->area_mean : 0.0f;
+    const uint32_t kept = s->n_vertices - s->n_stray_vertices;
+    uint32_t at[2] = {0, 0};
+    side->surface = s;
+    side->n = n;
+    side->bare = (uint32_t)is_bare(s);
+    describe(side, s);
+    side->outward = inside_out(s, side->centre) ? -1.0f : 1.0f;
+    for (uint32_t k = 0; k < n; k++) {
+        const uint32_t i = vertex_of(s, (uint32_t)(((uint64_t)2u * k + 1u) * kept / (2u * (uint64_t)n)), at);
+        side->point[k] = smr_load(s->xyz + 3u * (size_t)i);
+        side->normal[k] = smr_scale(smr_load(s->normal + 3u * (size_t)i), side->outward);
+        side->weight[k] = s->area[i] * inverse;
+        side->pair[k].triangle = SMR_NONE;
+    }
+}

@@ -1,0 +1,30 @@
+/* expected_error.c: how far each vertex is expected from its true place: what the seen part leaves open
+ * (normal_field.c), and the distance that is left to the target.
+ * Bounds: those of normal_field.c.
+ * SPDX-License-Identifier: MIT */
+#include "verdict/landmark_evidence.h"
+#include "verdict/normal_field.h"
+
+void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
+{
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    float *const expected = smr_vertex_expected(s);
+    const float residual = smr_mean_of(e->residual, 0.0f);
+    smr_normal_field field;
+    if (smr_follows_landmarks(s, structure)) {
+        smr_measure_by_landmarks(s, structure, e);
+        return;
+    }
+    smr_normal_field_solve(&field, s, structure);
+    for (uint32_t i = 0; field.n == 0u && i < one->n_vertices; i++)
+        expected[smr_model_position(s->shared.model, one->first_vertex + i)] = -1.0f;
+    if (field.n == 0u)
+        return;
+    smr_mean_add(&e->bend, SMR_SQRT(field.size2), (float)one->n_vertices);
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        const float doubt = smr_normal_field_doubt(&field, v);
+        expected[v] = SMR_SQRT(doubt * doubt + residual * residual);
+        smr_mean_add(&e->expected, expected[v], 1.0f);
+    }
+}

@@ -1,0 +1,159 @@
+/* local_volume.c: how the volume around each vertex has changed from the rest shape, on demand: the volume between the
+ * surface of its cluster and the cluster's middle, now over at rest. So it is measured, and says what fusing, folds and
+ * forces have really done, however often x^r has followed. A linear map fitted to the cluster would take its bending
+ * for shrinking. Each vertex has a third of its triangles': normals of the length of twice the area, their
+ * products with the place, and moments; of these the cluster's sums are exact, in the memory of records, sums and
+ * transforms.
+ * Bounds: four passes over the vertices, two over the triangles, one over a radius' lists.
+ * SPDX-License-Identifier: MIT */
+#include "base/fixed_point.h"
+#include "geometry/box_tree/triangle.h"
+#include "registration/registration.h"
+
+#define SMR_LOCAL_EDGES 8.0f  /* radius unless asked for, in mean edge lengths */
+#define SMR_LOCAL_MOST 1.0e6f /* of a ratio */
+#define SMR_LOCAL_LEAST 1.0e-18f
+#define SMR_SKIN 0.001f /* thickness that even a closed surface has besides its volume, in roots of its area */
+
+/* Words of a vertex or a cluster, of the present and then of the rest shape. */
+enum { SMR_SIX_VOLUMES, SMR_NORMALS, SMR_MOMENTS = 4, SMR_TWO_AREAS = 7, SMR_LOCAL_WORDS };
+
+typedef struct local {
+    const smr_shared *shared;
+    smr_pace pace;   /* with the lists of the radius that is asked for */
+    smr_shape shape; /* with the pose that lays the rest shape onto the present one */
+    smr_sums sums;
+    float *part;       /* [n][SMR_LOCAL_WORDS] of vertices */
+    float scale[2][2]; /* of areas and of volumes, now and at rest: stored = value * scale */
+} local;
+
+static uint32_t nearest_radius(const smr_model *m, float wanted)
+{
+    uint32_t best = 0;
+    for (uint32_t r = 1; r < smr_le32(m->n_radii); r++)
+        if (wanted * wanted < smr_model_lists(m, best).radius * smr_model_lists(m, r).radius)
+            best = r;
+    return best;
+}
+
+static void begin(local *l, const smr *s, float radius_mm)
+{
+    const smr_model *m = s->shared.model;
+    const float wanted = radius_mm > 0.0f ? radius_mm : SMR_LOCAL_EDGES * smr_le_float(m->edge_mm);
+    l->shared = &s->shared;
+    l->pace = s->pace;
+    l->pace.lists = smr_model_lists(m, nearest_radius(m, wanted));
+    l->pace.n_active = s->shared.n;
+    l->shape = s->shape;
+    smr_rest_pose_now(&l->shape);
+    memset(&l->sums, 0, sizeof l->sums);
+    smr_sums_wire(&l->sums, &s->shared, &l->pace, &s->forces, &s->overlay);
+    l->sums.words = SMR_WORDS;
+    l->part = s->match.transform;
+}
+
+static void add_triangle(local *l, const uint32_t t[3], const smr_vec p[3])
+{
+    const float third = 1.0f / 3.0f;
+    const smr_vec n = smr_scale(smr_triangle_cross(p[0], p[1], p[2]), third);
+    const float area = smr_length(n), volume = smr_dot(p[0], n);
+    const smr_vec moment = smr_scale(smr_add(p[0], smr_add(p[1], p[2])), third * area);
+    const float words[SMR_LOCAL_WORDS] = {volume, n.x, n.y, n.z, moment.x, moment.y, moment.z, area};
+    for (uint32_t c = 0; c < 3u; c++)
+        for (uint32_t i = 0; i < SMR_LOCAL_WORDS; i++)
+            l->part[SMR_LOCAL_WORDS * (size_t)t[c] + i] += words[i];
+}
+
+/* Records of the present shape, or of the rest shape in its pose. */
+static void record(local *l, int rest)
+{
+    const uint32_t n = l->shared->n;
+    float area = 0.0f, volume = 0.0f;
+    memset(l->part, 0, SMR_LOCAL_WORDS * sizeof(float) * (size_t)n);
+    for (uint32_t k = 0; k < l->shared->n_triangles; k++) {
+        const uint32_t *t = l->shared->triangle + 3u * (size_t)k;
+        smr_vec p[3];
+        for (uint32_t c = 0; c < 3u; c++)
+            p[c] = rest ? smr_rest_posed(&l->shape, t[c]) : smr_load(smr_at3(l->shape.x, t[c]));
+        add_triangle(l, t, p);
+    }
+    for (uint32_t v = 0; v < n; v++) {
+        const float *part = l->part + SMR_LOCAL_WORDS * (size_t)v;
+        area = smr_max(area, part[SMR_TWO_AREAS]);
+        for (uint32_t i = 0; i < SMR_TWO_AREAS; i++)
+            if (i < SMR_NORMALS || i >= SMR_MOMENTS)
+                volume = smr_max(volume, smr_abs(part[i]));
+    }
+    smr_sums_expect(&l->sums, SMR_WORDS, area, volume);
+    memcpy(l->scale[rest], l->sums.scale, sizeof l->sums.scale);
+    for (uint32_t i = 0; i < SMR_LOCAL_WORDS * n; i++) {
+        const uint32_t v = i / SMR_LOCAL_WORDS, k = i % SMR_LOCAL_WORDS;
+        const int is_volume = k < SMR_NORMALS || (k >= SMR_MOMENTS && k < SMR_TWO_AREAS);
+        l->sums.record[SMR_WORDS * (size_t)v + (rest ? SMR_LOCAL_WORDS : 0u) + k] =
+            smr_fixed(l->part[i] * l->sums.scale[is_volume]);
+    }
+}
+
+/* Of a cluster: six times its volume about its middle, and twice its area; mm. */
+typedef struct bulk {
+    float volume, area;
+    float open; /* 0..1: 0, its surface surrounds it; 1, it is flat */
+} bulk;
+
+static bulk bulk_of(const local *l, uint32_t v, int rest)
+{
+    const uint32_t *w = l->sums.sum + SMR_WORDS * (size_t)v + (rest ? SMR_LOCAL_WORDS : 0u);
+    const float areas = 1.0f / l->scale[rest][0], volumes = 1.0f / l->scale[rest][1];
+    bulk b = {0.0f, smr_max(smr_unfix(w[SMR_TWO_AREAS], areas), 0.0f), 1.0f};
+    if (!(b.area > SMR_LOCAL_LEAST))
+        return b;
+    smr_vec normal, middle;
+    normal = smr_v(smr_unfix(w[SMR_NORMALS], areas), smr_unfix(w[SMR_NORMALS + 1], areas),
+                   smr_unfix(w[SMR_NORMALS + 2], areas));
+    middle = smr_v(smr_unfix(w[SMR_MOMENTS], volumes), smr_unfix(w[SMR_MOMENTS + 1], volumes),
+                   smr_unfix(w[SMR_MOMENTS + 2], volumes));
+    b.volume = smr_unfix(w[SMR_SIX_VOLUMES], volumes) - smr_dot(middle, normal) / b.area;
+    b.open = smr_min(smr_length(normal) / b.area, 1.0f);
+    return b;
+}
+
+/* A surface that does not surround its cluster has little volume, and bending alone changes that: to its volume is
+ * added a layer, as thick as the whole is large, so that there the change is that of its area. */
+static float ratio_at(const local *l, uint32_t v)
+{
+    const bulk now = bulk_of(l, v, 0), rest = bulk_of(l, v, 1);
+    const smr_pose *p = &l->shape.rest_pose;
+    const smr_vec x = smr_v(p->m[0][0], p->m[1][0], p->m[2][0]), y = smr_v(p->m[0][1], p->m[1][1], p->m[2][1]);
+    const float posed = smr_dot(smr_v(p->m[0][2], p->m[1][2], p->m[2][2]), smr_cross(x, y));
+    const float layer = SMR_SQRT(rest.area) * (SMR_SKIN + rest.open * rest.open);
+    const float from = smr_abs(rest.volume) + layer * rest.area;
+    const float to = (rest.volume < 0.0f ? -now.volume : now.volume) + layer * now.area;
+    if (!(from > SMR_LOCAL_LEAST))
+        return smr_min(posed, SMR_LOCAL_MOST);
+    return smr_abs(to) < SMR_LOCAL_MOST * from ? smr_clamp(posed * (to / from), -SMR_LOCAL_MOST, SMR_LOCAL_MOST)
+                                               : (to < 0.0f ? -SMR_LOCAL_MOST : SMR_LOCAL_MOST);
+}
+
+smr_status smr_get_local_volume(smr *s, uint32_t structure, float radius_mm, float *ratio)
+{
+    local l;
+    if (s == NULL || ratio == NULL)
+        return SMR_E_NULL;
+    if (!smr_ready(s) || s->step != 0u || s->next_task != 0u)
+        return SMR_E_STATE;
+    if ((structure != SMR_ALL && structure >= s->shared.n_structures) || !(radius_mm >= 0.0f) ||
+        radius_mm > SMR_COORD_MAX)
+        return SMR_E_INPUT;
+    begin(&l, s, radius_mm);
+    record(&l, 0);
+    record(&l, 1);
+    for (uint32_t t = 0; t < smr_block_tasks(&l.sums); t++)
+        smr_sums_forest(&l.sums, t, 0);
+    for (uint32_t t = 0; t < smr_boundary_tasks(&l.sums); t++)
+        smr_boundary_sums(&l.sums, t, 0);
+    const uint32_t first = structure == SMR_ALL ? 0u : s->shape.structure[structure].first_vertex;
+    const uint32_t n = structure == SMR_ALL ? s->shared.n : s->shape.structure[structure].n_vertices;
+    for (uint32_t k = 0; k < n; k++)
+        ratio[k] = ratio_at(&l, smr_model_position(s->shared.model, first + k));
+    return SMR_OK;
+}
