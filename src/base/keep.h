@@ -17,7 +17,21 @@ enum {
     SMR_KEEP_RESTORE    /* read and stored */
 };
 
+struct smr_keeper;
+
+/* Goes over values. Only what saves and restores names these, so a program that does neither has none of it. field NULL:
+ * there is nowhere to store them. or_none: SMR_NONE is legal, too. */
+typedef struct smr_keep_calls {
+    void (*words)(struct smr_keeper *k, uint32_t *field, size_t count, uint32_t most, int or_none);
+    void (*floats)(struct smr_keeper *k, float *field, size_t count, float least, float most);
+    void (*bytes)(struct smr_keeper *k, uint8_t *field, size_t count, uint32_t most);
+} smr_keep_calls;
+
+extern const smr_keep_calls smr_keep_all; /* keep_values.c */
+
 typedef struct smr_keeper {
+    const smr_keep_calls *calls;
+    void (*inputs)(smr_arena *a, smr *s); /* goes over what is borrowed: waiting.c */
     uint32_t mode;             /* SMR_KEEP_... */
     uint32_t wrong;            /* 1: a value is out of its range, or the bytes ended */
     uint32_t plan;             /* checksum of which values were listed: counts, kinds and ranges */

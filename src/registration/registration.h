@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 #include "registration/evolve/evolve.h"
-#include "options/contact/volume_preservation.h"
+#include "options/contact/contact.h"
 #include "registration/folds/folds.h"
 #include "registration/goals/forces.h"
 #include "registration/match/match.h"
@@ -21,7 +21,9 @@ struct smr {
     uint32_t step, next_task; /* where the tick stands: step of the iteration, tasks of it already done */
     uint32_t ticking;         /* 1: a tick is under way, perhaps in this very thread: nothing may be set */
     uint32_t refused;         /* 1: the port used a worker number that it has not; until positions are set anew */
-    uint32_t n_awaited;       /* inputs that must be set again: a restored one lacks them (setup/waiting.c) */
+    uint32_t n_awaited;       /* inputs that must be set again: a restored one lacks them */
+    /* takes such an input, as smr_log_note() has it: waiting.c. Set by smr_restore() */
+    smr_status (*await)(smr *s, uint32_t kind, uint32_t number, const void *what);
     const struct smr *placed; /* where smr_init() put it. A copy's arrays would be the original's */
     smr_port port;
     smr_shared shared;

@@ -59,84 +59,27 @@ static void put(smr_log *log, uint32_t kind, const uint32_t *word)
     log->n_ticks += kind == SMR_LOG_TICK;
 }
 
-/* 1 when there is a log. The registration is no longer as smr_init left it. */
-static int logs(smr_log *log)
-{
-    log->fresh = 0;
-    return log->memory != NULL;
-}
-
 static uint32_t high(uint64_t v) { return (uint32_t)(v >> 32); }
 static uint32_t low(uint64_t v) { return (uint32_t)(v & 0xffffffffu); }
 
-static void put_target(smr_log *log, uint32_t kind, uint32_t structure, int present, uint64_t sum)
+/* Checksum of an input; 0: it was taken away. */
+static uint64_t sum_of(uint32_t kind, const void *what, uint32_t n)
 {
-    const uint32_t word[4] = {structure, present != 0, low(sum), high(sum)};
-    put(log, kind, word);
-}
-
-void smr_log_surface(smr_log *log, uint32_t structure, const smr_surface *surface)
-{
-    if (logs(log))
-        put_target(log, SMR_LOG_SURFACE, structure, surface != NULL,
-                   surface == NULL ? 0u : smr_surface_checksum(surface));
-}
-
-void smr_log_fixed(smr_log *log, uint32_t index, const smr_surface *surface)
-{
-    if (logs(log))
-        put_target(log, SMR_LOG_FIXED_SURFACE, index, surface != NULL,
-                   surface == NULL ? 0u : smr_surface_checksum(surface));
-}
-
-void smr_log_points(smr_log *log, uint32_t structure, const smr_points *points)
-{
-    if (logs(log))
-        put_target(log, SMR_LOG_POINTS, structure, points != NULL, points == NULL ? 0u : smr_cloud_checksum(points));
-}
-
-void smr_log_volume(smr_log *log, const smr_volume *volume)
-{
-    if (!logs(log))
-        return;
-    const uint64_t sum = volume == NULL ? 0u : smr_volume_checksum(volume);
-    const uint32_t word[3] = {volume != NULL, low(sum), high(sum)};
-    put(log, SMR_LOG_VOLUME, word);
-}
-
-void smr_log_pose(smr_log *log, const smr_pose *pose)
-{
-    uint32_t word[12];
-    if (!logs(log))
-        return;
-    for (uint32_t i = 0; i < 12u; i++)
-        word[i] = smr_float_bits(pose->m[i / 4u][i % 4u]);
-    put(log, SMR_LOG_POSE, word);
-}
-
-void smr_log_positions(smr_log *log, uint32_t structure, const float *xyz, uint32_t n)
-{
-    if (!logs(log))
-        return;
-    const uint64_t sum = smr_points_checksum(xyz, n);
-    const uint32_t word[3] = {structure, low(sum), high(sum)};
-    put(log, SMR_LOG_POSITIONS, word);
-}
-
-void smr_log_motion(smr_log *log, uint32_t structure, const smr_motion *motion, uint32_t n)
-{
-    if (!logs(log))
-        return;
-    const uint64_t sum = smr_motion_checksum(motion, n);
-    const uint32_t word[3] = {structure, low(sum), high(sum)};
-    put(log, SMR_LOG_MOTION, word);
+    if (what == NULL)
+        return 0;
+    switch (kind) {
+    case SMR_LOG_POINTS: return smr_cloud_checksum(what);
+    case SMR_LOG_VOLUME: return smr_volume_checksum(what);
+    case SMR_LOG_POSITIONS: return smr_points_checksum(what, n);
+    case SMR_LOG_MOTION: return smr_motion_checksum(what, n);
+    case SMR_LOG_GOALS: return ((const smr_goals *)what)->xyz == NULL ? 0u : smr_goals_checksum(what, n);
+    default: return smr_surface_checksum(what);
+    }
 }
 
 /* Each landmark is a record, so that contents stay short. None at all is one of zeros. */
-void smr_log_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n)
+static void put_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n)
 {
-    if (!logs(log))
-        return;
     for (uint32_t i = 0; i < n || i == 0u; i++) {
         uint32_t word[12] = {n, i};
         if (n > 0u) {
@@ -154,50 +97,43 @@ void smr_log_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n)
     }
 }
 
-void smr_log_goals(smr_log *log, uint32_t structure, const smr_goals *goals, uint32_t n)
+static void put_tick(smr_log *log, const smr_log_of_tick *tick)
 {
-    if (!logs(log))
-        return;
-    const uint64_t sum = goals->xyz == NULL ? 0u : smr_goals_checksum(goals, n);
-    const uint32_t word[4] = {structure, goals->xyz != NULL, low(sum), high(sum)};
-    put(log, SMR_LOG_GOALS, word);
-}
-
-void smr_log_force(smr_log *log, int present)
-{
-    const uint32_t word[3] = {present != 0, 0, 0};
-    if (logs(log))
-        put(log, SMR_LOG_FORCE, word);
-}
-
-void smr_log_gave(smr_log *log, uint64_t sum)
-{
-    const uint32_t word[3] = {2, low(sum), high(sum)};
-    if (logs(log))
-        put(log, SMR_LOG_FORCE, word);
-}
-
-void smr_log_volume_ratio(smr_log *log, uint32_t structure, float ratio)
-{
-    const uint32_t word[2] = {structure, smr_float_bits(ratio)};
-    if (logs(log))
-        put(log, SMR_LOG_VOLUME_RATIO, word);
-}
-
-void smr_log_active(smr_log *log, uint32_t n_active)
-{
-    if (logs(log))
-        put(log, SMR_LOG_ACTIVE, &n_active);
-}
-
-void smr_log_tick(smr_log *log, const smr_tick_report *r, smr_status status, uint32_t n_evaluated)
-{
-    if (!logs(log))
-        return;
-    const uint32_t flags = (uint32_t)(status == SMR_OK) | r->done << 1 | r->phase << 8;
-    const uint32_t word[8] = {flags,       r->iteration,       r->n_taken,         n_evaluated,
+    const smr_tick_report *r = tick->report;
+    const uint32_t flags = tick->complete | r->done << 1 | r->phase << 8;
+    const uint32_t word[8] = {flags,       r->iteration,       r->n_taken,         tick->n_evaluated,
                               r->n_forces, r->plastic_updates, low(r->state_hash), high(r->state_hash)};
     put(log, SMR_LOG_TICK, word);
+}
+
+static void put_floats(smr_log *log, uint32_t kind, const uint32_t *first, uint32_t n_first, const float *value)
+{
+    uint32_t word[SMR_LOG_WORDS];
+    const uint32_t n = smr_log_words(kind);
+    for (uint32_t i = 0; i < n; i++)
+        word[i] = i < n_first ? first[i] : smr_float_bits(value[i - n_first]);
+    put(log, kind, word);
+}
+
+void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n)
+{
+    uint64_t sum = 0;
+    switch (kind) {
+    case SMR_LOG_TICK: put_tick(log, what); return;
+    case SMR_LOG_LANDMARKS: put_landmarks(log, what, n); return;
+    case SMR_LOG_POSE: put_floats(log, kind, NULL, 0, ((const smr_pose *)what)->m[0]); return;
+    case SMR_LOG_VOLUME_RATIO: put_floats(log, kind, &number, 1, what); return;
+    case SMR_LOG_ACTIVE: put(log, kind, &number); return;
+    case SMR_LOG_FORCE:
+        if (what != NULL)
+            memcpy(&sum, what, sizeof sum);
+        break;
+    default: sum = sum_of(kind, what, n); break;
+    }
+    const int present = kind == SMR_LOG_GOALS ? ((const smr_goals *)what)->xyz != NULL : what != NULL;
+    const uint32_t bare[3] = {kind == SMR_LOG_VOLUME ? (uint32_t)present : number, low(sum), high(sum)};
+    const uint32_t whole[4] = {number, (uint32_t)present, low(sum), high(sum)};
+    put(log, kind, smr_log_words(kind) == 4u ? whole : bare);
 }
 
 static void write_header(smr_log *log, const smr_shared *shared)
@@ -221,22 +157,11 @@ void smr_log_end(smr_log *log)
     log->fresh = fresh;
 }
 
-void smr_log_keep(smr_arena *a, smr_log *log)
-{
-    uint64_t used = log->used;
-    smr_keep_long(a, &used);
-    smr_keep_require(a, used == 0u || (used >= SMR_LOG_FIXED + 8u && used <= SIZE_MAX));
-    log->used = (size_t)used;
-    smr_keep_words(a, &log->crc, 1, UINT32_MAX);
-    smr_keep_words(a, &log->n_ticks, 1, UINT32_MAX);
-    smr_keep_words(a, &log->full, 1, 1);
-    smr_keep_words(a, &log->fresh, 1, 1);
-}
-
 void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t bytes)
 {
     smr_log_end(log);
     log->memory = memory;
+    log->write = smr_log_write;
     log->bytes = bytes;
     write_header(log, shared);
 }

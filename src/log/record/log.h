@@ -42,6 +42,8 @@ static inline uint32_t smr_log_get32(const unsigned char *from)
 /* Where recording stands. */
 typedef struct smr_log {
     unsigned char *memory; /* the caller's; NULL: nothing is recorded */
+    /* smr_log_write; NULL: nothing is recorded. A program that sets no log has none of log.c */
+    void (*write)(struct smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n);
     size_t bytes, used;
     uint32_t crc; /* of the last record */
     uint32_t n_ticks;
@@ -63,29 +65,48 @@ uint64_t smr_surface_checksum(const smr_surface *surface);
 uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh, or of a cloud and its room */
 uint64_t smr_volume_checksum(const smr_volume *volume);
 
+void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n);
+
 /* log.c: starts a log with its header, and ends it. */
 void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t bytes);
 void smr_log_end(smr_log *log);
 
 /* Where recording stands, but for the memory. */
-void smr_log_keep(smr_arena *a, smr_log *log);
+static inline void smr_log_keep(smr_arena *a, smr_log *log)
+{
+    uint64_t used = log->used;
+    if (!smr_keeps(a))
+        return;
+    smr_keep_long(a, &used);
+    smr_keep_require(a, used == 0u || (used >= SMR_LOG_FIXED + 8u && used <= SIZE_MAX));
+    log->used = (size_t)used;
+    smr_keep_words(a, &log->crc, 1, UINT32_MAX);
+    smr_keep_words(a, &log->n_ticks, 1, UINT32_MAX);
+    smr_keep_words(a, &log->full, 1, 1);
+    smr_keep_words(a, &log->fresh, 1, 1);
+}
 
-/* A call that has succeeded. */
-void smr_log_surface(smr_log *log, uint32_t structure, const smr_surface *surface);
-void smr_log_points(smr_log *log, uint32_t structure, const smr_points *points);
-void smr_log_volume(smr_log *log, const smr_volume *volume);
-void smr_log_pose(smr_log *log, const smr_pose *pose);
-void smr_log_positions(smr_log *log, uint32_t structure, const float *xyz, uint32_t n);
-void smr_log_motion(smr_log *log, uint32_t structure, const smr_motion *motion, uint32_t n);
-void smr_log_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n);
-void smr_log_goals(smr_log *log, uint32_t structure, const smr_goals *goals, uint32_t n);
-void smr_log_force(smr_log *log, int present);
-void smr_log_gave(smr_log *log, uint64_t sum); /* by the force, in the tick that follows */
-void smr_log_volume_ratio(smr_log *log, uint32_t structure, float ratio);
-void smr_log_fixed(smr_log *log, uint32_t index, const smr_surface *surface);
-void smr_log_active(smr_log *log, uint32_t n_active);
+/* A tick, as it is recorded. */
+typedef struct smr_log_of_tick {
+    const smr_tick_report *report;
+    uint32_t complete;    /* 1: an iteration was completed, or the schedule was done already */
+    uint32_t n_evaluated; /* vertices whose forces were looked for, so far in the iteration or in the complete one */
+} smr_log_of_tick;
 
-/* n_evaluated: vertices whose forces were looked for, so far in the iteration or in the complete one. */
-void smr_log_tick(smr_log *log, const smr_tick_report *report, smr_status status, uint32_t n_evaluated);
+/* Records a call that has succeeded: kind is SMR_LOG_...
+ *   SURFACE, POINTS, FIXED_SURFACE  number: structure or index   what: the surface or cloud, NULL
+ *   POSITIONS, GOALS, MOTION        number: structure            what: xyz, smr_goals, smr_motion   n: vertices
+ *   LANDMARKS                       what: [n] landmarks
+ *   VOLUME, POSE                    what: the volume, NULL; the pose
+ *   FORCE                           number: 0 taken away, 1 set, 2 what: the sum (uint64_t) that it gave in the next tick
+ *   VOLUME_RATIO                    number: structure            what: the ratio (float)
+ *   ACTIVE                          number: vertices
+ *   TICK                            what: smr_log_of_tick */
+static inline void smr_log_note(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n)
+{
+    log->fresh = 0;
+    if (log->write != NULL)
+        log->write(log, kind, number, what, n);
+}
 
 #endif

@@ -5,7 +5,7 @@
  * Folds are watched for afterwards.
  * Source: Mueller et al., "Position based dynamics", 2006. Bounds: SMR_SETTLE_PASSES passes over the vertices.
  * SPDX-License-Identifier: MIT */
-#include "registration/evolve/evolve.h"
+#include "options/contact/contact.h"
 
 #define SMR_SETTLE_PASSES 3u
 

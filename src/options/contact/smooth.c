@@ -6,9 +6,7 @@
  * radius (evolve/tangent_evening.c).
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
-#include "options/contact/smooth.h"
-
-#include "registration/shape/enclosed_volume.h"
+#include "options/contact/contact.h"
 
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared)
 {

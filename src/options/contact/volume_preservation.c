@@ -8,7 +8,7 @@
  * A ratio other than the present one is gone to by steps, so that coarse clusters spread it.
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
-#include "options/contact/volume_preservation.h"
+#include "options/contact/contact.h"
 
 #define SMR_VOLUME_STEP 0.04f /* of the volume: largest change of what is asked, in an iteration */
 #define SMR_WAY_MOST 0.5f     /* of half the thickness: largest way in an iteration */
@@ -27,12 +27,12 @@ void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared)
 }
 
 void smr_volumes_wire(smr_volumes *v, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
-                      const smr_sums *sums)
+                      const smr_overlay *overlay)
 {
     v->shared = shared;
     v->pace = pace;
     v->shape = shape;
-    v->sums = sums;
+    v->sum = overlay->sum;
 }
 
 void smr_volumes_model(smr_volumes *v)
@@ -106,7 +106,7 @@ static smr_enclosed piece_of(const smr_volumes *v, uint32_t from, uint32_t to, s
         smr_vec at[3], normal[3];
         for (uint32_t c = 0; c < 3u; c++) {
             at[c] = smr_sub(smr_load(smr_at3(v->shape->x_next, t[c])), amid);
-            normal[c] = smr_next_normal(v->sums->sum, t[c]);
+            normal[c] = smr_next_normal(v->sum, t[c]);
         }
         sum = smr_enclosed_add(sum, smr_cone(at, normal));
     }
@@ -148,7 +148,7 @@ static void go(const smr_volumes *v, uint32_t from, uint32_t to)
     for (uint32_t i = from; i < to; i++) {
         float *x = smr_at3(v->shape->x_next, i);
         const float way = v->held[smr_model_owner(v->shared->model, i)].way_mm;
-        smr_store(x, smr_add(smr_load(x), smr_scale(smr_next_normal(v->sums->sum, i), way)));
+        smr_store(x, smr_add(smr_load(x), smr_scale(smr_next_normal(v->sum, i), way)));
     }
 }
 

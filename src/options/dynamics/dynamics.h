@@ -1,11 +1,17 @@
-/* dynamics.h: what a deforming model has beside its shape when it has mass: velocities, masses, and the place where
- * implicit Euler would have it if nothing held it together. In: smr_set_motion(), positions. Out: y, weights of the
- * clusters' fits. tick/time_steps.c has the method.
+/* dynamics.h: capability: a model that has mass and moves in time. In: smr_set_motion(), positions, average goals. Out:
+ * where sweeps start, weights of the clusters' fits, positions under way, velocities and energies. time_steps.c has the
+ * method.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_DYNAMICS_H
 #define SMR_DYNAMICS_H
 
-#include "registration/shape/state.h"
+#include "registration/convergence.h"
+
+#ifdef SMR_WITHOUT_DYNAMICS
+#define SMR_HAS_DYNAMICS 0
+#else
+#define SMR_HAS_DYNAMICS 1
+#endif
 
 #define SMR_MASS_LEAST 1.0e-6f  /* g */
 #define SMR_MASS_MOST 1.0e6f    /* g */
@@ -42,7 +48,7 @@ typedef struct smr_dynamics {
     float springs; /* k h^2: elastic over inertial stiffness */
     smr_vec fall;  /* h^2 g, mm */
     float keeps;   /* share of the velocities that damping leaves */
-    uint32_t ends; /* 1: the iteration under way ends a time step. Written by tick/time_steps.c */
+    uint32_t ends; /* 1: the iteration under way ends a time step. Written by time_steps.c */
     float gram;    /* g: mass of a vertex is weight * members * gram */
     smr_stored_energy stored;
     uint32_t weighed;           /* 1: masses were set since the last complete time step */
@@ -101,5 +107,41 @@ static inline smr_vec smr_dynamics_next(const smr_dynamics *d, uint32_t v, smr_v
     const smr_vec held = smr_scale(smr_add(average, pull), d->springs);
     return smr_scale(smr_add(y, held), 1.0f / (1.0f + d->springs * (1.0f + share)));
 }
+
+/* 1: the model has mass. */
+static inline int smr_moves(const smr *s) { return SMR_HAS_DYNAMICS && s->shape.dynamics != NULL; }
+
+/* ---- time steps, of SMR_SWEEPS iterations each ---- */
+
+void smr_time_steps_start(smr *s); /* x is at rest, and the shape that the model is elastic about */
+void smr_time_steps_begin(smr *s); /* before an iteration */
+void smr_time_steps_next(smr *s);  /* after an iteration */
+void smr_time_steps_weigh(smr *s); /* masses are new: weights of the clusters' fits */
+
+/* Mass of a vertex as it counts, g. 0: it keeps its velocity. */
+static inline float smr_counted_mass(const smr_dynamics *d, uint32_t v)
+{
+    return d->mass[v] > 0.0f ? d->weight[v] * d->members[v] * d->gram : 0.0f;
+}
+
+/* A structure's vertex i in the caller's order. */
+static inline uint32_t smr_vertex_of(const smr *s, uint32_t structure, uint32_t i)
+{
+    return smr_model_position(s->shared.model, s->shape.structure[structure].first_vertex + i);
+}
+
+/* Steps: where a sweep starts, before forces; where it takes vertices from their average goals. */
+uint32_t smr_sweep_tasks(const void *s);
+void smr_sweep_begin(void *s, uint32_t task, uint32_t worker);
+void smr_sweep_end(void *s, uint32_t task, uint32_t worker);
+
+/* ---- energies ---- */
+
+/* Step, before the iteration that ends a time step stands: sums, one task after the other. */
+uint32_t smr_step_energy_tasks(const void *s); /* 0 in other iterations */
+void smr_step_energy(void *s, uint32_t task, uint32_t worker);
+
+/* When it stands: velocities. `begin` is where the step began, and becomes x. */
+void smr_step_velocities(smr *s);
 
 #endif

@@ -6,7 +6,7 @@
  * vertices is pinned, velocities keep their momentum, linear and angular.
  * Bounds: three passes over the vertices, cut into tasks; one in a piece.
  * SPDX-License-Identifier: MIT */
-#include "options/dynamics/step_energy.h"
+#include "options/dynamics/dynamics.h"
 
 #include "geometry/linear_solve/jacobi.h"
 
@@ -135,8 +135,9 @@ static void add_springs(const smr *s, uint32_t v, const smr_step_sums *group, co
     sum[SMR_ELASTIC] -= 0.5f * smr_dot(force, smr_sub(off_of(s, v), rigid));
 }
 
-uint32_t smr_step_energy_tasks(const smr *s)
+uint32_t smr_step_energy_tasks(const void *arg)
 {
+    const smr *s = arg;
     return s->shape.dynamics != NULL && s->shape.dynamics->ends ? PASSES * s->shape.held->n_tasks : 0u;
 }
 
@@ -169,10 +170,12 @@ static void add_sums(smr_step_sums *to, const smr_step_sums *part)
 }
 
 /* A chunk of one structure, in the caller's order. */
-void smr_step_energy(smr *s, uint32_t task)
+void smr_step_energy(void *arg, uint32_t task, uint32_t worker)
 {
+    const smr *s = arg;
     smr_dynamics *d = s->shape.dynamics;
     const uint32_t pass = task / s->shape.held->n_tasks;
+    (void)worker;
     if (task % s->shape.held->n_tasks == 0u)
         begin_pass(d, pass, s->shared.n_structures);
     smr_step_sums *const own = d->sums + d->structure, *const lead = d->sums + d->group[d->structure];

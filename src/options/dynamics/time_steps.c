@@ -11,11 +11,7 @@
  * have not reached is softer.
  * Bounds: a step ends with passes over the vertices that step_energy.c has in tasks; a start sums over the clusters.
  * SPDX-License-Identifier: MIT */
-#include "options/dynamics/time_steps.h"
-
-#include "registration/tick/schedule.h"
-#include "options/dynamics/step_energy.h"
-#include "options/track/tracking.h"
+#include "options/dynamics/dynamics.h"
 
 #define SMR_WEIGHT_UNIT 32.0f     /* of weights around 1: rounding takes 1.6 % of a mass at most */
 #define SMR_WEIGHTS_SUM 262144.0f /* units of a cluster's members; more would make its centre coarse */
@@ -126,10 +122,11 @@ void smr_time_steps_start(smr *s)
 {
     smr_dynamics *d = s->shape.dynamics;
     const size_t bytes = 3u * (size_t)s->shared.n * sizeof(float);
-    smr_schedule_radius(s, smr_tracking_radius(s));
+    smr_radius_go(s, smr_radius_after(s));
     s->shape.rest_pose_due = 0;
     smr_plastic_positions(&s->shape);
     smr_held_start(&s->shape);
+    s->shape.held->to = smr_dynamics_ahead;
     memcpy(d->begin, s->shape.x, bytes);
     memset(d->velocity, 0, bytes);
     memset(&d->stored, 0, sizeof d->stored);
@@ -143,8 +140,36 @@ void smr_time_steps_start(smr *s)
 void smr_time_steps_begin(smr *s)
 {
     s->shape.held->due = 1;
+    s->shape.from = s->shape.x_next;
     s->shape.dynamics->ends = (s->pace.iteration + 1u) % SMR_SWEEPS == 0u;
     s->reference.stale = 1;
+}
+
+uint32_t smr_sweep_tasks(const void *arg) { return ((const smr *)arg)->shared.n_tasks; }
+
+void smr_sweep_begin(void *arg, uint32_t task, uint32_t worker)
+{
+    const smr *s = arg;
+    (void)worker;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++)
+        smr_store(smr_at3(s->shape.from, v),
+                  smr_dynamics_from(s->shape.dynamics, &s->pace, v, smr_load(smr_at3(s->shape.x, v))));
+}
+
+/* Where the springs to the clusters' average and to its goal take a vertex; evolve has left the average in x_next. */
+void smr_sweep_end(void *arg, uint32_t task, uint32_t worker)
+{
+    const smr *s = arg;
+    (void)worker;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++) {
+        float *const x_next = smr_at3(s->shape.x_next, v);
+        const int drawn = s->forces.found_last[v] == SMR_FOUND_GOAL;
+        const float share = drawn ? s->shared.config.stiffness : 0.0f;
+        const smr_vec x = smr_load(smr_at3(s->shape.x, v));
+        const smr_vec pull = smr_add(smr_scale(x, share), smr_load(smr_at3(s->forces.force, v)));
+        smr_store(x_next, smr_dynamics_next(s->shape.dynamics, v, smr_load(x_next), share,
+                                            drawn ? pull : smr_v(0, 0, 0)));
+    }
 }
 
 void smr_time_steps_next(smr *s)

@@ -7,7 +7,7 @@
  * the image, which its next goals are compared with.
  * Bounds: one pass over a structure's vertices and triangles.
  * SPDX-License-Identifier: MIT */
-#include "options/image/image_goal.h"
+#include "options/image/image.h"
 
 #define SMR_GAIN_LEAST 0.25f  /* contrast of the image over the profiles' */
 #define SMR_ABOVE_MOST 100.0f /* a profile's range over noise: more does not count more */

@@ -5,7 +5,7 @@
  * Bounds: SMR_LINE_MAX + 4 SMR_PROFILE_MAX samples a vertex, and SMR_LINE_MAX offsets of SMR_PROFILE_MAX
  * multiply-adds.
  * SPDX-License-Identifier: MIT */
-#include "options/image/image_goal.h"
+#include "options/image/image.h"
 
 #include "image/intensity_profile.h"
 #include "image/tangential_shift.h"

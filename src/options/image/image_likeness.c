@@ -5,7 +5,7 @@
  * Bounds: SMR_BESIDE + 1 places of 2 SMR_SLACK + 1 offsets, SMR_PROFILE_MAX multiply-adds each.
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
-#include "options/image/image_goal.h"
+#include "options/image/image.h"
 
 #define SMR_BESIDE 6u       /* places beside, */
 #define SMR_BESIDE_MM 12.0f /* so far from each other */

@@ -11,7 +11,7 @@
  * Bounds: those of unseen_field.c.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
-#include "options/partial/unseen_field.h"
+#include "options/partial/partial.h"
 
 #define SMR_GOLDEN 2654435769u /* 2^32 times the golden ratio's part: its multiples are even in any first ones */
 #define SMR_FIELD_TURN 3u      /* places of the order by which an iteration begins later than the one before */

@@ -5,7 +5,7 @@
  * goes what a control may be off along its normal. A smooth deformation has none, and the field is as without.
  * Bounds: a factor of SMR_ROUGH_ROWS rows for each of SMR_FIELD_TRIES, four rows to a task.
  * SPDX-License-Identifier: MIT */
-#include "options/partial/unseen_field.h"
+#include "options/partial/partial.h"
 
 #define SMR_ROUGH_CHUNK 4u     /* rows of a task */
 #define SMR_ROUGH_ROWS 96u     /* controls that are asked */

@@ -2,7 +2,7 @@
  * to its foot there; the vertices around the foot turn what lies between.
  * Bounds: SMR_LANDMARK_NEAR pairs of a fit for a landmark off the surface.
  * SPDX-License-Identifier: MIT */
-#include "options/partial/landmark_goals.h"
+#include "options/partial/partial.h"
 
 #define SMR_MORE_SHARE 0.2f /* of what is left in an iteration, added to what a hard landmark asks for */
 #define SMR_MORE_MOST 0.1f  /* of the reach: most that is asked for beyond its place */

@@ -7,7 +7,7 @@
  * Bounds: three closest points on triangles for each vertex that is judged; two passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
-#include "registration/goals/surface_goal.h"
+#include "options/partial/partial.h"
 
 #define SMR_SEEN_WHOLE 0.9f /* share of a structure seen from which on its closed target is taken as whole */
 #define SMR_SEEN_PART 0.7f  /* the same up to which it is taken as a part */

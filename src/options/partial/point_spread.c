@@ -7,7 +7,7 @@
  * All clouds of a registration spread as far. Not of the active vertices alone: a budget may leave more out after this.
  * Bounds: SMR_ROUNDS_MAX passes over triangles and vertices, one over the pulls.
  * SPDX-License-Identifier: MIT */
-#include "options/partial/point_spread.h"
+#include "options/partial/partial.h"
 
 #define SMR_ROUNDS_LEAST 2u
 #define SMR_ROUNDS_MAX 12u
@@ -136,4 +136,17 @@ void smr_point_spread_run(void *arg, uint32_t task, uint32_t worker)
         combine(p, v);
     if (at + 1u == round_tasks(p))
         end_round(p);
+}
+
+int smr_point_goal(smr_surface_goals *g, uint32_t v, smr_vec *way)
+{
+    const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), g->shape->origin);
+    const float *s = g->spread + 4u * (size_t)v;
+    g->warm_next[v] = SMR_NONE;
+    if (!(s[3] > 0.0f) || smr_outside_box(&g->shared->config, p))
+        return 0;
+    *way = smr_off_surface(g, v, smr_scale(smr_load(s), 1.0f / s[3]));
+    if (g->seen != NULL)
+        smr_overlap_judge_points(g, v, s[3]);
+    return 1;
 }

@@ -12,7 +12,7 @@
  * the field passes exactly by a hard one, what it may be off is not noise, but a second field of short reach.
  * Bounds: two tasks for each SMR_LOOK vertices, and as many and 2 as controls, of their square multiplications.
  * SPDX-License-Identifier: MIT */
-#include "registration/goals/forces.h"
+#include "options/partial/partial.h"
 
 #define SMR_FIELD_LENGTH 0.4f  /* kernel length over the diagonal of the model's box */
 #define SMR_FIELD_LOOSE 0.003f /* of the variance: what a control may be off */

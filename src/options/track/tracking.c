@@ -7,11 +7,8 @@
  * Bounds: SMR_RADII_MAX; where tracking starts, two passes over the vertices; two where an image is left behind; with
  * track_ahead, one over vertices and triangles for new targets.
  * SPDX-License-Identifier: MIT */
-#include "options/track/tracking.h"
+#include "options/track/track.h"
 
-#include "registration/tick/schedule.h"
-
-#define SMR_TRACK_EDGES 6.0f     /* mean edges: the radius that is chosen */
 #define SMR_TRACK_REACH 12.0f    /* 1 / share of the radius that goals may be off in the mean */
 #define SMR_TRACK_SOUGHT 0.5f    /* share of the search distance in an image that goals may be off in the mean */
 #define SMR_TRACK_FEWER 0.8f     /* of the share of vertices with goals before: there are fewer */
@@ -22,32 +19,6 @@
 #define SMR_TRACK_MOMENTUM 0.7f /* at most, when a target has jumped: more swings, for what is left falls fast there */
 #define SMR_TRACK_STEADY 0.6f   /* at most for clouds beside an image: points draw faster than a surface does */
 #define SMR_TRACK_GAIN 3.0f     /* factor on forces at coarser radii, at most */
-
-static float radius_mm(const smr *s, uint32_t radius) { return smr_model_lists(s->shared.model, radius).radius; }
-
-/* The model's radius nearest to this one, by their ratio. */
-static uint32_t nearest_radius(const smr *s, float wanted)
-{
-    uint32_t best = s->shared.config.radius_first;
-    for (uint32_t r = best + 1u; r <= smr_last_radius(&s->shared); r++)
-        if (wanted * wanted < radius_mm(s, best) * radius_mm(s, r))
-            best = r;
-    return best;
-}
-
-/* The radius of tracking. Where none is asked for and there are several structures, one at which clusters keep to their
- * own, if there is one with clusters at all: structures slide past each other, and joints turn. */
-uint32_t smr_tracking_radius(const smr *s)
-{
-    const float asked = s->shared.config.track_mm, edge = smr_le_float(s->shared.model->edge_mm);
-    const uint32_t best = nearest_radius(s, asked > 0.0f ? asked : SMR_TRACK_EDGES * edge);
-    if (asked > 0.0f || s->shared.n_structures == 1u)
-        return best;
-    for (uint32_t r = best; r <= smr_last_radius(&s->shared) && radius_mm(s, r) > edge; r++)
-        if (smr_model_separate(s->shared.model, r))
-            return r;
-    return best;
-}
 
 /* With what the iteration that begins looks at. */
 void smr_tracking_momentum(smr *s)
@@ -62,7 +33,7 @@ void smr_tracking_momentum(smr *s)
 
 static void go_to(smr *s, uint32_t radius)
 {
-    smr_schedule_radius(s, radius);
+    smr_radius_go(s, radius);
     s->pace.repairing = 0;
     s->shape.rest_pose_due = 0;
 }
@@ -87,7 +58,7 @@ void smr_tracking_keep(smr_arena *a, smr *s)
 int smr_tracking_legal(const smr *s)
 {
     const smr_pace *p = &s->pace;
-    const uint32_t at = smr_tracking_radius(s);
+    const uint32_t at = smr_radius_after(s);
     return !p->done && (p->recovering == 1u ? p->radius < at : p->radius == at) &&
            p->radius_iteration <= s->shared.config.track_iterations + SMR_TRACK_COARSE;
 }
@@ -108,7 +79,7 @@ void smr_tracking_start(smr *s)
     s->pace.image_age = SMR_IMAGE_SEEN;
     smr_plastic_positions(&s->shape);
     smr_held_start(&s->shape);
-    go_to(s, smr_tracking_radius(s));
+    go_to(s, smr_radius_after(s));
 }
 
 void smr_tracking_end(smr *s)
@@ -206,8 +177,8 @@ void smr_tracking_begin(smr *s)
         go_ahead(s);
     s->pace.gain = 1.0f;
     s->pace.called = s->pace.settled = s->pace.jumped = s->pace.recovering = 0;
-    if (s->pace.radius != smr_tracking_radius(s))
-        go_to(s, smr_tracking_radius(s));
+    if (s->pace.radius != smr_radius_after(s))
+        go_to(s, smr_radius_after(s));
     s->pace.radius_iteration = 0;
 }
 
@@ -235,7 +206,7 @@ void smr_tracking_look(smr *s)
 /* Coarse to fine, once more, as long as targets have goals. */
 static void recover(smr *s)
 {
-    const uint32_t at = s->pace.radius, to = smr_tracking_radius(s), first = s->shared.config.radius_first;
+    const uint32_t at = s->pace.radius, to = smr_radius_after(s), first = s->shared.config.radius_first;
     if (!s->pace.recovering) {
         s->pace.recovering = 1;
         go_to(s, first);
@@ -250,7 +221,7 @@ void smr_tracking_next(smr *s)
     if (s->pace.image_age == SMR_IMAGE_NEW)
         s->pace.image_age = SMR_IMAGE_SEEN;
     const int coarser =
-        smr_tracking_radius(s) > s->shared.config.radius_first && s->shared.config.track == SMR_TRACK_RECOVER;
+        smr_radius_after(s) > s->shared.config.radius_first && s->shared.config.track == SMR_TRACK_RECOVER;
     const int found = s->pace.jumped && s->forces.totals.n_forces > 0u;
     if (s->pace.recovering == 1u || (s->pace.recovering == 0u && coarser && found)) {
         recover(s);

@@ -28,10 +28,11 @@ smr_status smr_set_goals(smr *s, uint32_t structure, const float *xyz, const flo
     if (xyz != NULL && !legal(xyz, weights, n))
         return SMR_E_INPUT;
     if (s->n_awaited > 0u)
-        return smr_await_goals(s, structure, &(smr_goals){xyz, xyz != NULL ? weights : NULL});
+        return s->await(s, SMR_LOG_GOALS, structure, &(smr_goals){xyz, xyz != NULL ? weights : NULL});
+    s->forces.caller.calls = &smr_caller_all;
     s->forces.caller.goals[structure] = (smr_goals){xyz, xyz != NULL ? weights : NULL};
     smr_restart_forces(s, SMR_CALLED_MOVED);
-    smr_log_goals(&s->log, structure, &s->forces.caller.goals[structure], n);
+    smr_log_note(&s->log, SMR_LOG_GOALS, structure, &s->forces.caller.goals[structure], n);
     return SMR_OK;
 }
 
@@ -44,11 +45,12 @@ smr_status smr_set_force(smr *s, smr_force force, void *ctx)
     if (s->forces.caller.gave == NULL)
         return SMR_E_ARENA;
     if (s->n_awaited > 0u)
-        return smr_await_force(s, force, ctx);
+        return s->await(s, SMR_LOG_FORCE, 0, &(smr_caller_force){force, ctx});
+    s->forces.caller.calls = &smr_caller_all;
     s->forces.caller.force = force;
     s->forces.caller.ctx = force != NULL ? ctx : NULL;
     s->forces.caller.broken = 0;
     smr_restart_forces(s, SMR_CALLED);
-    smr_log_force(&s->log, force != NULL);
+    smr_log_note(&s->log, SMR_LOG_FORCE, force != NULL, NULL, 0);
     return SMR_OK;
 }

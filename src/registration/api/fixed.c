@@ -8,6 +8,8 @@ smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface)
 {
     if (s == NULL)
         return SMR_E_NULL;
+    if (!SMR_HAS_CONTACT)
+        return SMR_E_CONFIG;
     if (!smr_changeable(s) || (surface != NULL && (!smr_surface_valid(surface) || smr_is_cloud(surface))))
         return SMR_E_STATE;
     smr_contact *c = &s->forces.contact;
@@ -16,9 +18,9 @@ smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface)
     if (index >= s->shared.config.n_fixed)
         return SMR_E_INPUT;
     if (s->n_awaited > 0u)
-        return smr_await_fixed(s, index, surface);
+        return s->await(s, SMR_LOG_FIXED_SURFACE, index, surface);
     smr_contact_fix(c, index, surface);
     smr_restart_forces(s, SMR_CALLED);
-    smr_log_fixed(&s->log, index, surface);
+    smr_log_note(&s->log, SMR_LOG_FIXED_SURFACE, index, surface, 0);
     return SMR_OK;
 }

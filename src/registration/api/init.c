@@ -5,6 +5,7 @@
 #include "geometry/rotation/rotation.h"
 #include "registration/api/config.h"
 #include "registration/api/setup.h"
+#include "registration/tick/iteration.h"
 
 smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, size_t *bytes)
 {
@@ -75,12 +76,18 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
     *self = s;
     smr_wire(self);
     smr_shape_start(&self->shape);
-    smr_volumes_model(&self->volumes);
-    smr_contact_model(&self->forces.contact);
-    smr_unseen_field_model(&self->forces.unseen);
+    if (SMR_HAS_HELD)
+        smr_held_wire(&self->shape);
+    if (SMR_HAS_CONTACT) {
+        smr_volumes_model(&self->volumes);
+        smr_contact_model(&self->forces.contact);
+    }
+    if (SMR_HAS_PARTIAL)
+        smr_unseen_field_model(&self->forces.unseen);
     if (smr_set_pose(self, &identity) != SMR_OK)
         return SMR_E_CONFIG;
-    smr_smooth_rest(&self->forces.smooth);
+    if (SMR_HAS_CONTACT)
+        smr_smooth_rest(&self->forces.smooth);
     self->log.fresh = 1;
     *out = self;
     return SMR_OK;

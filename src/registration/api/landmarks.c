@@ -120,6 +120,8 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n)
 {
     if (s == NULL || (landmarks == NULL && n > 0u))
         return SMR_E_NULL;
+    if (!SMR_HAS_PARTIAL)
+        return SMR_E_CONFIG;
     if (!smr_ready(s))
         return SMR_E_STATE;
     if (n > s->shared.config.n_landmarks)
@@ -132,7 +134,7 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n)
         bind_point(&g->landmark[i], s, &landmarks[i], i < g->n && same_point(&g->landmark[i].given, &landmarks[i]));
     g->n = n;
     smr_restart_forces(s, n > 0u ? SMR_CALLED_SHOWN : SMR_CALLED);
-    smr_log_landmarks(&s->log, landmarks, n);
+    smr_log_note(&s->log, SMR_LOG_LANDMARKS, 0, landmarks, n);
     return SMR_OK;
 }
 

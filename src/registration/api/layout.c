@@ -3,7 +3,29 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 
+#include "registration/tick/iteration.h"
 #include "registration/tick/schedule.h"
+
+/* What iterations consist of. */
+static uint32_t parts_of(const smr_model *model, const smr_config *c)
+{
+    const int image = smr_le32(model->profile_samples) > 0u, track = c->track != SMR_TRACK_OFF;
+    uint32_t parts = SMR_PART_PLAIN;
+    if (SMR_HAS_IMAGE && image)
+        parts |= SMR_PART_IMAGE;
+    if (SMR_HAS_PARTIAL && (c->coverage != SMR_COVERAGE_WHOLE || c->n_landmarks > 0u || (track && image) ||
+                            c->n_target_vertices > 0u)) /* a cloud */
+        parts |= SMR_PART_PARTIAL;
+    if (SMR_HAS_TRACK && track)
+        parts |= SMR_PART_TRACK;
+    if (SMR_HAS_CONTACT && (c->contact > 0.0f || c->volume > 0.0f || c->smooth > 0.0f))
+        parts |= SMR_PART_CONTACT;
+    if (SMR_HAS_DYNAMICS && c->dynamics)
+        parts |= SMR_PART_DYNAMICS;
+    if (c->caller_goals || c->caller_force != SMR_CALLER_OFF)
+        parts |= SMR_PART_CALLER;
+    return parts;
+}
 
 void smr_count(smr *s, const smr_model *model, const smr_config *config)
 {
@@ -16,26 +38,34 @@ void smr_count(smr *s, const smr_model *model, const smr_config *config)
     s->shared.n_radii = smr_le32(model->n_radii);
     s->shared.n_hinges = smr_le32(model->n_hinges);
     s->shared.n_tasks = smr_ceil_div(s->shared.n, SMR_CHUNK);
+    s->shared.parts = parts_of(model, config);
 }
 
 smr *smr_layout(smr_arena *a, smr *s)
 {
     const smr_shared *shared = &s->shared;
+    const size_t n_field = SMR_HAS_PARTIAL ? smr_unseen_field_words(shared) : 0u;
     const uint32_t hinge_tasks = smr_ceil_div(shared->n_hinges, SMR_HINGE_CHUNK);
     smr *self = smr_slot_scratch(a, NULL, 1, sizeof *self);
-    smr_overlay_layout(a, &s->overlay, shared->n, SMR_WORDS, smr_unseen_field_words(shared),
+    smr_overlay_layout(a, &s->overlay, shared->n, SMR_WORDS, n_field,
                        smr_max_u32(smr_ceil_div(shared->n, SMR_MATCH_CHUNK), hinge_tasks));
     smr_shape_layout(a, &s->shape, shared);
+    if (SMR_HAS_HELD)
+        smr_held_layout(a, &s->shape, shared);
+    if (SMR_HAS_DYNAMICS)
+        smr_dynamics_layout(a, &s->shape.dynamics, shared);
     smr_forces_layout(a, &s->forces, shared);
     smr_reference_layout(a, &s->reference, shared);
     smr_match_layout(a, &s->match, shared);
     smr_evolve_layout(a, &s->evolve, shared);
-    smr_volumes_layout(a, &s->volumes, shared);
+    if (SMR_HAS_CONTACT)
+        smr_volumes_layout(a, &s->volumes, shared);
     smr_folds_layout(a, &s->folds, shared);
     smr_log_keep(a, &s->log);
     smr_budget_keep(a, &s->budget);
     smr_report_keep(a, &s->report, shared->n);
-    smr_keep_inputs(a, s);
+    if (smr_keeps(a))
+        a->keeper->inputs(a, s);
     smr_schedule_keep(a, s); /* last: its ranges follow from the others */
     return self;
 }
@@ -46,14 +76,15 @@ void smr_wire(smr *s)
     const smr_pace *pace = &s->pace;
     const smr_overlay *overlay = &s->overlay;
     s->shape.shared = shared;
-    if (s->shape.dynamics != NULL)
+    if (smr_moves(s))
         smr_dynamics_wire(s->shape.dynamics, shared);
     smr_forces_wire(&s->forces, shared, pace, &s->shape, overlay);
     smr_sums_wire(&s->sums, shared, pace, &s->forces, overlay);
     smr_reference_wire(&s->reference, shared, pace, &s->shape, &s->sums, overlay);
     smr_match_wire(&s->match, shared, pace, &s->reference, &s->sums, overlay);
     smr_evolve_wire(&s->evolve, shared, pace, &s->shape, &s->forces, &s->reference, &s->sums, overlay);
-    smr_volumes_wire(&s->volumes, shared, pace, &s->shape, &s->sums);
+    if (SMR_HAS_CONTACT)
+        smr_volumes_wire(&s->volumes, shared, pace, &s->shape, overlay);
     s->forces.contact.moved_mm = &s->evolve.moved_mm;
     smr_folds_wire(&s->folds, shared, pace, &s->shape, &s->evolve.evening, overlay);
 }

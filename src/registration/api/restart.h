@@ -4,7 +4,6 @@
 #define SMR_RESTART_H
 
 #include "registration/tick/iteration.h"
-#include "options/track/tracking.h"
 
 /* What was measured was about other goals. An iteration that has not all its forces yet starts them again with the new
  * ones; one that has them ends with the old ones. A replay does not know how far a search had come, so nothing of it

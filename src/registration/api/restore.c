@@ -3,7 +3,7 @@
  * Bounds: two passes over the bytes; those of smr_init().
  * SPDX-License-Identifier: MIT */
 #include "registration/api/saved.h"
-#include "options/dynamics/time_steps.h"
+#include "registration/tick/iteration.h"
 
 static uint32_t word_of(const unsigned char *saved, uint32_t word) { return smr_log_get32(saved + 4u * word); }
 
@@ -41,7 +41,8 @@ smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *
 /* Goes over the kept values. Returns 1 when all are in their ranges and there are no more. */
 static int go_over(smr *s, uint32_t mode, const unsigned char *from, size_t bytes)
 {
-    smr_keeper k = {mode, 0, 0, NULL, from, values_at(from, bytes), word_of(from, SMR_SAVED_AT_BYTES) - 4u};
+    smr_keeper k = {&smr_keep_all, smr_keep_inputs, mode, 0, 0, NULL, from, values_at(from, bytes),
+                    word_of(from, SMR_SAVED_AT_BYTES) - 4u};
     smr_arena a = smr_arena_measure();
     a.keeper = &k;
     (void)smr_layout(&a, s);
@@ -65,12 +66,16 @@ static smr_status check(const smr_model *model, const smr_config *config, const 
 static void derive(smr *s)
 {
     s->shape.start_box = smr_box_of(s->shape.start, s->shared.n);
-    smr_image_goals_noise(&s->forces.image);
+    if (smr_image_on(&s->forces.image))
+        smr_image_goals_noise(&s->forces.image);
     smr_facets_now(&s->shape);
-    smr_held_derive(&s->shape);
-    smr_volumes_scale(&s->volumes);
-    smr_smooth_start(&s->forces.smooth);
-    if (s->shape.dynamics != NULL)
+    if (SMR_HAS_HELD)
+        smr_held_derive(&s->shape);
+    if (SMR_HAS_CONTACT) {
+        smr_volumes_scale(&s->volumes);
+        smr_smooth_start(&s->forces.smooth);
+    }
+    if (smr_moves(s))
         smr_time_steps_weigh(s);
     s->reference.missing = 1;
 }
@@ -94,6 +99,7 @@ smr_status smr_restore(const smr_model *model, const smr_config *config, const s
     if (status != SMR_OK)
         return status;
     (void)go_over(self, SMR_KEEP_RESTORE, saved, saved_bytes);
+    self->await = smr_await;
     derive(self);
     *out = self;
     return SMR_OK;

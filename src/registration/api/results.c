@@ -75,7 +75,7 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
     const smr_target *target = &s->forces.surface.target[structure];
     float moved_sum = 0.0f;
     memset(report, 0, sizeof *report);
-    report->has_target = target->surface != NULL || s->forces.image.has_image || has_landmark(s, structure) ||
+    report->has_target = target->surface != NULL || smr_image_on(&s->forces.image) || has_landmark(s, structure) ||
                          smr_caller_draws(&s->forces.caller, structure);
     report->matched_share = smr_forces_matched(&s->forces, structure);
     report->residual_mean_mm = report->residual_max_mm = -1.0f;

@@ -26,6 +26,9 @@ void smr_take_goals(smr_surface_goals *g);
 void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last);    /* what these structures have got */
 void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other); /* as another one */
 
+/* Gives a structure, or SMR_ALL, a surface or a cloud, as smr_set_surface() and smr_set_points(). */
+smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface);
+
 /* waiting.c: borrowed inputs are not saved but their checksums, and a restored registration waits for the same ones. */
 
 /* Lists which surfaces there are, which structures share them, the image, the caller's goals and force. */
@@ -37,12 +40,9 @@ int smr_can_wait(const smr_shared *c);
 /* 1: the log's memory is waited for. */
 int smr_awaits_log(const smr_log *log);
 
-/* The input, when s waits for it. Errors: E_INPUT, E_STATE (NULL), E_ARENA; as smr_set_...(). */
-smr_status smr_await_surface(smr *s, uint32_t structure, const smr_surface *surface);
-smr_status smr_await_goals(smr *s, uint32_t structure, const smr_goals *goals);
-smr_status smr_await_force(smr *s, smr_force force, void *ctx);
-smr_status smr_await_fixed(smr *s, uint32_t index, const smr_surface *surface);
+/* Takes an input that s waits for; kind, number and what as in smr_log_note(), a smr_caller_force for FORCE.
+ * Errors: E_INPUT, E_STATE (NULL), E_ARENA; as smr_set_...(). */
+smr_status smr_await(smr *s, uint32_t kind, uint32_t number, const void *what);
 smr_status smr_await_log(smr *s, void *memory, size_t bytes); /* NULL: recording ends. E_ARENA, E_LOG (another log) */
-smr_status smr_await_volume(smr *s, const smr_volume *volume, const smr_grid *grid);
 
 #endif

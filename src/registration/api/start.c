@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/surface/mesh.h"
+#include "registration/convergence.h"
 #include "registration/tick/schedule.h"
 #include "registration/tick/iteration_end.h"
 
@@ -33,8 +34,10 @@ static void start_here(smr *s)
     memset(s->forces.force, 0, bytes);
     memset(s->folds.marked, 0, s->shared.n);
     s->folds.n_guarded = 0;
-    smr_volumes_start(&s->volumes);
-    smr_smooth_start(&s->forces.smooth);
+    if (SMR_HAS_CONTACT) {
+        smr_volumes_start(&s->volumes);
+        smr_smooth_start(&s->forces.smooth);
+    }
     smr_facets_now(shape);
     smr_mesh_normals(&mesh, shape->normal, NULL);
     smr_plastic_normals(shape);
@@ -71,7 +74,7 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
     for (uint32_t v = 0; v < s->shared.n; v++)
         smr_store(smr_at3(s->shape.x, v), smr_add(smr_pose_apply(&turn, smr_rest(&s->shared, v)), off));
     start_here(s);
-    smr_log_pose(&s->log, pose);
+    smr_log_note(&s->log, SMR_LOG_POSE, 0, pose, 0);
     return SMR_OK;
 }
 
@@ -92,6 +95,6 @@ smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz)
         smr_store(smr_at3(s->shape.x, v), smr_sub(smr_load(xyz + 3u * (size_t)i), s->shape.origin));
     }
     start_here(s);
-    smr_log_positions(&s->log, structure, xyz, one->n_vertices);
+    smr_log_note(&s->log, SMR_LOG_POSITIONS, structure, xyz, one->n_vertices);
     return SMR_OK;
 }

@@ -1,13 +1,7 @@
-/* targets.c: what structures are drawn to: surfaces, an image; and how many vertices take part.
+/* targets.c: the surfaces and clouds that structures are drawn to.
  * SPDX-License-Identifier: MIT */
-#include "geometry/surface/points.h"
-#include "log/record/log.h"
 #include "registration/api/restart.h"
 #include "registration/api/setup.h"
-#include "registration/tick/schedule.h"
-#include "registration/tick/iteration_end.h"
-#include "registration/tick/iteration.h"
-#include "options/track/tracking.h"
 
 /* Slots that a surface needs: a cloud grows. */
 static uint32_t slots_of(const smr_surface *s) { return smr_is_cloud(s) ? s->capacity : s->n_vertices; }
@@ -63,7 +57,7 @@ void smr_take_goals(smr_surface_goals *g)
     (void)smr_list_goals(g, g->goal, &g->n_goals, &g->n_tasks);
     g->n_clouds = g->n_points = 0;
     for (uint32_t i = 0; i < g->n_goals; i++) {
-        const uint32_t cloud = (uint32_t)smr_is_cloud(g->goal[i].surface);
+        const uint32_t cloud = (uint32_t)smr_is_points(g->goal[i].surface);
         g->n_clouds += cloud;
         g->n_points += cloud * g->goal[i].n_vertices;
     }
@@ -74,7 +68,7 @@ void smr_take_goals(smr_surface_goals *g)
 static int only_grown(const smr_surface_goals *g, uint32_t first, uint32_t last, const smr_surface *surface)
 {
     smr_points_then known = {0, 0};
-    if (g->then == NULL || surface == NULL || !smr_is_cloud(surface))
+    if (g->then == NULL || surface == NULL || !smr_is_points(surface))
         return 0;
     for (uint32_t i = first; i < last; i++) {
         const smr_points_then *then = &g->then[i];
@@ -98,7 +92,7 @@ void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other)
 void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last)
 {
     const smr_surface *surface = g->target[first].surface;
-    const int cloud = surface != NULL && smr_is_cloud(surface);
+    const int cloud = surface != NULL && smr_is_points(surface);
     g->target[first].n_vertices = surface == NULL ? 0u : surface->n_vertices;
     g->target[first].changes = surface == NULL ? 0u : surface->changes;
     if (g->then != NULL) {
@@ -121,8 +115,7 @@ static int has_slots(smr_surface_goals *g, uint32_t structure, const smr_surface
     return slots_with(g, structure, surface) <= n_slots;
 }
 
-/* Surfaces and clouds. */
-static smr_status set_target(smr *s, uint32_t structure, const smr_surface *surface)
+smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface)
 {
     smr_surface_goals *g = &s->forces.surface;
     const uint32_t n_structures = s->shared.n_structures;
@@ -144,7 +137,8 @@ static smr_status set_target(smr *s, uint32_t structure, const smr_surface *surf
         smr_pulls_clear(g);
     else
         forget_searches(g, structure);
-    smr_overlap_start(g);
+    if (smr_visibility_on(g))
+        smr_overlap_start(g);
     smr_tracking_call(s, surface != NULL && !grown ? SMR_CALLED_SHOWN : SMR_CALLED);
     /* an iteration under way starts again with the new goals; one that has its forces ends with the old ones */
     if (smr_forces_pending(s))
@@ -158,79 +152,12 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
         return SMR_E_NULL;
     if (!smr_changeable(s) || (surface != NULL && (!smr_surface_valid(surface) || smr_is_cloud(surface))))
         return SMR_E_STATE;
+    if (!SMR_HAS_PARTIAL && surface != NULL && surface->open && s->shared.config.coverage != SMR_COVERAGE_WHOLE)
+        return SMR_E_CONFIG;
     if (s->n_awaited > 0u)
-        return smr_await_surface(s, structure, surface);
-    const smr_status status = set_target(s, structure, surface);
+        return s->await(s, SMR_LOG_SURFACE, structure, surface);
+    const smr_status status = smr_set_target(s, structure, surface);
     if (status == SMR_OK)
-        smr_log_surface(&s->log, structure, surface);
+        smr_log_note(&s->log, SMR_LOG_SURFACE, structure, surface, 0);
     return status;
-}
-
-smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points)
-{
-    if (s == NULL)
-        return SMR_E_NULL;
-    if (!smr_changeable(s) || (points != NULL && !smr_points_valid(points)))
-        return SMR_E_STATE;
-    if (s->n_awaited > 0u)
-        return smr_await_surface(s, structure, points == NULL ? NULL : &points->surface);
-    const smr_status status = set_target(s, structure, points == NULL ? NULL : &points->surface);
-    if (status == SMR_OK)
-        smr_log_points(&s->log, structure, points);
-    return status;
-}
-
-smr_status smr_set_volume(smr *s, const smr_volume *volume)
-{
-    smr_grid grid;
-    if (s == NULL)
-        return SMR_E_NULL;
-    if (!smr_changeable(s) || (volume != NULL && smr_le32(s->shared.model->profile_samples) == 0u))
-        return SMR_E_STATE;
-    if (volume != NULL) {
-        const smr_status status = smr_grid_open(volume, &grid);
-        if (status != SMR_OK)
-            return status;
-    }
-    if (s->n_awaited > 0u)
-        return smr_await_volume(s, volume, &grid);
-    if (volume == NULL && !s->forces.image.has_image)
-        return SMR_OK;
-    const int follows = s->pace.tracking && volume != NULL && s->forces.image.has_image;
-    smr_image_goals_open(&s->forces.image, volume == NULL ? NULL : &grid);
-    smr_abandon_iteration(s);
-    if (follows)
-        smr_restart_forces(s, SMR_CALLED_IMAGE);
-    else
-        smr_schedule_start(s);
-    smr_log_volume(&s->log, volume);
-    return SMR_OK;
-}
-
-smr_status smr_set_active(smr *s, uint32_t n_active)
-{
-    if (s == NULL)
-        return SMR_E_NULL;
-    if (!smr_ready(s))
-        return SMR_E_STATE;
-    s->pace.n_pinned = smr_min_u32(n_active, s->shared.n);
-    smr_log_active(&s->log, n_active);
-    return SMR_OK;
-}
-
-smr_status smr_set_log(smr *s, void *memory, size_t bytes)
-{
-    if (s == NULL)
-        return SMR_E_NULL;
-    if (smr_changeable(s) && smr_awaits_log(&s->log))
-        return smr_await_log(s, memory, bytes);
-    if (!smr_ready(s) || (memory != NULL && !s->log.fresh))
-        return SMR_E_STATE;
-    if (memory != NULL && bytes < SMR_LOG_HEADER + SMR_LOG_FULL_BYTES)
-        return SMR_E_ARENA;
-    if (memory == NULL)
-        smr_log_end(&s->log);
-    else
-        smr_log_start(&s->log, &s->shared, memory, bytes);
-    return SMR_OK;
 }

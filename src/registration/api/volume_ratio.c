@@ -8,6 +8,8 @@ smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio)
 {
     if (s == NULL)
         return SMR_E_NULL;
+    if (!SMR_HAS_CONTACT)
+        return SMR_E_CONFIG;
     if (!smr_ready(s))
         return SMR_E_STATE;
     smr_held_volume *held = s->volumes.held;
@@ -22,7 +24,7 @@ smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio)
         if (structure == SMR_ALL || structure == i)
             held[i].ratio = ratio;
     smr_restart_forces(s, SMR_CALLED);
-    smr_log_volume_ratio(&s->log, structure, ratio);
+    smr_log_note(&s->log, SMR_LOG_VOLUME_RATIO, structure, &ratio, 0);
     return SMR_OK;
 }
 

@@ -96,8 +96,6 @@ static void keep_fixed(smr_arena *a, smr *s)
 void smr_keep_inputs(smr_arena *a, smr *s)
 {
     awaited w;
-    if (!smr_keeps(a))
-        return;
     const smr_keeper *k = a->keeper;
     const size_t first = k->at;
     s->n_awaited = (uint32_t)smr_awaits_log(&s->log);
@@ -138,7 +136,7 @@ static void go_on(smr *s)
         smr_take_goals(&s->forces.surface);
 }
 
-smr_status smr_await_surface(smr *s, uint32_t structure, const smr_surface *surface)
+static smr_status await_surface(smr *s, uint32_t structure, const smr_surface *surface)
 {
     smr_target *target = s->forces.surface.target;
     const uint32_t n = s->shared.n_structures, n_slots = s->shared.config.n_target_vertices;
@@ -181,6 +179,7 @@ smr_status smr_await_log(smr *s, void *memory, size_t bytes)
         if (smr_log_get32(log + s->log.used - 4u) != s->log.crc)
             return SMR_E_LOG;
         s->log.memory = log;
+        s->log.write = smr_log_write;
         s->log.bytes = bytes;
     }
     s->n_awaited--;
@@ -199,32 +198,35 @@ static smr_status take(smr *s, uint32_t at, uint64_t sum)
     return SMR_OK;
 }
 
-smr_status smr_await_goals(smr *s, uint32_t structure, const smr_goals *goals)
+static smr_status await_goals(smr *s, uint32_t structure, const smr_goals *goals)
 {
     if (goals->xyz == NULL)
         return SMR_E_STATE;
     const smr_status status = take(s, s->shared.n_structures + 1u + structure,
                                    smr_goals_checksum(goals, s->shape.structure[structure].n_vertices));
-    if (status == SMR_OK)
-        s->forces.caller.goals[structure] = *goals;
-    go_on(s);
-    return status;
-}
-
-smr_status smr_await_force(smr *s, smr_force force, void *ctx)
-{
-    if (force == NULL)
-        return SMR_E_STATE;
-    const smr_status status = take(s, 2u * s->shared.n_structures + 1u, 1u);
     if (status == SMR_OK) {
-        s->forces.caller.force = force;
-        s->forces.caller.ctx = ctx;
+        s->forces.caller.calls = &smr_caller_all;
+        s->forces.caller.goals[structure] = *goals;
     }
     go_on(s);
     return status;
 }
 
-smr_status smr_await_fixed(smr *s, uint32_t index, const smr_surface *surface)
+static smr_status await_force(smr *s, const smr_caller_force *own)
+{
+    if (own->force == NULL)
+        return SMR_E_STATE;
+    const smr_status status = take(s, 2u * s->shared.n_structures + 1u, 1u);
+    if (status == SMR_OK) {
+        s->forces.caller.calls = &smr_caller_all;
+        s->forces.caller.force = own->force;
+        s->forces.caller.ctx = own->ctx;
+    }
+    go_on(s);
+    return status;
+}
+
+static smr_status await_fixed(smr *s, uint32_t index, const smr_surface *surface)
 {
     if (surface == NULL)
         return SMR_E_STATE;
@@ -235,13 +237,27 @@ smr_status smr_await_fixed(smr *s, uint32_t index, const smr_surface *surface)
     return status;
 }
 
-smr_status smr_await_volume(smr *s, const smr_volume *volume, const smr_grid *grid)
+static smr_status await_volume(smr *s, const smr_volume *volume)
 {
+    smr_grid grid;
     if (volume == NULL)
         return SMR_E_STATE;
-    const smr_status status = take(s, s->shared.n_structures, smr_volume_checksum(volume));
+    smr_status status = smr_grid_open(volume, &grid);
     if (status == SMR_OK)
-        s->forces.image.grid = *grid;
+        status = take(s, s->shared.n_structures, smr_volume_checksum(volume));
+    if (status == SMR_OK)
+        s->forces.image.grid = grid;
     go_on(s);
     return status;
+}
+
+smr_status smr_await(smr *s, uint32_t kind, uint32_t number, const void *what)
+{
+    switch (kind) {
+    case SMR_LOG_GOALS: return await_goals(s, number, what);
+    case SMR_LOG_FORCE: return await_force(s, what);
+    case SMR_LOG_FIXED_SURFACE: return await_fixed(s, number, what);
+    case SMR_LOG_VOLUME: return await_volume(s, what);
+    default: return await_surface(s, number, what);
+    }
 }

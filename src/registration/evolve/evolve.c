@@ -1,5 +1,5 @@
 /* evolve.c: new positions (paper 2.3, evolution): x += relaxation (x~ - x) with x~_i = Sum_i(T) x^r_i / |zeta_i|,
- * normals carried by the averaged rotation, and the state hash. In dynamics: a sweep (tick/time_steps.c).
+ * normals carried by the averaged rotation, and the state hash. In dynamics: x~, from where a sweep goes on.
  * Bounds: two passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/evolve/evolve.h"
@@ -43,16 +43,6 @@ static inline smr_vec average_way(int logs, const uint32_t *w, const float inver
 
 uint32_t smr_evolve_tasks(const void *arg) { return ((const smr_evolve *)arg)->shared->n_tasks; }
 
-/* Where the springs to the clusters' average and to its goal take a vertex in a sweep (dynamics). */
-static smr_vec swept(const smr_evolve *e, uint32_t v, smr_vec average)
-{
-    const int drawn = e->forces->found_last[v] == SMR_FOUND_GOAL;
-    const float share = drawn ? e->shared->config.stiffness : 0.0f;
-    const smr_vec x = smr_load(smr_at3(e->shape->x, v));
-    const smr_vec pull = smr_add(smr_scale(x, share), smr_load(smr_at3(e->forces->force, v)));
-    return smr_dynamics_next(e->shape->dynamics, v, average, share, drawn ? pull : smr_v(0, 0, 0));
-}
-
 void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
 {
     const smr_evolve *e = arg;
@@ -70,7 +60,7 @@ void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
         const smr_vec goal = smr_add(ref, way);
         const smr_vec step = smr_scale(smr_sub(goal, old), relaxation);
         const smr_vec next = smr_add(smr_add(old, step), smr_evening_way(&e->evening, v));
-        smr_store(smr_at3(shape.x_next, v), shape.dynamics != NULL ? swept(e, v, goal) : next);
+        smr_store(smr_at3(shape.x_next, v), shape.from != NULL ? goal : next);
         smr_next_normal_set(sum, v, smr_unit(n));
     }
 }

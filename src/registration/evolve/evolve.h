@@ -60,19 +60,11 @@ static inline void smr_evening_hold(smr_evening *e, uint32_t v, float share)
         e->held[v] = (uint8_t)smr_max_u32(e->held[v], (uint32_t)(share * SMR_HELD + 0.5f));
 }
 
-/* contact_settle.c: positions under way, kept out of what they touch, at the last radius. The stage is smr_contact. */
-uint32_t smr_contact_settle_tasks(const void *contact);
-void smr_contact_settle(void *contact, uint32_t task, uint32_t worker); /* serial */
-
 /* exact_normals.c: normals of the triangles, where they are due. */
 uint32_t smr_exact_normals_tasks(const void *evolve);
 void smr_exact_normals_clear(void *evolve, uint32_t task, uint32_t worker);
 uint32_t smr_exact_normals_facet_tasks(const void *evolve);
 void smr_exact_normals_facets(void *evolve, uint32_t task, uint32_t worker); /* serial */
 void smr_exact_normals_unit(void *evolve, uint32_t task, uint32_t worker);
-
-/* plasticity.c: x^r = x. Normals follow with smr_plastic_normals, when they stand. */
-void smr_plastic_positions(smr_shape *shape);
-void smr_plastic_normals(smr_shape *shape);
 
 #endif

@@ -6,24 +6,7 @@
 
 #define SMR_GAVE_MULTIPLIER 0x9e3779b97f4a7c15u /* 2^64 over the golden ratio */
 
-void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared *shared)
-{
-    if (shared->config.caller_goals != 0u)
-        g->goals = smr_slot_scratch(a, g->goals, shared->n_structures, sizeof *g->goals); /* set again: waiting.c */
-    if (shared->config.caller_force != SMR_CALLER_OFF)
-        g->gave = smr_slot_scratch(a, g->gave, shared->n, 4u * sizeof(float));
-}
-
-void smr_caller_goals_wire(smr_caller_goals *g, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape)
-{
-    g->shared = shared;
-    g->pace = pace;
-    g->shape = shape;
-    if (g->goals != NULL)
-        memset(g->goals, 0, shared->n_structures * sizeof *g->goals);
-}
-
-void smr_caller_goals_stand(smr_caller_goals *g)
+static void stand(smr_caller_goals *g)
 {
     g->summed = g->force != NULL;
     g->sum = g->pace->n_active;
@@ -33,9 +16,8 @@ void smr_caller_goals_stand(smr_caller_goals *g)
     }
 }
 
-uint32_t smr_caller_tasks(const void *arg)
+static uint32_t tasks(const smr_caller_goals *g)
 {
-    const smr_caller_goals *g = arg;
     return g->force != NULL ? smr_ceil_div(g->pace->n_active, SMR_CALLER_CHUNK) : 0u;
 }
 
@@ -46,7 +28,7 @@ typedef struct chunk {
     float way[SMR_CALLER_CHUNK][3], weight[SMR_CALLER_CHUNK];
 } chunk;
 
-static void ask(const smr_caller_goals *g, const smr_force_view *view, chunk *c)
+static void call(const smr_caller_goals *g, const smr_force_view *view, chunk *c)
 {
     memset(c->way, 0, sizeof c->way);
     memset(c->weight, 0, sizeof c->weight);
@@ -83,10 +65,8 @@ static int same(const smr_caller_goals *g, const chunk *c, uint32_t first, uint3
     return alike;
 }
 
-void smr_caller_ask(void *arg, uint32_t task, uint32_t worker)
+static void ask(smr_caller_goals *g, uint32_t task)
 {
-    smr_caller_goals *g = arg;
-    (void)worker;
     chunk c;
     const smr_model *model = g->shared->model;
     const uint32_t first = task * SMR_CALLER_CHUNK;
@@ -106,10 +86,10 @@ void smr_caller_ask(void *arg, uint32_t task, uint32_t worker)
         smr_store(c.xyz[i], smr_add(smr_load(smr_at3(g->shape->x, v)), g->shape->origin));
         smr_store(c.rest[i], smr_add(smr_rest(g->shared, v), smr_model_centre(model)));
     }
-    ask(g, &view, &c);
+    call(g, &view, &c);
     int good = keep(g, &c, first, n);
     if (g->shared->config.caller_force == SMR_CALLER_CHECKED) {
-        ask(g, &view, &c);
+        call(g, &view, &c);
         good &= same(g, &c, first, n);
     }
     if (!good)
@@ -133,7 +113,7 @@ static float set_goal(const smr_caller_goals *g, uint32_t v, smr_vec *way)
     return weight;
 }
 
-float smr_caller_blend(const smr_caller_goals *g, uint32_t v, smr_vec *way, float weight)
+static float blend(const smr_caller_goals *g, uint32_t v, smr_vec *way, float weight)
 {
     smr_vec own = smr_v(0, 0, 0);
     if (g->goals != NULL) {
@@ -144,3 +124,5 @@ float smr_caller_blend(const smr_caller_goals *g, uint32_t v, smr_vec *way, floa
         smr_blend(way, &weight, smr_load(g->gave + 4u * (size_t)v), g->gave[4u * (size_t)v + 3u]);
     return weight;
 }
+
+const smr_caller_calls smr_caller_all = {tasks, ask, blend, stand};

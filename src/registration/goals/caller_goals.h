@@ -9,7 +9,20 @@
 #define SMR_CALLER_CHUNK 32u      /* vertices of a call */
 #define SMR_CALLER_WEIGHT 1000.0f /* largest */
 
+struct smr_caller_goals;
+
+/* What goals of the caller's own need in an iteration. The setters name it, so a program without them has none of it. */
+typedef struct smr_caller_calls {
+    uint32_t (*tasks)(const struct smr_caller_goals *g);
+    void (*ask)(struct smr_caller_goals *g, uint32_t task);
+    float (*blend)(const struct smr_caller_goals *g, uint32_t v, smr_vec *way, float weight);
+    void (*stand)(struct smr_caller_goals *g); /* the forces under way are complete */
+} smr_caller_calls;
+
+extern const smr_caller_calls smr_caller_all;
+
 typedef struct smr_caller_goals {
+    const smr_caller_calls *calls; /* NULL: nothing was set */
     const smr_shared *shared;
     const smr_pace *pace;
     const smr_shape *shape;
@@ -26,7 +39,6 @@ typedef struct smr_caller_goals {
 
 void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared *shared);
 void smr_caller_goals_wire(smr_caller_goals *g, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape);
-void smr_caller_goals_stand(smr_caller_goals *g); /* the forces under way are complete */
 
 /* 1: the caller may draw vertices of the structure. */
 static inline int smr_caller_draws(const smr_caller_goals *g, uint32_t structure)
@@ -35,8 +47,24 @@ static inline int smr_caller_draws(const smr_caller_goals *g, uint32_t structure
 }
 
 /* Steps: asks the force about SMR_CALLER_CHUNK vertices. */
-uint32_t smr_caller_tasks(const void *goals);
-void smr_caller_ask(void *goals, uint32_t task, uint32_t worker);
+static inline uint32_t smr_caller_tasks(const void *goals)
+{
+    const smr_caller_goals *g = goals;
+    return g->calls != NULL ? g->calls->tasks(g) : 0u;
+}
+
+static inline void smr_caller_step(void *goals, uint32_t task, uint32_t worker)
+{
+    smr_caller_goals *g = goals;
+    (void)worker;
+    g->calls->ask(g, task);
+}
+
+static inline void smr_caller_stand(smr_caller_goals *g)
+{
+    if (g->calls != NULL)
+        g->calls->stand(g);
+}
 
 /* Adds a further way to an average by weight. The first one is taken as it is. */
 static inline void smr_blend(smr_vec *way, float *weight, smr_vec more, float more_weight)
@@ -53,6 +81,9 @@ static inline void smr_blend(smr_vec *way, float *weight, smr_vec more, float mo
 
 /* Blends the way of vertex v, which has a weight (0: it is no goal), with what the caller wants of it. Returns the
  * weight then. */
-float smr_caller_blend(const smr_caller_goals *g, uint32_t v, smr_vec *way, float weight);
+static inline float smr_caller_blend(const smr_caller_goals *g, uint32_t v, smr_vec *way, float weight)
+{
+    return g->calls != NULL ? g->calls->blend(g, v, way, weight) : weight;
+}
 
 #endif

@@ -53,15 +53,15 @@ static void measure(const smr_forces *f, uint32_t v, smr_tally *tally)
     tally->forces.largest[1] = smr_max(tally->forces.largest[1], terms * arm * largest);
 }
 
-/* The share of forces that is left: only what follows the image is eased, not what a hard landmark draws. */
-static float ease_at(const smr_forces *f, uint32_t v)
+float smr_forces_ease(const smr_forces *f, uint32_t v)
 {
     if (!(f->pace->ease < 1.0f) || f->surface.target[smr_model_owner(f->shared->model, v)].surface != NULL)
         return 1.0f;
-    return smr_max(f->pace->ease, smr_unseen_field_prevails(&f->unseen, v));
+    const float prevails = smr_landmarks_on(&f->landmarks) ? smr_unseen_field_prevails(&f->unseen, v) : 0.0f;
+    return smr_max(f->pace->ease, prevails);
 }
 
-uint32_t smr_force_chunk(const smr_forces *f) { return f->image.has_image ? SMR_IMAGE_CHUNK : SMR_FORCE_CHUNK; }
+uint32_t smr_force_chunk(const smr_forces *f) { return smr_image_on(&f->image) ? SMR_IMAGE_CHUNK : SMR_FORCE_CHUNK; }
 
 uint32_t smr_forces_tasks(const void *arg)
 {
@@ -75,7 +75,7 @@ void smr_forces_search(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     const uint32_t n_active = f->pace->n_active, chunk = smr_force_chunk(f);
     const uint32_t last = smr_min_u32((task + 1u) * chunk, n_active);
-    const int looks = f->image.has_image && !smr_field_of_past(&f->unseen);
+    const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->unseen);
     for (uint32_t v = task * chunk; v < last; v++) {
         smr_vec way;
         /* voxels lie far apart: to reach them takes as long as the work on a vertex */
@@ -83,43 +83,6 @@ void smr_forces_search(void *arg, uint32_t task, uint32_t worker)
             smr_image_ahead(&f->image, v + 1u);
         f->found[v] = smr_sources_goal(f, v, &way);
         smr_store(smr_at3(f->force, v), way);
-    }
-}
-
-/* The displacement that goals and momentum ask of v, before contact. */
-static smr_vec asked(const void *arg, uint32_t v)
-{
-    const smr_forces *f = arg;
-    if (!smr_active(f->pace, v))
-        return smr_v(0, 0, 0);
-    const float share = f->shared->config.stiffness * f->pace->gain * ease_at(f, v);
-    return smr_add(smr_scale(smr_load(smr_at3(f->force, v)), share), smr_momentum(f, v));
-}
-
-uint32_t smr_contact_tasks(const void *arg)
-{
-    const smr_forces *f = arg;
-    if (!smr_contact_on(&f->contact))
-        return 0;
-    return smr_ceil_div(f->pace->n_active, SMR_CONTACT_CHUNK) +
-           (f->contact.facets_due ? smr_ceil_div(f->shared->n_triangles, SMR_CONTACT_CHUNK) : 0u);
-}
-
-void smr_contact_search(void *arg, uint32_t task, uint32_t worker)
-{
-    smr_forces *f = arg;
-    (void)worker;
-    const uint32_t n_tasks = smr_ceil_div(f->pace->n_active, SMR_CONTACT_CHUNK);
-    if (task >= n_tasks) {
-        const uint32_t first = (task - n_tasks) * SMR_CONTACT_CHUNK;
-        for (uint32_t k = first; k < smr_min_u32(first + SMR_CONTACT_CHUNK, f->shared->n_triangles); k++)
-            smr_contact_find_facet(&f->contact, k);
-        return;
-    }
-    const uint32_t last = smr_min_u32((task + 1u) * SMR_CONTACT_CHUNK, f->pace->n_active);
-    for (uint32_t v = task * SMR_CONTACT_CHUNK; v < last; v++) {
-        smr_contact_find(&f->contact, v);
-        smr_store(smr_at3(f->contact.push, v), smr_contact_way(&f->contact, v, asked, f));
     }
 }
 
@@ -154,7 +117,7 @@ void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     smr_tally *tally = &f->tally[task];
     const float stiffness = f->pace->repairing > 0u ? 0.0f : f->shared->config.stiffness * f->pace->gain;
-    const int apart = smr_contact_on(&f->contact), smooth = smr_smooth_tasks(&f->smooth) > 0u;
+    const int apart = smr_contact_on(&f->contact), smooth = smr_smooth_used(&f->smooth) && smr_smooth_tasks(&f->smooth) > 0u;
     memset(tally, 0, sizeof *tally);
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(f->shared, task); v++) {
         if (!smr_active(f->pace, v)) {
@@ -164,7 +127,7 @@ void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
         const smr_vec way = smr_load(smr_at3(f->force, v));
         count(f, v, way, tally);
         const smr_vec blended = smooth ? smr_smooth_blend(&f->smooth, v, way) : way;
-        smr_store(smr_at3(f->force, v), smr_scale(blended, stiffness * ease_at(f, v)));
+        smr_store(smr_at3(f->force, v), smr_scale(blended, stiffness * smr_forces_ease(f, v)));
         if (apart)
             smr_store(smr_at3(f->force, v),
                       smr_add(smr_load(smr_at3(f->force, v)), smr_load(smr_at3(f->contact.push, v))));
@@ -202,45 +165,37 @@ static float share_in_last(const smr_forces *f, uint32_t structure)
 float smr_forces_matched(const smr_forces *f, uint32_t structure)
 {
     const smr_target *target = &f->surface.target[structure];
-    const smr_image_structure *view = &f->image.structure[structure];
     if (!target->measured)
         return -1.0f;
-    return target->surface == NULL && view->idle ? view->matched : share_in_last(f, structure);
+    if (SMR_HAS_IMAGE && target->surface == NULL && f->image.structure[structure].idle)
+        return f->image.structure[structure].matched;
+    return share_in_last(f, structure);
 }
 
-/* Where the search in the image ends, what its last one found is kept: later iterations find nothing for they do not
- * look. Reads found_last, which is still that of the forces before. */
+/* 1: the search in the image ends for this structure. What its last one found is kept: later iterations find nothing
+ * for they do not look. Reads found_last, which is still that of the forces before. */
+static int note_idle(smr_forces *f, uint32_t structure)
+{
+    smr_image_structure *view = &f->image.structure[structure];
+    const uint32_t idle = smr_image_on(&f->image) && !smr_image_seeks(&f->image, structure);
+    if (idle && !view->idle)
+        view->matched = f->surface.target[structure].measured ? share_in_last(f, structure) : -1.0f;
+    view->idle = idle;
+    return idle != 0u;
+}
+
 static void note_matched(smr_forces *f)
 {
     int sought = 0;
     for (uint32_t k = 0; k < f->shared->n_structures; k++) {
         smr_target *target = &f->surface.target[k];
-        smr_image_structure *view = &f->image.structure[k];
-        const uint32_t idle = f->image.has_image && !smr_image_seeks(&f->image, k);
-        if (idle && !view->idle)
-            view->matched = target->measured ? share_in_last(f, k) : -1.0f;
-        view->idle = idle;
+        const int idle = SMR_HAS_IMAGE && note_idle(f, k);
         sought |= target->surface != NULL || !idle;
         target->measured = 1;
     }
     if (sought)
         f->matched = share_of(f->totals.n_forces, f->totals.n_rejected);
     f->unmeasured = 0;
-}
-
-void smr_forces_note_seen(smr_forces *f)
-{
-    for (uint32_t v = 0; v < f->pace->n_active; v++) {
-        const uint32_t owner = smr_model_owner(f->shared->model, v);
-        const smr_target *target = &f->surface.target[owner];
-        const uint8_t found = f->found_last[v] == SMR_FOUND_GOAL ? SMR_SEEN_ONE : 0u;
-        if (target->surface != NULL)
-            f->landmarks.seen[v] = target->partial ? f->surface.seen[v] : found;
-        else if (!f->image.has_image)
-            f->landmarks.seen[v] = 0;
-        else if (smr_image_seeks(&f->image, owner))
-            f->landmarks.seen[v] = found;
-    }
 }
 
 /* In dynamics pinned vertices weigh more than all others together. There the sum of the chunks' largest, as if all of a

@@ -39,20 +39,4 @@ void smr_sums_forest(void *sums, uint32_t task, uint32_t worker);
 uint32_t smr_boundary_tasks(const void *sums);
 void smr_boundary_sums(void *sums, uint32_t task, uint32_t worker);
 
-/* A vertex' next normal, from evolve until the iteration stands: it lies in words of its sum that averaging does not
- * use (overlaid_memory.h). sum: smr_sums.sum. */
-#define SMR_NEXT_NORMAL 12u /* first word */
-
-static inline smr_vec smr_next_normal(const uint32_t *sum, uint32_t v)
-{
-    smr_vec normal;
-    memcpy(&normal, sum + SMR_WORDS * (size_t)v + SMR_NEXT_NORMAL, sizeof normal);
-    return normal;
-}
-
-static inline void smr_next_normal_set(uint32_t *sum, uint32_t v, smr_vec normal)
-{
-    memcpy(sum + SMR_WORDS * (size_t)v + SMR_NEXT_NORMAL, &normal, sizeof normal);
-}
-
 #endif

@@ -50,8 +50,6 @@ void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
     smr_keep_require(a, is_whole(shape->origin));
     smr_keep_pose(a, &shape->rest_pose);
     smr_keep_words(a, &shape->rest_pose_due, 1, 1);
-    smr_held_layout(a, shape, shared);
-    smr_dynamics_layout(a, &shape->dynamics, shared);
 }
 
 void smr_shape_start(smr_shape *shape)
@@ -73,7 +71,6 @@ void smr_shape_start(smr_shape *shape)
         leaf += smr_tree_leaves(&one->facets);
         node += smr_tree_nodes(one->facets.n_triangles);
     }
-    smr_held_wire(shape);
     memset(shape->on_surface, 0, c->n);
     for (size_t i = 0; i < 3u * (size_t)c->n_triangles; i++)
         shape->on_surface[c->triangle[i]] = 1;

@@ -22,8 +22,7 @@
 #ifndef SMR_OVERLAID_MEMORY_H
 #define SMR_OVERLAID_MEMORY_H
 
-#include "base/keep.h"
-#include "base/vec.h"
+#include "registration/shape/state.h"
 
 /* What a task leaves for the end of its step; reduced in task order. */
 typedef union smr_tally {
@@ -108,6 +107,22 @@ static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, 
     o->spread.pull = o->rings.displacement + 3u * (size_t)n;
     o->spread.next = o->spread.pull + 4u * (size_t)n;
     o->spread.count = o->spread.next + 4u * (size_t)n;
+}
+
+/* A vertex' next normal, from evolve until the iteration stands: it lies in words of its sum that averaging does not
+ * use. sum: smr_overlay.sum. */
+#define SMR_NEXT_NORMAL 12u /* first word */
+
+static inline smr_vec smr_next_normal(const uint32_t *sum, uint32_t v)
+{
+    smr_vec normal;
+    memcpy(&normal, sum + SMR_WORDS * (size_t)v + SMR_NEXT_NORMAL, sizeof normal);
+    return normal;
+}
+
+static inline void smr_next_normal_set(uint32_t *sum, uint32_t v, smr_vec normal)
+{
+    memcpy(sum + SMR_WORDS * (size_t)v + SMR_NEXT_NORMAL, &normal, sizeof normal);
 }
 
 #endif

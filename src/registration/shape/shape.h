@@ -7,7 +7,9 @@
 #include "geometry/box_tree/box_tree.h"
 #include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/rotation/transform_fit.h"
-#include "options/dynamics/dynamics.h"
+#include "registration/shape/state.h"
+
+struct smr_dynamics;
 
 /* One structure of the model. */
 typedef struct smr_shape_structure {
@@ -25,8 +27,10 @@ typedef struct smr_held {
     smr_fit one, all;           /* sums so far: of a structure, of the whole model */
     uint32_t structure, vertex; /* where these sums stand, in the caller's numbering */
     uint32_t n_tasks;           /* that the sums take */
-    uint32_t due;               /* 1: x^r is to follow in this iteration. Written by tick/tracking.c */
+    uint32_t due;               /* 1: x^r is to follow in this iteration. Written by tracking.c and time_steps.c */
     uint32_t ahead;             /* 1: structures went on already for the iteration under way */
+    /* where a pose is to lay vertex v, which an iteration has taken to x; NULL: there. Written by time_steps.c */
+    smr_vec (*to)(const struct smr_dynamics *d, uint32_t v, smr_vec x);
 } smr_held;
 
 typedef struct smr_shape {
@@ -59,7 +63,10 @@ typedef struct smr_shape {
     float *image_x;         /* [n][3] x when the image was left behind; NULL: no images can be followed */
     smr_pose *held_pose;    /* [n_structures] rigid, lays each structure of held_x onto its present positions */
     smr_pose *held_last;    /* [n_structures] the same when targets were set last; NULL: structures do not go on */
-    smr_dynamics *dynamics; /* NULL: relaxation, without mass */
+    struct smr_dynamics *dynamics; /* NULL: relaxation, without mass */
+    /* [n][3] in dynamics, from the start of an iteration until evolve: where its sweep starts. NULL: at x. Over x_next;
+     * written by time_steps.c */
+    float *from;
 } smr_shape;
 
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
@@ -81,7 +88,7 @@ void smr_rest_pose_sum(void *shape, uint32_t task, uint32_t worker);
 void smr_rest_pose_end(smr_shape *shape);
 void smr_rest_pose_now(smr_shape *shape); /* at once, without steps */
 
-/* held_shape.c: x^r is the held shape, each structure carried along by the pose that lays it onto x best.
+/* held_shape.c, in tracking and dynamics: x^r is the held shape, each structure carried along by the pose that lays it onto x best.
  * The sums are of x_next, at the end of an iteration. */
 void smr_held_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
 void smr_held_wire(smr_shape *shape);   /* nothing is held yet; the structures are known */

@@ -17,11 +17,30 @@
 #define SMR_KEPT_MM 2.0e6f   /* coordinates and distances: what legal inputs come to is well below */
 #define SMR_KEPT_UNIT 1.001f /* entries of unit vectors and rotations */
 
+/* What was found for a vertex. */
+enum { SMR_FOUND_NO_TARGET = 0, SMR_FOUND_GOAL = 1, SMR_FOUND_NONE = 2, SMR_FOUND_UNDECIDED = 3 };
+
+/* What a search in the image says. */
+enum { SMR_NO_GOAL = 0, SMR_GOAL, SMR_UNDECIDED };
+
+/* Parts of an iteration that a configuration asks for. PLAIN is in every one. */
+enum {
+    SMR_PART_PLAIN = 1,
+    SMR_PART_IMAGE = 2,
+    SMR_PART_PARTIAL = 4,
+    SMR_PART_TRACK = 8,
+    SMR_PART_CONTACT = 16,
+    SMR_PART_DYNAMICS = 32,
+    SMR_PART_CALLER = 64,
+    SMR_PART_HELD = SMR_PART_TRACK | SMR_PART_DYNAMICS
+};
+
 /* Model, configuration and what follows from them. Written by setup, constant afterwards. */
 typedef struct smr_shared {
     const smr_model *model;
     smr_config config;
-    uint32_t n; /* vertices */
+    uint32_t parts; /* SMR_PART_... in use */
+    uint32_t n;     /* vertices */
     uint32_t n_triangles, n_structures, n_radii, n_hinges;
     uint32_t n_tasks;         /* chunks of SMR_CHUNK vertices */
     const uint32_t *triangle; /* [n_triangles][3] stored vertices; in the model itself on little-endian hosts */

@@ -3,8 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/tick/iteration.h"
 
-#include "registration/tick/schedule.h"
-#include "options/track/tracking.h"
+#include "registration/convergence.h"
 #include "registration/tick/iteration_end.h"
 
 static void forces_end(smr *s)
@@ -22,11 +21,17 @@ static void forces_end(smr *s)
     s->report.residual_mean_mm = t->n_forces > 0u ? t->mean : -1.0f;
     s->report.residual_rms_mm = t->n_forces > 0u ? t->rms : -1.0f;
     s->report.residual_max_mm = t->n_forces > 0u ? t->max : -1.0f;
-    smr_tracking_look(s);
-    smr_overlap_look(&s->forces.surface);
+    if (smr_tracks(&s->pace))
+        smr_tracking_look(s);
+    if (smr_visibility_on(&s->forces.surface))
+        smr_overlap_look(&s->forces.surface);
 }
 
-static void held_end(smr *s) { smr_held_sum_end(&s->shape); }
+static void held_end(smr *s)
+{
+    if (SMR_HAS_HELD)
+        smr_held_sum_end(&s->shape);
+}
 
 static void match_end(smr *s)
 {
@@ -38,7 +43,7 @@ static void measure_end(smr *s)
 {
     smr_evolve_measure_end(&s->evolve);
     s->evolve.normals_due = s->shared.config.normals == SMR_NORMALS_EXACT || s->pace.tracking ||
-                            s->shared.config.dynamics || smr_schedule_plastic(s);
+                            smr_moves(s) || smr_plastic_ahead(s);
 }
 
 static void rest_pose_end(smr *s) { smr_rest_pose_end(&s->shape); }
@@ -62,69 +67,80 @@ void smr_refit_again(void *arg, uint32_t task, uint32_t worker)
     smr_facets_refit(&s->shape, task, worker);
 }
 
-/* A step whose tasks may run in any order, one after the other, or as chains along the order L in pieces. */
-#define SMR_STEP(phase, work, member, n_tasks, run, end)                                                               \
+/* A step of a part: its tasks may run in any order, or one after the other, or are chains along the order L in pieces. */
+#define SMR_IN(part, function) (SMR_HAS_##part ? (function) : NULL)
+#define SMR_STEP(part, phase, work, member, n_tasks, run, end)                                                         \
     {                                                                                                                  \
-        SMR_PHASE_##phase, SMR_WORK_##work, SMR_ANY_ORDER, offsetof(smr, member), n_tasks, run, end, NULL, NULL        \
+        SMR_PART_##part, SMR_PHASE_##phase, SMR_WORK_##work, SMR_ANY_ORDER, offsetof(smr, member),                     \
+            SMR_IN(part, n_tasks), SMR_IN(part, run), end, NULL, NULL                                                  \
     }
-#define SMR_SERIAL_STEP(phase, work, member, n_tasks, run, end)                                                        \
+#define SMR_SERIAL_STEP(part, phase, work, member, n_tasks, run, end)                                                  \
     {                                                                                                                  \
-        SMR_PHASE_##phase, SMR_WORK_##work, SMR_SERIAL, offsetof(smr, member), n_tasks, run, end, NULL, NULL           \
+        SMR_PART_##part, SMR_PHASE_##phase, SMR_WORK_##work, SMR_SERIAL, offsetof(smr, member), SMR_IN(part, n_tasks), \
+            SMR_IN(part, run), end, NULL, NULL                                                                         \
     }
-#define SMR_CHAIN_STEP(phase, member, n_tasks, run, pieces, abreast)                                                   \
+#define SMR_CHAIN_STEP(part, phase, work, member, n_tasks, run, pieces, abreast)                                       \
     {                                                                                                                  \
-        SMR_PHASE_##phase, SMR_WORK_LISTS, SMR_ANY_ORDER, offsetof(smr, member), n_tasks, run, NULL, pieces, abreast   \
+        SMR_PART_##part, SMR_PHASE_##phase, SMR_WORK_##work, SMR_ANY_ORDER, offsetof(smr, member),                     \
+            SMR_IN(part, n_tasks), SMR_IN(part, run), NULL, SMR_IN(part, pieces), SMR_IN(part, abreast)                \
     }
-#define SMR_SOURCE_STEP(member, work, order, n_tasks, run, pieces, abreast)                                            \
-    {SMR_PHASE_FORCES, work, order, offsetof(smr, forces.member), n_tasks, run, NULL, pieces, abreast},
 
 /* clang-format off */
 const smr_step smr_steps[] = { /* `magic`, the first member, stands for the whole registration */
+    /* in dynamics: where this sweep starts */
+    SMR_STEP(DYNAMICS, FORCES, TASKS, magic, smr_sweep_tasks, smr_sweep_begin, NULL),
     /* compute external forces f^e: what sources of goals ask for first, then the goals in the order of priority */
-    SMR_SOURCE_STEPS(SMR_SOURCE_STEP)
-    SMR_STEP(FORCES, ACTIVE, forces, smr_forces_tasks, smr_forces_search, NULL),
+    SMR_STEP(CALLER, FORCES, TASKS, forces.caller, smr_caller_tasks, smr_caller_step, NULL),
+    SMR_STEP(PLAIN, FORCES, TASKS, forces.surface, smr_attract_tasks, smr_attract_search, NULL),
+    SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, forces.points, smr_point_spread_tasks, smr_point_spread_run, NULL),
+    SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, forces.unseen, smr_unseen_field_tasks, smr_unseen_field_solve, NULL),
+    SMR_CHAIN_STEP(IMAGE, FORCES, TASKS, forces.image, smr_fill_tasks, smr_fill_sum, smr_fill_pieces, smr_fill_abreast),
+    SMR_STEP(PLAIN, FORCES, ACTIVE, forces, smr_forces_tasks, smr_forces_search, NULL),
     /* smoothing on the surface; who takes part is known now: what keeps structures apart, then the forces */
-    SMR_SERIAL_STEP(FORCES, TASKS, forces.smooth, smr_smooth_tasks, smr_smooth_sum, NULL),
-    SMR_STEP(FORCES, ACTIVE, forces, smr_contact_tasks, smr_contact_search, NULL),
-    SMR_STEP(FORCES, TASKS, forces, smr_forces_take_tasks, smr_forces_take, forces_end),
+    SMR_SERIAL_STEP(CONTACT, FORCES, TASKS, forces.smooth, smr_smooth_tasks, smr_smooth_sum, NULL),
+    SMR_STEP(CONTACT, FORCES, ACTIVE, forces, smr_contact_tasks, smr_contact_search, NULL),
+    SMR_STEP(PLAIN, FORCES, TASKS, forces, smr_forces_take_tasks, smr_forces_take, forces_end),
     /* what x^r and they imply, when either is new: cluster centres, masses and spreads */
-    SMR_SERIAL_STEP(SUMS, TASKS, shape, smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end),
-    SMR_STEP(SUMS, TASKS, reference, smr_reference_tasks, smr_reference_reach, reference_begin),
-    SMR_STEP(SUMS, ACTIVE, reference, smr_reference_record_tasks, smr_reference_record, NULL),
-    SMR_CHAIN_STEP(SUMS, reference, smr_reference_block_tasks, smr_reference_forest, smr_reference_block_pieces,
-                   smr_reference_block_abreast),
-    SMR_SERIAL_STEP(SUMS, TASKS, reference, smr_reference_boundary_tasks, smr_boundary_reference, NULL),
-    SMR_STEP(SUMS, TASKS, reference, smr_reference_cluster_tasks, smr_reference_cluster, reference_end),
+    SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, shape, smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end),
+    SMR_STEP(PLAIN, SUMS, TASKS, reference, smr_reference_tasks, smr_reference_reach, reference_begin),
+    SMR_STEP(PLAIN, SUMS, ACTIVE, reference, smr_reference_record_tasks, smr_reference_record, NULL),
+    SMR_CHAIN_STEP(PLAIN, SUMS, LISTS, reference, smr_reference_block_tasks, smr_reference_forest,
+                   smr_reference_block_pieces, smr_reference_block_abreast),
+    SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, reference, smr_reference_boundary_tasks, smr_boundary_reference, NULL),
+    SMR_STEP(PLAIN, SUMS, TASKS, reference, smr_reference_cluster_tasks, smr_reference_cluster, reference_end),
     /* compute shape matching forces: for each cluster, T_i = argmin Sum m |T x^r - x - f^e|^2 */
-    SMR_STEP(SUMS, ACTIVE, sums, smr_sums_record_tasks, smr_sums_record, NULL),
-    SMR_CHAIN_STEP(SUMS, sums, smr_block_tasks, smr_sums_forest, smr_block_pieces, smr_block_abreast),
-    SMR_SERIAL_STEP(SUMS, TASKS, sums, smr_boundary_tasks, smr_boundary_sums, NULL),
-    SMR_STEP(MATCH, ACTIVE, match, smr_match_cluster_tasks, smr_match_clusters, match_end),
+    SMR_STEP(PLAIN, SUMS, ACTIVE, sums, smr_sums_record_tasks, smr_sums_record, NULL),
+    SMR_CHAIN_STEP(PLAIN, SUMS, LISTS, sums, smr_block_tasks, smr_sums_forest, smr_block_pieces, smr_block_abreast),
+    SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, sums, smr_boundary_tasks, smr_boundary_sums, NULL),
+    SMR_STEP(PLAIN, MATCH, ACTIVE, match, smr_match_cluster_tasks, smr_match_clusters, match_end),
     /* average goal positions x~_i = Sum_i(T) x^r_i / |zeta_i| */
-    SMR_STEP(AVERAGE, ACTIVE, match, smr_average_tasks, smr_average_record, NULL),
-    SMR_CHAIN_STEP(AVERAGE, sums, smr_block_tasks, smr_sums_forest, smr_block_pieces, smr_block_abreast),
-    SMR_SERIAL_STEP(AVERAGE, TASKS, sums, smr_boundary_tasks, smr_boundary_sums, NULL),
-    /* evolve positions, x = x~, evened out along the surface */
-    SMR_STEP(EVOLVE, TASKS, evolve.evening, smr_evening_tasks, smr_evening_clear, NULL),
-    SMR_SERIAL_STEP(EVOLVE, TASKS, evolve.evening, smr_evening_ring_tasks, smr_evening_rings, NULL),
-    SMR_STEP(EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_step, evolve_end),
-    SMR_SERIAL_STEP(EVOLVE, TASKS, volumes, smr_volume_tasks, smr_volume_lead, NULL),
-    SMR_SERIAL_STEP(EVOLVE, TASKS, forces.contact, smr_contact_settle_tasks, smr_contact_settle, NULL),
-    SMR_STEP(EVOLVE, TASKS, shape, smr_facets_tasks, smr_facets_refit, facets_end),
+    SMR_STEP(PLAIN, AVERAGE, ACTIVE, match, smr_average_tasks, smr_average_record, NULL),
+    SMR_CHAIN_STEP(PLAIN, AVERAGE, LISTS, sums, smr_block_tasks, smr_sums_forest, smr_block_pieces, smr_block_abreast),
+    SMR_SERIAL_STEP(PLAIN, AVERAGE, TASKS, sums, smr_boundary_tasks, smr_boundary_sums, NULL),
+    /* evolve positions, x = x~, evened out along the surface; in dynamics: where the sweep ends */
+    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve.evening, smr_evening_tasks, smr_evening_clear, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, evolve.evening, smr_evening_ring_tasks, smr_evening_rings, NULL),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_step, evolve_end),
+    SMR_STEP(DYNAMICS, EVOLVE, TASKS, magic, smr_sweep_tasks, smr_sweep_end, NULL),
+    /* volumes, and positions kept out of what they touch */
+    SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, volumes, smr_volume_tasks, smr_volume_lead, NULL),
+    SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, forces.contact, smr_contact_settle_tasks, smr_contact_settle, NULL),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, shape, smr_facets_tasks, smr_facets_refit, facets_end),
     /* find folds; repair, limit and open them */
-    SMR_STEP(EVOLVE, TASKS, folds, smr_fold_find_tasks, smr_fold_find, find_end),
-    SMR_SERIAL_STEP(EVOLVE, FOLDS, folds, smr_fold_repair_tasks, smr_fold_repair_pass, folds_moved),
-    SMR_SERIAL_STEP(EVOLVE, FOLDS, folds, smr_fold_limit_tasks, smr_fold_limit_pass, folds_moved),
-    SMR_SERIAL_STEP(EVOLVE, FOLDS, folds, smr_fold_open_tasks, smr_fold_open_pass, folds_moved),
-    SMR_STEP(EVOLVE, FOLDS, magic, facets_again, smr_refit_again, facets_end),
-    /* where structures have gone, for x^r to follow while targets are tracked */
-    SMR_SERIAL_STEP(EVOLVE, TASKS, shape, smr_held_sum_tasks, smr_held_sum, held_end),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, folds, smr_fold_find_tasks, smr_fold_find, find_end),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_repair_tasks, smr_fold_repair_pass, folds_moved),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_limit_tasks, smr_fold_limit_pass, folds_moved),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_open_tasks, smr_fold_open_pass, folds_moved),
+    SMR_STEP(PLAIN, EVOLVE, FOLDS, magic, facets_again, smr_refit_again, facets_end),
+    /* where structures have gone, for x^r to follow while targets are tracked, and in dynamics */
+    SMR_SERIAL_STEP(HELD, EVOLVE, TASKS, shape, smr_held_sum_tasks, smr_held_sum, held_end),
     /* what has moved; normals; then everything becomes current at once, and x^r = x where it follows (plasticity) */
-    SMR_STEP(EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_measure, measure_end),
-    SMR_STEP(EVOLVE, TASKS, evolve, smr_exact_normals_tasks, smr_exact_normals_clear, NULL),
-    SMR_SERIAL_STEP(EVOLVE, TASKS, evolve, smr_exact_normals_facet_tasks, smr_exact_normals_facets, NULL),
-    SMR_STEP(EVOLVE, TASKS, evolve, smr_exact_normals_tasks, smr_exact_normals_unit, NULL),
-    SMR_SERIAL_STEP(EVOLVE, TASKS, magic, smr_stand_tasks, smr_stand, NULL),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_measure, measure_end),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_tasks, smr_exact_normals_clear, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_facet_tasks, smr_exact_normals_facets, NULL),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_tasks, smr_exact_normals_unit, NULL),
+    SMR_SERIAL_STEP(DYNAMICS, EVOLVE, TASKS, magic, smr_step_energy_tasks, smr_step_energy, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, magic, smr_stand_tasks, smr_stand, NULL),
 };
 /* clang-format on */
 
@@ -148,6 +164,6 @@ uint32_t smr_forces_evaluated(const smr *s)
     if (smr_seeks_forces(&smr_steps[s->step]))
         return smr_min_u32(s->next_task * smr_force_chunk(&s->forces), s->pace.n_active);
     const smr_task run = smr_steps[s->step].run;
-    const int found = !smr_forces_pending(s) || run == smr_forces_take || run == smr_contact_search;
+    const int found = !smr_forces_pending(s) || run == smr_forces_take || (SMR_HAS_CONTACT && run == smr_contact_search);
     return s->step > 0u && found ? s->pace.n_active : 0u;
 }

@@ -3,7 +3,8 @@
 #ifndef SMR_ITERATION_H
 #define SMR_ITERATION_H
 
-#include "registration/registration.h"
+#include "options/dynamics/dynamics.h"
+#include "options/track/track.h"
 
 /* What a step's time is in proportion to: its number of tasks, active vertices, what the chain along the order L reads,
  * or nothing that is known beforehand. */
@@ -16,7 +17,8 @@ enum { SMR_ANY_ORDER = 0, SMR_SERIAL };
  * which lies `stage` bytes from the registration's start. Where tasks are pieces of something that is one task
  * without a budget, `abreast` pieces are independent and the next so many need them. */
 typedef struct smr_step {
-    uint32_t phase;       /* SMR_PHASE_... */
+    uint16_t part;        /* SMR_PART_...: the step is in iterations that have one of them */
+    uint16_t phase;       /* SMR_PHASE_... */
     uint16_t work, order; /* SMR_WORK_..., SMR_ANY_ORDER ... */
     uint32_t stage;
     uint32_t (*n_tasks)(const void *stage);
@@ -29,10 +31,21 @@ typedef struct smr_step {
 extern const smr_step smr_steps[];
 extern const uint32_t smr_n_steps;
 
+/* Parts that this build has. A step of another one has no functions. */
+#define SMR_HAS_PLAIN 1
+#define SMR_HAS_CALLER 1
+#define SMR_HAS_HELD (SMR_HAS_TRACK || SMR_HAS_DYNAMICS)
+
+/* 1: the step is in the iterations of s. */
+static inline int smr_step_on(const smr *s, const smr_step *step) { return (step->part & s->shared.parts) != 0u; }
+
 static inline void *smr_stage_of(smr *s, const smr_step *step) { return (char *)s + step->stage; }
 
 /* A step may have more tasks when those so far are done. */
-static inline uint32_t smr_step_tasks(smr *s, const smr_step *step) { return step->n_tasks(smr_stage_of(s, step)); }
+static inline uint32_t smr_step_tasks(smr *s, const smr_step *step)
+{
+    return smr_step_on(s, step) ? step->n_tasks(smr_stage_of(s, step)) : 0u;
+}
 
 /* The facets' step where folds moved anything; the stage is the registration itself. */
 void smr_refit_again(void *s, uint32_t task, uint32_t worker);

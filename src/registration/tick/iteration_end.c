@@ -4,28 +4,32 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/tick/iteration_end.h"
 
+#include "options/dynamics/dynamics.h"
+#include "options/track/track.h"
+#include "registration/convergence.h"
 #include "registration/tick/schedule.h"
-#include "options/dynamics/step_energy.h"
 
-uint32_t smr_stand_tasks(const void *s) { return smr_step_energy_tasks(s) + 1u; }
+uint32_t smr_stand_tasks(const void *s)
+{
+    (void)s;
+    return 1;
+}
 
 void smr_stand(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
     smr_shape *shape = &s->shape;
     float *before = shape->x;
+    (void)task;
     (void)worker;
-    if (task < smr_step_energy_tasks(s)) {
-        smr_step_energy(s, task);
-        return;
-    }
     shape->x = shape->x_next;
     shape->x_next = before;
     for (uint32_t v = 0; v < s->shared.n; v++)
         smr_store(smr_at3(shape->normal, v), smr_next_normal(s->sums.sum, v));
-    if (shape->dynamics == NULL)
+    if (smr_tracks(&s->pace))
         smr_held_stand(shape);
-    smr_volumes_stand(&s->volumes);
+    if (smr_volumes_used(&s->volumes))
+        smr_volumes_stand(&s->volumes);
     smr_folds_reset(&s->folds);
     s->report.displacement_max_mm = s->evolve.moved_mm;
     s->report.state_hash = s->evolve.hash;

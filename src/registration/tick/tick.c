@@ -3,6 +3,7 @@
  * where it stopped.
  * Bounds: those of the steps.
  * SPDX-License-Identifier: MIT */
+#include "registration/radius.h"
 #include "registration/tick/schedule.h"
 #include "registration/tick/iteration.h"
 
@@ -135,7 +136,7 @@ static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
     r->tracking = s->pace.tracking;
     r->settled = s->pace.settled && !s->pace.called;
     r->jumped = s->pace.jumped;
-    r->progress = smr_schedule_progress(s);
+    r->progress = smr_radius_progress(s);
     memcpy(r->phase_ns, phase_ns, sizeof r->phase_ns);
 }
 
@@ -177,6 +178,8 @@ static smr_status run_iteration(smr *s, watch *w, uint64_t *phase_ns)
     smr_status status = SMR_OK;
     for (; !smr_idle(&s->pace) && s->step < smr_n_steps; s->step++) {
         const smr_step *step = &smr_steps[s->step];
+        if (!smr_step_on(s, step))
+            continue;
         if (s->next_task == 0u && step->pieces != NULL)
             step->pieces(smr_stage_of(s, step), w->deadline != 0u);
         const uint32_t n_tasks = smr_step_tasks(s, step);
@@ -202,7 +205,7 @@ static void tell_gave(smr *s)
     smr_caller_goals *g = &s->forces.caller;
     g->told = g->summed ? g->sum : 0u;
     if (g->summed)
-        smr_log_gave(&s->log, g->sum);
+        smr_log_note(&s->log, SMR_LOG_FORCE, 2, &g->sum, 0);
     g->summed = 0;
 }
 
@@ -223,7 +226,9 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     fill_report(s, before, phase_ns);
     if (status == SMR_OK)
         tell_gave(s);
-    smr_log_tick(&s->log, &s->report, status, status == SMR_OK ? s->report.n_taken : smr_forces_evaluated(s));
+    const smr_log_of_tick tick = {&s->report, status == SMR_OK,
+                                  status == SMR_OK ? s->report.n_taken : smr_forces_evaluated(s)};
+    smr_log_note(&s->log, SMR_LOG_TICK, 0, &tick, 0);
     if (report != NULL)
         *report = report_of(s);
     return status;

@@ -5,7 +5,7 @@
 
 #include "base/keep.h"
 
-#define SMR_STEPS_MAX 40u /* of an iteration */
+#define SMR_STEPS_MAX 44u /* of an iteration */
 
 /* What is known of the time that an iteration takes. */
 typedef struct smr_time_budget {

@@ -3,7 +3,7 @@
  * Source: paper 2.1 and 3, geometric registration. Bounds: config.node_budget tree nodes a vertex.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
-#include "registration/goals/surface_goal.h"
+#include "registration/surface_goals/surface_goal.h"
 
 /* Surfaces themselves are the caller's (setup/waiting.c). The list of distinct ones follows from them, and which there
  * are when an iteration begins. */
@@ -81,7 +81,6 @@ void smr_surface_goals_reset(smr_surface_goals *g)
 void smr_surface_goals_stand(smr_surface_goals *g)
 {
     memcpy(g->warm, g->warm_next, g->pace->n_active * sizeof *g->warm);
-    smr_overlap_stand(g);
 }
 
 int smr_targets_stand(const smr_surface_goals *g)
@@ -95,22 +94,15 @@ int smr_targets_stand(const smr_surface_goals *g)
     return 1;
 }
 
-static int outside_box(const smr_config *c, smr_vec p)
-{
-    return c->use_box && (p.x < c->box_min[0] || p.y < c->box_min[1] || p.z < c->box_min[2] || p.x > c->box_max[0] ||
-                          p.y > c->box_max[1] || p.z > c->box_max[2]);
-}
-
 /* The way from vertex v to its closest point on the target. Returns 0 when no point is acceptable. */
-static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way)
+static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_surface_find *find)
 {
     const smr_config *c = &g->shared->config;
     /* relative to the target's origin */
     const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), smr_sub(g->shape->origin, target->origin));
     g->warm_next[v] = g->warm[v];
-    if (g->seen != NULL)
-        g->seen_next[v] = 0;
-    if (outside_box(c, smr_add(p, target->origin)))
+    find->hit.triangle = SMR_NONE;
+    if (smr_outside_box(c, smr_add(p, target->origin)))
         return 0;
     smr_query q = {p, smr_load(smr_at3(g->shape->normal, v)), g->shared->min_cos, c->node_budget, g->warm[v]};
     if (smr_dot(q.normal, q.normal) < 0.5f)
@@ -124,34 +116,19 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
         return 0;
     if (g->limit > 0.0f && hit.d2 > g->limit * g->limit)
         return 0;
-    *way = smr_sub(smr_facet_point(&target->facets, hit.triangle, hit.weight), p);
-    if (smr_overlap_judged(g, smr_model_owner(g->shared->model, v)))
-        smr_overlap_judge(g, v, target, &hit, *way);
-    return !outside_box(c, smr_add(smr_add(p, *way), target->origin));
+    find->hit = hit;
+    find->way = smr_sub(smr_facet_point(&target->facets, hit.triangle, hit.weight), p);
+    return !smr_outside_box(c, smr_add(smr_add(p, find->way), target->origin));
 }
 
-/* A way without what runs along the model's surface, except the share that may count: where goals jump from one place
- * of the target to another, they jump along the surface. Vertices without triangles have no surface. */
-static smr_vec off_surface(const smr_surface_goals *g, uint32_t v, smr_vec way)
+/* Where goals jump from one place of the target to another, they jump along the surface. Vertices without triangles have
+ * no surface. */
+smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec way)
 {
     const smr_vec n = smr_load(smr_at3(g->shape->normal, v)), along_normal = smr_scale(n, smr_dot(n, way));
     if (smr_dot(n, n) < 0.5f)
         return way;
     return smr_add(along_normal, smr_scale(smr_sub(way, along_normal), g->shared->config.slide));
-}
-
-/* The way that the points of a cloud ask of v, and how far they show it. */
-static int point_goal(smr_surface_goals *g, uint32_t v, smr_vec *way)
-{
-    const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), g->shape->origin);
-    const float *s = g->spread + 4u * (size_t)v;
-    g->warm_next[v] = SMR_NONE;
-    if (!(s[3] > 0.0f) || outside_box(&g->shared->config, p))
-        return 0;
-    *way = off_surface(g, v, smr_scale(smr_load(s), 1.0f / s[3]));
-    if (g->seen != NULL)
-        smr_overlap_judge_points(g, v, s[3]);
-    return 1;
 }
 
 static smr_vec blend(const smr_surface_goals *g, int has_goal, smr_vec goal, float weight, smr_vec pull)
@@ -160,18 +137,15 @@ static smr_vec blend(const smr_surface_goals *g, int has_goal, smr_vec goal, flo
     return smr_add(smr_scale(goal, 1.0f - share), smr_scale(pull, share));
 }
 
-int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way)
+int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way, smr_surface_find *find)
 {
-    if (smr_is_cloud(target))
-        return point_goal(g, v, way);
-    smr_vec pull = smr_v(0, 0, 0), goal = pull;
-    const int has_goal = project(g, v, target, &goal);
+    smr_vec pull = smr_v(0, 0, 0);
+    const int has_goal = project(g, v, target, find);
     float weight = smr_attraction_on(g) ? smr_pull_take(g, v, &pull) : 0.0f;
-    if (!has_goal)
-        goal = smr_v(0, 0, 0);
     if (!has_goal && g->shared->config.use_box) /* outside the box nothing pulls either */
         weight = 0.0f;
-    *way = off_surface(g, v, blend(g, has_goal, goal, weight, pull));
+    const smr_vec goal = has_goal ? find->way : smr_v(0, 0, 0);
+    *way = smr_off_surface(g, v, blend(g, has_goal, goal, weight, pull));
     return has_goal || weight > 0.0f;
 }
 

@@ -71,26 +71,28 @@ void smr_surface_goals_stand(smr_surface_goals *g); /* the forces under way are 
 void smr_pulls_clear(smr_surface_goals *g);
 int smr_targets_stand(const smr_surface_goals *g); /* 1: every target surface is still the one that was set */
 
-/* The way from vertex v to its goal on the target, mm. Returns 0 for none. */
-int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way);
+/* What a vertex found on its target. */
+typedef struct smr_surface_find {
+    smr_hit hit; /* the closest point with an agreeing normal; triangle SMR_NONE: none counts */
+    smr_vec way; /* mm: from the vertex there */
+} smr_surface_find;
+
+/* The way from vertex v to its goal on the target mesh, mm. Returns 0 for none. */
+int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way, smr_surface_find *find);
 
 /* Before the search: the same with the triangle that was the closest in the last complete forces, whatever runs along
  * the surface; 0 for a vertex that had none and is not pulled. Looks at the pulls and leaves them. */
 smr_vec smr_surface_goal_again(const smr_surface_goals *g, uint32_t v);
 
-/* overlap.c: how well the target shows each vertex, and which structures are seen in part. */
-void smr_overlap_start(smr_surface_goals *g); /* with the targets as they are now */
-/* 1: partial from the start to the end, not only until it is covered. */
-int smr_overlap_lasting(const smr_surface_goals *g, uint32_t structure);
-int smr_overlap_judged(const smr_surface_goals *g, uint32_t structure); /* 1: in this iteration */
-void smr_overlap_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit, smr_vec way);
-void smr_overlap_judge_points(smr_surface_goals *g, uint32_t v, float weight); /* of points that reached it */
-/* 0..1: how far its target shows vertex v, a whole one in full where there is a goal; and how far that is a part, 0 of
- * a structure that is shown nearly whole. */
-float smr_overlap_shown(const smr_surface_goals *g, uint32_t v, int has_goal);
-float smr_overlap_part(const smr_surface_goals *g, uint32_t v);
-void smr_overlap_stand(smr_surface_goals *g); /* the forces under way are complete */
-void smr_overlap_look(smr_surface_goals *g);  /* then, once it is known whether targets have jumped */
+/* A way without what runs along the model's surface, except the share that may count. */
+smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec way);
+
+/* 1: p, mm in the caller's coordinates, lies where no goal counts. */
+static inline int smr_outside_box(const smr_config *c, smr_vec p)
+{
+    return c->use_box && (p.x < c->box_min[0] || p.y < c->box_min[1] || p.z < c->box_min[2] || p.x > c->box_max[0] ||
+                          p.y > c->box_max[1] || p.z > c->box_max[2]);
+}
 
 /* target_attraction.c: target-to-model attraction, when target vertices pull in this iteration. */
 int smr_attraction_on(const smr_surface_goals *g);

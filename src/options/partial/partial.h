@@ -1,11 +1,125 @@
-/* unseen_field.h: where the parts of the model lie that the target does not show. In: positions, which vertices are
- * seen, and landmarks. Out: a smooth field from the start positions, which unseen vertices follow.
+/* partial.h: capability: targets that show a part of the model, with clouds of points and landmarks. In: positions, what
+ * the surface search found of each vertex, landmarks. Out: how far each vertex is visible, what points ask of vertices
+ * around them, and a smooth field that vertices follow which no target shows.
  * SPDX-License-Identifier: MIT */
-#ifndef SMR_UNSEEN_FIELD_H
-#define SMR_UNSEEN_FIELD_H
+#ifndef SMR_PARTIAL_H
+#define SMR_PARTIAL_H
 
-#include "options/partial/landmark_goals.h"
 #include "registration/shape/overlaid_memory.h"
+#include "registration/surface_goals/surface_goal.h"
+
+#ifdef SMR_WITHOUT_PARTIAL
+#define SMR_HAS_PARTIAL 0
+#else
+#define SMR_HAS_PARTIAL 1
+#endif
+
+/* ---- visibility ---- */
+
+/* 1: it is judged how far targets show each vertex. */
+static inline int smr_visibility_on(const smr_surface_goals *g) { return SMR_HAS_PARTIAL && g->seen != NULL; }
+
+/* 1: the vertices of this target's structure count as far as they are visible. */
+static inline int smr_shows_part(const smr_target *t) { return SMR_HAS_PARTIAL && t->partial; }
+
+/* 1: a target that is a cloud of points. */
+static inline int smr_is_points(const smr_surface *target) { return SMR_HAS_PARTIAL && smr_is_cloud(target); }
+
+/* overlap.c: how well the target shows each vertex, and which structures are seen in part. */
+void smr_overlap_start(smr_surface_goals *g); /* with the targets as they are now */
+/* 1: partial from the start to the end, not only until it is covered. */
+int smr_overlap_lasting(const smr_surface_goals *g, uint32_t structure);
+int smr_overlap_judged(const smr_surface_goals *g, uint32_t structure); /* 1: in this iteration */
+void smr_overlap_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit, smr_vec way);
+void smr_overlap_judge_points(smr_surface_goals *g, uint32_t v, float weight); /* of points that reached it */
+/* 0..1: how far its target shows vertex v, a whole one in full where there is a goal; and how far that is a part, 0 of
+ * a structure that is shown nearly whole. */
+float smr_overlap_shown(const smr_surface_goals *g, uint32_t v, int has_goal);
+float smr_overlap_part(const smr_surface_goals *g, uint32_t v);
+void smr_overlap_stand(smr_surface_goals *g); /* the forces under way are complete */
+void smr_overlap_look(smr_surface_goals *g);  /* then, once it is known whether targets have jumped */
+
+/* ---- clouds of points ---- */
+
+typedef struct smr_point_spread {
+    const smr_shared *shared;
+    const smr_shape *shape;
+    smr_surface_goals *goals;
+    smr_spread memory;
+    uint32_t rounds;    /* of spreading, so far as is known */
+    uint32_t n_reached; /* vertices with a weight, in the round under way */
+    float weight;       /* of all points that pull */
+} smr_point_spread;
+
+void smr_point_spread_wire(smr_point_spread *p, const smr_shared *shared, const smr_shape *shape,
+                           smr_surface_goals *goals, const smr_overlay *overlay);
+
+/* The way that the points of a cloud ask of v, mm, and how far they show it. Returns 0 where no point asks anything. */
+int smr_point_goal(smr_surface_goals *g, uint32_t v, smr_vec *way);
+
+/* Steps, skipped where there is no cloud; one task after the other. */
+uint32_t smr_point_spread_tasks(const void *spread);
+void smr_point_spread_run(void *spread, uint32_t task, uint32_t worker);
+
+/* ---- landmarks ---- */
+
+#define SMR_LANDMARK_NEAR 24u /* vertices that carry a point which does not lie on a surface */
+#define SMR_HARD_EDGES 4.0f   /* mean edges: a hard landmark prevails within this distance of its triangle */
+
+/* A landmark and what of the model it is bound to. Written by setup/landmarks.c. */
+typedef struct smr_bound_landmark {
+    smr_landmark given;
+    uint32_t corner[3]; /* stored vertices; with a vertex all the same */
+    float share[3];     /* barycentric: of the foot, the point of the surface nearest to the landmark's */
+    smr_vec foot;       /* at rest, mm from the model's centre */
+    smr_vec apart;      /* from there to the point at rest, mm */
+    smr_vec more;       /* hard: what is asked for beyond its place, mm, since clusters do not follow in full */
+    uint32_t n_near;    /* 0: the point is the foot */
+    uint32_t near[SMR_LANDMARK_NEAR]; /* stored vertices whose motion turns `apart` */
+} smr_bound_landmark;
+
+typedef struct smr_landmark_goals {
+    const smr_shared *shared;
+    const smr_shape *shape;
+    smr_bound_landmark *landmark; /* [config.n_landmarks]; NULL: none can be set */
+    uint32_t n;                   /* set now */
+    float reach;                  /* mm: how far a hard one prevails */
+    const smr_pace *pace;
+    uint8_t *seen; /* [n vertices] 0 .. SMR_SEEN_ONE: what the target showed when it last was sought */
+} smr_landmark_goals;
+
+/* 1: some landmark is set. */
+static inline int smr_landmarks_on(const smr_landmark_goals *g) { return SMR_HAS_PARTIAL && g->n > 0u; }
+
+void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_shared *shared);
+void smr_landmark_goals_wire(smr_landmark_goals *g, const smr_shared *shared, const smr_pace *pace,
+                             const smr_shape *shape);
+void smr_landmark_goals_stand(smr_landmark_goals *g); /* the forces under way are complete */
+void smr_landmark_goals_reset(smr_landmark_goals *g); /* nothing of the forces so far is left */
+
+/* The foot of landmark k where its vertices are in `xyz`, [n][3]. */
+smr_vec smr_landmark_foot(const smr_landmark_goals *g, uint32_t k, float *xyz);
+
+/* From the foot to the point, where the vertices are now. */
+smr_vec smr_landmark_apart(const smr_landmark_goals *g, uint32_t k);
+
+/* Where landmark k wants its foot, mm from the shape's origin. What it asks for lies `more` beyond. */
+smr_vec smr_landmark_goal(const smr_landmark_goals *g, uint32_t k);
+
+/* 1 at a vertex that landmark k is bound to, falling to 0 at a distance of `reach` at the start. */
+float smr_landmark_prevails(const smr_landmark_goals *g, uint32_t k, uint32_t v);
+
+/* Falls from 1 at distance 0 to 0 at 1 and beyond; a covariance in space (Wendland 1995). */
+static inline float smr_bump(float distance)
+{
+    const float left = smr_max(1.0f - distance, 0.0f), left2 = left * left;
+    return left2 * left2 * (4.0f * distance + 1.0f);
+}
+
+/* 1 at a vertex that a landmark is bound to. */
+int smr_landmark_binds(const smr_landmark_goals *g, uint32_t v);
+
+/* ---- the field ---- */
 
 #define SMR_CONTROLS 64u          /* seen vertices that the field passes by, in space */
 #define SMR_FIELD_ROWS 192u       /* without landmarks: those that it passes by along their normals */
@@ -87,7 +201,10 @@ void smr_unseen_field_model(smr_unseen_field *f);
 void smr_unseen_field_watch(smr_unseen_field *f, const uint8_t *found, const uint32_t *has_image);
 
 /* 1 while images are followed: an image says nothing along a surface, and of some surfaces little at all. */
-static inline int smr_field_of_image(const smr_unseen_field *f) { return f->pace->tracking && *f->has_image; }
+static inline int smr_field_of_image(const smr_unseen_field *f)
+{
+    return SMR_HAS_PARTIAL && f->pace->tracking && *f->has_image;
+}
 
 /* 1: what the image shows is of the past. */
 static inline int smr_field_of_past(const smr_unseen_field *f)
@@ -98,7 +215,7 @@ static inline int smr_field_of_past(const smr_unseen_field *f)
 /* 1: a surface shows a part of the vertex' structure, and the image, which is not of the past, the rest. */
 static inline int smr_field_of_rest(const smr_unseen_field *f, uint32_t v)
 {
-    return *f->has_image && !smr_field_of_past(f) &&
+    return SMR_HAS_PARTIAL && *f->has_image && !smr_field_of_past(f) &&
            smr_overlap_lasting(f->goals, smr_model_owner(f->shared->model, v));
 }
 

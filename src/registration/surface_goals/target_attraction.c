@@ -6,7 +6,7 @@
  * worker and then over workers: any order gives the same bits.
  * Bounds: config.node_budget tree nodes for each target vertex and structure that shares its surface.
  * SPDX-License-Identifier: MIT */
-#include "registration/goals/surface_goal.h"
+#include "registration/surface_goals/surface_goal.h"
 
 #define SMR_AREA_MAX 16.0f /* mean areas: a larger target triangle pulls no harder */
 

@@ -1,14 +1,15 @@
 /* motion.c: masses and velocities as they are set and read, and energies.
  * Bounds: one pass over the vertices.
  * SPDX-License-Identifier: MIT */
-#include "registration/api/setup.h"
+#include "options/dynamics/dynamics.h"
 #include "registration/tick/iteration_end.h"
-#include "options/dynamics/time_steps.h"
 
 static smr_status check(const smr *s, const void *what)
 {
     if (s == NULL || what == NULL)
         return SMR_E_NULL;
+    if (!SMR_HAS_DYNAMICS)
+        return SMR_E_CONFIG;
     if (!smr_valid(s))
         return SMR_E_STATE;
     return s->shape.dynamics == NULL ? SMR_E_ARENA : SMR_OK;
@@ -51,7 +52,7 @@ smr_status smr_set_motion(smr *s, uint32_t structure, const float *mass, const f
     d->weighed |= other && s->pace.iteration > 0u; /* before it, all is at rest */
     smr_abandon_iteration(s);
     smr_time_steps_weigh(s);
-    smr_log_motion(&s->log, structure, &motion, one->n_vertices);
+    smr_log_note(&s->log, SMR_LOG_MOTION, structure, &motion, one->n_vertices);
     return SMR_OK;
 }
 

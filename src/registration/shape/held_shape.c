@@ -82,13 +82,6 @@ uint32_t smr_held_sum_tasks(const void *arg)
 
 static void begin(smr_fit *fit) { smr_fit_start(fit, smr_v(0, 0, 0), smr_v(0, 0, 0)); }
 
-/* Where the pose is to lay a vertex: x, or, when a time step ends, where the next one starts. */
-static smr_vec to_of(const smr_shape *shape, uint32_t v)
-{
-    const smr_vec x = smr_load(smr_at3(shape->x_next, v));
-    return shape->dynamics == NULL ? x : smr_dynamics_ahead(shape->dynamics, v, x);
-}
-
 /* A chunk of one structure, in the caller's order. */
 void smr_held_sum(void *arg, uint32_t task, uint32_t worker)
 {
@@ -104,7 +97,8 @@ void smr_held_sum(void *arg, uint32_t task, uint32_t worker)
     const uint32_t last = smr_min_u32(h->vertex + SMR_MATCH_CHUNK, one->n_vertices);
     for (; h->vertex < last; h->vertex++) {
         const uint32_t v = smr_model_position(shape->shared->model, one->first_vertex + h->vertex);
-        const smr_vec from = smr_load(smr_at3(shape->held_x, v)), to = to_of(shape, v);
+        const smr_vec from = smr_load(smr_at3(shape->held_x, v)), x = smr_load(smr_at3(shape->x_next, v));
+        const smr_vec to = h->to != NULL ? h->to(shape->dynamics, v, x) : x;
         smr_fit_add(&h->one, from, to, 1.0f);
         smr_fit_add(&h->all, from, to, 1.0f);
     }

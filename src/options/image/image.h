@@ -1,19 +1,23 @@
-/* image_goal.h: goals in the target image (paper 2.1) and what fills in where the image shows none. In: positions,
+/* image.h: capability: images. Goals in the target image (paper 2.1) and what fills in where the image shows none. In: positions,
  * normals, the image, the model's intensity profiles. Out: the way to each vertex' goal.
  * SPDX-License-Identifier: MIT */
-#ifndef SMR_IMAGE_GOAL_H
-#define SMR_IMAGE_GOAL_H
+#ifndef SMR_IMAGE_H
+#define SMR_IMAGE_H
 
 #include "geometry/box_tree/hilbert_curve.h"
 #include "image/volume.h"
 #include "registration/shape/overlaid_memory.h"
 #include "registration/shape/shape.h"
 
+#ifdef SMR_WITHOUT_IMAGE
+#define SMR_HAS_IMAGE 0
+#else
+#define SMR_HAS_IMAGE 1
+#endif
+
 #define SMR_IMAGE_CHUNK 1u   /* vertices of a task that seeks goals in an image: one costs as much as forty elsewhere */
 #define SMR_CONTRAST_ONE 64u /* stored contrast of an image that has the profile's own */
 #define SMR_BRIGHTER_NONE 128 /* stored brightness of an image that is as bright as the profile */
-
-enum { SMR_NO_GOAL = 0, SMR_GOAL, SMR_UNDECIDED };
 
 /* How one structure was seen in the image in the last iteration, and how its next goals are sought. Written by
  * fill_unseen.c; noise by image_goal.c, when an image comes. */
@@ -45,6 +49,9 @@ typedef struct smr_image_goals {
     uint8_t *contrast, *contrast_next; /* [n] in units of 1 / SMR_CONTRAST_ONE; 0: not known */
     uint8_t *brighter, *brighter_next; /* [n] image minus profile, in noise units above SMR_BRIGHTER_NONE */
 } smr_image_goals;
+
+/* 1: structures without a surface follow an image. */
+static inline int smr_image_on(const smr_image_goals *g) { return SMR_HAS_IMAGE && g->has_image; }
 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared);
 void smr_image_goals_wire(smr_image_goals *g, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,

@@ -1,13 +1,24 @@
-/* tracking.h: targets that move, after the coarse-to-fine schedule.
+/* track.h: capability: targets that move, after the coarse-to-fine schedule. In: what was set between ticks, what the
+ * forces found. Out: the radius, x^r and search distances of the coming iteration; whether targets have jumped, and
+ * whether the model rests.
  * SPDX-License-Identifier: MIT */
-#ifndef SMR_TRACKING_H
-#define SMR_TRACKING_H
+#ifndef SMR_TRACK_H
+#define SMR_TRACK_H
 
-#include "registration/registration.h"
+#include "registration/convergence.h"
+
+#ifdef SMR_WITHOUT_TRACK
+#define SMR_HAS_TRACK 0
+#else
+#define SMR_HAS_TRACK 1
+#endif
 
 /* smr_pace.called, and what has happened then: something acts upon the model; a goal may have moved; so may a surface,
  * cloud or landmarks, which show more than an image before them; there is another image. */
 enum { SMR_CALLED = 1u, SMR_CALLED_MOVED = 2u, SMR_CALLED_SHOWN = 3u, SMR_CALLED_IMAGE = 4u };
+
+/* 1: the schedule is done, and targets are followed. */
+static inline int smr_tracks(const smr_pace *p) { return SMR_HAS_TRACK && p->tracking; }
 
 void smr_tracking_start(smr *s);    /* the schedule is done: x is the shape from here on */
 void smr_tracking_end(smr *s);      /* the schedule starts over */
@@ -24,12 +35,10 @@ float smr_tracking_progress(const smr *s);
 void smr_tracking_keep(smr_arena *a, smr *s);
 int smr_tracking_legal(const smr *s);
 
-uint32_t smr_tracking_radius(const smr *s); /* index of the radius at which moving targets are followed */
-
 /* There is something to look at: SMR_CALLED... */
 static inline void smr_tracking_call(smr *s, uint32_t called)
 {
-    if (s->pace.tracking)
+    if (smr_tracks(&s->pace))
         s->pace.called = smr_max_u32(s->pace.called, called);
 }
 

@@ -1,0 +1,77 @@
+/* keep_values.c: counts, writes, checks and reads what of a registration is kept.
+ * Bounds: one pass over the values.
+ * SPDX-License-Identifier: MIT */
+#include "base/bytes.h"
+#include "base/keep.h"
+
+enum { KEPT_BYTE = 1, KEPT_WORD = 4, KEPT_FLOAT = 5 };
+
+/* Makes room for count values of `size` bytes, of this kind and range. Returns 1 when they are to be gone over. */
+static int begin(smr_keeper *k, size_t count, size_t size, uint32_t kind, uint32_t range)
+{
+    const uint32_t facts[3] = {smr_le32((uint32_t)count), smr_le32(kind), smr_le32(range)};
+    k->plan = smr_crc32(k->plan, facts, sizeof facts);
+    if (k->mode == SMR_KEEP_COUNT) {
+        k->at += count * size;
+        return 0;
+    }
+    if (k->at > k->bytes || count > (k->bytes - k->at) / size)
+        k->wrong = 1;
+    return !k->wrong;
+}
+
+static void word(smr_keeper *k, uint32_t *value)
+{
+    uint32_t stored = smr_le32(*value);
+    if (k->mode == SMR_KEEP_SAVE)
+        memcpy(k->to + k->at, &stored, sizeof stored);
+    else
+        memcpy(&stored, k->from + k->at, sizeof stored);
+    *value = smr_le32(stored);
+    k->at += sizeof stored;
+}
+
+/* field NULL: there is nowhere to store them. */
+static void words(smr_keeper *k, uint32_t *field, size_t count, uint32_t most, int or_none)
+{
+    if (!begin(k, count, sizeof *field, KEPT_WORD + 256u * (uint32_t)or_none, most))
+        return;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t value = k->mode == SMR_KEEP_SAVE ? field[i] : 0u;
+        word(k, &value);
+        k->wrong |= value > most && !(or_none && value == SMR_NONE);
+        if (field != NULL)
+            field[i] = value;
+    }
+}
+
+static void floats(smr_keeper *k, float *field, size_t count, float least, float most)
+{
+    if (!begin(k, count, sizeof *field, KEPT_FLOAT, smr_float_bits(least) + 3u * smr_float_bits(most)))
+        return;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits = k->mode == SMR_KEEP_SAVE ? smr_float_bits(field[i]) : 0u;
+        float value;
+        word(k, &bits);
+        memcpy(&value, &bits, sizeof value);
+        k->wrong |= !(value >= least && value <= most);
+        if (field != NULL)
+            field[i] = value;
+    }
+}
+
+static void bytes(smr_keeper *k, uint8_t *field, size_t count, uint32_t most)
+{
+    if (!begin(k, count, 1, KEPT_BYTE, most))
+        return;
+    for (size_t i = 0; i < count; i++, k->at++) {
+        if (k->mode == SMR_KEEP_SAVE)
+            k->to[k->at] = field[i];
+        const uint8_t value = k->mode == SMR_KEEP_SAVE ? field[i] : k->from[k->at];
+        k->wrong |= value > most;
+        if (field != NULL)
+            field[i] = value;
+    }
+}
+
+const smr_keep_calls smr_keep_all = {words, floats, bytes};

@@ -1,0 +1,36 @@
+/* set_image.c: the target image, as it is set.
+ * Bounds: those of a start.
+ * SPDX-License-Identifier: MIT */
+#include "registration/api/restart.h"
+#include "registration/api/setup.h"
+#include "registration/tick/iteration_end.h"
+#include "registration/tick/schedule.h"
+
+smr_status smr_set_volume(smr *s, const smr_volume *volume)
+{
+    smr_grid grid;
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!SMR_HAS_IMAGE)
+        return SMR_E_CONFIG;
+    if (!smr_changeable(s) || (volume != NULL && smr_le32(s->shared.model->profile_samples) == 0u))
+        return SMR_E_STATE;
+    if (volume != NULL) {
+        const smr_status status = smr_grid_open(volume, &grid);
+        if (status != SMR_OK)
+            return status;
+    }
+    if (s->n_awaited > 0u)
+        return s->await(s, SMR_LOG_VOLUME, 0, volume);
+    if (volume == NULL && !s->forces.image.has_image)
+        return SMR_OK;
+    const int follows = SMR_HAS_PARTIAL && smr_tracks(&s->pace) && volume != NULL && s->forces.image.has_image;
+    smr_image_goals_open(&s->forces.image, volume == NULL ? NULL : &grid);
+    smr_abandon_iteration(s);
+    if (follows)
+        smr_restart_forces(s, SMR_CALLED_IMAGE);
+    else
+        smr_schedule_start(s);
+    smr_log_note(&s->log, SMR_LOG_VOLUME, 0, volume, 0);
+    return SMR_OK;
+}

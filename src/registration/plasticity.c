@@ -1,0 +1,38 @@
+/* plasticity.c: the reference shape follows the positions, x^r = x (paper 2.3, the last line of an iteration): where the
+ * model is at rest (paper 3), after plastic_every iterations, and where a radius ends.
+ * Bounds: one pass over the vertices.
+ * SPDX-License-Identifier: MIT */
+#include "registration/convergence.h"
+
+int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic)
+{
+    const smr_config *c = &s->shared.config;
+    const int still = c->plastic_by == SMR_PLASTIC_MEAN ? s->evolve.mean_mm * 1000.0f < c->plastic_um : e->small;
+    const int due = c->plastic_every != 0u && since_plastic >= c->plastic_every;
+    return s->pace.repairing > 0u || (!e->done && (still || due || e->settled || e->spent));
+}
+
+/* Where targets are tracked, and in dynamics, x^r is a shape that does not creep (held_shape.c). */
+int smr_plastic_ahead(const smr *s)
+{
+    const smr_ending e = smr_ending_of(s, s->pace.radius_iteration + 1u);
+    return !s->pace.tracking && s->shape.dynamics == NULL && smr_plastic_due(s, &e, s->pace.since_plastic + 1u);
+}
+
+void smr_plastic_update(smr *s)
+{
+    smr_plastic_positions(&s->shape);
+    s->reference.stale = 1;
+    s->pace.since_plastic = 0;
+    s->pace.plastic_updates++;
+}
+
+void smr_plastic_positions(smr_shape *shape)
+{
+    memcpy(shape->x_ref, shape->x, 3u * (size_t)shape->shared->n * sizeof(float));
+}
+
+void smr_plastic_normals(smr_shape *shape)
+{
+    memcpy(shape->normal_ref, shape->normal, 3u * (size_t)shape->shared->n * sizeof(float));
+}
