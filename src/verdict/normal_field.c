@@ -12,6 +12,7 @@
  * SPDX-License-Identifier: MIT */
 #include "verdict/normal_field.h"
 
+#include "geometry/gaussian_process/gaussian_process.h"
 #include "verdict/evidence.h"
 
 #define SMR_NORMAL_LENGTH 0.5f  /* kernel length over the diagonal of the structure's box */
@@ -21,14 +22,6 @@
 #define SMR_NORMAL_MOST 4.0e3f  /* of the variance: that motion's, at most; beyond it rounding nears what is loose */
 #define SMR_NORMAL_TURN 0.1f    /* of 4: what Cayley's parameter divides by, near half a turn */
 #define SMR_TELLERS_LEAST 6u    /* with fewer nothing is known: a rigid pose alone has six */
-
-static float *row(const smr_normal_field *f, uint32_t i) { return f->lower + (size_t)i * (i + 1u) / 2u; }
-
-static float kernel(const smr_normal_field *f, smr_vec a, smr_vec b)
-{
-    const smr_vec d = smr_sub(a, b);
-    return 1.0f / (1.0f + smr_dot(d, d) * f->per_length2);
-}
 
 /* A place for each array: as many tellers as the memory holds. */
 static uint32_t place(smr_normal_field *f, const smr *s)
@@ -98,49 +91,21 @@ static smr_vec motion_at(const smr_normal_field *f, smr_vec arm) { return smr_ad
 static smr_vec with_teller(const smr_normal_field *f, smr_vec at, uint32_t i)
 {
     const smr_vec n = smr_load(smr_at3(f->normal, i)), from = smr_load(smr_at3(f->at, i));
-    const smr_vec arm = arm_of(f, at), other = arm_of(f, from);
+    const smr_vec arm = arm_of(f, at), other = arm_of(f, from), apart = smr_sub(at, from);
     const smr_vec turn = smr_cross(smr_cross(other, n), arm), scale = smr_scale(arm, smr_dot(other, n));
     const smr_vec motions = smr_scale(smr_add(smr_add(n, turn), scale), f->motions);
     const smr_vec more = smr_scale(motion_at(f, arm), f->more * smr_dot(motion_at(f, other), n));
-    return smr_add(smr_scale(n, kernel(f, at, from)), smr_add(motions, more));
+    return smr_add(smr_scale(n, smr_kernel(smr_dot(apart, apart), f->per_length2)), smr_add(motions, more));
 }
 
 static void factor(smr_normal_field *f)
 {
     for (uint32_t i = 0; i < f->n; i++) {
-        float *const r = row(f, i);
         const smr_vec at = smr_load(smr_at3(f->at, i)), normal = smr_load(smr_at3(f->normal, i));
         for (uint32_t j = 0; j <= i; j++) {
-            const float *const other = row(f, j);
-            float sum = smr_dot(normal, with_teller(f, at, j));
-            sum += i == j ? SMR_NORMAL_LOOSE : 0.0f;
-            for (uint32_t k = 0; k < j; k++)
-                sum -= r[k] * other[k];
-            r[j] = i == j ? SMR_SQRT(smr_max(sum, 0.5f * SMR_NORMAL_LOOSE)) : sum / other[j];
+            const float both = smr_dot(normal, with_teller(f, at, j)) + (i == j ? SMR_NORMAL_LOOSE : 0.0f);
+            smr_factor_set(f->lower, i, j, both, 0.5f * SMR_NORMAL_LOOSE);
         }
-    }
-}
-
-/* y = L^-1 y */
-static void substitute(const smr_normal_field *f, float *y)
-{
-    for (uint32_t i = 0; i < f->n; i++) {
-        const float *const r = row(f, i);
-        float sum = y[i];
-        for (uint32_t k = 0; k < i; k++)
-            sum -= r[k] * y[k];
-        y[i] = sum / r[i];
-    }
-}
-
-/* y = L^-T y */
-static void substitute_back(const smr_normal_field *f, float *y)
-{
-    for (uint32_t i = f->n; i-- > 0u;) {
-        const float *const r = row(f, i);
-        y[i] /= r[i];
-        for (uint32_t k = 0; k < i; k++)
-            y[k] -= r[k] * y[i];
     }
 }
 
@@ -148,7 +113,7 @@ static void substitute_back(const smr_normal_field *f, float *y)
 static void find_size(smr_normal_field *f)
 {
     memcpy(f->open, f->moved, f->n * sizeof *f->open);
-    substitute(f, f->open);
+    smr_solve_forward(f->lower, f->n, f->open);
     f->size2 = 0.0f;
     for (uint32_t i = 0; i < f->n; i++)
         f->size2 += f->open[i] * f->open[i] / (float)f->n;
@@ -187,12 +152,12 @@ static void open_motion(smr_normal_field *f)
     const float square = smr_dot(f->shift, f->shift) + smr_dot(f->turn, f->turn);
     const float most = SMR_NORMAL_MOST * f->size2;
     memcpy(f->open, f->moved, f->n * sizeof *f->open);
-    substitute(f, f->open);
-    substitute_back(f, f->open);
+    smr_solve_forward(f->lower, f->n, f->open);
+    smr_solve_back(f->lower, f->n, f->open);
     f->more = SMR_NORMAL_MORE * square < most ? SMR_NORMAL_MORE / f->size2 : SMR_NORMAL_MOST / square;
     factor(f);
-    substitute(f, f->moved);
-    substitute_back(f, f->moved);
+    smr_solve_forward(f->lower, f->n, f->moved);
+    smr_solve_back(f->lower, f->n, f->moved);
     for (uint32_t i = 0; i < f->n; i++) {
         const smr_vec arm = arm_of(f, smr_load(smr_at3(f->at, i)));
         f->again += f->more * f->open[i] * smr_dot(motion_at(f, arm), smr_load(smr_at3(f->normal, i)));
@@ -238,18 +203,15 @@ void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structur
 float smr_normal_field_doubt(const smr_normal_field *f, uint32_t v)
 {
     const smr_vec at = smr_load(smr_at3(f->s->shape.start, v));
-    smr_vec known[SMR_TELLERS]; /* for each axis: L^-1 of the covariances with the tellers */
+    float known[3u * SMR_TELLERS]; /* for each axis: L^-1 of the covariances with the tellers */
     const smr_vec arm = arm_of(f, at), motion = motion_at(f, arm);
     smr_vec way = smr_scale(motion, f->again);
     float left = 3.0f + 3.0f * f->motions * (1.0f + smr_dot(arm, arm)) + f->more * smr_dot(motion, motion);
     for (uint32_t i = 0; i < f->n; i++) {
-        const float *const r = row(f, i);
         const smr_vec with = with_teller(f, at, i);
-        smr_vec sum = with;
-        for (uint32_t k = 0; k < i; k++)
-            sum = smr_sub(sum, smr_scale(known[k], r[k]));
-        known[i] = smr_scale(sum, 1.0f / r[i]);
-        left -= smr_dot(known[i], known[i]);
+        const smr_vec one = smr_solve_row3(smr_factor_row(f->lower, i), i, known, with);
+        smr_store(smr_at3(known, i), one);
+        left -= smr_dot(one, one);
         way = smr_add(way, smr_scale(with, f->open[i]));
     }
     return SMR_SQRT(smr_max(left, 0.0f) * f->size2 + smr_dot(way, way));

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "registration/api/config.h"
+#include "registration/config/config.h"
 
 static int tidy(void **state)
 {

@@ -51,7 +51,7 @@ struct smr_surface {
 /* 1 for a cloud of points: no triangles, so nothing is closest on it. */
 static inline int smr_is_cloud(const smr_surface *s) { return s->capacity > 0u; }
 
-/* points_surface.c: stages of building a cloud's copy. */
+/* cloud_copy.c: stages of building a cloud's copy. */
 int smr_cloud_index(smr_surface *s, uint32_t first, uint32_t last);
 int smr_cloud_copy(smr_surface *s, uint32_t first, uint32_t last);
 

@@ -133,24 +133,6 @@ float smr_field_normals_between(const smr_unseen_field *f, uint32_t i, uint32_t 
     return kernel * smr_dot(smr_load(a), smr_load(b)) + f->motion_variance * dot(a, b);
 }
 
-/* left = (L L^T)^-1 left */
-static void substitute(smr_unseen_field *f)
-{
-    float *const y = f->left;
-    for (uint32_t i = 0; i < f->n; i++) {
-        const float *const r = smr_field_row(f, i);
-        for (uint32_t k = 0; k < i; k++)
-            y[i] -= r[k] * y[k];
-        y[i] /= r[i];
-    }
-    for (uint32_t i = f->n; i-- > 0u;) {
-        const float *const r = smr_field_row(f, i);
-        y[i] /= r[i];
-        for (uint32_t k = 0; k < i; k++)
-            y[k] -= r[k] * y[i];
-    }
-}
-
 /* v turned by a motion's turn, given as Cayley's parameter: a rotation however large the turn. */
 static smr_vec turned(smr_vec half, smr_vec v)
 {
@@ -187,7 +169,8 @@ static int is_sane(const float *number, uint32_t n)
 void smr_field_normals_end(smr_unseen_field *f)
 {
     float *const sum = f->back;
-    substitute(f);
+    smr_solve_forward(f->lower, f->n, f->left);
+    smr_solve_back(f->lower, f->n, f->left);
     for (uint32_t k = 0; k < f->n; k++) {
         float *const to = smr_at3(f->bend, k);
         for (uint32_t m = 0; m < SMR_FIELD_MOTIONS; m++)

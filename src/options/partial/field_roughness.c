@@ -46,20 +46,12 @@ _Static_assert(SMR_TRY_TASKS *SMR_ROUGH_CHUNK == SMR_ROUGH_ROWS, "each row has i
 /* Row i of the factor of what the controls tell, and what the rows before leave of what i tells, over its deviation. */
 static void add_row(smr_unseen_field *f, uint32_t i)
 {
-    float *const r = smr_field_row(f, i);
-    float left = f->left[i];
+    const float *const r = smr_field_row(f, i);
     for (uint32_t j = 0; j <= i; j++) {
-        const float *const above = smr_field_row(f, j);
-        float sum = smr_unseen_field_between(f, i, j);
-        const float least = SMR_FIELD_ROUNDED * sum;
-        sum += i == j ? f->loose[i] + f->rough_loose : 0.0f;
-        for (uint32_t k = 0; k < j; k++)
-            sum -= r[k] * above[k];
-        r[j] = i == j ? SMR_SQRT(smr_max(sum, least)) : sum / above[j];
+        const float both = smr_unseen_field_between(f, i, j), loose = i == j ? f->loose[i] + f->rough_loose : 0.0f;
+        smr_factor_set(f->lower, i, j, both + loose, SMR_FIELD_ROUNDED * both);
     }
-    for (uint32_t k = 0; k < i; k++)
-        left -= r[k] * f->told[k];
-    f->told[i] = left / r[i];
+    f->told[i] = smr_solve_row(r, i, f->told, f->left[i]);
     f->square += f->told[i] * f->told[i];
     f->log -= 2.0f * log_two(r[i]);
 }

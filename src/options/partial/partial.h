@@ -5,6 +5,7 @@
 #ifndef SMR_PARTIAL_H
 #define SMR_PARTIAL_H
 
+#include "geometry/gaussian_process/gaussian_process.h"
 #include "registration/shape/overlaid_memory.h"
 #include "registration/surface_goals/surface_goal.h"
 
@@ -126,13 +127,13 @@ int smr_landmark_binds(const smr_landmark_goals *g, uint32_t v);
 #define SMR_FIELD_MOTIONS 7u      /* shifts, turns and scale */
 #define SMR_FIELD_TRIES 3u        /* kinds of roughness, of which the likeliest is taken */
 #define SMR_TRY_TASKS 24u         /* of each */
+#define SMR_FIELD_LOOSE 0.003f    /* of the variance: what a control may be off */
 #define SMR_FIELD_ROUNDED 1.0e-5f /* of a variance: what sums of SMR_FIELD_ROWS products lose */
 #define SMR_FIELD_STEP 0.8f       /* of the way that normals ask for, in an iteration */
 #define SMR_FIELD_FOLLOW 0.35f    /* while targets are tracked: of new ones no triangle is known yet, only pulls */
 #define SMR_FIELD_MEAN 0.1f       /* the same at the last radius: the mean of what vertices tell in turn */
 #define SMR_MOTION_VARIANCE 8.0f  /* of the motions, over the field's: at a kernel length for turns and scale */
 #define SMR_CONTROLS_MAX (SMR_CONTROLS + SMR_LANDMARKS_MAX)
-#define SMR_FACTOR_WORDS(n) ((n) * ((n) + 1u) / 2u)
 
 typedef struct smr_unseen_field {
     const smr_shared *shared;
@@ -165,10 +166,7 @@ typedef struct smr_unseen_field {
     float square, log; /* of the try under way: sums over its rows */
 } smr_unseen_field;
 
-static inline float *smr_field_row(const smr_unseen_field *f, uint32_t i)
-{
-    return f->lower + (size_t)i * (i + 1u) / 2u;
-}
+static inline float *smr_field_row(const smr_unseen_field *f, uint32_t i) { return smr_factor_row(f->lower, i); }
 
 /* 1: nothing gives places, so controls are known along their normals only (field_normals.c). */
 uint32_t smr_field_normals_only(const smr_unseen_field *f);
@@ -188,6 +186,11 @@ void smr_field_normals_end(smr_unseen_field *f);
 /* Tries each roughness on the controls, in SMR_FIELD_TRIES * SMR_TRY_TASKS tasks, one after the other; then sets the
  * likeliest. */
 void smr_field_roughness_try(smr_unseen_field *f, uint32_t task);
+/* field_covariance.c: where the field starts, [n][3] mm; whether control k is a hard landmark; the covariance of the field
+ * at a place with control k, a landmark's with the mean of its corners (sharp: with the field of short reach, too). */
+float *smr_field_start(const smr_unseen_field *f);
+int smr_field_hard(const smr_unseen_field *f, uint32_t k);
+float smr_field_with_control(const smr_unseen_field *f, smr_vec at, uint32_t k, int sharp);
 /* The covariance of what controls i and j <= i tell. */
 float smr_unseen_field_between(const smr_unseen_field *f, uint32_t i, uint32_t j);
 

@@ -15,7 +15,6 @@
 #include "options/partial/partial.h"
 
 #define SMR_FIELD_LENGTH 0.4f  /* kernel length over the diagonal of the model's box */
-#define SMR_FIELD_LOOSE 0.003f /* of the variance: what a control may be off */
 #define SMR_FIELD_NORMAL 0.02f /* the same along its normal: there are more of them */
 #define SMR_FIELD_STIFF 4.0f   /* times (cluster radius / kernel length)^2, added to it */
 #define SMR_FIELD_PART 8u      /* vertices for a control along its normal */
@@ -72,69 +71,6 @@ void smr_unseen_field_watch(smr_unseen_field *f, const uint8_t *found, const uin
 {
     f->found = found;
     f->has_image = has_image;
-}
-
-/* Where the field starts: what tracking holds to, or where the registration started. From an image of the past: where
- * the model was then. */
-static float *start_of(const smr_unseen_field *f)
-{
-    if (smr_field_of_past(f))
-        return f->shape->image_x;
-    return f->pace->tracking ? f->shape->held_x : f->shape->start;
-}
-
-static float kernel(const smr_unseen_field *f, smr_vec a, smr_vec b)
-{
-    const smr_vec d = smr_sub(a, b);
-    const float d2 = smr_dot(d, d), smooth = 1.0f / (1.0f + d2 * f->per_length2);
-    const float near = f->rough > 0.0f ? 1.0f / (1.0f + d2 * f->per_rough2) : 0.0f;
-    return smooth + f->rough * (near * near * near);
-}
-
-static int is_landmark(const smr_unseen_field *f, uint32_t k) { return k < f->landmarks->n; }
-
-static int is_hard(const smr_unseen_field *f, uint32_t k)
-{
-    return is_landmark(f, k) && f->landmarks->landmark[k].given.hard != 0u;
-}
-
-/* The covariance of the field at a place with control k, a landmark's with the mean of its corners; sharp: with the
- * field of short reach, too. */
-static float with_control(const smr_unseen_field *f, smr_vec at, uint32_t k, int sharp)
-{
-    float sum = 0.0f;
-    if (!is_landmark(f, k))
-        return kernel(f, at, smr_load(smr_at3(f->start, k)));
-    const smr_bound_landmark *b = &f->landmarks->landmark[k];
-    for (uint32_t c = 0; c < 3u; c++) {
-        const smr_vec corner = smr_load(smr_at3(start_of(f), b->corner[c]));
-        if (!(b->share[c] > 0.0f))
-            continue;
-        float one = kernel(f, at, corner);
-        if (sharp)
-            one += SMR_FIELD_LOOSE * smr_bump(smr_length(smr_sub(at, corner)) / f->landmarks->reach);
-        sum += b->share[c] * one;
-    }
-    return sum;
-}
-
-/* The covariance of controls i and j <= i. */
-static float between(const smr_unseen_field *f, uint32_t i, uint32_t j)
-{
-    const int sharp = is_hard(f, i) && is_hard(f, j);
-    float sum = 0.0f;
-    if (!is_landmark(f, i))
-        return with_control(f, smr_load(smr_at3(f->start, i)), j, 0);
-    const smr_bound_landmark *b = &f->landmarks->landmark[i];
-    for (uint32_t c = 0; c < 3u; c++)
-        if (b->share[c] > 0.0f)
-            sum += b->share[c] * with_control(f, smr_load(smr_at3(start_of(f), b->corner[c])), j, sharp);
-    return sum;
-}
-
-float smr_unseen_field_between(const smr_unseen_field *f, uint32_t i, uint32_t j)
-{
-    return f->by_normals ? smr_field_normals_between(f, i, j, between(f, i, j)) : between(f, i, j);
 }
 
 static uint32_t seen(const smr_unseen_field *f, uint32_t v)
@@ -204,10 +140,10 @@ static void add_landmarks(smr_unseen_field *f, smr_fit *fit)
 {
     const smr_landmark_goals *g = f->landmarks;
     for (uint32_t k = 0; k < g->n; k++) {
-        const float weight = is_hard(f, k) ? 1.0f : g->landmark[k].given.weight;
+        const float weight = smr_field_hard(f, k) ? 1.0f : g->landmark[k].given.weight;
         const smr_vec to = smr_add(smr_landmark_goal(g, k), g->landmark[k].more);
-        add_control(f, k, smr_landmark_foot(g, k, start_of(f)), to, weight, fit);
-        f->loose[k] = is_hard(f, k) ? SMR_FIELD_HARD : SMR_FIELD_LOOSE / weight;
+        add_control(f, k, smr_landmark_foot(g, k, smr_field_start(f)), to, weight, fit);
+        f->loose[k] = smr_field_hard(f, k) ? SMR_FIELD_HARD : SMR_FIELD_LOOSE / weight;
     }
 }
 
@@ -217,7 +153,7 @@ static void add_seen(smr_unseen_field *f, const uint32_t *control, float ratio, 
     for (uint32_t k = f->landmarks->n; k < f->n; k++) {
         const uint32_t v = control[k - f->landmarks->n];
         const float counts = f->by_normals ? 2.0f * (float)seen(f, v) - one : (float)seen(f, v);
-        add_control(f, k, smr_load(smr_at3(start_of(f), v)), smr_load(smr_at3(f->shape->x, v)), 1.0f, fit);
+        add_control(f, k, smr_load(smr_at3(smr_field_start(f), v)), smr_load(smr_at3(f->shape->x, v)), 1.0f, fit);
         f->loose[k] = (loose + SMR_FIELD_STIFF * ratio * ratio) * one / counts;
     }
 }
@@ -247,40 +183,11 @@ static void begin(smr_unseen_field *f, uint32_t n)
 /* Column j of the Cholesky factor. What is left on the diagonal is no smaller than what its differences are off by. */
 static void factor(smr_unseen_field *f, uint32_t j)
 {
-    const float *const above = smr_field_row(f, j);
     float least = 0.5f * smr_min(f->loose[j], SMR_FIELD_LOOSE);
     for (uint32_t i = j; i < f->n; i++) {
-        float *const r = smr_field_row(f, i);
-        float sum = smr_unseen_field_between(f, i, j);
-        if (i == j)
-            least = smr_max(least, SMR_FIELD_ROUNDED * sum);
-        sum += i == j ? f->loose[i] + f->rough_loose : 0.0f;
-        for (uint32_t k = 0; k < j; k++)
-            sum -= r[k] * above[k];
-        r[j] = i == j ? SMR_SQRT(smr_max(sum, least)) : sum / above[j];
-    }
-}
-
-/* bend = L^-1 bend */
-static void substitute_forward(smr_unseen_field *f)
-{
-    for (uint32_t i = 0; i < f->n; i++) {
-        smr_vec sum = smr_load(smr_at3(f->bend, i));
-        for (uint32_t k = 0; k < i; k++)
-            sum = smr_sub(sum, smr_scale(smr_load(smr_at3(f->bend, k)), smr_field_row(f, i)[k]));
-        smr_store(smr_at3(f->bend, i), smr_scale(sum, 1.0f / smr_field_row(f, i)[i]));
-    }
-}
-
-/* bend = (L L^T)^-1 bend */
-static void substitute(smr_unseen_field *f)
-{
-    substitute_forward(f);
-    for (uint32_t i = f->n; i-- > 0u;) {
-        smr_vec sum = smr_load(smr_at3(f->bend, i));
-        for (uint32_t k = i + 1u; k < f->n; k++)
-            sum = smr_sub(sum, smr_scale(smr_load(smr_at3(f->bend, k)), smr_field_row(f, k)[i]));
-        smr_store(smr_at3(f->bend, i), smr_scale(sum, 1.0f / smr_field_row(f, i)[i]));
+        const float both = smr_unseen_field_between(f, i, j);
+        least = i == j ? smr_max(least, SMR_FIELD_ROUNDED * both) : least;
+        smr_factor_set(f->lower, i, j, both + (i == j ? f->loose[i] + f->rough_loose : 0.0f), least);
     }
 }
 
@@ -288,6 +195,13 @@ uint32_t smr_unseen_field_tasks(const void *arg)
 {
     const smr_unseen_field *f = arg;
     return f->goals->partial || counts(f) ? 2u * looks(f) + SMR_FIELD_TRIES * SMR_TRY_TASKS + f->most + 2u : 0u;
+}
+
+/* bend = (L L^T)^-1 bend */
+static void solve(smr_unseen_field *f)
+{
+    smr_solve_forward3(f->lower, f->n, f->bend);
+    smr_solve_back3(f->lower, f->n, f->bend);
 }
 
 void smr_unseen_field_solve(void *arg, uint32_t task, uint32_t worker)
@@ -308,17 +222,17 @@ void smr_unseen_field_solve(void *arg, uint32_t task, uint32_t worker)
     else if (task - then == f->most + 1u && f->by_normals)
         smr_field_normals_end(f);
     else if (task - then == f->most + 1u)
-        substitute(f);
+        solve(f);
 }
 
 smr_vec smr_unseen_field_way(const smr_unseen_field *f, uint32_t v)
 {
-    const smr_vec from = smr_load(smr_at3(start_of(f), v)), x = smr_load(smr_at3(f->shape->x, v));
+    const smr_vec from = smr_load(smr_at3(smr_field_start(f), v)), x = smr_load(smr_at3(f->shape->x, v));
     if (f->n == 0u)
         return smr_v(0, 0, 0);
     smr_vec to = smr_pose_apply(&f->pose, from);
     for (uint32_t k = 0; k < f->n; k++)
-        to = smr_add(to, smr_scale(smr_load(smr_at3(f->bend, k)), with_control(f, from, k, is_hard(f, k))));
+        to = smr_add(to, smr_scale(smr_load(smr_at3(f->bend, k)), smr_field_with_control(f, from, k, smr_field_hard(f, k))));
     return smr_sub(to, x);
 }
 
@@ -331,7 +245,7 @@ float smr_unseen_field_prevails(const smr_unseen_field *f, uint32_t v)
 {
     float share = 0.0f;
     for (uint32_t k = 0; k < f->landmarks->n; k++)
-        if (is_hard(f, k))
+        if (smr_field_hard(f, k))
             share = smr_max(share, smr_landmark_prevails(f->landmarks, k, v));
     return share;
 }
@@ -384,7 +298,7 @@ static float nearest(const smr_unseen_field *f, smr_vec at, uint32_t first, uint
 
 void smr_unseen_field_fill(const smr_unseen_field *f, uint32_t v, smr_vec *way)
 {
-    const smr_vec at = smr_load(smr_at3(start_of(f), v));
+    const smr_vec at = smr_load(smr_at3(smr_field_start(f), v));
     const float landmark = nearest(f, at, 0, f->landmarks->n), vertex = nearest(f, at, f->landmarks->n, f->n);
     const float share = vertex < SMR_FAR ? vertex / smr_max(vertex + landmark, FLT_MIN) : 1.0f;
     *way = mix(*way, smr_unseen_field_way(f, v), share);
@@ -396,7 +310,7 @@ float smr_landmark_field_solve(smr_unseen_field *f)
     begin(f, 0);
     for (uint32_t j = 0; j < f->n; j++)
         factor(f, j);
-    substitute_forward(f);
+    smr_solve_forward3(f->lower, f->n, f->bend);
     for (uint32_t i = 0; i < f->n; i++) /* y^T K^-1 y is |L^-1 y|^2 */
         sum += smr_dot(smr_load(smr_at3(f->bend, i)), smr_load(smr_at3(f->bend, i)));
     return f->n < SMR_FIELD_LEAST ? -1.0f : sum / (3.0f * (float)f->n);
@@ -404,14 +318,11 @@ float smr_landmark_field_solve(smr_unseen_field *f)
 
 float smr_landmark_field_left(const smr_unseen_field *f, uint32_t v)
 {
-    const smr_vec at = smr_load(smr_at3(start_of(f), v));
+    const smr_vec at = smr_load(smr_at3(smr_field_start(f), v));
     float known[SMR_CONTROLS_MAX], left = 1.0f;
     for (uint32_t i = 0; i < f->n; i++) {
-        const float *const r = smr_field_row(f, i);
-        float sum = with_control(f, at, i, is_hard(f, i));
-        for (uint32_t k = 0; k < i; k++)
-            sum -= known[k] * r[k];
-        known[i] = sum / r[i];
+        const float with = smr_field_with_control(f, at, i, smr_field_hard(f, i));
+        known[i] = smr_solve_row(smr_field_row(f, i), i, known, with);
         left -= known[i] * known[i];
     }
     return smr_max(left, 0.0f);

@@ -3,7 +3,7 @@
  * stack.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation.h"
-#include "registration/api/config.h"
+#include "registration/config/config.h"
 #include "registration/api/setup.h"
 #include "registration/tick/iteration.h"
 

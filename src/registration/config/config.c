@@ -2,7 +2,7 @@
  * relates to the model or to other fields.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
-#include "registration/api/config.h"
+#include "registration/config/config.h"
 
 #define SMR_PAPER_ITERATIONS 120u /* the paper does not say: as many as bring its own figures */
 

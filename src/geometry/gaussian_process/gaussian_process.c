@@ -1,0 +1,63 @@
+/* gaussian_process.c: a Cholesky factor, entry by entry, and triangular solves.
+ * Bounds: n multiplications for an entry or a row, n^2 / 2 for a solve.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/gaussian_process/gaussian_process.h"
+
+void smr_factor_set(float *lower, uint32_t i, uint32_t j, float covariance, float least)
+{
+    float *const row = smr_factor_row(lower, i);
+    const float *const above = smr_factor_row(lower, j);
+    float left = covariance;
+    for (uint32_t k = 0; k < j; k++)
+        left -= row[k] * above[k];
+    row[j] = i == j ? SMR_SQRT(smr_max(left, least)) : left / above[j];
+}
+
+float smr_solve_row(const float *row, uint32_t i, const float *known, float value)
+{
+    for (uint32_t k = 0; k < i; k++)
+        value -= row[k] * known[k];
+    return value / row[i];
+}
+
+smr_vec smr_solve_row3(const float *row, uint32_t i, float *known, smr_vec value)
+{
+    for (uint32_t k = 0; k < i; k++)
+        value = smr_sub(value, smr_scale(smr_load(known + 3u * (size_t)k), row[k]));
+    return smr_scale(value, 1.0f / row[i]);
+}
+
+void smr_solve_forward(float *lower, uint32_t n, float *y)
+{
+    for (uint32_t i = 0; i < n; i++)
+        y[i] = smr_solve_row(smr_factor_row(lower, i), i, y, y[i]);
+}
+
+void smr_solve_back(float *lower, uint32_t n, float *y)
+{
+    for (uint32_t i = n; i-- > 0u;) {
+        const float *const row = smr_factor_row(lower, i);
+        y[i] /= row[i];
+        for (uint32_t k = 0; k < i; k++)
+            y[k] -= row[k] * y[i];
+    }
+}
+
+void smr_solve_forward3(float *lower, uint32_t n, float *y)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        float *const at = y + 3u * (size_t)i;
+        smr_store(at, smr_solve_row3(smr_factor_row(lower, i), i, y, smr_load(at)));
+    }
+}
+
+void smr_solve_back3(float *lower, uint32_t n, float *y)
+{
+    for (uint32_t i = n; i-- > 0u;) {
+        float *const at = y + 3u * (size_t)i;
+        smr_vec left = smr_load(at);
+        for (uint32_t k = i + 1u; k < n; k++)
+            left = smr_sub(left, smr_scale(smr_load(y + 3u * (size_t)k), smr_factor_row(lower, k)[i]));
+        smr_store(at, smr_scale(left, 1.0f / smr_factor_row(lower, i)[i]));
+    }
+}
