@@ -57,3 +57,9 @@ void smr_keep_require(smr_arena *a, int legal)
     if (smr_keeps(a) && a->keeper->mode != SMR_KEEP_COUNT)
         a->keeper->wrong |= (uint32_t)!legal;
 }
+
+void smr_keep_pose(smr_arena *a, smr_pose *pose, float most)
+{
+    if (smr_keeps(a))
+        a->keeper->calls->pose(a, pose, most);
+}

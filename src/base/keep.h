@@ -25,13 +25,14 @@ typedef struct smr_keep_calls {
     void (*words)(struct smr_keeper *k, uint32_t *field, size_t count, uint32_t most, int or_none);
     void (*floats)(struct smr_keeper *k, float *field, size_t count, float least, float most);
     void (*bytes)(struct smr_keeper *k, uint8_t *field, size_t count, uint32_t most);
+    void (*pose)(smr_arena *a, smr_pose *pose, float most);
 } smr_keep_calls;
 
 extern const smr_keep_calls smr_keep_all; /* keep_values.c */
 
 typedef struct smr_keeper {
     const smr_keep_calls *calls;
-    void (*inputs)(smr_arena *a, smr *s); /* goes over what is borrowed: waiting.c */
+    void (*fields)(smr_arena *a, smr *s); /* goes over what is kept beside slots */
     uint32_t mode;             /* SMR_KEEP_... */
     uint32_t wrong;            /* 1: a value is out of its range, or the bytes ended */
     uint32_t plan;             /* checksum of which values were listed: counts, kinds and ranges */
@@ -55,6 +56,9 @@ uint8_t *smr_slot_bytes(smr_arena *a, uint8_t *now, size_t count, uint32_t most)
 void smr_keep_words(smr_arena *a, uint32_t *field, size_t count, uint32_t most);
 void smr_keep_floats(smr_arena *a, float *field, size_t count, float least, float most);
 void smr_keep_long(smr_arena *a, uint64_t *field);
+
+/* A similarity, with entries of +-most. */
+void smr_keep_pose(smr_arena *a, smr_pose *pose, float most);
 
 /* What was read must be so, or the save is refused. */
 void smr_keep_require(smr_arena *a, int legal);

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "base/bytes.h"
 #include "base/keep.h"
+#include "base/vec.h"
 
 enum { KEPT_BYTE = 1, KEPT_WORD = 4, KEPT_FLOAT = 5 };
 
@@ -74,4 +75,20 @@ static void bytes(smr_keeper *k, uint8_t *field, size_t count, uint32_t most)
     }
 }
 
-const smr_keep_calls smr_keep_all = {words, floats, bytes};
+/* 1 when the columns are as long as each other and at right angles, as far as clusters' reach depends on it. */
+static int is_similarity(const smr_pose *p)
+{
+    const smr_vec a = smr_v(p->m[0][0], p->m[1][0], p->m[2][0]), b = smr_v(p->m[0][1], p->m[1][1], p->m[2][1]),
+                  c = smr_v(p->m[0][2], p->m[1][2], p->m[2][2]);
+    const float size = smr_dot(a, a), most = 1.0e-3f * size;
+    return smr_within(smr_dot(b, b) - size, most) && smr_within(smr_dot(c, c) - size, most) &&
+           smr_within(smr_dot(a, b), most) && smr_within(smr_dot(b, c), most) && smr_within(smr_dot(c, a), most);
+}
+
+static void keep_pose(smr_arena *a, smr_pose *pose, float most)
+{
+    smr_keep_floats(a, &pose->m[0][0], 12, -most, most);
+    smr_keep_require(a, is_similarity(pose));
+}
+
+const smr_keep_calls smr_keep_all = {words, floats, bytes, keep_pose};

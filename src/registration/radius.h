@@ -6,6 +6,7 @@
 #include "registration/registration.h"
 
 #define SMR_FIRST_CLOUD 3u     /* the same with clouds: points without normals slide slowly into their places */
+#define SMR_REPAIR_MAX 30u  /* iterations spent on repairing folds before a radius starts, at most */
 
 void smr_radius_go(smr *s, uint32_t radius); /* goes on at this radius */
 void smr_radius_take(smr *s);                /* what follows from the radius alone */

@@ -71,21 +71,6 @@ void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *wha
 void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t bytes);
 void smr_log_end(smr_log *log);
 
-/* Where recording stands, but for the memory. */
-static inline void smr_log_keep(smr_arena *a, smr_log *log)
-{
-    uint64_t used = log->used;
-    if (!smr_keeps(a))
-        return;
-    smr_keep_long(a, &used);
-    smr_keep_require(a, used == 0u || (used >= SMR_LOG_FIXED + 8u && used <= SIZE_MAX));
-    log->used = (size_t)used;
-    smr_keep_words(a, &log->crc, 1, UINT32_MAX);
-    smr_keep_words(a, &log->n_ticks, 1, UINT32_MAX);
-    smr_keep_words(a, &log->full, 1, 1);
-    smr_keep_words(a, &log->fresh, 1, 1);
-}
-
 /* A tick, as it is recorded. */
 typedef struct smr_log_of_tick {
     const smr_tick_report *report;

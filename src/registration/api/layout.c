@@ -61,12 +61,8 @@ smr *smr_layout(smr_arena *a, smr *s)
     if (SMR_HAS_CONTACT)
         smr_volumes_layout(a, &s->volumes, shared);
     smr_folds_layout(a, &s->folds, shared);
-    smr_log_keep(a, &s->log);
-    smr_budget_keep(a, &s->budget);
-    smr_report_keep(a, &s->report, shared->n);
     if (smr_keeps(a))
-        a->keeper->inputs(a, s);
-    smr_schedule_keep(a, s); /* last: its ranges follow from the others */
+        a->keeper->fields(a, s);
     return self;
 }
 

@@ -41,7 +41,7 @@ smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *
 /* Goes over the kept values. Returns 1 when all are in their ranges and there are no more. */
 static int go_over(smr *s, uint32_t mode, const unsigned char *from, size_t bytes)
 {
-    smr_keeper k = {&smr_keep_all, smr_keep_inputs, mode, 0, 0, NULL, from, values_at(from, bytes),
+    smr_keeper k = {&smr_keep_all, smr_keep_fields, mode, 0, 0, NULL, from, values_at(from, bytes),
                     word_of(from, SMR_SAVED_AT_BYTES) - 4u};
     smr_arena a = smr_arena_measure();
     a.keeper = &k;

@@ -27,10 +27,10 @@ void smr_held_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
     if (ahead)
         smr_keep_words(a, shape->held != NULL ? &shape->held->ahead : &gone, 1, 1);
     for (uint32_t i = 0; ahead && i < shared->n_structures; i++) {
-        smr_keep_pose(a, shape->held_pose != NULL ? &shape->held_pose[i] : &none);
-        smr_keep_pose(a, shape->held_last != NULL ? &shape->held_last[i] : &none);
+        smr_keep_pose(a, shape->held_pose != NULL ? &shape->held_pose[i] : &none, SMR_KEPT_MM);
+        smr_keep_pose(a, shape->held_last != NULL ? &shape->held_last[i] : &none, SMR_KEPT_MM);
     }
-    smr_keep_pose(a, shape->held != NULL ? &shape->held->rest_pose : &none); /* where there are no slots yet */
+    smr_keep_pose(a, shape->held != NULL ? &shape->held->rest_pose : &none, SMR_KEPT_MM); /* where there are no slots yet */
 }
 
 void smr_held_wire(smr_shape *shape)

@@ -11,22 +11,6 @@ static int is_whole(smr_vec v)
     return smr_dot(off, off) == 0.0f;
 }
 
-/* 1 when the columns are as long as each other and at right angles, as far as clusters' reach depends on it. */
-static int is_similarity(const smr_pose *p)
-{
-    const smr_vec a = smr_v(p->m[0][0], p->m[1][0], p->m[2][0]), b = smr_v(p->m[0][1], p->m[1][1], p->m[2][1]),
-                  c = smr_v(p->m[0][2], p->m[1][2], p->m[2][2]);
-    const float size = smr_dot(a, a), most = 1.0e-3f * size;
-    return smr_within(smr_dot(b, b) - size, most) && smr_within(smr_dot(c, c) - size, most) &&
-           smr_within(smr_dot(a, b), most) && smr_within(smr_dot(b, c), most) && smr_within(smr_dot(c, a), most);
-}
-
-void smr_keep_pose(smr_arena *a, smr_pose *pose)
-{
-    smr_keep_floats(a, &pose->m[0][0], 12, -SMR_KEPT_MM, SMR_KEPT_MM);
-    smr_keep_require(a, is_similarity(pose));
-}
-
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
 {
     const size_t n = shared->n;
@@ -48,7 +32,7 @@ void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
         shape->node = smr_slot_scratch(a, shape->node, shape->n_nodes, sizeof *shape->node);
     smr_keep_floats(a, &shape->origin.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
     smr_keep_require(a, is_whole(shape->origin));
-    smr_keep_pose(a, &shape->rest_pose);
+    smr_keep_pose(a, &shape->rest_pose, SMR_KEPT_MM);
     smr_keep_words(a, &shape->rest_pose_due, 1, 1);
 }
 

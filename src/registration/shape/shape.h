@@ -70,7 +70,6 @@ typedef struct smr_shape {
 } smr_shape;
 
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
-void smr_keep_pose(smr_arena *a, smr_pose *pose); /* a kept similarity */
 
 /* Shapes of the trees and their places in the arrays. */
 void smr_shape_start(smr_shape *shape);

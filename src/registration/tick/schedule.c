@@ -8,7 +8,6 @@
 #include "options/track/track.h"
 #include "registration/convergence.h"
 
-#define SMR_REPAIR_MAX 30u     /* iterations spent on repairing folds before a radius starts, at most */
 #define SMR_ACTIVE_EVERY 8u    /* iterations between two changes of n_active at one radius */
 #define SMR_GROWN 1.25f        /* factor on the points of clouds from which on a radius is repeated */
 
@@ -48,42 +47,6 @@ void smr_schedule_start(smr *s)
     s->shape.rest_pose_due = 1; /* an abandoned iteration may have made it of other positions */
     if (smr_moves(s))
         smr_time_steps_start(s);
-}
-
-/* Search distances and shares are chosen when an iteration begins. */
-void smr_schedule_keep(smr_arena *a, smr *s)
-{
-    smr_pace *p = &s->pace;
-    const uint32_t n = s->shared.n;
-    smr_keep_words(a, &p->radius, 1, smr_last_radius(&s->shared));
-    smr_keep_words(a, &p->radius_iteration, 1, UINT32_MAX);
-    smr_keep_words(a, &p->iteration, 1, UINT32_MAX);
-    smr_keep_words(a, &p->n_points, 1, UINT32_MAX);
-    smr_keep_words(a, &p->since_plastic, 1, UINT32_MAX);
-    smr_keep_words(a, &p->plastic_updates, 1, UINT32_MAX);
-    smr_keep_words(a, &p->converged, 1, 1);
-    smr_keep_words(a, &p->done, 1, 1);
-    smr_keep_words(a, &p->repairing, 1, SMR_REPAIR_MAX);
-    smr_keep_words(a, &p->n_active, 1, n);
-    smr_keep_words(a, &p->n_pinned, 1, n);
-    smr_keep_require(a, p->radius >= s->shared.config.radius_first);
-    if (SMR_HAS_TRACK)
-        smr_tracking_keep(a, s);
-    if (!smr_keeps(a) || a->keeper->mode == SMR_KEEP_COUNT || a->keeper->wrong)
-        return;
-    smr_radius_take(s);
-    smr_keep_require(a, p->n_active >= smr_min_u32(p->lists.active_min, n));
-    if (SMR_HAS_DYNAMICS && s->shared.config.dynamics) {
-        smr_keep_require(a, !p->done && !p->repairing && p->radius == smr_radius_after(s));
-        return;
-    }
-    if (smr_tracks(p)) {
-        smr_keep_require(a, smr_tracking_legal(s));
-        return;
-    }
-    smr_keep_require(a, p->radius_iteration <= (smr_at_last_radius(&s->shared, p)
-                                                    ? s->shared.config.iterations_last
-                                                    : SMR_FIRST_CLOUD * s->shared.config.iterations));
 }
 
 /* 1: a cloud has grown so much since this radius began that the model is not yet laid out: the radius is repeated. A

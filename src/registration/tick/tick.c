@@ -102,22 +102,6 @@ static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
     return SMR_OK;
 }
 
-void smr_report_keep(smr_arena *a, smr_tick_report *r, uint32_t n)
-{
-    smr_keep_words(a, &r->n_taken, 1, n);
-    smr_keep_words(a, &r->n_wanted, 1, n);
-    smr_keep_words(a, &r->n_active, 1, n);
-    smr_keep_words(a, &r->n_forces, 1, n);
-    smr_keep_words(a, &r->n_rejected, 1, n);
-    smr_keep_floats(a, &r->matched_share, 1, -1.0f, 1.0f);
-    smr_keep_floats(a, &r->attraction_used, 1, 0.0f, 1.0f);
-    smr_keep_floats(a, &r->residual_mean_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
-    smr_keep_floats(a, &r->residual_rms_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
-    smr_keep_floats(a, &r->residual_max_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
-    smr_keep_floats(a, &r->displacement_max_mm, 1, 0.0f, 2.0f * SMR_KEPT_MM);
-    smr_keep_long(a, &r->state_hash);
-}
-
 /* before: iterations that were complete when the tick began. One that it completed has told its radius
  * (iteration_end.c). */
 static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)

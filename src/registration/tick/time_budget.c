@@ -25,8 +25,6 @@
 #define SMR_CLOSING 3u            /* 1 / share of the last radius in which vertices may be left out */
 #define SMR_FIRST 0.75f           /* share of the budget kept in reserve while costs are not known */
 
-void smr_budget_keep(smr_arena *a, smr_time_budget *c) { smr_keep_words(a, &c->cut, 1, 1); }
-
 void smr_budget_start(smr *s)
 {
     memset(&s->budget, 0, sizeof s->budget);

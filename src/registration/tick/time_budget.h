@@ -24,7 +24,6 @@ typedef struct smr_time_budget {
     uint32_t odd;              /* 1: the clock ran backwards in the step under way */
 } smr_time_budget;
 
-void smr_budget_keep(smr_arena *a, smr_time_budget *c);              /* what decides bits; estimates are learnt anew */
 void smr_budget_start(smr *s);                                       /* nothing is known */
 void smr_budget_plan(smr *s, uint64_t budget_ns);                    /* before an iteration */
 void smr_budget_resume(smr *s);                                      /* a tick goes on with an iteration */

@@ -1,0 +1,80 @@
+/* keep_fields.c: what a save keeps of a registration beside its slots: where log, schedule and report stand, and which
+ * inputs it has. What the clock taught is learnt anew.
+ * Bounds: those of waiting.c.
+ * SPDX-License-Identifier: MIT */
+#include "registration/api/setup.h"
+#include "registration/tick/iteration.h"
+
+/* Where recording stands, but for the memory. */
+static void keep_log(smr_arena *a, smr_log *log)
+{
+    uint64_t used = log->used;
+    smr_keep_long(a, &used);
+    smr_keep_require(a, used == 0u || (used >= SMR_LOG_FIXED + 8u && used <= SIZE_MAX));
+    log->used = (size_t)used;
+    smr_keep_words(a, &log->crc, 1, UINT32_MAX);
+    smr_keep_words(a, &log->n_ticks, 1, UINT32_MAX);
+    smr_keep_words(a, &log->full, 1, 1);
+    smr_keep_words(a, &log->fresh, 1, 1);
+}
+
+static void keep_report(smr_arena *a, smr_tick_report *r, uint32_t n)
+{
+    smr_keep_words(a, &r->n_taken, 1, n);
+    smr_keep_words(a, &r->n_wanted, 1, n);
+    smr_keep_words(a, &r->n_active, 1, n);
+    smr_keep_words(a, &r->n_forces, 1, n);
+    smr_keep_words(a, &r->n_rejected, 1, n);
+    smr_keep_floats(a, &r->matched_share, 1, -1.0f, 1.0f);
+    smr_keep_floats(a, &r->attraction_used, 1, 0.0f, 1.0f);
+    smr_keep_floats(a, &r->residual_mean_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_floats(a, &r->residual_rms_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_floats(a, &r->residual_max_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_floats(a, &r->displacement_max_mm, 1, 0.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_long(a, &r->state_hash);
+}
+
+/* Search distances and shares are chosen when an iteration begins. */
+static void keep_schedule(smr_arena *a, smr *s)
+{
+    smr_pace *p = &s->pace;
+    const uint32_t n = s->shared.n;
+    smr_keep_words(a, &p->radius, 1, smr_last_radius(&s->shared));
+    smr_keep_words(a, &p->radius_iteration, 1, UINT32_MAX);
+    smr_keep_words(a, &p->iteration, 1, UINT32_MAX);
+    smr_keep_words(a, &p->n_points, 1, UINT32_MAX);
+    smr_keep_words(a, &p->since_plastic, 1, UINT32_MAX);
+    smr_keep_words(a, &p->plastic_updates, 1, UINT32_MAX);
+    smr_keep_words(a, &p->converged, 1, 1);
+    smr_keep_words(a, &p->done, 1, 1);
+    smr_keep_words(a, &p->repairing, 1, SMR_REPAIR_MAX);
+    smr_keep_words(a, &p->n_active, 1, n);
+    smr_keep_words(a, &p->n_pinned, 1, n);
+    smr_keep_require(a, p->radius >= s->shared.config.radius_first);
+    if (SMR_HAS_TRACK)
+        smr_tracking_keep(a, s);
+    if (a->keeper->mode == SMR_KEEP_COUNT || a->keeper->wrong)
+        return;
+    smr_radius_take(s);
+    smr_keep_require(a, p->n_active >= smr_min_u32(p->lists.active_min, n));
+    if (SMR_HAS_DYNAMICS && s->shared.config.dynamics) {
+        smr_keep_require(a, !p->done && !p->repairing && p->radius == smr_radius_after(s));
+        return;
+    }
+    if (smr_tracks(p)) {
+        smr_keep_require(a, smr_tracking_legal(s));
+        return;
+    }
+    smr_keep_require(a, p->radius_iteration <= (smr_at_last_radius(&s->shared, p)
+                                                    ? s->shared.config.iterations_last
+                                                    : SMR_FIRST_CLOUD * s->shared.config.iterations));
+}
+
+void smr_keep_fields(smr_arena *a, smr *s)
+{
+    keep_log(a, &s->log);
+    smr_keep_words(a, &s->budget.cut, 1, 1);
+    keep_report(a, &s->report, s->shared.n);
+    smr_keep_inputs(a, s);
+    keep_schedule(a, s); /* last: its ranges follow from the others */
+}
