@@ -2,7 +2,7 @@
 # check_layers: every file includes and calls only what its layer allows; no circle of calls; file names are unique.
 # SPDX-License-Identifier: MIT
 # usage: BUILD=... CC=... NM=... check_layers.sh
-# src/LAYERS has the order of the layers, and of the rooms within a layer. A room is a folder with sources. Calls, functions
+# src/LAYERS has the order of the rooms. A room is a folder with sources. Calls, functions
 # in tables among them, are read from the symbols of objects that are compiled without inlining, into BUILD/layers. An arrow
 # is a symbol that an object of one room needs and an object of another room defines. Prints all rooms with their arrows.
 set -u
@@ -12,40 +12,20 @@ bad=$tmp/bad
 : >"$bad"
 standard='stddef|stdint|string|math|float|limits'
 
-# The words of src/LAYERS: "layer NAME RANK", "room LAYER/ROOM RANK", "table FILE".
+# The words of src/LAYERS: "room FOLDER RANK", "table FILE".
 awk '/^#/ || NF == 0 { next }
     $1 == "table" { for (i = 2; i <= NF; i++) print "table", "src/" $i; next }
-    { rank++; for (i = 1; i <= NF; i++) print (index($i, "/") ? "room" : "layer"), $i, rank }' src/LAYERS >"$tmp/layers"
+    { rank++; for (i = 1; i <= NF; i++) print "room", $i, rank }' src/LAYERS >"$tmp/layers"
 
-# 1. Includes in src: the own folder, the own layer or a lower one. A room with a line in src/LAYERS includes its own
-# headers and those of rooms on lines above: functions within headers leave no symbol, and must not be called upwards
-# either. Headers directly in such a layer include no room and are free to all; but registration.h, made of the rooms,
-# is for those alone that run a whole registration. Reads lines of grep -n.
+# 1. Includes in src: the own room or one on a line above: functions within headers leave no symbol, and must not be
+# called upwards either. Reads lines of grep -n.
 check_includes() {
     awk -v standard="$standard" -v layers="$tmp/layers" '
-    BEGIN {
-        while ((getline line < layers) > 0) {
-            split(line, word, " ")
-            if (word[1] == "layer") level[word[2]] = word[3]
-            if (word[1] == "room") { rank[word[2]] = word[3]; sub(/\/.*/, "", word[2]); rooms[word[2]] = 1 }
-        }
-        whole = "registration/registration.h"
-        opens["runtime/tick"] = opens["runtime/setup"] = opens["runtime/replay"] = opens["runtime/verdict"] = 1
-    }
+    BEGIN { while ((getline line < layers) > 0) { split(line, word, " "); if (word[1] == "room") rank[word[2]] = word[3] } }
     function room_of(f) { sub(/\/[^\/]*$/, "", f); return f }
-    # What is wrong when a file includes a header of its own layer, which has rooms; both paths start with the layer.
-    function between_rooms(from, name, to) {
-        to = room_of(name); from = from == whole ? whole : room_of(from)
-        if (name == whole) return (from in opens) ? "" : "only rooms that run a whole registration include " name
-        if (to == from || from == whole || to !~ /\//) return ""
-        if (!(to in rank)) return to " is not in src/LAYERS, " name
-        if (!(from in rank) || rank[to] >= rank[from]) return to " is not below " from ", " name
-        return ""
-    }
     {
-        split($0, part, ":"); file = part[1]; where = part[1] ":" part[2]
-        split(file, path, "/"); layer = path[2]
-        if (!(layer in level)) { print where ": folder is not in src/LAYERS"; next }
+        split($0, part, ":"); file = part[1]; where = part[1] ":" part[2]; from = room_of(substr(file, 5))
+        if (!(from in rank)) { print where ": folder is not in src/LAYERS"; next }
         text = $0; sub(/^[^#]*#[ \t]*include[ \t]*/, "", text)
         quoted = substr(text, 1, 1) == "\""
         name = text; sub(/^["<]/, "", name); sub(/[">].*$/, "", name)
@@ -55,19 +35,10 @@ check_includes() {
             next
         }
         if (name ~ /\.\./) { print where ": relative path " name; next }
-        if (name !~ /\//) {
-            own = file; sub(/[^\/]*$/, name, own)
-            if (system("test -f " own) != 0) { print where ": " name " is not in its own folder"; next }
-            name = substr(own, 5)
-        }
-        split(name, target, "/")
-        if (!(target[1] in level)) print where ": unknown layer " name
-        else if (target[1] != layer && level[target[1]] >= level[layer])
-            print where ": " layer " must not include " name
-        else if (target[1] == layer && (layer in rooms)) {
-            wrong = between_rooms(substr(file, 5), name)
-            if (wrong != "") print where ": " wrong
-        }
+        to = room_of(name)
+        if (name !~ /\//) print where ": " name " without its folder"
+        else if (!(to in rank)) print where ": " to " is not in src/LAYERS, " name
+        else if (to != from && rank[to] >= rank[from]) print where ": " to " is not above " from " in src/LAYERS, " name
     }'
 }
 grep -rnE --include='*.[ch]' '^[[:space:]]*#[[:space:]]*include' src | check_includes >>"$bad"
@@ -75,15 +46,15 @@ grep -rnE --include='*.[ch]' '^[[:space:]]*#[[:space:]]*include' src | check_inc
 # The rule can fail: of these includes the first five are refused, and no other.
 cat >"$tmp/planted" <<'END'
 src/registration/surface_goals/target_attraction.c:1:#include "registration/folds/folds.h"
-src/registration/api/config.c:2:#include "registration/shape/shape.h"
+src/registration/config/config.c:2:#include "registration/shape/shape.h"
 src/registration/folds/fold_find.c:3:#include "registration/registration.h"
-src/registration/shape/state.h:4:#include "registration.h"
-src/registration/shape/state.h:5:#include "registration/goals/forces.h"
+src/registration/shape/state.h:4:#include "registration/goals/forces.h"
+src/options/image/image_goal.c:5:#include "options/partial/partial.h"
 src/registration/folds/fold_find.c:6:#include "registration/evolve/evolve.h"
 src/registration/api/init.c:7:#include "registration/registration.h"
 src/registration/goals/forces.c:8:#include "registration/shape/state.h"
 src/registration/api/init.c:9:#include "registration/tick/iteration.h"
-src/registration/folds/fold_find.c:10:#include "folds.h"
+src/registration/folds/fold_find.c:10:#include "registration/folds/folds.h"
 END
 refused=$(check_includes <"$tmp/planted" | sed 's/^[^:]*:\([0-9]*\):.*/\1/' | tr '\n' ' ')
 [ "$refused" = '1 2 3 4 5 ' ] ||
@@ -109,9 +80,9 @@ grep -rnE --include='*.[ch]' '^[[:space:]]*#[[:space:]]*include[[:space:]]*"[^/"
 find src include port tests fixtures -name '*.[ch]' | sed 's|.*/||' | sort | uniq -d |
     sed 's/$/: this file name is used twice/' >>"$bad"
 
-# 4. Who includes a header of another room of src/runtime uses it: some name that the header declares is in the file, or,
+# 4. Who includes a header of another room uses it: some name that the header declares is in the file, or,
 # behind a dot or an arrow, some member that no other header there has.
-find src/runtime -name '*.[ch]' | sort | xargs awk '
+find src -name '*.[ch]' | sort | xargs awk '
     # Code without comments, texts and directives; macros and includes are noted on the way.
     FNR == 1 { n_files++; file[n_files] = FILENAME; within = 0 }
     {
@@ -172,7 +143,7 @@ find src/runtime -name '*.[ch]' | sort | xargs awk '
     END {
         for (k = 1; k <= n_files; k++) if (file[k] ~ /\.h$/) { declared(file[k]); for (i in member) headers[i]++ }
         for (k = 1; k <= n_files; k++) {
-            h = file[k]; if (h !~ /\.h$/ || room(h) == "src/runtime") continue
+            h = file[k]; if (h !~ /\.h$/ || room(h) == "src/base") continue
             declared(h)
             for (i in member) if (headers[i] > 1) delete member[i]
             for (m = 1; m <= n_files; m++) {
@@ -203,14 +174,10 @@ sed "s|^$objects/obj/\([^:]*\)\.o: |\1.c |" "$tmp/nm" >"$tmp/symbols"
 tr '\n' ' ' <include/smr.h | sed 's|/\*|\n&|g; s|\*/|&\n|g' | sed '/^\/\*/d' | # without comments
     grep -oE 'smr_[a-z0-9_]+ *\(' | tr -d ' (' >"$tmp/public"
 
-awk -v layers="$tmp/layers" -v public="$tmp/public" -v sources="$tmp/sources" -v bad="$tmp/calls" '
+awk -v layers="$tmp/layers" -v public="$tmp/public" -v sources="$tmp/sources" -v bad="$tmp/calls" -v pairs="$tmp/pairs" '
     function room_of(f) { sub(/\/[^\/]*$/, "", f); return f }
-    # 1 when a room of src may call another: of a lower layer, or of the same layer and a lower line there.
-    function below(to, from, t, f) {
-        split(to, t, "/"); split(from, f, "/")
-        if (t[2] != f[2]) return level[t[2]] < level[f[2]]
-        return level[substr(to, 5)] + 0 < level[substr(from, 5)] + 0
-    }
+    # 1 when a room of src may call another.
+    function below(to, from) { return level[substr(to, 5)] + 0 < level[substr(from, 5)] + 0 }
     BEGIN {
         while ((getline line < layers) > 0) {
             split(line, word, " ")
@@ -222,10 +189,9 @@ awk -v layers="$tmp/layers" -v public="$tmp/public" -v sources="$tmp/sources" -v
             r = room_of(line)
             if (!(r in files)) room[++n] = r
             files[r]++; there[line] = 1
-            split(r, word, "/")
-            if (word[1] == "src" && word[3] != "" && !(substr(r, 5) in level)) lost[r] = 1
+            if (r ~ /^src\// && !(substr(r, 5) in level)) lost[r] = 1
         }
-        for (r in level) if (r ~ /\// && !(("src/" r) in files)) print "src/LAYERS: no sources in src/" r >bad
+        for (r in level) if (!(("src/" r) in files)) print "src/LAYERS: no sources in src/" r >bad
         for (r in lost) print r ": folder is not in src/LAYERS" >bad
         for (f in table) if (!(f in there)) print "src/LAYERS: no " f >bad
     }
@@ -236,6 +202,7 @@ awk -v layers="$tmp/layers" -v public="$tmp/public" -v sources="$tmp/sources" -v
             split(need[i], word, " ")
             if (!(word[2] in home)) continue
             from = room_of(word[1]); to = room_of(home[word[2]])
+            if (word[1] != home[word[2]] && from ~ /^src\// && !(word[1] in table)) print word[1], home[word[2]] >pairs
             if (from == to) continue
             if (word[1] in table) { exempt[word[1]]++; continue }
             arrows[from]++; all++
@@ -270,6 +237,9 @@ awk -v layers="$tmp/layers" -v public="$tmp/public" -v sources="$tmp/sources" -v
         printf "rooms %d, arrows %d, circles %d\n", n, all, circles
         if (!m) print "no symbols were found" >bad
     }' "$tmp/symbols" >"$tmp/rooms"
+
+# 6. No circle of calls between files either, inside rooms too.
+tsort "$tmp/pairs" 2>&1 >/dev/null | sed 's/^/a circle of calls, /' >>"$bad"
 
 cat "$bad"
 [ ! -f "$tmp/calls" ] || cat "$tmp/calls"

@@ -12,7 +12,7 @@
 #include "registration/goals/forces.h"
 #include "registration/match/match.h"
 #include "log/record/log.h"
-#include "registration/tick/time_budget.h"
+#include "registration/time_budget.h"
 
 #define SMR_STATE_MAGIC 0x736d7254u
 

@@ -131,4 +131,30 @@ void smr_tree_near(const smr_facets *f, const smr_query *q, smr_hit *hit, smr_ne
 /* The point of a triangle with these barycentric weights, mm. */
 smr_vec smr_facet_point(const smr_facets *f, uint32_t triangle, const float weight[3]);
 
+/* order[n_triangles]: the mesh's triangle indexes in tree order (box_tree.h). Scratch: centre [n_triangles][3],
+ * key [n_triangles], tmp [2 n_triangles]. */
+void smr_mesh_order(const smr_mesh *mesh, uint32_t *order, float *centre, uint32_t *key, uint32_t *tmp);
+
+/* The same in steps. centre and order are those of smr_mesh_centres(). */
+#define SMR_ORDER_BYTES 256u /* values of a byte */
+#define SMR_ORDER_SMALL 88u  /* triangles: ranges up to this size are sorted at once */
+
+typedef struct smr_order {
+    const float *centre;                 /* [n][3] of triangles */
+    uint32_t *order, *key, *tmp, *count; /* [n]; [n]; [2 n]; [SMR_ORDER_BYTES] */
+    uint32_t n;
+    uint32_t stack[2u * 3u * SMR_TREE_LEVELS + 2u], top; /* ranges that wait */
+    uint32_t first, size, stage, at;                     /* the range under way; size 0: none */
+    float lo[3], hi[3];                                  /* around its centres */
+} smr_order;
+
+/* centre and order of the triangles first .. last-1, as the caller has them. */
+void smr_mesh_centres(const smr_mesh *mesh, float *centre, uint32_t *order, uint32_t first, uint32_t last);
+void smr_order_start(smr_order *o, uint32_t n, const float *centre, uint32_t *order, uint32_t *key, uint32_t *tmp,
+                     uint32_t *count);
+
+/* Goes on for `most` visits to a triangle, and to sort a small range once more. Returns 1 when the order is complete.
+ * */
+int smr_order_step(smr_order *o, uint32_t most);
+
 #endif

@@ -4,7 +4,7 @@
  * It can be cut into steps, which makes no difference to the order.
  * Bounds: every level sorts each range once; at most 3 levels of splits for each level of the box tree.
  * SPDX-License-Identifier: MIT */
-#include "geometry/surface/mesh.h"
+#include "geometry/box_tree/box_tree.h"
 
 /* An unsigned integer with the same order as the float; -0 equals 0. */
 static uint32_t sortable(float v)

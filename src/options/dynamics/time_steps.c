@@ -12,6 +12,7 @@
  * Bounds: a step ends with passes over the vertices that step_energy.c has in tasks; a start sums over the clusters.
  * SPDX-License-Identifier: MIT */
 #include "options/dynamics/dynamics.h"
+#include "registration/convergence.h"
 
 #define SMR_WEIGHT_UNIT 32.0f     /* of weights around 1: rounding takes 1.6 % of a mass at most */
 #define SMR_WEIGHTS_SUM 262144.0f /* units of a cluster's members; more would make its centre coarse */

@@ -3,7 +3,7 @@
  * Bounds: those of waiting.c.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
-#include "registration/tick/iteration.h"
+#include "registration/radius.h"
 
 /* Where recording stands, but for the memory. */
 static void keep_log(smr_arena *a, smr_log *log)

@@ -4,7 +4,6 @@
 #include "registration/api/setup.h"
 
 #include "registration/tick/iteration.h"
-#include "registration/tick/schedule.h"
 
 /* What iterations consist of. */
 static uint32_t parts_of(const smr_model *model, const smr_config *c)

@@ -6,7 +6,6 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/match/match.h"
 
-#include "geometry/linear_solve/jacobi.h"
 #include "geometry/rotation/rotation.h"
 
 void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared)

@@ -4,7 +4,6 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/tick/iteration_end.h"
 
-#include "options/dynamics/dynamics.h"
 #include "options/track/track.h"
 #include "registration/convergence.h"
 #include "registration/tick/schedule.h"
