@@ -3,7 +3,7 @@
  * Bounds: radix sorts of n vertices; box_tree_order.c for triangles.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"
-#include "geometry/surface/mesh.h"
+#include "geometry/box_tree/box_tree.h"
 #include "prepare/plan.h"
 
 static const float *callers_vertex(const smr_plan *p, uint32_t structure, uint32_t i)

@@ -3,7 +3,7 @@
 #ifndef SMR_MESH_H
 #define SMR_MESH_H
 
-#include "geometry/box_tree/box_tree.h"
+#include "base/base.h"
 
 /* Checks every count, index and coordinate of a caller's mesh. Errors: E_NULL, E_INPUT. */
 smr_status smr_mesh_check(const smr_mesh *mesh);

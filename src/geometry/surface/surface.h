@@ -4,6 +4,7 @@
 #define SMR_SURFACE_H
 
 #include "geometry/box_tree/hilbert_curve.h"
+#include "geometry/box_tree/box_tree.h"
 #include "geometry/surface/mesh.h"
 
 /* Where building or refitting stands, and what only that needs. */

@@ -5,7 +5,7 @@
 #ifndef SMR_DYNAMICS_H
 #define SMR_DYNAMICS_H
 
-#include "registration/radius.h"
+#include "registration/registration.h"
 
 #ifdef SMR_WITHOUT_DYNAMICS
 #define SMR_HAS_DYNAMICS 0

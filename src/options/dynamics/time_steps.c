@@ -13,6 +13,7 @@
  * SPDX-License-Identifier: MIT */
 #include "options/dynamics/dynamics.h"
 #include "registration/convergence.h"
+#include "registration/radius.h"
 
 #define SMR_WEIGHT_UNIT 32.0f     /* of weights around 1: rounding takes 1.6 % of a mass at most */
 #define SMR_WEIGHTS_SUM 262144.0f /* units of a cluster's members; more would make its centre coarse */

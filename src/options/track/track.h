@@ -5,7 +5,7 @@
 #ifndef SMR_TRACK_H
 #define SMR_TRACK_H
 
-#include "registration/radius.h"
+#include "registration/registration.h"
 
 #ifdef SMR_WITHOUT_TRACK
 #define SMR_HAS_TRACK 0

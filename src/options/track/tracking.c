@@ -9,6 +9,7 @@
  * SPDX-License-Identifier: MIT */
 #include "options/track/track.h"
 #include "registration/convergence.h"
+#include "registration/radius.h"
 
 #define SMR_TRACK_REACH 12.0f    /* 1 / share of the radius that goals may be off in the mean */
 #define SMR_TRACK_SOUGHT 0.5f    /* share of the search distance in an image that goals may be off in the mean */

@@ -3,6 +3,8 @@
  * Bounds: those of waiting.c.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
+#include "options/dynamics/dynamics.h"
+#include "options/track/track.h"
 #include "registration/radius.h"
 
 /* Where recording stands, but for the memory. */
