@@ -50,7 +50,8 @@ names $(cat "$tmp/headers" "$tmp/sources") | sort -u |
 
 # Headers and sources in their order, without includes; tables (.def) are put in their places.
 body() {
-    awk -v clashes="$tmp/clashes" '
+    grep -oE 'smr_[a-z0-9_]+\(' include/smr.h | tr -d '(' | sort -u >"$tmp/public"
+    awk -v clashes="$tmp/clashes" -v names="$tmp/public" '
     # The file that an #include names in quotes; without a folder it is in the own one. Else "".
     function included(file, line,   name) {
         if (line !~ /^[ \t]*#[ \t]*include[ \t]*"/) return ""
@@ -60,11 +61,18 @@ body() {
         sub(/[^\/]*$/, name, file)
         return file
     }
+    # 1: the line begins a function that smr.h does not declare. It is static here: compilers drop what nothing calls.
+    function internal(line) {
+        if (line !~ /^[a-z][a-z_0-9 ]*[ *]smr_[a-z_0-9]+\(/ || line ~ /^(static|typedef|extern|return) /) return 0
+        sub(/\(.*/, "", line); sub(/.*[ *]/, "", line)
+        return !(line in public)
+    }
     function title(file) { print "\n/* ------------------------------------------------------------------ " file " */\n" }
     function copy(file,   line, name) {
         while ((getline line < file) > 0) {
             name = included(file, line)
             if (name ~ /\.def$/) copy(name)
+            else if (internal(line)) print "static " line
             else if (line !~ /^[ \t]*#[ \t]*include/) print line
             if (file ~ /\.c$/ && sub(/^[ \t]*#[ \t]*define[ \t]+/, "", line)) {
                 sub(/[^A-Za-z_0-9].*/, "", line)
@@ -95,6 +103,7 @@ body() {
         for (i = 1; i <= n; i++) print "#undef " word[i]
     }
     BEGIN {
+        while ((getline line < names) > 0) public[line] = 1
         while ((getline line < clashes) > 0) {
             n = split(line, word, " ")
             for (i = 2; i <= n; i++) if (word[i] ~ /\.c$/) renamed[word[i]] = renamed[word[i]] " " word[1]
@@ -127,6 +136,7 @@ $(sed 's/^/ * /; s/ *$//' LICENSE)
 /* Names that are private to one source are local ones in others. */
 #if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wunused-function"
 #endif
 
 #include "smr.h"

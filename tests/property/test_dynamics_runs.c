@@ -9,7 +9,7 @@
 
 #include "property/rig.h"
 #include "log/record/log.h"
-#include "registration/registration.h"
+#include "options/dynamics/dynamics.h"
 
 enum { CALLS = 60, ROOM = 60000 };
 

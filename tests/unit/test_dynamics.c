@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "property/rig_motion.h"
-#include "registration/registration.h"
+#include "options/dynamics/dynamics.h"
 
 static smr_mesh bone;
 static rig_motion e;
