@@ -3,9 +3,19 @@
 
 # ---------------------------------------------------------------- variables that the caller may set
 
+# WITHOUT leaves capabilities out of the library: make WITHOUT="image track". The rest of the tree needs all of them,
+# so this builds the library, the program, which then refuses to run, and the golden run.
+CAPABILITIES := image partial track contact dynamics
+WITHOUT ?=
+ifneq ($(filter-out $(CAPABILITIES),$(WITHOUT)),)
+$(error WITHOUT takes words of: $(CAPABILITIES))
+endif
+without := $(subst image,IMAGE,$(subst partial,PARTIAL,$(subst track,TRACK,$(subst contact,CONTACT,\
+           $(subst dynamics,DYNAMICS,$(WITHOUT))))))
+
 # BUILD names the build directory, so several compilers can build side by side:
 #   make BUILD=build/clang CC=clang
-BUILD   ?= build
+BUILD   ?= build$(subst $() ,,$(WITHOUT:%=/without-%))
 PREFIX  ?= /usr/local
 LIBDIR  ?= $(PREFIX)/lib
 DESTDIR ?=
@@ -103,7 +113,7 @@ ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT
         install-shared clean
 .DELETE_ON_ERROR:
 
-all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM)
+all: $(CORE_LIB) $(PTHREAD_LIB) $(PROGRAM) $(if $(WITHOUT),$(BUILD)/golden)
 
 help:
 	@echo 'make                 libsmr.a, libsmr_pthread.a and the program smr in $(BUILD)/'
@@ -135,6 +145,7 @@ help:
 	@echo 'make install         to $$(DESTDIR)$$(PREFIX), default /usr/local; install-core: header and libsmr.a alone,'
 	@echo '                     for cross compilers; install-shared: the shared library'
 	@echo 'make clean           removes $(BUILD)/'
+	@echo 'make WITHOUT="image track"   the library without capabilities: $(CAPABILITIES)'
 	@echo 'Variables: CC, CFLAGS (appended), LDFLAGS, BUILD, WERROR=1 (warnings are errors), PREFIX, LIBDIR,'
 	@echo '           DESTDIR, V=1 (whole commands; a line for every test program)'
 
@@ -143,7 +154,7 @@ help:
 # The core sees its own folders; everything else sees the public header and the ports.
 $(BUILD)/obj/src/%.o: src/%.c
 	$(call begin,CC,$<)
-	$(Q)$(CC) $(ALL_CFLAGS) -Iinclude -Isrc -c $< -o $@
+	$(Q)$(CC) $(ALL_CFLAGS) $(without:%=-DSMR_WITHOUT_%) -Iinclude -Isrc -c $< -o $@
 
 $(BUILD)/obj/port/%.o: port/%.c
 	$(call begin,CC,$<)
@@ -203,7 +214,7 @@ SHARED_LIB := $(BUILD)/libsmr.so.$(version)
 # Calls between the library's own functions cannot be replaced from outside, so they need no detour.
 $(BUILD)/pic/%.o: %.c
 	$(call begin,CC,$< (shared))
-	$(Q)$(CC) $(ALL_CFLAGS) -fPIC -fno-semantic-interposition $(THREADS) -Iinclude -Isrc -c $< -o $@
+	$(Q)$(CC) $(ALL_CFLAGS) -fPIC -fno-semantic-interposition $(without:%=-DSMR_WITHOUT_%) $(THREADS) -Iinclude -Isrc -c $< -o $@
 
 # What the public headers declare is exported, and nothing else.
 $(BUILD)/smr.map: include/smr.h port/pthread/smr_pthread.h
