@@ -118,7 +118,7 @@ smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict)
     return SMR_OK;
 }
 
-smr_status smr_get_seen(const smr *s, uint32_t structure, unsigned char *seen)
+smr_status smr_get_visible(const smr *s, uint32_t structure, unsigned char *seen)
 {
     if (s == NULL || seen == NULL)
         return SMR_E_NULL;

@@ -200,7 +200,7 @@ static void ask(run_pair *p)
     const smr_status status = smr_get_verdict(p->s, rig_random(&p->seed, 2) ? 0u : SMR_ALL, &v);
     assert_true(status == SMR_OK || (status == SMR_E_STATE && p->under_way));
     assert_int_equal(status, smr_get_expected_error(p->s, 0, mm));
-    assert_int_equal(SMR_OK, smr_get_seen(p->s, 0, seen));
+    assert_int_equal(SMR_OK, smr_get_visible(p->s, 0, seen));
     for (uint32_t i = 0; i < p->n_vertices; i++)
         assert_true(seen[i] <= 1u && (status != SMR_OK || mm[i] == -1.0f || (mm[i] >= 0.0f && mm[i] < 1.0e6f)));
     p->asked += status == SMR_OK;

@@ -347,7 +347,7 @@ static void test_one_side(void **state)
     }
     smr *s = run_onto(cloud, CAPACITY, NULL, 1);
     assert_int_equal(SMR_OK, smr_get_positions(s, 0, xyz));
-    assert_int_equal(SMR_OK, smr_get_seen(s, 0, seen));
+    assert_int_equal(SMR_OK, smr_get_visible(s, 0, seen));
     for (uint32_t v = 0; v < part[0].n_vertices; v++) {
         front += seen[v] && part[0].xyz[3u * (size_t)v + 2u] > 5.0f;
         back += seen[v] && part[0].xyz[3u * (size_t)v + 2u] < -15.0f;

@@ -332,7 +332,7 @@ static void same_results(run *r, smr *s, smr *twin)
             memset(&verdict[k], 0, sizeof verdict[k]);
             assert_int_equal(SMR_OK, smr_get_verdict(both[k], i, &verdict[k]));
             assert_int_equal(SMR_OK, smr_get_structure_report(both[k], i, &part[k]));
-            assert_int_equal(SMR_OK, smr_get_seen(both[k], i, seen[k]));
+            assert_int_equal(SMR_OK, smr_get_visible(both[k], i, seen[k]));
             assert_int_equal(SMR_OK, smr_get_normals(both[k], i, xyz[k]));
         }
         assert_memory_equal(&verdict[0], &verdict[1], sizeof verdict[0]);

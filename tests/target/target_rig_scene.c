@@ -17,9 +17,9 @@
 #define TARGET_ARENA                                                                                                   \
     (SMR_ARENA_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS * TARGET_FACETS, TARGET_PARTS, 1, TARGET_POINTS,       \
                      SMR_METHOD_POLAR) +                                                                               \
-     SMR_TRACK_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS) +                                                     \
-     SMR_CONTACT_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS * TARGET_FACETS, TARGET_PARTS) +                     \
-     SMR_SMOOTH_BYTES(TARGET_PARTS * TARGET_POINTS) + SMR_VOLUME_BYTES(TARGET_PARTS))
+     SMR_ARENA_TRACK_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS) +                                               \
+     SMR_ARENA_CONTACT_BYTES(TARGET_PARTS * TARGET_POINTS, TARGET_PARTS * TARGET_FACETS, TARGET_PARTS) +               \
+     SMR_ARENA_SMOOTH_BYTES(TARGET_PARTS * TARGET_POINTS) + SMR_ARENA_VOLUME_BYTES(TARGET_PARTS))
 
 TARGET_MEMORY unsigned char target_arena[2][(TARGET_ARENA + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN]; /* both aligned */
 TARGET_MEMORY unsigned char target_scratch[6u << 20];

@@ -93,7 +93,7 @@ static void test_bytes(void **state)
     assert_int_equal(SMR_OK, smr_arena_bytes(model, &on, &some));
     assert_true(some > none);
 #if !defined(__SANITIZE_ADDRESS__)
-    assert_true(some <= none + SMR_CALLER_BYTES(ball.n_vertices, 1));
+    assert_true(some <= none + SMR_ARENA_CALLER_BYTES(ball.n_vertices, 1));
 #endif
 }
 

@@ -306,7 +306,7 @@ static void test_bits(void **state)
     config.contact = 1.0f;
     config.n_fixed = 1;
     assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &on));
-    assert_true(on - off <= SMR_CONTACT_BYTES(2u * pair[0].n_vertices, 2u * pair[0].n_triangles, 2));
+    assert_true(on - off <= SMR_ARENA_CONTACT_BYTES(2u * pair[0].n_vertices, 2u * pair[0].n_triangles, 2));
 }
 
 static const void *input(void *ctx, const smr_log_record *record)

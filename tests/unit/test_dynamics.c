@@ -48,7 +48,7 @@ static void test_off_costs_nothing(void **state)
     assert_int_equal(SMR_E_ARENA, smr_get_energy(s, &energy));
     assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &on));
     assert_int_equal(SMR_OK, smr_save_bytes(rig_init(e.model, &e.config, NULL), &saved_on));
-    assert_true(on > off + 44u * e.n && on <= off + SMR_DYNAMICS_BYTES(e.n, 1));
+    assert_true(on > off + 44u * e.n && on <= off + SMR_ARENA_DYNAMICS_BYTES(e.n, 1));
     assert_true(saved_on > saved_off + 40u * e.n && saved_on <= saved_off + SMR_SAVE_DYNAMICS_BYTES(e.n, 1));
 }
 

@@ -50,7 +50,7 @@ static void test_noise_fails(void **state)
     const smr_tick_report last = rig_run(s, 200);
     assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
     assert_int_equal(SMR_VERDICT_FAILED, v.level);
-    assert_true((v.reasons & SMR_REASON_LIKENESS) != 0u && v.likeness < 0.5f);
+    assert_true((v.reasons & SMR_REASON_SIMILARITY) != 0u && v.likeness < 0.5f);
     assert_true(last.done == 1u && last.matched_share > 0.3f);
 }
 

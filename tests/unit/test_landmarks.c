@@ -112,7 +112,7 @@ static void test_bytes(void **state)
     assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &some));
     assert_true(some > none);
 #if !defined(__SANITIZE_ADDRESS__)
-    assert_true(some <= none + SMR_LANDMARKS_BYTES(ball[0].n_vertices + ball[1].n_vertices, SMR_LANDMARKS_MAX));
+    assert_true(some <= none + SMR_ARENA_LANDMARKS_BYTES(ball[0].n_vertices + ball[1].n_vertices, SMR_LANDMARKS_MAX));
 #endif
     config.n_landmarks = SMR_LANDMARKS_MAX + 1u;
     assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(model, &config, &some));
@@ -165,7 +165,7 @@ static void test_draw(void **state)
         assert_true(own.has_target == 1u && own.n_forces == N && other.has_target == 0u && other.moved_mean_mm > 0.5f);
         assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &verdict));
         assert_true(verdict.expected_error_mm > 0.0f && verdict.residual_mm < 0.2f);
-        assert_int_equal(SMR_OK, smr_get_seen(s, 0, seen));
+        assert_int_equal(SMR_OK, smr_get_visible(s, 0, seen));
         for (uint32_t i = 0; i < ball[0].n_vertices; i++)
             n_seen += seen[i];
         assert_int_equal(N, n_seen);
@@ -194,7 +194,7 @@ static void test_few(void **state)
     }
     assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &verdict));
     assert_true(verdict.expected_error_mm < 0.0f && verdict.level == SMR_VERDICT_LOOK);
-    assert_true((verdict.reasons & SMR_REASON_UNSEEN) != 0u);
+    assert_true((verdict.reasons & SMR_REASON_LITTLE_VISIBLE) != 0u);
 }
 
 /* Places that cannot be meant: what comes of them is finite. */

@@ -157,7 +157,7 @@ static void test_old_image(void **state)
         assert_true(off_ball(s, &e, i) < 0.8f);
     }
     assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &verdict)); /* profiles are not where the old image has them */
-    assert_int_equal(0, verdict.reasons & SMR_REASON_LIKENESS);
+    assert_int_equal(0, verdict.reasons & SMR_REASON_SIMILARITY);
     set_marks(s, &e, 3);
     (void)until_settled(s);
     assert_true(off_ball(s, &e, 3) < 0.8f);

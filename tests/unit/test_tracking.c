@@ -83,7 +83,7 @@ static void test_off_costs_nothing(void **state)
     assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &off));
     e.config.track = SMR_TRACK_REPORT;
     assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &on));
-    assert_true(on > off + 12u * e.source.n_vertices && on <= off + SMR_TRACK_BYTES(e.source.n_vertices, 1));
+    assert_true(on > off + 12u * e.source.n_vertices && on <= off + SMR_ARENA_TRACK_BYTES(e.source.n_vertices, 1));
     e.config.track = SMR_TRACK_OFF;
     smr *s = rig_init(e.model, &e.config, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&e.target)));

@@ -51,19 +51,19 @@ static void test_refusals(void **state)
     (void)state;
     assert_int_equal(SMR_E_NULL, smr_get_verdict(NULL, 0, &v));
     assert_int_equal(SMR_E_NULL, smr_get_verdict(s, 0, NULL));
-    assert_int_equal(SMR_E_NULL, smr_get_seen(s, 0, NULL));
+    assert_int_equal(SMR_E_NULL, smr_get_visible(s, 0, NULL));
     assert_int_equal(SMR_E_NULL, smr_get_expected_error(s, 0, NULL));
     assert_int_equal(SMR_E_INPUT, smr_get_verdict(s, 1, &v));
-    assert_int_equal(SMR_E_INPUT, smr_get_seen(s, SMR_ALL, seen));
+    assert_int_equal(SMR_E_INPUT, smr_get_visible(s, SMR_ALL, seen));
     assert_int_equal(SMR_E_INPUT, smr_get_expected_error(s, SMR_ALL, mm));
     s->next_task = 1; /* as if an iteration were under way */
     assert_int_equal(SMR_E_STATE, smr_get_verdict(s, 0, &v));
     assert_int_equal(SMR_E_STATE, smr_get_expected_error(s, 0, mm));
-    assert_int_equal(SMR_OK, smr_get_seen(s, 0, seen));
+    assert_int_equal(SMR_OK, smr_get_visible(s, 0, seen));
     s->next_task = 0;
     assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &v));
     assert_int_equal(SMR_VERDICT_FAILED, v.level); /* nothing has been looked at yet */
-    assert_true((v.reasons & SMR_REASON_NOTHING_SEEN) != 0u);
+    assert_true((v.reasons & SMR_REASON_NOTHING_VISIBLE) != 0u);
 }
 
 static void test_good(void **state)
@@ -107,7 +107,7 @@ static void test_half(void **state)
     (void)state;
     (void)rig_run(s, 400);
     assert_int_equal(SMR_OK, smr_model_structure(model, 0, &info));
-    assert_int_equal(SMR_OK, smr_get_seen(s, 0, seen));
+    assert_int_equal(SMR_OK, smr_get_visible(s, 0, seen));
     assert_int_equal(SMR_OK, smr_get_expected_error(s, 0, mm));
     for (uint32_t i = 0; i < info.n_vertices; i++) {
         assert_true(isfinite(mm[i]) && mm[i] >= 0.0f && seen[i] <= 1u);
@@ -238,7 +238,7 @@ static void test_part(void **state)
         for (int whole = 0; whole < 2; whole++) {
             smr_judge(&v, 4.0f, whole);
             assert_int_equal(k == 1u ? SMR_VERDICT_LOOK : SMR_VERDICT_GOOD, v.level);
-            assert_int_equal(k == 1u ? SMR_REASON_UNSEEN : 0u, v.reasons);
+            assert_int_equal(k == 1u ? SMR_REASON_LITTLE_VISIBLE : 0u, v.reasons);
         }
     }
     v = fair(0.02f, 3.5f);

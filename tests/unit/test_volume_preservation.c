@@ -134,7 +134,7 @@ static void test_bytes(void **state)
     assert_int_equal(SMR_OK, smr_arena_bytes(model, &on, &most));
     assert_true(most > least);
 #if !defined(__SANITIZE_ADDRESS__)
-    assert_true(most <= least + SMR_VOLUME_BYTES(1));
+    assert_true(most <= least + SMR_ARENA_VOLUME_BYTES(1));
 #endif
 }
 

@@ -92,7 +92,7 @@ static const char *check_verdict(smr *s, const smr_model_info *info, const smr_m
             wrong = "expected errors";
         else if (smr_get_local_volume(s, k, 5.0f * (float)k, mm) != SMR_OK || !unit_finite(mm, one.n_vertices, 1e6f))
             wrong = "local volumes";
-        else if (smr_get_seen(s, k, seen) != SMR_OK || (one.n_vertices > 0u && seen[one.n_vertices - 1u] > 1u))
+        else if (smr_get_visible(s, k, seen) != SMR_OK || (one.n_vertices > 0u && seen[one.n_vertices - 1u] > 1u))
             wrong = "what is seen";
         unit_free(mm);
         unit_free(seen);

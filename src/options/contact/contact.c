@@ -5,7 +5,7 @@
  * Inside, the way out leads through triangles that face the vertex' own normal, so that a thin structure is not passed
  * through; from fixed surfaces it is the shortest. What a vertex touches fades in and out with distance.
  * A lower bound on the distance to everything spares most searches: it falls by what has moved since.
- * Bounds: two searches of config.node_budget tree nodes for each vertex and body whose box is near.
+ * Bounds: two searches of config.forces.node_budget tree nodes for each vertex and body whose box is near.
  * SPDX-License-Identifier: MIT */
 #include "options/contact/contact.h"
 

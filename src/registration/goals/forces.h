@@ -36,7 +36,7 @@ typedef struct smr_forces {
     uint8_t *found;      /* [n] SMR_FOUND_..., of the forces under way */
     uint8_t *found_last; /* [n] the same, of the last complete forces */
     smr_force_totals totals;
-    float matched;       /* as smr_tick_report.matched_share */
+    float matched;       /* as smr_tick_report.details.matched_share */
     uint32_t unmeasured; /* 1: no complete forces since a target, the image or positions were set */
 } smr_forces;
 

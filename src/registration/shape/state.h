@@ -48,7 +48,7 @@ typedef struct smr_shared {
     float mass_unit;          /* masses are whole multiples of 1 / mass_unit */
     float mass_sum;           /* of all vertices, in dynamics; 0: not known */
     const float *mass;        /* [n] weights in the clusters' fits, in dynamics; NULL: the model's masses */
-    float min_cos;            /* of config.normal_deg */
+    float min_cos;            /* of config.forces.normal_deg */
 } smr_shared;
 
 /* Image that is followed: no iteration stands on it; one does; and what else is followed has gone on since then. */

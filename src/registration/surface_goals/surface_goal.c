@@ -1,6 +1,6 @@
 /* surface_goal.c: the goal of a vertex on its target surface: the closest point with an agreeing normal, blended with
  * the target's own pull (target_attraction.c). What runs along the model's surface counts with a share only.
- * Source: paper 2.1 and 3, geometric registration. Bounds: config.node_budget tree nodes a vertex.
+ * Source: paper 2.1 and 3, geometric registration. Bounds: config.forces.node_budget tree nodes a vertex.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
 #include "registration/surface_goals/surface_goal.h"

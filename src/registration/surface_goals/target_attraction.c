@@ -4,7 +4,7 @@
  * other places of the same structure are nearly as near, it pulls there, too, the less the farther they are: which of
  * two places is nearer by a last bit then changes next to nothing. Pulls are summed as 64-bit whole numbers, per
  * worker and then over workers: any order gives the same bits.
- * Bounds: config.node_budget tree nodes for each target vertex and structure that shares its surface.
+ * Bounds: config.forces.node_budget tree nodes for each target vertex and structure that shares its surface.
  * SPDX-License-Identifier: MIT */
 #include "registration/surface_goals/surface_goal.h"
 
