@@ -4,7 +4,8 @@
 
 enum { N = 21, NV = N * N, NT = 2 * (N - 1) * (N - 1) };
 static _Alignas(SMR_ALIGN) unsigned char scratch[1 << 20], prepared[1 << 18], memory[SMR_SURFACE_BYTES(NV, NT)];
-static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(NV, NT, 1, 1, NV, SMR_METHOD_RIGID) + SMR_TRACK_BYTES(NV, 1)];
+static _Alignas(
+    SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(NV, NT, 1, 1, NV, SMR_METHOD_RIGID) + SMR_ARENA_TRACK_BYTES(NV, 1)];
 static float flat[NV][3], seen[NV][3];
 static uint32_t triangles[NT][3];
 
@@ -32,8 +33,8 @@ int main(void)
     const smr_mesh goal = {&seen[0][0], &triangles[0][0], NV, NT};
     const smr_prepare_config prepare = smr_prepare_config_default();
     smr_config config = smr_config_default();
-    config.n_target_vertices = NV;
-    config.track = SMR_TRACK_RECOVER; /* follow, and look for what jumped */
+    config.basic.n_target_vertices = NV;
+    config.track.mode = SMR_TRACK_RECOVER; /* follow, and look for what jumped */
     size_t bytes;
     const smr_model *model;
     smr_surface *target;
@@ -41,18 +42,23 @@ int main(void)
     smr_tick_report report = {0};
     see(0);
     if (smr_prepare(&sheet, 1, &prepare, scratch, sizeof scratch, prepared, sizeof prepared, &bytes) != SMR_OK ||
-        smr_model_open(prepared, bytes, &model) != SMR_OK || smr_init(model, &config, NULL, arena, sizeof arena, &s) != SMR_OK ||
-        smr_surface_build(&goal, memory, sizeof memory, &target) != SMR_OK || smr_set_surface(s, SMR_ALL, target) != SMR_OK)
+        smr_model_open(prepared, bytes, &model) != SMR_OK ||
+        smr_init(model, &config, NULL, arena, sizeof arena, &s) != SMR_OK ||
+        smr_surface_build(&goal, memory, sizeof memory, &target) != SMR_OK ||
+        smr_set_surface(s, SMR_ALL, target) != SMR_OK)
         return 1;
-    while (!report.settled) /* the first frame: coarse to fine */
-        if (smr_tick(s, 0, &report) != SMR_OK) return 1;
+    while (!report.details.settled) /* the first frame: coarse to fine */
+        if (smr_tick(s, 0, &report) != SMR_OK)
+            return 1;
     for (unsigned frame = 1; frame <= 60; frame++) {
         see(frame); /* new positions of the same triangles */
         if (smr_surface_refit(target, &seen[0][0]) != SMR_OK || smr_surface_step(target, 0, NULL, 0) != SMR_OK ||
-            smr_set_surface(s, SMR_ALL, target) != SMR_OK) return 1;
-        for (int tick = 0; tick < 8 && (tick == 0 || !report.settled); tick++)
-            if (smr_tick(s, 0, &report) != SMR_OK) return 1;
+            smr_set_surface(s, SMR_ALL, target) != SMR_OK)
+            return 1;
+        for (int tick = 0; tick < 8 && (tick == 0 || !report.details.settled); tick++)
+            if (smr_tick(s, 0, &report) != SMR_OK)
+                return 1;
     }
-    printf("%.3f mm from the target, jumped %u\n", (double)report.residual_mean_mm, report.jumped);
-    return report.jumped != 0 || report.residual_mean_mm > 0.5f;
+    printf("%.3f mm from the target, jumped %u\n", (double)report.residual_mean_mm, report.details.jumped);
+    return report.details.jumped != 0 || report.residual_mean_mm > 0.5f;
 }

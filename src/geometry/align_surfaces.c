@@ -1,7 +1,7 @@
 /* align_surfaces.c: the start pose from two surfaces, without landmarks, and what is to be said about it.
  * Method: align_find.c finds good poses; the best one is refined over all pairs when both surfaces are explained as
  * wholes, else over the pairs that belong together. The pose as given is kept when it is about as good.
- * Bounds: those of align_find.c, and two refinements of config.iterations rounds.
+ * Bounds: those of align_find.c, and two refinements of config.basic.iterations rounds.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "geometry/align_find.h"

@@ -13,7 +13,7 @@ function linked(text, own,    out, word, to) {
     while (match(text, /[A-Za-z_][A-Za-z_0-9]*(\.[A-Za-z_][A-Za-z_0-9]*)*/)) {
         out = out escape(substr(text, 1, RSTART - 1))
         word = substr(text, RSTART, RLENGTH); text = substr(text, RSTART + RLENGTH); to = word
-        if (to ~ /[.]/ && !(to in block)) to = "smr_" to   # config.track is smr_config.track
+        if (to ~ /[.]/ && !(to in block)) to = "smr_" to   # config.track.mode is smr_config.track.mode
         if (to ~ /^E_/) to = "SMR_" to   # E_INPUT is SMR_E_INPUT
         if ((to in block) && block[to] != own) out = out "<a href=\"#" to "\">" word "</a>"
         else if ((to in block) && to ~ /[.]/) out = out "<a href=\"#" to "\">" word "</a>"

@@ -96,7 +96,7 @@ static void test_not_a_registration(void **state)
     assert_int_equal(SMR_E_STATE, smr_get_verdict(s, SMR_ALL, &verdict));
     assert_int_equal(SMR_E_STATE, smr_get_expected_error(s, 0, xyz));
     assert_int_equal(SMR_E_STATE, smr_get_local_volume(s, 0, 0, xyz));
-    assert_int_equal(SMR_E_STATE, smr_get_seen(s, 0, seen));
+    assert_int_equal(SMR_E_STATE, smr_get_visible(s, 0, seen));
     assert_true(smr_state_hash(s) == 0u);
     assert_int_equal(SMR_E_STATE, smr_set_surface(good, 0, (const smr_surface *)rig_alloc(4096)));
     assert_int_equal(SMR_E_INPUT, smr_set_surface(good, 1, surface));
@@ -109,12 +109,12 @@ static void test_not_a_registration(void **state)
     assert_int_equal(SMR_E_INPUT, smr_get_verdict(good, SMR_ALL - 1u, &verdict));
     assert_int_equal(SMR_E_INPUT, smr_get_expected_error(good, 1, xyz));
     assert_int_equal(SMR_E_INPUT, smr_get_local_volume(good, 1, 0, xyz));
-    assert_int_equal(SMR_E_INPUT, smr_get_seen(good, SMR_ALL, seen));
+    assert_int_equal(SMR_E_INPUT, smr_get_visible(good, SMR_ALL, seen));
     memcpy(copy, good, 1024); /* the head is enough: it says where it was */
     assert_int_equal(SMR_E_STATE, smr_get_verdict((smr *)(void *)copy, 0, &verdict));
     assert_int_equal(SMR_E_STATE, smr_get_expected_error((smr *)(void *)copy, 0, xyz));
     assert_int_equal(SMR_E_STATE, smr_get_local_volume((smr *)(void *)copy, 0, 0, xyz));
-    assert_int_equal(SMR_E_STATE, smr_get_seen((smr *)(void *)copy, 0, seen));
+    assert_int_equal(SMR_E_STATE, smr_get_visible((smr *)(void *)copy, 0, seen));
 }
 
 /* Refused by both calls, with *out and *bytes as they were. */
@@ -135,7 +135,7 @@ static void refused(const smr_config *config, const char *field)
 #define REFUSE(field, value)                                                                                           \
     do {                                                                                                               \
         smr_config c_ = smr_config_default();                                                                          \
-        c_.use_box = 1;                                                                                                \
+        c_.forces.use_box = 1;                                                                                         \
         c_.field = (value);                                                                                            \
         refused(&c_, #field " = " #value);                                                                             \
     } while (0)
@@ -156,76 +156,76 @@ static void test_every_field(void **state)
     REFUSE(cookie, smr_config_default().cookie + 1u);
     REFUSE(cookie, smr_config_default().cookie ^ 0x10000u);
     REFUSE(cookie, smr_prepare_config_default().cookie);
-    REFUSE(n_workers, 0);
-    REFUSE(n_workers, SMR_WORKERS_MAX + 1u);
-    REFUSE(n_workers, UINT32_MAX);
-    REFUSE(n_target_vertices, SMR_VERTICES_MAX + 1u);
-    REFUSE(n_target_vertices, UINT32_MAX);
-    REFUSE_FLOAT(stiffness);
-    REFUSE(stiffness, 0.0f);
-    REFUSE(stiffness, 1.001f);
-    REFUSE_FLOAT(attraction);
-    REFUSE(attraction, 1.001f);
-    REFUSE_FLOAT(slide);
-    REFUSE_FLOAT(sideways);
-    REFUSE(sideways, 1.001f);
-    REFUSE(slide, 1.001f);
-    REFUSE_FLOAT(even);
-    REFUSE(even, 1.001f);
-    REFUSE_FLOAT(search_mm);
-    REFUSE(search_mm, 0.0f);
-    REFUSE(search_mm, SMR_COORD_MAX * 1.001f);
-    REFUSE_FLOAT(search_radii);
-    REFUSE(search_radii, 0.0f);
-    REFUSE(search_radii, 1.1e6f);
-    REFUSE_FLOAT(normal_deg);
-    REFUSE(normal_deg, 0.0f);
-    REFUSE(normal_deg, 180.01f);
-    REFUSE_FLOAT(reject_deviations);
-    REFUSE(reject_border, 2);
-    REFUSE(use_box, 2);
-    REFUSE(node_budget, 7);
-    REFUSE(node_budget, 1000001);
-    REFUSE(node_budget, UINT32_MAX);
-    REFUSE(method, 2);
-    REFUSE(method, UINT32_MAX);
+    REFUSE(basic.n_workers, 0);
+    REFUSE(basic.n_workers, SMR_WORKERS_MAX + 1u);
+    REFUSE(basic.n_workers, UINT32_MAX);
+    REFUSE(basic.n_target_vertices, SMR_VERTICES_MAX + 1u);
+    REFUSE(basic.n_target_vertices, UINT32_MAX);
+    REFUSE_FLOAT(forces.stiffness);
+    REFUSE(forces.stiffness, 0.0f);
+    REFUSE(forces.stiffness, 1.001f);
+    REFUSE_FLOAT(basic.attraction);
+    REFUSE(basic.attraction, 1.001f);
+    REFUSE_FLOAT(basic.slide);
+    REFUSE_FLOAT(image.sideways);
+    REFUSE(image.sideways, 1.001f);
+    REFUSE(basic.slide, 1.001f);
+    REFUSE_FLOAT(basic.even);
+    REFUSE(basic.even, 1.001f);
+    REFUSE_FLOAT(basic.search_mm);
+    REFUSE(basic.search_mm, 0.0f);
+    REFUSE(basic.search_mm, SMR_COORD_MAX * 1.001f);
+    REFUSE_FLOAT(forces.search_radii);
+    REFUSE(forces.search_radii, 0.0f);
+    REFUSE(forces.search_radii, 1.1e6f);
+    REFUSE_FLOAT(forces.normal_deg);
+    REFUSE(forces.normal_deg, 0.0f);
+    REFUSE(forces.normal_deg, 180.01f);
+    REFUSE_FLOAT(forces.reject_deviations);
+    REFUSE(forces.reject_border, 2);
+    REFUSE(forces.use_box, 2);
+    REFUSE(forces.node_budget, 7);
+    REFUSE(forces.node_budget, 1000001);
+    REFUSE(forces.node_budget, UINT32_MAX);
+    REFUSE(basic.method, 2);
+    REFUSE(basic.method, UINT32_MAX);
 }
 
 static void test_every_field_of_the_schedule(void **state)
 {
     (void)state;
-    REFUSE_FLOAT(relaxation);
-    REFUSE(relaxation, 0.0f);
-    REFUSE(relaxation, 1.001f);
-    REFUSE_FLOAT(momentum);
-    REFUSE(momentum, 1.0f);
-    REFUSE_FLOAT(plastic_um);
-    REFUSE_FLOAT(settle_um);
-    REFUSE(plastic_every, 1001);
-    REFUSE(fold_guard, 2);
-    REFUSE(normals, 2);
-    REFUSE(radius_first, 2); /* the model has radii 0 and 1 */
-    REFUSE(radius_first, SMR_ALL);
-    REFUSE(radius_last, 2);
-    REFUSE(radius_last, SMR_FINEST - 1u);
-    REFUSE(iterations, 0);
-    REFUSE(iterations, 100001);
-    REFUSE(iterations_last, 0);
-    REFUSE(iterations_last, 100001);
+    REFUSE_FLOAT(motion.relaxation);
+    REFUSE(motion.relaxation, 0.0f);
+    REFUSE(motion.relaxation, 1.001f);
+    REFUSE_FLOAT(motion.momentum);
+    REFUSE(motion.momentum, 1.0f);
+    REFUSE_FLOAT(motion.plastic_um);
+    REFUSE_FLOAT(motion.settle_um);
+    REFUSE(motion.plastic_every, 1001);
+    REFUSE(motion.fold_guard, 2);
+    REFUSE(motion.normals, 2);
+    REFUSE(schedule.radius_first, 2); /* the model has radii 0 and 1 */
+    REFUSE(schedule.radius_first, SMR_ALL);
+    REFUSE(schedule.radius_last, 2);
+    REFUSE(schedule.radius_last, SMR_FINEST - 1u);
+    REFUSE(basic.iterations, 0);
+    REFUSE(basic.iterations, 100001);
+    REFUSE(basic.iterations_last, 0);
+    REFUSE(basic.iterations_last, 100001);
     for (uint32_t i = 0; i < 3u; i++) {
-        REFUSE(box_min[i], NAN);
-        REFUSE(box_max[i], NAN);
-        REFUSE(box_min[i], -INFINITY);
-        REFUSE(box_max[i], INFINITY);
-        REFUSE(box_min[i], 1.0f); /* above the maximum, 0 */
-        REFUSE(box_max[i], 1.0e6f);
+        REFUSE(forces.box_min[i], NAN);
+        REFUSE(forces.box_max[i], NAN);
+        REFUSE(forces.box_min[i], -INFINITY);
+        REFUSE(forces.box_max[i], INFINITY);
+        REFUSE(forces.box_min[i], 1.0f); /* above the maximum, 0 */
+        REFUSE(forces.box_max[i], 1.0e6f);
     }
     smr_config config = smr_config_default();
-    config.radius_first = 1;
-    config.radius_last = 0;
+    config.schedule.radius_first = 1;
+    config.schedule.radius_last = 0;
     refused(&config, "radius_first > radius_last");
     config = smr_config_default();
-    config.box_min[0] = NAN; /* not looked at without use_box */
+    config.forces.box_min[0] = NAN; /* not looked at without use_box */
     (void)rig_init(model, &config, NULL);
 }
 
@@ -242,7 +242,7 @@ static void test_port(void **state)
     port.n_workers = UINT32_MAX;
     assert_int_equal(SMR_E_CONFIG, smr_init(model, &config, &port, memory, 1u << 18, &out));
     assert_null(out);
-    config.n_workers = 3; /* more than the port has is fine */
+    config.basic.n_workers = 3; /* more than the port has is fine */
     port.n_workers = 2;
     assert_int_equal(SMR_OK, smr_init(model, &config, &port, memory, 1u << 18, &out));
 }
@@ -257,9 +257,9 @@ static void test_arena_edges(void **state)
             for (uint32_t targets = 0; targets <= 100u; targets += 100u) {
                 smr_config config = smr_config_default();
                 size_t bytes = 0;
-                config.method = method;
-                config.n_workers = workers;
-                config.n_target_vertices = targets;
+                config.basic.method = method;
+                config.basic.n_workers = workers;
+                config.basic.n_target_vertices = targets;
                 assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &bytes));
                 unsigned char *memory = rig_alloc(bytes + 128u), *copy = rig_alloc(bytes + 128u);
                 memset(memory, 0xa5, bytes + 128u);
@@ -284,7 +284,7 @@ static void test_target_larger_than_promised(void **state)
 {
     smr_config config = smr_config_default();
     (void)state;
-    config.n_target_vertices = other.n_vertices - 1u;
+    config.basic.n_target_vertices = other.n_vertices - 1u;
     smr *s = rig_init(model, &config, NULL);
     const uint64_t before = smr_state_hash(s);
     assert_int_equal(SMR_E_ARENA, smr_set_surface(s, 0, surface));
@@ -293,7 +293,7 @@ static void test_target_larger_than_promised(void **state)
     smr_structure_report part;
     assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &part));
     assert_int_equal(0, part.has_target);
-    config.n_target_vertices = other.n_vertices;
+    config.basic.n_target_vertices = other.n_vertices;
     s = rig_init(model, &config, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface));
 }
@@ -323,20 +323,21 @@ static void test_arena_macro(void **state)
             for (uint32_t k = 0; k < 24u; k++) {
                 smr_config config = smr_config_default();
                 size_t bytes = 0;
-                config.n_workers = workers[k % 4u];
-                config.n_target_vertices = targets[k / 4u % 3u];
-                config.method = k / 12u;
+                config.basic.n_workers = workers[k % 4u];
+                config.basic.n_target_vertices = targets[k / 4u % 3u];
+                config.basic.method = k / 12u;
                 assert_int_equal(SMR_OK, smr_arena_bytes(m, &config, &bytes));
-                const size_t bound = SMR_ARENA_BYTES(info.n_vertices, info.n_triangles, info.n_structures,
-                                                     config.n_workers, config.n_target_vertices, config.method);
+                const size_t bound =
+                    SMR_ARENA_BYTES(info.n_vertices, info.n_triangles, info.n_structures, config.basic.n_workers,
+                                    config.basic.n_target_vertices, config.basic.method);
                 const double ratio = (double)bytes / (double)bound;
                 worst = ratio > worst ? ratio : worst;
                 if (size == 4u)
                     waste = 1.0 / ratio > waste ? 1.0 / ratio : waste;
                 if (bytes > bound) {
                     print_message("%u vertices %u triangles %u structures %u workers %u targets: %zu > %zu\n",
-                                  info.n_vertices, info.n_triangles, info.n_structures, config.n_workers,
-                                  config.n_target_vertices, bytes, bound);
+                                  info.n_vertices, info.n_triangles, info.n_structures, config.basic.n_workers,
+                                  config.basic.n_target_vertices, bytes, bound);
                 }
             }
         }

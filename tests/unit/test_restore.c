@@ -71,7 +71,7 @@ static void test_waits(void **state)
         assert_int_equal(SMR_E_STATE, smr_get_verdict(s, 0, &verdict));
         assert_int_equal(SMR_E_STATE, smr_get_expected_error(s, 0, xyz[0]));
         assert_int_equal(SMR_E_STATE, smr_get_local_volume(s, 0, 0, xyz[0]));
-        assert_int_equal(SMR_E_STATE, smr_get_seen(s, 0, memory));
+        assert_int_equal(SMR_E_STATE, smr_get_visible(s, 0, memory));
         assert_int_equal(SMR_E_STATE, smr_get_structure_report(s, 0, &part));
         assert_int_equal(SMR_E_STATE, smr_replay_start(s, unit_recorded.log, unit_recorded.bytes, NULL, NULL, &replay));
         for (uint32_t i = 0; i < 2u; i++) {

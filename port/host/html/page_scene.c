@@ -87,7 +87,7 @@ static int find_known(scene *s)
             for (k = 0; k < n; k++)
                 of->expected[k] = -1.0f;
         if (!job->kept_start)
-            (void)smr_get_seen(job->state, i, of->seen);
+            (void)smr_get_visible(job->state, i, of->seen);
     }
     host_parallel(&job->port.port, measure, s, job->model.n_parts);
     return 0;

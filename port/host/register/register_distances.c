@@ -91,7 +91,7 @@ static int find_seen(const host_job *job, room *r)
     for (i = 0; i < job->model.n_parts; i++) {
         if (!is_compared(job, i))
             continue;
-        if (smr_get_seen(job->state, i, at) != SMR_OK)
+        if (smr_get_visible(job->state, i, at) != SMR_OK)
             return 0;
         r->seen[q++] = at;
         at += job->result[i].mesh.n_vertices;

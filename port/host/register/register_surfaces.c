@@ -32,7 +32,7 @@ static int fill_displacement(const host_job *job, uint32_t part, float *displace
 static int fill_known(const host_job *job, uint32_t part, unsigned char *seen, float *expected, float *volume)
 {
     uint32_t i = 0;
-    if (smr_get_seen(job->state, part, seen) != SMR_OK ||
+    if (smr_get_visible(job->state, part, seen) != SMR_OK ||
         smr_get_expected_error(job->state, part, expected) != SMR_OK ||
         smr_get_local_volume(job->state, part, 0, volume) != SMR_OK)
         return -1;

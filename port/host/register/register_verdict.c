@@ -192,7 +192,7 @@ static void judge_measures(smr *s, uint32_t structure, smr_verdict *measures, ho
         return;
     if (measures->expected_error_mm >= 0.0f)
         verdict->expected_error_mm = (double)measures->expected_error_mm;
-    for (bit = SMR_REASON_NOTHING_SEEN << 1; bit <= measures->reasons; bit <<= 1)
+    for (bit = SMR_REASON_NOTHING_VISIBLE << 1; bit <= measures->reasons; bit <<= 1)
         if ((measures->reasons & bit) != 0)
             host_verdict_add(verdict, levels[measures->level], "%s", smr_reason_text(bit));
 }
@@ -235,8 +235,8 @@ void host_job_verdict(host_job *job)
     judge_contact(job, &job->verdict);
     judge_contradiction(job, &job->verdict);
     judge_measures(job->state, SMR_ALL, &job->measures, &job->verdict);
-    if (job->target_seen && (job->measures.reasons & SMR_REASON_NOTHING_SEEN) != 0)
-        host_verdict_add(&job->verdict, HOST_VERDICT_FAILED, "%s", smr_reason_text(SMR_REASON_NOTHING_SEEN));
+    if (job->target_seen && (job->measures.reasons & SMR_REASON_NOTHING_VISIBLE) != 0)
+        host_verdict_add(&job->verdict, HOST_VERDICT_FAILED, "%s", smr_reason_text(SMR_REASON_NOTHING_VISIBLE));
     for (i = 0; i < job->model.n_parts; i++) {
         smr_verdict measures;
         job->result[i].verdict.expected_error_mm = (double)NAN;

@@ -47,7 +47,7 @@ uint32_t smr_evolve_tasks(const void *arg) { return ((const smr_evolve *)arg)->s
 static smr_vec swept(const smr_evolve *e, uint32_t v, smr_vec average)
 {
     const int drawn = e->forces->found_last[v] == SMR_FOUND_GOAL;
-    const float share = drawn ? e->shared->config.stiffness : 0.0f;
+    const float share = drawn ? e->shared->config.forces.stiffness : 0.0f;
     const smr_vec x = smr_load(smr_at3(e->shape->x, v));
     const smr_vec pull = smr_add(smr_scale(x, share), smr_load(smr_at3(e->forces->force, v)));
     return smr_dynamics_next(e->shape->dynamics, v, average, share, drawn ? pull : smr_v(0, 0, 0));
@@ -58,7 +58,7 @@ void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
     const smr_evolve *e = arg;
     const smr_shape shape = *e->shape;
     uint32_t *const sum = e->sums->sum;
-    const float *const share = e->reference->share, relaxation = e->shared->config.relaxation;
+    const float *const share = e->reference->share, relaxation = e->shared->config.motion.relaxation;
     (void)worker;
     const float inverse[2] = {1.0f / e->sums->scale[0], 1.0f / e->sums->scale[1]};
     const uint32_t last = smr_chunk_end(e->shared, task);
@@ -96,7 +96,7 @@ void smr_evolve_measure(void *arg, uint32_t task, uint32_t worker)
     smr_evolve *e = arg;
     float *const x = e->shape->x, *const x_next = e->shape->x_next;
     const uint32_t last = smr_chunk_end(e->shared, task);
-    const int by_mean = e->shared->config.plastic_by == SMR_PLASTIC_MEAN;
+    const int by_mean = e->shared->config.motion.plastic_by == SMR_PLASTIC_MEAN;
     float moved2 = 0.0f, sum = 0.0f;
     uint64_t hash = 0;
     (void)worker;

@@ -29,7 +29,7 @@ typedef struct smr_volumes {
     const smr_pace *pace;
     const smr_shape *shape; /* x_next is changed */
     const smr_sums *sums;   /* the next normals lie there */
-    smr_held_volume *held;  /* [n_structures]; NULL: config.volume is 0 */
+    smr_held_volume *held;  /* [n_structures]; NULL: config.contact.volume is 0 */
 } smr_volumes;
 
 void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared);

@@ -8,9 +8,9 @@
 
 void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared *shared)
 {
-    if (shared->config.caller_goals != 0u)
+    if (shared->config.caller.goals != 0u)
         g->goals = smr_slot_scratch(a, g->goals, shared->n_structures, sizeof *g->goals); /* set again: waiting.c */
-    if (shared->config.caller_force != SMR_CALLER_OFF)
+    if (shared->config.caller.force != SMR_CALLER_OFF)
         g->gave = smr_slot_scratch(a, g->gave, shared->n, 4u * sizeof(float));
 }
 
@@ -108,7 +108,7 @@ void smr_caller_ask(void *arg, uint32_t task, uint32_t worker)
     }
     ask(g, &view, &c);
     int good = keep(g, &c, first, n);
-    if (g->shared->config.caller_force == SMR_CALLER_CHECKED) {
+    if (g->shared->config.caller.force == SMR_CALLER_CHECKED) {
         ask(g, &view, &c);
         good &= same(g, &c, first, n);
     }

@@ -14,10 +14,10 @@ typedef struct smr_caller_goals {
     const smr_pace *pace;
     const smr_shape *shape;
     /* written by setup/caller.c */
-    smr_goals *goals; /* [n_structures]; NULL: config.caller_goals is 0 */
+    smr_goals *goals; /* [n_structures]; NULL: config.caller.goals is 0 */
     smr_force force;  /* NULL: none */
     void *ctx;
-    float *gave;     /* [n][4] what the force gave: way, mm, and weight; NULL: config.caller_force is off */
+    float *gave;     /* [n][4] what the force gave: way, mm, and weight; NULL: config.caller.force is off */
     uint32_t broken; /* 1: the force broke its contract. Any thread sets it, atomically */
     uint32_t summed; /* 1: `sum` is of the forces under way, which are complete */
     uint64_t sum;    /* checksum of what it gave to active vertices */

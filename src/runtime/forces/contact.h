@@ -31,8 +31,8 @@ typedef struct smr_contact {
     const smr_pace *pace;
     const smr_shape *shape;
     const float *moved_mm;    /* largest displacement of the last iteration */
-    smr_fixed_surface *fixed; /* [config.n_fixed] */
-    /* NULL: config.contact is 0 */
+    smr_fixed_surface *fixed; /* [config.contact.n_fixed] */
+    /* NULL: config.contact.share is 0 */
     float *box;          /* [n_bodies][6] lowest and highest corner, mm from the shape's origin; of structures where
                            an iteration begins */
     uint8_t *closed;     /* [n_structures] 1: it has an inside, which its triangles look away from */

@@ -41,7 +41,7 @@ typedef struct smr_forces {
     uint8_t *found;      /* [n] SMR_FOUND_..., of the forces under way */
     uint8_t *found_last; /* [n] the same, of the last complete forces */
     smr_force_totals totals;
-    float matched;       /* as smr_tick_report.matched_share */
+    float matched;       /* as smr_tick_report.details.matched_share */
     uint32_t unmeasured; /* 1: no complete forces since a target, the image or positions were set */
 } smr_forces;
 
@@ -155,7 +155,7 @@ static inline void smr_sources_drop(smr_forces *f, uint32_t v)
 static inline float smr_weight_beside(const smr_forces *f, int rest)
 {
     const int looks = f->image.has_image && !smr_field_of_past(&f->unseen);
-    return rest ? 1.0f : looks ? f->shared->config.image_beside * f->pace->ease : 0.0f;
+    return rest ? 1.0f : looks ? f->shared->config.image.beside * f->pace->ease : 0.0f;
 }
 
 /* The way to a goal on the surface, to one in the image beside it, and of what neither shows. Of a part goals on the

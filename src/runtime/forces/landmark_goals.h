@@ -24,7 +24,7 @@ typedef struct smr_bound_landmark {
 typedef struct smr_landmark_goals {
     const smr_shared *shared;
     const smr_shape *shape;
-    smr_bound_landmark *landmark; /* [config.n_landmarks]; NULL: none can be set */
+    smr_bound_landmark *landmark; /* [config.partial.n_landmarks]; NULL: none can be set */
     uint32_t n;                   /* set now */
     float reach;                  /* mm: how far a hard one prevails */
     const smr_pace *pace;

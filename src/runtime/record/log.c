@@ -194,9 +194,15 @@ void smr_log_tick(smr_log *log, const smr_tick_report *r, smr_status status, uin
 {
     if (!logs(log))
         return;
-    const uint32_t flags = (uint32_t)(status == SMR_OK) | r->done << 1 | r->phase << 8;
-    const uint32_t word[8] = {flags,       r->iteration,       r->n_taken,         n_evaluated,
-                              r->n_forces, r->plastic_updates, low(r->state_hash), high(r->state_hash)};
+    const uint32_t flags = (uint32_t)(status == SMR_OK) | r->done << 1 | r->details.phase << 8;
+    const uint32_t word[8] = {flags,
+                              r->iteration,
+                              r->details.n_taken,
+                              n_evaluated,
+                              r->n_forces,
+                              r->details.plastic_updates,
+                              low(r->state_hash),
+                              high(r->state_hash)};
     put(log, SMR_LOG_TICK, word);
 }
 

@@ -1,6 +1,6 @@
 /* volume_ratio.c: which volumes are asked for, and what has become of them.
  * Bounds: a pass over the structures; for a report one over a structure's triangles, and one over all vertices where
- * config.volume is 0.
+ * config.contact.volume is 0.
  * SPDX-License-Identifier: MIT */
 #include "runtime/setup/restart.h"
 

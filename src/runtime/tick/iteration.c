@@ -12,16 +12,16 @@ static void forces_end(smr *s)
     const smr_force_totals *t = &s->forces.totals;
     smr_forces_end(&s->forces);
     smr_sums_expect(&s->sums, smr_method_words(&s->shared), t->largest[0], t->largest[1]);
-    s->report.n_taken = s->pace.n_active;
-    s->report.n_active = t->n_drawn;
+    s->report.details.n_taken = s->pace.n_active;
+    s->report.details.n_active = t->n_drawn;
     s->report.n_forces = t->n_forces;
-    s->report.n_rejected = t->n_rejected;
+    s->report.details.n_rejected = t->n_rejected;
     const int attracts = smr_attraction_on(&s->forces.surface) && s->pace.repairing == 0u; /* repairs have no forces */
-    s->report.attraction_used = attracts ? s->shared.config.attraction : 0.0f;
-    s->report.matched_share = s->forces.matched;
+    s->report.details.attraction_used = attracts ? s->shared.config.basic.attraction : 0.0f;
+    s->report.details.matched_share = s->forces.matched;
     s->report.residual_mean_mm = t->n_forces > 0u ? t->mean : -1.0f;
-    s->report.residual_rms_mm = t->n_forces > 0u ? t->rms : -1.0f;
-    s->report.residual_max_mm = t->n_forces > 0u ? t->max : -1.0f;
+    s->report.details.residual_rms_mm = t->n_forces > 0u ? t->rms : -1.0f;
+    s->report.details.residual_max_mm = t->n_forces > 0u ? t->max : -1.0f;
     smr_tracking_look(s);
     smr_overlap_look(&s->forces.surface);
 }
@@ -37,8 +37,8 @@ static void match_end(smr *s)
 static void measure_end(smr *s)
 {
     smr_evolve_measure_end(&s->evolve);
-    s->evolve.normals_due = s->shared.config.normals == SMR_NORMALS_EXACT || s->pace.tracking ||
-                            s->shared.config.dynamics || smr_schedule_plastic(s);
+    s->evolve.normals_due = s->shared.config.motion.normals == SMR_NORMALS_EXACT || s->pace.tracking ||
+                            s->shared.config.dynamics.mode || smr_schedule_plastic(s);
 }
 
 static void rest_pose_end(smr *s) { smr_rest_pose_end(&s->shape); }

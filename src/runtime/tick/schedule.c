@@ -19,8 +19,8 @@
  * of a level do not depend on the order along the curve. */
 static float enough_for_image(const smr *s)
 {
-    const float cluster =
-        (float)s->shared.n * (float)s->shared.config.active_enough / (float)smr_max_u32(s->pace.lists.smallest, 1u);
+    const float cluster = (float)s->shared.n * (float)s->shared.config.schedule.active_enough /
+                          (float)smr_max_u32(s->pace.lists.smallest, 1u);
     const float enough = smr_max(cluster, SMR_ENOUGH_ALL); /* clusters that span the model share their vertices */
     uint32_t level = 0;
     while (level + 1u < smr_le32(s->shared.model->n_levels) &&
@@ -32,10 +32,10 @@ static float enough_for_image(const smr *s)
 /* Active vertices now: the share that the configuration asks for, at least what the clusters of this radius need. */
 static uint32_t active_count(const smr *s)
 {
-    const float n = (float)s->shared.n, last = s->shared.config.active_share,
-                first = smr_min(s->shared.config.active_first, last);
+    const float n = (float)s->shared.n, last = s->shared.config.basic.active_share,
+                first = smr_min(s->shared.config.schedule.active_first, last);
     float count = n * (first + (last - first) * smr_schedule_progress(s));
-    if (s->forces.image.has_image && s->shared.config.active_enough > 0u)
+    if (s->forces.image.has_image && s->shared.config.schedule.active_enough > 0u)
         count = smr_min(count, enough_for_image(s));
     const uint32_t whole = (uint32_t)count;
     return smr_min_u32(smr_max_u32(whole + ((float)whole < count), s->pace.lists.active_min), s->shared.n);
@@ -47,7 +47,7 @@ static void choose_active(smr *s)
 {
     const uint32_t count =
         s->pace.n_pinned > 0u ? smr_max_u32(s->pace.n_pinned, s->pace.lists.active_min) : active_count(s);
-    s->report.n_wanted = count;
+    s->report.details.n_wanted = count;
     if (count == s->pace.n_active || (s->pace.n_pinned == 0u && !s->budget.cut && !s->reference.stale &&
                                       s->pace.radius_iteration % SMR_ACTIVE_EVERY != 0u))
         return;
@@ -62,7 +62,7 @@ static int repairs_before(const smr *s, uint32_t radius)
 {
     return smr_folds_guarded(&s->shared, &s->pace) && s->shared.n_hinges > 0u &&
            (s->forces.surface.n_goals_begun > 0u || !s->forces.image.has_image) &&
-           (radius == s->shared.config.radius_first || radius + 1u == smr_last_radius(&s->shared));
+           (radius == s->shared.config.schedule.radius_first || radius + 1u == smr_last_radius(&s->shared));
 }
 
 /* What follows from the radius alone. */
@@ -70,15 +70,16 @@ static void take_radius(smr *s)
 {
     const uint32_t radius = s->pace.radius;
     s->pace.lists = smr_model_lists(s->shared.model, radius);
-    s->pace.momentum =
-        radius == smr_last_radius(&s->shared) ? s->shared.config.momentum_last : s->shared.config.momentum;
-    if (s->shared.config.dynamics) {
+    s->pace.momentum = radius == smr_last_radius(&s->shared) ? s->shared.config.motion.momentum_last
+                                                             : s->shared.config.motion.momentum;
+    if (s->shared.config.dynamics.mode) {
         s->pace.lists.active_min = s->shared.n; /* momentum is that of all vertices */
         s->pace.momentum = 0.0f;
     }
     const float before = radius > 0u ? smr_model_lists(s->shared.model, radius - 1u).radius : 0.0f;
-    s->pace.search_mm = smr_min(s->shared.config.search_mm,
-                                s->shared.config.search_radii * smr_max(s->pace.lists.radius, SMR_NARROWING * before));
+    s->pace.search_mm =
+        smr_min(s->shared.config.basic.search_mm,
+                s->shared.config.forces.search_radii * smr_max(s->pace.lists.radius, SMR_NARROWING * before));
 }
 
 void smr_schedule_radius(smr *s, uint32_t radius)
@@ -108,9 +109,9 @@ void smr_schedule_start(smr *s)
     s->forces.surface.n_goals_begun = s->forces.surface.n_goals;
     s->forces.surface.n_clouds_begun = s->forces.surface.n_clouds;
     s->forces.surface.n_points_begun = s->forces.surface.n_points;
-    smr_schedule_radius(s, s->shared.config.radius_first);
+    smr_schedule_radius(s, s->shared.config.schedule.radius_first);
     s->shape.rest_pose_due = 1; /* an abandoned iteration may have made it of other positions */
-    if (s->shared.config.dynamics)
+    if (s->shared.config.dynamics.mode)
         smr_time_steps_start(s);
 }
 
@@ -125,18 +126,19 @@ static void plastic_update(smr *s)
 /* Most iterations at the first radius. */
 static uint32_t first_iterations(const smr *s)
 {
-    const int alone = s->shared.config.radius_first == smr_last_radius(&s->shared);
+    const int alone = s->shared.config.schedule.radius_first == smr_last_radius(&s->shared);
     const uint32_t times = s->forces.image.has_image               ? SMR_FIRST_TIMES
                            : s->forces.surface.n_clouds_begun > 0u ? SMR_FIRST_CLOUD
                                                                    : 1u;
-    return alone ? s->shared.config.iterations_last : s->shared.config.iterations * times;
+    return alone ? s->shared.config.basic.iterations_last : s->shared.config.basic.iterations * times;
 }
 
 static uint32_t radius_iterations(const smr *s)
 {
-    if (s->pace.radius == s->shared.config.radius_first)
+    if (s->pace.radius == s->shared.config.schedule.radius_first)
         return first_iterations(s);
-    return smr_at_last_radius(&s->shared, &s->pace) ? s->shared.config.iterations_last : s->shared.config.iterations;
+    return smr_at_last_radius(&s->shared, &s->pace) ? s->shared.config.basic.iterations_last
+                                                    : s->shared.config.basic.iterations;
 }
 
 /* Search distances and shares are chosen when an iteration begins. */
@@ -155,13 +157,13 @@ void smr_schedule_keep(smr_arena *a, smr *s)
     smr_keep_words(a, &p->repairing, 1, SMR_REPAIR_MAX);
     smr_keep_words(a, &p->n_active, 1, n);
     smr_keep_words(a, &p->n_pinned, 1, n);
-    smr_keep_require(a, p->radius >= s->shared.config.radius_first);
+    smr_keep_require(a, p->radius >= s->shared.config.schedule.radius_first);
     smr_tracking_keep(a, s);
     if (!smr_keeps(a) || a->keeper->mode == SMR_KEEP_COUNT || a->keeper->wrong)
         return;
     take_radius(s);
     smr_keep_require(a, p->n_active >= smr_min_u32(p->lists.active_min, n));
-    if (s->shared.config.dynamics) {
+    if (s->shared.config.dynamics.mode) {
         smr_keep_require(a, !p->done && !p->repairing && p->radius == smr_tracking_radius(s));
         return;
     }
@@ -170,8 +172,8 @@ void smr_schedule_keep(smr_arena *a, smr *s)
         return;
     }
     smr_keep_require(a, p->radius_iteration <= (smr_at_last_radius(&s->shared, p)
-                                                    ? s->shared.config.iterations_last
-                                                    : SMR_FIRST_CLOUD * s->shared.config.iterations));
+                                                    ? s->shared.config.basic.iterations_last
+                                                    : SMR_FIRST_CLOUD * s->shared.config.basic.iterations));
 }
 
 /* What follows an iteration. All are 0 or 1. */
@@ -189,7 +191,7 @@ static int may_end_early(const smr *s)
     if (smr_contact_on(&s->forces.contact) && smr_at_last_radius(&s->shared, &s->pace))
         return 0; /* triangles are looked at as it ends */
     return !(s->evolve.moved_mm > 0.0f) || !smr_at_last_radius(&s->shared, &s->pace) ||
-           s->forces.surface.n_goals_begun == 0u || !(s->shared.config.even > 0.0f);
+           s->forces.surface.n_goals_begun == 0u || !(s->shared.config.basic.even > 0.0f);
 }
 
 /* What follows iteration number radius_iteration at its radius, the since_plastic-th since x^r was new. A radius is
@@ -200,21 +202,22 @@ static ending ending_of(const smr *s, uint32_t radius_iteration, uint32_t since_
     const int last = smr_at_last_radius(&s->shared, &s->pace);
     const float moved_um = s->evolve.moved_mm * 1000.0f;
     ending e;
-    e.settled = moved_um < s->shared.config.settle_um && may_end_early(s);
+    e.settled = moved_um < s->shared.config.motion.settle_um && may_end_early(s);
     e.spent = radius_iteration >= radius_iterations(s);
-    e.small = moved_um < s->shared.config.plastic_um;
-    e.still = s->shared.config.plastic_by == SMR_PLASTIC_MEAN
-                  ? s->evolve.mean_mm * 1000.0f < s->shared.config.plastic_um
+    e.small = moved_um < s->shared.config.motion.plastic_um;
+    e.still = s->shared.config.motion.plastic_by == SMR_PLASTIC_MEAN
+                  ? s->evolve.mean_mm * 1000.0f < s->shared.config.motion.plastic_um
                   : e.small;
     e.done = s->pace.repairing == 0u && last && (e.settled || e.spent);
-    const int due = s->shared.config.plastic_every != 0u && since_plastic >= s->shared.config.plastic_every;
+    const int due =
+        s->shared.config.motion.plastic_every != 0u && since_plastic >= s->shared.config.motion.plastic_every;
     e.plastic = s->pace.repairing > 0u || (!e.done && (e.still || due || e.settled || e.spent));
     return e;
 }
 
 int smr_schedule_plastic(const smr *s)
 {
-    return !s->pace.tracking && !s->shared.config.dynamics &&
+    return !s->pace.tracking && !s->shared.config.dynamics.mode &&
            ending_of(s, s->pace.radius_iteration + 1u, s->pace.since_plastic + 1u).plastic;
 }
 
@@ -225,8 +228,8 @@ static int grows(const smr *s) { return (float)s->forces.surface.n_points_begun 
 /* After each iteration. */
 void smr_schedule_next(smr *s)
 {
-    if (s->shared.config.dynamics || s->pace.tracking) {
-        (s->shared.config.dynamics ? smr_time_steps_next : smr_tracking_next)(s);
+    if (s->shared.config.dynamics.mode || s->pace.tracking) {
+        (s->shared.config.dynamics.mode ? smr_time_steps_next : smr_tracking_next)(s);
         return;
     }
     const ending e = ending_of(s, s->pace.radius_iteration, s->pace.since_plastic);
@@ -239,7 +242,7 @@ void smr_schedule_next(smr *s)
         plastic_update(s);
     if (e.done) {
         s->pace.converged = (uint32_t)((e.small || e.settled) && s->forces.matched > 0.0f);
-        s->pace.done = s->shared.config.track == SMR_TRACK_OFF;
+        s->pace.done = s->shared.config.track.mode == SMR_TRACK_OFF;
         if (!s->pace.done)
             smr_tracking_start(s);
     } else if (!repairs && !smr_at_last_radius(&s->shared, &s->pace) && (e.settled || e.spent)) {
@@ -251,9 +254,10 @@ void smr_schedule_next(smr *s)
  * radius. Where the image is poor goals jump from sample to sample; so the model comes to rest in their mean. */
 static float ease_of(const smr *s)
 {
-    const uint32_t all = s->shared.config.iterations_last, left = all - smr_min_u32(s->pace.radius_iteration + 1u, all);
-    if (!s->shared.config.fade || s->pace.tracking || s->shared.config.dynamics || !s->forces.image.has_image ||
-        !smr_at_last_radius(&s->shared, &s->pace) || left >= all / 2u)
+    const uint32_t all = s->shared.config.basic.iterations_last,
+                   left = all - smr_min_u32(s->pace.radius_iteration + 1u, all);
+    if (!s->shared.config.image.fade || s->pace.tracking || s->shared.config.dynamics.mode ||
+        !s->forces.image.has_image || !smr_at_last_radius(&s->shared, &s->pace) || left >= all / 2u)
         return 1.0f;
     return (float)left / (float)(all / 2u);
 }
@@ -263,24 +267,24 @@ static void choose_distances(smr *s)
 {
     s->pace.ease = ease_of(s);
     const float done = s->pace.tracking ? smr_tracking_progress(s) : smr_schedule_progress(s);
-    s->pace.farthest_mm =
-        s->shared.config.profile_mm + done * (s->shared.config.profile_end_mm - s->shared.config.profile_mm);
-    s->pace.profile_mm = smr_min(s->pace.farthest_mm, s->shared.config.profile_radii * s->pace.lists.radius);
-    s->pace.gradient_mm =
-        s->shared.config.gradient_mm + done * (s->shared.config.gradient_end_mm - s->shared.config.gradient_mm);
+    s->pace.farthest_mm = s->shared.config.image.profile_mm +
+                          done * (s->shared.config.image.profile_end_mm - s->shared.config.image.profile_mm);
+    s->pace.profile_mm = smr_min(s->pace.farthest_mm, s->shared.config.image.profile_radii * s->pace.lists.radius);
+    s->pace.gradient_mm = s->shared.config.image.gradient_mm +
+                          done * (s->shared.config.image.gradient_end_mm - s->shared.config.image.gradient_mm);
 }
 
 float smr_schedule_progress(const smr *s)
 {
     if (s->pace.done || s->pace.tracking)
         return 1.0f;
-    if (s->shared.config.dynamics)
+    if (s->shared.config.dynamics.mode)
         return 0.0f;
-    const float first = (float)first_iterations(s), level = (float)s->shared.config.iterations;
-    const uint32_t steps = smr_last_radius(&s->shared) - s->shared.config.radius_first,
-                   at = s->pace.radius - s->shared.config.radius_first;
+    const float first = (float)first_iterations(s), level = (float)s->shared.config.basic.iterations;
+    const uint32_t steps = smr_last_radius(&s->shared) - s->shared.config.schedule.radius_first,
+                   at = s->pace.radius - s->shared.config.schedule.radius_first;
     const float total =
-        steps > 0u ? first + level * (float)(steps - 1u) + (float)s->shared.config.iterations_last : first;
+        steps > 0u ? first + level * (float)(steps - 1u) + (float)s->shared.config.basic.iterations_last : first;
     return ((at > 0u ? first + level * (float)(at - 1u) : 0.0f) + (float)s->pace.radius_iteration) / total;
 }
 
@@ -297,10 +301,10 @@ static void begin_targets(smr_surface_goals *g)
 void smr_schedule_begin(smr *s)
 {
     smr_tracking_begin(s);
-    if (s->shared.config.dynamics)
+    if (s->shared.config.dynamics.mode)
         smr_time_steps_begin(s);
     choose_active(s);
-    s->report.n_taken = s->pace.n_active;
+    s->report.details.n_taken = s->pace.n_active;
     choose_distances(s);
     begin_targets(&s->forces.surface);
     smr_tracking_momentum(s);

@@ -103,16 +103,16 @@ static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
 
 void smr_report_keep(smr_arena *a, smr_tick_report *r, uint32_t n)
 {
-    smr_keep_words(a, &r->n_taken, 1, n);
-    smr_keep_words(a, &r->n_wanted, 1, n);
-    smr_keep_words(a, &r->n_active, 1, n);
+    smr_keep_words(a, &r->details.n_taken, 1, n);
+    smr_keep_words(a, &r->details.n_wanted, 1, n);
+    smr_keep_words(a, &r->details.n_active, 1, n);
     smr_keep_words(a, &r->n_forces, 1, n);
-    smr_keep_words(a, &r->n_rejected, 1, n);
-    smr_keep_floats(a, &r->matched_share, 1, -1.0f, 1.0f);
-    smr_keep_floats(a, &r->attraction_used, 1, 0.0f, 1.0f);
+    smr_keep_words(a, &r->details.n_rejected, 1, n);
+    smr_keep_floats(a, &r->details.matched_share, 1, -1.0f, 1.0f);
+    smr_keep_floats(a, &r->details.attraction_used, 1, 0.0f, 1.0f);
     smr_keep_floats(a, &r->residual_mean_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
-    smr_keep_floats(a, &r->residual_rms_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
-    smr_keep_floats(a, &r->residual_max_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_floats(a, &r->details.residual_rms_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_floats(a, &r->details.residual_max_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
     smr_keep_floats(a, &r->displacement_max_mm, 1, 0.0f, 2.0f * SMR_KEPT_MM);
     smr_keep_long(a, &r->state_hash);
 }
@@ -123,20 +123,20 @@ static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
 {
     smr_tick_report *r = &s->report;
     if (s->pace.iteration == before) {
-        r->radius = s->pace.radius;
-        r->radius_iteration = s->pace.radius_iteration;
+        r->details.radius = s->pace.radius;
+        r->details.radius_iteration = s->pace.radius_iteration;
     }
     r->iteration = s->pace.iteration;
-    r->phase = s->step == 0u ? 0u : smr_steps[s->step].phase;
-    r->n_guarded = s->folds.n_guarded;
-    r->plastic_updates = s->pace.plastic_updates;
+    r->details.phase = s->step == 0u ? 0u : smr_steps[s->step].phase;
+    r->details.n_guarded = s->folds.n_guarded;
+    r->details.plastic_updates = s->pace.plastic_updates;
     r->converged = s->pace.converged;
     r->done = s->pace.done;
-    r->tracking = s->pace.tracking;
-    r->settled = s->pace.settled && !s->pace.called;
-    r->jumped = s->pace.jumped;
+    r->details.tracking = s->pace.tracking;
+    r->details.settled = s->pace.settled && !s->pace.called;
+    r->details.jumped = s->pace.jumped;
     r->progress = smr_schedule_progress(s);
-    memcpy(r->phase_ns, phase_ns, sizeof r->phase_ns);
+    memcpy(r->details.phase_ns, phase_ns, sizeof r->details.phase_ns);
 }
 
 /* The report as the caller gets it. The log keeps what the iteration itself found, whatever was set since. */
@@ -145,9 +145,9 @@ static smr_tick_report report_of(const smr *s)
     smr_tick_report r = s->report;
     if (!s->forces.unmeasured)
         return r;
-    r.n_active = r.n_forces = r.n_rejected = r.converged = 0;
-    r.attraction_used = 0.0f;
-    r.matched_share = r.residual_mean_mm = r.residual_rms_mm = r.residual_max_mm = -1.0f;
+    r.details.n_active = r.n_forces = r.details.n_rejected = r.converged = 0;
+    r.details.attraction_used = 0.0f;
+    r.details.matched_share = r.residual_mean_mm = r.details.residual_rms_mm = r.details.residual_max_mm = -1.0f;
     return r;
 }
 
@@ -223,7 +223,7 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     fill_report(s, before, phase_ns);
     if (status == SMR_OK)
         tell_gave(s);
-    smr_log_tick(&s->log, &s->report, status, status == SMR_OK ? s->report.n_taken : smr_forces_evaluated(s));
+    smr_log_tick(&s->log, &s->report, status, status == SMR_OK ? s->report.details.n_taken : smr_forces_evaluated(s));
     if (report != NULL)
         *report = report_of(s);
     return status;

@@ -28,7 +28,7 @@ static float radius_mm(const smr *s, uint32_t radius) { return smr_model_lists(s
 /* The model's radius nearest to this one, by their ratio. */
 static uint32_t nearest_radius(const smr *s, float wanted)
 {
-    uint32_t best = s->shared.config.radius_first;
+    uint32_t best = s->shared.config.schedule.radius_first;
     for (uint32_t r = best + 1u; r <= smr_last_radius(&s->shared); r++)
         if (wanted * wanted < radius_mm(s, best) * radius_mm(s, r))
             best = r;
@@ -39,7 +39,7 @@ static uint32_t nearest_radius(const smr *s, float wanted)
  * own, if there is one with clusters at all: structures slide past each other, and joints turn. */
 uint32_t smr_tracking_radius(const smr *s)
 {
-    const float asked = s->shared.config.track_mm, edge = smr_le_float(s->shared.model->edge_mm);
+    const float asked = s->shared.config.track.radius_mm, edge = smr_le_float(s->shared.model->edge_mm);
     const uint32_t best = nearest_radius(s, asked > 0.0f ? asked : SMR_TRACK_EDGES * edge);
     if (asked > 0.0f || s->shared.n_structures == 1u)
         return best;
@@ -52,7 +52,7 @@ uint32_t smr_tracking_radius(const smr *s)
 /* With what the iteration that begins looks at. */
 void smr_tracking_momentum(smr *s)
 {
-    const float asked = s->shared.config.momentum;
+    const float asked = s->shared.config.motion.momentum;
     if (!s->pace.tracking)
         return;
     const int steady = s->forces.image.has_image && s->forces.surface.n_clouds_begun > 0u;
@@ -70,7 +70,7 @@ static void go_to(smr *s, uint32_t radius)
 void smr_tracking_keep(smr_arena *a, smr *s)
 {
     smr_pace *p = &s->pace;
-    if (s->shared.config.track == SMR_TRACK_OFF)
+    if (s->shared.config.track.mode == SMR_TRACK_OFF)
         return;
     smr_keep_words(a, &p->tracking, 1, 1);
     smr_keep_words(a, &p->recovering, 1, 2);
@@ -89,7 +89,7 @@ int smr_tracking_legal(const smr *s)
     const smr_pace *p = &s->pace;
     const uint32_t at = smr_tracking_radius(s);
     return !p->done && (p->recovering == 1u ? p->radius < at : p->radius == at) &&
-           p->radius_iteration <= s->shared.config.track_iterations + SMR_TRACK_COARSE;
+           p->radius_iteration <= s->shared.config.track.iterations + SMR_TRACK_COARSE;
 }
 
 /* Share of the vertices with a target that have a goal on it. */
@@ -134,7 +134,7 @@ static float gain_of(const smr *s)
  * and less over the first half of the iterations. At coarser radii it is not known yet. */
 float smr_tracking_progress(const smr *s)
 {
-    const float narrowing = SMR_TRACK_NARROWING * (float)s->shared.config.track_iterations;
+    const float narrowing = SMR_TRACK_NARROWING * (float)s->shared.config.track.iterations;
     if (s->pace.recovering == 1u)
         return 0.0f;
     return smr_min((float)s->pace.radius_iteration / smr_max(narrowing, 1.0f), 1.0f);
@@ -181,7 +181,7 @@ static void note_age(smr *s)
  * goes on where it is, and so does a way through coarser radii. */
 static void go_on_looking(smr *s)
 {
-    const float narrow = SMR_TRACK_NARROWING * (float)s->shared.config.track_iterations;
+    const float narrow = SMR_TRACK_NARROWING * (float)s->shared.config.track.iterations;
     s->pace.called = s->pace.settled = 0;
     if (s->pace.recovering == 1u)
         return;
@@ -214,7 +214,7 @@ void smr_tracking_begin(smr *s)
 /* Mean distance of goals that the model can follow, mm. In an image no goal is farther than the search goes. */
 static float reach_mm(const smr *s)
 {
-    const float asked = s->shared.config.track_jump_mm, reach = s->pace.lists.radius / SMR_TRACK_REACH;
+    const float asked = s->shared.config.track.jump_mm, reach = s->pace.lists.radius / SMR_TRACK_REACH;
     if (asked > 0.0f)
         return asked;
     return s->forces.image.has_image ? smr_max(reach, SMR_TRACK_SOUGHT * s->pace.profile_mm) : reach;
@@ -235,7 +235,7 @@ void smr_tracking_look(smr *s)
 /* Coarse to fine, once more, as long as targets have goals. */
 static void recover(smr *s)
 {
-    const uint32_t at = s->pace.radius, to = smr_tracking_radius(s), first = s->shared.config.radius_first;
+    const uint32_t at = s->pace.radius, to = smr_tracking_radius(s), first = s->shared.config.schedule.radius_first;
     if (!s->pace.recovering) {
         s->pace.recovering = 1;
         go_to(s, first);
@@ -249,8 +249,8 @@ void smr_tracking_next(smr *s)
 {
     if (s->pace.image_age == SMR_IMAGE_NEW)
         s->pace.image_age = SMR_IMAGE_SEEN;
-    const int coarser =
-        smr_tracking_radius(s) > s->shared.config.radius_first && s->shared.config.track == SMR_TRACK_RECOVER;
+    const int coarser = smr_tracking_radius(s) > s->shared.config.schedule.radius_first &&
+                        s->shared.config.track.mode == SMR_TRACK_RECOVER;
     const int found = s->pace.jumped && s->forces.totals.n_forces > 0u;
     if (s->pace.recovering == 1u || (s->pace.recovering == 0u && coarser && found)) {
         recover(s);
@@ -259,6 +259,6 @@ void smr_tracking_next(smr *s)
     }
     s->pace.gain = 1.0f;
     s->pace.found = share_found(s);
-    s->pace.settled = s->evolve.moved_mm * 1000.0f < s->shared.config.track_um ||
-                      s->pace.radius_iteration >= s->shared.config.track_iterations;
+    s->pace.settled = s->evolve.moved_mm * 1000.0f < s->shared.config.track.settle_um ||
+                      s->pace.radius_iteration >= s->shared.config.track.iterations;
 }

@@ -38,8 +38,8 @@
 const char *smr_reason_text(uint32_t bit)
 {
     switch (bit) {
-    case SMR_REASON_NOTHING_SEEN: return "nothing of the target was seen: look at the start and at search distances";
-    case SMR_REASON_UNSEEN:
+    case SMR_REASON_NOTHING_VISIBLE: return "nothing of the target was seen: look at the start and at search distances";
+    case SMR_REASON_LITTLE_VISIBLE:
         return "the target shows too little of the model to say where the rest is: look at what is not seen";
     case SMR_REASON_EXPECTED: return "large errors are expected: look at the vertices whose expected error is high";
     case SMR_REASON_UNCOVERED:
@@ -55,7 +55,7 @@ const char *smr_reason_text(uint32_t bit)
     case SMR_REASON_ROTATION: return "parts of the model have turned far: look at the start's rotation";
     case SMR_REASON_BEND:
         return "the model had to bend far: look whether the target is the same body, and at the start";
-    case SMR_REASON_LIKENESS:
+    case SMR_REASON_SIMILARITY:
         return "the image is hardly more like the model there than elsewhere: look at the image and the landmarks";
     case SMR_REASON_GOALS:
         return "many vertices found no goal in the image: look where the image ends or differs in contrast";
@@ -89,7 +89,7 @@ static float beyond(float ratio) { return ratio > 1.0f ? ratio : ratio > 0.0f ? 
 static void judge_bend(smr_verdict *v)
 {
     if (v->expected_error_mm > SMR_OPEN_LEAST)
-        ask(v, SMR_REASON_UNSEEN, v->expected_error_mm, SMR_OPEN_MOST * v->bend_mm, SMR_FAR);
+        ask(v, SMR_REASON_LITTLE_VISIBLE, v->expected_error_mm, SMR_OPEN_MOST * v->bend_mm, SMR_FAR);
     ask(v, SMR_REASON_STRAIN, v->stretch, SMR_STRETCH_MOST, SMR_STRETCH_FAILED);
     ask(v, SMR_REASON_STRAIN, v->strain, SMR_STRAIN_MOST, SMR_FAR);
     ask(v, SMR_REASON_VOLUME, beyond(v->volume_ratio), SMR_VOLUME_MOST, SMR_VOLUME_FAILED);
@@ -107,10 +107,10 @@ static float strain_most(const smr_verdict *v, float edge_mm)
 
 static void judge_surface(smr_verdict *v, float edge_mm)
 {
-    const float covered = v->seen_share > SMR_SEEN_ALL ? SMR_COVERED_LEAST : SMR_COVERED_PART;
-    ask_least(v, SMR_REASON_UNSEEN, v->seen_share, SMR_SEEN_LEAST, -1.0f);
-    if (v->seen_share < SMR_SEEN_PART)
-        ask(v, SMR_REASON_UNSEEN, v->expected_error_mm, SMR_EXPECTED_PART, SMR_FAR);
+    const float covered = v->visible_share > SMR_SEEN_ALL ? SMR_COVERED_LEAST : SMR_COVERED_PART;
+    ask_least(v, SMR_REASON_LITTLE_VISIBLE, v->visible_share, SMR_SEEN_LEAST, -1.0f);
+    if (v->visible_share < SMR_SEEN_PART)
+        ask(v, SMR_REASON_LITTLE_VISIBLE, v->expected_error_mm, SMR_EXPECTED_PART, SMR_FAR);
     ask_least(v, SMR_REASON_UNCOVERED, v->target_covered, covered, SMR_COVERED_FAILED);
     ask_least(v, SMR_REASON_NORMALS, v->normals_agree, SMR_AGREE_LEAST, SMR_AGREE_FAILED);
     ask(v, SMR_REASON_RESIDUAL, v->residual_mm, SMR_RESIDUAL_MOST * edge_mm, SMR_FAR);
@@ -121,24 +121,24 @@ static void judge_surface(smr_verdict *v, float edge_mm)
 /* Landmarks alone: few vertices are seen, however many there are; too few tell nothing of what they leave open. */
 static void judge_landmarks(smr_verdict *v)
 {
-    ask(v, SMR_REASON_UNSEEN, v->expected_error_mm < 0.0f ? 1.0f : 0.0f, 0.5f, SMR_FAR);
+    ask(v, SMR_REASON_LITTLE_VISIBLE, v->expected_error_mm < 0.0f ? 1.0f : 0.0f, 0.5f, SMR_FAR);
     ask(v, SMR_REASON_RESIDUAL, v->residual_mm, SMR_LANDMARK_MOST, SMR_FAR);
     judge_bend(v);
 }
 
 static void judge_image(smr_verdict *v)
 {
-    ask_least(v, SMR_REASON_LIKENESS, v->likeness, SMR_LIKENESS_LEAST, SMR_LIKENESS_FAILED);
+    ask_least(v, SMR_REASON_SIMILARITY, v->image_similarity, SMR_LIKENESS_LEAST, SMR_LIKENESS_FAILED);
     ask_least(v, SMR_REASON_GOALS, v->goals_share, SMR_GOALS_LEAST, SMR_GOALS_FAILED);
 }
 
 void smr_judge(smr_verdict *v, float edge_mm, int whole)
 {
-    const int part = whole && v->goals_share < 0.0f && v->seen_share < SMR_SEEN_PART;
+    const int part = whole && v->goals_share < 0.0f && v->visible_share < SMR_SEEN_PART;
     v->level = SMR_VERDICT_GOOD;
     v->reasons = 0;
-    if (!(v->seen_share > 0.0f))
-        ask(v, SMR_REASON_NOTHING_SEEN, 1.0f, 0.0f, 0.5f);
+    if (!(v->visible_share > 0.0f))
+        ask(v, SMR_REASON_NOTHING_VISIBLE, 1.0f, 0.0f, 0.5f);
     ask(v, SMR_REASON_SCALE, beyond(v->scale), part ? SMR_SCALE_PART : SMR_SCALE_MOST, SMR_FAR);
     if (v->goals_share >= 0.0f)
         judge_image(v);
