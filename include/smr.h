@@ -75,12 +75,10 @@ typedef struct smr_mesh {
 /* A target surface made ready for closest-point search, in the caller's memory. */
 typedef struct smr_surface smr_surface;
 
-/* Bytes smr_surface_build() needs for a mesh of this size. Errors: E_NULL, E_INPUT (a count is out of range). */
-smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *bytes);
-
-/* Copies the mesh into `memory` (SMR_ALIGN-aligned) and builds its search tree there. Needs at least one triangle. The
- * mesh may go afterwards. `memory` must stay as long as the surface is used.
+/* Copies the mesh into `memory` (SMR_ALIGN-aligned, smr_surface_bytes()) and builds its search tree there. Needs at
+ * least one triangle. The mesh may go afterwards. `memory` must stay as long as the surface is used.
  * Errors: E_NULL, E_ALIGN, E_ARENA, E_INPUT; *surface untouched then. */
+smr_status smr_surface_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t *bytes);
 smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface);
 
 /* ------------------------------------------------------------------ 3. prepare: surfaces -> model */
@@ -153,13 +151,11 @@ smr_config smr_config_default(void);
 /* A registration in progress, inside the caller's arena. */
 typedef struct smr smr;
 
-/* Exact bytes smr_init() needs. Errors: E_NULL, E_CONFIG, E_INPUT (more than size_t holds). */
-smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, size_t *bytes);
-
 /* Sets up a registration at the model's rest shape in arena (SMR_ALIGN-aligned, smr_arena_bytes() or more). config and
  * port are copied. port may be NULL: one worker, no clock. model and arena must stay where they are: a copy of the
  * arena is not a registration, and calls with it return E_STATE.
- * Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT; *s untouched then. */
+ * Errors: E_NULL, E_CONFIG, E_ALIGN, E_ARENA, E_INPUT (the size is more than size_t holds); *s untouched then. */
+smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, size_t *bytes);
 smr_status smr_init(const smr_model *model, const smr_config *config, const smr_port *port, void *arena, size_t bytes,
                     smr **s);
 
@@ -206,14 +202,13 @@ typedef struct smr_tick_details {
     /* share, 0..1. Vertices with a goal, of those that looked for one in the last iteration in which any did: search
      * distances in images may end at 0. -1: none has since a target, the image or positions were set. */
     float matched_share;
-    float attraction_used;         /* config.basic.attraction where target vertices attracted the model, else 0 */
-    float residual_rms_mm;         /* as residual_mean_mm of the report */
-    float residual_max_mm;         /* likewise */
-    uint64_t phase_ns[SMR_PHASES]; /* ns; time of this tick by phase; 0 without a clock */
-    uint32_t plastic_updates;      /* x^r = x happened so many times since the start */
-    uint32_t tracking;             /* 1: the schedule is done and targets are followed (config.track); done stays 0 */
-    uint32_t settled;              /* 1: tracking, and ticks change and cost nothing until a target is set */
-    uint32_t jumped; /* 1: tracking, and the targets set last lay beyond reach when first looked at; until the next */
+    float attraction_used; /* config.basic.attraction where target vertices attracted the model, else 0 */
+    float residual_rms_mm, residual_max_mm; /* as residual_mean_mm of the report */
+    uint64_t phase_ns[SMR_PHASES];          /* ns; time of this tick by phase; 0 without a clock */
+    uint32_t plastic_updates;               /* x^r = x happened so many times since the start */
+    uint32_t tracking; /* 1: the schedule is done and targets are followed (config.track); done stays 0 */
+    uint32_t settled;  /* 1: tracking, and ticks change and cost nothing until a target is set */
+    uint32_t jumped;   /* 1: tracking, and the targets set last lay beyond reach when first looked at; until the next */
 } smr_tick_details;
 
 typedef struct smr_tick_report {
@@ -274,9 +269,8 @@ typedef struct smr_verdict {
     float rotation_deg; /* 0..180. Largest rotation from rest of a part against the whole */
     float turned_deg; /* 0..180. Rotation of the whole from the start. Beyond 40 rigid kinematics is far from linear */
     float bend_mm;    /* smooth displacement from the start that no rigid motion explains, along an axis */
-    float scale;      /* size now over that at the start */
-    float scale_rest; /* size now over that at rest */
-    float moved_last_mm; /* largest displacement of a vertex in the last iteration, of the whole model */
+    float scale, scale_rest; /* size now over that at the start, and over that at rest */
+    float moved_last_mm;     /* largest displacement of a vertex in the last iteration, of the whole model */
 } smr_verdict;
 
 /* Measures and judges one structure, or SMR_ALL: a closest-point search for each vertex and each triangle of its
@@ -302,8 +296,7 @@ struct smr_port {
      * their writes are visible. NULL: a plain loop. Calls of smr_set_...() and smr_tick() for the same registration
      * from within get SMR_E_STATE. */
     void (*parallel)(void *ctx, smr_task run, void *arg, uint32_t n_tasks);
-    /* Monotonic nanoseconds. NULL: no clock. Budgets and times are then 0. */
-    uint64_t (*now_ns)(void *ctx);
+    uint64_t (*now_ns)(void *ctx); /* monotonic nanoseconds; NULL: no clock, budgets and times are then 0 */
 };
 
 /* Whether compiler and processor do float arithmetic as the library needs it: 0, or a sum of SMR_FLOAT_... Anything but
@@ -337,11 +330,9 @@ uint32_t smr_self_test(void);
 smr_status smr_get_expected_error(smr *s, uint32_t structure, float *mm);
 
 /* visible: [n_vertices], caller's order. 1: the target shows the vertex, as last judged; 0: the vertex follows others.
+ * xyz: [n_vertices][3], likewise: unit normals, 0 where no triangle has an area.
  * Errors: E_NULL, E_INPUT, E_STATE (not a registration). */
 smr_status smr_get_visible(const smr *s, uint32_t structure, unsigned char *visible);
-
-/* Copies a structure's unit normals, 0 where no triangle has an area: [n_vertices][3], in the caller's vertex order.
- * Errors: E_NULL, E_INPUT, E_STATE. */
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz);
 
 typedef struct smr_structure_report {
@@ -381,8 +372,7 @@ enum { SMR_ORDER_FOREST = 0, SMR_ORDER_BREADTH_FIRST = 1 };
 /* Called between pieces of work: `done` of `total` are done. Return non-zero to stop (SMR_E_ABORTED). */
 typedef int (*smr_progress)(void *ctx, uint32_t done, uint32_t total);
 
-/* How surfaces become a model. Each comment starts with unit, range and default; smr_prepare_settings() has the same as
- * data, docs/SETTINGS.md as a page. */
+/* Each comment starts with unit, range and default; smr_prepare_settings() has the same as data. */
 struct smr_prepare_config {
     uint32_t cookie; /* SMR_COOKIE of this struct; smr_prepare_config_default() sets it */
     /* radii, [0, 16], default 0: chosen from the surfaces' size and edge length. With a reference image: 60, 40, 25 and
@@ -399,15 +389,14 @@ struct smr_prepare_config {
     /* share, [-1, 1], default -1: all samples but 1.6 voxels of the reference. Share of the samples on the inner side.
      * The inside differs less between people than what lies around. Negative: chosen. */
     float profile_inward;
-    uint32_t distance; /* SMR_DISTANCE_..., default euclidean (paper 2.2). */
+    uint32_t distance; /* SMR_DISTANCE_..., default euclidean (paper 2.2) */
     uint32_t mass;     /* SMR_MASS_..., default unit: 1 for each vertex; 1/16 for one without triangles */
     uint32_t order;    /* SMR_ORDER_..., default forest. The order L of the clusters */
-    uint32_t ring;     /* 0 or 1, default 1. A cluster also holds its vertex' neighbours, from the mean edge on */
+    uint32_t ring;     /* 0 or 1, default 1. A cluster has its vertex' mesh neighbours, at radii from the mean edge */
     /* 0 or 1, default 1. Vertices are stored in the order in which they matter (paper 2.2, complexity tuning). A
      * registration can then leave out the last ones. 0: all vertices always take part. */
     uint32_t priority;
     uint32_t block_vertices; /* vertices, 0 or [16, 65536], default 0: chosen. Of a block of the forest */
-
     /* What the caller lends while smr_prepare() runs; NULL by default. */
     const smr_volume *reference; /* image that fits the model, for its intensity profiles */
     smr_progress progress;
@@ -429,10 +418,9 @@ typedef struct smr_model_info {
     uint32_t largest_cluster[SMR_RADII_MAX];  /* vertices; those within a micrometre beyond the radius count half */
     uint32_t smallest_cluster[SMR_RADII_MAX];
     uint32_t n_blocks[SMR_RADII_MAX];
-    uint32_t separate[SMR_RADII_MAX]; /* 1: clusters keep to their own structure */
-    uint32_t
-        active_min[SMR_RADII_MAX]; /* active vertices so that each cluster keeps 3 of its vertices, or all it has */
-    uint32_t n_levels;             /* of priority, the most important first; 1 without priority */
+    uint32_t separate[SMR_RADII_MAX];   /* 1: clusters keep to their own structure */
+    uint32_t active_min[SMR_RADII_MAX]; /* active vertices so that each cluster keeps 3, or all that it has */
+    uint32_t n_levels;                  /* of priority, the most important first; 1 without priority */
     uint32_t level_end[SMR_LEVELS_MAX]; /* [n_levels]: vertices in a level and all before it */
     uint32_t order;                     /* SMR_ORDER_... */
     uint32_t profile_samples;           /* 0: no intensity profiles */
@@ -534,7 +522,6 @@ smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, u
                                float *rms_mm);
 
 typedef struct smr_warp smr_warp; /* a thin-plate spline in the caller's memory */
-
 /* What a warp is: where landmarks do not determine a spline, the next best that they determine. */
 enum { SMR_WARP_SPLINE = 0, SMR_WARP_SCALED = 1, SMR_WARP_RIGID = 2, SMR_WARP_TRANSLATION = 3 };
 
@@ -595,8 +582,7 @@ typedef struct smr_image_config {
     /* share, [0, 1], default 0. Weight of goals in the image beside those on a target surface, which weigh 1. Beside an
      * open surface or a cloud it is 1 in any case, and theirs is the share of the vertex that they show. */
     float beside;
-    /* score per mm, [0, 1], default 0.005. Taken off at the ends of a search for profiles: the nearer place wins. */
-    float nearer;
+    float nearer;   /* score per mm, [0, 1], default 0.005. Taken off at the ends of a search: the nearer place wins */
     uint32_t edge;  /* SMR_EDGE_..., default reference. Edge sought: most like the reference's, or steepest (paper) */
     uint32_t blend; /* SMR_BLEND_..., default confidence. Weights of profile and edge, or each in full (paper) */
     uint32_t fade;  /* 0 or 1, default 1. Forces and momentum fall to 0 over the last half radius (not in the paper) */
@@ -622,14 +608,13 @@ enum { SMR_COVERAGE_AUTO = 0, SMR_COVERAGE_WHOLE = 1, SMR_COVERAGE_PARTIAL = 2 }
 typedef struct smr_partial_config {
     /* SMR_COVERAGE_..., default auto. Whether target surfaces show all of the model. Where they do not, a vertex counts
      * as far as it is visible: less beyond an open border, where normals disagree, and where the target's closest
-     * points lie elsewhere on the model. Occluded vertices follow the image where that shows them, or the visible ones by a
-     * smooth field. auto: whole for closed surfaces of which the model covers nine tenths. whole takes no memory. */
+     * points lie elsewhere on the model. Occluded vertices follow the image where that shows them, or the visible ones
+     * by a smooth field. auto: whole for closed surfaces of which the model covers nine tenths. whole: no memory. */
     uint32_t coverage;
     /* mm, [0, 100], default 0. Noise of target points: a point nearer to the model's surface pulls nothing, a farther
      * one only by what it is farther. 0: noise of many points averages out. */
     float noise_mm;
-    /* landmarks, [0, 64], default 0. Most that smr_set_landmarks() takes at one time. 0 takes no memory. */
-    uint32_t n_landmarks;
+    uint32_t n_landmarks; /* landmarks, [0, 64], default 0. Most that smr_set_landmarks() takes; 0 takes no memory */
 } smr_partial_config;
 
 /* A cloud of points as a target, in the caller's memory: a ring that keeps the newest. It shows the part of the model
@@ -691,8 +676,7 @@ typedef struct smr_landmark {
  * structure or vertex, a structure without vertices, a field outside its range). */
 smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n);
 
-/* Where the landmarks' points of the model are: [n][3] mm, in the order in which they were set.
- * Errors: E_NULL, E_STATE (not a registration). */
+/* Where the landmarks' points of the model are: [n][3] mm, in the order set. Errors: E_NULL, E_STATE. */
 smr_status smr_get_landmarks(const smr *s, float *xyz);
 
 /* ------------------------------------------------------------------ 13. tracking: targets that move */
@@ -711,8 +695,7 @@ typedef struct smr_track_config {
     /* mm, [0, 100000], default 0: a twelfth of the radius. A target has jumped when the mean distance of its goals is
      * larger in the first iteration that looks at it, or when it has none. */
     float jump_mm;
-    /* um, [0, 100000000], default 20. Largest displacement below which there is nothing to do until a target moves. */
-    float settle_um;
+    float settle_um; /* um, [0, 100000000], default 20. Largest displacement at which to wait until a target moves */
     uint32_t iterations; /* iterations, [1, 100000], default 30. At most, for one position of the targets */
     /* share, [0, 1], default 0. When targets are set, each structure first goes on as a rigid body by this share of its
      * displacement since they were set before: for targets that come at even intervals. Not after a jump. The rest of
@@ -896,8 +879,7 @@ typedef struct smr_forces_config {
     /* cluster radii, (0, 1000000], default 1.5. The search for closest points narrows to this many radii. From one
      * radius to the next it narrows by half at most. */
     float search_radii;
-    float
-        normal_deg; /* degrees, (0, 180], default 75. Largest angle between normals of a vertex and its closest point */
+    float normal_deg; /* degrees, (0, 180], default 75. Largest angle between normals of vertex and closest point */
     /* standard deviations, [0, 1000000], default 0: off. Forces longer than the mean and this many deviations, both of
      * the last iteration, are dropped. */
     float reject_deviations;
@@ -999,15 +981,13 @@ const smr_setting *smr_prepare_settings(uint32_t *n);
  * the vertices, fixed by the vertices' rest and present places. Far from the model it follows a similarity. */
 typedef struct smr_carry smr_carry;
 
-/* Exact bytes smr_carry_fit() needs. n_points may be 0. Errors: E_NULL, E_INPUT (a count; n_workers of the port). */
-smr_status smr_carry_bytes(uint32_t n_vertices, uint32_t n_points, uint32_t n_workers, size_t *bytes);
-
 /* Binds points [n_points][3] mm, given at rest, to the vertices rest [n_vertices][3] mm: structures in a row, as
- * smr_model_mesh() or the caller's meshes have them. Takes about 20 us a point. memory (SMR_ALIGN-aligned) holds the
- * map and stays where it is; rest and points may go afterwards. port is copied, what it names is used by later calls,
- * too; NULL: one worker.
- * Errors: E_NULL, E_ALIGN, E_INPUT (a count, a coordinate), E_ARENA, E_STATE (the port's worker number); *carry
- * untouched then. */
+ * smr_model_mesh() or the caller's meshes have them. n_points may be 0. Takes about 20 us a point. memory
+ * (SMR_ALIGN-aligned, smr_carry_bytes()) holds the map and stays where it is; rest and points may go afterwards. port
+ * is copied, what it names is used by later calls, too; NULL: one worker.
+ * Errors: E_NULL, E_ALIGN, E_INPUT (a count, n_workers, a coordinate), E_ARENA, E_STATE (the port's worker number);
+ * *carry untouched then. */
+smr_status smr_carry_bytes(uint32_t n_vertices, uint32_t n_points, uint32_t n_workers, size_t *bytes);
 smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
                          const smr_port *port, void *memory, size_t bytes, smr_carry **carry);
 
@@ -1033,11 +1013,9 @@ smr_status smr_carry_map(smr_carry *carry, const float *now, uint32_t inverse, c
 smr_status smr_frame_places(const float *points, uint32_t n, float size_mm, float *places);
 
 /* From places at rest and carried ones: the rigid part of the local map, from rest to now, and the local maps
- * themselves, row-major [n][9]; one of the two may be NULL. Errors: E_NULL, E_INPUT. */
+ * themselves, row-major [n][9]; one of the two may be NULL. smr_frame_normals(): unit normals [n][3] carried by local
+ * maps, in place: perpendicular to what they were perpendicular to. Errors: E_NULL, E_INPUT. */
 smr_status smr_frame_poses(const float *rest, const float *now, uint32_t n, smr_pose *poses, float *jacobians);
-
-/* Unit normals [n][3] carried by local maps [n][9], in place: perpendicular to what they were perpendicular to.
- * Errors: E_NULL, E_INPUT. */
 smr_status smr_frame_normals(const float *jacobians, float *normals, uint32_t n);
 
 /* ------------------------------------------------------------------ 19. save and restore */
@@ -1045,14 +1023,17 @@ smr_status smr_frame_normals(const float *jacobians, float *normals, uint32_t n)
  * position-independent, little-endian on every host, checksummed. From there on it has the same bits as without the
  * interruption, with any number of threads. Its reports say the same but for times, which it learns anew. */
 
-/* Writes s to memory[bytes] (of any alignment). smr_save_bytes(): exactly so many, by model and configuration alone. The model and inputs are not in it, but their checksums: one pass over
- * each. Only between complete iterations: after a tick that returned SMR_PARTIAL, tick until SMR_OK.
- * Errors: E_NULL, E_STATE (not a registration; called from within a tick; an iteration is under way; a target surface
- * has changed; inputs are awaited; the port was refused, or the caller's force; a coordinate is beyond 2e6 mm, and
- * memory is written to then), E_ARENA. */
+/* Writes s to memory[bytes] (of any alignment). smr_save_bytes(): exactly so many, by model and configuration alone.
+ * The model and inputs are not in it, but their checksums: one pass over each. Only between complete iterations: after
+ * a tick that returned SMR_PARTIAL, tick until SMR_OK.
+ * Errors: E_NULL, E_ARENA, E_STATE (not a registration; called from within a tick; an iteration is under way; a target
+ * surface has changed; inputs are awaited; the port was refused, or the caller's force; a coordinate is beyond 2e6 mm,
+ * and memory is written to then). */
 smr_status smr_save_bytes(const smr *s, size_t *bytes);
 smr_status smr_save(const smr *s, void *memory, size_t bytes);
 
+/* What saved[saved_bytes] holds: smr_arena_bytes() with info->config says what smr_restore() needs.
+ * Errors: E_NULL, E_SAVE; *info untouched then. */
 typedef struct smr_saved_info {
     size_t bytes;            /* of the save itself; more may lie behind it */
     uint32_t library;        /* version that wrote it: major << 16 | minor << 8 | patch */
@@ -1060,9 +1041,6 @@ typedef struct smr_saved_info {
     uint32_t n_vertices;     /* of the model */
     smr_config config;       /* as it was given to smr_init; unchecked */
 } smr_saved_info;
-
-/* What saved[saved_bytes] holds: smr_arena_bytes() with info->config says what smr_restore() needs.
- * Errors: E_NULL, E_SAVE; *info untouched then. */
 smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *info);
 
 /* Sets up the registration that saved[saved_bytes] (of any alignment, from anywhere) holds, in arena like smr_init().
@@ -1184,7 +1162,8 @@ typedef struct smr_replay_report {
 smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 
 /* ------------------------------------------------------------------ 21. sizes as constants, for static storage */
-/* Upper bounds for nv vertices, nt triangles, ns structures. SMR_X_BYTES is that of x alone, SMR_X_Y_BYTES what config.y adds. No other setting changes a size.
+/* Upper bounds for nv vertices, nt triangles, ns structures. SMR_X_BYTES is that of x alone, SMR_X_Y_BYTES what y
+ * of the configuration adds. No other setting changes a size. For example:
  * static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(1000, 2000, 1, 1, 0, SMR_METHOD_RIGID)]; */
 
 /* smr_surface_bytes(): about 3 % above it at 1,000 triangles, less than 1 % from 4,000 on. */
