@@ -16,19 +16,24 @@ if cmp -s "$tmp/page" docs/SETTINGS.md; then passed=1; else
     diff "$tmp/page" docs/SETTINGS.md | head -n 10
 fi
 
-# Each comment of the two structs ends before the field it is about.
+# How each comment has to start: of a field by its place in C, group.field, for the table's name.
 "$page" --header >"$tmp/wanted"
+sed -nE 's/^SMR_SETTING\([A-Z]+, [0-9]+, ([a-z_.]+), ([a-z_]+),.*/\1\t\2/p' src/base/settings_config.def >"$tmp/places"
 
-# Prints where the comments of a header differ from the table. The default ends with its sentence, part or comment.
+# Prints where the comments of a header, above a field or behind it, differ from the table. The default ends with its
+# sentence, part or comment.
 check_header() {
-    awk '
-    FNR == NR { split($0, part, "\t"); wanted[part[1]] = part[2]; next }
-    /^typedef struct smr_(prepare_)?config \{/ { on = 1 }
-    /^\} smr_(prepare_)?config;/ { on = 0 }
-    !on { next }
+    awk -F '\t' '
+    FILENAME == ARGV[1] { wanted[$1] = $2; next }
+    FILENAME == ARGV[2] { name_of[$1] = $2; next }
+    /^(typedef )?struct smr_[a-z]+_config \{/ { group = $0; sub(/_config.*/, "", group); sub(/^.*struct smr_/, "", group) }
+    /^\}/ { group = "" }
+    group == "" { next }
     /^    \/\*/ { comment = $0; sub(/^ *\/\* */, "", comment) }
-    /^    [a-z_0-9 *]+[a-z_0-9\[\]A-Z]*;/ {
+    /^    [a-z][a-z_0-9 *]+[a-z_0-9\[\]A-Z]*;/ {
         name = $0; sub(/\[.*/, "", name); sub(/;.*/, "", name); sub(/^.*[ *]/, "", name)
+        if ($0 ~ /; *\/\*/) { comment = $0; sub(/^[^;]*; *\/\* */, "", comment) }
+        if (group != "prepare") name = name_of[group "." name]
         if (name in wanted) {
             want = wanted[name]; have = comment
             if (want ~ /^SMR_\*/) { sub(/^SMR_\*/, "", want); sub(/^SMR_[A-Z_]*_\.\.\./, "", have) }
@@ -42,9 +47,9 @@ check_header() {
         comment = ""
     }
     END {
-        for (name in wanted) if (!(name in seen)) { print "smr.h: no field " name " with a comment above it"; bad = 1 }
+        for (name in wanted) if (!(name in seen)) { print "smr.h: no field " name " with a comment"; bad = 1 }
         exit bad
-    }' "$tmp/wanted" "$1"
+    }' "$tmp/wanted" "$tmp/places" "$1"
 }
 if check_header include/smr.h; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
 

@@ -37,9 +37,9 @@ int main(void)
     smr_energy e;
     prepare.n_radii = 1;
     prepare.radius_mm[0] = 60; /* soft: the rod bends where it is held */
-    config.dynamics = SMR_DYNAMICS_ON;
-    config.step_ms = 5;
-    config.gravity[2] = -9810;
+    config.dynamics.mode = SMR_DYNAMICS_ON;
+    config.dynamics.step_ms = 5;
+    config.dynamics.gravity[2] = -9810;
     smr_status status = smr_prepare(&shape, 1, &prepare, scratch, sizeof scratch, prepared, sizeof prepared, &bytes);
     if (status == SMR_OK)
         status = smr_model_open(prepared, bytes, &model);

@@ -33,8 +33,8 @@ int main(void)
     const smr_mesh goal = {&seen[0][0], &triangles[0][0], NV, NT};
     const smr_prepare_config prepare = smr_prepare_config_default();
     smr_config config = smr_config_default();
-    config.n_target_vertices = NV;
-    config.track = SMR_TRACK_RECOVER; /* follow, and look for what jumped */
+    config.basic.n_target_vertices = NV;
+    config.track.mode = SMR_TRACK_RECOVER; /* follow, and look for what jumped */
     size_t bytes;
     const smr_model *model;
     smr_surface *target;
@@ -47,7 +47,7 @@ int main(void)
         smr_surface_build(&goal, memory, sizeof memory, &target) != SMR_OK ||
         smr_set_surface(s, SMR_ALL, target) != SMR_OK)
         return 1;
-    while (!report.settled) /* the first frame: coarse to fine */
+    while (!report.details.settled) /* the first frame: coarse to fine */
         if (smr_tick(s, 0, &report) != SMR_OK)
             return 1;
     for (unsigned frame = 1; frame <= 60; frame++) {
@@ -55,10 +55,10 @@ int main(void)
         if (smr_surface_refit(target, &seen[0][0]) != SMR_OK || smr_surface_step(target, 0, NULL, 0) != SMR_OK ||
             smr_set_surface(s, SMR_ALL, target) != SMR_OK)
             return 1;
-        for (int tick = 0; tick < 8 && (tick == 0 || !report.settled); tick++)
+        for (int tick = 0; tick < 8 && (tick == 0 || !report.details.settled); tick++)
             if (smr_tick(s, 0, &report) != SMR_OK)
                 return 1;
     }
-    printf("%.3f mm from the target, jumped %u\n", (double)report.residual_mean_mm, report.jumped);
-    return report.jumped != 0 || report.residual_mean_mm > 0.5f;
+    printf("%.3f mm from the target, jumped %u\n", (double)report.residual_mean_mm, report.details.jumped);
+    return report.details.jumped != 0 || report.residual_mean_mm > 0.5f;
 }

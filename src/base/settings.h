@@ -37,10 +37,11 @@ static inline int smr_legal_number(float v, float low, float high, int ends)
 #define SMR_DEFAULT_POINTER(v, value)
 
 /* Rows of a table, for a configuration at c. */
-#define SMR_ROW_DEFAULT(kind, number, name, unit, low, high, ends, value, image, text)                                 \
-    SMR_DEFAULT_##kind(c->name, value)
-#define SMR_ROW_IMAGE(kind, number, name, unit, low, high, ends, value, image, text) SMR_DEFAULT_##kind(c->name, image)
-#define SMR_ROW_LEGAL(kind, number, name, unit, low, high, ends, value, image, text)                                   \
-    legal &= SMR_LEGAL_##kind(c->name, low, high, SMR_ENDS_##ends);
+#define SMR_ROW_DEFAULT(kind, number, path, name, unit, low, high, ends, value, image, text)                           \
+    SMR_DEFAULT_##kind(c->path, value)
+#define SMR_ROW_IMAGE(kind, number, path, name, unit, low, high, ends, value, image, text)                             \
+    SMR_DEFAULT_##kind(c->path, image)
+#define SMR_ROW_LEGAL(kind, number, path, name, unit, low, high, ends, value, image, text)                             \
+    legal &= SMR_LEGAL_##kind(c->path, low, high, SMR_ENDS_##ends);
 
 #endif

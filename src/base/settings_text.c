@@ -11,14 +11,14 @@
 #define SMR_KIND_SWITCH SMR_SETTING_SWITCH
 #define SMR_KIND_POINTER SMR_SETTING_POINTER
 
-#define SMR_ROW_TEXT(type, kind, number, name, unit, low, high, ends, value, image, text)                              \
+#define SMR_ROW_TEXT(type, kind, number, path, name, unit, low, high, ends, value, image, text)                        \
     {#name,                                                                                                            \
      unit,                                                                                                             \
      text,                                                                                                             \
      SMR_KIND_##kind,                                                                                                  \
      (number),                                                                                                         \
-     (uint32_t)offsetof(type, name),                                                                                   \
-     (uint32_t)sizeof(((type *)NULL)->name),                                                                           \
+     (uint32_t)offsetof(type, path),                                                                                   \
+     (uint32_t)sizeof(((type *)NULL)->path),                                                                           \
      SMR_ENDS_##ends == SMR_ENDS_OPEN,                                                                                 \
      SMR_ENDS_##ends == SMR_ENDS_OR_ZERO,                                                                              \
      (double)(low),                                                                                                    \

@@ -13,7 +13,7 @@ static int may_end_early(const smr *s)
     if (smr_contact_on(&s->forces.contact) && smr_at_last_radius(&s->shared, &s->pace))
         return 0; /* triangles are looked at as it ends */
     return !(s->evolve.moved_mm > 0.0f) || !smr_at_last_radius(&s->shared, &s->pace) ||
-           s->forces.surface.n_goals_begun == 0u || !(s->shared.config.even > 0.0f);
+           s->forces.surface.n_goals_begun == 0u || !(s->shared.config.basic.even > 0.0f);
 }
 
 /* A radius is done when an iteration moves less than settle_um, or after its number of iterations; the registration is
@@ -23,9 +23,9 @@ smr_ending smr_ending_of(const smr *s, uint32_t radius_iteration)
     const int last = smr_at_last_radius(&s->shared, &s->pace);
     const float moved_um = s->evolve.moved_mm * 1000.0f;
     smr_ending e;
-    e.settled = moved_um < s->shared.config.settle_um && may_end_early(s);
+    e.settled = moved_um < s->shared.config.motion.settle_um && may_end_early(s);
     e.spent = radius_iteration >= smr_radius_iterations(s);
-    e.small = moved_um < s->shared.config.plastic_um;
+    e.small = moved_um < s->shared.config.motion.plastic_um;
     e.done = s->pace.repairing == 0u && last && (e.settled || e.spent);
     return e;
 }

@@ -7,8 +7,9 @@
 int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic)
 {
     const smr_config *c = &s->shared.config;
-    const int still = c->plastic_by == SMR_PLASTIC_MEAN ? s->evolve.mean_mm * 1000.0f < c->plastic_um : e->small;
-    const int due = c->plastic_every != 0u && since_plastic >= c->plastic_every;
+    const int still =
+        c->motion.plastic_by == SMR_PLASTIC_MEAN ? s->evolve.mean_mm * 1000.0f < c->motion.plastic_um : e->small;
+    const int due = c->motion.plastic_every != 0u && since_plastic >= c->motion.plastic_every;
     return s->pace.repairing > 0u || (!e->done && (still || due || e->settled || e->spent));
 }
 

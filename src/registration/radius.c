@@ -8,14 +8,14 @@
 #define SMR_ABOUT 0.75f        /* share of the active vertices wanted at which a level is enough */
 #define SMR_FIRST_TIMES 2u     /* factor on the first radius' iterations with an image: most of the way is made there */
 #define SMR_NARROWING 0.5f     /* search distances shrink to this share at most, from one radius to the next */
-#define SMR_TRACK_EDGES 6.0f     /* mean edges: the radius after the schedule that is chosen */
+#define SMR_TRACK_EDGES 6.0f   /* mean edges: the radius after the schedule that is chosen */
 
 static float radius_mm(const smr *s, uint32_t radius) { return smr_model_lists(s->shared.model, radius).radius; }
 
 /* The model's radius nearest to this one, by their ratio. */
 static uint32_t nearest_radius(const smr *s, float wanted)
 {
-    uint32_t best = s->shared.config.radius_first;
+    uint32_t best = s->shared.config.schedule.radius_first;
     for (uint32_t r = best + 1u; r <= smr_last_radius(&s->shared); r++)
         if (wanted * wanted < radius_mm(s, best) * radius_mm(s, r))
             best = r;
@@ -26,7 +26,7 @@ static uint32_t nearest_radius(const smr *s, float wanted)
  * own, if there is one with clusters at all: structures slide past each other, and joints turn. */
 uint32_t smr_radius_after(const smr *s)
 {
-    const float asked = s->shared.config.track_mm, edge = smr_le_float(s->shared.model->edge_mm);
+    const float asked = s->shared.config.track.radius_mm, edge = smr_le_float(s->shared.model->edge_mm);
     const uint32_t best = nearest_radius(s, asked > 0.0f ? asked : SMR_TRACK_EDGES * edge);
     if (asked > 0.0f || s->shared.n_structures == 1u)
         return best;
@@ -39,31 +39,32 @@ uint32_t smr_radius_after(const smr *s)
 /* Most iterations at the first radius. */
 static uint32_t first_iterations(const smr *s)
 {
-    const int alone = s->shared.config.radius_first == smr_last_radius(&s->shared);
+    const int alone = s->shared.config.schedule.radius_first == smr_last_radius(&s->shared);
     const uint32_t times = s->forces.image.has_image               ? SMR_FIRST_TIMES
                            : s->forces.surface.n_clouds_begun > 0u ? SMR_FIRST_CLOUD
                                                                    : 1u;
-    return alone ? s->shared.config.iterations_last : s->shared.config.iterations * times;
+    return alone ? s->shared.config.basic.iterations_last : s->shared.config.basic.iterations * times;
 }
 
 uint32_t smr_radius_iterations(const smr *s)
 {
-    if (s->pace.radius == s->shared.config.radius_first)
+    if (s->pace.radius == s->shared.config.schedule.radius_first)
         return first_iterations(s);
-    return smr_at_last_radius(&s->shared, &s->pace) ? s->shared.config.iterations_last : s->shared.config.iterations;
+    return smr_at_last_radius(&s->shared, &s->pace) ? s->shared.config.basic.iterations_last
+                                                    : s->shared.config.basic.iterations;
 }
 
 float smr_radius_progress(const smr *s)
 {
     if (s->pace.done || s->pace.tracking)
         return 1.0f;
-    if (s->shared.config.dynamics)
+    if (s->shared.config.dynamics.mode)
         return 0.0f;
-    const float first = (float)first_iterations(s), level = (float)s->shared.config.iterations;
-    const uint32_t steps = smr_last_radius(&s->shared) - s->shared.config.radius_first,
-                   at = s->pace.radius - s->shared.config.radius_first;
+    const float first = (float)first_iterations(s), level = (float)s->shared.config.basic.iterations;
+    const uint32_t steps = smr_last_radius(&s->shared) - s->shared.config.schedule.radius_first,
+                   at = s->pace.radius - s->shared.config.schedule.radius_first;
     const float total =
-        steps > 0u ? first + level * (float)(steps - 1u) + (float)s->shared.config.iterations_last : first;
+        steps > 0u ? first + level * (float)(steps - 1u) + (float)s->shared.config.basic.iterations_last : first;
     return ((at > 0u ? first + level * (float)(at - 1u) : 0.0f) + (float)s->pace.radius_iteration) / total;
 }
 
@@ -72,8 +73,8 @@ float smr_radius_progress(const smr *s)
  * of a level do not depend on the order along the curve. */
 static float enough_for_image(const smr *s)
 {
-    const float cluster =
-        (float)s->shared.n * (float)s->shared.config.active_enough / (float)smr_max_u32(s->pace.lists.smallest, 1u);
+    const float cluster = (float)s->shared.n * (float)s->shared.config.schedule.active_enough /
+                          (float)smr_max_u32(s->pace.lists.smallest, 1u);
     const float enough = smr_max(cluster, SMR_ENOUGH_ALL); /* clusters that span the model share their vertices */
     uint32_t level = 0;
     while (level + 1u < smr_le32(s->shared.model->n_levels) &&
@@ -85,10 +86,10 @@ static float enough_for_image(const smr *s)
 /* Active vertices now: the share that the configuration asks for, at least what the clusters of this radius need. */
 uint32_t smr_radius_active(const smr *s)
 {
-    const float n = (float)s->shared.n, last = s->shared.config.active_share,
-                first = smr_min(s->shared.config.active_first, last);
+    const float n = (float)s->shared.n, last = s->shared.config.basic.active_share,
+                first = smr_min(s->shared.config.schedule.active_first, last);
     float count = n * (first + (last - first) * smr_radius_progress(s));
-    if (s->forces.image.has_image && s->shared.config.active_enough > 0u)
+    if (s->forces.image.has_image && s->shared.config.schedule.active_enough > 0u)
         count = smr_min(count, enough_for_image(s));
     const uint32_t whole = (uint32_t)count;
     return smr_min_u32(smr_max_u32(whole + ((float)whole < count), s->pace.lists.active_min), s->shared.n);
@@ -100,7 +101,7 @@ static int repairs_before(const smr *s, uint32_t radius)
 {
     return smr_folds_guarded(&s->shared, &s->pace) && s->shared.n_hinges > 0u &&
            (s->forces.surface.n_goals_begun > 0u || !s->forces.image.has_image) &&
-           (radius == s->shared.config.radius_first || radius + 1u == smr_last_radius(&s->shared));
+           (radius == s->shared.config.schedule.radius_first || radius + 1u == smr_last_radius(&s->shared));
 }
 
 /* What follows from the radius alone. */
@@ -108,15 +109,16 @@ void smr_radius_take(smr *s)
 {
     const uint32_t radius = s->pace.radius;
     s->pace.lists = smr_model_lists(s->shared.model, radius);
-    s->pace.momentum =
-        radius == smr_last_radius(&s->shared) ? s->shared.config.momentum_last : s->shared.config.momentum;
-    if (s->shared.config.dynamics) {
+    s->pace.momentum = radius == smr_last_radius(&s->shared) ? s->shared.config.motion.momentum_last
+                                                             : s->shared.config.motion.momentum;
+    if (s->shared.config.dynamics.mode) {
         s->pace.lists.active_min = s->shared.n; /* momentum is that of all vertices */
         s->pace.momentum = 0.0f;
     }
     const float before = radius > 0u ? smr_model_lists(s->shared.model, radius - 1u).radius : 0.0f;
-    s->pace.search_mm = smr_min(s->shared.config.search_mm,
-                                s->shared.config.search_radii * smr_max(s->pace.lists.radius, SMR_NARROWING * before));
+    s->pace.search_mm =
+        smr_min(s->shared.config.basic.search_mm,
+                s->shared.config.forces.search_radii * smr_max(s->pace.lists.radius, SMR_NARROWING * before));
 }
 
 void smr_radius_go(smr *s, uint32_t radius)

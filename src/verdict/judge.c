@@ -107,9 +107,9 @@ static float strain_most(const smr_verdict *v, float edge_mm)
 
 static void judge_surface(smr_verdict *v, float edge_mm)
 {
-    const float covered = v->seen_share > SMR_SEEN_ALL ? SMR_COVERED_LEAST : SMR_COVERED_PART;
-    ask_least(v, SMR_REASON_LITTLE_VISIBLE, v->seen_share, SMR_SEEN_LEAST, -1.0f);
-    if (v->seen_share < SMR_SEEN_PART)
+    const float covered = v->visible_share > SMR_SEEN_ALL ? SMR_COVERED_LEAST : SMR_COVERED_PART;
+    ask_least(v, SMR_REASON_LITTLE_VISIBLE, v->visible_share, SMR_SEEN_LEAST, -1.0f);
+    if (v->visible_share < SMR_SEEN_PART)
         ask(v, SMR_REASON_LITTLE_VISIBLE, v->expected_error_mm, SMR_EXPECTED_PART, SMR_FAR);
     ask_least(v, SMR_REASON_UNCOVERED, v->target_covered, covered, SMR_COVERED_FAILED);
     ask_least(v, SMR_REASON_NORMALS, v->normals_agree, SMR_AGREE_LEAST, SMR_AGREE_FAILED);
@@ -128,16 +128,16 @@ static void judge_landmarks(smr_verdict *v)
 
 static void judge_image(smr_verdict *v)
 {
-    ask_least(v, SMR_REASON_SIMILARITY, v->likeness, SMR_LIKENESS_LEAST, SMR_LIKENESS_FAILED);
+    ask_least(v, SMR_REASON_SIMILARITY, v->image_similarity, SMR_LIKENESS_LEAST, SMR_LIKENESS_FAILED);
     ask_least(v, SMR_REASON_GOALS, v->goals_share, SMR_GOALS_LEAST, SMR_GOALS_FAILED);
 }
 
 void smr_judge(smr_verdict *v, float edge_mm, int whole)
 {
-    const int part = whole && v->goals_share < 0.0f && v->seen_share < SMR_SEEN_PART;
+    const int part = whole && v->goals_share < 0.0f && v->visible_share < SMR_SEEN_PART;
     v->level = SMR_VERDICT_GOOD;
     v->reasons = 0;
-    if (!(v->seen_share > 0.0f))
+    if (!(v->visible_share > 0.0f))
         ask(v, SMR_REASON_NOTHING_VISIBLE, 1.0f, 0.0f, 0.5f);
     ask(v, SMR_REASON_SCALE, beyond(v->scale), part ? SMR_SCALE_PART : SMR_SCALE_MOST, SMR_FAR);
     if (v->goals_share >= 0.0f)

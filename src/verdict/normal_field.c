@@ -169,7 +169,7 @@ static void open_motion(smr_normal_field *f)
 static int keeps_to_start(const smr *s, uint32_t structure)
 {
     return s->forces.surface.target[structure].surface != NULL && !s->forces.unseen.sheet && !s->pace.tracking &&
-           s->shared.config.n_landmarks == 0u && smr_overlap_lasting(&s->forces.surface, structure);
+           s->shared.config.partial.n_landmarks == 0u && smr_overlap_lasting(&s->forces.surface, structure);
 }
 
 void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structure)

@@ -60,11 +60,11 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
 {
     memset(verdict, 0, sizeof *verdict);
     verdict->expected_error_mm = smr_mean_of(e->expected, -1.0f);
-    verdict->seen_share = smr_mean_of(e->seen, -1.0f);
+    verdict->visible_share = smr_mean_of(e->seen, -1.0f);
     verdict->target_covered = smr_mean_of(e->covered, -1.0f);
     verdict->residual_mm = smr_mean_of(e->residual, -1.0f);
     verdict->normals_agree = smr_mean_of(e->agree, -1.0f);
-    verdict->likeness = smr_mean_of(e->likeness, -1.0f);
+    verdict->image_similarity = smr_mean_of(e->likeness, -1.0f);
     verdict->goals_share = smr_mean_of(e->goals, -1.0f);
     verdict->strain = SMR_SQRT(smr_mean_of(e->strain2, 0.0f));
     verdict->stretch = SMR_SQRT(smr_mean_of(e->stretch2, 0.0f));

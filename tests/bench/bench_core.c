@@ -119,13 +119,13 @@ static void set_targets(const bench_input *in, smr *s)
 static smr *endless(const bench_input *in, const smr_model *model, uint32_t method, int elastic, const smr_port *port)
 {
     smr_config config = smr_config_default();
-    config.method = method;
-    config.settle_um = 0.0f;
-    config.plastic_um = elastic ? 0.0f : config.plastic_um;
-    config.plastic_every = elastic ? 0u : config.plastic_every;
-    config.iterations = config.iterations_last = 100000;
-    config.n_workers = port->n_workers;
-    config.n_target_vertices = in->n_target_vertices;
+    config.basic.method = method;
+    config.motion.settle_um = 0.0f;
+    config.motion.plastic_um = elastic ? 0.0f : config.motion.plastic_um;
+    config.motion.plastic_every = elastic ? 0u : config.motion.plastic_every;
+    config.basic.iterations = config.basic.iterations_last = 100000;
+    config.basic.n_workers = port->n_workers;
+    config.basic.n_target_vertices = in->n_target_vertices;
     smr *s = rig_init(model, &config, port);
     set_targets(in, s);
     (void)rig_run(s, 3);
@@ -137,7 +137,8 @@ static double match_ms(smr *s)
 {
     smr_tick_report r;
     (void)smr_tick(s, 0, &r);
-    return 1.0e-6 * (double)(r.phase_ns[SMR_PHASE_SUMS] + r.phase_ns[SMR_PHASE_MATCH] + r.phase_ns[SMR_PHASE_AVERAGE]);
+    return 1.0e-6 * (double)(r.details.phase_ns[SMR_PHASE_SUMS] + r.details.phase_ns[SMR_PHASE_MATCH] +
+                             r.details.phase_ns[SMR_PHASE_AVERAGE]);
 }
 
 static void bench_matching(const bench_input *in, const smr_model *model, const smr_prepare_config *radii)
@@ -196,7 +197,7 @@ static void bench_registration(const bench_input *in)
     smr_tick_report report = {0};
     const smr_model *model = rig_model(in->mesh, in->n, NULL);
     smr_config config = smr_config_default();
-    config.n_target_vertices = in->n_target_vertices;
+    config.basic.n_target_vertices = in->n_target_vertices;
     smr *s = rig_init(model, &config, NULL);
     const smr_pose same = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     set_targets(in, s);
@@ -215,7 +216,7 @@ static void bench_memory(const bench_input *in, const smr_model *model)
     smr_model_info info;
     size_t arena = 0;
     smr_config config = smr_config_default();
-    config.n_target_vertices = in->n_target_vertices;
+    config.basic.n_target_vertices = in->n_target_vertices;
     (void)smr_model_get_info(model, &info);
     (void)smr_arena_bytes(model, &config, &arena);
     tell_one("vertices", (double)info.n_vertices);

@@ -38,7 +38,7 @@ case_motion_options case_motion_defaults(void)
     o.most_ticks = 10;
     o.every = 3;
     o.config = smr_config_default();
-    o.config.track = SMR_TRACK_RECOVER;
+    o.config.track.mode = SMR_TRACK_RECOVER;
     return o;
 }
 
@@ -246,7 +246,7 @@ static int make_follower(const scene *s, follower *f)
         part[k].name = s->data.body[k].name;
         part[k].mesh = host_mesh_view(mesh);
         f->xyz[k] = case_alloc(3u * (size_t)mesh->n_vertices, sizeof(float));
-        config.n_target_vertices += s->options->n_points > 0u ? s->options->n_points : s->target[k].n_vertices;
+        config.basic.n_target_vertices += s->options->n_points > 0u ? s->options->n_points : s->target[k].n_vertices;
     }
     if (s->options->image_every > 0u) {
         open_image(s, f);
@@ -348,7 +348,7 @@ static int follow(const scene *s, follower *f, uint32_t number, uint32_t most, c
     int good = 0;
     good = set_targets(s, f, number, memory);
     memset(&report, 0, sizeof report);
-    while (good && n < most && !report.settled && !report.done) {
+    while (good && n < most && !report.details.settled && !report.done) {
         good = smr_tick(f->s, 0, &report) == SMR_OK;
         n++;
     }
@@ -356,8 +356,8 @@ static int follow(const scene *s, follower *f, uint32_t number, uint32_t most, c
         good = smr_get_positions(f->s, k, f->xyz[k]) == SMR_OK;
     good = good && smr_set_surface(f->s, SMR_ALL, NULL) == SMR_OK; /* their memory goes */
     frame->ticks = n;
-    frame->settled = report.settled;
-    frame->jumped = report.jumped;
+    frame->settled = report.details.settled;
+    frame->jumped = report.details.jumped;
     frame->residual = (double)report.residual_mean_mm;
     for (k = 0; k < s->data.n; k++)
         free(memory[k]);

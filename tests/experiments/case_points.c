@@ -119,7 +119,7 @@ static smr_status begin(runner *r, const host_mesh *mesh, uint32_t n)
     smr_config config = smr_config_default();
     size_t arena = 0, bytes = 0;
     smr_status status = prepare(r, mesh);
-    config.n_target_vertices = n;
+    config.basic.n_target_vertices = n;
     if (status == SMR_OK)
         status = smr_arena_bytes(r->model, &config, &arena);
     if (status == SMR_OK)

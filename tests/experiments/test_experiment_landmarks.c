@@ -97,8 +97,8 @@ static void run(tracked *t, const smr_surface *surface)
     const float *xyz[1];
     case_figures f;
     uint32_t i = 0;
-    config.n_landmarks = SMR_LANDMARKS_MAX;
-    config.n_target_vertices = surface != NULL ? t->data->body[0].target.n_vertices : 0u;
+    config.partial.n_landmarks = SMR_LANDMARKS_MAX;
+    config.basic.n_target_vertices = surface != NULL ? t->data->body[0].target.n_vertices : 0u;
     smr *const s = rig_init(t->model, &config, NULL);
     EXPERIMENT_NEED(smr_set_surface(s, SMR_ALL, surface) == SMR_OK);
     EXPERIMENT_NEED(smr_set_landmarks(s, t->mark, t->n) == SMR_OK);

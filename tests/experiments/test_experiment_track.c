@@ -100,7 +100,7 @@ static double lag_of(uint32_t bone, int view, float ahead)
     o.n_frames = 16;
     o.most_ticks = 2;
     o.every = 1;
-    o.config.track_ahead = ahead;
+    o.config.track.ahead = ahead;
     run(bones[bone], &o);
     return case_motion_mean(frames, 8, 16).vertex;
 }
@@ -223,7 +223,7 @@ static void follows_a_thigh(void **state)
 static void follow_images(const experiment_command *files, uint32_t seed, uint32_t every, int view, uint32_t n_points)
 {
     case_motion_options o = case_motion_defaults();
-    const uint32_t track = o.config.track;
+    const uint32_t track = o.config.track.mode;
     case_motion_frame mean;
     char what[120];
     o.seed = seed;
@@ -235,7 +235,7 @@ static void follow_images(const experiment_command *files, uint32_t seed, uint32
     o.image_every = every;
     o.every = 6;
     o.config = smr_config_default_image();
-    o.config.track = track;
+    o.config.track.mode = track;
     EXPERIMENT_NEED(case_motion_run((const char *const *)files->word, (uint32_t)files->n, &o, frames));
     mean = case_motion_mean(frames, o.n_frames / 2u, o.n_frames);
     (void)snprintf(what, sizeof what, "thigh by images, seed %u, every %u, %s, %u points: surface, mm", seed, every,

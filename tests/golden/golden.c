@@ -131,16 +131,16 @@ static int golden_run(const smr_model *model, const smr_surface *target, const s
     smr_config config = smr_config_default();
     smr_tick_report report;
     smr *s = NULL;
-    config.n_workers = GOLDEN_WORKERS;
-    config.n_target_vertices = 1024;
-    config.method = method;
-    config.normals = method == SMR_METHOD_POLAR ? SMR_NORMALS_EXACT : SMR_NORMALS_CARRIED;
+    config.basic.n_workers = GOLDEN_WORKERS;
+    config.basic.n_target_vertices = 1024;
+    config.basic.method = method;
+    config.motion.normals = method == SMR_METHOD_POLAR ? SMR_NORMALS_EXACT : SMR_NORMALS_CARRIED;
     if (method == SMR_METHOD_POLAR) { /* with vertices ignored, fewer and fewer */
-        config.active_first = 0.3f;
-        config.active_share = 0.8f;
+        config.schedule.active_first = 0.3f;
+        config.basic.active_share = 0.8f;
     }
-    config.iterations = 12;
-    config.iterations_last = 40;
+    config.basic.iterations = 12;
+    config.basic.iterations_last = 40;
     if (!golden_ok("init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
         (pose != NULL && !golden_ok("pose", smr_set_pose(s, pose))) ||
         !golden_ok("surface", smr_set_surface(s, SMR_ALL, target)) || !golden_ticks(&s, model, target, NULL, &report))

@@ -25,11 +25,11 @@ int golden_track(const smr_model *model, const smr_mesh *mesh, const smr_port *p
     smr_tick_report report = {0};
     smr_surface *target = NULL;
     smr *s = NULL;
-    config.n_workers = GOLDEN_WORKERS;
-    config.n_target_vertices = 1024;
-    config.track = SMR_TRACK_RECOVER;
-    config.iterations = 4;
-    config.iterations_last = 8;
+    config.basic.n_workers = GOLDEN_WORKERS;
+    config.basic.n_target_vertices = 1024;
+    config.track.mode = SMR_TRACK_RECOVER;
+    config.basic.iterations = 4;
+    config.basic.iterations_last = 8;
     if (!golden_ok("moving", smr_surface_build(mesh, golden_target, sizeof golden_target, &target)) ||
         !golden_ok("track", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)))
         return 0;
@@ -47,7 +47,7 @@ int golden_track(const smr_model *model, const smr_mesh *mesh, const smr_port *p
                 return 0;
     }
     *hash = smr_state_hash(s);
-    return golden_ok("jump", report.tracking && report.jumped ? SMR_OK : SMR_E_STATE);
+    return golden_ok("jump", report.details.tracking && report.details.jumped ? SMR_OK : SMR_E_STATE);
 }
 
 /* Onto a cloud of 600 points at most that grows by vertices of the target: in every other tick with normals, which are
@@ -57,9 +57,9 @@ int golden_points(const smr_model *model, const smr_mesh *mesh, const smr_port *
     smr_config config = smr_config_default();
     smr_points *points = NULL;
     smr *s = NULL;
-    config.n_workers = GOLDEN_WORKERS;
-    config.n_target_vertices = 600;
-    config.iterations = 4;
+    config.basic.n_workers = GOLDEN_WORKERS;
+    config.basic.n_target_vertices = 600;
+    config.basic.iterations = 4;
     if (!golden_ok("points", smr_points_open(600, golden_target, sizeof golden_target, &points)) ||
         !golden_ok("init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)))
         return 0;
@@ -98,12 +98,12 @@ int golden_drawn(const smr_model *model, const smr_mesh *mesh, const smr_surface
     smr_tick_report report;
     float plane = 0.0f;
     smr *s = NULL;
-    config.n_workers = GOLDEN_WORKERS;
-    config.n_target_vertices = 1024;
-    config.n_landmarks = 3;
-    config.caller_goals = 1;
-    config.caller_force = SMR_CALLER_CHECKED;
-    config.iterations = 6;
+    config.basic.n_workers = GOLDEN_WORKERS;
+    config.basic.n_target_vertices = 1024;
+    config.partial.n_landmarks = 3;
+    config.caller.goals = 1;
+    config.caller.force = SMR_CALLER_CHECKED;
+    config.basic.iterations = 6;
     for (uint32_t i = 0; i < mesh->n_vertices; i++) /* weights, with the target's own goals */
         golden_words[i] = i % 2u != 0u ? 0.25f : 0.0f;
     if (!golden_ok("drawn init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
@@ -131,12 +131,12 @@ int golden_fused(const smr_model *model, const smr_mesh *mesh, const smr_port *p
     for (uint32_t k = 0; k < 4u; k++) {
         smr_config config = smr_config_default();
         smr *s = NULL;
-        config.n_workers = GOLDEN_WORKERS;
-        config.method = k % 2u;
-        config.fusing = SMR_FUSING_LIE;
-        config.plastic_every = k / 2u;
-        config.caller_goals = 1;
-        config.iterations = 4;
+        config.basic.n_workers = GOLDEN_WORKERS;
+        config.basic.method = k % 2u;
+        config.motion.fusing = SMR_FUSING_LIE;
+        config.motion.plastic_every = k / 2u;
+        config.caller.goals = 1;
+        config.basic.iterations = 4;
         if (!golden_ok("fused init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
             !golden_ok("fused goals", smr_set_goals(s, 0, golden_words, NULL)))
             return 0;
@@ -154,11 +154,11 @@ int golden_kept(const smr_model *model, const smr_surface *target, const smr_por
     smr_config config = smr_config_default();
     smr_structure_volume volume;
     smr *s = NULL;
-    config.n_workers = GOLDEN_WORKERS;
-    config.n_target_vertices = 1024;
-    config.volume = 1.0f;
-    config.smooth = 0.3f;
-    config.iterations = 8;
+    config.basic.n_workers = GOLDEN_WORKERS;
+    config.basic.n_target_vertices = 1024;
+    config.contact.volume = 1.0f;
+    config.contact.smooth = 0.3f;
+    config.basic.iterations = 8;
     if (!golden_ok("volume init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
         !golden_ok("volume surface", smr_set_surface(s, SMR_ALL, target)))
         return 0;
@@ -186,11 +186,11 @@ int golden_dynamics(const smr_model *model, const smr_mesh *mesh, const smr_port
     for (uint32_t k = 0; k < 2u; k++) {
         smr_config config = smr_config_default();
         smr *s = NULL;
-        config.n_workers = GOLDEN_WORKERS;
-        config.method = k;
-        config.dynamics = SMR_DYNAMICS_ON;
-        config.gravity[1] = -9810.0f;
-        config.caller_goals = 1;
+        config.basic.n_workers = GOLDEN_WORKERS;
+        config.basic.method = k;
+        config.dynamics.mode = SMR_DYNAMICS_ON;
+        config.dynamics.gravity[1] = -9810.0f;
+        config.caller.goals = 1;
         if (!golden_ok("dynamics init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
             !golden_ok("motion", smr_set_motion(s, 0, mass, speed)))
             return 0;
@@ -231,13 +231,13 @@ int golden_contact(const smr_model *model, const smr_surface *target, const smr_
     smr_config config = smr_config_default();
     smr_tick_report report = {0};
     smr *s = NULL;
-    config.n_workers = GOLDEN_WORKERS;
-    config.n_target_vertices = 1024;
-    config.contact = 1.0f;
-    config.contact_mm = 0.25f;
-    config.n_fixed = 2;
-    config.iterations = 6;
-    config.iterations_last = 16;
+    config.basic.n_workers = GOLDEN_WORKERS;
+    config.basic.n_target_vertices = 1024;
+    config.contact.share = 1.0f;
+    config.contact.gap_mm = 0.25f;
+    config.contact.n_fixed = 2;
+    config.basic.iterations = 6;
+    config.basic.iterations_last = 16;
     if (!golden_ok("contact init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)) ||
         !golden_ok("contact surface", smr_set_surface(s, SMR_ALL, target)) ||
         !golden_ok("fixed", smr_set_fixed(s, 1, fixed)))

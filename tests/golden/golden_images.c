@@ -68,7 +68,7 @@ static int golden_image_run(const smr_port *port, smr_prepare_config prepare, sm
     smr_tick_report report;
     smr *s = NULL;
     size_t bytes = 0;
-    config.n_workers = GOLDEN_WORKERS;
+    config.basic.n_workers = GOLDEN_WORKERS;
     if (!golden_image_model(prepare, &model, &bytes) ||
         !golden_ok("image init", smr_init(model, &config, port, golden_arena, sizeof golden_arena, &s)))
         return 0;
@@ -80,19 +80,20 @@ static int golden_image_run(const smr_port *port, smr_prepare_config prepare, sm
         return 0;
     *hash = smr_state_hash(s);
     *crc = golden_crc(golden_image, bytes);
-    return golden_ok("image forces",
-                     report.done && report.n_forces > 100u && report.plastic_updates > 1u ? SMR_OK : SMR_E_STATE);
+    return golden_ok("image forces", report.done && report.n_forces > 100u && report.details.plastic_updates > 1u
+                                         ? SMR_OK
+                                         : SMR_E_STATE);
 }
 
 int golden_images(const smr_port *port, uint64_t hash[2], uint32_t *crc)
 {
     smr_config config = smr_config_default(), paper = smr_config_paper();
     uint32_t unused;
-    config.plastic_every = 3;
-    config.iterations = 4;
-    config.iterations_last = config.active_enough = 6;
-    paper.iterations_last = 12;
-    paper.plastic_um = 200.0f; /* so that x^r follows */
+    config.motion.plastic_every = 3;
+    config.basic.iterations = 4;
+    config.basic.iterations_last = config.schedule.active_enough = 6;
+    paper.basic.iterations_last = 12;
+    paper.motion.plastic_um = 200.0f; /* so that x^r follows */
     return (golden_volumes[1].voxels != NULL || golden_draw()) &&
            golden_image_run(port, smr_prepare_config_default(), config, &hash[0], crc) &&
            golden_image_run(port, smr_prepare_config_paper(), paper, &hash[1], &unused);

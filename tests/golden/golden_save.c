@@ -19,7 +19,7 @@ smr_status golden_interrupt(golden_saves *saves, const golden_inputs *inputs, sm
     if (status != SMR_OK)
         return status;
     config = info.config;
-    config.n_workers = 1;
+    config.basic.n_workers = 1;
     status = smr_restore(inputs->model, &config, NULL, saved, left, inputs->arena, inputs->arena_bytes, s);
     if (status == SMR_OK && inputs->target != NULL)
         status = smr_set_surface(*s, SMR_ALL, inputs->target);

@@ -141,7 +141,7 @@ static int replay_again(const unsigned char *log, size_t bytes, const smr_port *
     if (!replay_figures(log, bytes, &info))
         return 1;
     config = info.config; /* smr_init checks it */
-    config.n_workers = n_workers;
+    config.basic.n_workers = n_workers;
     if (!replay_set_up(info.n_vertices < 1024u ? FIXTURE_CELL_SMALL : FIXTURE_CELL_DEMO, &model, turns.target) ||
         !replay_ok("init", smr_init(model, &config, port, replay_arena, sizeof replay_arena, &s)) ||
         !replay_ok("replay", smr_replay_start(s, log, bytes, replay_input, &turns, &replay)))
@@ -202,11 +202,11 @@ static void replay_parallel(void *ctx, smr_task run, void *arg, uint32_t n_tasks
 static smr_config replay_config(void)
 {
     smr_config config = smr_config_default();
-    config.n_workers = 2;
-    config.n_target_vertices = 4096u;
-    config.method = SMR_METHOD_POLAR;
-    config.iterations = 12;
-    config.iterations_last = 15;
+    config.basic.n_workers = 2;
+    config.basic.n_target_vertices = 4096u;
+    config.basic.method = SMR_METHOD_POLAR;
+    config.basic.iterations = 12;
+    config.basic.iterations_last = 15;
     return config;
 }
 
@@ -224,7 +224,7 @@ static int replay_ticks(smr *s, uint32_t n, const smr_surface *const *target, ui
         if (status < 0)
             return replay_ok("tick", status);
         for (uint32_t phase = 0; i < 4u && phase < SMR_PHASES; phase++)
-            whole = (phase == 0u ? 0u : whole) + report.phase_ns[phase];
+            whole = (phase == 0u ? 0u : whole) + report.details.phase_ns[phase];
         if (replay_dice(&seed, status == SMR_PARTIAL ? 6u : 30u) == 0u &&
             !replay_ok("surface", smr_set_surface(s, 0, target[turn++ % 2u])))
             return 0;

@@ -92,7 +92,7 @@ static smr *begin(const smr_model *model, const smr_config *config)
 static void run(smr *s, uint32_t most)
 {
     smr_tick_report report = {0};
-    for (uint32_t i = 0; i < most && !report.done && !report.settled; i++)
+    for (uint32_t i = 0; i < most && !report.done && !report.details.settled; i++)
         need(smr_tick(s, 0, &report));
 }
 
@@ -109,13 +109,13 @@ static void surfaces(const smr_model *model)
 {
     smr_config config = smr_config_default();
     smr_surface *const target = surface_of(now);
-    config.n_target_vertices = nv;
+    config.basic.n_target_vertices = nv;
     smr *s = begin(model, &config);
     need(smr_set_surface(s, SMR_ALL, target));
     run(s, 1000000);
     end("surface", s);
-    config.method = SMR_METHOD_POLAR;
-    config.search_mm = 25.0f;
+    config.basic.method = SMR_METHOD_POLAR;
+    config.basic.search_mm = 25.0f;
     s = begin(model, &config);
     need(smr_set_surface(s, SMR_ALL, target));
     run(s, 12);
@@ -141,7 +141,7 @@ static void clouds(const smr_model *model)
     need(smr_points_bytes(nv, &bytes));
     need(smr_points_open(nv, take(bytes), bytes, &cloud));
     need(smr_points_add(cloud, now, NULL, NULL, nv / 2));
-    config.n_target_vertices = nv;
+    config.basic.n_target_vertices = nv;
     smr *const s = begin(model, &config);
     need(smr_set_points(s, SMR_ALL, cloud));
     run(s, 1000000);
@@ -153,7 +153,7 @@ static void marks(const smr_model *model)
     smr_config config = smr_config_default();
     smr_landmark mark[MARKS];
     memset(mark, 0, sizeof mark);
-    config.n_landmarks = MARKS;
+    config.partial.n_landmarks = MARKS;
     for (uint32_t i = 0; i < MARKS; i++) {
         mark[i].vertex = i * (nv / MARKS);
         mark[i].weight = 2.0f;
@@ -189,8 +189,8 @@ static void tracked(const smr_model *model)
 {
     smr_config config = smr_config_default();
     smr_surface *const target = surface_of(frames);
-    config.n_target_vertices = nv;
-    config.track = SMR_TRACK_RECOVER;
+    config.basic.n_target_vertices = nv;
+    config.track.mode = SMR_TRACK_RECOVER;
     smr *const s = begin(model, &config);
     for (uint32_t i = 0; i < FRAMES; i++) {
         if (i > 0) {

@@ -52,13 +52,13 @@ rig_point rig_cloud_point(uint32_t *seed, uint32_t which, float radius, float no
 smr_config rig_cloud_config(uint32_t *seed)
 {
     smr_config c = smr_config_default();
-    c.n_workers = 4;
-    c.n_target_vertices = 3 * RIG_CLOUD_ROOM;
-    c.iterations = 1u + rig_random(seed, 3);
-    c.iterations_last = 4u + rig_random(seed, 8);
-    c.node_budget = rig_random(seed, 2) ? 8u : 512u;
-    c.noise_mm = rig_random(seed, 2) ? 0.5f : 0.0f;
-    c.attraction = rig_random(seed, 3) ? 0.5f : 0.0f;
-    c.coverage = rig_random(seed, 4) ? SMR_COVERAGE_AUTO : SMR_COVERAGE_WHOLE;
+    c.basic.n_workers = 4;
+    c.basic.n_target_vertices = 3 * RIG_CLOUD_ROOM;
+    c.basic.iterations = 1u + rig_random(seed, 3);
+    c.basic.iterations_last = 4u + rig_random(seed, 8);
+    c.forces.node_budget = rig_random(seed, 2) ? 8u : 512u;
+    c.partial.noise_mm = rig_random(seed, 2) ? 0.5f : 0.0f;
+    c.basic.attraction = rig_random(seed, 3) ? 0.5f : 0.0f;
+    c.partial.coverage = rig_random(seed, 4) ? SMR_COVERAGE_AUTO : SMR_COVERAGE_WHOLE;
     return c;
 }

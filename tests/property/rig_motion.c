@@ -16,8 +16,8 @@ static void expect_ok(smr_status status)
 rig_motion rig_motion_make(const smr_mesh *mesh, const smr_prepare_config *radii)
 {
     rig_motion m = {.model = rig_model(mesh, 1, radii), .config = smr_config_default(), .n = mesh->n_vertices};
-    m.config.dynamics = SMR_DYNAMICS_ON;
-    m.config.track_mm = radii->radius_mm[0];
+    m.config.dynamics.mode = SMR_DYNAMICS_ON;
+    m.config.track.radius_mm = radii->radius_mm[0];
     m.mass = rig_alloc(m.n * sizeof *m.mass);
     m.speed = rig_alloc(3u * (size_t)m.n * sizeof *m.speed);
     for (uint32_t i = 0; i < m.n; i++)

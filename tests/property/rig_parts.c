@@ -46,27 +46,28 @@ smr_mesh rig_parts_goal(uint32_t which)
 smr_config rig_parts_config(uint32_t *seed)
 {
     smr_config c = rig_random(seed, 2) ? smr_config_default() : smr_config_default_image();
-    c.method = rig_random(seed, 2);
-    c.plastic_every = rig_random(seed, 4);
-    c.normals = rig_random(seed, 2);
-    c.iterations = 1u + rig_random(seed, 5);
-    c.iterations_last = 4u + rig_random(seed, 12);
-    c.reject_deviations = rig_random(seed, 3) ? 0.0f : 2.0f;
-    c.node_budget = rig_random(seed, 2) ? 8u : 512u;
-    c.settle_um = 0.0f;
-    c.fold_guard = rig_random(seed, 2);
-    c.active_enough = rig_random(seed, 30);
-    c.confidence = rig_random(seed, 2) ? 0.4f : rig_between(seed, 0.75f, 0.98f); /* so that many find no goal */
-    c.n_workers = 4;
+    c.basic.method = rig_random(seed, 2);
+    c.motion.plastic_every = rig_random(seed, 4);
+    c.motion.normals = rig_random(seed, 2);
+    c.basic.iterations = 1u + rig_random(seed, 5);
+    c.basic.iterations_last = 4u + rig_random(seed, 12);
+    c.forces.reject_deviations = rig_random(seed, 3) ? 0.0f : 2.0f;
+    c.forces.node_budget = rig_random(seed, 2) ? 8u : 512u;
+    c.motion.settle_um = 0.0f;
+    c.motion.fold_guard = rig_random(seed, 2);
+    c.schedule.active_enough = rig_random(seed, 30);
+    c.image.confidence = rig_random(seed, 2) ? 0.4f : rig_between(seed, 0.75f, 0.98f); /* so that many find no goal */
+    c.basic.n_workers = 4;
     return c;
 }
 
 void rig_parts_forces(smr_config *config, uint32_t seed)
 {
-    const int alone = config->track == SMR_TRACK_OFF && config->volume == 0.0f && config->smooth == 0.0f;
-    config->fusing = seed >> 10 & 1u;
-    config->dynamics = alone && (seed >> 12 & 3u) == 0u;
-    config->gravity[1] = -9810.0f;
-    config->step_ms = (float)(1u + (seed >> 14 & 63u));
-    config->contact = config->dynamics ? 0.0f : (float)(seed >> 13 & 1u);
+    const int alone =
+        config->track.mode == SMR_TRACK_OFF && config->contact.volume == 0.0f && config->contact.smooth == 0.0f;
+    config->motion.fusing = seed >> 10 & 1u;
+    config->dynamics.mode = alone && (seed >> 12 & 3u) == 0u;
+    config->dynamics.gravity[1] = -9810.0f;
+    config->dynamics.step_ms = (float)(1u + (seed >> 14 & 63u));
+    config->contact.share = config->dynamics.mode ? 0.0f : (float)(seed >> 13 & 1u);
 }

@@ -85,7 +85,7 @@ static void test_sums_of_active_members(void **state)
         const smr_model *model = random_model(&seed, &c);
         smr_config config = smr_config_default();
         for (uint32_t r = 0; r < c.n_radii; r++) {
-            config.radius_first = r;
+            config.schedule.radius_first = r;
             smr *s = rig_init(model, &config, NULL);
             smr_model_info info;
             assert_int_equal(SMR_OK, smr_model_get_info(model, &info));
@@ -191,23 +191,24 @@ static void test_an_iteration(void **state)
     for (uint32_t i = 0; i <= 20u; i++) {
         smr_tick_report report;
         smr_config c = smr_config_default();
-        c.method = i % 2u;
-        c.radius_first = i % 3u == 2u;
-        c.active_share = (float)i / 20.0f;
-        c.n_target_vertices = goal.n_vertices;
-        c.fold_guard = c.plastic_every = 0;
-        c.plastic_um = c.settle_um = c.even = 0.0f; /* averages alone */
+        c.basic.method = i % 2u;
+        c.schedule.radius_first = i % 3u == 2u;
+        c.basic.active_share = (float)i / 20.0f;
+        c.basic.n_target_vertices = goal.n_vertices;
+        c.motion.fold_guard = c.motion.plastic_every = 0;
+        c.motion.plastic_um = c.motion.settle_um = c.basic.even = 0.0f; /* averages alone */
         smr *s = rig_init(model, &c, NULL);
-        const uint32_t share = (uint32_t)ceilf(c.active_share * (float)s->shared.n), need = s->pace.lists.active_min;
+        const uint32_t share = (uint32_t)ceilf(c.basic.active_share * (float)s->shared.n),
+                       need = s->pace.lists.active_min;
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
         for (uint32_t k = 0; k < 3u; k++) {
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
             assert_int_equal(share > need ? share : need, s->pace.n_active);
-            assert_int_equal(s->pace.n_active, report.n_active);
+            assert_int_equal(s->pace.n_active, report.details.n_active);
             for (uint32_t v = 0; v < s->shared.n; v++) {
-                assert_true(off_average(s, &l[c.radius_first], v) < 2e-4);
+                assert_true(off_average(s, &l[c.schedule.radius_first], v) < 2e-4);
                 if (v < s->pace.n_active) {
-                    assert_true(off_centre(s, &l[c.radius_first], v) < 2e-3);
+                    assert_true(off_centre(s, &l[c.schedule.radius_first], v) < 2e-3);
                 } else { /* no force */
                     assert_true(s->forces.force[3u * v] == 0.0f && s->forces.force[3u * v + 1u] == 0.0f &&
                                 s->forces.force[3u * v + 2u] == 0.0f);
@@ -231,14 +232,14 @@ static void test_growing_share(void **state)
         smr_tick_report report = {0};
         smr_config c = smr_config_default();
         uint32_t last = 0, steps = 0;
-        c.active_first = 0.3f;
-        c.active_share = 0.9f;
-        c.iterations = 20;
-        c.iterations_last = 60;
-        c.fold_guard = 0;
-        c.settle_um = 0.0f;
-        c.plastic_um = 0.0f;
-        c.plastic_every = elastic ? 0u : 1u;
+        c.schedule.active_first = 0.3f;
+        c.basic.active_share = 0.9f;
+        c.basic.iterations = 20;
+        c.basic.iterations_last = 60;
+        c.motion.fold_guard = 0;
+        c.motion.settle_um = 0.0f;
+        c.motion.plastic_um = 0.0f;
+        c.motion.plastic_every = elastic ? 0u : 1u;
         smr *s = rig_init(model, &c, NULL);
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
         for (uint32_t i = 0; i < 80u; i++) {
@@ -291,9 +292,9 @@ static void test_image_needs_few(void **state)
     for (uint32_t i = 0; i < 12u; i++) {
         smr_tick_report report;
         smr_config c = smr_config_default();
-        c.active_enough = i % 3u == 0u ? 0u : 5u * i;
-        c.active_share = i < 6u ? 1.0f : 0.25f;
-        c.iterations = c.iterations_last = 3;
+        c.schedule.active_enough = i % 3u == 0u ? 0u : 5u * i;
+        c.basic.active_share = i < 6u ? 1.0f : 0.25f;
+        c.basic.iterations = c.basic.iterations_last = 3;
         smr *s = rig_init(model, &c, NULL);
         assert_int_equal(s->pace.n_active, i < 6u ? s->shared.n : (s->shared.n + 3u) / 4u); /* no image yet */
         smr_volume moved = volume;
@@ -301,9 +302,10 @@ static void test_image_needs_few(void **state)
             moved.origin[a] += off[a];
         assert_int_equal(SMR_OK, smr_set_volume(s, &moved));
         for (uint32_t k = 0; k < 9u; k++) { /* both radii */
-            float want = c.active_share * (float)s->shared.n;
-            if (c.active_enough > 0u) { /* whole levels, about as many */
-                const float cluster = (float)s->shared.n * (float)c.active_enough / (float)s->pace.lists.smallest;
+            float want = c.basic.active_share * (float)s->shared.n;
+            if (c.schedule.active_enough > 0u) { /* whole levels, about as many */
+                const float cluster =
+                    (float)s->shared.n * (float)c.schedule.active_enough / (float)s->pace.lists.smallest;
                 limited[cluster < ENOUGH_ALL]++;
                 want = fminf(want, level_with(&info, 0.75f * fmaxf(cluster, ENOUGH_ALL)));
             }
@@ -311,7 +313,7 @@ static void test_image_needs_few(void **state)
             const uint32_t n_active = s->pace.n_active;
             assert_true((float)n_active >= want && (float)n_active < want + 1.01f);
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-            assert_int_equal(n_active, report.n_active);
+            assert_int_equal(n_active, report.details.n_active);
             assert_true(report.n_forces > 0u && report.n_forces <= n_active);
         }
     }
@@ -335,7 +337,7 @@ static uint64_t run(const smr_model *model, const smr_config *c, const smr_port 
             assert_int_equal(SMR_OK, smr_set_active(s, taken[report.iteration]));
         if (smr_tick(s, budget == AGAIN ? 0u : budget, &report) == SMR_OK) {
             hash = hash * 31u + report.state_hash;
-            taken[report.iteration - 1u] = report.n_taken;
+            taken[report.iteration - 1u] = report.details.n_taken;
         }
     }
     assert_true(rig_finite(rig_positions(s, model), s->shared.n));
@@ -352,13 +354,13 @@ static void test_any_share_same_bits(void **state)
         const smr_mesh goal = rig_ball(rig_between(&seed, 10, 60), 9, 13, none);
         const smr_surface *surface = rig_surface(&goal);
         smr_config c = smr_config_default();
-        c.active_share = rig_between(&seed, 0, 1);
-        c.active_first = rig_between(&seed, 0, 1);
-        c.method = rig_random(&seed, 2);
-        c.plastic_every = rig_random(&seed, 3);
-        c.n_workers = 4;
-        c.n_target_vertices = rig_random(&seed, 2) ? goal.n_vertices : 0u;
-        c.iterations = c.iterations_last = 4;
+        c.basic.active_share = rig_between(&seed, 0, 1);
+        c.schedule.active_first = rig_between(&seed, 0, 1);
+        c.basic.method = rig_random(&seed, 2);
+        c.motion.plastic_every = rig_random(&seed, 3);
+        c.basic.n_workers = 4;
+        c.basic.n_target_vertices = rig_random(&seed, 2) ? goal.n_vertices : 0u;
+        c.basic.iterations = c.basic.iterations_last = 4;
         const uint64_t plain = run(model, &c, NULL, surface, 0);
         for (uint32_t kind = 0; kind < RIG_SCHEDULERS; kind++) {
             const smr_port port = rig_port(kind, 1u + kind);

@@ -82,17 +82,17 @@ static smr_config random_config(uint32_t *seed, const smr_model *model)
     smr_config c = smr_config_default();
     smr_model_info info;
     assert_int_equal(SMR_OK, smr_model_get_info(model, &info));
-    c.method = rig_random(seed, 2);
-    c.plastic_every = rig_random(seed, 3);
-    c.normals = rig_random(seed, 2);
-    c.iterations = 1u + rig_random(seed, 4);
-    c.iterations_last = 1u + rig_random(seed, 8);
-    c.radius_first = rig_random(seed, info.n_radii);
-    c.active_share = rig_random(seed, 2) ? 1.0f : rig_between(seed, 0, 1);
-    c.reject_deviations = rig_random(seed, 3) ? 0.0f : 2.0f;
-    c.n_target_vertices = rig_random(seed, 2) ? 400u : 0u;
-    c.settle_um = 0.0f;
-    c.n_workers = 4;
+    c.basic.method = rig_random(seed, 2);
+    c.motion.plastic_every = rig_random(seed, 3);
+    c.motion.normals = rig_random(seed, 2);
+    c.basic.iterations = 1u + rig_random(seed, 4);
+    c.basic.iterations_last = 1u + rig_random(seed, 8);
+    c.schedule.radius_first = rig_random(seed, info.n_radii);
+    c.basic.active_share = rig_random(seed, 2) ? 1.0f : rig_between(seed, 0, 1);
+    c.forces.reject_deviations = rig_random(seed, 3) ? 0.0f : 2.0f;
+    c.basic.n_target_vertices = rig_random(seed, 2) ? 400u : 0u;
+    c.motion.settle_um = 0.0f;
+    c.basic.n_workers = 4;
     return c;
 }
 
@@ -134,8 +134,8 @@ static void tick(run_pair *p)
     smr_tick_report report, twin;
     const smr_status status = smr_tick(p->s, random_budget(&p->seed), &report);
     assert_true(status == SMR_OK || status == SMR_PARTIAL);
-    assert_true(report.n_taken <= report.n_wanted);
-    p->pending = status == SMR_PARTIAL && report.phase != SMR_PHASE_FORCES;
+    assert_true(report.details.n_taken <= report.details.n_wanted);
+    p->pending = status == SMR_PARTIAL && report.details.phase != SMR_PHASE_FORCES;
     p->under_way = status == SMR_PARTIAL;
     p->partial += status == SMR_PARTIAL;
     if (report.iteration == p->iteration) { /* within an iteration, or done */
@@ -145,10 +145,10 @@ static void tick(run_pair *p)
     }
     assert_true(status == SMR_OK && report.iteration == p->iteration + 1u);
     p->iteration++;
-    p->cut += report.n_taken < report.n_wanted;
-    assert_int_equal(SMR_OK, smr_set_active(p->twin, report.n_taken));
+    p->cut += report.details.n_taken < report.details.n_wanted;
+    assert_int_equal(SMR_OK, smr_set_active(p->twin, report.details.n_taken));
     assert_int_equal(SMR_OK, smr_tick(p->twin, 0, &twin));
-    assert_true(twin.state_hash == report.state_hash && twin.n_taken == report.n_taken);
+    assert_true(twin.state_hash == report.state_hash && twin.details.n_taken == report.details.n_taken);
     assert_true(smr_state_hash(p->twin) == smr_state_hash(p->s));
     if (p->later != NULL)
         assert_int_equal(SMR_OK, smr_set_surface(p->twin, SMR_ALL, p->later));
@@ -177,7 +177,7 @@ static void refused(run_pair *p)
     smr *other = NULL;
     memcpy(bad, p->last, sizeof bad);
     bad[rig_random(&p->seed, 3u * p->n_vertices)] = rig_random(&p->seed, 2) ? INFINITY : 1.0e9f;
-    c.relaxation = -1.0f;
+    c.motion.relaxation = -1.0f;
     const smr_status status[] = {smr_set_positions(p->s, 0, bad),
                                  smr_set_positions(p->s, 7, p->last),
                                  smr_set_pose(p->s, &pose),

@@ -43,11 +43,11 @@ static int tidy(void **state)
 static smr *start(uint32_t method, const smr_port *port)
 {
     smr_config config = smr_config_default();
-    config.method = method;
-    config.fusing = method; /* the polar method's rotations by their logarithms */
-    config.iterations = 4;
-    config.settle_um = 0.0f;
-    config.n_target_vertices = 500;
+    config.basic.method = method;
+    config.motion.fusing = method; /* the polar method's rotations by their logarithms */
+    config.basic.iterations = 4;
+    config.motion.settle_um = 0.0f;
+    config.basic.n_target_vertices = 500;
     smr *s = rig_init(model, &config, port);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target_surface));
     assert_int_equal(SMR_OK, smr_set_active(s, SMR_ALL)); /* whatever the budget */
@@ -83,7 +83,7 @@ static uint32_t budget_run(smr *s, uint64_t budget, float **plain, uint32_t n_it
         partial += status == SMR_PARTIAL;
         assert_int_equal(iteration + (status == SMR_OK ? 1u : 0u), report.iteration);
         iteration = report.iteration;
-        assert_true(report.phase < SMR_PHASES);
+        assert_true(report.details.phase < SMR_PHASES);
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, now));
         assert_memory_equal(plain[iteration], now, bytes);
     }
@@ -149,19 +149,19 @@ static void test_times_by_phase(void **state)
     const uint64_t before = clock.time;
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
     for (uint32_t i = 0; i < SMR_PHASES; i++) {
-        assert_true(report.phase_ns[i] > 0u);
-        sum += report.phase_ns[i];
+        assert_true(report.details.phase_ns[i] > 0u);
+        sum += report.details.phase_ns[i];
     }
     assert_true(sum <= clock.time - before);
     const smr_port backwards = rig_clock_port(&clock, RIG_CLOCK_BACKWARDS, 1000);
     s = start(0, &backwards);
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
     for (uint32_t i = 0; i < SMR_PHASES; i++)
-        assert_true(report.phase_ns[i] == 0u);
+        assert_true(report.details.phase_ns[i] == 0u);
     s = start(0, NULL);
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
     for (uint32_t i = 0; i < SMR_PHASES; i++)
-        assert_true(report.phase_ns[i] == 0u);
+        assert_true(report.details.phase_ns[i] == 0u);
 }
 
 /* A replaced target counts at the latest from the next complete iteration: the run equals an unbudgeted one that was

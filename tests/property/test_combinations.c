@@ -51,21 +51,21 @@ static int tidy(void **state)
 static smr_config config_of(uint32_t what)
 {
     smr_config c = smr_config_default();
-    c.n_workers = 3;
-    c.n_target_vertices = what & DYNAMICS ? 0u : 1200u;
-    c.iterations = 2;
-    c.iterations_last = 5;
-    c.settle_um = 0.0f;
-    c.method = (what ^ what >> 1 ^ what >> 3 ^ what >> 5) & 1u;
-    c.fusing = what & LIE ? SMR_FUSING_LIE : SMR_FUSING_LINEAR;
-    c.contact = what & CONTACT ? 0.9f : 0.0f;
-    c.contact_mm = what & CONTACT ? 0.5f : 0.0f;
-    c.n_fixed = what & CONTACT ? 1u : 0u;
-    c.volume = what & VOLUME ? 0.8f : 0.0f;
-    c.smooth = what & SMOOTH ? 0.3f : 0.0f;
-    c.track = what & TRACK ? SMR_TRACK_RECOVER : SMR_TRACK_OFF;
-    c.dynamics = what & DYNAMICS ? SMR_DYNAMICS_ON : SMR_DYNAMICS_OFF;
-    c.gravity[2] = what & DYNAMICS ? -9810.0f : 0.0f;
+    c.basic.n_workers = 3;
+    c.basic.n_target_vertices = what & DYNAMICS ? 0u : 1200u;
+    c.basic.iterations = 2;
+    c.basic.iterations_last = 5;
+    c.motion.settle_um = 0.0f;
+    c.basic.method = (what ^ what >> 1 ^ what >> 3 ^ what >> 5) & 1u;
+    c.motion.fusing = what & LIE ? SMR_FUSING_LIE : SMR_FUSING_LINEAR;
+    c.contact.share = what & CONTACT ? 0.9f : 0.0f;
+    c.contact.gap_mm = what & CONTACT ? 0.5f : 0.0f;
+    c.contact.n_fixed = what & CONTACT ? 1u : 0u;
+    c.contact.volume = what & VOLUME ? 0.8f : 0.0f;
+    c.contact.smooth = what & SMOOTH ? 0.3f : 0.0f;
+    c.track.mode = what & TRACK ? SMR_TRACK_RECOVER : SMR_TRACK_OFF;
+    c.dynamics.mode = what & DYNAMICS ? SMR_DYNAMICS_ON : SMR_DYNAMICS_OFF;
+    c.dynamics.gravity[2] = what & DYNAMICS ? -9810.0f : 0.0f;
     return c;
 }
 

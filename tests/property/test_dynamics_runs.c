@@ -36,12 +36,12 @@ static int set_up(void **state)
     e.model = rig_model(&e.bone, 1, &radii);
     e.surface = rig_surface(&e.target);
     e.config = smr_config_default();
-    e.config.n_workers = 4;
-    e.config.n_target_vertices = e.target.n_vertices;
-    e.config.dynamics = SMR_DYNAMICS_ON;
-    e.config.gravity[2] = -9810.0f;
-    e.config.step_ms = 4.0f;
-    e.config.track_mm = 18.0f;
+    e.config.basic.n_workers = 4;
+    e.config.basic.n_target_vertices = e.target.n_vertices;
+    e.config.dynamics.mode = SMR_DYNAMICS_ON;
+    e.config.dynamics.gravity[2] = -9810.0f;
+    e.config.dynamics.step_ms = 4.0f;
+    e.config.track.radius_mm = 18.0f;
     e.n = e.bone.n_vertices;
     e.mass = rig_alloc(e.n * sizeof *e.mass);
     e.speed = rig_alloc(3u * (size_t)e.n * sizeof *e.speed);
@@ -103,7 +103,7 @@ static void test_threads(void **state)
 {
     (void)state;
     for (uint32_t method = 0; method < 2u; method++) {
-        e.config.method = method;
+        e.config.basic.method = method;
         const smr *first = plain_run(NULL);
         for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
             const smr_port port = rig_port(k, 1u + k % 4u);

@@ -30,12 +30,12 @@ static void test_rest_stays(void **state)
         const smr_model *model = rig_model(&mesh, 1, &radii);
         smr_config config = smr_config_default();
         smr_tick_report report;
-        config.method = k % 2u;
-        config.iterations = config.iterations_last = 100000;
-        config.settle_um = 0.0f; /* nothing moves, so nothing else would keep the schedule from ending */
-        config.plastic_um = k & 2u ? 0.0f : 50.0f;
-        config.plastic_every = k & 2u ? 0u : 1u;
-        config.fusing = k >> 2;
+        config.basic.method = k % 2u;
+        config.basic.iterations = config.basic.iterations_last = 100000;
+        config.motion.settle_um = 0.0f; /* nothing moves, so nothing else would keep the schedule from ending */
+        config.motion.plastic_um = k & 2u ? 0.0f : 50.0f;
+        config.motion.plastic_every = k & 2u ? 0u : 1u;
+        config.motion.fusing = k >> 2;
         smr *s = rig_init(model, &config, NULL);
         float *before = rig_positions(s, model);
         for (uint32_t tick = 0; tick < 10000u; tick++)
@@ -51,10 +51,10 @@ static void test_rest_stays(void **state)
 static uint64_t hash_with(const smr_model *model, const smr_surface *target, uint32_t method, const smr_port *port)
 {
     smr_config config = smr_config_default();
-    config.method = method & 1u;
-    config.fusing = method >> 1;
-    config.n_workers = 8;
-    config.n_target_vertices = 4000;
+    config.basic.method = method & 1u;
+    config.motion.fusing = method >> 1;
+    config.basic.n_workers = 8;
+    config.basic.n_target_vertices = 4000;
     smr *s = rig_init(model, &config, port);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target));
     (void)rig_run(s, 25);

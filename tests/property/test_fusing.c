@@ -105,13 +105,13 @@ static double slice(const float *xyz, uint32_t k)
 static smr_config springy(uint32_t method, uint32_t fusing)
 {
     smr_config c = smr_config_default();
-    c.method = method;
-    c.fusing = fusing;
-    c.caller_goals = 1;
-    c.plastic_every = 0;
-    c.plastic_um = c.settle_um = c.momentum = c.momentum_last = 0.0f;
-    c.fold_guard = 0;
-    c.iterations = c.iterations_last = ITERATIONS;
+    c.basic.method = method;
+    c.motion.fusing = fusing;
+    c.caller.goals = 1;
+    c.motion.plastic_every = 0;
+    c.motion.plastic_um = c.motion.settle_um = c.motion.momentum = c.motion.momentum_last = 0.0f;
+    c.motion.fold_guard = 0;
+    c.basic.iterations = c.basic.iterations_last = ITERATIONS;
     return c;
 }
 
@@ -259,9 +259,9 @@ static void test_moved_inputs(void **state)
     bend(60.0f);
     for (uint32_t k = 0; k < 4u; k++) {
         smr_config config = springy(k & 1u, SMR_FUSING_LINEAR);
-        config.plastic_every = k >> 1;
+        config.motion.plastic_every = k >> 1;
         const float linear = moved_apart(&bar, &config);
-        config.fusing = SMR_FUSING_LIE;
+        config.motion.fusing = SMR_FUSING_LIE;
         const float lie = moved_apart(&bar, &config);
         if (getenv("SMR_TEST_SHOW") != NULL)
             print_message("moved inputs: %.5f mm, linear %.5f\n", (double)lie, (double)linear);

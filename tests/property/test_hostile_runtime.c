@@ -221,11 +221,11 @@ static void test_every_field_of_the_schedule(void **state)
         REFUSE(forces.box_max[i], 1.0e6f);
     }
     smr_config config = smr_config_default();
-    config.radius_first = 1;
-    config.radius_last = 0;
+    config.schedule.radius_first = 1;
+    config.schedule.radius_last = 0;
     refused(&config, "radius_first > radius_last");
     config = smr_config_default();
-    config.box_min[0] = NAN; /* not looked at without use_box */
+    config.forces.box_min[0] = NAN; /* not looked at without use_box */
     (void)rig_init(model, &config, NULL);
 }
 
@@ -242,7 +242,7 @@ static void test_port(void **state)
     port.n_workers = UINT32_MAX;
     assert_int_equal(SMR_E_CONFIG, smr_init(model, &config, &port, memory, 1u << 18, &out));
     assert_null(out);
-    config.n_workers = 3; /* more than the port has is fine */
+    config.basic.n_workers = 3; /* more than the port has is fine */
     port.n_workers = 2;
     assert_int_equal(SMR_OK, smr_init(model, &config, &port, memory, 1u << 18, &out));
 }
@@ -257,9 +257,9 @@ static void test_arena_edges(void **state)
             for (uint32_t targets = 0; targets <= 100u; targets += 100u) {
                 smr_config config = smr_config_default();
                 size_t bytes = 0;
-                config.method = method;
-                config.n_workers = workers;
-                config.n_target_vertices = targets;
+                config.basic.method = method;
+                config.basic.n_workers = workers;
+                config.basic.n_target_vertices = targets;
                 assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &bytes));
                 unsigned char *memory = rig_alloc(bytes + 128u), *copy = rig_alloc(bytes + 128u);
                 memset(memory, 0xa5, bytes + 128u);
@@ -284,7 +284,7 @@ static void test_target_larger_than_promised(void **state)
 {
     smr_config config = smr_config_default();
     (void)state;
-    config.n_target_vertices = other.n_vertices - 1u;
+    config.basic.n_target_vertices = other.n_vertices - 1u;
     smr *s = rig_init(model, &config, NULL);
     const uint64_t before = smr_state_hash(s);
     assert_int_equal(SMR_E_ARENA, smr_set_surface(s, 0, surface));
@@ -293,7 +293,7 @@ static void test_target_larger_than_promised(void **state)
     smr_structure_report part;
     assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &part));
     assert_int_equal(0, part.has_target);
-    config.n_target_vertices = other.n_vertices;
+    config.basic.n_target_vertices = other.n_vertices;
     s = rig_init(model, &config, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface));
 }
@@ -323,20 +323,21 @@ static void test_arena_macro(void **state)
             for (uint32_t k = 0; k < 24u; k++) {
                 smr_config config = smr_config_default();
                 size_t bytes = 0;
-                config.n_workers = workers[k % 4u];
-                config.n_target_vertices = targets[k / 4u % 3u];
-                config.method = k / 12u;
+                config.basic.n_workers = workers[k % 4u];
+                config.basic.n_target_vertices = targets[k / 4u % 3u];
+                config.basic.method = k / 12u;
                 assert_int_equal(SMR_OK, smr_arena_bytes(m, &config, &bytes));
-                const size_t bound = SMR_ARENA_BYTES(info.n_vertices, info.n_triangles, info.n_structures,
-                                                     config.n_workers, config.n_target_vertices, config.method);
+                const size_t bound =
+                    SMR_ARENA_BYTES(info.n_vertices, info.n_triangles, info.n_structures, config.basic.n_workers,
+                                    config.basic.n_target_vertices, config.basic.method);
                 const double ratio = (double)bytes / (double)bound;
                 worst = ratio > worst ? ratio : worst;
                 if (size == 4u)
                     waste = 1.0 / ratio > waste ? 1.0 / ratio : waste;
                 if (bytes > bound) {
                     print_message("%u vertices %u triangles %u structures %u workers %u targets: %zu > %zu\n",
-                                  info.n_vertices, info.n_triangles, info.n_structures, config.n_workers,
-                                  config.n_target_vertices, bytes, bound);
+                                  info.n_vertices, info.n_triangles, info.n_structures, config.basic.n_workers,
+                                  config.basic.n_target_vertices, bytes, bound);
                 }
             }
         }

@@ -112,9 +112,9 @@ static void make_moving(void)
     moving.model = rig_model(&ball, 1, &prepare);
     moving.surface = rig_surface(&goal);
     moving.config = smr_config_default();
-    moving.config.n_target_vertices = 200;
-    moving.config.dynamics = SMR_DYNAMICS_ON;
-    moving.config.gravity[2] = -9810.0f;
+    moving.config.basic.n_target_vertices = 200;
+    moving.config.dynamics.mode = SMR_DYNAMICS_ON;
+    moving.config.dynamics.gravity[2] = -9810.0f;
     for (uint32_t i = 0; i < moving.n; i++)
         mass[i] = i == 3u ? INFINITY : 2.0f;
     smr *s = rig_init(moving.model, &moving.config, NULL);

@@ -106,8 +106,8 @@ static void tick(uint64_t budget)
     assert_true(status == SMR_OK || status == SMR_PARTIAL);
     r.ticks++;
     r.partial += status == SMR_PARTIAL;
-    r.has_forces = status == SMR_PARTIAL && report.phase != SMR_PHASE_FORCES;
-    r.gathers = status == SMR_PARTIAL && report.phase == SMR_PHASE_FORCES;
+    r.has_forces = status == SMR_PARTIAL && report.details.phase != SMR_PHASE_FORCES;
+    r.gathers = status == SMR_PARTIAL && report.details.phase == SMR_PHASE_FORCES;
 }
 
 static void begin_run(uint32_t seed)
@@ -144,7 +144,7 @@ static void test_growth_replays(void **state)
             tick(rig_random(&r.seed, 4) == 0u ? 0u
                                               : (uint64_t)(10u + rig_random(&r.seed, 1000)) << rig_random(&r.seed, 12));
         }
-        config.n_workers = other.n_workers;
+        config.basic.n_workers = other.n_workers;
         replay(rig_init(model, &config, &other));
         partial += r.partial;
         early += r.early;
@@ -205,8 +205,8 @@ static void test_another_cloud_is_told(void **state)
 static smr *run_onto(const smr_points *cloud, uint32_t n, const smr_port *port, uint32_t workers)
 {
     smr_config c = smr_config_default();
-    c.n_target_vertices = n;
-    c.n_workers = workers;
+    c.basic.n_target_vertices = n;
+    c.basic.n_workers = workers;
     smr *s = rig_init(model, &c, port);
     assert_int_equal(SMR_OK, smr_set_points(s, 0, cloud));
     assert_int_equal(1, rig_run(s, 1000).done);
@@ -245,7 +245,7 @@ static float *radii_by(uint32_t seed, float noise)
     smr *s = run_onto(cloud, MANY, NULL, 1);
     radii_of(s, radius);
     assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &verdict));
-    assert_true(verdict.seen_share > 0.95f && verdict.target_covered > 0.95f && verdict.normals_agree > 0.95f);
+    assert_true(verdict.visible_share > 0.95f && verdict.target_covered > 0.95f && verdict.normals_agree > 0.95f);
     assert_true(!(noise > 0.0f) || (verdict.residual_mm > 0.3f && verdict.residual_mm < 0.9f));
     return radius;
 }
@@ -297,11 +297,11 @@ static void test_noise_pulls_nothing(void **state)
         const point p = rig_cloud_point(&seed, 0, 22.5f, 0.0f);
         add(cloud, &p);
     }
-    c.n_target_vertices = CAPACITY;
-    c.coverage = SMR_COVERAGE_WHOLE;
+    c.basic.n_target_vertices = CAPACITY;
+    c.partial.coverage = SMR_COVERAGE_WHOLE;
     radii_of(rig_init(model, &c, NULL), radius[2]);
     for (uint32_t k = 0; k < 2u; k++) {
-        c.noise_mm = k == 0u ? 0.0f : 5.0f;
+        c.partial.noise_mm = k == 0u ? 0.0f : 5.0f;
         smr *s = rig_init(model, &c, NULL);
         assert_int_equal(SMR_OK, smr_set_points(s, 0, cloud));
         do
@@ -374,8 +374,9 @@ static void test_moved_inputs(void **state)
     for (uint32_t k = 0; k < 2u; k++) {
         smr_points *cloud = new_cloud(BONE);
         smr_config c = smr_config_default();
-        c.n_target_vertices = BONE;
-        c.coverage = SMR_COVERAGE_WHOLE; /* which vertices are controls of what is unseen depends on last bits */
+        c.basic.n_target_vertices = BONE;
+        c.partial.coverage =
+            SMR_COVERAGE_WHOLE; /* which vertices are controls of what is unseen depends on last bits */
         for (uint32_t i = 0; i < BONE && i < goal.n_vertices; i++)
             assert_int_equal(
                 SMR_OK, smr_points_add(cloud, (k == 0u ? &goal : &moved_goal)->xyz + 3u * (size_t)i, NULL, NULL, 1));

@@ -94,15 +94,15 @@ static void test_set_points(void **state)
     smr_tick_report report;
     const point p = {{20, 2, 3}, {0, 0, 2}, 1};
     (void)state;
-    c.n_target_vertices = 3;
+    c.basic.n_target_vertices = 3;
     smr *s = rig_init(model, &c, NULL);
     assert_int_equal(SMR_E_ARENA, smr_set_points(s, SMR_ALL, cloud));
     assert_int_equal(SMR_E_INPUT, smr_set_points(s, PARTS, cloud));
     assert_int_equal(SMR_E_STATE, smr_set_points(s, 0, (const smr_points *)(const void *)memory));
     assert_int_equal(SMR_E_NULL, smr_set_points(NULL, 0, cloud));
-    c.n_target_vertices = 0;
+    c.basic.n_target_vertices = 0;
     assert_int_equal(SMR_E_ARENA, smr_set_points(rig_init(model, &c, NULL), SMR_ALL, cloud));
-    c.n_target_vertices = 4;
+    c.basic.n_target_vertices = 4;
     s = rig_init(model, &c, NULL);
     assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, cloud));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL)); /* an empty cloud shows nothing */
@@ -133,8 +133,8 @@ static void test_hostile_points(void **state)
         const float size = n % 4u == 0u ? 1.0e5f : (n % 4u == 1u ? 1.0e-6f : 60.0f);
         smr_points *cloud = new_cloud(CAPACITY);
         smr_config c = rig_cloud_config(&seed);
-        c.n_workers = 1;
-        c.search_mm = 1.0e5f;
+        c.basic.n_workers = 1;
+        c.basic.search_mm = 1.0e5f;
         smr *s = rig_init(model, &c, NULL);
         for (uint32_t i = 0; i < 3u * CAPACITY; i++) {
             point p = {{0, 0, 0}, {0, 0, 0}, rig_between(&seed, 0, 4)};

@@ -49,8 +49,8 @@ static void show(const char *what, float mm)
 static float *registered(const smr_mesh *source, const smr_mesh *target)
 {
     smr_config config = smr_config_default();
-    config.n_target_vertices = target->n_vertices;
-    config.momentum = no_momentum ? 0.0f : config.momentum;
+    config.basic.n_target_vertices = target->n_vertices;
+    config.motion.momentum = no_momentum ? 0.0f : config.motion.momentum;
     const smr_model *model = rig_model(source, 1, NULL);
     smr *s = rig_init(model, &config, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(target)));
@@ -178,7 +178,7 @@ static float *aligned(const smr_mesh *source, const smr_mesh *target)
     const smr_surface *to = rig_surface(target);
     smr_pose pose;
     size_t bytes = 0;
-    config.n_target_vertices = target->n_vertices;
+    config.basic.n_target_vertices = target->n_vertices;
     smr *s = rig_init(model, &config, NULL);
     assert_int_equal(SMR_OK, smr_align_bytes(&how, &bytes));
     assert_int_equal(SMR_OK, smr_align(rig_surface(source), to, &how, rig_alloc(bytes), bytes, &pose, NULL));
@@ -324,7 +324,7 @@ static void test_one_iteration_moves_along(void **state)
         const smr_prepare_config radii = rig_radii(1, 60.0f + 7.13f * (float)k, 0, 0);
         for (uint32_t i = 0; i < 2u; i++) {
             smr_config config = smr_config_default();
-            config.method = k % 2u;
+            config.basic.method = k % 2u;
             const smr_model *model = rig_model(&from[i], 1, &radii);
             smr *s = rig_init(model, &config, NULL);
             assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&to[i])));

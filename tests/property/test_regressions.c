@@ -26,7 +26,7 @@ static smr *start(const smr_surface **target, const smr_port *port)
     const smr_mesh ball = rig_ball(20, 8, 12, none), larger = rig_ball(22, 8, 12, none);
     const smr_prepare_config radii = rig_radii(1, 12, 0, 0);
     smr_config config = smr_config_default();
-    config.n_target_vertices = larger.n_vertices;
+    config.basic.n_target_vertices = larger.n_vertices;
     smr *s = rig_init(rig_model(&ball, 1, &radii), &config, port);
     *target = rig_surface(&larger);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, *target));
@@ -43,7 +43,7 @@ static void test_target_rebuilt_in_place(void **state)
     smr_config config = smr_config_default();
     smr_surface *target;
     (void)state;
-    config.n_target_vertices = small.n_vertices;
+    config.basic.n_target_vertices = small.n_vertices;
     smr *s = rig_init(rig_model(&small, 1, &radii), &config, NULL);
     assert_int_equal(SMR_OK, smr_surface_build(&small, memory, bytes, &target));
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target));
@@ -97,7 +97,7 @@ static void test_goals_are_counted(void **state)
     assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &part));
     assert_int_equal(ball.n_vertices, report.n_forces);
     assert_int_equal(report.n_forces, part.n_forces);
-    assert_int_equal(report.n_rejected, part.n_rejected);
+    assert_int_equal(report.details.n_rejected, part.n_rejected);
 }
 
 static void test_pose_beyond_the_border(void **state)

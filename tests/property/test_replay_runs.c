@@ -51,7 +51,7 @@ static int tidy(void **state)
 static smr_config random_config(uint32_t *seed)
 {
     smr_config c = rig_parts_config(seed);
-    c.n_target_vertices = rig_random(seed, 3) ? 800u : 0u;
+    c.basic.n_target_vertices = rig_random(seed, 3) ? 800u : 0u;
     rig_parts_forces(&c, *seed);
     return c;
 }
@@ -91,9 +91,9 @@ static void tick(run *r)
     assert_true(status == SMR_OK || status == SMR_PARTIAL);
     r->ticks++;
     r->partial += status == SMR_PARTIAL;
-    r->cut += status == SMR_OK && report.n_taken < report.n_wanted;
-    r->has_forces = status == SMR_PARTIAL && report.phase != SMR_PHASE_FORCES;
-    r->gathers = status == SMR_PARTIAL && report.phase == SMR_PHASE_FORCES;
+    r->cut += status == SMR_OK && report.details.n_taken < report.details.n_wanted;
+    r->has_forces = status == SMR_PARTIAL && report.details.phase != SMR_PHASE_FORCES;
+    r->gathers = status == SMR_PARTIAL && report.details.phase == SMR_PHASE_FORCES;
     r->done = report.done;
 }
 
@@ -199,7 +199,7 @@ static void test_replays(void **state)
         r.model = n % 2u;
         const smr_config config = random_config(&r.seed);
         smr_config others = config;
-        others.n_workers = other.n_workers;
+        others.basic.n_workers = other.n_workers;
         assert_int_equal(SMR_OK, smr_arena_bytes(world.of.model[r.model], &config, &bytes));
         assert_true(bytes <= sizeof memory[0]);
         r.s = begin(&r, &config, &recording, memory[0], bytes);
@@ -234,8 +234,8 @@ static void test_last_surface_goes_late(void **state)
     (void)state;
     memset(&r, 0, sizeof r);
     r.model = 1;
-    config.iterations = 1; /* twice as many at the first radius */
-    config.settle_um = 0.0f;
+    config.basic.iterations = 1; /* twice as many at the first radius */
+    config.motion.settle_um = 0.0f;
     assert_int_equal(SMR_OK, smr_arena_bytes(world.of.model[1], &config, &bytes));
     assert_true(bytes <= sizeof memory[0]);
     r.s = begin(&r, &config, &port, memory[0], bytes);
@@ -245,10 +245,10 @@ static void test_last_surface_goes_late(void **state)
     assert_int_equal(SMR_OK, smr_set_surface(r.s, 0, world.surface[0]));
     give(&r, world.surface[0]);
     assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
-    assert_int_equal(0, report.radius);
-    for (r.ticks = 1; report.phase == SMR_PHASE_FORCES; r.ticks++)
+    assert_int_equal(0, report.details.radius);
+    for (r.ticks = 1; report.details.phase == SMR_PHASE_FORCES; r.ticks++)
         assert_int_equal(SMR_PARTIAL, smr_tick(r.s, 20000, &report));
-    assert_true(report.radius == 0u && report.iteration == 1u);
+    assert_true(report.details.radius == 0u && report.iteration == 1u);
     assert_int_equal(SMR_OK, smr_set_surface(r.s, SMR_ALL, NULL));
     for (uint32_t i = 0; i < 5u; i++, r.ticks++)
         assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
@@ -268,8 +268,8 @@ static void test_last_surface_goes_before_the_end(void **state)
     size_t bytes = 0;
     (void)state;
     memset(&r, 0, sizeof r);
-    config.radius_first = 2;
-    config.settle_um = 1.0e6f; /* whatever moves is settled */
+    config.schedule.radius_first = 2;
+    config.motion.settle_um = 1.0e6f; /* whatever moves is settled */
     assert_int_equal(SMR_OK, smr_arena_bytes(world.of.model[0], &config, &bytes));
     assert_true(bytes <= sizeof memory[0]);
     r.s = begin(&r, &config, &port, memory[0], bytes);
@@ -277,7 +277,7 @@ static void test_last_surface_goes_before_the_end(void **state)
     assert_int_equal(SMR_OK, smr_set_surface(r.s, 0, world.surface[0]));
     give(&r, world.surface[0]);
     assert_int_equal(SMR_OK, smr_tick(r.s, 0, &report));
-    for (r.ticks = 1; report.phase == SMR_PHASE_FORCES; r.ticks++)
+    for (r.ticks = 1; report.details.phase == SMR_PHASE_FORCES; r.ticks++)
         assert_int_equal(SMR_PARTIAL, smr_tick(r.s, 20000, &report));
     assert_true(report.iteration == 1u && report.done == 0u);
     assert_int_equal(SMR_OK, smr_set_surface(r.s, SMR_ALL, NULL));

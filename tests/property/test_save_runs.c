@@ -61,25 +61,25 @@ static int tidy(void **state)
 static smr_config random_config(uint32_t *seed)
 {
     smr_config c = rig_parts_config(seed);
-    c.n_target_vertices = rig_random(seed, 3) ? 1000u : 0u;
-    c.n_landmarks = rig_random(seed, 2) ? LANDMARKS : 0u;
-    c.caller_goals = rig_random(seed, 3) == 0u;
-    c.caller_force = rig_random(seed, 3) == 0u ? SMR_CALLER_CHECKED : SMR_CALLER_OFF;
-    c.coverage = rig_random(seed, 3);
-    c.plastic_um = rig_random(seed, 3) ? 50.0f : 1.0e5f; /* whatever moves has converged */
-    c.active_first = rig_random(seed, 2) ? 1.0f : 0.3f;
+    c.basic.n_target_vertices = rig_random(seed, 3) ? 1000u : 0u;
+    c.partial.n_landmarks = rig_random(seed, 2) ? LANDMARKS : 0u;
+    c.caller.goals = rig_random(seed, 3) == 0u;
+    c.caller.force = rig_random(seed, 3) == 0u ? SMR_CALLER_CHECKED : SMR_CALLER_OFF;
+    c.partial.coverage = rig_random(seed, 3);
+    c.motion.plastic_um = rig_random(seed, 3) ? 50.0f : 1.0e5f; /* whatever moves has converged */
+    c.schedule.active_first = rig_random(seed, 2) ? 1.0f : 0.3f;
     if (rig_random(seed, 2)) { /* the search in images ends before the schedule does */
-        c.profile_mm = c.gradient_mm = rig_between(seed, 0.26f, 0.6f);
-        c.profile_end_mm = c.gradient_end_mm = 0.0f;
+        c.image.profile_mm = c.image.gradient_mm = rig_between(seed, 0.26f, 0.6f);
+        c.image.profile_end_mm = c.image.gradient_end_mm = 0.0f;
     }
-    c.track = rig_random(seed, 3) ? SMR_TRACK_OFF : SMR_TRACK_REPORT + rig_random(seed, 2);
-    c.track_mm = 18.0f;
-    c.track_ahead = (float)(*seed >> 9 & 1u);
-    c.track_iterations = 4;
-    if (c.track != SMR_TRACK_OFF)
-        c.iterations = c.iterations_last = 1u + rig_random(seed, 2);
-    c.volume = *seed >> 11 & 1u ? 0.8f : 0.0f;
-    c.smooth = *seed >> 12 & 1u ? 0.4f : 0.0f;
+    c.track.mode = rig_random(seed, 3) ? SMR_TRACK_OFF : SMR_TRACK_REPORT + rig_random(seed, 2);
+    c.track.radius_mm = 18.0f;
+    c.track.ahead = (float)(*seed >> 9 & 1u);
+    c.track.iterations = 4;
+    if (c.track.mode != SMR_TRACK_OFF)
+        c.basic.iterations = c.basic.iterations_last = 1u + rig_random(seed, 2);
+    c.contact.volume = *seed >> 11 & 1u ? 0.8f : 0.0f;
+    c.contact.smooth = *seed >> 12 & 1u ? 0.4f : 0.0f;
     rig_parts_forces(&c, *seed);
     return c;
 }
@@ -123,9 +123,9 @@ static void set_own(smr *s, const smr_config *config, uint32_t copy)
     static float xyz[2][3 * VERTICES_MAX], plane[2] = {3.0f, 3.0f};
     for (uint32_t i = 0; i < 3u * world.of.part[1].n_vertices; i++)
         xyz[copy][i] = world.of.part[1].xyz[i] + 2.0f;
-    if (config->caller_goals != 0u)
+    if (config->caller.goals != 0u)
         assert_int_equal(SMR_OK, smr_set_goals(s, 1, xyz[copy], NULL));
-    if (config->caller_force != SMR_CALLER_OFF)
+    if (config->caller.force != SMR_CALLER_OFF)
         assert_int_equal(SMR_OK, smr_set_force(s, spring, &plane[copy]));
 }
 
@@ -238,7 +238,8 @@ static void run_before(run *r, smr *s)
             assert_int_equal(SMR_OK, smr_points_add(world.cloud[1], r->now.xyz, NULL, NULL, 20));
         note(r, status);
         met.landmarks += r->now.kind == CALL_LANDMARKS && status == SMR_OK;
-        met.cuts += r->now.kind == CALL_TICK && status == SMR_OK && r->report[0].n_taken < r->report[0].n_wanted;
+        met.cuts += r->now.kind == CALL_TICK && status == SMR_OK &&
+                    r->report[0].details.n_taken < r->report[0].details.n_wanted;
     }
     memset(&r->now, 0, sizeof r->now);
     while (make(r, s, 0) == SMR_PARTIAL) {
@@ -288,8 +289,8 @@ static smr *twin_of(run *r, const smr *s, const smr_config *config, const smr_po
                              SMR_SAVE_DYNAMICS_BYTES(PARTS * VERTICES_MAX, PARTS));
     assert_int_equal(SMR_OK, smr_save(s, saved, bytes));
     assert_int_equal(SMR_OK, smr_save_info(saved, sizeof saved, &info));
-    assert_true(info.bytes == bytes && info.config.n_workers == config->n_workers);
-    others.n_workers = port->n_workers;
+    assert_true(info.bytes == bytes && info.config.basic.n_workers == config->basic.n_workers);
+    others.basic.n_workers = port->n_workers;
     assert_int_equal(SMR_OK, smr_arena_bytes(world.of.model[r->model], &others, &arena_bytes));
     assert_true(arena_bytes <= ARENA);
     smr_arena_release(memory, ARENA); /* red zones of the run before */
@@ -304,7 +305,7 @@ static smr *twin_of(run *r, const smr *s, const smr_config *config, const smr_po
     if (log.bytes > 0u && !log.full)
         assert_int_equal(SMR_OK, smr_set_log(twin, r->log[1], r->log_bytes));
     met.logs += log.bytes > 0u;
-    met.tracking += r->report[0].tracking;
+    met.tracking += r->report[0].details.tracking;
     set_again(r, twin, config);
     return twin;
 }
@@ -312,10 +313,10 @@ static smr *twin_of(run *r, const smr *s, const smr_config *config, const smr_po
 static void same_report(run *r, uint32_t number, uint32_t step)
 {
     for (uint32_t i = 0; i < 2u; i++)
-        memset(r->report[i].phase_ns, 0, sizeof r->report[i].phase_ns);
+        memset(r->report[i].details.phase_ns, 0, sizeof r->report[i].details.phase_ns);
     if (memcmp(&r->report[0], &r->report[1], sizeof r->report[0]) != 0)
         fail_msg("run %u, step %u after the save: radius %u, iteration %u: another report", number, step,
-                 r->report[0].radius, r->report[0].iteration);
+                 r->report[0].details.radius, r->report[0].iteration);
 }
 
 /* All that can be read of both. */
@@ -359,7 +360,7 @@ static void run_after(run *r, smr *s, smr *twin, uint32_t number)
         note(r, status);
         if (r->now.kind == CALL_TICK)
             same_report(r, number, i);
-        met.repairs += r->now.kind == CALL_TICK && r->report[0].n_guarded > 0u;
+        met.repairs += r->now.kind == CALL_TICK && r->report[0].details.n_guarded > 0u;
         met.ended += r->report[0].done;
     }
     same_results(r, s, twin);
@@ -384,7 +385,7 @@ static void test_saves(void **state)
         r.model = n % 2u;
         r.image = r.has[0] = r.has[1] = r.has[2] = SMR_NONE;
         const smr_config config = random_config(&r.seed);
-        met.polar += config.method == SMR_METHOD_POLAR;
+        met.polar += config.basic.method == SMR_METHOD_POLAR;
         assert_int_equal(SMR_OK, smr_arena_bytes(world.of.model[r.model], &config, &bytes));
         assert_true(bytes <= ARENA);
         assert_int_equal(SMR_OK, smr_init(world.of.model[r.model], &config, &saving, memory[0], bytes, &s));
@@ -392,7 +393,7 @@ static void test_saves(void **state)
         if (n % 3u != 0u)
             assert_int_equal(SMR_OK, smr_set_log(s, r.log[0], r.log_bytes));
         set_own(s, &config, 0);
-        if (config.volume > 0.0f)
+        if (config.contact.volume > 0.0f)
             assert_int_equal(SMR_OK, smr_set_volume_ratio(s, SMR_ALL, 1.2f));
         run_before(&r, s);
         run_after(&r, s, twin_of(&r, s, &config, &other, memory[1]), n);

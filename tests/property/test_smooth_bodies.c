@@ -100,7 +100,7 @@ static float registered(const smr_mesh *mesh, const smr_mesh *target, const floa
 {
     const smr_model *model = rig_model(mesh, 1, NULL);
     smr_config config = smr_config_default();
-    config.n_target_vertices = target->n_vertices;
+    config.basic.n_target_vertices = target->n_vertices;
     smr *s = rig_init(model, &config, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(target)));
     (void)rig_run(s, 1000);

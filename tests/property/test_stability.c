@@ -36,18 +36,18 @@ static void run_and_check(const smr_model *model, const smr_config *config, cons
     smr *s = rig_init(model, config, NULL);
     if (target != NULL)
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target));
-    if (target != NULL && config->n_fixed > 0u)
+    if (target != NULL && config->contact.n_fixed > 0u)
         assert_int_equal(SMR_OK, smr_set_fixed(s, 0, target));
     for (uint32_t tick = 0; tick < 200u && !report.done; tick++) {
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-        const float shown[] = {report.residual_mean_mm, report.residual_rms_mm, report.residual_max_mm,
+        const float shown[] = {report.residual_mean_mm, report.details.residual_rms_mm, report.details.residual_max_mm,
                                report.displacement_max_mm, report.progress};
         const float unmeasured = report.n_forces > 0u ? 0.0f : -1.0f; /* of the residuals */
         for (uint32_t i = 0; i < 5u; i++)
             if (!isfinite(shown[i]) || shown[i] < (i < 3u ? unmeasured : 0.0f))
                 fail_msg("%s: figure %u of the report is %g in iteration %u", what, i, (double)shown[i], tick);
         assert_true(report.progress <= 1.0f);
-        assert_true(report.n_forces + report.n_rejected <= info.n_vertices);
+        assert_true(report.n_forces + report.details.n_rejected <= info.n_vertices);
     }
     const float *x = rig_positions(s, model);
     for (size_t i = 0; i < 3u * (size_t)info.n_vertices; i++)
@@ -82,17 +82,17 @@ static void both_methods(const smr_mesh *source, const smr_mesh *target, float r
     for (uint32_t k = 0; k < 8u; k++) {
         const smr_model *model = rig_model(source, 1, k & 4u ? &standard : &radii);
         smr_config config = smr_config_default();
-        config.method = k & 1u;
-        config.n_target_vertices = k & 2u ? 1000 : 0;
-        config.search_mm = SMR_COORD_MAX;
-        config.fusing = (k ^ k >> 1) & 1u;
-        config.volume = k & 1u ? 1.0f : 0.0f;
-        config.smooth = k & 2u ? 1.0f : 0.0f;
-        config.contact = (float)(k >> 1 & 1u);
-        config.n_fixed = k >> 2 & 1u;
-        config.search_radii = 1.0e6f;
-        config.settle_um = 0.0f;
-        config.iterations_last = 1000;
+        config.basic.method = k & 1u;
+        config.basic.n_target_vertices = k & 2u ? 1000 : 0;
+        config.basic.search_mm = SMR_COORD_MAX;
+        config.motion.fusing = (k ^ k >> 1) & 1u;
+        config.contact.volume = k & 1u ? 1.0f : 0.0f;
+        config.contact.smooth = k & 2u ? 1.0f : 0.0f;
+        config.contact.share = (float)(k >> 1 & 1u);
+        config.contact.n_fixed = k >> 2 & 1u;
+        config.forces.search_radii = 1.0e6f;
+        config.motion.settle_um = 0.0f;
+        config.basic.iterations_last = 1000;
         run_and_check(model, &config, surface, what);
     }
 }
@@ -188,40 +188,43 @@ static float pick(uint32_t *seed, float lo, float hi, float a, float b)
 static smr_config random_config(uint32_t *seed, uint32_t n_radii)
 {
     smr_config c = smr_config_default();
-    c.n_target_vertices = rig_random(seed, 2) * 2000u;
-    c.stiffness = pick(seed, 0.01f, 1.0f, 1.0e-30f, 1.0f);
-    c.attraction = pick(seed, 0.0f, 1.0f, 0.0f, 1.0f);
-    c.slide = pick(seed, 0.0f, 1.0f, 0.0f, 1.0f);
-    c.even = pick(seed, 0.0f, 1.0f, 0.0f, 1.0f);
-    c.search_mm = pick(seed, 0.1f, 200.0f, 1.0e-30f, SMR_COORD_MAX);
-    c.search_radii = pick(seed, 0.1f, 20.0f, 1.0e-30f, 1.0e6f);
-    c.normal_deg = pick(seed, 5.0f, 180.0f, 1.0e-30f, 180.0f);
-    c.reject_deviations = pick(seed, 0.0f, 4.0f, 0.0f, 1.0e-30f);
-    c.reject_border = rig_random(seed, 2);
-    c.use_box = rig_random(seed, 4) == 0u;
+    c.basic.n_target_vertices = rig_random(seed, 2) * 2000u;
+    c.forces.stiffness = pick(seed, 0.01f, 1.0f, 1.0e-30f, 1.0f);
+    c.basic.attraction = pick(seed, 0.0f, 1.0f, 0.0f, 1.0f);
+    c.basic.slide = pick(seed, 0.0f, 1.0f, 0.0f, 1.0f);
+    c.basic.even = pick(seed, 0.0f, 1.0f, 0.0f, 1.0f);
+    c.basic.search_mm = pick(seed, 0.1f, 200.0f, 1.0e-30f, SMR_COORD_MAX);
+    c.forces.search_radii = pick(seed, 0.1f, 20.0f, 1.0e-30f, 1.0e6f);
+    c.forces.normal_deg = pick(seed, 5.0f, 180.0f, 1.0e-30f, 180.0f);
+    c.forces.reject_deviations = pick(seed, 0.0f, 4.0f, 0.0f, 1.0e-30f);
+    c.forces.reject_border = rig_random(seed, 2);
+    c.forces.use_box = rig_random(seed, 4) == 0u;
     for (uint32_t i = 0; i < 3u; i++) {
-        c.box_min[i] = rig_between(seed, -80, 0);
-        c.box_max[i] = c.box_min[i] + rig_between(seed, 0, 150);
+        c.forces.box_min[i] = rig_between(seed, -80, 0);
+        c.forces.box_max[i] = c.forces.box_min[i] + rig_between(seed, 0, 150);
     }
-    c.node_budget = 8u + rig_random(seed, 600);
-    c.method = rig_random(seed, 2);
-    c.relaxation = pick(seed, 0.05f, 1.0f, 1.0e-30f, 1.0f);
-    c.momentum = pick(seed, 0.0f, 0.99f, 0.0f, 0.99f);
-    c.plastic_um = pick(seed, 0.0f, 200.0f, 0.0f, 1.0e8f);
-    c.settle_um = pick(seed, 0.0f, 20.0f, 0.0f, 0.0f);
-    c.plastic_every = rig_random(seed, 4);
-    c.fold_guard = rig_random(seed, 2);
-    c.normals = rig_random(seed, 2);
-    c.radius_first = rig_random(seed, n_radii);
-    c.radius_last = rig_random(seed, 2) ? SMR_FINEST : c.radius_first + rig_random(seed, n_radii - c.radius_first);
-    c.iterations = 1u + rig_random(seed, 10);
-    c.iterations_last = 1u + rig_random(seed, 60);
-    c.fusing = *seed >> 10 & 1u;
-    c.volume = *seed >> 11 & 1u ? 1.0f : 0.0f;
-    c.smooth = *seed >> 12 & 1u ? 0.7f : 0.0f;
-    c.dynamics = c.track == SMR_TRACK_OFF && c.volume == 0.0f && c.smooth == 0.0f && (*seed >> 12 & 3u) == 0u;
-    c.gravity[1] = -9810.0f;
-    c.step_ms = (float)(1u + (*seed >> 14 & 63u));
+    c.forces.node_budget = 8u + rig_random(seed, 600);
+    c.basic.method = rig_random(seed, 2);
+    c.motion.relaxation = pick(seed, 0.05f, 1.0f, 1.0e-30f, 1.0f);
+    c.motion.momentum = pick(seed, 0.0f, 0.99f, 0.0f, 0.99f);
+    c.motion.plastic_um = pick(seed, 0.0f, 200.0f, 0.0f, 1.0e8f);
+    c.motion.settle_um = pick(seed, 0.0f, 20.0f, 0.0f, 0.0f);
+    c.motion.plastic_every = rig_random(seed, 4);
+    c.motion.fold_guard = rig_random(seed, 2);
+    c.motion.normals = rig_random(seed, 2);
+    c.schedule.radius_first = rig_random(seed, n_radii);
+    c.schedule.radius_last = rig_random(seed, 2)
+                                 ? SMR_FINEST
+                                 : c.schedule.radius_first + rig_random(seed, n_radii - c.schedule.radius_first);
+    c.basic.iterations = 1u + rig_random(seed, 10);
+    c.basic.iterations_last = 1u + rig_random(seed, 60);
+    c.motion.fusing = *seed >> 10 & 1u;
+    c.contact.volume = *seed >> 11 & 1u ? 1.0f : 0.0f;
+    c.contact.smooth = *seed >> 12 & 1u ? 0.7f : 0.0f;
+    c.dynamics.mode = c.track.mode == SMR_TRACK_OFF && c.contact.volume == 0.0f && c.contact.smooth == 0.0f &&
+                      (*seed >> 12 & 3u) == 0u;
+    c.dynamics.gravity[1] = -9810.0f;
+    c.dynamics.step_ms = (float)(1u + (*seed >> 14 & 63u));
     return c;
 }
 

@@ -97,10 +97,10 @@ static void check_iterations(smr *s, const rig_lists *l, uint32_t n)
 static smr *start(const smr_model *model, const smr_surface *target, uint32_t method)
 {
     smr_config config = smr_config_default();
-    config.method = method;
-    config.settle_um = 0.0f;
-    config.even = 0.0f; /* it sums over neighbours where the records were */
-    config.iterations = config.iterations_last = 100000;
+    config.basic.method = method;
+    config.motion.settle_um = 0.0f;
+    config.basic.even = 0.0f; /* it sums over neighbours where the records were */
+    config.basic.iterations = config.basic.iterations_last = 100000;
     smr *s = rig_init(model, &config, NULL);
     if (target != NULL)
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target));

@@ -45,7 +45,7 @@ static int target_run(const target_scene *scene, target_clock *clock, uint64_t b
         smr_status status;
         const uint32_t repairs = s->pace.repairing;
         const uint64_t time = target_tick(s, clock, budget_ns, &report, &status),
-                       fixed = time - report.phase_ns[SMR_PHASE_FORCES];
+                       fixed = time - report.details.phase_ns[SMR_PHASE_FORCES];
         t->longest = time > t->longest ? time : t->longest;
         t->partial += status == SMR_PARTIAL ? 1u : 0u;
         t->ticks++;
@@ -103,8 +103,8 @@ static int target_random(const target_scene *scene, target_clock *clock, uint64_
             continue;
         known = 1;
         t->done++;
-        t->cut += report.n_taken < report.n_wanted ? 1u : 0u;
-        if (i < TARGET_TWIN_TICKS && !target_ok("the same again", target_repeat(s, twin, report.n_taken)))
+        t->cut += report.details.n_taken < report.details.n_wanted ? 1u : 0u;
+        if (i < TARGET_TWIN_TICKS && !target_ok("the same again", target_repeat(s, twin, report.details.n_taken)))
             return 0;
         if (ends(scene, &report) && (!target_again(scene, s) || !target_again(scene, twin)))
             return 0;

@@ -43,8 +43,8 @@ void smr_systick_handler(void)
     target_isr.ticks++;
     if (target_isr.status == SMR_OK) {
         if (report.iteration <= TARGET_LOG)
-            target_isr.taken[report.iteration - 1u] = report.n_taken;
-        target_isr.cut += report.n_taken < report.n_wanted ? 1u : 0u;
+            target_isr.taken[report.iteration - 1u] = report.details.n_taken;
+        target_isr.cut += report.details.n_taken < report.details.n_wanted ? 1u : 0u;
         atomic_store(&target_isr.done, report.iteration);
     }
     target_isr.partial += target_isr.status == SMR_PARTIAL ? 1u : 0u;

@@ -134,22 +134,22 @@ int target_set_up(const target_case *what, target_scene *scene)
 smr_config target_config(const target_scene *scene)
 {
     smr_config config = scene->what->image ? smr_config_default_image() : smr_config_default();
-    config.method = scene->what->method;
-    config.active_enough = 0;
-    config.iterations = 5;
-    config.iterations_last = 12;
-    config.n_target_vertices = scene->what->image ? 0u : TARGET_POINTS;
+    config.basic.method = scene->what->method;
+    config.schedule.active_enough = 0;
+    config.basic.iterations = 5;
+    config.basic.iterations_last = 12;
+    config.basic.n_target_vertices = scene->what->image ? 0u : TARGET_POINTS;
     if (scene->what->more) {
-        config.contact = config.volume = 1.0f;
-        config.smooth = 0.3f;
-        config.fusing = SMR_FUSING_LIE;
-        config.n_fixed = scene->what->image ? 0u : 1u;
+        config.contact.share = config.contact.volume = 1.0f;
+        config.contact.smooth = 0.3f;
+        config.motion.fusing = SMR_FUSING_LIE;
+        config.contact.n_fixed = scene->what->image ? 0u : 1u;
     }
     if (scene->what->moves) {
-        config.dynamics = SMR_DYNAMICS_ON;
-        config.damping = 1.0f;
-        config.gravity[2] = -9810.0f;
-        config.track_mm = 45.0f;
+        config.dynamics.mode = SMR_DYNAMICS_ON;
+        config.dynamics.damping = 1.0f;
+        config.dynamics.gravity[2] = -9810.0f;
+        config.track.radius_mm = 45.0f;
     }
     return config;
 }
@@ -173,7 +173,7 @@ smr *target_start(const target_scene *scene, const smr_config *config, const smr
         SMR_OK)
         return NULL;
     /* the bone's target is what it must keep out of, too: where it goes it touches it */
-    if (config->n_fixed > 0u && smr_set_fixed(s, 0, scene->surface) != SMR_OK)
+    if (config->contact.n_fixed > 0u && smr_set_fixed(s, 0, scene->surface) != SMR_OK)
         return NULL;
     return s;
 }

@@ -82,11 +82,11 @@ static int target_units(const target_scene *scene, uint64_t units[TARGET_UNITS])
 static smr_config target_stay(const target_scene *scene, int stiff)
 {
     smr_config config = target_config(scene);
-    config.radius_first = config.radius_last = TARGET_RADIUS;
-    config.iterations_last = TARGET_FIXED_ITERATIONS + 2u;
-    config.settle_um = 0.0f;
-    config.plastic_um = 0.0f;
-    config.plastic_every = stiff ? 0u : 1u;
+    config.schedule.radius_first = config.schedule.radius_last = TARGET_RADIUS;
+    config.basic.iterations_last = TARGET_FIXED_ITERATIONS + 2u;
+    config.motion.settle_um = 0.0f;
+    config.motion.plastic_um = 0.0f;
+    config.motion.plastic_every = stiff ? 0u : 1u;
     return config;
 }
 
@@ -109,7 +109,7 @@ static int target_phases(const target_scene *scene, target_clock *clock, int sti
         target_forget(clock);
         (void)target_tick(s, clock, 0, &report, &status); /* the clock is read after each step only */
         for (uint32_t p = 0; p < SMR_PHASES && !other; p++) {
-            const uint64_t n = target_instructions(report.phase_ns[p]);
+            const uint64_t n = target_instructions(report.details.phase_ns[p]);
             smallest[p] = smallest[p] == 0u || n < smallest[p] ? n : smallest[p];
             largest[p] = n > largest[p] ? n : largest[p];
         }
@@ -137,7 +137,7 @@ static int target_still(const target_scene *scene, target_clock *clock)
     if (s == NULL || (scene->what->image ? smr_set_volume(s, NULL) : smr_set_surface(s, SMR_ALL, NULL)) != SMR_OK ||
         smr_tick(s, 0, &report) != SMR_OK)
         return 0;
-    const uint64_t n = target_instructions(report.phase_ns[SMR_PHASE_MATCH]);
+    const uint64_t n = target_instructions(report.details.phase_ns[SMR_PHASE_MATCH]);
     target_row("still", scene->what->name, "match", n, n);
     return 1;
 }
@@ -157,7 +157,7 @@ static int target_stretches(const target_scene *scene, target_clock *clock)
         smr_status status;
         const uint32_t repairs = s->pace.repairing;
         const uint64_t all = target_tick(s, clock, TARGET_ENDLESS, &report, &status),
-                       time = all - report.phase_ns[SMR_PHASE_FORCES];
+                       time = all - report.details.phase_ns[SMR_PHASE_FORCES];
         if (status != SMR_OK)
             return 0;
         if (repairs == 0u) { /* with a budget, repairs leave out what they can */

@@ -64,7 +64,7 @@ static void target_move(const smr_mesh *mesh, float t, float shift)
 static int target_settle(smr *s, target_clock *clock, uint64_t budget, target_found *found)
 {
     smr_tick_report report = {0};
-    for (uint32_t n = 0; !report.settled; n++) {
+    for (uint32_t n = 0; !report.details.settled; n++) {
         smr_status status;
         const uint64_t time = target_tick(s, clock, budget, &report, &status);
         if (status < 0 || n > TARGET_TICKS_MAX)
@@ -84,10 +84,10 @@ static int target_run(const target_scene *scene, target_clock *clock, uint64_t t
     smr_config config = target_config(scene);
     smr_surface *surface = NULL;
     memset(found, 0, sizeof *found);
-    config.track = SMR_TRACK_RECOVER;
-    config.iterations = 2;
-    config.iterations_last = 4;
-    config.track_iterations = 6;
+    config.track.mode = SMR_TRACK_RECOVER;
+    config.basic.iterations = 2;
+    config.basic.iterations_last = 4;
+    config.track.iterations = 6;
     if (smr_surface_begin(&scene->goal, target_moving, sizeof target_moving, &surface) != SMR_OK ||
         !target_finish(surface, clock, slice_ns, found))
         return 0;

@@ -24,9 +24,9 @@ static int tidy(void **state)
 static smr_config config_of(uint32_t goals, uint32_t force)
 {
     smr_config c = smr_config_default();
-    c.caller_goals = goals;
-    c.caller_force = force;
-    c.iterations_last = 30;
+    c.caller.goals = goals;
+    c.caller.force = force;
+    c.basic.iterations_last = 30;
     return c;
 }
 
@@ -35,7 +35,7 @@ static smr *start(uint32_t goals, uint32_t force, const smr_port *port)
     const smr_prepare_config radii = rig_radii(2, 30, 0.1f, 0);
     const float at[3] = {100, 200, -300};
     smr_config config = config_of(goals, force);
-    config.n_workers = port != NULL ? port->n_workers : 1u;
+    config.basic.n_workers = port != NULL ? port->n_workers : 1u;
     ball = rig_ball(20, 10, 14, at);
     model = rig_model(&ball, 1, &radii);
     return rig_init(model, &config, port);
@@ -108,12 +108,12 @@ static void test_goals(void **state)
     (void)state;
     assert_int_equal(SMR_OK, smr_set_goals(s, 0, goal, NULL));
     smr_tick_report last = rig_run(s, 1000);
-    assert_true(last.done && last.n_forces == ball.n_vertices && last.residual_max_mm < 0.01f);
+    assert_true(last.done && last.n_forces == ball.n_vertices && last.details.residual_max_mm < 0.01f);
     assert_true(rig_far(rig_positions(s, model), goal, ball.n_vertices) < 0.01f);
     assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &report));
     assert_int_equal(1, report.has_target);
     assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &verdict));
-    assert_true(verdict.seen_share > 0.99f && verdict.residual_mm < 0.01f);
+    assert_true(verdict.visible_share > 0.99f && verdict.residual_mm < 0.01f);
     s = start(1, SMR_CALLER_OFF, NULL);
     for (uint32_t i = 0; i < ball.n_vertices; i++)
         weight[i] = i % 2u != 0u ? 0.5f : 0.0f;

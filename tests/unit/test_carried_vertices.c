@@ -60,7 +60,7 @@ static smr *run(const smr_mesh *mesh, uint32_t n_structures, const smr_mesh *goa
 {
     const smr_prepare_config prepare = smr_prepare_config_default();
     smr_config config = smr_config_default();
-    config.n_target_vertices = target_vertices;
+    config.basic.n_target_vertices = target_vertices;
     *model = rig_model(mesh, n_structures, &prepare);
     smr *s = rig_init(*model, &config, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(goal)));

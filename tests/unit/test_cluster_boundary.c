@@ -41,7 +41,7 @@ static smr *start(float shift, const smr_model **model)
         xyz[3u * 50u + c] += (float)((double)shift * ((double)xyz[3u * 50u + c] - (double)xyz[3u * 20u + c]) / length);
     mesh.xyz = xyz;
     smr_config config = smr_config_default();
-    config.fold_guard = 0;
+    config.motion.fold_guard = 0;
     *model = rig_model(&mesh, 1, &radii);
     return rig_init(*model, &config, NULL);
 }

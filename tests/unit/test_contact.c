@@ -127,11 +127,11 @@ static smr *start(uint32_t n, float contact, uint32_t n_fixed, const smr_port *p
     static const float at[2][3] = {{-17, 1, 2}, {17, 0, 0}};
     const smr_prepare_config radii = rig_radii(2, 25, 0.1f, 0);
     smr_config config = smr_config_default();
-    config.iterations = 5;
-    config.iterations_last = 20;
-    config.contact = contact;
-    config.n_fixed = n_fixed;
-    config.n_workers = port != NULL ? port->n_workers : 1u;
+    config.basic.iterations = 5;
+    config.basic.iterations_last = 20;
+    config.contact.share = contact;
+    config.contact.n_fixed = n_fixed;
+    config.basic.n_workers = port != NULL ? port->n_workers : 1u;
     for (uint32_t i = 0; i < 2u; i++)
         pair[i] = rig_ball(20, 12, 20, at[i]);
     model = rig_model(pair, n, &radii);
@@ -186,8 +186,8 @@ static void test_slides(void **state)
     smr_config config = smr_config_default();
     float *goal[2];
     (void)state;
-    config.caller_goals = 1;
-    config.contact = 1.0f;
+    config.caller.goals = 1;
+    config.contact.share = 1.0f;
     for (uint32_t i = 0; i < 2u; i++) {
         pair[i] = rig_moved(&ball, flat, at[i]);
         goal[i] = rig_alloc(12u * (size_t)pair[i].n_vertices);
@@ -232,10 +232,10 @@ static void test_moved(void **state)
     float turn[9], *xyz[2];
     (void)state;
     rig_rotation(1, 2, -0.5f, 40, turn);
-    config.iterations = 5;
-    config.contact = 1.0f;
-    config.n_fixed = 1;
-    config.n_target_vertices = 2000;
+    config.basic.iterations = 5;
+    config.contact.share = 1.0f;
+    config.contact.n_fixed = 1;
+    config.basic.n_target_vertices = 2000;
     for (uint32_t k = 0; k < 2u; k++) {
         smr_mesh ball[3];
         for (uint32_t i = 0; i < 3u; i++) {
@@ -303,8 +303,8 @@ static void test_bits(void **state)
     }
     smr_config config = smr_config_default();
     assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &off));
-    config.contact = 1.0f;
-    config.n_fixed = 1;
+    config.contact.share = 1.0f;
+    config.contact.n_fixed = 1;
     assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &on));
     assert_true(on - off <= SMR_ARENA_CONTACT_BYTES(2u * pair[0].n_vertices, 2u * pair[0].n_triangles, 2));
 }

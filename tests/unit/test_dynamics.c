@@ -19,7 +19,7 @@ static int set_up(void **state)
     (void)state;
     rig_bone(12000, 1.0f, &bone, NULL);
     e = rig_motion_make(&bone, &radii);
-    e.config.track_mm = 150.0f;
+    e.config.track.radius_mm = 150.0f;
     return 0;
 }
 
@@ -37,7 +37,7 @@ static void test_off_costs_nothing(void **state)
     size_t off, on, saved_off, saved_on;
     smr_config config = e.config;
     (void)state;
-    config.dynamics = SMR_DYNAMICS_OFF;
+    config.dynamics.mode = SMR_DYNAMICS_OFF;
     smr *s = rig_init(e.model, &config, NULL);
     smr_energy energy;
     assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &config, &off));
@@ -77,16 +77,16 @@ static void test_refused(void **state)
     assert_int_equal(SMR_E_INPUT, smr_set_motion(s, 0, NULL, e.speed));
     e.speed[4] = 0.0f;
     assert_true(hash == smr_state_hash(s) && rig_energy(s).kinetic_uj == 0.0f);
-    config.track = SMR_TRACK_REPORT;
+    config.track.mode = SMR_TRACK_REPORT;
     assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(e.model, &config, &bytes));
     config = e.config;
-    config.gravity[2] = NAN;
+    config.dynamics.gravity[2] = NAN;
     assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(e.model, &config, &bytes));
     config = e.config;
-    config.volume = 0.5f;
+    config.contact.volume = 0.5f;
     assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(e.model, &config, &bytes));
     config = e.config;
-    config.gravity[2] = 1.1e6f;
+    config.dynamics.gravity[2] = 1.1e6f;
     assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(e.model, &config, &bytes));
 }
 
@@ -99,8 +99,8 @@ static void test_rests_and_falls(void **state)
     (void)state;
     rig_steps(s, 10);
     assert_true(rig_far(rig_positions(s, e.model), bone.xyz, e.n) < 1e-3f);
-    e.config.gravity[1] = -9810.0f;
-    e.config.damping = 0.0f;
+    e.config.dynamics.gravity[1] = -9810.0f;
+    e.config.dynamics.damping = 0.0f;
     s = rig_init(e.model, &e.config, NULL);
     rig_steps(s, 20);
     const smr_energy after = rig_energy(s);
@@ -134,11 +134,11 @@ static void momentum(const smr *s, double p[6])
 static void test_keeps_momentum(void **state)
 {
     (void)state;
-    e.config.damping = 0.0f;
+    e.config.dynamics.damping = 0.0f;
     for (uint32_t k = 0; k < 4u; k++) {
         double before[6], after[6];
-        e.config.method = k % 2u;
-        e.config.elastic = k < 2u ? 1e3f : 1e6f;
+        e.config.basic.method = k % 2u;
+        e.config.dynamics.elastic = k < 2u ? 1e3f : 1e6f;
         smr *s = rig_init(e.model, &e.config, NULL);
         rig_throw(&e, &bone, rig_energy(s).centre, 1.0f, 200.0f);
         assert_int_equal(SMR_OK, smr_set_motion(s, 0, NULL, e.speed));
@@ -157,7 +157,7 @@ static void test_keeps_momentum(void **state)
 static void test_pins_weigh(void **state)
 {
     (void)state;
-    e.config.track_mm = 60.0f;
+    e.config.track.radius_mm = 60.0f;
     for (uint32_t n_pins = 1; n_pins < e.n; n_pins *= 3u) {
         for (uint32_t i = 0; i < e.n; i++)
             e.mass[i] = i < n_pins ? INFINITY : 1.0f;
@@ -187,8 +187,8 @@ static void test_drawn(void **state)
     const float *xyz = rig_positions(s, e.model);
     for (uint32_t i = 0; i < e.n; i++)
         assert_true(fabsf(xyz[3u * i] - at(i)[0] - 50.0f) < (e.mass[i] > 9.0f ? 0.01f : 15.0f));
-    e.config.caller_goals = 1;
-    e.config.damping = 20.0f;
+    e.config.caller.goals = 1;
+    e.config.dynamics.damping = 20.0f;
     for (uint32_t i = 0; i < 3u * e.n; i++)
         goal[i] = bone.xyz[i] + (i % 3u == 1u ? 12.0f : 0.0f);
     s = rig_init(e.model, &e.config, NULL);
@@ -211,10 +211,10 @@ static void test_flies_far(void **state)
         e.speed[3u * i + 1u] = 5.0f * plate.xyz[3u * i];
         e.speed[3u * i + 2u] = 20000.0f;
     }
-    e.config.elastic = 1e6f;
-    e.config.damping = 0.0f;
-    e.config.step_ms = 5.0f;
-    e.config.method = SMR_METHOD_POLAR;
+    e.config.dynamics.elastic = 1e6f;
+    e.config.dynamics.damping = 0.0f;
+    e.config.dynamics.step_ms = 5.0f;
+    e.config.basic.method = SMR_METHOD_POLAR;
     smr *s = rig_init(e.model, &e.config, NULL);
     assert_int_equal(SMR_OK, smr_set_motion(s, 0, NULL, e.speed));
     for (uint32_t k = 0; k < 160u; k++) {

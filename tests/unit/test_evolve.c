@@ -32,10 +32,10 @@ static smr *start(const smr_config *config, const smr_model **model)
 static smr_config quiet(void)
 {
     smr_config c = smr_config_default();
-    c.fold_guard = 0;
-    c.even = 0.0f; /* test_tangent_evening.c */
-    c.plastic_every = 0;
-    c.plastic_um = c.settle_um = 0.0f;
+    c.motion.fold_guard = 0;
+    c.basic.even = 0.0f; /* test_tangent_evening.c */
+    c.motion.plastic_every = 0;
+    c.motion.plastic_um = c.motion.settle_um = 0.0f;
     return c;
 }
 
@@ -46,8 +46,8 @@ static void test_average_and_relaxation(void **state)
     for (uint32_t k = 0; k < 4u; k++) {
         smr_config c = quiet();
         const smr_model *model;
-        c.method = k & 1u;
-        c.relaxation = k & 2u ? 0.3f : 1.0f;
+        c.basic.method = k & 1u;
+        c.motion.relaxation = k & 2u ? 0.3f : 1.0f;
         smr *s = start(&c, &model);
         const rig_lists l = rig_decode(model, 0, 1, 1);
         (void)rig_run(s, 2);
@@ -67,7 +67,7 @@ static void test_average_and_relaxation(void **state)
                 double goal = (double)ref[3u * v + a] + mean[9u + a], x = (double)old[3u * v + a];
                 for (uint32_t b = 0; b < 3u; b++)
                     goal += mean[3u * a + b] * (double)ref[3u * v + b];
-                x += (double)c.relaxation * (goal - x);
+                x += (double)c.motion.relaxation * (goal - x);
                 assert_true(fabs(x - (double)smr_at3(s->shape.x, v)[a]) < 2.0e-5);
                 step2 += (x - (double)old[3u * v + a]) * (x - (double)old[3u * v + a]);
             }
@@ -84,7 +84,7 @@ static void test_normals(void **state)
     for (uint32_t exact = 0; exact < 2u; exact++) {
         smr_config c = quiet();
         const smr_model *model;
-        c.normals = exact;
+        c.motion.normals = exact;
         smr *s = start(&c, &model);
         float *expected = rig_alloc(3u * s->shared.n * sizeof *expected);
         (void)rig_run(s, 6);

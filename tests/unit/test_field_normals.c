@@ -27,7 +27,7 @@ static void controls_take_turns(void **state)
     uint32_t n = 0;
     (void)state;
     begin(1.0f);
-    w.shared.config.coverage = SMR_COVERAGE_PARTIAL;
+    w.shared.config.partial.coverage = SMR_COVERAGE_PARTIAL;
     assert_int_equal(mark_controls(0, first), SMR_FIELD_ROWS);
     for (uint32_t v = 0; v < N; v += 13u) {
         uint32_t gone = 0;
@@ -58,7 +58,7 @@ static smr_vec any_normal(uint32_t i)
 static float mean_off_slid(uint32_t coverage)
 {
     begin(1.0f);
-    w.shared.config.coverage = coverage;
+    w.shared.config.partial.coverage = coverage;
     for (uint32_t i = 0; i < N; i++) {
         const smr_vec at = bent(w.start + 3u * i), n = any_normal(i), by = smr_v(9, -6, 12);
         smr_store(w.normal + 3u * i, n);
@@ -78,9 +78,9 @@ static void goals_are_asked_not_places(void **state)
     static const smr_surface surface; /* has no triangle that is the closest */
     (void)state;
     begin(1.0f);
-    w.shared.config.coverage = SMR_COVERAGE_PARTIAL;
-    w.shared.config.attraction = 0.5f;
-    w.shared.config.n_workers = 1;
+    w.shared.config.partial.coverage = SMR_COVERAGE_PARTIAL;
+    w.shared.config.basic.attraction = 0.5f;
+    w.shared.config.basic.n_workers = 1;
     w.target.surface = &surface;
     w.goals.n_goals = 1;
     w.goals.pull = pull;
@@ -116,7 +116,7 @@ static void what_slid_is_found_along_normals(void **state)
 static void begin_similar(int all_around)
 {
     begin(0.1f);
-    w.shared.config.coverage = SMR_COVERAGE_PARTIAL;
+    w.shared.config.partial.coverage = SMR_COVERAGE_PARTIAL;
     for (uint32_t i = 0; i < N; i++) {
         const float turn = (float)i * 2.4f, z = all_around ? 1.0f - 2.0f * (float)i / (float)N : 0.0f;
         const float r = sqrtf(1.0f - z * z);
@@ -154,7 +154,7 @@ static void normals_that_tell_little(void **state)
     (void)state;
     for (uint32_t k = 0; k < 2u; k++) {
         begin(0.0f);
-        w.shared.config.coverage = SMR_COVERAGE_PARTIAL;
+        w.shared.config.partial.coverage = SMR_COVERAGE_PARTIAL;
         for (uint32_t i = 0; i < N; i++) {
             w.normal[3u * i] = k == 0u ? 1.0f : 0.0f;
             w.x[3u * i] += i % 2u == 0u ? 3.0f : -3.0f;

@@ -19,7 +19,7 @@ static float lowest_off(float height, int tries)
     float sum = 0.0f, count = 0.0f;
     oracle_random r = oracle_seed(11);
     begin(0.1f);
-    w.shared.config.coverage = SMR_COVERAGE_PARTIAL;
+    w.shared.config.partial.coverage = SMR_COVERAGE_PARTIAL;
     for (uint32_t i = 0; i < N; i++) {
         double d[3] = {oracle_uniform(&r, -1, 1), oracle_uniform(&r, -1, 1), oracle_uniform(&r, -1, 1)};
         const smr_vec n = smr_v((float)d[0], (float)d[1], (float)d[2]), p = smr_load(w.start + 3u * i);
@@ -74,7 +74,7 @@ static void with_few_controls_all_is_smooth(void **state)
 {
     (void)state;
     begin(0.1f);
-    w.shared.config.coverage = SMR_COVERAGE_PARTIAL;
+    w.shared.config.partial.coverage = SMR_COVERAGE_PARTIAL;
     for (uint32_t i = 0; i < N; i++) {
         smr_store(w.normal + 3u * i, smr_v(i % 3u == 0u, i % 3u == 1u, i % 3u == 2u));
         w.x[3u * i] += i % 2u == 0u ? 3.0f : -3.0f;

@@ -59,7 +59,7 @@ static double after(const smr_volume *target, float smoothing, uint32_t ticks)
     smr_prepare_config p = rig_radii(2, 20, 10, 0);
     smr_config c = smr_config_default();
     p.reference = &reference;
-    c.fill = smoothing;
+    c.image.fill = smoothing;
     const smr_model *model = rig_model(&mesh, 1, &p);
     smr *s = rig_init(model, &c, NULL);
     assert_int_equal(SMR_OK, smr_set_volume(s, target));
@@ -120,7 +120,7 @@ static void test_no_search_stays(void **state)
     smr_config c = smr_config_default();
     (void)state;
     p.reference = &reference;
-    c.profile_mm = c.profile_end_mm = c.gradient_mm = c.gradient_end_mm = 0.0f;
+    c.image.profile_mm = c.image.profile_end_mm = c.image.gradient_mm = c.image.gradient_end_mm = 0.0f;
     const smr_model *model = rig_model(&mesh, 1, &p);
     smr *s = rig_init(model, &c, NULL);
     assert_int_equal(SMR_OK, smr_set_volume(s, &nothing));
@@ -140,10 +140,10 @@ static void test_range(void **state)
     const smr_model *model = rig_model(&mesh, 1, &p);
     static const float bad[] = {-0.1f, 1.1f, NAN};
     for (uint32_t i = 0; i < 3u; i++) {
-        c.fill = bad[i];
+        c.image.fill = bad[i];
         assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(model, &c, &bytes));
     }
-    c.fill = 0.0f;
+    c.image.fill = 0.0f;
     assert_int_equal(SMR_OK, smr_arena_bytes(model, &c, &bytes));
 }
 

@@ -41,8 +41,8 @@ static smr *start(const smr_mesh *mesh, uint32_t guard)
 {
     const smr_prepare_config radii = rig_radii(1, 6, 0, 0);
     smr_config c = smr_config_default();
-    c.fold_guard = guard;
-    c.settle_um = 0.0f;
+    c.motion.fold_guard = guard;
+    c.motion.settle_um = 0.0f;
     return rig_init(rig_model(mesh, 1, &radii), &c, NULL);
 }
 
@@ -296,7 +296,7 @@ static void test_only_at_the_finest_radii(void **state)
         assert_int_equal(r > 0u, smr_folds_guarded(&s->shared, &s->pace));
         assert_int_equal(r > 0u, smr_fold_find_tasks(&s->folds) > 0u);
     }
-    s->shared.config.fold_guard = 0;
+    s->shared.config.motion.fold_guard = 0;
     assert_int_equal(0, smr_fold_find_tasks(&s->folds));
 }
 

@@ -27,12 +27,12 @@ typedef struct setting {
 static smr_config plain(void)
 {
     smr_config c = smr_config_default();
-    c.momentum = 0.0f;
-    c.fold_guard = 0; /* no repairing iterations without forces */
-    c.node_budget = 1000000;
-    c.search_radii = 1.0e6f;
-    c.normal_deg = 180.0f;
-    c.slide = 1.0f;
+    c.motion.momentum = 0.0f;
+    c.motion.fold_guard = 0; /* no repairing iterations without forces */
+    c.forces.node_budget = 1000000;
+    c.forces.search_radii = 1.0e6f;
+    c.forces.normal_deg = 180.0f;
+    c.basic.slide = 1.0f;
     return c;
 }
 
@@ -68,9 +68,9 @@ static void test_closest_point(void **state)
     (void)state;
     for (uint32_t k = 0; k < 9u; k++) {
         smr_config c = plain();
-        c.normal_deg = degrees[k % 3u];
-        c.search_mm = reach[k / 3u];
-        c.stiffness = 0.25f + 0.25f * (float)(k % 4u);
+        c.forces.normal_deg = degrees[k % 3u];
+        c.basic.search_mm = reach[k / 3u];
+        c.forces.stiffness = 0.25f + 0.25f * (float)(k % 4u);
         const setting t = start(&c, &goal);
         uint32_t n_forces = 0;
         double sum = 0.0, largest = 0.0;
@@ -80,13 +80,13 @@ static void test_closest_point(void **state)
             const float point[3] = {p.x, p.y, p.z}, normal[3] = {n.x, n.y, n.z};
             const float *f = smr_at3(t.s->forces.force, v);
             smr_closest hit;
-            (void)smr_surface_closest(t.surface, point, normal, t.s->shared.min_cos, c.search_mm, &hit);
+            (void)smr_surface_closest(t.surface, point, normal, t.s->shared.min_cos, c.basic.search_mm, &hit);
             const int found = hit.triangle != SMR_NONE;
             n_forces += (uint32_t)found;
             sum += found ? (double)hit.distance : 0.0;
             largest = fmax(largest, found ? (double)hit.distance : 0.0);
             for (uint32_t a = 0; a < 3u; a++) {
-                const float want = found ? c.stiffness * (hit.point[a] - point[a]) : 0.0f;
+                const float want = found ? c.forces.stiffness * (hit.point[a] - point[a]) : 0.0f;
                 assert_true(fabsf(f[a] - want) < 2.0e-5f);
             }
         }
@@ -129,19 +129,19 @@ static void test_box(void **state)
     smr_config c = plain();
     uint32_t inside = 0;
     (void)state;
-    c.use_box = 1;
+    c.forces.use_box = 1;
     for (uint32_t a = 0; a < 3u; a++) {
-        c.box_min[a] = -100;
-        c.box_max[a] = 100;
+        c.forces.box_min[a] = -100;
+        c.forces.box_max[a] = 100;
     }
-    c.box_min[0] = 0;
+    c.forces.box_min[0] = 0;
     const setting t = start(&c, &goal);
     search(t.s);
     for (uint32_t v = 0; v < t.s->shared.n; v++) {
         const smr_vec p = place_of(t.s, v), f = smr_load(smr_at3(t.s->forces.force, v));
         if (smr_length(f) > 0.0f) {
             inside++;
-            assert_true(p.x >= -1.0e-4f && p.x + f.x / c.stiffness >= -1.0e-4f);
+            assert_true(p.x >= -1.0e-4f && p.x + f.x / c.forces.stiffness >= -1.0e-4f);
         }
     }
     assert_true(inside > t.s->shared.n / 4u && inside < t.s->shared.n * 3u / 4u);
@@ -153,11 +153,11 @@ static void test_border(void **state)
     smr_config c = plain();
     (void)state;
     half.n_triangles /= 2u; /* an open surface */
-    c.coverage = SMR_COVERAGE_WHOLE;
+    c.partial.coverage = SMR_COVERAGE_WHOLE;
     const setting all = start(&c, &half);
     search(all.s);
     assert_int_equal(all.s->shared.n, all.s->forces.totals.n_forces);
-    c.reject_border = 1;
+    c.forces.reject_border = 1;
     const setting t = start(&c, &half);
     search(t.s);
     assert_true(t.s->forces.totals.n_rejected > t.s->shared.n / 5u && t.s->forces.totals.n_forces > t.s->shared.n / 5u);
@@ -180,7 +180,7 @@ static void test_outliers(void **state)
     for (uint32_t i = 0; i < 3u; i++)
         xyz[3u * (goal.n_vertices - 2u) + i] *= 3.0f; /* a spike at the pole */
     goal.xyz = xyz;
-    c.reject_deviations = 2.0f;
+    c.forces.reject_deviations = 2.0f;
     const setting t = start(&c, &goal);
     search(t.s);
     assert_int_equal(0, t.s->forces.totals.n_rejected); /* nothing is known yet */
@@ -213,7 +213,7 @@ static void test_slide(void **state)
     const smr_mesh goal = rig_ball(32, 11, 15, off);
     (void)state;
     smr_config c = plain();
-    c.slide = 0.0f;
+    c.basic.slide = 0.0f;
     const setting t = start(&c, &goal);
     search(t.s);
     for (uint32_t v = 0; v < t.s->shared.n; v++) {

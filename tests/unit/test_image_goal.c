@@ -50,8 +50,8 @@ static void test_noise_fails(void **state)
     const smr_tick_report last = rig_run(s, 200);
     assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
     assert_int_equal(SMR_VERDICT_FAILED, v.level);
-    assert_true((v.reasons & SMR_REASON_SIMILARITY) != 0u && v.likeness < 0.5f);
-    assert_true(last.done == 1u && last.matched_share > 0.3f);
+    assert_true((v.reasons & SMR_REASON_SIMILARITY) != 0u && v.image_similarity < 0.5f);
+    assert_true(last.done == 1u && last.details.matched_share > 0.3f);
 }
 
 static void test_follows_image(void **state)
@@ -62,13 +62,14 @@ static void test_follows_image(void **state)
     (void)state;
     for (uint32_t similarity = 0; similarity <= SMR_SIMILARITY_CONCORDANCE; similarity++) {
         smr_config c = smr_config_default();
-        c.similarity = similarity;
+        c.image.similarity = similarity;
         smr *s = rig_init(model, &c, NULL);
         assert_int_equal(SMR_OK, smr_set_volume(s, &target));
         assert_true(off_ball(s, model, (double)RIG_BALL_MM + 2.0, rig_shift) > 1.5);
         smr_tick_report r = rig_run(s, 1);
-        assert_true(r.n_active > 0u && r.n_active <= s->shared.n); /* at large radii not every vertex takes part */
-        assert_true(r.n_forces > r.n_active / 2u);
+        assert_true(r.details.n_active > 0u &&
+                    r.details.n_active <= s->shared.n); /* at large radii not every vertex takes part */
+        assert_true(r.n_forces > r.details.n_active / 2u);
         r = rig_run(s, 10000);
         assert_int_equal(1, r.done);
         const double off = off_ball(s, model, (double)RIG_BALL_MM + 2.0, rig_shift);
@@ -131,7 +132,7 @@ static void test_turns(void **state)
             for (uint32_t v = 0; v < RIG_BALL_SIDE * RIG_BALL_SIDE * RIG_BALL_SIDE; v++)
                 voxels[v] = gain[k] * ((const float *)target.voxels)[v] + brighter[k];
             target.voxels = voxels;
-            c.sideways = i == 0u ? 0.0f : 0.5f;
+            c.image.sideways = i == 0u ? 0.0f : 0.5f;
             smr *s = rig_init(model, &c, NULL);
             const float *before = rig_positions(s, model);
             start = i < 2u ? off_turned(s, model, before, angle) : start;
@@ -160,8 +161,8 @@ static void test_image_elsewhere(void **state)
     assert_int_equal(SMR_OK, smr_set_volume(s, &target));
     const smr_tick_report r = rig_run(s, 12);
     assert_int_equal(0, r.n_forces);
-    assert_true(r.n_active > 0u);
-    assert_int_equal(r.n_active, r.n_rejected);
+    assert_true(r.details.n_active > 0u);
+    assert_int_equal(r.details.n_active, r.details.n_rejected);
     const smr_tick_report end = rig_run(s, 10000);
     assert_int_equal(1, end.done);
     assert_true(rig_far(before, rig_positions(s, model), s->shared.n) < 1.0e-3f);
@@ -176,8 +177,8 @@ static void test_equal_bits(void **state)
     (void)state;
     for (uint32_t k = 0; k <= RIG_SCHEDULERS; k++) {
         smr_config c = smr_config_default();
-        c.n_workers = k == 0u ? 1u : 4u;
-        const smr_port port = rig_port(k == 0u ? RIG_PLAIN : k - 1u, c.n_workers);
+        c.basic.n_workers = k == 0u ? 1u : 4u;
+        const smr_port port = rig_port(k == 0u ? RIG_PLAIN : k - 1u, c.basic.n_workers);
         smr *s = rig_init(model, &c, &port);
         assert_int_equal(SMR_OK, smr_set_volume(s, &target));
         const smr_tick_report r = rig_run(s, 12);
@@ -226,11 +227,11 @@ static void test_structure_report(void **state)
     assert_int_equal(SMR_OK, smr_set_volume(s, &target));
     while (r.done == 0u) {
         r = rig_run(s, 1);
-        rejected += r.n_rejected;
+        rejected += r.details.n_rejected;
         assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &part));
-        assert_true(part.n_forces == r.n_forces && part.n_rejected == r.n_rejected);
+        assert_true(part.n_forces == r.n_forces && part.n_rejected == r.details.n_rejected);
         assert_true(fabsf(part.residual_mean_mm - r.residual_mean_mm) < 1.0e-4f);
-        assert_true(fabsf(part.residual_max_mm - r.residual_max_mm) < 1.0e-4f);
+        assert_true(fabsf(part.residual_max_mm - r.details.residual_max_mm) < 1.0e-4f);
     }
     assert_true(rejected > 0u && r.n_forces > 0u && part.residual_mean_mm > 0.0f);
 }
@@ -249,8 +250,8 @@ static void test_beside_a_surface(void **state)
     (void)state;
     for (uint32_t i = 0; i < 3u; i++) {
         smr_config c = smr_config_default();
-        c.image_beside = shares[i];
-        c.profile_end_mm = 5.0f; /* seeks to the end */
+        c.image.beside = shares[i];
+        c.image.profile_end_mm = 5.0f; /* seeks to the end */
         smr *s = rig_init(model, &c, NULL);
         assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface));
         assert_int_equal(SMR_OK, smr_set_volume(s, &target));
@@ -260,7 +261,7 @@ static void test_beside_a_surface(void **state)
             hash = smr_state_hash(s);
     }
     smr_config c = smr_config_default(); /* without the setting */
-    c.profile_end_mm = 5.0f;
+    c.image.profile_end_mm = 5.0f;
     smr *s = rig_init(model, &c, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface));
     assert_int_equal(SMR_OK, smr_set_volume(s, &target));

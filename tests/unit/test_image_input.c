@@ -50,7 +50,7 @@ static void test_needs_profiles(void **state)
     assert_int_equal(SMR_E_NULL, smr_set_volume(NULL, NULL));
     assert_true(hash == smr_state_hash(s));
     assert_int_equal(0, s->forces.image.has_image);
-    assert_int_equal(0, rig_run(s, 1).n_active);
+    assert_int_equal(0, rig_run(s, 1).details.n_active);
     s->magic = 0;
     assert_int_equal(SMR_E_STATE, smr_set_volume(s, &target));
     assert_int_equal(SMR_E_STATE, smr_set_volume(s, NULL));
@@ -134,8 +134,8 @@ static void test_abandoned(void **state)
             rig_clock clock;
             smr_config c = smr_config_default();
             smr_tick_report report;
-            c.method = method;
-            c.iterations = c.iterations_last = 3;
+            c.basic.method = method;
+            c.basic.iterations = c.basic.iterations_last = 3;
             const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
             smr *s = rig_init(model, &c, &port);
             assert_int_equal(SMR_OK, smr_set_volume(s, &first));
@@ -184,7 +184,7 @@ static void test_take_away(void **state)
     assert_true(rig_run(s, 2).n_forces > 0u);
     assert_int_equal(SMR_OK, smr_set_volume(s, NULL));
     const smr_tick_report r = rig_run(s, 1);
-    assert_int_equal(0, r.n_active);
+    assert_int_equal(0, r.details.n_active);
     assert_int_equal(0, r.n_forces);
 }
 

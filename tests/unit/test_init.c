@@ -24,7 +24,7 @@ typedef struct slot {
 
 static void check_slots(const smr *s, size_t bytes)
 {
-    const size_t n = s->shared.n, v3 = 3u * n * sizeof(float), pulls = s->shared.config.n_target_vertices;
+    const size_t n = s->shared.n, v3 = 3u * n * sizeof(float), pulls = s->shared.config.basic.n_target_vertices;
     const slot slots[] = {
         {s, sizeof *s},
         {s->shape.structure, s->shared.n_structures * sizeof *s->shape.structure},
@@ -54,7 +54,7 @@ static void check_slots(const smr *s, size_t bytes)
                                sizeof *s->overlay.tally},
         {s->shape.facet_normal, 3u * (size_t)s->shared.n_triangles * sizeof(float)},
         {s->forces.surface.target_warm, pulls * sizeof(uint32_t)},
-        {s->forces.surface.pull, pulls == 0u ? 0u : s->shared.config.n_workers * n * 4u * sizeof(int64_t)},
+        {s->forces.surface.pull, pulls == 0u ? 0u : s->shared.config.basic.n_workers * n * 4u * sizeof(int64_t)},
         {s->shape.node, pulls == 0u ? 0u : s->shape.n_nodes * sizeof(smr_node)},
     };
     const unsigned char *base = (const unsigned char *)s;
@@ -82,9 +82,9 @@ static void test_layout(void **state)
     for (uint32_t k = 0; k < 8u; k++) {
         smr_config config = smr_config_default();
         size_t bytes = 0;
-        config.method = k & 1u;
-        config.n_workers = k & 2u ? 5 : 1;
-        config.n_target_vertices = k & 4u ? 77 : 0;
+        config.basic.method = k & 1u;
+        config.basic.n_workers = k & 2u ? 5 : 1;
+        config.basic.n_target_vertices = k & 4u ? 77 : 0;
         assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &bytes));
         const smr *s = rig_init(model, &config, NULL);
         check_slots(s, bytes);
@@ -151,12 +151,12 @@ static void test_copies(void **state)
     smr_config config = smr_config_default();
     smr_port port = rig_port(RIG_REVERSE, 3);
     (void)state;
-    config.n_workers = 4;
-    config.normal_deg = 60.0f;
+    config.basic.n_workers = 4;
+    config.forces.normal_deg = 60.0f;
     smr *s = rig_init(rig_model(&mesh, 1, &radii), &config, &port);
     memset(&config, 0xff, sizeof config); /* both were copied */
     memset(&port, 0xff, sizeof port);
-    assert_int_equal(4, s->shared.config.n_workers);
+    assert_int_equal(4, s->shared.config.basic.n_workers);
     assert_int_equal(3, s->port.n_workers);
     assert_true(fabsf(s->shared.min_cos - 0.5f) < 1.0e-5f);
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));

@@ -37,25 +37,25 @@ static void test_last_iteration(void **state)
     smr_tick_report r = {0};
     uint32_t n = 0;
     (void)state;
-    config.track = SMR_TRACK_REPORT;
-    config.n_target_vertices = goal.n_vertices;
+    config.track.mode = SMR_TRACK_REPORT;
+    config.basic.n_target_vertices = goal.n_vertices;
     smr *s = rig_init(model, &config, &port);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&goal)));
-    for (; !r.tracking; n++)
+    for (; !r.details.tracking; n++)
         assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
     assert_int_equal(SMR_OK, smr_set_pose(s, &same));
     while (n-- > 1u)
         assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_int_equal(0, r.tracking);
+    assert_int_equal(0, r.details.tracking);
     do
         assert_int_equal(SMR_PARTIAL, smr_tick(s, 20000, &r));
-    while (r.phase == SMR_PHASE_FORCES);
+    while (r.details.phase == SMR_PHASE_FORCES);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&next)));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
     const uint32_t before = r.iteration;
     for (uint32_t i = 0; i < 5u; i++)
         assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_true(r.tracking && r.iteration == before + 5u);
+    assert_true(r.details.tracking && r.iteration == before + 5u);
 }
 
 /* Structures 1 mm apart, each on its target: one that looks inwards is nothing to keep out of. */
@@ -66,8 +66,8 @@ static void test_inwards_in_contact(void **state)
     for (int flip = 0; flip < 2; flip++) {
         const smr_mesh ball[2] = {flipped(rig_ball(10, 16, 20, left), flip), rig_ball(10, 16, 20, right)};
         smr_config config = smr_config_default();
-        config.contact = 1.0f;
-        config.n_target_vertices = ball[0].n_vertices + ball[1].n_vertices;
+        config.contact.share = 1.0f;
+        config.basic.n_target_vertices = ball[0].n_vertices + ball[1].n_vertices;
         const smr_model *model = rig_model(ball, 2, NULL);
         smr *s = rig_init(model, &config, NULL);
         assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&ball[0])));
@@ -87,8 +87,8 @@ static void test_mirrored_volume(void **state)
     smr_config config = smr_config_default();
     smr_structure_volume volume;
     (void)state;
-    config.volume = 1.0f;
-    config.smooth = 0.3f;
+    config.contact.volume = 1.0f;
+    config.contact.smooth = 0.3f;
     smr *s = rig_init(model, &config, NULL);
     assert_int_equal(SMR_OK, smr_set_pose(s, &mirror));
     (void)rig_run(s, 400);

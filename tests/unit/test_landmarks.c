@@ -24,8 +24,8 @@ static int tidy(void **state)
 static smr_config config_of(uint32_t n_landmarks)
 {
     smr_config c = smr_config_default();
-    c.n_landmarks = n_landmarks;
-    c.iterations_last = 30;
+    c.partial.n_landmarks = n_landmarks;
+    c.basic.iterations_last = 30;
     return c;
 }
 
@@ -35,7 +35,7 @@ static smr *start(uint32_t n_landmarks, const smr_port *port)
     const smr_prepare_config radii = rig_radii(2, 30, 0.1f, 0);
     const float at[2][3] = {{0, 0, 0}, {60, 0, 0}};
     smr_config config = config_of(n_landmarks);
-    config.n_workers = port != NULL ? port->n_workers : 1u;
+    config.basic.n_workers = port != NULL ? port->n_workers : 1u;
     for (uint32_t i = 0; i < 2u; i++)
         ball[i] = rig_ball(20, 8, 12, at[i]);
     model = rig_model(ball, 2, &radii);
@@ -108,13 +108,13 @@ static void test_bytes(void **state)
     (void)state;
     (void)start(0, NULL);
     assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &none));
-    config.n_landmarks = SMR_LANDMARKS_MAX;
+    config.partial.n_landmarks = SMR_LANDMARKS_MAX;
     assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &some));
     assert_true(some > none);
 #if !defined(__SANITIZE_ADDRESS__)
     assert_true(some <= none + SMR_ARENA_LANDMARKS_BYTES(ball[0].n_vertices + ball[1].n_vertices, SMR_LANDMARKS_MAX));
 #endif
-    config.n_landmarks = SMR_LANDMARKS_MAX + 1u;
+    config.partial.n_landmarks = SMR_LANDMARKS_MAX + 1u;
     assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(model, &config, &some));
 }
 
@@ -158,7 +158,7 @@ static void test_draw(void **state)
         marks(mark, hard);
         assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, N));
         const smr_tick_report report = rig_run(s, 1000);
-        assert_true(report.done && report.n_forces == N && report.matched_share > 0.0f);
+        assert_true(report.done && report.n_forces == N && report.details.matched_share > 0.0f);
         assert_true(farthest(s, mark, N) < (hard ? 0.01f : 0.2f));
         assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &own));
         assert_int_equal(SMR_OK, smr_get_structure_report(s, 1, &other));

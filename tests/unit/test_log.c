@@ -36,8 +36,8 @@ static void test_header(void **state)
     assert_int_equal(n, word[6]);
     uint32_t iterations = 0, target_vertices = 0, at = 7;
     for (uint32_t k = 0; k < settings; k++, at += 1u + (word[at] >> 16)) {
-        iterations += word[at] == (1u << 16 | 43u) && word[at + 1u] == unit_recorded.config.iterations;
-        target_vertices += word[at] == (1u << 16 | 2u) && word[at + 1u] == unit_recorded.config.n_target_vertices;
+        iterations += word[at] == (1u << 16 | 43u) && word[at + 1u] == unit_recorded.config.basic.iterations;
+        target_vertices += word[at] == (1u << 16 | 2u) && word[at + 1u] == unit_recorded.config.basic.n_target_vertices;
     }
     assert_true(iterations == 1u && target_vertices == 1u && at == 7u + n);
     assert_int_equal(smr_crc32(0, unit_recorded.log, 28u + 4u * n), word[7u + n]);

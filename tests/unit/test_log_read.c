@@ -166,16 +166,16 @@ static void test_settings_by_number(void **state)
     smr_config c, want = standard;
     (void)state;
     assert_int_equal(SMR_OK, open_header(SMR_LOG_VERSION, word, 8, &c));
-    want.iterations_last = 7;
-    want.box_max[0] = 1;
-    want.box_max[1] = 2;
-    want.box_max[2] = 3;
-    want.stiffness = 0.25f;
+    want.basic.iterations_last = 7;
+    want.forces.box_max[0] = 1;
+    want.forces.box_max[1] = 2;
+    want.forces.box_max[2] = 3;
+    want.forces.stiffness = 0.25f;
     assert_memory_equal(&c, &want, sizeof c);
     assert_int_equal(SMR_OK, open_header(SMR_LOG_VERSION, word, 0, &c));
     assert_memory_equal(&c, &standard, sizeof c);
     assert_int_equal(SMR_OK, open_header(2, word, 0, &c)); /* before targets could show parts */
-    assert_int_equal(SMR_COVERAGE_WHOLE, c.coverage);
+    assert_int_equal(SMR_COVERAGE_WHOLE, c.partial.coverage);
     for (uint32_t n = 1; n < 8u; n++)
         assert_int_equal(n == 2u || n == 6u ? SMR_OK : SMR_E_LOG, open_header(SMR_LOG_VERSION, word, n, &c));
     assert_int_equal(SMR_E_LOG, open_header(SMR_LOG_VERSION, unknown, 2, &c));
@@ -195,10 +195,12 @@ static void test_version_1(void **state)
     word[15] = bits(15.0f);
     word[28] = bits(28.0f);
     assert_int_equal(SMR_OK, open_header(1, word, 45, &c));
-    assert_true(c.cookie == smr_config_default().cookie && c.n_workers == 101u && c.n_target_vertices == 102u);
-    assert_true(c.stiffness == 0.5f && c.box_min[2] == 15.0f && c.fill == 28.0f && c.iterations_last == 144u);
-    assert_int_equal(SMR_COVERAGE_WHOLE, c.coverage); /* there was nothing else */
-    assert_true(c.node_budget == 119u && c.method == 129u && c.radius_last == 142u);
+    assert_true(c.cookie == smr_config_default().cookie && c.basic.n_workers == 101u &&
+                c.basic.n_target_vertices == 102u);
+    assert_true(c.forces.stiffness == 0.5f && c.forces.box_min[2] == 15.0f && c.image.fill == 28.0f &&
+                c.basic.iterations_last == 144u);
+    assert_int_equal(SMR_COVERAGE_WHOLE, c.partial.coverage); /* there was nothing else */
+    assert_true(c.forces.node_budget == 119u && c.basic.method == 129u && c.schedule.radius_last == 142u);
     for (uint32_t version = 0; version < 9u; version++)
         for (uint32_t n = 44; n <= 46u; n++)
             assert_int_equal(version == 1u && n == 45u ? SMR_OK : SMR_E_LOG, open_header(version, word, n, &c));

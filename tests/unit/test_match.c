@@ -22,11 +22,11 @@ static smr *start(uint32_t method, const smr_mesh *mesh, float radius)
 {
     const smr_prepare_config prepare = rig_radii(1, radius, 0, 0);
     smr_config config = smr_config_default();
-    config.method = method;
-    config.momentum = 0.0f;
-    config.fold_guard = 0;
-    config.plastic_every = 0;
-    config.plastic_um = config.settle_um = 0.0f;
+    config.basic.method = method;
+    config.motion.momentum = 0.0f;
+    config.motion.fold_guard = 0;
+    config.motion.plastic_every = 0;
+    config.motion.plastic_um = config.motion.settle_um = 0.0f;
     smr *s = rig_init(rig_model(mesh, 1, &prepare), &config, NULL);
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL)); /* for the reference's own figures */
     return s;

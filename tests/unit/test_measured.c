@@ -33,7 +33,7 @@ static smr *start(const smr_port *port, const smr_surface *goal[2], const smr_su
     const float away[3] = {0, 900, 0};
     larger = rig_ball(22, 12, 18, away);
     *far = rig_surface(&larger);
-    config.plastic_um = 1000.0f; /* at rest by then */
+    config.motion.plastic_um = 1000.0f; /* at rest by then */
     return rig_init(rig_model(ball, 2, &radii), &config, port);
 }
 
@@ -48,7 +48,8 @@ static void is_unmeasured(const smr_tick_report *r)
 {
     assert_int_equal(0, r->converged);
     assert_int_equal(0, r->n_forces);
-    assert_true(r->residual_mean_mm == -1.0f && r->residual_rms_mm == -1.0f && r->residual_max_mm == -1.0f);
+    assert_true(r->residual_mean_mm == -1.0f && r->details.residual_rms_mm == -1.0f &&
+                r->details.residual_max_mm == -1.0f);
 }
 
 static void part_is_unmeasured(const smr_structure_report *part)
@@ -65,13 +66,13 @@ static void test_without_forces(void **state)
     smr_tick_report r = rig_run(s, 1000);
     assert_int_equal(1, r.done);
     is_unmeasured(&r);
-    assert_true(r.matched_share == -1.0f);
+    assert_true(r.details.matched_share == -1.0f);
     s = start(NULL, goal, &far);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, far));
     r = rig_run(s, 1000);
     assert_int_equal(1, r.done);
     is_unmeasured(&r);
-    assert_true(r.n_rejected > 0u && r.matched_share == 0.0f && part_of(s, 0).matched_share == 0.0f);
+    assert_true(r.details.n_rejected > 0u && r.details.matched_share == 0.0f && part_of(s, 0).matched_share == 0.0f);
 }
 
 /* After the end a new target is not looked at; the other structure's figures stay. */
@@ -84,15 +85,15 @@ static void test_target_after_the_end(void **state)
     assert_int_equal(SMR_OK, smr_set_surface(s, 1, goal[1]));
     smr_tick_report r = rig_run(s, 1000);
     const smr_structure_report before = part_of(s, 1);
-    assert_true(r.done && r.converged && r.matched_share > 0.9f && r.residual_mean_mm >= 0.0f);
+    assert_true(r.done && r.converged && r.details.matched_share > 0.9f && r.residual_mean_mm >= 0.0f);
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r)); /* nothing new: the figures are still those of the last iteration */
     assert_true(r.done && r.converged && r.n_forces > 0u && r.residual_mean_mm >= 0.0f);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, far));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
     assert_int_equal(1, r.done);
-    assert_int_equal(0, r.n_active + r.n_rejected);
+    assert_int_equal(0, r.details.n_active + r.details.n_rejected);
     is_unmeasured(&r);
-    assert_true(r.matched_share == -1.0f && !(r.attraction_used > 0.0f));
+    assert_true(r.details.matched_share == -1.0f && !(r.details.attraction_used > 0.0f));
     smr_structure_report part = part_of(s, 0);
     part_is_unmeasured(&part);
     part = part_of(s, 1);
@@ -158,31 +159,31 @@ static void test_search_that_ends(void **state)
     uint32_t idle = 0;
     (void)state;
     prepare.reference = &reference;
-    c.profile_mm = 6.0f;
-    c.gradient_mm = 2.0f;
-    c.profile_end_mm = c.gradient_end_mm = 0.0f;
+    c.image.profile_mm = 6.0f;
+    c.image.gradient_mm = 2.0f;
+    c.image.profile_end_mm = c.image.gradient_end_mm = 0.0f;
     smr *s = rig_init(rig_model(&mesh, 1, &prepare), &c, NULL);
     assert_int_equal(SMR_OK, smr_set_volume(s, &target));
     while (r.done == 0u) {
         r = rig_run(s, 1);
-        share = (float)r.n_forces / (float)(r.n_forces + r.n_rejected);
+        share = (float)r.n_forces / (float)(r.n_forces + r.details.n_rejected);
         if (smr_image_seeks(&s->forces.image, 0)) {
-            assert_true(r.matched_share == share && part_of(s, 0).matched_share == share);
+            assert_true(r.details.matched_share == share && part_of(s, 0).matched_share == share);
             last = share;
         } else {
             idle++;
             assert_true(share == 0.0f && r.residual_mean_mm == -1.0f);
-            assert_true(r.matched_share == last && part_of(s, 0).matched_share == last);
+            assert_true(r.details.matched_share == last && part_of(s, 0).matched_share == last);
         }
     }
     assert_true(idle > 0u && last > 0.5f);
-    c.profile_mm = c.gradient_mm = 0.0f; /* never sought at all */
+    c.image.profile_mm = c.image.gradient_mm = 0.0f; /* never sought at all */
     s = rig_init(s->shared.model, &c, NULL);
     assert_int_equal(SMR_OK, smr_set_volume(s, &target));
     r = rig_run(s, 1000);
     assert_int_equal(1, r.done);
     is_unmeasured(&r);
-    assert_true(r.matched_share == -1.0f && part_of(s, 0).matched_share == -1.0f);
+    assert_true(r.details.matched_share == -1.0f && part_of(s, 0).matched_share == -1.0f);
 }
 
 int main(void)

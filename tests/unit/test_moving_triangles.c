@@ -24,7 +24,7 @@ static smr *start(uint32_t n_target_vertices)
         rig_ball(30, 12, 20, none), rig_ball(20, 3, 4, off), {rig_ball(5, 2, 3, off).xyz, NULL, 8, 0}};
     const smr_prepare_config radii = rig_radii(1, 18, 0, 0);
     smr_config config = smr_config_default();
-    config.n_target_vertices = n_target_vertices;
+    config.basic.n_target_vertices = n_target_vertices;
     return rig_init(rig_model(mesh, 3, &radii), &config, NULL);
 }
 

@@ -47,8 +47,8 @@ static smr *judged(float width, uint32_t coverage)
     const smr_mesh mesh = sheet(100.0f, 0.0f), goal = sheet(width, APART);
     const smr_prepare_config radii = rig_radii(1, RADIUS, 0, 0);
     smr_config c = smr_config_default();
-    c.coverage = coverage;
-    c.n_target_vertices = goal.n_vertices;
+    c.partial.coverage = coverage;
+    c.basic.n_target_vertices = goal.n_vertices;
     smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
     (void)rig_run(s, 1);
@@ -198,8 +198,8 @@ static void which_targets_are_partial(void **state)
         const smr_mesh ball = rig_ball(30.0f, 13, 20, centre), goal = rig_ball(30.0f, 15, 22, k == 1u ? aside : centre);
         const smr_prepare_config radii = rig_radii(1, RADIUS, 0, 0);
         smr_config c = smr_config_default();
-        c.coverage = k == 2u ? SMR_COVERAGE_PARTIAL : SMR_COVERAGE_AUTO;
-        c.n_target_vertices = goal.n_vertices;
+        c.partial.coverage = k == 2u ? SMR_COVERAGE_PARTIAL : SMR_COVERAGE_AUTO;
+        c.basic.n_target_vertices = goal.n_vertices;
         s = rig_init(rig_model(&ball, 1, &radii), &c, NULL);
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
         (void)rig_run(s, 1);

@@ -69,9 +69,9 @@ static const smr_model *ball_model(const smr_volume *reference)
 static smr_config goals(float profile_mm, float gradient_mm)
 {
     smr_config c = smr_config_paper();
-    c.profile_mm = c.profile_end_mm = profile_mm;
-    c.gradient_mm = c.gradient_end_mm = gradient_mm;
-    c.active_first = c.stiffness = 1.0f;
+    c.image.profile_mm = c.image.profile_end_mm = profile_mm;
+    c.image.gradient_mm = c.image.gradient_end_mm = gradient_mm;
+    c.schedule.active_first = c.forces.stiffness = 1.0f;
     return c;
 }
 
@@ -109,7 +109,7 @@ static void test_edge(void **state)
     const uint32_t n = ways(model, &c, &target, way);
     assert_true(n > 200u);
     assert_true(fabsf(mean_of(way, n) - 4.0f) < 0.3f);
-    c.edge = SMR_EDGE_REFERENCE;
+    c.image.edge = SMR_EDGE_REFERENCE;
     assert_int_equal(n, ways(model, &c, &target, way));
     assert_true(fabsf(mean_of(way, n)) < 1.5f);
 }
@@ -129,7 +129,7 @@ static void test_blend(void **state)
     assert_true(fabsf(mean_of(of_profile, n) - mean_of(of_gradient, n)) > 1.0f);
     for (uint32_t v = 0; v < n; v++)
         assert_true(fabsf(of_both[v] - 0.5f * (of_profile[v] + of_gradient[v])) < 1.0e-4f);
-    both.blend = SMR_BLEND_CONFIDENCE;
+    both.image.blend = SMR_BLEND_CONFIDENCE;
     assert_int_equal(n, ways(model, &both, &target, of_both));
     for (uint32_t v = 0; v < n; v++)
         apart = fmaxf(apart, fabsf(of_both[v] - 0.5f * (of_profile[v] + of_gradient[v])));
@@ -141,9 +141,9 @@ static void test_blend(void **state)
     for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++)
         voxels[i] = rig_between(&seed, 0, 900);
     smr_config doubtful = goals(2.0f, 0.0f);
-    doubtful.confidence = 0.3f;
+    doubtful.image.confidence = 0.3f;
     const uint32_t plain = ways(model, &doubtful, &noise, of_both);
-    doubtful.blend = SMR_BLEND_CONFIDENCE;
+    doubtful.image.blend = SMR_BLEND_CONFIDENCE;
     const uint32_t sure = ways(model, &doubtful, &noise, of_both);
     assert_true(plain > n * 3u / 4u && sure < plain * 3u / 4u);
 }
@@ -158,7 +158,7 @@ static void test_nearer(void **state)
     uint32_t n_far = 0, n_near = 0;
     (void)state;
     const uint32_t n = ways(model, &c, &target, far);
-    c.nearer = 0.05f;
+    c.image.nearer = 0.05f;
     assert_int_equal(n, ways(model, &c, &target, near));
     for (uint32_t v = 0; v < n; v++) {
         n_far += fabsf(far[v]) > 8.0f;
@@ -176,8 +176,8 @@ static void test_fade(void **state)
     for (uint32_t fade = 0; fade < 2u; fade++) {
         smr_config c = goals(4.0f, 4.0f);
         smr_tick_report report = {0};
-        c.fade = fade;
-        c.iterations_last = 8;
+        c.image.fade = fade;
+        c.basic.iterations_last = 8;
         smr *s = rig_init(model, &c, NULL);
         assert_int_equal(SMR_OK, smr_set_volume(s, &reference));
         for (uint32_t i = 1; !report.done; i++) {
@@ -197,11 +197,11 @@ static void test_plastic_by(void **state)
     const smr_model *model = rig_model(&mesh, 1, &prepare);
     (void)state;
     smr_config c = smr_config_paper();
-    c.active_first = 1.0f;
+    c.schedule.active_first = 1.0f;
     for (uint32_t round = 0; round < 3u; round++) {
         smr_tick_report report;
         double mean = 0.0;
-        c.plastic_by = round == 2u ? SMR_PLASTIC_MEAN : SMR_PLASTIC_LARGEST;
+        c.motion.plastic_by = round == 2u ? SMR_PLASTIC_MEAN : SMR_PLASTIC_LARGEST;
         smr *s = rig_init(model, &c, NULL);
         const float *before = rig_positions(s, model);
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
@@ -211,10 +211,10 @@ static void test_plastic_by(void **state)
             mean += (double)smr_length(smr_sub(smr_load(after + 3u * v), smr_load(before + 3u * v)));
         mean /= mesh.n_vertices;
         assert_true(mean < 0.7 * (double)report.displacement_max_mm);
-        assert_int_equal(round == 2u, report.plastic_updates);
+        assert_int_equal(round == 2u, report.details.plastic_updates);
         if (round == 2u)
             assert_true(fabs((double)s->evolve.mean_mm - mean) < 1.0e-4);
-        c.plastic_um = (float)(mean * 1000.0) * 1.01f; /* between both, from the second round on */
+        c.motion.plastic_um = (float)(mean * 1000.0) * 1.01f; /* between both, from the second round on */
     }
 }
 
@@ -244,7 +244,7 @@ static void test_turn(void **state)
         smr_config c = smr_config_paper();
         smr_tick_report report;
         float box[3][3] = {{0}};
-        c.turn_deg = limited ? 20.0f : 0.0f;
+        c.motion.turn_deg = limited ? 20.0f : 0.0f;
         smr *s = rig_init(model, &c, NULL);
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report)); /* the clusters' own figures */
         for (uint32_t v = 0; v < s->shared.n; v++) {
@@ -311,7 +311,7 @@ static void test_registers(void **state)
     assert_int_equal(SMR_OK, smr_set_positions(s, 0, start));
     assert_int_equal(SMR_OK, smr_set_volume(s, &reference));
     const smr_tick_report report = rig_run(s, 1000);
-    assert_true(report.done && report.iteration == 120u && report.plastic_updates > 0u);
+    assert_true(report.done && report.iteration == 120u && report.details.plastic_updates > 0u);
     x = rig_positions(s, model);
     double worst = 0.0;
     for (uint32_t v = 0; v < mesh.n_vertices; v++)

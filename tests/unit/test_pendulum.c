@@ -49,7 +49,7 @@ static int make_scene(uint32_t cell_um, uint32_t n_radii, float r0, float r1)
     bone.xyz = xyz;
     choose_pins();
     e = rig_motion_make(&bone, &radii);
-    e.config.elastic = 1e6f;
+    e.config.dynamics.elastic = 1e6f;
     return 0;
 }
 
@@ -191,9 +191,9 @@ static double swing(smr *s, const pendulum *p, double h, uint32_t n)
 static void swings(const pendulum *hanging, uint32_t n_pins)
 {
     pendulum p = *hanging;
-    tilt(&p, e.config.gravity);
-    e.config.damping = 0.0f;
-    e.config.step_ms = (float)(10.0 * p.period);
+    tilt(&p, e.config.dynamics.gravity);
+    e.config.dynamics.damping = 0.0f;
+    e.config.dynamics.step_ms = (float)(10.0 * p.period);
     smr *s = rig_init(e.model, &e.config, NULL);
     assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, NULL));
     assert_int_equal(n_pins, rig_energy(s).n_pinned);
@@ -213,9 +213,9 @@ static void slows_down(const pendulum *p, uint32_t n_pins, float step_ms)
     static const double any[3] = {1, 2, 3};
     const uint32_t n = 8;
     double turn[3], r[3], v[3], left[2];
-    memset(e.config.gravity, 0, sizeof e.config.gravity);
-    e.config.damping = 1.0f;
-    e.config.step_ms = step_ms;
+    memset(e.config.dynamics.gravity, 0, sizeof e.config.dynamics.gravity);
+    e.config.dynamics.damping = 1.0f;
+    e.config.dynamics.step_ms = step_ms;
     for (uint32_t c = 0; c < 3u; c++)
         turn[c] = n_pins > 1u ? 3.0 * p->axis[c] : any[c];
     for (uint32_t i = 0; i < e.n; i++) {
@@ -256,11 +256,11 @@ static void test_clusters(void **state)
 {
     pendulum p;
     (void)state;
-    e.config.method = SMR_METHOD_POLAR;
+    e.config.basic.method = SMR_METHOD_POLAR;
     e.mass[pin[0]] = INFINITY;
     hang(&p, 1);
     swings(&p, 1);
-    e.config.track_mm = 60.0f;
+    e.config.track.radius_mm = 60.0f;
     slows_down(&p, 1, 20.0f);
 }
 

@@ -69,8 +69,8 @@ static smr *start(port_state *p, uint32_t n_workers)
     smr_config config = smr_config_default();
     ball = rig_ball(30, 29, 24, none);
     goal = rig_ball(35, 12, 16, off);
-    config.n_workers = n_workers;
-    config.n_target_vertices = goal.n_vertices;
+    config.basic.n_workers = n_workers;
+    config.basic.n_target_vertices = goal.n_vertices;
     memset(p, 0, sizeof *p);
     p->s = rig_init(rig_model(&ball, 1, &radii), &config, &port);
     p->surface = rig_surface(&goal);

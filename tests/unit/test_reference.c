@@ -66,7 +66,7 @@ static void compare(const smr *s, const rig_lists *l, double *centre_mm, double 
         const float full[9] = {p[0], p[1], p[2], p[1], p[3], p[4], p[2], p[4], p[5]};
         for (uint32_t i = 0; i < 9u; i++) {
             double error = ((double)full[i] - m[i]) / trace;
-            if (s->shared.config.method == SMR_METHOD_RIGID) {
+            if (s->shared.config.basic.method == SMR_METHOD_RIGID) {
                 error = i % 4u == 0u ? -1.0 : 0.0;
                 for (uint32_t k = 0; k < 3u; k++)
                     error += ((k == i / 3u ? trace : 0.0) - m[3u * (i / 3u) + k]) * (double)full[3u * k + i % 3u];
@@ -86,7 +86,7 @@ static void check(uint32_t mass, const float *at, float radius)
     for (uint32_t method = 0; method < 2u; method++) {
         smr_config config = smr_config_default();
         double centre_mm, spread;
-        config.method = method;
+        config.basic.method = method;
         smr *s = rig_init(model, &config, NULL);
         settle(s);
         compare(s, &l, &centre_mm, &spread);
@@ -120,7 +120,7 @@ static void test_deformed(void **state)
     double centre_mm, spread;
     uint32_t seed = 4;
     (void)state;
-    config.method = SMR_METHOD_POLAR;
+    config.basic.method = SMR_METHOD_POLAR;
     smr *s = rig_init(model, &config, NULL);
     float *xyz = rig_alloc(mesh.n_vertices * 3u * sizeof *xyz);
     for (uint32_t i = 0; i < 3u * mesh.n_vertices; i++)

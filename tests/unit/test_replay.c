@@ -161,12 +161,12 @@ static void test_not_these_inputs(void **state)
     smr *other = rig_init(rig_model(&unit_recorded.ball, 1, &radii), &config, NULL);
     assert_int_equal(SMR_E_MODEL,
                      smr_replay_start(other, unit_recorded.log, unit_recorded.bytes, next_surface, &g, &replay));
-    config.relaxation = 0.5f;
+    config.motion.relaxation = 0.5f;
     other = rig_init(unit_recorded.model, &config, NULL);
     assert_int_equal(SMR_E_CONFIG,
                      smr_replay_start(other, unit_recorded.log, unit_recorded.bytes, next_surface, &g, &replay));
     config = unit_recorded.config;
-    config.n_workers = 7;
+    config.basic.n_workers = 7;
     other = rig_init(unit_recorded.model, &config, NULL);
     assert_int_equal(SMR_OK,
                      smr_replay_start(other, unit_recorded.log, unit_recorded.bytes, next_surface, &g, &replay));

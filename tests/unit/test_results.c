@@ -26,7 +26,7 @@ static smr *start(float momentum, smr_mesh mesh[2], const smr_model **model)
     mesh[0] = rig_ball(20, 6, 9, none);
     mesh[1] = rig_ball(15, 5, 8, off);
     const smr_mesh goal = rig_ball(23, 12, 18, none);
-    config.momentum = momentum;
+    config.motion.momentum = momentum;
     *model = rig_model(mesh, 2, &radii);
     smr *s = rig_init(*model, &config, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&goal)));
@@ -79,18 +79,18 @@ static void check_report(float momentum)
     for (uint32_t tick = 0; tick < 6u; tick++) {
         smr_tick_report report;
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-        if (report.plastic_updates == 1u && tick == 0u)
+        if (report.details.plastic_updates == 1u && tick == 0u)
             continue; /* an iteration that only repairs has no forces */
         assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &part[0]));
         assert_int_equal(SMR_OK, smr_get_structure_report(s, 1, &part[1]));
         assert_int_equal(1, part[0].has_target);
         assert_int_equal(0, part[1].has_target);
         assert_int_equal(report.n_forces, part[0].n_forces + part[1].n_forces);
-        assert_int_equal(report.n_rejected, part[0].n_rejected + part[1].n_rejected);
+        assert_int_equal(report.details.n_rejected, part[0].n_rejected + part[1].n_rejected);
         assert_int_equal(0, part[1].n_forces);
         assert_int_equal(0, part[1].n_rejected);
         assert_true(part[1].residual_max_mm == -1.0f); /* not measured */
-        assert_true(fabsf(part[0].residual_max_mm - report.residual_max_mm) < 1.0e-3f);
+        assert_true(fabsf(part[0].residual_max_mm - report.details.residual_max_mm) < 1.0e-3f);
         assert_true(fabsf(part[0].residual_mean_mm - report.residual_mean_mm) < 1.0e-3f);
     }
     assert_int_equal(SMR_OK, smr_get_positions(s, 0, after));

@@ -91,12 +91,13 @@ static void test_macro(void **state)
             smr_config config = smr_config_default();
             smr_model_info info;
             size_t bytes = 0;
-            config.method = method;
-            config.n_target_vertices = targets;
-            config.n_landmarks = targets / 400u;
+            config.basic.method = method;
+            config.basic.n_target_vertices = targets;
+            config.partial.n_landmarks = targets / 400u;
             assert_int_equal(SMR_OK, smr_model_get_info(u.model, &info));
             assert_int_equal(SMR_OK, smr_save_bytes(rig_init(u.model, &config, NULL), &bytes));
-            const size_t most = SMR_SAVE_BYTES(info.n_vertices, info.n_structures, targets, config.n_landmarks, method);
+            const size_t most =
+                SMR_SAVE_BYTES(info.n_vertices, info.n_structures, targets, config.partial.n_landmarks, method);
             if (!(bytes <= most && most - bytes < 500u))
                 fail_msg("%zu bytes, the macro says %zu", bytes, most);
         }
@@ -202,13 +203,13 @@ static void test_others_refused(void **state)
     (void)state;
     refused(SMR_E_MODEL, other, NULL, NULL, u.saved, u.bytes);
     refused(SMR_E_CONFIG, u.model, NULL, &many, u.saved, u.bytes); /* saved with one worker */
-    config.momentum += 0.01f;
+    config.motion.momentum += 0.01f;
     refused(SMR_E_CONFIG, u.model, &config, NULL, u.saved, u.bytes);
     config = u.config;
     config.cookie++;
     refused(SMR_E_CONFIG, u.model, &config, NULL, u.saved, u.bytes);
     config = u.config;
-    config.n_workers = SMR_WORKERS_MAX + 1u;
+    config.basic.n_workers = SMR_WORKERS_MAX + 1u;
     refused(SMR_E_CONFIG, u.model, &config, NULL, u.saved, u.bytes);
 }
 
@@ -218,7 +219,7 @@ static void test_arena(void **state)
     size_t bytes = 0;
     smr *out = NULL;
     (void)state;
-    config.n_workers = 3;
+    config.basic.n_workers = 3;
     assert_int_equal(SMR_OK, smr_arena_bytes(u.model, &config, &bytes));
     unsigned char *arena = rig_alloc(bytes + 64u);
     assert_int_equal(SMR_E_ARENA, smr_restore(u.model, &config, NULL, u.saved, u.bytes, arena, bytes - 1u, &out));

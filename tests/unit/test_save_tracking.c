@@ -42,14 +42,14 @@ static int set_up(void **state)
     }
     e.model = rig_model(&e.source, 1, &radii);
     e.config = smr_config_default();
-    e.config.n_workers = 4;
-    e.config.n_target_vertices = goal.n_vertices;
-    e.config.track = SMR_TRACK_RECOVER;
-    e.config.track_mm = 15.0f;
-    e.config.track_ahead = 0.6f;
-    e.config.track_iterations = 6;
-    e.config.iterations = 3;
-    e.config.iterations_last = 5;
+    e.config.basic.n_workers = 4;
+    e.config.basic.n_target_vertices = goal.n_vertices;
+    e.config.track.mode = SMR_TRACK_RECOVER;
+    e.config.track.radius_mm = 15.0f;
+    e.config.track.ahead = 0.6f;
+    e.config.track.iterations = 6;
+    e.config.basic.iterations = 3;
+    e.config.basic.iterations_last = 5;
     for (uint32_t i = 0; i < 2u; i++)
         e.surface[i] = rig_surface(&e.frame[0]);
     return 0;
@@ -115,7 +115,7 @@ static smr *restore(uint32_t workers, const smr_port *port)
     smr_config config = e.config;
     smr *s = NULL;
     size_t bytes = 0;
-    config.n_workers = workers;
+    config.basic.n_workers = workers;
     assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &config, &bytes));
     void *arena = rig_alloc(bytes);
     memset(arena, 0xb5, bytes);
@@ -179,7 +179,7 @@ static void test_bytes(void **state)
     const uint32_t n = e.source.n_vertices;
     (void)state;
     assert_int_equal(SMR_OK, smr_save_bytes(rig_init(e.model, &config, NULL), &with));
-    config.track = SMR_TRACK_OFF;
+    config.track.mode = SMR_TRACK_OFF;
     assert_int_equal(SMR_OK, smr_save_bytes(rig_init(e.model, &config, NULL), &without));
     assert_true(with > without + 12u * n && with <= without + SMR_SAVE_TRACK_BYTES(n) + SMR_SAVE_AHEAD_BYTES(1));
 }
@@ -192,7 +192,7 @@ static void test_forged(void **state)
     uint32_t ran = 0, refused = 0;
     size_t bytes = 0;
     (void)state;
-    e.config.n_workers = 1;
+    e.config.basic.n_workers = 1;
     assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &bytes));
     unsigned char *arena = rig_alloc(bytes), good[4];
     for (uint32_t i = 0; i < sizeof cut / sizeof cut[0]; i++) {
@@ -235,7 +235,7 @@ static void test_refused(void **state)
     unsigned char good[4];
     size_t bytes = 0;
     (void)state;
-    e.config.n_workers = 1;
+    e.config.basic.n_workers = 1;
     assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &bytes));
     void *arena = rig_alloc(bytes);
     save(run_to(2u * (TICKS + 1u)));

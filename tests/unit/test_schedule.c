@@ -44,8 +44,8 @@ static smr *start(const smr_config *config, int with_target, int faces)
 static smr_config steady(void)
 {
     smr_config c = smr_config_default();
-    c.settle_um = c.plastic_um = 0.0f;
-    c.plastic_every = 0;
+    c.motion.settle_um = c.motion.plastic_um = 0.0f;
+    c.motion.plastic_every = 0;
     return c;
 }
 
@@ -57,10 +57,10 @@ static void test_iterations_of_each_radius(void **state)
             smr_config c = steady();
             uint32_t at[3] = {0, 0, 0}, total = 0;
             smr_tick_report report = {0};
-            c.radius_first = first;
-            c.radius_last = last == 3u ? SMR_FINEST : last;
-            c.iterations = 4;
-            c.iterations_last = 7;
+            c.schedule.radius_first = first;
+            c.schedule.radius_last = last == 3u ? SMR_FINEST : last;
+            c.basic.iterations = 4;
+            c.basic.iterations_last = 7;
             smr *s = start(&c, 1, 0);
             while (!report.done && total < 100u) {
                 const uint32_t radius = s->pace.radius;
@@ -83,9 +83,9 @@ static void test_first_radius_with_an_image(void **state)
     (void)state;
     for (uint32_t last = 0; last < 3u; last++) {
         smr_config c = steady();
-        c.radius_last = last;
-        c.iterations = 4;
-        c.iterations_last = 7;
+        c.schedule.radius_last = last;
+        c.basic.iterations = 4;
+        c.basic.iterations_last = 7;
         smr *s = start(&c, 1, 0);
         s->forces.image.has_image = 1;
         const uint32_t want = last == 0u ? 7u : 8u + 4u * (last - 1u) + 7u;
@@ -105,8 +105,8 @@ static void test_progress(void **state)
     float before = 0.0f;
     smr_tick_report report = {0};
     (void)state;
-    c.iterations = 5;
-    c.iterations_last = 10;
+    c.basic.iterations = 5;
+    c.basic.iterations_last = 10;
     smr *s = start(&c, 1, 0);
     for (uint32_t i = 1; i <= 20u; i++) {
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
@@ -122,7 +122,7 @@ static void test_done_is_done(void **state)
     smr_config c = steady();
     smr_tick_report report, later;
     (void)state;
-    c.iterations = c.iterations_last = 2;
+    c.basic.iterations = c.basic.iterations_last = 2;
     smr *s = start(&c, 1, 1);
     report = rig_run(s, 500);
     assert_int_equal(1, report.done);
@@ -141,25 +141,25 @@ static void test_settles(void **state)
     smr_config c = steady();
     smr_tick_report report;
     (void)state;
-    c.settle_um = 20.0f;
+    c.motion.settle_um = 20.0f;
     smr *s = start(&c, 0, 0); /* nothing moves: one iteration for each radius */
     report = rig_run(s, 100);
     assert_int_equal(3, report.iteration);
     assert_int_equal(1, report.done);
     assert_int_equal(0, report.converged); /* without forces nothing is */
-    c.iterations_last = 1000;
-    c.even = 0.0f;
+    c.basic.iterations_last = 1000;
+    c.basic.even = 0.0f;
     s = start(&c, 1, 0);
     report = rig_run(s, 2000);
-    assert_true(report.done && report.converged && report.radius_iteration < 1000u);
+    assert_true(report.done && report.converged && report.details.radius_iteration < 1000u);
     assert_true(report.displacement_max_mm < 0.02f);
-    c.even = 0.5f; /* evening out takes the whole last radius */
+    c.basic.even = 0.5f; /* evening out takes the whole last radius */
     s = start(&c, 1, 0);
     report = rig_run(s, 2000);
     assert_true(report.done && report.displacement_max_mm < 0.02f);
-    assert_int_equal(1000, report.radius_iteration);
-    c.settle_um = 0.0f;
-    c.iterations = c.iterations_last = 1;
+    assert_int_equal(1000, report.details.radius_iteration);
+    c.motion.settle_um = 0.0f;
+    c.basic.iterations = c.basic.iterations_last = 1;
     s = start(&c, 1, 0);
     report = rig_run(s, 2000);
     assert_int_equal(1, report.done);
@@ -173,18 +173,18 @@ static void test_plasticity(void **state)
         smr_config c = steady();
         smr_tick_report report = {0};
         uint32_t since = 0;
-        c.plastic_every = every;
-        c.iterations_last = 12;
-        c.radius_first = 2;
-        c.momentum_last = 0.5f; /* without it the ball comes to rest to the last bit */
-        c.slide = 1.0f;
+        c.motion.plastic_every = every;
+        c.basic.iterations_last = 12;
+        c.schedule.radius_first = 2;
+        c.motion.momentum_last = 0.5f; /* without it the ball comes to rest to the last bit */
+        c.basic.slide = 1.0f;
         smr *s = start(&c, 1, 0);
         for (uint32_t i = 0; i < 11u; i++) {
-            const uint32_t updates = report.plastic_updates;
+            const uint32_t updates = report.details.plastic_updates;
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
             since++;
             const int due = every > 0u && since == every;
-            assert_int_equal(updates + (due ? 1u : 0u), report.plastic_updates);
+            assert_int_equal(updates + (due ? 1u : 0u), report.details.plastic_updates);
             assert_int_equal(due, memcmp(s->shape.x, s->shape.x_ref, 3u * s->shared.n * sizeof(float)) == 0);
             assert_int_equal(due, s->reference.stale);
             since = due ? 0u : since;
@@ -197,21 +197,21 @@ static void test_plastic_when_small(void **state)
     smr_config c = steady();
     smr_tick_report report;
     (void)state;
-    c.plastic_um = 1.0e8f; /* always small */
-    c.iterations_last = 50;
-    c.radius_first = 2;
+    c.motion.plastic_um = 1.0e8f; /* always small */
+    c.basic.iterations_last = 50;
+    c.schedule.radius_first = 2;
     smr *s = start(&c, 1, 0);
     report = rig_run(s, 20);
-    assert_int_equal(20, report.plastic_updates);
+    assert_int_equal(20, report.details.plastic_updates);
 }
 
 static void test_search_follows_the_radius(void **state)
 {
     smr_config c = steady();
     (void)state;
-    c.search_mm = 50.0f;
-    c.search_radii = 1.5f;
-    c.iterations = 1;
+    c.basic.search_mm = 50.0f;
+    c.forces.search_radii = 1.5f;
+    c.basic.iterations = 1;
     smr *s = start(&c, 1, 0);
     assert_true(fabsf(s->pace.search_mm - 50.0f) < 1.0e-4f); /* 60 is more than search_mm */
     (void)rig_run(s, 1);
@@ -227,7 +227,7 @@ static void test_repair_ends(void **state)
     smr_tick_report report = {0};
     uint32_t extra = 0;
     (void)state;
-    c.iterations = c.iterations_last = 3;
+    c.basic.iterations = c.basic.iterations_last = 3;
     smr *s = start(&c, 1, 1);
     for (uint32_t i = 0; i < 500u && !report.done; i++) {
         extra += s->pace.repairing > 0u;

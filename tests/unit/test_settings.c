@@ -121,7 +121,8 @@ static void test_defaults(void **state)
     for (uint32_t i = 0; i < n; i++)
         if (s[i].kind != SMR_SETTING_GROUP && s[i].kind != SMR_SETTING_POINTER)
             assert_true(value_at(&prepare, &s[i]) == as_stored(&s[i], s[i].value));
-    assert_true(image.profile_mm == 30.0f && image.iterations_last == 40u && config.plastic_every == 1u);
+    assert_true(image.image.profile_mm == 30.0f && image.basic.iterations_last == 40u &&
+                config.motion.plastic_every == 1u);
 }
 
 /* ---------------------------------------------------------------- ranges */
@@ -146,12 +147,12 @@ static int accepts(int prepares, const smr_setting *s, double value)
         c.run = smr_config_default();
     memcpy(c.byte + s->offset, s->kind == SMR_SETTING_NUMBER ? (const void *)&number : (const void *)&whole, 4);
     if (s->kind == SMR_SETTING_NUMBER && s->bytes > 4u) { /* an array: what makes its first element count */
-        c.run.use_box = prepares ? c.run.use_box : 1u;
+        c.run.forces.use_box = prepares ? c.run.forces.use_box : 1u;
         c.prepare.n_radii = prepares ? 1u : c.prepare.n_radii;
         if (strcmp(s->name, "box_min") == 0)
-            c.run.box_max[0] = SMR_COORD_MAX;
+            c.run.forces.box_max[0] = SMR_COORD_MAX;
         else if (strcmp(s->name, "box_max") == 0)
-            c.run.box_min[0] = -SMR_COORD_MAX;
+            c.run.forces.box_min[0] = -SMR_COORD_MAX;
     }
     if (prepares && strcmp(s->name, "n_radii") == 0)
         for (uint32_t i = 0; i < SMR_RADII_MAX; i++)

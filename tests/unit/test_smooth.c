@@ -22,10 +22,10 @@ static int tidy(void **state)
 static smr_config config_of(float smooth)
 {
     smr_config c = smr_config_default();
-    c.smooth = smooth;
-    c.radius_first = 1;
-    c.settle_um = 0.0f;
-    c.iterations_last = 30;
+    c.contact.smooth = smooth;
+    c.schedule.radius_first = 1;
+    c.motion.settle_um = 0.0f;
+    c.basic.iterations_last = 30;
     return c;
 }
 
@@ -95,8 +95,8 @@ static void test_noisy_target(void **state)
     target.xyz = noisy(&fine);
     for (uint32_t i = 0; i < 2u; i++) {
         smr_config c = config_of(0.5f * (float)i);
-        c.n_target_vertices = target.n_vertices;
-        c.radius_first = 0;
+        c.basic.n_target_vertices = target.n_vertices;
+        c.schedule.radius_first = 0;
         smr *s = start(&ball, &c);
         assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&target)));
         (void)rig_run(s, 1000);

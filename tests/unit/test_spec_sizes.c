@@ -140,16 +140,16 @@ static double arena_with(uint32_t nt, uint32_t n, uint32_t ns, uint32_t method, 
         structure[k].mesh.triangles = nt > 0u ? triangle : NULL;
         structure[k].mesh.n_triangles = nt;
     }
-    config.method = method;
-    config.n_target_vertices = targets;
-    config.n_workers = workers;
-    config.n_landmarks = n_landmarks;
-    config.caller_goals = caller_goals;
-    config.caller_force = caller_force;
-    config.volume = volume;
-    config.smooth = smooth;
-    config.contact = (float)contact;
-    config.n_fixed = n_fixed;
+    config.basic.method = method;
+    config.basic.n_target_vertices = targets;
+    config.basic.n_workers = workers;
+    config.partial.n_landmarks = n_landmarks;
+    config.caller.goals = caller_goals;
+    config.caller.force = caller_force;
+    config.contact.volume = volume;
+    config.contact.smooth = smooth;
+    config.contact.share = (float)contact;
+    config.contact.n_fixed = n_fixed;
     const double bytes = arena_of(structure, ns, &config);
     test_free(triangle);
     test_free(xyz);

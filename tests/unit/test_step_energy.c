@@ -18,7 +18,7 @@ static int set_up(void **state)
     (void)state;
     rig_bone(12000, 1.0f, &bone, NULL);
     e = rig_motion_make(&bone, &radii);
-    e.config.track_mm = 150.0f;
+    e.config.track.radius_mm = 150.0f;
     return 0;
 }
 
@@ -39,16 +39,16 @@ static void energy_falls(uint32_t steps)
     rig_throw(&e, &bone, rig_energy(s).centre, 2.0f, 200.0f);
     assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, e.speed));
     if (rig_falls(s, n, 1e-6f, left) < n)
-        fail_msg("radius %g, stiffness %g, step %g ms: %g of the energy after %g", (double)e.config.track_mm,
-                 (double)e.config.elastic, (double)e.config.step_ms, left[0], left[1]);
+        fail_msg("radius %g, stiffness %g, step %g ms: %g of the energy after %g", (double)e.config.track.radius_mm,
+                 (double)e.config.dynamics.elastic, (double)e.config.dynamics.step_ms, left[0], left[1]);
     assert_true(rig_finite(rig_positions(s, e.model), e.n));
 }
 
 /* Stiffness over six decades, steps from 1 to 100 ms: the energy falls in each step. */
 static void falls(uint32_t k)
 {
-    e.config.elastic = powf(10.0f, (float)(k / 3u * 2u + 1u));
-    e.config.step_ms = powf(10.0f, (float)(k % 3u));
+    e.config.dynamics.elastic = powf(10.0f, (float)(k / 3u * 2u + 1u));
+    e.config.dynamics.step_ms = powf(10.0f, (float)(k % 3u));
     energy_falls(20);
 }
 
@@ -63,8 +63,8 @@ static void test_energy_falls(void **state)
 static void test_energy_falls_in_small_clusters(void **state)
 {
     (void)state;
-    e.config.track_mm = 60.0f;
-    e.config.method = SMR_METHOD_POLAR;
+    e.config.track.radius_mm = 60.0f;
+    e.config.basic.method = SMR_METHOD_POLAR;
     for (uint32_t pinned = 0; pinned < 2u; pinned++) {
         for (uint32_t i = 0; i < e.n; i++)
             e.mass[i] = pinned > 0u && at(i)[2] < 20.0f ? INFINITY : 1.0f;
@@ -82,14 +82,14 @@ static void test_hung_up(void **state)
     for (uint32_t i = 0; i < e.n; i++)
         top = at(i)[2] > at(top)[2] ? i : top;
     e.mass[top] = INFINITY;
-    e.config.track_mm = 60.0f;
-    e.config.damping = 0.0f;
-    e.config.gravity[1] = 3000.0f;
-    e.config.gravity[2] = -9810.0f;
+    e.config.track.radius_mm = 60.0f;
+    e.config.dynamics.damping = 0.0f;
+    e.config.dynamics.gravity[1] = 3000.0f;
+    e.config.dynamics.gravity[2] = -9810.0f;
     for (uint32_t k = 0; k < 6u; k++) {
-        e.config.method = k % 2u;
-        e.config.elastic = k < 4u ? 1e4f : 1e6f;
-        e.config.step_ms = k < 2u ? 5.0f : 10.0f;
+        e.config.basic.method = k % 2u;
+        e.config.dynamics.elastic = k < 4u ? 1e4f : 1e6f;
+        e.config.dynamics.step_ms = k < 2u ? 5.0f : 10.0f;
         smr *s = rig_init(e.model, &e.config, NULL);
         float least = 0.0f;
         assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, NULL));
@@ -113,12 +113,12 @@ static void test_energy_falls_about_pins(void **state)
         const float top = k % 2u ? 190.0f : 1e6f, bottom = k % 2u ? -1e6f : 45.0f;
         for (uint32_t i = 0; i < e.n; i++)
             e.mass[i] = at(i)[2] < bottom || at(i)[2] > top ? INFINITY : 1.0f;
-        e.config.method = k / 2u % 2u;
-        e.config.track_mm = k < 4u ? 600.0f : 60.0f;
-        e.config.elastic = k < 8u ? 1e4f : 10.0f;
-        e.config.step_ms = 100.0f;
+        e.config.basic.method = k / 2u % 2u;
+        e.config.track.radius_mm = k < 4u ? 600.0f : 60.0f;
+        e.config.dynamics.elastic = k < 8u ? 1e4f : 10.0f;
+        e.config.dynamics.step_ms = 100.0f;
         energy_falls(30);
-        e.config.step_ms = 10.0f;
+        e.config.dynamics.step_ms = 10.0f;
         energy_falls(30);
     }
 }
@@ -132,9 +132,9 @@ static void test_masses_change_under_way(void **state)
         e.mass[i] = at(i)[2] < 60.0f ? INFINITY : 1.0f;
         e.speed[3u * i] = e.mass[i] < 9.0f ? 500.0f : 0.0f;
     }
-    e.config.damping = 0.0f;
-    e.config.step_ms = 1.0f;
-    e.config.method = SMR_METHOD_POLAR;
+    e.config.dynamics.damping = 0.0f;
+    e.config.dynamics.step_ms = 1.0f;
+    e.config.basic.method = SMR_METHOD_POLAR;
     smr *s = rig_init(e.model, &e.config, NULL);
     assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, e.speed));
     do {
@@ -158,10 +158,10 @@ static float swung(float loose_mass, float loose_speed)
     const smr_prepare_config radii = rig_radii(1, 150, 0, 0);
     const smr_model *model = rig_model(balls, 2, &radii);
     smr_config config = smr_config_default();
-    config.dynamics = SMR_DYNAMICS_ON;
-    config.track_mm = 150.0f;
-    config.elastic = 1.0e5f;
-    config.damping = 1.0f;
+    config.dynamics.mode = SMR_DYNAMICS_ON;
+    config.track.radius_mm = 150.0f;
+    config.dynamics.elastic = 1.0e5f;
+    config.dynamics.damping = 1.0f;
     smr *s = rig_init(model, &config, NULL);
     float *mass = rig_alloc(4u * (size_t)n), *speed = rig_alloc(12u * (size_t)n);
     for (uint32_t i = 0; i < n; i++) {
@@ -191,11 +191,11 @@ static void test_one_draws_the_other(void **state)
     (void)state;
     for (uint32_t method = 0; method < 2u; method++) {
         smr_config config = smr_config_default();
-        config.dynamics = SMR_DYNAMICS_ON;
-        config.track_mm = 400.0f;
-        config.elastic = 1e6f;
-        config.damping = 1.0f;
-        config.method = method;
+        config.dynamics.mode = SMR_DYNAMICS_ON;
+        config.track.radius_mm = 400.0f;
+        config.dynamics.elastic = 1e6f;
+        config.dynamics.damping = 1.0f;
+        config.basic.method = method;
         smr *s = rig_init(model, &config, NULL);
         for (uint32_t i = 0; i < n; i++) {
             mass[i] = i == 0u ? INFINITY : 1.0f;
@@ -231,11 +231,11 @@ static void test_strangers(void **state)
     const smr_model *model = rig_model(balls, 4, &radii);
     const uint32_t n = balls[0].n_vertices;
     float *mass = rig_alloc(4u * (size_t)n), *speed = rig_alloc(12u * (size_t)n);
-    config.dynamics = SMR_DYNAMICS_ON;
-    config.track_mm = 60.0f;
-    config.elastic = 1e5f;
-    config.damping = 0.0f;
-    config.method = SMR_METHOD_POLAR;
+    config.dynamics.mode = SMR_DYNAMICS_ON;
+    config.track.radius_mm = 60.0f;
+    config.dynamics.elastic = 1e5f;
+    config.dynamics.damping = 0.0f;
+    config.basic.method = SMR_METHOD_POLAR;
     smr *s = rig_init(model, &config, NULL);
     for (uint32_t k = 0; k < 4u; k++) {
         for (uint32_t i = 0; i < n; i++) {
@@ -266,12 +266,12 @@ static void test_keeps_spinning(void **state)
     float *const speed = rig_alloc(12u * (size_t)n), *const at_end = rig_alloc(12u * (size_t)n);
     double spin[2] = {0.0, 0.0};
     (void)state;
-    config.dynamics = SMR_DYNAMICS_ON;
-    config.track_mm = 60.0f;
-    config.elastic = 1e6f;
-    config.damping = 0.0f;
-    config.step_ms = 1.0f;
-    config.method = SMR_METHOD_POLAR;
+    config.dynamics.mode = SMR_DYNAMICS_ON;
+    config.track.radius_mm = 60.0f;
+    config.dynamics.elastic = 1e6f;
+    config.dynamics.damping = 0.0f;
+    config.dynamics.step_ms = 1.0f;
+    config.basic.method = SMR_METHOD_POLAR;
     smr *s = rig_init(model, &config, NULL);
     for (uint32_t k = 0; k < 2u; k++) {
         for (uint32_t i = 0; i < n; i++) {

@@ -25,9 +25,9 @@ static smr *start(uint32_t method, const smr_model **model)
     const smr_mesh mesh = rig_ball(30, 9, 12, none), goal = rig_ball(34, 12, 16, off);
     const smr_prepare_config radii = rig_radii(1, 18, 0, 0);
     smr_config config = smr_config_default();
-    config.method = method;
-    config.plastic_every = 0;
-    config.momentum = 0.0f;
+    config.basic.method = method;
+    config.motion.plastic_every = 0;
+    config.motion.momentum = 0.0f;
     *model = rig_model(&mesh, 1, &radii);
     smr *s = rig_init(*model, &config, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));

@@ -191,7 +191,7 @@ static void test_ticks(void **state)
     smr_mesh source, target;
     (void)state;
     rig_bone(12000, 1.0f, &source, &target);
-    config.n_target_vertices = target.n_vertices;
+    config.basic.n_target_vertices = target.n_vertices;
     smr *s = rig_init(rig_model(&source, 1, &radii), &config, NULL);
     smr_surface *surface = rig_surface(&target);
     const smr_mesh next = bent(&target);

@@ -32,9 +32,9 @@ static smr *start(const smr_config *config, const smr_model **model, int with_ta
 static smr_config quiet(void)
 {
     smr_config c = smr_config_default();
-    c.fold_guard = 0;
-    c.settle_um = 0.0f;
-    c.iterations = 2;
+    c.motion.fold_guard = 0;
+    c.motion.settle_um = 0.0f;
+    c.basic.iterations = 2;
     return c;
 }
 
@@ -46,9 +46,9 @@ static void spike(float even, uint32_t radius_first, int with_target, float *lef
     const uint32_t v = 50;
     const smr_mesh mesh = rig_ball(30, 9, 12, none);
     float *xyz = rig_alloc(mesh.n_vertices * 3u * sizeof *xyz);
-    c.even = even;
-    c.radius_first = radius_first;
-    c.attraction = 0.0f;
+    c.basic.even = even;
+    c.schedule.radius_first = radius_first;
+    c.basic.attraction = 0.0f;
     smr *s = start(&c, &model, with_target);
     const smr_vec p = smr_load(mesh.xyz + 3u * v), along = smr_unit(smr_v(-p.y, p.x, 0));
     memcpy(xyz, mesh.xyz, mesh.n_vertices * 3u * sizeof *xyz);
@@ -90,10 +90,10 @@ static void test_step(void **state)
     smr_config c = quiet();
     const smr_model *model;
     (void)state;
-    c.even = 0.8f;
-    c.radius_first = 1;
-    c.iterations_last = 10;
-    c.attraction = 0.0f;
+    c.basic.even = 0.8f;
+    c.schedule.radius_first = 1;
+    c.basic.iterations_last = 10;
+    c.basic.attraction = 0.0f;
     smr *s = start(&c, &model, 1);
     for (uint32_t i = 0; i < 3u * s->shared.n; i++)
         s->shape.x[i] += 0.01f * (float)(i * 7u % 13u);

@@ -23,11 +23,11 @@ static smr *start(uint32_t workers, const smr_mesh *goal, float attraction)
     const smr_mesh mesh = rig_ball(30, 9, 12, none);
     const smr_prepare_config radii = rig_radii(1, 18, 0, 0);
     smr_config c = smr_config_default();
-    c.n_workers = workers;
-    c.n_target_vertices = goal->n_vertices;
-    c.attraction = attraction;
-    c.normal_deg = 180.0f;
-    c.node_budget = 1000000;
+    c.basic.n_workers = workers;
+    c.basic.n_target_vertices = goal->n_vertices;
+    c.basic.attraction = attraction;
+    c.forces.normal_deg = 180.0f;
+    c.forces.node_budget = 1000000;
     smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(goal)));
     return s;
@@ -57,22 +57,22 @@ static void test_report_says_what_was_used(void **state)
     smr *s = start(1, &goal, 0.25f);
     assert_true(s->pace.repairing > 0u);
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-    assert_true(report.attraction_used == 0.0f); /* forces do not act while folds are repaired */
+    assert_true(report.details.attraction_used == 0.0f); /* forces do not act while folds are repaired */
     while (s->pace.repairing > 0u)
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-    assert_true(report.attraction_used == 0.25f);
+    assert_true(report.details.attraction_used == 0.25f);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, NULL));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-    assert_true(report.attraction_used == 0.0f);
+    assert_true(report.details.attraction_used == 0.0f);
     s = start(1, &goal, 0.0f);
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-    assert_true(report.attraction_used == 0.0f);
-    assert_true(c.attraction == 0.5f && c.n_target_vertices == 0u);
+    assert_true(report.details.attraction_used == 0.0f);
+    assert_true(c.basic.attraction == 0.5f && c.basic.n_target_vertices == 0u);
     s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-    assert_true(report.n_forces > 0u && report.attraction_used == 0.0f);
+    assert_true(report.n_forces > 0u && report.details.attraction_used == 0.0f);
 }
 
 /* One small triangle over the middle of a facet: its three corners feel it, towards it, by barycentric weight. */

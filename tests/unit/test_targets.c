@@ -22,8 +22,8 @@ static smr *start(uint32_t n_target_vertices)
 {
     const smr_prepare_config radii = rig_radii(1, 15, 0, 0);
     smr_config config = smr_config_default();
-    config.n_target_vertices = n_target_vertices;
-    config.settle_um = 0.0f; /* nothing to do is no reason to end */
+    config.basic.n_target_vertices = n_target_vertices;
+    config.motion.settle_um = 0.0f; /* nothing to do is no reason to end */
     for (uint32_t i = 0; i < 3u; i++) {
         const float at[3] = {50.0f * (float)i, 0, 0};
         ball[i] = rig_ball(20, 6, 9 + 10 * i, at);

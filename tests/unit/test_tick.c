@@ -39,22 +39,23 @@ static void test_report(void **state)
         memset(&report, 0xee, sizeof report);
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
         assert_int_equal(++n, report.iteration);
-        assert_int_equal(0, report.phase);
-        assert_int_equal(radius, report.radius); /* also where it was the last one there */
-        assert_int_equal(repairs ? 0u : at + 1u, report.radius_iteration);
+        assert_int_equal(0, report.details.phase);
+        assert_int_equal(radius, report.details.radius); /* also where it was the last one there */
+        assert_int_equal(repairs ? 0u : at + 1u, report.details.radius_iteration);
         next_radius += s->pace.radius != radius;
-        assert_int_equal(s->shared.n, report.n_active);
-        assert_int_equal(s->shared.n, report.n_forces + report.n_rejected);
-        assert_true(report.residual_mean_mm <= report.residual_rms_mm * 1.0001f);
-        assert_true(report.residual_rms_mm <= report.residual_max_mm * 1.0001f);
-        assert_true(report.progress > 0.0f || s->pace.repairing > 0u || report.radius_iteration == 0u);
+        assert_int_equal(s->shared.n, report.details.n_active);
+        assert_int_equal(s->shared.n, report.n_forces + report.details.n_rejected);
+        assert_true(report.residual_mean_mm <= report.details.residual_rms_mm * 1.0001f);
+        assert_true(report.details.residual_rms_mm <= report.details.residual_max_mm * 1.0001f);
+        assert_true(report.progress > 0.0f || s->pace.repairing > 0u || report.details.radius_iteration == 0u);
         for (uint32_t i = 0; i < SMR_PHASES; i++)
-            assert_true(report.phase_ns[i] == 0u); /* no clock */
+            assert_true(report.details.phase_ns[i] == 0u); /* no clock */
     } while (!report.done && n < 500u);
     assert_int_equal(1, report.done);
     assert_int_equal(1, next_radius);
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report)); /* nothing to do */
-    assert_true(report.radius == 1u && report.radius_iteration == s->pace.radius_iteration && report.iteration == n);
+    assert_true(report.details.radius == 1u && report.details.radius_iteration == s->pace.radius_iteration &&
+                report.iteration == n);
     assert_true(report.residual_mean_mm < 1.0f); /* and it did get there: 6 mm at first */
 }
 
@@ -85,8 +86,8 @@ static void test_memory_does_not_matter(void **state)
         smr_config c = smr_config_default();
         size_t bytes = 0;
         smr *s = NULL;
-        c.n_target_vertices = goal.n_vertices;
-        c.method = k / 2u;
+        c.basic.n_target_vertices = goal.n_vertices;
+        c.basic.method = k / 2u;
         assert_int_equal(SMR_OK, smr_arena_bytes(model, &c, &bytes));
         unsigned char *memory = rig_alloc(bytes);
         memset(memory, k % 2u ? 0xff : 0x3c, bytes);
@@ -109,8 +110,8 @@ static void test_resumes_at_the_phase_it_says(void **state)
     (void)state;
     for (uint32_t i = 0; i < 2000u && report.iteration < 4u; i++) {
         const smr_status status = smr_tick(s, 2000, &report);
-        assert_true(status == SMR_OK ? report.phase == 0u && s->step == 0u : status == SMR_PARTIAL);
-        seen |= 1u << report.phase;
+        assert_true(status == SMR_OK ? report.details.phase == 0u && s->step == 0u : status == SMR_PARTIAL);
+        seen |= 1u << report.details.phase;
         partial += status == SMR_PARTIAL;
     }
     assert_int_equal(4, report.iteration);

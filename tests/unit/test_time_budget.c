@@ -34,10 +34,10 @@ static smr *start(rig_clock *clock, uint64_t step_ns)
 {
     const smr_port port = rig_clock_port(clock, RIG_CLOCK_STEADY, step_ns);
     smr_config c = smr_config_default();
-    c.iterations_last = 100000;
-    c.settle_um = 0.0f;
-    c.fold_guard = 0;
-    c.even = 0.0f;
+    c.basic.iterations_last = 100000;
+    c.motion.settle_um = 0.0f;
+    c.motion.fold_guard = 0;
+    c.basic.even = 0.0f;
     smr *s = rig_init(model, &c, step_ns > 0u ? &port : NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, surface));
     return s;
@@ -61,9 +61,10 @@ static outcome run(smr *s, rig_clock *clock, uint64_t budget, uint32_t ticks)
         o.sum += time;
         o.whole += status == SMR_OK;
         if (status == SMR_OK) {
-            assert_true(r.n_taken >= s->pace.lists.active_min && r.n_taken <= r.n_wanted && r.n_wanted == s->shared.n);
-            o.fewest = r.n_taken < o.fewest ? r.n_taken : o.fewest;
-            o.most = r.n_taken > o.most ? r.n_taken : o.most;
+            assert_true(r.details.n_taken >= s->pace.lists.active_min && r.details.n_taken <= r.details.n_wanted &&
+                        r.details.n_wanted == s->shared.n);
+            o.fewest = r.details.n_taken < o.fewest ? r.details.n_taken : o.fewest;
+            o.most = r.details.n_taken > o.most ? r.details.n_taken : o.most;
         }
     }
     return o;
@@ -197,11 +198,11 @@ static void test_nothing_is_left_out_at_the_end(void **state)
     smr_tick_report r = {0};
     uint32_t cut = 0;
     (void)state;
-    s->shared.config.iterations_last = 30;
+    s->shared.config.basic.iterations_last = 30;
     for (uint32_t i = 0; i < 200u && !r.done; i++) {
         if (smr_tick(s, budget, &r) == SMR_OK) {
-            cut += r.n_taken < s->shared.n;
-            assert_true(r.radius_iteration <= 10u || r.n_taken == s->shared.n);
+            cut += r.details.n_taken < s->shared.n;
+            assert_true(r.details.radius_iteration <= 10u || r.details.n_taken == s->shared.n);
         }
     }
     assert_true(r.done && cut >= 8u);
@@ -217,21 +218,21 @@ static void test_set_active(void **state)
     assert_int_equal(SMR_OK, smr_set_active(s, 333));
     while (smr_tick(s, 20000, &r) == SMR_PARTIAL) { /* not the controller's to change */
     }
-    assert_int_equal(333, r.n_taken);
+    assert_int_equal(333, r.details.n_taken);
     assert_int_equal(SMR_OK, smr_set_active(s, 1));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_int_equal(s->pace.lists.active_min, r.n_taken);
+    assert_int_equal(s->pace.lists.active_min, r.details.n_taken);
     assert_int_equal(SMR_OK, smr_set_active(s, SMR_ALL));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_int_equal(s->shared.n, r.n_taken);
+    assert_int_equal(s->shared.n, r.details.n_taken);
     assert_int_equal(SMR_OK, smr_set_active(s, 444));
     assert_int_equal(SMR_OK, smr_set_active(s, 0)); /* the configuration's again */
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_int_equal(s->shared.n, r.n_taken);
+    assert_int_equal(s->shared.n, r.details.n_taken);
     s->magic = 0;
     assert_int_equal(SMR_E_STATE, smr_set_active(s, 1));
     assert_int_equal(SMR_OK, smr_tick(free_one, 1, &r)); /* no clock, no budget */
-    assert_int_equal(free_one->shared.n, r.n_taken);
+    assert_int_equal(free_one->shared.n, r.details.n_taken);
 }
 
 int main(void)

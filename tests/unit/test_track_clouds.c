@@ -42,8 +42,8 @@ static scene make(uint32_t track)
     e.surface = rig_surface(&e.bone);
     e.model = rig_model(&e.bone, 1, &radii);
     e.config = smr_config_default();
-    e.config.n_target_vertices = 6000;
-    e.config.track = track;
+    e.config.basic.n_target_vertices = 6000;
+    e.config.track.mode = track;
     e.cloud = cloud_of(6000);
     return e;
 }
@@ -64,9 +64,9 @@ static smr *at_rest(const scene *e)
     smr *s = rig_init(e->model, &e->config, NULL);
     smr_tick_report r = {0};
     see(e, s, &e->bone, smr_v(1, 0, 0));
-    for (uint32_t i = 0; i < 1000u && !r.settled; i++)
+    for (uint32_t i = 0; i < 1000u && !r.details.settled; i++)
         assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_int_equal(1, r.tracking);
+    assert_int_equal(1, r.details.tracking);
     return s;
 }
 
@@ -95,7 +95,7 @@ static void test_camera_goes_round(void **state)
     see(&e, s, &there, d);
     for (uint32_t i = 0; i < 30u; i++)
         assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_true(r.jumped && rig_far(rig_positions(s, e.model), there.xyz, e.bone.n_vertices) < 1.0f);
+    assert_true(r.details.jumped && rig_far(rig_positions(s, e.model), there.xyz, e.bone.n_vertices) < 1.0f);
 }
 
 /* Saved and restored while a jump is laid out. */
@@ -136,7 +136,7 @@ static void test_replays_with_copies(void **state)
     scene e = make(SMR_TRACK_OFF);
     uint32_t partial = 0;
     (void)state;
-    e.config.reject_deviations = 2.0f;
+    e.config.forces.reject_deviations = 2.0f;
     smr *s = rig_init(e.model, &e.config, NULL);
     assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
     for (uint32_t i = 0; i < GIVEN; i++) {

@@ -44,20 +44,20 @@ static void test_cloud_that_grows(void **state)
     smr_tick_report report;
     uint32_t n = 0;
     (void)state;
-    e.config.n_target_vertices = CLOUD;
+    e.config.basic.n_target_vertices = CLOUD;
     void *memory = rig_alloc(SMR_POINTS_BYTES(CLOUD));
     smr_points *cloud = empty_cloud(memory);
     smr *s = rig_init(e.model, &e.config, NULL);
     assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[0]));
     show(s, &e, cloud, 0, 0, CLOUD);
-    assert_int_equal(1, until_settled(s).tracking);
+    assert_int_equal(1, until_settled(s).details.tracking);
     cloud = empty_cloud(memory);
     assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[1]));
     for (; n < CLOUD; n += 5u) {
         show(s, &e, cloud, 1, n, n + 5u);
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
         assert_int_equal(SMR_IMAGE_SEEN, s->pace.image_age);
-        assert_int_equal(smr_min_u32(n / 5u, e.config.track_iterations / 2u) + 1u, s->pace.radius_iteration);
+        assert_int_equal(smr_min_u32(n / 5u, e.config.track.iterations / 2u) + 1u, s->pace.radius_iteration);
     }
     assert_int_equal(SMR_OK, smr_points_weigh(cloud, 0, 0.5f));
     assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, cloud));
@@ -96,15 +96,15 @@ static void test_whole_cloud_holds_itself(void **state)
 {
     scene e = make(SMR_TRACK_REPORT);
     (void)state;
-    e.config.n_target_vertices = CLOUD;
+    e.config.basic.n_target_vertices = CLOUD;
     smr_points *cloud = empty_cloud(rig_alloc(SMR_POINTS_BYTES(CLOUD)));
     smr *s = rig_init(e.model, &e.config, NULL);
     assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[0]));
     show(s, &e, cloud, 0, 0, CLOUD);
-    assert_int_equal(1, until_settled(s).tracking);
+    assert_int_equal(1, until_settled(s).details.tracking);
     assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[1]));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
-    assert_true(s->forces.surface.target[0].partial && s->pace.momentum < e.config.momentum);
+    assert_true(s->forces.surface.target[0].partial && s->pace.momentum < e.config.motion.momentum);
     const float part = carried_along(s, 7);
     assert_true(part > 0.5f && carried_along(s, 8) > 0.4f * part && carried_along(s, 8) < 0.6f * part);
     assert_true(!(carried_along(s, 9) > 0.001f * part) && !(carried_along(s, 10) > 0.0f));
@@ -116,8 +116,8 @@ static void test_lost_while_growing(void **state)
     scene e = make(SMR_TRACK_REPORT);
     smr_tick_report r = {0};
     (void)state;
-    e.config.n_target_vertices = CLOUD;
-    e.config.track_jump_mm = 1.0f;
+    e.config.basic.n_target_vertices = CLOUD;
+    e.config.track.jump_mm = 1.0f;
     smr_points *cloud = empty_cloud(rig_alloc(SMR_POINTS_BYTES(CLOUD)));
     smr *s = rig_init(e.model, &e.config, NULL);
     smr_volume nothing = e.frame[0];
@@ -125,11 +125,11 @@ static void test_lost_while_growing(void **state)
     nothing.voxels = memset(rig_alloc(bytes), 0, bytes);
     assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[0]));
     assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, cloud));
-    assert_int_equal(1, until_settled(s).tracking);
+    assert_int_equal(1, until_settled(s).details.tracking);
     assert_int_equal(SMR_OK, smr_set_volume(s, &nothing));
-    assert_true(smr_tick(s, 0, &r) == SMR_OK && r.jumped);
+    assert_true(smr_tick(s, 0, &r) == SMR_OK && r.details.jumped);
     show(s, &e, cloud, FRAMES - 1u, 0, 5);
-    assert_true(smr_tick(s, 0, &r) == SMR_OK && r.jumped && s->pace.radius_iteration == 1u);
+    assert_true(smr_tick(s, 0, &r) == SMR_OK && r.details.jumped && s->pace.radius_iteration == 1u);
 }
 
 /* What a cloud was when it was saved is known after it is restored. */
@@ -137,12 +137,12 @@ static void test_restores_growth(void **state)
 {
     scene e = make(SMR_TRACK_REPORT);
     (void)state;
-    e.config.n_target_vertices = CLOUD;
+    e.config.basic.n_target_vertices = CLOUD;
     smr_points *cloud = empty_cloud(rig_alloc(SMR_POINTS_BYTES(CLOUD)));
     smr *run[2] = {rig_init(e.model, &e.config, NULL), NULL};
     assert_int_equal(SMR_OK, smr_set_volume(run[0], &e.frame[0]));
     show(run[0], &e, cloud, 0, 0, 20);
-    assert_int_equal(1, until_settled(run[0]).tracking);
+    assert_int_equal(1, until_settled(run[0]).details.tracking);
     run[1] = restored(&e, run[0], 0);
     assert_int_equal(SMR_OK, smr_set_points(run[1], 0, cloud));
     show(run[1], &e, cloud, 0, 20, 40);

@@ -25,11 +25,11 @@ static void follow(uint32_t track)
         assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[i]));
         r = until_settled(s);
         const float off = off_ball(s, &e, i);
-        assert_true(r.tracking && r.settled && off < 0.8f);
+        assert_true(r.details.tracking && r.details.settled && off < 0.8f);
     }
     assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[FRAMES]));
     r = until_settled(s);
-    assert_true(r.tracking && r.jumped && off_ball(s, &e, FRAMES) < 0.8f);
+    assert_true(r.details.tracking && r.details.jumped && off_ball(s, &e, FRAMES) < 0.8f);
 }
 
 static void test_follows(void **state)
@@ -71,7 +71,7 @@ static void test_same_bits(void **state)
     scene e = make(SMR_TRACK_RECOVER);
     uint64_t hash = 0;
     (void)state;
-    e.config.n_landmarks = MARKS;
+    e.config.partial.n_landmarks = MARKS;
     for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
         const smr_port port = rig_port(k, 4);
         smr *s = rig_init(e.model, &e.config, &port);
@@ -99,7 +99,7 @@ static void test_replays(void **state)
     rig_clock clock = {0};
     uint32_t partial = 0;
     (void)state;
-    e.config.n_landmarks = MARKS;
+    e.config.partial.n_landmarks = MARKS;
     const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
     smr *s = rig_init(e.model, &e.config, &port);
     assert_int_equal(SMR_OK, smr_set_log(s, memory, sizeof memory));
@@ -119,7 +119,7 @@ static void test_restores(void **state)
     smr *run[2] = {rig_init(e.model, &e.config, NULL), NULL};
     (void)state;
     assert_int_equal(SMR_OK, smr_set_volume(run[0], &e.frame[0]));
-    assert_int_equal(1, until_settled(run[0]).tracking);
+    assert_int_equal(1, until_settled(run[0]).details.tracking);
     assert_int_equal(SMR_OK, smr_set_volume(run[0], &e.frame[1]));
     for (uint32_t k = 0; k < 4u; k++)
         assert_int_equal(SMR_OK, smr_tick(run[0], 0, NULL));
@@ -138,7 +138,7 @@ static smr *at_first_frame(const scene *e)
     smr *s = rig_init(e->model, &e->config, NULL);
     assert_int_equal(SMR_OK, smr_set_volume(s, &e->frame[0]));
     set_marks(s, e, 0);
-    assert_int_equal(1, until_settled(s).tracking);
+    assert_int_equal(1, until_settled(s).details.tracking);
     return s;
 }
 
@@ -149,11 +149,11 @@ static void test_old_image(void **state)
     scene e = make(SMR_TRACK_REPORT);
     smr_verdict verdict;
     (void)state;
-    e.config.n_landmarks = MARKS;
+    e.config.partial.n_landmarks = MARKS;
     smr *s = at_first_frame(&e);
     for (uint32_t i = 1; i < 4u; i++) {
         set_marks(s, &e, i);
-        assert_int_equal(1, until_settled(s).settled);
+        assert_int_equal(1, until_settled(s).details.settled);
         assert_true(off_ball(s, &e, i) < 0.8f);
     }
     assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &verdict)); /* profiles are not where the old image has them */
@@ -174,8 +174,8 @@ static void test_goals_leave_no_image(void **state)
 {
     scene e = make(SMR_TRACK_REPORT);
     (void)state;
-    e.config.n_landmarks = MARKS;
-    e.config.caller_goals = 1;
+    e.config.partial.n_landmarks = MARKS;
+    e.config.caller.goals = 1;
     smr *s = at_first_frame(&e);
     float *goal = rig_positions(s, e.model), *weight = rig_alloc(4u * (size_t)s->shared.n);
     assert_int_equal(SMR_OK, smr_set_goals(s, 0, goal, weight));
@@ -191,7 +191,7 @@ static void test_restores_old_image(void **state)
 {
     scene e = make(SMR_TRACK_REPORT);
     (void)state;
-    e.config.n_landmarks = MARKS;
+    e.config.partial.n_landmarks = MARKS;
     smr *run[2] = {at_first_frame(&e), NULL};
     set_marks(run[0], &e, 1);
     for (uint32_t k = 0; k < 3u; k++)
@@ -231,7 +231,7 @@ static void test_rest_by_image(void **state)
 {
     scene e = make(SMR_TRACK_REPORT);
     (void)state;
-    e.config.track_jump_mm = 2.2f; /* a frame's way is 1.8 in the mean, along normals */
+    e.config.track.jump_mm = 2.2f; /* a frame's way is 1.8 in the mean, along normals */
     smr *s = rig_init(e.model, &e.config, NULL);
     for (uint32_t i = 0; i < 5u; i++) {
         if (i < 2u)
@@ -239,11 +239,11 @@ static void test_rest_by_image(void **state)
         assert_int_equal(SMR_OK, smr_set_surface(s, 0, cap(&e, i)));
         const smr_tick_report r = until_settled(s);
         const float off = off_ball(s, &e, i);
-        if (r.jumped || !(off < 1.0f))
-            print_error("frame %u: jumped %u, %g mm off, goals %g\n", i, r.jumped, (double)off,
-                        (double)r.matched_share);
-        assert_true(r.tracking && !r.jumped && off < 1.0f);
-        assert_true(i < 2u ? r.matched_share > 0.9f : r.matched_share < 0.7f);
+        if (r.details.jumped || !(off < 1.0f))
+            print_error("frame %u: jumped %u, %g mm off, goals %g\n", i, r.details.jumped, (double)off,
+                        (double)r.details.matched_share);
+        assert_true(r.details.tracking && !r.details.jumped && off < 1.0f);
+        assert_true(i < 2u ? r.details.matched_share > 0.9f : r.details.matched_share < 0.7f);
     }
 }
 
@@ -255,12 +255,12 @@ static void test_starts_over(void **state)
     (void)state;
     smr *s = rig_init(e.model, &e.config, NULL);
     assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[0]));
-    assert_int_equal(1, until_settled(s).tracking);
+    assert_int_equal(1, until_settled(s).details.tracking);
     assert_int_equal(SMR_OK, smr_set_volume(s, NULL));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_true(r.radius == 0u && !r.tracking);
+    assert_true(r.details.radius == 0u && !r.details.tracking);
     assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[1]));
-    assert_int_equal(1, until_settled(s).tracking);
+    assert_int_equal(1, until_settled(s).details.tracking);
     assert_true(off_ball(s, &e, 1) < 0.8f);
 }
 

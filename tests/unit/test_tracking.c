@@ -33,9 +33,9 @@ static scene make(uint32_t track)
     rig_bone(12000, 1.0f, &e.source, &e.target);
     e.model = rig_model(&e.source, 1, &radii);
     e.config = smr_config_default();
-    e.config.n_workers = 4;
-    e.config.n_target_vertices = e.target.n_vertices;
-    e.config.track = track;
+    e.config.basic.n_workers = 4;
+    e.config.basic.n_target_vertices = e.target.n_vertices;
+    e.config.track.mode = track;
     return e;
 }
 
@@ -53,7 +53,7 @@ static smr_tick_report until_settled(smr *s, uint32_t most)
     smr_tick_report r = {0};
     do
         assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    while (!r.settled && !r.done && --most > 0u);
+    while (!r.details.settled && !r.done && --most > 0u);
     return r;
 }
 
@@ -62,8 +62,8 @@ static smr *started(const scene *e, const smr_port *port)
     smr *s = rig_init(e->model, &e->config, port);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&e->target)));
     const smr_tick_report r = until_settled(s, 1000);
-    assert_int_equal(1, r.tracking);
-    assert_int_equal(1, r.settled);
+    assert_int_equal(1, r.details.tracking);
+    assert_int_equal(1, r.details.settled);
     assert_int_equal(0, r.done);
     assert_true(r.progress == 1.0f);
     return s;
@@ -81,14 +81,14 @@ static void test_off_costs_nothing(void **state)
     size_t off, on;
     (void)state;
     assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &off));
-    e.config.track = SMR_TRACK_REPORT;
+    e.config.track.mode = SMR_TRACK_REPORT;
     assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &on));
     assert_true(on > off + 12u * e.source.n_vertices && on <= off + SMR_ARENA_TRACK_BYTES(e.source.n_vertices, 1));
-    e.config.track = SMR_TRACK_OFF;
+    e.config.track.mode = SMR_TRACK_OFF;
     smr *s = rig_init(e.model, &e.config, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&e.target)));
     const smr_tick_report r = until_settled(s, 1000);
-    assert_true(r.done && !r.tracking && !r.settled && !r.jumped);
+    assert_true(r.done && !r.details.tracking && !r.details.settled && !r.details.jumped);
 }
 
 /* What is settled costs no iteration and changes nothing, until a target is set. */
@@ -102,11 +102,11 @@ static void test_settled(void **state)
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
     const uint32_t before = r.iteration;
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_true(r.iteration == before && r.settled && hash == smr_state_hash(s));
+    assert_true(r.iteration == before && r.details.settled && hash == smr_state_hash(s));
     const smr_mesh next = turned(&e, 1, 0);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&next)));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_true(r.iteration == before + 1u && !r.settled && r.tracking);
+    assert_true(r.iteration == before + 1u && !r.details.settled && r.details.tracking);
 }
 
 /* Mean distance from where the motion takes the schedule's result, over the last frames of a steady motion, two ticks
@@ -140,7 +140,7 @@ static void test_goes_ahead(void **state)
     scene e = make(SMR_TRACK_REPORT);
     (void)state;
     const double behind = lag_of(&e, 0);
-    e.config.track_ahead = 1.0f;
+    e.config.track.ahead = 1.0f;
     const double ahead = lag_of(&e, 0);
     print_message("lag %.3f mm, going ahead %.3f mm\n", behind, ahead);
     assert_true(ahead < 0.5 * behind);
@@ -152,13 +152,13 @@ static void test_gives_up(void **state)
 {
     scene e = make(SMR_TRACK_REPORT);
     (void)state;
-    e.config.track_um = 0.0f;
-    e.config.track_iterations = 7;
+    e.config.track.settle_um = 0.0f;
+    e.config.track.iterations = 7;
     smr *s = started(&e, NULL);
     const uint32_t before = s->pace.iteration;
     const smr_mesh next = turned(&e, 2, 1);
     const smr_tick_report r = set(s, &next, 100);
-    assert_int_equal(1, r.settled);
+    assert_int_equal(1, r.details.settled);
     assert_int_equal(before + 7u, r.iteration);
 }
 
@@ -175,7 +175,7 @@ static void test_follows(void **state)
     for (uint32_t i = 1; i <= 20u; i++) {
         const smr_mesh next = turned(&e, 2.0f * (float)i, 0.25f * (float)i);
         const smr_tick_report r = set(s, &next, 100);
-        assert_true(r.settled && !r.jumped && r.residual_mean_mm < 0.5f);
+        assert_true(r.details.settled && !r.details.jumped && r.residual_mean_mm < 0.5f);
     }
     for (uint32_t v = 1; v < n; v++) {
         const float a = smr_length(smr_sub(smr_load(smr_at3(held, v)), smr_load(smr_at3(held, v - 1u))));
@@ -200,17 +200,17 @@ static void test_jumps(void **state)
         const uint32_t radius = s->pace.radius;
         const smr_mesh near = turned(&e, 1, 0.5f), away = turned(&e, 12, 20), lost = turned(&e, 0, 900);
         smr_tick_report r = set(s, &near, 100);
-        assert_int_equal(0, r.jumped);
+        assert_int_equal(0, r.details.jumped);
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&away)));
         assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-        assert_int_equal(1, r.jumped);
+        assert_int_equal(1, r.details.jumped);
         assert_int_equal(track == SMR_TRACK_RECOVER && radius > 0u ? 0u : radius, s->pace.radius);
         r = until_settled(s, 200);
-        assert_true(r.settled && r.jumped && s->pace.radius == radius);
+        assert_true(r.details.settled && r.details.jumped && s->pace.radius == radius);
         assert_true(track == SMR_TRACK_REPORT || r.residual_mean_mm < 0.5f);
         /* beyond all reach: said, and nothing lost */
         r = set(s, &lost, 200);
-        assert_true(r.jumped && r.settled && r.n_forces == 0u && r.residual_mean_mm == -1.0f);
+        assert_true(r.details.jumped && r.details.settled && r.n_forces == 0u && r.residual_mean_mm == -1.0f);
         r = set(s, &away, 200);
         assert_true(track == SMR_TRACK_REPORT || r.residual_mean_mm < 0.5f);
     }
@@ -230,9 +230,9 @@ static void test_starts_over(void **state)
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&e.target)));
     assert_int_equal(SMR_OK, smr_set_pose(s, &identity));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_true(r.radius == 0u && !r.tracking && !r.settled && !r.jumped);
+    assert_true(r.details.radius == 0u && !r.details.tracking && !r.details.settled && !r.details.jumped);
     r = until_settled(s, 1000);
-    assert_true(r.tracking && hash == smr_state_hash(s));
+    assert_true(r.details.tracking && hash == smr_state_hash(s));
 }
 
 /* What is set while ticks are cut by the clock. */
@@ -254,7 +254,7 @@ static void test_same_bits(void **state)
     scene e = make(SMR_TRACK_RECOVER);
     uint64_t hash = 0;
     (void)state;
-    e.config.track_ahead = 0.7f;
+    e.config.track.ahead = 0.7f;
     for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
         const smr_port port = rig_port(k, 4);
         smr *s = rig_init(e.model, &e.config, &port);
@@ -285,7 +285,7 @@ static void test_replays(void **state)
     rig_clock clock = {0};
     uint32_t partial = 0;
     (void)state;
-    e.config.track_ahead = 1.0f;
+    e.config.track.ahead = 1.0f;
     const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
     smr *s = rig_init(e.model, &e.config, &port);
     assert_int_equal(SMR_OK, smr_set_log(s, memory, sizeof memory));
@@ -321,19 +321,19 @@ static void test_jumps_with_its_side(void **state)
     float turn[9];
     (void)state;
     assert_int_equal(SMR_OK, smr_points_open(n, memory, SMR_POINTS_BYTES(n), &cloud));
-    e.config.n_target_vertices = n;
+    e.config.basic.n_target_vertices = n;
     e.model = rig_model(&e.source, 1, NULL);
     rig_rotation(1, 0, 1, -12, turn);
     const smr_mesh there = rig_moved(&e.source, turn, away);
     smr *s = rig_init(e.model, &e.config, NULL);
     see_front(cloud, &e.source);
     assert_int_equal(SMR_OK, smr_set_points(s, 0, cloud));
-    assert_int_equal(1, until_settled(s, 1000).tracking);
+    assert_int_equal(1, until_settled(s, 1000).details.tracking);
     see_front(cloud, &there);
     assert_int_equal(SMR_OK, smr_set_points(s, 0, cloud));
     for (uint32_t i = 0; i < 30u; i++)
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-    assert_true(report.jumped && rig_far(rig_positions(s, e.model), there.xyz, n) < 0.6f);
+    assert_true(report.details.jumped && rig_far(rig_positions(s, e.model), there.xyz, n) < 0.6f);
 }
 
 int main(void)

@@ -130,14 +130,14 @@ static void bounds(void **state)
     assert_int_equal(smr_unseen_field_tasks(&w.field), 6u + SMR_FIELD_TRIES * SMR_TRY_TASKS + SMR_FIELD_ROWS + 2u);
     w.goals.partial = 0;
     assert_int_equal(smr_unseen_field_tasks(&w.field), 0);
-    w.shared.config.coverage = SMR_COVERAGE_WHOLE;
+    w.shared.config.partial.coverage = SMR_COVERAGE_WHOLE;
     assert_int_equal(smr_unseen_field_words(&w.shared), 0);
-    w.shared.config.track = SMR_TRACK_REPORT;
+    w.shared.config.track.mode = SMR_TRACK_REPORT;
     assert_int_equal(smr_unseen_field_words(&w.shared), 0);
     w.model.head.profile_samples = smr_le32(20); /* images may be followed */
     assert_int_equal(smr_unseen_field_words(&w.shared), sizeof w.memory / sizeof w.memory[0]);
-    w.shared.config.track = SMR_TRACK_OFF;
-    w.shared.config.coverage = SMR_COVERAGE_AUTO;
+    w.shared.config.track.mode = SMR_TRACK_OFF;
+    w.shared.config.partial.coverage = SMR_COVERAGE_AUTO;
     assert_int_equal(smr_unseen_field_words(&w.shared), sizeof w.memory / sizeof w.memory[0]);
 }
 

@@ -29,7 +29,7 @@ static smr *start_to(float radius, uint32_t n_triangles, int inside_out, const s
         t[i] = goal.triangles[inside_out ? i - i % 3u + (3u - i % 3u) % 3u : i];
     goal.triangles = t;
     goal.n_triangles = n_triangles < goal.n_triangles ? n_triangles : goal.n_triangles;
-    config.n_target_vertices = goal.n_vertices;
+    config.basic.n_target_vertices = goal.n_vertices;
     *model = rig_model(&ball, 1, NULL);
     smr *s = rig_init(*model, &config, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&goal)));
@@ -78,10 +78,10 @@ static void test_good(void **state)
     assert_memory_equal(&v, &all, sizeof v);
     assert_int_equal(0, v.reasons);
     assert_int_equal(SMR_VERDICT_GOOD, v.level);
-    assert_true(v.target_covered > 0.99f && v.seen_share > 0.99f && v.normals_agree > 0.99f);
+    assert_true(v.target_covered > 0.99f && v.visible_share > 0.99f && v.normals_agree > 0.99f);
     assert_true(v.scale > 1.03f && v.scale < 1.07f && v.strain < 0.1f && v.rotation_deg < 10.0f);
     assert_true(v.volume_ratio > 0.95f && v.volume_ratio < 1.05f);
-    assert_true(v.likeness < -0.5f && v.goals_share < -0.5f); /* of images */
+    assert_true(v.image_similarity < -0.5f && v.goals_share < -0.5f); /* of images */
 }
 
 static void test_inside_out(void **state)
@@ -118,7 +118,7 @@ static void test_half(void **state)
     assert_true(sum[0] / n[0] > sum[1] / n[1]);
     smr_verdict v;
     assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
-    assert_true(v.seen_share > 0.3f && v.seen_share < 0.8f && v.scale > 1.07f && v.scale < 1.2f);
+    assert_true(v.visible_share > 0.3f && v.visible_share < 0.8f && v.scale > 1.07f && v.scale < 1.2f);
     assert_int_equal(SMR_VERDICT_LOOK, v.level);
     assert_true((v.reasons & SMR_REASON_SCALE) != 0u);
 }
@@ -161,7 +161,7 @@ static float expected_of_turned(float degrees)
     smr_mesh goal = ellipsoid(60, 80, 0);
     smr_verdict v;
     keep_side(&goal);
-    config.n_target_vertices = goal.n_vertices;
+    config.basic.n_target_vertices = goal.n_vertices;
     smr *s = rig_init(rig_model(&mesh, 1, NULL), &config, NULL);
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&goal)));
     (void)rig_run(s, 400);
@@ -217,10 +217,10 @@ static void test_flat(void **state)
 /* What is measured of a run that is all right, of a model with edges of 4 mm. */
 static smr_verdict fair(float seen, float expected)
 {
-    smr_verdict v = {.expected_error_mm = expected, .seen_share = seen, .target_covered = 1.0f};
+    smr_verdict v = {.expected_error_mm = expected, .visible_share = seen, .target_covered = 1.0f};
     v.residual_mm = 0.2f;
     v.normals_agree = 1.0f;
-    v.likeness = v.goals_share = -1.0f;
+    v.image_similarity = v.goals_share = -1.0f;
     v.strain = v.stretch = 0.02f;
     v.volume_ratio = v.scale = v.scale_rest = 1.0f;
     v.bend_mm = 8.0f;
@@ -247,7 +247,7 @@ static void test_part(void **state)
     assert_int_equal(SMR_VERDICT_GOOD, v.level); /* landmarks alone */
     v = fair(0.7f, 3.5f);
     v.target_covered = v.normals_agree = -1.0f;
-    v.goals_share = v.likeness = 0.95f;
+    v.goals_share = v.image_similarity = 0.95f;
     smr_judge(&v, 4.0f, 1);
     assert_int_equal(SMR_VERDICT_GOOD, v.level); /* an image */
     for (uint32_t k = 0; k < 4u; k++) {

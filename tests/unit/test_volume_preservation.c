@@ -24,9 +24,9 @@ static int tidy(void **state)
 static smr_config config_of(float volume)
 {
     smr_config c = smr_config_default();
-    c.volume = volume;
-    c.iterations = 6;
-    c.iterations_last = 30;
+    c.contact.volume = volume;
+    c.basic.iterations = 6;
+    c.basic.iterations_last = 30;
     return c;
 }
 
@@ -171,7 +171,7 @@ static void test_against_a_target(void **state)
     (void)state;
     for (uint32_t i = 0; i < 3u; i++) {
         smr_config c = config_of(0.5f * (float)i);
-        c.n_target_vertices = 1000;
+        c.basic.n_target_vertices = 1000;
         smr *s = start(&ball, &c, NULL);
         assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&large)));
         (void)rig_run(s, 1000);
@@ -198,8 +198,8 @@ static void test_moved(void **state)
     (void)state;
     rig_bone(9000, 1.0f, &source, &target);
     rig_rotation(1, 2, 3, 65, m);
-    c.n_target_vertices = target.n_vertices;
-    c.smooth = 0.2f;
+    c.basic.n_target_vertices = target.n_vertices;
+    c.contact.smooth = 0.2f;
     for (uint32_t i = 0; i < 2u; i++) {
         const smr_mesh from = i == 0u ? source : rig_moved(&source, m, t),
                        to = i == 0u ? target : rig_moved(&target, m, t);
@@ -223,8 +223,8 @@ static uint64_t run(const smr_mesh *ball, const smr_surface *target, const smr_p
     smr_config c = config_of(1.0f);
     smr_log_state wrote;
     uint32_t seed = 5, partial = 0;
-    c.n_target_vertices = 1000;
-    c.smooth = 0.3f;
+    c.basic.n_target_vertices = 1000;
+    c.contact.smooth = 0.3f;
     smr *s = start(ball, &c, port);
     assert_int_equal(SMR_OK, smr_set_log(s, log, LOG));
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, target));
@@ -259,8 +259,8 @@ static void test_replay(void **state)
     size_t bytes = 0;
     (void)state;
     const uint64_t hash = run(&ball, target, &timed, log, &bytes);
-    c.n_target_vertices = 1000;
-    c.smooth = 0.3f;
+    c.basic.n_target_vertices = 1000;
+    c.contact.smooth = 0.3f;
     smr *s = start(&ball, &c, &plain);
     assert_int_equal(SMR_OK, smr_replay_start(s, log, bytes, input, target, &replay));
     while (!report.ended) {
@@ -304,9 +304,9 @@ static void test_any_port(void **state)
     for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
         smr_config c = config_of(1.0f);
         const smr_port port = rig_port(k, 5);
-        c.n_workers = 5;
-        c.n_target_vertices = 1000;
-        c.smooth = 0.4f;
+        c.basic.n_workers = 5;
+        c.basic.n_target_vertices = 1000;
+        c.contact.smooth = 0.4f;
         smr *s = start(&ball, &c, &port);
         assert_int_equal(SMR_OK, smr_set_surface(s, 0, target));
         assert_int_equal(SMR_OK, smr_set_volume_ratio(s, 0, 0.9f));

@@ -64,10 +64,10 @@ static const char *check_positions(const smr *s, const smr_model_info *info, con
 /* The measures as numbers, in the order of the struct behind level and reasons. */
 static int finite_verdict(const smr_verdict *v)
 {
-    const float share[] = {v->seen_share, v->target_covered, v->normals_agree, v->goals_share};
-    const float rest[] = {v->expected_error_mm, v->residual_mm,  v->likeness,   v->strain,
-                          v->stretch,           v->volume_ratio, v->turned_deg, v->rotation_deg,
-                          v->bend_mm,           v->scale,        v->scale_rest, v->moved_last_mm};
+    const float share[] = {v->visible_share, v->target_covered, v->normals_agree, v->goals_share};
+    const float rest[] = {v->expected_error_mm, v->residual_mm,  v->image_similarity, v->strain,
+                          v->stretch,           v->volume_ratio, v->turned_deg,       v->rotation_deg,
+                          v->bend_mm,           v->scale,        v->scale_rest,       v->moved_last_mm};
     for (size_t i = 0; i < sizeof share / sizeof share[0]; i++)
         if (!(share[i] == -1.0f || (share[i] >= 0.0f && share[i] <= 1.0001f)))
             return 0;
@@ -137,13 +137,13 @@ const char *unit_exercise(const smr_model *model, const smr_surface *target, uin
         return "smr_model_get_info";
     const char *wrong = read_out(model, &info);
     smr_config c = smr_config_default();
-    c.n_target_vertices = target_vertices;
-    c.iterations = c.iterations_last = 1; /* each tick another radius */
+    c.basic.n_target_vertices = target_vertices;
+    c.basic.iterations = c.basic.iterations_last = 1; /* each tick another radius */
     if (wrong == NULL)
         wrong = run(model, &info, target, &c);
-    c.method = SMR_METHOD_POLAR;
-    c.normals = SMR_NORMALS_EXACT;
-    c.radius_first = info.n_radii - 1u;
+    c.basic.method = SMR_METHOD_POLAR;
+    c.motion.normals = SMR_NORMALS_EXACT;
+    c.schedule.radius_first = info.n_radii - 1u;
     if (wrong == NULL && both)
         wrong = run(model, &info, target, &c);
     return wrong;

@@ -28,9 +28,9 @@ static void make_scene(unit_log *u)
     }
     u->model = rig_model(&u->ball, 1, &prepare);
     u->config = smr_config_default();
-    u->config.n_target_vertices = 200;
-    u->config.iterations = 30;
-    u->config.settle_um = 0.0f;
+    u->config.basic.n_target_vertices = 200;
+    u->config.basic.iterations = 30;
+    u->config.motion.settle_um = 0.0f;
 }
 
 static void end_log(unit_log *u, const smr *s)
@@ -106,19 +106,19 @@ void unit_log_make_kinds(unit_log *u)
     uint32_t seed = 6;
     make_scene(u);
     make_inputs(u);
-    u->config.n_landmarks = 4;
-    u->config.caller_goals = 1;
-    u->config.caller_force = SMR_CALLER_ON;
-    u->config.contact = 1.0f;
-    u->config.n_fixed = 1;
-    u->config.track = SMR_TRACK_RECOVER;
-    u->config.track_mm = 15.0f;
-    u->config.track_iterations = 4;
-    u->config.fusing = SMR_FUSING_LIE;
-    u->config.volume = 0.7f;
-    u->config.smooth = 0.2f;
-    u->config.iterations = 2;
-    u->config.iterations_last = 3;
+    u->config.partial.n_landmarks = 4;
+    u->config.caller.goals = 1;
+    u->config.caller.force = SMR_CALLER_ON;
+    u->config.contact.share = 1.0f;
+    u->config.contact.n_fixed = 1;
+    u->config.track.mode = SMR_TRACK_RECOVER;
+    u->config.track.radius_mm = 15.0f;
+    u->config.track.iterations = 4;
+    u->config.motion.fusing = SMR_FUSING_LIE;
+    u->config.contact.volume = 0.7f;
+    u->config.contact.smooth = 0.2f;
+    u->config.basic.iterations = 2;
+    u->config.basic.iterations_last = 3;
     smr *s = unit_log_begin(u, &port);
     (void)smr_set_log(s, u->log, sizeof u->log);
     (void)smr_set_positions(s, 0, u->ball.xyz);
@@ -163,7 +163,7 @@ void unit_log_make_motion(unit_log *u)
     for (uint32_t i = 0; i < 3u * n; i++)
         velocity[i] = 20.0f * (float)(i % 3u);
     u->motion = (smr_motion){mass, velocity};
-    u->config.dynamics = SMR_DYNAMICS_ON;
+    u->config.dynamics.mode = SMR_DYNAMICS_ON;
     smr *s = unit_log_begin(u, &port);
     (void)smr_set_log(s, u->log, sizeof u->log);
     (void)smr_set_motion(s, 0, mass, velocity);

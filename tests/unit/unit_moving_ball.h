@@ -24,8 +24,8 @@ static scene make(uint32_t track)
     const smr_volume reference = rig_ball_image(RIG_BALL_MM, rig_nowhere);
     e.model = rig_ball_model(&reference);
     e.config = smr_config_default_image();
-    e.config.n_workers = 4;
-    e.config.track = track;
+    e.config.basic.n_workers = 4;
+    e.config.track.mode = track;
     for (uint32_t i = 0; i <= FRAMES; i++) {
         const float way = i < FRAMES ? 2.0f * (float)i : 2.0f * (float)(FRAMES - 1u) - 8.0f;
         e.centre[i][0] = 1.0f * way;
@@ -42,7 +42,7 @@ static smr_tick_report until_settled(smr *s)
     uint32_t most = 1000;
     do
         assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    while (!r.settled && !r.done && --most > 0u);
+    while (!r.details.settled && !r.done && --most > 0u);
     return r;
 }
 

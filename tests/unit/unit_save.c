@@ -42,11 +42,11 @@ void unit_save_make(unit_save *u)
     prepare.reference = &reference;
     u->model = rig_model(u->ball, 2, &prepare);
     u->config = smr_config_default_image();
-    u->config.n_target_vertices = 400;
-    u->config.iterations = 6;
-    u->config.iterations_last = 9;
-    u->config.method = SMR_METHOD_POLAR;
-    u->config.n_landmarks = 2;
+    u->config.basic.n_target_vertices = 400;
+    u->config.basic.iterations = 6;
+    u->config.basic.iterations_last = 9;
+    u->config.basic.method = SMR_METHOD_POLAR;
+    u->config.partial.n_landmarks = 2;
     smr *s = unit_save_begin(u, 7);
     (void)smr_save_bytes(s, &u->bytes);
     (void)smr_save(s, u->saved, sizeof u->saved);

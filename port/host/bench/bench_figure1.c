@@ -47,12 +47,12 @@ static uint64_t processor_ns(void *ctx)
 static smr_config config_of(uint32_t method, int kind, uint32_t radius)
 {
     smr_config config = smr_config_paper();
-    config.method = method;
-    config.active_first = 1.0f;
-    config.radius_first = config.radius_last = radius;
-    config.iterations_last = measured_at[POINTS - 1];
+    config.basic.method = method;
+    config.schedule.active_first = 1.0f;
+    config.schedule.radius_first = config.schedule.radius_last = radius;
+    config.basic.iterations_last = measured_at[POINTS - 1];
     if (kind == ELASTIC)
-        config.plastic_um = 0.0f;
+        config.motion.plastic_um = 0.0f;
     return config;
 }
 
@@ -65,7 +65,7 @@ static int measure(host_bench *bench, const smr_tick_report *report, double ms, 
     to->to[point] = job->area.to_target.mean;
     to->from[point] = job->area.to_result.mean;
     to->hausdorff[point] = fmax(job->area.to_target.max, job->area.to_result.max);
-    to->updates[point] = report->plastic_updates;
+    to->updates[point] = report->details.plastic_updates;
     return 0;
 }
 
@@ -84,7 +84,7 @@ static int run_one(host_bench *bench, const smr_config *config, run *to, host_er
             if (smr_tick(bench->job.state, 0, &report) != SMR_OK)
                 return host_fail(error, "tick", "input that can be registered");
             for (phase = 0; phase < SMR_PHASES; phase++)
-                ms += 1e-6 * (double)report.phase_ns[phase];
+                ms += 1e-6 * (double)report.details.phase_ns[phase];
         }
         if (measure(bench, &report, ms, to, point, error) != 0)
             return -1;

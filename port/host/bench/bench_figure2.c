@@ -37,18 +37,18 @@ static uint64_t processor_ns(void *ctx)
 static smr_config paper_config(const host_bench *bench, uint32_t method, double ignored)
 {
     smr_config config = bench->given->config;
-    config.method = method;
-    config.n_workers = 1;
-    config.active_share = (float)(1.0 - ignored / 100.0);
-    config.active_first = 1.0f;
-    config.active_enough = 0;
-    config.sideways = 0.0f;
-    config.profile_mm = config.profile_end_mm = SEARCH_MM;
-    config.gradient_mm = config.gradient_end_mm = 0.5f * SEARCH_MM;
-    config.plastic_every = 0;
-    config.plastic_um = config.settle_um = 0.0f;
-    config.fold_guard = 0;
-    config.iterations = config.iterations_last = 100000;
+    config.basic.method = method;
+    config.basic.n_workers = 1;
+    config.basic.active_share = (float)(1.0 - ignored / 100.0);
+    config.schedule.active_first = 1.0f;
+    config.schedule.active_enough = 0;
+    config.image.sideways = 0.0f;
+    config.image.profile_mm = config.image.profile_end_mm = SEARCH_MM;
+    config.image.gradient_mm = config.image.gradient_end_mm = 0.5f * SEARCH_MM;
+    config.motion.plastic_every = 0;
+    config.motion.plastic_um = config.motion.settle_um = 0.0f;
+    config.motion.fold_guard = 0;
+    config.basic.iterations = config.basic.iterations_last = 100000;
     return config;
 }
 
@@ -69,16 +69,16 @@ static int time_iterations(host_bench *bench, uint32_t method, uint32_t share, u
         if (i == 0)
             continue;
         for (phase = 0; phase < SMR_PHASES; phase++)
-            all += 1e-6 * (double)report.phase_ns[phase];
+            all += 1e-6 * (double)report.details.phase_ns[phase];
         to->ms[method][HOST_TIME_WITH][share][first + i - 1u] = all;
         to->ms[method][HOST_TIME_WITHOUT][share][first + i - 1u] =
-            all - 1e-6 * (double)report.phase_ns[SMR_PHASE_FORCES];
+            all - 1e-6 * (double)report.details.phase_ns[SMR_PHASE_FORCES];
         to->ms[method][HOST_TIME_MATCHING][share][first + i - 1u] =
-            1e-6 * (double)(report.phase_ns[SMR_PHASE_SUMS] + report.phase_ns[SMR_PHASE_MATCH] +
-                            report.phase_ns[SMR_PHASE_AVERAGE]);
+            1e-6 * (double)(report.details.phase_ns[SMR_PHASE_SUMS] + report.details.phase_ns[SMR_PHASE_MATCH] +
+                            report.details.phase_ns[SMR_PHASE_AVERAGE]);
     }
-    figure->active[share] = report.n_active;
-    figure->ignored[share] = 100.0 * (1.0 - (double)report.n_active / figure->n_vertices);
+    figure->active[share] = report.details.n_active;
+    figure->ignored[share] = 100.0 * (1.0 - (double)report.details.n_active / figure->n_vertices);
     return 0;
 }
 
@@ -165,13 +165,13 @@ static int measure_error(host_bench *bench, host_figure2 *figure, uint32_t kind,
     smr_config *const config = &bench->options.config;
     const float active = (float)(1.0 - figure->asked[share] / 100.0);
     *config = bench->given->config;
-    config->method = kind == HOST_ERROR_POLAR ? SMR_METHOD_POLAR : SMR_METHOD_RIGID;
-    config->active_enough = 0;
-    config->active_share = kind == HOST_ERROR_GROWING ? 1.0f : active;
-    config->active_first = active;
+    config->basic.method = kind == HOST_ERROR_POLAR ? SMR_METHOD_POLAR : SMR_METHOD_RIGID;
+    config->schedule.active_enough = 0;
+    config->basic.active_share = kind == HOST_ERROR_GROWING ? 1.0f : active;
+    config->schedule.active_first = active;
     if (host_bench_register(bench, error) != 0)
         return -1;
-    figure->last_active[kind][share] = bench->job.last.n_active;
+    figure->last_active[kind][share] = bench->job.last.details.n_active;
     figure->to_truth[kind][share] = bench->job.area.to_target.mean;
     figure->from_truth[kind][share] = bench->job.area.to_result.mean;
     figure->by_vertex[kind][share] = bench->job.by_vertex.n > 0 ? bench->job.by_vertex.mean : 0.0;

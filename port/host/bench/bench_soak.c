@@ -74,9 +74,9 @@ static int run_kind(host_bench *bench, int image, soak_row *rows, host_error *er
     smr_config config = image ? bench->given->config : smr_config_default();
     int i = 0;
     uint32_t k = 0;
-    config.n_workers = job->port.port.n_workers;
+    config.basic.n_workers = job->port.port.n_workers;
     for (k = 0; !image && k < job->n_targets; k++)
-        config.n_target_vertices += job->target[k].mesh.n_vertices;
+        config.basic.n_target_vertices += job->target[k].mesh.n_vertices;
     if (host_bench_prepare(bench, bench->given->prepare, image, error) != 0)
         return -1;
     for (i = 0; i < BUDGETS; i++)

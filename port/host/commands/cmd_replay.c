@@ -82,8 +82,9 @@ static int read_options(replayed *r, uint32_t threads, host_error *error)
         return -1;
     r->options.threads = threads;
     if (smr_log_open(r->log.log, r->log.log_bytes, &reader, &info) == SMR_OK)
-        r->options.config.coverage = info.config.coverage; /* older logs have no word for it in their command line */
-    r->options.truth = NULL;                               /* a replay measures nothing */
+        r->options.config.partial.coverage =
+            info.config.partial.coverage; /* older logs have no word for it in their command line */
+    r->options.truth = NULL;              /* a replay measures nothing */
     r->options.log = NULL;
     if (r->options.landmarks.n == 0)
         r->options.align = HOST_ALIGN_NONE; /* the pose is in the log */

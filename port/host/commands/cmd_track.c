@@ -96,7 +96,7 @@ static int start(tracked *t, const host_options *options, host_error *error)
     uint32_t i = 0;
     int result = 0;
     t->options = *options;
-    t->options.config.track = SMR_TRACK_RECOVER;
+    t->options.config.track.mode = SMR_TRACK_RECOVER;
     t->options.ticks = 0; /* the first frame's schedule ends */
     t->job.options = &t->options;
     if (host_output_check(options->out, error) != 0 || host_frames_list(&options->frames, &t->frames, error) != 0 ||
@@ -106,7 +106,7 @@ static int start(tracked *t, const host_options *options, host_error *error)
     for (i = 0; result == 0 && i < t->frames.n; i++)
         result = check_frame(t, &t->frames.frame[i], &t->job.port.port, error);
     t->options.target = t->frames.frame[0].files;
-    t->options.config.n_target_vertices = (uint32_t)t->most_vertices;
+    t->options.config.basic.n_target_vertices = (uint32_t)t->most_vertices;
     if (result != 0 || host_job_load(&t->job, error) != 0 || host_job_check_format(&t->job, error) != 0 ||
         host_job_check(&t->job, error) != 0 || check_names(t, error) != 0 || host_job_match(&t->job, error) != 0 ||
         host_job_prepare(&t->job, error) != 0 ||
@@ -133,7 +133,7 @@ static int judge(tracked *t, const host_frame *frame, host_frame_report *report,
 {
     const host_model *const images = t->options.image_target ? &t->job.model : NULL;
     const smr_status status =
-        host_track_judge(t->job.state, images, (int)report->last.settled, &report->verdict, &t->doubts);
+        host_track_judge(t->job.state, images, (int)report->last.details.settled, &report->verdict, &t->doubts);
     if (status != SMR_OK)
         return refuse(frame, status, error);
     if (host_job_contact_left(&t->job, &report->overlap_mm, error) != 0)
@@ -149,7 +149,7 @@ static int follow(tracked *t, const host_frame *frame, smr_status status, host_f
     const uint32_t most = t->job.options->ticks > 0 ? t->job.options->ticks : TICKS;
     smr *const s = t->job.state;
     memset(&report->last, 0, sizeof report->last);
-    for (report->ticks = 0; status >= 0 && report->ticks < most && !report->last.settled; report->ticks++)
+    for (report->ticks = 0; status >= 0 && report->ticks < most && !report->last.details.settled; report->ticks++)
         status = smr_tick(s, (uint64_t)(t->options.budget_ms * 1e6), &report->last);
     while (status == SMR_PARTIAL) /* to the end of the iteration, which the verdict needs */
         status = smr_tick(s, 0, &report->last);
@@ -165,8 +165,8 @@ static void add_line(tracked *t, uint32_t number, const host_frame *frame, const
     }
     host_csv_text(&t->csv, frame->name, "");
     host_buffer_print(&t->csv, ",%.4f,%u,%.4f,%s,%u,%u", number / t->options.fps, r->ticks,
-                      (double)r->last.residual_mean_mm, host_verdict_name((int)r->verdict.level), r->last.settled,
-                      r->last.jumped);
+                      (double)r->last.residual_mean_mm, host_verdict_name((int)r->verdict.level),
+                      r->last.details.settled, r->last.details.jumped);
     host_track_points_row(&t->points, &t->csv);
     host_buffer_print(&t->csv, "\n");
     host_track_note(&t->verdict, r);
@@ -228,8 +228,8 @@ static int keep_frame(tracked *t, uint32_t number, const host_load *loads, const
     row.level = r->verdict.level;
     row.reasons = r->verdict.reasons;
     row.overlap_mm = r->overlap_mm;
-    row.settled = r->last.settled;
-    row.jumped = r->last.jumped;
+    row.settled = r->last.details.settled;
+    row.jumped = r->last.details.jumped;
     row.residual_mm = r->last.residual_mean_mm;
     result = host_track_page_add(t->page, &row, t->job.state);
     for (i = 0; result == 0 && i < (loads == NULL ? t->job.n_targets : frame->files.n); i++)

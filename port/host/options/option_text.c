@@ -189,7 +189,8 @@ static void print_search(char *to, size_t bytes)
     (void)snprintf(to, bytes,
                    "surfaces: farthest closest point that is a goal (%g); an image: search distance of profile "
                    "matching, first and last (%g,%g), at most half a radius",
-                   (double)surfaces.search_mm, (double)image.profile_mm, (double)image.profile_end_mm);
+                   (double)surfaces.basic.search_mm, (double)image.image.profile_mm,
+                   (double)image.image.profile_end_mm);
 }
 
 void host_option_sentence(const host_option *o, int command, char *to, size_t bytes)

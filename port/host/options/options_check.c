@@ -266,23 +266,23 @@ static void set_image_config(host_options *options)
 {
     const smr_config image = options->paper ? smr_config_paper() : smr_config_default_image();
     smr_config *const config = &options->config;
-    config->profile_mm = options->search.n > 0 ? options->search.from : image.profile_mm;
-    config->profile_end_mm =
-        options->search.n > 1 ? options->search.to : low_of(image.profile_end_mm, config->profile_mm);
-    config->gradient_mm = options->gradient.n > 0 ? options->gradient.from : image.gradient_mm;
-    config->gradient_end_mm =
-        options->gradient.n > 1 ? options->gradient.to : low_of(image.gradient_end_mm, config->gradient_mm);
-    config->momentum = image.momentum;
-    config->momentum_last = image.momentum_last;
-    config->n_target_vertices = 0;
+    config->image.profile_mm = options->search.n > 0 ? options->search.from : image.image.profile_mm;
+    config->image.profile_end_mm =
+        options->search.n > 1 ? options->search.to : low_of(image.image.profile_end_mm, config->image.profile_mm);
+    config->image.gradient_mm = options->gradient.n > 0 ? options->gradient.from : image.image.gradient_mm;
+    config->image.gradient_end_mm =
+        options->gradient.n > 1 ? options->gradient.to : low_of(image.image.gradient_end_mm, config->image.gradient_mm);
+    config->motion.momentum = image.motion.momentum;
+    config->motion.momentum_last = image.motion.momentum_last;
+    config->basic.n_target_vertices = 0;
     if (!host_option_given(options, "--smoothing"))
         options->smoothing = options->paper ? 0.0f : IMAGE_SMOOTHING;
     if (!host_option_given(options, "--plastic-every"))
-        config->plastic_every = image.plastic_every;
+        config->motion.plastic_every = image.motion.plastic_every;
     if (!host_option_given(options, "--iterations"))
-        config->iterations = image.iterations;
+        config->basic.iterations = image.basic.iterations;
     if (!host_option_given(options, "--iterations-last"))
-        config->iterations_last = image.iterations_last;
+        config->basic.iterations_last = image.basic.iterations_last;
 }
 
 /* What --search may be depends on the kind of target. */
@@ -333,7 +333,7 @@ static int settle_targets(host_options *options, host_error *error)
     if (check_search(options, error) != 0 || check_profiles(options, error) != 0)
         return -1;
     if (!options->image_target && options->search.n > 0)
-        options->config.search_mm = options->search.from;
+        options->config.basic.search_mm = options->search.from;
     if (options->image_target)
         set_image_config(options);
     return 0;

@@ -249,7 +249,7 @@ int host_options_read(int command, int argc, char **argv, host_options *options,
     else if (options->clusters == HOST_CLUSTERS_SEPARATE)
         options->prepare.separate_below_mm = SMR_COORD_MAX; /* the most that smr_prepare() takes */
     if (options->keep_volume || options->volume_ratio.n > 0)
-        options->config.volume = 1.0f;
+        options->config.contact.volume = 1.0f;
     return host_options_check(options, error);
 }
 

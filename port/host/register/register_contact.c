@@ -228,7 +228,7 @@ int host_job_contact_left(host_job *job, float *left_mm, host_error *error)
 {
     uint32_t i = 0;
     *left_mm = 0.0f;
-    if (!(job->course.config.contact > 0.0f))
+    if (!(job->course.config.contact.share > 0.0f))
         return 0;
     if (host_job_copy_results(job, error) != 0 || host_job_measure_contact(job, error) != 0)
         return -1;
@@ -240,9 +240,9 @@ int host_job_contact_left(host_job *job, float *left_mm, host_error *error)
 
 float host_contact_bound(const host_job *job)
 {
-    if (!(job->course.config.contact > 0.0f))
+    if (!(job->course.config.contact.share > 0.0f))
         return INFINITY;
-    return fmaxf(MOST_MM - job->options->config.contact_mm, HOST_CONTACT_MM);
+    return fmaxf(MOST_MM - job->options->config.contact.gap_mm, HOST_CONTACT_MM);
 }
 
 const char *host_contact_name(const host_job *job, uint32_t i)

@@ -42,10 +42,13 @@ int host_job_course_step(host_job *job, host_error *error)
         course->step = grown;
         course->capacity = capacity;
     }
-    course->step[course->n++] =
-        (host_step){last->iteration,    last->n_taken,          (double)job->model.info.radius_mm[last->radius],
-                    1e3 * job->ticks_s, last->residual_mean_mm, last->displacement_max_mm,
-                    last->matched_share};
+    course->step[course->n++] = (host_step){last->iteration,
+                                            last->details.n_taken,
+                                            (double)job->model.info.radius_mm[last->details.radius],
+                                            1e3 * job->ticks_s,
+                                            last->residual_mean_mm,
+                                            last->displacement_max_mm,
+                                            last->details.matched_share};
     return 0;
 }
 

@@ -140,7 +140,7 @@ int host_job_keep_start(host_job *job, host_error *error)
     const float *xyz = job->begun_xyz;
     uint32_t i = 0;
     if (xyz == NULL || (job->measures.reasons & SMR_REASON_SIMILARITY) == 0 ||
-        !(job->measures.likeness < LIKENESS_LEAST))
+        !(job->measures.image_similarity < LIKENESS_LEAST))
         return 0;
     for (i = 0; i < job->model.n_parts; i++) {
         const size_t n = 3u * (size_t)job->result[i].mesh.n_vertices;

@@ -63,12 +63,12 @@ int host_job_begin(host_job *job, host_error *error)
     smr_config config = job->options->config;
     smr_status status = SMR_OK;
     uint32_t i = 0;
-    config.n_workers = job->port.port.n_workers;
-    config.n_landmarks = job->goals != NULL ? job->goals->set.n : 0;
-    config.n_fixed = job->contacts.n_fixed;
-    config.contact = job->options->contact || config.n_fixed > 0 ? 1.0f : 0.0f;
+    config.basic.n_workers = job->port.port.n_workers;
+    config.partial.n_landmarks = job->goals != NULL ? job->goals->set.n : 0;
+    config.contact.n_fixed = job->contacts.n_fixed;
+    config.contact.share = job->options->contact || config.contact.n_fixed > 0 ? 1.0f : 0.0f;
     for (i = 0; !job->options->image_target && i < job->n_targets; i++) /* beside those that come later */
-        config.n_target_vertices += job->target[i].users > 0 ? job->target[i].mesh.n_vertices : 0;
+        config.basic.n_target_vertices += job->target[i].users > 0 ? job->target[i].mesh.n_vertices : 0;
     job->course.config = config;
     status = smr_arena_bytes(job->model.model, &config, &job->arena_bytes);
     if (status != SMR_OK)
@@ -142,7 +142,7 @@ int host_job_run(host_job *job, host_error *error)
         return -1;
     now = host_seconds();
     /* what is saved ends with a complete iteration, be it one tick more */
-    while (!job->last.done && !job->last.settled &&
+    while (!job->last.done && !job->last.details.settled &&
            (job->ticks < limit || (job->options->save != NULL && status == SMR_PARTIAL))) {
         const double before = now;
         const uint32_t iteration = job->last.iteration;
@@ -150,7 +150,7 @@ int host_job_run(host_job *job, host_error *error)
         now = host_seconds();
         if (status < 0)
             return refuse(error, "tick", status);
-        job->target_seen |= job->last.n_forces > 0 || job->last.matched_share > 0.0f;
+        job->target_seen |= job->last.n_forces > 0 || job->last.details.matched_share > 0.0f;
         if (record(job, now - before, error) != 0)
             return -1;
         if (job->last.iteration != iteration &&

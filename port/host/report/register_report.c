@@ -182,8 +182,8 @@ static void put_result(const host_job *job, host_json *json)
         put_by_vertex(json, &job->by_vertex);
         host_json_close(json, '}');
     }
-    host_json_number(json, "matched_share", measured(job->last.matched_share));
-    put_moved(json, job->last.residual_mean_mm, job->last.residual_max_mm, mean / n, max);
+    host_json_number(json, "matched_share", measured(job->last.details.matched_share));
+    put_moved(json, job->last.residual_mean_mm, job->last.details.residual_max_mm, mean / n, max);
     host_json_count(json, "folds", job->folds);
     host_json_count(json, "folds_absolute", job->folds_absolute);
 }
@@ -206,11 +206,11 @@ static void put_measures(const smr_verdict *v, host_json *json)
         const char *name;
         float value;
     } measures[] = {{"expected_error_mm", v->expected_error_mm},
-                    {"seen_share", v->seen_share},
+                    {"seen_share", v->visible_share},
                     {"target_covered", v->target_covered},
                     {"residual_mm", v->residual_mm},
                     {"normals_agree", v->normals_agree},
-                    {"likeness", v->likeness},
+                    {"likeness", v->image_similarity},
                     {"goals_share", v->goals_share},
                     {"strain", v->strain},
                     {"stretch", v->stretch},
@@ -373,9 +373,9 @@ void host_job_report(const host_job *job, int exit_status, const host_output *ou
     host_json_flag(&json, "start_kept", job->kept_start); /* the surfaces are where they began */
     host_json_number(&json, "displacement_max_mm", (double)job->last.displacement_max_mm);
     host_json_count(&json, "threads", job->port.port.n_workers);
-    host_json_text(&json, "method", job->options->config.method == SMR_METHOD_POLAR ? "polar" : "rigid");
+    host_json_text(&json, "method", job->options->config.basic.method == SMR_METHOD_POLAR ? "polar" : "rigid");
     if (job->options->image_target)
-        host_json_text(&json, "similarity", similarity_name(job->options->config.similarity));
+        host_json_text(&json, "similarity", similarity_name(job->options->config.image.similarity));
     else
         host_json_null(&json, "similarity");
     put_start(job, &json);

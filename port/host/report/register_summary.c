@@ -49,7 +49,7 @@ void host_job_summary(const host_job *job)
         (void)printf("landmarks to their places: mean %.3f  max %.3f mm\n", job->goals->mean, job->goals->max);
     if (job->options->image_target)
         (void)printf("vertices with a goal in the image: %.1f %%\n",
-                     job->last.matched_share > 0.0f ? 100.0 * (double)job->last.matched_share : 0.0);
+                     job->last.details.matched_share > 0.0f ? 100.0 * (double)job->last.details.matched_share : 0.0);
     (void)printf("folds: %" PRIu64 "  state hash: %016" PRIx64 "\n", job->folds, smr_state_hash(job->state));
     for (i = 0; i < job->model.n_parts; i++)
         if (host_job_carries(job, i))

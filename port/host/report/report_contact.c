@@ -41,7 +41,7 @@ void host_report_contact(const host_job *job, host_json *json)
         return;
     }
     host_json_open(json, "contact", '{');
-    host_json_flag(json, "on", job->course.config.contact > 0.0f);
+    host_json_flag(json, "on", job->course.config.contact.share > 0.0f);
     host_json_number(json, "within_mm", (double)HOST_CONTACT_MM);
     put(json, &t);
     host_json_open(json, "pairs", '[');

@@ -11,7 +11,7 @@ void host_report_volume(const host_job *job, uint32_t i, host_json *json)
     const int known = smr_get_structure_volume(job->state, i, &v) == SMR_OK && v.closed && !job->kept_start;
     const float value[] = {v.present_mm3, v.rest_mm3, v.ratio, v.asked_mm3, v.asked_ratio};
     for (k = 0; k < sizeof keys / sizeof keys[0]; k++)
-        if (known && (k < 3 || job->options->config.volume > 0.0f))
+        if (known && (k < 3 || job->options->config.contact.volume > 0.0f))
             host_json_number(json, keys[k], (double)value[k]);
         else
             host_json_null(json, keys[k]);

@@ -60,9 +60,9 @@ static void print_reasons(const host_frame_report *frame)
             (void)printf("%s%s", between(&n), smr_reason_text(bit));
     if (frame->overlap_mm > 0.0f)
         (void)printf("%s" HOST_OVERLAP_TEXT, between(&n), (double)frame->overlap_mm);
-    if (frame->last.jumped)
+    if (frame->last.details.jumped)
         (void)printf("%sthe target jumped", between(&n));
-    if (!frame->last.settled)
+    if (!frame->last.details.settled)
         (void)printf("%sit did not settle within %u ticks", between(&n), frame->ticks);
 }
 

@@ -100,9 +100,15 @@ static void put_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n
 static void put_tick(smr_log *log, const smr_log_of_tick *tick)
 {
     const smr_tick_report *r = tick->report;
-    const uint32_t flags = tick->complete | r->done << 1 | r->phase << 8;
-    const uint32_t word[8] = {flags,       r->iteration,       r->n_taken,         tick->n_evaluated,
-                              r->n_forces, r->plastic_updates, low(r->state_hash), high(r->state_hash)};
+    const uint32_t flags = tick->complete | r->done << 1 | r->details.phase << 8;
+    const uint32_t word[8] = {flags,
+                              r->iteration,
+                              r->details.n_taken,
+                              tick->n_evaluated,
+                              r->n_forces,
+                              r->details.plastic_updates,
+                              low(r->state_hash),
+                              high(r->state_hash)};
     put(log, SMR_LOG_TICK, word);
 }
 

@@ -16,8 +16,8 @@ typedef struct log_row {
 
 static const log_row rows[] = {
 #define SMR_GROUP(title)
-#define SMR_SETTING(kind, number, name, unit, low, high, ends, value, image, text)                                     \
-    {number, (uint32_t)offsetof(smr_config, name), (uint32_t)(sizeof(((smr_config *)NULL)->name) / 4u)},
+#define SMR_SETTING(kind, number, path, name, unit, low, high, ends, value, image, text)                               \
+    {number, (uint32_t)offsetof(smr_config, path), (uint32_t)(sizeof(((smr_config *)NULL)->path) / 4u)},
 #include "base/settings_config.def"
 };
 
@@ -74,7 +74,7 @@ smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint3
 {
     *config = smr_config_default();
     if (version < SMR_LOG_COVERAGE)
-        config->coverage = SMR_COVERAGE_WHOLE;
+        config->partial.coverage = SMR_COVERAGE_WHOLE;
     if (version == 2u || version == SMR_LOG_VERSION)
         return get_numbered(from, n_words, config);
     if (version != 1u || n_words != SMR_LOG_WORDS_V1)

@@ -20,7 +20,7 @@ smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input
         return status;
     if (info.model_checksum != smr_le32(s->shared.model->checksum) || info.n_vertices != s->shared.n)
         return SMR_E_MODEL;
-    info.config.n_workers = s->shared.config.n_workers; /* makes no difference */
+    info.config.basic.n_workers = s->shared.config.basic.n_workers; /* makes no difference */
     if (memcmp(&info.config, &s->shared.config, sizeof info.config) != 0)
         return SMR_E_CONFIG;
     memset(replay, 0, sizeof *replay);
@@ -172,7 +172,7 @@ static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
     found.done = s->pace.done;
     found.plastic_updates = s->pace.plastic_updates;
     if (recorded->complete) {
-        found.n_taken = found.n_evaluated = s->report.n_taken;
+        found.n_taken = found.n_evaluated = s->report.details.n_taken;
         found.n_forces = s->report.n_forces;
         found.checksum = s->forces.caller.told;
     }

@@ -23,14 +23,15 @@
 #define SMR_FACET_REACH 3.0f    /* mm beyond the thickness: so deep at most */
 #define SMR_REACH_UNKNOWN (-SMR_CONTACT_DEEP)
 
-static uint32_t n_bodies(const smr_shared *c) { return c->n_structures + c->config.n_fixed; }
+static uint32_t n_bodies(const smr_shared *c) { return c->n_structures + c->config.contact.n_fixed; }
 
 void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared)
 {
     const size_t n = shared->n;
-    if (shared->config.n_fixed > 0u)
-        c->fixed = smr_slot_scratch(a, c->fixed, shared->config.n_fixed, sizeof *c->fixed); /* set again: waiting.c */
-    if (!(shared->config.contact > 0.0f))
+    if (shared->config.contact.n_fixed > 0u)
+        c->fixed =
+            smr_slot_scratch(a, c->fixed, shared->config.contact.n_fixed, sizeof *c->fixed); /* set again: waiting.c */
+    if (!(shared->config.contact.share > 0.0f))
         return;
     c->box = smr_slot_scratch(a, c->box, n_bodies(shared), 6u * sizeof(float));
     c->closed = smr_slot_scratch(a, c->closed, shared->n_structures, 1);
@@ -47,7 +48,7 @@ void smr_contact_wire(smr_contact *c, const smr_shared *shared, const smr_pace *
     c->pace = pace;
     c->shape = shape;
     if (c->fixed != NULL)
-        memset(c->fixed, 0, shared->config.n_fixed * sizeof *c->fixed);
+        memset(c->fixed, 0, shared->config.contact.n_fixed * sizeof *c->fixed);
 }
 
 void smr_contact_model(smr_contact *c)
@@ -71,7 +72,7 @@ void smr_contact_reset(smr_contact *c)
 int smr_fixed_stand(const smr_contact *c)
 {
     int stand = 1;
-    for (uint32_t i = 0; c->fixed != NULL && i < c->shared->config.n_fixed; i++) {
+    for (uint32_t i = 0; c->fixed != NULL && i < c->shared->config.contact.n_fixed; i++) {
         const smr_fixed_surface *f = &c->fixed[i];
         stand &= f->surface == NULL || (smr_surface_valid(f->surface) && f->surface->n_vertices == f->n_vertices &&
                                         f->surface->changes == f->changes);
@@ -126,7 +127,7 @@ static void place_box(smr_contact *c, uint32_t body)
 static int facets_due(const smr_contact *c)
 {
     return smr_contact_on(c) && smr_at_last_radius(c->shared, c->pace) && !c->pace->tracking &&
-           c->pace->radius_iteration + SMR_FACETS_LAST >= c->shared->config.iterations_last;
+           c->pace->radius_iteration + SMR_FACETS_LAST >= c->shared->config.basic.iterations_last;
 }
 
 void smr_contact_begin(smr_contact *c)
@@ -198,7 +199,7 @@ static float side_of(const smr_contact *c, const probe *p, uint32_t body, float 
     const int moves = body < c->shared->n_structures;
     const smr_surface *fixed = moves ? NULL : c->fixed[body - c->shared->n_structures].surface;
     const float *normal = moves ? c->shape->normal : fixed->normal;
-    const smr_query q = {smr_sub(p->at, shift), p->inward, -2.0f, c->shared->config.node_budget, SMR_NONE};
+    const smr_query q = {smr_sub(p->at, shift), p->inward, -2.0f, c->shared->config.forces.node_budget, SMR_NONE};
     if (!smr_signed_distance(f, normal, &q, reach, side))
         return -1.0f;
     if (!moves)
@@ -229,7 +230,7 @@ static void keep(smr_touch *touch, uint32_t n, const smr_touch *more)
 /* Looks at every body within reach of a point for its n deepest touches. Returns the new bound. */
 static float look(const smr_contact *c, const probe *p, float reach, smr_touch *touch, uint32_t n)
 {
-    const float thick = c->shared->config.contact_mm, zone = thick + SMR_CONTACT_BAND;
+    const float thick = c->shared->config.contact.gap_mm, zone = thick + SMR_CONTACT_BAND;
     float nearest = reach, deepest = 0.0f;
     int inside = 0;
     for (uint32_t body = 0; body < n_bodies(c->shared); body++) {
@@ -257,7 +258,7 @@ void smr_contact_find(smr_contact *c, uint32_t v)
 {
     /* what moved last may have been given up, and a replay knows nothing of it */
     const float moved = c->reach[v] == SMR_REACH_UNKNOWN ? 0.0f : 2.0f * *c->moved_mm;
-    const float zone = c->shared->config.contact_mm + SMR_CONTACT_BAND;
+    const float zone = c->shared->config.contact.gap_mm + SMR_CONTACT_BAND;
     smr_touch *touch = c->touch + SMR_TOUCHES * (size_t)v;
     const float bound = c->reach[v] - moved;
     for (uint32_t i = 0; i < SMR_TOUCHES; i++)
@@ -275,7 +276,7 @@ void smr_contact_find(smr_contact *c, uint32_t v)
 /* The bounds of its corners spare a triangle most searches. */
 static int out_of_reach(const smr_contact *c, const uint32_t *t, smr_vec middle)
 {
-    const float zone = c->shared->config.contact_mm + SMR_CONTACT_BAND, moved = 2.0f * *c->moved_mm;
+    const float zone = c->shared->config.contact.gap_mm + SMR_CONTACT_BAND, moved = 2.0f * *c->moved_mm;
     for (uint32_t i = 0; i < 3u; i++)
         if (c->reach[t[i]] - moved > zone + smr_length(smr_sub(smr_load(smr_at3(c->shape->x, t[i])), middle)))
             return 1;
@@ -292,7 +293,7 @@ void smr_contact_find_facet(smr_contact *c, uint32_t k)
                      smr_model_owner(c->shared->model, t[0])};
     c->facet[k].body = SMR_NONE;
     if (!out_of_reach(c, t, p.at))
-        (void)look(c, &p, c->shared->config.contact_mm + SMR_FACET_REACH, &c->facet[k], 1);
+        (void)look(c, &p, c->shared->config.contact.gap_mm + SMR_FACET_REACH, &c->facet[k], 1);
 }
 
 const uint32_t *smr_touch_corners(const smr_contact *c, const smr_touch *touch)
@@ -318,8 +319,8 @@ smr_vec smr_contact_way(const smr_contact *c, uint32_t v, smr_displacement displ
         }
         const float share = t == NULL ? 1.0f : heavy / (mass + heavy); /* the heavier goes less */
         const smr_vec out = smr_load(touch[i].out), apart = smr_sub(smr_add(own, way), other);
-        const float missing = smr_positive(c->shared->config.contact_mm - touch[i].mm - smr_dot(out, apart));
-        way = smr_add(way, smr_scale(out, share * touch[i].share * missing * c->shared->config.contact));
+        const float missing = smr_positive(c->shared->config.contact.gap_mm - touch[i].mm - smr_dot(out, apart));
+        way = smr_add(way, smr_scale(out, share * touch[i].share * missing * c->shared->config.contact.share));
     }
     return way;
 }

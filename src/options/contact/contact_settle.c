@@ -61,10 +61,10 @@ static void part(const smr_contact *c, const place *p, const smr_touch *touch)
         memcpy(other.vertex, t, sizeof other.vertex);
     }
     const float apart = gone(c, p, out, &sum) - gone(c, &other, out, &sum);
-    const float missing = c->shared->config.contact_mm - touch->mm - apart;
+    const float missing = c->shared->config.contact.gap_mm - touch->mm - apart;
     if (!(missing > 0.0f && sum > 0.0f))
         return;
-    const float way = missing * touch->share * c->shared->config.contact / sum;
+    const float way = missing * touch->share * c->shared->config.contact.share / sum;
     move(c, p, out, way);
     move(c, &other, out, -way);
 }

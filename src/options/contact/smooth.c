@@ -10,7 +10,7 @@
 
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared)
 {
-    if (shared->config.smooth > 0.0f)
+    if (shared->config.contact.smooth > 0.0f)
         s->height = smr_slot_scratch(a, s->height, shared->n, sizeof *s->height); /* of the model: smr_init() */
 }
 
@@ -74,7 +74,7 @@ void smr_smooth_start(smr_smooth *s) { s->side = s->height != NULL && smr_start_
 
 smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec way)
 {
-    const float share = s->shared->config.smooth, (*m)[4] = s->shape->rest_pose.m;
+    const float share = s->shared->config.contact.smooth, (*m)[4] = s->shape->rest_pose.m;
     if (!s->shape->on_surface[v])
         return way;
     const float scale = smr_length(smr_v(m[0][0], m[1][0], m[2][0]));

@@ -16,7 +16,7 @@
 
 void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared)
 {
-    if (!(shared->config.volume > 0.0f))
+    if (!(shared->config.contact.volume > 0.0f))
         return;
     v->held = smr_slot_scratch(a, v->held, shared->n_structures, sizeof *v->held);
     for (uint32_t i = 0; smr_keeps(a) && i < shared->n_structures; i++) {
@@ -138,7 +138,7 @@ static void choose_ways(smr_volumes *v)
         smr_held_volume *one = &v->held[i];
         one->way_mm = 0.0f;
         if (one->closed)
-            one->way_mm = v->shared->config.volume *
+            one->way_mm = v->shared->config.contact.volume *
                           smr_enclosed_way(&one->sum, one->now * one->rest_mm3, SMR_WAY_MOST * one->thick_mm);
     }
 }

@@ -8,7 +8,7 @@ void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared
     const size_t n = shared->n;
     smr_dynamics none, *d = &none;
     memset(&none, 0, sizeof none);
-    if (!shared->config.dynamics)
+    if (!shared->config.dynamics.mode)
         return;
     *dynamics = smr_slot_scratch(a, *dynamics, 1, sizeof **dynamics);
     if (*dynamics != NULL)
@@ -33,11 +33,11 @@ void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared)
 {
     const smr_config *c = &shared->config;
     d->shared = shared;
-    d->step_s = 0.001f * c->step_ms;
-    d->springs = c->elastic * d->step_s * d->step_s;
-    d->keeps = 1.0f / (1.0f + c->damping * d->step_s);
+    d->step_s = 0.001f * c->dynamics.step_ms;
+    d->springs = c->dynamics.elastic * d->step_s * d->step_s;
+    d->keeps = 1.0f / (1.0f + c->dynamics.damping * d->step_s);
     d->ends = d->weighed = 0;
-    d->fall = smr_scale(smr_load(c->gravity), d->step_s * d->step_s);
+    d->fall = smr_scale(smr_load(c->dynamics.gravity), d->step_s * d->step_s);
     memset(&d->stored, 0, sizeof d->stored);
     memset(d->bent, 0, shared->n_structures * sizeof *d->bent);
     memset(d->spare, 0, shared->n_structures * sizeof *d->spare);

@@ -109,7 +109,7 @@ static void add_kinetic(const smr *s, uint32_t v, const smr_step_sums *group, fl
     sum[SMR_AFTER] += 0.5f * mass / h2 * smr_dot(way, way);
     const smr_vec turned = spun(group, next_of(s, v));
     sum[SMR_SPIN] += 0.5f * mass / h2 * smr_dot(turned, turned);
-    sum[SMR_WORK] += mass * smr_dot(smr_load(s->shared.config.gravity), way);
+    sum[SMR_WORK] += mass * smr_dot(smr_load(s->shared.config.dynamics.gravity), way);
     sum[SMR_PUSHED] += mass > 0.0f || !(smr_dot(all, all) > 0.0f) ? 0.0f : 1.0f;
 }
 
@@ -125,7 +125,7 @@ static void add_springs(const smr *s, uint32_t v, const smr_step_sums *group, co
     if (!(mass > 0.0f))
         return;
     if (s->forces.found_last[v] == SMR_FOUND_GOAL) {
-        const float share = s->shared.config.stiffness, k = s->shared.config.elastic;
+        const float share = s->shared.config.forces.stiffness, k = s->shared.config.dynamics.elastic;
         const smr_vec moved = smr_sub(x, smr_load(smr_at3(s->shape.x, v))); /* since the goal was sought */
         const smr_vec pull = smr_sub(smr_load(smr_at3(s->forces.force, v)), smr_scale(moved, share));
         sum[SMR_GOALS] += 0.5f * mass * k / share * smr_dot(pull, pull);

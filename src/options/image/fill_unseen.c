@@ -51,7 +51,7 @@ static float wide_of(const smr_image_goals *g, const smr_image_structure *view)
     const float share = (float)view->n_goals / (float)view->n_decided;
     const float lost = smr_clamp((SMR_SEEN_WELL - share) / (SMR_SEEN_WELL - SMR_SEEN_BADLY), 0.0f, 1.0f);
     /* as far as at the start: only the last radius, which comes to rest, narrows with the schedule */
-    const float most = smr_at_last_radius(g->shared, p) ? p->farthest_mm : g->shared->config.profile_mm;
+    const float most = smr_at_last_radius(g->shared, p) ? p->farthest_mm : g->shared->config.image.profile_mm;
     const float half = 0.5f * smr_min(size.x, smr_min(size.y, size.z)); /* beyond lies what is not its own */
     const float far = smr_min(smr_min(most, p->lists.radius), half);
     return p->profile_mm + lost * smr_max(far - p->profile_mm, 0.0f);
@@ -111,7 +111,7 @@ static void look_back(smr_image_goals *g, uint32_t structure, uint32_t from, uin
 static void add_rings(smr_image_goals *g, uint32_t structure, uint32_t from, uint32_t to)
 {
     const smr_image_structure *view = &g->structure[structure];
-    if (!(g->shared->config.fill > 0.0f) || view->n_goals == 0u ||
+    if (!(g->shared->config.image.fill > 0.0f) || view->n_goals == 0u ||
         (float)view->n_goals < SMR_SEEN_BADLY * (float)view->n_decided)
         return; /* no ring has a weight: nothing is smoothed */
     for (uint32_t k = from; k < to; k++) {
@@ -146,8 +146,8 @@ void smr_fill_sum(void *arg, uint32_t task, uint32_t worker)
 
 smr_vec smr_fill_way(const smr_image_goals *g, uint32_t v)
 {
-    if (!(g->shared->config.fill > 0.0f) || !(g->rings.weight[v] > 0.0f))
+    if (!(g->shared->config.image.fill > 0.0f) || !(g->rings.weight[v] > 0.0f))
         return smr_v(0, 0, 0);
     const smr_vec middle = smr_scale(smr_load(smr_at3(g->rings.sum, v)), 1.0f / g->rings.weight[v]);
-    return smr_scale(smr_sub(middle, smr_load(smr_at3(g->shape->x, v))), g->shared->config.fill);
+    return smr_scale(smr_sub(middle, smr_load(smr_at3(g->shape->x, v))), g->shared->config.image.fill);
 }

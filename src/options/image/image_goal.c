@@ -245,7 +245,7 @@ static smr_vec side_way(const smr_image_goals *g, uint32_t v, const search_line 
 {
     const float *const spacing = g->grid.volume.spacing, voxel = (spacing[0] + spacing[1] + spacing[2]) * (1.0f / 3.0f);
     const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
-    if (!(g->shared->config.sideways > 0.0f))
+    if (!(g->shared->config.image.sideways > 0.0f))
         return smr_v(0, 0, 0);
     const smr_place place = {&seen->reference,
                              smr_add(l->start, smr_scale(l->step, seen->first)),
@@ -255,7 +255,7 @@ static smr_vec side_way(const smr_image_goals *g, uint32_t v, const search_line 
                              owner->gain,
                              owner->noise,
                              smr_max(SMR_SIDE_VOXELS * voxel, SMR_SIDE_SHARE * g->pace->profile_mm)};
-    return smr_scale(smr_sideways(&g->grid, &place), g->shared->config.sideways);
+    return smr_scale(smr_sideways(&g->grid, &place), g->shared->config.image.sideways);
 }
 
 /* The edge that is sought, and its confidence: 1 where goals are averaged plainly. */
@@ -265,10 +265,10 @@ static smr_peak edge_of(const smr_config *c, const smr_profile *reference, const
     smr_peak edge = {0, 0};
     if (l->edge_reach == 0u)
         return edge;
-    if (c->edge == SMR_EDGE_STEEPEST)
+    if (c->image.edge == SMR_EDGE_STEEPEST)
         return smr_steepest(line, inside, l->n, l->before, l->edge_reach);
     edge = smr_profile_edge(reference, r->inward, line, inside, l->n, l->before, l->edge_reach);
-    if (c->blend == SMR_BLEND_PLAIN && edge.confidence > 0.0f)
+    if (c->image.blend == SMR_BLEND_PLAIN && edge.confidence > 0.0f)
         edge.confidence = 1.0f;
     return edge;
 }
@@ -290,12 +290,13 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *way)
     const uint32_t first = l.before - l.reach - r.inward;
     const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
     const smr_profile as_bright = {value, r.low + owner->brighter, r.range, r.n}; /* as the image is */
-    const smr_likeness how = {c->similarity, owner->noise, c->nearer * profile_mm, c->blend == SMR_BLEND_PLAIN};
+    const smr_likeness how = {c->image.similarity, owner->noise, c->image.nearer * profile_mm,
+                              c->image.blend == SMR_BLEND_PLAIN};
     if (l.reach > 0u)
         match = smr_profile_match(&as_bright, line + first, inside + first, r.n + 2u * l.reach, &how);
     const smr_peak edge = edge_of(c, &as_bright, &r, &l, line, inside);
     const float total = match.confidence + edge.confidence;
-    if (!(smr_min(total, 1.0f) > c->confidence))
+    if (!(smr_min(total, 1.0f) > c->image.confidence))
         return whole && varies(line, l.n) ? SMR_NO_GOAL : SMR_UNDECIDED;
     const float offset =
         (match.confidence * (match.at - (float)l.reach) + edge.confidence * (edge.at - (float)l.before)) / total;

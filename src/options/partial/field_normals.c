@@ -27,7 +27,7 @@ uint32_t smr_field_normals_only(const smr_unseen_field *f)
     uint32_t open = 0;
     for (uint32_t i = 0; i < f->shared->n_structures; i++)
         open |= (uint32_t)smr_overlap_lasting(f->goals, i);
-    return f->shared->config.n_landmarks == 0u && !smr_field_of_image(f) && !f->sheet ? open : 0u;
+    return f->shared->config.partial.n_landmarks == 0u && !smr_field_of_image(f) && !f->sheet ? open : 0u;
 }
 
 /* The least power of two from n on. */

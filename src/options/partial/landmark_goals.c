@@ -42,12 +42,12 @@ static void keep_landmark(smr_arena *a, smr_bound_landmark *b, const smr_shared 
 
 void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_shared *shared)
 {
-    if (shared->config.n_landmarks == 0u)
+    if (shared->config.partial.n_landmarks == 0u)
         return;
-    g->landmark = smr_slot_scratch(a, g->landmark, shared->config.n_landmarks, sizeof *g->landmark);
+    g->landmark = smr_slot_scratch(a, g->landmark, shared->config.partial.n_landmarks, sizeof *g->landmark);
     g->seen = smr_slot_bytes(a, g->seen, shared->n, SMR_SEEN_ONE);
-    smr_keep_words(a, &g->n, 1, shared->config.n_landmarks);
-    for (uint32_t k = 0; smr_keeps(a) && k < shared->config.n_landmarks; k++) {
+    smr_keep_words(a, &g->n, 1, shared->config.partial.n_landmarks);
+    for (uint32_t k = 0; smr_keeps(a) && k < shared->config.partial.n_landmarks; k++) {
         const smr_bound_landmark none = {0};
         smr_bound_landmark b = k < g->n && g->landmark != NULL ? without_rest(&g->landmark[k]) : none;
         keep_landmark(a, &b, shared, k < g->n);

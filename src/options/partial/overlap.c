@@ -34,7 +34,7 @@ static int can_judge(const smr_surface_goals *g, uint32_t structure)
 int smr_overlap_lasting(const smr_surface_goals *g, uint32_t structure)
 {
     const smr_target *t = &g->target[structure];
-    return t->partial != 0u && (g->shared->config.coverage == SMR_COVERAGE_PARTIAL || open_target(t));
+    return t->partial != 0u && (g->shared->config.partial.coverage == SMR_COVERAGE_PARTIAL || open_target(t));
 }
 
 void smr_overlap_start(smr_surface_goals *g)
@@ -42,7 +42,7 @@ void smr_overlap_start(smr_surface_goals *g)
     g->partial = 0;
     for (uint32_t i = 0; i < g->shared->n_structures; i++) {
         smr_target *t = &g->target[i];
-        t->partial = can_judge(g, i) && (g->shared->config.coverage == SMR_COVERAGE_PARTIAL || open_target(t));
+        t->partial = can_judge(g, i) && (g->shared->config.partial.coverage == SMR_COVERAGE_PARTIAL || open_target(t));
         g->partial |= t->partial;
     }
 }
@@ -52,7 +52,8 @@ void smr_overlap_start(smr_surface_goals *g)
 static int judged_now(const smr_surface_goals *g)
 {
     const smr_pace *p = g->pace;
-    const int ends = smr_at_last_radius(g->shared, p) && p->radius_iteration + 1u >= g->shared->config.iterations_last;
+    const int ends =
+        smr_at_last_radius(g->shared, p) && p->radius_iteration + 1u >= g->shared->config.basic.iterations_last;
     return p->radius_iteration == 0u || ends;
 }
 
@@ -188,7 +189,7 @@ void smr_overlap_look(smr_surface_goals *g)
 {
     const smr_pace *p = g->pace;
     const int laid_out = p->tracking ? p->recovering != 1u : smr_at_last_radius(g->shared, p);
-    if (g->shared->config.track == SMR_TRACK_OFF || g->seen == NULL || g->n_clouds == 0u || !laid_out || p->jumped)
+    if (g->shared->config.track.mode == SMR_TRACK_OFF || g->seen == NULL || g->n_clouds == 0u || !laid_out || p->jumped)
         return;
     for (uint32_t i = 0; i < g->shared->n_structures; i++)
         if (cloud_shows(&g->target[i]))
@@ -211,7 +212,7 @@ void smr_overlap_stand(smr_surface_goals *g)
         return;
     memcpy(g->seen, g->seen_next, g->pace->n_active);
     count_seen(g);
-    if (g->pace->radius_iteration != 0u || g->shared->config.coverage != SMR_COVERAGE_AUTO)
+    if (g->pace->radius_iteration != 0u || g->shared->config.partial.coverage != SMR_COVERAGE_AUTO)
         return;
     g->partial = 0;
     for (uint32_t i = 0; i < g->shared->n_structures; i++) {

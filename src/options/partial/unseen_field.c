@@ -34,7 +34,7 @@ _Static_assert(sizeof(smr_choice) <= SMR_FACTOR_WORDS(SMR_CONTROLS) * sizeof(flo
 /* Controls that there is room for: along normals as many as a model needs, so that its sums are no smaller. */
 static uint32_t most_of(const smr_shared *shared)
 {
-    const uint32_t n_landmarks = shared->config.n_landmarks;
+    const uint32_t n_landmarks = shared->config.partial.n_landmarks;
     const uint32_t rows = smr_min_u32(smr_max_u32(shared->n / SMR_FIELD_PART, SMR_CONTROLS), SMR_FIELD_ROWS);
     return n_landmarks > 0u ? SMR_CONTROLS + n_landmarks : rows;
 }
@@ -42,7 +42,7 @@ static uint32_t most_of(const smr_shared *shared)
 size_t smr_unseen_field_words(const smr_shared *shared)
 {
     const size_t most = most_of(shared);
-    if (shared->config.n_landmarks == 0u && shared->config.coverage == SMR_COVERAGE_WHOLE &&
+    if (shared->config.partial.n_landmarks == 0u && shared->config.partial.coverage == SMR_COVERAGE_WHOLE &&
         !smr_follows_images(shared))
         return 0;
     return (9u + SMR_FIELD_MOTIONS) * most + SMR_FACTOR_WORDS(most);

@@ -25,7 +25,7 @@
 /* With what the iteration that begins looks at. */
 void smr_tracking_momentum(smr *s)
 {
-    const float asked = s->shared.config.momentum;
+    const float asked = s->shared.config.motion.momentum;
     if (!s->pace.tracking)
         return;
     const int steady = s->forces.image.has_image && s->forces.surface.n_clouds_begun > 0u;
@@ -43,7 +43,7 @@ static void go_to(smr *s, uint32_t radius)
 void smr_tracking_keep(smr_arena *a, smr *s)
 {
     smr_pace *p = &s->pace;
-    if (s->shared.config.track == SMR_TRACK_OFF)
+    if (s->shared.config.track.mode == SMR_TRACK_OFF)
         return;
     smr_keep_words(a, &p->tracking, 1, 1);
     smr_keep_words(a, &p->recovering, 1, 2);
@@ -62,7 +62,7 @@ int smr_tracking_legal(const smr *s)
     const smr_pace *p = &s->pace;
     const uint32_t at = smr_radius_after(s);
     return !p->done && (p->recovering == 1u ? p->radius < at : p->radius == at) &&
-           p->radius_iteration <= s->shared.config.track_iterations + SMR_TRACK_COARSE;
+           p->radius_iteration <= s->shared.config.track.iterations + SMR_TRACK_COARSE;
 }
 
 /* Share of the vertices with a target that have a goal on it. */
@@ -107,7 +107,7 @@ static float gain_of(const smr *s)
  * and less over the first half of the iterations. At coarser radii it is not known yet. */
 float smr_tracking_progress(const smr *s)
 {
-    const float narrowing = SMR_TRACK_NARROWING * (float)s->shared.config.track_iterations;
+    const float narrowing = SMR_TRACK_NARROWING * (float)s->shared.config.track.iterations;
     if (s->pace.recovering == 1u)
         return 0.0f;
     return smr_min((float)s->pace.radius_iteration / smr_max(narrowing, 1.0f), 1.0f);
@@ -154,7 +154,7 @@ static void note_age(smr *s)
  * goes on where it is, and so does a way through coarser radii. */
 static void go_on_looking(smr *s)
 {
-    const float narrow = SMR_TRACK_NARROWING * (float)s->shared.config.track_iterations;
+    const float narrow = SMR_TRACK_NARROWING * (float)s->shared.config.track.iterations;
     s->pace.called = s->pace.settled = 0;
     if (s->pace.recovering == 1u)
         return;
@@ -187,7 +187,7 @@ void smr_tracking_begin(smr *s)
 /* Mean distance of goals that the model can follow, mm. In an image no goal is farther than the search goes. */
 static float reach_mm(const smr *s)
 {
-    const float asked = s->shared.config.track_jump_mm, reach = s->pace.lists.radius / SMR_TRACK_REACH;
+    const float asked = s->shared.config.track.jump_mm, reach = s->pace.lists.radius / SMR_TRACK_REACH;
     if (asked > 0.0f)
         return asked;
     return s->forces.image.has_image ? smr_max(reach, SMR_TRACK_SOUGHT * s->pace.profile_mm) : reach;
@@ -208,7 +208,7 @@ void smr_tracking_look(smr *s)
 /* Coarse to fine, once more, as long as targets have goals. */
 static void recover(smr *s)
 {
-    const uint32_t at = s->pace.radius, to = smr_radius_after(s), first = s->shared.config.radius_first;
+    const uint32_t at = s->pace.radius, to = smr_radius_after(s), first = s->shared.config.schedule.radius_first;
     if (!s->pace.recovering) {
         s->pace.recovering = 1;
         go_to(s, first);
@@ -222,8 +222,8 @@ void smr_tracking_next(smr *s)
 {
     if (s->pace.image_age == SMR_IMAGE_NEW)
         s->pace.image_age = SMR_IMAGE_SEEN;
-    const int coarser =
-        smr_radius_after(s) > s->shared.config.radius_first && s->shared.config.track == SMR_TRACK_RECOVER;
+    const int coarser = smr_radius_after(s) > s->shared.config.schedule.radius_first &&
+                        s->shared.config.track.mode == SMR_TRACK_RECOVER;
     const int found = s->pace.jumped && s->forces.totals.n_forces > 0u;
     if (s->pace.recovering == 1u || (s->pace.recovering == 0u && coarser && found)) {
         recover(s);
@@ -232,6 +232,6 @@ void smr_tracking_next(smr *s)
     }
     s->pace.gain = 1.0f;
     s->pace.found = share_found(s);
-    s->pace.settled = s->evolve.moved_mm * 1000.0f < s->shared.config.track_um ||
-                      s->pace.radius_iteration >= s->shared.config.track_iterations;
+    s->pace.settled = s->evolve.moved_mm * 1000.0f < s->shared.config.track.settle_um ||
+                      s->pace.radius_iteration >= s->shared.config.track.iterations;
 }

@@ -15,7 +15,7 @@ smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface)
     smr_contact *c = &s->forces.contact;
     if (c->fixed == NULL)
         return SMR_E_ARENA;
-    if (index >= s->shared.config.n_fixed)
+    if (index >= s->shared.config.contact.n_fixed)
         return SMR_E_INPUT;
     if (s->n_awaited > 0u)
         return s->await(s, SMR_LOG_FIXED_SURFACE, index, surface);

@@ -58,7 +58,7 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
         status = smr_arena_start(&a, arena, arena_bytes);
     if (status != SMR_OK)
         return status;
-    if (port != NULL && (port->n_workers < 1u || port->n_workers > config->n_workers))
+    if (port != NULL && (port->n_workers < 1u || port->n_workers > config->basic.n_workers))
         return SMR_E_CONFIG;
     if (needed > arena_bytes)
         return SMR_E_ARENA;
@@ -69,7 +69,7 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
     s.placed = self;
     if (port != NULL)
         s.port = *port;
-    s.shared.min_cos = smr_cos_degrees(config->normal_deg);
+    s.shared.min_cos = smr_cos_degrees(config->forces.normal_deg);
     start_triangles(&s);
     start_masses(&s.shared);
     smr_budget_start(&s);

@@ -22,16 +22,16 @@ static void keep_log(smr_arena *a, smr_log *log)
 
 static void keep_report(smr_arena *a, smr_tick_report *r, uint32_t n)
 {
-    smr_keep_words(a, &r->n_taken, 1, n);
-    smr_keep_words(a, &r->n_wanted, 1, n);
-    smr_keep_words(a, &r->n_active, 1, n);
+    smr_keep_words(a, &r->details.n_taken, 1, n);
+    smr_keep_words(a, &r->details.n_wanted, 1, n);
+    smr_keep_words(a, &r->details.n_active, 1, n);
     smr_keep_words(a, &r->n_forces, 1, n);
-    smr_keep_words(a, &r->n_rejected, 1, n);
-    smr_keep_floats(a, &r->matched_share, 1, -1.0f, 1.0f);
-    smr_keep_floats(a, &r->attraction_used, 1, 0.0f, 1.0f);
+    smr_keep_words(a, &r->details.n_rejected, 1, n);
+    smr_keep_floats(a, &r->details.matched_share, 1, -1.0f, 1.0f);
+    smr_keep_floats(a, &r->details.attraction_used, 1, 0.0f, 1.0f);
     smr_keep_floats(a, &r->residual_mean_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
-    smr_keep_floats(a, &r->residual_rms_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
-    smr_keep_floats(a, &r->residual_max_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_floats(a, &r->details.residual_rms_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
+    smr_keep_floats(a, &r->details.residual_max_mm, 1, -1.0f, 2.0f * SMR_KEPT_MM);
     smr_keep_floats(a, &r->displacement_max_mm, 1, 0.0f, 2.0f * SMR_KEPT_MM);
     smr_keep_long(a, &r->state_hash);
 }
@@ -52,14 +52,14 @@ static void keep_schedule(smr_arena *a, smr *s)
     smr_keep_words(a, &p->repairing, 1, SMR_REPAIR_MAX);
     smr_keep_words(a, &p->n_active, 1, n);
     smr_keep_words(a, &p->n_pinned, 1, n);
-    smr_keep_require(a, p->radius >= s->shared.config.radius_first);
+    smr_keep_require(a, p->radius >= s->shared.config.schedule.radius_first);
     if (SMR_HAS_TRACK)
         smr_tracking_keep(a, s);
     if (a->keeper->mode == SMR_KEEP_COUNT || a->keeper->wrong)
         return;
     smr_radius_take(s);
     smr_keep_require(a, p->n_active >= smr_min_u32(p->lists.active_min, n));
-    if (SMR_HAS_DYNAMICS && s->shared.config.dynamics) {
+    if (SMR_HAS_DYNAMICS && s->shared.config.dynamics.mode) {
         smr_keep_require(a, !p->done && !p->repairing && p->radius == smr_radius_after(s));
         return;
     }
@@ -68,8 +68,8 @@ static void keep_schedule(smr_arena *a, smr *s)
         return;
     }
     smr_keep_require(a, p->radius_iteration <= (smr_at_last_radius(&s->shared, p)
-                                                    ? s->shared.config.iterations_last
-                                                    : SMR_FIRST_CLOUD * s->shared.config.iterations));
+                                                    ? s->shared.config.basic.iterations_last
+                                                    : SMR_FIRST_CLOUD * s->shared.config.basic.iterations));
 }
 
 void smr_keep_fields(smr_arena *a, smr *s)

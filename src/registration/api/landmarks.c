@@ -124,7 +124,7 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n)
         return SMR_E_CONFIG;
     if (!smr_ready(s))
         return SMR_E_STATE;
-    if (n > s->shared.config.n_landmarks)
+    if (n > s->shared.config.partial.n_landmarks)
         return SMR_E_ARENA;
     for (uint32_t i = 0; i < n; i++)
         if (!legal(s, &landmarks[i]))

@@ -8,20 +8,20 @@
 /* What iterations consist of. */
 static uint32_t parts_of(const smr_model *model, const smr_config *c)
 {
-    const int image = smr_le32(model->profile_samples) > 0u, track = c->track != SMR_TRACK_OFF;
+    const int image = smr_le32(model->profile_samples) > 0u, track = c->track.mode != SMR_TRACK_OFF;
     uint32_t parts = SMR_PART_PLAIN;
     if (SMR_HAS_IMAGE && image)
         parts |= SMR_PART_IMAGE;
-    if (SMR_HAS_PARTIAL && (c->coverage != SMR_COVERAGE_WHOLE || c->n_landmarks > 0u || (track && image) ||
-                            c->n_target_vertices > 0u)) /* a cloud */
+    if (SMR_HAS_PARTIAL && (c->partial.coverage != SMR_COVERAGE_WHOLE || c->partial.n_landmarks > 0u ||
+                            (track && image) || c->basic.n_target_vertices > 0u)) /* a cloud */
         parts |= SMR_PART_PARTIAL;
     if (SMR_HAS_TRACK && track)
         parts |= SMR_PART_TRACK;
-    if (SMR_HAS_CONTACT && (c->contact > 0.0f || c->volume > 0.0f || c->smooth > 0.0f))
+    if (SMR_HAS_CONTACT && (c->contact.share > 0.0f || c->contact.volume > 0.0f || c->contact.smooth > 0.0f))
         parts |= SMR_PART_CONTACT;
-    if (SMR_HAS_DYNAMICS && c->dynamics)
+    if (SMR_HAS_DYNAMICS && c->dynamics.mode)
         parts |= SMR_PART_DYNAMICS;
-    if (c->caller_goals || c->caller_force != SMR_CALLER_OFF)
+    if (c->caller.goals || c->caller.force != SMR_CALLER_OFF)
         parts |= SMR_PART_CALLER;
     return parts;
 }

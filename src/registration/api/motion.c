@@ -87,7 +87,7 @@ static void add_vertex(const smr *s, uint32_t v, moments *sum)
     sum->n_pinned += !(d->mass[v] > 0.0f);
     sum->mass += mass;
     sum->kinetic += 0.5f * mass * smr_dot(speed, speed);
-    sum->height -= mass * smr_dot(smr_load(s->shared.config.gravity), way);
+    sum->height -= mass * smr_dot(smr_load(s->shared.config.dynamics.gravity), way);
     sum->first = smr_add(sum->first, smr_scale(x, mass));
 }
 

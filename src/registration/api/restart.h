@@ -11,7 +11,7 @@
 static inline void smr_restart_forces(smr *s, uint32_t called)
 {
     smr_surface_goals *g = &s->forces.surface;
-    for (uint32_t j = 0; g->target_warm != NULL && j < s->shared.config.n_target_vertices; j++)
+    for (uint32_t j = 0; g->target_warm != NULL && j < s->shared.config.basic.n_target_vertices; j++)
         g->target_warm[j] = SMR_NONE;
     for (uint32_t i = 0; i < s->shared.n_structures; i++)
         g->target[i].measured = 0;

@@ -56,7 +56,7 @@ static smr_status check(const smr_model *model, const smr_config *config, const 
     if (info->model_checksum != smr_le32(model->checksum) || info->n_vertices != smr_le32(model->n_vertices))
         return SMR_E_MODEL;
     smr_config as_saved = info->config;
-    as_saved.n_workers = config->n_workers;
+    as_saved.basic.n_workers = config->basic.n_workers;
     if (memcmp(&as_saved, config, sizeof as_saved) != 0)
         return SMR_E_CONFIG;
     return smr_arena_bytes(model, config, &bytes);

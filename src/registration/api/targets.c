@@ -46,7 +46,7 @@ static void forget_searches(smr_surface_goals *g, uint32_t structure)
     for (uint32_t v = 0; v < g->shared->n; v++)
         if (structure == SMR_ALL || smr_model_owner(g->shared->model, v) == structure)
             g->warm[v] = SMR_NONE;
-    for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.n_target_vertices; j++)
+    for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.basic.n_target_vertices; j++)
         g->target_warm[j] = SMR_NONE;
     smr_pulls_clear(g);
     g->limit = 0.0f;
@@ -109,7 +109,7 @@ void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last)
 /* 0 when there are not enough slots. A cloud does nothing without. */
 static int has_slots(smr_surface_goals *g, uint32_t structure, const smr_surface *surface)
 {
-    const uint32_t n_slots = g->shared->config.n_target_vertices;
+    const uint32_t n_slots = smr_target_slots(g->shared);
     if (n_slots == 0u)
         return surface == NULL || !smr_is_cloud(surface);
     return slots_with(g, structure, surface) <= n_slots;
@@ -152,7 +152,7 @@ smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surfac
         return SMR_E_NULL;
     if (!smr_changeable(s) || (surface != NULL && (!smr_surface_valid(surface) || smr_is_cloud(surface))))
         return SMR_E_STATE;
-    if (!SMR_HAS_PARTIAL && surface != NULL && surface->open && s->shared.config.coverage != SMR_COVERAGE_WHOLE)
+    if (!SMR_HAS_PARTIAL && surface != NULL && surface->open && s->shared.config.partial.coverage != SMR_COVERAGE_WHOLE)
         return SMR_E_CONFIG;
     if (s->n_awaited > 0u)
         return s->await(s, SMR_LOG_SURFACE, structure, surface);

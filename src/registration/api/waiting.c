@@ -18,7 +18,8 @@ static awaited *list_of(const smr *s) { return (awaited *)s->overlay.record; }
 
 int smr_can_wait(const smr_shared *c)
 {
-    return (2u * (uint64_t)c->n_structures + 2u + c->config.n_fixed) * SMR_AWAITED_WORDS <= (uint64_t)c->n * SMR_WORDS;
+    return (2u * (uint64_t)c->n_structures + 2u + c->config.contact.n_fixed) * SMR_AWAITED_WORDS <=
+           (uint64_t)c->n * SMR_WORDS;
 }
 
 int smr_awaits_log(const smr_log *log) { return log->used > 0u && !log->full && log->memory == NULL; }
@@ -76,11 +77,11 @@ static void keep_caller(smr_arena *a, smr *s)
     const smr_caller_goals *g = &s->forces.caller;
     const uint32_t n = s->shared.n_structures;
     const int save = a->keeper->mode == SMR_KEEP_SAVE;
-    for (uint32_t i = 0; s->shared.config.caller_goals != 0u && i < n; i++)
+    for (uint32_t i = 0; s->shared.config.caller.goals != 0u && i < n; i++)
         keep_sum(a, s, n + 1u + i,
                  save && g->goals[i].xyz != NULL ? smr_goals_checksum(&g->goals[i], s->shape.structure[i].n_vertices)
                                                  : 0u);
-    if (s->shared.config.caller_force != SMR_CALLER_OFF)
+    if (s->shared.config.caller.force != SMR_CALLER_OFF)
         keep_sum(a, s, 2u * n + 1u, save && g->force != NULL);
 }
 
@@ -88,7 +89,7 @@ static void keep_fixed(smr_arena *a, smr *s)
 {
     const smr_fixed_surface *fixed = s->forces.contact.fixed;
     const int save = a->keeper->mode == SMR_KEEP_SAVE;
-    for (uint32_t i = 0; i < s->shared.config.n_fixed; i++)
+    for (uint32_t i = 0; i < s->shared.config.contact.n_fixed; i++)
         keep_sum(a, s, 2u * s->shared.n_structures + 2u + i,
                  save && fixed[i].surface != NULL ? smr_surface_checksum(fixed[i].surface) : 0u);
 }
@@ -139,7 +140,7 @@ static void go_on(smr *s)
 static smr_status await_surface(smr *s, uint32_t structure, const smr_surface *surface)
 {
     smr_target *target = s->forces.surface.target;
-    const uint32_t n = s->shared.n_structures, n_slots = s->shared.config.n_target_vertices;
+    const uint32_t n = s->shared.n_structures, n_slots = smr_target_slots(&s->shared);
     uint32_t first = structure == SMR_ALL ? 0u : structure, n_goals, n_tasks;
     if (surface == NULL)
         return SMR_E_STATE;

@@ -48,7 +48,7 @@ void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
     const smr_evolve *e = arg;
     const smr_shape shape = *e->shape;
     uint32_t *const sum = e->sums->sum;
-    const float *const share = e->reference->share, relaxation = e->shared->config.relaxation;
+    const float *const share = e->reference->share, relaxation = e->shared->config.motion.relaxation;
     (void)worker;
     const float inverse[2] = {1.0f / e->sums->scale[0], 1.0f / e->sums->scale[1]};
     const uint32_t last = smr_chunk_end(e->shared, task);
@@ -86,7 +86,7 @@ void smr_evolve_measure(void *arg, uint32_t task, uint32_t worker)
     smr_evolve *e = arg;
     float *const x = e->shape->x, *const x_next = e->shape->x_next;
     const uint32_t last = smr_chunk_end(e->shared, task);
-    const int by_mean = e->shared->config.plastic_by == SMR_PLASTIC_MEAN;
+    const int by_mean = e->shared->config.motion.plastic_by == SMR_PLASTIC_MEAN;
     float moved2 = 0.0f, sum = 0.0f;
     uint64_t hash = 0;
     (void)worker;

@@ -13,11 +13,11 @@ void smr_evening_begin(smr_evening *e)
 {
     const smr_config *c = &e->shared->config;
     e->share = 0.0f;
-    if (c->dynamics || !smr_at_last_radius(e->shared, e->pace) || e->pace->tracking || e->pace->repairing > 0u ||
+    if (c->dynamics.mode || !smr_at_last_radius(e->shared, e->pace) || e->pace->tracking || e->pace->repairing > 0u ||
         e->goals->n_goals == 0u)
         return;
-    const float left = 1.0f - (float)e->pace->radius_iteration / (float)c->iterations_last;
-    e->share = c->even * left * left;
+    const float left = 1.0f - (float)e->pace->radius_iteration / (float)c->basic.iterations_last;
+    e->share = c->basic.even * left * left;
 }
 
 uint32_t smr_evening_tasks(const void *arg)

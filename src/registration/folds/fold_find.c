@@ -35,7 +35,7 @@ void smr_folds_reset(smr_folds *f)
 
 int smr_folds_guarded(const smr_shared *c, const smr_pace *p)
 {
-    return c->config.fold_guard && !c->config.dynamics && p->radius + 2u > smr_last_radius(c);
+    return c->config.motion.fold_guard && !c->config.dynamics.mode && p->radius + 2u > smr_last_radius(c);
 }
 
 uint32_t smr_fold_find_tasks(const void *arg)

@@ -88,7 +88,7 @@ static void ask(smr_caller_goals *g, uint32_t task)
     }
     call(g, &view, &c);
     int good = keep(g, &c, first, n);
-    if (g->shared->config.caller_force == SMR_CALLER_CHECKED) {
+    if (g->shared->config.caller.force == SMR_CALLER_CHECKED) {
         call(g, &view, &c);
         good &= same(g, &c, first, n);
     }

@@ -9,7 +9,7 @@ static smr_vec asked(const void *arg, uint32_t v)
     const smr_forces *f = arg;
     if (!smr_active(f->pace, v))
         return smr_v(0, 0, 0);
-    const float share = f->shared->config.stiffness * f->pace->gain * smr_forces_ease(f, v);
+    const float share = f->shared->config.forces.stiffness * f->pace->gain * smr_forces_ease(f, v);
     return smr_add(smr_scale(smr_load(smr_at3(f->force, v)), share), smr_momentum(f, v));
 }
 

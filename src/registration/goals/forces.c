@@ -48,7 +48,7 @@ static void measure(const smr_forces *f, uint32_t v, smr_tally *tally)
     const smr_vec ref = smr_load(smr_at3(f->shape->x_ref, v)), u = smr_scale(smr_drive(f, v), smr_mass(f->shared, v));
     const float largest = smr_max(smr_abs(u.x), smr_max(smr_abs(u.y), smr_abs(u.z)));
     const float arm = smr_max(smr_abs(ref.x), smr_max(smr_abs(ref.y), smr_abs(ref.z)));
-    const float terms = f->shared->config.method == SMR_METHOD_RIGID ? 2.0f : 1.0f;
+    const float terms = f->shared->config.basic.method == SMR_METHOD_RIGID ? 2.0f : 1.0f;
     tally->forces.largest[0] = smr_max(tally->forces.largest[0], largest);
     tally->forces.largest[1] = smr_max(tally->forces.largest[1], terms * arm * largest);
 }
@@ -116,8 +116,9 @@ void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
     smr_forces *f = arg;
     (void)worker;
     smr_tally *tally = &f->tally[task];
-    const float stiffness = f->pace->repairing > 0u ? 0.0f : f->shared->config.stiffness * f->pace->gain;
-    const int apart = smr_contact_on(&f->contact), smooth = smr_smooth_used(&f->smooth) && smr_smooth_tasks(&f->smooth) > 0u;
+    const float stiffness = f->pace->repairing > 0u ? 0.0f : f->shared->config.forces.stiffness * f->pace->gain;
+    const int apart = smr_contact_on(&f->contact),
+              smooth = smr_smooth_used(&f->smooth) && smr_smooth_tasks(&f->smooth) > 0u;
     memset(tally, 0, sizeof *tally);
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(f->shared, task); v++) {
         if (!smr_active(f->pace, v)) {
@@ -138,7 +139,7 @@ void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
 /* The limit for long ways in the next iteration: mean + k standard deviations of this one; 0: none. */
 static float limit_of(const smr_forces *f, float mean, float mean_square)
 {
-    const float k = f->shared->config.reject_deviations;
+    const float k = f->shared->config.forces.reject_deviations;
     const float deviation = SMR_SQRT(smr_max(mean_square - mean * mean, 0.0f));
     return k > 0.0f && f->totals.n_forces > 0u ? smr_max(mean + k * deviation, 1.0e-3f) : 0.0f;
 }

@@ -6,9 +6,9 @@
 
 void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared *shared)
 {
-    if (shared->config.caller_goals != 0u)
+    if (shared->config.caller.goals != 0u)
         g->goals = smr_slot_scratch(a, g->goals, shared->n_structures, sizeof *g->goals); /* set again: waiting.c */
-    if (shared->config.caller_force != SMR_CALLER_OFF)
+    if (shared->config.caller.force != SMR_CALLER_OFF)
         g->gave = smr_slot_scratch(a, g->gave, shared->n, 4u * sizeof(float));
 }
 
@@ -113,7 +113,7 @@ void smr_sources_drop(smr_forces *f, uint32_t v)
 static float weight_beside(const smr_forces *f, int rest)
 {
     const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->unseen);
-    return rest ? 1.0f : looks ? f->shared->config.image_beside * f->pace->ease : 0.0f;
+    return rest ? 1.0f : looks ? f->shared->config.image.beside * f->pace->ease : 0.0f;
 }
 
 /* The way to a goal on a mesh or a cloud, and how far the target shows the vertex. */
@@ -124,8 +124,7 @@ static int goal_on_target(smr_forces *f, uint32_t v, const smr_target *drawn, sm
     if (smr_is_points(drawn->surface))
         return smr_point_goal(g, v, way);
     const int found = smr_surface_goal(g, v, drawn->surface, way, &find);
-    if (SMR_HAS_PARTIAL && find.hit.triangle != SMR_NONE &&
-        smr_overlap_judged(g, smr_model_owner(f->shared->model, v)))
+    if (SMR_HAS_PARTIAL && find.hit.triangle != SMR_NONE && smr_overlap_judged(g, smr_model_owner(f->shared->model, v)))
         smr_overlap_judge(g, v, drawn->surface, &find.hit, find.way);
     return found;
 }

@@ -11,7 +11,7 @@
 void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared)
 {
     m->transform = smr_slot_scratch(a, m->transform, shared->n, 12u * sizeof(float));
-    if (shared->config.method == SMR_METHOD_POLAR)
+    if (shared->config.basic.method == SMR_METHOD_POLAR)
         m->eigen = smr_slot_floats(a, m->eigen, 9u * (size_t)shared->n, SMR_KEPT_UNIT);
 }
 
@@ -38,7 +38,7 @@ void smr_match_reset(smr_match *m)
 static smr_vec rigid_turn(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse)
 {
     const smr_reference *const r = m->reference;
-    const float turn_deg = m->shared->config.turn_deg;
+    const float turn_deg = m->shared->config.motion.turn_deg;
     const smr_vec c = smr_load(smr_at3(r->centre, v));
     smr_vec l = smr_v(smr_unfix(w[0], inverse), smr_unfix(w[1], inverse), smr_unfix(w[2], inverse));
     l = smr_sub(l, smr_cross(c, mu));
@@ -68,7 +68,7 @@ static void polar(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w,
 /* R - I and t of one cluster. */
 static void matrix_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float t[12])
 {
-    if (m->shared->config.method == SMR_METHOD_RIGID)
+    if (m->shared->config.basic.method == SMR_METHOD_RIGID)
         smr_rodrigues(rigid_turn(m, v, mu, w, inverse), t);
     else
         polar(m, v, mu, w, inverse, t);
@@ -80,7 +80,7 @@ static void matrix_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t
 static void log_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float t[12])
 {
     smr_vec turn;
-    if (m->shared->config.method == SMR_METHOD_RIGID) {
+    if (m->shared->config.basic.method == SMR_METHOD_RIGID) {
         turn = smr_turn_within(rigid_turn(m, v, mu, w, inverse), SMR_ANGLE_MAX);
     } else {
         polar(m, v, mu, w, inverse, t);

@@ -20,7 +20,7 @@ typedef struct smr_match {
 } smr_match;
 
 /* 1: transforms are averaged by their logarithms. */
-static inline int smr_blends_logs(const smr_shared *shared) { return shared->config.fusing == SMR_FUSING_LIE; }
+static inline int smr_blends_logs(const smr_shared *shared) { return shared->config.motion.fusing == SMR_FUSING_LIE; }
 
 /* Words of a transform's record; the last three are of t or of the rate. */
 static inline uint32_t smr_transform_words(const smr_shared *shared) { return smr_blends_logs(shared) ? 6u : 12u; }

@@ -266,7 +266,7 @@ static void invert_inertia(const float c[6], float out[6])
 static void spread_of(const smr_reference *r, uint32_t v, const float c[6])
 {
     float *spread = r->spread + 6u * (size_t)v;
-    if (r->shared->config.method == SMR_METHOD_RIGID)
+    if (r->shared->config.basic.method == SMR_METHOD_RIGID)
         invert_inertia(c, spread);
     else
         memcpy(spread, c, 6u * sizeof *c);

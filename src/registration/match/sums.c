@@ -26,7 +26,7 @@ void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1
     s->words = words;
 }
 
-uint32_t smr_method_words(const smr_shared *c) { return c->config.method == SMR_METHOD_RIGID ? 6u : 12u; }
+uint32_t smr_method_words(const smr_shared *c) { return c->config.basic.method == SMR_METHOD_RIGID ? 6u : 12u; }
 
 /* A block is one task, or several one after the other: task = piece * n_blocks + block, and all blocks' pieces are done
  * before the next ones start. */
@@ -66,7 +66,7 @@ void smr_sums_record(void *arg, uint32_t task, uint32_t worker)
         r[0] = smr_fixed(u.x * s->scale[0]);
         r[1] = smr_fixed(u.y * s->scale[0]);
         r[2] = smr_fixed(u.z * s->scale[0]);
-        if (s->shared->config.method == SMR_METHOD_RIGID) {
+        if (s->shared->config.basic.method == SMR_METHOD_RIGID) {
             const smr_vec l = smr_cross(ref, u);
             r[3] = smr_fixed(l.x * s->scale[1]);
             r[4] = smr_fixed(l.y * s->scale[1]);

@@ -10,10 +10,10 @@
 
 void smr_held_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
 {
-    const int ahead = shared->config.track != SMR_TRACK_OFF && shared->config.track_ahead > 0.0f;
+    const int ahead = shared->config.track.mode != SMR_TRACK_OFF && shared->config.track.ahead > 0.0f;
     smr_pose none = {{{0}}};
     uint32_t gone = 0;
-    if (shared->config.track == SMR_TRACK_OFF && !shared->config.dynamics)
+    if (shared->config.track.mode == SMR_TRACK_OFF && !shared->config.dynamics.mode)
         return;
     shape->held = smr_slot_scratch(a, shape->held, 1, sizeof *shape->held);
     shape->held_x = smr_slot_floats(a, shape->held_x, 3u * (size_t)shared->n, SMR_KEPT_MM);
@@ -179,7 +179,7 @@ static void move(float *xyz, const smr_twist *by, smr_vec *normal)
 static void move_structure(smr_shape *shape, uint32_t structure, const smr_twist *by)
 {
     const smr_shape_structure *one = &shape->structure[structure];
-    const float left = 1.0f - shape->shared->config.track_ahead;
+    const float left = 1.0f - shape->shared->config.track.ahead;
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(shape->shared->model, one->first_vertex + i);
         smr_vec normal = smr_load(smr_at3(shape->normal, v)), none = smr_v(0, 0, 0);
@@ -199,7 +199,7 @@ void smr_held_ahead(smr_shape *shape, int steady)
     shape->held->ahead = 1;
     for (uint32_t i = 0; i < shape->shared->n_structures; i++) {
         const smr_pose now = shape->held_pose[i], back = inverse(&shape->held_last[i]), by = after(&now, &back);
-        const smr_twist twist = part_of(&by, shape->shared->config.track_ahead);
+        const smr_twist twist = part_of(&by, shape->shared->config.track.ahead);
         shape->held_last[i] = now;
         if (steady)
             move_structure(shape, i, &twist);

@@ -28,7 +28,7 @@ void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
     shape->n_nodes = 0;
     for (uint32_t i = 0; i < shared->n_structures; i++)
         shape->n_nodes += smr_tree_nodes(smr_le32(smr_model_record(shared->model, i)->n_triangles));
-    if (shared->config.n_target_vertices > 0u || shared->config.contact > 0.0f)
+    if (smr_target_slots(shared) > 0u || shared->config.contact.share > 0.0f)
         shape->node = smr_slot_scratch(a, shape->node, shape->n_nodes, sizeof *shape->node);
     smr_keep_floats(a, &shape->origin.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
     smr_keep_require(a, is_whole(shape->origin));

@@ -51,6 +51,12 @@ typedef struct smr_shared {
     float min_cos;            /* of config.forces.normal_deg */
 } smr_shared;
 
+/* Target vertices that there is room for. 0: none attracts. */
+static inline uint32_t smr_target_slots(const smr_shared *shared)
+{
+    return shared->config.basic.attract ? shared->config.basic.n_target_vertices : 0u;
+}
+
 /* Image that is followed: no iteration stands on it; one does; and what else is followed has gone on since then. */
 enum { SMR_IMAGE_NEW = 0, SMR_IMAGE_SEEN = 1, SMR_IMAGE_PAST = 2 };
 
@@ -87,7 +93,7 @@ typedef struct smr_pace {
 /* 1 where images can be followed. */
 static inline int smr_follows_images(const smr_shared *c)
 {
-    return c->config.track != SMR_TRACK_OFF && smr_le32(c->model->profile_samples) > 0u;
+    return c->config.track.mode != SMR_TRACK_OFF && smr_le32(c->model->profile_samples) > 0u;
 }
 
 /* 1 when a tick changes nothing. */
@@ -131,7 +137,7 @@ static inline smr_vec smr_rest(const smr_shared *c, uint32_t vertex)
 
 static inline uint32_t smr_last_radius(const smr_shared *c)
 {
-    return smr_min_u32(c->config.radius_last, c->n_radii - 1u);
+    return smr_min_u32(c->config.schedule.radius_last, c->n_radii - 1u);
 }
 
 static inline int smr_at_last_radius(const smr_shared *c, const smr_pace *p) { return p->radius == smr_last_radius(c); }

@@ -15,11 +15,11 @@ static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *s
     g->partial = 0;
     for (uint32_t i = 0; smr_keeps(a) && i < shared->n_structures; i++) {
         smr_target none = {0}, *t = g->target == NULL ? &none : &g->target[i];
-        smr_keep_words(a, &t->partial, 1, shared->config.coverage != SMR_COVERAGE_WHOLE);
+        smr_keep_words(a, &t->partial, 1, shared->config.partial.coverage != SMR_COVERAGE_WHOLE);
         smr_keep_words(a, &t->n_seen, 1, shared->n);
         smr_keep_words(a, &t->n_judged, 1, shared->n);
         smr_keep_words(a, &t->measured, 1, 1);
-        if (shared->config.track != SMR_TRACK_OFF)
+        if (shared->config.track.mode != SMR_TRACK_OFF)
             smr_keep_floats(a, &t->view.x, 3, -SMR_KEPT_UNIT, SMR_KEPT_UNIT);
         g->partial |= t->partial;
     }
@@ -28,13 +28,13 @@ static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *s
 void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared)
 {
     const size_t n = shared->n;
-    const uint32_t m = shared->config.n_target_vertices;
+    const uint32_t m = shared->config.basic.n_target_vertices;
     g->target = smr_slot_scratch(a, g->target, shared->n_structures, sizeof *g->target);
     g->goal = smr_slot_scratch(a, g->goal, shared->n_structures, sizeof *g->goal);
     g->warm = smr_slot_indexes(a, g->warm, n, SMR_TRIANGLES_MAX); /* a search checks it against its surface */
     g->warm_next = smr_slot_scratch(a, g->warm_next, n, sizeof(uint32_t));
     keep_targets(a, g, shared);
-    if (shared->config.coverage != SMR_COVERAGE_WHOLE) {
+    if (shared->config.partial.coverage != SMR_COVERAGE_WHOLE) {
         g->seen = smr_slot_bytes(a, g->seen, n, SMR_SEEN_ONE);
         g->seen_next = smr_slot_scratch(a, g->seen_next, n, 1);
     }
@@ -42,7 +42,7 @@ void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shar
         return;
     g->then = smr_slot_scratch(a, g->then, shared->n_structures, sizeof *g->then);
     g->target_warm = smr_slot_indexes(a, g->target_warm, m, SMR_TRIANGLES_MAX);
-    g->pull = smr_slot_scratch(a, g->pull, shared->config.n_workers * n, 4u * sizeof(int64_t)); /* 0 in between */
+    g->pull = smr_slot_scratch(a, g->pull, shared->config.basic.n_workers * n, 4u * sizeof(int64_t)); /* 0 in between */
 }
 
 void smr_surface_goals_wire(smr_surface_goals *g, const smr_shared *shared, const smr_pace *pace,
@@ -60,7 +60,7 @@ void smr_surface_goals_wire(smr_surface_goals *g, const smr_shared *shared, cons
 void smr_pulls_clear(smr_surface_goals *g)
 {
     if (g->pull != NULL)
-        memset(g->pull, 0, g->shared->config.n_workers * (size_t)g->shared->n * 4u * sizeof *g->pull);
+        memset(g->pull, 0, g->shared->config.basic.n_workers * (size_t)g->shared->n * 4u * sizeof *g->pull);
 }
 
 void smr_surface_goals_reset(smr_surface_goals *g)
@@ -74,7 +74,7 @@ void smr_surface_goals_reset(smr_surface_goals *g)
         g->target[i].view = smr_v(0, 0, 0);
     for (uint32_t v = 0; v < g->shared->n; v++)
         g->warm[v] = g->warm_next[v] = SMR_NONE;
-    for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.n_target_vertices; j++)
+    for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.basic.n_target_vertices; j++)
         g->target_warm[j] = SMR_NONE;
 }
 
@@ -104,7 +104,7 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     find->hit.triangle = SMR_NONE;
     if (smr_outside_box(c, smr_add(p, target->origin)))
         return 0;
-    smr_query q = {p, smr_load(smr_at3(g->shape->normal, v)), g->shared->min_cos, c->node_budget, g->warm[v]};
+    smr_query q = {p, smr_load(smr_at3(g->shape->normal, v)), g->shared->min_cos, c->forces.node_budget, g->warm[v]};
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f; /* no triangles around this vertex: any normal will do */
     smr_hit hit = {g->pace->search_mm * g->pace->search_mm, SMR_NONE, {0, 0, 0}};
@@ -112,7 +112,7 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     if (hit.triangle == SMR_NONE)
         return 0;
     g->warm_next[v] = hit.triangle;
-    if (c->reject_border && smr_surface_on_border(target, hit.triangle, hit.weight))
+    if (c->forces.reject_border && smr_surface_on_border(target, hit.triangle, hit.weight))
         return 0;
     if (g->limit > 0.0f && hit.d2 > g->limit * g->limit)
         return 0;
@@ -128,12 +128,12 @@ smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec way)
     const smr_vec n = smr_load(smr_at3(g->shape->normal, v)), along_normal = smr_scale(n, smr_dot(n, way));
     if (smr_dot(n, n) < 0.5f)
         return way;
-    return smr_add(along_normal, smr_scale(smr_sub(way, along_normal), g->shared->config.slide));
+    return smr_add(along_normal, smr_scale(smr_sub(way, along_normal), g->shared->config.basic.slide));
 }
 
 static smr_vec blend(const smr_surface_goals *g, int has_goal, smr_vec goal, float weight, smr_vec pull)
 {
-    const float share = has_goal ? g->shared->config.attraction * weight : weight;
+    const float share = has_goal ? g->shared->config.basic.attraction * weight : weight;
     return smr_add(smr_scale(goal, 1.0f - share), smr_scale(pull, share));
 }
 
@@ -142,7 +142,7 @@ int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target
     smr_vec pull = smr_v(0, 0, 0);
     const int has_goal = project(g, v, target, find);
     float weight = smr_attraction_on(g) ? smr_pull_take(g, v, &pull) : 0.0f;
-    if (!has_goal && g->shared->config.use_box) /* outside the box nothing pulls either */
+    if (!has_goal && g->shared->config.forces.use_box) /* outside the box nothing pulls either */
         weight = 0.0f;
     const smr_vec goal = has_goal ? find->way : smr_v(0, 0, 0);
     *way = smr_off_surface(g, v, blend(g, has_goal, goal, weight, pull));

@@ -90,8 +90,9 @@ smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec way);
 /* 1: p, mm in the caller's coordinates, lies where no goal counts. */
 static inline int smr_outside_box(const smr_config *c, smr_vec p)
 {
-    return c->use_box && (p.x < c->box_min[0] || p.y < c->box_min[1] || p.z < c->box_min[2] || p.x > c->box_max[0] ||
-                          p.y > c->box_max[1] || p.z > c->box_max[2]);
+    return c->forces.use_box &&
+           (p.x < c->forces.box_min[0] || p.y < c->forces.box_min[1] || p.z < c->forces.box_min[2] ||
+            p.x > c->forces.box_max[0] || p.y > c->forces.box_max[1] || p.z > c->forces.box_max[2]);
 }
 
 /* target_attraction.c: target-to-model attraction, when target vertices pull in this iteration. */

@@ -16,12 +16,12 @@
 
 int smr_attraction_on(const smr_surface_goals *g)
 {
-    return (g->shared->config.attraction > 0.0f || g->n_clouds > 0u) && g->n_goals > 0u && g->target_warm != NULL;
+    return (g->shared->config.basic.attraction > 0.0f || g->n_clouds > 0u) && g->n_goals > 0u && g->target_warm != NULL;
 }
 
 int smr_attracts(const smr_surface_goals *g, const smr_surface *target)
 {
-    return smr_attraction_on(g) && (g->shared->config.attraction > 0.0f || smr_is_cloud(target));
+    return smr_attraction_on(g) && (g->shared->config.basic.attraction > 0.0f || smr_is_cloud(target));
 }
 
 uint32_t smr_attract_tasks(const void *arg)
@@ -96,8 +96,8 @@ static void add_pull(const smr_shape_structure *one, smr_vec y, const smr_near *
 static void pull_one(const smr_surface_goals *g, const smr_surface *surface, uint32_t j, uint32_t *warm, int64_t *pull)
 {
     const smr_vec y = smr_add(smr_load(surface->xyz + 3u * (size_t)j), smr_sub(surface->origin, g->shape->origin));
-    smr_query q = {y, smr_load(surface->normal + 3u * (size_t)j), g->shared->min_cos, g->shared->config.node_budget,
-                   SMR_NONE};
+    smr_query q = {y, smr_load(surface->normal + 3u * (size_t)j), g->shared->min_cos,
+                   g->shared->config.forces.node_budget, SMR_NONE};
     smr_hit hit = {g->pace->search_mm * g->pace->search_mm, SMR_NONE, {0, 0, 0}};
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f;
@@ -113,7 +113,7 @@ static void pull_one(const smr_surface_goals *g, const smr_surface *surface, uin
     if (g->limit > 0.0f && smr_dot(r, r) > g->limit * g->limit)
         return;
     const float area = surface->area_mean > 0.0f ? smr_min(surface->area[j] / surface->area_mean, SMR_AREA_MAX) : 1.0f;
-    const float noise = smr_is_cloud(surface) ? g->shared->config.noise_mm : 0.0f;
+    const float noise = smr_is_cloud(surface) ? g->shared->config.partial.noise_mm : 0.0f;
     for (uint32_t i = 0; i < near.n; i++)
         add_pull(one, y, &near.item[i], area, noise, pull);
 }
@@ -137,7 +137,7 @@ void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
 void smr_pull_look(const smr_surface_goals *g, uint32_t v, int64_t sum[4])
 {
     sum[0] = sum[1] = sum[2] = sum[3] = 0;
-    for (uint32_t w = 0; w < g->shared->config.n_workers; w++) {
+    for (uint32_t w = 0; w < g->shared->config.basic.n_workers; w++) {
         const int64_t *p = g->pull + 4u * ((size_t)g->shared->n * w + v);
         for (uint32_t i = 0; i < 4u; i++)
             sum[i] += p[i];
@@ -147,7 +147,7 @@ void smr_pull_look(const smr_surface_goals *g, uint32_t v, int64_t sum[4])
 void smr_pull_sum(smr_surface_goals *g, uint32_t v, int64_t sum[4])
 {
     smr_pull_look(g, v, sum);
-    for (uint32_t w = 0; w < g->shared->config.n_workers; w++)
+    for (uint32_t w = 0; w < g->shared->config.basic.n_workers; w++)
         memset(g->pull + 4u * ((size_t)g->shared->n * w + v), 0, 4u * sizeof *g->pull);
 }
 

@@ -11,16 +11,16 @@ static void forces_end(smr *s)
     const smr_force_totals *t = &s->forces.totals;
     smr_forces_end(&s->forces);
     smr_sums_expect(&s->sums, smr_method_words(&s->shared), t->largest[0], t->largest[1]);
-    s->report.n_taken = s->pace.n_active;
-    s->report.n_active = t->n_drawn;
+    s->report.details.n_taken = s->pace.n_active;
+    s->report.details.n_active = t->n_drawn;
     s->report.n_forces = t->n_forces;
-    s->report.n_rejected = t->n_rejected;
+    s->report.details.n_rejected = t->n_rejected;
     const int attracts = smr_attraction_on(&s->forces.surface) && s->pace.repairing == 0u; /* repairs have no forces */
-    s->report.attraction_used = attracts ? s->shared.config.attraction : 0.0f;
-    s->report.matched_share = s->forces.matched;
+    s->report.details.attraction_used = attracts ? s->shared.config.basic.attraction : 0.0f;
+    s->report.details.matched_share = s->forces.matched;
     s->report.residual_mean_mm = t->n_forces > 0u ? t->mean : -1.0f;
-    s->report.residual_rms_mm = t->n_forces > 0u ? t->rms : -1.0f;
-    s->report.residual_max_mm = t->n_forces > 0u ? t->max : -1.0f;
+    s->report.details.residual_rms_mm = t->n_forces > 0u ? t->rms : -1.0f;
+    s->report.details.residual_max_mm = t->n_forces > 0u ? t->max : -1.0f;
     if (smr_tracks(&s->pace))
         smr_tracking_look(s);
     if (smr_visibility_on(&s->forces.surface))
@@ -42,8 +42,8 @@ static void match_end(smr *s)
 static void measure_end(smr *s)
 {
     smr_evolve_measure_end(&s->evolve);
-    s->evolve.normals_due = s->shared.config.normals == SMR_NORMALS_EXACT || s->pace.tracking ||
-                            smr_moves(s) || smr_plastic_ahead(s);
+    s->evolve.normals_due = s->shared.config.motion.normals == SMR_NORMALS_EXACT || s->pace.tracking || smr_moves(s) ||
+                            smr_plastic_ahead(s);
 }
 
 static void rest_pose_end(smr *s) { smr_rest_pose_end(&s->shape); }
@@ -164,6 +164,7 @@ uint32_t smr_forces_evaluated(const smr *s)
     if (smr_seeks_forces(&smr_steps[s->step]))
         return smr_min_u32(s->next_task * smr_force_chunk(&s->forces), s->pace.n_active);
     const smr_task run = smr_steps[s->step].run;
-    const int found = !smr_forces_pending(s) || run == smr_forces_take || (SMR_HAS_CONTACT && run == smr_contact_search);
+    const int found =
+        !smr_forces_pending(s) || run == smr_forces_take || (SMR_HAS_CONTACT && run == smr_contact_search);
     return s->step > 0u && found ? s->pace.n_active : 0u;
 }

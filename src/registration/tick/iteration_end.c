@@ -35,8 +35,8 @@ void smr_stand(void *arg, uint32_t task, uint32_t worker)
     s->pace.iteration++;
     s->pace.radius_iteration++;
     s->pace.since_plastic++;
-    s->report.radius = s->pace.radius; /* the next iteration may be at another one */
-    s->report.radius_iteration = s->pace.repairing > 0u ? 0u : s->pace.radius_iteration;
+    s->report.details.radius = s->pace.radius; /* the next iteration may be at another one */
+    s->report.details.radius_iteration = s->pace.repairing > 0u ? 0u : s->pace.radius_iteration;
     smr_schedule_next(s);
     if (s->pace.since_plastic == 0u)
         smr_plastic_normals(shape);

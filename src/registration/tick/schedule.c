@@ -8,8 +8,8 @@
 #include "options/track/track.h"
 #include "registration/convergence.h"
 
-#define SMR_ACTIVE_EVERY 8u    /* iterations between two changes of n_active at one radius */
-#define SMR_GROWN 1.25f        /* factor on the points of clouds from which on a radius is repeated */
+#define SMR_ACTIVE_EVERY 8u /* iterations between two changes of n_active at one radius */
+#define SMR_GROWN 1.25f     /* factor on the points of clouds from which on a radius is repeated */
 
 /* Chooses n_active. A change costs new cluster centres, so it waits for a new reference shape, which costs them anyway,
  * or for SMR_ACTIVE_EVERY iterations. The caller's choice and vertices that a budget left out do not wait. */
@@ -17,7 +17,7 @@ static void choose_active(smr *s)
 {
     const uint32_t count =
         s->pace.n_pinned > 0u ? smr_max_u32(s->pace.n_pinned, s->pace.lists.active_min) : smr_radius_active(s);
-    s->report.n_wanted = count;
+    s->report.details.n_wanted = count;
     if (count == s->pace.n_active || (s->pace.n_pinned == 0u && !s->budget.cut && !s->reference.stale &&
                                       s->pace.radius_iteration % SMR_ACTIVE_EVERY != 0u))
         return;
@@ -43,7 +43,7 @@ void smr_schedule_start(smr *s)
     s->forces.surface.n_goals_begun = s->forces.surface.n_goals;
     s->forces.surface.n_clouds_begun = s->forces.surface.n_clouds;
     s->forces.surface.n_points_begun = s->forces.surface.n_points;
-    smr_radius_go(s, s->shared.config.radius_first);
+    smr_radius_go(s, s->shared.config.schedule.radius_first);
     s->shape.rest_pose_due = 1; /* an abandoned iteration may have made it of other positions */
     if (smr_moves(s))
         smr_time_steps_start(s);
@@ -75,7 +75,7 @@ void smr_schedule_next(smr *s)
         smr_plastic_update(s);
     if (e.done) {
         s->pace.converged = (uint32_t)((e.small || e.settled) && s->forces.matched > 0.0f);
-        s->pace.done = !SMR_HAS_TRACK || s->shared.config.track == SMR_TRACK_OFF;
+        s->pace.done = !SMR_HAS_TRACK || s->shared.config.track.mode == SMR_TRACK_OFF;
         if (SMR_HAS_TRACK && !s->pace.done)
             smr_tracking_start(s);
     } else if (!repairs && !smr_at_last_radius(&s->shared, &s->pace) && (e.settled || e.spent)) {
@@ -87,8 +87,9 @@ void smr_schedule_next(smr *s)
  * radius. Where the image is poor goals jump from sample to sample; so the model comes to rest in their mean. */
 static float ease_of(const smr *s)
 {
-    const uint32_t all = s->shared.config.iterations_last, left = all - smr_min_u32(s->pace.radius_iteration + 1u, all);
-    if (!s->shared.config.fade || smr_tracks(&s->pace) || smr_moves(s) || !smr_image_on(&s->forces.image) ||
+    const uint32_t all = s->shared.config.basic.iterations_last,
+                   left = all - smr_min_u32(s->pace.radius_iteration + 1u, all);
+    if (!s->shared.config.image.fade || smr_tracks(&s->pace) || smr_moves(s) || !smr_image_on(&s->forces.image) ||
         !smr_at_last_radius(&s->shared, &s->pace) || left >= all / 2u)
         return 1.0f;
     return (float)left / (float)(all / 2u);
@@ -99,11 +100,11 @@ static void choose_distances(smr *s)
 {
     s->pace.ease = ease_of(s);
     const float done = smr_tracks(&s->pace) ? smr_tracking_progress(s) : smr_radius_progress(s);
-    s->pace.farthest_mm =
-        s->shared.config.profile_mm + done * (s->shared.config.profile_end_mm - s->shared.config.profile_mm);
-    s->pace.profile_mm = smr_min(s->pace.farthest_mm, s->shared.config.profile_radii * s->pace.lists.radius);
-    s->pace.gradient_mm =
-        s->shared.config.gradient_mm + done * (s->shared.config.gradient_end_mm - s->shared.config.gradient_mm);
+    s->pace.farthest_mm = s->shared.config.image.profile_mm +
+                          done * (s->shared.config.image.profile_end_mm - s->shared.config.image.profile_mm);
+    s->pace.profile_mm = smr_min(s->pace.farthest_mm, s->shared.config.image.profile_radii * s->pace.lists.radius);
+    s->pace.gradient_mm = s->shared.config.image.gradient_mm +
+                          done * (s->shared.config.image.gradient_end_mm - s->shared.config.image.gradient_mm);
 }
 
 /* Notes which structures have a target now. One that is set during the iteration counts from the next one on. */
@@ -124,7 +125,7 @@ void smr_schedule_begin(smr *s)
     if (smr_moves(s))
         smr_time_steps_begin(s);
     choose_active(s);
-    s->report.n_taken = s->pace.n_active;
+    s->report.details.n_taken = s->pace.n_active;
     choose_distances(s);
     begin_targets(&s->forces.surface);
     if (tracks)

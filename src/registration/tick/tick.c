@@ -108,20 +108,20 @@ static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
 {
     smr_tick_report *r = &s->report;
     if (s->pace.iteration == before) {
-        r->radius = s->pace.radius;
-        r->radius_iteration = s->pace.radius_iteration;
+        r->details.radius = s->pace.radius;
+        r->details.radius_iteration = s->pace.radius_iteration;
     }
     r->iteration = s->pace.iteration;
-    r->phase = s->step == 0u ? 0u : smr_steps[s->step].phase;
-    r->n_guarded = s->folds.n_guarded;
-    r->plastic_updates = s->pace.plastic_updates;
+    r->details.phase = s->step == 0u ? 0u : smr_steps[s->step].phase;
+    r->details.n_guarded = s->folds.n_guarded;
+    r->details.plastic_updates = s->pace.plastic_updates;
     r->converged = s->pace.converged;
     r->done = s->pace.done;
-    r->tracking = s->pace.tracking;
-    r->settled = s->pace.settled && !s->pace.called;
-    r->jumped = s->pace.jumped;
+    r->details.tracking = s->pace.tracking;
+    r->details.settled = s->pace.settled && !s->pace.called;
+    r->details.jumped = s->pace.jumped;
     r->progress = smr_radius_progress(s);
-    memcpy(r->phase_ns, phase_ns, sizeof r->phase_ns);
+    memcpy(r->details.phase_ns, phase_ns, sizeof r->details.phase_ns);
 }
 
 /* The report as the caller gets it. The log keeps what the iteration itself found, whatever was set since. */
@@ -130,9 +130,9 @@ static smr_tick_report report_of(const smr *s)
     smr_tick_report r = s->report;
     if (!s->forces.unmeasured)
         return r;
-    r.n_active = r.n_forces = r.n_rejected = r.converged = 0;
-    r.attraction_used = 0.0f;
-    r.matched_share = r.residual_mean_mm = r.residual_rms_mm = r.residual_max_mm = -1.0f;
+    r.details.n_active = r.n_forces = r.details.n_rejected = r.converged = 0;
+    r.details.attraction_used = 0.0f;
+    r.details.matched_share = r.residual_mean_mm = r.details.residual_rms_mm = r.details.residual_max_mm = -1.0f;
     return r;
 }
 
@@ -211,7 +211,7 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     if (status == SMR_OK)
         tell_gave(s);
     const smr_log_of_tick tick = {&s->report, status == SMR_OK,
-                                  status == SMR_OK ? s->report.n_taken : smr_forces_evaluated(s)};
+                                  status == SMR_OK ? s->report.details.n_taken : smr_forces_evaluated(s)};
     smr_log_note(&s->log, SMR_LOG_TICK, 0, &tick, 0);
     if (report != NULL)
         *report = report_of(s);

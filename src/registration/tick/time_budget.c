@@ -137,7 +137,7 @@ void smr_budget_plan(smr *s, uint64_t budget_ns)
     s->budget.odd = s->budget.late = s->budget.look = 0;
     s->budget.budget = budget_ns;
     const int closing = smr_at_last_radius(&s->shared, &s->pace) &&
-                        SMR_CLOSING * s->pace.radius_iteration >= s->shared.config.iterations_last;
+                        SMR_CLOSING * s->pace.radius_iteration >= s->shared.config.basic.iterations_last;
     s->budget.uncut = cost < SMR_FOREVER && (closing || cost > (float)budget_ns);
 }
 
