@@ -37,11 +37,16 @@ typedef enum smr_status {
     SMR_E_STATE = -7,   /* the call is not possible in this state */
     SMR_E_ABORTED = -8, /* the progress callback asked to stop */
     SMR_E_LOG = -9,     /* not a log, other version, damaged, or cut off within a record */
-    SMR_E_SAVE = -10    /* not a saved registration, other version, damaged, or inconsistent */
+    SMR_E_SAVE = -10,   /* not a saved registration, other version, damaged, or inconsistent */
+    SMR_E_WITHOUT = -11 /* a log or a save needs a capability that this build leaves out */
 } smr_status;
 
 /* The status' name, for example "SMR_E_ARENA". Never NULL. */
 const char *smr_status_name(smr_status status);
+
+/* The capabilities that this build of the library leaves out (docs/LINKING.md): "", or words of "image partial track
+ * contact dynamics". What one of them needs is refused with E_CONFIG, a setting that is not at its default, too. */
+const char *smr_built_without(void);
 
 #define SMR_ALIGN 64u        /* bytes: every memory handed over starts on such an address */
 #define SMR_COORD_MAX 1.0e5f /* mm: largest absolute coordinate accepted */
@@ -1051,7 +1056,8 @@ smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *
  * calls that change or judge anything return E_STATE. An input that is not the one from before, by its checksum, or is
  * shared by other structures, is refused with E_INPUT (a log: E_LOG). Setting inputs again restarts nothing and is not
  * recorded: the log goes on as if there had been no interruption.
- * Errors: E_NULL, E_SAVE, E_MODEL (another model), E_CONFIG, E_ALIGN, E_ARENA, E_INPUT; *s and arena untouched then. */
+ * Errors: E_NULL, E_SAVE, E_MODEL (another model), E_CONFIG, E_WITHOUT, E_ALIGN, E_ARENA, E_INPUT; *s and arena
+ * untouched then. */
 smr_status smr_restore(const smr_model *model, const smr_config *config, const smr_port *port, const void *saved,
                        size_t saved_bytes, void *arena, size_t bytes, smr **s);
 
@@ -1142,7 +1148,7 @@ typedef const void *(*smr_log_input)(void *ctx, const smr_log_record *record);
 /* Prepares to repeat a log on s, which is as smr_init() left it, with the log's model and configuration. n_workers and
  * the port may differ. log and s must stay. input may be NULL when there are only poses and landmarks.
  * Errors: E_NULL, E_STATE (not a registration, or not right after smr_init()), E_LOG, E_MODEL (another model), E_CONFIG
- * (another configuration). */
+ * (another configuration), E_WITHOUT. */
 smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx, smr_replay *replay);
 
 typedef struct smr_replay_report {
@@ -1157,8 +1163,8 @@ typedef struct smr_replay_report {
 /* Repeats the log's next tick and the inputs set before it, without a clock, and compares what came of it. A complete
  * iteration is computed in one piece. A partial tick changes nothing yet, so its time falls on the tick that completes
  * the iteration. After an error or a difference the rest of the replay means little.
- * Errors: E_NULL, E_LOG, E_INPUT (an input is missing, has another checksum, or was refused), and those of
- * smr_set_...() and smr_tick(). */
+ * Errors: E_NULL, E_LOG, E_INPUT (an input is missing, has another checksum, or was refused), E_WITHOUT, and
+ * those of smr_set_...() and smr_tick(). */
 smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 
 /* ------------------------------------------------------------------ 21. sizes as constants, for static storage */

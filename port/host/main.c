@@ -87,6 +87,10 @@ static int dispatch(int argc, char **argv, host_error *error)
     }
     if (argc == 3 && strcmp(argv[1], "register") == 0 && strcmp(argv[2], "--xml") == 0)
         return host_module_xml() == 0 ? HOST_DONE : HOST_REFUSED;
+    if (smr_built_without()[0] != '\0') { /* commands need all that the library can */
+        (void)fprintf(stderr, "smr: built without %s\n", smr_built_without());
+        return HOST_REFUSED;
+    }
     for (i = 0; argc > 1 && i < sizeof commands / sizeof commands[0]; i++)
         if (strcmp(argv[1], commands[i].name) == 0)
             return run(commands[i].command, argc, argv, error);

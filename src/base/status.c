@@ -17,6 +17,7 @@ const char *smr_status_name(smr_status status)
     case SMR_E_ABORTED: return "SMR_E_ABORTED";
     case SMR_E_LOG: return "SMR_E_LOG";
     case SMR_E_SAVE: return "SMR_E_SAVE";
+    case SMR_E_WITHOUT: return "SMR_E_WITHOUT";
     }
     return "SMR_E_UNKNOWN";
 }

@@ -5,6 +5,7 @@
  * before it, a later one counts after it, and one that starts the schedule over gives the iteration up.
  * Bounds: a tick reads the log's records at most twice.
  * SPDX-License-Identifier: MIT */
+#include "registration/config/config.h"
 #include "registration/registration.h"
 
 smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input input, void *ctx, smr_replay *replay)
@@ -21,6 +22,8 @@ smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input
     if (info.model_checksum != smr_le32(s->shared.model->checksum) || info.n_vertices != s->shared.n)
         return SMR_E_MODEL;
     info.config.basic.n_workers = s->shared.config.basic.n_workers; /* makes no difference */
+    if (smr_config_left_out(&info.config))
+        return SMR_E_WITHOUT;
     if (memcmp(&info.config, &s->shared.config, sizeof info.config) != 0)
         return SMR_E_CONFIG;
     memset(replay, 0, sizeof *replay);
@@ -128,6 +131,13 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
     return smr_set_positions(s, record->structure, given);
 }
 
+/* The same; setters say E_CONFIG where this build leaves out what they need. */
+static smr_status set_again(smr_replay *r, const smr_log_record *record)
+{
+    const smr_status status = set_input(r, record);
+    return status == SMR_E_CONFIG ? SMR_E_WITHOUT : status;
+}
+
 /* The goals that were set while an iteration had its forces already. Those records lie between r->later and the
  * reader. */
 static smr_status set_later(smr_replay *r, smr_log_record *record)
@@ -136,7 +146,7 @@ static smr_status set_later(smr_replay *r, smr_log_record *record)
     while (status == SMR_OK && r->has_later && r->later.at < r->reader.at) {
         status = smr_log_next(&r->later, record);
         if (status == SMR_OK && of_forces(record->kind) && !record->gave)
-            status = set_input(r, record);
+            status = set_again(r, record);
     }
     r->has_later = 0;
     return status == SMR_OK && r->n_landmarks > 0u ? SMR_E_LOG : status; /* the rest of a set is missing */
@@ -160,7 +170,7 @@ static smr_status take_input(smr_replay *r, const smr_log_reader *before, smr_lo
             return status;
         }
     }
-    return set_input(r, record);
+    return set_again(r, record);
 }
 
 /* The state of this registration as a record. */

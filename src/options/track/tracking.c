@@ -90,7 +90,6 @@ void smr_tracking_end(smr *s)
     s->pace.image_age = SMR_IMAGE_NEW;
     if (s->shape.held != NULL)
         s->shape.held->due = 0;
-    s->pace.gain = 1.0f;
     s->pace.found = 0.0f;
 }
 

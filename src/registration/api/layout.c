@@ -6,14 +6,15 @@
 #include "registration/tick/iteration.h"
 
 /* What iterations consist of. */
-static uint32_t parts_of(const smr_model *model, const smr_config *c)
+static uint32_t parts_of(const smr_shared *shared)
 {
-    const int image = smr_le32(model->profile_samples) > 0u, track = c->track.mode != SMR_TRACK_OFF;
+    const smr_config *const c = &shared->config;
+    const int image = smr_le32(shared->model->profile_samples) > 0u, track = c->track.mode != SMR_TRACK_OFF;
     uint32_t parts = SMR_PART_PLAIN;
     if (SMR_HAS_IMAGE && image)
         parts |= SMR_PART_IMAGE;
     if (SMR_HAS_PARTIAL && (c->partial.coverage != SMR_COVERAGE_WHOLE || c->partial.n_landmarks > 0u ||
-                            (track && image) || c->basic.n_target_vertices > 0u)) /* a cloud */
+                            (track && image) || smr_target_slots(shared) > 0u)) /* a cloud */
         parts |= SMR_PART_PARTIAL;
     if (SMR_HAS_TRACK && track)
         parts |= SMR_PART_TRACK;
@@ -37,7 +38,7 @@ void smr_count(smr *s, const smr_model *model, const smr_config *config)
     s->shared.n_radii = smr_le32(model->n_radii);
     s->shared.n_hinges = smr_le32(model->n_hinges);
     s->shared.n_tasks = smr_ceil_div(s->shared.n, SMR_CHUNK);
-    s->shared.parts = parts_of(model, config);
+    s->shared.parts = parts_of(&s->shared);
 }
 
 smr *smr_layout(smr_arena *a, smr *s)

@@ -3,6 +3,7 @@
  * Bounds: two passes over the bytes; those of smr_init().
  * SPDX-License-Identifier: MIT */
 #include "registration/api/saved.h"
+#include "registration/config/config.h"
 #include "registration/tick/iteration.h"
 
 static uint32_t word_of(const unsigned char *saved, uint32_t word) { return smr_log_get32(saved + 4u * word); }
@@ -59,6 +60,8 @@ static smr_status check(const smr_model *model, const smr_config *config, const 
     as_saved.basic.n_workers = config->basic.n_workers;
     if (memcmp(&as_saved, config, sizeof as_saved) != 0)
         return SMR_E_CONFIG;
+    if (smr_config_left_out(config))
+        return SMR_E_WITHOUT;
     return smr_arena_bytes(model, config, &bytes);
 }
 
@@ -93,8 +96,8 @@ smr_status smr_restore(const smr_model *model, const smr_config *config, const s
     if (status != SMR_OK)
         return status;
     smr_count(&s, model, config == NULL ? &info.config : config);
-    if (!smr_can_wait(&s.shared) || !go_over(&s, SMR_KEEP_CHECK, saved, saved_bytes))
-        return SMR_E_SAVE;
+    if (!smr_can_wait(&s.shared) || !go_over(&s, SMR_KEEP_CHECK, saved, saved_bytes)) /* a full build keeps more */
+        return smr_built_without()[0] == 0 ? SMR_E_SAVE : SMR_E_WITHOUT;
     status = smr_init(model, &s.shared.config, port, arena, bytes, &self);
     if (status != SMR_OK)
         return status;

@@ -61,15 +61,46 @@ smr_config smr_config_paper(void)
     c->schedule.active_first = 0.2f;
     c->basic.active_share = 1.0f;
     c->schedule.active_enough = 0;
+#ifdef SMR_WITHOUT_IMAGE
+    config.image = smr_config_default().image;
+#endif
     return config;
 }
+
+/* A setting that has a range of its own. */
+typedef struct range {
+    uint16_t offset;
+    uint8_t is_number, ends; /* 1: float, 0: uint32_t; SMR_ENDS_... */
+    float low, high;         /* exact for counts, too: they are below 2^24 */
+} range;
+
+#define SMR_RANGE_COUNT(path, low, high, ends) {offsetof(smr_config, path), 0, (ends), (float)(low), (float)(high)},
+#define SMR_RANGE_CHOICE SMR_RANGE_COUNT
+#define SMR_RANGE_SWITCH SMR_RANGE_COUNT
+#define SMR_RANGE_NUMBER(path, low, high, ends) {offsetof(smr_config, path), 1, (ends), (float)(low), (float)(high)},
+#define SMR_RANGE_INDEX(path, low, high, ends)
+#define SMR_RANGE_VECTOR(path, low, high, ends)
+
+static const range ranges[] = {
+#define SMR_GROUP(title)
+#define SMR_SETTING(kind, number, path, name, unit, low, high, ends, value, image, text)                               \
+    SMR_RANGE_##kind(path, low, high, SMR_ENDS_##ends)
+#include "base/settings_config.def"
+};
 
 static int ranges_legal(const smr_config *c)
 {
     int legal = 1;
-#define SMR_GROUP(title)
-#define SMR_SETTING SMR_ROW_LEGAL
-#include "base/settings_config.def"
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+        const range *r = &ranges[i];
+        const unsigned char *const at = (const unsigned char *)c + r->offset;
+        uint32_t count;
+        float number;
+        memcpy(&count, at, sizeof count);
+        memcpy(&number, at, sizeof number);
+        legal &= r->is_number ? smr_legal_number(number, r->low, r->high, r->ends)
+                              : smr_legal_count(count, (uint32_t)r->low, (uint32_t)r->high, r->ends);
+    }
     return legal;
 }
 
@@ -101,10 +132,71 @@ static int radii_legal(const smr_config *c, uint32_t n_radii)
            c->schedule.radius_last >= c->schedule.radius_first;
 }
 
+/* What this build leaves out: a group of settings each. */
+typedef struct group {
+    uint16_t offset, bytes;
+} group;
+
+#define SMR_GROUP_OF(name) {offsetof(smr_config, name), sizeof(((smr_config *)NULL)->name)},
+
+static const group left_out[] = {
+#ifdef SMR_WITHOUT_IMAGE
+    SMR_GROUP_OF(image)
+#endif
+#ifdef SMR_WITHOUT_PARTIAL
+    SMR_GROUP_OF(partial)
+#endif
+#ifdef SMR_WITHOUT_TRACK
+    SMR_GROUP_OF(track)
+#endif
+#ifdef SMR_WITHOUT_CONTACT
+    SMR_GROUP_OF(contact)
+#endif
+#ifdef SMR_WITHOUT_DYNAMICS
+    SMR_GROUP_OF(dynamics)
+#endif
+    {0, 0}};
+
+const char *smr_built_without(void)
+{
+    static const char words[] = ""
+#ifdef SMR_WITHOUT_IMAGE
+                                " image"
+#endif
+#ifdef SMR_WITHOUT_PARTIAL
+                                " partial"
+#endif
+#ifdef SMR_WITHOUT_TRACK
+                                " track"
+#endif
+#ifdef SMR_WITHOUT_CONTACT
+                                " contact"
+#endif
+#ifdef SMR_WITHOUT_DYNAMICS
+                                " dynamics"
+#endif
+        ;
+    return words[0] == ' ' ? words + 1 : words;
+}
+
+/* Targets that are taken as whole need nothing of what shows parts. */
+int smr_config_left_out(const smr_config *c)
+{
+    const smr_config standard = smr_config_default();
+    smr_config own = *c;
+    int differs = 0;
+    if (own.partial.coverage == SMR_COVERAGE_WHOLE)
+        own.partial.coverage = standard.partial.coverage;
+    for (const group *g = left_out; g->bytes > 0u; g++)
+        differs |= memcmp((const char *)&own + g->offset, (const char *)&standard + g->offset, g->bytes) != 0;
+    return differs;
+}
+
 smr_status smr_config_check(const smr_config *c, const smr_model *m)
 {
     const int known = c->cookie == SMR_COOKIE('R', smr_config);
-    return known && ranges_legal(c) && box_legal(c) && dynamics_legal(c) && radii_legal(c, smr_le32(m->n_radii))
+    return known && ranges_legal(c) && box_legal(c) && dynamics_legal(c) && !smr_config_left_out(c) &&
+                   radii_legal(c, smr_le32(m->n_radii))
                ? SMR_OK
                : SMR_E_CONFIG;
 }

@@ -28,7 +28,7 @@ static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *s
 void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared)
 {
     const size_t n = shared->n;
-    const uint32_t m = shared->config.basic.n_target_vertices;
+    const uint32_t m = smr_target_slots(shared);
     g->target = smr_slot_scratch(a, g->target, shared->n_structures, sizeof *g->target);
     g->goal = smr_slot_scratch(a, g->goal, shared->n_structures, sizeof *g->goal);
     g->warm = smr_slot_indexes(a, g->warm, n, SMR_TRIANGLES_MAX); /* a search checks it against its surface */

@@ -32,6 +32,7 @@ void smr_schedule_start(smr *s)
     s->pace.since_plastic = 0;
     s->pace.plastic_updates = 0;
     s->pace.converged = s->pace.done = s->pace.repairing = 0;
+    s->pace.gain = 1.0f;
     if (SMR_HAS_TRACK)
         smr_tracking_end(s);
     s->step = 0;
