@@ -16,7 +16,8 @@
 enum {
     SMR_LOG_CONFIG_WORDS = 0
 #define SMR_GROUP(title)
-#define SMR_SETTING(kind, number, path, ...) +1 + (int)(sizeof(((smr_config *)NULL)->path) / 4u)
+#define SMR_SETTING(kind, number, path, ...)                                                                           \
+    +((number) > 0 ? 1 + (int)(sizeof(((smr_config *)NULL)->path) / 4u) : 0)
 #include "base/settings_config.def"
 };
 

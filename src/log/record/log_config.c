@@ -11,13 +11,14 @@
 #define SMR_LOG_COVERAGE 3u /* the version since which targets may show parts only */
 
 typedef struct log_row {
-    uint32_t number, offset, n; /* n: words */
+    uint32_t number, offset, n; /* n: words; 0: not in logs */
 } log_row;
 
 static const log_row rows[] = {
 #define SMR_GROUP(title)
 #define SMR_SETTING(kind, number, path, name, unit, low, high, ends, value, image, text)                               \
-    {number, (uint32_t)offsetof(smr_config, path), (uint32_t)(sizeof(((smr_config *)NULL)->path) / 4u)},
+    {number, (uint32_t)offsetof(smr_config, path),                                                                     \
+     (number) > 0 ? (uint32_t)(sizeof(((smr_config *)NULL)->path) / 4u) : 0u},
 #include "base/settings_config.def"
 };
 
@@ -26,14 +27,32 @@ static const log_row rows[] = {
 /* One bit for each setting that was read. */
 #define SMR_LOG_SEEN_WORDS ((SMR_LOG_ROWS + 31u) / 32u)
 
+/* The order in which settings are written, by number: that of library 0.2. */
+static const uint8_t written[] = {
+    1, 2, 29, 43, 44, 38, 7, 45, 4, 5, 6, 50, 46, 48, 49, 47, 20, 21, 23, 24, 25, 27, 3, 8, 9, 10, 11, 19, 22, 26,
+    28, 12, 13, 16, 30, 31, 32, 33, 35, 34, 36, 37, 41, 42, 39, 40, 60, 61, 62, 63, 64, 65, 55, 56, 57, 58, 59, 75,
+    69, 70, 71, 72, 73, 76, 66, 67, 51, 52, 53};
+
+_Static_assert(sizeof written == SMR_LOG_ROWS - 1u, "every setting but attract is written");
+
+/* The row of this number. */
+static const log_row *numbered(uint32_t number)
+{
+    size_t i = 0;
+    while (i + 1u < SMR_LOG_ROWS && rows[i].number != number)
+        i++;
+    return &rows[i];
+}
+
 void smr_log_put_config(unsigned char *to, const smr_config *config)
 {
-    for (size_t i = 0; i < SMR_LOG_ROWS; i++) {
-        smr_log_put32(to, rows[i].number | rows[i].n << 16);
+    for (size_t i = 0; i < sizeof written; i++) {
+        const log_row *row = numbered(written[i]);
+        smr_log_put32(to, row->number | row->n << 16);
         to += 4;
-        for (uint32_t k = 0; k < rows[i].n; k++, to += 4) {
+        for (uint32_t k = 0; k < row->n; k++, to += 4) {
             uint32_t word;
-            memcpy(&word, (const unsigned char *)config + rows[i].offset + 4u * k, sizeof word);
+            memcpy(&word, (const unsigned char *)config + row->offset + 4u * k, sizeof word);
             smr_log_put32(to, word);
         }
     }
@@ -51,7 +70,7 @@ static void set(smr_config *config, const log_row *row, const unsigned char *fro
 static size_t row_of(uint32_t head)
 {
     size_t i = 0;
-    while (i < SMR_LOG_ROWS && (rows[i].number | rows[i].n << 16) != head)
+    while (i < SMR_LOG_ROWS && (rows[i].n == 0u || (rows[i].number | rows[i].n << 16) != head))
         i++;
     return i;
 }

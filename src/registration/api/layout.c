@@ -2,6 +2,7 @@
  * kept for smr_save() and smr_restore(): each stage lists its slots and fields once.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
+#include "registration/config/config.h"
 
 #include "registration/tick/iteration.h"
 
@@ -32,6 +33,7 @@ void smr_count(smr *s, const smr_model *model, const smr_config *config)
     memset(s, 0, sizeof *s);
     s->shared.model = model;
     s->shared.config = *config;
+    smr_config_settle(&s->shared.config);
     s->shared.n = smr_le32(model->n_vertices);
     s->shared.n_triangles = smr_le32(model->n_triangles);
     s->shared.n_structures = smr_le32(model->n_structures);

@@ -56,9 +56,10 @@ static smr_status check(const smr_model *model, const smr_config *config, const 
     size_t bytes;
     if (info->model_checksum != smr_le32(model->checksum) || info->n_vertices != smr_le32(model->n_vertices))
         return SMR_E_MODEL;
-    smr_config as_saved = info->config;
+    smr_config as_saved = info->config, asked = *config;
+    smr_config_settle(&asked);
     as_saved.basic.n_workers = config->basic.n_workers;
-    if (memcmp(&as_saved, config, sizeof as_saved) != 0)
+    if (memcmp(&as_saved, &asked, sizeof as_saved) != 0)
         return SMR_E_CONFIG;
     if (smr_config_left_out(config))
         return SMR_E_WITHOUT;

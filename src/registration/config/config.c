@@ -132,6 +132,14 @@ static int radii_legal(const smr_config *c, uint32_t n_radii)
            c->schedule.radius_last >= c->schedule.radius_first;
 }
 
+void smr_config_settle(smr_config *c)
+{
+    if (c->basic.attract)
+        return;
+    c->basic.attract = 1;
+    c->basic.n_target_vertices = 0;
+}
+
 /* What this build leaves out: a group of settings each. */
 typedef struct group {
     uint16_t offset, bytes;

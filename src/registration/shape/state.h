@@ -54,7 +54,7 @@ typedef struct smr_shared {
 /* Target vertices that there is room for. 0: none attracts. */
 static inline uint32_t smr_target_slots(const smr_shared *shared)
 {
-    return shared->config.basic.attract ? shared->config.basic.n_target_vertices : 0u;
+    return shared->config.basic.n_target_vertices;
 }
 
 /* Image that is followed: no iteration stands on it; one does; and what else is followed has gone on since then. */
