@@ -132,7 +132,7 @@ help:
 	@echo 'make size            code and data size of the library'
 	@echo 'make stack           largest stack frames; fails on an unbounded one'
 	@echo 'make hashes          state hash over threads, schedulers, compilers and processors'
-	@echo 'make settings-page   writes docs/SETTINGS.md from the tables of settings'
+	@echo 'make settings-page   writes $(BUILD)/SETTINGS.md from the tables of settings'
 	@echo 'make man             man pages and shell completion, from the table of options, in $(BUILD)/man'
 	@echo 'make reference       the interface as one page, from include/smr.h: $(BUILD)/reference.html'
 	@echo 'make golden-update   records the current state hash as the expected one'
@@ -384,7 +384,8 @@ check-itk: $(PROGRAM)
 	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" sh tests/itk/scene.sh || [ $$? -eq 77 ]
 
 settings-page: $(BUILD)/settings_page
-	$(Q)$(BUILD)/settings_page > docs/SETTINGS.md
+	$(Q)$(BUILD)/settings_page > $(BUILD)/SETTINGS.md
+	@echo 'written: $(BUILD)/SETTINGS.md'
 
 .PHONY: man reference install-man
 programs: $(BUILD)/help_pages

@@ -1,4 +1,4 @@
-/* settings_page.c: writes docs/SETTINGS.md from the library's tables of settings and the command line's of options.
+/* settings_page.c: writes the page of settings from the library's tables of settings and the command line's of options.
  * usage: settings_page            the page, on stdout
  *        settings_page --header   one line a field: name, tab, how its comment in smr.h has to start
  * SPDX-License-Identifier: MIT */
@@ -155,11 +155,11 @@ int main(int argc, char **argv)
         return 1;
     (void)puts(
         "# Settings\n\n"
-        "Written by `make settings-page` from `src/base/settings_config.def` and `src/base/settings_prepare.def`. "
-        "The same\ntables set the defaults, check the ranges and describe the options of `smr --help`. "
-        "[smr.h](../include/smr.h) says more\nof each field. A range `(0, 1]` leaves 0 out. The option `-`: none sets "
-        "the "
-        "field. With an image `--search` and\n`--gradient` take two distances, at the start and at the end.");
+        "`make settings-page` writes this page from `settings_config.def` and `settings_prepare.def`. The same tables\n"
+        "set the defaults, check the ranges and describe the options of `smr --help`. `smr.h` says more of each "
+        "field.\n"
+        "A range `(0, 1]` leaves 0 out. The option `-` means that no option sets the field. With an image `--search`\n"
+        "and `--gradient` take two distances: at the start and at the end.");
     page_table("smr_config", config, n_config);
     page_table("smr_prepare_config", prepare, n_prepare);
     return 0;
