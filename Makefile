@@ -47,8 +47,10 @@ endif
 override ALL_CFLAGS := $(STD) -O3 $(WARNINGS) -MMD -MP $(CFLAGS)
 THREADS  := -pthread
 
-# The emulated boards. The M55's vector unit would flush denormals: nomve.fp keeps it to integers.
-M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-sections -fdata-sections
+# The emulated boards. The M55's vector unit would flush denormals: nomve.fp keeps it to integers. tests/target, `make size` and
+# `make stack` share what is compiled for the M7 with -O2.
+M7_CFLAGS := -mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-sections -fdata-sections -fstack-usage
+M7_BOARD  := $(BUILD)/m7-board
 M55_CFLAGS := -mthumb -mcpu=cortex-m55+nomve.fp -mfloat-abi=hard -ffunction-sections -fdata-sections
 export M7_CFLAGS M55_CFLAGS
 
@@ -71,7 +73,7 @@ EXPERIMENT_SRC := $(sort $(wildcard tests/experiments/test_*.c))
 EXPERIMENT_HELPER_SRC := $(filter-out $(EXPERIMENT_SRC) %_tool.c,$(sort $(wildcard tests/experiments/*.c)))
 BENCH_SRC   := $(sort $(wildcard tests/bench/bench_*.c))
 # Every other file beside the tests is a helper: those of tests/host are the host's tests' own, all tests may call the
-# others. tests/host/*_tool.c are programs that the scripts there compile for themselves.
+# others. tests/host/*_tool.c are programs that the scripts there call; two of them are compiled by theirs in another way.
 HOST_HELPER_SRC := $(filter-out $(HOST_TEST_SRC) %_tool.c,$(sort $(wildcard tests/host/*.c)))
 HELPER_SRC  := $(filter-out $(TEST_SRC) $(BENCH_SRC), \
                $(sort $(wildcard tests/*.c tests/unit/*.c tests/property/*.c tests/bench/*.c)))
@@ -99,12 +101,14 @@ SHARED_OBJ  := $(patsubst %.c,$(BUILD)/pic/%.o,$(CORE_SRC) $(PTHREAD_SRC))
 TESTS       := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 HOST_TESTS  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(HOST_TEST_SRC))
 EXPERIMENTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(EXPERIMENT_SRC))
+HOST_TOOL_SRC := $(addprefix tests/host/,mesh_tool.c volume_tool.c log_tool.c fuzz_tool.c)
+HOST_TOOLS  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(HOST_TOOL_SRC))
 BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT_OBJ) $(GOLDEN_OBJ) \
                $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(HOST_HELPER_SRC) $(EXPERIMENT_SRC) \
                $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) \
                $(BAREMETAL_SRC) $(TARGET_SRC) fixtures/fixture_write.c \
-               tests/golden/replay_run.c tests/docs/settings_page.c) $(SHARED_OBJ) $(PAGE_OBJ)
+               tests/golden/replay_run.c tests/docs/settings_page.c $(HOST_TOOL_SRC)) $(SHARED_OBJ) $(PAGE_OBJ)
 
 # ---------------------------------------------------------------- the first target, and the list of all
 
@@ -136,7 +140,7 @@ help:
 	@echo 'make man             man pages and shell completion, from the table of options, in $(BUILD)/man'
 	@echo 'make reference       the interface as one page, from include/smr.h: $(BUILD)/reference.html'
 	@echo 'make golden-update   records the current state hash as the expected one'
-	@echo 'make check-itk       a field applied by ITK, where CMake and ITK are installed; scenes drawn by VTK, likewise'
+	@echo 'make check-itk       a field applied by ITK, where CMake and ITK are installed'
 	@echo 'make timing          10,000 ticks of random budgets on each emulated board, and the table of'
 	@echo '                     instructions; minutes'
 	@echo 'make timing-update   records that table in tests/timing/results'
@@ -154,11 +158,11 @@ help:
 # The core sees its own folders; everything else sees the public header and the ports.
 $(BUILD)/obj/src/%.o: src/%.c
 	$(call begin,CC,$<)
-	$(Q)$(CC) $(ALL_CFLAGS) $(without:%=-DSMR_WITHOUT_%) -Iinclude -Isrc -c $< -o $@
+	$(Q)$(CC) $(ALL_CFLAGS) -pedantic $(without:%=-DSMR_WITHOUT_%) -Iinclude -Isrc -c $< -o $@
 
 $(BUILD)/obj/port/%.o: port/%.c
 	$(call begin,CC,$<)
-	$(Q)$(CC) $(ALL_CFLAGS) $(if $(findstring baremetal,$@),,$(THREADS)) -Iinclude -Iport/pthread -Ifixtures -c $< -o $@
+	$(Q)$(CC) $(ALL_CFLAGS) $(if $(findstring baremetal,$@),,$(THREADS) -pedantic) -Iinclude -Iport/pthread -Ifixtures -c $< -o $@
 
 $(BUILD)/obj/port/host/%.o: port/host/%.c
 	$(call begin,CC,$<)
@@ -265,6 +269,10 @@ $(BUILD)/help_pages: $(BUILD)/obj/tests/docs/help_pages.o $(HOST_LIB) $(CORE_LIB
 	$(call begin,LINK,$@)
 	$(Q)$(LINK)
 
+$(HOST_TOOLS): $(BUILD)/tests/host/%: $(BUILD)/obj/tests/host/%.o $(HOST_LIB) $(PTHREAD_LIB) $(CORE_LIB)
+	$(call begin,LINK,$@)
+	$(Q)$(LINK) -lm
+
 $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(HOST_LIB)
 $(HOST_TESTS): $(call obj,$(HOST_HELPER_SRC))
 $(EXPERIMENTS): $(call obj,$(EXPERIMENT_HELPER_SRC))
@@ -318,14 +326,16 @@ $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(HOST_HELPER_SRC) $(EXPERIMENT_SRC)): |
 # What tests/check_layers.sh reads symbols from; it gives a BUILD and CFLAGS of its own.
 layer-objects: $(CORE_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ)
 
-programs: all $(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BUILD)/fixture_write $(BUILD)/golden $(BUILD)/replay_run \
+programs: all $(TESTS) $(HOST_TESTS) $(HOST_TOOLS) $(EXPERIMENTS) $(BUILD)/fixture_write $(BUILD)/golden $(BUILD)/replay_run \
           $(BUILD)/settings_page $(call obj,$(wildcard port/template/*.c))
 
-run_checks = BUILD="$(BUILD)" CC="$(CC)" NM="$(NM)" SMR="$(BUILD)/smr" FIXTURE_WRITE="$(BUILD)/fixture_write" \
+run_checks = BUILD="$(BUILD)" CC="$(CC)" NM="$(NM)" SMR="$(BUILD)/smr" \
              CFLAGS="$(CFLAGS)" V="$(V)" sh tests/run_checks.sh
 
+# Experiments that take long run in `make experiments` alone, in full.
+CHECK_EXPERIMENTS := $(filter-out %_verdict %_contact %_track %_start,$(EXPERIMENTS))
 check: programs
-	@$(run_checks) $(TESTS) $(HOST_TESTS) $(EXPERIMENTS)
+	@$(run_checks) $(TESTS) $(HOST_TESTS) $(CHECK_EXPERIMENTS)
 
 .PHONY: check-html
 check-html: $(PROGRAM)
@@ -336,7 +346,7 @@ check-quick: all $(UNIT_TESTS) $(BUILD)/golden
 	@$(run_checks) --quick $(UNIT_TESTS)
 
 experiments: all $(EXPERIMENTS)
-	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" SMR_EXPERIMENTS=full sh tests/run_experiments.sh $(EXPERIMENTS)
+	@SMR_EXPERIMENTS=full $(run_checks) --tables $(EXPERIMENTS)
 
 # Every figure that a document names: docs/RESULTS.md and README's table. The short form leaves out what takes minutes.
 .PHONY: results results-short
@@ -358,10 +368,11 @@ size: $(CORE_LIB)
 	@echo "libsmr.a, $$($(CC) -dumpmachine), -O3:"; $(SIZE) -t $(CORE_LIB) | sed -n '1p;$$p'
 	@if command -v arm-none-eabi-gcc >/dev/null; then \
 	    for o in -O2 -Os; do \
-	        $(MAKE) -s BUILD=$(BUILD)/m7$$o CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
-	            CFLAGS="$(M7_CFLAGS) $$o" $(BUILD)/m7$$o/libsmr.a || exit 1; \
+	        dir=$(BUILD)/m7$$o; [ $$o != -O2 ] || dir=$(M7_BOARD); \
+	        $(MAKE) -s BUILD=$$dir CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
+	            CFLAGS="$(M7_CFLAGS) $$o" $$dir/libsmr.a || exit 1; \
 	        echo "libsmr.a, Cortex-M7, $$o:"; \
-	        arm-none-eabi-size -t $(BUILD)/m7$$o/libsmr.a | sed -n '1p;$$p'; \
+	        arm-none-eabi-size -t $$dir/libsmr.a | sed -n '1p;$$p'; \
 	    done; \
 	else echo 'Cortex-M7: skipped (needs gcc-arm-none-eabi)'; fi
 
@@ -369,19 +380,18 @@ stack:
 	@$(MAKE) -s BUILD=$(BUILD)/stack CC=gcc CFLAGS=-fstack-usage $(BUILD)/stack/libsmr.a
 	@sh tests/check_stack.sh $(BUILD)/stack "$$(gcc -dumpmachine)"
 	@if command -v arm-none-eabi-gcc >/dev/null; then \
-	    $(MAKE) -s BUILD=$(BUILD)/stack-m7 CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
-	        CFLAGS="$(M7_CFLAGS) -O2 -fstack-usage" $(BUILD)/stack-m7/libsmr.a && \
-	    sh tests/check_stack.sh $(BUILD)/stack-m7 Cortex-M7; \
+	    $(MAKE) -s BUILD=$(M7_BOARD) CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
+	        CFLAGS="$(M7_CFLAGS) -O2" $(M7_BOARD)/libsmr.a && \
+	    sh tests/check_stack.sh $(M7_BOARD)/obj/src Cortex-M7; \
 	else echo 'Cortex-M7: skipped (needs gcc-arm-none-eabi)'; fi
 
 hashes:
 	@MAKE="$(MAKE)" BUILD="$(BUILD)" sh tests/golden/hashes.sh
 
-# A displacement field read by ITK, in a C++ program by CMake; scenes drawn by VTK.
+# A displacement field read by ITK, in a C++ program by CMake.
 .PHONY: check-itk
 check-itk: $(PROGRAM)
 	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" sh tests/itk/itk.sh || [ $$? -eq 77 ]
-	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" sh tests/itk/scene.sh || [ $$? -eq 77 ]
 
 settings-page: $(BUILD)/settings_page
 	$(Q)$(BUILD)/settings_page > $(BUILD)/SETTINGS.md
@@ -389,13 +399,14 @@ settings-page: $(BUILD)/settings_page
 
 .PHONY: man reference install-man
 programs: $(BUILD)/help_pages
+write_man = mkdir -p $(BUILD)/man && $(BUILD)/help_pages | awk -v dir=$(BUILD)/man -f tests/docs/help_pages.awk
 man: $(BUILD)/help_pages
-	$(Q)mkdir -p $(BUILD)/man && $(BUILD)/help_pages $(BUILD)/man
+	$(Q)$(write_man)
 
 # Not where another machine's program would have to write them.
 install: $(if $(PROGRAM),install-man)
 install-man: $(BUILD)/help_pages
-	$(Q)mkdir -p $(BUILD)/man; if $(BUILD)/help_pages $(BUILD)/man 2>/dev/null; then \
+	$(Q)if $(write_man) 2>/dev/null; then \
 	    install -d $(addprefix '$(DESTDIR)$(PREFIX)'/share/,man/man1 bash-completion/completions zsh/site-functions) && \
 	    install -m 644 $(BUILD)/man/*.1 '$(DESTDIR)$(PREFIX)/share/man/man1' && \
 	    install -m 644 $(BUILD)/man/smr.bash '$(DESTDIR)$(PREFIX)/share/bash-completion/completions/smr' && \
@@ -410,8 +421,8 @@ golden-update: $(BUILD)/golden
 	@cat tests/golden/expected.txt
 
 timing:
-	@BUILD="$(BUILD)" sh tests/target/check_budget.sh 10000
-	@BUILD="$(BUILD)" sh tests/target/check_interrupt.sh
+	@for board in m7 m55; do for program in target_budget target_interrupt; do \
+	    BUILD="$(BUILD)" sh tests/target/check_boards.sh $$board $$program 10000 || exit 1; done; done
 	@BUILD="$(BUILD)" sh tests/target/check_timing.sh
 
 timing-update:

@@ -1,24 +1,19 @@
 #!/bin/sh
-# check_examples: each example in docs/examples is at most 60 lines, compiles without a warning, links and runs.
+# check_examples: README.md's first C block prints what docs/RESULTS.md says; each example in docs/examples is at most 60 lines.
 # SPDX-License-Identifier: MIT
-# usage: BUILD=... CC=... check_examples.sh
+# All compile without a warning, link and run.
 set -u
-build=${BUILD:-build}
-[ -f "$build/libsmr.a" ] || { echo "skip: no library"; exit 77; }
-tmp=$(mktemp -d) || exit 1
-trap 'rm -rf "$tmp"' EXIT
-passed=0; failed=0
-for file in docs/examples/*.c; do
-    [ -f "$file" ] || continue
+. tests/checks.inc
+need_file "$build/libsmr.a"
+awk '/^```c[ \t]*$/ && !done {on = 1; next} /^```/ && on {on = 0; done = 1} on' README.md >"$tmp/README.c"
+for file in "$tmp/README.c" docs/examples/*.c; do
+    name=$(basename "$file" .c)
     # shellcheck disable=SC2086
-    if [ "$(wc -l <"$file")" -le 60 ] &&
-        ${CC:-cc} -std=c11 -Wall -Wextra -Werror ${CFLAGS:-} -Iinclude -Iport/pthread "$file" -o "$tmp/example" \
-            "$build/libsmr_pthread.a" "$build/libsmr.a" -pthread -lm && (cd "$tmp" && ./example) >"$tmp/said"; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "$file: longer than 60 lines, a warning, or it failed: $(head -n 5 "$tmp/said" 2>/dev/null)"
-    fi
+    check "$name compiles" $cc -std=c11 -Wall -Wextra -Werror ${CFLAGS:-} -Iinclude -Iport/pthread "$file" -o "$tmp/$name" \
+        "$build/libsmr_pthread.a" "$build/libsmr.a" -pthread -lm || continue
+    check "$name runs" sh -c "cd '$tmp' && './$name' >'$name.txt'"
+    [ "$name" = README ] || check "$name has at most 60 lines" [ "$(wc -l <"$file")" -le 60 ]
 done
-echo "$passed passed, $failed failed, 0 skipped"
-[ "$failed" -eq 0 ]
+same 'README.md prints example.prints' "$(cat "$tmp/README.txt")" \
+    "$(awk -F ' *[|] *' '$2 == "`example.prints`" {print $4}' docs/RESULTS.md)"
+finish

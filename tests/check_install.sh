@@ -2,11 +2,9 @@
 # check_install: what `make install` puts down is all that a program needs: headers, archives and flags by pkg-config.
 # SPDX-License-Identifier: MIT
 set -u
-build=${BUILD:-build}
-[ -f "$build/libsmr_pthread.a" ] || { echo "skip: no library"; exit 77; }
-tmp=$(mktemp -d) || exit 1
-trap 'rm -rf "$tmp"' EXIT
-put() { ${MAKE:-make} -s BUILD="$build" CC="${CC:-cc}" CFLAGS="${CFLAGS:-}" install "$@" >"$tmp/log" 2>&1 || { cat "$tmp/log"; exit 1; }; }
+. tests/checks.inc
+need_file "$build/libsmr_pthread.a"
+put() { ${MAKE:-make} -s BUILD="$build" CC="$cc" CFLAGS="${CFLAGS:-}" install "$@" >"$tmp/log" 2>&1 || { cat "$tmp/log"; exit 1; }; }
 (umask 077 && put DESTDIR="$tmp/a place" PREFIX=/usr) || exit 1
 closed=$(find "$tmp/a place" ! -perm -444)
 [ -z "$closed" ] || { echo "not for all to read: $closed"; exit 1; }
@@ -20,7 +18,7 @@ if ${MAKE:-make} -s BUILD='a b' all >"$tmp/log" 2>&1 || ! grep -q 'without space
     echo "a build directory with a space is not refused"
     exit 1
 fi
-command -v pkg-config >/dev/null || { echo "skip: needs pkg-config"; exit 77; }
+need pkg-config
 put DESTDIR= PREFIX="$tmp/root"
 PKG_CONFIG_PATH=$tmp/root/lib/pkgconfig
 export PKG_CONFIG_PATH
@@ -43,5 +41,5 @@ int main(void)
 }
 END
 # shellcheck disable=SC2046
-${CC:-cc} -std=c11 ${CFLAGS:-} "$tmp/user.c" -o "$tmp/user" $(pkg-config --cflags --libs smr) || exit 1
+$cc -std=c11 ${CFLAGS:-} "$tmp/user.c" -o "$tmp/user" $(pkg-config --cflags --libs smr) || exit 1
 "$tmp/user" || { echo "the program ended with status $?"; exit 1; }

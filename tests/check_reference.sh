@@ -2,13 +2,7 @@
 # check_reference: the page of `make reference` has every declaration of smr.h, and each of its links leads somewhere.
 # SPDX-License-Identifier: MIT
 set -u
-tmp=$(mktemp -d) || exit 1
-trap 'rm -rf "$tmp"' EXIT
-passed=0; failed=0
-check() { # what, command...
-    what=$1; shift
-    if "$@"; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "not ok $what"; fi
-}
+. tests/checks.inc
 # Ids and links of a page, and what of the header has no id.
 look() { # header
     sh tests/docs/reference.sh "$1" >"$tmp/page.html" || return 1
@@ -38,5 +32,4 @@ check "elements are closed" [ "$open_" -gt 100 -a "$open_" -eq "$(grep -o '</sec
 printf '/* x.h: a header.\n */\n#ifndef SMR_H\n\n/* ---------- 1. a < b & c */\n\n/* Errors: E_X. */\nint smr_f(int a);\n' >"$tmp/x.h"
 sh tests/docs/reference.sh "$tmp/x.h" >"$tmp/page.html"
 check "marks are escaped" grep -q 'a &lt; b &amp; c' "$tmp/page.html"
-echo "$passed passed, $failed failed, 0 skipped"
-[ "$failed" -eq 0 ]
+finish

@@ -1,16 +1,17 @@
 #!/bin/sh
 # run_checks: runs test programs and the scripts that check; the last line is the sum.
 # SPDX-License-Identifier: MIT
-# usage: BUILD=... CC=... SMR=... FIXTURE_WRITE=... run_checks.sh [--quick] PROGRAM...     (V=1: a line for each)
+# usage: BUILD=... CC=... SMR=... run_checks.sh [--quick | --tables] PROGRAM...     (V=1: a line for each)
+# --quick: unit tests and what checks sources; --tables: the programs alone, and the tables that they print (make experiments).
 # SMR_SKIP: words; what has one of them in its name is not run, and counts as skipped.
 #
 # A script ends with 0 (passed), 77 (skipped) or another status (failed), unless its last line is a sum of its own,
 # "N passed, N failed, N skipped". The terminal shows progress, what failed with the lines that matter, what was
 # skipped and why, and the sum; $BUILD/log holds everything.
-# Programs run in parallel, one per processor or SMR_JOBS. Without flock they run one after another, because scripts
-# share the boards' build directories.
+# Programs run in parallel, one per processor or SMR_JOBS, those that take longest first. Without flock they run one after
+# another, because scripts share the boards' build directories. `script.sh:word:word` is a script with words.
 set -u
-export BUILD CC NM SMR FIXTURE_WRITE
+export BUILD CC NM SMR
 log_dir=$BUILD/log
 rm -rf "$log_dir"
 mkdir -p "$log_dir/taken" || exit 1
@@ -19,7 +20,7 @@ if command -v flock >/dev/null; then jobs=${SMR_JOBS:-$(getconf _NPROCESSORS_ONL
 terminal=0
 if [ -t 1 ]; then terminal=1; fi
 
-limit() { if command -v timeout >/dev/null; then timeout 900 "$@"; else "$@"; fi; }
+limit() { if command -v timeout >/dev/null; then timeout 1800 "$@"; else "$@"; fi; }
 
 log_of() { echo "$log_dir/$(echo "${1#"$BUILD"/}" | tr / _).log"; }
 
@@ -76,7 +77,8 @@ run_program() {
 run_script() {
     name=$1
     log=$(log_of "$1")
-    limit sh "$1" >"$log" 2>&1 9>&-
+    # shellcheck disable=SC2046
+    limit sh $(echo "$1" | tr : ' ') >"$log" 2>&1 9>&-
     rc=$?
     sum=$(tail -n 1 "$log" | grep -E '^[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped$' || true)
     if [ -n "$sum" ]; then
@@ -97,23 +99,40 @@ work() {
         k=$((k + 1))
         mkdir "$log_dir/taken/$k" 2>/dev/null || continue
         case $item in
-        *.sh) run_script "$item" ;;
+        *.sh | *.sh:*) run_script "$item" ;;
         *) run_program "$item" ;;
         esac
     done
 }
 
-# Scripts run before the programs given, those that take longest first.
-scripts=$(ls tests/check_*.sh tests/host/*.sh tests/golden/check_*.sh tests/target/check_*.sh)
-if [ "${1:-}" = --quick ]; then
+# The M55 has the golden run; the other programs there are a part of SMR_FULL=1.
+boards=
+for item in m7:golden m7:target_budget m7:target_interrupt m7:target_track m55:golden; do boards="$boards tests/target/check_boards.sh:$item:250"; done
+[ "${SMR_FULL:-0}" != 1 ] || for item in target_budget target_interrupt target_track; do
+    boards="$boards tests/target/check_boards.sh:m55:$item:250"
+done
+scripts="$boards $(ls tests/check_*.sh tests/host/*.sh tests/golden/check_*.sh tests/target/check_timing.sh)"
+tables=
+case ${1:-} in
+--tables) shift; scripts=; tables=1 ;;
+--quick)
     shift
     scripts=
     for name in check_style check_structs check_format check_layers check_symbols golden/check_golden; do
         scripts="$scripts tests/$name.sh"
-    done
-fi
-for script in $scripts; do
-    [ "$script" = tests/check_stack.sh ] || set -- "$script" "$@"
+    done ;;
+esac
+# What takes longest, in this order; the rest as it comes.
+long='target_budget check_replay check_link test_host_bench test_experiment test_properties check_fused check_traps
+    test_sums_exact test_align_parts check_layers check_timing check_boards'
+rest=
+set -- $scripts "$@"
+for item in "$@"; do [ "$item" = tests/check_stack.sh ] || rest="$rest $item"; done
+set --
+for word in $long ''; do
+    later=
+    for item in $rest; do case $item in *$word*) set -- "$@" "$item" ;; *) later="$later $item" ;; esac; done
+    rest=$later
 done
 passed=0; failed=0; skipped=0
 for item in "$@"; do
@@ -135,6 +154,7 @@ wait
 reason='s/^\[  SKIPPED \] //; s/^skip[a-z]*: *//'
 for item in "$@"; do
     log=$(log_of "$item")
+    [ -z "$tables" ] || grep -vE '^\[( RUN| *OK |=|-| *PASSED)' "$log" # and of CMocka's own lines those that tell what failed
     if read -r p f s <"$log.sum"; then
         passed=$((passed + p)); failed=$((failed + f)); skipped=$((skipped + s))
         [ "$s" -eq 0 ] || echo "skip  ${item#"$BUILD"/}, $s: $(grep -i 'skip' "$log" | head -n 1 | sed "$reason")"

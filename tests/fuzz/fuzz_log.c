@@ -76,12 +76,4 @@ int fuzz_log(const uint8_t *data, size_t size)
     return good ? status == SMR_OK : -1;
 }
 
-#ifdef SMR_LIBFUZZER
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
-{
-    if (fuzz_log(data, size) < 0)
-        abort();
-    return 0;
-}
-#endif
+SMR_FUZZER(fuzz_log)

@@ -126,12 +126,4 @@ int fuzz_mesh(const uint8_t *data, size_t size)
     return wrong != NULL ? -1 : done;
 }
 
-#ifdef SMR_LIBFUZZER
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
-{
-    if (fuzz_mesh(data, size) < 0)
-        abort();
-    return 0;
-}
-#endif
+SMR_FUZZER(fuzz_mesh)

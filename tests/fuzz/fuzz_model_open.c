@@ -42,12 +42,4 @@ int fuzz_model_open(const uint8_t *data, size_t size)
     return opened;
 }
 
-#ifdef SMR_LIBFUZZER
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
-{
-    if (fuzz_model_open(data, size) < 0)
-        abort();
-    return 0;
-}
-#endif
+SMR_FUZZER(fuzz_model_open)

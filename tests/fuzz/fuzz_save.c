@@ -60,12 +60,4 @@ int fuzz_save(const uint8_t *data, size_t size)
     return good ? 1 : -1;
 }
 
-#ifdef SMR_LIBFUZZER
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
-{
-    if (fuzz_save(data, size) < 0)
-        abort();
-    return 0;
-}
-#endif
+SMR_FUZZER(fuzz_save)

@@ -6,6 +6,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 
 int fuzz_model_open(const uint8_t *data, size_t size);
 int fuzz_mesh(const uint8_t *data, size_t size);
@@ -13,5 +14,19 @@ int fuzz_log(const uint8_t *data, size_t size);
 
 /* fuzz_save.c: the kept values of a save. */
 int fuzz_save(const uint8_t *data, size_t size);
+
+/* The entry of libFuzzer, in a file that is compiled alone with SMR_LIBFUZZER. */
+#ifdef SMR_LIBFUZZER
+#define SMR_FUZZER(target)                                                                                             \
+    int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);                                                      \
+    int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)                                                       \
+    {                                                                                                                  \
+        if (target(data, size) < 0)                                                                                    \
+            abort();                                                                                                   \
+        return 0;                                                                                                      \
+    }
+#else
+#define SMR_FUZZER(target)
+#endif
 
 #endif

@@ -2,11 +2,14 @@
 # hashes: one table of state hashes over threads, schedulers, compilers, optimisation and processors.
 # SPDX-License-Identifier: MIT
 # usage: MAKE=... BUILD=... hashes.sh     (called by `make hashes`)
+# What other checks compile is not compiled again: the plain build itself, BUILD/clang of a check with clang, BUILD/layers of
+# check_layers.sh, and BUILD/hashes, which check_replay.sh and check_traps.sh share.
 # Ends with 1 when a configuration gives another hash or does not build. Configurations are built and run side by side, one per
 # processor or SMR_JOBS. SMR_NO_BOARDS=1: without the boards, for `make check` compares them with the same run.
 set -u
 make=${MAKE:-make}
-build=${BUILD:-build}/hashes
+own=${BUILD:-build}
+build=$own/hashes
 jobs=${SMR_JOBS:-$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)}
 rows=$build/rows
 rm -rf "$rows"
@@ -21,15 +24,15 @@ row() { printf '%s\t%s\n' "$1" "$2" >>"$rows/$configuration"; }
 skip() { row "$1" "skipped (needs $2)"; }
 
 # Builds golden in its own directory; 1 and a row when that fails.
-compile() { # name, directory, target, make variables...
-    name=$1; dir=$build/$2; target=$3; shift 3
-    mkdir -p "$dir"
-    $make -s -j"${compile_jobs:-1}" BUILD="$dir" "$@" "$dir/$target" >"$dir/log" 2>&1 && return 0
-    row "$name" "FAILED to build: $(tail -n 5 "$dir/log" | tr '\n\t' '  ')"; return 1
+compile() { # name, directory below BUILD/hashes, target, make variables...
+    name=$1; dir=$(cd "$build" && mkdir -p "$2" && cd "$2" && pwd); target=$3; shift 3
+    dir=${dir#"$PWD/"}
+    $make -s -j"${compile_jobs:-1}" BUILD="$dir" "$@" "$dir/$target" >"$dir/hashes.log" 2>&1 && return 0
+    row "$name" "FAILED to build: $(tail -n 5 "$dir/hashes.log" | tr '\n\t' '  ')"; return 1
 }
 
 plain_loop() {
-    compile_jobs=$jobs compile 'gcc -O3' gcc-O3 golden CC=gcc CFLAGS=-O3 || return
+    compile_jobs=$jobs compile 'gcc -O3' .. golden CC="${CC:-gcc}" || return
     row 'plain loop (gcc -O3)' "$("$host/golden")"
     row 'with saves' "$("$host/golden" saves "$build/saves")"
 }
@@ -42,10 +45,9 @@ schedulers() {
     row 'interleaved, 8 workers' "$("$host/golden" interleave)"
 }
 
-compiler() { # compiler, flags
+compiler() { # compiler, flags, directory
     if ! have "$1"; then skip "$1 $2" "$1"; return; fi
-    id=$1$(echo "$2" | tr -d ' =')
-    compile "$1 $2" "$id" golden CC="$1" CFLAGS="$2" && row "$1 $2" "$("$build/$id/golden" threads 2)"
+    compile "$1 $2" "$3" golden CC="$1" CFLAGS="$2" && row "$1 $2" "$("$dir/golden" threads 2)"
 }
 
 cross() { # name, compiler prefix, qemu, package of the C library, more flags
@@ -68,9 +70,9 @@ on_board() { # m7 or m55
     if [ "${SMR_NO_BOARDS:-0}" = 1 ]; then row "$name" 'skipped (tests/target/check_boards.sh runs it, SMR_NO_BOARDS=1)'
     elif ! have arm-none-eabi-gcc; then skip "$name" 'gcc-arm-none-eabi libnewlib-arm-none-eabi'
     elif ! have qemu-system-arm; then skip "$name" qemu-system-arm
-    elif compile "$name" "$1" "golden_$1.elf" CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
+    elif compile "$name" "../$1-board" "golden_$1.elf" CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
         CFLAGS="$board_cflags -O2 -DSMR_BAREMETAL"; then
-        row "$name" "$(board_run 6 "$build/$1/golden_$1.elf" | tail -n 1)"
+        row "$name" "$(board_run 6 "$dir/golden_$1.elf" | tail -n 1)"
     fi
 }
 
@@ -78,13 +80,13 @@ configure() { # number: its place in the table
     configuration=$1
     case $1 in
     11) schedulers ;;
-    20) compiler gcc -O0 ;;
-    21) compiler gcc -O2 ;;
-    22) compiler gcc '-O3 -march=native' ;;
-    30) compiler clang -O0 ;;
-    31) compiler clang -O2 ;;
-    32) compiler clang -O3 ;;
-    33) compiler clang '-O3 -march=native' ;;
+    20) compiler gcc '-O0 -w' ../layers ;;
+    21) compiler gcc -O2 gcc-O2 ;;
+    22) compiler gcc '-O3 -march=native' gcc-O3-marchnative ;;
+    30) compiler clang -O0 clang-O0 ;;
+    31) compiler clang -O2 clang-O2 ;;
+    32) compiler clang -O3 ../clang ;;
+    33) compiler clang '-O3 -march=native' clang-O3-marchnative ;;
     40) cross 'AArch64 (qemu-user)' aarch64-linux-gnu qemu-aarch64 libc6-dev-arm64-cross '' ;;
     41) cross 'Armv7 hard float (qemu-user)' arm-linux-gnueabihf qemu-arm libc6-dev-armhf-cross '' ;;
     42) cross 'RISC-V 64 (qemu-user)' riscv64-linux-gnu qemu-riscv64 libc6-dev-riscv64-cross '' ;;
@@ -103,7 +105,7 @@ work() {
 
 # ---------------------------------------------------------------- run, then the table
 
-host=$build/gcc-O3
+host=$own
 configuration=10
 plain_loop # first: the saves of this machine are for another one
 workers=

@@ -14,6 +14,22 @@
 
 #define PI 3.14159265358979
 
+host_port label_port;
+
+int open_port(void **state)
+{
+    host_error error = {0};
+    (void)state;
+    return host_port_open(&label_port, 1, &error);
+}
+
+int close_port(void **state)
+{
+    (void)state;
+    host_port_close(&label_port);
+    return 0;
+}
+
 static double ball(const double p[3]) { return sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) - 15.0; }
 
 static double ellipsoid(const double p[3])

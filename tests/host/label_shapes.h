@@ -3,9 +3,15 @@
 #ifndef LABEL_SHAPES_H
 #define LABEL_SHAPES_H
 
+#include "base/threads.h"
 #include "labels/label_map.h"
 #include "meshes/triangle_mesh.h"
 #include "volumes/voxel_volume.h"
+
+/* Of one thread, between open_port() and close_port(), which CMocka calls around a group. */
+extern host_port label_port;
+int open_port(void **state);
+int close_port(void **state);
 
 /* Negative inside; mm. */
 typedef double (*shape_function)(const double p[3]);

@@ -3,22 +3,10 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-build_tool || { not_ok "the helper compiles"; finish; exit 1; }
-tool=$scratch/tool
-cd "$scratch" || exit 1
 blob 12 30 20 60 0.05 >bone.ply
 blob 14 33 19 63 0.08 >target.ply
 "$tool" convert bone.ply ply bone_binary.ply
 
-# refused TEXT COMMAND...: status 2, the text in the one line, and no output file.
-refused() {
-    text=$1
-    shift
-    rm -f no.csv no.mha
-    has_status 2 "$@" && [ "$(wc -l <err.txt)" -eq 1 ] && grep -q "$text" err.txt && [ ! -e no.csv ] && [ ! -e no.mha ] ||
-        { cat err.txt; return 1; }
-}
 # near A B MM: two tables label,x,y,z with the same points.
 near() {
     paste -d, "$1" "$2" | awk -F, -v most="$3" 'NR > 1 { d = ($2-$6)^2 + ($3-$7)^2 + ($4-$8)^2
@@ -101,37 +89,37 @@ check "that grid" sh -c "head -c 400 like.nrrd | grep -aq 'sizes: 10 10 14'"
 "$SMR" info like.nrrd >info.txt
 check "which smr reads" grep -q "10 x 10 x 14  uint8" info.txt
 
-check "no result" refused "$(printf '')" "$SMR" carry --result nowhere --points points.csv -o no.csv
-check "no points" refused "" "$SMR" carry --result out --points nothing.csv -o no.csv
+refused "no result" "$(printf '')" "$SMR" carry --result nowhere --points points.csv -o no.csv
+refused "no points" "" "$SMR" carry --result out --points nothing.csv -o no.csv
 printf 'label,x,y,z\n"a\377b\\\303\251\177",1,2,3\n' >odd.csv
 check "labels that are no UTF-8" has_status 0 "$SMR" carry --result out --points odd.csv -o odd.mrk.json --quiet
 check "become some" grep -qF "$(printf '"label": "a?b\\\\\303\251\\u007f"')" odd.mrk.json
 for name in p.ply.gz p.csv.GZ p.mrk.json.gz; do
-    check "points are not written packed, $name" refused "$name: name: expected an output that ends in" "$SMR" carry --result out --points points.csv -o $name
+    refused "points are not written packed, $name" "$name: name: expected an output that ends in" "$SMR" carry --result out --points points.csv -o $name
 done
-check "nor fields" refused "f.nrrd.gz: name: expected an output that ends in" "$SMR" field --result out --spacing 6 -o f.nrrd.gz
-check "an unknown format" refused "mrk.json" "$SMR" carry --result out --points points.csv -o no.txt
-check "no --points" refused "points" "$SMR" carry --result out -o no.csv
-check "no --volume" refused "volume" "$SMR" warp --result out -o no.mha
-check "--spacing beside --like" refused "like" "$SMR" field --result out --like image.mha --spacing 2 -o no.mha
-check "too fine a grid" refused "voxels" "$SMR" field --result out --spacing 0.0001 -o no.mha
+refused "nor fields" "f.nrrd.gz: name: expected an output that ends in" "$SMR" field --result out --spacing 6 -o f.nrrd.gz
+refused "an unknown format" "mrk.json" "$SMR" carry --result out --points points.csv -o no.txt
+refused "no --points" "points" "$SMR" carry --result out -o no.csv
+refused "no --volume" "volume" "$SMR" warp --result out -o no.mha
+refused "--spacing beside --like" "like" "$SMR" field --result out --like image.mha --spacing 2 -o no.mha
+refused "too fine a grid" "voxels" "$SMR" field --result out --spacing 0.0001 -o no.mha
 echo 'p,1e9,0,0' >far.csv
-check "points too far" refused "within" "$SMR" carry --result out --points far.csv -o no.csv
+refused "points too far" "within" "$SMR" carry --result out --points far.csv -o no.csv
 echo 'p,1,nan,0' >far.csv
-check "no numbers" refused "finite" "$SMR" carry --result out --points far.csv -o no.csv
-check "its own input" refused "input" "$SMR" carry --result out --points points.csv -o points.csv
+refused "no numbers" "finite" "$SMR" carry --result out --points far.csv -o no.csv
+refused "its own input" "input" "$SMR" carry --result out --points points.csv -o points.csv
 
 mkdir broken
 size=$(wc -c <out/carry.bin)
 for at in 0 4 8 12 16 20 30 40 100 200 $((size - 2)); do
     cp out/carry.bin broken/carry.bin
     printf '\377' | dd of=broken/carry.bin bs=1 seek="$at" conv=notrunc 2>/dev/null
-    check "byte $at damaged" refused "" "$SMR" carry --result broken --points points.csv -o no.csv
+    refused "byte $at damaged" "" "$SMR" carry --result broken --points points.csv -o no.csv
 done
 for n in 0 3 31 32 99 500 $((size - 1)); do
     head -c "$n" out/carry.bin >broken/carry.bin
-    check "cut off after $n" refused "" "$SMR" carry --result broken --points points.csv -o no.csv
+    refused "cut off after $n" "" "$SMR" carry --result broken --points points.csv -o no.csv
 done
 { cat out/carry.bin; echo; } >broken/carry.bin
-check "a byte too many" refused "size" "$SMR" carry --result broken --points points.csv -o no.csv
+refused "a byte too many" "size" "$SMR" carry --result broken --points points.csv -o no.csv
 finish

@@ -4,10 +4,6 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-build_tool || { not_ok "the helper compiles"; finish; exit 1; }
-tool=$scratch/tool
-cd "$scratch" || exit 1
 blob 6 30 20 60 0.05 >bone.ply
 "$tool" convert bone.ply obj bone.obj
 

@@ -3,15 +3,10 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-build_tool || { not_ok "the helper compiles"; finish; exit 1; }
-tool=$scratch/tool
-cd "$scratch" || exit 1
 blob 12 30 20 60 0.05 >bone.ply
 blob 14 33 19 63 0.08 >target.ply
 "$tool" convert bone.ply ply bone_binary.ply
 
-less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && a < b) }'; }
 # The mean of a line of smr measure.
 mean() { "$SMR" measure "$1" "$2" | sed -n "s/^$3: mean \([0-9.]*\).*/\1/p"; }
 

@@ -5,7 +5,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
 examples=$top/docs/examples/cohort
-cd "$scratch" || exit 1
 blob 10 30 20 60 0.05 >bone.ply
 blob 11 33 19 63 0.08 >target.ply
 blob 11 33 19 63 0.09 >other.ply

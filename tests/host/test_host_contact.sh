@@ -4,12 +4,9 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-build_tool || { not_ok "the helper compiles"; finish; exit 1; }
-cd "$scratch" || exit 1
 mkdir model target || exit 1
 blob 14 24 20 40 0 >blob.ply
-"$scratch/tool" convert blob.ply obj blob.obj
+"$tool" convert blob.ply obj blob.obj
 
 # blob.obj moved along x.
 moved() { awk -v by="$1" '$1 == "v" { printf "v %.6f %s %s\n", $2 + by, $3, $4; next } { print }' blob.obj; }

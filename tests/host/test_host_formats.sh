@@ -3,11 +3,6 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-build_tool && build_tool fuzz_tool || { not_ok "the tools compile"; finish; exit 1; }
-tool=$scratch/tool
-cd "$scratch" || exit 1
-
 blob 20 30 20 60 0.1 >blob.ply
 base=$("$tool" count blob.ply)
 
@@ -100,10 +95,10 @@ check "the comparison can fail" sh -c "! '$tool' compare tetra.ply pentagon.ply"
 blob 4 30 20 60 0.1 >small.ply
 for format in ply ply-ascii stl obj vtk; do
     "$tool" convert small.ply $format "damage.$format"
-    check "3,000 damaged copies, $format" "$scratch/fuzz_tool" "damage.$format" 3000 1
+    check "3,000 damaged copies, $format" "$build/tests/host/fuzz_tool" "damage.$format" 3000 1
 done
 for name in odd.ply big.ply binary.vtk binary51.vtk ascii51.vtk strip.vtk tetra.obj lines.obj ascii.stl; do
-    check "3,000 damaged copies of $name" "$scratch/fuzz_tool" $name 3000 2
+    check "3,000 damaged copies of $name" "$build/tests/host/fuzz_tool" $name 3000 2
 done
 
 blob 42 30 20 60 0.1 >speed_ascii.ply

@@ -3,7 +3,6 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-cd "$scratch" || exit 1
 blob 12 30 20 60 0.05 >bone.ply
 
 # A model that is turned by 25 degrees about z and shifted, by points.

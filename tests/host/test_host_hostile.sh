@@ -4,49 +4,27 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-build_tool || { not_ok "the helper compiles"; finish; exit 1; }
-tool=$scratch/tool
-cd "$scratch" || exit 1
 blob 6 30 20 60 0 >good.ply
 "$tool" convert good.ply ply good_binary.ply
+limit_ms=2000
 mkdir kept
 echo mark >kept/mark
-listing() { ls -lA --full-time kept 2>/dev/null || ls -lA kept; }
-listing >kept.before
-
-# refused NAME FILE PLACE ARGUMENTS...: runs smr and looks at its status, its one line and the directories.
-refused() {
-    refused_name=$1 refused_file=$2 refused_place=$3
-    shift 3
-    "$tool" run 2000 "${SMR_TEST_KB:-204800}" "$SMR" "$@" >out.txt 2>err.txt
-    refused_status=$?
-    refused_why=
-    [ $refused_status -eq 2 ] || refused_why="status $refused_status"
-    [ "$(wc -l <err.txt)" -eq 1 ] || refused_why="$refused_why, $(wc -l <err.txt) lines"
-    grep -qF "smr: $refused_file: " err.txt || refused_why="$refused_why, no file"
-    grep -qE "^smr: .*: .*$refused_place.*: expected ." err.txt || refused_why="$refused_why, no place like $refused_place"
-    [ -s out.txt ] && refused_why="$refused_why, standard output not empty"
-    [ -e fresh ] && refused_why="$refused_why, the directory was made"
-    listing | cmp -s - kept.before || refused_why="$refused_why, the directory was touched"
-    if [ -z "$refused_why" ]; then ok "$refused_name"; else
-        not_ok "$refused_name ($refused_why)"
-        sed 's/^/#   /' err.txt | head -3
-    fi
-}
 
 # hostile NAME FILE PLACE: as a model into a new directory, as a target into one with content.
 hostile() {
-    refused "$1, as model" "$2" "$3" register --model "$2" --target good.ply -o fresh
-    refused "$1, as target" "$2" "$3" register --model good.ply --target "$2" -o kept
+    by_place "$1, as model" "$2" "$3" "$SMR" register --model "$2" --target good.ply -o fresh
+    by_place "$1, as target" "$2" "$3" "$SMR" register --model good.ply --target "$2" -o kept
 }
+
+# made NAME FILE PLACE FORMAT: the same of a file with this content.
+made() { printf "$4" >"$2"; hostile "$1" "$2" "$3"; }
 
 name63=$(printf 's%062d' 7)
 cp good.ply "${name63}8.ply"
 cp good.ply "$name63.ply"
-refused "a structure's name of 64 bytes" "${name63}8.ply" "name of structure 0" register --model "${name63}8.ply" --target good.ply -o fresh
-refused "the same, beside one of 63" "${name63}8.ply" "name of structure 1" build --model "$name63.ply" "${name63}8.ply" -o fresh
-refused "one of several targets" "${name63}8.ply" name register --model good.ply --target good.ply "${name63}8.ply" -o fresh
+by_place "a structure's name of 64 bytes" "${name63}8.ply" "name of structure 0" "$SMR" register --model "${name63}8.ply" --target good.ply -o fresh
+by_place "the same, beside one of 63" "${name63}8.ply" "name of structure 1" "$SMR" build --model "$name63.ply" "${name63}8.ply" -o fresh
+by_place "one of several targets" "${name63}8.ply" name "$SMR" register --model good.ply --target good.ply "${name63}8.ply" -o fresh
 check "a name of 63 bytes, the only target's of 64" sh -c "'$SMR' register --model $name63.ply --target ${name63}8.ply -o long --quiet --iterations 2; [ -s long/$name63.ply ]"
 
 hostile "missing file" none.ply file
@@ -65,87 +43,53 @@ head -20 good.ply >cut3.ply
 hostile "ASCII, cut in the vertices" cut3.ply "header line|vertex"
 ply() { printf 'ply\nformat %s 1.0\nelement vertex %s\nproperty float x\nproperty float y\nproperty float z\nelement face %s\nproperty list %s int vertex_indices\nend_header\n' "$1" "$2" "$3" "$4"; }
 body='0 0 0\n1 0 0\n0 1 0\n'
-{ ply ascii 4000000000 1 uchar; printf "$body"; } >claim.ply
-hostile "4,000,000,000 vertices claimed" claim.ply "header line 3"
-{ ply binary_little_endian 4000000000 1 uchar; printf "$body"; } >claim_binary.ply
-hostile "the same in binary" claim_binary.ply "header line 3"
-{ ply binary_little_endian 3999999 7999999 uchar; printf "$body"; } >claim_legal.ply
-hostile "legal counts that the file cannot hold" claim_legal.ply "header line 3"
-{ ply ascii 3 4000000000 uchar; printf "$body"; } >claim_faces.ply
-hostile "4,000,000,000 faces claimed" claim_faces.ply "header line 7"
-{ ply ascii -3 1 uchar; printf "$body"; } >negative.ply
-hostile "negative vertex count" negative.ply "header line 3"
-{ ply ascii 3 1 uchar; printf "${body}3 0 1 3\n"; } >range.ply
-hostile "face index out of range" range.ply "face 0"
-{ ply ascii 3 2 uchar; printf "${body}3 0 1 2\n3 0 1 -1\n"; } >minus.ply
-hostile "face index below 0" minus.ply "face 1"
-{ ply ascii 3 1 char; printf "${body}-3 0 1 2\n"; } >list.ply
-hostile "negative list count" list.ply "face 0"
-{ ply binary_little_endian 3 1 char; printf '\000\000\000\000\000\000\000\000\000\000\000\000\000\000\200\077\000\000\000\000\000\000\000\000\000\000\000\000\000\000\200\077\000\000\000\000\375\000\000\000\000\001\000\000\000\002\000\000\000'; } >list_binary.ply
-hostile "negative list count, binary" list_binary.ply "face 0"
-{ ply ascii 3 1 uint; printf "${body}4000000000 0 1 2\n"; } >list_claim.ply
-hostile "list count of 4,000,000,000" list_claim.ply "face 0"
-{ ply ascii 3 1 uchar; printf "${body}2 0 1\n"; } >two.ply
-hostile "face of two vertices" two.ply "face 0"
+made "4,000,000,000 vertices claimed" claim.ply "header line 3" "$(ply ascii 4000000000 1 uchar)\n$body"
+made "the same in binary" claim_binary.ply "header line 3" "$(ply binary_little_endian 4000000000 1 uchar)\n$body"
+made "legal counts that the file cannot hold" claim_legal.ply "header line 3" "$(ply binary_little_endian 3999999 7999999 uchar)\n$body"
+made "4,000,000,000 faces claimed" claim_faces.ply "header line 7" "$(ply ascii 3 4000000000 uchar)\n$body"
+made "negative vertex count" negative.ply "header line 3" "$(ply ascii -3 1 uchar)\n$body"
+made "face index out of range" range.ply "face 0" "$(ply ascii 3 1 uchar)\n${body}3 0 1 3\n"
+made "face index below 0" minus.ply "face 1" "$(ply ascii 3 2 uchar)\n${body}3 0 1 2\n3 0 1 -1\n"
+made "negative list count" list.ply "face 0" "$(ply ascii 3 1 char)\n${body}-3 0 1 2\n"
+made "negative list count, binary" list_binary.ply "face 0" "$(ply binary_little_endian 3 1 char)\n"'\000\000\000\000\000\000\000\000\000\000\000\000\000\000\200\077\000\000\000\000\000\000\000\000\000\000\000\000\000\000\200\077\000\000\000\000\375\000\000\000\000\001\000\000\000\002\000\000\000'
+made "list count of 4,000,000,000" list_claim.ply "face 0" "$(ply ascii 3 1 uint)\n${body}4000000000 0 1 2\n"
+made "face of two vertices" two.ply "face 0" "$(ply ascii 3 1 uchar)\n${body}2 0 1\n"
 for value in nan NaN inf -inf 1e30 -100001 abc; do
     { ply ascii 3 1 uchar; printf "0 0 0\n1 0 0\n0 $value 0\n3 0 1 2\n"; } >"bad$value.ply"
     hostile "coordinate $value" "bad$value.ply" "vertex 2"
 done
-{ ply binary_little_endian 3 1 uchar; printf '\000\000\300\177\000\000\000\000\000\000\000\000\000\000\200\077\000\000\000\000\000\000\000\000\000\000\000\000\000\000\200\077\000\000\000\000\003\000\000\000\000\001\000\000\000\002\000\000\000'; } >nan_binary.ply
-hostile "coordinate NaN, binary" nan_binary.ply "vertex 0"
+made "coordinate NaN, binary" nan_binary.ply "vertex 0" "$(ply binary_little_endian 3 1 uchar)\n"'\000\000\300\177\000\000\000\000\000\000\000\000\000\000\200\077\000\000\000\000\000\000\000\000\000\000\000\000\000\000\200\077\000\000\000\000\003\000\000\000\000\001\000\000\000\002\000\000\000'
 { ply ascii 0 0 uchar; } >no_vertex.ply
 hostile "no vertices" no_vertex.ply "header"
 { ply ascii 3 0 uchar; printf "$body"; } >no_face.ply
-refused "no triangles, as model" no_face.ply "faces" register --model no_face.ply --target good.ply -o fresh
+by_place "no triangles, as model" no_face.ply "faces" "$SMR" register --model no_face.ply --target good.ply -o fresh
 sed '/element face/d; /property list/d' no_face.ply >points.ply
-refused "no face element, as model" points.ply "faces" register --model points.ply --target good.ply -o fresh
-printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n' >no_z.ply
-hostile "no z" no_z.ply "header line 3"
-printf 'ply\nformat ebcdic 1.0\nelement vertex 1\n' >format.ply
-hostile "unknown PLY format" format.ply "header line 2"
-printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty quad x\nend_header\n' >type.ply
-hostile "unknown PLY type" type.ply "header line 4"
-printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty list float int x\nend_header\n' >list_float.ply
-hostile "list counted by floats" list_float.ply "header line 4"
-printf 'hello world\n' >hello.txt
-hostile "unknown format" hello.txt content
-printf 'hello world\n' >hello.ply
-hostile "no PLY in a .ply" hello.ply "header line 1"
-printf 'hello world\n' >hello.vtk
-hostile "no VTK in a .vtk" hello.vtk "line 1"
-printf 'hello world\n' >hello.stl
-hostile "no STL in a .stl" hello.stl header
-printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n' >range.obj
-hostile "OBJ index out of range" range.obj "line 4"
-printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n' >zero.obj
-hostile "OBJ index 0" zero.obj "line 4"
-printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf -4 2 1\n' >minus.obj
-hostile "OBJ index before the first" minus.obj "line 4"
-printf 'v 0 0 0\nv 1 0\n' >short.obj
-hostile "OBJ vertex of two numbers" short.obj "line 2"
-printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n' >two.obj
-hostile "OBJ face of two" two.obj "line 4"
-printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n' >cut.stl
-hostile "STL ASCII, truncated" cut.stl line
-printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e30 0\nendloop\nendfacet\nendsolid\n' >far.stl
-hostile "STL coordinate 1e30" far.stl "line 6"
-printf 'solid a\nendsolid a\n' >none.stl
-hostile "STL without triangles" none.stl "vert"
+by_place "no face element, as model" points.ply "faces" "$SMR" register --model points.ply --target good.ply -o fresh
+made "no z" no_z.ply "header line 3" 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n'
+made "unknown PLY format" format.ply "header line 2" 'ply\nformat ebcdic 1.0\nelement vertex 1\n'
+made "unknown PLY type" type.ply "header line 4" 'ply\nformat ascii 1.0\nelement vertex 1\nproperty quad x\nend_header\n'
+made "list counted by floats" list_float.ply "header line 4" 'ply\nformat ascii 1.0\nelement vertex 1\nproperty list float int x\nend_header\n'
+made "unknown format" hello.txt content 'hello world\n'
+made "no PLY in a .ply" hello.ply "header line 1" 'hello world\n'
+made "no VTK in a .vtk" hello.vtk "line 1" 'hello world\n'
+made "no STL in a .stl" hello.stl header 'hello world\n'
+made "OBJ index out of range" range.obj "line 4" 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n'
+made "OBJ index 0" zero.obj "line 4" 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n'
+made "OBJ index before the first" minus.obj "line 4" 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf -4 2 1\n'
+made "OBJ vertex of two numbers" short.obj "line 2" 'v 0 0 0\nv 1 0\n'
+made "OBJ face of two" two.obj "line 4" 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n'
+made "STL ASCII, truncated" cut.stl line 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n'
+made "STL coordinate 1e30" far.stl "line 6" 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e30 0\nendloop\nendfacet\nendsolid\n'
+made "STL without triangles" none.stl "vert" 'solid a\nendsolid a\n'
 { printf '%80s' x; printf '\377\377\377\377'; printf "$body"; } >claim.stl
 hostile "STL binary, 4,294,967,295 faces claimed" claim.stl header
 vtk='# vtk DataFile Version 3.0\nt\nASCII\nDATASET'
-printf "$vtk UNSTRUCTURED_GRID\n" >grid.vtk
-hostile "VTK, not polydata" grid.vtk "line 4"
-printf "$vtk POLYDATA\nPOINTS 4000000000 float\n0 0 0\n" >claim.vtk
-hostile "VTK, 4,000,000,000 points claimed" claim.vtk "line 5"
-printf "$vtk POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 3\n" >range.vtk
-hostile "VTK index out of range" range.vtk "face 0"
-printf "$vtk POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n-3 0 1 2\n" >minus.vtk
-hostile "VTK negative count" minus.vtk "face 0"
-printf "$vtk POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 nan 0\nPOLYGONS 1 4\n3 0 1 2\n" >nan.vtk
-hostile "VTK coordinate NaN" nan.vtk "vertex 2"
-printf "$vtk POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 2 3\nOFFSETS vtktypeint64\n0 9\nCONNECTIVITY vtktypeint64\n0 1 2\n" >offset.vtk
-hostile "VTK offset beyond the array" offset.vtk "face 1"
+made "VTK, not polydata" grid.vtk "line 4" "$vtk UNSTRUCTURED_GRID\n"
+made "VTK, 4,000,000,000 points claimed" claim.vtk "line 5" "$vtk POLYDATA\nPOINTS 4000000000 float\n0 0 0\n"
+made "VTK index out of range" range.vtk "face 0" "$vtk POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 3\n"
+made "VTK negative count" minus.vtk "face 0" "$vtk POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n-3 0 1 2\n"
+made "VTK coordinate NaN" nan.vtk "vertex 2" "$vtk POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 nan 0\nPOLYGONS 1 4\n3 0 1 2\n"
+made "VTK offset beyond the array" offset.vtk "face 1" "$vtk POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 2 3\nOFFSETS vtktypeint64\n0 9\nCONNECTIVITY vtktypeint64\n0 1 2\n"
 printf '\037\213junk' >junk.ply.gz
 mkfifo pipe.ply && hostile "named pipe without a writer" pipe.ply file
 hostile "device" /dev/zero file
@@ -161,9 +105,9 @@ else
     skip "packed hostile files" "no gzip"
 fi
 printf 'SMR1xxxxxxxxxxxxxxxxxxxxxxxxxx' >junk.smr
-refused "damaged model" junk.smr model register --model junk.smr --target good.ply -o fresh
-refused "damaged model, info" junk.smr model info junk.smr
-refused "not a model" hello.smr "file" info hello.smr
+by_place "damaged model" junk.smr model "$SMR" register --model junk.smr --target good.ply -o fresh
+by_place "damaged model, info" junk.smr model "$SMR" info junk.smr
+by_place "not a model" hello.smr "file" "$SMR" info hello.smr
 
 # Options: --name value, as register's.
 for pair in "--radius 0" "--radius -5" "--radius nan" "--radius inf" "--radius x" "--radius 10,20" "--radius 10,," \
@@ -173,34 +117,34 @@ for pair in "--radius 0" "--radius -5" "--radius nan" "--radius inf" "--radius x
     "--method polar2" "--mirror-target w" "--clusters none" "--relaxation 0" "--node-budget 7" "--iterations 0" \
     "--radius 1e-7" "--plastic-um 1.1e8" "--reject-deviations 1000001" "--active-enough 1000001"; do
     set -- $pair
-    refused "option $pair" "$1" "" register --model good.ply --target good.ply -o fresh "$1" "$2"
+    by_place "option $pair" "$1" "" "$SMR" register --model good.ply --target good.ply -o fresh "$1" "$2"
 done
-refused "unknown option" --frobnicate option register --model good.ply --target good.ply -o fresh --frobnicate
-refused "option of another command" --c-array option register --model good.ply --target good.ply -o fresh --c-array a
-refused "option without its value" --radius value register --model good.ply --target good.ply -o fresh --radius
-refused "no model" usage --model register --target good.ply -o fresh
-refused "no target" usage --target register --model good.ply -o fresh
-refused "no output" usage -o register --model good.ply --target good.ply
-refused "unknown command" dance command dance
-refused "no command" usage command
-refused "measure of one" usage measure measure good.ply
-refused "two structures of one name" ./good.ply name register --model good.ply ./good.ply --target good.ply -o fresh
+by_place "unknown option" --frobnicate option "$SMR" register --model good.ply --target good.ply -o fresh --frobnicate
+by_place "option of another command" --c-array option "$SMR" register --model good.ply --target good.ply -o fresh --c-array a
+by_place "option without its value" --radius value "$SMR" register --model good.ply --target good.ply -o fresh --radius
+by_place "no model" usage --model "$SMR" register --target good.ply -o fresh
+by_place "no target" usage --target "$SMR" register --model good.ply -o fresh
+by_place "no output" usage -o "$SMR" register --model good.ply --target good.ply
+by_place "unknown command" dance command "$SMR" dance
+by_place "no command" usage command "$SMR"
+by_place "measure of one" usage measure "$SMR" measure good.ply
+by_place "two structures of one name" ./good.ply name "$SMR" register --model good.ply ./good.ply --target good.ply -o fresh
 cp good.ply other_a.ply; cp good.ply other_b.ply
-refused "several targets, none named like a structure" --target names register --model good.ply --target other_a.ply other_b.ply -o fresh
+by_place "several targets, none named like a structure" --target names "$SMR" register --model good.ply --target other_a.ply other_b.ply -o fresh
 
 # Output that cannot be written.
 echo file >plain
-refused "output is a file" plain output register --model good.ply --target good.ply -o plain
-refused "output below a file" plain/sub output register --model good.ply --target good.ply -o plain/sub
-refused "output in /proc" /proc/smr output register --model good.ply --target good.ply -o /proc/smr
+by_place "output is a file" plain output "$SMR" register --model good.ply --target good.ply -o plain
+by_place "output below a file" plain/sub output "$SMR" register --model good.ply --target good.ply -o plain/sub
+by_place "output in /proc" /proc/smr output "$SMR" register --model good.ply --target good.ply -o /proc/smr
 mkdir taken && mkdir taken/report.json
-refused "a result's name is a directory" taken report.json register --model good.ply --target good.ply -o taken
+by_place "a result's name is a directory" taken report.json "$SMR" register --model good.ply --target good.ply -o taken
 check "nothing is left behind then" [ "$(ls -A taken)" = report.json ]
 if [ -c /dev/full ]; then
-    refused "full disk" /dev/full output build --model good.ply -o /dev/full
+    by_place "full disk" /dev/full output "$SMR" build --model good.ply -o /dev/full
     check "the device is still there" [ -c /dev/full ]
     mkdir full && ln -s /dev/full full/report.json
-    refused "full disk at the last file" full output register --model good.ply --target good.ply -o full
+    by_place "full disk at the last file" full output "$SMR" register --model good.ply --target good.ply -o full
     check "nothing is left behind then either" [ "$(ls -A full)" = report.json ]
     "$SMR" --help >/dev/full 2>err.txt
     check "full standard output" [ $? -eq 2 ]

@@ -3,10 +3,6 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-build_tool || { not_ok "the helper compiles"; finish; exit 1; }
-tool=$scratch/tool
-cd "$scratch" || exit 1
 blob 12 30 20 60 0.05 >bone.ply
 blob 14 33 19 63 0.08 >target.ply
 # number PAGE PATTERN: the digits behind the first "PATTERN" in what the page shows.
@@ -80,21 +76,9 @@ page "an image" image/report.html
 check "has its voxels" sh -c "sed -n '/id=\"voxel-bytes\"/,/<\\/script>/p' image/report.html | sed 's/.*id=\"voxel-bytes\">//; s/<\\/script>.*//' | base64 -d | LC_ALL=C tr -d '\\n2Z' | wc -c | grep -qx 0"
 check "and the truth" grep -q '"path":"truth/bone.ply"' image/report.html
 
-# refused NAME FILE ARGUMENT...: status 2 and a line that names the file; nothing new.
-refused() {
-    refused_name=$1 refused_file=$2
-    shift 2
-    "$SMR" register "$@" >out.txt 2>err.txt
-    if [ $? -eq 2 ] && [ "$(wc -l <err.txt)" -eq 1 ] && grep -qF "smr: $refused_file: " err.txt && [ ! -e new/bone.ply ]; then
-        ok "$refused_name"
-    else
-        not_ok "$refused_name"
-        head -2 err.txt | sed 's/^/#   /'
-    fi
-}
-refused "a trace in the page's place" new/report.html $onto --html -o new --trace new/report.html
+by_file "a trace in the page's place" new/report.html "$SMR" register $onto --html -o new --trace new/report.html
 mkdir -p new/report.html
-refused "a directory in its place" new $onto --html -o new
+by_file "a directory in its place" new "$SMR" register $onto --html -o new
 check "leaves nothing" [ "$(ls new)" = report.html ]
 check "--help tells of it" sh -c "'$SMR' --help | grep -q -e '--html'"
 finish

@@ -1,34 +1,14 @@
 #!/bin/sh
 # Registration into an image: refusals and small properties on a computed volume, then the published thigh.
 # SPDX-License-Identifier: MIT
-# SMR_AGAIN=1: another compiler did the thigh. DATA: the directory that holds hip_thigh_vhm and thigh_patient; the parts that need it are skipped without.
+# SMR_AGAIN=1: another compiler did the thigh.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-DATA=${DATA:-../shared/data}
-[ -d "$DATA" ] && DATA=$(cd "$DATA" && pwd)
-build_tool || { not_ok "the helper compiles"; finish; exit 1; }
-cd "$scratch" || exit 1
 blob 12 30 20 60 0.05 >bone.ply
 blob 12 33 19 63 0.08 >target.ply
 
-# refused NAME FILE COMMAND...: status 2, one line that starts with the file, no directory "out".
-refused() {
-    refused_name=$1
-    refused_file=$2
-    shift 2
-    "$@" >out.txt 2>err.txt
-    got=$?
-    if [ $got -eq 2 ] && [ "$(wc -l <err.txt)" -eq 1 ] && [ ! -s out.txt ] && [ ! -e out ] && [ ! -e out.smr ] &&
-        grep -qF "smr: $refused_file: " err.txt; then ok "$refused_name"; else
-        not_ok "$refused_name"
-        echo "#   status $got: $(head -2 err.txt)"
-        rm -rf out out.smr
-    fi
-}
 # The mean below a key of the whole registration, which stands before the structures'.
 mean() { sed -n "/\"$2\": {/,/}/s/^ *\"mean\": \([^,]*\),\{0,1\}\$/\1/p" "$1" | head -1; }
-less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && a < b) }'; }
 
 image ref.mha 30 20 60 hard
 image pat.mha 32 22 63 hard
@@ -43,52 +23,53 @@ head -c 2000 pat.mha >short.mha
 sed 's/a,32/a,nan/' five_to.csv >nan.csv
 
 reg="$SMR register --model bone.ply -o out"
-refused "no reference" "--reference" $reg --target pat.mha
-refused "reference that is not there" "none.mha" $reg --reference none.mha --target pat.mha
-refused "target that is not there" "none.mha" $reg --reference ref.mha --target none.mha
-refused "target cut short" "short.mha" $reg --reference ref.mha --target short.mha
-refused "reference cut short" "short.mha" $reg --reference short.mha --target pat.mha
-refused "a surface as the reference" "target.ply" $reg --reference target.ply --target pat.mha
-refused "two volumes" "--target" $reg $image4 ref.mha
-refused "a volume and a surface" "--target" $reg $image4 target.ply
-refused "a reference for a surface" "--reference" $reg --reference ref.mha --target target.ply
-refused "the truth for a surface" "--truth" $reg --target target.ply --truth .
+by_file "no reference" "--reference" $reg --target pat.mha
+by_file "reference that is not there" "none.mha" $reg --reference none.mha --target pat.mha
+by_file "target that is not there" "none.mha" $reg --reference ref.mha --target none.mha
+by_file "target cut short" "short.mha" $reg --reference ref.mha --target short.mha
+by_file "reference cut short" "short.mha" $reg --reference short.mha --target pat.mha
+by_file "a surface as the reference" "target.ply" $reg --reference target.ply --target pat.mha
+by_file "two volumes" "--target" $reg $image4 ref.mha
+by_file "a volume and a surface" "--target" $reg $image4 target.ply
+by_file "a reference for a surface" "--reference" $reg --reference ref.mha --target target.ply
+by_file "the truth for a surface" "--truth" $reg --target target.ply --truth .
 for option in "--align rigid" "--attraction 0.5" "--slide 1" "--even 0" "--normal-angle 60" "--node-budget 100" "--reject-border" "--reject-deviations 3"; do
-    refused "$option with a volume" "${option%% *}" $reg $image4 $option
+    by_file "$option with a volume" "${option%% *}" $reg $image4 $option
 done
-refused "--search 61" "--search" $reg $image4 --search 61
-refused "--search -1" "--search" $reg $image4 --search -1
-refused "--search 0 for a surface" "--search" $reg --target target.ply --search 0
-refused "landmarks of unequal count" "three_to.csv" $reg $image4 --landmarks five.csv three_to.csv
-refused "landmarks of other labels" "label.csv" $reg $image4 --landmarks five.csv label.csv
-refused "landmarks of NaN" "nan.csv" $reg $image4 --landmarks five.csv nan.csv
-refused "landmarks that are not there" "none.csv" $reg $image4 --landmarks five.csv none.csv
-refused "one file of landmarks" "--landmarks" $reg $image4 --landmarks five.csv
-refused "three files of landmarks" "--landmarks" $reg $image4 --landmarks five.csv five_to.csv five.csv
-refused "--smoothing without landmarks" "--smoothing" $reg $image4 --smoothing 5
-refused "--smoothing of a fit that is no spline" "--smoothing" $reg $image4 --landmarks five.csv five_to.csv --align rigid --smoothing 5
-refused "--smoothing -1" "--smoothing" $reg $image4 --landmarks five.csv five_to.csv --smoothing -1
+by_file "--search 61" "--search" $reg $image4 --search 61
+by_file "--search -1" "--search" $reg $image4 --search -1
+by_file "--search 0 for a surface" "--search" $reg --target target.ply --search 0
+by_file "landmarks of unequal count" "three_to.csv" $reg $image4 --landmarks five.csv three_to.csv
+by_file "landmarks of other labels" "label.csv" $reg $image4 --landmarks five.csv label.csv
+by_file "landmarks of NaN" "nan.csv" $reg $image4 --landmarks five.csv nan.csv
+by_file "landmarks that are not there" "none.csv" $reg $image4 --landmarks five.csv none.csv
+by_file "one file of landmarks" "--landmarks" $reg $image4 --landmarks five.csv
+by_file "three files of landmarks" "--landmarks" $reg $image4 --landmarks five.csv five_to.csv five.csv
+by_file "--smoothing without landmarks" "--smoothing" $reg $image4 --smoothing 5
+by_file "--smoothing of a fit that is no spline" "--smoothing" $reg $image4 --landmarks five.csv five_to.csv --align rigid --smoothing 5
+by_file "--smoothing -1" "--smoothing" $reg $image4 --landmarks five.csv five_to.csv --smoothing -1
 for option in "--gradient 3" "--similarity ssd" "--confidence 0.2" "--sideways 0.2" "--search 9,1" "--profile-samples 20" "--profile-step 1"; do
-    refused "$option for a surface" "${option%% *}" $reg --target target.ply $option
+    by_file "$option for a surface" "${option%% *}" $reg --target target.ply $option
 done
 for option in "--gradient 61" "--gradient 3,-1" "--gradient 3," "--gradient 1,2,3" "--search 9,61" "--similarity sad" "--confidence 1.1" "--sideways 1.1" \
     "--profile-samples 2" "--profile-samples 65" "--profile-step 0" "--profile-step nan" "--profile-inward 1.5"; do
-    refused "$option" "${option%% *}" $reg $image4 $option
+    by_file "$option" "${option%% *}" $reg $image4 $option
 done
 for option in "--active 1.1" "--active -0.1" "--active nan" "--active-first 2" "--active-first x" "--active-enough -1" "--active-enough 1.5"; do
-    refused "$option" "${option%% *}" $reg $image4 $option
+    by_file "$option" "${option%% *}" $reg $image4 $option
 done
-refused "--active-enough for a surface" "--active-enough" $reg --target target.ply --active-enough 0
-refused "--active for a build" "--active" "$SMR" build --model bone.ply --active 0.5 -o out.smr
-refused "--profile-step without a reference" "--profile-step" "$SMR" build --model bone.ply --profile-step 1 -o out.smr
-refused "truth that is not there" "none" $reg $image4 --truth none
+by_file "--active-enough for a surface" "--active-enough" $reg --target target.ply --active-enough 0
+by_file "--active for a build" "--active" "$SMR" build --model bone.ply --active 0.5 -o out.smr
+by_file "--profile-step without a reference" "--profile-step" "$SMR" build --model bone.ply --profile-step 1 -o out.smr
+by_file "truth that is not there" "none" $reg $image4 --truth none
 mkdir -p truth bad
 cp target.ply truth/bone.ply
 echo ply >bad/bone.ply
-refused "damaged truth" "bad" $reg $image4 --truth bad
-refused "a model without profiles" "plain.smr" sh -c "'$SMR' build --model bone.ply -o plain.smr --quiet && '$SMR' register --model plain.smr --target pat.mha -o out"
-refused "build with a damaged reference" "short.mha" "$SMR" build --model bone.ply --reference short.mha -o out.smr
-refused "build with a .smr and a reference" "--reference" "$SMR" build --model plain.smr --reference ref.mha -o out.smr
+by_file "damaged truth" "bad" $reg $image4 --truth bad
+"$SMR" build --model bone.ply -o plain.smr --quiet
+by_file "a model without profiles" "plain.smr" "$SMR" register --model plain.smr --target pat.mha -o out
+by_file "build with a damaged reference" "short.mha" "$SMR" build --model bone.ply --reference short.mha -o out.smr
+by_file "build with a .smr and a reference" "--reference" "$SMR" build --model plain.smr --reference ref.mha -o out.smr
 
 check "register into an image" has_status 0 $SMR register --model bone.ply -o plain $image4
 check "without a truth distance_mm is null" [ "$(value plain/report.json distance_mm)" = null ]
@@ -98,7 +79,7 @@ check "build with a reference" has_status 0 "$SMR" build --model bone.ply --refe
 check "info tells the profiles" sh -c "'$SMR' info bone.smr | grep -q profiles"
 check "the .smr as the model" has_status 0 "$SMR" register --model bone.smr --target pat.mha -o image
 check "gives the same bytes" cmp plain/bone.ply image/bone.ply
-refused "a .smr with a reference" "--reference" "$SMR" register --model bone.smr $image4 -o out
+by_file "a .smr with a reference" "--reference" "$SMR" register --model bone.smr $image4 -o out
 # differs NAME OPTION...: the options are taken, and change the result.
 differs() {
     differs_name=$1
@@ -112,7 +93,7 @@ differs "goals on the normals" --sideways 0
 differs "few vertices at the start" --active-first 0.3 --active-enough 0
 check "the defaults of both shares" has_status 0 "$SMR" register --model bone.smr --target pat.mha -o shares --active 1 --active-first 1 --active-enough 30
 check "change nothing" cmp image/bone.ply shares/bone.ply
-"$scratch/tool" convert bone.ply obj bone.obj
+"$tool" convert bone.ply obj bone.obj
 awk '$1 == "v" && n++ % 3 == 0 { print "v", 0.7 * $2, 0.7 * $3, 0.7 * $4 }' bone.obj >marks.obj
 {
     printf 'ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\nend_header\n' "$(wc -l <marks.obj)"
@@ -208,7 +189,7 @@ check "its mirror image, mirrored" has_status 0 $SMR register --model bone.ply -
 check "is the same to the bit" [ "$(hash oblique)" = "$(hash oblique_x)" ]
 check "the mirror image alone" has_status 0 $SMR register --model bone.ply -o oblique_x --reference ref.mha --target oblique_x.mha --landmarks five.csv five_to.csv
 check "is another" [ "$(hash oblique)" != "$(hash oblique_x)" ]
-"$scratch/tool" convert bone.ply obj bone.obj
+"$tool" convert bone.ply obj bone.obj
 awk '$1 == "v" { $2 = substr($2, 1, 1) == "-" ? substr($2, 2) : "-" $2 } $1 == "f" { t = $3; $3 = $4; $4 = t } { print }' bone.obj >m.obj
 mkdir plain_m mirror_m && cp bone.obj plain_m/bone.obj && cp m.obj mirror_m/bone.obj
 oblique ref_x.mha -
@@ -234,11 +215,11 @@ check "landmarks with it" has_status 0 "$SMR" register --model away.smr --target
 check "landmarks with its surface" has_status 0 "$SMR" register --model away.obj --target target.ply --landmarks five_away.csv five_to.csv -o away
 check "the same state" [ "$(hash away_smr)" = "$(hash away)" ]
 
-thigh=$DATA/thigh_patient
+thigh=$data/thigh_patient
 if [ "${SMR_AGAIN:-0}" = 1 ]; then
     skip "thigh_patient" "another compiler's run has it, SMR_AGAIN=1"
-elif [ -d "$DATA/hip_thigh_vhm" ] && [ -f "$thigh/mri_patient.mha" ]; then
-    check "thigh_patient: status 0" has_status 0 "$SMR" register --model "$DATA"/hip_thigh_vhm/*.ply \
+elif [ -d "$data/hip_thigh_vhm" ] && [ -f "$thigh/mri_patient.mha" ]; then
+    check "thigh_patient: status 0" has_status 0 "$SMR" register --model "$data"/hip_thigh_vhm/*.ply \
         --reference "$thigh/mri_reference.mha" --target "$thigh/mri_patient.mha" --landmarks \
         "$thigh/landmarks_reference.mrk.json" "$thigh/landmarks_patient.mrk.json" --truth "$thigh/truth" -o thigh
     to=$(mean thigh/report.json model_to_target)
@@ -250,12 +231,12 @@ elif [ -d "$DATA/hip_thigh_vhm" ] && [ -f "$thigh/mri_patient.mha" ]; then
     mkdir -p own && cp "$thigh"/truth/*.ply own
     true_folds=0
     for file in own/*.ply; do
-        one=$("$SMR" measure "$file" "$file" --source "$DATA/hip_thigh_vhm/${file##*/}" | sed -n 's/^folds: *\([0-9]*\).*/\1/p')
+        one=$("$SMR" measure "$file" "$file" --source "$data/hip_thigh_vhm/${file##*/}" | sed -n 's/^folds: *\([0-9]*\).*/\1/p')
         true_folds=$((true_folds + one))
     done
     check "thigh_patient: $folds folds, the truth has $true_folds" [ "$folds" -le "$true_folds" ]
     check "thigh_patient: vertex to vertex $(mean thigh/report.json vertex_to_vertex_mm) mm" [ -s thigh/femur.ply ]
 else
-    skip "thigh_patient" "the data are not there (DATA=$DATA)"
+    skip "thigh_patient" "the data are not there (SMR_TEST_DATA=$data)"
 fi
 finish

@@ -4,20 +4,6 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-cd "$scratch" || exit 1
-
-# refused NAME TEXT COMMAND...: status 2, the text in the one line, nothing on standard output, nothing written.
-refused() {
-    refused_name=$1 refused_text=$2
-    shift 2
-    "$@" >out.txt 2>err.txt
-    if [ $? -eq 2 ] && [ "$(wc -l <err.txt)" -eq 1 ] && grep -q -- "$refused_text" err.txt && [ ! -s out.txt ] &&
-        [ ! -e no ] && [ ! -e no.nrrd ]; then ok "$refused_name"; else
-        not_ok "$refused_name"
-        sed 's/^/#   /' err.txt | head -3
-    fi
-}
 # header TYPE "MORE LINES": of an oblique, uneven map of 30 x 26 x 20 voxels as text.
 header() {
     printf 'NRRD0005\ntype: %s\ndimension: 3\nspace: left-posterior-superior\nsizes: 30 26 20\n' "$1"

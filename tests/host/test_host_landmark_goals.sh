@@ -3,11 +3,8 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-build_tool || { not_ok "the helper compiles"; finish; exit 1; }
-cd "$scratch" || exit 1
 blob 12 30 20 60 0.05 >bone.ply
-"$scratch/tool" convert bone.ply obj bone.obj
+"$tool" convert bone.ply obj bone.obj
 
 # Every 15th vertex, and where it goes: a quarter turn about z, 100 mm along x, and a bend along z.
 awk '$1 == "v" && ++n % 15 == 1 { printf "p%d,%s,%s,%s\n", n, $2, $3, $4 }' bone.obj >model.csv
@@ -36,17 +33,12 @@ awk -F, 'NR == 2 { printf "%s,%.4f,%.4f,%.4f\n", $1, $2 + 60, $3, $4; next } { p
 run --landmark-goals model.csv off.csv
 check "a point that is far off: not good" [ $? -eq 1 ]
 
-refused() { # name, text, arguments
-    refused_name=$1 refused_text=$2
-    shift 2
-    run "$@"
-    check "$refused_name" sh -c "[ $? -eq 2 ] && [ ! -e out ] && grep -q '$refused_text' err.txt"
-}
-refused "one file" 'two of them' --landmark-goals model.csv
+rm -rf out
+refused "one file" 'two of them' "$SMR" register --model bone.ply -o out --quiet --landmark-goals model.csv
 head -n 3 now.csv >few.csv
-refused "too few labels" 'few.csv' --landmark-goals model.csv few.csv
-refused "a weight that is none" 'or hard' --landmark-goals model.csv now.csv --landmark-weight soft
-refused "a weight out of range" 'or hard' --landmark-goals model.csv now.csv --landmark-weight 0
-refused "a weight alone" 'landmark-goals beside' --target target.obj --landmark-weight 2
-refused "nothing to go to" 'target'
+refused "too few labels" 'few.csv' "$SMR" register --model bone.ply -o out --quiet --landmark-goals model.csv few.csv
+refused "a weight that is none" 'or hard' "$SMR" register --model bone.ply -o out --quiet --landmark-goals model.csv now.csv --landmark-weight soft
+refused "a weight out of range" 'or hard' "$SMR" register --model bone.ply -o out --quiet --landmark-goals model.csv now.csv --landmark-weight 0
+refused "a weight alone" 'landmark-goals beside' "$SMR" register --model bone.ply -o out --quiet --target target.obj --landmark-weight 2
+refused "nothing to go to" 'target' "$SMR" register --model bone.ply -o out --quiet
 finish

@@ -2,10 +2,9 @@
 # Landmarks: the same ones in every format come out the same; what is damaged or ambiguous gets exit status 2 and one line
 # with file and place.
 # SPDX-License-Identifier: MIT
-# SMR_TEST_KB: more memory for sanitized builds. SMR_TEST_CFLAGS: for the helper. SMR_TEST_DATA: where real data lies.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-. tests/host/volumes_common.inc
+. "$top/tests/host/volumes_common.inc"
 
 json() { printf '{"markups": [{"type": "Fiducial", "controlPoints": [%s], "coordinateSystem": "%s"}]}\n' "$2" "$1"; }
 point() { printf '{"label": "%s", "position": [%s]}' "$1" "$2"; }
@@ -56,15 +55,15 @@ says "markups, a point not placed" "a: 1.000 2.000 3.000" "$volume" landmarks un
 printf '{"markups":[{"coordinateSystem":"LPS","controlPoints":[%s,{"label":"x","position":"","positionStatus":"undefined"}]}]}' "$(point a 1,2,3)" >undefined.mrk.json
 says "markups, a position of no text" "a: 1.000 2.000 3.000" "$volume" landmarks undefined.mrk.json
 
-lost() { refused "landmarks, $1" "$2" "$3" landmarks "$2"; }
+bad() { lost "landmarks, $1" "$2" "$3" landmarks "$2"; }
 # Bad rows and points, by the line that is told: bad_json SYSTEM POINTS NAME, bad_fcsv ROW NAME, bad_csv TEXT NAME LINE.
-bad_json() { json "$1" "$2" >bad.mrk.json; lost "$3" bad.mrk.json "line 1"; }
-bad_fcsv() { fcsv LPS "$1" >bad.fcsv; lost "fcsv, $2" bad.fcsv "line 4"; }
+bad_json() { json "$1" "$2" >bad.mrk.json; bad "$3" bad.mrk.json "line 1"; }
+bad_fcsv() { fcsv LPS "$1" >bad.fcsv; bad "fcsv, $2" bad.fcsv "line 4"; }
 # shellcheck disable=SC2059
-bad_csv() { printf "$1" >bad.csv; lost "CSV, $2" bad.csv "line $3"; }
+bad_csv() { printf "$1" >bad.csv; bad "CSV, $2" bad.csv "line $3"; }
 for units in '"um"' '["um", "UCUM", "micrometer"]' '["mm", "other"]' '[]' '{"code": "um"}' '{"code": "mm"}' null 1 '[["mm"]]'; do
     json LPS "$(point a 1,2,3)" | sed "s/\"Fiducial\"/&, \"coordinateUnits\": $units/" >bad.mrk.json
-    lost "units $units" bad.mrk.json "line 1"
+    bad "units $units" bad.mrk.json "line 1"
 done
 bad_json LPS '{"label": "a", "position": ""}' "position of no text"
 bad_json LPS '{"label": "a", "position": [1,2,3], "positionStatus": "lost"}' "unknown status"
@@ -80,15 +79,15 @@ bad_json LPS "$(point "$(printf '%064d' 0)" 1,2,3)" "label of 64 bytes"
 bad_json LPS "$(point 'a\q' 1,2,3)" "unknown escape"
 bad_json LPS "$(point 'a\ud800' 1,2,3)" "half a character"
 bad_json LPS "$(point a 1,2,3)," "comma too many"
-json LPS "" >bad.mrk.json; lost "none" bad.mrk.json landmarks
-echo '{}' >bad.mrk.json; lost "no markups" bad.mrk.json landmarks
-printf '{"markups":[{"controlPoints":[%s]}]}' "$(point a 1,2,3)" >bad.mrk.json; lost "no system" bad.mrk.json "line 1"
-json LPS "$(point a 1,2,3)" | head -c 60 >bad.mrk.json; lost "cut off" bad.mrk.json "line 1"
-{ json LPS "$(point a 1,2,3)"; echo more; } >bad.mrk.json; lost "more behind" bad.mrk.json "line 2"
-{ printf '{"a":'; head -c 100000 /dev/zero | tr '\0' '['; } >bad.mrk.json; lost "100,000 lists" bad.mrk.json "line 1"
-fcsv LIP "1,1,2,3,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, unknown system" bad.fcsv "line 2"
-fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,," | sed 2d >bad.fcsv; lost "fcsv, no system" bad.fcsv header
-echo "1,1,2,3,0,0,0,1,1,1,0,a,," >bad.fcsv; lost "fcsv, no header" bad.fcsv header
+json LPS "" >bad.mrk.json; bad "none" bad.mrk.json landmarks
+echo '{}' >bad.mrk.json; bad "no markups" bad.mrk.json landmarks
+printf '{"markups":[{"controlPoints":[%s]}]}' "$(point a 1,2,3)" >bad.mrk.json; bad "no system" bad.mrk.json "line 1"
+json LPS "$(point a 1,2,3)" | head -c 60 >bad.mrk.json; bad "cut off" bad.mrk.json "line 1"
+{ json LPS "$(point a 1,2,3)"; echo more; } >bad.mrk.json; bad "more behind" bad.mrk.json "line 2"
+{ printf '{"a":'; head -c 100000 /dev/zero | tr '\0' '['; } >bad.mrk.json; bad "100,000 lists" bad.mrk.json "line 1"
+fcsv LIP "1,1,2,3,0,0,0,1,1,1,0,a,," >bad.fcsv; bad "fcsv, unknown system" bad.fcsv "line 2"
+fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,," | sed 2d >bad.fcsv; bad "fcsv, no system" bad.fcsv header
+echo "1,1,2,3,0,0,0,1,1,1,0,a,," >bad.fcsv; bad "fcsv, no header" bad.fcsv header
 bad_fcsv "1,1,2" "cut row"
 bad_fcsv "1,1,2,3,0,0,0,1,1,1,0,,," "no label"
 bad_fcsv "1,1,5,2,3,0,0,0,1,1,1,0,a,," "a decimal comma"
@@ -97,9 +96,9 @@ bad_fcsv "1,1,5,2,5,3,5,0,0,0,1,1,1,0,a,," "three decimal commas"
 bad_fcsv "1,1,2,3,0,0,0,1,1,1,0,a" "twelve fields"
 bad_fcsv "1,1,2,3,0,0,0,1,1,1,0,a,,,3,0" "unknown status"
 bad_fcsv "1,1,2,3,0,0,0,1,1,1,0,a,,,2" "fifteen fields"
-fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,," | sed 's/,oz/,x/' >bad.fcsv; lost "fcsv, a column twice" bad.fcsv "line 3"
+fcsv LPS "1,1,2,3,0,0,0,1,1,1,0,a,," | sed 's/,oz/,x/' >bad.fcsv; bad "fcsv, a column twice" bad.fcsv "line 3"
 for head in label,a,b,c label,x,y name,x,y,z label,x,y,z,w label,x,A,S label,x,x,y label,i,j,k 'label;x;y;z' 'label,x (mm),y,z' a,b,c,d; do
-    printf '%s\na,1,2,3\n' "$head" >bad.csv; lost "CSV, names $head" bad.csv "line 1"
+    printf '%s\na,1,2,3\n' "$head" >bad.csv; bad "CSV, names $head" bad.csv "line 1"
 done
 bad_csv '# columns = label,x,y,z\nlabel,z,y,x\na,1,2,3\n' "names that differ" 2
 bad_csv 'a,1,2,3\n# columns = label,z,y,x\n' "names after a landmark" 2
@@ -114,16 +113,16 @@ bad_csv 'a,1,2,nan\n' "NaN" 1
 bad_csv 'a, b,1,2,3\n' "comma without quotes" 1
 bad_csv '"a,1,2,3\n' "open quote" 1
 bad_csv '# CoordinateSystem = IJK\na,1,2,3\n' "unknown system" 1
-printf 'label,x,y,z\n' >bad.csv; lost "CSV, none" bad.csv landmarks
-seq 1 65 | sed 's/.*/p&,&,0,0/' >bad.csv; lost "65" bad.csv "line 65"
-lost "missing" none.csv file
+printf 'label,x,y,z\n' >bad.csv; bad "CSV, none" bad.csv landmarks
+seq 1 65 | sed 's/.*/p&,&,0,0/' >bad.csv; bad "65" bad.csv "line 65"
+bad "missing" none.csv file
 "$volume" nifti s int16 little a.nii
-lost "a volume" a.nii content
+bad "a volume" a.nii content
 printf 'a,1,2,3\nb,4,5,6\n' >two.csv
 printf 'a,1,2,3\nc,4,5,6\n' >other.csv
 printf 'a,1,2,3\n' >one.csv
-refused "landmarks, counts differ" one.csv landmarks pair two.csv one.csv
-refused "landmarks, label missing" other.csv landmarks pair two.csv other.csv
+lost "landmarks, counts differ" one.csv landmarks pair two.csv one.csv
+lost "landmarks, label missing" other.csv landmarks pair two.csv other.csv
 
 # Damaged files: refused or read, never a crash (which gives another status).
 for file in a.mrk.json units.mrk.json a.fcsv status.fcsv a.csv column.csv; do check "damaged $file" "$volume" fuzz-landmarks $file "${SMR_TEST_FUZZ:-3000}" 1; done

@@ -3,8 +3,6 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-cd "$scratch" || exit 1
 mkdir -p root/bin root/lib/smr/slicer 'a dir'
 ln -s "$SMR" root/bin/smr
 cp "$top/port/host/slicer/smr-register.sh" root/lib/smr/slicer/smr-register

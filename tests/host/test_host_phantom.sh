@@ -2,32 +2,9 @@
 # smr phantom: all files or none, the same bytes for any number of threads, read back by our own readers, fit for
 # a registration; bad options.
 # SPDX-License-Identifier: MIT
-# SMR_TEST_CFLAGS: for the helpers. SMR_AGAIN=1: another compiler's run has the whole resolution, here it is the small one.
+# SMR_AGAIN=1: another compiler's run has the whole resolution, here it is the small one.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-build_tool || { not_ok "the mesh helper compiles"; finish; exit 1; }
-compile_tool volume_tool "$scratch/volume" base files meshes volumes landmarks || { not_ok "the helper compiles"; finish; exit 1; }
-cd "$scratch" || exit 1
-
-# refused NAME FILE COMMAND...: status 2, one line that starts with the file, nothing new in the directory.
-refused() {
-    refused_name=$1
-    refused_file=$2
-    shift 2
-    ls -R . >before.txt
-    ls -R . >before.txt # now it lists itself
-    "$@" >out.txt 2>err.txt
-    refused_got=$?
-    ls -R . | grep -vxE 'out.txt|err.txt|after.txt' >after.txt
-    if [ $refused_got -eq 2 ] && [ "$(wc -l <err.txt)" -eq 1 ] && [ ! -s out.txt ] &&
-        grep -qF "smr: $refused_file: " err.txt && grep -vxE 'out.txt|err.txt|after.txt' before.txt | cmp -s - after.txt; then
-        ok "$refused_name"
-    else
-        not_ok "$refused_name"
-        echo "#   status $refused_got: $(head -2 err.txt)"
-    fi
-}
 mean() { sed -n "/\"$2\": {/,/}/s/^ *\"mean\": \([^,]*\),\{0,1\}\$/\1/p" "$1" | head -1; }
 
 # The whole resolution once, the small one in all variations.
@@ -57,8 +34,8 @@ for file in $whole/model/*.ply; do
     name=${file##*/}
     n=$((n + 1))
     # vertices, triangles
-    a=$("$scratch/tool" count "$file" 2>&1 | cut -d ' ' -f 1,2)
-    b=$("$scratch/tool" count "$whole/truth/$name" 2>&1 | cut -d ' ' -f 1,2)
+    a=$("$tool" count "$file" 2>&1 | cut -d ' ' -f 1,2)
+    b=$("$tool" count "$whole/truth/$name" 2>&1 | cut -d ' ' -f 1,2)
     [ -n "$a" ] && [ "$a" = "$b" ] || { not_ok "$name: model $a, truth $b"; continue; }
     [ $whole = whole ] || continue # coarse surfaces have sharp edges
     for set in model truth; do
@@ -71,8 +48,8 @@ for name in femur hip_bone patella gluteus_maximus rectus_femoris vastus_mediali
     check "there is $name" [ -f $whole/model/$name.ply ]
 done
 for image in reference patient; do
-    check "mri_$image.mha: $("$scratch/volume" info $whole/mri_$image.mha | cut -c 1-60)" sh -c \
-        "'$scratch/volume' info $whole/mri_$image.mha | grep -qE '^uint8 $size o .* s $spacing d 1.000 0.000 0.000 0.000 1.000'"
+    check "mri_$image.mha: $("$volume" info $whole/mri_$image.mha | cut -c 1-60)" sh -c \
+        "'$volume' info $whole/mri_$image.mha | grep -qE '^uint8 $size o .* s $spacing d 1.000 0.000 0.000 0.000 1.000'"
 done
 
 # near LANDMARKS SET MM: every landmark lies by a vertex of the structure that its description names.
@@ -80,7 +57,7 @@ near() {
     sed -n 's/.*"description": "\([^"]*\)", "position": \[\(.*\), \(.*\), \(.*\)\].*/\1 \2 \3 \4/p' "$1" >marks.txt
     [ "$(wc -l <marks.txt)" -eq 15 ] || return 1
     while read -r part x y z; do
-        "$scratch/tool" convert "$2/$part.ply" obj part.obj || return 1
+        "$tool" convert "$2/$part.ply" obj part.obj || return 1
         awk -v x="$x" -v y="$y" -v z="$z" -v most="$3" -v part="$part" '
             $1 == "v" { d = ($2 - x) ^ 2 + ($3 - y) ^ 2 + ($4 - z) ^ 2; if (!n++ || d < best) best = d }
             END { if (sqrt(best) > most) print part " " x " " y " " z ": " sqrt(best) " mm beside"
@@ -90,7 +67,7 @@ near() {
 check "landmarks of the reference are vertices" near $whole/landmarks_reference.mrk.json $whole/model 0.01
 check "landmarks of the patient are near vertices" near $whole/landmarks_patient.mrk.json $whole/truth $most
 check "the landmarks are pairs" sh -c \
-    "[ \$('$scratch/volume' pair $whole/landmarks_reference.mrk.json $whole/landmarks_patient.mrk.json | wc -l) -ge 15 ]"
+    "[ \$('$volume' pair $whole/landmarks_reference.mrk.json $whole/landmarks_patient.mrk.json | wc -l) -ge 15 ]"
 
 small=one/small
 check "a registration with it" "$SMR" register --model $small/model/*.ply --reference $small/mri_reference.mha \
@@ -105,12 +82,12 @@ mkdir -p full/model/femur.ply
 for option in "--seed 0" "--seed -1" "--seed 1.5" "--seed x" "--seed 2000000000" "--seed" "--threads 0" "--radius 30" \
     "--model femur.ply" "--bad"; do
     # shellcheck disable=SC2086
-    refused "$option" "${option%% *}" "$SMR" phantom -o new $option
+    by_file "$option" "${option%% *}" "$SMR" phantom -o new $option
 done
-refused "no -o" usage "$SMR" phantom
-refused "an operand" femur.ply "$SMR" phantom femur.ply -o new
-refused "-o a file" file "$SMR" phantom -o file --small
-refused "-o in a file" file/new "$SMR" phantom -o file/new --small
-refused "a directory where a file belongs" full "$SMR" phantom -o full --small
-refused "no room for the images" new/deep sh -c "ulimit -f 100; '$SMR' phantom -o new/deep --small"
+by_file "no -o" usage "$SMR" phantom
+by_file "an operand" femur.ply "$SMR" phantom femur.ply -o new
+by_file "-o a file" file "$SMR" phantom -o file --small
+by_file "-o in a file" file/new "$SMR" phantom -o file/new --small
+by_file "a directory where a file belongs" full "$SMR" phantom -o full --small
+by_file "no room for the images" new/deep sh -c "ulimit -f 100; '$SMR' phantom -o new/deep --small"
 finish

@@ -4,7 +4,7 @@
 # PYTHON: an interpreter with numpy. SMR_LIBRARY: the shared library; otherwise the archives of BUILD become one here.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-build=${BUILD:-build}
+cd "$top" || exit 1
 calls=$top/tests/host/python_calls.py
 structs=$top/tests/host/python_structs.py
 
@@ -12,7 +12,7 @@ python=
 for one in ${PYTHON:-} python3 /usr/bin/python3; do
     [ -n "$python" ] || ! "$one" -c 'import numpy' 2>/dev/null || python=$one
 done
-[ -n "$python" ] || { skip "Python" "no python3 with numpy"; finish; exit; }
+[ -n "$python" ] || { skip "Python" "no python3 with numpy"; finish; }
 export PYTHONDONTWRITEBYTECODE=1 OPENBLAS_NUM_THREADS=1
 if [ -z "${SMR_LIBRARY:-}" ] && [ -e "$build/libsmr.so" ] && [ ! "$build/libsmr.so" -ot "$build/libsmr.a" ]; then
     SMR_LIBRARY=$(cd "$build" && pwd)/libsmr.so
@@ -22,7 +22,7 @@ elif [ -z "${SMR_LIBRARY:-}" ]; then
     # shellcheck disable=SC2086
     $CC ${CFLAGS:-} -shared -Wl,-Bsymbolic -o "$SMR_LIBRARY" -Wl,--whole-archive "$build/libsmr.a" \
         "$build/libsmr_pthread.a" -Wl,--no-whole-archive -pthread -lm 2>"$scratch/link.log" ||
-        { skip "Python" "no shared library from these archives"; finish; exit; }
+        { skip "Python" "no shared library from these archives"; finish; }
 fi
 export SMR_LIBRARY
 case " ${CFLAGS:-} " in
@@ -31,7 +31,7 @@ case " ${CFLAGS:-} " in
     export ASAN_OPTIONS="${ASAN_OPTIONS:-}${ASAN_OPTIONS:+:}detect_leaks=0"
     run() { LD_PRELOAD=$preload "$python" "$@"; }
     run -c 'import ctypes; ctypes.CDLL(__import__("os").environ["SMR_LIBRARY"])' 2>/dev/null ||
-        { skip "Python" "the interpreter does not load an instrumented library"; finish; exit; }
+        { skip "Python" "the interpreter does not load an instrumented library"; finish; }
     ;;
 *) run() { "$python" "$@"; } ;;
 esac

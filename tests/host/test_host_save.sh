@@ -4,10 +4,6 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-build_tool || { not_ok "the mesh helper compiles"; finish; exit 1; }
-tool=$scratch/tool
-cd "$scratch" || exit 1
 blob 8 30 20 60 0.05 >bone.ply
 blob 9 33 19 63 0.08 >target.ply
 blob 9 33 19 63 0.09 >other.ply
@@ -15,15 +11,6 @@ mkdir several others
 blob 10 20 20 20 0.02 >several/a.ply
 blob 10 22 19 21 0.03 >several/b.ply
 blob 11 22 20 21 0.02 >others/a.ply
-
-# Status 2 and one line, which says this; nothing is written.
-refused() { # words, arguments
-    words=$1
-    shift
-    rm -rf refused
-    has_status 2 "$SMR" register "$@" -o refused && [ ! -e refused ] && [ "$(wc -l <err.txt)" -eq 1 ] &&
-        grep -q "$words" err.txt || { cat err.txt; return 1; }
-}
 
 # in_three NAME ARGUMENTS...: one run, and the same in three on other numbers of threads.
 in_three() {
@@ -71,20 +58,20 @@ cp whole/bone.ply before.ply
 check "into the results' directory" has_status 4 "$SMR" register "$@" --ticks 3 --save new/run.save -o new
 check "is there" [ -s new/run.save ]
 
-check "another target" refused 'b.save: options: ' --model bone.ply --target bone.ply $short --resume b.save
+refused "another target" 'b.save: options: ' "$SMR" register --model bone.ply --target bone.ply $short --resume b.save -o refused
 "$SMR" register "$@" --ticks 3 --save 1.save -o part >out.txt 2>&1
-check "another target of as many vertices" refused '1.save: targets: ' --model bone.ply --target other.ply $short --resume 1.save
-check "another model" refused '1.save: model: ' --model other.ply --target target.ply $short --resume 1.save
-check "another option" refused '1.save: options: ' "$@" --resume 1.save --stiffness 0.5
-check "a log beside it" refused 'option' "$@" --resume 1.save --log run.log
-check "a log of what is saved" refused 'option' "$@" --save 3.save --log run.log
-check "not there" refused 'nowhere.save' "$@" --resume nowhere.save
-check "not a save" refused 'bone.ply: header: ' "$@" --resume bone.ply
+refused "another target of as many vertices" '1.save: targets: ' "$SMR" register --model bone.ply --target other.ply $short --resume 1.save -o refused
+refused "another model" '1.save: model: ' "$SMR" register --model other.ply --target target.ply $short --resume 1.save -o refused
+refused "another option" '1.save: options: ' "$SMR" register "$@" --resume 1.save --stiffness 0.5 -o refused
+refused "a log beside it" 'option' "$SMR" register "$@" --resume 1.save --log run.log -o refused
+refused "a log of what is saved" 'option' "$SMR" register "$@" --save 3.save --log run.log -o refused
+refused "not there" 'nowhere.save' "$SMR" register "$@" --resume nowhere.save -o refused
+refused "not a save" 'bone.ply: header: ' "$SMR" register "$@" --resume bone.ply -o refused
 head -c 3000 1.save >cut.save
-check "cut off" refused 'cut.save: content: ' "$@" --resume cut.save
+refused "cut off" 'cut.save: content: ' "$SMR" register "$@" --resume cut.save -o refused
 { head -c 3000 1.save; printf x; tail -c +3002 1.save; } >changed.save
-check "one byte changed" refused 'changed.save: content: ' "$@" --resume changed.save
-check "not over what is read" refused '1.save' "$@" --resume 1.save --save 1.save
-check "nowhere to write" refused 'missing' "$@" --save missing/1.save
+refused "one byte changed" 'changed.save: content: ' "$SMR" register "$@" --resume changed.save -o refused
+refused "not over what is read" '1.save' "$SMR" register "$@" --resume 1.save --save 1.save -o refused
+refused "nowhere to write" 'missing' "$SMR" register "$@" --save missing/1.save -o refused
 
 finish

@@ -3,8 +3,6 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-cd "$scratch" || exit 1
 blob 12 30 20 60 0.05 >bone.ply
 blob 14 33 19 63 0.08 >target.ply
 mkdir truth
@@ -52,23 +50,11 @@ check "a row for each iteration, not for each tick" [ "$(column parts.csv iterat
 check "of a run that ended first" [ "$(wc -l <ended.csv)" -eq 5 ]
 check "time without the measuring" awk -v t="$(last traced/trace.csv time_ms)" -v s="$(value traced/report.json register)" 'BEGIN { exit !(t > 0 && t <= 1000 * s + 0.01) }'
 
-# refused NAME FILE ARGUMENT...: status 2, a line that names it, and nothing is written.
-refused() {
-    refused_name=$1 refused_file=$2
-    shift 2
-    "$SMR" register "$@" >out.txt 2>err.txt
-    if [ $? -eq 2 ] && [ "$(wc -l <err.txt)" -eq 1 ] && grep -qF "smr: $refused_file: " err.txt && [ ! -e new ]; then
-        ok "$refused_name"
-    else
-        not_ok "$refused_name"
-        head -2 err.txt | sed 's/^/#   /'
-    fi
-}
-refused "a trace in no directory" none/trace.csv $onto -o new --trace none/trace.csv
-refused "a trace over a result" new/report.json $onto -o new --trace new/report.json
-refused "a trace over an input" target.ply $onto -o new --trace target.ply
-refused "a trace over the log" same.csv $onto -o new --trace same.csv --log same.csv
-refused "no name" --trace $onto -o new --trace
+by_file "a trace in no directory" none/trace.csv "$SMR" register $onto -o new --trace none/trace.csv
+by_file "a trace over a result" new/report.json "$SMR" register $onto -o new --trace new/report.json
+by_file "a trace over an input" target.ply "$SMR" register $onto -o new --trace target.ply
+by_file "a trace over the log" same.csv "$SMR" register $onto -o new --trace same.csv --log same.csv
+by_file "no name" --trace "$SMR" register $onto -o new --trace
 
 # An image, as the paper has it.
 "$SMR" register $into --truth truth --paper --threads 1 --quiet --accept look -o one

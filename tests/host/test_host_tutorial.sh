@@ -6,11 +6,11 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
 page=$top/docs/TUTORIAL.md
 guide=$top/docs/GUIDE.md
-writer=${FIXTURE_WRITE:-$(dirname "$SMR")/fixture_write}
-[ -x "$writer" ] || { skip "the tutorial" "no fixture_write"; finish; exit; }
+writer=$build/fixture_write
+[ -x "$writer" ] || { skip "the tutorial" "no fixture_write"; finish; }
 mkdir "$scratch/bin" "$scratch/work"
 ln -s "$SMR" "$scratch/bin/smr"
-ln -s "$(cd "$(dirname "$writer")" && pwd)/fixture_write" "$scratch/bin/fixture_write"
+ln -s "$writer" "$scratch/bin/fixture_write"
 PATH=$scratch/bin:$PATH
 export PATH
 

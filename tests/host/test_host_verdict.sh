@@ -3,10 +3,6 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-build_tool || { not_ok "the helper compiles"; finish; exit 1; }
-tool=$scratch/tool
-cd "$scratch" || exit 1
 blob 12 30 20 60 0.05 >bone.ply
 blob 14 33 19 63 0.08 >target.ply
 "$tool" convert target.ply obj target.obj

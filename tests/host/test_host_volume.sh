@@ -3,11 +3,8 @@
 # SPDX-License-Identifier: MIT
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-build_tool || { not_ok "the helper compiles"; finish; exit 1; }
-cd "$scratch" || exit 1
 blob 12 30 20 60 0.05 >bone.ply
-"$scratch/tool" convert bone.ply obj bone.obj
+"$tool" convert bone.ply obj bone.obj
 awk '$1 == "v" { printf "v %.6f %.6f %.6f\n", 1.04 * $2, 1.04 * $3, 1.04 * $4; next } { print }' bone.obj >target.obj
 awk '$1 == "f" && ++n < 3 { next } { print }' bone.obj >open.obj
 
@@ -42,17 +39,12 @@ model=open.obj
 run --volume
 check "open: none" [ "$(of volume_rest_mm3)" = null ]
 
-refused() { # name, text, arguments
-    refused_name=$1 refused_text=$2
-    shift 2
-    run "$@"
-    check "$refused_name" sh -c "[ $? -eq 2 ] && [ ! -e out ] && grep -q '$refused_text' err.txt"
-}
-refused "a ratio of an open structure" 'closed' --volume-ratio open=1.1
-refused "an unknown structure" 'name of a structure' --volume-ratio femur=1.1
-refused "no ratio" 'NAME=R' --volume-ratio open
-refused "a ratio that is none" 'NAME=R' --volume-ratio open=big
-refused "a ratio out of range" 'NAME=R' --volume-ratio open=0.01
-refused "two ratios of one structure" 'one ratio for each' --volume-ratio open=1.1 open=1.2
-refused "too much smoothing" 'smooth' --smooth 1.5
+rm -rf out
+refused "a ratio of an open structure" 'closed' "$SMR" register --model open.obj --target target.obj -o out --quiet --volume-ratio open=1.1
+refused "an unknown structure" 'name of a structure' "$SMR" register --model open.obj --target target.obj -o out --quiet --volume-ratio femur=1.1
+refused "no ratio" 'NAME=R' "$SMR" register --model open.obj --target target.obj -o out --quiet --volume-ratio open
+refused "a ratio that is none" 'NAME=R' "$SMR" register --model open.obj --target target.obj -o out --quiet --volume-ratio open=big
+refused "a ratio out of range" 'NAME=R' "$SMR" register --model open.obj --target target.obj -o out --quiet --volume-ratio open=0.01
+refused "two ratios of one structure" 'one ratio for each' "$SMR" register --model open.obj --target target.obj -o out --quiet --volume-ratio open=1.1 open=1.2
+refused "too much smoothing" 'smooth' "$SMR" register --model open.obj --target target.obj -o out --quiet --smooth 1.5
 finish

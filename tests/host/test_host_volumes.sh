@@ -2,11 +2,9 @@
 # Volumes: one sample in every format, type, order of bytes and packing must come out the same; real files have the
 # ranges they are known for; each hostile file gets exit status 2 and one line with file and place.
 # SPDX-License-Identifier: MIT
-# SMR_TEST_KB: more memory for sanitized builds. SMR_TEST_CFLAGS: for the helper. SMR_TEST_DATA: where real data lies.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/host/host_common.inc
-
-. tests/host/volumes_common.inc
+. "$top/tests/host/volumes_common.inc"
 command -v gzip >/dev/null 2>&1 && gzip=1 || gzip=0
 
 # What every file of the sample must give, by type in memory.
@@ -174,7 +172,7 @@ gives "more bytes than voxels" longer.mha uint16
 # meta_refused NAME PLACE SED: the good MetaImage with one change.
 meta_refused() {
     { meta MET_USHORT True LOCAL | sed "$3"; cat raw16; } >bad.mha
-    refused "MetaImage, $1" bad.mha "$2"
+    lost "MetaImage, $1" bad.mha "$2"
 }
 meta_refused "spacing 0" "header line 8" 's/1.5 2 4/1.5 0 4/'
 meta_refused "spacing negative" "header line 8" 's/1.5 2 4/1.5 -2 4/'
@@ -212,16 +210,16 @@ meta_refused "not packed at all" voxels 's/^ElementType/CompressedData = True\nE
 meta_refused "an object of another kind" "header line 1" 's/= Image/= Mesh/'
 meta_refused "text that is none" "voxel 0" 's/BinaryData = True/BinaryData = False/'
 meta MET_USHORT True LOCAL >short.mha
-refused "MetaImage, no voxels" short.mha voxels
+lost "MetaImage, no voxels" short.mha voxels
 meta MET_USHORT True LOCAL | head -c 100 >cut.mha
-refused "MetaImage, header longer than the file" cut.mha "header line"
+lost "MetaImage, header longer than the file" cut.mha "header line"
 { meta MET_UCHAR True LOCAL | sed 's/BinaryData = True/BinaryData = False/'; echo "$text" | sed 's/^87$/256/'; } >range.mha
-refused "MetaImage, number beyond its type" range.mha "voxel"
+lost "MetaImage, number beyond its type" range.mha "voxel"
 
 # nifti_refused NAME PLACE OFFSET HEX: the good little-endian file with one change.
 nifti_refused() {
     "$volume" patch "${5:-s.nii}" "$3" "$4" bad.nii
-    refused "NIfTI, $1" bad.nii "$2"
+    lost "NIfTI, $1" bad.nii "$2"
 }
 nifti_refused "header size wrong" sizeof_hdr 0 00000000
 nifti_refused "header size in the other order" 'dim\[0\]' 0 0000015c
@@ -252,13 +250,13 @@ nifti_refused "voxels beyond the file" vox_offset 108 00007a49
 nifti_refused "voxels at NaN" vox_offset 108 0000c07f
 nifti_refused "unit of 7" xyzt_units 123 07
 head -c 347 s.nii >short.nii
-refused "NIfTI, header longer than the file" short.nii header
+lost "NIfTI, header longer than the file" short.nii header
 head -c 400 s.nii >half.nii
-refused "NIfTI, half the voxels" half.nii voxels
+lost "NIfTI, half the voxels" half.nii voxels
 
 nrrd_refused() {
     { nrrd ushort big raw | sed "$3"; echo; cat raw16; } >bad.nrrd
-    refused "NRRD, $1" bad.nrrd "$2"
+    lost "NRRD, $1" bad.nrrd "$2"
 }
 nrrd_refused "version 9" "header line 1" 's/NRRD0004/NRRD0009/'
 nrrd_refused "unknown type" "header line 3" 's/ushort/block/'
@@ -287,19 +285,19 @@ nrrd_refused "lines beyond the file" voxels 's/^space origin.*/line skip: 1000/'
 nrrd_refused "other units" "header line 11" 's/^space origin.*/space units: "cm" "cm" "cm"/'
 nrrd_refused "spacing 0" "header line 6" 's/^space directions.*/spacings: 1 0 1/; /^space/d'
 nrrd ushort big raw >short.nrrd
-refused "NRRD, header longer than the file" short.nrrd "header line"
+lost "NRRD, header longer than the file" short.nrrd "header line"
 
-refused "missing" none.mha file
-refused "directory" sub file
+lost "missing" none.mha file
+lost "directory" sub file
 : >empty.mha
-refused "empty" empty.mha file
+lost "empty" empty.mha file
 echo hello >hello.txt
-refused "no volume" hello.txt content
+lost "no volume" hello.txt content
 { head -c 128 /dev/zero; printf 'DICM....'; } >a.dcm
-refused "DICOM" a.dcm content
+lost "DICOM" a.dcm content
 check "and says which tool converts it" grep -q dcm2niix err.txt
 if [ $gzip -eq 1 ]; then
-    damaged() { { meta MET_USHORT True LOCAL "CompressedData = True" | sed "${3:-}"; cat "$2"; } >bad.mha; refused "MetaImage, packed, $1" bad.mha "${4:-voxels}"; }
+    damaged() { { meta MET_USHORT True LOCAL "CompressedData = True" | sed "${3:-}"; cat "$2"; } >bad.mha; lost "MetaImage, packed, $1" bad.mha "${4:-voxels}"; }
     head -c 30 raw16.z >cut.z
     damaged "cut off" cut.z
     "$volume" patch raw16.z 20 ffffffff flipped.z
@@ -312,7 +310,7 @@ if [ $gzip -eq 1 ]; then
     damaged "size beyond the file" raw16.z 's/^DimSize/CompressedDataSize = 100000\nDimSize/' CompressedDataSize
     gzip -c raw16 | head -c 40 >sub/cut.gz
     nrrd ushort big gzip "data file: cut.gz" >sub/cut.nhdr
-    refused "NRRD, packed, detached, cut off" sub/cut.nhdr "data file cut.gz"
+    lost "NRRD, packed, detached, cut off" sub/cut.nhdr "data file cut.gz"
 fi
 
 # Damaged files: refused or read, never a crash (which gives another status).

@@ -13,7 +13,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/threads.h"
 #include "host/label_shapes.h"
 #include "labels/cell_loops.h"
 #include "labels/label_surfaces.h"
@@ -21,14 +20,12 @@
 #include "measure/surface_distances.h"
 #include "volumes/volume_write.h"
 
-static host_port port;
-
 static host_label_surface *surfaces_of(const host_label_map *map)
 {
     host_label_surface *const s = calloc(map->n_labels, sizeof *s);
     host_error error = {0};
     assert_non_null(s);
-    if (host_label_surfaces_make(&port.port, map, HOST_SMOOTHING_PASSES, 0, s, &error) != 0) {
+    if (host_label_surfaces_make(&label_port.port, map, HOST_SMOOTHING_PASSES, 0, s, &error) != 0) {
         host_error_print(&error);
         fail();
     }
@@ -257,23 +254,9 @@ static void refuses_long_axes(void **state)
     grid.size[1] = grid.size[2] = 1;
     map = make_map(&grid, 1);
     set_voxel(&map, 5, 1);
-    assert_int_equal(host_label_surfaces_make(&port.port, &map, 0, 0, surface, &error), -1);
+    assert_int_equal(host_label_surfaces_make(&label_port.port, &map, 0, 0, surface, &error), -1);
     assert_string_equal(error.place, "size");
     host_label_map_free(&map);
-}
-
-static int open_port(void **state)
-{
-    host_error error = {0};
-    (void)state;
-    return host_port_open(&port, 1, &error);
-}
-
-static int close_port(void **state)
-{
-    (void)state;
-    host_port_close(&port);
-    return 0;
 }
 
 int main(void)

@@ -8,15 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/threads.h"
+#include "host/label_shapes.h"
 #include "labels/label_surfaces.h"
 #include "labels/surface_thin.h"
-#include "measure/half_edges.h"
 #include "measure/surface_distances.h"
 
 #define SIDE 48u
-
-static host_port port;
 
 static int ball(const double p[3]) { return p[0] * p[0] + p[1] * p[1] + p[2] * p[2] < 225.0; }
 
@@ -40,10 +37,10 @@ static const struct {
     const char *name;
     int (*inside)(const double p[3]);
     double farthest; /* mm, of 800 triangles */
-} shapes[] = {{"ball", ball, 0.35}, {"torus", torus, 0.45}, {"plate", plate, 0.5}, {"dumbbell", dumbbell, 0.4}};
+} thinned[] = {{"ball", ball, 0.35}, {"torus", torus, 0.45}, {"plate", plate, 0.5}, {"dumbbell", dumbbell, 0.4}};
 
 /* The surface of a shape in voxels of 1 mm. */
-static host_label_surface *draw(int (*inside)(const double p[3]), uint32_t most)
+static host_label_surface *surface_of(int (*inside)(const double p[3]), uint32_t most)
 {
     host_label_surface *const surface = calloc(1, sizeof *surface);
     host_label_map map;
@@ -69,28 +66,9 @@ static host_label_surface *draw(int (*inside)(const double p[3]), uint32_t most)
         map.index[v] = (uint16_t)inside(p);
         label.voxels += map.index[v];
     }
-    assert_int_equal(host_label_surfaces_make(&port.port, &map, HOST_SMOOTHING_PASSES, most, surface, &error), 0);
+    assert_int_equal(host_label_surfaces_make(&label_port.port, &map, HOST_SMOOTHING_PASSES, most, surface, &error), 0);
     free(map.index);
     return surface;
-}
-
-/* Each edge has exactly two triangles, which run along it in opposite directions; each vertex is used. */
-static int is_closed(const host_mesh *mesh)
-{
-    const smr_mesh view = host_mesh_view(mesh);
-    host_half_edges edges;
-    size_t v = 0, i = 0, end = 0;
-    int good = mesh->n_triangles > 0;
-    assert_int_equal(host_half_edges_make(&view, &edges), 0);
-    for (v = 0; v < mesh->n_vertices; v++)
-        for (i = edges.first[v]; i < edges.first[v + 1u]; i = end) {
-            end = host_half_edges_end(&edges, v, i);
-            good = good && end - i == 2u &&
-                   (mesh->triangles[edges.edge[i].side] == v) != (mesh->triangles[edges.edge[i + 1u].side] == v);
-        }
-    good = good && edges.first[mesh->n_vertices] == 3u * (size_t)mesh->n_triangles;
-    host_half_edges_free(&edges);
-    return good;
 }
 
 /* mm: the largest distance from the vertices of a to b. */
@@ -114,13 +92,13 @@ static double farthest(const host_mesh *a, const host_mesh *b)
 
 static double check_thin(unsigned s, const host_label_surface *whole, uint32_t most)
 {
-    host_label_surface *const thin = draw(shapes[s].inside, most);
+    host_label_surface *const thin = surface_of(thinned[s].inside, most);
     const double there = farthest(&thin->mesh, &whole->mesh), back = farthest(&whole->mesh, &thin->mesh);
     const smr_mesh view = host_mesh_view(&thin->mesh);
     uint64_t folds = 0, absolute = 0;
     assert_int_equal(host_count_folds(&view, NULL, &folds, &absolute), 0);
     print_message("%-9s %5u -> %4u triangles  volume %+.5f %%  area %+.2f %%  farthest %.3f, back %.3f mm  folds %u\n",
-                  shapes[s].name, whole->mesh.n_triangles, thin->mesh.n_triangles,
+                  thinned[s].name, whole->mesh.n_triangles, thin->mesh.n_triangles,
                   100.0 * (thin->volume / whole->volume - 1.0), 100.0 * (thin->area / whole->area - 1.0), there, back,
                   (unsigned)absolute);
     assert_true(thin->mesh.n_triangles <= most && thin->mesh.n_triangles + 2u >= most);
@@ -136,12 +114,12 @@ static void keeps_shapes(void **state)
 {
     unsigned s = 0;
     (void)state;
-    for (s = 0; s < sizeof shapes / sizeof shapes[0]; s++) {
-        host_label_surface *const whole = draw(shapes[s].inside, 0);
+    for (s = 0; s < sizeof thinned / sizeof thinned[0]; s++) {
+        host_label_surface *const whole = surface_of(thinned[s].inside, 0);
         const double fine = check_thin(s, whole, 2500), middle = check_thin(s, whole, 800),
                      coarse = check_thin(s, whole, 200);
         assert_true(fine <= middle && middle <= coarse);
-        assert_true(middle < shapes[s].farthest);
+        assert_true(middle < thinned[s].farthest);
         host_label_surfaces_free(whole, 1);
     }
 }
@@ -151,14 +129,14 @@ static void ends_closed(void **state)
 {
     unsigned s = 0;
     (void)state;
-    for (s = 0; s < sizeof shapes / sizeof shapes[0]; s++) {
-        host_label_surface *const whole = draw(shapes[s].inside, 0);
+    for (s = 0; s < sizeof thinned / sizeof thinned[0]; s++) {
+        host_label_surface *const whole = surface_of(thinned[s].inside, 0);
         host_mesh *const mesh = &whole->mesh;
         const uint32_t n = mesh->n_triangles, v = mesh->n_vertices;
         assert_int_equal(host_surface_thin(mesh, n), 0);
         assert_int_equal(mesh->n_triangles, n);
         assert_int_equal(host_surface_thin(mesh, 4), 0);
-        print_message("%-9s at least %u triangles\n", shapes[s].name, mesh->n_triangles);
+        print_message("%-9s at least %u triangles\n", thinned[s].name, mesh->n_triangles);
         assert_true(is_closed(mesh));
         assert_true(mesh->n_triangles >= 4 && mesh->n_triangles < 120);
         /* V - E + F, by which a torus stays one */
@@ -176,26 +154,12 @@ static int noise(const double p[3])
 
 static void keeps_noise_closed(void **state)
 {
-    host_label_surface *const whole = draw(noise, 0);
+    host_label_surface *const whole = surface_of(noise, 0);
     (void)state;
     assert_true(is_closed(&whole->mesh));
     assert_int_equal(host_surface_thin(&whole->mesh, whole->mesh.n_triangles / 3u), 0);
     assert_true(is_closed(&whole->mesh));
     host_label_surfaces_free(whole, 1);
-}
-
-static int open_port(void **state)
-{
-    host_error error = {0};
-    (void)state;
-    return host_port_open(&port, 1, &error);
-}
-
-static int close_port(void **state)
-{
-    (void)state;
-    host_port_close(&port);
-    return 0;
 }
 
 int main(void)

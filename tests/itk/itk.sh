@@ -13,7 +13,6 @@ if ! cmake -S tests/itk -B "$build" -DCMAKE_BUILD_TYPE=Release >"$build/cmake.lo
 fi
 cmake --build "$build" >"$build/make.log" 2>&1 || { tail -n 30 "$build/make.log"; exit 1; }
 . tests/host/host_common.inc
-cd "$scratch" || exit 1
 blob 12 30 20 60 0.05 >bone.ply
 blob 14 33 19 63 0.08 >target.ply
 {

@@ -8,7 +8,7 @@
 board_set() {
     case $1 in
     m7) board_name=Cortex-M7; board_machine=mps2-an500
-        board_cflags=${M7_CFLAGS:--mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-sections -fdata-sections} ;;
+        board_cflags=${M7_CFLAGS:--mthumb -mcpu=cortex-m7 -mfpu=fpv5-d16 -mfloat-abi=hard -ffunction-sections -fdata-sections -fstack-usage} ;;
     m55) board_name=Cortex-M55; board_machine=mps3-an547
         board_cflags=${M55_CFLAGS:--mthumb -mcpu=cortex-m55+nomve.fp -mfloat-abi=hard -ffunction-sections -fdata-sections} ;;
     *) echo "no such board: $1"; exit 1 ;;

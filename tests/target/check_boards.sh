@@ -1,22 +1,28 @@
 #!/bin/sh
-# check_boards: the golden run on emulated Cortex-M7 and Cortex-M55 boards gives this machine's bits, and the core calls nothing
-# foreign there either.
+# check_boards: programs on the emulated boards; one that reads the clock has one nanosecond an instruction.
 # SPDX-License-Identifier: MIT
+# usage: check_boards.sh [BOARD [PROGRAM [TICKS]]]
+# golden: this machine's bits, and the core calls nothing foreign there either. target_budget: ticks with random budgets, TICKS of
+# them in ten cases. target_interrupt: a registration in a timer's interrupt; on the M7 two runs are the same. target_track: a
+# target that moves, its surfaces and ticks within budgets.
 set -u
+. tests/checks.inc
 . tests/target/board.sh
 board_need
-golden=${BUILD:-build}/golden
-[ -x "$golden" ] || { echo "skip: no $golden"; exit 77; }
-want=$("$golden") || { echo "$want"; exit 1; }
-echo "this machine: $want"
-passed=0; failed=0
-for board in m7 m55; do
-    board_set $board
-    file=$(board_build golden) || exit 1
-    got=$(board_run 6 "$file"); rc=$?
-    echo "$board_name: $got (status $rc)"
-    if [ "$rc" -eq 0 ] && [ "$got" = "$want" ]; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
-    if sh tests/check_symbols.sh "${file%/*}/libsmr.a" arm-none-eabi-; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
+run() { # board, program, ticks
+    board_set "$1"
+    file=$(board_build "$2") || { not_ok "$board_name: $2 is built"; return; }
+    case $2 in
+    golden)
+        same "$board_name: the golden hash" "$(board_run 6 "$file")" "$(cat tests/golden/expected.txt)"
+        check "$board_name: symbols" sh tests/check_symbols.sh "${file%/*}/libsmr.a" arm-none-eabi- ;;
+    target_budget) check "$board_name: $3 ticks with budgets" board_run 0 "$file" $(($3 / 10)) ;;
+    *)  check "$board_name: $2" board_run 0 "$file"
+        cat "$tmp/check.log"
+        [ "$1 $2" != 'm7 target_interrupt' ] || same "$board_name: another run" "$(board_run 0 "$file")" "$(cat "$tmp/check.log")" ;;
+    esac
+}
+for board_asked in ${1:-m7 m55}; do
+    for program in ${2:-golden target_budget target_interrupt target_track}; do run "$board_asked" "$program" "${3:-500}"; done
 done
-echo "$passed passed, $failed failed, 0 skipped"
-[ "$failed" -eq 0 ]
+finish

@@ -7,12 +7,13 @@ set -u
 . tests/target/board.sh
 board_need
 table=tests/timing/results/boards.txt
+rows="awk -f tests/timing/table.awk"
 new=${BUILD:-build}/timing.txt
 compiler=$(arm-none-eabi-gcc --version | head -n 1)
 mkdir -p "$(dirname "$new")"
 {
     echo '# Instructions on the emulated boards; written by `make timing-update`. See docs/TIMING.md.'
-    echo '# board; kind; of what; name; smallest; largest'
+    echo '# kind; step; name; smallest and largest on the M7, then on the M55: surface rigid, surface polar, image rigid, image polar (table.awk)'
     echo '# "whole": units of work (see docs/TIMING.md), instructions; "model" and "single": as the name says'
     echo "# compiler: $compiler, -O2"
     for board in m7 m55; do
@@ -63,12 +64,15 @@ for board in m7 m55; do
     done
 done
 
-if [ "${1:-}" = --update ]; then cp "$new" "$table" && echo "$table"; exit $?; fi
+if [ "${1:-}" = --update ]; then $rows -v pack=1 "$new" >"$table" && echo "$table"; exit $?; fi
 [ -f "$table" ] || { echo "skip: no $table (make timing-update writes it)"; exit 77; }
 if [ $same -eq 0 ]; then
     echo "skip: the table is of another compiler ($(sed -n 's/^# compiler: //p' "$table")); this is $compiler"
     exit 77
 fi
+tmp=$(mktemp) || exit 1
+trap 'rm -f "$tmp"' EXIT
+$rows "$table" >"$tmp"
 awk -F '; ' '
     function off(a, b) { return a > b ? (a - b) / (b + 50) : (b - a) / (a + 50) }
     /^#/ { next }
@@ -82,4 +86,4 @@ awk -F '; ' '
               printf "%d of %d figures changed by more than 2 %%, %d rows are new, %d gone; most: %s; if meant: make timing-update, and commit tests/timing/results\n",
                   far, kept, added, kept - seen, what
               exit 1 }
-          print kept " rows as recorded" }' "$table" "$new"
+          print kept " rows as recorded" }' "$tmp" "$new"

@@ -8,7 +8,7 @@
 set -u
 table=${SMR_TIMING_TABLE:-tests/timing/results/boards.txt}
 [ $# -ge 6 ] || { sed -n '4,5s/^# //p' "$0"; exit 2; }
-awk -F '; ' -v board="$1" -v kind="$2" -v method="$3" -v n="$4" -v nt="$5" -v per="$6" -v nodes="${7:-512}" '
+awk -f tests/timing/table.awk "$table" | awk -F '; ' -v board="$1" -v kind="$2" -v method="$3" -v n="$4" -v nt="$5" -v per="$6" -v nodes="${7:-512}" '
     /^#/ || $1 != board { next }
     $2 == "model" && $4 == "vertices, triangles" { vertices[$3] = $5; triangles[$3] = $6 }
     $2 == "model" && $4 ~ /^vertices and indexes/ { both[$3] = $5 }
@@ -58,4 +58,4 @@ awk -F '; ' -v board="$1" -v kind="$2" -v method="$3" -v n="$4" -v nt="$5" -v pe
         printf "fixed part, at most       %12.0f   (10 %% more: readings of the clock, what is not in proportion)\n", 1.10 * sum
         if (kind == "surface") printf "a goal, at most           %12.0f   (%d nodes)\n", nodes * (node + 8 * triangle), nodes
         else printf "a goal, dearest seen      %12.0f   (20 samples, searched over 30 mm; see docs/TIMING.md)\n", goal
-    }' "$table"
+    }'
