@@ -86,7 +86,7 @@ PTHREAD_OBJ := $(call obj,$(PTHREAD_SRC))
 HOST_OBJ    := $(call obj,$(HOST_SRC))
 HOST_MAIN_OBJ := $(call obj,$(HOST_MAIN))
 PAGE_PARTS  := $(wildcard port/host/html/*.html port/host/html/*.css port/host/html/*.js) port/host/html/embed_page.sh
-PAGE_OBJ    := $(BUILD)/obj/page/report_page.o $(BUILD)/obj/page/track_page.o
+PAGE_OBJ    := $(BUILD)/obj/page/report_page.o
 FIXTURE_OBJ := $(call obj,$(FIXTURE_SRC))
 SUPPORT_OBJ := $(call obj,$(FIXTURE_SRC) $(HELPER_SRC))
 PRINT_OBJ   := $(call obj,tests/golden/print.c)
@@ -168,7 +168,7 @@ $(BUILD)/obj/port/host/%.o: port/host/%.c
 	$(call begin,CC,$<)
 	$(Q)$(CC) $(ALL_CFLAGS) $(THREADS) -Iinclude -Iport/host -Iport/pthread -Ifixtures -c $< -o $@
 
-# The pages of reports, as arrays of bytes.
+# The page of reports, as arrays of bytes.
 $(BUILD)/page/%_page.c: port/host/html/%_page.html $(PAGE_PARTS)
 	$(call begin,PAGE,$@)
 	$(Q)sh port/host/html/embed_page.sh $< > $@
@@ -356,10 +356,9 @@ results results-short: all $(BUILD)/fixture_write $(EXPERIMENTS) $(CASE_TOOL) $(
 bench: $(BENCHES)
 	@BUILD="$(BUILD)" sh tests/run_bench.sh $(BENCHES)
 
-figure1: $(PROGRAM)
-	$(Q)$(BUILD)/smr bench --figure1 -o docs/figures
-figure2: $(PROGRAM)
-	$(Q)$(BUILD)/smr bench --figure2 -o docs/figures
+figure1 figure2: $(PROGRAM)
+	$(Q)$(BUILD)/smr bench --$@ -o docs/figures
+	$(Q)python3 docs/figures/make_plots.py $@
 
 soak: $(PROGRAM)
 	$(Q)$(BUILD)/smr bench --soak -o $(BUILD)/soak

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "commands/commands.h"
-#include "options/command_text.h"
+#include "options/options_table.h"
 
 /* Opens closed standard streams: otherwise the next opened file would take their place. */
 static void keep_streams_open(void)
@@ -73,9 +73,7 @@ static int dispatch(int argc, char **argv, host_error *error)
                     {"replay", HOST_REPLAY},     {"carry", HOST_CARRY},     {"field", HOST_FIELD},
                     {"warp", HOST_WARP},         {"track", HOST_TRACK},     {"summary", HOST_SUMMARY},
                     {"surfaces", HOST_SURFACES}, {"labels", HOST_LABELS}};
-    size_t i = 0;
-    int k = 0;
-    for (k = 1; k < argc; k++)
+    for (int k = 1; k < argc; k++)
         if (strcmp(argv[k], "--help") == 0 || strcmp(argv[k], "-h") == 0) {
             if (host_command_help(argv[1]) != 0)
                 host_help();
@@ -91,26 +89,23 @@ static int dispatch(int argc, char **argv, host_error *error)
         (void)fprintf(stderr, "smr: built without %s\n", smr_built_without());
         return HOST_REFUSED;
     }
-    for (i = 0; argc > 1 && i < sizeof commands / sizeof commands[0]; i++)
+    for (size_t i = 0; argc > 1 && i < sizeof commands / sizeof commands[0]; i++)
         if (strcmp(argv[1], commands[i].name) == 0)
             return run(commands[i].command, argc, argv, error);
     error->file = argc > 1 ? argv[1] : "usage";
-    (void)host_fail(
-        error, "command",
-        "register, build, info, measure, phantom, bench, replay, carry, field, warp, track, summary, surfaces, "
-        "labels, --help or --version");
+    (void)host_fail(error, "command",
+                    "register, build, info, measure, phantom, bench, replay, carry, field, warp, track, summary, "
+                    "surfaces, labels, --help or --version");
     host_error_print(error);
     return HOST_REFUSED;
 }
 
 int main(int argc, char **argv)
 {
-    host_error error;
-    int result = 0;
-    memset(&error, 0, sizeof error);
+    host_error error = {0};
     keep_streams_open();
     (void)signal(SIGXFSZ, SIG_IGN); /* makes an exceeded file size limit a write error */
-    result = dispatch(argc, argv, &error);
+    int result = dispatch(argc, argv, &error);
     if (fflush(stdout) != 0 || ferror(stdout)) {
         error.file = "standard output";
         (void)host_fail(&error, "output", "room for the text (%s)", strerror(errno));

@@ -6,8 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "options/command_text.h"
-#include "options/option_text.h"
+#include "options/options_table.h"
 
 static const char *value_kind(const host_option *o, int command)
 {

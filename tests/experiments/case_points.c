@@ -7,8 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
-#include "base/threads.h"
+#include "base/system.h"
 
 typedef struct place {
     double along;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/threads.h"
+#include "base/system.h"
 #include "files/file_read.h"
 #include "landmarks/json_scan.h"
 

@@ -9,7 +9,7 @@
 
 #include "host/label_shapes.h"
 #include "labels/surface_fill.h"
-#include "measure/half_edges.h"
+#include "meshes/triangle_mesh.h"
 #include "volumes/volume_write.h"
 
 #define PI 3.14159265358979

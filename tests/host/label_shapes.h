@@ -3,7 +3,7 @@
 #ifndef LABEL_SHAPES_H
 #define LABEL_SHAPES_H
 
-#include "base/threads.h"
+#include "base/system.h"
 #include "labels/label_map.h"
 #include "meshes/triangle_mesh.h"
 #include "volumes/voxel_volume.h"

@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "commands/commands.h"
-#include "options/command_text.h"
+#include "options/options_table.h"
 
 #define LETTERS "abcdefghijklmnopqrstuvwxyz0123456789-"
 

@@ -45,7 +45,7 @@ by_file "a prepared model" --reference "$SMR" bench --figure2 -o new --model fem
     --reference data/mri_reference.mha --target data/mri_patient.mha --truth data/truth
 by_file "-o a file" femur.smr "$SMR" bench --soak -o femur.smr
 
-# figure NAME DIR: the table is one, its lines are those of its points, the picture shows every point.
+# figure NAME DIR: the table is one, its lines are those of its points.
 figure() {
     check "$1: columns and rows" awk -F, 'NR == 1 { n = NF } NF != n { print "line " NR ": " NF " columns"; bad = 1 }
         NR > 1 { rows[$1]++; for (i = 4; i <= NF; i++) if ($i !~ /^-?[0-9.]*$/) { print "line " NR ": " $i; bad = 1 } }
@@ -74,29 +74,6 @@ figure() {
               exit bad }' "$2/figure2.csv"
     check "$1: errors are distances" awk -F, '
         $1 == "error" { n++; if (!($9 > 0 && $9 < 20 && $10 > 0 && $10 < 20)) bad = 1 } END { exit !(n && !bad) }' "$2/figure2.csv"
-    points=$(awk -F, '$1 == "time" && $3 != "matching" || $1 == "error" { n++ } END { print n + 7 }' "$2/figure2.csv")
-    check "$1: every point is in the picture" [ "$(grep -o '<circle' "$2/figure2.svg" | wc -l)" -eq "$points" ]
-    # Tags in their order, attributes in quotes: what XML asks of such a file.
-    check "$1: the picture is well-formed" awk '
-        { text = text $0 "\n" }
-        END { while (match(text, /<[^>]*>/)) {
-                  tag = substr(text, RSTART + 1, RLENGTH - 2)
-                  if (substr(text, 1, RSTART - 1) ~ /&|>/) exit 1
-                  text = substr(text, RSTART + RLENGTH)
-                  if (tag ~ /^\//) { if (depth == 0 || stack[depth--] != substr(tag, 2)) exit 1; continue }
-                  if (gsub(/"/, "\"", tag) % 2) exit 1
-                  name = tag; sub(/[ \/].*/, "", name)
-                  if (tag !~ /\/$/) stack[++depth] = name
-                  tags++
-              }
-              exit !(depth == 0 && tags > 20 && text ~ /^[ \n]*$/) }' "$2/figure2.svg"
-    check "$1: and stands alone" sh -c "! grep -qE 'href|url\(|<script|<image|nan|inf' '$2/figure2.svg'"
-    for words in 'ignored vertices, %' 'ms, one thread' 'mean distance to the truth, mm' 'rigid, without' 'polar, with external'; do
-        check "$1: it says $words" grep -qF "$words" "$2/figure2.svg"
-    done
-    if command -v xmllint >/dev/null; then check "$1: xmllint" xmllint --noout "$2/figure2.svg"; else
-        skip "$1: xmllint" "needs xmllint"
-    fi
 }
 
 case ${CFLAGS:-} in
@@ -134,12 +111,6 @@ figure1() {
     check "$1: plastic is nearer than elastic" awk -F, 'NR > 1 && $4 == 150 { d[$1 $3 $2] = $7; k[$1 $3] = 1 }
         END { for (i in k) { n++; if (d[i "plastic"] >= d[i "elastic"]) bad = 1 } exit !(!bad && n == 8) }' "$2/figure1.csv"
     check "$1: both methods agree" awk -F, 'NR > 1 && $4 == 150 && $3 > 20 { k = $2 $3; if (k in d) { e = d[k] / $7; n++; if (e < 0.8 || e > 1.25) bad = 1 } d[k] = $7 } END { exit !(!bad && n == 6) }' "$2/figure1.csv"
-    check "$1: every point is in the picture" [ "$(grep -o '<circle' "$2/figure1.svg" | wc -l)" -eq $((16 * 16 + 16)) ]
-    check "$1: which is small" [ "$(wc -c <"$2/figure1.svg")" -lt 60000 ]
-    check "$1: and stands alone" sh -c "! grep -qE 'href|url\(|<script|<image|nan|inf' '$2/figure1.svg'"
-    for words in 'Hausdorff distance, mm' 'time, ms, one thread' 'Rigid-body kinematics' 'Polar decomposition' '100 mm, elastic' '20 mm, plastic'; do
-        check "$1: it says $words" grep -qF "$words" "$2/figure1.svg"
-    done
 }
 case ${CFLAGS:-} in
 *sanitize*) skip "figure 1" "too slow in an instrumented build" ;;

@@ -133,14 +133,13 @@ summary many/*
 check "and after another run" cmp table.csv first.csv
 summary many/* --times
 check "times are a column of their own" [ "$(head -n 1 table.csv)" = "$(head -n 1 first.csv | sed 's/reasons/seconds,reasons/')" ]
-check "failed comes first on the page" [ "$(grep -o '<article class="[a-z]*' page.html | head -n 1)" = '<article class="failed' ]
-check "it has four pictures" [ "$(grep -c '<svg' page.html)" -eq 4 ]
-check "that show something" [ "$(grep -o 'M[0-9]* [0-9]*h' page.html | wc -l)" -gt 800 ]
-check "its links lead there" sh -c 'n=0; for to in $(sed -n "s/.*<a href=\"\([^#\"]*\)\".*/\1/p" page.html); do [ -s "$to" ] || exit 1; n=$((n+1)); done; [ $n -eq 4 ]'
-check "nothing from elsewhere" sh -c '! grep -qE "https?:|<script|<link|url\(" page.html'
+check "all are on the page" [ "$(grep -o '"verdict":"[a-z]*","path":"[^"]*"' page.html | cut -d '"' -f 8 | tr '\n' ' ')" = "many/p1 many/p2 many/p3 many/p10 " ]
+check "with four surfaces for their pictures" [ "$(grep -o '"surfaces":\[{"level":"[a-z]*","vertices":[1-9]' page.html | wc -l)" -eq 4 ]
+check "its links lead there" sh -c 'n=0; for to in $(grep -o "\"link\":\"[^\"]*" page.html | cut -d \" -f 4); do [ -s "$to" ] || exit 1; n=$((n+1)); done; [ $n -eq 4 ]'
+check "nothing from elsewhere" [ -z "$(grep -oE '(src|href)="?[a-z]+:|url\(|fetch\(|XMLHttp|@import|<link' page.html)" ]
 touch many/p1/report.html && mkdir pages
 "$SMR" summary many/* --html pages/page.html --quiet
-check "a page elsewhere leads to reports that are there" grep -q '<a href="../many/p1/report.html">' pages/page.html
+check "a page elsewhere leads to reports that are there" grep -q '"link":"../many/p1/report.html"' pages/page.html
 mkdir many/p4 'many/a "b", c' many/old many/cut many/pipe
 sed 's/"version": "/"version": "9/' many/p1/report.json >many/old/report.json
 head -c 2000 many/p1/report.json >many/cut/report.json
@@ -154,7 +153,7 @@ check "of another version" grep -q '^many/old,unreadable,.*version [0-9.]*: regi
 check "cut off" grep -q '^many/cut,unreadable,' table.csv
 check "no file" grep -q '^many/pipe,unreadable,' table.csv
 check "fields are quoted" grep -q '^"many/a ""b"", c",failed,.*,"x , ""<b>; ' table.csv
-check "and what is no HTML is none" sh -c '! grep -q "<b>" page.html && grep -q "x , &#34;&#60;b&#62;" page.html'
+check "and what is no HTML is none" sh -c '! grep -q "<b>" page.html && grep -qF "x , \\\"\\u003cb>" page.html'
 cp many/p1/report.json kept
 "$SMR" summary many/p1 -o many/p1/report.json >out.txt 2>err.txt
 check "a report is not replaced by the table" sh -c "[ $? -eq 2 ] && cmp kept many/p1/report.json"
@@ -166,7 +165,7 @@ printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty floa
 check "surfaces without extent are drawn" "$SMR" summary many/p1 --html page.html
 printf junk >many/p1/bone.ply
 check "damaged ones are left out" "$SMR" summary many/p1 --html page.html
-check "and said to be" grep -q "no surfaces" page.html
+check "and said to be" grep -q '"surfaces":\[\]' page.html
 
 # ---------------------------------------------------------------- four patients, killed and resumed
 

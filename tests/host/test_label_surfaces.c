@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "host/label_shapes.h"
-#include "labels/cell_loops.h"
+#include "labels/surface_net.h"
 #include "labels/label_surfaces.h"
 #include "labels/surface_fill.h"
 #include "measure/surface_distances.h"

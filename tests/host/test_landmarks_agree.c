@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/crc32.h"
-#include "register/landmarks_agree.h"
+#include "files/gzip_write.h"
+#include "register/register_job.h"
 #include "unit/oracle.h"
 
 enum { PAIRS = 12, RUNS = 200 };

@@ -10,7 +10,7 @@
 
 #include "host/label_shapes.h"
 #include "labels/label_surfaces.h"
-#include "labels/surface_thin.h"
+#include "meshes/triangle_mesh.h"
 #include "measure/surface_distances.h"
 
 #define SIDE 48u

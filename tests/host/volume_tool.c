@@ -10,7 +10,6 @@
 #include <string.h>
 
 #include "landmarks/landmarks.h"
-#include "landmarks/landmarks_reader.h"
 #include "volumes/volume_reader.h"
 
 enum { SIZE_X = 5, SIZE_Y = 4, SIZE_Z = 3, VOXELS = SIZE_X * SIZE_Y * SIZE_Z };

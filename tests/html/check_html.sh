@@ -1,6 +1,6 @@
 #!/bin/sh
 # check_html: pages of reports test themselves in a headless Chromium: a surface onto another, a small computed thigh,
-# a moving target.
+# a moving target, many results.
 # SPDX-License-Identifier: MIT
 # usage: BUILD=... SMR=... check_html.sh      `make check-html`; 77 without a Chromium
 # Pictures and what the pages said stay in BUILD/html.
@@ -31,13 +31,13 @@ look() {
         >"$out/$look_name.out" 2>"$out/$look_name.err"
 }
 
-# test_page NAME PAGE: the page's own tests, and that the browser had nothing to say.
+# test_page NAME PAGE CHECKS: page_selftest.js in a copy of the page, and that the browser had nothing to say.
 test_page() {
     cp "$2" "$out/$1.html"
-    # The address with #selftest: a page beside it, for the browser takes files by their names.
-    look "$out/$1.html#selftest" "$1" --dump-dom
-    grep -q '<title>selftest: passed, [0-9]* checks, 0 failed</title>' "$out/$1.out" && ok "$1: its own tests" || {
-        not_ok "$1: its own tests"
+    { sed '/^<\/body>$/,$d' "$2" && echo '<script>' && cat tests/html/page_selftest.js && printf '</script>\n</body>\n</html>\n'; } >"$out/$1.test.html"
+    look "$out/$1.test.html#selftest" "$1" --dump-dom
+    grep -q '<title>selftest: passed, [0-9]* checks, 0 failed</title>' "$out/$1.out" && ok "$1: its tests" || {
+        not_ok "$1: its tests"
         grep -oE '(^|>)not ok [^<]*|<title>[^<]*' "$out/$1.out" | head -n 20 | sed 's/^/#   /'
     }
     n=$(grep -cE '^(ok|not ok) |>ok ' "$out/$1.out")
@@ -96,6 +96,11 @@ for i in 0 1 2 3 4 5 6 7; do awk_frame "$((i == 7 ? 45 : i))" <"$out/frames/$nam
 if "$SMR" track --quiet --html --accept look --model "$out/frames/$name.ply" --frames "$out/frames/<b>"?.ply -o "$out/frames/result" >"$out/frames.log" 2>&1; then
     test_page frames "$out/frames/result/report.html" 50
 else not_ok "a tracking run: $(head -n 1 "$out/frames.log")"; fi
+mkdir -p "$out/many/none"
+ln -s ../thigh/result "$out/many/thigh"
+ln -s ../pair/result "$out/many/pair"
+"$SMR" summary --quiet --html "$out/many/page.html" "$out"/many/thigh "$out"/many/pair "$out"/many/none >"$out/many.log" 2>&1
+test_page cohort "$out/many/page.html" 9
 rm -rf "$out/profile"
 echo "$passed passed, $failed failed, 0 skipped"
 [ "$failed" -eq 0 ]

@@ -12,14 +12,13 @@
 int host_buffer_reserve(host_buffer *buffer, size_t n)
 {
     size_t capacity = buffer->capacity < FIRST_CAPACITY ? FIRST_CAPACITY : buffer->capacity;
-    unsigned char *data = NULL;
     if (buffer->failed)
         return -1;
     if (n <= buffer->capacity - buffer->size)
         return 0;
     while (capacity - buffer->size < n && capacity <= SIZE_MAX / 2u)
         capacity *= 2u;
-    data = capacity - buffer->size < n ? NULL : realloc(buffer->data, capacity);
+    unsigned char *data = capacity - buffer->size < n ? NULL : realloc(buffer->data, capacity);
     if (data == NULL) {
         buffer->failed = 1;
         return -1;
@@ -40,10 +39,9 @@ void host_buffer_add(host_buffer *buffer, const void *bytes, size_t n)
 void host_buffer_print(host_buffer *buffer, const char *format, ...)
 {
     va_list list, again;
-    int n = 0;
     va_start(list, format);
     va_copy(again, list);
-    n = vsnprintf(NULL, 0, format, list);
+    int n = vsnprintf(NULL, 0, format, list);
     va_end(list);
     if (n < 0) {
         buffer->failed = 1;

@@ -1,10 +1,55 @@
-/* text_scan.c: words, lines and numbers from a text. Short decimals are converted directly: a mantissa below 2^53 and a
- * power of ten up to 22 are exact doubles, so the result is exact. strtod converts all others.
+/* text_scan.c: reads text word by word; types of numbers in files.
  * SPDX-License-Identifier: MIT */
 #include "base/text_scan.h"
 
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+
+size_t host_type_bytes(host_type type)
+{
+    static const unsigned char bytes[] = {0, 1, 1, 2, 2, 4, 4, 8, 4, 8};
+    return bytes[type];
+}
+
+static uint64_t gather(const unsigned char *bytes, size_t n, int big_endian)
+{
+    uint64_t v = 0;
+    for (size_t i = 0; i < n; i++)
+        v = (v << 8) | bytes[big_endian ? i : n - 1u - i];
+    return v;
+}
+
+static double from_bits(host_type type, uint64_t v)
+{
+    const uint32_t low = (uint32_t)v;
+    float f = 0.0f;
+    double d = 0.0;
+    if (type == HOST_TYPE_F32) {
+        memcpy(&f, &low, sizeof f);
+        return (double)f;
+    }
+    memcpy(&d, &v, sizeof d);
+    return d;
+}
+
+double host_type_read(host_type type, const unsigned char *bytes, int big_endian)
+{
+    const uint64_t v = gather(bytes, host_type_bytes(type), big_endian);
+    switch (type) {
+    case HOST_TYPE_I8: return v < 128u ? (double)v : (double)v - 256.0;
+    case HOST_TYPE_I16: return v < 32768u ? (double)v : (double)v - 65536.0;
+    case HOST_TYPE_I32: return v < 2147483648u ? (double)v : (double)v - 4294967296.0;
+    case HOST_TYPE_I64: return v < (1ull << 63) ? (double)v : -(double)(~v + 1u);
+    case HOST_TYPE_U8:
+    case HOST_TYPE_U16:
+    case HOST_TYPE_U32: return (double)v;
+    case HOST_TYPE_F32:
+    case HOST_TYPE_F64: return from_bits(type, v);
+    case HOST_TYPE_NONE:
+    default: return 0.0;
+    }
+}
 
 #define NUMBER_CHARS 128u /* the longest number accepted */
 
@@ -86,10 +131,9 @@ static char lower(char c) { return (c >= 'A' && c <= 'Z') ? (char)(c - 'A' + 'a'
 
 int host_word_is_nocase(host_word word, const char *name)
 {
-    size_t i = 0;
     if (word.n != strlen(name))
         return 0;
-    for (i = 0; i < word.n; i++)
+    for (size_t i = 0; i < word.n; i++)
         if (lower(word.start[i]) != lower(name[i]))
             return 0;
     return 1;
@@ -98,8 +142,7 @@ int host_word_is_nocase(host_word word, const char *name)
 int host_word_has(host_word word, const char *part)
 {
     const size_t n = strlen(part);
-    size_t i = 0;
-    for (i = 0; i + n <= word.n; i++)
+    for (size_t i = 0; i + n <= word.n; i++)
         if (memcmp(word.start + i, part, n) == 0)
             return 1;
     return 0;

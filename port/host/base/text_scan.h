@@ -1,10 +1,31 @@
-/* text_scan.h: words, lines and numbers from a text in memory that need not end with a NUL.
+/* text_scan.h: reads text word by word; types of numbers in files; coordinates that are mirrored.
  * SPDX-License-Identifier: MIT */
 #ifndef TEXT_SCAN_H
 #define TEXT_SCAN_H
 
 #include <stddef.h>
 #include <stdint.h>
+
+typedef enum host_type {
+    HOST_TYPE_NONE = 0,
+    HOST_TYPE_I8,
+    HOST_TYPE_U8,
+    HOST_TYPE_I16,
+    HOST_TYPE_U16,
+    HOST_TYPE_I32,
+    HOST_TYPE_U32,
+    HOST_TYPE_I64,
+    HOST_TYPE_F32,
+    HOST_TYPE_F64
+} host_type;
+
+/* Bytes of one number of the type. */
+size_t host_type_bytes(host_type type);
+
+/* Converts one number from bytes in the given order. Whole numbers beyond 2^53 are rounded. */
+double host_type_read(host_type type, const unsigned char *bytes, int big_endian);
+
+enum { HOST_MIRROR_NONE = -1, HOST_MIRROR_X = 0, HOST_MIRROR_Y = 1, HOST_MIRROR_Z = 2 };
 
 /* Part of a text; borrowed. */
 typedef struct host_word {

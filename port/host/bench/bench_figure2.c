@@ -6,15 +6,112 @@
  * processor time, which other programs hardly disturb.
  * Errors: whole registrations with the command line's defaults.
  * SPDX-License-Identifier: MIT */
-#define _POSIX_C_SOURCE 200809L
-
-#include "bench/bench_figure2.h"
-
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "bench/bench_job.h"
+#include "options/options.h"
+
+#define HOST_SHARES 21u /* most shares: 0, 5, ... 95 % ignored, and the largest possible share */
+
+/* Times of an iteration. WITH: all stages. WITHOUT: the same iterations without the external forces.
+ * MATCHING: sums, match and average, the stages in which the two methods differ. */
+enum { HOST_TIME_WITH = 0, HOST_TIME_WITHOUT, HOST_TIME_MATCHING, HOST_TIMES };
+/* Rigid and polar with a fixed active share; rigid with an active share that grows to all vertices. */
+enum { HOST_ERROR_RIGID = 0, HOST_ERROR_POLAR, HOST_ERROR_GROWING, HOST_ERRORS };
+
+typedef struct host_line {
+    double at_0, slope; /* y = at_0 + slope x; x: % of vertices ignored */
+    double at_100, r2;  /* at_100: y at x = 100, extrapolated; r2: coefficient of determination */
+} host_line;
+
+typedef struct host_figure2 {
+    uint32_t n_vertices, n_structures, n_samples, repetitions;
+    uint32_t n_times; /* shares with times, at most HOST_SHARES */
+    uint32_t active[HOST_SHARES];
+    double ignored[HOST_SHARES];           /* %, as measured */
+    double ms[2][HOST_TIMES][HOST_SHARES]; /* medians, ms; [SMR_METHOD_...][HOST_TIME_...][share] */
+    double least_ms[2][HOST_TIMES][HOST_SHARES];
+    host_line line[2][HOST_TIMES];                  /* fitted to the equally spaced shares */
+    host_line line_all[2][HOST_TIMES];              /* fitted to all shares, the largest possible one included */
+    uint32_t n_errors;                              /* shares with errors */
+    double asked[HOST_SHARES];                      /* % ignored, as requested */
+    uint32_t last_active[HOST_ERRORS][HOST_SHARES]; /* active vertices at the end; a small radius may need more */
+    double to_truth[HOST_ERRORS][HOST_SHARES];      /* mean distance of the result's vertices to the truth, mm */
+    double from_truth[HOST_ERRORS][HOST_SHARES];
+    double by_vertex[HOST_ERRORS][HOST_SHARES];
+} host_figure2;
+
+static const char *const methods[2] = {"rigid", "polar"};
+static const char *const time_names[HOST_TIMES] = {"with_forces", "without_forces", "matching"};
+static const char *const error_names[HOST_ERRORS][2] = {{"rigid", "fixed"}, {"polar", "fixed"}, {"rigid", "growing"}};
+
+static void put_fits(const char *name, host_line line[2][HOST_TIMES], host_buffer *out)
+{
+    for (uint32_t m = 0; m < 2; m++)
+        for (uint32_t p = 0; p < HOST_TIMES; p++)
+            host_buffer_print(out, "%s,%s,%s,,,,,,,,,%.6f,%.6f,%.6f,%.6f\n", name, methods[m], time_names[p],
+                              line[m][p].at_0, line[m][p].at_100, line[m][p].slope, line[m][p].r2);
+}
+
+/* One table for times, errors and fits: columns without a value stay empty. */
+static void put_csv(host_figure2 *f, host_buffer *out)
+{
+    host_buffer_print(out, "row,method,part,ignored_percent,active_vertices,median_ms,least_ms,samples,to_truth_mm,"
+                           "from_truth_mm,vertex_mm,ms_at_0_percent,ms_at_100_percent,ms_per_percent,r2\n");
+    for (uint32_t m = 0; m < 2; m++)
+        for (uint32_t p = 0; p < HOST_TIMES; p++)
+            for (uint32_t i = 0; i < f->n_times; i++)
+                host_buffer_print(out, "time,%s,%s,%.3f,%u,%.6f,%.6f,%u,,,,,,,\n", methods[m], time_names[p],
+                                  f->ignored[i], f->active[i], f->ms[m][p][i], f->least_ms[m][p][i], f->n_samples);
+    for (uint32_t p = 0; p < HOST_ERRORS; p++)
+        for (uint32_t i = 0; i < f->n_errors; i++) {
+            host_buffer_print(out, "error,%s,%s,%.3f,%u,,,,%.6f,%.6f,", error_names[p][0], error_names[p][1],
+                              f->asked[i], f->last_active[p][i], f->to_truth[p][i], f->from_truth[p][i]);
+            if (f->by_vertex[p][i] > 0.0)
+                host_buffer_print(out, "%.6f", f->by_vertex[p][i]);
+            host_buffer_print(out, ",,,,\n");
+        }
+    put_fits("fit", f->line, out);
+    put_fits("fit_all", f->line_all, out);
+}
+
+static void print_summary(const host_figure2 *f, const char *out)
+{
+    (void)printf(
+        "%u structures, %u vertices; time of an iteration, ms, median of %u; fit to equal steps (and the last share)\n",
+        f->n_structures, f->n_vertices, f->n_samples);
+    for (uint32_t m = 0; m < 2; m++)
+        for (uint32_t p = 0; p < HOST_TIMES; p++)
+            (void)printf(
+                "%-6s %-15s %7.3f with all vertices, %7.3f with %u; fit: %7.3f at 100 %% ignored, R^2 %.4f (%.4f)\n",
+                methods[m], time_names[p], f->ms[m][p][0], f->ms[m][p][f->n_times - 1u], f->active[f->n_times - 1u],
+                f->line[m][p].at_100, f->line[m][p].r2, f->line_all[m][p].r2);
+    for (uint32_t p = 0; p < HOST_TIMES; p++)
+        (void)printf("%s: rigid takes %.1f %% less time than polar with all vertices\n", time_names[p],
+                     100.0 * (1.0 - f->ms[SMR_METHOD_RIGID][p][0] / f->ms[SMR_METHOD_POLAR][p][0]));
+    for (uint32_t p = 0; p < HOST_ERRORS; p++) {
+        (void)printf("error, mm, %s, %s share, 0 to %.0f %% ignored:", error_names[p][0], error_names[p][1],
+                     f->asked[f->n_errors - 1u]);
+        for (uint32_t i = 0; i < f->n_errors; i++)
+            (void)printf(" %.3f", f->to_truth[p][i]);
+        (void)printf("\n");
+    }
+    (void)printf("%s: figure2.csv\n", out);
+}
+
+/* Writes figure2.csv into the output directory; prints a summary unless quiet. 0, or -1 with the error filled. */
+static int host_figure2_write(host_figure2 *figure, const host_options *options, host_error *error)
+{
+    host_buffer csv = {0};
+    put_csv(figure, &csv);
+    if (host_bench_write(options->out, "figure2", &csv, error) != 0)
+        return -1;
+    if (!options->quiet)
+        print_summary(figure, options->out);
+    return 0;
+}
 
 #define RADIUS_MM 30.0f
 #define SEARCH_MM 10.0f
@@ -25,14 +122,6 @@ typedef struct samples {
     double *ms[2][HOST_TIMES][HOST_SHARES]; /* [repetitions * TICKS] */
     uint32_t n;                             /* samples so far in each array */
 } samples;
-
-static uint64_t processor_ns(void *ctx)
-{
-    struct timespec now;
-    (void)ctx;
-    (void)clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
 
 static smr_config paper_config(const host_bench *bench, uint32_t method, double ignored)
 {
@@ -56,19 +145,18 @@ static smr_config paper_config(const host_bench *bench, uint32_t method, double 
 static int time_iterations(host_bench *bench, uint32_t method, uint32_t share, uint32_t first, host_figure2 *figure,
                            samples *to, host_error *error)
 {
-    const smr_port port = {NULL, 1, NULL, processor_ns};
+    const smr_port port = {NULL, 1, NULL, host_bench_processor_ns};
     const smr_config config = paper_config(bench, method, figure->asked[share]);
     smr_tick_report report;
-    uint32_t i = 0, phase = 0;
     if (host_bench_init(bench, &config, &port, 1, error) != 0)
         return -1;
-    for (i = 0; i <= TICKS; i++) {
+    for (uint32_t i = 0; i <= TICKS; i++) {
         double all = 0.0;
         if (smr_tick(bench->job.state, 0, &report) != SMR_OK)
             return host_fail(error, "tick", "input that can be registered");
         if (i == 0)
             continue;
-        for (phase = 0; phase < SMR_PHASES; phase++)
+        for (uint32_t phase = 0; phase < SMR_PHASES; phase++)
             all += 1e-6 * (double)report.details.phase_ns[phase];
         to->ms[method][HOST_TIME_WITH][share][first + i - 1u] = all;
         to->ms[method][HOST_TIME_WITHOUT][share][first + i - 1u] =
@@ -93,12 +181,11 @@ static host_line fit(const double *x, const double *y, uint32_t n)
 {
     double mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
     host_line line;
-    uint32_t i = 0;
-    for (i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         mx += x[i] / n;
         my += y[i] / n;
     }
-    for (i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         xx += (x[i] - mx) * (x[i] - mx);
         xy += (x[i] - mx) * (y[i] - my);
         yy += (y[i] - my) * (y[i] - my);
@@ -112,10 +199,9 @@ static host_line fit(const double *x, const double *y, uint32_t n)
 
 static void take_medians(host_figure2 *figure, const samples *from, uint32_t n)
 {
-    uint32_t method = 0, part = 0, share = 0;
-    for (method = 0; method < 2; method++)
-        for (part = 0; part < HOST_TIMES; part++) {
-            for (share = 0; share < figure->n_times; share++) {
+    for (uint32_t method = 0; method < 2; method++)
+        for (uint32_t part = 0; part < HOST_TIMES; part++) {
+            for (uint32_t share = 0; share < figure->n_times; share++) {
                 double *const ms = from->ms[method][part][share];
                 qsort(ms, n, sizeof *ms, by_size);
                 figure->ms[method][part][share] = 0.5 * (ms[(n - 1u) / 2u] + ms[n / 2u]);
@@ -135,9 +221,8 @@ static int measure_times(host_bench *bench, host_figure2 *figure, host_error *er
     double *const memory = calloc((size_t)n * 2u * HOST_TIMES * HOST_SHARES, sizeof *memory);
     smr_prepare_config prepare = smr_prepare_config_default();
     samples s;
-    uint32_t i = 0, round = 0, method = 0;
     int result = memory != NULL ? 0 : host_fail(error, "times", "free memory");
-    for (i = 0; i < 2u * HOST_TIMES * HOST_SHARES; i++)
+    for (uint32_t i = 0; i < 2u * HOST_TIMES * HOST_SHARES; i++)
         s.ms[i / (HOST_TIMES * HOST_SHARES)][i / HOST_SHARES % HOST_TIMES][i % HOST_SHARES] = memory + (size_t)i * n;
     prepare.n_radii = 1;
     prepare.radius_mm[0] = RADIUS_MM;
@@ -147,9 +232,9 @@ static int measure_times(host_bench *bench, host_figure2 *figure, host_error *er
         result = host_bench_prepare(bench, prepare, 1, error);
     figure->n_vertices = bench->job.model.info.n_vertices;
     figure->n_structures = bench->job.model.info.n_structures;
-    for (round = 0; result == 0 && round < figure->repetitions; round++)
-        for (i = 0; result == 0 && i < figure->n_times; i++)
-            for (method = 0; result == 0 && method < 2; method++)
+    for (uint32_t round = 0; result == 0 && round < figure->repetitions; round++)
+        for (uint32_t i = 0; result == 0 && i < figure->n_times; i++)
+            for (uint32_t method = 0; result == 0 && method < 2; method++)
                 result = time_iterations(bench, method, i, round * TICKS, figure, &s, error);
     /* the clusters may need more active vertices than asked for: of equal numbers of them one point remains */
     while (figure->n_times > 1 && figure->active[figure->n_times - 1u] == figure->active[figure->n_times - 2u])
@@ -181,22 +266,19 @@ static int measure_error(host_bench *bench, host_figure2 *figure, uint32_t kind,
 int host_bench_figure2(host_bench *bench, host_error *error)
 {
     host_figure2 *const figure = calloc(1, sizeof *figure);
-    uint32_t i = 0, kind = 0;
-    int result = 0;
     if (figure == NULL)
         return host_fail(error, "figure", "free memory");
-    figure->seed = bench->thigh != NULL ? bench->given->seed : 0;
     figure->repetitions = bench->given->repeats;
     figure->n_samples = figure->repetitions * TICKS;
     figure->n_errors = (99u + bench->given->step) / bench->given->step;
     figure->n_times = figure->n_errors + 1u;
-    for (i = 0; i < figure->n_times; i++)
+    for (uint32_t i = 0; i < figure->n_times; i++)
         figure->asked[i] = i < figure->n_errors ? (double)(i * bench->given->step) : 100.0;
-    result = measure_times(bench, figure, error);
+    int result = measure_times(bench, figure, error);
     if (result == 0)
         result = host_bench_prepare(bench, bench->given->prepare, 1, error);
-    for (kind = 0; result == 0 && kind < HOST_ERRORS; kind++)
-        for (i = 0; result == 0 && i < figure->n_errors; i++)
+    for (uint32_t kind = 0; result == 0 && kind < HOST_ERRORS; kind++)
+        for (uint32_t i = 0; result == 0 && i < figure->n_errors; i++)
             result = measure_error(bench, figure, kind, i, error);
     if (result == 0)
         result = host_figure2_write(figure, bench->given, error);

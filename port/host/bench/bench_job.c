@@ -1,11 +1,16 @@
 /* bench_job.c: the benchmarks' data, the computed thigh or files, and their registrations.
  * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+
 #include "bench/bench_job.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
-#include "base/memory.h"
+#include "base/system.h"
+#include "files/output_files.h"
 
 static int refuse(host_error *error, const char *place, smr_status status)
 {
@@ -36,17 +41,16 @@ static int take_thigh(host_bench *bench, host_error *error)
 {
     host_job *const job = &bench->job;
     float from[FIXTURE_THIGH_LANDMARKS][3], to[FIXTURE_THIGH_LANDMARKS][3];
-    uint32_t i = 0;
     job->model.part = calloc(FIXTURE_THIGH_PARTS, sizeof *job->model.part);
     job->target = calloc(FIXTURE_THIGH_PARTS, sizeof *job->target);
     job->result = calloc(FIXTURE_THIGH_PARTS, sizeof *job->result);
     if (job->model.part == NULL || job->target == NULL || job->result == NULL)
         return host_fail(error, "start", "free memory");
-    for (i = 0; i < FIXTURE_THIGH_LANDMARKS; i++) {
+    for (uint32_t i = 0; i < FIXTURE_THIGH_LANDMARKS; i++) {
         (void)host_thigh_landmark(bench->thigh, HOST_THIGH_MODEL, i, from[i]);
         (void)host_thigh_landmark(bench->thigh, HOST_THIGH_PATIENT, i, to[i]);
     }
-    for (i = 0; i < FIXTURE_THIGH_PARTS; i++)
+    for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; i++)
         if (!bench->given->figure1 || strcmp(bench->thigh->thigh.part[i].name, "femur") == 0)
             take_structure(bench, i, job->n_targets++);
     job->model.n_parts = job->n_targets;
@@ -114,15 +118,14 @@ smr_status host_bench_start(const host_bench *bench)
     const float *xyz = job->start_xyz;
     smr_status status = SMR_OK;
     smr_pose pose = job->pose;
-    uint32_t i = 0;
     if (job->options->align == HOST_ALIGN_NONE) {
         memset(&pose, 0, sizeof pose);
-        for (i = 0; i < 3; i++)
+        for (uint32_t i = 0; i < 3; i++)
             pose.m[i][i] = 1.0f;
     }
     if (xyz == NULL)
         return smr_set_pose(job->state, &pose);
-    for (i = 0; status == SMR_OK && i < job->model.n_parts; i++) {
+    for (uint32_t i = 0; status == SMR_OK && i < job->model.n_parts; i++) {
         status = smr_set_positions(job->state, i, xyz);
         xyz += 3u * (size_t)job->model.part[i].mesh.n_vertices;
     }
@@ -133,7 +136,6 @@ int host_bench_init(host_bench *bench, const smr_config *config, const smr_port 
 {
     host_job *const job = &bench->job;
     smr_status status = smr_arena_bytes(job->model.model, config, &job->arena_bytes);
-    uint32_t i = 0;
     free(job->arena);
     job->arena = status == SMR_OK ? host_alloc(job->arena_bytes) : NULL;
     if (status == SMR_OK && job->arena == NULL)
@@ -144,7 +146,7 @@ int host_bench_init(host_bench *bench, const smr_config *config, const smr_port 
         status = host_bench_start(bench);
     if (status == SMR_OK && image)
         status = smr_set_volume(job->state, &job->image.view);
-    for (i = 0; !image && status == SMR_OK && i < job->model.n_parts; i++)
+    for (uint32_t i = 0; !image && status == SMR_OK && i < job->model.n_parts; i++)
         if (job->result[i].target != HOST_NO_TARGET)
             status = smr_set_surface(job->state, i, job->target[job->result[i].target].surface);
     return status == SMR_OK ? 0 : refuse(error, "set up", status);
@@ -153,10 +155,9 @@ int host_bench_init(host_bench *bench, const smr_config *config, const smr_port 
 /* Frees what the last registration left in the job. */
 static void forget_result(host_job *job)
 {
-    uint32_t i = 0;
-    for (i = 0; i < job->model.n_parts; i++)
+    for (uint32_t i = 0; i < job->model.n_parts; i++)
         host_mesh_free(&job->result[i].mesh);
-    for (i = 0; i < job->n_targets; i++) {
+    for (uint32_t i = 0; i < job->n_targets; i++) {
         free(job->target[i].memory);
         job->target[i].memory = NULL;
         job->target[i].surface = NULL;
@@ -173,4 +174,19 @@ int host_bench_register(host_bench *bench, host_error *error)
 {
     forget_result(&bench->job);
     return host_job_run(&bench->job, error) != 0 || host_job_evaluate(&bench->job, error) != 0 ? -1 : 0;
+}
+
+uint64_t host_bench_processor_ns(void *ctx)
+{
+    struct timespec now;
+    (void)ctx;
+    (void)clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+int host_bench_write(const char *directory, const char *name, host_buffer *csv, host_error *error)
+{
+    char file[64];
+    (void)snprintf(file, sizeof file, "%s.csv", name);
+    return host_output_file(directory, file, csv, 0, error);
 }

@@ -31,8 +31,11 @@ smr_status host_bench_start(const host_bench *bench);
 /* Registers to the image with bench->options.config and measures the result against the truth. */
 int host_bench_register(host_bench *bench, host_error *error);
 
-/* Writes NAME.csv, and NAME.svg unless svg is NULL, as a set, and frees the buffers. 0, or -1 with the error filled. */
-int host_bench_write(const char *directory, const char *name, host_buffer *csv, host_buffer *svg, host_error *error);
+/* Processor time of this thread, as a port's clock. */
+uint64_t host_bench_processor_ns(void *ctx);
+
+/* Writes NAME.csv and frees the buffer. 0, or -1 with the error filled. */
+int host_bench_write(const char *directory, const char *name, host_buffer *csv, host_error *error);
 
 /* The benchmarks. Each writes its files into options.out. 0, or -1 with the error filled. */
 int host_bench_figure1(host_bench *bench, host_error *error);

@@ -72,14 +72,12 @@ static int run_kind(host_bench *bench, int image, soak_row *rows, host_error *er
 {
     host_job *const job = &bench->job;
     smr_config config = image ? bench->given->config : smr_config_default();
-    int i = 0;
-    uint32_t k = 0;
     config.basic.n_workers = job->port.port.n_workers;
-    for (k = 0; !image && k < job->n_targets; k++)
+    for (uint32_t k = 0; !image && k < job->n_targets; k++)
         config.basic.n_target_vertices += job->target[k].mesh.n_vertices;
     if (host_bench_prepare(bench, bench->given->prepare, image, error) != 0)
         return -1;
-    for (i = 0; i < BUDGETS; i++)
+    for (int i = 0; i < BUDGETS; i++)
         if (host_bench_init(bench, &config, &job->port.port, image, error) != 0 ||
             run_budget(bench, budgets_ms[i], &rows[i], error) != 0)
             return -1;
@@ -88,11 +86,10 @@ static int run_kind(host_bench *bench, int image, soak_row *rows, host_error *er
 
 static void put_csv(soak_row rows[KINDS][BUDGETS], host_buffer *out)
 {
-    int line = 0, b = 0;
     host_buffer_print(out, "target,budget_ms,clock,above_us,to_us,ticks\n");
-    for (line = 0; line < KINDS * BUDGETS * CLOCKS; line++) {
+    for (int line = 0; line < KINDS * BUDGETS * CLOCKS; line++) {
         const int kind = line / (BUDGETS * CLOCKS), i = line / CLOCKS % BUDGETS, clock = line % CLOCKS;
-        for (b = 0; b < BINS; b++) {
+        for (int b = 0; b < BINS; b++) {
             host_buffer_print(out, "%s,%g,%s,", kinds[kind], budgets_ms[i], clocks[clock]);
             if (b > 0)
                 host_buffer_print(out, "%g", bin_us[b - 1]);
@@ -106,19 +103,18 @@ static void put_csv(soak_row rows[KINDS][BUDGETS], host_buffer *out)
 
 static void tell(soak_row rows[KINDS][BUDGETS], const host_bench *bench)
 {
-    int line = 0, b = 0;
     (void)printf("ticks that ended so many us beyond their budget; %u threads, %g s each\n",
                  bench->job.port.port.n_workers, bench->given->seconds);
     (void)printf("%-8s %6s %-9s %7s %7s %5s %8s", "target", "budget", "clock", "ticks", "whole", "runs", "in time");
-    for (b = 1; b < BINS - 1; b++)
+    for (int b = 1; b < BINS - 1; b++)
         (void)printf(" %6g", bin_us[b]);
     (void)printf("   more   worst\n");
-    for (line = 0; line < KINDS * BUDGETS * CLOCKS; line++) {
+    for (int line = 0; line < KINDS * BUDGETS * CLOCKS; line++) {
         const int kind = line / (BUDGETS * CLOCKS), i = line / CLOCKS % BUDGETS, clock = line % CLOCKS;
         const soak_row *const row = &rows[kind][i];
         (void)printf("%-8s %3g ms %-9s %7u %7u %5u %8u", kinds[kind], budgets_ms[i], clocks[clock], row->ticks,
                      row->whole, row->runs, row->bin[clock][0]);
-        for (b = 1; b < BINS; b++)
+        for (int b = 1; b < BINS; b++)
             (void)printf(" %6u", row->bin[clock][b]);
         (void)printf(" %7.0f\n", row->worst_us[clock]);
     }
@@ -127,20 +123,18 @@ static void tell(soak_row rows[KINDS][BUDGETS], const host_bench *bench)
 
 static int write_csv(soak_row rows[KINDS][BUDGETS], const char *directory, host_error *error)
 {
-    host_buffer csv;
-    memset(&csv, 0, sizeof csv);
+    host_buffer csv = {0};
     put_csv(rows, &csv);
-    return host_bench_write(directory, "soak", &csv, NULL, error);
+    return host_bench_write(directory, "soak", &csv, error);
 }
 
 int host_bench_soak(host_bench *bench, host_error *error)
 {
     soak_row rows[KINDS][BUDGETS];
-    int image = 0;
     memset(rows, 0, sizeof rows);
     if (host_job_make_surfaces(&bench->job, error) != 0)
         return -1;
-    for (image = 0; image < KINDS; image++)
+    for (int image = 0; image < KINDS; image++)
         if (run_kind(bench, image, rows[image], error) != 0)
             return -1;
     if (write_csv(rows, bench->given->out, error) != 0)

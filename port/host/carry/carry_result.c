@@ -1,11 +1,168 @@
-/* carry_result.c: opens the map of a result, and carries points by it.
+/* carry_result.c: carry.bin, and a result that carries points by it.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry_result.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
+#include "base/system.h"
+#include "files/file_read.h"
+#include "files/gzip_write.h"
+
+#define MAGIC 0x43524d53u /* "SMRC" */
+#define VERSION 1u
+#define HEADER_BYTES 32u
+#define CHECKED_FROM 12u /* the first byte that the checksum is of */
+#define RECORD_BYTES (SMR_NAME_BYTES + 4u)
+
+static uint32_t checksum(const unsigned char *data, size_t n)
+{
+    host_crc32 crc;
+    host_crc32_start(&crc);
+    host_crc32_add(&crc, data, n);
+    return host_crc32_end(&crc);
+}
+
+static uint32_t u32_at(const unsigned char *p)
+{
+    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+}
+
+static void put_u32(unsigned char *p, uint32_t value)
+{
+    for (uint32_t i = 0; i < 4u; i++)
+        p[i] = (unsigned char)(value >> 8u * i);
+}
+
+void host_carry_write(const host_carry_shape *shape, host_buffer *out)
+{
+    const uint32_t header[] = {MAGIC, VERSION, 0, shape->n_vertices, shape->n_structures, (uint32_t)(shape->mirror + 1),
+                               0,     0};
+    const size_t start = out->size;
+    for (size_t i = 0; i < sizeof header / sizeof header[0]; i++)
+        host_buffer_u32(out, header[i]);
+    for (size_t i = 0; i < shape->n_structures; i++) {
+        host_buffer_add(out, shape->name[i], SMR_NAME_BYTES);
+        host_buffer_u32(out, shape->count[i]);
+    }
+    for (size_t i = 0; i < 3u * (size_t)shape->n_vertices; i++)
+        host_buffer_f32(out, shape->rest[i]);
+    for (size_t i = 0; i < 3u * (size_t)shape->n_vertices; i++)
+        host_buffer_f32(out, shape->now[i]);
+    if (!out->failed)
+        put_u32(out->data + start + 8, checksum(out->data + start + CHECKED_FROM, out->size - start - CHECKED_FROM));
+}
+
+/* What the counts say that the file has, or 0 for counts that no result has. */
+static uint64_t bytes_of(uint32_t n_vertices, uint32_t n_structures)
+{
+    if (n_vertices == 0u || n_vertices > SMR_VERTICES_MAX || n_structures == 0u || n_structures > SMR_STRUCTURES_MAX)
+        return 0;
+    return HEADER_BYTES + (uint64_t)RECORD_BYTES * n_structures + 24u * (uint64_t)n_vertices;
+}
+
+static int take_names(host_carry_shape *shape, const unsigned char *at, host_error *error)
+{
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < shape->n_structures; i++, at += RECORD_BYTES) {
+        memcpy(shape->name[i], at, SMR_NAME_BYTES);
+        shape->count[i] = u32_at(at + SMR_NAME_BYTES);
+        sum += shape->count[i];
+        if (at[SMR_NAME_BYTES - 1u] != '\0')
+            return host_fail_at(error, "structure", i, "a name with a closing NUL");
+    }
+    return sum == shape->n_vertices ? 0 : host_fail(error, "structures", "as many vertices as the file has");
+}
+
+static int take_floats(const unsigned char *at, size_t n, float *to, host_error *error)
+{
+    for (size_t i = 0; i < n; i++, at += 4) {
+        const uint32_t bits = u32_at(at);
+        memcpy(&to[i], &bits, sizeof bits);
+        if (!(to[i] >= -SMR_COORD_MAX && to[i] <= SMR_COORD_MAX)) /* written so that NaN fails */
+            return host_fail_at(error, "vertex", i / 3u, "finite coordinates within +-%.0f mm", (double)SMR_COORD_MAX);
+    }
+    return 0;
+}
+
+static int parse(host_carry_shape *shape, const unsigned char *data, size_t size, host_error *error)
+{
+    const size_t names = HEADER_BYTES;
+    if (size < HEADER_BYTES || u32_at(data) != MAGIC)
+        return host_fail(error, "content", "what smr register leaves in a result's directory as " HOST_CARRY_NAME);
+    if (u32_at(data + 4) != VERSION)
+        return host_fail(error, "version", "%u, found %u: register again", VERSION, u32_at(data + 4));
+    shape->n_vertices = u32_at(data + 12);
+    shape->n_structures = u32_at(data + 16);
+    if (bytes_of(shape->n_vertices, shape->n_structures) != size)
+        return host_fail(error, "size", "the bytes that its counts say: it is cut off or damaged");
+    if (u32_at(data + 8) != checksum(data + CHECKED_FROM, size - CHECKED_FROM))
+        return host_fail(error, "checksum", "that of its bytes: it is damaged");
+    if (u32_at(data + 20) > 3u || u32_at(data + 24) != 0u || u32_at(data + 28) != 0u)
+        return host_fail(error, "header", "a coordinate 0 to 3 and zeros");
+    shape->mirror = (int)u32_at(data + 20) - 1;
+    size_t words = 3u * (size_t)shape->n_vertices;
+    shape->name = calloc(shape->n_structures, sizeof *shape->name);
+    shape->count = calloc(shape->n_structures, sizeof *shape->count);
+    shape->rest = malloc(words * sizeof(float));
+    shape->now = malloc(words * sizeof(float));
+    if (shape->name == NULL || shape->count == NULL || shape->rest == NULL || shape->now == NULL)
+        return host_fail(error, "start", "free memory");
+    data += names;
+    if (take_names(shape, data, error) != 0)
+        return -1;
+    data += (size_t)RECORD_BYTES * shape->n_structures;
+    return take_floats(data, words, shape->rest, error) != 0 ||
+                   take_floats(data + 4u * words, words, shape->now, error) != 0
+               ? -1
+               : 0;
+}
+
+int host_carry_parse(const unsigned char *data, size_t size, host_carry_shape *shape, host_error *error)
+{
+    memset(shape, 0, sizeof *shape);
+    int result = parse(shape, data, size, error);
+    if (result != 0)
+        host_carry_free(shape);
+    return result;
+}
+
+static int accept_ours(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+{
+    (void)path;
+    (void)total;
+    if (n < 4u || u32_at(head) != MAGIC)
+        return host_fail(error, "content", "what smr register leaves in a result's directory as " HOST_CARRY_NAME);
+    return 0;
+}
+
+int host_carry_read(const char *directory, host_carry_shape *shape, char **path, host_error *error)
+{
+    const size_t n = strlen(directory) + sizeof "/" HOST_CARRY_NAME;
+    host_bytes bytes;
+    memset(shape, 0, sizeof *shape);
+    *path = malloc(n);
+    error->file = directory;
+    if (*path == NULL)
+        return host_fail(error, "start", "free memory");
+    (void)snprintf(*path, n, "%s/%s", directory, HOST_CARRY_NAME);
+    error->file = *path;
+    if (host_file_read(*path, accept_ours, &bytes, error) != 0)
+        return -1;
+    int result = host_carry_parse(bytes.data, bytes.size, shape, error);
+    host_file_free(&bytes);
+    return result;
+}
+
+void host_carry_free(host_carry_shape *shape)
+{
+    free(shape->name);
+    free(shape->count);
+    free(shape->rest);
+    free(shape->now);
+    memset(shape, 0, sizeof *shape);
+}
 
 static int fit(host_carried *c, host_error *error)
 {
@@ -44,8 +201,7 @@ void host_carried_close(host_carried *c)
 
 static void mirror(const host_carried *c, float *xyz, uint32_t n)
 {
-    uint32_t i = 0;
-    for (i = 0; i < n && c->shape.mirror != HOST_MIRROR_NONE; i++)
+    for (uint32_t i = 0; i < n && c->shape.mirror != HOST_MIRROR_NONE; i++)
         xyz[3u * (size_t)i + (size_t)c->shape.mirror] = 0.0f - xyz[3u * (size_t)i + (size_t)c->shape.mirror];
 }
 
@@ -53,17 +209,15 @@ int64_t host_carried_points(host_carried *c, uint32_t inverse, float *xyz, uint3
                             host_error *error)
 {
     smr_carry_fact *const facts = malloc((n + 1u) * sizeof *facts);
-    smr_status status = SMR_OK;
     int64_t bad = 0;
-    uint32_t i = 0;
     if (facts == NULL)
         return host_fail(error, "carry", "free memory");
     if (!inverse)
         mirror(c, xyz, n);
-    status = smr_carry_map(c->carry, c->shape.now, inverse, xyz, n, xyz, facts);
+    smr_status status = smr_carry_map(c->carry, c->shape.now, inverse, xyz, n, xyz, facts);
     if (inverse && status == SMR_OK)
         mirror(c, xyz, n);
-    for (i = 0; i < n && status == SMR_OK; i++) {
+    for (uint32_t i = 0; i < n && status == SMR_OK; i++) {
         const int lost = !(facts[i].miss_mm <= HOST_CARRY_MISS);
         bad += lost;
         if (missed != NULL)
@@ -78,11 +232,10 @@ int64_t host_carried_points(host_carried *c, uint32_t inverse, float *xyz, uint3
 /* Columns of each matrix by the pose. */
 static void turn(const smr_pose *poses, uint32_t n, float *orientation)
 {
-    uint32_t i = 0, k = 0, r = 0;
-    for (i = 0; i < n; i++, orientation += 9)
-        for (k = 0; k < 3; k++) {
+    for (uint32_t i = 0; i < n; i++, orientation += 9)
+        for (uint32_t k = 0; k < 3; k++) {
             const float x = orientation[k], y = orientation[3u + k], z = orientation[6u + k];
-            for (r = 0; r < 3; r++)
+            for (uint32_t r = 0; r < 3; r++)
                 orientation[3u * r + k] = poses[i].m[r][0] * x + poses[i].m[r][1] * y + poses[i].m[r][2] * z;
         }
 }
@@ -117,8 +270,7 @@ int host_carried_frames(host_carried *c, uint32_t inverse, const float *xyz, uin
 void host_carried_box(const host_carried *c, uint32_t inverse, float low[3], float high[3])
 {
     const float *const xyz = inverse ? c->shape.now : c->shape.rest;
-    size_t i = 0;
-    for (i = 0; i < 3u * (size_t)c->shape.n_vertices; i++) {
+    for (size_t i = 0; i < 3u * (size_t)c->shape.n_vertices; i++) {
         const size_t k = i % 3u;
         const float v = !inverse && (int)k == c->shape.mirror ? 0.0f - xyz[i] : xyz[i];
         low[k] = i < 3u || v < low[k] ? v : low[k];

@@ -1,4 +1,4 @@
-/* carry_volume.c: resamples an image on a grid of the result's space.
+/* carry_volume.c: what a result carries on a grid: volumes, and displacement fields.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry_volume.h"
 
@@ -6,8 +6,135 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
+#include "base/system.h"
 #include "volumes/volume_write.h"
+
+#define SWEEPS 60u
+#define FIT_SPACING_MM 5.0f /* coarser grids have too few voxels for the vertices, and are left */
+#define FIT_MM 0.002
+
+/* Displacements of slice z; xyz: scratch, [n] places. */
+static int64_t fill_slice(host_carried *c, const host_volume *grid, uint32_t z, uint32_t inverse, float *xyz, float *to,
+                          host_error *error)
+{
+    const uint32_t n = grid->size[0] * grid->size[1];
+    for (uint32_t i = 0; i < n; i++) {
+        const double index[3] = {(double)(i % grid->size[0]), (double)(i / grid->size[0]), (double)z};
+        double at[3];
+        host_volume_place(grid, index, at);
+        for (uint32_t k = 0; k < 3; k++)
+            xyz[3u * (size_t)i + k] = to[3u * (size_t)i + k] = (float)at[k];
+    }
+    int64_t missed = host_carried_points(c, inverse, to, n, NULL, error);
+    for (uint32_t i = 0; i < 3u * n; i++)
+        to[i] -= xyz[i];
+    return missed;
+}
+
+/* A vertex and what the field should be there. */
+typedef struct knot {
+    size_t at[8];
+    double weight[8], wanted[3], sum2; /* sum of the squared weights */
+} knot;
+
+/* 0 for a vertex outside the grid, which has no eight voxels around it. */
+static int find_knot(const host_carried *c, const host_volume *grid, const double to_index[9], uint32_t inverse,
+                     uint32_t v, knot *found)
+{
+    double from[3], to[3], share[3], index[3] = {0};
+    uint32_t low[3], k = 0, corner = 0;
+    for (k = 0; k < 3; k++) {
+        const double rest = (double)c->shape.rest[3u * (size_t)v + k], now = (double)c->shape.now[3u * (size_t)v + k];
+        const double own = (int)k == c->shape.mirror ? 0.0 - rest : rest;
+        from[k] = inverse ? now : own;
+        to[k] = inverse ? own : now;
+    }
+    for (k = 0; k < 9; k++)
+        index[k / 3u] += to_index[k] * (from[k % 3u] - (double)grid->origin[k % 3u]);
+    for (k = 0; k < 3; k++) {
+        if (!(index[k] >= 0.0 && index[k] < (double)(grid->size[k] - 1u)))
+            return 0;
+        low[k] = (uint32_t)index[k];
+        share[k] = index[k] - (double)low[k];
+        found->wanted[k] = to[k] - from[k];
+    }
+    found->sum2 = 0.0;
+    for (corner = 0; corner < 8u; corner++) {
+        found->weight[corner] = 1.0;
+        found->at[corner] = 0;
+        for (k = 3; k-- > 0u;) {
+            const uint32_t up = corner >> k & 1u;
+            found->weight[corner] *= up ? share[k] : 1.0 - share[k];
+            found->at[corner] = found->at[corner] * grid->size[k] + low[k] + up;
+        }
+        found->sum2 += found->weight[corner] * found->weight[corner];
+    }
+    return 1;
+}
+
+/* Returns by how much the field missed the knot, squared. */
+static double fit_knot(const knot *at, float *field)
+{
+    double miss2 = 0.0;
+    for (uint32_t k = 0; k < 3; k++) {
+        double miss = at->wanted[k];
+        for (uint32_t corner = 0; corner < 8u; corner++)
+            miss -= at->weight[corner] * (double)field[3u * at->at[corner] + k];
+        miss2 += miss * miss;
+        miss /= at->sum2;
+        for (uint32_t corner = 0; corner < 8u; corner++)
+            field[3u * at->at[corner] + k] =
+                (float)((double)field[3u * at->at[corner] + k] + at->weight[corner] * miss);
+    }
+    return miss2;
+}
+
+void host_carried_field_fit(const host_carried *c, const host_volume *grid, uint32_t inverse, float *field)
+{
+    double to_index[9], worst2 = 1.0;
+    if (!(grid->spacing[0] <= FIT_SPACING_MM && grid->spacing[1] <= FIT_SPACING_MM &&
+          grid->spacing[2] <= FIT_SPACING_MM))
+        return;
+    host_volume_to_index(grid, to_index);
+    for (uint32_t sweep = 0; sweep < SWEEPS && worst2 > FIT_MM * FIT_MM; sweep++) {
+        worst2 = 0.0;
+        for (uint32_t v = 0; v < c->shape.n_vertices; v++) {
+            knot at;
+            if (find_knot(c, grid, to_index, inverse, v, &at)) {
+                const double miss2 = fit_knot(&at, field);
+                worst2 = miss2 > worst2 ? miss2 : worst2;
+            }
+        }
+    }
+}
+
+int64_t host_carried_field(host_carried *c, const host_volume *grid, uint32_t inverse, float *field, host_error *error)
+{
+    const uint64_t n = (uint64_t)grid->size[0] * grid->size[1];
+    float *const xyz = n <= SMR_VERTICES_MAX ? malloc(3u * (size_t)n * sizeof *xyz) : NULL;
+    int64_t missed = 0, bad = 0;
+    if (xyz == NULL)
+        return host_fail(error, "size", "slices of at most %u voxels, and free memory", SMR_VERTICES_MAX);
+    for (uint32_t z = 0; z < grid->size[2] && bad >= 0; z++) {
+        bad = fill_slice(c, grid, z, inverse, xyz, field + 3u * (size_t)n * z, error);
+        missed += bad;
+    }
+    free(xyz);
+    if (bad < 0)
+        return -1;
+    host_carried_field_fit(c, grid, inverse, field);
+    return missed;
+}
+
+void host_carried_field_file(const host_volume *grid, uint32_t inverse, const float *field, const char *path,
+                             host_buffer *out)
+{
+    host_volume_write_header(grid, HOST_FLOAT32, 3,
+                             inverse ? "displacement field type:=resampling\nintent_code:=1006\n"
+                                     : "displacement field type:=modeling\nintent_code:=1006\n",
+                             path, out);
+    host_volume_write_values(field, HOST_FLOAT32, (size_t)3u * grid->size[0] * grid->size[1] * grid->size[2], out);
+}
 
 #define LATTICE_MM 5.0 /* over it displacements are interpolated */
 
@@ -94,20 +221,27 @@ static void run_slice(void *arg, uint32_t z, uint32_t worker)
     const warp *const w = arg;
     host_volume *const out = w->out;
     const uint32_t n = out->size[0] * out->size[1];
-    uint32_t i = 0, k = 0;
     (void)worker;
-    for (i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         const uint32_t voxel_at[3] = {i % out->size[0], i / out->size[0], z};
         const double index[3] = {(double)voxel_at[0], (double)voxel_at[1], (double)z};
         double at[3], d[3], in[3] = {0};
         host_volume_place(out, index, at);
         displacement(w, voxel_at, d);
-        for (k = 0; k < 3; k++)
+        for (uint32_t k = 0; k < 3; k++)
             at[k] += d[k] - (double)w->image->origin[k];
-        for (k = 0; k < 9; k++)
+        for (uint32_t k = 0; k < 9; k++)
             in[k / 3u] += w->to_index[k] * at[k % 3u];
         put_voxel(out, (size_t)z * n + i, sample(w->image, in));
     }
+}
+
+/* The place of point i of the lattice, in layer z. */
+static void lattice_place(const warp *w, uint32_t i, uint32_t z, double at[3])
+{
+    const double index[3] = {(double)(i % w->n[0]) * (double)w->step[0], (double)(i / w->n[0]) * (double)w->step[1],
+                             (double)z * (double)w->step[2]};
+    host_volume_place(w->out, index, at);
 }
 
 /* Displacements of the lattice, a layer at a time. */
@@ -115,28 +249,21 @@ static int64_t fill_lattice(host_carried *c, warp *w, host_error *error)
 {
     const uint32_t n = w->n[0] * w->n[1];
     int64_t missed = 0;
-    uint32_t z = 0, i = 0, k = 0;
-    for (z = 0; z < w->n[2]; z++) {
+    for (uint32_t z = 0; z < w->n[2]; z++) {
         float *const to = w->moved + 3u * (size_t)n * z;
-        int64_t bad = 0;
-        for (i = 0; i < n; i++) {
-            const double index[3] = {(double)(i % w->n[0]) * (double)w->step[0],
-                                     (double)(i / w->n[0]) * (double)w->step[1], (double)z * (double)w->step[2]};
-            double at[3];
-            host_volume_place(w->out, index, at);
-            for (k = 0; k < 3; k++)
+        double at[3];
+        for (uint32_t i = 0; i < n; i++) {
+            lattice_place(w, i, z, at);
+            for (uint32_t k = 0; k < 3; k++)
                 to[3u * (size_t)i + k] = (float)at[k];
         }
-        bad = host_carried_points(c, 1, to, n, NULL, error);
+        const int64_t bad = host_carried_points(c, 1, to, n, NULL, error);
         if (bad < 0)
             return -1;
         missed += bad;
-        for (i = 0; i < n; i++) {
-            const double index[3] = {(double)(i % w->n[0]) * (double)w->step[0],
-                                     (double)(i / w->n[0]) * (double)w->step[1], (double)z * (double)w->step[2]};
-            double at[3];
-            host_volume_place(w->out, index, at);
-            for (k = 0; k < 3; k++)
+        for (uint32_t i = 0; i < n; i++) {
+            lattice_place(w, i, z, at);
+            for (uint32_t k = 0; k < 3; k++)
                 to[3u * (size_t)i + k] -= (float)at[k];
         }
     }
@@ -145,14 +272,12 @@ static int64_t fill_lattice(host_carried *c, warp *w, host_error *error)
 
 int64_t host_carried_volume(host_carried *c, const host_volume *image, host_volume *out, host_error *error)
 {
-    warp w;
+    warp w = {0};
     int64_t missed = -1;
-    uint32_t k = 0;
-    memset(&w, 0, sizeof w);
     w.image = image;
     w.out = out;
     out->type = image->type;
-    for (k = 0; k < 3; k++) {
+    for (uint32_t k = 0; k < 3; k++) {
         const double step = LATTICE_MM / (double)out->spacing[k];
         w.step[k] = step >= 1.5 ? (uint32_t)(step + 0.5) : 1u;
         w.n[k] = (out->size[k] - 1u) / w.step[k] + 2u;

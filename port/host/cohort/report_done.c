@@ -1,14 +1,71 @@
-/* report_done.c: whether a directory holds the result of a command already.
+/* report_done.c: whether a result is there already, for --skip-done; the line of --json.
  * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+
 #include "cohort/report_done.h"
 
+#include <errno.h>
+#include <fcntl.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-#include "cohort/report_path.h"
-#include "files/file_checksum.h"
+#include "base/clean_text.h"
+#include "cohort/report_head.h"
 #include "files/file_read.h"
+#include "files/gzip_write.h"
+#include "report/json_write.h"
+
+enum { BLOCK = 1 << 16 };
+
+typedef struct check {
+    unsigned char block[BLOCK];
+    host_crc32 crc;
+} check;
+
+/* Reads as many bytes as there should be; one more or one fewer is another file. */
+static int same_content(int fd, uint64_t bytes, uint32_t crc32)
+{
+    check *const c = malloc(sizeof *c);
+    uint64_t left = bytes;
+    ssize_t got = 1;
+    if (c == NULL)
+        return 0;
+    host_crc32_start(&c->crc);
+    while (got > 0) {
+        got = read(fd, c->block, BLOCK);
+        if (got < 0 && errno == EINTR)
+            got = 1;
+        else if (got <= 0 || (uint64_t)got > left)
+            break;
+        else {
+            host_crc32_add(&c->crc, c->block, (size_t)got);
+            left -= (uint64_t)got;
+        }
+    }
+    int same = got == 0 && left == 0 && host_crc32_end(&c->crc) == crc32;
+    free(c);
+    return same;
+}
+
+/* 1 when the path leads to a regular file of so many bytes with this checksum (files/gzip_write.h). Does not count as
+ * reading it (files/file_read.h). */
+static int host_file_is(const char *path, uint64_t bytes, uint32_t crc32)
+{
+    /* Without O_NONBLOCK, opening a named pipe without a writer would block for ever. */
+    const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    struct stat st;
+    int same = 0;
+    if (fd < 0)
+        return 0;
+    same =
+        fstat(fd, &st) == 0 && S_ISREG(st.st_mode) && (uint64_t)st.st_size == bytes && same_content(fd, bytes, crc32);
+    (void)close(fd);
+    return same;
+}
 
 #define PATH_BYTES 4096u
 
@@ -61,9 +118,7 @@ static int compare_word(host_scan *scan, const char *key, void *context)
 {
     static const char *const start[] = {"smr", "register"};
     done_check *const c = context;
-    const char *now = NULL;
     size_t n = 0;
-    int idle = 0;
     (void)key;
     if (host_scan_text(scan, c->path, sizeof c->path, &n) != 0 || n >= sizeof c->path)
         return differs(c, "another command", "");
@@ -73,22 +128,21 @@ static int compare_word(host_scan *scan, const char *key, void *context)
         c->skip--;
         return 0;
     }
-    idle = idle_words(c->path);
+    int idle = idle_words(c->path);
     if (idle >= 0) {
         c->skip = idle;
         return 0;
     }
-    now = next_argument(c);
+    const char *now = next_argument(c);
     return now != NULL && strcmp(now, c->path) == 0 ? 0
                                                     : differs(c, "another command, from", now != NULL ? now : c->path);
 }
 
 static int compare_command(host_scan *scan, done_check *c)
 {
-    const char *left = NULL;
     if (host_scan_list(scan, compare_word, c) != 0)
         return -1;
-    left = next_argument(c);
+    const char *left = next_argument(c);
     return left == NULL && c->word == 2 ? 0 : differs(c, "another command, from", left != NULL ? left : "");
 }
 
@@ -116,12 +170,10 @@ static int is_same_file(const done_check *c)
 {
     char *end = NULL;
     const unsigned long sum = strtoul(c->crc32, &end, 16);
-    char *path = NULL;
-    int same = 0;
     if (c->has != 7u || c->path_bytes >= sizeof c->path || strlen(c->crc32) != 8u || *end != '\0' || sum > 0xffffffffu)
         return 0;
-    path = c->inside ? host_report_beside(c->options->out, c->path) : NULL;
-    same = (!c->inside || path != NULL) && host_file_is(path != NULL ? path : c->path, c->bytes, (uint32_t)sum);
+    char *path = c->inside ? host_report_beside(c->options->out, c->path) : NULL;
+    int same = (!c->inside || path != NULL) && host_file_is(path != NULL ? path : c->path, c->bytes, (uint32_t)sum);
     free(path);
     return same;
 }
@@ -157,19 +209,14 @@ static int compare_top(host_scan *scan, const char *key, void *context)
 /* The second reading of a report whose head is sound. */
 static int compare(const host_options *options, const host_bytes *bytes, char *why)
 {
-    host_error error;
-    host_scan scan;
+    host_error error = {0};
     done_check *const c = calloc(1, sizeof *c);
-    int same = 0;
     if (c == NULL)
         return 0;
-    memset(&error, 0, sizeof error);
     c->options = options;
     c->why = why;
-    scan.text = host_text_over(bytes->data, bytes->size);
-    scan.error = &error;
-    scan.depth = 0;
-    same = host_scan_object(&scan, compare_top, c) == 0 && c->saw == SAW_ALL;
+    host_scan scan = {host_text_over(bytes->data, bytes->size), &error, 0};
+    int same = host_scan_object(&scan, compare_top, c) == 0 && c->saw == SAW_ALL;
     if (!same && why[0] == '\0')
         (void)snprintf(why, HOST_WHY_BYTES, "a report that lacks its files");
     free(c);
@@ -180,11 +227,10 @@ int host_report_done(const host_options *options, host_report_head *head, char w
 {
     const size_t read_before = host_file_count();
     char *const path = host_report_beside(options->out, HOST_REPORT_NAME);
-    host_error error;
+    host_error error = {0};
     host_bytes bytes = {NULL, 0};
     int done = 0;
     memset(head, 0, sizeof *head);
-    memset(&error, 0, sizeof error);
     why[0] = '\0';
     if (path == NULL)
         return 0;
@@ -204,4 +250,110 @@ int host_report_done(const host_options *options, host_report_head *head, char w
     free(path);
     host_file_forget(read_before); /* it is no input, and will be written anew */
     return done;
+}
+
+static void put_distances(host_json *json, const host_report_head *head)
+{
+    if (head->to.n == 0 && head->from.n == 0) {
+        host_json_null(json, "distance_mm");
+        return;
+    }
+    host_json_open(json, "distance_mm", '{');
+    host_json_stats(json, "model_to_target", &head->to);
+    host_json_stats(json, "target_to_model", &head->from);
+    host_json_close(json, '}');
+}
+
+void host_report_line(const host_report_head *head, const char *directory, int skipped, host_buffer *out)
+{
+    host_json json = {out, 0, 1, 1};
+    host_json_open(&json, NULL, '{');
+    host_json_text(&json, "version", head->version);
+    host_json_text(&json, "verdict", host_verdict_name(head->verdict.level));
+    host_json_open(&json, "reasons", '[');
+    for (uint32_t i = 0; i < head->verdict.n_reasons; i++)
+        host_json_text(&json, NULL, head->verdict.reason[i]);
+    host_json_close(&json, ']');
+    host_json_number(&json, "expected_error_mm", head->verdict.expected_error_mm);
+    put_distances(&json, head);
+    host_json_number(&json, "hausdorff_mm", head->hausdorff_mm);
+    host_json_count(&json, "folds", head->folds);
+    host_json_count(&json, "iterations", head->iterations);
+    host_json_text(&json, "state_hash", head->state_hash);
+    host_json_number(&json, "seconds", head->seconds);
+    host_json_text(&json, "output", directory);
+    host_json_count(&json, "exit_status", (uint64_t)(head->exit_status < 0 ? 0 : head->exit_status));
+    host_json_flag(&json, "skipped", skipped);
+    host_json_close(&json, '}');
+}
+
+/* One write(), so that lines that several programs append to one file do not mix; more only where the system takes a
+ * part. */
+static int put_line(const host_buffer *line, host_error *error)
+{
+    size_t at = 0;
+    int failed = fflush(stdout) != 0;
+    while (!failed && at < line->size) {
+        const ssize_t n = write(STDOUT_FILENO, line->data + at, line->size - at);
+        failed = n == 0 || (n < 0 && errno != EINTR);
+        at += n > 0 ? (size_t)n : 0u;
+    }
+    if (!failed)
+        return 0;
+    error->file = "standard output";
+    return host_fail(error, "output", "room for the line (%s)", strerror(errno));
+}
+
+static int print_line(const host_report_head *head, const char *directory, int skipped, host_error *error)
+{
+    host_buffer line = {NULL, 0, 0, 0};
+    int result = 0;
+    host_report_line(head, directory, skipped, &line);
+    if (line.failed)
+        result = host_fail(error, "output", "free memory");
+    else
+        result = put_line(&line, error);
+    host_buffer_free(&line);
+    return result;
+}
+
+int host_report_print(const host_buffer *report, const char *directory, host_error *error)
+{
+    host_report_head head;
+    error->file = directory;
+    if (host_report_parse(report->data, report->size, &head, error) != 0)
+        return -1;
+    int result = print_line(&head, directory, 0, error);
+    host_report_free(&head);
+    return result;
+}
+
+int host_report_skipped(const host_report_head *head, const host_options *options, host_error *error)
+{
+    error->file = options->out;
+    if (options->json)
+        return print_line(head, options->out, 1, error);
+    if (!options->quiet)
+        (void)printf("%s: done before, verdict %s: nothing is computed\n", options->out,
+                     host_verdict_name(head->verdict.level));
+    return 0;
+}
+
+static void put_clean(const char *text)
+{
+    size_t n = 1;
+    for (; *text != '\0'; text += n) {
+        const char c = host_clean_next(text, &n);
+        (void)fputc(c, stderr);
+        (void)fwrite(text + 1, 1, n - 1u, stderr);
+    }
+}
+
+void host_report_again(const char *directory, const char *why)
+{
+    (void)fputs("smr: ", stderr);
+    put_clean(directory);
+    (void)fputs(": computed again: ", stderr);
+    put_clean(why);
+    (void)fputc('\n', stderr);
 }

@@ -1,10 +1,57 @@
-/* report_head.c: reads the head of report.json, which may come from anywhere.
+/* report_head.c: reads what a result's report.json says at its head.
  * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+
 #include "cohort/report_head.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+
+/* 1 when the name stays in its directory: no empty part, and none that starts with a dot. */
+static int stays_inside(const char *name)
+{
+    for (;;) {
+        if (*name == '\0' || *name == '/' || *name == '.')
+            return 0;
+        name += strcspn(name, "/");
+        if (*name == '\0')
+            return 1;
+        name++;
+    }
+}
+
+char *host_report_beside(const char *directory, const char *name)
+{
+    const size_t n = strlen(directory) + strlen(name) + 2u;
+    char *path = stays_inside(name) ? malloc(n) : NULL;
+    if (path != NULL)
+        (void)snprintf(path, n, "%s/%s", directory, name);
+    return path;
+}
+
+int host_report_there(const char *path)
+{
+    struct stat st;
+    return lstat(path, &st) == 0;
+}
+
+static int is_object(const char *path, const unsigned char *head, size_t n, size_t total, host_error *error)
+{
+    size_t i = 0;
+    (void)path;
+    (void)total;
+    while (i < n && (head[i] == ' ' || head[i] == '\n' || head[i] == '\r' || head[i] == '\t'))
+        i++;
+    return i < n && head[i] == '{' ? 0 : host_fail(error, "content", "an object in braces");
+}
+
+int host_report_bytes(const char *path, host_bytes *bytes, host_error *error)
+{
+    return host_file_read(path, is_object, bytes, error);
+}
 
 #define TEXT_OF(x) #x
 #define VERSION_TEXT(major, minor, patch) TEXT_OF(major) "." TEXT_OF(minor) "." TEXT_OF(patch)
@@ -48,10 +95,9 @@ static int read_verdict(host_scan *scan, int *level)
 {
     char text[16];
     size_t n = 0;
-    int i = 0;
     if (host_scan_text(scan, text, sizeof text, &n) != 0)
         return -1;
-    for (i = HOST_VERDICT_GOOD; i <= HOST_VERDICT_FAILED; i++)
+    for (int i = HOST_VERDICT_GOOD; i <= HOST_VERDICT_FAILED; i++)
         if (strcmp(text, host_verdict_name(i)) == 0) {
             *level = i;
             return 0;
@@ -234,16 +280,11 @@ static void clear(host_report_head *head)
 
 int host_report_parse(const void *data, size_t n, host_report_head *head, host_error *error)
 {
-    host_scan scan;
-    reading r;
-    int result = 0;
+    reading r = {0};
     clear(head);
-    memset(&r, 0, sizeof r);
     r.head = head;
-    scan.text = host_text_over(data, n);
-    scan.error = error;
-    scan.depth = 0;
-    result = host_scan_object(&scan, read_top, &r);
+    host_scan scan = {host_text_over(data, n), error, 0};
+    int result = host_scan_object(&scan, read_top, &r);
     if (result == 0)
         result = host_scan_end(&scan);
     if (result == 0 && r.has != HAS_ALL)
@@ -256,8 +297,7 @@ int host_report_parse(const void *data, size_t n, host_report_head *head, host_e
 const host_report_part *host_report_worst(const host_report_head *head)
 {
     const host_report_part *worst = NULL;
-    uint32_t i = 0;
-    for (i = 0; i < head->n_parts; i++) {
+    for (uint32_t i = 0; i < head->n_parts; i++) {
         const host_report_part *const p = &head->part[i];
         const double most = worst == NULL || isnan(worst->expected_error_mm) ? -1.0 : worst->expected_error_mm;
         if (worst == NULL || p->level > worst->level || (p->level == worst->level && p->expected_error_mm > most))

@@ -1,12 +1,23 @@
-/* report_head.h: what a result's report.json says at its head, read from bytes that may be anything.
+/* report_head.h: the files of a directory of results, and what its report.json says at its head, read from bytes that
+ * may be anything.
  * SPDX-License-Identifier: MIT */
 #ifndef REPORT_HEAD_H
 #define REPORT_HEAD_H
 
+#include "files/file_read.h"
 #include "landmarks/json_scan.h"
 #include "measure/surface_distances.h"
-#include "register/register_verdict.h"
+#include "register/register_job.h"
 #include "smr.h"
+
+/* "DIRECTORY/NAME", to be freed. NULL when out of memory, or where the name leads out of the directory. */
+char *host_report_beside(const char *directory, const char *name);
+
+/* 1 when there is such a file, of whatever kind. */
+int host_report_there(const char *path);
+
+/* Reads a report.json. 0, or -1 with the error filled; the error borrows the path. */
+int host_report_bytes(const char *path, host_bytes *bytes, host_error *error);
 
 #define HOST_REPORT_NAME "report.json"
 

@@ -1,8 +1,9 @@
-/* summary_cases.h: the results that a summary is of.
+/* summary_cases.h: the results that a summary is of, as a table and as a page.
  * SPDX-License-Identifier: MIT */
 #ifndef SUMMARY_CASES_H
 #define SUMMARY_CASES_H
 
+#include "base/byte_buffer.h"
 #include "cohort/report_head.h"
 #include "options/options.h"
 
@@ -35,5 +36,13 @@ const char *host_case_verdict(const host_case *c);
 
 /* How soon it is to be looked at: 0 good to 4 missing. */
 int host_case_rank(const host_case *c);
+
+/* Writes CSV, quoted as RFC 4180 says, into the buffer, which stores failure. times: 1 for columns of times, which
+ * differ from run to run; all others depend on inputs and command alone. */
+void host_summary_table(const host_cases *cases, int times, host_buffer *out);
+
+/* Writes one HTML file with all that it shows: those to be looked at first come first. page: its path, from where its
+ * links lead to the results. 0, or -1 when out of memory. */
+int host_summary_page(const host_cases *cases, const char *page, host_buffer *out);
 
 #endif

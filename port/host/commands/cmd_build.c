@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/threads.h"
+#include "base/system.h"
 #include "commands/commands.h"
 #include "files/file_names.h"
 #include "files/output_files.h"
@@ -40,14 +40,13 @@ static int is_identifier(const char *text)
 static void put_c_array(const host_model *model, const char *name, host_buffer *out)
 {
     const unsigned char *const bytes = model->prepared;
-    size_t i = 0;
     host_buffer_print(out,
                       "/* A model image for smr_model_open(name, name_bytes): %u vertices, %u structures. */\n"
                       "#include <stddef.h>\n\nextern const unsigned char %s[];\nextern const size_t %s_bytes;\n\n"
                       "const size_t %s_bytes = %zu;\n_Alignas(%u) const unsigned char %s[%zu] = {",
                       model->info.n_vertices, model->info.n_structures, name, name, name, model->prepared_bytes,
                       SMR_ALIGN, name, model->prepared_bytes);
-    for (i = 0; i < model->prepared_bytes; i++) {
+    for (size_t i = 0; i < model->prepared_bytes; i++) {
         char text[8];
         const int n = snprintf(text, sizeof text, "%s%u,", i % 24u == 0 ? "\n" : "", bytes[i]);
         host_buffer_add(out, text, (size_t)n);
@@ -70,9 +69,8 @@ static int add_c_array(const host_model *model, const host_options *options, hos
 {
     const int alone = is_source(options->out);
     char *const path = alone ? NULL : beside(options->out);
-    host_buffer text;
+    host_buffer text = {0};
     int result = 0;
-    memset(&text, 0, sizeof text);
     put_c_array(model, options->c_array, &text);
     if (!alone && path == NULL)
         result = host_fail(error, "output", "free memory");
@@ -90,31 +88,23 @@ static int write_model(const host_model *model, const host_options *options, hos
 {
     const int source_only = options->c_array != NULL && is_source(options->out);
     host_output *const output = host_output_begin(NULL);
-    host_buffer image;
+    host_buffer image = {0};
     int result = 0;
-    memset(&image, 0, sizeof image);
     image.data = model->prepared; /* borrowed: the buffer is not freed */
     image.size = model->prepared_bytes;
     error->file = options->out;
-    if (output == NULL)
-        return host_fail(error, "output", "free memory");
     if (!source_only)
         result = host_output_add(output, options->out, &image, error);
     if (result == 0 && options->c_array != NULL)
         result = add_c_array(model, options, output, error);
-    if (result == 0)
-        return host_output_commit(output, error);
-    host_output_abandon(output);
-    return -1;
+    return host_output_end(output, result, error);
 }
 
 int host_build(const host_options *options, host_error *error)
 {
-    host_port port;
-    host_model model;
+    host_port port = {0};
+    host_model model = {0};
     int result = HOST_REFUSED;
-    memset(&port, 0, sizeof port);
-    memset(&model, 0, sizeof model);
     error->file = "--c-array";
     if (options->c_array != NULL && !is_identifier(options->c_array)) {
         (void)host_fail(error, options->c_array, "a C identifier");

@@ -1,4 +1,4 @@
-/* cmd_carry.c: smr carry: points of the model's space to where a registration took them, and back.
+/* cmd_carry.c: smr carry, field and warp: points, displacement fields and images by the map of a result.
  * SPDX-License-Identifier: MIT */
 #include <inttypes.h>
 #include <stdio.h>
@@ -6,36 +6,28 @@
 #include <string.h>
 
 #include "carry/carry_result.h"
+#include "carry/carry_volume.h"
 #include "commands/commands.h"
 #include "files/output_files.h"
 #include "landmarks/points_file.h"
+#include "volumes/volume_write.h"
 
 #define NAMED_MAX 5u /* points that were not found are named up to here */
 
 static int write_points(const host_points *points, const char *path, host_error *error)
 {
-    host_output *const output = host_output_begin(NULL);
-    host_buffer buffer;
-    int result = 0;
-    if (output == NULL)
-        return host_fail(error, "output", "free memory");
-    memset(&buffer, 0, sizeof buffer);
+    host_buffer buffer = {0};
     host_points_write(points, path, &buffer);
-    result = host_output_add(output, path, &buffer, error);
-    host_buffer_free(&buffer);
-    if (result == 0)
-        return host_output_commit(output, error);
-    host_output_abandon(output);
-    return -1;
+    return host_output_file(NULL, path, &buffer, 0, error);
 }
 
 /* Names what was not found; the points stand where they come nearest. */
 static void tell_missed(const host_points *points, const unsigned char *missed, int64_t n)
 {
-    uint32_t i = 0, told = 0;
+    uint32_t told = 0;
     (void)fprintf(stderr, "smr: %" PRId64 " of %u points have no place before that leads to them within %g mm:", n,
                   points->n, (double)HOST_CARRY_MISS);
-    for (i = 0; i < points->n && told < NAMED_MAX; i++)
+    for (uint32_t i = 0; i < points->n && told < NAMED_MAX; i++)
         if (missed[i] && ++told > 0) {
             if (points->label != NULL && points->label[i][0] != '\0')
                 (void)fprintf(stderr, " %s", points->label[i]);
@@ -78,11 +70,9 @@ static int carry_points(host_carried *c, host_points *points, const host_options
 
 int host_carry(const host_options *options, host_error *error)
 {
-    host_carried c;
-    host_points points;
+    host_carried c = {0};
+    host_points points = {0};
     int result = HOST_REFUSED;
-    memset(&c, 0, sizeof c);
-    memset(&points, 0, sizeof points);
     if (host_points_can_write(options->out, error) == 0 && host_points_read(options->points, &points, error) == 0 &&
         host_points_fit(&points, options->out, error) == 0 &&
         host_carried_open(&c, options->result, options->threads, error) == 0)
@@ -90,6 +80,125 @@ int host_carry(const host_options *options, host_error *error)
     if (result == HOST_REFUSED && error->file == c.path) /* the name goes with the map */
         error->file = options->result;
     host_points_free(&points);
+    host_carried_close(&c);
+    return result;
+}
+
+#define FIELD_MARGIN_MM 20.0f
+#define WARP_MARGIN_MM 10.0f
+#define SPACING_MM 3.0f /* the default; vertices of the thigh are as far apart */
+
+/* Another volume's grid, or one around the model or the result. file and expected: of the error when it is too fine. */
+static int choose_grid(const host_carried *c, const host_options *options, float margin_mm, const float spacing[3],
+                       const char *file, const char *expected, host_volume *grid, host_error *error)
+{
+    float low[3] = {0}, high[3] = {0};
+    if (options->like != NULL)
+        return host_volume_read_grid(options->like, grid, error);
+    host_carried_box(c, options->command == HOST_WARP || options->inverse, low, high);
+    error->file = file;
+    return host_volume_around(low, high, margin_mm, spacing, grid) == 0 ? 0 : host_fail(error, "value", "%s", expected);
+}
+
+static int put_field(host_carried *c, const host_volume *grid, const host_options *options, int64_t *missed,
+                     host_buffer *out, host_error *error)
+{
+    const size_t n = (size_t)grid->size[0] * grid->size[1] * grid->size[2];
+    float *const field = malloc(3u * n * sizeof *field);
+    error->file = options->like != NULL ? options->like : "field";
+    *missed = field != NULL ? host_carried_field(c, grid, options->inverse, field, error)
+                            : host_fail(error, "size", "free memory for %zu voxels", n);
+    if (*missed >= 0)
+        host_carried_field_file(grid, options->inverse, field, options->out, out);
+    free(field);
+    return *missed >= 0 ? 0 : -1;
+}
+
+static int write_field(host_carried *c, const host_volume *grid, const host_options *options, int64_t *missed,
+                       host_error *error)
+{
+    host_buffer buffer = {0};
+    const int result = put_field(c, grid, options, missed, &buffer, error);
+    return host_output_file(NULL, options->out, &buffer, result, error);
+}
+
+static void tell(const host_options *options, const host_volume *grid, int64_t missed)
+{
+    if (missed > 0)
+        (void)fprintf(stderr,
+                      "smr: at %" PRId64 " voxels the way back was not found within %g mm: the nearest is used\n",
+                      missed, (double)HOST_CARRY_MISS);
+    if (!options->quiet)
+        (void)printf("%s: %u x %u x %u displacements, of points of the %s\n", options->out, grid->size[0],
+                     grid->size[1], grid->size[2], options->inverse ? "result, to the model" : "model, to the result");
+}
+
+int host_field(const host_options *options, host_error *error)
+{
+    host_carried c = {0};
+    host_volume grid = {0};
+    const float s = options->spacing > 0.0f ? options->spacing : SPACING_MM, spacing[3] = {s, s, s};
+    int64_t missed = 0;
+    int result = HOST_REFUSED;
+    if (host_volume_can_write(options->out, error) == 0 &&
+        host_carried_open(&c, options->result, options->threads, error) == 0 &&
+        choose_grid(&c, options, FIELD_MARGIN_MM, spacing, "--spacing", "one that gives at most 200 million voxels",
+                    &grid, error) == 0 &&
+        write_field(&c, &grid, options, &missed, error) == 0) {
+        tell(options, &grid, missed);
+        result = HOST_DONE;
+    }
+    if (result == HOST_REFUSED && error->file == c.path) /* the name goes with the map */
+        error->file = options->result;
+    host_volume_free(&grid);
+    host_carried_close(&c);
+    return result;
+}
+
+static int write_volume(const host_volume *volume, const char *path, host_error *error)
+{
+    host_buffer buffer = {0};
+    host_volume_write_header(volume, volume->type, 1, "", path, &buffer);
+    host_volume_write_values(volume->voxels, volume->type, (size_t)volume->size[0] * volume->size[1] * volume->size[2],
+                             &buffer);
+    return host_output_file(NULL, path, &buffer, 0, error);
+}
+
+static int warp(host_carried *c, const host_options *options, const host_volume *image, host_volume *out,
+                host_error *error)
+{
+    const float s = options->spacing, given[3] = {s, s, s};
+    if (choose_grid(c, options, WARP_MARGIN_MM, s > 0.0f ? given : image->spacing,
+                    s > 0.0f ? "--spacing" : options->volume,
+                    "a spacing that gives at most 200 million voxels: --spacing MM", out, error) != 0)
+        return -1;
+    error->file = options->out;
+    int64_t missed = host_carried_volume(c, image, out, error);
+    if (missed < 0 || write_volume(out, options->out, error) != 0)
+        return -1;
+    if (missed > 0)
+        (void)fprintf(stderr,
+                      "smr: at %" PRId64 " places the way back was not found within %g mm: the nearest is used\n",
+                      missed, (double)HOST_CARRY_MISS);
+    if (!options->quiet)
+        (void)printf("%s: %u x %u x %u voxels of %s\n", options->out, out->size[0], out->size[1], out->size[2],
+                     options->volume);
+    return 0;
+}
+
+int host_warp(const host_options *options, host_error *error)
+{
+    host_carried c = {0};
+    host_volume image = {0}, out = {0};
+    int result = HOST_REFUSED;
+    if (host_volume_can_write(options->out, error) == 0 &&
+        host_carried_open(&c, options->result, options->threads, error) == 0 &&
+        host_volume_read(options->volume, &image, error) == 0 && warp(&c, options, &image, &out, error) == 0)
+        result = HOST_DONE;
+    if (result == HOST_REFUSED && error->file == c.path) /* the name goes with the map */
+        error->file = options->result;
+    host_volume_free(&image);
+    host_volume_free(&out);
     host_carried_close(&c);
     return result;
 }

@@ -6,13 +6,78 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/threads.h"
+#include "base/system.h"
 #include "commands/commands.h"
-#include "labels/label_side.h"
+#include "labels/label_overlap.h"
 #include "measure/surface_distances.h"
-#include "meshes/mesh_load.h"
+#include "meshes/triangle_mesh.h"
 #include "model/input_check.h"
 #include "options/options_table.h"
+
+static void print_one(const host_overlap *o)
+{
+    (void)printf("%-32s Dice %.4f  ", o->name, o->dice);
+    if (o->to_a.n > 0 && o->to_b.n > 0)
+        (void)printf("mean %.4f  Hausdorff95 %.4f  Hausdorff %.4f mm  ", o->mean, o->hausdorff95,
+                     o->to_a.max > o->to_b.max ? o->to_a.max : o->to_b.max);
+    else
+        (void)printf("%s  ", o->a == SMR_NONE ? "only in B" : (o->b == SMR_NONE ? "only in A" : "no surface"));
+    (void)printf("volume A %.1f  B %.1f mm3\n", o->mm3_a, o->mm3_b);
+}
+
+static void print_all(const host_overlap *overlap, uint32_t n)
+{
+    uint32_t pairs = 0;
+    double dice = 0.0, mean = 0.0, most = 0.0;
+    for (uint32_t i = 0; i < n; i++) {
+        print_one(&overlap[i]);
+        if (overlap[i].a == SMR_NONE || overlap[i].b == SMR_NONE)
+            continue;
+        pairs++;
+        dice += overlap[i].dice;
+        mean += overlap[i].mean;
+        most = overlap[i].hausdorff95 > most ? overlap[i].hausdorff95 : most;
+    }
+    if (pairs > 0)
+        (void)printf("%u structures in both: Dice %.4f  mean %.4f mm in the mean, Hausdorff95 at most %.4f mm\n", pairs,
+                     dice / (double)pairs, mean / (double)pairs, most);
+}
+
+static int compare(const host_label_side side[2], const smr_port *port, host_error *error)
+{
+    host_overlap *const overlap = calloc((size_t)side[0].map.n_labels + side[1].map.n_labels, sizeof *overlap);
+    int n = -1;
+    error->file = "measure";
+    if (overlap == NULL)
+        (void)host_fail(error, "labels", "free memory");
+    else
+        n = host_overlaps_measure(port, &side[0].map, side[0].mesh, &side[1].map, side[1].mesh, overlap, error);
+    if (n >= 0)
+        print_all(overlap, (uint32_t)n);
+    free(overlap);
+    return n >= 0 ? 0 : -1;
+}
+
+int host_measure_labels(const host_options *options, host_error *error)
+{
+    host_label_side side[2];
+    host_port port = {0};
+    int result = HOST_REFUSED;
+    memset(side, 0, sizeof side);
+    side[0].path = options->operands.path[0];
+    side[1].path = options->operands.path[1];
+    error->file = "--source";
+    if (options->source != NULL)
+        (void)host_fail(error, "option", "two surfaces beside it");
+    else if (host_port_open(&port, options->threads, error) == 0 &&
+             host_label_sides_read(side, options->names, options->passes, &port.port, error) == 0 &&
+             compare(side, &port.port, error) == 0)
+        result = HOST_DONE;
+    host_label_side_free(&side[0]);
+    host_label_side_free(&side[1]);
+    host_port_close(&port);
+    return result;
+}
 
 /* Surfaces A and B, and the source: A before it was deformed. */
 typedef struct measured {
@@ -29,9 +94,8 @@ typedef struct measured {
 
 static int load(measured *m, const host_options *options, const smr_port *port, host_error *error)
 {
-    uint32_t i = 0;
     m->n = options->source != NULL ? 3 : 2;
-    for (i = 0; i < m->n; i++) {
+    for (uint32_t i = 0; i < m->n; i++) {
         m->load[i].path = i < 2 ? options->operands.path[i] : options->source;
         m->load[i].need = i < 2 ? HOST_MESH_POINTS_TOO : HOST_MESH_SURFACE;
         m->load[i].mirror = HOST_MIRROR_NONE;
@@ -62,7 +126,6 @@ static int measure(measured *m, const smr_port *port)
 {
     host_query query[2];
     uint32_t from[2] = {0, 0}, i = 0, n = 0;
-    int result = 0;
     memset(query, 0, sizeof query);
     for (i = 0; i < 2; i++) {
         if (m->surface[1u - i] == NULL)
@@ -71,7 +134,7 @@ static int measure(measured *m, const smr_port *port)
         query[n].mesh = host_mesh_view(&m->load[i].mesh);
         from[n++] = i;
     }
-    result = host_distances(port, query, n);
+    int result = host_distances(port, query, n);
     for (i = 0; result == 0 && i < n; i++)
         result = host_area_stats(&query[i], 1, NULL, &m->area[from[i]]) |
                  host_vertex_stats(&query[i], 1, NULL, &m->vertices[from[i]]);
@@ -81,9 +144,8 @@ static int measure(measured *m, const smr_port *port)
 
 static int evaluate(measured *m, const smr_port *port)
 {
-    uint32_t i = 0;
     const smr_mesh a = host_mesh_view(&m->load[0].mesh);
-    for (i = 0; i < 2; i++) {
+    for (uint32_t i = 0; i < 2; i++) {
         const smr_mesh view = host_mesh_view(&m->load[i].mesh);
         if (view.n_triangles == 0)
             continue;
@@ -142,8 +204,7 @@ static void print(const measured *m)
 static int check_options(const host_options *options, host_error *error)
 {
     static const char *const names[] = {"--names", "--passes"};
-    size_t i = 0;
-    for (i = 0; i < sizeof names / sizeof names[0]; i++) {
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         error->file = names[i];
         if (host_option_given(options, names[i]))
             return host_fail(error, "option", "a label map beside it, these are two surfaces");
@@ -153,14 +214,11 @@ static int check_options(const host_options *options, host_error *error)
 
 int host_measure(const host_options *options, host_error *error)
 {
-    host_port port;
-    measured m;
+    host_port port = {0};
+    measured m = {0};
     int result = HOST_REFUSED;
-    uint32_t i = 0;
     if (host_is_label_side(options->operands.path[0]) || host_is_label_side(options->operands.path[1]))
         return host_measure_labels(options, error);
-    memset(&port, 0, sizeof port);
-    memset(&m, 0, sizeof m);
     if (check_options(options, error) == 0 && host_port_open(&port, options->threads, error) == 0 &&
         load(&m, options, &port.port, error) == 0 && (m.n < 3 || check_source(&m, error) == 0)) {
         error->file = "measure";
@@ -171,7 +229,7 @@ int host_measure(const host_options *options, host_error *error)
             (void)host_fail(error, "distances", "surfaces that can be measured, and free memory for it");
         }
     }
-    for (i = 0; i < 3; i++)
+    for (uint32_t i = 0; i < 3; i++)
         host_mesh_free(&m.load[i].mesh);
     free(m.memory[0]);
     free(m.memory[1]);

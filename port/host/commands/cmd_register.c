@@ -4,23 +4,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "carry/carry_file.h"
+#include "carry/carry_result.h"
 #include "cohort/report_done.h"
-#include "cohort/report_line.h"
 #include "commands/commands.h"
 #include "files/file_read.h"
 #include "files/output_files.h"
 #include "html/report_html.h"
 #include "report/register_report.h"
-#include "scene/register_scene.h"
+#include "scene/mrml_scene.h"
 
 static int write_surfaces(const host_job *job, host_output *output, host_error *error)
 {
-    host_buffer buffer;
-    uint32_t i = 0;
+    host_buffer buffer = {0};
     int result = 0;
-    memset(&buffer, 0, sizeof buffer);
-    for (i = 0; result == 0 && i < job->model.n_parts; i++) {
+    for (uint32_t i = 0; result == 0 && i < job->model.n_parts; i++) {
         char name[SMR_NAME_BYTES + 4u];
         (void)snprintf(name, sizeof name, "%s%s", job->model.part[i].name,
                        host_format_extension((int)job->options->format));
@@ -35,11 +32,9 @@ static int write_surfaces(const host_job *job, host_output *output, host_error *
 /* What points, fields and volumes are carried by. */
 static int write_carry(const host_job *job, host_output *output, host_error *error)
 {
-    host_buffer buffer;
-    int result = 0;
-    memset(&buffer, 0, sizeof buffer);
+    host_buffer buffer = {0};
     host_job_carry(job, &buffer);
-    result = host_output_add(output, HOST_CARRY_NAME, &buffer, error);
+    int result = host_output_add(output, HOST_CARRY_NAME, &buffer, error);
     host_buffer_free(&buffer);
     return result;
 }
@@ -49,10 +44,8 @@ static int write_beside(const host_job *job, const char *path,
                         int (*content)(const host_job *, host_buffer *, host_error *), host_output *output,
                         host_error *error)
 {
-    host_buffer buffer;
-    int result = 0;
-    memset(&buffer, 0, sizeof buffer);
-    result = content(job, &buffer, error);
+    host_buffer buffer = {0};
+    int result = content(job, &buffer, error);
     if (result == 0)
         result = host_output_add_path(output, path, &buffer, error);
     host_buffer_free(&buffer);
@@ -72,13 +65,10 @@ static int status_of(const host_job *job)
 /* The page shows the report as it is before; then the report tells of the page, too. */
 static int write_page(const host_job *job, host_output *output, host_error *error)
 {
-    host_buffer report, page;
-    int result = 0;
-    memset(&report, 0, sizeof report);
-    memset(&page, 0, sizeof page);
+    host_buffer report = {0}, page = {0};
     host_job_report(job, status_of(job), output, &report);
     host_report_html(job, &report, &page);
-    result = host_output_add(output, "report.html", &page, error);
+    int result = host_output_add(output, "report.html", &page, error);
     host_buffer_free(&report);
     host_buffer_free(&page);
     return result;
@@ -108,16 +98,8 @@ static int write_set(const host_job *job, host_output *output, host_buffer *repo
 static int write_all(const host_job *job, host_error *error)
 {
     host_output *const output = host_output_begin(job->options->out);
-    host_buffer report;
-    int result = 0;
-    memset(&report, 0, sizeof report);
-    if (output == NULL)
-        return host_fail(error, "output", "free memory");
-    result = write_set(job, output, &report, error);
-    if (result == 0)
-        result = host_output_commit(output, error);
-    else
-        host_output_abandon(output);
+    host_buffer report = {0};
+    int result = host_output_end(output, write_set(job, output, &report, error), error);
     if (result == 0 && job->options->json)
         result = host_report_print(&report, job->options->out, error);
     else if (result == 0 && !job->options->quiet)
@@ -132,12 +114,11 @@ static int check_files(const host_options *options, host_error *error)
     static const char *const others[] = {"another file than the log's", "another file than the trace's",
                                          "another file than the save's"};
     const char *const path[] = {options->log, options->trace, options->save, options->slicer};
-    size_t i = 0, k = 0;
-    for (i = 0; i < sizeof path / sizeof path[0]; i++) {
+    for (size_t i = 0; i < sizeof path / sizeof path[0]; i++) {
         if (path[i] != NULL && host_output_check_file(path[i], options->out, error) != 0)
             return -1;
         error->file = path[i];
-        for (k = 0; k < i; k++)
+        for (size_t k = 0; k < i; k++)
             if (path[i] != NULL && path[k] != NULL && strcmp(path[i], path[k]) == 0)
                 return host_fail(error, "output", "%s", others[k]);
     }
@@ -174,11 +155,10 @@ static int skip_done(const host_options *options, host_error *error)
 
 int host_register(const host_options *options, host_error *error)
 {
-    host_job job;
+    host_job job = {0};
     int result = options->skip_done ? skip_done(options, error) : -1;
     if (result >= 0)
         return result;
-    memset(&job, 0, sizeof job);
     host_file_keep_checksums();
     job.options = options;
     job.begin_s = host_seconds();

@@ -51,8 +51,7 @@ static int count_ticks(replayed *r, host_error *error)
 /* Checks that each input file still has its recorded size and checksum. */
 static int check_inputs(const host_log *log, host_error *error)
 {
-    uint32_t i = 0;
-    for (i = 0; i < log->n_inputs; i++) {
+    for (uint32_t i = 0; i < log->n_inputs; i++) {
         const host_log_input *const was = &log->input[i];
         host_log_input is;
         if (host_log_measure(was->path, &is, error) != 0)
@@ -72,11 +71,10 @@ static int read_options(replayed *r, uint32_t threads, host_error *error)
     const uint32_t n = r->log.n_arguments;
     smr_log_reader reader;
     smr_log_info info;
-    uint32_t i = 0;
     r->arguments = calloc(n + 3u, sizeof *r->arguments);
     if (r->arguments == NULL)
         return host_fail(error, "start", "free memory");
-    for (i = 0; i < n; i++)
+    for (uint32_t i = 0; i < n; i++)
         r->arguments[2u + i] = r->log.argument[i];
     if (host_options_read(HOST_REGISTER, (int)(n + 2u), r->arguments, &r->options, error) != 0)
         return -1;
@@ -102,7 +100,6 @@ static const void *input_of(void *ctx, const smr_log_record *record)
     const host_job *const job = ctx;
     const float *xyz = job->start_xyz;
     const uint32_t part = record->structure;
-    uint32_t i = 0;
     if (record->kind == SMR_LOG_FIXED_SURFACE)
         return record->index < job->contacts.n_fixed ? job->contacts.fixed[record->index].surface : NULL;
     if (record->kind == SMR_LOG_VOLUME)
@@ -115,7 +112,7 @@ static const void *input_of(void *ctx, const smr_log_record *record)
         return job->result[part].target != HOST_NO_TARGET
                    ? input_target(&job->target[job->result[part].target], record->kind)
                    : NULL;
-    for (i = 0; xyz != NULL && i < part; i++)
+    for (uint32_t i = 0; xyz != NULL && i < part; i++)
         xyz += 3u * (size_t)job->model.part[i].mesh.n_vertices;
     return xyz;
 }
@@ -196,11 +193,9 @@ static int run(replayed *r, uint32_t threads, host_error *error)
 int host_replay(const host_options *options, host_error *error)
 {
     static char blamed[512]; /* a copy: the error is printed after the log and its texts are freed */
-    replayed r;
-    int result = 0;
-    memset(&r, 0, sizeof r);
+    replayed r = {0};
     r.path = options->operands.path[0];
-    result = run(&r, options->threads, error);
+    int result = run(&r, options->threads, error);
     if (result == HOST_REFUSED && error->file != NULL) {
         (void)snprintf(blamed, sizeof blamed, "%s", error->file);
         error->file = blamed;

@@ -3,15 +3,14 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "cohort/summary_table.h"
+#include "cohort/summary_cases.h"
 #include "commands/commands.h"
 #include "files/output_files.h"
 
 static int check_outputs(const host_options *options, host_error *error)
 {
     const char *const path[] = {options->out, options->overview};
-    int i = 0;
-    for (i = 0; i < 2; i++)
+    for (int i = 0; i < 2; i++)
         if (path[i] != NULL && host_output_check_file(path[i], "", error) != 0)
             return -1;
     error->file = options->overview;
@@ -23,9 +22,8 @@ static int check_outputs(const host_options *options, host_error *error)
 static int add_table(const host_cases *cases, const host_options *options, host_output *output, host_error *error)
 {
     host_buffer buffer = {NULL, 0, 0, 0};
-    int result = 0;
     host_summary_table(cases, (int)options->times, &buffer);
-    result = host_output_add_path(output, options->out, &buffer, error);
+    int result = host_output_add_path(output, options->out, &buffer, error);
     host_buffer_free(&buffer);
     return result;
 }
@@ -47,16 +45,11 @@ static int write_outputs(const host_cases *cases, const host_options *options, h
 {
     host_output *const output = host_output_begin(NULL);
     int result = 0;
-    if (output == NULL)
-        return host_fail(error, "output", "free memory");
     if (options->overview != NULL)
         result = add_page(cases, options, output, error);
     if (result == 0 && options->out != NULL)
         result = add_table(cases, options, output, error);
-    if (result == 0)
-        return host_output_commit(output, error);
-    host_output_abandon(output);
-    return -1;
+    return host_output_end(output, result, error);
 }
 
 static void tell(const host_cases *cases)
@@ -70,9 +63,8 @@ static void tell(const host_cases *cases)
 
 int host_summary(const host_options *options, host_error *error)
 {
-    host_cases cases;
+    host_cases cases = {0};
     int result = HOST_REFUSED;
-    memset(&cases, 0, sizeof cases);
     if (check_outputs(options, error) == 0 && host_cases_read(&options->operands, &cases, error) == 0 &&
         write_outputs(&cases, options, error) == 0) {
         result = cases.n_lacking > 0 ? HOST_LACKS : HOST_DONE;

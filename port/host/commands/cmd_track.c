@@ -4,16 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/csv_text.h"
-#include "carry/carry_file.h"
+#include "base/clean_text.h"
+#include "carry/carry_result.h"
 #include "commands/commands.h"
 #include "files/file_read.h"
 #include "files/output_files.h"
-#include "html/track_html.h"
+#include "html/report_html.h"
 #include "register/register_job.h"
 #include "track/track_frames.h"
-#include "track/track_points.h"
-#include "track/track_verdict.h"
 
 #define TICKS 30u     /* of a frame, at most, where nothing else is asked for */
 #define CSV_EVERY 32u /* frames between two writings of track.csv: what is there is always whole */
@@ -36,9 +34,8 @@ typedef struct tracked {
 /* Frames are images, or none is. */
 static int check_image(const tracked *t, const host_frame *frame, host_error *error)
 {
-    host_image image;
+    host_image image = {0};
     int result = 0;
-    memset(&image, 0, sizeof image);
     error->file = frame->files.path[0];
     if (host_frame_is_image(frame) != t->options.image_target)
         return host_fail(error, "frame",
@@ -55,12 +52,11 @@ static int check_frame(tracked *t, const host_frame *frame, const smr_port *port
 {
     host_load *loads = NULL;
     uint64_t vertices = 0;
-    uint32_t i = 0;
     int result = check_image(t, frame, error);
     if (result != 0 || t->options.image_target)
         return result;
     result = host_frame_load(frame, port, t->options.mirror_target, &loads, error);
-    for (i = 0; result == 0 && i < frame->files.n; i++)
+    for (uint32_t i = 0; result == 0 && i < frame->files.n; i++)
         vertices += loads[i].mesh.n_vertices;
     if (vertices > t->most_vertices)
         t->most_vertices = vertices;
@@ -75,14 +71,13 @@ static int check_frame(tracked *t, const host_frame *frame, const smr_port *port
 /* Every file of every frame must have a structure. */
 static int check_names(tracked *t, host_error *error)
 {
-    uint32_t i = 0, k = 0;
-    for (i = 0; i < t->frames.n; i++)
-        for (k = 0; k < t->frames.frame[i].files.n; k++)
+    for (uint32_t i = 0; i < t->frames.n; i++)
+        for (uint32_t k = 0; k < t->frames.frame[i].files.n; k++)
             if (host_frame_part(&t->frames.frame[i], k, &t->job.model) == HOST_NO_PART) {
                 error->file = t->frames.frame[i].files.path[k];
                 return host_fail(error, "name", "the name of one of the model's structures");
             }
-    for (i = 0; i < t->frames.n && t->options.html; i++)
+    for (uint32_t i = 0; i < t->frames.n && t->options.html; i++)
         if (strcmp(t->frames.frame[i].name, PAGE) == 0) {
             error->file = t->frames.frame[i].name;
             return host_fail(error, "name", "another name, that is the page's");
@@ -93,7 +88,6 @@ static int check_names(tracked *t, host_error *error)
 /* Everything up to the end of the first frame's registration. Nothing is written before all frames were read once. */
 static int start(tracked *t, const host_options *options, host_error *error)
 {
-    uint32_t i = 0;
     int result = 0;
     t->options = *options;
     t->options.config.track.mode = SMR_TRACK_RECOVER;
@@ -103,7 +97,7 @@ static int start(tracked *t, const host_options *options, host_error *error)
         host_port_open(&t->job.port, options->threads, error) != 0 ||
         (options->points != NULL && host_track_points_read(&t->points, options->points, error) != 0))
         return -1;
-    for (i = 0; result == 0 && i < t->frames.n; i++)
+    for (uint32_t i = 0; result == 0 && i < t->frames.n; i++)
         result = check_frame(t, &t->frames.frame[i], &t->job.port.port, error);
     t->options.target = t->frames.frame[0].files;
     t->options.config.basic.n_target_vertices = (uint32_t)t->most_vertices;
@@ -114,7 +108,7 @@ static int start(tracked *t, const host_options *options, host_error *error)
                                &t->job.port.port, error) != 0)
         return -1;
     if (options->html) {
-        t->page = host_track_page_begin(&t->job.model, t->frames.n);
+        t->page = host_track_page_begin(&t->job, t->frames.n);
         error->file = options->out;
         if (t->page == NULL)
             return host_fail(error, "page", "free memory");
@@ -174,11 +168,9 @@ static void add_line(tracked *t, uint32_t number, const host_frame *frame, const
 
 static int add_parts(tracked *t, const host_frame *frame, host_output *output, host_error *error)
 {
-    host_buffer buffer;
-    uint32_t i = 0;
+    host_buffer buffer = {0};
     int result = 0;
-    memset(&buffer, 0, sizeof buffer);
-    for (i = 0; result == 0 && i < t->job.model.n_parts; i++) {
+    for (uint32_t i = 0; result == 0 && i < t->job.model.n_parts; i++) {
         const host_part *const part = &t->job.model.part[i];
         host_mesh mesh = part->mesh;
         char name[NAME_ROOM];
@@ -201,12 +193,10 @@ static int add_parts(tracked *t, const host_frame *frame, host_output *output, h
 static int add_carry(tracked *t, const host_frame *frame, host_output *output, host_error *error)
 {
     char name[NAME_ROOM + sizeof HOST_CARRY_NAME];
-    host_buffer buffer;
-    int result = 0;
-    memset(&buffer, 0, sizeof buffer);
+    host_buffer buffer = {0};
     (void)snprintf(name, sizeof name, "%s/" HOST_CARRY_NAME, frame->name);
     host_job_carry(&t->job, &buffer);
-    result = host_output_add(output, name, &buffer, error);
+    int result = host_output_add(output, name, &buffer, error);
     host_buffer_free(&buffer);
     return result;
 }
@@ -215,37 +205,21 @@ static int add_carry(tracked *t, const host_frame *frame, host_output *output, h
 static int keep_frame(tracked *t, uint32_t number, const host_load *loads, const host_frame_report *r,
                       host_error *error)
 {
-    const host_frame *const frame = &t->frames.frame[number];
-    host_track_row row;
-    uint32_t i = 0;
-    int result = 0;
+    const uint32_t n = t->frames.frame[number].files.n;
     if (t->page == NULL)
         return 0;
-    memset(&row, 0, sizeof row);
-    memcpy(row.name, frame->name, sizeof row.name);
-    row.number = number;
-    row.ticks = r->ticks;
-    row.level = r->verdict.level;
-    row.reasons = r->verdict.reasons;
-    row.overlap_mm = r->overlap_mm;
-    row.settled = r->last.details.settled;
-    row.jumped = r->last.details.jumped;
-    row.residual_mm = r->last.residual_mean_mm;
-    result = host_track_page_add(t->page, &row, t->job.state);
-    for (i = 0; result == 0 && i < (loads == NULL ? t->job.n_targets : frame->files.n); i++)
-        result =
-            host_track_page_target(t->page, loads == NULL ? &t->job.target[i].mesh : &loads[i].mesh, frame->files.n);
+    const int result = host_track_page_add(t->page, r);
+    for (uint32_t i = 0; result == 0 && i < (loads == NULL ? t->job.n_targets : n); i++)
+        host_track_page_target(t->page, loads == NULL ? &t->job.target[i].mesh : &loads[i].mesh, n);
     error->file = t->options.out;
     return result == 0 ? 0 : host_fail(error, "page", "free memory");
 }
 
 static int add_page(tracked *t, host_output *output, host_error *error)
 {
-    host_buffer buffer;
-    int result = 0;
-    memset(&buffer, 0, sizeof buffer);
-    host_track_html(&t->job, t->page, t->frames.n, &buffer);
-    result = host_output_add(output, PAGE, &buffer, error);
+    host_buffer buffer = {0};
+    host_track_page_write(t->page, &buffer);
+    int result = host_output_add(output, PAGE, &buffer, error);
     host_buffer_free(&buffer);
     return result;
 }
@@ -256,10 +230,7 @@ static int write_frame(tracked *t, uint32_t number, host_error *error)
     const host_frame *const frame = &t->frames.frame[number];
     host_output *const output = host_output_begin(t->options.out);
     const int table = number % CSV_EVERY == 0 || number + 1u == t->frames.n;
-    int result = 0;
-    if (output == NULL)
-        return host_fail(error, "output", "free memory");
-    result = add_parts(t, frame, output, error);
+    int result = add_parts(t, frame, output, error);
     if (result == 0)
         result = add_carry(t, frame, output, error);
     if (result == 0)
@@ -268,10 +239,7 @@ static int write_frame(tracked *t, uint32_t number, host_error *error)
         result = host_output_add(output, "track.csv", &t->csv, error);
     if (result == 0 && t->page != NULL && number + 1u == t->frames.n)
         result = add_page(t, output, error);
-    if (result == 0)
-        return host_output_commit(output, error);
-    host_output_abandon(output);
-    return -1;
+    return host_output_end(output, result, error);
 }
 
 /* Follows surfaces and clouds, which are borrowed until the frame is done. What the frame lacks is carried. */
@@ -281,12 +249,11 @@ static int follow_surfaces(tracked *t, uint32_t number, host_frame_report *repor
     host_load *loads = NULL;
     void **const memory = calloc(frame->files.n, sizeof *memory);
     smr_status status = SMR_OK;
-    uint32_t i = 0;
     int result = memory == NULL ? host_fail(error, "frame", "free memory") : 0;
     (void)smr_set_surface(t->job.state, SMR_ALL, NULL);
     if (result == 0)
         result = host_frame_load(frame, &t->job.port.port, t->options.mirror_target, &loads, error);
-    for (i = 0; result == 0 && i < frame->files.n && status == SMR_OK; i++)
+    for (uint32_t i = 0; result == 0 && i < frame->files.n && status == SMR_OK; i++)
         status =
             host_frame_set_target(t->job.state, host_frame_part(frame, i, &t->job.model), &loads[i].mesh, &memory[i]);
     if (result == 0)
@@ -295,7 +262,7 @@ static int follow_surfaces(tracked *t, uint32_t number, host_frame_report *repor
         result = keep_frame(t, number, loads, report, error);
     (void)smr_set_surface(t->job.state, SMR_ALL, NULL);
     host_frame_unload(frame, loads);
-    for (i = 0; memory != NULL && i < frame->files.n; i++)
+    for (uint32_t i = 0; memory != NULL && i < frame->files.n; i++)
         free(memory[i]);
     free(memory);
     return result;
@@ -318,8 +285,7 @@ static int follow_image(tracked *t, uint32_t number, host_frame_report *report, 
 static int run_frame(tracked *t, uint32_t number, host_error *error)
 {
     const host_frame *const frame = &t->frames.frame[number];
-    host_frame_report report;
-    memset(&report, 0, sizeof report);
+    host_frame_report report = {0};
     report.name = frame->name;
     if ((t->options.image_target ? follow_image(t, number, &report, error)
                                  : follow_surfaces(t, number, &report, error)) != 0 ||
@@ -331,9 +297,7 @@ static int run_frame(tracked *t, uint32_t number, host_error *error)
 
 static int run(tracked *t, const host_options *options, host_error *error)
 {
-    host_frame_report first;
-    uint32_t i = 0;
-    memset(&first, 0, sizeof first);
+    host_frame_report first = {0};
     if (start(t, options, error) != 0)
         return -1;
     t->options.ticks = options->ticks;
@@ -346,7 +310,7 @@ static int run(tracked *t, const host_options *options, host_error *error)
     add_line(t, 0, &t->frames.frame[0], &first);
     if (keep_frame(t, 0, NULL, &first, error) != 0 || write_frame(t, 0, error) != 0)
         return -1;
-    for (i = 1; i < t->frames.n; i++)
+    for (uint32_t i = 1; i < t->frames.n; i++)
         if (run_frame(t, i, error) != 0)
             return -1;
     return 0;

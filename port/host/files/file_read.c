@@ -4,18 +4,120 @@
 
 #include "files/file_read.h"
 
-#include <pthread.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/types.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/crc32.h"
-#include "base/memory.h"
-#include "files/file_kind.h"
-#include "files/gunzip.h"
+#include "files/gzip_write.h"
+#include "base/system.h"
+#include "files/file_names.h"
+
+#define FIRST_CAPACITY ((size_t)256u << 10)
+#define NO_PROGRAM 127
+
+/* Runs in the child: only calls that are safe after fork in a program with threads. */
+static void run_gzip(int fd, int to)
+{
+    const int null = open("/dev/null", O_WRONLY);
+    sigset_t none;
+    (void)sigemptyset(&none);
+    (void)sigprocmask(SIG_SETMASK, &none, NULL); /* the thread that forked blocks signals */
+    if (dup2(fd, 0) == 0 && dup2(to, 1) == 1 && null >= 0 && dup2(null, 2) == 2)
+        (void)execlp("gzip", "gzip", "-dc", (char *)NULL);
+    _exit(NO_PROGRAM);
+}
+
+static int grow(host_bytes *bytes, size_t *capacity, host_error *error)
+{
+    size_t next = *capacity == 0 ? FIRST_CAPACITY : *capacity * 2u;
+    if (*capacity >= HOST_UNPACKED_MAX)
+        return host_fail(error, "file", "at most %zu MB after unpacking", HOST_UNPACKED_MAX >> 20);
+    if (next > HOST_UNPACKED_MAX)
+        next = HOST_UNPACKED_MAX;
+    unsigned char *data = realloc(bytes->data, next);
+    if (data == NULL)
+        return host_fail(error, "file", "%zu bytes of free memory", next);
+    bytes->data = data;
+    *capacity = next;
+    return 0;
+}
+
+static int drain(int from, const char *path, host_accept accept, host_bytes *bytes, host_error *error)
+{
+    size_t capacity = 0;
+    int asked = 0;
+    for (;;) {
+        if (bytes->size == capacity && grow(bytes, &capacity, error) != 0)
+            return -1;
+        ssize_t r = read(from, bytes->data + bytes->size, capacity - bytes->size);
+        if (r < 0 && errno == EINTR)
+            continue;
+        if (r < 0)
+            return host_fail(error, "file", "a readable pipe from gzip (%s)", strerror(errno));
+        bytes->size += (size_t)r;
+        if (!asked && accept != NULL && bytes->size > 0 && (r == 0 || bytes->size >= HOST_HEAD_BYTES)) {
+            const size_t head = bytes->size < HOST_HEAD_BYTES ? bytes->size : HOST_HEAD_BYTES;
+            asked = 1;
+            if (accept(path, bytes->data, head, r == 0 ? bytes->size : 0, error) != 0) {
+                host_kind_found(error, path, bytes->data, head);
+                return -1;
+            }
+        }
+        if (r == 0)
+            return 0;
+    }
+}
+
+/* Waits for the child; kills it first when reading failed. 0 when gzip succeeded, else -1 with the error filled. */
+static int finish(pid_t child, int result, const host_bytes *bytes, host_error *error)
+{
+    int status = 0;
+    if (result != 0)
+        (void)kill(child, SIGKILL);
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR)
+        continue;
+    if (result != 0)
+        return -1;
+    if (WIFEXITED(status) && WEXITSTATUS(status) == NO_PROGRAM)
+        return host_fail(error, "file", "the gzip program to unpack it");
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        return host_fail(error, "file", "a whole gzip file");
+    if (bytes->size == 0)
+        return host_fail(error, "file", "data, but the file is empty after unpacking");
+    return 0;
+}
+
+/* Unpacks the file open at fd, from its start, into at most HOST_UNPACKED_MAX bytes. 0, or -1 with the error filled. */
+static int host_gzip_read(int fd, const char *path, host_accept accept, host_bytes *bytes, host_error *error)
+{
+    int ends[2] = {-1, -1};
+    if (pipe(ends) != 0)
+        return host_fail(error, "file", "a pipe to gzip (%s)", strerror(errno));
+    /* The gzip of another thread must not inherit these: it would keep the pipe open. */
+    (void)fcntl(ends[0], F_SETFD, FD_CLOEXEC);
+    (void)fcntl(ends[1], F_SETFD, FD_CLOEXEC);
+    pid_t child = fork();
+    if (child == 0)
+        run_gzip(fd, ends[1]);
+    (void)close(ends[1]);
+    if (child < 0) {
+        (void)close(ends[0]);
+        return host_fail(error, "file", "a process for gzip (%s)", strerror(errno));
+    }
+    int result = drain(ends[0], path, accept, bytes, error);
+    (void)close(ends[0]);
+    result = finish(child, result, bytes, error);
+    if (result != 0)
+        host_file_free(bytes);
+    return result;
+}
 
 void host_file_free(host_bytes *bytes)
 {
@@ -115,12 +217,11 @@ static int remember(const char *path, const struct stat *st, size_t *index)
 {
     const size_t bytes = strlen(path) + 1u;
     char *const name = malloc(bytes);
-    struct file_id *grown = NULL;
     if (name == NULL)
         return -1;
     memcpy(name, path, bytes);
     (void)pthread_mutex_lock(&seen.lock);
-    grown = realloc(seen.file, (seen.n + 1u) * sizeof *grown);
+    struct file_id *grown = realloc(seen.file, (seen.n + 1u) * sizeof *grown);
     if (grown != NULL) {
         seen.file = grown;
         seen.file[seen.n].path = name;
@@ -139,9 +240,8 @@ static int remember(const char *path, const struct stat *st, size_t *index)
 
 size_t host_file_count(void)
 {
-    size_t n = 0;
     (void)pthread_mutex_lock(&seen.lock);
-    n = seen.n;
+    size_t n = seen.n;
     (void)pthread_mutex_unlock(&seen.lock);
     return n;
 }
@@ -156,9 +256,8 @@ void host_file_forget(size_t first)
 
 host_input host_file_input(size_t i)
 {
-    host_input input;
     (void)pthread_mutex_lock(&seen.lock);
-    input = seen.file[i].input;
+    host_input input = seen.file[i].input;
     (void)pthread_mutex_unlock(&seen.lock);
     return input;
 }
@@ -172,15 +271,15 @@ int host_file_list(size_t first, size_t end, host_input **inputs)
 {
     const size_t all = host_file_count();
     host_input *const list = calloc(all + 1u, sizeof *list);
-    size_t i = 0, n = 0, kept = 0;
+    size_t n = 0, kept = 0;
     *inputs = list;
     if (list == NULL)
         return -1;
-    for (i = 0; i < all; i++)
+    for (size_t i = 0; i < all; i++)
         if (i < first || i >= end)
             list[n++] = host_file_input(i);
     qsort(list, n, sizeof *list, by_path);
-    for (i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++)
         if (i == 0 || strcmp(list[i].path, list[kept - 1u].path) != 0)
             list[kept++] = list[i];
     return (int)kept;
@@ -190,11 +289,10 @@ int host_file_was_read(const char *path)
 {
     struct stat st;
     int found = 0;
-    size_t i = 0;
     if (stat(path, &st) != 0)
         return 0;
     (void)pthread_mutex_lock(&seen.lock);
-    for (i = 0; i < seen.n && !found; i++)
+    for (size_t i = 0; i < seen.n && !found; i++)
         found = seen.file[i].device == st.st_dev && seen.file[i].number == st.st_ino;
     (void)pthread_mutex_unlock(&seen.lock);
     return found;
@@ -231,13 +329,12 @@ int host_file_read(const char *path, host_accept accept, host_bytes *bytes, host
     /* Without O_NONBLOCK, opening a named pipe without a writer would block for ever. */
     const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     size_t index = 0;
-    int result = 0;
     bytes->data = NULL;
     bytes->size = 0;
     error->file = path;
     if (fd < 0)
         return host_fail(error, "file", "a readable file (%s)", strerror(errno));
-    result = read_open(fd, path, accept, bytes, &index, error);
+    int result = read_open(fd, path, accept, bytes, &index, error);
     if (result == 0 && seen.checksums && keep_checksum(fd, index, error) != 0) {
         host_file_free(bytes);
         result = -1;

@@ -7,7 +7,36 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/crc32.h"
+void host_crc32_start(host_crc32 *crc)
+{
+    for (uint32_t i = 0; i < 256; i++) {
+        uint32_t left = i;
+        for (uint32_t k = 0; k < 8; k++)
+            left = left >> 1 ^ ((left & 1u) != 0 ? 0xedb88320u : 0u);
+        crc->table[0][i] = left;
+    }
+    for (uint32_t k = 1; k < 8; k++)
+        for (uint32_t i = 0; i < 256; i++)
+            crc->table[k][i] = crc->table[k - 1u][i] >> 8 ^ crc->table[0][crc->table[k - 1u][i] & 0xffu];
+    crc->state = 0xffffffffu;
+}
+
+void host_crc32_add(host_crc32 *crc, const void *data, size_t n)
+{
+    const unsigned char *p = data;
+    uint32_t(*const t)[256] = crc->table;
+    uint32_t s = crc->state;
+    for (; n >= 8u; n -= 8u, p += 8) {
+        s ^= (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+        s = t[7][s & 0xffu] ^ t[6][s >> 8 & 0xffu] ^ t[5][s >> 16 & 0xffu] ^ t[4][s >> 24] ^ t[3][p[4]] ^ t[2][p[5]] ^
+            t[1][p[6]] ^ t[0][p[7]];
+    }
+    for (; n > 0u; n--, p++)
+        s = s >> 8 ^ t[0][(s ^ *p) & 0xffu];
+    crc->state = s;
+}
+
+uint32_t host_crc32_end(const host_crc32 *crc) { return ~crc->state; }
 
 #define WINDOW 32768u
 #define MATCH_LEAST 4u
@@ -51,8 +80,7 @@ static void put_bits(packer *p, uint32_t value, unsigned n)
 static void put_code(packer *p, uint32_t code, unsigned n)
 {
     uint32_t turned = 0;
-    unsigned i = 0;
-    for (i = 0; i < n; i++)
+    for (unsigned i = 0; i < n; i++)
         turned |= (code >> i & 1u) << (n - 1u - i);
     put_bits(p, turned, n);
 }

@@ -22,10 +22,9 @@
 /* Mixes by the finaliser of splitmix64 (Steele, Lea, Flood 2014). */
 uint64_t host_log_checksum(uint64_t sum, const unsigned char *bytes, size_t n)
 {
-    size_t i = 0, k = 0;
-    for (i = 0; i < n; i += 8) {
+    for (size_t i = 0; i < n; i += 8) {
         uint64_t word = 0;
-        for (k = 0; k < 8 && i + k < n; k++)
+        for (size_t k = 0; k < 8 && i + k < n; k++)
             word |= (uint64_t)bytes[i + k] << (8u * k);
         sum = sum * UINT64_C(0x9e3779b97f4a7c15) + word + 1u;
         sum = (sum ^ (sum >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
@@ -71,12 +70,11 @@ static int measure_open(int fd, host_log_input *input, host_error *error)
 int host_log_measure(const char *path, host_log_input *input, host_error *error)
 {
     const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    int result = 0;
     error->file = path;
     input->path = path;
     if (fd < 0)
         return host_fail(error, "file", "a readable file, as it was when recorded (%s)", strerror(errno));
-    result = measure_open(fd, input, error);
+    int result = measure_open(fd, input, error);
     (void)close(fd);
     return result;
 }
@@ -89,14 +87,12 @@ static void put_piece(host_buffer *out, const void *bytes, size_t n)
 
 void host_log_write(const host_log *log, host_buffer *out)
 {
-    host_buffer body;
-    uint32_t i = 0;
-    memset(&body, 0, sizeof body);
-    for (i = 0; i < log->n_arguments; i++) {
+    host_buffer body = {0};
+    for (uint32_t i = 0; i < log->n_arguments; i++) {
         host_buffer_print(&body, "argument %zu\n", strlen(log->argument[i]));
         put_piece(&body, log->argument[i], strlen(log->argument[i]));
     }
-    for (i = 0; i < log->n_inputs; i++) {
+    for (uint32_t i = 0; i < log->n_inputs; i++) {
         const host_log_input *const input = &log->input[i];
         host_buffer_print(&body, "input %zu %" PRIu64 " %016" PRIx64 "\n", strlen(input->path), input->bytes,
                           input->checksum);

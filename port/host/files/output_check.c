@@ -66,11 +66,10 @@ static int is_result(const char *path)
     static const char *const ends[] = {".ply", ".stl", ".vtk", ".obj", ".mrk.json"};
     const char *const slash = strrchr(path, '/'), *const name = slash != NULL ? slash + 1 : path;
     const size_t n = strlen(name);
-    size_t i = 0;
     int found = 0;
-    for (i = 0; i < sizeof names / sizeof names[0]; i++)
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
         found |= strcmp(name, names[i]) == 0;
-    for (i = 0; i < sizeof ends / sizeof ends[0]; i++)
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++)
         found |= n > strlen(ends[i]) && strcmp(name + n - strlen(ends[i]), ends[i]) == 0;
     return found;
 }

@@ -14,8 +14,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/crc32.h"
-#include "base/stop_signals.h"
+#include "files/gzip_write.h"
+#include "base/system.h"
 #include "files/file_names.h"
 #include "files/file_read.h"
 
@@ -52,7 +52,6 @@ static int make_directory(host_output *output, const char *path, host_error *err
 {
     char **const grown = realloc(output->made, (output->n_made + 1u) * sizeof *grown);
     char *const copy = join(NULL, path, "");
-    int why = 0;
     if (grown != NULL)
         output->made = grown;
     if (grown == NULL || copy == NULL) {
@@ -63,7 +62,7 @@ static int make_directory(host_output *output, const char *path, host_error *err
         grown[output->n_made++] = copy;
         return 0;
     }
-    why = errno;
+    int why = errno;
     free(copy);
     return why == EEXIST ? 0 : host_fail(error, "output", "a directory that can be made (%s)", strerror(why));
 }
@@ -72,11 +71,10 @@ static int make_directory(host_output *output, const char *path, host_error *err
 static int make_directories(host_output *output, const char *file, host_error *error)
 {
     char *const path = join(NULL, file, "");
-    size_t i = 0;
     int result = 0;
     if (path == NULL)
         return host_fail(error, "output", "free memory");
-    for (i = 1; result == 0 && path[i] != '\0'; i++) {
+    for (size_t i = 1; result == 0 && path[i] != '\0'; i++) {
         if (path[i] != '/')
             continue;
         path[i] = '\0';
@@ -93,15 +91,14 @@ static host_output *volatile unfinished;
 /* Removes what is not finished. Only calls that a handler of signals may make. */
 static void remove_unfinished(const host_output *output)
 {
-    size_t i = 0;
-    for (i = 0; i < output->n; i++) {
+    for (size_t i = 0; i < output->n; i++) {
         const output_file *const file = &output->file[i];
         if (file->renamed && !file->replaced)
             (void)unlink(file->path);
         else if (file->made && !file->renamed)
             (void)unlink(file->temporary);
     }
-    for (i = output->n_made; i > 0; i--)
+    for (size_t i = output->n_made; i > 0; i--)
         (void)rmdir(output->made[i - 1u]);
 }
 
@@ -152,18 +149,17 @@ static int sync_data(int fd)
 static int sync_names(const output_file *file)
 {
     char *const path = join(NULL, file->path, "");
-    int fd = -1, result = 0, why = 0;
     if (path == NULL) {
         errno = ENOMEM;
         return -1;
     }
     host_path_to_parent(path);
-    fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    int fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     free(path);
     if (fd < 0)
         return errno == EACCES ? 0 : -1;
-    result = sync_data(fd);
-    why = errno;
+    int result = sync_data(fd);
+    int why = errno;
     (void)close(fd);
     errno = why;
     return result;
@@ -172,11 +168,10 @@ static int sync_names(const output_file *file)
 static int open_file(output_file *file)
 {
     host_stop_set before;
-    int fd = -1;
     if (file->temporary == NULL) /* may wait for a reader */
         return open(file->path, O_WRONLY | O_CLOEXEC | O_NOCTTY);
     host_stop_block(&before);
-    fd = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOCTTY, 0666);
+    int fd = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOCTTY, 0666);
     file->made = fd >= 0;
     host_stop_restore(&before);
     return fd;
@@ -257,12 +252,11 @@ static int add(host_output *output, const char *directory, const char *name, con
                host_error *error)
 {
     host_stop_set before;
-    output_file *file = NULL;
     error->file = directory != NULL ? directory : name;
     if (content->failed)
         return host_fail(error, "output", "free memory");
     host_stop_block(&before);
-    file = prepare_file(output, directory, name, error);
+    output_file *file = prepare_file(output, directory, name, error);
     host_stop_restore(&before);
     if (file != NULL)
         note(file, content);
@@ -280,51 +274,39 @@ host_output_fact host_output_fact_of(const host_output *output, size_t i)
 
 int host_output_add(host_output *output, const char *name, const host_buffer *content, host_error *error)
 {
-    return add(output, output->directory, name, content, error);
+    return output == NULL ? host_fail(error, "output", "free memory")
+                          : add(output, output->directory, name, content, error);
 }
 
 int host_output_add_path(host_output *output, const char *path, const host_buffer *content, host_error *error)
 {
-    return add(output, NULL, path, content, error);
+    return output == NULL ? host_fail(error, "output", "free memory") : add(output, NULL, path, content, error);
 }
 
 static void free_output(host_output *output)
 {
-    size_t i = 0;
     unfinished = NULL;
-    for (i = 0; i < output->n; i++) {
+    for (size_t i = 0; i < output->n; i++) {
         free(output->file[i].path);
         free(output->file[i].temporary);
     }
-    for (i = 0; i < output->n_made; i++)
+    for (size_t i = 0; i < output->n_made; i++)
         free(output->made[i]);
     free(output->file);
     free(output->made);
     free(output);
 }
 
-void host_output_abandon(host_output *output)
-{
-    host_stop_set before;
-    if (output == NULL)
-        return;
-    host_stop_block(&before);
-    remove_unfinished(output);
-    free_output(output);
-    host_stop_restore(&before);
-}
-
 /* Renames the files first to end - 1, then waits until their new names are on the disk. */
 static int rename_files(host_output *output, size_t first, size_t end)
 {
-    size_t i = 0;
-    for (i = first; i < end; i++) {
+    for (size_t i = first; i < end; i++) {
         output_file *const file = &output->file[i];
         if (file->temporary != NULL && rename(file->temporary, file->path) != 0)
             return -1;
         file->renamed = file->temporary != NULL;
     }
-    for (i = first; i < end; i++)
+    for (size_t i = first; i < end; i++)
         if (output->file[i].renamed && sync_names(&output->file[i]) != 0)
             return -1;
     return 0;
@@ -339,7 +321,7 @@ static int remove_last(const host_output *output)
     return unlink(last->path) == 0 || errno == ENOENT ? sync_names(last) : -1;
 }
 
-static int commit(host_output *output)
+static int rename_all(host_output *output)
 {
     const size_t n = output->n;
     output_file *const last = &output->file[n - 1u];
@@ -354,16 +336,26 @@ static int commit(host_output *output)
     return 0;
 }
 
-int host_output_commit(host_output *output, host_error *error)
+int host_output_end(host_output *output, int result, host_error *error)
 {
     host_stop_set before;
-    int result = 0;
+    if (output == NULL)
+        return result == 0 ? host_fail(error, "output", "free memory") : -1;
     host_stop_block(&before);
-    if (output->n > 0 && commit(output) != 0) {
+    if (result == 0 && output->n > 0 && rename_all(output) != 0)
         result = host_fail(error, "output", "names that can be given to files (%s)", strerror(errno));
+    if (result != 0)
         remove_unfinished(output);
-    }
     free_output(output);
     host_stop_restore(&before);
-    return result;
+    return result == 0 ? 0 : -1;
+}
+
+int host_output_file(const char *directory, const char *name, host_buffer *content, int result, host_error *error)
+{
+    host_output *const output = result == 0 ? host_output_begin(directory) : NULL;
+    if (result == 0)
+        result = host_output_add(output, name, content, error);
+    host_buffer_free(content);
+    return host_output_end(output, result, error);
 }

@@ -18,7 +18,8 @@ int host_output_check(const char *directory, host_error *error);
 int host_output_check_file(const char *path, const char *directory, host_error *error);
 
 /* Starts a set of files in a directory, which is made when missing; NULL: file names are paths. The directory's text
- * is borrowed. There is one set at a time, written by the main thread. Returns NULL when out of memory. */
+ * is borrowed. There is one set at a time, written by the main thread. NULL when out of memory, which the other
+ * functions take and refuse. */
 host_output *host_output_begin(const char *directory);
 
 /* Writes one file under a temporary name. The name may contain directories. After a failure the set can only be
@@ -40,11 +41,12 @@ typedef struct host_output_fact {
 size_t host_output_count(const host_output *output);
 host_output_fact host_output_fact_of(const host_output *output, size_t i);
 
-/* Renames all files to their names, in the order of adding; on failure undoes what it can, and an old last file is
- * gone. Frees the set in both cases. */
-int host_output_commit(host_output *output, host_error *error);
+/* Ends a set. result 0: all files get their names; on failure what can be undone is, and an old last file is gone.
+ * Another: all is removed. Returns 0, or -1 with the error filled. */
+int host_output_end(host_output *output, int result, host_error *error);
 
-/* Removes the written files and the directories that were made; frees the set. NULL is allowed. */
-void host_output_abandon(host_output *output);
+/* Writes a set of one file, and frees its content. result: -1 when the content could not be made, and nothing is
+ * written. 0, or -1 with the error filled. */
+int host_output_file(const char *directory, const char *name, host_buffer *content, int result, host_error *error);
 
 #endif

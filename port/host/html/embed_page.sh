@@ -27,6 +27,6 @@ array() { # name: standard input as an array of bytes
 }
 
 echo '/* Made by embed_page.sh. */'
-echo '#include "html/page_parts.h"'
+echo '#include <stddef.h>'
 expand | awk '/^@data@$/ { exit } { print }' | array "host_${name}_head"
 expand | awk 'behind { print } /^@data@$/ { behind = 1 }' | array "host_${name}_tail"

@@ -1,4 +1,4 @@
-/* page_data.js: reads what a page holds: numbers and surfaces as 16 bits an axis; texts, colours, elements. */
+/* page_data.js: reads the data of a page: numbers and surfaces; texts, colours, elements. */
 
 const page = JSON.parse(document.getElementById('page-data').textContent);
 
@@ -35,40 +35,26 @@ function short(value) {
   return value.toFixed(size >= 100 ? 0 : size >= 10 ? 1 : size >= 0.1 || size === 0 ? 2 : 3);
 }
 
-function bytesOf(id) {
-  const text = atob(byId(id).textContent);
-  const out = new Uint8Array(text.length);
+/* Numbers come as base64 of little-endian bytes, which is every browser's order. */
+function bytesOf(base64) {
+  const text = atob(base64), out = new Uint8Array(text.length);
   for (let i = 0; i < text.length; i++) out[i] = text.charCodeAt(i);
   return out;
 }
 
-const surfaceBytes = bytesOf('surface-bytes');
+function wordsOf(base64) { return new Uint16Array(bytesOf(base64).buffer); }
 
-/* 16 bits each, little-endian on every processor. */
-function words(at, n) {
-  const view = new DataView(surfaceBytes.buffer, at, 2 * n);
-  const out = new Uint16Array(n);
-  for (let i = 0; i < n; i++) out[i] = view.getUint16(2 * i, true);
-  return out;
-}
-
-function readPoints(at, n) {
-  const { low, high } = page.scene;
-  const from = words(at, 3 * n);
-  const out = new Float32Array(3 * n);
-  for (let i = 0; i < out.length; i++) out[i] = low[i % 3] + from[i] / 65535 * (high[i % 3] - low[i % 3]);
-  return out;
+function readPoints({ low, high, at }) {
+  return Float32Array.from(wordsOf(at), (v, i) => low[i % 3] + v / 65535 * (high[i % 3] - low[i % 3]));
 }
 
 function readIndex(mesh) {
-  if (mesh.index_bytes === 2) return Uint32Array.from(words(mesh.index, 3 * mesh.triangles));
-  const view = new DataView(surfaceBytes.buffer, mesh.index, 12 * mesh.triangles);
-  return Uint32Array.from({ length: 3 * mesh.triangles }, (_, i) => view.getUint32(4 * i, true));
+  return mesh.vertices <= 65536 ? Uint32Array.from(wordsOf(mesh.index)) : new Uint32Array(bytesOf(mesh.index).buffer);
 }
 
 /* Values of vertices, mm; -1 where they are not known. */
-function readValues(values, n) {
-  return Float32Array.from(words(values.at, n), (w) => (w === 65535 ? -1 : w * values.unit));
+function readValues({ unit, at }) {
+  return Float32Array.from(wordsOf(at), (v) => (v === 65535 ? -1 : v * unit));
 }
 
 /* Normals of vertices: sums over their triangles, which weighs them by area. */
@@ -122,9 +108,13 @@ function largestAt(values) {
 }
 
 /* The box of what is shown. */
-const sceneCentre = page.scene.low.map((low, c) => 0.5 * (low + page.scene.high[c]));
-const sceneSide = Math.max(...page.scene.low.map((low, c) => page.scene.high[c] - low)) || 1;
-const sceneRadius = 0.5 * Math.hypot(...page.scene.low.map((low, c) => page.scene.high[c] - low)) || 1;
+const { frames = [], targets: pageTargets = [] } = page;
+const boxes = [...frames.flatMap((f) => [...f.places, ...(f.target || [])]), ...pageTargets.map((t) => t.place)].filter((p) => p.at);
+const scene = { low: [0, 1, 2].map((c) => Math.min(...boxes.map((p) => p.low[c]))), high: [0, 1, 2].map((c) => Math.max(...boxes.map((p) => p.high[c]))) };
+const sceneSides = scene.low.map((low, c) => scene.high[c] - low);
+const sceneCentre = scene.low.map((low, c) => 0.5 * (low + scene.high[c]));
+const sceneSide = Math.max(...sceneSides) || 1;
+const sceneRadius = 0.5 * Math.hypot(...sceneSides) || 1;
 
 /* Light to dark with even steps, so that it reads in grey, too; what is small is pale. After magma (S. van der Walt,
  * N. Smith, 2015), without its darkest part, in which shading would be lost. */

@@ -1,9 +1,11 @@
-/* page_thin.h: fewer vertices and triangles of a surface, for a page of bounded size.
+/* page_thin.h: what a page of bounded size shows of surfaces and of an image.
  * SPDX-License-Identifier: MIT */
 #ifndef PAGE_THIN_H
 #define PAGE_THIN_H
 
 #include "meshes/triangle_mesh.h"
+#include "model/input_check.h"
+#include "volumes/voxel_volume.h"
 
 /* What is shown of a mesh. */
 typedef struct host_page_mesh {
@@ -16,10 +18,28 @@ typedef struct host_page_mesh {
 int host_page_thin(const host_mesh *mesh, float cell_mm, host_page_mesh *out);
 void host_page_mesh_free(host_page_mesh *mesh);
 
-/* mm: the mean length of a triangle's first side; 0 without triangles. */
-float host_page_edge(const host_mesh *mesh);
+typedef struct host_page_part {
+    const host_mesh *mesh; /* borrowed */
+    size_t vertex_bytes;   /* of each vertex on the page */
+    host_page_mesh thin;   /* owned */
+} host_page_part;
 
-/* Bytes that n_vertices of vertex_bytes each, and triangles, take. */
-size_t host_page_mesh_bytes(uint32_t n_vertices, uint32_t n_triangles, size_t vertex_bytes);
+/* Thins all parts with the smallest cube, about, that leaves at most so many vertices and bytes of vertices and
+ * triangles. *cell_mm: the cube's side; 0: nothing was thinned. 0, or -1 when out of memory. */
+int host_page_thin_all(host_page_part *part, uint32_t n, size_t vertices_most, size_t bytes_most, float *cell_mm);
+void host_page_parts_free(host_page_part *part, uint32_t n); /* NULL is allowed */
+
+typedef struct host_page_image {
+    uint32_t size[3];
+    float spacing[3];  /* mm; means over voxels of the image where it is larger than the image's */
+    float first[3];    /* mm, centre of the first voxel */
+    double low, high;  /* brightness that 0 and 255 stand for */
+    unsigned char *at; /* [size[2]][size[1]][size[0]]; owned */
+} host_page_image;
+
+/* Cuts out what lies within margin_mm of the box, in at most so many voxels. 0, or -1 when out of memory. Where box
+ * and image do not meet it is empty: at is NULL. */
+int host_page_image_make(const host_volume *image, const host_box *box, float margin_mm, size_t most,
+                         host_page_image *out);
 
 #endif

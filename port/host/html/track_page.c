@@ -1,12 +1,17 @@
-/* track_page.c: keeps frames for the page. Which ones is known from the start: evenly spread, as many as there is room
- * for; so nothing is kept in vain.
+/* track_page.c: the page of a tracking run. The frames that it shows are known from the start: evenly spread, as many
+ * as there is room for.
  * SPDX-License-Identifier: MIT */
-#include "html/track_page.h"
+#include "html/report_html.h"
 
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "html/page_thin.h"
+#include "files/file_read.h"
+#include "html/page_data.h"
+#include "report/register_report.h"
 
 #define FRAMES_MOST 121u
 #define VERTICES_MOST 40000u /* of the model, in a frame */
@@ -15,117 +20,70 @@
 #define TARGET_MOST 2000000u /* bytes of all positions of targets */
 #define POINT_BYTES 6u
 #define ROWS_MOST 10000u
-#define TRIES 200u
+#define INPUTS_MOST 5000u
+
+/* A frame, as track.csv has it; of very many frames, the worst of several. */
+typedef struct row {
+    char name[SMR_NAME_BYTES];
+    uint32_t number, ticks; /* number: from 0 */
+    smr_verdict verdict;
+    smr_tick_report last;
+    float overlap_mm; /* of what contact should have parted; 0: nothing */
+} row;
 
 struct host_track_page {
-    host_track_shown shown;
-    host_page_mesh *thin; /* [n_parts]; owned, as are the following */
-    uint32_t *frame, *n_kept, *triangles, *n_triangle, *n_target;
-    float *model_xyz, *target_xyz, *room; /* room: a structure's positions */
-    host_track_row *row;
-    size_t target_n, target_room;       /* points */
-    uint32_t whole_frames, added, next; /* next: of the frames that are shown */
-    int showing;                        /* 1: the frame that was added last is shown */
+    const host_job *job;
+    host_page_part *part;                             /* [n_parts] thinned structures; owned */
+    float *room;                                      /* [vertices of the largest structure][3]; owned */
+    row *row;                                         /* [n_rows]; owned */
+    host_buffer text;                                 /* the list of shown frames, JSON; owned */
+    host_json json;                                   /* writes it */
+    uint32_t n_frames, n_rows, n_shown, added, shown; /* n_shown: frames to show; added and shown: so far */
+    uint32_t levels[3], settled, jumped, target_most; /* counts over all frames; target_most: points of a frame */
+    int showing;                                      /* 1: the frame that was added last is shown */
+    float cell_mm;
 };
 
-static void free_thin(host_track_page *page)
+/* Which frame is shown as the k-th: the first, the last, and between them what there is room for. */
+static uint32_t shown_frame(const host_track_page *page, uint32_t k)
 {
-    uint32_t i = 0;
-    for (i = 0; i < page->shown.model->n_parts; i++)
-        host_page_mesh_free(&page->thin[i]);
+    const uint64_t n = page->n_shown;
+    return n == 1u ? 0 : (uint32_t)(((uint64_t)k * (page->n_frames - 1u) + (n - 1u) / 2u) / (n - 1u));
 }
 
-/* Thins all structures. Returns 1 when they fit, 0 when not, -1 when out of memory. */
-static int thin_with(host_track_page *page, float cell_mm)
+static int start(host_track_page *page)
 {
-    const host_model *const model = page->shown.model;
-    size_t vertices = 0, bytes = 0;
-    uint32_t i = 0;
-    free_thin(page);
-    for (i = 0; i < model->n_parts; i++) {
-        if (host_page_thin(&model->part[i].mesh, cell_mm, &page->thin[i]) != 0)
-            return -1;
-        vertices += page->thin[i].n_vertices;
-        bytes += host_page_mesh_bytes(page->thin[i].n_vertices, page->thin[i].n_triangles, 0);
+    const host_model *const model = &page->job->model;
+    size_t most = 0, vertices = 0;
+    page->part = calloc((size_t)model->n_parts + 1u, sizeof *page->part);
+    page->row = calloc(page->n_frames < ROWS_MOST ? page->n_frames : ROWS_MOST, sizeof *page->row);
+    for (uint32_t i = 0; page->part != NULL && i < model->n_parts; i++) {
+        page->part[i].mesh = &model->part[i].mesh;
+        most = model->part[i].mesh.n_vertices > most ? model->part[i].mesh.n_vertices : most;
     }
-    page->shown.cell_mm = cell_mm;
-    page->shown.n_vertices = (uint32_t)vertices;
-    return vertices <= VERTICES_MOST && bytes <= TRIANGLE_BYTES_MOST;
-}
-
-static int thin_model(host_track_page *page)
-{
-    const host_model *const model = page->shown.model;
-    int fits = thin_with(page, 0.0f);
-    float cell = 0.0f;
-    uint32_t i = 0;
-    for (i = 0; i < model->n_parts; i++) {
-        const float edge = host_page_edge(&model->part[i].mesh);
-        cell = edge > cell ? edge : cell;
-    }
-    cell = cell > 1e-3f ? cell : 1e-3f;
-    for (i = 0; fits == 0 && i < TRIES; i++, cell *= 1.2f)
-        fits = thin_with(page, cell);
-    return fits == 1 ? 0 : -1;
-}
-
-/* The triangles and counts of all structures in arrays of their own. */
-static int list_triangles(host_track_page *page)
-{
-    const uint32_t n = page->shown.model->n_parts;
-    size_t all = 0;
-    uint32_t i = 0;
-    for (i = 0; i < n; i++)
-        all += page->thin[i].n_triangles;
-    page->triangles = malloc((3u * all + 1u) * sizeof *page->triangles);
-    page->n_kept = malloc((n + 1u) * sizeof *page->n_kept);
-    page->n_triangle = malloc((n + 1u) * sizeof *page->n_triangle);
-    if (page->triangles == NULL || page->n_kept == NULL || page->n_triangle == NULL)
+    page->room = malloc((most + 1u) * 3u * sizeof *page->room);
+    if (page->part == NULL || page->row == NULL || page->room == NULL ||
+        host_page_thin_all(page->part, model->n_parts, VERTICES_MOST, TRIANGLE_BYTES_MOST, &page->cell_mm) != 0)
         return -1;
-    for (i = 0, all = 0; i < n; all += page->thin[i++].n_triangles) {
-        page->n_kept[i] = page->thin[i].n_vertices;
-        page->n_triangle[i] = page->thin[i].n_triangles;
-        memcpy(page->triangles + 3u * all, page->thin[i].triangles,
-               3u * (size_t)page->n_triangle[i] * sizeof *page->triangles);
-    }
+    for (uint32_t i = 0; i < model->n_parts; i++)
+        vertices += page->part[i].thin.n_vertices;
+    page->n_shown = (uint32_t)(MODEL_MOST / (POINT_BYTES * (vertices + 1u)));
+    page->n_shown = page->n_shown < FRAMES_MOST ? page->n_shown : FRAMES_MOST;
+    page->n_shown = page->n_shown < page->n_frames ? page->n_shown : page->n_frames;
+    page->target_most = TARGET_MOST / (POINT_BYTES * page->n_shown);
+    page->json = (host_json){&page->text, 0, 1, 1};
+    host_json_open(&page->json, NULL, '[');
     return 0;
 }
 
-/* First and last frame, and between them what there is room for. */
-static int choose_frames(host_track_page *page)
-{
-    const uint32_t n = page->whole_frames;
-    const uint32_t fit = MODEL_MOST / (POINT_BYTES * (page->shown.n_vertices + 1u));
-    uint32_t most = fit < FRAMES_MOST ? fit : FRAMES_MOST, i = 0;
-    most = most < n ? most : n;
-    page->frame = malloc(((size_t)most + 1u) * sizeof *page->frame);
-    page->n_target = calloc((size_t)most + 1u, sizeof *page->n_target);
-    page->model_xyz = malloc(((size_t)most * page->shown.n_vertices + 1u) * 3u * sizeof *page->model_xyz);
-    if (page->frame == NULL || page->n_target == NULL || page->model_xyz == NULL)
-        return -1;
-    for (i = 0; i < most; i++)
-        page->frame[i] = most == 1u ? 0 : (uint32_t)(((uint64_t)i * (n - 1u) + (most - 1u) / 2u) / (most - 1u));
-    page->shown.n_frames = most;
-    page->shown.target_most = TARGET_MOST / (POINT_BYTES * most);
-    return 0;
-}
-
-host_track_page *host_track_page_begin(const host_model *model, uint32_t n_frames)
+host_track_page *host_track_page_begin(const host_job *job, uint32_t n_frames)
 {
     host_track_page *const page = calloc(1, sizeof *page);
-    size_t most = 0;
-    uint32_t i = 0;
     if (page == NULL)
         return NULL;
-    page->shown.model = model;
-    page->whole_frames = n_frames;
-    page->thin = calloc((size_t)model->n_parts + 1u, sizeof *page->thin);
-    for (i = 0; i < model->n_parts; i++)
-        most = model->part[i].mesh.n_vertices > most ? model->part[i].mesh.n_vertices : most;
-    page->room = malloc((most + 1u) * 3u * sizeof *page->room);
-    page->row = calloc(n_frames < ROWS_MOST ? n_frames : ROWS_MOST, sizeof *page->row);
-    if (page->thin != NULL && page->room != NULL && page->row != NULL && thin_model(page) == 0 &&
-        list_triangles(page) == 0 && choose_frames(page) == 0)
+    page->job = job;
+    page->n_frames = n_frames;
+    if (start(page) == 0)
         return page;
     host_track_page_free(page);
     return NULL;
@@ -135,89 +93,166 @@ void host_track_page_free(host_track_page *page)
 {
     if (page == NULL)
         return;
-    if (page->thin != NULL)
-        free_thin(page);
-    free(page->thin);
-    free(page->frame);
-    free(page->n_kept);
-    free(page->triangles);
-    free(page->n_triangle);
-    free(page->n_target);
-    free(page->model_xyz);
-    free(page->target_xyz);
+    host_page_parts_free(page->part, page->job->model.n_parts);
     free(page->room);
     free(page->row);
+    host_buffer_free(&page->text);
     free(page);
 }
 
 /* Of very many frames a row stands for several: for the worst of them. */
-static void add_row(host_track_page *page, const host_track_row *row)
+static void add_row(host_track_page *page, const host_frame_report *r)
 {
-    host_track_shown *const s = &page->shown;
-    const uint32_t n = page->whole_frames < ROWS_MOST ? page->whole_frames : ROWS_MOST;
-    host_track_row *const at = &page->row[(uint64_t)row->number * n / page->whole_frames];
-    const int new = at == page->row + s->n_rows;
-    s->levels[row->level]++;
-    s->settled += row->settled != 0;
-    s->jumped += row->jumped != 0;
-    s->n_rows += new ? 1u : 0u;
-    if (new || row->level > at->level || (row->level == at->level && row->residual_mm > at->residual_mm))
-        *at = *row;
+    const uint32_t n = page->n_frames < ROWS_MOST ? page->n_frames : ROWS_MOST;
+    row *const at = &page->row[(uint64_t)page->added * n / page->n_frames];
+    const int new = at == page->row + page->n_rows;
+    page->levels[r->verdict.level]++;
+    page->settled += r->last.details.settled != 0;
+    page->jumped += r->last.details.jumped != 0;
+    page->n_rows += new ? 1u : 0u;
+    if (!new && (r->verdict.level < at->verdict.level ||
+                 (r->verdict.level == at->verdict.level && r->last.residual_mean_mm <= at->last.residual_mean_mm)))
+        return;
+    *at = (row){"", page->added, r->ticks, r->verdict, r->last, r->overlap_mm};
+    (void)snprintf(at->name, sizeof at->name, "%s", r->name);
 }
 
-int host_track_page_add(host_track_page *page, const host_track_row *row, const smr *s)
+static void end_frame(host_track_page *page)
 {
-    const uint32_t n = page->shown.n_vertices;
-    float *to = page->model_xyz + 3u * (size_t)page->next * n;
-    uint32_t i = 0, k = 0;
-    add_row(page, row);
-    page->showing = page->next < page->shown.n_frames && page->frame[page->next] == page->added++;
+    if (page->showing) {
+        host_json_close(&page->json, ']');
+        host_json_close(&page->json, '}');
+    }
+    page->showing = 0;
+}
+
+int host_track_page_add(host_track_page *page, const host_frame_report *report)
+{
+    host_json *const json = &page->json;
+    end_frame(page);
+    add_row(page, report);
+    page->showing = page->shown < page->n_shown && shown_frame(page, page->shown) == page->added;
+    page->added++;
     if (!page->showing)
         return 0;
-    page->next++;
-    for (i = 0; i < page->shown.model->n_parts; i++) {
-        const host_page_mesh *const thin = &page->thin[i];
-        if (smr_get_positions(s, i, page->room) != SMR_OK)
+    page->shown++;
+    host_json_open(json, NULL, '{');
+    host_json_count(json, "number", page->added - 1u);
+    host_json_open(json, "places", '[');
+    for (uint32_t i = 0; i < page->job->model.n_parts; i++) {
+        if (smr_get_positions(page->job->state, i, page->room) != SMR_OK)
             return -1;
-        for (k = 0; k < thin->n_vertices; k++, to += 3)
-            memcpy(to, page->room + 3u * (size_t)thin->keep[k], 3u * sizeof *to);
+        host_page_points(json, NULL, page->room, page->part[i].thin.keep, page->part[i].thin.n_vertices);
     }
+    host_json_close(json, ']');
+    host_json_open(json, "target", '[');
     return 0;
 }
 
-int host_track_page_target(host_track_page *page, const host_mesh *mesh, uint32_t n)
+void host_track_page_target(host_track_page *page, const host_mesh *mesh, uint32_t n)
 {
-    const uint32_t most = page->shown.target_most / (n > 0 ? n : 1u);
+    const uint32_t most = page->target_most / (n > 0 ? n : 1u);
     const uint32_t count = mesh->n_vertices < most ? mesh->n_vertices : most;
-    uint32_t i = 0;
-    if (!page->showing)
-        return 0;
-    if (page->target_n + count > page->target_room) {
-        const size_t room = 2u * page->target_room + count;
-        float *const grown = realloc(page->target_xyz, (room + 1u) * 3u * sizeof *grown);
-        if (grown == NULL)
-            return -1;
-        page->target_xyz = grown;
-        page->target_room = room;
-    }
-    for (i = 0; i < count; i++) /* evenly spread over the file */
-        memcpy(page->target_xyz + 3u * page->target_n++,
-               mesh->xyz + 3u * (size_t)((uint64_t)i * mesh->n_vertices / count), 3u * sizeof(float));
-    page->n_target[page->next - 1u] += count;
-    return 0;
+    uint32_t *const keep = page->showing ? malloc(((size_t)count + 1u) * sizeof *keep) : NULL;
+    page->text.failed |= page->showing && keep == NULL;
+    if (keep == NULL)
+        return;
+    for (uint32_t i = 0; i < count; i++) /* evenly spread over the file */
+        keep[i] = (uint32_t)((uint64_t)i * mesh->n_vertices / count);
+    host_page_points(&page->json, NULL, mesh->xyz, keep, count);
+    free(keep);
 }
 
-host_track_shown host_track_page_shown(const host_track_page *page)
+static void put_row(const row *r, double fps, host_json *json)
 {
-    host_track_shown s = page->shown;
-    s.frame = page->frame;
-    s.n_frames = page->next;
-    s.model_xyz = page->model_xyz;
-    s.n_kept = page->n_kept;
-    s.triangles = page->triangles;
-    s.n_triangle = page->n_triangle;
-    s.target_xyz = page->target_xyz;
-    s.n_target = page->n_target;
-    s.row = page->row;
-    return s;
+    char text[80];
+    host_json_open(json, NULL, '{');
+    host_json_count(json, "number", r->number);
+    host_json_text(json, "name", r->name);
+    host_json_number(json, "time_s", r->number / fps);
+    host_json_count(json, "ticks", r->ticks);
+    host_json_number(json, "residual_mm",
+                     r->last.residual_mean_mm < 0.0f ? (double)NAN : (double)r->last.residual_mean_mm);
+    host_json_text(json, "verdict", host_verdict_name((int)r->verdict.level));
+    host_json_flag(json, "settled", r->last.details.settled != 0);
+    host_json_flag(json, "jumped", r->last.details.jumped != 0);
+    host_json_open(json, "reasons", '[');
+    for (uint32_t bit = 1; bit != 0 && bit <= r->verdict.reasons; bit <<= 1)
+        if ((r->verdict.reasons & bit) != 0)
+            host_json_text(json, NULL, smr_reason_text(bit));
+    (void)snprintf(text, sizeof text, HOST_OVERLAP_TEXT, (double)r->overlap_mm);
+    if (r->overlap_mm > 0.0f)
+        host_json_text(json, NULL, text);
+    host_json_close(json, ']');
+    host_json_close(json, '}');
+}
+
+static void put_counts(const host_track_page *page, host_json *json)
+{
+    static const int levels[] = {SMR_VERDICT_GOOD, SMR_VERDICT_LOOK, SMR_VERDICT_FAILED};
+    int worst = 0;
+    host_json_open(json, "counts", '{');
+    for (int i = 0; i < 3; i++) {
+        host_json_count(json, host_verdict_name(levels[i]), page->levels[levels[i]]);
+        worst = page->levels[levels[i]] > 0 ? levels[i] : worst;
+    }
+    host_json_count(json, "settled", page->settled);
+    host_json_count(json, "jumped", page->jumped);
+    host_json_close(json, '}');
+    host_json_text(json, "verdict", host_verdict_name(worst));
+}
+
+/* The command, and the files that were read unless they are more than a page has room for. */
+static void put_report(const host_job *job, host_json *json)
+{
+    char hash[24], version[40];
+    (void)snprintf(hash, sizeof hash, "%016" PRIx64, smr_state_hash(job->state));
+    (void)snprintf(version, sizeof version, "%d.%d.%d", SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH);
+    host_json_open(json, "report", '{');
+    host_json_text(json, "version", version);
+    host_json_text(json, "state_hash", hash);
+    host_report_command(job->options, json);
+    if (host_file_count() <= INPUTS_MOST) {
+        host_report_inputs(json);
+    } else {
+        host_json_open(json, "inputs", '[');
+        host_json_close(json, ']');
+        host_json_count(json, "inputs_left_out", host_file_count());
+    }
+    host_json_close(json, '}');
+}
+
+void host_track_page_write(host_track_page *page, host_buffer *out)
+{
+    const host_job *const job = page->job;
+    host_buffer text = {0};
+    host_json json = {&text, 0, 1, 1};
+    end_frame(page);
+    host_json_close(&page->json, ']');
+    host_json_open(&json, NULL, '{');
+    host_json_text(&json, "kind", "track");
+    put_report(job, &json);
+    host_json_count(&json, "n_frames", page->n_frames);
+    host_json_number(&json, "fps", job->options->fps);
+    host_json_flag(&json, "prepared", job->model_is_prepared);
+    put_counts(page, &json);
+    host_json_open(&json, "rows", '[');
+    for (uint32_t i = 0; i < page->n_rows; i++)
+        put_row(&page->row[i], job->options->fps, &json);
+    host_json_close(&json, ']');
+    host_json_open(&json, "structures", '[');
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
+        host_json_open(&json, NULL, '{');
+        host_json_text(&json, "name", job->model.part[i].name);
+        host_page_triangles(&json, &page->part[i].thin);
+        host_json_close(&json, '}');
+    }
+    host_json_close(&json, ']');
+    host_json_raw(&json, "frames", &page->text);
+    host_json_count(&json, "target_points", page->target_most);
+    host_json_number(&json, "cell_mm", (double)page->cell_mm);
+    host_page_settings(job->options, &job->course.config, job->model_is_prepared, &json);
+    host_json_close(&json, '}');
+    host_page_write(&text, out);
+    host_buffer_free(&text);
 }

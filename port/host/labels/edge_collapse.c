@@ -13,8 +13,7 @@
 
 static void sub(const double a[3], const double b[3], double to[3])
 {
-    int c = 0;
-    for (c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++)
         to[c] = a[c] - b[c];
 }
 
@@ -22,8 +21,7 @@ static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a
 
 static void cross(const double a[3], const double b[3], double to[3])
 {
-    int c = 0;
-    for (c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++)
         to[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
 }
 
@@ -44,8 +42,7 @@ static void add_plane(host_quadric *to, const double n[3], const double at[3], d
     const double d = -dot(n, at);
     const double row[4] = {n[0], n[1], n[2], d};
     static const unsigned char i[10] = {0, 0, 0, 1, 1, 2, 0, 1, 2, 3}, k[10] = {0, 1, 2, 1, 2, 2, 3, 3, 3, 3};
-    int e = 0;
-    for (e = 0; e < 10; e++)
+    for (int e = 0; e < 10; e++)
         to->q[e] += weight * row[i[e]] * row[k[e]];
 }
 
@@ -54,17 +51,16 @@ static void add_triangle(host_thinned *t, const uint32_t *corner)
 {
     static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     double n[3], area = 0.0;
-    int c = 0, k = 0;
     normal_of(place_of(t, corner[0]), place_of(t, corner[1]), place_of(t, corner[2]), n);
     area = sqrt(dot(n, n));
     if (!(area > 0.0))
         return;
-    for (c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++)
         n[c] /= area;
-    for (c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; c++) {
         const double *const at = place_of(t, corner[c]);
         add_plane(&t->quadric[corner[c]], n, at, area);
-        for (k = 0; k < 3; k++)
+        for (int k = 0; k < 3; k++)
             add_plane(&t->quadric[corner[c]], axes[k], at, STAY * area);
     }
 }
@@ -83,26 +79,24 @@ static int allocate(host_thinned *t)
 int host_thinned_make(const host_mesh *mesh, host_thinned *t)
 {
     const size_t corners = 3u * (size_t)mesh->n_triangles;
-    size_t i = 0;
-    int c = 0;
     memset(t, 0, sizeof *t);
     t->n_vertices = mesh->n_vertices;
     t->n_triangles = t->left = mesh->n_triangles;
     if (allocate(t) != 0)
         return -1;
-    for (i = 0; i < 3u * (size_t)mesh->n_vertices; i++)
+    for (size_t i = 0; i < 3u * (size_t)mesh->n_vertices; i++)
         t->centre[i % 3u] += (double)mesh->xyz[i] / mesh->n_vertices;
-    for (i = 0; i < mesh->n_vertices; i++) {
+    for (size_t i = 0; i < mesh->n_vertices; i++) {
         t->first[i] = SMR_NONE;
-        for (c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++)
             t->xyz[3u * i + (size_t)c] = (double)mesh->xyz[3u * i + (size_t)c] - t->centre[c];
     }
     memcpy(t->triangles, mesh->triangles, corners * sizeof *t->triangles);
-    for (i = corners; i-- > 0;) {
+    for (size_t i = corners; i-- > 0;) {
         t->next[i] = t->first[t->triangles[i]];
         t->first[t->triangles[i]] = (uint32_t)i;
     }
-    for (i = 0; i < corners; i += 3)
+    for (size_t i = 0; i < corners; i += 3)
         add_triangle(t, t->triangles + i);
     return 0;
 }
@@ -125,8 +119,8 @@ static uint32_t behind(const host_thinned *t, uint32_t corner, uint32_t places)
 
 uint32_t host_thinned_ring(const host_thinned *t, uint32_t v, uint32_t ring[HOST_RING_MOST])
 {
-    uint32_t n = 0, c = 0;
-    for (c = t->first[v]; c != SMR_NONE; c = t->next[c]) {
+    uint32_t n = 0;
+    for (uint32_t c = t->first[v]; c != SMR_NONE; c = t->next[c]) {
         if (n == HOST_RING_MOST)
             return 0;
         ring[n++] = behind(t, c, 1); /* each vertex about it follows it in one triangle of a closed surface */
@@ -139,11 +133,9 @@ static double volume_rule(const host_thinned *t, uint32_t a, uint32_t b, const d
 {
     const uint32_t ends[2] = {a, b};
     double volume = 0.0, u[3], v[3], w[3], n[3];
-    uint32_t e = 0, c = 0;
-    int k = 0;
     memset(gain, 0, 3u * sizeof *gain);
-    for (e = 0; e < 2u; e++)
-        for (c = t->first[ends[e]]; c != SMR_NONE; c = t->next[c]) {
+    for (uint32_t e = 0; e < 2u; e++)
+        for (uint32_t c = t->first[ends[e]]; c != SMR_NONE; c = t->next[c]) {
             const uint32_t p = behind(t, c, 1), q = behind(t, c, 2);
             const int both = p == ends[1u - e] || q == ends[1u - e];
             if (both && e == 1u)
@@ -153,7 +145,7 @@ static double volume_rule(const host_thinned *t, uint32_t a, uint32_t b, const d
             sub(place_of(t, q), origin, w);
             cross(v, w, n);
             volume += dot(u, n);
-            for (k = 0; k < 3 && !both; k++)
+            for (int k = 0; k < 3 && !both; k++)
                 gain[k] += n[k];
         }
     return volume;
@@ -187,10 +179,9 @@ double host_collapse_place(const host_thinned *t, uint32_t a, uint32_t b, double
 {
     host_quadric sum;
     double middle[3], gain[3], right[3], step[3], volume = 0.0, share = 0.0;
-    int k = 0;
-    for (k = 0; k < 10; k++)
+    for (int k = 0; k < 10; k++)
         sum.q[k] = t->quadric[a].q[k] + t->quadric[b].q[k];
-    for (k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; k++) {
         middle[k] = at[k] = 0.5 * (place_of(t, a)[k] + place_of(t, b)[k]);
         right[k] = -sum.q[6 + k];
     }
@@ -200,7 +191,7 @@ double host_collapse_place(const host_thinned *t, uint32_t a, uint32_t b, double
     if (solve(sum.q, gain, step) == 0) {
         share = dot(gain, step);
         volume -= dot(gain, at) - dot(gain, middle);
-        for (k = 0; k < 3 && share > 0.0; k++)
+        for (int k = 0; k < 3 && share > 0.0; k++)
             at[k] += step[k] * volume / share;
     }
     return cost_at(&sum, at);
@@ -227,15 +218,15 @@ static int is_simple(const host_thinned *t, uint32_t a, uint32_t b)
 {
     uint32_t about_a[HOST_RING_MOST], about_b[HOST_RING_MOST];
     const uint32_t n = host_thinned_ring(t, a, about_a), m = host_thinned_ring(t, b, about_b);
-    uint32_t i = 0, k = 0, both = 0, edges = 0;
+    uint32_t both = 0, edges = 0;
     if (n < 3u || m < 3u || (n == 3u && m == 3u) || n + m > HOST_RING_MOST)
         return 0;
-    for (i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         edges += about_a[i] == b;
-        for (k = 0; k < m; k++)
+        for (uint32_t k = 0; k < m; k++)
             both += about_a[i] == about_b[k];
     }
-    for (k = 0; k < m; k++)
+    for (uint32_t k = 0; k < m; k++)
         edges += about_b[k] == a;
     return both == 2u && edges == 2u;
 }
@@ -243,8 +234,7 @@ static int is_simple(const host_thinned *t, uint32_t a, uint32_t b)
 /* The corner opposite to the side from p to q, where that runs from q to p: in the triangle beside; SMR_NONE: none. */
 static uint32_t beside(const host_thinned *t, uint32_t p, uint32_t q)
 {
-    uint32_t c = 0;
-    for (c = t->first[p]; c != SMR_NONE; c = t->next[c])
+    for (uint32_t c = t->first[p]; c != SMR_NONE; c = t->next[c])
         if (behind(t, c, 2) == q)
             return behind(t, c, 1);
     return SMR_NONE;
@@ -282,11 +272,10 @@ static int triangle_may(const host_thinned *t, uint32_t corner, const uint32_t e
 int host_collapse_may(const host_thinned *t, uint32_t a, uint32_t b, const double at[3])
 {
     const uint32_t ends[2] = {a, b};
-    uint32_t e = 0, c = 0;
     if (!is_simple(t, a, b))
         return 0;
-    for (e = 0; e < 2u; e++)
-        for (c = t->first[ends[e]]; c != SMR_NONE; c = t->next[c]) {
+    for (uint32_t e = 0; e < 2u; e++)
+        for (uint32_t c = t->first[ends[e]]; c != SMR_NONE; c = t->next[c]) {
             const int goes = behind(t, c, 1) == ends[1u - e] || behind(t, c, 2) == ends[1u - e];
             if (!goes && !triangle_may(t, c, ends, at))
                 return 0;
@@ -305,25 +294,25 @@ static void unlink_corner(host_thinned *t, uint32_t corner)
 
 void host_collapse_do(host_thinned *t, uint32_t a, uint32_t b, const double at[3])
 {
-    uint32_t c = 0, after = 0, k = 0, *end = NULL;
-    for (c = t->first[b]; c != SMR_NONE; c = after) {
+    uint32_t after = 0, *end = NULL;
+    for (uint32_t c = t->first[b]; c != SMR_NONE; c = after) {
         const uint32_t triangle = c / 3u;
         after = t->next[c];
         if (behind(t, c, 1) != a && behind(t, c, 2) != a)
             continue;
-        for (k = 0; k < 3u; k++)
+        for (uint32_t k = 0; k < 3u; k++)
             unlink_corner(t, 3u * triangle + k);
-        for (k = 0; k < 3u; k++)
+        for (uint32_t k = 0; k < 3u; k++)
             t->triangles[3u * (size_t)triangle + k] = SMR_NONE;
         t->left--;
     }
-    for (c = t->first[b]; c != SMR_NONE; c = t->next[c])
+    for (uint32_t c = t->first[b]; c != SMR_NONE; c = t->next[c])
         t->triangles[c] = a;
     for (end = &t->first[a]; *end != SMR_NONE;)
         end = &t->next[*end];
     *end = t->first[b];
     t->first[b] = SMR_NONE;
     memcpy(t->xyz + 3u * (size_t)a, at, 3u * sizeof *at);
-    for (k = 0; k < 10u; k++)
+    for (uint32_t k = 0; k < 10u; k++)
         t->quadric[a].q[k] += t->quadric[b].q[k];
 }

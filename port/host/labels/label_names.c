@@ -1,7 +1,7 @@
 /* label_names.c: names and colours of labels. What a .seg.nrrd's keys mean is in 3D Slicer's documents: segments count
  * from 0 without a gap, Layer is missing where each segment has a layer of its own.
  * SPDX-License-Identifier: MIT */
-#include "labels/label_names.h"
+#include "labels/label_map.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,10 +20,9 @@ typedef struct segment {
 
 int host_label_name(const char *text, size_t n, char name[SMR_NAME_BYTES])
 {
-    size_t i = 0;
     if (n == 0 || n >= SMR_NAME_BYTES)
         return -1;
-    for (i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++) {
         const unsigned char c = (unsigned char)text[i];
         const int good = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
                          c == '+' || (c == '-' && i > 0) || (c == '.' && i > 0) || c > 127;
@@ -38,8 +37,7 @@ void host_label_colour(uint32_t i, float colour[3])
     static const unsigned char shades[12][3] = {{128, 174, 128}, {241, 214, 145}, {177, 122, 101}, {111, 184, 210},
                                                 {216, 101, 79},  {221, 130, 101}, {144, 238, 144}, {192, 104, 88},
                                                 {220, 245, 20},  {78, 63, 0},     {255, 250, 220}, {230, 220, 70}};
-    uint32_t k = 0;
-    for (k = 0; k < 3u; k++)
+    for (uint32_t k = 0; k < 3u; k++)
         colour[k] = (float)shades[i % 12u][k] / 255.0f;
 }
 
@@ -48,8 +46,7 @@ static int read_colour(host_text words, double most, float colour[3])
 {
     host_word word;
     double value = 0.0;
-    int k = 0;
-    for (k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; k++) {
         if (!host_text_word_in_line(&words, &word) || !host_word_double(word, &value) ||
             !(value >= 0.0 && value <= most))
             return -1;
@@ -89,8 +86,7 @@ static void read_key(host_word line, segment *segments)
 
 static host_label *label_at(host_label_map *map, int64_t layer, int64_t value)
 {
-    uint32_t i = 0;
-    for (i = 0; i < map->n_labels; i++)
+    for (uint32_t i = 0; i < map->n_labels; i++)
         if ((int64_t)map->label[i].layer == layer && (int64_t)map->label[i].value == value)
             return &map->label[i];
     return NULL;
@@ -101,14 +97,13 @@ static int take_segment(host_label_map *map, const segment *s, uint32_t i, host_
 {
     const host_word name = s->name.n > 0 ? s->name : s->id;
     const int64_t layer = s->layer >= 0 ? s->layer : (map->n_layers == 1u ? 0 : (int64_t)i);
-    host_label *label = NULL;
     char place[48];
     (void)snprintf(place, sizeof place, "Segment%u", i);
     if (s->layer == -2 || layer >= (int64_t)map->n_layers)
         return host_fail(error, place, "a Layer of 0 to %u", map->n_layers - 1u);
     if (s->value < 0 || s->value > (int64_t)HOST_LABEL_MAX)
         return host_fail(error, place, "a LabelValue of 0 to %u", HOST_LABEL_MAX);
-    label = label_at(map, layer, s->value);
+    host_label *label = label_at(map, layer, s->value);
     if (label == NULL)
         return 0;
     if (label->name[0] != '\0')
@@ -124,24 +119,21 @@ static int take_segment(host_label_map *map, const segment *s, uint32_t i, host_
 
 int host_labels_take_segments(host_label_map *map, const host_buffer *keys, host_error *error)
 {
-    segment *segments = NULL;
-    host_text text;
     host_word line;
-    uint32_t i = 0;
     int result = 0;
     if (keys->size == 0)
         return 0;
-    segments = calloc(SMR_STRUCTURES_MAX, sizeof *segments);
+    segment *segments = calloc(SMR_STRUCTURES_MAX, sizeof *segments);
     if (segments == NULL)
         return host_fail(error, "labels", "free memory");
-    for (i = 0; i < SMR_STRUCTURES_MAX; i++) {
+    for (uint32_t i = 0; i < SMR_STRUCTURES_MAX; i++) {
         segments[i].value = 1;
         segments[i].layer = -1;
     }
-    text = host_text_over(keys->data, keys->size);
+    host_text text = host_text_over(keys->data, keys->size);
     while (host_text_line(&text, &line))
         read_key(line, segments);
-    for (i = 0; result == 0 && i < SMR_STRUCTURES_MAX && segments[i].id.n > 0; i++)
+    for (uint32_t i = 0; result == 0 && i < SMR_STRUCTURES_MAX && segments[i].id.n > 0; i++)
         result = take_segment(map, &segments[i], i, error);
     free(segments);
     return result;
@@ -151,8 +143,7 @@ int host_labels_take_segments(host_label_map *map, const host_buffer *keys, host
 static int is_snap(const host_word *word, size_t n)
 {
     double number = 0.0;
-    size_t i = 0;
-    for (i = 0; i < SNAP_NUMBERS && i < n; i++)
+    for (size_t i = 0; i < SNAP_NUMBERS && i < n; i++)
         if (!host_word_double(word[i], &number))
             return 0;
     return n >= SNAP_NUMBERS;
@@ -211,14 +202,12 @@ static int read_line(host_word line, host_named *named)
 
 static int add_line(host_word line, uint32_t number, host_names *names, host_error *error)
 {
-    host_named named;
-    host_named *grown = NULL;
-    memset(&named, 0, sizeof named);
+    host_named named = {0};
     if (read_line(line, &named) != 0)
         return host_fail_at(error, "line", number, "a label and its name, as in: 7 femur");
     if (named.value == 0)
         return 0;
-    grown = realloc(names->item, (names->n + 1u) * sizeof *grown);
+    host_named *grown = realloc(names->item, (names->n + 1u) * sizeof *grown);
     if (grown == NULL)
         return host_fail_at(error, "line", number, "free memory");
     names->item = grown;
@@ -229,14 +218,13 @@ static int add_line(host_word line, uint32_t number, host_names *names, host_err
 int host_names_read(const char *path, host_names *names, host_error *error)
 {
     host_bytes bytes;
-    host_text text;
     host_word line;
     uint32_t number = 1;
     int result = 0;
     error->file = path;
     if (host_file_read(path, NULL, &bytes, error) != 0)
         return -1;
-    text = host_text_over(bytes.data, bytes.size);
+    host_text text = host_text_over(bytes.data, bytes.size);
     for (; result == 0 && host_text_line(&text, &line); number = text.line) {
         line = host_word_trimmed(line.start, line.start + line.n);
         if (line.n == 0 || line.start[0] == '#')
@@ -256,8 +244,7 @@ void host_names_free(host_names *names)
 
 static int is_taken(const host_label_map *map, uint32_t i)
 {
-    uint32_t k = 0;
-    for (k = 0; k < map->n_labels; k++)
+    for (uint32_t k = 0; k < map->n_labels; k++)
         if (k != i && strcmp(map->label[k].name, map->label[i].name) == 0)
             return 1;
     return 0;
@@ -266,10 +253,9 @@ static int is_taken(const host_label_map *map, uint32_t i)
 int host_labels_settle_names(host_label_map *map, const host_names *names, host_error *error)
 {
     unsigned char taken[SMR_STRUCTURES_MAX];
-    uint32_t i = 0, k = 0;
-    for (i = 0; i < map->n_labels; i++) {
+    for (uint32_t i = 0; i < map->n_labels; i++) {
         host_label *const label = &map->label[i];
-        for (k = 0; k < names->n; k++)
+        for (uint32_t k = 0; k < names->n; k++)
             if (names->item[k].value == label->value) {
                 memcpy(label->name, names->item[k].name, sizeof label->name);
                 if (names->item[k].coloured)
@@ -279,9 +265,9 @@ int host_labels_settle_names(host_label_map *map, const host_names *names, host_
         if (label->name[0] == '\0')
             (void)snprintf(label->name, sizeof label->name, "label_%u", label->value);
     }
-    for (i = 0; i < map->n_labels; i++)
+    for (uint32_t i = 0; i < map->n_labels; i++)
         taken[i] = (unsigned char)is_taken(map, i);
-    for (i = 0; i < map->n_labels; i++) {
+    for (uint32_t i = 0; i < map->n_labels; i++) {
         host_label *const label = &map->label[i];
         const size_t n = strlen(label->name);
         if (taken[i] && map->n_layers > 1u)
@@ -289,7 +275,7 @@ int host_labels_settle_names(host_label_map *map, const host_names *names, host_
         else if (taken[i])
             (void)snprintf(label->name + n, sizeof label->name - n, "_%u", label->value);
     }
-    for (i = 0; i < map->n_labels; i++)
+    for (uint32_t i = 0; i < map->n_labels; i++)
         if (is_taken(map, i))
             return host_fail(error, "names", "labels with names that differ, '%s' is there twice", map->label[i].name);
     return 0;

@@ -1,4 +1,4 @@
-/* label_overlap.c: Dice's coefficient, volumes and surface distances of the structures of two label maps.
+/* label_overlap.c: how label maps, or a label map and surfaces, overlap.
  * SPDX-License-Identifier: MIT */
 #include "labels/label_overlap.h"
 
@@ -6,16 +6,18 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+
+#include "files/file_names.h"
 
 int host_same_grid(const host_volume *a, const host_volume *b)
 {
-    uint32_t k = 0, j = 0;
     double off = 0.0;
-    for (k = 0; k < 3u; k++) {
+    for (uint32_t k = 0; k < 3u; k++) {
         if (a->size[k] != b->size[k])
             return 0;
         off = fmax(off, fabs((double)a->origin[k] - (double)b->origin[k]) / (double)a->spacing[k]);
-        for (j = 0; j < 3u; j++) /* over the whole axis, in voxels */
+        for (uint32_t j = 0; j < 3u; j++) /* over the whole axis, in voxels */
             off = fmax(off, fabs((double)a->direction[3u * j + k] * (double)a->spacing[k] -
                                  (double)b->direction[3u * j + k] * (double)b->spacing[k]) *
                                 (double)a->size[k] / (double)a->spacing[j]);
@@ -36,10 +38,9 @@ static int is_plain(const host_label *label)
 static uint32_t same_label(const host_label_map *own, const host_label *label, const host_label_map *map)
 {
     const host_label *const named = host_label_find(map, label->name);
-    uint32_t i = 0;
     if (named != NULL)
         return (uint32_t)(named - map->label);
-    for (i = 0; i < map->n_labels; i++)
+    for (uint32_t i = 0; i < map->n_labels; i++)
         if (map->label[i].value == label->value && is_plain(label) != is_plain(&map->label[i]) &&
             host_label_find(own, map->label[i].name) == NULL)
             return i;
@@ -49,8 +50,8 @@ static uint32_t same_label(const host_label_map *own, const host_label *label, c
 /* Pairs the labels, each with one at most. Returns how many structures there are. */
 static uint32_t pair_labels(const host_label_map *a, const host_label_map *b, host_overlap *overlap)
 {
-    uint32_t i = 0, k = 0, n = 0;
-    for (i = 0; i < a->n_labels; i++, n++) {
+    uint32_t k = 0, n = 0;
+    for (uint32_t i = 0; i < a->n_labels; i++, n++) {
         memset(&overlap[n], 0, sizeof *overlap);
         overlap[n].a = i;
         overlap[n].b = same_label(a, &a->label[i], b);
@@ -61,7 +62,7 @@ static uint32_t pair_labels(const host_label_map *a, const host_label_map *b, ho
         if (overlap[n].b != SMR_NONE && is_plain(&a->label[i]))
             memcpy(overlap[n].name, b->label[overlap[n].b].name, SMR_NAME_BYTES);
     }
-    for (i = 0; i < b->n_labels; i++) {
+    for (uint32_t i = 0; i < b->n_labels; i++) {
         for (k = 0; k < a->n_labels && overlap[k].b != i; k++)
             continue;
         if (k < a->n_labels)
@@ -78,11 +79,9 @@ static uint32_t pair_labels(const host_label_map *a, const host_label_map *b, ho
 static void count_both(const host_label_map *a, const host_label_map *b, host_overlap *overlap)
 {
     const size_t n = host_label_voxels(a);
-    uint32_t la = 0, lb = 0;
-    size_t i = 0;
-    for (la = 0; la < a->n_layers; la++)
-        for (lb = 0; lb < b->n_layers; lb++)
-            for (i = 0; i < n; i++) {
+    for (uint32_t la = 0; la < a->n_layers; la++)
+        for (uint32_t lb = 0; lb < b->n_layers; lb++)
+            for (size_t i = 0; i < n; i++) {
                 const uint32_t in_a = a->index[la * n + i], in_b = b->index[lb * n + i];
                 if (in_a > 0 && in_b > 0 && overlap[in_a - 1u].b == in_b - 1u)
                     overlap[in_a - 1u].both++;
@@ -91,8 +90,7 @@ static void count_both(const host_label_map *a, const host_label_map *b, host_ov
 
 static void settle_voxels(const host_label_map *a, const host_label_map *b, host_overlap *overlap, uint32_t n)
 {
-    uint32_t i = 0;
-    for (i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         host_overlap *const o = &overlap[i];
         o->voxels_a = o->a != SMR_NONE ? a->label[o->a].voxels : 0;
         o->voxels_b = o->b != SMR_NONE ? b->label[o->b].voxels : 0;
@@ -136,10 +134,9 @@ int host_overlaps_measure(const smr_port *port, const host_label_map *a, const s
                           const host_label_map *b, const smr_mesh *mesh_b, host_overlap *overlap, host_error *error)
 {
     const uint32_t n = pair_labels(a, b, overlap);
-    uint32_t i = 0;
     count_both(a, b, overlap);
     settle_voxels(a, b, overlap, n);
-    for (i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         host_overlap *const o = &overlap[i];
         if (o->a == SMR_NONE || o->b == SMR_NONE || mesh_a[o->a].n_triangles == 0 || mesh_b[o->b].n_triangles == 0)
             continue;
@@ -147,4 +144,101 @@ int host_overlaps_measure(const smr_port *port, const host_label_map *a, const s
             return host_fail(error, o->name, "surfaces that can be measured, and free memory");
     }
     return (int)n;
+}
+
+static int is_directory(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
+}
+
+int host_is_label_side(const char *path)
+{
+    return is_directory(path) || host_file_kind(path) == HOST_KIND_VOLUME || host_is_volume_path(path);
+}
+
+static int read_map(host_label_side *side, const char *names, uint32_t passes, const smr_port *port, host_error *error)
+{
+    if (host_label_map_read(side->path, names, &side->map, error) != 0)
+        return -1;
+    error->file = side->path;
+    side->surface = calloc(side->map.n_labels, sizeof *side->surface);
+    if (side->surface == NULL)
+        return host_fail(error, "labels", "free memory");
+    return host_label_surfaces_make(port, &side->map, passes, 0, side->surface, error);
+}
+
+/* The surfaces of a map on another grid, in place of its own voxels. */
+static int repaint(host_label_side *side, const smr_port *port, const host_volume *grid, host_error *error)
+{
+    const uint32_t n = side->map.n_labels;
+    host_load *const load = calloc(n, sizeof *load);
+    host_painted painted = {0};
+    int result = -1;
+    error->file = side->path;
+    for (uint32_t i = 0; load != NULL && i < n; i++) {
+        load[i].path = side->path;
+        load[i].mesh = side->surface[i].mesh;
+    }
+    if (load == NULL)
+        (void)host_fail(error, "labels", "free memory");
+    else
+        result = host_paint(port, load, n, grid, &painted, error);
+    if (result == 0) {
+        free(side->map.index);
+        side->map.index = painted.index;
+        painted.index = NULL;
+        side->map.grid = *grid;
+        side->map.n_layers = 1;
+        for (uint32_t i = 0; i < n; i++)
+            side->map.label[i].voxels = painted.voxels[i];
+    }
+    host_painted_free(&painted);
+    free(load);
+    return result;
+}
+
+static int list_meshes(host_label_side *side, host_error *error)
+{
+    side->mesh = calloc(side->map.n_labels, sizeof *side->mesh);
+    if (side->mesh == NULL)
+        return host_fail(error, "labels", "free memory");
+    for (uint32_t i = 0; i < side->map.n_labels; i++)
+        side->mesh[i] = host_mesh_view(side->is_set ? &side->set.load[i].mesh : &side->surface[i].mesh);
+    return 0;
+}
+
+int host_label_sides_read(host_label_side side[2], const char *names, uint32_t passes, const smr_port *port,
+                          host_error *error)
+{
+    const host_volume *grid = NULL;
+    for (uint32_t i = 0; i < 2u; i++) {
+        side[i].is_set = is_directory(side[i].path);
+        if ((side[i].is_set ? host_surface_set_read(side[i].path, names, port, &side[i].set, error)
+                            : read_map(&side[i], names, passes, port, error)) != 0)
+            return -1;
+        if (grid == NULL && !side[i].is_set)
+            grid = &side[i].map.grid;
+    }
+    error->file = side[1].path;
+    if (grid == NULL)
+        return host_fail(error, "surfaces", "a label map, for one of the two must be one");
+    for (uint32_t i = 0; i < 2u; i++) {
+        if (side[i].is_set && host_surface_set_paint(&side[i].set, port, grid, &side[i].map, NULL, error) != 0)
+            return -1;
+        if (!side[i].is_set && !host_same_grid(&side[i].map.grid, grid) && repaint(&side[i], port, grid, error) != 0)
+            return -1;
+        if (list_meshes(&side[i], error) != 0)
+            return -1;
+    }
+    return 0;
+}
+
+void host_label_side_free(host_label_side *side)
+{
+    host_label_surfaces_free(side->surface, side->map.n_labels);
+    host_label_map_free(&side->map);
+    host_surface_set_free(&side->set);
+    free(side->mesh);
+    memset(side, 0, sizeof *side);
 }

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
-#include "measure/half_edges.h"
+#include "base/system.h"
+#include "meshes/triangle_mesh.h"
 #include "volumes/volume_write.h"
 
 #define BITS 29 /* of rounded coordinates: products of two differences fit 64 bits */
@@ -29,17 +29,16 @@ typedef struct filler {
 static double to_voxels(const host_mesh *mesh, const host_volume *grid, double *index)
 {
     double m[9], most = 0.0;
-    size_t v = 0, k = 0, j = 0;
     host_volume_to_index(grid, m);
-    for (v = 0; v < mesh->n_vertices; v++)
-        for (k = 0; k < 3u; k++) {
+    for (size_t v = 0; v < mesh->n_vertices; v++)
+        for (size_t k = 0; k < 3u; k++) {
             double sum = 0.0;
-            for (j = 0; j < 3u; j++)
+            for (size_t j = 0; j < 3u; j++)
                 sum += m[3u * k + j] * ((double)mesh->xyz[3u * v + j] - (double)grid->origin[j]);
             index[3u * v + k] = sum;
             most = fabs(sum) > most ? fabs(sum) : most;
         }
-    for (k = 0; k < 3u; k++)
+    for (size_t k = 0; k < 3u; k++)
         most = (double)grid->size[k] > most ? (double)grid->size[k] : most;
     return most;
 }
@@ -48,14 +47,12 @@ static int round_vertices(filler *f, const host_volume *grid, host_error *error)
 {
     const size_t n = 3u * (size_t)f->mesh->n_vertices;
     double *const index = malloc(n * sizeof *index + 1u);
-    double most = 0.0;
-    size_t i = 0;
     f->at = malloc(n * sizeof *f->at + 1u);
     if (index == NULL || f->at == NULL) {
         free(index);
         return host_fail(error, "surface", "free memory");
     }
-    most = to_voxels(f->mesh, grid, index);
+    double most = to_voxels(f->mesh, grid, index);
     f->shift = SHIFT_MOST;
     while (f->shift > SHIFT_LEAST && most * (double)(1 << f->shift) >= (double)(1 << BITS))
         f->shift--;
@@ -64,7 +61,7 @@ static int round_vertices(filler *f, const host_volume *grid, host_error *error)
         return host_fail(error, "surface", "vertices within %d voxels of the volume, found %.0f",
                          1 << (BITS - SHIFT_LEAST), most);
     }
-    for (i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++)
         f->at[i] = (int64_t)floor(index[i] * (double)(1 << f->shift) + 0.5);
     free(index);
     return 0;
@@ -76,11 +73,9 @@ static int64_t voxel_from(int64_t at, int shift) { return -((-at) >> shift); }
 /* The box of voxels around the vertices. */
 static void find_box(const filler *f, const host_volume *grid)
 {
-    unsigned k = 0;
-    size_t v = 0;
-    for (k = 0; k < 3u; k++) {
+    for (unsigned k = 0; k < 3u; k++) {
         int64_t low = INT64_MAX, high = INT64_MIN, from = 0, to = 0;
-        for (v = 0; v < f->mesh->n_vertices; v++) {
+        for (size_t v = 0; v < f->mesh->n_vertices; v++) {
             const int64_t x = f->at[3u * v + k];
             low = x < low ? x : low;
             high = x > high ? x : high;
@@ -118,15 +113,14 @@ static void mark_ray(const filler *f, const int64_t *const p[3], int64_t y, int6
     int64_t area[3];
     int side[3];
     double x = 0.0, all = 0.0;
-    unsigned k = 0;
-    for (k = 0; k < 3u; k++) {
+    for (unsigned k = 0; k < 3u; k++) {
         const int64_t *const a = p[(k + 1u) % 3u], *const b = p[(k + 2u) % 3u];
         area[k] = turn(a, b, ry, rz);
         side[k] = side_of(a, b, area[k]);
     }
     if (side[0] == 0 || side[0] != side[1] || side[1] != side[2] || (area[0] | area[1] | area[2]) == 0)
         return;
-    for (k = 0; k < 3u; k++) {
+    for (unsigned k = 0; k < 3u; k++) {
         x += (double)area[k] * (double)p[k][0];
         all += (double)area[k];
     }
@@ -143,8 +137,7 @@ static void ray_range(const filler *f, const int64_t *const p[3], unsigned k, in
 {
     const int64_t least = (int64_t)f->filled->low[k], most = least + (int64_t)f->filled->size[k] - 1;
     int64_t low = p[0][k], high = p[0][k];
-    unsigned c = 0;
-    for (c = 1; c < 3u; c++) {
+    for (unsigned c = 1; c < 3u; c++) {
         low = p[c][k] < low ? p[c][k] : low;
         high = p[c][k] > high ? p[c][k] : high;
     }
@@ -170,11 +163,10 @@ static void mark_triangle(const filler *f, const uint32_t *triangle)
 static void fill_rows(host_filled *filled)
 {
     const size_t rows = (size_t)filled->size[1] * filled->size[2];
-    size_t row = 0, x = 0;
-    for (row = 0; row < rows; row++) {
+    for (size_t row = 0; row < rows; row++) {
         unsigned char *const at = filled->inside + row * filled->size[0];
         unsigned inside = 0;
-        for (x = 0; x < filled->size[0]; x++) {
+        for (size_t x = 0; x < filled->size[0]; x++) {
             inside ^= at[x];
             at[x] = (unsigned char)inside;
             filled->voxels += inside;
@@ -185,10 +177,9 @@ static void fill_rows(host_filled *filled)
 int host_surface_fill(const host_mesh *mesh, const host_volume *grid, host_filled *filled, host_error *error)
 {
     filler f = {NULL, 0, mesh, filled};
-    size_t n = 0, i = 0;
-    int result = 0;
+    size_t n = 0;
     memset(filled, 0, sizeof *filled);
-    result = round_vertices(&f, grid, error);
+    int result = round_vertices(&f, grid, error);
     if (result == 0) {
         find_box(&f, grid);
         n = (size_t)filled->size[0] * filled->size[1] * filled->size[2];
@@ -198,7 +189,7 @@ int host_surface_fill(const host_mesh *mesh, const host_volume *grid, host_fille
     }
     if (result == 0 && n > 0) {
         memset(filled->inside, 0, n);
-        for (i = 0; i < mesh->n_triangles; i++)
+        for (size_t i = 0; i < mesh->n_triangles; i++)
             mark_triangle(&f, mesh->triangles + 3u * i);
         fill_rows(filled);
     }
@@ -216,12 +207,12 @@ int64_t host_open_edges(const host_mesh *mesh)
 {
     const smr_mesh view = host_mesh_view(mesh);
     host_half_edges edges;
-    size_t v = 0, i = 0, end = 0;
+    size_t end = 0;
     int64_t n = 0;
     if (host_half_edges_make(&view, &edges) != 0)
         return -1;
-    for (v = 0; v < mesh->n_vertices; v++)
-        for (i = edges.first[v]; i < edges.first[v + 1u]; i = end) {
+    for (size_t v = 0; v < mesh->n_vertices; v++)
+        for (size_t i = edges.first[v]; i < edges.first[v + 1u]; i = end) {
             end = host_half_edges_end(&edges, v, i);
             n += (int64_t)((end - i) % 2u);
         }

@@ -44,16 +44,14 @@ static void put(host_net *net, size_t v, unsigned k, float to)
 /* Moves all vertices by a share of the way to the mean of their neighbours. before: room, [n_vertices][3]. */
 static void move_to_mean(host_net *net, float share, float *before)
 {
-    size_t v = 0, i = 0;
-    unsigned k = 0;
     memcpy(before, net->xyz, 3u * (size_t)net->n_vertices * sizeof *before);
-    for (v = 0; v < net->n_vertices; v++) {
+    for (size_t v = 0; v < net->n_vertices; v++) {
         const size_t first = net->side_first[v], end = net->side_first[v + 1u];
         float sum[3] = {0};
-        for (i = first; i < end; i++)
-            for (k = 0; k < 3u; k++)
+        for (size_t i = first; i < end; i++)
+            for (unsigned k = 0; k < 3u; k++)
                 sum[k] += before[3u * (size_t)net->side[i].to + k];
-        for (k = 0; k < 3u; k++)
+        for (unsigned k = 0; k < 3u; k++)
             put(net, v, k, before[3u * v + k] + share * (sum[k] / (float)(end - first) - before[3u * v + k]));
     }
 }
@@ -69,19 +67,16 @@ static vector normal_of(const host_net *net, uint32_t quad, unsigned triangle)
 {
     const uint32_t *const q = net->quad + 4u * (size_t)quad;
     unsigned char corner[2][3];
-    vector a;
     host_net_corners(net, quad, corner);
-    a = point(net, q[corner[triangle][0]]);
+    vector a = point(net, q[corner[triangle][0]]);
     return cross(minus(point(net, q[corner[triangle][1]]), a), minus(point(net, q[corner[triangle][2]]), a));
 }
 
 double host_net_volume(const host_net *net, double *area)
 {
     double six = 0.0, twice = 0.0;
-    uint32_t q = 0;
-    unsigned t = 0;
-    for (q = 0; q < net->n_quads; q++)
-        for (t = 0; t < 2u; t++) { /* corner t lies in triangle t, whichever way it is split */
+    for (uint32_t q = 0; q < net->n_quads; q++)
+        for (unsigned t = 0; t < 2u; t++) { /* corner t lies in triangle t, whichever way it is split */
             const vector n = normal_of(net, q, t);
             unsigned char corner[2][3];
             host_net_corners(net, q, corner);
@@ -95,15 +90,13 @@ double host_net_volume(const host_net *net, double *area)
 /* Adds up the normals around each vertex. */
 static void add_normals(const host_net *net, float *normal)
 {
-    uint32_t q = 0;
-    unsigned t = 0, c = 0;
     memset(normal, 0, 3u * (size_t)net->n_vertices * sizeof *normal);
-    for (q = 0; q < net->n_quads; q++)
-        for (t = 0; t < 2u; t++) {
+    for (uint32_t q = 0; q < net->n_quads; q++)
+        for (unsigned t = 0; t < 2u; t++) {
             const vector n = normal_of(net, q, t);
             unsigned char corner[2][3];
             host_net_corners(net, q, corner);
-            for (c = 0; c < 3u; c++) {
+            for (unsigned c = 0; c < 3u; c++) {
                 float *const to = normal + 3u * (size_t)net->quad[4u * (size_t)q + corner[t][c]];
                 to[0] += (float)n.x;
                 to[1] += (float)n.y;
@@ -115,19 +108,16 @@ static void add_normals(const host_net *net, float *normal)
 /* Moves all vertices along their normals until the volume is right, as far as the cells allow. */
 static void set_volume(host_net *net, double volume, float *normal)
 {
-    int step = 0;
-    size_t v = 0;
-    unsigned k = 0;
-    for (step = 0; step < VOLUME_STEPS; step++) {
+    for (int step = 0; step < VOLUME_STEPS; step++) {
         double area = 0.0;
         const double missing = volume - host_net_volume(net, &area);
         if (fabs(missing) <= VOLUME_NEAR * volume || !(area > 0.0))
             return;
         add_normals(net, normal);
-        for (v = 0; v < net->n_vertices; v++) {
+        for (size_t v = 0; v < net->n_vertices; v++) {
             const float *const n = normal + 3u * v;
             const float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-            for (k = 0; k < 3u && length > 0.0f; k++)
+            for (unsigned k = 0; k < 3u && length > 0.0f; k++)
                 put(net, v, k, net->xyz[3u * v + k] + (float)(missing / area) * n[k] / length);
         }
     }
@@ -142,11 +132,9 @@ static double cosine(vector a, vector b)
 /* Splits each quadrangle along the diagonal that bends it less. */
 static void choose_splits(host_net *net)
 {
-    uint32_t q = 0;
-    for (q = 0; q < net->n_quads; q++) {
+    for (uint32_t q = 0; q < net->n_quads; q++) {
         double straight[2];
-        unsigned s = 0;
-        for (s = 0; s < 2u; s++) {
+        for (unsigned s = 0; s < 2u; s++) {
             net->split[q] = (unsigned char)s;
             straight[s] = cosine(normal_of(net, q, 0), normal_of(net, q, 1));
         }
@@ -163,8 +151,7 @@ static unsigned triangle_at(const host_net *net, uint32_t quad, unsigned k)
 /* The side that runs the other way. */
 static const host_net_side *twin(const host_net *net, uint32_t v, const host_net_side *side)
 {
-    size_t i = 0;
-    for (i = net->side_first[side->to]; i < net->side_first[side->to + 1u]; i++)
+    for (size_t i = net->side_first[side->to]; i < net->side_first[side->to + 1u]; i++)
         if (net->side[i].to == v)
             return &net->side[i];
     return side;
@@ -172,24 +159,22 @@ static const host_net_side *twin(const host_net *net, uint32_t v, const host_net
 
 static void mark(const host_net *net, uint32_t quad, unsigned char *marked)
 {
-    unsigned k = 0;
-    for (k = 0; k < 4u; k++)
+    for (unsigned k = 0; k < 4u; k++)
         marked[net->quad[4u * (size_t)quad + k]] = 1;
 }
 
 /* Marks the vertices at edges that are turned back. Returns how many edges there are. */
 static uint32_t find_folds(const host_net *net, double least, unsigned char *marked)
 {
-    uint32_t v = 0, q = 0, n = 0;
-    size_t i = 0;
+    uint32_t n = 0;
     memset(marked, 0, net->n_vertices);
-    for (q = 0; q < net->n_quads; q++)
+    for (uint32_t q = 0; q < net->n_quads; q++)
         if (cosine(normal_of(net, q, 0), normal_of(net, q, 1)) < least) {
             mark(net, q, marked);
             n++;
         }
-    for (v = 0; v < net->n_vertices; v++)
-        for (i = net->side_first[v]; i < net->side_first[v + 1u]; i++) {
+    for (uint32_t v = 0; v < net->n_vertices; v++)
+        for (size_t i = net->side_first[v]; i < net->side_first[v + 1u]; i++) {
             const host_net_side *const a = &net->side[i], *b = NULL;
             if (a->to < v)
                 continue;
@@ -207,10 +192,8 @@ static uint32_t find_folds(const host_net *net, double least, unsigned char *mar
 /* Takes marked vertices half the way back to where they started: the net has no folds there. */
 static void unfold(host_net *net, const unsigned char *marked)
 {
-    size_t v = 0;
-    unsigned k = 0;
-    for (v = 0; v < net->n_vertices; v++)
-        for (k = 0; k < 3u && marked[v]; k++)
+    for (size_t v = 0; v < net->n_vertices; v++)
+        for (unsigned k = 0; k < 3u && marked[v]; k++)
             put(net, v, k, 0.5f * (net->xyz[3u * v + k] + net->start[3u * v + k]));
 }
 
@@ -225,8 +208,7 @@ static double strain(vector a, vector b)
 static double quad_strain(const host_net *net, uint32_t quad)
 {
     double sum = strain(normal_of(net, quad, 0), normal_of(net, quad, 1));
-    unsigned k = 0;
-    for (k = 0; k < 4u; k++) {
+    for (unsigned k = 0; k < 4u; k++) {
         const host_net_side side = {net->quad[4u * (size_t)quad + (k + 1u) % 4u], quad, k};
         const host_net_side *const other = twin(net, net->quad[4u * (size_t)quad + k], &side);
         sum += strain(normal_of(net, quad, triangle_at(net, quad, k)),
@@ -238,8 +220,7 @@ static double quad_strain(const host_net *net, uint32_t quad)
 static double strain_around(const host_net *net, uint32_t v)
 {
     double sum = 0.0;
-    size_t i = 0;
-    for (i = net->side_first[v]; i < net->side_first[v + 1u]; i++)
+    for (size_t i = net->side_first[v]; i < net->side_first[v + 1u]; i++)
         sum += quad_strain(net, net->side[i].quad);
     return sum;
 }
@@ -247,12 +228,10 @@ static double strain_around(const host_net *net, uint32_t v)
 /* Splits a vertex' quadrangles the other way where that takes strain off. */
 static double try_splits(const host_net *net, uint32_t v, double best)
 {
-    size_t i = 0;
-    for (i = net->side_first[v]; i < net->side_first[v + 1u]; i++) {
+    for (size_t i = net->side_first[v]; i < net->side_first[v + 1u]; i++) {
         unsigned char *const split = &net->split[net->side[i].quad];
-        double now = 0.0;
         *split ^= 1u;
-        now = strain_around(net, v);
+        double now = strain_around(net, v);
         if (now < best)
             best = now;
         else
@@ -266,14 +245,12 @@ static void try_places(host_net *net, uint32_t v)
 {
     static const float shares[] = {0.3f, -0.3f, 0.1f, -0.1f, 0.03f, -0.03f};
     double best = strain_around(net, v);
-    unsigned k = 0, s = 0;
-    for (s = 0; s < 6u && best > 0.0; s++)
-        for (k = 0; k < 3u; k++) {
+    for (unsigned s = 0; s < 6u && best > 0.0; s++)
+        for (unsigned k = 0; k < 3u; k++) {
             const size_t i = 3u * (size_t)v + k;
             const float before = net->xyz[i];
-            double now = 0.0;
             put(net, v, k, before + shares[s] * (net->high[i] - net->low[i]));
-            now = strain_around(net, v);
+            double now = strain_around(net, v);
             if (now < best)
                 best = now;
             else
@@ -286,9 +263,8 @@ static void try_places(host_net *net, uint32_t v)
 /* Searches for places without folds around those that are left. */
 static void search_unfolded(host_net *net, unsigned char *marked)
 {
-    uint32_t round = 0, v = 0;
-    for (round = 0; round < SEARCHES && find_folds(net, RIGHT_ANGLE, marked) > 0; round++)
-        for (v = 0; v < net->n_vertices; v++)
+    for (uint32_t round = 0; round < SEARCHES && find_folds(net, RIGHT_ANGLE, marked) > 0; round++)
+        for (uint32_t v = 0; v < net->n_vertices; v++)
             if (marked[v])
                 try_places(net, v);
 }
@@ -297,12 +273,12 @@ uint32_t host_net_smooth(host_net *net, uint32_t passes, double volume)
 {
     float *const room = malloc(3u * (size_t)net->n_vertices * sizeof *room + 1u);
     unsigned char *const marked = malloc((size_t)net->n_vertices + 1u);
-    uint32_t i = 0, folds = UINT32_MAX;
-    for (i = 0; room != NULL && marked != NULL && i < passes; i++) {
+    uint32_t folds = UINT32_MAX;
+    for (uint32_t i = 0; room != NULL && marked != NULL && i < passes; i++) {
         move_to_mean(net, INWARDS, room);
         move_to_mean(net, OUTWARDS, room);
     }
-    for (i = 0; room != NULL && marked != NULL && i < UNFOLDING; i++) {
+    for (uint32_t i = 0; room != NULL && marked != NULL && i < UNFOLDING; i++) {
         set_volume(net, volume, room);
         choose_splits(net);
         if (find_folds(net, RIGHT_ANGLE, marked) == 0)

@@ -4,7 +4,7 @@
 #define SURFACE_SET_H
 
 #include "labels/label_map.h"
-#include "labels/label_paint.h"
+#include "meshes/triangle_mesh.h"
 #include "track/track_frames.h"
 
 typedef struct host_surface_set {
@@ -26,5 +26,17 @@ void host_surface_set_free(host_surface_set *set);
  * inside several surfaces; may be NULL. 0, or -1 with the error filled and the map empty. */
 int host_surface_set_paint(const host_surface_set *set, const smr_port *port, const host_volume *grid,
                            host_label_map *map, uint64_t *shared, host_error *error);
+
+typedef struct host_painted {
+    uint16_t *index;           /* of the grid's voxels: 0, or 1 + the surface's number; owned */
+    uint64_t *inside, *voxels; /* [n] voxels inside each surface, and those it has got; owned */
+    uint64_t shared;           /* voxels inside several surfaces: each is of that in which it lies deepest */
+} host_painted;
+
+/* Paints n closed surfaces on a grid. loads: their meshes and paths. 0, or -1 with the error filled;
+ * host_painted_free in either case. */
+int host_paint(const smr_port *port, const host_load *loads, uint32_t n, const host_volume *grid, host_painted *painted,
+               host_error *error);
+void host_painted_free(host_painted *painted);
 
 #endif

@@ -1,6 +1,6 @@
 /* surface_thin.c: a heap of edges, the cheapest first. What was pushed before its vertices changed is stale: skipped.
  * SPDX-License-Identifier: MIT */
-#include "labels/surface_thin.h"
+#include "labels/label_surfaces.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -33,8 +33,7 @@ static int comes_before(const candidate *x, const candidate *y)
 static void sink(candidate *heap, size_t n, size_t at)
 {
     const candidate moved = heap[at];
-    size_t child = 0;
-    for (child = 2u * at + 1u; child < n; child = 2u * at + 1u) {
+    for (size_t child = 2u * at + 1u; child < n; child = 2u * at + 1u) {
         if (child + 1u < n && comes_before(&heap[child + 1u], &heap[child]))
             child++;
         if (!comes_before(&heap[child], &moved))
@@ -60,12 +59,12 @@ static int is_stale(const thinning *s, const candidate *c)
 
 static void drop_stale(thinning *s)
 {
-    size_t i = 0, n = 0;
-    for (i = 0; i < s->n; i++)
+    size_t n = 0;
+    for (size_t i = 0; i < s->n; i++)
         if (!is_stale(s, &s->heap[i]))
             s->heap[n++] = s->heap[i];
     s->n = n;
-    for (i = n / 2u; i-- > 0;)
+    for (size_t i = n / 2u; i-- > 0;)
         sink(s->heap, n, i);
 }
 
@@ -87,9 +86,8 @@ static void push(thinning *s, uint32_t u, uint32_t v)
 static void push_all(thinning *s)
 {
     const size_t corners = 3u * (size_t)s->t.n_triangles;
-    size_t i = 0;
     s->n = 0;
-    for (i = 0; i < corners; i++) {
+    for (size_t i = 0; i < corners; i++) {
         const uint32_t u = s->t.triangles[i], v = s->t.triangles[i - i % 3u + (i + 1u) % 3u];
         if (u != SMR_NONE && u < v) /* the triangle beside has it the other way */
             push(s, u, v);
@@ -124,16 +122,15 @@ static uint32_t empty_heap(thinning *s, uint32_t most)
 static void take_left(const thinning *s, host_mesh *mesh)
 {
     uint32_t *const number = s->moved; /* not needed any more */
-    uint32_t v = 0, n = 0;
-    size_t i = 0, at = 0;
-    int c = 0;
-    for (v = 0; v < s->t.n_vertices; v++)
+    uint32_t n = 0;
+    size_t at = 0;
+    for (uint32_t v = 0; v < s->t.n_vertices; v++)
         if (s->t.first[v] != SMR_NONE) {
-            for (c = 0; c < 3; c++)
+            for (int c = 0; c < 3; c++)
                 mesh->xyz[3u * (size_t)n + (size_t)c] = (float)(s->t.xyz[3u * (size_t)v + (size_t)c] + s->t.centre[c]);
             number[v] = n++;
         }
-    for (i = 0; i < 3u * (size_t)s->t.n_triangles; i++)
+    for (size_t i = 0; i < 3u * (size_t)s->t.n_triangles; i++)
         if (s->t.triangles[i] != SMR_NONE)
             mesh->triangles[at++] = number[s->t.triangles[i]];
     mesh->n_vertices = n;
@@ -142,11 +139,10 @@ static void take_left(const thinning *s, host_mesh *mesh)
 
 int host_surface_thin(host_mesh *mesh, uint32_t most)
 {
-    thinning s;
+    thinning s = {0};
     int result = 0;
     if (mesh->n_triangles <= most)
         return 0;
-    memset(&s, 0, sizeof s);
     s.room = 3u * (size_t)mesh->n_triangles + HOST_RING_MOST;
     s.heap = malloc(s.room * sizeof *s.heap);
     s.moved = calloc((size_t)mesh->n_vertices + 1u, sizeof *s.moved);

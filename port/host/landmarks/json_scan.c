@@ -64,9 +64,8 @@ static void put_code(char *to, size_t bytes, size_t *n, unsigned c)
 /* Reads four hexadecimal digits. */
 static int hex4(host_scan *scan, unsigned *value)
 {
-    int i = 0;
     *value = 0;
-    for (i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++) {
         const char c = scan->text.at < scan->text.end ? *scan->text.at : '\0';
         unsigned digit = 0;
         if (c >= '0' && c <= '9')
@@ -153,10 +152,9 @@ static const char *skip_digits(const char *p, const char *end)
 /* The end of a JSON number; NULL for others, such as "+1", "01", "1.", ".5", "nan". */
 static const char *number_end(const char *p, const char *end)
 {
-    const char *start = NULL;
     if (p < end && *p == '-')
         p++;
-    start = p;
+    const char *start = p;
     p = skip_digits(p, end);
     if (p == start || (*start == '0' && p - start > 1))
         return NULL;
@@ -181,10 +179,9 @@ static const char *number_end(const char *p, const char *end)
 int host_scan_number(host_scan *scan, double *value)
 {
     host_word word;
-    const char *end = NULL;
     (void)host_scan_peek(scan);
     word.start = scan->text.at;
-    end = number_end(word.start, scan->text.end);
+    const char *end = number_end(word.start, scan->text.end);
     if (end == NULL)
         return host_scan_fail(scan, "a number");
     word.n = (size_t)(end - word.start);
@@ -240,7 +237,7 @@ int host_scan_skip(host_scan *scan)
 {
     static const char *const words[] = {"true", "false", "null"};
     const char c = host_scan_peek(scan);
-    size_t n = 0, i = 0;
+    size_t n = 0;
     double value = 0.0;
     if (c == '{')
         return host_scan_object(scan, NULL, NULL);
@@ -248,7 +245,7 @@ int host_scan_skip(host_scan *scan)
         return host_scan_list(scan, NULL, NULL);
     if (c == '"')
         return host_scan_text(scan, NULL, 0, &n);
-    for (i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; i++) {
         n = strlen(words[i]);
         if ((size_t)(scan->text.end - scan->text.at) >= n && memcmp(scan->text.at, words[i], n) == 0) {
             scan->text.at += n;

@@ -3,9 +3,12 @@
 #ifndef LANDMARKS_H
 #define LANDMARKS_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "base/error_line.h"
+#include "base/text_scan.h"
+#include "files/file_read.h"
 
 #define HOST_LANDMARKS_MAX 64u
 #define HOST_LABEL_BYTES 64u /* including the NUL */
@@ -27,5 +30,20 @@ int host_landmarks_read(const char *path, host_landmarks *landmarks, host_error 
 int host_landmarks_pair(const host_landmarks *model, const host_landmarks *target, const char *model_path,
                         const char *target_path, float from[HOST_LANDMARKS_MAX][3], float to[HOST_LANDMARKS_MAX][3],
                         uint32_t *n, host_error *error);
+
+/* Adds the landmark of a line. Refuses labels and coordinates that host_landmarks does not allow. */
+int host_landmarks_add(host_landmarks *landmarks, host_error *error, uint32_t line, host_word label,
+                       const double xyz[3]);
+
+/* Turns the landmarks from `first` on from the named coordinate system into LPS. -1 for an unknown system. */
+int host_landmarks_to_lps(host_landmarks *landmarks, host_error *error, uint32_t line, host_word system,
+                          uint32_t first);
+
+/* Reads the bytes of a file in any format. */
+int host_landmarks_scan(host_landmarks *landmarks, const char *path, const host_bytes *bytes, host_error *error);
+
+int host_read_markups(host_landmarks *landmarks, const char *data, size_t n, host_error *error);
+/* slicer 1: the file is .fcsv, which must name its coordinate system. */
+int host_read_landmark_table(host_landmarks *landmarks, const char *data, size_t n, int slicer, host_error *error);
 
 #endif

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "landmarks/json_scan.h"
-#include "landmarks/landmarks_reader.h"
+#include "landmarks/landmarks.h"
 #include "landmarks/points_file.h"
 
 #define MILLIMETRES "coordinateUnits \"mm\" or [\"mm\", \"UCUM\", ...]"
@@ -93,10 +93,9 @@ static int read_point(host_scan *scan, const char *key, void *context)
 {
     markup *const m = context;
     host_word label;
-    uint32_t line = 0;
     (void)key;
     (void)host_scan_peek(scan);
-    line = scan->text.line;
+    uint32_t line = scan->text.line;
     m->label_bytes = 0;
     m->n_xyz = 0;
     m->n_orientation = 0;
@@ -164,13 +163,11 @@ static int read_markup_member(host_scan *scan, const char *key, void *context)
 /* Turns the points at the end of the markup, since the coordinate system may follow them. */
 static int read_markup(host_scan *scan, const char *key, void *context)
 {
-    markup m;
+    markup m = {0};
     host_word system;
-    uint32_t first = 0;
     (void)key;
-    memset(&m, 0, sizeof m);
     m.landmarks = context;
-    first = m.landmarks->n;
+    uint32_t first = m.landmarks->n;
     if (host_scan_object(scan, read_markup_member, &m) != 0)
         return -1;
     if (m.system_line == 0)
@@ -187,8 +184,7 @@ static int read_top(host_scan *scan, const char *key, void *context)
 
 int host_read_markups(host_landmarks *landmarks, const char *data, size_t n, host_error *error)
 {
-    host_scan scan;
-    memset(&scan, 0, sizeof scan);
+    host_scan scan = {0};
     scan.text = host_text_over(data, n);
     scan.error = error;
     if (host_scan_object(&scan, read_top, landmarks) != 0)

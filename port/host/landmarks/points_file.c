@@ -8,11 +8,9 @@
 #include <string.h>
 
 #include "base/clean_text.h"
-#include "base/csv_text.h"
-#include "files/file_kind.h"
 #include "files/file_names.h"
 #include "files/file_read.h"
-#include "landmarks/landmarks_reader.h"
+#include "landmarks/landmarks.h"
 
 /* Room for the orientations of so many points; what is new are the axes of LPS. */
 static int grow_orientations(host_points *points, uint32_t wanted)
@@ -47,11 +45,10 @@ int host_points_add(host_points *points, const char *label, size_t label_bytes, 
     if (points->n == points->capacity) {
         const uint32_t wanted = points->capacity < 64u ? 64u : points->capacity * 2u;
         void *const more = realloc(points->xyz, wanted * sizeof *points->xyz);
-        void *named = NULL;
         if (more == NULL)
             return -1;
         points->xyz = more;
-        named = realloc(points->label, wanted * sizeof *points->label);
+        void *named = realloc(points->label, wanted * sizeof *points->label);
         if (named == NULL || wanted > SMR_VERTICES_MAX)
             return -1;
         points->label = named;
@@ -90,9 +87,6 @@ static int read_labelled(const char *path, host_points *points, host_error *erro
 {
     host_landmarks *const set = calloc(1, sizeof *set);
     host_bytes bytes;
-    host_text text;
-    host_word word;
-    int result = 0;
     if (set == NULL)
         return host_fail(error, "points", "free memory");
     set->points = points;
@@ -100,16 +94,7 @@ static int read_labelled(const char *path, host_points *points, host_error *erro
         free(set);
         return -1;
     }
-    const char *data = (const char *)bytes.data;
-    size_t n = bytes.size;
-    if (n >= 3u && memcmp(data, "\xef\xbb\xbf", 3) == 0) { /* the UTF-8 byte order mark */
-        data += 3;
-        n -= 3u;
-    }
-    text = host_text_over(data, n);
-    result = host_text_word(&text, &word) && word.start[0] == '{'
-                 ? host_read_markups(set, data, n, error)
-                 : host_read_landmark_table(set, data, n, host_has_extension(path, ".fcsv"), error);
+    int result = host_landmarks_scan(set, path, &bytes, error);
     if (result == 0 && points->n == 0)
         result = host_fail(error, "points", "at least one point");
     host_file_free(&bytes);
@@ -119,11 +104,10 @@ static int read_labelled(const char *path, host_points *points, host_error *erro
 
 int host_points_read(const char *path, host_points *points, host_error *error)
 {
-    int result = 0;
     memset(points, 0, sizeof *points);
     error->file = path;
-    result = host_file_kind(path) == HOST_KIND_SURFACE ? read_surface(path, points, error)
-                                                       : read_labelled(path, points, error);
+    int result = host_file_kind(path) == HOST_KIND_SURFACE ? read_surface(path, points, error)
+                                                           : read_labelled(path, points, error);
     if (result != 0)
         host_points_free(points);
     return result;
@@ -192,19 +176,17 @@ static void put_json_label(const host_points *points, uint32_t i, host_buffer *o
 
 static void put_json(const host_points *points, host_buffer *out)
 {
-    uint32_t i = 0;
-    host_buffer_print(out,
-                      "{\n \"@schema\": \"https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/"
-                      "Markups/Resources/Schema/markups-schema-v1.0.3.json#\",\n \"markups\": [\n  {\n   \"type\": "
-                      "\"Fiducial\",\n   \"coordinateSystem\": \"LPS\",\n   \"coordinateUnits\": \"mm\",\n"
-                      "   \"controlPoints\": [\n");
-    for (i = 0; i < points->n; i++) {
+    host_buffer_print(out, "{\n \"@schema\": "
+                           "\"https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/"
+                           "Resources/Schema/markups-schema-v1.0.3.json#\",\n \"markups\": [\n  {\n   \"type\": "
+                           "\"Fiducial\",\n   \"coordinateSystem\": \"LPS\",\n   \"coordinateUnits\": \"mm\",\n"
+                           "   \"controlPoints\": [\n");
+    for (uint32_t i = 0; i < points->n; i++) {
         const float *const p = points->xyz[i];
-        uint32_t k = 0;
         host_buffer_print(out, "    { \"id\": \"%u\", \"label\": \"", i + 1u);
         put_json_label(points, i, out);
         host_buffer_print(out, "\", \"position\": [%.9g, %.9g, %.9g], ", (double)p[0], (double)p[1], (double)p[2]);
-        for (k = 0; points->orientation != NULL && k < 9u; k++)
+        for (uint32_t k = 0; points->orientation != NULL && k < 9u; k++)
             host_buffer_print(out, "%s%.9g%s", k == 0 ? "\"orientation\": [" : "", (double)points->orientation[i][k],
                               k < 8u ? ", " : "], ");
         host_buffer_print(out, "\"positionStatus\": \"defined\" }%s\n", i + 1u < points->n ? "," : "");
@@ -214,13 +196,12 @@ static void put_json(const host_points *points, host_buffer *out)
 
 static void put_table(const host_points *points, int fcsv, host_buffer *out)
 {
-    uint32_t i = 0;
     if (fcsv)
         host_buffer_print(out, "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n"
                                "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n");
     else
         host_buffer_print(out, "label,x,y,z\n");
-    for (i = 0; i < points->n; i++) {
+    for (uint32_t i = 0; i < points->n; i++) {
         const float *const p = points->xyz[i];
         if (fcsv)
             host_buffer_print(out, "%u", i + 1u);

@@ -1,12 +1,283 @@
-/* surface_distances.c: point-to-surface distances, computed by all threads.
+/* surface_distances.c: distances between surfaces, over area and over vertices; folds; targets of points.
  * SPDX-License-Identifier: MIT */
 #include "measure/surface_distances.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
-#include "base/threads.h"
+#include "base/system.h"
+#include "base/system.h"
+#include "meshes/triangle_mesh.h"
+
+static int by_distance(const void *a, const void *b)
+{
+    const host_weighted *const x = a, *const y = b;
+    const int mm = (x->mm > y->mm) - (x->mm < y->mm);
+    return mm != 0 ? mm : (x->weight > y->weight) - (x->weight < y->weight);
+}
+
+host_stats host_stats_of(host_weighted *value, size_t n)
+{
+    host_stats stats = {0.0, 0.0, 0.0, 0.0, 0, 0.0};
+    double sum = 0.0, squares = 0.0, all = 0.0, below = 0.0;
+    size_t i = 0;
+    stats.n = n;
+    if (n == 0)
+        return stats;
+    qsort(value, n, sizeof *value, by_distance);
+    for (i = 0; i < n; i++) {
+        const double mm = (double)value[i].mm, weight = (double)value[i].weight;
+        sum += weight * mm;
+        squares += weight * mm * mm;
+        all += weight;
+    }
+    for (i = 0; i + 1u < n && 20.0 * (below += (double)value[i].weight) < 19.0 * all;)
+        i++;
+    stats.weight = all;
+    stats.mean = sum / all;
+    stats.rms = sqrt(squares / all);
+    stats.max = (double)value[n - 1u].mm;
+    stats.p95 = (double)value[i].mm;
+    return stats;
+}
+
+/* Collects what counts of one query behind the `at` values before; returns how many there are then. */
+static size_t collect(const host_query *query, const unsigned char *seen, int by_area, float *weight,
+                      host_weighted *value, size_t at)
+{
+    const size_t n = by_area ? query->samples.n : query->samples.n_vertices;
+    host_samples_weigh(&query->samples, &query->mesh, seen, weight);
+    for (size_t i = 0; i < n; i++)
+        if (weight[i] >= 0.0f) {
+            value[at].mm = query->mm[i];
+            value[at++].weight = by_area ? weight[i] : 1.0f;
+        }
+    return at;
+}
+
+static int stats_of(const host_query *queries, uint32_t n_queries, const unsigned char *const *seen, int by_area,
+                    host_stats *stats)
+{
+    size_t most = 0, all = 0, n = 0;
+    int result = -1;
+    for (uint32_t q = 0; q < n_queries; q++) {
+        most = queries[q].samples.n > most ? queries[q].samples.n : most;
+        all += queries[q].samples.n;
+    }
+    float *weight = malloc((most + 1u) * sizeof *weight);
+    host_weighted *value = malloc((all + 1u) * sizeof *value);
+    if (weight != NULL && value != NULL) {
+        result = 0;
+        for (uint32_t q = 0; q < n_queries; q++)
+            n = collect(&queries[q], seen == NULL ? NULL : seen[q], by_area, weight, value, n);
+        *stats = host_stats_of(value, n);
+    }
+    free(weight);
+    free(value);
+    return result;
+}
+
+int host_area_stats(const host_query *queries, uint32_t n_queries, const unsigned char *const *seen, host_stats *stats)
+{
+    return stats_of(queries, n_queries, seen, 1, stats);
+}
+
+int host_vertex_stats(const host_query *queries, uint32_t n_queries, const unsigned char *const *seen,
+                      host_stats *stats)
+{
+    return stats_of(queries, n_queries, seen, 0, stats);
+}
+
+#define CENTROID_SHARE (27.0 / 60.0)
+#define MIDDLE_SHARE (8.0 / 60.0)
+#define CORNER_SHARE (3.0 / 60.0)
+
+/* Numbers the edges from *n on, and puts their midpoints there. */
+static int place_middles(const smr_mesh *mesh, host_samples *samples)
+{
+    host_half_edges edges;
+    size_t end = 0;
+    if (host_half_edges_make(mesh, &edges) != 0)
+        return -1;
+    for (size_t v = 0; v < mesh->n_vertices; v++)
+        for (size_t i = edges.first[v]; i < edges.first[v + 1u]; i = end) {
+            const float *const a = mesh->xyz + 3u * v, *const b = mesh->xyz + 3u * (size_t)edges.edge[i].other;
+            end = host_half_edges_end(&edges, v, i);
+            for (size_t k = i; k < end; k++)
+                samples->middle[edges.edge[k].side] = (uint32_t)samples->n;
+            for (int c = 0; c < 3; c++)
+                samples->xyz[3u * samples->n + (size_t)c] = 0.5f * (a[c] + b[c]);
+            samples->n++;
+        }
+    host_half_edges_free(&edges);
+    return 0;
+}
+
+static void place_centroids(const smr_mesh *mesh, host_samples *samples)
+{
+    for (size_t t = 0; t < mesh->n_triangles; t++, samples->n++) {
+        const uint32_t *const corner = mesh->triangles + 3u * t;
+        for (size_t c = 0; c < 3; c++) {
+            const double sum = (double)mesh->xyz[3u * (size_t)corner[0] + c] +
+                               (double)mesh->xyz[3u * (size_t)corner[1] + c] +
+                               (double)mesh->xyz[3u * (size_t)corner[2] + c];
+            samples->xyz[3u * samples->n + c] = (float)(sum / 3.0);
+        }
+    }
+}
+
+int host_samples_make(const smr_mesh *mesh, host_samples *samples)
+{
+    const size_t sides = 3u * (size_t)mesh->n_triangles;
+    memset(samples, 0, sizeof *samples);
+    samples->xyz = malloc(((size_t)mesh->n_vertices + sides + mesh->n_triangles) * 3u * sizeof(float));
+    samples->middle = malloc(sides * sizeof(uint32_t) + 1u);
+    if (samples->xyz != NULL && samples->middle != NULL) {
+        memcpy(samples->xyz, mesh->xyz, 3u * (size_t)mesh->n_vertices * sizeof(float));
+        memset(samples->middle, 0xff, sides * sizeof(uint32_t));
+        samples->n = samples->n_vertices = mesh->n_vertices;
+        if (place_middles(mesh, samples) == 0) {
+            place_centroids(mesh, samples);
+            return 0;
+        }
+    }
+    host_samples_free(samples);
+    return -1;
+}
+
+void host_samples_free(host_samples *samples)
+{
+    free(samples->xyz);
+    free(samples->middle);
+    memset(samples, 0, sizeof *samples);
+}
+
+static double area_of(const float *xyz, const uint32_t *corner)
+{
+    double e[2][3], n[3];
+    for (size_t k = 0; k < 2; k++)
+        for (size_t c = 0; c < 3; c++)
+            e[k][c] = (double)xyz[3u * (size_t)corner[k + 1u] + c] - (double)xyz[3u * (size_t)corner[0] + c];
+    for (size_t c = 0; c < 3; c++)
+        n[c] = e[0][(c + 1u) % 3u] * e[1][(c + 2u) % 3u] - e[0][(c + 2u) % 3u] * e[1][(c + 1u) % 3u];
+    return 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+}
+
+static void add(float *weight, size_t i, double area)
+{
+    weight[i] = (weight[i] > 0.0f ? weight[i] : 0.0f) + (float)area;
+}
+
+/* Returns the area of the triangles that count. */
+static double weigh_triangles(const host_samples *samples, const smr_mesh *mesh, const unsigned char *seen,
+                              float *weight)
+{
+    const size_t first_centroid = samples->n - mesh->n_triangles;
+    double all = 0.0;
+    for (size_t t = 0; t < mesh->n_triangles; t++) {
+        const uint32_t *const corner = mesh->triangles + 3u * t, *const middle = samples->middle + 3u * t;
+        const double area = area_of(mesh->xyz, corner);
+        if (seen != NULL && (!seen[corner[0]] || !seen[corner[1]] || !seen[corner[2]]))
+            continue;
+        add(weight, first_centroid + t, CENTROID_SHARE * area);
+        for (size_t c = 0; c < 3; c++) {
+            add(weight, corner[c], CORNER_SHARE * area);
+            if (middle[c] != SMR_NONE)
+                add(weight, middle[c], MIDDLE_SHARE * area);
+        }
+        all += area;
+    }
+    return all;
+}
+
+void host_samples_weigh(const host_samples *samples, const smr_mesh *mesh, const unsigned char *seen, float *weight)
+{
+    double area = 0.0;
+    for (size_t i = 0; i < samples->n; i++)
+        weight[i] = mesh->n_triangles == 0 && (seen == NULL || seen[i]) ? 1.0f : HOST_NOT_COUNTED;
+    if (mesh->n_triangles > 0)
+        area = weigh_triangles(samples, mesh, seen, weight);
+    for (size_t i = 0; mesh->n_triangles > 0 && !(area > 0.0) && i < samples->n; i++)
+        weight[i] = weight[i] < 0.0f ? weight[i] : 1.0f;
+}
+
+/* The normal of a triangle, not normalised. */
+static void normal_of(const float *xyz, const uint32_t *triangle, double n[3])
+{
+    double e[2][3];
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < 3; i++)
+            e[k][i] = (double)xyz[3u * (size_t)triangle[k + 1] + (size_t)i] -
+                      (double)xyz[3u * (size_t)triangle[0] + (size_t)i];
+    for (int i = 0; i < 3; i++)
+        n[i] = e[0][(i + 1) % 3] * e[1][(i + 2) % 3] - e[0][(i + 2) % 3] * e[1][(i + 1) % 3];
+}
+
+static int is_fold(const float *xyz, const uint32_t *a, const uint32_t *b)
+{
+    double m[3], n[3];
+    normal_of(xyz, a, m);
+    normal_of(xyz, b, n);
+    return m[0] * n[0] + m[1] * n[1] + m[2] * n[2] < 0.0;
+}
+
+int host_count_folds(const smr_mesh *mesh, const float *source_xyz, uint64_t *folds, uint64_t *absolute)
+{
+    host_half_edges edges;
+    size_t end = 0;
+    *folds = 0;
+    *absolute = 0;
+    if (host_half_edges_make(mesh, &edges) != 0)
+        return -1;
+    for (size_t v = 0; v < mesh->n_vertices; v++)
+        for (size_t i = edges.first[v]; i < edges.first[v + 1u]; i = end) {
+            end = host_half_edges_end(&edges, v, i);
+            if (end - i != 2u)
+                continue;
+            const uint32_t *a = mesh->triangles + 3u * (size_t)(edges.edge[i].side / 3u);
+            const uint32_t *b = mesh->triangles + 3u * (size_t)(edges.edge[i + 1u].side / 3u);
+            if (!is_fold(mesh->xyz, a, b))
+                continue;
+            *absolute += 1;
+            *folds += source_xyz == NULL || !is_fold(source_xyz, a, b);
+        }
+    host_half_edges_free(&edges);
+    return 0;
+}
+
+smr_points *host_points_make(const host_mesh *mesh, void **memory)
+{
+    smr_points *points = NULL;
+    size_t bytes = 0;
+    *memory = NULL;
+    if (smr_points_bytes(mesh->n_vertices, &bytes) == SMR_OK)
+        *memory = host_alloc(bytes);
+    if (*memory != NULL && smr_points_open(mesh->n_vertices, *memory, bytes, &points) == SMR_OK &&
+        smr_points_add(points, mesh->xyz, mesh->normals, NULL, mesh->n_vertices) == SMR_OK)
+        return points;
+    free(*memory);
+    *memory = NULL;
+    return NULL;
+}
+
+smr_surface *host_points_surface(const host_mesh *mesh, void **memory)
+{
+    void *cloud = NULL;
+    const smr_points *const points = host_points_make(mesh, &cloud);
+    smr_surface *surface = NULL;
+    size_t bytes = 0;
+    *memory = NULL;
+    if (points != NULL && smr_points_surface_bytes(mesh->n_vertices, &bytes) == SMR_OK)
+        *memory = host_alloc(bytes);
+    if (*memory == NULL || smr_points_surface(points, *memory, bytes, &surface) != SMR_OK) {
+        free(*memory);
+        *memory = NULL;
+        surface = NULL;
+    }
+    free(cloud);
+    return surface;
+}
 
 #define CHUNK 256u                    /* points per task */
 #define FAR_MM (4.0f * SMR_COORD_MAX) /* mm; larger than the distance of any two legal points */
@@ -20,12 +291,10 @@ typedef struct chunk {
 static void run_chunk(void *arg, uint32_t task, uint32_t worker)
 {
     chunk *const c = (chunk *)arg + task;
-    size_t i = 0;
     (void)worker;
-    for (i = c->first; i < c->first + c->n; i++) {
+    for (size_t i = c->first; i < c->first + c->n; i++) {
         const float *const p = c->query->samples.xyz + 3u * i;
-        smr_closest hit;
-        memset(&hit, 0, sizeof hit);
+        smr_closest hit = {0};
         hit.triangle = SMR_NONE;
         if (smr_surface_closest(c->query->surface, p, NULL, -1.0f, FAR_MM, &hit) != SMR_OK || hit.triangle == SMR_NONE)
             c->failed = 1;
@@ -43,27 +312,25 @@ static void place_samples(void *arg, uint32_t task, uint32_t worker)
 
 int host_distances(const smr_port *port, host_query *queries, uint32_t n_queries)
 {
-    chunk *chunks = NULL;
-    size_t n = 0, at = 0, i = 0;
-    uint32_t q = 0;
+    size_t n = 0, at = 0;
     int failed = 0;
     host_parallel(port, place_samples, queries, n_queries);
-    for (q = 0; q < n_queries; q++) {
+    for (uint32_t q = 0; q < n_queries; q++) {
         n += (queries[q].samples.n + CHUNK - 1u) / CHUNK;
         failed |= queries[q].mm == NULL;
     }
-    chunks = failed ? NULL : calloc(n + 1u, sizeof *chunks);
+    chunk *chunks = failed ? NULL : calloc(n + 1u, sizeof *chunks);
     if (chunks == NULL)
         return -1;
-    for (q = 0; q < n_queries; q++)
-        for (i = 0; i < queries[q].samples.n; i += CHUNK) {
+    for (uint32_t q = 0; q < n_queries; q++)
+        for (size_t i = 0; i < queries[q].samples.n; i += CHUNK) {
             chunks[at].query = &queries[q];
             chunks[at].first = i;
             chunks[at].n = queries[q].samples.n - i < CHUNK ? queries[q].samples.n - i : CHUNK;
             at++;
         }
     host_parallel(port, run_chunk, chunks, (uint32_t)n);
-    for (i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++)
         failed |= chunks[i].failed;
     free(chunks);
     return failed ? -1 : 0;
@@ -71,8 +338,7 @@ int host_distances(const smr_port *port, host_query *queries, uint32_t n_queries
 
 void host_queries_free(host_query *queries, uint32_t n_queries)
 {
-    uint32_t q = 0;
-    for (q = 0; queries != NULL && q < n_queries; q++) {
+    for (uint32_t q = 0; queries != NULL && q < n_queries; q++) {
         host_samples_free(&queries[q].samples);
         free(queries[q].mm);
         queries[q].mm = NULL;

@@ -1,9 +1,31 @@
-/* surface_distances.h: distances between surfaces, and the number of folds.
+/* surface_distances.h: distances between surfaces, over area and over vertices; folds; targets of points.
  * SPDX-License-Identifier: MIT */
 #ifndef SURFACE_DISTANCES_H
 #define SURFACE_DISTANCES_H
 
-#include "measure/surface_samples.h"
+#include "meshes/triangle_mesh.h"
+#include "smr.h"
+
+/* Vertices, then midpoints of edges, then centroids of triangles. A mesh without triangles has its vertices only. */
+typedef struct host_samples {
+    float *xyz;       /* [n][3], mm; owned */
+    uint32_t *middle; /* [n_triangles][3] for each side its midpoint, SMR_NONE where its ends are one vertex; owned */
+    size_t n;
+    size_t n_vertices;
+} host_samples;
+
+/* 0, or -1 when out of memory. */
+int host_samples_make(const smr_mesh *mesh, host_samples *samples);
+
+void host_samples_free(host_samples *samples);
+
+#define HOST_NOT_COUNTED (-1.0f)
+
+/* Writes what each sample counts, weight[samples->n]: of each triangle's area 27/60 go to its centroid, 8/60 to the
+ * midpoint of each side and 3/60 to each corner, which integrates polynomials up to the third degree exactly.
+ * seen: NULL, or [n_vertices]: only triangles count whose three corners are not 0. What belongs to no triangle that
+ * counts gets HOST_NOT_COUNTED. Where nothing has an area, and in a mesh without triangles, all count the same. */
+void host_samples_weigh(const host_samples *samples, const smr_mesh *mesh, const unsigned char *seen, float *weight);
 
 /* Statistics of n distances, mm, each with a weight. n = 0: no distance. */
 typedef struct host_stats {
@@ -49,5 +71,11 @@ smr_surface *host_surface_make(const smr_mesh *mesh, void **memory);
  * `mesh`. *absolute: all of them; *folds: those that are no folds at source_xyz, the vertices before the deformation
  * (NULL: *folds = *absolute). 0, or -1 when out of memory. */
 int host_count_folds(const smr_mesh *mesh, const float *source_xyz, uint64_t *folds, uint64_t *absolute);
+
+/* The mesh's vertices as a cloud in *memory; free(*memory) releases it. NULL when memory is short. */
+smr_points *host_points_make(const host_mesh *mesh, void **memory);
+
+/* The same as a surface to search in. */
+smr_surface *host_points_surface(const host_mesh *mesh, void **memory);
 
 #endif

@@ -1,12 +1,132 @@
 /* mesh_file.c: reads a mesh file of any format: finds the format, calls its reader, checks and mirrors the mesh.
  * SPDX-License-Identifier: MIT */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/system.h"
 #include "base/text_scan.h"
 #include "files/file_names.h"
 #include "files/file_read.h"
 #include "meshes/mesh_reader.h"
+#include "meshes/triangle_mesh.h"
+
+/* Grows an array to at least `need` rows of 12 bytes; at least doubles its capacity, up to `limit` rows. */
+static int grow(host_mesh_reader *reader, void **array, size_t *capacity, size_t need, size_t limit, const char *what)
+{
+    size_t next = *capacity * 2u;
+    if (need <= *capacity)
+        return 0;
+    if (need > limit)
+        return host_fail_at(reader->error, reader->unit, reader->number, "at most %zu %s", limit, what);
+    if (next < need)
+        next = need;
+    if (next > limit)
+        next = limit;
+    void *grown = realloc(*array, next * 12u);
+    if (grown == NULL)
+        return host_fail_at(reader->error, reader->unit, reader->number, "%zu bytes of free memory", next * 12u);
+    *array = grown;
+    *capacity = next;
+    return 0;
+}
+
+int host_reader_reserve(host_mesh_reader *reader, size_t vertices, size_t triangles)
+{
+    host_mesh *const mesh = reader->mesh;
+    void *xyz = mesh->xyz, *rows = mesh->triangles;
+    int result = grow(reader, &xyz, &reader->vertex_capacity, vertices, SMR_VERTICES_MAX, "vertices");
+    mesh->xyz = xyz;
+    if (result == 0)
+        result = grow(reader, &rows, &reader->triangle_capacity, triangles, SMR_TRIANGLES_MAX, "triangles");
+    mesh->triangles = rows;
+    return result;
+}
+
+int host_reader_vertex(host_mesh_reader *reader, const double *xyz)
+{
+    host_mesh *const mesh = reader->mesh;
+    const double limit = (double)SMR_COORD_MAX;
+    for (int i = 0; i < 3; i++)
+        if (!(xyz[i] >= -limit && xyz[i] <= limit)) /* written so that NaN fails */
+            return host_fail_at(reader->error, reader->unit, reader->number,
+                                "finite coordinates within +-%.0f mm, found %g", limit, xyz[i]);
+    if (mesh->n_vertices >= reader->vertex_capacity &&
+        host_reader_reserve(reader, (size_t)mesh->n_vertices + 1u, 0) != 0)
+        return -1;
+    float *to = mesh->xyz + 3u * (size_t)mesh->n_vertices;
+    for (int i = 0; i < 3; i++)
+        to[i] = (float)xyz[i];
+    mesh->n_vertices++;
+    return 0;
+}
+
+int host_reader_normal(host_mesh_reader *reader, const double *normal)
+{
+    void *rows = reader->mesh->normals;
+    if (!reader->cloud)
+        return 0;
+    int result = grow(reader, &rows, &reader->normal_capacity, reader->n_normals + 1u, SMR_VERTICES_MAX, "normals");
+    reader->mesh->normals = rows;
+    if (result != 0)
+        return -1;
+    double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    for (int i = 0; i < 3; i++) /* written so that NaN and infinity fail */
+        reader->mesh->normals[3u * reader->n_normals + (size_t)i] =
+            length > 1e-6 && length < 1e6 ? (float)(normal[i] / length) : 0.0f;
+    reader->n_normals++;
+    return 0;
+}
+
+int host_reader_triangle(host_mesh_reader *reader, uint32_t a, uint32_t b, uint32_t c)
+{
+    host_mesh *const mesh = reader->mesh;
+    if (mesh->n_triangles >= reader->triangle_capacity &&
+        host_reader_reserve(reader, 0, (size_t)mesh->n_triangles + 1u) != 0)
+        return -1;
+    uint32_t *to = mesh->triangles + 3u * (size_t)mesh->n_triangles;
+    to[0] = a;
+    to[1] = b;
+    to[2] = c;
+    mesh->n_triangles++;
+    return 0;
+}
+
+int host_reader_fan(host_mesh_reader *reader, uint32_t state[3], uint32_t index)
+{
+    const uint32_t before = state[2];
+    const uint32_t n = state[0]++;
+    if (n == 0)
+        state[1] = index;
+    state[2] = index;
+    return n < 2 ? 0 : host_reader_triangle(reader, state[1], before, index);
+}
+
+int host_reader_truncated(const host_mesh_reader *reader)
+{
+    return host_fail_at(reader->error, reader->unit, reader->number, "more data, but the file ends here");
+}
+
+static void load_one(void *arg, uint32_t task, uint32_t worker)
+{
+    host_load *const load = (host_load *)arg + task;
+    (void)worker;
+    load->failed = host_mesh_read(load->path, load->need, load->mirror, &load->mesh, &load->error);
+}
+
+int host_load_all(const smr_port *port, host_load *loads, uint32_t n, host_error *error)
+{
+    uint32_t i = 0;
+    host_parallel(port, load_one, loads, n);
+    for (i = 0; i < n && !loads[i].failed; i++)
+        continue;
+    if (i == n)
+        return 0;
+    *error = loads[i].error;
+    for (uint32_t k = 0; k < n; k++)
+        host_mesh_free(&loads[k].mesh);
+    return -1;
+}
 
 typedef int (*read_function)(host_mesh_reader *reader, const unsigned char *data, size_t n);
 
@@ -83,12 +203,11 @@ static int accept_cloud(const char *path, const unsigned char *head, size_t n, s
 /* Turns RAS into LPS: a rotation by 180 degrees about the third axis, which keeps the triangles' outside. */
 static void turn_ras(host_mesh *mesh)
 {
-    size_t i = 0;
-    for (i = 0; i < mesh->n_vertices; i++) {
+    for (size_t i = 0; i < mesh->n_vertices; i++) {
         mesh->xyz[3u * i] = -mesh->xyz[3u * i];
         mesh->xyz[3u * i + 1u] = -mesh->xyz[3u * i + 1u];
     }
-    for (i = 0; mesh->normals != NULL && i < mesh->n_vertices; i++) {
+    for (size_t i = 0; mesh->normals != NULL && i < mesh->n_vertices; i++) {
         mesh->normals[3u * i] = -mesh->normals[3u * i];
         mesh->normals[3u * i + 1u] = -mesh->normals[3u * i + 1u];
     }
@@ -116,22 +235,19 @@ static void drop_normals(const host_mesh_reader *reader)
 int host_mesh_read(const char *path, int need, int mirror, host_mesh *mesh, host_error *error)
 {
     host_bytes bytes;
-    host_mesh_reader reader;
-    read_function read = NULL;
-    size_t skip = 0;
-    int result = 0;
+    host_mesh_reader reader = {0};
     memset(mesh, 0, sizeof *mesh);
-    memset(&reader, 0, sizeof reader);
     reader.mesh = mesh;
     reader.error = error;
     reader.unit = "header line";
     reader.cloud = need == HOST_MESH_CLOUD;
     if (host_file_read(path, reader.cloud ? accept_cloud : accept_mesh, &bytes, error) != 0)
         return -1;
-    skip = mark_bytes(bytes.data, bytes.size);
-    read = (reader.cloud ? cloud_reader : reader_for)(path, bytes.data + skip, bytes.size - skip, bytes.size - skip);
-    result = read != NULL ? read(&reader, bytes.data + skip, bytes.size - skip)
-                          : host_fail(error, "content", "a PLY, STL, OBJ or legacy VTK polydata file");
+    size_t skip = mark_bytes(bytes.data, bytes.size);
+    read_function read =
+        (reader.cloud ? cloud_reader : reader_for)(path, bytes.data + skip, bytes.size - skip, bytes.size - skip);
+    int result = read != NULL ? read(&reader, bytes.data + skip, bytes.size - skip)
+                              : host_fail(error, "content", "a PLY, STL, OBJ or legacy VTK polydata file");
     host_file_free(&bytes);
     if (result == 0)
         result = check(mesh, need, error);

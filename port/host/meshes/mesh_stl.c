@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/number_types.h"
 #include "base/text_scan.h"
 #include "meshes/mesh_reader.h"
 
@@ -22,9 +21,8 @@ static uint32_t hash_of(const float *xyz)
 {
     uint32_t bits[3];
     uint64_t h = 0x9e3779b97f4a7c15ull;
-    int i = 0;
     memcpy(bits, xyz, sizeof bits);
-    for (i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++) {
         h = (h ^ bits[i]) * 0xff51afd7ed558ccdull;
         h ^= h >> 32;
     }
@@ -42,14 +40,13 @@ static void place(const weld *table, const float *xyz, uint32_t index)
 /* Makes a table of `size` slots (a power of two) that holds the mesh's vertices. */
 static int resize(weld *table, const host_mesh *mesh, uint32_t size)
 {
-    uint32_t i = 0;
     free(table->slot);
     table->slot = malloc(sizeof *table->slot * size);
     if (table->slot == NULL)
         return -1;
     table->mask = size - 1u;
     memset(table->slot, 0xff, sizeof *table->slot * size);
-    for (i = 0; i < mesh->n_vertices; i++)
+    for (uint32_t i = 0; i < mesh->n_vertices; i++)
         place(table, mesh->xyz + 3u * (size_t)i, i);
     return 0;
 }
@@ -59,10 +56,9 @@ static int weld_vertex(host_mesh_reader *reader, weld *table, const double *xyz,
     host_mesh *const mesh = reader->mesh;
     float point[3];
     uint32_t at = 0;
-    int i = 0;
     if (host_reader_vertex(reader, xyz) != 0)
         return -1;
-    for (i = 0; i < 3; i++) /* adding zero turns -0 into 0 */
+    for (int i = 0; i < 3; i++) /* adding zero turns -0 into 0 */
         point[i] = mesh->xyz[3u * (size_t)(mesh->n_vertices - 1u) + (size_t)i] + 0.0f;
     mesh->n_vertices--;
     for (at = hash_of(point) & table->mask; table->slot[at] != EMPTY; at = (at + 1u) & table->mask)
@@ -99,10 +95,9 @@ int host_is_ascii_stl(const unsigned char *head, size_t n)
 static int read_binary(host_mesh_reader *reader, weld *table, const unsigned char *data, size_t n)
 {
     host_word title;
-    uint64_t count = 0;
     if (n < HEADER_BYTES)
         return host_fail(reader->error, "header", "84 bytes, but the file ends after %zu", n);
-    count = facets_claimed(data);
+    uint64_t count = facets_claimed(data);
     title.start = (const char *)data;
     title.n = 80;
     reader->ras = host_word_has(title, "SPACE=RAS");
@@ -115,10 +110,9 @@ static int read_binary(host_mesh_reader *reader, weld *table, const unsigned cha
     for (reader->number = 0; reader->number < count; reader->number++) {
         const unsigned char *const facet = data + HEADER_BYTES + FACET_BYTES * (size_t)reader->number;
         uint32_t corner[3];
-        uint32_t i = 0, k = 0;
-        for (i = 0; i < 3; i++) {
+        for (uint32_t i = 0; i < 3; i++) {
             double xyz[3];
-            for (k = 0; k < 3; k++)
+            for (uint32_t k = 0; k < 3; k++)
                 xyz[k] = host_type_read(HOST_TYPE_F32, facet + 12u + 12u * i + 4u * k, 0);
             if (weld_vertex(reader, table, xyz, &corner[i]) != 0)
                 return -1;
@@ -144,8 +138,7 @@ static int expect_word(host_mesh_reader *reader, host_text *text, const char *na
 
 static int read_numbers(host_mesh_reader *reader, host_text *text, double *xyz)
 {
-    int i = 0;
-    for (i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++) {
         host_word word;
         const int there = host_text_word(text, &word);
         reader->number = text->line;
@@ -162,11 +155,10 @@ static int read_facet(host_mesh_reader *reader, weld *table, host_text *text)
 {
     uint32_t corner[3] = {0, 0, 0};
     double xyz[3];
-    uint32_t i = 0;
     if (expect_word(reader, text, "normal") != 0 || read_numbers(reader, text, xyz) != 0 ||
         expect_word(reader, text, "outer") != 0 || expect_word(reader, text, "loop") != 0)
         return -1;
-    for (i = 0; i < 3; i++)
+    for (uint32_t i = 0; i < 3; i++)
         if (expect_word(reader, text, "vertex") != 0 || read_numbers(reader, text, xyz) != 0 ||
             weld_vertex(reader, table, xyz, &corner[i]) != 0)
             return -1;
@@ -206,12 +198,11 @@ static int read_ascii(host_mesh_reader *reader, weld *table, const unsigned char
 int host_read_stl(host_mesh_reader *reader, const unsigned char *data, size_t n)
 {
     weld table = {NULL, 0};
-    int result = 0;
     const int ascii = host_is_ascii_stl(data, n) && !host_is_binary_stl(data, n, n) &&
                       memchr(data, '\0', n < HEADER_BYTES ? n : HEADER_BYTES) == NULL;
     if (resize(&table, reader->mesh, 1024u) != 0)
         return host_fail(reader->error, "file", "more free memory");
-    result = ascii ? read_ascii(reader, &table, data, n) : read_binary(reader, &table, data, n);
+    int result = ascii ? read_ascii(reader, &table, data, n) : read_binary(reader, &table, data, n);
     free(table.slot);
     return result;
 }

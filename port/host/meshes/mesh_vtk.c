@@ -1,6 +1,241 @@
 /* mesh_vtk.c: reads legacy VTK polydata ("VTK file formats", versions 1 to 5.1): geometry only, skips data arrays.
  * SPDX-License-Identifier: MIT */
-#include "meshes/vtk_cells.h"
+#include <stdlib.h>
+
+#include "base/text_scan.h"
+#include "meshes/mesh_reader.h"
+
+typedef struct host_vtk {
+    host_mesh_reader *reader;
+    host_text text;
+    int binary;
+} host_vtk;
+
+/* The type with this name ("float", "vtktypeint64", ...); HOST_TYPE_NONE when unknown. */
+static host_type host_vtk_type(host_word word)
+{
+    static const struct {
+        const char *name;
+        host_type type;
+    } names[] = {{"float", HOST_TYPE_F32},          {"double", HOST_TYPE_F64},        {"char", HOST_TYPE_I8},
+                 {"signed_char", HOST_TYPE_I8},     {"unsigned_char", HOST_TYPE_U8},  {"short", HOST_TYPE_I16},
+                 {"unsigned_short", HOST_TYPE_U16}, {"int", HOST_TYPE_I32},           {"unsigned_int", HOST_TYPE_U32},
+                 {"vtktypeint32", HOST_TYPE_I32},   {"vtktypeint64", HOST_TYPE_I64},  {"vtkIdType", HOST_TYPE_I32},
+                 {"long", HOST_TYPE_I64},           {"vtktypeint8", HOST_TYPE_I8},    {"vtktypeuint8", HOST_TYPE_U8},
+                 {"vtktypeint16", HOST_TYPE_I16},   {"vtktypeuint32", HOST_TYPE_U32}, {"vtktypeuint16", HOST_TYPE_U16}};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        if (host_word_is_nocase(word, names[i].name))
+            return names[i].type;
+    return HOST_TYPE_NONE;
+}
+
+/* Fills the error of the current line. Returns -1. */
+static int host_vtk_fail(host_vtk *vtk, const char *expected)
+{
+    return host_fail_at(vtk->reader->error, "line", vtk->text.line, "%s", expected);
+}
+
+/* 1 when the rest of the file can hold n values of the type. */
+static int host_vtk_fits(const host_vtk *vtk, host_type type, uint64_t n)
+{
+    const size_t left = (size_t)(vtk->text.end - vtk->text.at);
+    /* text: a digit and a space each, but for the last */
+    return vtk->binary ? n <= left / host_type_bytes(type) : n <= (left + 1u) / 2u;
+}
+
+static int host_vtk_value(host_vtk *vtk, host_type type, double *value)
+{
+    const host_mesh_reader *const reader = vtk->reader;
+    host_word word;
+    if (vtk->binary) {
+        const size_t bytes = host_type_bytes(type);
+        if ((size_t)(vtk->text.end - vtk->text.at) < bytes)
+            return host_reader_truncated(reader);
+        *value = host_type_read(type, (const unsigned char *)vtk->text.at, 1);
+        vtk->text.at += bytes;
+        return 0;
+    }
+    if (!host_text_word(&vtk->text, &word))
+        return host_reader_truncated(reader);
+    if (!host_word_double(word, value))
+        return host_fail_at(reader->error, reader->unit, reader->number, "a number, found '%.*s'",
+                            (int)(word.n < 40 ? word.n : 40), word.start);
+    return 0;
+}
+
+static int host_vtk_skip(host_vtk *vtk, host_type type, uint64_t n)
+{
+    double ignored = 0.0;
+    if (!host_vtk_fits(vtk, type, n))
+        return host_reader_truncated(vtk->reader);
+    if (vtk->binary) {
+        vtk->text.at += host_type_bytes(type) * (size_t)n;
+        return 0;
+    }
+    for (; n > 0; n--)
+        if (host_vtk_value(vtk, type, &ignored) != 0)
+            return -1;
+    return 0;
+}
+
+/* Reads the next word of the line as a count, 0 or more, that the file can hold. `what` names it in the error. */
+static int host_vtk_count(host_vtk *vtk, const char *what, uint64_t *count)
+{
+    host_word word;
+    int64_t value = 0;
+    if (!host_text_word_in_line(&vtk->text, &word) || !host_word_int(word, &value) || value < 0)
+        return host_fail_at(vtk->reader->error, "line", vtk->text.line, "%s of 0 or more", what);
+    if ((uint64_t)value > (uint64_t)(vtk->text.end - vtk->text.at) + 1u)
+        return host_fail_at(vtk->reader->error, "line", vtk->text.line, "%s the file can hold, found %lld", what,
+                            (long long)value);
+    *count = (uint64_t)value;
+    return 0;
+}
+
+/* Reads the next word of the line as a type name. */
+static int host_vtk_type_word(host_vtk *vtk, const char *what, host_type *type)
+{
+    host_word word;
+    *type = HOST_TYPE_NONE;
+    if (host_text_word_in_line(&vtk->text, &word))
+        *type = host_vtk_type(word);
+    return *type == HOST_TYPE_NONE ? host_vtk_fail(vtk, what) : 0;
+}
+
+/* Skips the rest of the line: binary data starts on the next. */
+static void host_vtk_end_line(host_vtk *vtk)
+{
+    host_word rest;
+    (void)host_text_line(&vtk->text, &rest);
+}
+
+/* How to read the cells of a section. */
+enum { HOST_VTK_SKIP = 0, HOST_VTK_POLYGONS, HOST_VTK_STRIPS };
+
+static int index_value(host_vtk *vtk, host_type type, uint32_t *index)
+{
+    const host_mesh_reader *const reader = vtk->reader;
+    double value = 0.0;
+    if (host_vtk_value(vtk, type, &value) != 0)
+        return -1;
+    if (!(value >= 0.0 && value < (double)reader->mesh->n_vertices) || (double)(uint32_t)value < value)
+        return host_fail_at(reader->error, reader->unit, reader->number, "vertex indexes from 0 to %lld, found %.10g",
+                            (long long)reader->mesh->n_vertices - 1, value);
+    *index = (uint32_t)value;
+    return 0;
+}
+
+/* Reads one cell of n indexes. Every second triangle of a strip is reversed, so that all have the same outside. */
+static int read_cell(host_vtk *vtk, int use, host_type type, uint64_t n)
+{
+    host_mesh_reader *const reader = vtk->reader;
+    uint32_t fan[3] = {0, 0, 0}, index = 0, a = 0, b = 0;
+    if (use == HOST_VTK_SKIP)
+        return host_vtk_skip(vtk, type, n);
+    if (n < 3)
+        return host_fail_at(reader->error, reader->unit, reader->number, "at least 3 vertices, found %llu",
+                            (unsigned long long)n);
+    for (uint64_t i = 0; i < n; i++) {
+        int result = 0;
+        if (index_value(vtk, type, &index) != 0)
+            return -1;
+        if (use == HOST_VTK_POLYGONS)
+            result = host_reader_fan(reader, fan, index);
+        else if (i >= 2)
+            result =
+                i % 2u == 0 ? host_reader_triangle(reader, a, b, index) : host_reader_triangle(reader, b, a, index);
+        if (result != 0)
+            return -1;
+        a = b;
+        b = index;
+    }
+    return 0;
+}
+
+/* Reads rows "n i j k ...", `size` numbers in total. */
+static int read_rows(host_vtk *vtk, int use, uint64_t cells, uint64_t size)
+{
+    host_mesh_reader *const reader = vtk->reader;
+    if (!host_vtk_fits(vtk, HOST_TYPE_I32, size) || cells > size)
+        return host_vtk_fail(vtk, "cell counts the file can hold");
+    for (reader->number = 0; reader->number < cells; reader->number++) {
+        double n = 0.0;
+        if (host_vtk_value(vtk, HOST_TYPE_I32, &n) != 0)
+            return -1;
+        if (!(n >= 0.0 && n < (double)size))
+            return host_fail_at(reader->error, reader->unit, reader->number, "a count of indexes below %llu, found %g",
+                                (unsigned long long)size, n);
+        if (read_cell(vtk, use, HOST_TYPE_I32, (uint64_t)n) != 0)
+            return -1;
+    }
+    return 0;
+}
+
+/* Reads the line "OFFSETS type" or "CONNECTIVITY type". */
+static int array_line(host_vtk *vtk, const char *name, host_type *type)
+{
+    host_word word;
+    if (!host_text_word(&vtk->text, &word) || !host_word_is_nocase(word, name))
+        return host_fail_at(vtk->reader->error, "line", vtk->text.line, "%s", name);
+    if (host_vtk_type_word(vtk, "the type of an array of indexes", type) != 0)
+        return -1;
+    host_vtk_end_line(vtk);
+    return 0;
+}
+
+static int read_offsets(host_vtk *vtk, host_type type, uint64_t n, uint64_t size, uint32_t *offset)
+{
+    host_mesh_reader *const reader = vtk->reader;
+    double last = 0.0;
+    for (reader->number = 0; reader->number < n; reader->number++) {
+        double value = 0.0;
+        if (host_vtk_value(vtk, type, &value) != 0)
+            return -1;
+        if (!(value >= last && value <= (double)size) || (reader->number == 0 && value > 0.0))
+            return host_fail_at(reader->error, reader->unit, reader->number, "offsets rising from 0 to %llu, found %g",
+                                (unsigned long long)size, value);
+        last = value;
+        offset[reader->number] = (uint32_t)value;
+    }
+    return 0;
+}
+
+/* Reads cells of version 5.1: n offsets (one more than cells), then `size` indexes. */
+static int read_arrays(host_vtk *vtk, int use, uint64_t n, uint64_t size)
+{
+    host_mesh_reader *const reader = vtk->reader;
+    host_type type = HOST_TYPE_NONE;
+    if (array_line(vtk, "OFFSETS", &type) != 0)
+        return -1;
+    if (!host_vtk_fits(vtk, type, n) || size > 0xffffffffu)
+        return host_vtk_fail(vtk, "cell counts the file can hold");
+    uint32_t *offset = malloc(sizeof *offset * ((size_t)n + 1u));
+    if (offset == NULL)
+        return host_vtk_fail(vtk, "more free memory");
+    int result = read_offsets(vtk, type, n, size, offset);
+    if (result == 0)
+        result = array_line(vtk, "CONNECTIVITY", &type);
+    for (reader->number = 0; result == 0 && reader->number + 1u < n; reader->number++)
+        result = read_cell(vtk, use, type, offset[reader->number + 1u] - offset[reader->number]);
+    free(offset);
+    return result;
+}
+
+/* Reads a section whose keyword has just been read: counts, then "n i j k ..." rows or, since version 5.1,
+ * the arrays OFFSETS and CONNECTIVITY. */
+static int host_vtk_cells(host_vtk *vtk, int use)
+{
+    uint64_t cells = 0, size = 0;
+    host_word word;
+    if (host_vtk_count(vtk, "a count of cells", &cells) != 0 || host_vtk_count(vtk, "a count of indexes", &size) != 0)
+        return -1;
+    host_vtk_end_line(vtk);
+    vtk->reader->unit = use == HOST_VTK_SKIP ? "cell" : "face";
+    host_text ahead = vtk->text;
+    if (host_text_word(&ahead, &word) && host_word_is_nocase(word, "OFFSETS"))
+        return read_arrays(vtk, use, cells, size);
+    return read_rows(vtk, use, cells, size);
+}
 
 /* Reads the header: "# vtk DataFile Version", a title, ASCII or BINARY. */
 static int read_head(host_vtk *vtk)
@@ -41,8 +276,7 @@ static int read_points(host_vtk *vtk)
         return -1;
     for (reader->number = 0; reader->number < n; reader->number++) {
         double xyz[3];
-        int i = 0;
-        for (i = 0; i < 3; i++)
+        for (int i = 0; i < 3; i++)
             if (host_vtk_value(vtk, type, &xyz[i]) != 0)
                 return -1;
         if (host_reader_vertex(reader, xyz) != 0)
@@ -54,13 +288,13 @@ static int read_points(host_vtk *vtk)
 /* Skips "FIELD name n" and its n arrays, each "name components tuples type" and data. */
 static int skip_field(host_vtk *vtk)
 {
-    uint64_t arrays = 0, i = 0;
+    uint64_t arrays = 0;
     host_word word;
     (void)host_text_word_in_line(&vtk->text, &word);
     if (host_vtk_count(vtk, "a count of arrays", &arrays) != 0)
         return -1;
     vtk->reader->unit = "field array";
-    for (i = 0; i < arrays; i++) {
+    for (uint64_t i = 0; i < arrays; i++) {
         uint64_t components = 0, tuples = 0;
         host_type type = HOST_TYPE_NONE;
         vtk->reader->number = i;
@@ -104,8 +338,7 @@ static int read_normals(host_vtk *vtk)
     reader->unit = "normal";
     for (reader->number = 0; reader->number < n; reader->number++) {
         double normal[3];
-        int i = 0;
-        for (i = 0; i < 3; i++)
+        for (int i = 0; i < 3; i++)
             if (host_vtk_value(vtk, type, &normal[i]) != 0)
                 return -1;
         if (host_reader_normal(reader, normal) != 0)

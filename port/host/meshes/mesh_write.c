@@ -1,6 +1,6 @@
-/* mesh_write.c: writes meshes. Text formats have nine significant digits, so that reading gives the same floats.
- * All say SPACE=LPS, which 3D Slicer believes before anything else. VTK is of version 4.2, which ITK reads, too.
+/* mesh_write.c: triangle meshes in memory, and to files.
  * SPDX-License-Identifier: MIT */
+#include <stdlib.h>
 #include <string.h>
 
 #include "files/file_names.h"
@@ -20,14 +20,13 @@ int host_format_of(const char *path)
 
 static void write_ply_faces(const host_mesh *mesh, int ascii, host_buffer *buffer)
 {
-    size_t i = 0, k = 0;
-    for (i = 0; i < mesh->n_triangles; i++) {
+    for (size_t i = 0; i < mesh->n_triangles; i++) {
         const uint32_t *const t = mesh->triangles + 3u * i;
         if (ascii) {
             host_buffer_print(buffer, "3 %u %u %u\n", t[0], t[1], t[2]);
         } else {
             host_buffer_add(buffer, "\003", 1);
-            for (k = 0; k < 3; k++)
+            for (size_t k = 0; k < 3; k++)
                 host_buffer_u32(buffer, t[k]);
         }
     }
@@ -45,15 +44,14 @@ static void write_ply_header(const host_mesh *mesh, int ascii, const char *more,
 
 static void write_ply(const host_mesh *mesh, int ascii, host_buffer *buffer)
 {
-    size_t i = 0, k = 0;
     write_ply_header(mesh, ascii, "", buffer);
     (void)host_buffer_reserve(buffer, 12u * (size_t)mesh->n_vertices + 13u * (size_t)mesh->n_triangles);
-    for (i = 0; i < mesh->n_vertices; i++) {
+    for (size_t i = 0; i < mesh->n_vertices; i++) {
         const float *const x = mesh->xyz + 3u * i;
         if (ascii)
             host_buffer_print(buffer, "%.9g %.9g %.9g\n", (double)x[0], (double)x[1], (double)x[2]);
         else
-            for (k = 0; k < 3; k++)
+            for (size_t k = 0; k < 3; k++)
                 host_buffer_f32(buffer, x[k]);
     }
     write_ply_faces(mesh, ascii, buffer);
@@ -61,12 +59,11 @@ static void write_ply(const host_mesh *mesh, int ascii, host_buffer *buffer)
 
 static void write_ply_judged(const host_mesh *mesh, const host_vertex_values *values, host_buffer *buffer)
 {
-    size_t i = 0, k = 0;
     write_ply_header(mesh, 0, "property uchar seen\nproperty float expected_error\nproperty float local_volume\n",
                      buffer);
     (void)host_buffer_reserve(buffer, 21u * (size_t)mesh->n_vertices + 13u * (size_t)mesh->n_triangles);
-    for (i = 0; i < mesh->n_vertices; i++) {
-        for (k = 0; k < 3; k++)
+    for (size_t i = 0; i < mesh->n_vertices; i++) {
+        for (size_t k = 0; k < 3; k++)
             host_buffer_f32(buffer, mesh->xyz[3u * i + k]);
         host_buffer_add(buffer, values->seen + i, 1);
         host_buffer_f32(buffer, values->expected_error[i]);
@@ -77,11 +74,10 @@ static void write_ply_judged(const host_mesh *mesh, const host_vertex_values *va
 
 void host_mesh_write_coloured(const host_mesh *mesh, const unsigned char colour[3], host_buffer *buffer)
 {
-    size_t i = 0, k = 0;
     write_ply_header(mesh, 0, "property uchar red\nproperty uchar green\nproperty uchar blue\n", buffer);
     (void)host_buffer_reserve(buffer, 15u * (size_t)mesh->n_vertices + 13u * (size_t)mesh->n_triangles);
-    for (i = 0; i < mesh->n_vertices; i++) {
-        for (k = 0; k < 3; k++)
+    for (size_t i = 0; i < mesh->n_vertices; i++) {
+        for (size_t k = 0; k < 3; k++)
             host_buffer_f32(buffer, mesh->xyz[3u * i + k]);
         host_buffer_add(buffer, colour, 3);
     }
@@ -92,13 +88,12 @@ void host_mesh_write_coloured(const host_mesh *mesh, const unsigned char colour[
 static void write_stl(const host_mesh *mesh, host_buffer *buffer)
 {
     static const char title[80] = "smr SPACE=LPS units mm";
-    size_t i = 0, k = 0;
     host_buffer_add(buffer, title, sizeof title);
     host_buffer_u32(buffer, mesh->n_triangles);
-    for (i = 0; i < mesh->n_triangles; i++) {
-        for (k = 0; k < 3; k++)
+    for (size_t i = 0; i < mesh->n_triangles; i++) {
+        for (size_t k = 0; k < 3; k++)
             host_buffer_f32(buffer, 0.0f);
-        for (k = 0; k < 9; k++)
+        for (size_t k = 0; k < 9; k++)
             host_buffer_f32(buffer, mesh->xyz[3u * (size_t)mesh->triangles[3u * i + k / 3u] + k % 3u]);
         host_buffer_add(buffer, "\0", 2);
     }
@@ -106,29 +101,27 @@ static void write_stl(const host_mesh *mesh, host_buffer *buffer)
 
 static void write_obj(const host_mesh *mesh, host_buffer *buffer)
 {
-    size_t i = 0;
     host_buffer_print(buffer, "# SPACE=LPS, units mm\n");
-    for (i = 0; i < mesh->n_vertices; i++)
+    for (size_t i = 0; i < mesh->n_vertices; i++)
         host_buffer_print(buffer, "v %.9g %.9g %.9g\n", (double)mesh->xyz[3u * i], (double)mesh->xyz[3u * i + 1u],
                           (double)mesh->xyz[3u * i + 2u]);
-    for (i = 0; i < mesh->n_triangles; i++)
+    for (size_t i = 0; i < mesh->n_triangles; i++)
         host_buffer_print(buffer, "f %u %u %u\n", mesh->triangles[3u * i] + 1u, mesh->triangles[3u * i + 1u] + 1u,
                           mesh->triangles[3u * i + 2u] + 1u);
 }
 
 static void write_vtk_ascii(const host_mesh *mesh, host_buffer *buffer)
 {
-    size_t i = 0;
     host_buffer_print(buffer,
                       "# vtk DataFile Version 3.0\nsmr SPACE=LPS units mm\nASCII\nDATASET POLYDATA\n"
                       "POINTS %u float\n",
                       mesh->n_vertices);
-    for (i = 0; i < mesh->n_vertices; i++)
+    for (size_t i = 0; i < mesh->n_vertices; i++)
         host_buffer_print(buffer, "%.9g %.9g %.9g\n", (double)mesh->xyz[3u * i], (double)mesh->xyz[3u * i + 1u],
                           (double)mesh->xyz[3u * i + 2u]);
     if (mesh->n_triangles > 0)
         host_buffer_print(buffer, "POLYGONS %u %zu\n", mesh->n_triangles, 4u * (size_t)mesh->n_triangles);
-    for (i = 0; i < mesh->n_triangles; i++)
+    for (size_t i = 0; i < mesh->n_triangles; i++)
         host_buffer_print(buffer, "3 %u %u %u\n", mesh->triangles[3u * i], mesh->triangles[3u * i + 1u],
                           mesh->triangles[3u * i + 2u]);
 }
@@ -142,8 +135,7 @@ static void put_big(host_buffer *buffer, uint32_t value)
 
 static void put_big_floats(host_buffer *buffer, const float *values, size_t n)
 {
-    size_t i = 0;
-    for (i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++) {
         uint32_t bits = 0;
         memcpy(&bits, &values[i], 4);
         put_big(buffer, bits);
@@ -153,7 +145,6 @@ static void put_big_floats(host_buffer *buffer, const float *values, size_t n)
 
 static void write_vtk(const host_mesh *mesh, host_buffer *buffer)
 {
-    size_t i = 0;
     host_buffer_print(buffer,
                       "# vtk DataFile Version 4.2\nsmr SPACE=LPS units mm\nBINARY\nDATASET POLYDATA\nPOINTS %u float\n",
                       mesh->n_vertices);
@@ -162,7 +153,7 @@ static void write_vtk(const host_mesh *mesh, host_buffer *buffer)
     if (mesh->n_triangles == 0)
         return;
     host_buffer_print(buffer, "POLYGONS %u %zu\n", mesh->n_triangles, 4u * (size_t)mesh->n_triangles);
-    for (i = 0; i < 3u * (size_t)mesh->n_triangles; i++) {
+    for (size_t i = 0; i < 3u * (size_t)mesh->n_triangles; i++) {
         if (i % 3u == 0)
             put_big(buffer, 3u);
         put_big(buffer, mesh->triangles[i]);
@@ -202,4 +193,128 @@ void host_mesh_write(const host_mesh *mesh, int format, host_buffer *buffer)
     case HOST_FORMAT_VTK_ASCII: write_vtk_ascii(mesh, buffer); break;
     default: write_ply(mesh, format == HOST_FORMAT_PLY_ASCII, buffer);
     }
+}
+
+void host_mesh_mirror(host_mesh *mesh, int axis)
+{
+    for (size_t i = 0; i < mesh->n_vertices; i++)
+        mesh->xyz[3u * i + (size_t)axis] = -mesh->xyz[3u * i + (size_t)axis];
+    for (size_t i = 0; mesh->normals != NULL && i < mesh->n_vertices; i++)
+        mesh->normals[3u * i + (size_t)axis] = -mesh->normals[3u * i + (size_t)axis];
+    for (size_t i = 0; i < mesh->n_triangles; i++) {
+        const uint32_t second = mesh->triangles[3u * i + 1u];
+        mesh->triangles[3u * i + 1u] = mesh->triangles[3u * i + 2u];
+        mesh->triangles[3u * i + 2u] = second;
+    }
+}
+
+void host_mesh_free(host_mesh *mesh)
+{
+    free(mesh->xyz);
+    free(mesh->triangles);
+    free(mesh->normals);
+    memset(mesh, 0, sizeof *mesh);
+}
+
+smr_mesh host_mesh_view(const host_mesh *mesh)
+{
+    smr_mesh view;
+    view.xyz = mesh->xyz;
+    view.triangles = mesh->n_triangles > 0 ? mesh->triangles : NULL;
+    view.n_vertices = mesh->n_vertices;
+    view.n_triangles = mesh->n_triangles;
+    return view;
+}
+
+/* Joins normals, which both must have. Called before the vertices are joined. */
+static int append_normals(host_mesh *whole, const host_mesh *part)
+{
+    const size_t before = whole->n_vertices, more = part->n_vertices;
+    if (part->normals == NULL || (before > 0 && whole->normals == NULL)) {
+        free(whole->normals);
+        whole->normals = NULL;
+        return 0;
+    }
+    float *grown = realloc(whole->normals, 12u * (before + more) + 1u);
+    if (grown == NULL)
+        return -1;
+    memcpy(grown + 3u * before, part->normals, 12u * more);
+    whole->normals = grown;
+    return 0;
+}
+
+int host_mesh_append(host_mesh *whole, const host_mesh *part)
+{
+    const size_t vertices = (size_t)whole->n_vertices + part->n_vertices;
+    const size_t triangles = (size_t)whole->n_triangles + part->n_triangles;
+    const uint32_t first = whole->n_vertices;
+    if (vertices > SMR_VERTICES_MAX || triangles > SMR_TRIANGLES_MAX)
+        return -1;
+    if (append_normals(whole, part) != 0)
+        return -1;
+    float *xyz = realloc(whole->xyz, 12u * vertices + 1u);
+    if (xyz == NULL)
+        return -1;
+    whole->xyz = xyz;
+    uint32_t *rows = realloc(whole->triangles, 12u * triangles + 1u);
+    if (rows == NULL)
+        return -1;
+    whole->triangles = rows;
+    if (part->n_vertices > 0)
+        memcpy(xyz + 3u * (size_t)first, part->xyz, 12u * (size_t)part->n_vertices);
+    for (size_t i = 0; i < 3u * (size_t)part->n_triangles; i++)
+        rows[3u * (size_t)whole->n_triangles + i] = part->triangles[i] + first;
+    whole->n_vertices = (uint32_t)vertices;
+    whole->n_triangles = (uint32_t)triangles;
+    return 0;
+}
+
+static int by_vertex(const void *a, const void *b)
+{
+    const host_half_edge *const x = a, *const y = b;
+    const int other = (x->other > y->other) - (x->other < y->other);
+    return other != 0 ? other : (x->side > y->side) - (x->side < y->side);
+}
+
+static void group(const smr_mesh *mesh, host_half_edges *edges)
+{
+    size_t *const first = edges->first;
+    for (int pass = 0; pass < 2; pass++) {
+        for (size_t i = 0; i < 3u * (size_t)mesh->n_triangles; i++) {
+            const uint32_t a = mesh->triangles[i], b = mesh->triangles[i % 3u == 2u ? i - 2u : i + 1u];
+            const uint32_t low = a < b ? a : b;
+            if (a == b)
+                continue;
+            if (pass == 0) {
+                first[low + 2u]++;
+            } else {
+                host_half_edge *const to = &edges->edge[first[low + 1u]++];
+                to->other = a < b ? b : a;
+                to->side = (uint32_t)i;
+            }
+        }
+        for (size_t v = 2; pass == 0 && v < (size_t)mesh->n_vertices + 2u; v++)
+            first[v] += first[v - 1u];
+    }
+}
+
+int host_half_edges_make(const smr_mesh *mesh, host_half_edges *edges)
+{
+    edges->first = calloc((size_t)mesh->n_vertices + 2u, sizeof *edges->first);
+    edges->edge = malloc(3u * (size_t)mesh->n_triangles * sizeof *edges->edge + 1u);
+    if (edges->first == NULL || edges->edge == NULL) {
+        host_half_edges_free(edges);
+        return -1;
+    }
+    group(mesh, edges);
+    for (size_t v = 0; v < mesh->n_vertices; v++)
+        qsort(edges->edge + edges->first[v], edges->first[v + 1u] - edges->first[v], sizeof *edges->edge, by_vertex);
+    return 0;
+}
+
+void host_half_edges_free(host_half_edges *edges)
+{
+    free(edges->first);
+    free(edges->edge);
+    memset(edges, 0, sizeof *edges);
 }

@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 #include "base/byte_buffer.h"
-#include "base/mirror.h"
+#include "base/text_scan.h"
 #include "smr.h"
 
 typedef struct host_mesh {
@@ -72,5 +72,44 @@ typedef struct host_vertex_values {
 /* Writes PLY, whose vertices have the properties seen, expected_error and local_volume then, or VTK with all four as
  * arrays of point data. Other formats hold none of them. */
 void host_mesh_write_judged(const host_mesh *mesh, int format, const host_vertex_values *values, host_buffer *buffer);
+
+/* One file to read, and its mesh or its error. */
+typedef struct host_load {
+    const char *path;
+    int need, mirror; /* as in host_mesh_read */
+    host_mesh mesh;   /* owned by the caller once read */
+    host_error error;
+    int failed;
+} host_load;
+
+/* Reads all files. 0, or -1 with the error of the first file that failed and all meshes freed. */
+int host_load_all(const smr_port *port, host_load *loads, uint32_t n, host_error *error);
+
+/* A side of a triangle whose ends differ. */
+typedef struct host_half_edge {
+    uint32_t other; /* the larger vertex */
+    uint32_t side;  /* 3 times the triangle, plus which of its corners the side starts at */
+} host_half_edge;
+
+/* Half-edges grouped by their smaller vertex v: edge[first[v]] to edge[first[v + 1] - 1], sorted by `other`, then by
+ * `side`. Half-edges of one edge are therefore neighbours. */
+typedef struct host_half_edges {
+    size_t *first;        /* [n_vertices + 2]; owned */
+    host_half_edge *edge; /* owned */
+} host_half_edges;
+
+/* 0, or -1 when out of memory. */
+int host_half_edges_make(const smr_mesh *mesh, host_half_edges *edges);
+
+void host_half_edges_free(host_half_edges *edges);
+
+/* The end of the run of half-edges that belong to the same edge as number i of vertex v. */
+static inline size_t host_half_edges_end(const host_half_edges *edges, size_t v, size_t i)
+{
+    size_t end = i + 1u;
+    while (end < edges->first[v + 1u] && edges->edge[end].other == edges->edge[i].other)
+        end++;
+    return end;
+}
 
 #endif

@@ -14,9 +14,8 @@
 static double six_volumes(const host_mesh *mesh, const uint32_t *corner, const float *o)
 {
     double v[3][3];
-    size_t i = 0, k = 0;
-    for (i = 0; i < 3; i++)
-        for (k = 0; k < 3; k++)
+    for (size_t i = 0; i < 3; i++)
+        for (size_t k = 0; k < 3; k++)
             v[i][k] = (double)mesh->xyz[3u * corner[i] + k] - (double)o[k];
     return v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) + v[0][1] * (v[1][2] * v[2][0] - v[1][0] * v[2][2]) +
            v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
@@ -25,8 +24,7 @@ static double six_volumes(const host_mesh *mesh, const uint32_t *corner, const f
 double host_enclosed_volume(const host_mesh *mesh)
 {
     double sum = 0.0;
-    size_t i = 0;
-    for (i = 0; i < mesh->n_triangles; i++)
+    for (size_t i = 0; i < mesh->n_triangles; i++)
         sum += six_volumes(mesh, mesh->triangles + 3u * i, mesh->xyz);
     return sum / 6.0;
 }
@@ -62,9 +60,8 @@ static int is_closed(const host_mesh *mesh)
 
 void host_box_add(host_box *box, const float *xyz, size_t n)
 {
-    size_t i = 0, k = 0;
-    for (i = 0; i < n; i++, box->count++)
-        for (k = 0; k < 3; k++) {
+    for (size_t i = 0; i < n; i++, box->count++)
+        for (size_t k = 0; k < 3; k++) {
             const float x = xyz[3u * i + k];
             box->low[k] = box->count == 0 || x < box->low[k] ? x : box->low[k];
             box->high[k] = box->count == 0 || x > box->high[k] ? x : box->high[k];
@@ -73,12 +70,11 @@ void host_box_add(host_box *box, const float *xyz, size_t n)
 
 void host_box_add_volume(host_box *box, const smr_volume *volume)
 {
-    uint32_t corner = 0, i = 0, k = 0;
-    for (corner = 0; corner < 8u; corner++) {
+    for (uint32_t corner = 0; corner < 8u; corner++) {
         float at[3];
-        for (k = 0; k < 3; k++) {
+        for (uint32_t k = 0; k < 3; k++) {
             at[k] = volume->origin[k];
-            for (i = 0; i < 3; i++)
+            for (uint32_t i = 0; i < 3; i++)
                 if ((corner >> i & 1u) != 0)
                     at[k] += volume->direction[3u * k + i] * volume->spacing[i] * (float)(volume->size[i] - 1u);
         }
@@ -89,8 +85,7 @@ void host_box_add_volume(host_box *box, const smr_volume *volume)
 static double diagonal(const host_box *box)
 {
     double sum = 0.0;
-    size_t k = 0;
-    for (k = 0; k < 3; k++)
+    for (size_t k = 0; k < 3; k++)
         sum += ((double)box->high[k] - (double)box->low[k]) * ((double)box->high[k] - (double)box->low[k]);
     return sqrt(sum);
 }
@@ -98,36 +93,30 @@ static double diagonal(const host_box *box)
 int host_is_inside_out(const host_mesh *mesh)
 {
     const double volume = mesh->n_triangles > 0 ? host_enclosed_volume(mesh) : 0.0;
-    host_box box;
-    double size = 0.0;
-    memset(&box, 0, sizeof box);
+    host_box box = {0};
     host_box_add(&box, mesh->xyz, mesh->n_vertices);
-    size = diagonal(&box);
+    double size = diagonal(&box);
     /* below that, a flat surface's rounding */
     return volume < -1e-6 * size * size * size && is_closed(mesh);
 }
 
 void host_warn_inside_out(const char *path, const host_mesh *mesh)
 {
-    host_error error;
+    host_error error = {0};
     if (!host_is_inside_out(mesh))
         return;
-    memset(&error, 0, sizeof error);
     error.file = path;
-    (void)host_fail(
-        &error, "faces",
-        "normals that point outwards, but this closed surface is inside out (volume %.4g mm^3): reverse the "
-        "order of each face's vertices",
-        host_enclosed_volume(mesh));
+    (void)host_fail(&error, "faces",
+                    "normals that point outwards, but this closed surface is inside out (volume %.4g mm^3): reverse "
+                    "the order of each face's vertices",
+                    host_enclosed_volume(mesh));
     host_error_print(&error);
 }
 
 static double model_diagonal(const host_model *model)
 {
-    host_box box;
-    uint32_t i = 0;
-    memset(&box, 0, sizeof box);
-    for (i = 0; i < model->n_parts; i++)
+    host_box box = {0};
+    for (uint32_t i = 0; i < model->n_parts; i++)
         host_box_add(&box, model->part[i].mesh.xyz, model->part[i].mesh.n_vertices);
     return diagonal(&box);
 }
@@ -143,10 +132,10 @@ static int check_sizes(const host_model *model, const host_box *other, double li
     const double a = model_diagonal(model), b = diagonal(other);
     if (!(a > 0.0 && b > 0.0) || (a <= limit * b && b <= limit * a))
         return 0;
-    return host_fail(error, "size",
-                     "about the model's size of %.4g mm, found %.4g mm, a ratio of %.4g: is one of them in metres or "
-                     "micrometres?",
-                     a, b, b / a);
+    return host_fail(
+        error, "size",
+        "about the model's size of %.4g mm, found %.4g mm, a ratio of %.4g: is one of them in metres or micrometres?",
+        a, b, b / a);
 }
 
 int host_check_target_size(const host_model *model, const host_box *target, host_error *error)
@@ -156,18 +145,16 @@ int host_check_target_size(const host_model *model, const host_box *target, host
 
 int host_check_image_size(const host_model *model, const smr_volume *image, host_error *error)
 {
-    host_box box;
-    memset(&box, 0, sizeof box);
+    host_box box = {0};
     host_box_add_volume(&box, image);
     return check_sizes(model, &box, IMAGE_RATIO_MAX, error);
 }
 
 static int lies_in(const smr_volume *volume, const float *xyz)
 {
-    size_t i = 0, k = 0;
-    for (i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; i++) {
         double at = 0.0;
-        for (k = 0; k < 3; k++)
+        for (size_t k = 0; k < 3; k++)
             at += (double)volume->direction[3u * k + i] * ((double)xyz[k] - (double)volume->origin[k]);
         at /= (double)volume->spacing[i];
         if (!(at >= -0.5 && at <= (double)volume->size[i] - 0.5))
@@ -178,11 +165,10 @@ static int lies_in(const smr_volume *volume, const float *xyz)
 
 double host_share_covered(const host_model *model, const smr_volume *image)
 {
-    uint32_t i = 0, k = 0;
     size_t n = 0, covered = 0;
-    for (i = 0; i < model->n_parts; i++) {
+    for (uint32_t i = 0; i < model->n_parts; i++) {
         const host_mesh *const mesh = &model->part[i].mesh;
-        for (k = 0; k < mesh->n_vertices; k++, n++)
+        for (uint32_t k = 0; k < mesh->n_vertices; k++, n++)
             covered += (size_t)lies_in(image, mesh->xyz + 3u * (size_t)k);
     }
     return n > 0 ? (double)covered / (double)n : 0.0;

@@ -10,12 +10,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "base/memory.h"
-#include "base/threads.h"
+#include "base/system.h"
 #include "files/file_names.h"
 #include "files/file_read.h"
 #include "model/input_check.h"
-#include "volumes/volume_image.h"
+#include "volumes/voxel_volume.h"
 
 #define MAGIC "SMR1" /* the first bytes of every prepared model */
 
@@ -33,7 +32,6 @@ int host_model_is_prepared(const char *path)
     unsigned char head[4] = {0, 0, 0, 0};
     struct stat st;
     FILE *file = NULL;
-    size_t n = 0;
     if (host_has_extension(path, ".smr"))
         return 1;
     /* opening a named pipe would wait for its writer */
@@ -41,7 +39,7 @@ int host_model_is_prepared(const char *path)
         file = fopen(path, "rb");
     if (file == NULL)
         return 0;
-    n = fread(head, 1, sizeof head, file);
+    size_t n = fread(head, 1, sizeof head, file);
     (void)fclose(file);
     return n == sizeof head && memcmp(head, MAGIC, sizeof head) == 0;
 }
@@ -60,8 +58,7 @@ static int check_length(const char *path, uint32_t i, host_error *error)
 /* Checks the structures' names. loads: the files that they come from; NULL for a prepared model. */
 static int check_names(const host_model *model, const host_load *loads, host_error *error)
 {
-    uint32_t i = 0, k = 0;
-    for (i = 0; i < model->n_parts; i++) {
+    for (uint32_t i = 0; i < model->n_parts; i++) {
         const char *const name = model->part[i].name;
         const char *c = name;
         if (loads != NULL) {
@@ -74,7 +71,7 @@ static int check_names(const host_model *model, const host_load *loads, host_err
                 return host_fail_at(error, "name of structure", i, "one that can be a file name");
         if (name[0] == '\0' || name[0] == '.')
             return host_fail_at(error, "name of structure", i, "one that can be a file name, found '%s'", name);
-        for (k = 0; k < i; k++)
+        for (uint32_t k = 0; k < i; k++)
             if (strcmp(model->part[k].name, name) == 0)
                 return host_fail_at(error, "name of structure", i, "names that differ, '%s' is there twice", name);
     }
@@ -110,7 +107,6 @@ static int copy_part(host_model *model, uint32_t i, host_error *error)
 
 static int open_bytes(host_model *model, host_error *error)
 {
-    uint32_t i = 0;
     const double start = host_seconds();
     const smr_status status = smr_model_open(model->prepared, model->prepared_bytes, &model->model);
     if (status != SMR_OK)
@@ -122,7 +118,7 @@ static int open_bytes(host_model *model, host_error *error)
         return 0;
     if (make_parts(model, model->info.n_structures, error) != 0)
         return -1;
-    for (i = 0; i < model->n_parts; i++)
+    for (uint32_t i = 0; i < model->n_parts; i++)
         if (copy_part(model, i, error) != 0)
             return -1;
     return check_names(model, NULL, error);
@@ -131,7 +127,6 @@ static int open_bytes(host_model *model, host_error *error)
 int host_model_open_prepared(const char *path, host_model *model, host_error *error)
 {
     host_bytes bytes;
-    int result = 0;
     memset(model, 0, sizeof *model);
     if (host_file_read(path, accept_image, &bytes, error) != 0)
         return -1;
@@ -143,7 +138,7 @@ int host_model_open_prepared(const char *path, host_model *model, host_error *er
             memcpy(model->prepared, bytes.data, bytes.size);
         host_file_free(&bytes);
     }
-    result = model->prepared != NULL ? open_bytes(model, error) : host_fail(error, "file", "free memory");
+    int result = model->prepared != NULL ? open_bytes(model, error) : host_fail(error, "file", "free memory");
     if (result != 0)
         host_model_free(model);
     return result;
@@ -160,13 +155,12 @@ static int check_faces(const host_model *model, host_error *error)
 
 int host_model_take(host_load *loads, uint32_t n, host_model *model, host_error *error)
 {
-    uint32_t i = 0;
     memset(model, 0, sizeof *model);
     error->file = "--model";
     if (make_parts(model, n, error) != 0)
         return -1;
     error->file = loads[0].path;
-    for (i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         (void)host_base_name(loads[i].path, model->part[i].name, sizeof model->part[i].name);
         model->part[i].mesh = loads[i].mesh;
         host_warn_inside_out(loads[i].path, &model->part[i].mesh);
@@ -181,8 +175,7 @@ static size_t likely_bytes(const host_model *model, const smr_prepare_config *co
 {
     const size_t radii = config->n_radii > 0 ? config->n_radii : SMR_RADII_MAX / 2u;
     size_t bytes = (size_t)1u << 20;
-    uint32_t i = 0;
-    for (i = 0; i < model->n_parts; i++)
+    for (uint32_t i = 0; i < model->n_parts; i++)
         bytes +=
             (256u + 1024u * radii) * model->part[i].mesh.n_vertices + 64u * (size_t)model->part[i].mesh.n_triangles;
     return bytes < ((size_t)1u << 30) ? bytes : (size_t)1u << 30;
@@ -192,11 +185,10 @@ static size_t likely_bytes(const host_model *model, const smr_prepare_config *co
 static smr_status run_prepare(host_model *model, const smr_structure *structures, const smr_prepare_config *config)
 {
     size_t scratch_bytes = 0;
-    void *scratch = NULL;
     smr_status status = smr_prepare_bytes(structures, model->n_parts, config, &scratch_bytes);
     if (status != SMR_OK)
         return status;
-    scratch = host_alloc(scratch_bytes);
+    void *scratch = host_alloc(scratch_bytes);
     if (scratch == NULL)
         return SMR_E_ARENA;
     model->prepared_bytes = likely_bytes(model, config);
@@ -220,10 +212,9 @@ int host_model_prepare(host_model *model, const smr_prepare_config *config, host
     const double start = host_seconds();
     smr_structure *const structures = calloc(model->n_parts, sizeof *structures);
     smr_status status = SMR_E_ARENA;
-    uint32_t i = 0;
     error->file = "--model";
     if (structures != NULL) {
-        for (i = 0; i < model->n_parts; i++) {
+        for (uint32_t i = 0; i < model->n_parts; i++) {
             structures[i].name = model->part[i].name;
             structures[i].mesh = host_mesh_view(&model->part[i].mesh);
         }
@@ -263,9 +254,8 @@ static int check_reference(const host_model *model, const char *path, const smr_
 static int prepare_with(host_model *model, const host_options *options, const smr_port *port, host_error *error)
 {
     smr_prepare_config config = options->prepare;
-    host_image reference;
+    host_image reference = {0};
     int result = 0;
-    memset(&reference, 0, sizeof reference);
     config.port = port;
     if (options->reference != NULL) {
         result = host_image_read(options->reference, options->mirror_model, &reference, error);
@@ -282,22 +272,19 @@ static int prepare_with(host_model *model, const host_options *options, const sm
 int host_model_load(const host_files *files, const host_options *options, const smr_port *port, host_model *model,
                     host_error *error)
 {
-    host_load *loads = NULL;
-    uint32_t i = 0;
-    int result = 0;
     memset(model, 0, sizeof *model);
     if (files->n == 1 && host_model_is_prepared(files->path[0]))
         return options->prepare_option != NULL ? refuse_prepared(options, error)
                                                : host_model_open_prepared(files->path[0], model, error);
-    loads = calloc(files->n, sizeof *loads);
+    host_load *loads = calloc(files->n, sizeof *loads);
     if (loads == NULL)
         return host_fail(error, "start", "free memory");
-    for (i = 0; i < files->n; i++) {
+    for (uint32_t i = 0; i < files->n; i++) {
         loads[i].path = files->path[i];
         loads[i].need = HOST_MESH_POINTS_TOO;
         loads[i].mirror = options->mirror_model;
     }
-    result = host_load_all(port, loads, files->n, error);
+    int result = host_load_all(port, loads, files->n, error);
     if (result == 0)
         result = host_model_take(loads, files->n, model, error);
     free(loads);
@@ -310,8 +297,7 @@ int host_model_load(const host_files *files, const host_options *options, const 
 
 void host_model_free(host_model *model)
 {
-    uint32_t i = 0;
-    for (i = 0; i < model->n_parts; i++)
+    for (uint32_t i = 0; i < model->n_parts; i++)
         host_mesh_free(&model->part[i].mesh);
     free(model->part);
     free(model->prepared);

@@ -3,7 +3,7 @@
 #ifndef MODEL_FROM_FILES_H
 #define MODEL_FROM_FILES_H
 
-#include "meshes/mesh_load.h"
+#include "meshes/triangle_mesh.h"
 #include "options/options.h"
 
 /* A structure: its name and rest shape. */

@@ -1,11 +1,10 @@
-/* command_text.c: the commands in words, and the help of one command.
+/* command_text.c: the commands in words, the help of one command and of the whole program.
  * SPDX-License-Identifier: MIT */
-#include "options/command_text.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#include "options/option_text.h"
+#include "options/options_table.h"
 
 #define TEXT_COLUMN 30 /* behind which sentences start */
 
@@ -13,6 +12,10 @@
     "Surfaces are PLY, STL, OBJ or legacy VTK polydata, each also with .gz; volumes MetaImage, NIfTI-1 or NRRD. "      \
     "Coordinates are LPS millimetres; a file that says SPACE=RAS is turned. Structures carry the base names of their " \
     "files."
+
+#define MODULE                                                                                                         \
+    "smr-register makes a module of 3D Slicer of register (--xml), with options of its own: --image VOLUME for "       \
+    "--target, --model-landmarks FILE, --target-landmarks FILE, --output SURFACE, --field FILE.nrrd."
 
 const host_command_text host_command_texts[] = {
     {"register",
@@ -23,27 +26,23 @@ const host_command_text host_command_texts[] = {
       "--model FILE... --landmark-goals MODEL NOW [--target FILE...] -o DIR [OPTION]...", NULL},
      {MESH_FILES,
       "Several targets are matched to structures by name, one target serves all, and structures without one are "
-      "carried "
-      "along. A target without triangles is a cloud of points. The reference is the image that fits the model's "
-      "surfaces; a .smr that was built with --reference needs none. Landmarks are Slicer's .mrk.json or .fcsv, or CSV "
-      "with label,x,y,z.",
+      "carried along. A target without triangles is a cloud of points. The reference is the image that fits the "
+      "model's surfaces; a .smr that was built with --reference needs none. Landmarks are Slicer's .mrk.json or .fcsv, "
+      "or CSV with label,x,y,z.",
       "DIR gets NAME.ply for every structure, carry.bin for carry, field and warp, and report.json, which is written "
       "last: a directory without it is not a whole result. The report has a verdict, good, look or failed, with "
-      "reasons "
-      "and the error that is expected.",
+      "reasons and the error that is expected.",
       "Results are the same for any number of threads and on any processor.", NULL},
      "by the verdict: 1 failed, 3 look at it (0 with --accept look); 4 --ticks ended first. Results are written in "
-     "each "
-     "case"},
+     "each case"},
     {"track",
      HOST_TRACK,
      "follow a target that moves, frame by frame",
      {"--model FILE... --frames FILE... -o DIR [OPTION]...", NULL},
      {MESH_FILES,
       "The model is registered onto the first frame and follows the others, surfaces or clouds of points. DIR gets "
-      "FRAME/NAME.ply for every frame "
-      "and structure, and track.csv with a line for each frame: time, ticks, residual, verdict, whether the target "
-      "jumped.",
+      "FRAME/NAME.ply for every frame and structure, and track.csv with a line for each frame: time, ticks, residual, "
+      "verdict, whether the target jumped.",
       NULL},
      "by the worst frame's verdict: 1 failed, 3 look at it (0 with --accept look)"},
     {"build",
@@ -59,8 +58,7 @@ const host_command_text host_command_texts[] = {
      "say what models, surfaces, volumes and landmarks are",
      {"FILE... [OPTION]...", NULL},
      {"Of surfaces it says what the model of them would be, with the options of preparing; of a label map each "
-      "structure "
-      "with its voxels and volume.",
+      "structure with its voxels and volume.",
       MESH_FILES, NULL},
      ""},
     {"measure",
@@ -105,8 +103,7 @@ const host_command_text host_command_texts[] = {
      "make smooth closed surfaces of a label map's structures",
      {"LABELS -o DIR [OPTION]...", NULL},
      {"Label maps are .nrrd, .seg.nrrd, .nii or .mha, also with .gz. DIR gets NAME.ply for each structure and "
-      "labels.ctbl "
-      "with their values and colours.",
+      "labels.ctbl with their values and colours.",
       NULL},
      ""},
     {"labels",
@@ -117,9 +114,9 @@ const host_command_text host_command_texts[] = {
      ""},
     {"replay",
      HOST_REPLAY,
-     "repeat a registration that register --log recorded",
+     "repeat a registration from its log, to the last bit",
      {"LOG [--threads N]", NULL},
-     {"The inputs are read again, from where it is called. It says that all ticks agree to the last bit, or which one "
+     {"The inputs are read again, from where it is called. It says that all ticks agree, or which one "
       "differs.",
       NULL},
      "1 it differs"},
@@ -133,7 +130,7 @@ const host_command_text host_command_texts[] = {
      ""},
     {"bench",
      HOST_BENCH,
-     "draw the paper's figures, measure how budgets are kept",
+     "measure the paper's figures, and how budgets are kept",
      {"--figure1 | --figure2 | --soak -o DIR [OPTION]...",
       "--figure1 | --figure2 | --soak --model FILE... --target FILE... -o DIR [OPTION]...", NULL},
      {"Of the computed thigh, or of files.", NULL},
@@ -168,8 +165,8 @@ static void print_option(const host_option *o, int command)
 
 static void print_group(size_t group, int command)
 {
-    size_t i = 0, n = 0;
-    for (i = 0; i < host_option_count; i++) {
+    size_t n = 0;
+    for (size_t i = 0; i < host_option_count; i++) {
         const host_option *const o = &host_option_table[i];
         if ((o->commands & command) == 0 || host_option_group(o, command) != group)
             continue;
@@ -182,24 +179,81 @@ static void print_group(size_t group, int command)
 int host_command_help(const char *name)
 {
     const host_command_text *c = host_command_texts;
-    size_t i = 0;
     char status[512];
     while (c < host_command_texts + host_command_count && strcmp(c->name, name) != 0)
         c++;
     if (c == host_command_texts + host_command_count)
         return -1;
     (void)printf("smr %s: %s\n\n", c->name, c->purpose);
-    for (i = 0; c->synopsis[i] != NULL; i++)
+    for (size_t i = 0; c->synopsis[i] != NULL; i++)
         (void)printf("%s smr %s %s\n", i == 0 ? "usage:" : "      ", c->name, c->synopsis[i]);
-    for (i = 0; c->paragraph[i] != NULL; i++) {
+    for (size_t i = 0; c->paragraph[i] != NULL; i++) {
         (void)printf("\n");
         host_print_wrapped(0, 0, c->paragraph[i]);
     }
-    for (i = 0; host_option_groups[i] != NULL; i++)
+    for (size_t i = 0; host_option_groups[i] != NULL; i++)
         print_group(i, c->command);
     (void)snprintf(status, sizeof status, "Exit status: %s%s%s.", host_status_text, c->status[0] == '\0' ? "" : "; ",
                    c->status);
     (void)printf("\n");
     host_print_wrapped(0, 0, status);
     return 0;
+}
+
+/* 1 when a command before this one has an option of which the same is said. */
+static int is_said(const host_option *o, const host_command_text *command)
+{
+    char sentence[512], other[512];
+    host_option_sentence(o, command->command, sentence, sizeof sentence);
+    for (const host_command_text *c = host_command_texts; c < command; c++)
+        for (size_t i = 0; i < host_option_count; i++) {
+            const host_option *const p = &host_option_table[i];
+            if ((p->commands & c->command) == 0 || strcmp(p->name, o->name) != 0)
+                continue;
+            host_option_sentence(p, c->command, other, sizeof other);
+            if (strcmp(sentence, other) == 0)
+                return 1;
+        }
+    return 0;
+}
+
+static void print_new_options(const host_command_text *command)
+{
+    size_t n = 0;
+    for (size_t group = 0; host_option_groups[group] != NULL; group++)
+        for (size_t i = 0; i < host_option_count; i++) {
+            const host_option *const o = &host_option_table[i];
+            if ((o->commands & command->command) == 0 || host_option_group(o, command->command) != group ||
+                is_said(o, command))
+                continue;
+            if (n++ == 0)
+                (void)printf("\n%s:\n", command->name);
+            print_option(o, command->command);
+        }
+}
+
+void host_help(void)
+{
+    const host_command_text *const end = host_command_texts + host_command_count;
+    char status[512];
+    (void)printf("smr: shape-matching registration of surfaces onto surfaces or images\n\n");
+    for (const host_command_text *c = host_command_texts; c < end; c++) {
+        for (size_t i = 0; c->synopsis[i] != NULL; i++)
+            (void)printf("  smr %s %s\n", c->name, c->synopsis[i]);
+        (void)printf("%*s%s\n", TEXT_COLUMN, "", c->purpose);
+    }
+    (void)printf("  smr --help | --version | COMMAND --help\n\n");
+    host_print_wrapped(0, 0, MESH_FILES);
+    host_print_wrapped(0, 0, MODULE);
+    (void)printf("\nOptions, each at the first command that has it. smr COMMAND --help has all of a command.\n");
+    for (const host_command_text *c = host_command_texts; c < end; c++)
+        print_new_options(c);
+    (void)printf("\n");
+    (void)snprintf(status, sizeof status, "Exit status: %s.", host_status_text);
+    host_print_wrapped(0, 0, status);
+    for (const host_command_text *c = host_command_texts; c < end; c++)
+        if (c->status[0] != '\0') {
+            (void)snprintf(status, sizeof status, "%s: %s.", c->name, c->status);
+            host_print_wrapped(0, 0, status);
+        }
 }

@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/xml_text.h"
-#include "options/option_text.h"
+#include "base/clean_text.h"
+#include "options/options_table.h"
 
 /* A parameter; NULL: it has no such element. */
 typedef struct parameter {
@@ -107,9 +107,8 @@ static void put_listed(host_buffer *out, const parameter *p)
     char name[64];
     put_head(out, p);
     if (strcmp(p->tag, "string-enumeration") == 0) {
-        const host_option *o = NULL;
         (void)snprintf(name, sizeof name, "--%s", p->flag);
-        o = host_option_find(name, HOST_REGISTER);
+        const host_option *o = host_option_find(name, HOST_REGISTER);
         if (o != NULL && strstr(host_option_words(o), p->standard) == NULL)
             put_element(out, "element", p->standard);
         if (o != NULL)
@@ -158,9 +157,8 @@ static void put_setting(host_buffer *out, const host_option *o, const smr_settin
 
 static void put_group(host_buffer *out, const char *label, const parameter *list, size_t n)
 {
-    size_t i = 0;
     host_buffer_print(out, " <parameters><label>%s</label><description>%s</description>\n", label, label);
-    for (i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++)
         put_listed(out, &list[i]);
     host_buffer_print(out, " </parameters>\n");
 }
@@ -168,8 +166,7 @@ static void put_group(host_buffer *out, const char *label, const parameter *list
 /* 1 when an option is among those that are listed by hand. */
 static int is_listed(const host_option *o)
 {
-    size_t i = 0;
-    for (i = 0; i < sizeof start / sizeof start[0]; i++)
+    for (size_t i = 0; i < sizeof start / sizeof start[0]; i++)
         if (strcmp(o->name + strspn(o->name, "-"), start[i].flag) == 0)
             return 1;
     return 0;
@@ -178,10 +175,9 @@ static int is_listed(const host_option *o)
 /* The options that set something for this kind of target (0: any), or for preparing the model. */
 static void put_settings(host_buffer *out, const char *label, int prepares, int targets)
 {
-    size_t i = 0;
     host_buffer_print(out, " <parameters advanced=\"true\"><label>%s</label><description>%s</description>\n", label,
                       label);
-    for (i = 0; i < host_option_count; i++) {
+    for (size_t i = 0; i < host_option_count; i++) {
         const host_option *const o = &host_option_table[i];
         const smr_setting *const s = host_option_setting(o);
         if (s != NULL && (o->commands & HOST_REGISTER) != 0 && o->prepares == prepares &&
@@ -213,9 +209,8 @@ static void put_all(host_buffer *out)
 
 int host_module_xml(void)
 {
-    host_buffer out;
+    host_buffer out = {0};
     int result = 0;
-    memset(&out, 0, sizeof out);
     put_all(&out);
     if (out.failed || fwrite(out.data, 1, out.size, stdout) != out.size)
         result = -1;

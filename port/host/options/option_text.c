@@ -1,6 +1,6 @@
 /* option_text.c: what is said of each option: value, sentence, default.
  * SPDX-License-Identifier: MIT */
-#include "options/option_text.h"
+#include "options/options_table.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -30,7 +30,7 @@ static const struct {
     {"-o", HOST_WARP, "FILE", "the deformed volume: .nrrd or .mha"},
     {"-o", HOST_LABELS, "FILE", "the label map: .seg.nrrd, .nrrd, .mha, .nii or .nii.gz"},
     {"-o", HOST_SUMMARY, "TABLE.csv", "the table"},
-    {"-o", HOST_BENCH, "DIR", "directory of the tables and figures"},
+    {"-o", HOST_BENCH, "DIR", "directory of the tables"},
     {"-o", 0, "DIR", "directory of the results; files of an earlier run are replaced"},
     {"--result", 0, "DIR", "directory that smr register wrote"},
     {"--points", HOST_TRACK, "FILE",
@@ -100,8 +100,8 @@ static const struct {
     {"--seed", HOST_PHANTOM, "N", "another patient (1)"},
     {"--seed", 0, "N", "of the computed thigh (1)"},
     {"--small", 0, "", "fewer vertices and voxels"},
-    {"--figure1", 0, "", "figure1.csv and figure1.svg: distance over time by one thread, for four radii"},
-    {"--figure2", 0, "", "figure2.csv and figure2.svg: time and error over ignored vertices"},
+    {"--figure1", 0, "", "figure1.csv: distance over time by one thread, for four radii"},
+    {"--figure2", 0, "", "figure2.csv: time and error over ignored vertices"},
     {"--soak", 0, "", "soak.csv: how far ticks end beyond budgets of 1 to 33 ms by the wall clock"},
     {"--repeats", 0, "N", "repetitions of figure 2's times (7)"},
     {"--step", 0, "N", "% ignored from point to point of figure 2 (10)"},

@@ -4,7 +4,7 @@
 #define OPTIONS_H
 
 #include "base/error_line.h"
-#include "base/mirror.h"
+#include "base/text_scan.h"
 #include "smr.h"
 
 enum {
@@ -107,5 +107,11 @@ void host_help(void);
 
 /* Prints the description of `smr register` as a module of 3D Slicer on standard output. 0, or -1: it is not whole. */
 int host_module_xml(void);
+
+/* NAME=R: how many characters are the name, and R. 0 when the word is none. A name may have '=' in it. */
+int host_volume_ratio_split(const char *word, size_t *name, double *ratio);
+
+/* Checks all words, as far as words can tell. 0, or -1 with the error filled. */
+int host_volume_ratios_check(const host_files *words, host_error *error);
 
 #endif

@@ -1,16 +1,57 @@
 /* options_check.c: what options need beside them, what they exclude, and what depends on the kind of target: after all
  * are read.
  * SPDX-License-Identifier: MIT */
-#include "options/options_table.h"
-
 #include <float.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "base/text_scan.h"
 #include "files/file_names.h"
 #include "meshes/triangle_mesh.h"
-#include "options/volume_ratios.h"
+#include "options/options.h"
+#include "options/options_table.h"
 #include "volumes/voxel_volume.h"
+
+#define OF(field) offsetof(host_options, field)
+#define RATIO_LEAST 0.1 /* as smr_set_volume_ratio() has it */
+#define RATIO_MOST 10.0
+
+int host_volume_ratio_split(const char *word, size_t *name, double *ratio)
+{
+    const char *const equals = strrchr(word, '=');
+    if (equals == NULL || equals == word)
+        return 0;
+    *name = (size_t)(equals - word);
+    return host_word_double((host_word){equals + 1, strlen(equals + 1)}, ratio) && *ratio >= RATIO_LEAST &&
+           *ratio <= RATIO_MOST;
+}
+
+/* 1 where an earlier word has the same name. */
+static int is_again(const host_files *words, uint32_t number)
+{
+    size_t name = 0, other = 0;
+    double ratio = 0.0;
+    (void)host_volume_ratio_split(words->path[number], &name, &ratio);
+    for (uint32_t i = 0; i < number; i++)
+        if (host_volume_ratio_split(words->path[i], &other, &ratio) && other == name &&
+            strncmp(words->path[i], words->path[number], name) == 0)
+            return 1;
+    return 0;
+}
+
+int host_volume_ratios_check(const host_files *words, host_error *error)
+{
+    size_t name = 0;
+    double ratio = 0.0;
+    error->file = "--volume-ratio";
+    for (uint32_t i = 0; i < words->n; i++)
+        if (!host_volume_ratio_split(words->path[i], &name, &ratio))
+            return host_fail(error, words->path[i], "NAME=R, a structure and a ratio of at least %g and at most %g",
+                             RATIO_LEAST, RATIO_MOST);
+        else if (is_again(words, i))
+            return host_fail(error, words->path[i], "one ratio for each structure");
+    return 0;
+}
 
 /* mm: about what clusters of the coarsest radius put right themselves; points clicked in an image are uncertain */
 #define IMAGE_SMOOTHING 100.0f
@@ -20,8 +61,7 @@ static int check_bench_files(const host_options *options, host_error *error)
 {
     static const char *const needed[] = {"--model", "--target", "--reference", "--truth"};
     const size_t n = options->figure1 ? 2 : sizeof needed / sizeof needed[0];
-    size_t i = 0;
-    for (i = 0; i < sizeof needed / sizeof needed[0]; i++) {
+    for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++) {
         error->file = needed[i];
         if (i >= n && host_option_given(options, needed[i]))
             return host_fail(error, "option", "--figure2 or --soak beside it");
@@ -36,115 +76,83 @@ static int check_bench_files(const host_options *options, host_error *error)
 /* A benchmark of the computed thigh, or of files. */
 static int check_bench(const host_options *options, host_error *error)
 {
-    static const char *const optional[] = {"--landmarks", "--mirror-model", "--mirror-target", "--align"};
-    static const char *const computed[] = {"--seed", "--small"};
-    static const char *const figure[] = {"--repeats", "--step"};
-    const int files = options->model.n > 0;
-    size_t i = 0;
+    const int files = options->model.n > 0, soak = options->soak != 0, figure2 = options->figure2 != 0;
+    const struct {
+        const char *option;
+        int fits;
+        const char *expected;
+    } rules[] = {{"--seconds", soak, "--soak beside it"},
+                 {"--repeats", figure2, "--figure2 beside it"},
+                 {"--step", figure2, "--figure2 beside it"},
+                 {"--seed", !files, "no --model beside it, it is of the computed thigh"},
+                 {"--small", !files, "no --model beside it, it is of the computed thigh"},
+                 {"--landmarks", files, "--model beside it"},
+                 {"--mirror-model", files, "--model beside it"},
+                 {"--mirror-target", files, "--model beside it"},
+                 {"--align", files, "--model beside it"},
+                 {"--align", options->figure1 != 0, "--figure1 beside it"}};
     if (options->figure1 + options->figure2 + options->soak != 1u)
         return host_fail(error, "bench", "one of --figure1, --figure2 and --soak");
     if (options->out == NULL)
         return host_fail(error, "-o", "the directory for the results");
-    error->file = "--seconds";
-    if (host_option_given(options, error->file) && !options->soak)
-        return host_fail(error, "option", "--soak beside it");
-    for (i = 0; i < sizeof figure / sizeof figure[0]; i++) {
-        error->file = figure[i];
-        if (host_option_given(options, figure[i]) && !options->figure2)
-            return host_fail(error, "option", "--figure2 beside it");
+    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
+        error->file = rules[i].option;
+        if (!rules[i].fits && host_option_given(options, rules[i].option))
+            return host_fail(error, "option", "%s", rules[i].expected);
     }
-    for (i = 0; i < sizeof computed / sizeof computed[0]; i++) {
-        error->file = computed[i];
-        if (files && host_option_given(options, computed[i]))
-            return host_fail(error, "option", "no --model beside it, it is of the computed thigh");
-    }
-    for (i = 0; i < sizeof optional / sizeof optional[0]; i++) {
-        error->file = optional[i];
-        if (!files && host_option_given(options, optional[i]))
-            return host_fail(error, "option", "--model beside it");
-    }
-    error->file = "--align";
-    if (host_option_given(options, error->file) && !options->figure1)
-        return host_fail(error, "option", "--figure1 beside it");
     return check_bench_files(options, error);
 }
 
-static int check_track(const host_options *options, host_error *error)
-{
-    if (options->model.n == 0)
-        return host_fail(error, "--model", "one file or more");
-    if (options->frames.n == 0)
-        return host_fail(error, "--frames", "one file or directory or more, each a frame");
-    if (options->out == NULL)
-        return host_fail(error, "-o", "the directory for the results");
-    return 0;
-}
-
-/* What carries something by a result. */
-static int check_carry(const host_options *options, host_error *error)
-{
-    if (options->result == NULL)
-        return host_fail(error, "--result", "the directory that smr register wrote");
-    if (options->command == HOST_CARRY && options->points == NULL)
-        return host_fail(error, "--points", "a file of points");
-    if (options->command == HOST_WARP && options->volume == NULL)
-        return host_fail(error, "--volume", "the image that fits the model");
-    if (options->out == NULL)
-        return host_fail(error, "-o", "the file for what is carried");
-    if (options->like != NULL && host_option_given(options, "--spacing"))
-        return host_fail(error, "--spacing", "no --like beside it, which has its own");
-    return 0;
-}
-
-/* Label maps: one input, and what says where to. */
-static int check_labels(const host_options *options, host_error *error)
-{
-    if (options->command == HOST_SURFACES && options->operands.n != 1)
-        return host_fail(error, "surfaces", "one label map: smr surfaces LABELS -o DIR");
-    if (options->command == HOST_LABELS && options->operands.n != 1)
-        return host_fail(error, "labels", "one directory of surfaces: smr labels DIR --like VOLUME -o FILE");
-    if (options->command == HOST_LABELS && options->like == NULL)
-        return host_fail(error, "--like", "a volume whose voxels get the labels");
-    if (options->out == NULL)
-        return host_fail(error, "-o",
-                         options->command == HOST_SURFACES ? "the directory for the surfaces"
-                                                           : "the file for the label map");
-    return 0;
-}
+/* What a command cannot do without: a text, or files, one at least unless `exactly` says how many. In this order. */
+static const struct need {
+    int commands;
+    size_t offset; /* in host_options, of a host_files or of a text */
+    uint32_t files, exactly;
+    const char *place, *expected;
+} needs[] = {
+    {HOST_SURFACES, OF(operands), 1, 1, "surfaces", "one label map: smr surfaces LABELS -o DIR"},
+    {HOST_LABELS, OF(operands), 1, 1, "labels", "one directory of surfaces: smr labels DIR --like VOLUME -o FILE"},
+    {HOST_LABELS, OF(like), 0, 0, "--like", "a volume whose voxels get the labels"},
+    {HOST_SURFACES, OF(out), 0, 0, "-o", "the directory for the surfaces"},
+    {HOST_LABELS, OF(out), 0, 0, "-o", "the file for the label map"},
+    {HOST_TRACK | HOST_REGISTER | HOST_BUILD, OF(model), 1, 0, "--model", "one file or more"},
+    {HOST_TRACK, OF(frames), 1, 0, "--frames", "one file or directory or more, each a frame"},
+    {HOST_CARRY | HOST_FIELD | HOST_WARP, OF(result), 0, 0, "--result", "the directory that smr register wrote"},
+    {HOST_CARRY, OF(points), 0, 0, "--points", "a file of points"},
+    {HOST_WARP, OF(volume), 0, 0, "--volume", "the image that fits the model"},
+    {HOST_CARRY | HOST_FIELD | HOST_WARP, OF(out), 0, 0, "-o", "the file for what is carried"},
+    {HOST_MEASURE, OF(operands), 1, 2, "measure", "two surfaces: smr measure A B"},
+    {HOST_REPLAY, OF(operands), 1, 1, "replay", "one log: smr replay LOG"},
+    {HOST_INFO, OF(operands), 1, 0, "info", "a model or surfaces: smr info MODEL.smr"},
+    {HOST_SUMMARY, OF(operands), 1, 0, "summary",
+     "directories that smr register wrote: smr summary DIR... -o TABLE.csv"},
+    {HOST_PHANTOM, OF(out), 0, 0, "-o", "the directory for the phantom"},
+};
 
 static int check_needs(host_options *options, host_error *error)
 {
     error->file = "usage";
     if (options->command == HOST_BENCH)
         return check_bench(options, error);
-    if ((options->command & (HOST_SURFACES | HOST_LABELS)) != 0)
-        return check_labels(options, error);
-    if (options->command == HOST_TRACK)
-        return check_track(options, error);
-    if ((options->command & (HOST_CARRY | HOST_FIELD | HOST_WARP)) != 0)
-        return check_carry(options, error);
-    if (options->command == HOST_MEASURE && options->operands.n != 2)
-        return host_fail(error, "measure", "two surfaces: smr measure A B");
-    if (options->command == HOST_REPLAY && options->operands.n != 1)
-        return host_fail(error, "replay", "one log: smr replay LOG");
-    if (options->command == HOST_INFO && options->operands.n == 0)
-        return host_fail(error, "info", "a model or surfaces: smr info MODEL.smr");
-    if (options->command == HOST_SUMMARY && options->operands.n == 0)
-        return host_fail(error, "summary", "directories that smr register wrote: smr summary DIR... -o TABLE.csv");
+    for (const struct need *need = needs; need < needs + sizeof needs / sizeof needs[0]; need++) {
+        const void *const at = (const unsigned char *)options + need->offset;
+        uint32_t n = 0;
+        if ((options->command & need->commands) == 0)
+            continue;
+        n = need->files ? ((const host_files *)at)->n : *(const char *const *)at != NULL;
+        if (n == 0 || (need->exactly > 0 && n != need->exactly))
+            return host_fail(error, need->place, "%s", need->expected);
+    }
     if (options->command == HOST_SUMMARY && options->out == NULL && options->overview == NULL)
         return host_fail(error, "-o", "the file for the table, or --html the one for the page");
-    if (options->command == HOST_PHANTOM && options->out == NULL)
-        return host_fail(error, "-o", "the directory for the phantom");
-    if ((options->command & (HOST_REGISTER | HOST_BUILD)) != 0) {
-        if (options->model.n == 0)
-            return host_fail(error, "--model", "one file or more");
-        if (options->command == HOST_REGISTER && options->target.n == 0 && options->landmark_goals.n == 0)
-            return host_fail(error, "--target", "one file or more, or --landmark-goals");
-        if (options->out == NULL)
-            return host_fail(error, "-o",
-                             options->command == HOST_REGISTER ? "the directory for the results"
-                                                               : "the file for the model");
-    }
+    if (options->command == HOST_REGISTER && options->target.n == 0 && options->landmark_goals.n == 0)
+        return host_fail(error, "--target", "one file or more, or --landmark-goals");
+    if ((options->command & (HOST_REGISTER | HOST_TRACK | HOST_BUILD)) != 0 && options->out == NULL)
+        return host_fail(error, "-o",
+                         options->command == HOST_BUILD ? "the file for the model" : "the directory for the results");
+    if ((options->command & (HOST_CARRY | HOST_FIELD | HOST_WARP)) != 0 && options->like != NULL &&
+        host_option_given(options, "--spacing"))
+        return host_fail(error, "--spacing", "no --like beside it, which has its own");
     return 0;
 }
 
@@ -191,8 +199,7 @@ static int check_packed(const host_options *options, host_error *error)
     const int is_file = (options->command & (HOST_BUILD | HOST_SUMMARY)) != 0;
     const char *const path[] = {is_file ? options->out : NULL, options->overview, options->log, options->trace,
                                 options->save};
-    size_t i = 0;
-    for (i = 0; i < sizeof path / sizeof path[0]; i++) {
+    for (size_t i = 0; i < sizeof path / sizeof path[0]; i++) {
         error->file = path[i];
         if (path[i] != NULL && host_is_packed_name(path[i]))
             return host_fail(error, "name", "one without .gz, for what is written there is not packed");
@@ -241,8 +248,7 @@ static int check_start(const host_options *options, host_error *error)
 static int check_targets(host_options *options, host_error *error)
 {
     const int unfit = options->image_target ? HOST_FOR_SURFACES : HOST_FOR_IMAGES;
-    size_t i = 0;
-    for (i = 0; i < host_option_count; i++) {
+    for (size_t i = 0; i < host_option_count; i++) {
         error->file = host_option_table[i].name;
         if (host_option_was_given(options, i) && host_option_table[i].targets == unfit)
             return host_fail(error, "option",
@@ -305,8 +311,7 @@ static int check_search(const host_options *options, host_error *error)
 static int check_profiles(const host_options *options, host_error *error)
 {
     static const char *const names[] = {"--profile-samples", "--profile-step", "--profile-inward"};
-    size_t i = 0;
-    for (i = 0; i < sizeof names / sizeof names[0]; i++) {
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         error->file = names[i];
         if (host_option_given(options, names[i]) && options->reference == NULL && options->command == HOST_BUILD)
             return host_fail(error, "option", "--reference beside it, the image that profiles are taken from");
@@ -317,8 +322,7 @@ static int check_profiles(const host_options *options, host_error *error)
 /* What depends on the kind of target, after all options are read. */
 static int settle_targets(host_options *options, host_error *error)
 {
-    uint32_t i = 0;
-    for (i = 0; i < options->target.n; i++)
+    for (uint32_t i = 0; i < options->target.n; i++)
         options->image_target |= host_is_volume_path(options->target.path[i]);
     if (options->command == HOST_TRACK) /* all frames are of the first one's kind */
         options->image_target |= host_is_volume_path(options->frames.path[0]);

@@ -180,8 +180,7 @@ static int read_option(int argc, char **argv, int *at, host_options *options, ho
 /* Whether --paper is given anywhere: what other options set counts, whichever comes first. */
 static int wants_paper(int argc, char **argv)
 {
-    int i = 0;
-    for (i = 2; i < argc; i++)
+    for (int i = 2; i < argc; i++)
         if (strcmp(argv[i], "--paper") == 0)
             return 1;
     return 0;

@@ -129,8 +129,7 @@ const size_t host_option_count = sizeof host_option_table / sizeof host_option_t
 
 static const smr_setting *at_offset(const smr_setting *s, uint32_t n, size_t offset)
 {
-    uint32_t i = 0;
-    for (i = 0; i < n; i++)
+    for (uint32_t i = 0; i < n; i++)
         if (s[i].kind != SMR_SETTING_GROUP && s[i].offset == offset)
             return &s[i];
     return NULL;
@@ -173,8 +172,7 @@ double host_image_search_max(void)
 
 const host_option *host_option_find(const char *name, int command)
 {
-    size_t i = 0;
-    for (i = 0; i < host_option_count; i++)
+    for (size_t i = 0; i < host_option_count; i++)
         if ((host_option_table[i].commands & command) != 0 && strcmp(host_option_table[i].name, name) == 0)
             return &host_option_table[i];
     return NULL;

@@ -1,4 +1,5 @@
-/* options_table.h: the table of options: name, commands, kind, field, range.
+/* options_table.h: the options of the command line, and what help, man pages and completion say of them and of the
+ * commands.
  * SPDX-License-Identifier: MIT */
 #ifndef OPTIONS_TABLE_H
 #define OPTIONS_TABLE_H
@@ -61,5 +62,42 @@ int host_option_given(const host_options *options, const char *name);
 /* options_check.c: what options need beside them, and what they exclude, once all are read. 0, or -1 with the error
  * filled. */
 int host_options_check(host_options *options, host_error *error);
+
+/* What stands for its value: "FILE...", "MM", "x|y|z"; "" for a flag. */
+const char *host_option_value(const host_option *o, int command);
+
+/* Its sentence, without a full stop, with the default in brackets; "" when option_text.c does not have it. */
+void host_option_sentence(const host_option *o, int command, char *to, size_t bytes);
+
+/* A value of a setting as it is typed: a number, or a word of its choices. */
+void host_setting_value(const smr_setting *s, double value, char *to, size_t bytes);
+
+/* Prints the words of a text in lines of at most 110 columns: a blank before each, but at a line's start, behind the
+ * `column` columns that stand already and `left` blanks on further lines. */
+void host_print_wrapped(size_t column, size_t left, const char *text);
+
+typedef struct host_command_text {
+    const char *name;
+    int command;              /* HOST_REGISTER, ... */
+    const char *purpose;      /* a few words, in lower case */
+    const char *synopsis[4];  /* what follows the name, a way to call it each; NULL behind the last */
+    const char *paragraph[6]; /* NULL behind the last */
+    const char *status;       /* exit status other than 0 and 2; "" for none */
+} host_command_text;
+
+extern const host_command_text host_command_texts[];
+extern const size_t host_command_count;
+
+/* The groups in which a command's options are shown. NULL behind the last. */
+extern const char *const host_option_groups[];
+
+/* The option's group: its place in host_option_groups. */
+size_t host_option_group(const host_option *o, int command);
+
+/* What every page ends with: status 0 and 2. */
+extern const char host_status_text[];
+
+/* Prints what `smr NAME --help` says; 0, or -1 when there is no such command. */
+int host_command_help(const char *name);
 
 #endif

@@ -5,8 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
-#include "base/threads.h"
+#include "base/system.h"
 
 #define SMALL_MESH 1.6f /* factor of the edge lengths of a small phantom */
 #define PICKED_MM 1.0f  /* largest error of a person's click, in each coordinate */
@@ -14,8 +13,7 @@
 static int make_mesh(host_thigh *ph, uint32_t part, float *scratch)
 {
     host_mesh *const model = &ph->mesh[HOST_THIGH_MODEL][part], *const truth = &ph->mesh[HOST_THIGH_PATIENT][part];
-    fixture_mesh mesh;
-    memset(&mesh, 0, sizeof mesh);
+    fixture_mesh mesh = {0};
     mesh.max_vertices = FIXTURE_THIGH_VERTICES;
     mesh.max_triangles = FIXTURE_THIGH_TRIANGLES;
     mesh.xyz = model->xyz = malloc(3u * sizeof *mesh.xyz * FIXTURE_THIGH_VERTICES);
@@ -62,11 +60,10 @@ static int alloc_scratch(host_thigh *ph, size_t words)
 
 static int make_meshes(host_thigh *ph, host_error *error)
 {
-    uint32_t i = 0;
     if (alloc_scratch(ph, FIXTURE_THIGH_SCRATCH) != 0)
         return host_fail(error, "phantom", "free memory");
     host_parallel(ph->port, run_mesh, ph, FIXTURE_THIGH_PARTS);
-    for (i = 0; i < FIXTURE_THIGH_PARTS; i++)
+    for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; i++)
         if (ph->failed[i] != 0)
             return host_fail(error, ph->thigh.part[i].name, "free memory for its surface");
     return 0;
@@ -76,10 +73,9 @@ static void set_box(host_thigh *ph, int image)
 {
     const float spacing[2][3] = {{1.0f, 1.0f, 3.0f}, {3.0f, 3.0f, 6.0f}};
     float low[3] = {0}, high[3] = {0};
-    uint32_t i = 0, v = 0, k = 0;
-    for (i = 0; i < FIXTURE_THIGH_PARTS; i++)
-        for (v = 0; v < ph->mesh[image][i].n_vertices; v++)
-            for (k = 0; k < 3; k++) {
+    for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; i++)
+        for (uint32_t v = 0; v < ph->mesh[image][i].n_vertices; v++)
+            for (uint32_t k = 0; k < 3; k++) {
                 const float x = ph->mesh[image][i].xyz[3u * (size_t)v + k];
                 low[k] = (i == 0 && v == 0) || x < low[k] ? x : low[k];
                 high[k] = (i == 0 && v == 0) || x > high[k] ? x : high[k];
@@ -90,8 +86,7 @@ static void set_box(host_thigh *ph, int image)
 static int make_images(host_thigh *ph, host_error *error)
 {
     size_t words = 0;
-    int i = 0;
-    for (i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; i++) {
         const uint32_t *const n = ph->box[i].n;
         set_box(ph, i);
         ph->voxels[i] = malloc((size_t)n[0] * n[1] * n[2]);
@@ -121,13 +116,11 @@ const fixture_landmark *host_thigh_landmark(const host_thigh *ph, int set, uint3
 {
     const fixture_landmark *const mark = fixture_thigh_landmark(i);
     const host_mesh *const model = &ph->mesh[HOST_THIGH_MODEL][mark->part];
-    fixture_mesh mesh;
-    uint32_t k = 0;
-    memset(&mesh, 0, sizeof mesh);
+    fixture_mesh mesh = {0};
     mesh.xyz = model->xyz;
     mesh.n_vertices = model->n_vertices;
     memcpy(at, ph->mesh[set][mark->part].xyz + 3u * (size_t)fixture_thigh_pick(mark, &mesh), 3u * sizeof *at);
-    for (k = 0; set == HOST_THIGH_PATIENT && k < 3; k++)
+    for (uint32_t k = 0; set == HOST_THIGH_PATIENT && k < 3; k++)
         at[k] += PICKED_MM * fixture_thigh_click(&ph->pose[HOST_THIGH_PATIENT], 3u * i + k);
     return mark;
 }
@@ -135,24 +128,21 @@ const fixture_landmark *host_thigh_landmark(const host_thigh *ph, int set, uint3
 smr_volume host_thigh_image(const host_thigh *ph, int set)
 {
     const fixture_box *const box = &ph->box[set];
-    smr_volume view;
-    int i = 0;
-    memset(&view, 0, sizeof view);
+    smr_volume view = {0};
     view.voxels = ph->voxels[set];
     view.type = SMR_VOXEL_UINT8;
     memcpy(view.size, box->n, sizeof view.size);
     memcpy(view.origin, box->low, sizeof view.origin);
     memcpy(view.spacing, box->spacing, sizeof view.spacing);
-    for (i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++)
         view.direction[4 * i] = 1.0f;
     return view;
 }
 
 void host_thigh_free(host_thigh *ph)
 {
-    uint32_t i = 0, set = 0;
-    for (set = 0; set < 2; set++) {
-        for (i = 0; i < FIXTURE_THIGH_PARTS; i++)
+    for (uint32_t set = 0; set < 2; set++) {
+        for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; i++)
             host_mesh_free(&ph->mesh[set][i]);
         free(ph->voxels[set]);
     }

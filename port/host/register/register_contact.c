@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "files/file_names.h"
-#include "meshes/mesh_load.h"
+#include "meshes/triangle_mesh.h"
 #include "model/input_check.h"
 #include "register/register_job.h"
 
@@ -15,25 +15,23 @@ int host_job_load_fixed(host_job *job, host_error *error)
 {
     const host_files *const files = &job->options->contact_with;
     host_contacts *const c = &job->contacts;
-    host_load *loads = NULL;
-    uint32_t i = 0;
     int result = 0;
     error->file = "--contact";
     if (job->options->contact && files->n == 0 && job->model.n_parts == 1)
         return host_fail(error, "option", "a model of several structures, or --contact-with beside it");
     error->file = "--contact-with";
-    loads = calloc(files->n + 1u, sizeof *loads);
+    host_load *loads = calloc(files->n + 1u, sizeof *loads);
     c->fixed = calloc(files->n + 1u, sizeof *c->fixed);
     if (loads == NULL || c->fixed == NULL)
         result = host_fail(error, "start", "free memory");
-    for (i = 0; result == 0 && i < files->n; i++) {
+    for (uint32_t i = 0; result == 0 && i < files->n; i++) {
         loads[i].path = files->path[i];
         loads[i].need = HOST_MESH_SURFACE;
         loads[i].mirror = job->options->mirror_target;
     }
     if (result == 0 && files->n > 0)
         result = host_load_all(&job->port.port, loads, files->n, error);
-    for (i = 0; result == 0 && i < files->n; i++) {
+    for (uint32_t i = 0; result == 0 && i < files->n; i++) {
         host_target *const fixed = &c->fixed[c->n_fixed++];
         fixed->path = loads[i].path;
         fixed->mesh = loads[i].mesh;
@@ -49,7 +47,7 @@ int host_job_load_fixed(host_job *job, host_error *error)
         if (fixed->surface == NULL)
             result = host_fail(error, "surface", "a surface within the library's limits and free memory for it");
     }
-    for (i = 0; loads != NULL && i < files->n; i++)
+    for (uint32_t i = 0; loads != NULL && i < files->n; i++)
         host_mesh_free(&loads[i].mesh);
     free(loads);
     return result;
@@ -58,8 +56,7 @@ int host_job_load_fixed(host_job *job, host_error *error)
 smr_status host_job_set_fixed(host_job *job)
 {
     smr_status status = SMR_OK;
-    uint32_t i = 0;
-    for (i = 0; status == SMR_OK && i < job->contacts.n_fixed; i++)
+    for (uint32_t i = 0; status == SMR_OK && i < job->contacts.n_fixed; i++)
         status = smr_set_fixed(job->state, i, job->contacts.fixed[i].surface);
     return status;
 }
@@ -69,7 +66,7 @@ typedef struct body {
     const host_mesh *mesh;
     const smr_surface *surface; /* NULL: no triangles */
     void *memory;               /* owned; NULL for a fixed one */
-    float lo[3], hi[3];
+    host_box box;
     int failed;
 } body;
 
@@ -85,14 +82,8 @@ static void build_body(void *arg, uint32_t task, uint32_t worker)
 {
     body *const b = (body *)arg + task;
     const smr_mesh view = host_mesh_view(b->mesh);
-    size_t i = 0;
     (void)worker;
-    for (i = 0; i < view.n_vertices; i++)
-        for (int c = 0; c < 3; c++) {
-            const float at = view.xyz[3u * i + (size_t)c];
-            b->lo[c] = i == 0 || at < b->lo[c] ? at : b->lo[c];
-            b->hi[c] = i == 0 || at > b->hi[c] ? at : b->hi[c];
-        }
+    host_box_add(&b->box, view.xyz, view.n_vertices);
     if (b->surface != NULL || view.n_triangles == 0)
         return;
     b->surface = host_surface_make(&view, &b->memory);
@@ -161,9 +152,9 @@ static void measure_pair(void *arg, uint32_t task, uint32_t worker)
 
 static int near(const body *a, const body *b)
 {
-    int c = 0, apart = a->surface == NULL || b->surface == NULL;
-    for (c = 0; c < 3; c++)
-        apart |= a->lo[c] > b->hi[c] + HOST_CONTACT_MM || b->lo[c] > a->hi[c] + HOST_CONTACT_MM;
+    int apart = a->surface == NULL || b->surface == NULL;
+    for (int c = 0; c < 3; c++)
+        apart |= a->box.low[c] > b->box.high[c] + HOST_CONTACT_MM || b->box.low[c] > a->box.high[c] + HOST_CONTACT_MM;
     return !apart;
 }
 
@@ -171,9 +162,9 @@ static int near(const body *a, const body *b)
 static uint32_t list_pairs(const host_job *job, const body *list, host_contact_pair *pair)
 {
     const uint32_t n_parts = job->model.n_parts, n_all = n_parts + job->contacts.n_fixed;
-    uint32_t a = 0, b = 0, n = 0;
-    for (a = 0; a < n_parts; a++)
-        for (b = a + 1u; b < n_all; b++)
+    uint32_t n = 0;
+    for (uint32_t a = 0; a < n_parts; a++)
+        for (uint32_t b = a + 1u; b < n_all; b++)
             if (near(&list[a], &list[b])) {
                 if (pair != NULL)
                     pair[n] = (host_contact_pair){a, b, {0, 0, 0, 0}, 0, 0};
@@ -186,14 +177,14 @@ static int measure(host_job *job, body *list)
 {
     host_contacts *const c = &job->contacts;
     const uint32_t n_all = job->model.n_parts + c->n_fixed;
-    uint32_t i = 0, n = 0, kept = 0;
-    for (i = 0; i < n_all; i++) {
+    uint32_t n = 0, kept = 0;
+    for (uint32_t i = 0; i < n_all; i++) {
         const int moves = i < job->model.n_parts;
         list[i].mesh = moves ? &job->result[i].mesh : &c->fixed[i - job->model.n_parts].mesh;
         list[i].surface = moves ? NULL : c->fixed[i - job->model.n_parts].surface;
     }
     host_parallel(&job->port.port, build_body, list, n_all);
-    for (i = 0; i < n_all; i++)
+    for (uint32_t i = 0; i < n_all; i++)
         if (list[i].failed)
             return -1;
     n = list_pairs(job, list, NULL);
@@ -203,7 +194,7 @@ static int measure(host_job *job, body *list)
         return -1;
     (void)list_pairs(job, list, c->pair);
     host_parallel(&job->port.port, measure_pair, &(bodies){job, list, c->pair, job->model.n_parts}, n);
-    for (i = 0; i < n; i++)
+    for (uint32_t i = 0; i < n; i++)
         if (c->pair[i].report.area_mm2 > 0.0f || c->pair[i].report.deepest_mm > 0.0f || c->pair[i].asked_mm > 0.0f)
             c->pair[kept++] = c->pair[i];
     c->n_pairs = kept;
@@ -215,9 +206,8 @@ int host_job_measure_contact(host_job *job, host_error *error)
 {
     const uint32_t n_all = job->model.n_parts + job->contacts.n_fixed;
     body *const list = calloc(n_all + 1u, sizeof *list);
-    uint32_t i = 0;
     const int result = list == NULL ? -1 : measure(job, list);
-    for (i = 0; list != NULL && i < n_all; i++)
+    for (uint32_t i = 0; list != NULL && i < n_all; i++)
         free(list[i].memory);
     free(list);
     error->file = "register";
@@ -226,13 +216,12 @@ int host_job_measure_contact(host_job *job, host_error *error)
 
 int host_job_contact_left(host_job *job, float *left_mm, host_error *error)
 {
-    uint32_t i = 0;
     *left_mm = 0.0f;
     if (!(job->course.config.contact.share > 0.0f))
         return 0;
     if (host_job_copy_results(job, error) != 0 || host_job_measure_contact(job, error) != 0)
         return -1;
-    for (i = 0; i < job->contacts.n_pairs; i++)
+    for (uint32_t i = 0; i < job->contacts.n_pairs; i++)
         if (job->contacts.pair[i].left_mm > host_contact_bound(job))
             *left_mm = fmaxf(*left_mm, job->contacts.pair[i].left_mm);
     return 0;
@@ -252,8 +241,7 @@ const char *host_contact_name(const host_job *job, uint32_t i)
 
 void host_contacts_free(host_contacts *c)
 {
-    uint32_t i = 0;
-    for (i = 0; c->fixed != NULL && i < c->n_fixed; i++) {
+    for (uint32_t i = 0; c->fixed != NULL && i < c->n_fixed; i++) {
         host_mesh_free(&c->fixed[i].mesh);
         free(c->fixed[i].memory);
     }

@@ -1,10 +1,180 @@
-/* register_evaluate.c: measures the result of a registration: positions, distances in both directions, folds.
+/* register_evaluate.c: measures the result of a registration: distances in both directions, folds, volumes.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "register/register_job.h"
+
+/* A target, and the surface of all structures that are registered to it. */
+typedef struct pair {
+    const host_target *target;
+    smr_surface *result;
+    void *memory;   /* memory of `result`; owned */
+    uint32_t index; /* index of the target */
+    const host_job *job;
+} pair;
+
+/* Statistics to be made of some queries: a task of a parallel loop. */
+typedef struct summary {
+    const host_query *query;
+    uint32_t n_queries;
+    const unsigned char *const *seen; /* [n_queries] flags of vertices; NULL: all count */
+    host_stats *area, *vertices;      /* vertices may be NULL */
+    int failed;
+} summary;
+
+/* Room for what measuring takes. */
+typedef struct room {
+    pair *pairs;
+    host_query *query;
+    summary *list;
+    unsigned char *flags;       /* of all vertices: 1 where the target shows them */
+    const unsigned char **seen; /* [queries] into flags */
+} room;
+
+static void build_result(void *arg, uint32_t task, uint32_t worker)
+{
+    pair *const p = (pair *)arg + task;
+    host_mesh whole = {0};
+    int result = 0;
+    (void)worker;
+    for (uint32_t i = 0; result == 0 && i < p->job->model.n_parts; i++)
+        if (p->job->result[i].target == p->index)
+            result = host_mesh_append(&whole, &p->job->result[i].mesh);
+    if (result == 0) {
+        const smr_mesh view = host_mesh_view(&whole);
+        p->result = host_surface_make(&view, &p->memory);
+    }
+    host_mesh_free(&whole);
+}
+
+static void make_summary(void *arg, uint32_t task, uint32_t worker)
+{
+    summary *const s = (summary *)arg + task;
+    (void)worker;
+    s->failed = host_area_stats(s->query, s->n_queries, s->seen, s->area) != 0 ||
+                (s->vertices != NULL && host_vertex_stats(s->query, s->n_queries, s->seen, s->vertices) != 0);
+}
+
+/* 1 when a structure's surface is compared with another one. */
+static int is_compared(const host_job *job, uint32_t i)
+{
+    return job->result[i].target != HOST_NO_TARGET && job->model.part[i].mesh.n_triangles > 0;
+}
+
+/* Queries for all structures with a target, then for all targets in use. Returns how many of the former there are. */
+static uint32_t make_queries(const host_job *job, const pair *pairs, uint32_t n_pairs, host_query *query)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
+        const host_result *const result = &job->result[i];
+        if (!is_compared(job, i) || job->target[result->target].surface == NULL)
+            continue;
+        query[n].surface = job->target[result->target].surface;
+        query[n++].mesh = host_mesh_view(&result->mesh);
+    }
+    for (uint32_t i = 0; i < n_pairs; i++) {
+        query[n + i].surface = pairs[i].result;
+        query[n + i].mesh = host_mesh_view(&pairs[i].target->mesh);
+    }
+    return n;
+}
+
+/* Flags the vertices that the targets show. 0 where the library says nothing of them. */
+static int find_seen(const host_job *job, room *r)
+{
+    unsigned char *at = r->flags;
+    uint32_t q = 0;
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
+        if (!is_compared(job, i))
+            continue;
+        if (smr_get_visible(job->state, i, at) != SMR_OK)
+            return 0;
+        r->seen[q++] = at;
+        at += job->result[i].mesh.n_vertices;
+    }
+    return 1;
+}
+
+/* What is to be made of the queries, in their order. Returns how many summaries there are. */
+static uint32_t list_summaries(host_job *job, const room *r, uint32_t n_pairs)
+{
+    const int overlaps = !job->options->image_target;
+    const host_query *const query = r->query;
+    summary *const list = r->list;
+    uint32_t q = 0, n = 3;
+    for (uint32_t i = 0; i < job->model.n_parts; i++)
+        if (is_compared(job, i) && job->target[job->result[i].target].surface != NULL) {
+            host_result *const of = &job->result[i];
+            list[n++] = (summary){&query[q], 1, NULL, &of->area.to_target, &of->vertices.to_target, 0};
+            if (overlaps)
+                list[n++] = (summary){&query[q], 1, &r->seen[q], &of->overlap, NULL, 0};
+            q++;
+        }
+    /* all structures and all targets: the longest tasks first */
+    list[0] = (summary){query, q, NULL, &job->area.to_target, &job->vertices.to_target, 0};
+    list[1] = (summary){query + q, n_pairs, NULL, &job->area.to_result, &job->vertices.to_result, 0};
+    list[2] = (summary){query, overlaps ? q : 0, r->seen, &job->overlap, NULL, 0};
+    for (uint32_t i = 0; i < n_pairs; i++) {
+        host_result *const of = &job->result[r->pairs[i].target->user];
+        if (r->pairs[i].target->users == 1)
+            list[n++] = (summary){&query[q + i], 1, NULL, &of->area.to_result, &of->vertices.to_result, 0};
+    }
+    return n;
+}
+
+static int measure_distances(host_job *job, room *r)
+{
+    pair *const pairs = r->pairs;
+    host_query *const query = r->query;
+    summary *const list = r->list;
+    uint32_t n_pairs = 0, n = 0;
+    int failed = 0;
+    for (uint32_t i = 0; i < job->n_targets; i++)
+        if (job->target[i].users > 0)
+            pairs[n_pairs++] = (pair){&job->target[i], NULL, NULL, i, job};
+    host_parallel(&job->port.port, build_result, pairs, n_pairs);
+    for (uint32_t i = 0; i < n_pairs; i++)
+        failed |= pairs[i].result == NULL;
+    if (!failed)
+        n = make_queries(job, pairs, n_pairs, query) + n_pairs;
+    failed =
+        failed || host_distances(&job->port.port, query, n) != 0 || (!job->options->image_target && !find_seen(job, r));
+    if (!failed) {
+        n = list_summaries(job, r, n_pairs);
+        host_parallel(&job->port.port, make_summary, list, n);
+        for (uint32_t i = 0; i < n; i++)
+            failed |= list[i].failed;
+    }
+    for (uint32_t i = 0; i < n_pairs; i++)
+        free(pairs[i].memory);
+    return failed ? -1 : 0;
+}
+
+static int find_distances(host_job *job)
+{
+    const size_t most = (size_t)job->n_targets + job->model.n_parts;
+    size_t n = 1;
+    room r;
+    int result = -1;
+    for (uint32_t i = 0; i < job->model.n_parts; i++)
+        n += job->result[i].mesh.n_vertices;
+    r.pairs = calloc(job->n_targets, sizeof *r.pairs);
+    r.query = calloc(most, sizeof *r.query);
+    r.list = calloc(most + job->model.n_parts + 3u, sizeof *r.list);
+    r.flags = calloc(n, 1);
+    r.seen = calloc(most, sizeof *r.seen);
+    if (r.pairs != NULL && r.query != NULL && r.list != NULL && r.flags != NULL && r.seen != NULL)
+        result = measure_distances(job, &r);
+    host_queries_free(r.query, (uint32_t)most);
+    free(r.pairs);
+    free(r.query);
+    free(r.list);
+    free(r.flags);
+    free((void *)r.seen);
+    return result;
+}
 
 #define LIKENESS_LEAST 0.5f /* below, the library's verdict on an image is failed */
 
@@ -35,15 +205,13 @@ static void count_folds(void *arg, uint32_t task, uint32_t worker)
 /* Distances between vertices with the same index, for structures whose truth has as many vertices. */
 static int measure_vertices(host_job *job)
 {
-    uint32_t i = 0;
     size_t n = 0, all = 0, k = 0;
-    host_weighted *value = NULL;
-    for (i = 0; i < job->model.n_parts; i++)
+    for (uint32_t i = 0; i < job->model.n_parts; i++)
         n += job->result[i].mesh.n_vertices;
-    value = malloc((n + 1u) * sizeof *value);
+    host_weighted *value = malloc((n + 1u) * sizeof *value);
     if (value == NULL)
         return -1;
-    for (i = 0; i < job->model.n_parts; i++) {
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
         host_result *const result = &job->result[i];
         const host_mesh *const truth = result->target != HOST_NO_TARGET ? &job->target[result->target].mesh : NULL;
         if (truth == NULL || job->truth_map != NULL || truth->n_vertices != result->mesh.n_vertices)
@@ -65,14 +233,13 @@ static int measure_vertices(host_job *job)
 /* Distances to all targets, or to the truth when the target is an image. */
 static int measure_all(host_job *job, host_error *error)
 {
-    int result = 0;
     if (job->n_targets == 0)
         return 0;
     if (job->options->image_target && host_job_make_surfaces(job, error) != 0) {
         error->file = job->options->truth; /* the target's own path is freed with the job */
         return -1;
     }
-    result = host_job_distances(job);
+    int result = find_distances(job);
     if (result == 0 && job->options->image_target)
         result = measure_vertices(job);
     error->file = "register";
@@ -83,7 +250,6 @@ static int measure_all(host_job *job, host_error *error)
 static int measure(host_job *job, host_error *error)
 {
     const double start = host_seconds();
-    uint32_t i = 0;
     if (job->goals != NULL && host_landmark_goals_measure(job->goals, job->state) != SMR_OK)
         return host_fail(error, "result", "landmarks from the library");
     if (measure_all(job, error) != 0)
@@ -91,7 +257,7 @@ static int measure(host_job *job, host_error *error)
     error->file = "register";
     job->folds = job->folds_absolute = 0;
     host_parallel(&job->port.port, count_folds, job, job->model.n_parts);
-    for (i = 0; i < job->model.n_parts; i++) {
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
         if (job->result[i].folds_absolute == UINT64_MAX)
             return host_fail(error, "result", "free memory");
         job->folds += job->result[i].folds;
@@ -106,8 +272,7 @@ static int measure(host_job *job, host_error *error)
 
 int host_job_copy_results(host_job *job, host_error *error)
 {
-    uint32_t i = 0;
-    for (i = 0; i < job->model.n_parts; i++)
+    for (uint32_t i = 0; i < job->model.n_parts; i++)
         if (copy_result(job, i, error) != 0)
             return -1;
     return 0;
@@ -118,19 +283,16 @@ int host_job_evaluate(host_job *job, host_error *error)
     return host_job_copy_results(job, error) != 0 ? -1 : measure(job, error);
 }
 
-int host_job_remember_start(host_job *job, host_error *error)
+int host_job_positions(const host_job *job, float **xyz, host_error *error)
 {
-    size_t n = 0, at = 0;
-    uint32_t i = 0;
-    for (i = 0; i < job->model.n_parts; i++)
-        n += 3u * (size_t)job->model.part[i].mesh.n_vertices;
+    size_t at = 0;
     error->file = "register";
-    free(job->begun_xyz);
-    job->begun_xyz = malloc((n + 1u) * sizeof *job->begun_xyz);
-    if (job->begun_xyz == NULL)
-        return host_fail(error, "start", "free memory");
-    for (i = 0; i < job->model.n_parts; at += 3u * (size_t)job->model.part[i].mesh.n_vertices, i++)
-        if (smr_get_positions(job->state, i, job->begun_xyz + at) != SMR_OK)
+    free(*xyz);
+    *xyz = malloc((3u * (size_t)job->model.info.n_vertices + 1u) * sizeof **xyz);
+    if (*xyz == NULL)
+        return host_fail(error, "memory", "room for the start positions");
+    for (uint32_t i = 0; i < job->model.n_parts; at += 3u * (size_t)job->model.part[i].mesh.n_vertices, i++)
+        if (smr_get_positions(job->state, i, *xyz + at) != SMR_OK)
             return host_fail_at(error, "structure", i, "positions from the library");
     return 0;
 }
@@ -138,11 +300,10 @@ int host_job_remember_start(host_job *job, host_error *error)
 int host_job_keep_start(host_job *job, host_error *error)
 {
     const float *xyz = job->begun_xyz;
-    uint32_t i = 0;
     if (xyz == NULL || (job->measures.reasons & SMR_REASON_SIMILARITY) == 0 ||
         !(job->measures.image_similarity < LIKENESS_LEAST))
         return 0;
-    for (i = 0; i < job->model.n_parts; i++) {
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
         const size_t n = 3u * (size_t)job->result[i].mesh.n_vertices;
         memcpy(job->result[i].mesh.xyz, xyz, n * sizeof *xyz);
         job->result[i].report.moved_mean_mm = job->result[i].report.moved_max_mm = 0.0f;

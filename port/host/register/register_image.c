@@ -1,15 +1,125 @@
-/* register_image.c: loads what a registration to an image needs: the volumes, landmarks for the start, and the truth
- * for measuring.
+/* register_image.c: an image as the target: its volumes, landmarks, and the truth as surfaces or as a label map.
  * SPDX-License-Identifier: MIT */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
+#include "base/system.h"
 #include "files/file_read.h"
+#include "labels/label_map.h"
+#include "labels/label_surfaces.h"
+#include "labels/surface_fill.h"
 #include "landmarks/landmarks.h"
-#include "register/landmarks_agree.h"
 #include "register/register_job.h"
+
+/* Names the structures that nothing is measured of, in one line. */
+static void tell_missing(const host_job *job)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < job->model.n_parts; i++)
+        if (job->result[i].target == HOST_NO_TARGET && job->model.part[i].mesh.n_triangles > 0)
+            (void)fprintf(stderr, "%s%s", n++ == 0 ? "smr: --truth: no label is named like " : ", ",
+                          job->model.part[i].name);
+    if (n > 0)
+        (void)fprintf(stderr, "\n");
+}
+
+/* The surfaces become the targets of the structures with their names, each of one. */
+static int take_surfaces(host_job *job, host_label_surface *surface, host_error *error)
+{
+    job->target = calloc(job->model.n_parts, sizeof *job->target);
+    if (job->target == NULL)
+        return host_fail(error, "start", "free memory");
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
+        const host_label *const label = host_label_find_like(job->truth_map, job->model.part[i].name);
+        host_target *const target = &job->target[job->n_targets];
+        if (label == NULL || job->model.part[i].mesh.n_triangles == 0 ||
+            surface[label - job->truth_map->label].mesh.n_triangles == 0)
+            continue;
+        target->path = job->options->truth;
+        target->mesh = surface[label - job->truth_map->label].mesh;
+        memset(&surface[label - job->truth_map->label].mesh, 0, sizeof target->mesh);
+        memcpy(target->name, label->name, sizeof target->name);
+        target->users = 1;
+        target->user = i;
+        job->result[i].target = job->n_targets++;
+    }
+    if (job->n_targets == 0)
+        return host_fail(error, "names", "a label with the name of one of the model's structures");
+    tell_missing(job);
+    return 0;
+}
+
+int host_job_load_truth_map(host_job *job, host_error *error)
+{
+    host_label_surface *surface = NULL;
+    uint32_t n = 0;
+    int result = -1;
+    error->file = job->options->truth;
+    job->truth_map = calloc(1, sizeof *job->truth_map);
+    if (job->truth_map == NULL)
+        return host_fail(error, "start", "free memory");
+    job->truth_first = host_file_count();
+    if (host_label_map_read(job->options->truth, NULL, job->truth_map, error) == 0) {
+        if (job->options->mirror_target != HOST_MIRROR_NONE)
+            host_volume_mirror(&job->truth_map->grid, job->options->mirror_target);
+        n = job->truth_map->n_labels;
+        surface = calloc(n, sizeof *surface);
+        if (surface == NULL)
+            (void)host_fail(error, "start", "free memory");
+        else if (host_label_surfaces_make(&job->port.port, job->truth_map, HOST_SMOOTHING_PASSES, 0, surface, error) ==
+                 0)
+            result = take_surfaces(job, surface, error);
+    }
+    job->truth_end = host_file_count();
+    host_label_surfaces_free(surface, n);
+    return result;
+}
+
+/* Voxels of a box that have a label. */
+static uint64_t count_both(const host_label_map *map, uint32_t label, const host_filled *filled)
+{
+    const uint16_t *const index = map->index + map->label[label].layer * host_label_voxels(map);
+    const size_t n = (size_t)filled->size[0] * filled->size[1] * filled->size[2];
+    uint64_t both = 0;
+    for (size_t i = 0; i < n; i++) {
+        const size_t x = i % filled->size[0] + filled->low[0],
+                     y = i / filled->size[0] % filled->size[1] + filled->low[1],
+                     z = i / filled->size[0] / filled->size[1] + filled->low[2];
+        both += filled->inside[i] && index[x + map->grid.size[0] * (y + map->grid.size[1] * z)] == label + 1u;
+    }
+    return both;
+}
+
+/* Tasks of one parallel loop: the overlap of a structure. An open surface has none. */
+static void measure_overlap(void *arg, uint32_t task, uint32_t worker)
+{
+    host_job *const job = arg;
+    const host_label_map *const map = job->truth_map;
+    const double mm3 = fabs(host_label_mm3(&map->grid));
+    const host_label *const label = host_label_find_like(map, job->model.part[task].name);
+    host_result *const result = &job->result[task];
+    host_filled filled = {0};
+    host_error error = {0};
+    (void)worker;
+    result->dice = -1.0;
+    if (result->target == HOST_NO_TARGET || host_open_edges(&result->mesh) != 0)
+        return;
+    if (host_surface_fill(&result->mesh, &map->grid, &filled, &error) == 0) {
+        const uint64_t both = count_both(map, (uint32_t)(label - map->label), &filled);
+        result->dice = 2.0 * (double)both / (double)(filled.voxels + label->voxels);
+        result->label_mm3[0] = (double)filled.voxels * mm3;
+        result->label_mm3[1] = (double)label->voxels * mm3;
+    }
+    host_filled_free(&filled);
+}
+
+void host_job_measure_labels(host_job *job)
+{
+    if (job->truth_map != NULL)
+        host_parallel(&job->port.port, measure_overlap, job, job->model.n_parts);
+}
 
 /* Reads the reference or the target image: two tasks. */
 typedef struct volumes {
@@ -31,12 +141,11 @@ static void read_volume(void *arg, uint32_t task, uint32_t worker)
 
 int host_job_load_images(host_job *job, host_error *error)
 {
-    volumes v;
+    volumes v = {0};
     if (job->model_is_prepared && job->model.info.profile_samples == 0) {
         error->file = job->options->model.path[0];
         return host_fail(error, "profiles", "a model built with --reference, for the target is a volume");
     }
-    memset(&v, 0, sizeof v);
     v.job = job;
     host_parallel(&job->port.port, read_volume, &v, 2);
     if (!v.failed[0] && !v.failed[1])
@@ -50,12 +159,11 @@ static int name_truth(host_job *job, host_error *error)
 {
     const char *const directory = job->options->truth;
     const size_t bytes = strlen(directory) + SMR_NAME_BYTES + 8u;
-    uint32_t i = 0;
     job->target = calloc(job->model.n_parts, sizeof *job->target);
     job->truth_paths = malloc(bytes * job->model.n_parts);
     if (job->target == NULL || job->truth_paths == NULL)
         return host_fail(error, "start", "free memory");
-    for (i = 0; i < job->model.n_parts; i++) {
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
         char *const path = job->truth_paths + bytes * i;
         (void)snprintf(path, bytes, "%s/%s.ply", directory, job->model.part[i].name);
         job->target[i].path = path;
@@ -77,15 +185,12 @@ static void blame_truth(const host_job *job, host_error *error)
 static int load_truth_files(host_job *job, host_error *error)
 {
     const uint32_t n = job->model.n_parts;
-    host_load *loads = NULL;
-    uint32_t i = 0;
-    int result = 0;
-    loads = calloc(n, sizeof *loads);
+    host_load *loads = calloc(n, sizeof *loads);
     if (loads == NULL)
         return host_fail(error, "start", "free memory");
     job->truth_first = host_file_count();
-    result = name_truth(job, error);
-    for (i = 0; result == 0 && i < n; i++) {
+    int result = name_truth(job, error);
+    for (uint32_t i = 0; result == 0 && i < n; i++) {
         loads[i].path = job->target[i].path;
         loads[i].need = job->model.part[i].mesh.n_triangles > 0 ? HOST_MESH_SURFACE : HOST_MESH_POINTS_TOO;
         loads[i].mirror = job->options->mirror_target;
@@ -93,7 +198,7 @@ static int load_truth_files(host_job *job, host_error *error)
     if (result == 0)
         result = host_load_all(&job->port.port, loads, n, error);
     job->truth_end = host_file_count();
-    for (i = 0; result == 0 && i < n; i++) {
+    for (uint32_t i = 0; result == 0 && i < n; i++) {
         host_target *const target = &job->target[i];
         target->mesh = loads[i].mesh;
         memcpy(target->name, job->model.part[i].name, sizeof target->name);
@@ -146,24 +251,22 @@ static void doubt_pairs(host_job *job, const host_landmarks *set, const float *f
 int host_job_warp(host_job *job, host_error *error)
 {
     size_t n = 0;
-    uint32_t i = 0;
     float *xyz = NULL;
     if (job->warp == NULL)
         return 0;
     error->file = job->options->landmarks.n > 0 ? job->options->landmarks.path[0] : "landmarks";
-    for (i = 0; i < job->model.n_parts; i++)
+    for (uint32_t i = 0; i < job->model.n_parts; i++)
         n += job->model.part[i].mesh.n_vertices;
     job->start_xyz = xyz = malloc(n * 3u * sizeof *xyz);
     if (xyz == NULL)
         return host_fail(error, "start", "free memory");
-    for (i = 0; i < job->model.n_parts; i++) {
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
         const uint32_t vertices = job->model.part[i].mesh.n_vertices;
         const size_t count = 3u * (size_t)vertices;
-        size_t k = 0;
         if (smr_model_mesh(job->model.model, i, xyz, NULL) != SMR_OK ||
             smr_warp_apply(job->warp, xyz, vertices) != SMR_OK)
             return host_fail_at(error, "structure", i, "a model that the landmarks' warp can carry");
-        for (k = 0; k < count; k++)
+        for (size_t k = 0; k < count; k++)
             if (!(xyz[k] >= -SMR_COORD_MAX && xyz[k] <= SMR_COORD_MAX)) /* written so that NaN fails */
                 return host_fail_at(error, "structure", i, "landmarks that keep the model within +-%.0f mm",
                                     (double)SMR_COORD_MAX);
@@ -207,11 +310,10 @@ int host_job_place(host_job *job, host_error *error)
     const host_options *const options = job->options;
     float from[HOST_LANDMARKS_MAX][3], to[HOST_LANDMARKS_MAX][3];
     host_landmarks *const set = calloc(1, sizeof *set);
-    int result = 0;
     error->file = "--landmarks";
     if (set == NULL)
         return host_fail(error, "start", "free memory");
-    result = host_landmark_pairs_read(options, &options->landmarks, set, from, to, &job->n_landmarks, error);
+    int result = host_landmark_pairs_read(options, &options->landmarks, set, from, to, &job->n_landmarks, error);
     if (result == 0)
         doubt_pairs(job, set, from[0], to[0]);
     free(set);

@@ -1,18 +1,119 @@
-/* register_job.h: one registration, from input files to results: the data that its steps share. cmd_register.c calls
- * them in order.
+/* register_job.h: one registration, from input files to results: its verdicts, contact, landmarks as goals, and the
+ * data that its steps share. cmd_register.c calls them in order.
  * SPDX-License-Identifier: MIT */
 #ifndef REGISTER_JOB_H
 #define REGISTER_JOB_H
 
-#include "base/threads.h"
+#include <stdint.h>
+
+#include "base/error_line.h"
+#include "base/system.h"
 #include "labels/label_map.h"
-#include "measure/point_targets.h"
+#include "landmarks/landmarks.h"
 #include "measure/surface_distances.h"
 #include "model/model_from_files.h"
-#include "register/landmark_goals_file.h"
-#include "register/register_contact.h"
-#include "register/register_verdict.h"
-#include "volumes/volume_image.h"
+#include "options/options.h"
+#include "smr.h"
+#include "volumes/voxel_volume.h"
+
+enum { HOST_VERDICT_GOOD = 0, HOST_VERDICT_LOOK, HOST_VERDICT_FAILED };
+
+#define HOST_REASONS_MAX 24u
+#define HOST_REASON_BYTES 240u
+
+typedef struct host_verdict {
+    int level;                                        /* HOST_VERDICT_...: the worst of its reasons */
+    double expected_error_mm;                         /* NaN: not known */
+    uint32_t n_reasons;                               /* further ones are dropped */
+    char reason[HOST_REASONS_MAX][HOST_REASON_BYTES]; /* each a sentence that says what to look at */
+} host_verdict;
+
+/* "good", "look" or "failed". */
+const char *host_verdict_name(int level);
+
+/* Adds a reason of this level. */
+void host_verdict_add(host_verdict *verdict, int level, const char *reason, ...) HOST_PRINTF(3, 4);
+
+#define HOST_CONTACT_MM 0.5f /* surfaces nearer than this touch */
+
+/* Two surfaces that touch or overlap. */
+typedef struct host_contact_pair {
+    uint32_t a, b; /* structures; b - n_parts: a fixed surface */
+    smr_contact_report report;
+    float left_mm;  /* how deep they are in each other that should not be; 0 where one lies in the other by design */
+    float asked_mm; /* how deep the structure's own target lies in the fixed surface: what contact works against */
+} host_contact_pair;
+
+typedef struct host_contacts {
+    struct host_target *fixed; /* [n_fixed]; owned */
+    uint32_t n_fixed;
+    host_contact_pair *pair; /* [n_pairs] those that touch or overlap, in order; owned */
+    uint32_t n_pairs;
+    int measured; /* 1: pair is of the results */
+} host_contacts;
+
+struct host_job;
+
+/* Reads the files of --contact-with, after the model. 0, or -1 with the error filled: also where nothing can touch. */
+int host_job_load_fixed(struct host_job *job, host_error *error);
+
+/* Sets them. */
+smr_status host_job_set_fixed(struct host_job *job);
+
+/* Measures all pairs of results and fixed surfaces. 0, or -1 with the error filled. */
+int host_job_measure_contact(struct host_job *job, host_error *error);
+
+/* Of the model as it is now: the deepest pair that contact should have parted, mm; 0: there is none, or contact is off.
+ * 0, or -1 with the error filled. */
+int host_job_contact_left(struct host_job *job, float *left_mm, host_error *error);
+
+/* How deep surfaces may still lie in each other for a good result, mm: less where they keep a distance; any depth where
+ * contact is off. */
+float host_contact_bound(const struct host_job *job);
+
+/* The name of a pair's surface. */
+const char *host_contact_name(const struct host_job *job, uint32_t i);
+
+void host_contacts_free(host_contacts *contacts);
+
+typedef struct host_landmark_goals {
+    host_landmarks set;                                           /* labels, and the points of the model at rest */
+    float from[HOST_LANDMARKS_MAX][3], to[HOST_LANDMARKS_MAX][3]; /* mm */
+    double residual[HOST_LANDMARKS_MAX];                          /* mm: how far each ended from its place */
+    double mean, max;                                             /* of them */
+} host_landmark_goals;
+
+/* Reads two files of landmarks and pairs them. Mirroring the model or the target mirrors its landmarks, too. set (may
+ * be NULL): the model's. 0, or -1 with the error filled. */
+int host_landmark_pairs_read(const host_options *options, const host_files *files, host_landmarks *set,
+                             float from[HOST_LANDMARKS_MAX][3], float to[HOST_LANDMARKS_MAX][3], uint32_t *n,
+                             host_error *error);
+
+/* Reads those of --landmark-goals. NULL with the error filled; the caller frees it. */
+host_landmark_goals *host_landmark_goals_read(const host_options *options, host_error *error);
+
+/* Draws the registration to them. */
+smr_status host_landmark_goals_set(const host_landmark_goals *goals, float weight, smr *s);
+
+/* Fills the residuals. */
+smr_status host_landmark_goals_measure(host_landmark_goals *goals, const smr *s);
+
+enum { HOST_LANDMARKS_AGREE = 0, HOST_LANDMARKS_SWAPPED, HOST_LANDMARK_OFF, HOST_LANDMARKS_APART };
+
+/* What is wrong with pairs of landmarks. */
+typedef struct host_landmark_doubt {
+    uint32_t kind;   /* HOST_LANDMARKS_... */
+    uint32_t first;  /* of the pairs in question: SWAPPED, OFF */
+    uint32_t second; /* SWAPPED */
+    double off_mm;   /* OFF: how far from where the others put it; APART: root mean square of what a fit leaves */
+    double scale;    /* of the spreads, target over model; 0 where the model's landmarks lie in one place */
+} host_landmark_doubt;
+
+/* Compares pairs [n][3], mm, with the rotation, scale and translation that fits them best. Between two people that
+ * leaves about a tenth of the landmarks' spread; fewer than 5 pairs are too few to tell.
+ * SWAPPED: exchanging the targets of two pairs leaves clearly less. OFF: one pair is much farther off than
+ * the others leave. APART: the pairs as a whole do not fit. */
+host_landmark_doubt host_landmarks_agree(const float *from, const float *to, uint32_t n);
 
 #define HOST_NO_TARGET 0xffffffffu
 
@@ -51,9 +152,9 @@ typedef struct host_result {
 
 /* An iteration, as it was left. */
 typedef struct host_step {
-    uint32_t iteration, taken;                      /* its number, from 1; vertices that took part */
-    double radius_mm, time_ms;                      /* time: of all ticks so far */
-    float residual_mm, moved_max_mm, matched_share; /* -1: not measured */
+    uint32_t iteration; /* its number, from 1 */
+    double radius_mm;
+    float residual_mm, moved_max_mm; /* -1: not measured */
 } host_step;
 
 /* Kept for the page of the report, with --html only. */
@@ -131,15 +232,13 @@ int host_job_copy_results(host_job *job, host_error *error);
 /* Judges the result: fills the verdicts, after host_job_evaluate. */
 void host_job_verdict(host_job *job);
 
-/* Remembers where the model is, before the first tick into an image. */
-int host_job_remember_start(host_job *job, host_error *error);
+/* Where the vertices of all structures are now, *xyz [all vertices][3], mm, in place of what it was; owned by the
+ * caller. 0, or -1 with the error filled. */
+int host_job_positions(const host_job *job, float **xyz, host_error *error);
 
 /* After the verdict: where the image is no more like the model in its place than elsewhere, nothing was found, and what
  * the model was moved by is chance: the results become the remembered start. 0, or -1 with the error filled. */
 int host_job_keep_start(host_job *job, host_error *error);
-
-/* Measures the distances between results and targets, for host_job_evaluate. 0, or -1 when that is not possible. */
-int host_job_distances(host_job *job);
 
 /* Parts of these steps for an image target: read the volumes and the true surfaces, place the model by landmarks. */
 int host_job_load_images(host_job *job, host_error *error);

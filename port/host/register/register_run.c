@@ -1,13 +1,42 @@
-/* register_run.c: runs the registration: allocates the arena, sets the targets, ticks until the schedule ends.
+/* register_run.c: prepares the model, starts and runs the registration; frees a job.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
-#include "base/memory.h"
-#include "register/register_volume.h"
+#include "base/system.h"
+#include "options/options.h"
+#include "register/register_job.h"
+
+static uint32_t part_of(const host_job *job, const char *word, size_t n)
+{
+    uint32_t i = 0;
+    while (i < job->model.n_parts &&
+           (strlen(job->model.part[i].name) != n || strncmp(job->model.part[i].name, word, n) != 0))
+        i++;
+    return i;
+}
+
+/* Asks the registration for them. 0, or -1 with the error filled: no such structure, or one that encloses no volume. */
+static int host_volume_ratios_set(const host_job *job, host_error *error)
+{
+    const host_files *const words = &job->options->volume_ratio;
+    for (uint32_t i = 0; i < words->n; i++) {
+        size_t name = 0;
+        double ratio = 0.0;
+        error->file = "--volume-ratio";
+        if (!host_volume_ratio_split(words->path[i], &name, &ratio) ||
+            part_of(job, words->path[i], name) == job->model.n_parts)
+            return host_fail(error, words->path[i], "the name of a structure of the model");
+        if (smr_set_volume_ratio(job->state, part_of(job, words->path[i], name), (float)ratio) != SMR_OK)
+            return host_fail(error, words->path[i], "a structure that is closed: each edge has two triangles");
+    }
+    error->file = NULL;
+    return 0;
+}
 
 #define PROGRESS_EVERY_S 0.1
 #define TICKS_MAX 10000000u /* with a budget, an iteration may take many ticks */
@@ -23,8 +52,7 @@ static smr_status put_start(const host_job *job)
 {
     const float *xyz = job->start_xyz;
     smr_status status = SMR_OK;
-    uint32_t i = 0;
-    for (i = 0; status == SMR_OK && i < job->model.n_parts; i++) {
+    for (uint32_t i = 0; status == SMR_OK && i < job->model.n_parts; i++) {
         status = smr_set_positions(job->state, i, xyz);
         xyz += 3u * (size_t)job->model.part[i].mesh.n_vertices;
     }
@@ -39,12 +67,12 @@ static smr_status set_target(smr *s, uint32_t part, const host_target *target)
 static int set_targets(host_job *job, host_error *error)
 {
     smr_status status = SMR_OK;
-    uint32_t i = 0;
     if (job->options->image_target)
         status = smr_set_volume(job->state, &job->image.view);
     else if (job->n_targets == 1)
         status = set_target(job->state, SMR_ALL, &job->target[0]);
-    for (i = 0; !job->options->image_target && status == SMR_OK && job->n_targets > 1 && i < job->model.n_parts; i++)
+    for (uint32_t i = 0;
+         !job->options->image_target && status == SMR_OK && job->n_targets > 1 && i < job->model.n_parts; i++)
         if (job->result[i].target != HOST_NO_TARGET)
             status = set_target(job->state, i, &job->target[job->result[i].target]);
     if (status == SMR_OK)
@@ -61,16 +89,14 @@ static int set_targets(host_job *job, host_error *error)
 int host_job_begin(host_job *job, host_error *error)
 {
     smr_config config = job->options->config;
-    smr_status status = SMR_OK;
-    uint32_t i = 0;
     config.basic.n_workers = job->port.port.n_workers;
     config.partial.n_landmarks = job->goals != NULL ? job->goals->set.n : 0;
     config.contact.n_fixed = job->contacts.n_fixed;
     config.contact.share = job->options->contact || config.contact.n_fixed > 0 ? 1.0f : 0.0f;
-    for (i = 0; !job->options->image_target && i < job->n_targets; i++) /* beside those that come later */
+    for (uint32_t i = 0; !job->options->image_target && i < job->n_targets; i++) /* beside those that come later */
         config.basic.n_target_vertices += job->target[i].users > 0 ? job->target[i].mesh.n_vertices : 0;
     job->course.config = config;
-    status = smr_arena_bytes(job->model.model, &config, &job->arena_bytes);
+    smr_status status = smr_arena_bytes(job->model.model, &config, &job->arena_bytes);
     if (status != SMR_OK)
         return refuse(error, "memory", status);
     job->arena = host_alloc(job->arena_bytes);
@@ -137,7 +163,7 @@ int host_job_run(host_job *job, host_error *error)
     double now = start, shown = start;
     smr_status status = SMR_OK;
     const int back = job->options->image_target && job->goals == NULL && job->options->resume == NULL;
-    if (set_up(job, error) != 0 || (back && host_job_remember_start(job, error) != 0) ||
+    if (set_up(job, error) != 0 || (back && host_job_positions(job, &job->begun_xyz, error) != 0) ||
         (traced && host_job_trace_begin(job, error) != 0) || host_job_course_begin(job, error) != 0)
         return -1;
     now = host_seconds();
@@ -166,4 +192,81 @@ int host_job_run(host_job *job, host_error *error)
         (void)fputs("\r\033[K", stderr);
     job->register_s = host_seconds() - start - job->trace_s;
     return 0;
+}
+
+/* Two independent tasks: preparing the model, and placing the model on the targets. */
+typedef struct both {
+    host_job *job;
+    host_error error[2];
+    int failed[2];
+} both;
+
+/* port NULL: one thread. */
+static int prepare(host_job *job, const smr_port *port, host_error *error)
+{
+    smr_prepare_config config = job->options->prepare;
+    if (job->options->reference != NULL)
+        config.reference = &job->reference.view;
+    config.port = port;
+    int result = host_model_prepare(&job->model, &config, error);
+    host_image_free(&job->reference);
+    return result;
+}
+
+static void run_half(void *arg, uint32_t task, uint32_t worker)
+{
+    both *const b = arg;
+    (void)worker;
+    if (task == 1)
+        b->failed[1] = host_job_start(b->job, &b->error[1]);
+    else if (!b->job->model_is_prepared)
+        b->failed[0] = prepare(b->job, NULL, &b->error[0]);
+}
+
+int host_job_prepare(host_job *job, host_error *error)
+{
+    both b = {0};
+    b.job = job;
+    if (job->options->align != HOST_ALIGN_NONE) {
+        host_parallel(&job->port.port, run_half, &b, 2);
+    } else { /* nearly all time is preparation: all workers share it */
+        b.failed[0] = job->model_is_prepared ? 0 : prepare(job, &job->port.port, &b.error[0]);
+        b.failed[1] = b.failed[0] ? 0 : host_job_start(job, &b.error[1]);
+    }
+    if (b.failed[0] || b.failed[1]) {
+        *error = b.failed[0] ? b.error[0] : b.error[1];
+        return -1;
+    }
+    return host_job_warp(job, error);
+}
+
+void host_job_free(host_job *job)
+{
+    for (uint32_t i = 0; job->result != NULL && i < job->model.n_parts; i++)
+        host_mesh_free(&job->result[i].mesh);
+    for (uint32_t i = 0; i < job->n_targets; i++) {
+        host_mesh_free(&job->target[i].mesh);
+        free(job->target[i].memory);
+    }
+    free(job->result);
+    free(job->target);
+    free(job->tick_ms);
+    free(job->trace_xyz);
+    free(job->begun_xyz);
+    host_course_free(&job->course);
+    host_contacts_free(&job->contacts);
+    host_buffer_free(&job->trace);
+    free(job->arena);
+    free(job->log_memory);
+    free(job->start_xyz);
+    free(job->warp_memory);
+    free(job->goals);
+    free(job->truth_paths);
+    if (job->truth_map != NULL)
+        host_label_map_free(job->truth_map);
+    free(job->truth_map);
+    host_image_free(&job->reference);
+    host_image_free(&job->image);
+    host_model_free(&job->model);
+    host_port_close(&job->port);
 }

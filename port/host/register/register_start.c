@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
+#include "base/system.h"
 #include "files/file_names.h"
 #include "model/input_check.h"
 #include "register/register_job.h"
@@ -13,13 +13,12 @@ static uint32_t n_surfaces(const host_options *options) { return options->image_
 
 static int take_targets(host_job *job, host_load *loads, host_error *error)
 {
-    uint32_t i = 0, k = 0;
     const uint32_t n = n_surfaces(job->options);
     job->target = calloc(n + 1u, sizeof *job->target);
     if (job->target == NULL)
         return host_fail(error, "start", "free memory");
     job->n_targets = n;
-    for (i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         host_target *const target = &job->target[i];
         target->path = loads[i].path;
         target->mesh = loads[i].mesh;
@@ -30,7 +29,7 @@ static int take_targets(host_job *job, host_load *loads, host_error *error)
         if (host_base_name(target->path, target->name, sizeof target->name) >= sizeof target->name && n > 1)
             return host_fail(error, "name", "a file name of at most %u bytes before its extension",
                              SMR_NAME_BYTES - 1u);
-        for (k = 0; k < i; k++)
+        for (uint32_t k = 0; k < i; k++)
             if (strcmp(job->target[k].name, target->name) == 0)
                 return host_fail(error, "name", "targets with names that differ, '%s' is there twice", target->name);
     }
@@ -43,22 +42,20 @@ static int load_surfaces(host_job *job, const host_files *models, host_error *er
     const host_options *const options = job->options;
     const uint32_t n = models->n + n_surfaces(options);
     host_load *const loads = calloc(n + 1u, sizeof *loads);
-    uint32_t i = 0;
-    int result = 0;
     if (loads == NULL)
         return host_fail(error, "start", "free memory");
-    for (i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         const int of_model = i < models->n;
         loads[i].path = of_model ? models->path[i] : options->target.path[i - models->n];
         loads[i].need = of_model ? HOST_MESH_POINTS_TOO : HOST_MESH_CLOUD; /* the model's points are carried */
         loads[i].mirror = of_model ? options->mirror_model : options->mirror_target;
     }
-    result = host_load_all(&job->port.port, loads, n, error);
+    int result = host_load_all(&job->port.port, loads, n, error);
     if (result == 0 && models->n > 0)
         result = host_model_take(loads, models->n, &job->model, error);
     if (result == 0 && !options->image_target)
         result = take_targets(job, loads + models->n, error);
-    for (i = 0; i < n; i++) /* meshes that were not taken over */
+    for (uint32_t i = 0; i < n; i++) /* meshes that were not taken over */
         host_mesh_free(&loads[i].mesh);
     free(loads);
     return result;
@@ -70,8 +67,7 @@ int host_job_load(host_job *job, host_error *error)
     const host_files none = {NULL, 0};
     const double start = host_seconds();
     int result = 0;
-    uint32_t i = 0;
-    for (i = 0; i < options->model.n; i++)
+    for (uint32_t i = 0; i < options->model.n; i++)
         job->model_is_prepared |= host_model_is_prepared(options->model.path[i]);
     if (!job->model_is_prepared && options->image_target && options->reference == NULL) {
         error->file = "--reference";
@@ -102,9 +98,7 @@ int host_job_check(host_job *job, host_error *error)
     const host_options *const options = job->options;
     /* these scale the model */
     const int scaled = options->landmarks.n > 0 || options->align == HOST_ALIGN_SIMILARITY;
-    host_box box;
-    uint32_t i = 0;
-    memset(&box, 0, sizeof box);
+    host_box box = {0};
     if (options->image_target && options->reference != NULL) {
         error->file = options->reference;
         if (host_check_image_size(&job->model, &job->reference.view, error) != 0)
@@ -116,7 +110,7 @@ int host_job_check(host_job *job, host_error *error)
         return 0;
     if (options->image_target)
         return host_check_image_size(&job->model, &job->image.view, error);
-    for (i = 0; i < job->n_targets; i++)
+    for (uint32_t i = 0; i < job->n_targets; i++)
         host_box_add(&box, job->target[i].mesh.xyz, job->target[i].mesh.n_vertices);
     job->size_ratio = host_size_ratio(&job->model, &box);
     return host_check_target_size(&job->model, &box, error);
@@ -131,21 +125,21 @@ static void give(host_job *job, uint32_t part, uint32_t target)
 
 int host_job_match(host_job *job, host_error *error)
 {
-    uint32_t i = 0, k = 0, matched = 0;
+    uint32_t matched = 0;
     error->file = "--target";
     job->result = calloc(job->model.n_parts, sizeof *job->result);
     if (job->result == NULL)
         return host_fail(error, "start", "free memory");
-    for (i = 0; i < job->model.n_parts; i++)
+    for (uint32_t i = 0; i < job->model.n_parts; i++)
         job->result[i].target = HOST_NO_TARGET;
     if (job->options->target.n == 0) /* landmark goals alone */
         return 0;
     if (job->options->image_target) /* the truth, if any, has one surface for each structure */
         return host_job_load_truth(job, error);
-    for (i = 0; i < job->model.n_parts; i++) {
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
         if (job->model.part[i].mesh.n_triangles == 0)
             continue;
-        for (k = 0; k < job->n_targets && job->result[i].target == HOST_NO_TARGET; k++)
+        for (uint32_t k = 0; k < job->n_targets && job->result[i].target == HOST_NO_TARGET; k++)
             if (job->n_targets == 1 || strcmp(job->target[k].name, job->model.part[i].name) == 0)
                 give(job, i, k);
         matched += job->result[i].target != HOST_NO_TARGET;
@@ -169,13 +163,12 @@ static void build_target(void *arg, uint32_t task, uint32_t worker)
 /* Joins the meshes of all targets in use, or of all structures that have a target. */
 static int join(const host_job *job, int targets, host_mesh *whole)
 {
-    uint32_t i = 0;
     int result = 0;
     memset(whole, 0, sizeof *whole);
-    for (i = 0; targets && result == 0 && i < job->n_targets; i++)
+    for (uint32_t i = 0; targets && result == 0 && i < job->n_targets; i++)
         if (job->target[i].users > 0)
             result = host_mesh_append(whole, &job->target[i].mesh);
-    for (i = 0; !targets && result == 0 && i < job->model.n_parts; i++)
+    for (uint32_t i = 0; !targets && result == 0 && i < job->model.n_parts; i++)
         if (job->result[i].target != HOST_NO_TARGET)
             result = host_mesh_append(whole, &job->model.part[i].mesh);
     return result;
@@ -185,10 +178,9 @@ static smr_status align_surfaces(host_job *job, const smr_surface *model, const 
 {
     smr_align_config config = smr_align_config_default();
     size_t bytes = 0;
-    void *scratch = NULL;
     config.scaled = job->options->align == HOST_ALIGN_SIMILARITY;
     smr_status status = smr_align_bytes(&config, &bytes);
-    scratch = host_alloc(bytes);
+    void *scratch = host_alloc(bytes);
     if (scratch == NULL)
         return SMR_E_ARENA;
     if (status == SMR_OK)
@@ -204,8 +196,7 @@ static int align(host_job *job, host_error *error)
     void *memory[2] = {NULL, NULL};
     const smr_surface *surface[2] = {NULL, NULL};
     smr_status status = SMR_E_ARENA;
-    int i = 0;
-    for (i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; i++) {
         if (join(job, i, &mesh[i]) == 0) {
             const smr_mesh view = host_mesh_view(&mesh[i]);
             surface[i] = mesh[i].n_triangles == 0 ? host_points_surface(&mesh[i], &memory[i])
@@ -225,10 +216,9 @@ static int align(host_job *job, host_error *error)
 
 int host_job_make_surfaces(host_job *job, host_error *error)
 {
-    uint32_t i = 0;
-    for (i = 0; i < job->n_targets; i++)
+    for (uint32_t i = 0; i < job->n_targets; i++)
         build_target(job->target, i, 0);
-    for (i = 0; i < job->n_targets; i++)
+    for (uint32_t i = 0; i < job->n_targets; i++)
         if (job->target[i].users > 0 && job->target[i].surface == NULL && job->target[i].points == NULL) {
             error->file = job->target[i].path;
             return host_fail(error, "surface", "a surface within the library's limits and free memory for it");
@@ -239,8 +229,7 @@ int host_job_make_surfaces(host_job *job, host_error *error)
 static double scale_of(const smr_pose *pose)
 {
     double sum = 0.0;
-    int r = 0;
-    for (r = 0; r < 3; r++)
+    for (int r = 0; r < 3; r++)
         sum += (double)pose->m[r][0] * (double)pose->m[r][0];
     return sqrt(sum);
 }

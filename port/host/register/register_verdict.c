@@ -1,6 +1,5 @@
 /* register_verdict.c: the verdict: what the inputs, the start and the result itself say against a registration.
  * SPDX-License-Identifier: MIT */
-#include "register/register_verdict.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -44,9 +43,9 @@ static void judge_run(const host_job *job, host_verdict *verdict)
                          "nothing of the target was seen: none of the model's vertices lies in the reference image %s",
                          job->options->reference);
     else if (!job->target_seen)
-        host_verdict_add(verdict, HOST_VERDICT_FAILED,
-                         "nothing of the target was seen: no vertex had a goal in any iteration; look at the start and "
-                         "at --search");
+        host_verdict_add(
+            verdict, HOST_VERDICT_FAILED,
+            "nothing of the target was seen: no vertex had a goal in any iteration; look at the start and at --search");
     if (with_reference && job->covered > 0.0 && job->covered < COVERED_LEAST)
         host_verdict_add(verdict, HOST_VERDICT_LOOK,
                          "%.1f %% of the model's vertices lie in the reference image: look at the ends of the others, "
@@ -63,16 +62,14 @@ static void judge_align(const smr_align_report *said, host_verdict *verdict)
 {
     if (said->n_alike > 1 && said->given == 0)
         host_verdict_add(verdict, HOST_VERDICT_LOOK,
-                         "%" PRIu32
-                         " clearly different start poses explain the surfaces alike: look which way round the "
-                         "result lies, or give landmarks",
+                         "%" PRIu32 " clearly different start poses explain the surfaces alike: look which way round "
+                         "the result lies, or give landmarks",
                          said->n_alike);
     if (said->n_alike > 0 && (double)said->mirrored_rms_mm < MIRRORED_MOST * (double)said->rms_mm)
-        host_verdict_add(
-            verdict, HOST_VERDICT_LOOK,
-            "the model's mirror image starts nearer, %.1f instead of %.1f mm: look whether the target is of "
-            "the other side of the body",
-            (double)said->mirrored_rms_mm, (double)said->rms_mm);
+        host_verdict_add(verdict, HOST_VERDICT_LOOK,
+                         "the model's mirror image starts nearer, %.1f instead of %.1f mm: look whether the target is "
+                         "of the other side of the body",
+                         (double)said->mirrored_rms_mm, (double)said->rms_mm);
 }
 
 static void judge_start(const host_job *job, host_verdict *verdict)
@@ -92,14 +89,13 @@ static void judge_start(const host_job *job, host_verdict *verdict)
 /* Surfaces that are inside out have normals that no other surface agrees with. */
 static void judge_orientation(host_job *job, host_verdict *verdict)
 {
-    uint32_t i = 0;
-    for (i = 0; i < job->model.n_parts; i++)
+    for (uint32_t i = 0; i < job->model.n_parts; i++)
         if (host_is_inside_out(&job->model.part[i].mesh)) {
             host_verdict_add(&job->result[i].verdict, HOST_VERDICT_LOOK, "the model's surface is inside out");
             host_verdict_add(verdict, HOST_VERDICT_LOOK, "the model's %s is a closed surface that is inside out",
                              job->model.part[i].name);
         }
-    for (i = 0; !job->options->image_target && i < job->n_targets; i++)
+    for (uint32_t i = 0; !job->options->image_target && i < job->n_targets; i++)
         if (job->target[i].users > 0 && host_is_inside_out(&job->target[i].mesh)) {
             host_verdict_add(&job->result[job->target[i].user].verdict, HOST_VERDICT_LOOK,
                              "the target's surface is inside out");
@@ -111,8 +107,8 @@ static void judge_orientation(host_job *job, host_verdict *verdict)
 /* Structures of which nothing was found at the end. */
 static void judge_lost(host_job *job, host_verdict *verdict)
 {
-    uint32_t i = 0, n = 0, first = 0;
-    for (i = 0; i < job->model.n_parts; i++) {
+    uint32_t n = 0, first = 0;
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
         const host_result *const result = &job->result[i];
         if (result->report.has_target == 0 || job->model.part[i].mesh.n_triangles == 0 ||
             result->report.matched_share > 0.0f)
@@ -127,8 +123,8 @@ static void judge_lost(host_job *job, host_verdict *verdict)
 
 static void judge_folds(host_job *job, host_verdict *verdict)
 {
-    uint32_t i = 0, most = 0;
-    for (i = 0; i < job->model.n_parts; i++) {
+    uint32_t most = 0;
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
         const uint64_t folds = job->result[i].folds;
         most = folds > job->result[most].folds ? i : most;
         if (folds > 0)
@@ -143,8 +139,8 @@ static void judge_folds(host_job *job, host_verdict *verdict)
 static void judge_contact(host_job *job, host_verdict *verdict)
 {
     const host_contacts *const c = &job->contacts;
-    uint32_t i = 0, n = 0, most = 0;
-    for (i = 0; i < c->n_pairs; i++) {
+    uint32_t n = 0, most = 0;
+    for (uint32_t i = 0; i < c->n_pairs; i++) {
         const host_contact_pair *const pair = &c->pair[i];
         if (pair->left_mm <= host_contact_bound(job))
             continue;
@@ -165,8 +161,8 @@ static void judge_contact(host_job *job, host_verdict *verdict)
 static void judge_contradiction(host_job *job, host_verdict *verdict)
 {
     const host_contacts *const c = &job->contacts;
-    uint32_t i = 0, most = 0;
-    for (i = 0; i < c->n_pairs; i++) {
+    uint32_t most = 0;
+    for (uint32_t i = 0; i < c->n_pairs; i++) {
         const host_contact_pair *const pair = &c->pair[i];
         most = pair->asked_mm > c->pair[most].asked_mm ? i : most;
         if (pair->asked_mm > host_contact_bound(job))
@@ -186,13 +182,12 @@ static void judge_contradiction(host_job *job, host_verdict *verdict)
 static void judge_measures(smr *s, uint32_t structure, smr_verdict *measures, host_verdict *verdict)
 {
     static const int levels[] = {HOST_VERDICT_GOOD, HOST_VERDICT_LOOK, HOST_VERDICT_FAILED};
-    uint32_t bit = 0;
     verdict->expected_error_mm = (double)NAN;
     if (smr_get_verdict(s, structure, measures) != SMR_OK) /* --ticks ended within an iteration */
         return;
     if (measures->expected_error_mm >= 0.0f)
         verdict->expected_error_mm = (double)measures->expected_error_mm;
-    for (bit = SMR_REASON_NOTHING_VISIBLE << 1; bit <= measures->reasons; bit <<= 1)
+    for (uint32_t bit = SMR_REASON_NOTHING_VISIBLE << 1; bit <= measures->reasons; bit <<= 1)
         if ((measures->reasons & bit) != 0)
             host_verdict_add(verdict, levels[measures->level], "%s", smr_reason_text(bit));
 }
@@ -200,20 +195,17 @@ static void judge_measures(smr *s, uint32_t structure, smr_verdict *measures, ho
 /* Least and most of each structure. Where the start was kept they are of what was rejected: not known. */
 static void find_local_volumes(host_job *job)
 {
-    const float *ratio = NULL;
-    float *all = NULL;
     size_t n = 0;
-    uint32_t i = 0, k = 0;
-    for (i = 0; i < job->model.n_parts; i++)
+    for (uint32_t i = 0; i < job->model.n_parts; i++)
         n += job->result[i].mesh.n_vertices;
-    all = malloc((n + 1u) * sizeof *all);
-    ratio = all;
+    float *all = malloc((n + 1u) * sizeof *all);
+    const float *ratio = all;
     const int known = !job->kept_start && all != NULL && smr_get_local_volume(job->state, SMR_ALL, 0, all) == SMR_OK;
-    for (i = 0; i < job->model.n_parts; i++) {
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
         host_result *const result = &job->result[i];
         result->local_volume[0] = result->local_volume[1] =
             known && result->mesh.n_vertices > 0 ? ratio[0] : (float)NAN;
-        for (k = 0; known && k < result->mesh.n_vertices; k++) {
+        for (uint32_t k = 0; known && k < result->mesh.n_vertices; k++) {
             result->local_volume[0] = fminf(result->local_volume[0], ratio[k]);
             result->local_volume[1] = fmaxf(result->local_volume[1], ratio[k]);
         }
@@ -225,7 +217,6 @@ static void find_local_volumes(host_job *job)
 
 void host_job_verdict(host_job *job)
 {
-    uint32_t i = 0;
     find_local_volumes(job);
     judge_run(job, &job->verdict);
     judge_start(job, &job->verdict);
@@ -237,7 +228,7 @@ void host_job_verdict(host_job *job)
     judge_measures(job->state, SMR_ALL, &job->measures, &job->verdict);
     if (job->target_seen && (job->measures.reasons & SMR_REASON_NOTHING_VISIBLE) != 0)
         host_verdict_add(&job->verdict, HOST_VERDICT_FAILED, "%s", smr_reason_text(SMR_REASON_NOTHING_VISIBLE));
-    for (i = 0; i < job->model.n_parts; i++) {
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
         smr_verdict measures;
         job->result[i].verdict.expected_error_mm = (double)NAN;
         if (job->result[i].report.has_target != 0)

@@ -28,11 +28,10 @@ static void put_text(host_json *json, const char *text)
 
 static void new_line(host_json *json)
 {
-    int i = 0;
     if (json->one_line)
         return;
     host_buffer_add(json->out, "\n", 1);
-    for (i = 0; i < json->depth; i++)
+    for (int i = 0; i < json->depth; i++)
         host_buffer_add(json->out, "  ", 2);
 }
 
@@ -93,6 +92,21 @@ void host_json_number(host_json *json, const char *key, double value)
         host_buffer_print(json->out, "%.7g", value);
     else
         host_buffer_print(json->out, "null");
+}
+
+void host_json_list(host_json *json, const char *key, const float *value, size_t n)
+{
+    host_json_open(json, key, '[');
+    for (size_t i = 0; i < n; i++)
+        host_json_number(json, NULL, (double)value[i]);
+    host_json_close(json, ']');
+}
+
+void host_json_raw(host_json *json, const char *key, const host_buffer *value)
+{
+    start_item(json, key);
+    host_buffer_add(json->out, value->data, value->size);
+    json->out->failed |= value->failed;
 }
 
 void host_json_null(host_json *json, const char *key)

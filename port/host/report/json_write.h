@@ -21,6 +21,10 @@ void host_json_count(host_json *json, const char *key, uint64_t value);
 void host_json_flag(host_json *json, const char *key, int value);
 /* A value that is not finite is written as null. */
 void host_json_number(host_json *json, const char *key, double value);
+/* A list of n numbers. */
+void host_json_list(host_json *json, const char *key, const float *value, size_t n);
+/* JSON that was written before. */
+void host_json_raw(host_json *json, const char *key, const host_buffer *value);
 void host_json_null(host_json *json, const char *key);
 /* Writes {mean, rms, p95, max}, or null when n = 0. */
 void host_json_stats(host_json *json, const char *key, const host_stats *stats);

@@ -9,8 +9,6 @@
 #include <string.h>
 
 #include "report/json_write.h"
-#include "report/report_files.h"
-#include "report/report_volume.h"
 
 const char *host_warp_name(uint32_t kind)
 {
@@ -37,8 +35,7 @@ static void put_model(const host_job *job, host_json *json)
 {
     const smr_model_info *const info = &job->model.info;
     double stored = 0.0, direct = 0.0;
-    uint32_t i = 0;
-    for (i = 0; i < info->n_radii; i++) {
+    for (uint32_t i = 0; i < info->n_radii; i++) {
         stored += (double)info->indexes_per_cluster[i] / info->n_radii;
         direct += (double)info->direct_per_cluster[i] / info->n_radii;
     }
@@ -51,12 +48,9 @@ static void put_model(const host_job *job, host_json *json)
     host_json_count(json, "clusters", info->n_vertices); /* one per vertex, at every radius */
     host_json_number(json, "indexes_per_cluster", stored);
     host_json_number(json, "indexes_per_cluster_direct", direct);
-    host_json_open(json, "radius_mm", '[');
-    for (i = 0; i < info->n_radii; i++)
-        host_json_number(json, NULL, (double)info->radius_mm[i]);
-    host_json_close(json, ']');
+    host_json_list(json, "radius_mm", info->radius_mm, info->n_radii);
     host_json_open(json, "radii", '[');
-    for (i = 0; i < info->n_radii; i++) {
+    for (uint32_t i = 0; i < info->n_radii; i++) {
         host_json_open(json, NULL, '{');
         host_json_number(json, "radius_mm", (double)info->radius_mm[i]);
         host_json_number(json, "indexes_per_cluster", (double)info->indexes_per_cluster[i]);
@@ -160,8 +154,7 @@ static void put_result(const host_job *job, host_json *json)
     const int compared = job->n_targets > 0;
     const double a = job->area.to_target.max, b = job->area.to_result.max;
     double mean = 0.0, max = 0.0, n = 0.0;
-    uint32_t i = 0;
-    for (i = 0; i < job->model.n_parts; i++) {
+    for (uint32_t i = 0; i < job->model.n_parts; i++) {
         const double vertices = (double)job->result[i].mesh.n_vertices,
                      most = (double)job->result[i].report.moved_max_mm;
         mean += (double)job->result[i].report.moved_mean_mm * vertices;
@@ -190,10 +183,9 @@ static void put_result(const host_job *job, host_json *json)
 
 static void put_verdict(const host_verdict *verdict, host_json *json)
 {
-    uint32_t i = 0;
     host_json_text(json, "verdict", host_verdict_name(verdict->level));
     host_json_open(json, "reasons", '[');
-    for (i = 0; i < verdict->n_reasons; i++)
+    for (uint32_t i = 0; i < verdict->n_reasons; i++)
         host_json_text(json, NULL, verdict->reason[i]);
     host_json_close(json, ']');
     host_json_number(json, "expected_error_mm", verdict->expected_error_mm);
@@ -221,9 +213,8 @@ static void put_measures(const smr_verdict *v, host_json *json)
                     {"scale", v->scale},
                     {"scale_rest", v->scale_rest},
                     {"moved_last_mm", v->moved_last_mm}};
-    size_t i = 0;
     host_json_open(json, "verdict_measures", '{');
-    for (i = 0; i < sizeof measures / sizeof measures[0]; i++)
+    for (size_t i = 0; i < sizeof measures / sizeof measures[0]; i++)
         host_json_number(json, measures[i].name, (double)measures[i].value);
     host_json_close(json, '}');
 }
@@ -290,7 +281,6 @@ static void put_align(const smr_align_report *said, host_json *json)
 static void put_landmark_goals(const host_job *job, host_json *json)
 {
     const host_landmark_goals *const g = job->goals;
-    uint32_t i = 0;
     if (g == NULL) {
         host_json_null(json, "landmark_goals");
         return;
@@ -302,7 +292,7 @@ static void put_landmark_goals(const host_job *job, host_json *json)
     host_json_number(json, "residual_mean_mm", g->mean);
     host_json_number(json, "residual_max_mm", g->max);
     host_json_open(json, "points", '[');
-    for (i = 0; i < g->set.n; i++) {
+    for (uint32_t i = 0; i < g->set.n; i++) {
         host_json_open(json, NULL, '{');
         host_json_text(json, "label", g->set.label[i]);
         host_json_number(json, "residual_mm", g->residual[i]);
@@ -315,7 +305,6 @@ static void put_landmark_goals(const host_job *job, host_json *json)
 static void put_start(const host_job *job, host_json *json)
 {
     static const char *const names[] = {"none", "rigid", "similarity"};
-    int r = 0, c = 0;
     put_kind(job, json);
     put_align(&job->align_report, json);
     host_json_text(json, "align", names[job->options->align]);
@@ -332,11 +321,7 @@ static void put_start(const host_job *job, host_json *json)
         return;
     }
     host_json_number(json, "start_rms_mm", (double)job->align_rms_mm);
-    host_json_open(json, "start_pose", '[');
-    for (r = 0; r < 3; r++)
-        for (c = 0; c < 4; c++)
-            host_json_number(json, NULL, (double)job->pose.m[r][c]);
-    host_json_close(json, ']');
+    host_json_list(json, "start_pose", job->pose.m[0], 12);
 }
 
 static const char *similarity_name(uint32_t similarity)
@@ -352,7 +337,6 @@ void host_job_report(const host_job *job, int exit_status, const host_output *ou
 {
     host_json json = {out, 0, 1, 0};
     char text[40];
-    uint32_t i = 0;
     host_json_open(&json, NULL, '{');
     (void)snprintf(text, sizeof text, "%d.%d.%d", SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH);
     host_json_text(&json, "version", text);
@@ -385,11 +369,11 @@ void host_job_report(const host_job *job, int exit_status, const host_output *ou
     (void)snprintf(text, sizeof text, "%016" PRIx64, smr_state_hash(job->state));
     host_json_text(&json, "state_hash", text);
     host_json_open(&json, "per_structure", '[');
-    for (i = 0; i < job->model.n_parts; i++)
+    for (uint32_t i = 0; i < job->model.n_parts; i++)
         put_structure(job, i, &json);
     host_json_close(&json, ']');
     host_json_open(&json, "targets_unused", '[');
-    for (i = 0; i < job->n_targets; i++)
+    for (uint32_t i = 0; i < job->n_targets; i++)
         if (job->target[i].users == 0)
             host_json_text(&json, NULL, job->target[i].path);
     host_json_close(&json, ']');

@@ -5,6 +5,9 @@
 #define MRML_SCENE_H
 
 #include "base/byte_buffer.h"
+#include "carry/carry_result.h"
+#include "files/output_files.h"
+#include "register/register_job.h"
 
 typedef struct host_scene {
     host_buffer *out; /* stores failure */
@@ -31,5 +34,19 @@ void host_scene_volume(host_scene *scene, const char *name, const char *file, in
 void host_scene_model_add(host_scene *scene, const host_scene_model *model);
 void host_scene_points(host_scene *scene, const char *name, const char *file, const float color[3]);
 void host_scene_end(host_scene *scene);
+
+#define HOST_SCENE_VOXELS 500000u /* at most, 12 bytes each */
+
+/* Writes the field from the patient's space to the model's around the result as NRRD into the buffer, which stores
+ * failure: every 4 mm, or coarser where that gives too many voxels. It is computed at every second voxel along each
+ * axis, halved between them, and fitted to the vertices as host_carried_field() does. Returns at how many of the voxels
+ * that are computed the way back was not found, in *share their share; or -1 with the error filled. */
+int64_t host_scene_field_write(host_carried *c, host_buffer *out, double *share, host_error *error);
+
+/* Adds the scene of --slicer to the set, whose surfaces have been added, and what it needs beside them:
+ * DIR/field.nrrd, from the patient's space to the model's, and markups of the landmarks. It shows the results, the
+ * surfaces and the volume that they were registered to, and the reference volume, moved by the field. Files that Slicer
+ * cannot read are left out, which is said on stderr. 0, or -1 with the error filled. */
+int host_scene_add(const host_job *job, host_output *output, host_error *error);
 
 #endif

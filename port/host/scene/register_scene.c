@@ -1,6 +1,5 @@
 /* register_scene.c: a registration's results as a scene of 3D Slicer.
  * SPDX-License-Identifier: MIT */
-#include "scene/register_scene.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +8,6 @@
 #include "files/file_names.h"
 #include "landmarks/points_file.h"
 #include "scene/mrml_scene.h"
-#include "scene/scene_field.h"
 
 #define FIELD_NAME "field.nrrd"
 #define MISSED_SHARE 0.01  /* of the field, mostly in its margin: less is not told */
@@ -57,11 +55,10 @@ static int slicer_reads(const char *path, const char *const *extensions, size_t 
 
 static int add_field(making *m, host_error *error)
 {
-    host_buffer file;
+    host_buffer file = {0};
     char *const path = in_directory(m->job, FIELD_NAME);
     double share = 0.0;
     int result = path == NULL ? host_fail(error, "output", "free memory") : 0;
-    memset(&file, 0, sizeof file);
     error->file = FIELD_NAME;
     if (result == 0 && host_scene_field_write(&m->carried, &file, &share, error) < 0)
         result = -1;
@@ -109,8 +106,7 @@ static void color_of(uint32_t i, float color[3])
                                       {0.35f, 0.75f, 0.70f}, {0.75f, 0.45f, 0.45f}, {0.60f, 0.60f, 0.90f},
                                       {0.85f, 0.80f, 0.35f}, {0.95f, 0.60f, 0.70f}, {0.55f, 0.50f, 0.40f}};
     const uint32_t n = sizeof colors / sizeof colors[0], round = i / n % 3u;
-    uint32_t k = 0;
-    for (k = 0; k < 3u; k++) {
+    for (uint32_t k = 0; k < 3u; k++) {
         const float c = colors[i % n][k];
         color[k] = round == 0 ? c : round == 1u ? 0.5f + 0.5f * c : 0.6f * c;
     }
@@ -119,14 +115,12 @@ static void color_of(uint32_t i, float color[3])
 static int add_results(making *m, host_error *error)
 {
     const host_options *const options = m->job->options;
-    uint32_t i = 0;
-    for (i = 0; i < m->job->model.n_parts; i++) {
+    for (uint32_t i = 0; i < m->job->model.n_parts; i++) {
         const char *const name = m->job->model.part[i].name;
         char file[NAME_ROOM];
         host_scene_model model = {name, NULL, {0}, 1.0f, NULL, SHOWN_ERROR_MM};
-        char *path = NULL;
         (void)snprintf(file, sizeof file, "%s%s", name, host_format_extension((int)options->format));
-        path = in_directory(m->job, file);
+        char *path = in_directory(m->job, file);
         if (path == NULL)
             return host_fail(error, "output", "free memory");
         model.file = path;
@@ -160,10 +154,9 @@ static void add_seen_through(making *m, const host_target *surface, const char *
 static void add_targets(making *m)
 {
     const host_job *const job = m->job;
-    uint32_t i = 0;
-    for (i = 0; i < job->n_targets && !job->options->image_target; i++)
+    for (uint32_t i = 0; i < job->n_targets && !job->options->image_target; i++)
         add_seen_through(m, &job->target[i], "target", target_color);
-    for (i = 0; i < job->contacts.n_fixed; i++)
+    for (uint32_t i = 0; i < job->contacts.n_fixed; i++)
         add_seen_through(m, &job->contacts.fixed[i], "fixed", fixed_color);
 }
 
@@ -171,17 +164,13 @@ static void add_targets(making *m)
 static int add_points(making *m, const host_landmarks *set, float xyz[HOST_LANDMARKS_MAX][3], const char *name,
                       const float color[3], host_error *error)
 {
-    host_points points;
-    host_buffer buffer;
+    host_points points = {0};
+    host_buffer buffer = {0};
     char file[NAME_ROOM];
-    char *path = NULL;
-    uint32_t i = 0;
     int result = 0;
-    memset(&points, 0, sizeof points);
-    memset(&buffer, 0, sizeof buffer);
     (void)snprintf(file, sizeof file, "%s.mrk.json", name);
-    path = in_directory(m->job, file);
-    for (i = 0; i < set->n && result == 0; i++)
+    char *path = in_directory(m->job, file);
+    for (uint32_t i = 0; i < set->n && result == 0; i++)
         result = host_points_add(&points, set->label[i], strlen(set->label[i]), xyz[i]);
     if (result != 0 || path == NULL)
         buffer.failed = 1;
@@ -204,12 +193,13 @@ static int add_landmarks(making *m, host_error *error)
     const int mirror = options->mirror_model;
     float from[HOST_LANDMARKS_MAX][3], to[HOST_LANDMARKS_MAX][3];
     host_landmarks *const set = calloc(1, sizeof *set);
-    uint32_t n = 0, i = 0;
+    uint32_t n = 0;
     int result = 0;
     if (set == NULL)
         return host_fail(error, "output", "free memory");
     if (files->n == 2 && host_landmark_pairs_read(options, files, set, from, to, &n, error) == 0) {
-        for (i = 0; i < n && mirror != HOST_MIRROR_NONE; i++) /* carried from where the model's file has them */
+        for (uint32_t i = 0; i < n && mirror != HOST_MIRROR_NONE;
+             i++) /* carried from where the model's file has them */
             from[i][mirror] = 0.0f - from[i][mirror];
         result = add_points(m, set, to, "landmarks", places_color, error);
         if (result == 0 && host_carried_points(&m->carried, 0, from[0], n, NULL, error) < 0)
@@ -226,12 +216,10 @@ static int add_landmarks(making *m, host_error *error)
 /* From carry.bin as it is written. */
 static int open_map(making *m, host_error *error)
 {
-    host_buffer bytes;
-    int result = 0;
-    memset(&bytes, 0, sizeof bytes);
+    host_buffer bytes = {0};
     host_job_carry(m->job, &bytes);
-    result = bytes.failed ? host_fail(error, "output", "free memory")
-                          : host_carried_take(&m->carried, bytes.data, bytes.size, m->job->options->threads, error);
+    int result = bytes.failed ? host_fail(error, "output", "free memory")
+                              : host_carried_take(&m->carried, bytes.data, bytes.size, m->job->options->threads, error);
     host_buffer_free(&bytes);
     return result;
 }
@@ -254,14 +242,12 @@ static int fill(making *m, host_error *error)
 
 int host_scene_add(const host_job *job, host_output *output, host_error *error)
 {
-    making m;
-    int result = 0;
-    memset(&m, 0, sizeof m);
+    making m = {0};
     m.job = job;
     m.output = output;
     m.scene.out = &m.text;
     m.scene.path = job->options->slicer;
-    result = fill(&m, error);
+    int result = fill(&m, error);
     if (result == 0)
         result = host_output_add_path(output, job->options->slicer, &m.text, error);
     host_carried_close(&m.carried);

@@ -36,11 +36,10 @@ static void fill(stream *s)
 /* Reads the next n bits, at most 16, as a number; -1 at the end of the data. */
 static int take(stream *s, unsigned bits)
 {
-    int value = 0;
     fill(s);
     if (s->held < bits)
         return -1;
-    value = (int)(s->hold & ((1u << bits) - 1u));
+    int value = (int)(s->hold & ((1u << bits) - 1u));
     s->hold >>= bits;
     s->held -= bits;
     return value;
@@ -48,10 +47,9 @@ static int take(stream *s, unsigned bits)
 
 static int decode(stream *s, const code_table *table)
 {
-    unsigned entry = 0, length = 0;
     fill(s);
-    entry = table->entry[s->hold & ((1u << CODE_BITS) - 1u)];
-    length = entry & 15u;
+    unsigned entry = table->entry[s->hold & ((1u << CODE_BITS) - 1u)];
+    unsigned length = entry & 15u;
     if (length == 0 || length > s->held)
         return -1;
     s->hold >>= length;
@@ -71,22 +69,22 @@ static unsigned reversed(unsigned code, unsigned bits)
 static int build(code_table *table, const unsigned char *lengths, unsigned n)
 {
     unsigned count[CODE_BITS + 1] = {0}, next[CODE_BITS + 1] = {0};
-    unsigned code = 0, bits = 0, i = 0, at = 0;
+    unsigned code = 0;
     memset(table, 0, sizeof *table);
-    for (i = 0; i < n; i++)
+    for (unsigned i = 0; i < n; i++)
         count[lengths[i]]++;
     count[0] = 0;
-    for (bits = 1; bits <= CODE_BITS; bits++) {
+    for (unsigned bits = 1; bits <= CODE_BITS; bits++) {
         code = (code + count[bits - 1u]) << 1;
         next[bits] = code;
         if (code + count[bits] > 1u << bits)
             return -1;
     }
-    for (i = 0; i < n; i++) {
+    for (unsigned i = 0; i < n; i++) {
         const unsigned length = lengths[i];
         if (length == 0)
             continue;
-        for (at = reversed(next[length]++, length); at < 1u << CODE_BITS; at += 1u << length)
+        for (unsigned at = reversed(next[length]++, length); at < 1u << CODE_BITS; at += 1u << length)
             table->entry[at] = (uint16_t)(i * 16u + length);
     }
     return 0;
@@ -94,10 +92,9 @@ static int build(code_table *table, const unsigned char *lengths, unsigned n)
 
 static int read_stored(stream *s)
 {
-    int size = 0, inverse = 0;
     (void)take(s, s->held & 7u); /* to the next whole byte: `hold` has the rest of a byte and whole bytes */
-    size = take(s, 16);
-    inverse = take(s, 16);
+    int size = take(s, 16);
+    int inverse = take(s, 16);
     if (size < 0 || inverse < 0 || (size ^ inverse) != 0xffff || (size_t)size > s->out_n - s->done)
         return -1;
     for (; size > 0; size--) {
@@ -151,10 +148,9 @@ static int dynamic_codes(stream *s)
     static const unsigned char order[19] = {16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15};
     unsigned char lengths[320] = {0};
     const int literals = take(s, 5), distances = take(s, 5), codes = take(s, 4);
-    int i = 0;
     if (literals < 0 || distances < 0 || codes < 0 || literals > 29 || distances > 29)
         return -1;
-    for (i = 0; i < codes + 4; i++) {
+    for (int i = 0; i < codes + 4; i++) {
         const int length = take(s, 3);
         if (length < 0)
             return -1;
@@ -179,19 +175,17 @@ static int copy(stream *s, int symbol)
                                                33,   49,   65,   97,   129,  193,  257,  385,   513,   769,
                                                1025, 1537, 2049, 3073, 4097, 6145, 8193, 12289, 16385, 24577};
     const int k = symbol - 257;
-    size_t length = 0, distance = 0;
-    int extra = 0, far = 0;
     if (k > 28)
         return -1;
-    extra = take(s, k < 8 || k == 28 ? 0u : (unsigned)(k - 4) / 4u);
-    far = decode(s, &s->distance);
+    int extra = take(s, k < 8 || k == 28 ? 0u : (unsigned)(k - 4) / 4u);
+    int far = decode(s, &s->distance);
     if (extra < 0 || far < 0 || far > 29)
         return -1;
-    length = length_base[k] + (size_t)extra;
+    size_t length = length_base[k] + (size_t)extra;
     extra = take(s, far < 4 ? 0u : (unsigned)(far - 2) / 2u);
     if (extra < 0)
         return -1;
-    distance = distance_base[far] + (size_t)extra;
+    size_t distance = distance_base[far] + (size_t)extra;
     if (distance > s->done || length > s->out_n - s->done)
         return -1;
     for (; length > 0; length--, s->done++)
@@ -241,8 +235,7 @@ static int read_blocks(stream *s)
 static uint32_t adler32(const unsigned char *data, size_t n)
 {
     uint32_t a = 1, b = 0;
-    size_t i = 0;
-    for (i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++) {
         a += data[i];
         b += a;
         if (i % 4096u == 4095u || i + 1u == n) { /* the sums of 4096 bytes fit 32 bits */
@@ -256,15 +249,13 @@ static uint32_t adler32(const unsigned char *data, size_t n)
 static uint32_t crc32(const unsigned char *data, size_t n)
 {
     uint32_t table[256], crc = 0xffffffffu;
-    size_t i = 0;
-    for (i = 0; i < 256; i++) {
+    for (size_t i = 0; i < 256; i++) {
         uint32_t c = (uint32_t)i;
-        int bit = 0;
-        for (bit = 0; bit < 8; bit++)
+        for (int bit = 0; bit < 8; bit++)
             c = (c >> 1) ^ ((c & 1u) != 0 ? 0xedb88320u : 0u);
         table[i] = c;
     }
-    for (i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++)
         crc = (crc >> 8) ^ table[(crc ^ data[i]) & 255u];
     return ~crc;
 }
@@ -273,7 +264,6 @@ static uint32_t crc32(const unsigned char *data, size_t n)
 static size_t header_bytes(const unsigned char *data, size_t n, int *gzip)
 {
     size_t at = 10;
-    int field = 0;
     *gzip = n >= 10u && data[0] == 0x1f && data[1] == 0x8b;
     if (!*gzip)
         return n >= 2u && (data[0] & 15u) == 8u && (data[0] * 256u + data[1]) % 31u == 0 && (data[1] & 32u) == 0 ? 2u
@@ -285,7 +275,7 @@ static size_t header_bytes(const unsigned char *data, size_t n, int *gzip)
             return 0;
         at += 2u + data[10] + 256u * (size_t)data[11];
     }
-    for (field = 8; field <= 16; field *= 2) /* a name and a comment, each up to a NUL */
+    for (int field = 8; field <= 16; field *= 2) /* a name and a comment, each up to a NUL */
         if ((data[3] & field) != 0) {
             while (at < n && data[at] != 0)
                 at++;
@@ -298,8 +288,7 @@ static size_t header_bytes(const unsigned char *data, size_t n, int *gzip)
 static uint32_t take32(stream *s, int big_endian)
 {
     uint32_t v = 0;
-    int i = 0;
-    for (i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++) {
         const int byte = take(s, 8);
         v |= (uint32_t)(byte < 0 ? 0 : byte) << (8 * (big_endian ? 3 - i : i));
     }
@@ -311,10 +300,9 @@ const char *host_inflate(const unsigned char *data, size_t n, unsigned char *out
     int gzip = 0;
     const size_t head = header_bytes(data, n, &gzip);
     const char *expected = NULL;
-    stream *s = NULL;
     if (head == 0)
         return "a zlib or gzip stream";
-    s = calloc(1, sizeof *s);
+    stream *s = calloc(1, sizeof *s);
     if (s == NULL)
         return "free memory for unpacking";
     s->in = data + head;

@@ -3,6 +3,7 @@
  * TransformMatrix lists the direction of the first axis first. Offset is the centre of the first voxel. Both are LPS.
  * AnatomicalOrientation is ignored. ElementSize is the spacing where there is no ElementSpacing, as in ITK and VTK.
  * SPDX-License-Identifier: MIT */
+#include <stddef.h>
 #include <string.h>
 
 #include "smr.h"
@@ -10,10 +11,10 @@
 
 typedef struct meta_header {
     int64_t size[3];
-    int has_size, has_spacing, has_extent, text, packed,
-        last; /* last: ElementDataFile was read, which ends the header */
+    int has_size, binary, packed, big_endian;
+    int last; /* ElementDataFile was read, which ends the header */
     int64_t packed_bytes, header_bytes;
-    double spacing[3], extent[3], matrix[9], offset[3]; /* extent: of a voxel (ElementSize), mm */
+    double spacing[3], extent[3], matrix[9], offset[3]; /* extent: of a voxel (ElementSize), mm; 0: not said */
     host_word file;
 } meta_header;
 
@@ -23,8 +24,7 @@ typedef int (*key_function)(host_volume_reader *reader, meta_header *header, hos
 static int numbers(host_text *words, int n, double *values)
 {
     host_word word;
-    int i = 0;
-    for (i = 0; i < n; i++)
+    for (int i = 0; i < n; i++)
         if (!host_text_word_in_line(words, &word) || !host_word_double(word, &values[i]))
             return 0;
     return !host_text_word_in_line(words, &word);
@@ -85,8 +85,7 @@ static int key_channels(host_volume_reader *reader, meta_header *header, host_te
 static int key_size(host_volume_reader *reader, meta_header *header, host_text *words)
 {
     host_word word;
-    int i = 0;
-    for (i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++)
         if (!host_text_word_in_line(words, &word) || !host_word_int(word, &header->size[i]))
             return host_volume_fail(reader, "DimSize = three counts");
     if (host_text_word_in_line(words, &word))
@@ -97,25 +96,12 @@ static int key_size(host_volume_reader *reader, meta_header *header, host_text *
 
 static int lengths(host_volume_reader *reader, host_text *words, const char *key, double mm[3])
 {
-    int i = 0;
     if (!numbers(words, 3, mm))
         return host_volume_fail(reader, "%s = three numbers", key);
-    for (i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++)
         if (!(mm[i] > 0.0 && mm[i] <= (double)SMR_COORD_MAX)) /* written so that NaN fails */
             return host_volume_fail(reader, "%s = three positive numbers, found %g", key, mm[i]);
     return 0;
-}
-
-static int key_spacing(host_volume_reader *reader, meta_header *header, host_text *words)
-{
-    header->has_spacing = 1;
-    return lengths(reader, words, "ElementSpacing", header->spacing);
-}
-
-static int key_extent(host_volume_reader *reader, meta_header *header, host_text *words)
-{
-    header->has_extent = 1;
-    return lengths(reader, words, "ElementSize", header->extent);
 }
 
 /* Positions are millimetres: no unit is converted. "?" is MetaImage's "unknown". */
@@ -126,45 +112,6 @@ static int key_units(host_volume_reader *reader, meta_header *header, host_text 
     if (one_word(words, &word) && (host_word_is_nocase(word, "mm") || host_word_is(word, "?")))
         return 0;
     return host_volume_fail(reader, "DistanceUnits = mm, found '%.*s'", (int)(word.n < 40u ? word.n : 40u), word.start);
-}
-
-static int key_matrix(host_volume_reader *reader, meta_header *header, host_text *words)
-{
-    return numbers(words, 9, header->matrix) ? 0 : host_volume_fail(reader, "TransformMatrix = nine numbers");
-}
-
-static int key_offset(host_volume_reader *reader, meta_header *header, host_text *words)
-{
-    return numbers(words, 3, header->offset) ? 0 : host_volume_fail(reader, "Offset = three numbers");
-}
-
-static int key_binary(host_volume_reader *reader, meta_header *header, host_text *words)
-{
-    int value = 0;
-    const int result = truth(reader, words, "BinaryData", &value);
-    header->text = !value;
-    return result;
-}
-
-static int key_order(host_volume_reader *reader, meta_header *header, host_text *words)
-{
-    (void)header;
-    return truth(reader, words, "BinaryDataByteOrderMSB", &reader->big_endian);
-}
-
-static int key_packed(host_volume_reader *reader, meta_header *header, host_text *words)
-{
-    return truth(reader, words, "CompressedData", &header->packed);
-}
-
-static int key_packed_bytes(host_volume_reader *reader, meta_header *header, host_text *words)
-{
-    return whole(reader, words, "CompressedDataSize", 0, &header->packed_bytes);
-}
-
-static int key_header_bytes(host_volume_reader *reader, meta_header *header, host_text *words)
-{
-    return whole(reader, words, "HeaderSize", -1, &header->header_bytes);
 }
 
 static int key_type(host_volume_reader *reader, meta_header *header, host_text *words)
@@ -180,9 +127,8 @@ static int key_type(host_volume_reader *reader, meta_header *header, host_text *
                  {"MET_LONG_LONG", HOST_TYPE_I64, 0}, {"MET_ULONG_LONG", HOST_TYPE_I64, 1},
                  {"MET_FLOAT", HOST_TYPE_F32, 0},     {"MET_DOUBLE", HOST_TYPE_F64, 0}};
     host_word word;
-    size_t i = 0;
     (void)header;
-    for (i = 0; one_word(words, &word) && i < sizeof types / sizeof types[0]; words->at = word.start, i++)
+    for (size_t i = 0; one_word(words, &word) && i < sizeof types / sizeof types[0]; words->at = word.start, i++)
         if (host_word_is_nocase(word, types[i].name)) {
             reader->type = types[i].type;
             reader->unsigned64 = types[i].unsigned64;
@@ -205,6 +151,39 @@ static int key_file(host_volume_reader *reader, meta_header *header, host_text *
     return 0;
 }
 
+enum { TRUTH = 0, WHOLE, LENGTHS, NUMBERS };
+
+/* Keys whose values are kept as they are. */
+static const struct plain {
+    const char *name, *said; /* said: in errors */
+    int kind;
+    int least; /* of a whole number; of numbers, how many */
+    size_t offset;
+} plain_keys[] = {{"ElementSpacing", "ElementSpacing", LENGTHS, 3, offsetof(meta_header, spacing)},
+                  {"ElementSize", "ElementSize", LENGTHS, 3, offsetof(meta_header, extent)},
+                  {"TransformMatrix", "TransformMatrix = nine numbers", NUMBERS, 9, offsetof(meta_header, matrix)},
+                  {"Rotation", "TransformMatrix = nine numbers", NUMBERS, 9, offsetof(meta_header, matrix)},
+                  {"Orientation", "TransformMatrix = nine numbers", NUMBERS, 9, offsetof(meta_header, matrix)},
+                  {"Offset", "Offset = three numbers", NUMBERS, 3, offsetof(meta_header, offset)},
+                  {"Position", "Offset = three numbers", NUMBERS, 3, offsetof(meta_header, offset)},
+                  {"Origin", "Offset = three numbers", NUMBERS, 3, offsetof(meta_header, offset)},
+                  {"BinaryData", "BinaryData", TRUTH, 0, offsetof(meta_header, binary)},
+                  {"BinaryDataByteOrderMSB", "BinaryDataByteOrderMSB", TRUTH, 0, offsetof(meta_header, big_endian)},
+                  {"ElementByteOrderMSB", "BinaryDataByteOrderMSB", TRUTH, 0, offsetof(meta_header, big_endian)},
+                  {"CompressedData", "CompressedData", TRUTH, 0, offsetof(meta_header, packed)},
+                  {"CompressedDataSize", "CompressedDataSize", WHOLE, 0, offsetof(meta_header, packed_bytes)},
+                  {"HeaderSize", "HeaderSize", WHOLE, -1, offsetof(meta_header, header_bytes)}};
+
+static int read_plain(host_volume_reader *reader, const struct plain *key, void *at, host_text *words)
+{
+    switch (key->kind) {
+    case TRUTH: return truth(reader, words, key->said, at);
+    case WHOLE: return whole(reader, words, key->said, key->least, at);
+    case LENGTHS: return lengths(reader, words, key->said, at);
+    default: return numbers(words, key->least, at) ? 0 : host_volume_fail(reader, "%s", key->said);
+    }
+}
+
 static int read_key(host_volume_reader *reader, meta_header *header, host_word key, host_text *words)
 {
     static const struct {
@@ -213,26 +192,14 @@ static int read_key(host_volume_reader *reader, meta_header *header, host_word k
     } keys[] = {{"ObjectType", key_object},
                 {"NDims", key_dimensions},
                 {"DimSize", key_size},
-                {"ElementSpacing", key_spacing},
-                {"ElementSize", key_extent},
                 {"DistanceUnits", key_units},
-                {"TransformMatrix", key_matrix},
-                {"Rotation", key_matrix},
-                {"Orientation", key_matrix},
-                {"Offset", key_offset},
-                {"Position", key_offset},
-                {"Origin", key_offset},
-                {"BinaryData", key_binary},
-                {"BinaryDataByteOrderMSB", key_order},
-                {"ElementByteOrderMSB", key_order},
-                {"CompressedData", key_packed},
-                {"CompressedDataSize", key_packed_bytes},
-                {"HeaderSize", key_header_bytes},
                 {"ElementNumberOfChannels", key_channels},
                 {"ElementType", key_type},
                 {"ElementDataFile", key_file}};
-    size_t i = 0;
-    for (i = 0; i < sizeof keys / sizeof keys[0]; i++)
+    for (size_t i = 0; i < sizeof plain_keys / sizeof plain_keys[0]; i++)
+        if (host_word_is(key, plain_keys[i].name))
+            return read_plain(reader, &plain_keys[i], (unsigned char *)header + plain_keys[i].offset, words);
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
         if (host_word_is(key, keys[i].name))
             return keys[i].read(reader, header, words);
     return 0; /* ignored: comments, modality, the centre of rotation */
@@ -242,11 +209,10 @@ static int read_header(host_volume_reader *reader, meta_header *header, host_tex
 {
     host_word line, key, sign;
     while (!header->last) {
-        host_text words;
         reader->line = text->line;
         if (!host_text_line(text, &line))
             return host_volume_fail(reader, "ElementDataFile, but the file ends here");
-        words = host_text_over(line.start, line.n);
+        host_text words = host_text_over(line.start, line.n);
         if (!host_text_word_in_line(&words, &key))
             continue;
         sign.start = memchr(line.start, '=', line.n);
@@ -266,7 +232,8 @@ static int locate(host_volume_reader *reader, const meta_header *header, const h
     reader->data = (const unsigned char *)text->at;
     reader->n = (size_t)(text->end - text->at);
     reader->byte_skip = header->header_bytes;
-    if (header->text)
+    reader->big_endian = header->big_endian;
+    if (!header->binary)
         reader->encoding = HOST_ENCODING_TEXT;
     else if (header->packed)
         reader->encoding = HOST_ENCODING_DEFLATE;
@@ -287,26 +254,22 @@ static int locate(host_volume_reader *reader, const meta_header *header, const h
 
 int host_read_metaimage(host_volume_reader *reader, const unsigned char *data, size_t n)
 {
-    meta_header header;
+    meta_header header = {0};
     double steps[3][3];
     host_text text = host_text_over(data, n);
-    int i = 0, j = 0;
-    memset(&header, 0, sizeof header);
-    for (i = 0; i < 3; i++) {
-        header.spacing[i] = 1.0;
-        header.matrix[4 * i] = 1.0;
-    }
+    header.binary = 1;
+    header.matrix[0] = header.matrix[4] = header.matrix[8] = 1.0;
     if (read_header(reader, &header, &text) != 0)
         return -1;
     if (!header.has_size)
         return host_fail(reader->error, "header", "a line DimSize");
     if (reader->type == HOST_TYPE_NONE)
         return host_fail(reader->error, "header", "a line ElementType");
-    if (!header.has_spacing && header.has_extent)
-        memcpy(header.spacing, header.extent, sizeof header.spacing);
-    for (j = 0; j < 3; j++)
-        for (i = 0; i < 3; i++)
-            steps[j][i] = header.matrix[3 * j + i] * header.spacing[j];
+    for (int j = 0; j < 3; j++)
+        for (int i = 0; i < 3; i++)
+            steps[j][i] = header.matrix[3 * j + i] * (header.spacing[j] > 0.0  ? header.spacing[j]
+                                                      : header.extent[j] > 0.0 ? header.extent[j]
+                                                                               : 1.0);
     if (host_volume_set_geometry(reader, "TransformMatrix, ElementSpacing, Offset", (const double(*)[3])steps,
                                  header.offset) != 0)
         return -1;

@@ -71,16 +71,15 @@ static int read_size(host_volume_reader *reader, const nifti_header *header)
 {
     int64_t size[3];
     const int n = read_int(header, AT_DIM);
-    int i = 0;
     if (n < 1 || n > 7)
         return host_fail(reader->error, "dim[0]", "1 to 7 dimensions in the header's order of bytes, found %d", n);
-    for (i = 4; i <= n; i++)
+    for (int i = 4; i <= n; i++)
         if (read_int(header, AT_DIM + 2 * i) != 1)
             return host_fail(reader->error, "dim", "3 dimensions, found dim[%d] = %d (series and vectors are not read)",
                              i, read_int(header, AT_DIM + 2 * i));
     if (n < 3)
         return host_fail(reader->error, "dim[0]", "3 dimensions, found %d", n);
-    for (i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++)
         size[i] = read_int(header, AT_DIM + 2 + 2 * i);
     return host_volume_set_size(reader, "dim", size);
 }
@@ -95,8 +94,7 @@ static int read_type(host_volume_reader *reader, const nifti_header *header)
                  {64, HOST_TYPE_F64, 0},   {256, HOST_TYPE_I8, 0},  {512, HOST_TYPE_U16, 0}, {768, HOST_TYPE_U32, 0},
                  {1024, HOST_TYPE_I64, 0}, {1280, HOST_TYPE_I64, 1}};
     const int code = read_int(header, AT_TYPE), bits = read_int(header, AT_BITS);
-    size_t i = 0;
-    for (i = 0; i < sizeof types / sizeof types[0]; i++)
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         if (types[i].code == code) {
             reader->type = types[i].type;
             reader->unsigned64 = types[i].unsigned64;
@@ -106,9 +104,7 @@ static int read_type(host_volume_reader *reader, const nifti_header *header)
                              (int)host_type_bytes(reader->type) * 8, code, bits);
         }
     return host_fail(reader->error, "datatype",
-                     "a code of whole numbers or floats (colour and complex are not read), "
-                     "found %d",
-                     code);
+                     "a code of whole numbers or floats (colour and complex are not read), found %d", code);
 }
 
 static int read_scale(host_volume_reader *reader, const nifti_header *header)
@@ -126,9 +122,8 @@ static int read_scale(host_volume_reader *reader, const nifti_header *header)
 
 static void place_by_rows(const nifti_header *header, double steps[3][3], double origin[3])
 {
-    int i = 0, j = 0;
-    for (i = 0; i < 3; i++) {
-        for (j = 0; j < 3; j++)
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++)
             steps[j][i] = read_float(header, AT_SROW + 16 * i + 4 * j);
         origin[i] = read_float(header, AT_SROW + 16 * i + 12);
     }
@@ -143,7 +138,6 @@ static void place_by_quaternion(const nifti_header *header, const double spacing
     double b = read_float(header, AT_QUATERNION), c = read_float(header, AT_QUATERNION + 4),
            d = read_float(header, AT_QUATERNION + 8);
     double a = 1.0 - (b * b + c * c + d * d);
-    int i = 0;
     if (a < 1e-7) { /* a rotation by 180 degrees, rounded; NaN passes and is refused with the axes */
         const double length = sqrt(b * b + c * c + d * d);
         b /= length;
@@ -162,7 +156,7 @@ static void place_by_quaternion(const nifti_header *header, const double spacing
     steps[2][0] = 2.0 * (b * d + a * c);
     steps[2][1] = 2.0 * (c * d - a * b);
     steps[2][2] = a * a + d * d - b * b - c * c;
-    for (i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++) {
         steps[0][i] *= spacing[0];
         steps[1][i] *= spacing[1];
         steps[2][i] *= spacing[2] * qfac;
@@ -187,11 +181,10 @@ static int read_place(host_volume_reader *reader, const nifti_header *header)
     const double unit = unit_mm(header->data[AT_UNITS]);
     const int by_rows = read_int(header, AT_SFORM) > 0, by_quaternion = read_int(header, AT_QFORM) > 0;
     double steps[3][3] = {{0}}, origin[3] = {0}, spacing[3];
-    int i = 0, j = 0;
     if (!(unit > 0.0))
         return host_fail(reader->error, "xyzt_units", "metres, millimetres or micrometres, found code %d",
                          header->data[AT_UNITS] & 7);
-    for (i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++) {
         spacing[i] = read_float(header, AT_PIXDIM + 4 + 4 * i);
         if (!by_rows && !(spacing[i] > 0.0 && spacing[i] <= (double)SMR_COORD_MAX))
             return host_fail(reader->error, "pixdim", "three positive numbers, found %g", spacing[i]);
@@ -201,9 +194,9 @@ static int read_place(host_volume_reader *reader, const nifti_header *header)
         place_by_rows(header, steps, origin);
     else if (by_quaternion)
         place_by_quaternion(header, spacing, steps, origin);
-    for (i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++) {
         origin[i] *= unit;
-        for (j = 0; j < 3; j++)
+        for (int j = 0; j < 3; j++)
             steps[j][i] *= unit;
     }
     host_volume_turn_ras(steps, origin);
@@ -217,13 +210,12 @@ static int read_place(host_volume_reader *reader, const nifti_header *header)
 int host_read_nifti(host_volume_reader *reader, const unsigned char *data, size_t n)
 {
     nifti_header header;
-    double start = 0.0;
     header.data = data;
     header.big_endian = 0;
     if (read_order(reader, &header, n) != 0 || read_size(reader, &header) != 0 || read_type(reader, &header) != 0 ||
         read_scale(reader, &header) != 0 || read_place(reader, &header) != 0)
         return -1;
-    start = read_float(&header, AT_VOXELS);
+    double start = read_float(&header, AT_VOXELS);
     if (!(start >= (double)HEADER_BYTES && start <= (double)n))
         return host_fail(reader->error, "vox_offset", "a place from %d to the file's %zu bytes, found %g",
                          (int)HEADER_BYTES, n, start);

@@ -52,10 +52,9 @@ static int field_sizes(host_volume_reader *reader, nrrd_header *header, host_wor
     host_text words = host_text_over(value.start, value.n);
     host_word word;
     int64_t size[3];
-    int i = 0;
     if (header->n == 4 && read_layers(reader, &words) != 0)
         return -1;
-    for (i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++)
         if (!host_text_word_in_line(&words, &word) || !host_word_int(word, &size[i]))
             return host_volume_fail(reader, "sizes: three counts");
     if (host_text_word_in_line(&words, &word))
@@ -88,9 +87,8 @@ static int field_type(host_volume_reader *reader, nrrd_header *header, host_word
         {HOST_TYPE_F32, 0, {"float"}},
         {HOST_TYPE_F64, 0, {"double"}},
     };
-    size_t i = 0;
     (void)header;
-    for (i = 0; i < sizeof types / sizeof types[0]; i++)
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         if (is_one_of(value, types[i].names)) {
             reader->type = types[i].type;
             reader->unsigned64 = types[i].unsigned64;
@@ -148,8 +146,7 @@ static int field_space_dimension(host_volume_reader *reader, nrrd_header *header
 static int read_vector(host_text *text, double xyz[3])
 {
     static const char marks[4] = {'(', ',', ',', ')'};
-    int i = 0;
-    for (i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++) {
         host_word word;
         while (text->at < text->end && (*text->at == ' ' || *text->at == '\t'))
             text->at++;
@@ -174,11 +171,10 @@ static int field_directions(host_volume_reader *reader, nrrd_header *header, hos
 {
     host_text text = host_text_over(value.start, value.n);
     host_word rest;
-    int j = 0;
     if (header->n == 4 && (!host_text_word_in_line(&text, &rest) || !host_word_is_nocase(rest, "none")))
         return host_volume_fail(reader,
                                 "space directions: none (x,y,z) (x,y,z) (x,y,z), for the first axis is of layers");
-    for (j = 0; j < 3; j++)
+    for (int j = 0; j < 3; j++)
         if (!read_vector(&text, header->steps[j]))
             return host_volume_fail(reader, "space directions: (x,y,z) (x,y,z) (x,y,z)");
     if (host_text_word_in_line(&text, &rest))
@@ -200,8 +196,7 @@ static int field_spacings(host_volume_reader *reader, nrrd_header *header, host_
 {
     host_text words = host_text_over(value.start, value.n);
     host_word word;
-    int i = 0;
-    for (i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++)
         if (!host_text_word_in_line(&words, &word) || !host_word_double(word, &header->spacing[i]) ||
             !(header->spacing[i] > 0.0 && header->spacing[i] <= (double)SMR_COORD_MAX))
             return host_volume_fail(reader, "spacings: three positive numbers");
@@ -287,8 +282,7 @@ static int read_field(host_volume_reader *reader, nrrd_header *header, host_word
                   {"lineskip", field_line_skip},
                   {"byte skip", field_byte_skip},
                   {"byteskip", field_byte_skip}};
-    size_t i = 0;
-    for (i = 0; i < sizeof fields / sizeof fields[0]; i++)
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++)
         if (host_word_is_nocase(name, fields[i].name))
             return fields[i].read(reader, header, value);
     return 0; /* ignored: content, thicknesses, the measurement frame and others */
@@ -302,7 +296,6 @@ static int read_header(host_volume_reader *reader, nrrd_header *header, host_tex
         line.start[7] > '5')
         return host_volume_fail(reader, "NRRD0001 to NRRD0005");
     for (;;) {
-        const char *colon = NULL;
         reader->line = text->line;
         if (!host_text_line(text, &line)) { /* a detached header may end with its file */
             if (header->file.n > 0)
@@ -313,7 +306,7 @@ static int read_header(host_volume_reader *reader, nrrd_header *header, host_tex
             return 0;
         if (line.start[0] == '#')
             continue;
-        colon = memchr(line.start, ':', line.n);
+        const char *colon = memchr(line.start, ':', line.n);
         if (colon == NULL)
             return host_volume_fail(reader, "a line like dimension: 3");
         if (colon + 1 < line.start + line.n && colon[1] == '=') { /* user-defined "key:=value" */
@@ -356,14 +349,13 @@ static int check_header(const host_volume_reader *reader, const nrrd_header *hea
 
 static int place(host_volume_reader *reader, nrrd_header *header)
 {
-    int j = 0;
-    for (j = 0; !header->has_steps && j < 3; j++)
+    for (int j = 0; !header->has_steps && j < 3; j++)
         header->steps[j][j] = header->spacing[j];
     if (header->space == SPACE_RAS)
         host_volume_turn_ras(header->steps, header->origin);
     if (header->space == SPACE_LAS) {
         header->origin[1] = 0.0 - header->origin[1];
-        for (j = 0; j < 3; j++)
+        for (int j = 0; j < 3; j++)
             header->steps[j][1] = 0.0 - header->steps[j][1];
     }
     return host_volume_set_geometry(reader, header->has_steps ? "space directions, space origin" : "spacings",
@@ -372,9 +364,8 @@ static int place(host_volume_reader *reader, nrrd_header *header)
 
 int host_read_nrrd(host_volume_reader *reader, const unsigned char *data, size_t n)
 {
-    nrrd_header header;
+    nrrd_header header = {0};
     host_text text = host_text_over(data, n);
-    memset(&header, 0, sizeof header);
     header.n = 3;
     if (read_header(reader, &header, &text) != 0 || check_header(reader, &header) != 0 || place(reader, &header) != 0)
         return -1;

@@ -7,7 +7,6 @@
 #include <stdint.h>
 
 #include "base/byte_buffer.h"
-#include "base/number_types.h"
 #include "base/text_scan.h"
 #include "files/file_read.h"
 #include "volumes/voxel_volume.h"

@@ -7,8 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
+#include "base/system.h"
 #include "volumes/volume_reader.h"
+#include "volumes/voxel_volume.h"
 
 /* The best compression by deflate: the longest copy takes at least two bits. */
 #define PACKED_BEST 1032u
@@ -59,21 +60,19 @@ static int host_is_big_endian(void)
 static void copy_voxels(const host_volume_reader *reader, const unsigned char *from, size_t n, size_t bytes)
 {
     unsigned char *const to = reader->volume->voxels;
-    size_t i = 0, k = 0;
     if (bytes == 1u || reader->big_endian == host_is_big_endian()) {
         memcpy(to, from, n * bytes);
         return;
     }
-    for (i = 0; i < n; i++)
-        for (k = 0; k < bytes; k++)
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < bytes; k++)
             to[i * bytes + k] = from[i * bytes + bytes - 1u - k];
 }
 
 static void convert_voxels(const host_volume_reader *reader, const unsigned char *from, size_t n, size_t bytes)
 {
     float *const to = reader->volume->voxels;
-    size_t i = 0;
-    for (i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++) {
         double value = host_type_read(reader->type, from + i * bytes, reader->big_endian);
         if (reader->unsigned64 && value < 0.0)
             value += 18446744073709551616.0;
@@ -95,12 +94,11 @@ static int allocate(const host_volume_reader *reader, size_t n)
 static int load_raw(const host_volume_reader *reader, const unsigned char *data, size_t size)
 {
     const size_t n = voxel_count(reader), bytes = host_type_bytes(reader->type);
-    size_t skip = 0;
     if (n * bytes > size)
         return host_fail(reader->error, "voxels",
                          "%zu bytes for %" PRIu32 " x %" PRIu32 " x %" PRIu32 " of them, found %zu", n * bytes,
                          reader->volume->size[0], reader->volume->size[1], reader->volume->size[2], size);
-    skip = reader->byte_skip < 0 ? size - n * bytes : (size_t)reader->byte_skip;
+    size_t skip = reader->byte_skip < 0 ? size - n * bytes : (size_t)reader->byte_skip;
     if (skip > size - n * bytes)
         return host_fail(reader->error, "voxels", "%zu bytes after the %zu to skip, found %zu", n * bytes, skip,
                          skip < size ? size - skip : 0u);
@@ -140,16 +138,14 @@ static int load_text(const host_volume_reader *reader, const unsigned char *data
 {
     const size_t n = voxel_count(reader);
     const size_t skip = reader->byte_skip > 0 ? (size_t)reader->byte_skip : 0u;
-    host_text text;
-    size_t i = 0;
     /* a number takes a digit and a space */
     if (skip > size || n > (size - skip + 1u) / 2u)
         return host_fail(reader->error, "voxels", "%zu numbers, found %zu bytes of text", n,
                          skip < size ? size - skip : 0u);
     if (allocate(reader, n) != 0)
         return -1;
-    text = host_text_over(data + skip, size - skip);
-    for (i = 0; i < n; i++) {
+    host_text text = host_text_over(data + skip, size - skip);
+    for (size_t i = 0; i < n; i++) {
         host_word word;
         double value = 0.0;
         if (!host_text_word(&text, &word))
@@ -165,20 +161,17 @@ static int load_deflated(const host_volume_reader *reader, const unsigned char *
 {
     const size_t bytes = voxel_count(reader) * host_type_bytes(reader->type);
     const size_t skip = reader->byte_skip > 0 ? (size_t)reader->byte_skip : 0u;
-    const char *expected = NULL;
-    unsigned char *unpacked = NULL;
-    int result = 0;
     if (skip > HOST_UNPACKED_MAX || bytes > HOST_UNPACKED_MAX - skip)
         return host_fail(reader->error, "voxels", "at most %zu MB after unpacking, found %zu bytes claimed",
                          HOST_UNPACKED_MAX >> 20, bytes);
     if ((skip + bytes) / PACKED_BEST > size)
         return host_fail(reader->error, "voxels", "packed data for %zu bytes, found %zu", skip + bytes, size);
-    unpacked = host_alloc(skip + bytes);
+    unsigned char *unpacked = host_alloc(skip + bytes);
     if (unpacked == NULL)
         return host_fail(reader->error, "voxels", "%zu bytes of free memory", skip + bytes);
-    expected = host_inflate(data, size, unpacked, skip + bytes);
-    result = expected != NULL ? host_fail(reader->error, "voxels", "%s", expected)
-                              : load_raw(reader, unpacked, skip + bytes);
+    const char *expected = host_inflate(data, size, unpacked, skip + bytes);
+    int result = expected != NULL ? host_fail(reader->error, "voxels", "%s", expected)
+                                  : load_raw(reader, unpacked, skip + bytes);
     free(unpacked);
     return result;
 }
@@ -187,13 +180,11 @@ int host_volume_convert(host_volume_reader *reader)
 {
     host_text text = host_text_over(reader->data, reader->n);
     host_word line;
-    int64_t i = 0;
-    size_t size = 0;
-    for (i = 0; i < reader->line_skip; i++)
+    for (int64_t i = 0; i < reader->line_skip; i++)
         if (!host_text_line(&text, &line))
             return host_fail(reader->error, "voxels", "%" PRId64 " lines to skip, found %" PRId64, reader->line_skip,
                              i);
-    size = (size_t)(text.end - text.at);
+    size_t size = (size_t)(text.end - text.at);
     reader->data += reader->n - size;
     reader->n = size;
     reader->volume->type = kept_type(reader);
@@ -219,17 +210,15 @@ int host_volume_read_detached(host_volume_reader *reader, const char *key, host_
     const char *const slash = strrchr(reader->path, '/');
     const size_t folder =
         slash == NULL || (name.n > 0 && name.start[0] == '/') ? 0u : (size_t)(slash - reader->path) + 1u;
-    char *path = NULL;
-    int result = 0;
     if (name.n == 0 || memchr(name.start, '\0', name.n) != NULL)
         return host_volume_fail(reader, "%s with the name of a file", key);
-    path = malloc(folder + name.n + 1u);
+    char *path = malloc(folder + name.n + 1u);
     if (path == NULL)
         return host_fail(reader->error, "file", "free memory for a file name");
     memcpy(path, reader->path, folder);
     memcpy(path + folder, name.start, name.n);
     path[folder + name.n] = '\0';
-    result = host_file_read(path, NULL, &reader->detached, reader->error);
+    int result = host_file_read(path, NULL, &reader->detached, reader->error);
     /* host_file_read has left the path in the error; it is freed here, so the error must not keep it. */
     reader->error->file = reader->path;
     if (result != 0)
@@ -238,4 +227,35 @@ int host_volume_read_detached(host_volume_reader *reader, const char *key, host_
     reader->data = reader->detached.data;
     reader->n = reader->detached.size;
     return result;
+}
+
+_Static_assert((int)HOST_UINT8 == (int)SMR_VOXEL_UINT8 && (int)HOST_INT8 == (int)SMR_VOXEL_INT8 &&
+                   (int)HOST_UINT16 == (int)SMR_VOXEL_UINT16 && (int)HOST_INT16 == (int)SMR_VOXEL_INT16 &&
+                   (int)HOST_FLOAT32 == (int)SMR_VOXEL_FLOAT,
+               "voxel types have the same numbers on both sides");
+
+int host_image_read(const char *path, int mirror, host_image *image, host_error *error)
+{
+    host_volume *const volume = &image->volume;
+    smr_volume *const view = &image->view;
+    memset(image, 0, sizeof *image);
+    error->file = path;
+    if (host_volume_read(path, volume, error) != 0)
+        return -1;
+    if (mirror != HOST_MIRROR_NONE)
+        host_volume_mirror(volume, mirror);
+    view->voxels = volume->voxels;
+    view->type = volume->type;
+    memcpy(view->size, volume->size, sizeof view->size);
+    memcpy(view->origin, volume->origin, sizeof view->origin);
+    memcpy(view->spacing, volume->spacing, sizeof view->spacing);
+    memcpy(view->direction, volume->direction, sizeof view->direction);
+    image->bytes = (size_t)view->size[0] * view->size[1] * view->size[2] * host_volume_voxel_bytes(view->type);
+    return 0;
+}
+
+void host_image_free(host_image *image)
+{
+    host_volume_free(&image->volume);
+    memset(image, 0, sizeof *image);
 }

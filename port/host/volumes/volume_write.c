@@ -23,13 +23,12 @@ static void put_nrrd(const host_volume *g, uint32_t type, uint32_t channels, con
 {
     static const char *const types[] = {"uint8", "int8", "uint16", "int16", "float"};
     const int vector = channels > 1u;
-    uint32_t j = 0;
     host_buffer_print(out, "NRRD0005\ntype: %s\ndimension: %d\nspace: left-posterior-superior\nsizes:", types[type],
                       vector ? 4 : 3);
     if (vector)
         host_buffer_print(out, " %u", channels);
     host_buffer_print(out, " %u %u %u\nspace directions:%s", g->size[0], g->size[1], g->size[2], vector ? " none" : "");
-    for (j = 0; j < 3; j++)
+    for (uint32_t j = 0; j < 3; j++)
         host_buffer_print(out, " (%.9g,%.9g,%.9g)", (double)g->direction[j] * (double)g->spacing[j],
                           (double)g->direction[3u + j] * (double)g->spacing[j],
                           (double)g->direction[6u + j] * (double)g->spacing[j]);
@@ -43,10 +42,9 @@ static void put_nrrd(const host_volume *g, uint32_t type, uint32_t channels, con
 static void put_meta(const host_volume *g, uint32_t type, uint32_t channels, host_buffer *out)
 {
     static const char *const types[] = {"MET_UCHAR", "MET_CHAR", "MET_USHORT", "MET_SHORT", "MET_FLOAT"};
-    uint32_t j = 0;
     host_buffer_print(out, "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
                            "CompressedData = False\nTransformMatrix =");
-    for (j = 0; j < 9; j++) /* axis by axis: the matrix' columns */
+    for (uint32_t j = 0; j < 9; j++) /* axis by axis: the matrix' columns */
         host_buffer_print(out, " %.9g", (double)g->direction[j % 3u * 3u + j / 3u]);
     host_buffer_print(out,
                       "\nOffset = %.9g %.9g %.9g\nAnatomicalOrientation = LPS\nElementSpacing = %.9g %.9g %.9g\n"
@@ -71,11 +69,9 @@ void host_volume_write_values(const void *values, uint32_t type, size_t n, host_
 {
     const uint32_t bytes = host_volume_voxel_bytes(type);
     const unsigned char *p = values;
-    size_t i = 0;
-    uint32_t k = 0;
     if (host_buffer_reserve(out, n * bytes) != 0)
         return;
-    for (i = 0; i < n; i++, p += bytes) {
+    for (size_t i = 0; i < n; i++, p += bytes) {
         uint32_t value = 0;
         uint16_t half = 0;
         if (bytes == 4u)
@@ -83,17 +79,16 @@ void host_volume_write_values(const void *values, uint32_t type, size_t n, host_
         else if (bytes == 2u)
             memcpy(&half, p, 2);
         value = bytes == 1u ? *p : (bytes == 2u ? half : value);
-        for (k = 0; k < bytes; k++)
+        for (uint32_t k = 0; k < bytes; k++)
             out->data[out->size++] = (unsigned char)(value >> 8u * k);
     }
 }
 
 void host_volume_place(const host_volume *grid, const double index[3], double at[3])
 {
-    uint32_t r = 0, j = 0;
-    for (r = 0; r < 3; r++) {
+    for (uint32_t r = 0; r < 3; r++) {
         at[r] = (double)grid->origin[r];
-        for (j = 0; j < 3; j++)
+        for (uint32_t j = 0; j < 3; j++)
             at[r] += (double)grid->direction[3u * r + j] * (double)grid->spacing[j] * index[j];
     }
 }
@@ -102,25 +97,23 @@ void host_volume_place(const host_volume *grid, const double index[3], double at
 void host_volume_to_index(const host_volume *v, double out[9])
 {
     double m[9], det = 0.0;
-    uint32_t i = 0;
-    for (i = 0; i < 9; i++)
+    for (uint32_t i = 0; i < 9; i++)
         m[i] = (double)v->direction[i] * (double)v->spacing[i % 3u];
-    for (i = 0; i < 9; i++) {
+    for (uint32_t i = 0; i < 9; i++) {
         const uint32_t r = i / 3u, c = i % 3u, r1 = (r + 1u) % 3u, r2 = (r + 2u) % 3u, c1 = (c + 1u) % 3u,
                        c2 = (c + 2u) % 3u;
         out[3u * c + r] = m[3u * r1 + c1] * m[3u * r2 + c2] - m[3u * r1 + c2] * m[3u * r2 + c1];
     }
     det = m[0] * out[0] + m[1] * out[3] + m[2] * out[6];
-    for (i = 0; i < 9; i++)
+    for (uint32_t i = 0; i < 9; i++)
         out[i] /= det;
 }
 
 int host_volume_around(const float low[3], const float high[3], float margin, const float spacing[3], host_volume *grid)
 {
     double voxels = 1.0;
-    uint32_t k = 0;
     memset(grid, 0, sizeof *grid);
-    for (k = 0; k < 3; k++) {
+    for (uint32_t k = 0; k < 3; k++) {
         const double n = ceil(((double)high[k] - (double)low[k] + 2.0 * (double)margin) / (double)spacing[k]) + 1.0;
         voxels *= n;
         if (!(n >= 1.0 && n <= SIDE_MAX))
@@ -131,4 +124,59 @@ int host_volume_around(const float low[3], const float high[3], float margin, co
         grid->direction[4u * k] = 1.0f;
     }
     return voxels <= VOXELS_MAX ? 0 : -1;
+}
+
+enum {
+    AT_DIM = 40,
+    AT_TYPE = 70,
+    AT_BITS = 72,
+    AT_PIXDIM = 76,
+    AT_VOXELS = 108,
+    AT_SLOPE = 112,
+    AT_UNITS = 123,
+    AT_SFORM = 254,
+    AT_SROW = 280,
+    AT_MAGIC = 344,
+    HEADER_BYTES = 352
+};
+
+static void put_short(unsigned char *header, int at, uint32_t value)
+{
+    header[at] = (unsigned char)value;
+    header[at + 1] = (unsigned char)(value >> 8);
+}
+
+static void put_float(unsigned char *header, int at, float value)
+{
+    uint32_t bits = 0;
+    memcpy(&bits, &value, 4);
+    put_short(header, at, bits);
+    put_short(header, at + 2, bits >> 16);
+}
+
+int host_volume_write_nifti(const host_volume *grid, uint32_t type, host_buffer *out)
+{
+    static const unsigned codes[] = {2, 256, 512, 4, 16};
+    unsigned char header[HEADER_BYTES] = {0};
+    put_short(header, 0, 348);
+    put_short(header, AT_DIM, 3);
+    for (int i = 0; i < 7; i++)
+        put_short(header, AT_DIM + 2 + 2 * i, i < 3 ? grid->size[i] : 1u);
+    put_short(header, AT_TYPE, codes[type]);
+    put_short(header, AT_BITS, 8u * host_volume_voxel_bytes(type));
+    put_float(header, AT_PIXDIM, 1.0f);
+    put_float(header, AT_VOXELS, (float)HEADER_BYTES);
+    put_float(header, AT_SLOPE, 1.0f);
+    header[AT_UNITS] = 2; /* mm */
+    put_short(header, AT_SFORM, 1);
+    for (int i = 0; i < 3; i++) {
+        const float sign = i < 2 ? -1.0f : 1.0f; /* LPS to RAS */
+        put_float(header, AT_PIXDIM + 4 + 4 * i, grid->spacing[i]);
+        for (int j = 0; j < 3; j++)
+            put_float(header, AT_SROW + 16 * i + 4 * j, sign * grid->direction[3 * i + j] * grid->spacing[j]);
+        put_float(header, AT_SROW + 16 * i + 12, sign * grid->origin[i]);
+    }
+    memcpy(header + AT_MAGIC, "n+1", 4);
+    host_buffer_add(out, header, sizeof header);
+    return grid->size[0] <= 32767u && grid->size[1] <= 32767u && grid->size[2] <= 32767u ? 0 : -1;
 }

@@ -10,6 +10,8 @@
 #include <stdint.h>
 
 #include "base/byte_buffer.h"
+#include "base/text_scan.h"
+#include "smr.h"
 
 enum { HOST_UINT8 = 0, HOST_INT8, HOST_UINT16, HOST_INT16, HOST_FLOAT32 };
 
@@ -25,6 +27,9 @@ typedef struct host_volume {
 /* Reads MetaImage, NIfTI-1 or NRRD, also gzipped; the content decides the format, then the extension.
  * Returns 0, or -1 with the error filled and the volume empty. */
 int host_volume_read(const char *path, host_volume *volume, host_error *error);
+
+/* The same without the voxels: the grid of a volume. */
+int host_volume_read_grid(const char *path, host_volume *grid, host_error *error);
 
 /* The same for label maps: a NRRD may have several layers, whose values are next to each other for each voxel, and
  * lines "key:=value", which are added to keys. layers: 1 or more. */
@@ -53,5 +58,18 @@ static inline double host_voxel(const void *voxels, uint32_t type, size_t i)
     default: return (double)((const float *)voxels)[i];
     }
 }
+
+typedef struct host_image {
+    host_volume volume; /* owned */
+    smr_volume view;    /* borrows the voxels of `volume` */
+    size_t bytes;       /* bytes of the voxels */
+} host_image;
+
+/* Reads an image. mirror: HOST_MIRROR_..., applied to its geometry. 0, or -1 with the error filled and the image
+ * empty. */
+int host_image_read(const char *path, int mirror, host_image *image, host_error *error);
+
+/* Frees the image, which may be empty. */
+void host_image_free(host_image *image);
 
 #endif
