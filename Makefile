@@ -133,7 +133,7 @@ help:
 	@echo 'make figure1         the paper'"'"'s figure 1, distance over time for four radii, into docs/figures'
 	@echo 'make figure2         the paper'"'"'s figure 2, time and error over ignored vertices, into docs/figures'
 	@echo 'make soak            how far ticks overrun budgets of 1 to 33 ms on this machine; asserts nothing'
-	@echo 'make size            code and data size of the library'
+	@echo 'make size            bytes of the library, and of the smallest program with each capability left out'
 	@echo 'make stack           largest stack frames; fails on an unbounded one'
 	@echo 'make hashes          state hash over threads, schedulers, compilers and processors'
 	@echo 'make settings-page   writes $(BUILD)/SETTINGS.md from the tables of settings'
@@ -364,16 +364,7 @@ soak: $(PROGRAM)
 	$(Q)$(BUILD)/smr bench --soak -o $(BUILD)/soak
 
 size: $(CORE_LIB)
-	@echo "libsmr.a, $$($(CC) -dumpmachine), -O3:"; $(SIZE) -t $(CORE_LIB) | sed -n '1p;$$p'
-	@if command -v arm-none-eabi-gcc >/dev/null; then \
-	    for o in -O2 -Os; do \
-	        dir=$(BUILD)/m7$$o; [ $$o != -O2 ] || dir=$(M7_BOARD); \
-	        $(MAKE) -s BUILD=$$dir CC=arm-none-eabi-gcc AR=arm-none-eabi-ar \
-	            CFLAGS="$(M7_CFLAGS) $$o" $$dir/libsmr.a || exit 1; \
-	        echo "libsmr.a, Cortex-M7, $$o:"; \
-	        arm-none-eabi-size -t $$dir/libsmr.a | sed -n '1p;$$p'; \
-	    done; \
-	else echo 'Cortex-M7: skipped (needs gcc-arm-none-eabi)'; fi
+	@BUILD="$(BUILD)" MAKE="$(MAKE)" CC="$(CC)" CFLAGS="$(CFLAGS)" SIZE="$(SIZE)" sh tests/size/size.sh
 
 stack:
 	@$(MAKE) -s BUILD=$(BUILD)/stack CC=gcc CFLAGS=-fstack-usage $(BUILD)/stack/libsmr.a
