@@ -1210,7 +1210,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report);
 
 /* A log of n_ticks ticks, each with what a force of the caller's gave in it, and n_sets calls of smr_set_...(), of any
  * alignment. Each landmark that is set counts as a call. */
-#define SMR_LOG_BYTES(n_ticks, n_sets) ((size_t)648u + (size_t)60u * (n_ticks) + (size_t)56u * (n_sets))
+#define SMR_LOG_BYTES(n_ticks, n_sets) ((size_t)640u + (size_t)60u * (n_ticks) + (size_t)56u * (n_sets))
 
 /* Parts of the bounds: search trees, and the triangles' copy where a model's byte order is not the processor's. */
 #define SMR_TREE_BYTES(nt, ns) ((size_t)192u * ((size_t)(nt) / 7u + (size_t)8u * (ns)))

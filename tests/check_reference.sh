@@ -21,7 +21,7 @@ dead=$(comm -23 "$tmp/links" "$tmp/ids" | tr '\n' ' ')
 check "links that lead nowhere: $dead" [ -z "$dead" ]
 check "there are links" [ "$(wc -l <"$tmp/links")" -gt 100 ]
 check "no place is named twice" [ -z "$(uniq -d "$tmp/ids")" ]
-check "settings are linked from afar" grep -q 'href="#smr_config.basic.n_target_vertices"' "$tmp/page.html"
+check "settings are linked from afar" grep -q 'href="#smr_basic_config.n_target_vertices"' "$tmp/page.html"
 # Every comment is there: as many words as the header has, but for the guard and the sections' lines.
 for word in barycentric Bookstein 'digitises\|kriging\|pseudo' residual 'Not while smr_tick'; do
     want=$(grep -c "$word" include/smr.h)

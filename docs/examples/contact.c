@@ -16,8 +16,7 @@ static void make(float x, float y, float xyz[NV][3])
         const double u = 6.2831853 * a / N, v = 6.2831853 * b / M, r = 20 + 8 * cos(v);
         xyz[i][0] = x + (float)(r * cos(u)), xyz[i][1] = y + (float)(r * sin(u)), xyz[i][2] = (float)(8 * sin(v));
         const uint32_t two[6] = {i, up + b, up + right, i, up + right, a * M + right};
-        for (uint32_t k = 0; k < 6; k++)
-            triangles[2 * i + k / 3][k % 3] = two[k];
+        for (uint32_t k = 0; k < 6; k++) triangles[2 * i + k / 3][k % 3] = two[k];
     }
 }
 
@@ -48,18 +47,12 @@ int main(void)
     smr *s;
     smr_tick_report report = {0};
     smr_status status = smr_prepare(rings, 2, &prepare, scratch, sizeof scratch, prepared, sizeof prepared, &bytes);
-    if (status == SMR_OK)
-        status = smr_model_open(prepared, bytes, &model);
-    if (status == SMR_OK)
-        status = smr_surface_build(&fixed, memory[2], sizeof memory[2], &wall);
-    if (status == SMR_OK)
-        status = smr_init(model, &config, NULL, arena, sizeof arena, &s);
-    if (status == SMR_OK)
-        status = smr_set_fixed(s, 0, wall);
-    while (status == SMR_OK && !report.done)
-        status = smr_tick(s, 0, &report);
-    for (uint32_t i = 0; status == SMR_OK && i < 2; i++)
-        status = smr_get_positions(s, i, ring[i][0]);
+    if (status == SMR_OK) status = smr_model_open(prepared, bytes, &model);
+    if (status == SMR_OK) status = smr_surface_build(&fixed, memory[2], sizeof memory[2], &wall);
+    if (status == SMR_OK) status = smr_init(model, &config, NULL, arena, sizeof arena, &s);
+    if (status == SMR_OK) status = smr_set_fixed(s, 0, wall);
+    while (status == SMR_OK && !report.done) status = smr_tick(s, 0, &report);
+    for (uint32_t i = 0; status == SMR_OK && i < 2; i++) status = smr_get_positions(s, i, ring[i][0]);
     printf("%s: overlaps of %.2f and %.2f mm became %.2f and %.2f mm\n", smr_status_name(status), (double)before[0],
            (double)before[1], (double)deepest(0, 1), (double)deepest(0, 2));
     return status != SMR_OK || deepest(0, 1) > 0.3f * before[0] || deepest(0, 2) > 0.3f * before[1];

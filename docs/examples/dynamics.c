@@ -7,8 +7,8 @@
 
 enum { RINGS = 21, AROUND = 8, NV = RINGS * AROUND, NT = 2 * (RINGS - 1) * AROUND };
 static _Alignas(SMR_ALIGN) unsigned char scratch[1 << 22], prepared[1 << 20];
-static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(NV, NT, 1, 1, 0, SMR_METHOD_RIGID) +
-                                               SMR_ARENA_DYNAMICS_BYTES(NV, 1)];
+static _Alignas(SMR_ALIGN) unsigned char
+    arena[SMR_ARENA_BYTES(NV, NT, 1, 1, 0, SMR_METHOD_RIGID) + SMR_ARENA_DYNAMICS_BYTES(NV, 1)];
 static float rod[NV][3], mass[NV], velocity[NV][3];
 static uint32_t triangles[NT][3];
 
@@ -41,16 +41,12 @@ int main(void)
     config.dynamics.step_ms = 5;
     config.dynamics.gravity[2] = -9810;
     smr_status status = smr_prepare(&shape, 1, &prepare, scratch, sizeof scratch, prepared, sizeof prepared, &bytes);
-    if (status == SMR_OK)
-        status = smr_model_open(prepared, bytes, &model);
-    if (status == SMR_OK)
-        status = smr_init(model, &config, NULL, arena, sizeof arena, &s);
-    if (status == SMR_OK)
-        status = smr_set_motion(s, 0, mass, &velocity[0][0]);
+    if (status == SMR_OK) status = smr_model_open(prepared, bytes, &model);
+    if (status == SMR_OK) status = smr_init(model, &config, NULL, arena, sizeof arena, &s);
+    if (status == SMR_OK) status = smr_set_motion(s, 0, mass, &velocity[0][0]);
     while (status == SMR_OK && report.iteration < 400 * SMR_SWEEPS) {
         status = smr_tick(s, 0, &report);
-        if (status != SMR_OK || report.iteration % (20 * SMR_SWEEPS) != 0)
-            continue;
+        if (status != SMR_OK || report.iteration % (20 * SMR_SWEEPS) != 0) continue;
         status = smr_get_energy(s, &e);
         printf("%.1f s: centre at %.1f, %.1f, %.1f mm, kinetic %.0f uJ, elastic %.0f, height %.0f\n", 0.005 * e.steps,
                (double)e.centre[0], (double)e.centre[1], (double)e.centre[2], (double)e.kinetic_uj,

@@ -38,19 +38,14 @@ int main(void)
     smr_verdict verdict;
     make_sheets();
     smr_status status = smr_prepare(&sheet, 1, &prepare, scratch, sizeof scratch, prepared, sizeof prepared, &bytes);
-    if (status == SMR_OK)
-        status = smr_model_open(prepared, bytes, &model);
-    if (status == SMR_OK)
-        status = smr_surface_build(&goal, memory, sizeof memory, &target);
-    if (status == SMR_OK)
-        status = smr_init(model, &config, NULL, arena, sizeof arena, &s);
-    if (status == SMR_OK)
-        status = smr_set_surface(s, SMR_ALL, target);
+    if (status == SMR_OK) status = smr_model_open(prepared, bytes, &model);
+    if (status == SMR_OK) status = smr_surface_build(&goal, memory, sizeof memory, &target);
+    if (status == SMR_OK) status = smr_init(model, &config, NULL, arena, sizeof arena, &s);
+    if (status == SMR_OK) status = smr_set_surface(s, SMR_ALL, target);
     printf("iteration,residual_mm,moved_max_mm,reference_updates,strain_share\n");
     while (status == SMR_OK && !report.done) {
         status = smr_tick(s, 0, &report);
-        if (status == SMR_OK)
-            status = smr_get_verdict(s, SMR_ALL, &verdict); /* changes no result */
+        if (status == SMR_OK) status = smr_get_verdict(s, SMR_ALL, &verdict); /* changes no result */
         if (status == SMR_OK)
             printf("%u,%.4f,%.4f,%u,%.5f\n", report.iteration, (double)report.residual_mean_mm,
                    (double)report.displacement_max_mm, report.details.plastic_updates, (double)verdict.strain);

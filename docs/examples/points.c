@@ -16,8 +16,9 @@ static float any(float most) { return most * (float)rand() / (float)RAND_MAX; }
 
 int main(void)
 {
-    for (uint32_t i = 0; i < NV; i++)
+    for (uint32_t i = 0; i < NV; i++) {
         sheet[i][0] = 5.0f * (float)(i % N), sheet[i][1] = 5.0f * (float)(i / N);
+    }
     for (uint32_t k = 0; k < NT; k++) { /* cell a: triangles a, a+1, a+N and a+N+1, a+N, a+1 */
         const uint32_t a = k / 2 / (N - 1) * N + k / 2 % (N - 1);
         triangles[k][0] = k % 2 ? a + N + 1 : a;
@@ -33,29 +34,21 @@ int main(void)
     smr_points *points;
     smr *s;
     smr_tick_report report = {0};
-    smr_status status =
-        smr_prepare(&structure, 1, &prepare, scratch, sizeof scratch, prepared, sizeof prepared, &bytes);
-    if (status == SMR_OK)
-        status = smr_model_open(prepared, bytes, &model);
-    if (status == SMR_OK)
-        status = smr_points_open(MOST, memory, sizeof memory, &points);
-    if (status == SMR_OK)
-        status = smr_init(model, &config, NULL, arena, sizeof arena, &s);
+    smr_status status = smr_prepare(&structure, 1, &prepare, scratch, sizeof scratch, prepared, sizeof prepared, &bytes);
+    if (status == SMR_OK) status = smr_model_open(prepared, bytes, &model);
+    if (status == SMR_OK) status = smr_points_open(MOST, memory, sizeof memory, &points);
+    if (status == SMR_OK) status = smr_init(model, &config, NULL, arena, sizeof arena, &s);
     for (int tick = 0; status == SMR_OK && !report.done; tick++) {
         float xyz[EACH][3];
         for (int i = 0; i < EACH; i++) { /* 60 of 100 mm are seen; noise of up to 0.3 mm */
             xyz[i][0] = any(60.0f), xyz[i][1] = any(100.0f);
             xyz[i][2] = height(xyz[i][0], xyz[i][1]) + any(0.6f) - 0.3f;
         }
-        if (tick < MOST / EACH)
-            status = smr_points_add(points, &xyz[0][0], NULL, NULL, EACH);
-        if (status == SMR_OK)
-            status = smr_set_points(s, SMR_ALL, points); /* after each change */
-        if (status == SMR_OK)
-            status = smr_tick(s, 0, &report);
+        if (tick < MOST / EACH) status = smr_points_add(points, &xyz[0][0], NULL, NULL, EACH);
+        if (status == SMR_OK) status = smr_set_points(s, SMR_ALL, points); /* after each change */
+        if (status == SMR_OK) status = smr_tick(s, 0, &report);
     }
-    if (status == SMR_OK)
-        status = smr_get_positions(s, 0, &result[0][0]);
+    if (status == SMR_OK) status = smr_get_positions(s, 0, &result[0][0]);
     float off = 0.0f;
     for (uint32_t i = 0; i < NV; i++) {
         const float d = result[i][2] - height(result[i][0], result[i][1]);

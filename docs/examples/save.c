@@ -40,29 +40,20 @@ int main(void)
     make_sheet();
     config.basic.n_target_vertices = NV;
     smr_status status = smr_prepare(&sheet, 1, &prepare, scratch, sizeof scratch, prepared, sizeof prepared, &bytes);
-    if (status == SMR_OK)
-        status = smr_model_open(prepared, bytes, &model);
-    if (status == SMR_OK)
-        status = smr_surface_build(&goal, memory, sizeof memory, &target);
-    if (status == SMR_OK)
-        status = smr_init(model, &config, NULL, arena, sizeof arena, &s);
-    if (status == SMR_OK)
-        status = smr_set_surface(s, SMR_ALL, target);
-    for (uint32_t tick = 0; status == SMR_OK && tick < 10; tick++)
-        status = smr_tick(s, 0, &report);
-    if (status == SMR_OK)
-        status = smr_save(s, saved, sizeof saved); /* write smr_save_bytes() of it to a file */
+    if (status == SMR_OK) status = smr_model_open(prepared, bytes, &model);
+    if (status == SMR_OK) status = smr_surface_build(&goal, memory, sizeof memory, &target);
+    if (status == SMR_OK) status = smr_init(model, &config, NULL, arena, sizeof arena, &s);
+    if (status == SMR_OK) status = smr_set_surface(s, SMR_ALL, target);
+    for (uint32_t tick = 0; status == SMR_OK && tick < 10; tick++) status = smr_tick(s, 0, &report);
+    if (status == SMR_OK) status = smr_save(s, saved, sizeof saved); /* write smr_save_bytes() of it to a file */
 
     /* perhaps tomorrow, on another machine */
     if (status == SMR_OK)
         status = smr_restore(model, NULL, NULL, saved, sizeof saved, another, sizeof another, &restored);
-    if (status == SMR_OK)
-        status = smr_set_surface(restored, SMR_ALL, target); /* the same one again */
-    while (status == SMR_OK && !again.done)
-        status = smr_tick(restored, 0, &again);
+    if (status == SMR_OK) status = smr_set_surface(restored, SMR_ALL, target); /* the same one again */
+    while (status == SMR_OK && !again.done) status = smr_tick(restored, 0, &again);
 
-    while (status == SMR_OK && !report.done)
-        status = smr_tick(s, 0, &report);
+    while (status == SMR_OK && !report.done) status = smr_tick(s, 0, &report);
     printf("%s: %u and %u iterations, %s\n", smr_status_name(status), report.iteration, again.iteration,
            again.state_hash == report.state_hash ? "the same bits" : "other bits");
     return status != SMR_OK || again.state_hash != report.state_hash;

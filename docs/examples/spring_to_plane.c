@@ -18,8 +18,7 @@ static void spring(void *ctx, const smr_force_view *view, float *way, float *wei
     for (uint32_t i = 0; i < view->n; i++) {
         const float *x = view->xyz + 3 * i, *r = view->rest + 3 * i;
         const float below = plane[3] - (plane[0] * r[0] + plane[1] * r[1] + plane[2] * r[2]);
-        for (uint32_t c = 0; c < 3; c++)
-            way[3 * i + c] += r[c] + (below > 0 ? below : 0) * plane[c] - x[c];
+        for (uint32_t c = 0; c < 3; c++) way[3 * i + c] += r[c] + (below > 0 ? below : 0) * plane[c] - x[c];
         weight[i] += 1;
     }
 }
@@ -47,21 +46,14 @@ int main(void)
     smr *s;
     smr_tick_report report = {0};
     smr_status status = smr_prepare(&shape, 1, &prepare, scratch, sizeof scratch, prepared, sizeof prepared, &bytes);
-    if (status == SMR_OK)
-        status = smr_model_open(prepared, bytes, &model);
-    if (status == SMR_OK)
-        status = smr_arena_bytes(model, &config, &bytes);
+    if (status == SMR_OK) status = smr_model_open(prepared, bytes, &model);
+    if (status == SMR_OK) status = smr_arena_bytes(model, &config, &bytes);
     void *arena = aligned_alloc(SMR_ALIGN, (bytes + SMR_ALIGN - 1) / SMR_ALIGN * SMR_ALIGN);
-    if (status == SMR_OK)
-        status = smr_init(model, &config, NULL, arena, bytes, &s);
-    if (status == SMR_OK)
-        status = smr_set_force(s, spring, plane);
-    while (status == SMR_OK && !report.done)
-        status = smr_tick(s, 0, &report);
-    if (status == SMR_OK)
-        status = smr_get_positions(s, 0, &ball[0][0]);
-    for (int i = 0; i < NV; i++)
-        least = fminf(least, ball[i][2]);
+    if (status == SMR_OK) status = smr_init(model, &config, NULL, arena, bytes, &s);
+    if (status == SMR_OK) status = smr_set_force(s, spring, plane);
+    while (status == SMR_OK && !report.done) status = smr_tick(s, 0, &report);
+    if (status == SMR_OK) status = smr_get_positions(s, 0, &ball[0][0]);
+    for (int i = 0; i < NV; i++) least = fminf(least, ball[i][2]);
     printf("%s: the lowest vertex is %.2f mm from the plane\n", smr_status_name(status), (double)fabsf(least + 30));
     free(arena);
     return status != SMR_OK || fabsf(least + 30) > 1;

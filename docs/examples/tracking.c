@@ -4,8 +4,7 @@
 
 enum { N = 21, NV = N * N, NT = 2 * (N - 1) * (N - 1) };
 static _Alignas(SMR_ALIGN) unsigned char scratch[1 << 20], prepared[1 << 18], memory[SMR_SURFACE_BYTES(NV, NT)];
-static _Alignas(
-    SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(NV, NT, 1, 1, NV, SMR_METHOD_RIGID) + SMR_ARENA_TRACK_BYTES(NV, 1)];
+static _Alignas(SMR_ALIGN) unsigned char arena[SMR_ARENA_BYTES(NV, NT, 1, 1, NV, SMR_METHOD_RIGID) + SMR_ARENA_TRACK_BYTES(NV, 1)];
 static float flat[NV][3], seen[NV][3];
 static uint32_t triangles[NT][3];
 
@@ -42,22 +41,17 @@ int main(void)
     smr_tick_report report = {0};
     see(0);
     if (smr_prepare(&sheet, 1, &prepare, scratch, sizeof scratch, prepared, sizeof prepared, &bytes) != SMR_OK ||
-        smr_model_open(prepared, bytes, &model) != SMR_OK ||
-        smr_init(model, &config, NULL, arena, sizeof arena, &s) != SMR_OK ||
-        smr_surface_build(&goal, memory, sizeof memory, &target) != SMR_OK ||
-        smr_set_surface(s, SMR_ALL, target) != SMR_OK)
+        smr_model_open(prepared, bytes, &model) != SMR_OK || smr_init(model, &config, NULL, arena, sizeof arena, &s) != SMR_OK ||
+        smr_surface_build(&goal, memory, sizeof memory, &target) != SMR_OK || smr_set_surface(s, SMR_ALL, target) != SMR_OK)
         return 1;
     while (!report.details.settled) /* the first frame: coarse to fine */
-        if (smr_tick(s, 0, &report) != SMR_OK)
-            return 1;
+        if (smr_tick(s, 0, &report) != SMR_OK) return 1;
     for (unsigned frame = 1; frame <= 60; frame++) {
         see(frame); /* new positions of the same triangles */
         if (smr_surface_refit(target, &seen[0][0]) != SMR_OK || smr_surface_step(target, 0, NULL, 0) != SMR_OK ||
-            smr_set_surface(s, SMR_ALL, target) != SMR_OK)
-            return 1;
+            smr_set_surface(s, SMR_ALL, target) != SMR_OK) return 1;
         for (int tick = 0; tick < 8 && (tick == 0 || !report.details.settled); tick++)
-            if (smr_tick(s, 0, &report) != SMR_OK)
-                return 1;
+            if (smr_tick(s, 0, &report) != SMR_OK) return 1;
     }
     printf("%.3f mm from the target, jumped %u\n", (double)report.residual_mean_mm, report.details.jumped);
     return report.details.jumped != 0 || report.residual_mean_mm > 0.5f;

@@ -183,14 +183,18 @@ class _Landmark(_Struct):
     _fields_ = [("structure", _U), ("vertex", _U), ("rest", _F * 3), ("place", _F * 3), ("weight", _F), ("hard", _U)]
 
 
+class TickDetails(_Struct):
+    """What a tick did; distances in mm, phase_ns in ns, *_share 0..1. -1: not measured."""
+    _fields_ = [("phase", _U), ("radius", _U), ("radius_iteration", _U), ("n_taken", _U), ("n_wanted", _U),
+                ("n_active", _U), ("n_rejected", _U), ("n_guarded", _U), ("matched_share", _F), ("attraction_used", _F),
+                ("residual_rms_mm", _F), ("residual_max_mm", _F), ("phase_ns", _Q * 5), ("plastic_updates", _U),
+                ("tracking", _U), ("settled", _U), ("jumped", _U)]
+
+
 class TickReport(_Struct):
-    """How far a tick came; distances in mm, phase_ns in ns, *_share and progress 0..1. -1: not measured."""
-    _fields_ = [("iteration", _U), ("phase", _U), ("radius", _U), ("radius_iteration", _U), ("n_taken", _U),
-                ("n_wanted", _U), ("n_active", _U), ("n_forces", _U), ("n_rejected", _U), ("matched_share", _F),
-                ("n_guarded", _U), ("attraction_used", _F), ("plastic_updates", _U), ("done", _U), ("converged", _U),
-                ("progress", _F), ("residual_mean_mm", _F), ("residual_rms_mm", _F), ("residual_max_mm", _F),
-                ("displacement_max_mm", _F), ("phase_ns", _Q * 5), ("state_hash", _Q), ("tracking", _U),
-                ("settled", _U), ("jumped", _U)]
+    """How far a tick came; distances in mm, progress 0..1. -1: not measured. details: a TickDetails."""
+    _fields_ = [("iteration", _U), ("done", _U), ("converged", _U), ("progress", _F), ("n_forces", _U),
+                ("residual_mean_mm", _F), ("displacement_max_mm", _F), ("state_hash", _Q), ("details", TickDetails)]
     complete = True  # False: the budget ended within an iteration, which the next tick resumes
 
 
@@ -214,9 +218,9 @@ class Energy(_Struct):
 
 class Verdict(_Struct):
     """Whether a result can be relied on, and what was measured (smr_verdict). -1: nothing of the kind was measured."""
-    _fields_ = [("level", _U), ("reasons", _U), ("expected_error_mm", _F), ("seen_share", _F), ("target_covered", _F),
-                ("residual_mm", _F), ("normals_agree", _F), ("likeness", _F), ("goals_share", _F), ("strain", _F),
-                ("stretch", _F), ("volume_ratio", _F), ("rotation_deg", _F), ("turned_deg", _F), ("bend_mm", _F),
+    _fields_ = [("level", _U), ("reasons", _U), ("expected_error_mm", _F), ("visible_share", _F),
+                ("target_covered", _F), ("residual_mm", _F), ("normals_agree", _F), ("image_similarity", _F),
+                ("goals_share", _F), ("strain", _F), ("stretch", _F), ("volume_ratio", _F), ("rotation_deg", _F), ("turned_deg", _F), ("bend_mm", _F),
                 ("scale", _F), ("scale_rest", _F), ("moved_last_mm", _F)]
 
     @property
@@ -244,7 +248,7 @@ class _Setting(_Struct):
 STRUCTS = {"smr_mesh": _Mesh, "smr_structure": _Structure, "smr_volume": _Volume, "smr_pose": _Pose, "smr_port": _Port,
            "smr_closest": _Closest, "smr_align_config": _AlignConfig, "smr_align_report": AlignReport,
            "smr_model_info": ModelInfo, "smr_structure_info": _StructureInfo, "smr_landmark": _Landmark,
-           "smr_tick_report": TickReport, "smr_structure_report": StructureReport,
+           "smr_tick_report": TickReport, "smr_tick_details": TickDetails, "smr_structure_report": StructureReport,
            "smr_structure_volume": StructureVolume, "smr_verdict": Verdict, "smr_energy": Energy,
            "smr_carry_fact": _Fact, "smr_setting": _Setting}
 
@@ -263,7 +267,7 @@ _CALLS = {
     "smr_set_motion": "pupp", "smr_get_velocities": "pup", "smr_get_energy": "pp", "smr_save_bytes": "pp",
     "smr_save": "ppz", "smr_save_info": "pzp", "smr_restore": "ppppzpzp", "smr_get_awaited": "pp",
     "smr_set_active": "pu", "smr_get_positions": "pup", "smr_get_normals": "pup", "smr_get_structure_report": "pup",
-    "smr_get_verdict": "pup", "smr_get_seen": "pup", "smr_get_expected_error": "pup", "smr_get_local_volume": "pufp",
+    "smr_get_verdict": "pup", "smr_get_visible": "pup", "smr_get_expected_error": "pup", "smr_get_local_volume": "pufp",
     "smr_carry_bytes": "uuup",
     "smr_carry_fit": "pupuppzp", "smr_carry_apply": "ppp", "smr_carry_map": "ppupupp", "smr_pthread_create": "ppzu",
 }
@@ -1113,7 +1117,7 @@ class Registration:
             report = self.tick(budget_ns)
             n += 1
             yield report
-            if report.complete and (report.done or report.settled):
+            if report.complete and (report.done or report.details.settled):
                 return
 
     # ---- results
@@ -1137,7 +1141,7 @@ class Registration:
         return np.concatenate([self.positions(i) for i in range(len(self.model))])
 
     def expected_error(self, structure: Union[int, str]) -> Array:
-        """[n] mm: how far each vertex is expected from its true place; NaN where too little is seen to say."""
+        """[n] mm: how far each vertex is expected from its true place; NaN where too little is visible to say."""
         mm = self._for_vertices(_lib.smr_get_expected_error, structure, np.float32, 0)
         mm[mm < 0] = np.nan
         return mm
@@ -1148,9 +1152,9 @@ class Registration:
         self._call(_lib.smr_get_local_volume, self.model.index(structure), radius_mm, _at(ratio))
         return ratio
 
-    def seen(self, structure: Union[int, str]) -> Array:
+    def visible(self, structure: Union[int, str]) -> Array:
         """[n] bool: whether the target shows the vertex."""
-        return self._for_vertices(_lib.smr_get_seen, structure, np.uint8, 0) != 0
+        return self._for_vertices(_lib.smr_get_visible, structure, np.uint8, 0) != 0
 
     def verdict(self, structure: Union[int, str, None] = None) -> Verdict:
         """Whether a structure, or the whole, can be relied on. Only between complete iterations."""
@@ -1173,13 +1177,13 @@ class Registration:
 @dataclass
 class Result:
     """What register() found. Lists have one element for each structure.
-    positions: [n][3] mm; expected_error: [n] mm, NaN where too little is seen; seen: [n] bool; verdict: of the whole;
-    verdicts: of each; pose: [3][4] of the start, None without; start: what align() found, None without; report: of the
-    last tick; hash: of the state."""
+    positions: [n][3] mm; expected_error: [n] mm, NaN where too little is visible; visible: [n] bool; verdict: of the
+    whole; verdicts: of each; pose: [3][4] of the start, None without; start: what align() found, None without; report:
+    of the last tick; hash: of the state."""
     names: List[str]
     positions: List[Array]
     expected_error: List[Array]
-    seen: List[Array]
+    visible: List[Array]
     verdict: Verdict
     verdicts: List[Verdict]
     pose: Optional[Pose]
@@ -1245,7 +1249,7 @@ def register(model: Model, target: Targets = None, align: Optional[str] = None, 
         s.tick()
     each = range(len(model))
     return Result(model.names, [s.positions(i) for i in each], [s.expected_error(i) for i in each],
-                  [s.seen(i) for i in each], s.verdict(), [s.verdict(i) for i in each], pose, found, s.report,
+                  [s.visible(i) for i in each], s.verdict(), [s.verdict(i) for i in each], pose, found, s.report,
                   s.hash, s)
 
 
@@ -1304,8 +1308,8 @@ def track(model: Model, frames: Iterable[Any], align: Optional[str] = None, star
             for _ in s.run(ticks, budget_ns):
                 pass
         report = s.report
-        yield Frame(number, [s.positions(i) for i in range(len(model))], report, bool(report.jumped),
-                    bool(report.settled), s)
+        yield Frame(number, [s.positions(i) for i in range(len(model))], report, bool(report.details.jumped),
+                    bool(report.details.settled), s)
 
 
 # ------------------------------------------------------------------ carried points

@@ -13,7 +13,8 @@ function linked(text, own,    out, word, to) {
     while (match(text, /[A-Za-z_][A-Za-z_0-9]*(\.[A-Za-z_][A-Za-z_0-9]*)*/)) {
         out = out escape(substr(text, 1, RSTART - 1))
         word = substr(text, RSTART, RLENGTH); text = substr(text, RSTART + RLENGTH); to = word
-        if (to ~ /[.]/ && !(to in block)) to = "smr_" to   # config.track.mode is smr_config.track.mode
+        if (to ~ /^(smr_)?config[.][a-z]+[.]/) { sub(/^(smr_)?config[.]/, "", to); sub(/[.]/, "_config.", to) }   # config.track.mode
+        if (to ~ /[.]/ && !(to in block)) to = "smr_" to   # is smr_track_config.mode
         if (to ~ /^E_/) to = "SMR_" to   # E_INPUT is SMR_E_INPUT
         if ((to in block) && block[to] != own) out = out "<a href=\"#" to "\">" word "</a>"
         else if ((to in block) && to ~ /[.]/) out = out "<a href=\"#" to "\">" word "</a>"
@@ -31,7 +32,7 @@ function find_names(k,    i, line, depth, name, list) {
         line = text[i]
         if (line ~ /^[ \t]*(\/\*|\*)/ && line !~ /\*\/ *[a-z]/) continue
         if (line ~ /^#define/) { split(line, part, /[ (]/); declare(part[2], k); continue }
-        if (depth == 0 && match(line, /^typedef (struct|enum) [a-z_0-9]+/)) { split(line, part, / /); name = part[3]; declare(name, k) }
+        if (depth == 0 && match(line, /^(typedef )?(struct|enum) [a-z_0-9]+/)) { sub(/^typedef /, "", line); split(line, part, / /); name = part[2]; declare(name, k); line = text[i] }
         if (depth == 0 && line ~ /^(typedef )?enum/) list = 1
         if (depth == 0 && match(line, /\(\*[a-z_0-9]+\)/) && line ~ /^typedef/) declare(substr(line, RSTART + 2, RLENGTH - 3), k)
         else if (depth == 0 && line ~ /^[a-z]/ && line !~ /^(typedef|enum)/ && match(line, /[a-z_0-9]+\(/)) declare(substr(line, RSTART, RLENGTH - 1), k)
@@ -83,6 +84,7 @@ END {
         line = text[i]
         if (!open && line == "") continue
         if (!open) { open = 1; first[++k] = i; code[k] = 0 }
+        if (line ~ /^\/[*] ----------/) { open = 0; last[k] = i; code[k] = i + 1; continue }   # a heading
         comment = inside || line ~ /^\/\*/
         if (line ~ /^\/\*/ && line !~ /\*\//) inside = 1
         else if (inside && line ~ /\*\//) inside = 0

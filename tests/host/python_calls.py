@@ -232,9 +232,9 @@ def ticks(model, rest, triangles, now):
     off = np.linalg.norm(result.positions[0] - now, axis=1)
     check(f"a good result: {off.mean():.2f} mm from the truth", off.mean() < 1.5 and result.verdict.word == "good")
     check("its expected error is a number for each vertex", np.isfinite(result.expected_error[0]).all()
-          and len(result.expected_error[0]) == len(rest) and result.seen[0].dtype == bool)
+          and len(result.expected_error[0]) == len(rest) and result.visible[0].dtype == bool)
     half = smr.register(model, {"bone": (now, triangles[np.all(now[triangles][:, :, 2] > 30, 1)])})
-    seen, error = half.seen[0], half.expected_error[0]
+    seen, error = half.visible[0], half.expected_error[0]
     check(f"an end of a target: {seen.sum()} of {len(rest)} vertices are seen, the others are less certain",
           0 < seen.sum() < len(rest) / 2 and np.mean(error[~seen]) > 1.5 * np.mean(error[seen]))
     nothing = smr.register(model, (now + 5000, triangles))

@@ -44,10 +44,13 @@ def main():
     print("#include <smr.h>")
     table = dict(smr.STRUCTS, smr_config=smr._Config, smr_prepare_config=smr._PrepareConfig,
                  smr_saved_info=smr._SavedInfo)
+    with open(os.path.join(TOP, "src", "base", "settings_config.def"), encoding="utf-8") as file:
+        rows = re.findall(r"^SMR_SETTING\(\w+, \d+, ([a-z_.]+), (\w+),", file.read(), re.M)
+    paths = {"smr_config": {name: path for path, name in rows}}  # where a setting is in C
     for name, kind in table.items():
         print(f'_Static_assert(sizeof({name}) == {ctypes.sizeof(kind)}, "size of {name}");')
         for field, of in kind._fields_:
-            where = getattr(kind, field)
+            where, field = getattr(kind, field), paths.get(name, {}).get(field, field)
             print(f'_Static_assert(offsetof({name}, {field}) == {where.offset}, "{name}.{field}");')
             print(f'_Static_assert(sizeof((({name} *)0)->{field}) == {where.size}, "{name}.{field}");')
             if c_kind(of) is not None:
