@@ -1,5 +1,5 @@
-/* arena.h: the caller's memory, cut into aligned slots.
- * A layout function serves twice: with a NULL base it measures the bytes, with a real base it places the slots.
+/* arena.h: the caller's memory, divided into aligned slots. A layout function serves twice: with a NULL base it
+ * measures the bytes, with a real base it places the slots.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_ARENA_H
 #define SMR_ARENA_H
@@ -10,7 +10,8 @@ typedef struct smr_arena {
     unsigned char *base; /* start of the memory; NULL: measure only */
     size_t capacity;     /* bytes at base */
     size_t used;         /* bytes requested so far, above capacity when short; SIZE_MAX after an overflow of size_t */
-    struct smr_keeper *keeper; /* what is kept is gone over, and nothing placed (keep.h); NULL: slots are placed */
+    /* not NULL: saved values are listed and nothing is placed (save and restore); NULL: slots are placed */
+    struct smr_keeper *keeper;
 } smr_arena;
 
 /* Returns an arena that only measures. */

@@ -15,8 +15,8 @@
 #endif
 
 /* Bit-exact results need float arithmetic in float; see docs/SPEC.md, "Floating-point environment". */
-/* 16: only _Float16 is evaluated in its own type, float in float. GCC says so, unless -std= is strict, for processors
- * with AVX512-FP16. */
+/* 16: only _Float16 is evaluated in its own type, float in float. GCC reports it for processors with AVX512-FP16,
+ * unless -std= is strict. */
 _Static_assert(FLT_EVAL_METHOD == 0 || FLT_EVAL_METHOD == 16, "float arithmetic must be done in float");
 _Static_assert(sizeof(float) == 4 && FLT_MANT_DIG == 24, "float must be IEEE 754 binary32");
 
@@ -29,7 +29,7 @@ static inline float smr_clamp(float a, float lo, float hi) { return smr_min(smr_
 static inline uint32_t smr_min_u32(uint32_t a, uint32_t b) { return a < b ? a : b; }
 static inline uint32_t smr_max_u32(uint32_t a, uint32_t b) { return a > b ? a : b; }
 
-/* The smaller one, in as many instructions whichever it is. */
+/* The smaller value, in a number of instructions that does not depend on the values. */
 static inline uint64_t smr_min_u64(uint64_t a, uint64_t b)
 {
     const uint64_t mask = 0u - (uint64_t)(a < b);
@@ -51,8 +51,8 @@ static inline float smr_positive(float a)
 /* 1 when |a| <= limit; 0 otherwise, and for NaN and infinities. */
 static inline int smr_within(float a, float limit) { return a >= -limit && a <= limit; }
 
-/* The cookie of a configuration: tag, minor version and struct size in one number, so that a configuration from another
- * version is recognised. */
+/* The cookie of a configuration: tag, minor version and struct size in one number, by which a configuration of
+ * another version is recognised. */
 #define SMR_COOKIE(tag, type)                                                                                          \
     (((uint32_t)(tag) << 24) | ((uint32_t)SMR_VERSION_MINOR << 16) | (uint32_t)(sizeof(type) & 0xffffu))
 

@@ -1,7 +1,7 @@
-/* fixed_point.h: exact sums in 32-bit fixed point, with wrap-around in uint32_t.
- * Each quantity is rounded once. Integer addition is exact and associative, so any order, vector width and number of
- * threads gives the same bits, and the chain Sigma_i = Sigma_k + zeta+ - zeta- (paper 2.2) does not drift.
- * Partial sums may wrap as long as the final sum fits; smr_fixed_scale() chooses the scale so that it does.
+/* fixed_point.h: exact sums in 32-bit fixed point that wraps around in uint32_t. Each quantity is rounded once.
+ * Integer addition is exact and associative, so any order, vector width and number of threads gives the same bits,
+ * and the chain Sigma_i = Sigma_k + zeta+ - zeta- (paper 2.2) does not drift. Partial sums may wrap as long as the
+ * final sum fits; smr_fixed_scale() chooses the scale accordingly.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_FIXED_POINT_H
 #define SMR_FIXED_POINT_H

@@ -1,4 +1,4 @@
-/* keep_values.c: counts, writes, checks and reads what of a registration is kept.
+/* keep_values.c: counts, writes, checks and reads the saved values of a registration.
  * Bounds: one pass over the values.
  * SPDX-License-Identifier: MIT */
 #include "base/bytes.h"
@@ -7,7 +7,7 @@
 
 enum { KEPT_BYTE = 1, KEPT_WORD = 4, KEPT_FLOAT = 5 };
 
-/* Makes room for count values of `size` bytes, of this kind and range. Returns 1 when they are to be gone over. */
+/* Reserves count values of `size` bytes, of this kind and range. Returns 1 when they are to be processed. */
 static int begin(smr_keeper *k, size_t count, size_t size, uint32_t kind, uint32_t range)
 {
     const uint32_t facts[3] = {smr_le32((uint32_t)count), smr_le32(kind), smr_le32(range)};
@@ -32,7 +32,7 @@ static void word(smr_keeper *k, uint32_t *value)
     k->at += sizeof stored;
 }
 
-/* field NULL: there is nowhere to store them. */
+/* Processes 32-bit words. field NULL: they are not stored. */
 static void words(smr_keeper *k, uint32_t *field, size_t count, uint32_t most, int or_none)
 {
     if (!begin(k, count, sizeof *field, KEPT_WORD + 256u * (uint32_t)or_none, most))
@@ -75,7 +75,8 @@ static void bytes(smr_keeper *k, uint8_t *field, size_t count, uint32_t most)
     }
 }
 
-/* 1 when the columns are as long as each other and at right angles, as far as clusters' reach depends on it. */
+/* Returns 1 when the pose is a similarity: its columns are equally long and at right angles, within the tolerance
+ * that cluster bounds allow. */
 static int is_similarity(const smr_pose *p)
 {
     const smr_vec a = smr_v(p->m[0][0], p->m[1][0], p->m[2][0]), b = smr_v(p->m[0][1], p->m[1][1], p->m[2][1]),

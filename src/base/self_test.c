@@ -1,13 +1,13 @@
-/* self_test.c: whether compiler and processor do float arithmetic as the library's bits need it (docs/SPEC.md, section
- * 1). Inputs are volatile, so that nothing is computed by the compiler. Each probe expects one exact wrong answer of
- * its own; no probe divides by zero, overflows or makes a NaN, so that traps may be on.
+/* self_test.c: tests whether compiler and processor do float arithmetic as the library's bits need it (docs/SPEC.md,
+ * section 1). Inputs are volatile, so that the compiler computes nothing. Each probe expects one exact wrong result;
+ * no probe divides by zero, overflows or makes a NaN, so that traps may be on.
  * Bounds: about a hundred operations, under a hundred bytes of stack.
  * SPDX-License-Identifier: MIT */
 #include "base/bytes.h"
 
-#define SMR_PROBES 4u /* of an arithmetic that compilers vectorise: units for vectors may have a mode of their own */
+#define SMR_PROBES 4u /* operations of each probe, enough to be vectorised: vector units may have a mode of their own */
 
-/* Loads that no compiler looks through. */
+/* Loads a value in a way that no compiler sees through. */
 static float number(float v)
 {
     const volatile float at = v;
@@ -20,7 +20,7 @@ static float number_of_bits(uint32_t bits)
     return smr_le_float(smr_le32(at));
 }
 
-/* 1 when every a[i] * b[i] has these bits. */
+/* Returns 1 when each product a[i] * b[i] has these bits. */
 static int products_are(const float *a, const float *b, uint32_t bits)
 {
     float product[SMR_PROBES];
@@ -65,7 +65,7 @@ static int excess(void)
     return (a + b) - a == 1.0f;
 }
 
-/* Halves go to the even neighbour, all else to the nearest, for both signs; quotients and roots, too. */
+/* Halves are rounded to even, everything else to the nearest, for both signs; quotients and roots, too. */
 static int rounded(void)
 {
     const float one = number(1.0f), step = number(1.1920928955078125e-7f); /* 2^-23, from one float to the next */
@@ -78,7 +78,8 @@ static int rounded(void)
            smr_float_bits(root) != 0x3fb504f3u;
 }
 
-/* With more bits than a float has sums and quotients look fused and wrongly rounded, too: excess alone is named. */
+/* With more bits than a float has, sums and quotients also look fused and wrongly rounded: then only excess is
+ * reported. */
 uint32_t smr_self_test(void)
 {
     const uint32_t flush = flushed() ? SMR_FLOAT_FLUSHED : 0u;

@@ -1,5 +1,5 @@
-/* settings_text.c: the tables of settings with their texts, for programs that ask. In a file of its own: a device that
- * does not ask links none of it.
+/* settings_text.c: the tables of settings with their texts, for programs that print them. In a file of its own, so
+ * that a device that does not need it links none of it.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
 

@@ -1,22 +1,22 @@
-/* carry_apply.c: bound points to where the model has them now: one sum of SMR_CARRY_NEAR terms for each.
+/* carry_apply.c: moves bound points to the present shape: one sum of SMR_CARRY_NEAR terms for each.
  * SPDX-License-Identifier: MIT */
 #include "base/parallel.h"
 #include "carry/carry.h"
 #include "geometry/rotation/transform_fit.h"
 
-/* One call: where the vertices are, where T takes the rest shape, and where points go. */
+/* One call: present vertices, the similarity T, and the results. */
 typedef struct job {
     smr_carry *c;
-    const float *now; /* [n_vertices][3] mm, the caller's order */
+    const float *now; /* [n_vertices][3] present positions in the caller's order, mm */
     smr_pose trend;
-    float *out; /* [n_points][3] mm */
+    float *out; /* [n_points][3] results, mm */
 } job;
 
 smr_carry_site *smr_carry_site_of(smr_carry *c, uint32_t worker)
 {
     if (worker < c->port.n_workers)
         return &c->site[worker];
-    __atomic_store_n(&c->wrong_worker, 1u, __ATOMIC_RELAXED); /* any thread */
+    __atomic_store_n(&c->wrong_worker, 1u, __ATOMIC_RELAXED); /* any thread may set it */
     return NULL;
 }
 
@@ -51,7 +51,7 @@ smr_status smr_carry_check(const smr_carry *c, const float *now)
     return outside ? SMR_E_INPUT : SMR_OK;
 }
 
-/* Relative to the nearest vertex, which keeps digits. */
+/* The position of point i, computed relative to the nearest vertex, which limits rounding. */
 static smr_vec apply(const job *j, uint32_t i)
 {
     const uint32_t *near = j->c->near + (size_t)SMR_CARRY_NEAR * i;
@@ -73,7 +73,7 @@ static void run_apply(void *arg, uint32_t task, uint32_t worker)
 {
     const job *j = arg;
     const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(j->c->n_points, first + SMR_CARRY_CHUNK);
-    if (smr_carry_site_of(j->c, worker) == NULL) /* no scratch is needed, but that port is wrong */
+    if (smr_carry_site_of(j->c, worker) == NULL) /* no scratch is needed, but the worker's number must exist */
         return;
     for (uint32_t i = first; i < end; i++)
         smr_store(j->out + 3u * (size_t)i, apply(j, i));

@@ -1,16 +1,15 @@
-/* carry_equations.c: the coefficients of vertices near a point.
- * Method: simple kriging with the covariance 1 + rough - g(r), g the sum of two parts that are twice
- * differentiable (Wendland 1995): one that reaches over the model, and a small one that reaches over some edges and
- * takes up what neighbouring vertices do not agree in. The nearest vertex is
- * eliminated by hand: with covariances K_ij = C - g_ij, C = 1 + rough, what is left is
- * K_ij - K_i0 K_0j / C = g_i0 + g_0j - g_ij - g_i0 g_0j / C, small numbers without cancellation. So at a vertex the
- * point's side is 0 to the last bit, and a vertex is carried exactly to where it is.
+/* carry_equations.c: the coefficients of vertices near a point. Method: simple kriging with the covariance 1 + rough
+ * - g(r). g is the sum of two twice differentiable parts (Wendland 1995): one with the range of the model, and a
+ * small one with the range of some edges, for differences between neighbours. The nearest vertex is eliminated: with
+ * covariances K_ij = C - g_ij, C = 1 + rough, the rest is K_ij - K_i0 K_0j / C = g_i0 + g_0j - g_ij - g_i0 g_0j / C,
+ * small numbers without cancellation. At a vertex the right-hand side is exactly 0, so the vertex maps exactly to
+ * its present position.
  * Bounds: SMR_CARRY_NEAR^3 / 6 multiplications for a factor, SMR_CARRY_NEAR^2 for a solution.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
 
 #define SMR_CARRY_WIDTH ((size_t)SMR_CARRY_NEAR)
-#define SMR_CARRY_PIVOT 3.0e-6f /* of the diagonal: a vertex that adds less than this share is left out */
+#define SMR_CARRY_PIVOT 3.0e-6f /* smallest pivot over its diagonal element: a vertex below it is left out */
 #define SMR_CARRY_NOTHING 1.0e-12f
 #define SMR_CARRY_ALL (1.0f + SMR_CARRY_ROUGH)
 
@@ -46,11 +45,11 @@ static void fill(const smr_carry *c, smr_carry_site *s)
         growths(c, s, place(s, i), 1, i, row);
         for (uint32_t j = 1; j < i; j++)
             row[j] = far + part * s->far[j] - row[j];
-        row[i] = far + part * far + s->loose[i];
+        row[i] = far + part * far + s->noise_variance[i];
     }
 }
 
-/* L D L^T by columns: what is left of a row changes element by element, so that vector units serve. */
+/* L D L^T by columns: the rest of a row changes element by element, so that loops vectorise. */
 void smr_carry_factor(const smr_carry *c, smr_carry_site *s)
 {
     float column[SMR_CARRY_NEAR], least[SMR_CARRY_NEAR];

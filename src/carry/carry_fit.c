@@ -1,4 +1,4 @@
-/* carry_fit.c: makes the map and binds points to it: their coefficients, from the rest shape alone.
+/* carry_fit.c: makes the map and binds points to it: computes their coefficients from the rest shape alone.
  * Bounds: a radix sort and boxes over the vertices; for each point one search and one factor of the equations.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
@@ -9,14 +9,14 @@
  * vertex along the curve; by trials, docs/NOTES.md. */
 #define SMR_CARRY_SMOOTH_SHARE 0.75f
 #define SMR_CARRY_ROUGH_STEPS 1.0f
-#define SMR_CARRY_LEAST 1.0e-6f /* mm, and share of the diagonal */
+#define SMR_CARRY_LEAST 1.0e-6f /* smallest range, mm, and over the diagonal */
 
-/* A fit in progress: scratch, and what is bound. */
+/* A fit in progress: scratch, and the points to bind. */
 typedef struct job {
     smr_carry *c;
-    uint32_t *key;       /* [n_vertices] along the curve */
+    uint32_t *key;       /* [n_vertices] keys along the curve */
     uint32_t *tmp;       /* [2 n_vertices] */
-    const float *points; /* [n_points][3] mm */
+    const float *points; /* [n_points][3] points, mm */
 } job;
 
 /* Takes all slots from the arena, or measures them. */
@@ -61,7 +61,7 @@ smr_status smr_carry_bytes(uint32_t n_vertices, uint32_t n_points, uint32_t n_wo
     return SMR_OK;
 }
 
-/* Numbers the vertices along the curve, and makes the trees. */
+/* Numbers the vertices along the curve and builds the trees. */
 static void number(job *j, const float *rest)
 {
     smr_carry *c = j->c;

@@ -1,5 +1,5 @@
-/* carry_frames.c: frames and normals from five carried places each: the point and the corners of a tetrahedron around
- * it. Their differences give the local linear map J exactly where the map is linear.
+/* carry_frames.c: frames and normals from five carried positions each: the point and the corners of a tetrahedron
+ * around it. Their differences give the local linear map J, exactly where the map is linear.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
 #include "geometry/rotation/rotation.h"
@@ -26,7 +26,8 @@ smr_status smr_frame_places(const float *points, uint32_t n, float size_mm, floa
     return SMR_OK;
 }
 
-/* The linear map from rest differences to present ones. Corners of a tetrahedron: sum d d^T = 4/3 size^2 I. */
+/* The linear map from rest differences to present differences. For corners of a tetrahedron sum d d^T = 4/3 size^2
+ * I. */
 static void local_map(const float *rest, const float *now, float jacobian[9])
 {
     const smr_vec from = smr_load(rest), to = smr_load(now);
@@ -85,7 +86,7 @@ smr_status smr_frame_normals(const float *jacobians, float *normals, uint32_t n)
     for (size_t i = 0; i < 9u * (size_t)n; i++)
         if (!smr_within(jacobians[i], 1.0e6f) || !smr_within(normals[i / 3u], 1.0e6f))
             return SMR_E_INPUT;
-    for (size_t i = 0; i < n; i++) { /* the cofactors of J times n: J^-T n but for its length, and for folds' sign */
+    for (size_t i = 0; i < n; i++) { /* the normal times the cofactors of J: J^-T n up to length, and sign in folds */
         const float *m = jacobians + 9u * i;
         const smr_vec a = smr_v(m[0], m[3], m[6]), b = smr_v(m[1], m[4], m[7]), c = smr_v(m[2], m[5], m[8]);
         const smr_vec normal = smr_load(normals + 3u * i);

@@ -1,6 +1,6 @@
-/* carry_map.c: the map at points that are not bound, forwards and back. Forwards the equations are solved for the
- * vertices' displacements, which also gives the gradient; back the place is sought whose image the point is, by damped
- * Newton steps from the rest places of vertices that are near now.
+/* carry_map.c: the map and its inverse at points that are not bound. Forward, the equations are solved for the
+ * vertices' displacements, which also gives the gradient. Inverse, damped Newton steps start from the rest positions
+ * of vertices that are near now.
  * Bounds: SMR_CARRY_STARTS starts of SMR_CARRY_ROUNDS steps, each halved at most SMR_CARRY_HALVINGS times; each
  * evaluation is one search and one factor.
  * SPDX-License-Identifier: MIT */
@@ -9,8 +9,8 @@
 #define SMR_CARRY_STARTS 4u
 #define SMR_CARRY_ROUNDS 30u
 #define SMR_CARRY_HALVINGS 6u
-#define SMR_CARRY_MET 2.0e-4f  /* mm: nearer is near enough, and near what a float says of a coordinate */
-#define SMR_CARRY_FLAT 1.0e-3f /* smallest determinant that a step trusts */
+#define SMR_CARRY_MET 2.0e-4f  /* mm: tolerance of the inverse, near the rounding of a coordinate */
+#define SMR_CARRY_FLAT 1.0e-3f /* smallest determinant with which a step is computed */
 
 typedef struct job {
     smr_carry *c;
@@ -28,14 +28,14 @@ typedef struct value {
     float gradient[9];
 } value;
 
-/* Present place of a vertex less where T would have it. */
+/* The residual of a vertex after the trend T, mm. */
 static smr_vec displacement(const job *j, uint32_t id)
 {
     const smr_vec now = smr_load(j->now + 3u * (size_t)j->c->item[id]);
     return smr_sub(now, smr_pose_apply(&j->trend, smr_load(j->c->rest + 3u * (size_t)id)));
 }
 
-/* The weights of the reduced equations; returns the nearest vertex' displacement. */
+/* Computes the weights of the reduced equations. Returns the nearest vertex' displacement. */
 static smr_vec weigh(const job *j, smr_carry_site *s)
 {
     const smr_vec first = displacement(j, s->id[0]);
@@ -69,7 +69,7 @@ static void add_product(float m[9], smr_vec v, smr_vec w)
         m[i] += a[i / 3u] * b[i % 3u];
 }
 
-/* The gradient leaves out that vertices are held the looser the farther away they are. */
+/* The map and its gradient at p. The gradient leaves out that noise variances change with p. */
 static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
 {
     const smr_carry *c = j->c;
@@ -88,7 +88,7 @@ static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
         moved = smr_add(moved, smr_scale(w, s->side[i]));
         add_product(v.gradient, w, smr_sub(smr_scale(near, s->part[i]), slope(c, s, p, i)));
     }
-    /* relative to the nearest vertex, so that it goes exactly to where it is */
+    /* relative to the nearest vertex, so that it maps exactly to its present position */
     const smr_vec rest = smr_sub(p, smr_v(s->x[0][0], s->x[1][0], s->x[2][0]));
     const smr_pose *t = &j->trend;
     const smr_vec turned = smr_v(t->m[0][0] * rest.x + t->m[0][1] * rest.y + t->m[0][2] * rest.z,
@@ -100,7 +100,7 @@ static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
 
 static float determinant(const float m[9]) { return smr_dot(smr_load(m), smr_cross(smr_load(m + 3), smr_load(m + 6))); }
 
-/* m^-1 v; v itself where m is flat or turned inside out. */
+/* m^-1 v; v itself where m is singular or mirrored. */
 static smr_vec undo(const float m[9], smr_vec v)
 {
     const smr_vec a = smr_v(m[0], m[3], m[6]), b = smr_v(m[1], m[4], m[7]), c = smr_v(m[2], m[5], m[8]);
@@ -111,7 +111,7 @@ static smr_vec undo(const float m[9], smr_vec v)
                      1.0f / d);
 }
 
-/* The vertices of the thinnest density that are nearest to q now: along the curve, ascending. Returns how many. */
+/* The vertices of the thinnest selection that are nearest to q now, ascending along the curve. Returns their number. */
 static uint32_t starts(const job *j, smr_vec q, uint32_t id[SMR_CARRY_STARTS])
 {
     const smr_carry_thin *t = &j->c->thin[j->c->n_densities - 1u];
@@ -134,11 +134,11 @@ static uint32_t starts(const job *j, smr_vec q, uint32_t id[SMR_CARRY_STARTS])
     return n;
 }
 
-/* The best place so far. */
+/* The best position so far. */
 typedef struct found {
     smr_vec p;
     value v;
-    float miss; /* mm */
+    float miss; /* distance of its image from the wanted point, mm */
 } found;
 
 static found look(const job *j, smr_carry_site *s, smr_vec p, smr_vec q)

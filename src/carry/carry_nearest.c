@@ -1,17 +1,17 @@
-/* carry_nearest.c: the vertices near a point, at four densities. A density is every so-many-th vertex along a Hilbert
- * curve, which spreads over surfaces evenly; its tree of boxes follows from its number alone.
- * Bounds: a search opens every node at most once, and its stack holds SMR_CARRY_STACK entries; each vertex looked at is
+/* carry_nearest.c: the vertices near a point, at four densities. A density is every k-th vertex along a Hilbert
+ * curve, which spreads evenly over surfaces; the tree of boxes follows from the number of vertices alone.
+ * Bounds: a search opens each node at most once, and its stack holds SMR_CARRY_STACK entries; each tested vertex is
  * inserted among at most SMR_CARRY_NEAR + 1.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
 
-#define SMR_CARRY_COARSE 600u /* most vertices of the thinnest density */
+#define SMR_CARRY_COARSE 600u /* most vertices of the thinnest selection */
 #define SMR_CARRY_STACK (SMR_CARRY_STEPS * SMR_TREE_WIDTH)
-#define SMR_CARRY_NOWHERE 1.0e20f /* mm^2: farther than anything */
-#define SMR_CARRY_LOOSE 3.0e-4f   /* growth of a vertex' error towards the selection's end */
-#define SMR_CARRY_END 1.0e-6f     /* keeps it finite */
+#define SMR_CARRY_NOWHERE 1.0e20f /* mm^2: larger than any squared distance */
+#define SMR_CARRY_NOISE 3.0e-4f   /* noise variance at half of the way to the end of the selection */
+#define SMR_CARRY_END 1.0e-6f     /* keeps the noise variance finite */
 
-/* The nearest vertices of one density, ascending. */
+/* The nearest vertices of one selection, ascending. */
 typedef struct nearest {
     smr_vec p;
     uint32_t n, most;
@@ -82,7 +82,7 @@ void smr_carry_boxes(const smr_carry_thin *t, const float *rest)
         widen(&t->node[group / SMR_TREE_WIDTH], group % SMR_TREE_WIDTH, p, p, 1);
     }
     for (uint32_t i = smr_ceil_div(t->n, SMR_TREE_WIDTH); i < t->count[0] * SMR_TREE_WIDTH; i++)
-        for (uint32_t axis = 0; axis < 3u; axis++) /* empty groups */
+        for (uint32_t axis = 0; axis < 3u; axis++) /* empty groups have no vertices */
             t->node[i / SMR_TREE_WIDTH].hi[axis][i % SMR_TREE_WIDTH] = SMR_FAR;
     for (uint32_t s = 1; s < t->n_steps; s++)
         for (uint32_t i = 0; i < t->count[s - 1u]; i++) {
@@ -97,7 +97,7 @@ void smr_carry_boxes(const smr_carry_thin *t, const float *rest)
 
 static float bound_of(const nearest *f) { return f->n < f->most ? SMR_CARRY_NOWHERE : f->d2[f->n - 1u]; }
 
-/* Inserts a vertex; of equally near ones the first along the curve comes first. */
+/* Inserts a vertex in order of distance; ties in order of the curve. */
 static void insert(nearest *f, uint32_t id, float d2)
 {
     uint32_t at = f->n < f->most ? f->n++ : f->n - 1u;
@@ -122,7 +122,8 @@ static void look_at_group(const smr_carry_thin *t, const float *rest, uint32_t g
     }
 }
 
-/* Puts the children of a node that may hold nearer vertices on the stack, the nearest last. Returns the new height. */
+/* Pushes the children of a node that may hold nearer vertices, the nearest last. Returns the new height of the
+ * stack. */
 static uint32_t push(const smr_carry_thin *t, entry at, const nearest *f, entry *stack, uint32_t height)
 {
     float d2[SMR_TREE_WIDTH];
@@ -137,7 +138,7 @@ static uint32_t push(const smr_carry_thin *t, entry at, const nearest *f, entry 
             i--;
         }
         stack[i].d2 = d2[k];
-        stack[i].step = at.step; /* for a child: one more than its own level, 0 for a group */
+        stack[i].step = at.step; /* level of the child plus 1; 0 for a group */
         stack[i].node = at.node * SMR_TREE_WIDTH + k;
     }
     return height;
@@ -148,7 +149,7 @@ static void search(const smr_carry_thin *t, const float *rest, nearest *f)
     entry stack[SMR_CARRY_STACK];
     const entry root = {0.0f, t->n_steps - 1u, 0};
     uint32_t height = push(t, root, f, stack, 0);
-    while (height > 0u) { /* each node and group is taken off once */
+    while (height > 0u) { /* each node and group is popped once */
         entry at = stack[--height];
         if (at.d2 > bound_of(f))
             continue;
@@ -161,8 +162,8 @@ static void search(const smr_carry_thin *t, const float *rest, nearest *f)
     }
 }
 
-/* How loose vertex i is held: 0 at the nearest, without bound where the next one beyond the selection is as near. */
-static float loose(const nearest *f, uint32_t i)
+/* Noise variance of vertex i: 0 for the nearest, unbounded when the next vertex beyond the selection is as near. */
+static float noise_variance(const nearest *f, uint32_t i)
 {
     if (f->n < f->most)
         return 0.0f;
@@ -170,21 +171,21 @@ static float loose(const nearest *f, uint32_t i)
     if (!(range > 0.0f))
         return 0.0f;
     const float t = (SMR_SQRT(f->d2[i]) - first) / range, left = 1.0f - t, square = t * t;
-    return SMR_CARRY_LOOSE * square * square / (left * left + SMR_CARRY_END);
+    return SMR_CARRY_NOISE * square * square / (left * left + SMR_CARRY_END);
 }
 
-/* Adds a vertex, or tightens one that another density has brought. */
-static void add(const smr_carry *c, smr_carry_site *s, uint32_t id, float held)
+/* Adds a vertex, or lowers the noise variance of one that another selection has added. */
+static void add(const smr_carry *c, smr_carry_site *s, uint32_t id, float noise_variance)
 {
     uint32_t k = 0;
     while (k < s->n && s->id[k] != id)
         k++;
     if (k < s->n) {
-        s->loose[k] = smr_min(s->loose[k], held);
+        s->noise_variance[k] = smr_min(s->noise_variance[k], noise_variance);
         return;
     }
     s->id[k] = id;
-    s->loose[k] = held;
+    s->noise_variance[k] = noise_variance;
     for (uint32_t axis = 0; axis < 3u; axis++)
         s->x[axis][k] = c->rest[3u * (size_t)id + axis];
     s->n++;
@@ -198,9 +199,9 @@ void smr_carry_gather(const smr_carry *c, smr_vec p, smr_carry_site *s)
         const smr_carry_thin *t = &c->thin[k];
         f.p = p;
         f.n = 0;
-        f.most = t->take + 1u; /* the last one says where the selection ends */
+        f.most = t->take + 1u; /* the last vertex marks the end of the selection */
         search(t, c->rest, &f);
         for (uint32_t i = 0; i < smr_min_u32(f.n, t->take); i++)
-            add(c, s, f.id[i], loose(&f, i));
+            add(c, s, f.id[i], noise_variance(&f, i));
     }
 }

@@ -27,18 +27,18 @@ typedef struct smr_profile {
 void smr_profile_pack(const float *value, const unsigned char *inside, uint32_t n, uint8_t *packed, float *low,
                       float *range);
 
-/* The similarity measure. */
-typedef struct smr_likeness {
-    uint32_t kind;  /* SMR_SIMILARITY_... */
-    float noise;    /* intensity; concordance ignores contrast below it */
+/* The similarity measure of profiles. */
+typedef struct smr_similarity {
+    uint32_t kind;  /* measure, SMR_SIMILARITY_... */
+    float noise;    /* noise level, intensity; concordance ignores contrast below it */
     float nearer;   /* subtracted from scores, times the squared distance from the middle offset (1 at the ends) */
-    uint32_t plain; /* 1: a place with any likeness has the confidence 1 */
-} smr_likeness;
+    uint32_t plain; /* 1: any match has the confidence 1 */
+} smr_similarity;
 
-/* Finds the offset 0 .. m - n at which the reference is most similar to line[m]; n: its samples. Returns a peak with
- * confidence 0 when there is none. Correlation does not depend on the reference's low and range. */
+/* Finds the offset 0 .. m - n at which the reference is most similar to line[m]; n: samples of the reference.
+ * Returns a peak with confidence 0 without a match. Correlation does not depend on the reference's low and range. */
 smr_peak smr_profile_match(const smr_profile *reference, const float *line, const unsigned char *inside, uint32_t m,
-                           const smr_likeness *how);
+                           const smr_similarity *how);
 
 /* Finds the best edge within `reach` samples of line sample `centre`: same polarity as the reference's edge, similar
  * brightness, steep, and near. The reference's edge is its steepest one near its sample `zero`, the surface. The goal
@@ -46,8 +46,8 @@ smr_peak smr_profile_match(const smr_profile *reference, const float *line, cons
 smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const float *line, const unsigned char *inside,
                           uint32_t m, uint32_t centre, uint32_t reach);
 
-/* Finds the steepest place within `reach` samples of line sample `centre`, whatever it looks like (paper 3, gradient
- * magnitude maximization). Of equally steep ones the first. Confidence 1; 0: nothing changes there. */
+/* Finds the steepest sample within `reach` samples of line sample `centre` (paper 3, gradient magnitude
+ * maximization). Of equally steep ones the first. Confidence 1; 0 on a constant line. */
 smr_peak smr_steepest(const float *line, const unsigned char *inside, uint32_t m, uint32_t centre, uint32_t reach);
 
 /* The maximum of the parabola through three equally spaced values, relative to the middle one, -0.5 .. 0.5. */

@@ -35,10 +35,10 @@ static inline float score_of(uint32_t kind, float ref_norm, float noise2, float 
 /* Running sums over the samples of one window. */
 typedef struct running {
     float sum, square; /* of the samples, of their squares */
-    uint32_t missing;  /* samples that are not inside the image */
+    uint32_t missing;  /* samples outside the image */
 } running;
 
-/* The same sums at neighbouring offsets. */
+/* Running sums at neighbouring offsets. */
 typedef struct windows {
     float sum[SMR_SIDE], square[SMR_SIDE];
     uint32_t missing[SMR_SIDE];
@@ -68,7 +68,7 @@ typedef struct scoring {
     float n;          /* samples of the reference */
     float middle;     /* the offset halfway */
     float per_sample; /* 1 / middle */
-    float nearer;     /* smr_likeness.nearer */
+    float nearer;     /* smr_similarity.nearer */
 } scoring;
 
 /* score[i]: score of the window at offset o + i, i < count; -1 where it has samples outside the image. */
@@ -134,8 +134,8 @@ static float highest_peak(const float *score, uint32_t from, uint32_t to, float 
     return highest;
 }
 
-/* The offset with the highest score, between samples, and its confidence: higher for a higher score that stands out
- * more above the second peak. plain: 1 for any likeness. */
+/* The offset with the highest score, between samples, and its confidence, which grows with the score and with its
+ * distance from the second peak. plain: any match has the confidence 1. */
 static smr_peak peak_of(const float *score, uint32_t offsets, uint32_t plain, float *scratch)
 {
     uint32_t best = 0;
@@ -157,7 +157,7 @@ static smr_peak peak_of(const float *score, uint32_t offsets, uint32_t plain, fl
 }
 
 smr_peak smr_profile_match(const smr_profile *reference, const float *line, const unsigned char *inside, uint32_t m,
-                           const smr_likeness *how)
+                           const smr_similarity *how)
 {
     const int level_counts = how->kind != SMR_SIMILARITY_NCC;
     const uint8_t *const packed = reference->value;

@@ -1,8 +1,7 @@
 /* tangential_shift.c: the displacement along the surface after which the image agrees better with the reference
- * profile.
- * The paper's goals lie on the normal, which leaves sliding along the surface to the shape alone.
- * Method: one damped Gauss-Newton step (Lucas and Kanade 1981) on the squared differences between reference and image,
- * in two tangential directions u and v.
+ * profile. The paper's goals lie on the normal and determine nothing along the surface. Method: one damped
+ * Gauss-Newton step (Lucas and Kanade 1981) on the squared differences between reference and image, in two
+ * tangential directions u and v.
  * Bounds: four lines of at most SMR_PROFILE_MAX samples.
  * SPDX-License-Identifier: MIT */
 #include "image/tangential_shift.h"
@@ -71,7 +70,7 @@ float smr_contrast(const smr_profile *reference, const float *found)
     return ref2 > 0.0f ? SMR_SQRT(smr_min(here2 / ref2, SMR_CONTRAST_MOST * SMR_CONTRAST_MOST)) : 0.0f;
 }
 
-smr_vec smr_sideways(const smr_grid *image, const smr_place *at)
+smr_vec smr_tangential_shift(const smr_grid *image, const smr_place *at)
 {
     const smr_profile *const ref = at->reference;
     const smr_vec nowhere = smr_v(0, 0, 0), normal = at->normal;

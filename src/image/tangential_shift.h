@@ -7,15 +7,15 @@
 #include "image/intensity_profile.h"
 #include "image/volume.h"
 
-/* A reference profile and the place in the image where it was found. */
+/* A reference profile and its position in the image. */
 typedef struct smr_place {
     const smr_profile *reference;
     smr_vec start, spacing; /* mm: the first sample's position, and the vector from one sample to the next */
     smr_vec normal;         /* unit, along spacing */
-    const float *found;     /* [reference->n] the image's intensities there */
+    const float *found;     /* [reference->n] intensities of the image at the samples */
     float gain;             /* contrast of the image relative to the reference's (smr_contrast) */
-    float noise;            /* intensity; contrast below it is ignored */
-    float reach_mm;         /* > 0: distance of the lines sampled to the sides, and the longest shift returned */
+    float noise;            /* noise level, intensity; lower contrast is ignored */
+    float reach_mm;         /* > 0: distance of the sampled lines to the sides, and the longest shift, mm */
 } smr_place;
 
 /* Contrast of the image relative to the reference: the ratio of their standard deviations, 0 .. 4, never NaN.
@@ -25,6 +25,6 @@ float smr_contrast(const smr_profile *reference, const float *found);
 /* The shift perpendicular to the normal, mm, at most reach_mm long, after which the image agrees best with the
  * reference.
  * Zero where the image does not change along the surface, or where samples lie outside the image. */
-smr_vec smr_sideways(const smr_grid *image, const smr_place *at);
+smr_vec smr_tangential_shift(const smr_grid *image, const smr_place *at);
 
 #endif

@@ -23,27 +23,27 @@ struct smr_model {
     uint32_t n_triangles;
     uint32_t n_structures;
     uint32_t n_radii;
-    uint32_t index_bytes;     /* 2 or 4: the width of indexes in cluster lists */
-    uint32_t order;           /* SMR_ORDER_... */
-    uint32_t centre[3];       /* float, mm: rest positions are relative to it */
-    uint32_t edge_mm;         /* float: mean edge length */
-    uint32_t at_structures;   /* smr_stored_structure [n_structures] */
-    uint32_t at_position;     /* uint32 [n_vertices]: caller's vertex (all structures in a row) -> stored vertex */
-    uint32_t at_original;     /* uint32 [n_vertices]: stored vertex -> caller's vertex */
-    uint32_t at_owner;        /* uint16 [n_vertices]: structure of each stored vertex */
-    uint32_t at_rest;         /* float [n_vertices][3] */
-    uint32_t at_mass;         /* float [n_vertices] */
-    uint32_t at_triangles;    /* uint32 [n_triangles][3]: stored vertices; structures in a row, each in tree order */
-    uint32_t at_facets;       /* uint32 [n_triangles]: the caller's index of each within its structure */
-    uint32_t profile_samples; /* 0: no profiles */
-    uint32_t profile_inward;  /* samples before the vertex */
-    uint32_t profile_step;    /* float, mm */
-    uint32_t at_profiles;     /* uint8 [n_vertices][profile_samples], see image/intensity_profile.h */
-    uint32_t at_ranges;       /* float [n_vertices][2]: low and range of each profile; range 0: no use */
-    uint32_t n_hinges;
-    uint32_t at_hinges; /* smr_stored_hinge [n_hinges] */
-    uint32_t at_radii;  /* smr_stored_radius [n_radii] */
-    uint32_t at_along;  /* uint32 [n_vertices]: stored vertex -> its place along the curve; ascending in each level */
+    uint32_t index_bytes;       /* 2 or 4: the width of indexes in cluster lists */
+    uint32_t order;             /* SMR_ORDER_... */
+    uint32_t centre[3];         /* float, mm: rest positions are relative to it */
+    uint32_t edge_mm;           /* float: mean edge length */
+    uint32_t at_structures;     /* smr_stored_structure [n_structures] */
+    uint32_t at_position;       /* uint32 [n_vertices]: caller's vertex (all structures in a row) -> stored vertex */
+    uint32_t at_original;       /* uint32 [n_vertices]: stored vertex -> caller's vertex */
+    uint32_t at_owner;          /* uint16 [n_vertices]: structure of each stored vertex */
+    uint32_t at_rest;           /* float [n_vertices][3] */
+    uint32_t at_mass;           /* float [n_vertices] */
+    uint32_t at_triangles;      /* uint32 [n_triangles][3]: stored vertices; structures in a row, each in tree order */
+    uint32_t at_triangle_index; /* uint32 [n_triangles]: the caller's index of each within its structure */
+    uint32_t profile_samples;   /* 0: no profiles */
+    uint32_t profile_inward;    /* samples before the vertex */
+    uint32_t profile_step;      /* float, mm */
+    uint32_t at_profiles;       /* uint8 [n_vertices][profile_samples], see image/intensity_profile.h */
+    uint32_t at_ranges;         /* float [n_vertices][2]: low and range of each profile; range 0: no use */
+    uint32_t n_dihedrals;
+    uint32_t at_dihedrals; /* smr_stored_dihedral [n_dihedrals] */
+    uint32_t at_radii;     /* smr_stored_radius [n_radii] */
+    uint32_t at_along; /* uint32 [n_vertices]: stored vertex -> its place along the curve; ascending in each level */
     uint32_t n_levels;
     uint32_t level_end[SMR_LEVELS_MAX]; /* stored vertices in a level and all before it; unused ones are 0 */
     uint32_t n_sections;                /* further ones, 0..SMR_SECTIONS_MAX */
@@ -51,17 +51,17 @@ struct smr_model {
     uint32_t zero[6];
 };
 
-/* A further section, which no field above names. A library that does not know its kind skips it, or refuses the model
+/* A further section that no field above names. A library that does not know its kind skips it, or refuses the model
  * when the section is required. */
 typedef struct smr_stored_section {
     uint32_t kind;  /* SMR_SECTION_...; not 0, each once. None is defined yet */
     uint32_t flags; /* SMR_SECTION_REQUIRED or 0 */
-    uint32_t at;    /* behind the section before it */
+    uint32_t at;    /* offset, behind the section before */
     uint32_t bytes;
 } smr_stored_section;
 
 #define SMR_SECTIONS_MAX 64u
-#define SMR_SECTION_REQUIRED 1u /* who does not know the kind cannot use the model */
+#define SMR_SECTION_REQUIRED 1u /* a library that does not know the kind must refuse the model */
 
 typedef struct smr_stored_structure {
     char name[SMR_NAME_BYTES];
@@ -71,53 +71,53 @@ typedef struct smr_stored_structure {
     uint32_t n_triangles;
 } smr_stored_structure;
 
-/* Two triangles that share an edge with no third one. Low 24 bits of bend: the second triangle. High 8 bits: a code of
- * the cosine between their normals below which the hinge counts as bent. */
-typedef struct smr_stored_hinge {
+/* Two triangles that share an edge with no third one. Low 24 bits of bend: the second triangle. High 8 bits: code of
+ * the cosine between their normals below which the edge counts as folded. */
+typedef struct smr_stored_dihedral {
     uint32_t first;
     uint32_t bend;
-} smr_stored_hinge;
+} smr_stored_dihedral;
 
-#define SMR_HINGE_MASK 0xffffffu
-#define SMR_HINGE_OPEN (-0.4f) /* a limit above it: the normals' angle is no more than a right one at rest */
-#define SMR_HINGE_UNIT 200.0f  /* cosine = code / 200 - 1 */
+#define SMR_DIHEDRAL_MASK 0xffffffu
+#define SMR_DIHEDRAL_OPEN (-0.4f) /* limits above it: the normals' angle at rest is at most a right angle */
+#define SMR_DIHEDRAL_UNIT 200.0f  /* cosine = code / 200 - 1 */
 
-static inline float smr_hinge_limit(uint32_t bend) { return (float)(bend >> 24) / SMR_HINGE_UNIT - 1.0f; }
+static inline float smr_dihedral_limit(uint32_t bend) { return (float)(bend >> 24) / SMR_DIHEDRAL_UNIT - 1.0f; }
 
 typedef struct smr_stored_radius {
     uint32_t radius; /* float, mm */
     uint32_t reach;  /* float, mm: largest distance within a cluster from its own vertex */
     uint32_t separate;
     uint32_t n_blocks;
-    uint32_t largest;    /* vertices of the largest cluster; those of its boundary that lie outside count half */
+    uint32_t largest;    /* members of the largest cluster; boundary vertices outside the radius count half */
     uint32_t smallest;   /* vertices of the smallest cluster */
     uint32_t mean;       /* float: mean |zeta| */
-    uint32_t n_indexes;  /* in all lists */
+    uint32_t n_indexes;  /* number of indexes in all lists */
     uint32_t at_blocks;  /* smr_stored_block [n_blocks + 1] */
     uint32_t at_entries; /* smr_entry16 or smr_entry32 [n_vertices]: the order L, block after block */
     uint32_t at_count;   /* uint16 or uint32 [n_vertices]: |zeta| of each stored vertex */
     uint32_t at_indexes; /* uint16 or uint32 [n_indexes]: zeta+ then zeta- of each entry, ascending */
-    uint32_t active_min; /* so many first stored vertices at least keep every cluster large enough */
+    uint32_t active_min; /* fewest active vertices, in stored order, that keep each cluster large enough */
     uint32_t n_boundary;
     uint32_t at_boundary; /* smr_stored_boundary [n_boundary] */
 } smr_stored_radius;
 
-/* Two vertices whose distance is the radius within a micrometre. Each has fractional weight in the other's cluster. The
- * lists have them in whole or not at all; share / SMR_BOUNDARY_UNITS - 1/2 is added to that. */
+/* Two vertices whose distance is the radius within a micrometre. Each has fractional weight in the other's cluster.
+ * The lists contain them with weight 1 or 0; share / SMR_BOUNDARY_UNITS - 1/2 is added. */
 typedef struct smr_stored_boundary {
     uint32_t first, second; /* stored numbers */
-    uint32_t share;         /* 0 .. SMR_BOUNDARY_UNITS */
+    uint32_t share;         /* weight, 0 .. SMR_BOUNDARY_UNITS */
 } smr_stored_boundary;
 
 #define SMR_BOUNDARY_UNITS 256
 
-/* A block: the entries first .. next block's first - 1. Their vertices have the same places along the curve. */
+/* A block: entries first .. next block's first - 1. Its vertices form one range along the curve. */
 typedef struct smr_stored_block {
     uint32_t first;
     uint32_t first_index;
 } smr_stored_block;
 
-/* parent: an entry of the same block, counted from the block's first, before this one; itself: a root. */
+/* parent: an earlier entry of the same block, counted from the block's first; the entry itself for a root. */
 typedef struct smr_entry16 {
     uint16_t vertex, parent, n_plus, n_minus;
 } smr_entry16;
@@ -146,7 +146,7 @@ static inline const void *smr_at(const smr_model *m, uint32_t stored_offset)
 }
 
 smr_lists smr_model_lists(const smr_model *m, uint32_t radius);
-int smr_model_separate(const smr_model *m, uint32_t radius); /* 1: clusters keep to their own structure */
+int smr_model_separate(const smr_model *m, uint32_t radius); /* 1: clusters contain vertices of one structure only */
 
 static inline uint32_t smr_list_count(const smr_lists *l, uint32_t vertex)
 {
@@ -164,7 +164,7 @@ static inline const smr_stored_structure *smr_model_record(const smr_model *m, u
     return (const smr_stored_structure *)smr_at(m, m->at_structures) + structure;
 }
 
-/* A stored vertex' place along the curve. */
+/* A stored vertex' position along the curve. */
 static inline uint32_t smr_model_along(const smr_model *m, uint32_t vertex)
 {
     return smr_le32(((const uint32_t *)smr_at(m, m->at_along))[vertex]);
@@ -176,13 +176,13 @@ static inline smr_vec smr_model_centre(const smr_model *m)
     return smr_v(smr_le_float(m->centre[0]), smr_le_float(m->centre[1]), smr_le_float(m->centre[2]));
 }
 
-/* Stored vertex of a caller's vertex. */
+/* The stored vertex of a caller's vertex. */
 static inline uint32_t smr_model_position(const smr_model *m, uint32_t callers)
 {
     return smr_le32(((const uint32_t *)smr_at(m, m->at_position))[callers]);
 }
 
-/* Caller's vertex of a stored one. */
+/* The caller's vertex of a stored vertex. */
 static inline uint32_t smr_model_original(const smr_model *m, uint32_t vertex)
 {
     return smr_le32(((const uint32_t *)smr_at(m, m->at_original))[vertex]);

@@ -1,14 +1,14 @@
-/* model_open.c: smr_model_open() and its distrust. After it every count, offset and index in the model can be used
- * without a check. Work: one pass over the bytes, and over each radius' entries once per 4,096 vertices of a block.
+/* model_open.c: smr_model_open() and its checks. Afterwards every count, offset and index of the model can be used
+ * without a check.
+ * Work: one pass over the bytes, and over each radius' entries once per 4,096 vertices of a block.
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
 #include "model/model.h"
 
-#define SMR_RANGE_MAX                                                                                                  \
-    2.0e30f              /* of a profile: voxel values lie within half of it on either side of 0 (image/volume.c) */
-#define SMR_WINDOW 4096u /* vertices whose uniqueness is checked at a time: 512 bytes of stack */
+#define SMR_RANGE_MAX 2.0e30f /* largest value of a profile: voxel values are at most half of it in size */
+#define SMR_WINDOW 4096u      /* vertices whose uniqueness is checked at a time: 512 bytes of stack */
 
-/* A section of count * size bytes at a stored offset lies inside the model. */
+/* Checks that a section of count * size bytes at a stored offset lies inside the model. */
 static int section(const smr_model *m, uint32_t stored_offset, uint64_t count, uint64_t size)
 {
     uint64_t at = smr_le32(stored_offset), bytes = smr_le32(m->bytes);
@@ -61,7 +61,7 @@ static int below_u16(const void *data, size_t n, uint32_t limit)
     return 1;
 }
 
-/* position and original are each other's inverse, and owner follows from them. */
+/* Checks that position and original are inverse to each other, and that owner follows from them. */
 static int check_numbering(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_vertices);
@@ -77,8 +77,8 @@ static int check_numbering(const smr_model *m)
     return 1;
 }
 
-/* Levels are runs of the stored vertices. Their places along the curve ascend in each level; merged they are
- * 0 .. n - 1, each once. */
+/* Checks that levels are ranges of the stored vertices. Positions along the curve ascend in each level; merged they
+ * are 0 .. n - 1, each once. */
 static int check_levels(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_vertices), n_levels = smr_le32(m->n_levels);
@@ -104,7 +104,7 @@ static int check_levels(const smr_model *m)
     return 1;
 }
 
-/* What smr_model_mesh() gives out and where a registration starts is a coordinate like any other. */
+/* Checks that rest positions are legal coordinates. */
 static int rest_within(const smr_model *m)
 {
     const uint32_t *rest = smr_at(m, m->at_rest);
@@ -119,7 +119,7 @@ static int check_vertices(const smr_model *m)
     const uint32_t n = smr_le32(m->n_vertices), nt = smr_le32(m->n_triangles);
     return section(m, m->at_position, n, 4) && section(m, m->at_original, n, 4) && section(m, m->at_owner, n, 2) &&
            section(m, m->at_rest, n, 12) && section(m, m->at_mass, n, 4) && section(m, m->at_triangles, nt, 12) &&
-           section(m, m->at_facets, nt, 4) && check_numbering(m) && check_levels(m) &&
+           section(m, m->at_triangle_index, nt, 4) && check_numbering(m) && check_levels(m) &&
            floats_within(m->centre, 3, -SMR_COORD_MAX, SMR_COORD_MAX) &&
            floats_within(&m->edge_mm, 1, 0.0f, 4.0f * SMR_COORD_MAX) &&
            floats_within(smr_at(m, m->at_rest), 3u * (size_t)n, -2.0f * SMR_COORD_MAX, 2.0f * SMR_COORD_MAX) &&
@@ -127,14 +127,14 @@ static int check_vertices(const smr_model *m)
            below_u32(smr_at(m, m->at_triangles), 3u * (size_t)nt, n);
 }
 
-static int check_hinges(const smr_model *m)
+static int check_dihedrals(const smr_model *m)
 {
-    const uint32_t n = smr_le32(m->n_hinges), nt = smr_le32(m->n_triangles);
-    if (!section(m, m->at_hinges, n, sizeof(smr_stored_hinge)))
+    const uint32_t n = smr_le32(m->n_dihedrals), nt = smr_le32(m->n_triangles);
+    if (!section(m, m->at_dihedrals, n, sizeof(smr_stored_dihedral)))
         return 0;
-    const smr_stored_hinge *h = smr_at(m, m->at_hinges);
+    const smr_stored_dihedral *h = smr_at(m, m->at_dihedrals);
     for (uint32_t i = 0; i < n; i++)
-        if (smr_le32(h[i].first) >= nt || (smr_le32(h[i].bend) & SMR_HINGE_MASK) >= nt)
+        if (smr_le32(h[i].first) >= nt || (smr_le32(h[i].bend) & SMR_DIHEDRAL_MASK) >= nt)
             return 0;
     return 1;
 }
@@ -150,14 +150,14 @@ static int check_profiles(const smr_model *m)
            floats_within(smr_at(m, m->at_ranges), 2u * (size_t)n, -SMR_RANGE_MAX, SMR_RANGE_MAX);
 }
 
-/* Triangles keep to their structure: corners and the caller's numbers. */
-static int check_facets(const smr_model *m)
+/* Checks that triangles' corners and the caller's numbers belong to their structure. */
+static int check_triangle_indexes(const smr_model *m)
 {
-    const uint32_t *facet = smr_at(m, m->at_facets), *corner = smr_at(m, m->at_triangles);
+    const uint32_t *triangle_index = smr_at(m, m->at_triangle_index), *corner = smr_at(m, m->at_triangles);
     for (uint32_t s = 0; s < smr_le32(m->n_structures); s++) {
         const uint32_t first = smr_le32(smr_model_record(m, s)->first_triangle);
         const uint32_t n = smr_le32(smr_model_record(m, s)->n_triangles);
-        if (!below_u32(facet + first, n, n))
+        if (!below_u32(triangle_index + first, n, n))
             return 0;
         for (size_t i = 3u * (size_t)first; i < 3u * ((size_t)first + n); i++)
             if (smr_model_owner(m, smr_le32(corner[i])) != s)
@@ -179,18 +179,18 @@ static smr_entry32 entry_at(const smr_lists *l, uint32_t i)
     return e;
 }
 
-/* Every vertex of the block first..last-1 of the curve has exactly one entry: there are as many, and none is twice. */
+/* Checks that each vertex of the block first..last-1 along the curve has exactly one entry. */
 static int each_once(const smr_model *m, const smr_lists *l, uint32_t first, uint32_t last)
 {
     for (uint32_t lo = first; lo < last; lo += SMR_WINDOW) {
-        uint32_t seen[SMR_WINDOW / 32u] = {0};
+        uint32_t visited[SMR_WINDOW / 32u] = {0};
         for (uint32_t i = first; i < last; i++) {
             uint32_t v = smr_model_along(m, entry_at(l, i).vertex) - lo;
             if (v >= SMR_WINDOW)
                 continue;
-            if (seen[v / 32u] >> (v % 32u) & 1u)
+            if (visited[v / 32u] >> (v % 32u) & 1u)
                 return 0;
-            seen[v / 32u] |= 1u << (v % 32u);
+            visited[v / 32u] |= 1u << (v % 32u);
         }
     }
     return 1;
@@ -210,7 +210,7 @@ static int check_block(const smr_model *m, const smr_lists *l, uint32_t first, u
     return used == n_indexes && each_once(m, l, first, last);
 }
 
-/* A radius' sections lie one behind the other, the first one behind the radius before. Otherwise lists could share
+/* Checks that a radius' sections follow each other, behind those of the radius before. Otherwise lists could share
  * bytes, and a small file could take long to check. */
 static int sections_in_order(const smr_model *m, const smr_stored_radius *r, uint64_t *end)
 {
@@ -273,7 +273,7 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
     return 1;
 }
 
-/* 1 when an earlier section is of the same kind. */
+/* Returns 1 when an earlier section is of the same kind. */
 static int repeated(const smr_stored_section *s, uint32_t i)
 {
     for (uint32_t k = 0; k < i; k++)
@@ -282,8 +282,8 @@ static int repeated(const smr_stored_section *s, uint32_t i)
     return 0;
 }
 
-/* Further sections lie one behind the other. No kind is known yet: optional ones are skipped, required ones refused.
- * A kind that becomes known gets its check here. */
+/* Checks that further sections follow each other. No kind is known yet: optional ones are skipped, required ones
+ * refused. The check of a new kind goes here. */
 static int check_sections(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_sections);
@@ -329,7 +329,7 @@ smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **mo
         return SMR_E_ALIGN;
     const smr_model *m = memory;
     if (bytes < sizeof *m || !check_header(m, bytes) || !check_sections(m) || !check_structures(m) ||
-        !check_vertices(m) || !check_facets(m) || !check_hinges(m) || !check_profiles(m))
+        !check_vertices(m) || !check_triangle_indexes(m) || !check_dihedrals(m) || !check_profiles(m))
         return SMR_E_MODEL;
     if (!section(m, m->at_radii, smr_le32(m->n_radii), sizeof(smr_stored_radius)))
         return SMR_E_MODEL;

@@ -1,4 +1,4 @@
-/* model_view.c: what a model says about itself.
+/* model_view.c: reads what a model contains.
  * SPDX-License-Identifier: MIT */
 #include "model/model.h"
 
@@ -83,16 +83,17 @@ smr_status smr_model_mesh(const smr_model *model, uint32_t structure, float *xyz
     const smr_stored_structure *r = smr_model_record(model, structure);
     const uint32_t first_vertex = smr_le32(r->first_vertex), first_triangle = smr_le32(r->first_triangle);
     const uint32_t *rest = smr_at(model, model->at_rest);
-    const uint32_t *corner = smr_at(model, model->at_triangles), *facet = smr_at(model, model->at_facets);
+    const uint32_t *corner = smr_at(model, model->at_triangles),
+                   *triangle_index = smr_at(model, model->at_triangle_index);
     for (uint32_t i = 0; xyz != NULL && i < smr_le32(r->n_vertices); i++) {
         uint32_t v = smr_model_position(model, first_vertex + i);
         for (uint32_t c = 0; c < 3u; c++)
             xyz[3u * (size_t)i + c] = smr_le_float(rest[3u * (size_t)v + c]) + smr_le_float(model->centre[c]);
     }
-    if (triangles != NULL) /* facets are in range, but nobody checked that each is named once */
+    if (triangles != NULL) /* indexes are in range, but not checked to occur once */
         memset(triangles, 0, 3u * (size_t)smr_le32(r->n_triangles) * sizeof *triangles);
     for (uint32_t i = 0; triangles != NULL && i < smr_le32(r->n_triangles); i++) {
-        uint32_t *to = triangles + 3u * (size_t)smr_le32(facet[first_triangle + i]);
+        uint32_t *to = triangles + 3u * (size_t)smr_le32(triangle_index[first_triangle + i]);
         for (uint32_t c = 0; c < 3u; c++)
             to[c] = smr_model_original(model, smr_le32(corner[3u * (size_t)(first_triangle + i) + c])) - first_vertex;
     }

@@ -11,7 +11,7 @@
 #define SMR_BOUNDARY_SHARE (1.0f / 256.0f) /* largest half width relative to the radius */
 #define SMR_BOUNDARY_ROUNDING 1.0e-6f      /* relative rounding of squared distances to boxes */
 
-/* 1 when `other` is a mesh neighbour of v. */
+/* Returns 1 when `other` is a mesh neighbour of v. */
 static int mesh_neighbour(const smr_plan *p, uint32_t v, uint32_t other)
 {
     for (uint32_t i = p->neighbour_start[v]; i < p->neighbour_start[v + 1u]; i++)
@@ -58,7 +58,7 @@ static uint32_t crossing(const smr_node *node, smr_vec p, float near2, float far
     return crossed;
 }
 
-/* The same for a leaf, whose boxes are single vertices. Not inlined, as in clusters.c. */
+/* The same for a leaf, whose boxes are single vertices. Not inlined, as in the cluster building. */
 __attribute__((noinline)) static uint32_t crossing_leaf(const smr_node *leaf, smr_vec p, float near2, float far2)
 {
     uint32_t crossed = 0;
@@ -109,7 +109,7 @@ void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius)
     memset(p->n_outside, 0, p->n * sizeof *p->n_outside);
     for (uint32_t v = 0; v < p->n && p->config->distance != SMR_DISTANCE_GEODESIC; v++) {
         if (l->at_boundary + l->n_boundary * sizeof(smr_stored_boundary) > UINT32_MAX)
-            break; /* too large for a model, as smr_prepare will find */
+            break; /* too large for a model: smr_prepare reports it */
         find_pairs(p, l, v, radius, half);
     }
     l->w->used = l->at_boundary + (size_t)l->n_boundary * sizeof(smr_stored_boundary);

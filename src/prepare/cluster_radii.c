@@ -10,9 +10,9 @@
 #define SMR_COARSEST 0.25f    /* coarsest radius relative to the model's length */
 #define SMR_FINE_EDGES 1.7f   /* finest radius but one, in mean edge lengths */
 #define SMR_FREE_EDGES 0.01f  /* finest radius, in mean edge lengths */
-#define SMR_RATIO 0.66f       /* of neighbouring radii */
+#define SMR_RATIO 0.66f       /* ratio of neighbouring radii */
 #define SMR_MEMBERS_MAX 1500u /* largest mean |zeta|: more makes iterations slow without deforming better */
-#define SMR_PROBES 64u        /* clusters that the mean is taken over */
+#define SMR_PROBES 64u        /* clusters over which the mean is taken */
 
 /* Mean |zeta| at this radius over SMR_PROBES vertices, evenly spread over the caller's numbering, so that they do not
  * depend on the model's pose. */
@@ -74,7 +74,7 @@ uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX])
         return image_radii(p, radius);
     const float size = rod_length(p);
     float coarse = smr_min(size * SMR_COARSEST, SMR_COORD_MAX);
-    if (!(coarse > 1.0e-3f)) { /* a single point */
+    if (!(coarse > 1.0e-3f)) { /* the model is a single point */
         radius[0] = 1.0f;
         return 1u;
     }

@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/cluster_rows.h"
 
-#define SMR_TOGETHER 31u /* words of which each byte can sum the counts: 8 bits a word, 255 at most */
+#define SMR_TOGETHER 31u /* words whose counts a byte can sum: 8 bits a word, 255 at most */
 
 /* The number of bits set in each byte of x. */
 static uint64_t bits_per_byte(uint64_t x)

@@ -6,7 +6,7 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/plan.h"
 
-/* A binary heap of vertices, the smallest distance first. */
+/* A binary heap of vertices with the smallest distance first. */
 typedef struct heap {
     uint32_t *pair; /* [2 n] distance (micrometres) and vertex of each item */
     uint32_t n;

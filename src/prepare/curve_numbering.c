@@ -56,11 +56,11 @@ static void order_triangles(smr_plan *p)
     uint32_t first_vertex = 0, first = 0;
     for (uint32_t s = 0; s < p->n_structures; s++) {
         const smr_mesh *mesh = &p->structures[s].mesh;
-        smr_mesh_order(mesh, p->facet + first, p->triangle_centre, p->key, p->tmp);
+        smr_mesh_order(mesh, p->triangle_index + first, p->triangle_centre, p->key, p->tmp);
         for (uint32_t k = 0; k < mesh->n_triangles; k++)
             for (uint32_t c = 0; c < 3u; c++)
                 p->triangle[3u * (size_t)(first + k) + c] =
-                    p->position[first_vertex + mesh->triangles[3u * (size_t)p->facet[first + k] + c]];
+                    p->position[first_vertex + mesh->triangles[3u * (size_t)p->triangle_index[first + k] + c]];
         first_vertex += mesh->n_vertices;
         first += mesh->n_triangles;
     }

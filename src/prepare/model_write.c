@@ -139,7 +139,7 @@ static void write_mesh(smr_plan *p, smr_writer *w, struct smr_model *head)
     head->at_rest = write_floats(w, p, p->xyz, 3);
     head->at_mass = write_floats(w, p, p->mass, 1);
     head->at_triangles = write_through(w, p->stored, p->triangle, 3u * (size_t)p->nt);
-    head->at_facets = write_u32(w, p->facet, p->nt);
+    head->at_triangle_index = write_u32(w, p->triangle_index, p->nt);
     if (p->profile != NULL) {
         const uint32_t samples = p->config->profile_samples;
         head->profile_samples = samples;
@@ -148,8 +148,8 @@ static void write_mesh(smr_plan *p, smr_writer *w, struct smr_model *head)
         head->at_profiles = write_bytes(w, p, p->profile, samples);
         head->at_ranges = write_floats(w, p, p->range, 2);
     }
-    head->n_hinges = p->n_hinges;
-    head->at_hinges = write_u32(w, &p->hinge[0].first, 2u * (size_t)p->n_hinges);
+    head->n_dihedrals = p->n_dihedrals;
+    head->at_dihedrals = write_u32(w, &p->dihedral[0].first, 2u * (size_t)p->n_dihedrals);
 }
 
 smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below)

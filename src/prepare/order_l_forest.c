@@ -24,7 +24,7 @@ static uint32_t find(uint32_t *set, uint32_t i)
 typedef struct block {
     smr_plan *p;
     uint32_t first, last; /* vertices first .. last-1 along the curve */
-    float radius;         /* mm */
+    float radius;         /* distance of its image from the wanted point, mm */
     uint32_t n_edges;     /* candidate edges */
 } block;
 

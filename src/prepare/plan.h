@@ -14,7 +14,7 @@
 
 #define SMR_NEAREST 12u          /* nearest vertices tried as parents in the forest */
 #define SMR_NEIGHBOURS_TRIED 16u /* mesh neighbours tried as parents */
-#define SMR_REMAINS UINT32_MAX   /* not in the priority list S: the vertex is never ignored */
+#define SMR_REMAINS UINT32_MAX   /* marks a vertex outside the priority list S, which is never ignored */
 
 /* The priority list S (priority_list.c). */
 typedef struct smr_priority {
@@ -29,7 +29,7 @@ typedef struct smr_priority {
 
 /* Scratch of the forest of one block (order_l_forest.c). Numbers count from the block's first vertex. */
 typedef struct smr_forest {
-    uint32_t nearest_kind; /* clusters that nearest[] is for: 0 none yet, 1 shared, 2 separate */
+    uint32_t nearest_kind; /* clusters that nearest[] belongs to: 0 none yet, 1 shared, 2 separate */
     uint32_t *nearest;     /* [n][SMR_NEAREST] nearest vertices within the vertex' block, SMR_NONE behind the last */
     uint32_t *edge_a;      /* [pairs] candidate edges of the spanning tree: one end */
     uint32_t *edge_b;      /* [pairs] the other end */
@@ -47,7 +47,7 @@ typedef struct smr_plan {
     uint32_t block_size; /* most vertices in a block of the forest */
     uint32_t words;      /* 64-bit words of a row of n bits */
     uint32_t n_rows;     /* rows available at once */
-    uint32_t separate;   /* 1: at the present radius clusters keep to their own structure */
+    uint32_t separate;   /* 1: at the present radius clusters contain vertices of one structure only */
     smr_port port;       /* parallel loops over a block; none for geodesic clusters, which share scratch */
     float centre[3];     /* mm, whole numbers: rest positions are relative to it */
     float edge_mm;       /* mean edge length */
@@ -60,22 +60,22 @@ typedef struct smr_plan {
     uint32_t *position;        /* [n] caller's vertex -> vertex along the curve */
     uint32_t *original;        /* [n] vertex along the curve -> caller's vertex */
     uint32_t *triangle;        /* [nt][3] vertices; structures in a row, each in tree order */
-    uint32_t *facet;           /* [nt] the caller's index of each triangle within its structure */
+    uint32_t *triangle_index;  /* [nt] the caller's index of each triangle within its structure */
     uint32_t *neighbour_start; /* [n + 1] first mesh neighbour of each vertex */
     uint32_t *neighbour;       /* [6 nt] mesh neighbours of each vertex, ascending */
-    smr_facets points;         /* box tree whose leaves are single vertices */
+    smr_box_tree points;       /* box tree whose leaves are single vertices */
 
-    /* written by smr_plan_hinges() and smr_plan_profiles() */
-    uint32_t n_hinges;
-    smr_stored_hinge *hinge; /* [3 nt / 2] edges of exactly two triangles, see model.h */
-    uint8_t *profile;        /* [n][profile_samples] packed reference profiles; NULL without a reference image */
-    float *range;            /* [n][2] low and range of each profile */
-    float *normal;           /* [n][3] unit vertex normals */
+    /* written by smr_plan_dihedrals() and smr_plan_profiles() */
+    uint32_t n_dihedrals;
+    smr_stored_dihedral *dihedral; /* [3 nt / 2] edges of exactly two triangles, see model.h */
+    uint8_t *profile;              /* [n][profile_samples] packed reference profiles; NULL without a reference image */
+    float *range;                  /* [n][2] low and range of each profile */
+    float *normal;                 /* [n][3] unit vertex normals */
 
     /* written by smr_plan_priority() */
     smr_priority priority;
     uint32_t active_min[SMR_RADII_MAX]; /* fewest active vertices that keep clusters large enough at each radius */
-    uint32_t progress_total;            /* the total that the progress callback is told */
+    uint32_t progress_total;            /* total number of steps that the progress callback gets */
 
     /* written by smr_plan_levels(): the stored order */
     uint32_t n_levels;
@@ -95,7 +95,7 @@ typedef struct smr_plan {
     smr_forest forest;
     float *triangle_centre; /* [nt][3] */
     uint32_t *key;          /* [max(n, 6 nt, pairs)] sort keys */
-    uint32_t *item;         /* [max(n, 6 nt, pairs)] what is sorted */
+    uint32_t *item;         /* [max(n, 6 nt, pairs)] sorted items */
     uint32_t *tmp;          /* [2 max(n, 6 nt, pairs)] for smr_curve_sort() */
     uint32_t *queue;        /* [n + 1] vertices still to visit */
     uint32_t *geo_distance; /* [n] micrometres, UINT32_MAX between calls; NULL unless distances are geodesic */
@@ -124,7 +124,7 @@ smr_status smr_plan_profiles(smr_plan *p);
 uint32_t smr_profile_inward(const smr_prepare_config *c);
 
 /* Finds the edges with exactly two triangles (fold_hinges.c). */
-void smr_plan_hinges(smr_plan *p);
+void smr_plan_dihedrals(smr_plan *p);
 
 /* Chooses radii from coarse to fine when the configuration names none (cluster_radii.c). Returns their number. */
 uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX]);
@@ -154,15 +154,15 @@ void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row);
 /* Fills the row with all vertices within `radius` of v along mesh edges (geodesic distance). */
 void smr_geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
 
-/* 1 when two vertices are never in each other's cluster at the present radius: separate clusters keep to a structure.
- * Structures of points alone slide on nothing: they are carried by whatever is around them. */
+/* Returns 1 when two vertices are never in each other's cluster at the present radius: separate clusters do not
+ * cross structures. Structures of points alone are carried by whatever is around them. */
 static inline int smr_kept_apart(const smr_plan *p, uint32_t a, uint32_t b)
 {
     const uint32_t i = p->owner[a], k = p->owner[b];
     return p->separate && i != k && p->structures[i].mesh.n_triangles > 0u && p->structures[k].mesh.n_triangles > 0u;
 }
 
-/* Removes the vertices that are kept apart from v from the row. */
+/* Removes from the row all vertices that cannot be in the cluster of v. */
 void smr_row_keep_structure(const smr_plan *p, uint32_t v, uint64_t *row);
 
 /* found[k]: the k <= SMR_NEAREST vertices nearest to v among first .. last-1, v itself excluded; when p->separate only

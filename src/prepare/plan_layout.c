@@ -6,7 +6,7 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
 {
     const size_t n = p->n, nt = p->nt, u = sizeof(uint32_t);
     const size_t pairs = (size_t)p->block_size * (SMR_NEAREST + SMR_NEIGHBOURS_TRIED + 1u);
-    size_t most = n > 6u * nt ? n : 6u * nt; /* a vertex' neighbours before they are thinned */
+    size_t most = n > 6u * nt ? n : 6u * nt; /* neighbours of all vertices before duplicates are removed */
     most = most > pairs ? most : pairs;
     const int geodesic = p->config->distance == SMR_DISTANCE_GEODESIC;
     p->xyz = smr_arena_take(a, n, 3u * sizeof(float));
@@ -15,10 +15,10 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
     p->position = smr_arena_take(a, n, u);
     p->original = smr_arena_take(a, n, u);
     p->triangle = smr_arena_take(a, nt, 3u * u);
-    p->facet = smr_arena_take(a, nt, u);
+    p->triangle_index = smr_arena_take(a, nt, u);
     p->neighbour_start = smr_arena_take(a, n + 1u, u);
     p->neighbour = smr_arena_take(a, nt, 6u * u);
-    p->hinge = smr_arena_take(a, nt + (nt + 1u) / 2u, sizeof(smr_stored_hinge));
+    p->dihedral = smr_arena_take(a, nt + (nt + 1u) / 2u, sizeof(smr_stored_dihedral));
     const int image = p->config->reference != NULL;
     p->profile = image ? smr_arena_take(a, n, p->config->profile_samples) : NULL;
     p->range = image ? smr_arena_take(a, n, 2u * sizeof(float)) : NULL;

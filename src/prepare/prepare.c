@@ -1,6 +1,6 @@
-/* prepare.c: smr_prepare(), the paper's preprocessing (2.2): surfaces in, model out.
- * In order: numbering along the curve, masses, hinges, profiles, radii, priority list S and stored order, and for each
- * radius the clusters with their order L. Allocates nothing; plan_layout.c places the scratch.
+/* prepare.c: smr_prepare(), the paper's preprocessing (2.2): surfaces in, model out. In order: numbering along the
+ * curve, masses, dihedral edges, profiles, radii, priority list S and stored order, and for each radius the clusters
+ * with their order L. Allocates nothing; the scratch memory is the caller's.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "base/settings.h"
@@ -8,9 +8,10 @@
 #include "image/intensity_profile.h"
 #include "prepare/model_write.h"
 
-#define SMR_ROW_BYTES_MAX ((size_t)64u << 20) /* for the rows of a block, unless the caller names a block size */
-#define SMR_BLOCK_MIN 64u                     /* vertices */
-#define SMR_BLOCK_MAX 2048u                   /* vertices */
+/* largest memory of a block's rows, unless the caller names a block size */
+#define SMR_ROW_BYTES_MAX ((size_t)64u << 20)
+#define SMR_BLOCK_MIN 64u   /* smallest block, vertices */
+#define SMR_BLOCK_MAX 2048u /* largest block, vertices */
 
 _Static_assert(SMR_PROFILE_MAX == 64u, "base/settings_prepare.def says so");
 
@@ -39,7 +40,7 @@ smr_prepare_config smr_prepare_config_paper(void)
     return config;
 }
 
-/* 1 when every field lies in the range that the table of settings gives. */
+/* Returns 1 when each field is in the range of the table of settings. */
 static int ranges_legal(const smr_prepare_config *c)
 {
     int legal = 1;
@@ -104,8 +105,8 @@ smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structu
     return a.used == SIZE_MAX ? SMR_E_INPUT : SMR_OK;
 }
 
-/* The radius, mm, below which clusters are separate: they keep to their own structure. Images show less well than
- * surfaces where structures slide on each other: there only the finest radius is separate. */
+/* The radius, mm, below which clusters are separate for each structure. Images show sliding structures less clearly
+ * than surfaces: there only the finest radius is separate. */
 static float separate_below(const smr_prepare_config *config, const float *radius, uint32_t n_radii)
 {
     float largest = 0.0f, finest = SMR_FAR;
@@ -153,7 +154,7 @@ static smr_status check_inputs(const smr_structure *structures, uint32_t n_struc
     return status;
 }
 
-/* Places the plan's arrays and empties its rows of bits. */
+/* Places the plan's arrays and clears its rows of bits. */
 static void place_plan(smr_arena *a, smr_plan *p)
 {
     smr_plan_layout(a, p);
@@ -163,13 +164,13 @@ static void place_plan(smr_arena *a, smr_plan *p)
     }
 }
 
-/* Computes what does not depend on radii: the numbering, mesh neighbours, masses, hinges and profiles. */
+/* Computes what does not depend on radii: the numbering, mesh neighbours, masses, dihedral edges and profiles. */
 static smr_status prepare_meshes(smr_plan *p)
 {
     smr_plan_order(p);
     smr_plan_neighbours(p);
     smr_plan_mass(p);
-    smr_plan_hinges(p);
+    smr_plan_dihedrals(p);
     return smr_plan_profiles(p);
 }
 

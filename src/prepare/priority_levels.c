@@ -12,7 +12,7 @@
 /* Sets n_levels and level_end: an end at each of need[n] (ascending), and ends in between while there is room. */
 static void choose_ends(smr_plan *p, const uint32_t *need, uint32_t n)
 {
-    uint32_t end[SMR_LEVELS_MAX], n_ends = 0; /* from the last to the first */
+    uint32_t end[SMR_LEVELS_MAX], n_ends = 0; /* ends of levels, from the last to the first */
     for (uint32_t i = n; i-- > 0u;) {
         const uint32_t below = i > 0u ? need[i - 1u] : need[0];
         end[n_ends++] = need[i];

@@ -13,13 +13,13 @@
 
 #include "geometry/box_tree/hilbert_curve.h"
 
-#define SMR_KEPT 3u    /* vertices of a cluster that a rigid transform needs */
-#define SMR_ASKED 256u /* clusters between two calls of the progress callback */
+#define SMR_KEPT 3u        /* vertices of a cluster that determine a rigid transform */
+#define SMR_REQUESTED 256u /* clusters between two calls of the progress callback */
 
-/* Counts one more cluster. Returns 1 when the progress callback asks to stop. */
-static int asked_to_stop(smr_plan *p)
+/* Counts one more cluster. Returns 1 when the progress callback wants to stop. */
+static int stop_requested(smr_plan *p)
 {
-    return ++p->priority.n_scanned % SMR_ASKED == 0u && p->config->progress != NULL &&
+    return ++p->priority.n_scanned % SMR_REQUESTED == 0u && p->config->progress != NULL &&
            p->config->progress(p->config->progress_ctx, 0, p->progress_total) != 0;
 }
 
@@ -31,7 +31,7 @@ static void change_counts(smr_plan *p, const uint64_t *row, uint32_t change)
          w++, count = p->count) {
         uint64_t rest = row[w];
         count += 64u * (size_t)w;
-        for (uint32_t k = 0; rest == UINT64_MAX && k < 64u; k++) /* most words of large clusters are full */
+        for (uint32_t k = 0; rest == UINT64_MAX && k < 64u; k++) /* most words of large clusters have all bits set */
             count[k] += change;
         for (rest = rest == UINT64_MAX ? 0u : rest; rest != 0u; rest &= rest - 1u)
             count[__builtin_ctzll(rest)] += change;
@@ -47,7 +47,7 @@ static smr_status count_remaining(smr_plan *p, float radius)
             continue;
         smr_cluster_row(p, v, radius, smr_plan_row(p, 0));
         change_counts(p, smr_plan_row(p, 0), 1u);
-        if (asked_to_stop(p))
+        if (stop_requested(p))
             return SMR_E_ABORTED;
     }
     return SMR_OK;
@@ -67,8 +67,8 @@ static uint32_t first_listed(const smr_plan *p, const uint64_t *row)
     return first;
 }
 
-/* Takes vertices out of S again where a cluster of this radius keeps fewer than SMR_KEPT of its vertices; the finer
- * radius before did not see its cluster. */
+/* Takes vertices out of S again where a cluster of this radius keeps fewer than SMR_KEPT of its vertices: the finer
+ * radius did not know this cluster. */
 static smr_status restore(smr_plan *p, float radius)
 {
     for (uint32_t i = 0; p->priority.n_listed > 0u && i < p->n; i++) {
@@ -85,13 +85,13 @@ static smr_status restore(smr_plan *p, float radius)
             smr_cluster_row(p, k, radius, smr_plan_row(p, 1));
             change_counts(p, smr_plan_row(p, 1), 1u);
         }
-        if (asked_to_stop(p))
+        if (stop_requested(p))
             return SMR_E_ABORTED;
     }
     return SMR_OK;
 }
 
-/* Puts v into bucket m, unless m is too small for v to be ignored. */
+/* Puts v into bucket m, unless v may not be ignored. */
 static void put_in_bucket(smr_plan *p, uint32_t v, uint32_t m)
 {
     if (m <= SMR_KEPT)
@@ -110,7 +110,7 @@ static int surely_holds(const smr_plan *p, uint32_t v, uint32_t j, float radius)
     return d2 <= radius * radius && p->config->distance == SMR_DISTANCE_EUCLIDEAN && !smr_kept_apart(p, v, j);
 }
 
-/* Takes over the witness of a mesh neighbour when its cluster is smaller. Returns |zeta| of the witness. */
+/* Uses the witness of a mesh neighbour when its cluster is smaller. Returns |zeta| of the witness. */
 static uint32_t ask_neighbours(smr_plan *p, uint32_t v, float radius)
 {
     uint32_t tried = 0;
@@ -134,7 +134,7 @@ static uint32_t scan(smr_plan *p, uint32_t v, float radius)
         for (uint32_t k = 0; row[w] == UINT64_MAX && k < 64u; k++)
             least = k == 0u ? p->count[w * 64u] : smr_min_u32(least, p->count[w * 64u + k]);
         if (least >= m)
-            continue; /* all 64 in the word, and none smaller than m */
+            continue; /* all 64 vertices of the word, and none smaller than m */
         for (uint64_t rest = row[w]; rest != 0u; rest &= rest - 1u) {
             const uint32_t j = w * 64u + (uint32_t)__builtin_ctzll(rest);
             if (p->count[j] < m) {
@@ -146,7 +146,7 @@ static uint32_t scan(smr_plan *p, uint32_t v, float radius)
     return m;
 }
 
-/* Moves the vertices of bucket m into p->item, sorted by the caller's index. Returns how many. */
+/* Moves the vertices of bucket m into p->item, sorted by the caller's index. Returns their number. */
 static uint32_t take_bucket(smr_plan *p, uint32_t m)
 {
     uint32_t n = 0, falling = 1;
@@ -156,7 +156,7 @@ static uint32_t take_bucket(smr_plan *p, uint32_t m)
         falling &= n == 0u || p->key[n] < p->key[n - 1u];
     }
     p->priority.bucket[m] = SMR_REMAINS;
-    for (uint32_t i = 0; falling && i < n / 2u; i++) { /* filled in ascending order: only to be reversed */
+    for (uint32_t i = 0; falling && i < n / 2u; i++) { /* filled in ascending order: reversing suffices */
         const uint32_t v = p->item[i];
         p->item[i] = p->item[n - 1u - i];
         p->item[n - 1u - i] = v;
@@ -195,7 +195,7 @@ static smr_status discard(smr_plan *p, float radius)
                 now = ask_neighbours(p, v, radius);
             if (now == m) {
                 now = scan(p, v, radius);
-                if (asked_to_stop(p))
+                if (stop_requested(p))
                     return SMR_E_ABORTED;
             }
             if (now < m) {
@@ -210,8 +210,8 @@ static smr_status discard(smr_plan *p, float radius)
     return SMR_OK;
 }
 
-/* Closes the gaps that restore() left in S, and computes active_min of each radius. listed[r]: length of S, gaps
- * included, when radius r was done. */
+/* Closes the gaps that restore() left in S, and computes active_min of each radius. listed[r]: length of S with gaps
+ * when radius r was complete. */
 static void settle(smr_plan *p, uint32_t n_radii, const uint32_t listed[SMR_RADII_MAX])
 {
     uint32_t kept = 0;

@@ -6,7 +6,7 @@
 #include "image/volume.h"
 #include "prepare/plan.h"
 
-#define SMR_OUTWARD 1.6f /* mean voxel sizes that a profile reaches outwards, unless the configuration says otherwise */
+#define SMR_OUTWARD 1.6f /* default reach of a profile outwards, in mean voxel sizes */
 
 uint32_t smr_profile_inward(const smr_prepare_config *c)
 {

@@ -1,5 +1,5 @@
-/* plasticity.c: the reference shape follows the positions, x^r = x (paper 2.3, the last line of an iteration): where the
- * model is at rest (paper 3), after plastic_every iterations, and where a radius ends.
+/* plasticity.c: the reference shape follows the positions, x^r = x (paper 2.3, the last line of an iteration): where
+ * the model is at rest (paper 3), after plastic_every iterations, and where a radius ends.
  * Bounds: one pass over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/convergence.h"
@@ -10,22 +10,22 @@ int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic)
     const int still =
         c->motion.plastic_by == SMR_PLASTIC_MEAN ? s->evolve.mean_mm * 1000.0f < c->motion.plastic_um : e->small;
     const int due = c->motion.plastic_every != 0u && since_plastic >= c->motion.plastic_every;
-    return s->pace.repairing > 0u || (!e->done && (still || due || e->settled || e->spent));
+    return s->schedule.repairing > 0u || (!e->done && (still || due || e->settled || e->spent));
 }
 
 /* Where targets are tracked, and in dynamics, x^r is a shape that does not creep (held_shape.c). */
 int smr_plastic_ahead(const smr *s)
 {
-    const smr_ending e = smr_ending_of(s, s->pace.radius_iteration + 1u);
-    return !s->pace.tracking && s->shape.dynamics == NULL && smr_plastic_due(s, &e, s->pace.since_plastic + 1u);
+    const smr_ending e = smr_ending_of(s, s->schedule.radius_iteration + 1u);
+    return !s->schedule.tracking && s->shape.dynamics == NULL && smr_plastic_due(s, &e, s->schedule.since_plastic + 1u);
 }
 
 void smr_plastic_update(smr *s)
 {
     smr_plastic_positions(&s->shape);
     s->reference.stale = 1;
-    s->pace.since_plastic = 0;
-    s->pace.plastic_updates++;
+    s->schedule.since_plastic = 0;
+    s->schedule.plastic_updates++;
 }
 
 void smr_plastic_positions(smr_shape *shape)

@@ -1,6 +1,6 @@
-/* registration.h: a registration in progress: the stages, in the order of an iteration, and where it stands. It lies
- * at the start of the caller's arena; the stages' arrays follow. Only tick/, setup/ and replay/ see it whole: stages
- * get their own struct, with const views of what they read.
+/* registration.h: a registration: its stages in the order of an iteration, and its state. It lies at the start of
+ * the caller's arena; the stages' arrays follow. Stages get only their own struct, with const views of what they
+ * read.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_REGISTRATION_H
 #define SMR_REGISTRATION_H
@@ -18,16 +18,16 @@
 
 struct smr {
     uint32_t magic;
-    uint32_t step, next_task; /* where the tick stands: step of the iteration, tasks of it already done */
-    uint32_t ticking;         /* 1: a tick is under way, perhaps in this very thread: nothing may be set */
-    uint32_t refused;         /* 1: the port used a worker number that it has not; until positions are set anew */
+    uint32_t step, next_task; /* position of the tick: current step of the iteration, tasks of it already done */
+    uint32_t ticking;         /* 1: a tick is running, perhaps in this thread: inputs are refused */
+    uint32_t refused;         /* 1: the port used a worker number that does not exist; until positions are set anew */
     uint32_t n_awaited;       /* inputs that must be set again: a restored one lacks them */
     /* takes such an input, as smr_log_note() has it: waiting.c. Set by smr_restore() */
     smr_status (*await)(smr *s, uint32_t kind, uint32_t number, const void *what);
-    const struct smr *placed; /* where smr_init() put it. A copy's arrays would be the original's */
+    const struct smr *placed; /* address given by smr_init(): a copy would share the original's arrays */
     smr_port port;
     smr_shared shared;
-    smr_pace pace;
+    smr_schedule schedule;
     smr_overlay overlay;
     smr_shape shape;
     smr_forces forces;
@@ -42,13 +42,13 @@ struct smr {
     smr_tick_report report;
 };
 
-/* 1: a registration, where smr_init() put it. */
+/* Returns 1 for a registration at the address that smr_init() gave it. */
 static inline int smr_valid(const smr *s) { return s != NULL && s->magic == SMR_STATE_MAGIC && s->placed == s; }
 
-/* 1 when it may be changed, too: not from within a tick, as the port's functions or tasks beside this one are. */
+/* Returns 1 when the registration may be changed: not from within a tick or its tasks. */
 static inline int smr_changeable(const smr *s) { return smr_valid(s) && !s->ticking; }
 
-/* 1 when it may run: besides, none of its inputs is missing. */
+/* Returns 1 when the registration may run: no input is missing. */
 static inline int smr_ready(const smr *s) { return smr_changeable(s) && s->n_awaited == 0u; }
 
 #endif

@@ -1,6 +1,6 @@
-/* expected_error.c: how far each vertex is expected from its true place: what the seen part leaves open
- * (normal_field.c), and the distance that is left to the target.
- * Bounds: those of normal_field.c.
+/* expected_error.c: the expected error of each vertex: the field's standard deviation, given the visible vertices,
+ * and the residual.
+ * Bounds: those of the field.
  * SPDX-License-Identifier: MIT */
 #include "verdict/landmark_evidence.h"
 #include "verdict/normal_field.h"
@@ -23,8 +23,8 @@ void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
     smr_mean_add(&e->bend, SMR_SQRT(field.size2), (float)one->n_vertices);
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
-        const float doubt = smr_normal_field_doubt(&field, v);
-        expected[v] = SMR_SQRT(doubt * doubt + residual * residual);
+        const float error = smr_normal_field_error(&field, v);
+        expected[v] = SMR_SQRT(error * error + residual * residual);
         smr_mean_add(&e->expected, expected[v], 1.0f);
     }
 }

@@ -1,37 +1,38 @@
-/* judge.c: the rule: a measure beyond its limit is a reason. Each limit stands where generated runs with known truth
- * that ended within a millimetre seldom come, and runs that went wrong do.
+/* judge.c: the rules of the verdict: a measure beyond its limit is a reason. Limits are chosen so that generated
+ * runs that ended within a millimetre of the truth seldom exceed them, and failed runs do.
  * SPDX-License-Identifier: MIT */
 #include "verdict/evidence.h"
 
-#define SMR_EXPECTED_MOST 4.5f  /* mm */
-#define SMR_EXPECTED_PART 3.4f  /* mm, of a part (below SMR_SEEN_PART), the rest of which is a guess */
-#define SMR_OPEN_MOST 0.75f     /* expected error over the bend: so much is left open by what is seen, */
-#define SMR_OPEN_LEAST 1.8f     /* mm: and it matters */
-#define SMR_SEEN_LEAST 0.1f     /* share of the model */
-#define SMR_SEEN_ALL 0.95f      /* the model is seen as a whole: what the target has more is outliers */
-#define SMR_COVERED_LEAST 0.75f /* share of the target then, */
-#define SMR_COVERED_PART                                                                                               \
-    0.95f /* and otherwise: a part of the model does not explain it, and it does not show the model */
+#define SMR_EXPECTED_MOST 4.5f /* largest expected error, mm */
+#define SMR_EXPECTED_PART 3.4f /* largest expected error with a partial target, mm: the rest is extrapolated */
+#define SMR_OPEN_MOST 0.75f    /* largest expected error over the bend */
+#define SMR_OPEN_LEAST 1.8f    /* mm: smaller expected errors are not compared with the bend */
+#define SMR_VISIBLE_LEAST 0.1f /* smallest visible share of the model */
+/* visible share from which on the model counts as whole: further parts of the target are outliers */
+#define SMR_VISIBLE_ALL 0.95f
+#define SMR_COVERED_LEAST 0.75f /* smallest covered share of the target for a whole model */
+#define SMR_COVERED_PART 0.95f  /* smallest covered share otherwise */
 #define SMR_COVERED_FAILED 0.5f
 #define SMR_AGREE_LEAST 0.85f
 #define SMR_AGREE_FAILED 0.6f
-#define SMR_RESIDUAL_MOST 0.25f /* mean edges */
-#define SMR_LANDMARK_MOST 3.0f  /* mm: what landmarks may be off in the mean */
-#define SMR_SCALE_MOST 1.25f    /* either way, within the registration */
-#define SMR_SCALE_PART 1.06f    /* the same where less than SMR_SEEN_PART is seen: a part hardly tells the size */
-#define SMR_SEEN_PART 0.8f      /* share of the model: below it the target shows a part */
+#define SMR_RESIDUAL_MOST 0.25f /* largest residual, in mean edge lengths */
+#define SMR_LANDMARK_MOST 3.0f  /* largest mean residual of landmarks, mm */
+#define SMR_SCALE_MOST 1.25f    /* largest change of size within the registration, and its inverse */
+/* the same for a partial target (below SMR_VISIBLE_PART), which hardly determines the size */
+#define SMR_SCALE_PART 1.06f
+#define SMR_VISIBLE_PART 0.8f /* visible share of the model below which the target is partial */
 #define SMR_STRAIN_MOST 0.25f
-#define SMR_STRAIN_SMOOTH 0.15f /* the same but for what the target's noise does to edges: */
-#define SMR_STRAIN_NOISE 2.0f   /* so many times the residual in mean edges */
+#define SMR_STRAIN_SMOOTH 0.15f /* largest strain without noise of the target */
+#define SMR_STRAIN_NOISE 2.0f   /* strain that noise adds, squared: factor on the residual in mean edge lengths */
 #define SMR_STRETCH_MOST 0.045f
 #define SMR_STRETCH_FAILED 0.2f
-#define SMR_VOLUME_MOST 1.25f /* either way */
+#define SMR_VOLUME_MOST 1.25f /* largest change of volume, and its inverse */
 #define SMR_VOLUME_FAILED 2.0f
-#define SMR_ROTATION_MOST 14.0f /* degrees */
+#define SMR_ROTATION_MOST 14.0f /* largest rotation of a part, degrees */
 #define SMR_ROTATION_FAILED 40.0f
-#define SMR_BEND_MOST 20.0f /* mm */
-#define SMR_LIKENESS_LEAST 0.85f
-#define SMR_LIKENESS_FAILED 0.5f
+#define SMR_BEND_MOST 20.0f /* largest bend, mm */
+#define SMR_SIMILARITY_LEAST 0.85f
+#define SMR_SIMILARITY_FAILED 0.5f
 #define SMR_GOALS_LEAST 0.85f
 #define SMR_GOALS_FAILED 0.3f
 
@@ -65,8 +66,8 @@ const char *smr_reason_text(uint32_t bit)
     }
 }
 
-/* A measure against its limits: `look` beyond the first, `failed` beyond the second. Larger is worse. */
-static void ask(smr_verdict *verdict, uint32_t reason, float measure, float look, float failed)
+/* Compares a measure with its limits: `look` beyond the first, `failed` beyond the second. Larger is worse. */
+static void check_most(smr_verdict *verdict, uint32_t reason, float measure, float look, float failed)
 {
     const uint32_t level = measure > failed ? SMR_VERDICT_FAILED : measure > look ? SMR_VERDICT_LOOK : SMR_VERDICT_GOOD;
     if (level == SMR_VERDICT_GOOD)
@@ -75,30 +76,30 @@ static void ask(smr_verdict *verdict, uint32_t reason, float measure, float look
     verdict->level = smr_max_u32(verdict->level, level);
 }
 
-/* The same where smaller is worse, and below 0 nothing was measured. */
-static void ask_least(smr_verdict *verdict, uint32_t reason, float measure, float look, float failed)
+/* The same for a measure of which smaller is worse; below 0 it was not measured. */
+static void check_least(smr_verdict *verdict, uint32_t reason, float measure, float look, float failed)
 {
     if (measure >= 0.0f)
-        ask(verdict, reason, -measure, -look, -failed);
+        check_most(verdict, reason, -measure, -look, -failed);
 }
 
-/* A ratio to 1 or more, whichever way it is. */
+/* A ratio or its inverse, whichever is at least 1. */
 static float beyond(float ratio) { return ratio > 1.0f ? ratio : ratio > 0.0f ? 1.0f / ratio : SMR_FAR; }
 
-/* What holds of everything that bends towards places. */
+/* Rules for everything but images. */
 static void judge_bend(smr_verdict *v)
 {
     if (v->expected_error_mm > SMR_OPEN_LEAST)
-        ask(v, SMR_REASON_LITTLE_VISIBLE, v->expected_error_mm, SMR_OPEN_MOST * v->bend_mm, SMR_FAR);
-    ask(v, SMR_REASON_STRAIN, v->stretch, SMR_STRETCH_MOST, SMR_STRETCH_FAILED);
-    ask(v, SMR_REASON_STRAIN, v->strain, SMR_STRAIN_MOST, SMR_FAR);
-    ask(v, SMR_REASON_VOLUME, beyond(v->volume_ratio), SMR_VOLUME_MOST, SMR_VOLUME_FAILED);
-    ask(v, SMR_REASON_ROTATION, v->rotation_deg, SMR_ROTATION_MOST, SMR_ROTATION_FAILED);
-    ask(v, SMR_REASON_BEND, v->bend_mm, SMR_BEND_MOST, SMR_FAR);
-    ask(v, SMR_REASON_EXPECTED, v->expected_error_mm, SMR_EXPECTED_MOST, SMR_FAR);
+        check_most(v, SMR_REASON_LITTLE_VISIBLE, v->expected_error_mm, SMR_OPEN_MOST * v->bend_mm, SMR_FAR);
+    check_most(v, SMR_REASON_STRAIN, v->stretch, SMR_STRETCH_MOST, SMR_STRETCH_FAILED);
+    check_most(v, SMR_REASON_STRAIN, v->strain, SMR_STRAIN_MOST, SMR_FAR);
+    check_most(v, SMR_REASON_VOLUME, beyond(v->volume_ratio), SMR_VOLUME_MOST, SMR_VOLUME_FAILED);
+    check_most(v, SMR_REASON_ROTATION, v->rotation_deg, SMR_ROTATION_MOST, SMR_ROTATION_FAILED);
+    check_most(v, SMR_REASON_BEND, v->bend_mm, SMR_BEND_MOST, SMR_FAR);
+    check_most(v, SMR_REASON_EXPECTED, v->expected_error_mm, SMR_EXPECTED_MOST, SMR_FAR);
 }
 
-/* The strain of a body of the same kind. Noise of the target adds to it, in square. */
+/* The largest strain of a body of the same kind. Noise of the target adds in square. */
 static float strain_most(const smr_verdict *v, float edge_mm)
 {
     const float noise = SMR_STRAIN_NOISE * smr_max(v->residual_mm, 0.0f) / smr_max(edge_mm, 1.0e-6f);
@@ -107,42 +108,42 @@ static float strain_most(const smr_verdict *v, float edge_mm)
 
 static void judge_surface(smr_verdict *v, float edge_mm)
 {
-    const float covered = v->visible_share > SMR_SEEN_ALL ? SMR_COVERED_LEAST : SMR_COVERED_PART;
-    ask_least(v, SMR_REASON_LITTLE_VISIBLE, v->visible_share, SMR_SEEN_LEAST, -1.0f);
-    if (v->visible_share < SMR_SEEN_PART)
-        ask(v, SMR_REASON_LITTLE_VISIBLE, v->expected_error_mm, SMR_EXPECTED_PART, SMR_FAR);
-    ask_least(v, SMR_REASON_UNCOVERED, v->target_covered, covered, SMR_COVERED_FAILED);
-    ask_least(v, SMR_REASON_NORMALS, v->normals_agree, SMR_AGREE_LEAST, SMR_AGREE_FAILED);
-    ask(v, SMR_REASON_RESIDUAL, v->residual_mm, SMR_RESIDUAL_MOST * edge_mm, SMR_FAR);
-    ask(v, SMR_REASON_STRAIN, v->strain, strain_most(v, edge_mm), SMR_FAR);
+    const float covered = v->visible_share > SMR_VISIBLE_ALL ? SMR_COVERED_LEAST : SMR_COVERED_PART;
+    check_least(v, SMR_REASON_LITTLE_VISIBLE, v->visible_share, SMR_VISIBLE_LEAST, -1.0f);
+    if (v->visible_share < SMR_VISIBLE_PART)
+        check_most(v, SMR_REASON_LITTLE_VISIBLE, v->expected_error_mm, SMR_EXPECTED_PART, SMR_FAR);
+    check_least(v, SMR_REASON_UNCOVERED, v->target_covered, covered, SMR_COVERED_FAILED);
+    check_least(v, SMR_REASON_NORMALS, v->normals_agree, SMR_AGREE_LEAST, SMR_AGREE_FAILED);
+    check_most(v, SMR_REASON_RESIDUAL, v->residual_mm, SMR_RESIDUAL_MOST * edge_mm, SMR_FAR);
+    check_most(v, SMR_REASON_STRAIN, v->strain, strain_most(v, edge_mm), SMR_FAR);
     judge_bend(v);
 }
 
-/* Landmarks alone: few vertices are seen, however many there are; too few tell nothing of what they leave open. */
+/* Rules for landmarks alone: their number is not judged, but too few give no expected error. */
 static void judge_landmarks(smr_verdict *v)
 {
-    ask(v, SMR_REASON_LITTLE_VISIBLE, v->expected_error_mm < 0.0f ? 1.0f : 0.0f, 0.5f, SMR_FAR);
-    ask(v, SMR_REASON_RESIDUAL, v->residual_mm, SMR_LANDMARK_MOST, SMR_FAR);
+    check_most(v, SMR_REASON_LITTLE_VISIBLE, v->expected_error_mm < 0.0f ? 1.0f : 0.0f, 0.5f, SMR_FAR);
+    check_most(v, SMR_REASON_RESIDUAL, v->residual_mm, SMR_LANDMARK_MOST, SMR_FAR);
     judge_bend(v);
 }
 
 static void judge_image(smr_verdict *v)
 {
-    ask_least(v, SMR_REASON_SIMILARITY, v->image_similarity, SMR_LIKENESS_LEAST, SMR_LIKENESS_FAILED);
-    ask_least(v, SMR_REASON_GOALS, v->goals_share, SMR_GOALS_LEAST, SMR_GOALS_FAILED);
+    check_least(v, SMR_REASON_SIMILARITY, v->image_similarity, SMR_SIMILARITY_LEAST, SMR_SIMILARITY_FAILED);
+    check_least(v, SMR_REASON_GOALS, v->goals_share, SMR_GOALS_LEAST, SMR_GOALS_FAILED);
 }
 
 void smr_judge(smr_verdict *v, float edge_mm, int whole)
 {
-    const int part = whole && v->goals_share < 0.0f && v->visible_share < SMR_SEEN_PART;
+    const int part = whole && v->goals_share < 0.0f && v->visible_share < SMR_VISIBLE_PART;
     v->level = SMR_VERDICT_GOOD;
     v->reasons = 0;
     if (!(v->visible_share > 0.0f))
-        ask(v, SMR_REASON_NOTHING_VISIBLE, 1.0f, 0.0f, 0.5f);
-    ask(v, SMR_REASON_SCALE, beyond(v->scale), part ? SMR_SCALE_PART : SMR_SCALE_MOST, SMR_FAR);
+        check_most(v, SMR_REASON_NOTHING_VISIBLE, 1.0f, 0.0f, 0.5f);
+    check_most(v, SMR_REASON_SCALE, beyond(v->scale), part ? SMR_SCALE_PART : SMR_SCALE_MOST, SMR_FAR);
     if (v->goals_share >= 0.0f)
         judge_image(v);
-    if (v->normals_agree >= 0.0f || v->target_covered >= 0.0f) /* points may have no normals */
+    if (v->normals_agree >= 0.0f || v->target_covered >= 0.0f) /* points may lack normals */
         judge_surface(v, edge_mm);
     else if (v->goals_share < 0.0f && v->residual_mm >= 0.0f)
         judge_landmarks(v);

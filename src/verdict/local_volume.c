@@ -1,29 +1,28 @@
-/* local_volume.c: how the volume around each vertex has changed from the rest shape, on demand: the volume between the
- * surface of its cluster and the cluster's middle, now over at rest. So it is measured, and says what fusing, folds and
- * forces have really done, however often x^r has followed. A linear map fitted to the cluster would take its bending
- * for shrinking. Each vertex has a third of its triangles': normals of the length of twice the area, their
- * products with the place, and moments; of these the cluster's sums are exact, in the memory of records, sums and
- * transforms.
+/* local_volume.c: the change of volume around each vertex since the rest shape, on demand: the volume between the
+ * surface of its cluster and the cluster's centre, now over at rest. It is measured, not derived from transforms, so
+ * it includes folds and forces; a linear map would count bending as shrinking. Each vertex gets a third of its
+ * triangles' normals (of twice the area), volumes and moments. Their cluster sums are exact, in the memory of
+ * records, sums and transforms.
  * Bounds: four passes over the vertices, two over the triangles, one over a radius' lists.
  * SPDX-License-Identifier: MIT */
 #include "base/fixed_point.h"
 #include "geometry/box_tree/triangle.h"
 #include "registration/registration.h"
 
-#define SMR_LOCAL_EDGES 8.0f  /* radius unless asked for, in mean edge lengths */
-#define SMR_LOCAL_MOST 1.0e6f /* of a ratio */
+#define SMR_LOCAL_EDGES 8.0f  /* default radius in mean edge lengths */
+#define SMR_LOCAL_MOST 1.0e6f /* largest ratio */
 #define SMR_LOCAL_LEAST 1.0e-18f
-#define SMR_SKIN 0.001f /* thickness that even a closed surface has besides its volume, in roots of its area */
+#define SMR_SKIN 0.001f /* thickness that is added even to a closed surface, over the root of its area */
 
-/* Words of a vertex or a cluster, of the present and then of the rest shape. */
+/* Words of a vertex or a cluster: first of the present shape, then of the rest shape. */
 enum { SMR_SIX_VOLUMES, SMR_NORMALS, SMR_MOMENTS = 4, SMR_TWO_AREAS = 7, SMR_LOCAL_WORDS };
 
 typedef struct local {
     const smr_shared *shared;
-    smr_pace pace;   /* with the lists of the radius that is asked for */
-    smr_shape shape; /* with the pose that lays the rest shape onto the present one */
+    smr_schedule schedule; /* with the lists of the requested radius */
+    smr_shape shape;       /* with the pose from the rest shape to the present one */
     smr_sums sums;
-    float *part;       /* [n][SMR_LOCAL_WORDS] of vertices */
+    float *part;       /* [n][SMR_LOCAL_WORDS] values of each vertex */
     float scale[2][2]; /* of areas and of volumes, now and at rest: stored = value * scale */
 } local;
 
@@ -41,13 +40,13 @@ static void begin(local *l, const smr *s, float radius_mm)
     const smr_model *m = s->shared.model;
     const float wanted = radius_mm > 0.0f ? radius_mm : SMR_LOCAL_EDGES * smr_le_float(m->edge_mm);
     l->shared = &s->shared;
-    l->pace = s->pace;
-    l->pace.lists = smr_model_lists(m, nearest_radius(m, wanted));
-    l->pace.n_active = s->shared.n;
+    l->schedule = s->schedule;
+    l->schedule.lists = smr_model_lists(m, nearest_radius(m, wanted));
+    l->schedule.n_active = s->shared.n;
     l->shape = s->shape;
     smr_rest_pose_now(&l->shape);
     memset(&l->sums, 0, sizeof l->sums);
-    smr_sums_wire(&l->sums, &s->shared, &l->pace, &s->forces, &s->overlay);
+    smr_sums_wire(&l->sums, &s->shared, &l->schedule, &s->forces, &s->overlay);
     l->sums.words = SMR_WORDS;
     l->part = s->match.transform;
 }
@@ -64,7 +63,7 @@ static void add_triangle(local *l, const uint32_t t[3], const smr_vec p[3])
             l->part[SMR_LOCAL_WORDS * (size_t)t[c] + i] += words[i];
 }
 
-/* Records of the present shape, or of the rest shape in its pose. */
+/* Writes records of the present shape, or of the rest shape in its pose. */
 static void record(local *l, int rest)
 {
     const uint32_t n = l->shared->n;
@@ -94,10 +93,10 @@ static void record(local *l, int rest)
     }
 }
 
-/* Of a cluster: six times its volume about its middle, and twice its area; mm. */
+/* Of a cluster: six times its volume about its centre, mm^3, and twice its area, mm^2. */
 typedef struct bulk {
     float volume, area;
-    float open; /* 0..1: 0, its surface surrounds it; 1, it is flat */
+    float open; /* 0..1: 0 for a surface all around the cluster, 1 for a flat one */
 } bulk;
 
 static bulk bulk_of(const local *l, uint32_t v, int rest)
@@ -117,8 +116,8 @@ static bulk bulk_of(const local *l, uint32_t v, int rest)
     return b;
 }
 
-/* A surface that does not surround its cluster has little volume, and bending alone changes that: to its volume is
- * added a layer, as thick as the whole is large, so that there the change is that of its area. */
+/* The ratio of a cluster's volume to that at rest. A layer is added to the volume of an open surface, whose own
+ * volume is small and changes with bending; its ratio then is that of the area. */
 static float ratio_at(const local *l, uint32_t v)
 {
     const bulk now = bulk_of(l, v, 0), rest = bulk_of(l, v, 1);

@@ -1,33 +1,33 @@
-/* normal_field.c: how far vertices may be off. A surface says where it is along its normals only: along itself a vertex
- * may have slid, and what is unseen may be anywhere that is smooth. Both follow from one regression by a kernel
- * (Gaussian process; Rasmussen and Williams 2006, chapter 2): the displacement from the start is a random field with
- * covariance k(d) = size2 / (1 + d^2 / l^2) for each axis and the motions of a similarity; n . displacement is known
- * at seen vertices. What is left of the variance at a vertex says how far it may be off: far from what was seen, which
- * hardly holds a turn or the size, that is much. The field's size follows from what was seen of it.
- * How far off the start was nobody knows beforehand. Of a part, the registration (forces/field_normals.c) stays near
- * it in what normals hardly tell. Where it moved far in what they tell, the rest may lack as much of the same motion.
- * So the motion from the start is one more of the motions, with a variance of its own; and how far that would carry a
- * vertex beyond what it does without counts as doubt, too.
- * Bounds: SMR_TELLERS^2 / 2 multiplications for each vertex and axis; SMR_TELLERS^3 / 6 twice.
+/* normal_field.c: the standard deviation of each vertex' position, given the visible vertices. A surface determines
+ * positions along normals only. The displacement from the start is a Gaussian process (Rasmussen and Williams 2006,
+ * chapter 2) with covariance size2 / (1 + d^2 / l^2) for each axis, plus the motions of a similarity; n .
+ * displacement is observed at visible vertices. The variance left is large far from the observations. size2 follows
+ * from the observations.
+ * The error of the start is unknown. With a partial target the registration keeps the start where normals determine
+ * little. If the observed part moved far, the rest may lack the same motion. Therefore the motion from the start has
+ * a variance of its own, and the displacement that it would add counts as error, too.
+ * Bounds: SMR_OBSERVATIONS^2 / 2 multiplications for each vertex and axis; SMR_OBSERVATIONS^3 / 6 twice.
  * SPDX-License-Identifier: MIT */
 #include "verdict/normal_field.h"
 
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "verdict/evidence.h"
 
-#define SMR_NORMAL_LENGTH 0.5f  /* kernel length over the diagonal of the structure's box */
-#define SMR_NORMAL_LOOSE 0.01f  /* of the variance: what a vertex may be off along its normal */
-#define SMR_NORMAL_MOTIONS 8.0f /* of the variance: of motions, at a kernel length for turns and scale */
-#define SMR_NORMAL_MORE 0.5f    /* times its square: the variance of the motion from the start */
-#define SMR_NORMAL_MOST 4.0e3f  /* of the variance: that motion's, at most; beyond it rounding nears what is loose */
-#define SMR_NORMAL_TURN 0.1f    /* of 4: what Cayley's parameter divides by, near half a turn */
-#define SMR_TELLERS_LEAST 6u    /* with fewer nothing is known: a rigid pose alone has six */
+#define SMR_NORMAL_LENGTH 0.5f /* kernel length over the diagonal of the structure's box */
+#define SMR_NORMAL_NOISE 0.01f /* noise variance along a normal over the field's variance */
+/* variance of the motions over the field's variance; turns and scale at a kernel length */
+#define SMR_NORMAL_MOTIONS 8.0f
+#define SMR_NORMAL_MORE 0.5f /* variance of the motion from the start, over its square */
+/* largest variance of that motion over the field's: beyond it rounding reaches the noise */
+#define SMR_NORMAL_MOST 4.0e3f
+#define SMR_NORMAL_TURN 0.1f      /* smallest divisor of Cayley's parameter, of 4: limits it near half a turn */
+#define SMR_OBSERVATIONS_LEAST 6u /* fewest observations: a rigid pose alone has six unknowns */
 
-/* A place for each array: as many tellers as the memory holds. */
+/* Places the arrays. Returns the number of observations that the memory holds. */
 static uint32_t place(smr_normal_field *f, const smr *s)
 {
-    const uint32_t words = smr_min_u32(s->shared.n, 4u * SMR_TELLERS) * SMR_WORDS;
-    uint32_t most = SMR_TELLERS;
+    const uint32_t words = smr_min_u32(s->shared.n, 4u * SMR_OBSERVATIONS) * SMR_WORDS;
+    uint32_t most = SMR_OBSERVATIONS;
     while (most > 0u && most * (most + 1u) / 2u + 8u * most > words)
         most--;
     f->at = (float *)s->overlay.sum;
@@ -38,13 +38,14 @@ static uint32_t place(smr_normal_field *f, const smr *s)
     return most;
 }
 
-static int tells(const smr *s, uint32_t v)
+static int is_observed(const smr *s, uint32_t v)
 {
     const smr_vec n = smr_load(smr_at3(s->shape.normal, v));
-    return smr_vertex_seen(s, v) && smr_dot(n, n) > 0.5f;
+    return smr_vertex_visible(s, v) && smr_dot(n, n) > 0.5f;
 }
 
-/* Every so many of the seen vertices in stored order, which winds through the structure; and the pose of all seen. */
+/* Chooses every k-th visible vertex in stored order, which runs through the structure, and fits the pose of all
+ * visible ones. */
 static void choose(smr_normal_field *f, uint32_t structure, uint32_t most, smr_fit *fit)
 {
     const smr *s = f->s;
@@ -52,7 +53,7 @@ static void choose(smr_normal_field *f, uint32_t structure, uint32_t most, smr_f
     uint32_t total = 0, met = 0;
     smr_box box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
     for (uint32_t i = 0; i < one->n_vertices; i++)
-        total += (uint32_t)tells(s, smr_model_position(s->shared.model, one->first_vertex + i));
+        total += (uint32_t)is_observed(s, smr_model_position(s->shared.model, one->first_vertex + i));
     const uint32_t wanted = smr_min_u32(total, most);
     for (uint32_t v = 0; v < s->shared.n; v++) {
         if (smr_model_owner(s->shared.model, v) != structure)
@@ -60,7 +61,7 @@ static void choose(smr_normal_field *f, uint32_t structure, uint32_t most, smr_f
         const smr_vec p = smr_load(smr_at3(s->shape.start, v));
         box.lo = smr_v(smr_min(box.lo.x, p.x), smr_min(box.lo.y, p.y), smr_min(box.lo.z, p.z));
         box.hi = smr_v(smr_max(box.hi.x, p.x), smr_max(box.hi.y, p.y), smr_max(box.hi.z, p.z));
-        if (!tells(s, v))
+        if (!is_observed(s, v))
             continue;
         if (met == 0u)
             smr_fit_start(fit, p, smr_load(smr_at3(s->shape.x, v)));
@@ -68,7 +69,8 @@ static void choose(smr_normal_field *f, uint32_t structure, uint32_t most, smr_f
         if (f->n < wanted && (uint64_t)met * wanted >= (uint64_t)f->n * total) {
             smr_store(smr_at3(f->at, f->n), p);
             smr_store(smr_at3(f->normal, f->n), smr_load(smr_at3(s->shape.normal, v)));
-            smr_store(smr_at3(f->lower, f->n), smr_load(smr_at3(s->shape.x, v))); /* until the factor needs it */
+            /* until the factor needs the memory */
+            smr_store(smr_at3(f->lower, f->n), smr_load(smr_at3(s->shape.x, v)));
             f->n++;
         }
         met++;
@@ -78,17 +80,17 @@ static void choose(smr_normal_field *f, uint32_t structure, uint32_t most, smr_f
     f->middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
 }
 
-/* From the middle, in kernel lengths. */
+/* The vector from `middle`, in kernel lengths. */
 static smr_vec arm_of(const smr_normal_field *f, smr_vec at)
 {
     return smr_scale(smr_sub(at, f->middle), SMR_SQRT(f->per_length2));
 }
 
-/* The motion from the start to the pose, of a place on this arm, mm. */
+/* The motion from the start to the pose at this arm, mm. */
 static smr_vec motion_at(const smr_normal_field *f, smr_vec arm) { return smr_add(f->shift, smr_cross(f->turn, arm)); }
 
-/* The covariance of the displacement at a place with what teller i knows. */
-static smr_vec with_teller(const smr_normal_field *f, smr_vec at, uint32_t i)
+/* Covariance of the displacement at a position with observation i. */
+static smr_vec with_observation(const smr_normal_field *f, smr_vec at, uint32_t i)
 {
     const smr_vec n = smr_load(smr_at3(f->normal, i)), from = smr_load(smr_at3(f->at, i));
     const smr_vec arm = arm_of(f, at), other = arm_of(f, from), apart = smr_sub(at, from);
@@ -103,13 +105,13 @@ static void factor(smr_normal_field *f)
     for (uint32_t i = 0; i < f->n; i++) {
         const smr_vec at = smr_load(smr_at3(f->at, i)), normal = smr_load(smr_at3(f->normal, i));
         for (uint32_t j = 0; j <= i; j++) {
-            const float both = smr_dot(normal, with_teller(f, at, j)) + (i == j ? SMR_NORMAL_LOOSE : 0.0f);
-            smr_factor_set(f->lower, i, j, both, 0.5f * SMR_NORMAL_LOOSE);
+            const float both = smr_dot(normal, with_observation(f, at, j)) + (i == j ? SMR_NORMAL_NOISE : 0.0f);
+            smr_factor_set(f->lower, i, j, both, 0.5f * SMR_NORMAL_NOISE);
         }
     }
 }
 
-/* size2 = y K^-1 y / n, the likeliest one. */
+/* size2 = y K^-1 y / n, its most likely value. */
 static void find_size(smr_normal_field *f)
 {
     memcpy(f->open, f->moved, f->n * sizeof *f->open);
@@ -120,7 +122,7 @@ static void find_size(smr_normal_field *f)
     memset(f->open, 0, f->n * sizeof *f->open);
 }
 
-/* By the inverse of a pose's rotation: to where it lay at the start. */
+/* v rotated back by the inverse of a pose's rotation. */
 static smr_vec turned_back(const smr_pose *p, smr_vec v)
 {
     return smr_v(p->m[0][0] * v.x + p->m[1][0] * v.y + p->m[2][0] * v.z,
@@ -137,7 +139,7 @@ static void find_motion(smr_normal_field *f, const smr_pose *p)
     f->shift = turned_back(p, smr_sub(smr_pose_apply(p, f->middle), f->middle));
 }
 
-/* Adds the motion that the normals show. */
+/* Adds the observed motion along the normals. */
 static void count_from_start(smr_normal_field *f)
 {
     for (uint32_t i = 0; i < f->n; i++) {
@@ -146,7 +148,7 @@ static void count_from_start(smr_normal_field *f)
     }
 }
 
-/* Leaves in `open` by which coefficients the field differs once the motion from the start has a variance. */
+/* Sets `open` to the change of the coefficients when the motion from the start has a variance. */
 static void open_motion(smr_normal_field *f)
 {
     const float square = smr_dot(f->shift, f->shift) + smr_dot(f->turn, f->turn);
@@ -165,11 +167,11 @@ static void open_motion(smr_normal_field *f)
     }
 }
 
-/* 1 where what normals hardly tell stays as the start had it. */
+/* Returns 1 when the registration keeps the start in what normals hardly determine. */
 static int keeps_to_start(const smr *s, uint32_t structure)
 {
-    return s->forces.surface.target[structure].surface != NULL && !s->forces.unseen.sheet && !s->pace.tracking &&
-           s->shared.config.partial.n_landmarks == 0u && smr_overlap_lasting(&s->forces.surface, structure);
+    return s->forces.surface.target[structure].surface != NULL && !s->forces.occluded.sheet && !s->schedule.tracking &&
+           s->shared.config.partial.n_landmarks == 0u && smr_visibility_always_partial(&s->forces.surface, structure);
 }
 
 void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structure)
@@ -178,18 +180,18 @@ void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structur
     memset(f, 0, sizeof *f);
     memset(&fit, 0, sizeof fit);
     f->s = s;
-    f->motions = s->forces.unseen.sheet ? 0.0f : SMR_NORMAL_MOTIONS; /* borders hold a sheet */
+    f->motions = s->forces.occluded.sheet ? 0.0f : SMR_NORMAL_MOTIONS; /* its borders determine a sheet's motion */
     choose(f, structure, place(f, s), &fit);
-    if (f->n < SMR_TELLERS_LEAST) {
+    if (f->n < SMR_OBSERVATIONS_LEAST) {
         f->n = 0;
         return;
     }
     const smr_pose pose = smr_fit_solve(&fit, 0);
     for (uint32_t i = 0; i < f->n; i++) {
         const smr_vec posed = smr_pose_apply(&pose, smr_load(smr_at3(f->at, i)));
-        const smr_vec way = smr_sub(smr_load(smr_at3(f->lower, i)), posed);
+        const smr_vec displacement = smr_sub(smr_load(smr_at3(f->lower, i)), posed);
         const smr_vec normal = smr_load(smr_at3(f->normal, i));
-        f->moved[i] = smr_dot(way, normal);
+        f->moved[i] = smr_dot(displacement, normal);
         smr_store(smr_at3(f->normal, i), turned_back(&pose, normal));
     }
     factor(f);
@@ -200,19 +202,19 @@ void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structur
         open_motion(f);
 }
 
-float smr_normal_field_doubt(const smr_normal_field *f, uint32_t v)
+float smr_normal_field_error(const smr_normal_field *f, uint32_t v)
 {
     const smr_vec at = smr_load(smr_at3(f->s->shape.start, v));
-    float known[3u * SMR_TELLERS]; /* for each axis: L^-1 of the covariances with the tellers */
+    float known[3u * SMR_OBSERVATIONS]; /* for each axis: L^-1 of the covariances with the observations */
     const smr_vec arm = arm_of(f, at), motion = motion_at(f, arm);
-    smr_vec way = smr_scale(motion, f->again);
+    smr_vec displacement = smr_scale(motion, f->again);
     float left = 3.0f + 3.0f * f->motions * (1.0f + smr_dot(arm, arm)) + f->more * smr_dot(motion, motion);
     for (uint32_t i = 0; i < f->n; i++) {
-        const smr_vec with = with_teller(f, at, i);
+        const smr_vec with = with_observation(f, at, i);
         const smr_vec one = smr_solve_row3(smr_factor_row(f->lower, i), i, known, with);
         smr_store(smr_at3(known, i), one);
         left -= smr_dot(one, one);
-        way = smr_add(way, smr_scale(with, f->open[i]));
+        displacement = smr_add(displacement, smr_scale(with, f->open[i]));
     }
-    return SMR_SQRT(smr_max(left, 0.0f) * f->size2 + smr_dot(way, way));
+    return SMR_SQRT(smr_max(left, 0.0f) * f->size2 + smr_dot(displacement, displacement));
 }

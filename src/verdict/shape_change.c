@@ -1,17 +1,17 @@
-/* shape_change.c: how far the shape of a structure is from its rest shape: edges' strain, volume, rotations of parts.
+/* shape_change.c: how a structure's shape differs from its rest shape: strain of edges, volume, rotations of parts.
  * Bounds: one pass over the triangles, and SMR_PARTS passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation.h"
 #include "verdict/evidence.h"
 
-#define SMR_PARTS 24u          /* parts whose rotation is looked at */
-#define SMR_PART_RADIUS 0.12f  /* mm per mm of the structure's diagonal */
-#define SMR_CLOSED 1.0e-3f     /* sum of area vectors over the area, up to which a surface is closed */
-#define SMR_FLAT 1.0e-5f       /* volume over area^1.5: below it a body is flat, and its volume says nothing */
-#define SMR_EDGE_LEAST 1.0e-6f /* mm: shorter edges have no strain */
-#define SMR_RATIO_MOST 1.0e6f  /* of sizes: beyond it all are the same */
+#define SMR_PARTS 24u          /* parts whose rotation is measured */
+#define SMR_PART_RADIUS 0.12f  /* radius of a part over the structure's diagonal */
+#define SMR_CLOSED 1.0e-3f     /* norm of the sum of area vectors over the area: up to it a surface is closed */
+#define SMR_FLAT 1.0e-5f       /* volume over area^1.5: below it a body is flat, and its volume is not measured */
+#define SMR_EDGE_LEAST 1.0e-6f /* mm: shorter edges are not measured */
+#define SMR_RATIO_MOST 1.0e6f  /* largest ratio of sizes */
 
-/* The angle whose cosine is c, degrees, to a thousandth. */
+/* The angle in degrees whose cosine is c, to a thousandth. */
 static float degrees_of(float c)
 {
     float low = 0.0f, high = 180.0f;
@@ -50,8 +50,8 @@ static float scale_of(const smr_pose *p)
 
 static void add_edges(const smr *s, const smr_shape_structure *one, float scale, smr_evidence *e)
 {
-    for (uint32_t k = 0; k < one->facets.n_triangles; k++) {
-        const uint32_t *t = one->facets.triangle + 3u * (size_t)k;
+    for (uint32_t k = 0; k < one->tree.n_triangles; k++) {
+        const uint32_t *t = one->tree.triangle + 3u * (size_t)k;
         for (uint32_t c = 0; c < 3u; c++) {
             const uint32_t a = t[c], b = t[(c + 1u) % 3u];
             const float now = smr_length(smr_sub(smr_load(smr_at3(s->shape.x, a)), smr_load(smr_at3(s->shape.x, b))));
@@ -68,12 +68,12 @@ static void add_volume(const smr *s, const smr_shape_structure *one, float scale
 {
     float now = 0.0f, rest = 0.0f, area = 0.0f;
     smr_vec all = smr_v(0, 0, 0);
-    if (one->facets.n_triangles == 0u)
+    if (one->tree.n_triangles == 0u)
         return;
-    const uint32_t first = one->facets.triangle[0];
+    const uint32_t first = one->tree.triangle[0];
     const smr_vec o = smr_load(smr_at3(s->shape.x, first)), r = smr_rest(&s->shared, first);
-    for (uint32_t k = 0; k < one->facets.n_triangles; k++) {
-        const uint32_t *t = one->facets.triangle + 3u * (size_t)k;
+    for (uint32_t k = 0; k < one->tree.n_triangles; k++) {
+        const uint32_t *t = one->tree.triangle + 3u * (size_t)k;
         smr_vec x[3], y[3];
         for (uint32_t c = 0; c < 3u; c++) {
             x[c] = smr_sub(smr_load(smr_at3(s->shape.x, t[c])), o);
@@ -92,7 +92,7 @@ static void add_volume(const smr *s, const smr_shape_structure *one, float scale
     smr_mean_add(&e->volume, far ? SMR_RATIO_MOST : now / rest, smr_abs(rest));
 }
 
-/* Cosine of the angle between two rotations, each with a scale. */
+/* Cosine of the angle between two rotations; each pose may have a scale. */
 static float between(const smr_pose *a, const smr_pose *b)
 {
     float trace = 0.0f;

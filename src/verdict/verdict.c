@@ -1,15 +1,15 @@
-/* verdict.c: what is read out of a result to judge it: the verdict, which vertices are seen, expected errors.
- * Bounds: those of the measures (evidence.h), once for each structure asked for.
+/* verdict.c: readings that judge a result: the verdict, visible vertices, expected errors.
+ * Bounds: those of the measures, once for each requested structure.
  * SPDX-License-Identifier: MIT */
 #include "verdict/evidence.h"
 
-#define SMR_NOT_GOOD_SHARE 0.5f /* of the vertices: structures that may be other than good */
+#define SMR_NOT_GOOD_SHARE 0.5f /* largest share of vertices in structures that are not good */
 
 static smr_status check(const smr *s, const void *out)
 {
     if (s == NULL || out == NULL)
         return SMR_E_NULL;
-    if (!smr_ready(s) || s->step != 0u || s->next_task != 0u || !smr_inputs_stand(&s->forces))
+    if (!smr_ready(s) || s->step != 0u || s->next_task != 0u || !smr_inputs_valid(&s->forces))
         return SMR_E_STATE;
     return SMR_OK;
 }
@@ -29,7 +29,7 @@ static void gather(const smr *s, uint32_t structure, smr_evidence *e)
         smr_measure_image(s, structure, e);
     else if (smr_follows_landmarks(s, structure))
         smr_measure_landmarks(s, structure, e);
-    else if (smr_caller_draws(&s->forces.caller, structure))
+    else if (smr_caller_has_goals(&s->forces.caller, structure))
         smr_measure_caller(s, structure, e);
     smr_measure_expected(s, structure, e);
 }
@@ -42,12 +42,12 @@ static void add(smr_mean *to, smr_mean more)
 
 static void add_all(smr_evidence *to, const smr_evidence *more)
 {
-    add(&to->seen, more->seen);
+    add(&to->visible, more->visible);
     add(&to->agree, more->agree);
     add(&to->covered, more->covered);
     add(&to->residual, more->residual);
     add(&to->goals, more->goals);
-    add(&to->likeness, more->likeness);
+    add(&to->similarity, more->similarity);
     add(&to->strain2, more->strain2);
     add(&to->stretch2, more->stretch2);
     add(&to->volume, more->volume);
@@ -60,11 +60,11 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
 {
     memset(verdict, 0, sizeof *verdict);
     verdict->expected_error_mm = smr_mean_of(e->expected, -1.0f);
-    verdict->visible_share = smr_mean_of(e->seen, -1.0f);
+    verdict->visible_share = smr_mean_of(e->visible, -1.0f);
     verdict->target_covered = smr_mean_of(e->covered, -1.0f);
     verdict->residual_mm = smr_mean_of(e->residual, -1.0f);
     verdict->normals_agree = smr_mean_of(e->agree, -1.0f);
-    verdict->image_similarity = smr_mean_of(e->likeness, -1.0f);
+    verdict->image_similarity = smr_mean_of(e->similarity, -1.0f);
     verdict->goals_share = smr_mean_of(e->goals, -1.0f);
     verdict->strain = SMR_SQRT(smr_mean_of(e->strain2, 0.0f));
     verdict->stretch = SMR_SQRT(smr_mean_of(e->stretch2, 0.0f));
@@ -76,7 +76,7 @@ static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, sm
     smr_judge(verdict, smr_le_float(s->shared.model->edge_mm), structure == SMR_ALL || s->shared.n_structures == 1u);
 }
 
-/* Of all structures together; and how many vertices are in structures that have a target and are not good. */
+/* The verdict of all structures together, and the share of vertices in structures that are not good. */
 static void judge_all(const smr *s, smr_verdict *verdict)
 {
     smr_evidence all;
@@ -87,7 +87,7 @@ static void judge_all(const smr *s, smr_verdict *verdict)
         smr_evidence e;
         gather(s, i, &e);
         add_all(&all, &e);
-        if (s->shape.structure[i].n_vertices == 0u || !(e.seen.weight > 0.0f))
+        if (s->shape.structure[i].n_vertices == 0u || !(e.visible.weight > 0.0f))
             continue;
         conclude(s, i, &e, &one);
         const float count = (float)s->shape.structure[i].n_vertices;
@@ -118,9 +118,9 @@ smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict)
     return SMR_OK;
 }
 
-smr_status smr_get_visible(const smr *s, uint32_t structure, unsigned char *seen)
+smr_status smr_get_visible(const smr *s, uint32_t structure, unsigned char *visible)
 {
-    if (s == NULL || seen == NULL)
+    if (s == NULL || visible == NULL)
         return SMR_E_NULL;
     if (!smr_valid(s) || s->n_awaited > 0u)
         return SMR_E_STATE;
@@ -128,7 +128,7 @@ smr_status smr_get_visible(const smr *s, uint32_t structure, unsigned char *seen
         return SMR_E_INPUT;
     const smr_shape_structure *one = &s->shape.structure[structure];
     for (uint32_t i = 0; i < one->n_vertices; i++)
-        seen[i] = (unsigned char)smr_vertex_seen(s, smr_model_position(s->shared.model, one->first_vertex + i));
+        visible[i] = (unsigned char)smr_vertex_visible(s, smr_model_position(s->shared.model, one->first_vertex + i));
     return SMR_OK;
 }
 

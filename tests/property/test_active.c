@@ -41,7 +41,7 @@ static uint32_t n_different(const smr *s, const rig_lists *l, uint32_t words)
         uint32_t sum[SMR_WORDS] = {0};
         for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
             const uint32_t *r = s->overlay.record + SMR_WORDS * (size_t)l->zeta[k];
-            for (uint32_t w = 0; l->zeta[k] < s->pace.n_active && w < words; w++)
+            for (uint32_t w = 0; l->zeta[k] < s->schedule.n_active && w < words; w++)
                 sum[w] += r[w];
         }
         wrong += memcmp(sum, s->sums.sum + SMR_WORDS * (size_t)v, words * sizeof *sum) != 0;
@@ -91,9 +91,9 @@ static void test_sums_of_active_members(void **state)
             assert_int_equal(SMR_OK, smr_model_get_info(model, &info));
             const rig_lists l = rig_decode(model, r, info.radius_mm[r] >= info.edge_mm, 1); /* by all pairs */
             for (uint32_t i = 0; i < 8u; i++) {
-                s->pace.n_active = i == 0u   ? s->shared.n
-                                   : i == 1u ? info.active_min[r]
-                                             : rig_random(&seed, s->shared.n + 1u);
+                s->schedule.n_active = i == 0u   ? s->shared.n
+                                       : i == 1u ? info.active_min[r]
+                                                 : rig_random(&seed, s->shared.n + 1u);
                 fill_records(s, &seed);
                 sum_all(s, in_use[i % 4u]);
                 assert_int_equal(0, n_different(s, &l, in_use[i % 4u]));
@@ -121,10 +121,10 @@ static void test_wide_indexes(void **state)
     const smr_model *model = rig_model(&mesh, 1, &c);
     const smr_config config = smr_config_default();
     smr *s = rig_init(model, &config, NULL);
-    assert_int_equal(4, s->pace.lists.index_bytes);
-    assert_true(s->pace.lists.active_min < N);
+    assert_int_equal(4, s->schedule.lists.index_bytes);
+    assert_true(s->schedule.lists.active_min < N);
     for (uint32_t round = 0; round < 6u; round++) {
-        s->pace.n_active = round == 0u ? N : rig_random(&seed, N);
+        s->schedule.n_active = round == 0u ? N : rig_random(&seed, N);
         fill_records(s, &seed);
         sum_all(s, 12);
         for (int i = 0; i < N; i++) {
@@ -135,7 +135,7 @@ static void test_wide_indexes(void **state)
                 const uint32_t v = at[axis] + away < 0 || at[axis] + away >= SIDE
                                        ? SMR_ALL
                                        : smr_model_position(model, (uint32_t)(i + away * step[axis]));
-                want += v < s->pace.n_active ? s->overlay.record[SMR_WORDS * (size_t)v + 11u] : 0u;
+                want += v < s->schedule.n_active ? s->overlay.record[SMR_WORDS * (size_t)v + 11u] : 0u;
             }
             assert_int_equal(want, s->sums.sum[SMR_WORDS * (size_t)smr_model_position(model, (uint32_t)i) + 11u]);
         }
@@ -150,7 +150,7 @@ static double off_average(const smr *s, const rig_lists *l, uint32_t v)
     uint32_t count = 0;
     for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
         const float *t = s->match.transform + 12u * (size_t)l->zeta[k];
-        if (l->zeta[k] >= s->pace.n_active)
+        if (l->zeta[k] >= s->schedule.n_active)
             continue;
         count++;
         for (uint32_t a = 0; a < 3u; a++) {
@@ -171,9 +171,9 @@ static double off_centre(const smr *s, const rig_lists *l, uint32_t v)
     double centre[3] = {0, 0, 0}, off = 0.0;
     uint32_t count = 0;
     for (uint32_t k = l->zeta_start[v]; k < l->zeta_start[v + 1u]; k++) {
-        for (uint32_t a = 0; l->zeta[k] < s->pace.n_active && a < 3u; a++)
+        for (uint32_t a = 0; l->zeta[k] < s->schedule.n_active && a < 3u; a++)
             centre[a] += (double)s->shape.x_ref[3u * (size_t)l->zeta[k] + a];
-        count += l->zeta[k] < s->pace.n_active;
+        count += l->zeta[k] < s->schedule.n_active;
     }
     for (uint32_t a = 0; a < 3u; a++)
         off = fmax(off, fabs(centre[a] / count - (double)s->reference.centre[3u * (size_t)v + a]));
@@ -199,15 +199,15 @@ static void test_an_iteration(void **state)
         c.motion.plastic_um = c.motion.settle_um = c.basic.even = 0.0f; /* averages alone */
         smr *s = rig_init(model, &c, NULL);
         const uint32_t share = (uint32_t)ceilf(c.basic.active_share * (float)s->shared.n),
-                       need = s->pace.lists.active_min;
+                       need = s->schedule.lists.active_min;
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
         for (uint32_t k = 0; k < 3u; k++) {
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-            assert_int_equal(share > need ? share : need, s->pace.n_active);
-            assert_int_equal(s->pace.n_active, report.details.n_active);
+            assert_int_equal(share > need ? share : need, s->schedule.n_active);
+            assert_int_equal(s->schedule.n_active, report.details.n_active);
             for (uint32_t v = 0; v < s->shared.n; v++) {
                 assert_true(off_average(s, &l[c.schedule.radius_first], v) < 2e-4);
-                if (v < s->pace.n_active) {
+                if (v < s->schedule.n_active) {
                     assert_true(off_centre(s, &l[c.schedule.radius_first], v) < 2e-3);
                 } else { /* no force */
                     assert_true(s->forces.force[3u * v] == 0.0f && s->forces.force[3u * v + 1u] == 0.0f &&
@@ -216,7 +216,8 @@ static void test_an_iteration(void **state)
                 }
             }
         }
-        assert_true(report.n_forces > 0u && report.n_forces <= s->pace.n_active && report.displacement_max_mm > 0.0f);
+        assert_true(report.n_forces > 0u && report.n_forces <= s->schedule.n_active &&
+                    report.displacement_max_mm > 0.0f);
     }
 }
 
@@ -246,12 +247,13 @@ static void test_growing_share(void **state)
             const float share = (float)s->shared.n * (0.3f + 0.6f * (float)(i + (i == 19u)) /
                                                                  80.0f); /* after the 20th the next radius is set up */
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-            const float want = fmaxf(share, (float)s->pace.lists.active_min);
-            assert_true(s->pace.n_active >= last || i == 19u);
-            assert_true((float)s->pace.n_active < want + 1.1f &&
-                        (float)s->pace.n_active > want - 0.1f - (elastic ? (float)s->shared.n * 0.6f / 10.0f : 0.0f));
-            steps += s->pace.n_active > last;
-            last = s->pace.n_active;
+            const float want = fmaxf(share, (float)s->schedule.lists.active_min);
+            assert_true(s->schedule.n_active >= last || i == 19u);
+            assert_true((float)s->schedule.n_active < want + 1.1f &&
+                        (float)s->schedule.n_active >
+                            want - 0.1f - (elastic ? (float)s->shared.n * 0.6f / 10.0f : 0.0f));
+            steps += s->schedule.n_active > last;
+            last = s->schedule.n_active;
         }
         assert_true(report.done);
         assert_true(elastic ? steps >= 8u && steps <= 14u : steps >= 78u);
@@ -296,7 +298,7 @@ static void test_image_needs_few(void **state)
         c.basic.active_share = i < 6u ? 1.0f : 0.25f;
         c.basic.iterations = c.basic.iterations_last = 3;
         smr *s = rig_init(model, &c, NULL);
-        assert_int_equal(s->pace.n_active, i < 6u ? s->shared.n : (s->shared.n + 3u) / 4u); /* no image yet */
+        assert_int_equal(s->schedule.n_active, i < 6u ? s->shared.n : (s->shared.n + 3u) / 4u); /* no image yet */
         smr_volume moved = volume;
         for (uint32_t a = 0; a < 3u; a++)
             moved.origin[a] += off[a];
@@ -305,12 +307,12 @@ static void test_image_needs_few(void **state)
             float want = c.basic.active_share * (float)s->shared.n;
             if (c.schedule.active_enough > 0u) { /* whole levels, about as many */
                 const float cluster =
-                    (float)s->shared.n * (float)c.schedule.active_enough / (float)s->pace.lists.smallest;
+                    (float)s->shared.n * (float)c.schedule.active_enough / (float)s->schedule.lists.smallest;
                 limited[cluster < ENOUGH_ALL]++;
                 want = fminf(want, level_with(&info, 0.75f * fmaxf(cluster, ENOUGH_ALL)));
             }
-            want = fmaxf(want, (float)s->pace.lists.active_min);
-            const uint32_t n_active = s->pace.n_active;
+            want = fmaxf(want, (float)s->schedule.lists.active_min);
+            const uint32_t n_active = s->schedule.n_active;
             assert_true((float)n_active >= want && (float)n_active < want + 1.01f);
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
             assert_int_equal(n_active, report.details.n_active);

@@ -29,13 +29,13 @@ static int tidy(void **state)
 static int64_t boundary_of(const smr *s, uint32_t v, uint32_t w)
 {
     int64_t sum = 0;
-    for (uint32_t i = 0; i < s->pace.lists.n_boundary; i++) {
-        const uint32_t first = smr_le32(s->pace.lists.boundary[i].first),
-                       second = smr_le32(s->pace.lists.boundary[i].second);
+    for (uint32_t i = 0; i < s->schedule.lists.n_boundary; i++) {
+        const uint32_t first = smr_le32(s->schedule.lists.boundary[i].first),
+                       second = smr_le32(s->schedule.lists.boundary[i].second);
         if (first == v || second == v) {
             const double record =
                 (double)(int32_t)s->overlay.record[SMR_WORDS * (size_t)(first == v ? second : first) + w];
-            const double part = (double)smr_le32(s->pace.lists.boundary[i].share) / SMR_BOUNDARY_UNITS - 0.5;
+            const double part = (double)smr_le32(s->schedule.lists.boundary[i].share) / SMR_BOUNDARY_UNITS - 0.5;
             sum += (int64_t)floor(record * part + 0.5);
         }
     }

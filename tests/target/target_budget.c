@@ -43,7 +43,7 @@ static int target_run(const target_scene *scene, target_clock *clock, uint64_t b
         return 0;
     while (!ends(scene, &report) && t->ticks < TARGET_TICKS_MAX) {
         smr_status status;
-        const uint32_t repairs = s->pace.repairing;
+        const uint32_t repairs = s->schedule.repairing;
         const uint64_t time = target_tick(s, clock, budget_ns, &report, &status),
                        fixed = time - report.details.phase_ns[SMR_PHASE_FORCES];
         t->longest = time > t->longest ? time : t->longest;

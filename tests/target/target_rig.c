@@ -87,7 +87,7 @@ static const struct {
     uint32_t phase, unit;
     const char *name;
 } target_steps[] = {
-    {smr_unseen_field_solve, SMR_PHASE_FORCES, TARGET_VERTICES, "unseen field"},
+    {smr_occluded_field_solve, SMR_PHASE_FORCES, TARGET_VERTICES, "unseen field"},
     {smr_attract_search, SMR_PHASE_FORCES, TARGET_GOALS, "target pulls"},
     {smr_point_spread_run, SMR_PHASE_FORCES, TARGET_VERTICES, "point spread"},
     {smr_fill_sum, SMR_PHASE_FORCES, TARGET_TRIANGLES, "fill, sums"},
@@ -106,21 +106,21 @@ static const struct {
     {smr_match_clusters, SMR_PHASE_MATCH, TARGET_VERTICES, "match"},
     {smr_average_record, SMR_PHASE_AVERAGE, TARGET_VERTICES, "transform records"},
     {smr_sums_forest, SMR_PHASE_AVERAGE, TARGET_INDEXES, "forest, average"},
-    {smr_evening_clear, SMR_PHASE_EVOLVE, TARGET_VERTICES, "evening out, clear"},
-    {smr_evening_rings, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "evening out, sums"},
+    {smr_tangent_clear, SMR_PHASE_EVOLVE, TARGET_VERTICES, "evening out, clear"},
+    {smr_tangent_sum, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "evening out, sums"},
     {smr_evolve_step, SMR_PHASE_EVOLVE, TARGET_VERTICES, "positions"},
-    {smr_facets_refit, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "facets and boxes"},
+    {smr_triangles_refit, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "facets and boxes"},
     {smr_refit_again, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "facets and boxes"},
     {smr_fold_find, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "search for folds"},
     {smr_fold_repair_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "repair of folds"},
     {smr_fold_limit_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "limiting of folds"},
     {smr_fold_open_pass, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "opening of folds"},
-    {smr_held_sum, SMR_PHASE_EVOLVE, TARGET_VERTICES, "poses of what is tracked"},
+    {smr_track_rest_sum, SMR_PHASE_EVOLVE, TARGET_VERTICES, "poses of what is tracked"},
     {smr_evolve_measure, SMR_PHASE_EVOLVE, TARGET_VERTICES, "displacements, hash"},
     {smr_exact_normals_clear, SMR_PHASE_EVOLVE, TARGET_VERTICES, "normals, clear"},
-    {smr_exact_normals_facets, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "normals, sums"},
+    {smr_exact_normals_sum, SMR_PHASE_EVOLVE, TARGET_TRIANGLES, "normals, sums"},
     {smr_exact_normals_unit, SMR_PHASE_EVOLVE, TARGET_VERTICES, "normals, length"},
-    {smr_stand, SMR_PHASE_EVOLVE, TARGET_VERTICES, "becoming current"},
+    {smr_commit, SMR_PHASE_EVOLVE, TARGET_VERTICES, "becoming current"},
 };
 
 const char *target_step_name(uint32_t number, uint32_t *unit)

@@ -104,7 +104,7 @@ static int target_phases(const target_scene *scene, target_clock *clock, int sti
         return 0;
     for (uint32_t i = 0; i < TARGET_FIXED_ITERATIONS; i++) {
         /* the first iteration also fits the last radius' pose, repairs are other work */
-        const int other = i == 0u || s->pace.repairing > 0u || (s->reference.stale != 0u) == stiff;
+        const int other = i == 0u || s->schedule.repairing > 0u || (s->reference.stale != 0u) == stiff;
         smr_status status;
         target_forget(clock);
         (void)target_tick(s, clock, 0, &report, &status); /* the clock is read after each step only */
@@ -155,7 +155,7 @@ static int target_stretches(const target_scene *scene, target_clock *clock)
     target_forget(clock);
     while (!report.done) {
         smr_status status;
-        const uint32_t repairs = s->pace.repairing;
+        const uint32_t repairs = s->schedule.repairing;
         const uint64_t all = target_tick(s, clock, TARGET_ENDLESS, &report, &status),
                        time = all - report.details.phase_ns[SMR_PHASE_FORCES];
         if (status != SMR_OK)
@@ -206,7 +206,7 @@ static void target_singles(const target_scene *scene, target_clock *clock)
                target_instructions(cost[2] + TARGET_SWEEPS * (cost[1] - cost[0])));
     const smr_query blind = {smr_v(0, 0, 0), smr_v(0, 0, 1), 2.0f, TARGET_NODES, SMR_NONE};
     smr_hit hit = {SMR_FAR, SMR_NONE, {0, 0, 0}};
-    TARGET_COST(clock, smr_tree_closest(&scene->surface->facets, &blind, &hit), cost[3]);
+    TARGET_COST(clock, smr_tree_closest(&scene->surface->tree, &blind, &hit), cost[3]);
     target_row("single", "closest point", "a node without its triangles, a triangle",
                target_instructions(cost[3] / TARGET_NODES), target_instructions(dearest));
 }

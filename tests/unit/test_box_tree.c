@@ -32,7 +32,7 @@ static void equals_brute_force(void **state)
     for (uint32_t k = 0; k < 24u; k++) {
         unit_mesh m = unit_soup(&r, sizes[k % 12u], 100.0f, k % 3u == 0u);
         uint32_t *triangles;
-        smr_facets f = unit_plant(&m, &triangles);
+        smr_box_tree f = unit_plant(&m, &triangles);
         for (uint32_t i = 0; i < 240u; i++) {
             const smr_query q = unit_query(&r, &m, i);
             smr_hit got = {reach[i % 4u], SMR_NONE, {0, 0, 0}}, want = got;
@@ -52,7 +52,7 @@ static void equals_double(void **state)
     oracle_random r = oracle_seed(71);
     unit_mesh m = unit_sphere(3, 50.0f, 20.0f);
     uint32_t *triangles;
-    smr_facets f = unit_plant(&m, &triangles);
+    smr_box_tree f = unit_plant(&m, &triangles);
     double worst = 0.0;
     (void)state;
     for (uint32_t i = 0; i < 1500u; i++) {
@@ -82,7 +82,7 @@ static void node_budgets(void **state)
     oracle_random r = oracle_seed(72);
     unit_mesh m = unit_soup(&r, 700, 100.0f, 0);
     uint32_t *triangles;
-    smr_facets f = unit_plant(&m, &triangles);
+    smr_box_tree f = unit_plant(&m, &triangles);
     (void)state;
     for (uint32_t i = 0; i < 300u; i++) {
         smr_query q = unit_query(&r, &m, i);
@@ -113,7 +113,7 @@ static void a_budget_is_a_number_of_nodes(void **state)
     oracle_random r = oracle_seed(75);
     unit_mesh m = unit_soup(&r, 60, 100.0f, 0);
     uint32_t *triangles;
-    smr_facets f = unit_plant(&m, &triangles);
+    smr_box_tree f = unit_plant(&m, &triangles);
     (void)state;
     for (uint32_t i = 0; i < 200u; i++) {
         smr_query q = {
@@ -135,7 +135,7 @@ static void nothing_found_changes_nothing(void **state)
     oracle_random r = oracle_seed(73);
     unit_mesh m = unit_soup(&r, 100, 10.0f, 0);
     uint32_t *triangles;
-    smr_facets f = unit_plant(&m, &triangles), none;
+    smr_box_tree f = unit_plant(&m, &triangles), none;
     (void)state;
     const smr_query far_away = {smr_v(500, 500, 500), smr_v(0, 0, 0), -2.0f, UINT32_MAX, 3u};
     smr_hit hit = {4.0f, 77u, {0.25f, 0.5f, 0.25f}};
@@ -157,7 +157,7 @@ static void refit_follows_the_mesh(void **state)
     oracle_random r = oracle_seed(74);
     unit_mesh m = unit_soup(&r, 333, 100.0f, 1);
     uint32_t *triangles;
-    smr_facets f = unit_plant(&m, &triangles);
+    smr_box_tree f = unit_plant(&m, &triangles);
     double worst = 0.0;
     (void)state;
     for (uint32_t i = 0; i < 3u * m.nv; i++)
@@ -182,7 +182,7 @@ static void refit_follows_the_mesh(void **state)
 static void points_that_are_nowhere(void **state)
 {
     const float nowhere[] = {NAN, -NAN, INFINITY, -INFINITY, SMR_FAR, -SMR_FAR, FLT_MAX, 1.0e9f};
-    smr_facets f;
+    smr_box_tree f;
     (void)state;
     memset(&f, 0, sizeof f);
     smr_tree_shape(&f, 262145u); /* most children of its top nodes are empty */
@@ -217,7 +217,7 @@ static void shape_adds_up(void **state)
                  {512, 73, 3}, {513, 77, 4}, {SMR_TRIANGLES_MAX, 1142860, 8}};
     (void)state;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        smr_facets f;
+        smr_box_tree f;
         smr_tree_shape(&f, table[i].triangles);
         assert_int_equal(smr_tree_nodes(table[i].triangles), table[i].nodes);
         assert_int_equal(f.n_levels, table[i].levels);

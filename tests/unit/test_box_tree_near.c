@@ -8,9 +8,10 @@
 #include "unit_tree.h"
 
 /* The squared distance of triangle i alone; negative when it is not acceptable. */
-static float distance2_of(const smr_facets *f, const smr_query *q, uint32_t i)
+static float distance2_of(const smr_box_tree *f, const smr_query *q, uint32_t i)
 {
-    const smr_facets single = {f->xyz, f->triangle + 3u * (size_t)i, f->normal + 3u * (size_t)i, NULL, NULL, 1, 0, {0}};
+    const smr_box_tree single = {f->xyz, f->triangle + 3u * (size_t)i, f->normal + 3u * (size_t)i, NULL, NULL, 1, 0,
+                                 {0}};
     smr_hit one = {1.0e12f, SMR_NONE, {0, 0, 0}};
     unit_closest(&single, q, &one);
     return one.triangle == SMR_NONE ? -1.0f : one.d2;
@@ -33,7 +34,7 @@ static void near_ones_are_all_of_them(void **state)
     for (uint32_t k = 0; k < 8u; k++) {
         unit_mesh m = k % 2u == 0u ? unit_soup(&r, 40u + 60u * k, 100.0f, k % 4u == 0u) : unit_sphere(2, 50.0f, 20.0f);
         uint32_t *triangles;
-        smr_facets f = unit_plant(&m, &triangles);
+        smr_box_tree f = unit_plant(&m, &triangles);
         for (uint32_t round = 0; round < 300u; round++) {
             const smr_query q = unit_query(&r, &m, round);
             smr_hit closest = {1.0e12f, SMR_NONE, {0, 0, 0}}, hit = closest;
@@ -75,7 +76,7 @@ static void near_ones_take_over_gradually(void **state)
         m.xyz[3u * i + 2u] = i % 3u == 2u ? 30.0f : -15.0f;
         m.triangles[i] = i;
     }
-    smr_facets f = unit_plant(&m, &triangles);
+    smr_box_tree f = unit_plant(&m, &triangles);
     for (int step = -4000; step <= 4000; step++) {
         const smr_query q = {smr_v(0.001f * (float)step, 0, 0), smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
         smr_hit hit = {1.0e12f, SMR_NONE, {0, 0, 0}};
@@ -83,7 +84,7 @@ static void near_ones_take_over_gradually(void **state)
         float mean = 0.0f;
         smr_tree_near(&f, &q, &hit, &list);
         for (uint32_t i = 0; i < list.n; i++)
-            mean += list.item[i].share * smr_facet_point(&f, list.item[i].triangle, list.item[i].weight).x;
+            mean += list.item[i].share * smr_triangle_point(&f, list.item[i].triangle, list.item[i].weight).x;
         jump = step > -4000 ? fmaxf(jump, fabsf(mean - last)) : 0.0f;
         last = mean;
     }
@@ -103,7 +104,7 @@ static void near_ones_end_where_room_or_budget_do(void **state)
     (void)state;
     for (uint32_t i = 0; i < m.nv; i++)
         m.xyz[3u * (size_t)i + 2u] = oracle_uniformf(&r, -0.2f, 0.2f);
-    smr_facets f = unit_plant(&m, &triangles);
+    smr_box_tree f = unit_plant(&m, &triangles);
     for (uint32_t k = 0; k < 400u; k++) {
         smr_query q = {smr_v(oracle_uniformf(&r, 20, 100), oracle_uniformf(&r, 20, 100), k % 2u == 0u ? 10.0f : 20.0f),
                        smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};

@@ -49,13 +49,13 @@ static smr *start(float shift, const smr_model **model)
 /* What pair i adds to a member's whole or nothing. */
 static double added(const smr *s, uint32_t i)
 {
-    return (double)smr_le32(s->pace.lists.boundary[i].share) / SMR_BOUNDARY_UNITS - 0.5;
+    return (double)smr_le32(s->schedule.lists.boundary[i].share) / SMR_BOUNDARY_UNITS - 0.5;
 }
 
 static int between(const smr *s, uint32_t i, uint32_t a, uint32_t b)
 {
-    const uint32_t first = smr_le32(s->pace.lists.boundary[i].first),
-                   second = smr_le32(s->pace.lists.boundary[i].second);
+    const uint32_t first = smr_le32(s->schedule.lists.boundary[i].first),
+                   second = smr_le32(s->schedule.lists.boundary[i].second);
     return (first == a && second == b) || (first == b && second == a);
 }
 
@@ -65,12 +65,12 @@ static void test_shares(void **state)
     (void)state;
     smr *s = start(0, &model);
     const uint32_t a = smr_model_position(model, 20), b = smr_model_position(model, 50);
-    const double radius = (double)s->pace.lists.radius;
+    const double radius = (double)s->schedule.lists.radius;
     uint32_t found = 0;
-    assert_true(s->pace.lists.n_boundary > 0u);
-    for (uint32_t i = 0; i < s->pace.lists.n_boundary; i++) {
-        const uint32_t first = smr_le32(s->pace.lists.boundary[i].first),
-                       second = smr_le32(s->pace.lists.boundary[i].second);
+    assert_true(s->schedule.lists.n_boundary > 0u);
+    for (uint32_t i = 0; i < s->schedule.lists.n_boundary; i++) {
+        const uint32_t first = smr_le32(s->schedule.lists.boundary[i].first),
+                       second = smr_le32(s->schedule.lists.boundary[i].second);
         const double d = distance(smr_at3(s->shape.x, first), smr_at3(s->shape.x, second));
         assert_true(first != second && fabs(d - radius) < 0.01 * radius);
         assert_true(fabs(added(s, i)) <= 0.5);
@@ -82,7 +82,7 @@ static void test_shares(void **state)
     }
     assert_int_equal(1, found);
     s = start(0.1f, &model);
-    for (uint32_t i = 0; i < s->pace.lists.n_boundary; i++)
+    for (uint32_t i = 0; i < s->schedule.lists.n_boundary; i++)
         assert_false(between(s, i, smr_model_position(model, 20), smr_model_position(model, 50)));
 }
 
@@ -97,8 +97,8 @@ static void test_reference(void **state)
         double mass = 0, count = 0, centre[3] = {0, 0, 0};
         for (uint32_t w = 0; w < s->shared.n; w++) {
             const double d = distance(smr_at3(s->shape.x_ref, v), smr_at3(s->shape.x_ref, w));
-            double part = d <= (double)s->pace.lists.radius ? 1.0 : 0.0;
-            for (uint32_t i = 0; i < s->pace.lists.n_boundary; i++)
+            double part = d <= (double)s->schedule.lists.radius ? 1.0 : 0.0;
+            for (uint32_t i = 0; i < s->schedule.lists.n_boundary; i++)
                 if (between(s, i, v, w)) /* which side of the radius it lies on is in what is added, too */
                     part = added(s, i) < 0.0 ? 1.0 + added(s, i) : added(s, i);
             mass += part * (double)smr_mass(&s->shared, w);

@@ -164,7 +164,7 @@ static void test_pins_weigh(void **state)
         smr *s = rig_init(e.model, &e.config, NULL);
         assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, NULL));
         const smr_dynamics *d = s->shape.dynamics;
-        const uint32_t largest = s->pace.lists.largest, together = n_pins < largest ? n_pins : largest;
+        const uint32_t largest = s->schedule.lists.largest, together = n_pins < largest ? n_pins : largest;
         assert_true(largest > 9u && largest < 400u);
         for (uint32_t v = 0; v < e.n; v++)
             if (!(d->mass[v] > 0.0f))

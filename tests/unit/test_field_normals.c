@@ -10,7 +10,7 @@ static uint32_t mark_controls(uint32_t iteration, uint8_t *is_control)
 {
     uint32_t n = 0;
     memset(is_control, 0, N);
-    w.pace.iteration = iteration;
+    w.schedule.iteration = iteration;
     solve();
     for (uint32_t v = 0; v < N; v++)
         for (uint32_t k = 0; k < w.field.n; k++)
@@ -35,7 +35,7 @@ static void controls_take_turns(void **state)
         assert_int_equal(mark_controls(0, other), SMR_FIELD_ROWS);
         for (uint32_t i = 0; i < N; i++)
             gone += first[i] && !other[i];
-        w.seen[v] = SMR_SEEN_ONE;
+        w.seen[v] = SMR_VISIBLE_ONE;
         assert_int_equal(gone, first[v]);
     }
     for (uint32_t iteration = 0; iteration < 60u; iteration++) {
@@ -63,7 +63,7 @@ static float mean_off_slid(uint32_t coverage)
         const smr_vec at = bent(w.start + 3u * i), n = any_normal(i), by = smr_v(9, -6, 12);
         smr_store(w.normal + 3u * i, n);
         smr_store(w.x + 3u * i, smr_add(at, smr_sub(by, smr_scale(n, smr_dot(n, by)))));
-        w.seen[i] = i % 2u == 0u ? SMR_SEEN_ONE : 0u;
+        w.seen[i] = i % 2u == 0u ? SMR_VISIBLE_ONE : 0u;
     }
     solve();
     assert_int_equal(w.field.n, coverage == SMR_COVERAGE_PARTIAL ? SMR_FIELD_ROWS : SMR_CONTROLS);
@@ -90,7 +90,7 @@ static void goals_are_asked_not_places(void **state)
         const smr_vec way = smr_sub(bent(w.start + 3u * i), smr_load(w.start + 3u * i));
         const float each[4] = {way.x, way.y, way.z, 1.0f};
         smr_store(w.normal + 3u * i, any_normal(i));
-        w.seen[i] = i % 2u == 0u ? SMR_SEEN_ONE : 0u;
+        w.seen[i] = i % 2u == 0u ? SMR_VISIBLE_ONE : 0u;
         for (uint32_t k = 0; w.seen[i] && k < 4u; k++)
             pull[4u * i + k] = (int64_t)(each[k] * SMR_PULL_SCALE);
     }

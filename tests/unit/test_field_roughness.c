@@ -27,12 +27,12 @@ static float lowest_off(float height, int tries)
         const smr_vec wave = smr_v(sinf(0.07f * p.y + 0.05f * p.z), cosf(0.07f * p.z), sinf(0.08f * p.x - 0.04f * p.z));
         smr_store(w.normal + 3u * i, unit);
         smr_store(w.x + 3u * i, smr_add(bent(w.start + 3u * i), smr_scale(wave, height)));
-        w.seen[i] = p.z > 240.0f ? SMR_SEEN_ONE : 0u;
+        w.seen[i] = p.z > 240.0f ? SMR_VISIBLE_ONE : 0u;
     }
-    w.target.n_seen = N;
-    for (uint32_t task = 0; task < smr_unseen_field_tasks(&w.field); task++)
+    w.target.n_visible = N;
+    for (uint32_t task = 0; task < smr_occluded_field_tasks(&w.field); task++)
         if (tries || task <= TASKS_BEFORE_TRIES || task >= TASKS_BEFORE_TRIES + SMR_FIELD_TRIES * SMR_TRY_TASKS)
-            smr_unseen_field_solve(&w.field, task, 0);
+            smr_occluded_field_solve(&w.field, task, 0);
     for (uint32_t i = 0; i < N; i++)
         if (w.start[3u * i + 2u] < 40.0f) {
             sum += off(i, bent(w.start + 3u * i));
@@ -45,7 +45,7 @@ static void a_smooth_bend_is_smooth(void **state)
 {
     (void)state;
     (void)lowest_off(0.0f, 1);
-    assert_true(w.field.rough == 0.0f && w.field.rough_loose == 0.0f);
+    assert_true(w.field.rough == 0.0f && w.field.rough_noise == 0.0f);
     assert_true(w.field.motion_variance == SMR_MOTION_VARIANCE);
 }
 
@@ -53,7 +53,7 @@ static void short_waves_are_rough(void **state)
 {
     (void)state;
     (void)lowest_off(4.0f, 1);
-    assert_true(w.field.rough > 0.0f && w.field.rough_loose > 0.0f);
+    assert_true(w.field.rough > 0.0f && w.field.rough_noise > 0.0f);
     assert_true(w.field.motion_variance > SMR_MOTION_VARIANCE);
 }
 
@@ -78,7 +78,7 @@ static void with_few_controls_all_is_smooth(void **state)
     for (uint32_t i = 0; i < N; i++) {
         smr_store(w.normal + 3u * i, smr_v(i % 3u == 0u, i % 3u == 1u, i % 3u == 2u));
         w.x[3u * i] += i % 2u == 0u ? 3.0f : -3.0f;
-        w.seen[i] = i < 30u ? SMR_SEEN_ONE : 0u;
+        w.seen[i] = i < 30u ? SMR_VISIBLE_ONE : 0u;
     }
     solve();
     assert_true(w.field.n == 30u && w.field.rough == 0.0f);

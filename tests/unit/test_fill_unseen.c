@@ -164,8 +164,8 @@ static float reach(uint32_t seen, uint32_t missing, uint32_t blind, float flat)
         s->forces.found_last[v] = (uint8_t)(v < seen ? 1 : v < seen + missing ? 2 : v < seen + missing + blind ? 3 : 0);
     smr_schedule_begin(s);
     smr_fill_sum(&s->forces.image, 0, 0);
-    assert_true(s->pace.profile_mm == 10.0f); /* half a radius */
-    return smr_max(s->pace.profile_mm, s->forces.image.structure[0].wide_mm);
+    assert_true(s->schedule.profile_mm == 10.0f); /* half a radius */
+    return smr_max(s->schedule.profile_mm, s->forces.image.structure[0].wide_mm);
 }
 
 static void test_lost_looks_farther(void **state)

@@ -96,7 +96,7 @@ static uint32_t n_folds(const smr_mesh *mesh, const float *x) { return n_below(m
 /* Runs the steps behind evolve from x_next as it stands. */
 static void settle(smr *s)
 {
-    smr_facets_follow(&s->shape, s->shape.x_next);
+    smr_triangles_follow(&s->shape, s->shape.x_next);
     for (uint32_t i = 0, behind = 0; i < smr_n_steps; behind |= smr_steps[i++].run == smr_evolve_step) {
         for (s->next_task = 0; behind && s->next_task < smr_step_tasks(s, &smr_steps[i]); s->next_task++)
             smr_steps[i].run(smr_stage_of(s, &smr_steps[i]), s->next_task, 0);
@@ -125,7 +125,7 @@ static void test_prevents(void **state)
     for (uint32_t seed = 1; seed < 30u; seed++) {
         smr *s[2] = {start(&mesh, 0), start(&mesh, 1)};
         for (uint32_t i = 0; i < 2u; i++) {
-            s[i]->pace.repairing = 0;
+            s[i]->schedule.repairing = 0;
             step_over(s[i], 14, seed);
             settle(s[i]);
             float x[3 * SIDE * SIDE];
@@ -149,7 +149,7 @@ static void test_leaves_alone_what_does_not_fold(void **state)
     smr *s[2] = {start(&mesh, 0), start(&mesh, 1)};
     (void)state;
     for (uint32_t i = 0; i < 2u; i++) {
-        s[i]->pace.repairing = 0;
+        s[i]->schedule.repairing = 0;
         step_over(s[i], 1.2f, 3);
         settle(s[i]);
         assert_int_equal(0, s[i]->folds.n_guarded);
@@ -164,7 +164,7 @@ static void test_stays_local(void **state)
     smr *s = start(&mesh, 1);
     const uint32_t v = smr_model_position(s->shared.model, SIDE + 1u);
     (void)state;
-    s->pace.repairing = 0;
+    s->schedule.repairing = 0;
     memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
     smr_at3(s->shape.x_next, v)[0] += 9.0f; /* over its neighbour */
     for (uint32_t i = 0; i < s->shared.n; i++)
@@ -189,7 +189,7 @@ static void test_gives_way_gradually(void **state)
         const smr_mesh mesh = sheet();
         smr *s = start(&mesh, 1);
         float *p = smr_at3(s->shape.x_next, smr_model_position(s->shared.model, 5u * SIDE + 5u));
-        s->pace.repairing = 0;
+        s->schedule.repairing = 0;
         memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
         p[0] += 0.01f * (float)k;
         p[2] += 3.0f;
@@ -212,15 +212,15 @@ static void test_repairs(void **state)
     (void)state;
     for (uint32_t seed = 1; seed < 10u; seed++) {
         smr *s = start(&mesh, 1);
-        assert_true(s->pace.repairing > 0u);
+        assert_true(s->schedule.repairing > 0u);
         step_over(s, 12, seed);
         memcpy(s->shape.x, s->shape.x_next, 3u * s->shared.n * sizeof(float)); /* folded already */
         memcpy(s->shape.x_ref, s->shape.x, 3u * s->shared.n * sizeof(float));
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
         before += n_folds(&mesh, x);
-        for (uint32_t i = 0; i < 100u && s->pace.repairing > 0u; i++)
+        for (uint32_t i = 0; i < 100u && s->schedule.repairing > 0u; i++)
             assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
-        assert_int_equal(0, s->pace.repairing); /* it ends */
+        assert_int_equal(0, s->schedule.repairing); /* it ends */
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
         after += n_folds(&mesh, x);
     }
@@ -237,8 +237,8 @@ static void sharpen(float rest, float next, uint32_t radius, uint32_t *before, u
     float x[3 * SIDE * SIDE];
     smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
     assert_int_equal(SMR_OK, smr_set_positions(s, 0, sharp.xyz));
-    s->pace.repairing = 0;
-    s->pace.radius = radius;
+    s->schedule.repairing = 0;
+    s->schedule.radius = radius;
     memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
     *before = n_below(&mesh, sharp.xyz, 0.0f);
     settle(s);
@@ -279,7 +279,7 @@ static void test_repairs_only_with_surfaces(void **state)
             s->forces.image.has_image = grid;
             s->forces.surface.n_goals = goals;
             smr_schedule_start(s);
-            assert_int_equal(grid == 0u || goals > 0u, s->pace.repairing > 0u);
+            assert_int_equal(grid == 0u || goals > 0u, s->schedule.repairing > 0u);
         }
     }
 }
@@ -292,8 +292,8 @@ static void test_only_at_the_finest_radii(void **state)
     smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
     (void)state;
     for (uint32_t r = 0; r < 3u; r++) {
-        s->pace.radius = r;
-        assert_int_equal(r > 0u, smr_folds_guarded(&s->shared, &s->pace));
+        s->schedule.radius = r;
+        assert_int_equal(r > 0u, smr_folds_guarded(&s->shared, &s->schedule));
         assert_int_equal(r > 0u, smr_fold_find_tasks(&s->folds) > 0u);
     }
     s->shared.config.motion.fold_guard = 0;

@@ -49,8 +49,8 @@ static uint32_t check(const unit_mesh *mesh)
     c.radius_mm[0] = 5.0f;
     unit_image image = unit_prepare_mesh(mesh, &c);
     const smr_model *m = image.model;
-    const uint32_t nt = smr_le32(m->n_triangles), n = smr_le32(m->n_hinges);
-    const smr_stored_hinge *h = smr_at(m, m->at_hinges);
+    const uint32_t nt = smr_le32(m->n_triangles), n = smr_le32(m->n_dihedrals);
+    const smr_stored_dihedral *h = smr_at(m, m->at_dihedrals);
     uint32_t *t = unit_memory(12u * (size_t)nt), *want = unit_memory(4u * (size_t)nt * nt);
     uint32_t *got = unit_memory(4u * (size_t)nt * nt);
     for (uint32_t i = 0; i < 3u * nt; i++)
@@ -59,14 +59,14 @@ static uint32_t check(const unit_mesh *mesh)
     shared_edges(t, nt, want);
     memset(got, 0, 4u * (size_t)nt * nt);
     for (uint32_t i = 0; i < n; i++) {
-        const uint32_t a = smr_le32(h[i].first), b = smr_le32(h[i].bend) & SMR_HINGE_MASK;
+        const uint32_t a = smr_le32(h[i].first), b = smr_le32(h[i].bend) & SMR_DIHEDRAL_MASK;
         assert_true(a < nt && b < nt && a != b);
         got[(a < b ? a : b) * nt + (a < b ? b : a)]++;
         double na[3], nb[3];
         unit_normal(xyz, t + 3u * (size_t)a, na);
         unit_normal(xyz, t + 3u * (size_t)b, nb);
         const double rest = na[0] * nb[0] + na[1] * nb[1] + na[2] * nb[2];
-        const double limit = (double)smr_hinge_limit(smr_le32(h[i].bend));
+        const double limit = (double)smr_dihedral_limit(smr_le32(h[i].bend));
         assert_true(limit <= rest + 1e-6 && limit >= -1.0); /* at rest nothing counts as bent */
     }
     for (uint32_t a = 0; a < nt; a++) {

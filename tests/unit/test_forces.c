@@ -92,7 +92,7 @@ static void test_closest_point(void **state)
         }
         assert_int_equal(n_forces, t.s->forces.totals.n_forces);
         assert_int_equal(t.s->shared.n - n_forces, t.s->forces.totals.n_rejected);
-        assert_int_equal(t.s->shared.n, t.s->forces.totals.n_drawn);
+        assert_int_equal(t.s->shared.n, t.s->forces.totals.n_with_target);
         assert_true(fabs(largest - (double)t.s->forces.totals.max) < 1.0e-4);
         assert_true(n_forces == 0u || fabs(sum / n_forces - (double)t.s->forces.totals.mean) < 1.0e-4);
         assert_true(t.s->forces.totals.rms >= t.s->forces.totals.mean * 0.9999f);
@@ -199,7 +199,7 @@ static void test_no_target_no_force(void **state)
     (void)state;
     assert_int_equal(SMR_OK, smr_set_surface(t.s, 0, NULL));
     search(t.s);
-    assert_int_equal(0, t.s->forces.totals.n_drawn);
+    assert_int_equal(0, t.s->forces.totals.n_with_target);
     assert_int_equal(0, t.s->forces.totals.n_forces);
     assert_int_equal(0, t.s->forces.totals.n_rejected);
     for (uint32_t i = 0; i < 3u * t.s->shared.n; i++)

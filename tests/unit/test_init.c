@@ -50,9 +50,10 @@ static void check_slots(const smr *s, size_t bytes)
         {s->sums.sum, n * SMR_WORDS * sizeof(uint32_t)},
         {s->match.transform, 4u * v3},
         {s->match.eigen, s->match.eigen == NULL ? 0u : 3u * v3},
-        {s->overlay.tally, (s->shared.n_tasks > s->folds.n_hinge_tasks ? s->shared.n_tasks : s->folds.n_hinge_tasks) *
-                               sizeof *s->overlay.tally},
-        {s->shape.facet_normal, 3u * (size_t)s->shared.n_triangles * sizeof(float)},
+        {s->overlay.tally,
+         (s->shared.n_tasks > s->folds.n_dihedral_tasks ? s->shared.n_tasks : s->folds.n_dihedral_tasks) *
+             sizeof *s->overlay.tally},
+        {s->shape.triangle_normal, 3u * (size_t)s->shared.n_triangles * sizeof(float)},
         {s->forces.surface.target_warm, pulls * sizeof(uint32_t)},
         {s->forces.surface.pull, pulls == 0u ? 0u : s->shared.config.basic.n_workers * n * 4u * sizeof(int64_t)},
         {s->shape.node, pulls == 0u ? 0u : s->shape.n_nodes * sizeof(smr_node)},
@@ -111,7 +112,7 @@ static void test_counts_and_parts(void **state)
         assert_int_equal(triangles, part->first_triangle);
         assert_int_equal(leaves, part->first_leaf);
         assert_int_equal(mesh[i].n_vertices, part->n_vertices);
-        assert_int_equal(mesh[i].n_triangles, part->facets.n_triangles);
+        assert_int_equal(mesh[i].n_triangles, part->tree.n_triangles);
         assert_null(s->forces.surface.target[i].surface);
         vertices += mesh[i].n_vertices;
         triangles += mesh[i].n_triangles;

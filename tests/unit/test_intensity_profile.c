@@ -11,9 +11,9 @@
 #define N 30u
 #define M 70u
 
-static const smr_likeness likeness[] = {{SMR_SIMILARITY_NCC, 0.0f, 0.0f, 0},
-                                        {SMR_SIMILARITY_SSD, 0.0f, 0.0f, 0},
-                                        {SMR_SIMILARITY_CONCORDANCE, 0.0f, 0.0f, 0}};
+static const smr_similarity similarity[] = {{SMR_SIMILARITY_NCC, 0.0f, 0.0f, 0},
+                                            {SMR_SIMILARITY_SSD, 0.0f, 0.0f, 0},
+                                            {SMR_SIMILARITY_CONCORDANCE, 0.0f, 0.0f, 0}};
 
 static float value_of(uint32_t kind, float t)
 {
@@ -100,7 +100,7 @@ static void test_flat(void **state)
         assert_true(p.range == 0.0f);
         line_of(0, 20, 1, 0, line, inside);
         for (int ssd = 0; ssd < 2; ssd++)
-            assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[ssd]).confidence == 0.0f);
+            assert_true(smr_profile_match(VIEW(p), line, inside, M, &similarity[ssd]).confidence == 0.0f);
         assert_true(smr_profile_edge(VIEW(p), 15, line, inside, M, 35, 10).confidence == 0.0f);
     }
     for (float scale = 1.0e-30f; scale > 0.0f; scale *= 0.1f) { /* as good as flat: 255 / range would be infinite */
@@ -118,7 +118,7 @@ static void test_flat(void **state)
             line[i] = level[k];
             inside[i] = 1;
         }
-        assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[0]).confidence == 0.0f);
+        assert_true(smr_profile_match(VIEW(p), line, inside, M, &similarity[0]).confidence == 0.0f);
         assert_true(smr_profile_edge(VIEW(p), 14, line, inside, M, 35, 10).confidence == 0.0f);
     }
 }
@@ -136,7 +136,7 @@ static void test_shifts(void **state)
         unsigned char inside[M];
         /* the fourth light is the same as the reference's, by squared differences */
         line_of(kind, shift, light < 3u ? gains[light] : 1.0f, light < 3u ? adds[light] : 0.0f, line, inside);
-        const smr_peak peak = smr_profile_match(VIEW(p), line, inside, M, &likeness[light == 3u]);
+        const smr_peak peak = smr_profile_match(VIEW(p), line, inside, M, &similarity[light == 3u]);
         assert_true(peak.confidence > 0.1f && peak.confidence <= 1.0f);
         assert_true(fabsf(peak.at - shift) < 0.1f);
     }
@@ -150,8 +150,8 @@ static void test_ssd_sees_level(void **state)
     unsigned char inside[M];
     (void)state;
     line_of(2, 20, 1.0f, 30.0f, line, inside);
-    assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[0]).confidence > 0.1f);
-    assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[1]).confidence == 0.0f);
+    assert_true(smr_profile_match(VIEW(p), line, inside, M, &similarity[0]).confidence > 0.1f);
+    assert_true(smr_profile_match(VIEW(p), line, inside, M, &similarity[1]).confidence == 0.0f);
 }
 
 /* Concordance compares contrast, too: of two places of the same form the one of like contrast wins, and a difference
@@ -159,7 +159,7 @@ static void test_ssd_sees_level(void **state)
 static void test_concordance_sees_contrast(void **state)
 {
     const packed_profile p = reference(0);
-    const smr_likeness noisy = {SMR_SIMILARITY_CONCORDANCE, 4.0f, 0.0f, 0};
+    const smr_similarity noisy = {SMR_SIMILARITY_CONCORDANCE, 4.0f, 0.0f, 0};
     float line[2u * M];
     unsigned char inside[2u * M];
     (void)state;
@@ -167,7 +167,7 @@ static void test_concordance_sees_contrast(void **state)
         line_of(0, 20, faint == 0u ? 0.3f : 1.0f, 0.0f, line, inside);
         line_of(0, 20, faint == 1u ? 0.3f : 1.0f, 0.0f, line + M, inside + M);
         const float wanted = faint == 0u ? 20.0f + (float)M : 20.0f;
-        const smr_peak peak = smr_profile_match(VIEW(p), line, inside, 2u * M, &likeness[2]);
+        const smr_peak peak = smr_profile_match(VIEW(p), line, inside, 2u * M, &similarity[2]);
         assert_true(fabsf(peak.at - wanted) < 0.1f && peak.confidence > 0.5f);
         const smr_peak none = smr_profile_match(VIEW(p), line, inside, 2u * M, &noisy);
         assert_true(none.confidence < 0.5f * peak.confidence);
@@ -180,7 +180,7 @@ static void test_nearer_wins(void **state)
     const packed_profile p = reference(2);
     (void)state;
     for (uint32_t kind = 0; kind < 3u; kind++) {
-        const smr_likeness how = {kind, 0.0f, 0.2f, 0};
+        const smr_similarity how = {kind, 0.0f, 0.2f, 0};
         for (uint32_t side = 0; side < 2u; side++) {
             float line[3u * M];
             unsigned char inside[3u * M];
@@ -209,7 +209,7 @@ static void test_outside_windows(void **state)
             line_of(0, 20, 1, 0, line, inside);
             line[hole] = 0.0f;
             inside[hole] = 0;
-            const smr_peak peak = smr_profile_match(VIEW(p), line, inside, M, &likeness[ssd]);
+            const smr_peak peak = smr_profile_match(VIEW(p), line, inside, M, &similarity[ssd]);
             const uint32_t o = (uint32_t)(peak.at + 0.5f);
             if (hole < 19u || hole >= 21u + N)
                 assert_true(fabsf(peak.at - 20.0f) < 0.1f && peak.confidence > 0.1f);
@@ -225,10 +225,10 @@ static void test_outside_windows(void **state)
         inside[k] = 0; /* one in each window */
         line[k] = 0.0f;
     }
-    assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[0]).confidence == 0.0f);
-    assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[1]).confidence == 0.0f);
+    assert_true(smr_profile_match(VIEW(p), line, inside, M, &similarity[0]).confidence == 0.0f);
+    assert_true(smr_profile_match(VIEW(p), line, inside, M, &similarity[1]).confidence == 0.0f);
     memset(inside, 0, sizeof inside);
-    assert_true(smr_profile_match(VIEW(p), line, inside, M, &likeness[0]).confidence == 0.0f);
+    assert_true(smr_profile_match(VIEW(p), line, inside, M, &similarity[0]).confidence == 0.0f);
     assert_true(smr_profile_edge(VIEW(p), 14, line, inside, M, 35, 10).confidence == 0.0f);
 }
 
@@ -381,7 +381,7 @@ static void test_ranges(void **state)
         const float low = rig_between(&seed, -1, 1) * scale,
                     range = rig_between(&seed, 0.01f, 10.0f) * (round % 7u ? scale : 1.0f);
         const smr_profile packed = {byte, low, range, n};
-        const smr_peak match = smr_profile_match(&packed, line, inside, m, &likeness[round % 3u]);
+        const smr_peak match = smr_profile_match(&packed, line, inside, m, &similarity[round % 3u]);
         assert_true(match.confidence >= 0.0f && match.confidence <= 1.0f);
         assert_true(match.at >= 0.0f && match.at <= (float)(m - n));
         if (m >= 8u) {

@@ -48,8 +48,8 @@ static void drive(smr *s, const float m[9], smr_vec t)
         u_max = fmaxf(u_max, smr_length(f));
         l_max = fmaxf(l_max, 2.0f * smr_length(f) * smr_length(x));
     }
-    s->sums.scale[0] = exp2f(floorf(log2f(1.0e9f / ((float)s->pace.lists.largest * (u_max + 1.0e-9f)))));
-    s->sums.scale[1] = exp2f(floorf(log2f(1.0e9f / ((float)s->pace.lists.largest * (l_max + 1.0e-9f)))));
+    s->sums.scale[0] = exp2f(floorf(log2f(1.0e9f / ((float)s->schedule.lists.largest * (u_max + 1.0e-9f)))));
+    s->sums.scale[1] = exp2f(floorf(log2f(1.0e9f / ((float)s->schedule.lists.largest * (l_max + 1.0e-9f)))));
     s->sums.words = 12;
     run_all(&s->sums, s->shared.n_tasks, smr_sums_record);
     run_all(&s->sums, smr_block_tasks(&s->sums), smr_sums_forest);
@@ -187,8 +187,8 @@ static void test_scales_for_averaging(void **state)
         }
     }
     assert_int_equal(12, s->sums.words);
-    const float room[2] = {(float)s->pace.lists.largest * r * s->sums.scale[0],
-                           (float)s->pace.lists.largest * t * s->sums.scale[1]};
+    const float room[2] = {(float)s->schedule.lists.largest * r * s->sums.scale[0],
+                           (float)s->schedule.lists.largest * t * s->sums.scale[1]};
     for (uint32_t i = 0; i < 2u; i++)
         assert_true(room[i] <= 1073741824.0f && room[i] > 536870912.0f * 0.99f);
 }

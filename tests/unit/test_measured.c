@@ -113,7 +113,7 @@ static void test_target_within_an_iteration(void **state)
     smr_tick_report r;
     (void)state;
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, goal[0]));
-    while (s->pace.repairing > 0u || s->pace.iteration < 2u)
+    while (s->schedule.repairing > 0u || s->schedule.iteration < 2u)
         (void)rig_run(s, 1);
     assert_int_equal(SMR_PARTIAL, smr_tick(s, 1, &r));
     assert_true(smr_forces_pending(s) && r.n_forces > 0u && r.residual_mean_mm >= 0.0f);

@@ -46,12 +46,12 @@ static void test_normals_and_boxes(void **state)
     (void)state;
     for (uint32_t round = 1; round < 4u; round++) {
         scramble(s, round);
-        smr_facets_follow(&s->shape, s->shape.x_next);
-        for (uint32_t t = smr_facets_tasks(&s->shape); t > 0u; t--)
-            smr_facets_refit(&s->shape, t - 1u, 0);
-        smr_facets_end(&s->shape);
+        smr_triangles_follow(&s->shape, s->shape.x_next);
+        for (uint32_t t = smr_triangles_tasks(&s->shape); t > 0u; t--)
+            smr_triangles_refit(&s->shape, t - 1u, 0);
+        smr_triangles_end(&s->shape);
         for (uint32_t i = 0; i < s->shared.n_structures; i++) {
-            const smr_facets *f = &s->shape.structure[i].facets;
+            const smr_box_tree *f = &s->shape.structure[i].tree;
             for (uint32_t k = 0; k < f->n_triangles; k++) {
                 const float *p[3];
                 for (uint32_t c = 0; c < 3u; c++)
@@ -75,13 +75,14 @@ static void test_all_at_once_is_the_same(void **state)
     smr *s = start(10), *twin = start(10);
     (void)state;
     scramble(s, 77);
-    smr_facets_follow(&s->shape, s->shape.x_next);
-    for (uint32_t t = 0; t < smr_facets_tasks(&s->shape); t++)
-        smr_facets_refit(&s->shape, t, 0);
-    smr_facets_end(&s->shape);
+    smr_triangles_follow(&s->shape, s->shape.x_next);
+    for (uint32_t t = 0; t < smr_triangles_tasks(&s->shape); t++)
+        smr_triangles_refit(&s->shape, t, 0);
+    smr_triangles_end(&s->shape);
     memcpy(twin->shape.x, s->shape.x_next, 3u * s->shared.n * sizeof(float));
-    smr_facets_now(&twin->shape);
-    assert_memory_equal(s->shape.facet_normal, twin->shape.facet_normal, 3u * s->shared.n_triangles * sizeof(float));
+    smr_triangles_now(&twin->shape);
+    assert_memory_equal(s->shape.triangle_normal, twin->shape.triangle_normal,
+                        3u * s->shared.n_triangles * sizeof(float));
     assert_memory_equal(s->shape.node, twin->shape.node, s->shape.n_nodes * sizeof *s->shape.node);
 }
 
@@ -91,17 +92,17 @@ static void test_each_leaf_in_one_task(void **state)
     (void)state;
     assert_null(s->shape.node);
     scramble(s, 5);
-    smr_facets_follow(&s->shape, s->shape.x_next);
-    for (uint32_t t = 0; t < smr_facets_tasks(&s->shape); t++) {
+    smr_triangles_follow(&s->shape, s->shape.x_next);
+    for (uint32_t t = 0; t < smr_triangles_tasks(&s->shape); t++) {
         uint32_t changed = 0;
         float *before = rig_alloc(3u * s->shared.n_triangles * sizeof *before);
-        memcpy(before, s->shape.facet_normal, 3u * s->shared.n_triangles * sizeof *before);
-        smr_facets_refit(&s->shape, t, 0);
+        memcpy(before, s->shape.triangle_normal, 3u * s->shared.n_triangles * sizeof *before);
+        smr_triangles_refit(&s->shape, t, 0);
         for (uint32_t k = 0; k < s->shared.n_triangles; k++)
-            changed += memcmp(before + 3u * k, s->shape.facet_normal + 3u * k, 3u * sizeof *before) != 0;
+            changed += memcmp(before + 3u * k, s->shape.triangle_normal + 3u * k, 3u * sizeof *before) != 0;
         assert_true(changed > 0u && changed <= 256u); /* bounded work, and none in vain */
     }
-    smr_facets_end(&s->shape); /* nothing above leaves that do not exist */
+    smr_triangles_end(&s->shape); /* nothing above leaves that do not exist */
 }
 
 int main(void)

@@ -77,7 +77,7 @@ static void falls_off_beyond_a_border(void **state)
         const smr *s = judged(width, SMR_COVERAGE_AUTO);
         for (uint32_t column = 0; column < SIDE; column++) {
             const float expected = 255.0f * share_beyond(s, smr_max(STEP * (float)column - width, 0.0f));
-            const float seen = (float)s->forces.surface.seen[stored(s, column, 10)];
+            const float seen = (float)s->forces.surface.visibility[stored(s, column, 10)];
             if (!(fabsf(seen - expected) <= (expected > 8.0f ? ROUNDED : 8.0f)))
                 print_error("width %g, column %u: %g, not %g\n", (double)width, column, (double)seen, (double)expected);
             assert_true(fabsf(seen - expected) <= (expected > 8.0f ? ROUNDED : 8.0f));
@@ -96,10 +96,10 @@ static float judge_again(smr *s, uint32_t before)
     const smr_vec p = smr_add(smr_load(s->shape.x + 3u * (size_t)v), smr_sub(s->shape.origin, target->origin));
     const smr_query q = {p, smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
     smr_hit hit = {1.0e6f, SMR_NONE, {0, 0, 0}};
-    smr_tree_closest(&target->facets, &q, &hit);
-    g->seen[v] = (uint8_t)before;
-    smr_overlap_judge(g, v, target, &hit, smr_sub(smr_facet_point(&target->facets, hit.triangle, hit.weight), p));
-    return (float)g->seen_next[v];
+    smr_tree_closest(&target->tree, &q, &hit);
+    g->visibility[v] = (uint8_t)before;
+    smr_visibility_judge(g, v, target, &hit, smr_sub(smr_triangle_point(&target->tree, hit.triangle, hit.weight), p));
+    return (float)g->visibility_next[v];
 }
 
 static void normals_that_disagree(void **state)
@@ -135,12 +135,12 @@ static void not_mutual(void **state)
         const smr_vec p = smr_add(smr_load(s->shape.x + 3u * (size_t)v), smr_sub(s->shape.origin, target->origin));
         const smr_query q = {p, smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
         smr_hit hit = {1.0e6f, SMR_NONE, {0, 0, 0}};
-        smr_tree_closest(&target->facets, &q, &hit);
+        smr_tree_closest(&target->tree, &q, &hit);
         s->shape.x[3u * (size_t)v + 1u] += off;
-        g->seen[v] = 0;
-        smr_overlap_judge(g, v, target, &hit, smr_v(0, 0, APART));
+        g->visibility[v] = 0;
+        smr_visibility_judge(g, v, target, &hit, smr_v(0, 0, APART));
         s->shape.x[3u * (size_t)v + 1u] -= off;
-        const float seen = (float)g->seen_next[v];
+        const float seen = (float)g->visibility_next[v];
         assert_true(seen <= before);
         assert_true(off > 0.4f * tolerance(s) || seen > 250.0f);
         assert_true(off < 2.5f * tolerance(s) || seen == 0.0f);
@@ -168,10 +168,10 @@ static void corners_that_find_nothing(void **state)
             hit.weight[c] = most ? 0.4f : 0.6f;
             hit.weight[(c + 1u) % 3u] = 1.0f - hit.weight[c];
             g->target_warm[silent] = SMR_NONE;
-            g->seen[v] = 128;
-            smr_overlap_judge(g, v, target, &hit, smr_v(0, 0, APART));
+            g->visibility[v] = 128;
+            smr_visibility_judge(g, v, target, &hit, smr_v(0, 0, APART));
             g->target_warm[silent] = kept;
-            assert_true(most ? g->seen_next[v] == 0u : g->seen_next[v] > 60u);
+            assert_true(most ? g->visibility_next[v] == 0u : g->visibility_next[v] > 60u);
         }
 }
 
@@ -192,7 +192,7 @@ static void which_targets_are_partial(void **state)
     smr *s = judged(50.0f, SMR_COVERAGE_AUTO);
     assert_int_equal(s->forces.surface.partial, 1);
     s = judged(50.0f, SMR_COVERAGE_WHOLE);
-    assert_null(s->forces.surface.seen);
+    assert_null(s->forces.surface.visibility);
     assert_int_equal(s->forces.surface.partial, 0);
     for (uint32_t k = 0; k < 3u; k++) {
         const smr_mesh ball = rig_ball(30.0f, 13, 20, centre), goal = rig_ball(30.0f, 15, 22, k == 1u ? aside : centre);
@@ -205,7 +205,7 @@ static void which_targets_are_partial(void **state)
         (void)rig_run(s, 1);
         assert_int_equal(s->forces.surface.partial, k > 0u); /* aside, not all of it finds mutual goals */
         assert_true(s->forces.surface.target[0].n_judged == ball.n_vertices);
-        assert_true((s->forces.surface.target[0].n_seen > 9u * ball.n_vertices / 10u) == (k != 1u));
+        assert_true((s->forces.surface.target[0].n_visible > 9u * ball.n_vertices / 10u) == (k != 1u));
     }
 }
 

@@ -182,9 +182,9 @@ static void test_fade(void **state)
         assert_int_equal(SMR_OK, smr_set_volume(s, &reference));
         for (uint32_t i = 1; !report.done; i++) {
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-            assert_true((s->pace.ease < 1.0f) == (fade == 1u && i > 4u));
+            assert_true((s->schedule.fade < 1.0f) == (fade == 1u && i > 4u));
         }
-        assert_true(s->pace.ease == (fade ? 0.0f : 1.0f));
+        assert_true(s->schedule.fade == (fade ? 0.0f : 1.0f));
     }
 }
 

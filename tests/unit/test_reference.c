@@ -36,7 +36,10 @@ static void settle(smr *s)
 }
 
 /* A vertex' mass in the sums: an ignored one is out of every cluster. */
-static float active_mass(const smr *s, uint32_t v) { return smr_active(&s->pace, v) ? smr_mass(&s->shared, v) : 0.0f; }
+static float active_mass(const smr *s, uint32_t v)
+{
+    return smr_active(&s->schedule, v) ? smr_mass(&s->shared, v) : 0.0f;
+}
 
 /* Largest errors, relative to the cluster's size: of the centre, and of the covariance (polar) or of inertia times its
  * inverse (rigid). */

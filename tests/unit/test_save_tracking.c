@@ -95,12 +95,12 @@ static smr *run_to(uint32_t c)
 
 static void note(const smr *s)
 {
-    met.schedule += !s->pace.tracking;
-    met.settled += s->pace.settled && !s->pace.called;
-    met.called += s->pace.called;
-    met.jumped += s->pace.jumped;
-    met.recovering += s->pace.recovering == 1u;
-    met.after += s->pace.recovering == 2u;
+    met.schedule += !s->schedule.tracking;
+    met.settled += s->schedule.settled && !s->schedule.changed;
+    met.called += s->schedule.changed;
+    met.jumped += s->schedule.jumped;
+    met.recovering += s->schedule.recovering == 1u;
+    met.after += s->schedule.recovering == 2u;
 }
 
 static void save(const smr *s)

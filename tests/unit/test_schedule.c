@@ -63,7 +63,7 @@ static void test_iterations_of_each_radius(void **state)
             c.basic.iterations_last = 7;
             smr *s = start(&c, 1, 0);
             while (!report.done && total < 100u) {
-                const uint32_t radius = s->pace.radius;
+                const uint32_t radius = s->schedule.radius;
                 assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
                 at[radius]++;
                 total++;
@@ -213,11 +213,11 @@ static void test_search_follows_the_radius(void **state)
     c.forces.search_radii = 1.5f;
     c.basic.iterations = 1;
     smr *s = start(&c, 1, 0);
-    assert_true(fabsf(s->pace.search_mm - 50.0f) < 1.0e-4f); /* 60 is more than search_mm */
+    assert_true(fabsf(s->schedule.search_mm - 50.0f) < 1.0e-4f); /* 60 is more than search_mm */
     (void)rig_run(s, 1);
-    assert_true(fabsf(s->pace.search_mm - 37.5f) < 1.0e-4f);
+    assert_true(fabsf(s->schedule.search_mm - 37.5f) < 1.0e-4f);
     (void)rig_run(s, 1);
-    assert_true(fabsf(s->pace.search_mm - 22.5f) < 1.0e-4f);
+    assert_true(fabsf(s->schedule.search_mm - 22.5f) < 1.0e-4f);
 }
 
 /* Repairing iterations come before a radius and do not count, and there is an end to them. */
@@ -230,7 +230,7 @@ static void test_repair_ends(void **state)
     c.basic.iterations = c.basic.iterations_last = 3;
     smr *s = start(&c, 1, 1);
     for (uint32_t i = 0; i < 500u && !report.done; i++) {
-        extra += s->pace.repairing > 0u;
+        extra += s->schedule.repairing > 0u;
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
     }
     assert_int_equal(1, report.done);

@@ -125,14 +125,14 @@ static void test_starts_over(void **state)
     (void)rig_run(s, 10);
     const uint64_t hash = smr_state_hash(s);
     assert_int_equal(SMR_OK, smr_set_pose(s, &same));
-    assert_int_equal(0, s->pace.iteration);
-    assert_int_equal(0, s->pace.plastic_updates);
+    assert_int_equal(0, s->schedule.iteration);
+    assert_int_equal(0, s->schedule.plastic_updates);
     assert_memory_equal(start_x, rig_positions(s, model), 3u * s->shared.n * sizeof(float));
     (void)rig_run(s, 10); /* the target is still there */
     assert_true(hash == smr_state_hash(s));
     (void)rig_run(s, 1000);
     assert_int_equal(SMR_OK, smr_set_positions(s, 0, start_x));
-    assert_int_equal(0, s->pace.done);
+    assert_int_equal(0, s->schedule.done);
     (void)rig_run(s, 10);
     assert_true(hash == smr_state_hash(s));
 }

@@ -59,7 +59,7 @@ static void test_records(void **state)
             for (uint32_t a = 0; a < 3u; a++) {
                 ref[a] = (double)smr_at3(s->shape.x_ref, v)[a];
                 u[a] = (double)smr_at3(s->shape.x, v)[a] + (double)smr_at3(s->forces.force, v)[a] - ref[a];
-                u[a] += (double)s->pace.momentum *
+                u[a] += (double)s->schedule.momentum *
                         ((double)smr_at3(s->shape.x, v)[a] - (double)smr_at3(s->shape.x_next, v)[a]);
                 assert_true(fabs(rounded(u[a], 1024.0f) - (double)(int32_t)r[a]) <= 1.0);
             }
@@ -118,7 +118,7 @@ static void test_both_widths(void **state)
     smr *s = start(0, &model);
     const size_t n_words = SMR_WORDS * (size_t)s->shared.n;
     uint32_t seed = 9, *sum = rig_alloc(n_words * sizeof *sum);
-    const smr_lists narrow = s->pace.lists, wide = widened(&s->pace.lists, s->shared.n);
+    const smr_lists narrow = s->schedule.lists, wide = widened(&s->schedule.lists, s->shared.n);
     const rig_lists l = rig_decode(model, 0, 1, 1);
     (void)state;
     assert_int_equal(2, narrow.index_bytes);
@@ -127,7 +127,7 @@ static void test_both_widths(void **state)
     for (uint32_t i = 0; i < 4u; i++) {
         s->sums.words = words[i];
         for (uint32_t pass = 0; pass < 2u; pass++) {
-            s->pace.lists = pass ? wide : narrow;
+            s->schedule.lists = pass ? wide : narrow;
             memset(s->sums.sum, 0x77, n_words * sizeof *s->sums.sum);
             run_all(&s->sums, smr_block_tasks(&s->sums), smr_sums_forest);
             for (uint32_t v = 0; v < s->shared.n; v++) {

@@ -138,7 +138,7 @@ static void test_refit(void **state)
     assert_int_equal(SMR_OK, refit(refitted, next.xyz, 0));
     assert_int_equal(SMR_OK, refit(again, mesh.xyz, 2)); /* there and back, and there */
     assert_int_equal(SMR_OK, refit(again, next.xyz, 1));
-    assert_memory_equal(refitted->facets.node, again->facets.node, smr_tree_nodes(mesh.n_triangles) * sizeof(smr_node));
+    assert_memory_equal(refitted->tree.node, again->tree.node, smr_tree_nodes(mesh.n_triangles) * sizeof(smr_node));
     assert_true(refitted->area_mean == again->area_mean &&
                 fabsf(refitted->area_mean / built->area_mean - 1.0f) < 1e-5f);
     for (uint32_t i = 0; i < 300u; i++) {

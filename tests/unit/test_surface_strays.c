@@ -46,7 +46,7 @@ static unit_mesh beside(const unit_mesh *a, const unit_mesh *b, float shift)
 static uint32_t strays(const unit_mesh *m)
 {
     smr_surface *s = unit_surface(m);
-    const uint32_t n = s->n_stray;
+    const uint32_t n = s->n_fragment;
     unit_free(s);
     return n;
 }
@@ -83,7 +83,7 @@ static void scraps_show_nothing(void **state)
     (void)state;
     assert_int_equal(s->open, 0);
     assert_int_equal(s->n_used, clean->n_used);
-    assert_int_equal(s->n_stray_vertices, 300);
+    assert_int_equal(s->n_fragment_vertices, 300);
     assert_true(fabsf(s->area_mean / clean->area_mean - 1.0f) < 1.0e-4f);
     for (uint32_t i = 0; i < ball.nv; i++) {
         area += clean->area[i];
@@ -116,7 +116,7 @@ static void a_refit_knows_them(void **state)
     (void)state;
     assert_int_equal(SMR_OK, smr_surface_refit(s, spoilt.xyz));
     assert_int_equal(SMR_OK, smr_surface_step(s, 0, NULL, 0));
-    assert_true(s->area_mean == before && s->n_stray == 100u && s->n_stray_vertices == 300u && s->open == 0u);
+    assert_true(s->area_mean == before && s->n_fragment == 100u && s->n_fragment_vertices == 300u && s->open == 0u);
     assert_true(s->area[ball.nv] == 0.0f);
     unit_free(s);
     unit_mesh_free(&ball);
@@ -138,7 +138,7 @@ static void samples_are_the_same(void **state)
     for (uint32_t i = 0; i < 2u; i++) {
         smr_surface *s = unit_surface(mesh[i]);
         smr_align_side side = {.point = point[i], .normal = normal, .weight = weight, .pair = pair};
-        assert_int_equal(s->n_stray, i == 0u ? 0u : bone.nt / 16u);
+        assert_int_equal(s->n_fragment, i == 0u ? 0u : bone.nt / 16u);
         smr_align_side_make(&side, s, SAMPLES);
         for (uint32_t k = 0; k < SAMPLES; k++)
             at[i][k] = smr_add(point[i][k], s->origin);
@@ -176,7 +176,7 @@ static unit_mesh backwards(uint32_t n)
 static uint32_t longest_way(const smr_surface *s)
 {
     uint32_t most = 0;
-    for (uint32_t k = 0; k < s->facets.n_triangles; k++) {
+    for (uint32_t k = 0; k < s->tree.n_triangles; k++) {
         uint32_t steps = 0;
         for (uint32_t at = k; s->work.key[at] != at; at = s->work.key[at])
             steps++;
@@ -194,8 +194,8 @@ static void ways_up_stay_short(void **state)
     (void)state;
     for (uint32_t k = 0; k < m.nt; k++)
         assert_int_equal(s->original[k], k);
-    smr_strays_forget(s, 0, s->n_vertices);
-    smr_strays_join(s, 0, s->facets.n_triangles);
+    smr_fragments_forget(s, 0, s->n_vertices);
+    smr_fragments_join(s, 0, s->tree.n_triangles);
     assert_in_range(longest_way(s), 1, 10); /* 2^11 > 1999 */
     for (uint32_t k = 0; k < m.nt; k++)
         roots += s->work.key[k] == k;

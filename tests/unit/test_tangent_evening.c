@@ -97,14 +97,14 @@ static void test_step(void **state)
     smr *s = start(&c, &model, 1);
     for (uint32_t i = 0; i < 3u * s->shared.n; i++)
         s->shape.x[i] += 0.01f * (float)(i * 7u % 13u);
-    s->pace.radius_iteration = 5;
-    s->forces.surface.target[0].begun = 1;
-    smr_evening_begin(&s->evolve.evening);
-    assert_true(fabsf(s->evolve.evening.share - 0.8f * 0.25f) < 1.0e-6f);
-    for (uint32_t t = 0; t < smr_evening_tasks(&s->evolve.evening); t++)
-        smr_evening_clear(&s->evolve.evening, t, 0);
-    for (uint32_t t = 0; t < smr_evening_ring_tasks(&s->evolve.evening); t++)
-        smr_evening_rings(&s->evolve.evening, t, 0);
+    s->schedule.radius_iteration = 5;
+    s->forces.surface.target[0].had_target = 1;
+    smr_tangent_begin(&s->evolve.tangent_smooth);
+    assert_true(fabsf(s->evolve.tangent_smooth.share - 0.8f * 0.25f) < 1.0e-6f);
+    for (uint32_t t = 0; t < smr_tangent_tasks(&s->evolve.tangent_smooth); t++)
+        smr_tangent_clear(&s->evolve.tangent_smooth, t, 0);
+    for (uint32_t t = 0; t < smr_tangent_sum_tasks(&s->evolve.tangent_smooth); t++)
+        smr_tangent_sum(&s->evolve.tangent_smooth, t, 0);
     for (uint32_t v = 0; v < s->shared.n; v += 11u) {
         double sum[3] = {0, 0, 0}, n = 0.0, way[3], along = 0.0;
         for (uint32_t k = 0; k < 3u * s->shared.n_triangles; k++) {
@@ -119,16 +119,16 @@ static void test_step(void **state)
             way[a] = sum[a] / n - (double)(s->shape.x[3u * v + a] - s->shape.start[3u * v + a]);
             along += way[a] * (double)s->shape.normal[3u * v + a];
         }
-        const smr_vec step = smr_evening_way(&s->evolve.evening, v);
+        const smr_vec step = smr_tangent_displacement(&s->evolve.tangent_smooth, v);
         const double got[3] = {(double)step.x, (double)step.y, (double)step.z};
         for (uint32_t a = 0; a < 3u; a++)
             assert_true(fabs(got[a] - 0.2 * (way[a] - along * (double)s->shape.normal[3u * v + a])) < 1.0e-5);
-        s->evolve.evening.held[v] =
+        s->evolve.tangent_smooth.limited[v] =
             51; /* where the fold guard held back a fifth of a step, four fifths of it are left */
-        assert_true(fabs((double)smr_length(smr_evening_way(&s->evolve.evening, v)) - 0.8 * (double)smr_length(step)) <
-                    1.0e-6);
-        s->evolve.evening.held[v] = 255; /* where it held back all of it nothing is evened out any more */
-        assert_true(smr_length(smr_evening_way(&s->evolve.evening, v)) == 0.0f);
+        assert_true(fabs((double)smr_length(smr_tangent_displacement(&s->evolve.tangent_smooth, v)) -
+                         0.8 * (double)smr_length(step)) < 1.0e-6);
+        s->evolve.tangent_smooth.limited[v] = 255; /* where it held back all of it nothing is evened out any more */
+        assert_true(smr_length(smr_tangent_displacement(&s->evolve.tangent_smooth, v)) == 0.0f);
     }
 }
 

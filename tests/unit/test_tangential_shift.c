@@ -69,7 +69,7 @@ static smr_vec found_way(const smr_grid *grid, const trial *t)
         here[k] = t->gain * here[k] + t->brighter;
     const smr_profile reference = {packed, low, range, N};
     const smr_place place = {&reference, start, step, t->normal, here, t->gain, t->noise, REACH};
-    return smr_sideways(grid, &place);
+    return smr_tangential_shift(grid, &place);
 }
 
 static float length(smr_vec a) { return sqrtf(smr_dot(a, a)); }

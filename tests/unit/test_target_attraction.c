@@ -55,10 +55,10 @@ static void test_report_says_what_was_used(void **state)
     smr_tick_report report;
     (void)state;
     smr *s = start(1, &goal, 0.25f);
-    assert_true(s->pace.repairing > 0u);
+    assert_true(s->schedule.repairing > 0u);
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
     assert_true(report.details.attraction_used == 0.0f); /* forces do not act while folds are repaired */
-    while (s->pace.repairing > 0u)
+    while (s->schedule.repairing > 0u)
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
     assert_true(report.details.attraction_used == 0.25f);
@@ -179,7 +179,8 @@ static void test_closest_facet(void **state)
         smr_attract_search(&s->forces.surface, t, 0);
     for (uint32_t j = 0; j < goal.n_vertices; j++) {
         smr_closest hit;
-        assert_int_equal(SMR_OK, smr_surface_closest(model, goal.xyz + 3u * j, NULL, -2.0f, s->pace.search_mm, &hit));
+        assert_int_equal(SMR_OK,
+                         smr_surface_closest(model, goal.xyz + 3u * j, NULL, -2.0f, s->schedule.search_mm, &hit));
         assert_int_equal(hit.triangle == SMR_NONE, s->forces.surface.target_warm[j] == SMR_NONE);
         if (hit.triangle == SMR_NONE)
             continue;

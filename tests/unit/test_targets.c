@@ -123,7 +123,7 @@ static void test_trees_move_without_target(void **state)
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&moved)));
     (void)rig_run(s, 8);
     for (uint32_t i = 0; i < 3u; i++) {
-        const smr_facets *f = &s->shape.structure[i].facets;
+        const smr_box_tree *f = &s->shape.structure[i].tree;
         const smr_node *root = &f->node[f->level[f->n_levels - 1u]];
         for (uint32_t k = 0; k < 3u * f->n_triangles; k++) {
             const float *p = smr_at3(s->shape.x, f->triangle[k]);

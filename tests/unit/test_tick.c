@@ -35,26 +35,27 @@ static void test_report(void **state)
     (void)state;
     smr *s = start(&c, NULL);
     do {
-        const uint32_t radius = s->pace.radius, at = s->pace.radius_iteration, repairs = s->pace.repairing > 0u;
+        const uint32_t radius = s->schedule.radius, at = s->schedule.radius_iteration,
+                       repairs = s->schedule.repairing > 0u;
         memset(&report, 0xee, sizeof report);
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
         assert_int_equal(++n, report.iteration);
         assert_int_equal(0, report.details.phase);
         assert_int_equal(radius, report.details.radius); /* also where it was the last one there */
         assert_int_equal(repairs ? 0u : at + 1u, report.details.radius_iteration);
-        next_radius += s->pace.radius != radius;
+        next_radius += s->schedule.radius != radius;
         assert_int_equal(s->shared.n, report.details.n_active);
         assert_int_equal(s->shared.n, report.n_forces + report.details.n_rejected);
         assert_true(report.residual_mean_mm <= report.details.residual_rms_mm * 1.0001f);
         assert_true(report.details.residual_rms_mm <= report.details.residual_max_mm * 1.0001f);
-        assert_true(report.progress > 0.0f || s->pace.repairing > 0u || report.details.radius_iteration == 0u);
+        assert_true(report.progress > 0.0f || s->schedule.repairing > 0u || report.details.radius_iteration == 0u);
         for (uint32_t i = 0; i < SMR_PHASES; i++)
             assert_true(report.details.phase_ns[i] == 0u); /* no clock */
     } while (!report.done && n < 500u);
     assert_int_equal(1, report.done);
     assert_int_equal(1, next_radius);
     assert_int_equal(SMR_OK, smr_tick(s, 0, &report)); /* nothing to do */
-    assert_true(report.details.radius == 1u && report.details.radius_iteration == s->pace.radius_iteration &&
+    assert_true(report.details.radius == 1u && report.details.radius_iteration == s->schedule.radius_iteration &&
                 report.iteration == n);
     assert_true(report.residual_mean_mm < 1.0f); /* and it did get there: 6 mm at first */
 }
@@ -70,7 +71,7 @@ static void test_report_may_be_null(void **state)
         assert_int_equal(SMR_OK, smr_tick(twin, 0, &report));
     }
     assert_true(smr_state_hash(s) == smr_state_hash(twin));
-    assert_int_equal(12, s->pace.iteration);
+    assert_int_equal(12, s->schedule.iteration);
 }
 
 /* A second arena, filled with something else before, gives the same bits. */
@@ -129,7 +130,7 @@ static void test_forces_pending(void **state)
     uint32_t changes = 0;
     (void)state;
     assert_int_equal(1, smr_forces_pending(s));
-    for (uint32_t i = 0; i < 200u && s->pace.iteration == 0u; i++) {
+    for (uint32_t i = 0; i < 200u && s->schedule.iteration == 0u; i++) {
         (void)smr_tick(s, 2000, NULL);
         changes += smr_forces_pending(s) != had;
         had = smr_forces_pending(s);

@@ -61,7 +61,7 @@ static outcome run(smr *s, rig_clock *clock, uint64_t budget, uint32_t ticks)
         o.sum += time;
         o.whole += status == SMR_OK;
         if (status == SMR_OK) {
-            assert_true(r.details.n_taken >= s->pace.lists.active_min && r.details.n_taken <= r.details.n_wanted &&
+            assert_true(r.details.n_taken >= s->schedule.lists.active_min && r.details.n_taken <= r.details.n_wanted &&
                         r.details.n_wanted == s->shared.n);
             o.fewest = r.details.n_taken < o.fewest ? r.details.n_taken : o.fewest;
             o.most = r.details.n_taken > o.most ? r.details.n_taken : o.most;
@@ -221,7 +221,7 @@ static void test_set_active(void **state)
     assert_int_equal(333, r.details.n_taken);
     assert_int_equal(SMR_OK, smr_set_active(s, 1));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_int_equal(s->pace.lists.active_min, r.details.n_taken);
+    assert_int_equal(s->schedule.lists.active_min, r.details.n_taken);
     assert_int_equal(SMR_OK, smr_set_active(s, SMR_ALL));
     assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
     assert_int_equal(s->shared.n, r.details.n_taken);

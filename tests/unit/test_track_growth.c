@@ -56,16 +56,16 @@ static void test_cloud_that_grows(void **state)
     for (; n < CLOUD; n += 5u) {
         show(s, &e, cloud, 1, n, n + 5u);
         assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-        assert_int_equal(SMR_IMAGE_SEEN, s->pace.image_age);
-        assert_int_equal(smr_min_u32(n / 5u, e.config.track.iterations / 2u) + 1u, s->pace.radius_iteration);
+        assert_int_equal(SMR_IMAGE_CURRENT, s->schedule.image_age);
+        assert_int_equal(smr_min_u32(n / 5u, e.config.track.iterations / 2u) + 1u, s->schedule.radius_iteration);
     }
     assert_int_equal(SMR_OK, smr_points_weigh(cloud, 0, 0.5f));
     assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, cloud));
     (void)until_settled(s);
-    assert_true(s->pace.image_age == SMR_IMAGE_SEEN && off_ball(s, &e, 1) < 0.8f);
+    assert_true(s->schedule.image_age == SMR_IMAGE_CURRENT && off_ball(s, &e, 1) < 0.8f);
     show(s, &e, empty_cloud(memory), 2, 0, CLOUD);
     (void)until_settled(s);
-    assert_true(s->pace.image_age == SMR_IMAGE_PAST && off_ball(s, &e, 2) < 0.8f);
+    assert_true(s->schedule.image_age == SMR_IMAGE_PAST && off_ball(s, &e, 2) < 0.8f);
 }
 
 /* How far a field that shifts everything by 1 mm carries seen vertices along their surface, mm, when so many of ten are
@@ -74,18 +74,18 @@ static float carried_along(smr *s, uint32_t seen)
 {
     static const smr_pose shift = {{{1, 0, 0, 1}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     smr_target *const t = &s->forces.surface.target[0];
-    smr_unseen_field *const field = &s->forces.unseen;
+    smr_occluded_field *const field = &s->forces.occluded;
     float most = 0.0f;
     field->pose = shift;
     field->n = 1;
     memset(field->start, 0, 3u * sizeof *field->start);
-    memset(field->bend, 0, 3u * sizeof *field->bend);
+    memset(field->coefficient, 0, 3u * sizeof *field->coefficient);
     t->n_judged = 10;
-    t->n_seen = seen;
+    t->n_visible = seen;
     for (uint32_t v = 0; v < s->shared.n; v++) {
         smr_vec way = smr_v(0, 0, 0);
-        s->forces.surface.seen_next[v] = SMR_SEEN_ONE;
-        smr_unseen_field_blend(field, v, 1, &way);
+        s->forces.surface.visibility_next[v] = SMR_VISIBLE_ONE;
+        smr_occluded_field_blend(field, v, 1, &way);
         most = smr_max(most, smr_length(way));
     }
     return most;
@@ -104,7 +104,7 @@ static void test_whole_cloud_holds_itself(void **state)
     assert_int_equal(1, until_settled(s).details.tracking);
     assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[1]));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
-    assert_true(s->forces.surface.target[0].partial && s->pace.momentum < e.config.motion.momentum);
+    assert_true(s->forces.surface.target[0].partial && s->schedule.momentum < e.config.motion.momentum);
     const float part = carried_along(s, 7);
     assert_true(part > 0.5f && carried_along(s, 8) > 0.4f * part && carried_along(s, 8) < 0.6f * part);
     assert_true(!(carried_along(s, 9) > 0.001f * part) && !(carried_along(s, 10) > 0.0f));
@@ -129,7 +129,7 @@ static void test_lost_while_growing(void **state)
     assert_int_equal(SMR_OK, smr_set_volume(s, &nothing));
     assert_true(smr_tick(s, 0, &r) == SMR_OK && r.details.jumped);
     show(s, &e, cloud, FRAMES - 1u, 0, 5);
-    assert_true(smr_tick(s, 0, &r) == SMR_OK && r.details.jumped && s->pace.radius_iteration == 1u);
+    assert_true(smr_tick(s, 0, &r) == SMR_OK && r.details.jumped && s->schedule.radius_iteration == 1u);
 }
 
 /* What a cloud was when it was saved is known after it is restored. */
@@ -149,7 +149,7 @@ static void test_restores_growth(void **state)
     assert_int_equal(SMR_OK, smr_set_points(run[0], SMR_ALL, cloud));
     for (uint32_t i = 0; i < 2u; i++)
         (void)until_settled(run[i]);
-    assert_true(run[0]->pace.image_age == SMR_IMAGE_SEEN && smr_state_hash(run[0]) == smr_state_hash(run[1]));
+    assert_true(run[0]->schedule.image_age == SMR_IMAGE_CURRENT && smr_state_hash(run[0]) == smr_state_hash(run[1]));
 }
 
 int main(void)

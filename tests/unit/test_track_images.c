@@ -78,7 +78,7 @@ static void test_same_bits(void **state)
         sequence(&e, s, 0);
         if (k == 0u)
             hash = smr_state_hash(s);
-        assert_true(hash == smr_state_hash(s) && s->pace.image_age == SMR_IMAGE_PAST);
+        assert_true(hash == smr_state_hash(s) && s->schedule.image_age == SMR_IMAGE_PAST);
     }
 }
 
@@ -104,8 +104,8 @@ static void test_replays(void **state)
     smr *s = rig_init(e.model, &e.config, &port);
     assert_int_equal(SMR_OK, smr_set_log(s, memory, sizeof memory));
     sequence(&e, s, 60000);
-    assert_int_equal(1, s->pace.tracking);
-    assert_int_equal(SMR_IMAGE_PAST, s->pace.image_age);
+    assert_int_equal(1, s->schedule.tracking);
+    assert_int_equal(SMR_IMAGE_PAST, s->schedule.image_age);
     smr *again = rig_init(e.model, &e.config, NULL);
     assert_true(rig_replays(s, memory, by_checksum, &e, again, &partial) > 0u);
     assert_true(partial > 10u);
@@ -180,10 +180,10 @@ static void test_goals_leave_no_image(void **state)
     float *goal = rig_positions(s, e.model), *weight = rig_alloc(4u * (size_t)s->shared.n);
     assert_int_equal(SMR_OK, smr_set_goals(s, 0, goal, weight));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
-    assert_int_equal(SMR_IMAGE_SEEN, s->pace.image_age);
+    assert_int_equal(SMR_IMAGE_CURRENT, s->schedule.image_age);
     assert_int_equal(SMR_OK, smr_set_landmarks(s, NULL, 0));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
-    assert_int_equal(SMR_IMAGE_SEEN, s->pace.image_age);
+    assert_int_equal(SMR_IMAGE_CURRENT, s->schedule.image_age);
 }
 
 /* Where the image was left behind is kept. */

@@ -155,7 +155,7 @@ static void test_gives_up(void **state)
     e.config.track.settle_um = 0.0f;
     e.config.track.iterations = 7;
     smr *s = started(&e, NULL);
-    const uint32_t before = s->pace.iteration;
+    const uint32_t before = s->schedule.iteration;
     const smr_mesh next = turned(&e, 2, 1);
     const smr_tick_report r = set(s, &next, 100);
     assert_int_equal(1, r.details.settled);
@@ -197,16 +197,16 @@ static void test_jumps(void **state)
     for (uint32_t track = SMR_TRACK_REPORT; track <= SMR_TRACK_RECOVER; track++) {
         const scene e = make(track);
         smr *s = started(&e, NULL);
-        const uint32_t radius = s->pace.radius;
+        const uint32_t radius = s->schedule.radius;
         const smr_mesh near = turned(&e, 1, 0.5f), away = turned(&e, 12, 20), lost = turned(&e, 0, 900);
         smr_tick_report r = set(s, &near, 100);
         assert_int_equal(0, r.details.jumped);
         assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&away)));
         assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
         assert_int_equal(1, r.details.jumped);
-        assert_int_equal(track == SMR_TRACK_RECOVER && radius > 0u ? 0u : radius, s->pace.radius);
+        assert_int_equal(track == SMR_TRACK_RECOVER && radius > 0u ? 0u : radius, s->schedule.radius);
         r = until_settled(s, 200);
-        assert_true(r.details.settled && r.details.jumped && s->pace.radius == radius);
+        assert_true(r.details.settled && r.details.jumped && s->schedule.radius == radius);
         assert_true(track == SMR_TRACK_REPORT || r.residual_mean_mm < 0.5f);
         /* beyond all reach: said, and nothing lost */
         r = set(s, &lost, 200);
@@ -261,7 +261,7 @@ static void test_same_bits(void **state)
         sequence(&e, s, 0);
         if (k == 0u)
             hash = smr_state_hash(s);
-        assert_true(hash == smr_state_hash(s) && s->pace.tracking);
+        assert_true(hash == smr_state_hash(s) && s->schedule.tracking);
     }
 }
 
@@ -290,10 +290,10 @@ static void test_replays(void **state)
     smr *s = rig_init(e.model, &e.config, &port);
     assert_int_equal(SMR_OK, smr_set_log(s, memory, sizeof memory));
     sequence(&e, s, 40000);
-    assert_int_equal(1, s->pace.tracking);
+    assert_int_equal(1, s->schedule.tracking);
     smr *again = rig_init(e.model, &e.config, NULL);
     assert_true(rig_replays(s, memory, by_checksum, &e, again, &partial) > 0u);
-    print_message("partial %u, tracking %u radius %u\n", partial, s->pace.tracking, s->pace.radius);
+    print_message("partial %u, tracking %u radius %u\n", partial, s->schedule.tracking, s->schedule.radius);
     assert_true(partial > 10u);
     assert_true(smr_state_hash(s) == smr_state_hash(again));
 }

@@ -14,7 +14,7 @@ static void a_similarity_is_exact(void **state)
         begin(radius[k]);
         for (uint32_t i = 0; i < N; i++) {
             const int low = w.start[3u * i + 2u] < 150.0f;
-            w.seen[i] = low ? SMR_SEEN_ONE : 0u;
+            w.seen[i] = low ? SMR_VISIBLE_ONE : 0u;
             if (low)
                 smr_store(w.x + 3u * i, similar(w.start + 3u * i));
         }
@@ -35,7 +35,7 @@ static void a_smooth_displacement_near_controls(void **state)
         begin(radius[k]);
         for (uint32_t i = 0; i < N; i++) {
             smr_store(w.x + 3u * i, bent(w.start + 3u * i));
-            w.seen[i] = i % 2u == 0u ? SMR_SEEN_ONE : 0u;
+            w.seen[i] = i % 2u == 0u ? SMR_VISIBLE_ONE : 0u;
         }
         solve();
         at[k] = mean_off();
@@ -55,7 +55,7 @@ static void what_is_seen_better_counts_more(void **state)
     for (uint32_t k = 0; k < 2u; k++) {
         begin(1.0f);
         for (uint32_t i = 0; i < N; i++) {
-            w.seen[i] = k == 0u && i % 8u == 0u ? 130u : SMR_SEEN_ONE;
+            w.seen[i] = k == 0u && i % 8u == 0u ? 130u : SMR_VISIBLE_ONE;
             w.x[3u * i] += i % 8u == 0u ? 8.0f : 0.0f;
         }
         solve();
@@ -73,7 +73,7 @@ static void degenerate_controls(void **state)
     for (uint32_t free_axes = 0; free_axes < 3u; free_axes++) {
         begin(0.0f);
         for (uint32_t i = 0; i < N; i++) {
-            w.seen[i] = i < 100u ? SMR_SEEN_ONE : 0u;
+            w.seen[i] = i < 100u ? SMR_VISIBLE_ONE : 0u;
             for (uint32_t a = free_axes; i < 100u && a < 3u; a++)
                 w.start[3u * i + a] = 30.0f;
             smr_store(w.x + 3u * i, smr_add(smr_load(w.start + 3u * i), smr_v(3, -2, 1)));
@@ -107,7 +107,7 @@ static void nothing_to_follow(void **state)
     for (uint32_t n_seen = 0; n_seen < 6u; n_seen++) {
         begin(1.0f);
         for (uint32_t i = 0; i < N; i++) {
-            w.seen[i] = i < n_seen ? SMR_SEEN_ONE : 0u;
+            w.seen[i] = i < n_seen ? SMR_VISIBLE_ONE : 0u;
             w.x[3u * i + 1u] += i < n_seen ? 9.0f : 0.0f;
         }
         solve();
@@ -127,18 +127,18 @@ static void bounds(void **state)
     assert_int_equal(w.field.n, SMR_CONTROLS);
     for (uint32_t k = 0; k < SMR_CONTROLS; k++)
         assert_true(fabsf(w.field.start[3u * k + 2u] - (float)(k * N) / (float)SMR_CONTROLS) <= 1.0f);
-    assert_int_equal(smr_unseen_field_tasks(&w.field), 6u + SMR_FIELD_TRIES * SMR_TRY_TASKS + SMR_FIELD_ROWS + 2u);
+    assert_int_equal(smr_occluded_field_tasks(&w.field), 6u + SMR_FIELD_TRIES * SMR_TRY_TASKS + SMR_FIELD_ROWS + 2u);
     w.goals.partial = 0;
-    assert_int_equal(smr_unseen_field_tasks(&w.field), 0);
+    assert_int_equal(smr_occluded_field_tasks(&w.field), 0);
     w.shared.config.partial.coverage = SMR_COVERAGE_WHOLE;
-    assert_int_equal(smr_unseen_field_words(&w.shared), 0);
+    assert_int_equal(smr_occluded_field_words(&w.shared), 0);
     w.shared.config.track.mode = SMR_TRACK_REPORT;
-    assert_int_equal(smr_unseen_field_words(&w.shared), 0);
+    assert_int_equal(smr_occluded_field_words(&w.shared), 0);
     w.model.head.profile_samples = smr_le32(20); /* images may be followed */
-    assert_int_equal(smr_unseen_field_words(&w.shared), sizeof w.memory / sizeof w.memory[0]);
+    assert_int_equal(smr_occluded_field_words(&w.shared), sizeof w.memory / sizeof w.memory[0]);
     w.shared.config.track.mode = SMR_TRACK_OFF;
     w.shared.config.partial.coverage = SMR_COVERAGE_AUTO;
-    assert_int_equal(smr_unseen_field_words(&w.shared), sizeof w.memory / sizeof w.memory[0]);
+    assert_int_equal(smr_occluded_field_words(&w.shared), sizeof w.memory / sizeof w.memory[0]);
 }
 
 /* A seen vertex takes its goal along the normal and the field beside it, an unseen one the field alone. */
@@ -148,15 +148,15 @@ static void blends_by_what_is_seen(void **state)
     (void)state;
     begin(1.0f);
     for (uint32_t i = 0; i < N; i++) /* at rest but for vertex 5, which no control is near to */
-        w.seen[i] = i != 5u ? SMR_SEEN_ONE : 0u;
+        w.seen[i] = i != 5u ? SMR_VISIBLE_ONE : 0u;
     smr_store(w.x + 15, smr_add(smr_load(w.start + 15), smr_v(1, 1, 1)));
     solve();
-    w.seen[5] = SMR_SEEN_ONE;
-    smr_unseen_field_blend(&w.field, 5, 1, &way);
+    w.seen[5] = SMR_VISIBLE_ONE;
+    smr_occluded_field_blend(&w.field, 5, 1, &way);
     assert_true(smr_length(smr_sub(way, smr_v(2, -1, -1))) < 1.0e-3f);
     way = smr_v(2, 0, 0);
     w.seen[5] = 0;
-    smr_unseen_field_blend(&w.field, 5, 1, &way);
+    smr_occluded_field_blend(&w.field, 5, 1, &way);
     assert_true(smr_length(smr_sub(way, smr_v(-1, -1, -1))) < 1.0e-3f);
 }
 
@@ -167,15 +167,15 @@ static void follows_images(void **state)
     static uint8_t found[N];
     static const uint8_t long_edge[4] = {0, 0, 0xc0, 0x41}; /* 24 mm, little-endian */
     const uint32_t has_image = 1;
-    smr_held held = {.box = {{0, 0, 0}, {100, 60, 400}}};
+    smr_track_rest held = {.box = {{0, 0, 0}, {100, 60, 400}}};
     (void)state;
     begin(20.0f);
     w.goals.partial = w.target.partial = 0;
-    w.pace.tracking = 1;
-    w.shape.held = &held;
-    w.shape.held_x = w.start;
+    w.schedule.tracking = 1;
+    w.shape.track_rest = &held;
+    w.shape.track_rest_x = w.start;
     w.shape.start = NULL;
-    smr_unseen_field_watch(&w.field, found, &has_image);
+    smr_occluded_field_wire_image(&w.field, found, &has_image);
     for (uint32_t i = 0; i < N; i++) {
         found[i] = w.start[3u * i + 2u] < 150.0f ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
         w.seen[i] = 0;
@@ -191,20 +191,20 @@ static void follows_images(void **state)
         if (goal)
             smr_store(w.x + 3u * i, smr_add(place, smr_v(1, 1, 1))); /* slid, and off along the normal */
         const smr_vec left = smr_sub(place, smr_load(w.x + 3u * i));
-        assert_int_equal(smr_unseen_field_steady(&w.field, i, goal ? SMR_GOAL : SMR_UNDECIDED, &way),
+        assert_int_equal(smr_occluded_field_blend_image(&w.field, i, goal ? SMR_GOAL : SMR_UNDECIDED, &way),
                          goal ? SMR_GOAL : SMR_UNDECIDED);
         assert_true(smr_length(smr_sub(way, goal ? smr_v(2, -1, -1) : left)) < 5.0e-3f);
         smr_store(w.x + 3u * i, smr_add(place, smr_v(15, 15, 0))); /* strayed farther than clusters reach */
-        assert_int_equal(smr_unseen_field_steady(&w.field, i, SMR_GOAL, &way), SMR_NO_GOAL);
+        assert_int_equal(smr_occluded_field_blend_image(&w.field, i, SMR_GOAL, &way), SMR_NO_GOAL);
         assert_true(smr_length(smr_add(way, smr_v(15, 15, 0))) < 5.0e-3f);
-        w.pace.lists.radius = 0.0f; /* clusters of one vertex: less than an edge off is no stray */
+        w.schedule.lists.radius = 0.0f; /* clusters of one vertex: less than an edge off is no stray */
         memcpy(&w.model.head.edge_mm, long_edge, sizeof w.model.head.edge_mm);
-        assert_int_equal(smr_unseen_field_steady(&w.field, i, SMR_GOAL, &way), SMR_GOAL);
-        w.pace.lists.radius = 20.0f;
+        assert_int_equal(smr_occluded_field_blend_image(&w.field, i, SMR_GOAL, &way), SMR_GOAL);
+        w.schedule.lists.radius = 20.0f;
         w.model.head.edge_mm = 0;
     }
-    w.pace.tracking = 0;
-    assert_int_equal(smr_unseen_field_tasks(&w.field), 0);
+    w.schedule.tracking = 0;
+    assert_int_equal(smr_occluded_field_tasks(&w.field), 0);
 }
 
 int main(void)

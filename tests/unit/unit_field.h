@@ -15,13 +15,13 @@ enum { N = 5000 }; /* so that controls are chosen in several tasks */
 /* A registration of N vertices as far as the field looks at it. Lengths in mm. */
 typedef struct world {
     smr_shared shared;
-    smr_pace pace;
+    smr_schedule schedule;
     smr_shape shape;
     smr_surface_goals goals;
     smr_target target;
     smr_overlay overlay;
     smr_landmark_goals landmarks;
-    smr_unseen_field field;
+    smr_occluded_field field;
     uint32_t memory[(9u + SMR_FIELD_MOTIONS) * SMR_FIELD_ROWS + SMR_FACTOR_WORDS(SMR_FIELD_ROWS)];
     float start[3 * N], x[3 * N], normal[3 * N];
     uint8_t seen[N];
@@ -44,14 +44,14 @@ static inline void begin(float radius)
         smr_le32((uint32_t)((const unsigned char *)w.model.owner - (const unsigned char *)&w.model));
     w.shared.model = &w.model.head;
     w.target.partial = 1;
-    w.pace.lists.radius = radius;
+    w.schedule.lists.radius = radius;
     w.shape.start = w.start;
     w.shape.x = w.x;
     w.shape.normal = w.normal;
     w.shape.start_box = (smr_box){{0, 0, 0}, {100, 60, 400}};
     w.goals.shared = &w.shared;
     w.goals.target = &w.target;
-    w.goals.seen = w.goals.seen_next = w.seen;
+    w.goals.visibility = w.goals.visibility_next = w.seen;
     w.goals.partial = 1;
     w.overlay.sum = w.memory;
     for (uint32_t i = 0; i < N; i++) {
@@ -59,18 +59,18 @@ static inline void begin(float radius)
         memcpy(w.start + 3u * i, at, sizeof at);
         memcpy(w.x + 3u * i, at, sizeof at);
         w.normal[3u * i] = 1.0f;
-        w.seen[i] = SMR_SEEN_ONE;
+        w.seen[i] = SMR_VISIBLE_ONE;
     }
-    smr_unseen_field_wire(&w.field, &w.shared, &w.pace, &w.shape, &w.goals, &w.landmarks, &w.overlay);
+    smr_occluded_field_wire(&w.field, &w.shared, &w.schedule, &w.shape, &w.goals, &w.landmarks, &w.overlay);
 }
 
 static inline void solve(void)
 {
-    w.target.n_seen = 0;
+    w.target.n_visible = 0;
     for (uint32_t i = 0; i < N; i++)
-        w.target.n_seen += w.seen[i] > SMR_SEEN_ONE / 2u;
-    for (uint32_t task = 0; task < smr_unseen_field_tasks(&w.field); task++)
-        smr_unseen_field_solve(&w.field, task, 0);
+        w.target.n_visible += w.seen[i] > SMR_VISIBLE_ONE / 2u;
+    for (uint32_t task = 0; task < smr_occluded_field_tasks(&w.field); task++)
+        smr_occluded_field_solve(&w.field, task, 0);
 }
 
 /* Where the field carries a vertex. */
@@ -79,7 +79,7 @@ static inline smr_vec carried(uint32_t v)
     smr_vec way = smr_v(0, 0, 0);
     const uint8_t seen = w.seen[v];
     w.seen[v] = 0;
-    smr_unseen_field_blend(&w.field, v, 1, &way);
+    smr_occluded_field_blend(&w.field, v, 1, &way);
     w.seen[v] = seen;
     way = smr_scale(way, w.field.by_normals ? 1.0f / smr_field_normals_step(&w.field) : 1.0f);
     return smr_add(way, smr_load(w.x + 3u * v));

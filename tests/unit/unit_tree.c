@@ -7,10 +7,10 @@
 #include "geometry/surface/mesh.h"
 #include "geometry/box_tree/triangle.h"
 
-smr_facets unit_plant(const unit_mesh *m, uint32_t **triangles)
+smr_box_tree unit_plant(const unit_mesh *m, uint32_t **triangles)
 {
     const smr_mesh view = unit_view(m);
-    smr_facets f;
+    smr_box_tree f;
     memset(&f, 0, sizeof f);
     smr_tree_shape(&f, m->nt);
     uint32_t *order = unit_memory(4u * (size_t)m->nt), *key = unit_memory(4u * (size_t)m->nt);
@@ -32,14 +32,14 @@ smr_facets unit_plant(const unit_mesh *m, uint32_t **triangles)
     return f;
 }
 
-void unit_uproot(smr_facets *f, uint32_t *triangles)
+void unit_uproot(smr_box_tree *f, uint32_t *triangles)
 {
     unit_free(f->normal);
     unit_free(f->node);
     unit_free(triangles);
 }
 
-void unit_closest(const smr_facets *f, const smr_query *q, smr_hit *hit)
+void unit_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit)
 {
     for (uint32_t i = 0; i < f->n_triangles; i++) {
         const uint32_t *t = f->triangle + 3u * (size_t)i;

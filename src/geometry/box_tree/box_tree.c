@@ -17,7 +17,7 @@ uint32_t smr_tree_nodes(uint32_t n_triangles)
     return total;
 }
 
-void smr_tree_shape(smr_facets *f, uint32_t n_triangles)
+void smr_tree_shape(smr_box_tree *f, uint32_t n_triangles)
 {
     f->n_triangles = n_triangles;
     f->n_levels = 0;
@@ -49,7 +49,7 @@ static void set_child(smr_node *node, uint32_t k, smr_vec lo, smr_vec hi)
     node->hi[2][k] = hi.z;
 }
 
-void smr_tree_refit_leaves(const smr_facets *f, uint32_t first, uint32_t last)
+void smr_tree_refit_leaves(const smr_box_tree *f, uint32_t first, uint32_t last)
 {
     for (uint32_t leaf = first; leaf < last; leaf++) {
         smr_node *node = f->node == NULL ? NULL : &f->node[leaf];
@@ -74,7 +74,7 @@ void smr_tree_refit_leaves(const smr_facets *f, uint32_t first, uint32_t last)
     }
 }
 
-/* The box of a node, as child k of the one above. */
+/* Sets child k of a node to the box of the node below. */
 static void set_from(smr_node *node, uint32_t k, const smr_node *child)
 {
     for (uint32_t axis = 0; axis < 3u; axis++) {
@@ -90,7 +90,7 @@ static void set_from(smr_node *node, uint32_t k, const smr_node *child)
     }
 }
 
-void smr_tree_refit_nodes(const smr_facets *f, uint32_t first, uint32_t last)
+void smr_tree_refit_nodes(const smr_box_tree *f, uint32_t first, uint32_t last)
 {
     uint32_t l = 1;
     for (uint32_t i = first; i < last; i++) {
@@ -104,7 +104,7 @@ void smr_tree_refit_nodes(const smr_facets *f, uint32_t first, uint32_t last)
     }
 }
 
-void smr_tree_refit_upper(const smr_facets *f)
+void smr_tree_refit_upper(const smr_box_tree *f)
 {
     smr_tree_refit_nodes(f, smr_tree_leaves(f), smr_tree_nodes(f->n_triangles));
 }

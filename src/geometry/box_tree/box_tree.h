@@ -18,7 +18,7 @@ typedef struct smr_node {
 } smr_node;
 
 /* A triangle mesh with its box tree: a view of arrays that belong to the caller. */
-typedef struct smr_facets {
+typedef struct smr_box_tree {
     const float *xyz;         /* [number of vertices][3] positions, mm */
     const uint32_t *triangle; /* [n_triangles][3] vertex indexes, in tree order */
     float *normal;            /* [n_triangles][3] unit normals; zero for zero-area triangles */
@@ -27,25 +27,25 @@ typedef struct smr_facets {
     uint32_t n_triangles;
     uint32_t n_levels;               /* levels of the tree; 0 without triangles */
     uint32_t level[SMR_TREE_LEVELS]; /* index of each level's first node */
-} smr_facets;
+} smr_box_tree;
 
 /* Number of nodes of the tree over n_triangles. */
 uint32_t smr_tree_nodes(uint32_t n_triangles);
 
 /* Sets n_triangles, n_levels and level[]. */
-void smr_tree_shape(smr_facets *f, uint32_t n_triangles);
+void smr_tree_shape(smr_box_tree *f, uint32_t n_triangles);
 
 /* Number of leaves: nodes of the lowest level. */
-static inline uint32_t smr_tree_leaves(const smr_facets *f) { return smr_ceil_div(f->n_triangles, SMR_TREE_WIDTH); }
+static inline uint32_t smr_tree_leaves(const smr_box_tree *f) { return smr_ceil_div(f->n_triangles, SMR_TREE_WIDTH); }
 
 /* Recomputes normals and, where f->node is not NULL, boxes of the leaves first .. last-1 from the positions. */
-void smr_tree_refit_leaves(const smr_facets *f, uint32_t first, uint32_t last);
+void smr_tree_refit_leaves(const smr_box_tree *f, uint32_t first, uint32_t last);
 
 /* Recomputes the boxes of nodes first .. last-1, which lie above the leaves; those below them are new already. */
-void smr_tree_refit_nodes(const smr_facets *f, uint32_t first, uint32_t last);
+void smr_tree_refit_nodes(const smr_box_tree *f, uint32_t first, uint32_t last);
 
 /* Recomputes the boxes of all levels above the leaves. */
-void smr_tree_refit_upper(const smr_facets *f);
+void smr_tree_refit_upper(const smr_box_tree *f);
 
 /* The bit of each child in a set of children. A table, because compilers do not vectorise variable shifts
  * everywhere. */
@@ -84,13 +84,13 @@ static inline void smr_box_near_far(const smr_node *node, uint32_t k, smr_vec p,
     *far2 = farthest;
 }
 
-/* What is searched for. */
+/* A search for the closest triangle. */
 typedef struct smr_query {
-    smr_vec point;        /* mm */
-    smr_vec normal;       /* unit or zero */
-    float min_cos;        /* least cosine between `normal` and a triangle's normal; -2 accepts all */
-    uint32_t node_budget; /* most nodes to open */
-    uint32_t warm;        /* triangle to try first (warm start), or SMR_NONE */
+    smr_vec point;        /* position, mm */
+    smr_vec normal;       /* unit normal or zero */
+    float min_cos;        /* smallest cosine between `normal` and a triangle's normal; -2 accepts all */
+    uint32_t node_budget; /* most nodes that are opened */
+    uint32_t warm;        /* triangle that is tried first (warm start), or SMR_NONE */
 } smr_query;
 
 /* The closest triangle. */
@@ -101,12 +101,12 @@ typedef struct smr_hit {
 } smr_hit;
 
 /* Finds the closest acceptable triangle within hit->d2. Without one *hit stays unchanged. */
-void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit);
+void smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit);
 
-#define SMR_SKIPPED 64u /* of a triangle that is not to be found */
+#define SMR_SKIPPED 64u /* flag of a triangle that the search skips */
 
-/* The same without triangles that have SMR_SKIPPED. skip: [n_triangles]; NULL: all count. */
-void smr_tree_closest_but(const smr_facets *f, const unsigned char *skip, const smr_query *q, smr_hit *hit);
+/* The same without triangles that have the flag SMR_SKIPPED. skip: [n_triangles]; NULL: none is skipped. */
+void smr_tree_closest_but(const smr_box_tree *f, const unsigned char *skip, const smr_query *q, smr_hit *hit);
 
 #define SMR_NEAR_MOST 24u /* most near triangles: more than usually meet at a vertex */
 
@@ -120,16 +120,16 @@ typedef struct smr_near {
 
 typedef struct smr_near_list {
     uint32_t n; /* 0 when nothing was found */
-    float cut2; /* mm^2: nearest squared distance for which the list had no room, or that the node budget left out */
+    float cut2; /* squared distance, mm^2, of the nearest triangle that the list's size or the node budget left out */
     smr_near item[SMR_NEAR_MOST];
 } smr_near_list;
 
-/* Finds the closest acceptable triangle and all that are less than a tenth farther and nearer than list->cut2. Their
- * shares fall to 0 at that limit, so that rounding does not decide between triangles that are almost equally close. */
-void smr_tree_near(const smr_facets *f, const smr_query *q, smr_hit *hit, smr_near_list *list);
+/* Finds the closest acceptable triangle, and all that are less than a tenth farther and nearer than list->cut2.
+ * Their shares fall to 0 at that limit, so that rounding does not decide between equally close triangles. */
+void smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_near_list *list);
 
 /* The point of a triangle with these barycentric weights, mm. */
-smr_vec smr_facet_point(const smr_facets *f, uint32_t triangle, const float weight[3]);
+smr_vec smr_triangle_point(const smr_box_tree *f, uint32_t triangle, const float weight[3]);
 
 /* order[n_triangles]: the mesh's triangle indexes in tree order (box_tree.h). Scratch: centre [n_triangles][3],
  * key [n_triangles], tmp [2 n_triangles]. */
@@ -143,9 +143,9 @@ typedef struct smr_order {
     const float *centre;                 /* [n][3] of triangles */
     uint32_t *order, *key, *tmp, *count; /* [n]; [n]; [2 n]; [SMR_ORDER_BYTES] */
     uint32_t n;
-    uint32_t stack[2u * 3u * SMR_TREE_LEVELS + 2u], top; /* ranges that wait */
-    uint32_t first, size, stage, at;                     /* the range under way; size 0: none */
-    float lo[3], hi[3];                                  /* around its centres */
+    uint32_t stack[2u * 3u * SMR_TREE_LEVELS + 2u], top; /* waiting ranges */
+    uint32_t first, size, stage, at;                     /* range in work; size 0: none */
+    float lo[3], hi[3];                                  /* box around the centres of the range */
 } smr_order;
 
 /* centre and order of the triangles first .. last-1, as the caller has them. */
@@ -153,8 +153,7 @@ void smr_mesh_centres(const smr_mesh *mesh, float *centre, uint32_t *order, uint
 void smr_order_start(smr_order *o, uint32_t n, const float *centre, uint32_t *order, uint32_t *key, uint32_t *tmp,
                      uint32_t *count);
 
-/* Goes on for `most` visits to a triangle, and to sort a small range once more. Returns 1 when the order is complete.
- * */
+/* Continues for `most` visits of a triangle, or more to finish a small range. Returns 1 when the order is complete. */
 int smr_order_step(smr_order *o, uint32_t most);
 
 #endif

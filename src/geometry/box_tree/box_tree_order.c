@@ -44,7 +44,7 @@ void smr_order_start(smr_order *o, uint32_t n, const float *centre, uint32_t *or
     o->stack[o->top++] = n;
 }
 
-/* The next range that is to be split; its halves wait. Returns 0 for none. */
+/* Takes the next range to be split from the stack. Returns 0 when there is none. */
 static int next_range(smr_order *o)
 {
     while (o->top > 0u) {
@@ -95,7 +95,7 @@ static void make_keys(smr_order *o, uint32_t from, uint32_t to)
         o->key[i] = sortable(centre_of(o, i)[axis]);
 }
 
-/* A radix sort by bytes, the lowest first: between key and order, and tmp. Pass p counts, then moves. */
+/* Radix sort by bytes, the lowest first, between key and order, and tmp. Pass p counts, then moves. */
 static void count_bytes(smr_order *o, uint32_t pass, uint32_t from, uint32_t to)
 {
     const uint32_t *const key = pass % 2u == 0u ? o->key : o->tmp;
@@ -125,9 +125,10 @@ static void move_items(smr_order *o, uint32_t pass, uint32_t from, uint32_t to)
     }
 }
 
-#define SMR_ORDER_SORTING 3u /* visits that a triangle of a small range is worth when it is sorted at once */
+#define SMR_ORDER_SORTING 3u /* visits of a triangle that sorting a small range at once is worth */
 
-/* Stages of a range: its box, its keys, then counting and moving for each byte. Small ones are sorted with the keys. */
+/* Stages of a range: its box, its keys, then counting and moving for each byte. Small ranges are sorted with the
+ * keys. */
 enum { SMR_ORDER_BOX = 0, SMR_ORDER_KEYS, SMR_ORDER_SORT, SMR_ORDER_SORTED = SMR_ORDER_SORT + 8 };
 
 static void advance(smr_order *o)
@@ -164,7 +165,7 @@ int smr_order_step(smr_order *o, uint32_t most)
         if (to < o->size)
             continue;
         advance(o);
-        if (o->size == 0u && done <= SMR_ORDER_SMALL) /* it was sorted at once */
+        if (o->size == 0u && done <= SMR_ORDER_SMALL) /* a small range was sorted at once */
             most -= smr_min_u32(most, SMR_ORDER_SORTING * done);
     }
     return o->size == 0u && o->top == 0u;

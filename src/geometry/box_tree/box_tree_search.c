@@ -9,7 +9,7 @@
 
 #include "geometry/box_tree/triangle.h"
 
-smr_vec smr_facet_point(const smr_facets *f, uint32_t triangle, const float weight[3])
+smr_vec smr_triangle_point(const smr_box_tree *f, uint32_t triangle, const float weight[3])
 {
     const uint32_t *t = f->triangle + 3u * (size_t)triangle;
     smr_vec a = smr_load(f->xyz + 3u * (size_t)t[0]);
@@ -19,7 +19,7 @@ smr_vec smr_facet_point(const smr_facets *f, uint32_t triangle, const float weig
 }
 
 /* 1 when triangle i wins a tie against the triangle found so far. */
-static int comes_first(const smr_facets *f, uint32_t i, uint32_t found)
+static int comes_first(const smr_box_tree *f, uint32_t i, uint32_t found)
 {
     if (found == SMR_NONE || f->rank == NULL)
         return i < found;
@@ -48,7 +48,7 @@ static void add_near(smr_near_list *list, uint32_t triangle, float d2, const flo
 
 /* Tests triangle i: updates *hit when it is closer, or as close with a smaller rank, and adds it to the list when it
  * is near. Triangles whose normal does not agree, or that are to be skipped, are ignored. */
-static void try_triangle(const smr_facets *f, const unsigned char *skip, const smr_query *q, uint32_t i, smr_hit *hit,
+static void try_triangle(const smr_box_tree *f, const unsigned char *skip, const smr_query *q, uint32_t i, smr_hit *hit,
                          float widen, smr_near_list *list)
 {
     smr_vec n = smr_load(f->normal + 3u * (size_t)i);
@@ -75,15 +75,15 @@ typedef struct visit {
     uint32_t level, index;
 } visit;
 
-/* Finds the closest triangle for *hit. Boxes and triangles within `widen` times its squared distance are looked at,
- * too, and go into the list. widen: 1 or more; list: NULL for the closest triangle alone. */
-static void search(const smr_facets *f, const unsigned char *skip, const smr_query *q, smr_hit *hit, float widen,
+/* Finds the closest triangle for *hit. Boxes and triangles within `widen` times its squared distance are tested,
+ * too, and enter the list. widen: 1 or more; list: NULL for the closest triangle alone. */
+static void search(const smr_box_tree *f, const unsigned char *skip, const smr_query *q, smr_hit *hit, float widen,
                    smr_near_list *list)
 {
     visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0, opened = 0, ties = 0;
     if (f->n_levels == 0u || !(smr_dot(q->point, q->point) < SMR_FAR))
-        return; /* NaN, or as far away as the empty boxes are: positions of a forged model */
+        return; /* NaN, or as far as empty boxes: positions of a forged model */
     if (q->warm < f->n_triangles)
         try_triangle(f, skip, q, q->warm, hit, widen, NULL);
     stack[top++] = (visit){0.0f, f->n_levels - 1u, 0u};
@@ -119,14 +119,14 @@ static void search(const smr_facets *f, const unsigned char *skip, const smr_que
         list->cut2 = smr_min(list->cut2, stack[--top].d2);
 }
 
-void smr_tree_closest(const smr_facets *f, const smr_query *q, smr_hit *hit) { search(f, NULL, q, hit, 1.0f, NULL); }
+void smr_tree_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit) { search(f, NULL, q, hit, 1.0f, NULL); }
 
-void smr_tree_closest_but(const smr_facets *f, const unsigned char *skip, const smr_query *q, smr_hit *hit)
+void smr_tree_closest_but(const smr_box_tree *f, const unsigned char *skip, const smr_query *q, smr_hit *hit)
 {
     search(f, skip, q, hit, 1.0f, NULL);
 }
 
-void smr_tree_near(const smr_facets *f, const smr_query *q, smr_hit *hit, smr_near_list *list)
+void smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_near_list *list)
 {
     list->n = 0;
     list->cut2 = FLT_MAX;

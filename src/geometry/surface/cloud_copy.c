@@ -12,7 +12,7 @@ int smr_cloud_index(smr_surface *s, uint32_t first, uint32_t last)
     return 1;
 }
 
-/* What a mesh has not: normals and weights of its own, and no border. Refused where the cloud is not what it was. */
+/* Copies the cloud's normals and weights. Returns 0 when the cloud has changed since the build began. */
 int smr_cloud_copy(smr_surface *s, uint32_t first, uint32_t last)
 {
     const smr_surface *cloud = s->work.cloud;
@@ -23,6 +23,6 @@ int smr_cloud_copy(smr_surface *s, uint32_t first, uint32_t last)
     memcpy(s->area + at, cloud->area + at, n * sizeof(float));
     memset(s->border + at, 0, n);
     for (size_t k = at; k < last; k++)
-        memcpy(s->facets.normal + 3u * k, cloud->normal + 3u * (size_t)s->original[k], 3u * sizeof(float));
+        memcpy(s->tree.normal + 3u * k, cloud->normal + 3u * (size_t)s->original[k], 3u * sizeof(float));
     return 1;
 }

@@ -1,13 +1,13 @@
-/* points.c: a cloud of points as a ring: new points take the place of the oldest ones when it is full. Nothing is
- * searched for in a cloud, so there is no tree: adding a point costs the same whatever there is already.
- * Bounds: one pass over the points that are added.
+/* points.c: a cloud of points as a ring: in a full cloud new points replace the oldest ones. Clouds have no search
+ * tree, so adding a point has constant cost.
+ * Bounds: one pass over the added points.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/points.h"
 
 #include "base/arena.h"
 
-#define SMR_NORMAL_LEAST 1.0e-3f /* a shorter normal is none */
-#define SMR_NORMAL_MOST 1.0e3f   /* largest entry */
+#define SMR_NORMAL_LEAST 1.0e-3f /* a shorter normal counts as none */
+#define SMR_NORMAL_MOST 1.0e3f   /* largest entry of a normal */
 
 _Static_assert(SMR_POINTS_BYTES(0) >= sizeof(smr_points) + 8u * SMR_ALIGN, "SMR_POINTS_BYTES is too small");
 
@@ -62,7 +62,7 @@ smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_po
     return SMR_OK;
 }
 
-/* The normal as unit vector, or 0 for none. Returns 0 when it is not finite or too large. */
+/* The unit normal, or 0 for none. Returns 0 when the normal is not finite or too large. */
 static int take_normal(const float *normal, smr_vec *unit)
 {
     *unit = smr_v(0, 0, 0);

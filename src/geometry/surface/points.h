@@ -1,5 +1,5 @@
-/* points.h: a cloud of points in the caller's memory: a target surface without triangles. What attracts the model are a
- * surface's vertices, their normals and areas; points have the same, with weights for areas.
+/* points.h: a cloud of points in the caller's memory: a target surface without triangles. Target vertices attract
+ * the model by position, normal and area; points have a weight instead of an area.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_POINTS_H
 #define SMR_POINTS_H
@@ -8,14 +8,14 @@
 
 struct smr_points {
     uint32_t magic;      /* SMR_POINTS_MAGIC */
-    uint32_t next;       /* slot that the next point takes, < surface.capacity */
+    uint32_t next;       /* slot of the next point, < surface.capacity */
     smr_surface surface; /* xyz, normal (0: none) and area (the weight) of the first n_vertices slots; origin 0 */
 };
 
 #define SMR_POINTS_MAGIC 0x736d7250u
-#define SMR_WEIGHT_MAX 4.0f /* of a point: the sums of pulls must fit */
+#define SMR_WEIGHT_MAX 4.0f /* largest weight of a point, so that sums of pulls fit */
 
-/* 1 for points that smr_points_open() has made. */
+/* Returns 1 for points opened by smr_points_open(). */
 static inline int smr_points_valid(const smr_points *p) { return p != NULL && p->magic == SMR_POINTS_MAGIC; }
 
 #endif

@@ -1,6 +1,6 @@
-/* points_surface.c: a cloud as a surface to search in: each point is a triangle without an area, with the point's
- * normal. For start poses and for what else asks which point is nearest; forces need no search in a cloud.
- * Bounds: those of surface_build.c, whose stages build it, for as many triangles as points.
+/* points_surface.c: a cloud as a surface for closest-point search: each point is a triangle without area, with the
+ * point's normal. Used for start poses and measures; forces need no search in a cloud.
+ * Bounds: those of a surface with as many triangles as points.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/points.h"
 

@@ -1,15 +1,15 @@
-/* signed_distance.c: signed distance to a surface of triangles. The side is that of the normals of all triangles that
- * share the closest point, each weighted by its angle there. Source: Baerentzen and Aanaes, "Signed distance
- * computation using the angle weighted pseudonormal", 2005, who prove that it is the true side at edges and corners.
- * The direction is a mean over triangles nearly as close, by shares that fall off; near the surface it turns into the
- * vertices' normals, interpolated, so nothing jumps where a point slides across an edge.
+/* signed_distance.c: signed distance to a surface of triangles. The sign is that of the normals of all triangles
+ * that share the closest point, weighted by their angles there. Source: Baerentzen and Aanaes, "Signed distance
+ * computation using the angle weighted pseudonormal", 2005, who prove it for edges and corners. The direction is a
+ * mean over triangles nearly as close, with weights that fall to 0; near the surface it becomes the interpolated
+ * vertex normal, so it is continuous where a point passes an edge.
  * Bounds: those of smr_tree_near.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/signed_distance.h"
 
-#define SMR_SIDE_NEAR 0.1f     /* mm: nearer than about this the direction is that of the vertices' normals */
-#define SMR_SIDE_TIE 1.00001f  /* squared distances within this factor are the same feature */
-#define SMR_SIDE_ZERO 1.0e-10f /* mm^2 */
+#define SMR_SIDE_NEAR 0.1f     /* mm: below about this distance the direction is that of the vertices' normals */
+#define SMR_SIDE_TIE 1.00001f  /* squared distances within this factor belong to the same edge or corner */
+#define SMR_SIDE_ZERO 1.0e-10f /* mm^2: smaller squared distances count as 0 */
 #define SMR_STRAIGHT 3.14159265f
 
 /* The arc cosine to 7e-5, as exact as the weights need to be. Source: Abramowitz and Stegun, 4.4.45. */
@@ -20,8 +20,8 @@ static float angle_of(float cosine)
     return cosine < 0.0f ? SMR_STRAIGHT - angle : angle;
 }
 
-/* The angle that a triangle has at its corner nearest to the closest point. */
-static float angle_at(const smr_facets *f, const smr_near *near)
+/* The angle of a triangle at its corner nearest to the closest point. */
+static float angle_at(const smr_box_tree *f, const smr_near *near)
 {
     const uint32_t *t = f->triangle + 3u * (size_t)near->triangle;
     const float *w = near->weight;
@@ -32,9 +32,9 @@ static float angle_at(const smr_facets *f, const smr_near *near)
     return angle_of(smr_dot(a, b));
 }
 
-/* Where the normals at the closest point look: positive outside. Two triangles that are equally near share an edge and
- * count alike, more share a corner and count by their angles there. */
-static float height_of(const smr_facets *f, smr_vec p, const smr_near_list *list, float d2)
+/* Height of p over the normals at the closest point: positive outside. Two equally near triangles share an edge and
+ * have equal weight; more share a corner and are weighted by their angles. */
+static float height_of(const smr_box_tree *f, smr_vec p, const smr_near_list *list, float d2)
 {
     const float tie = d2 * SMR_SIDE_TIE + SMR_SIDE_ZERO;
     float height = 0.0f;
@@ -43,7 +43,7 @@ static float height_of(const smr_facets *f, smr_vec p, const smr_near_list *list
         n += list->item[i].d2 <= tie;
     for (uint32_t i = 0; i < list->n; i++) {
         const smr_near *near = &list->item[i];
-        const smr_vec r = smr_sub(p, smr_facet_point(f, near->triangle, near->weight));
+        const smr_vec r = smr_sub(p, smr_triangle_point(f, near->triangle, near->weight));
         if (near->d2 <= tie)
             height +=
                 smr_dot(r, smr_load(f->normal + 3u * (size_t)near->triangle)) * (n > 2u ? angle_at(f, near) : 1.0f);
@@ -51,7 +51,7 @@ static float height_of(const smr_facets *f, smr_vec p, const smr_near_list *list
     return height;
 }
 
-static smr_vec vertex_normal(const smr_facets *f, const float *normal, const smr_near *near)
+static smr_vec vertex_normal(const smr_box_tree *f, const float *normal, const smr_near *near)
 {
     const uint32_t *t = f->triangle + 3u * (size_t)near->triangle;
     const smr_vec a = smr_load(normal + 3u * (size_t)t[0]), b = smr_load(normal + 3u * (size_t)t[1]),
@@ -60,7 +60,7 @@ static smr_vec vertex_normal(const smr_facets *f, const float *normal, const smr
                    smr_scale(c, near->weight[2]));
 }
 
-int smr_signed_distance(const smr_facets *f, const float *normal, const smr_query *q, float most, smr_side *side)
+int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_side *side)
 {
     smr_hit hit = {most * most, SMR_NONE, {0, 0, 0}};
     smr_near_list list;
@@ -70,14 +70,14 @@ int smr_signed_distance(const smr_facets *f, const float *normal, const smr_quer
         return 0;
     for (uint32_t i = 0; i < list.n; i++) {
         const smr_near *near = &list.item[i];
-        const smr_vec r = smr_sub(q->point, smr_facet_point(f, near->triangle, near->weight));
+        const smr_vec r = smr_sub(q->point, smr_triangle_point(f, near->triangle, near->weight));
         from = smr_add(from, smr_scale(r, near->share));
         along = smr_add(along, smr_scale(vertex_normal(f, normal, near), near->share));
     }
     const float sign = height_of(f, q->point, &list, hit.d2) < 0.0f ? -1.0f : 1.0f, distance = SMR_SQRT(hit.d2);
-    const smr_vec way = smr_add(smr_scale(from, sign), smr_scale(along, SMR_SIDE_NEAR));
+    const smr_vec direction = smr_add(smr_scale(from, sign), smr_scale(along, SMR_SIDE_NEAR));
     side->mm = sign * distance;
-    side->out = smr_scale(way, 1.0f / smr_max(smr_length(way), 0.25f * (SMR_SIDE_NEAR + distance)));
+    side->out = smr_scale(direction, 1.0f / smr_max(smr_length(direction), 0.25f * (SMR_SIDE_NEAR + distance)));
     side->triangle = hit.triangle;
     memcpy(side->weight, hit.weight, sizeof side->weight);
     return 1;

@@ -34,13 +34,13 @@ smr_status smr_surface_closest(const smr_surface *surface, const float *point, c
         q.min_cos = min_cos;
     }
     smr_hit h = {max_mm * max_mm, SMR_NONE, {0, 0, 0}};
-    smr_tree_closest(&surface->facets, &q, &h);
+    smr_tree_closest(&surface->tree, &q, &h);
     memset(hit, 0, sizeof *hit);
     hit->triangle = SMR_NONE;
     if (h.triangle == SMR_NONE)
         return SMR_OK;
-    smr_store(hit->point, smr_add(smr_facet_point(&surface->facets, h.triangle, h.weight), surface->origin));
-    memcpy(hit->normal, surface->facets.normal + 3u * (size_t)h.triangle, sizeof hit->normal);
+    smr_store(hit->point, smr_add(smr_triangle_point(&surface->tree, h.triangle, h.weight), surface->origin));
+    memcpy(hit->normal, surface->tree.normal + 3u * (size_t)h.triangle, sizeof hit->normal);
     memcpy(hit->weight, h.weight, sizeof hit->weight);
     hit->distance = SMR_SQRT(h.d2);
     hit->triangle = surface->original[h.triangle];

@@ -1,17 +1,17 @@
 /* surface_build.c: builds a target surface in the caller's memory: a copy in tree order, normals, areas, border
- * edges, box tree; and refits it: other positions of the same triangles. Both are lists of stages, each a loop over
- * vertices, triangles or nodes that can stop anywhere; where it stops makes no difference to what comes out.
- * Bounds: SMR_SURFACE_ITEMS of a loop between two readings of the clock. Of border edges an item takes as long as the
- * vertex of it with fewer triangles has some.
+ * edges, box tree; and refits it to new positions of the same triangles. Both are lists of stages, each a loop over
+ * vertices, triangles or nodes that can stop after any item without a change of the result.
+ * Bounds: SMR_SURFACE_ITEMS items between two readings of the clock. A border edge's time is that of the triangles
+ * around its vertex with fewer triangles.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "geometry/surface/surface.h"
 #include "geometry/box_tree/triangle.h"
 
-#define SMR_SURFACE_ITEMS 256u /* of a loop: a unit of work */
-#define SMR_SURFACE_EDGES 4u   /* a triangle whose edges are counted is worth so many items, */
-#define SMR_SURFACE_LEAF 16u   /* a leaf of the tree, */
-#define SMR_SURFACE_NODE 32u   /* and a node above */
+#define SMR_SURFACE_ITEMS 256u /* items of a unit of work */
+#define SMR_SURFACE_EDGES 4u   /* items that counting a triangle's edges is worth */
+#define SMR_SURFACE_LEAF 16u   /* items that a leaf of the tree is worth */
+#define SMR_SURFACE_NODE 32u   /* items that a node above the leaves is worth */
 
 /* Takes all slots from the arena, or measures them. */
 static smr_surface *layout(smr_arena *a, uint32_t nv, uint32_t nt, smr_surface *s)
@@ -23,13 +23,13 @@ static smr_surface *layout(smr_arena *a, uint32_t nv, uint32_t nt, smr_surface *
     s->triangle = smr_arena_take(a, nt, 3 * sizeof(uint32_t));
     s->original = smr_arena_take(a, nt, sizeof(uint32_t));
     s->border = smr_arena_take(a, nt, 1);
-    s->facets.normal = smr_arena_take(a, nt, 3 * sizeof(float));
-    s->facets.node = smr_arena_take(a, smr_tree_nodes(nt), sizeof(smr_node));
+    s->tree.normal = smr_arena_take(a, nt, 3 * sizeof(float));
+    s->tree.node = smr_arena_take(a, smr_tree_nodes(nt), sizeof(smr_node));
     s->work.middle = smr_arena_take(a, nt, 3 * sizeof(float));
     s->work.key = smr_arena_take(a, nt, sizeof(uint32_t));
     s->work.tmp = smr_arena_take(a, nt, 2 * sizeof(uint32_t));
     s->work.start = smr_arena_take(a, (size_t)nv + 1u, sizeof(uint32_t));
-    /* before it holds triangles, the counts of a sort: SMR_ORDER_BYTES where more than SMR_ORDER_SMALL are sorted */
+    /* until it holds triangles: counts of a sort, SMR_ORDER_BYTES for more than SMR_ORDER_SMALL triangles */
     s->work.around = smr_arena_take(a, nt, 3 * sizeof(uint32_t));
     return self;
 }
@@ -68,7 +68,7 @@ static uint32_t edge_count(const smr_surface *s, uint32_t v, uint32_t w)
     return count;
 }
 
-/* ---- The stages: items first .. last-1. They return 0 where the input is refused. ---- */
+/* ---- The stages: items first .. last-1. A stage returns 0 to refuse the input. ---- */
 
 typedef int stage_run(smr_surface *s, uint32_t first, uint32_t last);
 
@@ -95,7 +95,7 @@ static int check_triangles(smr_surface *s, uint32_t first, uint32_t last)
     return 1;
 }
 
-/* From here on positions are new: relative to the origin. */
+/* Copies positions, relative to the origin. */
 static int copy_vertices(smr_surface *s, uint32_t first, uint32_t last)
 {
     s->changes += first == 0u ? s->work.refit : 0u;
@@ -112,12 +112,12 @@ static int find_centres(smr_surface *s, uint32_t first, uint32_t last)
 {
     smr_surface_work *const w = &s->work;
     smr_mesh_centres(&w->mesh, w->middle, s->original, first, last);
-    if (last == s->facets.n_triangles)
+    if (last == s->tree.n_triangles)
         smr_order_start(&w->order, last, w->middle, s->original, w->key, w->tmp, w->around);
     return 1;
 }
 
-/* One item, however long the order takes: advance() knows. */
+/* Computes the tree order. One item, divided by advance(). */
 static int find_order(smr_surface *s, uint32_t first, uint32_t last)
 {
     (void)first;
@@ -150,7 +150,7 @@ static int add_normals(smr_surface *s, uint32_t first, uint32_t last)
     return 1;
 }
 
-/* The mean area around a vertex; those without triangles attract nothing and do not count. */
+/* Normalises the normals and sums the mean area. Vertices without triangles do not count. */
 static int unit_normals(smr_surface *s, uint32_t first, uint32_t last)
 {
     if (first == 0u)
@@ -162,7 +162,7 @@ static int unit_normals(smr_surface *s, uint32_t first, uint32_t last)
     return 1;
 }
 
-/* As smr_mesh_around(): counts, their sums, then triangles from the back. */
+/* Prepares the triangles around vertices, as smr_mesh_around(). */
 static int clear_counts(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t v = first; v < last; v++)
@@ -191,13 +191,13 @@ static int sum_counts(smr_surface *s, uint32_t first, uint32_t last)
 
 static int list_triangles(smr_surface *s, uint32_t first, uint32_t last)
 {
-    const uint32_t nt = s->facets.n_triangles;
+    const uint32_t nt = s->tree.n_triangles;
     for (size_t i = 3u * (size_t)(nt - first); i-- > 3u * (size_t)(nt - last);)
         s->work.around[--s->work.start[s->triangle[i]]] = (uint32_t)(i / 3u);
     return 1;
 }
 
-/* First border edges, then the corners on them. */
+/* Finds border edges, then the corners on them. */
 static int find_borders(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++) {
@@ -231,14 +231,14 @@ static int find_corners(smr_surface *s, uint32_t first, uint32_t last)
 
 static int refit_leaves(smr_surface *s, uint32_t first, uint32_t last)
 {
-    smr_tree_refit_leaves(&s->facets, first, last);
+    smr_tree_refit_leaves(&s->tree, first, last);
     return 1;
 }
 
 static int refit_nodes(smr_surface *s, uint32_t first, uint32_t last)
 {
-    const uint32_t leaves = smr_tree_leaves(&s->facets);
-    smr_tree_refit_nodes(&s->facets, leaves + first, leaves + last);
+    const uint32_t leaves = smr_tree_leaves(&s->tree);
+    smr_tree_refit_nodes(&s->tree, leaves + first, leaves + last);
     return 1;
 }
 
@@ -248,8 +248,8 @@ enum { OF_VERTICES = 0, OF_TRIANGLES, OF_LEAVES, OF_NODES, OF_ONE };
 
 static const struct {
     stage_run *run;
-    uint16_t of, when; /* 1: positions need it, too; 2: only a cloud's copy does */
-    uint32_t cost;     /* of an item */
+    uint16_t of, when; /* when: 1: also for a refit; 2: only for a cloud's copy */
+    uint32_t cost;     /* cost of an item */
 } stages[] = {
     {smr_cloud_index, OF_TRIANGLES, 2, 1},
     {check_vertices, OF_VERTICES, 1, 1},
@@ -268,11 +268,11 @@ static const struct {
     {clear_counts, OF_VERTICES, 0, 1},
     {mark_borders, OF_TRIANGLES, 0, 1},
     {find_corners, OF_TRIANGLES, 0, 1},
-    {smr_strays_forget, OF_VERTICES, 0, 1},
-    {smr_strays_join, OF_TRIANGLES, 0, 2},
-    {smr_strays_sum, OF_TRIANGLES, 0, 1},
-    {smr_strays_mark, OF_TRIANGLES, 0, 1},
-    {smr_strays_release, OF_VERTICES, 1, 1},
+    {smr_fragments_forget, OF_VERTICES, 0, 1},
+    {smr_fragments_join, OF_TRIANGLES, 0, 2},
+    {smr_fragments_sum, OF_TRIANGLES, 0, 1},
+    {smr_fragments_mark, OF_TRIANGLES, 0, 1},
+    {smr_fragments_release, OF_VERTICES, 1, 1},
     {refit_leaves, OF_LEAVES, 1, SMR_SURFACE_LEAF},
     {refit_nodes, OF_NODES, 1, SMR_SURFACE_NODE},
     {smr_cloud_copy, OF_TRIANGLES, 2, 1},
@@ -284,14 +284,14 @@ static uint32_t items_of(const smr_surface *s, uint32_t stage)
 {
     switch (stages[stage].of) {
     case OF_VERTICES: return s->n_vertices;
-    case OF_TRIANGLES: return s->facets.n_triangles;
-    case OF_LEAVES: return smr_tree_leaves(&s->facets);
-    case OF_NODES: return smr_tree_nodes(s->facets.n_triangles) - smr_tree_leaves(&s->facets);
+    case OF_TRIANGLES: return s->tree.n_triangles;
+    case OF_LEAVES: return smr_tree_leaves(&s->tree);
+    case OF_NODES: return smr_tree_nodes(s->tree.n_triangles) - smr_tree_leaves(&s->tree);
     default: return 1;
     }
 }
 
-/* Goes to the next stage that this work needs, from the present one on. */
+/* Continues with the next stage that this work needs. */
 static void skip_stages(smr_surface_work *w)
 {
     for (; w->stage < SMR_SURFACE_STAGES; w->stage++)
@@ -299,7 +299,7 @@ static void skip_stages(smr_surface_work *w)
             return;
 }
 
-/* One unit of work. Returns SMR_PARTIAL as long as there is more. */
+/* Does one unit of work. Returns SMR_PARTIAL while work is left. */
 static smr_status run_unit(smr_surface *s)
 {
     smr_surface_work *const w = &s->work;
@@ -324,7 +324,7 @@ static smr_status run_unit(smr_surface *s)
     return SMR_OK;
 }
 
-/* Refused: of a build nothing is left, a surface that was to be refitted stays what it was. */
+/* Ends refused work: a build leaves nothing, a refit leaves the old surface. */
 static void give_up(smr_surface *s)
 {
     s->work.stage = SMR_SURFACE_STAGES;
@@ -378,10 +378,10 @@ smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, s
     s.magic = SMR_SURFACE_BUSY;
     s.n_vertices = nv;
     s.work.mesh = *mesh;
-    smr_tree_shape(&s.facets, nt);
-    s.facets.xyz = s.xyz;
-    s.facets.triangle = s.triangle;
-    s.facets.rank = s.original;
+    smr_tree_shape(&s.tree, nt);
+    s.tree.xyz = s.xyz;
+    s.tree.triangle = s.triangle;
+    s.tree.rank = s.original;
     *self = s;
     *surface = self;
     return SMR_OK;
@@ -408,7 +408,7 @@ smr_status smr_surface_build(const smr_mesh *mesh, void *memory, size_t bytes, s
         return SMR_E_NULL;
     smr_status status = smr_arena_start(&a, memory, bytes);
     if (status == SMR_OK)
-        status = smr_mesh_check(mesh); /* what is refused leaves the memory alone */
+        status = smr_mesh_check(mesh); /* a refused mesh leaves the memory unchanged */
     if (status == SMR_OK)
         status = smr_surface_begin(mesh, memory, bytes, &s);
     if (status == SMR_OK)

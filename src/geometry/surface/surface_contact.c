@@ -1,46 +1,45 @@
-/* surface_contact.c: how two closed surfaces overlap: deepest penetration, overlapping volume, area in contact.
- * Depth and area come from samples of both surfaces: vertices, and three points in each triangle that can be near. A
- * triangle's centre farther out than its corners are from it spares the rest, for a distance grows no faster than the
- * way. The volume comes from lines along the longest axis through a grid over what can overlap: along each line the
- * length inside both is exact, so a thin overlap is no coarser than its area.
+/* surface_contact.c: overlap of two closed surfaces: deepest penetration, overlapping volume, area in contact. Depth
+ * and area come from samples of both surfaces: vertices, and three points in each near triangle. A triangle whose
+ * centre is farther out than its corners are from it is skipped. The volume comes from lines along the longest axis
+ * through a grid over the possible overlap; the length inside both surfaces is exact on each line.
  * Bounds: four searches a triangle, one a vertex; SMR_LINES lines of two passes through a tree.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/signed_distance.h"
 #include "geometry/surface/surface.h"
 #include "geometry/box_tree/triangle.h"
 
-#define SMR_DEPTH_MOST 100.0f /* mm: what lies deeper counts as so deep */
-#define SMR_LINES 64u         /* of a grid in each of two directions, at most */
-#define SMR_LINE_MM 0.25f     /* between two lines, at least */
-#define SMR_CROSSINGS 64u     /* of a line with one surface */
+#define SMR_DEPTH_MOST 100.0f /* mm: greater depths count as this depth */
+#define SMR_LINES 64u         /* most lines of the grid in each of two directions */
+#define SMR_LINE_MM 0.25f     /* smallest distance between two lines, mm */
+#define SMR_CROSSINGS 64u     /* most crossings of a line with one surface */
 
-/* What is being measured: of surface a within and near b. */
+/* A measurement: surface a within and near b. */
 typedef struct sweep {
     const smr_surface *a, *b;
     smr_vec shift;  /* from a's origin to b's */
-    smr_box near;   /* mm from a's origin: around all triangles that can reach into b */
-    smr_box around; /* b, from b's origin */
-    float within;   /* mm */
+    smr_box near;   /* box around all triangles of a that can reach into b, mm from a's origin */
+    smr_box around; /* box of b, from b's origin */
+    float within;   /* distance that counts as contact, mm */
     float deepest, area;
 } sweep;
 
-/* Where a line meets a surface. */
+/* A crossing of a line with a surface. */
 typedef struct crossing {
     float at; /* mm along the line */
-    int turn; /* 1: into surface a; -1: out of it; 2, -2: of b */
+    int turn; /* 1: into surface a; -1: out of a; 2, -2: the same of b */
 } crossing;
 
 typedef struct line {
     uint32_t u, v, w; /* axes across the line and along it */
-    float pu, pv;     /* its place */
+    float pu, pv;     /* position of the line across it */
     uint32_t n;
     crossing list[2u * SMR_CROSSINGS];
 } line;
 
 static float axis_of(smr_vec p, uint32_t axis) { return axis == 0u ? p.x : axis == 1u ? p.y : p.z; }
 
-/* On which side of the edge from vertex i to k the line passes: 1 or -1, the opposite for the edge from k to i, so that
- * a line leaves no gap between two triangles and meets no edge twice. */
+/* The side on which the line passes the edge from vertex i to k: 1 or -1, and the opposite for the edge from k to i.
+ * So a line leaves no gap between two triangles and meets no edge twice. */
 static int beside(const smr_surface *s, const line *l, smr_vec shift, uint32_t i, uint32_t k)
 {
     const uint32_t lo = smr_min_u32(i, k), hi = smr_max_u32(i, k);
@@ -87,7 +86,7 @@ static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
     struct {
         uint32_t level, index;
     } stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
-    const smr_facets *f = &s->facets;
+    const smr_box_tree *f = &s->tree;
     const float u = l->pu - axis_of(shift, l->u), v = l->pv - axis_of(shift, l->v);
     uint32_t top = 1;
     stack[0].level = f->n_levels - 1u;
@@ -109,8 +108,8 @@ static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
     }
 }
 
-/* 1 when surface s winds around p, which is relative to its origin. A surface that has folds is closest there with
- * the wrong side, but its winding is right. */
+/* Returns 1 when surface s winds around p, relative to its origin. With folds the closest point may have the wrong
+ * side, but the winding number is right. */
 static int is_inside(const smr_surface *s, smr_vec p)
 {
     line l = {1, 2, 0, p.y, p.z, 0, {{0, 0}}};
@@ -131,7 +130,7 @@ static float side_of(const sweep *s, smr_vec p, float most)
     if (p.x < box.lo.x - most || p.y < box.lo.y - most || p.z < box.lo.z - most || p.x > box.hi.x + most ||
         p.y > box.hi.y + most || p.z > box.hi.z + most)
         return most;
-    if (!smr_signed_distance(&s->b->facets, s->b->normal, &q, far, &side))
+    if (!smr_signed_distance(&s->b->tree, s->b->normal, &q, far, &side))
         return most;
     return side.mm < 0.0f && !is_inside(s->b, p) ? -side.mm : side.mm;
 }
@@ -168,7 +167,7 @@ static void sample_triangle(sweep *s, uint32_t k)
 static smr_box used_box(const smr_surface *s)
 {
     smr_box box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
-    for (size_t i = 0; i < 3u * (size_t)s->facets.n_triangles; i++) {
+    for (size_t i = 0; i < 3u * (size_t)s->tree.n_triangles; i++) {
         const smr_vec p = smr_load(s->xyz + 3u * (size_t)s->triangle[i]);
         box.lo = least(box.lo, p);
         box.hi = most_of(box.hi, p);
@@ -186,9 +185,9 @@ static sweep sweep_of(const smr_surface *a, const smr_surface *b, float within)
                within,
                0,
                0};
-    for (uint32_t k = 0; k < a->facets.n_triangles; k++)
+    for (uint32_t k = 0; k < a->tree.n_triangles; k++)
         sample_triangle(&s, k);
-    for (uint32_t v = 0; v < a->n_vertices; v++) /* those without triangles have no normal */
+    for (uint32_t v = 0; v < a->n_vertices; v++) /* vertices without triangles have no normal */
         if (a->area[v] > 0.0f)
             s.deepest = smr_max(s.deepest, -side_of(&s, smr_sub(smr_load(a->xyz + 3u * (size_t)v), s.shift), 0.0f));
     return s;
@@ -243,7 +242,7 @@ smr_status smr_surface_contact(const smr_surface *a, const smr_surface *b, float
     if (!(within_mm >= 0.0f && within_mm <= SMR_DEPTH_MOST))
         return SMR_E_INPUT;
     memset(report, 0, sizeof *report);
-    if (a->open || b->open || a->n_stray + b->n_stray > 0u)
+    if (a->open || b->open || a->n_fragment + b->n_fragment > 0u)
         return SMR_OK;
     const sweep one = sweep_of(a, b, within_mm), other = sweep_of(b, a, within_mm);
     const smr_box all_a = used_box(a);

@@ -1,22 +1,22 @@
-/* surface_strays.c: scraps of a target that show nothing of it: what a scanner, or a reconstruction, leaves in the
- * air. Pieces hang together by vertices. An open piece of very few triangles is a scrap; where scraps are a good part
- * of all triangles the surface comes in pieces, and none is. Registration passes scraps by: they are not found, attract
- * nothing, and open no closed surface. A closed piece has an inside, however small: it stays.
- * Method: a forest over triangles, united by size (Tarjan 1975): of two pieces the smaller goes below the larger, so
- * that a triangle's way up at least doubles the piece with each step.
- * Bounds: the stages of surface_build.c; a way up has at most log2(n_triangles) steps, whatever the mesh.
+/* surface_strays.c: finds small components of a target surface, such as a scanner or a reconstruction leaves.
+ * Triangles belong together by common vertices. An open component of very few triangles is a fragment; if fragments
+ * are a large part of all triangles, none is. Registration ignores fragments: they are not found, do not attract,
+ * and do not open a closed surface. Closed components stay, whatever their size.
+ * Method: union-find over triangles, united by size (Tarjan 1975).
+ * Bounds: the stages of a surface's build; a path has at most log2(n_triangles) steps.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/surface.h"
 
-#define SMR_STRAY_PART 256u  /* a piece of at most one triangle in so many is a scrap, */
-#define SMR_STRAY_LEAST 512u /* where the surface has as many: of a coarse one each triangle shows a part */
-#define SMR_STRAY_SHARE 8u   /* of which scraps make up no more than one triangle in so many */
+#define SMR_FRAGMENT_PART 256u /* a component of at most 1 / this of all triangles is a fragment */
+/* fewest triangles of a surface with fragments: in a coarse one each triangle matters */
+#define SMR_FRAGMENT_LEAST 512u
+#define SMR_FRAGMENT_SHARE 8u /* fragments together are at most 1 / this of all triangles */
 
 static uint32_t *parent(const smr_surface *s) { return s->work.key; }
 
-/* Of a root: triangles of its piece, and those of them with a border edge. */
+/* Of a component's root: its triangles, and those of them with a border edge. */
 static uint32_t *count(const smr_surface *s) { return s->work.tmp; }
-static uint32_t *edges(const smr_surface *s) { return s->work.tmp + s->facets.n_triangles; }
+static uint32_t *edges(const smr_surface *s) { return s->work.tmp + s->tree.n_triangles; }
 
 static uint32_t root(const smr_surface *s, uint32_t k)
 {
@@ -26,7 +26,7 @@ static uint32_t root(const smr_surface *s, uint32_t k)
     return k;
 }
 
-/* Makes two pieces one. */
+/* Unites two components. */
 static void unite(smr_surface *s, uint32_t a, uint32_t b)
 {
     const uint32_t more = count(s)[a] < count(s)[b] ? b : a, fewer = more == a ? b : a;
@@ -37,14 +37,14 @@ static void unite(smr_surface *s, uint32_t a, uint32_t b)
     edges(s)[more] += edges(s)[fewer];
 }
 
-int smr_strays_forget(smr_surface *s, uint32_t first, uint32_t last)
+int smr_fragments_forget(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t v = first; v < last; v++)
         s->work.start[v] = SMR_NONE;
     return 1;
 }
 
-int smr_strays_join(smr_surface *s, uint32_t first, uint32_t last)
+int smr_fragments_join(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++) {
         parent(s)[k] = k;
@@ -60,41 +60,41 @@ int smr_strays_join(smr_surface *s, uint32_t first, uint32_t last)
     return 1;
 }
 
-static int is_scrap(const smr_surface *s, uint32_t r)
+static int is_fragment(const smr_surface *s, uint32_t r)
 {
-    return s->facets.n_triangles >= SMR_STRAY_LEAST && count(s)[r] <= s->facets.n_triangles / SMR_STRAY_PART &&
+    return s->tree.n_triangles >= SMR_FRAGMENT_LEAST && count(s)[r] <= s->tree.n_triangles / SMR_FRAGMENT_PART &&
            edges(s)[r] > 0u;
 }
 
-int smr_strays_sum(smr_surface *s, uint32_t first, uint32_t last)
+int smr_fragments_sum(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++)
-        if (parent(s)[k] == k && is_scrap(s, k))
-            s->n_stray += count(s)[k];
-    if (last == s->facets.n_triangles && s->n_stray > last / SMR_STRAY_SHARE)
-        s->n_stray = 0;
+        if (parent(s)[k] == k && is_fragment(s, k))
+            s->n_fragment += count(s)[k];
+    if (last == s->tree.n_triangles && s->n_fragment > last / SMR_FRAGMENT_SHARE)
+        s->n_fragment = 0;
     return 1;
 }
 
-int smr_strays_mark(smr_surface *s, uint32_t first, uint32_t last)
+int smr_fragments_mark(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t k = first; k < last; k++)
-        if (s->n_stray > 0u && is_scrap(s, root(s, k)))
+        if (s->n_fragment > 0u && is_fragment(s, root(s, k)))
             s->border[k] |= SMR_SKIPPED;
         else
             s->open |= (s->border[k] & 7u) != 0u;
     return 1;
 }
 
-int smr_strays_release(smr_surface *s, uint32_t first, uint32_t last)
+int smr_fragments_release(smr_surface *s, uint32_t first, uint32_t last)
 {
-    for (uint32_t v = first; v < last && s->n_stray > 0u; v++) {
-        if (!smr_surface_stray(s, v))
+    for (uint32_t v = first; v < last && s->n_fragment > 0u; v++) {
+        if (!smr_surface_fragment(s, v))
             continue;
         s->work.area -= s->area[v];
         s->area[v] = 0.0f;
         s->n_used -= !s->work.refit;
-        s->n_stray_vertices += !s->work.refit;
+        s->n_fragment_vertices += !s->work.refit;
     }
     return 1;
 }

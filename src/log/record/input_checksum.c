@@ -1,11 +1,10 @@
-/* input_checksum.c: checksums of inputs, for the log: a replay that is given other inputs must be told from one that
- * differs. They are of numbers, so every processor gets the same ones, and of the whole input, so one changed bit
- * shows.
+/* input_checksum.c: checksums of inputs for the log, by which a replay detects other inputs. They are computed from
+ * numbers, so they are equal on all processors, and cover the whole input.
  * Bounds: one pass over points, triangles or voxels.
  * SPDX-License-Identifier: MIT */
 #include "log/record/log.h"
 
-#define SMR_GOLDEN 0x9e3779b97f4a7c15u /* 2^64 over the golden ratio */
+#define SMR_GOLDEN 0x9e3779b97f4a7c15u /* 2^64 divided by the golden ratio */
 
 static uint64_t add(uint64_t sum, uint64_t value) { return smr_mix(sum * SMR_GOLDEN + value); }
 
@@ -56,7 +55,7 @@ uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n)
 uint64_t smr_surface_checksum(const smr_surface *surface)
 {
     const smr_surface *s = surface;
-    const uint32_t nt = s->facets.n_triangles;
+    const uint32_t nt = s->tree.n_triangles;
     const float origin[3] = {s->origin.x, s->origin.y, s->origin.z};
     uint64_t sum = add_points((uint64_t)s->n_vertices << 32 | nt, origin, 1);
     sum = add_points(sum, s->xyz, s->n_vertices);
@@ -84,7 +83,7 @@ static uint32_t voxel(const unsigned char *voxels, uint32_t bytes, size_t i)
 
 static uint64_t add_voxels(uint64_t sum, const void *voxels, uint32_t bytes, size_t n)
 {
-    const uint32_t share = 8u / bytes; /* so many to a word */
+    const uint32_t share = 8u / bytes; /* voxels in a word */
     for (size_t i = 0; i < n; i += share) {
         const size_t last = n - i < share ? n : i + share;
         uint64_t word = 0;

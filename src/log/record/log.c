@@ -1,7 +1,7 @@
-/* log.c: writes down what was done to a registration: each input that is set, each tick and how far it came. That and
- * the inputs is all that decides the bits (replay.c), so a run whose ticks were cut by the clock can be repeated
- * anywhere. Bytes are little-endian, records are only ever added, and each one's checksum goes on from the one
- * before: what a device wrote until it lost power can be read up to its last record. Layout: docs/SPEC.md.
+/* log.c: logs all inputs of a registration, and how far each tick came. Together with the inputs this determines all
+ * bits, so a run that the clock has cut can be repeated anywhere. Bytes are little-endian, records are appended, and
+ * each record's checksum continues the one before: after a loss of power the log is readable up to its last record.
+ * Layout: docs/SPEC.md.
  * Bounds: SMR_LOG_WORDS; SMR_LOG_CONFIG_WORDS for the header.
  * SPDX-License-Identifier: MIT */
 #include "log/record/log.h"
@@ -31,7 +31,7 @@ uint32_t smr_log_words(uint32_t kind)
     }
 }
 
-/* Appends a record, for which there is room. */
+/* Appends a record that fits. */
 static void write_record(smr_log *log, uint32_t kind, const uint32_t *word)
 {
     const uint32_t n = smr_log_words(kind), bytes = SMR_LOG_FRAME + 4u * n;
@@ -44,7 +44,7 @@ static void write_record(smr_log *log, uint32_t kind, const uint32_t *word)
     log->used += bytes;
 }
 
-/* Nothing follows a record that did not fit: a log with a gap would be worth nothing. */
+/* Appends a record. After one that did not fit nothing follows: a log with a gap would be useless. */
 static void put(smr_log *log, uint32_t kind, const uint32_t *word)
 {
     const size_t needed = SMR_LOG_FRAME + 4u * (size_t)smr_log_words(kind) + SMR_LOG_FULL_BYTES;
@@ -77,7 +77,7 @@ static uint64_t sum_of(uint32_t kind, const void *what, uint32_t n)
     }
 }
 
-/* Each landmark is a record, so that contents stay short. None at all is one of zeros. */
+/* Logs each landmark as a record of its own. No landmark at all is a record of zeros. */
 static void put_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n)
 {
     for (uint32_t i = 0; i < n || i == 0u; i++) {

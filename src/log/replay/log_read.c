@@ -1,9 +1,9 @@
-/* log_read.c: reads a log back, record by record. The bytes may come from anywhere: every length, kind and flag is
- * checked before it is used, nothing outside is read, and each record takes the reader further, so reading ends.
+/* log_read.c: reads a log, record by record. The bytes may come from anywhere: each length, kind and flag is checked
+ * before use, and each record advances the reader, so reading ends.
  * SPDX-License-Identifier: MIT */
 #include "log/record/log.h"
 
-/* Where the records start; 0 when the header's lengths do not agree with each other or with the bytes there are. */
+/* The offset of the first record; 0 when the header's lengths disagree with each other or with the bytes. */
 static size_t header_bytes(const unsigned char *at, size_t bytes)
 {
     if (bytes < SMR_LOG_FIXED + 4u || smr_log_get32(at) != SMR_LOG_MAGIC)
@@ -76,7 +76,7 @@ static smr_status take_landmark(const uint32_t *word, smr_log_record *r)
     return r->index < r->count && r->count <= SMR_LANDMARKS_MAX && word[11] <= 1u ? SMR_OK : SMR_E_LOG;
 }
 
-/* 0: taken away; 1: set; 2: what it gave. */
+/* A force record: 0, removed; 1, set; 2, its output's checksum. */
 static smr_status take_force(const uint32_t *word, smr_log_record *r)
 {
     r->present = word[0] == 1u;
@@ -96,7 +96,7 @@ static smr_status take(const uint32_t *word, smr_log_record *r)
         return take_force(word, r);
     if (r->kind == SMR_LOG_VOLUME_RATIO) {
         r->structure = word[0];
-        r->ratio = float_of(word[1]); /* as hostile as a pose: checked where it is set */
+        r->ratio = float_of(word[1]); /* checked when it is set, as a pose is */
         return SMR_OK;
     }
     if (r->kind == SMR_LOG_SURFACE || r->kind == SMR_LOG_POINTS || r->kind == SMR_LOG_GOALS) {

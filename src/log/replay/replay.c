@@ -1,8 +1,7 @@
-/* replay.c: repeats a recorded registration from its log and its inputs, to the last bit, on any processor and any
- * number of threads. A budget decides how many vertices an iteration takes, and at which of the caller's inputs it
- * looks; both are in the log. So each complete iteration is run in one piece with that number of vertices, and inputs
- * are set where they counted: one that came while an iteration still gathered its forces started it again and counts
- * before it, a later one counts after it, and one that starts the schedule over gives the iteration up.
+/* replay.c: repeats a recorded registration from its log and its inputs, to the last bit, on any processor with any
+ * number of threads. The log has what a budget decides: the number of active vertices and the iteration that each
+ * input affects. Each complete iteration runs in one piece with that number. An input that restarted an iteration's
+ * forces is set before it; a later one after it; one that starts the schedule over abandons the iteration.
  * Bounds: a tick reads the log's records at most twice.
  * SPDX-License-Identifier: MIT */
 #include "registration/config/config.h"
@@ -21,7 +20,7 @@ smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input
         return status;
     if (info.model_checksum != smr_le32(s->shared.model->checksum) || info.n_vertices != s->shared.n)
         return SMR_E_MODEL;
-    info.config.basic.n_workers = s->shared.config.basic.n_workers; /* makes no difference */
+    info.config.basic.n_workers = s->shared.config.basic.n_workers; /* does not affect results */
     if (smr_config_left_out(&info.config))
         return SMR_E_WITHOUT;
     if (memcmp(&info.config, &s->shared.config, sizeof info.config) != 0)
@@ -34,7 +33,7 @@ smr_status smr_replay_start(smr *s, const void *log, size_t bytes, smr_log_input
     return SMR_OK;
 }
 
-/* Landmarks are set with the last of their records, which follow each other. */
+/* Sets landmarks with the last of their records, which follow each other. */
 static smr_status set_landmark(smr_replay *r, const smr_log_record *record)
 {
     if (record->index != r->n_landmarks || (record->index > 0u && record->count != r->count))
@@ -47,14 +46,14 @@ static smr_status set_landmark(smr_replay *r, const smr_log_record *record)
     return smr_set_landmarks(r->s, r->landmark, record->count);
 }
 
-/* 1 for what only forces look at: it counts in the iteration under way, or from the next one on. */
+/* Returns 1 for inputs that only forces read: they affect the current iteration, or the next one. */
 static int of_forces(uint32_t kind)
 {
     return kind == SMR_LOG_SURFACE || kind == SMR_LOG_POINTS || kind == SMR_LOG_LANDMARKS || kind == SMR_LOG_GOALS ||
            kind == SMR_LOG_FORCE || kind == SMR_LOG_FIXED_SURFACE || kind == SMR_LOG_VOLUME_RATIO;
 }
 
-/* Goals and forces of the caller's own. */
+/* Sets goals or a force of the caller. */
 static smr_status set_caller(smr *s, const smr_log_record *record, const void *given)
 {
     if (record->kind == SMR_LOG_FORCE) {
@@ -74,7 +73,7 @@ static smr_status set_caller(smr *s, const smr_log_record *record, const void *g
     return smr_set_goals(s, record->structure, goals->xyz, goals->weights);
 }
 
-/* Masses and velocities, which are always there. */
+/* Sets masses and velocities. */
 static smr_status set_motion(smr *s, const smr_log_record *record, const smr_motion *motion)
 {
     const uint32_t n = s->shape.structure[record->structure].n_vertices;
@@ -138,8 +137,7 @@ static smr_status set_again(smr_replay *r, const smr_log_record *record)
     return status == SMR_E_CONFIG ? SMR_E_WITHOUT : status;
 }
 
-/* The goals that were set while an iteration had its forces already. Those records lie between r->later and the
- * reader. */
+/* Sets the goals that were set after an iteration's forces were complete: records from r->later to the reader. */
 static smr_status set_later(smr_replay *r, smr_log_record *record)
 {
     smr_status status = SMR_OK;
@@ -149,10 +147,10 @@ static smr_status set_later(smr_replay *r, smr_log_record *record)
             status = set_again(r, record);
     }
     r->has_later = 0;
-    return status == SMR_OK && r->n_landmarks > 0u ? SMR_E_LOG : status; /* the rest of a set is missing */
+    return status == SMR_OK && r->n_landmarks > 0u ? SMR_E_LOG : status; /* the rest of the landmarks is missing */
 }
 
-/* Sets an input now, or notes that it comes when the iteration under way is complete. */
+/* Sets an input now, or after the current iteration. */
 static smr_status take_input(smr_replay *r, const smr_log_reader *before, smr_log_record *record)
 {
     if (of_forces(record->kind) && r->has_forces) {
@@ -177,14 +175,14 @@ static smr_status take_input(smr_replay *r, const smr_log_reader *before, smr_lo
 static smr_log_record found_here(const smr *s, const smr_log_record *recorded)
 {
     smr_log_record found = *recorded;
-    found.iteration = s->pace.iteration;
+    found.iteration = s->schedule.iteration;
     found.state_hash = s->report.state_hash;
-    found.done = s->pace.done;
-    found.plastic_updates = s->pace.plastic_updates;
+    found.done = s->schedule.done;
+    found.plastic_updates = s->schedule.plastic_updates;
     if (recorded->complete) {
         found.n_taken = found.n_evaluated = s->report.details.n_taken;
         found.n_forces = s->report.n_forces;
-        found.checksum = s->forces.caller.told;
+        found.checksum = s->forces.caller.reported_sum;
     }
     return found;
 }
@@ -238,7 +236,7 @@ smr_status smr_replay_tick(smr_replay *replay, smr_replay_report *report)
             report->ended = 1;
             report->tick = replay->n_ticks;
             report->full = kind == SMR_LOG_FULL;
-            replay->reader = before; /* stays here */
+            replay->reader = before; /* the reader stays here */
             break;
         }
         if (kind == SMR_LOG_TICK) {

@@ -12,15 +12,19 @@
 #include "geometry/surface/signed_distance.h"
 #include "registration/shape/enclosed_volume.h"
 
-#define SMR_CONTACT_DEEP 10.0f  /* mm: a vertex deeper inside when first looked at is not drawn out */
-#define SMR_CONTACT_BAND 0.5f   /* mm beyond the thickness: from there on a touch counts, in full from half of it */
-#define SMR_REACH_NEAR 1.25f    /* zones: so far is looked for surfaces around what was near one, */
-#define SMR_REACH_FAR 4.0f      /* and so far else */
-#define SMR_FACING_NONE (-0.5f) /* cosine between the way out and the inward normal at which a touch does not count, */
-#define SMR_FACING_FULL (-0.3f) /* and from which on it counts in full */
-#define SMR_PASSED 4.0f         /* a vertex nearer by so many times to the surface behind it has passed through */
-#define SMR_FACETS_LAST 2u      /* last iterations in which triangles' centres are looked at, too: more of them drift */
-#define SMR_FACET_REACH 3.0f    /* mm beyond the thickness: so deep at most */
+#define SMR_CONTACT_DEEP 10.0f /* mm: a vertex deeper inside than this when first searched is not pushed out */
+/* mm beyond the contact thickness: contacts start there, and have full weight at half of it */
+#define SMR_CONTACT_BAND 0.5f
+#define SMR_REACH_NEAR 1.25f /* contact zones: search radius for vertices that were near a surface */
+#define SMR_REACH_FAR 4.0f   /* contact zones: search radius for all other vertices */
+/* cosine between exit direction and inward normal: at or above it a contact has no weight */
+#define SMR_FACING_NONE (-0.5f)
+#define SMR_FACING_FULL (-0.3f) /* the same cosine: at or below it a contact has full weight */
+/* a vertex that is nearer to the opposite surface by this factor has passed through the structure */
+#define SMR_PASSED 4.0f
+/* number of last iterations that also test triangles' centres: in more of them the centres drift */
+#define SMR_TRIANGLES_LAST 2u
+#define SMR_TRIANGLE_REACH 3.0f /* mm beyond the contact thickness: search depth of triangles' centres */
 #define SMR_REACH_UNKNOWN (-SMR_CONTACT_DEEP)
 
 static uint32_t n_bodies(const smr_shared *c) { return c->n_structures + c->config.contact.n_fixed; }
@@ -36,16 +40,16 @@ void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared)
     c->box = smr_slot_scratch(a, c->box, n_bodies(shared), 6u * sizeof(float));
     c->closed = smr_slot_scratch(a, c->closed, shared->n_structures, 1);
     c->touch = smr_slot_scratch(a, c->touch, n, SMR_TOUCHES * sizeof *c->touch);
-    c->facet = smr_slot_scratch(a, c->facet, shared->n_triangles, sizeof *c->facet);
+    c->triangle_touch = smr_slot_scratch(a, c->triangle_touch, shared->n_triangles, sizeof *c->triangle_touch);
     c->push = smr_slot_scratch(a, c->push, n, 3u * sizeof(float));
     c->reach = smr_slot_floats(a, c->reach, n, SMR_KEPT_MM);
     c->reach_next = smr_slot_scratch(a, c->reach_next, n, sizeof(float));
 }
 
-void smr_contact_wire(smr_contact *c, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape)
+void smr_contact_wire(smr_contact *c, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape)
 {
     c->shared = shared;
-    c->pace = pace;
+    c->schedule = schedule;
     c->shape = shape;
     if (c->fixed != NULL)
         memset(c->fixed, 0, shared->config.contact.n_fixed * sizeof *c->fixed);
@@ -69,19 +73,20 @@ void smr_contact_reset(smr_contact *c)
     }
 }
 
-int smr_fixed_stand(const smr_contact *c)
+int smr_fixed_valid(const smr_contact *c)
 {
-    int stand = 1;
+    int valid = 1;
     for (uint32_t i = 0; c->fixed != NULL && i < c->shared->config.contact.n_fixed; i++) {
         const smr_fixed_surface *f = &c->fixed[i];
-        stand &= f->surface == NULL || (smr_surface_valid(f->surface) && f->surface->n_vertices == f->n_vertices &&
+        valid &= f->surface == NULL || (smr_surface_valid(f->surface) && f->surface->n_vertices == f->n_vertices &&
                                         f->surface->changes == f->changes);
     }
-    return stand;
+    return valid;
 }
 
-/* The box of all that a tree holds, moved by shift; its corners the wrong way round where it holds nothing. */
-static void box_of(const smr_facets *f, smr_vec shift, float box[6])
+/* The box of all triangles in a tree, moved by shift. An empty tree gives a box whose low corner lies above the high
+ * one. */
+static void box_of(const smr_box_tree *f, smr_vec shift, float box[6])
 {
     const float off[3] = {shift.x, shift.y, shift.z};
     for (uint32_t axis = 0; axis < 3u; axis++) {
@@ -98,43 +103,43 @@ static void box_of(const smr_facets *f, smr_vec shift, float box[6])
     }
 }
 
-/* A structure's triangles or a fixed surface's; NULL: there is nothing to touch. shift: from its origin to the
- * shape's. */
-static const smr_facets *body_of(const smr_contact *c, uint32_t body, smr_vec *shift)
+/* The triangles of a structure or of a fixed surface; NULL: the body cannot be touched. shift: from the body's
+ * origin to the shape's, mm. */
+static const smr_box_tree *body_of(const smr_contact *c, uint32_t body, smr_vec *shift)
 {
     *shift = smr_v(0, 0, 0);
     if (body < c->shared->n_structures)
-        return c->closed[body] ? &c->shape->structure[body].facets : NULL;
+        return c->closed[body] ? &c->shape->structure[body].tree : NULL;
     const smr_surface *surface = c->fixed[body - c->shared->n_structures].surface;
     if (surface == NULL)
         return NULL;
     *shift = smr_sub(surface->origin, c->shape->origin);
-    return &surface->facets;
+    return &surface->tree;
 }
 
 static void place_box(smr_contact *c, uint32_t body)
 {
     static const float none[6] = {SMR_FAR, SMR_FAR, SMR_FAR, -SMR_FAR, -SMR_FAR, -SMR_FAR};
     smr_vec shift;
-    const smr_facets *f = body_of(c, body, &shift);
+    const smr_box_tree *f = body_of(c, body, &shift);
     if (f == NULL)
         memcpy(c->box + 6u * (size_t)body, none, sizeof none);
     else
         box_of(f, shift, c->box + 6u * (size_t)body);
 }
 
-/* As the last radius ends. */
-static int facets_due(const smr_contact *c)
+/* Returns 1 in the last iterations of the last radius. */
+static int triangles_due(const smr_contact *c)
 {
-    return smr_contact_on(c) && smr_at_last_radius(c->shared, c->pace) && !c->pace->tracking &&
-           c->pace->radius_iteration + SMR_FACETS_LAST >= c->shared->config.basic.iterations_last;
+    return smr_contact_on(c) && smr_at_last_radius(c->shared, c->schedule) && !c->schedule->tracking &&
+           c->schedule->radius_iteration + SMR_TRIANGLES_LAST >= c->shared->config.basic.iterations_last;
 }
 
 void smr_contact_begin(smr_contact *c)
 {
     for (uint32_t i = 0; c->touch != NULL && i < n_bodies(c->shared); i++)
         place_box(c, i);
-    c->facets_due = (uint32_t)facets_due(c);
+    c->triangles_due = (uint32_t)triangles_due(c);
 }
 
 void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface)
@@ -149,10 +154,11 @@ void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface)
         c->reach[v] = SMR_REACH_UNKNOWN;
 }
 
-/* Vertices that did not take part are nearer by what has moved; where folds are repaired that is all of them. */
-void smr_contact_stand(smr_contact *c)
+/* Stores the new distance bounds. The bounds of inactive vertices fall by the largest displacement; while folds are
+ * repaired that is all vertices. */
+void smr_contact_commit(smr_contact *c)
 {
-    const uint32_t n = smr_contact_on(c) ? c->pace->n_active : 0u;
+    const uint32_t n = smr_contact_on(c) ? c->schedule->n_active : 0u;
     if (c->touch == NULL)
         return;
     memcpy(c->reach, c->reach_next, n * sizeof *c->reach);
@@ -169,8 +175,9 @@ static int in_reach(const float *box, smr_vec p, float reach)
 
 static float ramp(float value, float from, float to) { return smr_clamp((value - from) / (to - from), 0.0f, 1.0f); }
 
-/* Inside another structure: the way out through what faces the vertex. Returns how far it counts. */
-static float face_out(const smr_facets *f, const float *normal, smr_query q, smr_side *side)
+/* For a vertex inside a structure: finds the exit through triangles that face the vertex. Returns the contact's
+ * weight. */
+static float face_out(const smr_box_tree *f, const float *normal, smr_query q, smr_side *side)
 {
     const float nearest = -side->mm;
     q.min_cos = SMR_FACING_NONE;
@@ -179,23 +186,24 @@ static float face_out(const smr_facets *f, const float *normal, smr_query q, smr
     return smr_clamp(SMR_PASSED * nearest / smr_max(-side->mm, 1.0e-6f), 0.0f, 1.0f);
 }
 
-/* 1: the nearest triangle faces the vertex, so that the shortest way is it. */
-static int facing(const smr_facets *f, uint32_t triangle, smr_vec inward)
+/* Returns 1 when the nearest triangle faces the vertex, so that the shortest exit is valid. */
+static int facing(const smr_box_tree *f, uint32_t triangle, smr_vec inward)
 {
     return smr_dot(smr_load(f->normal + 3u * (size_t)triangle), inward) > 0.0f;
 }
 
-/* A point of a structure's surface. */
+/* A point of a structure's surface that is tested for contact. */
 typedef struct probe {
-    smr_vec at, inward; /* mm; unit, against the normal */
+    smr_vec at, inward; /* position, mm; unit vector against the normal */
     uint32_t owner;
 } probe;
 
-/* The side of one body on which a point lies. Returns how far it counts, 0..1; -1: it is farther than reach. */
+/* The signed distance of a point to one body. Returns the contact's weight, 0..1; -1: the body is farther than
+ * reach. */
 static float side_of(const smr_contact *c, const probe *p, uint32_t body, float reach, smr_side *side)
 {
     smr_vec shift;
-    const smr_facets *f = body_of(c, body, &shift);
+    const smr_box_tree *f = body_of(c, body, &shift);
     const int moves = body < c->shared->n_structures;
     const smr_surface *fixed = moves ? NULL : c->fixed[body - c->shared->n_structures].surface;
     const float *normal = moves ? c->shape->normal : fixed->normal;
@@ -209,7 +217,7 @@ static float side_of(const smr_contact *c, const probe *p, uint32_t body, float 
     return ramp(smr_dot(p->inward, side->out), SMR_FACING_NONE, SMR_FACING_FULL);
 }
 
-/* Keeps the n deepest touches in the order of the bodies, so that no two change places. */
+/* Keeps the n deepest contacts, in the order of the bodies. */
 static void keep(smr_touch *touch, uint32_t n, const smr_touch *more)
 {
     uint32_t shallow = 0, used = 0;
@@ -227,7 +235,8 @@ static void keep(smr_touch *touch, uint32_t n, const smr_touch *more)
     touch[n - 1u] = *more;
 }
 
-/* Looks at every body within reach of a point for its n deepest touches. Returns the new bound. */
+/* Tests all bodies within reach of a point and keeps its n deepest contacts. Returns the new lower bound on the
+ * distance. */
 static float look(const smr_contact *c, const probe *p, float reach, smr_touch *touch, uint32_t n)
 {
     const float thick = c->shared->config.contact.gap_mm, zone = thick + SMR_CONTACT_BAND;
@@ -256,7 +265,7 @@ static float look(const smr_contact *c, const probe *p, float reach, smr_touch *
 
 void smr_contact_find(smr_contact *c, uint32_t v)
 {
-    /* what moved last may have been given up, and a replay knows nothing of it */
+    /* after an abandoned iteration the last displacement is unknown: a replay does not know it either */
     const float moved = c->reach[v] == SMR_REACH_UNKNOWN ? 0.0f : 2.0f * *c->moved_mm;
     const float zone = c->shared->config.contact.gap_mm + SMR_CONTACT_BAND;
     smr_touch *touch = c->touch + SMR_TOUCHES * (size_t)v;
@@ -266,14 +275,14 @@ void smr_contact_find(smr_contact *c, uint32_t v)
     c->reach_next[v] = smr_max(bound, 2.0f * SMR_REACH_UNKNOWN);
     if (!c->shape->on_surface[v] || (c->reach[v] > 0.0f && bound > zone))
         return;
-    /* -bound: as deep inside as it can be now */
+    /* -bound: largest possible depth inside a structure now, mm */
     const float far = zone * (c->reach[v] > zone ? SMR_REACH_FAR : SMR_REACH_NEAR);
     const probe p = {smr_load(smr_at3(c->shape->x, v)), smr_scale(smr_load(smr_at3(c->shape->normal, v)), -1.0f),
                      smr_model_owner(c->shared->model, v)};
     c->reach_next[v] = look(c, &p, smr_min(smr_max(far, -bound), SMR_CONTACT_DEEP + zone), touch, SMR_TOUCHES);
 }
 
-/* The bounds of its corners spare a triangle most searches. */
+/* Returns 1 when the distance bounds of a triangle's corners exclude any contact of its centre. */
 static int out_of_reach(const smr_contact *c, const uint32_t *t, smr_vec middle)
 {
     const float zone = c->shared->config.contact.gap_mm + SMR_CONTACT_BAND, moved = 2.0f * *c->moved_mm;
@@ -283,32 +292,32 @@ static int out_of_reach(const smr_contact *c, const uint32_t *t, smr_vec middle)
     return 0;
 }
 
-void smr_contact_find_facet(smr_contact *c, uint32_t k)
+void smr_contact_find_triangle(smr_contact *c, uint32_t k)
 {
     const uint32_t *t = c->shared->triangle + 3u * (size_t)k;
     const float *x = c->shape->x;
     const smr_vec sum = smr_add(smr_load(x + 3u * (size_t)t[0]),
                                 smr_add(smr_load(x + 3u * (size_t)t[1]), smr_load(x + 3u * (size_t)t[2])));
-    const probe p = {smr_scale(sum, 1.0f / 3.0f), smr_scale(smr_load(smr_at3(c->shape->facet_normal, k)), -1.0f),
+    const probe p = {smr_scale(sum, 1.0f / 3.0f), smr_scale(smr_load(smr_at3(c->shape->triangle_normal, k)), -1.0f),
                      smr_model_owner(c->shared->model, t[0])};
-    c->facet[k].body = SMR_NONE;
+    c->triangle_touch[k].body = SMR_NONE;
     if (!out_of_reach(c, t, p.at))
-        (void)look(c, &p, c->shared->config.contact.gap_mm + SMR_FACET_REACH, &c->facet[k], 1);
+        (void)look(c, &p, c->shared->config.contact.gap_mm + SMR_TRIANGLE_REACH, &c->triangle_touch[k], 1);
 }
 
 const uint32_t *smr_touch_corners(const smr_contact *c, const smr_touch *touch)
 {
     if (touch->body >= c->shared->n_structures)
         return NULL;
-    return c->shape->structure[touch->body].facets.triangle + 3u * (size_t)touch->triangle;
+    return c->shape->structure[touch->body].tree.triangle + 3u * (size_t)touch->triangle;
 }
 
-smr_vec smr_contact_way(const smr_contact *c, uint32_t v, smr_displacement displaced, const void *ctx)
+smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacement displaced, const void *ctx)
 {
     const smr_touch *touch = c->touch + SMR_TOUCHES * (size_t)v;
     const smr_vec own = displaced(ctx, v);
     const float mass = smr_mass(c->shared, v);
-    smr_vec way = smr_v(0, 0, 0);
+    smr_vec displacement = smr_v(0, 0, 0);
     for (uint32_t i = 0; i < SMR_TOUCHES && touch[i].body != SMR_NONE; i++) {
         const uint32_t *t = smr_touch_corners(c, &touch[i]);
         smr_vec other = smr_v(0, 0, 0);
@@ -317,10 +326,11 @@ smr_vec smr_contact_way(const smr_contact *c, uint32_t v, smr_displacement displ
             other = smr_add(other, smr_scale(displaced(ctx, t[k]), touch[i].weight[k]));
             heavy += touch[i].weight[k] * smr_mass(c->shared, t[k]);
         }
-        const float share = t == NULL ? 1.0f : heavy / (mass + heavy); /* the heavier goes less */
-        const smr_vec out = smr_load(touch[i].out), apart = smr_sub(smr_add(own, way), other);
+        const float share = t == NULL ? 1.0f : heavy / (mass + heavy); /* the heavier side moves less */
+        const smr_vec out = smr_load(touch[i].out), apart = smr_sub(smr_add(own, displacement), other);
         const float missing = smr_positive(c->shared->config.contact.gap_mm - touch[i].mm - smr_dot(out, apart));
-        way = smr_add(way, smr_scale(out, share * touch[i].share * missing * c->shared->config.contact.share));
+        displacement =
+            smr_add(displacement, smr_scale(out, share * touch[i].share * missing * c->shared->config.contact.share));
     }
-    return way;
+    return displacement;
 }

@@ -1,9 +1,8 @@
-/* smooth.c: smoothing on the surface. The middle of a vertex' mesh neighbours lies at some height over it, along its
- * normal: the discrete mean curvature (umbrella operator; Kobbelt et al. 1998). A vertex is drawn along its normal to
- * where that height is what it was at rest, in the scale of the start. So noise falls, and the rest shape's own edges
- * and dents stay. No motion or bending as a whole is resisted, for heights are counted in the surface's own frame, and
- * an open border does not shrink, for nothing is drawn along the surface. What runs along it is evened out at the last
- * radius (evolve/tangent_evening.c).
+/* smooth.c: smoothing towards the rest shape's curvature. The height of the mesh neighbours' mean over a vertex,
+ * along the normal, is the discrete mean curvature (umbrella operator; Kobbelt et al. 1998). A vertex moves along
+ * its normal until that height equals the one at rest, scaled like the start. Noise falls, while edges and dents of
+ * the rest shape stay. Rigid motions and bending are not resisted, since heights are relative to the surface.
+ * Borders do not shrink, since nothing moves along the surface.
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */
 #include "options/contact/contact.h"
@@ -14,11 +13,11 @@ void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared)
         s->height = smr_slot_scratch(a, s->height, shared->n, sizeof *s->height); /* of the model: smr_init() */
 }
 
-void smr_smooth_wire(smr_smooth *s, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
+void smr_smooth_wire(smr_smooth *s, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
                      const smr_rings *rings)
 {
     s->shared = shared;
-    s->pace = pace;
+    s->schedule = schedule;
     s->shape = shape;
     s->rings = *rings;
 }
@@ -28,7 +27,7 @@ static uint32_t ring_tasks(const smr_smooth *s) { return smr_ceil_div(s->shared-
 uint32_t smr_smooth_tasks(const void *arg)
 {
     const smr_smooth *s = arg;
-    return s->height != NULL && s->pace->repairing == 0u ? s->shared->n_tasks + ring_tasks(s) : 0u;
+    return s->height != NULL && s->schedule->repairing == 0u ? s->shared->n_tasks + ring_tasks(s) : 0u;
 }
 
 static void clear(smr_smooth *s, uint32_t from, uint32_t to)
@@ -72,13 +71,13 @@ void smr_smooth_rest(smr_smooth *s)
 
 void smr_smooth_start(smr_smooth *s) { s->side = s->height != NULL && smr_start_mirrored(s->shape) ? -1.0f : 1.0f; }
 
-smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec way)
+smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec displacement)
 {
     const float share = s->shared->config.contact.smooth, (*m)[4] = s->shape->rest_pose.m;
     if (!s->shape->on_surface[v])
-        return way;
+        return displacement;
     const float scale = smr_length(smr_v(m[0][0], m[1][0], m[2][0]));
     const float off = height_of(s, v) - s->side * scale * s->height[v];
     const smr_vec own = smr_scale(smr_load(smr_at3(s->shape->normal, v)), off);
-    return smr_add(way, smr_scale(smr_sub(own, way), share));
+    return smr_add(displacement, smr_scale(smr_sub(own, displacement), share));
 }

@@ -1,27 +1,26 @@
-/* time_steps.c: dynamics by implicit Euler (paper 2.3, "when a dynamic aspect is desired"). A time step looks for the
- * positions with the least of
+/* time_steps.c: dynamics by implicit Euler (paper 2.3, "when a dynamic aspect is desired"). A time step minimises
  *   Sum_j M_j / 2 h^2 |x_j - y_j|^2 + k / 2 Sum_i Sum_(j in zeta_i) m_j |x_j - T_i x^r_j|^2,  y = x + h v + h^2 g,
- * over x and the clusters' rigid transforms T_i (incremental potential; Martin et al. 2011), by turns: for fixed x the
- * T_i are the match, for fixed T_i each vertex goes to (y + h^2 k x~) / (1 + h^2 k), with x~ the average goal of the
- * iteration (local and global steps; Liu et al. 2013, Bouaziz et al. 2014; shape matching, Mueller et al. 2005). A turn
- * is a sweep, which is an iteration; so many make a step: then v = (x - x before) / h, less by damping.
- * The fits' weights are m_j = M_j / |zeta_j|. Then a sweep is a polynomial of one operator that is self-adjoint in the
- * masses M and lies between 0 and 1: it keeps linear and angular momentum, and however few the sweeps and however
- * stiff the springs, the step is that of implicit Euler with other springs, whose energy does not grow. What sweeps
- * have not reached is softer.
- * Bounds: a step ends with passes over the vertices that step_energy.c has in tasks; a start sums over the clusters.
+ * over x and the clusters' rigid transforms T_i in turn (incremental potential; Martin et al. 2011): for fixed x the
+ * T_i are the match, for fixed T_i each vertex moves to (y + h^2 k x~) / (1 + h^2 k), with x~ the average goal
+ * (local and global steps; Liu et al. 2013, Bouaziz et al. 2014; shape matching, Mueller et al. 2005). One turn is a
+ * sweep, which is an iteration; SMR_SWEEPS of them are a step, after which v = (x - x before) / h, reduced by
+ * damping.
+ * The fits' weights are m_j = M_j / |zeta_j|. A sweep then is a polynomial of one operator, self-adjoint in the
+ * masses M and between 0 and 1. It conserves linear and angular momentum, and for any number of sweeps and any
+ * stiffness the step is one of implicit Euler with softer springs, whose energy does not grow.
+ * Bounds: a step ends with passes over the vertices in tasks; a start sums over the clusters.
  * SPDX-License-Identifier: MIT */
 #include "options/dynamics/dynamics.h"
 #include "registration/convergence.h"
 #include "registration/radius.h"
 
-#define SMR_WEIGHT_UNIT 32.0f     /* of weights around 1: rounding takes 1.6 % of a mass at most */
-#define SMR_WEIGHTS_SUM 262144.0f /* units of a cluster's members; more would make its centre coarse */
-#define SMR_WEIGHT_MOST 1024.0f   /* of a vertex, times the mean */
-#define SMR_PINNED_MOST 3.4e7f    /* of a pinned one */
-#define SMR_PINNED_TIMES 8.0f     /* weight of as many pinned vertices as a cluster can have, in clusters' masses */
+#define SMR_WEIGHT_UNIT 32.0f     /* units of a weight 1: rounding changes a mass by at most 1.6 % */
+#define SMR_WEIGHTS_SUM 262144.0f /* most units of a cluster; more would make its centre inexact */
+#define SMR_WEIGHT_MOST 1024.0f   /* largest weight of a vertex over the mean */
+#define SMR_PINNED_MOST 3.4e7f    /* largest weight of a pinned vertex */
+#define SMR_PINNED_TIMES 8.0f     /* weight of all pinned vertices of a cluster together, over the cluster's mass */
 
-/* Sums of records over clusters. */
+/* Sums the records over all clusters. */
 static void sum_records(smr *s, uint32_t words)
 {
     smr_sums *sums = &s->sums;
@@ -33,7 +32,7 @@ static void sum_records(smr *s, uint32_t words)
         smr_boundary_sums(sums, t, 0);
 }
 
-/* Marks the vertices of structures from `first` on, as many as a record has words: each has its own. */
+/* Marks the vertices of SMR_WORDS structures from `first` on: each structure has its own word. */
 static void mark_owners(smr *s, uint32_t first)
 {
     uint32_t *const record = s->sums.record;
@@ -52,8 +51,8 @@ static void join(uint32_t *group, uint32_t n, uint32_t a, uint32_t b)
         group[k] = group[k] == other ? first : group[k];
 }
 
-/* How many members each vertex' cluster has, fractions at the boundary included. Structures that share clusters, with
- * each other or by way of others, are one group; the number of the first is the group's. */
+/* Counts the members of each vertex' cluster, including fractions at the boundary, and finds groups of structures
+ * that share clusters, directly or through others. A group's number is that of its first structure. */
 static void count_members(smr *s)
 {
     smr_dynamics *d = s->shape.dynamics;
@@ -83,7 +82,7 @@ static float rounded(float weight, float most, float unit)
     return smr_whole_number(smr_clamp(weight, 1.0f / unit, most) * unit) / unit;
 }
 
-/* Mean of mass over members, g, of the vertices that are not pinned. */
+/* Mean of mass over members of the vertices that are not pinned, g. */
 static float mean_of(const smr_dynamics *d, uint32_t n, uint32_t *n_pinned)
 {
     float sum = 0.0f;
@@ -95,17 +94,19 @@ static float mean_of(const smr_dynamics *d, uint32_t n, uint32_t *n_pinned)
     return *n_pinned < n ? sum / (float)(n - *n_pinned) : 1.0f;
 }
 
-/* A pinned vertex does not move for its clusters, and clusters turn about it: it weighs more than their others. */
+/* Computes weights from masses. A pinned vertex weighs more than the rest of its cluster, so that the cluster turns
+ * about it. */
 void smr_time_steps_weigh(smr *s)
 {
     smr_dynamics *d = s->shape.dynamics;
     smr_shared *c = &s->shared;
     uint32_t n_pinned;
     float unit = SMR_WEIGHT_UNIT;
-    const float mean = mean_of(d, c->n, &n_pinned), largest = (float)s->pace.lists.largest;
+    const float mean = mean_of(d, c->n, &n_pinned), largest = (float)s->schedule.lists.largest;
     while (unit > 1.0f && unit * largest > SMR_WEIGHTS_SUM)
         unit *= 0.5f;
-    const uint32_t together = smr_min_u32(n_pinned, s->pace.lists.largest); /* no cluster has more pinned ones */
+    /* no cluster has more pinned vertices */
+    const uint32_t together = smr_min_u32(n_pinned, s->schedule.lists.largest);
     const float pinned = SMR_PINNED_TIMES * largest / (float)smr_max_u32(together, 1u);
     d->gram = mean;
     c->mass_max = c->mass_sum = 0.0f;
@@ -127,8 +128,8 @@ void smr_time_steps_start(smr *s)
     smr_radius_go(s, smr_radius_after(s));
     s->shape.rest_pose_due = 0;
     smr_plastic_positions(&s->shape);
-    smr_held_start(&s->shape);
-    s->shape.held->to = smr_dynamics_ahead;
+    smr_track_rest_start(&s->shape);
+    s->shape.track_rest->to = smr_dynamics_ahead;
     memcpy(d->begin, s->shape.x, bytes);
     memset(d->velocity, 0, bytes);
     memset(&d->stored, 0, sizeof d->stored);
@@ -141,9 +142,9 @@ void smr_time_steps_start(smr *s)
 
 void smr_time_steps_begin(smr *s)
 {
-    s->shape.held->due = 1;
+    s->shape.track_rest->due = 1;
     s->shape.from = s->shape.x_next;
-    s->shape.dynamics->ends = (s->pace.iteration + 1u) % SMR_SWEEPS == 0u;
+    s->shape.dynamics->ends = (s->schedule.iteration + 1u) % SMR_SWEEPS == 0u;
     s->reference.stale = 1;
 }
 
@@ -155,7 +156,7 @@ void smr_sweep_begin(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++)
         smr_store(smr_at3(s->shape.from, v),
-                  smr_dynamics_from(s->shape.dynamics, &s->pace, v, smr_load(smr_at3(s->shape.x, v))));
+                  smr_dynamics_from(s->shape.dynamics, &s->schedule, v, smr_load(smr_at3(s->shape.x, v))));
 }
 
 /* Where the springs to the clusters' average and to its goal take a vertex; evolve has left the average in x_next. */
@@ -178,5 +179,5 @@ void smr_time_steps_next(smr *s)
 {
     if (s->shape.dynamics->ends)
         smr_step_velocities(s);
-    smr_held_stand(&s->shape);
+    smr_track_rest_commit(&s->shape);
 }

@@ -1,21 +1,22 @@
-/* fill_unseen.c: what fills in where the image shows no goal: a smoothing force (paper 2.3, other forces). A vertex
- * without a goal is drawn towards the middle of its mesh neighbours. What the image does not have, such as the longer
- * tendon of another person's muscle, so shrinks back instead of staying where the start put it. Where the image shows
- * the surface nothing is smoothed, nor in a structure of which less than half had a goal: what is lost or missing as
- * a whole must not collapse. The force falls to 0 where the schedule ends, as all others do. The same pass takes each
- * structure's share of vertices with a goal, which says how far goals are sought, and its contrast and brightness in
- * the image, which its next goals are compared with.
+/* fill_unseen.c: smoothing force where the image shows no goal (paper 2.3, other forces). A vertex without a goal
+ * moves towards the mean of its mesh neighbours, so that parts that the image does not have shrink back. Vertices
+ * with a goal are not smoothed, nor are structures of which less than half of the vertices had a goal: these must
+ * not collapse. The force falls to 0 at the end of the schedule, as all image forces do.
+ * The same pass computes each structure's share of vertices with a goal, which sets the search distance, and its
+ * contrast and brightness in the image, with which the next profiles are compared.
  * Bounds: one pass over a structure's vertices and triangles.
  * SPDX-License-Identifier: MIT */
 #include "options/image/image.h"
 
-#define SMR_GAIN_LEAST 0.25f  /* contrast of the image over the profiles' */
-#define SMR_ABOVE_MOST 100.0f /* a profile's range over noise: more does not count more */
-#define SMR_SEEN_WELL 0.8f    /* of a structure's vertices had a goal: it is where it belongs */
-#define SMR_SEEN_BADLY 0.5f   /* had a goal: it is lost */
+#define SMR_GAIN_LEAST 0.25f  /* smallest contrast of the image over that of the profiles */
+#define SMR_ABOVE_MOST 100.0f /* largest weight of a profile: its range over the noise */
+/* share of a structure's vertices with a goal, from which on the search distance is the usual one */
+#define SMR_MATCHED_WELL 0.8f
+#define SMR_MATCHED_BADLY 0.5f /* the same share, below which the structure counts as lost */
 
-/* Without a budget a structure is one task. Otherwise it is cut into pieces, first of its vertices, then of its
- * triangles; all structures' pieces are done before the next ones start: task = piece * n_structures + structure. */
+/* Tasks: one for each structure without a budget. With a budget a structure is cut into pieces, first of its
+ * vertices, then of its triangles. The same piece of all structures comes before the next one: task = piece *
+ * n_structures + structure. */
 uint32_t smr_fill_tasks(const void *arg)
 {
     const smr_image_goals *g = arg;
@@ -35,29 +36,30 @@ void smr_fill_pieces(void *arg, int cut)
     g->ring_pieces = 1;
     for (uint32_t i = 0; cut && i < g->shared->n_structures; i++) {
         const smr_shape_structure *one = &g->shape->structure[i];
-        const uint32_t triangle_pieces = smr_ceil_div(one->facets.n_triangles, SMR_TRIANGLE_CHUNK);
+        const uint32_t triangle_pieces = smr_ceil_div(one->tree.n_triangles, SMR_TRIANGLE_CHUNK);
         g->ring_pieces = smr_max_u32(g->ring_pieces, vertex_pieces(one) + triangle_pieces);
     }
 }
 
-/* How far profiles of a structure are sought that is badly seen: what is near it there does not belong to it. Half a
- * radius, which keeps a structure from its neighbours' far sides, would keep this one from its own place. */
+/* Search distance of profiles, mm, for a structure of which few vertices found a goal. It is larger than the usual
+ * half radius, which would keep the structure from its own place. */
 static float wide_of(const smr_image_goals *g, const smr_image_structure *view)
 {
-    const smr_pace *p = g->pace;
+    const smr_schedule *p = g->schedule;
     const smr_vec size = smr_sub(view->box.hi, view->box.lo);
     if (view->n_decided == 0u)
         return 0.0f;
     const float share = (float)view->n_goals / (float)view->n_decided;
-    const float lost = smr_clamp((SMR_SEEN_WELL - share) / (SMR_SEEN_WELL - SMR_SEEN_BADLY), 0.0f, 1.0f);
-    /* as far as at the start: only the last radius, which comes to rest, narrows with the schedule */
+    const float lost = smr_clamp((SMR_MATCHED_WELL - share) / (SMR_MATCHED_WELL - SMR_MATCHED_BADLY), 0.0f, 1.0f);
+    /* as far as at the start: only at the last radius the distance falls with the schedule */
     const float most = smr_at_last_radius(g->shared, p) ? p->farthest_mm : g->shared->config.image.profile_mm;
-    const float half = 0.5f * smr_min(size.x, smr_min(size.y, size.z)); /* beyond lies what is not its own */
+    /* half of the structure's smallest extent: beyond it other structures lie */
+    const float half = 0.5f * smr_min(size.x, smr_min(size.y, size.z));
     const float far = smr_min(smr_min(most, p->lists.radius), half);
     return p->profile_mm + lost * smr_max(far - p->profile_mm, 0.0f);
 }
 
-/* The more a profile stands above noise, the more it tells of the image's contrast and brightness. */
+/* Adds a vertex' contrast and brightness, weighted by its profile's range over the noise. */
 static void add_contrast(const smr_image_goals *g, smr_image_structure *view, uint32_t v)
 {
     const uint32_t *ranges = smr_at(g->shared->model, g->shared->model->at_ranges);
@@ -83,7 +85,7 @@ static void end_view(const smr_image_goals *g, smr_image_structure *view)
     view->brighter = known ? view->brighter_sum / view->gain_weight : 0.0f;
 }
 
-/* Counts who had a goal and how the image compares there, and clears the sums. */
+/* Counts vertices with goals, sums contrast and brightness, and clears the neighbours' sums. */
 static void look_back(smr_image_goals *g, uint32_t structure, uint32_t from, uint32_t to)
 {
     const smr_shape_structure *one = &g->shape->structure[structure];
@@ -107,15 +109,15 @@ static void look_back(smr_image_goals *g, uint32_t structure, uint32_t from, uin
         end_view(g, view);
 }
 
-/* Sums over the mesh neighbours; a neighbour counts once for each triangle between. */
+/* Sums positions of mesh neighbours. A neighbour counts once for each triangle that it shares. */
 static void add_rings(smr_image_goals *g, uint32_t structure, uint32_t from, uint32_t to)
 {
     const smr_image_structure *view = &g->structure[structure];
     if (!(g->shared->config.image.fill > 0.0f) || view->n_goals == 0u ||
-        (float)view->n_goals < SMR_SEEN_BADLY * (float)view->n_decided)
-        return; /* no ring has a weight: nothing is smoothed */
+        (float)view->n_goals < SMR_MATCHED_BADLY * (float)view->n_decided)
+        return; /* all weights stay 0: nothing is smoothed */
     for (uint32_t k = from; k < to; k++) {
-        const uint32_t *t = g->shape->structure[structure].facets.triangle + 3u * (size_t)k;
+        const uint32_t *t = g->shape->structure[structure].tree.triangle + 3u * (size_t)k;
         const smr_vec a = smr_load(smr_at3(g->shape->x, t[0])), b = smr_load(smr_at3(g->shape->x, t[1])),
                       c = smr_load(smr_at3(g->shape->x, t[2]));
         const smr_vec all = smr_add(a, smr_add(b, c)), corner[3] = {a, b, c};
@@ -132,7 +134,7 @@ void smr_fill_sum(void *arg, uint32_t task, uint32_t worker)
     smr_image_goals *g = arg;
     const uint32_t structure = task % g->shared->n_structures, piece = task / g->shared->n_structures;
     const smr_shape_structure *one = &g->shape->structure[structure];
-    const uint32_t first = vertex_pieces(one), size = SMR_TRIANGLE_CHUNK, n_triangles = one->facets.n_triangles;
+    const uint32_t first = vertex_pieces(one), size = SMR_TRIANGLE_CHUNK, n_triangles = one->tree.n_triangles;
     (void)worker;
     if (g->ring_pieces <= 1u) {
         look_back(g, structure, 0, one->n_vertices);
@@ -144,7 +146,7 @@ void smr_fill_sum(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-smr_vec smr_fill_way(const smr_image_goals *g, uint32_t v)
+smr_vec smr_fill_displacement(const smr_image_goals *g, uint32_t v)
 {
     if (!(g->shared->config.image.fill > 0.0f) || !(g->rings.weight[v] > 0.0f))
         return smr_v(0, 0, 0);

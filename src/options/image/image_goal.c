@@ -1,22 +1,21 @@
-/* image_goal.c: goals in the target image (paper 2.1): the intensity profile of the reference is sought along the
- * normal within one distance, an edge like the reference's own within another; both goals are averaged by their
- * confidence. The image may also show that the profile fits better a little along the surface
- * (image/tangential_shift.c). Search distances fall linearly with the schedule.
- * Bounds: SMR_LINE_MAX + 4 SMR_PROFILE_MAX samples a vertex, and SMR_LINE_MAX offsets of SMR_PROFILE_MAX
- * multiply-adds.
+/* image_goal.c: goals in the target image (paper 2.1). The reference intensity profile is searched for along the
+ * normal within one distance, an edge similar to the reference's edge within another. Both goals are averaged by
+ * confidence. A tangential shift may improve the match. Search distances fall linearly with the schedule.
+ * Bounds: SMR_LINE_MAX + 4 SMR_PROFILE_MAX samples a vertex; SMR_LINE_MAX offsets of SMR_PROFILE_MAX multiply-adds.
  * SPDX-License-Identifier: MIT */
 #include "options/image/image.h"
 
 #include "image/intensity_profile.h"
 #include "image/tangential_shift.h"
 
-#define SMR_LONG 16.0f /* samples: in a longer search every SMR_HOP-th sample is enough */
+#define SMR_LONG 16.0f /* samples: a longer search uses every SMR_HOP-th sample */
 #define SMR_HOP 2u
-#define SMR_NOISE 0.1f       /* noise as a share of a structure's mean profile range */
-#define SMR_SIDE_VOXELS 0.5f /* reach of the search along the surface, in mean voxels, */
-#define SMR_SIDE_SHARE 0.25f /* or, when that is farther, as a share of the search distance */
+#define SMR_NOISE 0.1f       /* noise over the mean range of a structure's profiles */
+#define SMR_SIDE_VOXELS 0.5f /* shift along the surface: search radius in mean voxels */
+#define SMR_SIDE_SHARE 0.25f /* the same radius over the search distance; the larger of both is used */
 
-/* What the next iteration counts anew is not kept, nor is the noise, which the model tells. NULL: there is none yet. */
+/* Saves a structure's state in the image. Values that the next iteration recomputes are not saved, nor is the noise,
+ * which follows from the model. NULL: there is no memory yet. */
 static void keep_structure(smr_arena *a, smr_image_structure *structure)
 {
     smr_image_structure none = {0}, *s = structure == NULL ? &none : structure;
@@ -36,11 +35,11 @@ void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *
         keep_structure(a, g->structure == NULL ? NULL : &g->structure[k]);
 }
 
-void smr_image_goals_wire(smr_image_goals *g, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
-                          const uint8_t *found, const smr_rings *rings)
+void smr_image_goals_wire(smr_image_goals *g, const smr_shared *shared, const smr_schedule *schedule,
+                          const smr_shape *shape, const uint8_t *found, const smr_rings *rings)
 {
     g->shared = shared;
-    g->pace = pace;
+    g->schedule = schedule;
     g->shape = shape;
     g->found = found;
     g->rings = *rings;
@@ -57,10 +56,10 @@ void smr_image_goals_reset(smr_image_goals *g)
         g->structure[k].idle = 0;
 }
 
-void smr_image_goals_stand(smr_image_goals *g)
+void smr_image_goals_commit(smr_image_goals *g)
 {
-    memcpy(g->contrast, g->contrast_next, g->pace->n_active);
-    memcpy(g->brighter, g->brighter_next, g->pace->n_active);
+    memcpy(g->contrast, g->contrast_next, g->schedule->n_active);
+    memcpy(g->brighter, g->brighter_next, g->schedule->n_active);
 }
 
 void smr_image_forget(smr_image_goals *g, uint32_t v)
@@ -75,7 +74,7 @@ void smr_image_keep(smr_image_goals *g, uint32_t v)
     g->brighter_next[v] = g->brighter[v];
 }
 
-/* The contrast that counts as none: a share of what the structure's profiles have in the mean. */
+/* The noise level of a structure: SMR_NOISE of the mean range of its profiles; intensity. */
 static float noise_of(const smr_model *m, const smr_shape_structure *one)
 {
     const uint32_t *ranges = smr_at(m, m->at_ranges);
@@ -103,31 +102,32 @@ void smr_image_goals_open(smr_image_goals *g, const smr_grid *image)
     g->grid = *image;
     smr_image_goals_noise(g);
     for (uint32_t k = 0; k < g->shared->n_structures; k++) {
-        g->structure[k].gain = 1.0f; /* until there were goals */
+        g->structure[k].gain = 1.0f; /* until the first goals are found */
         g->structure[k].brighter = 0.0f;
     }
 }
 
-/* A vertex' reference profile as it is compared: every sample, or every second one where the search is long. */
+/* The reference profile of a vertex as it is compared: all samples, or every second one in a long search. */
 typedef struct reference_profile {
     float low, range, step_mm;
-    uint32_t n, inward;  /* samples, and those before the vertex */
-    uint32_t hop, first; /* of the stored ones every hop-th from the first on */
+    uint32_t n, inward;  /* number of samples; samples before the vertex */
+    uint32_t hop, first; /* the stored samples first, first + hop, ... are used */
 } reference_profile;
 
 int smr_image_seeks(const smr_image_goals *g, uint32_t structure)
 {
-    const float far = smr_max(smr_max(g->pace->profile_mm, g->structure[structure].wide_mm), g->pace->gradient_mm);
+    const float far =
+        smr_max(smr_max(g->schedule->profile_mm, g->structure[structure].wide_mm), g->schedule->gradient_mm);
     return g->has_image && far >= 0.5f * smr_le_float(g->shared->model->profile_step);
 }
 
 /* Search distance of a vertex' profile, mm. */
 static float sought_mm(const smr_image_goals *g, uint32_t v)
 {
-    return smr_max(g->pace->profile_mm, g->structure[smr_model_owner(g->shared->model, v)].wide_mm);
+    return smr_max(g->schedule->profile_mm, g->structure[smr_model_owner(g->shared->model, v)].wide_mm);
 }
 
-/* The profile of v but for its samples. profile_mm: search distance. */
+/* Sizes and range of the profile of v, without its samples. profile_mm: search distance. */
 static reference_profile reference_shape(const smr_image_goals *g, uint32_t v, float profile_mm)
 {
     const smr_model *m = g->shared->model;
@@ -161,11 +161,11 @@ static int varies(const float *line, uint32_t n)
     return k < n;
 }
 
-/* The line through the volume on which a vertex' goal is sought. */
+/* The line of image samples along which a vertex' goal is searched for. */
 typedef struct search_line {
-    smr_vec start, step;        /* world mm */
-    uint32_t reach, edge_reach; /* samples to either side in which profile and edge are sought */
-    uint32_t before, n;         /* samples before the vertex, and all of them; 0: nothing is sought */
+    smr_vec start, step;        /* first sample and vector from sample to sample, world mm */
+    uint32_t reach, edge_reach; /* search range of profile and edge, samples to either side */
+    uint32_t before, n;         /* samples before the vertex; all samples, 0: no search */
 } search_line;
 
 static search_line line_of(const smr_image_goals *g, uint32_t v, const reference_profile *r, float profile_mm)
@@ -174,7 +174,7 @@ static search_line line_of(const smr_image_goals *g, uint32_t v, const reference
     const uint32_t room = (SMR_LINE_MAX - SMR_PROFILE_MAX) / 2u;
     search_line l;
     l.reach = smr_min_u32((uint32_t)(profile_mm / r->step_mm + 0.5f), room);
-    l.edge_reach = smr_min_u32((uint32_t)(g->pace->gradient_mm / r->step_mm + 0.5f), room);
+    l.edge_reach = smr_min_u32((uint32_t)(g->schedule->gradient_mm / r->step_mm + 0.5f), room);
     l.before = smr_max_u32(l.reach + r->inward, l.edge_reach + 2u);
     l.n = l.before + smr_max_u32(l.reach + r->n - r->inward, l.edge_reach + 3u);
     if (!(r->range > 0.0f) || smr_dot(normal, normal) < 0.5f || l.n > SMR_LINE_MAX || l.reach + l.edge_reach == 0u)
@@ -194,71 +194,72 @@ void smr_image_ahead(const smr_image_goals *g, uint32_t v)
         smr_grid_ahead(&g->grid, l.start, l.step, l.n);
 }
 
-/* The image where a profile was found, and the part of the profile that is compared with it: every SMR_HOP-th stored
- * sample, as in a long search. */
-typedef struct sight {
-    smr_profile reference; /* n is 0 where it is not all inside */
+/* The image at a goal, and the part of the reference profile that is compared with it: every SMR_HOP-th stored
+ * sample. */
+typedef struct image_sample {
+    smr_profile reference; /* n is 0 when a sample lies outside the image */
     uint32_t hop;
-    float first; /* place on the line */
+    float first; /* position of the first sample on the line, in samples */
     uint8_t value[SMR_PROFILE_MAX];
     float found[SMR_PROFILE_MAX];
-} sight;
+} image_sample;
 
-/* offset: samples along the normal from the vertex. */
-static void look_at(const reference_profile *r, const uint8_t *value, const search_line *l, const float *line,
-                    const unsigned char *inside, float offset, sight *seen)
+/* Samples the image at a goal. offset: from the vertex along the normal, in samples. */
+static void sample_at(const reference_profile *r, const uint8_t *value, const search_line *l, const float *line,
+                      const unsigned char *inside, float offset, image_sample *sample)
 {
-    seen->hop = SMR_HOP / r->hop;
-    seen->first = (float)(l->before - r->inward) + offset;
-    seen->reference = (smr_profile){seen->value, r->low, r->range, 0};
-    if (!(seen->first >= 0.0f && seen->first + (float)r->n < (float)l->n))
+    sample->hop = SMR_HOP / r->hop;
+    sample->first = (float)(l->before - r->inward) + offset;
+    sample->reference = (smr_profile){sample->value, r->low, r->range, 0};
+    if (!(sample->first >= 0.0f && sample->first + (float)r->n < (float)l->n))
         return;
-    const uint32_t whole = (uint32_t)seen->first, n = smr_ceil_div(r->n, seen->hop);
-    const float part = seen->first - (float)whole;
+    const uint32_t whole = (uint32_t)sample->first, n = smr_ceil_div(r->n, sample->hop);
+    const float part = sample->first - (float)whole;
     for (uint32_t k = 0; k < n; k++) {
-        const uint32_t at = whole + k * seen->hop;
+        const uint32_t at = whole + k * sample->hop;
         if (!inside[at] || !inside[at + 1u])
             return;
-        seen->found[k] = line[at] + part * (line[at + 1u] - line[at]);
-        seen->value[k] = value[k * seen->hop];
+        sample->found[k] = line[at] + part * (line[at + 1u] - line[at]);
+        sample->value[k] = value[k * sample->hop];
     }
-    seen->reference.n = n;
+    sample->reference.n = n;
 }
 
-/* Notes how the image compares with the profile: contrast as a ratio, brightness as image minus profile. */
-static void compare(smr_image_goals *g, uint32_t v, const sight *seen, float noise)
+/* Stores contrast (image over profile) and brightness (image minus profile) at the goal of v. */
+static void compare(smr_image_goals *g, uint32_t v, const image_sample *sample, float noise)
 {
-    const smr_profile *const reference = &seen->reference;
+    const smr_profile *const reference = &sample->reference;
     float more = 0.0f;
     for (uint32_t k = 0; k < reference->n; k++)
-        more += seen->found[k] - reference->low - (float)seen->value[k] * (reference->range * (1.0f / 255.0f));
+        more += sample->found[k] - reference->low - (float)sample->value[k] * (reference->range * (1.0f / 255.0f));
     const float steps = more / ((float)reference->n * noise);
-    if (!smr_within(steps, 1.0e6f)) /* no image's value */
+    if (!smr_within(steps, 1.0e6f)) /* not finite, or no intensity of an image */
         return;
-    const float contrast = smr_contrast(reference, seen->found) * (float)SMR_CONTRAST_ONE;
+    const float contrast = smr_contrast(reference, sample->found) * (float)SMR_CONTRAST_ONE;
     g->contrast_next[v] = (uint8_t)smr_min(contrast + 0.5f, 255.0f);
     g->brighter_next[v] = (uint8_t)(smr_clamp(steps, -127.0f, 127.0f) + (float)SMR_BRIGHTER_NONE + 0.5f);
 }
 
-/* The way along the surface from there. */
-static smr_vec side_way(const smr_image_goals *g, uint32_t v, const search_line *l, const sight *seen)
+/* The shift along the surface that improves the match at the goal, mm. */
+static smr_vec tangential_displacement(const smr_image_goals *g, uint32_t v, const search_line *l,
+                                       const image_sample *sample)
 {
     const float *const spacing = g->grid.volume.spacing, voxel = (spacing[0] + spacing[1] + spacing[2]) * (1.0f / 3.0f);
     const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
     if (!(g->shared->config.image.sideways > 0.0f))
         return smr_v(0, 0, 0);
-    const smr_place place = {&seen->reference,
-                             smr_add(l->start, smr_scale(l->step, seen->first)),
-                             smr_scale(l->step, (float)seen->hop),
+    const smr_place place = {&sample->reference,
+                             smr_add(l->start, smr_scale(l->step, sample->first)),
+                             smr_scale(l->step, (float)sample->hop),
                              smr_load(smr_at3(g->shape->normal, v)),
-                             seen->found,
+                             sample->found,
                              owner->gain,
                              owner->noise,
-                             smr_max(SMR_SIDE_VOXELS * voxel, SMR_SIDE_SHARE * g->pace->profile_mm)};
-    return smr_scale(smr_sideways(&g->grid, &place), g->shared->config.image.sideways);
+                             smr_max(SMR_SIDE_VOXELS * voxel, SMR_SIDE_SHARE * g->schedule->profile_mm)};
+    return smr_scale(smr_tangential_shift(&g->grid, &place), g->shared->config.image.sideways);
 }
 
-/* The edge that is sought, and its confidence: 1 where goals are averaged plainly. */
+/* The edge goal and its confidence, which is 1 when goals are averaged without weights. */
 static smr_peak edge_of(const smr_config *c, const smr_profile *reference, const reference_profile *r,
                         const search_line *l, const float *line, const unsigned char *inside)
 {
@@ -273,7 +274,7 @@ static smr_peak edge_of(const smr_config *c, const smr_profile *reference, const
     return edge;
 }
 
-int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *way)
+int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
 {
     const smr_config *const c = &g->shared->config;
     const float profile_mm = sought_mm(g, v);
@@ -289,9 +290,10 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *way)
     smr_peak match = {0, 0};
     const uint32_t first = l.before - l.reach - r.inward;
     const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
-    const smr_profile as_bright = {value, r.low + owner->brighter, r.range, r.n}; /* as the image is */
-    const smr_likeness how = {c->image.similarity, owner->noise, c->image.nearer * profile_mm,
-                              c->image.blend == SMR_BLEND_PLAIN};
+    /* the profile in the image's brightness */
+    const smr_profile as_bright = {value, r.low + owner->brighter, r.range, r.n};
+    const smr_similarity how = {c->image.similarity, owner->noise, c->image.nearer * profile_mm,
+                                c->image.blend == SMR_BLEND_PLAIN};
     if (l.reach > 0u)
         match = smr_profile_match(&as_bright, line + first, inside + first, r.n + 2u * l.reach, &how);
     const smr_peak edge = edge_of(c, &as_bright, &r, &l, line, inside);
@@ -300,12 +302,12 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *way)
         return whole && varies(line, l.n) ? SMR_NO_GOAL : SMR_UNDECIDED;
     const float offset =
         (match.confidence * (match.at - (float)l.reach) + edge.confidence * (edge.at - (float)l.before)) / total;
-    *way = smr_scale(l.step, offset);
-    sight seen;
-    look_at(&r, value, &l, line, inside, offset, &seen);
-    if (seen.reference.n > 0u) {
-        compare(g, v, &seen, owner->noise);
-        *way = smr_add(*way, side_way(g, v, &l, &seen));
+    *displacement = smr_scale(l.step, offset);
+    image_sample sample;
+    sample_at(&r, value, &l, line, inside, offset, &sample);
+    if (sample.reference.n > 0u) {
+        compare(g, v, &sample, owner->noise);
+        *displacement = smr_add(*displacement, tangential_displacement(g, v, &l, &sample));
     }
     return SMR_GOAL;
 }

@@ -1,17 +1,17 @@
-/* image_likeness.c: whether intensity profiles fit where the model is better than chance has it in this image: each is
- * compared in its place and in places beside it, along the normal. In an image of noise as many comparisons are lost as
- * won, though nearly every vertex finds a goal. Asked when a result is judged, not in ticks: what starts far from its
- * place fits nowhere better either, and forces that stopped for it lost a femur in its real MRI.
+/* image_likeness.c: decides whether intensity profiles match better in their places than by chance. Each profile is
+ * compared in its place and in places beside it along the normal. In an image of noise as many comparisons are lost
+ * as won, though nearly every vertex finds a goal. The comparison serves verdicts, not ticks: far from its place a
+ * model matches nowhere better, so forces must not depend on it.
  * Bounds: SMR_BESIDE + 1 places of 2 SMR_SLACK + 1 offsets, SMR_PROFILE_MAX multiply-adds each.
  * SPDX-License-Identifier: MIT */
 #include "image/intensity_profile.h"
 #include "options/image/image.h"
 
-#define SMR_BESIDE 6u       /* places beside, */
-#define SMR_BESIDE_MM 12.0f /* so far from each other */
-#define SMR_SLACK 2u        /* samples to either side within which the best fit counts */
+#define SMR_BESIDE 6u       /* number of places beside the vertex */
+#define SMR_BESIDE_MM 12.0f /* distance between these places, mm */
+#define SMR_SLACK 2u        /* offsets to either side, in samples, of which the best counts */
 
-/* Concordance (image/profile_match.c) of the profile with samples of a line, whatever their brightness. -1 where it is
+/* Concordance of the profile with samples of a line, independent of brightness (as profile_match.c). -1 when it is
  * not a number. */
 static float concordance(const smr_profile *r, const float *line, float noise)
 {
@@ -32,7 +32,7 @@ static float concordance(const smr_profile *r, const float *line, float noise)
     return smr_within(score, 1.0f) ? score : -1.0f;
 }
 
-/* The best score about a place. 0 where the profile is not all inside the image there. */
+/* The best similarity near a place. Returns 0 when a sample lies outside the image. */
 static int score_at(const smr_image_goals *g, const smr_profile *r, smr_vec first, smr_vec step, float noise,
                     float *best)
 {

@@ -1,13 +1,13 @@
-/* landmark_goals.c: where landmarks' points of the model are, and where they want to be. A point off the surface keeps
- * to its foot there; the vertices around the foot turn what lies between.
+/* landmark_goals.c: positions of landmarks on the model and their goals. A landmark off the surface is attached to
+ * its foot, the closest point of the surface; vertices around the foot rotate the offset.
  * Bounds: SMR_LANDMARK_NEAR pairs of a fit for a landmark off the surface.
  * SPDX-License-Identifier: MIT */
 #include "options/partial/partial.h"
 
-#define SMR_MORE_SHARE 0.2f /* of what is left in an iteration, added to what a hard landmark asks for */
-#define SMR_MORE_MOST 0.1f  /* of the reach: most that is asked for beyond its place */
+#define SMR_MORE_SHARE 0.2f /* share of the residual that each iteration adds to a hard landmark's goal */
+#define SMR_MORE_MOST 0.1f  /* largest displacement of that goal over `reach` */
 
-/* A copy with 0 where nothing was written. */
+/* A copy in which all unused fields are 0. */
 static smr_bound_landmark without_rest(const smr_bound_landmark *b)
 {
     smr_bound_landmark copy = *b;
@@ -19,7 +19,7 @@ static smr_bound_landmark without_rest(const smr_bound_landmark *b)
     return copy;
 }
 
-/* A landmark is the caller's, but copied; what it is bound to is kept rather than sought again. */
+/* Saves a landmark, which is a copy of the caller's, and the vertices that it is bound to. */
 static void keep_landmark(smr_arena *a, smr_bound_landmark *b, const smr_shared *c, int set)
 {
     smr_landmark *given = &b->given;
@@ -32,7 +32,7 @@ static void keep_landmark(smr_arena *a, smr_bound_landmark *b, const smr_shared 
     smr_keep_words(a, b->corner, 3, c->n - 1u);
     smr_keep_floats(a, b->share, 3, -0.001f, SMR_KEPT_UNIT);
     smr_keep_floats(a, &b->foot.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
-    smr_keep_floats(a, &b->apart.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
+    smr_keep_floats(a, &b->offset.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
     smr_keep_floats(a, &b->more.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
     smr_keep_words(a, &b->n_near, 1, SMR_LANDMARK_NEAR);
     smr_keep_words(a, b->near, SMR_LANDMARK_NEAR, c->n - 1u);
@@ -45,7 +45,7 @@ void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_sh
     if (shared->config.partial.n_landmarks == 0u)
         return;
     g->landmark = smr_slot_scratch(a, g->landmark, shared->config.partial.n_landmarks, sizeof *g->landmark);
-    g->seen = smr_slot_bytes(a, g->seen, shared->n, SMR_SEEN_ONE);
+    g->visibility = smr_slot_bytes(a, g->visibility, shared->n, SMR_VISIBLE_ONE);
     smr_keep_words(a, &g->n, 1, shared->config.partial.n_landmarks);
     for (uint32_t k = 0; smr_keeps(a) && k < shared->config.partial.n_landmarks; k++) {
         const smr_bound_landmark none = {0};
@@ -56,29 +56,29 @@ void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_sh
     }
 }
 
-void smr_landmark_goals_wire(smr_landmark_goals *g, const smr_shared *shared, const smr_pace *pace,
+void smr_landmark_goals_wire(smr_landmark_goals *g, const smr_shared *shared, const smr_schedule *schedule,
                              const smr_shape *shape)
 {
     g->shared = shared;
-    g->pace = pace;
+    g->schedule = schedule;
     g->shape = shape;
     g->reach = smr_max(SMR_HARD_EDGES * smr_le_float(shared->model->edge_mm), 1.0e-3f);
 }
 
 void smr_landmark_goals_reset(smr_landmark_goals *g)
 {
-    if (g->seen != NULL)
-        memset(g->seen, 0, g->shared->n);
+    if (g->visibility != NULL)
+        memset(g->visibility, 0, g->shared->n);
     for (uint32_t k = 0; k < g->n; k++)
         g->landmark[k].more = smr_v(0, 0, 0);
 }
 
-/* At the last radius, where that has clusters of several vertices, a hard landmark asks for more by what is left, until
- * it is reached (integral control). */
-void smr_landmark_goals_stand(smr_landmark_goals *g)
+/* At the last radius, unless clusters are single vertices: moves a hard landmark's goal by a share of its residual,
+ * until the landmark reaches its place (integral control). */
+void smr_landmark_goals_commit(smr_landmark_goals *g)
 {
     const float most = SMR_MORE_MOST * g->reach;
-    if (!smr_at_last_radius(g->shared, g->pace) || g->pace->lists.largest <= 1u)
+    if (!smr_at_last_radius(g->shared, g->schedule) || g->schedule->lists.largest <= 1u)
         return;
     for (uint32_t k = 0; k < g->n; k++) {
         smr_bound_landmark *b = &g->landmark[k];
@@ -100,7 +100,7 @@ smr_vec smr_landmark_foot(const smr_landmark_goals *g, uint32_t k, float *xyz)
     return sum;
 }
 
-smr_vec smr_landmark_apart(const smr_landmark_goals *g, uint32_t k)
+smr_vec smr_landmark_offset(const smr_landmark_goals *g, uint32_t k)
 {
     const smr_bound_landmark *b = &g->landmark[k];
     smr_fit fit;
@@ -110,16 +110,16 @@ smr_vec smr_landmark_apart(const smr_landmark_goals *g, uint32_t k)
     for (uint32_t i = 0; i < b->n_near; i++)
         smr_fit_add(&fit, smr_rest(g->shared, b->near[i]), smr_load(smr_at3(g->shape->x, b->near[i])), 1.0f);
     const smr_pose pose = smr_fit_solve(&fit, 1);
-    return smr_sub(smr_pose_apply(&pose, b->apart), smr_v(pose.m[0][3], pose.m[1][3], pose.m[2][3]));
+    return smr_sub(smr_pose_apply(&pose, b->offset), smr_v(pose.m[0][3], pose.m[1][3], pose.m[2][3]));
 }
 
 smr_vec smr_landmark_goal(const smr_landmark_goals *g, uint32_t k)
 {
     const smr_vec place = smr_sub(smr_load(g->landmark[k].given.place), g->shape->origin);
-    return smr_sub(place, smr_landmark_apart(g, k));
+    return smr_sub(place, smr_landmark_offset(g, k));
 }
 
-float smr_landmark_prevails(const smr_landmark_goals *g, uint32_t k, uint32_t v)
+float smr_landmark_hard_weight(const smr_landmark_goals *g, uint32_t k, uint32_t v)
 {
     const smr_bound_landmark *b = &g->landmark[k];
     const smr_vec at = smr_load(smr_at3(g->shape->start, v));
@@ -129,7 +129,7 @@ float smr_landmark_prevails(const smr_landmark_goals *g, uint32_t k, uint32_t v)
         if (b->share[c] > 0.0f)
             least = smr_min(least, smr_dot(d, d));
     }
-    return smr_bump(SMR_SQRT(least) / g->reach);
+    return smr_wendland(SMR_SQRT(least) / g->reach);
 }
 
 int smr_landmark_binds(const smr_landmark_goals *g, uint32_t v)

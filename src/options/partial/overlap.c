@@ -1,43 +1,43 @@
-/* overlap.c: how well a target surface shows each vertex, where it lacks parts that the model has. A goal counts less
- * on an open border of the target (the vertex lies beyond it), where the normals disagree, and where it is not
- * mutual: where the model's points closest to the target around the goal lie elsewhere than the vertex. Each falls off
- * continuously. Beyond that the vertex follows its seen neighbours (unseen_field.c).
- * A closed target is taken as whole while most of what is drawn to it is seen: then everything counts in full.
- * A cloud of points shows the vertices that its points' weights reach (point_spread.c).
- * Bounds: three closest points on triangles for each vertex that is judged; two passes over the vertices.
+/* overlap.c: visibility of each vertex in a target that may lack parts of the model. A goal's weight falls on an
+ * open border of the target, where normals disagree, and where the goal is not mutual: the model point closest to
+ * the goal lies far from the vertex. Each factor is continuous. For the rest of its weight the vertex follows the
+ * field of occluded vertices.
+ * A closed target counts as whole while most of the model's vertices are visible; then all goals have full weight.
+ * In a cloud the vertices that its points' weights reach are visible.
+ * Bounds: three closest points on triangles for each judged vertex; two passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
 #include "options/partial/partial.h"
 
-#define SMR_SEEN_WHOLE 0.9f /* share of a structure seen from which on its closed target is taken as whole */
-#define SMR_SEEN_PART 0.7f  /* the same up to which it is taken as a part */
-#define SMR_SEEN_COS 0.6f   /* cosine between normals from which on they agree in full */
-#define SMR_SEEN_STEADY 8u  /* smaller changes are none, so that goals and weights come to rest */
-#define SMR_OFF_EDGES 0.5f  /* mean edges, and */
-#define SMR_OFF_RADII 0.1f  /* cluster radii: how far beyond a border nothing is left of a goal, and how far the two */
-#define SMR_MUTUAL_WAY                                                                                                 \
-    0.2f /* surfaces' closest points may disagree, besides this share of the way between them. From */
-#define SMR_MUTUAL_NONE 1.5f  /* half of it on a goal counts less, at so many times nothing */
-#define SMR_OFF_LEAST 1.0e-6f /* mm */
-#define SMR_POINTS_FULL 0.22f /* of the mean weight of points at a vertex: from here on it is seen in full */
+#define SMR_VISIBLE_WHOLE 0.9f   /* share of visible vertices at or above which a closed target counts as whole */
+#define SMR_VISIBLE_PART 0.7f    /* share of visible vertices at or below which it counts as a part */
+#define SMR_VISIBLE_COS 0.6f     /* cosine between normals at or above which they agree fully */
+#define SMR_VISIBLE_STEADY 8u    /* smaller changes of a visibility are ignored, so that goals and weights converge */
+#define SMR_OFF_EDGES 0.5f       /* tolerance in mean edge lengths, added to */
+#define SMR_OFF_RADII 0.1f       /* tolerance in cluster radii: a goal this far beyond a border has no weight */
+#define SMR_MUTUAL_DISTANCE 0.2f /* tolerance of mutual closest points, over the distance between them */
+#define SMR_MUTUAL_NONE 1.5f     /* half of it on a goal counts less, at so many times nothing */
+#define SMR_OFF_LEAST 1.0e-6f    /* smallest tolerance, mm */
+/* weight of points at a vertex over the mean weight: from there on the vertex is fully visible */
+#define SMR_POINTS_FULL 0.22f
 
 static int cloud_shows(const smr_target *t) { return t->surface != NULL && smr_is_cloud(t->surface); }
 static int open_target(const smr_target *t) { return t->surface != NULL && t->surface->open != 0u; }
 
-/* Without triangles a structure has no normals, and nothing of the target finds it. */
+/* Returns 1 when visibility can be judged: a structure without triangles has no normals. */
 static int can_judge(const smr_surface_goals *g, uint32_t structure)
 {
-    return g->seen != NULL && g->target[structure].surface != NULL &&
-           g->shape->structure[structure].facets.n_triangles > 0u;
+    return g->visibility != NULL && g->target[structure].surface != NULL &&
+           g->shape->structure[structure].tree.n_triangles > 0u;
 }
 
-int smr_overlap_lasting(const smr_surface_goals *g, uint32_t structure)
+int smr_visibility_always_partial(const smr_surface_goals *g, uint32_t structure)
 {
     const smr_target *t = &g->target[structure];
     return t->partial != 0u && (g->shared->config.partial.coverage == SMR_COVERAGE_PARTIAL || open_target(t));
 }
 
-void smr_overlap_start(smr_surface_goals *g)
+void smr_visibility_start(smr_surface_goals *g)
 {
     g->partial = 0;
     for (uint32_t i = 0; i < g->shared->n_structures; i++) {
@@ -47,54 +47,54 @@ void smr_overlap_start(smr_surface_goals *g)
     }
 }
 
-/* 1 in an iteration that judges whole targets, too: at each radius' start, where it is decided whether they are, and in
- * the last of all, for what is read out afterwards. */
+/* Returns 1 in iterations that also judge whole targets: the first of each radius, which decides whether targets are
+ * whole, and the last of all. */
 static int judged_now(const smr_surface_goals *g)
 {
-    const smr_pace *p = g->pace;
+    const smr_schedule *p = g->schedule;
     const int ends =
         smr_at_last_radius(g->shared, p) && p->radius_iteration + 1u >= g->shared->config.basic.iterations_last;
     return p->radius_iteration == 0u || ends;
 }
 
-int smr_overlap_judged(const smr_surface_goals *g, uint32_t structure)
+int smr_visibility_judged(const smr_surface_goals *g, uint32_t structure)
 {
     return can_judge(g, structure) && (g->target[structure].partial != 0u || judged_now(g));
 }
 
-/* The share left of a goal on an open border, by how far the vertex lies beyond it. */
-static float inside_border(const smr_surface *target, const smr_hit *hit, smr_vec way, float tolerance)
+/* Weight of a goal on an open border, 0..1, by the vertex' distance beyond the border. */
+static float inside_border(const smr_surface *target, const smr_hit *hit, smr_vec displacement, float tolerance)
 {
     if (!smr_surface_on_border(target, hit->triangle, hit->weight))
         return 1.0f;
-    const smr_vec n = smr_load(target->facets.normal + 3u * (size_t)hit->triangle);
-    const float beyond = smr_length(smr_sub(way, smr_scale(n, smr_dot(n, way))));
+    const smr_vec n = smr_load(target->tree.normal + 3u * (size_t)hit->triangle);
+    const float beyond = smr_length(smr_sub(displacement, smr_scale(n, smr_dot(n, displacement))));
     return smr_clamp(1.0f - beyond / tolerance, 0.0f, 1.0f);
 }
 
-/* What the corners of a target triangle find on a structure of the model: the mean of their closest points there. */
+/* Weighted mean of the model points that are closest to the corners of a target triangle. */
 typedef struct answer {
-    smr_vec sum;  /* mm, times the weight that found something */
-    float weight; /* of the corners that found something */
-    float way;    /* mm: how far away, times the weight */
+    smr_vec sum;    /* sum of the points, mm times weight */
+    float weight;   /* sum of the weights of corners with a closest point */
+    float distance; /* sum of the distances, mm times weight */
 } answer;
 
-/* The present closest point of target vertex j on the triangle that it found last. */
+/* Adds the closest point to target vertex j on the model triangle that it found last. */
 static void add_corner(const smr_surface_goals *g, const smr_shape_structure *one, const smr_surface *target,
                        uint32_t j, uint32_t triangle, float weight, answer *a)
 {
-    const uint32_t *t = one->facets.triangle + 3u * (size_t)triangle;
+    const uint32_t *t = one->tree.triangle + 3u * (size_t)triangle;
     const float *x = g->shape->x;
     const smr_vec y = smr_add(smr_load(target->xyz + 3u * (size_t)j), smr_sub(target->origin, g->shape->origin));
     float w[3];
     const float d2 = smr_triangle_closest(y, smr_load(x + 3u * (size_t)t[0]), smr_load(x + 3u * (size_t)t[1]),
                                           smr_load(x + 3u * (size_t)t[2]), w);
-    a->sum = smr_add(a->sum, smr_scale(smr_facet_point(&one->facets, triangle, w), weight));
+    a->sum = smr_add(a->sum, smr_scale(smr_triangle_point(&one->tree, triangle, w), weight));
     a->weight += weight;
-    a->way += weight * SMR_SQRT(d2);
+    a->distance += weight * SMR_SQRT(d2);
 }
 
-/* The first slot of a target's vertices in target_warm. */
+/* The first index of a target's vertices in target_warm. */
 static uint32_t first_warm(const smr_surface_goals *g, const smr_surface *target)
 {
     uint32_t k = 0;
@@ -103,7 +103,7 @@ static uint32_t first_warm(const smr_surface_goals *g, const smr_surface *target
     return g->goal[k].first_warm;
 }
 
-/* The share left of a goal that the target does not return. */
+/* Weight of a goal, 0..1, by whether the target's closest points return to the vertex. */
 static float mutual(const smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit,
                     float tolerance)
 {
@@ -115,110 +115,113 @@ static float mutual(const smr_surface_goals *g, uint32_t v, const smr_surface *t
     const uint32_t *warm = g->target_warm + first_warm(g, target);
     for (uint32_t c = 0; c < 3u; c++) {
         const uint32_t triangle = warm[corner[c]] - one->first_triangle;
-        if (warm[corner[c]] != SMR_NONE && triangle < one->facets.n_triangles && hit->weight[c] > 0.0f)
+        if (warm[corner[c]] != SMR_NONE && triangle < one->tree.n_triangles && hit->weight[c] > 0.0f)
             add_corner(g, one, target, corner[c], triangle, hit->weight[c], &a);
     }
     if (!(a.weight >= 0.5f))
         return 0.0f;
     const smr_vec at = smr_load(smr_at3(g->shape->x, v)), found = smr_scale(a.sum, 1.0f / a.weight);
-    tolerance += SMR_MUTUAL_WAY * a.way / a.weight;
+    tolerance += SMR_MUTUAL_DISTANCE * a.distance / a.weight;
     return smr_clamp(SMR_MUTUAL_NONE - smr_length(smr_sub(found, at)) / tolerance, 0.0f, 1.0f);
 }
 
-/* What is not laid out yet, while clusters are large, may be off by more. */
+/* Tolerance of closest points, mm: it is larger while clusters are large. */
 static float tolerance_of(const smr_surface_goals *g)
 {
     const float edge = smr_le_float(g->shared->model->edge_mm);
-    return smr_max(SMR_OFF_EDGES * edge + SMR_OFF_RADII * g->pace->lists.radius, SMR_OFF_LEAST);
+    return smr_max(SMR_OFF_EDGES * edge + SMR_OFF_RADII * g->schedule->lists.radius, SMR_OFF_LEAST);
 }
 
-static void put_seen(smr_surface_goals *g, uint32_t v, float share)
+static void put_visibility(smr_surface_goals *g, uint32_t v, float share)
 {
-    const uint32_t now = (uint32_t)(share * (float)SMR_SEEN_ONE + 0.5f), before = g->seen[v];
-    g->seen_next[v] = (uint8_t)(now + SMR_SEEN_STEADY >= before && now <= before + SMR_SEEN_STEADY ? before : now);
+    const uint32_t now = (uint32_t)(share * (float)SMR_VISIBLE_ONE + 0.5f), before = g->visibility[v];
+    g->visibility_next[v] =
+        (uint8_t)(now + SMR_VISIBLE_STEADY >= before && now <= before + SMR_VISIBLE_STEADY ? before : now);
 }
 
-void smr_overlap_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit, smr_vec way)
+void smr_visibility_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit,
+                          smr_vec displacement)
 {
     const float tolerance = tolerance_of(g);
     const smr_vec normal = smr_load(smr_at3(g->shape->normal, v));
-    const smr_vec other = smr_load(target->facets.normal + 3u * (size_t)hit->triangle);
-    const float least = smr_min(g->shared->min_cos, SMR_SEEN_COS - 0.1f);
-    const float agree = smr_clamp((smr_dot(normal, other) - least) / (SMR_SEEN_COS - least), 0.0f, 1.0f);
-    float share = agree * inside_border(target, hit, way, tolerance);
+    const smr_vec other = smr_load(target->tree.normal + 3u * (size_t)hit->triangle);
+    const float least = smr_min(g->shared->min_cos, SMR_VISIBLE_COS - 0.1f);
+    const float agree = smr_clamp((smr_dot(normal, other) - least) / (SMR_VISIBLE_COS - least), 0.0f, 1.0f);
+    float share = agree * inside_border(target, hit, displacement, tolerance);
     if (share > 0.0f)
         share *= mutual(g, v, target, hit, tolerance);
-    put_seen(g, v, share);
+    put_visibility(g, v, share);
 }
 
-void smr_overlap_judge_points(smr_surface_goals *g, uint32_t v, float weight)
+void smr_visibility_judge_points(smr_surface_goals *g, uint32_t v, float weight)
 {
     const float full = SMR_POINTS_FULL * g->target[smr_model_owner(g->shared->model, v)].spread;
-    put_seen(g, v, weight < full ? weight / full : 1.0f);
+    put_visibility(g, v, weight < full ? weight / full : 1.0f);
 }
 
-float smr_overlap_shown(const smr_surface_goals *g, uint32_t v, int has_goal)
+float smr_visibility_of(const smr_surface_goals *g, uint32_t v, int has_goal)
 {
     if (g->target[smr_model_owner(g->shared->model, v)].partial)
-        return (float)g->seen_next[v] * (1.0f / (float)SMR_SEEN_ONE);
+        return (float)g->visibility_next[v] * (1.0f / (float)SMR_VISIBLE_ONE);
     return has_goal ? 1.0f : 0.0f;
 }
 
-float smr_overlap_part(const smr_surface_goals *g, uint32_t v)
+float smr_visibility_partial(const smr_surface_goals *g, uint32_t v)
 {
     const smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
-    const float seen = (float)t->n_seen / (float)smr_max_u32(t->n_judged, 1);
-    return smr_clamp((SMR_SEEN_WHOLE - seen) / (SMR_SEEN_WHOLE - SMR_SEEN_PART), 0.0f, 1.0f);
+    const float visible = (float)t->n_visible / (float)smr_max_u32(t->n_judged, 1);
+    return smr_clamp((SMR_VISIBLE_WHOLE - visible) / (SMR_VISIBLE_WHOLE - SMR_VISIBLE_PART), 0.0f, 1.0f);
 }
 
-/* Counts what is seen of each structure: vertices without a goal are unseen, those without triangles do not count. */
-static void count_seen(const smr_surface_goals *g)
+/* Counts visible and judged vertices of each structure. Vertices without triangles are not judged. */
+static void count_visible(const smr_surface_goals *g)
 {
     for (uint32_t i = 0; i < g->shared->n_structures; i++)
-        g->target[i].n_seen = g->target[i].n_judged = 0;
-    for (uint32_t v = 0; v < g->pace->n_active; v++) {
+        g->target[i].n_visible = g->target[i].n_judged = 0;
+    for (uint32_t v = 0; v < g->schedule->n_active; v++) {
         smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
-        t->n_seen += g->seen[v] > SMR_SEEN_ONE / 2u;
+        t->n_visible += g->visibility[v] > SMR_VISIBLE_ONE / 2u;
         t->n_judged += g->shape->on_surface[v];
     }
 }
 
-/* Which way the places face that a cloud shows: the mean of their normals, short where it shows them all around. Known
- * while the model is laid out, unless what is followed has jumped: then the look may be a wrong one. */
-void smr_overlap_look(smr_surface_goals *g)
+/* Computes the mean normal of the places that a cloud shows; it is short when the cloud surrounds the structure.
+ * Updated only while the model is near the target, not after a jump. */
+void smr_visibility_note_view(smr_surface_goals *g)
 {
-    const smr_pace *p = g->pace;
+    const smr_schedule *p = g->schedule;
     const int laid_out = p->tracking ? p->recovering != 1u : smr_at_last_radius(g->shared, p);
-    if (g->shared->config.track.mode == SMR_TRACK_OFF || g->seen == NULL || g->n_clouds == 0u || !laid_out || p->jumped)
+    if (g->shared->config.track.mode == SMR_TRACK_OFF || g->visibility == NULL || g->n_clouds == 0u || !laid_out ||
+        p->jumped)
         return;
     for (uint32_t i = 0; i < g->shared->n_structures; i++)
         if (cloud_shows(&g->target[i]))
             g->target[i].view = smr_v(0, 0, 0);
-    for (uint32_t v = 0; v < g->pace->n_active; v++) {
+    for (uint32_t v = 0; v < g->schedule->n_active; v++) {
         smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
-        if (g->seen[v] > SMR_SEEN_ONE / 2u && cloud_shows(t))
+        if (g->visibility[v] > SMR_VISIBLE_ONE / 2u && cloud_shows(t))
             t->view = smr_add(t->view, smr_load(smr_at3(g->shape->normal, v)));
     }
     for (uint32_t i = 0; i < g->shared->n_structures; i++) {
         smr_target *t = &g->target[i];
         if (cloud_shows(t))
-            t->view = smr_scale(t->view, 1.0f / (float)smr_max_u32(t->n_seen, 1));
+            t->view = smr_scale(t->view, 1.0f / (float)smr_max_u32(t->n_visible, 1));
     }
 }
 
-void smr_overlap_stand(smr_surface_goals *g)
+void smr_visibility_commit(smr_surface_goals *g)
 {
-    if (g->seen == NULL || !(g->partial || judged_now(g)))
+    if (g->visibility == NULL || !(g->partial || judged_now(g)))
         return;
-    memcpy(g->seen, g->seen_next, g->pace->n_active);
-    count_seen(g);
-    if (g->pace->radius_iteration != 0u || g->shared->config.partial.coverage != SMR_COVERAGE_AUTO)
+    memcpy(g->visibility, g->visibility_next, g->schedule->n_active);
+    count_visible(g);
+    if (g->schedule->radius_iteration != 0u || g->shared->config.partial.coverage != SMR_COVERAGE_AUTO)
         return;
     g->partial = 0;
     for (uint32_t i = 0; i < g->shared->n_structures; i++) {
         smr_target *t = &g->target[i];
         if (can_judge(g, i) && !open_target(t))
-            t->partial = (float)t->n_seen < SMR_SEEN_WHOLE * (float)t->n_judged;
+            t->partial = (float)t->n_visible < SMR_VISIBLE_WHOLE * (float)t->n_judged;
         g->partial |= t->partial;
     }
 }

@@ -1,17 +1,17 @@
-/* point_spread.c: spreads the pulls of a cloud's points over the mesh, so that the noise of near points averages out
- * and the vertices between a few points have goals, too: a normalised convolution (Knutsson and Westin 1993). In each
- * round a vertex keeps half of its pull and of its weight, and takes half of its mesh neighbours' mean. What is spread
- * is the way that is left, not positions: at the end it is 0 in the mean, and the model keeps its own fine shape.
- * Rounds go on until every vertex reached has several points within reach, whatever the mesh. Along the mesh, because
- * the far side of a thin wall is near in space.
- * All clouds of a registration spread as far. Not of the active vertices alone: a budget may leave more out after this.
+/* point_spread.c: smooths the pulls of a cloud's points over the mesh, which averages noise and gives goals to
+ * vertices between points: a normalised convolution (Knutsson and Westin 1993). In each round a vertex keeps half of
+ * its pull and weight and takes half of its mesh neighbours' mean. Displacements are smoothed, not positions, so the
+ * model keeps its fine shape. Rounds continue until several points lie within reach of each reached vertex.
+ * Smoothing follows the mesh, because the far side of a thin wall is near in space.
+ * All clouds of a registration use the same number of rounds, and all vertices take part: a budget may reduce the
+ * active ones later.
  * Bounds: SMR_ROUNDS_MAX passes over triangles and vertices, one over the pulls.
  * SPDX-License-Identifier: MIT */
 #include "options/partial/partial.h"
 
 #define SMR_ROUNDS_LEAST 2u
 #define SMR_ROUNDS_MAX 12u
-#define SMR_REACH_POINTS 4.0f /* points within reach of a vertex, in the mean */
+#define SMR_REACH_POINTS 4.0f /* points within reach of a vertex, mean */
 
 void smr_point_spread_wire(smr_point_spread *p, const smr_shared *shared, const smr_shape *shape,
                            smr_surface_goals *goals, const smr_overlay *overlay)
@@ -41,7 +41,7 @@ static smr_target *cloud_of(const smr_point_spread *p, uint32_t v)
     return t->surface != NULL && smr_is_cloud(t->surface) ? t : NULL;
 }
 
-/* Takes the points' pulls. */
+/* Reads the pulls of points on vertex v. */
 static void take(smr_point_spread *p, uint32_t v)
 {
     int64_t sum[4];
@@ -81,7 +81,7 @@ static void combine(smr_point_spread *p, uint32_t v)
     p->n_reached += pull[3] > 0.0f;
 }
 
-/* Each structure's mean weight over the vertices reached. */
+/* Computes each structure's mean weight over the reached vertices. */
 static void measure(const smr_point_spread *p)
 {
     for (uint32_t i = 0; i < p->shared->n_structures; i++) {
@@ -97,8 +97,7 @@ static void measure(const smr_point_spread *p)
     }
 }
 
-/* A round is complete: another one while there are few points within reach. r rounds reach about 3 r (r + 1) + 1
- * vertices. */
+/* Ends a round and decides whether another one follows. r rounds reach about 3 r (r + 1) + 1 vertices. */
 static void end_round(smr_point_spread *p)
 {
     const float r = (float)p->rounds;
@@ -138,15 +137,15 @@ void smr_point_spread_run(void *arg, uint32_t task, uint32_t worker)
         end_round(p);
 }
 
-int smr_point_goal(smr_surface_goals *g, uint32_t v, smr_vec *way)
+int smr_point_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement)
 {
     const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), g->shape->origin);
     const float *s = g->spread + 4u * (size_t)v;
     g->warm_next[v] = SMR_NONE;
     if (!(s[3] > 0.0f) || smr_outside_box(&g->shared->config, p))
         return 0;
-    *way = smr_off_surface(g, v, smr_scale(smr_load(s), 1.0f / s[3]));
-    if (g->seen != NULL)
-        smr_overlap_judge_points(g, v, s[3]);
+    *displacement = smr_off_surface(g, v, smr_scale(smr_load(s), 1.0f / s[3]));
+    if (g->visibility != NULL)
+        smr_visibility_judge_points(g, v, s[3]);
     return 1;
 }

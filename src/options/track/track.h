@@ -13,33 +13,32 @@
 #define SMR_HAS_TRACK 1
 #endif
 
-/* smr_pace.called, and what has happened then: something acts upon the model; a goal may have moved; so may a surface,
- * cloud or landmarks, which show more than an image before them; there is another image. */
-enum { SMR_CALLED = 1u, SMR_CALLED_MOVED = 2u, SMR_CALLED_SHOWN = 3u, SMR_CALLED_IMAGE = 4u };
+/* schedule.changed, in ascending order: an acting input was set; a goal may have moved; a surface, cloud or
+ * landmarks, newer than the image, may have moved; there is a new image. */
+enum { SMR_CHANGED = 1u, SMR_CHANGED_MOVED = 2u, SMR_CHANGED_SHOWN = 3u, SMR_CHANGED_IMAGE = 4u };
 
 /* 1: the schedule is done, and targets are followed. */
-static inline int smr_tracks(const smr_pace *p) { return SMR_HAS_TRACK && p->tracking; }
+static inline int smr_tracks(const smr_schedule *p) { return SMR_HAS_TRACK && p->tracking; }
 
-void smr_tracking_start(smr *s);    /* the schedule is done: x is the shape from here on */
-void smr_tracking_end(smr *s);      /* the schedule starts over */
-void smr_tracking_begin(smr *s);    /* before an iteration */
-void smr_tracking_momentum(smr *s); /* then, once it is known what it looks at */
-void smr_tracking_look(smr *s);     /* the forces are complete */
-void smr_tracking_next(smr *s);     /* after an iteration */
+void smr_tracking_start(smr *s);     /* called when the schedule is done: x becomes the rest shape */
+void smr_tracking_end(smr *s);       /* called when the schedule starts over */
+void smr_tracking_begin(smr *s);     /* called before an iteration */
+void smr_tracking_momentum(smr *s);  /* called when the targets of the iteration are known */
+void smr_tracking_find_jump(smr *s); /* called when the forces are complete */
+void smr_tracking_next(smr *s);      /* called after an iteration */
 
-/* 0..1: how far the model is on its way to the targets that are followed, as search distances in an image go by it. */
+/* 0..1: progress towards the present targets, which determines search distances in an image. */
 float smr_tracking_progress(const smr *s);
 
-/* What a save keeps of it. After that smr_tracking_legal() says whether what was kept while targets are followed can
- * be. */
+/* Saves the state of tracking. Then smr_tracking_legal() returns 1 when the restored state is consistent. */
 void smr_tracking_keep(smr_arena *a, smr *s);
 int smr_tracking_legal(const smr *s);
 
-/* There is something to look at: SMR_CALLED... */
-static inline void smr_tracking_call(smr *s, uint32_t called)
+/* Notes that an input was set: SMR_CHANGED... */
+static inline void smr_tracking_changed(smr *s, uint32_t changed)
 {
-    if (smr_tracks(&s->pace))
-        s->pace.called = smr_max_u32(s->pace.called, called);
+    if (smr_tracks(&s->schedule))
+        s->schedule.changed = smr_max_u32(s->schedule.changed, changed);
 }
 
 #endif

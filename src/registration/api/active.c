@@ -8,7 +8,7 @@ smr_status smr_set_active(smr *s, uint32_t n_active)
         return SMR_E_NULL;
     if (!smr_ready(s))
         return SMR_E_STATE;
-    s->pace.n_pinned = smr_min_u32(n_active, s->shared.n);
+    s->schedule.n_active_chosen = smr_min_u32(n_active, s->shared.n);
     smr_log_note(&s->log, SMR_LOG_ACTIVE, n_active, NULL, 0);
     return SMR_OK;
 }

@@ -1,4 +1,4 @@
-/* caller.c: goals and forces of the caller's own, as they are set.
+/* caller.c: sets goals and forces of the caller.
  * Bounds: one pass over a structure's goals.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/restart.h"
@@ -31,7 +31,7 @@ smr_status smr_set_goals(smr *s, uint32_t structure, const float *xyz, const flo
         return s->await(s, SMR_LOG_GOALS, structure, &(smr_goals){xyz, xyz != NULL ? weights : NULL});
     s->forces.caller.calls = &smr_caller_all;
     s->forces.caller.goals[structure] = (smr_goals){xyz, xyz != NULL ? weights : NULL};
-    smr_restart_forces(s, SMR_CALLED_MOVED);
+    smr_restart_forces(s, SMR_CHANGED_MOVED);
     smr_log_note(&s->log, SMR_LOG_GOALS, structure, &s->forces.caller.goals[structure], n);
     return SMR_OK;
 }
@@ -42,7 +42,7 @@ smr_status smr_set_force(smr *s, smr_force force, void *ctx)
         return SMR_E_NULL;
     if (!smr_changeable(s))
         return SMR_E_STATE;
-    if (s->forces.caller.gave == NULL)
+    if (s->forces.caller.force_output == NULL)
         return SMR_E_ARENA;
     if (s->n_awaited > 0u)
         return s->await(s, SMR_LOG_FORCE, 0, &(smr_caller_force){force, ctx});
@@ -50,7 +50,7 @@ smr_status smr_set_force(smr *s, smr_force force, void *ctx)
     s->forces.caller.force = force;
     s->forces.caller.ctx = force != NULL ? ctx : NULL;
     s->forces.caller.broken = 0;
-    smr_restart_forces(s, SMR_CALLED);
+    smr_restart_forces(s, SMR_CHANGED);
     smr_log_note(&s->log, SMR_LOG_FORCE, force != NULL, NULL, 0);
     return SMR_OK;
 }

@@ -1,4 +1,4 @@
-/* fixed.c: surfaces that do not move, as they are set: what structures are kept out of.
+/* fixed.c: sets fixed surfaces, which structures must not enter.
  * Bounds: one pass over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/restart.h"
@@ -20,7 +20,7 @@ smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface)
     if (s->n_awaited > 0u)
         return s->await(s, SMR_LOG_FIXED_SURFACE, index, surface);
     smr_contact_fix(c, index, surface);
-    smr_restart_forces(s, SMR_CALLED);
+    smr_restart_forces(s, SMR_CHANGED);
     smr_log_note(&s->log, SMR_LOG_FIXED_SURFACE, index, surface, 0);
     return SMR_OK;
 }

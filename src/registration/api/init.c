@@ -1,6 +1,5 @@
-/* init.c: starts a registration at the model's rest shape. smr_layout() runs twice: once to measure for
- * smr_arena_bytes(), once to place for smr_init(). Until the arena is known to be large enough that is of a copy on the
- * stack.
+/* init.c: starts a registration at the model's rest shape. smr_layout() runs twice: to measure for smr_arena_bytes()
+ * and to place for smr_init(). Until the arena is known to be large enough it works on a copy on the stack.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation.h"
 #include "registration/config/config.h"
@@ -77,13 +76,13 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
     smr_wire(self);
     smr_shape_start(&self->shape);
     if (SMR_HAS_HELD)
-        smr_held_wire(&self->shape);
+        smr_track_rest_wire(&self->shape);
     if (SMR_HAS_CONTACT) {
         smr_volumes_model(&self->volumes);
         smr_contact_model(&self->forces.contact);
     }
     if (SMR_HAS_PARTIAL)
-        smr_unseen_field_model(&self->forces.unseen);
+        smr_occluded_field_model(&self->forces.occluded);
     if (smr_set_pose(self, &identity) != SMR_OK)
         return SMR_E_CONFIG;
     if (SMR_HAS_CONTACT)

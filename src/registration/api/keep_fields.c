@@ -7,7 +7,7 @@
 #include "options/track/track.h"
 #include "registration/radius.h"
 
-/* Where recording stands, but for the memory. */
+/* Saves the state of the recording, without its memory. */
 static void keep_log(smr_arena *a, smr_log *log)
 {
     uint64_t used = log->used;
@@ -36,10 +36,10 @@ static void keep_report(smr_arena *a, smr_tick_report *r, uint32_t n)
     smr_keep_long(a, &r->state_hash);
 }
 
-/* Search distances and shares are chosen when an iteration begins. */
+/* Saves the schedule. Search distances and shares are chosen anew when an iteration begins. */
 static void keep_schedule(smr_arena *a, smr *s)
 {
-    smr_pace *p = &s->pace;
+    smr_schedule *p = &s->schedule;
     const uint32_t n = s->shared.n;
     smr_keep_words(a, &p->radius, 1, smr_last_radius(&s->shared));
     smr_keep_words(a, &p->radius_iteration, 1, UINT32_MAX);
@@ -51,7 +51,7 @@ static void keep_schedule(smr_arena *a, smr *s)
     smr_keep_words(a, &p->done, 1, 1);
     smr_keep_words(a, &p->repairing, 1, SMR_REPAIR_MAX);
     smr_keep_words(a, &p->n_active, 1, n);
-    smr_keep_words(a, &p->n_pinned, 1, n);
+    smr_keep_words(a, &p->n_active_chosen, 1, n);
     smr_keep_require(a, p->radius >= s->shared.config.schedule.radius_first);
     if (SMR_HAS_TRACK)
         smr_tracking_keep(a, s);
@@ -78,5 +78,5 @@ void smr_keep_fields(smr_arena *a, smr *s)
     smr_keep_words(a, &s->budget.cut, 1, 1);
     keep_report(a, &s->report, s->shared.n);
     smr_keep_inputs(a, s);
-    keep_schedule(a, s); /* last: its ranges follow from the others */
+    keep_schedule(a, s); /* last, since its ranges depend on the others */
 }

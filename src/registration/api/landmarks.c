@@ -1,10 +1,10 @@
-/* landmarks.c: landmarks as the caller sets them, bound to the model; and where their points are.
- * Bounds: for a point at rest that is not bound yet one pass over the model's triangles, and one over its vertices.
+/* landmarks.c: sets landmarks, binds them to the model, and reads their positions.
+ * Bounds: for a new point one pass over the model's triangles, and one over its vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
 #include "registration/api/restart.h"
 
-#define SMR_ON_SURFACE 1.0e-3f /* mm: a point nearer than this lies on the surface */
+#define SMR_ON_SURFACE 1.0e-3f /* mm: nearer points count as on the surface */
 
 static int legal_place(const float *xyz)
 {
@@ -42,7 +42,7 @@ static int of_structure(const smr *s, uint32_t structure, uint32_t v)
     return structure == SMR_ALL || smr_model_owner(s->shared.model, v) == structure;
 }
 
-/* The nearest triangle at rest. Returns 0 when the structure has none. */
+/* Binds a landmark to the nearest triangle at rest. Returns 0 when the structure has no triangles. */
 static int bind_triangle(smr_bound_landmark *b, const smr *s, smr_vec p)
 {
     const smr_shared *c = &s->shared;
@@ -63,14 +63,14 @@ static int bind_triangle(smr_bound_landmark *b, const smr *s, smr_vec p)
     return least < SMR_FAR;
 }
 
-/* The nearest vertices at rest, in ascending order of distance. */
+/* Finds the nearest vertices at rest, in ascending order of distance. */
 static void find_near(smr_bound_landmark *b, const smr *s, uint32_t structure, uint32_t most)
 {
     float d2[SMR_LANDMARK_NEAR];
     b->n_near = 0;
     for (uint32_t v = 0; v < s->shared.n; v++) {
-        const smr_vec way = smr_sub(smr_rest(&s->shared, v), b->foot);
-        const float far = smr_dot(way, way);
+        const smr_vec displacement = smr_sub(smr_rest(&s->shared, v), b->foot);
+        const float far = smr_dot(displacement, displacement);
         uint32_t at = b->n_near;
         if (!of_structure(s, structure, v) || (at == most && far >= d2[most - 1u]))
             continue;
@@ -92,12 +92,12 @@ static void bind_rest(smr_bound_landmark *b, const smr *s)
         find_near(b, s, b->given.structure, 1);
         bind_vertex(b, &s->shared, b->near[0]);
     }
-    b->apart = smr_sub(p, b->foot);
+    b->offset = smr_sub(p, b->foot);
     b->n_near = 0;
-    if (smr_dot(b->apart, b->apart) > SMR_ON_SURFACE * SMR_ON_SURFACE)
+    if (smr_dot(b->offset, b->offset) > SMR_ON_SURFACE * SMR_ON_SURFACE)
         find_near(b, s, smr_model_owner(s->shared.model, b->corner[0]), SMR_LANDMARK_NEAR);
     else
-        b->apart = smr_v(0, 0, 0);
+        b->offset = smr_v(0, 0, 0);
 }
 
 static void bind_point(smr_bound_landmark *b, const smr *s, const smr_landmark *given, int known)
@@ -110,7 +110,7 @@ static void bind_point(smr_bound_landmark *b, const smr *s, const smr_landmark *
         bind_rest(b, s);
         return;
     }
-    b->apart = smr_v(0, 0, 0);
+    b->offset = smr_v(0, 0, 0);
     b->n_near = 0;
     bind_vertex(b, &s->shared,
                 smr_model_position(s->shared.model, s->shape.structure[given->structure].first_vertex + given->vertex));
@@ -133,7 +133,7 @@ smr_status smr_set_landmarks(smr *s, const smr_landmark *landmarks, uint32_t n)
     for (uint32_t i = 0; i < n; i++)
         bind_point(&g->landmark[i], s, &landmarks[i], i < g->n && same_point(&g->landmark[i].given, &landmarks[i]));
     g->n = n;
-    smr_restart_forces(s, n > 0u ? SMR_CALLED_SHOWN : SMR_CALLED);
+    smr_restart_forces(s, n > 0u ? SMR_CHANGED_SHOWN : SMR_CHANGED);
     smr_log_note(&s->log, SMR_LOG_LANDMARKS, 0, landmarks, n);
     return SMR_OK;
 }
@@ -147,7 +147,7 @@ smr_status smr_get_landmarks(const smr *s, float *xyz)
     for (uint32_t k = 0; k < s->forces.landmarks.n; k++) {
         const smr_vec foot = smr_landmark_foot(&s->forces.landmarks, k, s->shape.x);
         smr_store(xyz + 3u * (size_t)k,
-                  smr_add(smr_add(foot, smr_landmark_apart(&s->forces.landmarks, k)), s->shape.origin));
+                  smr_add(smr_add(foot, smr_landmark_offset(&s->forces.landmarks, k)), s->shape.origin));
     }
     return SMR_OK;
 }

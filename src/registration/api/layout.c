@@ -1,5 +1,5 @@
-/* layout.c: cuts the arena. The same code measures for smr_arena_bytes(), places for smr_init(), and goes over what is
- * kept for smr_save() and smr_restore(): each stage lists its slots and fields once.
+/* layout.c: divides the arena. The same code measures for smr_arena_bytes(), places for smr_init(), and lists what
+ * smr_save() and smr_restore() keep: each stage names its slots and fields once.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 #include "registration/config/config.h"
@@ -38,7 +38,7 @@ void smr_count(smr *s, const smr_model *model, const smr_config *config)
     s->shared.n_triangles = smr_le32(model->n_triangles);
     s->shared.n_structures = smr_le32(model->n_structures);
     s->shared.n_radii = smr_le32(model->n_radii);
-    s->shared.n_hinges = smr_le32(model->n_hinges);
+    s->shared.n_dihedrals = smr_le32(model->n_dihedrals);
     s->shared.n_tasks = smr_ceil_div(s->shared.n, SMR_CHUNK);
     s->shared.parts = parts_of(&s->shared);
 }
@@ -46,14 +46,14 @@ void smr_count(smr *s, const smr_model *model, const smr_config *config)
 smr *smr_layout(smr_arena *a, smr *s)
 {
     const smr_shared *shared = &s->shared;
-    const size_t n_field = SMR_HAS_PARTIAL ? smr_unseen_field_words(shared) : 0u;
-    const uint32_t hinge_tasks = smr_ceil_div(shared->n_hinges, SMR_HINGE_CHUNK);
+    const size_t n_field = SMR_HAS_PARTIAL ? smr_occluded_field_words(shared) : 0u;
+    const uint32_t dihedral_tasks = smr_ceil_div(shared->n_dihedrals, SMR_DIHEDRAL_CHUNK);
     smr *self = smr_slot_scratch(a, NULL, 1, sizeof *self);
     smr_overlay_layout(a, &s->overlay, shared->n, SMR_WORDS, n_field,
-                       smr_max_u32(smr_ceil_div(shared->n, SMR_MATCH_CHUNK), hinge_tasks));
+                       smr_max_u32(smr_ceil_div(shared->n, SMR_MATCH_CHUNK), dihedral_tasks));
     smr_shape_layout(a, &s->shape, shared);
     if (SMR_HAS_HELD)
-        smr_held_layout(a, &s->shape, shared);
+        smr_track_rest_layout(a, &s->shape, shared);
     if (SMR_HAS_DYNAMICS)
         smr_dynamics_layout(a, &s->shape.dynamics, shared);
     smr_forces_layout(a, &s->forces, shared);
@@ -71,18 +71,18 @@ smr *smr_layout(smr_arena *a, smr *s)
 void smr_wire(smr *s)
 {
     const smr_shared *shared = &s->shared;
-    const smr_pace *pace = &s->pace;
+    const smr_schedule *schedule = &s->schedule;
     const smr_overlay *overlay = &s->overlay;
     s->shape.shared = shared;
     if (smr_moves(s))
         smr_dynamics_wire(s->shape.dynamics, shared);
-    smr_forces_wire(&s->forces, shared, pace, &s->shape, overlay);
-    smr_sums_wire(&s->sums, shared, pace, &s->forces, overlay);
-    smr_reference_wire(&s->reference, shared, pace, &s->shape, &s->sums, overlay);
-    smr_match_wire(&s->match, shared, pace, &s->reference, &s->sums, overlay);
-    smr_evolve_wire(&s->evolve, shared, pace, &s->shape, &s->forces, &s->reference, &s->sums, overlay);
+    smr_forces_wire(&s->forces, shared, schedule, &s->shape, overlay);
+    smr_sums_wire(&s->sums, shared, schedule, &s->forces, overlay);
+    smr_reference_wire(&s->reference, shared, schedule, &s->shape, &s->sums, overlay);
+    smr_match_wire(&s->match, shared, schedule, &s->reference, &s->sums, overlay);
+    smr_evolve_wire(&s->evolve, shared, schedule, &s->shape, &s->forces, &s->reference, &s->sums, overlay);
     if (SMR_HAS_CONTACT)
-        smr_volumes_wire(&s->volumes, shared, pace, &s->shape, overlay);
+        smr_volumes_wire(&s->volumes, shared, schedule, &s->shape, overlay);
     s->forces.contact.moved_mm = &s->evolve.moved_mm;
-    smr_folds_wire(&s->folds, shared, pace, &s->shape, &s->evolve.evening, overlay);
+    smr_folds_wire(&s->folds, shared, schedule, &s->shape, &s->evolve.tangent_smooth, overlay);
 }

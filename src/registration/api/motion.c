@@ -1,4 +1,4 @@
-/* motion.c: masses and velocities as they are set and read, and energies.
+/* motion.c: sets and reads masses and velocities; computes energies.
  * Bounds: one pass over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "options/dynamics/dynamics.h"
@@ -49,7 +49,7 @@ smr_status smr_set_motion(smr *s, uint32_t structure, const float *mass, const f
         if (velocity != NULL)
             smr_store(smr_at3(d->velocity, v), smr_load(velocity + 3u * (size_t)i));
     }
-    d->weighed |= other && s->pace.iteration > 0u; /* before it, all is at rest */
+    d->weighed |= other && s->schedule.iteration > 0u; /* before the first iteration all vertices are at rest */
     smr_abandon_iteration(s);
     smr_time_steps_weigh(s);
     smr_log_note(&s->log, SMR_LOG_MOTION, structure, &motion, one->n_vertices);
@@ -73,8 +73,8 @@ smr_status smr_get_velocities(const smr *s, uint32_t structure, float *velocity)
 
 /* Sums over vertices. */
 typedef struct moments {
-    float mass, kinetic, height; /* g, g mm^2 / s^2, likewise */
-    smr_vec first;               /* g mm, from the origin */
+    float mass, kinetic, height; /* mass, g; kinetic and potential energy, g mm^2 / s^2 */
+    smr_vec first;               /* sum of mass times position from the origin, g mm */
     uint32_t n_pinned;
 } moments;
 
@@ -83,15 +83,15 @@ static void add_vertex(const smr *s, uint32_t v, moments *sum)
     const smr_dynamics *d = s->shape.dynamics;
     const float mass = smr_counted_mass(d, v);
     const smr_vec x = smr_load(smr_at3(s->shape.x, v)), speed = smr_load(smr_at3(d->velocity, v));
-    const smr_vec way = smr_sub(x, smr_load(smr_at3(s->shape.start, v)));
+    const smr_vec displacement = smr_sub(x, smr_load(smr_at3(s->shape.start, v)));
     sum->n_pinned += !(d->mass[v] > 0.0f);
     sum->mass += mass;
     sum->kinetic += 0.5f * mass * smr_dot(speed, speed);
-    sum->height -= mass * smr_dot(smr_load(s->shared.config.dynamics.gravity), way);
+    sum->height -= mass * smr_dot(smr_load(s->shared.config.dynamics.gravity), displacement);
     sum->first = smr_add(sum->first, smr_scale(x, mass));
 }
 
-/* Of a chunk, and then of all chunks, so that rounding stays small. */
+/* Sums over each chunk, then over all chunks, which keeps rounding small. */
 static moments moments_of(const smr *s)
 {
     moments all;
@@ -119,8 +119,8 @@ smr_status smr_get_energy(const smr *s, smr_energy *energy)
     const smr_stored_energy *stored = &s->shape.dynamics->stored;
     const smr_vec mean = sum.mass > 0.0f ? smr_scale(sum.first, 1.0f / sum.mass) : smr_v(0, 0, 0);
     memset(energy, 0, sizeof *energy);
-    energy->steps = s->pace.iteration / SMR_SWEEPS;
-    energy->sweeps = s->pace.iteration % SMR_SWEEPS;
+    energy->steps = s->schedule.iteration / SMR_SWEEPS;
+    energy->sweeps = s->schedule.iteration % SMR_SWEEPS;
     energy->n_pinned = sum.n_pinned;
     energy->mass_g = sum.mass;
     smr_store(energy->centre, smr_add(mean, s->shape.origin));

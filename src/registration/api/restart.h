@@ -1,14 +1,14 @@
-/* restart.h: what a new goal does to an iteration under way.
+/* restart.h: restarts the forces of the current iteration when a goal is set.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_RESTART_H
 #define SMR_RESTART_H
 
 #include "registration/tick/iteration.h"
 
-/* What was measured was about other goals. An iteration that has not all its forces yet starts them again with the new
- * ones; one that has them ends with the old ones. A replay does not know how far a search had come, so nothing of it
- * is left. called: as smr_tracking_call(). */
-static inline void smr_restart_forces(smr *s, uint32_t called)
+/* Marks measures as outdated. An iteration whose forces are not complete starts them again; otherwise it ends with
+ * the old goals. Discards all results of searches, since a replay does not know how far they had come. changed: as
+ * in smr_tracking_changed(). */
+static inline void smr_restart_forces(smr *s, uint32_t changed)
 {
     smr_surface_goals *g = &s->forces.surface;
     for (uint32_t j = 0; g->target_warm != NULL && j < s->shared.config.basic.n_target_vertices; j++)
@@ -16,7 +16,7 @@ static inline void smr_restart_forces(smr *s, uint32_t called)
     for (uint32_t i = 0; i < s->shared.n_structures; i++)
         g->target[i].measured = 0;
     smr_forces_unmeasured(&s->forces);
-    smr_tracking_call(s, called);
+    smr_tracking_changed(s, changed);
     if (!smr_forces_pending(s))
         return;
     smr_pulls_clear(g);

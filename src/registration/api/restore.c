@@ -1,5 +1,5 @@
-/* restore.c: a registration out of saved bytes, which may come from anywhere: all of them are checked before the first
- * one is used, and nothing is written until then.
+/* restore.c: restores a registration from saved bytes, which may come from anywhere: all are checked before anything
+ * is written.
  * Bounds: two passes over the bytes; those of smr_init().
  * SPDX-License-Identifier: MIT */
 #include "registration/api/saved.h"
@@ -8,7 +8,7 @@
 
 static uint32_t word_of(const unsigned char *saved, uint32_t word) { return smr_log_get32(saved + 4u * word); }
 
-/* Bytes before the kept values; 0 when lengths do not agree or the bytes are damaged. */
+/* Bytes before the saved values; 0 when lengths disagree or the bytes are damaged. */
 static size_t values_at(const unsigned char *saved, size_t bytes)
 {
     if (bytes < SMR_SAVED_FIXED + 4u || word_of(saved, SMR_SAVED_AT_MAGIC) != SMR_SAVED_MAGIC ||
@@ -39,10 +39,17 @@ smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *
     return SMR_OK;
 }
 
-/* Goes over the kept values. Returns 1 when all are in their ranges and there are no more. */
+/* Reads the saved values. Returns 1 when all are in their ranges and none are left over. */
 static int go_over(smr *s, uint32_t mode, const unsigned char *from, size_t bytes)
 {
-    smr_keeper k = {&smr_keep_all, smr_keep_fields, mode, 0, 0, NULL, from, values_at(from, bytes),
+    smr_keeper k = {&smr_keep_all,
+                    smr_keep_fields,
+                    mode,
+                    0,
+                    0,
+                    NULL,
+                    from,
+                    values_at(from, bytes),
                     word_of(from, SMR_SAVED_AT_BYTES) - 4u};
     smr_arena a = smr_arena_measure();
     a.keeper = &k;
@@ -50,7 +57,7 @@ static int go_over(smr *s, uint32_t mode, const unsigned char *from, size_t byte
     return !k.wrong && k.at == k.bytes && k.plan == word_of(from, SMR_SAVED_AT_PLAN);
 }
 
-/* The model, and a configuration that differs in nothing but n_workers. */
+/* Checks the model, and that the configuration differs in n_workers at most. */
 static smr_status check(const smr_model *model, const smr_config *config, const smr_saved_info *info)
 {
     size_t bytes;
@@ -66,15 +73,15 @@ static smr_status check(const smr_model *model, const smr_config *config, const 
     return smr_arena_bytes(model, config, &bytes);
 }
 
-/* What the kept values tell, and what matching needs of x^r: with the next iteration. */
+/* Computes what follows from the saved values; the reference is recomputed in the next iteration. */
 static void derive(smr *s)
 {
     s->shape.start_box = smr_box_of(s->shape.start, s->shared.n);
     if (smr_image_on(&s->forces.image))
         smr_image_goals_noise(&s->forces.image);
-    smr_facets_now(&s->shape);
+    smr_triangles_now(&s->shape);
     if (SMR_HAS_HELD)
-        smr_held_derive(&s->shape);
+        smr_track_rest_derive(&s->shape);
     if (SMR_HAS_CONTACT) {
         smr_volumes_scale(&s->volumes);
         smr_smooth_start(&s->forces.smooth);

@@ -1,4 +1,4 @@
-/* results.c: reads positions, normals and per-structure figures out of a registration.
+/* results.c: reads positions, normals and figures of structures.
  * SPDX-License-Identifier: MIT */
 #include "registration/registration.h"
 
@@ -35,7 +35,7 @@ smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz)
     return copy_out(s, structure, s == NULL ? NULL : s->shape.normal, smr_v(0, 0, 0), xyz);
 }
 
-/* What the last complete forces found for a structure, when they were about its target. */
+/* Results of a structure's last complete forces, if they belong to its present target. */
 static void report_forces(const smr *s, const smr_shape_structure *one, smr_structure_report *report)
 {
     float sum = 0.0f, most = 0.0f;
@@ -54,7 +54,7 @@ static void report_forces(const smr *s, const smr_shape_structure *one, smr_stru
     report->residual_max_mm = most;
 }
 
-/* 1: some landmark is bound to the structure. */
+/* Returns 1 when a landmark is bound to the structure. */
 static int has_landmark(const smr *s, uint32_t structure)
 {
     const smr_landmark_goals *g = &s->forces.landmarks;
@@ -70,13 +70,13 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
     if (status != SMR_OK)
         return status;
     if (s->n_awaited > 0u)
-        return SMR_E_STATE; /* what its target is is not known */
+        return SMR_E_STATE; /* its target is unknown */
     const smr_shape_structure *one = &s->shape.structure[structure];
     const smr_target *target = &s->forces.surface.target[structure];
     float moved_sum = 0.0f;
     memset(report, 0, sizeof *report);
     report->has_target = target->surface != NULL || smr_image_on(&s->forces.image) || has_landmark(s, structure) ||
-                         smr_caller_draws(&s->forces.caller, structure);
+                         smr_caller_has_goals(&s->forces.caller, structure);
     report->matched_share = smr_forces_matched(&s->forces, structure);
     report->residual_mean_mm = report->residual_max_mm = -1.0f;
     if (target->measured)

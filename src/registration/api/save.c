@@ -1,12 +1,12 @@
-/* save.c: writes a registration as it is between two iterations into the caller's memory. What the model, the inputs or
- * the next iteration tell is not written.
+/* save.c: saves a registration between two iterations into the caller's memory. Values that follow from the model,
+ * the inputs or the next iteration are not saved.
  * Bounds: one pass over all slots, and one over each input.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/saved.h"
 
-#define SMR_SAVED_VALUES (SMR_SAVED_FIXED + 4u * SMR_LOG_CONFIG_WORDS) /* bytes before the kept values */
+#define SMR_SAVED_VALUES (SMR_SAVED_FIXED + 4u * SMR_LOG_CONFIG_WORDS) /* bytes before the saved values */
 
-/* Goes over what is kept of a copy: its arrays are those of s, and saving changes none. */
+/* Lists what is saved, on a copy that shares the arrays of s; nothing is changed. */
 static smr_keeper go_over(const smr *s, uint32_t mode, unsigned char *to, size_t bytes)
 {
     smr copy = *s;
@@ -27,11 +27,11 @@ smr_status smr_save_bytes(const smr *s, size_t *bytes)
     return SMR_OK;
 }
 
-/* A complete iteration, and inputs that can still be read. */
+/* Returns 1 between iterations, when all inputs can still be read. */
 static int can_be_saved(const smr *s)
 {
     return smr_ready(s) && !s->refused && !s->forces.caller.broken && s->step == 0u && s->next_task == 0u &&
-           smr_can_wait(&s->shared) && smr_inputs_stand(&s->forces);
+           smr_can_wait(&s->shared) && smr_inputs_valid(&s->forces);
 }
 
 smr_status smr_save(const smr *s, void *memory, size_t bytes)

@@ -1,4 +1,4 @@
-/* saved.h: how a saved registration lies in bytes. docs/SPEC.md has the table.
+/* saved.h: the bytes of a saved registration. docs/SPEC.md has the table.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SAVED_H
 #define SMR_SAVED_H
@@ -9,7 +9,7 @@
 #define SMR_SAVED_VERSION 1u
 #define SMR_SAVED_FIXED 32u /* bytes of a header before the configuration */
 
-/* Words of the header. The configuration's words follow, what is kept, and a CRC-32 of all that. */
+/* Words of the header. Then follow the configuration's words, the saved values, and a CRC-32 of everything. */
 enum {
     SMR_SAVED_AT_MAGIC = 0,
     SMR_SAVED_AT_VERSION,
@@ -17,7 +17,7 @@ enum {
     SMR_SAVED_AT_LIBRARY,
     SMR_SAVED_AT_MODEL,
     SMR_SAVED_AT_VERTICES,
-    SMR_SAVED_AT_PLAN, /* checksum of which values are kept: another list is another version */
+    SMR_SAVED_AT_PLAN, /* checksum of the list of saved values: another list is another version */
     SMR_SAVED_AT_CONFIG_WORDS
 };
 

@@ -24,11 +24,11 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
         return s->await(s, SMR_LOG_VOLUME, 0, volume);
     if (volume == NULL && !s->forces.image.has_image)
         return SMR_OK;
-    const int follows = SMR_HAS_PARTIAL && smr_tracks(&s->pace) && volume != NULL && s->forces.image.has_image;
+    const int follows = SMR_HAS_PARTIAL && smr_tracks(&s->schedule) && volume != NULL && s->forces.image.has_image;
     smr_image_goals_open(&s->forces.image, volume == NULL ? NULL : &grid);
     smr_abandon_iteration(s);
     if (follows)
-        smr_restart_forces(s, SMR_CALLED_IMAGE);
+        smr_restart_forces(s, SMR_CHANGED_IMAGE);
     else
         smr_schedule_start(s);
     smr_log_note(&s->log, SMR_LOG_VOLUME, 0, volume, 0);

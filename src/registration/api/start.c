@@ -1,4 +1,4 @@
-/* start.c: where a registration starts: the rest shape under a pose, or any positions.
+/* start.c: sets the start of a registration: the rest shape in a pose, or given positions.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/surface/mesh.h"
@@ -6,9 +6,9 @@
 #include "registration/tick/schedule.h"
 #include "registration/tick/iteration_end.h"
 
-#define SMR_FAR_OFF 500.0f /* mm */
+#define SMR_FAR_OFF 500.0f /* distance from the origin, mm, from which on the origin is moved */
 
-/* Moves the origin into the middle of a model that lies far from it, by whole millimetres. */
+/* Moves the origin to the middle of a model far from it, by whole millimetres. */
 static void centre_origin(smr *s)
 {
     const smr_box box = smr_box_of(s->shape.x, s->shared.n);
@@ -20,7 +20,7 @@ static void centre_origin(smr *s)
     s->shape.origin = smr_add(s->shape.origin, shift);
 }
 
-/* x holds the start, relative to origin: everything else follows. */
+/* Sets everything that follows from the start positions in x. */
 static void start_here(smr *s)
 {
     smr_shape *shape = &s->shape;
@@ -38,7 +38,7 @@ static void start_here(smr *s)
         smr_volumes_start(&s->volumes);
         smr_smooth_start(&s->forces.smooth);
     }
-    smr_facets_now(shape);
+    smr_triangles_now(shape);
     smr_mesh_normals(&mesh, shape->normal, NULL);
     smr_plastic_normals(shape);
     smr_abandon_iteration(s);
@@ -59,7 +59,7 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
     const smr_vec centre = smr_v(smr_le_float(s->shared.model->centre[0]), smr_le_float(s->shared.model->centre[1]),
                                  smr_le_float(s->shared.model->centre[2]));
     const smr_vec moved = smr_pose_apply(pose, centre);
-    const float border = SMR_COORD_MAX + 1.0f; /* the rest shape itself may be rounded a little beyond */
+    const float border = SMR_COORD_MAX + 1.0f; /* rounding may take the rest shape a little beyond */
     if (!smr_within(moved.x, border) || !smr_within(moved.y, border) || !smr_within(moved.z, border))
         return SMR_E_INPUT;
     for (uint32_t v = 0; v < s->shared.n; v++) {

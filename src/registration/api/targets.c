@@ -3,7 +3,7 @@
 #include "registration/api/restart.h"
 #include "registration/api/setup.h"
 
-/* Slots that a surface needs: a cloud grows. */
+/* Indexes that a surface needs: a cloud may grow. */
 static uint32_t slots_of(const smr_surface *s) { return smr_is_cloud(s) ? s->capacity : s->n_vertices; }
 
 uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks)
@@ -27,7 +27,7 @@ uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_
     return slots;
 }
 
-/* Slots needed if `structure` had this surface. */
+/* Indexes needed if `structure` had this surface. */
 static uint64_t slots_with(smr_surface_goals *g, uint32_t structure, const smr_surface *surface)
 {
     uint32_t n_goals, n_tasks;
@@ -40,7 +40,7 @@ static uint64_t slots_with(smr_surface_goals *g, uint32_t structure, const smr_s
     return slots;
 }
 
-/* Nothing of searches towards another surface is left. */
+/* Discards results of searches towards another surface. */
 static void forget_searches(smr_surface_goals *g, uint32_t structure)
 {
     for (uint32_t v = 0; v < g->shared->n; v++)
@@ -63,8 +63,8 @@ void smr_take_goals(smr_surface_goals *g)
     }
 }
 
-/* 1: the cloud has the same places in the same order as the one before, and maybe more: nothing has moved, and an image
- * beside it is not of the past. Weights and normals may differ. By contents, for a replay may have another cloud. */
+/* Returns 1 when the cloud's points are the ones before, in the same order, perhaps with further ones: then nothing
+ * has moved. Weights and normals may differ. Compares contents, since a replay may have another cloud. */
 static int only_grown(const smr_surface_goals *g, uint32_t first, uint32_t last, const smr_surface *surface)
 {
     smr_points_then known = {0, 0};
@@ -106,7 +106,7 @@ void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last)
     }
 }
 
-/* 0 when there are not enough slots. A cloud does nothing without. */
+/* Returns 0 when there are too few indexes. A cloud needs them. */
 static int has_slots(smr_surface_goals *g, uint32_t structure, const smr_surface *surface)
 {
     const uint32_t n_slots = smr_target_slots(g->shared);
@@ -133,14 +133,14 @@ smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface
     smr_note_target(g, first, last);
     smr_forces_unmeasured(&s->forces);
     smr_take_goals(g);
-    if (grown) /* its searches say where to look first */
+    if (grown) /* searches start from their last results */
         smr_pulls_clear(g);
     else
         forget_searches(g, structure);
     if (smr_visibility_on(g))
-        smr_overlap_start(g);
-    smr_tracking_call(s, surface != NULL && !grown ? SMR_CALLED_SHOWN : SMR_CALLED);
-    /* an iteration under way starts again with the new goals; one that has its forces ends with the old ones */
+        smr_visibility_start(g);
+    smr_tracking_changed(s, surface != NULL && !grown ? SMR_CHANGED_SHOWN : SMR_CHANGED);
+    /* an iteration with incomplete forces restarts them with the new goals; otherwise it ends with the old ones */
     if (smr_forces_pending(s))
         s->step = s->next_task = 0;
     return SMR_OK;

@@ -12,18 +12,19 @@ smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio)
         return SMR_E_CONFIG;
     if (!smr_ready(s))
         return SMR_E_STATE;
-    smr_held_volume *held = s->volumes.held;
+    smr_kept_volume *kept = s->volumes.kept;
     const uint32_t n = s->shared.n_structures;
-    if (held == NULL)
+    if (kept == NULL)
         return SMR_E_ARENA;
-    if ((structure != SMR_ALL && structure >= n) || !(ratio >= SMR_ASKED_LEAST && ratio <= SMR_ASKED_MOST))
+    if ((structure != SMR_ALL && structure >= n) ||
+        !(ratio >= SMR_VOLUME_RATIO_LEAST && ratio <= SMR_VOLUME_RATIO_MOST))
         return SMR_E_INPUT;
-    if (structure != SMR_ALL && !held[structure].closed)
+    if (structure != SMR_ALL && !kept[structure].closed)
         return SMR_E_INPUT;
     for (uint32_t i = 0; i < n; i++)
         if (structure == SMR_ALL || structure == i)
-            held[i].ratio = ratio;
-    smr_restart_forces(s, SMR_CALLED);
+            kept[i].ratio = ratio;
+    smr_restart_forces(s, SMR_CHANGED);
     smr_log_note(&s->log, SMR_LOG_VOLUME_RATIO, structure, &ratio, 0);
     return SMR_OK;
 }
@@ -36,7 +37,7 @@ smr_status smr_get_structure_volume(const smr *s, uint32_t structure, smr_struct
         return SMR_E_STATE;
     if (structure >= s->shared.n_structures)
         return SMR_E_INPUT;
-    const smr_held_volume *held = s->volumes.held;
+    const smr_kept_volume *kept = s->volumes.kept;
     float rest = 0.0f, thick;
     memset(volume, 0, sizeof *volume);
     volume->closed = (uint32_t)smr_rest_volume(&s->shape, structure, &rest, &thick);
@@ -48,9 +49,9 @@ smr_status smr_get_structure_volume(const smr *s, uint32_t structure, smr_struct
     volume->rest_mm3 = side * rest;
     volume->present_mm3 = side * smr_enclosed_of(&s->shape, structure, s->shape.x);
     volume->ratio = rest * side > 0.0f ? volume->present_mm3 / volume->rest_mm3 : 0.0f;
-    if (held != NULL) {
-        volume->asked_ratio = held[structure].ratio;
-        volume->asked_mm3 = held[structure].ratio * volume->rest_mm3;
+    if (kept != NULL) {
+        volume->asked_ratio = kept[structure].ratio;
+        volume->asked_mm3 = kept[structure].ratio * volume->rest_mm3;
     }
     return SMR_OK;
 }

@@ -1,15 +1,15 @@
-/* waiting.c: the inputs that a restored registration waits for. Surfaces and the image are the caller's, so a save has
- * their checksums and which structures shared a surface; until each is set again nothing moves. Setting it again is no
- * new input: the schedule, the search and the log go on as if it had been there all the time.
+/* waiting.c: inputs that a restored registration waits for. Surfaces and the image belong to the caller, so a save
+ * has only their checksums and which structures shared a surface. Until all are set again, ticks are refused.
+ * Setting them is no new input: schedule, searches and log continue.
  * Bounds: structures squared; one pass over an input.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"
 
-/* What one structure waits for. In the list are the structures' surfaces, the image, the structures' goals of the
- * caller's own, the caller's force, whose checksum is 1, and fixed surfaces. */
+/* An awaited input. The list holds the structures' surfaces, the image, the structures' goals of the caller, the
+ * caller's force (checksum 1), and fixed surfaces. */
 typedef struct awaited {
-    uint32_t like;        /* the first structure with the same surface; SMR_NONE: it has none */
-    uint32_t checksum[2]; /* low and high word, of such a first structure's surface, and so on; 0: none */
+    uint32_t like;        /* the first structure with the same surface; SMR_NONE: no surface */
+    uint32_t checksum[2]; /* low and high word of the checksum; 0: nothing is awaited */
 } awaited;
 
 #define SMR_AWAITED_WORDS (sizeof(awaited) / sizeof(uint32_t))
@@ -35,7 +35,7 @@ static int is(const awaited *w, uint64_t sum)
     return w->checksum[0] == (uint32_t)(sum & 0xffffffffu) && w->checksum[1] == (uint32_t)(sum >> 32);
 }
 
-/* What structure i has. */
+/* The entry for the present input of structure i. */
 static awaited present(const smr *s, uint32_t i)
 {
     const smr_target *target = s->forces.surface.target;
@@ -49,7 +49,7 @@ static awaited present(const smr *s, uint32_t i)
     return w;
 }
 
-/* 1: what is saved of structure i agrees with what is saved of those before. first: where the list begins. */
+/* Returns 1 when the saved entry of structure i agrees with those before. first: start of the list. */
 static int consistent(const smr_keeper *k, size_t first, const awaited *w, uint32_t i)
 {
     const int known = (w->checksum[0] | w->checksum[1]) != 0u;
@@ -60,7 +60,7 @@ static int consistent(const smr_keeper *k, size_t first, const awaited *w, uint3
     return !known && smr_le32(like) == w->like;
 }
 
-/* A checksum of the list, which is 0 where there is no such input. */
+/* Saves a checksum of the list, which is 0 without that input. */
 static void keep_sum(smr_arena *a, smr *s, uint32_t at, uint64_t sum)
 {
     awaited w = {SMR_NONE, {0, 0}};
@@ -71,7 +71,7 @@ static void keep_sum(smr_arena *a, smr *s, uint32_t at, uint64_t sum)
     s->n_awaited += (w.checksum[0] | w.checksum[1]) != 0u;
 }
 
-/* Only where the configuration has room for them. */
+/* Saves the caller's goals, where the configuration has room for them. */
 static void keep_caller(smr_arena *a, smr *s)
 {
     const smr_caller_goals *g = &s->forces.caller;
@@ -117,7 +117,7 @@ void smr_keep_inputs(smr_arena *a, smr *s)
     keep_fixed(a, s);
 }
 
-/* 1 when structure i waits for this surface. Structures that shared one share it again, and no others do. */
+/* Returns 1 when structure i awaits this surface. Structures that shared a surface must share it again. */
 static int waits_for(const smr *s, uint32_t i, const smr_surface *surface, uint64_t sum)
 {
     const awaited *w = list_of(s);
@@ -130,7 +130,7 @@ static int waits_for(const smr *s, uint32_t i, const smr_surface *surface, uint6
     return 1;
 }
 
-/* The last input is there. */
+/* Continues after the last awaited input was set. */
 static void go_on(smr *s)
 {
     if (s->n_awaited == 0u)
@@ -188,13 +188,13 @@ smr_status smr_await_log(smr *s, void *memory, size_t bytes)
     return SMR_OK;
 }
 
-/* Takes an input that is waited for under this number. */
+/* Takes the awaited input with this number. */
 static smr_status take(smr *s, uint32_t at, uint64_t sum)
 {
     awaited *w = &list_of(s)[at];
     if ((w->checksum[0] | w->checksum[1]) == 0u || !is(w, sum))
         return SMR_E_INPUT;
-    w->checksum[0] = w->checksum[1] = 0; /* once */
+    w->checksum[0] = w->checksum[1] = 0; /* awaited once only */
     s->n_awaited--;
     return SMR_OK;
 }

@@ -1,10 +1,10 @@
-/* config.c: the runtime configuration's defaults and ranges, from the table base/settings_config.def; beside it, what
- * relates to the model or to other fields.
+/* config.c: defaults and ranges of the runtime configuration, from the table of settings; checks that relate to the
+ * model or to other fields.
  * SPDX-License-Identifier: MIT */
 #include "base/settings.h"
 #include "registration/config/config.h"
 
-#define SMR_PAPER_ITERATIONS 120u /* the paper does not say: as many as bring its own figures */
+#define SMR_PAPER_ITERATIONS 120u /* the paper gives no number: as many as reproduce its figures */
 
 smr_config smr_config_default(void)
 {
@@ -104,7 +104,7 @@ static int ranges_legal(const smr_config *c)
     return legal;
 }
 
-/* The box counts only where it is used. */
+/* Checks the box, which counts only where it is used. */
 static int box_legal(const smr_config *c)
 {
     int legal = 1;
@@ -114,7 +114,7 @@ static int box_legal(const smr_config *c)
     return legal;
 }
 
-/* Moving targets are followed by relaxation or in time, not both; volumes and smoothness are kept by relaxation. */
+/* Checks dynamics: it excludes tracking, volume preservation and smoothing, which use relaxation. */
 static int dynamics_legal(const smr_config *c)
 {
     const int alone = c->track.mode == SMR_TRACK_OFF && !(c->contact.volume > 0.0f) && !(c->contact.smooth > 0.0f) &&
@@ -152,18 +152,18 @@ static const group left_out[] = {
     SMR_GROUP_OF(image)
 #endif
 #ifdef SMR_WITHOUT_PARTIAL
-    SMR_GROUP_OF(partial)
+        SMR_GROUP_OF(partial)
 #endif
 #ifdef SMR_WITHOUT_TRACK
-    SMR_GROUP_OF(track)
+            SMR_GROUP_OF(track)
 #endif
 #ifdef SMR_WITHOUT_CONTACT
-    SMR_GROUP_OF(contact)
+                SMR_GROUP_OF(contact)
 #endif
 #ifdef SMR_WITHOUT_DYNAMICS
-    SMR_GROUP_OF(dynamics)
+                    SMR_GROUP_OF(dynamics)
 #endif
-    {0, 0}};
+                        {0, 0}};
 
 const char *smr_built_without(void)
 {

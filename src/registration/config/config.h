@@ -1,11 +1,11 @@
-/* config.h: the runtime configuration's ranges. In: what the caller asks for, the model. Out: whether it is legal.
+/* config.h: ranges of the runtime configuration. In: the configuration, the model. Out: whether it is legal.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_CONFIG_H
 #define SMR_CONFIG_H
 
 #include "model/model.h"
 
-/* Every field within its range, and fields that agree with each other and with the model. Errors: E_CONFIG. */
+/* Checks that all fields are in range and agree with each other and with the model. Errors: E_CONFIG. */
 smr_status smr_config_check(const smr_config *c, const smr_model *m);
 
 /* The same configuration as registrations and logs hold it: without attraction there is no room for target vertices. */

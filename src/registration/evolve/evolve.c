@@ -7,31 +7,30 @@
 
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared)
 {
-    e->evening.held = smr_slot_bytes(a, e->evening.held, shared->n, UINT8_MAX);
+    e->tangent_smooth.limited = smr_slot_bytes(a, e->tangent_smooth.limited, shared->n, UINT8_MAX);
     smr_keep_floats(a, &e->moved_mm, 1, 0.0f, 2.0f * SMR_KEPT_MM);
 }
 
-void smr_evolve_wire(smr_evolve *e, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
+void smr_evolve_wire(smr_evolve *e, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
                      const smr_forces *forces, const smr_reference *reference, const smr_sums *sums,
                      const smr_overlay *overlay)
 {
-    e->shared = e->evening.shared = shared;
-    e->shape = e->evening.shape = shape;
+    e->shared = e->tangent_smooth.shared = shared;
+    e->shape = e->tangent_smooth.shape = shape;
     e->forces = forces;
     e->reference = reference;
     e->sums = sums;
     e->tally = overlay->tally;
-    e->evening.pace = pace;
-    e->evening.goals = &forces->surface;
-    e->evening.rings = overlay->rings;
+    e->tangent_smooth.schedule = schedule;
+    e->tangent_smooth.goals = &forces->surface;
+    e->tangent_smooth.rings = overlay->rings;
 }
 
-void smr_evolve_reset(smr_evolve *e) { memset(e->evening.held, 0, e->shared->n); }
+void smr_evolve_reset(smr_evolve *e) { memset(e->tangent_smooth.limited, 0, e->shared->n); }
 
-/* Where the average of its clusters' transforms takes a vertex from ref, relative to it; *normal turns with it.
- * w: the vertex' sum. */
-static inline smr_vec average_way(int logs, const uint32_t *w, const float inverse[2], float share, smr_vec ref,
-                                  smr_vec *normal)
+/* The displacement from ref by the average of its clusters' transforms; rotates *normal. w: the vertex' sum. */
+static inline smr_vec average_displacement(int logs, const uint32_t *w, const float inverse[2], float share,
+                                           smr_vec ref, smr_vec *normal)
 {
     float r_minus_i[9];
     if (logs)
@@ -56,16 +55,17 @@ void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
     for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
         const smr_vec ref = smr_load(smr_at3(shape.x_ref, v)), old = smr_load(smr_at3(shape.x, v));
         smr_vec n = smr_load(smr_at3(shape.normal_ref, v));
-        const smr_vec way = average_way(logs, sum + SMR_WORDS * (size_t)v, inverse, share[v], ref, &n);
-        const smr_vec goal = smr_add(ref, way);
+        const smr_vec displacement =
+            average_displacement(logs, sum + SMR_WORDS * (size_t)v, inverse, share[v], ref, &n);
+        const smr_vec goal = smr_add(ref, displacement);
         const smr_vec step = smr_scale(smr_sub(goal, old), relaxation);
-        const smr_vec next = smr_add(smr_add(old, step), smr_evening_way(&e->evening, v));
+        const smr_vec next = smr_add(smr_add(old, step), smr_tangent_displacement(&e->tangent_smooth, v));
         smr_store(smr_at3(shape.x_next, v), shape.from != NULL ? goal : next);
         smr_next_normal_set(sum, v, smr_unit(n));
     }
 }
 
-/* A vertex' part of the hash: the sum over vertices does not depend on their order or on the number of threads. */
+/* A vertex' part of the hash. The sum over vertices does not depend on their order. */
 static uint64_t hash_point(uint32_t index, const float *p)
 {
     const uint64_t xy = (uint64_t)smr_float_bits(p[0] + 0.0f) << 32 | smr_float_bits(p[1] + 0.0f);

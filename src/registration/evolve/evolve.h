@@ -1,23 +1,24 @@
-/* evolve.h: new positions x = x~ (paper 2.3, evolution), evened out along the surface, with their normals; plasticity.
- * In: averaged transforms, x^r. Out: x_next and what an iteration moved; x^r where it follows.
+/* evolve.h: new positions x = x~ (paper 2.3, evolution), smoothed along the surface, with their normals; plasticity.
+ * In: averaged transforms, x^r. Out: x_next and the size of the displacements; x^r where it follows.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_EVOLVE_H
 #define SMR_EVOLVE_H
 
 #include "registration/match/reference.h"
 
-#define SMR_HELD 255.0f /* held back altogether */
+#define SMR_LIMITED_FULL 255.0f /* the whole step was limited */
 
-/* tangent_evening.c */
-typedef struct smr_evening {
+/* tangential smoothing */
+typedef struct smr_tangent_smooth {
     const smr_shared *shared;
-    const smr_pace *pace;
+    const smr_schedule *schedule;
     const smr_shape *shape;
     const smr_surface_goals *goals;
     smr_rings rings;
-    float share;   /* of the way to the mesh neighbours' mean, in this iteration; 0: none */
-    uint8_t *held; /* [n] the most that folds/ held back of a step since the last radius began; SMR_HELD: all */
-} smr_evening;
+    float share; /* share of the displacement to the mesh neighbours' mean in this iteration; 0: off */
+    /* [n] largest share of a step that fold limits removed since the last radius began; SMR_LIMITED_FULL: all */
+    uint8_t *limited;
+} smr_tangent_smooth;
 
 typedef struct smr_evolve {
     const smr_shared *shared;
@@ -25,46 +26,48 @@ typedef struct smr_evolve {
     const smr_forces *forces;
     const smr_reference *reference;
     const smr_sums *sums;
-    smr_evening evening;
+    smr_tangent_smooth tangent_smooth;
     smr_tally *tally;
-    float moved_mm;       /* largest displacement of the iteration under way */
-    float mean_mm;        /* mean displacement, where the configuration asks for it */
-    uint64_t hash;        /* of its positions */
-    uint32_t normals_due; /* 1: it ends with normals of the triangles. Written by the tick */
+    float moved_mm;       /* largest displacement of the current iteration, mm */
+    float mean_mm;        /* mean displacement, mm, where the configuration needs it */
+    uint64_t hash;        /* hash of the current positions */
+    uint32_t normals_due; /* 1: the iteration ends with normals computed from triangles */
 } smr_evolve;
 
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared);
-void smr_evolve_wire(smr_evolve *e, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
+void smr_evolve_wire(smr_evolve *e, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
                      const smr_forces *forces, const smr_reference *reference, const smr_sums *sums,
                      const smr_overlay *overlay);
-void smr_evolve_reset(smr_evolve *e); /* an iteration is given up */
+void smr_evolve_reset(smr_evolve *e); /* called when an iteration is abandoned */
 
 uint32_t smr_evolve_tasks(const void *evolve);
 void smr_evolve_step(void *evolve, uint32_t task, uint32_t worker);
-void smr_evolve_measure(void *evolve, uint32_t task, uint32_t worker); /* displacements and hash of what stands */
+/* displacements and hash of the final positions */
+void smr_evolve_measure(void *evolve, uint32_t task, uint32_t worker);
 void smr_evolve_measure_end(smr_evolve *e);
-uint64_t smr_hash_positions(const float *xyz, uint32_t n); /* [n][3] */
+uint64_t smr_hash_positions(const float *xyz, uint32_t n); /* xyz: [n][3] */
 
-/* tangent_evening.c: at the last radius. */
-void smr_evening_begin(smr_evening *e); /* the share of the coming iteration */
-uint32_t smr_evening_tasks(const void *evening);
-void smr_evening_clear(void *evening, uint32_t task, uint32_t worker);
-uint32_t smr_evening_ring_tasks(const void *evening);
-void smr_evening_rings(void *evening, uint32_t task, uint32_t worker); /* serial */
-smr_vec smr_evening_way(const smr_evening *e, uint32_t v);             /* valid after the rings, until the folds */
+/* Tangential smoothing, at the last radius. */
+void smr_tangent_begin(smr_tangent_smooth *e); /* chooses the share of the coming iteration */
+uint32_t smr_tangent_tasks(const void *tangent_smooth);
+void smr_tangent_clear(void *tangent_smooth, uint32_t task, uint32_t worker);
+uint32_t smr_tangent_sum_tasks(const void *tangent_smooth);
+void smr_tangent_sum(void *tangent_smooth, uint32_t task, uint32_t worker); /* tasks run one after the other */
+/* valid from the sums until the folds are searched */
+smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v);
 
-/* Evening out ends for a vertex whose step was held back, by this share. */
-static inline void smr_evening_hold(smr_evening *e, uint32_t v, float share)
+/* Ends tangential smoothing for a vertex whose step was limited by this share. */
+static inline void smr_tangent_limit(smr_tangent_smooth *e, uint32_t v, float share)
 {
-    if (smr_at_last_radius(e->shared, e->pace))
-        e->held[v] = (uint8_t)smr_max_u32(e->held[v], (uint32_t)(share * SMR_HELD + 0.5f));
+    if (smr_at_last_radius(e->shared, e->schedule))
+        e->limited[v] = (uint8_t)smr_max_u32(e->limited[v], (uint32_t)(share * SMR_LIMITED_FULL + 0.5f));
 }
 
-/* exact_normals.c: normals of the triangles, where they are due. */
+/* Vertex normals computed from triangles, where they are due. */
 uint32_t smr_exact_normals_tasks(const void *evolve);
 void smr_exact_normals_clear(void *evolve, uint32_t task, uint32_t worker);
-uint32_t smr_exact_normals_facet_tasks(const void *evolve);
-void smr_exact_normals_facets(void *evolve, uint32_t task, uint32_t worker); /* serial */
+uint32_t smr_exact_normals_sum_tasks(const void *evolve);
+void smr_exact_normals_sum(void *evolve, uint32_t task, uint32_t worker); /* tasks run one after the other */
 void smr_exact_normals_unit(void *evolve, uint32_t task, uint32_t worker);
 
 #endif

@@ -1,6 +1,6 @@
-/* exact_normals.c: vertex normals from the triangles at x_next, area-weighted, where the iteration ends with a new
- * reference shape or the configuration asks for it; otherwise the averaged rotations carry them (evolve.c). The same
- * sums as smr_mesh_normals(), in the same order, cut into small tasks. They lie where evolve left the carried ones.
+/* exact_normals.c: vertex normals computed from the triangles at x_next, area-weighted, where the iteration ends
+ * with a new reference shape or the configuration asks for it; otherwise the averaged rotations rotate them. The
+ * sums and their order are those of smr_mesh_normals(), cut into small tasks.
  * Bounds: one pass over triangles, two over vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
@@ -12,7 +12,7 @@ uint32_t smr_exact_normals_tasks(const void *arg)
     return e->normals_due ? e->shared->n_tasks : 0u;
 }
 
-uint32_t smr_exact_normals_facet_tasks(const void *arg)
+uint32_t smr_exact_normals_sum_tasks(const void *arg)
 {
     const smr_evolve *e = arg;
     return e->normals_due ? smr_ceil_div(e->shared->n_triangles, SMR_TRIANGLE_CHUNK) : 0u;
@@ -27,8 +27,8 @@ void smr_exact_normals_clear(void *arg, uint32_t task, uint32_t worker)
         smr_next_normal_set(sum, v, smr_v(0, 0, 0));
 }
 
-/* Neighbours share vertices: one task after the other. */
-void smr_exact_normals_facets(void *arg, uint32_t task, uint32_t worker)
+/* Triangles share vertices, so tasks run one after the other. */
+void smr_exact_normals_sum(void *arg, uint32_t task, uint32_t worker)
 {
     const smr_evolve *e = arg;
     float *const x = e->shape->x_next;

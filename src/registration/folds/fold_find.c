@@ -1,25 +1,25 @@
-/* fold_find.c: looks for hinges that fold. Shape matching makes folds rare; forces that cross can still turn a triangle
- * over, and a plastic reference would then keep it so. Coarse radii move the model almost rigidly, and most of what
- * bends there straightens again, so hinges are searched from the last radius but one on.
- * Bounds: one pass over the hinges.
+/* fold_find.c: searches for dihedral edges that fold. Shape matching makes folds rare, but crossing forces can turn
+ * a triangle over, and a plastic reference would keep it so. Coarse radii move the model almost rigidly and undo
+ * most folds, so the search begins at the last radius but one.
+ * Bounds: one pass over the dihedral edges.
  * SPDX-License-Identifier: MIT */
 #include "registration/folds/folds.h"
 
 void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared)
 {
-    f->n_hinge_tasks = smr_ceil_div(shared->n_hinges, SMR_HINGE_CHUNK);
+    f->n_dihedral_tasks = smr_ceil_div(shared->n_dihedrals, SMR_DIHEDRAL_CHUNK);
     f->marked = smr_slot_scratch(a, f->marked, shared->n, 1);
     f->folding = smr_slot_scratch(a, f->folding, shared->n_structures, sizeof *f->folding);
     smr_keep_words(a, &f->n_guarded, 1, shared->n);
 }
 
-void smr_folds_wire(smr_folds *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
-                    smr_evening *evening, const smr_overlay *overlay)
+void smr_folds_wire(smr_folds *f, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
+                    smr_tangent_smooth *tangent_smooth, const smr_overlay *overlay)
 {
     f->shared = shared;
-    f->pace = pace;
+    f->schedule = schedule;
     f->shape = shape;
-    f->evening = evening;
+    f->tangent_smooth = tangent_smooth;
     f->rings = overlay->rings;
     f->tally = overlay->tally;
     memset(f->folding, 0, shared->n_structures * sizeof *f->folding);
@@ -33,7 +33,7 @@ void smr_folds_reset(smr_folds *f)
     f->moved = 0;
 }
 
-int smr_folds_guarded(const smr_shared *c, const smr_pace *p)
+int smr_folds_guarded(const smr_shared *c, const smr_schedule *p)
 {
     return c->config.motion.fold_guard && !c->config.dynamics.mode && p->radius + 2u > smr_last_radius(c);
 }
@@ -41,28 +41,28 @@ int smr_folds_guarded(const smr_shared *c, const smr_pace *p)
 uint32_t smr_fold_find_tasks(const void *arg)
 {
     const smr_folds *f = arg;
-    return smr_folds_guarded(f->shared, f->pace) ? f->n_hinge_tasks : 0u;
+    return smr_folds_guarded(f->shared, f->schedule) ? f->n_dihedral_tasks : 0u;
 }
 
-/* Counts a chunk's hinges that fold, or would be held back, by the facets' normals at x_next. */
+/* Counts the dihedral edges of a chunk that fold, or would be limited, by the triangles' normals at x_next. */
 void smr_fold_find(void *arg, uint32_t task, uint32_t worker)
 {
     smr_folds *f = arg;
     (void)worker;
-    const uint32_t last = smr_min_u32((task + 1u) * SMR_HINGE_CHUNK, f->shared->n_hinges);
-    const smr_stored_hinge *const hinge = smr_hinge_at(f, 0);
-    const float *const normal = f->shape->facet_normal;
-    const int repairing = f->pace->repairing > 0u;
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_DIHEDRAL_CHUNK, f->shared->n_dihedrals);
+    const smr_stored_dihedral *const dihedral = smr_dihedral_at(f, 0);
+    const float *const normal = f->shape->triangle_normal;
+    const int repairing = f->schedule->repairing > 0u;
     uint32_t n = 0, n_open = 0;
-    for (uint32_t i = task * SMR_HINGE_CHUNK; i < last; i++) {
-        const smr_stored_hinge *h = hinge + i;
+    for (uint32_t i = task * SMR_DIHEDRAL_CHUNK; i < last; i++) {
+        const smr_stored_dihedral *h = dihedral + i;
         const smr_vec a = smr_load(normal + 3u * (size_t)smr_le32(h->first));
-        const smr_vec b = smr_load(normal + 3u * (size_t)smr_hinge_second(h));
+        const smr_vec b = smr_load(normal + 3u * (size_t)smr_dihedral_second(h));
         const float next = smr_dot(a, b);
         if (!(next < SMR_LIMIT_BELOW))
             continue;
-        n += repairing ? next < smr_hinge_limit_of(h) : smr_fold_limit_share(f, h, next) > 0.0f;
-        n_open += smr_hinge_open(h) && next < SMR_FOLD_COS;
+        n += repairing ? next < smr_dihedral_limit_of(h) : smr_fold_limit_share(f, h, next) > 0.0f;
+        n_open += smr_dihedral_open(h) && next < SMR_FOLD_COS;
     }
     f->tally[task].folds.n_bent = n;
     f->tally[task].folds.n_open = n_open;
@@ -73,7 +73,7 @@ void smr_fold_find_end(smr_folds *f)
     uint32_t n_bent = 0, n_open = 0;
     f->n_guarded = 0;
     f->n_folding = 0;
-    for (uint32_t task = 0; task < f->n_hinge_tasks; task++) {
+    for (uint32_t task = 0; task < f->n_dihedral_tasks; task++) {
         n_bent += f->tally[task].folds.n_bent;
         n_open += f->tally[task].folds.n_open;
     }
@@ -81,7 +81,7 @@ void smr_fold_find_end(smr_folds *f)
         return;
     memset(f->folding, 0, f->shared->n_structures * sizeof *f->folding);
     memset(f->marked, 0, f->shared->n);
-    if (n_bent > 0u && f->pace->repairing > 0u)
+    if (n_bent > 0u && f->schedule->repairing > 0u)
         smr_fold_repair_start(f);
     else if (n_bent > 0u)
         smr_fold_limit_start(f);

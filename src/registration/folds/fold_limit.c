@@ -1,35 +1,33 @@
-/* fold_limit.c: at the finest radii, limits the steps x_next - x that would fold hinges. A hinge may come nearer to
- * its limit by a share of what is left in an iteration. Where its cosine would fall by more, the steps of its four
- * corners become more alike: so far towards their mean as it takes, for corners that all move alike do not turn it.
- * Vertices of several such hinges go by the mean of what these ask, the nearer to it the more the most urgent asks.
- * Hinges that share corners pull each other along, so that is done a few times over. All this is continuous in the
- * positions: who is close to a limit by a last bit is moved by a last bit. What would fold even so has its steps
- * halved, and at last stays where it was, which did not fold. Each round depends on the one before: one task after
- * the other, each a piece of a pass.
- * Bounds: SMR_LIMIT_ROUNDS passes over the hinges, and SMR_SOFT_ROUNDS over triangles and vertices of the structures
- * that fold.
+/* fold_limit.c: limits the steps x_next - x that would fold dihedral edges, at the finest radii. In an iteration the
+ * cosine of an edge may use a share of the remaining margin. If it would fall by more, the steps of the edge's four
+ * corners move towards their mean as far as needed: equal steps do not turn the edge. A vertex of several such edges
+ * takes the weighted mean of their requests, with the largest requested share. Edges with common corners affect each
+ * other, so several rounds follow. The result is continuous in the positions. An edge that would still fold has its
+ * steps halved, and finally removed. Tasks run one after the other; each is a piece of a pass.
+ * Bounds: SMR_LIMIT_ROUNDS passes over the dihedral edges, and SMR_SOFT_ROUNDS over triangles and vertices of the
+ * structures that fold.
  * SPDX-License-Identifier: MIT */
 #include "registration/folds/folds.h"
 
-#define SMR_LIMIT_SHARE 0.75f  /* largest fraction of the remaining margin that a hinge may go in an iteration */
-#define SMR_LIMIT_ROOM 0.05f   /* cosine: within it of the limit a hinge only creeps */
-#define SMR_LIMIT_CREEP 0.001f /* cosine: so much in an iteration, */
-#define SMR_LIMIT_LEFT 0.05f   /* and at most this fraction of what is left, so that it never arrives */
-#define SMR_LOOK_CHUNK 64u     /* hinges of a task: each takes two triangles' normals, twice */
+#define SMR_LIMIT_SHARE 0.75f  /* largest fraction of the remaining margin that an edge may use in an iteration */
+#define SMR_LIMIT_ROOM 0.05f   /* cosine: within this distance of its limit an edge only creeps */
+#define SMR_LIMIT_CREEP 0.001f /* largest change of the cosine in an iteration while an edge creeps */
+#define SMR_LIMIT_LEFT 0.05f   /* the same change over what is left to the limit, so that the edge never reaches it */
+#define SMR_LOOK_CHUNK 64u     /* dihedral edges of a task: each needs the normals of two triangles, twice */
 #define SMR_SOFT_ROUNDS 20u
 #define SMR_HALVINGS 3u
 #define SMR_LIMIT_ROUNDS 40u
-#define SMR_ENOUGH 0.001f /* a round that asks for less everywhere is the last one of the soft ones */
+#define SMR_ENOUGH 0.001f /* largest requested share at which the soft rounds end */
 
 enum { SMR_LIMIT_IDLE = 0, SMR_LIMIT_LOOK, SMR_LIMIT_TOUCH, SMR_LIMIT_MOVE };
-enum { SMR_MARKED = 1, SMR_ASKED = 2 };
+enum { SMR_MARKED = 1, SMR_REQUESTED = 2 };
 
-float smr_fold_limit_share(const smr_folds *f, const smr_stored_hinge *h, float next)
+float smr_fold_limit_share(const smr_folds *f, const smr_stored_dihedral *h, float next)
 {
-    const float limit = smr_hinge_limit_of(h), near = limit + SMR_LIMIT_ROOM;
+    const float limit = smr_dihedral_limit_of(h), near = limit + SMR_LIMIT_ROOM;
     if (!(next < 1.0f - SMR_LIMIT_SHARE * (1.0f - near)))
-        return 0.0f; /* not even from flat */
-    const float now = smr_hinge_cosine(f, f->shape->x, h);
+        return 0.0f; /* even a flat edge would stay within its share */
+    const float now = smr_dihedral_cosine(f, f->shape->x, h);
     const float creep = smr_min(SMR_LIMIT_CREEP, SMR_LIMIT_LEFT * smr_abs(now - limit));
     const float may = SMR_LIMIT_SHARE * smr_positive(now - near) + creep;
     return now - next > may ? 1.0f - may / (now - next) : 0.0f;
@@ -45,10 +43,10 @@ static void set_step(const smr_folds *f, uint32_t v, smr_vec step)
     smr_store(smr_at3(f->shape->x_next, v), smr_add(smr_load(smr_at3(f->shape->x, v)), step));
 }
 
-/* The four corners of a hinge: the first triangle's, and the second's that the first does not have. */
-static void corners_of(const smr_folds *f, const smr_stored_hinge *h, uint32_t corner[4])
+/* The four corners of a dihedral edge: the first triangle's, then the second's that the first does not have. */
+static void corners_of(const smr_folds *f, const smr_stored_dihedral *h, uint32_t corner[4])
 {
-    const uint32_t *a = smr_corners(f, smr_le32(h->first)), *b = smr_corners(f, smr_hinge_second(h));
+    const uint32_t *a = smr_corners(f, smr_le32(h->first)), *b = smr_corners(f, smr_dihedral_second(h));
     memcpy(corner, a, 3u * sizeof *a);
     corner[3] = a[0];
     for (uint32_t c = 0; c < 3u; c++)
@@ -56,8 +54,8 @@ static void corners_of(const smr_folds *f, const smr_stored_hinge *h, uint32_t c
             corner[3] = b[c];
 }
 
-/* Asks a hinge's corners to move more alike, by this share. */
-static void ask(smr_folds *f, const smr_stored_hinge *h, float share)
+/* Requests that the corners of an edge move more alike, by this share. */
+static void request(smr_folds *f, const smr_stored_dihedral *h, float share)
 {
     uint32_t corner[4];
     corners_of(f, h, corner);
@@ -67,37 +65,37 @@ static void ask(smr_folds *f, const smr_stored_hinge *h, float share)
     for (uint32_t c = 0; c < 4u; c++) {
         const uint32_t v = corner[c];
         float *sum = smr_at3(f->rings.sum, v);
-        if (!(f->marked[v] & SMR_ASKED)) {
+        if (!(f->marked[v] & SMR_REQUESTED)) {
             smr_store(sum, smr_v(0, 0, 0));
-            f->rings.weight[v] = f->rings.asked[v] = 0.0f;
+            f->rings.weight[v] = f->rings.requested[v] = 0.0f;
         }
         smr_store(sum, smr_add(smr_load(sum), smr_scale(mean, share)));
         f->rings.weight[v] += share;
-        f->rings.asked[v] = smr_max(f->rings.asked[v], share);
-        f->marked[v] = SMR_MARKED | SMR_ASKED;
+        f->rings.requested[v] = smr_max(f->rings.requested[v], share);
+        f->marked[v] = SMR_MARKED | SMR_REQUESTED;
     }
     f->folding[smr_model_owner(f->shared->model, corner[0])] = 1;
 }
 
-/* Shortens the steps of a hinge's corners to this share. */
-static void hold(smr_folds *f, const smr_stored_hinge *h, float keep)
+/* Shortens the steps of an edge's corners to this share. */
+static void hold(smr_folds *f, const smr_stored_dihedral *h, float keep)
 {
     uint32_t corner[4];
     corners_of(f, h, corner);
     for (uint32_t c = 0; c < 4u; c++) {
         set_step(f, corner[c], smr_scale(step_of(f, corner[c]), keep));
         f->marked[corner[c]] |= SMR_MARKED;
-        smr_evening_hold(f->evening, corner[c], 1.0f);
+        smr_tangent_limit(f->tangent_smooth, corner[c], 1.0f);
     }
 }
 
-/* 1 when nothing has moved about a hinge since the last look at it. */
+/* Returns 1 when no corner near the edge has moved since the edge was last tested. */
 static int passed_over(const smr_folds *f, uint32_t i)
 {
-    const smr_stored_hinge *h = smr_hinge_at(f, i);
-    const uint32_t first = smr_le32(h->first), second = smr_hinge_second(h), round = f->limit.round;
+    const smr_stored_dihedral *h = smr_dihedral_at(f, i);
+    const uint32_t first = smr_le32(h->first), second = smr_dihedral_second(h), round = f->limit.round;
     if (round == 0u)
-        return f->tally[i / SMR_HINGE_CHUNK].folds.n_bent == 0u;
+        return f->tally[i / SMR_DIHEDRAL_CHUNK].folds.n_bent == 0u;
     return (round <= SMR_SOFT_ROUNDS && !smr_run_touched(f, first) && !smr_run_touched(f, second)) ||
            (!smr_any_marked(f, first) && !smr_any_marked(f, second));
 }
@@ -108,15 +106,15 @@ static void look(smr_folds *f, uint32_t from, uint32_t to)
     for (uint32_t i = from; i < to; i++) {
         if (passed_over(f, i))
             continue;
-        const smr_stored_hinge *h = smr_hinge_at(f, i);
-        const float next = smr_hinge_cosine(f, f->shape->x_next, h), limit = smr_hinge_limit_of(h);
+        const smr_stored_dihedral *h = smr_dihedral_at(f, i);
+        const float next = smr_dihedral_cosine(f, f->shape->x_next, h), limit = smr_dihedral_limit_of(h);
         if (l->round < SMR_SOFT_ROUNDS) {
             const float share = smr_fold_limit_share(f, h, next);
             if (share > 0.0f) {
-                ask(f, h, share);
+                request(f, h, share);
                 l->most = smr_max(l->most, share);
             }
-        } else if (next < limit && !(smr_hinge_cosine(f, f->shape->x, h) < limit)) {
+        } else if (next < limit && !(smr_dihedral_cosine(f, f->shape->x, h) < limit)) {
             hold(f, h, l->round < SMR_SOFT_ROUNDS + SMR_HALVINGS ? 0.5f : 0.0f);
             l->most = 1.0f;
         }
@@ -134,18 +132,18 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
 {
     for (uint32_t i = from; i < to; i++) {
         const uint32_t v = smr_model_position(f->shared->model, i);
-        if (!(f->marked[v] & SMR_ASKED))
+        if (!(f->marked[v] & SMR_REQUESTED))
             continue;
         const smr_vec mean = smr_scale(smr_load(smr_at3(f->rings.sum, v)), 1.0f / f->rings.weight[v]);
         const smr_vec step = step_of(f, v);
-        const float asked = f->rings.asked[v];
-        set_step(f, v, smr_add(step, smr_scale(smr_sub(mean, step), asked)));
+        const float requested = f->rings.requested[v];
+        set_step(f, v, smr_add(step, smr_scale(smr_sub(mean, step), requested)));
         f->marked[v] = SMR_MARKED;
-        smr_evening_hold(f->evening, v, asked);
+        smr_tangent_limit(f->tangent_smooth, v, requested);
     }
 }
 
-/* The next structure that folds, from this one on; n_structures for none. */
+/* The next structure with folds, from this one on; n_structures: none. */
 static uint32_t folding_from(const smr_folds *f, uint32_t structure)
 {
     while (structure < f->shared->n_structures && !f->folding[structure])
@@ -153,7 +151,7 @@ static uint32_t folding_from(const smr_folds *f, uint32_t structure)
     return structure;
 }
 
-/* On to the next structure that folds, from the present one on, and with the stage that comes next behind the last. */
+/* Continues with the next structure with folds, and after the last one with the next stage. */
 static void next_structure(smr_folds *f, uint32_t stage)
 {
     smr_fold_limit *l = &f->limit;
@@ -171,7 +169,7 @@ static void next_structure(smr_folds *f, uint32_t stage)
     l->most = 0.0f;
 }
 
-/* A pass is complete. */
+/* Chooses the next pass when a pass is complete. */
 static void next_pass(smr_folds *f)
 {
     smr_fold_limit *l = &f->limit;
@@ -206,19 +204,19 @@ uint32_t smr_fold_limit_tasks(const void *arg)
     return p->n_done + (p->stage != SMR_LIMIT_IDLE);
 }
 
-/* A piece of the pass under way. */
+/* Step: one piece of the current pass. */
 void smr_fold_limit_pass(void *arg, uint32_t task, uint32_t worker)
 {
     smr_folds *f = arg;
     smr_fold_pass *pass = &f->limit.pass;
-    const uint32_t over = pass->stage == SMR_LIMIT_LOOK   ? SMR_OVER_HINGES
+    const uint32_t over = pass->stage == SMR_LIMIT_LOOK   ? SMR_OVER_DIHEDRALS
                           : pass->stage == SMR_LIMIT_MOVE ? SMR_OVER_VERTICES
                                                           : SMR_OVER_TRIANGLES;
-    const uint32_t chunk = over == SMR_OVER_HINGES ? SMR_LOOK_CHUNK : SMR_TRIANGLE_CHUNK;
+    const uint32_t chunk = over == SMR_OVER_DIHEDRALS ? SMR_LOOK_CHUNK : SMR_TRIANGLE_CHUNK;
     const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, chunk);
     (void)task;
     (void)worker;
-    if (over == SMR_OVER_HINGES)
+    if (over == SMR_OVER_DIHEDRALS)
         look(f, piece.from, piece.to);
     else if (over == SMR_OVER_TRIANGLES)
         touch(f, piece.from, piece.to);

@@ -1,24 +1,23 @@
-/* fold_open.c: opens what is folded all the same, at the last radius: hinges whose triangles look away from each
- * other and did not at rest. fold_limit.c leaves hinges that are right angles at rest some room, since holding these
- * back would hold back whole caps and corners; and what has been folded for long it only keeps from folding further.
- * Here the corners of such a hinge go the shortest way along which the cosine between its normals comes back above
- * zero, one hinge after the other, over and over, for one may turn its neighbour.
- * Source: a constraint's projection, Mueller et al., "Position based dynamics", 2006.
- * Bounds: SMR_OPEN_PASSES passes over the hinges.
+/* fold_open.c: opens folds that remain at the last radius: dihedral edges whose triangles face away from each other
+ * but did not at rest. fold_limit.c leaves some margin to edges with right angles at rest, and only keeps old folds
+ * from growing. Here the corners of an edge move the shortest distance along which the cosine becomes positive.
+ * Edges are opened one after the other, in several passes, since one may turn its neighbour.
+ * Source: projection of a constraint, Mueller et al., "Position based dynamics", 2006.
+ * Bounds: SMR_OPEN_PASSES passes over the dihedral edges.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
 #include "registration/folds/folds.h"
 
 #define SMR_OPEN_PASSES 16u
-#define SMR_OPEN_CHUNK 64u     /* hinges of a task */
-#define SMR_OPEN_COS 0.01f     /* so far hinges open */
-#define SMR_CORNER_REACH 0.25f /* of the hinge's shortest edge: a corner's largest way in a pass */
-#define SMR_AREA_FLOOR 1.0e-6f /* mm^2, twice the area: less has no normal */
+#define SMR_OPEN_CHUNK 64u     /* dihedral edges of a task */
+#define SMR_OPEN_COS 0.01f     /* cosine to which folds are opened */
+#define SMR_CORNER_REACH 0.25f /* largest displacement of a corner in a pass, over the shortest edge */
+#define SMR_AREA_FLOOR 1.0e-6f /* mm^2, twice the area: a smaller triangle has no normal */
 
 void smr_fold_open_start(smr_folds *f)
 {
     memset(&f->open, 0, sizeof f->open);
-    f->open.pass = smr_at_last_radius(f->shared, f->pace) && f->pace->repairing == 0u ? 1u : 0u;
+    f->open.pass = smr_at_last_radius(f->shared, f->schedule) && f->schedule->repairing == 0u ? 1u : 0u;
 }
 
 uint32_t smr_fold_open_tasks(const void *arg)
@@ -27,13 +26,13 @@ uint32_t smr_fold_open_tasks(const void *arg)
     return o->n_done + (o->pass != 0u);
 }
 
-/* One triangle of a hinge. */
+/* One triangle of a dihedral edge. */
 typedef struct side {
     const uint32_t *corner;
-    smr_vec edge[3]; /* across from each corner */
+    smr_vec edge[3]; /* the edge opposite each corner, mm */
     smr_vec normal;
-    float area2;     /* twice the area */
-    float shortest2; /* shortest edge, squared */
+    float area2;     /* twice the area, mm^2 */
+    float shortest2; /* squared length of the shortest edge, mm^2 */
 } side;
 
 static side side_of(const smr_folds *f, uint32_t triangle)
@@ -53,8 +52,8 @@ static side side_of(const smr_folds *f, uint32_t triangle)
     return t;
 }
 
-/* Adds to gradient, at the places of its corners, how the cosine changes with one side's corners: these turn the side
- * only along its normal. Places 0 to 2 are the first side's corners, 3 the second's that the first does not have. */
+/* Adds the gradient of the cosine with respect to one triangle's corners, which is parallel to its normal. Places 0
+ * to 2 are the first triangle's corners, 3 the second's that the first does not have. */
 static void add_gradient(const side *own, const side *other, const uint32_t place[3], smr_vec gradient[4])
 {
     for (uint32_t c = 0; c < 3u; c++) {
@@ -63,7 +62,7 @@ static void add_gradient(const side *own, const side *other, const uint32_t plac
     }
 }
 
-static void open_hinge(smr_folds *f, const side *a, const side *b, float cosine)
+static void open_dihedral(smr_folds *f, const side *a, const side *b, float cosine)
 {
     static const uint32_t own[3] = {0, 1, 2};
     uint32_t place[3] = {3, 3, 3}, corner[4] = {a->corner[0], a->corner[1], a->corner[2], a->corner[0]};
@@ -83,37 +82,37 @@ static void open_hinge(smr_folds *f, const side *a, const side *b, float cosine)
         largest2 = smr_max(largest2, smr_dot(gradient[c], gradient[c]));
     }
     if (!(square > 0.0f))
-        return; /* turned back as far as it goes: no way is better than another */
+        return; /* fully folded: no direction is better than another */
     const float most = SMR_CORNER_REACH * SMR_SQRT(smr_min(a->shortest2, b->shortest2) / largest2);
     const float share = smr_min((SMR_OPEN_COS - cosine) / square, most);
     for (uint32_t c = 0; c < 4u; c++) {
         float *x = smr_at3(f->shape->x_next, corner[c]);
         smr_store(x, smr_add(smr_load(x), smr_scale(gradient[c], share)));
         f->marked[corner[c]] = 1;
-        smr_evening_hold(f->evening, corner[c], 1.0f);
+        smr_tangent_limit(f->tangent_smooth, corner[c], 1.0f);
     }
 }
 
-/* A chunk of hinges: those that the search found, and those where something moved since. */
+/* Opens the folds of a chunk: edges that the search found, and edges whose corners moved since. */
 static void open_chunk(smr_folds *f, uint32_t chunk)
 {
-    const uint32_t from = chunk * SMR_OPEN_CHUNK, to = smr_min_u32(from + SMR_OPEN_CHUNK, f->shared->n_hinges);
-    const int found = f->tally[from / SMR_HINGE_CHUNK].folds.n_open > 0u;
+    const uint32_t from = chunk * SMR_OPEN_CHUNK, to = smr_min_u32(from + SMR_OPEN_CHUNK, f->shared->n_dihedrals);
+    const int found = f->tally[from / SMR_DIHEDRAL_CHUNK].folds.n_open > 0u;
     for (uint32_t i = from; i < to; i++) {
-        const smr_stored_hinge *h = smr_hinge_at(f, i);
-        const uint32_t first = smr_le32(h->first), second = smr_hinge_second(h);
-        if (!smr_hinge_open(h) || !(found || smr_any_marked(f, first) || smr_any_marked(f, second)))
+        const smr_stored_dihedral *h = smr_dihedral_at(f, i);
+        const uint32_t first = smr_le32(h->first), second = smr_dihedral_second(h);
+        if (!smr_dihedral_open(h) || !(found || smr_any_marked(f, first) || smr_any_marked(f, second)))
             continue;
         const side a = side_of(f, first), b = side_of(f, second);
         const float cosine = smr_dot(a.normal, b.normal);
         if (!(cosine < SMR_FOLD_COS) || !(smr_min(a.area2, b.area2) > SMR_AREA_FLOOR))
             continue;
-        open_hinge(f, &a, &b, cosine);
+        open_dihedral(f, &a, &b, cosine);
         f->open.n_folds++;
     }
 }
 
-/* One chunk. The next pass needs what this one moved. */
+/* Step: one chunk. The next pass needs the positions of this one. */
 void smr_fold_open_pass(void *arg, uint32_t task, uint32_t worker)
 {
     smr_folds *f = arg;
@@ -122,7 +121,7 @@ void smr_fold_open_pass(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     open_chunk(f, o->chunk);
     o->n_done++;
-    if (++o->chunk < smr_ceil_div(f->shared->n_hinges, SMR_OPEN_CHUNK))
+    if (++o->chunk < smr_ceil_div(f->shared->n_dihedrals, SMR_OPEN_CHUNK))
         return;
     o->chunk = 0;
     o->pass = o->n_folds > 0u && o->pass < SMR_OPEN_PASSES ? o->pass + 1u : 0u;

@@ -1,16 +1,16 @@
-/* fold_repair.c: repairs what folds before the last two radii, in iterations without forces: in a patch around it,
- * which grows while this does not suffice, the displacement from the rest shape is made as smooth as the patch's
- * surroundings. One task after the other, each a piece of a pass over hinges, triangles or vertices.
- * Bounds: one pass over the hinges, and over the structures that fold 3 + 2 SMR_REPAIR_SWEEPS for each ring of the
- * patch.
+/* fold_repair.c: repairs folds before the last two radii, in iterations without forces. In a patch around a fold,
+ * which grows until it suffices, the displacement from the rest shape is made as smooth as around the patch. Tasks
+ * run one after the other; each is a piece of a pass.
+ * Bounds: one pass over the dihedral edges, and over the structures that fold 3 + 2 SMR_REPAIR_SWEEPS for each ring
+ * of the patch.
  * SPDX-License-Identifier: MIT */
 #include "registration/folds/folds.h"
 
 #define SMR_EDGE_FLOOR 1.0e-3f /* mm, added to edge lengths before they divide */
 #define SMR_REPAIR_SWEEPS 10u
-#define SMR_REPAIR_WIDEN 3u /* iterations until the patch grows by a ring */
+#define SMR_REPAIR_WIDEN 3u /* iterations after which the patch grows by a ring */
 
-/* Passes. */
+/* Passes of the repair. */
 enum {
     SMR_REPAIR_IDLE = 0,
     SMR_REPAIR_MARK,
@@ -29,21 +29,21 @@ static void mark(smr_folds *f, uint32_t triangle)
     f->folding[smr_model_owner(f->shared->model, t[0])] = 1;
 }
 
-/* Marks the corners of hinges that fold at x_next, where the search counted some. */
+/* Marks the corners of dihedral edges that fold at x_next, in chunks where the search counted some. */
 static void mark_folds(smr_folds *f, uint32_t from, uint32_t to)
 {
     for (uint32_t i = from; i < to; i++) {
-        const smr_stored_hinge *h = smr_hinge_at(f, i);
-        if (f->tally[i / SMR_HINGE_CHUNK].folds.n_bent == 0u ||
-            !(smr_hinge_cosine(f, f->shape->x_next, h) < smr_hinge_limit_of(h)))
+        const smr_stored_dihedral *h = smr_dihedral_at(f, i);
+        if (f->tally[i / SMR_DIHEDRAL_CHUNK].folds.n_bent == 0u ||
+            !(smr_dihedral_cosine(f, f->shape->x_next, h) < smr_dihedral_limit_of(h)))
             continue;
         mark(f, smr_le32(h->first));
-        mark(f, smr_hinge_second(h));
+        mark(f, smr_dihedral_second(h));
         f->repair.n_folds++;
     }
 }
 
-/* Marks the neighbours of marked vertices with a sign of their own, so that a pass goes one ring far. */
+/* Marks the neighbours of marked vertices by a bit of their own, so that a pass adds one ring only. */
 static void widen(smr_folds *f, const uint32_t *t, const uint32_t *end)
 {
     for (; t < end; t += 3)
@@ -52,7 +52,7 @@ static void widen(smr_folds *f, const uint32_t *t, const uint32_t *end)
                 f->marked[t[c]] |= 2u;
 }
 
-/* Makes all marks alike. */
+/* Makes the marks of all rings equal. */
 static void join(smr_folds *f, const uint32_t *t, const uint32_t *end)
 {
     for (; t < end; t++)
@@ -73,8 +73,8 @@ static void clear_rings(smr_folds *f, uint32_t triangle, uint32_t last)
     }
 }
 
-/* Weighted sums of the displacements of marked vertices' mesh neighbours, of one triangle. Near neighbours weigh more,
- * so that the corners of a sliver, which the smallest difference turns over, move alike. */
+/* Adds one triangle to the weighted sums of mesh neighbours' displacements. Near neighbours weigh more, so that the
+ * corners of a sliver move alike. */
 static void sum_ring(smr_folds *f, const uint32_t *t)
 {
     smr_vec at[3], moved[3];
@@ -82,7 +82,7 @@ static void sum_ring(smr_folds *f, const uint32_t *t)
         at[c] = smr_rest_posed(f->shape, t[c]);
         moved[c] = smr_sub(smr_load(smr_at3(f->shape->x_next, t[c])), at[c]);
     }
-    for (uint32_t a = 0; a < 3u; a++) { /* the edge from corner a to the next, both ways */
+    for (uint32_t a = 0; a < 3u; a++) { /* the edge from corner a to the next, in both directions */
         const uint32_t b = (a + 1u) % 3u;
         const float w = 1.0f / (smr_length(smr_sub(at[a], at[b])) + SMR_EDGE_FLOOR);
         float *sum_a = smr_at3(f->rings.sum, t[a]), *sum_b = smr_at3(f->rings.sum, t[b]);
@@ -97,13 +97,13 @@ static void sum_rings(smr_folds *f, uint32_t triangle, uint32_t last)
 {
     for (; triangle < last; triangle++)
         if (!smr_run_touched(f, triangle))
-            triangle |= ((uint32_t)1 << f->run_bits) - 1u; /* to the end of the run */
+            triangle |= ((uint32_t)1 << f->run_bits) - 1u; /* skips to the end of the run */
         else if (smr_any_marked(f, triangle))
             sum_ring(f, smr_corners(f, triangle));
 }
 
-/* Displacements of marked vertices become the mean of their mesh neighbours' displacements, over and over:
- * a few sweeps towards the smoothest displacement that joins the patch's surroundings. */
+/* Sets the displacements of marked vertices to the weighted mean of their mesh neighbours'. Several sweeps approach
+ * the smoothest displacement that joins the surroundings. */
 static void move(smr_folds *f, uint32_t from, uint32_t to)
 {
     for (uint32_t i = from; i < to; i++) {
@@ -112,14 +112,14 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
             continue;
         const smr_vec mean = smr_scale(smr_load(smr_at3(f->rings.sum, v)), 1.0f / f->rings.weight[v]);
         smr_store(smr_at3(f->shape->x_next, v), smr_add(smr_rest_posed(f->shape, v), mean));
-        smr_store(smr_at3(f->rings.sum, v), smr_v(0, 0, 0)); /* for the next sweep */
+        smr_store(smr_at3(f->rings.sum, v), smr_v(0, 0, 0)); /* cleared for the next sweep */
         f->rings.weight[v] = 0.0f;
     }
 }
 
-static uint32_t rings_of(const smr_folds *f) { return 1u + f->pace->repairing / SMR_REPAIR_WIDEN; }
+static uint32_t rings_of(const smr_folds *f) { return 1u + f->schedule->repairing / SMR_REPAIR_WIDEN; }
 
-/* On to the next structure that folds, from the present one on. */
+/* Continues with the next structure with folds. */
 static void next_structure(smr_folds *f)
 {
     smr_fold_repair *r = &f->repair;
@@ -129,7 +129,7 @@ static void next_structure(smr_folds *f)
     r->pass.stage = r->pass.structure < f->shared->n_structures ? SMR_REPAIR_WIDER : SMR_REPAIR_IDLE;
 }
 
-/* A pass is complete. */
+/* Chooses the next pass when a pass is complete. */
 static void next_pass(smr_folds *f)
 {
     smr_fold_repair *r = &f->repair;
@@ -162,12 +162,12 @@ uint32_t smr_fold_repair_tasks(const void *arg)
     return p->n_done + (p->stage != SMR_REPAIR_IDLE);
 }
 
-/* A piece of the pass under way. */
+/* Step: one piece of the current pass. */
 void smr_fold_repair_pass(void *arg, uint32_t task, uint32_t worker)
 {
     smr_folds *f = arg;
     smr_fold_pass *pass = &f->repair.pass;
-    const uint32_t over = pass->stage == SMR_REPAIR_MARK   ? SMR_OVER_HINGES
+    const uint32_t over = pass->stage == SMR_REPAIR_MARK   ? SMR_OVER_DIHEDRALS
                           : pass->stage == SMR_REPAIR_MOVE ? SMR_OVER_VERTICES
                                                            : SMR_OVER_TRIANGLES;
     const smr_fold_piece piece = smr_fold_piece_of(f, pass, over, SMR_TRIANGLE_CHUNK);

@@ -1,66 +1,70 @@
-/* caller_goals.c: goals and forces of the caller's own. A force is asked once for each chunk of vertices, before goals
- * are looked for; what it gave waits in an array, so that threads and budgets decide nothing.
- * Bounds: a call for each SMR_CALLER_CHUNK active vertices, two where they are checked.
+/* caller_goals.c: goals and forces that the caller supplies. The caller's force is evaluated once for each chunk of
+ * vertices, before goals are searched for. Its output is kept in an array, so that neither threads nor budgets
+ * change the result.
+ * Bounds: one call for each SMR_CALLER_CHUNK active vertices, two calls where the force is checked.
  * SPDX-License-Identifier: MIT */
 #include "registration/goals/caller_goals.h"
 
-#define SMR_GAVE_MULTIPLIER 0x9e3779b97f4a7c15u /* 2^64 over the golden ratio */
+#define SMR_OUTPUT_MULTIPLIER 0x9e3779b97f4a7c15u /* 2^64 divided by the golden ratio */
 
 static void stand(smr_caller_goals *g)
 {
     g->summed = g->force != NULL;
-    g->sum = g->pace->n_active;
-    for (size_t i = 0; g->summed && i < 2u * (size_t)g->pace->n_active; i++) {
-        const uint64_t two = (uint64_t)smr_float_bits(g->gave[2u * i]) << 32 | smr_float_bits(g->gave[2u * i + 1u]);
-        g->sum = smr_mix(g->sum * SMR_GAVE_MULTIPLIER + two);
+    g->sum = g->schedule->n_active;
+    for (size_t i = 0; g->summed && i < 2u * (size_t)g->schedule->n_active; i++) {
+        const uint64_t two =
+            (uint64_t)smr_float_bits(g->force_output[2u * i]) << 32 | smr_float_bits(g->force_output[2u * i + 1u]);
+        g->sum = smr_mix(g->sum * SMR_OUTPUT_MULTIPLIER + two);
     }
 }
 
 static uint32_t tasks(const smr_caller_goals *g)
 {
-    return g->force != NULL ? smr_ceil_div(g->pace->n_active, SMR_CALLER_CHUNK) : 0u;
+    return g->force != NULL ? smr_ceil_div(g->schedule->n_active, SMR_CALLER_CHUNK) : 0u;
 }
 
-/* What a call is about, and what it gives. */
+/* The arguments of one call of the caller's force, and its output. */
 typedef struct chunk {
     uint32_t structure[SMR_CALLER_CHUNK], vertex[SMR_CALLER_CHUNK];
     float xyz[SMR_CALLER_CHUNK][3], rest[SMR_CALLER_CHUNK][3];
-    float way[SMR_CALLER_CHUNK][3], weight[SMR_CALLER_CHUNK];
+    float displacement[SMR_CALLER_CHUNK][3], weight[SMR_CALLER_CHUNK];
 } chunk;
 
 static void call(const smr_caller_goals *g, const smr_force_view *view, chunk *c)
 {
-    memset(c->way, 0, sizeof c->way);
+    memset(c->displacement, 0, sizeof c->displacement);
     memset(c->weight, 0, sizeof c->weight);
-    g->force(g->ctx, view, c->way[0], c->weight);
+    g->force(g->ctx, view, c->displacement[0], c->weight);
 }
 
 static int legal(const chunk *c, uint32_t i)
 {
-    return smr_within(c->way[i][0], SMR_COORD_MAX) && smr_within(c->way[i][1], SMR_COORD_MAX) &&
-           smr_within(c->way[i][2], SMR_COORD_MAX) && c->weight[i] >= 0.0f && c->weight[i] <= SMR_CALLER_WEIGHT;
+    return smr_within(c->displacement[i][0], SMR_COORD_MAX) && smr_within(c->displacement[i][1], SMR_COORD_MAX) &&
+           smr_within(c->displacement[i][2], SMR_COORD_MAX) && c->weight[i] >= 0.0f &&
+           c->weight[i] <= SMR_CALLER_WEIGHT;
 }
 
-/* Keeps what was given. Returns 0 when something of it is not legal. */
+/* Stores the output of a call. Returns 0 when a value of it is not legal. */
 static int keep(smr_caller_goals *g, const chunk *c, uint32_t first, uint32_t n)
 {
     int good = 1;
     for (uint32_t i = 0; i < n; i++) {
-        float *to = g->gave + 4u * ((size_t)first + i);
+        float *to = g->force_output + 4u * ((size_t)first + i);
         good &= legal(c, i);
-        memcpy(to, c->way[i], 3u * sizeof(float));
+        memcpy(to, c->displacement[i], 3u * sizeof(float));
         to[3] = c->weight[i];
     }
     return good;
 }
 
-/* 1 when the array has what the chunk has. */
+/* Returns 1 when the stored output equals the chunk's. */
 static int same(const smr_caller_goals *g, const chunk *c, uint32_t first, uint32_t n)
 {
     int alike = 1;
     for (uint32_t i = 0; i < n; i++) {
-        const float *was = g->gave + 4u * ((size_t)first + i);
-        alike &= memcmp(was, c->way[i], 3u * sizeof(float)) == 0 && memcmp(was + 3, &c->weight[i], sizeof(float)) == 0;
+        const float *was = g->force_output + 4u * ((size_t)first + i);
+        alike &= memcmp(was, c->displacement[i], 3u * sizeof(float)) == 0 &&
+                 memcmp(was + 3, &c->weight[i], sizeof(float)) == 0;
     }
     return alike;
 }
@@ -70,10 +74,10 @@ static void ask(smr_caller_goals *g, uint32_t task)
     chunk c;
     const smr_model *model = g->shared->model;
     const uint32_t first = task * SMR_CALLER_CHUNK;
-    const uint32_t n = smr_min_u32(g->pace->n_active - first, SMR_CALLER_CHUNK);
+    const uint32_t n = smr_min_u32(g->schedule->n_active - first, SMR_CALLER_CHUNK);
     const smr_force_view view = {n,
-                                 g->pace->iteration,
-                                 g->pace->lists.radius,
+                                 g->schedule->iteration,
+                                 g->schedule->lists.radius,
                                  c.structure,
                                  c.vertex,
                                  c.xyz[0],
@@ -96,8 +100,8 @@ static void ask(smr_caller_goals *g, uint32_t task)
         __atomic_store_n(&g->broken, 1u, __ATOMIC_RELAXED);
 }
 
-/* What smr_set_goals() says about v. */
-static float set_goal(const smr_caller_goals *g, uint32_t v, smr_vec *way)
+/* The weight of the goal that smr_set_goals() gave vertex v; *displacement: from v to that goal, mm. */
+static float set_goal(const smr_caller_goals *g, uint32_t v, smr_vec *displacement)
 {
     const uint32_t owner = smr_model_owner(g->shared->model, v);
     const smr_goals *own = &g->goals[owner];
@@ -108,20 +112,21 @@ static float set_goal(const smr_caller_goals *g, uint32_t v, smr_vec *way)
     const float weight = own->weights != NULL ? own->weights[i] : 1.0f;
     if (!smr_within(goal.x, SMR_COORD_MAX) || !smr_within(goal.y, SMR_COORD_MAX) ||
         !smr_within(goal.z, SMR_COORD_MAX) || !(weight <= SMR_CALLER_WEIGHT))
-        return 0.0f; /* changed since it was set */
-    *way = smr_sub(smr_sub(goal, g->shape->origin), smr_load(smr_at3(g->shape->x, v)));
+        return 0.0f; /* the caller's array has changed since it was set */
+    *displacement = smr_sub(smr_sub(goal, g->shape->origin), smr_load(smr_at3(g->shape->x, v)));
     return weight;
 }
 
-static float blend(const smr_caller_goals *g, uint32_t v, smr_vec *way, float weight)
+static float blend(const smr_caller_goals *g, uint32_t v, smr_vec *displacement, float weight)
 {
     smr_vec own = smr_v(0, 0, 0);
     if (g->goals != NULL) {
         const float of_goal = set_goal(g, v, &own);
-        smr_blend(way, &weight, own, of_goal);
+        smr_blend(displacement, &weight, own, of_goal);
     }
     if (g->force != NULL)
-        smr_blend(way, &weight, smr_load(g->gave + 4u * (size_t)v), g->gave[4u * (size_t)v + 3u]);
+        smr_blend(displacement, &weight, smr_load(g->force_output + 4u * (size_t)v),
+                  g->force_output[4u * (size_t)v + 3u]);
     return weight;
 }
 

@@ -1,5 +1,5 @@
-/* caller_goals.h: goals and forces of the caller's own. In: what smr_set_goals() and smr_set_force() were given,
- * positions. Out: ways and their weights, blended with those to targets.
+/* caller_goals.h: goals and forces that the caller supplies. In: the arguments of smr_set_goals() and
+ * smr_set_force(), positions. Out: displacements and weights, averaged with those of targets.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_CALLER_GOALS_H
 #define SMR_CALLER_GOALS_H
@@ -7,16 +7,17 @@
 #include "registration/shape/shape.h"
 
 #define SMR_CALLER_CHUNK 32u      /* vertices of a call */
-#define SMR_CALLER_WEIGHT 1000.0f /* largest */
+#define SMR_CALLER_WEIGHT 1000.0f /* largest weight of a goal */
 
 struct smr_caller_goals;
 
-/* What goals of the caller's own need in an iteration. The setters name it, so a program without them has none of it. */
+/* What goals of the caller's own need in an iteration. The setters name it, so a program without them has none of
+ * it. */
 typedef struct smr_caller_calls {
     uint32_t (*tasks)(const struct smr_caller_goals *g);
     void (*ask)(struct smr_caller_goals *g, uint32_t task);
-    float (*blend)(const struct smr_caller_goals *g, uint32_t v, smr_vec *way, float weight);
-    void (*stand)(struct smr_caller_goals *g); /* the forces under way are complete */
+    float (*blend)(const struct smr_caller_goals *g, uint32_t v, smr_vec *displacement, float weight);
+    void (*stand)(struct smr_caller_goals *g); /* called when the current forces are complete */
 } smr_caller_calls;
 
 extern const smr_caller_calls smr_caller_all;
@@ -24,29 +25,31 @@ extern const smr_caller_calls smr_caller_all;
 typedef struct smr_caller_goals {
     const smr_caller_calls *calls; /* NULL: nothing was set */
     const smr_shared *shared;
-    const smr_pace *pace;
+    const smr_schedule *schedule;
     const smr_shape *shape;
-    /* written by setup/caller.c */
+    /* written when the caller sets goals or a force */
     smr_goals *goals; /* [n_structures]; NULL: config.caller.goals is 0 */
-    smr_force force;  /* NULL: none */
+    smr_force force;  /* the caller's function; NULL: none */
     void *ctx;
-    float *gave;     /* [n][4] what the force gave: way, mm, and weight; NULL: config.caller.force is off */
-    uint32_t broken; /* 1: the force broke its contract. Any thread sets it, atomically */
-    uint32_t summed; /* 1: `sum` is of the forces under way, which are complete */
-    uint64_t sum;    /* checksum of what it gave to active vertices */
-    uint64_t told;   /* the same, of the iteration that the last tick completed; 0: none. Written by tick/tick.c */
+    float *force_output; /* [n][4] what the force gave: way, mm, and weight; NULL: config.caller.force is off */
+    uint32_t broken;     /* 1: the force returned illegal or varying values. Any thread sets it, atomically */
+    uint32_t summed;     /* 1: `sum` is the checksum of the current forces, which are complete */
+    uint64_t sum;        /* checksum of the force's output for active vertices */
+    /* checksum of the last completed iteration's output; 0: none. Written by the tick */
+    uint64_t reported_sum;
 } smr_caller_goals;
 
 void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared *shared);
-void smr_caller_goals_wire(smr_caller_goals *g, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape);
+void smr_caller_goals_wire(smr_caller_goals *g, const smr_shared *shared, const smr_schedule *schedule,
+                           const smr_shape *shape);
 
-/* 1: the caller may draw vertices of the structure. */
-static inline int smr_caller_draws(const smr_caller_goals *g, uint32_t structure)
+/* Returns 1 when the caller may give goals to vertices of the structure. */
+static inline int smr_caller_has_goals(const smr_caller_goals *g, uint32_t structure)
 {
     return g->force != NULL || (g->goals != NULL && g->goals[structure].xyz != NULL);
 }
 
-/* Steps: asks the force about SMR_CALLER_CHUNK vertices. */
+/* Step: evaluates the caller's force for SMR_CALLER_CHUNK vertices a task. */
 static inline uint32_t smr_caller_tasks(const void *goals)
 {
     const smr_caller_goals *g = goals;
@@ -66,24 +69,24 @@ static inline void smr_caller_stand(smr_caller_goals *g)
         g->calls->stand(g);
 }
 
-/* Adds a further way to an average by weight. The first one is taken as it is. */
-static inline void smr_blend(smr_vec *way, float *weight, smr_vec more, float more_weight)
+/* Adds a displacement to a weighted mean. The first displacement becomes the mean unchanged. */
+static inline void smr_blend(smr_vec *displacement, float *weight, smr_vec more, float more_weight)
 {
     if (!(more_weight > 0.0f))
         return;
     if (*weight > 0.0f) {
         const float share = more_weight / (*weight + more_weight);
-        more = smr_add(*way, smr_scale(smr_sub(more, *way), share));
+        more = smr_add(*displacement, smr_scale(smr_sub(more, *displacement), share));
     }
-    *way = more;
+    *displacement = more;
     *weight += more_weight;
 }
 
-/* Blends the way of vertex v, which has a weight (0: it is no goal), with what the caller wants of it. Returns the
- * weight then. */
-static inline float smr_caller_blend(const smr_caller_goals *g, uint32_t v, smr_vec *way, float weight)
+/* Averages the displacement of vertex v with the caller's by weight. weight: of the target's goal, 0 for none.
+ * Returns the sum of the weights. */
+static inline float smr_caller_blend(const smr_caller_goals *g, uint32_t v, smr_vec *displacement, float weight)
 {
-    return g->calls != NULL ? g->calls->blend(g, v, way, weight) : weight;
+    return g->calls != NULL ? g->calls->blend(g, v, displacement, weight) : weight;
 }
 
 #endif

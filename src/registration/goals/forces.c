@@ -1,4 +1,5 @@
-/* forces.c: external forces f^e = stiffness (goal - x) (paper 2.1), from the ways to goals that the sources propose.
+/* forces.c: external forces f^e = stiffness (goal - x) (paper 2.1), from the displacements that the sources of goals
+ * give.
  * Bounds: one pass over the vertices, and those of the sources.
  * SPDX-License-Identifier: MIT */
 #include "registration/goals/forces.h"
@@ -17,11 +18,11 @@ void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
     smr_sources_layout(a, f, shared);
 }
 
-void smr_forces_wire(smr_forces *f, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
+void smr_forces_wire(smr_forces *f, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
                      const smr_overlay *overlay)
 {
     f->shared = shared;
-    f->pace = pace;
+    f->schedule = schedule;
     f->shape = shape;
     f->tally = overlay->tally;
     smr_sources_wire(f, overlay);
@@ -42,10 +43,11 @@ void smr_forces_unmeasured(smr_forces *f)
     f->matched = -1.0f;
 }
 
-/* Notes how large the quantities that match/sums.c will round are at this vertex. */
+/* Updates the largest values of the quantities that the cluster sums will round. */
 static void measure(const smr_forces *f, uint32_t v, smr_tally *tally)
 {
-    const smr_vec ref = smr_load(smr_at3(f->shape->x_ref, v)), u = smr_scale(smr_drive(f, v), smr_mass(f->shared, v));
+    const smr_vec ref = smr_load(smr_at3(f->shape->x_ref, v)),
+                  u = smr_scale(smr_match_displacement(f, v), smr_mass(f->shared, v));
     const float largest = smr_max(smr_abs(u.x), smr_max(smr_abs(u.y), smr_abs(u.z)));
     const float arm = smr_max(smr_abs(ref.x), smr_max(smr_abs(ref.y), smr_abs(ref.z)));
     const float terms = f->shared->config.basic.method == SMR_METHOD_RIGID ? 2.0f : 1.0f;
@@ -55,10 +57,10 @@ static void measure(const smr_forces *f, uint32_t v, smr_tally *tally)
 
 float smr_forces_ease(const smr_forces *f, uint32_t v)
 {
-    if (!(f->pace->ease < 1.0f) || f->surface.target[smr_model_owner(f->shared->model, v)].surface != NULL)
+    if (!(f->schedule->fade < 1.0f) || f->surface.target[smr_model_owner(f->shared->model, v)].surface != NULL)
         return 1.0f;
-    const float prevails = smr_landmarks_on(&f->landmarks) ? smr_unseen_field_prevails(&f->unseen, v) : 0.0f;
-    return smr_max(f->pace->ease, prevails);
+    const float prevails = smr_landmarks_on(&f->landmarks) ? smr_occluded_field_hard_weight(&f->occluded, v) : 0.0f;
+    return smr_max(f->schedule->fade, prevails);
 }
 
 uint32_t smr_force_chunk(const smr_forces *f) { return smr_image_on(&f->image) ? SMR_IMAGE_CHUNK : SMR_FORCE_CHUNK; }
@@ -66,23 +68,23 @@ uint32_t smr_force_chunk(const smr_forces *f) { return smr_image_on(&f->image) ?
 uint32_t smr_forces_tasks(const void *arg)
 {
     const smr_forces *f = arg;
-    return smr_ceil_div(f->pace->n_active, smr_force_chunk(f));
+    return smr_ceil_div(f->schedule->n_active, smr_force_chunk(f));
 }
 
 void smr_forces_search(void *arg, uint32_t task, uint32_t worker)
 {
     smr_forces *f = arg;
     (void)worker;
-    const uint32_t n_active = f->pace->n_active, chunk = smr_force_chunk(f);
+    const uint32_t n_active = f->schedule->n_active, chunk = smr_force_chunk(f);
     const uint32_t last = smr_min_u32((task + 1u) * chunk, n_active);
-    const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->unseen);
+    const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->occluded);
     for (uint32_t v = task * chunk; v < last; v++) {
-        smr_vec way;
-        /* voxels lie far apart: to reach them takes as long as the work on a vertex */
+        smr_vec displacement;
+        /* prefetch: reading voxels takes as long as the work on a vertex */
         if (looks && v + 1u < n_active)
             smr_image_ahead(&f->image, v + 1u);
-        f->found[v] = smr_sources_goal(f, v, &way);
-        smr_store(smr_at3(f->force, v), way);
+        f->found[v] = smr_sources_goal(f, v, &displacement);
+        smr_store(smr_at3(f->force, v), displacement);
     }
 }
 
@@ -93,15 +95,15 @@ static void ignore(smr_forces *f, uint32_t v)
     smr_store(smr_at3(f->force, v), smr_v(0, 0, 0));
 }
 
-/* The distance to the goal and what was found, into the task's tally. */
-static void count(smr_forces *f, uint32_t v, smr_vec way, smr_tally *tally)
+/* Adds the distance to the goal and the kind of result to the task's tally. */
+static void count(smr_forces *f, uint32_t v, smr_vec displacement, smr_tally *tally)
 {
-    tally->forces.n_drawn += f->found[v] != SMR_FOUND_NO_TARGET;
+    tally->forces.n_with_target += f->found[v] != SMR_FOUND_NO_TARGET;
     tally->forces.n_forces += f->found[v] == SMR_FOUND_GOAL;
     tally->forces.n_rejected += f->found[v] >= SMR_FOUND_NONE;
     if (f->found[v] != SMR_FOUND_GOAL)
         return;
-    const float d2 = smr_dot(way, way), d = SMR_SQRT(d2);
+    const float d2 = smr_dot(displacement, displacement), d = SMR_SQRT(d2);
     tally->forces.sum += d;
     tally->forces.sum2 += d2;
     tally->forces.max = smr_max(tally->forces.max, d);
@@ -110,24 +112,24 @@ static void count(smr_forces *f, uint32_t v, smr_vec way, smr_tally *tally)
 
 uint32_t smr_forces_take_tasks(const void *arg) { return ((const smr_forces *)arg)->shared->n_tasks; }
 
-/* It is known now how many vertices take part. */
+/* Turns displacements into forces. The number of active vertices is final here. */
 void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
 {
     smr_forces *f = arg;
     (void)worker;
     smr_tally *tally = &f->tally[task];
-    const float stiffness = f->pace->repairing > 0u ? 0.0f : f->shared->config.forces.stiffness * f->pace->gain;
+    const float stiffness = f->schedule->repairing > 0u ? 0.0f : f->shared->config.forces.stiffness * f->schedule->gain;
     const int apart = smr_contact_on(&f->contact),
               smooth = smr_smooth_used(&f->smooth) && smr_smooth_tasks(&f->smooth) > 0u;
     memset(tally, 0, sizeof *tally);
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(f->shared, task); v++) {
-        if (!smr_active(f->pace, v)) {
+        if (!smr_active(f->schedule, v)) {
             ignore(f, v);
             continue;
         }
-        const smr_vec way = smr_load(smr_at3(f->force, v));
-        count(f, v, way, tally);
-        const smr_vec blended = smooth ? smr_smooth_blend(&f->smooth, v, way) : way;
+        const smr_vec displacement = smr_load(smr_at3(f->force, v));
+        count(f, v, displacement, tally);
+        const smr_vec blended = smooth ? smr_smooth_blend(&f->smooth, v, displacement) : displacement;
         smr_store(smr_at3(f->force, v), smr_scale(blended, stiffness * smr_forces_ease(f, v)));
         if (apart)
             smr_store(smr_at3(f->force, v),
@@ -136,7 +138,7 @@ void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-/* The limit for long ways in the next iteration: mean + k standard deviations of this one; 0: none. */
+/* Outlier limit of the next iteration, mm: mean + k standard deviations of this iteration's distances; 0: none. */
 static float limit_of(const smr_forces *f, float mean, float mean_square)
 {
     const float k = f->shared->config.forces.reject_deviations;
@@ -150,7 +152,7 @@ static float share_of(uint32_t n_forces, uint32_t n_rejected)
     return all > 0u ? (float)n_forces / (float)all : -1.0f;
 }
 
-/* Share of a structure's vertices that had a goal in the last complete forces. */
+/* Share of a structure's vertices with a goal in the last complete forces; -1: none was searched for. */
 static float share_in_last(const smr_forces *f, uint32_t structure)
 {
     const smr_shape_structure *one = &f->shape->structure[structure];
@@ -199,15 +201,15 @@ static void note_matched(smr_forces *f)
     f->unmeasured = 0;
 }
 
-/* In dynamics pinned vertices weigh more than all others together. There the sum of the chunks' largest, as if all of a
- * chunk were so, may bound a cluster's sum more closely than so many of the largest. */
+/* Dynamics: a closer bound on cluster sums. Pinned vertices weigh more than all others together, so the sum of the
+ * chunks' largest values may be smaller than the largest value times the cluster size. */
 static void bound_closely(const smr_forces *f, float largest[2])
 {
     for (uint32_t kind = 0; kind < 2u; kind++) {
         float sum = 0.0f;
         for (uint32_t t = 0; t < f->shared->n_tasks; t++)
             sum += (float)SMR_CHUNK * f->tally[t].forces.largest[kind];
-        largest[kind] = smr_min(largest[kind], sum / (float)smr_max_u32(f->pace->lists.largest, 1u));
+        largest[kind] = smr_min(largest[kind], sum / (float)smr_max_u32(f->schedule->lists.largest, 1u));
     }
 }
 
@@ -222,7 +224,7 @@ void smr_forces_end(smr_forces *f)
         all.forces.max = smr_max(all.forces.max, one->forces.max);
         all.forces.n_forces += one->forces.n_forces;
         all.forces.n_rejected += one->forces.n_rejected;
-        all.forces.n_drawn += one->forces.n_drawn;
+        all.forces.n_with_target += one->forces.n_with_target;
         all.forces.largest[0] = smr_max(all.forces.largest[0], one->forces.largest[0]);
         all.forces.largest[1] = smr_max(all.forces.largest[1], one->forces.largest[1]);
     }
@@ -230,7 +232,7 @@ void smr_forces_end(smr_forces *f)
         bound_closely(f, all.forces.largest);
     const float n = all.forces.n_forces > 0u ? (float)all.forces.n_forces : 1.0f;
     const float mean = all.forces.sum / n, square = all.forces.sum2 / n;
-    f->totals = (smr_force_totals){all.forces.n_drawn,
+    f->totals = (smr_force_totals){all.forces.n_with_target,
                                    all.forces.n_forces,
                                    all.forces.n_rejected,
                                    mean,
@@ -239,7 +241,7 @@ void smr_forces_end(smr_forces *f)
                                    {all.forces.largest[0], all.forces.largest[1]}};
     f->surface.limit = limit_of(f, mean, square);
     note_matched(f);
-    /* until here the forces could have been asked to start again */
+    /* up to here a new target could have restarted the forces */
     memcpy(f->found_last, f->found, f->shared->n);
-    smr_sources_stand(f);
+    smr_sources_commit(f);
 }

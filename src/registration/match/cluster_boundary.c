@@ -1,6 +1,5 @@
-/* cluster_boundary.c: vertices near a cluster's boundary get fractional weight (prepare/cluster_boundary_pairs.c):
- * what that differs from the sums by lists is added to these. In whole numbers, too, so that the order makes no
- * difference.
+/* cluster_boundary.c: fractional weights of vertices near a cluster's boundary: adds the difference from the sums by
+ * lists. In integers, so that the order does not matter.
  * Bounds: one pass over the radius' boundary pairs.
  * SPDX-License-Identifier: MIT */
 #include "registration/match/reference.h"
@@ -9,7 +8,7 @@
 
 typedef struct pair {
     uint32_t a, b;
-    int32_t share; /* what is added to the lists' 0 or 1, in 1 / SMR_BOUNDARY_UNITS */
+    int32_t share; /* difference from the lists' weight 0 or 1, in 1 / SMR_BOUNDARY_UNITS */
 } pair;
 
 static uint32_t pairs_end(const smr_lists *l, uint32_t task)
@@ -34,21 +33,21 @@ static void add_record(smr_sums *s, uint32_t to, uint32_t from, int32_t share)
 
 uint32_t smr_boundary_tasks(const void *arg)
 {
-    return smr_ceil_div(((const smr_sums *)arg)->pace->lists.n_boundary, SMR_BOUNDARY_CHUNK);
+    return smr_ceil_div(((const smr_sums *)arg)->schedule->lists.n_boundary, SMR_BOUNDARY_CHUNK);
 }
 
-/* Pairs share vertices: one task after the other. */
+/* Pairs share vertices, so tasks run one after the other. */
 void smr_boundary_sums(void *arg, uint32_t task, uint32_t worker)
 {
     smr_sums *s = arg;
     (void)worker;
-    const smr_pace *pace = s->pace;
-    const uint32_t last = pairs_end(&pace->lists, task);
+    const smr_schedule *schedule = s->schedule;
+    const uint32_t last = pairs_end(&schedule->lists, task);
     for (uint32_t i = task * SMR_BOUNDARY_CHUNK; i < last; i++) {
-        const pair p = pair_at(&pace->lists, i);
-        if (smr_active(pace, p.b))
+        const pair p = pair_at(&schedule->lists, i);
+        if (smr_active(schedule, p.b))
             add_record(s, p.a, p.b, p.share);
-        if (smr_active(pace, p.a))
+        if (smr_active(schedule, p.a))
             add_record(s, p.b, p.a, p.share);
     }
 }
@@ -63,13 +62,13 @@ void smr_boundary_reference(void *arg, uint32_t task, uint32_t worker)
 {
     smr_reference *r = arg;
     (void)worker;
-    const smr_pace *pace = r->pace;
-    const uint32_t last = pairs_end(&pace->lists, task);
+    const smr_schedule *schedule = r->schedule;
+    const uint32_t last = pairs_end(&schedule->lists, task);
     for (uint32_t i = task * SMR_BOUNDARY_CHUNK; i < last; i++) {
-        const pair p = pair_at(&pace->lists, i);
-        if (smr_active(pace, p.b))
+        const pair p = pair_at(&schedule->lists, i);
+        if (smr_active(schedule, p.b))
             smr_reference_add(r, p.a, p.b, p.share);
-        if (smr_active(pace, p.a))
+        if (smr_active(schedule, p.a))
             smr_reference_add(r, p.b, p.a, p.share);
     }
 }

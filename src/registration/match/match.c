@@ -1,7 +1,7 @@
 /* match.c: each cluster's least-squares rigid transform T_i = [R_i, t_i] from x^r to x + f^e (paper 2.3), out of the
  * cluster's sums. Rigid-body kinematics: omega = I^r^-1 L, R by Rodrigues' formula. Polar decomposition:
- * A = C^r + Sum(m u (x^r - c^r)^T), R by geometry/rotation/polar_decomposition.c. In both t = c - R c^r. R - I is kept rather
- * than R: it is small, and nothing is lost when nothing turns.
+ * A = C^r + Sum(m u (x^r - c^r)^T), R by geometry/rotation/polar_decomposition.c. In both t = c - R c^r. R - I is kept
+ * rather than R: it is small, and nothing is lost when nothing turns.
  * Bounds: one pass over the active vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/match/match.h"
@@ -15,11 +15,11 @@ void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared)
         m->eigen = smr_slot_floats(a, m->eigen, 9u * (size_t)shared->n, SMR_KEPT_UNIT);
 }
 
-void smr_match_wire(smr_match *m, const smr_shared *shared, const smr_pace *pace, const smr_reference *reference,
-                    const smr_sums *sums, const smr_overlay *overlay)
+void smr_match_wire(smr_match *m, const smr_shared *shared, const smr_schedule *schedule,
+                    const smr_reference *reference, const smr_sums *sums, const smr_overlay *overlay)
 {
     m->shared = shared;
-    m->pace = pace;
+    m->schedule = schedule;
     m->reference = reference;
     m->sums = sums;
     m->tally = overlay->tally;
@@ -34,7 +34,7 @@ void smr_match_reset(smr_match *m)
 
 #define SMR_RADIANS 0.017453293f /* rad per degree */
 
-/* The rotation vector of one cluster by rigid-body kinematics. mu: sum of m u; w: the sums' further words. */
+/* The rotation vector of a cluster by rigid-body kinematics. mu: sum of m u; w: the other words of the sums. */
 static smr_vec rigid_turn(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse)
 {
     const smr_reference *const r = m->reference;
@@ -61,7 +61,7 @@ static void polar(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w,
     }
     memset(r_minus_i, 0, 9u * sizeof *r_minus_i);
     if (!(change > 0.0f))
-        return; /* nothing turns: not even by the decomposition's rounding, which would add up over plastic updates */
+        return; /* without a rotation R is exactly I: rounding would accumulate over plastic updates */
     smr_polar(a, m->eigen + 9u * (size_t)v, r_minus_i);
 }
 
@@ -76,7 +76,7 @@ static void matrix_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t
     smr_store(t + 9, smr_sub(mean, smr_mul(t, smr_load(smr_at3(m->reference->centre, v)))));
 }
 
-/* The logarithm of the same. */
+/* The logarithm of a cluster's transform. */
 static void log_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float t[12])
 {
     smr_vec turn;
@@ -92,7 +92,7 @@ static void log_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w
     smr_store(t + 3, twist.rate);
 }
 
-uint32_t smr_match_cluster_tasks(const void *arg) { return smr_match_tasks(((const smr_match *)arg)->pace); }
+uint32_t smr_match_cluster_tasks(const void *arg) { return smr_match_tasks(((const smr_match *)arg)->schedule); }
 
 void smr_match_clusters(void *arg, uint32_t task, uint32_t worker)
 {
@@ -102,7 +102,7 @@ void smr_match_clusters(void *arg, uint32_t task, uint32_t worker)
     const int logs = smr_blends_logs(m->shared);
     const float inverse0 = 1.0f / m->sums->scale[0], inverse1 = 1.0f / m->sums->scale[1];
     float *const transform = m->transform, largest_r = 0.0f, largest_t = 0.0f;
-    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, m->pace->n_active);
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, m->schedule->n_active);
     for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
         const uint32_t *w = sum + SMR_WORDS * (size_t)v;
         float *t = transform + 12u * (size_t)v;
@@ -123,7 +123,7 @@ void smr_match_clusters(void *arg, uint32_t task, uint32_t worker)
 void smr_match_end(smr_match *m)
 {
     m->largest[0] = m->largest[1] = 0.0f;
-    for (uint32_t t = 0; t < smr_match_tasks(m->pace); t++) {
+    for (uint32_t t = 0; t < smr_match_tasks(m->schedule); t++) {
         m->largest[0] = smr_max(m->largest[0], m->tally[t].match.largest[0]);
         m->largest[1] = smr_max(m->largest[1], m->tally[t].match.largest[1]);
     }

@@ -10,35 +10,35 @@
 
 typedef struct smr_match {
     const smr_shared *shared;
-    const smr_pace *pace;
+    const smr_schedule *schedule;
     const smr_reference *reference;
     const smr_sums *sums;
     smr_tally *tally;
-    float *transform; /* [n][12] R - I row-major, t in mm; blended by logarithms: [n][12], first 6 in use, a twist */
-    float *eigen;     /* [n][9] warm start of the polar method; NULL for rigid */
-    float largest[2]; /* entry of R - I or of the turn, and of t or of the rate in mm */
+    float *transform; /* [n][12] R - I row-major, t in mm; averaged by logarithms: the first 6 of 12 are a twist */
+    float *eigen;     /* [n][9] start values of the polar decomposition; NULL for the rigid method */
+    float largest[2]; /* largest entry of R - I or of the rotation vector; largest entry of t or of the rate, mm */
 } smr_match;
 
-/* 1: transforms are averaged by their logarithms. */
+/* Returns 1 when transforms are averaged by their logarithms. */
 static inline int smr_blends_logs(const smr_shared *shared) { return shared->config.motion.fusing == SMR_FUSING_LIE; }
 
-/* Words of a transform's record; the last three are of t or of the rate. */
+/* Words of a transform's record; the last three hold t or the rate. */
 static inline uint32_t smr_transform_words(const smr_shared *shared) { return smr_blends_logs(shared) ? 6u : 12u; }
 
 void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared);
-void smr_match_wire(smr_match *m, const smr_shared *shared, const smr_pace *pace, const smr_reference *reference,
-                    const smr_sums *sums, const smr_overlay *overlay);
-void smr_match_reset(smr_match *m); /* no warm start is left */
+void smr_match_wire(smr_match *m, const smr_shared *shared, const smr_schedule *schedule,
+                    const smr_reference *reference, const smr_sums *sums, const smr_overlay *overlay);
+void smr_match_reset(smr_match *m); /* discards start values of the decompositions */
 
 uint32_t smr_match_cluster_tasks(const void *match);
 void smr_match_clusters(void *match, uint32_t task, uint32_t worker);
-void smr_match_end(smr_match *m); /* largest */
+void smr_match_end(smr_match *m); /* computes `largest` */
 
-/* average.c: the transforms as records, whose sums follow. */
+/* Records of the transforms, whose sums follow. */
 uint32_t smr_average_tasks(const void *match);
 void smr_average_record(void *match, uint32_t task, uint32_t worker);
 
-/* The averaged twist of a vertex, out of its sum of 6 words. */
+/* The averaged twist of a vertex, from its sum of 6 words. */
 static inline smr_twist smr_average_twist(const uint32_t *w, const float inverse[2], float share)
 {
     const smr_vec turn = smr_v(smr_unfix(w[0], inverse[0]), smr_unfix(w[1], inverse[0]), smr_unfix(w[2], inverse[0]));
@@ -47,7 +47,7 @@ static inline smr_twist smr_average_twist(const uint32_t *w, const float inverse
     return twist;
 }
 
-/* The averaged transform of a vertex, out of its sum of 12 words: Sum_i(T) / |zeta_i|. inverse: 1 / sums.scale. */
+/* The averaged transform of a vertex, from its sum of 12 words: Sum_i(T) / |zeta_i|. inverse: 1 / sums.scale. */
 static inline smr_vec smr_average_transform(const uint32_t *w, const float inverse[2], float share, float r_minus_i[9])
 {
     for (uint32_t i = 0; i < 9u; i++)

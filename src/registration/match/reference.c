@@ -1,9 +1,9 @@
-/* reference.c: what matching needs of the reference shape x^r, whenever it is new: each cluster's centre c^r, mass M
- * and covariance C^r or inverse inertia tensor (paper 2.3). x^r is rounded to powers of two of a millimetre and the
- * moments are summed as whole numbers with wrap-around; taken relative to the cluster's own vertex the final values
- * fit and are exact, however far the cluster lies from the origin. Second moments use a coarse step, about a
- * thousandth of the cluster's reach, and enter only as the spread; the centre has a fine step of its own. In dynamics
- * weights differ by more: there the moments, about stored vertex 0, are rounded, not the positions.
+/* reference.c: for each new reference shape x^r, each cluster's centre c^r, mass M and covariance C^r or inverse
+ * inertia tensor (paper 2.3). x^r is rounded to powers of two of a millimetre, and moments are summed as wrapping
+ * integers; relative to the cluster's own vertex the results fit and are exact, however far the cluster lies from
+ * the origin. Second moments use a coarse step, about a thousandth of the cluster's size; the centre has a fine step
+ * of its own. In dynamics weights differ more: there the moments about stored vertex 0 are rounded instead of the
+ * positions.
  * Bounds: four passes over the vertices, one over the lists.
  * SPDX-License-Identifier: MIT */
 #include "registration/match/reference.h"
@@ -11,25 +11,28 @@
 #include "base/fixed_point.h"
 #include "geometry/linear_solve/jacobi.h"
 
-#define SMR_FINE_SHARE (1.0f / 1024.0f) /* of the coarse step: finer gains nothing */
-#define SMR_PART_BITS 10u               /* a step has 2^this parts */
-#define SMR_INERTIA_FLOOR 1.0e-4f /* a cluster thinner than this share of its length is a line: no torque about it */
+#define SMR_FINE_SHARE (1.0f / 1024.0f) /* smallest fine step over the coarse step */
+#define SMR_PART_BITS 10u               /* a step has 2^SMR_PART_BITS parts */
+/* a cluster thinner than this share of its length is a line, without torque about it */
+#define SMR_INERTIA_FLOOR 1.0e-4f
 
 void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shared)
 {
     const size_t n = shared->n;
-    r->centre = smr_slot_scratch(a, r->centre, n, 3u * sizeof(float)); /* these outlive an iteration, but x^r tells */
-    r->spread = smr_slot_scratch(a, r->spread, n, 6u * sizeof(float)); /* them: `missing` */
+    /* lives longer than an iteration, but follows from x^r */
+    r->centre = smr_slot_scratch(a, r->centre, n, 3u * sizeof(float));
+    /* and is recomputed after a restore: `missing` */
+    r->spread = smr_slot_scratch(a, r->spread, n, 6u * sizeof(float));
     r->cluster_mass = smr_slot_scratch(a, r->cluster_mass, n, sizeof(float));
     r->share = smr_slot_scratch(a, r->share, n, sizeof(float));
     smr_keep_words(a, &r->stale, 1, 1);
 }
 
-void smr_reference_wire(smr_reference *r, const smr_shared *shared, const smr_pace *pace, const smr_shape *shape,
-                        smr_sums *sums, const smr_overlay *overlay)
+void smr_reference_wire(smr_reference *r, const smr_shared *shared, const smr_schedule *schedule,
+                        const smr_shape *shape, smr_sums *sums, const smr_overlay *overlay)
 {
     r->shared = shared;
-    r->pace = pace;
+    r->schedule = schedule;
     r->shape = shape;
     r->sums = sums;
     r->tally = overlay->tally;
@@ -44,7 +47,7 @@ uint32_t smr_reference_tasks(const void *arg)
 uint32_t smr_reference_record_tasks(const void *arg)
 {
     const smr_reference *r = arg;
-    return smr_reference_due(r) ? smr_match_tasks(r->pace) : 0u;
+    return smr_reference_due(r) ? smr_match_tasks(r->schedule) : 0u;
 }
 
 uint32_t smr_reference_block_tasks(const void *arg)
@@ -68,7 +71,7 @@ uint32_t smr_reference_cluster_tasks(const void *arg)
     return smr_reference_due(r) ? smr_ceil_div(r->shared->n, SMR_MATCH_CHUNK) : 0u;
 }
 
-/* How far x^r deviates from the rest pose, of a chunk; mm squared. */
+/* Computes the largest distance of x^r from the rest pose in a chunk, mm squared. */
 void smr_reference_reach(void *arg, uint32_t task, uint32_t worker)
 {
     smr_reference *r = arg;
@@ -81,8 +84,8 @@ void smr_reference_reach(void *arg, uint32_t task, uint32_t worker)
     r->tally[task].reference.deviation2 = off2;
 }
 
-/* How far a member of a cluster can be from its own vertex in x^r: the rest distance, scaled as the start pose did, and
- * both ends' deviations from that pose. */
+/* Largest distance between a cluster's vertex and a member in x^r: the rest distance, scaled like the pose, plus the
+ * distances of both from that pose. */
 static float reach_bound(const smr_reference *r)
 {
     const smr_pose *p = &r->shape->rest_pose;
@@ -90,11 +93,11 @@ static float reach_bound(const smr_reference *r)
     for (uint32_t t = 0; t < r->shared->n_tasks; t++)
         off2 = smr_max(off2, r->tally[t].reference.deviation2);
     const smr_vec column = smr_v(p->m[0][0], p->m[1][0], p->m[2][0]);
-    return 1.01f * (r->pace->lists.reach * smr_length(column) + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
+    return 1.01f * (r->schedule->lists.reach * smr_length(column) + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
 }
 
-/* The smallest power of two k, from 2^-20 to 2^40 mm, with mass * (reach / k)^power <= 2^30. Takes as long whatever k
- * is. */
+/* The smallest power of two k, from 2^-20 to 2^40 mm, with mass * (reach / k)^power <= 2^30. Its time does not
+ * depend on k. */
 static float step_for(float mass, float reach, int power)
 {
     float k = 1.0f / 1048576.0f;
@@ -108,18 +111,17 @@ static float step_for(float mass, float reach, int power)
 void smr_reference_begin(smr_reference *r)
 {
     const float reach = reach_bound(r);
-    float mass = (float)r->pace->lists.largest * r->shared->mass_max * r->shared->mass_unit;
+    float mass = (float)r->schedule->lists.largest * r->shared->mass_max * r->shared->mass_unit;
     if (r->shared->mass_sum > 0.0f)
         mass = smr_min(mass, r->shared->mass_sum * r->shared->mass_unit);
     r->coarse = step_for(mass, reach, 2);
     r->fine = smr_max(step_for(mass, reach, 1), r->coarse * SMR_FINE_SHARE);
-    r->per_coarse = 1.0f / r->coarse; /* powers of two: exact */
+    r->per_coarse = 1.0f / r->coarse; /* exact for powers of two */
     r->per_fine = 1.0f / r->fine;
     r->sums->words = SMR_WORDS;
 }
 
-/* x^r of a vertex in whole steps of 1 / inverse, modulo 2^32: sums wrap anyway, and only differences within a cluster
- * have to fit. */
+/* x^r of a vertex in whole steps of 1 / inverse, modulo 2^32. Only differences within a cluster must fit. */
 static void steps_of(const float *x, float inverse, uint32_t out[3])
 {
     for (uint32_t a = 0; a < 3u; a++) {
@@ -142,9 +144,8 @@ static uint32_t whole(uint64_t parts, uint32_t bits)
     return (uint32_t)((parts + ((uint64_t)1 << (bits - 1u))) >> bits);
 }
 
-/* What moments in coarse steps are summed about, in whole steps modulo 2^32: in dynamics stored vertex 0, otherwise the
- * model's origin. A body that flies far has large moments about that, which rounding spoils, all in one direction where
- * the body is flat; about one of its own vertices they stay small. */
+/* The origin of moments in coarse steps, modulo 2^32: stored vertex 0 in dynamics, otherwise the model's origin. A
+ * body far from its origin would have large moments, with large rounding errors. */
 static void origin_of(const smr_reference *r, uint32_t out[3])
 {
     out[0] = out[1] = out[2] = 0;
@@ -152,7 +153,7 @@ static void origin_of(const smr_reference *r, uint32_t out[3])
         steps_of(smr_at3(r->shape->x_ref, 0), r->per_coarse, out);
 }
 
-/* A position in whole coarse steps from there, modulo 2^32. */
+/* A position in whole coarse steps from that origin, modulo 2^32. */
 static void steps_from(const smr_reference *r, const uint32_t origin[3], const float *x, uint32_t out[3])
 {
     steps_of(x, r->per_coarse, out);
@@ -160,9 +161,9 @@ static void steps_from(const smr_reference *r, const uint32_t origin[3], const f
         out[a] -= origin[a];
 }
 
-/* Moments in dynamics. A pinned vertex weighs as much as a whole cluster, so what rounding moves it by is not lost in
- * the mean, and heavy sums have coarse steps. So here not the position is rounded but each of the moments, once, which
- * is a unit of a sum's 2^30. They are needed modulo 2^32, so 64 bits may wrap, too. */
+/* Writes the moments of a vertex in dynamics. A pinned vertex may weigh as much as its cluster, so rounding its
+ * position would not average out; here each moment is rounded once, to a unit of 2^-30 of the sum. Moments are
+ * needed modulo 2^32, so 64 bits may wrap. */
 static void record_parts(const smr_reference *r, uint32_t v, uint64_t m, uint32_t *w)
 {
     uint64_t q[3], f[3];
@@ -180,7 +181,7 @@ static void record_parts(const smr_reference *r, uint32_t v, uint64_t m, uint32_
     }
 }
 
-/* The same rounding as a position, mm. */
+/* A position rounded in the same way, mm. */
 static float stepped(float x, float step)
 {
     const float v = smr_clamp(x / step, -1.0e18f, 1.0e18f);
@@ -204,7 +205,7 @@ void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
 {
     smr_reference *r = arg;
     (void)worker;
-    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, r->pace->n_active);
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, r->schedule->n_active);
     for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
         uint32_t *w = r->sums->record + SMR_WORDS * (size_t)v;
         const uint32_t m = (uint32_t)(smr_mass(r->shared, v) * r->shared->mass_unit);
@@ -218,18 +219,18 @@ void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-#define SMR_COARSE_MOST (1 << 15) /* steps between members of a cluster, by step_for() */
+#define SMR_COARSE_MOST (1 << 15) /* most steps between members of a cluster, by step_for() */
 #define SMR_FINE_MOST (1 << 30)
 
-/* a - b steps. Members of a cluster are no farther apart than `most`; what a forged model names may be. */
+/* a - b in steps. Members of a cluster are at most `most` steps apart; a forged model may name others. */
 static int64_t steps_apart(uint32_t a, uint32_t b, int32_t most)
 {
     const int32_t d = smr_signed(a - b);
     return d > most ? most : (d < -most ? -most : d);
 }
 
-/* Adds a part of one vertex to the sums of another's cluster: share / SMR_BOUNDARY_UNITS of its moments about that
- * cluster's vertex, which are small whole numbers. What is left of its mass has a word of its own. */
+/* Adds share / SMR_BOUNDARY_UNITS of one vertex' moments to another's cluster, about that cluster's vertex, where
+ * they are small integers. The remainder of the mass has a word of its own. */
 void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t share)
 {
     uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)to, origin[3], q[3], f[3], there[3], fine[3], first[3];
@@ -253,7 +254,7 @@ void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t sha
     w[14] += (uint32_t)m;
 }
 
-/* Covariance -> inverse inertia tensor, with a defined answer for lines and points. */
+/* The inverse inertia tensor of a covariance, defined for lines and points, too. */
 static void invert_inertia(const float c[6], float out[6])
 {
     const float trace = c[SMR_XX] + c[SMR_YY] + c[SMR_ZZ];
@@ -262,7 +263,7 @@ static void invert_inertia(const float c[6], float out[6])
     smr_pseudo_inverse(inertia, SMR_INERTIA_FLOOR, out);
 }
 
-/* One cluster's spread out of its moments about its own vertex, c. */
+/* The spread of one cluster, from its moments about its own vertex, c. */
 static void spread_of(const smr_reference *r, uint32_t v, const float c[6])
 {
     float *spread = r->spread + 6u * (size_t)v;
@@ -285,7 +286,7 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
         const float *x = smr_at3(r->shape->x_ref, v);
         uint32_t q[3], f[3];
         r->share[v] = w[13] > 0u ? (float)SMR_BOUNDARY_UNITS / (float)w[13] : 0.0f;
-        if (!smr_active(r->pace, v))
+        if (!smr_active(r->schedule, v))
             continue;
         steps_from(r, origin, x, q);
         steps_of(x, r->per_fine, f);

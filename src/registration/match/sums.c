@@ -8,11 +8,11 @@
 
 #define SMR_ENTRY_CHUNK 32u /* entries of a piece of a block; half as many where records are longest */
 
-void smr_sums_wire(smr_sums *s, const smr_shared *shared, const smr_pace *pace, const smr_forces *forces,
+void smr_sums_wire(smr_sums *s, const smr_shared *shared, const smr_schedule *schedule, const smr_forces *forces,
                    const smr_overlay *overlay)
 {
     s->shared = shared;
-    s->pace = pace;
+    s->schedule = schedule;
     s->forces = forces;
     s->record = overlay->record;
     s->sum = overlay->sum;
@@ -21,48 +21,48 @@ void smr_sums_wire(smr_sums *s, const smr_shared *shared, const smr_pace *pace, 
 
 void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1)
 {
-    s->scale[0] = smr_fixed_scale((float)s->pace->lists.largest * largest0);
-    s->scale[1] = smr_fixed_scale((float)s->pace->lists.largest * largest1);
+    s->scale[0] = smr_fixed_scale((float)s->schedule->lists.largest * largest0);
+    s->scale[1] = smr_fixed_scale((float)s->schedule->lists.largest * largest1);
     s->words = words;
 }
 
 uint32_t smr_method_words(const smr_shared *c) { return c->config.basic.method == SMR_METHOD_RIGID ? 6u : 12u; }
 
-/* A block is one task, or several one after the other: task = piece * n_blocks + block, and all blocks' pieces are done
- * before the next ones start. */
+/* Tasks: a block is one task, or several in succession: task = piece * n_blocks + block. The same piece of all
+ * blocks comes before the next one. */
 uint32_t smr_block_tasks(const void *arg)
 {
     const smr_sums *s = arg;
-    return s->pace->lists.n_blocks * smr_max_u32(s->pieces, 1u);
+    return s->schedule->lists.n_blocks * smr_max_u32(s->pieces, 1u);
 }
 
-/* Entries of a piece: fewer where records are longest, those of the reference shape. */
+/* Entries of a piece: fewer for the longest records, those of the reference shape. */
 static uint32_t entries_of(const smr_sums *s) { return s->words > 12u ? SMR_ENTRY_CHUNK / 2u : SMR_ENTRY_CHUNK; }
 
 void smr_block_pieces(void *arg, int cut)
 {
     smr_sums *s = arg;
-    const smr_lists *l = &s->pace->lists;
+    const smr_lists *l = &s->schedule->lists;
     uint32_t largest = 0;
     for (uint32_t i = 0; cut && i < l->n_blocks; i++)
         largest = smr_max_u32(largest, smr_le32(l->block[i + 1u].first) - smr_le32(l->block[i].first));
     s->pieces = l->n_blocks > s->shared->n_tasks ? 1u : smr_max_u32(smr_ceil_div(largest, entries_of(s)), 1u);
 }
 
-uint32_t smr_block_abreast(const void *arg) { return ((const smr_sums *)arg)->pace->lists.n_blocks; }
+uint32_t smr_block_abreast(const void *arg) { return ((const smr_sums *)arg)->schedule->lists.n_blocks; }
 
-uint32_t smr_sums_record_tasks(const void *arg) { return smr_active_tasks(((const smr_sums *)arg)->pace); }
+uint32_t smr_sums_record_tasks(const void *arg) { return smr_active_tasks(((const smr_sums *)arg)->schedule); }
 
-/* What the rigid or the polar method sums, of the displacement u = x + f^e - x^r: m u, and m x^r x u (rigid, 3 words)
- * or m u x^r^T (polar, 9 words). */
+/* Writes records of the displacement u = x + f^e - x^r: m u, and m x^r x u (rigid, 3 words) or m u x^r^T (polar, 9
+ * words). */
 void smr_sums_record(void *arg, uint32_t task, uint32_t worker)
 {
     smr_sums *s = arg;
     (void)worker;
-    for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(s->pace, task); v++) {
+    for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(s->schedule, task); v++) {
         uint32_t *r = s->record + SMR_WORDS * (size_t)v;
         const smr_vec ref = smr_load(smr_at3(s->forces->shape->x_ref, v));
-        const smr_vec u = smr_scale(smr_drive(s->forces, v), smr_mass(s->shared, v));
+        const smr_vec u = smr_scale(smr_match_displacement(s->forces, v), smr_mass(s->shared, v));
         r[0] = smr_fixed(u.x * s->scale[0]);
         r[1] = smr_fixed(u.y * s->scale[0]);
         r[2] = smr_fixed(u.z * s->scale[0]);
@@ -79,7 +79,7 @@ void smr_sums_record(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-/* Four words that are added together: compilers do not always find that out for themselves. */
+/* Four words that are added together: not all compilers vectorise this by themselves. */
 typedef uint32_t lanes __attribute__((vector_size(16)));
 
 static inline lanes load_lanes(const uint32_t *from)
@@ -91,9 +91,9 @@ static inline lanes load_lanes(const uint32_t *from)
 
 static inline void store_lanes(uint32_t *to, lanes l) { memcpy(to, &l, sizeof l); }
 
-/* The loops below are written once for both index widths and three record lengths; `n_lanes` and the index width are
- * constants at every call, so that each becomes a loop of its own with a fixed body. Lists ascend, so the first ignored
- * vertex (`limit` or above) ends one; lists without one, and all at full activity, need not be asked at each index. */
+/* The loops below serve both index widths and three record lengths; `n_lanes` and the index width are constants at
+ * each call, so the compiler makes one loop of each. Lists ascend, so the first inactive vertex (`limit` or above)
+ * ends a list. */
 #define SMR_ADD(operation, vertex)                                                                                     \
     {                                                                                                                  \
         const uint32_t *r = record + SMR_WORDS * (size_t)(vertex);                                                     \
@@ -101,7 +101,7 @@ static inline void store_lanes(uint32_t *to, lanes l) { memcpy(to, &l, sizeof l)
             acc[k] operation load_lanes(r + 4u * k);                                                                   \
     }
 
-/* A piece of a block: entries from..to, whose first index is the index-th of all. Returns the next one. */
+/* A piece of a block: entries from..to; index: its first index. */
 typedef struct piece {
     uint32_t block, from, to, index;
 } piece;
@@ -144,11 +144,11 @@ typedef struct piece {
 SMR_DEFINE_CHAIN(chain16, uint16_t, smr_entry16, smr_le16)
 SMR_DEFINE_CHAIN(chain32, uint32_t, smr_entry32, smr_le32)
 
-/* The chain of one piece. */
+/* Sums along the chain of one piece. Returns the index after the last one. */
 static uint32_t chain(const smr_sums *s, piece p)
 {
-    const smr_lists *l = &s->pace->lists;
-    const uint32_t active = s->pace->n_active, lanes_used = s->words <= 8u ? 2u : (s->words <= 12u ? 3u : 4u);
+    const smr_lists *l = &s->schedule->lists;
+    const uint32_t active = s->schedule->n_active, lanes_used = s->words <= 8u ? 2u : (s->words <= 12u ? 3u : 4u);
     if (l->index_bytes == 2u) {
         if (lanes_used == 2u)
             return chain16(l, p, active, s->record, s->sum, 2u);
@@ -167,7 +167,7 @@ void smr_sums_forest(void *arg, uint32_t task, uint32_t worker)
 {
     smr_sums *s = arg;
     (void)worker;
-    const smr_lists *l = &s->pace->lists;
+    const smr_lists *l = &s->schedule->lists;
     const uint32_t pieces = smr_max_u32(s->pieces, 1u), block = task % l->n_blocks, i = task / l->n_blocks;
     const smr_stored_block *b = &l->block[block];
     const uint32_t length = smr_le32(b[1].first) - smr_le32(b[0].first);
@@ -176,7 +176,7 @@ void smr_sums_forest(void *arg, uint32_t task, uint32_t worker)
         p.from = smr_min_u32(i * entries_of(s), length);
         p.to = smr_min_u32(p.from + entries_of(s), length);
         if (i > 0u)
-            p.index = s->tally[block].sums.index; /* where the piece before ended */
+            p.index = s->tally[block].sums.index; /* where the previous piece ended */
         s->tally[block].sums.index = chain(s, p);
         return;
     }

@@ -1,7 +1,7 @@
-/* enclosed_volume.c: the signed volume within closed triangles, as a sum of cones (Zhang and Chen 2001), and its change
- * when vertices go along their normals, which is a cubic. Cones start from a point amid the structure, so that floats
- * keep their digits; pieces of triangles are summed first, and then the pieces.
- * Bounds: one pass over a structure's triangles; SMR_AMID vertices; SMR_NEWTON steps.
+/* enclosed_volume.c: the signed volume within closed triangles, as a sum of cones (Zhang and Chen 2001), and its
+ * change while vertices move along their normals, which is a cubic. The cones' apex lies within the structure, which
+ * limits rounding errors. Pieces of triangles are summed first, then the pieces.
+ * Bounds: one pass over a structure's triangles; SMR_APEX_VERTICES vertices; SMR_NEWTON steps.
  * SPDX-License-Identifier: MIT */
 #include "registration/shape/enclosed_volume.h"
 
@@ -9,21 +9,22 @@
 #include "geometry/box_tree/triangle.h"
 
 #define SMR_SIXTH (1.0f / 6.0f)
-#define SMR_AMID 64u     /* vertices of which the middle is taken, at most */
-#define SMR_THIN 1.0e-3f /* mm: what is not thicker encloses nothing */
-#define SMR_FLAT 1.0e-6f /* determinant of a covariance, largest entry 1, from which on it says which side is which */
-#define SMR_NEWTON 12u   /* steps; the cubic is nearly straight where they are taken */
+#define SMR_APEX_VERTICES 64u /* most vertices whose mean is the apex */
+#define SMR_THIN 1.0e-3f      /* mm: a thinner structure has no volume */
+/* determinant of a covariance matrix with largest entry 1: below it the orientation is undefined */
+#define SMR_FLAT 1.0e-6f
+#define SMR_NEWTON 12u /* Newton steps; the cubic is nearly linear in its range */
 
-/* A vertex where it is in xyz [n][3]; NULL: at rest. */
+/* The position of a vertex in xyz [n][3]; NULL: at rest. */
 static smr_vec place(const smr_shape *shape, float *xyz, uint32_t v)
 {
     return xyz != NULL ? smr_load(smr_at3(xyz, v)) : smr_rest(shape->shared, v);
 }
 
-smr_vec smr_amid(const smr_shape *shape, uint32_t structure, float *xyz)
+smr_vec smr_cone_apex(const smr_shape *shape, uint32_t structure, float *xyz)
 {
     const smr_shape_structure *one = &shape->structure[structure];
-    const uint32_t n = smr_min_u32(one->n_vertices, SMR_AMID);
+    const uint32_t n = smr_min_u32(one->n_vertices, SMR_APEX_VERTICES);
     smr_vec sum = smr_v(0, 0, 0);
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t at = (uint32_t)((uint64_t)i * one->n_vertices / n);
@@ -42,25 +43,25 @@ smr_enclosed smr_cone(const smr_vec at[3], const smr_vec normal[3])
     return e;
 }
 
-float smr_enclosed_way(const smr_enclosed *e, float volume, float most)
+float smr_enclosed_displacement(const smr_enclosed *e, float volume, float most)
 {
     float t = 0.0f;
     for (uint32_t i = 0; i < SMR_NEWTON; i++) {
         const float slope = e->c[1] + t * (2.0f * e->c[2] + 3.0f * t * e->c[3]);
         if (!(smr_abs(slope) > 1.0e-3f * smr_abs(e->c[1])))
-            return 0.0f; /* no volume nearby, or none at all */
+            return 0.0f; /* no volume nearby, or no volume at all */
         t = smr_clamp(t + (volume - smr_enclosed_at(e, t)) / slope, -most, most);
     }
     return t;
 }
 
-static float cones(const smr_shape *shape, uint32_t from, uint32_t to, smr_vec amid, float *x)
+static float cones(const smr_shape *shape, uint32_t from, uint32_t to, smr_vec apex, float *x)
 {
     float sum = 0.0f;
     for (uint32_t k = from; k < to; k++) {
         const uint32_t *t = shape->shared->triangle + 3u * (size_t)k;
-        const smr_vec a = smr_sub(place(shape, x, t[0]), amid), b = smr_sub(place(shape, x, t[1]), amid);
-        sum += SMR_SIXTH * smr_dot(a, smr_cross(b, smr_sub(place(shape, x, t[2]), amid)));
+        const smr_vec a = smr_sub(place(shape, x, t[0]), apex), b = smr_sub(place(shape, x, t[1]), apex);
+        sum += SMR_SIXTH * smr_dot(a, smr_cross(b, smr_sub(place(shape, x, t[2]), apex)));
     }
     return sum;
 }
@@ -68,18 +69,18 @@ static float cones(const smr_shape *shape, uint32_t from, uint32_t to, smr_vec a
 float smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x)
 {
     const smr_shape_structure *one = &shape->structure[structure];
-    const smr_vec amid = smr_amid(shape, structure, x);
-    const uint32_t first = one->first_triangle, last = first + one->facets.n_triangles;
+    const smr_vec apex = smr_cone_apex(shape, structure, x);
+    const uint32_t first = one->first_triangle, last = first + one->tree.n_triangles;
     float sum = 0.0f;
     for (uint32_t k = first; k < last; k += SMR_TRIANGLE_CHUNK)
-        sum += cones(shape, k, smr_min_u32(k + SMR_TRIANGLE_CHUNK, last), amid, x);
+        sum += cones(shape, k, smr_min_u32(k + SMR_TRIANGLE_CHUNK, last), apex, x);
     return sum;
 }
 
 int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, float *thick_mm)
 {
     const smr_shape_structure *one = &shape->structure[structure];
-    const uint32_t first = one->first_triangle, last = first + one->facets.n_triangles;
+    const uint32_t first = one->first_triangle, last = first + one->tree.n_triangles;
     float area = 0.0f;
     for (uint32_t k = first; k < last; k++) {
         const uint32_t *t = shape->shared->triangle + 3u * (size_t)k;
@@ -88,10 +89,10 @@ int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, floa
     }
     *mm3 = smr_enclosed_of(shape, structure, NULL);
     *thick_mm = area > 0.0f ? smr_abs(*mm3) / area : 0.0f;
-    return *thick_mm > SMR_THIN && smr_mesh_closed(one->facets.triangle, one->facets.n_triangles);
+    return *thick_mm > SMR_THIN && smr_mesh_closed(one->tree.triangle, one->tree.n_triangles);
 }
 
-/* Sums of the whole model's rest shape and start positions. */
+/* The fit from the whole model's rest shape to the start positions. */
 static smr_fit start_fit(const smr_shape *shape)
 {
     smr_fit fit;
@@ -118,7 +119,7 @@ int smr_start_mirrored(const smr_shape *shape)
         most = smr_max(most, smr_abs(m[i]));
     }
     for (uint32_t i = 0; i < 9u; i++)
-        m[i] = most > 0.0f ? m[i] / most : 0.0f; /* so that products stay in range */
+        m[i] = most > 0.0f ? m[i] / most : 0.0f; /* scaled so that products stay in range */
     const smr_vec x = smr_v(m[0], m[1], m[2]), y = smr_v(m[3], m[4], m[5]), z = smr_v(m[6], m[7], m[8]);
     return smr_dot(x, smr_cross(y, z)) < -SMR_FLAT;
 }

@@ -1,4 +1,5 @@
-/* moving_triangles.c: the model's triangles as they move: normals, and box trees for target-to-model attraction.
+/* moving_triangles.c: the model's triangles as they move: normals, and box trees for target-to-model attraction and
+ * contact.
  * Bounds: one pass over the triangles.
  * SPDX-License-Identifier: MIT */
 #include "registration/shape/shape.h"
@@ -22,7 +23,7 @@ void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
     shape->normal_ref = smr_slot_floats(a, shape->normal_ref, 3u * n, SMR_KEPT_UNIT);
     shape->start = smr_slot_floats(a, shape->start, 3u * n, SMR_KEPT_MM);
     shape->on_surface = smr_slot_scratch(a, shape->on_surface, n, 1);
-    shape->facet_normal = smr_slot_scratch(a, shape->facet_normal, shared->n_triangles, 3u * sizeof(float));
+    shape->triangle_normal = smr_slot_scratch(a, shape->triangle_normal, shared->n_triangles, 3u * sizeof(float));
     if (SMR_BIG_ENDIAN)
         shape->own_triangle = smr_slot_scratch(a, shape->own_triangle, shared->n_triangles, 3u * sizeof(uint32_t));
     shape->n_nodes = 0;
@@ -48,55 +49,55 @@ void smr_shape_start(smr_shape *shape)
         one->n_vertices = smr_le32(r->n_vertices);
         one->first_triangle = smr_le32(r->first_triangle);
         one->first_leaf = leaf;
-        smr_tree_shape(&one->facets, smr_le32(r->n_triangles));
-        one->facets.triangle = c->triangle + 3u * (size_t)one->first_triangle;
-        one->facets.normal = shape->facet_normal + 3u * (size_t)one->first_triangle;
-        one->facets.node = shape->node == NULL ? NULL : shape->node + node;
-        leaf += smr_tree_leaves(&one->facets);
-        node += smr_tree_nodes(one->facets.n_triangles);
+        smr_tree_shape(&one->tree, smr_le32(r->n_triangles));
+        one->tree.triangle = c->triangle + 3u * (size_t)one->first_triangle;
+        one->tree.normal = shape->triangle_normal + 3u * (size_t)one->first_triangle;
+        one->tree.node = shape->node == NULL ? NULL : shape->node + node;
+        leaf += smr_tree_leaves(&one->tree);
+        node += smr_tree_nodes(one->tree.n_triangles);
     }
     memset(shape->on_surface, 0, c->n);
     for (size_t i = 0; i < 3u * (size_t)c->n_triangles; i++)
         shape->on_surface[c->triangle[i]] = 1;
 }
 
-uint32_t smr_facets_tasks(const void *arg)
+uint32_t smr_triangles_tasks(const void *arg)
 {
     const smr_shape *shape = arg;
     const smr_shape_structure *last = &shape->structure[shape->shared->n_structures - 1u];
-    return smr_ceil_div(last->first_leaf + smr_tree_leaves(&last->facets), SMR_LEAVES);
+    return smr_ceil_div(last->first_leaf + smr_tree_leaves(&last->tree), SMR_LEAVES);
 }
 
-void smr_facets_refit(void *arg, uint32_t task, uint32_t worker)
+void smr_triangles_refit(void *arg, uint32_t task, uint32_t worker)
 {
     const smr_shape *shape = arg;
     (void)worker;
     const uint32_t from = task * SMR_LEAVES, to = from + SMR_LEAVES;
     for (uint32_t i = 0; i < shape->shared->n_structures; i++) {
         const smr_shape_structure *one = &shape->structure[i];
-        const uint32_t first = one->first_leaf, last = first + smr_tree_leaves(&one->facets);
+        const uint32_t first = one->first_leaf, last = first + smr_tree_leaves(&one->tree);
         if (last > from && first < to)
-            smr_tree_refit_leaves(&one->facets, smr_max_u32(first, from) - first, smr_min_u32(last, to) - first);
+            smr_tree_refit_leaves(&one->tree, smr_max_u32(first, from) - first, smr_min_u32(last, to) - first);
     }
 }
 
-void smr_facets_end(smr_shape *shape)
+void smr_triangles_end(smr_shape *shape)
 {
     for (uint32_t i = 0; i < shape->shared->n_structures; i++)
-        if (shape->structure[i].facets.node != NULL) /* without a target, too: one may come before the next iteration */
-            smr_tree_refit_upper(&shape->structure[i].facets);
+        if (shape->structure[i].tree.node != NULL) /* without a target, too: one may come before the next iteration */
+            smr_tree_refit_upper(&shape->structure[i].tree);
 }
 
-void smr_facets_follow(smr_shape *shape, const float *xyz)
+void smr_triangles_follow(smr_shape *shape, const float *xyz)
 {
     for (uint32_t i = 0; i < shape->shared->n_structures; i++)
-        shape->structure[i].facets.xyz = xyz;
+        shape->structure[i].tree.xyz = xyz;
 }
 
-void smr_facets_now(smr_shape *shape)
+void smr_triangles_now(smr_shape *shape)
 {
-    smr_facets_follow(shape, shape->x);
+    smr_triangles_follow(shape, shape->x);
     for (uint32_t i = 0; i < shape->shared->n_structures; i++)
-        smr_tree_refit_leaves(&shape->structure[i].facets, 0, smr_tree_leaves(&shape->structure[i].facets));
-    smr_facets_end(shape);
+        smr_tree_refit_leaves(&shape->structure[i].tree, 0, smr_tree_leaves(&shape->structure[i].tree));
+    smr_triangles_end(shape);
 }

@@ -24,43 +24,43 @@
 
 #include "registration/shape/state.h"
 
-/* What a task leaves for the end of its step; reduced in task order. */
+/* Results that a task leaves for the end of its step; reduced in task order. */
 typedef union smr_tally {
     struct {
-        float sum, sum2, max; /* of residuals, mm */
-        float largest[2];     /* of the two kinds of quantities that will be summed */
-        uint32_t n_forces, n_rejected, n_drawn;
+        float sum, sum2, max; /* of the residuals, mm */
+        float largest[2];     /* largest values of the two kinds of summed quantities */
+        uint32_t n_forces, n_rejected, n_with_target;
     } forces;
     struct {
-        float deviation2; /* largest, of x^r from the rest shape in its pose, mm^2 */
+        float deviation2; /* largest squared distance of x^r from the rest shape in its pose, mm^2 */
     } reference;
     struct {
-        uint32_t index; /* of the next piece of this block */
+        uint32_t index; /* first index of the block's next piece */
     } sums;
     struct {
-        float largest[2]; /* entry of R - I, and of t in mm */
+        float largest[2]; /* largest entry of R - I, and of t in mm */
     } match;
     struct {
-        float moved2; /* largest displacement, mm^2 */
-        float moved;  /* sum of displacements, mm, where the configuration asks for it */
+        float moved2; /* largest squared displacement, mm^2 */
+        float moved;  /* sum of displacements, mm, where the configuration needs it */
         uint64_t hash;
     } evolve;
     struct {
-        uint32_t n_bent; /* hinges that fold, or whose corners must be held back */
-        uint32_t n_open; /* hinges that are folded and were open at rest */
+        uint32_t n_bent; /* dihedral edges that fold or must be limited */
+        uint32_t n_open; /* dihedral edges that are folded but were open at rest */
     } folds;
 } smr_tally;
 
 /* Sums over the mesh neighbours of each vertex, in the memory of the records. */
 typedef struct smr_rings {
-    float *sum;          /* [n][3] */
-    float *weight;       /* [n] of that sum */
-    float *displacement; /* [n][3] tangent evening: from the rest shape in its pose, mm */
-    float *asked;        /* [n] fold limit: the largest share that a hinge asks of the vertex; over displacement */
+    float *sum;          /* [n][3] sum over the mesh neighbours */
+    float *weight;       /* [n] weight of the sum */
+    float *displacement; /* [n][3] tangential smoothing: displacement from the rest shape in its pose, mm */
+    float *requested;    /* [n] fold limit: largest share that an edge requests of the vertex; over displacement */
 } smr_rings;
 
-/* Adds to the rings of a triangle's corners what the two others have: value [n][3]. Neighbours count once for each
- * triangle between. */
+/* Adds value [n][3] of a triangle's corners to the sums of the other two. A neighbour counts once for each shared
+ * triangle. */
 static inline void smr_ring_add(const smr_rings *rings, const uint32_t *t, const float *value)
 {
     float *const sum = rings->sum, *const weight = rings->weight;
@@ -75,22 +75,22 @@ static inline void smr_ring_add(const smr_rings *rings, const uint32_t *t, const
     weight[t[2]] += 2.0f;
 }
 
-/* How pulls of points spread over the mesh, in the memory of the records behind the rings. */
+/* Pulls of a cloud while they are smoothed over the mesh, in the memory of the records behind the rings. */
 typedef struct smr_spread {
-    float *pull;  /* [n][4] sum, mm, and weight */
-    float *next;  /* [n][4] of the neighbours, in a round under way */
-    float *count; /* [n] of neighbours */
+    float *pull;  /* [n][4] sum of the pulls, mm, and weight */
+    float *next;  /* [n][4] sum over the neighbours in the current round */
+    float *count; /* [n] number of neighbours */
 } smr_spread;
 
 typedef struct smr_overlay {
-    uint32_t *record; /* [n][SMR_WORDS] */
-    uint32_t *sum;    /* [n][SMR_WORDS], and at least n_sum words */
+    uint32_t *record; /* [n][SMR_WORDS] records */
+    uint32_t *sum;    /* [n][SMR_WORDS] sums, at least n_sum words */
     smr_rings rings;
     smr_spread spread;
-    smr_tally *tally; /* [n_tallies] */
+    smr_tally *tally; /* [n_tallies] results of tasks */
 } smr_overlay;
 
-/* n_sum: words that `sum` has at least. */
+/* Places the memory. n_sum: fewest words of `sum`. */
 static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, uint32_t words, size_t n_sum,
                                       uint32_t n_tallies)
 {
@@ -103,7 +103,7 @@ static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, 
     o->rings.sum = (float *)o->record;
     o->rings.weight = o->rings.sum + 3u * (size_t)n;
     o->rings.displacement = o->rings.weight + n;
-    o->rings.asked = o->rings.displacement;
+    o->rings.requested = o->rings.displacement;
     o->spread.pull = o->rings.displacement + 3u * (size_t)n;
     o->spread.next = o->spread.pull + 4u * (size_t)n;
     o->spread.count = o->spread.next + 4u * (size_t)n;
@@ -111,7 +111,7 @@ static inline void smr_overlay_layout(smr_arena *a, smr_overlay *o, uint32_t n, 
 
 /* A vertex' next normal, from evolve until the iteration stands: it lies in words of its sum that averaging does not
  * use. sum: smr_overlay.sum. */
-#define SMR_NEXT_NORMAL 12u /* first word */
+#define SMR_NEXT_NORMAL 12u /* first word of the next normal */
 
 static inline smr_vec smr_next_normal(const uint32_t *sum, uint32_t v)
 {

@@ -1,5 +1,6 @@
-/* rest_pose.c: the similarity that lays the rest shape onto the present positions best, when a registration or its last
- * radius starts. Tangent evening and fold repair count displacements from there, and it bounds the clusters' reach.
+/* rest_pose.c: the similarity that maps the rest shape onto the present positions, fitted when a registration or its
+ * last radius starts. Tangential smoothing and fold repair use displacements from it, and it bounds the clusters'
+ * size.
  * Bounds: one pass over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/shape/shape.h"

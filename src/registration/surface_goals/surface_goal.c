@@ -5,18 +5,18 @@
 #include "geometry/box_tree/triangle.h"
 #include "registration/surface_goals/surface_goal.h"
 
-/* Surfaces themselves are the caller's (setup/waiting.c). The list of distinct ones follows from them, and which there
- * are when an iteration begins. */
+/* Saves the state of targets. Surfaces belong to the caller and are set again; the list of distinct ones follows
+ * from them. */
 static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *shared)
 {
     smr_keep_floats(a, &g->limit, 1, 0.0f, FLT_MAX);
-    smr_keep_words(a, &g->n_clouds_begun, 1, shared->n_structures);
-    smr_keep_words(a, &g->n_points_begun, 1, UINT32_MAX);
+    smr_keep_words(a, &g->n_clouds_at_begin, 1, shared->n_structures);
+    smr_keep_words(a, &g->n_points_at_begin, 1, UINT32_MAX);
     g->partial = 0;
     for (uint32_t i = 0; smr_keeps(a) && i < shared->n_structures; i++) {
         smr_target none = {0}, *t = g->target == NULL ? &none : &g->target[i];
         smr_keep_words(a, &t->partial, 1, shared->config.partial.coverage != SMR_COVERAGE_WHOLE);
-        smr_keep_words(a, &t->n_seen, 1, shared->n);
+        smr_keep_words(a, &t->n_visible, 1, shared->n);
         smr_keep_words(a, &t->n_judged, 1, shared->n);
         smr_keep_words(a, &t->measured, 1, 1);
         if (shared->config.track.mode != SMR_TRACK_OFF)
@@ -31,25 +31,26 @@ void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shar
     const uint32_t m = smr_target_slots(shared);
     g->target = smr_slot_scratch(a, g->target, shared->n_structures, sizeof *g->target);
     g->goal = smr_slot_scratch(a, g->goal, shared->n_structures, sizeof *g->goal);
-    g->warm = smr_slot_indexes(a, g->warm, n, SMR_TRIANGLES_MAX); /* a search checks it against its surface */
+    g->warm = smr_slot_indexes(a, g->warm, n, SMR_TRIANGLES_MAX); /* each search checks the index against its surface */
     g->warm_next = smr_slot_scratch(a, g->warm_next, n, sizeof(uint32_t));
     keep_targets(a, g, shared);
     if (shared->config.partial.coverage != SMR_COVERAGE_WHOLE) {
-        g->seen = smr_slot_bytes(a, g->seen, n, SMR_SEEN_ONE);
-        g->seen_next = smr_slot_scratch(a, g->seen_next, n, 1);
+        g->visibility = smr_slot_bytes(a, g->visibility, n, SMR_VISIBLE_ONE);
+        g->visibility_next = smr_slot_scratch(a, g->visibility_next, n, 1);
     }
     if (m == 0u)
         return;
     g->then = smr_slot_scratch(a, g->then, shared->n_structures, sizeof *g->then);
     g->target_warm = smr_slot_indexes(a, g->target_warm, m, SMR_TRIANGLES_MAX);
-    g->pull = smr_slot_scratch(a, g->pull, shared->config.basic.n_workers * n, 4u * sizeof(int64_t)); /* 0 in between */
+    /* all 0 between iterations */
+    g->pull = smr_slot_scratch(a, g->pull, shared->config.basic.n_workers * n, 4u * sizeof(int64_t));
 }
 
-void smr_surface_goals_wire(smr_surface_goals *g, const smr_shared *shared, const smr_pace *pace,
+void smr_surface_goals_wire(smr_surface_goals *g, const smr_shared *shared, const smr_schedule *schedule,
                             const smr_shape *shape)
 {
     g->shared = shared;
-    g->pace = pace;
+    g->schedule = schedule;
     g->shape = shape;
     memset(g->target, 0, shared->n_structures * sizeof *g->target);
     if (g->then != NULL)
@@ -66,9 +67,9 @@ void smr_pulls_clear(smr_surface_goals *g)
 void smr_surface_goals_reset(smr_surface_goals *g)
 {
     smr_pulls_clear(g);
-    if (g->seen != NULL) {
-        memset(g->seen, 0, g->shared->n);
-        memset(g->seen_next, 0, g->shared->n);
+    if (g->visibility != NULL) {
+        memset(g->visibility, 0, g->shared->n);
+        memset(g->visibility_next, 0, g->shared->n);
     }
     for (uint32_t i = 0; i < g->shared->n_structures; i++)
         g->target[i].view = smr_v(0, 0, 0);
@@ -78,12 +79,12 @@ void smr_surface_goals_reset(smr_surface_goals *g)
         g->target_warm[j] = SMR_NONE;
 }
 
-void smr_surface_goals_stand(smr_surface_goals *g)
+void smr_surface_goals_commit(smr_surface_goals *g)
 {
-    memcpy(g->warm, g->warm_next, g->pace->n_active * sizeof *g->warm);
+    memcpy(g->warm, g->warm_next, g->schedule->n_active * sizeof *g->warm);
 }
 
-int smr_targets_stand(const smr_surface_goals *g)
+int smr_targets_valid(const smr_surface_goals *g)
 {
     for (uint32_t i = 0; i < g->shared->n_structures; i++) {
         const smr_target *t = &g->target[i];
@@ -94,11 +95,11 @@ int smr_targets_stand(const smr_surface_goals *g)
     return 1;
 }
 
-/* The way from vertex v to its closest point on the target. Returns 0 when no point is acceptable. */
+/* The displacement of vertex v to its closest point on the target. Returns 0 when no point is acceptable. */
 static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_surface_find *find)
 {
     const smr_config *c = &g->shared->config;
-    /* relative to the target's origin */
+    /* mm from the target's origin */
     const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), smr_sub(g->shape->origin, target->origin));
     g->warm_next[v] = g->warm[v];
     find->hit.triangle = SMR_NONE;
@@ -106,8 +107,8 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
         return 0;
     smr_query q = {p, smr_load(smr_at3(g->shape->normal, v)), g->shared->min_cos, c->forces.node_budget, g->warm[v]};
     if (smr_dot(q.normal, q.normal) < 0.5f)
-        q.min_cos = -2.0f; /* no triangles around this vertex: any normal will do */
-    smr_hit hit = {g->pace->search_mm * g->pace->search_mm, SMR_NONE, {0, 0, 0}};
+        q.min_cos = -2.0f; /* a vertex without triangles has no normal: any normal agrees */
+    smr_hit hit = {g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
     smr_surface_search(target, &q, &hit);
     if (hit.triangle == SMR_NONE)
         return 0;
@@ -117,18 +118,18 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     if (g->limit > 0.0f && hit.d2 > g->limit * g->limit)
         return 0;
     find->hit = hit;
-    find->way = smr_sub(smr_facet_point(&target->facets, hit.triangle, hit.weight), p);
-    return !smr_outside_box(c, smr_add(smr_add(p, find->way), target->origin));
+    find->displacement = smr_sub(smr_triangle_point(&target->tree, hit.triangle, hit.weight), p);
+    return !smr_outside_box(c, smr_add(smr_add(p, find->displacement), target->origin));
 }
 
-/* Where goals jump from one place of the target to another, they jump along the surface. Vertices without triangles have
- * no surface. */
-smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec way)
+/* Where goals jump from one place of the target to another, they jump along the surface. Vertices without triangles
+ * have no surface. */
+smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displacement)
 {
-    const smr_vec n = smr_load(smr_at3(g->shape->normal, v)), along_normal = smr_scale(n, smr_dot(n, way));
+    const smr_vec n = smr_load(smr_at3(g->shape->normal, v)), along_normal = smr_scale(n, smr_dot(n, displacement));
     if (smr_dot(n, n) < 0.5f)
-        return way;
-    return smr_add(along_normal, smr_scale(smr_sub(way, along_normal), g->shared->config.basic.slide));
+        return displacement;
+    return smr_add(along_normal, smr_scale(smr_sub(displacement, along_normal), g->shared->config.basic.slide));
 }
 
 static smr_vec blend(const smr_surface_goals *g, int has_goal, smr_vec goal, float weight, smr_vec pull)
@@ -137,19 +138,20 @@ static smr_vec blend(const smr_surface_goals *g, int has_goal, smr_vec goal, flo
     return smr_add(smr_scale(goal, 1.0f - share), smr_scale(pull, share));
 }
 
-int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *way, smr_surface_find *find)
+int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *displacement,
+                     smr_surface_find *find)
 {
     smr_vec pull = smr_v(0, 0, 0);
     const int has_goal = project(g, v, target, find);
     float weight = smr_attraction_on(g) ? smr_pull_take(g, v, &pull) : 0.0f;
-    if (!has_goal && g->shared->config.forces.use_box) /* outside the box nothing pulls either */
+    if (!has_goal && g->shared->config.forces.use_box) /* outside the box there are no pulls either */
         weight = 0.0f;
-    const smr_vec goal = has_goal ? find->way : smr_v(0, 0, 0);
-    *way = smr_off_surface(g, v, blend(g, has_goal, goal, weight, pull));
+    const smr_vec goal = has_goal ? find->displacement : smr_v(0, 0, 0);
+    *displacement = smr_off_surface(g, v, blend(g, has_goal, goal, weight, pull));
     return has_goal || weight > 0.0f;
 }
 
-/* The way from vertex v to a triangle of its target. */
+/* The displacement of vertex v to the closest point of one target triangle. */
 static smr_vec to_triangle(const smr_surface_goals *g, uint32_t v, const smr_surface *target, uint32_t triangle)
 {
     const uint32_t *const c = target->triangle + 3u * (size_t)triangle;
@@ -157,7 +159,7 @@ static smr_vec to_triangle(const smr_surface_goals *g, uint32_t v, const smr_sur
     float w[3];
     (void)smr_triangle_closest(p, smr_load(smr_at3(target->xyz, c[0])), smr_load(smr_at3(target->xyz, c[1])),
                                smr_load(smr_at3(target->xyz, c[2])), w);
-    return smr_sub(smr_facet_point(&target->facets, triangle, w), p);
+    return smr_sub(smr_triangle_point(&target->tree, triangle, w), p);
 }
 
 smr_vec smr_surface_goal_again(const smr_surface_goals *g, uint32_t v)
@@ -167,7 +169,7 @@ smr_vec smr_surface_goal_again(const smr_surface_goals *g, uint32_t v)
     int64_t sum[4] = {0, 0, 0, 0};
     if (target == NULL || smr_is_cloud(target))
         return goal;
-    const int has_goal = g->warm[v] < target->facets.n_triangles;
+    const int has_goal = g->warm[v] < target->tree.n_triangles;
     if (has_goal)
         goal = to_triangle(g, v, target, g->warm[v]);
     if (smr_attraction_on(g))

@@ -8,9 +8,9 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/surface_goals/surface_goal.h"
 
-#define SMR_AREA_MAX 16.0f /* mean areas: a larger target triangle pulls no harder */
+#define SMR_AREA_MAX 16.0f /* largest weight of a target triangle, in mean areas */
 
-/* Length of the mean normal of what a cloud shows, from which on it begins to say which side that is, and says it. */
+/* Length of a cloud's mean normal: below NONE it does not restrict the search, above FULL it does fully. */
 #define SMR_VIEW_NONE 0.2f
 #define SMR_VIEW_FULL 0.4f
 
@@ -30,13 +30,13 @@ uint32_t smr_attract_tasks(const void *arg)
     return smr_attraction_on(g) ? g->n_tasks : 0u;
 }
 
-/* After a jump a point without a normal may be nearer to the far side. While what has jumped is laid out again it pulls
- * no place that faces away from what the cloud showed before. */
+/* After a jump: restricts the search of a point without a normal to the side of the model that the cloud showed
+ * before. */
 static void face_view(const smr_surface_goals *g, uint32_t structure, smr_query *q)
 {
     const smr_vec view = g->target[structure].view;
     const float length = smr_length(view);
-    const int known = g->pace->tracking && g->pace->recovering == 1u && length > SMR_VIEW_NONE;
+    const int known = g->schedule->tracking && g->schedule->recovering == 1u && length > SMR_VIEW_NONE;
     q->min_cos = -2.0f;
     if (!known)
         return;
@@ -44,19 +44,19 @@ static void face_view(const smr_surface_goals *g, uint32_t structure, smr_query 
     q->normal = smr_scale(view, 1.0f / length);
 }
 
-/* The closest acceptable model point over the structures that share this surface. Returns its structure or SMR_NONE. */
+/* The closest acceptable model point over all structures that share this target. Returns its structure or SMR_NONE. */
 static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface *surface, smr_query *q, uint32_t warm,
                                   smr_hit *hit, smr_near_list *near)
 {
     const int bare = q->min_cos < -1.5f && smr_is_cloud(surface);
     smr_near_list list;
     uint32_t found = SMR_NONE;
-    /* the structure of the last time first: its distance spares the others most of their search */
+    /* the structure found last comes first: its distance shortens the search of the others */
     for (uint32_t round = 0; round < 2u; round++) {
         for (uint32_t i = 0; i < g->shared->n_structures; i++) {
             const smr_shape_structure *one = &g->shape->structure[i];
             const uint32_t local = warm - one->first_triangle;
-            const int is_warm = warm != SMR_NONE && local < one->facets.n_triangles;
+            const int is_warm = warm != SMR_NONE && local < one->tree.n_triangles;
             if (g->target[i].surface != surface || is_warm != (round == 0u))
                 continue;
             if (bare)
@@ -64,7 +64,7 @@ static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface 
             q->warm = is_warm ? local : SMR_NONE;
             smr_hit h = *hit;
             h.triangle = SMR_NONE;
-            smr_tree_near(&one->facets, q, &h, &list);
+            smr_tree_near(&one->tree, q, &h, &list);
             if (h.triangle != SMR_NONE && (h.d2 < hit->d2 || found == SMR_NONE || i < found)) {
                 *hit = h;
                 *near = list;
@@ -75,15 +75,15 @@ static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface 
     return found;
 }
 
-/* The target vertex at y pulls the corners of a triangle. noise: mm, within which it does not. */
+/* Adds the pull of a target vertex at y to the corners of a triangle. noise: mm, shorter distances do not pull. */
 static void add_pull(const smr_shape_structure *one, smr_vec y, const smr_near *near, float area, float noise,
                      int64_t *pull)
 {
-    smr_vec r = smr_sub(y, smr_facet_point(&one->facets, near->triangle, near->weight));
+    smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, near->triangle, near->weight));
     if (noise > 0.0f)
         r = smr_scale(r, smr_positive(1.0f - noise / smr_max(smr_length(r), noise)));
     for (uint32_t c = 0; c < 3u; c++) {
-        int64_t *to = pull + 4u * (size_t)one->facets.triangle[3u * (size_t)near->triangle + c];
+        int64_t *to = pull + 4u * (size_t)one->tree.triangle[3u * (size_t)near->triangle + c];
         const float w = area * near->share * near->weight[c] * SMR_PULL_SCALE;
         to[0] += (int64_t)(w * r.x);
         to[1] += (int64_t)(w * r.y);
@@ -92,13 +92,13 @@ static void add_pull(const smr_shape_structure *one, smr_vec y, const smr_near *
     }
 }
 
-/* One target vertex: finds the model point it belongs to and adds its pull. */
+/* Finds the model point closest to one target vertex and adds its pull. */
 static void pull_one(const smr_surface_goals *g, const smr_surface *surface, uint32_t j, uint32_t *warm, int64_t *pull)
 {
     const smr_vec y = smr_add(smr_load(surface->xyz + 3u * (size_t)j), smr_sub(surface->origin, g->shape->origin));
     smr_query q = {y, smr_load(surface->normal + 3u * (size_t)j), g->shared->min_cos,
                    g->shared->config.forces.node_budget, SMR_NONE};
-    smr_hit hit = {g->pace->search_mm * g->pace->search_mm, SMR_NONE, {0, 0, 0}};
+    smr_hit hit = {g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f;
     if (smr_is_cloud(surface) && !(surface->area[j] > 0.0f))
@@ -109,7 +109,7 @@ static void pull_one(const smr_surface_goals *g, const smr_surface *surface, uin
         return;
     const smr_shape_structure *one = &g->shape->structure[found];
     *warm = one->first_triangle + hit.triangle;
-    const smr_vec r = smr_sub(y, smr_facet_point(&one->facets, hit.triangle, hit.weight));
+    const smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, hit.triangle, hit.weight));
     if (g->limit > 0.0f && smr_dot(r, r) > g->limit * g->limit)
         return;
     const float area = surface->area_mean > 0.0f ? smr_min(surface->area[j] / surface->area_mean, SMR_AREA_MAX) : 1.0f;

@@ -1,5 +1,5 @@
-/* iteration.c: one registration iteration, as the paper lists it at the end of section 2.3. The table is the method;
- * the functions above it hand what one stage found on to the next. Only the last step makes new positions current.
+/* iteration.c: one registration iteration, in the order of the paper's section 2.3. The table lists the steps; the
+ * functions above it pass results of one stage to the next. Only the last step makes new positions current.
  * SPDX-License-Identifier: MIT */
 #include "registration/tick/iteration.h"
 
@@ -11,26 +11,27 @@ static void forces_end(smr *s)
     const smr_force_totals *t = &s->forces.totals;
     smr_forces_end(&s->forces);
     smr_sums_expect(&s->sums, smr_method_words(&s->shared), t->largest[0], t->largest[1]);
-    s->report.details.n_taken = s->pace.n_active;
-    s->report.details.n_active = t->n_drawn;
+    s->report.details.n_taken = s->schedule.n_active;
+    s->report.details.n_active = t->n_with_target;
     s->report.n_forces = t->n_forces;
     s->report.details.n_rejected = t->n_rejected;
-    const int attracts = smr_attraction_on(&s->forces.surface) && s->pace.repairing == 0u; /* repairs have no forces */
+    /* no forces act while folds are repaired */
+    const int attracts = smr_attraction_on(&s->forces.surface) && s->schedule.repairing == 0u;
     s->report.details.attraction_used = attracts ? s->shared.config.basic.attraction : 0.0f;
     s->report.details.matched_share = s->forces.matched;
     s->report.residual_mean_mm = t->n_forces > 0u ? t->mean : -1.0f;
     s->report.details.residual_rms_mm = t->n_forces > 0u ? t->rms : -1.0f;
     s->report.details.residual_max_mm = t->n_forces > 0u ? t->max : -1.0f;
-    if (smr_tracks(&s->pace))
-        smr_tracking_look(s);
+    if (smr_tracks(&s->schedule))
+        smr_tracking_find_jump(s);
     if (smr_visibility_on(&s->forces.surface))
-        smr_overlap_look(&s->forces.surface);
+        smr_visibility_note_view(&s->forces.surface);
 }
 
-static void held_end(smr *s)
+static void track_rest_end(smr *s)
 {
     if (SMR_HAS_HELD)
-        smr_held_sum_end(&s->shape);
+        smr_track_rest_sum_end(&s->shape);
 }
 
 static void match_end(smr *s)
@@ -42,32 +43,33 @@ static void match_end(smr *s)
 static void measure_end(smr *s)
 {
     smr_evolve_measure_end(&s->evolve);
-    s->evolve.normals_due = s->shared.config.motion.normals == SMR_NORMALS_EXACT || s->pace.tracking || smr_moves(s) ||
-                            smr_plastic_ahead(s);
+    s->evolve.normals_due = s->shared.config.motion.normals == SMR_NORMALS_EXACT || s->schedule.tracking ||
+                            smr_moves(s) || smr_plastic_ahead(s);
 }
 
 static void rest_pose_end(smr *s) { smr_rest_pose_end(&s->shape); }
 static void reference_begin(smr *s) { smr_reference_begin(&s->reference); }
 static void reference_end(smr *s) { smr_reference_end(&s->reference); }
-static void evolve_end(smr *s) { smr_facets_follow(&s->shape, s->shape.x_next); }
-static void facets_end(smr *s) { smr_facets_end(&s->shape); }
+static void evolve_end(smr *s) { smr_triangles_follow(&s->shape, s->shape.x_next); }
+static void triangles_end(smr *s) { smr_triangles_end(&s->shape); }
 static void find_end(smr *s) { smr_fold_find_end(&s->folds); }
 static void folds_moved(smr *s) { smr_folds_moved(&s->folds); }
 
-/* Facets once more, where folds moved anything. */
-static uint32_t facets_again(const void *arg)
+/* Updates the triangles once more where fold steps moved vertices. */
+static uint32_t triangles_again(const void *arg)
 {
     const smr *s = arg;
-    return s->folds.moved ? smr_facets_tasks(&s->shape) : 0u;
+    return s->folds.moved ? smr_triangles_tasks(&s->shape) : 0u;
 }
 
 void smr_refit_again(void *arg, uint32_t task, uint32_t worker)
 {
     smr *s = arg;
-    smr_facets_refit(&s->shape, task, worker);
+    smr_triangles_refit(&s->shape, task, worker);
 }
 
-/* A step of a part: its tasks may run in any order, or one after the other, or are chains along the order L in pieces. */
+/* A step of a part: its tasks may run in any order, or one after the other, or are chains along the order L in
+ * pieces. */
 #define SMR_IN(part, function) (SMR_HAS_##part ? (function) : NULL)
 #define SMR_STEP(part, phase, work, member, n_tasks, run, end)                                                         \
     {                                                                                                                  \
@@ -86,21 +88,21 @@ void smr_refit_again(void *arg, uint32_t task, uint32_t worker)
     }
 
 /* clang-format off */
-const smr_step smr_steps[] = { /* `magic`, the first member, stands for the whole registration */
+const smr_step smr_steps[] = { /* `magic`, the first member, gives the offset of the whole registration */
     /* in dynamics: where this sweep starts */
     SMR_STEP(DYNAMICS, FORCES, TASKS, magic, smr_sweep_tasks, smr_sweep_begin, NULL),
-    /* compute external forces f^e: what sources of goals ask for first, then the goals in the order of priority */
+    /* compute external forces f^e: first the steps of the sources of goals, then the search in the order of priority */
     SMR_STEP(CALLER, FORCES, TASKS, forces.caller, smr_caller_tasks, smr_caller_step, NULL),
     SMR_STEP(PLAIN, FORCES, TASKS, forces.surface, smr_attract_tasks, smr_attract_search, NULL),
     SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, forces.points, smr_point_spread_tasks, smr_point_spread_run, NULL),
-    SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, forces.unseen, smr_unseen_field_tasks, smr_unseen_field_solve, NULL),
+    SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, forces.occluded, smr_occluded_field_tasks, smr_occluded_field_solve, NULL),
     SMR_CHAIN_STEP(IMAGE, FORCES, TASKS, forces.image, smr_fill_tasks, smr_fill_sum, smr_fill_pieces, smr_fill_abreast),
     SMR_STEP(PLAIN, FORCES, ACTIVE, forces, smr_forces_tasks, smr_forces_search, NULL),
-    /* smoothing on the surface; who takes part is known now: what keeps structures apart, then the forces */
+    /* smoothing; contact, now that the number of active vertices is final; then the forces */
     SMR_SERIAL_STEP(CONTACT, FORCES, TASKS, forces.smooth, smr_smooth_tasks, smr_smooth_sum, NULL),
     SMR_STEP(CONTACT, FORCES, ACTIVE, forces, smr_contact_tasks, smr_contact_search, NULL),
     SMR_STEP(PLAIN, FORCES, TASKS, forces, smr_forces_take_tasks, smr_forces_take, forces_end),
-    /* what x^r and they imply, when either is new: cluster centres, masses and spreads */
+    /* when x^r or the active vertices are new: centres, masses and spreads of the clusters */
     SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, shape, smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end),
     SMR_STEP(PLAIN, SUMS, TASKS, reference, smr_reference_tasks, smr_reference_reach, reference_begin),
     SMR_STEP(PLAIN, SUMS, ACTIVE, reference, smr_reference_record_tasks, smr_reference_record, NULL),
@@ -118,29 +120,29 @@ const smr_step smr_steps[] = { /* `magic`, the first member, stands for the whol
     SMR_CHAIN_STEP(PLAIN, AVERAGE, LISTS, sums, smr_block_tasks, smr_sums_forest, smr_block_pieces, smr_block_abreast),
     SMR_SERIAL_STEP(PLAIN, AVERAGE, TASKS, sums, smr_boundary_tasks, smr_boundary_sums, NULL),
     /* evolve positions, x = x~, evened out along the surface; in dynamics: where the sweep ends */
-    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve.evening, smr_evening_tasks, smr_evening_clear, NULL),
-    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, evolve.evening, smr_evening_ring_tasks, smr_evening_rings, NULL),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve.tangent_smooth, smr_tangent_tasks, smr_tangent_clear, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, evolve.tangent_smooth, smr_tangent_sum_tasks, smr_tangent_sum, NULL),
     SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_step, evolve_end),
     SMR_STEP(DYNAMICS, EVOLVE, TASKS, magic, smr_sweep_tasks, smr_sweep_end, NULL),
     /* volumes, and positions kept out of what they touch */
-    SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, volumes, smr_volume_tasks, smr_volume_lead, NULL),
-    SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, forces.contact, smr_contact_settle_tasks, smr_contact_settle, NULL),
-    SMR_STEP(PLAIN, EVOLVE, TASKS, shape, smr_facets_tasks, smr_facets_refit, facets_end),
-    /* find folds; repair, limit and open them */
+    SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, volumes, smr_volume_tasks, smr_volume_correct, NULL),
+    SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, forces.contact, smr_contact_project_tasks, smr_contact_project, NULL),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, shape, smr_triangles_tasks, smr_triangles_refit, triangles_end),
+    /* search for folds; repair, limit and open them */
     SMR_STEP(PLAIN, EVOLVE, TASKS, folds, smr_fold_find_tasks, smr_fold_find, find_end),
     SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_repair_tasks, smr_fold_repair_pass, folds_moved),
     SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_limit_tasks, smr_fold_limit_pass, folds_moved),
     SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_open_tasks, smr_fold_open_pass, folds_moved),
-    SMR_STEP(PLAIN, EVOLVE, FOLDS, magic, facets_again, smr_refit_again, facets_end),
+    SMR_STEP(PLAIN, EVOLVE, FOLDS, magic, triangles_again, smr_refit_again, triangles_end),
     /* where structures have gone, for x^r to follow while targets are tracked, and in dynamics */
-    SMR_SERIAL_STEP(HELD, EVOLVE, TASKS, shape, smr_held_sum_tasks, smr_held_sum, held_end),
-    /* what has moved; normals; then everything becomes current at once, and x^r = x where it follows (plasticity) */
+    SMR_SERIAL_STEP(HELD, EVOLVE, TASKS, shape, smr_track_rest_sum_tasks, smr_track_rest_sum, track_rest_end),
+    /* displacements; normals; then all results become current at once, and x^r = x where plasticity applies */
     SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_measure, measure_end),
     SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_tasks, smr_exact_normals_clear, NULL),
-    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_facet_tasks, smr_exact_normals_facets, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_sum_tasks, smr_exact_normals_sum, NULL),
     SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_tasks, smr_exact_normals_unit, NULL),
     SMR_SERIAL_STEP(DYNAMICS, EVOLVE, TASKS, magic, smr_step_energy_tasks, smr_step_energy, NULL),
-    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, magic, smr_stand_tasks, smr_stand, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, magic, smr_commit_tasks, smr_commit, NULL),
 };
 /* clang-format on */
 
@@ -148,7 +150,7 @@ const smr_step smr_steps[] = { /* `magic`, the first member, stands for the whol
 _Static_assert(sizeof smr_steps / sizeof smr_steps[0] <= SMR_STEPS_MAX, "the time budget's table is too short");
 const uint32_t smr_n_steps = SMR_STEPS;
 
-/* The iteration under way still looks at targets: what follows the forces has its own copies of them. */
+/* Returns 1 while the current iteration still reads targets: later steps use copies. */
 int smr_forces_pending(const smr *s)
 {
     for (uint32_t i = s->step; i < SMR_STEPS; i++)
@@ -162,9 +164,9 @@ int smr_seeks_forces(const smr_step *step) { return step->run == smr_forces_sear
 uint32_t smr_forces_evaluated(const smr *s)
 {
     if (smr_seeks_forces(&smr_steps[s->step]))
-        return smr_min_u32(s->next_task * smr_force_chunk(&s->forces), s->pace.n_active);
+        return smr_min_u32(s->next_task * smr_force_chunk(&s->forces), s->schedule.n_active);
     const smr_task run = smr_steps[s->step].run;
     const int found =
         !smr_forces_pending(s) || run == smr_forces_take || (SMR_HAS_CONTACT && run == smr_contact_search);
-    return s->step > 0u && found ? s->pace.n_active : 0u;
+    return s->step > 0u && found ? s->schedule.n_active : 0u;
 }

@@ -1,4 +1,4 @@
-/* iteration.h: the steps of an iteration, in their order.
+/* iteration.h: the steps of an iteration in their order.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_ITERATION_H
 #define SMR_ITERATION_H
@@ -6,16 +6,16 @@
 #include "options/dynamics/dynamics.h"
 #include "options/track/track.h"
 
-/* What a step's time is in proportion to: its number of tasks, active vertices, what the chain along the order L reads,
- * or nothing that is known beforehand. */
+/* What a step's time is proportional to: its tasks, active vertices, entries of the order L, or nothing known
+ * beforehand. */
 enum { SMR_WORK_TASKS = 0, SMR_WORK_ACTIVE, SMR_WORK_LISTS, SMR_WORK_FOLDS };
 
-/* How a step's tasks follow each other: in any order, or one after the other in their order. */
+/* Whether a step's tasks run in any order or one after the other. */
 enum { SMR_ANY_ORDER = 0, SMR_SERIAL };
 
-/* n_tasks tasks (0: the step is skipped), then one serial end. The functions but `end` get the stage's own struct,
- * which lies `stage` bytes from the registration's start. Where tasks are pieces of something that is one task
- * without a budget, `abreast` pieces are independent and the next so many need them. */
+/* A step: n_tasks tasks (0: skipped), then one serial call of `end`. All functions but `end` get the stage's own
+ * struct, which lies `stage` bytes from the registration's start. Where tasks are pieces of a larger task, `abreast`
+ * of them are independent, and the next ones need their results. */
 typedef struct smr_step {
     uint16_t part;        /* SMR_PART_...: the step is in iterations that have one of them */
     uint16_t phase;       /* SMR_PHASE_... */
@@ -24,7 +24,8 @@ typedef struct smr_step {
     uint32_t (*n_tasks)(const void *stage);
     smr_task run;
     void (*end)(smr *s);
-    void (*pieces)(void *stage, int cut); /* before the first task: whether to cut. NULL: never */
+    /* called before the first task: whether to cut into pieces. NULL: never cut */
+    void (*pieces)(void *stage, int cut);
     uint32_t (*abreast)(const void *stage);
 } smr_step;
 
@@ -41,19 +42,19 @@ static inline int smr_step_on(const smr *s, const smr_step *step) { return (step
 
 static inline void *smr_stage_of(smr *s, const smr_step *step) { return (char *)s + step->stage; }
 
-/* A step may have more tasks when those so far are done. */
+/* The number of the step's tasks, which may grow while they run. */
 static inline uint32_t smr_step_tasks(smr *s, const smr_step *step)
 {
     return smr_step_on(s, step) ? step->n_tasks(smr_stage_of(s, step)) : 0u;
 }
 
-/* The facets' step where folds moved anything; the stage is the registration itself. */
+/* Step: updates the triangles where fold steps moved vertices. The stage is the registration itself. */
 void smr_refit_again(void *s, uint32_t task, uint32_t worker);
 
-int smr_forces_pending(const smr *s);       /* 1 until the iteration under way has its forces */
-int smr_seeks_forces(const smr_step *step); /* 1: the step that looks for the ways to the goals */
+int smr_forces_pending(const smr *s);       /* 1: the forces of the current iteration are not yet complete */
+int smr_seeks_forces(const smr_step *step); /* 1: the step that searches for goals */
 
-/* Vertices whose forces were looked for so far in the iteration under way. */
+/* Vertices whose goals were searched for so far in the current iteration. */
 uint32_t smr_forces_evaluated(const smr *s);
 
 #endif

@@ -5,8 +5,8 @@
 
 #include "registration/registration.h"
 
-void smr_schedule_start(smr *s);                   /* at the first radius, from the present positions */
-void smr_schedule_begin(smr *s);                   /* before an iteration: active vertices, search distances, shares */
-void smr_schedule_next(smr *s);                    /* after an iteration: x^r = x, the next radius, the end */
+void smr_schedule_start(smr *s); /* starts at the first radius, from the present positions */
+void smr_schedule_begin(smr *s); /* called before an iteration: active vertices, search distances, shares */
+void smr_schedule_next(smr *s);  /* called after an iteration: plasticity, the next radius, or the end */
 
 #endif

@@ -1,6 +1,5 @@
-/* tick.c: runs the steps of an iteration (iteration.c) and keeps the time. A step is a number of independent tasks
- * and a serial end; the clock is read between groups of tasks, and a tick that runs out of time resumes at the task
- * where it stopped.
+/* tick.c: runs the steps of an iteration and watches the time. A step has independent tasks and a serial end. The
+ * clock is read between groups of tasks; a tick that runs out of time resumes at the next task.
  * Bounds: those of the steps.
  * SPDX-License-Identifier: MIT */
 #include "registration/radius.h"
@@ -9,22 +8,22 @@
 
 static uint64_t now(const smr *s) { return s->port.now_ns == NULL ? 0u : s->port.now_ns(s->port.ctx); }
 
-/* `count` tasks of one step from `first` on, as a loop over bundles that counts from 0. Where no clock is watched
- * tasks are bundled: handing out one takes its time, too. */
+/* A loop over `count` tasks of one step from `first` on, in bundles of tasks. Without a budget bundles save the time
+ * of handing out single tasks. */
 typedef struct part_of_step {
     void *stage;
     smr_task run;
     uint32_t first, count, bundle;
     uint32_t n_workers;
-    uint32_t refused; /* 1: some worker was none of n_workers. Any thread sets it, atomically */
+    uint32_t refused; /* 1: a worker's number was not below n_workers. Any thread sets it, atomically */
 } part_of_step;
 
-#define SMR_BUNDLES 64u /* of a step, about */
+#define SMR_BUNDLES 64u /* bundles of a step, about */
 
 static void run_bundle(void *arg, uint32_t bundle, uint32_t worker)
 {
     part_of_step *p = arg;
-    if (worker >= p->n_workers) { /* another worker's memory may be in use, and there is none beyond */
+    if (worker >= p->n_workers) { /* the worker has no memory of its own */
         __atomic_store_n(&p->refused, 1u, __ATOMIC_RELAXED);
         return;
     }
@@ -43,16 +42,16 @@ static void run_part(smr *s, const smr_step *step, uint32_t count, int timed)
     s->refused |= __atomic_load_n(&part.refused, __ATOMIC_RELAXED);
 }
 
-/* A tick's time. */
+/* The time of one tick, ns. */
 typedef struct watch {
-    uint64_t deadline; /* of this tick; 0: none */
-    uint64_t budget;   /* ns; 0: none */
-    uint64_t last;     /* reading */
-    int begun;         /* the first group runs whatever the clock says: a tick always gets on */
+    uint64_t deadline; /* end of this tick; 0: no budget */
+    uint64_t budget;   /* the tick's budget; 0: none */
+    uint64_t last;     /* last reading of the clock */
+    int begun;         /* 0: the first group of tasks runs even without time left, so that each tick makes progress */
 } watch;
 
-/* Reads the clock; returns 1 when the time is over, or will be after so many ns more. A clock that runs backwards
- * ends the tick, too. */
+/* Reads the clock. Returns 1 when the budget is used up, or will be in `ahead` ns. A clock that runs backwards also
+ * ends the tick. */
 static int over(smr *s, watch *w, uint64_t ahead)
 {
     const uint64_t time = now(s);
@@ -64,31 +63,31 @@ static int over(smr *s, watch *w, uint64_t ahead)
     return back || time >= w->deadline || ahead > w->deadline - time;
 }
 
-/* 1 when the vertices from the next task on must be ignored, so that the iteration ends in time. */
+/* Returns 1 when vertices from the next task on must be left out for the iteration to end in time. */
 static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
 {
     const uint64_t left = w->deadline > w->last ? w->deadline - w->last : 0u;
     if (!smr_seeks_forces(step) || w->deadline == 0u || !smr_budget_reached(s, left, group))
         return 0;
-    s->pace.n_active = s->next_task * smr_force_chunk(&s->forces);
+    s->schedule.n_active = s->next_task * smr_force_chunk(&s->forces);
     s->reference.stale = s->budget.cut = 1;
     return 1;
 }
 
-/* Runs the current step of n tasks, one at least. SMR_PARTIAL: the deadline passed before its last task. SMR_E_STATE:
- * tasks were not run. */
+/* Runs the current step of n >= 1 tasks. SMR_PARTIAL: the budget ended before the last task. SMR_E_STATE: a task was
+ * refused. */
 static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
 {
     const uint32_t group = step->order != SMR_ANY_ORDER ? 1u : (w->deadline == 0u ? n : smr_budget_group(s, n));
     const uint64_t ahead = w->deadline == 0u ? 0u : smr_min_u64(smr_budget_ahead(s, n, group), w->budget / 4u);
-    for (; s->next_task < n; n = smr_step_tasks(s, step)) { /* what folds asks for more as it goes */
+    for (; s->next_task < n; n = smr_step_tasks(s, step)) { /* fold steps get more tasks as they run */
         if (w->deadline != 0u && w->begun && over(s, w, ahead))
             return SMR_PARTIAL;
         w->begun = 1;
         if (cut(s, step, w, group))
             break;
         uint32_t count = smr_min_u32(group, n - s->next_task);
-        if (step->abreast != NULL) { /* the next pieces need the ones before */
+        if (step->abreast != NULL) { /* the next pieces need the results of these */
             const uint32_t abreast = step->abreast(smr_stage_of(s, step));
             count = smr_min_u32(count, abreast - s->next_task % abreast);
         }
@@ -102,29 +101,28 @@ static smr_status run_step(smr *s, const smr_step *step, uint32_t n, watch *w)
     return SMR_OK;
 }
 
-/* before: iterations that were complete when the tick began. One that it completed has told its radius
- * (iteration_end.c). */
+/* before: complete iterations when the tick began. An iteration that this tick completed has already set its radius. */
 static void fill_report(smr *s, uint32_t before, uint64_t *phase_ns)
 {
     smr_tick_report *r = &s->report;
-    if (s->pace.iteration == before) {
-        r->details.radius = s->pace.radius;
-        r->details.radius_iteration = s->pace.radius_iteration;
+    if (s->schedule.iteration == before) {
+        r->details.radius = s->schedule.radius;
+        r->details.radius_iteration = s->schedule.radius_iteration;
     }
-    r->iteration = s->pace.iteration;
+    r->iteration = s->schedule.iteration;
     r->details.phase = s->step == 0u ? 0u : smr_steps[s->step].phase;
     r->details.n_guarded = s->folds.n_guarded;
-    r->details.plastic_updates = s->pace.plastic_updates;
-    r->converged = s->pace.converged;
-    r->done = s->pace.done;
-    r->details.tracking = s->pace.tracking;
-    r->details.settled = s->pace.settled && !s->pace.called;
-    r->details.jumped = s->pace.jumped;
+    r->details.plastic_updates = s->schedule.plastic_updates;
+    r->converged = s->schedule.converged;
+    r->done = s->schedule.done;
+    r->details.tracking = s->schedule.tracking;
+    r->details.settled = s->schedule.settled && !s->schedule.changed;
+    r->details.jumped = s->schedule.jumped;
     r->progress = smr_radius_progress(s);
     memcpy(r->details.phase_ns, phase_ns, sizeof r->details.phase_ns);
 }
 
-/* The report as the caller gets it. The log keeps what the iteration itself found, whatever was set since. */
+/* The report for the caller. The log keeps the values of the iteration, whatever was set since. */
 static smr_tick_report report_of(const smr *s)
 {
     smr_tick_report r = s->report;
@@ -138,14 +136,14 @@ static smr_tick_report report_of(const smr *s)
 
 static uint64_t later(uint64_t time, uint64_t ns) { return ns > UINT64_MAX - time ? UINT64_MAX : time + ns; }
 
-/* What comes before an iteration, and the time of this tick. */
+/* Prepares an iteration and the time of this tick. */
 static watch begin(smr *s, uint64_t budget_ns)
 {
     watch w = {0, 0, now(s), 0};
     const int timed = budget_ns != 0u && s->port.now_ns != NULL;
     if (s->step > 0u || s->next_task > 0u) {
         smr_budget_resume(s);
-    } else if (!smr_idle(&s->pace)) {
+    } else if (!smr_idle(&s->schedule)) {
         smr_schedule_begin(s);
         smr_budget_plan(s, timed ? budget_ns : UINT64_MAX);
     }
@@ -156,11 +154,11 @@ static watch begin(smr *s, uint64_t budget_ns)
     return w;
 }
 
-/* Steps until the iteration is complete, the time is over or a task was refused. */
+/* Runs steps until the iteration is complete, the budget is used up or a task is refused. */
 static smr_status run_iteration(smr *s, watch *w, uint64_t *phase_ns)
 {
     smr_status status = SMR_OK;
-    for (; !smr_idle(&s->pace) && s->step < smr_n_steps; s->step++) {
+    for (; !smr_idle(&s->schedule) && s->step < smr_n_steps; s->step++) {
         const smr_step *step = &smr_steps[s->step];
         if (!smr_step_on(s, step))
             continue;
@@ -183,11 +181,11 @@ static smr_status run_iteration(smr *s, watch *w, uint64_t *phase_ns)
     return SMR_OK;
 }
 
-/* What the caller's force gave in the iteration that is complete now. */
-static void tell_gave(smr *s)
+/* Logs the checksum of the output of the caller's force in the completed iteration. */
+static void log_force_output(smr *s)
 {
     smr_caller_goals *g = &s->forces.caller;
-    g->told = g->summed ? g->sum : 0u;
+    g->reported_sum = g->summed ? g->sum : 0u;
     if (g->summed)
         smr_log_note(&s->log, SMR_LOG_FORCE, 2, &g->sum, 0);
     g->summed = 0;
@@ -198,9 +196,9 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
     uint64_t phase_ns[SMR_PHASES] = {0};
     if (s == NULL)
         return SMR_E_NULL;
-    if (!smr_ready(s) || s->refused || s->forces.caller.broken || !smr_inputs_stand(&s->forces))
+    if (!smr_ready(s) || s->refused || s->forces.caller.broken || !smr_inputs_valid(&s->forces))
         return SMR_E_STATE;
-    const uint32_t before = s->pace.iteration;
+    const uint32_t before = s->schedule.iteration;
     s->ticking = 1;
     watch w = begin(s, budget_ns);
     const smr_status status = run_iteration(s, &w, phase_ns);
@@ -209,7 +207,7 @@ smr_status smr_tick(smr *s, uint64_t budget_ns, smr_tick_report *report)
         return status;
     fill_report(s, before, phase_ns);
     if (status == SMR_OK)
-        tell_gave(s);
+        log_force_output(s);
     const smr_log_of_tick tick = {&s->report, status == SMR_OK,
                                   status == SMR_OK ? s->report.details.n_taken : smr_forces_evaluated(s)};
     smr_log_note(&s->log, SMR_LOG_TICK, 0, &tick, 0);

@@ -1,29 +1,30 @@
-/* time_budget.c: fits an iteration into a budget. From the port's clock it learns what each step costs: so many
- * nanoseconds a unit of its work. While forces are looked for, in the order of priority, it keeps in reserve what the
- * rest of the iteration will take with the vertices reached so far; when the time left comes down to that, the
- * vertices not reached are ignored in this iteration (paper 2.2, complexity tuning). Everything that depends on how
- * many take part is computed after the forces, so a cut iteration has the bits of one that was given that number from
- * the start. If even the minimum set exceeds the budget, the iteration spans several ticks and skips nothing. So it
- * does where the schedule closes: what is left out there is never found.
+/* time_budget.c: fits an iteration into a time budget. Each step's cost, in ns a unit of work, is learnt from the
+ * port's clock. The search for goals runs in the order of priority and keeps in reserve the predicted cost of the
+ * remaining steps. When the remaining time falls to the reserve, the remaining vertices are left out of this
+ * iteration (paper 2.2, complexity tuning). All later steps depend only on the number of active vertices, so a cut
+ * iteration has the same bits as one with that number set. If even the minimum set exceeds the budget, the iteration
+ * spans several ticks and skips nothing. The same holds at the end of the schedule, where omissions could not be
+ * made up.
  * Bounds: SMR_STEPS_MAX, for each group of forces.
  * SPDX-License-Identifier: MIT */
 #include "registration/tick/iteration.h"
 
 #define SMR_UNKNOWN (-1.0f)
-#define SMR_FOREVER 1.0e18f  /* ns: cost not known */
-#define SMR_RISE 0.5f        /* weight of a sample above the rate */
-#define SMR_FALL 0.125f      /* weight of a sample below it: the rate stays near the upper end of what is usual */
-#define SMR_OUTLIER 0.0625f  /* share of an iteration: a sample counts as at most so much above the rate */
+#define SMR_FOREVER 1.0e18f /* ns: stands for an unknown cost */
+#define SMR_RISE 0.5f       /* weight of a sample above the rate */
+#define SMR_FALL 0.125f /* weight of a sample below the rate, which therefore stays near the upper end of usual costs */
+#define SMR_OUTLIER 0.0625f  /* largest excess of a sample over the rate, over an iteration's time */
 #define SMR_MARGIN_MIN 1.03f /* smallest factor on the reserve */
 #define SMR_MARGIN_MAX 1.5f
-#define SMR_LATE 0.0625f          /* added to the margin by an iteration that did not end in its tick */
-#define SMR_IN_TIME 0.001f        /* taken off by one that did: about one in sixty is late */
-#define SMR_STRETCH_NS 100000000u /* ns between two readings: what exceeds it and the budget is a jump of the clock */
-#define SMR_FORK_NS 50000.0f      /* ns of work that is worth one parallel loop */
-#define SMR_FORK_TASKS 64.0f      /* most tasks for each worker in one parallel loop */
-#define SMR_LOOK 16u              /* vertices between two looks at the reserve, at least */
-#define SMR_CLOSING 3u            /* 1 / share of the last radius in which vertices may be left out */
-#define SMR_FIRST 0.75f           /* share of the budget kept in reserve while costs are not known */
+#define SMR_LATE 0.0625f   /* added to the factor when an iteration did not end in its tick */
+#define SMR_IN_TIME 0.001f /* subtracted from the factor when it did: about one in sixty is late */
+/* ns: a longer time between two readings, which also exceeds the budget, is a jump of the clock */
+#define SMR_STRETCH_NS 100000000u
+#define SMR_FORK_NS 50000.0f /* ns of work that justify one parallel loop */
+#define SMR_FORK_TASKS 64.0f /* most tasks for each worker in one parallel loop */
+#define SMR_LOOK 16u         /* fewest vertices between two checks of the reserve */
+#define SMR_CLOSING 3u       /* 1 / share of the last radius in which vertices may be left out */
+#define SMR_FIRST 0.75f      /* share of the budget that is kept in reserve while costs are unknown */
 
 void smr_budget_start(smr *s)
 {
@@ -33,24 +34,24 @@ void smr_budget_start(smr *s)
         s->budget.rate[i] = SMR_UNKNOWN;
 }
 
-/* Entries and indexes of the chain along the order L. With fewer active vertices it reads fewer, but how many fewer is
- * not known beforehand. */
+/* Entries and indexes of the order L. Fewer active vertices need fewer of them, but how many is not known
+ * beforehand. */
 static float lists_units(const smr *s)
 {
-    return (float)s->shared.n + (float)smr_le32(s->pace.lists.block[s->pace.lists.n_blocks].first_index);
+    return (float)s->shared.n + (float)smr_le32(s->schedule.lists.block[s->schedule.lists.n_blocks].first_index);
 }
 
 static float units_of(smr *s, const smr_step *step, uint32_t n_tasks)
 {
     if (step->work == SMR_WORK_ACTIVE)
-        return (float)s->pace.n_active;
+        return (float)s->schedule.n_active;
     if (step->work == SMR_WORK_FOLDS)
         return smr_fold_find_tasks(&s->folds) > 0u ? 1.0f : 0.0f;
     return step->work == SMR_WORK_LISTS ? lists_units(s) : (float)n_tasks;
 }
 
-/* The rate after one more sample. A sample counts as at most twice the rate, or as SMR_OUTLIER of an iteration above it
- * where that is more: something else may have run in between. */
+/* The rate after one more sample. A sample is limited to twice the rate, or to SMR_OUTLIER of an iteration above it
+ * if that is more, since other processes may have run in between. */
 static float blend(const smr_time_budget *c, float rate, float sample, float units)
 {
     if (rate < 0.0f)
@@ -79,10 +80,10 @@ void smr_budget_learn(smr *s, uint32_t n_tasks)
         return;
     c->rate[s->step] = blend(c, c->rate[s->step], spent / units, units);
     if (step->work == SMR_WORK_LISTS)
-        c->count = s->pace.n_active;
+        c->count = s->schedule.n_active;
 }
 
-/* ns a task of a step that was never met: those of the most expensive known step. */
+/* Cost of a task of an unknown step, ns: that of the most expensive known step. */
 static float dearest(const smr_time_budget *c)
 {
     float rate = SMR_UNKNOWN;
@@ -92,15 +93,15 @@ static float dearest(const smr_time_budget *c)
     return rate;
 }
 
-/* ns that the steps from `first` on will take with `count` active vertices; SMR_FOREVER when that is not known. */
+/* Cost of the steps from `first` on with `count` active vertices, ns; SMR_FOREVER when unknown. */
 static float cost_of(smr *s, uint32_t first, uint32_t count)
 {
     const smr_time_budget *c = &s->budget;
-    const uint32_t active = s->pace.n_active, stale = s->reference.stale;
+    const uint32_t active = s->schedule.n_active, stale = s->reference.stale;
     const float unknown = dearest(c);
     const float more = c->count > 0u && count > c->count ? (float)count / (float)c->count : 1.0f;
     float sum = 0.0f;
-    s->pace.n_active = count;
+    s->schedule.n_active = count;
     s->reference.stale = stale || count != active;
     for (uint32_t i = first; i < smr_n_steps; i++) {
         const smr_step *step = &smr_steps[i];
@@ -117,16 +118,17 @@ static float cost_of(smr *s, uint32_t first, uint32_t count)
             sum = SMR_FOREVER;
         sum += rate * units * (step->work == SMR_WORK_LISTS ? more : 1.0f);
     }
-    s->pace.n_active = active;
+    s->schedule.n_active = active;
     s->reference.stale = stale;
     return smr_min(smr_max(sum, 0.0f) * c->margin, SMR_FOREVER);
 }
 
-/* Fewest active vertices that this radius allows. */
+/* The fewest active vertices that this radius allows. */
 static uint32_t fewest(const smr *s)
 {
-    return s->pace.n_pinned > 0u ? s->pace.n_active
-                                 : smr_min_u32(smr_max_u32(s->pace.lists.active_min, 1u), s->pace.n_active);
+    return s->schedule.n_active_chosen > 0u
+               ? s->schedule.n_active
+               : smr_min_u32(smr_max_u32(s->schedule.lists.active_min, 1u), s->schedule.n_active);
 }
 
 void smr_budget_plan(smr *s, uint64_t budget_ns)
@@ -136,8 +138,8 @@ void smr_budget_plan(smr *s, uint64_t budget_ns)
     s->budget.sum = 0.0f;
     s->budget.odd = s->budget.late = s->budget.look = 0;
     s->budget.budget = budget_ns;
-    const int closing = smr_at_last_radius(&s->shared, &s->pace) &&
-                        SMR_CLOSING * s->pace.radius_iteration >= s->shared.config.basic.iterations_last;
+    const int closing = smr_at_last_radius(&s->shared, &s->schedule) &&
+                        SMR_CLOSING * s->schedule.radius_iteration >= s->shared.config.basic.iterations_last;
     s->budget.uncut = cost < SMR_FOREVER && (closing || cost > (float)budget_ns);
 }
 
@@ -169,10 +171,10 @@ void smr_budget_done(smr *s)
     smr_time_budget *c = &s->budget;
     const float whole = c->whole > 0.0f ? smr_min(c->sum, 2.0f * c->whole) : c->sum;
     c->whole += (c->whole > 0.0f ? SMR_FALL : 1.0f) * (whole - c->whole);
-    for (uint32_t i = 0; i < smr_n_steps && c->repairing && s->pace.repairing == 0u; i++)
+    for (uint32_t i = 0; i < smr_n_steps && c->repairing && s->schedule.repairing == 0u; i++)
         if (smr_steps[i].work == SMR_WORK_FOLDS)
-            c->rate[i] = SMR_UNKNOWN; /* repairs cost more than what comes after them */
-    c->repairing = s->pace.repairing > 0u;
+            c->rate[i] = SMR_UNKNOWN; /* repairs cost more than later iterations */
+    c->repairing = s->schedule.repairing > 0u;
     c->margin = smr_clamp(c->margin + (c->late ? SMR_LATE : -SMR_IN_TIME), SMR_MARGIN_MIN, SMR_MARGIN_MAX);
 }
 
@@ -180,14 +182,14 @@ int smr_budget_reached(smr *s, uint64_t left_ns, uint32_t group)
 {
     const uint32_t chunk = smr_force_chunk(&s->forces), reached = s->next_task * chunk,
                    more = smr_max_u32(group * chunk, SMR_LOOK);
-    if (s->pace.n_pinned > 0u || reached < fewest(s))
+    if (s->schedule.n_active_chosen > 0u || reached < fewest(s))
         return 0;
-    if (s->pace.repairing > 0u)
-        return 1; /* no forces act now */
+    if (s->schedule.repairing > 0u)
+        return 1; /* no forces act in this iteration */
     if (s->budget.uncut || reached < s->budget.look)
         return 0;
     s->budget.look = reached + more;
-    const uint32_t next = smr_min_u32(reached + more, s->pace.n_active);
+    const uint32_t next = smr_min_u32(reached + more, s->schedule.n_active);
     const float force = smr_max(s->budget.rate[s->step], 0.0f) * (float)(next - reached);
     const float rest = cost_of(s, s->step + 1u, next);
     return force + (rest < SMR_FOREVER ? rest : SMR_FIRST * (float)s->budget.budget) > (float)left_ns;

@@ -1,17 +1,17 @@
-/* align_choose.c: lists of poses become shorter and better ones.
+/* align_choose.c: shortens and improves lists of poses.
  * SPDX-License-Identifier: MIT */
 #include "start/align/align_choose.h"
 
 #include "start/align/align_pose.h"
 #include "start/align/align_refine.h"
 
-#define SMR_ALIKE_COS 0.95f  /* poses nearer than this become one: 18 degrees, */
-#define SMR_ALIKE_SHIFT 0.1f /* of the target's spread, */
-#define SMR_CHEAPER 0.98f    /* of poses that are alike the first one stays, unless another costs less than this part */
-#define SMR_ALIKE_SCALE 1.04f /* and this factor */
+#define SMR_ALIKE_COS 0.95f   /* poses within this angle (18 degrees) count as one pose, if also */
+#define SMR_ALIKE_SHIFT 0.1f  /* within this distance, over the target's spread, */
+#define SMR_CHEAPER 0.98f     /* of two similar poses the later one wins only if it costs less than this share */
+#define SMR_ALIKE_SCALE 1.04f /* and within this ratio of scales */
 
-/* How far two poses lie apart, mm: where the model's centre comes to lie, or what comes to lie at the target's centre,
- * whichever differs less. About a part that fits, the centre of the whole moves with the scale. */
+/* Distance between two poses, mm: between the images of the model's centre, or between the points that map to the
+ * target's centre, whichever is smaller. */
 static float shift_between(const smr_aligner *a, const smr_pose *p, const smr_pose *q)
 {
     const smr_vec model = a->side[SMR_MODEL].centre, target = a->side[SMR_TARGET].centre;
@@ -30,8 +30,7 @@ int smr_pose_differs(const smr_aligner *a, const smr_pose *p, const smr_pose *q,
     return trace < 1.0f + 2.0f * cosine || shift_between(a, p, q) > shift * a->side[SMR_TARGET].spread;
 }
 
-/* Inserts a pose, or lets it take the place of one that is alike and costs clearly more: where both end at
- * the same, rounding is not to decide. */
+/* Inserts a pose, or replaces a similar one that costs clearly more, so that rounding does not decide. */
 static void insert_or_replace(const smr_aligner *a, const smr_pose *pose, float cost, smr_pose_list *into)
 {
     for (uint32_t i = 0; i < into->n; i++) {

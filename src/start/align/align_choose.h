@@ -1,4 +1,4 @@
-/* align_choose.h: refines what the coarse search found and chooses among it.
+/* align_choose.h: refines the poses of the coarse search and selects among them.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_ALIGN_CHOOSE_H
 #define SMR_ALIGN_CHOOSE_H
@@ -6,12 +6,12 @@
 #include "start/align/align_list.h"
 #include "start/align/align_pairs.h"
 
-/* 1 when two poses are clearly different: more than cosine `cosine` of turn, or the share `shift` of the target's
- * spread apart. */
+/* Returns 1 when two poses differ by more than cosine `cosine` of rotation, or by more than `shift` of the target's
+ * spread. */
 int smr_pose_differs(const smr_aligner *a, const smr_pose *p, const smr_pose *q, float cosine, float shift);
 
-/* Refines the poses of `from` for so many rounds, how: SMR_REFINE_..., and puts them into `into`; those that end alike
- * become one, and those that fail are left out. */
+/* Refines the poses of `from` for `rounds` rounds (how: SMR_REFINE_...) into `into`. Poses that become similar are
+ * merged, failed ones are left out. */
 void smr_align_refine_list(smr_aligner *a, const smr_pose_list *from, uint32_t samples, uint32_t rounds, uint32_t how,
                            smr_pose_list *into);
 

@@ -1,15 +1,15 @@
-/* align_coarse.c: what a pose costs among a few samples of both surfaces.
- * Method: the squared distance of a pair counts in full across the target's surface and less along it, for samples do
- * not lie opposite each other; normals that differ add to it. Without normals it counts in full. Each sample has its
- * best partner.
+/* align_coarse.c: the cost of a pose between samples of both surfaces. The squared distance of a pair has full
+ * weight across the target's surface and less weight along it, since samples are not opposite each other; differing
+ * normals add to it. Without normals it has full weight. Each sample takes its best partner.
  * Bounds: SMR_COARSE squared pairs.
  * SPDX-License-Identifier: MIT */
 #include "start/align/align_coarse.h"
 
 #include "start/align/align_pose.h"
 
-#define SMR_ALONG 0.3f         /* weight of the squared distance along the surface */
-#define SMR_COARSE_LIMIT 0.15f /* limit, of the smaller spread: a little more than the distance of samples */
+#define SMR_ALONG 0.3f /* weight of the squared distance along the surface */
+/* limit of distances over the smaller spread: a little more than the spacing of samples */
+#define SMR_COARSE_LIMIT 0.15f
 
 void smr_coarse_take(smr_coarse *c, const smr_aligner *a)
 {
@@ -38,8 +38,8 @@ smr_vec smr_coarse_point(const smr_coarse *c, uint32_t side, uint32_t i, const s
     return side == SMR_MODEL ? smr_pose_turn(pose, p) : p;
 }
 
-/* Pairs one of the model's samples, moved: position and normal, with all of the target's. best[]: the least cost of
- * each target sample so far. Returns the model sample's. Lanes, so that compilers vectorise it. */
+/* Pairs one moved sample of the model with all samples of the target. best[]: smallest cost of each target sample so
+ * far. Returns the model sample's cost. Written in lanes for vectorisation. */
 static float pair_with_all(const smr_coarse *c, const float p[6], float best[SMR_COARSE])
 {
     const float(*t)[SMR_COARSE] = c->x[SMR_TARGET];

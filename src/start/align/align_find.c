@@ -1,8 +1,8 @@
-/* align_find.c: from all poses to a few good ones.
- * Method: coarse searches at scale 1, at a smaller and a larger one and, where the spreads differ, at their ratio,
- * which is right for wholes; short refinements of what they find and of the pose as given, longer ones of the best.
- * Bounds: 4 coarse searches, at most 48 refinements of SMR_ROUNDS_SHORT rounds, 4 of SMR_ROUNDS.
- * The mirror image: 1 search, 8 refinements of SMR_ROUNDS_SHORT rounds, 1 of SMR_ROUNDS.
+/* align_find.c: reduces all poses to a few good ones. Method: coarse searches at scale 1, at a smaller and a larger
+ * scale and, where the spreads differ, at their ratio, which is right for whole surfaces; short refinements of the
+ * results and of the given pose, longer ones of the best.
+ * Bounds: 4 coarse searches, at most 48 refinements of SMR_ROUNDS_SHORT rounds, 4 of SMR_ROUNDS. Mirror image: 1
+ * search, 8 refinements of SMR_ROUNDS_SHORT rounds, 1 of SMR_ROUNDS.
  * SPDX-License-Identifier: MIT */
 #include "start/align/align_find.h"
 
@@ -13,11 +13,11 @@
 #define SMR_ROUNDS_SHORT 6u
 #define SMR_ROUNDS 16u
 #define SMR_FINALISTS 4u
-#define SMR_OF_SCALE 8u     /* poses kept of a search at another scale, and of the mirror image's */
-#define SMR_LARGER 1.136f   /* the other scales are this and its inverse: a part does not show which one is right */
-#define SMR_SAME_SIZE 0.03f /* spreads that differ by less need no search of their own */
+#define SMR_OF_SCALE 8u     /* poses kept from a search at another scale, and from the search for the mirror image */
+#define SMR_LARGER 1.136f   /* ratio of the other scales, and its inverse: a part does not determine the scale */
+#define SMR_SAME_SIZE 0.03f /* spreads that differ by less than this share need no search of their own */
 
-/* Adds what a search at a scale finds to w->shorter. how: SMR_REFINE_... */
+/* Adds the poses that a search at this scale finds to w->shorter. how: SMR_REFINE_... */
 static void try_scale(smr_align_work *w, float scale, uint32_t how)
 {
     smr_list_start(&w->found, SMR_OF_SCALE);

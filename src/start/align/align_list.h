@@ -1,4 +1,4 @@
-/* align_list.h: a short list of poses, the cheapest first.
+/* align_list.h: a short list of poses, sorted by cost.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_ALIGN_LIST_H
 #define SMR_ALIGN_LIST_H
@@ -10,7 +10,7 @@
 typedef struct smr_pose_list {
     smr_pose pose[SMR_LIST_MOST];
     float cost[SMR_LIST_MOST];
-    uint32_t n, most; /* poses, and most that are kept, at most SMR_LIST_MOST */
+    uint32_t n, most; /* number of poses; most poses that are kept, at most SMR_LIST_MOST */
 } smr_pose_list;
 
 static inline void smr_list_start(smr_pose_list *l, uint32_t most)
@@ -19,7 +19,7 @@ static inline void smr_list_start(smr_pose_list *l, uint32_t most)
     l->most = most;
 }
 
-/* Inserts a pose at its place, behind those of the same cost; the last one drops out of a full list. */
+/* Inserts a pose in order of cost, behind those of the same cost. A full list loses its last pose. */
 static inline void smr_list_insert(smr_pose_list *l, const smr_pose *pose, float cost)
 {
     uint32_t at = l->n < l->most ? l->n++ : l->most;

@@ -5,10 +5,11 @@
 
 #include "start/align/align_pose.h"
 
-#define SMR_AGREE 0.1f   /* least cosine between the normals of a pair */
-#define SMR_MOSTLY 0.4f  /* share of a side that is taken to fit */
-#define SMR_LIMIT 5.7f   /* limit over that share's distance: three deviations, if distances are half normal */
-#define SMR_LEAST 0.045f /* least limit, of the smaller spread: a smaller one holds a pose that is a little off */
+#define SMR_AGREE 0.1f  /* least cosine between the normals of a pair */
+#define SMR_MOSTLY 0.4f /* share of a side's samples that is assumed to match */
+/* limit of distances over that share's distance: three standard deviations of half-normal distances */
+#define SMR_LIMIT 5.7f
+#define SMR_LEAST 0.045f /* smallest limit over the smaller spread: a smaller limit would keep a slightly wrong pose */
 
 static void find(const smr_align_side *from, const smr_align_side *to, const smr_pose *pose, uint32_t samples,
                  float scale, float far2)
@@ -28,7 +29,7 @@ static void find(const smr_align_side *from, const smr_align_side *to, const smr
         pair->border = 0;
         if (hit.triangle == SMR_NONE)
             continue;
-        pair->at = smr_facet_point(&to->surface->facets, hit.triangle, hit.weight);
+        pair->at = smr_triangle_point(&to->surface->tree, hit.triangle, hit.weight);
         pair->border = to->surface->open ? smr_surface_on_border(to->surface, hit.triangle, hit.weight) : 0u;
     }
 }
@@ -41,8 +42,8 @@ void smr_pairs_find(smr_aligner *a, const smr_pose *pose, uint32_t samples)
     find(&a->side[SMR_TARGET], &a->side[SMR_MODEL], &back, samples, smr_pose_scale(pose), a->far2);
 }
 
-/* The squared distance that a share of a side's samples does not exceed, mm^2. Bits of floats that are not negative
- * have the floats' order, so the wanted one is found byte by byte. */
+/* The squared distance that a share of a side's samples does not exceed, mm^2. Found byte by byte, since the bits of
+ * non-negative floats have the order of the floats. */
 static float quantile(const smr_aligner *a, uint32_t side, float share)
 {
     uint32_t rank = smr_min_u32((uint32_t)(share * (float)a->used), a->used - 1u), found = 0, mask = 0;

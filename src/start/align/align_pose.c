@@ -1,5 +1,5 @@
-/* align_pose.c: the inverse of a pose. A file of its own: where a compiler sees two calls it makes one vector of their
- * divisions and fills the lanes left over with 0 / 0, which devices trap (tests/golden/check_traps.sh).
+/* align_pose.c: the inverse of a pose. In a file of its own: a compiler that sees two calls makes one vector of
+ * their divisions, with 0 / 0 in unused lanes, which devices trap.
  * Bounds: constant.
  * SPDX-License-Identifier: MIT */
 #include "start/align/align_pose.h"

@@ -5,7 +5,7 @@
 
 #include "base/vec.h"
 
-/* a turned and scaled by the pose, without its translation. */
+/* a rotated and scaled by the pose, without its translation. */
 static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
 {
     return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z,
@@ -13,7 +13,7 @@ static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
                  p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z);
 }
 
-/* Sets the pose's translation so that it lays `from` onto `to`. */
+/* Sets the pose's translation so that it maps `from` onto `to`. */
 static inline void smr_pose_through(smr_pose *p, smr_vec from, smr_vec to)
 {
     const smr_vec shift = smr_sub(to, smr_pose_turn(p, from));
@@ -35,7 +35,7 @@ static inline void smr_pose_reflect(smr_pose *p)
         p->m[r][0] = -p->m[r][0];
 }
 
-/* 1 for poses with a reflection. */
+/* Returns 1 when the pose contains a reflection. */
 static inline int smr_pose_mirrors(const smr_pose *p)
 {
     const smr_vec a = smr_v(p->m[0][0], p->m[0][1], p->m[0][2]), b = smr_v(p->m[1][0], p->m[1][1], p->m[1][2]);

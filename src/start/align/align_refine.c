@@ -1,19 +1,20 @@
-/* align_refine.c: iterative closest point in both directions (ICP, Besl and McKay 1992, with agreeing normals). Pairs
- * that do not belong together lose their weight (Tukey's); the limit follows from the distances themselves.
+/* align_refine.c: iterative closest point in both directions (ICP, Besl and McKay 1992, with agreeing normals).
+ * Outlier pairs lose their weight (Tukey's); the limit follows from the distances.
  * Bounds: `rounds` rounds over 2 * samples points.
  * SPDX-License-Identifier: MIT */
 #include "start/align/align_refine.h"
 
-#define SMR_UNTRIMMED 1.0e15f /* mm: every pair counts; its square still fits a float */
+#define SMR_UNTRIMMED 1.0e15f /* mm: no pair is an outlier; the square still fits a float */
 
 #include "start/align/align_pose.h"
 #include "geometry/rotation/transform_fit.h"
 
-#define SMR_STEADY 16u     /* rounds before a refinement may end early: the end depends on rounding */
-#define SMR_STANDS 0.9995f /* it ends when a round leaves more than this part of the mean square distance */
+#define SMR_STEADY 16u /* rounds before a refinement may end early: the end depends on rounding */
+/* convergence: the refinement ends when a round leaves more than this share of the mean square distance */
+#define SMR_STAGNANT 0.9995f
 
-/* Adds a side's pairs to the fit, the model's point first. Of wholes all samples count the same. Returns the weighted
- * sum of the pairs' squared distances, mm^2. */
+/* Adds a side's pairs to the fit, the model's point first. Without outlier rejection all samples have the same
+ * weight. Returns the weighted sum of squared distances, mm^2. */
 static float collect(const smr_aligner *a, uint32_t side, float limit, int mirrored, smr_fit *fit)
 {
     const smr_align_side *from = &a->side[side];
@@ -48,7 +49,7 @@ int smr_align_refine(smr_aligner *a, uint32_t samples, uint32_t rounds, uint32_t
         mean += collect(a, SMR_TARGET, limit, mirrored, &fit);
         if (!(fit.weight >= 3.0f))
             return 0;
-        if (i >= SMR_STEADY && mean > last * SMR_STANDS)
+        if (i >= SMR_STEADY && mean > last * SMR_STAGNANT)
             return 1;
         last = smr_min(last, mean);
         smr_pose next = smr_fit_solve(&fit, scaled);

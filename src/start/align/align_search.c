@@ -1,8 +1,7 @@
-/* align_search.c: the coarse search of start poses.
- * Method: 192 rotations between the principal axes (those of a cube, each also after 45 degrees about an axis and 60
- * about a diagonal) times 7 translations: centroid onto centroid, and for each axis of the target the lower or the
- * upper ends onto each other, where what lies beyond the shorter one does not count sideways. Parts of a surface have
- * other axes and centroids than the whole, but often one of its ends.
+/* align_search.c: the coarse search of start poses. Method: 192 rotations between the principal axes (those of a
+ * cube, each also after 45 degrees about an axis and 60 about a diagonal) times 7 translations: centroid onto
+ * centroid, and for each axis of the target the lower or the upper ends onto each other, without the part beyond the
+ * shorter surface. Parts of a surface have other axes and centroids than the whole, but often share an end.
  * Bounds: 192 * 7 poses of smr_coarse_cost().
  * SPDX-License-Identifier: MIT */
 #include "start/align/align_search.h"
@@ -11,10 +10,11 @@
 #include "geometry/rotation/rotation.h"
 
 #define SMR_CUBE 24u          /* rotations of a cube */
-#define SMR_TURNS 8u          /* further turns, each after all of them */
+#define SMR_TURNS 8u          /* further rotations, each after all rotations of the cube */
 #define SMR_EDGE 0.785398163f /* rad: 45 degrees */
 #define SMR_DIAG 0.604599788f /* rad: 60 degrees about (1, 1, 1), along each axis */
-#define SMR_END_SLACK 0.01f   /* of the shorter one's length, so that rounding does not decide who is in it */
+/* tolerance at the shorter surface's end, over its length, so that rounding does not decide */
+#define SMR_END_SLACK 0.01f
 
 /* The k-th of the 24 rotations of a cube: axis permutations with signs whose determinant is 1. */
 static void cube_rotation(uint32_t k, float g[9])
@@ -38,8 +38,8 @@ static void multiply(const float a[9], const float b[9], float out[9])
     }
 }
 
-/* The k-th rotation of the search, B C T A^T, with A and B the axes of model and target, C a cube's rotation, T the
- * further turn, which for the mirror image also reflects the model's longest axis. */
+/* The k-th rotation of the search, B C T A^T: A and B are the axes of model and target, C a cube's rotation, T the
+ * further rotation, which for the mirror image also reflects the model's longest axis. */
 static void set_rotation(const smr_aligner *a, uint32_t k, float scale, int mirrored, smr_pose *pose)
 {
     static const float turn[SMR_TURNS][3] = {{0, 0, 0},
@@ -78,7 +78,7 @@ static void find_ends(const smr_coarse *c, uint32_t side, const smr_pose *pose, 
     }
 }
 
-/* Centroid of a side's samples between two places along a direction. */
+/* Centroid of a side's samples between two positions along a direction. */
 static smr_vec centre_between(const smr_coarse *c, uint32_t side, const smr_pose *pose, smr_vec along, float lo,
                               float hi)
 {

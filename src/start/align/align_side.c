@@ -4,8 +4,8 @@
 
 #include "geometry/linear_solve/jacobi.h"
 
-/* Turns the axes so that the surface's third moments along the first two are positive: eigenvectors have no sign, and
- * which of equally good poses a search finds first would depend on how the surface lies. */
+/* Chooses the axes' signs so that the surface's third moments along the first two are positive. Eigenvectors have no
+ * sign, and the order of equally good poses would depend on the surface's orientation. */
 static void turn_axes(smr_align_side *side, const smr_surface *s)
 {
     float *a = side->axes, skew[2] = {0.0f, 0.0f};
@@ -23,7 +23,7 @@ static void turn_axes(smr_align_side *side, const smr_surface *s)
         }
 }
 
-/* Area-weighted centroid, principal axes and spread. */
+/* Computes the area-weighted centroid, principal axes and spread. */
 static void describe(smr_align_side *side, const smr_surface *s)
 {
     smr_vec sum = smr_v(0, 0, 0);
@@ -51,15 +51,15 @@ static void describe(smr_align_side *side, const smr_surface *s)
     turn_axes(side, s);
 }
 
-/* 1 for a closed surface with a negative volume. */
+/* Returns 1 for a closed surface with a negative volume. */
 static int inside_out(const smr_surface *s, smr_vec centre)
 {
     float volume = 0.0f;
     if (s->open)
         return 0;
-    for (uint32_t i = 0; i < s->facets.n_triangles; i++) {
+    for (uint32_t i = 0; i < s->tree.n_triangles; i++) {
         const uint32_t *t = s->triangle + 3u * (size_t)i;
-        if (smr_surface_stray(s, t[0]))
+        if (smr_surface_fragment(s, t[0]))
             continue;
         const smr_vec a = smr_sub(smr_load(s->xyz + 3u * (size_t)t[0]), centre);
         const smr_vec b = smr_sub(smr_load(s->xyz + 3u * (size_t)t[1]), centre);
@@ -79,18 +79,19 @@ static int is_bare(const smr_surface *s)
     return 1;
 }
 
-/* The vertex with `wanted` others before it that are no scraps. at: where the last one was found, and how many. */
+/* The vertex that has `wanted` vertices before it, without small components. at: the last vertex found, and its
+ * count. */
 static uint32_t vertex_of(const smr_surface *s, uint32_t wanted, uint32_t at[2])
 {
-    for (; at[1] < wanted || smr_surface_stray(s, at[0]); at[0]++)
-        at[1] += !smr_surface_stray(s, at[0]);
+    for (; at[1] < wanted || smr_surface_fragment(s, at[0]); at[0]++)
+        at[1] += !smr_surface_fragment(s, at[0]);
     return at[0];
 }
 
 void smr_align_side_make(smr_align_side *side, const smr_surface *s, uint32_t n)
 {
     const float inverse = s->area_mean > 0.0f ? 1.0f / s->area_mean : 0.0f;
-    const uint32_t kept = s->n_vertices - s->n_stray_vertices;
+    const uint32_t kept = s->n_vertices - s->n_fragment_vertices;
     uint32_t at[2] = {0, 0};
     side->surface = s;
     side->n = n;

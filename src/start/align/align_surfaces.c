@@ -8,18 +8,18 @@
 #include "start/align/align_pose.h"
 #include "start/align/align_refine.h"
 
-#define SMR_FAR_SHARE 0.75f        /* search limit, of the larger spread */
-#define SMR_EXPLAINED_SHARE 0.08f  /* limit when poses are compared, of the smaller spread */
-#define SMR_WHOLE 0.9f             /* least share of each side that is explained in a pair of wholes */
-#define SMR_WHOLE_WORSE 1.2f       /* most that a refinement over all pairs may cost more, */
-#define SMR_WHOLE_SLACK 0.02f      /* and beyond that */
-#define SMR_GIVEN_WORSE 1.25f      /* the pose as given may be farther by this factor */
-#define SMR_OTHER_COS 0.866f       /* clearly different: 30 degrees, */
-#define SMR_OTHER_SHIFT 0.15f      /* or this, of the target's spread */
-#define SMR_ALIKE_COST 1.1f        /* explains as well: at most this factor of the best pose's cost, */
-#define SMR_ALIKE_SLACK 0.01f      /* and beyond that */
-#define SMR_POSE_ROUNDING 1.0e-3f  /* of a given rotation's entries */
-#define SMR_POSE_SCALE_MAX 1000.0f /* of a given pose; its inverse is the least */
+#define SMR_FAR_SHARE 0.75f       /* search limit over the larger spread */
+#define SMR_EXPLAINED_SHARE 0.08f /* matching limit, when poses are compared, over the smaller spread */
+#define SMR_WHOLE 0.9f            /* smallest matched share of each side in a pair of wholes */
+#define SMR_WHOLE_WORSE 1.2f      /* largest ratio of costs: a refinement over all pairs to the one without outliers */
+#define SMR_WHOLE_SLACK 0.02f     /* cost that is added to that limit */
+#define SMR_GIVEN_WORSE 1.25f     /* the given pose is kept when its distance is larger by at most this factor */
+#define SMR_OTHER_COS 0.866f  /* cosine of the rotation (30 degrees) from which on two poses are clearly different */
+#define SMR_OTHER_SHIFT 0.15f /* the same for the distance, over the target's spread */
+#define SMR_ALIKE_COST 1.1f   /* another pose matches as well up to this factor of the best pose's cost */
+#define SMR_ALIKE_SLACK 0.01f /* cost that is added to that limit */
+#define SMR_POSE_ROUNDING 1.0e-3f  /* tolerance of a given rotation's entries */
+#define SMR_POSE_SCALE_MAX 1000.0f /* largest scale of a given pose; its inverse is the smallest */
 
 smr_align_config smr_align_config_default(void)
 {
@@ -40,7 +40,7 @@ static smr_status check_config(const smr_align_config *config)
     return SMR_OK;
 }
 
-/* 1 for a rotation with one scale and a translation within the limits. */
+/* Returns 1 for a rotation with one scale and a translation within the limits. */
 static int is_pose(const smr_pose *p)
 {
     const float scale = smr_pose_scale(p);
@@ -99,8 +99,8 @@ static void prepare(smr_align_work *w, const smr_surface *model, const smr_surfa
     a->limit = SMR_EXPLAINED_SHARE * smr_aligner_spread(a);
 }
 
-/* Refines the best pose to the end. Returns 1 for a pair of wholes: then all pairs count. Otherwise the parts' pairs
- * do; without a scale the start is the rigid pose that fits the pairs of the scaled one. */
+/* Refines the best pose. Returns 1 for a pair of wholes, for which all pairs count. Otherwise outliers are rejected;
+ * without a scale the start is the rigid pose that fits the pairs of the scaled one. */
 static int refine_best(smr_align_work *w, const smr_align_config *config, smr_pose *pose)
 {
     smr_aligner *a = &w->aligner;
@@ -113,7 +113,7 @@ static int refine_best(smr_align_work *w, const smr_align_config *config, smr_po
         smr_pairs_find(a, pose, w->some);
         if (!scaled || smr_pairs_cost(a) <= SMR_WHOLE_WORSE * cost + SMR_WHOLE_SLACK)
             return 1;
-        *pose = best; /* unlike parts, smeared over each other */
+        *pose = best; /* the pose has spread unlike parts over each other */
     }
     if (!scaled)
         (void)smr_align_refine(a, w->some, 1, SMR_REFINE_TRIMMED, pose);
@@ -121,14 +121,14 @@ static int refine_best(smr_align_work *w, const smr_align_config *config, smr_po
     return 0;
 }
 
-/* The rms of a pose over those shares of both surfaces, mm. */
+/* The rms distance of a pose over those shares of both surfaces, mm. */
 static float rms_of(smr_aligner *a, const smr_pose *pose, uint32_t samples, const float share[SMR_SIDES])
 {
     smr_pairs_find(a, pose, samples);
     return smr_pairs_rms(a, share);
 }
 
-/* Compares the other poses that were found with the best one. */
+/* Compares the other poses with the best one. */
 static void compare_others(smr_align_work *w, const float share[SMR_SIDES], smr_align_report *r)
 {
     const smr_pose_list *best = &w->best;
@@ -143,7 +143,7 @@ static void compare_others(smr_align_work *w, const float share[SMR_SIDES], smr_
     }
 }
 
-/* Fills the report about *pose, or about the pose as given when that is kept; *pose is then that one. */
+/* Fills the report about *pose; *pose becomes the given pose when that is kept. */
 static void report_pose(smr_align_work *w, int whole, int scaled, const smr_pose *given, smr_pose *pose,
                         smr_align_report *r)
 {
@@ -173,7 +173,7 @@ static void report_pose(smr_align_work *w, int whole, int scaled, const smr_pose
     r->target_inside_out = a->side[SMR_TARGET].outward < 0.0f;
 }
 
-/* Finds the pose between coordinates relative to the surfaces' origins, in which *given is, too. */
+/* Finds the pose between coordinates relative to the surfaces' origins; *given is in the same coordinates. */
 static smr_status find_pose(smr_align_work *w, const smr_align_config *config, const smr_pose *given, smr_pose *pose,
                             smr_align_report *report)
 {
