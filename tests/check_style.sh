@@ -15,7 +15,7 @@ scripts=$(find tests port -name '*.sh' | sort; [ -f .ci/run ] && echo .ci/run)
 for file in $files $scripts; do
     case $file in
     include/smr.h) most=1250 ;;
-    src/registration/shape/state.h) most=150 ;;
+    src/registration/shape/schedule_state.h) most=150 ;;
     *) most=420 ;;
     esac
     lines=$(wc -l <"$file")
@@ -48,7 +48,7 @@ grep -rnE --include='*.h' '^[[:space:]]*#[[:space:]]*define[[:space:]]' port/hos
     grep -vE 'define[[:space:]]+(HOST_|host_|SMR_|_[A-Z]|[A-Z0-9_]+_H$)' | sed 's/$/   (macro without HOST_)/' >>"$tmp"
 
 # A slot of a registration says whether a save keeps it.
-grep -rn 'smr_arena_take' src/runtime | sed 's/$/   (a slot without smr_slot_..., see base\/keep.h)/' >>"$tmp"
+grep -rn 'smr_arena_take' src/runtime | sed 's/$/   (a slot without smr_slot_..., see base\/save_fields.h)/' >>"$tmp"
 
 # The patterns are in pieces so that this file does not find itself.
 root='/(home|root|work|Users|mnt)'

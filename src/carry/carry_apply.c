@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "base/parallel.h"
 #include "carry/carry.h"
-#include "geometry/rotation/transform_fit.h"
+#include "geometry/rotation/similarity_fit.h"
 
 /* One call: present vertices, the similarity T, and the results. */
 typedef struct job {

@@ -5,7 +5,7 @@
  * Images: fixed radii of human size. A single structure also gets a first cluster over its whole length and one over a
  * third, because no neighbouring structure guides it from the error of its start pose.
  * SPDX-License-Identifier: MIT */
-#include "prepare/plan.h"
+#include "prepare/prepare_plan.h"
 
 #define SMR_COARSEST 0.25f    /* coarsest radius relative to the model's length */
 #define SMR_FINE_EDGES 1.7f   /* finest radius but one, in mean edge lengths */

@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/box_tree/box_tree.h"
-#include "prepare/plan.h"
+#include "prepare/prepare_plan.h"
 
 static const float *callers_vertex(const smr_plan *p, uint32_t structure, uint32_t i)
 {

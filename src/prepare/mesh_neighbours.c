@@ -2,7 +2,7 @@
  * Bounds: 6 nt neighbours before duplicates are removed; up to 24 of a vertex are sorted by insertion, more by radix.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"
-#include "prepare/plan.h"
+#include "prepare/prepare_plan.h"
 
 /* Sorts the n keys of one vertex' neighbours. */
 static void sort_keys(smr_plan *p, uint32_t n)

@@ -3,7 +3,7 @@
 #ifndef SMR_MODEL_WRITE_H
 #define SMR_MODEL_WRITE_H
 
-#include "prepare/plan.h"
+#include "prepare/prepare_plan.h"
 
 /* The model being written. Bytes beyond the capacity are counted, not written. */
 typedef struct smr_writer {

@@ -2,7 +2,7 @@
  * boxes beyond the k-th best distance so far are skipped.
  * Bounds: every node at most once; SMR_NEAREST insertions for each vertex tested.
  * SPDX-License-Identifier: MIT */
-#include "prepare/plan.h"
+#include "prepare/prepare_plan.h"
 
 /* A node to be opened: its level, its index there, and the squared distance to its box. */
 typedef struct visit {

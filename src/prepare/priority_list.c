@@ -9,7 +9,7 @@
  * that bucket comes up. Its witness, the cluster where m_i was found, mostly tells at once that m_i has fallen since.
  * Clusters are symmetric, so the clusters that hold i are those of the vertices in zeta_i.
  * SPDX-License-Identifier: MIT */
-#include "prepare/plan.h"
+#include "prepare/prepare_plan.h"
 
 #include "geometry/box_tree/hilbert_curve.h"
 
@@ -100,7 +100,7 @@ static void put_in_bucket(smr_plan *p, uint32_t v, uint32_t m)
     p->priority.bucket[m] = v;
 }
 
-/* 1 when j is in zeta_v by Euclidean distance (clusters.c). 0 does not exclude it: mesh neighbours are not tested. */
+/* 1 when j is in zeta_v by Euclidean distance (cluster_building.c). 0 does not exclude it: mesh neighbours are not tested. */
 static int surely_holds(const smr_plan *p, uint32_t v, uint32_t j, float radius)
 {
     const float *a = p->xyz + 3u * (size_t)v, *b = p->xyz + 3u * (size_t)j;

@@ -2,7 +2,7 @@
  * triangles, scaled to a mean of 1 and rounded to multiples of 1 / SMR_MASS_UNITS. Vertices without triangles (nodes
  * inside a volume mesh, landmarks) get no forces: they have the least mass, so that they hardly hold back the others.
  * SPDX-License-Identifier: MIT */
-#include "prepare/plan.h"
+#include "prepare/prepare_plan.h"
 
 static void unit_masses(smr_plan *p)
 {

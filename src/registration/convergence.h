@@ -3,7 +3,7 @@
 #ifndef SMR_CONVERGENCE_H
 #define SMR_CONVERGENCE_H
 
-#include "registration/radius.h"
+#include "registration/schedule_radius.h"
 
 /* What an iteration ended with. All are 0 or 1. */
 typedef struct smr_ending {

@@ -13,7 +13,7 @@ int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic)
     return s->schedule.repairing > 0u || (!e->done && (still || due || e->settled || e->spent));
 }
 
-/* Where targets are tracked, and in dynamics, x^r is a shape that does not creep (held_shape.c). */
+/* Where targets are tracked, and in dynamics, x^r is a shape that does not creep (tracking_rest_shape.c). */
 int smr_plastic_ahead(const smr *s)
 {
     const smr_ending e = smr_ending_of(s, s->schedule.radius_iteration + 1u);

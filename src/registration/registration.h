@@ -6,12 +6,12 @@
 #define SMR_REGISTRATION_H
 
 #include "base/parallel.h"
-#include "registration/evolve/evolve.h"
+#include "registration/evolve/evolve_positions.h"
 #include "options/contact/contact.h"
 #include "registration/folds/folds.h"
-#include "registration/goals/forces.h"
-#include "registration/match/match.h"
-#include "log/record/log.h"
+#include "registration/goals/external_forces.h"
+#include "registration/match/match_rotation.h"
+#include "log/record/log_format.h"
 #include "registration/time_budget.h"
 
 #define SMR_STATE_MAGIC 0x736d7254u
@@ -22,7 +22,7 @@ struct smr {
     uint32_t ticking;         /* 1: a tick is running, perhaps in this thread: inputs are refused */
     uint32_t refused;         /* 1: the port used a worker number that does not exist; until positions are set anew */
     uint32_t n_awaited;       /* inputs that must be set again: a restored one lacks them */
-    /* takes such an input, as smr_log_note() has it: waiting.c. Set by smr_restore() */
+    /* takes such an input, as smr_log_note() has it: restore_awaited_inputs.c. Set by smr_restore() */
     smr_status (*await)(smr *s, uint32_t kind, uint32_t number, const void *what);
     const struct smr *placed; /* address given by smr_init(): a copy would share the original's arrays */
     smr_port port;

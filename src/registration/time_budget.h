@@ -3,7 +3,7 @@
 #ifndef SMR_TIME_BUDGET_H
 #define SMR_TIME_BUDGET_H
 
-#include "base/keep.h"
+#include "base/save_fields.h"
 
 #define SMR_STEPS_MAX 44u /* most steps of an iteration */
 

@@ -2,8 +2,8 @@
  * and the residual.
  * Bounds: those of the field.
  * SPDX-License-Identifier: MIT */
-#include "verdict/landmark_evidence.h"
-#include "verdict/normal_field.h"
+#include "verdict/verdict_landmark_measures.h"
+#include "verdict/expected_error_field.h"
 
 void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
 {

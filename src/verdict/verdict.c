@@ -1,7 +1,7 @@
 /* verdict.c: readings that judge a result: the verdict, visible vertices, expected errors.
  * Bounds: those of the measures, once for each requested structure.
  * SPDX-License-Identifier: MIT */
-#include "verdict/evidence.h"
+#include "verdict/verdict_measures.h"
 
 #define SMR_NOT_GOOD_SHARE 0.5f /* largest share of vertices in structures that are not good */
 

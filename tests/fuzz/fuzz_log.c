@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "log/record/log.h"
+#include "log/record/log_format.h"
 #include "unit/unit_log.h"
 
 #define FUZZ_LOG_RECORDS 8192u /* bytes at most */

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "log/record/log.h"
+#include "log/record/log_format.h"
 #include "options/dynamics/dynamics.h"
 
 enum { CALLS = 60, ROOM = 60000 };

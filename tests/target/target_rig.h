@@ -6,8 +6,8 @@
 
 #include <smr.h>
 
-#include "registration/tick/iteration_end.h"
-#include "registration/tick/iteration.h"
+#include "registration/tick/iteration_commit.h"
+#include "registration/tick/iteration_steps.h"
 #include "smr_baremetal.h"
 #include "smr_semihost.h"
 

@@ -5,7 +5,7 @@
  * SPDX-License-Identifier: MIT */
 #include "target_rig.h"
 
-#include "geometry/linear_solve/jacobi.h"
+#include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/rotation.h"
 #include "geometry/box_tree/triangle.h"
 

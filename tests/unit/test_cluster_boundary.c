@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "property/rig_motion.h"
-#include "registration/tick/iteration.h"
+#include "registration/tick/iteration_steps.h"
 #include "unit_exercise.h"
 
 static const float none[3] = {0, 0, 0};

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "registration/tick/schedule.h"
+#include "registration/tick/coarse_to_fine_schedule.h"
 
 #define SIDE 60u     /* voxels of 2 mm */
 #define RADIUS 30.0f /* mm */

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "registration/tick/schedule.h"
-#include "registration/tick/iteration.h"
+#include "registration/tick/coarse_to_fine_schedule.h"
+#include "registration/tick/iteration_steps.h"
 
 static int tidy(void **state)
 {

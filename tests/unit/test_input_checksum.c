@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "log/record/log.h"
+#include "log/record/log_format.h"
 
 static int tidy(void **state)
 {

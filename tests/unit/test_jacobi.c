@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "geometry/linear_solve/jacobi.h"
+#include "geometry/linear_solve/eigen_jacobi.h"
 #include "oracle.h"
 
 /* R diag(value) R^T as six floats; full: what those floats say, in double. */

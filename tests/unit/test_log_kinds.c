@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "log/record/log.h"
+#include "log/record/log_format.h"
 #include "registration/registration.h"
 #include "unit/unit_log.h"
 

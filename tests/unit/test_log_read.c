@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "log/record/log.h"
+#include "log/record/log_format.h"
 #include "unit/unit_log.h"
 
 /* Reads the whole log from memory of exactly its size, so that a sanitiser sees any read beyond it. Returns the

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "registration/tick/iteration.h"
+#include "registration/tick/iteration_steps.h"
 
 static const float none[3] = {0, 0, 0};
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/arena.h"
-#include "prepare/plan.h"
+#include "prepare/prepare_plan.h"
 #include "unit_lists.h"
 
 /* member[r]: clusters as sets in the caller's numbers. */

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "log/record/log.h"
+#include "log/record/log_format.h"
 #include "unit/unit_log.h"
 
 /* Surfaces in the order in which they were set. */

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "registration/tick/iteration.h"
+#include "registration/tick/iteration_steps.h"
 
 static int tidy(void **state)
 {

@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "property/rig.h"
-#include "log/record/log.h"
+#include "log/record/log_format.h"
 #include "registration/registration.h"
 
 enum { GIVEN = 12, AT_A_TIME = 40, LOG = SMR_LOG_BYTES(GIVEN * 2, GIVEN) };

@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "cmocka_first.h"
 
-#include "log/record/log.h"
+#include "log/record/log_format.h"
 #include "registration/registration.h"
 #include "unit_moving_ball.h"
 

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-#include "geometry/rotation/transform_fit.h"
+#include "geometry/rotation/similarity_fit.h"
 #include "oracle.h"
 
 enum { POINTS = 60 };

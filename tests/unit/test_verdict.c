@@ -7,7 +7,7 @@
 
 #include "property/rig.h"
 #include "registration/registration.h"
-#include "verdict/evidence.h"
+#include "verdict/verdict_measures.h"
 
 static int tidy(void **state)
 {

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "oracle.h"
-#include "registration/goals/forces.h"
+#include "registration/goals/external_forces.h"
 
 enum { N = 5000 }; /* so that controls are chosen in several tasks */
 

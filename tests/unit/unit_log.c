@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "property/rig.h"
-#include "log/record/log.h"
+#include "log/record/log_format.h"
 
 smr *unit_log_begin(const unit_log *u, const smr_port *port) { return rig_init(u->model, &u->config, port); }
 

@@ -6,7 +6,7 @@
 
 #include "base/bytes.h"
 #include "property/rig.h"
-#include "log/record/log.h"
+#include "log/record/log_format.h"
 
 #define SIDE 30u
 

@@ -2,7 +2,7 @@
  * numbers, so they are equal on all processors, and cover the whole input.
  * Bounds: one pass over points, triangles or voxels.
  * SPDX-License-Identifier: MIT */
-#include "log/record/log.h"
+#include "log/record/log_format.h"
 
 #define SMR_GOLDEN 0x9e3779b97f4a7c15u /* 2^64 divided by the golden ratio */
 

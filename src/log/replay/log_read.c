@@ -1,7 +1,7 @@
 /* log_read.c: reads a log, record by record. The bytes may come from anywhere: each length, kind and flag is checked
  * before use, and each record advances the reader, so reading ends.
  * SPDX-License-Identifier: MIT */
-#include "log/record/log.h"
+#include "log/record/log_format.h"
 
 /* The offset of the first record; 0 when the header's lengths disagree with each other or with the bytes. */
 static size_t header_bytes(const unsigned char *at, size_t bytes)

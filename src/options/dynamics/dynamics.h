@@ -1,5 +1,5 @@
 /* dynamics.h: capability: a model that has mass and moves in time. In: smr_set_motion(), positions, average goals. Out:
- * where sweeps start, weights of the clusters' fits, positions under way, velocities and energies. time_steps.c has the
+ * where sweeps start, weights of the clusters' fits, positions under way, velocities and energies. dynamics_time_steps.c has the
  * method.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_DYNAMICS_H
@@ -52,7 +52,7 @@ typedef struct smr_dynamics {
     float springs; /* k h^2: elastic over inertial stiffness */
     smr_vec fall;  /* h^2 g: displacement by gravity in a time step, mm */
     float keeps;   /* factor that damping leaves of the velocities */
-    uint32_t ends; /* 1: the iteration under way ends a time step. Written by time_steps.c */
+    uint32_t ends; /* 1: the iteration under way ends a time step. Written by dynamics_time_steps.c */
     float gram;    /* g: mass of a vertex is weight * members * gram */
     smr_stored_energy stored;
     uint32_t weighed; /* 1: masses were set since the last complete time step */

@@ -7,7 +7,7 @@
 #include "geometry/box_tree/hilbert_curve.h"
 #include "image/volume.h"
 #include "registration/shape/overlaid_memory.h"
-#include "registration/shape/shape.h"
+#include "registration/shape/deformed_shape.h"
 
 #ifdef SMR_WITHOUT_IMAGE
 #define SMR_HAS_IMAGE 0

@@ -7,7 +7,7 @@
 
 #include "geometry/gaussian_process/gaussian_process.h"
 #include "registration/shape/overlaid_memory.h"
-#include "registration/surface_goals/surface_goal.h"
+#include "registration/surface_goals/closest_point_goals.h"
 
 #ifdef SMR_WITHOUT_PARTIAL
 #define SMR_HAS_PARTIAL 0
@@ -178,7 +178,7 @@ typedef struct smr_occluded_field {
 
 static inline float *smr_field_row(const smr_occluded_field *f, uint32_t i) { return smr_factor_row(f->lower, i); }
 
-/* Returns 1 when controls are known along their normals only (field_normals.c). */
+/* Returns 1 when controls are known along their normals only (occluded_field_normals.c). */
 uint32_t smr_field_normals_only(const smr_occluded_field *f);
 /* Adds visible vertices to n controls, from positions first .. last - 1 of an order that runs through the model.
  * Returns the new number of controls. */
@@ -197,7 +197,7 @@ void smr_field_normals_end(smr_occluded_field *f);
 /* Tries each roughness on the controls, in SMR_FIELD_TRIES * SMR_TRY_TASKS successive tasks, and sets the most
  * likely. */
 void smr_field_roughness_try(smr_occluded_field *f, uint32_t task);
-/* field_covariance.c: where the field starts, [n][3] mm; whether control k is a hard landmark; the covariance of the
+/* occluded_field_covariance.c: where the field starts, [n][3] mm; whether control k is a hard landmark; the covariance of the
  * field at a place with control k, a landmark's with the mean of its corners (sharp: with the field of short reach,
  * too). */
 float *smr_field_start(const smr_occluded_field *f);

@@ -8,7 +8,7 @@
  * SPDX-License-Identifier: MIT */
 #include "options/track/track.h"
 #include "registration/convergence.h"
-#include "registration/radius.h"
+#include "registration/schedule_radius.h"
 
 #define SMR_TRACK_REACH 12.0f /* radius over the largest mean distance of goals that is no jump */
 #define SMR_TRACK_SOUGHT 0.5f /* largest mean distance of image goals that is no jump, over the search distance */

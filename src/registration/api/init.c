@@ -4,7 +4,7 @@
 #include "geometry/rotation/rotation.h"
 #include "registration/config/config.h"
 #include "registration/api/setup.h"
-#include "registration/tick/iteration.h"
+#include "registration/tick/iteration_steps.h"
 
 smr_status smr_arena_bytes(const smr_model *model, const smr_config *config, size_t *bytes)
 {

@@ -4,7 +4,7 @@
 #include "registration/api/setup.h"
 #include "registration/config/config.h"
 
-#include "registration/tick/iteration.h"
+#include "registration/tick/iteration_steps.h"
 
 /* What iterations consist of. */
 static uint32_t parts_of(const smr_shared *shared)

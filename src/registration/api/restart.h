@@ -3,7 +3,7 @@
 #ifndef SMR_RESTART_H
 #define SMR_RESTART_H
 
-#include "registration/tick/iteration.h"
+#include "registration/tick/iteration_steps.h"
 
 /* Marks measures as outdated. An iteration whose forces are not complete starts them again; otherwise it ends with
  * the old goals. Discards all results of searches, since a replay does not know how far they had come. changed: as

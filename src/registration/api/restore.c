@@ -2,9 +2,9 @@
  * is written.
  * Bounds: two passes over the bytes; those of smr_init().
  * SPDX-License-Identifier: MIT */
-#include "registration/api/saved.h"
+#include "registration/api/save_format.h"
 #include "registration/config/config.h"
-#include "registration/tick/iteration.h"
+#include "registration/tick/iteration_steps.h"
 
 static uint32_t word_of(const unsigned char *saved, uint32_t word) { return smr_log_get32(saved + 4u * word); }
 

@@ -3,8 +3,8 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/api/restart.h"
 #include "registration/api/setup.h"
-#include "registration/tick/iteration_end.h"
-#include "registration/tick/schedule.h"
+#include "registration/tick/iteration_commit.h"
+#include "registration/tick/coarse_to_fine_schedule.h"
 
 smr_status smr_set_volume(smr *s, const smr_volume *volume)
 {

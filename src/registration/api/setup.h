@@ -29,7 +29,7 @@ void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other);
 /* Gives a structure, or SMR_ALL, a surface or a cloud, as smr_set_surface() and smr_set_points(). */
 smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface);
 
-/* keep_fields.c: goes over what is kept beside slots. */
+/* save_state_fields.c: goes over what is kept beside slots. */
 void smr_keep_fields(smr_arena *a, smr *s);
 
 /* Saves checksums of the caller's inputs; a restored registration waits for the same inputs. */

@@ -6,7 +6,7 @@
 #ifndef SMR_FOLDS_H
 #define SMR_FOLDS_H
 
-#include "registration/evolve/evolve.h"
+#include "registration/evolve/evolve_positions.h"
 
 #define SMR_DIHEDRAL_CHUNK 1024u /* dihedral edges of a task of fold_find.c */
 #define SMR_RUNS 2048u           /* most runs of triangles: a run is tested or skipped as a whole */

@@ -4,7 +4,7 @@
 #ifndef SMR_CALLER_GOALS_H
 #define SMR_CALLER_GOALS_H
 
-#include "registration/shape/shape.h"
+#include "registration/shape/deformed_shape.h"
 
 #define SMR_CALLER_CHUNK 32u      /* vertices of a call */
 #define SMR_CALLER_WEIGHT 1000.0f /* largest weight of a goal */

@@ -4,7 +4,7 @@
 #ifndef SMR_ENCLOSED_VOLUME_H
 #define SMR_ENCLOSED_VOLUME_H
 
-#include "registration/shape/shape.h"
+#include "registration/shape/deformed_shape.h"
 
 /* Volume after each vertex moves t mm along its normal: c[0] + c[1] t + c[2] t^2 + c[3] t^3, mm^3. Negative when
  * triangles face inwards. c[1] is about the area, mm^2. */

@@ -13,16 +13,16 @@
  *                   fold repair or fold limit                                 rings: neighbours' displacements or steps
  *   sum             unseen field -> forces                                    controls, factor and coefficients
  *                   reference records -> average                              sums over clusters
- *   sum, words 12+  evolve -> end of the iteration                            next normals (sums.h)
+ *   sum, words 12+  evolve -> end of the iteration                            next normals (cluster_sums.h)
  *   tally           within each step and its end                              what a task leaves for the step's end;
  *                   fold find -> fold limit, repair and open                  counts of folds in each chunk of hinges
- *   x_next          end of the iteration -> evolve                            the positions before x (shape.h)
+ *   x_next          end of the iteration -> evolve                            the positions before x (deformed_shape.h)
  *                   evolve -> end of the iteration                            the positions under way
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_OVERLAID_MEMORY_H
 #define SMR_OVERLAID_MEMORY_H
 
-#include "registration/shape/state.h"
+#include "registration/shape/schedule_state.h"
 
 /* Results that a task leaves for the end of its step; reduced in task order. */
 typedef union smr_tally {

@@ -3,7 +3,7 @@
  * size.
  * Bounds: one pass over the vertices.
  * SPDX-License-Identifier: MIT */
-#include "registration/shape/shape.h"
+#include "registration/shape/deformed_shape.h"
 
 static void begin(smr_shape *shape) { smr_fit_start(&shape->fit, smr_v(0, 0, 0), smr_v(0, 0, 0)); }
 

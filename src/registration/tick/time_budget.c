@@ -7,7 +7,7 @@
  * made up.
  * Bounds: SMR_STEPS_MAX, for each group of forces.
  * SPDX-License-Identifier: MIT */
-#include "registration/tick/iteration.h"
+#include "registration/tick/iteration_steps.h"
 
 #define SMR_UNKNOWN (-1.0f)
 #define SMR_FOREVER 1.0e18f /* ns: stands for an unknown cost */

@@ -1,9 +1,9 @@
-/* align_landmarks.c: the start pose from corresponding landmarks, by least squares (transform_fit.c).
+/* align_landmarks.c: the start pose from corresponding landmarks, by least squares (similarity_fit.c).
  * Three landmarks that are not collinear determine the rotation. Collinear landmarks, or two, get one of the
  * best-fitting rotations; a single landmark, or coincident ones, get the identity.
  * Bounds: two passes over at most SMR_LANDMARKS_MAX pairs.
  * SPDX-License-Identifier: MIT */
-#include "geometry/rotation/transform_fit.h"
+#include "geometry/rotation/similarity_fit.h"
 
 smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t scaled, smr_pose *pose,
                                float *rms_mm)

@@ -7,7 +7,7 @@
 #define SMR_UNTRIMMED 1.0e15f /* mm: no pair is an outlier; the square still fits a float */
 
 #include "start/align/align_pose.h"
-#include "geometry/rotation/transform_fit.h"
+#include "geometry/rotation/similarity_fit.h"
 
 #define SMR_STEADY 16u /* rounds before a refinement may end early: the end depends on rounding */
 /* convergence: the refinement ends when a round leaves more than this share of the mean square distance */

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "start/align/align_side.h"
 
-#include "geometry/linear_solve/jacobi.h"
+#include "geometry/linear_solve/eigen_jacobi.h"
 
 /* Chooses the axes' signs so that the surface's third moments along the first two are positive. Eigenvectors have no
  * sign, and the order of equally good poses would depend on the surface's orientation. */

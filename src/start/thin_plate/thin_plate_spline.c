@@ -13,15 +13,15 @@
  * Bounds: a fit solves n + 4 equations (thin_plate_solve.c); applying takes n square roots for each point.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
-#include "geometry/rotation/transform_fit.h"
-#include "geometry/linear_solve/jacobi.h"
+#include "geometry/rotation/similarity_fit.h"
+#include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/linear_solve/thin_plate_solve.h"
 
 #define SMR_WARP_MAGIC 0x736d7257u
 #define SMR_WARP_AFFINE 4u /* columns of P */
 #define SMR_SAME_MM 1.0e-4f
 #define SMR_SAME_SHARE 2.0e-5f
-#define SMR_LINE_SHARE 1.0e-3f  /* collinear: second variance relative to the largest, as in polar_decomposition.c */
+#define SMR_LINE_SHARE 1.0e-3f  /* collinear: second variance relative to the largest, as in rotation_polar_decomposition.c */
 #define SMR_PLANE_SHARE 1.0e-4f /* coplanar: third variance relative to the largest */
 #define SMR_LAMBDA_MAX 1.0e9f   /* in units of u; with more smoothing the kernels' part vanishes in a float */
 

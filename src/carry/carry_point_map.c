@@ -1,0 +1,222 @@
+/* carry_point_map.c: the map and its inverse at points that are not bound. Forward, the equations are solved for the
+ * vertices' displacements, which also gives the gradient. Inverse, damped Newton steps start from the rest positions
+ * of vertices that are near now.
+ * Bounds: SMR_CARRY_STARTS starts of SMR_CARRY_ROUNDS steps, each halved at most SMR_CARRY_HALVINGS times; each
+ * evaluation is one search and one factor.
+ * SPDX-License-Identifier: MIT */
+#include "carry/carry.h"
+
+#define SMR_CARRY_STARTS 4u
+#define SMR_CARRY_ROUNDS 30u
+#define SMR_CARRY_HALVINGS 6u
+#define SMR_CARRY_MET 2.0e-4f  /* mm: tolerance of the inverse, near the rounding of a coordinate */
+#define SMR_CARRY_FLAT 1.0e-3f /* smallest determinant with which a step is computed */
+
+typedef struct job {
+    smr_carry *c;
+    const float *now;
+    smr_pose trend;
+    const float *xyz;
+    uint32_t n, inverse;
+    float *out;
+    smr_carry_fact *facts;
+} job;
+
+/* F(p) and its gradient, row-major; p: mm from the centre. */
+typedef struct value {
+    smr_vec at;
+    float gradient[9];
+} value;
+
+/* The residual of a vertex after the trend T, mm. */
+static smr_vec displacement(const job *j, uint32_t id)
+{
+    const smr_vec now = smr_load(j->now + 3u * (size_t)j->c->item[id]);
+    return smr_sub(now, smr_pose_apply(&j->trend, smr_load(j->c->rest + 3u * (size_t)id)));
+}
+
+/* Computes the weights of the reduced equations. Returns the nearest vertex' displacement. */
+static smr_vec weigh(const job *j, smr_carry_site *s)
+{
+    const smr_vec first = displacement(j, s->id[0]);
+    const float near[3] = {first.x, first.y, first.z};
+    for (uint32_t i = 1; i < s->n; i++) {
+        const smr_vec d = displacement(j, s->id[i]);
+        const float at[3] = {d.x, d.y, d.z};
+        for (uint32_t axis = 0; axis < 3u; axis++)
+            s->weight[axis][i] = at[axis] - s->part[i] * near[axis];
+    }
+    for (uint32_t axis = 0; axis < 3u; axis++)
+        smr_carry_solve(s, s->weight[axis]);
+    return first;
+}
+
+/* The gradient of g of the distance to vertex i. */
+static smr_vec slope(const smr_carry *c, const smr_carry_site *s, smr_vec p, uint32_t i)
+{
+    const smr_vec d = smr_sub(p, smr_v(s->x[0][i], s->x[1][i], s->x[2][i]));
+    const float r = smr_length(d);
+    const float smooth = smr_positive(1.0f - r * c->per_smooth), rough = smr_positive(1.0f - r * c->per_rough);
+    return smr_scale(d, 20.0f * (c->per_smooth * c->per_smooth * (smooth * smooth * smooth) +
+                                 SMR_CARRY_ROUGH * c->per_rough * c->per_rough * (rough * rough * rough)));
+}
+
+/* Adds the product v w^T to a matrix. */
+static void add_product(float m[9], smr_vec v, smr_vec w)
+{
+    const float a[3] = {v.x, v.y, v.z}, b[3] = {w.x, w.y, w.z};
+    for (uint32_t i = 0; i < 9u; i++)
+        m[i] += a[i / 3u] * b[i % 3u];
+}
+
+/* The map and its gradient at p. The gradient leaves out that noise variances change with p. */
+static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
+{
+    const smr_carry *c = j->c;
+    value v;
+    smr_carry_gather(c, p, s);
+    smr_carry_factor(c, s);
+    const smr_vec first = weigh(j, s);
+    const float share = smr_carry_side(c, p, s) / (1.0f + SMR_CARRY_ROUGH);
+    const smr_vec near = slope(c, s, p, 0);
+    smr_vec moved = smr_sub(first, smr_scale(first, share));
+    for (uint32_t i = 0; i < 9u; i++)
+        v.gradient[i] = j->trend.m[i / 3u][i % 3u];
+    add_product(v.gradient, first, smr_scale(near, -1.0f / (1.0f + SMR_CARRY_ROUGH)));
+    for (uint32_t i = 1; i < s->n; i++) {
+        const smr_vec w = smr_v(s->weight[0][i], s->weight[1][i], s->weight[2][i]);
+        moved = smr_add(moved, smr_scale(w, s->side[i]));
+        add_product(v.gradient, w, smr_sub(smr_scale(near, s->part[i]), slope(c, s, p, i)));
+    }
+    /* relative to the nearest vertex, so that it maps exactly to its present position */
+    const smr_vec rest = smr_sub(p, smr_v(s->x[0][0], s->x[1][0], s->x[2][0]));
+    const smr_pose *t = &j->trend;
+    const smr_vec turned = smr_v(t->m[0][0] * rest.x + t->m[0][1] * rest.y + t->m[0][2] * rest.z,
+                                 t->m[1][0] * rest.x + t->m[1][1] * rest.y + t->m[1][2] * rest.z,
+                                 t->m[2][0] * rest.x + t->m[2][1] * rest.y + t->m[2][2] * rest.z);
+    v.at = smr_add(smr_load(j->now + 3u * (size_t)c->item[s->id[0]]), smr_add(turned, smr_sub(moved, first)));
+    return v;
+}
+
+static float determinant(const float m[9]) { return smr_dot(smr_load(m), smr_cross(smr_load(m + 3), smr_load(m + 6))); }
+
+/* m^-1 v; v itself where m is singular or mirrored. */
+static smr_vec undo(const float m[9], smr_vec v)
+{
+    const smr_vec a = smr_v(m[0], m[3], m[6]), b = smr_v(m[1], m[4], m[7]), c = smr_v(m[2], m[5], m[8]);
+    const float d = determinant(m);
+    if (!(d > SMR_CARRY_FLAT))
+        return v;
+    return smr_scale(smr_v(smr_dot(v, smr_cross(b, c)), smr_dot(v, smr_cross(c, a)), smr_dot(v, smr_cross(a, b))),
+                     1.0f / d);
+}
+
+/* The vertices of the thinnest selection that are nearest to q now, ascending along the curve. Returns their number. */
+static uint32_t starts(const job *j, smr_vec q, uint32_t id[SMR_CARRY_STARTS])
+{
+    const smr_carry_thin *t = &j->c->thin[j->c->n_densities - 1u];
+    float d2[SMR_CARRY_STARTS];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < t->n; i++) {
+        const uint32_t v = t->first + i * t->stride;
+        const smr_vec d = smr_sub(smr_load(j->now + 3u * (size_t)j->c->item[v]), q);
+        const float far = smr_dot(d, d);
+        if (n == SMR_CARRY_STARTS && !(far < d2[n - 1u]))
+            continue;
+        uint32_t at = n < SMR_CARRY_STARTS ? n++ : n - 1u;
+        for (; at > 0u && d2[at - 1u] > far; at--) {
+            d2[at] = d2[at - 1u];
+            id[at] = id[at - 1u];
+        }
+        d2[at] = far;
+        id[at] = v;
+    }
+    return n;
+}
+
+/* The best position so far. */
+typedef struct found {
+    smr_vec p;
+    value v;
+    float miss; /* distance of its image from the wanted point, mm */
+} found;
+
+static found look(const job *j, smr_carry_site *s, smr_vec p, smr_vec q)
+{
+    found f;
+    p = smr_v(smr_clamp(p.x, -4.0f * SMR_COORD_MAX, 4.0f * SMR_COORD_MAX),
+              smr_clamp(p.y, -4.0f * SMR_COORD_MAX, 4.0f * SMR_COORD_MAX),
+              smr_clamp(p.z, -4.0f * SMR_COORD_MAX, 4.0f * SMR_COORD_MAX));
+    f.p = p;
+    f.v = evaluate(j, s, p);
+    f.miss = smr_length(smr_sub(f.v.at, q));
+    return f;
+}
+
+static void descend(const job *j, smr_carry_site *s, smr_vec q, found *best)
+{
+    for (uint32_t round = 0; round < SMR_CARRY_ROUNDS && best->miss > SMR_CARRY_MET; round++) {
+        smr_vec step = undo(best->v.gradient, smr_sub(q, best->v.at));
+        found next = look(j, s, smr_add(best->p, step), q);
+        for (uint32_t k = 0; k < SMR_CARRY_HALVINGS && !(next.miss < best->miss); k++) {
+            step = smr_scale(step, 0.5f);
+            next = look(j, s, smr_add(best->p, step), q);
+        }
+        if (!(next.miss < best->miss))
+            return;
+        *best = next;
+    }
+}
+
+static found invert(const job *j, smr_carry_site *s, smr_vec q)
+{
+    uint32_t id[SMR_CARRY_STARTS];
+    const uint32_t n = starts(j, q, id);
+    found best = {smr_v(0, 0, 0), {smr_v(0, 0, 0), {0}}, SMR_FAR};
+    for (uint32_t i = 0; i < n && best.miss > SMR_CARRY_MET; i++) {
+        const smr_vec off = smr_sub(q, smr_load(j->now + 3u * (size_t)j->c->item[id[i]]));
+        float linear[9];
+        for (uint32_t k = 0; k < 9u; k++)
+            linear[k] = j->trend.m[k / 3u][k % 3u];
+        found f = look(j, s, smr_add(smr_load(j->c->rest + 3u * (size_t)id[i]), undo(linear, off)), q);
+        descend(j, s, q, &f);
+        if (f.miss < best.miss)
+            best = f;
+    }
+    return best;
+}
+
+static void run_map(void *arg, uint32_t task, uint32_t worker)
+{
+    const job *j = arg;
+    smr_carry_site *s = smr_carry_site_of(j->c, worker);
+    const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(j->n, first + SMR_CARRY_CHUNK);
+    for (uint32_t i = first; i < end && s != NULL; i++) {
+        const smr_vec p = smr_load(j->xyz + 3u * (size_t)i);
+        found f;
+        if (j->inverse)
+            f = invert(j, s, p);
+        else
+            f = look(j, s, smr_sub(p, j->c->centre), smr_v(0, 0, 0));
+        smr_store(j->out + 3u * (size_t)i, j->inverse ? smr_add(f.p, j->c->centre) : f.v.at);
+        if (j->facts == NULL)
+            continue;
+        j->facts[i].miss_mm = j->inverse ? f.miss : 0.0f;
+        j->facts[i].volume = determinant(f.v.gradient);
+    }
+}
+
+smr_status smr_carry_map(smr_carry *carry, const float *now, uint32_t inverse, const float *xyz, uint32_t n, float *out,
+                         smr_carry_fact *facts)
+{
+    const smr_status status = (xyz == NULL || out == NULL) && n > 0u ? SMR_E_NULL : smr_carry_check(carry, now);
+    if (status != SMR_OK)
+        return status;
+    if (inverse > 1u || n > SMR_VERTICES_MAX)
+        return SMR_E_INPUT;
+    for (size_t i = 0; i < 3u * (size_t)n; i++)
+        if (!smr_within(xyz[i], SMR_COORD_MAX))
+            return SMR_E_INPUT;
+    job j = {carry, now, smr_carry_trend(carry, now), xyz, n, inverse, out, facts};
+    return smr_carry_run(carry, run_map, &j, n);
+}

@@ -1,0 +1,26 @@
+/* eigen_jacobi.h: eigenvalues, eigenvectors and pseudo-inverses of symmetric 3x3 matrices.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_EIGEN_JACOBI_H
+#define SMR_EIGEN_JACOBI_H
+
+#include "base/vec.h"
+
+/* A symmetric matrix as its six upper entries, in the order xx xy xz yy yz zz. */
+enum { SMR_XX, SMR_XY, SMR_XZ, SMR_YY, SMR_YZ, SMR_ZZ };
+
+/* Diagonalises a symmetric matrix A in place by `sweeps` cyclic Jacobi sweeps with a warm start.
+ * s: in V^T A V (smr_congruence); out the eigenvalues in s[XX], s[YY], s[ZZ], unsorted.
+ * v: in the start V, orthonormal, row-major; out the eigenvectors as columns. */
+void smr_jacobi(float s[6], float v[9], uint32_t sweeps);
+
+/* out = V^T S V for symmetric s. */
+void smr_congruence(const float s[6], const float v[9], float out[6]);
+
+/* Eigenvalues of s, largest first, and their eigenvectors as columns of a proper rotation v; without a warm start. */
+void smr_eigen(const float s[6], float value[3], float v[9]);
+
+/* The pseudo-inverse of a positive semidefinite s. Directions whose eigenvalue is below `floor` times the largest one
+ * get the inverse 0, so a degenerate s has a defined answer. */
+void smr_pseudo_inverse(const float s[6], float floor, float out[6]);
+
+#endif

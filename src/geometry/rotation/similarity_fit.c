@@ -1,0 +1,113 @@
+/* similarity_fit.c: least-squares rigid and scaled transforms between corresponding points.
+ * Source: Horn, Hilden, Negahdaripour 1988; the rotation by polar decomposition and two Newton steps.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/rotation/similarity_fit.h"
+
+#include "geometry/linear_solve/eigen_jacobi.h"
+#include "geometry/rotation/rotation.h"
+
+#define SMR_FIT_OPEN 1.0e-4f /* axes whose curvature, relative to the largest, is below this are undetermined */
+#define SMR_FIT_NEAR 0.01f   /* rad: longer Newton steps are not taken (reflections, deficient ranks) */
+
+void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to)
+{
+    memset(f, 0, sizeof *f);
+    f->origin_from = origin_from;
+    f->origin_to = origin_to;
+}
+
+/* Adds a term to sum i with compensation (Neumaier 1974). Plain sums of a thousand products would move the end of a
+ * bone by a micrometre. */
+static void add(smr_fit *f, uint32_t i, float term)
+{
+    const float before = f->sum[i], sum = before + term;
+    f->lost[i] += smr_abs(before) >= smr_abs(term) ? (before - sum) + term : (term - sum) + before;
+    f->sum[i] = sum;
+}
+
+void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float w)
+{
+    from = smr_sub(from, f->origin_from);
+    to = smr_sub(to, f->origin_to);
+    const float a[3] = {to.x, to.y, to.z}, b[3] = {from.x, from.y, from.z};
+    f->weight += w;
+    for (uint32_t r = 0; r < 3u; r++) {
+        add(f, SMR_FIT_FROM + r, w * b[r]);
+        add(f, SMR_FIT_TO + r, w * a[r]);
+        for (uint32_t c = 0; c < 3u; c++)
+            add(f, SMR_FIT_CROSS + 3u * r + c, w * a[r] * b[c]);
+    }
+    add(f, SMR_FIT_FROM2, w * smr_dot(from, from));
+    add(f, SMR_FIT_TO2, w * smr_dot(to, to));
+}
+
+/* A Newton step towards the rotation R for which R^T A is symmetric. The polar decomposition squares A, which costs
+ * half of the digits of a long bone's rotation about its axis. Undetermined rotations stay as they are. */
+static void sharpen(const float a[9], float r[9])
+{
+    float m[9], turn[9], out[9], c[6], p[6];
+    for (uint32_t i = 0; i < 9u; i++) /* R^T A */
+        m[i] = r[i / 3u] * a[i % 3u] + r[3u + i / 3u] * a[3u + i % 3u] + r[6u + i / 3u] * a[6u + i % 3u];
+    c[SMR_XX] = m[4] + m[8];
+    c[SMR_YY] = m[8] + m[0];
+    c[SMR_ZZ] = m[0] + m[4];
+    c[SMR_XY] = -0.5f * (m[1] + m[3]);
+    c[SMR_XZ] = -0.5f * (m[2] + m[6]);
+    c[SMR_YZ] = -0.5f * (m[5] + m[7]);
+    smr_pseudo_inverse(c, SMR_FIT_OPEN, p);
+    const float full[9] = {p[SMR_XX], p[SMR_XY], p[SMR_XZ], p[SMR_XY], p[SMR_YY],
+                           p[SMR_YZ], p[SMR_XZ], p[SMR_YZ], p[SMR_ZZ]};
+    const smr_vec w = smr_mul(full, smr_v(m[7] - m[5], m[2] - m[6], m[3] - m[1]));
+    if (!(smr_dot(w, w) < SMR_FIT_NEAR * SMR_FIT_NEAR))
+        return;
+    smr_rodrigues(w, turn);
+    for (uint32_t i = 0; i < 9u; i++) /* R + R (turn - I) */
+        out[i] = r[i] + (r[i / 3u * 3u] * turn[i % 3u] + r[i / 3u * 3u + 1u] * turn[3u + i % 3u] +
+                         r[i / 3u * 3u + 2u] * turn[6u + i % 3u]);
+    memcpy(r, out, sizeof out);
+}
+
+/* The weighted sum of products w a b, as if a and b were relative to their means. */
+static float centred(const smr_fit *f, uint32_t product, uint32_t a, uint32_t b)
+{
+    return f->sum[product] - f->sum[a] / f->weight * f->sum[b] + f->lost[product];
+}
+
+/* The weighted sum of squared distances from the mean, mm^2; a: index of the x sum. */
+static float spread(const smr_fit *f, uint32_t product, uint32_t a)
+{
+    return centred(f, product, a, a) - f->sum[a + 1u] / f->weight * f->sum[a + 1u] -
+           f->sum[a + 2u] / f->weight * f->sum[a + 2u];
+}
+
+smr_pose smr_fit_solve(const smr_fit *f, int scaled)
+{
+    float v[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, r[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    float scale = 1.0f;
+    smr_vec from = f->origin_from, to = f->origin_to;
+    if (f->weight > 0.0f) {
+        float cross[9], r_minus_i[9];
+        for (uint32_t i = 0; i < 9u; i++)
+            cross[i] = centred(f, SMR_FIT_CROSS + i, SMR_FIT_TO + i / 3u, SMR_FIT_FROM + i % 3u);
+        smr_polar(cross, v, r_minus_i);
+        for (uint32_t i = 0; i < 9u; i++)
+            r[i] += r_minus_i[i];
+        sharpen(cross, r);
+        sharpen(cross, r);
+        const float from2 = spread(f, SMR_FIT_FROM2, SMR_FIT_FROM), to2 = spread(f, SMR_FIT_TO2, SMR_FIT_TO);
+        if (scaled && from2 > 1.0e-12f && to2 > 1.0e-12f)
+            scale = SMR_SQRT(to2 / from2);
+        from = smr_add(from, smr_scale(smr_load(f->sum + SMR_FIT_FROM), 1.0f / f->weight));
+        to = smr_add(to, smr_scale(smr_load(f->sum + SMR_FIT_TO), 1.0f / f->weight));
+    }
+    smr_pose pose;
+    for (int i = 0; i < 3; i++)
+        for (int c = 0; c < 3; c++)
+            pose.m[i][c] = r[3 * i + c] * scale;
+    pose.m[0][3] = pose.m[1][3] = pose.m[2][3] = 0.0f;
+    const smr_vec moved = smr_pose_apply(&pose, from);
+    pose.m[0][3] = to.x - moved.x;
+    pose.m[1][3] = to.y - moved.y;
+    pose.m[2][3] = to.z - moved.z;
+    return pose;
+}

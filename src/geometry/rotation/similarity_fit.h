@@ -1,0 +1,29 @@
+/* similarity_fit.h: the rigid or scaled pose that best maps one set of points onto another.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_SIMILARITY_FIT_H
+#define SMR_SIMILARITY_FIT_H
+
+#include "base/vec.h"
+
+/* Indexes of the sums in smr_fit. */
+enum { SMR_FIT_FROM = 0, SMR_FIT_TO = 3, SMR_FIT_CROSS = 6, SMR_FIT_FROM2 = 15, SMR_FIT_TO2, SMR_FIT_SUMS };
+
+/* Sums over weighted pairs (from, to), points relative to the origins. */
+typedef struct smr_fit {
+    smr_vec origin_from, origin_to; /* mm */
+    float sum[SMR_FIT_SUMS];        /* w from, w to, w to from^T (row-major), w |from|^2, w |to|^2 */
+    float lost[SMR_FIT_SUMS];       /* rounding errors of these sums */
+    float weight;                   /* sum of w */
+} smr_fit;
+
+/* Clears the sums. The origins should lie near the points, so that coordinates far from 0 lose no digits. */
+void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to);
+
+/* Adds one pair of points with weight w > 0. */
+void smr_fit_add(smr_fit *f, smr_vec from, smr_vec to, float w);
+
+/* The pose that minimises sum w |pose(from) - to|^2. With scaled not 0 it has a scale, sqrt(spread of to / spread
+ * of from). The rotation is the identity where the pairs do not determine it. */
+smr_pose smr_fit_solve(const smr_fit *f, int scaled);
+
+#endif

@@ -1,0 +1,100 @@
+/* surface_fragments.c: finds small components of a target surface, such as a scanner or a reconstruction leaves.
+ * Triangles belong together by common vertices. An open component of very few triangles is a fragment; if fragments
+ * are a large part of all triangles, none is. Registration ignores fragments: they are not found, do not attract,
+ * and do not open a closed surface. Closed components stay, whatever their size.
+ * Method: union-find over triangles, united by size (Tarjan 1975).
+ * Bounds: the stages of a surface's build; a path has at most log2(n_triangles) steps.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/surface/surface.h"
+
+#define SMR_FRAGMENT_PART 256u /* a component of at most 1 / this of all triangles is a fragment */
+/* fewest triangles of a surface with fragments: in a coarse one each triangle matters */
+#define SMR_FRAGMENT_LEAST 512u
+#define SMR_FRAGMENT_SHARE 8u /* fragments together are at most 1 / this of all triangles */
+
+static uint32_t *parent(const smr_surface *s) { return s->work.key; }
+
+/* Of a component's root: its triangles, and those of them with a border edge. */
+static uint32_t *count(const smr_surface *s) { return s->work.tmp; }
+static uint32_t *edges(const smr_surface *s) { return s->work.tmp + s->tree.n_triangles; }
+
+static uint32_t root(const smr_surface *s, uint32_t k)
+{
+    uint32_t *const up = parent(s);
+    while (up[k] != k)
+        k = up[k] = up[up[k]];
+    return k;
+}
+
+/* Unites two components. */
+static void unite(smr_surface *s, uint32_t a, uint32_t b)
+{
+    const uint32_t more = count(s)[a] < count(s)[b] ? b : a, fewer = more == a ? b : a;
+    if (a == b)
+        return;
+    parent(s)[fewer] = more;
+    count(s)[more] += count(s)[fewer];
+    edges(s)[more] += edges(s)[fewer];
+}
+
+int smr_fragments_forget(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (uint32_t v = first; v < last; v++)
+        s->work.start[v] = SMR_NONE;
+    return 1;
+}
+
+int smr_fragments_join(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (uint32_t k = first; k < last; k++) {
+        parent(s)[k] = k;
+        count(s)[k] = 1;
+        edges(s)[k] = (s->border[k] & 7u) != 0u;
+        for (uint32_t c = 0; c < 3u; c++) {
+            uint32_t *const one = &s->work.start[s->triangle[3u * (size_t)k + c]];
+            if (*one == SMR_NONE)
+                *one = k;
+            unite(s, root(s, *one), root(s, k));
+        }
+    }
+    return 1;
+}
+
+static int is_fragment(const smr_surface *s, uint32_t r)
+{
+    return s->tree.n_triangles >= SMR_FRAGMENT_LEAST && count(s)[r] <= s->tree.n_triangles / SMR_FRAGMENT_PART &&
+           edges(s)[r] > 0u;
+}
+
+int smr_fragments_sum(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (uint32_t k = first; k < last; k++)
+        if (parent(s)[k] == k && is_fragment(s, k))
+            s->n_fragment += count(s)[k];
+    if (last == s->tree.n_triangles && s->n_fragment > last / SMR_FRAGMENT_SHARE)
+        s->n_fragment = 0;
+    return 1;
+}
+
+int smr_fragments_mark(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (uint32_t k = first; k < last; k++)
+        if (s->n_fragment > 0u && is_fragment(s, root(s, k)))
+            s->border[k] |= SMR_SKIPPED;
+        else
+            s->open |= (s->border[k] & 7u) != 0u;
+    return 1;
+}
+
+int smr_fragments_release(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (uint32_t v = first; v < last && s->n_fragment > 0u; v++) {
+        if (!smr_surface_fragment(s, v))
+            continue;
+        s->work.area -= s->area[v];
+        s->area[v] = 0.0f;
+        s->n_used -= !s->work.refit;
+        s->n_fragment_vertices += !s->work.refit;
+    }
+    return 1;
+}

@@ -1,0 +1,97 @@
+/* log_format.h: the log of a registration: bytes of its records, and functions that write them.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_LOG_FORMAT_H
+#define SMR_LOG_FORMAT_H
+
+#include "geometry/surface/points.h"
+#include "registration/shape/schedule_state.h"
+
+#define SMR_LOG_MAGIC 0x4c524d53u /* "SMRL" */
+#define SMR_LOG_VERSION 3u
+#define SMR_LOG_FIXED 28u /* bytes of a header before the configuration */
+#define SMR_LOG_FRAME 8u  /* bytes of a record around its content: its head and its checksum */
+#define SMR_LOG_WORDS 12u /* words of the largest content */
+
+/* Words of the configuration: for each setting a head and its value. */
+enum {
+    SMR_LOG_CONFIG_WORDS = 0
+#define SMR_GROUP(title)
+#define SMR_SETTING(kind, number, path, ...) +((number) > 0 ? 1 + (int)(sizeof(((smr_config *)NULL)->path) / 4u) : 0)
+#include "base/settings_config.def"
+};
+
+#define SMR_LOG_HEADER (SMR_LOG_FIXED + 4u * SMR_LOG_CONFIG_WORDS + 4u) /* bytes of a header as written here */
+#define SMR_LOG_FULL_BYTES (SMR_LOG_FRAME + 4u)                         /* bytes that stay free until recording ends */
+
+/* Words of a record's content; 0: unknown kind. */
+uint32_t smr_log_words(uint32_t kind);
+
+static inline void smr_log_put32(unsigned char *to, uint32_t v)
+{
+    to[0] = (unsigned char)(v & 255u);
+    to[1] = (unsigned char)(v >> 8 & 255u);
+    to[2] = (unsigned char)(v >> 16 & 255u);
+    to[3] = (unsigned char)(v >> 24);
+}
+
+static inline uint32_t smr_log_get32(const unsigned char *from)
+{
+    return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 | (uint32_t)from[3] << 24;
+}
+
+/* State of the recording. */
+typedef struct smr_log {
+    unsigned char *memory; /* the caller's memory; NULL: no recording */
+    /* smr_log_write; NULL: nothing is recorded. A program that sets no log has none of log_write.c */
+    void (*write)(struct smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n);
+    size_t bytes, used;
+    uint32_t crc; /* CRC-32 up to the last record */
+    uint32_t n_ticks;
+    uint32_t full;  /* 1: a record did not fit, and none follows */
+    uint32_t fresh; /* 1: the registration has not changed since smr_init() */
+} smr_log;
+
+/* The configuration as SMR_LOG_CONFIG_WORDS words, and back from n_words words of a log of this version. Errors:
+ * E_LOG (other version, unknown or repeated setting, wrong length). Values are not checked. */
+void smr_log_put_config(unsigned char *to, const smr_config *config);
+smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint32_t version, smr_config *config);
+
+/* Checksums of the numbers, not of their bytes in memory: equal on all processors. Never 0. */
+uint64_t smr_points_checksum(const float *xyz, uint32_t n);
+uint64_t smr_cloud_checksum(const smr_points *points);
+uint64_t smr_goals_checksum(const smr_goals *goals, uint32_t n);
+uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n);
+uint64_t smr_surface_checksum(const smr_surface *surface);
+uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh, or of a cloud and its capacity */
+uint64_t smr_volume_checksum(const smr_volume *volume);
+
+void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n);
+
+/* Starts a log with its header, and ends it. */
+void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t bytes);
+void smr_log_end(smr_log *log);
+
+/* A tick, as it is recorded. */
+typedef struct smr_log_of_tick {
+    const smr_tick_report *report;
+    uint32_t complete;    /* 1: an iteration was completed, or the schedule was done already */
+    uint32_t n_evaluated; /* vertices whose forces were looked for, so far in the iteration or in the complete one */
+} smr_log_of_tick;
+
+/* Records a call that has succeeded: kind is SMR_LOG_...
+ *   SURFACE, POINTS, FIXED_SURFACE  number: structure or index   what: the surface or cloud, NULL
+ *   POSITIONS, GOALS, MOTION        number: structure            what: xyz, smr_goals, smr_motion   n: vertices
+ *   LANDMARKS                       what: [n] landmarks
+ *   VOLUME, POSE                    what: the volume, NULL; the pose
+ *   FORCE                           number: 0 taken away, 1 set, 2 what: the sum (uint64_t) that it gave in the next tick
+ *   VOLUME_RATIO                    number: structure            what: the ratio (float)
+ *   ACTIVE                          number: vertices
+ *   TICK                            what: smr_log_of_tick */
+static inline void smr_log_note(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n)
+{
+    log->fresh = 0;
+    if (log->write != NULL)
+        log->write(log, kind, number, what, n);
+}
+
+#endif

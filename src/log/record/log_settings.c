@@ -1,0 +1,105 @@
+/* log_settings.c: the configuration in a log's header. Versions 2 and 3 write each setting with its number in the
+ * table of settings, so that fields can move and be added; a missing setting has its default. Before version 3 every
+ * target was whole. Version 1 has the struct of library 0.1 as it lay in memory: its words are the numbers up to 44,
+ * with the cookie as word 0.
+ * Bounds: SMR_LOG_CONFIG_WORDS words, the table's rows for each of them.
+ * SPDX-License-Identifier: MIT */
+#include "base/settings.h"
+#include "log/record/log_format.h"
+
+#define SMR_LOG_WORDS_V1 45u
+#define SMR_LOG_COVERAGE 3u /* the first version with partial targets */
+
+typedef struct log_row {
+    uint32_t number, offset, n; /* n: words; 0: not in logs */
+} log_row;
+
+static const log_row rows[] = {
+#define SMR_GROUP(title)
+#define SMR_SETTING(kind, number, path, name, unit, low, high, ends, value, image, text)                               \
+    {number, (uint32_t)offsetof(smr_config, path),                                                                     \
+     (number) > 0 ? (uint32_t)(sizeof(((smr_config *)NULL)->path) / 4u) : 0u},
+#include "base/settings_config.def"
+};
+
+#define SMR_LOG_ROWS (sizeof rows / sizeof rows[0])
+
+/* One bit for each setting that was read. */
+#define SMR_LOG_VISITED_WORDS ((SMR_LOG_ROWS + 31u) / 32u)
+
+/* The order in which settings are written, by number: that of library 0.2. */
+static const uint8_t written[] = {1,  2,  29, 43, 44, 38, 7,  45, 4,  5,  6,  50, 46, 48, 49, 47, 20, 21,
+                                  23, 24, 25, 27, 3,  8,  9,  10, 11, 19, 22, 26, 28, 12, 13, 16, 30, 31,
+                                  32, 33, 35, 34, 36, 37, 41, 42, 39, 40, 60, 61, 62, 63, 64, 65, 55, 56,
+                                  57, 58, 59, 75, 69, 70, 71, 72, 73, 76, 66, 67, 51, 52, 53};
+
+_Static_assert(sizeof written == SMR_LOG_ROWS - 1u, "every setting but attract is written");
+
+/* The row of this number. */
+static const log_row *numbered(uint32_t number)
+{
+    size_t i = 0;
+    while (i + 1u < SMR_LOG_ROWS && rows[i].number != number)
+        i++;
+    return &rows[i];
+}
+
+void smr_log_put_config(unsigned char *to, const smr_config *config)
+{
+    for (size_t i = 0; i < sizeof written; i++) {
+        const log_row *row = numbered(written[i]);
+        smr_log_put32(to, row->number | row->n << 16);
+        to += 4;
+        for (uint32_t k = 0; k < row->n; k++, to += 4) {
+            uint32_t word;
+            memcpy(&word, (const unsigned char *)config + row->offset + 4u * k, sizeof word);
+            smr_log_put32(to, word);
+        }
+    }
+}
+
+static void set(smr_config *config, const log_row *row, const unsigned char *from)
+{
+    for (uint32_t k = 0; k < row->n; k++) {
+        const uint32_t word = smr_log_get32(from + 4u * k);
+        memcpy((unsigned char *)config + row->offset + 4u * k, &word, sizeof word);
+    }
+}
+
+/* The table's row with this number and size; SMR_LOG_ROWS: none. */
+static size_t row_of(uint32_t head)
+{
+    size_t i = 0;
+    while (i < SMR_LOG_ROWS && (rows[i].n == 0u || (rows[i].number | rows[i].n << 16) != head))
+        i++;
+    return i;
+}
+
+static smr_status get_numbered(const unsigned char *from, uint32_t n_words, smr_config *config)
+{
+    uint32_t visited[SMR_LOG_VISITED_WORDS] = {0};
+    for (uint32_t at = 0; at < n_words;) {
+        const size_t i = row_of(smr_log_get32(from + 4u * at));
+        if (i == SMR_LOG_ROWS || (visited[i / 32u] >> i % 32u & 1u) != 0u || n_words - at - 1u < rows[i].n)
+            return SMR_E_LOG;
+        visited[i / 32u] |= 1u << i % 32u;
+        set(config, &rows[i], from + 4u * ((size_t)at + 1u));
+        at += 1u + rows[i].n;
+    }
+    return SMR_OK;
+}
+
+smr_status smr_log_get_config(const unsigned char *from, uint32_t n_words, uint32_t version, smr_config *config)
+{
+    *config = smr_config_default();
+    if (version < SMR_LOG_COVERAGE)
+        config->partial.coverage = SMR_COVERAGE_WHOLE;
+    if (version == 2u || version == SMR_LOG_VERSION)
+        return get_numbered(from, n_words, config);
+    if (version != 1u || n_words != SMR_LOG_WORDS_V1)
+        return SMR_E_LOG;
+    for (size_t i = 0; i < SMR_LOG_ROWS; i++)
+        if (rows[i].number + rows[i].n <= SMR_LOG_WORDS_V1)
+            set(config, &rows[i], from + 4u * (size_t)rows[i].number);
+    return SMR_OK;
+}

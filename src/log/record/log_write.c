@@ -1,0 +1,173 @@
+/* log_write.c: logs all inputs of a registration, and how far each tick came. Together with the inputs this determines all
+ * bits, so a run that the clock has cut can be repeated anywhere. Bytes are little-endian, records are appended, and
+ * each record's checksum continues the one before: after a loss of power the log is readable up to its last record.
+ * Layout: docs/SPEC.md.
+ * Bounds: SMR_LOG_WORDS; SMR_LOG_CONFIG_WORDS for the header.
+ * SPDX-License-Identifier: MIT */
+#include "log/record/log_format.h"
+
+_Static_assert(SMR_LOG_BYTES(1, 0) - SMR_LOG_BYTES(0, 0) == 2u * SMR_LOG_FRAME + 4u * (8u + 3u),
+               "a tick, and what a force gave");
+_Static_assert(SMR_LOG_BYTES(0, 0) >= SMR_LOG_HEADER + SMR_LOG_FULL_BYTES, "SMR_LOG_BYTES is too small");
+
+uint32_t smr_log_words(uint32_t kind)
+{
+    switch (kind) {
+    case SMR_LOG_TICK: return 8;
+    case SMR_LOG_SURFACE:
+    case SMR_LOG_POINTS:
+    case SMR_LOG_FIXED_SURFACE:
+    case SMR_LOG_GOALS: return 4;
+    case SMR_LOG_VOLUME:
+    case SMR_LOG_FORCE: return 3;
+    case SMR_LOG_POSE: return 12;
+    case SMR_LOG_MOTION:
+    case SMR_LOG_POSITIONS: return 3;
+    case SMR_LOG_VOLUME_RATIO: return 2;
+    case SMR_LOG_LANDMARKS: return 12;
+    case SMR_LOG_ACTIVE:
+    case SMR_LOG_FULL: return 1;
+    default: return 0;
+    }
+}
+
+/* Appends a record that fits. */
+static void write_record(smr_log *log, uint32_t kind, const uint32_t *word)
+{
+    const uint32_t n = smr_log_words(kind), bytes = SMR_LOG_FRAME + 4u * n;
+    unsigned char *to = log->memory + log->used;
+    smr_log_put32(to, kind | bytes << 8);
+    for (uint32_t i = 0; i < n; i++)
+        smr_log_put32(to + 4u + 4u * i, word[i]);
+    log->crc = smr_crc32(log->crc, to, bytes - 4u);
+    smr_log_put32(to + bytes - 4u, log->crc);
+    log->used += bytes;
+}
+
+/* Appends a record. After one that did not fit nothing follows: a log with a gap would be useless. */
+static void put(smr_log *log, uint32_t kind, const uint32_t *word)
+{
+    const size_t needed = SMR_LOG_FRAME + 4u * (size_t)smr_log_words(kind) + SMR_LOG_FULL_BYTES;
+    if (log->full)
+        return;
+    if (log->bytes - log->used < needed) {
+        write_record(log, SMR_LOG_FULL, &kind);
+        log->full = 1;
+        return;
+    }
+    write_record(log, kind, word);
+    log->n_ticks += kind == SMR_LOG_TICK;
+}
+
+static uint32_t high(uint64_t v) { return (uint32_t)(v >> 32); }
+static uint32_t low(uint64_t v) { return (uint32_t)(v & 0xffffffffu); }
+
+/* Checksum of an input; 0: it was taken away. */
+static uint64_t sum_of(uint32_t kind, const void *what, uint32_t n)
+{
+    if (what == NULL)
+        return 0;
+    switch (kind) {
+    case SMR_LOG_POINTS: return smr_cloud_checksum(what);
+    case SMR_LOG_VOLUME: return smr_volume_checksum(what);
+    case SMR_LOG_POSITIONS: return smr_points_checksum(what, n);
+    case SMR_LOG_MOTION: return smr_motion_checksum(what, n);
+    case SMR_LOG_GOALS: return ((const smr_goals *)what)->xyz == NULL ? 0u : smr_goals_checksum(what, n);
+    default: return smr_surface_checksum(what);
+    }
+}
+
+/* Logs each landmark as a record of its own. No landmark at all is a record of zeros. */
+static void put_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n)
+{
+    for (uint32_t i = 0; i < n || i == 0u; i++) {
+        uint32_t word[12] = {n, i};
+        if (n > 0u) {
+            const smr_landmark *l = &landmark[i];
+            word[2] = l->structure;
+            word[3] = l->vertex;
+            for (uint32_t c = 0; c < 3u; c++) {
+                word[4u + c] = l->vertex == SMR_NONE ? smr_float_bits(l->rest[c]) : 0u;
+                word[7u + c] = smr_float_bits(l->place[c]);
+            }
+            word[10] = l->hard ? 0u : smr_float_bits(l->weight);
+            word[11] = l->hard;
+        }
+        put(log, SMR_LOG_LANDMARKS, word);
+    }
+}
+
+static void put_tick(smr_log *log, const smr_log_of_tick *tick)
+{
+    const smr_tick_report *r = tick->report;
+    const uint32_t flags = tick->complete | r->done << 1 | r->details.phase << 8;
+    const uint32_t word[8] = {flags,
+                              r->iteration,
+                              r->details.n_taken,
+                              tick->n_evaluated,
+                              r->n_forces,
+                              r->details.plastic_updates,
+                              low(r->state_hash),
+                              high(r->state_hash)};
+    put(log, SMR_LOG_TICK, word);
+}
+
+static void put_floats(smr_log *log, uint32_t kind, const uint32_t *first, uint32_t n_first, const float *value)
+{
+    uint32_t word[SMR_LOG_WORDS];
+    const uint32_t n = smr_log_words(kind);
+    for (uint32_t i = 0; i < n; i++)
+        word[i] = i < n_first ? first[i] : smr_float_bits(value[i - n_first]);
+    put(log, kind, word);
+}
+
+void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n)
+{
+    uint64_t sum = 0;
+    switch (kind) {
+    case SMR_LOG_TICK: put_tick(log, what); return;
+    case SMR_LOG_LANDMARKS: put_landmarks(log, what, n); return;
+    case SMR_LOG_POSE: put_floats(log, kind, NULL, 0, ((const smr_pose *)what)->m[0]); return;
+    case SMR_LOG_VOLUME_RATIO: put_floats(log, kind, &number, 1, what); return;
+    case SMR_LOG_ACTIVE: put(log, kind, &number); return;
+    case SMR_LOG_FORCE:
+        if (what != NULL)
+            memcpy(&sum, what, sizeof sum);
+        break;
+    default: sum = sum_of(kind, what, n); break;
+    }
+    const int present = kind == SMR_LOG_GOALS ? ((const smr_goals *)what)->xyz != NULL : what != NULL;
+    const uint32_t bare[3] = {kind == SMR_LOG_VOLUME ? (uint32_t)present : number, low(sum), high(sum)};
+    const uint32_t whole[4] = {number, (uint32_t)present, low(sum), high(sum)};
+    put(log, kind, smr_log_words(kind) == 4u ? whole : bare);
+}
+
+static void write_header(smr_log *log, const smr_shared *shared)
+{
+    const uint32_t version = SMR_VERSION_MAJOR << 16 | SMR_VERSION_MINOR << 8 | SMR_VERSION_PATCH;
+    const uint32_t fixed[SMR_LOG_FIXED / 4u] = {
+        SMR_LOG_MAGIC, SMR_LOG_VERSION,     SMR_LOG_HEADER, version, smr_le32(shared->model->checksum),
+        shared->n,     SMR_LOG_CONFIG_WORDS};
+    for (uint32_t i = 0; i < SMR_LOG_FIXED / 4u; i++)
+        smr_log_put32(log->memory + 4u * i, fixed[i]);
+    smr_log_put_config(log->memory + SMR_LOG_FIXED, &shared->config);
+    log->crc = smr_crc32(0, log->memory, SMR_LOG_HEADER - 4u);
+    smr_log_put32(log->memory + SMR_LOG_HEADER - 4u, log->crc);
+    log->used = SMR_LOG_HEADER;
+}
+
+void smr_log_end(smr_log *log)
+{
+    const uint32_t fresh = log->fresh;
+    memset(log, 0, sizeof *log);
+    log->fresh = fresh;
+}
+
+void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t bytes)
+{
+    smr_log_end(log);
+    log->memory = memory;
+    log->write = smr_log_write;
+    log->bytes = bytes;
+    write_header(log, shared);
+}

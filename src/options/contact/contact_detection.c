@@ -1,0 +1,336 @@
+/* contact_detection.c: what vertices touch, and the way out. A vertex that touches another structure within SMR_CONTACT_BAND has
+ * a plane there, with the way out as its normal. Displaced by forces and momentum, and the other surface by its own, it
+ * may not lie behind the plane: what is missing is shared by mass, and each side adds its share, along the normal only,
+ * so sliding is free. Source: non-penetration constraints of Mueller et al., "Position based dynamics", 2006.
+ * Inside, the way out leads through triangles that face the vertex' own normal, so that a thin structure is not passed
+ * through; from fixed surfaces it is the shortest. What a vertex touches fades in and out with distance.
+ * A lower bound on the distance to everything spares most searches: it falls by what has moved since.
+ * Bounds: two searches of config.forces.node_budget tree nodes for each vertex and body whose box is near.
+ * SPDX-License-Identifier: MIT */
+#include "options/contact/contact.h"
+
+#include "geometry/surface/signed_distance.h"
+#include "registration/shape/enclosed_volume.h"
+
+#define SMR_CONTACT_DEEP 10.0f /* mm: a vertex deeper inside than this when first searched is not pushed out */
+/* mm beyond the contact thickness: contacts start there, and have full weight at half of it */
+#define SMR_CONTACT_BAND 0.5f
+#define SMR_REACH_NEAR 1.25f /* contact zones: search radius for vertices that were near a surface */
+#define SMR_REACH_FAR 4.0f   /* contact zones: search radius for all other vertices */
+/* cosine between exit direction and inward normal: at or above it a contact has no weight */
+#define SMR_FACING_NONE (-0.5f)
+#define SMR_FACING_FULL (-0.3f) /* the same cosine: at or below it a contact has full weight */
+/* a vertex that is nearer to the opposite surface by this factor has passed through the structure */
+#define SMR_PASSED 4.0f
+/* number of last iterations that also test triangles' centres: in more of them the centres drift */
+#define SMR_TRIANGLES_LAST 2u
+#define SMR_TRIANGLE_REACH 3.0f /* mm beyond the contact thickness: search depth of triangles' centres */
+#define SMR_REACH_UNKNOWN (-SMR_CONTACT_DEEP)
+
+static uint32_t n_bodies(const smr_shared *c) { return c->n_structures + c->config.contact.n_fixed; }
+
+void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared)
+{
+    const size_t n = shared->n;
+    if (shared->config.contact.n_fixed > 0u)
+        c->fixed =
+            smr_slot_scratch(a, c->fixed, shared->config.contact.n_fixed, sizeof *c->fixed); /* set again: restore_awaited_inputs.c */
+    if (!(shared->config.contact.share > 0.0f))
+        return;
+    c->box = smr_slot_scratch(a, c->box, n_bodies(shared), 6u * sizeof(float));
+    c->closed = smr_slot_scratch(a, c->closed, shared->n_structures, 1);
+    c->touch = smr_slot_scratch(a, c->touch, n, SMR_TOUCHES * sizeof *c->touch);
+    c->triangle_touch = smr_slot_scratch(a, c->triangle_touch, shared->n_triangles, sizeof *c->triangle_touch);
+    c->push = smr_slot_scratch(a, c->push, n, 3u * sizeof(float));
+    c->reach = smr_slot_floats(a, c->reach, n, SMR_KEPT_MM);
+    c->reach_next = smr_slot_scratch(a, c->reach_next, n, sizeof(float));
+}
+
+void smr_contact_wire(smr_contact *c, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape)
+{
+    c->shared = shared;
+    c->schedule = schedule;
+    c->shape = shape;
+    if (c->fixed != NULL)
+        memset(c->fixed, 0, shared->config.contact.n_fixed * sizeof *c->fixed);
+}
+
+void smr_contact_model(smr_contact *c)
+{
+    float mm3 = 0.0f, thick_mm;
+    for (uint32_t i = 0; c->closed != NULL && i < c->shared->n_structures; i++)
+        c->closed[i] = (uint8_t)(smr_rest_volume(c->shape, i, &mm3, &thick_mm) && mm3 > 0.0f);
+}
+
+void smr_contact_reset(smr_contact *c)
+{
+    if (c->touch == NULL)
+        return;
+    for (uint32_t v = 0; v < c->shared->n; v++) {
+        c->touch[SMR_TOUCHES * (size_t)v].body = SMR_NONE;
+        smr_store(smr_at3(c->push, v), smr_v(0, 0, 0));
+        c->reach[v] = c->reach_next[v] = SMR_REACH_UNKNOWN;
+    }
+}
+
+int smr_fixed_valid(const smr_contact *c)
+{
+    int valid = 1;
+    for (uint32_t i = 0; c->fixed != NULL && i < c->shared->config.contact.n_fixed; i++) {
+        const smr_fixed_surface *f = &c->fixed[i];
+        valid &= f->surface == NULL || (smr_surface_valid(f->surface) && f->surface->n_vertices == f->n_vertices &&
+                                        f->surface->changes == f->changes);
+    }
+    return valid;
+}
+
+/* The box of all triangles in a tree, moved by shift. An empty tree gives a box whose low corner lies above the high
+ * one. */
+static void box_of(const smr_box_tree *f, smr_vec shift, float box[6])
+{
+    const float off[3] = {shift.x, shift.y, shift.z};
+    for (uint32_t axis = 0; axis < 3u; axis++) {
+        float lo = SMR_FAR, hi = -SMR_FAR;
+        for (uint32_t k = 0; f->n_levels > 0u && k < SMR_TREE_WIDTH; k++) {
+            const smr_node *root = &f->node[f->level[f->n_levels - 1u]];
+            if (!(root->lo[axis][k] < SMR_FAR))
+                continue;
+            lo = smr_min(lo, root->lo[axis][k]);
+            hi = smr_max(hi, root->hi[axis][k]);
+        }
+        box[axis] = lo + off[axis];
+        box[3u + axis] = hi + off[axis];
+    }
+}
+
+/* The triangles of a structure or of a fixed surface; NULL: the body cannot be touched. shift: from the body's
+ * origin to the shape's, mm. */
+static const smr_box_tree *body_of(const smr_contact *c, uint32_t body, smr_vec *shift)
+{
+    *shift = smr_v(0, 0, 0);
+    if (body < c->shared->n_structures)
+        return c->closed[body] ? &c->shape->structure[body].tree : NULL;
+    const smr_surface *surface = c->fixed[body - c->shared->n_structures].surface;
+    if (surface == NULL)
+        return NULL;
+    *shift = smr_sub(surface->origin, c->shape->origin);
+    return &surface->tree;
+}
+
+static void place_box(smr_contact *c, uint32_t body)
+{
+    static const float none[6] = {SMR_FAR, SMR_FAR, SMR_FAR, -SMR_FAR, -SMR_FAR, -SMR_FAR};
+    smr_vec shift;
+    const smr_box_tree *f = body_of(c, body, &shift);
+    if (f == NULL)
+        memcpy(c->box + 6u * (size_t)body, none, sizeof none);
+    else
+        box_of(f, shift, c->box + 6u * (size_t)body);
+}
+
+/* Returns 1 in the last iterations of the last radius. */
+static int triangles_due(const smr_contact *c)
+{
+    return smr_contact_on(c) && smr_at_last_radius(c->shared, c->schedule) && !c->schedule->tracking &&
+           c->schedule->radius_iteration + SMR_TRIANGLES_LAST >= c->shared->config.basic.iterations_last;
+}
+
+void smr_contact_begin(smr_contact *c)
+{
+    for (uint32_t i = 0; c->touch != NULL && i < n_bodies(c->shared); i++)
+        place_box(c, i);
+    c->triangles_due = (uint32_t)triangles_due(c);
+}
+
+void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface)
+{
+    c->fixed[index] = (smr_fixed_surface){surface, 0, 0};
+    if (surface != NULL)
+        c->fixed[index] = (smr_fixed_surface){surface, surface->n_vertices, surface->changes};
+    if (c->touch == NULL)
+        return;
+    place_box(c, c->shared->n_structures + index);
+    for (uint32_t v = 0; v < c->shared->n; v++)
+        c->reach[v] = SMR_REACH_UNKNOWN;
+}
+
+/* Stores the new distance bounds. The bounds of inactive vertices fall by the largest displacement; while folds are
+ * repaired that is all vertices. */
+void smr_contact_commit(smr_contact *c)
+{
+    const uint32_t n = smr_contact_on(c) ? c->schedule->n_active : 0u;
+    if (c->touch == NULL)
+        return;
+    memcpy(c->reach, c->reach_next, n * sizeof *c->reach);
+    for (uint32_t v = n; v < c->shared->n; v++)
+        if (c->reach[v] != SMR_REACH_UNKNOWN)
+            c->reach[v] = smr_max(c->reach[v] - 2.0f * *c->moved_mm, 2.0f * SMR_REACH_UNKNOWN);
+}
+
+static int in_reach(const float *box, smr_vec p, float reach)
+{
+    return p.x > box[0] - reach && p.y > box[1] - reach && p.z > box[2] - reach && p.x < box[3] + reach &&
+           p.y < box[4] + reach && p.z < box[5] + reach;
+}
+
+static float ramp(float value, float from, float to) { return smr_clamp((value - from) / (to - from), 0.0f, 1.0f); }
+
+/* For a vertex inside a structure: finds the exit through triangles that face the vertex. Returns the contact's
+ * weight. */
+static float face_out(const smr_box_tree *f, const float *normal, smr_query q, smr_side *side)
+{
+    const float nearest = -side->mm;
+    q.min_cos = SMR_FACING_NONE;
+    if (!smr_signed_distance(f, normal, &q, SMR_CONTACT_DEEP, side) || side->mm > 0.0f)
+        return 0.0f;
+    return smr_clamp(SMR_PASSED * nearest / smr_max(-side->mm, 1.0e-6f), 0.0f, 1.0f);
+}
+
+/* Returns 1 when the nearest triangle faces the vertex, so that the shortest exit is valid. */
+static int facing(const smr_box_tree *f, uint32_t triangle, smr_vec inward)
+{
+    return smr_dot(smr_load(f->normal + 3u * (size_t)triangle), inward) > 0.0f;
+}
+
+/* A point of a structure's surface that is tested for contact. */
+typedef struct probe {
+    smr_vec at, inward; /* position, mm; unit vector against the normal */
+    uint32_t owner;
+} probe;
+
+/* The signed distance of a point to one body. Returns the contact's weight, 0..1; -1: the body is farther than
+ * reach. */
+static float side_of(const smr_contact *c, const probe *p, uint32_t body, float reach, smr_side *side)
+{
+    smr_vec shift;
+    const smr_box_tree *f = body_of(c, body, &shift);
+    const int moves = body < c->shared->n_structures;
+    const smr_surface *fixed = moves ? NULL : c->fixed[body - c->shared->n_structures].surface;
+    const float *normal = moves ? c->shape->normal : fixed->normal;
+    const smr_query q = {smr_sub(p->at, shift), p->inward, -2.0f, c->shared->config.forces.node_budget, SMR_NONE};
+    if (!smr_signed_distance(f, normal, &q, reach, side))
+        return -1.0f;
+    if (!moves)
+        return fixed->open && smr_surface_on_border(fixed, side->triangle, side->weight) ? 0.0f : 1.0f;
+    if (side->mm < 0.0f)
+        return facing(f, side->triangle, q.normal) ? 1.0f : face_out(f, normal, q, side);
+    return ramp(smr_dot(p->inward, side->out), SMR_FACING_NONE, SMR_FACING_FULL);
+}
+
+/* Keeps the n deepest contacts, in the order of the bodies. */
+static void keep(smr_touch *touch, uint32_t n, const smr_touch *more)
+{
+    uint32_t shallow = 0, used = 0;
+    for (; used < n && touch[used].body != SMR_NONE; used++)
+        if (touch[used].mm > touch[shallow].mm)
+            shallow = used;
+    if (used < n) {
+        touch[used] = *more;
+        return;
+    }
+    if (!(more->mm < touch[shallow].mm))
+        return;
+    for (uint32_t i = shallow; i + 1u < n; i++)
+        touch[i] = touch[i + 1u];
+    touch[n - 1u] = *more;
+}
+
+/* Tests all bodies within reach of a point and keeps its n deepest contacts. Returns the new lower bound on the
+ * distance. */
+static float look(const smr_contact *c, const probe *p, float reach, smr_touch *touch, uint32_t n)
+{
+    const float thick = c->shared->config.contact.gap_mm, zone = thick + SMR_CONTACT_BAND;
+    float nearest = reach, deepest = 0.0f;
+    int inside = 0;
+    for (uint32_t body = 0; body < n_bodies(c->shared); body++) {
+        smr_side side;
+        if (body == p->owner || !in_reach(c->box + 6u * (size_t)body, p->at, reach))
+            continue;
+        const float counts = side_of(c, p, body, reach, &side);
+        if (counts < 0.0f)
+            continue;
+        inside |= side.mm <= 0.0f;
+        deepest = smr_max(deepest, -side.mm);
+        nearest = smr_min(nearest, smr_abs(side.mm));
+        const float share = counts * ramp(side.mm, zone, zone - 0.5f * SMR_CONTACT_BAND);
+        if (!(share > 0.0f))
+            continue;
+        smr_touch more = {body,      side.triangle, {side.weight[0], side.weight[1], side.weight[2]},
+                          {0, 0, 0}, side.mm,       share};
+        smr_store(more.out, side.out);
+        keep(touch, n, &more);
+    }
+    return inside ? -deepest : nearest;
+}
+
+void smr_contact_find(smr_contact *c, uint32_t v)
+{
+    /* after an abandoned iteration the last displacement is unknown: a replay does not know it either */
+    const float moved = c->reach[v] == SMR_REACH_UNKNOWN ? 0.0f : 2.0f * *c->moved_mm;
+    const float zone = c->shared->config.contact.gap_mm + SMR_CONTACT_BAND;
+    smr_touch *touch = c->touch + SMR_TOUCHES * (size_t)v;
+    const float bound = c->reach[v] - moved;
+    for (uint32_t i = 0; i < SMR_TOUCHES; i++)
+        touch[i].body = SMR_NONE;
+    c->reach_next[v] = smr_max(bound, 2.0f * SMR_REACH_UNKNOWN);
+    if (!c->shape->on_surface[v] || (c->reach[v] > 0.0f && bound > zone))
+        return;
+    /* -bound: largest possible depth inside a structure now, mm */
+    const float far = zone * (c->reach[v] > zone ? SMR_REACH_FAR : SMR_REACH_NEAR);
+    const probe p = {smr_load(smr_at3(c->shape->x, v)), smr_scale(smr_load(smr_at3(c->shape->normal, v)), -1.0f),
+                     smr_model_owner(c->shared->model, v)};
+    c->reach_next[v] = look(c, &p, smr_min(smr_max(far, -bound), SMR_CONTACT_DEEP + zone), touch, SMR_TOUCHES);
+}
+
+/* Returns 1 when the distance bounds of a triangle's corners exclude any contact of its centre. */
+static int out_of_reach(const smr_contact *c, const uint32_t *t, smr_vec middle)
+{
+    const float zone = c->shared->config.contact.gap_mm + SMR_CONTACT_BAND, moved = 2.0f * *c->moved_mm;
+    for (uint32_t i = 0; i < 3u; i++)
+        if (c->reach[t[i]] - moved > zone + smr_length(smr_sub(smr_load(smr_at3(c->shape->x, t[i])), middle)))
+            return 1;
+    return 0;
+}
+
+void smr_contact_find_triangle(smr_contact *c, uint32_t k)
+{
+    const uint32_t *t = c->shared->triangle + 3u * (size_t)k;
+    const float *x = c->shape->x;
+    const smr_vec sum = smr_add(smr_load(x + 3u * (size_t)t[0]),
+                                smr_add(smr_load(x + 3u * (size_t)t[1]), smr_load(x + 3u * (size_t)t[2])));
+    const probe p = {smr_scale(sum, 1.0f / 3.0f), smr_scale(smr_load(smr_at3(c->shape->triangle_normal, k)), -1.0f),
+                     smr_model_owner(c->shared->model, t[0])};
+    c->triangle_touch[k].body = SMR_NONE;
+    if (!out_of_reach(c, t, p.at))
+        (void)look(c, &p, c->shared->config.contact.gap_mm + SMR_TRIANGLE_REACH, &c->triangle_touch[k], 1);
+}
+
+const uint32_t *smr_touch_corners(const smr_contact *c, const smr_touch *touch)
+{
+    if (touch->body >= c->shared->n_structures)
+        return NULL;
+    return c->shape->structure[touch->body].tree.triangle + 3u * (size_t)touch->triangle;
+}
+
+smr_vec smr_contact_displacement(const smr_contact *c, uint32_t v, smr_displacement displaced, const void *ctx)
+{
+    const smr_touch *touch = c->touch + SMR_TOUCHES * (size_t)v;
+    const smr_vec own = displaced(ctx, v);
+    const float mass = smr_mass(c->shared, v);
+    smr_vec displacement = smr_v(0, 0, 0);
+    for (uint32_t i = 0; i < SMR_TOUCHES && touch[i].body != SMR_NONE; i++) {
+        const uint32_t *t = smr_touch_corners(c, &touch[i]);
+        smr_vec other = smr_v(0, 0, 0);
+        float heavy = 0.0f;
+        for (uint32_t k = 0; t != NULL && k < 3u; k++) {
+            other = smr_add(other, smr_scale(displaced(ctx, t[k]), touch[i].weight[k]));
+            heavy += touch[i].weight[k] * smr_mass(c->shared, t[k]);
+        }
+        const float share = t == NULL ? 1.0f : heavy / (mass + heavy); /* the heavier side moves less */
+        const smr_vec out = smr_load(touch[i].out), apart = smr_sub(smr_add(own, displacement), other);
+        const float missing = smr_positive(c->shared->config.contact.gap_mm - touch[i].mm - smr_dot(out, apart));
+        displacement =
+            smr_add(displacement, smr_scale(out, share * touch[i].share * missing * c->shared->config.contact.share));
+    }
+    return displacement;
+}

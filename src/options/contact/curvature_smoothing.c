@@ -1,0 +1,83 @@
+/* curvature_smoothing.c: smoothing towards the rest shape's curvature. The height of the mesh neighbours' mean over a vertex,
+ * along the normal, is the discrete mean curvature (umbrella operator; Kobbelt et al. 1998). A vertex moves along
+ * its normal until that height equals the one at rest, scaled like the start. Noise falls, while edges and dents of
+ * the rest shape stay. Rigid motions and bending are not resisted, since heights are relative to the surface.
+ * Borders do not shrink, since nothing moves along the surface.
+ * Bounds: one pass over triangles and vertices.
+ * SPDX-License-Identifier: MIT */
+#include "options/contact/contact.h"
+
+void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared)
+{
+    if (shared->config.contact.smooth > 0.0f)
+        s->height = smr_slot_scratch(a, s->height, shared->n, sizeof *s->height); /* of the model: smr_init() */
+}
+
+void smr_smooth_wire(smr_smooth *s, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
+                     const smr_rings *rings)
+{
+    s->shared = shared;
+    s->schedule = schedule;
+    s->shape = shape;
+    s->rings = *rings;
+}
+
+static uint32_t ring_tasks(const smr_smooth *s) { return smr_ceil_div(s->shared->n_triangles, SMR_TRIANGLE_CHUNK); }
+
+uint32_t smr_smooth_tasks(const void *arg)
+{
+    const smr_smooth *s = arg;
+    return s->height != NULL && s->schedule->repairing == 0u ? s->shared->n_tasks + ring_tasks(s) : 0u;
+}
+
+static void clear(smr_smooth *s, uint32_t from, uint32_t to)
+{
+    memset(s->rings.sum + 3u * (size_t)from, 0, 3u * (size_t)(to - from) * sizeof(float));
+    memset(s->rings.weight + from, 0, (to - from) * sizeof(float));
+}
+
+void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_smooth *s = arg;
+    const uint32_t n = s->shared->n_tasks;
+    (void)worker;
+    if (task < n) {
+        clear(s, task * SMR_CHUNK, smr_chunk_end(s->shared, task));
+        return;
+    }
+    const uint32_t last = smr_min_u32((task - n + 1u) * SMR_TRIANGLE_CHUNK, s->shared->n_triangles);
+    for (uint32_t k = (task - n) * SMR_TRIANGLE_CHUNK; k < last; k++)
+        smr_ring_add(&s->rings, s->shared->triangle + 3u * (size_t)k, s->shape->x);
+}
+
+static float height_of(const smr_smooth *s, uint32_t v)
+{
+    if (!(s->rings.weight[v] > 0.0f))
+        return 0.0f;
+    const smr_vec middle = smr_scale(smr_load(smr_at3(s->rings.sum, v)), 1.0f / s->rings.weight[v]);
+    const smr_vec up = smr_sub(middle, smr_load(smr_at3(s->shape->x, v)));
+    return smr_dot(smr_load(smr_at3(s->shape->normal, v)), up);
+}
+
+void smr_smooth_rest(smr_smooth *s)
+{
+    if (s->height == NULL)
+        return;
+    for (uint32_t task = 0; task < s->shared->n_tasks + ring_tasks(s); task++)
+        smr_smooth_sum(s, task, 0);
+    for (uint32_t v = 0; v < s->shared->n; v++)
+        s->height[v] = height_of(s, v);
+}
+
+void smr_smooth_start(smr_smooth *s) { s->side = s->height != NULL && smr_start_mirrored(s->shape) ? -1.0f : 1.0f; }
+
+smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec displacement)
+{
+    const float share = s->shared->config.contact.smooth, (*m)[4] = s->shape->rest_pose.m;
+    if (!s->shape->on_surface[v])
+        return displacement;
+    const float scale = smr_length(smr_v(m[0][0], m[1][0], m[2][0]));
+    const float off = height_of(s, v) - s->side * scale * s->height[v];
+    const smr_vec own = smr_scale(smr_load(smr_at3(s->shape->normal, v)), off);
+    return smr_add(displacement, smr_scale(smr_sub(own, displacement), share));
+}

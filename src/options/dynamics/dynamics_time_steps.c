@@ -1,0 +1,183 @@
+/* dynamics_time_steps.c: dynamics by implicit Euler (paper 2.3, "when a dynamic aspect is desired"). A time step minimises
+ *   Sum_j M_j / 2 h^2 |x_j - y_j|^2 + k / 2 Sum_i Sum_(j in zeta_i) m_j |x_j - T_i x^r_j|^2,  y = x + h v + h^2 g,
+ * over x and the clusters' rigid transforms T_i in turn (incremental potential; Martin et al. 2011): for fixed x the
+ * T_i are the match, for fixed T_i each vertex moves to (y + h^2 k x~) / (1 + h^2 k), with x~ the average goal
+ * (local and global steps; Liu et al. 2013, Bouaziz et al. 2014; shape matching, Mueller et al. 2005). One turn is a
+ * sweep, which is an iteration; SMR_SWEEPS of them are a step, after which v = (x - x before) / h, reduced by
+ * damping.
+ * The fits' weights are m_j = M_j / |zeta_j|. A sweep then is a polynomial of one operator, self-adjoint in the
+ * masses M and between 0 and 1. It conserves linear and angular momentum, and for any number of sweeps and any
+ * stiffness the step is one of implicit Euler with softer springs, whose energy does not grow.
+ * Bounds: a step ends with passes over the vertices in tasks; a start sums over the clusters.
+ * SPDX-License-Identifier: MIT */
+#include "options/dynamics/dynamics.h"
+#include "registration/convergence.h"
+#include "registration/schedule_radius.h"
+
+#define SMR_WEIGHT_UNIT 32.0f     /* units of a weight 1: rounding changes a mass by at most 1.6 % */
+#define SMR_WEIGHTS_SUM 262144.0f /* most units of a cluster; more would make its centre inexact */
+#define SMR_WEIGHT_MOST 1024.0f   /* largest weight of a vertex over the mean */
+#define SMR_PINNED_MOST 3.4e7f    /* largest weight of a pinned vertex */
+#define SMR_PINNED_TIMES 8.0f     /* weight of all pinned vertices of a cluster together, over the cluster's mass */
+
+/* Sums the records over all clusters. */
+static void sum_records(smr *s, uint32_t words)
+{
+    smr_sums *sums = &s->sums;
+    sums->words = words;
+    smr_block_pieces(sums, 0);
+    for (uint32_t t = 0; t < smr_block_tasks(sums); t++)
+        smr_sums_forest(sums, t, 0);
+    for (uint32_t t = 0; t < smr_boundary_tasks(sums); t++)
+        smr_boundary_sums(sums, t, 0);
+}
+
+/* Marks the vertices of SMR_WORDS structures from `first` on: each structure has its own word. */
+static void mark_owners(smr *s, uint32_t first)
+{
+    uint32_t *const record = s->sums.record;
+    memset(record, 0, SMR_WORDS * (size_t)s->shared.n * sizeof *record);
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        const uint32_t at = smr_model_owner(s->shared.model, v) - first;
+        if (at < SMR_WORDS)
+            record[SMR_WORDS * (size_t)v + at] = SMR_BOUNDARY_UNITS;
+    }
+}
+
+static void join(uint32_t *group, uint32_t n, uint32_t a, uint32_t b)
+{
+    const uint32_t first = smr_min_u32(group[a], group[b]), other = group[a] + group[b] - first;
+    for (uint32_t k = 0; other != first && k < n; k++)
+        group[k] = group[k] == other ? first : group[k];
+}
+
+/* Counts the members of each vertex' cluster, including fractions at the boundary, and finds groups of structures
+ * that share clusters, directly or through others. A group's number is that of its first structure. */
+static void count_members(smr *s)
+{
+    smr_dynamics *d = s->shape.dynamics;
+    const uint32_t n_structures = s->shared.n_structures;
+    memset(d->members, 0, s->shared.n * sizeof *d->members);
+    for (uint32_t k = 0; k < n_structures; k++)
+        d->group[k] = k;
+    for (uint32_t first = 0; first < n_structures; first += SMR_WORDS) {
+        const uint32_t words = smr_min_u32(SMR_WORDS, n_structures - first);
+        mark_owners(s, first);
+        sum_records(s, SMR_WORDS);
+        for (uint32_t v = 0; v < s->shared.n; v++) {
+            const uint32_t *const sum = s->sums.sum + SMR_WORDS * (size_t)v;
+            for (uint32_t i = 0; i < words; i++) {
+                d->members[v] += smr_unfix(sum[i], 1.0f / (float)SMR_BOUNDARY_UNITS);
+                if (smr_signed(sum[i]) > 0)
+                    join(d->group, n_structures, smr_model_owner(s->shared.model, v), first + i);
+            }
+        }
+    }
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        d->members[v] = smr_max(d->members[v], 1.0f);
+}
+
+static float rounded(float weight, float most, float unit)
+{
+    return smr_whole_number(smr_clamp(weight, 1.0f / unit, most) * unit) / unit;
+}
+
+/* Mean of mass over members of the vertices that are not pinned, g. */
+static float mean_of(const smr_dynamics *d, uint32_t n, uint32_t *n_pinned)
+{
+    float sum = 0.0f;
+    *n_pinned = 0;
+    for (uint32_t v = 0; v < n; v++) {
+        *n_pinned += !(d->mass[v] > 0.0f);
+        sum += d->mass[v] / d->members[v];
+    }
+    return *n_pinned < n ? sum / (float)(n - *n_pinned) : 1.0f;
+}
+
+/* Computes weights from masses. A pinned vertex weighs more than the rest of its cluster, so that the cluster turns
+ * about it. */
+void smr_time_steps_weigh(smr *s)
+{
+    smr_dynamics *d = s->shape.dynamics;
+    smr_shared *c = &s->shared;
+    uint32_t n_pinned;
+    float unit = SMR_WEIGHT_UNIT;
+    const float mean = mean_of(d, c->n, &n_pinned), largest = (float)s->schedule.lists.largest;
+    while (unit > 1.0f && unit * largest > SMR_WEIGHTS_SUM)
+        unit *= 0.5f;
+    /* no cluster has more pinned vertices */
+    const uint32_t together = smr_min_u32(n_pinned, s->schedule.lists.largest);
+    const float pinned = SMR_PINNED_TIMES * largest / (float)smr_max_u32(together, 1u);
+    d->gram = mean;
+    c->mass_max = c->mass_sum = 0.0f;
+    for (uint32_t v = 0; v < c->n; v++) {
+        d->weight[v] = d->mass[v] > 0.0f ? rounded(d->mass[v] / d->members[v] / mean, SMR_WEIGHT_MOST, unit)
+                                         : rounded(smr_max(pinned, 1.0f), SMR_PINNED_MOST, unit);
+        c->mass_max = smr_max(c->mass_max, d->weight[v]);
+        c->mass_sum += d->weight[v];
+    }
+    c->mass_unit = unit;
+    c->mass = d->weight;
+    s->reference.stale = 1;
+}
+
+void smr_time_steps_start(smr *s)
+{
+    smr_dynamics *d = s->shape.dynamics;
+    const size_t bytes = 3u * (size_t)s->shared.n * sizeof(float);
+    smr_radius_go(s, smr_radius_after(s));
+    s->shape.rest_pose_due = 0;
+    smr_plastic_positions(&s->shape);
+    smr_track_rest_start(&s->shape);
+    s->shape.track_rest->to = smr_dynamics_ahead;
+    memcpy(d->begin, s->shape.x, bytes);
+    memset(d->velocity, 0, bytes);
+    memset(&d->stored, 0, sizeof d->stored);
+    memset(d->bent, 0, s->shared.n_structures * sizeof *d->bent);
+    memset(d->spare, 0, s->shared.n_structures * sizeof *d->spare);
+    d->weighed = 0;
+    count_members(s);
+    smr_time_steps_weigh(s);
+}
+
+void smr_time_steps_begin(smr *s)
+{
+    s->shape.track_rest->due = 1;
+    s->shape.from = s->shape.x_next;
+    s->shape.dynamics->ends = (s->schedule.iteration + 1u) % SMR_SWEEPS == 0u;
+    s->reference.stale = 1;
+}
+
+uint32_t smr_sweep_tasks(const void *arg) { return ((const smr *)arg)->shared.n_tasks; }
+
+void smr_sweep_begin(void *arg, uint32_t task, uint32_t worker)
+{
+    const smr *s = arg;
+    (void)worker;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++)
+        smr_store(smr_at3(s->shape.from, v),
+                  smr_dynamics_from(s->shape.dynamics, &s->schedule, v, smr_load(smr_at3(s->shape.x, v))));
+}
+
+/* Where the springs to the clusters' average and to its goal take a vertex; evolve has left the average in x_next. */
+void smr_sweep_end(void *arg, uint32_t task, uint32_t worker)
+{
+    const smr *s = arg;
+    (void)worker;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++) {
+        float *const x_next = smr_at3(s->shape.x_next, v);
+        const int drawn = s->forces.found_last[v] == SMR_FOUND_GOAL;
+        const float share = drawn ? s->shared.config.forces.stiffness : 0.0f;
+        const smr_vec x = smr_load(smr_at3(s->shape.x, v));
+        const smr_vec pull = smr_add(smr_scale(x, share), smr_load(smr_at3(s->forces.force, v)));
+        smr_store(x_next,
+                  smr_dynamics_next(s->shape.dynamics, v, smr_load(x_next), share, drawn ? pull : smr_v(0, 0, 0)));
+    }
+}
+
+void smr_time_steps_next(smr *s)
+{
+    if (s->shape.dynamics->ends)
+        smr_step_velocities(s);
+    smr_track_rest_commit(&s->shape);
+}

@@ -1,0 +1,155 @@
+/* image_fill_smoothing.c: smoothing force where the image shows no goal (paper 2.3, other forces). A vertex without a goal
+ * moves towards the mean of its mesh neighbours, so that parts that the image does not have shrink back. Vertices
+ * with a goal are not smoothed, nor are structures of which less than half of the vertices had a goal: these must
+ * not collapse. The force falls to 0 at the end of the schedule, as all image forces do.
+ * The same pass computes each structure's share of vertices with a goal, which sets the search distance, and its
+ * contrast and brightness in the image, with which the next profiles are compared.
+ * Bounds: one pass over a structure's vertices and triangles.
+ * SPDX-License-Identifier: MIT */
+#include "options/image/image.h"
+
+#define SMR_GAIN_LEAST 0.25f  /* smallest contrast of the image over that of the profiles */
+#define SMR_ABOVE_MOST 100.0f /* largest weight of a profile: its range over the noise */
+/* share of a structure's vertices with a goal, from which on the search distance is the usual one */
+#define SMR_MATCHED_WELL 0.8f
+#define SMR_MATCHED_BADLY 0.5f /* the same share, below which the structure counts as lost */
+
+/* Tasks: one for each structure without a budget. With a budget a structure is cut into pieces, first of its
+ * vertices, then of its triangles. The same piece of all structures comes before the next one: task = piece *
+ * n_structures + structure. */
+uint32_t smr_fill_tasks(const void *arg)
+{
+    const smr_image_goals *g = arg;
+    return g->has_image ? g->shared->n_structures * smr_max_u32(g->ring_pieces, 1u) : 0u;
+}
+
+uint32_t smr_fill_abreast(const void *arg) { return ((const smr_image_goals *)arg)->shared->n_structures; }
+
+static uint32_t vertex_pieces(const smr_shape_structure *one)
+{
+    return smr_ceil_div(one->n_vertices, SMR_TRIANGLE_CHUNK);
+}
+
+void smr_fill_pieces(void *arg, int cut)
+{
+    smr_image_goals *g = arg;
+    g->ring_pieces = 1;
+    for (uint32_t i = 0; cut && i < g->shared->n_structures; i++) {
+        const smr_shape_structure *one = &g->shape->structure[i];
+        const uint32_t triangle_pieces = smr_ceil_div(one->tree.n_triangles, SMR_TRIANGLE_CHUNK);
+        g->ring_pieces = smr_max_u32(g->ring_pieces, vertex_pieces(one) + triangle_pieces);
+    }
+}
+
+/* Search distance of profiles, mm, for a structure of which few vertices found a goal. It is larger than the usual
+ * half radius, which would keep the structure from its own place. */
+static float wide_of(const smr_image_goals *g, const smr_image_structure *view)
+{
+    const smr_schedule *p = g->schedule;
+    const smr_vec size = smr_sub(view->box.hi, view->box.lo);
+    if (view->n_decided == 0u)
+        return 0.0f;
+    const float share = (float)view->n_goals / (float)view->n_decided;
+    const float lost = smr_clamp((SMR_MATCHED_WELL - share) / (SMR_MATCHED_WELL - SMR_MATCHED_BADLY), 0.0f, 1.0f);
+    /* as far as at the start: only at the last radius the distance falls with the schedule */
+    const float most = smr_at_last_radius(g->shared, p) ? p->farthest_mm : g->shared->config.image.profile_mm;
+    /* half of the structure's smallest extent: beyond it other structures lie */
+    const float half = 0.5f * smr_min(size.x, smr_min(size.y, size.z));
+    const float far = smr_min(smr_min(most, p->lists.radius), half);
+    return p->profile_mm + lost * smr_max(far - p->profile_mm, 0.0f);
+}
+
+/* Adds a vertex' contrast and brightness, weighted by its profile's range over the noise. */
+static void add_contrast(const smr_image_goals *g, smr_image_structure *view, uint32_t v)
+{
+    const uint32_t *ranges = smr_at(g->shared->model, g->shared->model->at_ranges);
+    const float above = smr_le_float(ranges[2u * (size_t)v + 1u]) / view->noise;
+    const float weight = above < SMR_ABOVE_MOST ? above : SMR_ABOVE_MOST;
+    view->gain_sum += weight * ((float)g->contrast[v] * (1.0f / (float)SMR_CONTRAST_ONE));
+    view->brighter_sum += weight * (float)((int)g->brighter[v] - SMR_BRIGHTER_NONE) * view->noise;
+    view->gain_weight += weight;
+}
+
+static void begin_view(smr_image_structure *view)
+{
+    view->n_goals = view->n_decided = 0;
+    view->gain_sum = view->gain_weight = view->brighter_sum = 0.0f;
+    view->box = (smr_box){{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
+}
+
+static void end_view(const smr_image_goals *g, smr_image_structure *view)
+{
+    const int known = view->gain_weight > 0.0f;
+    view->wide_mm = wide_of(g, view);
+    view->gain = known ? smr_max(view->gain_sum / view->gain_weight, SMR_GAIN_LEAST) : 1.0f;
+    view->brighter = known ? view->brighter_sum / view->gain_weight : 0.0f;
+}
+
+/* Counts vertices with goals, sums contrast and brightness, and clears the neighbours' sums. */
+static void look_back(smr_image_goals *g, uint32_t structure, uint32_t from, uint32_t to)
+{
+    const smr_shape_structure *one = &g->shape->structure[structure];
+    smr_image_structure *view = &g->structure[structure];
+    if (from == 0u)
+        begin_view(view);
+    for (uint32_t i = from; i < to; i++) {
+        const uint32_t v = smr_model_position(g->shared->model, one->first_vertex + i);
+        const smr_vec at = smr_load(smr_at3(g->shape->x, v));
+        smr_box *b = &view->box;
+        b->lo = smr_v(smr_min(b->lo.x, at.x), smr_min(b->lo.y, at.y), smr_min(b->lo.z, at.z));
+        b->hi = smr_v(smr_max(b->hi.x, at.x), smr_max(b->hi.y, at.y), smr_max(b->hi.z, at.z));
+        view->n_goals += g->found[v] == 1u;
+        view->n_decided += g->found[v] == 1u || g->found[v] == 2u;
+        if (g->found[v] == 1u && g->contrast[v] > 0u)
+            add_contrast(g, view, v);
+        smr_store(smr_at3(g->rings.sum, v), smr_v(0, 0, 0));
+        g->rings.weight[v] = 0.0f;
+    }
+    if (to == one->n_vertices)
+        end_view(g, view);
+}
+
+/* Sums positions of mesh neighbours. A neighbour counts once for each triangle that it shares. */
+static void add_rings(smr_image_goals *g, uint32_t structure, uint32_t from, uint32_t to)
+{
+    const smr_image_structure *view = &g->structure[structure];
+    if (!(g->shared->config.image.fill > 0.0f) || view->n_goals == 0u ||
+        (float)view->n_goals < SMR_MATCHED_BADLY * (float)view->n_decided)
+        return; /* all weights stay 0: nothing is smoothed */
+    for (uint32_t k = from; k < to; k++) {
+        const uint32_t *t = g->shape->structure[structure].tree.triangle + 3u * (size_t)k;
+        const smr_vec a = smr_load(smr_at3(g->shape->x, t[0])), b = smr_load(smr_at3(g->shape->x, t[1])),
+                      c = smr_load(smr_at3(g->shape->x, t[2]));
+        const smr_vec all = smr_add(a, smr_add(b, c)), corner[3] = {a, b, c};
+        for (uint32_t i = 0; i < 3u; i++) {
+            float *sum = smr_at3(g->rings.sum, t[i]);
+            smr_store(sum, smr_add(smr_load(sum), smr_sub(all, corner[i])));
+            g->rings.weight[t[i]] += 2.0f;
+        }
+    }
+}
+
+void smr_fill_sum(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_image_goals *g = arg;
+    const uint32_t structure = task % g->shared->n_structures, piece = task / g->shared->n_structures;
+    const smr_shape_structure *one = &g->shape->structure[structure];
+    const uint32_t first = vertex_pieces(one), size = SMR_TRIANGLE_CHUNK, n_triangles = one->tree.n_triangles;
+    (void)worker;
+    if (g->ring_pieces <= 1u) {
+        look_back(g, structure, 0, one->n_vertices);
+        add_rings(g, structure, 0, n_triangles);
+    } else if (piece < first) {
+        look_back(g, structure, piece * size, smr_min_u32((piece + 1u) * size, one->n_vertices));
+    } else {
+        add_rings(g, structure, (piece - first) * size, smr_min_u32((piece - first + 1u) * size, n_triangles));
+    }
+}
+
+smr_vec smr_fill_displacement(const smr_image_goals *g, uint32_t v)
+{
+    if (!(g->shared->config.image.fill > 0.0f) || !(g->rings.weight[v] > 0.0f))
+        return smr_v(0, 0, 0);
+    const smr_vec middle = smr_scale(smr_load(smr_at3(g->rings.sum, v)), 1.0f / g->rings.weight[v]);
+    return smr_scale(smr_sub(middle, smr_load(smr_at3(g->shape->x, v))), g->shared->config.image.fill);
+}

@@ -1,0 +1,313 @@
+/* image_goals.c: goals in the target image (paper 2.1). The reference intensity profile is searched for along the
+ * normal within one distance, an edge similar to the reference's edge within another. Both goals are averaged by
+ * confidence. A tangential shift may improve the match. Search distances fall linearly with the schedule.
+ * Bounds: SMR_LINE_MAX + 4 SMR_PROFILE_MAX samples a vertex; SMR_LINE_MAX offsets of SMR_PROFILE_MAX multiply-adds.
+ * SPDX-License-Identifier: MIT */
+#include "options/image/image.h"
+
+#include "image/intensity_profile.h"
+#include "image/tangential_shift.h"
+
+#define SMR_LONG 16.0f /* samples: a longer search uses every SMR_HOP-th sample */
+#define SMR_HOP 2u
+#define SMR_NOISE 0.1f       /* noise over the mean range of a structure's profiles */
+#define SMR_SIDE_VOXELS 0.5f /* shift along the surface: search radius in mean voxels */
+#define SMR_SIDE_SHARE 0.25f /* the same radius over the search distance; the larger of both is used */
+
+/* Saves a structure's state in the image. Values that the next iteration recomputes are not saved, nor is the noise,
+ * which follows from the model. NULL: there is no memory yet. */
+static void keep_structure(smr_arena *a, smr_image_structure *structure)
+{
+    smr_image_structure none = {0}, *s = structure == NULL ? &none : structure;
+    smr_keep_words(a, &s->idle, 1, 1);
+    smr_keep_floats(a, &s->matched, 1, -1.0f, 1.0f);
+}
+
+void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared)
+{
+    g->structure = smr_slot_scratch(a, g->structure, shared->n_structures, sizeof *g->structure);
+    g->contrast = smr_slot_bytes(a, g->contrast, shared->n, UINT8_MAX);
+    g->contrast_next = smr_slot_scratch(a, g->contrast_next, shared->n, 1);
+    g->brighter = smr_slot_bytes(a, g->brighter, shared->n, UINT8_MAX);
+    g->brighter_next = smr_slot_scratch(a, g->brighter_next, shared->n, 1);
+    smr_keep_words(a, &g->has_image, 1, smr_le32(shared->model->profile_samples) > 0u);
+    for (uint32_t k = 0; smr_keeps(a) && k < shared->n_structures; k++)
+        keep_structure(a, g->structure == NULL ? NULL : &g->structure[k]);
+}
+
+void smr_image_goals_wire(smr_image_goals *g, const smr_shared *shared, const smr_schedule *schedule,
+                          const smr_shape *shape, const uint8_t *found, const smr_rings *rings)
+{
+    g->shared = shared;
+    g->schedule = schedule;
+    g->shape = shape;
+    g->found = found;
+    g->rings = *rings;
+    memset(g->structure, 0, shared->n_structures * sizeof *g->structure);
+}
+
+void smr_image_goals_reset(smr_image_goals *g)
+{
+    memset(g->contrast, 0, g->shared->n);
+    memset(g->contrast_next, 0, g->shared->n);
+    memset(g->brighter, SMR_BRIGHTER_NONE, g->shared->n);
+    memset(g->brighter_next, SMR_BRIGHTER_NONE, g->shared->n);
+    for (uint32_t k = 0; k < g->shared->n_structures; k++)
+        g->structure[k].idle = 0;
+}
+
+void smr_image_goals_commit(smr_image_goals *g)
+{
+    memcpy(g->contrast, g->contrast_next, g->schedule->n_active);
+    memcpy(g->brighter, g->brighter_next, g->schedule->n_active);
+}
+
+void smr_image_forget(smr_image_goals *g, uint32_t v)
+{
+    g->contrast_next[v] = 0;
+    g->brighter_next[v] = SMR_BRIGHTER_NONE;
+}
+
+void smr_image_keep(smr_image_goals *g, uint32_t v)
+{
+    g->contrast_next[v] = g->contrast[v];
+    g->brighter_next[v] = g->brighter[v];
+}
+
+/* The noise level of a structure: SMR_NOISE of the mean range of its profiles; intensity. */
+static float noise_of(const smr_model *m, const smr_shape_structure *one)
+{
+    const uint32_t *ranges = smr_at(m, m->at_ranges);
+    float sum = 0.0f, count = 0.0f;
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const size_t v = smr_model_position(m, one->first_vertex + i);
+        const float range = smr_le_float(ranges[2u * v + 1u]);
+        sum += range;
+        count += range > 0.0f ? 1.0f : 0.0f;
+    }
+    return count > 0.0f ? SMR_NOISE * (sum / count) : 0.0f;
+}
+
+void smr_image_goals_noise(smr_image_goals *g)
+{
+    for (uint32_t k = 0; g->has_image && k < g->shared->n_structures; k++)
+        g->structure[k].noise = noise_of(g->shared->model, &g->shape->structure[k]);
+}
+
+void smr_image_goals_open(smr_image_goals *g, const smr_grid *image)
+{
+    g->has_image = image != NULL;
+    if (image == NULL)
+        return;
+    g->grid = *image;
+    smr_image_goals_noise(g);
+    for (uint32_t k = 0; k < g->shared->n_structures; k++) {
+        g->structure[k].gain = 1.0f; /* until the first goals are found */
+        g->structure[k].brighter = 0.0f;
+    }
+}
+
+/* The reference profile of a vertex as it is compared: all samples, or every second one in a long search. */
+typedef struct reference_profile {
+    float low, range, step_mm;
+    uint32_t n, inward;  /* number of samples; samples before the vertex */
+    uint32_t hop, first; /* the stored samples first, first + hop, ... are used */
+} reference_profile;
+
+int smr_image_seeks(const smr_image_goals *g, uint32_t structure)
+{
+    const float far =
+        smr_max(smr_max(g->schedule->profile_mm, g->structure[structure].wide_mm), g->schedule->gradient_mm);
+    return g->has_image && far >= 0.5f * smr_le_float(g->shared->model->profile_step);
+}
+
+/* Search distance of a vertex' profile, mm. */
+static float sought_mm(const smr_image_goals *g, uint32_t v)
+{
+    return smr_max(g->schedule->profile_mm, g->structure[smr_model_owner(g->shared->model, v)].wide_mm);
+}
+
+/* Sizes and range of the profile of v, without its samples. profile_mm: search distance. */
+static reference_profile reference_shape(const smr_image_goals *g, uint32_t v, float profile_mm)
+{
+    const smr_model *m = g->shared->model;
+    const uint32_t n = smr_le32(m->profile_samples), inward = smr_le32(m->profile_inward);
+    const float step = smr_le_float(m->profile_step);
+    const uint32_t *ranges = (const uint32_t *)smr_at(m, m->at_ranges) + 2u * (size_t)v;
+    reference_profile r;
+    r.hop = profile_mm > SMR_LONG * step && n >= 4u * SMR_HOP ? SMR_HOP : 1u;
+    r.first = inward % r.hop;
+    r.n = smr_ceil_div(n - r.first, r.hop);
+    r.inward = inward / r.hop;
+    r.step_mm = step * (float)r.hop;
+    r.low = smr_le_float(ranges[0]);
+    r.range = smr_le_float(ranges[1]);
+    return r;
+}
+
+static void take_samples(const smr_image_goals *g, uint32_t v, const reference_profile *r, uint8_t *value)
+{
+    const smr_model *m = g->shared->model;
+    const uint8_t *stored = (const uint8_t *)smr_at(m, m->at_profiles) + (size_t)v * smr_le32(m->profile_samples);
+    for (uint32_t k = 0; k < r->n; k++)
+        value[k] = stored[r->first + k * r->hop];
+}
+
+static int varies(const float *line, uint32_t n)
+{
+    uint32_t k = 1;
+    while (k < n && !(line[k] < line[0]) && !(line[k] > line[0]))
+        k++;
+    return k < n;
+}
+
+/* The line of image samples along which a vertex' goal is searched for. */
+typedef struct search_line {
+    smr_vec start, step;        /* first sample and vector from sample to sample, world mm */
+    uint32_t reach, edge_reach; /* search range of profile and edge, samples to either side */
+    uint32_t before, n;         /* samples before the vertex; all samples, 0: no search */
+} search_line;
+
+static search_line line_of(const smr_image_goals *g, uint32_t v, const reference_profile *r, float profile_mm)
+{
+    const smr_vec normal = smr_load(smr_at3(g->shape->normal, v));
+    const uint32_t room = (SMR_LINE_MAX - SMR_PROFILE_MAX) / 2u;
+    search_line l;
+    l.reach = smr_min_u32((uint32_t)(profile_mm / r->step_mm + 0.5f), room);
+    l.edge_reach = smr_min_u32((uint32_t)(g->schedule->gradient_mm / r->step_mm + 0.5f), room);
+    l.before = smr_max_u32(l.reach + r->inward, l.edge_reach + 2u);
+    l.n = l.before + smr_max_u32(l.reach + r->n - r->inward, l.edge_reach + 3u);
+    if (!(r->range > 0.0f) || smr_dot(normal, normal) < 0.5f || l.n > SMR_LINE_MAX || l.reach + l.edge_reach == 0u)
+        l.n = 0;
+    l.step = smr_scale(normal, r->step_mm);
+    const smr_vec at = smr_add(smr_load(smr_at3(g->shape->x, v)), g->shape->origin);
+    l.start = smr_sub(at, smr_scale(l.step, (float)l.before));
+    return l;
+}
+
+void smr_image_ahead(const smr_image_goals *g, uint32_t v)
+{
+    const float profile_mm = sought_mm(g, v);
+    const reference_profile r = reference_shape(g, v, profile_mm);
+    const search_line l = line_of(g, v, &r, profile_mm);
+    if (l.n > 0u)
+        smr_grid_ahead(&g->grid, l.start, l.step, l.n);
+}
+
+/* The image at a goal, and the part of the reference profile that is compared with it: every SMR_HOP-th stored
+ * sample. */
+typedef struct image_sample {
+    smr_profile reference; /* n is 0 when a sample lies outside the image */
+    uint32_t hop;
+    float first; /* position of the first sample on the line, in samples */
+    uint8_t value[SMR_PROFILE_MAX];
+    float found[SMR_PROFILE_MAX];
+} image_sample;
+
+/* Samples the image at a goal. offset: from the vertex along the normal, in samples. */
+static void sample_at(const reference_profile *r, const uint8_t *value, const search_line *l, const float *line,
+                      const unsigned char *inside, float offset, image_sample *sample)
+{
+    sample->hop = SMR_HOP / r->hop;
+    sample->first = (float)(l->before - r->inward) + offset;
+    sample->reference = (smr_profile){sample->value, r->low, r->range, 0};
+    if (!(sample->first >= 0.0f && sample->first + (float)r->n < (float)l->n))
+        return;
+    const uint32_t whole = (uint32_t)sample->first, n = smr_ceil_div(r->n, sample->hop);
+    const float part = sample->first - (float)whole;
+    for (uint32_t k = 0; k < n; k++) {
+        const uint32_t at = whole + k * sample->hop;
+        if (!inside[at] || !inside[at + 1u])
+            return;
+        sample->found[k] = line[at] + part * (line[at + 1u] - line[at]);
+        sample->value[k] = value[k * sample->hop];
+    }
+    sample->reference.n = n;
+}
+
+/* Stores contrast (image over profile) and brightness (image minus profile) at the goal of v. */
+static void compare(smr_image_goals *g, uint32_t v, const image_sample *sample, float noise)
+{
+    const smr_profile *const reference = &sample->reference;
+    float more = 0.0f;
+    for (uint32_t k = 0; k < reference->n; k++)
+        more += sample->found[k] - reference->low - (float)sample->value[k] * (reference->range * (1.0f / 255.0f));
+    const float steps = more / ((float)reference->n * noise);
+    if (!smr_within(steps, 1.0e6f)) /* not finite, or no intensity of an image */
+        return;
+    const float contrast = smr_contrast(reference, sample->found) * (float)SMR_CONTRAST_ONE;
+    g->contrast_next[v] = (uint8_t)smr_min(contrast + 0.5f, 255.0f);
+    g->brighter_next[v] = (uint8_t)(smr_clamp(steps, -127.0f, 127.0f) + (float)SMR_BRIGHTER_NONE + 0.5f);
+}
+
+/* The shift along the surface that improves the match at the goal, mm. */
+static smr_vec tangential_displacement(const smr_image_goals *g, uint32_t v, const search_line *l,
+                                       const image_sample *sample)
+{
+    const float *const spacing = g->grid.volume.spacing, voxel = (spacing[0] + spacing[1] + spacing[2]) * (1.0f / 3.0f);
+    const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
+    if (!(g->shared->config.image.sideways > 0.0f))
+        return smr_v(0, 0, 0);
+    const smr_place place = {&sample->reference,
+                             smr_add(l->start, smr_scale(l->step, sample->first)),
+                             smr_scale(l->step, (float)sample->hop),
+                             smr_load(smr_at3(g->shape->normal, v)),
+                             sample->found,
+                             owner->gain,
+                             owner->noise,
+                             smr_max(SMR_SIDE_VOXELS * voxel, SMR_SIDE_SHARE * g->schedule->profile_mm)};
+    return smr_scale(smr_tangential_shift(&g->grid, &place), g->shared->config.image.sideways);
+}
+
+/* The edge goal and its confidence, which is 1 when goals are averaged without weights. */
+static smr_peak edge_of(const smr_config *c, const smr_profile *reference, const reference_profile *r,
+                        const search_line *l, const float *line, const unsigned char *inside)
+{
+    smr_peak edge = {0, 0};
+    if (l->edge_reach == 0u)
+        return edge;
+    if (c->image.edge == SMR_EDGE_STEEPEST)
+        return smr_steepest(line, inside, l->n, l->before, l->edge_reach);
+    edge = smr_profile_edge(reference, r->inward, line, inside, l->n, l->before, l->edge_reach);
+    if (c->image.blend == SMR_BLEND_PLAIN && edge.confidence > 0.0f)
+        edge.confidence = 1.0f;
+    return edge;
+}
+
+int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
+{
+    const smr_config *const c = &g->shared->config;
+    const float profile_mm = sought_mm(g, v);
+    const reference_profile r = reference_shape(g, v, profile_mm);
+    const search_line l = line_of(g, v, &r, profile_mm);
+    float line[SMR_LINE_MAX];
+    unsigned char inside[SMR_LINE_MAX];
+    uint8_t value[SMR_PROFILE_MAX];
+    if (l.n == 0u)
+        return SMR_UNDECIDED;
+    take_samples(g, v, &r, value);
+    const int whole = smr_grid_line(&g->grid, l.start, l.step, l.n, line, inside) == l.n;
+    smr_peak match = {0, 0};
+    const uint32_t first = l.before - l.reach - r.inward;
+    const smr_image_structure *const owner = &g->structure[smr_model_owner(g->shared->model, v)];
+    /* the profile in the image's brightness */
+    const smr_profile as_bright = {value, r.low + owner->brighter, r.range, r.n};
+    const smr_similarity how = {c->image.similarity, owner->noise, c->image.nearer * profile_mm,
+                                c->image.blend == SMR_BLEND_PLAIN};
+    if (l.reach > 0u)
+        match = smr_profile_match(&as_bright, line + first, inside + first, r.n + 2u * l.reach, &how);
+    const smr_peak edge = edge_of(c, &as_bright, &r, &l, line, inside);
+    const float total = match.confidence + edge.confidence;
+    if (!(smr_min(total, 1.0f) > c->image.confidence))
+        return whole && varies(line, l.n) ? SMR_NO_GOAL : SMR_UNDECIDED;
+    const float offset =
+        (match.confidence * (match.at - (float)l.reach) + edge.confidence * (edge.at - (float)l.before)) / total;
+    *displacement = smr_scale(l.step, offset);
+    image_sample sample;
+    sample_at(&r, value, &l, line, inside, offset, &sample);
+    if (sample.reference.n > 0u) {
+        compare(g, v, &sample, owner->noise);
+        *displacement = smr_add(*displacement, tangential_displacement(g, v, &l, &sample));
+    }
+    return SMR_GOAL;
+}

@@ -1,0 +1,151 @@
+/* cloud_pull_smoothing.c: smooths the pulls of a cloud's points over the mesh, which averages noise and gives goals to
+ * vertices between points: a normalised convolution (Knutsson and Westin 1993). In each round a vertex keeps half of
+ * its pull and weight and takes half of its mesh neighbours' mean. Displacements are smoothed, not positions, so the
+ * model keeps its fine shape. Rounds continue until several points lie within reach of each reached vertex.
+ * Smoothing follows the mesh, because the far side of a thin wall is near in space.
+ * All clouds of a registration use the same number of rounds, and all vertices take part: a budget may reduce the
+ * active ones later.
+ * Bounds: SMR_ROUNDS_MAX passes over triangles and vertices, one over the pulls.
+ * SPDX-License-Identifier: MIT */
+#include "options/partial/partial.h"
+
+#define SMR_ROUNDS_LEAST 2u
+#define SMR_ROUNDS_MAX 12u
+#define SMR_REACH_POINTS 4.0f /* points within reach of a vertex, mean */
+
+void smr_point_spread_wire(smr_point_spread *p, const smr_shared *shared, const smr_shape *shape,
+                           smr_surface_goals *goals, const smr_overlay *overlay)
+{
+    p->shared = shared;
+    p->shape = shape;
+    p->goals = goals;
+    p->memory = overlay->spread;
+    goals->spread = overlay->spread.pull;
+}
+
+static uint32_t vertex_tasks(const smr_point_spread *p) { return smr_ceil_div(p->shared->n, SMR_CHUNK); }
+static uint32_t round_tasks(const smr_point_spread *p)
+{
+    return smr_ceil_div(p->shared->n_triangles, SMR_TRIANGLE_CHUNK) + vertex_tasks(p);
+}
+
+uint32_t smr_point_spread_tasks(const void *arg)
+{
+    const smr_point_spread *p = arg;
+    return p->goals->n_clouds > 0u ? vertex_tasks(p) + p->rounds * round_tasks(p) : 0u;
+}
+
+static smr_target *cloud_of(const smr_point_spread *p, uint32_t v)
+{
+    smr_target *t = &p->goals->target[smr_model_owner(p->shared->model, v)];
+    return t->surface != NULL && smr_is_cloud(t->surface) ? t : NULL;
+}
+
+/* Reads the pulls of points on vertex v. */
+static void take(smr_point_spread *p, uint32_t v)
+{
+    int64_t sum[4];
+    float *pull = p->memory.pull + 4u * (size_t)v, *next = p->memory.next + 4u * (size_t)v;
+    p->memory.count[v] = 0.0f;
+    for (uint32_t i = 0; i < 4u; i++)
+        pull[i] = next[i] = 0.0f;
+    if (cloud_of(p, v) == NULL)
+        return;
+    smr_pull_sum(p->goals, v, sum);
+    for (uint32_t i = 0; i < 4u; i++)
+        pull[i] = (float)sum[i] * (1.0f / SMR_PULL_SCALE);
+    p->weight += pull[3];
+}
+
+static void add(const smr_point_spread *p, const uint32_t *t)
+{
+    for (uint32_t c = 0; c < 3u; c++) {
+        float *to = p->memory.next + 4u * (size_t)t[c];
+        const float *a = p->memory.pull + 4u * (size_t)t[(c + 1u) % 3u];
+        const float *b = p->memory.pull + 4u * (size_t)t[(c + 2u) % 3u];
+        for (uint32_t i = 0; i < 4u; i++)
+            to[i] += a[i] + b[i];
+        p->memory.count[t[c]] += 2.0f;
+    }
+}
+
+static void combine(smr_point_spread *p, uint32_t v)
+{
+    float *pull = p->memory.pull + 4u * (size_t)v, *next = p->memory.next + 4u * (size_t)v;
+    const float share = p->memory.count[v] > 0.0f ? 1.0f / p->memory.count[v] : 0.0f;
+    p->memory.count[v] = 0.0f;
+    for (uint32_t i = 0; i < 4u; i++) {
+        pull[i] = 0.5f * (pull[i] + share * next[i]);
+        next[i] = 0.0f;
+    }
+    p->n_reached += pull[3] > 0.0f;
+}
+
+/* Computes each structure's mean weight over the reached vertices. */
+static void measure(const smr_point_spread *p)
+{
+    for (uint32_t i = 0; i < p->shared->n_structures; i++) {
+        const smr_shape_structure *one = &p->shape->structure[i];
+        float sum = 0.0f, n = 0.0f;
+        for (uint32_t k = 0; k < one->n_vertices; k++) {
+            const uint32_t v = smr_model_position(p->shared->model, one->first_vertex + k);
+            const float weight = p->memory.pull[4u * (size_t)v + 3u];
+            sum += weight;
+            n += weight > 0.0f ? 1.0f : 0.0f;
+        }
+        p->goals->target[i].spread = n > 0.0f ? sum / n : 0.0f;
+    }
+}
+
+/* Ends a round and decides whether another one follows. r rounds reach about 3 r (r + 1) + 1 vertices. */
+static void end_round(smr_point_spread *p)
+{
+    const float r = (float)p->rounds;
+    const float points = p->weight * (3.0f * r * (r + 1.0f) + 1.0f);
+    if (p->rounds < SMR_ROUNDS_LEAST || (p->rounds < SMR_ROUNDS_MAX && points < SMR_REACH_POINTS * (float)p->n_reached))
+        p->rounds++;
+    else
+        measure(p);
+    p->n_reached = 0;
+}
+
+void smr_point_spread_run(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_point_spread *p = arg;
+    const uint32_t n = vertex_tasks(p), of_triangles = round_tasks(p) - n;
+    (void)worker;
+    if (task == 0u) {
+        p->rounds = 1;
+        p->n_reached = 0;
+        p->weight = 0.0f;
+    }
+    if (task < n) {
+        for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(p->shared, task); v++)
+            take(p, v);
+        return;
+    }
+    const uint32_t at = (task - n) % round_tasks(p);
+    if (at < of_triangles) {
+        const uint32_t last = smr_min_u32((at + 1u) * SMR_TRIANGLE_CHUNK, p->shared->n_triangles);
+        for (uint32_t k = at * SMR_TRIANGLE_CHUNK; k < last; k++)
+            add(p, p->shared->triangle + 3u * (size_t)k);
+        return;
+    }
+    for (uint32_t v = (at - of_triangles) * SMR_CHUNK; v < smr_chunk_end(p->shared, at - of_triangles); v++)
+        combine(p, v);
+    if (at + 1u == round_tasks(p))
+        end_round(p);
+}
+
+int smr_point_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement)
+{
+    const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), g->shape->origin);
+    const float *s = g->spread + 4u * (size_t)v;
+    g->warm_next[v] = SMR_NONE;
+    if (!(s[3] > 0.0f) || smr_outside_box(&g->shared->config, p))
+        return 0;
+    *displacement = smr_off_surface(g, v, smr_scale(smr_load(s), 1.0f / s[3]));
+    if (g->visibility != NULL)
+        smr_visibility_judge_points(g, v, s[3]);
+    return 1;
+}

@@ -1,0 +1,329 @@
+/* occluded_field.c: a smooth field moves occluded vertices with visible ones, and moves visible vertices along the
+ * surface, where goals determine nothing. Some visible vertices are controls: a rigid pose maps their start
+ * positions onto the present ones, and a Gaussian process interpolates what the pose leaves (kernel 1 / (1 + d^2 /
+ * l^2), Cholesky factor; Rasmussen and Williams 2006, chapter 2). Far from all controls only the pose remains. Noise
+ * is larger while clusters are large, since controls are not yet in place.
+ * While images are tracked, all vertices with a goal count as visible: an image does not hold a structure along
+ * itself. A vertex farther from the field than the cluster radius or an edge is an outlier. From an outdated image
+ * the field carries vertices along with newer targets.
+ * Landmarks are controls with given positions; what is observed is the mean of their triangle's corners. A hard
+ * landmark has a second field of short range instead of noise, so that the field meets it exactly.
+ * Bounds: two tasks for each SMR_LOOK vertices, and a task for each control, of its square in multiplications.
+ * SPDX-License-Identifier: MIT */
+#include "options/partial/partial.h"
+
+#define SMR_FIELD_LENGTH 0.4f /* kernel length over the diagonal of the model's box */
+/* noise variance of a control along its normal over the field's variance: there are more of them */
+#define SMR_FIELD_NORMAL 0.02f
+#define SMR_FIELD_STIFF 4.0f   /* noise added for large clusters: factor on (cluster radius / kernel length)^2 */
+#define SMR_FIELD_PART 8u      /* vertices for each control along a normal */
+#define SMR_FIELD_LEAST 4u     /* fewest controls: fewer vertices give no field, fewer landmarks no scale */
+#define SMR_LOOK 2048u         /* vertices of a task that counts or chooses controls */
+#define SMR_FIELD_HARD 1.0e-5f /* noise variance of a hard landmark over the field's variance */
+
+/* State of choosing controls, in the memory of the factor. */
+typedef struct smr_choice {
+    uint32_t control[SMR_FIELD_ROWS]; /* stored vertices that are controls */
+    uint32_t n;                       /* number of controls so far */
+    uint32_t total, passed;           /* visible vertices: all of them, and those already considered */
+} smr_choice;
+
+_Static_assert(sizeof(smr_choice) <= SMR_FACTOR_WORDS(SMR_CONTROLS) * sizeof(float), "it lies over the factor");
+
+/* Most controls. Along normals the number depends on the model, so that the memory of sums need not grow. */
+static uint32_t most_of(const smr_shared *shared)
+{
+    const uint32_t n_landmarks = shared->config.partial.n_landmarks;
+    const uint32_t rows = smr_min_u32(smr_max_u32(shared->n / SMR_FIELD_PART, SMR_CONTROLS), SMR_FIELD_ROWS);
+    return n_landmarks > 0u ? SMR_CONTROLS + n_landmarks : rows;
+}
+
+size_t smr_occluded_field_words(const smr_shared *shared)
+{
+    const size_t most = most_of(shared);
+    if (shared->config.partial.n_landmarks == 0u && shared->config.partial.coverage == SMR_COVERAGE_WHOLE &&
+        !smr_follows_images(shared))
+        return 0;
+    return (9u + SMR_FIELD_MOTIONS) * most + SMR_FACTOR_WORDS(most);
+}
+
+void smr_occluded_field_wire(smr_occluded_field *f, const smr_shared *shared, const smr_schedule *schedule,
+                             const smr_shape *shape, const smr_surface_goals *goals,
+                             const smr_landmark_goals *landmarks, const smr_overlay *overlay)
+{
+    f->shared = shared;
+    f->schedule = schedule;
+    f->shape = shape;
+    f->goals = goals;
+    f->landmarks = landmarks;
+    f->most = most_of(shared);
+    f->start = (float *)overlay->sum;
+    f->coefficient = f->start + 3u * f->most;
+    f->noise_variance = f->coefficient + 3u * f->most;
+    f->residual = f->noise_variance + f->most;
+    f->whitened = f->residual + f->most;
+    f->motion = f->whitened + f->most;
+    f->lower = f->motion + SMR_FIELD_MOTIONS * f->most;
+}
+
+void smr_occluded_field_wire_image(smr_occluded_field *f, const uint8_t *found, const uint32_t *has_image)
+{
+    f->found = found;
+    f->has_image = has_image;
+}
+
+static uint32_t visibility(const smr_occluded_field *f, uint32_t v)
+{
+    const smr_target *const target = &f->goals->target[smr_model_owner(f->shared->model, v)];
+    if (smr_field_of_past(f) && target->surface == NULL)
+        return 0u;
+    if (f->landmarks->n > 0u)
+        return f->landmarks->visibility[v];
+    if (!smr_field_of_image(f) || (target->partial && !smr_field_of_rest(f, v)))
+        return f->goals->visibility[v];
+    return f->found[v] == SMR_FOUND_GOAL ? SMR_VISIBLE_ONE : 0u;
+}
+
+/* Returns 1 when each vertex must be asked for its visibility; otherwise targets know the count. */
+static int counts(const smr_occluded_field *f) { return f->landmarks->n > 0u || smr_field_of_image(f); }
+
+static smr_choice *choice(const smr_occluded_field *f) { return (smr_choice *)(void *)f->lower; }
+
+static uint32_t looks(const smr_occluded_field *f) { return smr_ceil_div(f->shared->n, SMR_LOOK); }
+
+/* Counts visible vertices. */
+static void count_visible(smr_occluded_field *f, uint32_t task)
+{
+    smr_choice *c = choice(f);
+    const uint32_t end = smr_min_u32((task + 1u) * SMR_LOOK, f->shared->n);
+    if (task == 0u) {
+        c->n = c->total = c->passed = 0;
+        f->by_normals = smr_field_normals_only(f);
+    }
+    for (uint32_t i = 0; task == 0u && !counts(f) && i < f->shared->n_structures; i++)
+        c->total += f->goals->target[i].n_visible;
+    for (uint32_t v = task * SMR_LOOK; counts(f) && v < end; v++)
+        c->total += visibility(f, v) > SMR_VISIBLE_ONE / 2u;
+}
+
+/* Chooses controls: every k-th visible vertex in stored order, which runs through the whole model. Inactive vertices
+ * count, too: a budget may change their number later, and a replay could not know that. */
+static void choose(smr_occluded_field *f, uint32_t task)
+{
+    smr_choice *c = choice(f);
+    const uint32_t end = smr_min_u32((task + 1u) * SMR_LOOK, f->shared->n);
+    const uint32_t wanted = smr_min_u32(c->total, SMR_CONTROLS);
+    if (f->by_normals) {
+        c->n = smr_field_normals_choose(f, 2u * task * SMR_LOOK, 2u * (task + 1u) * SMR_LOOK, c->control, c->n);
+        return;
+    }
+    for (uint32_t v = task * SMR_LOOK; v < end && c->n < wanted; v++) {
+        if (visibility(f, v) <= SMR_VISIBLE_ONE / 2u)
+            continue;
+        if ((uint64_t)c->passed * wanted >= (uint64_t)c->n * c->total)
+            c->control[c->n++] = v;
+        c->passed++;
+    }
+}
+
+/* Stores a control and adds it to the fit of the pose. */
+static void add_control(smr_occluded_field *f, uint32_t k, smr_vec from, smr_vec to, float weight, smr_fit *fit)
+{
+    smr_store(smr_at3(f->start, k), from);
+    smr_store(smr_at3(f->coefficient, k), to);
+    smr_fit_add(fit, from, to, weight);
+}
+
+static void add_landmarks(smr_occluded_field *f, smr_fit *fit)
+{
+    const smr_landmark_goals *g = f->landmarks;
+    for (uint32_t k = 0; k < g->n; k++) {
+        const float weight = smr_field_hard(f, k) ? 1.0f : g->landmark[k].given.weight;
+        const smr_vec to = smr_add(smr_landmark_goal(g, k), g->landmark[k].more);
+        add_control(f, k, smr_landmark_foot(g, k, smr_field_start(f)), to, weight, fit);
+        f->noise_variance[k] = smr_field_hard(f, k) ? SMR_FIELD_HARD : SMR_FIELD_NOISE / weight;
+    }
+}
+
+static void add_visible(smr_occluded_field *f, const uint32_t *control, float ratio, smr_fit *fit)
+{
+    const float noise_variance = f->by_normals ? SMR_FIELD_NORMAL : SMR_FIELD_NOISE, one = (float)SMR_VISIBLE_ONE;
+    for (uint32_t k = f->landmarks->n; k < f->n; k++) {
+        const uint32_t v = control[k - f->landmarks->n];
+        const float counts = f->by_normals ? 2.0f * (float)visibility(f, v) - one : (float)visibility(f, v);
+        add_control(f, k, smr_load(smr_at3(smr_field_start(f), v)), smr_load(smr_at3(f->shape->x, v)), 1.0f, fit);
+        f->noise_variance[k] = (noise_variance + SMR_FIELD_STIFF * ratio * ratio) * one / counts;
+    }
+}
+
+/* Computes the pose of landmarks and n chosen vertices, and the residuals. */
+static void begin(smr_occluded_field *f, uint32_t n)
+{
+    smr_fit fit;
+    const smr_box box = f->schedule->tracking ? f->shape->track_rest->box : f->shape->start_box;
+    const float length = smr_max(SMR_FIELD_LENGTH * smr_length(smr_sub(box.hi, box.lo)), 1.0e-6f);
+    const smr_vec middle = smr_scale(smr_add(box.lo, box.hi), 0.5f);
+    f->per_length2 = 1.0f / (length * length);
+    f->rough = f->rough_noise = 0.0f;
+    f->n = f->landmarks->n > 0u || n >= SMR_FIELD_LEAST ? f->landmarks->n + n : 0u;
+    smr_fit_start(&fit, middle, middle);
+    add_landmarks(f, &fit);
+    add_visible(f, choice(f)->control, f->schedule->lists.radius / length, &fit);
+    f->pose = smr_fit_solve(&fit, f->n >= SMR_FIELD_LEAST);
+    if (f->by_normals)
+        smr_field_normals_begin(f, choice(f)->control, middle);
+    for (uint32_t k = 0; !f->by_normals && k < f->n; k++) {
+        const smr_vec posed = smr_pose_apply(&f->pose, smr_load(smr_at3(f->start, k)));
+        smr_store(smr_at3(f->coefficient, k), smr_sub(smr_load(smr_at3(f->coefficient, k)), posed));
+    }
+}
+
+/* Computes column j of the Cholesky factor. Diagonal elements are at least the rounding error of their sums. */
+static void factor(smr_occluded_field *f, uint32_t j)
+{
+    float least = 0.5f * smr_min(f->noise_variance[j], SMR_FIELD_NOISE);
+    for (uint32_t i = j; i < f->n; i++) {
+        const float both = smr_occluded_field_between(f, i, j);
+        least = i == j ? smr_max(least, SMR_FIELD_ROUNDED * both) : least;
+        smr_factor_set(f->lower, i, j, both + (i == j ? f->noise_variance[i] + f->rough_noise : 0.0f), least);
+    }
+}
+
+uint32_t smr_occluded_field_tasks(const void *arg)
+{
+    const smr_occluded_field *f = arg;
+    return f->goals->partial || counts(f) ? 2u * looks(f) + SMR_FIELD_TRIES * SMR_TRY_TASKS + f->most + 2u : 0u;
+}
+
+/* coefficient = (L L^T)^-1 coefficient */
+static void solve(smr_occluded_field *f)
+{
+    smr_solve_forward3(f->lower, f->n, f->coefficient);
+    smr_solve_back3(f->lower, f->n, f->coefficient);
+}
+
+void smr_occluded_field_solve(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_occluded_field *f = arg;
+    const uint32_t first = looks(f), tries = 2u * first, then = tries + SMR_FIELD_TRIES * SMR_TRY_TASKS;
+    (void)worker;
+    if (task < first)
+        count_visible(f, task);
+    else if (task < tries)
+        choose(f, task - first);
+    else if (task == tries)
+        begin(f, choice(f)->n);
+    else if (task <= then)
+        smr_field_roughness_try(f, task - tries - 1u);
+    else if (task - then <= f->n)
+        factor(f, task - then - 1u);
+    else if (task - then == f->most + 1u && f->by_normals)
+        smr_field_normals_end(f);
+    else if (task - then == f->most + 1u)
+        solve(f);
+}
+
+smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v)
+{
+    const smr_vec from = smr_load(smr_at3(smr_field_start(f), v)), x = smr_load(smr_at3(f->shape->x, v));
+    if (f->n == 0u)
+        return smr_v(0, 0, 0);
+    smr_vec to = smr_pose_apply(&f->pose, from);
+    for (uint32_t k = 0; k < f->n; k++)
+        to = smr_add(to, smr_scale(smr_load(smr_at3(f->coefficient, k)),
+                                   smr_field_with_control(f, from, k, smr_field_hard(f, k))));
+    return smr_sub(to, x);
+}
+
+static smr_vec mix(smr_vec a, smr_vec b, float share)
+{
+    return smr_add(smr_scale(a, 1.0f - share), smr_scale(b, share));
+}
+
+float smr_occluded_field_hard_weight(const smr_occluded_field *f, uint32_t v)
+{
+    float share = 0.0f;
+    for (uint32_t k = 0; k < f->landmarks->n; k++)
+        if (smr_field_hard(f, k))
+            share = smr_max(share, smr_landmark_hard_weight(f->landmarks, k, v));
+    return share;
+}
+
+/* The part of a displacement along the surface at v. */
+static smr_vec along(const smr_occluded_field *f, uint32_t v, smr_vec displacement)
+{
+    const smr_vec normal = smr_load(smr_at3(f->shape->normal, v));
+    return smr_sub(displacement, smr_scale(normal, smr_dot(normal, displacement)));
+}
+
+/* Beside an image a structure that is nearly all visible is not moved along its surface: at a joint the common field
+ * would pull one structure with the next. With landmarks it is moved. */
+void smr_occluded_field_blend(const smr_occluded_field *f, uint32_t v, int has_goal, smr_vec *displacement)
+{
+    const float share = smr_visibility_of(f->goals, v, has_goal);
+    const int holds = smr_field_of_image(f) && f->landmarks->n == 0u;
+    const float slides = holds ? smr_visibility_partial(f->goals, v) : 1.0f;
+    const smr_vec by_field =
+        smr_scale(smr_occluded_field_displacement(f, v), f->by_normals ? smr_field_normals_step(f) : 1.0f);
+    *displacement = mix(by_field, smr_add(*displacement, smr_scale(along(f, v, by_field), slides)), share);
+    smr_occluded_field_blend_hard(f, v, displacement);
+}
+
+int smr_occluded_field_blend_image(const smr_occluded_field *f, uint32_t v, int found, smr_vec *displacement)
+{
+    const smr_vec by_field = smr_occluded_field_displacement(f, v);
+    const float most = smr_max(f->schedule->lists.radius, smr_le_float(f->shared->model->edge_mm));
+    found = found == SMR_GOAL && smr_length(by_field) > most ? SMR_NO_GOAL : found;
+    *displacement = found == SMR_GOAL ? smr_add(*displacement, along(f, v, by_field)) : by_field;
+    return found;
+}
+
+void smr_occluded_field_blend_hard(const smr_occluded_field *f, uint32_t v, smr_vec *displacement)
+{
+    const float hard = smr_occluded_field_hard_weight(f, v);
+    if (hard > 0.0f)
+        *displacement = mix(*displacement, smr_occluded_field_displacement(f, v), hard);
+}
+
+/* Smallest squared distance at the start to controls first .. last - 1, mm^2. */
+static float nearest(const smr_occluded_field *f, smr_vec at, uint32_t first, uint32_t last)
+{
+    float least = SMR_FAR;
+    for (uint32_t k = first; k < last; k++) {
+        const smr_vec d = smr_sub(at, smr_load(smr_at3(f->start, k)));
+        least = smr_min(least, smr_dot(d, d));
+    }
+    return least;
+}
+
+void smr_occluded_field_fill(const smr_occluded_field *f, uint32_t v, smr_vec *displacement)
+{
+    const smr_vec at = smr_load(smr_at3(smr_field_start(f), v));
+    const float landmark = nearest(f, at, 0, f->landmarks->n), vertex = nearest(f, at, f->landmarks->n, f->n);
+    const float share = vertex < SMR_FAR ? vertex / smr_max(vertex + landmark, FLT_MIN) : 1.0f;
+    *displacement = mix(*displacement, smr_occluded_field_displacement(f, v), share);
+}
+
+float smr_landmark_field_solve(smr_occluded_field *f)
+{
+    float sum = 0.0f;
+    begin(f, 0);
+    for (uint32_t j = 0; j < f->n; j++)
+        factor(f, j);
+    smr_solve_forward3(f->lower, f->n, f->coefficient);
+    for (uint32_t i = 0; i < f->n; i++) /* y^T K^-1 y is |L^-1 y|^2 */
+        sum += smr_dot(smr_load(smr_at3(f->coefficient, i)), smr_load(smr_at3(f->coefficient, i)));
+    return f->n < SMR_FIELD_LEAST ? -1.0f : sum / (3.0f * (float)f->n);
+}
+
+float smr_landmark_field_left(const smr_occluded_field *f, uint32_t v)
+{
+    const smr_vec at = smr_load(smr_at3(smr_field_start(f), v));
+    float known[SMR_CONTROLS_MAX], left = 1.0f;
+    for (uint32_t i = 0; i < f->n; i++) {
+        const float with = smr_field_with_control(f, at, i, smr_field_hard(f, i));
+        known[i] = smr_solve_row(smr_field_row(f, i), i, known, with);
+        left -= known[i] * known[i];
+    }
+    return smr_max(left, 0.0f);
+}

@@ -1,0 +1,185 @@
+/* occluded_field_normals.c: fits the field of occluded vertices to a target that holds vertices along their normals only. A
+ * control contributes one number: the distance from the posed start position to its goal along the normal.
+ * Displacements along the surface follow from the field, whose three components share one kernel. The field includes
+ * the seven motions of a similarity, which are added to the pose. These motions are measured from the start, so that
+ * whatever normals do not determine (the turn of a ball, the size of a flat cap) stays as the start pose had it.
+ * A control's distance is measured to its goal, not to its position: a field through positions would follow itself
+ * and oscillate with momentum. Each iteration uses other vertices as controls; at the last radius small steps
+ * average over them. occluded_field_roughness.c estimates how rough the deformation is.
+ * Bounds: those of the field of occluded vertices.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
+#include "options/partial/partial.h"
+
+/* 2^32 times the fractional part of the golden ratio: the first n multiples are spread evenly for every n */
+#define SMR_GOLDEN 2654435769u
+/* positions in the order of vertices by which each iteration starts later than the one before */
+#define SMR_FIELD_TURN 3u
+#define SMR_FIELD_SHEET 0.5f /* norm of the sum of area vectors over the area: above it a model is a sheet */
+#define SMR_FIELD_FAR 1.0e7f /* mm: above all legal coordinates */
+#define SMR_TURN_MOST 0.1f   /* smallest divisor of Cayley's parameter, of 4: limits it near half a turn */
+#define SMR_SIZE_MOST 2.0f   /* largest factor by which one step changes the size */
+
+/* Returns 1 when controls are known along their normals only. Landmarks, images and the borders of sheets determine
+ * positions. A closed target that is not yet covered counts as whole, so the start pose is kept. */
+uint32_t smr_field_normals_only(const smr_occluded_field *f)
+{
+    uint32_t open = 0;
+    for (uint32_t i = 0; i < f->shared->n_structures; i++)
+        open |= (uint32_t)smr_visibility_always_partial(f->goals, i);
+    return f->shared->config.partial.n_landmarks == 0u && !smr_field_of_image(f) && !f->sheet ? open : 0u;
+}
+
+/* The smallest power of two that is at least n. */
+static uint32_t period(uint32_t n)
+{
+    uint32_t bits = 0;
+    while (bits < 31u && 1u << bits < n)
+        bits++;
+    return 1u << bits;
+}
+
+/* Chooses controls so that one more visible vertex changes one control only. Taking every k-th visible vertex would
+ * change them all, and badly determined motions would jump. */
+uint32_t smr_field_normals_choose(const smr_occluded_field *f, uint32_t first, uint32_t last, uint32_t *control,
+                                  uint32_t n)
+{
+    const uint32_t all = period(f->shared->n);
+    /* odd, so that each position occurs once */
+    const uint32_t apart = (uint32_t)((uint64_t)all * SMR_GOLDEN >> 32) | 1u;
+    for (uint32_t i = first; i < smr_min_u32(last, all) && n < f->most; i++) {
+        const uint32_t v = (i * apart + SMR_FIELD_TURN * f->schedule->iteration) & (all - 1u);
+        if (v < f->shared->n && f->goals->visibility[v] > SMR_VISIBLE_ONE / 2u)
+            control[n++] = v;
+    }
+    return n;
+}
+
+float smr_field_normals_step(const smr_occluded_field *f)
+{
+    if (f->schedule->tracking)
+        return SMR_FIELD_FOLLOW;
+    return smr_at_last_radius(f->shared, f->schedule) ? SMR_FIELD_MEAN : SMR_FIELD_STEP;
+}
+
+static float *motions(const smr_occluded_field *f, uint32_t k) { return f->motion + (size_t)SMR_FIELD_MOTIONS * k; }
+
+/* Twice the sum of a structure's area vectors at rest. Adds twice its area to *area. */
+static smr_vec open_part(const smr_shared *shared, const smr_shape_structure *one, float *area)
+{
+    const uint32_t first = one->first_triangle, last = first + one->tree.n_triangles;
+    smr_vec sum = smr_v(0, 0, 0);
+    for (uint32_t k = first; k < last; k++) {
+        const uint32_t *t = shared->triangle + 3u * (size_t)k;
+        const smr_vec two = smr_triangle_cross(smr_rest(shared, t[0]), smr_rest(shared, t[1]), smr_rest(shared, t[2]));
+        sum = smr_add(sum, two);
+        *area += smr_length(two);
+    }
+    return sum;
+}
+
+void smr_occluded_field_model(smr_occluded_field *f)
+{
+    float open = 0.0f, area = 0.0f;
+    for (uint32_t i = 0; i < f->shared->n_structures; i++)
+        open += smr_length(open_part(f->shared, &f->shape->structure[i], &area));
+    f->sheet = open > SMR_FIELD_SHEET * area;
+}
+
+static float dot(const float a[SMR_FIELD_MOTIONS], const float b[SMR_FIELD_MOTIONS])
+{
+    float sum = 0.0f;
+    for (uint32_t m = 0; m < SMR_FIELD_MOTIONS; m++)
+        sum += a[m] * b[m];
+    return sum;
+}
+
+static smr_vec column(const smr_pose *p, uint32_t c) { return smr_v(p->m[0][c], p->m[1][c], p->m[2][c]); }
+
+/* The motions from the pose to the start; while targets are tracked, only the change of size. */
+static void find_motion_to_start(smr_occluded_field *f, smr_vec middle)
+{
+    const smr_pose *p = &f->pose;
+    const float length = 1.0f / SMR_SQRT(f->per_length2);
+    const float scale = smr_length(column(p, 0)), trace = p->m[0][0] + p->m[1][1] + p->m[2][2];
+    const smr_vec turn = smr_v(p->m[1][2] - p->m[2][1], p->m[2][0] - p->m[0][2], p->m[0][1] - p->m[1][0]);
+    const float half = f->schedule->tracking ? 0.0f : length / smr_max(scale + trace, SMR_TURN_MOST * scale);
+    smr_store(f->back, f->schedule->tracking ? smr_v(0, 0, 0) : smr_sub(middle, f->middle));
+    smr_store(f->back + 3, smr_scale(turn, 2.0f * half));
+    f->back[6] = length * (1.0f / scale - 1.0f);
+}
+
+void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr_vec middle)
+{
+    const float inverse = SMR_SQRT(f->per_length2);
+    f->middle = smr_pose_apply(&f->pose, middle);
+    find_motion_to_start(f, middle);
+    for (uint32_t k = 0; k < f->n; k++) {
+        const smr_vec n = smr_load(smr_at3(f->shape->normal, control[k]));
+        const smr_vec posed = smr_pose_apply(&f->pose, smr_load(smr_at3(f->start, k)));
+        const smr_vec arm = smr_scale(smr_sub(posed, f->middle), inverse), turn = smr_cross(arm, n);
+        float *const m = motions(f, k);
+        smr_store(m, n);
+        smr_store(m + 3, turn);
+        m[6] = smr_dot(arm, n);
+        const smr_vec goal =
+            smr_add(smr_load(smr_at3(f->coefficient, k)), smr_surface_goal_again(f->goals, control[k]));
+        f->residual[k] = smr_dot(n, smr_sub(goal, posed)) - dot(f->back, m);
+        smr_store(smr_at3(f->coefficient, k), n);
+    }
+}
+
+float smr_field_normals_between(const smr_occluded_field *f, uint32_t i, uint32_t j, float kernel)
+{
+    const float *const a = motions(f, i), *const b = motions(f, j);
+    return kernel * smr_dot(smr_load(a), smr_load(b)) + f->motion_variance * dot(a, b);
+}
+
+/* v after a rotation given as Cayley's parameter, which is a rotation for any size of the parameter. */
+static smr_vec turned(smr_vec half, smr_vec v)
+{
+    const smr_vec once = smr_add(v, smr_cross(half, v));
+    const float per = 2.0f / (1.0f + smr_dot(half, half));
+    return smr_add(v, smr_scale(smr_cross(half, once), per));
+}
+
+static void add_motions(smr_occluded_field *f, const float m[SMR_FIELD_MOTIONS])
+{
+    const float inverse = SMR_SQRT(f->per_length2);
+    const smr_vec half = smr_scale(smr_load(m + 3), 0.5f * inverse);
+    const float scale = smr_clamp(1.0f + inverse * m[6], 1.0f / SMR_SIZE_MOST, SMR_SIZE_MOST);
+    for (uint32_t c = 0; c < 4u; c++) {
+        const smr_vec from = c < 3u ? column(&f->pose, c) : smr_sub(column(&f->pose, c), f->middle);
+        smr_vec to = smr_scale(turned(half, from), scale);
+        if (c == 3u)
+            to = smr_add(smr_add(to, f->middle), smr_load(m));
+        f->pose.m[0][c] = to.x;
+        f->pose.m[1][c] = to.y;
+        f->pose.m[2][c] = to.z;
+    }
+}
+
+/* Returns 1 when all numbers are finite and within SMR_FIELD_FAR. */
+static int is_sane(const float *number, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++)
+        if (!(number[i] > -SMR_FIELD_FAR && number[i] < SMR_FIELD_FAR))
+            return 0;
+    return 1;
+}
+
+void smr_field_normals_end(smr_occluded_field *f)
+{
+    float *const sum = f->back;
+    smr_solve_forward(f->lower, f->n, f->residual);
+    smr_solve_back(f->lower, f->n, f->residual);
+    for (uint32_t k = 0; k < f->n; k++) {
+        float *const to = smr_at3(f->coefficient, k);
+        for (uint32_t m = 0; m < SMR_FIELD_MOTIONS; m++)
+            sum[m] += f->motion_variance * f->residual[k] * motions(f, k)[m];
+        smr_store(to, smr_scale(smr_load(to), f->residual[k]));
+    }
+    add_motions(f, sum);
+    if (!is_sane(f->coefficient, 3u * f->n) || !is_sane(&f->pose.m[0][0], 12u))
+        f->n = 0;
+}

@@ -1,0 +1,90 @@
+/* occluded_field_roughness.c: estimates how rough the deformation of a part is. Two bodies differ smoothly and also from
+ * place to place. If such local differences were taken as smooth, they would turn and stretch the whole model.
+ * Therefore the kernel has a second, short term. Its share of the variance is the most likely of SMR_FIELD_TRIES
+ * values (marginal likelihood of some of the controls; Rasmussen and Williams 2006, section 5.4). The controls'
+ * noise variance grows with it. A smooth deformation has no short term.
+ * Bounds: a factor of SMR_ROUGH_ROWS rows for each of SMR_FIELD_TRIES, four rows a task.
+ * SPDX-License-Identifier: MIT */
+#include "options/partial/partial.h"
+
+#define SMR_ROUGH_CHUNK 4u     /* rows of the factor in a task */
+#define SMR_ROUGH_ROWS 96u     /* most controls that the likelihood is computed from */
+#define SMR_ROUGH_LEAST 32u    /* fewest controls: with fewer of them the deformation counts as smooth */
+#define SMR_ROUGH_LENGTH 0.15f /* length of the short term over the kernel's length */
+#define SMR_ROUGH_NOISE 0.1f   /* noise variance of a control over the short term's variance */
+#define SMR_ROUGH_MOTION 20.0f /* variance of the motions over the short term's variance */
+/* log-likelihood that a rough kernel must gain over the smooth one (see how_likely()): odds of 16 */
+#define SMR_ROUGH_SURE 8.0f
+#define SMR_LOG_MIDDLE 1.41421356f
+#define SMR_LOG_SCALE 2.88539008f /* 2 / ln 2 */
+
+/* The tried variances of the short term over that of the long term. */
+static const float roughness[SMR_FIELD_TRIES] = {0.0f, 0.1f, 0.3f};
+
+/* The binary logarithm of a positive normal number, accurate to 1e-6: exponent plus a series for the mantissa. */
+static float log_two(float x)
+{
+    uint32_t bits = 0;
+    float rest = 0.0f;
+    memcpy(&bits, &x, sizeof bits);
+    const float whole = (float)(bits >> 23) - 127.0f;
+    bits = (bits & 0x7fffffu) | 0x3f800000u;
+    memcpy(&rest, &bits, sizeof rest);
+    const float z = (rest - SMR_LOG_MIDDLE) / (rest + SMR_LOG_MIDDLE), q = z * z;
+    return whole + 0.5f + SMR_LOG_SCALE * z * (1.0f + q * (1.0f / 3.0f + q * (1.0f / 5.0f + q * (1.0f / 7.0f))));
+}
+
+static void take(smr_occluded_field *f, float rough)
+{
+    f->rough = rough;
+    f->rough_noise = SMR_ROUGH_NOISE * rough;
+    f->motion_variance = SMR_MOTION_VARIANCE * (1.0f + SMR_ROUGH_MOTION * rough);
+    f->per_rough2 = f->per_length2 * (1.0f / (3.0f * SMR_ROUGH_LENGTH * SMR_ROUGH_LENGTH));
+}
+
+_Static_assert(SMR_TRY_TASKS *SMR_ROUGH_CHUNK == SMR_ROUGH_ROWS, "each row has its task");
+
+/* Computes row i of the Cholesky factor of the controls' covariance, and element i of the whitened residuals. */
+static void add_row(smr_occluded_field *f, uint32_t i)
+{
+    const float *const r = smr_field_row(f, i);
+    for (uint32_t j = 0; j <= i; j++) {
+        const float both = smr_occluded_field_between(f, i, j),
+                    noise_variance = i == j ? f->noise_variance[i] + f->rough_noise : 0.0f;
+        smr_factor_set(f->lower, i, j, both + noise_variance, SMR_FIELD_ROUNDED * both);
+    }
+    f->whitened[i] = smr_solve_row(r, i, f->whitened, f->residual[i]);
+    f->square += f->whitened[i] * f->whitened[i];
+    f->log -= 2.0f * log_two(r[i]);
+}
+
+/* Twice the log-likelihood of the present roughness, maximised over the variance, without constant terms. */
+static float how_likely(const smr_occluded_field *f, uint32_t n)
+{
+    return f->log - (float)n * log_two(smr_max(f->square, FLT_MIN));
+}
+
+void smr_field_roughness_try(smr_occluded_field *f, uint32_t task)
+{
+    const uint32_t n = smr_min_u32(f->n, SMR_ROUGH_ROWS), k = task / SMR_TRY_TASKS, part = task % SMR_TRY_TASKS;
+    const int enough = f->by_normals && n >= SMR_ROUGH_LEAST;
+    if (task == 0u) {
+        f->likeliest = 0;
+        take(f, 0.0f);
+    }
+    if (enough && part == 0u) {
+        take(f, roughness[k]);
+        f->square = f->log = 0.0f;
+    }
+    for (uint32_t i = part * SMR_ROUGH_CHUNK; enough && i < n && i < (part + 1u) * SMR_ROUGH_CHUNK; i++)
+        add_row(f, i);
+    if (!enough || part + 1u < SMR_TRY_TASKS)
+        return;
+    const float now = how_likely(f, n) + (k == 0u ? SMR_ROUGH_SURE : 0.0f);
+    if (k == 0u || now > f->likelihood) {
+        f->likelihood = now;
+        f->likeliest = k;
+    }
+    if (k + 1u == SMR_FIELD_TRIES)
+        take(f, roughness[f->likeliest]);
+}

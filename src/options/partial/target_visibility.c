@@ -1,0 +1,227 @@
+/* target_visibility.c: visibility of each vertex in a target that may lack parts of the model. A goal's weight falls on an
+ * open border of the target, where normals disagree, and where the goal is not mutual: the model point closest to
+ * the goal lies far from the vertex. Each factor is continuous. For the rest of its weight the vertex follows the
+ * field of occluded vertices.
+ * A closed target counts as whole while most of the model's vertices are visible; then all goals have full weight.
+ * In a cloud the vertices that its points' weights reach are visible.
+ * Bounds: three closest points on triangles for each judged vertex; two passes over the vertices.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
+#include "options/partial/partial.h"
+
+#define SMR_VISIBLE_WHOLE 0.9f   /* share of visible vertices at or above which a closed target counts as whole */
+#define SMR_VISIBLE_PART 0.7f    /* share of visible vertices at or below which it counts as a part */
+#define SMR_VISIBLE_COS 0.6f     /* cosine between normals at or above which they agree fully */
+#define SMR_VISIBLE_STEADY 8u    /* smaller changes of a visibility are ignored, so that goals and weights converge */
+#define SMR_OFF_EDGES 0.5f       /* tolerance in mean edge lengths, added to */
+#define SMR_OFF_RADII 0.1f       /* tolerance in cluster radii: a goal this far beyond a border has no weight */
+#define SMR_MUTUAL_DISTANCE 0.2f /* tolerance of mutual closest points, over the distance between them */
+#define SMR_MUTUAL_NONE 1.5f     /* half of it on a goal counts less, at so many times nothing */
+#define SMR_OFF_LEAST 1.0e-6f    /* smallest tolerance, mm */
+/* weight of points at a vertex over the mean weight: from there on the vertex is fully visible */
+#define SMR_POINTS_FULL 0.22f
+
+static int cloud_shows(const smr_target *t) { return t->surface != NULL && smr_is_cloud(t->surface); }
+static int open_target(const smr_target *t) { return t->surface != NULL && t->surface->open != 0u; }
+
+/* Returns 1 when visibility can be judged: a structure without triangles has no normals. */
+static int can_judge(const smr_surface_goals *g, uint32_t structure)
+{
+    return g->visibility != NULL && g->target[structure].surface != NULL &&
+           g->shape->structure[structure].tree.n_triangles > 0u;
+}
+
+int smr_visibility_always_partial(const smr_surface_goals *g, uint32_t structure)
+{
+    const smr_target *t = &g->target[structure];
+    return t->partial != 0u && (g->shared->config.partial.coverage == SMR_COVERAGE_PARTIAL || open_target(t));
+}
+
+void smr_visibility_start(smr_surface_goals *g)
+{
+    g->partial = 0;
+    for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+        smr_target *t = &g->target[i];
+        t->partial = can_judge(g, i) && (g->shared->config.partial.coverage == SMR_COVERAGE_PARTIAL || open_target(t));
+        g->partial |= t->partial;
+    }
+}
+
+/* Returns 1 in iterations that also judge whole targets: the first of each radius, which decides whether targets are
+ * whole, and the last of all. */
+static int judged_now(const smr_surface_goals *g)
+{
+    const smr_schedule *p = g->schedule;
+    const int ends =
+        smr_at_last_radius(g->shared, p) && p->radius_iteration + 1u >= g->shared->config.basic.iterations_last;
+    return p->radius_iteration == 0u || ends;
+}
+
+int smr_visibility_judged(const smr_surface_goals *g, uint32_t structure)
+{
+    return can_judge(g, structure) && (g->target[structure].partial != 0u || judged_now(g));
+}
+
+/* Weight of a goal on an open border, 0..1, by the vertex' distance beyond the border. */
+static float inside_border(const smr_surface *target, const smr_hit *hit, smr_vec displacement, float tolerance)
+{
+    if (!smr_surface_on_border(target, hit->triangle, hit->weight))
+        return 1.0f;
+    const smr_vec n = smr_load(target->tree.normal + 3u * (size_t)hit->triangle);
+    const float beyond = smr_length(smr_sub(displacement, smr_scale(n, smr_dot(n, displacement))));
+    return smr_clamp(1.0f - beyond / tolerance, 0.0f, 1.0f);
+}
+
+/* Weighted mean of the model points that are closest to the corners of a target triangle. */
+typedef struct answer {
+    smr_vec sum;    /* sum of the points, mm times weight */
+    float weight;   /* sum of the weights of corners with a closest point */
+    float distance; /* sum of the distances, mm times weight */
+} answer;
+
+/* Adds the closest point to target vertex j on the model triangle that it found last. */
+static void add_corner(const smr_surface_goals *g, const smr_shape_structure *one, const smr_surface *target,
+                       uint32_t j, uint32_t triangle, float weight, answer *a)
+{
+    const uint32_t *t = one->tree.triangle + 3u * (size_t)triangle;
+    const float *x = g->shape->x;
+    const smr_vec y = smr_add(smr_load(target->xyz + 3u * (size_t)j), smr_sub(target->origin, g->shape->origin));
+    float w[3];
+    const float d2 = smr_triangle_closest(y, smr_load(x + 3u * (size_t)t[0]), smr_load(x + 3u * (size_t)t[1]),
+                                          smr_load(x + 3u * (size_t)t[2]), w);
+    a->sum = smr_add(a->sum, smr_scale(smr_triangle_point(&one->tree, triangle, w), weight));
+    a->weight += weight;
+    a->distance += weight * SMR_SQRT(d2);
+}
+
+/* The first index of a target's vertices in target_warm. */
+static uint32_t first_warm(const smr_surface_goals *g, const smr_surface *target)
+{
+    uint32_t k = 0;
+    while (k + 1u < g->n_goals && g->goal[k].surface != target)
+        k++;
+    return g->goal[k].first_warm;
+}
+
+/* Weight of a goal, 0..1, by whether the target's closest points return to the vertex. */
+static float mutual(const smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit,
+                    float tolerance)
+{
+    const smr_shape_structure *one = &g->shape->structure[smr_model_owner(g->shared->model, v)];
+    const uint32_t *corner = target->triangle + 3u * (size_t)hit->triangle;
+    answer a = {{0, 0, 0}, 0, 0};
+    if (!smr_attracts(g, target))
+        return 1.0f;
+    const uint32_t *warm = g->target_warm + first_warm(g, target);
+    for (uint32_t c = 0; c < 3u; c++) {
+        const uint32_t triangle = warm[corner[c]] - one->first_triangle;
+        if (warm[corner[c]] != SMR_NONE && triangle < one->tree.n_triangles && hit->weight[c] > 0.0f)
+            add_corner(g, one, target, corner[c], triangle, hit->weight[c], &a);
+    }
+    if (!(a.weight >= 0.5f))
+        return 0.0f;
+    const smr_vec at = smr_load(smr_at3(g->shape->x, v)), found = smr_scale(a.sum, 1.0f / a.weight);
+    tolerance += SMR_MUTUAL_DISTANCE * a.distance / a.weight;
+    return smr_clamp(SMR_MUTUAL_NONE - smr_length(smr_sub(found, at)) / tolerance, 0.0f, 1.0f);
+}
+
+/* Tolerance of closest points, mm: it is larger while clusters are large. */
+static float tolerance_of(const smr_surface_goals *g)
+{
+    const float edge = smr_le_float(g->shared->model->edge_mm);
+    return smr_max(SMR_OFF_EDGES * edge + SMR_OFF_RADII * g->schedule->lists.radius, SMR_OFF_LEAST);
+}
+
+static void put_visibility(smr_surface_goals *g, uint32_t v, float share)
+{
+    const uint32_t now = (uint32_t)(share * (float)SMR_VISIBLE_ONE + 0.5f), before = g->visibility[v];
+    g->visibility_next[v] =
+        (uint8_t)(now + SMR_VISIBLE_STEADY >= before && now <= before + SMR_VISIBLE_STEADY ? before : now);
+}
+
+void smr_visibility_judge(smr_surface_goals *g, uint32_t v, const smr_surface *target, const smr_hit *hit,
+                          smr_vec displacement)
+{
+    const float tolerance = tolerance_of(g);
+    const smr_vec normal = smr_load(smr_at3(g->shape->normal, v));
+    const smr_vec other = smr_load(target->tree.normal + 3u * (size_t)hit->triangle);
+    const float least = smr_min(g->shared->min_cos, SMR_VISIBLE_COS - 0.1f);
+    const float agree = smr_clamp((smr_dot(normal, other) - least) / (SMR_VISIBLE_COS - least), 0.0f, 1.0f);
+    float share = agree * inside_border(target, hit, displacement, tolerance);
+    if (share > 0.0f)
+        share *= mutual(g, v, target, hit, tolerance);
+    put_visibility(g, v, share);
+}
+
+void smr_visibility_judge_points(smr_surface_goals *g, uint32_t v, float weight)
+{
+    const float full = SMR_POINTS_FULL * g->target[smr_model_owner(g->shared->model, v)].spread;
+    put_visibility(g, v, weight < full ? weight / full : 1.0f);
+}
+
+float smr_visibility_of(const smr_surface_goals *g, uint32_t v, int has_goal)
+{
+    if (g->target[smr_model_owner(g->shared->model, v)].partial)
+        return (float)g->visibility_next[v] * (1.0f / (float)SMR_VISIBLE_ONE);
+    return has_goal ? 1.0f : 0.0f;
+}
+
+float smr_visibility_partial(const smr_surface_goals *g, uint32_t v)
+{
+    const smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
+    const float visible = (float)t->n_visible / (float)smr_max_u32(t->n_judged, 1);
+    return smr_clamp((SMR_VISIBLE_WHOLE - visible) / (SMR_VISIBLE_WHOLE - SMR_VISIBLE_PART), 0.0f, 1.0f);
+}
+
+/* Counts visible and judged vertices of each structure. Vertices without triangles are not judged. */
+static void count_visible(const smr_surface_goals *g)
+{
+    for (uint32_t i = 0; i < g->shared->n_structures; i++)
+        g->target[i].n_visible = g->target[i].n_judged = 0;
+    for (uint32_t v = 0; v < g->schedule->n_active; v++) {
+        smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
+        t->n_visible += g->visibility[v] > SMR_VISIBLE_ONE / 2u;
+        t->n_judged += g->shape->on_surface[v];
+    }
+}
+
+/* Computes the mean normal of the places that a cloud shows; it is short when the cloud surrounds the structure.
+ * Updated only while the model is near the target, not after a jump. */
+void smr_visibility_note_view(smr_surface_goals *g)
+{
+    const smr_schedule *p = g->schedule;
+    const int laid_out = p->tracking ? p->recovering != 1u : smr_at_last_radius(g->shared, p);
+    if (g->shared->config.track.mode == SMR_TRACK_OFF || g->visibility == NULL || g->n_clouds == 0u || !laid_out ||
+        p->jumped)
+        return;
+    for (uint32_t i = 0; i < g->shared->n_structures; i++)
+        if (cloud_shows(&g->target[i]))
+            g->target[i].view = smr_v(0, 0, 0);
+    for (uint32_t v = 0; v < g->schedule->n_active; v++) {
+        smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
+        if (g->visibility[v] > SMR_VISIBLE_ONE / 2u && cloud_shows(t))
+            t->view = smr_add(t->view, smr_load(smr_at3(g->shape->normal, v)));
+    }
+    for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+        smr_target *t = &g->target[i];
+        if (cloud_shows(t))
+            t->view = smr_scale(t->view, 1.0f / (float)smr_max_u32(t->n_visible, 1));
+    }
+}
+
+void smr_visibility_commit(smr_surface_goals *g)
+{
+    if (g->visibility == NULL || !(g->partial || judged_now(g)))
+        return;
+    memcpy(g->visibility, g->visibility_next, g->schedule->n_active);
+    count_visible(g);
+    if (g->schedule->radius_iteration != 0u || g->shared->config.partial.coverage != SMR_COVERAGE_AUTO)
+        return;
+    g->partial = 0;
+    for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+        smr_target *t = &g->target[i];
+        if (can_judge(g, i) && !open_target(t))
+            t->partial = (float)t->n_visible < SMR_VISIBLE_WHOLE * (float)t->n_judged;
+        g->partial |= t->partial;
+    }
+}

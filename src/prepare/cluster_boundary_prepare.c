@@ -1,0 +1,118 @@
+/* cluster_boundary_prepare.c: vertices near the cluster boundary get fractional weight.
+ * For two vertices about a radius apart, rounding would decide whether they are in each other's cluster. Over a narrow
+ * range of distances around the radius their share in it therefore falls linearly from 1 to 0. The lists zeta+ and
+ * zeta- follow d <= r; the boundary pairs written here hold the difference between the share and that.
+ * Geodesic distances are whole micrometres and have no boundary.
+ * Bounds: for each vertex one visit to the boxes of the tree that the boundary crosses.
+ * SPDX-License-Identifier: MIT */
+#include "prepare/model_write.h"
+
+#define SMR_BOUNDARY_MM 7.0e-4f /* half the boundary's width: about thirty times the rounding of coordinates */
+#define SMR_BOUNDARY_SHARE (1.0f / 256.0f) /* largest half width relative to the radius */
+#define SMR_BOUNDARY_ROUNDING 1.0e-6f      /* relative rounding of squared distances to boxes */
+
+/* Returns 1 when `other` is a mesh neighbour of v. */
+static int mesh_neighbour(const smr_plan *p, uint32_t v, uint32_t other)
+{
+    for (uint32_t i = p->neighbour_start[v]; i < p->neighbour_start[v + 1u]; i++)
+        if (p->neighbour[i] == other)
+            return 1;
+    return 0;
+}
+
+/* Squared distance between two vertices, mm^2. */
+static float distance2(const smr_plan *p, uint32_t a, uint32_t b)
+{
+    const smr_vec d = smr_sub(smr_load(p->xyz + 3u * (size_t)a), smr_load(p->xyz + 3u * (size_t)b));
+    return smr_dot(d, d);
+}
+
+/* Writes the pair a, b if its share differs from the lists, and counts vertices that the lists do not hold. half: half
+ * the boundary's width, mm. */
+static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, float radius, float half)
+{
+    const float d2 = distance2(p, a, b);
+    const float share = smr_clamp(0.5f + (radius - SMR_SQRT(d2)) / (2.0f * half), 0.0f, 1.0f);
+    const int inside = d2 <= radius * radius, units = (int)(share * (float)SMR_BOUNDARY_UNITS + 0.5f);
+    const int add = units - (inside ? SMR_BOUNDARY_UNITS : 0);
+    if (add == 0 || smr_kept_apart(p, a, b) || (smr_holds_neighbours(p, radius) && mesh_neighbour(p, a, b)))
+        return;
+    const uint32_t field[3] = {p->stored[a], p->stored[b], (uint32_t)(add + SMR_BOUNDARY_UNITS / 2)};
+    const size_t at = l->at_boundary + (size_t)l->n_boundary * sizeof(smr_stored_boundary);
+    for (uint32_t i = 0; i < 3u; i++)
+        smr_put32(l->w, at + 4u * i, field[i]);
+    l->n_boundary++;
+    p->n_outside[a] += !inside;
+    p->n_outside[b] += !inside;
+}
+
+/* The child boxes with points at squared distances near2 .. far2 from p, a bit each. */
+static uint32_t crossing(const smr_node *node, smr_vec p, float near2, float far2)
+{
+    uint32_t crossed = 0;
+    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
+        float nearest, farthest;
+        smr_box_near_far(node, k, p, &nearest, &farthest);
+        crossed |= ((nearest <= far2) & (farthest >= near2)) != 0 ? smr_child_bit[k] : 0u;
+    }
+    return crossed;
+}
+
+/* The same for a leaf, whose boxes are single vertices. Not inlined, as in the cluster building. */
+__attribute__((noinline)) static uint32_t crossing_leaf(const smr_node *leaf, smr_vec p, float near2, float far2)
+{
+    uint32_t crossed = 0;
+    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
+        const float x = leaf->lo[0][k] - p.x, y = leaf->lo[1][k] - p.y, z = leaf->lo[2][k] - p.z,
+                    d2 = x * x + y * y + z * z;
+        crossed |= ((d2 <= far2) & (d2 >= near2)) != 0 ? smr_child_bit[k] : 0u;
+    }
+    return crossed;
+}
+
+/* A node to be opened: its level and its index there. */
+typedef struct visit {
+    uint32_t level, index;
+} visit;
+
+/* Writes the boundary pairs of v and vertices with larger numbers. */
+static void find_pairs(smr_plan *p, smr_list_writer *l, uint32_t v, float radius, float half)
+{
+    const smr_vec at = smr_load(p->xyz + 3u * (size_t)v);
+    const float near2 = (radius - half) * (radius - half) * (1.0f - SMR_BOUNDARY_ROUNDING);
+    const float far2 = (radius + half) * (radius + half) * (1.0f + SMR_BOUNDARY_ROUNDING);
+    visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
+    uint32_t top = 0;
+    stack[top++] = (visit){p->points.n_levels - 1u, 0u};
+    while (top > 0u) {
+        const visit node = stack[--top];
+        const smr_node *boxes = &p->points.node[p->points.level[node.level] + node.index];
+        uint32_t in = node.level > 0u ? crossing(boxes, at, near2, far2) : crossing_leaf(boxes, at, near2, far2);
+        for (; in != 0u; in &= in - 1u) {
+            const uint32_t child = node.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(in);
+            const uint64_t first = (uint64_t)child << (3u * node.level), last = (uint64_t)(child + 1u)
+                                                                                << (3u * node.level);
+            if (last <= (uint64_t)v + 1u || first >= p->n)
+                continue;
+            if (node.level > 0u)
+                stack[top++] = (visit){node.level - 1u, child};
+            else
+                write_pair(p, l, v, child, radius, half);
+        }
+    }
+}
+
+void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius)
+{
+    const float half = smr_min(SMR_BOUNDARY_MM, SMR_BOUNDARY_SHARE * radius);
+    l->at_boundary = smr_put_section(l->w, 0);
+    memset(p->n_outside, 0, p->n * sizeof *p->n_outside);
+    for (uint32_t v = 0; v < p->n && p->config->distance != SMR_DISTANCE_GEODESIC; v++) {
+        if (l->at_boundary + l->n_boundary * sizeof(smr_stored_boundary) > UINT32_MAX)
+            break; /* too large for a model: smr_prepare reports it */
+        find_pairs(p, l, v, radius, half);
+    }
+    l->w->used = l->at_boundary + (size_t)l->n_boundary * sizeof(smr_stored_boundary);
+    for (uint32_t v = 0; v < p->n; v++) /* vertices outside d <= r have a share of 1/2 at most */
+        l->largest = smr_max_u32(l->largest, p->count[v] + (p->n_outside[v] + 1u) / 2u);
+}

@@ -1,0 +1,63 @@
+/* cluster_difference_lists.c: writes the entries of the order L: zeta+ and zeta- (paper 2.2, cluster optimisation) as differences
+ * between the rows of a cluster and its parent.
+ * Bounds: the word range of the rows and their members, SMR_LEVELS_MAX each.
+ * SPDX-License-Identifier: MIT */
+#include "prepare/model_write.h"
+
+/* Writes an index of 2 or 4 bytes. */
+static void put_index(smr_list_writer *l, size_t at, uint32_t value)
+{
+    if (l->index_bytes == 2u)
+        smr_put16(l->w, at, value);
+    else
+        smr_put32(l->w, at, value);
+}
+
+void smr_list_block(smr_list_writer *l)
+{
+    const size_t at = l->at_blocks + l->n_blocks * sizeof(smr_stored_block);
+    smr_put32(l->w, at, l->n_entries);
+    smr_put32(l->w, at + 4u, l->n_indexes);
+    l->n_blocks++;
+}
+
+/* Appends the vertices in `own` but not in `other` (NULL: none), as stored numbers, ascending. Returns how many.
+ * Within a level, stored numbers ascend along the curve, so sorting by level is enough. */
+static uint32_t put_difference(smr_list_writer *l, smr_plan *p, const uint64_t *own, const uint64_t *other)
+{
+    uint32_t n = 0, to[SMR_LEVELS_MAX + 1u] = {0};
+    for (uint32_t w = smr_row_first(own, p->words); w < smr_row_last(own, p->words); w++) {
+        uint64_t bits = own[w] & ~(other == NULL ? 0u : other[w]);
+        for (; bits != 0u; bits &= bits - 1u, n++) {
+            const uint32_t v = w * 64u + (uint32_t)__builtin_ctzll(bits);
+            p->member[n] = v;
+            to[p->level[v] + 1u]++;
+        }
+    }
+    for (uint32_t level = 1; level < p->n_levels; level++)
+        to[level] += to[level - 1u];
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t v = p->member[i], at = l->n_indexes + to[p->level[v]]++;
+        put_index(l, l->at_indexes + (size_t)at * l->index_bytes, p->stored[v]);
+    }
+    l->n_indexes += n;
+    l->w->used = l->at_indexes + (size_t)l->n_indexes * l->index_bytes;
+    return n;
+}
+
+void smr_list_entry(smr_list_writer *l, smr_plan *p, uint32_t vertex, uint32_t parent, const uint64_t *own,
+                    const uint64_t *parent_row)
+{
+    const uint32_t count = p->count[vertex];
+    const size_t at = l->at_entries + (size_t)l->n_entries * 4u * l->index_bytes;
+    const uint32_t n_plus = put_difference(l, p, own, parent_row);
+    const uint32_t n_minus = parent_row == NULL ? 0u : put_difference(l, p, parent_row, own);
+    const uint32_t field[4] = {p->stored[vertex], parent, n_plus, n_minus};
+    for (uint32_t i = 0; i < 4u; i++)
+        put_index(l, at + i * l->index_bytes, field[i]);
+    put_index(l, l->at_count + (size_t)p->stored[vertex] * l->index_bytes, count);
+    l->n_entries++;
+    l->n_members += count;
+    l->largest = smr_max_u32(l->largest, count);
+    l->smallest = l->smallest == 0u ? count : smr_min_u32(l->smallest, count);
+}

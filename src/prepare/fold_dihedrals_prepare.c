@@ -1,0 +1,72 @@
+/* fold_dihedrals_prepare.c: dihedral edges, the edges of exactly two triangles, with the angle at which each counts as folded.
+ * Method: edges are sorted by their two vertices, so that the triangles of an edge are neighbours in the sorted
+ * list.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/hilbert_curve.h"
+#include "geometry/box_tree/triangle.h"
+#include "prepare/prepare_plan.h"
+
+/* Cosines of the angle between the normals of an edge's two triangles. */
+#define SMR_RIGHT 0.02f /* edges below 90 degrees at rest fold at 89 degrees, or at half their rest cosine */
+#define SMR_RIGHT_BACK                                                                                                 \
+    (-0.25f) /* edges of 90 degrees at rest (caps, corners) fold at 104 degrees; above SMR_DIHEDRAL_OPEN */
+#define SMR_ROUNDING 1.0e-4f     /* tolerance for 90 degrees */
+#define SMR_BACK (-0.48f)        /* edges above 90 degrees at rest fold at 119 degrees or more */
+#define SMR_TURNED_BACK (-0.75f) /* edges beyond this cosine at rest are already folded and left out */
+
+/* The two vertices of edge i (edge i % 3 of triangle i / 3), the smaller number first. */
+static void edge_of(const smr_plan *p, uint32_t i, uint32_t *low, uint32_t *high)
+{
+    const uint32_t *t = p->triangle + i / 3u * 3u;
+    const uint32_t a = t[i % 3u], b = t[(i % 3u + 1u) % 3u];
+    *low = smr_min_u32(a, b);
+    *high = smr_max_u32(a, b);
+}
+
+static smr_vec unit_normal(const smr_plan *p, uint32_t triangle)
+{
+    const uint32_t *t = p->triangle + 3u * (size_t)triangle;
+    return smr_unit(smr_triangle_cross(smr_load(p->xyz + 3u * (size_t)t[0]), smr_load(p->xyz + 3u * (size_t)t[1]),
+                                       smr_load(p->xyz + 3u * (size_t)t[2])));
+}
+
+/* Adds the dihedral edge between the triangles a and b. */
+static void add_dihedral(smr_plan *p, uint32_t a, uint32_t b)
+{
+    const float rest = smr_dot(unit_normal(p, a), unit_normal(p, b));
+    if (rest < SMR_TURNED_BACK || a > SMR_DIHEDRAL_MASK || b > SMR_DIHEDRAL_MASK)
+        return;
+    float limit = rest > 0.0f ? smr_min(SMR_RIGHT, 0.5f * rest) : SMR_RIGHT_BACK;
+    if (rest < -SMR_ROUNDING)
+        limit = smr_min(SMR_BACK, rest - 0.2f);
+    p->dihedral[p->n_dihedrals++] = (smr_stored_dihedral){a, b | (uint32_t)((limit + 1.0f) * SMR_DIHEDRAL_UNIT) << 24};
+}
+
+void smr_plan_dihedrals(smr_plan *p)
+{
+    const uint32_t n = 3u * p->nt;
+    uint32_t low, high;
+    for (uint32_t i = 0; i < n; i++) {
+        edge_of(p, i, &low, &high);
+        p->key[i] = high;
+        p->item[i] = i;
+    }
+    smr_curve_sort(p->key, p->item, p->tmp, n);
+    for (uint32_t i = 0; i < n; i++) {
+        edge_of(p, p->item[i], &low, &high);
+        p->key[i] = low;
+    }
+    smr_curve_sort(p->key, p->item, p->tmp, n); /* stable: now sorted by low, then by high */
+    p->n_dihedrals = 0;
+    for (uint32_t i = 0, next; i < n; i = next) {
+        uint32_t low2 = 0, high2 = 0;
+        edge_of(p, p->item[i], &low, &high);
+        for (next = i + 1u; next < n; next++) {
+            edge_of(p, p->item[next], &low2, &high2);
+            if (low2 != low || high2 != high)
+                break;
+        }
+        if (next - i == 2u && low != high && p->item[i] / 3u != p->item[i + 1u] / 3u)
+            add_dihedral(p, p->item[i] / 3u, p->item[i + 1u] / 3u);
+    }
+}

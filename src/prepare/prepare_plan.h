@@ -1,0 +1,173 @@
+/* prepare_plan.h: what the stages of smr_prepare() share: the model numbered along the curve, its priorities, and scratch.
+ * All arrays lie in the caller's scratch memory. Vertices are numbered along a space-filling curve: neighbours in
+ * space are mostly neighbours in memory, and a cluster is a few runs of consecutive numbers. The stored order
+ * (priority_list_levels.c) is applied only while the model is written.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_PREPARE_PLAN_H
+#define SMR_PREPARE_PLAN_H
+
+#include "base/arena.h"
+#include "base/parallel.h"
+#include "geometry/box_tree/box_tree.h"
+#include "model/model.h"
+#include "prepare/cluster_bit_rows.h"
+
+#define SMR_NEAREST 12u          /* nearest vertices tried as parents in the forest */
+#define SMR_NEIGHBOURS_TRIED 16u /* mesh neighbours tried as parents */
+#define SMR_REMAINS UINT32_MAX   /* marks a vertex outside the priority list S, which is never ignored */
+
+/* The priority list S (priority_list.c). */
+typedef struct smr_priority {
+    uint32_t n_listed;  /* vertices in S */
+    uint32_t *list;     /* [n_listed] S: vertices, the least significant first */
+    uint32_t *place;    /* [n] index of each vertex in S, or SMR_REMAINS */
+    uint32_t *witness;  /* [n] scratch: the cluster in which the vertex' m_i was found */
+    uint32_t *next;     /* [n] scratch: next vertex in the same bucket */
+    uint32_t *bucket;   /* [n + 1] scratch: first vertex of each bucket of equal m_i */
+    uint32_t n_scanned; /* clusters computed so far, for the progress callback */
+} smr_priority;
+
+/* Scratch of the forest of one block (order_l_forest.c). Numbers count from the block's first vertex. */
+typedef struct smr_forest {
+    uint32_t nearest_kind; /* clusters that nearest[] belongs to: 0 none yet, 1 shared, 2 separate */
+    uint32_t *nearest;     /* [n][SMR_NEAREST] nearest vertices within the vertex' block, SMR_NONE behind the last */
+    uint32_t *edge_a;      /* [pairs] candidate edges of the spanning tree: one end */
+    uint32_t *edge_b;      /* [pairs] the other end */
+    uint32_t *parent;      /* [block_size + 1] union-find, then the parent of each vertex */
+    uint32_t *link_start;  /* [block_size + 2] first link of each vertex */
+    uint32_t *link;        /* [2 (block_size + 1)] ends of tree edges */
+} smr_forest;
+
+typedef struct smr_plan {
+    const smr_structure *structures;
+    const smr_prepare_config *config;
+    uint32_t n_structures;
+    uint32_t n;          /* vertices of all structures */
+    uint32_t nt;         /* triangles of all structures */
+    uint32_t block_size; /* most vertices in a block of the forest */
+    uint32_t words;      /* 64-bit words of a row of n bits */
+    uint32_t n_rows;     /* rows available at once */
+    uint32_t separate;   /* 1: at the present radius clusters contain vertices of one structure only */
+    smr_port port;       /* parallel loops over a block; none for geodesic clusters, which share scratch */
+    float centre[3];     /* mm, whole numbers: rest positions are relative to it */
+    float edge_mm;       /* mean edge length */
+    float edge_max;      /* longest edge, mm */
+
+    /* written by smr_plan_order() and smr_plan_mass(): the model along the curve */
+    float *xyz;                /* [n][3] rest positions, mm from centre */
+    float *mass;               /* [n] masses m_i, 1 on average */
+    uint16_t *owner;           /* [n] structure of each vertex */
+    uint32_t *position;        /* [n] caller's vertex -> vertex along the curve */
+    uint32_t *original;        /* [n] vertex along the curve -> caller's vertex */
+    uint32_t *triangle;        /* [nt][3] vertices; structures in a row, each in tree order */
+    uint32_t *triangle_index;  /* [nt] the caller's index of each triangle within its structure */
+    uint32_t *neighbour_start; /* [n + 1] first mesh neighbour of each vertex */
+    uint32_t *neighbour;       /* [6 nt] mesh neighbours of each vertex, ascending */
+    smr_box_tree points;       /* box tree whose leaves are single vertices */
+
+    /* written by smr_plan_dihedrals() and smr_plan_profiles() */
+    uint32_t n_dihedrals;
+    smr_stored_dihedral *dihedral; /* [3 nt / 2] edges of exactly two triangles, see model.h */
+    uint8_t *profile;              /* [n][profile_samples] packed reference profiles; NULL without a reference image */
+    float *range;                  /* [n][2] low and range of each profile */
+    float *normal;                 /* [n][3] unit vertex normals */
+
+    /* written by smr_plan_priority() */
+    smr_priority priority;
+    uint32_t active_min[SMR_RADII_MAX]; /* fewest active vertices that keep clusters large enough at each radius */
+    uint32_t progress_total;            /* total number of steps that the progress callback gets */
+
+    /* written by smr_plan_levels(): the stored order */
+    uint32_t n_levels;
+    uint32_t level_end[SMR_LEVELS_MAX]; /* vertices in a level and all before it */
+    uint32_t *stored;                   /* [n] vertex along the curve -> stored vertex */
+    uint32_t *along;                    /* [n] stored vertex -> vertex along the curve */
+    uint32_t *level;                    /* [n] level of each vertex along the curve; the memory of priority.next */
+
+    /* written for each radius */
+    uint64_t *row;       /* [n_rows][words + 1] rows of bits, see smr_plan_row() */
+    uint32_t *count;     /* [n] |zeta_i| */
+    uint32_t *entry;     /* [n] number of each vertex' entry within its block */
+    uint32_t *n_outside; /* [n] boundary vertices outside each cluster; the memory of entry */
+    uint32_t *member;    /* [n] vertices of the list being written; the memory of priority.witness */
+
+    /* scratch */
+    smr_forest forest;
+    float *triangle_centre; /* [nt][3] */
+    uint32_t *key;          /* [max(n, 6 nt, pairs)] sort keys */
+    uint32_t *item;         /* [max(n, 6 nt, pairs)] sorted items */
+    uint32_t *tmp;          /* [2 max(n, 6 nt, pairs)] for smr_curve_sort() */
+    uint32_t *queue;        /* [n + 1] vertices still to visit */
+    uint32_t *geo_distance; /* [n] micrometres, UINT32_MAX between calls; NULL unless distances are geodesic */
+    uint32_t *geo_heap;     /* [2 (6 nt + 1)] distance and vertex; NULL unless distances are geodesic */
+} smr_plan;
+
+/* Sets counts and sizes; reads no mesh. Errors: E_NULL, E_INPUT, E_CONFIG. */
+smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t n, const smr_prepare_config *config);
+
+/* Takes all arrays from the arena, or measures them. Needs smr_plan_start(). */
+void smr_plan_layout(smr_arena *a, smr_plan *p);
+
+/* Numbers vertices and triangles, and builds the tree over the vertices (curve_numbering.c). */
+void smr_plan_order(smr_plan *p);
+
+/* Finds mesh neighbours and edge lengths (mesh_neighbours.c). */
+void smr_plan_neighbours(smr_plan *p);
+
+/* Sets the masses m_i (vertex_mass.c). */
+void smr_plan_mass(smr_plan *p);
+
+/* Samples the reference image along the normals (intensity_profiles_prepare.c). Errors: as smr_grid_open. */
+smr_status smr_plan_profiles(smr_plan *p);
+
+/* Samples of a profile on the inner side of the vertex. Needs a reference image. */
+uint32_t smr_profile_inward(const smr_prepare_config *c);
+
+/* Finds the edges with exactly two triangles (fold_dihedrals_prepare.c). */
+void smr_plan_dihedrals(smr_plan *p);
+
+/* Chooses radii from coarse to fine when the configuration names none (cluster_radii.c). Returns their number. */
+uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX]);
+
+/* Computes the priority list S for all radii, and active_min of each radius. Errors: E_ABORTED. */
+smr_status smr_plan_priority(smr_plan *p, const float *radius, uint32_t n_radii, float separate_below);
+
+/* Computes the stored order from S; without S: one level in the order of the curve. */
+void smr_plan_levels(smr_plan *p, uint32_t n_radii);
+void smr_plan_one_level(smr_plan *p, uint32_t n_radii);
+
+/* Row i of the plan's n_rows rows of bits (cluster_bit_rows.h). */
+static inline uint64_t *smr_plan_row(const smr_plan *p, uint32_t i) { return p->row + (size_t)i * (p->words + 1u); }
+
+/* 1 when clusters of this radius also hold the mesh neighbours of their vertex. */
+static inline int smr_holds_neighbours(const smr_plan *p, float radius)
+{
+    return p->config->ring && radius >= p->edge_mm;
+}
+
+/* Fills the row with the cluster zeta_v at this radius. */
+void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
+
+/* Fills the row with all vertices within `radius` of v, of all structures (Euclidean distance). */
+void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row);
+
+/* Fills the row with all vertices within `radius` of v along mesh edges (geodesic distance). */
+void smr_geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
+
+/* Returns 1 when two vertices are never in each other's cluster at the present radius: separate clusters do not
+ * cross structures. Structures of points alone are carried by whatever is around them. */
+static inline int smr_kept_apart(const smr_plan *p, uint32_t a, uint32_t b)
+{
+    const uint32_t i = p->owner[a], k = p->owner[b];
+    return p->separate && i != k && p->structures[i].mesh.n_triangles > 0u && p->structures[k].mesh.n_triangles > 0u;
+}
+
+/* Removes from the row all vertices that cannot be in the cluster of v. */
+void smr_row_keep_structure(const smr_plan *p, uint32_t v, uint64_t *row);
+
+/* found[k]: the k <= SMR_NEAREST vertices nearest to v among first .. last-1, v itself excluded; when p->separate only
+ * of its structure. distance2[k], unless NULL: their squared distances, mm^2. Returns how many there are. */
+uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t last, uint32_t k, uint32_t *found,
+                     float *distance2);
+
+#endif

@@ -1,0 +1,112 @@
+/* get_results.c: reads positions, normals and figures of structures.
+ * SPDX-License-Identifier: MIT */
+#include "registration/registration.h"
+
+static smr_status check(const smr *s, uint32_t structure, const void *out)
+{
+    if (s == NULL || out == NULL)
+        return SMR_E_NULL;
+    if (!smr_valid(s))
+        return SMR_E_STATE;
+    return structure < s->shared.n_structures ? SMR_OK : SMR_E_INPUT;
+}
+
+/* Copies a stored [n][3] array, moved by `shift`, into the caller's vertex order. */
+static smr_status copy_out(const smr *s, uint32_t structure, float *array, smr_vec shift, float *xyz)
+{
+    smr_status status = check(s, structure, xyz);
+    if (status != SMR_OK)
+        return status;
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        smr_store(xyz + 3u * (size_t)i, smr_add(smr_load(smr_at3(array, v)), shift));
+    }
+    return SMR_OK;
+}
+
+smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz)
+{
+    return copy_out(s, structure, s == NULL ? NULL : s->shape.x, s == NULL ? smr_v(0, 0, 0) : s->shape.origin, xyz);
+}
+
+smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz)
+{
+    return copy_out(s, structure, s == NULL ? NULL : s->shape.normal, smr_v(0, 0, 0), xyz);
+}
+
+/* Results of a structure's last complete forces, if they belong to its present target. */
+static void report_forces(const smr *s, const smr_shape_structure *one, smr_structure_report *report)
+{
+    float sum = 0.0f, most = 0.0f;
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        report->n_rejected += s->forces.found_last[v] >= SMR_FOUND_NONE;
+        if (s->forces.found_last[v] != SMR_FOUND_GOAL)
+            continue;
+        report->n_forces++;
+        sum += s->forces.residual[v];
+        most = smr_max(most, s->forces.residual[v]);
+    }
+    if (report->n_forces == 0u)
+        return;
+    report->residual_mean_mm = sum / (float)report->n_forces;
+    report->residual_max_mm = most;
+}
+
+/* Returns 1 when a landmark is bound to the structure. */
+static int has_landmark(const smr *s, uint32_t structure)
+{
+    const smr_landmark_goals *g = &s->forces.landmarks;
+    int has = 0;
+    for (uint32_t k = 0; k < g->n; k++)
+        has |= smr_model_owner(s->shared.model, g->landmark[k].corner[0]) == structure;
+    return has;
+}
+
+smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report)
+{
+    smr_status status = check(s, structure, report);
+    if (status != SMR_OK)
+        return status;
+    if (s->n_awaited > 0u)
+        return SMR_E_STATE; /* its target is unknown */
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    const smr_target *target = &s->forces.surface.target[structure];
+    float moved_sum = 0.0f;
+    memset(report, 0, sizeof *report);
+    report->has_target = target->surface != NULL || smr_image_on(&s->forces.image) || has_landmark(s, structure) ||
+                         smr_caller_has_goals(&s->forces.caller, structure);
+    report->matched_share = smr_forces_matched(&s->forces, structure);
+    report->residual_mean_mm = report->residual_max_mm = -1.0f;
+    if (target->measured)
+        report_forces(s, one, report);
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        const float moved = smr_length(smr_sub(smr_load(smr_at3(s->shape.x, v)), smr_load(smr_at3(s->shape.start, v))));
+        moved_sum += moved;
+        report->moved_max_mm = smr_max(report->moved_max_mm, moved);
+    }
+    if (one->n_vertices > 0u)
+        report->moved_mean_mm = moved_sum / (float)one->n_vertices;
+    return SMR_OK;
+}
+
+uint64_t smr_state_hash(const smr *s)
+{
+    if (!smr_valid(s))
+        return 0;
+    return smr_hash_positions(s->shape.x, s->shared.n) + 3u * smr_hash_positions(s->shape.x_ref, s->shared.n);
+}
+
+smr_status smr_get_log(const smr *s, smr_log_state *state)
+{
+    if (s == NULL || state == NULL)
+        return SMR_E_NULL;
+    if (!smr_valid(s))
+        return SMR_E_STATE;
+    state->bytes = s->log.used;
+    state->n_ticks = s->log.n_ticks;
+    state->full = s->log.full;
+    return SMR_OK;
+}

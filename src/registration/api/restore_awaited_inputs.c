@@ -1,0 +1,264 @@
+/* restore_awaited_inputs.c: inputs that a restored registration waits for. Surfaces and the image belong to the caller, so a save
+ * has only their checksums and which structures shared a surface. Until all are set again, ticks are refused.
+ * Setting them is no new input: schedule, searches and log continue.
+ * Bounds: structures squared; one pass over an input.
+ * SPDX-License-Identifier: MIT */
+#include "registration/api/setup.h"
+
+/* An awaited input. The list holds the structures' surfaces, the image, the structures' goals of the caller, the
+ * caller's force (checksum 1), and fixed surfaces. */
+typedef struct awaited {
+    uint32_t like;        /* the first structure with the same surface; SMR_NONE: no surface */
+    uint32_t checksum[2]; /* low and high word of the checksum; 0: nothing is awaited */
+} awaited;
+
+#define SMR_AWAITED_WORDS (sizeof(awaited) / sizeof(uint32_t))
+
+static awaited *list_of(const smr *s) { return (awaited *)s->overlay.record; }
+
+int smr_can_wait(const smr_shared *c)
+{
+    return (2u * (uint64_t)c->n_structures + 2u + c->config.contact.n_fixed) * SMR_AWAITED_WORDS <=
+           (uint64_t)c->n * SMR_WORDS;
+}
+
+int smr_awaits_log(const smr_log *log) { return log->used > 0u && !log->full && log->memory == NULL; }
+
+static void split(uint64_t sum, uint32_t half[2])
+{
+    half[0] = (uint32_t)(sum & 0xffffffffu);
+    half[1] = (uint32_t)(sum >> 32);
+}
+
+static int is(const awaited *w, uint64_t sum)
+{
+    return w->checksum[0] == (uint32_t)(sum & 0xffffffffu) && w->checksum[1] == (uint32_t)(sum >> 32);
+}
+
+/* The entry for the present input of structure i. */
+static awaited present(const smr *s, uint32_t i)
+{
+    const smr_target *target = s->forces.surface.target;
+    awaited w = {SMR_NONE, {0, 0}};
+    if (target[i].surface == NULL)
+        return w;
+    for (w.like = 0; target[w.like].surface != target[i].surface;)
+        w.like++;
+    if (w.like == i)
+        split(smr_target_checksum(target[i].surface), w.checksum);
+    return w;
+}
+
+/* Returns 1 when the saved entry of structure i agrees with those before. first: start of the list. */
+static int consistent(const smr_keeper *k, size_t first, const awaited *w, uint32_t i)
+{
+    const int known = (w->checksum[0] | w->checksum[1]) != 0u;
+    uint32_t like;
+    if (w->like == SMR_NONE || w->like >= i)
+        return (w->like == i) == known && (w->like == i || w->like == SMR_NONE);
+    memcpy(&like, k->from + first + (size_t)w->like * sizeof *w, sizeof like);
+    return !known && smr_le32(like) == w->like;
+}
+
+/* Saves a checksum of the list, which is 0 without that input. */
+static void keep_sum(smr_arena *a, smr *s, uint32_t at, uint64_t sum)
+{
+    awaited w = {SMR_NONE, {0, 0}};
+    split(sum, w.checksum);
+    smr_keep_words(a, w.checksum, 2, UINT32_MAX);
+    if (a->keeper->mode == SMR_KEEP_RESTORE)
+        list_of(s)[at] = w;
+    s->n_awaited += (w.checksum[0] | w.checksum[1]) != 0u;
+}
+
+/* Saves the caller's goals, where the configuration has room for them. */
+static void keep_caller(smr_arena *a, smr *s)
+{
+    const smr_caller_goals *g = &s->forces.caller;
+    const uint32_t n = s->shared.n_structures;
+    const int save = a->keeper->mode == SMR_KEEP_SAVE;
+    for (uint32_t i = 0; s->shared.config.caller.goals != 0u && i < n; i++)
+        keep_sum(a, s, n + 1u + i,
+                 save && g->goals[i].xyz != NULL ? smr_goals_checksum(&g->goals[i], s->shape.structure[i].n_vertices)
+                                                 : 0u);
+    if (s->shared.config.caller.force != SMR_CALLER_OFF)
+        keep_sum(a, s, 2u * n + 1u, save && g->force != NULL);
+}
+
+static void keep_fixed(smr_arena *a, smr *s)
+{
+    const smr_fixed_surface *fixed = s->forces.contact.fixed;
+    const int save = a->keeper->mode == SMR_KEEP_SAVE;
+    for (uint32_t i = 0; i < s->shared.config.contact.n_fixed; i++)
+        keep_sum(a, s, 2u * s->shared.n_structures + 2u + i,
+                 save && fixed[i].surface != NULL ? smr_surface_checksum(fixed[i].surface) : 0u);
+}
+
+void smr_keep_inputs(smr_arena *a, smr *s)
+{
+    awaited w;
+    const smr_keeper *k = a->keeper;
+    const size_t first = k->at;
+    s->n_awaited = (uint32_t)smr_awaits_log(&s->log);
+    for (uint32_t i = 0; i < s->shared.n_structures && !k->wrong; i++) {
+        w = k->mode == SMR_KEEP_SAVE ? present(s, i) : (awaited){SMR_NONE, {0, 0}};
+        smr_keep_words(a, &w.like, SMR_AWAITED_WORDS, UINT32_MAX);
+        smr_keep_require(a, k->mode != SMR_KEEP_CHECK || k->wrong || consistent(k, first, &w, i));
+        if (k->mode == SMR_KEEP_RESTORE)
+            list_of(s)[i] = w;
+        s->n_awaited += w.like != SMR_NONE;
+    }
+    const int has_image = s->forces.image.has_image != 0u;
+    const uint32_t n = s->n_awaited;
+    keep_sum(a, s, s->shared.n_structures,
+             k->mode == SMR_KEEP_SAVE && has_image ? smr_volume_checksum(&s->forces.image.grid.volume) : 0u);
+    smr_keep_require(a, (s->n_awaited > n) == has_image);
+    keep_caller(a, s);
+    keep_fixed(a, s);
+}
+
+/* Returns 1 when structure i awaits this surface. Structures that shared a surface must share it again. */
+static int waits_for(const smr *s, uint32_t i, const smr_surface *surface, uint64_t sum)
+{
+    const awaited *w = list_of(s);
+    const smr_target *target = s->forces.surface.target;
+    if (w[i].like == SMR_NONE || target[i].surface != NULL || !is(&w[w[i].like], sum))
+        return 0;
+    for (uint32_t k = 0; k < s->shared.n_structures; k++)
+        if (target[k].surface != NULL && (w[k].like == w[i].like) != (target[k].surface == surface))
+            return 0;
+    return 1;
+}
+
+/* Continues after the last awaited input was set. */
+static void go_on(smr *s)
+{
+    if (s->n_awaited == 0u)
+        smr_take_goals(&s->forces.surface);
+}
+
+static smr_status await_surface(smr *s, uint32_t structure, const smr_surface *surface)
+{
+    smr_target *target = s->forces.surface.target;
+    const uint32_t n = s->shared.n_structures, n_slots = smr_target_slots(&s->shared);
+    uint32_t first = structure == SMR_ALL ? 0u : structure, n_goals, n_tasks;
+    if (surface == NULL)
+        return SMR_E_STATE;
+    if (structure != SMR_ALL && structure >= n)
+        return SMR_E_INPUT;
+    const uint64_t sum = smr_target_checksum(surface);
+    while (structure == SMR_ALL && first + 1u < n && !waits_for(s, first, surface, sum))
+        first++;
+    if (!waits_for(s, first, surface, sum))
+        return SMR_E_INPUT;
+    target[first].surface = surface;
+    if (n_slots > 0u && smr_list_goals(&s->forces.surface, NULL, &n_goals, &n_tasks) > n_slots) {
+        target[first].surface = NULL;
+        return SMR_E_ARENA;
+    }
+    smr_note_target(&s->forces.surface, first, first + 1u);
+    s->n_awaited--;
+    for (uint32_t i = first + 1u; structure == SMR_ALL && i < n; i++) {
+        if (!waits_for(s, i, surface, sum))
+            continue;
+        target[i].surface = surface;
+        smr_note_like(&s->forces.surface, i, first);
+        s->n_awaited--;
+    }
+    go_on(s);
+    return SMR_OK;
+}
+
+smr_status smr_await_log(smr *s, void *memory, size_t bytes)
+{
+    unsigned char *log = memory;
+    if (memory == NULL) {
+        smr_log_end(&s->log);
+    } else {
+        if (bytes < s->log.used || bytes - s->log.used < SMR_LOG_FULL_BYTES)
+            return SMR_E_ARENA;
+        if (smr_log_get32(log + s->log.used - 4u) != s->log.crc)
+            return SMR_E_LOG;
+        s->log.memory = log;
+        s->log.write = smr_log_write;
+        s->log.bytes = bytes;
+    }
+    s->n_awaited--;
+    go_on(s);
+    return SMR_OK;
+}
+
+/* Takes the awaited input with this number. */
+static smr_status take(smr *s, uint32_t at, uint64_t sum)
+{
+    awaited *w = &list_of(s)[at];
+    if ((w->checksum[0] | w->checksum[1]) == 0u || !is(w, sum))
+        return SMR_E_INPUT;
+    w->checksum[0] = w->checksum[1] = 0; /* awaited once only */
+    s->n_awaited--;
+    return SMR_OK;
+}
+
+static smr_status await_goals(smr *s, uint32_t structure, const smr_goals *goals)
+{
+    if (goals->xyz == NULL)
+        return SMR_E_STATE;
+    const smr_status status = take(s, s->shared.n_structures + 1u + structure,
+                                   smr_goals_checksum(goals, s->shape.structure[structure].n_vertices));
+    if (status == SMR_OK) {
+        s->forces.caller.calls = &smr_caller_all;
+        s->forces.caller.goals[structure] = *goals;
+    }
+    go_on(s);
+    return status;
+}
+
+static smr_status await_force(smr *s, const smr_caller_force *own)
+{
+    if (own->force == NULL)
+        return SMR_E_STATE;
+    const smr_status status = take(s, 2u * s->shared.n_structures + 1u, 1u);
+    if (status == SMR_OK) {
+        s->forces.caller.calls = &smr_caller_all;
+        s->forces.caller.force = own->force;
+        s->forces.caller.ctx = own->ctx;
+    }
+    go_on(s);
+    return status;
+}
+
+static smr_status await_fixed(smr *s, uint32_t index, const smr_surface *surface)
+{
+    if (surface == NULL)
+        return SMR_E_STATE;
+    const smr_status status = take(s, 2u * s->shared.n_structures + 2u + index, smr_surface_checksum(surface));
+    if (status == SMR_OK)
+        s->forces.contact.fixed[index] = (smr_fixed_surface){surface, surface->n_vertices, surface->changes};
+    go_on(s);
+    return status;
+}
+
+static smr_status await_volume(smr *s, const smr_volume *volume)
+{
+    smr_grid grid;
+    if (volume == NULL)
+        return SMR_E_STATE;
+    smr_status status = smr_grid_open(volume, &grid);
+    if (status == SMR_OK)
+        status = take(s, s->shared.n_structures, smr_volume_checksum(volume));
+    if (status == SMR_OK)
+        s->forces.image.grid = grid;
+    go_on(s);
+    return status;
+}
+
+smr_status smr_await(smr *s, uint32_t kind, uint32_t number, const void *what)
+{
+    switch (kind) {
+    case SMR_LOG_GOALS: return await_goals(s, number, what);
+    case SMR_LOG_FORCE: return await_force(s, what);
+    case SMR_LOG_FIXED_SURFACE: return await_fixed(s, number, what);
+    case SMR_LOG_VOLUME: return await_volume(s, what);
+    default: return await_surface(s, number, what);
+    }
+}

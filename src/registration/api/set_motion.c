@@ -1,0 +1,132 @@
+/* set_motion.c: sets and reads masses and velocities; computes energies.
+ * Bounds: one pass over the vertices.
+ * SPDX-License-Identifier: MIT */
+#include "options/dynamics/dynamics.h"
+#include "registration/tick/iteration_commit.h"
+
+static smr_status check(const smr *s, const void *what)
+{
+    if (s == NULL || what == NULL)
+        return SMR_E_NULL;
+    if (!SMR_HAS_DYNAMICS)
+        return SMR_E_CONFIG;
+    if (!smr_valid(s))
+        return SMR_E_STATE;
+    return s->shape.dynamics == NULL ? SMR_E_ARENA : SMR_OK;
+}
+
+static int legal(const float *mass, const float *velocity, uint32_t n)
+{
+    int good = 1;
+    for (uint32_t i = 0; mass != NULL && i < n; i++)
+        good &= mass[i] >= SMR_MASS_LEAST && (mass[i] <= SMR_MASS_MOST || mass[i] > FLT_MAX);
+    for (size_t i = 0; velocity != NULL && i < 3u * (size_t)n; i++)
+        good &= smr_within(velocity[i], SMR_SPEED_MOST);
+    return good;
+}
+
+smr_status smr_set_motion(smr *s, uint32_t structure, const float *mass, const float *velocity)
+{
+    const smr_motion motion = {mass, velocity};
+    const smr_status status = check(s, mass != NULL ? mass : velocity);
+    if (status != SMR_OK)
+        return status;
+    if (!smr_ready(s))
+        return SMR_E_STATE;
+    if (structure >= s->shared.n_structures)
+        return SMR_E_INPUT;
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    if (!legal(mass, velocity, one->n_vertices))
+        return SMR_E_INPUT;
+    smr_dynamics *d = s->shape.dynamics;
+    uint32_t other = 0;
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        const float before = d->mass[v];
+        if (mass != NULL)
+            d->mass[v] = mass[i] > FLT_MAX ? 0.0f : mass[i];
+        other |= d->mass[v] < before || d->mass[v] > before;
+        if (velocity != NULL)
+            smr_store(smr_at3(d->velocity, v), smr_load(velocity + 3u * (size_t)i));
+    }
+    d->weighed |= other && s->schedule.iteration > 0u; /* before the first iteration all vertices are at rest */
+    smr_abandon_iteration(s);
+    smr_time_steps_weigh(s);
+    smr_log_note(&s->log, SMR_LOG_MOTION, structure, &motion, one->n_vertices);
+    return SMR_OK;
+}
+
+smr_status smr_get_velocities(const smr *s, uint32_t structure, float *velocity)
+{
+    const smr_status status = check(s, velocity);
+    if (status != SMR_OK)
+        return status;
+    if (structure >= s->shared.n_structures)
+        return SMR_E_INPUT;
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        smr_store(velocity + 3u * (size_t)i, smr_load(smr_at3(s->shape.dynamics->velocity, v)));
+    }
+    return SMR_OK;
+}
+
+/* Sums over vertices. */
+typedef struct moments {
+    float mass, kinetic, height; /* mass, g; kinetic and potential energy, g mm^2 / s^2 */
+    smr_vec first;               /* sum of mass times position from the origin, g mm */
+    uint32_t n_pinned;
+} moments;
+
+static void add_vertex(const smr *s, uint32_t v, moments *sum)
+{
+    const smr_dynamics *d = s->shape.dynamics;
+    const float mass = smr_counted_mass(d, v);
+    const smr_vec x = smr_load(smr_at3(s->shape.x, v)), speed = smr_load(smr_at3(d->velocity, v));
+    const smr_vec displacement = smr_sub(x, smr_load(smr_at3(s->shape.start, v)));
+    sum->n_pinned += !(d->mass[v] > 0.0f);
+    sum->mass += mass;
+    sum->kinetic += 0.5f * mass * smr_dot(speed, speed);
+    sum->height -= mass * smr_dot(smr_load(s->shared.config.dynamics.gravity), displacement);
+    sum->first = smr_add(sum->first, smr_scale(x, mass));
+}
+
+/* Sums over each chunk, then over all chunks, which keeps rounding small. */
+static moments moments_of(const smr *s)
+{
+    moments all;
+    memset(&all, 0, sizeof all);
+    for (uint32_t t = 0; t < s->shared.n_tasks; t++) {
+        moments one;
+        memset(&one, 0, sizeof one);
+        for (uint32_t v = t * SMR_CHUNK; v < smr_chunk_end(&s->shared, t); v++)
+            add_vertex(s, v, &one);
+        all.mass += one.mass;
+        all.kinetic += one.kinetic;
+        all.height += one.height;
+        all.first = smr_add(all.first, one.first);
+        all.n_pinned += one.n_pinned;
+    }
+    return all;
+}
+
+smr_status smr_get_energy(const smr *s, smr_energy *energy)
+{
+    const smr_status status = check(s, energy);
+    if (status != SMR_OK)
+        return status;
+    const moments sum = moments_of(s);
+    const smr_stored_energy *stored = &s->shape.dynamics->stored;
+    const smr_vec mean = sum.mass > 0.0f ? smr_scale(sum.first, 1.0f / sum.mass) : smr_v(0, 0, 0);
+    memset(energy, 0, sizeof *energy);
+    energy->steps = s->schedule.iteration / SMR_SWEEPS;
+    energy->sweeps = s->schedule.iteration % SMR_SWEEPS;
+    energy->n_pinned = sum.n_pinned;
+    energy->mass_g = sum.mass;
+    smr_store(energy->centre, smr_add(mean, s->shape.origin));
+    energy->kinetic_uj = 0.001f * sum.kinetic;
+    energy->gravity_uj = 0.001f * sum.height;
+    energy->elastic_uj = stored->elastic;
+    energy->goals_uj = stored->goals;
+    return SMR_OK;
+}

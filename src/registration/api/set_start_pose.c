@@ -1,0 +1,100 @@
+/* set_start_pose.c: sets the start of a registration: the rest shape in a pose, or given positions.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/hilbert_curve.h"
+#include "geometry/surface/mesh.h"
+#include "registration/convergence.h"
+#include "registration/tick/coarse_to_fine_schedule.h"
+#include "registration/tick/iteration_commit.h"
+
+#define SMR_FAR_OFF 500.0f /* distance from the origin, mm, from which on the origin is moved */
+
+/* Moves the origin to the middle of a model far from it, by whole millimetres. */
+static void centre_origin(smr *s)
+{
+    const smr_box box = smr_box_of(s->shape.x, s->shared.n);
+    const smr_vec shift = smr_whole(smr_scale(smr_add(box.lo, box.hi), 0.5f));
+    if (smr_dot(shift, shift) < SMR_FAR_OFF * SMR_FAR_OFF)
+        return;
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        smr_store(smr_at3(s->shape.x, v), smr_sub(smr_load(smr_at3(s->shape.x, v)), shift));
+    s->shape.origin = smr_add(s->shape.origin, shift);
+}
+
+/* Sets everything that follows from the start positions in x. */
+static void start_here(smr *s)
+{
+    smr_shape *shape = &s->shape;
+    const size_t bytes = 3u * (size_t)s->shared.n * sizeof(float);
+    centre_origin(s);
+    const smr_mesh mesh = {shape->x, s->shared.triangle, s->shared.n, s->shared.n_triangles};
+    smr_rest_pose_now(shape);
+    memcpy(shape->start, shape->x, bytes);
+    shape->start_box = smr_box_of(shape->x, s->shared.n);
+    memcpy(shape->x_ref, shape->x, bytes);
+    memset(s->forces.force, 0, bytes);
+    memset(s->folds.marked, 0, s->shared.n);
+    s->folds.n_guarded = 0;
+    if (SMR_HAS_CONTACT) {
+        smr_volumes_start(&s->volumes);
+        smr_smooth_start(&s->forces.smooth);
+    }
+    smr_triangles_now(shape);
+    smr_mesh_normals(&mesh, shape->normal, NULL);
+    smr_plastic_normals(shape);
+    smr_abandon_iteration(s);
+    memset(&s->report, 0, sizeof s->report);
+    s->refused = 0;
+    smr_schedule_start(s);
+}
+
+smr_status smr_set_pose(smr *s, const smr_pose *pose)
+{
+    if (s == NULL || pose == NULL)
+        return SMR_E_NULL;
+    if (!smr_ready(s))
+        return SMR_E_STATE;
+    for (uint32_t i = 0; i < 12u; i++)
+        if (!smr_within(pose->m[i / 4u][i % 4u], SMR_COORD_MAX))
+            return SMR_E_INPUT;
+    const smr_vec centre = smr_v(smr_le_float(s->shared.model->centre[0]), smr_le_float(s->shared.model->centre[1]),
+                                 smr_le_float(s->shared.model->centre[2]));
+    const smr_vec moved = smr_pose_apply(pose, centre);
+    const float border = SMR_COORD_MAX + 1.0f; /* rounding may take the rest shape a little beyond */
+    if (!smr_within(moved.x, border) || !smr_within(moved.y, border) || !smr_within(moved.z, border))
+        return SMR_E_INPUT;
+    for (uint32_t v = 0; v < s->shared.n; v++) {
+        const smr_vec p = smr_pose_apply(pose, smr_add(smr_rest(&s->shared, v), centre));
+        if (!smr_within(p.x, border) || !smr_within(p.y, border) || !smr_within(p.z, border))
+            return SMR_E_INPUT;
+    }
+    s->shape.origin = smr_whole(moved);
+    const smr_vec off = smr_sub(moved, s->shape.origin);
+    smr_pose turn = *pose;
+    turn.m[0][3] = turn.m[1][3] = turn.m[2][3] = 0.0f;
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        smr_store(smr_at3(s->shape.x, v), smr_add(smr_pose_apply(&turn, smr_rest(&s->shared, v)), off));
+    start_here(s);
+    smr_log_note(&s->log, SMR_LOG_POSE, 0, pose, 0);
+    return SMR_OK;
+}
+
+smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz)
+{
+    if (s == NULL || xyz == NULL)
+        return SMR_E_NULL;
+    if (!smr_ready(s))
+        return SMR_E_STATE;
+    if (structure >= s->shared.n_structures)
+        return SMR_E_INPUT;
+    const smr_shape_structure *one = &s->shape.structure[structure];
+    for (size_t i = 0; i < 3u * (size_t)one->n_vertices; i++)
+        if (!smr_within(xyz[i], SMR_COORD_MAX))
+            return SMR_E_INPUT;
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        smr_store(smr_at3(s->shape.x, v), smr_sub(smr_load(xyz + 3u * (size_t)i), s->shape.origin));
+    }
+    start_here(s);
+    smr_log_note(&s->log, SMR_LOG_POSITIONS, structure, xyz, one->n_vertices);
+    return SMR_OK;
+}

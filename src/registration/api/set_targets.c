@@ -1,0 +1,163 @@
+/* set_targets.c: the surfaces and clouds that structures are drawn to.
+ * SPDX-License-Identifier: MIT */
+#include "registration/api/restart.h"
+#include "registration/api/setup.h"
+
+/* Indexes that a surface needs: a cloud may grow. */
+static uint32_t slots_of(const smr_surface *s) { return smr_is_cloud(s) ? s->capacity : s->n_vertices; }
+
+uint64_t smr_list_goals(const smr_surface_goals *g, smr_goal *goal, uint32_t *n_goals, uint32_t *n_tasks)
+{
+    const smr_target *target = g->target;
+    uint64_t slots = 0;
+    *n_goals = *n_tasks = 0;
+    for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+        const smr_surface *surface = target[i].surface;
+        uint32_t known = 0;
+        while (known < i && target[known].surface != surface)
+            known++;
+        if (surface == NULL || known < i)
+            continue;
+        if (goal != NULL)
+            goal[*n_goals] = (smr_goal){surface, *n_tasks, surface->n_vertices, (uint32_t)slots};
+        ++*n_goals;
+        *n_tasks += smr_ceil_div(surface->n_vertices, SMR_FORCE_CHUNK);
+        slots += slots_of(surface);
+    }
+    return slots;
+}
+
+/* Indexes needed if `structure` had this surface. */
+static uint64_t slots_with(smr_surface_goals *g, uint32_t structure, const smr_surface *surface)
+{
+    uint32_t n_goals, n_tasks;
+    if (structure == SMR_ALL)
+        return surface == NULL ? 0u : slots_of(surface);
+    const smr_surface *before = g->target[structure].surface;
+    g->target[structure].surface = surface;
+    const uint64_t slots = smr_list_goals(g, NULL, &n_goals, &n_tasks);
+    g->target[structure].surface = before;
+    return slots;
+}
+
+/* Discards results of searches towards another surface. */
+static void forget_searches(smr_surface_goals *g, uint32_t structure)
+{
+    for (uint32_t v = 0; v < g->shared->n; v++)
+        if (structure == SMR_ALL || smr_model_owner(g->shared->model, v) == structure)
+            g->warm[v] = SMR_NONE;
+    for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.basic.n_target_vertices; j++)
+        g->target_warm[j] = SMR_NONE;
+    smr_pulls_clear(g);
+    g->limit = 0.0f;
+}
+
+void smr_take_goals(smr_surface_goals *g)
+{
+    (void)smr_list_goals(g, g->goal, &g->n_goals, &g->n_tasks);
+    g->n_clouds = g->n_points = 0;
+    for (uint32_t i = 0; i < g->n_goals; i++) {
+        const uint32_t cloud = (uint32_t)smr_is_points(g->goal[i].surface);
+        g->n_clouds += cloud;
+        g->n_points += cloud * g->goal[i].n_vertices;
+    }
+}
+
+/* Returns 1 when the cloud's points are the ones before, in the same order, perhaps with further ones: then nothing
+ * has moved. Weights and normals may differ. Compares contents, since a replay may have another cloud. */
+static int only_grown(const smr_surface_goals *g, uint32_t first, uint32_t last, const smr_surface *surface)
+{
+    smr_points_then known = {0, 0};
+    if (g->then == NULL || surface == NULL || !smr_is_points(surface))
+        return 0;
+    for (uint32_t i = first; i < last; i++) {
+        const smr_points_then *then = &g->then[i];
+        if (then->sum == known.sum && then->n == known.n && known.sum != 0u)
+            continue;
+        if (then->n > surface->n_vertices || smr_points_checksum(surface->xyz, then->n) != then->sum)
+            return 0;
+        known = *then;
+    }
+    return 1;
+}
+
+void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other)
+{
+    g->target[structure].n_vertices = g->target[other].n_vertices;
+    g->target[structure].changes = g->target[other].changes;
+    if (g->then != NULL)
+        g->then[structure] = g->then[other];
+}
+
+void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last)
+{
+    const smr_surface *surface = g->target[first].surface;
+    const int cloud = surface != NULL && smr_is_points(surface);
+    g->target[first].n_vertices = surface == NULL ? 0u : surface->n_vertices;
+    g->target[first].changes = surface == NULL ? 0u : surface->changes;
+    if (g->then != NULL) {
+        const uint32_t n = cloud ? surface->n_vertices : 0u;
+        g->then[first] = (smr_points_then){cloud ? smr_points_checksum(surface->xyz, n) : 0u, n};
+    }
+    for (uint32_t i = first; i < last; i++) {
+        smr_note_like(g, i, first);
+        if (surface != NULL && !cloud)
+            g->target[i].view = smr_v(0, 0, 0);
+    }
+}
+
+/* Returns 0 when there are too few indexes. A cloud needs them. */
+static int has_slots(smr_surface_goals *g, uint32_t structure, const smr_surface *surface)
+{
+    const uint32_t n_slots = smr_target_slots(g->shared);
+    if (n_slots == 0u)
+        return surface == NULL || !smr_is_cloud(surface);
+    return slots_with(g, structure, surface) <= n_slots;
+}
+
+smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface)
+{
+    smr_surface_goals *g = &s->forces.surface;
+    const uint32_t n_structures = s->shared.n_structures;
+    if (structure != SMR_ALL && structure >= n_structures)
+        return SMR_E_INPUT;
+    if (!has_slots(g, structure, surface))
+        return SMR_E_ARENA;
+    const uint32_t first = structure == SMR_ALL ? 0u : structure;
+    const uint32_t last = structure == SMR_ALL ? n_structures : structure + 1u;
+    const int grown = only_grown(g, first, last, surface);
+    for (uint32_t i = first; i < last; i++) {
+        g->target[i].surface = surface;
+        g->target[i].measured = 0;
+    }
+    smr_note_target(g, first, last);
+    smr_forces_unmeasured(&s->forces);
+    smr_take_goals(g);
+    if (grown) /* searches start from their last results */
+        smr_pulls_clear(g);
+    else
+        forget_searches(g, structure);
+    if (smr_visibility_on(g))
+        smr_visibility_start(g);
+    smr_tracking_changed(s, surface != NULL && !grown ? SMR_CHANGED_SHOWN : SMR_CHANGED);
+    /* an iteration with incomplete forces restarts them with the new goals; otherwise it ends with the old ones */
+    if (smr_forces_pending(s))
+        s->step = s->next_task = 0;
+    return SMR_OK;
+}
+
+smr_status smr_set_surface(smr *s, uint32_t structure, const smr_surface *surface)
+{
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!smr_changeable(s) || (surface != NULL && (!smr_surface_valid(surface) || smr_is_cloud(surface))))
+        return SMR_E_STATE;
+    if (!SMR_HAS_PARTIAL && surface != NULL && surface->open && s->shared.config.partial.coverage != SMR_COVERAGE_WHOLE)
+        return SMR_E_CONFIG;
+    if (s->n_awaited > 0u)
+        return s->await(s, SMR_LOG_SURFACE, structure, surface);
+    const smr_status status = smr_set_target(s, structure, surface);
+    if (status == SMR_OK)
+        smr_log_note(&s->log, SMR_LOG_SURFACE, structure, surface, 0);
+    return status;
+}

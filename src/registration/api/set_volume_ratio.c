@@ -1,0 +1,57 @@
+/* set_volume_ratio.c: which volumes are asked for, and what has become of them.
+ * Bounds: a pass over the structures; for a report one over a structure's triangles, and one over all vertices where
+ * config.contact.volume is 0.
+ * SPDX-License-Identifier: MIT */
+#include "registration/api/restart.h"
+
+smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio)
+{
+    if (s == NULL)
+        return SMR_E_NULL;
+    if (!SMR_HAS_CONTACT)
+        return SMR_E_CONFIG;
+    if (!smr_ready(s))
+        return SMR_E_STATE;
+    smr_kept_volume *kept = s->volumes.kept;
+    const uint32_t n = s->shared.n_structures;
+    if (kept == NULL)
+        return SMR_E_ARENA;
+    if ((structure != SMR_ALL && structure >= n) ||
+        !(ratio >= SMR_VOLUME_RATIO_LEAST && ratio <= SMR_VOLUME_RATIO_MOST))
+        return SMR_E_INPUT;
+    if (structure != SMR_ALL && !kept[structure].closed)
+        return SMR_E_INPUT;
+    for (uint32_t i = 0; i < n; i++)
+        if (structure == SMR_ALL || structure == i)
+            kept[i].ratio = ratio;
+    smr_restart_forces(s, SMR_CHANGED);
+    smr_log_note(&s->log, SMR_LOG_VOLUME_RATIO, structure, &ratio, 0);
+    return SMR_OK;
+}
+
+smr_status smr_get_structure_volume(const smr *s, uint32_t structure, smr_structure_volume *volume)
+{
+    if (s == NULL || volume == NULL)
+        return SMR_E_NULL;
+    if (!smr_valid(s))
+        return SMR_E_STATE;
+    if (structure >= s->shared.n_structures)
+        return SMR_E_INPUT;
+    const smr_kept_volume *kept = s->volumes.kept;
+    float rest = 0.0f, thick;
+    memset(volume, 0, sizeof *volume);
+    volume->closed = (uint32_t)smr_rest_volume(&s->shape, structure, &rest, &thick);
+    if (!volume->closed)
+        return SMR_OK;
+    const float scale = smr_start_scale(&s->shape);
+    rest *= scale * scale * (smr_start_mirrored(&s->shape) ? -scale : scale);
+    const float side = rest < 0.0f ? -1.0f : 1.0f;
+    volume->rest_mm3 = side * rest;
+    volume->present_mm3 = side * smr_enclosed_of(&s->shape, structure, s->shape.x);
+    volume->ratio = rest * side > 0.0f ? volume->present_mm3 / volume->rest_mm3 : 0.0f;
+    if (kept != NULL) {
+        volume->asked_ratio = kept[structure].ratio;
+        volume->asked_mm3 = kept[structure].ratio * volume->rest_mm3;
+    }
+    return SMR_OK;
+}

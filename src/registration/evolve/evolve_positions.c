@@ -1,0 +1,116 @@
+/* evolve_positions.c: new positions (paper 2.3, evolution): x += relaxation (x~ - x) with x~_i = Sum_i(T) x^r_i / |zeta_i|,
+ * normals carried by the averaged rotation, and the state hash. In dynamics: x~, from where a sweep goes on.
+ * Bounds: two passes over the vertices.
+ * SPDX-License-Identifier: MIT */
+#include "registration/evolve/evolve_positions.h"
+#include "registration/match/match_rotation.h"
+
+void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared)
+{
+    e->tangent_smooth.limited = smr_slot_bytes(a, e->tangent_smooth.limited, shared->n, UINT8_MAX);
+    smr_keep_floats(a, &e->moved_mm, 1, 0.0f, 2.0f * SMR_KEPT_MM);
+}
+
+void smr_evolve_wire(smr_evolve *e, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
+                     const smr_forces *forces, const smr_reference *reference, const smr_sums *sums,
+                     const smr_overlay *overlay)
+{
+    e->shared = e->tangent_smooth.shared = shared;
+    e->shape = e->tangent_smooth.shape = shape;
+    e->forces = forces;
+    e->reference = reference;
+    e->sums = sums;
+    e->tally = overlay->tally;
+    e->tangent_smooth.schedule = schedule;
+    e->tangent_smooth.goals = &forces->surface;
+    e->tangent_smooth.rings = overlay->rings;
+}
+
+void smr_evolve_reset(smr_evolve *e) { memset(e->tangent_smooth.limited, 0, e->shared->n); }
+
+/* The displacement from ref by the average of its clusters' transforms; rotates *normal. w: the vertex' sum. */
+static inline smr_vec average_displacement(int logs, const uint32_t *w, const float inverse[2], float share,
+                                           smr_vec ref, smr_vec *normal)
+{
+    float r_minus_i[9];
+    if (logs)
+        return smr_twist_move(smr_average_twist(w, inverse, share), ref, normal);
+    const smr_vec t = smr_average_transform(w, inverse, share, r_minus_i);
+    *normal = smr_add(*normal, smr_mul(r_minus_i, *normal));
+    return smr_add(smr_mul(r_minus_i, ref), t);
+}
+
+uint32_t smr_evolve_tasks(const void *arg) { return ((const smr_evolve *)arg)->shared->n_tasks; }
+
+void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
+{
+    const smr_evolve *e = arg;
+    const smr_shape shape = *e->shape;
+    uint32_t *const sum = e->sums->sum;
+    const float *const share = e->reference->share, relaxation = e->shared->config.motion.relaxation;
+    (void)worker;
+    const float inverse[2] = {1.0f / e->sums->scale[0], 1.0f / e->sums->scale[1]};
+    const uint32_t last = smr_chunk_end(e->shared, task);
+    const int logs = smr_blends_logs(e->shared);
+    for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
+        const smr_vec ref = smr_load(smr_at3(shape.x_ref, v)), old = smr_load(smr_at3(shape.x, v));
+        smr_vec n = smr_load(smr_at3(shape.normal_ref, v));
+        const smr_vec displacement =
+            average_displacement(logs, sum + SMR_WORDS * (size_t)v, inverse, share[v], ref, &n);
+        const smr_vec goal = smr_add(ref, displacement);
+        const smr_vec step = smr_scale(smr_sub(goal, old), relaxation);
+        const smr_vec next = smr_add(smr_add(old, step), smr_tangent_displacement(&e->tangent_smooth, v));
+        smr_store(smr_at3(shape.x_next, v), shape.from != NULL ? goal : next);
+        smr_next_normal_set(sum, v, smr_unit(n));
+    }
+}
+
+/* A vertex' part of the hash. The sum over vertices does not depend on their order. */
+static uint64_t hash_point(uint32_t index, const float *p)
+{
+    const uint64_t xy = (uint64_t)smr_float_bits(p[0] + 0.0f) << 32 | smr_float_bits(p[1] + 0.0f);
+    const uint64_t zi = (uint64_t)smr_float_bits(p[2] + 0.0f) << 32 | index;
+    return smr_mix(xy + 0x9e3779b97f4a7c15u * smr_mix(zi));
+}
+
+uint64_t smr_hash_positions(const float *xyz, uint32_t n)
+{
+    uint64_t hash = 0;
+    for (uint32_t v = 0; v < n; v++)
+        hash += hash_point(v, xyz + 3u * (size_t)v);
+    return hash;
+}
+
+void smr_evolve_measure(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_evolve *e = arg;
+    float *const x = e->shape->x, *const x_next = e->shape->x_next;
+    const uint32_t last = smr_chunk_end(e->shared, task);
+    const int by_mean = e->shared->config.motion.plastic_by == SMR_PLASTIC_MEAN;
+    float moved2 = 0.0f, sum = 0.0f;
+    uint64_t hash = 0;
+    (void)worker;
+    for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
+        const smr_vec moved = smr_sub(smr_load(smr_at3(x_next, v)), smr_load(smr_at3(x, v)));
+        moved2 = smr_max(moved2, smr_dot(moved, moved));
+        if (by_mean)
+            sum += SMR_SQRT(smr_dot(moved, moved));
+        hash += hash_point(v, smr_at3(x_next, v));
+    }
+    e->tally[task].evolve.moved2 = moved2;
+    e->tally[task].evolve.moved = sum;
+    e->tally[task].evolve.hash = hash;
+}
+
+void smr_evolve_measure_end(smr_evolve *e)
+{
+    float moved2 = 0.0f, sum = 0.0f;
+    e->hash = 0;
+    for (uint32_t t = 0; t < e->shared->n_tasks; t++) {
+        moved2 = smr_max(moved2, e->tally[t].evolve.moved2);
+        sum += e->tally[t].evolve.moved;
+        e->hash += e->tally[t].evolve.hash;
+    }
+    e->moved_mm = SMR_SQRT(moved2);
+    e->mean_mm = sum / (float)e->shared->n;
+}

@@ -1,0 +1,73 @@
+/* evolve_positions.h: new positions x = x~ (paper 2.3, evolution), smoothed along the surface, with their normals; plasticity.
+ * In: averaged transforms, x^r. Out: x_next and the size of the displacements; x^r where it follows.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_EVOLVE_POSITIONS_H
+#define SMR_EVOLVE_POSITIONS_H
+
+#include "registration/match/cluster_reference.h"
+
+#define SMR_LIMITED_FULL 255.0f /* the whole step was limited */
+
+/* tangential smoothing */
+typedef struct smr_tangent_smooth {
+    const smr_shared *shared;
+    const smr_schedule *schedule;
+    const smr_shape *shape;
+    const smr_surface_goals *goals;
+    smr_rings rings;
+    float share; /* share of the displacement to the mesh neighbours' mean in this iteration; 0: off */
+    /* [n] largest share of a step that fold limits removed since the last radius began; SMR_LIMITED_FULL: all */
+    uint8_t *limited;
+} smr_tangent_smooth;
+
+typedef struct smr_evolve {
+    const smr_shared *shared;
+    const smr_shape *shape;
+    const smr_forces *forces;
+    const smr_reference *reference;
+    const smr_sums *sums;
+    smr_tangent_smooth tangent_smooth;
+    smr_tally *tally;
+    float moved_mm;       /* largest displacement of the current iteration, mm */
+    float mean_mm;        /* mean displacement, mm, where the configuration needs it */
+    uint64_t hash;        /* hash of the current positions */
+    uint32_t normals_due; /* 1: the iteration ends with normals computed from triangles */
+} smr_evolve;
+
+void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared);
+void smr_evolve_wire(smr_evolve *e, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
+                     const smr_forces *forces, const smr_reference *reference, const smr_sums *sums,
+                     const smr_overlay *overlay);
+void smr_evolve_reset(smr_evolve *e); /* called when an iteration is abandoned */
+
+uint32_t smr_evolve_tasks(const void *evolve);
+void smr_evolve_step(void *evolve, uint32_t task, uint32_t worker);
+/* displacements and hash of the final positions */
+void smr_evolve_measure(void *evolve, uint32_t task, uint32_t worker);
+void smr_evolve_measure_end(smr_evolve *e);
+uint64_t smr_hash_positions(const float *xyz, uint32_t n); /* xyz: [n][3] */
+
+/* Tangential smoothing, at the last radius. */
+void smr_tangent_begin(smr_tangent_smooth *e); /* chooses the share of the coming iteration */
+uint32_t smr_tangent_tasks(const void *tangent_smooth);
+void smr_tangent_clear(void *tangent_smooth, uint32_t task, uint32_t worker);
+uint32_t smr_tangent_sum_tasks(const void *tangent_smooth);
+void smr_tangent_sum(void *tangent_smooth, uint32_t task, uint32_t worker); /* tasks run one after the other */
+/* valid from the sums until the folds are searched */
+smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v);
+
+/* Ends tangential smoothing for a vertex whose step was limited by this share. */
+static inline void smr_tangent_limit(smr_tangent_smooth *e, uint32_t v, float share)
+{
+    if (smr_at_last_radius(e->shared, e->schedule))
+        e->limited[v] = (uint8_t)smr_max_u32(e->limited[v], (uint32_t)(share * SMR_LIMITED_FULL + 0.5f));
+}
+
+/* Vertex normals computed from triangles, where they are due. */
+uint32_t smr_exact_normals_tasks(const void *evolve);
+void smr_exact_normals_clear(void *evolve, uint32_t task, uint32_t worker);
+uint32_t smr_exact_normals_sum_tasks(const void *evolve);
+void smr_exact_normals_sum(void *evolve, uint32_t task, uint32_t worker); /* tasks run one after the other */
+void smr_exact_normals_unit(void *evolve, uint32_t task, uint32_t worker);
+
+#endif

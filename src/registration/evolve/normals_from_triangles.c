@@ -1,0 +1,55 @@
+/* normals_from_triangles.c: vertex normals computed from the triangles at x_next, area-weighted, where the iteration ends
+ * with a new reference shape or the configuration asks for it; otherwise the averaged rotations rotate them. The
+ * sums and their order are those of smr_mesh_normals(), cut into small tasks.
+ * Bounds: one pass over triangles, two over vertices.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
+#include "registration/evolve/evolve_positions.h"
+
+uint32_t smr_exact_normals_tasks(const void *arg)
+{
+    const smr_evolve *e = arg;
+    return e->normals_due ? e->shared->n_tasks : 0u;
+}
+
+uint32_t smr_exact_normals_sum_tasks(const void *arg)
+{
+    const smr_evolve *e = arg;
+    return e->normals_due ? smr_ceil_div(e->shared->n_triangles, SMR_TRIANGLE_CHUNK) : 0u;
+}
+
+void smr_exact_normals_clear(void *arg, uint32_t task, uint32_t worker)
+{
+    const smr_evolve *e = arg;
+    uint32_t *const sum = e->sums->sum;
+    (void)worker;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(e->shared, task); v++)
+        smr_next_normal_set(sum, v, smr_v(0, 0, 0));
+}
+
+/* Triangles share vertices, so tasks run one after the other. */
+void smr_exact_normals_sum(void *arg, uint32_t task, uint32_t worker)
+{
+    const smr_evolve *e = arg;
+    float *const x = e->shape->x_next;
+    uint32_t *const sum = e->sums->sum;
+    const uint32_t *const triangle = e->shared->triangle;
+    (void)worker;
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_TRIANGLE_CHUNK, e->shared->n_triangles);
+    for (uint32_t k = task * SMR_TRIANGLE_CHUNK; k < last; k++) {
+        const uint32_t *t = triangle + 3u * (size_t)k;
+        const smr_vec n =
+            smr_triangle_cross(smr_load(smr_at3(x, t[0])), smr_load(smr_at3(x, t[1])), smr_load(smr_at3(x, t[2])));
+        for (uint32_t c = 0; c < 3u; c++)
+            smr_next_normal_set(sum, t[c], smr_add(smr_next_normal(sum, t[c]), n));
+    }
+}
+
+void smr_exact_normals_unit(void *arg, uint32_t task, uint32_t worker)
+{
+    const smr_evolve *e = arg;
+    uint32_t *const sum = e->sums->sum;
+    (void)worker;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(e->shared, task); v++)
+        smr_next_normal_set(sum, v, smr_unit(smr_next_normal(sum, v)));
+}

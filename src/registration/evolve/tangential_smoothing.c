@@ -1,0 +1,73 @@
+/* tangential_smoothing.c: smooths displacements along the surface, at the last radius. Nothing else determines where on
+ * the surface a vertex lies there: clusters are single vertices, and forces are normal to the target. Decisions by
+ * the last bit on the way would otherwise stay and grow. The displacement is measured from the rest shape in its
+ * pose. x moves tangentially towards the position whose displacement is the mean of its mesh neighbours'. The share
+ * falls to 0 at the end. It is 0 where fold limits removed a step, since smoothing would work against them.
+ * Bounds: one pass over triangles and vertices.
+ * SPDX-License-Identifier: MIT */
+#include "registration/evolve/evolve_positions.h"
+
+void smr_tangent_begin(smr_tangent_smooth *e)
+{
+    const smr_config *c = &e->shared->config;
+    e->share = 0.0f;
+    if (c->dynamics.mode || !smr_at_last_radius(e->shared, e->schedule) || e->schedule->tracking ||
+        e->schedule->repairing > 0u || e->goals->n_goals == 0u)
+        return;
+    const float left = 1.0f - (float)e->schedule->radius_iteration / (float)c->basic.iterations_last;
+    e->share = c->basic.even * left * left;
+}
+
+uint32_t smr_tangent_tasks(const void *arg)
+{
+    const smr_tangent_smooth *e = arg;
+    return e->share > 0.0f ? e->shared->n_tasks : 0u;
+}
+
+uint32_t smr_tangent_sum_tasks(const void *arg)
+{
+    const smr_tangent_smooth *e = arg;
+    return e->share > 0.0f ? smr_ceil_div(e->shared->n_triangles, SMR_TRIANGLE_CHUNK) : 0u;
+}
+
+void smr_tangent_clear(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_tangent_smooth *e = arg;
+    const smr_shared *shared = e->shared;
+    const smr_rings rings = e->rings;
+    const smr_pose pose = e->shape->rest_pose;
+    float *const x = e->shape->x;
+    const int first = e->schedule->radius_iteration == 0u;
+    const uint32_t last = smr_chunk_end(shared, task);
+    (void)worker;
+    for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
+        if (first)
+            e->limited[v] = 0;
+        smr_store(smr_at3(rings.sum, v), smr_v(0, 0, 0));
+        rings.weight[v] = 0.0f;
+        const smr_vec rest = smr_pose_apply(&pose, smr_rest(shared, v));
+        smr_store(smr_at3(rings.displacement, v), smr_sub(smr_load(smr_at3(x, v)), rest));
+    }
+}
+
+/* Sums of the mesh neighbours' displacements. Triangles share vertices, so tasks run one after the other. */
+void smr_tangent_sum(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_tangent_smooth *e = arg;
+    (void)worker;
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_TRIANGLE_CHUNK, e->shared->n_triangles);
+    for (uint32_t k = task * SMR_TRIANGLE_CHUNK; k < last; k++)
+        smr_ring_add(&e->rings, e->shared->triangle + 3u * (size_t)k, e->rings.displacement);
+}
+
+smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v)
+{
+    if (!(e->share > 0.0f) || !e->goals->target[smr_model_owner(e->shared->model, v)].had_target ||
+        !(e->rings.weight[v] > 0.0f))
+        return smr_v(0, 0, 0);
+    const smr_vec mean = smr_scale(smr_load(smr_at3(e->rings.sum, v)), 1.0f / e->rings.weight[v]);
+    const smr_vec displacement = smr_sub(mean, smr_load(smr_at3(e->rings.displacement, v)));
+    const smr_vec n = smr_load(smr_at3(e->shape->normal, v));
+    const smr_vec along = smr_sub(displacement, smr_scale(n, smr_dot(n, displacement)));
+    return smr_scale(along, e->share * (1.0f - (float)e->limited[v] / SMR_LIMITED_FULL));
+}

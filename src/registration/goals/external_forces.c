@@ -1,0 +1,247 @@
+/* external_forces.c: external forces f^e = stiffness (goal - x) (paper 2.1), from the displacements that the sources of goals
+ * give.
+ * Bounds: one pass over the vertices, and those of the sources.
+ * SPDX-License-Identifier: MIT */
+#include "registration/goals/external_forces.h"
+
+#include "base/fixed_point.h"
+
+void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
+{
+    const size_t n = shared->n;
+    f->force = smr_slot_scratch(a, f->force, n, 3u * sizeof(float));
+    f->residual = smr_slot_floats(a, f->residual, n, 2.0f * SMR_KEPT_MM);
+    f->found = smr_slot_scratch(a, f->found, n, 1);
+    f->found_last = smr_slot_bytes(a, f->found_last, n, SMR_FOUND_UNDECIDED);
+    smr_keep_floats(a, &f->matched, 1, -1.0f, 1.0f);
+    smr_keep_words(a, &f->unmeasured, 1, 1);
+    smr_sources_layout(a, f, shared);
+}
+
+void smr_forces_wire(smr_forces *f, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
+                     const smr_overlay *overlay)
+{
+    f->shared = shared;
+    f->schedule = schedule;
+    f->shape = shape;
+    f->tally = overlay->tally;
+    smr_sources_wire(f, overlay);
+}
+
+void smr_forces_reset(smr_forces *f)
+{
+    memset(f->residual, 0, f->shared->n * sizeof *f->residual);
+    memset(f->found, SMR_FOUND_NO_TARGET, f->shared->n);
+    memset(f->found_last, SMR_FOUND_NO_TARGET, f->shared->n);
+    smr_forces_unmeasured(f);
+    smr_sources_reset(f);
+}
+
+void smr_forces_unmeasured(smr_forces *f)
+{
+    f->unmeasured = 1;
+    f->matched = -1.0f;
+}
+
+/* Updates the largest values of the quantities that the cluster sums will round. */
+static void measure(const smr_forces *f, uint32_t v, smr_tally *tally)
+{
+    const smr_vec ref = smr_load(smr_at3(f->shape->x_ref, v)),
+                  u = smr_scale(smr_match_displacement(f, v), smr_mass(f->shared, v));
+    const float largest = smr_max(smr_abs(u.x), smr_max(smr_abs(u.y), smr_abs(u.z)));
+    const float arm = smr_max(smr_abs(ref.x), smr_max(smr_abs(ref.y), smr_abs(ref.z)));
+    const float terms = f->shared->config.basic.method == SMR_METHOD_RIGID ? 2.0f : 1.0f;
+    tally->forces.largest[0] = smr_max(tally->forces.largest[0], largest);
+    tally->forces.largest[1] = smr_max(tally->forces.largest[1], terms * arm * largest);
+}
+
+float smr_forces_ease(const smr_forces *f, uint32_t v)
+{
+    if (!(f->schedule->fade < 1.0f) || f->surface.target[smr_model_owner(f->shared->model, v)].surface != NULL)
+        return 1.0f;
+    const float prevails = smr_landmarks_on(&f->landmarks) ? smr_occluded_field_hard_weight(&f->occluded, v) : 0.0f;
+    return smr_max(f->schedule->fade, prevails);
+}
+
+uint32_t smr_force_chunk(const smr_forces *f) { return smr_image_on(&f->image) ? SMR_IMAGE_CHUNK : SMR_FORCE_CHUNK; }
+
+uint32_t smr_forces_tasks(const void *arg)
+{
+    const smr_forces *f = arg;
+    return smr_ceil_div(f->schedule->n_active, smr_force_chunk(f));
+}
+
+void smr_forces_search(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_forces *f = arg;
+    (void)worker;
+    const uint32_t n_active = f->schedule->n_active, chunk = smr_force_chunk(f);
+    const uint32_t last = smr_min_u32((task + 1u) * chunk, n_active);
+    const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->occluded);
+    for (uint32_t v = task * chunk; v < last; v++) {
+        smr_vec displacement;
+        /* prefetch: reading voxels takes as long as the work on a vertex */
+        if (looks && v + 1u < n_active)
+            smr_image_ahead(&f->image, v + 1u);
+        f->found[v] = smr_sources_goal(f, v, &displacement);
+        smr_store(smr_at3(f->force, v), displacement);
+    }
+}
+
+static void ignore(smr_forces *f, uint32_t v)
+{
+    smr_sources_drop(f, v);
+    f->found[v] = SMR_FOUND_NO_TARGET;
+    smr_store(smr_at3(f->force, v), smr_v(0, 0, 0));
+}
+
+/* Adds the distance to the goal and the kind of result to the task's tally. */
+static void count(smr_forces *f, uint32_t v, smr_vec displacement, smr_tally *tally)
+{
+    tally->forces.n_with_target += f->found[v] != SMR_FOUND_NO_TARGET;
+    tally->forces.n_forces += f->found[v] == SMR_FOUND_GOAL;
+    tally->forces.n_rejected += f->found[v] >= SMR_FOUND_NONE;
+    if (f->found[v] != SMR_FOUND_GOAL)
+        return;
+    const float d2 = smr_dot(displacement, displacement), d = SMR_SQRT(d2);
+    tally->forces.sum += d;
+    tally->forces.sum2 += d2;
+    tally->forces.max = smr_max(tally->forces.max, d);
+    f->residual[v] = d;
+}
+
+uint32_t smr_forces_take_tasks(const void *arg) { return ((const smr_forces *)arg)->shared->n_tasks; }
+
+/* Turns displacements into forces. The number of active vertices is final here. */
+void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_forces *f = arg;
+    (void)worker;
+    smr_tally *tally = &f->tally[task];
+    const float stiffness = f->schedule->repairing > 0u ? 0.0f : f->shared->config.forces.stiffness * f->schedule->gain;
+    const int apart = smr_contact_on(&f->contact),
+              smooth = smr_smooth_used(&f->smooth) && smr_smooth_tasks(&f->smooth) > 0u;
+    memset(tally, 0, sizeof *tally);
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(f->shared, task); v++) {
+        if (!smr_active(f->schedule, v)) {
+            ignore(f, v);
+            continue;
+        }
+        const smr_vec displacement = smr_load(smr_at3(f->force, v));
+        count(f, v, displacement, tally);
+        const smr_vec blended = smooth ? smr_smooth_blend(&f->smooth, v, displacement) : displacement;
+        smr_store(smr_at3(f->force, v), smr_scale(blended, stiffness * smr_forces_ease(f, v)));
+        if (apart)
+            smr_store(smr_at3(f->force, v),
+                      smr_add(smr_load(smr_at3(f->force, v)), smr_load(smr_at3(f->contact.push, v))));
+        measure(f, v, tally);
+    }
+}
+
+/* Outlier limit of the next iteration, mm: mean + k standard deviations of this iteration's distances; 0: none. */
+static float limit_of(const smr_forces *f, float mean, float mean_square)
+{
+    const float k = f->shared->config.forces.reject_deviations;
+    const float deviation = SMR_SQRT(smr_max(mean_square - mean * mean, 0.0f));
+    return k > 0.0f && f->totals.n_forces > 0u ? smr_max(mean + k * deviation, 1.0e-3f) : 0.0f;
+}
+
+static float share_of(uint32_t n_forces, uint32_t n_rejected)
+{
+    const uint32_t all = n_forces + n_rejected;
+    return all > 0u ? (float)n_forces / (float)all : -1.0f;
+}
+
+/* Share of a structure's vertices with a goal in the last complete forces; -1: none was searched for. */
+static float share_in_last(const smr_forces *f, uint32_t structure)
+{
+    const smr_shape_structure *one = &f->shape->structure[structure];
+    uint32_t n_forces = 0, n_rejected = 0;
+    for (uint32_t i = 0; i < one->n_vertices; i++) {
+        const uint8_t found = f->found_last[smr_model_position(f->shared->model, one->first_vertex + i)];
+        n_forces += found == SMR_FOUND_GOAL;
+        n_rejected += found >= SMR_FOUND_NONE;
+    }
+    return share_of(n_forces, n_rejected);
+}
+
+float smr_forces_matched(const smr_forces *f, uint32_t structure)
+{
+    const smr_target *target = &f->surface.target[structure];
+    if (!target->measured)
+        return -1.0f;
+    if (SMR_HAS_IMAGE && target->surface == NULL && f->image.structure[structure].idle)
+        return f->image.structure[structure].matched;
+    return share_in_last(f, structure);
+}
+
+/* 1: the search in the image ends for this structure. What its last one found is kept: later iterations find nothing
+ * for they do not look. Reads found_last, which is still that of the forces before. */
+static int note_idle(smr_forces *f, uint32_t structure)
+{
+    smr_image_structure *view = &f->image.structure[structure];
+    const uint32_t idle = smr_image_on(&f->image) && !smr_image_seeks(&f->image, structure);
+    if (idle && !view->idle)
+        view->matched = f->surface.target[structure].measured ? share_in_last(f, structure) : -1.0f;
+    view->idle = idle;
+    return idle != 0u;
+}
+
+static void note_matched(smr_forces *f)
+{
+    int sought = 0;
+    for (uint32_t k = 0; k < f->shared->n_structures; k++) {
+        smr_target *target = &f->surface.target[k];
+        const int idle = SMR_HAS_IMAGE && note_idle(f, k);
+        sought |= target->surface != NULL || !idle;
+        target->measured = 1;
+    }
+    if (sought)
+        f->matched = share_of(f->totals.n_forces, f->totals.n_rejected);
+    f->unmeasured = 0;
+}
+
+/* Dynamics: a closer bound on cluster sums. Pinned vertices weigh more than all others together, so the sum of the
+ * chunks' largest values may be smaller than the largest value times the cluster size. */
+static void bound_closely(const smr_forces *f, float largest[2])
+{
+    for (uint32_t kind = 0; kind < 2u; kind++) {
+        float sum = 0.0f;
+        for (uint32_t t = 0; t < f->shared->n_tasks; t++)
+            sum += (float)SMR_CHUNK * f->tally[t].forces.largest[kind];
+        largest[kind] = smr_min(largest[kind], sum / (float)smr_max_u32(f->schedule->lists.largest, 1u));
+    }
+}
+
+void smr_forces_end(smr_forces *f)
+{
+    smr_tally all;
+    memset(&all, 0, sizeof all);
+    for (uint32_t t = 0; t < f->shared->n_tasks; t++) {
+        const smr_tally *one = &f->tally[t];
+        all.forces.sum += one->forces.sum;
+        all.forces.sum2 += one->forces.sum2;
+        all.forces.max = smr_max(all.forces.max, one->forces.max);
+        all.forces.n_forces += one->forces.n_forces;
+        all.forces.n_rejected += one->forces.n_rejected;
+        all.forces.n_with_target += one->forces.n_with_target;
+        all.forces.largest[0] = smr_max(all.forces.largest[0], one->forces.largest[0]);
+        all.forces.largest[1] = smr_max(all.forces.largest[1], one->forces.largest[1]);
+    }
+    if (f->shared->mass != NULL)
+        bound_closely(f, all.forces.largest);
+    const float n = all.forces.n_forces > 0u ? (float)all.forces.n_forces : 1.0f;
+    const float mean = all.forces.sum / n, square = all.forces.sum2 / n;
+    f->totals = (smr_force_totals){all.forces.n_with_target,
+                                   all.forces.n_forces,
+                                   all.forces.n_rejected,
+                                   mean,
+                                   SMR_SQRT(square),
+                                   all.forces.max,
+                                   {all.forces.largest[0], all.forces.largest[1]}};
+    f->surface.limit = limit_of(f, mean, square);
+    note_matched(f);
+    /* up to here a new target could have restarted the forces */
+    memcpy(f->found_last, f->found, f->shared->n);
+    smr_sources_commit(f);
+}

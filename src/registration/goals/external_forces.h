@@ -1,0 +1,98 @@
+/* external_forces.h: external forces f^e = stiffness (goal - x) (paper 2.1). In: positions, normals, targets. Out: the force
+ * on each vertex and what was found for it. Each source of goals has its own file and struct.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_EXTERNAL_FORCES_H
+#define SMR_EXTERNAL_FORCES_H
+
+#include "options/contact/contact.h"
+#include "options/image/image.h"
+#include "options/partial/partial.h"
+#include "registration/goals/caller_goals.h"
+
+/* Sums over all vertices of one iteration's forces. */
+typedef struct smr_force_totals {
+    uint32_t n_with_target; /* active vertices with a target */
+    uint32_t n_forces;      /* active vertices with a goal */
+    uint32_t n_rejected;    /* active vertices with a target but without a goal */
+    float mean, rms, max;   /* distance to the goal over all vertices with a goal, mm */
+    float largest[2];       /* bounds on the two kinds of quantities that the cluster sums add */
+} smr_force_totals;
+
+typedef struct smr_forces {
+    const smr_shared *shared;
+    const smr_schedule *schedule;
+    const smr_shape *shape;
+    smr_surface_goals surface;
+    smr_landmark_goals landmarks;
+    smr_point_spread points;
+    smr_occluded_field occluded;
+    smr_image_goals image;
+    smr_caller_goals caller;
+    smr_smooth smooth;
+    smr_contact contact;
+    smr_tally *tally;
+    float *force;        /* [n][3] force, mm; during the search: displacement to the goal, mm */
+    float *residual;     /* [n] distance to the goal, mm, for vertices with a goal */
+    uint8_t *found;      /* [n] SMR_FOUND_... of the current forces */
+    uint8_t *found_last; /* [n] SMR_FOUND_... of the last complete forces */
+    smr_force_totals totals;
+    float matched;       /* as smr_tick_report.details.matched_share */
+    uint32_t unmeasured; /* 1: no complete forces since a target, the image or positions were set */
+} smr_forces;
+
+void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
+void smr_forces_wire(smr_forces *f, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
+                     const smr_overlay *overlay);
+void smr_forces_reset(smr_forces *f); /* called when an iteration is abandoned: discards all results of its forces */
+void smr_forces_unmeasured(smr_forces *f); /* marks all measured values as outdated: targets or positions are new */
+/* Share of a structure's vertices with a goal in the last search; -1: not yet searched with this target. */
+float smr_forces_matched(const smr_forces *f, uint32_t structure);
+
+uint32_t smr_force_chunk(const smr_forces *f); /* vertices of a task of smr_forces_search */
+uint32_t smr_forces_tasks(const void *forces);
+/* step: displacements to goals; the most expensive step */
+void smr_forces_search(void *forces, uint32_t task, uint32_t worker);
+/* The share of the force that is left, 0..1. It falls for what follows an image, but not near a hard landmark. */
+float smr_forces_ease(const smr_forces *f, uint32_t v);
+/* contact_forces.c */
+uint32_t smr_contact_tasks(const void *forces);
+/* step: contacts and the displacements that they add */
+void smr_contact_search(void *forces, uint32_t task, uint32_t worker);
+uint32_t smr_forces_take_tasks(const void *forces);
+void smr_forces_take(void *forces, uint32_t task, uint32_t worker); /* step: turns displacements into forces */
+void smr_forces_end(smr_forces *f); /* totals of the forces, and the input of the next ones */
+
+/* Momentum: a share of the last iteration's displacement (Polyak 1964). Valid until evolve overwrites x_next, which
+ * holds the positions before x. */
+static inline smr_vec smr_momentum(const smr_forces *f, uint32_t v)
+{
+    const smr_vec step = smr_sub(smr_load(smr_at3(f->shape->x, v)), smr_load(smr_at3(f->shape->x_next, v)));
+    return smr_scale(step, f->schedule->repairing > 0u ? 0.0f : f->schedule->momentum * f->schedule->fade);
+}
+
+/* The displacement that matching sees: x + f^e - x^r, and momentum. In dynamics forces act on the vertices, not on the
+ * clusters' fits: `from` - x^r. */
+static inline smr_vec smr_match_displacement(const smr_forces *f, uint32_t v)
+{
+    const smr_vec x = smr_load(smr_at3(f->shape->x, v));
+    if (f->shape->from != NULL)
+        return smr_sub(smr_load(smr_at3(f->shape->from, v)), smr_load(smr_at3(f->shape->x_ref, v)));
+    const smr_vec u = smr_sub(smr_add(x, smr_load(smr_at3(f->force, v))), smr_load(smr_at3(f->shape->x_ref, v)));
+    return smr_add(u, smr_momentum(f, v));
+}
+
+/* goal_priority.c: the sources of goals. A further one has its struct in smr_forces and its lines there. */
+int smr_inputs_valid(const smr_forces *f); /* 1: every surface is still the one that was set */
+void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
+void smr_sources_wire(smr_forces *f, const smr_overlay *overlay);
+void smr_sources_reset(smr_forces *f);
+void smr_sources_commit(smr_forces *f); /* the forces under way are complete: the next ones start from them */
+
+/* Clears the pulls on a vertex without a target, so that they do not act in the next iteration. */
+void smr_sources_drop(smr_forces *f, uint32_t v);
+
+/* The way from v to its goal, mm: the average over all sources by weight, where one on a target weighs 1. Returns
+ * SMR_FOUND_... */
+uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *displacement);
+
+#endif

@@ -1,0 +1,224 @@
+/* goal_priority.c: which target wins at a vertex. A structure with a target surface follows it, every other one the
+ * image, and what neither shows a smooth field; goals of the caller's own are averaged with that by weight.
+ * Bounds: those of the sources.
+ * SPDX-License-Identifier: MIT */
+#include "registration/goals/external_forces.h"
+
+void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared *shared)
+{
+    if (shared->config.caller.goals != 0u)
+        g->goals = smr_slot_scratch(a, g->goals, shared->n_structures, sizeof *g->goals); /* set again: restore_awaited_inputs.c */
+    if (shared->config.caller.force != SMR_CALLER_OFF)
+        g->force_output = smr_slot_scratch(a, g->force_output, shared->n, 4u * sizeof(float));
+}
+
+void smr_caller_goals_wire(smr_caller_goals *g, const smr_shared *shared, const smr_schedule *schedule,
+                           const smr_shape *shape)
+{
+    g->shared = shared;
+    g->schedule = schedule;
+    g->shape = shape;
+    if (g->goals != NULL)
+        memset(g->goals, 0, shared->n_structures * sizeof *g->goals);
+}
+
+int smr_inputs_valid(const smr_forces *f)
+{
+    return smr_targets_valid(&f->surface) && (!SMR_HAS_CONTACT || smr_fixed_valid(&f->contact));
+}
+
+void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
+{
+    smr_surface_goals_layout(a, &f->surface, shared);
+    if (SMR_HAS_PARTIAL)
+        smr_landmark_goals_layout(a, &f->landmarks, shared);
+    if (SMR_HAS_IMAGE)
+        smr_image_goals_layout(a, &f->image, shared);
+    smr_caller_goals_layout(a, &f->caller, shared);
+    if (SMR_HAS_CONTACT) {
+        smr_smooth_layout(a, &f->smooth, shared);
+        smr_contact_layout(a, &f->contact, shared);
+    }
+}
+
+void smr_sources_wire(smr_forces *f, const smr_overlay *overlay)
+{
+    smr_surface_goals_wire(&f->surface, f->shared, f->schedule, f->shape);
+    if (SMR_HAS_PARTIAL) {
+        smr_landmark_goals_wire(&f->landmarks, f->shared, f->schedule, f->shape);
+        smr_point_spread_wire(&f->points, f->shared, f->shape, &f->surface, overlay);
+        smr_occluded_field_wire(&f->occluded, f->shared, f->schedule, f->shape, &f->surface, &f->landmarks, overlay);
+        smr_occluded_field_wire_image(&f->occluded, f->found_last, &f->image.has_image);
+    }
+    if (SMR_HAS_IMAGE)
+        smr_image_goals_wire(&f->image, f->shared, f->schedule, f->shape, f->found_last, &overlay->rings);
+    smr_caller_goals_wire(&f->caller, f->shared, f->schedule, f->shape);
+    if (SMR_HAS_CONTACT) {
+        smr_smooth_wire(&f->smooth, f->shared, f->schedule, f->shape, &overlay->rings);
+        smr_contact_wire(&f->contact, f->shared, f->schedule, f->shape);
+    }
+}
+
+void smr_sources_reset(smr_forces *f)
+{
+    smr_surface_goals_reset(&f->surface);
+    if (SMR_HAS_PARTIAL)
+        smr_landmark_goals_reset(&f->landmarks);
+    if (SMR_HAS_IMAGE)
+        smr_image_goals_reset(&f->image);
+    f->caller.summed = 0;
+    if (SMR_HAS_CONTACT)
+        smr_contact_reset(&f->contact);
+}
+
+/* What targets showed of each vertex, for landmarks between them. */
+static void note_visible(smr_forces *f)
+{
+    for (uint32_t v = 0; v < f->schedule->n_active; v++) {
+        const uint32_t owner = smr_model_owner(f->shared->model, v);
+        const smr_target *target = &f->surface.target[owner];
+        const uint8_t found = f->found_last[v] == SMR_FOUND_GOAL ? SMR_VISIBLE_ONE : 0u;
+        if (target->surface != NULL)
+            f->landmarks.visibility[v] = target->partial ? f->surface.visibility[v] : found;
+        else if (!smr_image_on(&f->image))
+            f->landmarks.visibility[v] = 0;
+        else if (smr_image_seeks(&f->image, owner))
+            f->landmarks.visibility[v] = found;
+    }
+}
+
+void smr_sources_commit(smr_forces *f)
+{
+    if (smr_image_on(&f->image))
+        smr_image_goals_commit(&f->image);
+    smr_caller_stand(&f->caller);
+    smr_surface_goals_commit(&f->surface);
+    if (smr_visibility_on(&f->surface))
+        smr_visibility_commit(&f->surface);
+    if (smr_landmarks_on(&f->landmarks)) {
+        smr_landmark_goals_commit(&f->landmarks);
+        note_visible(f);
+    }
+    if (smr_contact_used(&f->contact))
+        smr_contact_commit(&f->contact);
+}
+
+void smr_sources_drop(smr_forces *f, uint32_t v)
+{
+    smr_vec displacement;
+    if (smr_attraction_on(&f->surface))
+        (void)smr_pull_take(&f->surface, v, &displacement);
+}
+
+/* Weight of goals in the image beside those on a surface. rest: the image shows what the surface does not. */
+static float weight_beside(const smr_forces *f, int rest)
+{
+    const int looks = smr_image_on(&f->image) && !smr_field_of_past(&f->occluded);
+    return rest ? 1.0f : looks ? f->shared->config.image.beside * f->schedule->fade : 0.0f;
+}
+
+/* The way to a goal on a mesh or a cloud, and how far the target shows the vertex. */
+static int goal_on_target(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *displacement)
+{
+    smr_surface_goals *g = &f->surface;
+    smr_surface_find find;
+    if (smr_is_points(drawn->surface))
+        return smr_point_goal(g, v, displacement);
+    const int found = smr_surface_goal(g, v, drawn->surface, displacement, &find);
+    if (SMR_HAS_PARTIAL && find.hit.triangle != SMR_NONE &&
+        smr_visibility_judged(g, smr_model_owner(f->shared->model, v)))
+        smr_visibility_judge(g, v, drawn->surface, &find.hit, find.displacement);
+    return found;
+}
+
+/* The displacement to a surface goal, averaged with an image goal and with the field of occluded vertices. With a
+ * partial target the surface goal's weight is the vertex' visibility. */
+static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *displacement)
+{
+    const int found = goal_on_target(f, v, drawn, displacement), rest = smr_field_of_rest(&f->occluded, v);
+    const int partial = smr_shows_part(drawn), landmarks = smr_landmarks_on(&f->landmarks);
+    const int goal = partial ? f->surface.visibility_next[v] > 0u : found;
+    const float beside = weight_beside(f, rest);
+    float weight = rest ? (float)f->surface.visibility_next[v] * (1.0f / (float)SMR_VISIBLE_ONE) : (float)goal;
+    smr_vec own;
+    const int in_image = SMR_HAS_IMAGE && beside > 0.0f && smr_image_goal(&f->image, v, &own) == SMR_GOAL;
+    if (!(rest && in_image) && (partial || landmarks))
+        smr_occluded_field_blend(&f->occluded, v, found, displacement);
+    if (in_image)
+        smr_blend(displacement, &weight, own, beside);
+    if (rest && in_image)
+        smr_occluded_field_blend_hard(&f->occluded, v, displacement);
+    return weight > 0.0f ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
+}
+
+/* The displacement while the image is outdated: the field carries what was found in it along with newer targets. */
+static uint8_t goal_of_past(smr_forces *f, uint32_t v, smr_vec *displacement)
+{
+    smr_image_keep(&f->image, v);
+    *displacement = smr_occluded_field_displacement(&f->occluded, v);
+    return f->found_last[v] == SMR_FOUND_NO_TARGET ? SMR_FOUND_UNDECIDED : f->found_last[v];
+}
+
+/* The displacement to an image goal, or the smoothing displacement where there is none. Goals are kept after the
+ * search has ended. */
+static uint8_t goal_in_image(smr_forces *f, uint32_t v, smr_vec *displacement)
+{
+    if (smr_field_of_past(&f->occluded))
+        return goal_of_past(f, v, displacement);
+    int visible = smr_image_goal(&f->image, v, displacement);
+    if (smr_field_of_image(&f->occluded))
+        visible = smr_occluded_field_blend_image(&f->occluded, v, visible, displacement);
+    else if (visible == SMR_NO_GOAL)
+        *displacement = smr_fill_displacement(&f->image, v);
+    const uint8_t found = visible == SMR_GOAL        ? SMR_FOUND_GOAL
+                          : visible == SMR_UNDECIDED ? SMR_FOUND_UNDECIDED
+                                                     : SMR_FOUND_NONE;
+    if (!smr_landmarks_on(&f->landmarks))
+        return found;
+    const int kept =
+        !smr_image_seeks(&f->image, smr_model_owner(f->shared->model, v)) && f->landmarks.visibility[v] > 0u;
+    if (visible == SMR_GOAL || kept)
+        smr_occluded_field_blend_hard(&f->occluded, v, displacement);
+    else
+        smr_occluded_field_fill(&f->occluded, v, displacement);
+    return found;
+}
+
+/* The displacement of a vertex without a target of its own: it follows landmarks, if any are set. */
+static uint8_t goal_of_landmarks(smr_forces *f, uint32_t v, smr_vec *displacement)
+{
+    smr_sources_drop(f, v);
+    if (!smr_landmarks_on(&f->landmarks))
+        return SMR_FOUND_NO_TARGET;
+    smr_occluded_field_fill(&f->occluded, v, displacement);
+    return smr_landmark_binds(&f->landmarks, v) ? SMR_FOUND_GOAL : SMR_FOUND_NONE;
+}
+
+/* The way to the vertex' goal on its own target; 0 for none. A vertex without triangles lies on no surface and follows
+ * neither surface nor image. */
+static uint8_t goal_of_own(smr_forces *f, uint32_t v, smr_vec *displacement)
+{
+    const smr_target *drawn = &f->surface.target[smr_model_owner(f->shared->model, v)];
+    const int image = smr_image_on(&f->image);
+    *displacement = smr_v(0, 0, 0);
+    /* discards results of forces that were restarted after a surface was set or removed */
+    if (image)
+        smr_image_forget(&f->image, v);
+    if (smr_visibility_on(&f->surface))
+        f->surface.visibility_next[v] = 0;
+    if (drawn->surface == NULL && !image)
+        return goal_of_landmarks(f, v, displacement);
+    if (!f->shape->on_surface[v]) {
+        smr_sources_drop(f, v);
+        return SMR_FOUND_NO_TARGET;
+    }
+    return SMR_HAS_IMAGE && drawn->surface == NULL ? goal_in_image(f, v, displacement)
+                                                   : goal_on_surface(f, v, drawn, displacement);
+}
+
+uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *displacement)
+{
+    const uint8_t found = goal_of_own(f, v, displacement);
+    const float weight = found == SMR_FOUND_GOAL ? 1.0f : 0.0f;
+    return smr_caller_blend(&f->caller, v, displacement, weight) > weight ? SMR_FOUND_GOAL : found;
+}

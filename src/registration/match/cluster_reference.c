@@ -1,0 +1,314 @@
+/* cluster_reference.c: for each new reference shape x^r, each cluster's centre c^r, mass M and covariance C^r or inverse
+ * inertia tensor (paper 2.3). x^r is rounded to powers of two of a millimetre, and moments are summed as wrapping
+ * integers; relative to the cluster's own vertex the results fit and are exact, however far the cluster lies from
+ * the origin. Second moments use a coarse step, about a thousandth of the cluster's size; the centre has a fine step
+ * of its own. In dynamics weights differ more: there the moments about stored vertex 0 are rounded instead of the
+ * positions.
+ * Bounds: four passes over the vertices, one over the lists.
+ * SPDX-License-Identifier: MIT */
+#include "registration/match/cluster_reference.h"
+
+#include "base/fixed_point.h"
+#include "geometry/linear_solve/eigen_jacobi.h"
+
+#define SMR_FINE_SHARE (1.0f / 1024.0f) /* smallest fine step over the coarse step */
+#define SMR_PART_BITS 10u               /* a step has 2^SMR_PART_BITS parts */
+/* a cluster thinner than this share of its length is a line, without torque about it */
+#define SMR_INERTIA_FLOOR 1.0e-4f
+
+void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shared)
+{
+    const size_t n = shared->n;
+    /* lives longer than an iteration, but follows from x^r */
+    r->centre = smr_slot_scratch(a, r->centre, n, 3u * sizeof(float));
+    /* and is recomputed after a restore: `missing` */
+    r->spread = smr_slot_scratch(a, r->spread, n, 6u * sizeof(float));
+    r->cluster_mass = smr_slot_scratch(a, r->cluster_mass, n, sizeof(float));
+    r->share = smr_slot_scratch(a, r->share, n, sizeof(float));
+    smr_keep_words(a, &r->stale, 1, 1);
+}
+
+void smr_reference_wire(smr_reference *r, const smr_shared *shared, const smr_schedule *schedule,
+                        const smr_shape *shape, smr_sums *sums, const smr_overlay *overlay)
+{
+    r->shared = shared;
+    r->schedule = schedule;
+    r->shape = shape;
+    r->sums = sums;
+    r->tally = overlay->tally;
+}
+
+uint32_t smr_reference_tasks(const void *arg)
+{
+    const smr_reference *r = arg;
+    return smr_reference_due(r) ? r->shared->n_tasks : 0u;
+}
+
+uint32_t smr_reference_record_tasks(const void *arg)
+{
+    const smr_reference *r = arg;
+    return smr_reference_due(r) ? smr_match_tasks(r->schedule) : 0u;
+}
+
+uint32_t smr_reference_block_tasks(const void *arg)
+{
+    const smr_reference *r = arg;
+    return smr_reference_due(r) ? smr_block_tasks(r->sums) : 0u;
+}
+
+uint32_t smr_reference_block_abreast(const void *arg) { return smr_block_abreast(((const smr_reference *)arg)->sums); }
+
+void smr_reference_block_pieces(void *arg, int cut) { smr_block_pieces(((smr_reference *)arg)->sums, cut); }
+
+void smr_reference_forest(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_sums_forest(((smr_reference *)arg)->sums, task, worker);
+}
+
+uint32_t smr_reference_cluster_tasks(const void *arg)
+{
+    const smr_reference *r = arg;
+    return smr_reference_due(r) ? smr_ceil_div(r->shared->n, SMR_MATCH_CHUNK) : 0u;
+}
+
+/* Computes the largest distance of x^r from the rest pose in a chunk, mm squared. */
+void smr_reference_reach(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_reference *r = arg;
+    float off2 = 0.0f;
+    (void)worker;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(r->shared, task); v++) {
+        const smr_vec d = smr_sub(smr_rest_posed(r->shape, v), smr_load(smr_at3(r->shape->x_ref, v)));
+        off2 = smr_max(off2, smr_dot(d, d));
+    }
+    r->tally[task].reference.deviation2 = off2;
+}
+
+/* Largest distance between a cluster's vertex and a member in x^r: the rest distance, scaled like the pose, plus the
+ * distances of both from that pose. */
+static float reach_bound(const smr_reference *r)
+{
+    const smr_pose *p = &r->shape->rest_pose;
+    float off2 = 0.0f;
+    for (uint32_t t = 0; t < r->shared->n_tasks; t++)
+        off2 = smr_max(off2, r->tally[t].reference.deviation2);
+    const smr_vec column = smr_v(p->m[0][0], p->m[1][0], p->m[2][0]);
+    return 1.01f * (r->schedule->lists.reach * smr_length(column) + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
+}
+
+/* The smallest power of two k, from 2^-20 to 2^40 mm, with mass * (reach / k)^power <= 2^30. Its time does not
+ * depend on k. */
+static float step_for(float mass, float reach, int power)
+{
+    float k = 1.0f / 1048576.0f;
+    for (int i = 0; i < 60; i++) {
+        const float steps = reach / k;
+        k *= mass * (power == 2 ? steps * steps : steps) <= 1073741824.0f ? 1.0f : 2.0f;
+    }
+    return k;
+}
+
+void smr_reference_begin(smr_reference *r)
+{
+    const float reach = reach_bound(r);
+    float mass = (float)r->schedule->lists.largest * r->shared->mass_max * r->shared->mass_unit;
+    if (r->shared->mass_sum > 0.0f)
+        mass = smr_min(mass, r->shared->mass_sum * r->shared->mass_unit);
+    r->coarse = step_for(mass, reach, 2);
+    r->fine = smr_max(step_for(mass, reach, 1), r->coarse * SMR_FINE_SHARE);
+    r->per_coarse = 1.0f / r->coarse; /* exact for powers of two */
+    r->per_fine = 1.0f / r->fine;
+    r->sums->words = SMR_WORDS;
+}
+
+/* x^r of a vertex in whole steps of 1 / inverse, modulo 2^32. Only differences within a cluster must fit. */
+static void steps_of(const float *x, float inverse, uint32_t out[3])
+{
+    for (uint32_t a = 0; a < 3u; a++) {
+        const float v = smr_clamp(x[a] * inverse, -1.0e18f, 1.0e18f);
+        out[a] = (uint32_t)(uint64_t)(int64_t)(v + (v < 0.0f ? -0.5f : 0.5f));
+    }
+}
+
+/* x^r of a vertex in parts of a step. */
+static void parts_of(const float *x, float inverse, uint64_t out[3])
+{
+    for (uint32_t a = 0; a < 3u; a++) {
+        const float v = smr_clamp(x[a] * inverse * (float)(1u << SMR_PART_BITS), -1.0e18f, 1.0e18f);
+        out[a] = (uint64_t)(int64_t)(v + (v < 0.0f ? -0.5f : 0.5f));
+    }
+}
+
+static uint32_t whole(uint64_t parts, uint32_t bits)
+{
+    return (uint32_t)((parts + ((uint64_t)1 << (bits - 1u))) >> bits);
+}
+
+/* The origin of moments in coarse steps, modulo 2^32: stored vertex 0 in dynamics, otherwise the model's origin. A
+ * body far from its origin would have large moments, with large rounding errors. */
+static void origin_of(const smr_reference *r, uint32_t out[3])
+{
+    out[0] = out[1] = out[2] = 0;
+    if (r->shared->mass != NULL)
+        steps_of(smr_at3(r->shape->x_ref, 0), r->per_coarse, out);
+}
+
+/* A position in whole coarse steps from that origin, modulo 2^32. */
+static void steps_from(const smr_reference *r, const uint32_t origin[3], const float *x, uint32_t out[3])
+{
+    steps_of(x, r->per_coarse, out);
+    for (uint32_t a = 0; a < 3u; a++)
+        out[a] -= origin[a];
+}
+
+/* Writes the moments of a vertex in dynamics. A pinned vertex may weigh as much as its cluster, so rounding its
+ * position would not average out; here each moment is rounded once, to a unit of 2^-30 of the sum. Moments are
+ * needed modulo 2^32, so 64 bits may wrap. */
+static void record_parts(const smr_reference *r, uint32_t v, uint64_t m, uint32_t *w)
+{
+    uint64_t q[3], f[3];
+    uint32_t origin[3];
+    origin_of(r, origin);
+    parts_of(smr_at3(r->shape->x_ref, v), r->per_coarse, q);
+    parts_of(smr_at3(r->shape->x_ref, v), r->per_fine, f);
+    for (uint32_t a = 0; a < 3u; a++)
+        q[a] -= (uint64_t)(int64_t)smr_signed(origin[a]) << SMR_PART_BITS;
+    for (uint32_t a = 0, i = 4; a < 3u; a++) {
+        w[1u + a] = whole(m * q[a], SMR_PART_BITS);
+        w[10u + a] = whole(m * f[a], SMR_PART_BITS);
+        for (uint32_t b = a; b < 3u; b++, i++)
+            w[i] = whole(m * q[a] * q[b], 2u * SMR_PART_BITS);
+    }
+}
+
+/* A position rounded in the same way, mm. */
+static float stepped(float x, float step)
+{
+    const float v = smr_clamp(x / step, -1.0e18f, 1.0e18f);
+    return (float)(int64_t)(v + (v < 0.0f ? -0.5f : 0.5f)) * step;
+}
+
+static void record_steps(const smr_reference *r, uint32_t v, uint32_t m, uint32_t *w)
+{
+    uint32_t q[3], f[3];
+    steps_of(smr_at3(r->shape->x_ref, v), r->per_coarse, q);
+    steps_of(smr_at3(r->shape->x_ref, v), r->per_fine, f);
+    for (uint32_t a = 0, i = 4; a < 3u; a++) {
+        w[1u + a] = m * q[a];
+        w[10u + a] = m * f[a];
+        for (uint32_t b = a; b < 3u; b++, i++)
+            w[i] = m * q[a] * q[b];
+    }
+}
+
+void smr_reference_record(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_reference *r = arg;
+    (void)worker;
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, r->schedule->n_active);
+    for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
+        uint32_t *w = r->sums->record + SMR_WORDS * (size_t)v;
+        const uint32_t m = (uint32_t)(smr_mass(r->shared, v) * r->shared->mass_unit);
+        if (r->shared->mass != NULL)
+            record_parts(r, v, m, w);
+        else
+            record_steps(r, v, m, w);
+        w[0] = m;
+        w[13] = SMR_BOUNDARY_UNITS; /* counts members */
+        w[14] = w[15] = 0;
+    }
+}
+
+#define SMR_COARSE_MOST (1 << 15) /* most steps between members of a cluster, by step_for() */
+#define SMR_FINE_MOST (1 << 30)
+
+/* a - b in steps. Members of a cluster are at most `most` steps apart; a forged model may name others. */
+static int64_t steps_apart(uint32_t a, uint32_t b, int32_t most)
+{
+    const int32_t d = smr_signed(a - b);
+    return d > most ? most : (d < -most ? -most : d);
+}
+
+/* Adds share / SMR_BOUNDARY_UNITS of one vertex' moments to another's cluster, about that cluster's vertex, where
+ * they are small integers. The remainder of the mass has a word of its own. */
+void smr_reference_add(smr_reference *r, uint32_t to, uint32_t from, int32_t share)
+{
+    uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)to, origin[3], q[3], f[3], there[3], fine[3], first[3];
+    const int64_t m = (int64_t)(smr_mass(r->shared, from) * r->shared->mass_unit) * share;
+    int64_t d[3];
+    origin_of(r, origin);
+    steps_from(r, origin, smr_at3(r->shape->x_ref, from), q);
+    steps_of(smr_at3(r->shape->x_ref, from), r->per_fine, f);
+    steps_from(r, origin, smr_at3(r->shape->x_ref, to), there);
+    steps_of(smr_at3(r->shape->x_ref, to), r->per_fine, fine);
+    for (uint32_t a = 0; a < 3u; a++) {
+        d[a] = steps_apart(q[a], there[a], SMR_COARSE_MOST);
+        first[a] = smr_boundary_part(m * d[a]);
+        w[1u + a] += first[a];
+        w[10u + a] += smr_boundary_part(m * steps_apart(f[a], fine[a], SMR_FINE_MOST));
+    }
+    for (uint32_t a = 0, i = 4; a < 3u; a++)
+        for (uint32_t b = a; b < 3u; b++, i++)
+            w[i] += smr_boundary_part(m * d[a] * d[b]) + there[a] * first[b] + there[b] * first[a];
+    w[13] += (uint32_t)share;
+    w[14] += (uint32_t)m;
+}
+
+/* The inverse inertia tensor of a covariance, defined for lines and points, too. */
+static void invert_inertia(const float c[6], float out[6])
+{
+    const float trace = c[SMR_XX] + c[SMR_YY] + c[SMR_ZZ];
+    const float inertia[6] = {trace - c[SMR_XX], -c[SMR_XY], -c[SMR_XZ],
+                              trace - c[SMR_YY], -c[SMR_YZ], trace - c[SMR_ZZ]};
+    smr_pseudo_inverse(inertia, SMR_INERTIA_FLOOR, out);
+}
+
+/* The spread of one cluster, from its moments about its own vertex, c. */
+static void spread_of(const smr_reference *r, uint32_t v, const float c[6])
+{
+    float *spread = r->spread + 6u * (size_t)v;
+    if (r->shared->config.basic.method == SMR_METHOD_RIGID)
+        invert_inertia(c, spread);
+    else
+        memcpy(spread, c, 6u * sizeof *c);
+}
+
+void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_reference *r = arg;
+    (void)worker;
+    const float k = r->coarse, unit = 1.0f / r->shared->mass_unit;
+    const uint32_t last = smr_min_u32((task + 1u) * SMR_MATCH_CHUNK, r->shared->n);
+    uint32_t origin[3];
+    origin_of(r, origin);
+    for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
+        const uint32_t *w = r->sums->sum + SMR_WORDS * (size_t)v;
+        const float *x = smr_at3(r->shape->x_ref, v);
+        uint32_t q[3], f[3];
+        r->share[v] = w[13] > 0u ? (float)SMR_BOUNDARY_UNITS / (float)w[13] : 0.0f;
+        if (!smr_active(r->schedule, v))
+            continue;
+        steps_from(r, origin, x, q);
+        steps_of(x, r->per_fine, f);
+        /* moments about the cluster's own vertex */
+        const float mass = smr_max(smr_unfix(w[0], unit) + smr_unfix(w[14], unit / (float)SMR_BOUNDARY_UNITS), unit);
+        float d[3], c[6];
+        for (uint32_t a = 0; a < 3u; a++)
+            d[a] = smr_unfix(w[1u + a] - w[0] * q[a], k * unit) / mass;
+        for (uint32_t a = 0, i = 0; a < 3u; a++)
+            for (uint32_t b = a; b < 3u; b++, i++)
+                c[i] = smr_unfix(w[4u + i] - q[a] * w[1u + b] - q[b] * w[1u + a] + w[0] * q[a] * q[b], k * k * unit) -
+                       mass * d[a] * d[b];
+        for (uint32_t a = 0; a < 3u; a++)
+            smr_at3(r->centre, v)[a] =
+                stepped(x[a], r->fine) + smr_unfix(w[10u + a] - w[0] * f[a], r->fine * unit) / mass;
+        r->cluster_mass[v] = mass;
+        spread_of(r, v, c);
+    }
+}
+
+void smr_reference_end(smr_reference *r)
+{
+    r->stale = r->missing = 0;
+    r->sums->words = smr_method_words(r->shared);
+}

@@ -1,0 +1,184 @@
+/* cluster_sums.c: fixed-point records of each vertex and their sums over every cluster, along the order L (paper 2.2):
+ * Sum_i = Sum_parent + Sum over zeta+ - Sum over zeta-. Exact, see base/fixed_point.h. Blocks are independent tasks.
+ * Bounds: one pass over a block's entries and indexes.
+ * SPDX-License-Identifier: MIT */
+#include "registration/match/cluster_sums.h"
+
+#include "base/fixed_point.h"
+
+#define SMR_ENTRY_CHUNK 32u /* entries of a piece of a block; half as many where records are longest */
+
+void smr_sums_wire(smr_sums *s, const smr_shared *shared, const smr_schedule *schedule, const smr_forces *forces,
+                   const smr_overlay *overlay)
+{
+    s->shared = shared;
+    s->schedule = schedule;
+    s->forces = forces;
+    s->record = overlay->record;
+    s->sum = overlay->sum;
+    s->tally = overlay->tally;
+}
+
+void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1)
+{
+    s->scale[0] = smr_fixed_scale((float)s->schedule->lists.largest * largest0);
+    s->scale[1] = smr_fixed_scale((float)s->schedule->lists.largest * largest1);
+    s->words = words;
+}
+
+uint32_t smr_method_words(const smr_shared *c) { return c->config.basic.method == SMR_METHOD_RIGID ? 6u : 12u; }
+
+/* Tasks: a block is one task, or several in succession: task = piece * n_blocks + block. The same piece of all
+ * blocks comes before the next one. */
+uint32_t smr_block_tasks(const void *arg)
+{
+    const smr_sums *s = arg;
+    return s->schedule->lists.n_blocks * smr_max_u32(s->pieces, 1u);
+}
+
+/* Entries of a piece: fewer for the longest records, those of the reference shape. */
+static uint32_t entries_of(const smr_sums *s) { return s->words > 12u ? SMR_ENTRY_CHUNK / 2u : SMR_ENTRY_CHUNK; }
+
+void smr_block_pieces(void *arg, int cut)
+{
+    smr_sums *s = arg;
+    const smr_lists *l = &s->schedule->lists;
+    uint32_t largest = 0;
+    for (uint32_t i = 0; cut && i < l->n_blocks; i++)
+        largest = smr_max_u32(largest, smr_le32(l->block[i + 1u].first) - smr_le32(l->block[i].first));
+    s->pieces = l->n_blocks > s->shared->n_tasks ? 1u : smr_max_u32(smr_ceil_div(largest, entries_of(s)), 1u);
+}
+
+uint32_t smr_block_abreast(const void *arg) { return ((const smr_sums *)arg)->schedule->lists.n_blocks; }
+
+uint32_t smr_sums_record_tasks(const void *arg) { return smr_active_tasks(((const smr_sums *)arg)->schedule); }
+
+/* Writes records of the displacement u = x + f^e - x^r: m u, and m x^r x u (rigid, 3 words) or m u x^r^T (polar, 9
+ * words). */
+void smr_sums_record(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_sums *s = arg;
+    (void)worker;
+    for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(s->schedule, task); v++) {
+        uint32_t *r = s->record + SMR_WORDS * (size_t)v;
+        const smr_vec ref = smr_load(smr_at3(s->forces->shape->x_ref, v));
+        const smr_vec u = smr_scale(smr_match_displacement(s->forces, v), smr_mass(s->shared, v));
+        r[0] = smr_fixed(u.x * s->scale[0]);
+        r[1] = smr_fixed(u.y * s->scale[0]);
+        r[2] = smr_fixed(u.z * s->scale[0]);
+        if (s->shared->config.basic.method == SMR_METHOD_RIGID) {
+            const smr_vec l = smr_cross(ref, u);
+            r[3] = smr_fixed(l.x * s->scale[1]);
+            r[4] = smr_fixed(l.y * s->scale[1]);
+            r[5] = smr_fixed(l.z * s->scale[1]);
+        } else {
+            const float a[3] = {u.x * s->scale[1], u.y * s->scale[1], u.z * s->scale[1]}, b[3] = {ref.x, ref.y, ref.z};
+            for (uint32_t i = 0; i < 9u; i++)
+                r[3u + i] = smr_fixed(a[i / 3u] * b[i % 3u]);
+        }
+    }
+}
+
+/* Four words that are added together: not all compilers vectorise this by themselves. */
+typedef uint32_t lanes __attribute__((vector_size(16)));
+
+static inline lanes load_lanes(const uint32_t *from)
+{
+    lanes l;
+    memcpy(&l, from, sizeof l);
+    return l;
+}
+
+static inline void store_lanes(uint32_t *to, lanes l) { memcpy(to, &l, sizeof l); }
+
+/* The loops below serve both index widths and three record lengths; `n_lanes` and the index width are constants at
+ * each call, so the compiler makes one loop of each. Lists ascend, so the first inactive vertex (`limit` or above)
+ * ends a list. */
+#define SMR_ADD(operation, vertex)                                                                                     \
+    {                                                                                                                  \
+        const uint32_t *r = record + SMR_WORDS * (size_t)(vertex);                                                     \
+        for (uint32_t k = 0; k < n_lanes; k++)                                                                         \
+            acc[k] operation load_lanes(r + 4u * k);                                                                   \
+    }
+
+/* A piece of a block: entries from..to; index: its first index. */
+typedef struct piece {
+    uint32_t block, from, to, index;
+} piece;
+
+#define SMR_DEFINE_CHAIN(name, index_type, entry_type, load)                                                           \
+    static inline uint32_t name(const smr_lists *l, piece p, uint32_t limit, const uint32_t *record, uint32_t *sum,    \
+                                const uint32_t n_lanes)                                                                \
+    {                                                                                                                  \
+        const entry_type *entry = (const entry_type *)l->entry + smr_le32(l->block[p.block].first);                    \
+        const index_type *index = (const index_type *)l->index + p.index;                                              \
+        const int all = limit >= smr_le32(l->block[l->n_blocks].first);                                                \
+        for (uint32_t e = p.from; e < p.to; e++) {                                                                     \
+            const uint32_t parent = load(entry[e].parent);                                                             \
+            const uint32_t *from = sum + SMR_WORDS * (size_t)load(entry[parent].vertex);                               \
+            const index_type *const minus = index + load(entry[e].n_plus), *const next =                               \
+                                                                               minus + load(entry[e].n_minus);         \
+            lanes acc[SMR_WORDS / 4u] = {{0}};                                                                         \
+            for (uint32_t k = 0; parent != e && k < n_lanes; k++)                                                      \
+                acc[k] = load_lanes(from + 4u * k);                                                                    \
+            if (all || index == minus || load(minus[-1]) < limit)                                                      \
+                for (uint32_t n = load(entry[e].n_plus); n > 0u; n--)                                                  \
+                    SMR_ADD(+=, load(*index++))                                                                        \
+            else                                                                                                       \
+                for (; load(*index) < limit; index++)                                                                  \
+                    SMR_ADD(+=, load(*index))                                                                          \
+            index = minus;                                                                                             \
+            if (all || index == next || load(next[-1]) < limit)                                                        \
+                for (uint32_t n = load(entry[e].n_minus); n > 0u; n--)                                                 \
+                    SMR_ADD(-=, load(*index++))                                                                        \
+            else                                                                                                       \
+                for (; load(*index) < limit; index++)                                                                  \
+                    SMR_ADD(-=, load(*index))                                                                          \
+            index = next;                                                                                              \
+            for (uint32_t k = 0; k < n_lanes; k++)                                                                     \
+                store_lanes(sum + SMR_WORDS * (size_t)load(entry[e].vertex) + 4u * k, acc[k]);                         \
+        }                                                                                                              \
+        return (uint32_t)(index - (const index_type *)l->index);                                                       \
+    }
+
+SMR_DEFINE_CHAIN(chain16, uint16_t, smr_entry16, smr_le16)
+SMR_DEFINE_CHAIN(chain32, uint32_t, smr_entry32, smr_le32)
+
+/* Sums along the chain of one piece. Returns the index after the last one. */
+static uint32_t chain(const smr_sums *s, piece p)
+{
+    const smr_lists *l = &s->schedule->lists;
+    const uint32_t active = s->schedule->n_active, lanes_used = s->words <= 8u ? 2u : (s->words <= 12u ? 3u : 4u);
+    if (l->index_bytes == 2u) {
+        if (lanes_used == 2u)
+            return chain16(l, p, active, s->record, s->sum, 2u);
+        if (lanes_used == 3u)
+            return chain16(l, p, active, s->record, s->sum, 3u);
+        return chain16(l, p, active, s->record, s->sum, 4u);
+    }
+    if (lanes_used == 2u)
+        return chain32(l, p, active, s->record, s->sum, 2u);
+    if (lanes_used == 3u)
+        return chain32(l, p, active, s->record, s->sum, 3u);
+    return chain32(l, p, active, s->record, s->sum, 4u);
+}
+
+void smr_sums_forest(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_sums *s = arg;
+    (void)worker;
+    const smr_lists *l = &s->schedule->lists;
+    const uint32_t pieces = smr_max_u32(s->pieces, 1u), block = task % l->n_blocks, i = task / l->n_blocks;
+    const smr_stored_block *b = &l->block[block];
+    const uint32_t length = smr_le32(b[1].first) - smr_le32(b[0].first);
+    piece p = {block, 0, length, smr_le32(b->first_index)};
+    if (pieces > 1u) {
+        p.from = smr_min_u32(i * entries_of(s), length);
+        p.to = smr_min_u32(p.from + entries_of(s), length);
+        if (i > 0u)
+            p.index = s->tally[block].sums.index; /* where the previous piece ended */
+        s->tally[block].sums.index = chain(s, p);
+        return;
+    }
+    (void)chain(s, p);
+}

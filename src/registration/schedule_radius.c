@@ -1,0 +1,135 @@
+/* schedule_radius.c: at which cluster radius a registration stands, and what follows from that: iterations, active vertices,
+ * search distances.
+ * Bounds: SMR_RADII_MAX, SMR_LEVELS_MAX.
+ * SPDX-License-Identifier: MIT */
+#include "registration/schedule_radius.h"
+
+#define SMR_ENOUGH_ALL 1000.0f /* fewest active vertices of the whole model with an image */
+#define SMR_ABOUT 0.75f        /* share of the wanted active vertices at which a priority level suffices */
+/* factor on the first radius' iterations with an image: most of the displacement happens there */
+#define SMR_FIRST_TIMES 2u
+#define SMR_NARROWING 0.5f   /* smallest ratio of the search distances of two successive radii */
+#define SMR_TRACK_EDGES 6.0f /* mean edges: the radius after the schedule that is chosen */
+
+static float radius_mm(const smr *s, uint32_t radius) { return smr_model_lists(s->shared.model, radius).radius; }
+
+/* The model's radius with the smallest ratio to this one. */
+static uint32_t nearest_radius(const smr *s, float wanted)
+{
+    uint32_t best = s->shared.config.schedule.radius_first;
+    for (uint32_t r = best + 1u; r <= smr_last_radius(&s->shared); r++)
+        if (wanted * wanted < radius_mm(s, best) * radius_mm(s, r))
+            best = r;
+    return best;
+}
+
+/* The radius of tracking. By default, with several structures, a radius at which clusters do not cross structures,
+ * so that structures can slide and joints can turn. */
+uint32_t smr_radius_after(const smr *s)
+{
+    const float asked = s->shared.config.track.radius_mm, edge = smr_le_float(s->shared.model->edge_mm);
+    const uint32_t best = nearest_radius(s, asked > 0.0f ? asked : SMR_TRACK_EDGES * edge);
+    if (asked > 0.0f || s->shared.n_structures == 1u)
+        return best;
+    for (uint32_t r = best; r <= smr_last_radius(&s->shared) && radius_mm(s, r) > edge; r++)
+        if (smr_model_separate(s->shared.model, r))
+            return r;
+    return best;
+}
+
+/* Most iterations at the first radius. */
+static uint32_t first_iterations(const smr *s)
+{
+    const int alone = s->shared.config.schedule.radius_first == smr_last_radius(&s->shared);
+    const uint32_t times = s->forces.image.has_image                  ? SMR_FIRST_TIMES
+                           : s->forces.surface.n_clouds_at_begin > 0u ? SMR_FIRST_CLOUD
+                                                                      : 1u;
+    return alone ? s->shared.config.basic.iterations_last : s->shared.config.basic.iterations * times;
+}
+
+uint32_t smr_radius_iterations(const smr *s)
+{
+    if (s->schedule.radius == s->shared.config.schedule.radius_first)
+        return first_iterations(s);
+    return smr_at_last_radius(&s->shared, &s->schedule) ? s->shared.config.basic.iterations_last
+                                                        : s->shared.config.basic.iterations;
+}
+
+float smr_radius_progress(const smr *s)
+{
+    if (s->schedule.done || s->schedule.tracking)
+        return 1.0f;
+    if (s->shared.config.dynamics.mode)
+        return 0.0f;
+    const float first = (float)first_iterations(s), level = (float)s->shared.config.basic.iterations;
+    const uint32_t steps = smr_last_radius(&s->shared) - s->shared.config.schedule.radius_first,
+                   at = s->schedule.radius - s->shared.config.schedule.radius_first;
+    const float total =
+        steps > 0u ? first + level * (float)(steps - 1u) + (float)s->shared.config.basic.iterations_last : first;
+    return ((at > 0u ? first + level * (float)(at - 1u) : 0.0f) + (float)s->schedule.radius_iteration) / total;
+}
+
+/* The number of active vertices that suffices for image forces: active_enough in the smallest cluster. Image forces
+ * take most of an iteration. The number is a whole priority level, since the vertices of a level do not depend on
+ * the order along the curve. */
+static float enough_for_image(const smr *s)
+{
+    const float cluster = (float)s->shared.n * (float)s->shared.config.schedule.active_enough /
+                          (float)smr_max_u32(s->schedule.lists.smallest, 1u);
+    const float enough = smr_max(cluster, SMR_ENOUGH_ALL); /* clusters that span the model share their vertices */
+    uint32_t level = 0;
+    while (level + 1u < smr_le32(s->shared.model->n_levels) &&
+           (float)smr_le32(s->shared.model->level_end[level]) < SMR_ABOUT * enough)
+        level++;
+    return (float)smr_le32(s->shared.model->level_end[level]);
+}
+
+/* The number of active vertices: the configured share, but at least what the clusters of this radius need. */
+uint32_t smr_radius_active(const smr *s)
+{
+    const float n = (float)s->shared.n, last = s->shared.config.basic.active_share,
+                first = smr_min(s->shared.config.schedule.active_first, last);
+    float count = n * (first + (last - first) * smr_radius_progress(s));
+    if (s->forces.image.has_image && s->shared.config.schedule.active_enough > 0u)
+        count = smr_min(count, enough_for_image(s));
+    const uint32_t whole = (uint32_t)count;
+    return smr_min_u32(smr_max_u32(whole + ((float)whole < count), s->schedule.lists.active_min), s->shared.n);
+}
+
+/* Returns 1 when folds are repaired before this radius. Not with an image alone: its last radius has clusters, which
+ * undo folds, and a repair would lose what the forces found. */
+static int repairs_before(const smr *s, uint32_t radius)
+{
+    return smr_folds_guarded(&s->shared, &s->schedule) && s->shared.n_dihedrals > 0u &&
+           (s->forces.surface.n_goals_at_begin > 0u || !s->forces.image.has_image) &&
+           (radius == s->shared.config.schedule.radius_first || radius + 1u == smr_last_radius(&s->shared));
+}
+
+/* What follows from the radius alone. */
+void smr_radius_take(smr *s)
+{
+    const uint32_t radius = s->schedule.radius;
+    s->schedule.lists = smr_model_lists(s->shared.model, radius);
+    s->schedule.momentum = radius == smr_last_radius(&s->shared) ? s->shared.config.motion.momentum_last
+                                                                 : s->shared.config.motion.momentum;
+    if (s->shared.config.dynamics.mode) {
+        s->schedule.lists.active_min = s->shared.n; /* momentum is conserved for all vertices together */
+        s->schedule.momentum = 0.0f;
+    }
+    const float before = radius > 0u ? smr_model_lists(s->shared.model, radius - 1u).radius : 0.0f;
+    s->schedule.search_mm =
+        smr_min(s->shared.config.basic.search_mm,
+                s->shared.config.forces.search_radii * smr_max(s->schedule.lists.radius, SMR_NARROWING * before));
+}
+
+void smr_radius_go(smr *s, uint32_t radius)
+{
+    s->schedule.radius = radius;
+    s->schedule.n_points = s->forces.surface.n_points_at_begin;
+    s->schedule.radius_iteration = 0;
+    smr_radius_take(s);
+    s->reference.stale = 1;
+    s->schedule.n_active = smr_radius_active(s);
+    s->shape.rest_pose_due = radius == smr_last_radius(&s->shared);
+    s->schedule.repairing = (uint32_t)repairs_before(s, radius);
+}

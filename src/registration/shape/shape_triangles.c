@@ -1,0 +1,103 @@
+/* shape_triangles.c: the model's triangles as they move: normals, and box trees for target-to-model attraction and
+ * contact.
+ * Bounds: one pass over the triangles.
+ * SPDX-License-Identifier: MIT */
+#include "registration/shape/deformed_shape.h"
+
+#define SMR_LEAVES 32u /* tree leaves of a task */
+
+static int is_whole(smr_vec v)
+{
+    const smr_vec off = smr_sub(v, smr_whole(v));
+    return smr_dot(off, off) == 0.0f;
+}
+
+void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
+{
+    const size_t n = shared->n;
+    shape->structure = smr_slot_scratch(a, shape->structure, shared->n_structures, sizeof *shape->structure);
+    shape->x = smr_slot_floats(a, shape->x, 3u * n, SMR_KEPT_MM);
+    shape->x_next = smr_slot_floats(a, shape->x_next, 3u * n, SMR_KEPT_MM);
+    shape->x_ref = smr_slot_floats(a, shape->x_ref, 3u * n, SMR_KEPT_MM);
+    shape->normal = smr_slot_floats(a, shape->normal, 3u * n, SMR_KEPT_UNIT);
+    shape->normal_ref = smr_slot_floats(a, shape->normal_ref, 3u * n, SMR_KEPT_UNIT);
+    shape->start = smr_slot_floats(a, shape->start, 3u * n, SMR_KEPT_MM);
+    shape->on_surface = smr_slot_scratch(a, shape->on_surface, n, 1);
+    shape->triangle_normal = smr_slot_scratch(a, shape->triangle_normal, shared->n_triangles, 3u * sizeof(float));
+    if (SMR_BIG_ENDIAN)
+        shape->own_triangle = smr_slot_scratch(a, shape->own_triangle, shared->n_triangles, 3u * sizeof(uint32_t));
+    shape->n_nodes = 0;
+    for (uint32_t i = 0; i < shared->n_structures; i++)
+        shape->n_nodes += smr_tree_nodes(smr_le32(smr_model_record(shared->model, i)->n_triangles));
+    if (smr_target_slots(shared) > 0u || shared->config.contact.share > 0.0f)
+        shape->node = smr_slot_scratch(a, shape->node, shape->n_nodes, sizeof *shape->node);
+    smr_keep_floats(a, &shape->origin.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
+    smr_keep_require(a, is_whole(shape->origin));
+    smr_keep_pose(a, &shape->rest_pose, SMR_KEPT_MM);
+    smr_keep_words(a, &shape->rest_pose_due, 1, 1);
+}
+
+void smr_shape_start(smr_shape *shape)
+{
+    const smr_shared *c = shape->shared;
+    uint32_t leaf = 0, node = 0;
+    for (uint32_t i = 0; i < c->n_structures; i++) {
+        const smr_stored_structure *r = smr_model_record(c->model, i);
+        smr_shape_structure *one = &shape->structure[i];
+        memset(one, 0, sizeof *one);
+        one->first_vertex = smr_le32(r->first_vertex);
+        one->n_vertices = smr_le32(r->n_vertices);
+        one->first_triangle = smr_le32(r->first_triangle);
+        one->first_leaf = leaf;
+        smr_tree_shape(&one->tree, smr_le32(r->n_triangles));
+        one->tree.triangle = c->triangle + 3u * (size_t)one->first_triangle;
+        one->tree.normal = shape->triangle_normal + 3u * (size_t)one->first_triangle;
+        one->tree.node = shape->node == NULL ? NULL : shape->node + node;
+        leaf += smr_tree_leaves(&one->tree);
+        node += smr_tree_nodes(one->tree.n_triangles);
+    }
+    memset(shape->on_surface, 0, c->n);
+    for (size_t i = 0; i < 3u * (size_t)c->n_triangles; i++)
+        shape->on_surface[c->triangle[i]] = 1;
+}
+
+uint32_t smr_triangles_tasks(const void *arg)
+{
+    const smr_shape *shape = arg;
+    const smr_shape_structure *last = &shape->structure[shape->shared->n_structures - 1u];
+    return smr_ceil_div(last->first_leaf + smr_tree_leaves(&last->tree), SMR_LEAVES);
+}
+
+void smr_triangles_refit(void *arg, uint32_t task, uint32_t worker)
+{
+    const smr_shape *shape = arg;
+    (void)worker;
+    const uint32_t from = task * SMR_LEAVES, to = from + SMR_LEAVES;
+    for (uint32_t i = 0; i < shape->shared->n_structures; i++) {
+        const smr_shape_structure *one = &shape->structure[i];
+        const uint32_t first = one->first_leaf, last = first + smr_tree_leaves(&one->tree);
+        if (last > from && first < to)
+            smr_tree_refit_leaves(&one->tree, smr_max_u32(first, from) - first, smr_min_u32(last, to) - first);
+    }
+}
+
+void smr_triangles_end(smr_shape *shape)
+{
+    for (uint32_t i = 0; i < shape->shared->n_structures; i++)
+        if (shape->structure[i].tree.node != NULL) /* without a target, too: one may come before the next iteration */
+            smr_tree_refit_upper(&shape->structure[i].tree);
+}
+
+void smr_triangles_follow(smr_shape *shape, const float *xyz)
+{
+    for (uint32_t i = 0; i < shape->shared->n_structures; i++)
+        shape->structure[i].tree.xyz = xyz;
+}
+
+void smr_triangles_now(smr_shape *shape)
+{
+    smr_triangles_follow(shape, shape->x);
+    for (uint32_t i = 0; i < shape->shared->n_structures; i++)
+        smr_tree_refit_leaves(&shape->structure[i].tree, 0, smr_tree_leaves(&shape->structure[i].tree));
+    smr_triangles_end(shape);
+}

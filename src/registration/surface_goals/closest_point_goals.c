@@ -1,0 +1,178 @@
+/* closest_point_goals.c: the goal of a vertex on its target surface: the closest point with an agreeing normal, blended with
+ * the target's own pull (target_to_model_pulls.c). What runs along the model's surface counts with a share only.
+ * Source: paper 2.1 and 3, geometric registration. Bounds: config.forces.node_budget tree nodes a vertex.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
+#include "registration/surface_goals/closest_point_goals.h"
+
+/* Saves the state of targets. Surfaces belong to the caller and are set again; the list of distinct ones follows
+ * from them. */
+static void keep_targets(smr_arena *a, smr_surface_goals *g, const smr_shared *shared)
+{
+    smr_keep_floats(a, &g->limit, 1, 0.0f, FLT_MAX);
+    smr_keep_words(a, &g->n_clouds_at_begin, 1, shared->n_structures);
+    smr_keep_words(a, &g->n_points_at_begin, 1, UINT32_MAX);
+    g->partial = 0;
+    for (uint32_t i = 0; smr_keeps(a) && i < shared->n_structures; i++) {
+        smr_target none = {0}, *t = g->target == NULL ? &none : &g->target[i];
+        smr_keep_words(a, &t->partial, 1, shared->config.partial.coverage != SMR_COVERAGE_WHOLE);
+        smr_keep_words(a, &t->n_visible, 1, shared->n);
+        smr_keep_words(a, &t->n_judged, 1, shared->n);
+        smr_keep_words(a, &t->measured, 1, 1);
+        if (shared->config.track.mode != SMR_TRACK_OFF)
+            smr_keep_floats(a, &t->view.x, 3, -SMR_KEPT_UNIT, SMR_KEPT_UNIT);
+        g->partial |= t->partial;
+    }
+}
+
+void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared)
+{
+    const size_t n = shared->n;
+    const uint32_t m = smr_target_slots(shared);
+    g->target = smr_slot_scratch(a, g->target, shared->n_structures, sizeof *g->target);
+    g->goal = smr_slot_scratch(a, g->goal, shared->n_structures, sizeof *g->goal);
+    g->warm = smr_slot_indexes(a, g->warm, n, SMR_TRIANGLES_MAX); /* each search checks the index against its surface */
+    g->warm_next = smr_slot_scratch(a, g->warm_next, n, sizeof(uint32_t));
+    keep_targets(a, g, shared);
+    if (shared->config.partial.coverage != SMR_COVERAGE_WHOLE) {
+        g->visibility = smr_slot_bytes(a, g->visibility, n, SMR_VISIBLE_ONE);
+        g->visibility_next = smr_slot_scratch(a, g->visibility_next, n, 1);
+    }
+    if (m == 0u)
+        return;
+    g->then = smr_slot_scratch(a, g->then, shared->n_structures, sizeof *g->then);
+    g->target_warm = smr_slot_indexes(a, g->target_warm, m, SMR_TRIANGLES_MAX);
+    /* all 0 between iterations */
+    g->pull = smr_slot_scratch(a, g->pull, shared->config.basic.n_workers * n, 4u * sizeof(int64_t));
+}
+
+void smr_surface_goals_wire(smr_surface_goals *g, const smr_shared *shared, const smr_schedule *schedule,
+                            const smr_shape *shape)
+{
+    g->shared = shared;
+    g->schedule = schedule;
+    g->shape = shape;
+    memset(g->target, 0, shared->n_structures * sizeof *g->target);
+    if (g->then != NULL)
+        memset(g->then, 0, shared->n_structures * sizeof *g->then);
+    smr_pulls_clear(g);
+}
+
+void smr_pulls_clear(smr_surface_goals *g)
+{
+    if (g->pull != NULL)
+        memset(g->pull, 0, g->shared->config.basic.n_workers * (size_t)g->shared->n * 4u * sizeof *g->pull);
+}
+
+void smr_surface_goals_reset(smr_surface_goals *g)
+{
+    smr_pulls_clear(g);
+    if (g->visibility != NULL) {
+        memset(g->visibility, 0, g->shared->n);
+        memset(g->visibility_next, 0, g->shared->n);
+    }
+    for (uint32_t i = 0; i < g->shared->n_structures; i++)
+        g->target[i].view = smr_v(0, 0, 0);
+    for (uint32_t v = 0; v < g->shared->n; v++)
+        g->warm[v] = g->warm_next[v] = SMR_NONE;
+    for (uint32_t j = 0; g->target_warm != NULL && j < g->shared->config.basic.n_target_vertices; j++)
+        g->target_warm[j] = SMR_NONE;
+}
+
+void smr_surface_goals_commit(smr_surface_goals *g)
+{
+    memcpy(g->warm, g->warm_next, g->schedule->n_active * sizeof *g->warm);
+}
+
+int smr_targets_valid(const smr_surface_goals *g)
+{
+    for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+        const smr_target *t = &g->target[i];
+        if (t->surface != NULL && (!smr_surface_valid(t->surface) || t->surface->n_vertices != t->n_vertices ||
+                                   t->surface->changes != t->changes))
+            return 0;
+    }
+    return 1;
+}
+
+/* The displacement of vertex v to its closest point on the target. Returns 0 when no point is acceptable. */
+static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_surface_find *find)
+{
+    const smr_config *c = &g->shared->config;
+    /* mm from the target's origin */
+    const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), smr_sub(g->shape->origin, target->origin));
+    g->warm_next[v] = g->warm[v];
+    find->hit.triangle = SMR_NONE;
+    if (smr_outside_box(c, smr_add(p, target->origin)))
+        return 0;
+    smr_query q = {p, smr_load(smr_at3(g->shape->normal, v)), g->shared->min_cos, c->forces.node_budget, g->warm[v]};
+    if (smr_dot(q.normal, q.normal) < 0.5f)
+        q.min_cos = -2.0f; /* a vertex without triangles has no normal: any normal agrees */
+    smr_hit hit = {g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
+    smr_surface_search(target, &q, &hit);
+    if (hit.triangle == SMR_NONE)
+        return 0;
+    g->warm_next[v] = hit.triangle;
+    if (c->forces.reject_border && smr_surface_on_border(target, hit.triangle, hit.weight))
+        return 0;
+    if (g->limit > 0.0f && hit.d2 > g->limit * g->limit)
+        return 0;
+    find->hit = hit;
+    find->displacement = smr_sub(smr_triangle_point(&target->tree, hit.triangle, hit.weight), p);
+    return !smr_outside_box(c, smr_add(smr_add(p, find->displacement), target->origin));
+}
+
+/* Where goals jump from one place of the target to another, they jump along the surface. Vertices without triangles
+ * have no surface. */
+smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displacement)
+{
+    const smr_vec n = smr_load(smr_at3(g->shape->normal, v)), along_normal = smr_scale(n, smr_dot(n, displacement));
+    if (smr_dot(n, n) < 0.5f)
+        return displacement;
+    return smr_add(along_normal, smr_scale(smr_sub(displacement, along_normal), g->shared->config.basic.slide));
+}
+
+static smr_vec blend(const smr_surface_goals *g, int has_goal, smr_vec goal, float weight, smr_vec pull)
+{
+    const float share = has_goal ? g->shared->config.basic.attraction * weight : weight;
+    return smr_add(smr_scale(goal, 1.0f - share), smr_scale(pull, share));
+}
+
+int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target, smr_vec *displacement,
+                     smr_surface_find *find)
+{
+    smr_vec pull = smr_v(0, 0, 0);
+    const int has_goal = project(g, v, target, find);
+    float weight = smr_attraction_on(g) ? smr_pull_take(g, v, &pull) : 0.0f;
+    if (!has_goal && g->shared->config.forces.use_box) /* outside the box there are no pulls either */
+        weight = 0.0f;
+    const smr_vec goal = has_goal ? find->displacement : smr_v(0, 0, 0);
+    *displacement = smr_off_surface(g, v, blend(g, has_goal, goal, weight, pull));
+    return has_goal || weight > 0.0f;
+}
+
+/* The displacement of vertex v to the closest point of one target triangle. */
+static smr_vec to_triangle(const smr_surface_goals *g, uint32_t v, const smr_surface *target, uint32_t triangle)
+{
+    const uint32_t *const c = target->triangle + 3u * (size_t)triangle;
+    const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), smr_sub(g->shape->origin, target->origin));
+    float w[3];
+    (void)smr_triangle_closest(p, smr_load(smr_at3(target->xyz, c[0])), smr_load(smr_at3(target->xyz, c[1])),
+                               smr_load(smr_at3(target->xyz, c[2])), w);
+    return smr_sub(smr_triangle_point(&target->tree, triangle, w), p);
+}
+
+smr_vec smr_surface_goal_again(const smr_surface_goals *g, uint32_t v)
+{
+    const smr_surface *const target = g->target[smr_model_owner(g->shared->model, v)].surface;
+    smr_vec goal = smr_v(0, 0, 0), pull = goal;
+    int64_t sum[4] = {0, 0, 0, 0};
+    if (target == NULL || smr_is_cloud(target))
+        return goal;
+    const int has_goal = g->warm[v] < target->tree.n_triangles;
+    if (has_goal)
+        goal = to_triangle(g, v, target, g->warm[v]);
+    if (smr_attraction_on(g))
+        smr_pull_look(g, v, sum);
+    return blend(g, has_goal, goal, smr_pull_mean(sum, &pull), pull);
+}

@@ -1,0 +1,168 @@
+/* target_to_model_pulls.c: target-to-model attraction. Every target vertex finds the closest point of the deforming model
+ * and pulls the corners of that triangle towards itself, weighted by area and barycentric coordinates. A projection
+ * of the model onto the target alone leaves whole parts of the target uncovered: nothing calls the model there. Where
+ * other places of the same structure are nearly as near, it pulls there, too, the less the farther they are: which of
+ * two places is nearer by a last bit then changes next to nothing. Pulls are summed as 64-bit whole numbers, per
+ * worker and then over workers: any order gives the same bits.
+ * Bounds: config.forces.node_budget tree nodes for each target vertex and structure that shares its surface.
+ * SPDX-License-Identifier: MIT */
+#include "registration/surface_goals/closest_point_goals.h"
+
+#define SMR_AREA_MAX 16.0f /* largest weight of a target triangle, in mean areas */
+
+/* Length of a cloud's mean normal: below NONE it does not restrict the search, above FULL it does fully. */
+#define SMR_VIEW_NONE 0.2f
+#define SMR_VIEW_FULL 0.4f
+
+int smr_attraction_on(const smr_surface_goals *g)
+{
+    return (g->shared->config.basic.attraction > 0.0f || g->n_clouds > 0u) && g->n_goals > 0u && g->target_warm != NULL;
+}
+
+int smr_attracts(const smr_surface_goals *g, const smr_surface *target)
+{
+    return smr_attraction_on(g) && (g->shared->config.basic.attraction > 0.0f || smr_is_cloud(target));
+}
+
+uint32_t smr_attract_tasks(const void *arg)
+{
+    const smr_surface_goals *g = arg;
+    return smr_attraction_on(g) ? g->n_tasks : 0u;
+}
+
+/* After a jump: restricts the search of a point without a normal to the side of the model that the cloud showed
+ * before. */
+static void face_view(const smr_surface_goals *g, uint32_t structure, smr_query *q)
+{
+    const smr_vec view = g->target[structure].view;
+    const float length = smr_length(view);
+    const int known = g->schedule->tracking && g->schedule->recovering == 1u && length > SMR_VIEW_NONE;
+    q->min_cos = -2.0f;
+    if (!known)
+        return;
+    q->min_cos = smr_min((length - SMR_VIEW_NONE) / (SMR_VIEW_FULL - SMR_VIEW_NONE), 1.0f) - 1.001f;
+    q->normal = smr_scale(view, 1.0f / length);
+}
+
+/* The closest acceptable model point over all structures that share this target. Returns its structure or SMR_NONE. */
+static uint32_t closest_structure(const smr_surface_goals *g, const smr_surface *surface, smr_query *q, uint32_t warm,
+                                  smr_hit *hit, smr_near_list *near)
+{
+    const int bare = q->min_cos < -1.5f && smr_is_cloud(surface);
+    smr_near_list list;
+    uint32_t found = SMR_NONE;
+    /* the structure found last comes first: its distance shortens the search of the others */
+    for (uint32_t round = 0; round < 2u; round++) {
+        for (uint32_t i = 0; i < g->shared->n_structures; i++) {
+            const smr_shape_structure *one = &g->shape->structure[i];
+            const uint32_t local = warm - one->first_triangle;
+            const int is_warm = warm != SMR_NONE && local < one->tree.n_triangles;
+            if (g->target[i].surface != surface || is_warm != (round == 0u))
+                continue;
+            if (bare)
+                face_view(g, i, q);
+            q->warm = is_warm ? local : SMR_NONE;
+            smr_hit h = *hit;
+            h.triangle = SMR_NONE;
+            smr_tree_near(&one->tree, q, &h, &list);
+            if (h.triangle != SMR_NONE && (h.d2 < hit->d2 || found == SMR_NONE || i < found)) {
+                *hit = h;
+                *near = list;
+                found = i;
+            }
+        }
+    }
+    return found;
+}
+
+/* Adds the pull of a target vertex at y to the corners of a triangle. noise: mm, shorter distances do not pull. */
+static void add_pull(const smr_shape_structure *one, smr_vec y, const smr_near *near, float area, float noise,
+                     int64_t *pull)
+{
+    smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, near->triangle, near->weight));
+    if (noise > 0.0f)
+        r = smr_scale(r, smr_positive(1.0f - noise / smr_max(smr_length(r), noise)));
+    for (uint32_t c = 0; c < 3u; c++) {
+        int64_t *to = pull + 4u * (size_t)one->tree.triangle[3u * (size_t)near->triangle + c];
+        const float w = area * near->share * near->weight[c] * SMR_PULL_SCALE;
+        to[0] += (int64_t)(w * r.x);
+        to[1] += (int64_t)(w * r.y);
+        to[2] += (int64_t)(w * r.z);
+        to[3] += (int64_t)w;
+    }
+}
+
+/* Finds the model point closest to one target vertex and adds its pull. */
+static void pull_one(const smr_surface_goals *g, const smr_surface *surface, uint32_t j, uint32_t *warm, int64_t *pull)
+{
+    const smr_vec y = smr_add(smr_load(surface->xyz + 3u * (size_t)j), smr_sub(surface->origin, g->shape->origin));
+    smr_query q = {y, smr_load(surface->normal + 3u * (size_t)j), g->shared->min_cos,
+                   g->shared->config.forces.node_budget, SMR_NONE};
+    smr_hit hit = {g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
+    if (smr_dot(q.normal, q.normal) < 0.5f)
+        q.min_cos = -2.0f;
+    if (smr_is_cloud(surface) && !(surface->area[j] > 0.0f))
+        return;
+    smr_near_list near;
+    const uint32_t found = closest_structure(g, surface, &q, *warm, &hit, &near);
+    if (found == SMR_NONE)
+        return;
+    const smr_shape_structure *one = &g->shape->structure[found];
+    *warm = one->first_triangle + hit.triangle;
+    const smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, hit.triangle, hit.weight));
+    if (g->limit > 0.0f && smr_dot(r, r) > g->limit * g->limit)
+        return;
+    const float area = surface->area_mean > 0.0f ? smr_min(surface->area[j] / surface->area_mean, SMR_AREA_MAX) : 1.0f;
+    const float noise = smr_is_cloud(surface) ? g->shared->config.partial.noise_mm : 0.0f;
+    for (uint32_t i = 0; i < near.n; i++)
+        add_pull(one, y, &near.item[i], area, noise, pull);
+}
+
+void smr_attract_search(void *arg, uint32_t task, uint32_t worker)
+{
+    smr_surface_goals *g = arg;
+    int64_t *pull = g->pull + 4u * (size_t)g->shared->n * worker;
+    uint32_t k = 0;
+    while (k + 1u < g->n_goals && g->goal[k + 1u].first_task <= task)
+        k++;
+    const smr_goal *goal = &g->goal[k];
+    if (!smr_attracts(g, goal->surface))
+        return;
+    const uint32_t first = (task - goal->first_task) * SMR_FORCE_CHUNK;
+    const uint32_t last = smr_min_u32(first + SMR_FORCE_CHUNK, goal->n_vertices);
+    for (uint32_t j = first; j < last; j++)
+        pull_one(g, goal->surface, j, &g->target_warm[goal->first_warm + j], pull);
+}
+
+void smr_pull_look(const smr_surface_goals *g, uint32_t v, int64_t sum[4])
+{
+    sum[0] = sum[1] = sum[2] = sum[3] = 0;
+    for (uint32_t w = 0; w < g->shared->config.basic.n_workers; w++) {
+        const int64_t *p = g->pull + 4u * ((size_t)g->shared->n * w + v);
+        for (uint32_t i = 0; i < 4u; i++)
+            sum[i] += p[i];
+    }
+}
+
+void smr_pull_sum(smr_surface_goals *g, uint32_t v, int64_t sum[4])
+{
+    smr_pull_look(g, v, sum);
+    for (uint32_t w = 0; w < g->shared->config.basic.n_workers; w++)
+        memset(g->pull + 4u * ((size_t)g->shared->n * w + v), 0, 4u * sizeof *g->pull);
+}
+
+float smr_pull_mean(const int64_t sum[4], smr_vec *mean)
+{
+    if (sum[3] <= 0)
+        return 0.0f;
+    const float inverse = 1.0f / (float)sum[3];
+    *mean = smr_v((float)sum[0] * inverse, (float)sum[1] * inverse, (float)sum[2] * inverse);
+    return smr_min((float)sum[3] * (1.0f / (SMR_PULL_SCALE * SMR_PULL_FULL)), 1.0f);
+}
+
+float smr_pull_take(smr_surface_goals *g, uint32_t v, smr_vec *mean)
+{
+    int64_t sum[4];
+    smr_pull_sum(g, v, sum);
+    return smr_pull_mean(sum, mean);
+}

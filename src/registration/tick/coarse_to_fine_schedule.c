@@ -1,0 +1,147 @@
+/* coarse_to_fine_schedule.c: what happens between iterations, from coarse to fine: which vertices take part, how far goals are sought,
+ * whether x^r = x (plasticity.c), and the next finer radius (convergence.c, schedule_radius.c).
+ * Bounds: one pass over the vertices where x^r follows; SMR_RADII_MAX.
+ * SPDX-License-Identifier: MIT */
+#include "registration/tick/coarse_to_fine_schedule.h"
+
+#include "options/dynamics/dynamics.h"
+#include "options/track/track.h"
+#include "registration/convergence.h"
+
+#define SMR_ACTIVE_EVERY 8u /* iterations between two changes of n_active at one radius */
+#define SMR_GROWN 1.25f     /* growth of a cloud's number of points at which a radius is repeated */
+
+/* Chooses n_active. A change requires new cluster centres, so it waits for a new reference shape or for
+ * SMR_ACTIVE_EVERY iterations. The caller's choice, and vertices that a budget left out, do not wait. */
+static void choose_active(smr *s)
+{
+    const uint32_t count = s->schedule.n_active_chosen > 0u
+                               ? smr_max_u32(s->schedule.n_active_chosen, s->schedule.lists.active_min)
+                               : smr_radius_active(s);
+    s->report.details.n_wanted = count;
+    if (count == s->schedule.n_active || (s->schedule.n_active_chosen == 0u && !s->budget.cut && !s->reference.stale &&
+                                          s->schedule.radius_iteration % SMR_ACTIVE_EVERY != 0u))
+        return;
+    s->schedule.n_active = count;
+    s->reference.stale = 1;
+    s->budget.cut = 0;
+}
+
+void smr_schedule_start(smr *s)
+{
+    s->schedule.iteration = 0;
+    s->schedule.since_plastic = 0;
+    s->schedule.plastic_updates = 0;
+    s->schedule.converged = s->schedule.done = s->schedule.repairing = 0;
+    s->schedule.gain = 1.0f;
+    if (SMR_HAS_TRACK)
+        smr_tracking_end(s);
+    s->step = 0;
+    s->next_task = 0;
+    s->forces.surface.limit = 0.0f;
+    if (smr_visibility_on(&s->forces.surface))
+        smr_visibility_start(&s->forces.surface);
+    s->schedule.fade = 1.0f;
+    s->forces.surface.n_goals_at_begin = s->forces.surface.n_goals;
+    s->forces.surface.n_clouds_at_begin = s->forces.surface.n_clouds;
+    s->forces.surface.n_points_at_begin = s->forces.surface.n_points;
+    smr_radius_go(s, s->shared.config.schedule.radius_first);
+    s->shape.rest_pose_due = 1; /* an abandoned iteration may have fitted it to other positions */
+    if (smr_moves(s))
+        smr_time_steps_start(s);
+}
+
+/* Returns 1 when a cloud has grown so much since this radius began that the radius is repeated. A cloud is limited
+ * by its memory, so repetition ends. */
+static int grows(const smr *s)
+{
+    return (float)s->forces.surface.n_points_at_begin > SMR_GROWN * (float)s->schedule.n_points;
+}
+
+/* Called after each iteration. */
+void smr_schedule_next(smr *s)
+{
+    if (smr_moves(s)) {
+        smr_time_steps_next(s);
+        return;
+    }
+    if (smr_tracks(&s->schedule)) {
+        smr_tracking_next(s);
+        return;
+    }
+    const smr_ending e = smr_ending_of(s, s->schedule.radius_iteration);
+    const int plastic = smr_plastic_due(s, &e, s->schedule.since_plastic);
+    const int repairs = s->schedule.repairing > 0u; /* iterations of fold repair do not count */
+    if (repairs) {
+        s->schedule.repairing =
+            s->folds.n_folding > 0u && s->schedule.repairing < SMR_REPAIR_MAX ? s->schedule.repairing + 1u : 0u;
+        s->schedule.radius_iteration = 0;
+    }
+    if (plastic)
+        smr_plastic_update(s);
+    if (e.done) {
+        s->schedule.converged = (uint32_t)((e.small || e.settled) && s->forces.matched > 0.0f);
+        s->schedule.done = !SMR_HAS_TRACK || s->shared.config.track.mode == SMR_TRACK_OFF;
+        if (SMR_HAS_TRACK && !s->schedule.done)
+            smr_tracking_start(s);
+    } else if (!repairs && !smr_at_last_radius(&s->shared, &s->schedule) && (e.settled || e.spent)) {
+        smr_radius_go(s, s->schedule.radius + (grows(s) ? 0u : 1u));
+    }
+}
+
+/* Share of image forces and momentum in this iteration. It falls to 0 in equal steps over the second half of the
+ * last radius, so that the model converges to the mean of goals that jump between samples. */
+static float fade_of(const smr *s)
+{
+    const uint32_t all = s->shared.config.basic.iterations_last,
+                   left = all - smr_min_u32(s->schedule.radius_iteration + 1u, all);
+    if (!s->shared.config.image.fade || smr_tracks(&s->schedule) || smr_moves(s) || !smr_image_on(&s->forces.image) ||
+        !smr_at_last_radius(&s->shared, &s->schedule) || left >= all / 2u)
+        return 1.0f;
+    return (float)left / (float)(all / 2u);
+}
+
+/* Chooses search distances and the share of image forces for the coming iteration. */
+static void choose_distances(smr *s)
+{
+    s->schedule.fade = fade_of(s);
+    const float done = smr_tracks(&s->schedule) ? smr_tracking_progress(s) : smr_radius_progress(s);
+    s->schedule.farthest_mm = s->shared.config.image.profile_mm +
+                              done * (s->shared.config.image.profile_end_mm - s->shared.config.image.profile_mm);
+    s->schedule.profile_mm =
+        smr_min(s->schedule.farthest_mm, s->shared.config.image.profile_radii * s->schedule.lists.radius);
+    s->schedule.gradient_mm = s->shared.config.image.gradient_mm +
+                              done * (s->shared.config.image.gradient_end_mm - s->shared.config.image.gradient_mm);
+}
+
+/* Notes which structures have a target. A target that is set during the iteration counts from the next one on. */
+static void begin_targets(smr_surface_goals *g)
+{
+    g->n_goals_at_begin = g->n_goals;
+    g->n_clouds_at_begin = g->n_clouds;
+    g->n_points_at_begin = g->n_points;
+    for (uint32_t i = 0; i < g->shared->n_structures; i++)
+        g->target[i].had_target = g->target[i].surface != NULL;
+}
+
+void smr_schedule_begin(smr *s)
+{
+    const int tracks = smr_tracks(&s->schedule);
+    if (tracks)
+        smr_tracking_begin(s);
+    if (smr_moves(s))
+        smr_time_steps_begin(s);
+    choose_active(s);
+    s->report.details.n_taken = s->schedule.n_active;
+    choose_distances(s);
+    begin_targets(&s->forces.surface);
+    if (tracks)
+        smr_tracking_momentum(s);
+    if (s->schedule.radius_iteration == 0u)
+        s->schedule.n_points = s->forces.surface.n_points_at_begin;
+    smr_tangent_begin(&s->evolve.tangent_smooth);
+    if (smr_volumes_used(&s->volumes))
+        smr_volumes_begin(&s->volumes);
+    if (smr_contact_used(&s->forces.contact))
+        smr_contact_begin(&s->forces.contact);
+}

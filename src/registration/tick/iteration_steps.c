@@ -1,0 +1,172 @@
+/* iteration_steps.c: one registration iteration, in the order of the paper's section 2.3. The table lists the steps; the
+ * functions above it pass results of one stage to the next. Only the last step makes new positions current.
+ * SPDX-License-Identifier: MIT */
+#include "registration/tick/iteration_steps.h"
+
+#include "registration/convergence.h"
+#include "registration/tick/iteration_commit.h"
+
+static void forces_end(smr *s)
+{
+    const smr_force_totals *t = &s->forces.totals;
+    smr_forces_end(&s->forces);
+    smr_sums_expect(&s->sums, smr_method_words(&s->shared), t->largest[0], t->largest[1]);
+    s->report.details.n_taken = s->schedule.n_active;
+    s->report.details.n_active = t->n_with_target;
+    s->report.n_forces = t->n_forces;
+    s->report.details.n_rejected = t->n_rejected;
+    /* no forces act while folds are repaired */
+    const int attracts = smr_attraction_on(&s->forces.surface) && s->schedule.repairing == 0u;
+    s->report.details.attraction_used = attracts ? s->shared.config.basic.attraction : 0.0f;
+    s->report.details.matched_share = s->forces.matched;
+    s->report.residual_mean_mm = t->n_forces > 0u ? t->mean : -1.0f;
+    s->report.details.residual_rms_mm = t->n_forces > 0u ? t->rms : -1.0f;
+    s->report.details.residual_max_mm = t->n_forces > 0u ? t->max : -1.0f;
+    if (smr_tracks(&s->schedule))
+        smr_tracking_find_jump(s);
+    if (smr_visibility_on(&s->forces.surface))
+        smr_visibility_note_view(&s->forces.surface);
+}
+
+static void track_rest_end(smr *s)
+{
+    if (SMR_HAS_HELD)
+        smr_track_rest_sum_end(&s->shape);
+}
+
+static void match_end(smr *s)
+{
+    smr_match_end(&s->match);
+    smr_sums_expect(&s->sums, smr_transform_words(&s->shared), s->match.largest[0], s->match.largest[1]);
+}
+
+static void measure_end(smr *s)
+{
+    smr_evolve_measure_end(&s->evolve);
+    s->evolve.normals_due = s->shared.config.motion.normals == SMR_NORMALS_EXACT || s->schedule.tracking ||
+                            smr_moves(s) || smr_plastic_ahead(s);
+}
+
+static void rest_pose_end(smr *s) { smr_rest_pose_end(&s->shape); }
+static void reference_begin(smr *s) { smr_reference_begin(&s->reference); }
+static void reference_end(smr *s) { smr_reference_end(&s->reference); }
+static void evolve_end(smr *s) { smr_triangles_follow(&s->shape, s->shape.x_next); }
+static void triangles_end(smr *s) { smr_triangles_end(&s->shape); }
+static void find_end(smr *s) { smr_fold_find_end(&s->folds); }
+static void folds_moved(smr *s) { smr_folds_moved(&s->folds); }
+
+/* Updates the triangles once more where fold steps moved vertices. */
+static uint32_t triangles_again(const void *arg)
+{
+    const smr *s = arg;
+    return s->folds.moved ? smr_triangles_tasks(&s->shape) : 0u;
+}
+
+void smr_refit_again(void *arg, uint32_t task, uint32_t worker)
+{
+    smr *s = arg;
+    smr_triangles_refit(&s->shape, task, worker);
+}
+
+/* A step of a part: its tasks may run in any order, or one after the other, or are chains along the order L in
+ * pieces. */
+#define SMR_IN(part, function) (SMR_HAS_##part ? (function) : NULL)
+#define SMR_STEP(part, phase, work, member, n_tasks, run, end)                                                         \
+    {                                                                                                                  \
+        SMR_PART_##part, SMR_PHASE_##phase, SMR_WORK_##work, SMR_ANY_ORDER, offsetof(smr, member),                     \
+            SMR_IN(part, n_tasks), SMR_IN(part, run), end, NULL, NULL                                                  \
+    }
+#define SMR_SERIAL_STEP(part, phase, work, member, n_tasks, run, end)                                                  \
+    {                                                                                                                  \
+        SMR_PART_##part, SMR_PHASE_##phase, SMR_WORK_##work, SMR_SERIAL, offsetof(smr, member), SMR_IN(part, n_tasks), \
+            SMR_IN(part, run), end, NULL, NULL                                                                         \
+    }
+#define SMR_CHAIN_STEP(part, phase, work, member, n_tasks, run, pieces, abreast)                                       \
+    {                                                                                                                  \
+        SMR_PART_##part, SMR_PHASE_##phase, SMR_WORK_##work, SMR_ANY_ORDER, offsetof(smr, member),                     \
+            SMR_IN(part, n_tasks), SMR_IN(part, run), NULL, SMR_IN(part, pieces), SMR_IN(part, abreast)                \
+    }
+
+/* clang-format off */
+const smr_step smr_steps[] = { /* `magic`, the first member, gives the offset of the whole registration */
+    /* in dynamics: where this sweep starts */
+    SMR_STEP(DYNAMICS, FORCES, TASKS, magic, smr_sweep_tasks, smr_sweep_begin, NULL),
+    /* compute external forces f^e: first the steps of the sources of goals, then the search in the order of priority */
+    SMR_STEP(CALLER, FORCES, TASKS, forces.caller, smr_caller_tasks, smr_caller_step, NULL),
+    SMR_STEP(PLAIN, FORCES, TASKS, forces.surface, smr_attract_tasks, smr_attract_search, NULL),
+    SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, forces.points, smr_point_spread_tasks, smr_point_spread_run, NULL),
+    SMR_SERIAL_STEP(PARTIAL, FORCES, TASKS, forces.occluded, smr_occluded_field_tasks, smr_occluded_field_solve, NULL),
+    SMR_CHAIN_STEP(IMAGE, FORCES, TASKS, forces.image, smr_fill_tasks, smr_fill_sum, smr_fill_pieces, smr_fill_abreast),
+    SMR_STEP(PLAIN, FORCES, ACTIVE, forces, smr_forces_tasks, smr_forces_search, NULL),
+    /* smoothing; contact, now that the number of active vertices is final; then the forces */
+    SMR_SERIAL_STEP(CONTACT, FORCES, TASKS, forces.smooth, smr_smooth_tasks, smr_smooth_sum, NULL),
+    SMR_STEP(CONTACT, FORCES, ACTIVE, forces, smr_contact_tasks, smr_contact_search, NULL),
+    SMR_STEP(PLAIN, FORCES, TASKS, forces, smr_forces_take_tasks, smr_forces_take, forces_end),
+    /* when x^r or the active vertices are new: centres, masses and spreads of the clusters */
+    SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, shape, smr_rest_pose_tasks, smr_rest_pose_sum, rest_pose_end),
+    SMR_STEP(PLAIN, SUMS, TASKS, reference, smr_reference_tasks, smr_reference_reach, reference_begin),
+    SMR_STEP(PLAIN, SUMS, ACTIVE, reference, smr_reference_record_tasks, smr_reference_record, NULL),
+    SMR_CHAIN_STEP(PLAIN, SUMS, LISTS, reference, smr_reference_block_tasks, smr_reference_forest,
+                   smr_reference_block_pieces, smr_reference_block_abreast),
+    SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, reference, smr_reference_boundary_tasks, smr_boundary_reference, NULL),
+    SMR_STEP(PLAIN, SUMS, TASKS, reference, smr_reference_cluster_tasks, smr_reference_cluster, reference_end),
+    /* compute shape matching forces: for each cluster, T_i = argmin Sum m |T x^r - x - f^e|^2 */
+    SMR_STEP(PLAIN, SUMS, ACTIVE, sums, smr_sums_record_tasks, smr_sums_record, NULL),
+    SMR_CHAIN_STEP(PLAIN, SUMS, LISTS, sums, smr_block_tasks, smr_sums_forest, smr_block_pieces, smr_block_abreast),
+    SMR_SERIAL_STEP(PLAIN, SUMS, TASKS, sums, smr_boundary_tasks, smr_boundary_sums, NULL),
+    SMR_STEP(PLAIN, MATCH, ACTIVE, match, smr_match_cluster_tasks, smr_match_clusters, match_end),
+    /* average goal positions x~_i = Sum_i(T) x^r_i / |zeta_i| */
+    SMR_STEP(PLAIN, AVERAGE, ACTIVE, match, smr_average_tasks, smr_average_record, NULL),
+    SMR_CHAIN_STEP(PLAIN, AVERAGE, LISTS, sums, smr_block_tasks, smr_sums_forest, smr_block_pieces, smr_block_abreast),
+    SMR_SERIAL_STEP(PLAIN, AVERAGE, TASKS, sums, smr_boundary_tasks, smr_boundary_sums, NULL),
+    /* evolve positions, x = x~, evened out along the surface; in dynamics: where the sweep ends */
+    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve.tangent_smooth, smr_tangent_tasks, smr_tangent_clear, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, evolve.tangent_smooth, smr_tangent_sum_tasks, smr_tangent_sum, NULL),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_step, evolve_end),
+    SMR_STEP(DYNAMICS, EVOLVE, TASKS, magic, smr_sweep_tasks, smr_sweep_end, NULL),
+    /* volumes, and positions kept out of what they touch */
+    SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, volumes, smr_volume_tasks, smr_volume_correct, NULL),
+    SMR_SERIAL_STEP(CONTACT, EVOLVE, TASKS, forces.contact, smr_contact_project_tasks, smr_contact_project, NULL),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, shape, smr_triangles_tasks, smr_triangles_refit, triangles_end),
+    /* search for folds; repair, limit and open them */
+    SMR_STEP(PLAIN, EVOLVE, TASKS, folds, smr_fold_find_tasks, smr_fold_find, find_end),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_repair_tasks, smr_fold_repair_pass, folds_moved),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_limit_tasks, smr_fold_limit_pass, folds_moved),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, FOLDS, folds, smr_fold_open_tasks, smr_fold_open_pass, folds_moved),
+    SMR_STEP(PLAIN, EVOLVE, FOLDS, magic, triangles_again, smr_refit_again, triangles_end),
+    /* where structures have gone, for x^r to follow while targets are tracked, and in dynamics */
+    SMR_SERIAL_STEP(HELD, EVOLVE, TASKS, shape, smr_track_rest_sum_tasks, smr_track_rest_sum, track_rest_end),
+    /* displacements; normals; then all results become current at once, and x^r = x where plasticity applies */
+    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_evolve_tasks, smr_evolve_measure, measure_end),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_tasks, smr_exact_normals_clear, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_sum_tasks, smr_exact_normals_sum, NULL),
+    SMR_STEP(PLAIN, EVOLVE, TASKS, evolve, smr_exact_normals_tasks, smr_exact_normals_unit, NULL),
+    SMR_SERIAL_STEP(DYNAMICS, EVOLVE, TASKS, magic, smr_step_energy_tasks, smr_step_energy, NULL),
+    SMR_SERIAL_STEP(PLAIN, EVOLVE, TASKS, magic, smr_commit_tasks, smr_commit, NULL),
+};
+/* clang-format on */
+
+#define SMR_STEPS ((uint32_t)(sizeof smr_steps / sizeof smr_steps[0]))
+_Static_assert(sizeof smr_steps / sizeof smr_steps[0] <= SMR_STEPS_MAX, "the time budget's table is too short");
+const uint32_t smr_n_steps = SMR_STEPS;
+
+/* Returns 1 while the current iteration still reads targets: later steps use copies. */
+int smr_forces_pending(const smr *s)
+{
+    for (uint32_t i = s->step; i < SMR_STEPS; i++)
+        if (smr_steps[i].run == smr_forces_take)
+            return 1;
+    return 0;
+}
+
+int smr_seeks_forces(const smr_step *step) { return step->run == smr_forces_search; }
+
+uint32_t smr_forces_evaluated(const smr *s)
+{
+    if (smr_seeks_forces(&smr_steps[s->step]))
+        return smr_min_u32(s->next_task * smr_force_chunk(&s->forces), s->schedule.n_active);
+    const smr_task run = smr_steps[s->step].run;
+    const int found =
+        !smr_forces_pending(s) || run == smr_forces_take || (SMR_HAS_CONTACT && run == smr_contact_search);
+    return s->step > 0u && found ? s->schedule.n_active : 0u;
+}

@@ -1,0 +1,65 @@
+/* verdict_measures.h: measures of a result, on demand between iterations. In: the whole registration, unchanged but for the
+ * memory of records and sums. Out: means over structures, from which the verdict follows.
+ * SPDX-License-Identifier: MIT */
+#ifndef SMR_VERDICT_MEASURES_H
+#define SMR_VERDICT_MEASURES_H
+
+#include "registration/registration.h"
+
+/* A weighted mean under construction. */
+typedef struct smr_mean {
+    float sum, weight;
+} smr_mean;
+
+/* Measures of a result. Fields are as in smr_verdict where names agree. */
+typedef struct smr_evidence {
+    smr_mean visible, agree; /* over the model's area; with an image: over vertices */
+    smr_mean covered;        /* over the target's area */
+    smr_mean residual;       /* mm, mean over visible vertices */
+    smr_mean goals;          /* mean over vertices, with an image */
+    smr_mean similarity;     /* mean over comparisons */
+    smr_mean strain2;        /* squared strain, mean over edges */
+    smr_mean stretch2;       /* squared stretch, mean over parts */
+    smr_mean volume;         /* volume ratio, weighted by rest volume */
+    smr_mean bend, expected; /* mm, mean over vertices */
+    float rotation_deg;
+} smr_evidence;
+
+static inline void smr_mean_add(smr_mean *m, float value, float weight)
+{
+    m->sum += value * weight;
+    m->weight += weight;
+}
+
+static inline float smr_mean_of(smr_mean m, float otherwise) { return m.weight > 0.0f ? m.sum / m.weight : otherwise; }
+
+/* Returns 1 when stored vertex v was visible in the target at the last judgement. */
+int smr_vertex_visible(const smr *s, uint32_t v);
+
+/* Returns 1 when a structure has neither surface nor image and follows landmarks. */
+static inline int smr_follows_landmarks(const smr *s, uint32_t structure)
+{
+    const smr_forces *f = &s->forces;
+    return f->landmarks.n > 0u && f->surface.target[structure].surface == NULL && !f->image.has_image;
+}
+
+/* Each function adds the measures of one structure. */
+void smr_measure_shape(const smr *s, uint32_t structure, smr_evidence *e);
+void smr_measure_surface(const smr *s, uint32_t structure, smr_evidence *e);
+void smr_measure_points(const smr *s, uint32_t structure, smr_evidence *e);
+void smr_measure_image(const smr *s, uint32_t structure, smr_evidence *e);
+void smr_measure_landmarks(const smr *s, uint32_t structure, smr_evidence *e);
+void smr_measure_caller(const smr *s, uint32_t structure, smr_evidence *e);
+void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e); /* also fills smr_vertex_expected() */
+
+/* The motion of a structure, or of the whole model: scale, scale_rest and turned_deg. */
+void smr_measure_moved(const smr *s, uint32_t structure, smr_verdict *verdict);
+
+/* Sets level and reasons from the measures. whole: 1 for the whole model, 0 for one of several structures. */
+void smr_judge(smr_verdict *verdict, float edge_mm, int whole);
+
+/* Per stored vertex, mm, in the memory of records, [n] each: distance to the target surface; expected error. */
+static inline float *smr_vertex_distance(const smr *s) { return (float *)s->overlay.record; }
+static inline float *smr_vertex_expected(const smr *s) { return (float *)s->overlay.record + s->shared.n; }
+
+#endif
