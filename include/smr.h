@@ -521,8 +521,7 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
 /* The pose that lays from[i] onto to[i], both [n][3] mm, by least squares. scaled: 0 rigid; 1 with one scale, the ratio
  * of the spreads. rms_mm (may be NULL): the remaining distance. Where the pairs leave a rotation open (fewer than 3, or
  * all on one line), one of the best poses is returned.
- * Errors: E_NULL, E_INPUT (count not in 1..SMR_LANDMARKS_MAX, scaled above 1, non-finite, beyond SMR_COORD_MAX); *pose
- * untouched then. */
+ * Errors: E_NULL, E_INPUT (a count, scaled above 1, non-finite, beyond SMR_COORD_MAX); *pose untouched then. */
 smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t scaled, smr_pose *pose,
                                float *rms_mm);
 
@@ -954,9 +953,8 @@ struct smr_config {
  * smr_prepare_config_paper(). The start is the caller's: smr_warp_fit() with smoothing 0 is the paper's. */
 smr_config smr_config_paper(void);
 
-/* Settings as data, for command lines, dialogs, documents. GROUP: a heading, name only. COUNT: uint32_t. NUMBER: float,
- * or an array of them: bytes says how many. CHOICE: uint32_t, the index of one of the words in `unit`: "rigid|polar".
- * SWITCH: uint32_t, 0 or 1. */
+/* Settings as data, for command lines and documents. GROUP: a heading, name only. COUNT: uint32_t. NUMBER: floats, by
+ * bytes. CHOICE: uint32_t, index of one of the words in `unit`: "rigid|polar". SWITCH: uint32_t, 0 or 1. */
 enum { SMR_SETTING_GROUP = 0, SMR_SETTING_COUNT, SMR_SETTING_NUMBER, SMR_SETTING_CHOICE, SMR_SETTING_SWITCH };
 enum { SMR_SETTING_POINTER = 5 };
 
@@ -990,8 +988,7 @@ typedef struct smr_carry smr_carry;
  * smr_model_mesh() or the caller's meshes have them. n_points may be 0. Takes about 20 us a point. memory
  * (SMR_ALIGN-aligned, smr_carry_bytes()) holds the map and stays where it is; rest and points may go afterwards. port
  * is copied, what it names is used by later calls, too; NULL: one worker.
- * Errors: E_NULL, E_ALIGN, E_INPUT (a count, n_workers, a coordinate), E_ARENA, E_STATE (the port's worker number);
- * *carry untouched then. */
+ * Errors: E_NULL, E_ALIGN, E_INPUT, E_ARENA, E_STATE (the port's worker number); *carry untouched then. */
 smr_status smr_carry_bytes(uint32_t n_vertices, uint32_t n_points, uint32_t n_workers, size_t *bytes);
 smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
                          const smr_port *port, void *memory, size_t bytes, smr_carry **carry);
@@ -1056,8 +1053,7 @@ smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *
  * calls that change or judge anything return E_STATE. An input that is not the one from before, by its checksum, or is
  * shared by other structures, is refused with E_INPUT (a log: E_LOG). Setting inputs again restarts nothing and is not
  * recorded: the log goes on as if there had been no interruption.
- * Errors: E_NULL, E_SAVE, E_MODEL (another model), E_CONFIG, E_WITHOUT, E_ALIGN, E_ARENA, E_INPUT; *s and arena
- * untouched then. */
+ * Errors: those of smr_init(), E_SAVE, E_MODEL (another model), E_WITHOUT; *s and arena untouched then. */
 smr_status smr_restore(const smr_model *model, const smr_config *config, const smr_port *port, const void *saved,
                        size_t saved_bytes, void *arena, size_t bytes, smr **s);
 
@@ -1071,8 +1067,7 @@ smr_status smr_get_awaited(const smr *s, uint32_t *n);
  * memory is borrowed until replaced; NULL takes it away. Only right after smr_init(), so that the log says all. If a
  * record does not fit, a last record says so, recording ends, and the registration goes on. Results are the same with
  * and without a log. An input costs one pass over it.
- * Errors: E_NULL, E_STATE (not a registration, or not right after smr_init()), E_ARENA (less than SMR_LOG_BYTES(0,
- * 0)). */
+ * Errors: E_NULL, E_STATE (not a registration, or not right after smr_init()), E_ARENA (below SMR_LOG_BYTES(0, 0)). */
 smr_status smr_set_log(smr *s, void *memory, size_t bytes);
 
 /* How far the log of s is; all 0 without one. Errors: E_NULL, E_STATE. */
@@ -1088,9 +1083,8 @@ typedef struct smr_log_info {
     smr_config config;
 } smr_log_info;
 
-/* What a record is of: the call of that name. LANDMARKS: a record for each of them. FORCE: also, before a tick, what
- * the force gave in its iteration. POINTS: also each change of its points. FIXED_SURFACE: number `index`. FULL: the
- * memory ended here. */
+/* What a record is of: the call of that name. LANDMARKS: a record for each. FORCE: also, before a tick, what the force
+ * gave in it. POINTS: also each change of its points. FIXED_SURFACE: number `index`. FULL: the memory ended here. */
 enum {
     SMR_LOG_TICK = 1,
     SMR_LOG_SURFACE,
@@ -1134,9 +1128,8 @@ typedef struct smr_log_record {
 typedef struct smr_log_reader smr_log_reader; /* where reading stands: section 22 */
 typedef struct smr_replay smr_replay;         /* a replay under way: section 22 */
 
-/* Opens a log of `bytes` bytes (of any alignment), which may come from anywhere. info may be NULL. smr_log_next(): the
- * next record; of kind 0 at the end. Errors: E_NULL, E_LOG; nothing is written then, but a record of kind 0, and the
- * reader stays. */
+/* Opens a log of `bytes` bytes (of any alignment), from anywhere. info may be NULL. smr_log_next(): the next record; of
+ * kind 0 at the end. Errors: E_NULL, E_LOG; nothing is written then, but a record of kind 0; the reader stays. */
 smr_status smr_log_open(const void *log, size_t bytes, smr_log_reader *reader, smr_log_info *info);
 smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record);
 

@@ -13,7 +13,7 @@ passed=0; failed=0
 
 # Prints what a page lacks: a row of six full cells for each setting of the tables, none twice, and options of smr.
 check_page() {
-    sed -n 's/^SMR_SETTING([A-Z]*, *[0-9]*, *\([a-z_0-9]*\),.*/\1/p' \
+    sed -n 's/^SMR_SETTING([A-Z]*, *[0-9]*, *[a-z_0-9.]*, *\([a-z_0-9]*\),.*/\1/p' \
         src/base/settings_config.def src/base/settings_prepare.def >"$tmp/names"
     "${SMR:-${BUILD:-build}/smr}" --help >"$tmp/help"
     awk -F ' *[|] *' '

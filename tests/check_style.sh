@@ -48,7 +48,7 @@ grep -rnE --include='*.h' '^[[:space:]]*#[[:space:]]*define[[:space:]]' port/hos
     grep -vE 'define[[:space:]]+(HOST_|host_|SMR_|_[A-Z]|[A-Z0-9_]+_H$)' | sed 's/$/   (macro without HOST_)/' >>"$tmp"
 
 # A slot of a registration says whether a save keeps it.
-grep -rn 'smr_arena_take' src/runtime | sed 's/$/   (a slot without smr_slot_..., see base\/save_fields.h)/' >>"$tmp"
+grep -rn 'smr_arena_take' src/registration src/options src/log src/verdict | sed 's/$/   (a slot without smr_slot_..., see base\/save_fields.h)/' >>"$tmp"
 
 # The patterns are in pieces so that this file does not find itself.
 root='/(home|root|work|Users|mnt)'

@@ -1,6 +1,6 @@
-/* save_fields.h: the slots of a registration, and which of their values are saved. A stage lists both once, in its layout
- * function: each slot is either scratch, or has a range of legal values. The same lines measure and place (arena.h),
- * and count, save, check and restore. So no slot can be missing from a save by mistake. Saved values are
+/* save_fields.h: the slots of a registration, and which of their values are saved. A stage lists both once, in its
+ * layout function: each slot is either scratch, or has a range of legal values. The same lines measure and place
+ * (arena.h), and count, save, check and restore. So no slot can be missing from a save by mistake. Saved values are
  * little-endian, without gaps, in the order of the lines.
  * Bounds: one pass over each slot.
  * SPDX-License-Identifier: MIT */
@@ -19,8 +19,8 @@ enum {
 
 struct smr_keeper;
 
-/* Goes over values. Only what saves and restores names these, so a program that does neither has none of it. field NULL:
- * there is nowhere to store them. or_none: SMR_NONE is legal, too. */
+/* Goes over values. Only what saves and restores names these, so a program that does neither has none of it. field
+ * NULL: there is nowhere to store them. or_none: SMR_NONE is legal, too. */
 typedef struct smr_keep_calls {
     void (*words)(struct smr_keeper *k, uint32_t *field, size_t count, uint32_t most, int or_none);
     void (*floats)(struct smr_keeper *k, float *field, size_t count, float least, float most);

@@ -1,5 +1,5 @@
-/* carry_nearest_vertices.c: the vertices near a point, at four densities. A density is every k-th vertex along a Hilbert
- * curve, which spreads evenly over surfaces; the tree of boxes follows from the number of vertices alone.
+/* carry_nearest_vertices.c: the vertices near a point, at four densities. A density is every k-th vertex along a
+ * Hilbert curve, which spreads evenly over surfaces; the tree of boxes follows from the number of vertices alone.
  * Bounds: a search opens each node at most once, and its stack holds SMR_CARRY_STACK entries; each tested vertex is
  * inserted among at most SMR_CARRY_NEAR + 1.
  * SPDX-License-Identifier: MIT */

@@ -1,5 +1,5 @@
-/* cluster_bit_rows.h: a set of vertices as a row of bits, bit v for the vertex with the number v along the curve. Clusters
- * are computed as such rows.
+/* cluster_bit_rows.h: a set of vertices as a row of bits, bit v for the vertex with the number v along the curve.
+ * Clusters are computed as such rows.
  * A row of `words` 64-bit words has one more word behind it: first | last << 32. Only the words first .. last - 1 may
  * hold bits, so small clusters cost little in large models.
  * SPDX-License-Identifier: MIT */

@@ -1,6 +1,6 @@
-/* cluster_building_geodesic.c: clusters by geodesic distance (paper 2.2), as shortest paths over mesh edges (Dijkstra 1959)
- * with a binary heap. Lengths are whole micrometres, so a path has the same length in both directions and clusters are
- * symmetric.
+/* cluster_building_geodesic.c: clusters by geodesic distance (paper 2.2), as shortest paths over mesh edges (Dijkstra
+ * 1959) with a binary heap. Lengths are whole micrometres, so a path has the same length in both directions and
+ * clusters are symmetric.
  * Paths over edges are up to a sixth longer than the true geodesic on regular meshes.
  * Bounds: at most one heap entry per directed edge.
  * SPDX-License-Identifier: MIT */

@@ -1,5 +1,5 @@
-/* cluster_difference_lists.c: writes the entries of the order L: zeta+ and zeta- (paper 2.2, cluster optimisation) as differences
- * between the rows of a cluster and its parent.
+/* cluster_difference_lists.c: writes the entries of the order L: zeta+ and zeta- (paper 2.2, cluster optimisation) as
+ * differences between the rows of a cluster and its parent.
  * Bounds: the word range of the rows and their members, SMR_LEVELS_MAX each.
  * SPDX-License-Identifier: MIT */
 #include "prepare/model_write.h"

@@ -1,5 +1,5 @@
-/* fold_dihedrals_prepare.c: dihedral edges, the edges of exactly two triangles, with the angle at which each counts as folded.
- * Method: edges are sorted by their two vertices, so that the triangles of an edge are neighbours in the sorted
+/* fold_dihedrals_prepare.c: dihedral edges, the edges of exactly two triangles, with the angle at which each counts as
+ * folded. Method: edges are sorted by their two vertices, so that the triangles of an edge are neighbours in the sorted
  * list.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"

@@ -1,6 +1,6 @@
-/* prepare_plan.h: what the stages of smr_prepare() share: the model numbered along the curve, its priorities, and scratch.
- * All arrays lie in the caller's scratch memory. Vertices are numbered along a space-filling curve: neighbours in
- * space are mostly neighbours in memory, and a cluster is a few runs of consecutive numbers. The stored order
+/* prepare_plan.h: what the stages of smr_prepare() share: the model numbered along the curve, its priorities, and
+ * scratch. All arrays lie in the caller's scratch memory. Vertices are numbered along a space-filling curve: neighbours
+ * in space are mostly neighbours in memory, and a cluster is a few runs of consecutive numbers. The stored order
  * (priority_list_levels.c) is applied only while the model is written.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_PREPARE_PLAN_H

@@ -100,7 +100,8 @@ static void put_in_bucket(smr_plan *p, uint32_t v, uint32_t m)
     p->priority.bucket[m] = v;
 }
 
-/* 1 when j is in zeta_v by Euclidean distance (cluster_building.c). 0 does not exclude it: mesh neighbours are not tested. */
+/* 1 when j is in zeta_v by Euclidean distance (cluster_building.c). 0 does not exclude it: mesh neighbours are not
+ * tested. */
 static int surely_holds(const smr_plan *p, uint32_t v, uint32_t j, float radius)
 {
     const float *a = p->xyz + 3u * (size_t)v, *b = p->xyz + 3u * (size_t)j;

@@ -1,7 +1,7 @@
-/* priority_list_levels.c: the stored order of vertices: by priority levels, the most important level first, and along the
- * curve within a level. The first m stored vertices are about the best m to keep active; lists sorted by stored number
- * are sorted by priority; neighbours in memory are mostly neighbours in space. A level ends with the active_min of
- * each radius.
+/* priority_list_levels.c: the stored order of vertices: by priority levels, the most important level first, and along
+ * the curve within a level. The first m stored vertices are about the best m to keep active; lists sorted by stored
+ * number are sorted by priority; neighbours in memory are mostly neighbours in space. A level ends with the active_min
+ * of each radius.
  * SPDX-License-Identifier: MIT */
 #include "prepare/prepare_plan.h"
 

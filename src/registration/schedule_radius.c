@@ -1,5 +1,5 @@
-/* schedule_radius.c: at which cluster radius a registration stands, and what follows from that: iterations, active vertices,
- * search distances.
+/* schedule_radius.c: at which cluster radius a registration stands, and what follows from that: iterations, active
+ * vertices, search distances.
  * Bounds: SMR_RADII_MAX, SMR_LEVELS_MAX.
  * SPDX-License-Identifier: MIT */
 #include "registration/schedule_radius.h"

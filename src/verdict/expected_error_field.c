@@ -1,7 +1,7 @@
-/* expected_error_field.c: the standard deviation of each vertex' position, given the visible vertices. A surface determines
- * positions along normals only. The displacement from the start is a Gaussian process (Rasmussen and Williams 2006,
- * chapter 2) with covariance size2 / (1 + d^2 / l^2) for each axis, plus the motions of a similarity; n .
- * displacement is observed at visible vertices. The variance left is large far from the observations. size2 follows
+/* expected_error_field.c: the standard deviation of each vertex' position, given the visible vertices. A surface
+ * determines positions along normals only. The displacement from the start is a Gaussian process (Rasmussen and
+ * Williams 2006, chapter 2) with covariance size2 / (1 + d^2 / l^2) for each axis, plus the motions of a similarity; n
+ * . displacement is observed at visible vertices. The variance left is large far from the observations. size2 follows
  * from the observations.
  * The error of the start is unknown. With a partial target the registration keeps the start where normals determine
  * little. If the observed part moved far, the rest may lack the same motion. Therefore the motion from the start has

@@ -1,5 +1,5 @@
-/* verdict_cloud_measures.c: how a model lies on a cloud of points: visible share of its area, residuals, and agreement of
- * normals where points have them.
+/* verdict_cloud_measures.c: how a model lies on a cloud of points: visible share of its area, residuals, and agreement
+ * of normals where points have them.
  * Bounds: two closest-point searches for each point and structure that shares the cloud; one pass over triangles.
  * SPDX-License-Identifier: MIT */
 #include "verdict/verdict_measures.h"

@@ -1,5 +1,5 @@
-/* verdict_landmark_measures.c: measures of a structure that only landmarks or the caller's goals determine: residuals, and
- * expected errors by the field through the landmarks.
+/* verdict_landmark_measures.c: measures of a structure that only landmarks or the caller's goals determine: residuals,
+ * and expected errors by the field through the landmarks.
  * Bounds: SMR_LANDMARKS_MAX^3 / 6 multiplications once, SMR_LANDMARKS_MAX^2 / 2 for each vertex.
  * SPDX-License-Identifier: MIT */
 #include "verdict/verdict_landmark_measures.h"

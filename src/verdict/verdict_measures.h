@@ -1,5 +1,5 @@
-/* verdict_measures.h: measures of a result, on demand between iterations. In: the whole registration, unchanged but for the
- * memory of records and sums. Out: means over structures, from which the verdict follows.
+/* verdict_measures.h: measures of a result, on demand between iterations. In: the whole registration, unchanged but for
+ * the memory of records and sums. Out: means over structures, from which the verdict follows.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_VERDICT_MEASURES_H
 #define SMR_VERDICT_MEASURES_H

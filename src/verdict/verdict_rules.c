@@ -1,5 +1,5 @@
-/* verdict_rules.c: the rules of the verdict: a measure beyond its limit is a reason. Limits are chosen so that generated
- * runs that ended within a millimetre of the truth seldom exceed them, and failed runs do.
+/* verdict_rules.c: the rules of the verdict: a measure beyond its limit is a reason. Limits are chosen so that
+ * generated runs that ended within a millimetre of the truth seldom exceed them, and failed runs do.
  * SPDX-License-Identifier: MIT */
 #include "verdict/verdict_measures.h"
 

@@ -1,5 +1,5 @@
-/* verdict_shape_measures.c: how a structure's shape differs from its rest shape: strain of edges, volume, rotations of parts.
- * Bounds: one pass over the triangles, and SMR_PARTS passes over the vertices.
+/* verdict_shape_measures.c: how a structure's shape differs from its rest shape: strain of edges, volume, rotations of
+ * parts. Bounds: one pass over the triangles, and SMR_PARTS passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation.h"
 #include "verdict/verdict_measures.h"

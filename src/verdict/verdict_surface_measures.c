@@ -1,5 +1,5 @@
-/* verdict_surface_measures.c: how model and target surface lie on each other, in both directions, integrated over the area.
- * Bounds: a closest-point search for each vertex and for each triangle of the target.
+/* verdict_surface_measures.c: how model and target surface lie on each other, in both directions, integrated over the
+ * area. Bounds: a closest-point search for each vertex and for each triangle of the target.
  * SPDX-License-Identifier: MIT */
 #include "verdict/verdict_measures.h"
 

@@ -205,6 +205,26 @@ static int golden_start(const smr_surface *source, const smr_surface *target, sm
     return 1;
 }
 
+/* The line of all words, and what is left out. */
+static int golden_print(const uint64_t *words, uint32_t n)
+{
+    print_text("smr-hash");
+    for (uint32_t i = 0; i < n; i++) {
+        print_text(" ");
+        if (golden_missing >> i & 1u)
+            print_text("-");
+        else
+            print_hex(words[i], i == 4u || i == 6u || i == 9u ? 8u : 16u);
+    }
+    print_text("\n");
+    if (smr_built_without()[0] == '\0')
+        return 0;
+    print_text("built without ");
+    print_text(smr_built_without());
+    print_text("\n");
+    return 2;
+}
+
 static int golden_main(const smr_port *port)
 {
     smr_mesh mesh[2];
@@ -247,26 +267,11 @@ static int golden_main(const smr_port *port)
         (!golden_images(port, again, &crc_image) ||
          !golden_ok("restored image", again[0] == image[0] && again[1] == image[1] ? SMR_OK : SMR_E_STATE)))
         return 1;
-    if (smr_built_without()[0] != '\0') /* a save keeps less */
-        golden_missing |= 1u << 9;
+    golden_missing |= smr_built_without()[0] != '\0' ? 1u << 9 : 0u; /* a save keeps less */
     const uint64_t words[] = {rigid,  polar,     image[0], half,     crc ^ crc_image ^ crc_start ^ crc_half,
                               points, crc_carry, drawn,    image[1], golden_saved.checksums,
                               track,  fused,     volume,   moves,    contact};
-    print_text("smr-hash");
-    for (uint32_t i = 0; i < sizeof words / sizeof words[0]; i++) {
-        print_text(" ");
-        if (golden_missing >> i & 1u)
-            print_text("-");
-        else
-            print_hex(words[i], i == 4u || i == 6u || i == 9u ? 8u : 16u);
-    }
-    print_text("\n");
-    if (smr_built_without()[0] == '\0')
-        return 0;
-    print_text("built without ");
-    print_text(smr_built_without());
-    print_text("\n");
-    return 2;
+    return golden_print(words, (uint32_t)(sizeof words / sizeof words[0]));
 }
 
 #ifdef SMR_BAREMETAL

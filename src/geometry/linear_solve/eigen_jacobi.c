@@ -1,6 +1,6 @@
-/* eigen_jacobi.c: diagonalisation of symmetric 3x3 matrices by cyclic Jacobi iterations (paper 2.3), and pseudo-inverses.
- * Method: Golub, Van Loan, "Matrix Computations", 8.5: each rotation zeroes one off-diagonal pair. From a cold
- * start four sweeps leave off-diagonals below 1e-6 of the largest eigenvalue; from a warm start two do.
+/* eigen_jacobi.c: diagonalisation of symmetric 3x3 matrices by cyclic Jacobi iterations (paper 2.3), and
+ * pseudo-inverses. Method: Golub, Van Loan, "Matrix Computations", 8.5: each rotation zeroes one off-diagonal pair.
+ * From a cold start four sweeps leave off-diagonals below 1e-6 of the largest eigenvalue; from a warm start two do.
  * Bounds: sweeps * 3 rotations, no data-dependent loop.
  * SPDX-License-Identifier: MIT */
 #include "geometry/linear_solve/eigen_jacobi.h"

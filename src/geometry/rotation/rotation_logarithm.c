@@ -1,6 +1,6 @@
-/* rotation_logarithm.c: logarithm and exponential of rigid motions. The factors of a^2 that Rodrigues' formula and its integral
- * need are polynomials, as in rotation_rodrigues.c: no libm, no branch at small angles, and differences of nearly equal numbers
- * nowhere. The arc tangent is that of Cephes (S. Moshier, atanf).
+/* rotation_logarithm.c: logarithm and exponential of rigid motions. The factors of a^2 that Rodrigues' formula and its
+ * integral need are polynomials, as in rotation_rodrigues.c: no libm, no branch at small angles, and differences of
+ * nearly equal numbers nowhere. The arc tangent is that of Cephes (S. Moshier, atanf).
  * Accuracy against double precision: rotation vectors 6e-7 rad, places 2e-6 of |turn| |p| + |shift|.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation_logarithm.h"

@@ -1,7 +1,7 @@
-/* rotation_logarithm.h: logarithm and exponential of rigid motions, for averages that stay rigid (Arsigny, Commowick, Ayache,
- * Pennec, "A fast and log-Euclidean polyaffine framework for locally linear registration", 2009; the paper's [11]).
- * The logarithm of a motion is a twist: the velocity omega x p + u of each point p, which lasts for a unit of time.
- * SPDX-License-Identifier: MIT */
+/* rotation_logarithm.h: logarithm and exponential of rigid motions, for averages that stay rigid (Arsigny, Commowick,
+ * Ayache, Pennec, "A fast and log-Euclidean polyaffine framework for locally linear registration", 2009; the paper's
+ * [11]). The logarithm of a motion is a twist: the velocity omega x p + u of each point p, which lasts for a unit of
+ * time. SPDX-License-Identifier: MIT */
 #ifndef SMR_ROTATION_LOGARITHM_H
 #define SMR_ROTATION_LOGARITHM_H
 

@@ -1,5 +1,5 @@
-/* rotation_polar_decomposition.c: the rotation nearest to a 3x3 matrix (paper 2.3, "polar decomposition"; Mueller et al.,
- * "Meshless deformations based on shape matching", 2005).
+/* rotation_polar_decomposition.c: the rotation nearest to a 3x3 matrix (paper 2.3, "polar decomposition"; Mueller et
+ * al., "Meshless deformations based on shape matching", 2005).
  * Method: A^T A = V lambda V^T by cyclic Jacobi, warm-started from the last V; then R = U V^T with U = A V
  * lambda^-1/2.
  * That equals the paper's A (A^T A)^-1/2 and stays defined when A is singular.

@@ -1,6 +1,6 @@
-/* rotation_rodrigues.c: rotation matrices from rotation vectors by the Rodrigues formula (paper 2.3, rigid body kinematics).
- * sin and cos are Taylor polynomials to a^13 and a^14 instead of libm calls, whose results differ between platforms.
- * Accuracy: 2e-7 on the whole range.
+/* rotation_rodrigues.c: rotation matrices from rotation vectors by the Rodrigues formula (paper 2.3, rigid body
+ * kinematics). sin and cos are Taylor polynomials to a^13 and a^14 instead of libm calls, whose results differ between
+ * platforms. Accuracy: 2e-7 on the whole range.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation.h"
 

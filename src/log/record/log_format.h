@@ -83,7 +83,8 @@ typedef struct smr_log_of_tick {
  *   POSITIONS, GOALS, MOTION        number: structure            what: xyz, smr_goals, smr_motion   n: vertices
  *   LANDMARKS                       what: [n] landmarks
  *   VOLUME, POSE                    what: the volume, NULL; the pose
- *   FORCE                           number: 0 taken away, 1 set, 2 what: the sum (uint64_t) that it gave in the next tick
+ *   FORCE                           number: 0 taken away, 1 set, 2 what: the sum (uint64_t) that it gave in the next
+ * tick
  *   VOLUME_RATIO                    number: structure            what: the ratio (float)
  *   ACTIVE                          number: vertices
  *   TICK                            what: smr_log_of_tick */

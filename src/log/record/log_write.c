@@ -1,6 +1,6 @@
-/* log_write.c: logs all inputs of a registration, and how far each tick came. Together with the inputs this determines all
- * bits, so a run that the clock has cut can be repeated anywhere. Bytes are little-endian, records are appended, and
- * each record's checksum continues the one before: after a loss of power the log is readable up to its last record.
+/* log_write.c: logs all inputs of a registration, and how far each tick came. Together with the inputs this determines
+ * all bits, so a run that the clock has cut can be repeated anywhere. Bytes are little-endian, records are appended,
+ * and each record's checksum continues the one before: after a loss of power the log is readable up to its last record.
  * Layout: docs/SPEC.md.
  * Bounds: SMR_LOG_WORDS; SMR_LOG_CONFIG_WORDS for the header.
  * SPDX-License-Identifier: MIT */

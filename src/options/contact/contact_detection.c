@@ -1,10 +1,10 @@
-/* contact_detection.c: what vertices touch, and the way out. A vertex that touches another structure within SMR_CONTACT_BAND has
- * a plane there, with the way out as its normal. Displaced by forces and momentum, and the other surface by its own, it
- * may not lie behind the plane: what is missing is shared by mass, and each side adds its share, along the normal only,
- * so sliding is free. Source: non-penetration constraints of Mueller et al., "Position based dynamics", 2006.
- * Inside, the way out leads through triangles that face the vertex' own normal, so that a thin structure is not passed
- * through; from fixed surfaces it is the shortest. What a vertex touches fades in and out with distance.
- * A lower bound on the distance to everything spares most searches: it falls by what has moved since.
+/* contact_detection.c: what vertices touch, and the way out. A vertex that touches another structure within
+ * SMR_CONTACT_BAND has a plane there, with the way out as its normal. Displaced by forces and momentum, and the other
+ * surface by its own, it may not lie behind the plane: what is missing is shared by mass, and each side adds its share,
+ * along the normal only, so sliding is free. Source: non-penetration constraints of Mueller et al., "Position based
+ * dynamics", 2006. Inside, the way out leads through triangles that face the vertex' own normal, so that a thin
+ * structure is not passed through; from fixed surfaces it is the shortest. What a vertex touches fades in and out with
+ * distance. A lower bound on the distance to everything spares most searches: it falls by what has moved since.
  * Bounds: two searches of config.forces.node_budget tree nodes for each vertex and body whose box is near.
  * SPDX-License-Identifier: MIT */
 #include "options/contact/contact.h"
@@ -33,8 +33,8 @@ void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared)
 {
     const size_t n = shared->n;
     if (shared->config.contact.n_fixed > 0u)
-        c->fixed =
-            smr_slot_scratch(a, c->fixed, shared->config.contact.n_fixed, sizeof *c->fixed); /* set again: restore_awaited_inputs.c */
+        c->fixed = smr_slot_scratch(a, c->fixed, shared->config.contact.n_fixed,
+                                    sizeof *c->fixed); /* set again: restore_awaited_inputs.c */
     if (!(shared->config.contact.share > 0.0f))
         return;
     c->box = smr_slot_scratch(a, c->box, n_bodies(shared), 6u * sizeof(float));

@@ -1,7 +1,7 @@
-/* curvature_smoothing.c: smoothing towards the rest shape's curvature. The height of the mesh neighbours' mean over a vertex,
- * along the normal, is the discrete mean curvature (umbrella operator; Kobbelt et al. 1998). A vertex moves along
- * its normal until that height equals the one at rest, scaled like the start. Noise falls, while edges and dents of
- * the rest shape stay. Rigid motions and bending are not resisted, since heights are relative to the surface.
+/* curvature_smoothing.c: smoothing towards the rest shape's curvature. The height of the mesh neighbours' mean over a
+ * vertex, along the normal, is the discrete mean curvature (umbrella operator; Kobbelt et al. 1998). A vertex moves
+ * along its normal until that height equals the one at rest, scaled like the start. Noise falls, while edges and dents
+ * of the rest shape stay. Rigid motions and bending are not resisted, since heights are relative to the surface.
  * Borders do not shrink, since nothing moves along the surface.
  * Bounds: one pass over triangles and vertices.
  * SPDX-License-Identifier: MIT */

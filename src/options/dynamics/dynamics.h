@@ -1,6 +1,6 @@
 /* dynamics.h: capability: a model that has mass and moves in time. In: smr_set_motion(), positions, average goals. Out:
- * where sweeps start, weights of the clusters' fits, positions under way, velocities and energies. dynamics_time_steps.c has the
- * method.
+ * where sweeps start, weights of the clusters' fits, positions under way, velocities and energies.
+ * dynamics_time_steps.c has the method.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_DYNAMICS_H
 #define SMR_DYNAMICS_H

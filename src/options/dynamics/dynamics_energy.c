@@ -1,6 +1,6 @@
-/* dynamics_energy.c: velocities and energies at the end of a time step. Near pinned vertices, and where structures share
- * clusters, the clusters' fits are approximate, and time steps could add energy without limit. Therefore energy is
- * counted, and velocities are scaled down when there is too much (passivity observer and controller; Hannaford and
+/* dynamics_energy.c: velocities and energies at the end of a time step. Near pinned vertices, and where structures
+ * share clusters, the clusters' fits are approximate, and time steps could add energy without limit. Therefore energy
+ * is counted, and velocities are scaled down when there is too much (passivity observer and controller; Hannaford and
  * Ryu 2002). Structures that share clusters are counted together, since they exchange energy. Without pinned
  * vertices, linear and angular momentum are conserved.
  * Bounds: three passes over the vertices, cut into tasks; one in a piece.

@@ -1,4 +1,5 @@
-/* dynamics_time_steps.c: dynamics by implicit Euler (paper 2.3, "when a dynamic aspect is desired"). A time step minimises
+/* dynamics_time_steps.c: dynamics by implicit Euler (paper 2.3, "when a dynamic aspect is desired"). A time step
+ * minimises
  *   Sum_j M_j / 2 h^2 |x_j - y_j|^2 + k / 2 Sum_i Sum_(j in zeta_i) m_j |x_j - T_i x^r_j|^2,  y = x + h v + h^2 g,
  * over x and the clusters' rigid transforms T_i in turn (incremental potential; Martin et al. 2011): for fixed x the
  * T_i are the match, for fixed T_i each vertex moves to (y + h^2 k x~) / (1 + h^2 k), with x~ the average goal

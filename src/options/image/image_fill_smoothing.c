@@ -1,5 +1,5 @@
-/* image_fill_smoothing.c: smoothing force where the image shows no goal (paper 2.3, other forces). A vertex without a goal
- * moves towards the mean of its mesh neighbours, so that parts that the image does not have shrink back. Vertices
+/* image_fill_smoothing.c: smoothing force where the image shows no goal (paper 2.3, other forces). A vertex without a
+ * goal moves towards the mean of its mesh neighbours, so that parts that the image does not have shrink back. Vertices
  * with a goal are not smoothed, nor are structures of which less than half of the vertices had a goal: these must
  * not collapse. The force falls to 0 at the end of the schedule, as all image forces do.
  * The same pass computes each structure's share of vertices with a goal, which sets the search distance, and its

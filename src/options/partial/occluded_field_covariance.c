@@ -1,6 +1,6 @@
-/* occluded_field_covariance.c: what two places of the field have in common: its kernel, and what controls tell. What is observed
- * of a landmark is the mean of its triangle's corners. So that the field passes exactly by a hard one, what it may be
- * off is not noise, but a second field of short reach.
+/* occluded_field_covariance.c: what two places of the field have in common: its kernel, and what controls tell. What is
+ * observed of a landmark is the mean of its triangle's corners. So that the field passes exactly by a hard one, what it
+ * may be off is not noise, but a second field of short reach.
  * Bounds: nine kernels.
  * SPDX-License-Identifier: MIT */
 #include "options/partial/partial.h"

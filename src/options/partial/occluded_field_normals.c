@@ -1,5 +1,5 @@
-/* occluded_field_normals.c: fits the field of occluded vertices to a target that holds vertices along their normals only. A
- * control contributes one number: the distance from the posed start position to its goal along the normal.
+/* occluded_field_normals.c: fits the field of occluded vertices to a target that holds vertices along their normals
+ * only. A control contributes one number: the distance from the posed start position to its goal along the normal.
  * Displacements along the surface follow from the field, whose three components share one kernel. The field includes
  * the seven motions of a similarity, which are added to the pose. These motions are measured from the start, so that
  * whatever normals do not determine (the turn of a ball, the size of a flat cap) stays as the start pose had it.

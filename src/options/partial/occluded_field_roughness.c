@@ -1,5 +1,5 @@
-/* occluded_field_roughness.c: estimates how rough the deformation of a part is. Two bodies differ smoothly and also from
- * place to place. If such local differences were taken as smooth, they would turn and stretch the whole model.
+/* occluded_field_roughness.c: estimates how rough the deformation of a part is. Two bodies differ smoothly and also
+ * from place to place. If such local differences were taken as smooth, they would turn and stretch the whole model.
  * Therefore the kernel has a second, short term. Its share of the variance is the most likely of SMR_FIELD_TRIES
  * values (marginal likelihood of some of the controls; Rasmussen and Williams 2006, section 5.4). The controls'
  * noise variance grows with it. A smooth deformation has no short term.

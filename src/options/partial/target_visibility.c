@@ -1,5 +1,5 @@
-/* target_visibility.c: visibility of each vertex in a target that may lack parts of the model. A goal's weight falls on an
- * open border of the target, where normals disagree, and where the goal is not mutual: the model point closest to
+/* target_visibility.c: visibility of each vertex in a target that may lack parts of the model. A goal's weight falls on
+ * an open border of the target, where normals disagree, and where the goal is not mutual: the model point closest to
  * the goal lies far from the vertex. Each factor is continuous. For the rest of its weight the vertex follows the
  * field of occluded vertices.
  * A closed target counts as whole while most of the model's vertices are visible; then all goals have full weight.

@@ -1,5 +1,5 @@
-/* restore_awaited_inputs.c: inputs that a restored registration waits for. Surfaces and the image belong to the caller, so a save
- * has only their checksums and which structures shared a surface. Until all are set again, ticks are refused.
+/* restore_awaited_inputs.c: inputs that a restored registration waits for. Surfaces and the image belong to the caller,
+ * so a save has only their checksums and which structures shared a surface. Until all are set again, ticks are refused.
  * Setting them is no new input: schedule, searches and log continue.
  * Bounds: structures squared; one pass over an input.
  * SPDX-License-Identifier: MIT */

@@ -1,5 +1,5 @@
-/* save_state_fields.c: what a save keeps of a registration beside its slots: where log, schedule and report stand, and which
- * inputs it has. What the clock taught is learnt anew.
+/* save_state_fields.c: what a save keeps of a registration beside its slots: where log, schedule and report stand, and
+ * which inputs it has. What the clock taught is learnt anew.
  * Bounds: those of restore_awaited_inputs.c.
  * SPDX-License-Identifier: MIT */
 #include "registration/api/setup.h"

@@ -1,5 +1,5 @@
-/* evolve_positions.c: new positions (paper 2.3, evolution): x += relaxation (x~ - x) with x~_i = Sum_i(T) x^r_i / |zeta_i|,
- * normals carried by the averaged rotation, and the state hash. In dynamics: x~, from where a sweep goes on.
+/* evolve_positions.c: new positions (paper 2.3, evolution): x += relaxation (x~ - x) with x~_i = Sum_i(T) x^r_i /
+ * |zeta_i|, normals carried by the averaged rotation, and the state hash. In dynamics: x~, from where a sweep goes on.
  * Bounds: two passes over the vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/evolve/evolve_positions.h"

@@ -1,5 +1,5 @@
-/* evolve_positions.h: new positions x = x~ (paper 2.3, evolution), smoothed along the surface, with their normals; plasticity.
- * In: averaged transforms, x^r. Out: x_next and the size of the displacements; x^r where it follows.
+/* evolve_positions.h: new positions x = x~ (paper 2.3, evolution), smoothed along the surface, with their normals;
+ * plasticity. In: averaged transforms, x^r. Out: x_next and the size of the displacements; x^r where it follows.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_EVOLVE_POSITIONS_H
 #define SMR_EVOLVE_POSITIONS_H

@@ -1,5 +1,5 @@
-/* normals_from_triangles.c: vertex normals computed from the triangles at x_next, area-weighted, where the iteration ends
- * with a new reference shape or the configuration asks for it; otherwise the averaged rotations rotate them. The
+/* normals_from_triangles.c: vertex normals computed from the triangles at x_next, area-weighted, where the iteration
+ * ends with a new reference shape or the configuration asks for it; otherwise the averaged rotations rotate them. The
  * sums and their order are those of smr_mesh_normals(), cut into small tasks.
  * Bounds: one pass over triangles, two over vertices.
  * SPDX-License-Identifier: MIT */

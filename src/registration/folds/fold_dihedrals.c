@@ -1,5 +1,5 @@
-/* fold_dihedrals.c: the angle at a dihedral edge, runs of triangles without marks, and pieces of passes, for the steps that
- * handle folds.
+/* fold_dihedrals.c: the angle at a dihedral edge, runs of triangles without marks, and pieces of passes, for the steps
+ * that handle folds.
  * Bounds: two triangles for each dihedral edge.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"

@@ -1,5 +1,5 @@
-/* external_forces.c: external forces f^e = stiffness (goal - x) (paper 2.1), from the displacements that the sources of goals
- * give.
+/* external_forces.c: external forces f^e = stiffness (goal - x) (paper 2.1), from the displacements that the sources of
+ * goals give.
  * Bounds: one pass over the vertices, and those of the sources.
  * SPDX-License-Identifier: MIT */
 #include "registration/goals/external_forces.h"

@@ -1,5 +1,5 @@
-/* external_forces.h: external forces f^e = stiffness (goal - x) (paper 2.1). In: positions, normals, targets. Out: the force
- * on each vertex and what was found for it. Each source of goals has its own file and struct.
+/* external_forces.h: external forces f^e = stiffness (goal - x) (paper 2.1). In: positions, normals, targets. Out: the
+ * force on each vertex and what was found for it. Each source of goals has its own file and struct.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_EXTERNAL_FORCES_H
 #define SMR_EXTERNAL_FORCES_H

@@ -7,7 +7,8 @@
 void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared *shared)
 {
     if (shared->config.caller.goals != 0u)
-        g->goals = smr_slot_scratch(a, g->goals, shared->n_structures, sizeof *g->goals); /* set again: restore_awaited_inputs.c */
+        g->goals = smr_slot_scratch(a, g->goals, shared->n_structures,
+                                    sizeof *g->goals); /* set again: restore_awaited_inputs.c */
     if (shared->config.caller.force != SMR_CALLER_OFF)
         g->force_output = smr_slot_scratch(a, g->force_output, shared->n, 4u * sizeof(float));
 }

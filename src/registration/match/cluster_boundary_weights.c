@@ -1,5 +1,5 @@
-/* cluster_boundary_weights.c: fractional weights of vertices near a cluster's boundary: adds the difference from the sums by
- * lists. In integers, so that the order does not matter.
+/* cluster_boundary_weights.c: fractional weights of vertices near a cluster's boundary: adds the difference from the
+ * sums by lists. In integers, so that the order does not matter.
  * Bounds: one pass over the radius' boundary pairs.
  * SPDX-License-Identifier: MIT */
 #include "registration/match/cluster_reference.h"

@@ -1,8 +1,8 @@
-/* cluster_reference.c: for each new reference shape x^r, each cluster's centre c^r, mass M and covariance C^r or inverse
- * inertia tensor (paper 2.3). x^r is rounded to powers of two of a millimetre, and moments are summed as wrapping
- * integers; relative to the cluster's own vertex the results fit and are exact, however far the cluster lies from
- * the origin. Second moments use a coarse step, about a thousandth of the cluster's size; the centre has a fine step
- * of its own. In dynamics weights differ more: there the moments about stored vertex 0 are rounded instead of the
+/* cluster_reference.c: for each new reference shape x^r, each cluster's centre c^r, mass M and covariance C^r or
+ * inverse inertia tensor (paper 2.3). x^r is rounded to powers of two of a millimetre, and moments are summed as
+ * wrapping integers; relative to the cluster's own vertex the results fit and are exact, however far the cluster lies
+ * from the origin. Second moments use a coarse step, about a thousandth of the cluster's size; the centre has a fine
+ * step of its own. In dynamics weights differ more: there the moments about stored vertex 0 are rounded instead of the
  * positions.
  * Bounds: four passes over the vertices, one over the lists.
  * SPDX-License-Identifier: MIT */

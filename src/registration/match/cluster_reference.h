@@ -1,5 +1,5 @@
-/* cluster_reference.h: what matching needs of the reference shape x^r, recomputed when x^r or the active vertices change.
- * In: x^r, masses. Out: centre c^r, mass M and spread of each cluster, 1 / |zeta|.
+/* cluster_reference.h: what matching needs of the reference shape x^r, recomputed when x^r or the active vertices
+ * change. In: x^r, masses. Out: centre c^r, mass M and spread of each cluster, 1 / |zeta|.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_CLUSTER_REFERENCE_H
 #define SMR_CLUSTER_REFERENCE_H

@@ -1,5 +1,5 @@
-/* cluster_sums.h: sums over clusters, Sigma_i(v) of paper 2.2. In: fixed-point records of each vertex. Out: their sums over the
- * cluster of each vertex. Reference moments, displacements and transforms are summed in turn.
+/* cluster_sums.h: sums over clusters, Sigma_i(v) of paper 2.2. In: fixed-point records of each vertex. Out: their sums
+ * over the cluster of each vertex. Reference moments, displacements and transforms are summed in turn.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_CLUSTER_SUMS_H
 #define SMR_CLUSTER_SUMS_H

@@ -1,7 +1,7 @@
-/* match_rotation.c: each cluster's least-squares rigid transform T_i = [R_i, t_i] from x^r to x + f^e (paper 2.3), out of the
- * cluster's sums. Rigid-body kinematics: omega = I^r^-1 L, R by Rodrigues' formula. Polar decomposition:
- * A = C^r + Sum(m u (x^r - c^r)^T), R by geometry/rotation/rotation_polar_decomposition.c. In both t = c - R c^r. R - I is kept
- * rather than R: it is small, and nothing is lost when nothing turns.
+/* match_rotation.c: each cluster's least-squares rigid transform T_i = [R_i, t_i] from x^r to x + f^e (paper 2.3), out
+ * of the cluster's sums. Rigid-body kinematics: omega = I^r^-1 L, R by Rodrigues' formula. Polar decomposition:
+ * A = C^r + Sum(m u (x^r - c^r)^T), R by geometry/rotation/rotation_polar_decomposition.c. In both t = c - R c^r. R - I
+ * is kept rather than R: it is small, and nothing is lost when nothing turns.
  * Bounds: one pass over the active vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/match/match_rotation.h"

@@ -1,6 +1,6 @@
-/* match_rotation.h: the transform of each cluster and the average of the transforms (paper 2.3). In: sums of displacements, the
- * reference's centres and spreads. Out: T_i = [R_i, t_i]; then, from the sums of these, each vertex' goal position.
- * SPDX-License-Identifier: MIT */
+/* match_rotation.h: the transform of each cluster and the average of the transforms (paper 2.3). In: sums of
+ * displacements, the reference's centres and spreads. Out: T_i = [R_i, t_i]; then, from the sums of these, each vertex'
+ * goal position. SPDX-License-Identifier: MIT */
 #ifndef SMR_MATCH_ROTATION_H
 #define SMR_MATCH_ROTATION_H
 

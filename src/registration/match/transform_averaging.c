@@ -1,7 +1,7 @@
-/* transform_averaging.c: averaging the clusters' transforms (paper 2.3, evolution): x~_i = Sum_i(T) x^r_i / |zeta_i|. Here the
- * transforms T_i = [R_i - I, t_i] become records; cluster_sums.c sums them, and evolve/evolve_positions.c applies the mean to x^r. With
- * smr_config.motion.fusing `lie` records are of log T_i, and x~_i = exp(Sum_i(log T) / |zeta_i|) x^r_i.
- * Bounds: one pass over the active vertices.
+/* transform_averaging.c: averaging the clusters' transforms (paper 2.3, evolution): x~_i = Sum_i(T) x^r_i / |zeta_i|.
+ * Here the transforms T_i = [R_i - I, t_i] become records; cluster_sums.c sums them, and evolve/evolve_positions.c
+ * applies the mean to x^r. With smr_config.motion.fusing `lie` records are of log T_i, and x~_i = exp(Sum_i(log T) /
+ * |zeta_i|) x^r_i. Bounds: one pass over the active vertices.
  * SPDX-License-Identifier: MIT */
 #include "registration/match/match_rotation.h"
 

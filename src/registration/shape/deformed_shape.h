@@ -27,9 +27,10 @@ typedef struct smr_track_rest {
     smr_fit one, all;           /* sums of the fits: of the current structure, of the whole model */
     uint32_t structure, vertex; /* position of the summation, in the caller's numbering */
     uint32_t n_tasks;           /* number of tasks of the summation */
-    uint32_t due;               /* 1: x^r is to follow in this iteration. Written by tracking.c and dynamics_time_steps.c */
-    uint32_t predicted;         /* 1: structures were already moved on for the current targets */
-    /* where a pose is to lay vertex v, which an iteration has taken to x; NULL: there. Written by dynamics_time_steps.c */
+    uint32_t due;       /* 1: x^r is to follow in this iteration. Written by tracking.c and dynamics_time_steps.c */
+    uint32_t predicted; /* 1: structures were already moved on for the current targets */
+    /* where a pose is to lay vertex v, which an iteration has taken to x; NULL: there. Written by
+     * dynamics_time_steps.c */
     smr_vec (*to)(const struct smr_dynamics *d, uint32_t v, smr_vec x);
 } smr_track_rest;
 
@@ -90,8 +91,8 @@ void smr_rest_pose_sum(void *shape, uint32_t task, uint32_t worker);
 void smr_rest_pose_end(smr_shape *shape);
 void smr_rest_pose_now(smr_shape *shape); /* fits rest_pose at once, without steps */
 
-/* tracking_rest_shape.c, in tracking and dynamics: x^r is the held shape, each structure carried along by the pose that lays it
- * onto x best. The sums are of x_next, at the end of an iteration. */
+/* tracking_rest_shape.c, in tracking and dynamics: x^r is the held shape, each structure carried along by the pose that
+ * lays it onto x best. The sums are of x_next, at the end of an iteration. */
 void smr_track_rest_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
 void smr_track_rest_wire(smr_shape *shape);   /* no rest shape is set yet; the structures are known */
 void smr_track_rest_derive(smr_shape *shape); /* computes what follows from a restored track_rest_x */

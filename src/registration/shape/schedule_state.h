@@ -22,18 +22,6 @@ enum { SMR_FOUND_NO_TARGET = 0, SMR_FOUND_GOAL = 1, SMR_FOUND_NONE = 2, SMR_FOUN
 /* What a search in the image says. */
 enum { SMR_NO_GOAL = 0, SMR_GOAL, SMR_UNDECIDED };
 
-/* Parts of an iteration that a configuration asks for. PLAIN is in every one. */
-enum {
-    SMR_PART_PLAIN = 1,
-    SMR_PART_IMAGE = 2,
-    SMR_PART_PARTIAL = 4,
-    SMR_PART_TRACK = 8,
-    SMR_PART_CONTACT = 16,
-    SMR_PART_DYNAMICS = 32,
-    SMR_PART_CALLER = 64,
-    SMR_PART_HELD = SMR_PART_TRACK | SMR_PART_DYNAMICS
-};
-
 /* Model, configuration and what follows from them. Constant after the setup. */
 typedef struct smr_shared {
     const smr_model *model;

@@ -1,5 +1,5 @@
-/* tracking_rest_shape.c: the rest shape of tracking: the result of the coarse-to-fine schedule. The reference shape x^r is
- * that shape in a new pose, not x, so errors do not accumulate. Clusters find small rotations best, and parts may
+/* tracking_rest_shape.c: the rest shape of tracking: the result of the coarse-to-fine schedule. The reference shape x^r
+ * is that shape in a new pose, not x, so errors do not accumulate. Clusters find small rotations best, and parts may
  * turn against each other: therefore each structure gets its own rigid pose, fitted to x anew in each iteration. x^r
  * follows when the iteration is complete. A structure without triangles moves with the whole model.
  * Bounds: a pass over the vertices in chunks and one in a piece, a fit for each structure.

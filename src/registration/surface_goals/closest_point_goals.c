@@ -1,5 +1,5 @@
-/* closest_point_goals.c: the goal of a vertex on its target surface: the closest point with an agreeing normal, blended with
- * the target's own pull (target_to_model_pulls.c). What runs along the model's surface counts with a share only.
+/* closest_point_goals.c: the goal of a vertex on its target surface: the closest point with an agreeing normal, blended
+ * with the target's own pull (target_to_model_pulls.c). What runs along the model's surface counts with a share only.
  * Source: paper 2.1 and 3, geometric registration. Bounds: config.forces.node_budget tree nodes a vertex.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"

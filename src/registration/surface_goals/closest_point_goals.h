@@ -1,6 +1,6 @@
-/* closest_point_goals.h: goals on target surfaces (paper 2.1; 3, geometric registration): the closest point of the target,
- * averaged with the target's pulls. In: positions, normals, target surfaces. Out: the displacement of each vertex to
- * its goal.
+/* closest_point_goals.h: goals on target surfaces (paper 2.1; 3, geometric registration): the closest point of the
+ * target, averaged with the target's pulls. In: positions, normals, target surfaces. Out: the displacement of each
+ * vertex to its goal.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_CLOSEST_POINT_GOALS_H
 #define SMR_CLOSEST_POINT_GOALS_H

@@ -1,9 +1,9 @@
-/* target_to_model_pulls.c: target-to-model attraction. Every target vertex finds the closest point of the deforming model
- * and pulls the corners of that triangle towards itself, weighted by area and barycentric coordinates. A projection
- * of the model onto the target alone leaves whole parts of the target uncovered: nothing calls the model there. Where
- * other places of the same structure are nearly as near, it pulls there, too, the less the farther they are: which of
- * two places is nearer by a last bit then changes next to nothing. Pulls are summed as 64-bit whole numbers, per
- * worker and then over workers: any order gives the same bits.
+/* target_to_model_pulls.c: target-to-model attraction. Every target vertex finds the closest point of the deforming
+ * model and pulls the corners of that triangle towards itself, weighted by area and barycentric coordinates. A
+ * projection of the model onto the target alone leaves whole parts of the target uncovered: nothing calls the model
+ * there. Where other places of the same structure are nearly as near, it pulls there, too, the less the farther they
+ * are: which of two places is nearer by a last bit then changes next to nothing. Pulls are summed as 64-bit whole
+ * numbers, per worker and then over workers: any order gives the same bits.
  * Bounds: config.forces.node_budget tree nodes for each target vertex and structure that shares its surface.
  * SPDX-License-Identifier: MIT */
 #include "registration/surface_goals/closest_point_goals.h"

@@ -1,5 +1,5 @@
-/* coarse_to_fine_schedule.c: what happens between iterations, from coarse to fine: which vertices take part, how far goals are sought,
- * whether x^r = x (plasticity.c), and the next finer radius (convergence.c, schedule_radius.c).
+/* coarse_to_fine_schedule.c: what happens between iterations, from coarse to fine: which vertices take part, how far
+ * goals are sought, whether x^r = x (plasticity.c), and the next finer radius (convergence.c, schedule_radius.c).
  * Bounds: one pass over the vertices where x^r follows; SMR_RADII_MAX.
  * SPDX-License-Identifier: MIT */
 #include "registration/tick/coarse_to_fine_schedule.h"

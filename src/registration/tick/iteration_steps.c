@@ -1,5 +1,5 @@
-/* iteration_steps.c: one registration iteration, in the order of the paper's section 2.3. The table lists the steps; the
- * functions above it pass results of one stage to the next. Only the last step makes new positions current.
+/* iteration_steps.c: one registration iteration, in the order of the paper's section 2.3. The table lists the steps;
+ * the functions above it pass results of one stage to the next. Only the last step makes new positions current.
  * SPDX-License-Identifier: MIT */
 #include "registration/tick/iteration_steps.h"
 

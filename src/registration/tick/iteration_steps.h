@@ -13,6 +13,18 @@ enum { SMR_WORK_TASKS = 0, SMR_WORK_ACTIVE, SMR_WORK_LISTS, SMR_WORK_FOLDS };
 /* Whether a step's tasks run in any order or one after the other. */
 enum { SMR_ANY_ORDER = 0, SMR_SERIAL };
 
+/* Parts of an iteration that a configuration asks for. PLAIN is in every one. */
+enum {
+    SMR_PART_PLAIN = 1,
+    SMR_PART_IMAGE = 2,
+    SMR_PART_PARTIAL = 4,
+    SMR_PART_TRACK = 8,
+    SMR_PART_CONTACT = 16,
+    SMR_PART_DYNAMICS = 32,
+    SMR_PART_CALLER = 64,
+    SMR_PART_HELD = SMR_PART_TRACK | SMR_PART_DYNAMICS
+};
+
 /* A step: n_tasks tasks (0: skipped), then one serial call of `end`. All functions but `end` get the stage's own
  * struct, which lies `stage` bytes from the registration's start. Where tasks are pieces of a larger task, `abreast`
  * of them are independent, and the next ones need their results. */

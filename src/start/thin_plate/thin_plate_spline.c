@@ -21,7 +21,8 @@
 #define SMR_WARP_AFFINE 4u /* columns of P */
 #define SMR_SAME_MM 1.0e-4f
 #define SMR_SAME_SHARE 2.0e-5f
-#define SMR_LINE_SHARE 1.0e-3f  /* collinear: second variance relative to the largest, as in rotation_polar_decomposition.c */
+#define SMR_LINE_SHARE                                                                                                 \
+    1.0e-3f /* collinear: second variance relative to the largest, as in rotation_polar_decomposition.c */
 #define SMR_PLANE_SHARE 1.0e-4f /* coplanar: third variance relative to the largest */
 #define SMR_LAMBDA_MAX 1.0e9f   /* in units of u; with more smoothing the kernels' part vanishes in a float */
 
