@@ -187,7 +187,7 @@ static void test_bar_keeps_its_volume(void **state)
     }
 }
 
-/* Two clusters, an eighth of a turn to either side about an axis far from the origin, as records of transform_averaging.c. */
+/* Two clusters, an eighth of a turn to either side about an axis far from the origin, as records. */
 static void test_two_clusters(void **state)
 {
     const float scale[2] = {smr_fixed_scale(4.0f), smr_fixed_scale(4000.0f)};
