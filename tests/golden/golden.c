@@ -268,6 +268,8 @@ static int golden_main(const smr_port *port)
          !golden_ok("restored image", again[0] == image[0] && again[1] == image[1] ? SMR_OK : SMR_E_STATE)))
         return 1;
     golden_missing |= smr_built_without()[0] != '\0' ? 1u << 9 : 0u; /* a save keeps less */
+    golden_missing |=
+        strstr(smr_built_without(), "partial") != NULL ? 1u << 10 : 0u; /* a lost target counts as whole */
     const uint64_t words[] = {rigid,  polar,     image[0], half,     crc ^ crc_image ^ crc_start ^ crc_half,
                               points, crc_carry, drawn,    image[1], golden_saved.checksums,
                               track,  fused,     volume,   moves,    contact};

@@ -12,20 +12,27 @@ static void names(void **state)
         smr_status status;
         const char *name;
     } table[] = {
-        {SMR_OK, "SMR_OK"},           {SMR_PARTIAL, "SMR_PARTIAL"},
-        {SMR_E_NULL, "SMR_E_NULL"},   {SMR_E_CONFIG, "SMR_E_CONFIG"},
-        {SMR_E_ARENA, "SMR_E_ARENA"}, {SMR_E_ALIGN, "SMR_E_ALIGN"},
-        {SMR_E_MODEL, "SMR_E_MODEL"}, {SMR_E_INPUT, "SMR_E_INPUT"},
-        {SMR_E_STATE, "SMR_E_STATE"}, {SMR_E_ABORTED, "SMR_E_ABORTED"},
-        {SMR_E_LOG, "SMR_E_LOG"},     {SMR_E_SAVE, "SMR_E_SAVE"},
+        {SMR_OK, "SMR_OK"},
+        {SMR_PARTIAL, "SMR_PARTIAL"},
+        {SMR_E_NULL, "SMR_E_NULL"},
+        {SMR_E_CONFIG, "SMR_E_CONFIG"},
+        {SMR_E_ARENA, "SMR_E_ARENA"},
+        {SMR_E_ALIGN, "SMR_E_ALIGN"},
+        {SMR_E_MODEL, "SMR_E_MODEL"},
+        {SMR_E_INPUT, "SMR_E_INPUT"},
+        {SMR_E_STATE, "SMR_E_STATE"},
+        {SMR_E_ABORTED, "SMR_E_ABORTED"},
+        {SMR_E_LOG, "SMR_E_LOG"},
+        {SMR_E_SAVE, "SMR_E_SAVE"},
+        {SMR_E_WITHOUT, "SMR_E_WITHOUT"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++)
         assert_string_equal(smr_status_name(table[i].status), table[i].name);
-    for (int i = -10; i < 0; i++) /* refusals are negative, the two others are not */
+    for (int i = -11; i < 0; i++) /* refusals are negative, the two others are not */
         assert_int_equal(strncmp(smr_status_name((smr_status)i), "SMR_E_", 6), 0);
     assert_string_equal(smr_status_name((smr_status)2), "SMR_E_UNKNOWN");
-    assert_string_equal(smr_status_name((smr_status)-11), "SMR_E_UNKNOWN");
+    assert_string_equal(smr_status_name((smr_status)-12), "SMR_E_UNKNOWN");
 }
 
 int main(void)

@@ -27,7 +27,7 @@ smr_vec smr_cone_apex(const smr_shape *shape, uint32_t structure, float *xyz)
     const uint32_t n = smr_min_u32(one->n_vertices, SMR_APEX_VERTICES);
     smr_vec sum = smr_v(0, 0, 0);
     for (uint32_t i = 0; i < n; i++) {
-        const uint32_t at = (uint32_t)((uint64_t)i * one->n_vertices / n);
+        const uint32_t at = i * one->n_vertices / n; /* fits: both are limited */
         const uint32_t v = smr_model_position(shape->shared->model, one->first_vertex + at);
         sum = smr_add(sum, place(shape, xyz, v));
     }

@@ -103,6 +103,7 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), smr_sub(g->shape->origin, target->origin));
     g->warm_next[v] = g->warm[v];
     find->hit.triangle = SMR_NONE;
+    find->displacement = smr_v(0, 0, 0);
     if (smr_outside_box(c, smr_add(p, target->origin)))
         return 0;
     smr_query q = {p, smr_load(smr_at3(g->shape->normal, v)), g->shared->min_cos, c->forces.node_budget, g->warm[v]};

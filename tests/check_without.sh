@@ -1,0 +1,76 @@
+#!/bin/sh
+# check_without: each capability left out, and all five: the library builds, refuses what it must, and its runs keep their bits.
+# SPDX-License-Identifier: MIT
+# usage: BUILD=... CC=... check_without.sh
+# The golden run prints "-" for a run that needs what is left out, and ends with 2; every other word is as expected. With a
+# compiler and an emulator for Cortex-M7 the golden run without all five is run there, too.
+set -u
+. tests/checks.inc
+need_plain
+[ "${SMR_AGAIN:-0}" = 0 ] || { echo "skip: checked with the first compiler"; exit 77; }
+capabilities='image partial track contact dynamics'
+jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
+
+# make_without DIR WORDS TARGET...: a build in $build/without/DIR.
+make_without() {
+    place=$build/without/$1 left_out=$2
+    shift 2
+    env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s -j"$jobs" BUILD="$place" WITHOUT="$left_out" CC="$cc" "$@"
+}
+
+# as_expected LINE WORDS: the golden line but for "-", some words among them are there, and what was left out is named.
+as_expected() {
+    awk -v left_out="$2" '
+        NR == FNR { n = split($0, want, " "); next }
+        FNR == 1 { for (i = 1; i <= n; i++) if ($i == want[i]) same++; else if ($i != "-") wrong = 1 }
+        FNR == 2 { named = $0 == "built without " left_out }
+        END { exit !(!wrong && same >= 4 && named) }' tests/golden/expected.txt "$1"
+}
+
+mkdir -p "$build/without"
+$cc -std=c11 -Wall -Wextra -O1 -Iinclude tests/without/refusals.c "$build/libsmr.a" -o "$tmp/whole" &&
+    "$tmp/whole" write "$tmp/saved" || { not_ok 'saves and logs of the whole library'; finish; }
+check 'the whole library refuses nothing' "$tmp/whole" check "$tmp/saved"
+for words in $capabilities "$capabilities"; do
+    dir=$(echo "$words" | tr ' ' -)
+    if ! make_without "$dir" "$words" "$build/without/$dir/libsmr.a" "$build/without/$dir/golden" >"$tmp/make" 2>&1; then
+        not_ok "$words: does not build"
+        cat "$tmp/make"
+        continue
+    fi
+    "$build/without/$dir/golden" >"$tmp/golden"
+    check "$words: the golden run ends with 2" [ $? -eq 2 ]
+    check "$words: the golden run" as_expected "$tmp/golden" "$words"
+    $cc -std=c11 -O1 -Iinclude tests/without/refusals.c "$build/without/$dir/libsmr.a" -o "$tmp/part" || exit 1
+    # shellcheck disable=SC2086
+    check "$words: refusals" "$tmp/part" check "$tmp/saved" $words
+done
+
+dir=$build/without/$(echo "$capabilities" | tr ' ' -)
+check 'the program builds' make_without "$(basename "$dir")" "$capabilities" "$dir/smr"
+"$dir/smr" info x >"$tmp/said" 2>&1
+check 'the program ends with 2' [ $? -eq 2 ]
+check 'the program says what it was built without' grep -qx "smr: built without $capabilities" "$tmp/said"
+if env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s BUILD="$build" amalgamation; then
+    for o in -O0 -O2; do
+        check "amalgamation without all five, $o" $cc -std=c11 -Wall -Wextra -Werror $o -ffp-contract=off -fno-math-errno \
+            -DSMR_WITHOUT_IMAGE -DSMR_WITHOUT_PARTIAL -DSMR_WITHOUT_TRACK -DSMR_WITHOUT_CONTACT -DSMR_WITHOUT_DYNAMICS \
+            "$build/amalgamation/smr.c" tests/without/refusals.c -Iinclude -lm -o "$tmp/one"
+        # shellcheck disable=SC2086
+        check "amalgamation without all five, $o: refusals" "$tmp/one" check "$tmp/saved" $capabilities
+    done
+fi
+
+if [ "${SMR_NO_BOARDS:-0}" = 1 ] || ! have arm-none-eabi-gcc || ! have qemu-system-arm; then
+    skip 'Cortex-M7' 'needs arm-none-eabi-gcc and qemu-system-arm'
+else
+    board=$build/without/m7
+    check 'Cortex-M7 without all five builds' env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s -j"$jobs" BUILD="$board" \
+        CC=arm-none-eabi-gcc AR=arm-none-eabi-ar CFLAGS="$M7_CFLAGS -O2 -DSMR_BAREMETAL" WITHOUT="$capabilities" \
+        "$board/golden_m7.elf"
+    timeout 300 qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none \
+        -semihosting-config enable=on,target=native -icount shift=6 -kernel "$board/golden_m7.elf" >"$tmp/board" 2>&1
+    check 'Cortex-M7: the golden run ends with 2' [ $? -eq 2 ]
+    check 'Cortex-M7: the golden run' as_expected "$tmp/board" "$capabilities"
+fi
+finish
