@@ -61,7 +61,7 @@ if env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s BUILD="$build" amalgamation; th
     done
 fi
 
-if [ "${SMR_NO_BOARDS:-0}" = 1 ] || ! have arm-none-eabi-gcc || ! have qemu-system-arm; then
+if [ "${SMR_NO_BOARDS:-0}" = 1 ] || [ -z "${M7_CFLAGS:-}" ] || ! have arm-none-eabi-gcc || ! have qemu-system-arm; then
     skip 'Cortex-M7' 'needs arm-none-eabi-gcc and qemu-system-arm'
 else
     board=$build/without/m7
