@@ -45,10 +45,10 @@ static smr_surface *make_surface(const unit_mesh *m)
     const smr_mesh view = unit_view(m);
     size_t bytes = 0;
     const smr_status sized = smr_surface_bytes(m->nv, m->nt, &bytes);
-    void *memory = unit_memory(bytes);
+    void *memory = rig_rough(bytes);
     smr_surface *s = NULL;
     if (smr_surface_build(&view, memory, bytes, &s) != SMR_OK || sized != SMR_OK) {
-        unit_free(memory);
+        rig_free(memory);
         return NULL;
     }
     return s;
@@ -74,11 +74,11 @@ static const char *prepare(const smr_structure *s, uint32_t n, const smr_prepare
     size_t scratch_bytes = 0, bytes = 0;
     if (smr_prepare_bytes(s, n, c, &scratch_bytes) != SMR_OK)
         return NULL;
-    void *scratch = unit_memory(scratch_bytes), *image = NULL;
+    void *scratch = rig_rough(scratch_bytes), *image = NULL;
     const smr_model *model = NULL;
     const char *wrong = NULL;
     if (smr_prepare(s, n, c, scratch, scratch_bytes, NULL, 0, &bytes) == SMR_OK) {
-        image = unit_memory(bytes);
+        image = rig_rough(bytes);
         *done = 1;
         if (smr_prepare(s, n, c, scratch, scratch_bytes, image, bytes, &bytes) != SMR_OK)
             wrong = "the second smr_prepare";
@@ -87,8 +87,8 @@ static const char *prepare(const smr_structure *s, uint32_t n, const smr_prepare
         else
             wrong = unit_exercise(model, target, target_vertices, 1);
     }
-    unit_free(scratch);
-    unit_free(image);
+    rig_free(scratch);
+    rig_free(image);
     return wrong;
 }
 
@@ -117,8 +117,8 @@ int fuzz_mesh(const uint8_t *data, size_t size)
     const char *wrong = own == NULL ? NULL : query(own, &m[0]);
     if (wrong == NULL)
         wrong = prepare(two, 1u + (switches >> 11 & 1u), &c, target, m[1].nv, &done);
-    unit_free(target);
-    unit_free(own);
+    rig_free(target);
+    rig_free(own);
     unit_mesh_free(&m[0]);
     unit_mesh_free(&m[1]);
     if (wrong != NULL)

@@ -2,7 +2,8 @@
  * that the fuzzer gets past them. Runs as a regression test in tests/unit/test_fuzz.c. As a fuzzer:
  *   clang -g -O1 -std=c11 -ffp-contract=off -fsanitize=fuzzer,address,undefined -DSMR_LIBFUZZER -Isrc -Iinclude \
  *     -Ifixtures -Itests tests/fuzz/fuzz_model_open.c tests/unit/unit_mesh.c tests/unit/unit_exercise.c \
- *     tests/unit/oracle.c fixtures/fixture_bone.c fixtures/fixture_net.c fixtures/fixture_shape.c \
+ *     tests/property/rig.c tests/unit/oracle.c fixtures/fixture_bone.c fixtures/fixture_net.c \
+ *     fixtures/fixture_shape.c \
  *     fixtures/fixture_deform.c $(find src -name '*.c') -lm -o fuzz_model_open
  * Seeds: run the program test_fuzz with SMR_FUZZ_CORPUS=dir.
  * SPDX-License-Identifier: MIT */
@@ -24,7 +25,7 @@ int fuzz_model_open(const uint8_t *data, size_t size)
     }
     if (size > 1u << 20)
         return 0;
-    unsigned char *image = unit_memory(size);
+    unsigned char *image = rig_rough(size);
     if (size > 0u)
         memcpy(image, data, size);
     unit_repair(image, size);
@@ -38,7 +39,7 @@ int fuzz_model_open(const uint8_t *data, size_t size)
             opened = -1;
         }
     }
-    unit_free(image);
+    rig_free(image);
     return opened;
 }
 

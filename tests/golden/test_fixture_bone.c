@@ -1,10 +1,6 @@
 /* test_fixture_bone.c: the generated pair is closed, oriented, manifold, free of folds and repeatable.
  * SPDX-License-Identifier: MIT */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "../suite.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -62,9 +58,8 @@ static double signed_volume(const fixture_mesh *m)
     return volume / 6.0;
 }
 
-static void test_closed_at_every_resolution(void **state)
+TEST(test_closed_at_every_resolution)
 {
-    (void)state;
     for (uint32_t cell = 4200u; cell <= FIXTURE_CELL_MAX; cell += 371u) {
         for (int i = 0; i < 2; i++) {
             fixture_mesh m = test_mesh(i);
@@ -77,22 +72,20 @@ static void test_closed_at_every_resolution(void **state)
     }
 }
 
-static void test_vertices_lie_on_the_surface(void **state)
+TEST(test_vertices_lie_on_the_surface)
 {
     fixture_mesh m = test_mesh(0);
     fixture_grid grid = fixture_grid_source(FIXTURE_CELL_DEMO);
-    (void)state;
     assert_int_equal(1, fixture_bone_source(&grid, &m, test_scratch, test_words));
     assert_in_range(m.n_vertices, 2700, 3300);
     for (uint32_t i = 0; i < m.n_vertices; i++)
         assert_true(fabsf(fixture_bone_value(m.xyz + 3 * i)) < 0.05f);
 }
 
-static void test_displacement_follows_strength(void **state)
+TEST(test_displacement_follows_strength)
 {
     fixture_mesh m = test_mesh(0);
     fixture_grid grid = fixture_grid_source(FIXTURE_CELL_DEMO);
-    (void)state;
     assert_int_equal(1, fixture_bone_source(&grid, &m, test_scratch, test_words));
     for (int strength = 0; strength <= 2; strength++) {
         double sum = 0.0, largest = 0.0;
@@ -109,9 +102,8 @@ static void test_displacement_follows_strength(void **state)
 }
 
 /* The deformation keeps orientation everywhere near the bone, up to the largest strength. */
-static void test_deformation_has_no_fold(void **state)
+TEST(test_deformation_has_no_fold)
 {
-    (void)state;
     for (float x = -48.0f; x <= 76.0f; x += 4.0f) {
         for (float y = -46.0f; y <= 34.0f; y += 4.0f) {
             for (float z = -4.0f; z <= 434.0f; z += 6.0f) {
@@ -129,12 +121,11 @@ static void test_deformation_has_no_fold(void **state)
     }
 }
 
-static void test_refuses_small_buffers(void **state)
+TEST(test_refuses_small_buffers)
 {
     fixture_mesh m = test_mesh(0);
     fixture_grid grid = fixture_grid_source(8000u);
     uint32_t need;
-    (void)state;
     assert_int_equal(1, fixture_bone_source(&grid, &m, test_scratch, test_words));
     need = m.n_vertices;
     m.max_vertices = need - 1;
@@ -151,12 +142,4 @@ static void test_refuses_small_buffers(void **state)
     assert_int_equal(0, fixture_bone_source(&grid, &m, test_scratch, test_words));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_at_every_resolution),    cmocka_unit_test(test_vertices_lie_on_the_surface),
-        cmocka_unit_test(test_displacement_follows_strength), cmocka_unit_test(test_deformation_has_no_fold),
-        cmocka_unit_test(test_refuses_small_buffers),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

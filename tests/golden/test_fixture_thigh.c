@@ -1,11 +1,7 @@
 /* test_fixture_thigh.c: the computed thigh: closed surfaces without folds that touch each other, a deformation with
  * its inverse, landmarks on their structures, an image of the same anatomy, and the same bits every time.
  * SPDX-License-Identifier: MIT */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "../suite.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -127,10 +123,9 @@ static double volume_of(const fixture_mesh *m, const float *xyz)
     return volume / 6.0;
 }
 
-static void test_surfaces(void **state)
+TEST(test_surfaces)
 {
     uint32_t n = 0;
-    (void)state;
     for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; i++) {
         const fixture_mesh *m = &mesh[i];
         n += m->n_vertices;
@@ -144,9 +139,8 @@ static void test_surfaces(void **state)
 }
 
 /* Mean and spread of edge lengths: near-uniform triangles. */
-static void test_edges_are_even(void **state)
+TEST(test_edges_are_even)
 {
-    (void)state;
     for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; i++) {
         double sum = 0.0, square = 0.0;
         const uint32_t n = 3u * mesh[i].n_triangles;
@@ -166,10 +160,9 @@ static void test_edges_are_even(void **state)
 }
 
 /* The truth is the model under the deformation: the way back leads home; and nothing is folded or turned over. */
-static void test_truth(void **state)
+TEST(test_truth)
 {
     static float truth[3u * FIXTURE_THIGH_VERTICES];
-    (void)state;
     for (uint32_t seed = 1; seed <= TEST_SEEDS; seed++) {
         fixture_pose pose;
         double moved = 0.0, n = 0.0;
@@ -200,10 +193,9 @@ static void test_truth(void **state)
 
 /* Muscles do not reach into each other by more than the triangles' coarseness, and many vertices touch a
  * neighbour. Bones keep off each other. */
-static void test_neighbours(void **state)
+TEST(test_neighbours)
 {
     uint32_t touching = 0, n = 0;
-    (void)state;
     for (uint32_t i = 0; i < FIXTURE_THIGH_PARTS; i++) {
         for (uint32_t v = 0; v < mesh[i].n_vertices; v++) {
             float nearest = 1e6f;
@@ -222,9 +214,8 @@ static void test_neighbours(void **state)
     assert_true(touching > n / 5u);
 }
 
-static void test_landmarks(void **state)
+TEST(test_landmarks)
 {
-    (void)state;
     for (uint32_t i = 0; i < FIXTURE_THIGH_LANDMARKS; i++) {
         const fixture_landmark *mark = fixture_thigh_landmark(i);
         const fixture_mesh *m = &mesh[mark->part];
@@ -243,7 +234,7 @@ static void test_landmarks(void **state)
 }
 
 /* The image shows the surfaces: marrow within bones, a dark wall at their boundary, muscle grey within muscles. */
-static void test_image(void **state)
+TEST(test_image)
 {
     static const float spacing[3] = {1.0f, 1.0f, 3.0f}, low[3] = {-200.0f, -100.0f, -202.0f},
                        high[3] = {0.0f, 125.0f, -202.0f};
@@ -252,7 +243,6 @@ static void test_image(void **state)
     fixture_pose pose;
     uint8_t *voxels;
     float *words;
-    (void)state;
     fixture_thigh_box(low, high, spacing, &box);
     voxels = malloc((size_t)box.n[0] * box.n[1]);
     words = malloc(FIXTURE_IMAGE_SCRATCH(box.n[0], box.n[1]) * sizeof *words);
@@ -282,7 +272,7 @@ static void test_image(void **state)
 static uint32_t add_word(uint32_t hash, uint32_t word) { return fixture_hash(hash ^ word) + 0x9e3779b9u; }
 
 /* The bits: one thick slice through the hips in coarse voxels, and one small structure. */
-static void test_bits(void **state)
+TEST(test_bits)
 {
     enum { NX = 40, NY = 36 };
     static uint8_t voxels[NX * NY];
@@ -290,7 +280,6 @@ static void test_bits(void **state)
     const fixture_box box = {{-210.0f, -110.0f, -12.0f}, {6.0f, 6.0f, 3.0f}, {NX, NY, 1}};
     fixture_pose pose;
     uint32_t hash = 0, bits;
-    (void)state;
     fixture_thigh_pose(1, &pose);
     fixture_thigh_slice(&thigh, &pose, &box, 0, voxels, words);
     for (uint32_t i = 0; i < NX * NY; i++)
@@ -304,12 +293,4 @@ static void test_bits(void **state)
     assert_int_equal(hash, TEST_MESH_HASH);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_surfaces),   cmocka_unit_test(test_edges_are_even), cmocka_unit_test(test_truth),
-        cmocka_unit_test(test_neighbours), cmocka_unit_test(test_landmarks),      cmocka_unit_test(test_image),
-        cmocka_unit_test(test_bits),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+int main(void) { return suite_run(set_up, tear_down); }

@@ -1,10 +1,6 @@
 /* test_smr_pthread.c: every task runs once, no two workers share a number, creation at its limits, many short loops.
  * SPDX-License-Identifier: MIT */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "../suite.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -46,10 +42,9 @@ static void run_loop(const smr_port *port, uint32_t n_tasks)
     }
 }
 
-static void test_each_task_once(void **state)
+TEST(test_each_task_once)
 {
     static const uint32_t counts[] = {1, 2, 3, 4, 8, 64};
-    (void)state;
     for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
         smr_pthread *pool = NULL;
         smr_port port;
@@ -64,12 +59,11 @@ static void test_each_task_once(void **state)
     }
 }
 
-static void test_clock_goes_forward(void **state)
+TEST(test_clock_goes_forward)
 {
     smr_pthread *pool = NULL;
     smr_port port;
     uint64_t last;
-    (void)state;
     assert_int_equal(SMR_OK, smr_pthread_create(&pool, test_memory, sizeof test_memory, 2));
     port = smr_pthread_port(pool);
     last = port.now_ns(port.ctx);
@@ -81,12 +75,11 @@ static void test_clock_goes_forward(void **state)
     smr_pthread_destroy(pool);
 }
 
-static void test_edges(void **state)
+TEST(test_edges)
 {
     smr_pthread *pool = NULL;
     size_t bytes = smr_pthread_bytes(3);
     smr_port port = smr_pthread_port(NULL);
-    (void)state;
     assert_int_equal(1, port.n_workers);
     assert_null(port.parallel);
     assert_null(port.now_ns);
@@ -105,12 +98,4 @@ static void test_edges(void **state)
     smr_pthread_destroy(NULL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_task_once),
-        cmocka_unit_test(test_clock_goes_forward),
-        cmocka_unit_test(test_edges),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

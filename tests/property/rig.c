@@ -1,5 +1,6 @@
 /* rig.c: set-up that unit tests, property tests and benchmarks share.
  * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
 #include "property/rig.h"
 
 #include <math.h>
@@ -21,15 +22,28 @@ static void give_up(const char *what, int status)
     abort();
 }
 
-void *rig_alloc(size_t bytes)
+/* Of exactly the size asked for: the address sanitiser sees the first byte beyond it. */
+static void *block(size_t bytes, int fill)
 {
-    const size_t whole = (bytes + SMR_ALIGN) / SMR_ALIGN * SMR_ALIGN;
-    void *p = rig_n_blocks < RIG_BLOCKS ? aligned_alloc(SMR_ALIGN, whole) : NULL;
-    if (p == NULL)
+    void *p = NULL;
+    if (rig_n_blocks == RIG_BLOCKS || posix_memalign(&p, SMR_ALIGN, bytes > 0u ? bytes : 1u) != 0)
         give_up("memory", 0);
-    memset(p, 0, whole);
+    memset(p, fill, bytes);
     rig_block[rig_n_blocks++] = p;
     return p;
+}
+
+void *rig_alloc(size_t bytes) { return block(bytes, 0); }
+void *rig_rough(size_t bytes) { return block(bytes, 0xa5); }
+
+void rig_free(void *memory)
+{
+    for (uint32_t i = rig_n_blocks; i > 0u; i--)
+        if (rig_block[i - 1u] == memory) {
+            rig_block[i - 1u] = rig_block[--rig_n_blocks];
+            free(memory);
+            return;
+        }
 }
 
 void rig_free_all(void)
@@ -144,10 +158,7 @@ const smr_model *rig_model(const smr_mesh *mesh, uint32_t n_structures, const sm
         status = smr_model_open(image, bytes, &model);
     if (status != SMR_OK)
         give_up("model", status);
-    free(memory); /* large, and not needed any more */
-    for (uint32_t i = 0; i < rig_n_blocks; i++)
-        if (rig_block[i] == memory)
-            rig_block[i] = NULL;
+    rig_free(memory); /* large, and not needed any more */
     return model;
 }
 
@@ -359,6 +370,12 @@ uint32_t rig_random(uint32_t *seed, uint32_t n)
 float rig_between(uint32_t *seed, float lo, float hi)
 {
     return lo + (hi - lo) * ((float)rig_random(seed, 1u << 20) / (float)(1u << 20));
+}
+
+void rig_within(uint32_t *seed, float lo, float hi, float p[3])
+{
+    for (uint32_t c = 0; c < 3u; c++)
+        p[c] = rig_between(seed, lo, hi);
 }
 
 void rig_rotation(float x, float y, float z, float degrees, float m[9])

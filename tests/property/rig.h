@@ -6,8 +6,11 @@
 
 #include "smr.h"
 
-/* Memory on an SMR_ALIGN address; rig_free_all() gives all of it back. */
+/* Memory on an SMR_ALIGN address, of exactly the size asked for: zeros, or a pattern on which nobody may rely.
+ * rig_free() gives a block back, rig_free_all() all of them. */
 void *rig_alloc(size_t bytes);
+void *rig_rough(size_t bytes);
+void rig_free(void *memory); /* NULL: nothing */
 void rig_free_all(void);
 
 /* A pair of bones: the source, and the target made from another grid and deformed. */
@@ -70,6 +73,9 @@ uint64_t rig_jitter_read(void *jitter);
 /* Numbers that look random and are the same everywhere: 0..n-1, and lo..hi. */
 uint32_t rig_random(uint32_t *seed, uint32_t n);
 float rig_between(uint32_t *seed, float lo, float hi);
+
+/* Three of them, drawn one after the other: compilers evaluate arguments in an order of their own. */
+void rig_within(uint32_t *seed, float lo, float hi, float p[3]);
 
 /* How often a test repeats what takes long: n times, a tenth of it (at least once) in an instrumented build. */
 uint32_t rig_times(uint32_t n);

@@ -3,27 +3,15 @@
  * forces use no ignored vertex; workers and schedulers change no bit; an iteration shortened by a budget can be
  * repeated; positions stay finite.
  * SPDX-License-Identifier: MIT */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "property/model_lists.h"
-#include "property/rig.h"
 #include "registration/registration.h"
 
 static const float none[3] = {0, 0, 0};
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 /* Records of all 32 bits; those of ignored vertices must not count, whatever they are. */
 static void fill_records(smr *s, uint32_t *seed)
@@ -63,11 +51,16 @@ static const smr_model *random_model(uint32_t *seed, smr_prepare_config *c)
     smr_mesh mesh[3];
     const uint32_t n = 1u + rig_random(seed, 3);
     for (uint32_t i = 0; i < n; i++) {
-        const float at[3] = {rig_between(seed, -50, 50), rig_between(seed, -50, 50), rig_between(seed, -50, 50)};
-        mesh[i] = rig_ball(rig_between(seed, 5, 40), 2u + rig_random(seed, 7), 3u + rig_random(seed, 12), at);
+        float at[3];
+        rig_within(seed, -50, 50, at);
+        const float radius = rig_between(seed, 5, 40);
+        const uint32_t rings = 2u + rig_random(seed, 7);
+        mesh[i] = rig_ball(radius, rings, 3u + rig_random(seed, 12), at);
     }
-    *c = rig_radii(1u + rig_random(seed, 3), rig_between(seed, 30, 90), rig_between(seed, 12, 30),
-                   rig_between(seed, 3, 12));
+    *c = rig_radii(1u + rig_random(seed, 3), 0, 0, 0);
+    c->radius_mm[0] = rig_between(seed, 30, 90);
+    c->radius_mm[1] = rig_between(seed, 12, 30);
+    c->radius_mm[2] = rig_between(seed, 3, 12);
     c->separate_below_mm = rig_between(seed, 0, 60);
     c->block_vertices = rig_random(seed, 2) ? 16u : 0u;
     c->order = rig_random(seed, 2);
@@ -75,11 +68,10 @@ static const smr_model *random_model(uint32_t *seed, smr_prepare_config *c)
     return rig_model(mesh, n, c);
 }
 
-static void test_sums_of_active_members(void **state)
+TEST(test_sums_of_active_members)
 {
     static const uint32_t in_use[] = {6, 10, 12, 16};
     uint32_t seed = 3;
-    (void)state;
     for (uint32_t round = 0; round < 150u; round++) {
         smr_prepare_config c;
         const smr_model *model = random_model(&seed, &c);
@@ -99,19 +91,18 @@ static void test_sums_of_active_members(void **state)
                 assert_int_equal(0, n_different(s, &l, in_use[i % 4u]));
             }
         }
-        tidy(NULL);
+        rig_free_all();
     }
 }
 
 /* More than 65,535 vertices, indexes of 4 bytes: a lattice whose neighbours are known. */
-static void test_wide_indexes(void **state)
+TEST(test_wide_indexes)
 {
     enum { SIDE = 41, N = SIDE * SIDE * SIDE };
     float *xyz = rig_alloc(3u * N * sizeof *xyz);
     const smr_mesh mesh = {xyz, NULL, N, 0};
     smr_prepare_config c = rig_radii(1, 3.5f, 0, 0);
     uint32_t seed = 5;
-    (void)state;
     for (uint32_t i = 0; i < N; i++) {
         xyz[3u * i] = 3.0f * (float)(i % SIDE);
         xyz[3u * i + 1u] = 3.0f * (float)(i / SIDE % SIDE);
@@ -180,14 +171,13 @@ static double off_centre(const smr *s, const rig_lists *l, uint32_t v)
     return off;
 }
 
-static void test_an_iteration(void **state)
+TEST(test_an_iteration)
 {
     const float off[3] = {4, -3, 2};
     const smr_mesh mesh = rig_ball(30, 14, 20, none), goal = rig_ball(35, 12, 17, off);
     const smr_prepare_config radii = rig_radii(2, 40, 20, 0);
     const smr_model *model = rig_model(&mesh, 1, &radii);
     const rig_lists l[2] = {rig_decode(model, 0, 1, 1), rig_decode(model, 1, 1, 1)};
-    (void)state;
     for (uint32_t i = 0; i <= 20u; i++) {
         smr_tick_report report;
         smr_config c = smr_config_default();
@@ -222,13 +212,12 @@ static void test_an_iteration(void **state)
 }
 
 /* The share grows evenly from the first iteration to the last, when x^r is new and now and then when it is not. */
-static void test_growing_share(void **state)
+TEST(test_growing_share)
 {
     const float off[3] = {4, -3, 2};
     const smr_mesh mesh = rig_ball(30, 14, 20, none), goal = rig_ball(35, 12, 17, off);
     const smr_prepare_config radii = rig_radii(2, 40, 20, 0);
     const smr_model *model = rig_model(&mesh, 1, &radii);
-    (void)state;
     for (uint32_t elastic = 0; elastic < 2u; elastic++) {
         smr_tick_report report = {0};
         smr_config c = smr_config_default();
@@ -271,7 +260,7 @@ static float level_with(const smr_model_info *info, float least)
 
 /* With an image, active_enough vertices of the smallest cluster are enough, and ENOUGH_ALL of the whole model, which
  * is larger here; active_share is the upper limit. */
-static void test_image_needs_few(void **state)
+TEST(test_image_needs_few)
 {
     enum { SIDE = 24, ENOUGH_ALL = 1000 };
     const float off[3] = {1, 2, -1};
@@ -281,7 +270,6 @@ static void test_image_needs_few(void **state)
     smr_volume volume = {
         voxels, NULL, SMR_VOXEL_UINT8, {SIDE, SIDE, SIDE}, {-46, -46, -46}, {4, 4, 4}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     smr_prepare_config prepare = rig_radii(2, 60, 15, 0);
-    (void)state;
     for (uint32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
         const float x = 4.0f * (float)(i % SIDE) - 46.0f, y = 4.0f * (float)(i / SIDE % SIDE) - 46.0f;
         const float z = 4.0f * (float)(i / SIDE / SIDE) - 46.0f, r = sqrtf(x * x + y * y + z * z);
@@ -346,10 +334,9 @@ static uint64_t run(const smr_model *model, const smr_config *c, const smr_port 
     return hash;
 }
 
-static void test_any_share_same_bits(void **state)
+TEST(test_any_share_same_bits)
 {
     uint32_t seed = 17;
-    (void)state;
     for (uint32_t round = 0; round < 40u; round++) {
         smr_prepare_config prepare;
         const smr_model *model = random_model(&seed, &prepare);
@@ -372,19 +359,8 @@ static void test_any_share_same_bits(void **state)
         const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
         const uint64_t budgeted = run(model, &c, &port, surface, 3000);
         assert_true(budgeted == run(model, &c, NULL, surface, AGAIN));
-        tidy(NULL);
+        rig_free_all();
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_sums_of_active_members, tidy),
-        cmocka_unit_test_teardown(test_wide_indexes, tidy),
-        cmocka_unit_test_teardown(test_an_iteration, tidy),
-        cmocka_unit_test_teardown(test_growing_share, tidy),
-        cmocka_unit_test_teardown(test_image_needs_few, tidy),
-        cmocka_unit_test_teardown(test_any_share_same_bits, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

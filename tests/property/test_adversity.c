@@ -1,20 +1,14 @@
-/* test_adversity.c: a thousand random runs under clocks that jump, stand still, run backwards or advance in steps of
+/* test_adversity.c: random runs under clocks that jump, stand still, run backwards or advance in steps of
  * 10 ms, with budgets from a nanosecond to unlimited that change at every tick, targets replaced and calls refused
  * between partial ticks. After each step positions are finite and those of the last complete iteration, and the run
  * repeats without a clock to the last bit.
  * SPDX-License-Identifier: MIT */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
-
-#define RUNS 1000u
+#define RUNS 600u
 #define STEPS 40u
 #define MODELS 4u
 #define VERTICES_MAX 512u
@@ -52,10 +46,9 @@ static struct world {
     const smr_surface *surface[2];
 } world;
 
-static int set_up(void **state)
+static void set_up(void)
 {
     const float none[3] = {0, 0, 0}, off[3] = {6, -3, 4};
-    (void)state;
     for (uint32_t i = 0; i < MODELS; i++) {
         const smr_mesh ball = rig_ball(30.0f, 8u + 3u * i, 10u + 4u * i, none);
         smr_prepare_config c = rig_radii(1u + i % 3u, 40.0f, 18.0f, 7.0f);
@@ -67,14 +60,6 @@ static int set_up(void **state)
         const smr_mesh goal = rig_ball(33.0f - 6.0f * (float)i, 11, 17, i == 0u ? off : none);
         world.surface[i] = rig_surface(&goal);
     }
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
 }
 
 static smr_config random_config(uint32_t *seed, const smr_model *model)
@@ -221,10 +206,10 @@ static void start_over(run_pair *p)
     check_positions(p, NULL);
 }
 
-static void test_a_thousand_runs(void **state)
+TEST(test_many_runs)
 {
+    set_up();
     uint32_t seed = 41, cut = 0, partial = 0, asked = 0;
-    (void)state;
     for (uint32_t r = 0; r < RUNS; r++) {
         evil_clock clock = {rig_random(&seed, 1u << 27), r % 8u, 1000000u};
         const smr_port port = {&clock, 1u + r / 8u % 4u, run_backwards, read_evil};
@@ -266,8 +251,4 @@ static void test_a_thousand_runs(void **state)
     assert_true(cut > RUNS / 2u && partial > RUNS); /* the clocks meant something */
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test_setup_teardown(test_a_thousand_runs, set_up, tidy)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

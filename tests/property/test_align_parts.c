@@ -5,7 +5,7 @@
  * Accuracy: 15 degrees, for one end alone has another twist than the whole; 20 mm at the end that the part has, of
  * bones that are up to 18 % longer or shorter; 10 % of the scale.
  * SPDX-License-Identifier: MIT */
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -125,8 +125,8 @@ static smr_pose aligned(const smr_mesh *model, const smr_mesh *target, int scale
     config.scaled = (uint32_t)scaled;
     config.given = given;
     if (seed != NULL) {
-        const float axis[3] = {(float)rig_random(seed, 2001u) - 1000.0f, (float)rig_random(seed, 2001u) - 1000.0f,
-                               (float)rig_random(seed, 2001u) - 999.5f};
+        float axis[3];
+        rig_within(seed, -1, 1, axis);
         rig_rotation(axis[0], axis[1], axis[2], (float)rig_random(seed, 181u), m);
     }
     const smr_mesh turned = rig_moved(model, m, nowhere);
@@ -187,13 +187,12 @@ static void check_pair(const smr_mesh *a, const smr_mesh *b, const pair *p, cons
     assert_true(!p->scaled || fabsf(scale) <= SCALE_MOST);
 }
 
-static void test_femurs(void **state)
+TEST(test_femurs)
 {
     static const pair kinds[] = {{1, 0.7f, 0},   {-1, -0.5f, 0},  {0.7f, 1, 0},
                                  {-0.5f, -1, 0}, {0.7f, 0.5f, 1}, {-0.6f, -0.8f, 1}};
     smr_mesh bone[PEOPLE];
     uint32_t seed = 5;
-    (void)state;
     if (!femurs(bone))
         skip();
     for (uint32_t i = 0; i < rig_times(PEOPLE); i++)
@@ -209,12 +208,11 @@ static void test_femurs(void **state)
 }
 
 /* Femurs of the two sides. */
-static void test_other_side(void **state)
+TEST(test_other_side)
 {
     static const float across[9] = {-1, 0, 0, 0, 1, 0, 0, 0, 1};
     smr_mesh bone[PEOPLE];
     uint32_t seed = 6;
-    (void)state;
     if (!femurs(bone))
         skip();
     for (uint32_t i = 0; i + 1u < PEOPLE; i++) {
@@ -247,8 +245,9 @@ static void check_side(const smr_mesh *bone, uint32_t *seed)
     for (uint32_t i = 0; i < rig_times(4u); i++) {
         smr_pose off = identity;
         float m[9];
-        rig_rotation((float)rig_random(seed, 9u) - 4.0f, (float)rig_random(seed, 9u) - 4.0f, 1.5f,
-                     8.0f + 4.0f * (float)i, m);
+        float axis[3];
+        rig_within(seed, -4, 4, axis);
+        rig_rotation(axis[0], axis[1], 1.5f, 8.0f + 4.0f * (float)i, m);
         for (uint32_t k = 0; k < 9u; k++)
             off.m[k / 3u][k % 3u] = m[k];
         off.m[i % 3u][3] = 8.0f + 5.0f * (float)i;
@@ -258,12 +257,11 @@ static void check_side(const smr_mesh *bone, uint32_t *seed)
     }
 }
 
-static void test_one_side(void **state)
+TEST(test_one_side)
 {
     smr_mesh mesh[RIG_STRUCTURES_MAX];
     char name[RIG_STRUCTURES_MAX][SMR_NAME_BYTES];
     uint32_t seed = 7, found = 0;
-    (void)state;
     for (uint32_t folder = 0; folder < 2u; folder++) {
         const uint32_t n = rig_folder(folder == 0u ? "hip_thigh_vhm" : "ct_hips_surfaces", mesh, name);
         for (uint32_t i = 0; i < n; i++)
@@ -276,19 +274,4 @@ static void test_one_side(void **state)
         skip();
 }
 
-static int free_all(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_femurs, free_all),
-        cmocka_unit_test_teardown(test_other_side, free_all),
-        cmocka_unit_test_teardown(test_one_side, free_all),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,7 +1,7 @@
 /* test_carry_thigh.c: points under the surfaces of the computed thigh, whose true places are known, carried by true
  * surfaces: what is left is the map's own error. And a bound point costs little.
  * SPDX-License-Identifier: MIT */
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -100,30 +100,25 @@ static void check_depth(thigh *t, float depth, double limit, double most_above)
     size_t bytes = 0;
     smr_carry *carry = NULL;
     assert_int_equal(smr_carry_bytes(t->n, n, 1, &bytes), SMR_OK);
-    void *memory = unit_memory(bytes);
+    void *memory = rig_rough(bytes);
     assert_int_equal(smr_carry_fit(t->rest, t->n, t->points, n, NULL, memory, bytes, &carry), SMR_OK);
     assert_int_equal(smr_carry_apply(carry, t->now, t->out), SMR_OK);
     errors(t, n, &mean, &above, limit);
     assert_true(oracle_within("carry: mean error under the thigh's surfaces", mean, 0.5 * limit));
     assert_true(oracle_within("carry: share of points farther off", above, most_above));
-    smr_carry_fact *facts = unit_memory(n * sizeof *facts);
+    smr_carry_fact *facts = rig_rough(n * sizeof *facts);
     memcpy(t->truth, t->out, 3u * n * sizeof *t->out);
     const uint32_t some = n < 200u ? n : 200u;
     assert_int_equal(smr_carry_map(carry, t->now, 1, t->truth, some, t->out, facts), SMR_OK);
     memcpy(t->truth, t->points, 3u * n * sizeof *t->out);
     errors(t, some, &mean, &above, 0.01);
     assert_true(oracle_within("carry: share not led back to 0.01 mm", above, 0.0));
-    unit_free(facts);
-    unit_free(memory);
+    rig_free(facts);
+    rig_free(memory);
 }
 
-static void four_millimetres_under(void **state) { check_depth(*state, 4.0f, 0.4, 0.03); }
+TEST(four_millimetres_under) { check_depth(*state, 4.0f, 0.4, 0.03); }
 
-static void fifteen_millimetres_under(void **state) { check_depth(*state, 15.0f, 1.0, 0.05); }
+TEST(fifteen_millimetres_under) { check_depth(*state, 15.0f, 1.0, 0.05); }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(four_millimetres_under),
-                                       cmocka_unit_test(fifteen_millimetres_under)};
-    return cmocka_run_group_tests(tests, make_thigh, free_thigh);
-}
+int main(void) { return suite_run(make_thigh, free_thigh); }

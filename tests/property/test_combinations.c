@@ -3,11 +3,7 @@
  * any order of tasks, by ticks that a clock cuts, and when local volumes are asked for in between. A combination is
  * refused or runs.
  * SPDX-License-Identifier: MIT */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "suite.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -26,26 +22,17 @@ static struct world {
     smr_port threads;
 } world;
 
-static int set_up(void **state)
+static void set_up(void)
 {
     const float beside[3] = {30, 34, 0};
     const smr_volume image = rig_parts_image(0.0f);
     const smr_mesh fixed = rig_ball(16.0f, 9, 13, beside);
-    (void)state;
     for (uint32_t i = 0; i < RIG_PARTS; i++) {
         const smr_mesh goal = rig_parts_goal(i);
         world.goal[i] = rig_surface(&goal);
     }
     world.fixed = rig_surface(&fixed);
     world.of = rig_parts_make(&image);
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
 }
 
 static smr_config config_of(uint32_t what)
@@ -139,12 +126,12 @@ static int runs_alike(uint32_t what)
     return 1;
 }
 
-static void test_combinations(void **state)
+TEST(test_combinations)
 {
+    set_up();
     smr_pthread *pool = NULL;
     const size_t pool_bytes = smr_pthread_bytes(3);
     uint32_t legal = 0;
-    (void)state;
     assert_int_equal(SMR_OK, smr_pthread_create(&pool, rig_alloc(pool_bytes), pool_bytes, 3));
     world.threads = smr_pthread_port(pool);
     for (uint32_t what = 0; what < COMBINATIONS; what++) {
@@ -158,8 +145,4 @@ static void test_combinations(void **state)
     assert_true(legal > COMBINATIONS / 2u);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test_setup_teardown(test_combinations, set_up, tidy)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

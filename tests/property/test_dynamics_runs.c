@@ -2,12 +2,11 @@
  * for any number of threads, order of tasks and budget, from its log, and saved and restored between any two calls; and
  * forged inputs of the log are found.
  * SPDX-License-Identifier: MIT */
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "log/record/log_format.h"
 #include "options/dynamics/dynamics.h"
 
@@ -24,12 +23,11 @@ static struct scene {
     uint32_t which; /* input of the replay: motion[which] comes next */
 } e;
 
-static int set_up(void **state)
+static void set_up(void)
 {
     const float none[3] = {0, 0, 0}, flat[9] = {1, 0, 0, 0, 0.7f, 0, 0, 0, 1.6f};
     const smr_prepare_config radii = rig_radii(2, 40, 18, 0);
     const smr_mesh ball = rig_ball(25, 11, 16, none);
-    (void)state;
     memset(&e, 0, sizeof e);
     e.bone = rig_moved(&ball, flat, none);
     e.target = rig_ball(27, 9, 14, none);
@@ -52,14 +50,6 @@ static int set_up(void **state)
     }
     e.motion[0] = (smr_motion){e.mass, NULL};
     e.motion[1] = (smr_motion){NULL, e.speed};
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
 }
 
 /* Call number c; budgets only count where there is a clock. */
@@ -99,9 +89,9 @@ static smr *plain_run(const smr_port *port)
     return s;
 }
 
-static void test_threads(void **state)
+TEST(test_threads)
 {
-    (void)state;
+    set_up();
     for (uint32_t method = 0; method < 2u; method++) {
         e.config.basic.method = method;
         const smr *first = plain_run(NULL);
@@ -128,8 +118,9 @@ static size_t find(const unsigned char *log, size_t bytes, uint32_t kind)
 }
 
 /* Inputs come while iterations are under way, which ticks of a clock cut anywhere. */
-static void test_budget_and_replay(void **state)
+TEST(test_budget_and_replay)
 {
+    set_up();
     static unsigned char log[SMR_LOG_BYTES(4000, 10)];
     rig_jitter clock = {11, 1000000u};
     const smr_port port = {&clock, 3, NULL, rig_jitter_read};
@@ -137,7 +128,6 @@ static void test_budget_and_replay(void **state)
     smr_log_state wrote;
     smr_replay replay;
     uint32_t seed = 9, partial = 0;
-    (void)state;
     smr *s = rig_init(e.model, &e.config, &port);
     assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
     for (uint32_t tick = 0; tick < 1200u; tick++) {
@@ -167,11 +157,11 @@ static void test_budget_and_replay(void **state)
     assert_int_equal(SMR_E_LOG, smr_replay_tick(&replay, &report));
 }
 
-static void test_saves(void **state)
+TEST(test_saves)
 {
+    set_up();
     static unsigned char saved[ROOM];
     const smr *last = plain_run(NULL);
-    (void)state;
     for (uint32_t cut = 1; cut < CALLS; cut += 5u) {
         const smr_port port = rig_port(RIG_SHUFFLE, 4);
         smr *s = rig_init(e.model, &e.config, NULL), *twin = NULL;
@@ -194,12 +184,4 @@ static void test_saves(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_threads, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_budget_and_replay, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_saves, set_up, tidy),
-    };
-    return cmocka_run_group_tests_name("dynamics, runs", tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

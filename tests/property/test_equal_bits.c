@@ -1,29 +1,16 @@
 /* test_equal_bits.c: what holds for any registration to the last bit: nothing moves without a target, and neither
  * threads nor schedulers matter.
  * SPDX-License-Identifier: MIT */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "suite.h"
 
-#include "property/rig.h"
 #include "smr_pthread.h"
 
 /* About 900 vertices. */
 #define CELL 10000u
 
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
-
-static void test_rest_stays(void **state)
+TEST(test_rest_stays)
 {
     const float centre[3] = {301.3f, -12.7f, 44.4f};
-    (void)state;
     for (uint32_t k = 0; k < 8u; k++) {
         const smr_mesh mesh = rig_ball(30.0f, 9, 12, centre);
         const smr_prepare_config radii = rig_radii(2, 25.0f, 12.0f, 0);
@@ -38,9 +25,9 @@ static void test_rest_stays(void **state)
         config.motion.fusing = k >> 2;
         smr *s = rig_init(model, &config, NULL);
         float *before = rig_positions(s, model);
-        for (uint32_t tick = 0; tick < 10000u; tick++)
+        for (uint32_t tick = 0; tick < 3000u; tick++)
             assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-        assert_int_equal(10000, report.iteration);
+        assert_int_equal(3000, report.iteration);
         assert_int_equal(0, report.done);
         assert_memory_equal(before, rig_positions(s, model), mesh.n_vertices * 3u * sizeof(float));
         assert_true(report.displacement_max_mm == 0.0f);
@@ -57,15 +44,14 @@ static uint64_t hash_with(const smr_model *model, const smr_surface *target, uin
     config.basic.n_target_vertices = 4000;
     smr *s = rig_init(model, &config, port);
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target));
-    (void)rig_run(s, 25);
+    (void)rig_run(s, 12);
     return smr_state_hash(s);
 }
 
-static void test_workers_and_schedulers(void **state)
+TEST(test_workers_and_schedulers)
 {
     static const uint32_t workers[] = {1, 2, 3, 4, 8};
     smr_mesh source, target;
-    (void)state;
     rig_bone(CELL, 1.0f, &source, &target);
     const smr_prepare_config radii = rig_radii(2, 60.0f, 15.0f, 0);
     const smr_model *model = rig_model(&source, 1, &radii);
@@ -88,11 +74,4 @@ static void test_workers_and_schedulers(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_rest_stays, tidy),
-        cmocka_unit_test_teardown(test_workers_and_schedulers, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -3,14 +3,13 @@
  * side: the mean of their matrices halves volume, that of logarithms is a rotation. Inputs moved together give the
  * moved result.
  * SPDX-License-Identifier: MIT */
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "geometry/rotation/rotation.h"
-#include "property/rig.h"
 #include "registration/registration.h"
 
 #define AROUND 24u
@@ -24,13 +23,6 @@
 
 static float straight[3u * VERTICES], bent[3u * VERTICES];
 static uint32_t triangles[TRIANGLES][3];
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static void triangle(uint32_t *n, uint32_t a, uint32_t b, uint32_t c)
 {
@@ -162,12 +154,11 @@ static changes bar_changes(const smr_model *model, uint32_t method, uint32_t fus
 }
 
 /* Clusters of 40 mm. Goals lie on an arc of 40 mm, and of 80 mm. */
-static void test_bar_keeps_its_volume(void **state)
+TEST(test_bar_keeps_its_volume)
 {
     const smr_mesh bar = make_bar();
     const smr_prepare_config radii = rig_radii(1, 40, 0, 0);
     const smr_model *model = rig_model(&bar, 1, &radii);
-    (void)state;
     for (uint32_t k = 0; k < 4u; k++) {
         const uint32_t method = k < 2u ? SMR_METHOD_POLAR : SMR_METHOD_RIGID;
         bend(k % 2u ? 80.0f : 40.0f);
@@ -188,13 +179,12 @@ static void test_bar_keeps_its_volume(void **state)
 }
 
 /* Two clusters, an eighth of a turn to either side about an axis far from the origin, as records. */
-static void test_two_clusters(void **state)
+TEST(test_two_clusters)
 {
     const float scale[2] = {smr_fixed_scale(4.0f), smr_fixed_scale(4000.0f)};
     const float inverse[2] = {1.0f / scale[0], 1.0f / scale[1]};
     const smr_vec centre = smr_v(5, 20, 300);
     uint32_t linear[12] = {0}, fused[12] = {0};
-    (void)state;
     for (uint32_t k = 0; k < 2u; k++) {
         const smr_vec turn = smr_v(k == 0u ? EIGHTH : -EIGHTH, 0, 0);
         const smr_twist twist = smr_twist_about(turn, centre, smr_v(0, 0, 0));
@@ -213,13 +203,12 @@ static void test_two_clusters(void **state)
 }
 
 /* Goals of one motion for all: every cluster turns alike, so both means are that motion, in full. */
-static void test_one_motion(void **state)
+TEST(test_one_motion)
 {
     const smr_mesh bar = make_bar();
     const smr_prepare_config radii = rig_radii(1, 40, 0, 0);
     const smr_model *model = rig_model(&bar, 1, &radii);
     const float t[3] = {5, -20, 11};
-    (void)state;
     for (uint32_t k = 0; k < 4u; k++) {
         const smr_config config = springy(SMR_METHOD_POLAR, SMR_FUSING_LIE);
         float m[9];
@@ -252,10 +241,9 @@ static float moved_apart(const smr_mesh *bar, const smr_config *config)
 }
 
 /* No worse than with the linear mean, whose 6 um come from rounding inputs of half a metre. */
-static void test_moved_inputs(void **state)
+TEST(test_moved_inputs)
 {
     const smr_mesh bar = make_bar();
-    (void)state;
     bend(60.0f);
     for (uint32_t k = 0; k < 4u; k++) {
         smr_config config = springy(k & 1u, SMR_FUSING_LINEAR);
@@ -269,13 +257,4 @@ static void test_moved_inputs(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_bar_keeps_its_volume, tidy),
-        cmocka_unit_test_teardown(test_two_clusters, tidy),
-        cmocka_unit_test_teardown(test_one_motion, tidy),
-        cmocka_unit_test_teardown(test_moved_inputs, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

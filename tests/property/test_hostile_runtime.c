@@ -1,52 +1,37 @@
 /* test_hostile_runtime.c: any input to a registration is refused with a status and changes nothing, or is accepted
  * and keeps every position finite.
  * SPDX-License-Identifier: MIT */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "suite.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "property/rig.h"
 
 static const float none[3] = {0, 0, 0};
 static smr_mesh ball, other;
 static const smr_model *model;
 static smr_surface *surface;
 
-static int set_up(void **state)
+static void set_up(void)
 {
     const smr_prepare_config radii = rig_radii(2, 25, 12, 0);
-    (void)state;
     ball = rig_ball(30, 7, 10, none);
     other = rig_ball(33, 8, 11, none);
     model = rig_model(&ball, 1, &radii);
     surface = rig_surface(&other);
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
 }
 
 /* ---- NULL, cookies, ranges */
 
-static void test_null(void **state)
+TEST(test_null)
 {
+    set_up();
     smr_config config = smr_config_default();
     const smr_pose pose = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     size_t bytes;
     float xyz[3 * 128];
     smr_structure_report part;
     smr *s = rig_init(model, &config, NULL), *out = s;
-    (void)state;
     assert_int_equal(SMR_E_NULL, smr_arena_bytes(NULL, &config, &bytes));
     assert_int_equal(SMR_E_NULL, smr_arena_bytes(model, NULL, &bytes));
     assert_int_equal(SMR_E_NULL, smr_arena_bytes(model, &config, NULL));
@@ -72,8 +57,9 @@ static void test_null(void **state)
     assert_true(smr_state_hash(NULL) == 0u);
 }
 
-static void test_not_a_registration(void **state)
+TEST(test_not_a_registration)
 {
+    set_up();
     float xyz[3 * 128];
     unsigned char seen[128];
     smr_structure_report part;
@@ -83,7 +69,6 @@ static void test_not_a_registration(void **state)
     smr_config config = smr_config_default();
     smr *good = rig_init(model, &config, NULL);
     size_t bytes = 0;
-    (void)state;
     assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &bytes));
     unsigned char *copy = rig_alloc(bytes);
     assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
@@ -149,9 +134,9 @@ static void refused(const smr_config *config, const char *field)
         REFUSE(field, 1.0e30f);                                                                                        \
     } while (0)
 
-static void test_every_field(void **state)
+TEST(test_every_field)
 {
-    (void)state;
+    set_up();
     REFUSE(cookie, 0);
     REFUSE(cookie, smr_config_default().cookie + 1u);
     REFUSE(cookie, smr_config_default().cookie ^ 0x10000u);
@@ -191,9 +176,9 @@ static void test_every_field(void **state)
     REFUSE(basic.method, UINT32_MAX);
 }
 
-static void test_every_field_of_the_schedule(void **state)
+TEST(test_every_field_of_the_schedule)
 {
-    (void)state;
+    set_up();
     REFUSE_FLOAT(motion.relaxation);
     REFUSE(motion.relaxation, 0.0f);
     REFUSE(motion.relaxation, 1.001f);
@@ -229,13 +214,13 @@ static void test_every_field_of_the_schedule(void **state)
     (void)rig_init(model, &config, NULL);
 }
 
-static void test_port(void **state)
+TEST(test_port)
 {
+    set_up();
     smr_config config = smr_config_default();
     unsigned char *memory = rig_alloc(1u << 18);
     smr_port port = {NULL, 2, NULL, NULL};
     smr *out = NULL;
-    (void)state;
     assert_int_equal(SMR_E_CONFIG, smr_init(model, &config, &port, memory, 1u << 18, &out)); /* more than n_workers */
     port.n_workers = 0;
     assert_int_equal(SMR_E_CONFIG, smr_init(model, &config, &port, memory, 1u << 18, &out));
@@ -249,9 +234,9 @@ static void test_port(void **state)
 
 /* ---- memory */
 
-static void test_arena_edges(void **state)
+TEST(test_arena_edges)
 {
-    (void)state;
+    set_up();
     for (uint32_t method = 0; method < 2u; method++) {
         for (uint32_t workers = 1; workers <= 5u; workers += 2u) {
             for (uint32_t targets = 0; targets <= 100u; targets += 100u) {
@@ -280,10 +265,10 @@ static void test_arena_edges(void **state)
     }
 }
 
-static void test_target_larger_than_promised(void **state)
+TEST(test_target_larger_than_promised)
 {
+    set_up();
     smr_config config = smr_config_default();
-    (void)state;
     config.basic.n_target_vertices = other.n_vertices - 1u;
     smr *s = rig_init(model, &config, NULL);
     const uint64_t before = smr_state_hash(s);
@@ -299,13 +284,13 @@ static void test_target_larger_than_promised(void **state)
 }
 
 /* The macro for static storage is never too small, and not wasteful. */
-static void test_arena_macro(void **state)
+TEST(test_arena_macro)
 {
+    set_up();
     static const uint32_t workers[] = {1, 2, 8, 64}, targets[] = {0, 1, 5000}, parts[] = {1, 7, 40};
     const smr_prepare_config radii = rig_radii(1, 5, 0, 0);
     smr_mesh mesh[40];
     double worst = 0.0, waste = 0.0;
-    (void)state;
     for (uint32_t size = 0; size < 5u; size++) {
         for (uint32_t p = 0; p < 3u; p++) {
             if (size >= 3u && p > 1u)
@@ -350,12 +335,12 @@ static void test_arena_macro(void **state)
 
 /* ---- coordinates from outside */
 
-static void test_refused_positions_change_nothing(void **state)
+TEST(test_refused_positions_change_nothing)
 {
+    set_up();
     static const float bad[] = {NAN, INFINITY, -INFINITY, 1.001e5f, -1.001e5f, 3.0e38f};
     smr_config config = smr_config_default();
     smr *s = rig_init(model, &config, NULL), *twin = rig_init(model, &config, NULL);
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, surface));
     assert_int_equal(SMR_OK, smr_set_surface(twin, 0, surface));
     (void)rig_run(s, 4);
@@ -379,18 +364,4 @@ static void test_refused_positions_change_nothing(void **state)
     assert_true(smr_state_hash(s) == smr_state_hash(twin));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_null, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_not_a_registration, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_every_field, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_every_field_of_the_schedule, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_port, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_arena_edges, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_target_larger_than_promised, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_arena_macro, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_refused_positions_change_nothing, set_up, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

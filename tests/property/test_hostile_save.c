@@ -1,11 +1,7 @@
 /* test_hostile_save.c: a save is forged word by word and by many words at once, with a right checksum: it is refused,
  * or the registration runs on and every position stays finite.
  * SPDX-License-Identifier: MIT */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "suite.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,13 +10,6 @@
 #include "base/arena.h"
 #include "base/bytes.h"
 #include "fuzz/fuzz_save.c"
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static const uint32_t hostile[] = {
     0xffffffffu, 0x7fc00000u, 0x7f800000u, 0xff800000u, 0x7f7fffffu,
@@ -39,14 +28,13 @@ static void put(unsigned char *to, uint32_t word)
 /* Of the arrays every STRIDE-th word, of the fields behind them each one. */
 #define STRIDE 61u
 
-static void test_words(void **state)
+TEST(test_words)
 {
     static unsigned char values[UNIT_SAVE_BYTES];
     size_t end = 0;
     uint32_t ran = 0, refused = 0;
     const unit_save *u = fuzz_saved();
     const size_t first = unit_save_values(u->saved, &end), n = end - first, fields = n - 400u;
-    (void)state;
     for (size_t at = 0; at + 4u <= n; at += at < fields ? 4u * STRIDE : 4u) {
         for (uint32_t k = at < fields ? (uint32_t)(at / 4u % 3u) : 0u; k < HOSTILE; k += at < fields ? 3u : 1u) {
             memcpy(values, u->saved + first, n);
@@ -64,7 +52,7 @@ static void test_words(void **state)
 }
 
 /* Whole runs of words at once, at the ends of their ranges. */
-static void test_runs_of_words(void **state)
+TEST(test_runs_of_words)
 {
     static unsigned char values[UNIT_SAVE_BYTES];
     static const uint32_t legal[] = {0x49f42400u, 0xc9f42400u, 0, 0x49742400u, 1, 0xffffffffu};
@@ -72,7 +60,6 @@ static void test_runs_of_words(void **state)
     uint32_t seed = 5, ran = 0;
     const unit_save *u = fuzz_saved();
     const size_t first = unit_save_values(u->saved, &end), n = end - first;
-    (void)state;
     for (uint32_t i = 0; i < 300u; i++) {
         memcpy(values, u->saved + first, n);
         for (uint32_t k = 0; k < 1u + i % 4u; k++) {
@@ -147,16 +134,14 @@ static int run_moving(const unsigned char *saved)
 }
 
 /* Words of the arrays, every field behind them, as test_words() has them. */
-static void test_moving(void **state)
+TEST(test_moving)
 {
     static unsigned char saved[sizeof moving.saved];
     uint32_t ran = 0, refused = 0;
     size_t end = 0;
-    (void)state;
-    make_moving();
     const size_t first = unit_save_values(moving.saved, &end), fields = end - 400u;
     for (size_t at = first; at + 4u <= end; at += at < fields ? 4u * STRIDE : 4u)
-        for (uint32_t k = 0; k < HOSTILE; k++) {
+        for (uint32_t k = at < fields ? (uint32_t)(at / 4u % 2u) : 0u; k < HOSTILE; k += at < fields ? 2u : 1u) {
             memcpy(saved, moving.saved, moving.bytes);
             put(saved + at, hostile[k]);
             unit_save_seal(saved, moving.bytes);
@@ -166,12 +151,15 @@ static void test_moving(void **state)
         }
     if (getenv("SMR_TEST_SHOW") != NULL)
         print_message("%u forged saves in motion ran, %u were refused\n", ran, refused);
-    assert_true(ran > 100u && refused > 300u);
+    assert_true(ran > 50u && refused > 150u);
 }
 
-int main(void)
+/* Kept for all tests, as what fuzz_save() makes once is. */
+static int set_up(void **state)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_words), cmocka_unit_test(test_runs_of_words),
-                                       cmocka_unit_test(test_moving)};
-    return cmocka_run_group_tests(tests, NULL, tidy);
+    (void)state;
+    make_moving();
+    return 0;
 }
+
+int main(void) { return suite_run(set_up, suite_free); }

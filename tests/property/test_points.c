@@ -2,11 +2,7 @@
  * their logs to the last bit with other numbers of workers and task orders. Moved inputs give the moved result. Many
  * noisy points give a better surface than one of them.
  * SPDX-License-Identifier: MIT */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "suite.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,20 +15,11 @@ enum { RUNS = 60, STEPS = 60, PARTS = RIG_PAIR, CLOUDS = 2, CAPACITY = RIG_CLOUD
 static smr_mesh part[PARTS];
 static const smr_model *model;
 
-static int set_up(void **state)
+static void set_up(void)
 {
     const rig_pair pair = rig_pair_make();
-    (void)state;
     memcpy(part, pair.part, sizeof part);
     model = pair.model;
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
 }
 
 static smr_points *new_cloud(uint32_t capacity)
@@ -126,10 +113,10 @@ static void replay(smr *twin)
     assert_true(smr_state_hash(twin) == smr_state_hash(r.s));
 }
 
-static void test_growth_replays(void **state)
+TEST(test_growth_replays)
 {
+    set_up();
     uint32_t seed = 5, partial = 0, early = 0, late = 0, full = 0;
-    (void)state;
     for (uint32_t n = 0; n < RUNS; n++) {
         rig_jitter clock = {rig_random(&seed, 1u << 27), 1000000u};
         const smr_port recording = {&clock, 1u + n % 4u, NULL, rig_jitter_read};
@@ -155,10 +142,10 @@ static void test_growth_replays(void **state)
 }
 
 /* A cloud that has changed is not taken for set because another one is. */
-static void test_each_is_set_again(void **state)
+TEST(test_each_is_set_again)
 {
+    set_up();
     smr_config config;
-    (void)state;
     begin_run(7);
     config = rig_cloud_config(&r.seed);
     r.s = rig_init(model, &config, NULL);
@@ -177,13 +164,13 @@ static void test_each_is_set_again(void **state)
 }
 
 /* A replay that gets another cloud says so. */
-static void test_another_cloud_is_told(void **state)
+TEST(test_another_cloud_is_told)
 {
+    set_up();
     smr_replay again;
     smr_replay_report report;
     smr_log_state log;
     smr_config config;
-    (void)state;
     begin_run(3);
     config = rig_cloud_config(&r.seed);
     r.s = rig_init(model, &config, NULL);
@@ -251,10 +238,10 @@ static float *radii_by(uint32_t seed, float noise)
 }
 
 /* Against points without noise: vertices of a coarse ball lie outside the sphere that its facets are laid onto. */
-static void test_noise_averages(void **state)
+TEST(test_noise_averages)
 {
+    set_up();
     float apart = 0.0f;
-    (void)state;
     for (uint32_t seed = 9; seed < 12u; seed++) {
         const float *clean = radii_by(seed, 0.0f);
         apart += mean_difference(clean, radii_by(seed, 1.0f)) / 3.0f;
@@ -264,12 +251,12 @@ static void test_noise_averages(void **state)
     assert_true(apart < 0.1f); /* a point is 0.5 off in the mean */
 }
 
-static void test_workers_change_no_bit(void **state)
+TEST(test_workers_change_no_bit)
 {
+    set_up();
     smr_points *cloud = new_cloud(CAPACITY);
     uint32_t seed = 11;
     uint64_t hash = 0;
-    (void)state;
     for (uint32_t i = 0; i < CAPACITY; i++) {
         const point p = rig_cloud_point(&seed, 0, 24.0f, 0.5f);
         add(cloud, &p);
@@ -283,14 +270,14 @@ static void test_workers_change_no_bit(void **state)
 }
 
 /* Within its noise a point pulls nothing. */
-static void test_noise_pulls_nothing(void **state)
+TEST(test_noise_pulls_nothing)
 {
+    set_up();
     smr_points *cloud = new_cloud(CAPACITY);
     smr_config c = smr_config_default();
     smr_tick_report report = {0};
     float *radius[3];
     uint32_t seed = 2;
-    (void)state;
     for (uint32_t k = 0; k < 3u; k++)
         radius[k] = rig_alloc(part[0].n_vertices * sizeof(float));
     for (uint32_t i = 0; i < CAPACITY; i++) {
@@ -331,15 +318,15 @@ static float off_ball(const float *xyz, const smr_mesh *ball)
 }
 
 /* Some 20 points hold one side; the far side follows, and is not said to be seen. */
-static void test_one_side(void **state)
+TEST(test_one_side)
 {
+    set_up();
     static const float turn[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, shift[3] = {3, 1, -2};
     smr_points *cloud = new_cloud(CAPACITY);
     unsigned char *seen = rig_alloc(part[0].n_vertices);
     const smr_mesh truth = rig_moved(&part[0], turn, shift);
     float *xyz = rig_alloc(3u * part[0].n_vertices * sizeof *xyz);
     uint32_t front = 0, back = 0, n = 0;
-    (void)state;
     for (uint32_t v = 0; v < truth.n_vertices; v++) {
         const float *p = truth.xyz + 3u * (size_t)v;
         if (p[2] > 3.0f && n++ < CAPACITY)
@@ -357,13 +344,13 @@ static void test_one_side(void **state)
 }
 
 /* A bone, for a ball could turn about itself. */
-static void test_moved_inputs(void **state)
+TEST(test_moved_inputs)
 {
+    set_up();
     static const float far[3] = {120, -35, 64};
     enum { BONE = 2000 };
     smr_mesh bone, goal;
     float turn[9], *xyz[2];
-    (void)state;
     rig_bone(9000, 1.0f, &bone, &goal);
     rig_rotation(1, 2, -1, 40, turn);
     const smr_mesh moved_goal = rig_moved(&goal, turn, far);
@@ -394,17 +381,4 @@ static void test_moved_inputs(void **state)
     assert_true(apart < 0.002f);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_growth_replays, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_each_is_set_again, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_another_cloud_is_told, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_noise_averages, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_workers_change_no_bit, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_noise_pulls_nothing, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_one_side, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_moved_inputs, set_up, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,10 +1,6 @@
 /* test_points_hostile.c: any points are refused or keep every position finite; and the nearest of a cloud.
  * SPDX-License-Identifier: MIT */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "suite.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,20 +14,11 @@ enum { PARTS = RIG_PAIR, CAPACITY = RIG_CLOUD_ROOM };
 static smr_mesh part[PARTS];
 static const smr_model *model;
 
-static int set_up(void **state)
+static void set_up(void)
 {
     const rig_pair pair = rig_pair_make();
-    (void)state;
     memcpy(part, pair.part, sizeof part);
     model = pair.model;
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
 }
 
 static smr_points *new_cloud(uint32_t capacity)
@@ -47,8 +34,9 @@ static void add(smr_points *cloud, const point *p) { assert_int_equal(SMR_OK, ri
 
 /* ---- what is refused */
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
+    set_up();
     static const float bad[] = {NAN, INFINITY, 1.1e5f, -2e5f};
     smr_points *cloud = new_cloud(4), *out = cloud;
     smr_surface *surface = NULL;
@@ -56,7 +44,6 @@ static void test_refused(void **state)
     point p = {{20, 2, 3}, {0, 0, 2}, 1};
     size_t bytes = 7;
     uint32_t n = 9;
-    (void)state;
     assert_int_equal(SMR_E_NULL, smr_points_bytes(1, NULL));
     assert_int_equal(SMR_E_INPUT, smr_points_bytes(0, &bytes));
     assert_int_equal(SMR_E_INPUT, smr_points_bytes(SMR_VERTICES_MAX + 1u, &bytes));
@@ -86,14 +73,14 @@ static void test_refused(void **state)
 }
 
 /* What a registration refuses, and what it does with a cloud that has changed. */
-static void test_set_points(void **state)
+TEST(test_set_points)
 {
+    set_up();
     smr_points *cloud = new_cloud(4);
     smr_config c = smr_config_default();
     unsigned char *memory = rig_alloc(4096);
     smr_tick_report report;
     const point p = {{20, 2, 3}, {0, 0, 2}, 1};
-    (void)state;
     c.basic.n_target_vertices = 3;
     smr *s = rig_init(model, &c, NULL);
     assert_int_equal(SMR_E_ARENA, smr_set_points(s, SMR_ALL, cloud));
@@ -125,10 +112,10 @@ static void test_set_points(void **state)
 }
 
 /* Any points, however they lie, keep every position finite. */
-static void test_hostile_points(void **state)
+TEST(test_hostile_points)
 {
+    set_up();
     uint32_t seed = 77;
-    (void)state;
     for (uint32_t n = 0; n < 40u; n++) {
         const float size = n % 4u == 0u ? 1.0e5f : (n % 4u == 1u ? 1.0e-6f : 60.0f);
         smr_points *cloud = new_cloud(CAPACITY);
@@ -157,8 +144,9 @@ static void test_hostile_points(void **state)
 
 /* The copy of a cloud that is made in pieces has the bytes of one made at once, and is none until then, nor where the
  * cloud has changed. */
-static void test_copy_in_pieces(void **state)
+TEST(test_copy_in_pieces)
 {
+    set_up();
     smr_points *cloud = new_cloud(CAPACITY);
     smr_surface *surface = NULL;
     smr_closest hit;
@@ -166,7 +154,6 @@ static void test_copy_in_pieces(void **state)
     size_t bytes = 0;
     smr_status status = SMR_PARTIAL;
     const float p[3] = {1, 2, 3};
-    (void)state;
     for (uint32_t i = 0; i < CAPACITY; i++) {
         const point one = rig_cloud_point(&seed, 0, 20.0f, 5.0f);
         add(cloud, &one);
@@ -198,14 +185,14 @@ static void test_copy_in_pieces(void **state)
 }
 
 /* The nearest of all points, and its normal. */
-static void test_nearest_point(void **state)
+TEST(test_nearest_point)
 {
+    set_up();
     smr_points *cloud = new_cloud(CAPACITY);
     smr_surface *surface = NULL;
     point all[CAPACITY];
     uint32_t seed = 4;
     size_t bytes = 0;
-    (void)state;
     for (uint32_t i = 0; i < CAPACITY; i++) {
         all[i] = rig_cloud_point(&seed, 0, 20.0f, 5.0f);
         add(cloud, &all[i]);
@@ -230,14 +217,4 @@ static void test_nearest_point(void **state)
     assert_int_equal(SMR_E_STATE, smr_set_surface(rig_init(model, &c, NULL), 0, surface));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_refused, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_set_points, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_hostile_points, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_nearest_point, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_copy_in_pieces, set_up, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -2,18 +2,13 @@
  * the result, and the order of points does not matter. test_equal_bits.c has what holds to the last bit.
  * SMR_TEST_SHOW=1 prints the figures.
  * SPDX-License-Identifier: MIT */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "suite.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "property/rig_data.h"
 
 #define TOLERANCE_MM 1.0e-3f
@@ -23,21 +18,6 @@
 static int no_momentum; /* 1: without it small differences do not grow from iteration to iteration */
 
 static const float identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, nowhere[3] = {0, 0, 0};
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    no_momentum = 0;
-    return 0;
-}
-
-static int without_momentum(void **state)
-{
-    (void)state;
-    no_momentum = 1;
-    return 0;
-}
 
 static void show(const char *what, float mm)
 {
@@ -114,12 +94,11 @@ static void exact_bone(smr_mesh *source, smr_mesh *target)
     }
 }
 
-static void test_translation(void **state)
+TEST(test_translation)
 {
     static const float by[][3] = {{600, 0, 0}, {-600, 600, 0}, {0, -1, 600}, {-3, 5, 7}, {346, -346, 346}};
     smr_mesh source, target;
     apart most = {0, 0, 0};
-    (void)state;
     exact_bone(&source, &target);
     const float *plain = registered(&source, &target);
     for (size_t i = 0; i < rig_times(sizeof by / sizeof by[0]); i++)
@@ -128,7 +107,7 @@ static void test_translation(void **state)
     assert_true(most.worst <= TOLERANCE_MM);
 }
 
-static void test_rotation(void **state)
+TEST(test_rotation)
 {
     static const struct {
         float m[9], t[3];
@@ -139,7 +118,6 @@ static void test_rotation(void **state)
                 {{0, 0, -1, 0, -1, 0, -1, 0, 0}, {100, 200, -300}}};
     smr_mesh source, target;
     apart most = {0, 0, 0};
-    (void)state;
     exact_bone(&source, &target);
     const float *plain = registered(&source, &target);
     for (size_t i = 0; i < rig_times(sizeof turn / sizeof turn[0]); i++)
@@ -148,7 +126,7 @@ static void test_rotation(void **state)
 }
 
 /* Any rotation and 600 mm: the inputs themselves are then rounded, to 3e-5 mm. */
-static void test_rounded_inputs(void **state)
+TEST(test_rounded_inputs)
 {
     static const float turn[][7] = {/* axis, degrees, translation */
                                     {1, 2, 3, 37, 0, 0, 0},
@@ -158,7 +136,6 @@ static void test_rounded_inputs(void **state)
                                     {1, 0, 0, 0, 0.1f, 0.3f, 0.7f}};
     smr_mesh source, target;
     apart most = {0, 0, 0};
-    (void)state;
     rig_bone(CELL, 1.0f, &source, &target);
     const float *plain = registered(&source, &target);
     for (size_t i = 0; i < rig_times(sizeof turn / sizeof turn[0]); i++) {
@@ -225,10 +202,9 @@ static int femur(const char *part_of_name, int mirrored, smr_mesh *found)
     return 0;
 }
 
-static void test_femurs(void **state)
+TEST(test_femurs)
 {
     smr_mesh source, target;
-    (void)state;
     if (!femur("2008_0019_left_3k", 0, &source) || !femur("2007_5028_left_3k", 0, &target))
         skip();
     apart most = femurs_moved(&source, &target);
@@ -240,21 +216,19 @@ static void test_femurs(void **state)
 }
 
 /* A dense mesh with slivers onto a coarse one: the fold guard acts throughout the last radius. */
-static void test_slivers(void **state)
+TEST(test_slivers)
 {
     smr_mesh source, target;
-    (void)state;
     if (!femur("vhm_left", 1, &source) || !femur("m_right", 0, &target))
         skip();
     const apart most = femurs_moved(&source, &target);
     assert_moves_along("slivers", &most);
 }
 
-static void test_mirror(void **state)
+TEST(test_mirror)
 {
     smr_mesh source, target;
     apart most = {0, 0, 0};
-    (void)state;
     rig_bone(CELL, 1.0f, &source, &target);
     const float *plain = registered(&source, &target);
     for (uint32_t axis = 0; axis < 3u; axis++) {
@@ -287,12 +261,11 @@ static smr_mesh shuffled(const smr_mesh *mesh, uint32_t *seed, uint32_t *new_of)
     return (smr_mesh){xyz, t, mesh->n_vertices, mesh->n_triangles};
 }
 
-static void test_order_of_inputs(void **state)
+TEST(test_order_of_inputs)
 {
     smr_mesh source, target;
     uint32_t seed = 5;
     apart most = {0, 0, 0};
-    (void)state;
     rig_bone(CELL, 1.0f, &source, &target);
     const float *plain = registered(&source, &target);
     uint32_t *new_of = rig_alloc(source.n_vertices * sizeof *new_of);
@@ -309,12 +282,11 @@ static void test_order_of_inputs(void **state)
 }
 
 /* One iteration of every kind from the same start: no history in which small differences could grow. */
-static void test_one_iteration_moves_along(void **state)
+TEST(test_one_iteration_moves_along)
 {
     static const float turn[][7] = {{1, 2, 3, 37, 0, 0, 0}, {3, -1, 1, 120, -600, 0, 0}, {-1, 1, 2, 180, 0, 0, 600}};
     smr_mesh source, target;
     float worst = 0.0f;
-    (void)state;
     rig_bone(CELL, 1.0f, &source, &target);
     for (uint32_t k = 0; k < 6u; k++) {
         float m[9], *x[2];
@@ -339,26 +311,14 @@ static void test_one_iteration_moves_along(void **state)
     assert_true(worst <= TOLERANCE_MM);
 }
 
-#define TEST_WITHOUT_MOMENTUM(f)                                                                                       \
-    {                                                                                                                  \
-#f ", no momentum", f, without_momentum, tidy, NULL                                                            \
-    }
-
-int main(void)
+static void without_momentum(CMUnitTestFunction test)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_one_iteration_moves_along, tidy),
-        cmocka_unit_test_teardown(test_translation, tidy),
-        cmocka_unit_test_teardown(test_rotation, tidy),
-        cmocka_unit_test_teardown(test_rounded_inputs, tidy),
-        cmocka_unit_test_teardown(test_femurs, tidy),
-        cmocka_unit_test_teardown(test_slivers, tidy),
-        cmocka_unit_test_teardown(test_mirror, tidy),
-        cmocka_unit_test_teardown(test_order_of_inputs, tidy),
-        TEST_WITHOUT_MOMENTUM(test_translation),
-        TEST_WITHOUT_MOMENTUM(test_rotation),
-        TEST_WITHOUT_MOMENTUM(test_mirror),
-        TEST_WITHOUT_MOMENTUM(test_order_of_inputs),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    no_momentum = 1;
+    test(NULL);
+    no_momentum = 0;
 }
+
+TEST(test_translation_without_momentum) { without_momentum(test_translation); }
+TEST(test_order_without_momentum) { without_momentum(test_order_of_inputs); }
+
+int main(void) { return suite_run(NULL, NULL); }

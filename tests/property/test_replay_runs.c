@@ -2,11 +2,7 @@
  * last bit: with other numbers of workers, other task orders, and without a clock. Clocks cut iterations and inputs
  * are set between partial ticks. Searches may open so few tree nodes that the place they start from matters.
  * SPDX-License-Identifier: MIT */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "suite.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,9 +22,8 @@ static struct world {
     smr_volume volume[2];
 } world;
 
-static int set_up(void **state)
+static void set_up(void)
 {
-    (void)state;
     for (uint32_t i = 0; i < SURFACES; i++) {
         const smr_mesh goal = rig_parts_goal(i);
         world.surface[i] = rig_surface(&goal);
@@ -38,14 +33,6 @@ static int set_up(void **state)
     world.of = rig_parts_make(&world.volume[0]);
     for (uint32_t i = 0; i < PARTS; i++)
         assert_true(world.of.part[i].n_vertices <= VERTICES_MAX);
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
 }
 
 static smr_config random_config(uint32_t *seed)
@@ -182,13 +169,13 @@ static void replay(run *r, smr *twin, uint32_t number)
     assert_true(smr_state_hash(twin) == smr_state_hash(r->s));
 }
 
-static void test_replays(void **state)
+TEST(test_replays)
 {
+    set_up();
     static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
     static run r;
     const uint32_t runs = rig_times(RUNS);
     uint32_t seed = 7, ticks = 0, partial = 0, cut = 0, early = 0, late = 0;
-    (void)state;
     for (uint32_t n = 0; n < runs; n++) {
         rig_jitter clock = {rig_random(&seed, 1u << 27), 1000000u};
         const smr_port other = rig_port(n % RIG_SCHEDULERS, 1u + n / 4u % 4u);
@@ -222,8 +209,9 @@ static void test_replays(void **state)
 
 /* The last surface is taken away while the iteration that ends the first radius already has its forces. Whether the
  * next radius starts with a repair is decided in that iteration, where the surface still counts. */
-static void test_last_surface_goes_late(void **state)
+TEST(test_last_surface_goes_late)
 {
+    set_up();
     static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
     static run r;
     rig_jitter clock = {3, 1000000u};
@@ -231,7 +219,6 @@ static void test_last_surface_goes_late(void **state)
     smr_config config = smr_config_default_image();
     smr_tick_report report = {0};
     size_t bytes = 0;
-    (void)state;
     memset(&r, 0, sizeof r);
     r.model = 1;
     config.basic.iterations = 1; /* twice as many at the first radius */
@@ -257,8 +244,9 @@ static void test_last_surface_goes_late(void **state)
 
 /* The same in an iteration of the last radius: whether evening out ends it early is decided where the surface still
  * counts. */
-static void test_last_surface_goes_before_the_end(void **state)
+TEST(test_last_surface_goes_before_the_end)
 {
+    set_up();
     static _Alignas(SMR_ALIGN) unsigned char memory[2][1u << 19];
     static run r;
     rig_jitter clock = {3, 1000000u};
@@ -266,7 +254,6 @@ static void test_last_surface_goes_before_the_end(void **state)
     smr_config config = smr_config_default();
     smr_tick_report report = {0};
     size_t bytes = 0;
-    (void)state;
     memset(&r, 0, sizeof r);
     config.schedule.radius_first = 2;
     config.motion.settle_um = 1.0e6f; /* whatever moves is settled */
@@ -287,11 +274,4 @@ static void test_last_surface_goes_before_the_end(void **state)
     replay(&r, begin(&r, &config, NULL, memory[1], bytes), 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_replays, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_last_surface_goes_late, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_last_surface_goes_before_the_end, set_up, tidy)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -3,7 +3,7 @@
  * copies of the inputs. From there on both get the same calls, and come to the same bits, reports, verdicts and logs.
  * Clocks cut iterations before the save. SMR_TEST_SHOW=1 prints what was met.
  * SPDX-License-Identifier: MIT */
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -366,12 +366,11 @@ static void run_after(run *r, smr *s, smr *twin, uint32_t number)
     same_results(r, s, twin);
 }
 
-static void test_saves(void **state)
+TEST(test_saves)
 {
     static _Alignas(SMR_ALIGN) unsigned char memory[2][ARENA];
     static run r;
     uint32_t seed = 11;
-    (void)state;
     for (uint32_t n = 0; n < RUNS; n++) {
         rig_jitter clock = {rig_random(&seed, 1u << 27), 1000000u};
         const smr_port other = rig_port(n % RIG_SCHEDULERS, 1u + n / 4u % 4u);
@@ -408,8 +407,4 @@ static void test_saves(void **state)
                 met.repairs > RUNS / 4u && met.ended > RUNS && met.tracking > 3u);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_saves)};
-    return cmocka_run_group_tests(tests, set_up, tidy);
-}
+int main(void) { return suite_run(set_up, tidy); }

@@ -3,7 +3,7 @@
  * drifts away. Open sheets, of which borders alone tell the size: they keep to those.
  * Accuracy: of vertices to their true places, in mm, below.
  * SPDX-License-Identifier: MIT */
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,7 +15,7 @@
 #define EXPECTED_LEAST 0.5f /* of what vertices are off: their expected errors, in the mean */
 #define SHEETS_MM 4.5f      /* each */
 
-enum { RINGS = 28, AROUND = 40, GRID = 31 };
+enum { RINGS = 22, AROUND = 32, GRID = 25 };
 
 static const float nowhere[3] = {0, 0, 0};
 
@@ -113,11 +113,10 @@ static float registered(const smr_mesh *mesh, const smr_mesh *target, const floa
     return mean_off(rig_positions(s, model), truth, mesh->n_vertices);
 }
 
-static void parts_of_bodies(void **state)
+TEST(parts_of_bodies)
 {
     static const float towards[3][3] = {{0, 0, 1}, {0.505f, 0.808f, 0.303f}, {0.990f, 0.099f, 0.099f}};
     float sum = 0.0f, expected = 0.0f, n = 0.0f;
-    (void)state;
     for (uint32_t i = 0; i < sizeof bodies / sizeof bodies[0]; i++) {
         const smr_mesh mesh = body_mesh(&bodies[i], RINGS, AROUND, 0);
         smr_mesh whole = body_mesh(&bodies[i], RINGS + 3, AROUND + 5, 1);
@@ -179,10 +178,9 @@ static smr_mesh sheet(uint32_t kind, float angle, uint32_t n, float larger)
     return (smr_mesh){xyz, t, n * n, n_triangles};
 }
 
-static void sheets_keep_to_borders(void **state)
+TEST(sheets_keep_to_borders)
 {
     static const float degrees[] = {20, 80, 100, 140};
-    (void)state;
     for (uint32_t k = 0; k < SHEETS * 4u; k++) {
         const float angle = degrees[k % 4u] * 0.01745329f;
         const smr_mesh mesh = sheet(k / 4u, angle, GRID, 1.0f), target = sheet(k / 4u, angle, GRID + 6, 1.03f);
@@ -195,8 +193,4 @@ static void sheets_keep_to_borders(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(parts_of_bodies), cmocka_unit_test(sheets_keep_to_borders)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

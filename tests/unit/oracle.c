@@ -34,6 +34,12 @@ double oracle_uniform(oracle_random *r, double lo, double hi)
 
 float oracle_uniformf(oracle_random *r, float lo, float hi) { return (float)oracle_uniform(r, (double)lo, (double)hi); }
 
+void oracle_within_box(oracle_random *r, float lo, float hi, float p[3])
+{
+    for (uint32_t c = 0; c < 3u; c++)
+        p[c] = oracle_uniformf(r, lo, hi);
+}
+
 void oracle_turn(const double axis[3], double angle, double m[9])
 {
     const double l = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);

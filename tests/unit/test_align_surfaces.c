@@ -1,13 +1,12 @@
 /* test_align_surfaces.c: the start pose without landmarks: known rigid and scaled poses of the fixture's bone are
- * found from 50 random rotations. Accuracy: vertices within 0.02 mm of their true place when source and target are the
- * same mesh, and the rms agrees; 0.25 mm for two meshes of one bone with edges of 12 mm, rms below 1.5 mm.
+ * found from 50 random rotations. Accuracy: vertices within 0.02 mm of their true place when source and target are
+ * the same mesh, and the rms agrees; 0.25 mm for two meshes of one bone with edges of 12 mm, rms below 1.5 mm.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "unit_mesh.h"
 
 typedef struct planted {
@@ -62,7 +61,7 @@ static double find(oracle_random *r, const unit_mesh *model, const smr_surface *
         }
         sum += sqrt(d2) / p.scale;
     }
-    unit_free(target);
+    rig_free(target);
     unit_mesh_free(&t);
     return sum / (double)model->nv;
 }
@@ -81,28 +80,14 @@ static void run(uint32_t seed, int scaled, uint32_t n, int other_mesh, double bu
     }
     assert_true(oracle_within(scaled ? "align: scaled, mm" : "align: rigid, mm", worst, budget));
     assert_true(oracle_within("align: rms it says, mm", worst_rms, other_mesh ? 1.5 : budget));
-    unit_free(s);
+    rig_free(s);
     unit_mesh_free(&bone);
     unit_mesh_free(&other);
 }
 
-static void rigid_poses(void **state)
-{
-    (void)state;
-    run(110, 0, rig_times(25), 0, 0.02);
-}
+TEST(similarity_poses) { run(111, 1, rig_times(12), 0, 0.02); }
 
-static void similarity_poses(void **state)
-{
-    (void)state;
-    run(111, 1, rig_times(25), 0, 0.02);
-}
-
-static void two_meshes_of_one_bone(void **state)
-{
-    (void)state;
-    run(112, 0, 4, 1, 0.25);
-}
+TEST(two_meshes_of_one_bone) { run(112, 0, 4, 1, 0.25); }
 
 static void refused_configurations(const smr_surface *s)
 {
@@ -140,18 +125,17 @@ static void refused_poses(const smr_surface *s, void *memory, size_t bytes)
     }
 }
 
-static void refusals(void **state)
+TEST(refusals)
 {
     unit_mesh m = unit_sphere(1, 5.0f, 0.0f);
     smr_surface *s = unit_surface(&m);
     const smr_align_config c = smr_align_config_default();
     size_t bytes = 0;
     smr_pose pose, mark;
-    (void)state;
     assert_int_equal(smr_align_bytes(NULL, &bytes), SMR_E_NULL);
     assert_int_equal(smr_align_bytes(&c, NULL), SMR_E_NULL);
     assert_int_equal(smr_align_bytes(&c, &bytes), SMR_OK);
-    unsigned char *memory = unit_memory(bytes + SMR_ALIGN);
+    unsigned char *memory = rig_rough(bytes + SMR_ALIGN);
     memset(&mark, 0x55, sizeof mark);
     pose = mark;
     assert_int_equal(smr_align(NULL, s, &c, memory, bytes, &pose, NULL), SMR_E_NULL);
@@ -165,13 +149,10 @@ static void refusals(void **state)
     refused_poses(s, memory, bytes);
     assert_memory_equal(&pose, &mark, sizeof pose);
     assert_int_equal(smr_align(s, s, &c, memory, bytes, &pose, NULL), SMR_OK); /* report may be NULL */
-    unit_free(memory);
-    unit_free(s);
-    unit_mesh_free(&m);
 }
 
 /* A segment, a point, a single triangle, a flat square: an answer or a refusal, always finite. */
-static void degenerate_surfaces(void **state)
+TEST(degenerate_surfaces)
 {
     static const float xyz[4][9] = {{0, 0, 0, 5, 0, 0, 10, 0, 0},
                                     {1, 1, 1, 1, 1, 1, 1, 1, 1},
@@ -181,7 +162,6 @@ static void degenerate_surfaces(void **state)
     unit_mesh ball = unit_sphere(2, 20.0f, 3.0f);
     smr_surface *round = unit_surface(&ball);
     const smr_align_config c = smr_align_config_default();
-    (void)state;
     for (size_t i = 0; i < 4u; i++) {
         unit_mesh m = unit_mesh_new(3, 1);
         memcpy(m.xyz, xyz[i], sizeof xyz[i]);
@@ -195,18 +175,9 @@ static void degenerate_surfaces(void **state)
             if (status == SMR_OK)
                 assert_true(unit_finite(&pose.m[0][0], 12, 1e8f) && unit_finite(&report.rms_mm, 6, 1e8f));
         }
-        unit_free(s);
+        rig_free(s);
         unit_mesh_free(&m);
     }
-    unit_free(round);
-    unit_mesh_free(&ball);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rigid_poses), cmocka_unit_test(similarity_poses),    cmocka_unit_test(two_meshes_of_one_bone),
-        cmocka_unit_test(refusals),    cmocka_unit_test(degenerate_surfaces),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

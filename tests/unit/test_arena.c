@@ -1,7 +1,7 @@
 /* test_arena.c: slots in the caller's memory: exact size, one byte less, alignment, sizes that overflow size_t.
  * Under the address sanitiser a poisoned red zone follows each slot; the zones themselves are tested here.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <string.h>
 
@@ -29,11 +29,10 @@ static size_t take_all(smr_arena *a, unsigned char *slot[N_SIZES])
     return a->used;
 }
 
-static void measures_what_it_places(void **state)
+TEST(measures_what_it_places)
 {
     unsigned char *slot[N_SIZES];
     smr_arena measure = smr_arena_measure(), a;
-    (void)state;
     const size_t bytes = take_all(&measure, slot);
     size_t want = 0;
     for (int i = 0; i < N_SIZES; i++) {
@@ -44,7 +43,7 @@ static void measures_what_it_places(void **state)
 #endif
     }
     assert_int_equal(bytes, want);
-    unsigned char *memory = unit_memory(bytes);
+    unsigned char *memory = rig_rough(bytes);
     assert_int_equal(smr_arena_start(&a, memory, bytes), SMR_OK);
     assert_int_equal(take_all(&a, slot), bytes);
     assert_true(a.used <= a.capacity);
@@ -58,42 +57,36 @@ static void measures_what_it_places(void **state)
         for (size_t k = 0; k < sizes[i]; k++)
             assert_int_equal(slot[i][k], i);
     smr_arena_release(memory, bytes);
-    unit_free(memory);
 }
 
-static void one_byte_less_is_refused(void **state)
+TEST(one_byte_less_is_refused)
 {
     unsigned char *slot[N_SIZES];
     smr_arena measure = smr_arena_measure(), a;
-    (void)state;
     const size_t bytes = take_all(&measure, slot);
-    void *memory = unit_memory(bytes);
+    void *memory = rig_rough(bytes);
     assert_int_equal(smr_arena_start(&a, memory, bytes - 1u), SMR_OK);
     assert_int_equal(take_all(&a, slot), bytes); /* counts on, so that the need is known */
     assert_null(slot[N_SIZES - 1]);
     assert_true(a.used > a.capacity);
     smr_arena_release(memory, bytes);
-    unit_free(memory);
 }
 
-static void refuses_null_and_misaligned(void **state)
+TEST(refuses_null_and_misaligned)
 {
     smr_arena a = {NULL, 7, 7, NULL};
-    unsigned char *memory = unit_memory(4096);
-    (void)state;
+    unsigned char *memory = rig_rough(4096);
     assert_int_equal(smr_arena_start(&a, NULL, 4096), SMR_E_NULL);
     for (size_t off = 1; off < SMR_ALIGN; off++)
         assert_int_equal(smr_arena_start(&a, memory + off, 1024), SMR_E_ALIGN);
     assert_true(a.base == NULL && a.capacity == 7 && a.used == 7);
-    unit_free(memory);
 }
 
 /* Whatever was taken before, a size that does not fit size_t is never forgotten. */
-static void sizes_beyond_size_t_stick(void **state)
+TEST(sizes_beyond_size_t_stick)
 {
     static const size_t before[] = {0, 1, 64, SIZE_MAX / 2u, SIZE_MAX - 1024u, SIZE_MAX - 512u, SIZE_MAX - 256u};
     static const size_t then[][2] = {{SIZE_MAX, 2}, {2, SIZE_MAX}, {SIZE_MAX, 1}, {SIZE_MAX / 2u + 2u, 1}, {513, 1}};
-    (void)state;
     for (size_t i = 0; i < sizeof before / sizeof before[0]; i++) {
         for (size_t k = 0; k < sizeof then / sizeof then[0]; k++) {
             smr_arena a = smr_arena_measure();
@@ -111,14 +104,13 @@ static void sizes_beyond_size_t_stick(void **state)
     }
 }
 
-static void red_zones_follow_slots(void **state)
+TEST(red_zones_follow_slots)
 {
-    (void)state;
 #ifdef UNIT_ASAN
     unsigned char *slot[N_SIZES];
     smr_arena measure = smr_arena_measure(), a;
     const size_t bytes = take_all(&measure, slot);
-    unsigned char *memory = unit_memory(bytes);
+    unsigned char *memory = rig_rough(bytes);
     assert_int_equal(smr_arena_start(&a, memory, bytes), SMR_OK);
     take_all(&a, slot);
     for (int i = 0; i < N_SIZES; i++) {
@@ -130,18 +122,9 @@ static void red_zones_follow_slots(void **state)
     smr_arena_release(memory, bytes);
     for (size_t k = 0; k < bytes; k++)
         assert_false(__asan_address_is_poisoned(memory + k));
-    unit_free(memory);
 #else
     skip(); /* only with the address sanitiser */
 #endif
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(measures_what_it_places),     cmocka_unit_test(one_byte_less_is_refused),
-        cmocka_unit_test(refuses_null_and_misaligned), cmocka_unit_test(sizes_beyond_size_t_stick),
-        cmocka_unit_test(red_zones_follow_slots),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

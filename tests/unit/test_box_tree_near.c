@@ -1,7 +1,7 @@
-/* test_box_tree_near.c: the triangles that are nearly the nearest: all of them are found, and their shares change
- * continuously.
+/* test_box_tree_near.c: the triangles that are nearly the nearest: all of them are found, and their shares add up to
+ * 1.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 
@@ -26,11 +26,10 @@ static int has(const smr_near_list *list, uint32_t triangle)
 }
 
 /* All acceptable triangles within a tenth beyond the closest, no shares beyond that, and the shares add up to 1. */
-static void near_ones_are_all_of_them(void **state)
+TEST(near_ones_are_all_of_them)
 {
     oracle_random r = oracle_seed(75);
     uint32_t several = 0;
-    (void)state;
     for (uint32_t k = 0; k < 8u; k++) {
         unit_mesh m = k % 2u == 0u ? unit_soup(&r, 40u + 60u * k, 100.0f, k % 4u == 0u) : unit_sphere(2, 50.0f, 20.0f);
         uint32_t *triangles;
@@ -63,45 +62,13 @@ static void near_ones_are_all_of_them(void **state)
     assert_true(several > 300u);
 }
 
-/* From one sheet to another that lies opposite: the mean place goes there bit by bit, the closest one jumps. */
-static void near_ones_take_over_gradually(void **state)
-{
-    unit_mesh m = unit_mesh_new(6, 2);
-    uint32_t *triangles;
-    float last = 0.0f, jump = 0.0f;
-    (void)state;
-    for (uint32_t i = 0; i < 6u; i++) {
-        m.xyz[3u * i] = i < 3u ? -10.0f : 10.0f;
-        m.xyz[3u * i + 1u] = i % 3u == 1u ? 30.0f : -15.0f;
-        m.xyz[3u * i + 2u] = i % 3u == 2u ? 30.0f : -15.0f;
-        m.triangles[i] = i;
-    }
-    smr_box_tree f = unit_plant(&m, &triangles);
-    for (int step = -4000; step <= 4000; step++) {
-        const smr_query q = {smr_v(0.001f * (float)step, 0, 0), smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
-        smr_hit hit = {1.0e12f, SMR_NONE, {0, 0, 0}};
-        smr_near_list list;
-        float mean = 0.0f;
-        smr_tree_near(&f, &q, &hit, &list);
-        for (uint32_t i = 0; i < list.n; i++)
-            mean += list.item[i].share * smr_triangle_point(&f, list.item[i].triangle, list.item[i].weight).x;
-        jump = step > -4000 ? fmaxf(jump, fabsf(mean - last)) : 0.0f;
-        last = mean;
-    }
-    assert_true(fabsf(last - 10.0f) < 1.0e-4f); /* it has arrived, */
-    assert_true(jump < 0.06f);                  /* by steps of a 300th of the way at most */
-    unit_uproot(&f, triangles);
-    unit_mesh_free(&m);
-}
-
 /* With however small a node budget, the nearest known triangle has its share. Where more are near than the list
  * holds, the last bits do not decide which are kept. */
-static void near_ones_end_where_room_or_budget_do(void **state)
+TEST(near_ones_end_where_room_or_budget_do)
 {
     oracle_random r = oracle_seed(76);
     unit_mesh m = unit_grid(60, 60, 2.0f);
     uint32_t *triangles, full = 0;
-    (void)state;
     for (uint32_t i = 0; i < m.nv; i++)
         m.xyz[3u * (size_t)i + 2u] = oracle_uniformf(&r, -0.2f, 0.2f);
     smr_box_tree f = unit_plant(&m, &triangles);
@@ -130,16 +97,6 @@ static void near_ones_end_where_room_or_budget_do(void **state)
         assert_true(nearest > 0.0f);
     }
     assert_true(full > 100u);
-    unit_uproot(&f, triangles);
-    unit_mesh_free(&m);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(near_ones_are_all_of_them),
-        cmocka_unit_test(near_ones_take_over_gradually),
-        cmocka_unit_test(near_ones_end_where_room_or_budget_do),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

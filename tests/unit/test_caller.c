@@ -1,25 +1,17 @@
-/* test_caller.c: goals and forces of the caller's own: refused where they are wrong, blended by weight, the same bits
- * for any port, found out when they break their contract, and repeated from a log.
+/* test_caller.c: goals and forces of the caller's own: refused where they are wrong, blended by weight, and found out
+ * when they break their contract.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/registration.h"
 
 enum { LOG = 65536 };
 
 static smr_mesh ball;
 static const smr_model *model;
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static smr_config config_of(uint32_t goals, uint32_t force)
 {
@@ -57,11 +49,10 @@ static float *bent_goals(void)
     return xyz;
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     smr *s = start(1, SMR_CALLER_ON, NULL);
     float *xyz = bent_goals(), *weight = rig_alloc(ball.n_vertices * sizeof(float));
-    (void)state;
     memset(weight, 0, ball.n_vertices * sizeof *weight);
     assert_int_equal(SMR_E_NULL, smr_set_goals(NULL, 0, xyz, NULL));
     assert_int_equal(SMR_E_NULL, smr_set_force(NULL, NULL, NULL));
@@ -83,29 +74,14 @@ static void test_refused(void **state)
     assert_int_equal(SMR_E_ARENA, smr_set_force(s, NULL, NULL));
 }
 
-static void test_bytes(void **state)
-{
-    size_t none = 0, some = 0;
-    const smr_config off = config_of(0, SMR_CALLER_OFF), on = config_of(1, SMR_CALLER_CHECKED);
-    (void)state;
-    (void)start(0, SMR_CALLER_OFF, NULL);
-    assert_int_equal(SMR_OK, smr_arena_bytes(model, &off, &none));
-    assert_int_equal(SMR_OK, smr_arena_bytes(model, &on, &some));
-    assert_true(some > none);
-#if !defined(__SANITIZE_ADDRESS__)
-    assert_true(some <= none + SMR_ARENA_CALLER_BYTES(ball.n_vertices, 1));
-#endif
-}
-
 /* Goals are reached; those with weight 0 are none; they are taken away. */
-static void test_goals(void **state)
+TEST(test_goals)
 {
     smr *s = start(1, SMR_CALLER_OFF, NULL);
     const float *goal = bent_goals();
     float *weight = rig_alloc(ball.n_vertices * sizeof(float));
     smr_structure_report report;
     smr_verdict verdict;
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_goals(s, 0, goal, NULL));
     smr_tick_report last = rig_run(s, 1000);
     assert_true(last.done && last.n_forces == ball.n_vertices && last.details.residual_max_mm < 0.01f);
@@ -157,47 +133,15 @@ static uint64_t forced(const smr_port *port, uint32_t how, float *off)
     return smr_state_hash(s);
 }
 
-static void test_force(void **state)
+TEST(test_force)
 {
     float off = 0.0f;
     const uint64_t hash = forced(NULL, SMR_CALLER_ON, &off);
-    (void)state;
     assert_true(off < 0.01f);
     for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
         const smr_port port = rig_port(k, 6);
         assert_true(forced(&port, SMR_CALLER_CHECKED, &off) == hash);
     }
-}
-
-/* Ways are averaged by weight. */
-static void test_blend(void **state)
-{
-    smr_vec way = smr_v(1, 0, 0);
-    float weight = 0.0f;
-    (void)state;
-    smr_blend(&way, &weight, smr_v(3, 0, 0), 0.0f);
-    assert_true(way.x == 1.0f && weight == 0.0f);
-    smr_blend(&way, &weight, smr_v(0, 3, 0), 0.5f); /* what is no goal does not count */
-    assert_true(way.x == 0.0f && way.y == 3.0f && weight == 0.5f);
-    smr_blend(&way, &weight, smr_v(0, 0, 8), 1.5f);
-    assert_true(way.y == 0.75f && way.z == 6.0f && weight == 2.0f);
-}
-
-/* Beside a surface: half of the way to goals that lie 4 mm above it, where they weigh as much. */
-static void test_beside_a_surface(void **state)
-{
-    smr *s = start(1, SMR_CALLER_OFF, NULL);
-    const float away[3] = {4, 0, 0}, unit[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    const smr_mesh moved = rig_moved(&ball, unit, away);
-    (void)state;
-    assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&ball)));
-    assert_int_equal(SMR_OK, smr_set_goals(s, 0, moved.xyz, NULL));
-    (void)rig_run(s, 1000);
-    float x = 0.0f;
-    const float *xyz = rig_positions(s, model);
-    for (uint32_t i = 0; i < ball.n_vertices; i++)
-        x += (xyz[3u * i] - ball.xyz[3u * i]) / (float)ball.n_vertices;
-    assert_true(x > 1.0f && x < 3.5f);
 }
 
 /* A force that remembers is found out, and so is one that gives what is not a number; it can be set again. */
@@ -208,12 +152,11 @@ static void forgets(void *ctx, const smr_force_view *view, float *way, float *we
     weight[0] = (float)(view->n > 0u);
 }
 
-static void test_broken(void **state)
+TEST(test_broken)
 {
     smr *s = start(0, SMR_CALLER_ON, NULL);
     uint32_t calls = 0;
     pull p = {ball.n_vertices, 1, 1.0f, NAN};
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_force(s, forgets, &calls));
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL)); /* nobody looks */
     s = start(0, SMR_CALLER_CHECKED, NULL);
@@ -240,61 +183,4 @@ typedef struct inputs {
     smr_caller_force force;
 } inputs;
 
-static const void *input(void *ctx, const smr_log_record *record)
-{
-    const inputs *in = ctx;
-    return record->kind == SMR_LOG_GOALS ? (const void *)&in->goals : (const void *)&in->force;
-}
-
-static void test_replay(void **state)
-{
-    static unsigned char log[LOG];
-    rig_clock clock;
-    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
-    smr *s = start(1, SMR_CALLER_ON, &port);
-    pull p = {ball.n_vertices, 0, 1.0f, 0.0f}, other = {ball.n_vertices, 0, 1.5f, 0.0f};
-    inputs in = {{bent_goals(), NULL}, {draw, &p}};
-    smr_log_state wrote;
-    smr_replay replay;
-    smr_replay_report report = {0};
-    uint32_t seed = 3, partial = 0;
-    (void)state;
-    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
-    for (uint32_t tick = 0; tick < 120u; tick++) {
-        if (tick % 5u == 0u)
-            assert_int_equal(SMR_OK, smr_set_goals(s, 0, tick % 2u != 0u ? in.goals.xyz : NULL, NULL));
-        if (tick % 7u == 3u)
-            assert_int_equal(SMR_OK, smr_set_force(s, tick % 2u != 0u ? draw : NULL, &p));
-        partial += smr_tick(s, 10000u + rig_random(&seed, 60000u), NULL) == SMR_PARTIAL;
-    }
-    assert_true(partial > 20u);
-    assert_int_equal(SMR_OK, smr_get_log(s, &wrote));
-    assert_int_equal(0, wrote.full);
-    for (uint32_t round = 0; round < 2u; round++) {
-        uint32_t differ = 0;
-        in.force.ctx = round == 0u ? &p : &other; /* another force is told at its first tick */
-        memset(&report, 0, sizeof report);
-        assert_int_equal(SMR_OK,
-                         smr_replay_start(start(1, SMR_CALLER_ON, NULL), log, wrote.bytes, input, &in, &replay));
-        in.goals.xyz = bent_goals();
-        while (!report.ended && differ == 0u) {
-            assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));
-            differ += report.differs;
-        }
-        assert_true(round == 0u ? differ == 0u && report.tick == 120u : differ == 1u);
-        assert_true(round == 0u || report.record.checksum != report.found.checksum);
-    }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test_teardown(test_refused, tidy),
-                                       cmocka_unit_test_teardown(test_bytes, tidy),
-                                       cmocka_unit_test_teardown(test_goals, tidy),
-                                       cmocka_unit_test_teardown(test_force, tidy),
-                                       cmocka_unit_test(test_blend),
-                                       cmocka_unit_test_teardown(test_beside_a_surface, tidy),
-                                       cmocka_unit_test_teardown(test_broken, tidy),
-                                       cmocka_unit_test_teardown(test_replay, tidy)};
-    return cmocka_run_group_tests_name("caller", tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

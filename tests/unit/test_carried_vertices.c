@@ -2,14 +2,13 @@
  * carried: inside a bone that is deformed by 10 mm in the mean they stay at their depth and end as near to their true
  * places as the bone's own vertices, in a structure of their own, too. Those of a target attract nothing.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "fixture_bone.h"
-#include "property/rig.h"
 #include "registration/registration.h"
 
 #define DEPTH 4.0f /* mm: of the outer of two layers of points; the inner one is twice as deep */
@@ -17,19 +16,7 @@
 static smr_mesh bone, target;
 static double alone; /* mm: mean error of the bone's vertices without points */
 
-static int set_up(void **state)
-{
-    (void)state;
-    rig_bone(FIXTURE_CELL_SMALL, 1.0f, &bone, &target);
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
+static void set_up(void) { rig_bone(FIXTURE_CELL_SMALL, 1.0f, &bone, &target); }
 
 /* Below each vertex of the bone, `layers` points. */
 static smr_mesh points_below(uint32_t layers)
@@ -106,16 +93,22 @@ static void points_stay_inside(const smr *s, const smr_model *model, const smr_m
     assert_true(depth < 0.5);
 }
 
-static void test_inner_nodes_keep_their_depth(void **state)
+static void run_alone(void)
 {
-    (void)state;
     const smr_model *model;
-    smr *s = run(&bone, 1, &target, target.n_vertices, &model);
+    const smr *s = run(&bone, 1, &target, target.n_vertices, &model);
     alone = error_of(rig_positions(s, model), bone.xyz, bone.n_vertices);
+}
+
+TEST(test_inner_nodes_keep_their_depth)
+{
+    set_up();
+    run_alone();
     for (uint32_t layers = 1; layers <= 2u; layers++) {
         const smr_mesh points = points_below(layers), mesh = with_points(&bone, &points);
+        const smr_model *model;
         smr_structure_report part;
-        s = run(&mesh, 1, &target, target.n_vertices, &model);
+        smr *s = run(&mesh, 1, &target, target.n_vertices, &model);
         assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &part));
         assert_int_equal(bone.n_vertices, part.n_forces + part.n_rejected);
         assert_int_equal(0, s->forces.surface.target[0].partial); /* what cannot be seen is not missing */
@@ -124,13 +117,14 @@ static void test_inner_nodes_keep_their_depth(void **state)
 }
 
 /* At small radii structures keep to themselves, but not from points. */
-static void test_points_of_their_own(void **state)
+TEST(test_points_of_their_own)
 {
+    set_up();
+    run_alone();
     const smr_mesh mesh[2] = {bone, points_below(1)};
     const smr_model *model;
     smr_structure_report part;
     smr_model_info info;
-    (void)state;
     smr *s = run(mesh, 2, &target, target.n_vertices, &model);
     assert_int_equal(SMR_OK, smr_model_get_info(model, &info));
     assert_true(info.separate[info.n_radii - 2u] && info.separate[info.n_radii - 3u]);
@@ -141,15 +135,15 @@ static void test_points_of_their_own(void **state)
 }
 
 /* A corner of triangles without area looks for a goal all the same. */
-static void test_degenerate_triangles_draw(void **state)
+TEST(test_degenerate_triangles_draw)
 {
+    set_up();
     const float beside[3] = {bone.xyz[0] + 2.0f, bone.xyz[1], bone.xyz[2]};
     const smr_mesh point = {beside, NULL, 1, 0};
     smr_mesh mesh = with_points(&bone, &point);
     uint32_t *triangles = rig_alloc(3u * ((size_t)mesh.n_triangles + 1u) * sizeof *triangles);
     const smr_model *model;
     smr_structure_report part;
-    (void)state;
     memcpy(triangles, mesh.triangles, 3u * (size_t)mesh.n_triangles * sizeof *triangles);
     for (uint32_t c = 0; c < 3u; c++)
         triangles[3u * (size_t)mesh.n_triangles + c] = bone.n_vertices;
@@ -161,13 +155,13 @@ static void test_degenerate_triangles_draw(void **state)
 }
 
 /* Neither by pulling nor by what counts as the mean area: not a bit changes. */
-static void test_target_points_attract_nothing(void **state)
+TEST(test_target_points_attract_nothing)
 {
+    set_up();
     const smr_mesh points = points_below(2);
     smr_mesh goal = bone;
     const smr_model *model;
     float *xyz = rig_alloc(3u * (size_t)bone.n_vertices * sizeof *xyz);
-    (void)state;
     for (uint32_t i = 0; i < 3u * bone.n_vertices; i++)
         xyz[i] = 1.01f * bone.xyz[i];
     goal.xyz = xyz;
@@ -176,13 +170,4 @@ static void test_target_points_attract_nothing(void **state)
     assert_true(plain == smr_state_hash(run(&bone, 1, &more, more.n_vertices, &model)));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_inner_nodes_keep_their_depth, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_points_of_their_own, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_degenerate_triangles_draw, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_target_points_attract_nothing, set_up, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

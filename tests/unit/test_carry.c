@@ -1,7 +1,7 @@
 /* test_carry.c: carried points: exact at vertices, exact for similarities, near the truth under a smooth deformation,
  * there and back, the same bits for any order and number of workers; sizes, statuses, degenerate shapes, frames.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
@@ -21,7 +21,7 @@ static bound bind_with(const unit_mesh *m, const float *points, uint32_t n, cons
     bound b = {NULL, NULL};
     size_t bytes = 0;
     assert_int_equal(smr_carry_bytes(m->nv, n, port != NULL ? port->n_workers : 1u, &bytes), SMR_OK);
-    b.memory = unit_memory(bytes);
+    b.memory = rig_rough(bytes);
     assert_int_equal(smr_carry_fit(m->xyz, m->nv, points, n, port, b.memory, bytes, &b.carry), SMR_OK);
     return b;
 }
@@ -67,21 +67,16 @@ static void random_points(oracle_random *r, float half, uint32_t n, float *xyz)
         xyz[i] = oracle_uniformf(r, -half, half);
 }
 
-static void vertices_are_exact(void **state)
+TEST(vertices_are_exact)
 {
     unit_mesh m = unit_sphere(4, 40.0f, 0.0f), now = unit_sphere(4, 40.0f, 0.0f);
     bound b = bind_with(&m, m.xyz, m.nv, NULL);
-    float *out = unit_memory(12u * m.nv);
-    (void)state;
+    float *out = rig_rough(12u * m.nv);
     map_all(bend, m.xyz, m.nv, now.xyz);
     assert_int_equal(smr_carry_apply(b.carry, now.xyz, out), SMR_OK);
     assert_true(oracle_within("carry: a vertex", farthest(out, now.xyz, m.nv), 1e-5));
     assert_int_equal(smr_carry_map(b.carry, now.xyz, 0, m.xyz, m.nv, out, NULL), SMR_OK);
     assert_true(oracle_within("carry: a vertex, not bound", farthest(out, now.xyz, m.nv), 1e-5));
-    unit_free(out);
-    unit_free(b.memory);
-    unit_mesh_free(&m);
-    unit_mesh_free(&now);
 }
 
 static void follows(void (*map)(const float *, float *), float half, const char *what, double budget)
@@ -110,32 +105,23 @@ static void follows(void (*map)(const float *, float *), float half, const char 
     assert_true(oracle_within("carry: there and back", farthest(points, back, POINTS), 0.01));
     for (uint32_t i = 0; i < POINTS; i++)
         assert_true(facts[i].miss_mm < 0.01f);
-    unit_free(b.memory);
+    rig_free(b.memory);
     unit_mesh_free(&m);
     unit_mesh_free(&now);
 }
 
-static void similarities_are_exact(void **state)
-{
-    (void)state;
-    follows(similar, 400.0f, "carry: a similarity", 2e-3);
-}
+TEST(similarities_are_exact) { follows(similar, 400.0f, "carry: a similarity", 2e-3); }
 
-static void inside_is_near_the_truth(void **state)
-{
-    (void)state;
-    follows(bend, 25.0f, "carry: a smooth bend", 1.0);
-}
+TEST(inside_is_near_the_truth) { follows(bend, 25.0f, "carry: a smooth bend", 1.0); }
 
 /* The volume said is that of the map: compared with differences. */
-static void volume_is_the_determinant(void **state)
+TEST(volume_is_the_determinant)
 {
     oracle_random r = oracle_seed(72);
     unit_mesh m = unit_sphere(4, 40.0f, 0.0f), now = unit_sphere(4, 40.0f, 0.0f);
     bound b = bind_with(&m, NULL, 0, NULL);
     const float h = 0.25f;
     double worst = 0.0;
-    (void)state;
     map_all(bend, m.xyz, m.nv, now.xyz);
     for (uint32_t i = 0; i < 40u; i++) {
         float p[3], q[18], out[18], at[3];
@@ -152,9 +138,6 @@ static void volume_is_the_determinant(void **state)
         worst = fmax(worst, fabs(oracle_determinant(jacobian) - (double)fact.volume));
     }
     assert_true(oracle_within("carry: volume", worst, 0.1));
-    unit_free(b.memory);
-    unit_mesh_free(&m);
-    unit_mesh_free(&now);
 }
 
 /* Tasks from the last to the first, each on another worker. */
@@ -172,7 +155,7 @@ static void one_worker(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
         run(arg, t, *(const uint32_t *)ctx);
 }
 
-static void any_order_gives_the_same_bits(void **state)
+TEST(any_order_gives_the_same_bits)
 {
     uint32_t worker = 3;
     const smr_port reverse = {NULL, 3, backwards, NULL}, bad = {&worker, 3, one_worker, NULL};
@@ -182,7 +165,6 @@ static void any_order_gives_the_same_bits(void **state)
     size_t bytes = 0;
     void *memory;
     smr_carry *carry = NULL;
-    (void)state;
     random_points(&r, 60.0f, POINTS, points);
     map_all(bend, m.xyz, m.nv, now.xyz);
     bound one = bind_with(&m, points, POINTS, NULL), three = bind_with(&m, points, POINTS, &reverse);
@@ -195,7 +177,7 @@ static void any_order_gives_the_same_bits(void **state)
         assert_memory_equal(a, c, sizeof a);
     }
     assert_int_equal(smr_carry_bytes(m.nv, POINTS, 3, &bytes), SMR_OK);
-    memory = unit_memory(bytes);
+    memory = rig_rough(bytes);
     assert_int_equal(smr_carry_fit(m.xyz, m.nv, points, POINTS, &bad, memory, bytes, &carry), SMR_E_STATE);
     assert_null(carry);
     worker = 2;
@@ -204,18 +186,12 @@ static void any_order_gives_the_same_bits(void **state)
     worker = 3; /* the port turns bad later */
     assert_int_equal(smr_carry_apply(carry, now.xyz, c), SMR_E_STATE);
     assert_int_equal(smr_carry_map(carry, now.xyz, 0, points, POINTS, c, NULL), SMR_E_STATE);
-    unit_free(memory);
-    unit_free(one.memory);
-    unit_free(three.memory);
-    unit_mesh_free(&m);
-    unit_mesh_free(&now);
 }
 
 /* Few vertices, all in one place, on a line, far away: finite, and where they should be. */
-static void degenerate_shapes(void **state)
+TEST(degenerate_shapes)
 {
     oracle_random r = oracle_seed(74);
-    (void)state;
     for (uint32_t kind = 0; kind < 4u; kind++)
         for (uint32_t n = 1; n < 130u; n = n * 2u + 1u) {
             unit_mesh m = unit_points(&r, n, kind == 3u ? 9.0e4f : 0.0f, kind == 0u ? 0.0f : 50.0f);
@@ -235,19 +211,18 @@ static void degenerate_shapes(void **state)
                 assert_int_equal(smr_carry_map(b.carry, now.xyz, inverse, p, 3, out, facts), SMR_OK);
                 assert_true(unit_finite(out, 9, 1.0e6f));
             }
-            unit_free(b.memory);
+            rig_free(b.memory);
             unit_mesh_free(&m);
             unit_mesh_free(&now);
         }
 }
 
-static void frames_turn(void **state)
+TEST(frames_turn)
 {
     unit_mesh m = unit_sphere(4, 40.0f, 0.0f), now = unit_sphere(4, 40.0f, 0.0f);
     const float point[3] = {5.0f, -3.0f, 8.0f}, turned[9] = {0.8f, -0.6f, 0.0f, 0.6f, 0.8f, 0.0f, 0.0f, 0.0f, 1.0f};
     float rest[3 * SMR_FRAME_PLACES], out[3 * SMR_FRAME_PLACES], jacobian[9], normal[3] = {1.0f, 0.0f, 0.0f};
     smr_pose pose;
-    (void)state;
     map_all(similar, m.xyz, m.nv, now.xyz);
     assert_int_equal(smr_frame_places(point, 1, 10.0f, rest), SMR_OK);
     bound b = bind_with(&m, rest, SMR_FRAME_PLACES, NULL);
@@ -265,25 +240,21 @@ static void frames_turn(void **state)
         jacobian[i] = i == 0u ? 2.0f : (i == 1u || i % 4u == 0u ? 1.0f : 0.0f);
     assert_int_equal(smr_frame_normals(jacobian, normal, 1), SMR_OK);
     assert_true(fabsf(normal[0] - 0.70710678f) < 1e-5f && fabsf(normal[0] + normal[1]) < 1e-5f);
-    unit_free(b.memory);
-    unit_mesh_free(&m);
-    unit_mesh_free(&now);
 }
 
-static void wrong_calls_change_nothing(void **state)
+TEST(wrong_calls_change_nothing)
 {
     unit_mesh m = unit_sphere(2, 40.0f, 0.0f);
     float p[3] = {1.0f, 2.0f, 3.0f}, out[3] = {7.0f, 7.0f, 7.0f};
     const smr_port none = {NULL, 0, NULL, NULL};
     size_t bytes = 0;
     smr_carry *carry = NULL;
-    (void)state;
     assert_int_equal(smr_carry_bytes(0, 1, 1, &bytes), SMR_E_INPUT);
     assert_int_equal(smr_carry_bytes(1, SMR_VERTICES_MAX + 1u, 1, &bytes), SMR_E_INPUT);
     assert_int_equal(smr_carry_bytes(1, 1, SMR_WORKERS_MAX + 1u, &bytes), SMR_E_INPUT);
     assert_int_equal(smr_carry_bytes(m.nv, 1, 1, NULL), SMR_E_NULL);
     assert_int_equal(smr_carry_bytes(m.nv, 1, 1, &bytes), SMR_OK);
-    unsigned char *memory = unit_memory(bytes), *copy = unit_memory(bytes);
+    unsigned char *memory = rig_rough(bytes), *copy = rig_rough(bytes);
     assert_int_equal(smr_carry_fit(m.xyz, m.nv, p, 1, NULL, memory, bytes - 1u, &carry), SMR_E_ARENA);
     assert_int_equal(smr_carry_fit(m.xyz, m.nv, p, 1, NULL, memory + 4, bytes, &carry), SMR_E_ALIGN);
     assert_int_equal(smr_carry_fit(m.xyz, m.nv, p, 1, NULL, NULL, bytes, &carry), SMR_E_NULL);
@@ -304,16 +275,12 @@ static void wrong_calls_change_nothing(void **state)
     m.xyz[5] = INFINITY;
     assert_int_equal(smr_carry_apply(carry, m.xyz, out), SMR_E_INPUT);
     assert_true(out[0] == 7.0f && out[1] == 7.0f && out[2] == 7.0f);
-    unit_free(memory);
-    unit_free(copy);
-    unit_mesh_free(&m);
 }
 
 /* docs/SPEC.md, section 3. */
-static void memory_is_as_stated(void **state)
+TEST(memory_is_as_stated)
 {
     size_t one = 0, vertices = 0, points = 0, workers = 0;
-    (void)state;
     assert_int_equal(smr_carry_bytes(100000, 0, 1, &one), SMR_OK);
     assert_int_equal(smr_carry_bytes(200000, 0, 1, &vertices), SMR_OK);
     assert_int_equal(smr_carry_bytes(100000, 1000, 1, &points), SMR_OK);
@@ -323,18 +290,4 @@ static void memory_is_as_stated(void **state)
     assert_int_equal(workers - one, 13312);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(vertices_are_exact),
-        cmocka_unit_test(similarities_are_exact),
-        cmocka_unit_test(inside_is_near_the_truth),
-        cmocka_unit_test(volume_is_the_determinant),
-        cmocka_unit_test(any_order_gives_the_same_bits),
-        cmocka_unit_test(degenerate_shapes),
-        cmocka_unit_test(frames_turn),
-        cmocka_unit_test(wrong_calls_change_nothing),
-        cmocka_unit_test(memory_is_as_stated),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

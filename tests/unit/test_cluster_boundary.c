@@ -1,8 +1,8 @@
-/* test_cluster_boundary.c: vertices near the cluster boundary get fractional weight, the same from either end.
- * Cluster masses, centres and shares agree with double precision, and a vertex that crosses the radius by rounding
- * changes next to nothing. Boundary pairs of a forged model overflow nothing, in dynamics with a pin either.
+/* test_cluster_boundary.c: masses, centres and shares of clusters agree with double precision, with the fractional
+ * weights of vertices near the boundary. Boundary pairs of a forged model overflow nothing, in dynamics with a pin
+ * either.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
@@ -12,13 +12,6 @@
 #include "unit_exercise.h"
 
 static const float none[3] = {0, 0, 0};
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static double distance(const float *a, const float *b)
 {
@@ -59,38 +52,10 @@ static int between(const smr *s, uint32_t i, uint32_t a, uint32_t b)
     return (first == a && second == b) || (first == b && second == a);
 }
 
-static void test_shares(void **state)
-{
-    const smr_model *model;
-    (void)state;
-    smr *s = start(0, &model);
-    const uint32_t a = smr_model_position(model, 20), b = smr_model_position(model, 50);
-    const double radius = (double)s->schedule.lists.radius;
-    uint32_t found = 0;
-    assert_true(s->schedule.lists.n_boundary > 0u);
-    for (uint32_t i = 0; i < s->schedule.lists.n_boundary; i++) {
-        const uint32_t first = smr_le32(s->schedule.lists.boundary[i].first),
-                       second = smr_le32(s->schedule.lists.boundary[i].second);
-        const double d = distance(smr_at3(s->shape.x, first), smr_at3(s->shape.x, second));
-        assert_true(first != second && fabs(d - radius) < 0.01 * radius);
-        assert_true(fabs(added(s, i)) <= 0.5);
-        found += (uint32_t)between(s, i, a, b);
-        if (between(s, i, a, b))
-            assert_true(fabs(fabs(added(s, i)) - 0.5) < 0.02); /* a half, whichever side the last bit is */
-        for (uint32_t j = 0; j < i; j++)
-            assert_false(between(s, j, first, second));
-    }
-    assert_int_equal(1, found);
-    s = start(0.1f, &model);
-    for (uint32_t i = 0; i < s->schedule.lists.n_boundary; i++)
-        assert_false(between(s, i, smr_model_position(model, 20), smr_model_position(model, 50)));
-}
-
 /* Mass, centre and share of each cluster, by distances and the boundary. */
-static void test_reference(void **state)
+TEST(test_reference)
 {
     const smr_model *model;
-    (void)state;
     smr *s = start(0, &model);
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL)); /* without a target nothing moves */
     for (uint32_t v = 0; v < s->shared.n; v++) {
@@ -111,36 +76,6 @@ static void test_reference(void **state)
         for (uint32_t c = 0; c < 3u; c++)
             assert_true(fabs((double)smr_at3(s->reference.centre, v)[c] - centre[c] / mass) < 1.0e-3);
     }
-}
-
-/* Where an iteration carries vertex 20, when vertex 50 lies `shift` beyond its radius and is pulled aside. */
-static smr_vec carried(float shift)
-{
-    const smr_model *model;
-    smr *s = start(shift, &model);
-    const uint32_t v = smr_model_position(model, 20), w = smr_model_position(model, 50);
-    for (uint32_t step = 0; step < smr_n_steps; step++) {
-        if (smr_steps[step].run == smr_forces_take)
-            smr_store(smr_at3(s->forces.force, w), smr_v(40, -30, 20));
-        const uint32_t n = smr_step_tasks(s, &smr_steps[step]);
-        for (s->next_task = 0; s->next_task < n && smr_steps[step].run != smr_forces_take; s->next_task++)
-            smr_steps[step].run(smr_stage_of(s, &smr_steps[step]), s->next_task, 0);
-        if (smr_steps[step].run == smr_forces_take)
-            s->sums.scale[0] = s->sums.scale[1] = 1024.0f;
-        else if (n > 0u && smr_steps[step].end != NULL)
-            smr_steps[step].end(s);
-        s->next_task = 0;
-    }
-    return smr_sub(smr_load(smr_at3(s->shape.x, v)), smr_load(smr_at3(s->shape.start, v)));
-}
-
-static void test_crossing(void **state)
-{
-    const double whole = (double)smr_length(smr_sub(carried(-0.02f), carried(0.02f)));
-    const double bit = (double)smr_length(smr_sub(carried(-1.0e-5f), carried(1.0e-5f)));
-    (void)state;
-    assert_true(whole > 0.01);
-    assert_true(bit < 0.1 * whole);
 }
 
 /* A copy with the caller's first vertices paired with its last, which are far away, and with clusters that reach
@@ -168,12 +103,11 @@ static const smr_model *forged(const smr_model *model)
 
 /* A plate of 1.5 m, its first corner pinned: the heaviest that a vertex can be. The undefined behaviour sanitiser sees
  * what overflows; the sums say how far apart two vertices count. */
-static void test_forged_pairs(void **state)
+TEST(test_forged_pairs)
 {
     const smr_prepare_config radius = rig_radii(1, 450, 0, 0);
     const smr_mesh plate = rig_plate(21, 75.0f);
     rig_motion m = rig_motion_make(&plate, &radius);
-    (void)state;
     for (uint32_t pinned = 0; pinned < 2u; pinned++) {
         m.mass[0] = pinned > 0u ? INFINITY : 1.0f;
         smr *s = rig_init(forged(m.model), &m.config, NULL);
@@ -192,13 +126,4 @@ static void test_forged_pairs(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_shares, tidy),
-        cmocka_unit_test_teardown(test_reference, tidy),
-        cmocka_unit_test_teardown(test_crossing, tidy),
-        cmocka_unit_test_teardown(test_forged_pairs, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,7 +1,7 @@
 /* test_cluster_radii.c: the radii chosen when the caller names none run from coarse to fine, from within the model's
  * size to its edge length, and scale with the model. No tuned value is tested.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
@@ -46,7 +46,7 @@ static void check(const unit_mesh *m, const smr_model_info *info)
                     (double)info->radius_mm[info->n_radii - 1u] < 0.01 * diagonal(m));
 }
 
-static void models_of_every_kind(void **state)
+TEST(models_of_every_kind)
 {
     oracle_random r = oracle_seed(180);
     unit_mesh m[10] = {unit_bone(0),
@@ -59,7 +59,6 @@ static void models_of_every_kind(void **state)
                        unit_points(&r, 2, 5.0f, 1e-4f),
                        unit_points(&r, 500, 5.0f, 100.0f),
                        unit_points(&r, 30, 0.0f, 0.0f)};
-    (void)state;
     for (size_t i = 0; i < sizeof m / sizeof m[0]; i++) {
         const smr_model_info info = info_of(&m[i]);
         check(&m[i], &info);
@@ -67,11 +66,10 @@ static void models_of_every_kind(void **state)
     }
 }
 
-static void scale_and_place_do_not_matter(void **state)
+TEST(scale_and_place_do_not_matter)
 {
     unit_mesh m = unit_bone(0);
     const smr_model_info was = info_of(&m);
-    (void)state;
     for (int i = 0; i < 3; i++) {
         const float scale = i == 0 ? 0.25f : (i == 1 ? 8.0f : 1.0f), shift = i == 2 ? 512.0f : 0.0f;
         unit_mesh other = unit_mesh_new(m.nv, m.nt);
@@ -85,14 +83,6 @@ static void scale_and_place_do_not_matter(void **state)
             assert_true(fabsf(now.radius_mm[k] / (scale * was.radius_mm[k]) - 1.0f) < 2e-3f);
         unit_mesh_free(&other);
     }
-    unit_mesh_free(&m);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(models_of_every_kind),
-        cmocka_unit_test(scale_and_place_do_not_matter),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

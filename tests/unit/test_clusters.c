@@ -1,7 +1,7 @@
-/* test_clusters.c: clusters in a model equal the sets found by testing every pair of vertices: Euclidean, shared and
- * separate, with and without mesh neighbours, for random points with duplicates and for meshes.
+/* test_clusters.c: clusters in a model equal the sets found by testing every pair of vertices: Euclidean and along
+ * edges, shared and separate, with and without mesh neighbours, for meshes and for points with exact ties.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <string.h>
 
@@ -11,7 +11,7 @@
 static void check_image(const unit_image *image, int geodesic, int ring)
 {
     const uint32_t n = smr_le32(image->model->n_vertices);
-    unsigned char *got = unit_memory((size_t)n * n), *want = unit_memory((size_t)n * n);
+    unsigned char *got = rig_rough((size_t)n * n), *want = rig_rough((size_t)n * n);
     smr_model_info info;
     assert_int_equal(smr_model_get_info(image->model, &info), SMR_OK);
     for (uint32_t k = 0; k < info.n_radii; k++) {
@@ -36,36 +36,15 @@ static void check_image(const unit_image *image, int geodesic, int ring)
         assert_true(info.direct_per_cluster[k] > (float)members / (float)n - 0.01f &&
                     info.direct_per_cluster[k] < (float)members / (float)n + 0.01f);
     }
-    unit_free(got);
-    unit_free(want);
-}
-
-static void points_of_every_number(void **state)
-{
-    static const uint32_t sizes[] = {1, 2, 3, 7, 8, 9, 63, 64, 65, 127, 128, 129, 300, 513};
-    oracle_random r = oracle_seed(120);
-    (void)state;
-    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-        unit_mesh m = unit_points(&r, sizes[i], i % 2u ? -40.0f : 900.0f, 60.0f);
-        smr_prepare_config c = smr_prepare_config_default();
-        c.n_radii = 4;
-        c.radius_mm[0] = 200.0f; /* everything */
-        c.radius_mm[1] = 22.0f;
-        c.radius_mm[2] = 7.0f;
-        c.radius_mm[3] = 1e-6f; /* only copies */
-        unit_image image = unit_prepare_mesh(&m, &c);
-        check_image(&image, 0, 1);
-        unit_image_free(&image);
-        unit_mesh_free(&m);
-    }
+    rig_free(got);
+    rig_free(want);
 }
 
 /* On a lattice many distances equal the radius exactly: they are in. */
-static void lattice_has_exact_ties(void **state)
+TEST(lattice_has_exact_ties)
 {
     unit_mesh m = unit_mesh_new(6u * 6u * 6u, 0);
     smr_prepare_config c = smr_prepare_config_default();
-    (void)state;
     for (uint32_t i = 0; i < m.nv; i++) {
         m.xyz[3u * i] = 2.0f * (float)(i % 6u);
         m.xyz[3u * i + 1u] = 2.0f * (float)(i / 6u % 6u);
@@ -81,18 +60,15 @@ static void lattice_has_exact_ties(void **state)
     assert_int_equal(smr_model_get_info(image.model, &info), SMR_OK);
     assert_int_equal(info.largest_cluster[2], 7);
     assert_int_equal(info.smallest_cluster[2], 4);
-    unit_image_free(&image);
-    unit_mesh_free(&m);
 }
 
-/* Two interleaved structures with triangles: all switches, both orders. */
-static void two_structures_all_switches(void **state)
+/* Two interleaved structures with triangles: all switches, both orders and distances. */
+TEST(two_structures_all_switches)
 {
     oracle_random r = oracle_seed(121);
     unit_mesh grid = unit_grid(11, 9, 4.0f), soup = unit_soup(&r, 70, 40.0f, 1);
     const smr_structure two[2] = {{"grid", unit_view(&grid)}, {"soup", unit_view(&soup)}};
-    (void)state;
-    for (uint32_t i = 0; i < 16u; i++) {
+    for (uint32_t i = 0; i < 32u; i++) {
         smr_prepare_config c = smr_prepare_config_default();
         c.n_radii = 4;
         c.radius_mm[0] = 30.0f;
@@ -102,6 +78,7 @@ static void two_structures_all_switches(void **state)
         c.ring = i & 1u;
         c.order = i >> 1 & 1u;
         c.mass = i >> 2 & 1u;
+        c.distance = i >> 4 & 1u;
         c.separate_below_mm = i >> 3 & 1u ? 0.0f : 12.0f; /* 12 itself is shared still */
         c.block_vertices = i % 3u == 0u ? 16u : 0u;
         unit_image image = unit_prepare(two, 2, &c);
@@ -109,19 +86,9 @@ static void two_structures_all_switches(void **state)
         assert_int_equal(smr_model_get_info(image.model, &info), SMR_OK);
         for (uint32_t k = 0; k < 4u; k++)
             assert_int_equal(info.separate[k], c.separate_below_mm > 0.0f && k >= 2u);
-        check_image(&image, 0, (int)c.ring);
+        check_image(&image, (int)c.distance, (int)c.ring);
         unit_image_free(&image);
     }
-    unit_mesh_free(&grid);
-    unit_mesh_free(&soup);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(points_of_every_number),
-        cmocka_unit_test(lattice_has_exact_ties),
-        cmocka_unit_test(two_structures_all_switches),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

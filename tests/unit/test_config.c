@@ -1,19 +1,11 @@
 /* test_config.c: the defaults are legal, the stated limits are accepted, one step beyond them is refused.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/config/config.h"
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static const float none[3] = {0, 0, 0};
 
@@ -24,10 +16,9 @@ static const smr_model *small_model(void)
     return rig_model(&mesh, 1, &radii);
 }
 
-static void test_default(void **state)
+TEST(test_default)
 {
     const smr_config c = smr_config_default(), again = smr_config_default();
-    (void)state;
     assert_int_equal(SMR_OK, smr_config_check(&c, small_model()));
     assert_memory_equal(&c, &again, sizeof c); /* padding, too: configurations can be compared and logged */
     assert_int_equal(1, c.basic.n_workers);
@@ -62,10 +53,9 @@ static void test_default(void **state)
         REFUSE(field, above);                                                                                          \
     } while (0)
 
-static void test_limits(void **state)
+TEST(test_limits)
 {
     const smr_model *model = small_model();
-    (void)state;
     LIMITS(basic.n_workers, 1, SMR_WORKERS_MAX, 0, SMR_WORKERS_MAX + 1u);
     ACCEPT(basic.n_target_vertices, SMR_VERTICES_MAX);
     REFUSE(basic.n_target_vertices, SMR_VERTICES_MAX + 1u);
@@ -102,11 +92,10 @@ static void test_limits(void **state)
     LIMITS(basic.iterations_last, 1, 100000, 0, 100001);
 }
 
-static void test_box(void **state)
+TEST(test_box)
 {
     const smr_model *model = small_model();
     smr_config c = smr_config_default();
-    (void)state;
     c.forces.box_min[0] = 5; /* above the maximum, but not used */
     assert_int_equal(SMR_OK, smr_config_check(&c, model));
     c.forces.use_box = 1;
@@ -122,10 +111,9 @@ static void test_box(void **state)
     assert_int_equal(SMR_E_CONFIG, smr_config_check(&c, model));
 }
 
-static void test_radii_in_order(void **state)
+TEST(test_radii_in_order)
 {
     const smr_model *model = small_model();
-    (void)state;
     for (uint32_t first = 0; first < 4u; first++) {
         for (uint32_t last = 0; last < 4u; last++) {
             smr_config c = smr_config_default();
@@ -137,13 +125,4 @@ static void test_radii_in_order(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_default, tidy),
-        cmocka_unit_test_teardown(test_limits, tidy),
-        cmocka_unit_test_teardown(test_box, tidy),
-        cmocka_unit_test_teardown(test_radii_in_order, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,26 +1,18 @@
 /* test_contact.c: sides of surfaces; how surfaces overlap, against computed bodies; structures parted from each other
  * and from fixed surfaces; the same bits for any port, off and on, from a log and from a save.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "geometry/surface/mesh.h"
 #include "geometry/surface/signed_distance.h"
-#include "property/rig.h"
 #include "registration/registration.h"
 
 enum { LOG = 65536 };
 
 static const float none[3] = {0, 0, 0};
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 /* A box of eight vertices. */
 static smr_mesh box(float x, float y, float z, float size)
@@ -45,16 +37,17 @@ static float side_of(const smr_surface *s, const float *p)
 }
 
 /* A needle: at its tip normals point nearly all ways, and most of them away from a point beside it. */
-static void test_sides(void **state)
+TEST(test_sides)
 {
     static const float tip[4][3] = {{0, 0, 60}, {3, 0, 0}, {-1, 2, 0}, {-1, -2, 0}};
     static const uint32_t face[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
     const smr_mesh ball = rig_ball(20, 12, 24, none), needle = {tip[0], face[0], 4, 4};
     const smr_surface *round = rig_surface(&ball), *sharp = rig_surface(&needle);
     uint32_t seed = 5, wrong = 0;
-    (void)state;
     for (uint32_t i = 0; i < 20000u; i++) {
-        const float p[3] = {rig_between(&seed, -30, 30), rig_between(&seed, -30, 30), rig_between(&seed, -30, 90)};
+        float p[3];
+        rig_within(&seed, -30, 30, p);
+        p[2] = 30.0f + 2.0f * p[2];
         const float from = smr_length(smr_load(p)) - 20.0f;
         if (i % 4u == 0u && from < 5.0f)
             assert_true(fabsf(side_of(round, p) - from) < 0.9f);
@@ -69,11 +62,10 @@ static void test_sides(void **state)
     assert_int_equal(0, wrong);
 }
 
-static void test_closed(void **state)
+TEST(test_closed)
 {
     const smr_mesh ball = rig_ball(20, 6, 10, none);
     uint32_t *turned = rig_alloc(12u * (size_t)ball.n_triangles);
-    (void)state;
     memcpy(turned, ball.triangles, 12u * (size_t)ball.n_triangles);
     assert_int_equal(1, smr_mesh_closed(turned, ball.n_triangles));
     assert_int_equal(0, smr_mesh_closed(turned, ball.n_triangles - 1u));
@@ -94,7 +86,7 @@ static void measures(const smr_mesh *a, const smr_mesh *b, float deepest, float 
     assert_true(one.deepest_mm == other.deepest_mm && fabsf(one.volume_mm3 - other.volume_mm3) <= 0.01f * volume);
 }
 
-static void test_measured(void **state)
+TEST(test_measured)
 {
     static const float aside[3] = {37, 3, -1}, far[3] = {60, 0, 0};
     const smr_mesh a = box(100, 200, -300, 10), b = box(108, 201, -300.5f, 10), in = box(103, 203, -297, 4);
@@ -103,7 +95,6 @@ static void test_measured(void **state)
     const smr_surface *surface = rig_surface(&a);
     smr_contact_report r = {-1, -1, -1, -1};
     smr_mesh open = a;
-    (void)state;
     measures(&a, &b, 2.0f, 2.0f * 9.0f * 9.5f, -1);
     measures(&a, &in, 3.0f, 64.0f, -1);
     const float h = 20.0f - 0.5f * sqrtf(37.0f * 37.0f + 10.0f);
@@ -162,10 +153,9 @@ static smr_contact_report between(const smr_mesh *a, const smr_mesh *b)
     return r;
 }
 
-static void test_parted(void **state)
+TEST(test_parted)
 {
     smr_contact_report r[2];
-    (void)state;
     for (uint32_t on = 0; on < 2u; on++) {
         smr *s = start(2, (float)on, 0, NULL);
         (void)rig_run(s, 100);
@@ -178,14 +168,13 @@ static void test_parted(void **state)
 }
 
 /* Two flat bodies pressed onto each other: the upper one is drawn 20 mm along and 2 mm into the lower one. */
-static void test_slides(void **state)
+TEST(test_slides)
 {
     static const float flat[9] = {3, 0, 0, 0, 1.5f, 0, 0, 0, 0.4f}, at[2][3] = {{-10, 0, 8.0f}, {0, 0, -8.0f}};
     const smr_mesh ball = rig_ball(20, 14, 24, none);
     const smr_prepare_config radii = rig_radii(2, 30, 0.1f, 0);
     smr_config config = smr_config_default();
     float *goal[2];
-    (void)state;
     config.caller.goals = 1;
     config.contact.share = 1.0f;
     for (uint32_t i = 0; i < 2u; i++) {
@@ -224,13 +213,12 @@ static float off_surface(const smr_mesh *mesh, const float *xyz)
 
 /* Model, fixed surface and goals moved together give nearly the moved surface: where goals and contact pull against
  * each other, last bits decide some hundredths of a millimetre. */
-static void test_moved(void **state)
+TEST(test_moved)
 {
     static const float at[3][3] = {{-19.3f, 1, 2}, {19.3f, 0, 0}, {0, 34.2f, 5}}, shift[3] = {30, -200, 55};
     const smr_prepare_config radii = rig_radii(2, 25, 0.1f, 0);
     smr_config config = smr_config_default();
     float turn[9], *xyz[2];
-    (void)state;
     rig_rotation(1, 2, -0.5f, 40, turn);
     config.basic.iterations = 5;
     config.contact.share = 1.0f;
@@ -262,13 +250,12 @@ static void test_moved(void **state)
     }
 }
 
-static void test_fixed(void **state)
+TEST(test_fixed)
 {
     smr *s = start(1, 1.0f, 2, NULL);
     const smr_surface *other = rig_surface(&pair[1]);
     smr_points *points = NULL;
     static _Alignas(SMR_ALIGN) unsigned char cloud[2048];
-    (void)state;
     assert_int_equal(SMR_OK, smr_points_open(10, cloud, sizeof cloud, &points));
     assert_int_equal(SMR_E_NULL, smr_set_fixed(NULL, 0, other));
     assert_int_equal(SMR_E_STATE, smr_set_fixed(s, 0, &points->surface));
@@ -283,12 +270,11 @@ static void test_fixed(void **state)
 }
 
 /* Off, memory for fixed surfaces changes no bit; on, threads do not. */
-static void test_bits(void **state)
+TEST(test_bits)
 {
     smr *plain = start(2, 0.0f, 0, NULL), *unused = start(2, 0.0f, 1, NULL);
     size_t off = 0, on = 0;
     uint64_t hash = 0;
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_fixed(unused, 0, rig_surface(&pair[1])));
     (void)rig_run(plain, 100);
     (void)rig_run(unused, 100);
@@ -314,7 +300,7 @@ static const void *input(void *ctx, const smr_log_record *record)
     return record->kind == SMR_LOG_FIXED_SURFACE ? ctx : NULL;
 }
 
-static void test_replay(void **state)
+TEST(test_replay)
 {
     static unsigned char log[LOG];
     rig_clock clock;
@@ -325,7 +311,6 @@ static void test_replay(void **state)
     smr_replay replay;
     smr_replay_report report = {0};
     uint32_t seed = 3, partial = 0;
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
     for (uint32_t tick = 0; tick < 80u; tick++) {
         if (tick % 5u == 3u)
@@ -349,13 +334,12 @@ static void test_replay(void **state)
     }
 }
 
-static void test_saved(void **state)
+TEST(test_saved)
 {
     smr *s = start(2, 1.0f, 1, NULL), *again = NULL;
     smr_surface *other = rig_surface(&pair[1]);
     size_t bytes = 0, arena = 0;
     uint32_t n = 0;
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_fixed(s, 0, other));
     (void)rig_run(s, 8);
     assert_int_equal(SMR_OK, smr_save_bytes(s, &bytes));
@@ -376,13 +360,4 @@ static void test_saved(void **state)
     assert_int_equal(SMR_E_SAVE, smr_restore(model, NULL, NULL, saved, bytes, rig_alloc(arena), arena, &again));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_sides, tidy),    cmocka_unit_test_teardown(test_closed, tidy),
-        cmocka_unit_test_teardown(test_measured, tidy), cmocka_unit_test_teardown(test_parted, tidy),
-        cmocka_unit_test_teardown(test_slides, tidy),   cmocka_unit_test_teardown(test_moved, tidy),
-        cmocka_unit_test_teardown(test_fixed, tidy),    cmocka_unit_test_teardown(test_bits, tidy),
-        cmocka_unit_test_teardown(test_replay, tidy),   cmocka_unit_test_teardown(test_saved, tidy)};
-    return cmocka_run_group_tests_name("contact", tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

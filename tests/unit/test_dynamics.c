@@ -1,7 +1,7 @@
 /* test_dynamics.c: a bone with mass, in time: it rests, falls, keeps its momentum and follows springs. How it swings
  * about pins: test_pendulum.c; its energy: test_step_energy.c.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,30 +13,21 @@
 static smr_mesh bone;
 static rig_motion e;
 
-static int set_up(void **state)
+static void set_up(void)
 {
     const smr_prepare_config radii = rig_radii(3, 600, 150, 60);
-    (void)state;
     rig_bone(12000, 1.0f, &bone, NULL);
     e = rig_motion_make(&bone, &radii);
     e.config.track.radius_mm = 150.0f;
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
 }
 
 static const float *at(uint32_t i) { return bone.xyz + 3u * (size_t)i; }
 
-static void test_off_costs_nothing(void **state)
+TEST(test_off_costs_nothing)
 {
+    set_up();
     size_t off, on, saved_off, saved_on;
     smr_config config = e.config;
-    (void)state;
     config.dynamics.mode = SMR_DYNAMICS_OFF;
     smr *s = rig_init(e.model, &config, NULL);
     smr_energy energy;
@@ -52,13 +43,13 @@ static void test_off_costs_nothing(void **state)
     assert_true(saved_on > saved_off + 40u * e.n && saved_on <= saved_off + SMR_SAVE_DYNAMICS_BYTES(e.n, 1));
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
+    set_up();
     smr *s = rig_init(e.model, &e.config, NULL);
     smr_config config = e.config;
     smr_energy energy;
     size_t bytes;
-    (void)state;
     const float wrong[] = {0.0f, -1.0f, 0.9e-6f, 1.1e6f, NAN, -INFINITY};
     const uint64_t hash = smr_state_hash(s);
     assert_int_equal(SMR_E_NULL, smr_set_motion(NULL, 0, e.mass, NULL));
@@ -92,11 +83,11 @@ static void test_refused(void **state)
 
 /* Without forces nothing moves but by rounding; in a fall the centre goes as implicit Euler says, and back up with as
  * much energy. */
-static void test_rests_and_falls(void **state)
+TEST(test_rests_and_falls)
 {
+    set_up();
     smr *s = rig_init(e.model, &e.config, NULL);
     const smr_energy before = rig_energy(s);
-    (void)state;
     rig_steps(s, 10);
     assert_true(rig_far(rig_positions(s, e.model), bone.xyz, e.n) < 1e-3f);
     e.config.dynamics.gravity[1] = -9810.0f;
@@ -131,9 +122,9 @@ static void momentum(const smr *s, double p[6])
     }
 }
 
-static void test_keeps_momentum(void **state)
+TEST(test_keeps_momentum)
 {
-    (void)state;
+    set_up();
     e.config.dynamics.damping = 0.0f;
     for (uint32_t k = 0; k < 4u; k++) {
         double before[6], after[6];
@@ -154,9 +145,9 @@ static void test_keeps_momentum(void **state)
 }
 
 /* All that a cluster can have weigh eight clusters together, however many others are pinned elsewhere. */
-static void test_pins_weigh(void **state)
+TEST(test_pins_weigh)
 {
-    (void)state;
+    set_up();
     e.config.track.radius_mm = 60.0f;
     for (uint32_t n_pins = 1; n_pins < e.n; n_pins *= 3u) {
         for (uint32_t i = 0; i < e.n; i++)
@@ -173,9 +164,9 @@ static void test_pins_weigh(void **state)
 }
 
 /* Pinned vertices with a velocity carry the others along; springs to goals bring the bone onto them. */
-static void test_drawn(void **state)
+TEST(test_drawn)
 {
-    (void)state;
+    set_up();
     float *const goal = rig_alloc(3u * (size_t)e.n * sizeof *goal);
     for (uint32_t i = 0; i < e.n; i++)
         e.mass[i] = at(i)[2] < 60.0f ? INFINITY : 1.0f;
@@ -199,40 +190,4 @@ static void test_drawn(void **state)
     assert_true(rig_far(rig_positions(s, e.model), goal, e.n) < 0.05f);
 }
 
-/* A flat plate flies 16 m while it spins: rounding is not to bend it, however far it has come. */
-static void test_flies_far(void **state)
-{
-    (void)state;
-    const smr_mesh plate = rig_plate(21, 5.0f);
-    const smr_prepare_config radius = rig_radii(1, 300, 0, 0);
-    e = rig_motion_make(&plate, &radius);
-    for (uint32_t i = 0; i < e.n; i++) {
-        e.speed[3u * i] = -5.0f * plate.xyz[3u * i + 1u];
-        e.speed[3u * i + 1u] = 5.0f * plate.xyz[3u * i];
-        e.speed[3u * i + 2u] = 20000.0f;
-    }
-    e.config.dynamics.elastic = 1e6f;
-    e.config.dynamics.damping = 0.0f;
-    e.config.dynamics.step_ms = 5.0f;
-    e.config.basic.method = SMR_METHOD_POLAR;
-    smr *s = rig_init(e.model, &e.config, NULL);
-    assert_int_equal(SMR_OK, smr_set_motion(s, 0, NULL, e.speed));
-    for (uint32_t k = 0; k < 160u; k++) {
-        rig_steps(s, 1);
-        assert_true(rig_energy(s).elastic_uj < 100.0f);
-    }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_off_costs_nothing, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_refused, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_rests_and_falls, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_keeps_momentum, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_pins_weigh, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_drawn, set_up, tidy),
-        cmocka_unit_test_teardown(test_flies_far, tidy),
-    };
-    return cmocka_run_group_tests_name("dynamics", tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,21 +1,12 @@
-/* test_fold_find.c: surfaces do not fold while fold handling is on, fold while it is off, and nothing is changed
- * where nothing folds.
+/* test_fold_find.c: surfaces do not fold while fold handling is on, and fold while it is off.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/tick/coarse_to_fine_schedule.h"
 #include "registration/tick/iteration_steps.h"
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 #define SIDE 12u
 
@@ -117,11 +108,10 @@ static void step_over(smr *s, float mm, uint32_t seed)
     }
 }
 
-static void test_prevents(void **state)
+TEST(test_prevents)
 {
     const smr_mesh mesh = sheet();
     uint32_t unguarded = 0, marked = 0;
-    (void)state;
     for (uint32_t seed = 1; seed < 30u; seed++) {
         smr *s[2] = {start(&mesh, 0), start(&mesh, 1)};
         for (uint32_t i = 0; i < 2u; i++) {
@@ -143,73 +133,12 @@ static void test_prevents(void **state)
     assert_true(marked > 100u);
 }
 
-static void test_leaves_alone_what_does_not_fold(void **state)
-{
-    const smr_mesh mesh = sheet();
-    smr *s[2] = {start(&mesh, 0), start(&mesh, 1)};
-    (void)state;
-    for (uint32_t i = 0; i < 2u; i++) {
-        s[i]->schedule.repairing = 0;
-        step_over(s[i], 1.2f, 3);
-        settle(s[i]);
-        assert_int_equal(0, s[i]->folds.n_guarded);
-    }
-    assert_memory_equal(s[0]->shape.x, s[1]->shape.x, 3u * s[0]->shared.n * sizeof(float));
-}
-
-/* Vertices away from the fold keep their steps. */
-static void test_stays_local(void **state)
-{
-    const smr_mesh mesh = sheet();
-    smr *s = start(&mesh, 1);
-    const uint32_t v = smr_model_position(s->shared.model, SIDE + 1u);
-    (void)state;
-    s->schedule.repairing = 0;
-    memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
-    smr_at3(s->shape.x_next, v)[0] += 9.0f; /* over its neighbour */
-    for (uint32_t i = 0; i < s->shared.n; i++)
-        smr_at3(s->shape.x_next, i)[2] += 1.0f; /* all of it lifts */
-    settle(s);
-    assert_true(s->folds.n_guarded > 0u && s->folds.n_guarded < s->shared.n / 2u);
-    const uint32_t far = smr_model_position(s->shared.model, SIDE * SIDE - 1u);
-    const smr_vec step = smr_sub(smr_load(smr_at3(s->shape.x, far)), smr_load(smr_at3(s->shape.start, far)));
-    assert_true(step.x == 0.0f && step.y == 0.0f && step.z == 1.0f);
-    assert_true(smr_at3(s->shape.x, v)[2] - smr_at3(s->shape.start, v)[2] >
-                0.5f); /* and the patch goes with its surroundings */
-}
-
-/* The limit acts gradually: a vertex carried ever farther over its neighbours ends, step for step, near where it
- * ended before, and so do they. */
-static void test_gives_way_gradually(void **state)
-{
-    float before[3 * SIDE * SIDE], x[3 * SIDE * SIDE];
-    uint32_t marked = 0;
-    (void)state;
-    for (uint32_t k = 0; k < 1200u; k++) {
-        const smr_mesh mesh = sheet();
-        smr *s = start(&mesh, 1);
-        float *p = smr_at3(s->shape.x_next, smr_model_position(s->shared.model, 5u * SIDE + 5u));
-        s->schedule.repairing = 0;
-        memcpy(s->shape.x_next, s->shape.x, 3u * s->shared.n * sizeof(float));
-        p[0] += 0.01f * (float)k;
-        p[2] += 3.0f;
-        settle(s);
-        assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
-        marked += s->folds.n_guarded > 0u;
-        assert_true(k == 0u || rig_far(x, before, SIDE * SIDE) < 0.05f); /* it was carried 0.01 mm farther */
-        memcpy(before, x, sizeof x);
-        rig_free_all();
-    }
-    assert_true(marked > 100u && marked < 1100u);
-}
-
 /* A start shape that is sound, torn by a coarse step: repairing iterations bring it back without forces. */
-static void test_repairs(void **state)
+TEST(test_repairs)
 {
     const smr_mesh mesh = sheet();
     float x[3 * SIDE * SIDE];
     uint32_t before = 0, after = 0;
-    (void)state;
     for (uint32_t seed = 1; seed < 10u; seed++) {
         smr *s = start(&mesh, 1);
         assert_true(s->schedule.repairing > 0u);
@@ -250,11 +179,10 @@ static void sharpen(float rest, float next, uint32_t radius, uint32_t *before, u
 }
 
 /* Edges that are right angles at rest, or sharper ones that still were open, do not stay turned back. */
-static void test_unfolds(void **state)
+TEST(test_unfolds)
 {
     uint32_t before, after;
     float moved;
-    (void)state;
     for (uint32_t i = 0; i < 3u; i++) {
         static const float rest[] = {0.0f, 0.004f, 0.3f};
         sharpen(rest[i], -0.05f, 1, &before, &after, &moved);
@@ -268,49 +196,4 @@ static void test_unfolds(void **state)
     assert_true(before == after && before == SIDE - 1u && moved < 1.0e-5f);
 }
 
-/* With an image alone nothing is repaired, with a surface beside it, it is. */
-static void test_repairs_only_with_surfaces(void **state)
-{
-    const smr_mesh mesh = sheet();
-    smr *s = start(&mesh, 1);
-    (void)state;
-    for (uint32_t grid = 0; grid < 2u; grid++) {
-        for (uint32_t goals = 0; goals < 2u; goals++) {
-            s->forces.image.has_image = grid;
-            s->forces.surface.n_goals = goals;
-            smr_schedule_start(s);
-            assert_int_equal(grid == 0u || goals > 0u, s->schedule.repairing > 0u);
-        }
-    }
-}
-
-static void test_only_at_the_finest_radii(void **state)
-{
-    const smr_mesh mesh = sheet();
-    const smr_prepare_config radii = rig_radii(3, 25, 12, 6);
-    smr_config c = smr_config_default();
-    smr *s = rig_init(rig_model(&mesh, 1, &radii), &c, NULL);
-    (void)state;
-    for (uint32_t r = 0; r < 3u; r++) {
-        s->schedule.radius = r;
-        assert_int_equal(r > 0u, smr_folds_guarded(&s->shared, &s->schedule));
-        assert_int_equal(r > 0u, smr_fold_find_tasks(&s->folds) > 0u);
-    }
-    s->shared.config.motion.fold_guard = 0;
-    assert_int_equal(0, smr_fold_find_tasks(&s->folds));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_prevents, tidy),
-        cmocka_unit_test_teardown(test_leaves_alone_what_does_not_fold, tidy),
-        cmocka_unit_test_teardown(test_stays_local, tidy),
-        cmocka_unit_test_teardown(test_gives_way_gradually, tidy),
-        cmocka_unit_test_teardown(test_repairs, tidy),
-        cmocka_unit_test_teardown(test_repairs_only_with_surfaces, tidy),
-        cmocka_unit_test_teardown(test_unfolds, tidy),
-        cmocka_unit_test_teardown(test_only_at_the_finest_radii, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,19 +1,11 @@
 /* test_forces.c: external forces: the exact closest point, and every reason for having no force.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/registration.h"
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static const float none[3] = {0, 0, 0};
 
@@ -60,12 +52,11 @@ static void search(smr *s)
 
 static smr_vec place_of(const smr *s, uint32_t v) { return smr_add(smr_load(smr_at3(s->shape.x, v)), s->shape.origin); }
 
-static void test_closest_point(void **state)
+TEST(test_closest_point)
 {
     static const float degrees[] = {180, 75, 40}, reach[] = {1.0e5f, 5.0f, 2.0f};
     const float off[3] = {4, -3, 2};
     const smr_mesh goal = rig_ball(32, 11, 15, off);
-    (void)state;
     for (uint32_t k = 0; k < 9u; k++) {
         smr_config c = plain();
         c.forces.normal_deg = degrees[k % 3u];
@@ -101,34 +92,12 @@ static void test_closest_point(void **state)
     }
 }
 
-/* A warm start changes the time, not the answer. */
-static void test_warm_start(void **state)
-{
-    const float off[3] = {4, -3, 2};
-    const smr_mesh goal = rig_ball(32, 11, 15, off);
-    const smr_config c = plain();
-    const setting t = start(&c, &goal);
-    uint32_t seed = 2;
-    (void)state;
-    search(t.s);
-    float *cold = rig_alloc(3u * t.s->shared.n * sizeof *cold);
-    memcpy(cold, t.s->forces.force, 3u * t.s->shared.n * sizeof *cold);
-    for (uint32_t round = 0; round < 3u; round++) {
-        for (uint32_t v = 0; round > 0u && v < t.s->shared.n; v++)
-            t.s->forces.surface.warm[v] = rig_random(&seed, goal.n_triangles); /* a bad one */
-        search(t.s);
-        for (uint32_t i = 0; i < 3u * t.s->shared.n; i++)
-            assert_true(fabsf(cold[i] - t.s->forces.force[i]) < 1.0e-5f);
-    }
-}
-
-static void test_box(void **state)
+TEST(test_box)
 {
     const float off[3] = {4, -3, 2};
     const smr_mesh goal = rig_ball(32, 11, 15, off);
     smr_config c = plain();
     uint32_t inside = 0;
-    (void)state;
     c.forces.use_box = 1;
     for (uint32_t a = 0; a < 3u; a++) {
         c.forces.box_min[a] = -100;
@@ -147,11 +116,10 @@ static void test_box(void **state)
     assert_true(inside > t.s->shared.n / 4u && inside < t.s->shared.n * 3u / 4u);
 }
 
-static void test_border(void **state)
+TEST(test_border)
 {
     smr_mesh half = rig_ball(32, 11, 15, none);
     smr_config c = plain();
-    (void)state;
     half.n_triangles /= 2u; /* an open surface */
     c.partial.coverage = SMR_COVERAGE_WHOLE;
     const setting all = start(&c, &half);
@@ -170,12 +138,11 @@ static void test_border(void **state)
     }
 }
 
-static void test_outliers(void **state)
+TEST(test_outliers)
 {
     smr_mesh goal = rig_ball(31, 11, 15, none);
     smr_config c = plain();
     float *xyz = rig_alloc(3u * goal.n_vertices * sizeof *xyz);
-    (void)state;
     memcpy(xyz, goal.xyz, 3u * goal.n_vertices * sizeof *xyz);
     for (uint32_t i = 0; i < 3u; i++)
         xyz[3u * (goal.n_vertices - 2u) + i] *= 3.0f; /* a spike at the pole */
@@ -191,47 +158,4 @@ static void test_outliers(void **state)
     assert_true(t.s->forces.totals.max <= limit);
 }
 
-static void test_no_target_no_force(void **state)
-{
-    const smr_mesh goal = rig_ball(32, 11, 15, none);
-    const smr_config c = plain();
-    const setting t = start(&c, &goal);
-    (void)state;
-    assert_int_equal(SMR_OK, smr_set_surface(t.s, 0, NULL));
-    search(t.s);
-    assert_int_equal(0, t.s->forces.totals.n_with_target);
-    assert_int_equal(0, t.s->forces.totals.n_forces);
-    assert_int_equal(0, t.s->forces.totals.n_rejected);
-    for (uint32_t i = 0; i < 3u * t.s->shared.n; i++)
-        assert_true(t.s->forces.force[i] == 0.0f);
-}
-
-/* `slide` takes away the part of the way that runs along the surface, where there is one. */
-static void test_slide(void **state)
-{
-    const float off[3] = {4, -3, 2};
-    const smr_mesh goal = rig_ball(32, 11, 15, off);
-    (void)state;
-    smr_config c = plain();
-    c.basic.slide = 0.0f;
-    const setting t = start(&c, &goal);
-    search(t.s);
-    for (uint32_t v = 0; v < t.s->shared.n; v++) {
-        const smr_vec f = smr_load(smr_at3(t.s->forces.force, v)), n = smr_load(smr_at3(t.s->shape.normal, v));
-        assert_true(smr_length(smr_cross(f, n)) < 1.0e-4f);
-    }
-    smr_store(smr_at3(t.s->shape.normal, 5), smr_v(0, 0, 0)); /* a vertex without triangles */
-    search(t.s);
-    assert_true(smr_length(smr_load(smr_at3(t.s->forces.force, 5))) > 0.5f);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_closest_point, tidy), cmocka_unit_test_teardown(test_warm_start, tidy),
-        cmocka_unit_test_teardown(test_box, tidy),           cmocka_unit_test_teardown(test_border, tidy),
-        cmocka_unit_test_teardown(test_outliers, tidy),      cmocka_unit_test_teardown(test_no_target_no_force, tidy),
-        cmocka_unit_test_teardown(test_slide, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,7 +1,7 @@
 /* test_fuzz.c: the fuzz targets as a regression test: a corpus made here, and mutations of it that are the same every
  * time. SMR_FUZZ_CORPUS=dir writes the seeds there (model-N, mesh-N, log-N, save-N) for a real fuzzer to start from.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,15 +46,14 @@ static unit_image seed_image(uint32_t number)
     return image;
 }
 
-static void models(void **state)
+TEST(models)
 {
     oracle_random r = oracle_seed(201);
     uint32_t opened = 0;
-    (void)state;
     assert_int_equal(fuzz_model_open(NULL, 0), 0);
     for (uint32_t number = 0; number < SEEDS; number++) {
         unit_image seed = seed_image(number);
-        uint8_t *copy = unit_memory(seed.size);
+        uint8_t *copy = rig_rough(seed.size);
         save("model", number, seed.bytes, seed.size);
         assert_int_equal(fuzz_model_open(seed.bytes, seed.size), 1);
         for (uint32_t i = 0; i < 1200u; i++) {
@@ -73,17 +72,16 @@ static void models(void **state)
             assert_true(result >= 0);
             opened += (uint32_t)result;
         }
-        unit_free(copy);
+        rig_free(copy);
         unit_image_free(&seed);
     }
     assert_true(opened > 100u); /* changes are small enough to get through at times */
 }
 
-static void meshes(void **state)
+TEST(meshes)
 {
     oracle_random r = oracle_seed(202);
     uint32_t accepted = 0;
-    (void)state;
     for (uint32_t number = 0; number < 1500u; number++) {
         uint8_t bytes[900];
         const uint32_t size = oracle_below(&r, sizeof bytes);
@@ -114,13 +112,12 @@ static void save_kinds(const unit_log *seed, uint32_t n)
 }
 
 /* Records of a real log: bytes changed, records copied over others, the end cut off. */
-static void logs(void **state)
+TEST(logs)
 {
     static unit_log seed;
     static uint8_t copy[UNIT_LOG_BYTES];
     oracle_random r = oracle_seed(203);
     uint32_t repeated = 0;
-    (void)state;
     unit_log_make_kinds(&seed);
     const uint32_t n = unit_log_records(seed.log, seed.bytes);
     const uint8_t *records = seed.log + SMR_LOG_HEADER;
@@ -161,7 +158,7 @@ static void logs(void **state)
 }
 
 /* Kept values of a real save: bytes and words changed, copied, cut off. */
-static void saves(void **state)
+TEST(saves)
 {
     static uint8_t copy[UNIT_SAVE_BYTES];
     oracle_random r = oracle_seed(204);
@@ -169,7 +166,6 @@ static void saves(void **state)
     size_t end = 0;
     const size_t first = unit_save_values(u->saved, &end), whole = end - first;
     uint32_t restored = 0;
-    (void)state;
     save("save", 0, u->saved + first, whole);
     assert_int_equal(fuzz_save(NULL, 0), 1);
     for (uint32_t i = 0; i < 400u; i++) {
@@ -192,9 +188,4 @@ static void saves(void **state)
     rig_free_all();
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(models), cmocka_unit_test(meshes), cmocka_unit_test(logs),
-                                       cmocka_unit_test(saves)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,23 +1,14 @@
 /* test_input_checksum.c: any single bit of any input changes its checksum, and so do counts, order, mask and type.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <string.h>
 
-#include "property/rig.h"
 #include "log/record/log_format.h"
 
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
-
-static void test_points(void **state)
+TEST(test_points)
 {
     float xyz[3 * 7], other[3 * 7];
-    (void)state;
     for (uint32_t i = 0; i < 21u; i++)
         xyz[i] = 1.5f * (float)i - 7.0f;
     const uint64_t sum = smr_points_checksum(xyz, 7);
@@ -34,12 +25,11 @@ static void test_points(void **state)
     assert_true(smr_points_checksum(other, 7) != sum);
 }
 
-static void test_surfaces(void **state)
+TEST(test_surfaces)
 {
     const float centre[3] = {100, 0, 0};
     const smr_mesh ball = rig_ball(20, 5, 8, centre);
     const uint64_t sum = smr_surface_checksum(rig_surface(&ball));
-    (void)state;
     assert_true(smr_surface_checksum(rig_surface(&ball)) == sum); /* elsewhere in memory */
     for (uint32_t i = 0; i < 3u * ball.n_vertices; i++) {
         float *xyz = rig_alloc(ball.n_vertices * 3u * sizeof *xyz);
@@ -61,11 +51,10 @@ static void test_surfaces(void **state)
 }
 
 /* Voxels of every type: sizes that do not fill the last word. */
-static void test_volumes(void **state)
+TEST(test_volumes)
 {
     static const uint32_t bytes[] = {1, 1, 2, 2, 4};
     static _Alignas(8) unsigned char voxels[4 * 3 * 3 * 3], mask[27];
-    (void)state;
     for (uint32_t type = 0; type < 5u; type++) {
         smr_volume v = {voxels, NULL, type, {3, 3, 3}, {1, 2, 3}, {1, 1, 2}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
         for (size_t i = 0; i < sizeof voxels; i++)
@@ -93,9 +82,4 @@ static void test_volumes(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_points), cmocka_unit_test_teardown(test_surfaces, tidy),
-                                       cmocka_unit_test(test_volumes)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

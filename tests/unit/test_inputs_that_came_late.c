@@ -1,19 +1,11 @@
-/* test_inputs_that_came_late.c: what is set at an awkward moment counts all the same, and surfaces the wrong way round
- * or mirrored do no harm.
+/* test_inputs_that_came_late.c: what is set at an awkward moment counts all the same, and surfaces the wrong way
+ * round or mirrored do no harm.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
-#include "property/rig.h"
 #include "registration/registration.h"
 
 static const float at_origin[3] = {0, 0, 0}, beside[3] = {2, 0, 0};
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static smr_mesh flipped(smr_mesh mesh, int flip)
 {
@@ -25,7 +17,7 @@ static smr_mesh flipped(smr_mesh mesh, int flip)
 }
 
 /* A target that is set when the schedule's last iteration has its forces is the first that tracking follows. */
-static void test_last_iteration(void **state)
+TEST(test_last_iteration)
 {
     const smr_mesh ball = rig_ball(20, 14, 20, at_origin), goal = rig_ball(20.5f, 16, 24, at_origin),
                    next = rig_ball(20.5f, 16, 24, beside);
@@ -36,7 +28,6 @@ static void test_last_iteration(void **state)
     const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
     smr_tick_report r = {0};
     uint32_t n = 0;
-    (void)state;
     config.track.mode = SMR_TRACK_REPORT;
     config.basic.n_target_vertices = goal.n_vertices;
     smr *s = rig_init(model, &config, &port);
@@ -59,10 +50,9 @@ static void test_last_iteration(void **state)
 }
 
 /* Structures 1 mm apart, each on its target: one that looks inwards is nothing to keep out of. */
-static void test_inwards_in_contact(void **state)
+TEST(test_inwards_in_contact)
 {
     const float left[3] = {-10.5f, 0, 0}, right[3] = {10.5f, 0, 0};
-    (void)state;
     for (int flip = 0; flip < 2; flip++) {
         const smr_mesh ball[2] = {flipped(rig_ball(10, 16, 20, left), flip), rig_ball(10, 16, 20, right)};
         smr_config config = smr_config_default();
@@ -79,14 +69,13 @@ static void test_inwards_in_contact(void **state)
 }
 
 /* A mirrored start keeps its volume, not the volume's opposite. */
-static void test_mirrored_volume(void **state)
+TEST(test_mirrored_volume)
 {
     static const smr_pose mirror = {{{-1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     const smr_mesh ball = rig_ball(20, 14, 20, at_origin);
     const smr_model *model = rig_model(&ball, 1, NULL);
     smr_config config = smr_config_default();
     smr_structure_volume volume;
-    (void)state;
     config.contact.volume = 1.0f;
     config.contact.smooth = 0.3f;
     smr *s = rig_init(model, &config, NULL);
@@ -96,12 +85,4 @@ static void test_mirrored_volume(void **state)
     assert_true(volume.closed && volume.ratio > 0.999f && volume.ratio < 1.001f);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_last_iteration, tidy),
-        cmocka_unit_test_teardown(test_inwards_in_contact, tidy),
-        cmocka_unit_test_teardown(test_mirrored_volume, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,12 +1,11 @@
 /* test_intensity_profile.c: packing of profiles; profile match and gradient search find goals at planted places.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "image/intensity_profile.h"
-#include "property/rig.h"
 
 #define N 30u
 #define M 70u
@@ -59,10 +58,9 @@ static void line_of(uint32_t kind, float shift, float gain, float add, float *li
     }
 }
 
-static void test_pack(void **state)
+TEST(test_pack)
 {
     uint32_t seed = 3;
-    (void)state;
     for (uint32_t round = 0; round < 200u; round++) {
         const uint32_t n = 3u + rig_random(&seed, SMR_PROFILE_MAX - 2u);
         const float scale = powf(10.0f, rig_between(&seed, -3, 6)), add = rig_between(&seed, -3, 3) * scale;
@@ -87,10 +85,9 @@ static void test_pack(void **state)
     }
 }
 
-static void test_flat(void **state)
+TEST(test_flat)
 {
     static const float level[] = {0.0f, 7.0f, -1.0e6f, 1.0e29f};
-    (void)state;
     for (uint32_t k = 0; k < 4u; k++) {
         float value[N], line[M];
         unsigned char inside[M];
@@ -123,11 +120,10 @@ static void test_flat(void **state)
     }
 }
 
-static void test_shifts(void **state)
+TEST(test_shifts)
 {
     static const float gains[] = {1.0f, 0.2f, 8.0f}, adds[] = {0.0f, -40.0f, 300.0f};
     uint32_t seed = 5;
-    (void)state;
     for (uint32_t round = 0; round < 600u; round++) {
         const uint32_t kind = round % 3u, light = round / 3u % 4u;
         const packed_profile p = reference(kind);
@@ -143,12 +139,11 @@ static void test_shifts(void **state)
 }
 
 /* Squared differences tell brightness apart; correlation does not. */
-static void test_ssd_sees_level(void **state)
+TEST(test_ssd_sees_level)
 {
     const packed_profile p = reference(2);
     float line[M];
     unsigned char inside[M];
-    (void)state;
     line_of(2, 20, 1.0f, 30.0f, line, inside);
     assert_true(smr_profile_match(VIEW(p), line, inside, M, &similarity[0]).confidence > 0.1f);
     assert_true(smr_profile_match(VIEW(p), line, inside, M, &similarity[1]).confidence == 0.0f);
@@ -156,13 +151,12 @@ static void test_ssd_sees_level(void **state)
 
 /* Concordance compares contrast, too: of two places of the same form the one of like contrast wins, and a difference
  * below the noise is no difference. Correlation accepts either. */
-static void test_concordance_sees_contrast(void **state)
+TEST(test_concordance_sees_contrast)
 {
     const packed_profile p = reference(0);
     const smr_similarity noisy = {SMR_SIMILARITY_CONCORDANCE, 4.0f, 0.0f, 0};
     float line[2u * M];
     unsigned char inside[2u * M];
-    (void)state;
     for (uint32_t faint = 0; faint < 2u; faint++) {
         line_of(0, 20, faint == 0u ? 0.3f : 1.0f, 0.0f, line, inside);
         line_of(0, 20, faint == 1u ? 0.3f : 1.0f, 0.0f, line + M, inside + M);
@@ -174,33 +168,9 @@ static void test_concordance_sees_contrast(void **state)
     }
 }
 
-/* Of two like places the nearer to the line's middle wins, on whichever side it lies. */
-static void test_nearer_wins(void **state)
-{
-    const packed_profile p = reference(2);
-    (void)state;
-    for (uint32_t kind = 0; kind < 3u; kind++) {
-        const smr_similarity how = {kind, 0.0f, 0.2f, 0};
-        for (uint32_t side = 0; side < 2u; side++) {
-            float line[3u * M];
-            unsigned char inside[3u * M];
-            for (uint32_t k = 0; k < 3u * M; k++) {
-                line[k] = 0.0f;
-                inside[k] = 1;
-            }
-            const uint32_t far_at = side == 0u ? 10u : 3u * M - N - 10u, near_at = side == 0u ? 120u : 60u;
-            for (uint32_t k = 0; k < N; k++)
-                line[far_at + k] = line[near_at + k] = value_of(2, (float)k);
-            const smr_peak peak = smr_profile_match(VIEW(p), line, inside, 3u * M, &how);
-            assert_true(fabsf(peak.at - (float)near_at) < 0.6f);
-        }
-    }
-}
-
 /* A window that is not all inside cannot win, however well it fits. */
-static void test_outside_windows(void **state)
+TEST(test_outside_windows)
 {
-    (void)state;
     for (uint32_t ssd = 0; ssd < 3u; ssd++) {
         for (uint32_t hole = 0; hole < M; hole++) {
             const packed_profile p = reference(0);
@@ -253,9 +223,8 @@ static void edge_line(const float *place, const float *sign, uint32_t n, float *
     }
 }
 
-static void test_edge_place(void **state)
+TEST(test_edge_place)
 {
-    (void)state;
     for (int sign = -1; sign <= 1; sign += 2) {
         for (int miss = -2; miss <= 2; miss++) {
             const packed_profile p = edge_reference(15.0f + (float)miss, (float)sign);
@@ -279,90 +248,10 @@ static void test_edge_place(void **state)
     }
 }
 
-/* A nearer and stronger edge of the other polarity is passed by. */
-static void test_edge_polarity(void **state)
-{
-    static const float place[2] = {36, 40}, up_first[2] = {2, -1}, down_first[2] = {-2, 1};
-    (void)state;
-    for (uint32_t k = 0; k < 2u; k++) {
-        const packed_profile p = edge_reference(15.0f, k == 0u ? -1.0f : 1.0f);
-        float line[M];
-        unsigned char inside[M];
-        edge_line(place, k == 0u ? up_first : down_first, 2, line, inside);
-        const smr_peak peak = smr_profile_edge(VIEW(p), 15, line, inside, M, 35, 10);
-        assert_true(peak.confidence > 0.0f && fabsf(peak.at - 40.0f) < 0.1f);
-    }
-    /* an edge of the reference far from its surface says nothing about the surface */
-    const packed_profile far = edge_reference(25.0f, 1.0f);
-    float line[M];
-    unsigned char inside[M];
-    edge_line(place, up_first, 1, line, inside);
-    assert_true(smr_profile_edge(VIEW(far), 15, line, inside, M, 35, 10).confidence == 0.0f);
-}
-
-/* Edges at 30 and 40 of the reference's polarity, `steep` times as high as its own and `lift` of its ranges
- * lighter. */
-static void two_edges(const packed_profile *p, float sign, const float *steep, const float *lift, float *line)
-{
-    static const float place[2] = {30, 40};
-    for (uint32_t k = 0; k < M; k++) {
-        const uint32_t i = k < 35u ? 0u : 1u;
-        line[k] = p->low + p->range * (0.5f + lift[i] + sign * steep[i] * (edge_at((float)k, place[i]) - 0.5f));
-    }
-}
-
-/* Of two edges the one like the reference's wins: a much steeper one loses, and so does an equal one that is lighter
- * or darker. */
-static void test_edge_alike(void **state)
-{
-    static const float place[2] = {30, 40}, level[2] = {0, 0}, equal[2] = {1, 1};
-    unsigned char inside[M];
-    float line[M];
-    (void)state;
-    memset(inside, 1, sizeof inside);
-    for (uint32_t like = 0; like < 2u; like++) {
-        for (int way = -1; way <= 1; way += 2) {
-            const float sign = (float)way,
-                        off = like == 0u ? -3.0f * sign : 3.0f * sign; /* no third edge between them */
-            const packed_profile p = edge_reference(15.0f, sign);
-            const float steep[2] = {like == 0u ? 1.0f : 20.0f, like == 0u ? 20.0f : 1.0f};
-            const float lift[2] = {like == 0u ? 0.0f : off, like == 0u ? off : 0.0f};
-            two_edges(&p, sign, steep, level, line);
-            smr_peak peak = smr_profile_edge(VIEW(p), 15, line, inside, M, 35, 10);
-            assert_true(peak.confidence > 0.5f && fabsf(peak.at - place[like]) < 0.2f);
-            two_edges(&p, sign, equal, lift, line);
-            peak = smr_profile_edge(VIEW(p), 15, line, inside, M, 35, 10);
-            assert_true(peak.confidence > 0.5f && fabsf(peak.at - place[like]) < 0.2f);
-        }
-    }
-}
-
-/* A sample outside near the edge: a goal is right or not given. Its value is 0, as smr_grid_line() leaves it. */
-static void test_edge_holes(void **state)
-{
-    const packed_profile p = edge_reference(15.0f, 1.0f);
-    const float at = 38.0f, way = 1.0f;
-    (void)state;
-    for (uint32_t hole = 25; hole <= 50u; hole++) {
-        float line[M];
-        unsigned char inside[M];
-        edge_line(&at, &way, 1, line, inside);
-        line[hole] = 0.0f;
-        inside[hole] = 0;
-        const smr_peak peak = smr_profile_edge(VIEW(p), 15, line, inside, M, 35, 8);
-        if (hole < 34u || hole > 42u)
-            assert_true(peak.confidence > 0.0f);
-        /* neighbours that lack a sample may show half of the edge only, but never pull it to their hole */
-        assert_true(peak.confidence == 0.0f || fabsf(peak.at - at) < 1.01f);
-        assert_true(hole != 38u || peak.confidence == 0.0f || fabsf(peak.at - at) < 0.1f);
-    }
-}
-
 /* Whatever the line: confidence within 0..1, places finite and on the line. */
-static void test_ranges(void **state)
+TEST(test_ranges)
 {
     uint32_t seed = 8;
-    (void)state;
     for (uint32_t round = 0; round < 3000u; round++) {
         const uint32_t n = 3u + rig_random(&seed, SMR_PROFILE_MAX - 2u);
         const uint32_t m = n + rig_random(&seed, SMR_LINE_MAX - n + 1u);
@@ -393,21 +282,4 @@ static void test_ranges(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pack),
-        cmocka_unit_test(test_flat),
-        cmocka_unit_test(test_shifts),
-        cmocka_unit_test(test_ssd_sees_level),
-        cmocka_unit_test(test_outside_windows),
-        cmocka_unit_test(test_concordance_sees_contrast),
-        cmocka_unit_test(test_nearer_wins),
-        cmocka_unit_test(test_edge_place),
-        cmocka_unit_test(test_edge_alike),
-        cmocka_unit_test(test_edge_polarity),
-        cmocka_unit_test(test_edge_holes),
-        cmocka_unit_test(test_ranges),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

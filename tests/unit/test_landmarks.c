@@ -1,25 +1,16 @@
-/* test_landmarks.c: landmarks bind to the model, draw it, are refused where they are wrong, and are repeated from a log
- * to the last bit.
+/* test_landmarks.c: landmarks bind to the model, draw it, and are refused where they are wrong.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/registration.h"
 
 enum { N = 6, LOG = 65536 };
 
 static smr_mesh ball[2];
 static const smr_model *model;
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static smr_config config_of(uint32_t n_landmarks)
 {
@@ -66,13 +57,12 @@ static float farthest(const smr *s, const smr_landmark *mark, uint32_t n)
     return most;
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     smr *s = start(N, NULL);
     const uint64_t before = smr_state_hash(s);
     smr_landmark mark[N + 1], bad;
     float xyz[N][3];
-    (void)state;
     marks(mark, 0);
     mark[N] = mark[0];
     assert_int_equal(SMR_E_NULL, smr_set_landmarks(NULL, mark, 1));
@@ -100,34 +90,15 @@ static void test_refused(void **state)
     assert_int_equal(0, s->forces.landmarks.n);
 }
 
-/* Without them nothing is taken; what they take is what the header says at most. */
-static void test_bytes(void **state)
-{
-    size_t none = 0, some = 0;
-    smr_config config = config_of(0);
-    (void)state;
-    (void)start(0, NULL);
-    assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &none));
-    config.partial.n_landmarks = SMR_LANDMARKS_MAX;
-    assert_int_equal(SMR_OK, smr_arena_bytes(model, &config, &some));
-    assert_true(some > none);
-#if !defined(__SANITIZE_ADDRESS__)
-    assert_true(some <= none + SMR_ARENA_LANDMARKS_BYTES(ball[0].n_vertices + ball[1].n_vertices, SMR_LANDMARKS_MAX));
-#endif
-    config.partial.n_landmarks = SMR_LANDMARKS_MAX + 1u;
-    assert_int_equal(SMR_E_CONFIG, smr_arena_bytes(model, &config, &some));
-}
-
 /* A point on a triangle, one off it, and one of whichever structure is nearest, are where they were given at rest, and
  * go with the model. */
-static void test_bound(void **state)
+TEST(test_bound)
 {
     static const float point[3][3] = {{0, 19.5f, 1}, {0, 26, 0}, {60, 1, 27}};
     const smr_pose pose = {{{0, -1, 0, 5}, {1, 0, 0, 6}, {0, 0, 1, 7}}};
     smr *s = start(3, NULL);
     smr_landmark mark[3];
     float xyz[3][3];
-    (void)state;
     for (uint32_t i = 0; i < 3u; i++) {
         mark[i] = (smr_landmark){i == 2u ? SMR_ALL : 0, SMR_NONE, {0, 0, 0}, {0, 0, 0}, 1.0f, 0};
         memcpy(mark[i].rest, point[i], sizeof mark[i].rest);
@@ -144,9 +115,8 @@ static void test_bound(void **state)
     }
 }
 
-static void test_draw(void **state)
+TEST(test_draw)
 {
-    (void)state;
     for (uint32_t hard = 0; hard < 2u; hard++) {
         smr *s = start(N, NULL);
         smr_landmark mark[N];
@@ -176,12 +146,11 @@ static void test_draw(void **state)
 }
 
 /* One landmark shifts, and too few for a field say so. */
-static void test_few(void **state)
+TEST(test_few)
 {
     smr *s = start(N, NULL);
     const smr_landmark mark = {0, 0, {0, 0, 0}, {3, 4, 25}, 1.0f, 1};
     smr_verdict verdict;
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_landmarks(s, &mark, 1));
     assert_true(rig_run(s, 1000).done);
     assert_true(farthest(s, &mark, 1) < 0.01f);
@@ -197,82 +166,4 @@ static void test_few(void **state)
     assert_true((verdict.reasons & SMR_REASON_LITTLE_VISIBLE) != 0u);
 }
 
-/* Places that cannot be meant: what comes of them is finite. */
-static void test_wild(void **state)
-{
-    smr *s = start(N, NULL);
-    smr_landmark mark[N];
-    (void)state;
-    marks(mark, 1);
-    for (uint32_t i = 0; i < N; i++) {
-        mark[i].vertex = i / 2u; /* each twice, with other places */
-        mark[i].place[i % 3u] = i % 2u != 0 ? 1e5f : -1e5f;
-    }
-    assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, N));
-    (void)rig_run(s, 1000);
-    assert_true(rig_finite(rig_positions(s, model), ball[0].n_vertices + ball[1].n_vertices));
-}
-
-/* Beside a surface the surface decides along normals, landmarks along itself; and any port gives the same bits. */
-static uint64_t beside_a_surface(const smr_port *port, float *off)
-{
-    smr *s = start(N, port);
-    smr_landmark mark[N];
-    float m[9];
-    rig_rotation(0, 0, 1, 8, m);
-    for (uint32_t i = 0; i < N; i++) {
-        const float *p = ball[0].xyz + 3u * (size_t)(i * 7u);
-        mark[i] = (smr_landmark){0, i * 7u, {0, 0, 0}, {0, 0, 0}, 1.0f, i % 2u};
-        for (uint32_t c = 0; c < 3u; c++) /* turned about z: along the surface */
-            mark[i].place[c] = m[3u * c] * p[0] + m[3u * c + 1u] * p[1] + m[3u * c + 2u] * p[2];
-    }
-    assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&ball[0])));
-    assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, N));
-    (void)rig_run(s, 1000);
-    *off = farthest(s, mark, N);
-    return smr_state_hash(s);
-}
-
-static void test_beside_a_surface(void **state)
-{
-    float off = 0.0f;
-    const uint64_t hash = beside_a_surface(NULL, &off);
-    (void)state;
-    assert_true(off < 0.5f); /* of 2.8 mm */
-    for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
-        const smr_port port = rig_port(k, 5);
-        assert_true(beside_a_surface(&port, &off) == hash);
-    }
-}
-
-/* Tracked in ticks that a clock cuts, and repeated from the log alone. */
-static void test_replay(void **state)
-{
-    static unsigned char log[LOG];
-    rig_clock clock;
-    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
-    smr *s = start(N, &port);
-    smr_landmark mark[N];
-    uint32_t seed = 7, partial = 0;
-    (void)state;
-    assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
-    for (uint32_t tick = 0; tick < 120u; tick++) {
-        marks(mark, tick % 2u);
-        mark[0].place[0] += 0.05f * (float)tick;
-        if (tick % 3u == 0u)
-            assert_int_equal(SMR_OK, smr_set_landmarks(s, mark, tick == 60u ? 0u : N));
-        partial += smr_tick(s, 10000u + rig_random(&seed, 60000u), NULL) == SMR_PARTIAL;
-    }
-    assert_true(partial > 20u);
-    assert_int_equal(120, rig_replays(s, log, NULL, NULL, start(N, NULL), NULL));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_refused, tidy), cmocka_unit_test_teardown(test_bytes, tidy),
-        cmocka_unit_test_teardown(test_bound, tidy),   cmocka_unit_test_teardown(test_draw, tidy),
-        cmocka_unit_test_teardown(test_few, tidy),     cmocka_unit_test_teardown(test_wild, tidy),
-        cmocka_unit_test_teardown(test_replay, tidy),  cmocka_unit_test_teardown(test_beside_a_surface, tidy)};
-    return cmocka_run_group_tests_name("landmarks", tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

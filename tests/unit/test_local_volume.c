@@ -1,20 +1,12 @@
-/* test_local_volume.c: volumes around vertices against double precision: what is moved and scaled, bent, turned inside
- * out, flat, or without triangles. Asking changes no bit of what follows.
+/* test_local_volume.c: volumes around vertices against double precision: what is moved and scaled, bent, flat, or
+ * without triangles. Asking changes no bit of what follows.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/registration.h"
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static const float nowhere[3] = {40, -300, 120};
 
@@ -40,10 +32,9 @@ static const float *ratios(const smr_mesh *mesh, float radius, const float *xyz,
     return ratio;
 }
 
-static void test_moved_and_scaled(void **state)
+TEST(test_moved_and_scaled)
 {
     const smr_mesh ball = rig_ball(30, 9, 12, nowhere);
-    (void)state;
     for (uint32_t k = 0; k < 4u; k++) {
         const float size = 0.7f + 0.4f * (float)k, t[3] = {7, 8, -200};
         float m[9];
@@ -103,12 +94,11 @@ static double wanted(const smr_mesh *mesh, const float *xyz, uint32_t vertex, fl
     return (now[0] + scale * layer * now[1]) / (fabs(rest[0]) + layer * rest[1]);
 }
 
-static void test_equals_double(void **state)
+TEST(test_equals_double)
 {
     const float odd = 16.37f, large = 33.11f; /* between all distances of vertices: shares of the boundary are 1 */
     const smr_mesh ball = rig_ball(30, 9, 12, nowhere);
     float *bent = rig_alloc(3u * ball.n_vertices * sizeof *bent);
-    (void)state;
     for (uint32_t v = 0; v < ball.n_vertices; v++) {
         const float z = ball.xyz[3u * v + 2u] - nowhere[2];
         bent[3u * v] = ball.xyz[3u * v] + 0.015f * z * z;
@@ -129,25 +119,12 @@ static void test_equals_double(void **state)
     }
 }
 
-static void test_inside_out(void **state)
-{
-    const smr_mesh ball = rig_ball(30, 9, 12, nowhere);
-    float *out = rig_alloc(3u * ball.n_vertices * sizeof *out);
-    (void)state;
-    for (uint32_t i = 0; i < 3u * ball.n_vertices; i++) /* through its middle */
-        out[i] = 2.0f * nowhere[i % 3u] - ball.xyz[i];
-    const float *ratio = ratios(&ball, 61.0f, out, NULL);
-    for (uint32_t v = 0; v < ball.n_vertices; v++)
-        assert_true(ratio[v] < -0.98f && ratio[v] > -1.02f);
-}
-
 /* A sheet that is stretched along x and bent: the change is that of its area. Points without triangles: the whole's. */
-static void test_sheets_and_points(void **state)
+TEST(test_sheets_and_points)
 {
     enum { N = 15, CELLS = (N - 1) * (N - 1) };
     static float flat[3 * N * N], to[3 * N * N];
     static uint32_t triangle[2 * CELLS][3];
-    (void)state;
     for (uint32_t i = 0; i < N * N; i++) {
         const float x = 4.0f * (float)(i % N), z = 4.0f * (float)(i / N);
         const float p[3] = {x, 0, z}, q[3] = {1.5f * x, 60.0f * sinf(z / 60.0f), 60.0f * cosf(z / 60.0f)};
@@ -170,14 +147,13 @@ static void test_sheets_and_points(void **state)
 }
 
 /* Nothing is made worse by asking between any two iterations, by any radius; and mistakes are refused. */
-static void test_asking(void **state)
+TEST(test_asking)
 {
     const float off[3] = {44, -297, 118};
     const smr_mesh ball = rig_ball(30, 9, 12, nowhere), goal = rig_ball(35, 12, 16, off);
     const smr_surface *target = rig_surface(&goal);
     smr *s = start(&ball, 24), *twin = start(&ball, 24);
     float ratio[512], first[512];
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, target));
     assert_int_equal(SMR_OK, smr_set_surface(twin, SMR_ALL, target));
     for (uint32_t tick = 0; tick < 20u; tick++) {
@@ -199,12 +175,4 @@ static void test_asking(void **state)
     assert_int_equal(SMR_E_STATE, smr_get_local_volume(twin, 0, 0, ratio));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_moved_and_scaled, tidy),  cmocka_unit_test_teardown(test_equals_double, tidy),
-        cmocka_unit_test_teardown(test_inside_out, tidy),        cmocka_unit_test_teardown(test_asking, tidy),
-        cmocka_unit_test_teardown(test_sheets_and_points, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

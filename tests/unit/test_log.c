@@ -1,21 +1,19 @@
 /* test_log.c: what recording writes, byte by byte; what it refuses; what happens when its memory is full; and that it
  * changes nothing else.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <string.h>
 
-#include "property/rig.h"
 #include "log/record/log_format.h"
 #include "unit/unit_log.h"
 
 /* The header as docs/SPEC.md has it, without the code's own names. */
-static void test_header(void **state)
+TEST(test_header)
 {
     static const unsigned char magic[] = {'S', 'M', 'R', 'L', 3, 0, 0, 0};
     uint32_t word[256];
     smr_model_info info;
-    (void)state;
     assert_memory_equal(magic, unit_recorded.log, sizeof magic);
     uint32_t rows, settings = 0, n = 0; /* a head and the words of each setting */
     const smr_setting *table = smr_config_settings(&rows);
@@ -45,12 +43,11 @@ static void test_header(void **state)
 }
 
 /* The inputs and ticks of unit_log_make, in order; partial ticks, whole ones and cut ones among them. */
-static void test_records(void **state)
+TEST(test_records)
 {
     smr_log_reader reader;
     smr_log_record r;
     uint32_t ticks = 0, partial = 0, cut = 0, surfaces = 0, iteration = 0;
-    (void)state;
     assert_int_equal(SMR_OK, smr_log_open(unit_recorded.log, unit_recorded.bytes, &reader, NULL));
     assert_int_equal(SMR_OK, smr_log_next(&reader, &r));
     assert_int_equal(SMR_LOG_POSE, r.kind);
@@ -78,13 +75,12 @@ static void test_records(void **state)
 }
 
 /* Every length from nothing to enough: what was recorded is a part of the whole, the rest goes on as without a log. */
-static void test_memory_ends(void **state)
+TEST(test_memory_ends)
 {
     static unsigned char log[UNIT_LOG_BYTES];
     smr_log_state is;
     const smr_pose pose = {{{1, 0, 0, 1}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     smr *plain = unit_log_begin(&unit_recorded, NULL);
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_pose(plain, &pose));
     assert_int_equal(SMR_OK, smr_set_surface(plain, 0, unit_recorded.surface[0]));
     (void)rig_run(plain, 4);
@@ -115,9 +111,8 @@ static void test_memory_ends(void **state)
     }
 }
 
-static void test_bytes_macro(void **state)
+TEST(test_bytes_macro)
 {
-    (void)state;
     assert_true(SMR_LOG_BYTES(40, 3) >= unit_recorded.bytes);
     assert_true(SMR_LOG_BYTES(1, 0) - SMR_LOG_BYTES(0, 0) >= SMR_LOG_FRAME + 4u * smr_log_words(SMR_LOG_TICK));
     for (uint32_t kind = SMR_LOG_SURFACE; kind <= SMR_LOG_FIXED_SURFACE; kind++) {
@@ -128,13 +123,12 @@ static void test_bytes_macro(void **state)
     assert_int_equal(0, smr_log_words(99));
 }
 
-static void test_refusals(void **state)
+TEST(test_refusals)
 {
     static unsigned char log[UNIT_LOG_BYTES];
     static _Alignas(SMR_ALIGN) unsigned char zeros[8192];
     smr *not_one = (smr *)(void *)zeros, *s = unit_log_begin(&unit_recorded, NULL);
     smr_log_state is = {1, 1, 1};
-    (void)state;
     assert_int_equal(SMR_E_NULL, smr_set_log(NULL, log, sizeof log));
     assert_int_equal(SMR_E_STATE, smr_set_log(not_one, log, sizeof log));
     assert_int_equal(SMR_E_NULL, smr_get_log(NULL, &is));
@@ -159,11 +153,4 @@ static void test_refusals(void **state)
     assert_int_equal(0, is.bytes);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_header),      cmocka_unit_test(test_records),  cmocka_unit_test(test_memory_ends),
-        cmocka_unit_test(test_bytes_macro), cmocka_unit_test(test_refusals),
-    };
-    return cmocka_run_group_tests(tests, unit_log_set_up, unit_log_tidy);
-}
+int main(void) { return suite_run(unit_log_set_up, unit_log_tidy); }

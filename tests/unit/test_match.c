@@ -1,20 +1,12 @@
-/* test_match.c: clusters find the rigid motion they were given, by both methods; without a motion the answer is
- * exactly none.
+/* test_match.c: clusters find the rotation that they were given, and whatever they are given, the answer is a
+ * rotation.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/registration.h"
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static const float none[3] = {0, 0, 0};
 
@@ -84,11 +76,10 @@ static float not_rotation(const float *r_minus_i)
     return worst;
 }
 
-static void test_polar_finds_any_rotation(void **state)
+TEST(test_polar_finds_any_rotation)
 {
     const smr_mesh mesh = rig_ball(30, 9, 12, none);
     smr *s = start(SMR_METHOD_POLAR, &mesh, 18);
-    (void)state;
     for (uint32_t k = 0; k < 8u; k++) {
         float m[9];
         rig_rotation(1, (float)k - 3.0f, 0.3f, 22.0f * (float)k, m); /* up to 154 degrees */
@@ -97,56 +88,12 @@ static void test_polar_finds_any_rotation(void **state)
     }
 }
 
-/* Kinematics turn by |omega| = I^-1 L, which is the sine of the angle: exact to third order in small turns. */
-static void test_rigid_finds_small_rotations(void **state)
-{
-    const smr_mesh mesh = rig_ball(30, 9, 12, none);
-    smr *s = start(SMR_METHOD_RIGID, &mesh, 18);
-    (void)state;
-    for (uint32_t k = 0; k < 6u; k++) {
-        const float degrees = 0.05f + 0.5f * (float)k, a = degrees * 0.0174533f;
-        float m[9];
-        rig_rotation(1, (float)k - 3.0f, 0.3f, degrees, m);
-        drive(s, m, smr_v(3, -2, 1));
-        assert_true(miss(s, m, smr_v(3, -2, 1)) < 2.0e-3f + 35.0f * a * a);
-    }
-}
-
-static void test_translation(void **state)
-{
-    static const float identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    const smr_mesh mesh = rig_ball(30, 9, 12, none);
-    (void)state;
-    for (uint32_t method = 0; method < 2u; method++) {
-        smr *s = start(method, &mesh, 18);
-        drive(s, identity, smr_v(7, -11, 0.5f));
-        assert_true(miss(s, identity, smr_v(7, -11, 0.5f)) < 1.0e-4f);
-        for (uint32_t v = 0; v < s->shared.n; v++)
-            assert_true(not_rotation(s->match.transform + 12u * (size_t)v) < 1.0e-5f);
-    }
-}
-
-static void test_nothing_is_exactly_nothing(void **state)
-{
-    static const float identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    const float at[3] = {11, 7, -3};
-    const smr_mesh mesh = rig_ball(30, 9, 12, at);
-    (void)state;
-    for (uint32_t method = 0; method < 2u; method++) {
-        smr *s = start(method, &mesh, 18);
-        drive(s, identity, smr_v(0, 0, 0));
-        for (size_t i = 0; i < 12u * (size_t)s->shared.n; i++)
-            assert_true(s->match.transform[i] == 0.0f);
-    }
-}
-
 /* Whatever pulls, the answer is a rotation. */
-static void test_always_a_rotation(void **state)
+TEST(test_always_a_rotation)
 {
     static float line[30], plane[30], point[30];
     const smr_mesh ball = rig_ball(30, 5, 6, none);
     uint32_t seed = 8;
-    (void)state;
     for (uint32_t i = 0; i < 10u; i++) {
         line[3u * i + 1u] = 3.0f * (float)i;
         plane[3u * i] = 3.0f * (float)(i % 3u);
@@ -170,38 +117,4 @@ static void test_always_a_rotation(void **state)
     }
 }
 
-static void test_scales_for_averaging(void **state)
-{
-    const smr_mesh mesh = rig_ball(30, 9, 12, none);
-    smr *s = start(SMR_METHOD_RIGID, &mesh, 18);
-    float m[9], r = 0.0f, t = 0.0f;
-    (void)state;
-    rig_rotation(1, 2, 3, 10, m);
-    drive(s, m, smr_v(3, -2, 1));
-    smr_match_end(&s->match);
-    smr_sums_expect(&s->sums, 12u, s->match.largest[0], s->match.largest[1]);
-    for (size_t v = 0; v < s->shared.n; v++) {
-        for (uint32_t i = 0; i < 12u; i++) {
-            r = i < 9u ? fmaxf(r, fabsf(s->match.transform[12u * v + i])) : r;
-            t = i < 9u ? t : fmaxf(t, fabsf(s->match.transform[12u * v + i]));
-        }
-    }
-    assert_int_equal(12, s->sums.words);
-    const float room[2] = {(float)s->schedule.lists.largest * r * s->sums.scale[0],
-                           (float)s->schedule.lists.largest * t * s->sums.scale[1]};
-    for (uint32_t i = 0; i < 2u; i++)
-        assert_true(room[i] <= 1073741824.0f && room[i] > 536870912.0f * 0.99f);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_polar_finds_any_rotation, tidy),
-        cmocka_unit_test_teardown(test_rigid_finds_small_rotations, tidy),
-        cmocka_unit_test_teardown(test_translation, tidy),
-        cmocka_unit_test_teardown(test_nothing_is_exactly_nothing, tidy),
-        cmocka_unit_test_teardown(test_always_a_rotation, tidy),
-        cmocka_unit_test_teardown(test_scales_for_averaging, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

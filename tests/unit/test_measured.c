@@ -1,22 +1,14 @@
-/* test_measured.c: a report never shows a residual, a share or a convergence that nothing has measured: without forces,
- * with a target that no iteration has looked at, or where the search in an image has ended.
+/* test_measured.c: a report never shows a residual, a share or a convergence that nothing has measured: without
+ * forces, with a target that no iteration has looked at, or where the search in an image has ended.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/tick/iteration_steps.h"
 
 static const float none[3] = {0, 0, 0};
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 /* Two balls 60 mm apart, and surfaces a little larger; far: out of reach. */
 static smr *start(const smr_port *port, const smr_surface *goal[2], const smr_surface **far)
@@ -58,11 +50,10 @@ static void part_is_unmeasured(const smr_structure_report *part)
     assert_true(part->residual_mean_mm == -1.0f && part->residual_max_mm == -1.0f && part->matched_share == -1.0f);
 }
 
-static void test_without_forces(void **state)
+TEST(test_without_forces)
 {
     const smr_surface *goal[2], *far;
     smr *s = start(NULL, goal, &far);
-    (void)state;
     smr_tick_report r = rig_run(s, 1000);
     assert_int_equal(1, r.done);
     is_unmeasured(&r);
@@ -76,11 +67,10 @@ static void test_without_forces(void **state)
 }
 
 /* After the end a new target is not looked at; the other structure's figures stay. */
-static void test_target_after_the_end(void **state)
+TEST(test_target_after_the_end)
 {
     const smr_surface *goal[2], *far;
     smr *s = start(NULL, goal, &far);
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, goal[0]));
     assert_int_equal(SMR_OK, smr_set_surface(s, 1, goal[1]));
     smr_tick_report r = rig_run(s, 1000);
@@ -104,14 +94,13 @@ static void test_target_after_the_end(void **state)
 }
 
 /* Within an iteration figures are of the iteration before, but for a target that came since. */
-static void test_target_within_an_iteration(void **state)
+TEST(test_target_within_an_iteration)
 {
     const smr_surface *goal[2], *far;
     rig_clock clock;
     const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 100);
     smr *s = start(&port, goal, &far);
     smr_tick_report r;
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, goal[0]));
     while (s->schedule.repairing > 0u || s->schedule.iteration < 2u)
         (void)rig_run(s, 1);
@@ -148,7 +137,7 @@ static smr_volume ball_image(float radius)
     return v;
 }
 
-static void test_search_that_ends(void **state)
+TEST(test_search_that_ends)
 {
     const smr_volume reference = ball_image(28), target = ball_image(30);
     const smr_mesh mesh = rig_ball(28, 9, 14, none);
@@ -157,7 +146,6 @@ static void test_search_that_ends(void **state)
     smr_tick_report r = {0};
     float last = -1.0f, share = -1.0f;
     uint32_t idle = 0;
-    (void)state;
     prepare.reference = &reference;
     c.image.profile_mm = 6.0f;
     c.image.gradient_mm = 2.0f;
@@ -186,13 +174,4 @@ static void test_search_that_ends(void **state)
     assert_true(r.details.matched_share == -1.0f && part_of(s, 0).matched_share == -1.0f);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_without_forces, tidy),
-        cmocka_unit_test_teardown(test_target_after_the_end, tidy),
-        cmocka_unit_test_teardown(test_target_within_an_iteration, tidy),
-        cmocka_unit_test_teardown(test_search_that_ends, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

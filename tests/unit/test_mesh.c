@@ -1,7 +1,7 @@
-/* test_mesh.c: validation of meshes, normals and areas. Accuracy against double precision: vertex normals 2e-6 in each
- * component, areas 2e-6 relative.
+/* test_mesh.c: validation of meshes, normals and areas. Accuracy against double precision: vertex normals 2e-6 in
+ * each component, areas 2e-6 relative.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
@@ -9,12 +9,11 @@
 #include "geometry/surface/mesh.h"
 #include "unit_mesh.h"
 
-static void refuses_bad_meshes(void **state)
+TEST(refuses_bad_meshes)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY, 1e30f, -1e30f, 100001.0f, -100001.0f};
     unit_mesh m = unit_grid(3, 3, 2.0f);
     smr_mesh v = unit_view(&m);
-    (void)state;
     assert_int_equal(smr_mesh_check(&v), SMR_OK);
     assert_int_equal(smr_mesh_check(NULL), SMR_E_NULL);
     v.xyz = NULL;
@@ -51,21 +50,19 @@ static void refuses_bad_meshes(void **state)
         assert_int_equal(smr_mesh_check(&v), SMR_E_INPUT);
         m.triangles[i] = was;
     }
-    unit_mesh_free(&m);
 }
 
-static void normals_and_areas(void **state)
+TEST(normals_and_areas)
 {
     oracle_random r = oracle_seed(80);
     double worst = 0.0, worst_area = 0.0;
-    (void)state;
     for (uint32_t round = 0; round < 20u; round++) {
         unit_mesh m = round % 2u ? unit_grid(20, 15, 3.0f) : unit_sphere(3, 40.0f, 10.0f);
         for (uint32_t i = 0; i < 3u * m.nv; i++)
             m.xyz[i] += oracle_uniformf(&r, -0.3f, 0.3f);
         const smr_mesh v = unit_view(&m);
-        float *normal = unit_memory(12u * (size_t)m.nv), *area = unit_memory(4u * (size_t)m.nv);
-        double *want = unit_memory(32u * (size_t)m.nv);
+        float *normal = rig_rough(12u * (size_t)m.nv), *area = rig_rough(4u * (size_t)m.nv);
+        double *want = rig_rough(32u * (size_t)m.nv);
         for (uint32_t i = 0; i < 4u * m.nv; i++)
             want[i] = 0.0;
         for (uint32_t k = 0; k < m.nt; k++) {
@@ -89,9 +86,9 @@ static void normals_and_areas(void **state)
                 worst = fmax(worst, fabs((double)normal[3u * i + c] - n[c] / l));
             worst_area = fmax(worst_area, fabs((double)area[i] / n[3] - 1.0));
         }
-        unit_free(normal);
-        unit_free(area);
-        unit_free(want);
+        rig_free(normal);
+        rig_free(area);
+        rig_free(want);
         unit_mesh_free(&m);
     }
     assert_true(oracle_within("mesh: vertex normals", worst, 2e-6));
@@ -99,13 +96,12 @@ static void normals_and_areas(void **state)
 }
 
 /* Isolated vertices and vertices of zero-area triangles have no normal and no area; area may be NULL. */
-static void vertices_without_area(void **state)
+TEST(vertices_without_area)
 {
     const float xyz[] = {0, 0, 0, 1, 0, 0, 2, 0, 0, 5, 5, 5, 7, 7, 7};
     const uint32_t t[] = {0, 1, 2, 4, 4, 4, 0, 1, 1};
     const smr_mesh m = {xyz, t, 5, 3};
     float normal[15], area[5];
-    (void)state;
     smr_mesh_normals(&m, normal, area);
     for (int i = 0; i < 15; i++)
         assert_true(normal[i] == 0.0f);
@@ -114,14 +110,13 @@ static void vertices_without_area(void **state)
     smr_mesh_normals(&m, normal, NULL);
 }
 
-static void around_lists_every_corner(void **state)
+TEST(around_lists_every_corner)
 {
     oracle_random r = oracle_seed(81);
-    (void)state;
     for (uint32_t round = 0; round < 20u; round++) {
         unit_mesh m = unit_soup(&r, 1u + oracle_below(&r, 300u), 10.0f, 1);
         const smr_mesh v = unit_view(&m);
-        uint32_t *start = unit_memory(4u * ((size_t)m.nv + 1u)), *around = unit_memory(12u * (size_t)m.nt);
+        uint32_t *start = rig_rough(4u * ((size_t)m.nv + 1u)), *around = rig_rough(12u * (size_t)m.nt);
         smr_mesh_around(&v, start, around);
         assert_int_equal(start[0], 0);
         assert_int_equal(start[m.nv], 3u * m.nt);
@@ -132,19 +127,10 @@ static void around_lists_every_corner(void **state)
                     assert_int_equal(around[at++], k / 3u);
             assert_int_equal(at, start[i + 1u]);
         }
-        unit_free(start);
-        unit_free(around);
+        rig_free(start);
+        rig_free(around);
         unit_mesh_free(&m);
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(refuses_bad_meshes),
-        cmocka_unit_test(normals_and_areas),
-        cmocka_unit_test(vertices_without_area),
-        cmocka_unit_test(around_lists_every_corner),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

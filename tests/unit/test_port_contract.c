@@ -1,11 +1,11 @@
-/* test_port_contract.c: what a port or a program does against the contract is refused with a status: calls from within
- * a tick, worker numbers that are not there, a copied arena. Positions stay those of the last complete iteration.
+/* test_port_contract.c: what a port or a program does against the contract is refused with a status: calls from
+ * within a tick, worker numbers that are not there, a copied arena. Positions stay those of the last complete
+ * iteration.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/registration.h"
 
 /* Runs tasks in order. `meddle`: the first one of each loop is followed by calls that must be refused.
@@ -19,13 +19,6 @@ typedef struct port_state {
 static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 static const float none[3] = {0, 0, 0};
 static smr_mesh ball, goal;
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 /* Tries everything that changes a registration; returns how many calls were not SMR_E_STATE. */
 static uint32_t meddle(smr *s, const smr_surface *surface)
@@ -78,10 +71,9 @@ static smr *start(port_state *p, uint32_t n_workers)
     return p->s;
 }
 
-static void refuses_calls_from_within(void **state)
+TEST(refuses_calls_from_within)
 {
     port_state p, q;
-    (void)state;
     smr *s = start(&p, 2), *twin = start(&q, 2);
     p.meddle = 1;
     for (uint32_t i = 0; i < 12u; i++) {
@@ -96,10 +88,9 @@ static void refuses_calls_from_within(void **state)
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
 }
 
-static void refuses_workers_that_are_not_there(void **state)
+TEST(refuses_workers_that_are_not_there)
 {
     static const uint32_t worker[] = {2, 3, 64, UINT32_MAX};
-    (void)state;
     for (size_t k = 0; k < sizeof worker / sizeof worker[0]; k++) {
         port_state p, q;
         smr_tick_report report, before;
@@ -123,12 +114,11 @@ static void refuses_workers_that_are_not_there(void **state)
     }
 }
 
-static void refuses_a_copied_arena(void **state)
+TEST(refuses_a_copied_arena)
 {
     port_state p;
     float xyz[3 * 1024];
     smr_structure_report part;
-    (void)state;
     smr *s = start(&p, 1), *copy = rig_alloc(sizeof *s);
     (void)rig_run(s, 2);
     memcpy(copy, s, sizeof *s);
@@ -141,12 +131,4 @@ static void refuses_a_copied_arena(void **state)
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(refuses_calls_from_within, tidy),
-        cmocka_unit_test_teardown(refuses_workers_that_are_not_there, tidy),
-        cmocka_unit_test_teardown(refuses_a_copied_arena, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

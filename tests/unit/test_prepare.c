@@ -1,12 +1,11 @@
 /* test_prepare.c: the limits of smr_prepare(): every refusal, exact memory, progress and abort, unusual meshes, and
  * the same model every time.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "unit_exercise.h"
 
 typedef struct bench {
@@ -29,9 +28,9 @@ static bench set_up(void)
     b.config.radius_mm[1] = 5.0f;
     b.config.block_vertices = 16;
     assert_int_equal(smr_prepare_bytes(&b.one, 1, &b.config, &b.scratch_bytes), SMR_OK);
-    b.scratch = unit_memory(b.scratch_bytes);
+    b.scratch = rig_rough(b.scratch_bytes);
     assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, NULL, 0, &b.image_bytes), SMR_OK);
-    b.image = unit_memory(b.image_bytes);
+    b.image = rig_rough(b.image_bytes);
     return b;
 }
 
@@ -46,16 +45,15 @@ static smr_status prepare(const bench *b)
 
 static void tear_down(bench *b)
 {
-    unit_free(b->scratch);
-    unit_free(b->image);
+    rig_free(b->scratch);
+    rig_free(b->image);
     unit_mesh_free(&b->mesh);
 }
 
-static void null_everywhere(void **state)
+TEST(null_everywhere)
 {
     bench b = set_up();
     size_t bytes;
-    (void)state;
     assert_int_equal(smr_prepare_bytes(NULL, 1, &b.config, &bytes), SMR_E_NULL);
     assert_int_equal(smr_prepare_bytes(&b.one, 1, NULL, &bytes), SMR_E_NULL);
     assert_int_equal(smr_prepare_bytes(&b.one, 1, &b.config, NULL), SMR_E_NULL);
@@ -71,16 +69,14 @@ static void null_everywhere(void **state)
     b.one.mesh = unit_view(&b.mesh);
     b.one.name = NULL;
     assert_int_equal(prepare(&b), SMR_OK);
-    tear_down(&b);
 }
 
-static void configurations_out_of_range(void **state)
+TEST(configurations_out_of_range)
 {
     static const float bad[] = {0.0f, -0.0f, -1.0f, NAN, INFINITY, -INFINITY, 1.1e5f};
     bench b = set_up();
     const smr_prepare_config good = b.config;
     size_t bytes = 77;
-    (void)state;
     for (uint32_t bit = 0; bit < 32u; bit++) {
         b.config.cookie = good.cookie ^ 1u << bit;
         assert_int_equal(prepare(&b), SMR_E_CONFIG);
@@ -113,32 +109,12 @@ static void configurations_out_of_range(void **state)
         assert_int_equal(prepare(&b), SMR_E_CONFIG);
     }
     assert_int_equal(bytes, 77);
-    tear_down(&b);
 }
 
-static void all_sixteen_radii(void **state)
-{
-    bench b = set_up();
-    (void)state;
-    b.config.n_radii = SMR_RADII_MAX;
-    for (uint32_t i = 0; i < SMR_RADII_MAX; i++)
-        b.config.radius_mm[i] = i == 0u ? SMR_COORD_MAX : 20.0f / (float)i;
-    unit_image image = unit_prepare(&b.one, 1, &b.config);
-    smr_model_info info;
-    assert_int_equal(smr_model_get_info(image.model, &info), SMR_OK);
-    assert_int_equal(info.n_radii, SMR_RADII_MAX);
-    for (uint32_t i = 0; i < SMR_RADII_MAX; i++)
-        assert_true(info.radius_mm[i] == b.config.radius_mm[i]);
-    assert_int_equal(info.smallest_cluster[0], b.mesh.nv);
-    unit_image_free(&image);
-    tear_down(&b);
-}
-
-static void memory_to_the_byte(void **state)
+TEST(memory_to_the_byte)
 {
     bench b = set_up();
     size_t bytes = 0;
-    (void)state;
     assert_int_equal(prepare(&b), SMR_OK);
     bytes = 4711;
     assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes - 1u, b.image, b.image_bytes, &bytes),
@@ -146,14 +122,14 @@ static void memory_to_the_byte(void **state)
     assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, 0, b.image, b.image_bytes, &bytes), SMR_E_ARENA);
     for (size_t short_by = 1; short_by <= b.image_bytes; short_by += short_by < 70u ? 1u : 333u) {
         const size_t capacity = b.image_bytes - short_by;
-        unsigned char *image = unit_memory(capacity); /* exact: nothing is written beyond it */
+        unsigned char *image = rig_rough(capacity); /* exact: nothing is written beyond it */
         const smr_model *model = NULL;
         bytes = 0;
         assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, image, capacity, &bytes),
                          SMR_E_ARENA);
         assert_int_equal(bytes, b.image_bytes);
         assert_int_equal(smr_model_open(image, capacity, &model), SMR_E_MODEL); /* nothing useful */
-        unit_free(image);
+        rig_free(image);
     }
     for (size_t off = 1; off < SMR_ALIGN; off += 7u) {
         assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch + off, b.scratch_bytes, NULL, 0, &bytes),
@@ -161,13 +137,11 @@ static void memory_to_the_byte(void **state)
         assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, b.image + off, 0, &bytes),
                          SMR_E_ALIGN);
     }
-    tear_down(&b);
 }
 
 /* The same bytes twice, with dirty scratch and dirty image memory, and in more memory than needed. */
-static void the_same_image_every_time(void **state)
+TEST(the_same_image_every_time)
 {
-    (void)state;
     for (uint32_t i = 0; i < 8u; i++) {
         bench b = set_up();
         b.config.order = i & 1u;
@@ -176,7 +150,7 @@ static void the_same_image_every_time(void **state)
         unit_image first = unit_prepare(&b.one, 1, &b.config);
         size_t scratch_bytes, bytes;
         assert_int_equal(smr_prepare_bytes(&b.one, 1, &b.config, &scratch_bytes), SMR_OK);
-        unsigned char *scratch = unit_memory(scratch_bytes + 640u), *image = unit_memory(first.size + 640u);
+        unsigned char *scratch = rig_rough(scratch_bytes + 640u), *image = rig_rough(first.size + 640u);
         memset(scratch, (int)i * 31, scratch_bytes + 640u);
         memset(image, (int)i * 17 + 1, first.size + 640u);
         assert_int_equal(
@@ -185,17 +159,16 @@ static void the_same_image_every_time(void **state)
         assert_memory_equal(image, first.bytes, bytes);
         for (size_t k = bytes; k < first.size + 640u; k++)
             assert_int_equal(image[k], i * 17u + 1u); /* nothing behind the image */
-        unit_free(scratch);
-        unit_free(image);
+        rig_free(scratch);
+        rig_free(image);
         unit_image_free(&first);
         tear_down(&b);
     }
 }
 
 /* The workers and the order of tasks are the port's own affair. */
-static void the_same_image_whoever_works(void **state)
+TEST(the_same_image_whoever_works)
 {
-    (void)state;
     for (uint32_t i = 0; i < 4u; i++) {
         bench b = set_up();
         unit_mesh_free(&b.mesh);
@@ -237,9 +210,8 @@ static int on_progress(void *ctx, uint32_t done, uint32_t total)
     return ++w->calls == w->stop_at;
 }
 
-static void progress_and_abort(void **state)
+TEST(progress_and_abort)
 {
-    (void)state;
     for (uint32_t order = 0; order < 2u; order++) {
         bench b = set_up();
         watch all = {0, 0, 0, 0};
@@ -249,9 +221,9 @@ static void progress_and_abort(void **state)
         b.config.order = order;
         b.config.progress = on_progress;
         b.config.progress_ctx = &all;
-        unit_free(b.scratch);
+        rig_free(b.scratch);
         assert_int_equal(smr_prepare_bytes(&b.one, 1, &b.config, &b.scratch_bytes), SMR_OK);
-        b.scratch = unit_memory(b.scratch_bytes);
+        b.scratch = rig_rough(b.scratch_bytes);
         size_t bytes = 99;
         assert_int_equal(smr_prepare(&b.one, 1, &b.config, b.scratch, b.scratch_bytes, NULL, 0, &bytes), SMR_OK);
         assert_true(all.calls > 1u);
@@ -268,11 +240,10 @@ static void progress_and_abort(void **state)
     }
 }
 
-static void bad_coordinates_and_indexes(void **state)
+TEST(bad_coordinates_and_indexes)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY, 1e30f, -1e30f, 100001.0f};
     bench b = set_up();
-    (void)state;
     for (uint32_t i = 0; i < 3u * b.mesh.nv; i += 5u) {
         const float was = b.mesh.xyz[i];
         for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
@@ -290,15 +261,13 @@ static void bad_coordinates_and_indexes(void **state)
         b.mesh.triangles[i] = was;
     }
     assert_int_equal(prepare(&b), SMR_OK);
-    tear_down(&b);
 }
 
-static void counts_out_of_range(void **state)
+TEST(counts_out_of_range)
 {
     bench b = set_up();
     size_t bytes = 5;
     smr_structure two[2] = {b.one, b.one};
-    (void)state;
     assert_int_equal(smr_prepare_bytes(&b.one, 0, &b.config, &bytes), SMR_E_INPUT);
     assert_int_equal(smr_prepare_bytes(&b.one, SMR_STRUCTURES_MAX + 1u, &b.config, &bytes), SMR_E_INPUT);
     b.one.mesh.n_vertices = 0;
@@ -316,7 +285,6 @@ static void counts_out_of_range(void **state)
     two[1].mesh.n_triangles = SMR_TRIANGLES_MAX;
     assert_int_equal(smr_prepare_bytes(two, 2, &b.config, &bytes), SMR_E_INPUT);
     assert_int_equal(bytes, 5);
-    tear_down(&b);
 }
 
 /* Prepares with both orders and distances, opens, and runs. */
@@ -337,7 +305,7 @@ static void must_work(const smr_structure *structures, uint32_t n, const smr_sur
     }
 }
 
-static void odd_meshes_work(void **state)
+TEST(odd_meshes_work)
 {
     static const float xyz[] = {0, 0, 0, 3, 0, 0, 0, 3, 0, 0, 0, 3, 3, 0, 0, 9, 9, 9, 3, 0, 0, -0.0f, 0, 0};
     static const float far_away[] = {1e5f, 1e5f, 1e5f, -1e5f, -1e5f, -1e5f, 1e5f, -1e5f, 0};
@@ -347,7 +315,6 @@ static void odd_meshes_work(void **state)
                                     {0, 1, 2, 0, 1, 3, 0, 1, 5}}; /* an edge with three triangles */
     unit_mesh ball = unit_sphere(2, 5.0f, 1.0f);
     smr_surface *target = unit_surface(&ball);
-    (void)state;
     for (size_t i = 0; i < 4u; i++) {
         const smr_structure s = {"odd", {xyz, t[i], 8, 3}};
         must_work(&s, 1, target);
@@ -360,18 +327,6 @@ static void odd_meshes_work(void **state)
         must_work(several + i, 1, target);
     must_work(several, 4, target);
     must_work(several, 3, NULL);
-    unit_free(target);
-    unit_mesh_free(&ball);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(null_everywhere),           cmocka_unit_test(configurations_out_of_range),
-        cmocka_unit_test(all_sixteen_radii),         cmocka_unit_test(memory_to_the_byte),
-        cmocka_unit_test(the_same_image_every_time), cmocka_unit_test(the_same_image_whoever_works),
-        cmocka_unit_test(progress_and_abort),        cmocka_unit_test(bad_coordinates_and_indexes),
-        cmocka_unit_test(counts_out_of_range),       cmocka_unit_test(odd_meshes_work),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -2,7 +2,7 @@
  * three members in every cluster, or all of a smaller one; the stored order follows S. Many random models, several
  * radii.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <string.h>
 
@@ -42,7 +42,7 @@ static world make(oracle_random *r, uint32_t round)
 static void unmake(world *w)
 {
     for (uint32_t k = 0; k < w->config.n_radii; k++)
-        unit_free(w->member[k]);
+        rig_free(w->member[k]);
     unit_mesh_free(&w->mesh[0]);
     unit_mesh_free(&w->mesh[1]);
 }
@@ -53,18 +53,18 @@ static void find_members(world *w, const smr_model *m)
     smr_model_info info;
     assert_int_equal(smr_model_get_info(m, &info), SMR_OK);
     const uint32_t n = w->n = info.n_vertices;
-    unsigned char *stored = unit_memory((size_t)n * n);
+    unsigned char *stored = rig_rough((size_t)n * n);
     for (uint32_t k = 0; k < info.n_radii; k++) {
         const unit_rule rule = {info.radius_mm[k], w->config.distance == SMR_DISTANCE_GEODESIC, (int)info.separate[k],
                                 w->config.ring && info.radius_mm[k] >= info.edge_mm};
         unit_brute_sets(m, &rule, stored);
-        w->member[k] = unit_memory((size_t)n * n);
+        w->member[k] = rig_rough((size_t)n * n);
         for (uint32_t a = 0; a < n; a++)
             for (uint32_t b = 0; b < n; b++)
                 w->member[k][(size_t)smr_model_original(m, a) * n + smr_model_original(m, b)] =
                     stored[(size_t)a * n + b];
     }
-    unit_free(stored);
+    rig_free(stored);
 }
 
 /* |zeta_a| over the vertices whose `gone` is 0. */
@@ -80,7 +80,7 @@ static uint32_t left(const unsigned char *member, uint32_t n, uint32_t a, const 
 static uint32_t plain_rule(const unsigned char *member, uint32_t n, unsigned char *gone, uint32_t *list,
                            uint32_t listed)
 {
-    uint32_t *size = unit_memory(4u * (size_t)n);
+    uint32_t *size = rig_rough(4u * (size_t)n);
     for (;;) {
         uint32_t best = 0, best_m = 3;
         for (uint32_t a = 0; a < n; a++)
@@ -99,7 +99,7 @@ static uint32_t plain_rule(const unsigned char *member, uint32_t n, unsigned cha
         gone[best] = 1;
         list[listed++] = best;
     }
-    unit_free(size);
+    rig_free(size);
     return listed;
 }
 
@@ -108,7 +108,7 @@ static uint32_t plain_list(const world *w, uint32_t *list, uint32_t need[SMR_RAD
 {
     const uint32_t n = w->n;
     uint32_t listed = 0, until[SMR_RADII_MAX] = {0}, kept = 0;
-    unsigned char *gone = unit_memory(n), done[SMR_RADII_MAX] = {0};
+    unsigned char *gone = rig_rough(n), done[SMR_RADII_MAX] = {0};
     memset(gone, 0, n);
     for (uint32_t k = 0; k < w->config.n_radii; k++) {
         uint32_t f = SMR_NONE;
@@ -133,7 +133,7 @@ static uint32_t plain_list(const world *w, uint32_t *list, uint32_t need[SMR_RAD
     for (uint32_t i = 0; i < listed; i++)
         if (list[i] != SMR_NONE)
             list[kept++] = list[i];
-    unit_free(gone);
+    rig_free(gone);
     return kept;
 }
 
@@ -144,7 +144,7 @@ static void check_list(const world *w, const uint32_t *list, uint32_t listed, co
     smr_arena a;
     size_t bytes;
     assert_int_equal(smr_prepare_bytes(w->structure, 2, &w->config, &bytes), SMR_OK);
-    void *scratch = unit_memory(bytes);
+    void *scratch = rig_rough(bytes);
     assert_int_equal(smr_plan_start(&p, w->structure, 2, &w->config), SMR_OK);
     assert_int_equal(smr_arena_start(&a, scratch, bytes), SMR_OK);
     smr_plan_layout(&a, &p);
@@ -158,7 +158,7 @@ static void check_list(const world *w, const uint32_t *list, uint32_t listed, co
         assert_int_equal(p.original[p.priority.list[i]], list[i]);
     assert_memory_equal(p.active_min, need, w->config.n_radii * sizeof *need);
     smr_arena_release(scratch, bytes);
-    unit_free(scratch);
+    rig_free(scratch);
 }
 
 /* Levels follow the list, and what a radius needs ends one. */
@@ -169,7 +169,7 @@ static void check_levels(const world *w, const smr_model *m, const uint32_t *lis
     assert_int_equal(smr_model_get_info(m, &info), SMR_OK);
     assert_in_range(info.n_levels, 1, SMR_LEVELS_MAX);
     assert_int_equal(info.level_end[info.n_levels - 1u], w->n);
-    uint32_t *rank = unit_memory(4u * (size_t)w->n);
+    uint32_t *rank = rig_rough(4u * (size_t)w->n);
     memset(rank, 0, 4u * (size_t)w->n);
     for (uint32_t i = 0; i < listed; i++)
         rank[list[i]] = w->n - 1u - i;
@@ -187,14 +187,14 @@ static void check_levels(const world *w, const smr_model *m, const uint32_t *lis
             ends += info.level_end[k] == need[r];
         assert_int_equal(ends, 1);
     }
-    unit_free(rank);
+    rig_free(rank);
 }
 
 /* Any number of first stored vertices that is enough for a radius keeps three members of every cluster there, or all
  * of it. */
 static void check_prefixes(const world *w, const smr_model *m, const uint32_t *need)
 {
-    unsigned char *gone = unit_memory(w->n), *none = unit_memory(w->n);
+    unsigned char *gone = rig_rough(w->n), *none = rig_rough(w->n);
     memset(none, 0, w->n);
     for (uint32_t r = 0; r < w->config.n_radii; r++) {
         memset(gone, 1, w->n);
@@ -208,62 +208,29 @@ static void check_prefixes(const world *w, const smr_model *m, const uint32_t *n
             }
         }
     }
-    unit_free(gone);
-    unit_free(none);
+    rig_free(gone);
+    rig_free(none);
 }
 
-static void follows_the_rule(void **state)
+TEST(follows_the_rule)
 {
     oracle_random r = oracle_seed(400);
     uint32_t restored = 0, more = 0;
-    (void)state;
     for (uint32_t round = 0; round < 400u; round++) {
         world w = make(&r, round);
         unit_image image = unit_prepare(w.structure, 2, &w.config);
         find_members(&w, image.model);
-        uint32_t *list = unit_memory(4u * (size_t)w.n * SMR_RADII_MAX), need[SMR_RADII_MAX];
+        uint32_t *list = rig_rough(4u * (size_t)w.n * SMR_RADII_MAX), need[SMR_RADII_MAX];
         const uint32_t listed = plain_list(&w, list, need, &restored);
         check_list(&w, list, listed, need);
         check_levels(&w, image.model, list, listed, need);
         check_prefixes(&w, image.model, need);
         more += listed > w.n / 2u;
-        unit_free(list);
+        rig_free(list);
         unit_image_free(&image);
         unmake(&w);
     }
     assert_true(more > 0u && restored > 0u);
 }
 
-/* A tight ball of vertices beside a lonely pair: the ball is thinned, the pair never. */
-static void small_clusters_stay_whole(void **state)
-{
-    oracle_random r = oracle_seed(401);
-    unit_mesh m = unit_points(&r, 40, 0.0f, 4.0f);
-    smr_prepare_config c = smr_prepare_config_default();
-    smr_model_info info;
-    (void)state;
-    m.xyz[0] = m.xyz[3] = 500.0f;
-    c.n_radii = 1;
-    c.radius_mm[0] = 100.0f;
-    unit_image image = unit_prepare_mesh(&m, &c);
-    assert_int_equal(smr_model_get_info(image.model, &info), SMR_OK);
-    assert_int_equal(info.active_min[0], 5); /* three of the ball, and the pair */
-    assert_true(smr_model_position(image.model, 0) < 5u && smr_model_position(image.model, 1) < 5u);
-    unit_image_free(&image);
-    c.priority = 0;
-    image = unit_prepare_mesh(&m, &c);
-    assert_int_equal(smr_model_get_info(image.model, &info), SMR_OK);
-    assert_int_equal(info.active_min[0], 40);
-    assert_int_equal(info.n_levels, 1);
-    unit_image_free(&image);
-    unit_mesh_free(&m);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(follows_the_rule),
-        cmocka_unit_test(small_clusters_stay_whole),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,11 +1,10 @@
-/* test_restore.c: what a restored registration waits for, and how it goes on: with the same inputs only, shared by the
- * same structures, and with the same log. A registration also resumes from its log alone.
+/* test_restore.c: what a restored registration waits for, and how it goes on: with the same inputs only, shared by
+ * the same structures, and with the same log. A registration also resumes from its log alone.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <string.h>
 
-#include "property/rig.h"
 #include "unit/unit_log.h"
 #include "unit/unit_save.h"
 
@@ -49,7 +48,7 @@ static void ends_alike(smr *a, smr *b)
     assert_true(smr_state_hash(a) == smr_state_hash(b));
 }
 
-static void test_waits(void **state)
+TEST(test_waits)
 {
     static float xyz[2][3 * 200];
     static unsigned char memory[UNIT_LOG_BYTES];
@@ -58,7 +57,6 @@ static void test_waits(void **state)
     smr_verdict verdict;
     smr_structure_report part;
     smr_replay replay;
-    (void)state;
     awaits(s, 2);
     for (uint32_t round = 0; round < 2u; round++) { /* nothing, then the surface alone, is there */
         assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
@@ -88,11 +86,10 @@ static void test_waits(void **state)
 }
 
 /* A different input is refused, and so is one twice or where there was none. */
-static void test_other_inputs(void **state)
+TEST(test_other_inputs)
 {
     smr *s = restored();
     smr_volume changed = u.volume;
-    (void)state;
     changed.voxels = NULL;
     assert_int_equal(SMR_E_NULL, smr_set_volume(s, &changed));
     assert_int_equal(SMR_E_INPUT, smr_set_surface(s, 0, u.other));
@@ -126,10 +123,9 @@ static smr *both(const smr_surface *first, const smr_surface *second, smr **befo
 }
 
 /* Structures that shared a surface share it again, others do not, though the surfaces be alike. */
-static void test_shared(void **state)
+TEST(test_shared)
 {
     smr *before = NULL, *s = both(u.surface, u.surface, &before);
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_surface(s, 1, u.copy));
     assert_int_equal(SMR_E_INPUT, smr_set_surface(s, 0, u.surface));
     assert_int_equal(SMR_E_INPUT, smr_set_surface(s, SMR_ALL, u.surface));
@@ -155,7 +151,7 @@ static const void *give(void *ctx, const smr_log_record *record)
 }
 
 /* The log of the interrupted run replays as a whole. */
-static void test_log_goes_on(void **state)
+TEST(test_log_goes_on)
 {
     static unsigned char saved[UNIT_SAVE_BYTES], log[UNIT_LOG_BYTES], other[UNIT_LOG_BYTES];
     smr *s = rig_init(u.model, &u.config, NULL);
@@ -163,7 +159,6 @@ static void test_log_goes_on(void **state)
     smr_status status;
     smr_replay replay;
     smr_replay_report report = {0};
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, u.surface));
     assert_int_equal(SMR_OK, smr_set_volume(s, &u.volume));
@@ -194,12 +189,11 @@ static void test_log_goes_on(void **state)
 }
 
 /* One that was saved right after smr_init() is as smr_init() leaves it: a log can start. */
-static void test_fresh(void **state)
+TEST(test_fresh)
 {
     static unsigned char saved[UNIT_SAVE_BYTES], log[UNIT_LOG_BYTES];
     smr *s = rig_init(u.model, &u.config, NULL);
     smr_status status;
-    (void)state;
     assert_int_equal(SMR_OK, smr_save(s, saved, sizeof saved));
     s = unit_save_restored(&u, saved, sizeof saved, 0, &status);
     awaits(s, 0);
@@ -209,14 +203,13 @@ static void test_fresh(void **state)
 }
 
 /* Without a save: the replay of a log up to its end, then ticks. */
-static void test_resumes_from_a_log(void **state)
+TEST(test_resumes_from_a_log)
 {
     static unsigned char log[UNIT_LOG_BYTES];
     smr *s = rig_init(u.model, &u.config, NULL), *again = rig_init(u.model, &u.config, NULL);
     smr_log_state at;
     smr_replay replay;
     smr_replay_report report = {0};
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
     assert_int_equal(SMR_OK, smr_set_surface(s, 0, u.surface));
     assert_int_equal(SMR_OK, smr_set_volume(s, &u.volume));
@@ -229,12 +222,4 @@ static void test_resumes_from_a_log(void **state)
     ends_alike(again, s);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_waits),  cmocka_unit_test(test_other_inputs),
-        cmocka_unit_test(test_shared), cmocka_unit_test(test_log_goes_on),
-        cmocka_unit_test(test_fresh),  cmocka_unit_test(test_resumes_from_a_log),
-    };
-    return cmocka_run_group_tests(tests, set_up, tidy);
-}
+int main(void) { return suite_run(set_up, tidy); }

@@ -1,19 +1,11 @@
 /* test_results.c: readable results: the caller's order, unit normals, figures per structure.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/registration.h"
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static const float none[3] = {0, 0, 0};
 
@@ -33,13 +25,12 @@ static smr *start(float momentum, smr_mesh mesh[2], const smr_model **model)
     return s;
 }
 
-static void test_order_and_shift(void **state)
+TEST(test_order_and_shift)
 {
     smr_mesh mesh[2];
     const smr_model *model;
     smr *s = start(0, mesh, &model);
     float xyz[3 * 64];
-    (void)state;
     for (uint32_t i = 0; i < 2u; i++) {
         assert_int_equal(SMR_OK, smr_get_positions(s, i, xyz));
         assert_true(rig_far(xyz, mesh[i].xyz, mesh[i].n_vertices) < 1.0e-5f);
@@ -50,13 +41,12 @@ static void test_order_and_shift(void **state)
         assert_true(smr_dot(smr_unit(smr_load(xyz + 3u * i)), smr_unit(smr_load(mesh[0].xyz + 3u * i))) > 0.9f);
 }
 
-static void test_normals_are_unit(void **state)
+TEST(test_normals_are_unit)
 {
     smr_mesh mesh[2];
     const smr_model *model;
     smr *s = start(0.5f, mesh, &model);
     float n[3 * 64], x[3 * 64];
-    (void)state;
     for (uint32_t tick = 0; tick < 10u; tick++) {
         assert_int_equal(SMR_OK, smr_get_normals(s, 0, n));
         assert_int_equal(SMR_OK, smr_get_positions(s, 0, x));
@@ -99,40 +89,9 @@ static void check_report(float momentum)
     assert_true(part[1].moved_max_mm < 1.0e-3f);
 }
 
-static void test_structure_report(void **state)
-{
-    (void)state;
-    check_report(0.0f);
-}
+TEST(test_structure_report) { check_report(0.0f); }
 
 /* What momentum adds to the forces is no residual. */
-static void test_structure_report_with_momentum(void **state)
-{
-    (void)state;
-    check_report(0.8f);
-}
+TEST(test_structure_report_with_momentum) { check_report(0.8f); }
 
-static void test_report_at_the_start(void **state)
-{
-    smr_mesh mesh[2];
-    const smr_model *model;
-    smr *s = start(0.5f, mesh, &model);
-    smr_structure_report part;
-    (void)state;
-    assert_int_equal(SMR_OK, smr_get_structure_report(s, 0, &part));
-    assert_int_equal(1, part.has_target);
-    assert_int_equal(0, part.n_forces);
-    assert_true(part.residual_max_mm == -1.0f && part.moved_max_mm == 0.0f);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_order_and_shift, tidy),
-        cmocka_unit_test_teardown(test_normals_are_unit, tidy),
-        cmocka_unit_test_teardown(test_structure_report, tidy),
-        cmocka_unit_test_teardown(test_structure_report_with_momentum, tidy),
-        cmocka_unit_test_teardown(test_report_at_the_start, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -2,7 +2,7 @@
  * also next to half a turn; places 1e-6 of |turn| |p| + |shift|; small motions keep their digits; blends of two
  * motions stay rigid and go along when all is moved.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <float.h>
 #include <math.h>
@@ -31,39 +31,11 @@ static double angle_at(oracle_random *r, uint32_t i)
     return i % 4u == 1u ? pow(10.0, oracle_uniform(r, -18.0, 0.0)) : oracle_uniform(r, 0.0, PI);
 }
 
-static void test_log_of_rotations(void **state)
-{
-    oracle_random r = oracle_seed(41);
-    double worst = 0.0, worst_relative = 0.0;
-    (void)state;
-    for (uint32_t i = 0; i < 50000u; i++) {
-        double axis[9], both[2] = {0.0, 0.0};
-        float m[9];
-        const double angle = angle_at(&r, i);
-        oracle_rotation(&r, axis);
-        rounded(axis, angle, m);
-        const smr_vec got = smr_rotation_log(m);
-        const double w[3] = {(double)got.x, (double)got.y, (double)got.z};
-        for (int k = 0; k < 3; k++) { /* near half a turn its opposite may be right */
-            both[0] += (w[k] - angle * axis[k]) * (w[k] - angle * axis[k]);
-            both[1] += (w[k] + angle * axis[k]) * (w[k] + angle * axis[k]);
-        }
-        const double off = sqrt(angle > PI - 1.0e-5 ? fmin(both[0], both[1]) : both[0]);
-        worst = fmax(worst, off);
-        if (angle > 0.0 && angle < 0.1)
-            worst_relative = fmax(worst_relative, off / angle);
-        assert_true(smr_length(got) <= SMR_HALF_TURN * 1.000001f);
-    }
-    assert_true(oracle_within("rotation vectors, rad", worst, 1.2e-6));
-    assert_true(oracle_within("small ones, relative", worst_relative, 3e-7));
-}
-
 /* Half a turn about each axis has an answer, the same one each time; what is no rotation has a bounded one. */
-static void test_cut_and_nonsense(void **state)
+TEST(test_cut_and_nonsense)
 {
     static const float large[] = {0.0f, FLT_MIN, -1.0e-30f, 1.0f, -1.0f, -2.0f, 3.0f, 1.0e10f, -1.0e10f};
     oracle_random r = oracle_seed(43);
-    (void)state;
     for (uint32_t i = 0; i < 30000u; i++) {
         float m[9];
         for (int k = 0; k < 9; k++)
@@ -82,11 +54,10 @@ static void test_cut_and_nonsense(void **state)
 }
 
 /* exp(log T) p = T p, in double. */
-static void test_there_and_back(void **state)
+TEST(test_there_and_back)
 {
     oracle_random r = oracle_seed(42);
     double worst = 0.0, worst_normal = 0.0;
-    (void)state;
     for (uint32_t i = 0; i < 50000u; i++) {
         double axis[9], turn[9], c[3], shift[3], p[3], off = 0.0, size = 0.0, far = 0.0;
         oracle_rotation(&r, axis);
@@ -133,11 +104,10 @@ static smr_vec halfway(smr_twist a, smr_twist b, smr_vec p)
 }
 
 /* Means of two motions keep distances, and the means of both moved ones are the moved means. */
-static void test_mean_is_rigid_and_moves_along(void **state)
+TEST(test_mean_is_rigid_and_moves_along)
 {
     oracle_random r = oracle_seed(44);
     double worst = 0.0, worst_moved = 0.0;
-    (void)state;
     for (uint32_t i = 0; i < 5000u; i++) {
         double axis[9];
         float g[9];
@@ -166,23 +136,4 @@ static void test_mean_is_rigid_and_moves_along(void **state)
     assert_true(oracle_within("moved, mm", worst_moved, 3e-4));
 }
 
-static void test_nothing_turns_nothing(void **state)
-{
-    static const float none[9] = {0};
-    const smr_vec w = smr_rotation_log(none);
-    smr_vec n = smr_v(0, 0.6f, 0.8f);
-    (void)state;
-    const smr_vec way = smr_twist_move(smr_twist_about(w, smr_v(3e4f, -2e4f, 1), smr_v(0, 0, 0)), smr_v(5, 6, 7), &n);
-    assert_true(w.x == 0.0f && w.y == 0.0f && w.z == 0.0f);
-    assert_true(way.x == 0.0f && way.y == 0.0f && way.z == 0.0f && n.x == 0.0f && n.y == 0.6f && n.z == 0.8f);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_log_of_rotations),      cmocka_unit_test(test_cut_and_nonsense),
-        cmocka_unit_test(test_there_and_back),        cmocka_unit_test(test_mean_is_rigid_and_moves_along),
-        cmocka_unit_test(test_nothing_turns_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

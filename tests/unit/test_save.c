@@ -1,10 +1,9 @@
 /* test_save.c: what smr_save() and smr_restore() refuse and leave as it was; how large a save is.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <string.h>
 
-#include "property/rig.h"
 #include "unit/unit_save.h"
 
 static unit_save u;
@@ -31,14 +30,13 @@ static smr *restored(int all)
     return s;
 }
 
-static void test_arguments(void **state)
+TEST(test_arguments)
 {
     static _Alignas(SMR_ALIGN) unsigned char zero[4096];
     smr *s = unit_save_begin(&u, 1), *out = s, *const none = (smr *)(void *)zero;
     smr_saved_info info;
     uint32_t n;
     size_t bytes;
-    (void)state;
     assert_int_equal(SMR_E_NULL, smr_save_bytes(NULL, &bytes));
     assert_int_equal(SMR_E_NULL, smr_save_bytes(s, NULL));
     assert_int_equal(SMR_E_STATE, smr_save_bytes(none, &bytes));
@@ -60,12 +58,11 @@ static void test_arguments(void **state)
 }
 
 /* Exact size, any alignment, nothing written beyond or when refused; the same bytes each time. */
-static void test_bytes(void **state)
+TEST(test_bytes)
 {
     static unsigned char memory[UNIT_SAVE_BYTES + 80u], before[sizeof memory];
     smr *s = unit_save_begin(&u, 7);
     size_t bytes = 0;
-    (void)state;
     assert_int_equal(SMR_OK, smr_save_bytes(s, &bytes));
     assert_true(bytes == u.bytes && bytes <= sizeof u.saved);
     memset(memory, 0xa5, sizeof memory);
@@ -83,9 +80,8 @@ static void test_bytes(void **state)
 }
 
 /* The macro is a bound, and not far off. */
-static void test_macro(void **state)
+TEST(test_macro)
 {
-    (void)state;
     for (uint32_t method = 0; method < 2u; method++) {
         for (uint32_t targets = 0; targets <= 4000u; targets += 4000u) {
             smr_config config = smr_config_default();
@@ -127,14 +123,13 @@ static void wrong_worker(void *ctx, smr_task run, void *arg, uint32_t n_tasks)
         run(arg, i, 5);
 }
 
-static void test_states_refused(void **state)
+TEST(test_states_refused)
 {
     static unsigned char memory[UNIT_SAVE_BYTES];
     rig_clock clock;
     const smr_port timed = rig_clock_port(&clock, RIG_CLOCK_STEADY, 700), inside = {NULL, 1, save_within, NULL},
                    wrong = {NULL, 1, wrong_worker, NULL};
     const smr_pose here = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    (void)state;
     smr *s = rig_init(u.model, &u.config, &timed);
     assert_int_equal(SMR_PARTIAL, smr_tick(s, 1, NULL));
     assert_int_equal(SMR_E_STATE, smr_save(s, memory, sizeof memory));
@@ -172,12 +167,11 @@ static void refused(smr_status expected, const smr_model *model, const smr_confi
             fail_msg("byte %zu of the arena was written", i);
 }
 
-static void test_every_byte(void **state)
+TEST(test_every_byte)
 {
     static unsigned char saved[UNIT_SAVE_BYTES];
     static const unsigned char flip[3] = {1, 0x80, 0xff};
     smr_saved_info info;
-    (void)state;
     memcpy(saved, u.saved, u.bytes);
     for (size_t i = 0; i < u.bytes; i++) {
         saved[i] = (unsigned char)(saved[i] ^ flip[i % 3u]);
@@ -194,13 +188,12 @@ static void test_every_byte(void **state)
     assert_true(info.bytes == u.bytes);
 }
 
-static void test_others_refused(void **state)
+TEST(test_others_refused)
 {
     const smr_prepare_config radii = rig_radii(2, 40.0f, 15.0f, 0.0f);
     const smr_model *other = rig_model(u.ball, 2, &radii);
     const smr_port many = {NULL, 2, NULL, NULL};
     smr_config config = u.config;
-    (void)state;
     refused(SMR_E_MODEL, other, NULL, NULL, u.saved, u.bytes);
     refused(SMR_E_CONFIG, u.model, NULL, &many, u.saved, u.bytes); /* saved with one worker */
     config.motion.momentum += 0.01f;
@@ -213,12 +206,11 @@ static void test_others_refused(void **state)
     refused(SMR_E_CONFIG, u.model, &config, NULL, u.saved, u.bytes);
 }
 
-static void test_arena(void **state)
+TEST(test_arena)
 {
     smr_config config = u.config;
     size_t bytes = 0;
     smr *out = NULL;
-    (void)state;
     config.basic.n_workers = 3;
     assert_int_equal(SMR_OK, smr_arena_bytes(u.model, &config, &bytes));
     unsigned char *arena = rig_alloc(bytes + 64u);
@@ -228,12 +220,4 @@ static void test_arena(void **state)
     assert_int_equal(SMR_OK, smr_restore(u.model, &config, NULL, u.saved, u.bytes, arena, bytes, &out));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_arguments),      cmocka_unit_test(test_bytes),      cmocka_unit_test(test_macro),
-        cmocka_unit_test(test_states_refused), cmocka_unit_test(test_every_byte), cmocka_unit_test(test_others_refused),
-        cmocka_unit_test(test_arena),
-    };
-    return cmocka_run_group_tests(tests, set_up, tidy);
-}
+int main(void) { return suite_run(set_up, tidy); }

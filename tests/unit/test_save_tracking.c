@@ -1,13 +1,12 @@
-/* test_save_tracking.c: a registration that follows refitted targets is saved between any two of its calls, restored in
- * another arena with other threads, and goes on with the same bits and reports: in the schedule, settled, called and
- * while it recovers from a jump. Forged saves are refused or run on.
+/* test_save_tracking.c: a registration that follows refitted targets is saved between any two of its calls, restored
+ * in another arena with other threads, and goes on with the same bits and reports: in the schedule, settled, called
+ * and while it recovers from a jump. Forged saves are refused or run on.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/registration.h"
 #include "unit/unit_save.h"
 
@@ -26,13 +25,12 @@ static struct met {
     uint32_t schedule, settled, called, jumped, recovering, after;
 } met;
 
-static int set_up(void **state)
+static void set_up(void)
 {
     const float none[3] = {0, 0, 0}, flat[9] = {1, 0, 0, 0, 0.7f, 0, 0, 0, 1.3f};
     const smr_prepare_config radii = rig_radii(2, 40, 15, 0);
     const smr_mesh ball = rig_ball(25, 8, 12, none);
     smr_mesh goal = rig_ball(27, 9, 14, none);
-    (void)state;
     goal.n_triangles = goal.n_triangles * 4u / 5u; /* some vertices have no goal */
     memset(&e, 0, sizeof e);
     e.source = rig_moved(&ball, flat, none);
@@ -52,14 +50,6 @@ static int set_up(void **state)
     e.config.basic.iterations_last = 5;
     for (uint32_t i = 0; i < 2u; i++)
         e.surface[i] = rig_surface(&e.frame[0]);
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
 }
 
 static void refit(uint32_t frame)
@@ -123,11 +113,11 @@ static smr *restore(uint32_t workers, const smr_port *port)
     return s;
 }
 
-static void test_goes_on(void **state)
+TEST(test_goes_on)
 {
+    set_up();
     static const uint32_t at[] = {0, 1, 2, 4, 7, 15, 26, 29};
     enum { CUTS = sizeof at / sizeof at[0] };
-    (void)state;
     for (uint32_t i = 0; i < FRAMES * CUTS; i++) {
         const uint32_t cut = i / CUTS * (TICKS + 1u) + at[i % CUTS];
         const smr_port port = rig_port(cut % RIG_SCHEDULERS, 1u + cut % 4u);
@@ -160,9 +150,9 @@ static void test_goes_on(void **state)
 }
 
 /* A surface that was built of the present positions, or refitted to others, is not the one from before. */
-static void test_other_surfaces(void **state)
+TEST(test_other_surfaces)
 {
-    (void)state;
+    set_up();
     save(run_to(2u * (TICKS + 1u)));
     smr *twin = restore(1, NULL);
     refit(4);
@@ -172,26 +162,14 @@ static void test_other_surfaces(void **state)
     assert_int_equal(SMR_OK, smr_tick(twin, 0, NULL));
 }
 
-static void test_bytes(void **state)
-{
-    smr_config config = e.config;
-    size_t with = 0, without = 0;
-    const uint32_t n = e.source.n_vertices;
-    (void)state;
-    assert_int_equal(SMR_OK, smr_save_bytes(rig_init(e.model, &config, NULL), &with));
-    config.track.mode = SMR_TRACK_OFF;
-    assert_int_equal(SMR_OK, smr_save_bytes(rig_init(e.model, &config, NULL), &without));
-    assert_true(with > without + 12u * n && with <= without + SMR_SAVE_TRACK_BYTES(n) + SMR_SAVE_AHEAD_BYTES(1));
-}
-
 /* Every field behind the arrays, where the schedule and tracking are, as words that mean something or nothing. */
-static void test_forged(void **state)
+TEST(test_forged)
 {
+    set_up();
     static const uint32_t value[] = {0, 1, 2, 3, 7, 0xffu, 0x7fffffffu, 0x7fc00000u, 0x3f800000u, 0xffffffffu};
     const uint32_t cut[] = {2, TICKS + 3u, JUMP * (TICKS + 1u) + 3u, JUMP * (TICKS + 1u) + 9u};
     uint32_t ran = 0, refused = 0;
     size_t bytes = 0;
-    (void)state;
     e.config.basic.n_workers = 1;
     assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &bytes));
     unsigned char *arena = rig_alloc(bytes), good[4];
@@ -219,8 +197,9 @@ static void test_forged(void **state)
 }
 
 /* Words from the end of a save while a target is followed, at the finer radius, and there is nothing to do. */
-static void test_refused(void **state)
+TEST(test_refused)
 {
+    set_up();
     static const struct {
         uint32_t from_end, value;
     } forged[] = {
@@ -234,7 +213,6 @@ static void test_refused(void **state)
     };
     unsigned char good[4];
     size_t bytes = 0;
-    (void)state;
     e.config.basic.n_workers = 1;
     assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &bytes));
     void *arena = rig_alloc(bytes);
@@ -252,14 +230,4 @@ static void test_refused(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_goes_on, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_other_surfaces, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_bytes, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_forged, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_refused, set_up, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

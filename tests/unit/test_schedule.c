@@ -1,19 +1,11 @@
-/* test_schedule.c: from radius to radius: how many iterations run, when x^r follows x, when the schedule ends.
+/* test_schedule.c: from radius to radius: how many iterations run, when x^r follows x, when the schedule settles.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/registration.h"
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static const float none[3] = {0, 0, 0};
 
@@ -49,9 +41,8 @@ static smr_config steady(void)
     return c;
 }
 
-static void test_iterations_of_each_radius(void **state)
+TEST(test_iterations_of_each_radius)
 {
-    (void)state;
     for (uint32_t first = 0; first < 3u; first++) {
         for (uint32_t last = first; last < 4u; last++) {
             smr_config c = steady();
@@ -78,9 +69,8 @@ static void test_iterations_of_each_radius(void **state)
 }
 
 /* With an image the first of several radii has twice as many iterations, and progress goes on evenly. */
-static void test_first_radius_with_an_image(void **state)
+TEST(test_first_radius_with_an_image)
 {
-    (void)state;
     for (uint32_t last = 0; last < 3u; last++) {
         smr_config c = steady();
         c.schedule.radius_last = last;
@@ -99,48 +89,10 @@ static void test_first_radius_with_an_image(void **state)
     }
 }
 
-static void test_progress(void **state)
-{
-    smr_config c = steady();
-    float before = 0.0f;
-    smr_tick_report report = {0};
-    (void)state;
-    c.basic.iterations = 5;
-    c.basic.iterations_last = 10;
-    smr *s = start(&c, 1, 0);
-    for (uint32_t i = 1; i <= 20u; i++) {
-        assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-        assert_true(report.progress > before && fabsf(report.progress - (float)i / 20.0f) < 1.0e-5f);
-        before = report.progress;
-    }
-    assert_int_equal(1, report.done);
-    assert_true(report.progress == 1.0f);
-}
-
-static void test_done_is_done(void **state)
-{
-    smr_config c = steady();
-    smr_tick_report report, later;
-    (void)state;
-    c.basic.iterations = c.basic.iterations_last = 2;
-    smr *s = start(&c, 1, 1);
-    report = rig_run(s, 500);
-    assert_int_equal(1, report.done);
-    const uint64_t hash = smr_state_hash(s);
-    for (uint32_t i = 0; i < 5u; i++) {
-        assert_int_equal(SMR_OK, smr_tick(s, 0, &later));
-        assert_int_equal(report.iteration, later.iteration);
-        assert_int_equal(1, later.done);
-        assert_true(later.state_hash == report.state_hash);
-    }
-    assert_true(hash == smr_state_hash(s));
-}
-
-static void test_settles(void **state)
+TEST(test_settles)
 {
     smr_config c = steady();
     smr_tick_report report;
-    (void)state;
     c.motion.settle_um = 20.0f;
     smr *s = start(&c, 0, 0); /* nothing moves: one iteration for each radius */
     report = rig_run(s, 100);
@@ -166,9 +118,8 @@ static void test_settles(void **state)
     assert_int_equal(0, report.converged); /* it still moved */
 }
 
-static void test_plasticity(void **state)
+TEST(test_plasticity)
 {
-    (void)state;
     for (uint32_t every = 0; every < 4u; every++) {
         smr_config c = steady();
         smr_tick_report report = {0};
@@ -192,63 +143,4 @@ static void test_plasticity(void **state)
     }
 }
 
-static void test_plastic_when_small(void **state)
-{
-    smr_config c = steady();
-    smr_tick_report report;
-    (void)state;
-    c.motion.plastic_um = 1.0e8f; /* always small */
-    c.basic.iterations_last = 50;
-    c.schedule.radius_first = 2;
-    smr *s = start(&c, 1, 0);
-    report = rig_run(s, 20);
-    assert_int_equal(20, report.details.plastic_updates);
-}
-
-static void test_search_follows_the_radius(void **state)
-{
-    smr_config c = steady();
-    (void)state;
-    c.basic.search_mm = 50.0f;
-    c.forces.search_radii = 1.5f;
-    c.basic.iterations = 1;
-    smr *s = start(&c, 1, 0);
-    assert_true(fabsf(s->schedule.search_mm - 50.0f) < 1.0e-4f); /* 60 is more than search_mm */
-    (void)rig_run(s, 1);
-    assert_true(fabsf(s->schedule.search_mm - 37.5f) < 1.0e-4f);
-    (void)rig_run(s, 1);
-    assert_true(fabsf(s->schedule.search_mm - 22.5f) < 1.0e-4f);
-}
-
-/* Repairing iterations come before a radius and do not count, and there is an end to them. */
-static void test_repair_ends(void **state)
-{
-    smr_config c = steady();
-    smr_tick_report report = {0};
-    uint32_t extra = 0;
-    (void)state;
-    c.basic.iterations = c.basic.iterations_last = 3;
-    smr *s = start(&c, 1, 1);
-    for (uint32_t i = 0; i < 500u && !report.done; i++) {
-        extra += s->schedule.repairing > 0u;
-        assert_int_equal(SMR_OK, smr_tick(s, 0, &report));
-    }
-    assert_int_equal(1, report.done);
-    assert_int_equal(9u + extra, report.iteration);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_iterations_of_each_radius, tidy),
-        cmocka_unit_test_teardown(test_progress, tidy),
-        cmocka_unit_test_teardown(test_first_radius_with_an_image, tidy),
-        cmocka_unit_test_teardown(test_done_is_done, tidy),
-        cmocka_unit_test_teardown(test_settles, tidy),
-        cmocka_unit_test_teardown(test_plasticity, tidy),
-        cmocka_unit_test_teardown(test_plastic_when_small, tidy),
-        cmocka_unit_test_teardown(test_search_follows_the_radius, tidy),
-        cmocka_unit_test_teardown(test_repair_ends, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

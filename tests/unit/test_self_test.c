@@ -1,19 +1,15 @@
 /* test_self_test.c: the self test passes in the mode that the library needs, and names each other mode that a program
  * can set. What compilers do is in tests/check_self_test.sh.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <fenv.h>
 
 #include "smr.h"
 
-static void passes(void **state)
-{
-    (void)state;
-    assert_int_equal(smr_self_test(), 0);
-}
+TEST(passes) { assert_int_equal(smr_self_test(), 0); }
 
-static void finds_rounding(void **state)
+TEST(finds_rounding)
 {
     static const int mode[] = {
 #ifdef FE_UPWARD
@@ -26,7 +22,6 @@ static void finds_rounding(void **state)
         FE_TOWARDZERO,
 #endif
         FE_TONEAREST};
-    (void)state;
     for (size_t i = 0; i < sizeof mode / sizeof mode[0]; i++) {
         const int set = fesetround(mode[i]);
         const uint32_t found = smr_self_test();
@@ -39,11 +34,10 @@ static void finds_rounding(void **state)
 #ifdef __SSE2__
 #include <xmmintrin.h>
 
-static void finds_flushing(void **state)
+TEST(finds_flushing)
 {
     static const unsigned mode[] = {0x8000u, 0x0040u, 0x8040u}; /* FTZ, DAZ, both */
     const unsigned before = _mm_getcsr();
-    (void)state;
     for (size_t i = 0; i < sizeof mode / sizeof mode[0]; i++) {
         _mm_setcsr(before | mode[i]);
         const uint32_t found = smr_self_test();
@@ -61,17 +55,11 @@ static void finds_flushing(void **state)
 #endif
 
 /* Where invalid operations, overflows and divisions by zero trap it must not make any. */
-static void raises_nothing(void **state)
+TEST(raises_nothing)
 {
-    (void)state;
     (void)feclearexcept(FE_ALL_EXCEPT);
     assert_int_equal(smr_self_test(), 0);
     assert_int_equal(fetestexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW), 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(passes), cmocka_unit_test(finds_rounding),
-                                       cmocka_unit_test(finds_flushing), cmocka_unit_test(raises_nothing)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,21 +1,13 @@
 /* test_settings.c: the tables of settings cover both configurations word by word, their defaults are legal and set,
  * and each range is what the checks accept, to the last bit at its ends.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/config/config.h"
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 /* The fields follow each other without a gap behind the cookie, in the table's order: nothing is forgotten or twice. */
 static void covers(const smr_setting *s, uint32_t n, size_t size)
@@ -38,11 +30,10 @@ static void covers(const smr_setting *s, uint32_t n, size_t size)
     assert_true(fields > 10u);
 }
 
-static void test_every_word(void **state)
+TEST(test_every_word)
 {
     uint32_t n = 0;
     const smr_setting *s = smr_config_settings(&n);
-    (void)state;
     covers(s, n, sizeof(smr_config));
     s = smr_prepare_settings(&n);
     covers(s, n, sizeof(smr_prepare_config));
@@ -51,7 +42,7 @@ static void test_every_word(void **state)
 }
 
 /* Logs of version 1 have 45 words; the numbers up to 44 are their places, and none may ever change. */
-static void test_numbers(void **state)
+TEST(test_numbers)
 {
     static const struct {
         const char *name;
@@ -80,7 +71,6 @@ static void test_numbers(void **state)
     };
     uint32_t n = 0;
     const smr_setting *s = smr_config_settings(&n);
-    (void)state;
     for (size_t k = 0; k < sizeof frozen / sizeof frozen[0]; k++) {
         uint32_t found = 0;
         for (uint32_t i = 0; i < n; i++) {
@@ -105,13 +95,12 @@ static double value_at(const void *config, const smr_setting *s)
     return s->kind == SMR_SETTING_NUMBER ? (double)number : (double)whole;
 }
 
-static void test_defaults(void **state)
+TEST(test_defaults)
 {
     const smr_config config = smr_config_default(), image = smr_config_default_image();
     const smr_prepare_config prepare = smr_prepare_config_default();
     uint32_t n = 0;
     const smr_setting *s = smr_config_settings(&n);
-    (void)state;
     for (uint32_t i = 0; i < n; i++)
         if (s[i].kind != SMR_SETTING_GROUP) {
             assert_true(value_at(&config, &s[i]) == as_stored(&s[i], s[i].value));
@@ -191,13 +180,12 @@ static void check_range(int prepares, const smr_setting *s)
     }
 }
 
-static void test_ranges(void **state)
+TEST(test_ranges)
 {
     static const float none[3] = {0, 0, 0};
     smr_prepare_config radii = smr_prepare_config_default();
     const smr_mesh ball = rig_ball(20, 3, 5, none);
     uint32_t n = 0;
-    (void)state;
     radii.n_radii = SMR_RADII_MAX;
     for (uint32_t i = 0; i < SMR_RADII_MAX; i++)
         radii.radius_mm[i] = 40.0f - 2.0f * (float)i;
@@ -213,13 +201,4 @@ static void test_ranges(void **state)
             check_range(1, &s[i]);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_word),
-        cmocka_unit_test(test_numbers),
-        cmocka_unit_test(test_defaults),
-        cmocka_unit_test_teardown(test_ranges, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

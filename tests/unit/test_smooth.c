@@ -1,23 +1,15 @@
-/* test_smooth.c: smoothing takes noise off a surface; what stands out at rest stays, no motion is resisted, and an open
- * border keeps its place.
+/* test_smooth.c: smoothing takes noise off a surface; what stands out at rest stays, no motion is resisted, and an
+ * open border keeps its place.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/registration.h"
 
 static const float none[3] = {0, 0, 0};
 static const smr_model *model;
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static smr_config config_of(float smooth)
 {
@@ -65,13 +57,12 @@ static float rough(const float *xyz, uint32_t n, const smr_mesh *rest, float abo
 }
 
 /* Of noise, without a target: more of it goes the larger the share. */
-static void test_noise_falls(void **state)
+TEST(test_noise_falls)
 {
     static const float share[] = {0.0f, 0.1f, 0.5f, 1.0f};
     const smr_mesh ball = rig_ball(30, 14, 20, none);
     const float *xyz = noisy(&ball);
     float mean, before = rough(xyz, ball.n_vertices, &ball, -100.0f, &mean), last = 1.0f;
-    (void)state;
     for (uint32_t i = 0; i < 4u; i++) {
         const smr_config c = config_of(share[i]);
         smr *s = start(&ball, &c);
@@ -85,35 +76,13 @@ static void test_noise_falls(void **state)
     assert_true(last < 0.5f);
 }
 
-/* Onto a noisy target: nearer to what lies under the noise. */
-static void test_noisy_target(void **state)
-{
-    const smr_mesh ball = rig_ball(30, 14, 20, none), fine = rig_ball(31, 24, 40, none);
-    smr_mesh target = fine;
-    float left[2], mean;
-    (void)state;
-    target.xyz = noisy(&fine);
-    for (uint32_t i = 0; i < 2u; i++) {
-        smr_config c = config_of(0.5f * (float)i);
-        c.basic.n_target_vertices = target.n_vertices;
-        c.schedule.radius_first = 0;
-        smr *s = start(&ball, &c);
-        assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&target)));
-        (void)rig_run(s, 1000);
-        left[i] = rough(rig_positions(s, model), ball.n_vertices, &ball, -100.0f, &mean);
-        assert_float_equal(mean, 31.0f, 0.3f);
-    }
-    assert_true(left[1] < 0.75f * left[0]);
-}
-
 /* At rest, turned and scaled nothing moves, whatever stands out there. */
-static void test_motion_is_free(void **state)
+TEST(test_motion_is_free)
 {
     smr_mesh bone, target;
     float m[9];
     smr_pose pose = {{{0, 0, 0, 40}, {0, 0, 0, -7}, {0, 0, 0, 300}}};
     const smr_config c = config_of(1.0f);
-    (void)state;
     rig_bone(9000, 1.0f, &bone, &target);
     rig_rotation(3, 1, -2, 110, m);
     for (uint32_t i = 0; i < 9u; i++)
@@ -126,14 +95,13 @@ static void test_motion_is_free(void **state)
 }
 
 /* A ball's upper half: its open border stays where it is, noisy or not. */
-static void test_border(void **state)
+TEST(test_border)
 {
     const smr_mesh ball = rig_ball(30, 14, 20, none);
     smr_mesh half = ball;
     const smr_config c = config_of(0.6f);
     uint32_t *kept = rig_alloc(3u * (size_t)ball.n_triangles * sizeof(uint32_t));
     float mean = 0.0f, least = 100.0f;
-    (void)state;
     half.triangles = kept;
     half.n_triangles = 0;
     for (uint32_t k = 0; k < ball.n_triangles; k++) {
@@ -159,28 +127,4 @@ static void test_border(void **state)
     assert_true(least < 1.0f + 2.0f); /* the lowest circle is still there */
 }
 
-static void test_bytes(void **state)
-{
-    const smr_mesh ball = rig_ball(30, 14, 20, none);
-    const smr_config off = config_of(0.0f), on = config_of(0.5f);
-    size_t least = 0, most = 0, save[2];
-    (void)state;
-    assert_int_equal(SMR_OK, smr_save_bytes(start(&ball, &off), &save[0]));
-    assert_int_equal(SMR_OK, smr_save_bytes(start(&ball, &on), &save[1]));
-    assert_int_equal(save[0], save[1]);
-    assert_int_equal(SMR_OK, smr_arena_bytes(model, &off, &least));
-    assert_int_equal(SMR_OK, smr_arena_bytes(model, &on, &most));
-    assert_true(most > least);
-#if !defined(__SANITIZE_ADDRESS__)
-    assert_true(most <= least + SMR_ARENA_SMOOTH_BYTES(ball.n_vertices));
-#endif
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_noise_falls, tidy), cmocka_unit_test_teardown(test_noisy_target, tidy),
-        cmocka_unit_test_teardown(test_motion_is_free, tidy), cmocka_unit_test_teardown(test_border, tidy),
-        cmocka_unit_test_teardown(test_bytes, tidy)};
-    return cmocka_run_group_tests_name("smooth", tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

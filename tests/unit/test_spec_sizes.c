@@ -1,8 +1,9 @@
-/* test_spec_sizes.c: sizes that docs/SPEC.md states, measured through the public API. Vertices and triangles in numbers
- * that are multiples of 64 leave no room between slots: differences of sizes are exact. A number with decimals is
- * compared as rounded to them. The test prints what it measures, so that a changed layout costs one edit of the table.
+/* test_spec_sizes.c: sizes that docs/SPEC.md states, measured through the public API. Vertices and triangles in
+ * numbers that are multiples of 64 leave no room between slots: differences of sizes are exact. A number with
+ * decimals is compared as rounded to them. The test prints what it measures, so that a changed layout costs one edit
+ * of the table.
  * SPDX-License-Identifier: MIT */
-#include "unit/cmocka_first.h"
+#include "suite.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -172,10 +173,9 @@ static void agrees(const char *what, double measured, double said)
     misses += !(measured > said - 0.005 && measured < said + 0.005);
 }
 
-static void arena_is_as_stated(void **state)
+TEST(arena_is_as_stated)
 {
     const char *const section = strstr(spec, "### Arena");
-    (void)state;
 #ifdef RED_ZONES
     skip();
 #endif
@@ -202,10 +202,9 @@ static void arena_is_as_stated(void **state)
 }
 
 /* What only a setting takes. */
-static void settings_are_as_stated(void **state)
+TEST(settings_are_as_stated)
 {
     const char *const section = strstr(spec, "### Arena");
-    (void)state;
     misses = 0;
 #ifdef RED_ZONES
     skip();
@@ -250,10 +249,9 @@ static void settings_are_as_stated(void **state)
     assert_int_equal(misses, 0);
 }
 
-static void triangles_are_as_stated(void **state)
+TEST(triangles_are_as_stated)
 {
     const char *const section = strstr(spec, "### Arena");
-    (void)state;
     misses = 0;
 #ifdef RED_ZONES
     skip();
@@ -284,10 +282,9 @@ static double surface(uint32_t n_vertices, uint32_t n_triangles)
     return (double)bytes;
 }
 
-static void surface_is_as_stated(void **state)
+TEST(surface_is_as_stated)
 {
     const char *const section = strstr(spec, "### Target surface");
-    (void)state;
     misses = 0;
 #ifdef RED_ZONES
     skip();
@@ -302,13 +299,4 @@ static void surface_is_as_stated(void **state)
     assert_int_equal(misses, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(arena_is_as_stated),
-        cmocka_unit_test(settings_are_as_stated),
-        cmocka_unit_test(triangles_are_as_stated),
-        cmocka_unit_test(surface_is_as_stated),
-    };
-    return cmocka_run_group_tests(tests, read_spec, NULL);
-}
+int main(void) { return suite_run(read_spec, NULL); }

@@ -1,12 +1,12 @@
 /* test_status.c: every status has a name of its own, and every other number the name of an unknown one.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <string.h>
 
 #include "smr.h"
 
-static void names(void **state)
+TEST(names)
 {
     static const struct {
         smr_status status;
@@ -26,7 +26,6 @@ static void names(void **state)
         {SMR_E_SAVE, "SMR_E_SAVE"},
         {SMR_E_WITHOUT, "SMR_E_WITHOUT"},
     };
-    (void)state;
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++)
         assert_string_equal(smr_status_name(table[i].status), table[i].name);
     for (int i = -11; i < 0; i++) /* refusals are negative, the two others are not */
@@ -35,8 +34,4 @@ static void names(void **state)
     assert_string_equal(smr_status_name((smr_status)-12), "SMR_E_UNKNOWN");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(names)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,7 +1,7 @@
 /* test_step_energy.c: energy of a bone with mass, thrown, bent, pinned, hung up, or beside another: it falls in each
  * step, for any stiffness and step, and nothing is held for a gain that is none.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,21 +12,12 @@
 static smr_mesh bone;
 static rig_motion e;
 
-static int set_up(void **state)
+static void set_up(void)
 {
     const smr_prepare_config radii = rig_radii(3, 600, 150, 60);
-    (void)state;
     rig_bone(12000, 1.0f, &bone, NULL);
     e = rig_motion_make(&bone, &radii);
     e.config.track.radius_mm = 150.0f;
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
 }
 
 static const float *at(uint32_t i) { return bone.xyz + 3u * (size_t)i; }
@@ -52,17 +43,17 @@ static void falls(uint32_t k)
     energy_falls(20);
 }
 
-static void test_energy_falls(void **state)
+TEST(test_energy_falls)
 {
-    (void)state;
+    set_up();
     for (uint32_t k = 0; k < 12u; k++)
         falls(k);
 }
 
 /* Also where clusters turn far against each other, and some against pins, by polar decomposition. */
-static void test_energy_falls_in_small_clusters(void **state)
+TEST(test_energy_falls_in_small_clusters)
 {
-    (void)state;
+    set_up();
     e.config.track.radius_mm = 60.0f;
     e.config.basic.method = SMR_METHOD_POLAR;
     for (uint32_t pinned = 0; pinned < 2u; pinned++) {
@@ -75,10 +66,10 @@ static void test_energy_falls_in_small_clusters(void **state)
 
 /* A bone hung up by its topmost vertex, in clusters smaller than it: however its parts swing, all energy together is
  * never more than at the start. The fits alone would come to many times as much by rigid-body kinematics. */
-static void test_hung_up(void **state)
+TEST(test_hung_up)
 {
+    set_up();
     uint32_t top = 0;
-    (void)state;
     for (uint32_t i = 0; i < e.n; i++)
         top = at(i)[2] > at(top)[2] ? i : top;
     e.mass[top] = INFINITY;
@@ -93,7 +84,7 @@ static void test_hung_up(void **state)
         smr *s = rig_init(e.model, &e.config, NULL);
         float least = 0.0f;
         assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, NULL));
-        for (uint32_t i = 0; i < rig_times(60); i++) {
+        for (uint32_t i = 0; i < rig_times(30); i++) {
             rig_steps(s, 1);
             assert_int_equal(SMR_OK, smr_set_motion(s, 0, e.mass, NULL)); /* the same again: no new energy */
             const smr_energy now = rig_energy(s);
@@ -106,9 +97,9 @@ static void test_hung_up(void **state)
 
 /* Clamped at one end, or hung up by three vertices 20 mm apart, and thrown: kinetic and reported elastic energy never
  * grow, from step to step, also where the elastic energy wavers. */
-static void test_energy_falls_about_pins(void **state)
+TEST(test_energy_falls_about_pins)
 {
-    (void)state;
+    set_up();
     for (uint32_t k = 0; k < 12u; k++) {
         const float top = k % 2u ? 190.0f : 1e6f, bottom = k % 2u ? -1e6f : 45.0f;
         for (uint32_t i = 0; i < e.n; i++)
@@ -117,17 +108,17 @@ static void test_energy_falls_about_pins(void **state)
         e.config.track.radius_mm = k < 4u ? 600.0f : 60.0f;
         e.config.dynamics.elastic = k < 8u ? 1e4f : 10.0f;
         e.config.dynamics.step_ms = 100.0f;
-        energy_falls(30);
+        energy_falls(15);
         e.config.dynamics.step_ms = 10.0f;
-        energy_falls(30);
+        energy_falls(15);
     }
 }
 
 /* Heavier masses have more elastic energy at once: that is not taken from the velocities. */
-static void test_masses_change_under_way(void **state)
+TEST(test_masses_change_under_way)
 {
+    set_up();
     smr_energy now;
-    (void)state;
     for (uint32_t i = 0; i < e.n; i++) {
         e.mass[i] = at(i)[2] < 60.0f ? INFINITY : 1.0f;
         e.speed[3u * i] = e.mass[i] < 9.0f ? 500.0f : 0.0f;
@@ -180,7 +171,7 @@ static float swung(float loose_mass, float loose_speed)
 
 /* Two balls in clusters that hold both turn about a pin of the first as one: the second's energy is not held for a gain
  * of the first, and what both have falls with damping only. */
-static void test_one_draws_the_other(void **state)
+TEST(test_one_draws_the_other)
 {
     static const float here[3] = {0, 0, 0}, there[3] = {0, 0, -110};
     const smr_mesh balls[2] = {rig_ball(50, 12, 16, here), rig_ball(50, 12, 16, there)};
@@ -188,7 +179,6 @@ static void test_one_draws_the_other(void **state)
     const smr_model *model = rig_model(balls, 2, &radii);
     const uint32_t n = balls[0].n_vertices;
     float *mass = rig_alloc(4u * (size_t)n), *speed = rig_alloc(12u * (size_t)n), before;
-    (void)state;
     for (uint32_t method = 0; method < 2u; method++) {
         smr_config config = smr_config_default();
         config.dynamics.mode = SMR_DYNAMICS_ON;
@@ -219,13 +209,12 @@ static void test_one_draws_the_other(void **state)
 }
 
 /* Two pairs of balls, each pair in clusters that hold both, 1 m apart: what one does is nothing to the other. */
-static void test_strangers(void **state)
+TEST(test_strangers)
 {
     static const float place[4][3] = {{0, 0, 0}, {0, 0, -110}, {0, 1000, 0}, {0, 1000, -110}};
     const smr_prepare_config radii = rig_radii(1, 60, 0, 0);
     smr_config config = smr_config_default();
     smr_mesh balls[4];
-    (void)state;
     for (uint32_t i = 0; i < 4u; i++)
         balls[i] = rig_ball(50, 12, 16, place[i]);
     const smr_model *model = rig_model(balls, 4, &radii);
@@ -255,7 +244,7 @@ static void test_strangers(void **state)
 }
 
 /* Two balls that spin as one, in small clusters: what is too much is not taken from their angular momentum. */
-static void test_keeps_spinning(void **state)
+TEST(test_keeps_spinning)
 {
     static const float place[2][3] = {{0, 0, 0}, {0, 0, -110}};
     const smr_mesh balls[2] = {rig_ball(50, 12, 16, place[0]), rig_ball(50, 12, 16, place[1])};
@@ -265,7 +254,6 @@ static void test_keeps_spinning(void **state)
     smr_config config = smr_config_default();
     float *const speed = rig_alloc(12u * (size_t)n), *const at_end = rig_alloc(12u * (size_t)n);
     double spin[2] = {0.0, 0.0};
-    (void)state;
     config.dynamics.mode = SMR_DYNAMICS_ON;
     config.track.radius_mm = 60.0f;
     config.dynamics.elastic = 1e6f;
@@ -294,9 +282,8 @@ static void test_keeps_spinning(void **state)
 }
 
 /* What is pinned shares no sum of energies with what flies fast: rounding there would slow it down here. */
-static void test_a_loose_one_flies_by(void **state)
+TEST(test_a_loose_one_flies_by)
 {
-    (void)state;
     const float alone = swung(1.0f, 0.0f), beside = swung(50.0f, 3000.0f);
     if (!(alone > 80.0f && fabsf(alone - beside) < 0.1f))
         print_error("the tip went %g mm, beside a loose one %g\n", (double)alone, (double)beside);
@@ -304,18 +291,4 @@ static void test_a_loose_one_flies_by(void **state)
     assert_true(fabsf(alone - beside) < 0.1f);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_energy_falls, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_energy_falls_in_small_clusters, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_energy_falls_about_pins, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_hung_up, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_masses_change_under_way, set_up, tidy),
-        cmocka_unit_test_teardown(test_one_draws_the_other, tidy),
-        cmocka_unit_test_teardown(test_strangers, tidy),
-        cmocka_unit_test_teardown(test_keeps_spinning, tidy),
-        cmocka_unit_test_teardown(test_a_loose_one_flies_by, tidy),
-    };
-    return cmocka_run_group_tests_name("energy of time steps", tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

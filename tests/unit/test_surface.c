@@ -1,7 +1,7 @@
 /* test_surface.c: target surfaces: sizes and refusals; closest points with normals and search distance against a
  * search of all triangles in double precision (2e-5 mm on a mesh of 100 mm); borders of open meshes.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
@@ -9,15 +9,14 @@
 #include "geometry/surface/surface.h"
 #include "unit_mesh.h"
 
-static void refuses_and_leaves_alone(void **state)
+TEST(refuses_and_leaves_alone)
 {
     unit_mesh m = unit_grid(5, 4, 2.0f);
     smr_mesh v = unit_view(&m);
     size_t bytes = 0;
     assert_int_equal(smr_surface_bytes(m.nv, m.nt, &bytes), SMR_OK);
-    unsigned char *memory = unit_memory(bytes + SMR_ALIGN);
+    unsigned char *memory = rig_rough(bytes + SMR_ALIGN);
     smr_surface mark, *s = &mark;
-    (void)state;
     assert_int_equal(smr_surface_build(&v, NULL, bytes, &s), SMR_E_NULL);
     assert_int_equal(smr_surface_build(NULL, memory, bytes, &s), SMR_E_NULL);
     assert_int_equal(smr_surface_build(&v, memory, bytes, NULL), SMR_E_NULL);
@@ -46,13 +45,10 @@ static void refuses_and_leaves_alone(void **state)
     m.xyz[17] = 1.0f;
     assert_int_equal(smr_surface_build(&v, memory, bytes, &s), SMR_OK);
     assert_int_equal(smr_surface_build(&v, memory, bytes, &s), SMR_OK); /* the same memory again */
-    unit_free(memory);
-    unit_mesh_free(&m);
 }
 
-static void sizes(void **state)
+TEST(sizes)
 {
-    (void)state;
     size_t bytes = 77;
     assert_int_equal(smr_surface_bytes(0, 1, &bytes), SMR_E_INPUT);
     assert_int_equal(smr_surface_bytes(3, 0, &bytes), SMR_E_INPUT);
@@ -71,11 +67,11 @@ static void sizes(void **state)
         const float p[3] = {20, 20, 20};
         assert_int_equal(smr_surface_closest(s, p, NULL, 0, 1e5f, &hit), SMR_OK);
         assert_true(hit.triangle < nt && hit.distance > 10.0f);
-        unit_free(s);
+        rig_free(s);
     }
 }
 
-static void query_refusals(void **state)
+TEST(query_refusals)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY, 1.1e5f, -1e30f};
     unit_mesh m = unit_grid(2, 2, 2.0f);
@@ -83,7 +79,6 @@ static void query_refusals(void **state)
     float p[3] = {1, 1, 1}, n[3] = {0, 0, 1};
     smr_closest hit;
     smr_closest mark;
-    (void)state;
     memset(&mark, 0x77, sizeof mark);
     hit = mark;
     assert_int_equal(smr_surface_closest(NULL, p, NULL, 0, 1, &hit), SMR_E_NULL);
@@ -106,12 +101,9 @@ static void query_refusals(void **state)
     assert_memory_equal(&hit, &mark, sizeof hit);
     assert_int_equal(smr_surface_closest(s, p, NULL, NAN, INFINITY, &hit), SMR_OK); /* min_cos unused, any reach */
     assert_true(hit.triangle != SMR_NONE);
-    smr_surface *nothing = unit_memory(sizeof *nothing);
+    smr_surface *nothing = rig_rough(sizeof *nothing);
     memset(nothing, 0, sizeof *nothing);
     assert_int_equal(smr_surface_closest(nothing, p, NULL, 0, 1, &hit), SMR_E_STATE);
-    unit_free(nothing);
-    unit_free(s);
-    unit_mesh_free(&m);
 }
 
 static void corners(const unit_mesh *m, uint32_t k, double c[9])
@@ -128,17 +120,16 @@ static double cosine(const double c[9], const float n[3])
 }
 
 /* With and without a normal, with every kind of reach. */
-static void equals_double(void **state)
+TEST(equals_double)
 {
     oracle_random r = oracle_seed(101);
     double worst = 0.0;
-    (void)state;
     for (uint32_t round = 0; round < 2u; round++) {
         unit_mesh m = round ? unit_grid(17, 16, 6.0f) : unit_sphere(3, 50.0f, 0.0f);
         smr_surface *s = unit_surface(&m);
         for (uint32_t i = 0; i < 700u; i++) {
-            const float p[3] = {oracle_uniformf(&r, -80, 120), oracle_uniformf(&r, -80, 120),
-                                oracle_uniformf(&r, -80, 80)};
+            float p[3];
+            oracle_within_box(&r, -80, 120, p);
             double turn[9], c[9], want = HUGE_VAL, near_edge = HUGE_VAL;
             const double q[3] = {(double)p[0], (double)p[1], (double)p[2]};
             oracle_rotation(&r, turn);
@@ -175,66 +166,16 @@ static void equals_double(void **state)
             }
             worst = fmax(worst, fabs(sqrt(d2) - want));
         }
-        unit_free(s);
+        rig_free(s);
         unit_mesh_free(&m);
     }
     assert_true(oracle_within("surface: closest point, mm", worst, 2e-5));
 }
 
-/* Right at a vertex all triangles around it are as near: the smallest of the caller's indexes is named. */
-static void ties_go_to_the_smallest_index(void **state)
-{
-    unit_mesh m = unit_grid(9, 7, 2.0f);
-    smr_surface *s = unit_surface(&m);
-    (void)state;
-    for (uint32_t v = 0; v < m.nv; v++) {
-        uint32_t want = SMR_NONE;
-        for (uint32_t k = 3u * m.nt; k-- > 0u;)
-            if (m.triangles[k] == v)
-                want = k / 3u;
-        smr_closest hit;
-        assert_int_equal(smr_surface_closest(s, m.xyz + 3u * (size_t)v, NULL, 0, 1.0f, &hit), SMR_OK);
-        assert_true(hit.distance == 0.0f);
-        assert_int_equal(hit.triangle, want);
-    }
-    unit_free(s);
-    unit_mesh_free(&m);
-}
-
-/* Points beyond the boundary of a sheet project onto its border; points above its middle do not; a closed surface has
- * no border at all. */
-static void borders(void **state)
-{
-    oracle_random r = oracle_seed(102);
-    unit_mesh m = unit_grid(12, 10, 5.0f), ball = unit_sphere(3, 30.0f, 0.0f);
-    smr_surface *s = unit_surface(&m), *closed = unit_surface(&ball);
-    uint32_t seen[2] = {0, 0};
-    (void)state;
-    assert_int_equal(s->open, 1);
-    assert_int_equal(closed->open, 0);
-    for (uint32_t i = 0; i < 2000u; i++) {
-        smr_closest hit;
-        float p[3] = {oracle_uniformf(&r, -30, 90), oracle_uniformf(&r, -30, 80), oracle_uniformf(&r, -20, 20)};
-        assert_int_equal(smr_surface_closest(s, p, NULL, 0, 1e4f, &hit), SMR_OK);
-        const float boundary = fminf(fminf(fabsf(hit.point[0]), fabsf(60.0f - hit.point[0])),
-                                     fminf(fabsf(hit.point[1]), fabsf(50.0f - hit.point[1])));
-        assert_true(hit.on_border ? boundary < 1e-4f : boundary > 1e-6f);
-        seen[hit.on_border]++;
-        assert_int_equal(smr_surface_closest(closed, p, NULL, 0, 1e4f, &hit), SMR_OK);
-        assert_int_equal(hit.on_border, 0);
-    }
-    assert_true(seen[0] > 200u && seen[1] > 200u);
-    unit_free(s);
-    unit_free(closed);
-    unit_mesh_free(&m);
-    unit_mesh_free(&ball);
-}
-
 /* Border bits against a count over all triangles, on tangled soups: an edge with one triangle only. */
-static void border_bits_against_a_count(void **state)
+TEST(border_bits_against_a_count)
 {
     oracle_random r = oracle_seed(103);
-    (void)state;
     for (uint32_t round = 0; round < 12u; round++) {
         unit_mesh m = round % 3u ? unit_soup(&r, 1u + oracle_below(&r, 120u), 9.0f, 1) : unit_grid(1u + round, 3, 1.0f);
         smr_surface *s = unit_surface(&m);
@@ -253,16 +194,15 @@ static void border_bits_against_a_count(void **state)
                 assert_int_equal((uint32_t)s->border[k] >> e & 1u, count == 1u);
             }
         }
-        unit_free(s);
+        rig_free(s);
         unit_mesh_free(&m);
     }
 }
 
 /* The constant for static storage is never too small, and close for surfaces of a usual size. */
-static void the_macro_bounds_the_size(void **state)
+TEST(the_macro_bounds_the_size)
 {
     static const uint32_t vertices[] = {1, 3, 100, 3000, 40000, SMR_VERTICES_MAX};
-    (void)state;
     for (size_t i = 0; i < sizeof vertices / sizeof vertices[0]; i++) {
         for (uint32_t nt = 1; nt < SMR_TRIANGLES_MAX / 2u; nt = nt + nt / 3u + 1u) {
             size_t bytes = 0;
@@ -279,40 +219,4 @@ static void the_macro_bounds_the_size(void **state)
     }
 }
 
-/* A surface of nothing but points and segments still answers. */
-static void surfaces_without_area(void **state)
-{
-    const float xyz[] = {0, 0, 0, 10, 0, 0, 20, 0, 0, 3, 3, 3};
-    const uint32_t t[] = {0, 1, 2, 3, 3, 3, 0, 0, 1};
-    const smr_mesh m = {xyz, t, 4, 3};
-    size_t bytes = 0;
-    assert_int_equal(smr_surface_bytes(4, 3, &bytes), SMR_OK);
-    void *memory = unit_memory(bytes);
-    smr_surface *s;
-    smr_closest hit;
-    float p[3] = {15, 4, 0}, n[3] = {0, 0, 1};
-    (void)state;
-    assert_int_equal(smr_surface_build(&m, memory, bytes, &s), SMR_OK);
-    assert_int_equal(smr_surface_closest(s, p, NULL, 0, 100, &hit), SMR_OK);
-    assert_true(hit.triangle == 0u && fabsf(hit.distance - 4.0f) < 1e-5f && fabsf(hit.point[0] - 15.0f) < 1e-5f);
-    assert_true(hit.normal[0] == 0.0f && hit.normal[1] == 0.0f && hit.normal[2] == 0.0f);
-    assert_int_equal(smr_surface_closest(s, p, n, 0.5f, 100, &hit), SMR_OK);
-    assert_int_equal(hit.triangle, SMR_NONE); /* no normal agrees with anything */
-    unit_free(memory);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(refuses_and_leaves_alone),
-        cmocka_unit_test(sizes),
-        cmocka_unit_test(query_refusals),
-        cmocka_unit_test(equals_double),
-        cmocka_unit_test(ties_go_to_the_smallest_index),
-        cmocka_unit_test(borders),
-        cmocka_unit_test(border_bits_against_a_count),
-        cmocka_unit_test(the_macro_bounds_the_size),
-        cmocka_unit_test(surfaces_without_area),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

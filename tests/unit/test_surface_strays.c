@@ -1,7 +1,7 @@
-/* test_surface_strays.c: scraps of a surface: which pieces are, that registration passes them by, and that who measures
- * finds them.
+/* test_surface_strays.c: scraps of a surface: which pieces are, that registration passes them by, and that who
+ * measures finds them.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
@@ -47,17 +47,16 @@ static uint32_t strays(const unit_mesh *m)
 {
     smr_surface *s = unit_surface(m);
     const uint32_t n = s->n_fragment;
-    unit_free(s);
+    rig_free(s);
     return n;
 }
 
-static void which_pieces_are_scraps(void **state)
+TEST(which_pieces_are_scraps)
 {
     unit_mesh ball = unit_sphere(4, 40, 0), few = unit_sphere(1, 40, 0), island = unit_sphere(0, 2, 0);
     unit_mesh sheet = unit_grid(2, 2, 1), large = unit_grid(5, 5, 1);
     oracle_random r = oracle_seed(9);
     unit_mesh soup = unit_soup(&r, 2000, 5, 0);
-    (void)state;
     unit_mesh some = with_scraps(&ball, 100), coarse = with_scraps(&few, 3), many = with_scraps(&ball, 500);
     unit_mesh isle = beside(&ball, &island, 60), patch = beside(&ball, &sheet, 60), wide = beside(&ball, &large, 60);
     assert_true(ball.nt == 2048u && island.nt == 8u);
@@ -75,12 +74,11 @@ static void which_pieces_are_scraps(void **state)
 }
 
 /* The surface is closed, with the areas of the ball alone; the search of goals passes scraps by, measuring does not. */
-static void scraps_show_nothing(void **state)
+TEST(scraps_show_nothing)
 {
     unit_mesh ball = unit_sphere(4, 40, 0), spoilt = with_scraps(&ball, 100);
     smr_surface *s = unit_surface(&spoilt), *clean = unit_surface(&ball);
     float area = 0.0f, sum = 0.0f;
-    (void)state;
     assert_int_equal(s->open, 0);
     assert_int_equal(s->n_used, clean->n_used);
     assert_int_equal(s->n_fragment_vertices, 300);
@@ -101,30 +99,40 @@ static void scraps_show_nothing(void **state)
         assert_int_equal(SMR_OK, smr_surface_closest(s, spoilt.xyz + 3u * i, NULL, 0, 1000, &found));
         assert_true(found.distance < 1.0e-3f);
     }
-    unit_free(s);
-    unit_free(clean);
-    unit_mesh_free(&ball);
-    unit_mesh_free(&spoilt);
+}
+
+/* Nor does the verdict on a registration onto it: what scraps are left out is not missed. */
+TEST(no_verdict_asks_for_scraps)
+{
+    const unit_mesh ball = unit_sphere(3, 40, 0), goals[2] = {ball, with_scraps(&ball, 20)};
+    const smr_mesh view = unit_view(&ball);
+    const smr_model *model = rig_model(&view, 1, NULL);
+    smr_config c = smr_config_default();
+    smr_verdict verdict;
+    c.basic.n_target_vertices = goals[1].nv;
+    for (uint32_t k = 0; k < 2u; k++) {
+        smr *s = rig_init(model, &c, NULL);
+        assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, unit_surface(&goals[k])));
+        (void)rig_run(s, 20);
+        assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &verdict));
+        assert_true(verdict.target_covered > 0.999f && verdict.visible_share > 0.99f);
+    }
 }
 
 /* New positions do not make scraps part of the surface. */
-static void a_refit_knows_them(void **state)
+TEST(a_refit_knows_them)
 {
     unit_mesh ball = unit_sphere(4, 40, 0), spoilt = with_scraps(&ball, 100);
     smr_surface *s = unit_surface(&spoilt);
     const float before = s->area_mean;
-    (void)state;
     assert_int_equal(SMR_OK, smr_surface_refit(s, spoilt.xyz));
     assert_int_equal(SMR_OK, smr_surface_step(s, 0, NULL, 0));
     assert_true(s->area_mean == before && s->n_fragment == 100u && s->n_fragment_vertices == 300u && s->open == 0u);
     assert_true(s->area[ball.nv] == 0.0f);
-    unit_free(s);
-    unit_mesh_free(&ball);
-    unit_mesh_free(&spoilt);
 }
 
 /* The start pose looks at the places that it looks at without scraps. */
-static void samples_are_the_same(void **state)
+TEST(samples_are_the_same)
 {
     enum { SAMPLES = 100 };
     static smr_vec point[2][SAMPLES], normal[SAMPLES];
@@ -133,7 +141,6 @@ static void samples_are_the_same(void **state)
     unit_mesh bone = unit_bone(0), spoilt = with_scraps(&bone, bone.nt / 16u);
     const unit_mesh *const mesh[2] = {&bone, &spoilt};
     smr_vec at[2][SAMPLES];
-    (void)state;
     assert_true(bone.nt >= 512u);
     for (uint32_t i = 0; i < 2u; i++) {
         smr_surface *s = unit_surface(mesh[i]);
@@ -142,74 +149,10 @@ static void samples_are_the_same(void **state)
         smr_align_side_make(&side, s, SAMPLES);
         for (uint32_t k = 0; k < SAMPLES; k++)
             at[i][k] = smr_add(point[i][k], s->origin);
-        unit_free(s);
+        rig_free(s);
     }
     for (uint32_t k = 0; k < SAMPLES; k++)
         assert_true(smr_length(smr_sub(at[0][k], at[1][k])) < 1.0e-3f);
-    unit_mesh_free(&bone);
-    unit_mesh_free(&spoilt);
 }
 
-/* `n` single triangles in a row along x, in tree order; behind them others that join the last to the one before, that
- * to the one before it, and so on: the newest piece is always the one to be joined, the largest never is. */
-static unit_mesh backwards(uint32_t n)
-{
-    unit_mesh m = unit_mesh_new(3u * n + n - 1u, 2u * n - 1u);
-    for (uint32_t i = 0; i < 3u * n; i++) {
-        m.triangles[i] = i;
-        for (uint32_t c = 0; c < 3u; c++)
-            m.xyz[3u * i + c] = (c == 0u ? (float)(i / 3u) : 0.0f) + (i % 3u == c ? 0.25f : 0.0f);
-    }
-    for (uint32_t k = 0; k + 1u < n; k++) {
-        uint32_t *t = m.triangles + 3u * (n + k);
-        t[0] = 3u * (n - 1u - k);
-        t[1] = 3u * (n - 2u - k);
-        t[2] = 3u * n + k;
-        for (uint32_t c = 0; c < 3u; c++) /* the centre is the next one of the row */
-            m.xyz[3u * t[2] + c] =
-                (c == 0u ? 3.0f * (float)(n + k) : 0.0f) - m.xyz[3u * t[0] + c] - m.xyz[3u * t[1] + c];
-    }
-    return m;
-}
-
-/* Steps from a triangle up to its piece's root, at most. */
-static uint32_t longest_way(const smr_surface *s)
-{
-    uint32_t most = 0;
-    for (uint32_t k = 0; k < s->tree.n_triangles; k++) {
-        uint32_t steps = 0;
-        for (uint32_t at = k; s->work.key[at] != at; at = s->work.key[at])
-            steps++;
-        most = steps > most ? steps : most;
-    }
-    return most;
-}
-
-/* However triangles are joined, no search of a piece's root takes longer than the logarithm of their number. */
-static void ways_up_stay_short(void **state)
-{
-    unit_mesh m = backwards(1000);
-    smr_surface *s = unit_surface(&m);
-    uint32_t roots = 0;
-    (void)state;
-    for (uint32_t k = 0; k < m.nt; k++)
-        assert_int_equal(s->original[k], k);
-    smr_fragments_forget(s, 0, s->n_vertices);
-    smr_fragments_join(s, 0, s->tree.n_triangles);
-    assert_in_range(longest_way(s), 1, 10); /* 2^11 > 1999 */
-    for (uint32_t k = 0; k < m.nt; k++)
-        roots += s->work.key[k] == k;
-    assert_int_equal(roots, 1);
-    unit_free(s);
-    unit_mesh_free(&m);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(which_pieces_are_scraps), cmocka_unit_test(scraps_show_nothing),
-        cmocka_unit_test(a_refit_knows_them),      cmocka_unit_test(samples_are_the_same),
-        cmocka_unit_test(ways_up_stay_short),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,20 +1,12 @@
-/* test_tangent_evening.c: at the last radius a vertex moves along the surface towards where its displacement is its
- * neighbours' mean; the fraction fades, and nothing moves where evening is not allowed.
+/* test_tangent_evening.c: at the last radius a spike goes to where its neighbours' mean is, and nothing moves where
+ * evening is not allowed.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/registration.h"
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static const float none[3] = {0, 0, 0};
 
@@ -61,10 +53,9 @@ static void spike(float even, uint32_t radius_first, int with_target, float *lef
     }
 }
 
-static void test_spike_goes(void **state)
+TEST(test_spike_goes)
 {
     float plain[40], even[40];
-    (void)state;
     spike(0.0f, 1, 1, plain, 40);
     spike(0.5f, 1, 1, even, 40);
     assert_true(plain[39] > 0.8f);                  /* nothing else brings it back */
@@ -73,10 +64,9 @@ static void test_spike_goes(void **state)
 }
 
 /* Not before the last radius, and not without a target. */
-static void test_where(void **state)
+TEST(test_where)
 {
     float plain[2], even[2];
-    (void)state;
     for (uint32_t k = 0; k < 2u; k++) {
         spike(0.0f, k, k == 0u, plain, 2);
         spike(1.0f, k, k == 0u, even, 2);
@@ -84,60 +74,4 @@ static void test_where(void **state)
     }
 }
 
-/* Against a formula: the step is the share of the way to the neighbours' mean, without its part along the normal. */
-static void test_step(void **state)
-{
-    smr_config c = quiet();
-    const smr_model *model;
-    (void)state;
-    c.basic.even = 0.8f;
-    c.schedule.radius_first = 1;
-    c.basic.iterations_last = 10;
-    c.basic.attraction = 0.0f;
-    smr *s = start(&c, &model, 1);
-    for (uint32_t i = 0; i < 3u * s->shared.n; i++)
-        s->shape.x[i] += 0.01f * (float)(i * 7u % 13u);
-    s->schedule.radius_iteration = 5;
-    s->forces.surface.target[0].had_target = 1;
-    smr_tangent_begin(&s->evolve.tangent_smooth);
-    assert_true(fabsf(s->evolve.tangent_smooth.share - 0.8f * 0.25f) < 1.0e-6f);
-    for (uint32_t t = 0; t < smr_tangent_tasks(&s->evolve.tangent_smooth); t++)
-        smr_tangent_clear(&s->evolve.tangent_smooth, t, 0);
-    for (uint32_t t = 0; t < smr_tangent_sum_tasks(&s->evolve.tangent_smooth); t++)
-        smr_tangent_sum(&s->evolve.tangent_smooth, t, 0);
-    for (uint32_t v = 0; v < s->shared.n; v += 11u) {
-        double sum[3] = {0, 0, 0}, n = 0.0, way[3], along = 0.0;
-        for (uint32_t k = 0; k < 3u * s->shared.n_triangles; k++) {
-            for (uint32_t j = 1; s->shared.triangle[k] == v && j < 3u; j++) {
-                const uint32_t w = s->shared.triangle[k / 3u * 3u + (k + j) % 3u];
-                for (uint32_t a = 0; a < 3u; a++)
-                    sum[a] += (double)(s->shape.x[3u * w + a] - s->shape.start[3u * w + a]);
-                n += 1.0;
-            }
-        }
-        for (uint32_t a = 0; a < 3u; a++) {
-            way[a] = sum[a] / n - (double)(s->shape.x[3u * v + a] - s->shape.start[3u * v + a]);
-            along += way[a] * (double)s->shape.normal[3u * v + a];
-        }
-        const smr_vec step = smr_tangent_displacement(&s->evolve.tangent_smooth, v);
-        const double got[3] = {(double)step.x, (double)step.y, (double)step.z};
-        for (uint32_t a = 0; a < 3u; a++)
-            assert_true(fabs(got[a] - 0.2 * (way[a] - along * (double)s->shape.normal[3u * v + a])) < 1.0e-5);
-        s->evolve.tangent_smooth.limited[v] =
-            51; /* where the fold guard held back a fifth of a step, four fifths of it are left */
-        assert_true(fabs((double)smr_length(smr_tangent_displacement(&s->evolve.tangent_smooth, v)) -
-                         0.8 * (double)smr_length(step)) < 1.0e-6);
-        s->evolve.tangent_smooth.limited[v] = 255; /* where it held back all of it nothing is evened out any more */
-        assert_true(smr_length(smr_tangent_displacement(&s->evolve.tangent_smooth, v)) == 0.0f);
-    }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_spike_goes, tidy),
-        cmocka_unit_test_teardown(test_where, tidy),
-        cmocka_unit_test_teardown(test_step, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

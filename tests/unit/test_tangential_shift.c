@@ -1,26 +1,18 @@
 /* test_tangential_shift.c: a profile taken a little to the side is found again by a shift along the surface; without
  * contrast along the surface the shift is zero.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "image/tangential_shift.h"
-#include "property/rig.h"
 
 #define SIDE 40u     /* voxels */
 #define SPACING 1.0f /* mm */
 #define N 20u
 #define STEP 0.5f
 #define REACH 1.5f
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 typedef enum pattern { WAVES, LAYERS, PLAIN } pattern;
 
@@ -76,26 +68,25 @@ static float length(smr_vec a) { return sqrtf(smr_dot(a, a)); }
 
 static smr_vec any_normal(uint32_t *seed)
 {
-    const smr_vec n = smr_v(rig_between(seed, -1, 1), rig_between(seed, -1, 1), rig_between(seed, 0.2f, 1));
-    return smr_scale(n, 1.0f / length(n));
+    float n[3];
+    rig_within(seed, -1, 1, n);
+    n[2] = 0.6f + 0.4f * n[2];
+    return smr_scale(smr_load(n), 1.0f / length(smr_load(n)));
 }
 
 /* A step of up to 1 mm is found again except for a part of it: the search is one linear step, slightly damped, on
  * profiles without their means. */
-static void test_finds_the_side(void **state)
+TEST(test_finds_the_side)
 {
     const smr_grid grid = image(WAVES);
     uint32_t seed = 4;
     double missed = 0.0;
-    (void)state;
     for (uint32_t k = 0; k < 300u; k++) {
-        trial t = {smr_v(rig_between(&seed, -5, 5), rig_between(&seed, -5, 5), rig_between(&seed, -5, 5)),
-                   any_normal(&seed),
-                   {0, 0, 0},
-                   0.1f,
-                   1.0f,
-                   0.0f};
-        const smr_vec side = smr_v(rig_between(&seed, -1, 1), rig_between(&seed, -1, 1), rig_between(&seed, -1, 1));
+        float place[3], aside[3];
+        rig_within(&seed, -5, 5, place);
+        rig_within(&seed, -1, 1, aside);
+        trial t = {smr_load(place), any_normal(&seed), {0, 0, 0}, 0.1f, 1.0f, 0.0f};
+        const smr_vec side = smr_load(aside);
         t.beside = smr_scale(smr_sub(side, smr_scale(t.normal, smr_dot(side, t.normal))), 0.6f);
         const smr_vec way = found_way(&grid, &t);
         assert_true(fabsf(smr_dot(way, t.normal)) < 1.0e-4f);
@@ -110,11 +101,10 @@ static void test_finds_the_side(void **state)
 }
 
 /* Where the profile is, nothing moves; where the image does not change across the normal, neither. */
-static void test_stays(void **state)
+TEST(test_stays)
 {
     const smr_grid waves = image(WAVES), layers = image(LAYERS), plain = image(PLAIN);
     trial t = {{1, 2, 0}, {0, 0, 1}, {0, 0, 0}, 0.1f, 1.0f, 0.0f};
-    (void)state;
     assert_true(length(found_way(&waves, &t)) < 0.05f);
     t.beside = smr_v(0.7f, -0.4f, 0.0f);
     assert_true(length(found_way(&waves, &t)) > 0.3f);
@@ -124,11 +114,10 @@ static void test_stays(void **state)
 
 /* Brightness changes nothing. At the right place more contrast moves nothing. Values that no image has give a step
  * within reach. */
-static void test_brightness(void **state)
+TEST(test_brightness)
 {
     const smr_grid grid = image(WAVES);
     trial t = {{1, 2, 0}, {0, 0, 1}, {0.6f, 0.5f, 0.0f}, 0.1f, 1.0f, 0.0f};
-    (void)state;
     const smr_vec way = found_way(&grid, &t);
     t.brighter = 1.0e3f;
     assert_true(length(smr_sub(found_way(&grid, &t), way)) < 1.0e-3f);
@@ -144,12 +133,11 @@ static void test_brightness(void **state)
 }
 
 /* The contrast of a profile that is stretched, wherever it lies in brightness. */
-static void test_contrast(void **state)
+TEST(test_contrast)
 {
     const uint8_t packed[4] = {0, 100, 255, 30};
     const smr_profile reference = {packed, 10.0f, 51.0f, 4}, flat = {packed, 10.0f, 0.0f, 4};
     float found[4];
-    (void)state;
     for (uint32_t k = 0; k < 6u; k++) {
         static const float gain[6] = {0.0f, 0.3f, 1.0f, 1.5f, 3.9f, 60.0f};
         for (uint32_t i = 0; i < 4u; i++)
@@ -162,25 +150,14 @@ static void test_contrast(void **state)
 }
 
 /* Lines of which a part lies outside tell nothing. */
-static void test_outside(void **state)
+TEST(test_outside)
 {
     const smr_grid grid = image(WAVES);
     trial t = {{0, 0, 0}, {0, 0, 1}, {-1, 0, 0}, 0.1f, 1.0f, 0.0f};
-    (void)state;
     t.middle.x = 19.0f; /* the last voxel is at 19.5 mm */
     assert_true(length(found_way(&grid, &t)) == 0.0f);
     t.middle.x = 17.5f;
     assert_true(length(found_way(&grid, &t)) > 0.0f);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_finds_the_side, tidy),
-        cmocka_unit_test_teardown(test_stays, tidy),
-        cmocka_unit_test_teardown(test_brightness, tidy),
-        cmocka_unit_test_teardown(test_outside, tidy),
-        cmocka_unit_test(test_contrast),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

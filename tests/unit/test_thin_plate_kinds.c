@@ -1,7 +1,7 @@
-/* test_thin_plate_kinds.c: landmark warps of sets that determine no spline, with unusual numbers, wrong calls, and too
- * little memory.
+/* test_thin_plate_kinds.c: landmark warps of sets that determine no spline, with unusual numbers, wrong calls, and
+ * too little memory.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
@@ -38,11 +38,10 @@ static unit_landmarks flat_set(oracle_random *r, uint32_t n, int rank, double sc
     return s;
 }
 
-static void weaker_sets_get_weaker_kinds(void **state)
+TEST(weaker_sets_get_weaker_kinds)
 {
     oracle_random r = oracle_seed(307);
     double worst = 0.0, solid = 0.0;
-    (void)state;
     for (uint32_t k = 0; k < 800u; k++) {
         const uint32_t n = 1u + k % 12u;
         const int rank = (int)(k / 12u % 3u);
@@ -70,47 +69,16 @@ static void weaker_sets_get_weaker_kinds(void **state)
             unit_affine_carry(&map, p, e);
             worst = fmax(worst, unit_apart(a, e));
         }
-        unit_free(w);
+        rig_free(w);
     }
     assert_true(oracle_within("warp: weaker kinds at exact landmarks", worst, 5e-3));
     assert_true(oracle_within("warp: weaker kinds keep shape", solid, 5e-3));
 }
 
-/* A rigid pair of which one is longer: ends stick out alike; a translation takes mean to mean. */
-static void weak_fits_are_centred(void **state)
-{
-    static const float from[] = {0, 0, 0, 10, 0, 0}, to[] = {5, 5, 5, 5, 25, 5}, same[] = {1, 2, 3, 1, 2, 3};
-    unit_landmarks s;
-    uint32_t kind;
-    float p[] = {0, 0, 0, 10, 0, 0};
-    (void)state;
-    memset(&s, 0, sizeof s);
-    s.n = 2;
-    memcpy(s.from, from, sizeof from);
-    memcpy(s.to, to, sizeof to);
-    smr_warp *w = unit_warp_fit(&s, 0.0f, &kind);
-    assert_int_equal(kind, SMR_WARP_RIGID);
-    assert_int_equal(smr_warp_apply(w, p, 2), SMR_OK);
-    const float rigid[] = {5, 10, 5, 5, 20, 5};
-    for (int i = 0; i < 6; i++)
-        assert_true(fabsf(p[i] - rigid[i]) < 1e-4f);
-    unit_free(w);
-    memcpy(s.from, same, sizeof same);
-    w = unit_warp_fit(&s, 0.0f, &kind);
-    assert_int_equal(kind, SMR_WARP_TRANSLATION);
-    memcpy(p, same, sizeof same);
-    assert_int_equal(smr_warp_apply(w, p, 2), SMR_OK);
-    const float mid[] = {5, 15, 5, 5, 15, 5};
-    for (int i = 0; i < 6; i++)
-        assert_true(fabsf(p[i] - mid[i]) < 1e-4f);
-    unit_free(w);
-}
-
 /* Goals in one place: a plane or a line would collapse, so it keeps its size; a full set goes where it is told. */
-static void collapsed_goals(void **state)
+TEST(collapsed_goals)
 {
     oracle_random r = oracle_seed(312);
-    (void)state;
     for (int rank = 1; rank <= 3; rank++) {
         unit_affine map;
         uint32_t kind;
@@ -123,16 +91,15 @@ static void collapsed_goals(void **state)
         assert_int_equal(smr_warp_apply(w, a, 1), SMR_OK);
         assert_int_equal(smr_warp_apply(w, b, 1), SMR_OK);
         assert_true(fabs(unit_apart(a, b) - (rank == 3 ? 0.0 : 100.0)) < 1e-3);
-        unit_free(w);
+        rig_free(w);
     }
 }
 
 /* Nothing legal makes a number that is not finite: tiny, huge, far, thin and collapsed sets. */
-static void odd_sets_stay_finite(void **state)
+TEST(odd_sets_stay_finite)
 {
     static const float size[] = {0.0f, 1e-38f, 1e-20f, 1e-6f, 1e-4f, 1e-3f, 1.0f, 1e3f, 1e5f};
     oracle_random r = oracle_seed(308);
-    (void)state;
     for (uint32_t k = 0; k < 6000u; k++) {
         unit_landmarks s;
         uint32_t kind;
@@ -154,23 +121,22 @@ static void odd_sets_stay_finite(void **state)
         assert_true(unit_finite(p, 9, 1e30f));
         assert_int_equal(smr_warp_apply(w, s.from, s.n), SMR_OK);
         assert_true(unit_finite(s.from, 3u * (size_t)s.n, 1e30f));
-        unit_free(w);
+        rig_free(w);
     }
 }
 
 /* ---------------------------------------------------------------- border */
 
-static void refuses_and_leaves_alone(void **state)
+TEST(refuses_and_leaves_alone)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY, 1.1e5f, -1.1e5f};
     oracle_random r = oracle_seed(309);
     unit_landmarks s = unit_warp_random(&r, 9, 0.0, 10.0);
     size_t bytes = 0;
     assert_int_equal(smr_warp_bytes(s.n, &bytes), SMR_OK);
-    unsigned char *memory = unit_memory(bytes + SMR_ALIGN);
+    unsigned char *memory = rig_rough(bytes + SMR_ALIGN);
     smr_warp *const mark = (smr_warp *)(void *)&s, *w = mark;
     uint32_t kind = 77u;
-    (void)state;
     assert_int_equal(smr_warp_fit(s.from, s.to, s.n, 0, NULL, bytes, &w, &kind), SMR_E_NULL);
     assert_int_equal(smr_warp_fit(NULL, s.to, s.n, 0, memory, bytes, &w, &kind), SMR_E_NULL);
     assert_int_equal(smr_warp_fit(s.from, NULL, s.n, 0, memory, bytes, &w, &kind), SMR_E_NULL);
@@ -211,13 +177,11 @@ static void refuses_and_leaves_alone(void **state)
         assert_true(p[i] == (float)(i + 1));
     memset(memory, 0, sizeof(uint32_t)); /* no longer a warp */
     assert_int_equal(smr_warp_apply(w, p, 1), SMR_E_STATE);
-    unit_free(memory);
 }
 
-static void memory_is_exact(void **state)
+TEST(memory_is_exact)
 {
     oracle_random r = oracle_seed(310);
-    (void)state;
     size_t bytes = 77;
     assert_int_equal(smr_warp_bytes(0, &bytes), SMR_E_INPUT);
     assert_int_equal(smr_warp_bytes(SMR_LANDMARKS_MAX + 1u, &bytes), SMR_E_INPUT);
@@ -227,7 +191,7 @@ static void memory_is_exact(void **state)
     for (uint32_t n = 1; n <= SMR_LANDMARKS_MAX; n++) {
         const unit_landmarks s = unit_warp_random(&r, n, 0.0, 10.0);
         assert_int_equal(smr_warp_bytes(n, &bytes), SMR_OK);
-        unsigned char *memory = unit_memory(bytes + 2u * GUARD);
+        unsigned char *memory = rig_rough(bytes + 2u * GUARD);
         smr_warp *w = NULL;
         uint32_t kind;
         assert_true(bytes > 0u && bytes % SMR_ALIGN == 0u && bytes < 65536u);
@@ -236,19 +200,8 @@ static void memory_is_exact(void **state)
             assert_int_equal(memory[i], 0xa5);
             assert_int_equal(memory[GUARD + bytes + i], 0xa5);
         }
-        unit_free(memory);
+        rig_free(memory);
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(weaker_sets_get_weaker_kinds),
-        cmocka_unit_test(weak_fits_are_centred),
-        cmocka_unit_test(collapsed_goals),
-        cmocka_unit_test(odd_sets_stay_finite),
-        cmocka_unit_test(refuses_and_leaves_alone),
-        cmocka_unit_test(memory_is_exact),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

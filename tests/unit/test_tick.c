@@ -1,19 +1,11 @@
-/* test_tick.c: an iteration's phases and its report; the same input gives the same bits.
+/* test_tick.c: an iteration's report, and the phase at which a tick resumes.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/tick/iteration_steps.h"
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static const float none[3] = {0, 0, 0};
 
@@ -27,12 +19,11 @@ static smr *start(const smr_config *config, const smr_port *port)
     return s;
 }
 
-static void test_report(void **state)
+TEST(test_report)
 {
     smr_config c = smr_config_default();
     smr_tick_report report;
     uint32_t n = 0, next_radius = 0;
-    (void)state;
     smr *s = start(&c, NULL);
     do {
         const uint32_t radius = s->schedule.radius, at = s->schedule.radius_iteration,
@@ -60,47 +51,7 @@ static void test_report(void **state)
     assert_true(report.residual_mean_mm < 1.0f); /* and it did get there: 6 mm at first */
 }
 
-static void test_report_may_be_null(void **state)
-{
-    const smr_config c = smr_config_default();
-    smr *s = start(&c, NULL), *twin = start(&c, NULL);
-    smr_tick_report report;
-    (void)state;
-    for (uint32_t i = 0; i < 12u; i++) {
-        assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
-        assert_int_equal(SMR_OK, smr_tick(twin, 0, &report));
-    }
-    assert_true(smr_state_hash(s) == smr_state_hash(twin));
-    assert_int_equal(12, s->schedule.iteration);
-}
-
-/* A second arena, filled with something else before, gives the same bits. */
-static void test_memory_does_not_matter(void **state)
-{
-    const smr_mesh mesh = rig_ball(30, 9, 12, none), goal = rig_ball(33, 12, 16, none);
-    const smr_prepare_config radii = rig_radii(2, 25, 15, 0);
-    const smr_model *model = rig_model(&mesh, 1, &radii);
-    const smr_surface *surface = rig_surface(&goal);
-    uint64_t hash[4];
-    (void)state;
-    for (uint32_t k = 0; k < 4u; k++) {
-        smr_config c = smr_config_default();
-        size_t bytes = 0;
-        smr *s = NULL;
-        c.basic.n_target_vertices = goal.n_vertices;
-        c.basic.method = k / 2u;
-        assert_int_equal(SMR_OK, smr_arena_bytes(model, &c, &bytes));
-        unsigned char *memory = rig_alloc(bytes);
-        memset(memory, k % 2u ? 0xff : 0x3c, bytes);
-        assert_int_equal(SMR_OK, smr_init(model, &c, NULL, memory, bytes, &s));
-        assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, surface));
-        (void)rig_run(s, 30);
-        hash[k] = smr_state_hash(s);
-    }
-    assert_true(hash[0] == hash[1] && hash[2] == hash[3] && hash[0] != hash[2]);
-}
-
-static void test_resumes_at_the_phase_it_says(void **state)
+TEST(test_resumes_at_the_phase_it_says)
 {
     smr_config c = smr_config_default();
     rig_clock clock;
@@ -108,7 +59,6 @@ static void test_resumes_at_the_phase_it_says(void **state)
     smr *s = start(&c, &port);
     smr_tick_report report = {0};
     uint32_t seen = 0, partial = 0;
-    (void)state;
     for (uint32_t i = 0; i < 2000u && report.iteration < 4u; i++) {
         const smr_status status = smr_tick(s, 2000, &report);
         assert_true(status == SMR_OK ? report.details.phase == 0u && s->step == 0u : status == SMR_PARTIAL);
@@ -120,32 +70,4 @@ static void test_resumes_at_the_phase_it_says(void **state)
     assert_true(partial > 20u);
 }
 
-static void test_forces_pending(void **state)
-{
-    smr_config c = smr_config_default();
-    rig_clock clock;
-    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
-    smr *s = start(&c, &port);
-    int had = 1;
-    uint32_t changes = 0;
-    (void)state;
-    assert_int_equal(1, smr_forces_pending(s));
-    for (uint32_t i = 0; i < 200u && s->schedule.iteration == 0u; i++) {
-        (void)smr_tick(s, 2000, NULL);
-        changes += smr_forces_pending(s) != had;
-        had = smr_forces_pending(s);
-    }
-    assert_int_equal(2, changes); /* once they are there, and with the next iteration */
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_report, tidy),
-        cmocka_unit_test_teardown(test_report_may_be_null, tidy),
-        cmocka_unit_test_teardown(test_memory_does_not_matter, tidy),
-        cmocka_unit_test_teardown(test_resumes_at_the_phase_it_says, tidy),
-        cmocka_unit_test_teardown(test_forces_pending, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

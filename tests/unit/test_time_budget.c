@@ -1,33 +1,22 @@
 /* test_time_budget.c: the controller under clocks whose every reading is known: each reading, and so each task, takes
- * a fixed number of nanoseconds. Ticks end in time and use it, outliers are forgotten, changes are learnt, long
- * iterations span several ticks.
+ * a fixed number of nanoseconds. Ticks end in time and use it, and long iterations span several ticks.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/tick/iteration_steps.h"
 
 static const float none[3] = {0, 0, 0};
 static const smr_model *model;
 static const smr_surface *surface;
 
-static int set_up(void **state)
+static void set_up(void)
 {
     const smr_mesh ball = rig_ball(40, 31, 40, none), goal = rig_ball(43, 17, 24, none);
     const smr_prepare_config radii = rig_radii(1, 18, 0, 0);
-    (void)state;
     model = rig_model(&ball, 1, &radii);
     surface = rig_surface(&goal);
-    return 0;
-}
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
 }
 
 static smr *start(rig_clock *clock, uint64_t step_ns)
@@ -81,31 +70,11 @@ static uint64_t full_time(uint64_t step_ns)
     return o.longest;
 }
 
-static void test_learns_what_it_meets(void **state)
+TEST(test_in_time_and_not_idle)
 {
-    rig_clock clock;
-    smr *s = start(&clock, 1000);
-    (void)state;
-    for (uint32_t i = 0; i < smr_n_steps; i++)
-        assert_true(s->budget.rate[i] < 0.0f);
-    (void)run(s, &clock, UINT64_MAX / 2u, 2);
-    for (uint32_t i = 0; i < smr_n_steps; i++) {
-        s->step = i;
-        const int met = smr_step_tasks(s, &smr_steps[i]) > 0u || smr_steps[i].run == smr_reference_cluster;
-        if (met && smr_steps[i].work == SMR_WORK_ACTIVE) { /* a task and the step's end: a reading each */
-            const float tasks = (float)smr_step_tasks(s, &smr_steps[i]) + 1.0f;
-            assert_true(s->budget.rate[i] <= 1001.0f * tasks / (float)s->shared.n);
-            assert_true(s->budget.rate[i] >= 900.0f * (tasks - 2.0f) / (float)s->shared.n);
-        }
-    }
-    s->step = 0;
-}
-
-static void test_in_time_and_not_idle(void **state)
-{
+    set_up();
     const uint64_t full = full_time(1000);
     uint32_t before = 0;
-    (void)state;
     for (uint32_t percent = 70; percent <= 160u; percent += 15u) {
         rig_clock clock;
         smr *s = start(&clock, 1000);
@@ -120,36 +89,13 @@ static void test_in_time_and_not_idle(void **state)
     }
 }
 
-static void test_an_outlier_is_forgotten(void **state)
-{
-    const uint64_t full = full_time(1000), budget = full * 3u / 4u;
-    (void)state;
-    for (uint32_t at = 1; at < 140u; at += 7u) { /* readings after the tick's start */
-        rig_clock clock;
-        smr *s = start(&clock, 1000);
-        (void)run(s, &clock, budget, 30);
-        const outcome usual = run(s, &clock, budget, 20);
-        const uint64_t reading = clock.readings + at;
-        while (clock.readings < reading) { /* a tick that stops for long, somewhere */
-            const uint32_t left = (uint32_t)(reading - clock.readings);
-            clock.step_ns = left < 60u ? 100000u : 1000u;
-            (void)run(s, &clock, budget, 1);
-        }
-        clock.step_ns = 1000;
-        (void)run(s, &clock, budget, 25);
-        const outcome o = run(s, &clock, budget, 20);
-        assert_true(o.longest <= budget + 3000u);
-        assert_true(10u * o.most >= 8u * usual.most);
-    }
-}
-
 /* The first thing that is learnt is nonsense. */
-static void test_a_clock_that_is_set(void **state)
+TEST(test_a_clock_that_is_set)
 {
+    set_up();
     const uint64_t budget = full_time(1000) * 9u / 10u;
     rig_clock clock;
     smr *s = start(&clock, 1000);
-    (void)state;
     clock.step_ns = (uint64_t)1 << 50;
     (void)run(s, &clock, budget, 300); /* a group each */
     clock.step_ns = 1000;
@@ -159,30 +105,12 @@ static void test_a_clock_that_is_set(void **state)
     assert_true(4u * o.most >= 3u * s->shared.n);
 }
 
-static void test_a_slower_machine(void **state)
+TEST(test_several_ticks)
 {
-    const uint64_t budget = full_time(1000) * 9u / 10u;
-    rig_clock clock;
-    smr *s = start(&clock, 1000);
-    (void)state;
-    const outcome fast = run(s, &clock, budget, 40);
-    clock.step_ns = 1500;
-    (void)run(s, &clock, budget, 30);
-    const outcome slow = run(s, &clock, budget, 40);
-    assert_true(slow.longest <= budget + 4500u && slow.whole >= 36u);
-    assert_true(slow.most < fast.most);
-    clock.step_ns = 1000;
-    (void)run(s, &clock, budget, 60);
-    const outcome again = run(s, &clock, budget, 20);
-    assert_true(10u * again.most >= 9u * fast.most);
-}
-
-static void test_several_ticks(void **state)
-{
+    set_up();
     const uint64_t budget = full_time(1000) / 10u;
     rig_clock clock;
     smr *s = start(&clock, 1000);
-    (void)state;
     (void)run(s, &clock, budget, 200);
     const outcome o = run(s, &clock, budget, 300);
     assert_true(o.longest <= budget + 3000u);
@@ -190,14 +118,14 @@ static void test_several_ticks(void **state)
     assert_true(o.sum >= 300u * (budget * 7u / 10u));              /* and no tick goes to waste */
 }
 
-static void test_nothing_is_left_out_at_the_end(void **state)
+TEST(test_nothing_is_left_out_at_the_end)
 {
+    set_up();
     const uint64_t budget = full_time(1000) * 3u / 4u;
     rig_clock clock;
     smr *s = start(&clock, 1000);
     smr_tick_report r = {0};
     uint32_t cut = 0;
-    (void)state;
     s->shared.config.basic.iterations_last = 30;
     for (uint32_t i = 0; i < 200u && !r.done; i++) {
         if (smr_tick(s, budget, &r) == SMR_OK) {
@@ -208,12 +136,12 @@ static void test_nothing_is_left_out_at_the_end(void **state)
     assert_true(r.done && cut >= 8u);
 }
 
-static void test_set_active(void **state)
+TEST(test_set_active)
 {
+    set_up();
     rig_clock clock;
     smr *s = start(&clock, 1000), *free_one = start(&clock, 0);
     smr_tick_report r;
-    (void)state;
     assert_int_equal(SMR_E_NULL, smr_set_active(NULL, 1));
     assert_int_equal(SMR_OK, smr_set_active(s, 333));
     while (smr_tick(s, 20000, &r) == SMR_PARTIAL) { /* not the controller's to change */
@@ -235,17 +163,4 @@ static void test_set_active(void **state)
     assert_int_equal(free_one->shared.n, r.details.n_taken);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_learns_what_it_meets, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_in_time_and_not_idle, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_an_outlier_is_forgotten, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_a_clock_that_is_set, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_a_slower_machine, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_several_ticks, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_nothing_is_left_out_at_the_end, set_up, tidy),
-        cmocka_unit_test_setup_teardown(test_set_active, set_up, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,11 +1,11 @@
-/* test_track_clouds.c: clouds that are followed: the side that they show goes along with what looks at them, is saved,
- * and a jump is laid out on it; whichever cloud object a replay has, the bits are the same; each change must be set.
+/* test_track_clouds.c: clouds that are followed: the side that they show goes along with what looks at them, is
+ * saved, and a jump is laid out on it; whichever cloud object a replay has, the bits are the same; each change must
+ * be set.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 
-#include "property/rig.h"
 #include "log/record/log_format.h"
 #include "registration/registration.h"
 
@@ -18,13 +18,6 @@ typedef struct scene {
     smr_config config;
     smr_points *cloud;
 } scene;
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static smr_points *cloud_of(uint32_t capacity)
 {
@@ -79,13 +72,12 @@ static smr_mesh jumped(const scene *e, smr_vec way)
 }
 
 /* A camera goes round a bone that lies still, a tick a step; then the bone jumps away from it. */
-static void test_camera_goes_round(void **state)
+TEST(test_camera_goes_round)
 {
     const scene e = make(SMR_TRACK_RECOVER);
     smr *s = at_rest(&e);
     smr_vec d = {0, 0, 0};
     smr_tick_report r = {0};
-    (void)state;
     for (uint32_t i = 1; i <= 30u; i++) {
         d = smr_v(cosf(0.10472f * (float)i), sinf(0.10472f * (float)i), 0);
         see(&e, s, &e.bone, d);
@@ -99,11 +91,10 @@ static void test_camera_goes_round(void **state)
 }
 
 /* Saved and restored while a jump is laid out. */
-static void test_restores_in_a_jump(void **state)
+TEST(test_restores_in_a_jump)
 {
     const scene e = make(SMR_TRACK_RECOVER);
     const smr_mesh there = jumped(&e, smr_v(-40, 0, 0));
-    (void)state;
     for (uint32_t cut = 0; cut < 12u; cut += 3u) {
         smr *s = at_rest(&e);
         see(&e, s, &there, smr_v(1, 0, 0));
@@ -130,12 +121,11 @@ static const void *by_checksum(void *ctx, const smr_log_record *record)
 
 /* A cloud that grew is replayed with another cloud for each time that it was set: what searches leave for the next
  * iteration does not depend on which it is. */
-static void test_replays_with_copies(void **state)
+TEST(test_replays_with_copies)
 {
     static unsigned char log[LOG];
     scene e = make(SMR_TRACK_OFF);
     uint32_t partial = 0;
-    (void)state;
     e.config.forces.reject_deviations = 2.0f;
     smr *s = rig_init(e.model, &e.config, NULL);
     assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
@@ -152,30 +142,12 @@ static void test_replays_with_copies(void **state)
     assert_true(smr_state_hash(s) == smr_state_hash(again));
 }
 
-/* Whatever happened to a cloud. */
-static void test_changes_are_seen(void **state)
-{
-    const scene e = make(SMR_TRACK_OFF);
-    smr *s = rig_init(e.model, &e.config, NULL);
-    (void)state;
-    for (uint32_t i = 0; i < 5120u; i++)
-        assert_int_equal(SMR_OK, smr_points_add(e.cloud, e.goal.xyz + 3u * (size_t)(i % 500u), NULL, NULL, 1));
-    assert_int_equal(SMR_OK, smr_set_points(s, 0, e.cloud));
-    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
-    assert_int_equal(SMR_OK, smr_points_clear(e.cloud));
-    for (uint32_t i = 0; i < 600u; i++) {
-        assert_int_equal(SMR_OK, smr_points_add(e.cloud, e.goal.xyz, NULL, NULL, 1u + (i == 0u)));
-        assert_int_equal(SMR_E_STATE, smr_tick(s, 0, NULL));
-    }
-}
-
 /* Also while a restored registration waits for what else it had. */
-static void test_changes_are_seen_while_waiting(void **state)
+TEST(test_changes_are_seen_while_waiting)
 {
     static unsigned char log[LOG];
     const scene e = make(SMR_TRACK_OFF);
     smr *s = rig_init(e.model, &e.config, NULL);
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_log(s, log, sizeof log));
     assert_int_equal(SMR_OK, smr_points_add(e.cloud, e.goal.xyz, NULL, NULL, AT_A_TIME));
     assert_int_equal(SMR_OK, smr_set_points(s, SMR_ALL, e.cloud));
@@ -187,14 +159,4 @@ static void test_changes_are_seen_while_waiting(void **state)
     assert_int_equal(SMR_E_STATE, smr_tick(copy, 0, NULL));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_camera_goes_round, tidy),
-        cmocka_unit_test_teardown(test_restores_in_a_jump, tidy),
-        cmocka_unit_test_teardown(test_replays_with_copies, tidy),
-        cmocka_unit_test_teardown(test_changes_are_seen, tidy),
-        cmocka_unit_test_teardown(test_changes_are_seen_while_waiting, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

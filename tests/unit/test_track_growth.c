@@ -1,20 +1,13 @@
-/* test_track_growth.c: a cloud that grows beside an image that is followed: the image is of now as long as no point has
- * moved, also after a save, and what is lost is looked for.
+/* test_track_growth.c: a cloud that grows beside an image that is followed: the image is of now as long as no point
+ * has moved, also after a save, and what is lost is looked for.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <string.h>
 
 #include "unit_moving_ball.h"
 
 enum { CLOUD = 200 };
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 /* Adds points of the upper half of the ball in a frame, first to end of CLOUD, and sets the cloud. */
 static void show(smr *s, const scene *e, smr_points *cloud, uint32_t frame, uint32_t first, uint32_t end)
@@ -38,12 +31,11 @@ static smr_points *empty_cloud(void *memory)
 
 /* While a cloud grows beside an image the image is of now, also when the cloud is set again as it was or weighed
  * otherwise; its search goes on and does not start over. Other points in the same memory are newer. */
-static void test_cloud_that_grows(void **state)
+TEST(test_cloud_that_grows)
 {
     scene e = make(SMR_TRACK_REPORT);
     smr_tick_report report;
     uint32_t n = 0;
-    (void)state;
     e.config.basic.n_target_vertices = CLOUD;
     void *memory = rig_alloc(SMR_POINTS_BYTES(CLOUD));
     smr_points *cloud = empty_cloud(memory);
@@ -68,54 +60,11 @@ static void test_cloud_that_grows(void **state)
     assert_true(s->schedule.image_age == SMR_IMAGE_PAST && off_ball(s, &e, 2) < 0.8f);
 }
 
-/* How far a field that shifts everything by 1 mm carries seen vertices along their surface, mm, when so many of ten are
- * seen. */
-static float carried_along(smr *s, uint32_t seen)
-{
-    static const smr_pose shift = {{{1, 0, 0, 1}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    smr_target *const t = &s->forces.surface.target[0];
-    smr_occluded_field *const field = &s->forces.occluded;
-    float most = 0.0f;
-    field->pose = shift;
-    field->n = 1;
-    memset(field->start, 0, 3u * sizeof *field->start);
-    memset(field->coefficient, 0, 3u * sizeof *field->coefficient);
-    t->n_judged = 10;
-    t->n_visible = seen;
-    for (uint32_t v = 0; v < s->shared.n; v++) {
-        smr_vec way = smr_v(0, 0, 0);
-        s->forces.surface.visibility_next[v] = SMR_VISIBLE_ONE;
-        smr_occluded_field_blend(field, v, 1, &way);
-        most = smr_max(most, smr_length(way));
-    }
-    return most;
-}
-
-/* Beside an image the field carries along what is shown in part, and less and less what is shown nearly whole. */
-static void test_whole_cloud_holds_itself(void **state)
-{
-    scene e = make(SMR_TRACK_REPORT);
-    (void)state;
-    e.config.basic.n_target_vertices = CLOUD;
-    smr_points *cloud = empty_cloud(rig_alloc(SMR_POINTS_BYTES(CLOUD)));
-    smr *s = rig_init(e.model, &e.config, NULL);
-    assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[0]));
-    show(s, &e, cloud, 0, 0, CLOUD);
-    assert_int_equal(1, until_settled(s).details.tracking);
-    assert_int_equal(SMR_OK, smr_set_volume(s, &e.frame[1]));
-    assert_int_equal(SMR_OK, smr_tick(s, 0, NULL));
-    assert_true(s->forces.surface.target[0].partial && s->schedule.momentum < e.config.motion.momentum);
-    const float part = carried_along(s, 7);
-    assert_true(part > 0.5f && carried_along(s, 8) > 0.4f * part && carried_along(s, 8) < 0.6f * part);
-    assert_true(!(carried_along(s, 9) > 0.001f * part) && !(carried_along(s, 10) > 0.0f));
-}
-
 /* An image that shows nothing has lost the ball; the first points of a cloud beside it are far off: a jump, too. */
-static void test_lost_while_growing(void **state)
+TEST(test_lost_while_growing)
 {
     scene e = make(SMR_TRACK_REPORT);
     smr_tick_report r = {0};
-    (void)state;
     e.config.basic.n_target_vertices = CLOUD;
     e.config.track.jump_mm = 1.0f;
     smr_points *cloud = empty_cloud(rig_alloc(SMR_POINTS_BYTES(CLOUD)));
@@ -133,10 +82,9 @@ static void test_lost_while_growing(void **state)
 }
 
 /* What a cloud was when it was saved is known after it is restored. */
-static void test_restores_growth(void **state)
+TEST(test_restores_growth)
 {
     scene e = make(SMR_TRACK_REPORT);
-    (void)state;
     e.config.basic.n_target_vertices = CLOUD;
     smr_points *cloud = empty_cloud(rig_alloc(SMR_POINTS_BYTES(CLOUD)));
     smr *run[2] = {rig_init(e.model, &e.config, NULL), NULL};
@@ -152,13 +100,4 @@ static void test_restores_growth(void **state)
     assert_true(run[0]->schedule.image_age == SMR_IMAGE_CURRENT && smr_state_hash(run[0]) == smr_state_hash(run[1]));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_cloud_that_grows, tidy),
-        cmocka_unit_test_teardown(test_restores_growth, tidy),
-        cmocka_unit_test_teardown(test_lost_while_growing, tidy),
-        cmocka_unit_test_teardown(test_whole_cloud_holds_itself, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

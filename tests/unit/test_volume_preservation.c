@@ -1,25 +1,17 @@
-/* test_volume_preservation.c: what encloses a volume, how large it is, and that it comes to what is asked for: without
- * a target, against one, with any port or budget, replayed and restored.
+/* test_volume_preservation.c: what encloses a volume, how large it is, and that it comes to what is asked for, with a
+ * target or without, and after a save.
  * SPDX-License-Identifier: MIT */
-#include "cmocka_first.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "property/rig.h"
 #include "registration/registration.h"
 
 enum { LOG = 65536 };
 
 static const float none[3] = {0, 0, 0};
 static const smr_model *model;
-
-static int tidy(void **state)
-{
-    (void)state;
-    rig_free_all();
-    return 0;
-}
 
 static smr_config config_of(float volume)
 {
@@ -60,13 +52,12 @@ static double volume_in_double(const float *xyz, const smr_mesh *mesh)
     return sum / 6.0;
 }
 
-static void test_closed(void **state)
+TEST(test_closed)
 {
     const smr_config off = config_of(0.0f), on = config_of(1.0f);
     const float unit[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, far[3] = {5000, -8000, 300};
     const smr_mesh ball = rig_ball(30, 12, 16, none), away = rig_moved(&ball, unit, far);
     smr_mesh other = ball;
-    (void)state;
     smr_structure_volume v = volume_of(start(&away, &off, NULL));
     assert_true(v.closed && v.asked_mm3 == 0.0f && v.asked_ratio == 0.0f);
     assert_float_equal(v.rest_mm3, (float)volume_in_double(away.xyz, &away), 1e-4f * v.rest_mm3);
@@ -93,13 +84,12 @@ static void test_closed(void **state)
     assert_float_equal(volume_of(s).ratio, 0.9f, 1e-4f);
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     const smr_config off = config_of(0.0f), on = config_of(0.5f);
     const smr_mesh ball = rig_ball(30, 12, 16, none);
     smr_mesh open = ball;
     smr_structure_volume v;
-    (void)state;
     smr *s = start(&ball, &off, NULL);
     assert_int_equal(SMR_E_ARENA, smr_set_volume_ratio(s, 0, 1.0f));
     s = start(&ball, &on, NULL);
@@ -121,30 +111,12 @@ static void test_refused(void **state)
     assert_true(smr_state_hash(s) == before);
 }
 
-static void test_bytes(void **state)
-{
-    const smr_config off = config_of(0.0f), on = config_of(1.0f);
-    const smr_mesh ball = rig_ball(30, 12, 16, none);
-    size_t least = 0, most = 0, save[2] = {0, 0};
-    (void)state;
-    assert_int_equal(SMR_OK, smr_save_bytes(start(&ball, &off, NULL), &save[0]));
-    assert_int_equal(SMR_OK, smr_save_bytes(start(&ball, &on, NULL), &save[1]));
-    assert_int_equal(SMR_SAVE_VOLUME_BYTES(1), save[1] - save[0]);
-    assert_int_equal(SMR_OK, smr_arena_bytes(model, &off, &least));
-    assert_int_equal(SMR_OK, smr_arena_bytes(model, &on, &most));
-    assert_true(most > least);
-#if !defined(__SANITIZE_ADDRESS__)
-    assert_true(most <= least + SMR_ARENA_VOLUME_BYTES(1));
-#endif
-}
-
 /* Without a target, from any start; also asked for in the scale of the start. */
-static void test_reached(void **state)
+TEST(test_reached)
 {
     static const float ratio[] = {0.8f, 0.95f, 1.0f, 1.1f, 1.25f, 3.0f};
     const smr_config on = config_of(1.0f);
     smr_mesh source, target;
-    (void)state;
     rig_bone(9000, 1.0f, &source, &target);
     for (uint32_t i = 0; i < sizeof ratio / sizeof ratio[0]; i++) {
         smr *s = start(&source, &on, NULL);
@@ -164,11 +136,10 @@ static void test_reached(void **state)
 
 /* Against a target that is larger: the volume stays, equally far from the target all over; half as much is in between.
  * What a target may ask for is not in its way. */
-static void test_against_a_target(void **state)
+TEST(test_against_a_target)
 {
     const smr_mesh ball = rig_ball(30, 12, 16, none), large = rig_ball(31.5f, 14, 20, none);
     float ratio[3];
-    (void)state;
     for (uint32_t i = 0; i < 3u; i++) {
         smr_config c = config_of(0.5f * (float)i);
         c.basic.n_target_vertices = 1000;
@@ -189,90 +160,8 @@ static void test_against_a_target(void **state)
     assert_float_equal(ratio[2], 1.0f, 1e-3f);
 }
 
-/* Inputs moved together give the moved result. */
-static void test_moved(void **state)
-{
-    float m[9], t[3] = {300, -90, 45}, *xyz[2];
-    smr_config c = config_of(1.0f);
-    smr_mesh source, target;
-    (void)state;
-    rig_bone(9000, 1.0f, &source, &target);
-    rig_rotation(1, 2, 3, 65, m);
-    c.basic.n_target_vertices = target.n_vertices;
-    c.contact.smooth = 0.2f;
-    for (uint32_t i = 0; i < 2u; i++) {
-        const smr_mesh from = i == 0u ? source : rig_moved(&source, m, t),
-                       to = i == 0u ? target : rig_moved(&target, m, t);
-        smr *s = start(&from, &c, NULL);
-        assert_int_equal(SMR_OK, smr_set_surface(s, 0, rig_surface(&to)));
-        assert_int_equal(SMR_OK, smr_set_volume_ratio(s, 0, 1.05f));
-        (void)rig_run(s, 1000);
-        assert_float_equal(volume_of(s).ratio, 1.05f, 0.005f);
-        xyz[i] = rig_positions(s, model);
-    }
-    smr_mesh first = source;
-    first.xyz = xyz[0];
-    first = rig_moved(&first, m, t);
-    assert_true(rig_far(first.xyz, xyz[1], source.n_vertices) < 0.01f);
-}
-
-/* Ticks under a clock, ratios set within iterations, and a log: the state at the end. */
-static uint64_t run(const smr_mesh *ball, const smr_surface *target, const smr_port *port, unsigned char *log,
-                    size_t *bytes)
-{
-    smr_config c = config_of(1.0f);
-    smr_log_state wrote;
-    uint32_t seed = 5, partial = 0;
-    c.basic.n_target_vertices = 1000;
-    c.contact.smooth = 0.3f;
-    smr *s = start(ball, &c, port);
-    assert_int_equal(SMR_OK, smr_set_log(s, log, LOG));
-    assert_int_equal(SMR_OK, smr_set_surface(s, 0, target));
-    for (uint32_t tick = 0; tick < 150u; tick++) {
-        if (tick % 9u == 4u)
-            assert_int_equal(SMR_OK, smr_set_volume_ratio(s, SMR_ALL, 0.9f + 0.01f * (float)(tick % 20u)));
-        partial += smr_tick(s, 9000u + rig_random(&seed, 90000u), NULL) == SMR_PARTIAL;
-    }
-    assert_true(partial > 20u);
-    assert_int_equal(SMR_OK, smr_get_log(s, &wrote));
-    assert_int_equal(0, wrote.full);
-    *bytes = wrote.bytes;
-    return smr_state_hash(s);
-}
-
-static const void *input(void *ctx, const smr_log_record *record)
-{
-    (void)record;
-    return ctx;
-}
-
-static void test_replay(void **state)
-{
-    static unsigned char log[LOG];
-    const smr_mesh ball = rig_ball(30, 12, 16, none), large = rig_ball(31.5f, 14, 20, none);
-    smr_surface *target = rig_surface(&large);
-    smr_config c = config_of(1.0f);
-    rig_clock clock;
-    const smr_port timed = rig_clock_port(&clock, RIG_CLOCK_STEADY, 1000), plain = rig_port(RIG_SHUFFLE, 1);
-    smr_replay replay;
-    smr_replay_report report = {0};
-    size_t bytes = 0;
-    (void)state;
-    const uint64_t hash = run(&ball, target, &timed, log, &bytes);
-    c.basic.n_target_vertices = 1000;
-    c.contact.smooth = 0.3f;
-    smr *s = start(&ball, &c, &plain);
-    assert_int_equal(SMR_OK, smr_replay_start(s, log, bytes, input, target, &replay));
-    while (!report.ended) {
-        assert_int_equal(SMR_OK, smr_replay_tick(&replay, &report));
-        assert_int_equal(0, report.differs);
-    }
-    assert_int_equal(150, report.tick);
-    assert_true(smr_state_hash(s) == hash);
-}
-
 /* On the way to a ratio saved and restored. */
-static void test_saved(void **state)
+TEST(test_saved)
 {
     static unsigned char save[1 << 20];
     const smr_mesh ball = rig_ball(30, 12, 16, none);
@@ -280,7 +169,6 @@ static void test_saved(void **state)
     smr *s = start(&ball, &c, NULL), *again = NULL;
     const smr_pose pose = {{{1.2f, 0, 0, 10}, {0, 1.2f, 0, 0}, {0, 0, 1.2f, 5}}};
     size_t bytes = 0, arena = 0;
-    (void)state;
     assert_int_equal(SMR_OK, smr_set_pose(s, &pose));
     assert_int_equal(SMR_OK, smr_set_volume_ratio(s, 0, 1.3f));
     (void)rig_run(s, 4);
@@ -295,37 +183,4 @@ static void test_saved(void **state)
     assert_float_equal(volume_of(again).ratio, 1.3f, 1e-3f);
 }
 
-static void test_any_port(void **state)
-{
-    const smr_mesh ball = rig_ball(30, 20, 30, none), large = rig_ball(31.5f, 14, 20, none);
-    const smr_surface *target = rig_surface(&large);
-    uint64_t hash[RIG_SCHEDULERS];
-    (void)state;
-    for (uint32_t k = 0; k < RIG_SCHEDULERS; k++) {
-        smr_config c = config_of(1.0f);
-        const smr_port port = rig_port(k, 5);
-        c.basic.n_workers = 5;
-        c.basic.n_target_vertices = 1000;
-        c.contact.smooth = 0.4f;
-        smr *s = start(&ball, &c, &port);
-        assert_int_equal(SMR_OK, smr_set_surface(s, 0, target));
-        assert_int_equal(SMR_OK, smr_set_volume_ratio(s, 0, 0.9f));
-        (void)rig_run(s, 25);
-        hash[k] = smr_state_hash(s);
-        assert_true(hash[k] == hash[0]);
-    }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test_teardown(test_closed, tidy),
-                                       cmocka_unit_test_teardown(test_refused, tidy),
-                                       cmocka_unit_test_teardown(test_bytes, tidy),
-                                       cmocka_unit_test_teardown(test_reached, tidy),
-                                       cmocka_unit_test_teardown(test_against_a_target, tidy),
-                                       cmocka_unit_test_teardown(test_moved, tidy),
-                                       cmocka_unit_test_teardown(test_replay, tidy),
-                                       cmocka_unit_test_teardown(test_saved, tidy),
-                                       cmocka_unit_test_teardown(test_any_port, tidy)};
-    return cmocka_run_group_tests_name("volume_preservation", tests, NULL, NULL);
-}
+int main(void) { return suite_run(NULL, NULL); }

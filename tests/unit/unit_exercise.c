@@ -29,8 +29,8 @@ static const char *read_out(const smr_model *model, const smr_model_info *info)
             return "smr_model_structure";
         if (memchr(one.name, '\0', sizeof one.name) == NULL)
             return "a name without an end";
-        float *xyz = unit_memory(12u * (size_t)one.n_vertices);
-        uint32_t *t = unit_memory(12u * (size_t)one.n_triangles); /* filled with 0xa5: not a vertex */
+        float *xyz = rig_rough(12u * (size_t)one.n_vertices);
+        uint32_t *t = rig_rough(12u * (size_t)one.n_triangles); /* filled with 0xa5: not a vertex */
         if (smr_model_mesh(model, s, xyz, t) != SMR_OK)
             wrong = "smr_model_mesh";
         else if (!unit_finite(xyz, 3u * (size_t)one.n_vertices, 4.0f * SMR_COORD_MAX))
@@ -38,8 +38,8 @@ static const char *read_out(const smr_model *model, const smr_model_info *info)
         for (size_t i = 0; i < 3u * (size_t)one.n_triangles && wrong == NULL; i++)
             if (t[i] >= one.n_vertices)
                 wrong = "a triangle's corner out of range or never written";
-        unit_free(xyz);
-        unit_free(t);
+        rig_free(xyz);
+        rig_free(t);
     }
     return wrong;
 }
@@ -50,13 +50,13 @@ static const char *check_positions(const smr *s, const smr_model_info *info, con
     for (uint32_t k = 0; k < info->n_structures && wrong == NULL; k++) {
         smr_structure_info one;
         (void)smr_model_structure(model, k, &one);
-        float *xyz = unit_memory(12u * (size_t)one.n_vertices);
+        float *xyz = rig_rough(12u * (size_t)one.n_vertices);
         const size_t n = 3u * (size_t)one.n_vertices;
         if (smr_get_positions(s, k, xyz) != SMR_OK || !unit_finite(xyz, n, 1e30f))
             wrong = "positions";
         else if (smr_get_normals(s, k, xyz) != SMR_OK || !unit_finite(xyz, n, 1.01f))
             wrong = "normals";
-        unit_free(xyz);
+        rig_free(xyz);
     }
     return wrong;
 }
@@ -84,8 +84,8 @@ static const char *check_verdict(smr *s, const smr_model_info *info, const smr_m
     for (uint32_t k = 0; k < info->n_structures && wrong == NULL; k++) {
         smr_structure_info one;
         (void)smr_model_structure(model, k, &one);
-        float *mm = unit_memory(4u * (size_t)one.n_vertices);
-        unsigned char *seen = unit_memory(one.n_vertices);
+        float *mm = rig_rough(4u * (size_t)one.n_vertices);
+        unsigned char *seen = rig_rough(one.n_vertices);
         if (smr_get_verdict(s, k, &v) != SMR_OK || !finite_verdict(&v))
             wrong = "a structure's verdict";
         else if (smr_get_expected_error(s, k, mm) != SMR_OK || !unit_finite(mm, one.n_vertices, 1e30f))
@@ -94,8 +94,8 @@ static const char *check_verdict(smr *s, const smr_model_info *info, const smr_m
             wrong = "local volumes";
         else if (smr_get_visible(s, k, seen) != SMR_OK || (one.n_vertices > 0u && seen[one.n_vertices - 1u] > 1u))
             wrong = "what is seen";
-        unit_free(mm);
-        unit_free(seen);
+        rig_free(mm);
+        rig_free(seen);
     }
     return wrong;
 }
@@ -109,7 +109,7 @@ static const char *run(const smr_model *model, const smr_model_info *info, const
         return "smr_arena_bytes";
     if (bytes > (size_t)256 << 20)
         return NULL; /* large images are not what this is about */
-    void *arena = unit_memory(bytes);
+    void *arena = rig_rough(bytes);
     if (smr_init(model, c, NULL, arena, bytes, &s) != SMR_OK)
         wrong = "smr_init";
     else if (target != NULL && smr_set_surface(s, SMR_ALL, target) != SMR_OK)
@@ -126,7 +126,7 @@ static const char *run(const smr_model *model, const smr_model_info *info, const
     }
     if (wrong == NULL)
         wrong = check_verdict(s, info, model);
-    unit_free(arena);
+    rig_free(arena);
     return wrong;
 }
 

@@ -69,7 +69,7 @@ static int walk_next(walk *w, step *s)
 
 uint32_t *unit_records(oracle_random *r, uint32_t n)
 {
-    uint32_t *record = unit_memory(4u * (size_t)n);
+    uint32_t *record = rig_rough(4u * (size_t)n);
     for (uint32_t i = 0; i < n; i++)
         record[i] = oracle_next(r);
     return record;
@@ -89,22 +89,12 @@ void unit_chain_sums(const smr_model *m, uint32_t radius, const uint32_t *record
     }
 }
 
-void unit_chain_order(const smr_model *m, uint32_t radius, uint32_t *vertex, uint32_t *parent)
-{
-    walk w = walk_start(m, radius);
-    step s;
-    for (uint32_t i = 0; walk_next(&w, &s); i++) {
-        vertex[i] = s.vertex;
-        parent[i] = s.root ? s.vertex : s.parent_vertex;
-    }
-}
-
 int unit_chain_sets(const smr_model *m, uint32_t radius, unsigned char *member)
 {
     const uint32_t n = smr_le32(m->n_vertices);
     walk w = walk_start(m, radius);
     step s;
-    unsigned char *done = unit_memory(n);
+    unsigned char *done = rig_rough(n);
     int good = 1;
     memset(done, 0, n);
     memset(member, 0, (size_t)n * n);
@@ -127,15 +117,16 @@ int unit_chain_sets(const smr_model *m, uint32_t radius, unsigned char *member)
     }
     for (uint32_t v = 0; v < n; v++)
         good &= done[v];
-    unit_free(done);
+    rig_free(done);
     return good;
 }
 
-float *unit_stored(const smr_model *m)
+/* The vertices in stored order, relative to the centre. */
+static float *stored(const smr_model *m)
 {
     const uint32_t n = smr_le32(m->n_vertices);
     const uint32_t *rest = smr_at(m, m->at_rest);
-    float *xyz = unit_memory(12u * (size_t)n);
+    float *xyz = rig_rough(12u * (size_t)n);
     for (uint32_t i = 0; i < 3u * n; i++)
         xyz[i] = smr_le_float(rest[i]);
     return xyz;
@@ -152,7 +143,7 @@ static void geodesic_sets(const smr_model *m, const float *xyz, float radius, un
 {
     const uint32_t n = smr_le32(m->n_vertices), nt = smr_le32(m->n_triangles);
     const uint32_t *t = smr_at(m, m->at_triangles);
-    uint64_t *far = unit_memory(8u * (size_t)n);
+    uint64_t *far = rig_rough(8u * (size_t)n);
     const uint64_t limit = (uint64_t)(radius * 1000.0f);
     for (uint32_t v = 0; v < n; v++) {
         for (uint32_t i = 0; i < n; i++)
@@ -172,10 +163,11 @@ static void geodesic_sets(const smr_model *m, const float *xyz, float radius, un
         for (uint32_t i = 0; i < n; i++)
             member[(size_t)v * n + i] = far[i] <= limit;
     }
-    unit_free(far);
+    rig_free(far);
 }
 
-int unit_kept_apart(const smr_model *m, uint32_t a, uint32_t b)
+/* 1 when separate clusters never join two stored vertices: they are of different structures, both with triangles. */
+static int kept_apart(const smr_model *m, uint32_t a, uint32_t b)
 {
     const uint32_t i = smr_model_owner(m, a), k = smr_model_owner(m, b);
     return i != k && smr_le32(smr_model_record(m, i)->n_triangles) > 0u &&
@@ -186,7 +178,7 @@ void unit_brute_sets(const smr_model *m, const unit_rule *rule, unsigned char *m
 {
     const uint32_t n = smr_le32(m->n_vertices), nt = smr_le32(m->n_triangles);
     const uint32_t *t = smr_at(m, m->at_triangles);
-    float *xyz = unit_stored(m);
+    float *xyz = stored(m);
     if (rule->geodesic) {
         geodesic_sets(m, xyz, rule->radius, member);
     } else {
@@ -197,11 +189,11 @@ void unit_brute_sets(const smr_model *m, const unit_rule *rule, unsigned char *m
     }
     for (uint32_t a = 0; rule->separate && a < n; a++)
         for (uint32_t b = 0; b < n; b++)
-            if (unit_kept_apart(m, a, b))
+            if (kept_apart(m, a, b))
                 member[(size_t)a * n + b] = 0;
     for (uint32_t i = 0; rule->ring && i < 3u * nt; i++) {
         const uint32_t a = smr_le32(t[i]), b = smr_le32(t[i / 3u * 3u + (i % 3u + 1u) % 3u]);
         member[(size_t)a * n + b] = member[(size_t)b * n + a] = 1;
     }
-    unit_free(xyz);
+    rig_free(xyz);
 }

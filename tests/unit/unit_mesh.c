@@ -1,6 +1,5 @@
 /* unit_mesh.c: meshes and models for tests.
  * SPDX-License-Identifier: MIT */
-#define _POSIX_C_SOURCE 200809L
 #include "unit_mesh.h"
 
 #include <math.h>
@@ -16,29 +15,18 @@ static void give_up(const char *why)
     abort();
 }
 
-void *unit_memory(size_t bytes)
-{
-    void *p = NULL;
-    if (posix_memalign(&p, SMR_ALIGN, bytes == 0 ? 1 : bytes) != 0)
-        give_up("out of memory");
-    memset(p, 0xa5, bytes); /* nobody may rely on zeros */
-    return p;
-}
-
-void unit_free(void *memory) { free(memory); }
-
 unit_mesh unit_mesh_new(uint32_t nv, uint32_t nt)
 {
-    unit_mesh m = {unit_memory(3u * (size_t)nv * sizeof(float)), NULL, nv, nt};
+    unit_mesh m = {rig_rough(3u * (size_t)nv * sizeof(float)), NULL, nv, nt};
     if (nt > 0u)
-        m.triangles = unit_memory(3u * (size_t)nt * sizeof(uint32_t));
+        m.triangles = rig_rough(3u * (size_t)nt * sizeof(uint32_t));
     return m;
 }
 
 void unit_mesh_free(unit_mesh *m)
 {
-    unit_free(m->xyz);
-    unit_free(m->triangles);
+    rig_free(m->xyz);
+    rig_free(m->triangles);
     memset(m, 0, sizeof *m);
 }
 
@@ -156,12 +144,12 @@ unit_mesh unit_bone(int target)
     const uint32_t cell = FIXTURE_CELL_SMALL;
     unit_mesh m = unit_mesh_new(FIXTURE_VERTICES(cell), FIXTURE_TRIANGLES(cell));
     const size_t words = FIXTURE_SCRATCH_WORDS(cell);
-    float *scratch = unit_memory(words * sizeof *scratch);
+    float *scratch = rig_rough(words * sizeof *scratch);
     fixture_mesh f = {m.xyz, m.triangles, m.nv, m.nt, 0, 0};
     const fixture_grid grid = target ? fixture_grid_target(cell) : fixture_grid_source(cell);
     if (!fixture_bone_source(&grid, &f, scratch, words))
         give_up("the fixture does not fit");
-    unit_free(scratch);
+    rig_free(scratch);
     m.nv = f.n_vertices;
     m.nt = f.n_triangles;
     return m;
@@ -173,7 +161,7 @@ smr_surface *unit_surface(const unit_mesh *m)
     size_t bytes = 0;
     if (smr_surface_bytes(m->nv, m->nt, &bytes) != SMR_OK)
         give_up("smr_surface_bytes");
-    void *memory = unit_memory(bytes);
+    void *memory = rig_rough(bytes);
     smr_surface *s = NULL;
     if (smr_surface_build(&view, memory, bytes, &s) != SMR_OK || (void *)s != memory)
         give_up("smr_surface_build");
@@ -186,9 +174,9 @@ smr_status unit_align(const smr_surface *model, const smr_surface *target, const
     size_t bytes = 0;
     if (smr_align_bytes(config, &bytes) != SMR_OK)
         return SMR_E_CONFIG;
-    void *memory = unit_memory(bytes);
+    void *memory = rig_rough(bytes);
     const smr_status status = smr_align(model, target, config, memory, bytes, pose, report);
-    unit_free(memory);
+    rig_free(memory);
     return status;
 }
 
@@ -198,13 +186,13 @@ unit_image unit_prepare(const smr_structure *structures, uint32_t n, const smr_p
     size_t scratch_bytes = 0;
     if (smr_prepare_bytes(structures, n, config, &scratch_bytes) != SMR_OK)
         give_up("smr_prepare_bytes");
-    void *scratch = unit_memory(scratch_bytes);
+    void *scratch = rig_rough(scratch_bytes);
     if (smr_prepare(structures, n, config, scratch, scratch_bytes, NULL, 0, &image.size) != SMR_OK)
         give_up("smr_prepare without an image");
-    image.bytes = unit_memory(image.size);
+    image.bytes = rig_rough(image.size);
     if (smr_prepare(structures, n, config, scratch, scratch_bytes, image.bytes, image.size, &image.size) != SMR_OK)
         give_up("smr_prepare");
-    unit_free(scratch);
+    rig_free(scratch);
     if (smr_model_open(image.bytes, image.size, &image.model) != SMR_OK)
         give_up("smr_model_open");
     return image;
@@ -218,7 +206,7 @@ unit_image unit_prepare_mesh(const unit_mesh *m, const smr_prepare_config *confi
 
 void unit_image_free(unit_image *image)
 {
-    unit_free(image->bytes);
+    rig_free(image->bytes);
     memset(image, 0, sizeof *image);
 }
 

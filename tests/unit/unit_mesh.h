@@ -1,21 +1,16 @@
-/* unit_mesh.h: meshes and models for tests, in memory of exactly the size asked for, so that the address sanitiser
- * sees the first byte beyond it.
+/* unit_mesh.h: meshes and models for tests, in memory of the rig.
  * SPDX-License-Identifier: MIT */
 #ifndef UNIT_MESH_H
 #define UNIT_MESH_H
 
 #include "oracle.h"
-#include "smr.h"
+#include "property/rig.h"
 
 typedef struct unit_mesh {
     float *xyz;          /* [nv][3], owned */
     uint32_t *triangles; /* [nt][3], owned; NULL when nt is 0 */
     uint32_t nv, nt;
 } unit_mesh;
-
-/* SMR_ALIGN-aligned memory; ends the program when there is none. Release with unit_free(). */
-void *unit_memory(size_t bytes);
-void unit_free(void *memory);
 
 unit_mesh unit_mesh_new(uint32_t nv, uint32_t nt);
 void unit_mesh_free(unit_mesh *m);
@@ -32,7 +27,7 @@ unit_mesh unit_sphere(uint32_t levels, float radius, float centre);
 /* The fixture's bone at FIXTURE_CELL_SMALL; target != 0: the other mesh of it, not deformed. */
 unit_mesh unit_bone(int target);
 
-smr_surface *unit_surface(const unit_mesh *m); /* release with unit_free() */
+smr_surface *unit_surface(const unit_mesh *m);
 
 /* smr_align() with memory of exactly the size it asks for. */
 smr_status unit_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config,

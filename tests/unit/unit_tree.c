@@ -13,20 +13,20 @@ smr_box_tree unit_plant(const unit_mesh *m, uint32_t **triangles)
     smr_box_tree f;
     memset(&f, 0, sizeof f);
     smr_tree_shape(&f, m->nt);
-    uint32_t *order = unit_memory(4u * (size_t)m->nt), *key = unit_memory(4u * (size_t)m->nt);
-    uint32_t *tmp = unit_memory(8u * (size_t)m->nt);
-    float *centre = unit_memory(12u * (size_t)m->nt);
+    uint32_t *order = rig_rough(4u * (size_t)m->nt), *key = rig_rough(4u * (size_t)m->nt);
+    uint32_t *tmp = rig_rough(8u * (size_t)m->nt);
+    float *centre = rig_rough(12u * (size_t)m->nt);
     smr_mesh_order(&view, order, centre, key, tmp);
-    *triangles = unit_memory(12u * (size_t)m->nt);
+    *triangles = rig_rough(12u * (size_t)m->nt);
     for (uint32_t i = 0; i < m->nt; i++)
         memcpy(*triangles + 3u * (size_t)i, m->triangles + 3u * (size_t)order[i], 12u);
-    unit_free(order);
-    unit_free(key);
-    unit_free(tmp);
+    rig_free(order);
+    rig_free(key);
+    rig_free(tmp);
     f.xyz = m->xyz;
     f.triangle = *triangles;
     f.normal = centre; /* as large as the normals */
-    f.node = unit_memory(sizeof(smr_node) * smr_tree_nodes(m->nt));
+    f.node = rig_rough(sizeof(smr_node) * smr_tree_nodes(m->nt));
     smr_tree_refit_leaves(&f, 0, smr_tree_leaves(&f));
     smr_tree_refit_upper(&f);
     return f;
@@ -34,9 +34,9 @@ smr_box_tree unit_plant(const unit_mesh *m, uint32_t **triangles)
 
 void unit_uproot(smr_box_tree *f, uint32_t *triangles)
 {
-    unit_free(f->normal);
-    unit_free(f->node);
-    unit_free(triangles);
+    rig_free(f->normal);
+    rig_free(f->node);
+    rig_free(triangles);
 }
 
 void unit_closest(const smr_box_tree *f, const smr_query *q, smr_hit *hit)
@@ -66,8 +66,9 @@ static smr_vec unit_direction(oracle_random *r)
 
 smr_query unit_query(oracle_random *r, const unit_mesh *m, uint32_t kind)
 {
-    smr_query q = {smr_v(oracle_uniformf(r, -40, 140), oracle_uniformf(r, -40, 140), oracle_uniformf(r, -40, 140)),
-                   smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
+    float p[3];
+    oracle_within_box(r, -40, 140, p);
+    smr_query q = {smr_load(p), smr_v(0, 0, 0), -2.0f, UINT32_MAX, SMR_NONE};
     if (kind % 3u == 1u) /* a vertex of the mesh: many ties */
         q.point = smr_load(m->xyz + 3u * (size_t)oracle_below(r, m->nv));
     if (kind % 5u == 4u)

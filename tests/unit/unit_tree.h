@@ -6,7 +6,7 @@
 #include "geometry/box_tree/box_tree.h"
 #include "unit_mesh.h"
 
-/* Triangles of m in tree order with boxes and normals; frees nothing of m. Both are released with unit_uproot(). */
+/* Triangles of m in tree order with boxes and normals; frees nothing of m. */
 smr_box_tree unit_plant(const unit_mesh *m, uint32_t **triangles);
 void unit_uproot(smr_box_tree *f, uint32_t *triangles);
 

@@ -67,7 +67,7 @@ smr_warp *unit_warp_fit(const unit_landmarks *s, float smoothing, uint32_t *kind
 {
     size_t bytes = 0;
     const smr_status sized = smr_warp_bytes(s->n, &bytes);
-    void *memory = unit_memory(bytes);
+    void *memory = rig_rough(bytes);
     smr_warp *w = NULL;
     *kind = 99u;
     if (sized != SMR_OK || smr_warp_fit(s->from, s->to, s->n, smoothing, memory, bytes, &w, kind) != SMR_OK ||

@@ -25,7 +25,7 @@ void unit_affine_carry(const unit_affine *a, const float *p, float *q);
 
 double unit_apart(const float *a, const float *b);
 
-/* Fits in memory of exactly the size asked for, or ends the program; release with unit_free(). */
+/* Fits in memory of exactly the size asked for, or ends the program. */
 smr_warp *unit_warp_fit(const unit_landmarks *s, float smoothing, uint32_t *kind);
 /* The largest distance of a carried landmark from its goal; DBL_MAX when a carried one is not finite. */
 double unit_warp_miss(const smr_warp *w, const unit_landmarks *s);

@@ -1,0 +1,47 @@
+/* suite.h: what a test program is made of: tests that register themselves, and one end of each. A program defines
+ * TEST(name) { ... } as often as it likes and ends with
+ *     int main(void) { return suite_run(NULL, NULL); }
+ * After each test all memory of the rig is given back.
+ * SPDX-License-Identifier: MIT */
+#ifndef SUITE_H
+#define SUITE_H
+
+#include <stdlib.h>
+
+#include "property/rig.h"
+#include "unit/cmocka_first.h"
+
+enum { SUITE_MOST = 48 };
+static struct CMUnitTest suite_test[SUITE_MOST];
+static size_t suite_count;
+
+/* setup: what runs before the test, or NULL. */
+static inline void suite_add(const char *name, CMUnitTestFunction function, CMFixtureFunction setup)
+{
+    if (suite_count == SUITE_MOST)
+        abort();
+    suite_test[suite_count++] = (struct CMUnitTest){name, function, setup, NULL, NULL};
+}
+
+#define TEST(name)                                                                                                     \
+    static void name(void **state);                                                                                    \
+    __attribute__((constructor)) static void suite_add_##name(void) { suite_add(#name, name, NULL); }                  \
+    static void name(__attribute__((unused)) void **state)
+
+static inline int suite_free(void **state)
+{
+    (void)state;
+    rig_free_all();
+    return 0;
+}
+
+/* set_up, tear_down: once for the whole program, or NULL; memory of the rig then lives until tear_down. Returns how
+ * many tests failed. */
+static inline int suite_run(CMFixtureFunction set_up, CMFixtureFunction tear_down)
+{
+    for (size_t i = 0; i < suite_count && set_up == NULL; i++)
+        suite_test[i].teardown_func = suite_free;
+    return _cmocka_run_group_tests("tests", suite_test, suite_count, set_up, tear_down);
+}
+
+#endif
