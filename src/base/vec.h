@@ -27,6 +27,10 @@ static inline void smr_store(float *p, smr_vec a)
     p[2] = a.z;
 }
 
+/* Element i of an array [n][3]. */
+static inline smr_vec smr_get3(const float *array, uint32_t i) { return smr_load(array + 3u * (size_t)i); }
+static inline void smr_put3(float *array, uint32_t i, smr_vec a) { smr_store(array + 3u * (size_t)i, a); }
+
 static inline smr_vec smr_add(smr_vec a, smr_vec b) { return smr_v(a.x + b.x, a.y + b.y, a.z + b.z); }
 static inline smr_vec smr_sub(smr_vec a, smr_vec b) { return smr_v(a.x - b.x, a.y - b.y, a.z - b.z); }
 static inline smr_vec smr_scale(smr_vec a, float s) { return smr_v(a.x * s, a.y * s, a.z * s); }

@@ -37,7 +37,6 @@ uint32_t smr_radius_after(const smr *s)
     return best;
 }
 
-/* Most iterations at the first radius. */
 static uint32_t first_iterations(const smr *s)
 {
     const int alone = s->shared.config.schedule.radius_first == smr_last_radius(&s->shared);
@@ -105,7 +104,6 @@ static int repairs_before(const smr *s, uint32_t radius)
            (radius == s->shared.config.schedule.radius_first || radius + 1u == smr_last_radius(&s->shared));
 }
 
-/* What follows from the radius alone. */
 void smr_radius_take(smr *s)
 {
     const uint32_t radius = s->schedule.radius;

@@ -7,7 +7,6 @@
 
 #define SMR_STEPS_MAX 44u /* most steps of an iteration */
 
-/* Costs that were learnt, and the state of the current iteration's budget. */
 typedef struct smr_time_budget {
     float rate[SMR_STEPS_MAX]; /* cost of each step, ns a unit of work; negative: unknown */
     uint64_t spent;            /* time spent in the current step, ns */

@@ -2,8 +2,8 @@
  * and the residual.
  * Bounds: those of the field.
  * SPDX-License-Identifier: MIT */
-#include "verdict/verdict_landmark_measures.h"
 #include "verdict/expected_error_field.h"
+#include "verdict/verdict_measures.h"
 
 void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
 {
@@ -16,13 +16,13 @@ void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)
         return;
     }
     smr_normal_field_solve(&field, s, structure);
-    for (uint32_t i = 0; field.n == 0u && i < one->n_vertices; i++)
-        expected[smr_model_position(s->shared.model, one->first_vertex + i)] = -1.0f;
-    if (field.n == 0u)
-        return;
-    smr_mean_add(&e->bend, SMR_SQRT(field.size2), (float)one->n_vertices);
+    if (field.n > 0u)
+        smr_mean_add(&e->bend, SMR_SQRT(field.size2), (float)one->n_vertices);
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
+        expected[v] = -1.0f;
+        if (field.n == 0u)
+            continue;
         const float error = smr_normal_field_error(&field, v);
         expected[v] = SMR_SQRT(error * error + residual * residual);
         smr_mean_add(&e->expected, expected[v], 1.0f);

@@ -40,7 +40,7 @@ static uint32_t place(smr_normal_field *f, const smr *s)
 
 static int is_observed(const smr *s, uint32_t v)
 {
-    const smr_vec n = smr_load(smr_at3(s->shape.normal, v));
+    const smr_vec n = smr_get3(s->shape.normal, v);
     return smr_vertex_visible(s, v) && smr_dot(n, n) > 0.5f;
 }
 
@@ -58,19 +58,19 @@ static void choose(smr_normal_field *f, uint32_t structure, uint32_t most, smr_f
     for (uint32_t v = 0; v < s->shared.n; v++) {
         if (smr_model_owner(s->shared.model, v) != structure)
             continue;
-        const smr_vec p = smr_load(smr_at3(s->shape.start, v));
+        const smr_vec p = smr_get3(s->shape.start, v);
         box.lo = smr_v(smr_min(box.lo.x, p.x), smr_min(box.lo.y, p.y), smr_min(box.lo.z, p.z));
         box.hi = smr_v(smr_max(box.hi.x, p.x), smr_max(box.hi.y, p.y), smr_max(box.hi.z, p.z));
         if (!is_observed(s, v))
             continue;
         if (met == 0u)
-            smr_fit_start(fit, p, smr_load(smr_at3(s->shape.x, v)));
-        smr_fit_add(fit, p, smr_load(smr_at3(s->shape.x, v)), 1.0f);
+            smr_fit_start(fit, p, smr_get3(s->shape.x, v));
+        smr_fit_add(fit, p, smr_get3(s->shape.x, v), 1.0f);
         if (f->n < wanted && (uint64_t)met * wanted >= (uint64_t)f->n * total) {
-            smr_store(smr_at3(f->at, f->n), p);
-            smr_store(smr_at3(f->normal, f->n), smr_load(smr_at3(s->shape.normal, v)));
+            smr_put3(f->at, f->n, p);
+            smr_put3(f->normal, f->n, smr_get3(s->shape.normal, v));
             /* until the factor needs the memory */
-            smr_store(smr_at3(f->lower, f->n), smr_load(smr_at3(s->shape.x, v)));
+            smr_put3(f->lower, f->n, smr_get3(s->shape.x, v));
             f->n++;
         }
         met++;
@@ -92,7 +92,7 @@ static smr_vec motion_at(const smr_normal_field *f, smr_vec arm) { return smr_ad
 /* Covariance of the displacement at a position with observation i. */
 static smr_vec with_observation(const smr_normal_field *f, smr_vec at, uint32_t i)
 {
-    const smr_vec n = smr_load(smr_at3(f->normal, i)), from = smr_load(smr_at3(f->at, i));
+    const smr_vec n = smr_get3(f->normal, i), from = smr_get3(f->at, i);
     const smr_vec arm = arm_of(f, at), other = arm_of(f, from), apart = smr_sub(at, from);
     const smr_vec turn = smr_cross(smr_cross(other, n), arm), scale = smr_scale(arm, smr_dot(other, n));
     const smr_vec motions = smr_scale(smr_add(smr_add(n, turn), scale), f->motions);
@@ -103,7 +103,7 @@ static smr_vec with_observation(const smr_normal_field *f, smr_vec at, uint32_t 
 static void factor(smr_normal_field *f)
 {
     for (uint32_t i = 0; i < f->n; i++) {
-        const smr_vec at = smr_load(smr_at3(f->at, i)), normal = smr_load(smr_at3(f->normal, i));
+        const smr_vec at = smr_get3(f->at, i), normal = smr_get3(f->normal, i);
         for (uint32_t j = 0; j <= i; j++) {
             const float both = smr_dot(normal, with_observation(f, at, j)) + (i == j ? SMR_NORMAL_NOISE : 0.0f);
             smr_factor_set(f->lower, i, j, both, 0.5f * SMR_NORMAL_NOISE);
@@ -139,12 +139,11 @@ static void find_motion(smr_normal_field *f, const smr_pose *p)
     f->shift = turned_back(p, smr_sub(smr_pose_apply(p, f->middle), f->middle));
 }
 
-/* Adds the observed motion along the normals. */
 static void count_from_start(smr_normal_field *f)
 {
     for (uint32_t i = 0; i < f->n; i++) {
-        const smr_vec arm = arm_of(f, smr_load(smr_at3(f->at, i)));
-        f->moved[i] += smr_dot(motion_at(f, arm), smr_load(smr_at3(f->normal, i)));
+        const smr_vec arm = arm_of(f, smr_get3(f->at, i));
+        f->moved[i] += smr_dot(motion_at(f, arm), smr_get3(f->normal, i));
     }
 }
 
@@ -161,8 +160,8 @@ static void open_motion(smr_normal_field *f)
     smr_solve_forward(f->lower, f->n, f->moved);
     smr_solve_back(f->lower, f->n, f->moved);
     for (uint32_t i = 0; i < f->n; i++) {
-        const smr_vec arm = arm_of(f, smr_load(smr_at3(f->at, i)));
-        f->again += f->more * f->open[i] * smr_dot(motion_at(f, arm), smr_load(smr_at3(f->normal, i)));
+        const smr_vec arm = arm_of(f, smr_get3(f->at, i));
+        f->again += f->more * f->open[i] * smr_dot(motion_at(f, arm), smr_get3(f->normal, i));
         f->open[i] = f->moved[i] - f->open[i];
     }
 }
@@ -188,11 +187,11 @@ void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structur
     }
     const smr_pose pose = smr_fit_solve(&fit, 0);
     for (uint32_t i = 0; i < f->n; i++) {
-        const smr_vec posed = smr_pose_apply(&pose, smr_load(smr_at3(f->at, i)));
-        const smr_vec displacement = smr_sub(smr_load(smr_at3(f->lower, i)), posed);
-        const smr_vec normal = smr_load(smr_at3(f->normal, i));
+        const smr_vec posed = smr_pose_apply(&pose, smr_get3(f->at, i));
+        const smr_vec displacement = smr_sub(smr_get3(f->lower, i), posed);
+        const smr_vec normal = smr_get3(f->normal, i);
         f->moved[i] = smr_dot(displacement, normal);
-        smr_store(smr_at3(f->normal, i), turned_back(&pose, normal));
+        smr_put3(f->normal, i, turned_back(&pose, normal));
     }
     factor(f);
     find_size(f);
@@ -204,7 +203,7 @@ void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structur
 
 float smr_normal_field_error(const smr_normal_field *f, uint32_t v)
 {
-    const smr_vec at = smr_load(smr_at3(f->s->shape.start, v));
+    const smr_vec at = smr_get3(f->s->shape.start, v);
     float known[3u * SMR_OBSERVATIONS]; /* for each axis: L^-1 of the covariances with the observations */
     const smr_vec arm = arm_of(f, at), motion = motion_at(f, arm);
     smr_vec displacement = smr_scale(motion, f->again);
@@ -212,7 +211,7 @@ float smr_normal_field_error(const smr_normal_field *f, uint32_t v)
     for (uint32_t i = 0; i < f->n; i++) {
         const smr_vec with = with_observation(f, at, i);
         const smr_vec one = smr_solve_row3(smr_factor_row(f->lower, i), i, known, with);
-        smr_store(smr_at3(known, i), one);
+        smr_put3(known, i, one);
         left -= smr_dot(one, one);
         displacement = smr_add(displacement, smr_scale(with, f->open[i]));
     }

@@ -45,9 +45,9 @@ static void begin(local *l, const smr *s, float radius_mm)
     l->schedule.n_active = s->shared.n;
     l->shape = s->shape;
     smr_rest_pose_now(&l->shape);
-    memset(&l->sums, 0, sizeof l->sums);
-    smr_sums_wire(&l->sums, &s->shared, &l->schedule, &s->forces, &s->overlay);
-    l->sums.words = SMR_WORDS;
+    l->sums = s->sums;
+    l->sums.schedule = &l->schedule;
+    l->sums.pieces = 0;
     l->part = s->match.transform;
 }
 
@@ -63,7 +63,6 @@ static void add_triangle(local *l, const uint32_t t[3], const smr_vec p[3])
             l->part[SMR_LOCAL_WORDS * (size_t)t[c] + i] += words[i];
 }
 
-/* Writes records of the present shape, or of the rest shape in its pose. */
 static void record(local *l, int rest)
 {
     const uint32_t n = l->shared->n;
@@ -73,7 +72,7 @@ static void record(local *l, int rest)
         const uint32_t *t = l->shared->triangle + 3u * (size_t)k;
         smr_vec p[3];
         for (uint32_t c = 0; c < 3u; c++)
-            p[c] = rest ? smr_rest_posed(&l->shape, t[c]) : smr_load(smr_at3(l->shape.x, t[c]));
+            p[c] = rest ? smr_rest_posed(&l->shape, t[c]) : smr_get3(l->shape.x, t[c]);
         add_triangle(l, t, p);
     }
     for (uint32_t v = 0; v < n; v++) {

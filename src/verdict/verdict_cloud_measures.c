@@ -9,12 +9,10 @@
 #define SMR_NEAR_EDGES 1.0f /* distance up to which points are covered, in mean edge lengths of the model */
 #define SMR_NEAR_TIMES 2.0f /* the same distance over the mean residual; the larger one counts */
 
-/* The structure closest to point j, of those that share the cloud; SMR_NONE: none. */
 static uint32_t closest(const smr *s, const smr_surface *cloud, uint32_t j, smr_hit *hit)
 {
     const smr_vec shift = smr_sub(cloud->origin, s->shape.origin);
-    const smr_query q = {smr_add(smr_load(cloud->xyz + 3u * (size_t)j), shift), smr_v(0, 0, 0), -2.0f, SMR_NODES,
-                         SMR_NONE};
+    const smr_query q = {smr_add(smr_get3(cloud->xyz, j), shift), smr_v(0, 0, 0), -2.0f, SMR_NODES, SMR_NONE};
     uint32_t found = SMR_NONE;
     *hit = (smr_hit){SMR_FAR, SMR_NONE, {0, 0, 0}};
     for (uint32_t i = 0; i < s->shared.n_structures && cloud->area[j] > 0.0f; i++) {
@@ -44,13 +42,13 @@ static void add_points(const smr *s, uint32_t structure, const smr_surface *clou
     smr_hit hit;
     for (uint32_t j = 0; j < cloud->n_vertices; j++) {
         const uint32_t on = closest(s, cloud, j, &hit);
-        const smr_vec n = smr_load(cloud->normal + 3u * (size_t)j);
+        const smr_vec n = smr_get3(cloud->normal, j);
         if (on == SMR_NONE)
             continue;
         smr_mean_add(&e->covered, hit.d2 <= near * near ? 1.0f : 0.0f, cloud->area[j]);
         if (on != structure || hit.d2 > near * near || !(smr_dot(n, n) > 0.5f))
             continue;
-        const smr_vec normal = smr_load(s->shape.structure[on].tree.normal + 3u * (size_t)hit.triangle);
+        const smr_vec normal = smr_get3(s->shape.structure[on].tree.normal, hit.triangle);
         smr_mean_add(&e->agree, smr_dot(n, normal) > SMR_AGREE ? 1.0f : 0.0f, cloud->area[j]);
     }
 }
@@ -59,8 +57,8 @@ static void add_visible(const smr *s, const smr_shape_structure *one, smr_eviden
 {
     for (uint32_t k = 0; k < one->tree.n_triangles; k++) {
         const uint32_t *t = one->tree.triangle + 3u * (size_t)k;
-        const smr_vec a = smr_load(smr_at3(s->shape.x, t[0])), b = smr_load(smr_at3(s->shape.x, t[1]));
-        const smr_vec c = smr_load(smr_at3(s->shape.x, t[2]));
+        const smr_vec a = smr_get3(s->shape.x, t[0]), b = smr_get3(s->shape.x, t[1]);
+        const smr_vec c = smr_get3(s->shape.x, t[2]);
         const int n = smr_vertex_visible(s, t[0]) + smr_vertex_visible(s, t[1]) + smr_vertex_visible(s, t[2]);
         smr_mean_add(&e->visible, (float)n * (1.0f / 3.0f), 0.5f * smr_length(smr_cross(smr_sub(b, a), smr_sub(c, a))));
     }

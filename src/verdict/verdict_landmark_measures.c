@@ -2,7 +2,7 @@
  * and expected errors by the field through the landmarks.
  * Bounds: SMR_LANDMARKS_MAX^3 / 6 multiplications once, SMR_LANDMARKS_MAX^2 / 2 for each vertex.
  * SPDX-License-Identifier: MIT */
-#include "verdict/verdict_landmark_measures.h"
+#include "verdict/verdict_measures.h"
 
 void smr_measure_landmarks(const smr *s, uint32_t structure, smr_evidence *e)
 {
@@ -23,7 +23,6 @@ void smr_measure_landmarks(const smr *s, uint32_t structure, smr_evidence *e)
     smr_mean_add(&e->visible, (float)visible / (float)one->n_vertices, (float)one->n_vertices);
 }
 
-/* Measures of the caller's goals: share of vertices with one, and residuals. */
 void smr_measure_caller(const smr *s, uint32_t structure, smr_evidence *e)
 {
     const smr_shape_structure *one = &s->shape.structure[structure];

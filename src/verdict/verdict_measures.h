@@ -6,7 +6,6 @@
 
 #include "registration/registration.h"
 
-/* A weighted mean under construction. */
 typedef struct smr_mean {
     float sum, weight;
 } smr_mean;
@@ -51,8 +50,9 @@ void smr_measure_image(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_landmarks(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_caller(const smr *s, uint32_t structure, smr_evidence *e);
 void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e); /* also fills smr_vertex_expected() */
+/* the same by the field through landmarks; -1 with too few of them */
+void smr_measure_by_landmarks(const smr *s, uint32_t structure, smr_evidence *e);
 
-/* The motion of a structure, or of the whole model: scale, scale_rest and turned_deg. */
 void smr_measure_moved(const smr *s, uint32_t structure, smr_verdict *verdict);
 
 /* Sets level and reasons from the measures. whole: 1 for the whole model, 0 for one of several structures. */

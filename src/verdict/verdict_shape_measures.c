@@ -30,12 +30,12 @@ static smr_pose pose_of(const smr *s, const smr_shape_structure *one, int from_s
     const smr_model *m = s->shared.model;
     const uint32_t first = smr_model_position(m, one->first_vertex);
     smr_fit fit;
-    smr_fit_start(&fit, from_start ? smr_load(smr_at3(s->shape.start, first)) : smr_rest(&s->shared, first),
-                  smr_load(smr_at3(s->shape.x, first)));
+    smr_fit_start(&fit, from_start ? smr_get3(s->shape.start, first) : smr_rest(&s->shared, first),
+                  smr_get3(s->shape.x, first));
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(m, one->first_vertex + i);
-        smr_fit_add(&fit, from_start ? smr_load(smr_at3(s->shape.start, v)) : smr_rest(&s->shared, v),
-                    smr_load(smr_at3(s->shape.x, v)), 1.0f);
+        smr_fit_add(&fit, from_start ? smr_get3(s->shape.start, v) : smr_rest(&s->shared, v), smr_get3(s->shape.x, v),
+                    1.0f);
     }
     return smr_fit_solve(&fit, 1);
 }
@@ -54,7 +54,7 @@ static void add_edges(const smr *s, const smr_shape_structure *one, float scale,
         const uint32_t *t = one->tree.triangle + 3u * (size_t)k;
         for (uint32_t c = 0; c < 3u; c++) {
             const uint32_t a = t[c], b = t[(c + 1u) % 3u];
-            const float now = smr_length(smr_sub(smr_load(smr_at3(s->shape.x, a)), smr_load(smr_at3(s->shape.x, b))));
+            const float now = smr_length(smr_sub(smr_get3(s->shape.x, a), smr_get3(s->shape.x, b)));
             const float rest = scale * smr_length(smr_sub(smr_rest(&s->shared, a), smr_rest(&s->shared, b)));
             if (rest > SMR_EDGE_LEAST)
                 smr_mean_add(&e->strain2, (now / rest - 1.0f) * (now / rest - 1.0f), 1.0f);
@@ -71,12 +71,12 @@ static void add_volume(const smr *s, const smr_shape_structure *one, float scale
     if (one->tree.n_triangles == 0u)
         return;
     const uint32_t first = one->tree.triangle[0];
-    const smr_vec o = smr_load(smr_at3(s->shape.x, first)), r = smr_rest(&s->shared, first);
+    const smr_vec o = smr_get3(s->shape.x, first), r = smr_rest(&s->shared, first);
     for (uint32_t k = 0; k < one->tree.n_triangles; k++) {
         const uint32_t *t = one->tree.triangle + 3u * (size_t)k;
         smr_vec x[3], y[3];
         for (uint32_t c = 0; c < 3u; c++) {
-            x[c] = smr_sub(smr_load(smr_at3(s->shape.x, t[c])), o);
+            x[c] = smr_sub(smr_get3(s->shape.x, t[c]), o);
             y[c] = smr_sub(smr_rest(&s->shared, t[c]), r);
         }
         const smr_vec n = smr_cross(smr_sub(y[1], y[0]), smr_sub(y[2], y[0]));
@@ -117,12 +117,12 @@ static void add_rotations(const smr *s, const smr_shape_structure *one, const sm
         const uint32_t centre = smr_model_position(m, at);
         const smr_vec from = smr_rest(&s->shared, centre);
         smr_fit fit;
-        smr_fit_start(&fit, from, smr_load(smr_at3(s->shape.x, centre)));
+        smr_fit_start(&fit, from, smr_get3(s->shape.x, centre));
         for (uint32_t i = 0; i < one->n_vertices; i++) {
             const uint32_t v = smr_model_position(m, one->first_vertex + i);
             const smr_vec d = smr_sub(smr_rest(&s->shared, v), from);
             if (smr_dot(d, d) <= radius * radius)
-                smr_fit_add(&fit, smr_rest(&s->shared, v), smr_load(smr_at3(s->shape.x, v)), 1.0f);
+                smr_fit_add(&fit, smr_rest(&s->shared, v), smr_get3(s->shape.x, v), 1.0f);
         }
         if (fit.weight < 6.0f)
             continue;

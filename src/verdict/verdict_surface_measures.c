@@ -13,15 +13,14 @@ static smr_vec area_of(smr_vec a, smr_vec b, smr_vec c)
     return smr_scale(smr_cross(smr_sub(b, a), smr_sub(c, a)), 0.5f);
 }
 
-static smr_vec corner(const float *xyz, const uint32_t *t, uint32_t c) { return smr_load(xyz + 3u * (size_t)t[c]); }
+static smr_vec corner(const float *xyz, const uint32_t *t, uint32_t c) { return smr_get3(xyz, t[c]); }
 
-/* Distance of each vertex to the target, mm; SMR_FAR beyond the search. */
 static void find_distances(const smr *s, const smr_shape_structure *one, const smr_surface *target, float *distance)
 {
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
-        const smr_vec p = smr_add(smr_load(smr_at3(s->shape.x, v)), smr_sub(s->shape.origin, target->origin));
-        const smr_query q = {p, smr_load(smr_at3(s->shape.normal, v)), -2.0f, SMR_NODES, s->forces.surface.warm[v]};
+        const smr_vec p = smr_add(smr_get3(s->shape.x, v), smr_sub(s->shape.origin, target->origin));
+        const smr_query q = {p, smr_get3(s->shape.normal, v), -2.0f, SMR_NODES, s->forces.surface.warm[v]};
         smr_hit hit = {SMR_FAR, SMR_NONE, {0, 0, 0}};
         smr_surface_search(target, &q, &hit);
         distance[v] = hit.triangle == SMR_NONE ? SMR_FAR : SMR_SQRT(hit.d2);
@@ -50,8 +49,7 @@ static void add_model(const smr *s, const smr_shape_structure *one, const smr_su
         smr_hit hit = {4.0f * near * near, SMR_NONE, {0, 0, 0}};
         smr_surface_search(target, &q, &hit);
         if (hit.triangle != SMR_NONE)
-            smr_mean_add(&e->agree,
-                         smr_dot(smr_load(target->tree.normal + 3u * (size_t)hit.triangle), normal) > SMR_AGREE * area,
+            smr_mean_add(&e->agree, smr_dot(smr_get3(target->tree.normal, hit.triangle), normal) > SMR_AGREE * area,
                          area);
     }
 }

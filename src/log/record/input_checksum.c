@@ -106,3 +106,17 @@ uint64_t smr_volume_checksum(const smr_volume *volume)
     sum = add_voxels(add_points(sum, v->direction, 3), v->voxels, bytes, n);
     return closed(v->mask != NULL ? add_voxels(sum, v->mask, 1, n) : sum);
 }
+
+uint64_t smr_log_checksum(uint32_t kind, const void *what, uint32_t n)
+{
+    if (what == NULL)
+        return 0;
+    switch (kind) {
+    case SMR_LOG_POINTS: return smr_cloud_checksum(what);
+    case SMR_LOG_VOLUME: return smr_volume_checksum(what);
+    case SMR_LOG_POSITIONS: return smr_points_checksum(what, n);
+    case SMR_LOG_MOTION: return smr_motion_checksum(what, n);
+    case SMR_LOG_GOALS: return ((const smr_goals *)what)->xyz == NULL ? 0u : smr_goals_checksum(what, n);
+    default: return smr_surface_checksum(what);
+    }
+}

@@ -64,14 +64,14 @@ uint64_t smr_motion_checksum(const smr_motion *motion, uint32_t n);
 uint64_t smr_surface_checksum(const smr_surface *surface);
 uint64_t smr_target_checksum(const smr_surface *surface); /* of a mesh, or of a cloud and its capacity */
 uint64_t smr_volume_checksum(const smr_volume *volume);
+/* of a recorded input, by kind as for smr_log_note(); 0: it was taken away */
+uint64_t smr_log_checksum(uint32_t kind, const void *what, uint32_t n);
 
 void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *what, uint32_t n);
 
-/* Starts a log with its header, and ends it. */
 void smr_log_start(smr_log *log, const smr_shared *shared, void *memory, size_t bytes);
 void smr_log_end(smr_log *log);
 
-/* A tick, as it is recorded. */
 typedef struct smr_log_of_tick {
     const smr_tick_report *report;
     uint32_t complete;    /* 1: an iteration was completed, or the schedule was done already */

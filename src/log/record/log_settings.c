@@ -35,7 +35,6 @@ static const uint8_t written[] = {1,  2,  29, 43, 44, 38, 7,  45, 4,  5,  6,  50
 
 _Static_assert(sizeof written == SMR_LOG_ROWS - 1u, "every setting but attract is written");
 
-/* The row of this number. */
 static const log_row *numbered(uint32_t number)
 {
     size_t i = 0;

@@ -31,7 +31,6 @@ uint32_t smr_log_words(uint32_t kind)
     }
 }
 
-/* Appends a record that fits. */
 static void write_record(smr_log *log, uint32_t kind, const uint32_t *word)
 {
     const uint32_t n = smr_log_words(kind), bytes = SMR_LOG_FRAME + 4u * n;
@@ -61,21 +60,6 @@ static void put(smr_log *log, uint32_t kind, const uint32_t *word)
 
 static uint32_t high(uint64_t v) { return (uint32_t)(v >> 32); }
 static uint32_t low(uint64_t v) { return (uint32_t)(v & 0xffffffffu); }
-
-/* Checksum of an input; 0: it was taken away. */
-static uint64_t sum_of(uint32_t kind, const void *what, uint32_t n)
-{
-    if (what == NULL)
-        return 0;
-    switch (kind) {
-    case SMR_LOG_POINTS: return smr_cloud_checksum(what);
-    case SMR_LOG_VOLUME: return smr_volume_checksum(what);
-    case SMR_LOG_POSITIONS: return smr_points_checksum(what, n);
-    case SMR_LOG_MOTION: return smr_motion_checksum(what, n);
-    case SMR_LOG_GOALS: return ((const smr_goals *)what)->xyz == NULL ? 0u : smr_goals_checksum(what, n);
-    default: return smr_surface_checksum(what);
-    }
-}
 
 /* Logs each landmark as a record of its own. No landmark at all is a record of zeros. */
 static void put_landmarks(smr_log *log, const smr_landmark *landmark, uint32_t n)
@@ -134,7 +118,7 @@ void smr_log_write(smr_log *log, uint32_t kind, uint32_t number, const void *wha
         if (what != NULL)
             memcpy(&sum, what, sizeof sum);
         break;
-    default: sum = sum_of(kind, what, n); break;
+    default: sum = smr_log_checksum(kind, what, n); break;
     }
     const int present = kind == SMR_LOG_GOALS ? ((const smr_goals *)what)->xyz != NULL : what != NULL;
     const uint32_t bare[3] = {kind == SMR_LOG_VOLUME ? (uint32_t)present : number, low(sum), high(sum)};

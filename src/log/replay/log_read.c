@@ -87,42 +87,26 @@ static smr_status take_force(const uint32_t *word, smr_log_record *r)
 
 static smr_status take(const uint32_t *word, smr_log_record *r)
 {
-    const uint32_t *sum = NULL;
-    if (r->kind == SMR_LOG_TICK)
-        return take_tick(word, r);
-    if (r->kind == SMR_LOG_LANDMARKS)
-        return take_landmark(word, r);
-    if (r->kind == SMR_LOG_FORCE)
-        return take_force(word, r);
-    if (r->kind == SMR_LOG_VOLUME_RATIO) {
+    switch (r->kind) {
+    case SMR_LOG_TICK: return take_tick(word, r);
+    case SMR_LOG_LANDMARKS: return take_landmark(word, r);
+    case SMR_LOG_FORCE: return take_force(word, r);
+    case SMR_LOG_FULL: return SMR_OK;
+    case SMR_LOG_ACTIVE: r->n_taken = word[0]; return SMR_OK;
+    case SMR_LOG_VOLUME_RATIO:
         r->structure = word[0];
         r->ratio = float_of(word[1]); /* checked when it is set, as a pose is */
         return SMR_OK;
-    }
-    if (r->kind == SMR_LOG_SURFACE || r->kind == SMR_LOG_POINTS || r->kind == SMR_LOG_GOALS) {
-        r->structure = word[0];
-        r->present = word[1];
-        sum = word + 2;
-    } else if (r->kind == SMR_LOG_FIXED_SURFACE) {
-        r->index = word[0];
-        r->present = word[1];
-        sum = word + 2;
-    } else if (r->kind == SMR_LOG_VOLUME) {
-        r->present = word[0];
-        sum = word + 1;
-    } else if (r->kind == SMR_LOG_POSITIONS || r->kind == SMR_LOG_MOTION) {
-        r->structure = word[0];
-        r->present = 1;
-        sum = word + 1;
-    } else if (r->kind == SMR_LOG_POSE) {
+    case SMR_LOG_POSE:
         for (uint32_t i = 0; i < 12u; i++)
             r->pose.m[i / 4u][i % 4u] = float_of(word[i]);
-    } else if (r->kind == SMR_LOG_ACTIVE) {
-        r->n_taken = word[0];
+        return SMR_OK;
     }
-    if (sum != NULL)
-        r->checksum = joined(sum);
-    return r->present > 1u || (sum != NULL && (r->checksum != 0u) != (r->present == 1u)) ? SMR_E_LOG : SMR_OK;
+    const int owned = r->kind == SMR_LOG_POSITIONS || r->kind == SMR_LOG_MOTION, image = r->kind == SMR_LOG_VOLUME;
+    *(r->kind == SMR_LOG_FIXED_SURFACE ? &r->index : &r->structure) = image ? 0u : word[0];
+    r->present = owned ? 1u : word[image ? 0 : 1];
+    r->checksum = joined(word + (owned || image ? 1 : 2));
+    return r->present > 1u || (r->checksum != 0u) != (r->present == 1u) ? SMR_E_LOG : SMR_OK;
 }
 
 smr_status smr_log_next(smr_log_reader *reader, smr_log_record *record)

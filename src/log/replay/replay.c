@@ -53,36 +53,26 @@ static int of_forces(uint32_t kind)
            kind == SMR_LOG_FORCE || kind == SMR_LOG_FIXED_SURFACE || kind == SMR_LOG_VOLUME_RATIO;
 }
 
-/* Sets goals or a force of the caller. */
-static smr_status set_caller(smr *s, const smr_log_record *record, const void *given)
+/* Returns 1 when the input that the caller gave is the recorded one. */
+static int is_recorded(const smr *s, const smr_log_record *record, const void *given)
 {
-    if (record->kind == SMR_LOG_FORCE) {
-        const smr_caller_force *own = given;
-        if (own != NULL && own->force == NULL)
-            return SMR_E_INPUT;
-        return smr_set_force(s, own != NULL ? own->force : NULL, own != NULL ? own->ctx : NULL);
+    const smr_motion *motion = given;
+    smr_grid grid;
+    int legal = 1;
+    switch (record->kind) {
+    case SMR_LOG_FORCE: return ((const smr_caller_force *)given)->force != NULL; /* it has no checksum */
+    case SMR_LOG_SURFACE:
+    case SMR_LOG_FIXED_SURFACE: legal = smr_surface_valid(given); break;
+    case SMR_LOG_POINTS: legal = smr_points_valid(given); break;
+    case SMR_LOG_VOLUME: legal = smr_grid_open(given, &grid) == SMR_OK; break;
+    case SMR_LOG_MOTION: legal = motion->mass != NULL || motion->velocity != NULL; break;
+    default: break;
     }
-    const smr_goals *goals = given;
-    if (goals == NULL)
-        return smr_set_goals(s, record->structure, NULL, NULL);
-    if (record->structure >= s->shared.n_structures)
-        return SMR_E_LOG;
-    if (goals->xyz == NULL ||
-        smr_goals_checksum(goals, s->shape.structure[record->structure].n_vertices) != record->checksum)
-        return SMR_E_INPUT;
-    return smr_set_goals(s, record->structure, goals->xyz, goals->weights);
+    const int whole = record->structure >= s->shared.n_structures; /* these kinds' sums do not need n */
+    const uint32_t n = whole ? 0u : s->shape.structure[record->structure].n_vertices;
+    return legal && smr_log_checksum(record->kind, given, n) == record->checksum;
 }
 
-/* Sets masses and velocities. */
-static smr_status set_motion(smr *s, const smr_log_record *record, const smr_motion *motion)
-{
-    const uint32_t n = s->shape.structure[record->structure].n_vertices;
-    if ((motion->mass == NULL && motion->velocity == NULL) || smr_motion_checksum(motion, n) != record->checksum)
-        return SMR_E_INPUT;
-    return smr_set_motion(s, record->structure, motion->mass, motion->velocity);
-}
-
-/* Sets one recorded input again. */
 static smr_status set_input(smr_replay *r, const smr_log_record *record)
 {
     const void *given = NULL;
@@ -99,35 +89,24 @@ static smr_status set_input(smr_replay *r, const smr_log_record *record)
         return SMR_E_LOG;
     if (record->present) {
         given = r->input == NULL ? NULL : r->input(r->ctx, record);
-        if (given == NULL)
+        if (given == NULL || !is_recorded(s, record, given))
             return SMR_E_INPUT;
     }
-    if (record->kind == SMR_LOG_GOALS || record->kind == SMR_LOG_FORCE)
-        return set_caller(s, record, given);
-    if (record->kind == SMR_LOG_MOTION)
-        return set_motion(s, record, given);
-    if (record->kind == SMR_LOG_SURFACE || record->kind == SMR_LOG_FIXED_SURFACE) {
-        const smr_surface *surface = given;
-        if (surface != NULL && (!smr_surface_valid(surface) || smr_surface_checksum(surface) != record->checksum))
-            return SMR_E_INPUT;
-        return record->kind == SMR_LOG_SURFACE ? smr_set_surface(s, record->structure, surface)
-                                               : smr_set_fixed(s, record->index, surface);
+    const smr_caller_force *force = given;
+    const smr_goals *goals = given;
+    const smr_motion *motion = given;
+    switch (record->kind) {
+    case SMR_LOG_FORCE: return smr_set_force(s, given != NULL ? force->force : NULL, given != NULL ? force->ctx : NULL);
+    case SMR_LOG_GOALS:
+        return smr_set_goals(s, record->structure, given != NULL ? goals->xyz : NULL,
+                             given != NULL ? goals->weights : NULL);
+    case SMR_LOG_MOTION: return smr_set_motion(s, record->structure, motion->mass, motion->velocity);
+    case SMR_LOG_SURFACE: return smr_set_surface(s, record->structure, given);
+    case SMR_LOG_FIXED_SURFACE: return smr_set_fixed(s, record->index, given);
+    case SMR_LOG_POINTS: return smr_set_points(s, record->structure, given);
+    case SMR_LOG_VOLUME: return smr_set_volume(s, given);
+    default: return smr_set_positions(s, record->structure, given);
     }
-    if (record->kind == SMR_LOG_POINTS) {
-        const smr_points *points = given;
-        if (points != NULL && (!smr_points_valid(points) || smr_cloud_checksum(points) != record->checksum))
-            return SMR_E_INPUT;
-        return smr_set_points(s, record->structure, points);
-    }
-    if (record->kind == SMR_LOG_VOLUME) {
-        smr_grid grid;
-        if (given != NULL && (smr_grid_open(given, &grid) != SMR_OK || smr_volume_checksum(given) != record->checksum))
-            return SMR_E_INPUT;
-        return smr_set_volume(s, given);
-    }
-    if (smr_points_checksum(given, s->shape.structure[record->structure].n_vertices) != record->checksum)
-        return SMR_E_INPUT;
-    return smr_set_positions(s, record->structure, given);
 }
 
 /* The same; setters say E_CONFIG where this build leaves out what they need. */

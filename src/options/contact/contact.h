@@ -60,7 +60,6 @@ typedef struct smr_contact {
 } smr_contact;
 
 void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared);
-void smr_contact_wire(smr_contact *c, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape);
 void smr_contact_model(smr_contact *c);  /* computes what depends on the model alone */
 void smr_contact_reset(smr_contact *c);  /* sets all distance bounds to unknown */
 void smr_contact_begin(smr_contact *c);  /* called when an iteration begins */
@@ -69,7 +68,6 @@ void smr_contact_commit(smr_contact *c); /* called when the current forces are c
 void smr_contact_fix(smr_contact *c, uint32_t index, const smr_surface *surface);
 int smr_fixed_valid(const smr_contact *c); /* 1: no fixed surface has changed since it was set */
 
-/* 1: structures are kept apart in some iterations. */
 static inline int smr_contact_used(const smr_contact *c) { return SMR_HAS_CONTACT && c->touch != NULL; }
 
 /* Returns 1 when contacts act in this iteration. In clusters that hold several structures the displacements of both
@@ -124,12 +122,9 @@ typedef struct smr_volumes {
     smr_kept_volume *kept;  /* [n_structures]; NULL: config.contact.volume is 0 */
 } smr_volumes;
 
-/* 1: volumes are led. */
 static inline int smr_volumes_used(const smr_volumes *v) { return SMR_HAS_CONTACT && v->kept != NULL; }
 
 void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared);
-void smr_volumes_wire(smr_volumes *v, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
-                      const smr_overlay *overlay);
 void smr_volumes_model(smr_volumes *v); /* computes what follows from the model alone; sets ratios to 1 */
 void smr_volumes_scale(smr_volumes *v); /* computes what follows from the start positions, which are new or restored */
 /* the same, and the present volumes become the start of the steps to the ratios */
@@ -154,12 +149,9 @@ typedef struct smr_smooth {
     float *height;
 } smr_smooth;
 
-/* 1: the surface is smoothed. */
 static inline int smr_smooth_used(const smr_smooth *s) { return SMR_HAS_CONTACT && s->height != NULL; }
 
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared);
-void smr_smooth_wire(smr_smooth *s, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
-                     const smr_rings *rings);
 void smr_smooth_rest(smr_smooth *s); /* computes the heights; positions are those of the rest shape */
 
 void smr_smooth_start(smr_smooth *s); /* called when positions start anew or are restored */

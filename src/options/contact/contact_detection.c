@@ -46,15 +46,6 @@ void smr_contact_layout(smr_arena *a, smr_contact *c, const smr_shared *shared)
     c->reach_next = smr_slot_scratch(a, c->reach_next, n, sizeof(float));
 }
 
-void smr_contact_wire(smr_contact *c, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape)
-{
-    c->shared = shared;
-    c->schedule = schedule;
-    c->shape = shape;
-    if (c->fixed != NULL)
-        memset(c->fixed, 0, shared->config.contact.n_fixed * sizeof *c->fixed);
-}
-
 void smr_contact_model(smr_contact *c)
 {
     float mm3 = 0.0f, thick_mm;
@@ -68,7 +59,7 @@ void smr_contact_reset(smr_contact *c)
         return;
     for (uint32_t v = 0; v < c->shared->n; v++) {
         c->touch[SMR_TOUCHES * (size_t)v].body = SMR_NONE;
-        smr_store(smr_at3(c->push, v), smr_v(0, 0, 0));
+        smr_put3(c->push, v, smr_v(0, 0, 0));
         c->reach[v] = c->reach_next[v] = SMR_REACH_UNKNOWN;
     }
 }
@@ -189,7 +180,7 @@ static float face_out(const smr_box_tree *f, const float *normal, smr_query q, s
 /* Returns 1 when the nearest triangle faces the vertex, so that the shortest exit is valid. */
 static int facing(const smr_box_tree *f, uint32_t triangle, smr_vec inward)
 {
-    return smr_dot(smr_load(f->normal + 3u * (size_t)triangle), inward) > 0.0f;
+    return smr_dot(smr_get3(f->normal, triangle), inward) > 0.0f;
 }
 
 /* A point of a structure's surface that is tested for contact. */
@@ -277,7 +268,7 @@ void smr_contact_find(smr_contact *c, uint32_t v)
         return;
     /* -bound: largest possible depth inside a structure now, mm */
     const float far = zone * (c->reach[v] > zone ? SMR_REACH_FAR : SMR_REACH_NEAR);
-    const probe p = {smr_load(smr_at3(c->shape->x, v)), smr_scale(smr_load(smr_at3(c->shape->normal, v)), -1.0f),
+    const probe p = {smr_get3(c->shape->x, v), smr_scale(smr_get3(c->shape->normal, v), -1.0f),
                      smr_model_owner(c->shared->model, v)};
     c->reach_next[v] = look(c, &p, smr_min(smr_max(far, -bound), SMR_CONTACT_DEEP + zone), touch, SMR_TOUCHES);
 }
@@ -287,7 +278,7 @@ static int out_of_reach(const smr_contact *c, const uint32_t *t, smr_vec middle)
 {
     const float zone = c->shared->config.contact.gap_mm + SMR_CONTACT_BAND, moved = 2.0f * *c->moved_mm;
     for (uint32_t i = 0; i < 3u; i++)
-        if (c->reach[t[i]] - moved > zone + smr_length(smr_sub(smr_load(smr_at3(c->shape->x, t[i])), middle)))
+        if (c->reach[t[i]] - moved > zone + smr_length(smr_sub(smr_get3(c->shape->x, t[i]), middle)))
             return 1;
     return 0;
 }
@@ -296,9 +287,8 @@ void smr_contact_find_triangle(smr_contact *c, uint32_t k)
 {
     const uint32_t *t = c->shared->triangle + 3u * (size_t)k;
     const float *x = c->shape->x;
-    const smr_vec sum = smr_add(smr_load(x + 3u * (size_t)t[0]),
-                                smr_add(smr_load(x + 3u * (size_t)t[1]), smr_load(x + 3u * (size_t)t[2])));
-    const probe p = {smr_scale(sum, 1.0f / 3.0f), smr_scale(smr_load(smr_at3(c->shape->triangle_normal, k)), -1.0f),
+    const smr_vec sum = smr_add(smr_get3(x, t[0]), smr_add(smr_get3(x, t[1]), smr_get3(x, t[2])));
+    const probe p = {smr_scale(sum, 1.0f / 3.0f), smr_scale(smr_get3(c->shape->triangle_normal, k), -1.0f),
                      smr_model_owner(c->shared->model, t[0])};
     c->triangle_touch[k].body = SMR_NONE;
     if (!out_of_reach(c, t, p.at))

@@ -34,7 +34,7 @@ static float displacement_along(const smr_contact *c, const place *p, smr_vec ou
     float displacement = 0.0f;
     for (uint32_t k = 0; k < p->n; k++) {
         const uint32_t v = p->vertex[k];
-        const smr_vec step = smr_sub(smr_load(smr_at3(c->shape->x_next, v)), smr_load(smr_at3(c->shape->x, v)));
+        const smr_vec step = smr_sub(smr_get3(c->shape->x_next, v), smr_get3(c->shape->x, v));
         displacement += p->weight[k] * smr_dot(out, step);
         *sum += p->weight[k] * p->weight[k] / smr_mass(c->shared, v);
     }

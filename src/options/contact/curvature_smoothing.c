@@ -13,15 +13,6 @@ void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared)
         s->height = smr_slot_scratch(a, s->height, shared->n, sizeof *s->height); /* of the model: smr_init() */
 }
 
-void smr_smooth_wire(smr_smooth *s, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
-                     const smr_rings *rings)
-{
-    s->shared = shared;
-    s->schedule = schedule;
-    s->shape = shape;
-    s->rings = *rings;
-}
-
 static uint32_t ring_tasks(const smr_smooth *s) { return smr_ceil_div(s->shared->n_triangles, SMR_TRIANGLE_CHUNK); }
 
 uint32_t smr_smooth_tasks(const void *arg)
@@ -54,9 +45,9 @@ static float height_of(const smr_smooth *s, uint32_t v)
 {
     if (!(s->rings.weight[v] > 0.0f))
         return 0.0f;
-    const smr_vec middle = smr_scale(smr_load(smr_at3(s->rings.sum, v)), 1.0f / s->rings.weight[v]);
-    const smr_vec up = smr_sub(middle, smr_load(smr_at3(s->shape->x, v)));
-    return smr_dot(smr_load(smr_at3(s->shape->normal, v)), up);
+    const smr_vec middle = smr_scale(smr_get3(s->rings.sum, v), 1.0f / s->rings.weight[v]);
+    const smr_vec up = smr_sub(middle, smr_get3(s->shape->x, v));
+    return smr_dot(smr_get3(s->shape->normal, v), up);
 }
 
 void smr_smooth_rest(smr_smooth *s)
@@ -78,6 +69,6 @@ smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec displacement)
         return displacement;
     const float scale = smr_length(smr_v(m[0][0], m[1][0], m[2][0]));
     const float off = height_of(s, v) - s->side * scale * s->height[v];
-    const smr_vec own = smr_scale(smr_load(smr_at3(s->shape->normal, v)), off);
+    const smr_vec own = smr_scale(smr_get3(s->shape->normal, v), off);
     return smr_add(displacement, smr_scale(smr_sub(own, displacement), share));
 }

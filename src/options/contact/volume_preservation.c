@@ -24,20 +24,10 @@ void smr_volumes_layout(smr_arena *a, smr_volumes *v, const smr_shared *shared)
     }
 }
 
-void smr_volumes_wire(smr_volumes *v, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
-                      const smr_overlay *overlay)
-{
-    v->shared = shared;
-    v->schedule = schedule;
-    v->shape = shape;
-    v->sum = overlay->sum;
-}
-
 void smr_volumes_model(smr_volumes *v)
 {
     for (uint32_t i = 0; v->kept != NULL && i < v->shared->n_structures; i++) {
         smr_kept_volume *one = &v->kept[i];
-        memset(one, 0, sizeof *one);
         one->ratio = one->ratio_at_begin = one->now = 1.0f;
         one->closed = (uint32_t)smr_rest_volume(v->shape, i, &one->model_mm3, &one->model_thick_mm);
     }
@@ -103,7 +93,7 @@ static smr_enclosed piece_of(const smr_volumes *v, uint32_t from, uint32_t to, s
         const uint32_t *t = v->shared->triangle + 3u * (size_t)k;
         smr_vec at[3], normal[3];
         for (uint32_t c = 0; c < 3u; c++) {
-            at[c] = smr_sub(smr_load(smr_at3(v->shape->x_next, t[c])), apex);
+            at[c] = smr_sub(smr_get3(v->shape->x_next, t[c]), apex);
             normal[c] = smr_next_normal(v->sum, t[c]);
         }
         sum = smr_enclosed_add(sum, smr_cone(at, normal));

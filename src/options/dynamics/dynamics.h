@@ -72,13 +72,12 @@ typedef struct smr_dynamics {
 } smr_dynamics;
 
 void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared *shared);
-void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared); /* sets velocities to 0 and masses to the model's */
+void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared); /* sets masses to the model's */
 
 /* Predicted position of vertex v at the end of the time step without springs: y = x + h v + h^2 g. */
 static inline smr_vec smr_dynamics_free(const smr_dynamics *d, uint32_t v)
 {
-    const smr_vec displacement = smr_scale(smr_load(smr_at3(d->velocity, v)), d->step_s),
-                  x = smr_load(smr_at3(d->begin, v));
+    const smr_vec displacement = smr_scale(smr_get3(d->velocity, v), d->step_s), x = smr_get3(d->begin, v);
     const smr_vec y = smr_add(smr_add(x, displacement), d->mass[v] > 0.0f ? d->fall : smr_v(0, 0, 0));
     return smr_v(smr_clamp(y.x, -SMR_FARTHEST, SMR_FARTHEST), smr_clamp(y.y, -SMR_FARTHEST, SMR_FARTHEST),
                  smr_clamp(y.z, -SMR_FARTHEST, SMR_FARTHEST));
@@ -100,8 +99,8 @@ static inline smr_vec smr_dynamics_ahead(const smr_dynamics *d, uint32_t v, smr_
     if (!d->ends)
         return x;
     if (!(d->mass[v] > 0.0f))
-        return smr_add(x, smr_scale(smr_load(smr_at3(d->velocity, v)), d->step_s));
-    const smr_vec displacement = smr_sub(x, smr_load(smr_at3(d->begin, v)));
+        return smr_add(x, smr_scale(smr_get3(d->velocity, v), d->step_s));
+    const smr_vec displacement = smr_sub(x, smr_get3(d->begin, v));
     return smr_add(x, smr_add(smr_scale(displacement, d->keeps), d->fall));
 }
 
@@ -116,7 +115,6 @@ static inline smr_vec smr_dynamics_next(const smr_dynamics *d, uint32_t v, smr_v
     return smr_scale(smr_add(y, elastic), 1.0f / (1.0f + d->springs * (1.0f + share)));
 }
 
-/* 1: the model has mass. */
 static inline int smr_moves(const smr *s) { return SMR_HAS_DYNAMICS && s->shape.dynamics != NULL; }
 
 /* ---- time steps, of SMR_SWEEPS iterations each ---- */

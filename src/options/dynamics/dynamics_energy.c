@@ -17,15 +17,15 @@
 enum { MEANS, TURNS, ENERGY, PASSES };
 
 /* Position at the end of the time step: x_next, while the step's last iteration runs. */
-static smr_vec next_of(const smr *s, uint32_t v) { return smr_load(smr_at3(s->shape.x_next, v)); }
+static smr_vec next_of(const smr *s, uint32_t v) { return smr_get3(s->shape.x_next, v); }
 
 static smr_vec displacement_of(const smr *s, uint32_t v)
 {
-    return smr_sub(next_of(s, v), smr_load(smr_at3(s->shape.dynamics->begin, v)));
+    return smr_sub(next_of(s, v), smr_get3(s->shape.dynamics->begin, v));
 }
 
 /* The vector from the reference shape to a vertex, mm. */
-static smr_vec off_of(const smr *s, uint32_t v) { return smr_sub(next_of(s, v), smr_load(smr_at3(s->shape.x_ref, v))); }
+static smr_vec off_of(const smr *s, uint32_t v) { return smr_sub(next_of(s, v), smr_get3(s->shape.x_ref, v)); }
 
 /* Adds a vertex to the mean motion of its group, or to the centre of its structure's pinned vertices. */
 static void add_means(const smr *s, uint32_t v, smr_step_sums *own, smr_step_sums *lead)
@@ -34,7 +34,7 @@ static void add_means(const smr *s, uint32_t v, smr_step_sums *own, smr_step_sum
     const float mass = smr_counted_mass(d, v);
     if (mass > 0.0f) {
         lead->mass += mass;
-        lead->speed = smr_add(lead->speed, smr_scale(smr_load(smr_at3(d->velocity, v)), mass));
+        lead->speed = smr_add(lead->speed, smr_scale(smr_get3(d->velocity, v), mass));
         lead->displacement = smr_add(lead->displacement, smr_scale(displacement_of(s, v), mass));
         lead->middle = smr_add(lead->middle, smr_scale(next_of(s, v), mass));
         return;
@@ -105,7 +105,7 @@ static smr_vec turn_displacement(const smr_step_sums *group, smr_vec x)
 static void add_kinetic(const smr *s, uint32_t v, const smr_step_sums *group, float sum[SMR_STEP_ENERGIES])
 {
     const smr_dynamics *d = s->shape.dynamics;
-    const smr_vec all = smr_load(smr_at3(d->velocity, v)), speed = smr_sub(all, group->speed);
+    const smr_vec all = smr_get3(d->velocity, v), speed = smr_sub(all, group->speed);
     const smr_vec displacement = smr_sub(displacement_of(s, v), group->displacement);
     const float mass = smr_counted_mass(d, v), h2 = d->step_s * d->step_s;
     sum[SMR_BEFORE] += 0.5f * mass * smr_dot(speed, speed);
@@ -130,8 +130,8 @@ static void add_springs(const smr *s, uint32_t v, const smr_step_sums *group, co
     if (s->forces.found_last[v] == SMR_FOUND_GOAL) {
         const float share = s->shared.config.forces.stiffness, k = s->shared.config.dynamics.elastic;
         /* displacement since the goal was searched for */
-        const smr_vec moved = smr_sub(x, smr_load(smr_at3(s->shape.x, v)));
-        const smr_vec pull = smr_sub(smr_load(smr_at3(s->forces.force, v)), smr_scale(moved, share));
+        const smr_vec moved = smr_sub(x, smr_get3(s->shape.x, v));
+        const smr_vec pull = smr_sub(smr_get3(s->forces.force, v), smr_scale(moved, share));
         sum[SMR_GOALS] += 0.5f * mass * k / share * smr_dot(pull, pull);
         sum[SMR_WORK] += mass * k * smr_dot(pull, smr_sub(displacement_of(s, v), group->displacement));
         force = smr_sub(force, smr_scale(pull, mass * k));
@@ -145,7 +145,6 @@ uint32_t smr_step_energy_tasks(const void *arg)
     return s->shape.dynamics != NULL && s->shape.dynamics->ends ? PASSES * s->shape.track_rest->n_tasks : 0u;
 }
 
-/* Prepares the sums of a pass. */
 static void begin_pass(smr_dynamics *d, uint32_t pass, uint32_t n_structures)
 {
     d->structure = d->vertex = 0;
@@ -250,8 +249,8 @@ void smr_step_velocities(smr *s)
     d->weighed = 0;
     for (uint32_t v = 0; v < s->shared.n; v++) {
         const smr_step_sums *const group = d->sums + d->group[smr_model_owner(s->shared.model, v)];
-        const smr_vec x = smr_load(smr_at3(s->shape.x, v));
-        smr_vec displacement = smr_sub(x, smr_load(smr_at3(d->begin, v)));
+        const smr_vec x = smr_get3(s->shape.x, v);
+        smr_vec displacement = smr_sub(x, smr_get3(d->begin, v));
         if (group->share < 1.0f) {
             const smr_vec turned = turn_displacement(group, x),
                           beside = smr_sub(smr_sub(displacement, group->displacement), turned);
@@ -259,8 +258,9 @@ void smr_step_velocities(smr *s)
             displacement = smr_add(displacement, smr_scale(beside, group->share));
         }
         if (d->mass[v] > 0.0f)
-            smr_store(smr_at3(d->velocity, v), smr_v(speed_of(displacement.x, per_s), speed_of(displacement.y, per_s),
-                                                     speed_of(displacement.z, per_s)));
-        smr_store(smr_at3(d->begin, v), x);
+            smr_put3(d->velocity, v,
+                     smr_v(speed_of(displacement.x, per_s), speed_of(displacement.y, per_s),
+                           speed_of(displacement.z, per_s)));
+        smr_put3(d->begin, v, x);
     }
 }

@@ -13,8 +13,6 @@ void smr_dynamics_layout(smr_arena *a, smr_dynamics **dynamics, const smr_shared
     *dynamics = smr_slot_scratch(a, *dynamics, 1, sizeof **dynamics);
     if (*dynamics != NULL)
         d = *dynamics;
-    if (!smr_keeps(a))
-        memset(d, 0, sizeof *d);
     d->begin = smr_slot_floats(a, d->begin, 3u * n, SMR_KEPT_MM);
     d->velocity = smr_slot_floats(a, d->velocity, 3u * n, SMR_SPEED_MOST);
     d->mass = smr_slot_floats(a, d->mass, n, SMR_MASS_MOST);
@@ -36,12 +34,7 @@ void smr_dynamics_wire(smr_dynamics *d, const smr_shared *shared)
     d->step_s = 0.001f * c->dynamics.step_ms;
     d->springs = c->dynamics.elastic * d->step_s * d->step_s;
     d->keeps = 1.0f / (1.0f + c->dynamics.damping * d->step_s);
-    d->ends = d->weighed = 0;
     d->fall = smr_scale(smr_load(c->dynamics.gravity), d->step_s * d->step_s);
-    memset(&d->stored, 0, sizeof d->stored);
-    memset(d->bent, 0, shared->n_structures * sizeof *d->bent);
-    memset(d->spare, 0, shared->n_structures * sizeof *d->spare);
-    memset(d->velocity, 0, 3u * (size_t)shared->n * sizeof(float));
     for (uint32_t v = 0; v < shared->n; v++)
         d->mass[v] = smr_mass(shared, v);
 }

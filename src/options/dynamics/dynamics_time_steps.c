@@ -21,7 +21,6 @@
 #define SMR_PINNED_MOST 3.4e7f    /* largest weight of a pinned vertex */
 #define SMR_PINNED_TIMES 8.0f     /* weight of all pinned vertices of a cluster together, over the cluster's mass */
 
-/* Sums the records over all clusters. */
 static void sum_records(smr *s, uint32_t words)
 {
     smr_sums *sums = &s->sums;
@@ -156,8 +155,7 @@ void smr_sweep_begin(void *arg, uint32_t task, uint32_t worker)
     const smr *s = arg;
     (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++)
-        smr_store(smr_at3(s->shape.from, v),
-                  smr_dynamics_from(s->shape.dynamics, &s->schedule, v, smr_load(smr_at3(s->shape.x, v))));
+        smr_put3(s->shape.from, v, smr_dynamics_from(s->shape.dynamics, &s->schedule, v, smr_get3(s->shape.x, v)));
 }
 
 /* Where the springs to the clusters' average and to its goal take a vertex; evolve has left the average in x_next. */
@@ -169,8 +167,8 @@ void smr_sweep_end(void *arg, uint32_t task, uint32_t worker)
         float *const x_next = smr_at3(s->shape.x_next, v);
         const int drawn = s->forces.found_last[v] == SMR_FOUND_GOAL;
         const float share = drawn ? s->shared.config.forces.stiffness : 0.0f;
-        const smr_vec x = smr_load(smr_at3(s->shape.x, v));
-        const smr_vec pull = smr_add(smr_scale(x, share), smr_load(smr_at3(s->forces.force, v)));
+        const smr_vec x = smr_get3(s->shape.x, v);
+        const smr_vec pull = smr_add(smr_scale(x, share), smr_get3(s->forces.force, v));
         smr_store(x_next,
                   smr_dynamics_next(s->shape.dynamics, v, smr_load(x_next), share, drawn ? pull : smr_v(0, 0, 0)));
     }

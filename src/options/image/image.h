@@ -54,8 +54,6 @@ typedef struct smr_image_goals {
 static inline int smr_image_on(const smr_image_goals *g) { return SMR_HAS_IMAGE && g->has_image; }
 
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared);
-void smr_image_goals_wire(smr_image_goals *g, const smr_shared *shared, const smr_schedule *schedule,
-                          const smr_shape *shape, const uint8_t *found, const smr_rings *rings);
 void smr_image_goals_reset(smr_image_goals *g);                       /* discards all results of the current forces */
 void smr_image_goals_open(smr_image_goals *g, const smr_grid *image); /* sets the target image; NULL: none */
 void smr_image_goals_noise(smr_image_goals *g);  /* computes each structure's noise level from the model */

@@ -94,7 +94,7 @@ static void look_back(smr_image_goals *g, uint32_t structure, uint32_t from, uin
         begin_view(view);
     for (uint32_t i = from; i < to; i++) {
         const uint32_t v = smr_model_position(g->shared->model, one->first_vertex + i);
-        const smr_vec at = smr_load(smr_at3(g->shape->x, v));
+        const smr_vec at = smr_get3(g->shape->x, v);
         smr_box *b = &view->box;
         b->lo = smr_v(smr_min(b->lo.x, at.x), smr_min(b->lo.y, at.y), smr_min(b->lo.z, at.z));
         b->hi = smr_v(smr_max(b->hi.x, at.x), smr_max(b->hi.y, at.y), smr_max(b->hi.z, at.z));
@@ -102,7 +102,7 @@ static void look_back(smr_image_goals *g, uint32_t structure, uint32_t from, uin
         view->n_decided += g->found[v] == 1u || g->found[v] == 2u;
         if (g->found[v] == 1u && g->contrast[v] > 0u)
             add_contrast(g, view, v);
-        smr_store(smr_at3(g->rings.sum, v), smr_v(0, 0, 0));
+        smr_put3(g->rings.sum, v, smr_v(0, 0, 0));
         g->rings.weight[v] = 0.0f;
     }
     if (to == one->n_vertices)
@@ -118,8 +118,7 @@ static void add_rings(smr_image_goals *g, uint32_t structure, uint32_t from, uin
         return; /* all weights stay 0: nothing is smoothed */
     for (uint32_t k = from; k < to; k++) {
         const uint32_t *t = g->shape->structure[structure].tree.triangle + 3u * (size_t)k;
-        const smr_vec a = smr_load(smr_at3(g->shape->x, t[0])), b = smr_load(smr_at3(g->shape->x, t[1])),
-                      c = smr_load(smr_at3(g->shape->x, t[2]));
+        const smr_vec a = smr_get3(g->shape->x, t[0]), b = smr_get3(g->shape->x, t[1]), c = smr_get3(g->shape->x, t[2]);
         const smr_vec all = smr_add(a, smr_add(b, c)), corner[3] = {a, b, c};
         for (uint32_t i = 0; i < 3u; i++) {
             float *sum = smr_at3(g->rings.sum, t[i]);
@@ -150,6 +149,6 @@ smr_vec smr_fill_displacement(const smr_image_goals *g, uint32_t v)
 {
     if (!(g->shared->config.image.fill > 0.0f) || !(g->rings.weight[v] > 0.0f))
         return smr_v(0, 0, 0);
-    const smr_vec middle = smr_scale(smr_load(smr_at3(g->rings.sum, v)), 1.0f / g->rings.weight[v]);
-    return smr_scale(smr_sub(middle, smr_load(smr_at3(g->shape->x, v))), g->shared->config.image.fill);
+    const smr_vec middle = smr_scale(smr_get3(g->rings.sum, v), 1.0f / g->rings.weight[v]);
+    return smr_scale(smr_sub(middle, smr_get3(g->shape->x, v)), g->shared->config.image.fill);
 }

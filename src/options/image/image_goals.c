@@ -35,17 +35,6 @@ void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *
         keep_structure(a, g->structure == NULL ? NULL : &g->structure[k]);
 }
 
-void smr_image_goals_wire(smr_image_goals *g, const smr_shared *shared, const smr_schedule *schedule,
-                          const smr_shape *shape, const uint8_t *found, const smr_rings *rings)
-{
-    g->shared = shared;
-    g->schedule = schedule;
-    g->shape = shape;
-    g->found = found;
-    g->rings = *rings;
-    memset(g->structure, 0, shared->n_structures * sizeof *g->structure);
-}
-
 void smr_image_goals_reset(smr_image_goals *g)
 {
     memset(g->contrast, 0, g->shared->n);
@@ -170,7 +159,7 @@ typedef struct search_line {
 
 static search_line line_of(const smr_image_goals *g, uint32_t v, const reference_profile *r, float profile_mm)
 {
-    const smr_vec normal = smr_load(smr_at3(g->shape->normal, v));
+    const smr_vec normal = smr_get3(g->shape->normal, v);
     const uint32_t room = (SMR_LINE_MAX - SMR_PROFILE_MAX) / 2u;
     search_line l;
     l.reach = smr_min_u32((uint32_t)(profile_mm / r->step_mm + 0.5f), room);
@@ -180,7 +169,7 @@ static search_line line_of(const smr_image_goals *g, uint32_t v, const reference
     if (!(r->range > 0.0f) || smr_dot(normal, normal) < 0.5f || l.n > SMR_LINE_MAX || l.reach + l.edge_reach == 0u)
         l.n = 0;
     l.step = smr_scale(normal, r->step_mm);
-    const smr_vec at = smr_add(smr_load(smr_at3(g->shape->x, v)), g->shape->origin);
+    const smr_vec at = smr_add(smr_get3(g->shape->x, v), g->shape->origin);
     l.start = smr_sub(at, smr_scale(l.step, (float)l.before));
     return l;
 }
@@ -251,7 +240,7 @@ static smr_vec tangential_displacement(const smr_image_goals *g, uint32_t v, con
     const smr_place place = {&sample->reference,
                              smr_add(l->start, smr_scale(l->step, sample->first)),
                              smr_scale(l->step, (float)sample->hop),
-                             smr_load(smr_at3(g->shape->normal, v)),
+                             smr_get3(g->shape->normal, v),
                              sample->found,
                              owner->gain,
                              owner->noise,

@@ -56,9 +56,9 @@ float smr_image_compare(const smr_image_goals *g, uint32_t v, int32_t *wins, uin
     const smr_profile r = {(const uint8_t *)smr_at(m, m->at_profiles) + (size_t)v * samples, smr_le_float(ranges[0]),
                            smr_le_float(ranges[1]), samples};
     const float noise = g->structure[smr_model_owner(m, v)].noise;
-    const smr_vec normal = smr_load(smr_at3(g->shape->normal, v));
+    const smr_vec normal = smr_get3(g->shape->normal, v);
     const smr_vec step = smr_scale(normal, smr_le_float(m->profile_step));
-    const smr_vec at = smr_add(smr_load(smr_at3(g->shape->x, v)), g->shape->origin);
+    const smr_vec at = smr_add(smr_get3(g->shape->x, v), g->shape->origin);
     const smr_vec first = smr_sub(at, smr_scale(step, (float)smr_le32(m->profile_inward)));
     float own = 0.0f, other = 0.0f;
     *wins = 0;

@@ -13,16 +13,6 @@
 #define SMR_ROUNDS_MAX 12u
 #define SMR_REACH_POINTS 4.0f /* points within reach of a vertex, mean */
 
-void smr_point_spread_wire(smr_point_spread *p, const smr_shared *shared, const smr_shape *shape,
-                           smr_surface_goals *goals, const smr_overlay *overlay)
-{
-    p->shared = shared;
-    p->shape = shape;
-    p->goals = goals;
-    p->memory = overlay->spread;
-    goals->spread = overlay->spread.pull;
-}
-
 static uint32_t vertex_tasks(const smr_point_spread *p) { return smr_ceil_div(p->shared->n, SMR_CHUNK); }
 static uint32_t round_tasks(const smr_point_spread *p)
 {
@@ -139,7 +129,7 @@ void smr_point_spread_run(void *arg, uint32_t task, uint32_t worker)
 
 int smr_point_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement)
 {
-    const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), g->shape->origin);
+    const smr_vec p = smr_add(smr_get3(g->shape->x, v), g->shape->origin);
     const float *s = g->spread + 4u * (size_t)v;
     g->warm_next[v] = SMR_NONE;
     if (!(s[3] > 0.0f) || smr_outside_box(&g->shared->config, p))

@@ -56,15 +56,6 @@ void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_sh
     }
 }
 
-void smr_landmark_goals_wire(smr_landmark_goals *g, const smr_shared *shared, const smr_schedule *schedule,
-                             const smr_shape *shape)
-{
-    g->shared = shared;
-    g->schedule = schedule;
-    g->shape = shape;
-    g->reach = smr_max(SMR_HARD_EDGES * smr_le_float(shared->model->edge_mm), 1.0e-3f);
-}
-
 void smr_landmark_goals_reset(smr_landmark_goals *g)
 {
     if (g->visibility != NULL)
@@ -96,7 +87,7 @@ smr_vec smr_landmark_foot(const smr_landmark_goals *g, uint32_t k, float *xyz)
     const smr_bound_landmark *b = &g->landmark[k];
     smr_vec sum = smr_v(0, 0, 0);
     for (uint32_t c = 0; c < 3u; c++)
-        sum = smr_add(sum, smr_scale(smr_load(smr_at3(xyz, b->corner[c])), b->share[c]));
+        sum = smr_add(sum, smr_scale(smr_get3(xyz, b->corner[c]), b->share[c]));
     return sum;
 }
 
@@ -106,9 +97,9 @@ smr_vec smr_landmark_offset(const smr_landmark_goals *g, uint32_t k)
     smr_fit fit;
     if (b->n_near == 0u)
         return smr_v(0, 0, 0);
-    smr_fit_start(&fit, b->foot, smr_load(smr_at3(g->shape->x, b->corner[0])));
+    smr_fit_start(&fit, b->foot, smr_get3(g->shape->x, b->corner[0]));
     for (uint32_t i = 0; i < b->n_near; i++)
-        smr_fit_add(&fit, smr_rest(g->shared, b->near[i]), smr_load(smr_at3(g->shape->x, b->near[i])), 1.0f);
+        smr_fit_add(&fit, smr_rest(g->shared, b->near[i]), smr_get3(g->shape->x, b->near[i]), 1.0f);
     const smr_pose pose = smr_fit_solve(&fit, 1);
     return smr_sub(smr_pose_apply(&pose, b->offset), smr_v(pose.m[0][3], pose.m[1][3], pose.m[2][3]));
 }
@@ -122,10 +113,10 @@ smr_vec smr_landmark_goal(const smr_landmark_goals *g, uint32_t k)
 float smr_landmark_hard_weight(const smr_landmark_goals *g, uint32_t k, uint32_t v)
 {
     const smr_bound_landmark *b = &g->landmark[k];
-    const smr_vec at = smr_load(smr_at3(g->shape->start, v));
+    const smr_vec at = smr_get3(g->shape->start, v);
     float least = g->reach * g->reach;
     for (uint32_t c = 0; c < 3u; c++) {
-        const smr_vec d = smr_sub(at, smr_load(smr_at3(g->shape->start, b->corner[c])));
+        const smr_vec d = smr_sub(at, smr_get3(g->shape->start, b->corner[c]));
         if (b->share[c] > 0.0f)
             least = smr_min(least, smr_dot(d, d));
     }

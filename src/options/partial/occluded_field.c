@@ -91,7 +91,6 @@ static smr_choice *choice(const smr_occluded_field *f) { return (smr_choice *)(v
 
 static uint32_t looks(const smr_occluded_field *f) { return smr_ceil_div(f->shared->n, SMR_LOOK); }
 
-/* Counts visible vertices. */
 static void count_visible(smr_occluded_field *f, uint32_t task)
 {
     smr_choice *c = choice(f);
@@ -126,11 +125,10 @@ static void choose(smr_occluded_field *f, uint32_t task)
     }
 }
 
-/* Stores a control and adds it to the fit of the pose. */
 static void add_control(smr_occluded_field *f, uint32_t k, smr_vec from, smr_vec to, float weight, smr_fit *fit)
 {
-    smr_store(smr_at3(f->start, k), from);
-    smr_store(smr_at3(f->coefficient, k), to);
+    smr_put3(f->start, k, from);
+    smr_put3(f->coefficient, k, to);
     smr_fit_add(fit, from, to, weight);
 }
 
@@ -151,7 +149,7 @@ static void add_visible(smr_occluded_field *f, const uint32_t *control, float ra
     for (uint32_t k = f->landmarks->n; k < f->n; k++) {
         const uint32_t v = control[k - f->landmarks->n];
         const float counts = f->by_normals ? 2.0f * (float)visibility(f, v) - one : (float)visibility(f, v);
-        add_control(f, k, smr_load(smr_at3(smr_field_start(f), v)), smr_load(smr_at3(f->shape->x, v)), 1.0f, fit);
+        add_control(f, k, smr_get3(smr_field_start(f), v), smr_get3(f->shape->x, v), 1.0f, fit);
         f->noise_variance[k] = (noise_variance + SMR_FIELD_STIFF * ratio * ratio) * one / counts;
     }
 }
@@ -173,8 +171,8 @@ static void begin(smr_occluded_field *f, uint32_t n)
     if (f->by_normals)
         smr_field_normals_begin(f, choice(f)->control, middle);
     for (uint32_t k = 0; !f->by_normals && k < f->n; k++) {
-        const smr_vec posed = smr_pose_apply(&f->pose, smr_load(smr_at3(f->start, k)));
-        smr_store(smr_at3(f->coefficient, k), smr_sub(smr_load(smr_at3(f->coefficient, k)), posed));
+        const smr_vec posed = smr_pose_apply(&f->pose, smr_get3(f->start, k));
+        smr_put3(f->coefficient, k, smr_sub(smr_get3(f->coefficient, k), posed));
     }
 }
 
@@ -225,13 +223,13 @@ void smr_occluded_field_solve(void *arg, uint32_t task, uint32_t worker)
 
 smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v)
 {
-    const smr_vec from = smr_load(smr_at3(smr_field_start(f), v)), x = smr_load(smr_at3(f->shape->x, v));
+    const smr_vec from = smr_get3(smr_field_start(f), v), x = smr_get3(f->shape->x, v);
     if (f->n == 0u)
         return smr_v(0, 0, 0);
     smr_vec to = smr_pose_apply(&f->pose, from);
     for (uint32_t k = 0; k < f->n; k++)
-        to = smr_add(to, smr_scale(smr_load(smr_at3(f->coefficient, k)),
-                                   smr_field_with_control(f, from, k, smr_field_hard(f, k))));
+        to = smr_add(to,
+                     smr_scale(smr_get3(f->coefficient, k), smr_field_with_control(f, from, k, smr_field_hard(f, k))));
     return smr_sub(to, x);
 }
 
@@ -249,10 +247,9 @@ float smr_occluded_field_hard_weight(const smr_occluded_field *f, uint32_t v)
     return share;
 }
 
-/* The part of a displacement along the surface at v. */
 static smr_vec along(const smr_occluded_field *f, uint32_t v, smr_vec displacement)
 {
-    const smr_vec normal = smr_load(smr_at3(f->shape->normal, v));
+    const smr_vec normal = smr_get3(f->shape->normal, v);
     return smr_sub(displacement, smr_scale(normal, smr_dot(normal, displacement)));
 }
 
@@ -290,7 +287,7 @@ static float nearest(const smr_occluded_field *f, smr_vec at, uint32_t first, ui
 {
     float least = SMR_FAR;
     for (uint32_t k = first; k < last; k++) {
-        const smr_vec d = smr_sub(at, smr_load(smr_at3(f->start, k)));
+        const smr_vec d = smr_sub(at, smr_get3(f->start, k));
         least = smr_min(least, smr_dot(d, d));
     }
     return least;
@@ -298,7 +295,7 @@ static float nearest(const smr_occluded_field *f, smr_vec at, uint32_t first, ui
 
 void smr_occluded_field_fill(const smr_occluded_field *f, uint32_t v, smr_vec *displacement)
 {
-    const smr_vec at = smr_load(smr_at3(smr_field_start(f), v));
+    const smr_vec at = smr_get3(smr_field_start(f), v);
     const float landmark = nearest(f, at, 0, f->landmarks->n), vertex = nearest(f, at, f->landmarks->n, f->n);
     const float share = vertex < SMR_FAR ? vertex / smr_max(vertex + landmark, FLT_MIN) : 1.0f;
     *displacement = mix(*displacement, smr_occluded_field_displacement(f, v), share);
@@ -312,13 +309,13 @@ float smr_landmark_field_solve(smr_occluded_field *f)
         factor(f, j);
     smr_solve_forward3(f->lower, f->n, f->coefficient);
     for (uint32_t i = 0; i < f->n; i++) /* y^T K^-1 y is |L^-1 y|^2 */
-        sum += smr_dot(smr_load(smr_at3(f->coefficient, i)), smr_load(smr_at3(f->coefficient, i)));
+        sum += smr_dot(smr_get3(f->coefficient, i), smr_get3(f->coefficient, i));
     return f->n < SMR_FIELD_LEAST ? -1.0f : sum / (3.0f * (float)f->n);
 }
 
 float smr_landmark_field_left(const smr_occluded_field *f, uint32_t v)
 {
-    const smr_vec at = smr_load(smr_at3(smr_field_start(f), v));
+    const smr_vec at = smr_get3(smr_field_start(f), v);
     float known[SMR_CONTROLS_MAX], left = 1.0f;
     for (uint32_t i = 0; i < f->n; i++) {
         const float with = smr_field_with_control(f, at, i, smr_field_hard(f, i));

@@ -35,10 +35,10 @@ float smr_field_with_control(const smr_occluded_field *f, smr_vec at, uint32_t k
 {
     float sum = 0.0f;
     if (!is_landmark(f, k))
-        return kernel(f, at, smr_load(smr_at3(f->start, k)));
+        return kernel(f, at, smr_get3(f->start, k));
     const smr_bound_landmark *b = &f->landmarks->landmark[k];
     for (uint32_t c = 0; c < 3u; c++) {
-        const smr_vec corner = smr_load(smr_at3(smr_field_start(f), b->corner[c]));
+        const smr_vec corner = smr_get3(smr_field_start(f), b->corner[c]);
         if (!(b->share[c] > 0.0f))
             continue;
         float one = kernel(f, at, corner);
@@ -55,12 +55,11 @@ static float between(const smr_occluded_field *f, uint32_t i, uint32_t j)
     const int sharp = smr_field_hard(f, i) && smr_field_hard(f, j);
     float sum = 0.0f;
     if (!is_landmark(f, i))
-        return smr_field_with_control(f, smr_load(smr_at3(f->start, i)), j, 0);
+        return smr_field_with_control(f, smr_get3(f->start, i), j, 0);
     const smr_bound_landmark *b = &f->landmarks->landmark[i];
     for (uint32_t c = 0; c < 3u; c++)
         if (b->share[c] > 0.0f)
-            sum +=
-                b->share[c] * smr_field_with_control(f, smr_load(smr_at3(smr_field_start(f), b->corner[c])), j, sharp);
+            sum += b->share[c] * smr_field_with_control(f, smr_get3(smr_field_start(f), b->corner[c]), j, sharp);
     return sum;
 }
 

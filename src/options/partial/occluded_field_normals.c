@@ -115,17 +115,16 @@ void smr_field_normals_begin(smr_occluded_field *f, const uint32_t *control, smr
     f->middle = smr_pose_apply(&f->pose, middle);
     find_motion_to_start(f, middle);
     for (uint32_t k = 0; k < f->n; k++) {
-        const smr_vec n = smr_load(smr_at3(f->shape->normal, control[k]));
-        const smr_vec posed = smr_pose_apply(&f->pose, smr_load(smr_at3(f->start, k)));
+        const smr_vec n = smr_get3(f->shape->normal, control[k]);
+        const smr_vec posed = smr_pose_apply(&f->pose, smr_get3(f->start, k));
         const smr_vec arm = smr_scale(smr_sub(posed, f->middle), inverse), turn = smr_cross(arm, n);
         float *const m = motions(f, k);
         smr_store(m, n);
         smr_store(m + 3, turn);
         m[6] = smr_dot(arm, n);
-        const smr_vec goal =
-            smr_add(smr_load(smr_at3(f->coefficient, k)), smr_surface_goal_again(f->goals, control[k]));
+        const smr_vec goal = smr_add(smr_get3(f->coefficient, k), smr_surface_goal_again(f->goals, control[k]));
         f->residual[k] = smr_dot(n, smr_sub(goal, posed)) - dot(f->back, m);
-        smr_store(smr_at3(f->coefficient, k), n);
+        smr_put3(f->coefficient, k, n);
     }
 }
 

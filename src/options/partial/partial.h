@@ -55,9 +55,6 @@ typedef struct smr_point_spread {
     float weight;       /* sum of the weights of all pulling points */
 } smr_point_spread;
 
-void smr_point_spread_wire(smr_point_spread *p, const smr_shared *shared, const smr_shape *shape,
-                           smr_surface_goals *goals, const smr_overlay *overlay);
-
 /* The way that the points of a cloud ask of v, mm, and how far they show it. Returns 0 where no point asks anything. */
 int smr_point_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement);
 
@@ -84,20 +81,17 @@ typedef struct smr_bound_landmark {
 
 typedef struct smr_landmark_goals {
     const smr_shared *shared;
+    const smr_schedule *schedule;
     const smr_shape *shape;
     smr_bound_landmark *landmark; /* [config.partial.n_landmarks]; NULL: none can be set */
     uint32_t n;                   /* number of landmarks that are set */
     float reach;                  /* mm: range in which a hard landmark dominates */
-    const smr_schedule *schedule;
-    uint8_t *visibility; /* [n vertices] 0 .. SMR_VISIBLE_ONE: visibility in the last search */
+    uint8_t *visibility;          /* [n vertices] 0 .. SMR_VISIBLE_ONE: visibility in the last search */
 } smr_landmark_goals;
 
-/* 1: some landmark is set. */
 static inline int smr_landmarks_on(const smr_landmark_goals *g) { return SMR_HAS_PARTIAL && g->n > 0u; }
 
 void smr_landmark_goals_layout(smr_arena *a, smr_landmark_goals *g, const smr_shared *shared);
-void smr_landmark_goals_wire(smr_landmark_goals *g, const smr_shared *shared, const smr_schedule *schedule,
-                             const smr_shape *shape);
 void smr_landmark_goals_commit(smr_landmark_goals *g); /* called when the current forces are complete */
 void smr_landmark_goals_reset(smr_landmark_goals *g);  /* discards all results of the current forces */
 
@@ -121,7 +115,6 @@ static inline float smr_wendland(float distance)
     return left2 * left2 * (4.0f * distance + 1.0f);
 }
 
-/* Returns 1 when a landmark is bound to the vertex. */
 int smr_landmark_binds(const smr_landmark_goals *g, uint32_t v);
 
 /* ---- the field ---- */
@@ -252,7 +245,6 @@ int smr_occluded_field_blend_image(const smr_occluded_field *f, uint32_t v, int 
 /* The displacement to the position that the field gives the vertex, mm. */
 smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v);
 
-/* Weight of hard landmarks at a vertex, 0..1. */
 float smr_occluded_field_hard_weight(const smr_occluded_field *f, uint32_t v);
 
 /* Averages a displacement with the field by the weight of hard landmarks. */

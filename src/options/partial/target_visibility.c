@@ -67,7 +67,7 @@ static float inside_border(const smr_surface *target, const smr_hit *hit, smr_ve
 {
     if (!smr_surface_on_border(target, hit->triangle, hit->weight))
         return 1.0f;
-    const smr_vec n = smr_load(target->tree.normal + 3u * (size_t)hit->triangle);
+    const smr_vec n = smr_get3(target->tree.normal, hit->triangle);
     const float beyond = smr_length(smr_sub(displacement, smr_scale(n, smr_dot(n, displacement))));
     return smr_clamp(1.0f - beyond / tolerance, 0.0f, 1.0f);
 }
@@ -85,10 +85,9 @@ static void add_corner(const smr_surface_goals *g, const smr_shape_structure *on
 {
     const uint32_t *t = one->tree.triangle + 3u * (size_t)triangle;
     const float *x = g->shape->x;
-    const smr_vec y = smr_add(smr_load(target->xyz + 3u * (size_t)j), smr_sub(target->origin, g->shape->origin));
+    const smr_vec y = smr_add(smr_get3(target->xyz, j), smr_sub(target->origin, g->shape->origin));
     float w[3];
-    const float d2 = smr_triangle_closest(y, smr_load(x + 3u * (size_t)t[0]), smr_load(x + 3u * (size_t)t[1]),
-                                          smr_load(x + 3u * (size_t)t[2]), w);
+    const float d2 = smr_triangle_closest(y, smr_get3(x, t[0]), smr_get3(x, t[1]), smr_get3(x, t[2]), w);
     a->sum = smr_add(a->sum, smr_scale(smr_triangle_point(&one->tree, triangle, w), weight));
     a->weight += weight;
     a->distance += weight * SMR_SQRT(d2);
@@ -120,7 +119,7 @@ static float mutual(const smr_surface_goals *g, uint32_t v, const smr_surface *t
     }
     if (!(a.weight >= 0.5f))
         return 0.0f;
-    const smr_vec at = smr_load(smr_at3(g->shape->x, v)), found = smr_scale(a.sum, 1.0f / a.weight);
+    const smr_vec at = smr_get3(g->shape->x, v), found = smr_scale(a.sum, 1.0f / a.weight);
     tolerance += SMR_MUTUAL_DISTANCE * a.distance / a.weight;
     return smr_clamp(SMR_MUTUAL_NONE - smr_length(smr_sub(found, at)) / tolerance, 0.0f, 1.0f);
 }
@@ -143,8 +142,8 @@ void smr_visibility_judge(smr_surface_goals *g, uint32_t v, const smr_surface *t
                           smr_vec displacement)
 {
     const float tolerance = tolerance_of(g);
-    const smr_vec normal = smr_load(smr_at3(g->shape->normal, v));
-    const smr_vec other = smr_load(target->tree.normal + 3u * (size_t)hit->triangle);
+    const smr_vec normal = smr_get3(g->shape->normal, v);
+    const smr_vec other = smr_get3(target->tree.normal, hit->triangle);
     const float least = smr_min(g->shared->min_cos, SMR_VISIBLE_COS - 0.1f);
     const float agree = smr_clamp((smr_dot(normal, other) - least) / (SMR_VISIBLE_COS - least), 0.0f, 1.0f);
     float share = agree * inside_border(target, hit, displacement, tolerance);
@@ -200,7 +199,7 @@ void smr_visibility_note_view(smr_surface_goals *g)
     for (uint32_t v = 0; v < g->schedule->n_active; v++) {
         smr_target *t = &g->target[smr_model_owner(g->shared->model, v)];
         if (g->visibility[v] > SMR_VISIBLE_ONE / 2u && cloud_shows(t))
-            t->view = smr_add(t->view, smr_load(smr_at3(g->shape->normal, v)));
+            t->view = smr_add(t->view, smr_get3(g->shape->normal, v));
     }
     for (uint32_t i = 0; i < g->shared->n_structures; i++) {
         smr_target *t = &g->target[i];

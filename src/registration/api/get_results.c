@@ -20,7 +20,7 @@ static smr_status copy_out(const smr *s, uint32_t structure, float *array, smr_v
     const smr_shape_structure *one = &s->shape.structure[structure];
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
-        smr_store(xyz + 3u * (size_t)i, smr_add(smr_load(smr_at3(array, v)), shift));
+        smr_put3(xyz, i, smr_add(smr_get3(array, v), shift));
     }
     return SMR_OK;
 }
@@ -83,7 +83,7 @@ smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_struct
         report_forces(s, one, report);
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
-        const float moved = smr_length(smr_sub(smr_load(smr_at3(s->shape.x, v)), smr_load(smr_at3(s->shape.start, v))));
+        const float moved = smr_length(smr_sub(smr_get3(s->shape.x, v), smr_get3(s->shape.start, v)));
         moved_sum += moved;
         report->moved_max_mm = smr_max(report->moved_max_mm, moved);
     }

@@ -63,6 +63,7 @@ smr_status smr_init(const smr_model *model, const smr_config *config, const smr_
         return SMR_E_ARENA;
     smr_count(&s, model, config);
     smr_arena_release(arena, arena_bytes);
+    memset(arena, 0, needed);
     smr *self = smr_layout(&a, &s);
     s.magic = SMR_STATE_MAGIC;
     s.placed = self;

@@ -68,21 +68,50 @@ smr *smr_layout(smr_arena *a, smr *s)
     return self;
 }
 
+/* What the sources of goals read beside the three views. */
+static void wire_sources(smr_forces *f, const smr_overlay *overlay)
+{
+    f->image.found = f->found_last;
+    f->image.rings = f->smooth.rings = overlay->rings;
+    f->points.goals = &f->surface;
+    f->points.memory = overlay->spread;
+    f->surface.spread = overlay->spread.pull;
+    if (!SMR_HAS_PARTIAL)
+        return;
+    f->landmarks.reach = smr_max(SMR_HARD_EDGES * smr_le_float(f->shared->model->edge_mm), 1.0e-3f);
+    smr_occluded_field_wire(&f->occluded, f->shared, f->schedule, f->shape, &f->surface, &f->landmarks, overlay);
+    smr_occluded_field_wire_image(&f->occluded, f->found_last, &f->image.has_image);
+}
+
 void smr_wire(smr *s)
 {
-    const smr_shared *shared = &s->shared;
-    const smr_schedule *schedule = &s->schedule;
+    smr_forces *f = &s->forces;
+    smr_tangent_smooth *tangent = &s->evolve.tangent_smooth;
     const smr_overlay *overlay = &s->overlay;
-    s->shape.shared = shared;
+    s->shape.shared = s->sums.shared = s->reference.shared = s->match.shared = s->evolve.shared = tangent->shared =
+        s->volumes.shared = s->folds.shared = &s->shared;
+    f->shared = f->surface.shared = f->landmarks.shared = f->points.shared = f->image.shared = f->caller.shared =
+        f->smooth.shared = f->contact.shared = &s->shared;
+    s->sums.schedule = s->reference.schedule = s->match.schedule = tangent->schedule = s->volumes.schedule =
+        s->folds.schedule = &s->schedule;
+    f->schedule = f->surface.schedule = f->landmarks.schedule = f->image.schedule = f->caller.schedule =
+        f->smooth.schedule = f->contact.schedule = &s->schedule;
+    s->reference.shape = s->evolve.shape = tangent->shape = s->volumes.shape = s->folds.shape = &s->shape;
+    f->shape = f->surface.shape = f->landmarks.shape = f->points.shape = f->image.shape = f->caller.shape =
+        f->smooth.shape = f->contact.shape = &s->shape;
+    f->tally = s->sums.tally = s->reference.tally = s->match.tally = s->evolve.tally = s->folds.tally = overlay->tally;
+    wire_sources(f, overlay);
+    f->contact.moved_mm = &s->evolve.moved_mm;
+    s->sums.record = overlay->record;
+    s->sums.sum = overlay->sum;
+    s->volumes.sum = overlay->sum;
+    s->sums.forces = s->evolve.forces = f;
+    s->reference.sums = &s->sums;
+    s->match.sums = s->evolve.sums = &s->sums;
+    s->match.reference = s->evolve.reference = &s->reference;
+    tangent->goals = &f->surface;
+    tangent->rings = s->folds.rings = overlay->rings;
+    s->folds.tangent_smooth = tangent;
     if (smr_moves(s))
-        smr_dynamics_wire(s->shape.dynamics, shared);
-    smr_forces_wire(&s->forces, shared, schedule, &s->shape, overlay);
-    smr_sums_wire(&s->sums, shared, schedule, &s->forces, overlay);
-    smr_reference_wire(&s->reference, shared, schedule, &s->shape, &s->sums, overlay);
-    smr_match_wire(&s->match, shared, schedule, &s->reference, &s->sums, overlay);
-    smr_evolve_wire(&s->evolve, shared, schedule, &s->shape, &s->forces, &s->reference, &s->sums, overlay);
-    if (SMR_HAS_CONTACT)
-        smr_volumes_wire(&s->volumes, shared, schedule, &s->shape, overlay);
-    s->forces.contact.moved_mm = &s->evolve.moved_mm;
-    smr_folds_wire(&s->folds, shared, schedule, &s->shape, &s->evolve.tangent_smooth, overlay);
+        smr_dynamics_wire(s->shape.dynamics, &s->shared);
 }

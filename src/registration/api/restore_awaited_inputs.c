@@ -130,7 +130,6 @@ static int waits_for(const smr *s, uint32_t i, const smr_surface *surface, uint6
     return 1;
 }
 
-/* Continues after the last awaited input was set. */
 static void go_on(smr *s)
 {
     if (s->n_awaited == 0u)

@@ -146,8 +146,7 @@ smr_status smr_get_landmarks(const smr *s, float *xyz)
         return SMR_E_STATE;
     for (uint32_t k = 0; k < s->forces.landmarks.n; k++) {
         const smr_vec foot = smr_landmark_foot(&s->forces.landmarks, k, s->shape.x);
-        smr_store(xyz + 3u * (size_t)k,
-                  smr_add(smr_add(foot, smr_landmark_offset(&s->forces.landmarks, k)), s->shape.origin));
+        smr_put3(xyz, k, smr_add(smr_add(foot, smr_landmark_offset(&s->forces.landmarks, k)), s->shape.origin));
     }
     return SMR_OK;
 }

@@ -47,7 +47,7 @@ smr_status smr_set_motion(smr *s, uint32_t structure, const float *mass, const f
             d->mass[v] = mass[i] > FLT_MAX ? 0.0f : mass[i];
         other |= d->mass[v] < before || d->mass[v] > before;
         if (velocity != NULL)
-            smr_store(smr_at3(d->velocity, v), smr_load(velocity + 3u * (size_t)i));
+            smr_put3(d->velocity, v, smr_get3(velocity, i));
     }
     d->weighed |= other && s->schedule.iteration > 0u; /* before the first iteration all vertices are at rest */
     smr_abandon_iteration(s);
@@ -66,12 +66,11 @@ smr_status smr_get_velocities(const smr *s, uint32_t structure, float *velocity)
     const smr_shape_structure *one = &s->shape.structure[structure];
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
-        smr_store(velocity + 3u * (size_t)i, smr_load(smr_at3(s->shape.dynamics->velocity, v)));
+        smr_put3(velocity, i, smr_get3(s->shape.dynamics->velocity, v));
     }
     return SMR_OK;
 }
 
-/* Sums over vertices. */
 typedef struct moments {
     float mass, kinetic, height; /* mass, g; kinetic and potential energy, g mm^2 / s^2 */
     smr_vec first;               /* sum of mass times position from the origin, g mm */
@@ -82,8 +81,8 @@ static void add_vertex(const smr *s, uint32_t v, moments *sum)
 {
     const smr_dynamics *d = s->shape.dynamics;
     const float mass = smr_counted_mass(d, v);
-    const smr_vec x = smr_load(smr_at3(s->shape.x, v)), speed = smr_load(smr_at3(d->velocity, v));
-    const smr_vec displacement = smr_sub(x, smr_load(smr_at3(s->shape.start, v)));
+    const smr_vec x = smr_get3(s->shape.x, v), speed = smr_get3(d->velocity, v);
+    const smr_vec displacement = smr_sub(x, smr_get3(s->shape.start, v));
     sum->n_pinned += !(d->mass[v] > 0.0f);
     sum->mass += mass;
     sum->kinetic += 0.5f * mass * smr_dot(speed, speed);

@@ -16,7 +16,7 @@ static void centre_origin(smr *s)
     if (smr_dot(shift, shift) < SMR_FAR_OFF * SMR_FAR_OFF)
         return;
     for (uint32_t v = 0; v < s->shared.n; v++)
-        smr_store(smr_at3(s->shape.x, v), smr_sub(smr_load(smr_at3(s->shape.x, v)), shift));
+        smr_put3(s->shape.x, v, smr_sub(smr_get3(s->shape.x, v), shift));
     s->shape.origin = smr_add(s->shape.origin, shift);
 }
 
@@ -72,7 +72,7 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
     smr_pose turn = *pose;
     turn.m[0][3] = turn.m[1][3] = turn.m[2][3] = 0.0f;
     for (uint32_t v = 0; v < s->shared.n; v++)
-        smr_store(smr_at3(s->shape.x, v), smr_add(smr_pose_apply(&turn, smr_rest(&s->shared, v)), off));
+        smr_put3(s->shape.x, v, smr_add(smr_pose_apply(&turn, smr_rest(&s->shared, v)), off));
     start_here(s);
     smr_log_note(&s->log, SMR_LOG_POSE, 0, pose, 0);
     return SMR_OK;
@@ -92,7 +92,7 @@ smr_status smr_set_positions(smr *s, uint32_t structure, const float *xyz)
             return SMR_E_INPUT;
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
-        smr_store(smr_at3(s->shape.x, v), smr_sub(smr_load(xyz + 3u * (size_t)i), s->shape.origin));
+        smr_put3(s->shape.x, v, smr_sub(smr_get3(xyz, i), s->shape.origin));
     }
     start_here(s);
     smr_log_note(&s->log, SMR_LOG_POSITIONS, structure, xyz, one->n_vertices);

@@ -5,7 +5,6 @@
 
 #include "registration/registration.h"
 
-/* layout.c */
 
 /* Sets everything that follows from model and configuration alone; the rest is 0. */
 void smr_count(smr *s, const smr_model *model, const smr_config *config);
@@ -40,7 +39,6 @@ void smr_keep_inputs(smr_arena *a, smr *s);
 /* Returns 1 when there is memory for the list of awaited inputs (not in a forged model of empty structures). */
 int smr_can_wait(const smr_shared *c);
 
-/* Returns 1 while the log's memory is awaited. */
 int smr_awaits_log(const smr_log *log);
 
 /* Takes an input that s waits for; kind, number and what as in smr_log_note(), a smr_caller_force for FORCE.

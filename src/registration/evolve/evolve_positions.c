@@ -11,21 +11,6 @@ void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared)
     smr_keep_floats(a, &e->moved_mm, 1, 0.0f, 2.0f * SMR_KEPT_MM);
 }
 
-void smr_evolve_wire(smr_evolve *e, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
-                     const smr_forces *forces, const smr_reference *reference, const smr_sums *sums,
-                     const smr_overlay *overlay)
-{
-    e->shared = e->tangent_smooth.shared = shared;
-    e->shape = e->tangent_smooth.shape = shape;
-    e->forces = forces;
-    e->reference = reference;
-    e->sums = sums;
-    e->tally = overlay->tally;
-    e->tangent_smooth.schedule = schedule;
-    e->tangent_smooth.goals = &forces->surface;
-    e->tangent_smooth.rings = overlay->rings;
-}
-
 void smr_evolve_reset(smr_evolve *e) { memset(e->tangent_smooth.limited, 0, e->shared->n); }
 
 /* The displacement from ref by the average of its clusters' transforms; rotates *normal. w: the vertex' sum. */
@@ -53,14 +38,14 @@ void smr_evolve_step(void *arg, uint32_t task, uint32_t worker)
     const uint32_t last = smr_chunk_end(e->shared, task);
     const int logs = smr_blends_logs(e->shared);
     for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
-        const smr_vec ref = smr_load(smr_at3(shape.x_ref, v)), old = smr_load(smr_at3(shape.x, v));
-        smr_vec n = smr_load(smr_at3(shape.normal_ref, v));
+        const smr_vec ref = smr_get3(shape.x_ref, v), old = smr_get3(shape.x, v);
+        smr_vec n = smr_get3(shape.normal_ref, v);
         const smr_vec displacement =
             average_displacement(logs, sum + SMR_WORDS * (size_t)v, inverse, share[v], ref, &n);
         const smr_vec goal = smr_add(ref, displacement);
         const smr_vec step = smr_scale(smr_sub(goal, old), relaxation);
         const smr_vec next = smr_add(smr_add(old, step), smr_tangent_displacement(&e->tangent_smooth, v));
-        smr_store(smr_at3(shape.x_next, v), shape.from != NULL ? goal : next);
+        smr_put3(shape.x_next, v, shape.from != NULL ? goal : next);
         smr_next_normal_set(sum, v, smr_unit(n));
     }
 }
@@ -91,7 +76,7 @@ void smr_evolve_measure(void *arg, uint32_t task, uint32_t worker)
     uint64_t hash = 0;
     (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
-        const smr_vec moved = smr_sub(smr_load(smr_at3(x_next, v)), smr_load(smr_at3(x, v)));
+        const smr_vec moved = smr_sub(smr_get3(x_next, v), smr_get3(x, v));
         moved2 = smr_max(moved2, smr_dot(moved, moved));
         if (by_mean)
             sum += SMR_SQRT(smr_dot(moved, moved));

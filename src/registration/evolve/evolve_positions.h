@@ -8,7 +8,6 @@
 
 #define SMR_LIMITED_FULL 255.0f /* the whole step was limited */
 
-/* tangential smoothing */
 typedef struct smr_tangent_smooth {
     const smr_shared *shared;
     const smr_schedule *schedule;
@@ -35,9 +34,6 @@ typedef struct smr_evolve {
 } smr_evolve;
 
 void smr_evolve_layout(smr_arena *a, smr_evolve *e, const smr_shared *shared);
-void smr_evolve_wire(smr_evolve *e, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
-                     const smr_forces *forces, const smr_reference *reference, const smr_sums *sums,
-                     const smr_overlay *overlay);
 void smr_evolve_reset(smr_evolve *e); /* called when an iteration is abandoned */
 
 uint32_t smr_evolve_tasks(const void *evolve);
@@ -56,7 +52,6 @@ void smr_tangent_sum(void *tangent_smooth, uint32_t task, uint32_t worker); /* t
 /* valid from the sums until the folds are searched */
 smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v);
 
-/* Ends tangential smoothing for a vertex whose step was limited by this share. */
 static inline void smr_tangent_limit(smr_tangent_smooth *e, uint32_t v, float share)
 {
     if (smr_at_last_radius(e->shared, e->schedule))

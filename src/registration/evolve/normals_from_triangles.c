@@ -38,8 +38,7 @@ void smr_exact_normals_sum(void *arg, uint32_t task, uint32_t worker)
     const uint32_t last = smr_min_u32((task + 1u) * SMR_TRIANGLE_CHUNK, e->shared->n_triangles);
     for (uint32_t k = task * SMR_TRIANGLE_CHUNK; k < last; k++) {
         const uint32_t *t = triangle + 3u * (size_t)k;
-        const smr_vec n =
-            smr_triangle_cross(smr_load(smr_at3(x, t[0])), smr_load(smr_at3(x, t[1])), smr_load(smr_at3(x, t[2])));
+        const smr_vec n = smr_triangle_cross(smr_get3(x, t[0]), smr_get3(x, t[1]), smr_get3(x, t[2]));
         for (uint32_t c = 0; c < 3u; c++)
             smr_next_normal_set(sum, t[c], smr_add(smr_next_normal(sum, t[c]), n));
     }

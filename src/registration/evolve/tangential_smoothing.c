@@ -43,10 +43,10 @@ void smr_tangent_clear(void *arg, uint32_t task, uint32_t worker)
     for (uint32_t v = task * SMR_CHUNK; v < last; v++) {
         if (first)
             e->limited[v] = 0;
-        smr_store(smr_at3(rings.sum, v), smr_v(0, 0, 0));
+        smr_put3(rings.sum, v, smr_v(0, 0, 0));
         rings.weight[v] = 0.0f;
         const smr_vec rest = smr_pose_apply(&pose, smr_rest(shared, v));
-        smr_store(smr_at3(rings.displacement, v), smr_sub(smr_load(smr_at3(x, v)), rest));
+        smr_put3(rings.displacement, v, smr_sub(smr_get3(x, v), rest));
     }
 }
 
@@ -65,9 +65,9 @@ smr_vec smr_tangent_displacement(const smr_tangent_smooth *e, uint32_t v)
     if (!(e->share > 0.0f) || !e->goals->target[smr_model_owner(e->shared->model, v)].had_target ||
         !(e->rings.weight[v] > 0.0f))
         return smr_v(0, 0, 0);
-    const smr_vec mean = smr_scale(smr_load(smr_at3(e->rings.sum, v)), 1.0f / e->rings.weight[v]);
-    const smr_vec displacement = smr_sub(mean, smr_load(smr_at3(e->rings.displacement, v)));
-    const smr_vec n = smr_load(smr_at3(e->shape->normal, v));
+    const smr_vec mean = smr_scale(smr_get3(e->rings.sum, v), 1.0f / e->rings.weight[v]);
+    const smr_vec displacement = smr_sub(mean, smr_get3(e->rings.displacement, v));
+    const smr_vec n = smr_get3(e->shape->normal, v);
     const smr_vec along = smr_sub(displacement, smr_scale(n, smr_dot(n, displacement)));
     return smr_scale(along, e->share * (1.0f - (float)e->limited[v] / SMR_LIMITED_FULL));
 }

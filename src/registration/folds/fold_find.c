@@ -13,18 +13,6 @@ void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared)
     smr_keep_words(a, &f->n_guarded, 1, shared->n);
 }
 
-void smr_folds_wire(smr_folds *f, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
-                    smr_tangent_smooth *tangent_smooth, const smr_overlay *overlay)
-{
-    f->shared = shared;
-    f->schedule = schedule;
-    f->shape = shape;
-    f->tangent_smooth = tangent_smooth;
-    f->rings = overlay->rings;
-    f->tally = overlay->tally;
-    memset(f->folding, 0, shared->n_structures * sizeof *f->folding);
-}
-
 void smr_folds_reset(smr_folds *f)
 {
     memset(&f->repair, 0, sizeof f->repair);

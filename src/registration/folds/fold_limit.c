@@ -35,12 +35,12 @@ float smr_fold_limit_share(const smr_folds *f, const smr_stored_dihedral *h, flo
 
 static smr_vec step_of(const smr_folds *f, uint32_t v)
 {
-    return smr_sub(smr_load(smr_at3(f->shape->x_next, v)), smr_load(smr_at3(f->shape->x, v)));
+    return smr_sub(smr_get3(f->shape->x_next, v), smr_get3(f->shape->x, v));
 }
 
 static void set_step(const smr_folds *f, uint32_t v, smr_vec step)
 {
-    smr_store(smr_at3(f->shape->x_next, v), smr_add(smr_load(smr_at3(f->shape->x, v)), step));
+    smr_put3(f->shape->x_next, v, smr_add(smr_get3(f->shape->x, v), step));
 }
 
 /* The four corners of a dihedral edge: the first triangle's, then the second's that the first does not have. */
@@ -134,7 +134,7 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
         const uint32_t v = smr_model_position(f->shared->model, i);
         if (!(f->marked[v] & SMR_REQUESTED))
             continue;
-        const smr_vec mean = smr_scale(smr_load(smr_at3(f->rings.sum, v)), 1.0f / f->rings.weight[v]);
+        const smr_vec mean = smr_scale(smr_get3(f->rings.sum, v), 1.0f / f->rings.weight[v]);
         const smr_vec step = step_of(f, v);
         const float requested = f->rings.requested[v];
         set_step(f, v, smr_add(step, smr_scale(smr_sub(mean, step), requested)));
@@ -169,7 +169,6 @@ static void next_structure(smr_folds *f, uint32_t stage)
     l->most = 0.0f;
 }
 
-/* Chooses the next pass when a pass is complete. */
 static void next_pass(smr_folds *f)
 {
     smr_fold_limit *l = &f->limit;
@@ -204,7 +203,6 @@ uint32_t smr_fold_limit_tasks(const void *arg)
     return p->n_done + (p->stage != SMR_LIMIT_IDLE);
 }
 
-/* Step: one piece of the current pass. */
 void smr_fold_limit_pass(void *arg, uint32_t task, uint32_t worker)
 {
     smr_folds *f = arg;

@@ -26,7 +26,6 @@ uint32_t smr_fold_open_tasks(const void *arg)
     return o->n_done + (o->pass != 0u);
 }
 
-/* One triangle of a dihedral edge. */
 typedef struct side {
     const uint32_t *corner;
     smr_vec edge[3]; /* the edge opposite each corner, mm */
@@ -39,9 +38,8 @@ static side side_of(const smr_folds *f, uint32_t triangle)
 {
     side t;
     t.corner = smr_corners(f, triangle);
-    const smr_vec a = smr_load(smr_at3(f->shape->x_next, t.corner[0])),
-                  b = smr_load(smr_at3(f->shape->x_next, t.corner[1]));
-    const smr_vec c = smr_load(smr_at3(f->shape->x_next, t.corner[2])), cross = smr_triangle_cross(a, b, c);
+    const smr_vec a = smr_get3(f->shape->x_next, t.corner[0]), b = smr_get3(f->shape->x_next, t.corner[1]);
+    const smr_vec c = smr_get3(f->shape->x_next, t.corner[2]), cross = smr_triangle_cross(a, b, c);
     t.edge[0] = smr_sub(c, b);
     t.edge[1] = smr_sub(a, c);
     t.edge[2] = smr_sub(b, a);

@@ -10,7 +10,6 @@
 #define SMR_REPAIR_SWEEPS 10u
 #define SMR_REPAIR_WIDEN 3u /* iterations after which the patch grows by a ring */
 
-/* Passes of the repair. */
 enum {
     SMR_REPAIR_IDLE = 0,
     SMR_REPAIR_MARK,
@@ -67,7 +66,7 @@ static void clear_rings(smr_folds *f, uint32_t triangle, uint32_t last)
             continue;
         smr_run_touch(f, triangle);
         for (uint32_t c = 0; c < 3u; c++) {
-            smr_store(smr_at3(f->rings.sum, t[c]), smr_v(0, 0, 0));
+            smr_put3(f->rings.sum, t[c], smr_v(0, 0, 0));
             f->rings.weight[t[c]] = 0.0f;
         }
     }
@@ -80,7 +79,7 @@ static void sum_ring(smr_folds *f, const uint32_t *t)
     smr_vec at[3], moved[3];
     for (uint32_t c = 0; c < 3u; c++) {
         at[c] = smr_rest_posed(f->shape, t[c]);
-        moved[c] = smr_sub(smr_load(smr_at3(f->shape->x_next, t[c])), at[c]);
+        moved[c] = smr_sub(smr_get3(f->shape->x_next, t[c]), at[c]);
     }
     for (uint32_t a = 0; a < 3u; a++) { /* the edge from corner a to the next, in both directions */
         const uint32_t b = (a + 1u) % 3u;
@@ -110,16 +109,15 @@ static void move(smr_folds *f, uint32_t from, uint32_t to)
         const uint32_t v = smr_model_position(f->shared->model, i);
         if (!f->marked[v])
             continue;
-        const smr_vec mean = smr_scale(smr_load(smr_at3(f->rings.sum, v)), 1.0f / f->rings.weight[v]);
-        smr_store(smr_at3(f->shape->x_next, v), smr_add(smr_rest_posed(f->shape, v), mean));
-        smr_store(smr_at3(f->rings.sum, v), smr_v(0, 0, 0)); /* cleared for the next sweep */
+        const smr_vec mean = smr_scale(smr_get3(f->rings.sum, v), 1.0f / f->rings.weight[v]);
+        smr_put3(f->shape->x_next, v, smr_add(smr_rest_posed(f->shape, v), mean));
+        smr_put3(f->rings.sum, v, smr_v(0, 0, 0)); /* cleared for the next sweep */
         f->rings.weight[v] = 0.0f;
     }
 }
 
 static uint32_t rings_of(const smr_folds *f) { return 1u + f->schedule->repairing / SMR_REPAIR_WIDEN; }
 
-/* Continues with the next structure with folds. */
 static void next_structure(smr_folds *f)
 {
     smr_fold_repair *r = &f->repair;
@@ -129,7 +127,6 @@ static void next_structure(smr_folds *f)
     r->pass.stage = r->pass.structure < f->shared->n_structures ? SMR_REPAIR_WIDER : SMR_REPAIR_IDLE;
 }
 
-/* Chooses the next pass when a pass is complete. */
 static void next_pass(smr_folds *f)
 {
     smr_fold_repair *r = &f->repair;
@@ -162,7 +159,6 @@ uint32_t smr_fold_repair_tasks(const void *arg)
     return p->n_done + (p->stage != SMR_REPAIR_IDLE);
 }
 
-/* Step: one piece of the current pass. */
 void smr_fold_repair_pass(void *arg, uint32_t task, uint32_t worker)
 {
     smr_folds *f = arg;

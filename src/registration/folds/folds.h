@@ -34,21 +34,18 @@ typedef struct smr_fold_piece {
     uint32_t first, from, to, length;
 } smr_fold_piece;
 
-/* Progress of fold_repair.c. */
 typedef struct smr_fold_repair {
     smr_fold_pass pass;
     uint32_t ring, sweep;
     uint32_t n_folds; /* folds that were marked so far */
 } smr_fold_repair;
 
-/* Progress of fold_limit.c. */
 typedef struct smr_fold_limit {
     smr_fold_pass pass;
     uint32_t round;
     float most; /* largest share that this round requested */
 } smr_fold_limit;
 
-/* Progress of fold_open.c. */
 typedef struct smr_fold_open {
     uint32_t n_done;  /* tasks of the step that are done in this iteration */
     uint32_t pass;    /* current pass, from 1; 0: none */
@@ -77,8 +74,6 @@ typedef struct smr_folds {
 } smr_folds;
 
 void smr_folds_layout(smr_arena *a, smr_folds *f, const smr_shared *shared);
-void smr_folds_wire(smr_folds *f, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
-                    smr_tangent_smooth *tangent_smooth, const smr_overlay *overlay);
 void smr_folds_reset(smr_folds *f); /* called when an iteration is complete or abandoned */
 int smr_folds_guarded(const smr_shared *c, const smr_schedule *p); /* 1: folds are searched for at this radius */
 
@@ -120,7 +115,6 @@ static inline uint32_t smr_dihedral_second(const smr_stored_dihedral *h)
     return smr_le32(h->bend) & SMR_DIHEDRAL_MASK;
 }
 
-/* The cosine below which a dihedral edge counts as folded. */
 static inline float smr_dihedral_limit_of(const smr_stored_dihedral *h)
 {
     return smr_dihedral_limit(smr_le32(h->bend));
@@ -144,7 +138,6 @@ static inline const uint32_t *smr_corners(const smr_folds *f, uint32_t triangle)
     return f->shared->triangle + 3u * (size_t)triangle;
 }
 
-/* Returns not 0 when a corner of the triangle is marked. */
 static inline int smr_any_marked(const smr_folds *f, uint32_t triangle)
 {
     const uint32_t *t = smr_corners(f, triangle);

@@ -87,7 +87,7 @@ static void ask(smr_caller_goals *g, uint32_t task)
         const uint32_t v = first + i, owner = smr_model_owner(model, v);
         c.structure[i] = owner;
         c.vertex[i] = smr_model_original(model, v) - g->shape->structure[owner].first_vertex;
-        smr_store(c.xyz[i], smr_add(smr_load(smr_at3(g->shape->x, v)), g->shape->origin));
+        smr_store(c.xyz[i], smr_add(smr_get3(g->shape->x, v), g->shape->origin));
         smr_store(c.rest[i], smr_add(smr_rest(g->shared, v), smr_model_centre(model)));
     }
     call(g, &view, &c);
@@ -108,12 +108,12 @@ static float set_goal(const smr_caller_goals *g, uint32_t v, smr_vec *displaceme
     const uint32_t i = smr_model_original(g->shared->model, v) - g->shape->structure[owner].first_vertex;
     if (own->xyz == NULL)
         return 0.0f;
-    const smr_vec goal = smr_load(own->xyz + 3u * (size_t)i);
+    const smr_vec goal = smr_get3(own->xyz, i);
     const float weight = own->weights != NULL ? own->weights[i] : 1.0f;
     if (!smr_within(goal.x, SMR_COORD_MAX) || !smr_within(goal.y, SMR_COORD_MAX) ||
         !smr_within(goal.z, SMR_COORD_MAX) || !(weight <= SMR_CALLER_WEIGHT))
         return 0.0f; /* the caller's array has changed since it was set */
-    *displacement = smr_sub(smr_sub(goal, g->shape->origin), smr_load(smr_at3(g->shape->x, v)));
+    *displacement = smr_sub(smr_sub(goal, g->shape->origin), smr_get3(g->shape->x, v));
     return weight;
 }
 

@@ -40,8 +40,6 @@ typedef struct smr_caller_goals {
 } smr_caller_goals;
 
 void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared *shared);
-void smr_caller_goals_wire(smr_caller_goals *g, const smr_shared *shared, const smr_schedule *schedule,
-                           const smr_shape *shape);
 
 /* Returns 1 when the caller may give goals to vertices of the structure. */
 static inline int smr_caller_has_goals(const smr_caller_goals *g, uint32_t structure)

@@ -10,7 +10,7 @@ static smr_vec requested_displacement(const void *arg, uint32_t v)
     if (!smr_active(f->schedule, v))
         return smr_v(0, 0, 0);
     const float share = f->shared->config.forces.stiffness * f->schedule->gain * smr_forces_ease(f, v);
-    return smr_add(smr_scale(smr_load(smr_at3(f->force, v)), share), smr_momentum(f, v));
+    return smr_add(smr_scale(smr_get3(f->force, v), share), smr_momentum(f, v));
 }
 
 uint32_t smr_contact_tasks(const void *arg)
@@ -36,6 +36,6 @@ void smr_contact_search(void *arg, uint32_t task, uint32_t worker)
     const uint32_t last = smr_min_u32((task + 1u) * SMR_CONTACT_CHUNK, f->schedule->n_active);
     for (uint32_t v = task * SMR_CONTACT_CHUNK; v < last; v++) {
         smr_contact_find(&f->contact, v);
-        smr_store(smr_at3(f->contact.push, v), smr_contact_displacement(&f->contact, v, requested_displacement, f));
+        smr_put3(f->contact.push, v, smr_contact_displacement(&f->contact, v, requested_displacement, f));
     }
 }

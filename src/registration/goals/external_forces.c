@@ -18,16 +18,6 @@ void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
     smr_sources_layout(a, f, shared);
 }
 
-void smr_forces_wire(smr_forces *f, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
-                     const smr_overlay *overlay)
-{
-    f->shared = shared;
-    f->schedule = schedule;
-    f->shape = shape;
-    f->tally = overlay->tally;
-    smr_sources_wire(f, overlay);
-}
-
 void smr_forces_reset(smr_forces *f)
 {
     memset(f->residual, 0, f->shared->n * sizeof *f->residual);
@@ -46,7 +36,7 @@ void smr_forces_unmeasured(smr_forces *f)
 /* Updates the largest values of the quantities that the cluster sums will round. */
 static void measure(const smr_forces *f, uint32_t v, smr_tally *tally)
 {
-    const smr_vec ref = smr_load(smr_at3(f->shape->x_ref, v)),
+    const smr_vec ref = smr_get3(f->shape->x_ref, v),
                   u = smr_scale(smr_match_displacement(f, v), smr_mass(f->shared, v));
     const float largest = smr_max(smr_abs(u.x), smr_max(smr_abs(u.y), smr_abs(u.z)));
     const float arm = smr_max(smr_abs(ref.x), smr_max(smr_abs(ref.y), smr_abs(ref.z)));
@@ -84,7 +74,7 @@ void smr_forces_search(void *arg, uint32_t task, uint32_t worker)
         if (looks && v + 1u < n_active)
             smr_image_ahead(&f->image, v + 1u);
         f->found[v] = smr_sources_goal(f, v, &displacement);
-        smr_store(smr_at3(f->force, v), displacement);
+        smr_put3(f->force, v, displacement);
     }
 }
 
@@ -92,7 +82,7 @@ static void ignore(smr_forces *f, uint32_t v)
 {
     smr_sources_drop(f, v);
     f->found[v] = SMR_FOUND_NO_TARGET;
-    smr_store(smr_at3(f->force, v), smr_v(0, 0, 0));
+    smr_put3(f->force, v, smr_v(0, 0, 0));
 }
 
 /* Adds the distance to the goal and the kind of result to the task's tally. */
@@ -127,13 +117,12 @@ void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
             ignore(f, v);
             continue;
         }
-        const smr_vec displacement = smr_load(smr_at3(f->force, v));
+        const smr_vec displacement = smr_get3(f->force, v);
         count(f, v, displacement, tally);
         const smr_vec blended = smooth ? smr_smooth_blend(&f->smooth, v, displacement) : displacement;
-        smr_store(smr_at3(f->force, v), smr_scale(blended, stiffness * smr_forces_ease(f, v)));
+        smr_put3(f->force, v, smr_scale(blended, stiffness * smr_forces_ease(f, v)));
         if (apart)
-            smr_store(smr_at3(f->force, v),
-                      smr_add(smr_load(smr_at3(f->force, v)), smr_load(smr_at3(f->contact.push, v))));
+            smr_put3(f->force, v, smr_add(smr_get3(f->force, v), smr_get3(f->contact.push, v)));
         measure(f, v, tally);
     }
 }

@@ -41,11 +41,8 @@ typedef struct smr_forces {
 } smr_forces;
 
 void smr_forces_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
-void smr_forces_wire(smr_forces *f, const smr_shared *shared, const smr_schedule *schedule, const smr_shape *shape,
-                     const smr_overlay *overlay);
 void smr_forces_reset(smr_forces *f); /* called when an iteration is abandoned: discards all results of its forces */
 void smr_forces_unmeasured(smr_forces *f); /* marks all measured values as outdated: targets or positions are new */
-/* Share of a structure's vertices with a goal in the last search; -1: not yet searched with this target. */
 float smr_forces_matched(const smr_forces *f, uint32_t structure);
 
 uint32_t smr_force_chunk(const smr_forces *f); /* vertices of a task of smr_forces_search */
@@ -54,7 +51,6 @@ uint32_t smr_forces_tasks(const void *forces);
 void smr_forces_search(void *forces, uint32_t task, uint32_t worker);
 /* The share of the force that is left, 0..1. It falls for what follows an image, but not near a hard landmark. */
 float smr_forces_ease(const smr_forces *f, uint32_t v);
-/* contact_forces.c */
 uint32_t smr_contact_tasks(const void *forces);
 /* step: contacts and the displacements that they add */
 void smr_contact_search(void *forces, uint32_t task, uint32_t worker);
@@ -66,7 +62,7 @@ void smr_forces_end(smr_forces *f); /* totals of the forces, and the input of th
  * holds the positions before x. */
 static inline smr_vec smr_momentum(const smr_forces *f, uint32_t v)
 {
-    const smr_vec step = smr_sub(smr_load(smr_at3(f->shape->x, v)), smr_load(smr_at3(f->shape->x_next, v)));
+    const smr_vec step = smr_sub(smr_get3(f->shape->x, v), smr_get3(f->shape->x_next, v));
     return smr_scale(step, f->schedule->repairing > 0u ? 0.0f : f->schedule->momentum * f->schedule->fade);
 }
 
@@ -74,17 +70,16 @@ static inline smr_vec smr_momentum(const smr_forces *f, uint32_t v)
  * clusters' fits: `from` - x^r. */
 static inline smr_vec smr_match_displacement(const smr_forces *f, uint32_t v)
 {
-    const smr_vec x = smr_load(smr_at3(f->shape->x, v));
+    const smr_vec x = smr_get3(f->shape->x, v);
     if (f->shape->from != NULL)
-        return smr_sub(smr_load(smr_at3(f->shape->from, v)), smr_load(smr_at3(f->shape->x_ref, v)));
-    const smr_vec u = smr_sub(smr_add(x, smr_load(smr_at3(f->force, v))), smr_load(smr_at3(f->shape->x_ref, v)));
+        return smr_sub(smr_get3(f->shape->from, v), smr_get3(f->shape->x_ref, v));
+    const smr_vec u = smr_sub(smr_add(x, smr_get3(f->force, v)), smr_get3(f->shape->x_ref, v));
     return smr_add(u, smr_momentum(f, v));
 }
 
 /* goal_priority.c: the sources of goals. A further one has its struct in smr_forces and its lines there. */
 int smr_inputs_valid(const smr_forces *f); /* 1: every surface is still the one that was set */
 void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared);
-void smr_sources_wire(smr_forces *f, const smr_overlay *overlay);
 void smr_sources_reset(smr_forces *f);
 void smr_sources_commit(smr_forces *f); /* the forces under way are complete: the next ones start from them */
 

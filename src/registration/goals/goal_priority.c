@@ -13,16 +13,6 @@ void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared
         g->force_output = smr_slot_scratch(a, g->force_output, shared->n, 4u * sizeof(float));
 }
 
-void smr_caller_goals_wire(smr_caller_goals *g, const smr_shared *shared, const smr_schedule *schedule,
-                           const smr_shape *shape)
-{
-    g->shared = shared;
-    g->schedule = schedule;
-    g->shape = shape;
-    if (g->goals != NULL)
-        memset(g->goals, 0, shared->n_structures * sizeof *g->goals);
-}
-
 int smr_inputs_valid(const smr_forces *f)
 {
     return smr_targets_valid(&f->surface) && (!SMR_HAS_CONTACT || smr_fixed_valid(&f->contact));
@@ -39,24 +29,6 @@ void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
     if (SMR_HAS_CONTACT) {
         smr_smooth_layout(a, &f->smooth, shared);
         smr_contact_layout(a, &f->contact, shared);
-    }
-}
-
-void smr_sources_wire(smr_forces *f, const smr_overlay *overlay)
-{
-    smr_surface_goals_wire(&f->surface, f->shared, f->schedule, f->shape);
-    if (SMR_HAS_PARTIAL) {
-        smr_landmark_goals_wire(&f->landmarks, f->shared, f->schedule, f->shape);
-        smr_point_spread_wire(&f->points, f->shared, f->shape, &f->surface, overlay);
-        smr_occluded_field_wire(&f->occluded, f->shared, f->schedule, f->shape, &f->surface, &f->landmarks, overlay);
-        smr_occluded_field_wire_image(&f->occluded, f->found_last, &f->image.has_image);
-    }
-    if (SMR_HAS_IMAGE)
-        smr_image_goals_wire(&f->image, f->shared, f->schedule, f->shape, f->found_last, &overlay->rings);
-    smr_caller_goals_wire(&f->caller, f->shared, f->schedule, f->shape);
-    if (SMR_HAS_CONTACT) {
-        smr_smooth_wire(&f->smooth, f->shared, f->schedule, f->shape, &overlay->rings);
-        smr_contact_wire(&f->contact, f->shared, f->schedule, f->shape);
     }
 }
 

@@ -28,16 +28,6 @@ void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shar
     smr_keep_words(a, &r->stale, 1, 1);
 }
 
-void smr_reference_wire(smr_reference *r, const smr_shared *shared, const smr_schedule *schedule,
-                        const smr_shape *shape, smr_sums *sums, const smr_overlay *overlay)
-{
-    r->shared = shared;
-    r->schedule = schedule;
-    r->shape = shape;
-    r->sums = sums;
-    r->tally = overlay->tally;
-}
-
 uint32_t smr_reference_tasks(const void *arg)
 {
     const smr_reference *r = arg;
@@ -78,7 +68,7 @@ void smr_reference_reach(void *arg, uint32_t task, uint32_t worker)
     float off2 = 0.0f;
     (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(r->shared, task); v++) {
-        const smr_vec d = smr_sub(smr_rest_posed(r->shape, v), smr_load(smr_at3(r->shape->x_ref, v)));
+        const smr_vec d = smr_sub(smr_rest_posed(r->shape, v), smr_get3(r->shape->x_ref, v));
         off2 = smr_max(off2, smr_dot(d, d));
     }
     r->tally[task].reference.deviation2 = off2;

@@ -24,15 +24,12 @@ typedef struct smr_reference {
 } smr_reference;
 
 void smr_reference_layout(smr_arena *a, smr_reference *r, const smr_shared *shared);
-void smr_reference_wire(smr_reference *r, const smr_shared *shared, const smr_schedule *schedule,
-                        const smr_shape *shape, smr_sums *sums, const smr_overlay *overlay);
 
 /* Returns 1 when the reference is recomputed in this iteration. */
 static inline int smr_reference_due(const smr_reference *r) { return r->stale != 0u || r->missing != 0u; }
 
 /* Steps, skipped unless due. */
 uint32_t smr_reference_tasks(const void *reference);
-/* computes the distance of x^r from the rest pose */
 void smr_reference_reach(void *reference, uint32_t task, uint32_t worker);
 void smr_reference_begin(smr_reference *r); /* chooses the rounding steps */
 uint32_t smr_reference_record_tasks(const void *reference);

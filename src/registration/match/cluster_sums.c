@@ -8,17 +8,6 @@
 
 #define SMR_ENTRY_CHUNK 32u /* entries of a piece of a block; half as many where records are longest */
 
-void smr_sums_wire(smr_sums *s, const smr_shared *shared, const smr_schedule *schedule, const smr_forces *forces,
-                   const smr_overlay *overlay)
-{
-    s->shared = shared;
-    s->schedule = schedule;
-    s->forces = forces;
-    s->record = overlay->record;
-    s->sum = overlay->sum;
-    s->tally = overlay->tally;
-}
-
 void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1)
 {
     s->scale[0] = smr_fixed_scale((float)s->schedule->lists.largest * largest0);
@@ -61,7 +50,7 @@ void smr_sums_record(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_active_end(s->schedule, task); v++) {
         uint32_t *r = s->record + SMR_WORDS * (size_t)v;
-        const smr_vec ref = smr_load(smr_at3(s->forces->shape->x_ref, v));
+        const smr_vec ref = smr_get3(s->forces->shape->x_ref, v);
         const smr_vec u = smr_scale(smr_match_displacement(s->forces, v), smr_mass(s->shared, v));
         r[0] = smr_fixed(u.x * s->scale[0]);
         r[1] = smr_fixed(u.y * s->scale[0]);

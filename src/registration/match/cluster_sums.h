@@ -18,14 +18,10 @@ typedef struct smr_sums {
     uint32_t pieces;  /* pieces of a block in the current step; 0 and 1: blocks are whole */
 } smr_sums;
 
-void smr_sums_wire(smr_sums *s, const smr_shared *shared, const smr_schedule *schedule, const smr_forces *forces,
-                   const smr_overlay *overlay);
-
 /* Sets the number of words and the scales of the next sums, which stay below these bounds. */
 void smr_sums_expect(smr_sums *s, uint32_t words, float largest0, float largest1);
 uint32_t smr_method_words(const smr_shared *c); /* words of a displacement's record */
 
-/* Writes records of displacements. */
 uint32_t smr_sums_record_tasks(const void *sums);
 void smr_sums_record(void *sums, uint32_t task, uint32_t worker);
 

@@ -15,16 +15,6 @@ void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared)
         m->eigen = smr_slot_floats(a, m->eigen, 9u * (size_t)shared->n, SMR_KEPT_UNIT);
 }
 
-void smr_match_wire(smr_match *m, const smr_shared *shared, const smr_schedule *schedule,
-                    const smr_reference *reference, const smr_sums *sums, const smr_overlay *overlay)
-{
-    m->shared = shared;
-    m->schedule = schedule;
-    m->reference = reference;
-    m->sums = sums;
-    m->tally = overlay->tally;
-}
-
 void smr_match_reset(smr_match *m)
 {
     for (size_t v = 0; m->eigen != NULL && v < m->shared->n; v++)
@@ -39,7 +29,7 @@ static smr_vec rigid_turn(const smr_match *m, uint32_t v, smr_vec mu, const uint
 {
     const smr_reference *const r = m->reference;
     const float turn_deg = m->shared->config.motion.turn_deg;
-    const smr_vec c = smr_load(smr_at3(r->centre, v));
+    const smr_vec c = smr_get3(r->centre, v);
     smr_vec l = smr_v(smr_unfix(w[0], inverse), smr_unfix(w[1], inverse), smr_unfix(w[2], inverse));
     l = smr_sub(l, smr_cross(c, mu));
     const float *i = r->spread + 6u * (size_t)v;
@@ -65,7 +55,6 @@ static void polar(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w,
     smr_polar(a, m->eigen + 9u * (size_t)v, r_minus_i);
 }
 
-/* R - I and t of one cluster. */
 static void matrix_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float t[12])
 {
     if (m->shared->config.basic.method == SMR_METHOD_RIGID)
@@ -73,10 +62,9 @@ static void matrix_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t
     else
         polar(m, v, mu, w, inverse, t);
     const smr_vec mean = smr_scale(mu, 1.0f / m->reference->cluster_mass[v]);
-    smr_store(t + 9, smr_sub(mean, smr_mul(t, smr_load(smr_at3(m->reference->centre, v)))));
+    smr_store(t + 9, smr_sub(mean, smr_mul(t, smr_get3(m->reference->centre, v))));
 }
 
-/* The logarithm of a cluster's transform. */
 static void log_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w, float inverse, float t[12])
 {
     smr_vec turn;
@@ -87,7 +75,7 @@ static void log_of(const smr_match *m, uint32_t v, smr_vec mu, const uint32_t *w
         turn = smr_rotation_log(t);
     }
     const smr_vec mean = smr_scale(mu, 1.0f / m->reference->cluster_mass[v]);
-    const smr_twist twist = smr_twist_about(turn, smr_load(smr_at3(m->reference->centre, v)), mean);
+    const smr_twist twist = smr_twist_about(turn, smr_get3(m->reference->centre, v), mean);
     smr_store(t, twist.turn);
     smr_store(t + 3, twist.rate);
 }

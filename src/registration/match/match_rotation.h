@@ -19,22 +19,18 @@ typedef struct smr_match {
     float largest[2]; /* largest entry of R - I or of the rotation vector; largest entry of t or of the rate, mm */
 } smr_match;
 
-/* Returns 1 when transforms are averaged by their logarithms. */
 static inline int smr_blends_logs(const smr_shared *shared) { return shared->config.motion.fusing == SMR_FUSING_LIE; }
 
 /* Words of a transform's record; the last three hold t or the rate. */
 static inline uint32_t smr_transform_words(const smr_shared *shared) { return smr_blends_logs(shared) ? 6u : 12u; }
 
 void smr_match_layout(smr_arena *a, smr_match *m, const smr_shared *shared);
-void smr_match_wire(smr_match *m, const smr_shared *shared, const smr_schedule *schedule,
-                    const smr_reference *reference, const smr_sums *sums, const smr_overlay *overlay);
 void smr_match_reset(smr_match *m); /* discards start values of the decompositions */
 
 uint32_t smr_match_cluster_tasks(const void *match);
 void smr_match_clusters(void *match, uint32_t task, uint32_t worker);
 void smr_match_end(smr_match *m); /* computes `largest` */
 
-/* Records of the transforms, whose sums follow. */
 uint32_t smr_average_tasks(const void *match);
 void smr_average_record(void *match, uint32_t task, uint32_t worker);
 

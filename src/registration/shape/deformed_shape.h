@@ -11,7 +11,6 @@
 
 struct smr_dynamics;
 
-/* One structure of the model. */
 typedef struct smr_shape_structure {
     uint32_t first_vertex, n_vertices; /* range in the caller's numbering */
     uint32_t first_triangle;
@@ -47,7 +46,6 @@ typedef struct smr_shape {
     /* written by plasticity, and when a registration starts */
     float *x_ref;      /* [n][3] reference shape x^r */
     float *normal_ref; /* [n][3] normals of the reference shape */
-    /* written as the triangles move */
     smr_shape_structure *structure; /* [n_structures] structures of the model */
     /* [n] 1: the vertex belongs to a triangle; 0: no target attracts it, clusters carry it along */
     uint8_t *on_surface;
@@ -56,7 +54,6 @@ typedef struct smr_shape {
     smr_node *node;
     uint32_t n_nodes;
     uint32_t *own_triangle; /* [n_triangles][3] stored vertices in host order, on big-endian hosts only */
-    /* fitted where it is due */
     smr_pose rest_pose;     /* similarity from the rest shape onto x */
     smr_fit fit;            /* sums of its fit so far */
     uint32_t rest_pose_due; /* 1: it is to be fitted to the present positions */
@@ -94,7 +91,7 @@ void smr_rest_pose_now(smr_shape *shape); /* fits rest_pose at once, without ste
 /* tracking_rest_shape.c, in tracking and dynamics: x^r is the held shape, each structure carried along by the pose that
  * lays it onto x best. The sums are of x_next, at the end of an iteration. */
 void smr_track_rest_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared);
-void smr_track_rest_wire(smr_shape *shape);   /* no rest shape is set yet; the structures are known */
+void smr_track_rest_wire(smr_shape *shape);   /* counts tasks, once the structures are known */
 void smr_track_rest_derive(smr_shape *shape); /* computes what follows from a restored track_rest_x */
 void smr_track_rest_start(smr_shape *shape);  /* x becomes the rest shape */
 uint32_t smr_track_rest_sum_tasks(const void *shape);

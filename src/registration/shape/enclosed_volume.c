@@ -18,7 +18,7 @@
 /* The position of a vertex in xyz [n][3]; NULL: at rest. */
 static smr_vec place(const smr_shape *shape, float *xyz, uint32_t v)
 {
-    return xyz != NULL ? smr_load(smr_at3(xyz, v)) : smr_rest(shape->shared, v);
+    return xyz != NULL ? smr_get3(xyz, v) : smr_rest(shape->shared, v);
 }
 
 smr_vec smr_cone_apex(const smr_shape *shape, uint32_t structure, float *xyz)
@@ -92,13 +92,12 @@ int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, floa
     return *thick_mm > SMR_THIN && smr_mesh_closed(one->tree.triangle, one->tree.n_triangles);
 }
 
-/* The fit from the whole model's rest shape to the start positions. */
 static smr_fit start_fit(const smr_shape *shape)
 {
     smr_fit fit;
     smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
     for (uint32_t v = 0; v < shape->shared->n; v++)
-        smr_fit_add(&fit, smr_rest(shape->shared, v), smr_load(smr_at3(shape->start, v)), 1.0f);
+        smr_fit_add(&fit, smr_rest(shape->shared, v), smr_get3(shape->start, v), 1.0f);
     return fit;
 }
 

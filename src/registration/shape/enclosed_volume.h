@@ -25,7 +25,6 @@ static inline smr_enclosed smr_enclosed_add(smr_enclosed a, smr_enclosed b)
     return a;
 }
 
-/* The volume after a displacement of t mm. */
 static inline float smr_enclosed_at(const smr_enclosed *e, float t)
 {
     return e->c[0] + t * (e->c[1] + t * (e->c[2] + t * e->c[3]));
@@ -41,10 +40,8 @@ float smr_enclosed_of(const smr_shape *shape, uint32_t structure, float *x);
  * area. */
 int smr_rest_volume(const smr_shape *shape, uint32_t structure, float *mm3, float *thick_mm);
 
-/* Scale of the similarity that maps the whole model's rest shape onto the start positions. */
 float smr_start_scale(const smr_shape *shape);
 
-/* Returns 1 when the start positions are mirrored. */
 int smr_start_mirrored(const smr_shape *shape);
 
 #endif

@@ -65,8 +65,8 @@ static inline void smr_ring_add(const smr_rings *rings, const uint32_t *t, const
 {
     float *const sum = rings->sum, *const weight = rings->weight;
     float *const p = sum + 3u * (size_t)t[0], *const q = sum + 3u * (size_t)t[1], *const r = sum + 3u * (size_t)t[2];
-    const smr_vec a = smr_load(value + 3u * (size_t)t[0]), b = smr_load(value + 3u * (size_t)t[1]);
-    const smr_vec c = smr_load(value + 3u * (size_t)t[2]);
+    const smr_vec a = smr_get3(value, t[0]), b = smr_get3(value, t[1]);
+    const smr_vec c = smr_get3(value, t[2]);
     smr_store(p, smr_add(smr_load(p), smr_add(b, c)));
     smr_store(q, smr_add(smr_load(q), smr_add(c, a)));
     smr_store(r, smr_add(smr_load(r), smr_add(a, b)));

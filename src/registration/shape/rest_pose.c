@@ -10,7 +10,7 @@ static void begin(smr_shape *shape) { smr_fit_start(&shape->fit, smr_v(0, 0, 0),
 static void add(smr_shape *shape, uint32_t from, uint32_t to)
 {
     for (uint32_t v = from; v < to; v++)
-        smr_fit_add(&shape->fit, smr_rest(shape->shared, v), smr_load(smr_at3(shape->x, v)), 1.0f);
+        smr_fit_add(&shape->fit, smr_rest(shape->shared, v), smr_get3(shape->x, v), 1.0f);
 }
 
 uint32_t smr_rest_pose_tasks(const void *arg)

@@ -86,13 +86,11 @@ static inline int smr_idle(const smr_schedule *p) { return p->done || (p->settle
 
 static inline float *smr_at3(float *array, uint32_t i) { return array + 3u * (size_t)i; }
 
-/* The end of a task's vertices. */
 static inline uint32_t smr_chunk_end(const smr_shared *c, uint32_t task)
 {
     return smr_min_u32((task + 1u) * SMR_CHUNK, c->n);
 }
 
-/* The end of a task's active vertices. */
 static inline uint32_t smr_active_end(const smr_schedule *p, uint32_t task)
 {
     return smr_min_u32((task + 1u) * SMR_CHUNK, p->n_active);
@@ -113,7 +111,6 @@ static inline float smr_mass(const smr_shared *c, uint32_t vertex)
     return smr_le_float(((const uint32_t *)smr_at(c->model, c->model->at_mass))[vertex]);
 }
 
-/* The position of a stored vertex in the model's rest shape, mm from the model's centre. */
 static inline smr_vec smr_rest(const smr_shared *c, uint32_t vertex)
 {
     const uint32_t *rest = (const uint32_t *)smr_at(c->model, c->model->at_rest) + 3u * (size_t)vertex;

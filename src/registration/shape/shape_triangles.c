@@ -44,7 +44,6 @@ void smr_shape_start(smr_shape *shape)
     for (uint32_t i = 0; i < c->n_structures; i++) {
         const smr_stored_structure *r = smr_model_record(c->model, i);
         smr_shape_structure *one = &shape->structure[i];
-        memset(one, 0, sizeof *one);
         one->first_vertex = smr_le32(r->first_vertex);
         one->n_vertices = smr_le32(r->n_vertices);
         one->first_triangle = smr_le32(r->first_triangle);
@@ -56,7 +55,6 @@ void smr_shape_start(smr_shape *shape)
         leaf += smr_tree_leaves(&one->tree);
         node += smr_tree_nodes(one->tree.n_triangles);
     }
-    memset(shape->on_surface, 0, c->n);
     for (size_t i = 0; i < 3u * (size_t)c->n_triangles; i++)
         shape->on_surface[c->triangle[i]] = 1;
 }

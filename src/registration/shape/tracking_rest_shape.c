@@ -36,18 +36,8 @@ void smr_track_rest_layout(smr_arena *a, smr_shape *shape, const smr_shared *sha
 
 void smr_track_rest_wire(smr_shape *shape)
 {
-    smr_track_rest *h = shape->track_rest;
-    if (h == NULL)
-        return;
-    memset(h, 0, sizeof *h);
-    memset(shape->track_rest_x, 0, 3u * (size_t)shape->shared->n * sizeof(float));
-    memset(shape->track_pose, 0, shape->shared->n_structures * sizeof *shape->track_pose);
-    if (shape->image_x != NULL)
-        memset(shape->image_x, 0, 3u * (size_t)shape->shared->n * sizeof(float));
-    if (shape->track_pose_last != NULL)
-        memset(shape->track_pose_last, 0, shape->shared->n_structures * sizeof *shape->track_pose_last);
-    for (uint32_t i = 0; i < shape->shared->n_structures; i++)
-        h->n_tasks += smr_ceil_div(shape->structure[i].n_vertices, SMR_MATCH_CHUNK);
+    for (uint32_t i = 0; shape->track_rest != NULL && i < shape->shared->n_structures; i++)
+        shape->track_rest->n_tasks += smr_ceil_div(shape->structure[i].n_vertices, SMR_MATCH_CHUNK);
 }
 
 void smr_track_rest_derive(smr_shape *shape)
@@ -98,7 +88,7 @@ void smr_track_rest_sum(void *arg, uint32_t task, uint32_t worker)
     const uint32_t last = smr_min_u32(h->vertex + SMR_MATCH_CHUNK, one->n_vertices);
     for (; h->vertex < last; h->vertex++) {
         const uint32_t v = smr_model_position(shape->shared->model, one->first_vertex + h->vertex);
-        const smr_vec from = smr_load(smr_at3(shape->track_rest_x, v)), x = smr_load(smr_at3(shape->x_next, v));
+        const smr_vec from = smr_get3(shape->track_rest_x, v), x = smr_get3(shape->x_next, v);
         const smr_vec to = h->to != NULL ? h->to(shape->dynamics, v, x) : x;
         smr_fit_add(&h->one, from, to, 1.0f);
         smr_fit_add(&h->all, from, to, 1.0f);
@@ -111,7 +101,6 @@ void smr_track_rest_sum(void *arg, uint32_t task, uint32_t worker)
     h->vertex = 0;
 }
 
-/* The composition of two poses: first p, then q. */
 static smr_pose after(const smr_pose *q, const smr_pose *p)
 {
     smr_pose r;
@@ -140,11 +129,10 @@ void smr_track_rest_commit(smr_shape *shape)
     shape->rest_pose = after(&shape->track_rest->whole, &shape->track_rest->rest_pose);
     for (uint32_t v = 0; v < shape->shared->n; v++) {
         const smr_pose *pose = &shape->track_pose[smr_model_owner(shape->shared->model, v)];
-        smr_store(smr_at3(shape->x_ref, v), smr_pose_apply(pose, smr_load(smr_at3(shape->track_rest_x, v))));
+        smr_put3(shape->x_ref, v, smr_pose_apply(pose, smr_get3(shape->track_rest_x, v)));
     }
 }
 
-/* The inverse of a rigid pose. */
 static smr_pose inverse(const smr_pose *p)
 {
     smr_pose r;
@@ -183,12 +171,12 @@ static void move_structure(smr_shape *shape, uint32_t structure, const smr_twist
     const float left = 1.0f - shape->shared->config.track.ahead;
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(shape->shared->model, one->first_vertex + i);
-        smr_vec normal = smr_load(smr_at3(shape->normal, v)), none = smr_v(0, 0, 0);
-        const smr_vec step = smr_sub(smr_load(smr_at3(shape->x, v)), smr_load(smr_at3(shape->x_next, v)));
+        smr_vec normal = smr_get3(shape->normal, v), none = smr_v(0, 0, 0);
+        const smr_vec step = smr_sub(smr_get3(shape->x, v), smr_get3(shape->x_next, v));
         move(smr_at3(shape->x, v), by, &normal);
-        smr_store(smr_at3(shape->x_next, v), smr_sub(smr_load(smr_at3(shape->x, v)), smr_scale(step, left)));
+        smr_put3(shape->x_next, v, smr_sub(smr_get3(shape->x, v), smr_scale(step, left)));
         move(smr_at3(shape->x_ref, v), by, &none);
-        smr_store(smr_at3(shape->normal, v), normal);
+        smr_put3(shape->normal, v, normal);
     }
 }
 

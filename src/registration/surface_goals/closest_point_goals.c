@@ -46,18 +46,6 @@ void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shar
     g->pull = smr_slot_scratch(a, g->pull, shared->config.basic.n_workers * n, 4u * sizeof(int64_t));
 }
 
-void smr_surface_goals_wire(smr_surface_goals *g, const smr_shared *shared, const smr_schedule *schedule,
-                            const smr_shape *shape)
-{
-    g->shared = shared;
-    g->schedule = schedule;
-    g->shape = shape;
-    memset(g->target, 0, shared->n_structures * sizeof *g->target);
-    if (g->then != NULL)
-        memset(g->then, 0, shared->n_structures * sizeof *g->then);
-    smr_pulls_clear(g);
-}
-
 void smr_pulls_clear(smr_surface_goals *g)
 {
     if (g->pull != NULL)
@@ -100,13 +88,13 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
 {
     const smr_config *c = &g->shared->config;
     /* mm from the target's origin */
-    const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), smr_sub(g->shape->origin, target->origin));
+    const smr_vec p = smr_add(smr_get3(g->shape->x, v), smr_sub(g->shape->origin, target->origin));
     g->warm_next[v] = g->warm[v];
     find->hit.triangle = SMR_NONE;
     find->displacement = smr_v(0, 0, 0);
     if (smr_outside_box(c, smr_add(p, target->origin)))
         return 0;
-    smr_query q = {p, smr_load(smr_at3(g->shape->normal, v)), g->shared->min_cos, c->forces.node_budget, g->warm[v]};
+    smr_query q = {p, smr_get3(g->shape->normal, v), g->shared->min_cos, c->forces.node_budget, g->warm[v]};
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f; /* a vertex without triangles has no normal: any normal agrees */
     smr_hit hit = {g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
@@ -127,7 +115,7 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
  * have no surface. */
 smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displacement)
 {
-    const smr_vec n = smr_load(smr_at3(g->shape->normal, v)), along_normal = smr_scale(n, smr_dot(n, displacement));
+    const smr_vec n = smr_get3(g->shape->normal, v), along_normal = smr_scale(n, smr_dot(n, displacement));
     if (smr_dot(n, n) < 0.5f)
         return displacement;
     return smr_add(along_normal, smr_scale(smr_sub(displacement, along_normal), g->shared->config.basic.slide));
@@ -152,14 +140,13 @@ int smr_surface_goal(smr_surface_goals *g, uint32_t v, const smr_surface *target
     return has_goal || weight > 0.0f;
 }
 
-/* The displacement of vertex v to the closest point of one target triangle. */
 static smr_vec to_triangle(const smr_surface_goals *g, uint32_t v, const smr_surface *target, uint32_t triangle)
 {
     const uint32_t *const c = target->triangle + 3u * (size_t)triangle;
-    const smr_vec p = smr_add(smr_load(smr_at3(g->shape->x, v)), smr_sub(g->shape->origin, target->origin));
+    const smr_vec p = smr_add(smr_get3(g->shape->x, v), smr_sub(g->shape->origin, target->origin));
     float w[3];
-    (void)smr_triangle_closest(p, smr_load(smr_at3(target->xyz, c[0])), smr_load(smr_at3(target->xyz, c[1])),
-                               smr_load(smr_at3(target->xyz, c[2])), w);
+    (void)smr_triangle_closest(p, smr_get3(target->xyz, c[0]), smr_get3(target->xyz, c[1]), smr_get3(target->xyz, c[2]),
+                               w);
     return smr_sub(smr_triangle_point(&target->tree, triangle, w), p);
 }
 

@@ -14,7 +14,6 @@
 #define SMR_PULL_SCALE 1048576.0f /* 2^20: pulls are summed in units of 2^-20 mm times weight */
 #define SMR_PULL_FULL 0.25f       /* mean target areas whose pulls have full weight */
 
-/* The target surface of one structure. */
 typedef struct smr_target {
     const smr_surface *surface;   /* the target; NULL: none */
     uint32_t partial;             /* 1: goals are weighted by visibility; 0: all goals have full weight */
@@ -67,8 +66,6 @@ typedef struct smr_surface_goals {
 } smr_surface_goals;
 
 void smr_surface_goals_layout(smr_arena *a, smr_surface_goals *g, const smr_shared *shared);
-void smr_surface_goals_wire(smr_surface_goals *g, const smr_shared *shared, const smr_schedule *schedule,
-                            const smr_shape *shape);
 void smr_surface_goals_reset(smr_surface_goals *g);  /* discards all results of the searches so far */
 void smr_surface_goals_commit(smr_surface_goals *g); /* called when the current forces are complete */
 void smr_pulls_clear(smr_surface_goals *g);

@@ -95,9 +95,8 @@ static void add_pull(const smr_shape_structure *one, smr_vec y, const smr_near *
 /* Finds the model point closest to one target vertex and adds its pull. */
 static void pull_one(const smr_surface_goals *g, const smr_surface *surface, uint32_t j, uint32_t *warm, int64_t *pull)
 {
-    const smr_vec y = smr_add(smr_load(surface->xyz + 3u * (size_t)j), smr_sub(surface->origin, g->shape->origin));
-    smr_query q = {y, smr_load(surface->normal + 3u * (size_t)j), g->shared->min_cos,
-                   g->shared->config.forces.node_budget, SMR_NONE};
+    const smr_vec y = smr_add(smr_get3(surface->xyz, j), smr_sub(surface->origin, g->shape->origin));
+    smr_query q = {y, smr_get3(surface->normal, j), g->shared->min_cos, g->shared->config.forces.node_budget, SMR_NONE};
     smr_hit hit = {g->schedule->search_mm * g->schedule->search_mm, SMR_NONE, {0, 0, 0}};
     if (smr_dot(q.normal, q.normal) < 0.5f)
         q.min_cos = -2.0f;

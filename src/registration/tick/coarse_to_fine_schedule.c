@@ -58,7 +58,6 @@ static int grows(const smr *s)
     return (float)s->forces.surface.n_points_at_begin > SMR_GROWN * (float)s->schedule.n_points;
 }
 
-/* Called after each iteration. */
 void smr_schedule_next(smr *s)
 {
     if (smr_moves(s)) {

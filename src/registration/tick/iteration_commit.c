@@ -24,7 +24,7 @@ void smr_commit(void *arg, uint32_t task, uint32_t worker)
     shape->x = shape->x_next;
     shape->x_next = before;
     for (uint32_t v = 0; v < s->shared.n; v++)
-        smr_store(smr_at3(shape->normal, v), smr_next_normal(s->sums.sum, v));
+        smr_put3(shape->normal, v, smr_next_normal(s->sums.sum, v));
     if (smr_tracks(&s->schedule))
         smr_track_rest_commit(shape);
     if (smr_volumes_used(&s->volumes))

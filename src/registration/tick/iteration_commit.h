@@ -5,7 +5,6 @@
 
 #include "registration/registration.h"
 
-/* The last step: positions, normals and everything else become current at once. */
 uint32_t smr_commit_tasks(const void *s);
 void smr_commit(void *s, uint32_t task, uint32_t worker);
 

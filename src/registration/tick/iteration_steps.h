@@ -49,7 +49,6 @@ extern const uint32_t smr_n_steps;
 #define SMR_HAS_CALLER 1
 #define SMR_HAS_HELD (SMR_HAS_TRACK || SMR_HAS_DYNAMICS)
 
-/* 1: the step is in the iterations of s. */
 static inline int smr_step_on(const smr *s, const smr_step *step) { return (step->part & s->shared.parts) != 0u; }
 
 static inline void *smr_stage_of(smr *s, const smr_step *step) { return (char *)s + step->stage; }
@@ -60,7 +59,6 @@ static inline uint32_t smr_step_tasks(smr *s, const smr_step *step)
     return smr_step_on(s, step) ? step->n_tasks(smr_stage_of(s, step)) : 0u;
 }
 
-/* Step: updates the triangles where fold steps moved vertices. The stage is the registration itself. */
 void smr_refit_again(void *s, uint32_t task, uint32_t worker);
 
 int smr_forces_pending(const smr *s);       /* 1: the forces of the current iteration are not yet complete */

@@ -42,7 +42,6 @@ static void run_part(smr *s, const smr_step *step, uint32_t count, int timed)
     s->refused |= __atomic_load_n(&part.refused, __ATOMIC_RELAXED);
 }
 
-/* The time of one tick, ns. */
 typedef struct watch {
     uint64_t deadline; /* end of this tick; 0: no budget */
     uint64_t budget;   /* the tick's budget; 0: none */
@@ -136,7 +135,6 @@ static smr_tick_report report_of(const smr *s)
 
 static uint64_t later(uint64_t time, uint64_t ns) { return ns > UINT64_MAX - time ? UINT64_MAX : time + ns; }
 
-/* Prepares an iteration and the time of this tick. */
 static watch begin(smr *s, uint64_t budget_ns)
 {
     watch w = {0, 0, now(s), 0};
