@@ -1,7 +1,7 @@
 /* convergence.c: when a radius is done, and with the last one the registration.
  * Bounds: one pass over the structures.
  * SPDX-License-Identifier: MIT */
-#include "registration/convergence.h"
+#include "registration/schedule_radius.h"
 
 /* Returns 1 when a radius may end before its last iteration. While tangential smoothing is on, the last radius runs
  * to its end, since rounding would decide an early end. Volumes reach their ratios at the first radius. */

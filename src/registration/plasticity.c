@@ -2,7 +2,7 @@
  * the model is at rest (paper 3), after plastic_every iterations, and where a radius ends.
  * Bounds: one pass over the vertices.
  * SPDX-License-Identifier: MIT */
-#include "registration/convergence.h"
+#include "registration/schedule_radius.h"
 
 int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic)
 {

@@ -51,4 +51,14 @@ static inline int smr_changeable(const smr *s) { return smr_valid(s) && !s->tick
 /* Returns 1 when the registration may run: no input is missing. */
 static inline int smr_ready(const smr *s) { return smr_changeable(s) && s->n_awaited == 0u; }
 
+/* Checks of a function that reads a structure into `out`. Errors: E_NULL, E_STATE, E_INPUT. */
+static inline smr_status smr_readable(const smr *s, uint32_t structure, const void *out)
+{
+    if (s == NULL || out == NULL)
+        return SMR_E_NULL;
+    if (!smr_valid(s))
+        return SMR_E_STATE;
+    return structure < s->shared.n_structures ? SMR_OK : SMR_E_INPUT;
+}
+
 #endif

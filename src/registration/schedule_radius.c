@@ -11,14 +11,11 @@
 #define SMR_NARROWING 0.5f   /* smallest ratio of the search distances of two successive radii */
 #define SMR_TRACK_EDGES 6.0f /* mean edges: the radius after the schedule that is chosen */
 
-static float radius_mm(const smr *s, uint32_t radius) { return smr_model_lists(s->shared.model, radius).radius; }
-
-/* The model's radius with the smallest ratio to this one. */
-static uint32_t nearest_radius(const smr *s, float wanted)
+uint32_t smr_radius_near(const smr_model *m, uint32_t first, uint32_t last, float mm)
 {
-    uint32_t best = s->shared.config.schedule.radius_first;
-    for (uint32_t r = best + 1u; r <= smr_last_radius(&s->shared); r++)
-        if (wanted * wanted < radius_mm(s, best) * radius_mm(s, r))
+    uint32_t best = first;
+    for (uint32_t r = first + 1u; r <= last; r++)
+        if (mm * mm < smr_model_lists(m, best).radius * smr_model_lists(m, r).radius)
             best = r;
     return best;
 }
@@ -28,10 +25,12 @@ static uint32_t nearest_radius(const smr *s, float wanted)
 uint32_t smr_radius_after(const smr *s)
 {
     const float asked = s->shared.config.track.radius_mm, edge = smr_le_float(s->shared.model->edge_mm);
-    const uint32_t best = nearest_radius(s, asked > 0.0f ? asked : SMR_TRACK_EDGES * edge);
+    const uint32_t last = smr_last_radius(&s->shared);
+    const uint32_t best = smr_radius_near(s->shared.model, s->shared.config.schedule.radius_first, last,
+                                          asked > 0.0f ? asked : SMR_TRACK_EDGES * edge);
     if (asked > 0.0f || s->shared.n_structures == 1u)
         return best;
-    for (uint32_t r = best; r <= smr_last_radius(&s->shared) && radius_mm(s, r) > edge; r++)
+    for (uint32_t r = best; r <= last && smr_model_lists(s->shared.model, r).radius > edge; r++)
         if (smr_model_separate(s->shared.model, r))
             return r;
     return best;

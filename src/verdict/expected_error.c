@@ -2,7 +2,6 @@
  * and the residual.
  * Bounds: those of the field.
  * SPDX-License-Identifier: MIT */
-#include "verdict/expected_error_field.h"
 #include "verdict/verdict_measures.h"
 
 void smr_measure_expected(const smr *s, uint32_t structure, smr_evidence *e)

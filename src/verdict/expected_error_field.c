@@ -8,10 +8,9 @@
  * a variance of its own, and the displacement that it would add counts as error, too.
  * Bounds: SMR_OBSERVATIONS^2 / 2 multiplications for each vertex and axis; SMR_OBSERVATIONS^3 / 6 twice.
  * SPDX-License-Identifier: MIT */
-#include "verdict/expected_error_field.h"
+#include "verdict/verdict_measures.h"
 
 #include "geometry/gaussian_process/gaussian_process.h"
-#include "verdict/verdict_measures.h"
 
 #define SMR_NORMAL_LENGTH 0.5f /* kernel length over the diagonal of the structure's box */
 #define SMR_NORMAL_NOISE 0.01f /* noise variance along a normal over the field's variance */

@@ -7,7 +7,7 @@
  * SPDX-License-Identifier: MIT */
 #include "base/fixed_point.h"
 #include "geometry/box_tree/triangle.h"
-#include "registration/registration.h"
+#include "registration/schedule_radius.h"
 
 #define SMR_LOCAL_EDGES 8.0f  /* default radius in mean edge lengths */
 #define SMR_LOCAL_MOST 1.0e6f /* largest ratio */
@@ -26,22 +26,13 @@ typedef struct local {
     float scale[2][2]; /* of areas and of volumes, now and at rest: stored = value * scale */
 } local;
 
-static uint32_t nearest_radius(const smr_model *m, float wanted)
-{
-    uint32_t best = 0;
-    for (uint32_t r = 1; r < smr_le32(m->n_radii); r++)
-        if (wanted * wanted < smr_model_lists(m, best).radius * smr_model_lists(m, r).radius)
-            best = r;
-    return best;
-}
-
 static void begin(local *l, const smr *s, float radius_mm)
 {
     const smr_model *m = s->shared.model;
     const float wanted = radius_mm > 0.0f ? radius_mm : SMR_LOCAL_EDGES * smr_le_float(m->edge_mm);
     l->shared = &s->shared;
     l->schedule = s->schedule;
-    l->schedule.lists = smr_model_lists(m, nearest_radius(m, wanted));
+    l->schedule.lists = smr_model_lists(m, smr_radius_near(m, 0, smr_le32(m->n_radii) - 1u, wanted));
     l->schedule.n_active = s->shared.n;
     l->shape = s->shape;
     smr_rest_pose_now(&l->shape);

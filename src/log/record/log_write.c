@@ -12,23 +12,12 @@ _Static_assert(SMR_LOG_BYTES(0, 0) >= SMR_LOG_HEADER + SMR_LOG_FULL_BYTES, "SMR_
 
 uint32_t smr_log_words(uint32_t kind)
 {
-    switch (kind) {
-    case SMR_LOG_TICK: return 8;
-    case SMR_LOG_SURFACE:
-    case SMR_LOG_POINTS:
-    case SMR_LOG_FIXED_SURFACE:
-    case SMR_LOG_GOALS: return 4;
-    case SMR_LOG_VOLUME:
-    case SMR_LOG_FORCE: return 3;
-    case SMR_LOG_POSE: return 12;
-    case SMR_LOG_MOTION:
-    case SMR_LOG_POSITIONS: return 3;
-    case SMR_LOG_VOLUME_RATIO: return 2;
-    case SMR_LOG_LANDMARKS: return 12;
-    case SMR_LOG_ACTIVE:
-    case SMR_LOG_FULL: return 1;
-    default: return 0;
-    }
+    static const uint8_t words[] = {
+        [SMR_LOG_TICK] = 8,   [SMR_LOG_SURFACE] = 4,   [SMR_LOG_POINTS] = 4,       [SMR_LOG_FIXED_SURFACE] = 4,
+        [SMR_LOG_GOALS] = 4,  [SMR_LOG_VOLUME] = 3,    [SMR_LOG_FORCE] = 3,        [SMR_LOG_POSE] = 12,
+        [SMR_LOG_MOTION] = 3, [SMR_LOG_POSITIONS] = 3, [SMR_LOG_VOLUME_RATIO] = 2, [SMR_LOG_LANDMARKS] = 12,
+        [SMR_LOG_ACTIVE] = 1, [SMR_LOG_FULL] = 1};
+    return kind < sizeof words ? words[kind] : 0u;
 }
 
 static void write_record(smr_log *log, uint32_t kind, const uint32_t *word)

@@ -12,7 +12,6 @@
  * Bounds: a step ends with passes over the vertices in tasks; a start sums over the clusters.
  * SPDX-License-Identifier: MIT */
 #include "options/dynamics/dynamics.h"
-#include "registration/convergence.h"
 #include "registration/schedule_radius.h"
 
 #define SMR_WEIGHT_UNIT 32.0f     /* units of a weight 1: rounding changes a mass by at most 1.6 % */

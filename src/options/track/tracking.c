@@ -7,7 +7,6 @@
  * track_ahead, one over vertices and triangles for new targets.
  * SPDX-License-Identifier: MIT */
 #include "options/track/track.h"
-#include "registration/convergence.h"
 #include "registration/schedule_radius.h"
 
 #define SMR_TRACK_REACH 12.0f /* radius over the largest mean distance of goals that is no jump */

@@ -2,19 +2,10 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/registration.h"
 
-static smr_status check(const smr *s, uint32_t structure, const void *out)
-{
-    if (s == NULL || out == NULL)
-        return SMR_E_NULL;
-    if (!smr_valid(s))
-        return SMR_E_STATE;
-    return structure < s->shared.n_structures ? SMR_OK : SMR_E_INPUT;
-}
-
 /* Copies a stored [n][3] array, moved by `shift`, into the caller's vertex order. */
 static smr_status copy_out(const smr *s, uint32_t structure, float *array, smr_vec shift, float *xyz)
 {
-    smr_status status = check(s, structure, xyz);
+    smr_status status = smr_readable(s, structure, xyz);
     if (status != SMR_OK)
         return status;
     const smr_shape_structure *one = &s->shape.structure[structure];
@@ -66,7 +57,7 @@ static int has_landmark(const smr *s, uint32_t structure)
 
 smr_status smr_get_structure_report(const smr *s, uint32_t structure, smr_structure_report *report)
 {
-    smr_status status = check(s, structure, report);
+    smr_status status = smr_readable(s, structure, report);
     if (status != SMR_OK)
         return status;
     if (s->n_awaited > 0u)
@@ -101,10 +92,9 @@ uint64_t smr_state_hash(const smr *s)
 
 smr_status smr_get_log(const smr *s, smr_log_state *state)
 {
-    if (s == NULL || state == NULL)
-        return SMR_E_NULL;
-    if (!smr_valid(s))
-        return SMR_E_STATE;
+    const smr_status status = smr_readable(s, 0, state);
+    if (status != SMR_OK)
+        return status;
     state->bytes = s->log.used;
     state->n_ticks = s->log.n_ticks;
     state->full = s->log.full;

@@ -2,7 +2,7 @@
  * is written.
  * Bounds: two passes over the bytes; those of smr_init().
  * SPDX-License-Identifier: MIT */
-#include "registration/api/save_format.h"
+#include "registration/api/setup.h"
 #include "registration/config/config.h"
 #include "registration/tick/iteration_steps.h"
 

@@ -30,10 +30,7 @@ static void split(uint64_t sum, uint32_t half[2])
     half[1] = (uint32_t)(sum >> 32);
 }
 
-static int is(const awaited *w, uint64_t sum)
-{
-    return w->checksum[0] == (uint32_t)(sum & 0xffffffffu) && w->checksum[1] == (uint32_t)(sum >> 32);
-}
+static int is(const awaited *w, uint64_t sum) { return ((uint64_t)w->checksum[1] << 32 | w->checksum[0]) == sum; }
 
 /* The entry for the present input of structure i. */
 static awaited present(const smr *s, uint32_t i)
@@ -141,8 +138,6 @@ static smr_status await_surface(smr *s, uint32_t structure, const smr_surface *s
     smr_target *target = s->forces.surface.target;
     const uint32_t n = s->shared.n_structures, n_slots = smr_target_slots(&s->shared);
     uint32_t first = structure == SMR_ALL ? 0u : structure, n_goals, n_tasks;
-    if (surface == NULL)
-        return SMR_E_STATE;
     if (structure != SMR_ALL && structure >= n)
         return SMR_E_INPUT;
     const uint64_t sum = smr_target_checksum(surface);
@@ -164,7 +159,6 @@ static smr_status await_surface(smr *s, uint32_t structure, const smr_surface *s
         smr_note_like(&s->forces.surface, i, first);
         s->n_awaited--;
     }
-    go_on(s);
     return SMR_OK;
 }
 
@@ -187,7 +181,7 @@ smr_status smr_await_log(smr *s, void *memory, size_t bytes)
     return SMR_OK;
 }
 
-/* Takes the awaited input with this number. */
+/* Takes the awaited input with this number in the list. */
 static smr_status take(smr *s, uint32_t at, uint64_t sum)
 {
     awaited *w = &list_of(s)[at];
@@ -200,64 +194,57 @@ static smr_status take(smr *s, uint32_t at, uint64_t sum)
 
 static smr_status await_goals(smr *s, uint32_t structure, const smr_goals *goals)
 {
-    if (goals->xyz == NULL)
-        return SMR_E_STATE;
-    const smr_status status = take(s, s->shared.n_structures + 1u + structure,
-                                   smr_goals_checksum(goals, s->shape.structure[structure].n_vertices));
+    const uint64_t sum = smr_log_checksum(SMR_LOG_GOALS, goals, s->shape.structure[structure].n_vertices);
+    const smr_status status = goals->xyz == NULL ? SMR_E_STATE : take(s, s->shared.n_structures + 1u + structure, sum);
     if (status == SMR_OK) {
         s->forces.caller.calls = &smr_caller_all;
         s->forces.caller.goals[structure] = *goals;
     }
-    go_on(s);
     return status;
 }
 
 static smr_status await_force(smr *s, const smr_caller_force *own)
 {
-    if (own->force == NULL)
-        return SMR_E_STATE;
-    const smr_status status = take(s, 2u * s->shared.n_structures + 1u, 1u);
+    const smr_status status = own->force == NULL ? SMR_E_STATE : take(s, 2u * s->shared.n_structures + 1u, 1u);
     if (status == SMR_OK) {
         s->forces.caller.calls = &smr_caller_all;
         s->forces.caller.force = own->force;
         s->forces.caller.ctx = own->ctx;
     }
-    go_on(s);
     return status;
 }
 
 static smr_status await_fixed(smr *s, uint32_t index, const smr_surface *surface)
 {
-    if (surface == NULL)
-        return SMR_E_STATE;
     const smr_status status = take(s, 2u * s->shared.n_structures + 2u + index, smr_surface_checksum(surface));
     if (status == SMR_OK)
         s->forces.contact.fixed[index] = (smr_fixed_surface){surface, surface->n_vertices, surface->changes};
-    go_on(s);
     return status;
 }
 
 static smr_status await_volume(smr *s, const smr_volume *volume)
 {
     smr_grid grid;
-    if (volume == NULL)
-        return SMR_E_STATE;
     smr_status status = smr_grid_open(volume, &grid);
     if (status == SMR_OK)
         status = take(s, s->shared.n_structures, smr_volume_checksum(volume));
     if (status == SMR_OK)
         s->forces.image.grid = grid;
-    go_on(s);
     return status;
 }
 
 smr_status smr_await(smr *s, uint32_t kind, uint32_t number, const void *what)
 {
+    smr_status status;
+    if (what == NULL)
+        return SMR_E_STATE;
     switch (kind) {
-    case SMR_LOG_GOALS: return await_goals(s, number, what);
-    case SMR_LOG_FORCE: return await_force(s, what);
-    case SMR_LOG_FIXED_SURFACE: return await_fixed(s, number, what);
-    case SMR_LOG_VOLUME: return await_volume(s, what);
-    default: return await_surface(s, number, what);
+    case SMR_LOG_GOALS: status = await_goals(s, number, what); break;
+    case SMR_LOG_FORCE: status = await_force(s, what); break;
+    case SMR_LOG_FIXED_SURFACE: status = await_fixed(s, number, what); break;
+    case SMR_LOG_VOLUME: status = await_volume(s, what); break;
+    default: status = await_surface(s, number, what); break;
     }
+    go_on(s);
+    return status;
 }

@@ -2,7 +2,7 @@
  * the inputs or the next iteration are not saved.
  * Bounds: one pass over all slots, and one over each input.
  * SPDX-License-Identifier: MIT */
-#include "registration/api/save_format.h"
+#include "registration/api/setup.h"
 
 #define SMR_SAVED_VALUES (SMR_SAVED_FIXED + 4u * SMR_LOG_CONFIG_WORDS) /* bytes before the saved values */
 

@@ -1,7 +1,6 @@
 /* set_caller_goals.c: sets goals and forces of the caller.
  * Bounds: one pass over a structure's goals.
  * SPDX-License-Identifier: MIT */
-#include "registration/api/restart.h"
 #include "registration/api/setup.h"
 
 static int legal(const float *xyz, const float *weights, uint32_t n)

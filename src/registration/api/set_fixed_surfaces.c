@@ -1,7 +1,6 @@
 /* set_fixed_surfaces.c: sets fixed surfaces, which structures must not enter.
  * Bounds: one pass over the vertices.
  * SPDX-License-Identifier: MIT */
-#include "registration/api/restart.h"
 #include "registration/api/setup.h"
 
 smr_status smr_set_fixed(smr *s, uint32_t index, const smr_surface *surface)

@@ -1,10 +1,9 @@
 /* set_image.c: the target image, as it is set.
  * Bounds: those of a start.
  * SPDX-License-Identifier: MIT */
-#include "registration/api/restart.h"
 #include "registration/api/setup.h"
-#include "registration/tick/iteration_commit.h"
 #include "registration/tick/coarse_to_fine_schedule.h"
+#include "registration/tick/iteration_commit.h"
 
 smr_status smr_set_volume(smr *s, const smr_volume *volume)
 {

@@ -2,7 +2,7 @@
  * Bounds: for a new point one pass over the model's triangles, and one over its vertices.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/triangle.h"
-#include "registration/api/restart.h"
+#include "registration/api/setup.h"
 
 #define SMR_ON_SURFACE 1.0e-3f /* mm: nearer points count as on the surface */
 

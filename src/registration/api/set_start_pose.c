@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/surface/mesh.h"
-#include "registration/convergence.h"
+#include "registration/schedule_radius.h"
 #include "registration/tick/coarse_to_fine_schedule.h"
 #include "registration/tick/iteration_commit.h"
 

@@ -1,6 +1,5 @@
 /* set_targets.c: the surfaces and clouds that structures are drawn to.
  * SPDX-License-Identifier: MIT */
-#include "registration/api/restart.h"
 #include "registration/api/setup.h"
 
 /* Indexes that a surface needs: a cloud may grow. */

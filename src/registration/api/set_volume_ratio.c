@@ -2,7 +2,7 @@
  * Bounds: a pass over the structures; for a report one over a structure's triangles, and one over all vertices where
  * config.contact.volume is 0.
  * SPDX-License-Identifier: MIT */
-#include "registration/api/restart.h"
+#include "registration/api/setup.h"
 
 smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio)
 {
@@ -31,12 +31,9 @@ smr_status smr_set_volume_ratio(smr *s, uint32_t structure, float ratio)
 
 smr_status smr_get_structure_volume(const smr *s, uint32_t structure, smr_structure_volume *volume)
 {
-    if (s == NULL || volume == NULL)
-        return SMR_E_NULL;
-    if (!smr_valid(s))
-        return SMR_E_STATE;
-    if (structure >= s->shared.n_structures)
-        return SMR_E_INPUT;
+    const smr_status status = smr_readable(s, structure, volume);
+    if (status != SMR_OK)
+        return status;
     const smr_kept_volume *kept = s->volumes.kept;
     float rest = 0.0f, thick;
     memset(volume, 0, sizeof *volume);

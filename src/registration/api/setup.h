@@ -3,8 +3,7 @@
 #ifndef SMR_SETUP_H
 #define SMR_SETUP_H
 
-#include "registration/registration.h"
-
+#include "registration/tick/iteration_steps.h"
 
 /* Sets everything that follows from model and configuration alone; the rest is 0. */
 void smr_count(smr *s, const smr_model *model, const smr_config *config);
@@ -27,6 +26,40 @@ void smr_note_like(smr_surface_goals *g, uint32_t structure, uint32_t other);
 
 /* Gives a structure, or SMR_ALL, a surface or a cloud, as smr_set_surface() and smr_set_points(). */
 smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface);
+
+/* Marks measures as outdated. An iteration whose forces are not complete starts them again; otherwise it ends with
+ * the old goals. Discards all results of searches, since a replay does not know how far they had come. changed: as
+ * in smr_tracking_changed(). */
+static inline void smr_restart_forces(smr *s, uint32_t changed)
+{
+    smr_surface_goals *g = &s->forces.surface;
+    for (uint32_t j = 0; g->target_warm != NULL && j < s->shared.config.basic.n_target_vertices; j++)
+        g->target_warm[j] = SMR_NONE;
+    for (uint32_t i = 0; i < s->shared.n_structures; i++)
+        g->target[i].measured = 0;
+    smr_forces_unmeasured(&s->forces);
+    smr_tracking_changed(s, changed);
+    if (!smr_forces_pending(s))
+        return;
+    smr_pulls_clear(g);
+    s->step = s->next_task = 0;
+}
+
+#define SMR_SAVED_MAGIC 0x53524d53u /* "SMRS" */
+#define SMR_SAVED_VERSION 1u
+#define SMR_SAVED_FIXED 32u /* bytes of a header before the configuration */
+
+/* Words of the header. Then follow the configuration's words, the saved values, and a CRC-32 of everything. */
+enum {
+    SMR_SAVED_AT_MAGIC = 0,
+    SMR_SAVED_AT_VERSION,
+    SMR_SAVED_AT_BYTES,
+    SMR_SAVED_AT_LIBRARY,
+    SMR_SAVED_AT_MODEL,
+    SMR_SAVED_AT_VERTICES,
+    SMR_SAVED_AT_PLAN, /* checksum of the list of saved values: another list is another version */
+    SMR_SAVED_AT_CONFIG_WORDS
+};
 
 /* save_state_fields.c: goes over what is kept beside slots. */
 void smr_keep_fields(smr_arena *a, smr *s);

@@ -6,7 +6,7 @@
 
 #include "options/dynamics/dynamics.h"
 #include "options/track/track.h"
-#include "registration/convergence.h"
+#include "registration/schedule_radius.h"
 
 #define SMR_ACTIVE_EVERY 8u /* iterations between two changes of n_active at one radius */
 #define SMR_GROWN 1.25f     /* growth of a cloud's number of points at which a radius is repeated */
@@ -27,6 +27,16 @@ static void choose_active(smr *s)
     s->budget.cut = 0;
 }
 
+/* Notes which structures have a target. A target that is set during the iteration counts from the next one on. */
+static void begin_targets(smr_surface_goals *g)
+{
+    g->n_goals_at_begin = g->n_goals;
+    g->n_clouds_at_begin = g->n_clouds;
+    g->n_points_at_begin = g->n_points;
+    for (uint32_t i = 0; i < g->shared->n_structures; i++)
+        g->target[i].had_target = g->target[i].surface != NULL;
+}
+
 void smr_schedule_start(smr *s)
 {
     s->schedule.iteration = 0;
@@ -42,9 +52,7 @@ void smr_schedule_start(smr *s)
     if (smr_visibility_on(&s->forces.surface))
         smr_visibility_start(&s->forces.surface);
     s->schedule.fade = 1.0f;
-    s->forces.surface.n_goals_at_begin = s->forces.surface.n_goals;
-    s->forces.surface.n_clouds_at_begin = s->forces.surface.n_clouds;
-    s->forces.surface.n_points_at_begin = s->forces.surface.n_points;
+    begin_targets(&s->forces.surface);
     smr_radius_go(s, s->shared.config.schedule.radius_first);
     s->shape.rest_pose_due = 1; /* an abandoned iteration may have fitted it to other positions */
     if (smr_moves(s))
@@ -111,16 +119,6 @@ static void choose_distances(smr *s)
         smr_min(s->schedule.farthest_mm, s->shared.config.image.profile_radii * s->schedule.lists.radius);
     s->schedule.gradient_mm = s->shared.config.image.gradient_mm +
                               done * (s->shared.config.image.gradient_end_mm - s->shared.config.image.gradient_mm);
-}
-
-/* Notes which structures have a target. A target that is set during the iteration counts from the next one on. */
-static void begin_targets(smr_surface_goals *g)
-{
-    g->n_goals_at_begin = g->n_goals;
-    g->n_clouds_at_begin = g->n_clouds;
-    g->n_points_at_begin = g->n_points;
-    for (uint32_t i = 0; i < g->shared->n_structures; i++)
-        g->target[i].had_target = g->target[i].surface != NULL;
 }
 
 void smr_schedule_begin(smr *s)

@@ -3,10 +3,10 @@
  * Bounds: one pass over the vertices; when abandoned, also over targets and triangles.
  * SPDX-License-Identifier: MIT */
 #include "registration/tick/iteration_commit.h"
+#include "registration/tick/coarse_to_fine_schedule.h"
 
 #include "options/track/track.h"
-#include "registration/convergence.h"
-#include "registration/tick/coarse_to_fine_schedule.h"
+#include "registration/schedule_radius.h"
 
 uint32_t smr_commit_tasks(const void *s)
 {

@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/tick/iteration_steps.h"
 
-#include "registration/convergence.h"
+#include "registration/schedule_radius.h"
 #include "registration/tick/iteration_commit.h"
 
 static void forces_end(smr *s)
