@@ -138,14 +138,6 @@ static void find_motion(smr_normal_field *f, const smr_pose *p)
     f->shift = turned_back(p, smr_sub(smr_pose_apply(p, f->middle), f->middle));
 }
 
-static void count_from_start(smr_normal_field *f)
-{
-    for (uint32_t i = 0; i < f->n; i++) {
-        const smr_vec arm = arm_of(f, smr_get3(f->at, i));
-        f->moved[i] += smr_dot(motion_at(f, arm), smr_get3(f->normal, i));
-    }
-}
-
 /* Sets `open` to the change of the coefficients when the motion from the start has a variance. */
 static void open_motion(smr_normal_field *f)
 {
@@ -195,7 +187,8 @@ void smr_normal_field_solve(smr_normal_field *f, const smr *s, uint32_t structur
     factor(f);
     find_size(f);
     find_motion(f, &pose);
-    count_from_start(f);
+    for (uint32_t i = 0; i < f->n; i++) /* adds the observed motion along the normals */
+        f->moved[i] += smr_dot(motion_at(f, arm_of(f, smr_get3(f->at, i))), smr_get3(f->normal, i));
     if (keeps_to_start(s, structure) && smr_dot(f->shift, f->shift) + smr_dot(f->turn, f->turn) > 0.0f)
         open_motion(f);
 }

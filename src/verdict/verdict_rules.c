@@ -127,12 +127,6 @@ static void judge_landmarks(smr_verdict *v)
     judge_bend(v);
 }
 
-static void judge_image(smr_verdict *v)
-{
-    check_least(v, SMR_REASON_SIMILARITY, v->image_similarity, SMR_SIMILARITY_LEAST, SMR_SIMILARITY_FAILED);
-    check_least(v, SMR_REASON_GOALS, v->goals_share, SMR_GOALS_LEAST, SMR_GOALS_FAILED);
-}
-
 void smr_judge(smr_verdict *v, float edge_mm, int whole)
 {
     const int part = whole && v->goals_share < 0.0f && v->visible_share < SMR_VISIBLE_PART;
@@ -141,8 +135,10 @@ void smr_judge(smr_verdict *v, float edge_mm, int whole)
     if (!(v->visible_share > 0.0f))
         check_most(v, SMR_REASON_NOTHING_VISIBLE, 1.0f, 0.0f, 0.5f);
     check_most(v, SMR_REASON_SCALE, beyond(v->scale), part ? SMR_SCALE_PART : SMR_SCALE_MOST, SMR_FAR);
-    if (v->goals_share >= 0.0f)
-        judge_image(v);
+    if (v->goals_share >= 0.0f) {
+        check_least(v, SMR_REASON_SIMILARITY, v->image_similarity, SMR_SIMILARITY_LEAST, SMR_SIMILARITY_FAILED);
+        check_least(v, SMR_REASON_GOALS, v->goals_share, SMR_GOALS_LEAST, SMR_GOALS_FAILED);
+    }
     if (v->normals_agree >= 0.0f || v->target_covered >= 0.0f) /* points may lack normals */
         judge_surface(v, edge_mm);
     else if (v->goals_share < 0.0f && v->residual_mm >= 0.0f)

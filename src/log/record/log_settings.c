@@ -35,18 +35,19 @@ static const uint8_t written[] = {1,  2,  29, 43, 44, 38, 7,  45, 4,  5,  6,  50
 
 _Static_assert(sizeof written == SMR_LOG_ROWS - 1u, "every setting but attract is written");
 
-static const log_row *numbered(uint32_t number)
+/* The table's row with this number; SMR_LOG_ROWS: none. */
+static size_t row_of(uint32_t number)
 {
     size_t i = 0;
-    while (i + 1u < SMR_LOG_ROWS && rows[i].number != number)
+    while (i < SMR_LOG_ROWS && rows[i].number != number)
         i++;
-    return &rows[i];
+    return i;
 }
 
 void smr_log_put_config(unsigned char *to, const smr_config *config)
 {
     for (size_t i = 0; i < sizeof written; i++) {
-        const log_row *row = numbered(written[i]);
+        const log_row *row = &rows[row_of(written[i])];
         smr_log_put32(to, row->number | row->n << 16);
         to += 4;
         for (uint32_t k = 0; k < row->n; k++, to += 4) {
@@ -65,21 +66,14 @@ static void set(smr_config *config, const log_row *row, const unsigned char *fro
     }
 }
 
-/* The table's row with this number and size; SMR_LOG_ROWS: none. */
-static size_t row_of(uint32_t head)
-{
-    size_t i = 0;
-    while (i < SMR_LOG_ROWS && (rows[i].n == 0u || (rows[i].number | rows[i].n << 16) != head))
-        i++;
-    return i;
-}
-
 static smr_status get_numbered(const unsigned char *from, uint32_t n_words, smr_config *config)
 {
     uint32_t visited[SMR_LOG_VISITED_WORDS] = {0};
     for (uint32_t at = 0; at < n_words;) {
-        const size_t i = row_of(smr_log_get32(from + 4u * at));
-        if (i == SMR_LOG_ROWS || (visited[i / 32u] >> i % 32u & 1u) != 0u || n_words - at - 1u < rows[i].n)
+        const uint32_t head = smr_log_get32(from + 4u * at);
+        const size_t i = row_of(head & 0xffffu);
+        if (i == SMR_LOG_ROWS || rows[i].n == 0u || head >> 16 != rows[i].n ||
+            (visited[i / 32u] >> i % 32u & 1u) != 0u || n_words - at - 1u < rows[i].n)
             return SMR_E_LOG;
         visited[i / 32u] |= 1u << i % 32u;
         set(config, &rows[i], from + 4u * ((size_t)at + 1u));

@@ -177,12 +177,6 @@ static float face_out(const smr_box_tree *f, const float *normal, smr_query q, s
     return smr_clamp(SMR_PASSED * nearest / smr_max(-side->mm, 1.0e-6f), 0.0f, 1.0f);
 }
 
-/* Returns 1 when the nearest triangle faces the vertex, so that the shortest exit is valid. */
-static int facing(const smr_box_tree *f, uint32_t triangle, smr_vec inward)
-{
-    return smr_dot(smr_get3(f->normal, triangle), inward) > 0.0f;
-}
-
 /* A point of a structure's surface that is tested for contact. */
 typedef struct probe {
     smr_vec at, inward; /* position, mm; unit vector against the normal */
@@ -203,8 +197,8 @@ static float side_of(const smr_contact *c, const probe *p, uint32_t body, float 
         return -1.0f;
     if (!moves)
         return fixed->open && smr_surface_on_border(fixed, side->triangle, side->weight) ? 0.0f : 1.0f;
-    if (side->mm < 0.0f)
-        return facing(f, side->triangle, q.normal) ? 1.0f : face_out(f, normal, q, side);
+    if (side->mm < 0.0f) /* the shortest exit is valid where the nearest triangle faces the vertex */
+        return smr_dot(smr_get3(f->normal, side->triangle), q.normal) > 0.0f ? 1.0f : face_out(f, normal, q, side);
     return ramp(smr_dot(p->inward, side->out), SMR_FACING_NONE, SMR_FACING_FULL);
 }
 

@@ -21,19 +21,15 @@ uint32_t smr_smooth_tasks(const void *arg)
     return s->height != NULL && s->schedule->repairing == 0u ? s->shared->n_tasks + ring_tasks(s) : 0u;
 }
 
-static void clear(smr_smooth *s, uint32_t from, uint32_t to)
-{
-    memset(s->rings.sum + 3u * (size_t)from, 0, 3u * (size_t)(to - from) * sizeof(float));
-    memset(s->rings.weight + from, 0, (to - from) * sizeof(float));
-}
-
 void smr_smooth_sum(void *arg, uint32_t task, uint32_t worker)
 {
     smr_smooth *s = arg;
     const uint32_t n = s->shared->n_tasks;
     (void)worker;
     if (task < n) {
-        clear(s, task * SMR_CHUNK, smr_chunk_end(s->shared, task));
+        const size_t first = task * SMR_CHUNK, count = smr_chunk_end(s->shared, task) - first;
+        memset(s->rings.sum + 3u * first, 0, 3u * count * sizeof(float));
+        memset(s->rings.weight + first, 0, count * sizeof(float));
         return;
     }
     const uint32_t last = smr_min_u32((task - n + 1u) * SMR_TRIANGLE_CHUNK, s->shared->n_triangles);

@@ -132,15 +132,6 @@ static void choose_displacements(smr_volumes *v)
     }
 }
 
-static void displace(const smr_volumes *v, uint32_t from, uint32_t to)
-{
-    for (uint32_t i = from; i < to; i++) {
-        float *x = smr_at3(v->shape->x_next, i);
-        const float displacement = v->kept[smr_model_owner(v->shared->model, i)].displacement_mm;
-        smr_store(x, smr_add(smr_load(x), smr_scale(smr_next_normal(v->sum, i), displacement)));
-    }
-}
-
 void smr_volume_correct(void *arg, uint32_t task, uint32_t worker)
 {
     smr_volumes *v = arg;
@@ -150,6 +141,9 @@ void smr_volume_correct(void *arg, uint32_t task, uint32_t worker)
         sum_piece(v, first, smr_min_u32(first + SMR_TRIANGLE_CHUNK, v->shared->n_triangles));
     if (task == n)
         choose_displacements(v);
-    if (task >= n)
-        displace(v, (task - n) * SMR_CHUNK, smr_chunk_end(v->shared, task - n));
+    for (uint32_t i = (task - n) * SMR_CHUNK; task >= n && i < smr_chunk_end(v->shared, task - n); i++) {
+        const float displacement = v->kept[smr_model_owner(v->shared->model, i)].displacement_mm;
+        const smr_vec step = smr_scale(smr_next_normal(v->sum, i), displacement);
+        smr_put3(v->shape->x_next, i, smr_add(smr_get3(v->shape->x_next, i), step));
+    }
 }

@@ -145,15 +145,6 @@ uint32_t smr_step_energy_tasks(const void *arg)
     return s->shape.dynamics != NULL && s->shape.dynamics->ends ? PASSES * s->shape.track_rest->n_tasks : 0u;
 }
 
-static void begin_pass(smr_dynamics *d, uint32_t pass, uint32_t n_structures)
-{
-    d->structure = d->vertex = 0;
-    if (pass == MEANS)
-        memset(d->sums, 0, n_structures * sizeof *d->sums);
-    else
-        (pass == TURNS ? end_means : end_turns)(d, n_structures);
-}
-
 /* Adds the sums of a chunk to those of its structure and group, which keeps rounding small. */
 static void add_sums(smr_step_sums *to, const smr_step_sums *part)
 {
@@ -179,8 +170,13 @@ void smr_step_energy(void *arg, uint32_t task, uint32_t worker)
     smr_dynamics *d = s->shape.dynamics;
     const uint32_t pass = task / s->shape.track_rest->n_tasks;
     (void)worker;
-    if (task % s->shape.track_rest->n_tasks == 0u)
-        begin_pass(d, pass, s->shared.n_structures);
+    if (task % s->shape.track_rest->n_tasks == 0u) {
+        d->structure = d->vertex = 0;
+        if (pass == MEANS)
+            memset(d->sums, 0, s->shared.n_structures * sizeof *d->sums);
+        else
+            (pass == TURNS ? end_means : end_turns)(d, s->shared.n_structures);
+    }
     smr_step_sums *const own = d->sums + d->structure, *const lead = d->sums + d->group[d->structure];
     const uint32_t n = s->shape.structure[d->structure].n_vertices, last = smr_min_u32(d->vertex + SMR_MATCH_CHUNK, n);
     smr_step_sums of_own, of_lead;

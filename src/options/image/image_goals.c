@@ -14,15 +14,6 @@
 #define SMR_SIDE_VOXELS 0.5f /* shift along the surface: search radius in mean voxels */
 #define SMR_SIDE_SHARE 0.25f /* the same radius over the search distance; the larger of both is used */
 
-/* Saves a structure's state in the image. Values that the next iteration recomputes are not saved, nor is the noise,
- * which follows from the model. NULL: there is no memory yet. */
-static void keep_structure(smr_arena *a, smr_image_structure *structure)
-{
-    smr_image_structure none = {0}, *s = structure == NULL ? &none : structure;
-    smr_keep_words(a, &s->idle, 1, 1);
-    smr_keep_floats(a, &s->matched, 1, -1.0f, 1.0f);
-}
-
 void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *shared)
 {
     g->structure = smr_slot_scratch(a, g->structure, shared->n_structures, sizeof *g->structure);
@@ -31,8 +22,12 @@ void smr_image_goals_layout(smr_arena *a, smr_image_goals *g, const smr_shared *
     g->brighter = smr_slot_bytes(a, g->brighter, shared->n, UINT8_MAX);
     g->brighter_next = smr_slot_scratch(a, g->brighter_next, shared->n, 1);
     smr_keep_words(a, &g->has_image, 1, smr_le32(shared->model->profile_samples) > 0u);
-    for (uint32_t k = 0; smr_keeps(a) && k < shared->n_structures; k++)
-        keep_structure(a, g->structure == NULL ? NULL : &g->structure[k]);
+    /* the next iteration recomputes the other fields; the noise follows from the model */
+    for (uint32_t k = 0; smr_keeps(a) && k < shared->n_structures; k++) {
+        smr_image_structure none = {0}, *s = g->structure == NULL ? &none : &g->structure[k];
+        smr_keep_words(a, &s->idle, 1, 1);
+        smr_keep_floats(a, &s->matched, 1, -1.0f, 1.0f);
+    }
 }
 
 void smr_image_goals_reset(smr_image_goals *g)
@@ -132,14 +127,6 @@ static reference_profile reference_shape(const smr_image_goals *g, uint32_t v, f
     r.low = smr_le_float(ranges[0]);
     r.range = smr_le_float(ranges[1]);
     return r;
-}
-
-static void take_samples(const smr_image_goals *g, uint32_t v, const reference_profile *r, uint8_t *value)
-{
-    const smr_model *m = g->shared->model;
-    const uint8_t *stored = (const uint8_t *)smr_at(m, m->at_profiles) + (size_t)v * smr_le32(m->profile_samples);
-    for (uint32_t k = 0; k < r->n; k++)
-        value[k] = stored[r->first + k * r->hop];
 }
 
 static int varies(const float *line, uint32_t n)
@@ -274,7 +261,10 @@ int smr_image_goal(smr_image_goals *g, uint32_t v, smr_vec *displacement)
     uint8_t value[SMR_PROFILE_MAX];
     if (l.n == 0u)
         return SMR_UNDECIDED;
-    take_samples(g, v, &r, value);
+    const smr_model *const m = g->shared->model;
+    const uint8_t *stored = (const uint8_t *)smr_at(m, m->at_profiles) + (size_t)v * smr_le32(m->profile_samples);
+    for (uint32_t k = 0; k < r.n; k++)
+        value[k] = stored[r.first + k * r.hop];
     const int whole = smr_grid_line(&g->grid, l.start, l.step, l.n, line, inside) == l.n;
     smr_peak match = {0, 0};
     const uint32_t first = l.before - l.reach - r.inward;

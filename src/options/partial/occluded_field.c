@@ -256,13 +256,6 @@ uint32_t smr_occluded_field_tasks(const void *arg)
     return f->goals->partial || counts(f) ? 2u * looks(f) + SMR_FIELD_TRIES * SMR_TRY_TASKS + f->most + 2u : 0u;
 }
 
-/* coefficient = (L L^T)^-1 coefficient */
-static void solve(smr_occluded_field *f)
-{
-    smr_solve_forward3(f->lower, f->n, f->coefficient);
-    smr_solve_back3(f->lower, f->n, f->coefficient);
-}
-
 void smr_occluded_field_solve(void *arg, uint32_t task, uint32_t worker)
 {
     smr_occluded_field *f = arg;
@@ -280,8 +273,10 @@ void smr_occluded_field_solve(void *arg, uint32_t task, uint32_t worker)
         factor(f, task - then - 1u);
     else if (task - then == f->most + 1u && f->by_normals)
         smr_field_normals_end(f);
-    else if (task - then == f->most + 1u)
-        solve(f);
+    else if (task - then == f->most + 1u) {
+        smr_solve_forward3(f->lower, f->n, f->coefficient);
+        smr_solve_back3(f->lower, f->n, f->coefficient);
+    }
 }
 
 smr_vec smr_occluded_field_displacement(const smr_occluded_field *f, uint32_t v)

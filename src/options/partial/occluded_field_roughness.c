@@ -13,7 +13,7 @@
 #define SMR_ROUGH_LENGTH 0.15f /* length of the short term over the kernel's length */
 #define SMR_ROUGH_NOISE 0.1f   /* noise variance of a control over the short term's variance */
 #define SMR_ROUGH_MOTION 20.0f /* variance of the motions over the short term's variance */
-/* log-likelihood that a rough kernel must gain over the smooth one (see how_likely()): odds of 16 */
+/* log-likelihood that a rough kernel must gain over the smooth one (likelihood below): odds of 16 */
 #define SMR_ROUGH_SURE 8.0f
 #define SMR_LOG_MIDDLE 1.41421356f
 #define SMR_LOG_SCALE 2.88539008f /* 2 / ln 2 */
@@ -58,12 +58,6 @@ static void add_row(smr_occluded_field *f, uint32_t i)
     f->log -= 2.0f * log_two(r[i]);
 }
 
-/* Twice the log-likelihood of the present roughness, maximised over the variance, without constant terms. */
-static float how_likely(const smr_occluded_field *f, uint32_t n)
-{
-    return f->log - (float)n * log_two(smr_max(f->square, FLT_MIN));
-}
-
 void smr_field_roughness_try(smr_occluded_field *f, uint32_t task)
 {
     const uint32_t n = smr_min_u32(f->n, SMR_ROUGH_ROWS), k = task / SMR_TRY_TASKS, part = task % SMR_TRY_TASKS;
@@ -80,7 +74,9 @@ void smr_field_roughness_try(smr_occluded_field *f, uint32_t task)
         add_row(f, i);
     if (!enough || part + 1u < SMR_TRY_TASKS)
         return;
-    const float now = how_likely(f, n) + (k == 0u ? SMR_ROUGH_SURE : 0.0f);
+    /* twice the log-likelihood, maximised over the variance, without constant terms */
+    const float likelihood = f->log - (float)n * log_two(smr_max(f->square, FLT_MIN));
+    const float now = likelihood + (k == 0u ? SMR_ROUGH_SURE : 0.0f);
     if (k == 0u || now > f->likelihood) {
         f->likelihood = now;
         f->likeliest = k;

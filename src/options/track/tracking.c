@@ -111,14 +111,6 @@ float smr_tracking_progress(const smr *s)
     return smr_min((float)s->schedule.radius_iteration / smr_max(narrowing, 1.0f), 1.0f);
 }
 
-/* Moves structures on for new targets. Distance bounds of contact become unknown. */
-static void predict(smr *s)
-{
-    if (s->shape.track_pose_last != NULL && !s->shape.track_rest->predicted)
-        smr_contact_reset(&s->forces.contact);
-    smr_track_rest_predict(&s->shape, !s->schedule.jumped && !s->schedule.recovering);
-}
-
 /* Share of the vertices with a target that have a goal without the image. What the image showed counts as found, but
  * not where it completed a partial view. */
 static float share_without_image(const smr *s)
@@ -173,8 +165,11 @@ void smr_tracking_begin(smr *s)
         return;
     }
     note_age(s);
-    if (s->schedule.changed >= SMR_CHANGED_MOVED)
-        predict(s);
+    if (s->schedule.changed >= SMR_CHANGED_MOVED) {
+        if (s->shape.track_pose_last != NULL && !s->shape.track_rest->predicted)
+            smr_contact_reset(&s->forces.contact);
+        smr_track_rest_predict(&s->shape, !s->schedule.jumped && !s->schedule.recovering);
+    }
     s->schedule.gain = 1.0f;
     s->schedule.changed = s->schedule.settled = s->schedule.jumped = s->schedule.recovering = 0;
     if (s->schedule.radius != smr_radius_after(s))

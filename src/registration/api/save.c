@@ -27,13 +27,6 @@ smr_status smr_save_bytes(const smr *s, size_t *bytes)
     return SMR_OK;
 }
 
-/* Returns 1 between iterations, when all inputs can still be read. */
-static int can_be_saved(const smr *s)
-{
-    return smr_ready(s) && !s->refused && !s->forces.caller.broken && s->step == 0u && s->next_task == 0u &&
-           smr_can_wait(&s->shared) && smr_inputs_valid(&s->forces);
-}
-
 smr_status smr_save(const smr *s, void *memory, size_t bytes)
 {
     unsigned char *to = memory;
@@ -43,8 +36,9 @@ smr_status smr_save(const smr *s, void *memory, size_t bytes)
     const smr_status status = smr_save_bytes(s, &needed);
     if (status != SMR_OK)
         return status;
-    if (!can_be_saved(s))
-        return SMR_E_STATE;
+    if (!smr_ready(s) || s->refused || s->forces.caller.broken || s->step != 0u || s->next_task != 0u ||
+        !smr_can_wait(&s->shared) || !smr_inputs_valid(&s->forces))
+        return SMR_E_STATE; /* only between iterations, when all inputs can still be read */
     if (bytes < needed || needed > UINT32_MAX)
         return SMR_E_ARENA;
     const smr_keeper k = go_over(s, SMR_KEEP_SAVE, to, needed - 4u);

@@ -18,11 +18,6 @@ static void stand(smr_caller_goals *g)
     }
 }
 
-static uint32_t tasks(const smr_caller_goals *g)
-{
-    return g->force != NULL ? smr_ceil_div(g->schedule->n_active, SMR_CALLER_CHUNK) : 0u;
-}
-
 /* The arguments of one call of the caller's force, and its output. */
 typedef struct chunk {
     uint32_t structure[SMR_CALLER_CHUNK], vertex[SMR_CALLER_CHUNK];
@@ -130,4 +125,4 @@ static float blend(const smr_caller_goals *g, uint32_t v, smr_vec *displacement,
     return weight;
 }
 
-const smr_caller_calls smr_caller_all = {tasks, ask, blend, stand};
+const smr_caller_calls smr_caller_all = {ask, blend, stand};

@@ -14,7 +14,6 @@ struct smr_caller_goals;
 /* What goals of the caller's own need in an iteration. The setters name it, so a program without them has none of
  * it. */
 typedef struct smr_caller_calls {
-    uint32_t (*tasks)(const struct smr_caller_goals *g);
     void (*ask)(struct smr_caller_goals *g, uint32_t task);
     float (*blend)(const struct smr_caller_goals *g, uint32_t v, smr_vec *displacement, float weight);
     void (*stand)(struct smr_caller_goals *g); /* called when the current forces are complete */
@@ -39,8 +38,6 @@ typedef struct smr_caller_goals {
     uint64_t reported_sum;
 } smr_caller_goals;
 
-void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared *shared);
-
 /* Returns 1 when the caller may give goals to vertices of the structure. */
 static inline int smr_caller_has_goals(const smr_caller_goals *g, uint32_t structure)
 {
@@ -51,7 +48,7 @@ static inline int smr_caller_has_goals(const smr_caller_goals *g, uint32_t struc
 static inline uint32_t smr_caller_tasks(const void *goals)
 {
     const smr_caller_goals *g = goals;
-    return g->calls != NULL ? g->calls->tasks(g) : 0u;
+    return g->force != NULL ? smr_ceil_div(g->schedule->n_active, SMR_CALLER_CHUNK) : 0u;
 }
 
 static inline void smr_caller_step(void *goals, uint32_t task, uint32_t worker)

@@ -78,13 +78,6 @@ void smr_forces_search(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-static void ignore(smr_forces *f, uint32_t v)
-{
-    smr_sources_drop(f, v);
-    f->found[v] = SMR_FOUND_NO_TARGET;
-    smr_put3(f->force, v, smr_v(0, 0, 0));
-}
-
 /* Adds the distance to the goal and the kind of result to the task's tally. */
 static void count(smr_forces *f, uint32_t v, smr_vec displacement, smr_tally *tally)
 {
@@ -114,7 +107,9 @@ void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
     memset(tally, 0, sizeof *tally);
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(f->shared, task); v++) {
         if (!smr_active(f->schedule, v)) {
-            ignore(f, v);
+            smr_sources_drop(f, v);
+            f->found[v] = SMR_FOUND_NO_TARGET;
+            smr_put3(f->force, v, smr_v(0, 0, 0));
             continue;
         }
         const smr_vec displacement = smr_get3(f->force, v);

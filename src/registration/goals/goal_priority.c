@@ -4,15 +4,6 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/goals/external_forces.h"
 
-void smr_caller_goals_layout(smr_arena *a, smr_caller_goals *g, const smr_shared *shared)
-{
-    if (shared->config.caller.goals != 0u)
-        g->goals = smr_slot_scratch(a, g->goals, shared->n_structures,
-                                    sizeof *g->goals); /* set again: restore_awaited_inputs.c */
-    if (shared->config.caller.force != SMR_CALLER_OFF)
-        g->force_output = smr_slot_scratch(a, g->force_output, shared->n, 4u * sizeof(float));
-}
-
 int smr_inputs_valid(const smr_forces *f)
 {
     return smr_targets_valid(&f->surface) && (!SMR_HAS_CONTACT || smr_fixed_valid(&f->contact));
@@ -25,7 +16,10 @@ void smr_sources_layout(smr_arena *a, smr_forces *f, const smr_shared *shared)
         smr_landmark_goals_layout(a, &f->landmarks, shared);
     if (SMR_HAS_IMAGE)
         smr_image_goals_layout(a, &f->image, shared);
-    smr_caller_goals_layout(a, &f->caller, shared);
+    if (shared->config.caller.goals != 0u) /* set again after a restore: restore_awaited_inputs.c */
+        f->caller.goals = smr_slot_scratch(a, f->caller.goals, shared->n_structures, sizeof *f->caller.goals);
+    if (shared->config.caller.force != SMR_CALLER_OFF)
+        f->caller.force_output = smr_slot_scratch(a, f->caller.force_output, shared->n, 4u * sizeof(float));
     if (SMR_HAS_CONTACT) {
         smr_smooth_layout(a, &f->smooth, shared);
         smr_contact_layout(a, &f->contact, shared);

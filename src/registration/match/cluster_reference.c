@@ -253,16 +253,6 @@ static void invert_inertia(const float c[6], float out[6])
     smr_pseudo_inverse(inertia, SMR_INERTIA_FLOOR, out);
 }
 
-/* The spread of one cluster, from its moments about its own vertex, c. */
-static void spread_of(const smr_reference *r, uint32_t v, const float c[6])
-{
-    float *spread = r->spread + 6u * (size_t)v;
-    if (r->shared->config.basic.method == SMR_METHOD_RIGID)
-        invert_inertia(c, spread);
-    else
-        memcpy(spread, c, 6u * sizeof *c);
-}
-
 void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
 {
     smr_reference *r = arg;
@@ -293,7 +283,10 @@ void smr_reference_cluster(void *arg, uint32_t task, uint32_t worker)
             smr_at3(r->centre, v)[a] =
                 stepped(x[a], r->fine) + smr_unfix(w[10u + a] - w[0] * f[a], r->fine * unit) / mass;
         r->cluster_mass[v] = mass;
-        spread_of(r, v, c);
+        if (r->shared->config.basic.method == SMR_METHOD_RIGID)
+            invert_inertia(c, r->spread + 6u * (size_t)v);
+        else
+            memcpy(r->spread + 6u * (size_t)v, c, sizeof c);
     }
 }
 

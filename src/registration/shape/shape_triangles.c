@@ -6,12 +6,6 @@
 
 #define SMR_LEAVES 32u /* tree leaves of a task */
 
-static int is_whole(smr_vec v)
-{
-    const smr_vec off = smr_sub(v, smr_whole(v));
-    return smr_dot(off, off) == 0.0f;
-}
-
 void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
 {
     const size_t n = shared->n;
@@ -32,7 +26,8 @@ void smr_shape_layout(smr_arena *a, smr_shape *shape, const smr_shared *shared)
     if (smr_target_slots(shared) > 0u || shared->config.contact.share > 0.0f)
         shape->node = smr_slot_scratch(a, shape->node, shape->n_nodes, sizeof *shape->node);
     smr_keep_floats(a, &shape->origin.x, 3, -SMR_KEPT_MM, SMR_KEPT_MM);
-    smr_keep_require(a, is_whole(shape->origin));
+    const smr_vec off = smr_sub(shape->origin, smr_whole(shape->origin));
+    smr_keep_require(a, smr_dot(off, off) == 0.0f);
     smr_keep_pose(a, &shape->rest_pose, SMR_KEPT_MM);
     smr_keep_words(a, &shape->rest_pose_due, 1, 1);
 }

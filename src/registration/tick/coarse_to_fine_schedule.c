@@ -59,13 +59,6 @@ void smr_schedule_start(smr *s)
         smr_time_steps_start(s);
 }
 
-/* Returns 1 when a cloud has grown so much since this radius began that the radius is repeated. A cloud is limited
- * by its memory, so repetition ends. */
-static int grows(const smr *s)
-{
-    return (float)s->forces.surface.n_points_at_begin > SMR_GROWN * (float)s->schedule.n_points;
-}
-
 void smr_schedule_next(smr *s)
 {
     if (smr_moves(s)) {
@@ -92,7 +85,9 @@ void smr_schedule_next(smr *s)
         if (SMR_HAS_TRACK && !s->schedule.done)
             smr_tracking_start(s);
     } else if (!repairs && !smr_at_last_radius(&s->shared, &s->schedule) && (e.settled || e.spent)) {
-        smr_radius_go(s, s->schedule.radius + (grows(s) ? 0u : 1u));
+        /* a cloud that has grown much repeats the radius; its memory limits it, so repetition ends */
+        const int grown = (float)s->forces.surface.n_points_at_begin > SMR_GROWN * (float)s->schedule.n_points;
+        smr_radius_go(s, s->schedule.radius + (grown ? 0u : 1u));
     }
 }
 

@@ -133,8 +133,6 @@ static smr_tick_report report_of(const smr *s)
     return r;
 }
 
-static uint64_t later(uint64_t time, uint64_t ns) { return ns > UINT64_MAX - time ? UINT64_MAX : time + ns; }
-
 static watch begin(smr *s, uint64_t budget_ns)
 {
     watch w = {0, 0, now(s), 0};
@@ -147,7 +145,7 @@ static watch begin(smr *s, uint64_t budget_ns)
     }
     if (timed) {
         w.budget = budget_ns;
-        w.deadline = later(w.last, budget_ns);
+        w.deadline = budget_ns > UINT64_MAX - w.last ? UINT64_MAX : w.last + budget_ns;
     }
     return w;
 }

@@ -34,20 +34,16 @@ void smr_budget_start(smr *s)
         s->budget.rate[i] = SMR_UNKNOWN;
 }
 
-/* Entries and indexes of the order L. Fewer active vertices need fewer of them, but how many is not known
- * beforehand. */
-static float lists_units(const smr *s)
-{
-    return (float)s->shared.n + (float)smr_le32(s->schedule.lists.block[s->schedule.lists.n_blocks].first_index);
-}
-
 static float units_of(smr *s, const smr_step *step, uint32_t n_tasks)
 {
     if (step->work == SMR_WORK_ACTIVE)
         return (float)s->schedule.n_active;
     if (step->work == SMR_WORK_FOLDS)
         return smr_fold_find_tasks(&s->folds) > 0u ? 1.0f : 0.0f;
-    return step->work == SMR_WORK_LISTS ? lists_units(s) : (float)n_tasks;
+    if (step->work != SMR_WORK_LISTS)
+        return (float)n_tasks;
+    const smr_lists *l = &s->schedule.lists; /* fewer active vertices need less of them, but how much is not known */
+    return (float)s->shared.n + (float)smr_le32(l->block[l->n_blocks].first_index);
 }
 
 /* The rate after one more sample. A sample is limited to twice the rate, or to SMR_OUTLIER of an iteration above it
