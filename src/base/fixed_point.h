@@ -7,6 +7,7 @@
 #define SMR_FIXED_POINT_H
 
 #include "base/bytes.h"
+#include "base/vec.h"
 
 /* The scale s: the largest power of two with bound * s <= 2^30, within 2^-60 .. 2^60; 1 for a bound of 0.
  * bound: the largest absolute value of a final sum, finite and not negative. */
@@ -41,6 +42,12 @@ static inline float smr_unfix(uint32_t sum, float inverse_scale)
     int32_t v;
     memcpy(&v, &sum, sizeof v);
     return (float)v * inverse_scale;
+}
+
+/* Three final sums as a vector. */
+static inline smr_vec smr_unfix3(const uint32_t *sum, float inverse_scale)
+{
+    return smr_v(smr_unfix(sum[0], inverse_scale), smr_unfix(sum[1], inverse_scale), smr_unfix(sum[2], inverse_scale));
 }
 
 #endif

@@ -79,8 +79,7 @@ static void bytes(smr_keeper *k, uint8_t *field, size_t count, uint32_t most)
  * that cluster bounds allow. */
 static int is_similarity(const smr_pose *p)
 {
-    const smr_vec a = smr_v(p->m[0][0], p->m[1][0], p->m[2][0]), b = smr_v(p->m[0][1], p->m[1][1], p->m[2][1]),
-                  c = smr_v(p->m[0][2], p->m[1][2], p->m[2][2]);
+    const smr_vec a = smr_column(p, 0), b = smr_column(p, 1), c = smr_column(p, 2);
     const float size = smr_dot(a, a), most = 1.0e-3f * size;
     return smr_within(smr_dot(b, b) - size, most) && smr_within(smr_dot(c, c) - size, most) &&
            smr_within(smr_dot(a, b), most) && smr_within(smr_dot(b, c), most) && smr_within(smr_dot(c, a), most);

@@ -61,4 +61,8 @@ static inline smr_status smr_readable(const smr *s, uint32_t structure, const vo
     return structure < s->shared.n_structures ? SMR_OK : SMR_E_INPUT;
 }
 
+/* get_results.c: copies an array [n][3] of stored vertices, moved by `shift`, into the caller's order. Errors: as
+ * smr_readable(). */
+smr_status smr_copy_out(const smr *s, uint32_t structure, float *array, smr_vec shift, float *xyz);
+
 #endif

@@ -47,10 +47,10 @@ static uint32_t first_iterations(const smr *s)
 
 uint32_t smr_radius_iterations(const smr *s)
 {
-    if (s->schedule.radius == s->shared.config.schedule.radius_first)
+    const smr_config *c = &s->shared.config;
+    if (s->schedule.radius == c->schedule.radius_first)
         return first_iterations(s);
-    return smr_at_last_radius(&s->shared, &s->schedule) ? s->shared.config.basic.iterations_last
-                                                        : s->shared.config.basic.iterations;
+    return smr_at_last_radius(&s->shared, &s->schedule) ? c->basic.iterations_last : c->basic.iterations;
 }
 
 float smr_radius_progress(const smr *s)
@@ -59,11 +59,11 @@ float smr_radius_progress(const smr *s)
         return 1.0f;
     if (s->shared.config.dynamics.mode)
         return 0.0f;
-    const float first = (float)first_iterations(s), level = (float)s->shared.config.basic.iterations;
-    const uint32_t steps = smr_last_radius(&s->shared) - s->shared.config.schedule.radius_first,
-                   at = s->schedule.radius - s->shared.config.schedule.radius_first;
-    const float total =
-        steps > 0u ? first + level * (float)(steps - 1u) + (float)s->shared.config.basic.iterations_last : first;
+    const smr_config *c = &s->shared.config;
+    const float first = (float)first_iterations(s), level = (float)c->basic.iterations;
+    const uint32_t steps = smr_last_radius(&s->shared) - c->schedule.radius_first,
+                   at = s->schedule.radius - c->schedule.radius_first;
+    const float total = steps > 0u ? first + level * (float)(steps - 1u) + (float)c->basic.iterations_last : first;
     return ((at > 0u ? first + level * (float)(at - 1u) : 0.0f) + (float)s->schedule.radius_iteration) / total;
 }
 
@@ -105,18 +105,17 @@ static int repairs_before(const smr *s, uint32_t radius)
 
 void smr_radius_take(smr *s)
 {
-    const uint32_t radius = s->schedule.radius;
-    s->schedule.lists = smr_model_lists(s->shared.model, radius);
-    s->schedule.momentum = radius == smr_last_radius(&s->shared) ? s->shared.config.motion.momentum_last
-                                                                 : s->shared.config.motion.momentum;
-    if (s->shared.config.dynamics.mode) {
-        s->schedule.lists.active_min = s->shared.n; /* momentum is conserved for all vertices together */
-        s->schedule.momentum = 0.0f;
+    const smr_config *c = &s->shared.config;
+    smr_schedule *p = &s->schedule;
+    const float before = p->radius > 0u ? smr_model_lists(s->shared.model, p->radius - 1u).radius : 0.0f;
+    p->lists = smr_model_lists(s->shared.model, p->radius);
+    p->momentum = smr_at_last_radius(&s->shared, p) ? c->motion.momentum_last : c->motion.momentum;
+    if (c->dynamics.mode) {
+        p->lists.active_min = s->shared.n; /* momentum is conserved for all vertices together */
+        p->momentum = 0.0f;
     }
-    const float before = radius > 0u ? smr_model_lists(s->shared.model, radius - 1u).radius : 0.0f;
-    s->schedule.search_mm =
-        smr_min(s->shared.config.basic.search_mm,
-                s->shared.config.forces.search_radii * smr_max(s->schedule.lists.radius, SMR_NARROWING * before));
+    const float within = c->forces.search_radii * smr_max(p->lists.radius, SMR_NARROWING * before);
+    p->search_mm = smr_min(c->basic.search_mm, within);
 }
 
 void smr_radius_go(smr *s, uint32_t radius)

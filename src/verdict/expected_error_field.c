@@ -58,8 +58,7 @@ static void choose(smr_normal_field *f, uint32_t structure, uint32_t most, smr_f
         if (smr_model_owner(s->shared.model, v) != structure)
             continue;
         const smr_vec p = smr_get3(s->shape.start, v);
-        box.lo = smr_v(smr_min(box.lo.x, p.x), smr_min(box.lo.y, p.y), smr_min(box.lo.z, p.z));
-        box.hi = smr_v(smr_max(box.hi.x, p.x), smr_max(box.hi.y, p.y), smr_max(box.hi.z, p.z));
+        box = (smr_box){smr_low(box.lo, p), smr_high(box.hi, p)};
         if (!is_observed(s, v))
             continue;
         if (met == 0u)

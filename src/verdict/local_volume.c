@@ -38,7 +38,6 @@ static void begin(local *l, const smr *s, float radius_mm)
     smr_rest_pose_now(&l->shape);
     l->sums = s->sums;
     l->sums.schedule = &l->schedule;
-    l->sums.pieces = 0;
     l->part = s->match.transform;
 }
 
@@ -96,11 +95,8 @@ static bulk bulk_of(const local *l, uint32_t v, int rest)
     bulk b = {0.0f, smr_max(smr_unfix(w[SMR_TWO_AREAS], areas), 0.0f), 1.0f};
     if (!(b.area > SMR_LOCAL_LEAST))
         return b;
-    smr_vec normal, middle;
-    normal = smr_v(smr_unfix(w[SMR_NORMALS], areas), smr_unfix(w[SMR_NORMALS + 1], areas),
-                   smr_unfix(w[SMR_NORMALS + 2], areas));
-    middle = smr_v(smr_unfix(w[SMR_MOMENTS], volumes), smr_unfix(w[SMR_MOMENTS + 1], volumes),
-                   smr_unfix(w[SMR_MOMENTS + 2], volumes));
+    const smr_vec normal = smr_unfix3(w + SMR_NORMALS, areas);
+    const smr_vec middle = smr_unfix3(w + SMR_MOMENTS, volumes);
     b.volume = smr_unfix(w[SMR_SIX_VOLUMES], volumes) - smr_dot(middle, normal) / b.area;
     b.open = smr_min(smr_length(normal) / b.area, 1.0f);
     return b;
@@ -112,8 +108,8 @@ static float ratio_at(const local *l, uint32_t v)
 {
     const bulk now = bulk_of(l, v, 0), rest = bulk_of(l, v, 1);
     const smr_pose *p = &l->shape.rest_pose;
-    const smr_vec x = smr_v(p->m[0][0], p->m[1][0], p->m[2][0]), y = smr_v(p->m[0][1], p->m[1][1], p->m[2][1]);
-    const float posed = smr_dot(smr_v(p->m[0][2], p->m[1][2], p->m[2][2]), smr_cross(x, y));
+    const smr_vec x = smr_column(p, 0), y = smr_column(p, 1);
+    const float posed = smr_dot(smr_column(p, 2), smr_cross(x, y));
     const float layer = SMR_SQRT(rest.area) * (SMR_SKIN + rest.open * rest.open);
     const float from = smr_abs(rest.volume) + layer * rest.area;
     const float to = (rest.volume < 0.0f ? -now.volume : now.volume) + layer * now.area;
@@ -136,10 +132,7 @@ smr_status smr_get_local_volume(smr *s, uint32_t structure, float radius_mm, flo
     begin(&l, s, radius_mm);
     record(&l, 0);
     record(&l, 1);
-    for (uint32_t t = 0; t < smr_block_tasks(&l.sums); t++)
-        smr_sums_forest(&l.sums, t, 0);
-    for (uint32_t t = 0; t < smr_boundary_tasks(&l.sums); t++)
-        smr_boundary_sums(&l.sums, t, 0);
+    smr_sums_at_once(&l.sums);
     const uint32_t first = structure == SMR_ALL ? 0u : s->shape.structure[structure].first_vertex;
     const uint32_t n = structure == SMR_ALL ? s->shared.n : s->shape.structure[structure].n_vertices;
     for (uint32_t k = 0; k < n; k++)

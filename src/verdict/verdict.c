@@ -34,27 +34,17 @@ static void gather(const smr *s, uint32_t structure, smr_evidence *e)
     smr_measure_expected(s, structure, e);
 }
 
-static void add(smr_mean *to, smr_mean more)
-{
-    to->sum += more.sum;
-    to->weight += more.weight;
-}
-
+/* Adds the measures of one structure to those of the whole model. */
 static void add_all(smr_evidence *to, const smr_evidence *more)
 {
-    add(&to->visible, more->visible);
-    add(&to->agree, more->agree);
-    add(&to->covered, more->covered);
-    add(&to->residual, more->residual);
-    add(&to->goals, more->goals);
-    add(&to->similarity, more->similarity);
-    add(&to->strain2, more->strain2);
-    add(&to->stretch2, more->stretch2);
-    add(&to->volume, more->volume);
-    add(&to->bend, more->bend);
-    add(&to->expected, more->expected);
+    for (uint32_t i = 0; i < SMR_MEANS; i++) {
+        to->mean[i].sum += more->mean[i].sum;
+        to->mean[i].weight += more->mean[i].weight;
+    }
     to->rotation_deg = smr_max(to->rotation_deg, more->rotation_deg);
 }
+
+_Static_assert(offsetof(smr_evidence, rotation_deg) == SMR_MEANS * sizeof(smr_mean), "the list has every mean");
 
 static void conclude(const smr *s, uint32_t structure, const smr_evidence *e, smr_verdict *verdict)
 {
@@ -120,12 +110,11 @@ smr_status smr_get_verdict(smr *s, uint32_t structure, smr_verdict *verdict)
 
 smr_status smr_get_visible(const smr *s, uint32_t structure, unsigned char *visible)
 {
-    if (s == NULL || visible == NULL)
-        return SMR_E_NULL;
-    if (!smr_valid(s) || s->n_awaited > 0u)
+    if (s != NULL && visible != NULL && smr_valid(s) && s->n_awaited > 0u)
         return SMR_E_STATE;
-    if (structure >= s->shared.n_structures)
-        return SMR_E_INPUT;
+    const smr_status status = smr_readable(s, structure, visible);
+    if (status != SMR_OK)
+        return status;
     const smr_shape_structure *one = &s->shape.structure[structure];
     for (uint32_t i = 0; i < one->n_vertices; i++)
         visible[i] = (unsigned char)smr_vertex_visible(s, smr_model_position(s->shared.model, one->first_vertex + i));

@@ -4,11 +4,6 @@
  * SPDX-License-Identifier: MIT */
 #include "verdict/verdict_measures.h"
 
-#define SMR_NODES 4096u     /* most nodes that a search opens */
-#define SMR_AGREE 0.0f      /* cosine between normals above which they agree */
-#define SMR_NEAR_EDGES 1.0f /* distance up to which points are covered, in mean edge lengths of the model */
-#define SMR_NEAR_TIMES 2.0f /* the same distance over the mean residual; the larger one counts */
-
 static uint32_t closest(const smr *s, const smr_surface *cloud, uint32_t j, smr_hit *hit)
 {
     const smr_vec shift = smr_sub(cloud->origin, s->shape.origin);
@@ -67,10 +62,7 @@ static void add_visible(const smr *s, const smr_shape_structure *one, smr_eviden
 void smr_measure_points(const smr *s, uint32_t structure, smr_evidence *e)
 {
     const smr_surface *cloud = s->forces.surface.target[structure].surface;
-    const float edge = smr_max(smr_le_float(s->shared.model->edge_mm), 1.0e-6f);
-    const smr_mean residual = find_residual(s, structure, cloud);
-    e->residual.sum += residual.sum;
-    e->residual.weight += residual.weight;
+    const float near = smr_add_residual(s, find_residual(s, structure, cloud), e);
     add_visible(s, &s->shape.structure[structure], e);
-    add_points(s, structure, cloud, smr_max(SMR_NEAR_EDGES * edge, SMR_NEAR_TIMES * smr_mean_of(residual, 0.0f)), e);
+    add_points(s, structure, cloud, near, e);
 }

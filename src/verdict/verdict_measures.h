@@ -10,17 +10,24 @@ typedef struct smr_mean {
     float sum, weight;
 } smr_mean;
 
+#define SMR_MEANS 11u /* means in smr_evidence */
+
 /* Measures of a result. Fields are as in smr_verdict where names agree. */
 typedef struct smr_evidence {
-    smr_mean visible, agree; /* over the model's area; with an image: over vertices */
-    smr_mean covered;        /* over the target's area */
-    smr_mean residual;       /* mm, mean over visible vertices */
-    smr_mean goals;          /* mean over vertices, with an image */
-    smr_mean similarity;     /* mean over comparisons */
-    smr_mean strain2;        /* squared strain, mean over edges */
-    smr_mean stretch2;       /* squared stretch, mean over parts */
-    smr_mean volume;         /* volume ratio, weighted by rest volume */
-    smr_mean bend, expected; /* mm, mean over vertices */
+    union {
+        struct {
+            smr_mean visible, agree; /* over the model's area; with an image: over vertices */
+            smr_mean covered;        /* over the target's area */
+            smr_mean residual;       /* mm, mean over visible vertices */
+            smr_mean goals;          /* mean over vertices, with an image */
+            smr_mean similarity;     /* mean over comparisons */
+            smr_mean strain2;        /* squared strain, mean over edges */
+            smr_mean stretch2;       /* squared stretch, mean over parts */
+            smr_mean volume;         /* volume ratio, weighted by rest volume */
+            smr_mean bend, expected; /* mm, mean over vertices */
+        };
+        smr_mean mean[SMR_MEANS]; /* the same as a list */
+    };
     float rotation_deg;
 } smr_evidence;
 
@@ -31,6 +38,21 @@ static inline void smr_mean_add(smr_mean *m, float value, float weight)
 }
 
 static inline float smr_mean_of(smr_mean m, float otherwise) { return m.weight > 0.0f ? m.sum / m.weight : otherwise; }
+
+/* Measures at surfaces and clouds. */
+#define SMR_NODES 4096u     /* most nodes that a search opens */
+#define SMR_AGREE 0.0f      /* cosine between normals above which they agree */
+#define SMR_NEAR_EDGES 1.0f /* distance up to which the target is covered, in mean edge lengths of the model */
+#define SMR_NEAR_TIMES 2.0f /* the same distance over the mean residual; the larger one counts */
+
+/* Adds a structure's residual to the measures. Returns the distance up to which its target is covered, mm. */
+static inline float smr_add_residual(const smr *s, smr_mean residual, smr_evidence *e)
+{
+    const float edge = smr_max(smr_le_float(s->shared.model->edge_mm), 1.0e-6f);
+    e->residual.sum += residual.sum;
+    e->residual.weight += residual.weight;
+    return smr_max(SMR_NEAR_EDGES * edge, SMR_NEAR_TIMES * smr_mean_of(residual, 0.0f));
+}
 
 /* Returns 1 when stored vertex v was visible in the target at the last judgement. */
 int smr_vertex_visible(const smr *s, uint32_t v);

@@ -108,8 +108,8 @@ static void add_rotations(const smr *s, const smr_shape_structure *one, const sm
     smr_vec lo = smr_rest(&s->shared, smr_model_position(m, one->first_vertex)), hi = lo;
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const smr_vec p = smr_rest(&s->shared, smr_model_position(m, one->first_vertex + i));
-        lo = smr_v(smr_min(lo.x, p.x), smr_min(lo.y, p.y), smr_min(lo.z, p.z));
-        hi = smr_v(smr_max(hi.x, p.x), smr_max(hi.y, p.y), smr_max(hi.z, p.z));
+        lo = smr_low(lo, p);
+        hi = smr_high(hi, p);
     }
     const float radius = SMR_PART_RADIUS * smr_length(smr_sub(hi, lo));
     for (uint32_t k = 0; k < SMR_PARTS; k++) {

@@ -3,11 +3,6 @@
  * SPDX-License-Identifier: MIT */
 #include "verdict/verdict_measures.h"
 
-#define SMR_NODES 4096u     /* most nodes that a search opens */
-#define SMR_AGREE 0.0f      /* cosine between normals above which they agree */
-#define SMR_NEAR_EDGES 1.0f /* distance up to which the target is covered, in mean edge lengths of the model */
-#define SMR_NEAR_TIMES 2.0f /* the same distance over the mean residual; the larger one counts */
-
 static smr_vec area_of(smr_vec a, smr_vec b, smr_vec c)
 {
     return smr_scale(smr_cross(smr_sub(b, a), smr_sub(c, a)), 0.5f);
@@ -84,7 +79,6 @@ void smr_measure_surface(const smr *s, uint32_t structure, smr_evidence *e)
 {
     const smr_shape_structure *one = &s->shape.structure[structure];
     const smr_surface *target = s->forces.surface.target[structure].surface;
-    const float edge = smr_max(smr_le_float(s->shared.model->edge_mm), 1.0e-6f);
     float *const distance = smr_vertex_distance(s);
     smr_mean residual = {0, 0};
     find_distances(s, one, target, distance);
@@ -93,9 +87,7 @@ void smr_measure_surface(const smr *s, uint32_t structure, smr_evidence *e)
         if (smr_vertex_visible(s, v) && distance[v] < SMR_FAR)
             smr_mean_add(&residual, distance[v], 1.0f);
     }
-    e->residual.sum += residual.sum;
-    e->residual.weight += residual.weight;
-    const float near = smr_max(SMR_NEAR_EDGES * edge, SMR_NEAR_TIMES * smr_mean_of(residual, 0.0f));
+    const float near = smr_add_residual(s, residual, e);
     add_model(s, one, target, distance, near, e);
     if (s->shape.node != NULL)
         add_target(s, target, near, e);

@@ -149,8 +149,6 @@ typedef struct smr_smooth {
     float *height;
 } smr_smooth;
 
-static inline int smr_smooth_used(const smr_smooth *s) { return SMR_HAS_CONTACT && s->height != NULL; }
-
 void smr_smooth_layout(smr_arena *a, smr_smooth *s, const smr_shared *shared);
 void smr_smooth_rest(smr_smooth *s); /* computes the heights; positions are those of the rest shape */
 

@@ -60,10 +60,10 @@ void smr_smooth_start(smr_smooth *s) { s->side = s->height != NULL && smr_start_
 
 smr_vec smr_smooth_blend(const smr_smooth *s, uint32_t v, smr_vec displacement)
 {
-    const float share = s->shared->config.contact.smooth, (*m)[4] = s->shape->rest_pose.m;
+    const float share = s->shared->config.contact.smooth;
     if (!s->shape->on_surface[v])
         return displacement;
-    const float scale = smr_length(smr_v(m[0][0], m[1][0], m[2][0]));
+    const float scale = smr_length(smr_column(&s->shape->rest_pose, 0));
     const float off = height_of(s, v) - s->side * scale * s->height[v];
     const smr_vec own = smr_scale(smr_get3(s->shape->normal, v), off);
     return smr_add(displacement, smr_scale(smr_sub(own, displacement), share));

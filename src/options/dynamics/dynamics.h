@@ -83,15 +83,6 @@ static inline smr_vec smr_dynamics_free(const smr_dynamics *d, uint32_t v)
                  smr_clamp(y.z, -SMR_FARTHEST, SMR_FARTHEST));
 }
 
-/* Returns 1 in the first iteration of a time step, which starts at y. */
-static inline int smr_first_sweep(const smr_schedule *p) { return p->iteration % SMR_SWEEPS == 0u; }
-
-/* The position from which a sweep starts: y, or the result of the sweep before. */
-static inline smr_vec smr_dynamics_from(const smr_dynamics *d, const smr_schedule *p, uint32_t v, smr_vec x)
-{
-    return smr_first_sweep(p) ? smr_dynamics_free(d, v) : x;
-}
-
 /* The position x of vertex v after a sweep; at the end of a time step, y of the next one. The rest shape is fitted
  * to it, so that the clusters' fits see only what is left beside the rigid motion. */
 static inline smr_vec smr_dynamics_ahead(const smr_dynamics *d, uint32_t v, smr_vec x)

@@ -20,17 +20,6 @@
 #define SMR_PINNED_MOST 3.4e7f    /* largest weight of a pinned vertex */
 #define SMR_PINNED_TIMES 8.0f     /* weight of all pinned vertices of a cluster together, over the cluster's mass */
 
-static void sum_records(smr *s, uint32_t words)
-{
-    smr_sums *sums = &s->sums;
-    sums->words = words;
-    smr_block_pieces(sums, 0);
-    for (uint32_t t = 0; t < smr_block_tasks(sums); t++)
-        smr_sums_forest(sums, t, 0);
-    for (uint32_t t = 0; t < smr_boundary_tasks(sums); t++)
-        smr_boundary_sums(sums, t, 0);
-}
-
 /* Marks the vertices of SMR_WORDS structures from `first` on: each structure has its own word. */
 static void mark_owners(smr *s, uint32_t first)
 {
@@ -62,7 +51,8 @@ static void count_members(smr *s)
     for (uint32_t first = 0; first < n_structures; first += SMR_WORDS) {
         const uint32_t words = smr_min_u32(SMR_WORDS, n_structures - first);
         mark_owners(s, first);
-        sum_records(s, SMR_WORDS);
+        s->sums.words = SMR_WORDS;
+        smr_sums_at_once(&s->sums);
         for (uint32_t v = 0; v < s->shared.n; v++) {
             const uint32_t *const sum = s->sums.sum + SMR_WORDS * (size_t)v;
             for (uint32_t i = 0; i < words; i++) {
@@ -149,12 +139,14 @@ void smr_time_steps_begin(smr *s)
 
 uint32_t smr_sweep_tasks(const void *arg) { return ((const smr *)arg)->shared.n_tasks; }
 
+/* The first sweep of a time step starts at y, each other one where the sweep before has ended. */
 void smr_sweep_begin(void *arg, uint32_t task, uint32_t worker)
 {
     const smr *s = arg;
+    const int first = s->schedule.iteration % SMR_SWEEPS == 0u;
     (void)worker;
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(&s->shared, task); v++)
-        smr_put3(s->shape.from, v, smr_dynamics_from(s->shape.dynamics, &s->schedule, v, smr_get3(s->shape.x, v)));
+        smr_put3(s->shape.from, v, first ? smr_dynamics_free(s->shape.dynamics, v) : smr_get3(s->shape.x, v));
 }
 
 /* Where the springs to the clusters' average and to its goal take a vertex; evolve has left the average in x_next. */

@@ -95,9 +95,7 @@ static void look_back(smr_image_goals *g, uint32_t structure, uint32_t from, uin
     for (uint32_t i = from; i < to; i++) {
         const uint32_t v = smr_model_position(g->shared->model, one->first_vertex + i);
         const smr_vec at = smr_get3(g->shape->x, v);
-        smr_box *b = &view->box;
-        b->lo = smr_v(smr_min(b->lo.x, at.x), smr_min(b->lo.y, at.y), smr_min(b->lo.z, at.z));
-        b->hi = smr_v(smr_max(b->hi.x, at.x), smr_max(b->hi.y, at.y), smr_max(b->hi.z, at.z));
+        view->box = (smr_box){smr_low(view->box.lo, at), smr_high(view->box.hi, at)};
         view->n_goals += g->found[v] == 1u;
         view->n_decided += g->found[v] == 1u || g->found[v] == 2u;
         if (g->found[v] == 1u && g->contrast[v] > 0u)

@@ -94,14 +94,12 @@ static float dot(const float a[SMR_FIELD_MOTIONS], const float b[SMR_FIELD_MOTIO
     return sum;
 }
 
-static smr_vec column(const smr_pose *p, uint32_t c) { return smr_v(p->m[0][c], p->m[1][c], p->m[2][c]); }
-
 /* The motions from the pose to the start; while targets are tracked, only the change of size. */
 static void find_motion_to_start(smr_occluded_field *f, smr_vec middle)
 {
     const smr_pose *p = &f->pose;
     const float length = 1.0f / SMR_SQRT(f->per_length2);
-    const float scale = smr_length(column(p, 0)), trace = p->m[0][0] + p->m[1][1] + p->m[2][2];
+    const float scale = smr_length(smr_column(p, 0)), trace = p->m[0][0] + p->m[1][1] + p->m[2][2];
     const smr_vec turn = smr_v(p->m[1][2] - p->m[2][1], p->m[2][0] - p->m[0][2], p->m[0][1] - p->m[1][0]);
     const float half = f->schedule->tracking ? 0.0f : length / smr_max(scale + trace, SMR_TURN_MOST * scale);
     smr_store(f->back, f->schedule->tracking ? smr_v(0, 0, 0) : smr_sub(middle, f->middle));
@@ -148,7 +146,7 @@ static void add_motions(smr_occluded_field *f, const float m[SMR_FIELD_MOTIONS])
     const smr_vec half = smr_scale(smr_load(m + 3), 0.5f * inverse);
     const float scale = smr_clamp(1.0f + inverse * m[6], 1.0f / SMR_SIZE_MOST, SMR_SIZE_MOST);
     for (uint32_t c = 0; c < 4u; c++) {
-        const smr_vec from = c < 3u ? column(&f->pose, c) : smr_sub(column(&f->pose, c), f->middle);
+        const smr_vec from = c < 3u ? smr_column(&f->pose, c) : smr_sub(smr_column(&f->pose, c), f->middle);
         smr_vec to = smr_scale(turned(half, from), scale);
         if (c == 3u)
             to = smr_add(smr_add(to, f->middle), smr_load(m));

@@ -20,9 +20,6 @@
 /* 1: it is judged how far targets show each vertex. */
 static inline int smr_visibility_on(const smr_surface_goals *g) { return SMR_HAS_PARTIAL && g->visibility != NULL; }
 
-/* 1: the vertices of this target's structure count as far as they are visible. */
-static inline int smr_shows_part(const smr_target *t) { return SMR_HAS_PARTIAL && t->partial; }
-
 /* 1: a target that is a cloud of points. */
 static inline int smr_is_points(const smr_surface *target) { return SMR_HAS_PARTIAL && smr_is_cloud(target); }
 

@@ -2,8 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "registration/registration.h"
 
-/* Copies a stored [n][3] array, moved by `shift`, into the caller's vertex order. */
-static smr_status copy_out(const smr *s, uint32_t structure, float *array, smr_vec shift, float *xyz)
+smr_status smr_copy_out(const smr *s, uint32_t structure, float *array, smr_vec shift, float *xyz)
 {
     smr_status status = smr_readable(s, structure, xyz);
     if (status != SMR_OK)
@@ -18,12 +17,12 @@ static smr_status copy_out(const smr *s, uint32_t structure, float *array, smr_v
 
 smr_status smr_get_positions(const smr *s, uint32_t structure, float *xyz)
 {
-    return copy_out(s, structure, s == NULL ? NULL : s->shape.x, s == NULL ? smr_v(0, 0, 0) : s->shape.origin, xyz);
+    return smr_copy_out(s, structure, s == NULL ? NULL : s->shape.x, s == NULL ? smr_v(0, 0, 0) : s->shape.origin, xyz);
 }
 
 smr_status smr_get_normals(const smr *s, uint32_t structure, float *xyz)
 {
-    return copy_out(s, structure, s == NULL ? NULL : s->shape.normal, smr_v(0, 0, 0), xyz);
+    return smr_copy_out(s, structure, s == NULL ? NULL : s->shape.normal, smr_v(0, 0, 0), xyz);
 }
 
 /* Results of a structure's last complete forces, if they belong to its present target. */

@@ -6,21 +6,17 @@
 
 #define SMR_ON_SURFACE 1.0e-3f /* mm: nearer points count as on the surface */
 
-static int legal_place(const float *xyz)
-{
-    return smr_within(xyz[0], SMR_COORD_MAX) && smr_within(xyz[1], SMR_COORD_MAX) && smr_within(xyz[2], SMR_COORD_MAX);
-}
-
 static int legal(const smr *s, const smr_landmark *l)
 {
     const int weighs = l->hard == 1u || (l->hard == 0u && l->weight >= 0.001f && l->weight <= 1000.0f);
-    if (!legal_place(l->place) || !weighs)
+    if (!smr_within3(smr_load(l->place), SMR_COORD_MAX) || !weighs)
         return 0;
     if (l->structure == SMR_ALL)
-        return l->vertex == SMR_NONE && legal_place(l->rest);
+        return l->vertex == SMR_NONE && smr_within3(smr_load(l->rest), SMR_COORD_MAX);
     if (l->structure >= s->shared.n_structures || s->shape.structure[l->structure].n_vertices == 0u)
         return 0;
-    return l->vertex == SMR_NONE ? legal_place(l->rest) : l->vertex < s->shape.structure[l->structure].n_vertices;
+    return l->vertex == SMR_NONE ? smr_within3(smr_load(l->rest), SMR_COORD_MAX)
+                                 : l->vertex < s->shape.structure[l->structure].n_vertices;
 }
 
 static int same_point(const smr_landmark *a, const smr_landmark *b)

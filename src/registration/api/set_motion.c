@@ -61,14 +61,7 @@ smr_status smr_get_velocities(const smr *s, uint32_t structure, float *velocity)
     const smr_status status = check(s, velocity);
     if (status != SMR_OK)
         return status;
-    if (structure >= s->shared.n_structures)
-        return SMR_E_INPUT;
-    const smr_shape_structure *one = &s->shape.structure[structure];
-    for (uint32_t i = 0; i < one->n_vertices; i++) {
-        const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
-        smr_put3(velocity, i, smr_get3(s->shape.dynamics->velocity, v));
-    }
-    return SMR_OK;
+    return smr_copy_out(s, structure, s->shape.dynamics->velocity, smr_v(0, 0, 0), velocity);
 }
 
 typedef struct moments {

@@ -56,17 +56,14 @@ smr_status smr_set_pose(smr *s, const smr_pose *pose)
     for (uint32_t i = 0; i < 12u; i++)
         if (!smr_within(pose->m[i / 4u][i % 4u], SMR_COORD_MAX))
             return SMR_E_INPUT;
-    const smr_vec centre = smr_v(smr_le_float(s->shared.model->centre[0]), smr_le_float(s->shared.model->centre[1]),
-                                 smr_le_float(s->shared.model->centre[2]));
+    const smr_vec centre = smr_model_centre(s->shared.model);
     const smr_vec moved = smr_pose_apply(pose, centre);
     const float border = SMR_COORD_MAX + 1.0f; /* rounding may take the rest shape a little beyond */
-    if (!smr_within(moved.x, border) || !smr_within(moved.y, border) || !smr_within(moved.z, border))
+    if (!smr_within3(moved, border))
         return SMR_E_INPUT;
-    for (uint32_t v = 0; v < s->shared.n; v++) {
-        const smr_vec p = smr_pose_apply(pose, smr_add(smr_rest(&s->shared, v), centre));
-        if (!smr_within(p.x, border) || !smr_within(p.y, border) || !smr_within(p.z, border))
+    for (uint32_t v = 0; v < s->shared.n; v++)
+        if (!smr_within3(smr_pose_apply(pose, smr_add(smr_rest(&s->shared, v), centre)), border))
             return SMR_E_INPUT;
-    }
     s->shape.origin = smr_whole(moved);
     const smr_vec off = smr_sub(moved, s->shape.origin);
     smr_pose turn = *pose;

@@ -1,4 +1,4 @@
-/* setup.h: how a registration is laid out, and which inputs a restored one waits for.
+/* setup.h: how a registration is laid out and saved, and which inputs a restored one waits for.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SETUP_H
 #define SMR_SETUP_H

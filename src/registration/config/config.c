@@ -109,7 +109,7 @@ static int box_legal(const smr_config *c)
 {
     int legal = 1;
     for (uint32_t i = 0; c->forces.use_box && i < 3u; i++)
-        legal &= smr_within(c->forces.box_min[i], SMR_COORD_MAX) && smr_within(c->forces.box_max[i], SMR_COORD_MAX) &&
+        legal &= c->forces.box_min[i] >= -SMR_COORD_MAX && c->forces.box_max[i] <= SMR_COORD_MAX &&
                  c->forces.box_min[i] <= c->forces.box_max[i];
     return legal;
 }

@@ -34,8 +34,7 @@ static void call(const smr_caller_goals *g, const smr_force_view *view, chunk *c
 
 static int legal(const chunk *c, uint32_t i)
 {
-    return smr_within(c->displacement[i][0], SMR_COORD_MAX) && smr_within(c->displacement[i][1], SMR_COORD_MAX) &&
-           smr_within(c->displacement[i][2], SMR_COORD_MAX) && c->weight[i] >= 0.0f &&
+    return smr_within3(smr_load(c->displacement[i]), SMR_COORD_MAX) && c->weight[i] >= 0.0f &&
            c->weight[i] <= SMR_CALLER_WEIGHT;
 }
 
@@ -105,8 +104,7 @@ static float set_goal(const smr_caller_goals *g, uint32_t v, smr_vec *displaceme
         return 0.0f;
     const smr_vec goal = smr_get3(own->xyz, i);
     const float weight = own->weights != NULL ? own->weights[i] : 1.0f;
-    if (!smr_within(goal.x, SMR_COORD_MAX) || !smr_within(goal.y, SMR_COORD_MAX) ||
-        !smr_within(goal.z, SMR_COORD_MAX) || !(weight <= SMR_CALLER_WEIGHT))
+    if (!smr_within3(goal, SMR_COORD_MAX) || !(weight <= SMR_CALLER_WEIGHT))
         return 0.0f; /* the caller's array has changed since it was set */
     *displacement = smr_sub(smr_sub(goal, g->shape->origin), smr_get3(g->shape->x, v));
     return weight;

@@ -15,6 +15,7 @@ struct smr_caller_goals;
  * it. */
 typedef struct smr_caller_calls {
     void (*ask)(struct smr_caller_goals *g, uint32_t task);
+    /* averages the displacement of vertex v, whose goal has this weight, with the caller's; returns the sum of weights */
     float (*blend)(const struct smr_caller_goals *g, uint32_t v, smr_vec *displacement, float weight);
     void (*stand)(struct smr_caller_goals *g); /* called when the current forces are complete */
 } smr_caller_calls;
@@ -58,12 +59,6 @@ static inline void smr_caller_step(void *goals, uint32_t task, uint32_t worker)
     g->calls->ask(g, task);
 }
 
-static inline void smr_caller_stand(smr_caller_goals *g)
-{
-    if (g->calls != NULL)
-        g->calls->stand(g);
-}
-
 /* Adds a displacement to a weighted mean. The first displacement becomes the mean unchanged. */
 static inline void smr_blend(smr_vec *displacement, float *weight, smr_vec more, float more_weight)
 {
@@ -75,13 +70,6 @@ static inline void smr_blend(smr_vec *displacement, float *weight, smr_vec more,
     }
     *displacement = more;
     *weight += more_weight;
-}
-
-/* Averages the displacement of vertex v with the caller's by weight. weight: of the target's goal, 0 for none.
- * Returns the sum of the weights. */
-static inline float smr_caller_blend(const smr_caller_goals *g, uint32_t v, smr_vec *displacement, float weight)
-{
-    return g->calls != NULL ? g->calls->blend(g, v, displacement, weight) : weight;
 }
 
 #endif

@@ -102,8 +102,7 @@ void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
     (void)worker;
     smr_tally *tally = &f->tally[task];
     const float stiffness = f->schedule->repairing > 0u ? 0.0f : f->shared->config.forces.stiffness * f->schedule->gain;
-    const int apart = smr_contact_on(&f->contact),
-              smooth = smr_smooth_used(&f->smooth) && smr_smooth_tasks(&f->smooth) > 0u;
+    const int apart = smr_contact_on(&f->contact), smooth = SMR_HAS_CONTACT && smr_smooth_tasks(&f->smooth) > 0u;
     memset(tally, 0, sizeof *tally);
     for (uint32_t v = task * SMR_CHUNK; v < smr_chunk_end(f->shared, task); v++) {
         if (!smr_active(f->schedule, v)) {

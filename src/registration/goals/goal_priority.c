@@ -58,7 +58,8 @@ void smr_sources_commit(smr_forces *f)
 {
     if (smr_image_on(&f->image))
         smr_image_goals_commit(&f->image);
-    smr_caller_stand(&f->caller);
+    if (f->caller.calls != NULL)
+        f->caller.calls->stand(&f->caller);
     smr_surface_goals_commit(&f->surface);
     if (smr_visibility_on(&f->surface))
         smr_visibility_commit(&f->surface);
@@ -103,7 +104,7 @@ static int goal_on_target(smr_forces *f, uint32_t v, const smr_target *drawn, sm
 static uint8_t goal_on_surface(smr_forces *f, uint32_t v, const smr_target *drawn, smr_vec *displacement)
 {
     const int found = goal_on_target(f, v, drawn, displacement), rest = smr_field_of_rest(&f->occluded, v);
-    const int partial = smr_shows_part(drawn), landmarks = smr_landmarks_on(&f->landmarks);
+    const int partial = SMR_HAS_PARTIAL && drawn->partial, landmarks = smr_landmarks_on(&f->landmarks);
     const int goal = partial ? f->surface.visibility_next[v] > 0u : found;
     const float beside = weight_beside(f, rest);
     float weight = rest ? (float)f->surface.visibility_next[v] * (1.0f / (float)SMR_VISIBLE_ONE) : (float)goal;
@@ -187,5 +188,7 @@ uint8_t smr_sources_goal(smr_forces *f, uint32_t v, smr_vec *displacement)
 {
     const uint8_t found = goal_of_own(f, v, displacement);
     const float weight = found == SMR_FOUND_GOAL ? 1.0f : 0.0f;
-    return smr_caller_blend(&f->caller, v, displacement, weight) > weight ? SMR_FOUND_GOAL : found;
+    if (f->caller.calls == NULL)
+        return found;
+    return f->caller.calls->blend(&f->caller, v, displacement, weight) > weight ? SMR_FOUND_GOAL : found;
 }

@@ -82,7 +82,7 @@ static float reach_bound(const smr_reference *r)
     float off2 = 0.0f;
     for (uint32_t t = 0; t < r->shared->n_tasks; t++)
         off2 = smr_max(off2, r->tally[t].reference.deviation2);
-    const smr_vec column = smr_v(p->m[0][0], p->m[1][0], p->m[2][0]);
+    const smr_vec column = smr_column(p, 0);
     return 1.01f * (r->schedule->lists.reach * smr_length(column) + 2.0f * SMR_SQRT(off2)) + 1.0e-3f;
 }
 

@@ -35,4 +35,6 @@ void smr_sums_forest(void *sums, uint32_t task, uint32_t worker);
 uint32_t smr_boundary_tasks(const void *sums);
 void smr_boundary_sums(void *sums, uint32_t task, uint32_t worker);
 
+void smr_sums_at_once(smr_sums *s); /* sums the records over all clusters, between iterations */
+
 #endif

@@ -30,7 +30,7 @@ static smr_vec rigid_turn(const smr_match *m, uint32_t v, smr_vec mu, const uint
     const smr_reference *const r = m->reference;
     const float turn_deg = m->shared->config.motion.turn_deg;
     const smr_vec c = smr_get3(r->centre, v);
-    smr_vec l = smr_v(smr_unfix(w[0], inverse), smr_unfix(w[1], inverse), smr_unfix(w[2], inverse));
+    smr_vec l = smr_unfix3(w, inverse);
     l = smr_sub(l, smr_cross(c, mu));
     const float *i = r->spread + 6u * (size_t)v;
     const float full[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]};
@@ -94,7 +94,7 @@ void smr_match_clusters(void *arg, uint32_t task, uint32_t worker)
     for (uint32_t v = task * SMR_MATCH_CHUNK; v < last; v++) {
         const uint32_t *w = sum + SMR_WORDS * (size_t)v;
         float *t = transform + 12u * (size_t)v;
-        const smr_vec mu = smr_v(smr_unfix(w[0], inverse0), smr_unfix(w[1], inverse0), smr_unfix(w[2], inverse0));
+        const smr_vec mu = smr_unfix3(w, inverse0);
         if (logs)
             log_of(m, v, mu, w + 3, inverse1, t);
         else

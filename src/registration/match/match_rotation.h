@@ -37,8 +37,8 @@ void smr_average_record(void *match, uint32_t task, uint32_t worker);
 /* The averaged twist of a vertex, from its sum of 6 words. */
 static inline smr_twist smr_average_twist(const uint32_t *w, const float inverse[2], float share)
 {
-    const smr_vec turn = smr_v(smr_unfix(w[0], inverse[0]), smr_unfix(w[1], inverse[0]), smr_unfix(w[2], inverse[0]));
-    const smr_vec rate = smr_v(smr_unfix(w[3], inverse[1]), smr_unfix(w[4], inverse[1]), smr_unfix(w[5], inverse[1]));
+    const smr_vec turn = smr_unfix3(w, inverse[0]);
+    const smr_vec rate = smr_unfix3(w + 3, inverse[1]);
     const smr_twist twist = {smr_scale(turn, share), smr_scale(rate, share)};
     return twist;
 }
@@ -48,7 +48,7 @@ static inline smr_vec smr_average_transform(const uint32_t *w, const float inver
 {
     for (uint32_t i = 0; i < 9u; i++)
         r_minus_i[i] = smr_unfix(w[i], inverse[0]) * share;
-    const smr_vec t = smr_v(smr_unfix(w[9], inverse[1]), smr_unfix(w[10], inverse[1]), smr_unfix(w[11], inverse[1]));
+    const smr_vec t = smr_unfix3(w + 9, inverse[1]);
     return smr_scale(t, share);
 }
 

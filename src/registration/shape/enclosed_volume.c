@@ -50,7 +50,8 @@ float smr_enclosed_displacement(const smr_enclosed *e, float volume, float most)
         const float slope = e->c[1] + t * (2.0f * e->c[2] + 3.0f * t * e->c[3]);
         if (!(smr_abs(slope) > 1.0e-3f * smr_abs(e->c[1])))
             return 0.0f; /* no volume nearby, or no volume at all */
-        t = smr_clamp(t + (volume - smr_enclosed_at(e, t)) / slope, -most, most);
+        const float now = e->c[0] + t * (e->c[1] + t * (e->c[2] + t * e->c[3]));
+        t = smr_clamp(t + (volume - now) / slope, -most, most);
     }
     return t;
 }
@@ -105,7 +106,7 @@ float smr_start_scale(const smr_shape *shape)
 {
     const smr_fit fit = start_fit(shape);
     const smr_pose pose = smr_fit_solve(&fit, 1);
-    return smr_length(smr_v(pose.m[0][0], pose.m[1][0], pose.m[2][0]));
+    return smr_length(smr_column(&pose, 0));
 }
 
 int smr_start_mirrored(const smr_shape *shape)

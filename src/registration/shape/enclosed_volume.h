@@ -25,11 +25,6 @@ static inline smr_enclosed smr_enclosed_add(smr_enclosed a, smr_enclosed b)
     return a;
 }
 
-static inline float smr_enclosed_at(const smr_enclosed *e, float t)
-{
-    return e->c[0] + t * (e->c[1] + t * (e->c[2] + t * e->c[3]));
-}
-
 /* The displacement along the normals that gives this volume, mm, within +-most. */
 float smr_enclosed_displacement(const smr_enclosed *e, float volume, float most);
 

@@ -106,14 +106,13 @@ static float fade_of(const smr *s)
 /* Chooses search distances and the share of image forces for the coming iteration. */
 static void choose_distances(smr *s)
 {
-    s->schedule.fade = fade_of(s);
-    const float done = smr_tracks(&s->schedule) ? smr_tracking_progress(s) : smr_radius_progress(s);
-    s->schedule.farthest_mm = s->shared.config.image.profile_mm +
-                              done * (s->shared.config.image.profile_end_mm - s->shared.config.image.profile_mm);
-    s->schedule.profile_mm =
-        smr_min(s->schedule.farthest_mm, s->shared.config.image.profile_radii * s->schedule.lists.radius);
-    s->schedule.gradient_mm = s->shared.config.image.gradient_mm +
-                              done * (s->shared.config.image.gradient_end_mm - s->shared.config.image.gradient_mm);
+    const smr_config *c = &s->shared.config;
+    smr_schedule *p = &s->schedule;
+    const float done = smr_tracks(p) ? smr_tracking_progress(s) : smr_radius_progress(s);
+    p->fade = fade_of(s);
+    p->farthest_mm = c->image.profile_mm + done * (c->image.profile_end_mm - c->image.profile_mm);
+    p->profile_mm = smr_min(p->farthest_mm, c->image.profile_radii * p->lists.radius);
+    p->gradient_mm = c->image.gradient_mm + done * (c->image.gradient_end_mm - c->image.gradient_mm);
 }
 
 void smr_schedule_begin(smr *s)

@@ -71,21 +71,17 @@ void smr_refit_again(void *arg, uint32_t task, uint32_t worker)
 /* A step of a part: its tasks may run in any order, or one after the other, or are chains along the order L in
  * pieces. */
 #define SMR_IN(part, function) (SMR_HAS_##part ? (function) : NULL)
+#define SMR_ROW(part, phase, work, order, member, n_tasks, run, end, pieces, abreast)                                  \
+    {                                                                                                                  \
+        SMR_PART_##part, SMR_PHASE_##phase, SMR_WORK_##work, order, offsetof(smr, member), SMR_IN(part, n_tasks),      \
+            SMR_IN(part, run), end, pieces, abreast                                                                    \
+    }
 #define SMR_STEP(part, phase, work, member, n_tasks, run, end)                                                         \
-    {                                                                                                                  \
-        SMR_PART_##part, SMR_PHASE_##phase, SMR_WORK_##work, SMR_ANY_ORDER, offsetof(smr, member),                     \
-            SMR_IN(part, n_tasks), SMR_IN(part, run), end, NULL, NULL                                                  \
-    }
+    SMR_ROW(part, phase, work, SMR_ANY_ORDER, member, n_tasks, run, end, NULL, NULL)
 #define SMR_SERIAL_STEP(part, phase, work, member, n_tasks, run, end)                                                  \
-    {                                                                                                                  \
-        SMR_PART_##part, SMR_PHASE_##phase, SMR_WORK_##work, SMR_SERIAL, offsetof(smr, member), SMR_IN(part, n_tasks), \
-            SMR_IN(part, run), end, NULL, NULL                                                                         \
-    }
+    SMR_ROW(part, phase, work, SMR_SERIAL, member, n_tasks, run, end, NULL, NULL)
 #define SMR_CHAIN_STEP(part, phase, work, member, n_tasks, run, pieces, abreast)                                       \
-    {                                                                                                                  \
-        SMR_PART_##part, SMR_PHASE_##phase, SMR_WORK_##work, SMR_ANY_ORDER, offsetof(smr, member),                     \
-            SMR_IN(part, n_tasks), SMR_IN(part, run), NULL, SMR_IN(part, pieces), SMR_IN(part, abreast)                \
-    }
+    SMR_ROW(part, phase, work, SMR_ANY_ORDER, member, n_tasks, run, NULL, SMR_IN(part, pieces), SMR_IN(part, abreast))
 
 /* clang-format off */
 const smr_step smr_steps[] = { /* `magic`, the first member, gives the offset of the whole registration */
