@@ -7,7 +7,7 @@
 static uint32_t closest(const smr *s, const smr_surface *cloud, uint32_t j, smr_hit *hit)
 {
     const smr_vec shift = smr_sub(cloud->origin, s->shape.origin);
-    const smr_query q = {smr_add(smr_get3(cloud->xyz, j), shift), smr_v(0, 0, 0), -2.0f, SMR_NODES, SMR_NONE};
+    const smr_query q = {smr_add(smr_get3(cloud->xyz, j), shift), smr_v(0, 0, 0), -2.0f, SMR_MEASURE_NODES, SMR_NONE};
     uint32_t found = SMR_NONE;
     *hit = (smr_hit){SMR_FAR, SMR_NONE, {0, 0, 0}};
     for (uint32_t i = 0; i < s->shared.n_structures && cloud->area[j] > 0.0f; i++) {
@@ -44,7 +44,7 @@ static void add_points(const smr *s, uint32_t structure, const smr_surface *clou
         if (on != structure || hit.d2 > near * near || !(smr_dot(n, n) > 0.5f))
             continue;
         const smr_vec normal = smr_get3(s->shape.structure[on].tree.normal, hit.triangle);
-        smr_mean_add(&e->agree, smr_dot(n, normal) > SMR_AGREE ? 1.0f : 0.0f, cloud->area[j]);
+        smr_mean_add(&e->agree, smr_dot(n, normal) > SMR_MEASURE_AGREE ? 1.0f : 0.0f, cloud->area[j]);
     }
 }
 

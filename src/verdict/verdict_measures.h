@@ -40,10 +40,10 @@ static inline void smr_mean_add(smr_mean *m, float value, float weight)
 static inline float smr_mean_of(smr_mean m, float otherwise) { return m.weight > 0.0f ? m.sum / m.weight : otherwise; }
 
 /* Measures at surfaces and clouds. */
-#define SMR_NODES 4096u     /* most nodes that a search opens */
-#define SMR_AGREE 0.0f      /* cosine between normals above which they agree */
-#define SMR_NEAR_EDGES 1.0f /* distance up to which the target is covered, in mean edge lengths of the model */
-#define SMR_NEAR_TIMES 2.0f /* the same distance over the mean residual; the larger one counts */
+#define SMR_MEASURE_NODES 4096u /* most nodes that a search opens */
+#define SMR_MEASURE_AGREE 0.0f  /* cosine between normals above which they agree */
+#define SMR_MEASURE_EDGES 1.0f  /* distance up to which the target is covered, in mean edge lengths of the model */
+#define SMR_MEASURE_TIMES 2.0f  /* the same distance over the mean residual; the larger one counts */
 
 /* Adds a structure's residual to the measures. Returns the distance up to which its target is covered, mm. */
 static inline float smr_add_residual(const smr *s, smr_mean residual, smr_evidence *e)
@@ -51,7 +51,7 @@ static inline float smr_add_residual(const smr *s, smr_mean residual, smr_eviden
     const float edge = smr_max(smr_le_float(s->shared.model->edge_mm), 1.0e-6f);
     e->residual.sum += residual.sum;
     e->residual.weight += residual.weight;
-    return smr_max(SMR_NEAR_EDGES * edge, SMR_NEAR_TIMES * smr_mean_of(residual, 0.0f));
+    return smr_max(SMR_MEASURE_EDGES * edge, SMR_MEASURE_TIMES * smr_mean_of(residual, 0.0f));
 }
 
 /* Returns 1 when stored vertex v was visible in the target at the last judgement. */

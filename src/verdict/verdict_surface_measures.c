@@ -15,7 +15,7 @@ static void find_distances(const smr *s, const smr_shape_structure *one, const s
     for (uint32_t i = 0; i < one->n_vertices; i++) {
         const uint32_t v = smr_model_position(s->shared.model, one->first_vertex + i);
         const smr_vec p = smr_add(smr_get3(s->shape.x, v), smr_sub(s->shape.origin, target->origin));
-        const smr_query q = {p, smr_get3(s->shape.normal, v), -2.0f, SMR_NODES, s->forces.surface.warm[v]};
+        const smr_query q = {p, smr_get3(s->shape.normal, v), -2.0f, SMR_MEASURE_NODES, s->forces.surface.warm[v]};
         smr_hit hit = {SMR_FAR, SMR_NONE, {0, 0, 0}};
         smr_surface_search(target, &q, &hit);
         distance[v] = hit.triangle == SMR_NONE ? SMR_FAR : SMR_SQRT(hit.d2);
@@ -40,12 +40,12 @@ static void add_model(const smr *s, const smr_shape_structure *one, const smr_su
         if (nearest > near || !(area > 0.0f))
             continue;
         const smr_vec middle = smr_add(smr_scale(smr_add(a, smr_add(b, c)), 1.0f / 3.0f), shift);
-        const smr_query q = {middle, normal, -2.0f, SMR_NODES, SMR_NONE};
+        const smr_query q = {middle, normal, -2.0f, SMR_MEASURE_NODES, SMR_NONE};
         smr_hit hit = {4.0f * near * near, SMR_NONE, {0, 0, 0}};
         smr_surface_search(target, &q, &hit);
         if (hit.triangle != SMR_NONE)
-            smr_mean_add(&e->agree, smr_dot(smr_get3(target->tree.normal, hit.triangle), normal) > SMR_AGREE * area,
-                         area);
+            smr_mean_add(&e->agree,
+                         smr_dot(smr_get3(target->tree.normal, hit.triangle), normal) > SMR_MEASURE_AGREE * area, area);
     }
 }
 
@@ -60,7 +60,7 @@ static void add_target(const smr *s, const smr_surface *target, float near, smr_
         const smr_vec a = corner(target->xyz, t, 0), b = corner(target->xyz, t, 1), c = corner(target->xyz, t, 2);
         const float area = smr_length(area_of(a, b, c));
         const smr_vec middle = smr_add(smr_scale(smr_add(a, smr_add(b, c)), 1.0f / 3.0f), shift);
-        const smr_query q = {middle, smr_v(0, 0, 0), -2.0f, SMR_NODES, SMR_NONE};
+        const smr_query q = {middle, smr_v(0, 0, 0), -2.0f, SMR_MEASURE_NODES, SMR_NONE};
         smr_hit hit = {SMR_FAR, SMR_NONE, {0, 0, 0}};
         for (uint32_t i = 0; i < s->shared.n_structures; i++) {
             const smr_box_tree *f = &s->shape.structure[i].tree;

@@ -25,12 +25,6 @@ uint32_t smr_point_spread_tasks(const void *arg)
     return p->goals->n_clouds > 0u ? vertex_tasks(p) + p->rounds * round_tasks(p) : 0u;
 }
 
-static smr_target *cloud_of(const smr_point_spread *p, uint32_t v)
-{
-    smr_target *t = &p->goals->target[smr_model_owner(p->shared->model, v)];
-    return t->surface != NULL && smr_is_cloud(t->surface) ? t : NULL;
-}
-
 /* Reads the pulls of points on vertex v. */
 static void take(smr_point_spread *p, uint32_t v)
 {
@@ -39,7 +33,8 @@ static void take(smr_point_spread *p, uint32_t v)
     p->memory.count[v] = 0.0f;
     for (uint32_t i = 0; i < 4u; i++)
         pull[i] = next[i] = 0.0f;
-    if (cloud_of(p, v) == NULL)
+    const smr_surface *surface = p->goals->target[smr_model_owner(p->shared->model, v)].surface;
+    if (surface == NULL || !smr_is_cloud(surface))
         return;
     smr_pull_sum(p->goals, v, sum);
     for (uint32_t i = 0; i < 4u; i++)

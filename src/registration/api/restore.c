@@ -42,18 +42,9 @@ smr_status smr_save_info(const void *saved, size_t saved_bytes, smr_saved_info *
 /* Reads the saved values. Returns 1 when all are in their ranges and none are left over. */
 static int go_over(smr *s, uint32_t mode, const unsigned char *from, size_t bytes)
 {
-    smr_keeper k = {&smr_keep_all,
-                    smr_keep_fields,
-                    mode,
-                    0,
-                    0,
-                    NULL,
-                    from,
-                    values_at(from, bytes),
-                    word_of(from, SMR_SAVED_AT_BYTES) - 4u};
-    smr_arena a = smr_arena_measure();
-    a.keeper = &k;
-    (void)smr_layout(&a, s);
+    smr_keeper k = {.mode = mode, .from = from, .at = values_at(from, bytes)};
+    k.bytes = word_of(from, SMR_SAVED_AT_BYTES) - 4u;
+    smr_go_over(s, &k);
     return !k.wrong && k.at == k.bytes && k.plan == word_of(from, SMR_SAVED_AT_PLAN);
 }
 

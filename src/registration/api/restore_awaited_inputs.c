@@ -82,15 +82,6 @@ static void keep_caller(smr_arena *a, smr *s)
         keep_sum(a, s, 2u * n + 1u, save && g->force != NULL);
 }
 
-static void keep_fixed(smr_arena *a, smr *s)
-{
-    const smr_fixed_surface *fixed = s->forces.contact.fixed;
-    const int save = a->keeper->mode == SMR_KEEP_SAVE;
-    for (uint32_t i = 0; i < s->shared.config.contact.n_fixed; i++)
-        keep_sum(a, s, 2u * s->shared.n_structures + 2u + i,
-                 save && fixed[i].surface != NULL ? smr_surface_checksum(fixed[i].surface) : 0u);
-}
-
 void smr_keep_inputs(smr_arena *a, smr *s)
 {
     awaited w;
@@ -111,7 +102,11 @@ void smr_keep_inputs(smr_arena *a, smr *s)
              k->mode == SMR_KEEP_SAVE && has_image ? smr_volume_checksum(&s->forces.image.grid.volume) : 0u);
     smr_keep_require(a, (s->n_awaited > n) == has_image);
     keep_caller(a, s);
-    keep_fixed(a, s);
+    const smr_fixed_surface *fixed = s->forces.contact.fixed;
+    for (uint32_t i = 0; i < s->shared.config.contact.n_fixed; i++) {
+        const int set = k->mode == SMR_KEEP_SAVE && fixed[i].surface != NULL;
+        keep_sum(a, s, 2u * s->shared.n_structures + 2u + i, set ? smr_surface_checksum(fixed[i].surface) : 0u);
+    }
 }
 
 /* Returns 1 when structure i awaits this surface. Structures that shared a surface must share it again. */

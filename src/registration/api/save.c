@@ -10,10 +10,8 @@
 static smr_keeper go_over(const smr *s, uint32_t mode, unsigned char *to, size_t bytes)
 {
     smr copy = *s;
-    smr_keeper k = {&smr_keep_all, smr_keep_fields, mode, 0, 0, to, NULL, SMR_SAVED_VALUES, bytes};
-    smr_arena a = smr_arena_measure();
-    a.keeper = &k;
-    (void)smr_layout(&a, &copy);
+    smr_keeper k = {.mode = mode, .to = to, .at = SMR_SAVED_VALUES, .bytes = bytes};
+    smr_go_over(&copy, &k);
     return k;
 }
 

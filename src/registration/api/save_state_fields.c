@@ -72,11 +72,20 @@ static void keep_schedule(smr_arena *a, smr *s)
                                                     : SMR_FIRST_CLOUD * s->shared.config.basic.iterations));
 }
 
-void smr_keep_fields(smr_arena *a, smr *s)
+static void keep_fields(smr_arena *a, smr *s)
 {
     keep_log(a, &s->log);
     smr_keep_words(a, &s->budget.cut, 1, 1);
     keep_report(a, &s->report, s->shared.n);
     smr_keep_inputs(a, s);
     keep_schedule(a, s); /* last, since its ranges depend on the others */
+}
+
+void smr_go_over(smr *s, smr_keeper *k)
+{
+    smr_arena a = smr_arena_measure();
+    k->calls = &smr_keep_all;
+    k->fields = keep_fields;
+    a.keeper = k;
+    (void)smr_layout(&a, s);
 }

@@ -105,22 +105,15 @@ void smr_note_target(smr_surface_goals *g, uint32_t first, uint32_t last)
     }
 }
 
-/* Returns 0 when there are too few indexes. A cloud needs them. */
-static int has_slots(smr_surface_goals *g, uint32_t structure, const smr_surface *surface)
-{
-    const uint32_t n_slots = smr_target_slots(g->shared);
-    if (n_slots == 0u)
-        return surface == NULL || !smr_is_cloud(surface);
-    return slots_with(g, structure, surface) <= n_slots;
-}
-
 smr_status smr_set_target(smr *s, uint32_t structure, const smr_surface *surface)
 {
     smr_surface_goals *g = &s->forces.surface;
     const uint32_t n_structures = s->shared.n_structures;
     if (structure != SMR_ALL && structure >= n_structures)
         return SMR_E_INPUT;
-    if (!has_slots(g, structure, surface))
+    const uint32_t n_slots = smr_target_slots(g->shared);
+    const int mesh = surface == NULL || !smr_is_cloud(surface); /* needs no slots where none attracts */
+    if (n_slots == 0u ? !mesh : slots_with(g, structure, surface) > n_slots)
         return SMR_E_ARENA;
     const uint32_t first = structure == SMR_ALL ? 0u : structure;
     const uint32_t last = structure == SMR_ALL ? n_structures : structure + 1u;

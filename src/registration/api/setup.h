@@ -61,8 +61,8 @@ enum {
     SMR_SAVED_AT_CONFIG_WORDS
 };
 
-/* save_state_fields.c: goes over what is kept beside slots. */
-void smr_keep_fields(smr_arena *a, smr *s);
+/* save_state_fields.c: goes over all slots and fields, in the keeper's mode. */
+void smr_go_over(smr *s, smr_keeper *k);
 
 /* Saves checksums of the caller's inputs; a restored registration waits for the same inputs. */
 

@@ -15,7 +15,7 @@ struct smr_caller_goals;
  * it. */
 typedef struct smr_caller_calls {
     void (*ask)(struct smr_caller_goals *g, uint32_t task);
-    /* averages the displacement of vertex v, whose goal has this weight, with the caller's; returns the sum of weights */
+    /* averages the displacement of v to its goal, of this weight, with the caller's; returns the sum of both weights */
     float (*blend)(const struct smr_caller_goals *g, uint32_t v, smr_vec *displacement, float weight);
     void (*stand)(struct smr_caller_goals *g); /* called when the current forces are complete */
 } smr_caller_calls;

@@ -44,8 +44,8 @@ typedef struct smr_shape {
     float *x_next; /* [n][3] positions of the current iteration; until it writes them, the positions before x */
     float *normal; /* [n][3] unit normals at x; 0 for vertices without triangles */
     /* written by plasticity, and when a registration starts */
-    float *x_ref;      /* [n][3] reference shape x^r */
-    float *normal_ref; /* [n][3] normals of the reference shape */
+    float *x_ref;                   /* [n][3] reference shape x^r */
+    float *normal_ref;              /* [n][3] normals of the reference shape */
     smr_shape_structure *structure; /* [n_structures] structures of the model */
     /* [n] 1: the vertex belongs to a triangle; 0: no target attracts it, clusters carry it along */
     uint8_t *on_surface;
