@@ -1,4 +1,5 @@
-/* schedule_radius.h: at which cluster radius a registration stands, and what follows from that.
+/* schedule_radius.h: at which cluster radius a registration stands, how its iterations end (convergence.c), and when
+ * the reference shape follows (plasticity.c).
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_SCHEDULE_RADIUS_H
 #define SMR_SCHEDULE_RADIUS_H
