@@ -66,6 +66,7 @@ _SENTENCES = {
     -8: "the progress callback asked to stop",
     -9: "not a log, other version, damaged, or cut off within a record",
     -10: "not a saved registration, other version, damaged, or inconsistent",
+    -11: "a log or a save needs a capability that this build leaves out",
 }
 _E_CONFIG, _E_ARENA, _E_INPUT, _E_STATE = -2, -3, -6, -7
 

@@ -66,7 +66,7 @@ int smr_tracking_legal(const smr *s)
            p->radius_iteration <= s->shared.config.track.iterations + SMR_TRACK_COARSE;
 }
 
-/* a target was set after the schedule's last forces */
+/* Share of the vertices with a target that have a goal, in the last complete forces. */
 static float share_found(const smr *s)
 {
     const smr_force_totals *t = &s->forces.totals;
@@ -77,7 +77,7 @@ void smr_tracking_start(smr *s)
 {
     s->schedule.tracking = s->schedule.settled = 1;
     s->schedule.jumped = s->schedule.recovering = 0;
-    /* Factor on forces at coarser radii: vertices without a goal hold large clusters back. */
+    /* a target was set after the schedule's last forces */
     s->schedule.changed = s->forces.unmeasured ? SMR_CHANGED : 0u;
     s->schedule.found = share_found(s);
     s->schedule.image_age = SMR_IMAGE_CURRENT;
@@ -95,8 +95,7 @@ void smr_tracking_end(smr *s)
     s->schedule.found = 0.0f;
 }
 
-/* Progress of the search in an image: distances start as at the schedule's start and fall over the first half of the
- * iterations. At coarser radii they stay. */
+/* Factor on forces at coarser radii: vertices without a goal hold large clusters back. */
 static float gain_of(const smr *s)
 {
     const smr_force_totals *t = &s->forces.totals;
@@ -105,7 +104,8 @@ static float gain_of(const smr *s)
     return smr_min((float)t->n_with_target / (float)t->n_forces, SMR_TRACK_GAIN);
 }
 
-/* Moves structures on for new targets. Distance bounds of contact become unknown. */
+/* Progress of the search in an image: distances start as at the schedule's start and fall over the first half of the
+ * iterations. At coarser radii they stay. */
 float smr_tracking_progress(const smr *s)
 {
     const float narrowing = SMR_TRACK_NARROWING * (float)s->shared.config.track.iterations;
@@ -114,8 +114,7 @@ float smr_tracking_progress(const smr *s)
     return smr_min((float)s->schedule.radius_iteration / smr_max(narrowing, 1.0f), 1.0f);
 }
 
-/* Share of the vertices with a target that have a goal without the image. What the image showed counts as found, but
- * not where it completed a partial view. */
+/* Moves structures on for new targets. Distance bounds of contact become unknown. */
 static void predict(smr *s)
 {
     if (s->shape.track_pose_last != NULL && !s->shape.track_rest->predicted)
@@ -123,8 +122,8 @@ static void predict(smr *s)
     smr_track_rest_predict(&s->shape, !s->schedule.jumped && !s->schedule.recovering);
 }
 
-/* Updates the age of the image. It becomes outdated when other targets change after it was used, and stays so until
- * the next image. */
+/* Share of the vertices with a target that have a goal without the image. What the image showed counts as found, but
+ * not where it completed a partial view. */
 static float share_without_image(const smr *s)
 {
     const smr_surface_goals *g = &s->forces.surface;
@@ -137,7 +136,8 @@ static float share_without_image(const smr *s)
     return n_with_target > 0u ? smr_min((float)n_found / (float)n_with_target, 1.0f) : 0.0f;
 }
 
-/* Continues the search in the image when only acting inputs, or a cloud's number of points, have changed. */
+/* Updates the age of the image. It becomes outdated when other targets change after it was used, and stays so until
+ * the next image. */
 static void note_age(smr *s)
 {
     const int others = s->forces.surface.n_goals > 0u || s->forces.landmarks.n > 0u;
@@ -151,7 +151,7 @@ static void note_age(smr *s)
     }
 }
 
-/* Largest mean distance of goals that the model can follow, mm. In an image no goal is farther than the search. */
+/* Continues the search in the image when only acting inputs, or a cloud's number of points, have changed. */
 static void resume_image_search(smr *s)
 {
     const float narrow = SMR_TRACK_NARROWING * (float)s->shared.config.track.iterations;
@@ -185,8 +185,7 @@ void smr_tracking_begin(smr *s)
     s->schedule.radius_iteration = 0;
 }
 
-/* In the first iteration with new targets: decides whether they have jumped. When a partial view jumps, the
- * remaining goals are nearer, so fewer goals count, too. */
+/* Largest mean distance of goals that the model can follow, mm. In an image no goal is farther than the search. */
 static float reach_mm(const smr *s)
 {
     const float configured = s->shared.config.track.jump_mm, reach = s->schedule.lists.radius / SMR_TRACK_REACH;
@@ -195,7 +194,8 @@ static float reach_mm(const smr *s)
     return s->forces.image.has_image ? smr_max(reach, SMR_TRACK_SOUGHT * s->schedule.profile_mm) : reach;
 }
 
-/* Chooses the next radius, from coarse to fine, while targets have goals. */
+/* In the first iteration with new targets: decides whether they have jumped. When a partial view jumps, the
+ * remaining goals are nearer, so fewer goals count, too. */
 void smr_tracking_find_jump(smr *s)
 {
     const float mean = s->forces.totals.mean, reach = reach_mm(s);
@@ -206,7 +206,7 @@ void smr_tracking_find_jump(smr *s)
     s->schedule.jumped = s->forces.totals.n_forces == 0u || mean > (fewer ? 0.5f * reach : reach);
 }
 
-/* Coarse to fine, once more, as long as targets have goals. */
+/* Chooses the next radius after a jump, from coarse to fine, while targets have goals. */
 static void recover(smr *s)
 {
     const uint32_t at = s->schedule.radius, to = smr_radius_after(s), first = s->shared.config.schedule.radius_first;

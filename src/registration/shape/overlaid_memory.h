@@ -9,13 +9,13 @@
  *                   reference records -> their sums                           moments of x^r
  *                   records of displacements -> their sums                    displacements, fixed point
  *                   records of transforms -> their sums                       transforms, fixed point
- *                   tangent evening -> evolve                                 rings: neighbours' displacements
+ *                   tangential smoothing -> evolve                            rings: neighbours' displacements
  *                   fold repair or fold limit                                 rings: neighbours' displacements or steps
- *   sum             unseen field -> forces                                    controls, factor and coefficients
+ *   sum             field of occluded vertices -> forces                      controls, factor and coefficients
  *                   reference records -> average                              sums over clusters
  *   sum, words 12+  evolve -> end of the iteration                            next normals (cluster_sums.h)
  *   tally           within each step and its end                              what a task leaves for the step's end;
- *                   fold find -> fold limit, repair and open                  counts of folds in each chunk of hinges
+ *                   fold find -> fold limit, repair and open                  counts of folds in each chunk of edges
  *   x_next          end of the iteration -> evolve                            the positions before x (deformed_shape.h)
  *                   evolve -> end of the iteration                            the positions under way
  * SPDX-License-Identifier: MIT */
