@@ -119,7 +119,7 @@ smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **mo
 enum { SMR_METHOD_RIGID = 0, SMR_METHOD_POLAR = 1 };
 
 /* config.basic: what most registrations set. Each comment of a setting starts with unit, range and default. Where two
- * defaults stand, the second is that of smr_config_default_image(). docs/SETTINGS.md has all settings as a page. */
+ * defaults stand, the second is that of smr_config_default_image(). build/SETTINGS.md has all settings as a page. */
 typedef struct smr_basic_config {
     uint32_t n_workers; /* threads, [1, 64], default 1. Memory is laid out for so many; the port has at most so many */
     /* vertices, [0, 4000000], default 0. Room for the vertices of all target surfaces set at one time, together, and
