@@ -92,8 +92,8 @@ smr_vec smr_surface_goal_again(const smr_surface_goals *g, uint32_t v);
 smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displacement);
 
 /* correspondence_rejection.c: 1 where no goal counts: outside the box (p: mm in the caller's coordinates); beyond the
- * outlier limit (distance2: mm^2); on an open border of the target. Then the limit of the next iteration, mm: mean and k
- * standard deviations of this iteration's distances to goals; 0: none. */
+ * outlier limit (distance2: mm^2); on an open border of the target. Then the limit of the next iteration, mm: mean and
+ * k standard deviations of this iteration's distances to goals; 0: none. */
 int smr_reject_outside(const smr_config *c, smr_vec p);
 int smr_reject_distance(const smr_surface_goals *g, float distance2);
 int smr_reject_border(const smr_surface_goals *g, const smr_surface *target, const smr_hit *hit);
