@@ -117,7 +117,7 @@ float smr_tracking_progress(const smr *s)
 /* Moves structures on for new targets. Distance bounds of contact become unknown. */
 static void predict(smr *s)
 {
-    if (s->shape.track_pose_last != NULL && !s->shape.track_rest->predicted)
+    if (SMR_HAS_CONTACT && s->shape.track_pose_last != NULL && !s->shape.track_rest->predicted)
         smr_contact_reset(&s->forces.contact);
     smr_track_rest_predict(&s->shape, !s->schedule.jumped && !s->schedule.recovering);
 }
@@ -129,7 +129,7 @@ static float share_without_image(const smr *s)
     const smr_surface_goals *g = &s->forces.surface;
     uint32_t n_found = 0;
     for (uint32_t v = 0; v < s->schedule.n_active; v++) {
-        const int part = smr_visibility_always_partial(g, smr_model_owner(s->shared.model, v));
+        const int part = SMR_HAS_PARTIAL && smr_visibility_always_partial(g, smr_model_owner(s->shared.model, v));
         n_found += s->forces.found_last[v] == SMR_FOUND_GOAL && (!part || g->visibility[v] > 0u);
     }
     const uint32_t n_with_target = s->forces.totals.n_with_target;
