@@ -69,8 +69,7 @@ TARGET_SRC  := $(sort $(wildcard tests/target/target_*.c))
 
 TEST_SRC    := $(sort $(wildcard tests/unit/test_*.c tests/property/test_*.c tests/golden/test_*.c))
 HOST_TEST_SRC := $(sort $(wildcard tests/host/test_*.c))
-EXPERIMENT_SRC := $(sort $(wildcard tests/experiments/test_*.c))
-EXPERIMENT_HELPER_SRC := $(filter-out $(EXPERIMENT_SRC) %_tool.c,$(sort $(wildcard tests/experiments/*.c)))
+CASE_SRC    := $(sort $(wildcard tests/experiments/*.c))
 BENCH_SRC   := $(sort $(wildcard tests/bench/bench_*.c))
 # Every other file beside the tests is a helper: those of tests/host are the host's tests' own, all tests may call the
 # others. tests/host/*_tool.c are programs that the scripts there call; two of them are compiled by theirs in another way.
@@ -100,13 +99,13 @@ PROGRAM     := $(if $(HOST_MAIN),$(BUILD)/smr)
 SHARED_OBJ  := $(patsubst %.c,$(BUILD)/pic/%.o,$(CORE_SRC) $(PTHREAD_SRC))
 TESTS       := $(patsubst tests/%.c,$(BUILD)/tests/%,$(TEST_SRC))
 HOST_TESTS  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(HOST_TEST_SRC))
-EXPERIMENTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(EXPERIMENT_SRC))
 HOST_TOOL_SRC := $(addprefix tests/host/,mesh_tool.c volume_tool.c log_tool.c fuzz_tool.c)
 HOST_TOOLS  := $(patsubst tests/%.c,$(BUILD)/tests/%,$(HOST_TOOL_SRC))
+EXPERIMENTS := tests/experiments/experiments.sh
+CASE_TOOL   := $(BUILD)/case_tool
 BENCHES     := $(patsubst tests/%.c,$(BUILD)/tests/%,$(BENCH_SRC))
 ALL_OBJ     := $(CORE_OBJ) $(PTHREAD_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ) $(SUPPORT_OBJ) $(GOLDEN_OBJ) \
-               $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(HOST_HELPER_SRC) $(EXPERIMENT_SRC) \
-               $(EXPERIMENT_HELPER_SRC) $(BENCH_SRC) \
+               $(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(HOST_HELPER_SRC) $(CASE_SRC) $(BENCH_SRC) \
                $(BAREMETAL_SRC) $(TARGET_SRC) fixtures/fixture_write.c \
                tests/golden/replay_run.c tests/docs/settings_page.c $(HOST_TOOL_SRC)) $(SHARED_OBJ) $(PAGE_OBJ)
 
@@ -273,19 +272,15 @@ $(HOST_TOOLS): $(BUILD)/tests/host/%: $(BUILD)/obj/tests/host/%.o $(HOST_LIB) $(
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
-$(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(HOST_LIB)
+$(HOST_TESTS) $(BENCHES): $(HOST_LIB)
 $(HOST_TESTS): $(call obj,$(HOST_HELPER_SRC))
-$(EXPERIMENTS): $(call obj,$(EXPERIMENT_HELPER_SRC))
-$(TESTS) $(HOST_TESTS) $(EXPERIMENTS): private LDLIBS += -lcmocka
-$(TESTS) $(HOST_TESTS) $(EXPERIMENTS) $(BENCHES): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o \
-                                            $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
+$(TESTS) $(HOST_TESTS): private LDLIBS += -lcmocka
+$(TESTS) $(HOST_TESTS) $(BENCHES): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
 # Makes and measures registrations with a known truth; see its usage.
-CASE_TOOL := $(BUILD)/tests/experiments/case_tool
-$(CASE_TOOL): $(call obj,tests/experiments/case_tool.c $(EXPERIMENT_HELPER_SRC)) $(HOST_LIB) $(SUPPORT_LIB) \
-              $(PTHREAD_LIB) $(CORE_LIB)
+$(CASE_TOOL): $(call obj,$(CASE_SRC)) $(HOST_LIB) $(SUPPORT_LIB) $(PTHREAD_LIB) $(CORE_LIB)
 	$(call begin,LINK,$@)
 	$(Q)$(LINK) -lm
 
@@ -319,23 +314,22 @@ demo-bone: $(BUILD)/fixture_write $(PROGRAM)
 
 # CMocka must be there before a test is compiled, so it is an order-only prerequisite.
 cmocka:
-	@$(if $(TEST_SRC)$(HOST_TEST_SRC)$(EXPERIMENT_SRC),sh tests/need_cmocka.sh "$(CC)",:)
+	@$(if $(TEST_SRC)$(HOST_TEST_SRC),sh tests/need_cmocka.sh "$(CC)",:)
 
-$(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(HOST_HELPER_SRC) $(EXPERIMENT_SRC)): | cmocka
+$(call obj,$(TEST_SRC) $(HOST_TEST_SRC) $(HOST_HELPER_SRC)): | cmocka
 
 # What tests/check_layers.sh reads symbols from; it gives a BUILD and CFLAGS of its own.
 layer-objects: $(CORE_OBJ) $(HOST_OBJ) $(HOST_MAIN_OBJ)
 
-programs: all $(TESTS) $(HOST_TESTS) $(HOST_TOOLS) $(EXPERIMENTS) $(BUILD)/fixture_write $(BUILD)/golden $(BUILD)/replay_run \
+programs: all $(TESTS) $(HOST_TESTS) $(HOST_TOOLS) $(CASE_TOOL) $(BUILD)/fixture_write $(BUILD)/golden $(BUILD)/replay_run \
           $(BUILD)/settings_page $(call obj,$(wildcard port/template/*.c))
 
 run_checks = BUILD="$(BUILD)" CC="$(CC)" NM="$(NM)" SMR="$(BUILD)/smr" \
              CFLAGS="$(CFLAGS)" V="$(V)" sh tests/run_checks.sh
 
 # Experiments that take long run in `make experiments` alone, in full.
-CHECK_EXPERIMENTS := $(filter-out %_verdict %_contact %_track %_start,$(EXPERIMENTS))
 check: programs
-	@$(run_checks) $(TESTS) $(HOST_TESTS) $(CHECK_EXPERIMENTS)
+	@$(run_checks) $(EXPERIMENTS) $(TESTS) $(HOST_TESTS)
 
 .PHONY: check-html
 check-html: $(PROGRAM)
@@ -345,12 +339,12 @@ UNIT_TESTS := $(filter $(BUILD)/tests/unit/%,$(TESTS))
 check-quick: all $(UNIT_TESTS) $(BUILD)/golden
 	@$(run_checks) --quick $(UNIT_TESTS)
 
-experiments: all $(EXPERIMENTS)
-	@SMR_EXPERIMENTS=full $(run_checks) --tables $(EXPERIMENTS)
+experiments: all $(CASE_TOOL)
+	@BUILD="$(BUILD)" SMR="$(BUILD)/smr" CFLAGS="$(CFLAGS)" sh $(EXPERIMENTS) full
 
 # Every figure that a document names: docs/RESULTS.md and README's table. The short form leaves out what takes minutes.
 .PHONY: results results-short
-results results-short: all $(BUILD)/fixture_write $(EXPERIMENTS) $(CASE_TOOL) $(BENCHES) $(BUILD)/tests/property/test_properties
+results results-short: all $(BUILD)/fixture_write $(CASE_TOOL) $(BENCHES) $(BUILD)/tests/property/test_properties
 	@BUILD="$(BUILD)" MAKE="$(MAKE)" CC="$(CC)" sh tests/results/results.sh $(if $(findstring short,$@),short,all)
 
 bench: $(BENCHES)

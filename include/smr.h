@@ -119,7 +119,7 @@ smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **mo
 enum { SMR_METHOD_RIGID = 0, SMR_METHOD_POLAR = 1 };
 
 /* config.basic: what most registrations set. Each comment of a setting starts with unit, range and default. Where two
- * defaults stand, the second is that of smr_config_default_image(). docs/SETTINGS.md has all settings as a page. */
+ * defaults stand, the second is that of smr_config_default_image(). build/SETTINGS.md has all settings as a page. */
 typedef struct smr_basic_config {
     uint32_t n_workers; /* threads, [1, 64], default 1. Memory is laid out for so many; the port has at most so many */
     /* vertices, [0, 4000000], default 0. Room for the vertices of all target surfaces set at one time, together, and
@@ -315,7 +315,7 @@ uint32_t smr_self_test(void);
 
 /* What a verdict other than good rests on. */
 #define SMR_REASON_NOTHING_VISIBLE 1u /* no vertex had a goal in the last complete forces, or there were none */
-#define SMR_REASON_LITTLE_VISIBLE 2u  /* visible_share low, or expected_error_mm high for bend_mm or for a part */
+#define SMR_REASON_LITTLE_VISIBLE 2u  /* visible_share low; or expected_error_mm high, beside bend_mm or for a part */
 #define SMR_REASON_EXPECTED 4u        /* expected_error_mm is high */
 #define SMR_REASON_UNCOVERED 8u       /* target_covered is low */
 #define SMR_REASON_NORMALS 16u        /* normals_agree is low */
@@ -666,7 +666,7 @@ smr_status smr_set_points(smr *s, uint32_t structure, const smr_points *points);
 typedef struct smr_landmark {
     uint32_t structure; /* whose point; SMR_ALL (without a vertex): of whichever lies nearest at rest */
     uint32_t vertex; /* in the caller's numbering; SMR_NONE: `rest` says where, and the nearest triangle carries it */
-    float rest[3];   /* mm, in the model's rest shape, on a surface or off it; not looked at with a vertex */
+    float rest[3];   /* mm. Position in the model's rest shape, on a surface or off it; ignored when `vertex` is set */
     float place[3];  /* mm, now */
     float weight;    /* [0.001, 1000]: one over the variance of its place; 1 counts like a visible vertex */
     uint32_t hard;   /* 1: the point ends in its place; weight is not looked at */
@@ -767,7 +767,7 @@ typedef struct smr_structure_volume {
     uint32_t closed;   /* 0: it encloses none, and all else is 0 */
     float rest_mm3;    /* of the rest shape, in the scale of the start (smr_set_volume_ratio()) */
     float asked_mm3;   /* at the end of the steps there; 0 while config.contact.volume is 0 */
-    float present_mm3; /* of the last complete iteration */
+    float present_mm3; /* volume at the positions of the last complete iteration */
     float asked_ratio; /* asked_mm3 over rest_mm3 */
     float ratio;       /* present_mm3 over rest_mm3 */
 } smr_structure_volume;

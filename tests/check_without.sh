@@ -61,6 +61,19 @@ if env -u MAKEFLAGS -u MFLAGS "${MAKE:-make}" -s BUILD="$build" amalgamation; th
     done
 fi
 
+# CMake's options.
+if full && have cmake; then
+    root=$(pwd)
+    mkdir "$tmp/cmake"
+    printf '%s\n' 'cmake_minimum_required(VERSION 3.13)' 'project(without C)' "add_subdirectory($root/port/cmake smr)" \
+        "add_executable(refusals $root/tests/without/refusals.c)" 'target_link_libraries(refusals smr::smr)' \
+        >"$tmp/cmake/CMakeLists.txt"
+    check 'CMake: configures' cmake -S "$tmp/cmake" -B "$tmp/cmake/build" -DCMAKE_C_COMPILER="$cc" -DSMR_WITHOUT_IMAGE=ON \
+        -DSMR_WITHOUT_TRACK=ON
+    check 'CMake: builds' cmake --build "$tmp/cmake/build" -j "$jobs"
+    check 'CMake: refusals' "$tmp/cmake/build/refusals" check "$tmp/saved" image track
+fi
+
 if [ "${SMR_NO_BOARDS:-0}" = 1 ] || [ -z "${M7_CFLAGS:-}" ] || ! have arm-none-eabi-gcc || ! have qemu-system-arm; then
     skip 'Cortex-M7' 'needs arm-none-eabi-gcc and qemu-system-arm'
 else

@@ -1,4 +1,4 @@
-/* contact_detection.c: two rings that overlap, structures of one model, are parted and kept out of a third one, which is fixed. */
+/* contact.c: two rings that overlap, structures of one model, are parted and kept out of a third one, which is fixed. */
 #include <math.h>
 #include <smr.h>
 #include <stdio.h>

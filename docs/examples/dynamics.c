@@ -1,4 +1,4 @@
-/* dynamics_memory.c: a rod of 200 mm hangs from one end, is thrown sideways, and swings for two seconds; once a tenth of a
+/* dynamics.c: a rod of 200 mm hangs from one end, is thrown sideways, and swings for two seconds; once a tenth of a
  * second it prints where its centre is and its energies.
  * SPDX-License-Identifier: MIT */
 #include <math.h>

@@ -66,6 +66,7 @@ _SENTENCES = {
     -8: "the progress callback asked to stop",
     -9: "not a log, other version, damaged, or cut off within a record",
     -10: "not a saved registration, other version, damaged, or inconsistent",
+    -11: "a log or a save needs a capability that this build leaves out",
 }
 _E_CONFIG, _E_ARENA, _E_INPUT, _E_STATE = -2, -3, -6, -7
 
@@ -699,7 +700,7 @@ class Model:
                 threads: Optional[int] = None, paper: bool = False, **settings: Any) -> "Model":
         """Of {name: (xyz, triangles)}, or of one (xyz, triangles). reference: the image that fits the surfaces, for
         registrations into images. threads None: as many as processors; the model is the same. paper: as the paper has
-        it. settings: PREPARE_SETTINGS, docs/SETTINGS.md."""
+        it. settings: PREPARE_SETTINGS, build/SETTINGS.md."""
         named = structures if isinstance(structures, Mapping) else {"": structures}
         config = (_lib.smr_prepare_config_paper if paper else _lib.smr_prepare_config_default)()
         _apply_settings(config, PREPARE_SETTINGS, settings)
@@ -886,7 +887,7 @@ class Registration:
     """A registration in progress, tick by tick.
 
     target: as in set_target(). threads: 1 by default; None: as many as processors; no result depends on it. paper: as
-    the paper has it. settings: SETTINGS, docs/SETTINGS.md; n_target_vertices follows from target where it is not given,
+    the paper has it. settings: SETTINGS, build/SETTINGS.md; n_target_vertices follows from target where it is not given,
     and the defaults are those for images where target is a Volume."""
 
     def __init__(self, model: Model, target: Targets = None, threads: Optional[int] = 1, paper: bool = False,
@@ -1234,7 +1235,7 @@ def register(model: Model, target: Targets = None, align: Optional[str] = None, 
     these; None with landmarks alone. align: None, "rigid" or "similarity": a start pose from the surfaces. start: a
     pose [3][4] (align_landmarks()), or a Warp (the usual start into an image). landmarks: points of the model that are
     drawn to their places. threads None: as many as processors. ticks: at most so many, None: to the end. budget_ns: of
-    a tick, 0: no clock. progress: called with each report. settings: SETTINGS, docs/SETTINGS.md."""
+    a tick, 0: no clock. progress: called with each report. settings: SETTINGS, build/SETTINGS.md."""
     targets = _as_targets(target)
     if landmarks:
         settings.setdefault("n_landmarks", len(landmarks))

@@ -37,7 +37,7 @@ typedef struct smr_carry_site {
     uint32_t id[SMR_CARRY_NEAR];                  /* numbers of the vertices along the curve */
     float x[3][SMR_CARRY_NEAR];                   /* positions from the centre, mm */
     float noise_variance[SMR_CARRY_NEAR];         /* noise variance on the diagonal; 0 for the nearest vertex */
-    float far[SMR_CARRY_NEAR];                    /* g of the distance to the nearest vertex */
+    float far[SMR_CARRY_NEAR];                    /* g (carry_equations.c) from each to the nearest vertex */
     float part[SMR_CARRY_NEAR];                   /* 1 - far / (1 + rough) */
     float inverse[SMR_CARRY_NEAR];                /* inverse pivots of the factor; 0 for a vertex that adds nothing */
     float lower[SMR_CARRY_NEAR * SMR_CARRY_NEAR]; /* the factor L of L D L^T, row-major; entry 0 is not used */

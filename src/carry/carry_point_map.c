@@ -22,7 +22,7 @@ typedef struct job {
     smr_carry_fact *facts;
 } job;
 
-/* F(p) and its gradient, row-major; p: mm from the centre. */
+/* What the map gives at a point p, mm from the centre: the position F(p), mm, and the gradient dF/dp, row-major. */
 typedef struct value {
     smr_vec at;
     float gradient[9];

@@ -6,8 +6,8 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/prepare_plan.h"
 
-#define SMR_INSIDE 0.99999f  /* times r^2: boxes within it hold only members, whatever the rounding */
-#define SMR_OUTSIDE 1.00001f /* times r^2: boxes beyond it hold none */
+#define SMR_INSIDE 0.99999f  /* times r^2: boxes within it hold only members of the cluster, whatever the rounding */
+#define SMR_OUTSIDE 1.00001f /* times r^2: boxes beyond it hold no member of the cluster */
 
 /* Adds the vertices first .. last-1 to the row. */
 static void set_run(uint64_t *row, uint32_t words, uint32_t first, uint32_t last)

@@ -129,7 +129,7 @@ static uint32_t write_owner(smr_writer *w, const smr_plan *p)
     return (uint32_t)at;
 }
 
-/* Writes the sections with values for each vertex, triangle or hinge. */
+/* Writes the sections with values for each vertex, triangle or dihedral edge. */
 static void write_mesh(smr_plan *p, smr_writer *w, struct smr_model *head)
 {
     head->at_position = write_through(w, p->stored, p->position, p->n);

@@ -31,8 +31,8 @@ smr_ending smr_ending_of(const smr *s, uint32_t radius_iteration);
 
 /* plasticity.c: 1 when x^r = x follows an iteration that ended so, the since_plastic-th since x^r was new. */
 int smr_plastic_due(const smr *s, const smr_ending *e, uint32_t since_plastic);
-int smr_plastic_ahead(const smr *s); /* the same of the iteration that is about to stand */
-void smr_plastic_update(smr *s);     /* x^r = x. Normals follow with smr_plastic_normals, when they stand */
+int smr_plastic_ahead(const smr *s); /* the same of the iteration under way, before it is complete */
+void smr_plastic_update(smr *s);     /* x^r = x. Normals follow with smr_plastic_normals(), once current */
 void smr_plastic_positions(smr_shape *shape);
 void smr_plastic_normals(smr_shape *shape);
 

@@ -23,7 +23,7 @@
 #define SMR_VISIBLE_PART 0.8f /* visible share of the model below which the target is partial */
 #define SMR_STRAIN_MOST 0.25f
 #define SMR_STRAIN_SMOOTH 0.15f /* largest strain without noise of the target */
-#define SMR_STRAIN_NOISE 2.0f   /* strain that noise adds, squared: factor on the residual in mean edge lengths */
+#define SMR_STRAIN_NOISE 2.0f   /* strain that noise adds, in square, over the residual in mean edge lengths */
 #define SMR_STRETCH_MOST 0.045f
 #define SMR_STRETCH_FAILED 0.2f
 #define SMR_VOLUME_MOST 1.25f /* largest change of volume, and its inverse */

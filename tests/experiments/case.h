@@ -4,13 +4,13 @@
 #ifndef CASE_H
 #define CASE_H
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
+#include "landmarks/landmarks.h"
 #include "meshes/triangle_mesh.h"
 #include "unit/oracle.h"
-
-#define CASE_RESAMPLED_MM 0.03 /* resampling moves the surface by less in the mean */
 
 enum { CASE_BODIES = 32, CASE_TEXT = 1024 };
 
@@ -31,23 +31,18 @@ typedef struct case_options {
     double side_deg;            /* degrees */
     double deform_mm, sigma_mm; /* mean displacement over the surface, and of the Gaussians */
     double shift_mm, turn_deg;  /* how far the model starts from the target */
-    double noise_mm;            /* standard deviation */
-    int noise_isotropic;        /* 1: along all axes; 0: along the normals */
+    double noise_mm;            /* standard deviation along the normals */
     double outliers;            /* share of the target's vertices that belong to stray triangles */
-    int spikes;                 /* 1: outliers are displaced vertices of the surface instead */
-    double outlier_mm;          /* they lie within this distance of the surface */
-    int density;                /* as in case_resample; -1: the least that keeps the surface where it is */
 } case_options;
 
 /* One structure. All meshes are owned. */
 typedef struct case_body {
     char name[64];
     host_mesh model;     /* as it starts */
-    host_mesh truth;     /* the same triangles, where the vertices belong */
+    host_mesh truth;     /* the same triangles, where the vertices belong; no vertices: unknown */
     host_mesh whole;     /* the whole true surface */
-    host_mesh target;    /* what the registration is given */
-    unsigned char *seen; /* [model.n_vertices]: the true place lies on the visible part; owned */
-    double resampling;   /* mm: mean distance between the target's surface, before it is cut or spoiled, and `whole` */
+    host_mesh target;    /* what the registration is given; no vertices: an image is the target */
+    unsigned char *seen; /* [model.n_vertices]: the true place lies on the visible part; owned, NULL: unknown */
 } case_body;
 
 typedef struct case_data {
@@ -58,79 +53,155 @@ typedef struct case_data {
 
 /* How far a result is from the truth, mm. A direction's distance is a mean over area. */
 typedef struct case_figures {
-    double surface;      /* the larger of both directions */
-    double to, from;     /* from the result to the true surface and back */
-    double farthest;     /* the largest of both */
-    double worst;        /* the largest `surface` of one structure */
-    double vertex;       /* mean distance of the vertices to their true places */
-    double seen, unseen; /* the same where the target has the place, and where not; -1: no such vertex */
-    double share;        /* of vertices that the target has the place of */
+    double to, from; /* from the result to the true surface and back */
+    double surface;  /* the larger of both */
+    double vertex;   /* mean distance of the vertices to their true places; -1: no such vertex */
+    double unseen;   /* the same where the target has not the place */
 } case_figures;
 
-case_options case_defaults(void);
+static inline double case_dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static inline double case_length(const double *a) { return sqrt(case_dot(a, a)); }
 
-/* Reads a surface as another body of the case: its model, nothing else yet. 0 when it cannot be read. */
-int case_add(case_data *data, const char *path, int mirror);
+/* Vertex i in double precision, and back. */
+static inline void case_get(const host_mesh *mesh, uint32_t i, double p[3])
+{
+    for (uint32_t c = 0; c < 3u; c++)
+        p[c] = (double)mesh->xyz[3u * (size_t)i + c];
+}
+static inline void case_put(host_mesh *mesh, uint32_t i, const double p[3])
+{
+    for (uint32_t c = 0; c < 3u; c++)
+        mesh->xyz[3u * (size_t)i + c] = (float)p[c];
+}
+static inline double case_apart(const double *a, const double *b)
+{
+    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return case_length(d);
+}
+static inline double case_radians(double degrees) { return degrees * acos(-1.0) / 180.0; }
 
-/* Makes target and truth from the models, and moves the models to their start. */
-void case_make(case_data *data, const case_options *options);
+/* ---- case_mesh.c: memory and files, of which one that fails ends the program; meshes */
 
-/* DIR/model, truth, whole, target: NAME.ply each, and DIR/seen/NAME.txt. 0 when a file cannot be written or read. */
-int case_write(const case_data *data, const char *directory);
-int case_read(case_data *data, const char *directory);
-void case_free(case_data *data);
-
-/* The figures of positions in the order of the models' vertices: xyz[body] has [n_vertices][3]. */
-case_figures case_measure(const case_data *data, const float *const *xyz);
-case_figures case_measure_start(const case_data *data);
-
-/* Of DIR/NAME.ply, or of a file where the case has one body. 0 when it cannot be read or has other vertices. */
-int case_measure_files(const case_data *data, const char *result, case_figures *figures);
-
-/* Area means of the distance from one surface to another, mm: centroids weigh 27/60 of a triangle, midpoints of edges
- * 8/60 and corners 3/60 each, exact for cubics. max may be NULL. */
-double case_surface_mean(const host_mesh *from, const host_mesh *to, double *max, double *area);
-
-/* ---- pieces that the rest is made of */
-
-/* Memory that is there: the program ends when it is not. */
 void *case_alloc(size_t n, size_t size);
+/* A text as printf() would print it; it stays until the program ends. */
+char *case_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
+_Noreturn void case_fail(const char *what);
+void case_directory(const char *path);
+host_mesh case_load(const char *path, int mirror);
+void case_save(const host_mesh *mesh, const char *path);
 
-double case_normal_random(oracle_random *r); /* mean 0, deviation 1 */
-void case_direction(oracle_random *r, double out[3]);
+/* Adds a body whose name is the file's. */
+case_body *case_add(case_data *data, const char *path, int mirror);
 
 /* A triangle's normal times twice its area. */
-void case_triangle_normal(const host_mesh *mesh, uint32_t triangle, double out[3]);
-double case_area(const host_mesh *mesh);
+void case_normal(const host_mesh *mesh, uint32_t triangle, double out[3]);
 void case_centre(const host_mesh *mesh, uint32_t triangle, double out[3]);
-
+double case_area(const host_mesh *mesh);
 /* Unit normals of vertices: [n_vertices][3]; owned by the caller. */
 double *case_vertex_normals(const host_mesh *mesh);
 
-host_mesh case_copy(const host_mesh *mesh);
-
-/* The triangles for which keep is not 0, and the vertices that they use. */
-host_mesh case_cut(const host_mesh *mesh, const unsigned char *keep);
-
-/* Every triangle in four, at the midpoints of its edges. */
-host_mesh case_subdivide(const host_mesh *mesh);
-
 host_mesh case_new_mesh(uint32_t n_vertices, uint32_t n_triangles);
+host_mesh case_copy(const host_mesh *mesh);
+/* Keeps the triangles for which keep is not 0, and the vertices that they use; frees keep. */
+void case_cut(host_mesh *mesh, unsigned char *keep);
+/* Keeps triangles whose middles have z within low..high mm, or within those shares of the mesh's height. */
+void case_keep_height(host_mesh *mesh, double low, double high);
+void case_keep_shares(host_mesh *mesh, double from, double to);
+double case_height(const host_mesh *mesh, double *low);
+/* The mean of the vertices. */
+void case_middle(const host_mesh *mesh, double out[3]);
+/* x := m (x - about) + to. */
+void case_apply(host_mesh *mesh, const double m[9], const double about[3], const double to[3]);
 
 /* The number of the edge from each corner to the next, edge[3 * n_triangles]. Returns how many edges there are. */
 uint32_t case_number_edges(const host_mesh *mesh, uint32_t *edge);
+/* Every triangle in four, at the midpoints of its edges. With random numbers: at other points of the edges, and each
+ * vertex moves within one of its triangles, so that the same surface has other vertices. */
+host_mesh case_subdivide(const host_mesh *mesh, oracle_random *r);
+/* The directions of the largest, middle and smallest spread over the vertices of all bodies' truths, as rows. */
+void case_axes(const case_data *data, double axes[9]);
 
-/* The same surface by other vertices, at random: one in each triangle, and `density` (0, 1, 2) on each edge. Where a
- * vertex was, a polygon of the new ones around it closes the surface. Vertices on a border leave a gap. */
-host_mesh case_resample(const host_mesh *mesh, int density, oracle_random *r);
+/* ---- case_make.c: deformation, visible part, spoiling, start */
 
-/* The directions of the largest, middle and smallest spread over the vertices of all n meshes, as rows. */
-void case_axes(const host_mesh *const *mesh, uint32_t n, double axes[9]);
+case_options case_defaults(void);
+/* Makes target and truth from the models, and moves the models to their start. */
+void case_make(case_data *data, const case_options *options);
+/* Deforms the models alone, so that the largest displacement is deform_mm, and moves them to their start. */
+void case_displace(case_data *data, const case_options *options);
+double case_random_normal(oracle_random *r); /* mean 0, deviation 1 */
+void case_direction(oracle_random *r, double out[3]);
+/* Keeps the triangles whose normals lie within an angle of the direction. */
+void case_keep_facing(host_mesh *mesh, const double direction[3], double degrees);
 
-/* Which triangles of a whole target are visible: [n_triangles]; owned by the caller. */
-unsigned char *case_visible(const host_mesh *mesh, const case_options *options, const double axes[9]);
+/* ---- case_measure.c: a case as a directory, and how far a result is from its truth */
 
-/* Noise and outliers, from the options. */
-void case_spoil(host_mesh *mesh, const host_mesh *whole, const case_options *options, oracle_random *r);
+/* DIR/model, truth, whole, target: NAME.ply each; DIR/names.txt: names, and a digit for each vertex, 0: not seen. */
+void case_write(const case_data *data, const char *directory);
+void case_read(case_data *data, const char *directory);
+/* Of positions xyz[body], [n_vertices][3]; NULL: of the models, and use[body] masks vertices whose triangles count. */
+case_figures case_measure(const case_data *data, const float *const *xyz);
+/* Area mean of the distance from one surface to another, mm. area may be NULL; use: NULL, or [n_vertices], 0 for
+ * vertices whose triangles do not count. */
+double case_surface_mean(const host_mesh *from, const host_mesh *to, const unsigned char *use, double *area);
+/* Prints "name value" lines of a result: DIR of NAME.ply. */
+void case_tell(const case_data *data, const char *result);
+
+/* ---- case_kinds.c, case_images.c: the runs that verdicts are judged by */
+
+typedef struct case_picture case_picture;
+
+/* A run that is to be made. */
+typedef struct case_job {
+    const char *bone; /* its name */
+    const char *directory;
+    case_picture *image; /* NULL when the target is a surface */
+    case_data data;      /* without targets for an image */
+    const char *words;   /* of smr register */
+} case_job;
+
+/* A kind of run. 0 stands for a field's default, a negative number for 0. */
+typedef struct case_kind {
+    const char *name;
+    int weight; /* how often it comes */
+    int part, patches;
+    double share[2]; /* between which the visible share lies */
+    double shift, turn, noise, outliers, deform, sigma;
+    int (*change)(case_job *job, oracle_random *r); /* spoils it; 1: there still is a truth, 0: no result is right */
+    const char *words;
+} case_kind;
+
+extern const case_kind case_image_kinds[]; /* ends with a NULL name */
+/* Makes the image run; 1 when there is a truth. A patient's files, computed once, lie in the directory's parent. */
+int case_image_make(case_job *job, const case_kind *kind, oracle_random *r);
+/* Prints what the run of a seed is and the words of its smr register; its files go to the directory. A name overrides
+ * the kind that the seed gives. */
+void case_job_make(uint32_t seed, const char *name, const char *data, const char *directory);
+
+/* ---- case_points.c: registrations by the library itself, for what the command line cannot do */
+
+typedef struct case_runner {
+    void *scratch, *prepared, *arena; /* owned */
+    const smr_model *model;
+    smr *s;
+} case_runner;
+
+/* Prepares the bodies' models and begins a registration. reference: NULL, or the image that fits them. */
+void case_runner_open(case_runner *runner, const case_data *data, const smr_volume *reference,
+                      const smr_config *config);
+void case_runner_free(case_runner *runner);
+void case_check(smr_status status); /* ends the program unless SMR_OK */
+/* n points evenly over a mesh' area, with isotropic noise; normal: of the triangles. Both [n][3]. */
+void case_sample(const host_mesh *mesh, uint32_t n, double noise_mm, uint32_t seed, float *xyz, float *normal);
+
+/* ---- case_marks.c and others: commands of case_tool */
+
+void case_write_marks(const host_landmarks *marks, const char *path); /* as CSV, LPS */
+void case_read_marks(const char *path, host_landmarks *marks);
+void case_feed(char **word);
+void case_follow(char **word);
+void case_displaced(char **word);
+void case_click(char **word);
+void case_spread(char **word);
+void case_depths(char **word);
 
 #endif

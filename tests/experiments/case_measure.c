@@ -1,118 +1,112 @@
-/* case_measure.c: how far a result is from a case's truth.
+/* case_measure.c: a case as a directory of files; how far a result is from its truth, and what it said of that.
  * SPDX-License-Identifier: MIT */
 #include "case.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
+#include "files/file_read.h"
 #include "measure/surface_distances.h"
 
-/* The seven places of the quadrature: weights of the corners in units of a sixth, and 60 times the place's weight. */
-static const unsigned char places[7][4] = {{2, 2, 2, 27}, {3, 3, 0, 8}, {0, 3, 3, 8}, {3, 0, 3, 8},
-                                           {6, 0, 0, 3},  {0, 6, 0, 3}, {0, 0, 6, 3}};
+static const char *const folders[] = {"model", "truth", "whole", "target"};
 
-static double distance_to(const smr_surface *surface, const float p[3])
+static host_mesh *mesh_of(case_body *body, int folder)
 {
-    smr_closest hit;
-    if (smr_surface_closest(surface, p, NULL, -2.0f, 4.0f * SMR_COORD_MAX, &hit) != SMR_OK || hit.triangle == SMR_NONE)
-        return HUGE_VAL;
-    return (double)hit.distance;
+    host_mesh *const all[] = {&body->model, &body->truth, &body->whole, &body->target};
+    return all[folder];
 }
 
-/* The distances' sum by weight of one triangle; corners' distances are known. */
-static double over_triangle(const smr_surface *surface, const host_mesh *mesh, uint32_t t, const float *at_vertex,
-                            double *max)
+void case_write(const case_data *data, const char *directory)
 {
-    const uint32_t *const v = mesh->triangles + 3u * (size_t)t;
-    double sum = 0.0;
-    int k = 0, c = 0;
-    for (k = 0; k < 4; k++) {
-        float p[3];
-        double d = 0.0;
-        for (c = 0; c < 3; c++)
-            p[c] = ((float)places[k][0] * mesh->xyz[3u * (size_t)v[0] + (size_t)c] +
-                    (float)places[k][1] * mesh->xyz[3u * (size_t)v[1] + (size_t)c] +
-                    (float)places[k][2] * mesh->xyz[3u * (size_t)v[2] + (size_t)c]) /
-                   6.0f;
-        d = distance_to(surface, p);
-        sum += places[k][3] / 60.0 * d;
-        *max = fmax(*max, d);
+    case_directory(directory);
+    FILE *const names = fopen(case_text("%s/names.txt", directory), "w");
+    for (uint32_t i = 0; names != NULL && i < data->n; i++) {
+        case_body body = data->body[i];
+        for (int k = 0; k < 4; k++) {
+            case_directory(case_text("%s/%s", directory, folders[k]));
+            if (mesh_of(&body, k)->n_vertices > 0)
+                case_save(mesh_of(&body, k), case_text("%s/%s/%s.ply", directory, folders[k], body.name));
+        }
+        (void)fprintf(names, "%s ", body.name);
+        for (uint32_t v = 0; body.seen != NULL && v < body.model.n_vertices; v++)
+            (void)fputc('0' + body.seen[v], names);
+        (void)fputc('\n', names);
     }
-    for (k = 0; k < 3; k++)
-        sum += 3.0 / 60.0 * (double)at_vertex[v[k]];
-    return sum;
+    if (names == NULL || fclose(names) != 0)
+        case_fail(directory);
 }
 
-double case_surface_mean(const host_mesh *from, const host_mesh *to, double *max, double *area)
+void case_read(case_data *data, const char *directory)
+{
+    char name[64];
+    FILE *const names = fopen(case_text("%s/names.txt", directory), "r");
+    while (names != NULL && fscanf(names, "%63s ", name) == 1) {
+        case_body *const body = case_add(data, case_text("%s/model/%s.ply", directory, name), HOST_MIRROR_NONE);
+        for (int k = 1; k < 4; k++) {
+            const char *const path = case_text("%s/%s/%s.ply", directory, folders[k], name);
+            FILE *const there = fopen(path, "rb");
+            if (there != NULL && fclose(there) == 0)
+                *mesh_of(body, k) = case_load(path, HOST_MIRROR_NONE);
+        }
+        body->seen = case_alloc(body->model.n_vertices, 1);
+        for (uint32_t v = 0; v < body->model.n_vertices; v++)
+            body->seen[v] = fgetc(names) != '0';
+    }
+    if (names == NULL || fclose(names) != 0 || data->n == 0)
+        case_fail(directory);
+}
+
+/* ---- distances */
+
+double case_surface_mean(const host_mesh *from, const host_mesh *to, const unsigned char *use, double *area)
 {
     const smr_mesh view = host_mesh_view(to);
-    float *const at_vertex = case_alloc(from->n_vertices, sizeof *at_vertex);
+    const smr_port one_thread = {0};
     void *memory = NULL;
-    const smr_surface *const surface = host_surface_make(&view, &memory);
-    double sum = 0.0, all = 0.0, most = 0.0;
-    uint32_t i = 0;
-    for (i = 0; surface != NULL && i < from->n_vertices; i++) {
-        at_vertex[i] = (float)distance_to(surface, from->xyz + 3u * (size_t)i);
-        most = fmax(most, (double)at_vertex[i]);
-    }
-    for (i = 0; surface != NULL && i < from->n_triangles; i++) {
-        double n[3], a = 0.0;
-        case_triangle_normal(from, i, n);
-        a = 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        sum += a * over_triangle(surface, from, i, at_vertex, &most);
-        all += a;
-    }
-    free(at_vertex);
+    host_query query = {.surface = host_surface_make(&view, &memory), .mesh = host_mesh_view(from)};
+    host_stats stats;
+    if (query.surface == NULL || host_distances(&one_thread, &query, 1) != 0 ||
+        host_area_stats(&query, 1, &use, &stats) != 0)
+        case_fail("out of memory");
+    host_queries_free(&query, 1);
     free(memory);
-    if (max != NULL)
-        *max = fmax(*max, most);
     if (area != NULL)
-        *area = all;
-    return surface != NULL && all > 0.0 ? sum / all : HUGE_VAL;
+        *area = stats.weight;
+    return stats.n > 0 ? stats.mean : HUGE_VAL;
 }
 
-/* Sums of distances to the true places: [0] of all vertices, [1] of those not seen. */
-static void add_vertices(const case_body *body, const float *xyz, double sum[2], double count[2])
+/* Sums and counts of distances to the true places: of all vertices, and of those that are not seen. */
+static void add_vertices(const case_body *body, const host_mesh *result, double sum[2], double count[2])
 {
-    uint32_t i = 0;
-    int c = 0;
-    for (i = 0; i < body->model.n_vertices; i++) {
-        double d = 0.0;
-        for (c = 0; c < 3; c++) {
-            const double x =
-                (double)xyz[3u * (size_t)i + (size_t)c] - (double)body->truth.xyz[3u * (size_t)i + (size_t)c];
-            d += x * x;
+    for (uint32_t i = 0; i < body->truth.n_vertices; i++) {
+        double p[3], q[3];
+        case_get(result, i, p);
+        case_get(&body->truth, i, q);
+        for (int k = 0; k < (body->seen != NULL && !body->seen[i] ? 2 : 1); k++) {
+            sum[k] += case_apart(p, q);
+            count[k] += 1.0;
         }
-        sum[0] += sqrt(d);
-        count[0] += 1.0;
-        sum[1] += body->seen[i] ? 0.0 : sqrt(d);
-        count[1] += body->seen[i] ? 0.0 : 1.0;
     }
 }
 
 case_figures case_measure(const case_data *data, const float *const *xyz)
 {
-    case_figures f;
+    case_figures f = {0};
     double sum[2] = {0.0, 0.0}, count[2] = {0.0, 0.0}, area[2] = {0.0, 0.0};
-    uint32_t i = 0;
-    memset(&f, 0, sizeof f);
-    for (i = 0; i < data->n; i++) {
+    for (uint32_t i = 0; i < data->n; i++) {
         const case_body *const body = &data->body[i];
-        double a = 0.0, to = 0.0, from = 0.0;
+        double a = 0.0;
         host_mesh result = case_copy(&body->model);
-        memcpy(result.xyz, xyz[i], 3u * (size_t)result.n_vertices * sizeof *result.xyz);
-        to = case_surface_mean(&result, &body->whole, &f.farthest, &a);
+        if (xyz != NULL)
+            memcpy(result.xyz, xyz[i], 3u * (size_t)result.n_vertices * sizeof *result.xyz);
+        const double to = case_surface_mean(&result, &body->whole, NULL, &a);
         f.to += a * to;
         area[0] += a;
-        from = case_surface_mean(&body->whole, &result, &f.farthest, &a);
+        const double from = case_surface_mean(&body->whole, &result, NULL, &a);
         f.from += a * from;
         area[1] += a;
-        f.worst = fmax(f.worst, fmax(to, from));
-        if (body->truth.n_vertices > 0)
-            add_vertices(body, xyz[i], sum, count);
+        add_vertices(body, &result, sum, count);
         host_mesh_free(&result);
     }
     f.to /= area[0];
@@ -120,45 +114,132 @@ case_figures case_measure(const case_data *data, const float *const *xyz)
     f.surface = fmax(f.to, f.from);
     f.vertex = count[0] > 0.0 ? sum[0] / count[0] : -1.0;
     f.unseen = count[1] > 0.0 ? sum[1] / count[1] : -1.0;
-    f.seen = count[0] > count[1] ? (sum[0] - sum[1]) / (count[0] - count[1]) : -1.0;
-    f.share = count[0] > 0.0 ? 1.0 - count[1] / count[0] : -1.0;
     return f;
 }
 
-case_figures case_measure_start(const case_data *data)
+/* ---- expected errors */
+
+typedef struct ranked {
+    double value;
+    size_t at;
+} ranked;
+
+static int by_value(const void *a, const void *b)
 {
-    const float *xyz[CASE_BODIES];
-    uint32_t i = 0;
-    for (i = 0; i < data->n; i++)
-        xyz[i] = data->body[i].model.xyz;
-    return case_measure(data, xyz);
+    const ranked *const x = a, *const y = b;
+    if (x->value != y->value)
+        return x->value < y->value ? -1 : 1;
+    return (x->at > y->at) - (x->at < y->at);
 }
 
-int case_measure_files(const case_data *data, const char *result, case_figures *figures)
+/* Replaces values by their ranks less the mean rank; equal values share theirs. */
+static void rank(double *value, size_t n)
 {
-    host_mesh mesh[CASE_BODIES];
-    const float *xyz[CASE_BODIES];
-    struct stat found;
-    uint32_t i = 0;
-    int good = stat(result, &found) == 0;
-    memset(mesh, 0, sizeof mesh);
-    for (i = 0; good && i < data->n; i++) {
-        host_error error;
-        char path[CASE_TEXT];
-        memset(&error, 0, sizeof error);
-        if (S_ISDIR(found.st_mode))
-            (void)snprintf(path, sizeof path, "%.900s/%.64s.ply", result, data->body[i].name);
-        else
-            (void)snprintf(path, sizeof path, "%.1000s", result);
-        good = host_mesh_read(path, HOST_MESH_POINTS_TOO, HOST_MIRROR_NONE, &mesh[i], &error) == 0;
-        if (!good)
-            host_error_print(&error);
-        good = good && mesh[i].n_vertices == data->body[i].model.n_vertices;
-        xyz[i] = mesh[i].xyz;
+    ranked *const list = case_alloc(n, sizeof *list);
+    for (size_t i = 0; i < n; i++)
+        list[i] = (ranked){value[i], i};
+    qsort(list, n, sizeof *list, by_value);
+    for (size_t i = 0, k = 0; i < n; i = k) {
+        while (k < n && list[k].value <= list[i].value)
+            k++;
+        for (size_t j = i; j < k; j++)
+            value[list[j].at] = 0.5 * (double)(i + k - 1u) - 0.5 * ((double)n - 1.0);
     }
-    if (good)
-        *figures = case_measure(data, xyz);
-    for (i = 0; i < data->n; i++)
-        host_mesh_free(&mesh[i]);
-    return good;
+    free(list);
+}
+
+/* The property expected_error of a result with --vertex-errors; 0: there is none. */
+static int read_expected(const char *path, uint32_t n, double *value)
+{
+    static const char head[] = "property float z\nproperty uchar seen\nproperty float expected_error\n"
+                               "property float local_volume\n",
+                      end[] = "end_header\n";
+    host_bytes bytes;
+    host_error error = {0};
+    char text[512] = "";
+    if (host_file_read(path, NULL, &bytes, &error) != 0)
+        case_fail(path);
+    memcpy(text, bytes.data, bytes.size < sizeof text ? bytes.size : sizeof text - 1u);
+    const char *const from = strstr(text, head) != NULL ? strstr(text, end) : NULL;
+    for (uint32_t i = 0; from != NULL && i < n; i++) {
+        float one = 0.0f;
+        memcpy(&one, bytes.data + (from - text) + sizeof end - 1u + 21u * (size_t)i + 13u, sizeof one);
+        value[i] = (double)one;
+    }
+    host_file_free(&bytes);
+    return from != NULL;
+}
+
+/* Expected errors against the distances to the true places: rank correlation, mean over mean. */
+static void tell_expected(const case_data *data, const host_mesh *result, const char *directory)
+{
+    size_t n = 0;
+    double mean[2] = {0.0, 0.0}, xy = 0.0, xx = 0.0, yy = 0.0;
+    for (uint32_t i = 0; i < data->n; i++)
+        n += data->body[i].truth.n_vertices;
+    double *const expected = case_alloc(n, sizeof *expected), *const error = case_alloc(n, sizeof *error);
+    n = 0;
+    for (uint32_t i = 0; i < data->n; n += data->body[i++].truth.n_vertices) {
+        const char *path = case_text("%s/%s.ply", directory, data->body[i].name);
+        if (data->body[i].truth.n_vertices == 0 || !read_expected(path, result[i].n_vertices, expected + n))
+            break;
+        for (uint32_t v = 0; v < result[i].n_vertices; v++) {
+            double p[3], q[3];
+            case_get(&result[i], v, p);
+            case_get(&data->body[i].truth, v, q);
+            error[n + v] = case_apart(p, q);
+            mean[0] += expected[n + v];
+            mean[1] += error[n + v];
+        }
+    }
+    rank(expected, n);
+    rank(error, n);
+    for (size_t i = 0; i < n; i++) {
+        xy += expected[i] * error[i];
+        xx += expected[i] * expected[i];
+        yy += error[i] * error[i];
+    }
+    free(expected);
+    free(error);
+    if (mean[1] > 0.0 && xx > 0.0 && yy > 0.0)
+        (void)printf("spearman %.3f\nratio %.3f\n", xy / sqrt(xx * yy), mean[0] / mean[1]);
+}
+
+/* The angle between the first model and its result, degrees. */
+static double turned(const host_mesh *model, const host_mesh *result)
+{
+    double a[9] = {0.0}, rotation[9], singular[3], from[3], to[3], p[3], q[3];
+    case_middle(model, from);
+    case_middle(result, to);
+    for (uint32_t i = 0; i < model->n_vertices; i++) {
+        case_get(model, i, p);
+        case_get(result, i, q);
+        for (int k = 0; k < 9; k++)
+            a[k] += (q[k / 3] - to[k / 3]) * (p[k % 3] - from[k % 3]);
+    }
+    oracle_polar(a, rotation, singular);
+    return acos(fmax(-1.0, fmin(1.0, 0.5 * (rotation[0] + rotation[4] + rotation[8] - 1.0)))) * 180.0 / acos(-1.0);
+}
+
+void case_tell(const case_data *data, const char *directory)
+{
+    host_mesh result[CASE_BODIES];
+    const float *xyz[CASE_BODIES];
+    for (uint32_t i = 0; i < data->n; i++) {
+        const char *path = case_text("%s/%s.ply", directory, data->body[i].name);
+        result[i] = case_load(path, HOST_MIRROR_NONE);
+        xyz[i] = result[i].xyz;
+        if (result[i].n_vertices != data->body[i].model.n_vertices)
+            case_fail(path);
+    }
+    const case_figures f = case_measure(data, xyz);
+    (void)printf("surface %.4f\nvertex %.4f\nto %.4f\nfrom %.4f\nunseen %.4f\nturned %.1f\n", f.surface, f.vertex, f.to,
+                 f.from, f.unseen, turned(&data->body[0].model, &result[0]));
+    if (f.unseen >= 0.0 && data->body[0].whole.n_vertices == data->body[0].truth.n_vertices) /* where it is shown */
+        (void)printf("to_seen %.4f\nfrom_seen %.4f\n",
+                     case_surface_mean(&result[0], &data->body[0].whole, data->body[0].seen, NULL),
+                     case_surface_mean(&data->body[0].whole, &result[0], data->body[0].seen, NULL));
+    tell_expected(data, result, directory);
+    for (uint32_t i = 0; i < data->n; i++)
+        host_mesh_free(&result[i]);
 }

@@ -1,77 +1,127 @@
-/* case_mesh.c: areas, normals, cuts and subdivision of triangle meshes.
+/* case_mesh.c: memory and files; areas, normals, cuts and subdivision of triangle meshes.
  * SPDX-License-Identifier: MIT */
 #include "case.h"
 
-#include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+
+#include "meshes/triangle_mesh.h"
+
+void case_fail(const char *what)
+{
+    (void)fprintf(stderr, "case_tool: %s\n", what);
+    exit(2);
+}
 
 void *case_alloc(size_t n, size_t size)
 {
     void *const memory = calloc(n > 0 ? n : 1u, size);
-    if (memory == NULL) {
-        (void)fputs("case: out of memory\n", stderr);
-        exit(1);
-    }
+    if (memory == NULL)
+        case_fail("out of memory");
     return memory;
 }
 
-static const float *corner(const host_mesh *mesh, uint32_t triangle, int k)
+char *case_text(const char *format, ...)
 {
-    return mesh->xyz + 3u * (size_t)mesh->triangles[3u * (size_t)triangle + (size_t)k];
+    char *const text = case_alloc(4 * CASE_TEXT, 1);
+    va_list list;
+    va_start(list, format);
+    (void)vsnprintf(text, 4 * CASE_TEXT, format, list);
+    va_end(list);
+    return text;
 }
 
-void case_triangle_normal(const host_mesh *mesh, uint32_t triangle, double out[3])
+void case_directory(const char *path)
+{
+    struct stat found;
+    if (mkdir(path, 0700) != 0 && (stat(path, &found) != 0 || !S_ISDIR(found.st_mode)))
+        case_fail(path);
+}
+
+host_mesh case_load(const char *path, int mirror)
+{
+    host_mesh mesh;
+    host_error error = {0};
+    if (host_mesh_read(path, HOST_MESH_POINTS_TOO, mirror, &mesh, &error) != 0) {
+        host_error_print(&error);
+        exit(2);
+    }
+    return mesh;
+}
+
+void case_save(const host_mesh *mesh, const char *path)
+{
+    host_buffer buffer = {0};
+    FILE *const file = fopen(path, "wb");
+    host_mesh_write(mesh, HOST_FORMAT_PLY, &buffer);
+    if (file == NULL || buffer.failed || fwrite(buffer.data, 1, buffer.size, file) != buffer.size || fclose(file) != 0)
+        case_fail(path);
+    host_buffer_free(&buffer);
+}
+
+case_body *case_add(case_data *data, const char *path, int mirror)
+{
+    case_body *const body = &data->body[data->n];
+    const char *const slash = strrchr(path, '/'), *const base = slash != NULL ? slash + 1 : path;
+    const char *const dot = strrchr(base, '.');
+    if (data->n++ >= CASE_BODIES)
+        case_fail("too many structures");
+    body->model = case_load(path, mirror);
+    (void)snprintf(body->name, sizeof body->name, "%.*s", (int)(dot != NULL ? dot - base : 60), base);
+    return body;
+}
+
+static const float *corner(const host_mesh *mesh, uint32_t triangle, uint32_t k)
+{
+    return mesh->xyz + 3u * (size_t)mesh->triangles[3u * (size_t)triangle + k];
+}
+
+void case_normal(const host_mesh *mesh, uint32_t triangle, double out[3])
 {
     const float *const a = corner(mesh, triangle, 0), *const b = corner(mesh, triangle, 1),
                        *const c = corner(mesh, triangle, 2);
     double u[3], v[3];
-    int i = 0;
-    for (i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++) {
         u[i] = (double)b[i] - (double)a[i];
         v[i] = (double)c[i] - (double)a[i];
     }
-    for (i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++)
         out[i] = u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3];
-}
-
-double case_area(const host_mesh *mesh)
-{
-    double sum = 0.0, n[3];
-    uint32_t t = 0;
-    for (t = 0; t < mesh->n_triangles; t++) {
-        case_triangle_normal(mesh, t, n);
-        sum += 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    }
-    return sum;
 }
 
 void case_centre(const host_mesh *mesh, uint32_t triangle, double out[3])
 {
-    int i = 0;
-    for (i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++)
         out[i] = ((double)corner(mesh, triangle, 0)[i] + (double)corner(mesh, triangle, 1)[i] +
                   (double)corner(mesh, triangle, 2)[i]) /
                  3.0;
 }
 
+double case_area(const host_mesh *mesh)
+{
+    double sum = 0.0, n[3];
+    for (uint32_t t = 0; t < mesh->n_triangles; t++) {
+        case_normal(mesh, t, n);
+        sum += 0.5 * case_length(n);
+    }
+    return sum;
+}
+
 double *case_vertex_normals(const host_mesh *mesh)
 {
     double *const normal = case_alloc(3u * (size_t)mesh->n_vertices, sizeof *normal);
-    uint32_t t = 0, i = 0;
-    int k = 0, c = 0;
-    for (t = 0; t < mesh->n_triangles; t++) {
+    for (uint32_t t = 0; t < mesh->n_triangles; t++) {
         double n[3];
-        case_triangle_normal(mesh, t, n);
-        for (k = 0; k < 3; k++)
-            for (c = 0; c < 3; c++)
-                normal[3u * (size_t)mesh->triangles[3u * (size_t)t + (size_t)k] + (size_t)c] += n[c];
+        case_normal(mesh, t, n);
+        for (uint32_t k = 0; k < 9u; k++)
+            normal[3u * (size_t)mesh->triangles[3u * (size_t)t + k / 3u] + k % 3u] += n[k % 3u];
     }
-    for (i = 0; i < mesh->n_vertices; i++) {
-        double *const n = normal + 3u * (size_t)i;
-        const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        for (c = 0; c < 3; c++)
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+        double *const n = normal + 3u * (size_t)i, length = case_length(n);
+        for (int c = 0; c < 3; c++)
             n[c] = length > 0.0 ? n[c] / length : 0.0;
     }
     return normal;
@@ -95,104 +145,147 @@ host_mesh case_copy(const host_mesh *mesh)
     return copy;
 }
 
-host_mesh case_cut(const host_mesh *mesh, const unsigned char *keep)
+void case_cut(host_mesh *mesh, unsigned char *keep)
 {
     host_mesh cut = case_new_mesh(mesh->n_vertices, mesh->n_triangles);
     uint32_t *const number = case_alloc(mesh->n_vertices, sizeof *number);
-    uint32_t t = 0;
-    int k = 0;
     cut.n_vertices = cut.n_triangles = 0;
-    for (t = 0; t < mesh->n_triangles; t++) {
-        for (k = 0; keep[t] && k < 3; k++) {
-            const uint32_t v = mesh->triangles[3u * (size_t)t + (size_t)k];
+    for (uint32_t t = 0; t < mesh->n_triangles; t++) {
+        for (uint32_t k = 0; keep[t] && k < 3u; k++) {
+            const uint32_t v = mesh->triangles[3u * (size_t)t + k];
             if (number[v] == 0) {
                 memcpy(cut.xyz + 3u * (size_t)cut.n_vertices, mesh->xyz + 3u * (size_t)v, 3u * sizeof *cut.xyz);
                 number[v] = ++cut.n_vertices;
             }
-            cut.triangles[3u * (size_t)cut.n_triangles + (size_t)k] = number[v] - 1u;
+            cut.triangles[3u * (size_t)cut.n_triangles + k] = number[v] - 1u;
         }
         cut.n_triangles += keep[t] != 0;
     }
     free(number);
-    return cut;
+    free(keep);
+    host_mesh_free(mesh);
+    *mesh = cut;
 }
 
-typedef struct half_edge {
-    uint32_t low, high, at; /* its vertices, and 3 * triangle + corner */
-} half_edge;
-
-static int by_vertices(const void *a, const void *b)
+void case_keep_height(host_mesh *mesh, double low, double high)
 {
-    const half_edge *const x = a, *const y = b;
-    if (x->low != y->low)
-        return x->low < y->low ? -1 : 1;
-    if (x->high != y->high)
-        return x->high < y->high ? -1 : 1;
-    return (x->at > y->at) - (x->at < y->at);
+    unsigned char *const keep = case_alloc(mesh->n_triangles, 1);
+    for (uint32_t t = 0; t < mesh->n_triangles; t++) {
+        double p[3];
+        case_centre(mesh, t, p);
+        keep[t] = p[2] >= low && p[2] <= high;
+    }
+    case_cut(mesh, keep);
+}
+
+double case_height(const host_mesh *mesh, double *low)
+{
+    double high = -HUGE_VAL, p[3];
+    *low = HUGE_VAL;
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+        case_get(mesh, i, p);
+        *low = fmin(*low, p[2]);
+        high = fmax(high, p[2]);
+    }
+    return high - *low;
+}
+
+void case_keep_shares(host_mesh *mesh, double from, double to)
+{
+    double low = 0.0;
+    const double height = case_height(mesh, &low);
+    case_keep_height(mesh, low + from * height, low + to * height);
+}
+
+void case_middle(const host_mesh *mesh, double out[3])
+{
+    out[0] = out[1] = out[2] = 0.0;
+    for (uint32_t i = 0; i < 3u * mesh->n_vertices; i++)
+        out[i % 3u] += (double)mesh->xyz[i] / mesh->n_vertices;
+}
+
+void case_apply(host_mesh *mesh, const double m[9], const double about[3], const double to[3])
+{
+    for (uint32_t i = 0; i < mesh->n_vertices; i++) {
+        double d[3], p[3];
+        case_get(mesh, i, d);
+        for (int c = 0; c < 3; c++)
+            d[c] -= about[c];
+        for (int c = 0; c < 3; c++)
+            p[c] = m[3 * c] * d[0] + m[3 * c + 1] * d[1] + m[3 * c + 2] * d[2] + to[c];
+        case_put(mesh, i, p);
+    }
 }
 
 uint32_t case_number_edges(const host_mesh *mesh, uint32_t *edge)
 {
-    const uint32_t n = 3u * mesh->n_triangles;
-    half_edge *const edges = case_alloc(n, sizeof *edges);
-    uint32_t i = 0, count = 0;
-    for (i = 0; i < n; i++) {
-        const uint32_t a = mesh->triangles[i], b = mesh->triangles[i % 3u == 2u ? i - 2u : i + 1u];
-        edges[i].low = a < b ? a : b;
-        edges[i].high = a < b ? b : a;
-        edges[i].at = i;
-    }
-    qsort(edges, n, sizeof *edges, by_vertices);
-    for (i = 0; i < n; i++) {
-        count += i == 0 || edges[i].low != edges[i - 1u].low || edges[i].high != edges[i - 1u].high;
-        edge[edges[i].at] = count - 1u;
-    }
-    free(edges);
+    const smr_mesh view = host_mesh_view(mesh);
+    host_half_edges half;
+    uint32_t count = 0;
+    if (host_half_edges_make(&view, &half) != 0)
+        case_fail("out of memory");
+    for (size_t v = 0; v < mesh->n_vertices; v++)
+        for (size_t i = half.first[v]; i < half.first[v + 1u]; count++)
+            for (const size_t end = host_half_edges_end(&half, v, i); i < end; i++)
+                edge[half.edge[i].side] = count;
+    host_half_edges_free(&half);
     return count;
 }
 
-host_mesh case_subdivide(const host_mesh *mesh)
+host_mesh case_subdivide(const host_mesh *mesh, oracle_random *r)
 {
     uint32_t *const edge = case_alloc(3u * (size_t)mesh->n_triangles, sizeof *edge);
     const uint32_t n = mesh->n_vertices, n_edges = case_number_edges(mesh, edge);
     host_mesh fine = case_new_mesh(n + n_edges, 4u * mesh->n_triangles);
-    uint32_t i = 0, t = 0;
-    int c = 0;
+    double p[3], q[3], x[3];
     memcpy(fine.xyz, mesh->xyz, 3u * (size_t)n * sizeof *fine.xyz);
-    for (i = 0; i < 3u * mesh->n_triangles; i++) {
+    for (uint32_t i = 0; i < 3u * mesh->n_triangles; i++) {
         const uint32_t a = mesh->triangles[i], b = mesh->triangles[i % 3u == 2u ? i - 2u : i + 1u];
-        for (c = 0; c < 3; c++)
-            fine.xyz[3u * (size_t)(n + edge[i]) + (size_t)c] =
-                0.5f * (mesh->xyz[3u * (size_t)a + (size_t)c] + mesh->xyz[3u * (size_t)b + (size_t)c]);
+        const double at = r != NULL && a < b ? oracle_uniform(r, 0.25, 0.75) : 0.5;
+        case_get(mesh, a, p);
+        case_get(mesh, b, q);
+        for (int c = 0; c < 3; c++)
+            x[c] = (1.0 - at) * p[c] + at * q[c];
+        if (a < b || fine.xyz[3u * (size_t)(n + edge[i])] == 0.0f) /* a border has one side */
+            case_put(&fine, n + edge[i], x);
     }
-    for (t = 0; t < mesh->n_triangles; t++) {
+    for (uint32_t t = 0; t < mesh->n_triangles; t++) {
         const uint32_t *const v = mesh->triangles + 3u * (size_t)t, *const e = edge + 3u * (size_t)t;
         const uint32_t four[12] = {v[0], n + e[0], n + e[2], v[1],     n + e[1], n + e[0],
                                    v[2], n + e[2], n + e[1], n + e[0], n + e[1], n + e[2]};
         memcpy(fine.triangles + 12u * (size_t)t, four, sizeof four);
+        for (uint32_t k = 0; r != NULL && k < 3u; k++) { /* the last triangle of a vertex says where that goes */
+            const double one = oracle_uniform(r, 0.05, 0.2), other = oracle_uniform(r, 0.05, 0.2);
+            case_get(mesh, v[k], x);
+            case_get(&fine, four[3u * k + 1u], p);
+            case_get(&fine, four[3u * k + 2u], q);
+            for (int c = 0; c < 3; c++)
+                x[c] = (1.0 - one - other) * x[c] + one * p[c] + other * q[c];
+            case_put(&fine, v[k], x);
+        }
     }
     free(edge);
     return fine;
 }
 
-void case_axes(const host_mesh *const *mesh, uint32_t n, double axes[9])
+void case_axes(const case_data *data, double axes[9])
 {
-    double mean[3] = {0.0, 0.0, 0.0}, spread[9] = {0.0}, value[3], v[9], count = 0.0;
-    uint32_t m = 0, i = 0;
-    int r = 0, c = 0;
-    for (m = 0; m < n; m++)
-        for (i = 0; i < mesh[m]->n_vertices; i++, count += 1.0)
-            for (c = 0; c < 3; c++)
-                mean[c] += (double)mesh[m]->xyz[3u * (size_t)i + (size_t)c];
-    for (m = 0; m < n; m++)
-        for (i = 0; i < mesh[m]->n_vertices; i++)
-            for (r = 0; r < 9; r++)
-                spread[r] += ((double)mesh[m]->xyz[3u * (size_t)i + (size_t)(r / 3)] - mean[r / 3] / count) *
-                             ((double)mesh[m]->xyz[3u * (size_t)i + (size_t)(r % 3)] - mean[r % 3] / count);
+    double mean[3] = {0.0, 0.0, 0.0}, spread[9] = {0.0}, value[3], v[9], p[3], count = 0.0;
+    for (uint32_t m = 0; m < data->n; m++)
+        for (uint32_t i = 0; i < data->body[m].truth.n_vertices; i++, count += 1.0) {
+            case_get(&data->body[m].truth, i, p);
+            for (int c = 0; c < 3; c++)
+                mean[c] += p[c];
+        }
+    for (uint32_t m = 0; m < data->n; m++)
+        for (uint32_t i = 0; i < data->body[m].truth.n_vertices; i++) {
+            case_get(&data->body[m].truth, i, p);
+            for (int r = 0; r < 9; r++)
+                spread[r] += (p[r / 3] - mean[r / 3] / count) * (p[r % 3] - mean[r % 3] / count);
+        }
     oracle_eigen(spread, value, v);
-    for (r = 0; r < 3; r++)
-        for (c = 0; c < 3; c++)
-            axes[3 * r + c] = v[3 * c + r];
-    for (c = 0; axes[2] < 0.0 && c < 3; c++) /* the long axis points up */
+    for (int r = 0; r < 9; r++)
+        axes[r] = v[3 * (r % 3) + r / 3];
+    for (int c = 0; axes[2] < 0.0 && c < 3; c++) /* the long axis points up */
         axes[c] = -axes[c];
 }

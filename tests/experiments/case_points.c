@@ -1,62 +1,81 @@
-/* case_points.c: clouds of points on the visible part of a case, and registrations onto them.
+/* case_points.c: clouds of points on the visible part of a case, and registrations onto them by the library itself,
+ * since the command line cannot give points while it registers.
  * SPDX-License-Identifier: MIT */
-#include "case_points.h"
+#include "case.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/system.h"
 
-typedef struct place {
-    double along;
-    uint32_t index;
-} place;
+void case_check(smr_status status)
+{
+    if (status != SMR_OK)
+        case_fail(smr_status_name(status));
+}
 
-case_cloud case_sample(const host_mesh *mesh, uint32_t n, double noise_mm, uint32_t seed)
+void case_runner_open(case_runner *runner, const case_data *data, const smr_volume *reference, const smr_config *config)
+{
+    smr_structure part[CASE_BODIES];
+    smr_prepare_config prepare = smr_prepare_config_default();
+    size_t scratch = 0, bytes = 0, arena = 0;
+    prepare.reference = reference;
+    for (uint32_t k = 0; k < data->n; k++) {
+        part[k].name = data->body[k].name;
+        part[k].mesh = host_mesh_view(&data->body[k].model);
+    }
+    case_check(smr_prepare_bytes(part, data->n, &prepare, &scratch));
+    runner->scratch = host_alloc(scratch);
+    case_check(smr_prepare(part, data->n, &prepare, runner->scratch, scratch, NULL, 0, &bytes));
+    runner->prepared = host_alloc(bytes);
+    case_check(smr_prepare(part, data->n, &prepare, runner->scratch, scratch, runner->prepared, bytes, &bytes));
+    case_check(smr_model_open(runner->prepared, bytes, &runner->model));
+    case_check(smr_arena_bytes(runner->model, config, &arena));
+    runner->arena = host_alloc(arena);
+    case_check(smr_init(runner->model, config, NULL, runner->arena, arena, &runner->s));
+}
+
+void case_runner_free(case_runner *runner)
+{
+    free(runner->scratch);
+    free(runner->prepared);
+    free(runner->arena);
+}
+
+void case_sample(const host_mesh *mesh, uint32_t n, double noise_mm, uint32_t seed, float *xyz, float *normal)
 {
     oracle_random r = oracle_seed(9000u + seed);
-    double *const below = case_alloc(mesh->n_triangles + 1u, sizeof *below);
-    case_cloud cloud = {case_alloc(3u * (size_t)n, sizeof(float)), case_alloc(3u * (size_t)n, sizeof(float)), n};
-    uint32_t i = 0;
-    int c = 0;
-    for (i = 0; i < mesh->n_triangles; i++) {
-        double normal[3];
-        case_triangle_normal(mesh, i, normal);
-        below[i + 1u] = below[i] + sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    double *const below = case_alloc(mesh->n_triangles + 1u, sizeof *below), area[3], corner[3][3];
+    for (uint32_t i = 0; i < mesh->n_triangles; i++) {
+        case_normal(mesh, i, area);
+        below[i + 1u] = below[i] + case_length(area);
     }
-    for (i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         const double at = oracle_uniform(&r, 0.0, below[mesh->n_triangles]), u = sqrt(oracle_uniform(&r, 0.0, 1.0));
         const double v = oracle_uniform(&r, 0.0, 1.0);
         uint32_t low = 0, high = mesh->n_triangles;
-        double normal[3], length = 0.0;
         while (high - low > 1u)
             if (below[(low + high) / 2u] <= at)
                 low = (low + high) / 2u;
             else
                 high = (low + high) / 2u;
-        case_triangle_normal(mesh, low, normal);
-        length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-        for (c = 0; c < 3; c++) {
-            const uint32_t *const t = mesh->triangles + 3u * (size_t)low;
-            const double p[3] = {(double)mesh->xyz[3u * (size_t)t[0] + (size_t)c],
-                                 (double)mesh->xyz[3u * (size_t)t[1] + (size_t)c],
-                                 (double)mesh->xyz[3u * (size_t)t[2] + (size_t)c]};
-            cloud.xyz[3u * (size_t)i + (size_t)c] =
-                (float)((1.0 - u) * p[0] + u * (1.0 - v) * p[1] + u * v * p[2] + noise_mm * case_normal_random(&r));
-            cloud.normal[3u * (size_t)i + (size_t)c] = length > 0.0 ? (float)(normal[c] / length) : 0.0f;
+        case_normal(mesh, low, area);
+        for (uint32_t k = 0; k < 3u; k++)
+            case_get(mesh, mesh->triangles[3u * (size_t)low + k], corner[k]);
+        for (uint32_t c = 0; c < 3u; c++) {
+            xyz[3u * (size_t)i + c] = (float)((1.0 - u) * corner[0][c] + u * (1.0 - v) * corner[1][c] +
+                                              u * v * corner[2][c] + noise_mm * case_random_normal(&r));
+            normal[3u * (size_t)i + c] = case_length(area) > 0.0 ? (float)(area[c] / case_length(area)) : 0.0f;
         }
     }
     free(below);
-    return cloud;
 }
 
-void case_cloud_free(case_cloud *cloud)
-{
-    free(cloud->xyz);
-    free(cloud->normal);
-}
+typedef struct place {
+    double along;
+    float xyz[3], normal[3];
+} place;
 
 static int by_place(const void *a, const void *b)
 {
@@ -65,128 +84,63 @@ static int by_place(const void *a, const void *b)
 }
 
 /* Sorts the points along the model's long axis, as a hand that moves would give them. */
-static void sweep(case_cloud *cloud, const host_mesh *model)
+static void sweep(const case_data *data, uint32_t n, float *xyz, float *normal)
 {
-    place *const list = case_alloc(cloud->n, sizeof *list);
-    float *const xyz = case_alloc(3u * (size_t)cloud->n, sizeof *xyz);
-    float *const normal = case_alloc(3u * (size_t)cloud->n, sizeof *normal);
+    place *const list = case_alloc(n, sizeof *list);
+    case_data *const one = case_alloc(1, sizeof *one);
     double axes[9];
-    uint32_t i = 0;
-    int c = 0;
-    case_axes(&model, 1, axes);
-    for (i = 0; i < cloud->n; i++) {
-        list[i].index = i;
-        for (c = 0; c < 3; c++)
-            list[i].along += axes[c] * (double)cloud->xyz[3u * (size_t)i + (size_t)c];
+    one->n = 1;
+    one->body[0].truth = data->body[0].model; /* borrowed */
+    case_axes(one, axes);
+    free(one);
+    for (uint32_t i = 0; i < n; i++) {
+        memcpy(list[i].xyz, xyz + 3u * (size_t)i, sizeof list[i].xyz);
+        memcpy(list[i].normal, normal + 3u * (size_t)i, sizeof list[i].normal);
+        for (int c = 0; c < 3; c++)
+            list[i].along += axes[c] * (double)list[i].xyz[c];
     }
-    qsort(list, cloud->n, sizeof *list, by_place);
-    for (i = 0; i < cloud->n; i++) {
-        memcpy(xyz + 3u * (size_t)i, cloud->xyz + 3u * (size_t)list[i].index, 12);
-        memcpy(normal + 3u * (size_t)i, cloud->normal + 3u * (size_t)list[i].index, 12);
+    qsort(list, n, sizeof *list, by_place);
+    for (uint32_t i = 0; i < n; i++) {
+        memcpy(xyz + 3u * (size_t)i, list[i].xyz, sizeof list[i].xyz);
+        memcpy(normal + 3u * (size_t)i, list[i].normal, sizeof list[i].normal);
     }
-    case_cloud_free(cloud);
     free(list);
-    cloud->xyz = xyz;
-    cloud->normal = normal;
 }
 
-/* Everything of a registration in the program's own memory. */
-typedef struct runner {
-    void *scratch, *prepared, *arena, *memory;
-    const smr_model *model;
-    smr_points *points;
-    smr *s;
-} runner;
-
-static smr_status prepare(runner *r, const host_mesh *mesh)
+/* DIR OUT POINTS PER_TICK NORMALS SWEEP SEED: registers the case's body onto points of its target with noise of
+ * 0.3 mm, with the defaults, and writes OUT/NAME.ply. */
+void case_feed(char **word)
 {
-    const smr_structure one = {"bone", host_mesh_view(mesh)};
-    const smr_prepare_config config = smr_prepare_config_default();
-    size_t scratch = 0, bytes = 0;
-    smr_status status = smr_prepare_bytes(&one, 1, &config, &scratch);
-    r->scratch = host_alloc(scratch);
-    if (status == SMR_OK)
-        status = smr_prepare(&one, 1, &config, r->scratch, scratch, NULL, 0, &bytes);
-    r->prepared = host_alloc(bytes);
-    if (status == SMR_OK)
-        status = smr_prepare(&one, 1, &config, r->scratch, scratch, r->prepared, bytes, &bytes);
-    return status == SMR_OK ? smr_model_open(r->prepared, bytes, &r->model) : status;
-}
-
-static smr_status begin(runner *r, const host_mesh *mesh, uint32_t n)
-{
+    case_data *const data = case_alloc(1, sizeof *data);
     smr_config config = smr_config_default();
-    size_t arena = 0, bytes = 0;
-    smr_status status = prepare(r, mesh);
-    config.basic.n_target_vertices = n;
-    if (status == SMR_OK)
-        status = smr_arena_bytes(r->model, &config, &arena);
-    if (status == SMR_OK)
-        status = smr_points_bytes(n, &bytes);
-    r->arena = host_alloc(arena);
-    r->memory = host_alloc(bytes);
-    if (status == SMR_OK)
-        status = smr_points_open(n, r->memory, bytes, &r->points);
-    if (status == SMR_OK)
-        status = smr_init(r->model, &config, NULL, r->arena, arena, &r->s);
-    return status;
-}
-
-/* Ticks to the end; points come before them. */
-static smr_status run(const runner *r, const case_cloud *cloud, const case_feed *feed)
-{
-    const uint32_t step = feed->per_tick > 0u ? feed->per_tick : cloud->n;
+    case_runner run = {0};
     smr_tick_report report = {0};
-    smr_status status = SMR_OK;
-    uint32_t at = 0;
-    while (status == SMR_OK && !report.done) {
-        const uint32_t n = cloud->n - at < step ? cloud->n - at : step;
-        if (n > 0u) {
-            status = smr_points_add(r->points, cloud->xyz + 3u * (size_t)at,
-                                    feed->normals ? cloud->normal + 3u * (size_t)at : NULL, NULL, n);
-            if (status == SMR_OK)
-                status = smr_set_points(r->s, SMR_ALL, r->points);
-            at += n;
+    smr_points *points = NULL;
+    size_t bytes = 0;
+    char *path = NULL;
+    const uint32_t n = (uint32_t)atoi(word[2]), step = atoi(word[3]) > 0 ? (uint32_t)atoi(word[3]) : n;
+    const int normals = atoi(word[4]);
+    float *const xyz = case_alloc(3u * (size_t)n, sizeof *xyz), *const normal = case_alloc(3u * (size_t)n, sizeof *xyz);
+    case_read(data, word[0]);
+    case_sample(&data->body[0].target, n, 0.3, (uint32_t)atoi(word[6]), xyz, normal);
+    if (atoi(word[5]))
+        sweep(data, n, xyz, normal);
+    config.basic.n_target_vertices = n;
+    case_runner_open(&run, data, NULL, &config);
+    case_check(smr_points_bytes(n, &bytes));
+    void *const memory = host_alloc(bytes);
+    case_check(smr_points_open(n, memory, bytes, &points));
+    for (uint32_t at = 0; !report.done; at += step) {
+        const uint32_t more = at >= n ? 0u : n - at < step ? n - at : step;
+        if (more > 0u) {
+            const float *const of = normals ? normal + 3u * (size_t)at : NULL;
+            case_check(smr_points_add(points, xyz + 3u * (size_t)at, of, NULL, more));
+            case_check(smr_set_points(run.s, SMR_ALL, points));
         }
-        if (status == SMR_OK)
-            status = smr_tick(r->s, 0, &report);
+        case_check(smr_tick(run.s, 0, &report));
     }
-    return status;
-}
-
-int case_run_points(const case_data *data, const case_feed *feed, double noise_mm, uint32_t seed, case_row *row)
-{
-    static const char *const names[] = {"good", "look", "failed"};
-    const host_mesh *const mesh = &data->body[0].model;
-    case_cloud cloud = case_sample(&data->body[0].target, feed->n, noise_mm, seed);
-    float *const xyz = case_alloc(3u * (size_t)mesh->n_vertices, sizeof *xyz);
-    const float *const list[1] = {xyz};
-    smr_verdict verdict;
-    runner r;
-    smr_status status = SMR_OK;
-    double started = 0.0;
-    memset(&r, 0, sizeof r);
-    if (feed->sweep)
-        sweep(&cloud, mesh);
-    status = begin(&r, mesh, feed->n);
-    started = host_seconds();
-    if (status == SMR_OK)
-        status = run(&r, &cloud, feed);
-    row->seconds = host_seconds() - started;
-    if (status == SMR_OK)
-        status = smr_get_positions(r.s, 0, xyz);
-    if (status == SMR_OK)
-        status = smr_get_verdict(r.s, SMR_ALL, &verdict);
-    if (status == SMR_OK) {
-        row->result = case_measure(data, list);
-        row->expected = (double)verdict.expected_error_mm;
-        (void)snprintf(row->verdict, sizeof row->verdict, "%s", names[verdict.level]);
-    }
-    case_cloud_free(&cloud);
-    free(xyz);
-    free(r.scratch);
-    free(r.prepared);
-    free(r.arena);
-    free(r.memory);
-    return status == SMR_OK;
+    case_check(smr_get_positions(run.s, 0, data->body[0].model.xyz));
+    case_directory(word[1]);
+    path = case_text("%s/%s.ply", word[1], data->body[0].name);
+    case_save(&data->body[0].model, path);
 }

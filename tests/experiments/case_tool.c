@@ -1,170 +1,176 @@
-/* case_tool.c: makes cases with a known truth, measures results, and runs the tables of partial targets.
+/* case_tool.c: makes cases with a known truth and other inputs of experiments, and measures results.
  * SPDX-License-Identifier: MIT */
-#include <math.h>
+#include "case.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "case.h"
-#include "case_run.h"
-#include "case_table.h"
-#include "case_verdicts.h"
-
 static const char usage[] =
-    "case_tool make [OPTIONS] --model FILE... -o DIR    model, target, truth, whole, seen in DIR\n"
-    "case_tool measure DIR RESULT                       one line of figures; RESULT is a PLY or a directory of them\n"
-    "case_tool run DIR OUT [WORDS...]                   smr register of the case, then the same line\n"
-    "case_tool table [LINES...] [--bones NAME...] [--seeds A-B] [--keep DIR]\n"
-    "    LINES: side patches end outliers person length thigh points random, or all (the default: all but random);\n"
-    "    --bones: beginnings of the names m_right 2008 2007 vhm_left hip_thigh hip_bone hip_right\n"
-    "case_tool verdicts FIRST LAST DIR FILE.csv [KIND]  runs of all kinds, good and hopeless, a row each\n"
-    "case_tool judge FILE.csv                           how often verdicts were wrong\n"
-    "make: --seed N --part whole|side|patches|end|front --share X --patches N --side-deg X --deform MM --sigma MM\n"
-    "    --shift MM --turn DEG --noise MM --isotropic --outliers X --outlier-mm MM --spikes --density 0|1|2 --mirror\n"
-    "SMR names the program (build/smr), SMR_TEST_DATA the data, CASE_THREADS its threads (1),\n"
-    "SMR_EXPERIMENT_OPTIONS more words of every registration.\n";
+    "case_tool make [NAME=VALUE...] DIR [x:]FILE...       model, target, truth, whole, seen in DIR; x: mirrored\n"
+    "    seed part (whole side patches end front) share patches noise outliers; view=SEED: a patch of any size, seen "
+    "from any start\n"
+    "case_tool pair DIR [x:]MODEL [x:]TARGET A B C D      another's surface: shares A-B of the model, C-D of the "
+    "target\n"
+    "case_tool kind SEED DATA DIR [NAME]                  a run that verdicts are judged by\n"
+    "case_tool measure DIR RESULT                         how far a result of the case is from its truth\n"
+    "case_tool displaced | spread | click | depths | noisy    inputs of single experiments\n"
+    "case_tool apart A B | size FILE... | vertices FILE   figures of surfaces\n"
+    "case_tool feed | follow                              registrations that the command line cannot do\n"
+    "Figures are lines \"name value\", in mm.\n";
 
-typedef struct number_option {
-    const char *name;
-    double *value;
-} number_option;
+static const char *const parts[] = {"whole", "side", "patches", "end", "front"};
 
-static int read_part(const char *text)
+static void add(case_data *data, const char *word)
 {
-    static const char *const names[] = {"whole", "side", "patches", "end", "front"};
-    int i = 0;
-    for (i = 0; i < 5; i++)
-        if (strcmp(text, names[i]) == 0)
-            return i;
-    (void)fprintf(stderr, "case_tool: no part %s\n", text);
-    exit(2);
+    const int mirrored = strncmp(word, "x:", 2) == 0;
+    (void)case_add(data, mirrored ? word + 2 : word, mirrored ? HOST_MIRROR_X : HOST_MIRROR_NONE);
 }
 
-/* 1 when the word was a number's option, with its value behind it. */
-static int read_number(const char *word, const char *value, case_options *o, double *seed, double *patches,
-                       double *density)
+/* A patch of 15 to 90 % of the area, a start up to 15 mm and 10 degrees off. */
+static void set_view(case_options *o, uint32_t seed)
 {
-    const number_option all[] = {
-        {"--share", &o->share},    {"--side-deg", &o->side_deg}, {"--deform", &o->deform_mm},
-        {"--sigma", &o->sigma_mm}, {"--shift", &o->shift_mm},    {"--turn", &o->turn_deg},
-        {"--noise", &o->noise_mm}, {"--outliers", &o->outliers}, {"--outlier-mm", &o->outlier_mm},
-        {"--seed", seed},          {"--patches", patches},       {"--density", density}};
-    size_t i = 0;
-    for (i = 0; value != NULL && i < sizeof all / sizeof all[0]; i++)
-        if (strcmp(word, all[i].name) == 0) {
-            *all[i].value = atof(value);
-            return 1;
-        }
-    return 0;
+    oracle_random r = oracle_seed(9000u + seed);
+    o->seed = seed;
+    o->part = CASE_PATCHES;
+    o->patches = 1;
+    o->share = oracle_uniform(&r, 0.15, 0.9);
+    o->shift_mm = oracle_uniform(&r, 0.0, 15.0);
+    o->turn_deg = oracle_uniform(&r, 0.0, 10.0);
 }
 
-static void print_figures(const case_figures *f, const char *name)
+static void set_option(case_options *o, const char *word)
 {
-    (void)printf("%s surface %.3f (to %.3f from %.3f max %.2f worst %.3f) vertex %.3f seen %.3f unseen %.3f "
-                 "share_seen %.3f\n",
-                 name, f->surface, f->to, f->from, f->farthest, f->worst, f->vertex, f->seen, f->unseen, f->share);
+    const size_t n = strcspn(word, "=");
+    const double value = atof(word + n + 1);
+    for (int i = 0; strncmp(word, "part", n) == 0 && i < 5; i++)
+        o->part = strcmp(word + n + 1, parts[i]) == 0 ? i : o->part;
+    if (strncmp(word, "seed", n) == 0)
+        o->seed = (uint32_t)value;
+    else if (strncmp(word, "view", n) == 0)
+        set_view(o, (uint32_t)value);
+    else if (strncmp(word, "share", n) == 0)
+        o->share = value;
+    else if (strncmp(word, "patches", n) == 0)
+        o->patches = (int)value;
+    else if (strncmp(word, "noise", n) == 0)
+        o->noise_mm = value;
+    else if (strncmp(word, "outliers", n) == 0)
+        o->outliers = value;
 }
 
-static int do_make(int n, char **word)
+static void do_make(char **word)
 {
     case_options o = case_defaults();
     case_data *const data = case_alloc(1, sizeof *data);
-    double seed = 1, patches = o.patches, density = o.density;
-    const char *out = NULL;
-    int i = 0, mirror = HOST_MIRROR_NONE, good = 1;
-    uint32_t b = 0;
-    for (i = 0; i < n; i++) {
-        if (strcmp(word[i], "--mirror") == 0)
-            mirror = HOST_MIRROR_X;
-        else if (strcmp(word[i], "--isotropic") == 0)
-            o.noise_isotropic = 1;
-        else if (strcmp(word[i], "--spikes") == 0)
-            o.spikes = 1;
-        else if (strcmp(word[i], "--part") == 0 && i + 1 < n)
-            o.part = read_part(word[++i]);
-        else if (strcmp(word[i], "-o") == 0 && i + 1 < n)
-            out = word[++i];
-        else if (strcmp(word[i], "--model") == 0)
-            while (good && i + 1 < n && word[i + 1][0] != '-')
-                good = case_add(data, word[++i], mirror);
-        else if (read_number(word[i], i + 1 < n ? word[i + 1] : NULL, &o, &seed, &patches, &density))
-            i++;
-        else
-            good = 0;
-    }
-    o.seed = (uint32_t)seed;
-    o.patches = (int)patches;
-    o.density = (int)density;
-    if (!good || out == NULL || data->n == 0) {
-        (void)fputs(usage, stderr);
-        return 2;
-    }
+    int i = 0;
+    for (; word[i] != NULL && strchr(word[i], '=') != NULL; i++)
+        set_option(&o, word[i]);
+    for (int k = i + 1; word[k] != NULL; k++)
+        add(data, word[k]);
     case_make(data, &o);
-    good = case_write(data, out);
-    {
-        const case_figures start = case_measure_start(data);
-        print_figures(&start, "start:");
+    case_write(data, word[i]);
+    (void)printf("overlap %.4f\n", data->overlap);
+}
+
+static void do_pair(char **word)
+{
+    case_data *const data = case_alloc(1, sizeof *data);
+    double low = 0.0;
+    add(data, word[1]);
+    add(data, word[2]);
+    case_body *const body = &data->body[0];
+    body->whole = data->body[1].model;
+    body->target = case_copy(&body->whole);
+    data->n = 1;
+    (void)printf("ratio %.4f\n", case_height(&body->whole, &low) / case_height(&body->model, &low));
+    if (atof(word[3]) > 0.0)
+        case_keep_shares(&body->model, atof(word[3]), atof(word[4]));
+    case_keep_shares(&body->target, atof(word[5]), atof(word[6]));
+    case_write(data, word[0]);
+}
+
+static void do_kind(char **word) { case_job_make((uint32_t)atoi(word[0]), word[3], word[1], word[2]); }
+
+static void do_measure(char **word)
+{
+    case_data *const data = case_alloc(1, sizeof *data);
+    case_read(data, word[0]);
+    case_tell(data, word[1]);
+}
+
+/* A B: mean distance between vertices of the same index. */
+static void do_apart(char **word)
+{
+    double sum = 0.0, p[3], q[3];
+    const host_mesh a = case_load(word[0], HOST_MIRROR_NONE), b = case_load(word[1], HOST_MIRROR_NONE);
+    if (a.n_vertices != b.n_vertices)
+        case_fail("other numbers of vertices");
+    for (uint32_t i = 0; i < a.n_vertices; i++) {
+        case_get(&a, i, p);
+        case_get(&b, i, q);
+        sum += case_apart(p, q);
     }
-    (void)printf("visible %.3f of the area", data->overlap);
-    for (b = 0; b < data->n; b++)
-        (void)printf("%s %s: target %u vertices, resampling %.4f mm", b > 0 ? ";" : ";", data->body[b].name,
-                     data->body[b].target.n_vertices, data->body[b].resampling);
-    (void)putchar('\n');
-    case_free(data);
-    free(data);
-    return good ? 0 : 1;
+    (void)printf("sum %.6f\nvertices %u\n", sum, a.n_vertices);
 }
 
-static int do_measure(const char *directory, const char *result)
+/* FILE...: a line for each: name, volume in mm3, area in mm2. */
+static void do_size(char **word)
 {
     case_data *const data = case_alloc(1, sizeof *data);
-    case_figures f;
-    const int good = case_read(data, directory) && case_measure_files(data, result, &f);
-    if (good)
-        print_figures(&f, "result:");
-    case_free(data);
-    free(data);
-    return good ? 0 : 1;
+    for (int i = 0; word[i] != NULL; i++) {
+        const case_body *const body = case_add(data, word[i], HOST_MIRROR_NONE);
+        double volume = 0.0, origin[3], p[3], normal[3];
+        case_get(&body->model, 0, origin);
+        for (uint32_t t = 0; t < body->model.n_triangles; t++) {
+            case_normal(&body->model, t, normal);
+            case_get(&body->model, body->model.triangles[3u * (size_t)t], p);
+            volume += (case_dot(p, normal) - case_dot(origin, normal)) / 6.0;
+        }
+        (void)printf("%s %.9g %.9g\n", body->name, volume, case_area(&body->model));
+    }
 }
 
-static int do_run(const char *directory, const char *out, int n, char **word)
+/* FILE: a line "x y z" for each vertex. */
+static void do_vertices(char **word)
 {
-    case_data *const data = case_alloc(1, sizeof *data);
-    case_run *const run = case_alloc(1, sizeof *run);
-    experiment_command words = {{NULL}, 0};
-    case_figures f;
-    int i = 0, good = case_read(data, directory);
-    case_add_words(data, directory, &words);
-    for (i = 0; i < n; i++)
-        experiment_add(&words, "%s", word[i]);
-    case_register(&words, out, run);
-    f = case_measure_start(data);
-    print_figures(&f, "start:");
-    good = good && case_measure_files(data, out, &f);
-    if (good)
-        print_figures(&f, "result:");
-    (void)printf("status %d verdict %s seconds %.2f\n", run->status, case_text(run, "verdict"), run->seconds);
-    case_free(data);
-    free(data);
-    free(run);
-    return good ? 0 : 1;
+    const host_mesh mesh = case_load(word[0], HOST_MIRROR_NONE);
+    for (uint32_t i = 0; i < mesh.n_vertices; i++) {
+        const float *const p = mesh.xyz + 3u * (size_t)i;
+        (void)printf("%.9g %.9g %.9g\n", (double)p[0], (double)p[1], (double)p[2]);
+    }
+}
+
+/* DIR MM SEED FILE...: the surfaces with noise of this deviation along each axis. */
+static void do_noisy(char **word)
+{
+    oracle_random r = oracle_seed((uint32_t)atoi(word[2]));
+    case_directory(word[0]);
+    for (int i = 3; word[i] != NULL; i++) {
+        host_mesh mesh = case_load(word[i], HOST_MIRROR_NONE);
+        for (uint32_t k = 0; k < 3u * mesh.n_vertices; k++)
+            mesh.xyz[k] += (float)(atof(word[1]) * case_random_normal(&r));
+        case_save(&mesh, case_text("%s/%s", word[0], strrchr(word[i], '/') + 1));
+        host_mesh_free(&mesh);
+    }
 }
 
 int main(int argc, char **argv)
 {
-    if (argc > 2 && strcmp(argv[1], "make") == 0)
-        return do_make(argc - 2, argv + 2);
-    if (argc == 4 && strcmp(argv[1], "measure") == 0)
-        return do_measure(argv[2], argv[3]);
-    if (argc >= 4 && strcmp(argv[1], "run") == 0)
-        return do_run(argv[2], argv[3], argc - 4, argv + 4);
-    if (argc >= 2 && strcmp(argv[1], "table") == 0)
-        return case_table(argc - 2, argv + 2);
-    if ((argc == 6 || argc == 7) && strcmp(argv[1], "verdicts") == 0)
-        return case_verdicts((uint32_t)atoi(argv[2]), (uint32_t)atoi(argv[3]), argc == 7 ? argv[6] : NULL, argv[4],
-                             argv[5]);
-    if (argc == 3 && strcmp(argv[1], "judge") == 0)
-        return case_judge(argv[2]);
+    static const struct {
+        const char *name;
+        int least; /* words */
+        void (*run)(char **word);
+    } all[] = {{"make", 2, do_make},         {"pair", 7, do_pair},      {"kind", 3, do_kind},
+               {"measure", 2, do_measure},   {"apart", 2, do_apart},    {"size", 1, do_size},
+               {"vertices", 1, do_vertices}, {"noisy", 4, do_noisy},    {"displaced", 4, case_displaced},
+               {"spread", 7, case_spread},   {"click", 4, case_click},  {"depths", 4, case_depths},
+               {"feed", 7, case_feed},       {"follow", 1, case_follow}};
+    for (size_t i = 0; argc > 1 && i < sizeof all / sizeof all[0]; i++)
+        if (strcmp(argv[1], all[i].name) == 0 && argc - 2 >= all[i].least) {
+            all[i].run(argv + 2);
+            return 0;
+        }
     (void)fputs(usage, stderr);
     return 2;
 }

@@ -143,4 +143,26 @@ TEST(test_large_model_of_small_clusters)
     assert_true(info.largest_cluster[0] == 1u);
 }
 
+/* Without `attract` room counts for nothing: bytes, what is accepted and results are those of no room. */
+TEST(test_attraction_switched_off)
+{
+    const smr_mesh goal = rig_ball(33, 9, 12, none), mesh = rig_ball(30, 9, 12, none);
+    const smr_prepare_config radii = rig_radii(1, 18, 0, 0);
+    const smr_model *model = rig_model(&mesh, 1, &radii);
+    smr_config c = smr_config_default();
+    smr_tick_report report[2];
+    size_t bytes[2];
+    for (uint32_t off = 0; off < 2u; off++) {
+        c.basic.attract = !off;
+        c.basic.n_target_vertices = off ? goal.n_vertices - 1u : 0u;
+        assert_int_equal(SMR_OK, smr_arena_bytes(model, &c, &bytes[off]));
+        smr *s = rig_init(model, &c, NULL);
+        assert_int_equal(SMR_OK, smr_set_surface(s, SMR_ALL, rig_surface(&goal)));
+        for (uint32_t i = 0; i < 5u; i++)
+            assert_int_equal(SMR_OK, smr_tick(s, 0, &report[off]));
+    }
+    assert_int_equal(bytes[0], bytes[1]);
+    assert_true(report[0].state_hash == report[1].state_hash && report[1].details.attraction_used == 0.0f);
+}
+
 int main(void) { return suite_run(NULL, NULL); }

@@ -12,7 +12,6 @@ build=${BUILD:-build}
 make=${MAKE:-make}
 smr=$build/smr
 compare=$build/fixture_write
-tool=$build/tests/experiments/case_tool
 data=${SMR_TEST_DATA:-../shared/data}
 export SMR="$smr" SMR_TEST_DATA="$data"
 mode=${1:-all}
@@ -30,7 +29,31 @@ have() { [ -e "$data/$1" ] || { say "no $data/$1: $2 keeps its last values"; ret
 # value REPORT PATH FORMAT
 value() { awk -f $here/json.awk "$1" | awk -v p="$2" -v f="$3" '$1 == p { printf f, $2; exit }'; }
 pair() { echo "$(value "$1" "$2.model_to_target.$3" %.3f) / $(value "$1" "$2.target_to_model.$3" %.3f) mm"; }
-megabytes() { value "$1" "memory_bytes.$2" %d | awk '{printf "%.1f MB", $1 / 1e6}'; }
+
+# The rows of list.txt that say "<- FIGURE... FORMAT", from a file of "figure value" lines or a report.json.
+fill() { # section, file
+    case $2 in *.json)
+        awk -f $here/json.awk "$2" >"$out/flat.txt"
+        awk -v row="$1" -f tests/experiments/report.awk "$out/flat.txt" >>"$out/flat.txt.more"
+        grep -v '^table' "$out/flat.txt.more" >>"$out/flat.txt"
+        rm "$out/flat.txt.more"
+        set -- "$1" "$out/flat.txt" ;;
+    esac
+    awk -v id="$1" '
+        FNR == NR { v[$1] = $2; next }
+        /^\* / { on = index($0, "* " id ";") == 1; next }
+        on && (at = index($0, " <- ")) {
+            n = split(substr($0, at + 4), word, " ")
+            f = ""
+            known = 1
+            x[1] = x[2] = x[3] = ""
+            for (i = 1; i <= n; i++)
+                if (f == "" && word[i] !~ /%/) { x[i] = v[word[i]]; known = known && word[i] in v }
+                else f = f (f == "" ? "" : " ") word[i]
+            if (f ~ /MB/) x[1] /= 1e6
+            if (known) printf id "." substr($0, 1, index($0, ";") - 1) "\t" f "\n", x[1], x[2], x[3]
+        }' "$2" $here/list.txt >>"$new"
+}
 
 # Share of all processors that is busy, over two seconds; 0 where the system does not say.
 busy() {
@@ -68,35 +91,12 @@ best_times() { # key, argument...
     esac
 }
 
-# Distances of a registration onto surfaces, and its sizes.
 surfaces() { # key, argument...
     key=$1; shift
     say "$key"
     register "$key" "$@"
-    r=$out/$key/report.json
-    put "$key.vertices" "$(value "$r" vertices %d)"
-    put "$key.iterations" "$(value "$r" iterations %d)"
-    put "$key.mean_to" "$(value "$r" distance_mm.model_to_target.mean '%.3f mm')"
-    put "$key.mean_from" "$(value "$r" distance_mm.target_to_model.mean '%.3f mm')"
-    case $key in *_pair) put "$key.vertex_means" "$(pair "$r" vertex_distance_mm mean)" ;; esac
-    put "$key.max_to" "$(value "$r" distance_mm.model_to_target.max '%.2f mm')"
-    put "$key.max_from" "$(value "$r" distance_mm.target_to_model.max '%.2f mm')"
-    put "$key.folds" "$(value "$r" folds %d)"
+    fill "$key" "$out/$key/report.json"
     best_times "$key" "$@"
-}
-
-# The structure with the largest mean in one direction.
-worst() { # report, direction
-    awk -f $here/json.awk "$1" | awk -v p="distance_mm.$2.mean" '
-        $1 ~ /^per_structure/ { k = $1; sub(/^per_structure\.[0-9]+\./, "", k)
-            if (k == "name") name = $2
-            if (k == p && $2 ~ /^[0-9]/ && $2 + 0 > most) { most = $2 + 0; of = name } }
-        END { printf "%.2f mm (%s)", most, of }'
-}
-
-sizes() { # key
-    put "$1.model_bytes" "$(megabytes "$out/$1/report.json" model)"
-    put "$1.arena_bytes" "$(megabytes "$out/$1/report.json" arena)"
 }
 
 # ---------------------------------------------------------------- parts
@@ -105,7 +105,6 @@ part_pairs() {
     have femurs "femur_pair, mirrored_pair" || return 0
     surfaces femur_pair --model "$data/femurs/femur_2008_0019_left_3k.ply" \
         --target "$data/femurs/femur_2007_5028_left_3k.ply" --align similarity
-    sizes femur_pair
     surfaces mirrored_pair --model "$data/femurs/femur_m_right.ply" --target "$data/femurs/femur_vhm_left.ply" \
         --align similarity --mirror-target x
 }
@@ -113,8 +112,6 @@ part_pairs() {
 part_sides() {
     have hip_thigh_vhm_otherside thigh_sides || return 0
     surfaces thigh_sides --model "$data"/hip_thigh_vhm/*.ply --target "$data"/hip_thigh_vhm_otherside/*.ply
-    put thigh_sides.worst "$(worst "$out/thigh_sides/report.json" model_to_target)"
-    sizes thigh_sides
 }
 
 # A figure of both directions from what smr measure prints.
@@ -160,10 +157,7 @@ part_bone() {
         put "bone.before_$s" "$(moved "$out/bone_$s/source.ply" "$out/bone_$s/truth.ply")"
         put "bone.error_$s" "$(moved "$out/bone_$s/result/source.ply" "$out/bone_$s/truth.ply")"
         folds=$((folds + $(value "$r" folds %d)))
-        [ $s = 1 ] || continue
-        put bone.mean_to "$(value "$r" distance_mm.model_to_target.mean '%.3f mm')"
-        put bone.mean_from "$(value "$r" distance_mm.target_to_model.mean '%.3f mm')"
-        put bone.iterations "$(value "$r" iterations %d)"
+        [ $s != 1 ] || fill bone "$r"
     done
     put bone.folds "$folds"
 }
@@ -200,19 +194,9 @@ part_images() {
         put "$key.start" "$(value "$out/${key}_start/report.json" distance_mm.model_to_target.mean '%.1f mm')"
         register "$key" "$@"
         r=$out/$key/report.json
-        put "$key.mean_to" "$(value "$r" distance_mm.model_to_target.mean '%.3f mm')"
-        put "$key.mean_from" "$(value "$r" distance_mm.target_to_model.mean '%.3f mm')"
-        put "$key.worst" "$(worst "$r" model_to_target)"
-        put "$key.worst_from" "$(worst "$r" target_to_model)"
-        put "$key.folds" "$(value "$r" folds %d)"
+        fill "$key" "$r"
         best_times "$key" "$@"
         [ $who = patient ] || continue
-        put "$key.vertex" "$(value "$r" truth.vertex_to_vertex_mm.mean '%.3f mm')"
-        put "$key.vertex_max" "$(value "$r" truth.vertex_to_vertex_mm.max '%.2f mm')"
-        put "$key.goals" "$(value "$r" matched_share %f | awk '{printf "%.1f %%", 100 * $1}')"
-        put "$key.iterations" "$(value "$r" iterations %d)"
-        sizes "$key"
-        put "$key.voxel_bytes" "$(megabytes "$r" volume)"
         part_budgets "$@"
     done
 }
@@ -226,48 +210,20 @@ part_budgets() {
     done
 }
 
-# An experiment's tables into $out/NAME.txt.
-experiment() { # name
-    [ -d "$data" ] || { say "no $data: test_experiment_$1 is not run"; return 1; }
-    say "experiments, $1"
-    SMR=$smr SMR_EXPERIMENTS=full "$build/tests/experiments/test_experiment_$1" >"$out/$1.txt" 2>&1
-    ! grep -q '^skipped: ' "$out/$1.txt"
+# Groups of experiments; their figures go to build/experiments/GROUP.figures.
+experiments() { # form, group...
+    [ -d "$data" ] || { say "no $data: experiments are not run"; return 1; }
+    form=$1; shift
+    say "experiments, $*"
+    BUILD=$build sh tests/experiments/experiments.sh "$form" "$@" >"$out/$1.txt" 2>&1 || say "$(tail -n 1 "$out/$1.txt"): see $out/$1.txt"
 }
+fill_from() { group=$1; shift; for section; do fill "$section" "$build/experiments/$group.figures"; done; } # group, section...
 
-part_ct() {
-    experiment ct || return 0
-    awk '$1 == "start" { printf "ct.start\t%.1f mm\n", $2 }
-         $1 == "result" { printf "ct.mean_to\t%.2f mm\nct.mean_from\t%.2f mm\nct.worst\t%.2f mm (%s)\nct.worst_from\t%.2f mm\nct.folds\t%d\n", $2, $3, $4, $NF, $5, $7 }' \
-        "$out/ct.txt" >>"$new"
-}
-
-# Rows of a table: name (1 or 2 words), to, from, worst to, worst from, vertex, folds, goals, time, worst structure
-part_seeds() {
-    experiment start && awk '
-        /^thigh_/ { key = $1; sub(/^thigh_/, "", key); sub(/,$/, "", key) }
-        $1 == "seed" { m = $3 > $4 ? $3 : $4; sum[key] += m; n[key]++
-                       if (m > most[key]) most[key] = m
-                       if ($5 > worst[key]) { worst[key] = $5 } }
-        END { for (k in n) printf "%s_spoiled.mean\t%.3f mm\n%s_spoiled.worst_seed\t%.3f mm\n%s_spoiled.worst_structure\t%.2f mm\n",
-                                  k, sum[k] / n[k], k, most[k], k, worst[k] }' "$out/start.txt" >>"$new"
-    experiment mri && awk '
-        $1 == "seed" { if (!n++ || $3 < least) least = $3
-                       if ($3 > most) most = $3
-                       if ($4 > to) to = $4
-                       if ($6 > from) from = $6
-                       folds += $10 }
-        END { if (n) printf "mri.start_least\t%.1f mm\nmri.start_most\t%.1f mm\nmri.to_worst\t%.3f mm\nmri.from_worst\t%.3f mm\nmri.folds\t%d\n",
-                            least, most, to, from, folds }' "$out/mri.txt" >>"$new"
-}
-
-part_variants() {
-    experiment thigh || return 0
-    awk '$2 == "throughout" { key = $1 < 1 ? "shares.fixed_" 100 * $1 : "shares.all"; printf "%s\t%s / %s mm\n", key, $3, $4 }
-         $1 == "from" && $3 == "to" && $2 < 1 { printf "shares.growing_%d\t%s / %s mm\n", 100 * $2, $5, $6 }
-         $1 == "rigid" || $1 == "polar" { printf "methods.mean_%s\t%s / %s mm\n", $1, $2, $3 }
-         /vertices lie apart, mean/ { for (i = 1; i < NF; i++) if ($i == "mean") printf "methods.apart\t%s mm\n", $(i + 1) }' \
-        "$out/thigh.txt" | tr -d , >>"$new"
-}
+part_ct() { experiments short ct && fill_from ct ct; }
+part_thigh() { experiments full thigh mri && fill_from thigh patient_spoiled person_spoiled shares methods && fill_from mri mri; }
+part_parts() { experiments all parts persons points && fill_from parts parts && fill_from persons parts && fill_from points points; }
+part_verdict() { experiments all verdict && fill_from verdict verdict; }
+part_track() { experiments all track && fill_from track track; }
 
 part_moved() {
     say "inputs moved together"
@@ -340,12 +296,7 @@ part_paper() {
     done
     r=$out/paper_patient/report.json
     put paper.start "$(awk -F , 'NR == 2 { printf "%.2f mm", $4 }' "$out/paper_start.csv")"
-    put paper.mean_to "$(value "$r" distance_mm.model_to_target.mean '%.3f mm')"
-    put paper.mean_from "$(value "$r" distance_mm.target_to_model.mean '%.3f mm')"
-    put paper.vertex "$(value "$r" truth.vertex_to_vertex_mm.mean '%.3f mm')"
-    put paper.max_to "$(value "$r" distance_mm.model_to_target.max '%.2f mm')"
-    put paper.iterations "$(value "$r" iterations %d)"
-    put paper.folds "$(value "$r" folds %d)"
+    fill paper "$r"
     [ ! -f "$out/paper_person/report.json" ] || put paper.person "$(pair "$out/paper_person/report.json" distance_mm mean)"
     have femurs "paper.femurs, paper.figure1" || return 0
     set -- --model "$data/femurs/femur_2008_0019_left_3k.ply" --target "$data/femurs/femur_2007_5028_left_3k.ply" \
@@ -369,12 +320,10 @@ part_sizes() {
          key != "" && $1 + 0 > 0 { printf "stack.%s\t%.1f kB (%s)\n", key, $1 / 1000, $2; key = "" }' "$out/stack.txt" >>"$new"
 }
 
-. $here/tables.sh # parts, verdict, track
-
 # ---------------------------------------------------------------- all of them, cheap ones first
 
 parts='clusters bone example pairs sides peers demo images ct paper sizes bench moved'
-[ "$mode" = short ] || parts="$parts seeds variants figure2 parts verdict track"
+[ "$mode" = short ] || parts="$parts thigh figure2 parts verdict track"
 for part in ${PARTS:-$parts}; do "part_$part"; done
 
 old=docs/RESULTS.md

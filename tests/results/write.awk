@@ -21,6 +21,7 @@ file == 1 && /^[^#*]/ {
     at = index($0, "; ")
     row[++rows] = section[sections] "." substr($0, 1, at - 1)
     what[row[rows]] = substr($0, at + 2)
+    sub(/ <- .*/, "", what[row[rows]])
     of[rows] = sections
     next
 }

@@ -167,8 +167,9 @@ static void check_saved(FILE *file)
 
 static int group_of(const smr_setting *row)
 {
-    const size_t begin[] = {offsetof(smr_config, image), offsetof(smr_config, partial), offsetof(smr_config, track),
-                            offsetof(smr_config, contact), offsetof(smr_config, dynamics)};
+    const size_t begin[] = {offsetof(smr_config, image), offsetof(smr_config, partial),
+                            offsetof(smr_config, track.mode), offsetof(smr_config, contact.share),
+                            offsetof(smr_config, dynamics.mode)};
     const size_t bytes[] = {sizeof(smr_image_config), sizeof(smr_partial_config), sizeof(smr_track_config),
                             sizeof(smr_contact_config), sizeof(smr_dynamics_config)};
     int group = NOTHING;

@@ -117,7 +117,7 @@ static int find_centres(smr_surface *s, uint32_t first, uint32_t last)
     return 1;
 }
 
-/* Computes the tree order. One item, divided by advance(). */
+/* Sorts the triangles into the tree's order, a part at each call. Returns 1 at the end, 2 while more is left. */
 static int find_order(smr_surface *s, uint32_t first, uint32_t last)
 {
     (void)first;

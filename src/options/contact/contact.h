@@ -110,7 +110,7 @@ typedef struct smr_kept_volume {
     float ratio_at_begin; /* the caller's ratio when the current iteration began */
     float now; /* ratio that the current iteration aims at: moves in steps from the start's to the caller's */
     float displacement_mm; /* displacement of each vertex along its normal, mm */
-    smr_vec apex;          /* apex of the cones, mm */
+    smr_vec apex;          /* common apex of the cones over the triangles, whose volumes are summed, mm */
     smr_enclosed sum;      /* sum of the cones so far */
 } smr_kept_volume;
 

@@ -127,7 +127,7 @@ int smr_point_goal(smr_surface_goals *g, uint32_t v, smr_vec *displacement)
     const smr_vec p = smr_add(smr_get3(g->shape->x, v), g->shape->origin);
     const float *s = g->spread + 4u * (size_t)v;
     g->warm_next[v] = SMR_NONE;
-    if (!(s[3] > 0.0f) || smr_outside_box(&g->shared->config, p))
+    if (!(s[3] > 0.0f) || smr_reject_outside(&g->shared->config, p))
         return 0;
     *displacement = smr_off_surface(g, v, smr_scale(smr_load(s), 1.0f / s[3]));
     if (g->visibility != NULL)

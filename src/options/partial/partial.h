@@ -217,7 +217,8 @@ static inline int smr_field_of_rest(const smr_occluded_field *f, uint32_t v)
            smr_visibility_always_partial(f->goals, smr_model_owner(f->shared->model, v));
 }
 
-/* Steps, skipped when no vertex is occluded. Tasks run one after the other. */
+/* Step: chooses controls and solves for the field's coefficients. Skipped when no vertex is occluded. Tasks run one
+ * after the other. */
 uint32_t smr_occluded_field_tasks(const void *field);
 void smr_occluded_field_solve(void *field, uint32_t task, uint32_t worker);
 

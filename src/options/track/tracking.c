@@ -64,6 +64,7 @@ int smr_tracking_legal(const smr *s)
            p->radius_iteration <= s->shared.config.track.iterations + SMR_TRACK_COARSE;
 }
 
+/* Share of the vertices with a target that have a goal, in the last complete forces. */
 static float share_found(const smr *s)
 {
     const smr_force_totals *t = &s->forces.totals;
@@ -74,7 +75,7 @@ void smr_tracking_start(smr *s)
 {
     s->schedule.tracking = s->schedule.settled = 1;
     s->schedule.jumped = s->schedule.recovering = 0;
-    /* unmeasured: a target was set after the schedule's last forces */
+    /* a target was set after the schedule's last forces */
     s->schedule.changed = s->forces.unmeasured ? SMR_CHANGED : 0u;
     s->schedule.found = share_found(s);
     s->schedule.image_age = SMR_IMAGE_CURRENT;
@@ -118,7 +119,7 @@ static float share_without_image(const smr *s)
     const smr_surface_goals *g = &s->forces.surface;
     uint32_t n_found = 0;
     for (uint32_t v = 0; v < s->schedule.n_active; v++) {
-        const int part = smr_visibility_always_partial(g, smr_model_owner(s->shared.model, v));
+        const int part = SMR_HAS_PARTIAL && smr_visibility_always_partial(g, smr_model_owner(s->shared.model, v));
         n_found += s->forces.found_last[v] == SMR_FOUND_GOAL && (!part || g->visibility[v] > 0u);
     }
     const uint32_t n_with_target = s->forces.totals.n_with_target;
@@ -166,7 +167,7 @@ void smr_tracking_begin(smr *s)
     }
     note_age(s);
     if (s->schedule.changed >= SMR_CHANGED_MOVED) {
-        if (s->shape.track_pose_last != NULL && !s->shape.track_rest->predicted)
+        if (SMR_HAS_CONTACT && s->shape.track_pose_last != NULL && !s->shape.track_rest->predicted)
             smr_contact_reset(&s->forces.contact);
         smr_track_rest_predict(&s->shape, !s->schedule.jumped && !s->schedule.recovering);
     }
@@ -198,7 +199,7 @@ void smr_tracking_find_jump(smr *s)
     s->schedule.jumped = s->forces.totals.n_forces == 0u || mean > (fewer ? 0.5f * reach : reach);
 }
 
-/* Coarse to fine, once more, as long as targets have goals. */
+/* Chooses the next radius after a jump, from coarse to fine, while targets have goals. */
 static void recover(smr *s)
 {
     const uint32_t at = s->schedule.radius, to = smr_radius_after(s), first = s->shared.config.schedule.radius_first;

@@ -57,10 +57,10 @@ static smr_status check(const smr_model *model, const smr_config *config, const 
     smr_config as_saved = info->config, asked = *config;
     smr_config_settle(&asked);
     as_saved.basic.n_workers = config->basic.n_workers;
+    if (smr_config_left_out(&as_saved))
+        return SMR_E_WITHOUT;
     if (memcmp(&as_saved, &asked, sizeof as_saved) != 0)
         return SMR_E_CONFIG;
-    if (smr_config_left_out(config))
-        return SMR_E_WITHOUT;
     return smr_arena_bytes(model, config, &bytes);
 }
 

@@ -23,7 +23,9 @@ smr_status smr_set_volume(smr *s, const smr_volume *volume)
         return s->await(s, SMR_LOG_VOLUME, 0, volume);
     if (volume == NULL && !s->forces.image.has_image)
         return SMR_OK;
-    const int follows = SMR_HAS_PARTIAL && smr_tracks(&s->schedule) && volume != NULL && s->forces.image.has_image;
+    const int follows = smr_tracks(&s->schedule) && volume != NULL && s->forces.image.has_image;
+    if (follows && !SMR_HAS_PARTIAL) /* its field leads what an image does not hold */
+        return SMR_E_CONFIG;
     smr_image_goals_open(&s->forces.image, volume == NULL ? NULL : &grid);
     smr_abandon_iteration(s);
     if (follows)

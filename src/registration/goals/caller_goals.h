@@ -17,7 +17,7 @@ typedef struct smr_caller_calls {
     void (*ask)(struct smr_caller_goals *g, uint32_t task);
     /* averages the displacement of v to its goal, of this weight, with the caller's; returns the sum of both weights */
     float (*blend)(const struct smr_caller_goals *g, uint32_t v, smr_vec *displacement, float weight);
-    void (*stand)(struct smr_caller_goals *g); /* called when the current forces are complete */
+    void (*stand)(struct smr_caller_goals *g); /* sums up the force's output: forces are complete */
 } smr_caller_calls;
 
 extern const smr_caller_calls smr_caller_all;

@@ -121,14 +121,6 @@ void smr_forces_take(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-/* Outlier limit of the next iteration, mm: mean + k standard deviations of this iteration's distances; 0: none. */
-static float limit_of(const smr_forces *f, float mean, float mean_square)
-{
-    const float k = f->shared->config.forces.reject_deviations;
-    const float deviation = SMR_SQRT(smr_max(mean_square - mean * mean, 0.0f));
-    return k > 0.0f && f->totals.n_forces > 0u ? smr_max(mean + k * deviation, 1.0e-3f) : 0.0f;
-}
-
 static float share_of(uint32_t n_forces, uint32_t n_rejected)
 {
     const uint32_t all = n_forces + n_rejected;
@@ -222,7 +214,7 @@ void smr_forces_end(smr_forces *f)
                                    SMR_SQRT(square),
                                    all.forces.max,
                                    {all.forces.largest[0], all.forces.largest[1]}};
-    f->surface.limit = limit_of(f, mean, square);
+    f->surface.limit = smr_reject_limit(&f->shared->config, f->totals.n_forces, mean, square);
     note_matched(f);
     /* up to here a new target could have restarted the forces */
     memcpy(f->found_last, f->found, f->shared->n);

@@ -171,7 +171,7 @@ static void record_parts(const smr_reference *r, uint32_t v, uint64_t m, uint32_
     }
 }
 
-/* A position rounded in the same way, mm. */
+/* x rounded to the nearest multiple of step, mm. */
 static float stepped(float x, float step)
 {
     const float v = smr_clamp(x / step, -1.0e18f, 1.0e18f);

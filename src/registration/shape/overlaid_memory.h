@@ -11,7 +11,7 @@
  *                   records of transforms -> their sums                       transforms, fixed point
  *                   tangential smoothing -> evolve                            rings: neighbours' displacements
  *                   fold repair or fold limit                                 rings: neighbours' displacements or steps
- *   sum             occluded field -> forces                                  controls, factor and coefficients
+ *   sum             field of occluded vertices -> forces                      controls, factor and coefficients
  *                   reference records -> average                              sums over clusters
  *   sum, words 12+  evolve -> end of the iteration                            next normals (below)
  *   tally           within each step and its end                              what a task leaves for the step's end;

@@ -92,7 +92,7 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     g->warm_next[v] = g->warm[v];
     find->hit.triangle = SMR_NONE;
     find->displacement = smr_v(0, 0, 0);
-    if (smr_outside_box(c, smr_add(p, target->origin)))
+    if (smr_reject_outside(c, smr_add(p, target->origin)))
         return 0;
     smr_query q = {p, smr_get3(g->shape->normal, v), g->shared->min_cos, c->forces.node_budget, g->warm[v]};
     if (smr_dot(q.normal, q.normal) < 0.5f)
@@ -102,13 +102,11 @@ static int project(smr_surface_goals *g, uint32_t v, const smr_surface *target, 
     if (hit.triangle == SMR_NONE)
         return 0;
     g->warm_next[v] = hit.triangle;
-    if (c->forces.reject_border && smr_surface_on_border(target, hit.triangle, hit.weight))
-        return 0;
-    if (g->limit > 0.0f && hit.d2 > g->limit * g->limit)
+    if (smr_reject_border(g, target, &hit) || smr_reject_distance(g, hit.d2))
         return 0;
     find->hit = hit;
     find->displacement = smr_sub(smr_triangle_point(&target->tree, hit.triangle, hit.weight), p);
-    return !smr_outside_box(c, smr_add(smr_add(p, find->displacement), target->origin));
+    return !smr_reject_outside(c, smr_add(smr_add(p, find->displacement), target->origin));
 }
 
 /* Where goals jump from one place of the target to another, they jump along the surface. Vertices without triangles

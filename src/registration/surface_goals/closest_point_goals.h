@@ -88,13 +88,13 @@ smr_vec smr_surface_goal_again(const smr_surface_goals *g, uint32_t v);
 /* A way without what runs along the model's surface, except the share that may count. */
 smr_vec smr_off_surface(const smr_surface_goals *g, uint32_t v, smr_vec displacement);
 
-/* 1: p, mm in the caller's coordinates, lies where no goal counts. */
-static inline int smr_outside_box(const smr_config *c, smr_vec p)
-{
-    return c->forces.use_box &&
-           (p.x < c->forces.box_min[0] || p.y < c->forces.box_min[1] || p.z < c->forces.box_min[2] ||
-            p.x > c->forces.box_max[0] || p.y > c->forces.box_max[1] || p.z > c->forces.box_max[2]);
-}
+/* correspondence_rejection.c: 1 where no goal counts: outside the box (p: mm in the caller's coordinates); beyond the
+ * outlier limit (distance2: mm^2); on an open border of the target. Then the limit of the next iteration, mm: mean and
+ * k standard deviations of this iteration's distances to goals; 0: none. */
+int smr_reject_outside(const smr_config *c, smr_vec p);
+int smr_reject_distance(const smr_surface_goals *g, float distance2);
+int smr_reject_border(const smr_surface_goals *g, const smr_surface *target, const smr_hit *hit);
+float smr_reject_limit(const smr_config *c, uint32_t n_forces, float mean, float mean_square);
 
 /* Target-to-model attraction. Returns 1 when target vertices pull in this iteration. */
 int smr_attraction_on(const smr_surface_goals *g);

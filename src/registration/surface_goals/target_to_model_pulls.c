@@ -109,7 +109,7 @@ static void pull_one(const smr_surface_goals *g, const smr_surface *surface, uin
     const smr_shape_structure *one = &g->shape->structure[found];
     *warm = one->first_triangle + hit.triangle;
     const smr_vec r = smr_sub(y, smr_triangle_point(&one->tree, hit.triangle, hit.weight));
-    if (g->limit > 0.0f && smr_dot(r, r) > g->limit * g->limit)
+    if (smr_reject_distance(g, smr_dot(r, r)))
         return;
     const float area = surface->area_mean > 0.0f ? smr_min(surface->area[j] / surface->area_mean, SMR_AREA_MAX) : 1.0f;
     const float noise = smr_is_cloud(surface) ? g->shared->config.partial.noise_mm : 0.0f;

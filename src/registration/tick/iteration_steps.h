@@ -13,7 +13,8 @@ enum { SMR_WORK_TASKS = 0, SMR_WORK_ACTIVE, SMR_WORK_LISTS, SMR_WORK_FOLDS };
 /* Whether a step's tasks run in any order or one after the other. */
 enum { SMR_ANY_ORDER = 0, SMR_SERIAL };
 
-/* Parts of an iteration that a configuration asks for. PLAIN is in every one. */
+/* Parts of an iteration, as bits: a configuration asks for some (parts_of() in layout.c). PLAIN is in every one. A step
+ * of a part may still have no tasks in an iteration. */
 enum {
     SMR_PART_PLAIN = 1,
     SMR_PART_IMAGE = 2,

@@ -62,7 +62,8 @@ static int over(smr *s, watch *w, uint64_t ahead)
     return back || time >= w->deadline || ahead > w->deadline - time;
 }
 
-/* Returns 1 when vertices from the next task on must be left out for the iteration to end in time. */
+/* Leaves vertices out from the next task on, when the iteration would not end in time with them: lowers n_active and
+ * marks the reference as stale. Returns 1 then. */
 static int cut(smr *s, const smr_step *step, const watch *w, uint32_t group)
 {
     const uint64_t left = w->deadline > w->last ? w->deadline - w->last : 0u;

@@ -1,0 +1,31 @@
+/* correspondence_rejection.c: which pairs of a vertex and a target point yield no goal: outliers by distance, pairs on
+ * an open border, and places outside the box. Normals that disagree are rejected within the search (box_tree_search.c),
+ * stray components of a target when it is built (surface_fragments.c), image goals by their confidence (image_goals.c).
+ * A vertex that a target shows in part counts by its visibility (target_visibility.c).
+ * Source: paper 2.1. Bounds: constant.
+ * SPDX-License-Identifier: MIT */
+#include "registration/surface_goals/closest_point_goals.h"
+
+int smr_reject_outside(const smr_config *c, smr_vec p)
+{
+    const smr_forces_config *f = &c->forces;
+    return f->use_box && (p.x < f->box_min[0] || p.y < f->box_min[1] || p.z < f->box_min[2] || p.x > f->box_max[0] ||
+                          p.y > f->box_max[1] || p.z > f->box_max[2]);
+}
+
+int smr_reject_distance(const smr_surface_goals *g, float distance2)
+{
+    return g->limit > 0.0f && distance2 > g->limit * g->limit;
+}
+
+int smr_reject_border(const smr_surface_goals *g, const smr_surface *target, const smr_hit *hit)
+{
+    return g->shared->config.forces.reject_border && smr_surface_on_border(target, hit->triangle, hit->weight);
+}
+
+float smr_reject_limit(const smr_config *c, uint32_t n_forces, float mean, float mean_square)
+{
+    const float k = c->forces.reject_deviations;
+    const float deviation = SMR_SQRT(smr_max(mean_square - mean * mean, 0.0f));
+    return k > 0.0f && n_forces > 0u ? smr_max(mean + k * deviation, 1.0e-3f) : 0.0f;
+}
