@@ -84,6 +84,12 @@ static inline void smr_box_near_far(const smr_node *node, uint32_t k, smr_vec p,
     *far2 = farthest;
 }
 
+/* A node to be opened by a search. */
+typedef struct smr_visit {
+    uint32_t level, index; /* its level, and its index there */
+    float d2;              /* squared distance to its box, mm^2, where the search needs it */
+} smr_visit;
+
 /* A search for the closest triangle. */
 typedef struct smr_query {
     smr_vec point;        /* position, mm */

@@ -6,7 +6,6 @@
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "geometry/surface/surface.h"
-#include "geometry/box_tree/triangle.h"
 
 #define SMR_SURFACE_ITEMS 256u /* items of a unit of work */
 #define SMR_SURFACE_EDGES 4u   /* items that counting a triangle's edges is worth */
@@ -81,8 +80,8 @@ static int check_vertices(smr_surface *s, uint32_t first, uint32_t last)
             return 0;
         if (i == 0u)
             box->lo = box->hi = p;
-        box->lo = smr_v(smr_min(box->lo.x, p.x), smr_min(box->lo.y, p.y), smr_min(box->lo.z, p.z));
-        box->hi = smr_v(smr_max(box->hi.x, p.x), smr_max(box->hi.y, p.y), smr_max(box->hi.z, p.z));
+        box->lo = smr_least(box->lo, p);
+        box->hi = smr_most(box->hi, p);
     }
     return 1;
 }
@@ -133,20 +132,9 @@ static int copy_triangles(smr_surface *s, uint32_t first, uint32_t last)
     return 1;
 }
 
-/* As smr_mesh_normals(): area-weighted sums, then unit normals. */
 static int add_normals(smr_surface *s, uint32_t first, uint32_t last)
 {
-    for (uint32_t k = first; k < last; k++) {
-        const uint32_t *t = s->triangle + 3u * (size_t)k;
-        const smr_vec n = smr_triangle_cross(smr_load(s->xyz + 3u * (size_t)t[0]), smr_load(s->xyz + 3u * (size_t)t[1]),
-                                             smr_load(s->xyz + 3u * (size_t)t[2]));
-        const float third = smr_length(n) * (1.0f / 6.0f);
-        for (uint32_t c = 0; c < 3u; c++) {
-            float *at = s->normal + 3u * (size_t)t[c];
-            smr_store(at, smr_add(smr_load(at), n));
-            s->area[t[c]] += third;
-        }
-    }
+    smr_mesh_add_normals(s->xyz, s->triangle, first, last, s->normal, s->area);
     return 1;
 }
 
@@ -162,7 +150,7 @@ static int unit_normals(smr_surface *s, uint32_t first, uint32_t last)
     return 1;
 }
 
-/* Prepares the triangles around vertices, as smr_mesh_around(). */
+/* Prepares the triangles around vertices: counts, then ends of ranges, then from the back the ranges. */
 static int clear_counts(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t v = first; v < last; v++)
@@ -229,6 +217,29 @@ static int find_corners(smr_surface *s, uint32_t first, uint32_t last)
     return 1;
 }
 
+/* A cloud's copy: each point is a triangle without an area. */
+static int index_points(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (size_t i = 3u * (size_t)first; i < 3u * (size_t)last; i++)
+        s->work.index[i] = (uint32_t)(i / 3u);
+    return 1;
+}
+
+/* Copies the cloud's normals and weights. Refused when the cloud has changed since the build began. */
+static int copy_cloud(smr_surface *s, uint32_t first, uint32_t last)
+{
+    const smr_surface *cloud = s->work.cloud;
+    const size_t at = first, n = last - first;
+    if (cloud->changes != s->work.changes)
+        return 0;
+    memcpy(s->normal + 3u * at, cloud->normal + 3u * at, 3u * n * sizeof(float));
+    memcpy(s->area + at, cloud->area + at, n * sizeof(float));
+    memset(s->border + at, 0, n);
+    for (size_t k = at; k < last; k++)
+        memcpy(s->tree.normal + 3u * k, cloud->normal + 3u * (size_t)s->original[k], 3u * sizeof(float));
+    return 1;
+}
+
 static int refit_leaves(smr_surface *s, uint32_t first, uint32_t last)
 {
     smr_tree_refit_leaves(&s->tree, first, last);
@@ -251,7 +262,7 @@ static const struct {
     uint16_t of, when; /* when: 1: also for a refit; 2: only for a cloud's copy */
     uint32_t cost;     /* cost of an item */
 } stages[] = {
-    {smr_cloud_index, OF_TRIANGLES, 2, 1},
+    {index_points, OF_TRIANGLES, 2, 1},
     {check_vertices, OF_VERTICES, 1, 1},
     {check_triangles, OF_TRIANGLES, 0, 1},
     {copy_vertices, OF_VERTICES, 1, 1},
@@ -275,7 +286,7 @@ static const struct {
     {smr_fragments_release, OF_VERTICES, 1, 1},
     {refit_leaves, OF_LEAVES, 1, SMR_SURFACE_LEAF},
     {refit_nodes, OF_NODES, 1, SMR_SURFACE_NODE},
-    {smr_cloud_copy, OF_TRIANGLES, 2, 1},
+    {copy_cloud, OF_TRIANGLES, 2, 1},
 };
 
 #define SMR_SURFACE_STAGES ((uint32_t)(sizeof stages / sizeof stages[0]))

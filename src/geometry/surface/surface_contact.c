@@ -83,14 +83,11 @@ static void cross_triangle(const smr_surface *s, line *l, smr_vec shift, uint32_
 /* All crossings of a line with a surface, moved by shift. */
 static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
 {
-    struct {
-        uint32_t level, index;
-    } stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
+    smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     const smr_box_tree *f = &s->tree;
     const float u = l->pu - axis_of(shift, l->u), v = l->pv - axis_of(shift, l->v);
-    uint32_t top = 1;
-    stack[0].level = f->n_levels - 1u;
-    stack[0].index = 0;
+    uint32_t top = 0;
+    stack[top++] = (smr_visit){f->n_levels - 1u, 0u, 0.0f};
     while (top > 0u) {
         const uint32_t level = stack[--top].level, index = stack[top].index;
         const smr_node *node = &f->node[f->level[level] + index];
@@ -98,12 +95,10 @@ static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
             const uint32_t child = index * SMR_TREE_WIDTH + k;
             if (!(node->lo[l->u][k] <= u && node->lo[l->v][k] <= v && node->hi[l->u][k] >= u && node->hi[l->v][k] >= v))
                 continue;
-            if (level == 0u && child < f->n_triangles) {
+            if (level > 0u)
+                stack[top++] = (smr_visit){level - 1u, child, 0.0f};
+            else if (child < f->n_triangles)
                 cross_triangle(s, l, shift, child, weight);
-            } else if (level > 0u) {
-                stack[top].level = level - 1u;
-                stack[top++].index = child;
-            }
         }
     }
 }
@@ -135,9 +130,6 @@ static float side_of(const sweep *s, smr_vec p, float most)
     return side.mm < 0.0f && !is_inside(s->b, p) ? -side.mm : side.mm;
 }
 
-static smr_vec least(smr_vec a, smr_vec b) { return smr_v(smr_min(a.x, b.x), smr_min(a.y, b.y), smr_min(a.z, b.z)); }
-static smr_vec most_of(smr_vec a, smr_vec b) { return smr_v(smr_max(a.x, b.x), smr_max(a.y, b.y), smr_max(a.z, b.z)); }
-
 static void sample_triangle(sweep *s, uint32_t k)
 {
     const uint32_t *t = s->a->triangle + 3u * (size_t)k;
@@ -159,8 +151,8 @@ static void sample_triangle(sweep *s, uint32_t k)
         const smr_vec p = smr_add(corner[i], s->shift);
         s->deepest = smr_max(s->deepest, -at);
         s->area += at <= s->within ? third : 0.0f;
-        s->near.lo = least(s->near.lo, p);
-        s->near.hi = most_of(s->near.hi, p);
+        s->near.lo = smr_least(s->near.lo, p);
+        s->near.hi = smr_most(s->near.hi, p);
     }
 }
 
@@ -169,8 +161,8 @@ static smr_box used_box(const smr_surface *s)
     smr_box box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
     for (size_t i = 0; i < 3u * (size_t)s->tree.n_triangles; i++) {
         const smr_vec p = smr_load(s->xyz + 3u * (size_t)s->triangle[i]);
-        box.lo = least(box.lo, p);
-        box.hi = most_of(box.hi, p);
+        box.lo = smr_least(box.lo, p);
+        box.hi = smr_most(box.hi, p);
     }
     return box;
 }
@@ -246,10 +238,10 @@ smr_status smr_surface_contact(const smr_surface *a, const smr_surface *b, float
         return SMR_OK;
     const sweep one = sweep_of(a, b, within_mm), other = sweep_of(b, a, within_mm);
     const smr_box all_a = used_box(a);
-    smr_box box = {least(one.near.lo, smr_add(other.near.lo, one.shift)),
-                   most_of(one.near.hi, smr_add(other.near.hi, one.shift))};
-    box.lo = most_of(box.lo, most_of(all_a.lo, smr_add(one.around.lo, one.shift)));
-    box.hi = least(box.hi, least(all_a.hi, smr_add(one.around.hi, one.shift)));
+    smr_box box = {smr_least(one.near.lo, smr_add(other.near.lo, one.shift)),
+                   smr_most(one.near.hi, smr_add(other.near.hi, one.shift))};
+    box.lo = smr_most(box.lo, smr_most(all_a.lo, smr_add(one.around.lo, one.shift)));
+    box.hi = smr_least(box.hi, smr_least(all_a.hi, smr_add(one.around.hi, one.shift)));
     report->deepest_mm = smr_max(one.deepest, other.deepest);
     report->a_in_b_mm = one.deepest;
     report->area_mm2 = 0.5f * (one.area + other.area);
