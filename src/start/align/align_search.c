@@ -4,9 +4,7 @@
  * shorter surface. Parts of a surface have other axes and centroids than the whole, but often share an end.
  * Bounds: 192 * 7 poses of smr_coarse_cost().
  * SPDX-License-Identifier: MIT */
-#include "start/align/align_search.h"
-
-#include "start/align/align_pose.h"
+#include "start/align/align.h"
 #include "geometry/rotation/rotation.h"
 
 #define SMR_CUBE 24u          /* rotations of a cube */

@@ -4,9 +4,7 @@
  * Bounds: those of align_find.c, and two refinements of config.basic.iterations rounds.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
-#include "start/align/align_find.h"
-#include "start/align/align_pose.h"
-#include "start/align/align_refine.h"
+#include "start/align/align.h"
 
 #define SMR_FAR_SHARE 0.75f       /* search limit over the larger spread */
 #define SMR_EXPLAINED_SHARE 0.08f /* matching limit, when poses are compared, over the smaller spread */
