@@ -5,6 +5,8 @@
  * evaluation is one search and one factor.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
+#include "geometry/rotation/similarity_fit.h"
+#include "geometry/surface/mesh.h"
 
 #define SMR_CARRY_STARTS 4u
 #define SMR_CARRY_ROUNDS 30u
@@ -39,12 +41,11 @@ static smr_vec displacement(const job *j, uint32_t id)
 static smr_vec weigh(const job *j, smr_carry_site *s)
 {
     const smr_vec first = displacement(j, s->id[0]);
-    const float near[3] = {first.x, first.y, first.z};
     for (uint32_t i = 1; i < s->n; i++) {
-        const smr_vec d = displacement(j, s->id[i]);
-        const float at[3] = {d.x, d.y, d.z};
-        for (uint32_t axis = 0; axis < 3u; axis++)
-            s->weight[axis][i] = at[axis] - s->part[i] * near[axis];
+        const smr_vec w = smr_sub(displacement(j, s->id[i]), smr_scale(first, s->part[i]));
+        s->weight[0][i] = w.x;
+        s->weight[1][i] = w.y;
+        s->weight[2][i] = w.z;
     }
     for (uint32_t axis = 0; axis < 3u; axis++)
         smr_carry_solve(s, s->weight[axis]);
@@ -54,7 +55,7 @@ static smr_vec weigh(const job *j, smr_carry_site *s)
 /* The gradient of g of the distance to vertex i. */
 static smr_vec slope(const smr_carry *c, const smr_carry_site *s, smr_vec p, uint32_t i)
 {
-    const smr_vec d = smr_sub(p, smr_v(s->x[0][i], s->x[1][i], s->x[2][i]));
+    const smr_vec d = smr_sub(p, smr_carry_place(s, i));
     const float r = smr_length(d);
     const float smooth = smr_positive(1.0f - r * c->per_smooth), rough = smr_positive(1.0f - r * c->per_rough);
     return smr_scale(d, 20.0f * (c->per_smooth * c->per_smooth * (smooth * smooth * smooth) +
@@ -89,12 +90,9 @@ static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
         add_product(v.gradient, w, smr_sub(smr_scale(near, s->part[i]), slope(c, s, p, i)));
     }
     /* relative to the nearest vertex, so that it maps exactly to its present position */
-    const smr_vec rest = smr_sub(p, smr_v(s->x[0][0], s->x[1][0], s->x[2][0]));
-    const smr_pose *t = &j->trend;
-    const smr_vec turned = smr_v(t->m[0][0] * rest.x + t->m[0][1] * rest.y + t->m[0][2] * rest.z,
-                                 t->m[1][0] * rest.x + t->m[1][1] * rest.y + t->m[1][2] * rest.z,
-                                 t->m[2][0] * rest.x + t->m[2][1] * rest.y + t->m[2][2] * rest.z);
-    v.at = smr_add(smr_load(j->now + 3u * (size_t)c->item[s->id[0]]), smr_add(turned, smr_sub(moved, first)));
+    const smr_vec rest = smr_sub(p, smr_carry_place(s, 0));
+    v.at = smr_add(smr_load(j->now + 3u * (size_t)c->item[s->id[0]]),
+                   smr_add(smr_pose_turn(&j->trend, rest), smr_sub(moved, first)));
     return v;
 }
 
@@ -103,7 +101,7 @@ static float determinant(const float m[9]) { return smr_dot(smr_load(m), smr_cro
 /* m^-1 v; v itself where m is singular or mirrored. */
 static smr_vec undo(const float m[9], smr_vec v)
 {
-    const smr_vec a = smr_v(m[0], m[3], m[6]), b = smr_v(m[1], m[4], m[7]), c = smr_v(m[2], m[5], m[8]);
+    const smr_vec a = smr_column(m, 0), b = smr_column(m, 1), c = smr_column(m, 2);
     const float d = determinant(m);
     if (!(d > SMR_CARRY_FLAT))
         return v;
@@ -212,11 +210,8 @@ smr_status smr_carry_map(smr_carry *carry, const float *now, uint32_t inverse, c
     const smr_status status = (xyz == NULL || out == NULL) && n > 0u ? SMR_E_NULL : smr_carry_check(carry, now);
     if (status != SMR_OK)
         return status;
-    if (inverse > 1u || n > SMR_VERTICES_MAX)
+    if (inverse > 1u || n > SMR_VERTICES_MAX || !smr_all_within(xyz, 3u * (size_t)n, SMR_COORD_MAX))
         return SMR_E_INPUT;
-    for (size_t i = 0; i < 3u * (size_t)n; i++)
-        if (!smr_within(xyz[i], SMR_COORD_MAX))
-            return SMR_E_INPUT;
     job j = {carry, now, smr_carry_trend(carry, now), xyz, n, inverse, out, facts};
     return smr_carry_run(carry, run_map, &j, n);
 }

@@ -3,15 +3,7 @@
 #ifndef SMR_ALIGN_POSE_H
 #define SMR_ALIGN_POSE_H
 
-#include "base/vec.h"
-
-/* a rotated and scaled by the pose, without its translation. */
-static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
-{
-    return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z,
-                 p->m[1][0] * a.x + p->m[1][1] * a.y + p->m[1][2] * a.z,
-                 p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z);
-}
+#include "geometry/rotation/similarity_fit.h"
 
 /* Sets the pose's translation so that it maps `from` onto `to`. */
 static inline void smr_pose_through(smr_pose *p, smr_vec from, smr_vec to)
