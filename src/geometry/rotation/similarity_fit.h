@@ -3,10 +3,7 @@
 #ifndef SMR_SIMILARITY_FIT_H
 #define SMR_SIMILARITY_FIT_H
 
-#include "base/vec.h"
-
-/* Column k of a matrix. */
-static inline smr_vec smr_column(const float m[9], uint32_t k) { return smr_v(m[k], m[3u + k], m[6u + k]); }
+#include "geometry/linear_solve/eigen_jacobi.h"
 
 /* a rotated and scaled by the pose, without its translation. */
 static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)

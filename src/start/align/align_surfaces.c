@@ -21,21 +21,14 @@
 
 smr_align_config smr_align_config_default(void)
 {
-    smr_align_config c;
-    memset(&c, 0, sizeof c);
-    c.cookie = SMR_COOKIE('A', smr_align_config);
-    c.scaled = 1;
-    c.iterations = 60;
-    c.samples = 600;
-    return c;
+    return (smr_align_config){
+        .cookie = SMR_COOKIE('A', smr_align_config), .scaled = 1, .iterations = 60, .samples = 600};
 }
 
-static smr_status check_config(const smr_align_config *config)
+static int is_legal(const smr_align_config *c)
 {
-    if (config->cookie != SMR_COOKIE('A', smr_align_config) || config->scaled > 1u || config->iterations < 1u ||
-        config->iterations > 1000u || config->samples < 16u || config->samples > 100000u)
-        return SMR_E_CONFIG;
-    return SMR_OK;
+    return c->cookie == SMR_COOKIE('A', smr_align_config) && c->scaled <= 1u && c->iterations >= 1u &&
+           c->iterations <= 1000u && c->samples >= 16u && c->samples <= 100000u;
 }
 
 /* Returns 1 for a rotation with one scale and a translation within the limits. */
@@ -74,7 +67,7 @@ smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes)
     smr_aligner a;
     if (config == NULL || bytes == NULL)
         return SMR_E_NULL;
-    if (check_config(config) != SMR_OK)
+    if (!is_legal(config))
         return SMR_E_CONFIG;
     smr_arena arena = smr_arena_measure();
     layout(&arena, config->samples, &work, &a);
@@ -196,7 +189,7 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
         return SMR_E_NULL;
     if (!smr_surface_valid(model) || !smr_surface_valid(target))
         return SMR_E_STATE;
-    if (check_config(config) != SMR_OK)
+    if (!is_legal(config))
         return SMR_E_CONFIG;
     const smr_pose as_given = config->given == NULL ? identity : *config->given;
     if (!is_pose(&as_given))
@@ -215,8 +208,7 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
     status = find_pose(work, config, &given, &found, &said);
     if (status != SMR_OK)
         return status;
-    smr_pose_through(&found, model->origin,
-                     smr_add(target->origin, smr_v(found.m[0][3], found.m[1][3], found.m[2][3])));
+    smr_pose_through(&found, model->origin, smr_add(target->origin, smr_pose_shift(&found)));
     *pose = said.given ? as_given : found;
     if (report != NULL)
         *report = said;
