@@ -130,7 +130,7 @@ void smr_plan_layout(smr_arena *a, smr_plan *p)
     p->forest.link = smr_arena_take(a, (size_t)p->block_size + 1u, 2u * u);
     p->queue = smr_arena_take(a, n + 1u, u);
     p->geo_distance = geodesic ? smr_arena_take(a, n, u) : NULL;
-    p->geo_heap = geodesic ? smr_arena_take(a, 6u * nt + 1u, 2u * u) : NULL;
+    p->geo_heap = geodesic ? smr_arena_take(a, 6u * nt + 1u, sizeof(uint64_t)) : NULL;
 }
 
 smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,

@@ -55,14 +55,11 @@ static uint32_t edge_count(const smr_surface *s, uint32_t v, uint32_t w)
 {
     const uint32_t *const start = s->work.start;
     uint32_t count = 0;
-    if (start[w + 1u] - start[w] < start[v + 1u] - start[v]) {
-        const uint32_t swap = v;
-        v = w;
-        w = swap;
-    }
-    for (uint32_t i = start[v]; i < start[v + 1u] && count < 2u; i++) {
+    const int fewer = start[w + 1u] - start[w] < start[v + 1u] - start[v];
+    const uint32_t one = fewer ? w : v, other = fewer ? v : w;
+    for (uint32_t i = start[one]; i < start[one + 1u] && count < 2u; i++) {
         const uint32_t *t = s->triangle + 3u * (size_t)s->work.around[i];
-        count += t[0] == w || t[1] == w || t[2] == w;
+        count += t[0] == other || t[1] == other || t[2] == other;
     }
     return count;
 }
@@ -369,7 +366,7 @@ smr_status smr_surface_step(smr_surface *surface, uint32_t units, const smr_port
 smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface)
 {
     smr_arena a;
-    smr_surface s;
+    smr_surface s = {.magic = SMR_SURFACE_BUSY};
     size_t needed;
     if (surface == NULL || mesh == NULL)
         return SMR_E_NULL;
@@ -384,9 +381,7 @@ smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, s
     if (needed > bytes)
         return SMR_E_ARENA;
     smr_arena_release(memory, bytes);
-    memset(&s, 0, sizeof s);
     smr_surface *const self = layout(&a, nv, nt, &s);
-    s.magic = SMR_SURFACE_BUSY;
     s.n_vertices = nv;
     s.work.mesh = *mesh;
     smr_tree_shape(&s.tree, nt);
