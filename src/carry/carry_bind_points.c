@@ -20,7 +20,6 @@ typedef struct job {
     const float *points; /* [n_points][3] points, mm */
 } job;
 
-/* Takes all slots from the arena, or measures them. */
 static void layout(smr_arena *a, uint32_t n_vertices, uint32_t n_points, uint32_t n_workers, job *j, smr_carry *c)
 {
     uint32_t n_nodes;

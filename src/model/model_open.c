@@ -92,7 +92,6 @@ static int check_levels(const smr_model *m)
     return 1;
 }
 
-/* Checks that rest positions are legal coordinates. */
 static int rest_within(const smr_model *m)
 {
     const uint32_t *rest = smr_at(m, m->at_rest);
@@ -256,7 +255,6 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
     return 1;
 }
 
-/* Returns 1 when an earlier section is of the same kind. */
 static int repeated(const smr_stored_section *s, uint32_t i)
 {
     for (uint32_t k = 0; k < i; k++)

@@ -11,7 +11,6 @@
 #define SMR_BOUNDARY_SHARE (1.0f / 256.0f) /* largest half width relative to the radius */
 #define SMR_BOUNDARY_ROUNDING 1.0e-6f      /* relative rounding of squared distances to boxes */
 
-/* Returns 1 when `other` is a mesh neighbour of v. */
 static int mesh_neighbour(const smr_plan *p, uint32_t v, uint32_t other)
 {
     for (uint32_t i = p->neighbour_start[v]; i < p->neighbour_start[v + 1u]; i++)

@@ -36,7 +36,6 @@ static uint64_t pop(heap *h)
     return first;
 }
 
-/* Length of the edge between a and b. */
 static uint32_t micrometres(const smr_plan *p, uint32_t a, uint32_t b)
 {
     float mm = smr_length(smr_sub(smr_load(p->xyz + 3u * (size_t)a), smr_load(p->xyz + 3u * (size_t)b)));

@@ -11,7 +11,6 @@ static const float *callers_vertex(const smr_plan *p, uint32_t structure, uint32
     return p->structures[structure].mesh.xyz + 3u * (size_t)i;
 }
 
-/* The bounding box of all structures. */
 static smr_box whole_box(const smr_plan *p)
 {
     smr_box box = smr_box_of(p->structures[0].mesh.xyz, p->structures[0].mesh.n_vertices);

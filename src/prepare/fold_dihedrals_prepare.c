@@ -28,7 +28,6 @@ static smr_vec unit_normal(const smr_plan *p, uint32_t triangle)
     return smr_unit(smr_corners_cross(p->xyz, p->triangle + 3u * (size_t)triangle));
 }
 
-/* Adds the dihedral edge between the triangles a and b. */
 static void add_dihedral(smr_plan *p, uint32_t a, uint32_t b)
 {
     const float rest = smr_dot(unit_normal(p, a), unit_normal(p, b));

@@ -164,21 +164,6 @@ static float separate_below(const smr_prepare_config *config, const float *radiu
     return finest < largest ? 1.01f * finest : 0.0f;
 }
 
-/* Computes the priority list and the stored order. The model's size does not depend on them: `wanted` is 0 when only
- * the size is asked for. */
-static smr_status put_in_order(smr_plan *p, const float *radius, uint32_t n_radii, float below, int wanted)
-{
-    const int forest = p->config->order == SMR_ORDER_FOREST;
-    p->progress_total = n_radii * (forest ? smr_ceil_div(p->n, p->block_size) : 1u);
-    smr_plan_one_level(p, n_radii);
-    if (!wanted || !p->config->priority)
-        return SMR_OK;
-    const smr_status status = smr_plan_priority(p, radius, n_radii, below);
-    if (status == SMR_OK)
-        smr_plan_levels(p, n_radii);
-    return status;
-}
-
 /* Checks everything that the caller hands over, and starts the arena on the scratch memory. */
 static smr_status check_inputs(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
                                void *scratch, size_t scratch_bytes, const void *model, smr_arena *a)
@@ -206,8 +191,15 @@ static smr_status prepare_clusters(smr_plan *p, smr_writer *w)
     if (n_radii == 0u)
         n_radii = smr_choose_radii(p, radius);
     const float below = separate_below(p->config, radius, n_radii);
-    const smr_status status = put_in_order(p, radius, n_radii, below, w->model != NULL);
-    return status == SMR_OK ? smr_write_model(p, w, radius, n_radii, below) : status;
+    p->progress_total = n_radii * (p->config->order == SMR_ORDER_FOREST ? smr_ceil_div(p->n, p->block_size) : 1u);
+    smr_plan_one_level(p, n_radii);
+    if (w->model != NULL && p->config->priority) { /* the model's size does not depend on the order */
+        const smr_status status = smr_plan_priority(p, radius, n_radii, below);
+        if (status != SMR_OK)
+            return status;
+        smr_plan_levels(p, n_radii);
+    }
+    return smr_write_model(p, w, radius, n_radii, below);
 }
 
 smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,

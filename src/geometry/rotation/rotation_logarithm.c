@@ -101,8 +101,7 @@ smr_twist smr_twist_about(smr_vec turn, smr_vec centre, smr_vec shift)
     /* about the centre the rate is V^-1 shift, V^-1 = I - [turn] / 2 + k [turn]^2 */
     const smr_vec across = smr_cross(turn, shift);
     const smr_vec bent = smr_sub(smr_scale(smr_cross(turn, across), k), smr_scale(across, 0.5f));
-    const smr_twist twist = {turn, smr_sub(smr_add(shift, bent), smr_cross(turn, centre))};
-    return twist;
+    return (smr_twist){turn, smr_sub(smr_add(shift, bent), smr_cross(turn, centre))};
 }
 
 /* V = I + (1 - cos a) / a^2 [turn] + (a - sin a) / a^3 [turn]^2, applied to the point's velocity: so small motions keep

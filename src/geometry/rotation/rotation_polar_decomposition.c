@@ -1,7 +1,6 @@
 /* rotation_polar_decomposition.c: the rotation nearest to a 3x3 matrix (paper 2.3, "polar decomposition"; Mueller et
  * al., "Meshless deformations based on shape matching", 2005).
- * Method: A^T A = V lambda V^T by cyclic Jacobi, warm-started from the last V; then R = U V^T with U = A V
- * lambda^-1/2.
+ * Method: A^T A = V lambda V^T by cyclic Jacobi, warm-started from the last V; then R = U V^T with U = A V lambda^-1/2.
  * That equals the paper's A (A^T A)^-1/2 and stays defined when A is singular.
  * Bounds: 4 sweeps, always. Accuracy against double precision in each entry: 2e-6 for condition numbers up to 10, 2e-5
  * to 30, 2e-4 to 100.
@@ -31,8 +30,7 @@ static void orthonormalise(float v[9])
     memcpy(v, m, sizeof m);
 }
 
-/* m = R - I for the shortest rotation R that takes the unit vector a to the unit vector b, at most 90 degrees
- * apart. */
+/* m = R - I for the shortest rotation R that takes the unit vector a to the unit vector b, at most 90 degrees apart. */
 static void shortest_near(smr_vec a, smr_vec b, float m[9])
 {
     const smr_vec w = smr_cross(a, b);

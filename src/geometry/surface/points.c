@@ -1,7 +1,7 @@
 /* points.c: a cloud of points as a ring: in a full cloud new points replace the oldest ones. Clouds have no search
  * tree, so adding a point has constant cost.
- * For start poses and measures a cloud becomes a surface with a search tree: each point is a triangle without area, with
- * the point's normal. Forces need no search in a cloud.
+ * For start poses and measures a cloud becomes a surface with a search tree: each point is a triangle without area and
+ * has the point's normal. Forces need no search in a cloud.
  * Bounds: one pass over the added points; those of a surface with as many triangles as points.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/points.h"

@@ -12,7 +12,6 @@
 #define SMR_SURFACE_LEAF 16u   /* items that a leaf of the tree is worth */
 #define SMR_SURFACE_NODE 32u   /* items that a node above the leaves is worth */
 
-/* Takes all slots from the arena, or measures them. */
 static smr_surface *layout(smr_arena *a, uint32_t nv, uint32_t nt, smr_surface *s)
 {
     smr_surface *self = smr_arena_take(a, 1, sizeof *self);

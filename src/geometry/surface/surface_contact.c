@@ -156,9 +156,11 @@ static void sample_triangle(sweep *s, uint32_t k)
     }
 }
 
+static const smr_box no_box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
+
 static smr_box used_box(const smr_surface *s)
 {
-    smr_box box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
+    smr_box box = no_box;
     for (size_t i = 0; i < 3u * (size_t)s->tree.n_triangles; i++) {
         const smr_vec p = smr_load(s->xyz + 3u * (size_t)s->triangle[i]);
         box.lo = smr_least(box.lo, p);
@@ -169,14 +171,7 @@ static smr_box used_box(const smr_surface *s)
 
 static sweep sweep_of(const smr_surface *a, const smr_surface *b, float within)
 {
-    sweep s = {a,
-               b,
-               smr_sub(b->origin, a->origin),
-               {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}},
-               used_box(b),
-               within,
-               0,
-               0};
+    sweep s = {a, b, smr_sub(b->origin, a->origin), no_box, used_box(b), within, 0.0f, 0.0f};
     for (uint32_t k = 0; k < a->tree.n_triangles; k++)
         sample_triangle(&s, k);
     for (uint32_t v = 0; v < a->n_vertices; v++) /* vertices without triangles have no normal */

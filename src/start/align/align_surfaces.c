@@ -119,7 +119,6 @@ static float rms_of(smr_aligner *a, const smr_pose *pose, uint32_t samples, cons
     return smr_pairs_rms(a, share);
 }
 
-/* Compares the other poses with the best one. */
 static void compare_others(smr_align_work *w, const float share[SMR_SIDES], smr_align_report *r)
 {
     const smr_pose_list *best = &w->best;
@@ -164,19 +163,6 @@ static void report_pose(smr_align_work *w, int whole, int scaled, const smr_pose
     r->target_inside_out = a->side[SMR_TARGET].outward < 0.0f;
 }
 
-/* Finds the pose between coordinates relative to the surfaces' origins; *given is in the same coordinates. */
-static smr_status find_pose(smr_align_work *w, const smr_align_config *config, const smr_pose *given, smr_pose *pose,
-                            smr_align_report *report)
-{
-    smr_align_find(w, given);
-    if (w->best.n == 0u)
-        return SMR_E_INPUT;
-    *pose = w->best.pose[0];
-    const int whole = refine_best(w, config, pose);
-    report_pose(w, whole, config->scaled != 0u, given, pose, report);
-    return SMR_OK;
-}
-
 smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config, void *memory,
                      size_t bytes, smr_pose *pose, smr_align_report *report)
 {
@@ -194,7 +180,7 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
     const smr_pose as_given = config->given == NULL ? identity : *config->given;
     if (!is_pose(&as_given))
         return SMR_E_INPUT;
-    smr_status status = smr_arena_start(&arena, memory, bytes);
+    const smr_status status = smr_arena_start(&arena, memory, bytes);
     if (status != SMR_OK)
         return status;
     memset(&parts, 0, sizeof parts);
@@ -205,9 +191,12 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
     prepare(work, model, target, config->samples);
     smr_pose given = as_given, found;
     smr_pose_through(&given, smr_v(0, 0, 0), smr_sub(smr_pose_apply(&as_given, model->origin), target->origin));
-    status = find_pose(work, config, &given, &found, &said);
-    if (status != SMR_OK)
-        return status;
+    smr_align_find(work, &given); /* from here on in coordinates relative to the surfaces' origins */
+    if (work->best.n == 0u)
+        return SMR_E_INPUT;
+    found = work->best.pose[0];
+    const int whole = refine_best(work, config, &found);
+    report_pose(work, whole, config->scaled != 0u, &given, &found, &said);
     smr_pose_through(&found, model->origin, smr_add(target->origin, smr_pose_shift(&found)));
     *pose = said.given ? as_given : found;
     if (report != NULL)

@@ -50,7 +50,6 @@ typedef struct job {
     uint32_t n;        /* distinct landmarks */
 } job;
 
-/* Takes all slots from the arena, or measures them. */
 static void layout(smr_arena *a, uint32_t n, job *j, smr_warp *w)
 {
     const size_t m = (size_t)n + SMR_WARP_AFFINE;
@@ -204,10 +203,8 @@ static int fit_spline(job *j, smr_warp *w)
     for (size_t i = 0; i < 3u * (size_t)j->n; i++)
         w->weight[i] = x[i] / unit;
     for (int r = 0; r < 3; r++) {
-        const float c0 = affine[3 + r], c1 = affine[6 + r], c2 = affine[9 + r];
-        w->affine.m[r][0] = c0 * j->axis[0].x + c1 * j->axis[1].x + c2 * j->axis[2].x;
-        w->affine.m[r][1] = c0 * j->axis[0].y + c1 * j->axis[1].y + c2 * j->axis[2].y;
-        w->affine.m[r][2] = c0 * j->axis[0].z + c1 * j->axis[1].z + c2 * j->axis[2].z;
+        const smr_vec one = smr_scale(j->axis[0], affine[3 + r]), two = smr_scale(j->axis[1], affine[6 + r]);
+        smr_store(w->affine.m[r], smr_add(smr_add(one, two), smr_scale(j->axis[2], affine[9 + r])));
         w->affine.m[r][3] = affine[r];
     }
     return 1;
