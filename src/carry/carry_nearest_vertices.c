@@ -87,38 +87,23 @@ static void look_at_group(const smr_carry_thin *t, const float *rest, uint32_t g
     }
 }
 
-/* Pushes the children of a node that may hold nearer vertices, the nearest last. Their level is one more than their
- * level in the tree, 0 for a group. Returns the new height of the stack. */
-static uint32_t push(const smr_box_tree *f, smr_visit at, const nearest *found, smr_visit *stack, uint32_t height)
-{
-    float d2[SMR_TREE_WIDTH];
-    const uint32_t near = smr_box_distances(&f->node[f->level[at.level] + at.index], found->p, bound_of(found), d2);
-    const uint32_t base = height;
-    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-        if ((near & smr_child_bit[k]) == 0u)
-            continue;
-        uint32_t i = height++;
-        for (; i > base && stack[i - 1u].d2 < d2[k]; i--)
-            stack[i] = stack[i - 1u];
-        stack[i] = (smr_visit){at.level, at.index * SMR_TREE_WIDTH + k, d2[k]};
-    }
-    return height;
-}
-
 static void search(const smr_carry_thin *t, const float *rest, nearest *f)
 {
+    const smr_box_tree *g = &t->groups;
     smr_visit stack[SMR_CARRY_STACK];
-    uint32_t height = push(&t->groups, (smr_visit){t->groups.n_levels - 1u, 0, 0.0f}, f, stack, 0);
-    while (height > 0u) { /* each node and group is popped once */
-        smr_visit at = stack[--height];
+    uint32_t height = 0;
+    stack[height++] = (smr_visit){g->n_levels, 0u, 0.0f}; /* level 0: a group; others: one more than in the tree */
+    while (height > 0u) {
+        const smr_visit at = stack[--height];
+        float d2[SMR_TREE_WIDTH];
         if (at.d2 > bound_of(f))
             continue;
         if (at.level == 0u) {
             look_at_group(t, rest, at.index, f);
             continue;
         }
-        at.level--;
-        height = push(&t->groups, at, f, stack, height);
+        const uint32_t near = smr_box_distances(&g->node[g->level[at.level - 1u] + at.index], f->p, bound_of(f), d2);
+        height = smr_push_near(near, d2, (smr_visit){at.level - 1u, at.index * SMR_TREE_WIDTH, 0.0f}, stack, height);
     }
 }
 

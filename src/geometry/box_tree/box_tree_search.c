@@ -91,17 +91,7 @@ static void search(const smr_box_tree *f, const unsigned char *skip, const smr_q
             }
             continue;
         }
-        /* push the near children, nearest on top */
-        const uint32_t bottom = top;
-        for (; near != 0u; near &= near - 1u) {
-            const uint32_t k = (uint32_t)__builtin_ctz(near);
-            if (d2[k] >= SMR_FAR)
-                continue;
-            uint32_t at = top++;
-            for (; at > bottom && stack[at - 1u].d2 < d2[k]; at--)
-                stack[at] = stack[at - 1u];
-            stack[at] = (smr_visit){v.level - 1u, base + k, d2[k]};
-        }
+        top = smr_push_near(near, d2, (smr_visit){v.level - 1u, base, 0.0f}, stack, top);
     }
     while (list != NULL && top > 0u) /* node budget used up: triangles beyond the nearest unopened box are not near */
         list->cut2 = smr_min(list->cut2, stack[--top].d2);
