@@ -27,6 +27,10 @@ static inline void smr_store(float *p, smr_vec a)
     p[2] = a.z;
 }
 
+/* Element i of an array [n][3]. */
+static inline smr_vec smr_get3(const float *array, uint32_t i) { return smr_load(array + 3u * (size_t)i); }
+static inline void smr_put3(float *array, uint32_t i, smr_vec a) { smr_store(array + 3u * (size_t)i, a); }
+
 static inline smr_vec smr_add(smr_vec a, smr_vec b) { return smr_v(a.x + b.x, a.y + b.y, a.z + b.z); }
 static inline smr_vec smr_sub(smr_vec a, smr_vec b) { return smr_v(a.x - b.x, a.y - b.y, a.z - b.z); }
 static inline smr_vec smr_scale(smr_vec a, float s) { return smr_v(a.x * s, a.y * s, a.z * s); }
@@ -67,6 +71,25 @@ static inline smr_vec smr_whole(smr_vec a)
 {
     return smr_v(smr_whole_number(a.x), smr_whole_number(a.y), smr_whole_number(a.z));
 }
+
+/* 1 when each coordinate is finite and within +-limit. */
+static inline int smr_within3(smr_vec a, float limit)
+{
+    return smr_within(a.x, limit) && smr_within(a.y, limit) && smr_within(a.z, limit);
+}
+
+/* The smaller, and the larger, of each coordinate. */
+static inline smr_vec smr_low(smr_vec a, smr_vec b)
+{
+    return smr_v(smr_min(a.x, b.x), smr_min(a.y, b.y), smr_min(a.z, b.z));
+}
+static inline smr_vec smr_high(smr_vec a, smr_vec b)
+{
+    return smr_v(smr_max(a.x, b.x), smr_max(a.y, b.y), smr_max(a.z, b.z));
+}
+
+/* Column c of the pose's matrix. */
+static inline smr_vec smr_column(const smr_pose *p, uint32_t c) { return smr_v(p->m[0][c], p->m[1][c], p->m[2][c]); }
 
 /* The point a moved by the pose. */
 static inline smr_vec smr_pose_apply(const smr_pose *p, smr_vec a)

@@ -70,12 +70,12 @@ static void number(job *j, const float *rest)
     c->centre = smr_whole(smr_scale(smr_add(box.lo, box.hi), 0.5f));
     c->per_smooth = 1.0f / (SMR_CARRY_SMOOTH_SHARE * diagonal);
     for (uint32_t v = 0; v < c->n_vertices; v++) {
-        j->key[v] = smr_curve_key(box, smr_load(rest + 3u * (size_t)v));
+        j->key[v] = smr_curve_key(box, smr_get3(rest, v));
         c->item[v] = v;
     }
     smr_curve_sort(j->key, c->item, j->tmp, c->n_vertices);
     for (uint32_t v = 0; v < c->n_vertices; v++)
-        smr_store(c->rest + 3u * (size_t)v, smr_sub(smr_load(rest + 3u * (size_t)c->item[v]), c->centre));
+        smr_put3(c->rest, v, smr_sub(smr_get3(rest, c->item[v]), c->centre));
     for (size_t v = 1; v < c->n_vertices; v++)
         steps += smr_length(smr_sub(smr_load(c->rest + 3u * v), smr_load(c->rest + 3u * (v - 1u))));
     c->per_rough = 1.0f / smr_max(SMR_CARRY_ROUGH_STEPS * steps / (float)c->n_vertices, SMR_CARRY_LEAST * diagonal);
@@ -114,7 +114,7 @@ static void run_bind(void *arg, uint32_t task, uint32_t worker)
     smr_carry_site *s = smr_carry_site_of(j->c, worker);
     const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(j->c->n_points, first + SMR_CARRY_CHUNK);
     for (uint32_t i = first; i < end && s != NULL; i++)
-        bind(j->c, s, smr_sub(smr_load(j->points + 3u * (size_t)i), j->c->centre), i);
+        bind(j->c, s, smr_sub(smr_get3(j->points, i), j->c->centre), i);
 }
 
 smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,

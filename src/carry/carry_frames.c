@@ -84,7 +84,7 @@ smr_status smr_frame_normals(const float *jacobians, float *normals, uint32_t n)
             return SMR_E_INPUT;
     for (size_t i = 0; i < n; i++) { /* the normal times the cofactors of J: J^-T n up to length, and sign in folds */
         const float *m = jacobians + 9u * i;
-        const smr_vec a = smr_column(m, 0), b = smr_column(m, 1), c = smr_column(m, 2);
+        const smr_vec a = smr_axis(m, 0), b = smr_axis(m, 1), c = smr_axis(m, 2);
         const smr_vec normal = smr_load(normals + 3u * i);
         const smr_vec turned =
             smr_add(smr_add(smr_scale(smr_cross(b, c), normal.x), smr_scale(smr_cross(c, a), normal.y)),

@@ -33,8 +33,8 @@ typedef struct value {
 /* The residual of a vertex after the trend T, mm. */
 static smr_vec displacement(const job *j, uint32_t id)
 {
-    const smr_vec now = smr_load(j->now + 3u * (size_t)j->c->item[id]);
-    return smr_sub(now, smr_pose_apply(&j->trend, smr_load(j->c->rest + 3u * (size_t)id)));
+    const smr_vec now = smr_get3(j->now, j->c->item[id]);
+    return smr_sub(now, smr_pose_apply(&j->trend, smr_get3(j->c->rest, id)));
 }
 
 /* Computes the weights of the reduced equations. Returns the nearest vertex' displacement. */
@@ -91,8 +91,7 @@ static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
     }
     /* relative to the nearest vertex, so that it maps exactly to its present position */
     const smr_vec rest = smr_sub(p, smr_carry_place(s, 0));
-    v.at = smr_add(smr_load(j->now + 3u * (size_t)c->item[s->id[0]]),
-                   smr_add(smr_pose_turn(&j->trend, rest), smr_sub(moved, first)));
+    v.at = smr_add(smr_get3(j->now, c->item[s->id[0]]), smr_add(smr_pose_turn(&j->trend, rest), smr_sub(moved, first)));
     return v;
 }
 
@@ -101,7 +100,7 @@ static float determinant(const float m[9]) { return smr_dot(smr_load(m), smr_cro
 /* m^-1 v; v itself where m is singular or mirrored. */
 static smr_vec undo(const float m[9], smr_vec v)
 {
-    const smr_vec a = smr_column(m, 0), b = smr_column(m, 1), c = smr_column(m, 2);
+    const smr_vec a = smr_axis(m, 0), b = smr_axis(m, 1), c = smr_axis(m, 2);
     const float d = determinant(m);
     if (!(d > SMR_CARRY_FLAT))
         return v;
@@ -117,7 +116,7 @@ static uint32_t starts(const job *j, smr_vec q, uint32_t id[SMR_CARRY_STARTS])
     uint32_t n = 0;
     for (uint32_t i = 0; i < t->n; i++) {
         const uint32_t v = t->first + i * t->stride;
-        const smr_vec d = smr_sub(smr_load(j->now + 3u * (size_t)j->c->item[v]), q);
+        const smr_vec d = smr_sub(smr_get3(j->now, j->c->item[v]), q);
         const float far = smr_dot(d, d);
         if (n == SMR_CARRY_STARTS && !(far < d2[n - 1u]))
             continue;
@@ -172,11 +171,11 @@ static found invert(const job *j, smr_carry_site *s, smr_vec q)
     const uint32_t n = starts(j, q, id);
     found best = {smr_v(0, 0, 0), {smr_v(0, 0, 0), {0}}, SMR_FAR};
     for (uint32_t i = 0; i < n && best.miss > SMR_CARRY_MET; i++) {
-        const smr_vec off = smr_sub(q, smr_load(j->now + 3u * (size_t)j->c->item[id[i]]));
+        const smr_vec off = smr_sub(q, smr_get3(j->now, j->c->item[id[i]]));
         float linear[9];
         for (uint32_t k = 0; k < 9u; k++)
             linear[k] = j->trend.m[k / 3u][k % 3u];
-        found f = look(j, s, smr_add(smr_load(j->c->rest + 3u * (size_t)id[i]), undo(linear, off)), q);
+        found f = look(j, s, smr_add(smr_get3(j->c->rest, id[i]), undo(linear, off)), q);
         descend(j, s, q, &f);
         if (f.miss < best.miss)
             best = f;
@@ -190,13 +189,13 @@ static void run_map(void *arg, uint32_t task, uint32_t worker)
     smr_carry_site *s = smr_carry_site_of(j->c, worker);
     const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(j->n, first + SMR_CARRY_CHUNK);
     for (uint32_t i = first; i < end && s != NULL; i++) {
-        const smr_vec p = smr_load(j->xyz + 3u * (size_t)i);
+        const smr_vec p = smr_get3(j->xyz, i);
         found f;
         if (j->inverse)
             f = invert(j, s, p);
         else
             f = look(j, s, smr_sub(p, j->c->centre), smr_v(0, 0, 0));
-        smr_store(j->out + 3u * (size_t)i, j->inverse ? smr_add(f.p, j->c->centre) : f.v.at);
+        smr_put3(j->out, i, j->inverse ? smr_add(f.p, j->c->centre) : f.v.at);
         if (j->facts == NULL)
             continue;
         j->facts[i].miss_mm = j->inverse ? f.miss : 0.0f;

@@ -23,7 +23,7 @@ static int mesh_neighbour(const smr_plan *p, uint32_t v, uint32_t other)
  * the boundary's width, mm. */
 static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, float radius, float half)
 {
-    const smr_vec d = smr_sub(smr_load(p->xyz + 3u * (size_t)a), smr_load(p->xyz + 3u * (size_t)b));
+    const smr_vec d = smr_sub(smr_get3(p->xyz, a), smr_get3(p->xyz, b));
     const float d2 = smr_dot(d, d);
     const float share = smr_clamp(0.5f + (radius - SMR_SQRT(d2)) / (2.0f * half), 0.0f, 1.0f);
     const int inside = d2 <= radius * radius, units = (int)(share * (float)SMR_BOUNDARY_UNITS + 0.5f);
@@ -66,7 +66,7 @@ __attribute__((noinline)) static uint32_t crossing_leaf(const smr_node *leaf, sm
 /* Writes the boundary pairs of v and vertices with larger numbers. */
 static void find_pairs(smr_plan *p, smr_list_writer *l, uint32_t v, float radius, float half)
 {
-    const smr_vec at = smr_load(p->xyz + 3u * (size_t)v);
+    const smr_vec at = smr_get3(p->xyz, v);
     const float near2 = (radius - half) * (radius - half) * (1.0f - SMR_BOUNDARY_ROUNDING);
     const float far2 = (radius + half) * (radius + half) * (1.0f + SMR_BOUNDARY_ROUNDING);
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];

@@ -62,7 +62,7 @@ static void set_leaf(const smr_plan *p, uint32_t leaf, smr_vec centre, float r2,
 
 void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
 {
-    const smr_vec centre = smr_load(p->xyz + 3u * (size_t)v);
+    const smr_vec centre = smr_get3(p->xyz, v);
     const float r2 = radius * radius, inside = SMR_INSIDE * r2, outside = SMR_OUTSIDE * r2;
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0;

@@ -38,7 +38,7 @@ static uint64_t pop(heap *h)
 
 static uint32_t micrometres(const smr_plan *p, uint32_t a, uint32_t b)
 {
-    float mm = smr_length(smr_sub(smr_load(p->xyz + 3u * (size_t)a), smr_load(p->xyz + 3u * (size_t)b)));
+    float mm = smr_length(smr_sub(smr_get3(p->xyz, a), smr_get3(p->xyz, b)));
     return (uint32_t)(mm * 1000.0f + 0.5f);
 }
 

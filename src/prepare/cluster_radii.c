@@ -33,10 +33,10 @@ static float rod_length(const smr_plan *p)
     smr_vec mean = smr_v(0, 0, 0);
     const float share = 1.0f / (float)p->n;
     for (uint32_t v = 0; v < p->n; v++)
-        mean = smr_add(mean, smr_scale(smr_load(p->xyz + 3u * (size_t)v), share));
+        mean = smr_add(mean, smr_scale(smr_get3(p->xyz, v), share));
     float spread = 0.0f;
     for (uint32_t v = 0; v < p->n; v++) {
-        const smr_vec d = smr_sub(smr_load(p->xyz + 3u * (size_t)v), mean);
+        const smr_vec d = smr_sub(smr_get3(p->xyz, v), mean);
         spread += share * smr_dot(d, d);
     }
     return SMR_SQRT(12.0f * spread);

@@ -16,7 +16,7 @@ static smr_box whole_box(const smr_plan *p)
     smr_box box = smr_box_of(p->structures[0].mesh.xyz, p->structures[0].mesh.n_vertices);
     for (uint32_t s = 1; s < p->n_structures; s++) {
         smr_box b = smr_box_of(p->structures[s].mesh.xyz, p->structures[s].mesh.n_vertices);
-        box = (smr_box){smr_least(box.lo, b.lo), smr_most(box.hi, b.hi)};
+        box = (smr_box){smr_low(box.lo, b.lo), smr_high(box.hi, b.hi)};
     }
     return box;
 }

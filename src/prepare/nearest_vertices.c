@@ -29,7 +29,7 @@ static void insert(candidates *c, uint32_t vertex, float d2)
 uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t last, uint32_t k, uint32_t *found,
                      float *distance2)
 {
-    const smr_vec centre = smr_load(p->xyz + 3u * (size_t)v);
+    const smr_vec centre = smr_get3(p->xyz, v);
     candidates best = {.found = found, .k = k};
     float d2[SMR_TREE_WIDTH];
     smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];

@@ -43,9 +43,9 @@ void smr_tree_refit_leaves(const smr_box_tree *f, uint32_t first, uint32_t last)
             const uint32_t *t = f->triangle + 3u * (size_t)(base + k);
             const smr_corner_values v = smr_corners_of(f->xyz, t);
             float lo[3], hi[3];
-            smr_store(f->normal + 3u * (size_t)(base + k), smr_unit(smr_triangle_cross(v.a, v.b, v.c)));
-            smr_store(lo, smr_least(v.a, smr_least(v.b, v.c)));
-            smr_store(hi, smr_most(v.a, smr_most(v.b, v.c)));
+            smr_put3(f->normal, base + k, smr_unit(smr_triangle_cross(v.a, v.b, v.c)));
+            smr_store(lo, smr_low(v.a, smr_low(v.b, v.c)));
+            smr_store(hi, smr_high(v.a, smr_high(v.b, v.c)));
             for (uint32_t axis = 0; node != NULL && axis < 3u; axis++) {
                 node->lo[axis][k] = lo[axis];
                 node->hi[axis][k] = hi[axis];

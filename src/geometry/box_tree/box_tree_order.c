@@ -170,9 +170,8 @@ void smr_mesh_centres(const smr_mesh *mesh, float *centre, uint32_t *order, uint
     for (uint32_t k = first; k < last; k++) {
         const uint32_t *t = mesh->triangles + 3u * (size_t)k;
         const smr_vec sum =
-            smr_add(smr_load(mesh->xyz + 3u * (size_t)t[0]),
-                    smr_add(smr_load(mesh->xyz + 3u * (size_t)t[1]), smr_load(mesh->xyz + 3u * (size_t)t[2])));
-        smr_store(centre + 3u * (size_t)k, sum);
+            smr_add(smr_get3(mesh->xyz, t[0]), smr_add(smr_get3(mesh->xyz, t[1]), smr_get3(mesh->xyz, t[2])));
+        smr_put3(centre, k, sum);
         order[k] = k;
     }
 }

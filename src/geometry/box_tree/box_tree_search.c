@@ -46,7 +46,7 @@ static void add_near(smr_near_list *list, uint32_t triangle, float d2, const flo
 static void try_triangle(const smr_box_tree *f, const unsigned char *skip, const smr_query *q, uint32_t i, smr_hit *hit,
                          float widen, smr_near_list *list)
 {
-    smr_vec n = smr_load(f->normal + 3u * (size_t)i);
+    smr_vec n = smr_get3(f->normal, i);
     if (smr_dot(n, q->normal) < q->min_cos || (skip != NULL && (skip[i] & SMR_SKIPPED) != 0u))
         return;
     const smr_corner_values v = smr_corners_of(f->xyz, f->triangle + 3u * (size_t)i);
@@ -116,7 +116,7 @@ void smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_
     for (uint32_t i = 0; i < list->n; i++) {
         smr_near *near = &list->item[i];
         const float beyond = width > 0.0f ? (SMR_SQRT(near->d2) - distance) / width : 1.0f;
-        const float above = smr_dot(smr_load(f->normal + 3u * (size_t)near->triangle), q->normal) - q->min_cos;
+        const float above = smr_dot(smr_get3(f->normal, near->triangle), q->normal) - q->min_cos;
         near->share = smr_clamp(1.0f - beyond, 0.0f, 1.0f) * smr_clamp(above / SMR_NORMAL_RAMP, 0.0f, 1.0f);
         total += near->share;
     }

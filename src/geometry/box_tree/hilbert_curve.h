@@ -10,16 +10,6 @@ typedef struct smr_box {
     smr_vec lo, hi;
 } smr_box;
 
-/* The smaller and the larger of each coordinate. */
-static inline smr_vec smr_least(smr_vec a, smr_vec b)
-{
-    return smr_v(smr_min(a.x, b.x), smr_min(a.y, b.y), smr_min(a.z, b.z));
-}
-static inline smr_vec smr_most(smr_vec a, smr_vec b)
-{
-    return smr_v(smr_max(a.x, b.x), smr_max(a.y, b.y), smr_max(a.z, b.z));
-}
-
 /* The bounding box of n >= 1 points, xyz: [n][3] mm. */
 smr_box smr_box_of(const float *xyz, uint32_t n);
 

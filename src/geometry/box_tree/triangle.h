@@ -23,8 +23,7 @@ typedef struct smr_corner_values {
 /* The values, [number of vertices][3], at the triangle's vertices t[3]. */
 static inline smr_corner_values smr_corners_of(const float *value, const uint32_t *t)
 {
-    return (smr_corner_values){smr_load(value + 3u * (size_t)t[0]), smr_load(value + 3u * (size_t)t[1]),
-                               smr_load(value + 3u * (size_t)t[2])};
+    return (smr_corner_values){smr_get3(value, t[0]), smr_get3(value, t[1]), smr_get3(value, t[2])};
 }
 
 /* The value at the point with these barycentric weights. */

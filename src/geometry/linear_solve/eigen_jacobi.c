@@ -48,7 +48,7 @@ void smr_jacobi(float s[6], float v[9], uint32_t sweeps)
 void smr_congruence(const float s[6], const float v[9], float out[6])
 {
     const float full[9] = {s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5]};
-    smr_vec c0 = smr_column(v, 0), c1 = smr_column(v, 1), c2 = smr_column(v, 2);
+    smr_vec c0 = smr_axis(v, 0), c1 = smr_axis(v, 1), c2 = smr_axis(v, 2);
     smr_vec s0 = smr_mul(full, c0), s1 = smr_mul(full, c1), s2 = smr_mul(full, c2);
     out[SMR_XX] = smr_dot(c0, s0);
     out[SMR_XY] = smr_dot(c0, s1);
@@ -80,7 +80,7 @@ void smr_eigen(const float s[6], float value[3], float v[9])
             v[3 * row + k] = e[3 * row + order[k]];
     }
     /* the third axis is the cross product of the first two, so that v is a proper rotation */
-    smr_vec third = smr_cross(smr_column(v, 0), smr_column(v, 1));
+    smr_vec third = smr_cross(smr_axis(v, 0), smr_axis(v, 1));
     v[2] = third.x;
     v[5] = third.y;
     v[8] = third.z;

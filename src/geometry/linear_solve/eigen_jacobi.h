@@ -20,7 +20,7 @@ static inline void smr_add_square(float s[6], float w, smr_vec d)
 }
 
 /* Column k of a matrix. */
-static inline smr_vec smr_column(const float m[9], int k) { return smr_v(m[k], m[3 + k], m[6 + k]); }
+static inline smr_vec smr_axis(const float m[9], int k) { return smr_v(m[k], m[3 + k], m[6 + k]); }
 
 /* Diagonalises a symmetric matrix A in place by `sweeps` cyclic Jacobi sweeps with a warm start.
  * s: in V^T A V (smr_congruence); out the eigenvalues in s[XX], s[YY], s[ZZ], unsorted.

@@ -22,8 +22,8 @@ static smr_vec any_normal(smr_vec a)
 /* Makes v a rotation again (Gram-Schmidt), since rounding errors add up over warm starts. */
 static void orthonormalise(float v[9])
 {
-    smr_vec a = smr_unit(smr_column(v, 0));
-    smr_vec b = smr_column(v, 1);
+    smr_vec a = smr_unit(smr_axis(v, 0));
+    smr_vec b = smr_axis(v, 1);
     b = smr_unit(smr_sub(b, smr_scale(a, smr_dot(a, b))));
     smr_vec c = smr_cross(a, b);
     const float m[9] = {a.x, b.x, c.x, a.y, b.y, c.y, a.z, b.z, c.z};
@@ -63,7 +63,7 @@ static void shortest(smr_vec a, smr_vec b, float m[9])
 /* s = A^T A. */
 static void squared(const float a[9], float s[6])
 {
-    smr_vec c0 = smr_column(a, 0), c1 = smr_column(a, 1), c2 = smr_column(a, 2);
+    smr_vec c0 = smr_axis(a, 0), c1 = smr_axis(a, 1), c2 = smr_axis(a, 2);
     s[SMR_XX] = smr_dot(c0, c0);
     s[SMR_XY] = smr_dot(c0, c1);
     s[SMR_XZ] = smr_dot(c0, c2);
@@ -91,7 +91,7 @@ void smr_polar(const float a[9], float v[9], float m[9])
      * two larger directions determine R; the third one follows by a cross product. */
     int k = d[SMR_XX] <= d[SMR_YY] && d[SMR_XX] <= d[SMR_ZZ] ? 0 : (d[SMR_YY] <= d[SMR_ZZ] ? 1 : 2);
     int i = (k + 1) % 3, j = (k + 2) % 3;
-    smr_vec vi = smr_column(v, i), vj = smr_column(v, j), vk = smr_column(v, k);
+    smr_vec vi = smr_axis(v, i), vj = smr_axis(v, j), vk = smr_axis(v, k);
     smr_vec ui = smr_mul(n, vi), uj = smr_mul(n, vj);
     if (smr_dot(uj, uj) > smr_dot(ui, ui)) {
         smr_vec t = ui;

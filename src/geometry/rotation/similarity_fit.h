@@ -13,9 +13,6 @@ static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
                  p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z);
 }
 
-/* The pose's translation, mm. */
-static inline smr_vec smr_pose_shift(const smr_pose *p) { return smr_v(p->m[0][3], p->m[1][3], p->m[2][3]); }
-
 /* Adds a translation to a pose that has none, so that it maps `from` onto `to`. */
 static inline void smr_pose_onto(smr_pose *p, smr_vec from, smr_vec to)
 {

@@ -42,7 +42,7 @@ void smr_mesh_normals(const smr_mesh *mesh, float *normal, float *area)
         area[i] = 0.0f;
     smr_mesh_add_normals(mesh->xyz, mesh->triangles, 0, mesh->n_triangles, normal, area);
     for (uint32_t i = 0; i < mesh->n_vertices; i++)
-        smr_store(normal + 3u * (size_t)i, smr_unit(smr_load(normal + 3u * (size_t)i)));
+        smr_put3(normal, i, smr_unit(smr_get3(normal, i)));
 }
 
 /* An edge's share of the sum: opposite for the two ways along it. */

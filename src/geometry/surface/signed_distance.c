@@ -27,9 +27,9 @@ static float angle_at(const smr_box_tree *f, const smr_near *near)
     const uint32_t *t = f->triangle + 3u * (size_t)near->triangle;
     const float *w = near->weight;
     const uint32_t c = w[0] >= w[1] && w[0] >= w[2] ? 0u : w[1] >= w[2] ? 1u : 2u;
-    const smr_vec at = smr_load(f->xyz + 3u * (size_t)t[c]);
-    const smr_vec a = smr_unit(smr_sub(smr_load(f->xyz + 3u * (size_t)t[(c + 1u) % 3u]), at)),
-                  b = smr_unit(smr_sub(smr_load(f->xyz + 3u * (size_t)t[(c + 2u) % 3u]), at));
+    const smr_vec at = smr_get3(f->xyz, t[c]);
+    const smr_vec a = smr_unit(smr_sub(smr_get3(f->xyz, t[(c + 1u) % 3u]), at)),
+                  b = smr_unit(smr_sub(smr_get3(f->xyz, t[(c + 2u) % 3u]), at));
     return angle_of(smr_dot(a, b));
 }
 
@@ -46,8 +46,7 @@ static float height_of(const smr_box_tree *f, smr_vec p, const smr_near_list *li
         const smr_near *near = &list->item[i];
         const smr_vec r = smr_sub(p, smr_triangle_point(f, near->triangle, near->weight));
         if (near->d2 <= tie)
-            height +=
-                smr_dot(r, smr_load(f->normal + 3u * (size_t)near->triangle)) * (n > 2u ? angle_at(f, near) : 1.0f);
+            height += smr_dot(r, smr_get3(f->normal, near->triangle)) * (n > 2u ? angle_at(f, near) : 1.0f);
     }
     return height;
 }

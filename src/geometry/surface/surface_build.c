@@ -71,13 +71,13 @@ static int check_vertices(smr_surface *s, uint32_t first, uint32_t last)
 {
     smr_box *const box = &s->work.box;
     for (uint32_t i = first; i < last; i++) {
-        const smr_vec p = smr_load(s->work.mesh.xyz + 3u * (size_t)i);
-        if (!smr_within(p.x, SMR_COORD_MAX) || !smr_within(p.y, SMR_COORD_MAX) || !smr_within(p.z, SMR_COORD_MAX))
+        const smr_vec p = smr_get3(s->work.mesh.xyz, i);
+        if (!smr_within3(p, SMR_COORD_MAX))
             return 0;
         if (i == 0u)
             box->lo = box->hi = p;
-        box->lo = smr_least(box->lo, p);
-        box->hi = smr_most(box->hi, p);
+        box->lo = smr_low(box->lo, p);
+        box->hi = smr_high(box->hi, p);
     }
     return 1;
 }
@@ -96,8 +96,8 @@ static int copy_vertices(smr_surface *s, uint32_t first, uint32_t last)
     s->changes += first == 0u ? s->work.refit : 0u;
     s->origin = smr_whole(smr_scale(smr_add(s->work.box.lo, s->work.box.hi), 0.5f));
     for (uint32_t i = first; i < last; i++) {
-        smr_store(s->xyz + 3u * (size_t)i, smr_sub(smr_load(s->work.mesh.xyz + 3u * (size_t)i), s->origin));
-        smr_store(s->normal + 3u * (size_t)i, smr_v(0, 0, 0));
+        smr_put3(s->xyz, i, smr_sub(smr_get3(s->work.mesh.xyz, i), s->origin));
+        smr_put3(s->normal, i, smr_v(0, 0, 0));
         s->area[i] = 0.0f;
     }
     return 1;
@@ -140,7 +140,7 @@ static int unit_normals(smr_surface *s, uint32_t first, uint32_t last)
     if (first == 0u)
         s->work.area = 0.0f;
     for (uint32_t i = first; i < last; i++) {
-        smr_store(s->normal + 3u * (size_t)i, smr_unit(smr_load(s->normal + 3u * (size_t)i)));
+        smr_put3(s->normal, i, smr_unit(smr_get3(s->normal, i)));
         s->work.area += s->area[i];
     }
     return 1;

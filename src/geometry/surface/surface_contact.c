@@ -43,8 +43,7 @@ static float axis_of(smr_vec p, uint32_t axis) { return axis == 0u ? p.x : axis 
 static int beside(const smr_surface *s, const line *l, smr_vec shift, uint32_t i, uint32_t k)
 {
     const uint32_t lo = smr_min_u32(i, k), hi = smr_max_u32(i, k);
-    const smr_vec a = smr_add(smr_load(s->xyz + 3u * (size_t)lo), shift),
-                  b = smr_add(smr_load(s->xyz + 3u * (size_t)hi), shift);
+    const smr_vec a = smr_add(smr_get3(s->xyz, lo), shift), b = smr_add(smr_get3(s->xyz, hi), shift);
     const float au = axis_of(a, l->u) - l->pu, av = axis_of(a, l->v) - l->pv, bu = axis_of(b, l->u) - l->pu,
                 bv = axis_of(b, l->v) - l->pv;
     return (au * bv - av * bu >= 0.0f) == (i == lo) ? 1 : -1;
@@ -66,9 +65,8 @@ static void cross_triangle(const smr_surface *s, line *l, smr_vec shift, uint32_
     const int turn = beside(s, l, shift, t[0], t[1]);
     if (beside(s, l, shift, t[1], t[2]) != turn || beside(s, l, shift, t[2], t[0]) != turn)
         return;
-    const smr_vec a = smr_add(smr_load(s->xyz + 3u * (size_t)t[0]), shift),
-                  b = smr_add(smr_load(s->xyz + 3u * (size_t)t[1]), shift),
-                  c = smr_add(smr_load(s->xyz + 3u * (size_t)t[2]), shift);
+    const smr_vec a = smr_add(smr_get3(s->xyz, t[0]), shift), b = smr_add(smr_get3(s->xyz, t[1]), shift),
+                  c = smr_add(smr_get3(s->xyz, t[2]), shift);
     const smr_vec n = smr_triangle_cross(a, b, c);
     const float along = axis_of(n, l->w);
     const float low = smr_min(axis_of(a, l->w), smr_min(axis_of(b, l->w), axis_of(c, l->w))),
@@ -136,7 +134,7 @@ static void sample_triangle(sweep *s, uint32_t k)
     smr_vec corner[3];
     float round2 = 0.0f;
     for (uint32_t i = 0; i < 3u; i++)
-        corner[i] = smr_sub(smr_load(s->a->xyz + 3u * (size_t)t[i]), s->shift);
+        corner[i] = smr_sub(smr_get3(s->a->xyz, t[i]), s->shift);
     const smr_vec middle = smr_scale(smr_add(corner[0], smr_add(corner[1], corner[2])), 1.0f / 3.0f);
     for (uint32_t i = 0; i < 3u; i++) {
         const smr_vec r = smr_sub(corner[i], middle);
@@ -151,8 +149,8 @@ static void sample_triangle(sweep *s, uint32_t k)
         const smr_vec p = smr_add(corner[i], s->shift);
         s->deepest = smr_max(s->deepest, -at);
         s->area += at <= s->within ? third : 0.0f;
-        s->near.lo = smr_least(s->near.lo, p);
-        s->near.hi = smr_most(s->near.hi, p);
+        s->near.lo = smr_low(s->near.lo, p);
+        s->near.hi = smr_high(s->near.hi, p);
     }
 }
 
@@ -162,9 +160,9 @@ static smr_box used_box(const smr_surface *s)
 {
     smr_box box = no_box;
     for (size_t i = 0; i < 3u * (size_t)s->tree.n_triangles; i++) {
-        const smr_vec p = smr_load(s->xyz + 3u * (size_t)s->triangle[i]);
-        box.lo = smr_least(box.lo, p);
-        box.hi = smr_most(box.hi, p);
+        const smr_vec p = smr_get3(s->xyz, s->triangle[i]);
+        box.lo = smr_low(box.lo, p);
+        box.hi = smr_high(box.hi, p);
     }
     return box;
 }
@@ -176,7 +174,7 @@ static sweep sweep_of(const smr_surface *a, const smr_surface *b, float within)
         sample_triangle(&s, k);
     for (uint32_t v = 0; v < a->n_vertices; v++) /* vertices without triangles have no normal */
         if (a->area[v] > 0.0f)
-            s.deepest = smr_max(s.deepest, -side_of(&s, smr_sub(smr_load(a->xyz + 3u * (size_t)v), s.shift), 0.0f));
+            s.deepest = smr_max(s.deepest, -side_of(&s, smr_sub(smr_get3(a->xyz, v), s.shift), 0.0f));
     return s;
 }
 
@@ -233,10 +231,10 @@ smr_status smr_surface_contact(const smr_surface *a, const smr_surface *b, float
         return SMR_OK;
     const sweep one = sweep_of(a, b, within_mm), other = sweep_of(b, a, within_mm);
     const smr_box all_a = used_box(a);
-    smr_box box = {smr_least(one.near.lo, smr_add(other.near.lo, one.shift)),
-                   smr_most(one.near.hi, smr_add(other.near.hi, one.shift))};
-    box.lo = smr_most(box.lo, smr_most(all_a.lo, smr_add(one.around.lo, one.shift)));
-    box.hi = smr_least(box.hi, smr_least(all_a.hi, smr_add(one.around.hi, one.shift)));
+    smr_box box = {smr_low(one.near.lo, smr_add(other.near.lo, one.shift)),
+                   smr_high(one.near.hi, smr_add(other.near.hi, one.shift))};
+    box.lo = smr_high(box.lo, smr_high(all_a.lo, smr_add(one.around.lo, one.shift)));
+    box.hi = smr_low(box.hi, smr_low(all_a.hi, smr_add(one.around.hi, one.shift)));
     report->deepest_mm = smr_max(one.deepest, other.deepest);
     report->a_in_b_mm = one.deepest;
     report->area_mm2 = 0.5f * (one.area + other.area);

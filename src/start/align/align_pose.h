@@ -15,7 +15,7 @@ static inline void smr_pose_through(smr_pose *p, smr_vec from, smr_vec to)
 }
 
 /* The pose's scale: the length of its first column. */
-static inline float smr_pose_scale(const smr_pose *p) { return smr_length(smr_v(p->m[0][0], p->m[1][0], p->m[2][0])); }
+static inline float smr_pose_scale(const smr_pose *p) { return smr_length(smr_column(p, 0)); }
 
 /* align_pose.c: the inverse of a rigid, scaled or mirrored pose. */
 smr_pose smr_pose_invert(const smr_pose *p);

@@ -10,7 +10,7 @@ static void turn_axes(smr_align_side *side, const smr_surface *s)
 {
     float *a = side->axes, skew[2] = {0.0f, 0.0f};
     for (uint32_t i = 0; i < s->n_vertices; i++) {
-        const smr_vec d = smr_sub(smr_load(s->xyz + 3u * (size_t)i), side->centre);
+        const smr_vec d = smr_sub(smr_get3(s->xyz, i), side->centre);
         for (uint32_t k = 0; k < 2u; k++) {
             const float along = d.x * a[k] + d.y * a[3u + k] + d.z * a[6u + k];
             skew[k] += s->area[i] * along * along * along;
@@ -30,14 +30,14 @@ static void describe(smr_align_side *side, const smr_surface *s)
     float weight = 0.0f;
     const smr_vec origin = smr_load(s->xyz);
     for (uint32_t i = 0; i < s->n_vertices; i++) {
-        sum = smr_add(sum, smr_scale(smr_sub(smr_load(s->xyz + 3u * (size_t)i), origin), s->area[i]));
+        sum = smr_add(sum, smr_scale(smr_sub(smr_get3(s->xyz, i), origin), s->area[i]));
         weight += s->area[i];
     }
     const float inverse = weight > 0.0f ? 1.0f / weight : 0.0f;
     side->centre = smr_add(origin, smr_scale(sum, inverse));
     float c[6] = {0}, value[3];
     for (uint32_t i = 0; i < s->n_vertices; i++) {
-        const smr_vec d = smr_sub(smr_load(s->xyz + 3u * (size_t)i), side->centre);
+        const smr_vec d = smr_sub(smr_get3(s->xyz, i), side->centre);
         const float w = s->area[i] * inverse;
         smr_add_square(c, w, d);
     }
@@ -83,8 +83,8 @@ void smr_align_side_make(smr_align_side *side, const smr_surface *s, uint32_t n)
     side->outward = inside_out(s, side->centre) ? -1.0f : 1.0f;
     for (uint32_t k = 0; k < n; k++) {
         const uint32_t i = vertex_of(s, (uint32_t)(((uint64_t)2u * k + 1u) * kept / (2u * (uint64_t)n)), at);
-        side->point[k] = smr_load(s->xyz + 3u * (size_t)i);
-        side->normal[k] = smr_scale(smr_load(s->normal + 3u * (size_t)i), side->outward);
+        side->point[k] = smr_get3(s->xyz, i);
+        side->normal[k] = smr_scale(smr_get3(s->normal, i), side->outward);
         side->weight[k] = s->area[i] * inverse;
         side->pair[k].triangle = SMR_NONE;
     }

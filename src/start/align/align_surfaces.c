@@ -40,11 +40,10 @@ static int is_pose(const smr_pose *p)
     for (uint32_t i = 0; i < 3u; i++) {
         if (!smr_within(p->m[i][3], SMR_POSE_SCALE_MAX * SMR_COORD_MAX))
             return 0;
-        for (uint32_t k = 0; k <= i; k++) {
-            const smr_vec a = smr_v(p->m[0][i], p->m[1][i], p->m[2][i]), b = smr_v(p->m[0][k], p->m[1][k], p->m[2][k]);
-            if (!smr_within(smr_dot(a, b) / (scale * scale) - (i == k ? 1.0f : 0.0f), SMR_POSE_ROUNDING))
+        for (uint32_t k = 0; k <= i; k++)
+            if (!smr_within(smr_dot(smr_column(p, i), smr_column(p, k)) / (scale * scale) - (i == k ? 1.0f : 0.0f),
+                            SMR_POSE_ROUNDING))
                 return 0;
-        }
     }
     return 1;
 }
@@ -197,7 +196,7 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
     found = work->best.pose[0];
     const int whole = refine_best(work, config, &found);
     report_pose(work, whole, config->scaled != 0u, &given, &found, &said);
-    smr_pose_through(&found, model->origin, smr_add(target->origin, smr_pose_shift(&found)));
+    smr_pose_through(&found, model->origin, smr_add(target->origin, smr_column(&found, 3)));
     *pose = said.given ? as_given : found;
     if (report != NULL)
         *report = said;

@@ -88,7 +88,7 @@ static float extent(const float *xyz, uint32_t n)
 {
     float most = 0.0f;
     for (uint32_t i = 1; i < n; i++)
-        most = smr_max(most, smr_length(smr_sub(smr_load(xyz + 3u * (size_t)i), smr_load(xyz))));
+        most = smr_max(most, smr_length(smr_sub(smr_get3(xyz, i), smr_load(xyz))));
     return most;
 }
 
@@ -98,7 +98,7 @@ static smr_vec mean(const float *xyz, uint32_t n)
     const smr_vec first = smr_load(xyz);
     smr_vec sum = smr_v(0, 0, 0);
     for (uint32_t i = 0; i < n; i++)
-        sum = smr_add(sum, smr_sub(smr_load(xyz + 3u * (size_t)i), first));
+        sum = smr_add(sum, smr_sub(smr_get3(xyz, i), first));
     return smr_add(first, smr_scale(sum, 1.0f / (float)n));
 }
 
@@ -110,21 +110,21 @@ static void merge(job *j, smr_warp *w, const float *from, const float *to, uint3
     w->to = mean(to, n);
     j->n = 0;
     for (uint32_t i = 0; i < n; i++) {
-        const smr_vec p = smr_sub(smr_load(from + 3u * (size_t)i), w->from);
-        const smr_vec goal = smr_sub(smr_load(to + 3u * (size_t)i), w->to);
+        const smr_vec p = smr_sub(smr_get3(from, i), w->from);
+        const smr_vec goal = smr_sub(smr_get3(to, i), w->to);
         uint32_t k = 0;
-        while (k < j->n && smr_length(smr_sub(p, smr_load(w->centre + 3u * (size_t)k))) > same)
+        while (k < j->n && smr_length(smr_sub(p, smr_get3(w->centre, k))) > same)
             k++;
         float *sum = j->goal + 3u * (size_t)k;
         const int known = k < j->n;
         if (!known)
-            smr_store(w->centre + 3u * (size_t)k, p);
+            smr_put3(w->centre, k, p);
         smr_store(sum, known ? smr_add(smr_load(sum), goal) : goal);
         j->count[k] = known ? j->count[k] + 1.0f : 1.0f;
         j->n += !known;
     }
     for (uint32_t k = 0; k < j->n; k++)
-        smr_store(j->goal + 3u * (size_t)k, smr_scale(smr_load(j->goal + 3u * (size_t)k), 1.0f / j->count[k]));
+        smr_put3(j->goal, k, smr_scale(smr_get3(j->goal, k), 1.0f / j->count[k]));
 }
 
 /* Scales w->centre to units of u and finds its principal directions and variances. */
@@ -132,7 +132,7 @@ static void normalise(job *j, smr_warp *w)
 {
     float unit = 1.0f, c[6] = {0}, v[9], most = 0.0f;
     for (uint32_t k = 0; k < j->n; k++)
-        most = smr_max(most, smr_length(smr_load(w->centre + 3u * (size_t)k)));
+        most = smr_max(most, smr_length(smr_get3(w->centre, k)));
     most = smr_max(most, SMR_SAME_MM);
     while (unit < most) /* terminates: SMR_SAME_MM <= most < 8 SMR_COORD_MAX */
         unit *= 2.0f;
@@ -143,7 +143,7 @@ static void normalise(job *j, smr_warp *w)
         w->centre[i] *= w->per_mm;
     const smr_vec middle = mean(w->centre, j->n);
     for (uint32_t k = 0; k < j->n; k++) {
-        const smr_vec d = smr_sub(smr_load(w->centre + 3u * (size_t)k), middle);
+        const smr_vec d = smr_sub(smr_get3(w->centre, k), middle);
         smr_add_square(c, 1.0f, d);
     }
     for (int i = 0; i < 6; i++)
@@ -151,7 +151,7 @@ static void normalise(job *j, smr_warp *w)
     smr_eigen(c, j->variance, v);
     for (int k = 0; k < 3; k++) {
         const float spread = SMR_SQRT(smr_max(j->variance[k], 1.0e-12f));
-        j->axis[k] = smr_scale(smr_column(v, k), 1.0f / spread);
+        j->axis[k] = smr_scale(smr_axis(v, k), 1.0f / spread);
     }
 }
 
@@ -219,8 +219,7 @@ static void fit_pose(const job *j, smr_warp *w, uint32_t kind)
         smr_fit fit;
         smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
         for (uint32_t k = 0; k < j->n; k++)
-            smr_fit_add(&fit, smr_scale(smr_load(w->centre + 3u * (size_t)k), unit), smr_load(j->goal + 3u * (size_t)k),
-                        j->count[k]);
+            smr_fit_add(&fit, smr_scale(smr_get3(w->centre, k), unit), smr_get3(j->goal, k), j->count[k]);
         p = smr_fit_solve(&fit, kind == SMR_WARP_SCALED);
     }
     for (uint32_t i = 0; i < 9u; i++)
@@ -272,7 +271,7 @@ static void warp_point(const smr_warp *w, float *p)
     smr_vec bend = smr_v(0, 0, 0), error = bend;
     for (uint32_t k = 0; k < w->n; k++) {
         const float *weight = w->weight + 3u * (size_t)k;
-        const float r = smr_length(smr_sub(u, smr_load(w->centre + 3u * (size_t)k)));
+        const float r = smr_length(smr_sub(u, smr_get3(w->centre, k)));
         smr_add_exact(-weight[0] * r, &bend.x, &error.x);
         smr_add_exact(-weight[1] * r, &bend.y, &error.y);
         smr_add_exact(-weight[2] * r, &bend.z, &error.z);
