@@ -331,13 +331,6 @@ static smr_status run_unit(smr_surface *s)
     return SMR_OK;
 }
 
-/* Ends refused work: a build leaves nothing, a refit leaves the old surface. */
-static void give_up(smr_surface *s)
-{
-    s->work.stage = SMR_SURFACE_STAGES;
-    s->magic = s->work.refit ? SMR_SURFACE_MAGIC : 0u;
-}
-
 smr_status smr_surface_step(smr_surface *surface, uint32_t units, const smr_port *port, uint64_t budget_ns)
 {
     if (surface == NULL)
@@ -349,14 +342,14 @@ smr_status smr_surface_step(smr_surface *surface, uint32_t units, const smr_port
     skip_stages(&surface->work);
     const int timed = budget_ns > 0u && port != NULL && port->now_ns != NULL;
     const uint64_t begin = timed ? port->now_ns(port->ctx) : 0u;
-    uint32_t done = 0;
-    for (;;) {
+    for (uint32_t done = 1;; done++) {
         const smr_status status = run_unit(surface);
-        if (status < 0)
-            give_up(surface);
+        if (status < 0) { /* refused: a build leaves nothing, a refit leaves the old surface */
+            surface->work.stage = SMR_SURFACE_STAGES;
+            surface->magic = surface->work.refit ? SMR_SURFACE_MAGIC : 0u;
+        }
         if (status != SMR_PARTIAL)
             return status;
-        done++;
         if ((units > 0u && done >= units) || (timed && port->now_ns(port->ctx) - begin >= budget_ns))
             return SMR_PARTIAL;
     }
