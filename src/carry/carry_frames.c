@@ -2,6 +2,7 @@
  * around it. Their differences give the local linear map J, exactly where the map is linear.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
+#include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/rotation.h"
 #include "geometry/rotation/similarity_fit.h"
 #include "geometry/surface/mesh.h"

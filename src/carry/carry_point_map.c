@@ -5,6 +5,7 @@
  * evaluation is one search and one factor.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
+#include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/similarity_fit.h"
 #include "geometry/surface/mesh.h"
 

@@ -2,6 +2,7 @@
  * Source: Horn, Hilden, Negahdaripour 1988; the rotation by polar decomposition and two Newton steps.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/similarity_fit.h"
+#include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/rotation.h"
 
 #define SMR_FIT_OPEN 1.0e-4f /* axes whose curvature, relative to the largest, is below this are undetermined */

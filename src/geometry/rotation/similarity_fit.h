@@ -3,7 +3,7 @@
 #ifndef SMR_SIMILARITY_FIT_H
 #define SMR_SIMILARITY_FIT_H
 
-#include "geometry/linear_solve/eigen_jacobi.h"
+#include "base/vec.h"
 
 /* a rotated and scaled by the pose, without its translation. */
 static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)

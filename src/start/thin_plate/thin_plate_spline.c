@@ -14,6 +14,7 @@
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "geometry/rotation/similarity_fit.h"
+#include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/linear_solve/thin_plate_solve.h"
 #include "geometry/surface/mesh.h"
 
