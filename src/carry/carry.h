@@ -10,7 +10,6 @@
 #ifndef SMR_CARRY_H
 #define SMR_CARRY_H
 
-#include "base/vec.h"
 #include "geometry/box_tree/box_tree.h"
 
 #define SMR_CARRY_MAGIC 0x63726163u
@@ -19,16 +18,12 @@
 #define SMR_CARRY_MORE 12u  /* nearest vertices taken from each thinner selection */
 #define SMR_CARRY_NEAR (SMR_CARRY_FIRST + (SMR_CARRY_DENSITIES - 1u) * SMR_CARRY_MORE)
 #define SMR_CARRY_CHUNK 64u /* points of a task */
-#define SMR_CARRY_STEPS 7u  /* levels of a tree: 8^8 groups of 8 > SMR_VERTICES_MAX */
 
 /* Every stride-th vertex along the curve, and a tree of boxes over groups of eight. */
 typedef struct smr_carry_thin {
-    smr_node *node;                  /* nodes of the tree, lowest level first; a child is a group of 8 vertices */
-    uint32_t first, stride, n;       /* vertices first, first + stride, ...: n of them */
-    uint32_t take;                   /* nearest vertices taken from this selection */
-    uint32_t n_steps;                /* number of levels */
-    uint32_t step[SMR_CARRY_STEPS];  /* first node of each level */
-    uint32_t count[SMR_CARRY_STEPS]; /* number of nodes of each level */
+    smr_box_tree groups;       /* the groups as its triangles; only its node, level and counts are used */
+    uint32_t first, stride, n; /* vertices first, first + stride, ...: n of them */
+    uint32_t take;             /* nearest vertices taken from this selection */
 } smr_carry_thin;
 
 /* The vertices near a point, nearest first, and the equations of their coefficients. Scratch of one worker. */
@@ -66,6 +61,12 @@ struct smr_carry {
 /* Shapes of the trees for n vertices at all densities, and their number of nodes. */
 void smr_carry_shape(smr_carry_thin thin[SMR_CARRY_DENSITIES], uint32_t n, uint32_t *n_densities, uint32_t *n_nodes);
 void smr_carry_boxes(const smr_carry_thin *thin, const float *rest);
+
+/* The position of vertex i of the site, mm from the centre. */
+static inline smr_vec smr_carry_place(const smr_carry_site *s, uint32_t i)
+{
+    return smr_v(s->x[0][i], s->x[1][i], s->x[2][i]);
+}
 
 /* Finds the vertices near p (mm from the centre), nearest first, with their noise variances. */
 void smr_carry_gather(const smr_carry *c, smr_vec p, smr_carry_site *s);

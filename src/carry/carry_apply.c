@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 #include "carry/carry.h"
 #include "geometry/rotation/similarity_fit.h"
+#include "geometry/surface/mesh.h"
 
 /* One call: present vertices, the similarity T, and the results. */
 typedef struct job {
@@ -31,24 +32,21 @@ smr_pose smr_carry_trend(const smr_carry *c, const float *now)
 {
     const smr_carry_thin *t = &c->thin[c->n_densities - 1u];
     smr_fit fit;
-    smr_fit_start(&fit, smr_v(0, 0, 0), smr_load(now + 3u * (size_t)c->item[t->first]));
+    smr_fit_start(&fit, smr_v(0, 0, 0), smr_get3(now, c->item[t->first]));
     for (uint32_t i = 0; i < t->n; i++) {
         const size_t v = (size_t)t->first + (size_t)i * t->stride;
-        smr_fit_add(&fit, smr_load(c->rest + 3u * v), smr_load(now + 3u * (size_t)c->item[v]), 1.0f);
+        smr_fit_add(&fit, smr_load(c->rest + 3u * v), smr_get3(now, c->item[v]), 1.0f);
     }
     return smr_fit_solve(&fit, 1);
 }
 
 smr_status smr_carry_check(const smr_carry *c, const float *now)
 {
-    int outside = 0;
     if (c == NULL || now == NULL)
         return SMR_E_NULL;
     if (c->magic != SMR_CARRY_MAGIC || c->self != c)
         return SMR_E_STATE;
-    for (size_t i = 0; i < 3u * (size_t)c->n_vertices; i++)
-        outside |= !smr_within(now[i], SMR_COORD_MAX);
-    return outside ? SMR_E_INPUT : SMR_OK;
+    return smr_all_within(now, 3u * (size_t)c->n_vertices, SMR_COORD_MAX) ? SMR_OK : SMR_E_INPUT;
 }
 
 /* The position of point i, computed relative to the nearest vertex, which limits rounding. */
@@ -57,15 +55,12 @@ static smr_vec apply(const job *j, uint32_t i)
     const uint32_t *near = j->c->near + (size_t)SMR_CARRY_NEAR * i;
     const float *coefficient = j->c->coefficient + (size_t)SMR_CARRY_NEAR * i;
     const float *left = j->c->rest_part + 4u * (size_t)i;
-    const smr_pose *t = &j->trend;
-    const smr_vec from = smr_load(j->now + 3u * (size_t)near[0]), rest = smr_load(left);
+    const smr_vec from = smr_get3(j->now, near[0]), rest = smr_load(left);
     smr_vec sum = smr_v(0, 0, 0);
     for (uint32_t k = 1; k < SMR_CARRY_NEAR; k++)
-        sum = smr_add(sum, smr_scale(smr_sub(smr_load(j->now + 3u * (size_t)near[k]), from), coefficient[k]));
-    const smr_vec open = smr_sub(smr_v(t->m[0][3], t->m[1][3], t->m[2][3]), from);
-    sum.x += (t->m[0][0] * rest.x + t->m[0][1] * rest.y + t->m[0][2] * rest.z) + left[3] * open.x;
-    sum.y += (t->m[1][0] * rest.x + t->m[1][1] * rest.y + t->m[1][2] * rest.z) + left[3] * open.y;
-    sum.z += (t->m[2][0] * rest.x + t->m[2][1] * rest.y + t->m[2][2] * rest.z) + left[3] * open.z;
+        sum = smr_add(sum, smr_scale(smr_sub(smr_get3(j->now, near[k]), from), coefficient[k]));
+    const smr_vec open = smr_sub(smr_column(&j->trend, 3), from);
+    sum = smr_add(sum, smr_add(smr_pose_turn(&j->trend, rest), smr_scale(open, left[3])));
     return smr_add(from, sum);
 }
 
@@ -76,7 +71,7 @@ static void run_apply(void *arg, uint32_t task, uint32_t worker)
     if (smr_carry_site_of(j->c, worker) == NULL) /* no scratch is needed, but the worker's number must exist */
         return;
     for (uint32_t i = first; i < end; i++)
-        smr_store(j->out + 3u * (size_t)i, apply(j, i));
+        smr_put3(j->out, i, apply(j, i));
 }
 
 smr_status smr_carry_apply(smr_carry *carry, const float *now, float *xyz)

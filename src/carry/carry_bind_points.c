@@ -4,9 +4,10 @@
 #include "base/arena.h"
 #include "carry/carry.h"
 #include "geometry/box_tree/hilbert_curve.h"
+#include "geometry/surface/mesh.h"
 
 /* Reach of the covariance's parts, over the diagonal of the rest shape's box and over the mean step from vertex to
- * vertex along the curve; by trials, docs/NOTES.md. */
+ * vertex along the curve; by trials. */
 #define SMR_CARRY_SMOOTH_SHARE 0.75f
 #define SMR_CARRY_ROUGH_STEPS 1.0f
 #define SMR_CARRY_LEAST 1.0e-6f /* smallest range, mm, and over the diagonal */
@@ -19,10 +20,9 @@ typedef struct job {
     const float *points; /* [n_points][3] points, mm */
 } job;
 
-/* Takes all slots from the arena, or measures them. */
 static void layout(smr_arena *a, uint32_t n_vertices, uint32_t n_points, uint32_t n_workers, job *j, smr_carry *c)
 {
-    uint32_t n_nodes, at = 0;
+    uint32_t n_nodes;
     j->c = smr_arena_take(a, 1, sizeof *j->c);
     c->n_vertices = n_vertices;
     c->n_points = n_points;
@@ -37,9 +37,8 @@ static void layout(smr_arena *a, uint32_t n_vertices, uint32_t n_points, uint32_
     j->key = smr_arena_take(a, n_vertices, sizeof(uint32_t));
     j->tmp = smr_arena_take(a, n_vertices, 2u * sizeof(uint32_t));
     for (uint32_t k = 0; k < c->n_densities && node != NULL; k++) {
-        c->thin[k].node = node + at;
-        for (uint32_t s = 0; s < c->thin[k].n_steps; s++)
-            at += c->thin[k].count[s];
+        c->thin[k].groups.node = node;
+        node += smr_tree_nodes(c->thin[k].groups.n_triangles);
     }
 }
 
@@ -71,12 +70,12 @@ static void number(job *j, const float *rest)
     c->centre = smr_whole(smr_scale(smr_add(box.lo, box.hi), 0.5f));
     c->per_smooth = 1.0f / (SMR_CARRY_SMOOTH_SHARE * diagonal);
     for (uint32_t v = 0; v < c->n_vertices; v++) {
-        j->key[v] = smr_curve_key(box, smr_load(rest + 3u * (size_t)v));
+        j->key[v] = smr_curve_key(box, smr_get3(rest, v));
         c->item[v] = v;
     }
     smr_curve_sort(j->key, c->item, j->tmp, c->n_vertices);
     for (uint32_t v = 0; v < c->n_vertices; v++)
-        smr_store(c->rest + 3u * (size_t)v, smr_sub(smr_load(rest + 3u * (size_t)c->item[v]), c->centre));
+        smr_put3(c->rest, v, smr_sub(smr_get3(rest, c->item[v]), c->centre));
     for (size_t v = 1; v < c->n_vertices; v++)
         steps += smr_length(smr_sub(smr_load(c->rest + 3u * v), smr_load(c->rest + 3u * (v - 1u))));
     c->per_rough = 1.0f / smr_max(SMR_CARRY_ROUGH_STEPS * steps / (float)c->n_vertices, SMR_CARRY_LEAST * diagonal);
@@ -92,12 +91,12 @@ static void bind(smr_carry *c, smr_carry_site *s, smr_vec p, uint32_t i)
     smr_carry_factor(c, s);
     float open = smr_carry_side(c, p, s), sum = 0.0f;
     smr_carry_solve(s, s->side);
-    const smr_vec first = smr_v(s->x[0][0], s->x[1][0], s->x[2][0]);
+    const smr_vec first = smr_carry_place(s, 0);
     smr_vec rest = smr_sub(p, first);
     for (uint32_t k = 1; k < s->n; k++) {
         open -= s->side[k] * s->far[k];
         sum += s->side[k];
-        rest = smr_sub(rest, smr_scale(smr_sub(smr_v(s->x[0][k], s->x[1][k], s->x[2][k]), first), s->side[k]));
+        rest = smr_sub(rest, smr_scale(smr_sub(smr_carry_place(s, k), first), s->side[k]));
     }
     open /= 1.0f + SMR_CARRY_ROUGH;
     for (uint32_t k = 0; k < SMR_CARRY_NEAR; k++) {
@@ -115,15 +114,7 @@ static void run_bind(void *arg, uint32_t task, uint32_t worker)
     smr_carry_site *s = smr_carry_site_of(j->c, worker);
     const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(j->c->n_points, first + SMR_CARRY_CHUNK);
     for (uint32_t i = first; i < end && s != NULL; i++)
-        bind(j->c, s, smr_sub(smr_load(j->points + 3u * (size_t)i), j->c->centre), i);
-}
-
-static int all_within(const float *xyz, uint32_t n)
-{
-    for (size_t i = 0; i < 3u * (size_t)n; i++)
-        if (!smr_within(xyz[i], SMR_COORD_MAX))
-            return 0;
-    return 1;
+        bind(j->c, s, smr_sub(smr_get3(j->points, i), j->c->centre), i);
 }
 
 smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *points, uint32_t n_points,
@@ -142,7 +133,8 @@ smr_status smr_carry_fit(const float *rest, uint32_t n_vertices, const float *po
         status = smr_carry_bytes(n_vertices, n_points, used->n_workers, &needed);
     if (status != SMR_OK)
         return status;
-    if (!all_within(rest, n_vertices) || (n_points > 0u && !all_within(points, n_points)))
+    if (!smr_all_within(rest, 3u * (size_t)n_vertices, SMR_COORD_MAX) ||
+        !smr_all_within(points, 3u * (size_t)n_points, SMR_COORD_MAX))
         return SMR_E_INPUT;
     if (needed > bytes)
         return SMR_E_ARENA;

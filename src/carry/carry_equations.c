@@ -31,18 +31,16 @@ static void growths(const smr_carry *c, const smr_carry_site *s, smr_vec p, uint
     }
 }
 
-static smr_vec place(const smr_carry_site *s, uint32_t i) { return smr_v(s->x[0][i], s->x[1][i], s->x[2][i]); }
-
 static void fill(const smr_carry *c, smr_carry_site *s)
 {
     s->far[0] = 0.0f;
     s->part[0] = 1.0f;
-    growths(c, s, place(s, 0), 1, s->n, s->far);
+    growths(c, s, smr_carry_place(s, 0), 1, s->n, s->far);
     for (uint32_t i = 1; i < s->n; i++) {
         float *row = s->lower + i * SMR_CARRY_WIDTH;
         const float far = s->far[i], part = 1.0f - far / SMR_CARRY_ALL;
         s->part[i] = part;
-        growths(c, s, place(s, i), 1, i, row);
+        growths(c, s, smr_carry_place(s, i), 1, i, row);
         for (uint32_t j = 1; j < i; j++)
             row[j] = far + part * s->far[j] - row[j];
         row[i] = far + part * far + s->noise_variance[i];

@@ -2,7 +2,10 @@
  * around it. Their differences give the local linear map J, exactly where the map is linear.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
+#include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/rotation.h"
+#include "geometry/rotation/similarity_fit.h"
+#include "geometry/surface/mesh.h"
 
 #define SMR_FRAME_SIDE 0.57735027f /* 1 / sqrt(3): corners at distance 1 */
 
@@ -15,9 +18,8 @@ smr_status smr_frame_places(const float *points, uint32_t n, float size_mm, floa
         return SMR_E_NULL;
     if (!(size_mm > 0.0f && size_mm <= SMR_COORD_MAX) || n > SMR_VERTICES_MAX)
         return SMR_E_INPUT;
-    for (size_t i = 0; i < 3u * (size_t)n; i++)
-        if (!smr_within(points[i], SMR_COORD_MAX))
-            return SMR_E_INPUT;
+    if (!smr_all_within(points, 3u * (size_t)n, SMR_COORD_MAX))
+        return SMR_E_INPUT;
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < SMR_FRAME_PLACES; k++)
             for (size_t axis = 0; axis < 3u; axis++)
@@ -51,10 +53,7 @@ static smr_pose rigid_part(const float jacobian[9], smr_vec from, smr_vec to)
     smr_polar(jacobian, v, turn);
     for (uint32_t i = 0; i < 9u; i++)
         pose.m[i / 3u][i % 3u] += turn[i];
-    const smr_vec moved = smr_pose_apply(&pose, from);
-    pose.m[0][3] = to.x - moved.x;
-    pose.m[1][3] = to.y - moved.y;
-    pose.m[2][3] = to.z - moved.z;
+    smr_pose_onto(&pose, from, to);
     return pose;
 }
 
@@ -63,11 +62,9 @@ smr_status smr_frame_poses(const float *rest, const float *now, uint32_t n, smr_
     const size_t step = 3u * (size_t)SMR_FRAME_PLACES;
     if (rest == NULL || now == NULL || (poses == NULL && jacobians == NULL))
         return SMR_E_NULL;
-    if (n > SMR_VERTICES_MAX)
+    if (n > SMR_VERTICES_MAX || !smr_all_within(rest, step * n, 4.0f * SMR_COORD_MAX) ||
+        !smr_all_within(now, step * n, 4.0f * SMR_COORD_MAX))
         return SMR_E_INPUT;
-    for (size_t i = 0; i < step * n; i++)
-        if (!smr_within(rest[i], 4.0f * SMR_COORD_MAX) || !smr_within(now[i], 4.0f * SMR_COORD_MAX))
-            return SMR_E_INPUT;
     for (size_t i = 0; i < n; i++) {
         float jacobian[9];
         local_map(rest + step * i, now + step * i, jacobian);
@@ -88,7 +85,7 @@ smr_status smr_frame_normals(const float *jacobians, float *normals, uint32_t n)
             return SMR_E_INPUT;
     for (size_t i = 0; i < n; i++) { /* the normal times the cofactors of J: J^-T n up to length, and sign in folds */
         const float *m = jacobians + 9u * i;
-        const smr_vec a = smr_v(m[0], m[3], m[6]), b = smr_v(m[1], m[4], m[7]), c = smr_v(m[2], m[5], m[8]);
+        const smr_vec a = smr_axis(m, 0), b = smr_axis(m, 1), c = smr_axis(m, 2);
         const smr_vec normal = smr_load(normals + 3u * i);
         const smr_vec turned =
             smr_add(smr_add(smr_scale(smr_cross(b, c), normal.x), smr_scale(smr_cross(c, a), normal.y)),

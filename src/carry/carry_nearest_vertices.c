@@ -6,7 +6,7 @@
 #include "carry/carry.h"
 
 #define SMR_CARRY_COARSE 600u /* most vertices of the thinnest selection */
-#define SMR_CARRY_STACK (SMR_CARRY_STEPS * SMR_TREE_WIDTH)
+#define SMR_CARRY_STACK (SMR_TREE_LEVELS * SMR_TREE_WIDTH)
 #define SMR_CARRY_NOWHERE 1.0e20f /* mm^2: larger than any squared distance */
 #define SMR_CARRY_NOISE 3.0e-4f   /* noise variance at half of the way to the end of the selection */
 #define SMR_CARRY_END 1.0e-6f     /* keeps the noise variance finite */
@@ -19,27 +19,11 @@ typedef struct nearest {
     float d2[SMR_CARRY_NEAR + 1u];
 } nearest;
 
-typedef struct entry {
-    float d2;
-    uint32_t step, node;
-} entry;
-
 static uint32_t shape_one(smr_carry_thin *t, uint32_t n, uint32_t first, uint32_t stride, uint32_t take)
 {
-    uint32_t total = 0, at = 0;
-    memset(t, 0, sizeof *t);
-    t->first = first;
-    t->stride = stride;
-    t->n = (n - first + stride - 1u) / stride;
-    t->take = take;
-    for (uint32_t k = smr_ceil_div(t->n, SMR_TREE_WIDTH); at < SMR_CARRY_STEPS && (at == 0u || k > 1u); at++) {
-        k = smr_ceil_div(k, SMR_TREE_WIDTH);
-        t->step[at] = total;
-        t->count[at] = k;
-        total += k;
-    }
-    t->n_steps = at;
-    return total;
+    *t = (smr_carry_thin){.first = first, .stride = stride, .n = smr_ceil_div(n - first, stride), .take = take};
+    smr_tree_shape(&t->groups, smr_ceil_div(t->n, SMR_TREE_WIDTH));
+    return smr_tree_nodes(t->groups.n_triangles);
 }
 
 void smr_carry_shape(smr_carry_thin thin[SMR_CARRY_DENSITIES], uint32_t n, uint32_t *n_densities, uint32_t *n_nodes)
@@ -58,41 +42,23 @@ static const float *vertex(const smr_carry_thin *t, const float *rest, uint32_t 
     return rest + 3u * ((size_t)t->first + (size_t)i * t->stride);
 }
 
-/* Widens child k of a node to hold the box lo, hi. */
-static void widen(smr_node *node, uint32_t k, const float *lo, const float *hi, size_t step)
-{
-    for (uint32_t axis = 0; axis < 3u; axis++) {
-        node->lo[axis][k] = smr_min(node->lo[axis][k], lo[axis * step]);
-        node->hi[axis][k] = smr_max(node->hi[axis][k], hi[axis * step]);
-    }
-}
-
 void smr_carry_boxes(const smr_carry_thin *t, const float *rest)
 {
-    for (uint32_t s = 0; s < t->n_steps; s++)
-        for (uint32_t i = 0; i < t->count[s]; i++)
-            for (uint32_t axis = 0; axis < 3u; axis++)
-                for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-                    t->node[t->step[s] + i].lo[axis][k] = SMR_FAR;
-                    t->node[t->step[s] + i].hi[axis][k] = s == 0u ? -SMR_FAR : SMR_FAR;
-                }
-    for (uint32_t i = 0; i < t->n; i++) {
-        const uint32_t group = i / SMR_TREE_WIDTH;
-        const float *p = vertex(t, rest, i);
-        widen(&t->node[group / SMR_TREE_WIDTH], group % SMR_TREE_WIDTH, p, p, 1);
-    }
-    for (uint32_t i = smr_ceil_div(t->n, SMR_TREE_WIDTH); i < t->count[0] * SMR_TREE_WIDTH; i++)
-        for (uint32_t axis = 0; axis < 3u; axis++) /* empty groups have no vertices */
-            t->node[i / SMR_TREE_WIDTH].hi[axis][i % SMR_TREE_WIDTH] = SMR_FAR;
-    for (uint32_t s = 1; s < t->n_steps; s++)
-        for (uint32_t i = 0; i < t->count[s - 1u]; i++) {
-            const smr_node *below = &t->node[t->step[s - 1u] + i];
-            smr_node *node = &t->node[t->step[s] + i / SMR_TREE_WIDTH];
-            for (uint32_t axis = 0; axis < 3u; axis++)
-                node->hi[axis][i % SMR_TREE_WIDTH] = -SMR_FAR;
-            for (uint32_t k = 0; k < SMR_TREE_WIDTH && below->lo[0][k] < SMR_FAR; k++)
-                widen(node, i % SMR_TREE_WIDTH, &below->lo[0][k], &below->hi[0][k], SMR_TREE_WIDTH);
+    for (uint32_t i = 0; i < smr_tree_leaves(&t->groups) * SMR_TREE_WIDTH; i++)
+        for (uint32_t axis = 0; axis < 3u; axis++) {
+            t->groups.node[i / SMR_TREE_WIDTH].lo[axis][i % SMR_TREE_WIDTH] = SMR_FAR;
+            t->groups.node[i / SMR_TREE_WIDTH].hi[axis][i % SMR_TREE_WIDTH] =
+                i < t->groups.n_triangles ? -SMR_FAR : SMR_FAR; /* groups beyond the last are empty */
         }
+    for (uint32_t i = 0; i < t->n; i++) {
+        const uint32_t group = i / SMR_TREE_WIDTH, k = group % SMR_TREE_WIDTH;
+        smr_node *node = &t->groups.node[group / SMR_TREE_WIDTH];
+        for (uint32_t axis = 0; axis < 3u; axis++) {
+            node->lo[axis][k] = smr_min(node->lo[axis][k], vertex(t, rest, i)[axis]);
+            node->hi[axis][k] = smr_max(node->hi[axis][k], vertex(t, rest, i)[axis]);
+        }
+    }
+    smr_tree_refit_upper(&t->groups);
 }
 
 static float bound_of(const nearest *f) { return f->n < f->most ? SMR_CARRY_NOWHERE : f->d2[f->n - 1u]; }
@@ -101,10 +67,9 @@ static float bound_of(const nearest *f) { return f->n < f->most ? SMR_CARRY_NOWH
 static void insert(nearest *f, uint32_t id, float d2)
 {
     uint32_t at = f->n < f->most ? f->n++ : f->n - 1u;
-    while (at > 0u && (f->d2[at - 1u] > d2 || (!(f->d2[at - 1u] < d2) && f->id[at - 1u] > id))) {
+    for (; at > 0u && (f->d2[at - 1u] > d2 || (!(f->d2[at - 1u] < d2) && f->id[at - 1u] > id)); at--) {
         f->d2[at] = f->d2[at - 1u];
         f->id[at] = f->id[at - 1u];
-        at--;
     }
     f->d2[at] = d2;
     f->id[at] = id;
@@ -122,43 +87,23 @@ static void look_at_group(const smr_carry_thin *t, const float *rest, uint32_t g
     }
 }
 
-/* Pushes the children of a node that may hold nearer vertices, the nearest last. Returns the new height of the
- * stack. */
-static uint32_t push(const smr_carry_thin *t, entry at, const nearest *f, entry *stack, uint32_t height)
-{
-    float d2[SMR_TREE_WIDTH];
-    const uint32_t near = smr_box_distances(&t->node[t->step[at.step] + at.node], f->p, bound_of(f), d2);
-    const uint32_t base = height;
-    for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++) {
-        if ((near & smr_child_bit[k]) == 0u)
-            continue;
-        uint32_t i = height++;
-        while (i > base && stack[i - 1u].d2 < d2[k]) {
-            stack[i] = stack[i - 1u];
-            i--;
-        }
-        stack[i].d2 = d2[k];
-        stack[i].step = at.step; /* level of the child plus 1; 0 for a group */
-        stack[i].node = at.node * SMR_TREE_WIDTH + k;
-    }
-    return height;
-}
-
 static void search(const smr_carry_thin *t, const float *rest, nearest *f)
 {
-    entry stack[SMR_CARRY_STACK];
-    const entry root = {0.0f, t->n_steps - 1u, 0};
-    uint32_t height = push(t, root, f, stack, 0);
-    while (height > 0u) { /* each node and group is popped once */
-        entry at = stack[--height];
+    const smr_box_tree *g = &t->groups;
+    smr_visit stack[SMR_CARRY_STACK];
+    uint32_t height = 0;
+    stack[height++] = (smr_visit){g->n_levels, 0u, 0.0f}; /* level 0: a group; others: one more than in the tree */
+    while (height > 0u) {
+        const smr_visit at = stack[--height];
+        float d2[SMR_TREE_WIDTH];
         if (at.d2 > bound_of(f))
             continue;
-        if (at.step == 0u) {
-            look_at_group(t, rest, at.node, f);
+        if (at.level == 0u) {
+            look_at_group(t, rest, at.index, f);
             continue;
         }
-        at.step--;
-        height = push(t, at, f, stack, height);
+        const uint32_t near = smr_box_distances(&g->node[g->level[at.level - 1u] + at.index], f->p, bound_of(f), d2);
+        height = smr_push_near(near, d2, (smr_visit){at.level - 1u, at.index * SMR_TREE_WIDTH, 0.0f}, stack, height);
     }
 }
 

@@ -5,6 +5,9 @@
  * evaluation is one search and one factor.
  * SPDX-License-Identifier: MIT */
 #include "carry/carry.h"
+#include "geometry/linear_solve/eigen_jacobi.h"
+#include "geometry/rotation/similarity_fit.h"
+#include "geometry/surface/mesh.h"
 
 #define SMR_CARRY_STARTS 4u
 #define SMR_CARRY_ROUNDS 30u
@@ -31,20 +34,19 @@ typedef struct value {
 /* The residual of a vertex after the trend T, mm. */
 static smr_vec displacement(const job *j, uint32_t id)
 {
-    const smr_vec now = smr_load(j->now + 3u * (size_t)j->c->item[id]);
-    return smr_sub(now, smr_pose_apply(&j->trend, smr_load(j->c->rest + 3u * (size_t)id)));
+    const smr_vec now = smr_get3(j->now, j->c->item[id]);
+    return smr_sub(now, smr_pose_apply(&j->trend, smr_get3(j->c->rest, id)));
 }
 
 /* Computes the weights of the reduced equations. Returns the nearest vertex' displacement. */
 static smr_vec weigh(const job *j, smr_carry_site *s)
 {
     const smr_vec first = displacement(j, s->id[0]);
-    const float near[3] = {first.x, first.y, first.z};
     for (uint32_t i = 1; i < s->n; i++) {
-        const smr_vec d = displacement(j, s->id[i]);
-        const float at[3] = {d.x, d.y, d.z};
-        for (uint32_t axis = 0; axis < 3u; axis++)
-            s->weight[axis][i] = at[axis] - s->part[i] * near[axis];
+        const smr_vec w = smr_sub(displacement(j, s->id[i]), smr_scale(first, s->part[i]));
+        s->weight[0][i] = w.x;
+        s->weight[1][i] = w.y;
+        s->weight[2][i] = w.z;
     }
     for (uint32_t axis = 0; axis < 3u; axis++)
         smr_carry_solve(s, s->weight[axis]);
@@ -54,7 +56,7 @@ static smr_vec weigh(const job *j, smr_carry_site *s)
 /* The gradient of g of the distance to vertex i. */
 static smr_vec slope(const smr_carry *c, const smr_carry_site *s, smr_vec p, uint32_t i)
 {
-    const smr_vec d = smr_sub(p, smr_v(s->x[0][i], s->x[1][i], s->x[2][i]));
+    const smr_vec d = smr_sub(p, smr_carry_place(s, i));
     const float r = smr_length(d);
     const float smooth = smr_positive(1.0f - r * c->per_smooth), rough = smr_positive(1.0f - r * c->per_rough);
     return smr_scale(d, 20.0f * (c->per_smooth * c->per_smooth * (smooth * smooth * smooth) +
@@ -89,12 +91,8 @@ static value evaluate(const job *j, smr_carry_site *s, smr_vec p)
         add_product(v.gradient, w, smr_sub(smr_scale(near, s->part[i]), slope(c, s, p, i)));
     }
     /* relative to the nearest vertex, so that it maps exactly to its present position */
-    const smr_vec rest = smr_sub(p, smr_v(s->x[0][0], s->x[1][0], s->x[2][0]));
-    const smr_pose *t = &j->trend;
-    const smr_vec turned = smr_v(t->m[0][0] * rest.x + t->m[0][1] * rest.y + t->m[0][2] * rest.z,
-                                 t->m[1][0] * rest.x + t->m[1][1] * rest.y + t->m[1][2] * rest.z,
-                                 t->m[2][0] * rest.x + t->m[2][1] * rest.y + t->m[2][2] * rest.z);
-    v.at = smr_add(smr_load(j->now + 3u * (size_t)c->item[s->id[0]]), smr_add(turned, smr_sub(moved, first)));
+    const smr_vec rest = smr_sub(p, smr_carry_place(s, 0));
+    v.at = smr_add(smr_get3(j->now, c->item[s->id[0]]), smr_add(smr_pose_turn(&j->trend, rest), smr_sub(moved, first)));
     return v;
 }
 
@@ -103,7 +101,7 @@ static float determinant(const float m[9]) { return smr_dot(smr_load(m), smr_cro
 /* m^-1 v; v itself where m is singular or mirrored. */
 static smr_vec undo(const float m[9], smr_vec v)
 {
-    const smr_vec a = smr_v(m[0], m[3], m[6]), b = smr_v(m[1], m[4], m[7]), c = smr_v(m[2], m[5], m[8]);
+    const smr_vec a = smr_axis(m, 0), b = smr_axis(m, 1), c = smr_axis(m, 2);
     const float d = determinant(m);
     if (!(d > SMR_CARRY_FLAT))
         return v;
@@ -119,7 +117,7 @@ static uint32_t starts(const job *j, smr_vec q, uint32_t id[SMR_CARRY_STARTS])
     uint32_t n = 0;
     for (uint32_t i = 0; i < t->n; i++) {
         const uint32_t v = t->first + i * t->stride;
-        const smr_vec d = smr_sub(smr_load(j->now + 3u * (size_t)j->c->item[v]), q);
+        const smr_vec d = smr_sub(smr_get3(j->now, j->c->item[v]), q);
         const float far = smr_dot(d, d);
         if (n == SMR_CARRY_STARTS && !(far < d2[n - 1u]))
             continue;
@@ -174,11 +172,11 @@ static found invert(const job *j, smr_carry_site *s, smr_vec q)
     const uint32_t n = starts(j, q, id);
     found best = {smr_v(0, 0, 0), {smr_v(0, 0, 0), {0}}, SMR_FAR};
     for (uint32_t i = 0; i < n && best.miss > SMR_CARRY_MET; i++) {
-        const smr_vec off = smr_sub(q, smr_load(j->now + 3u * (size_t)j->c->item[id[i]]));
+        const smr_vec off = smr_sub(q, smr_get3(j->now, j->c->item[id[i]]));
         float linear[9];
         for (uint32_t k = 0; k < 9u; k++)
             linear[k] = j->trend.m[k / 3u][k % 3u];
-        found f = look(j, s, smr_add(smr_load(j->c->rest + 3u * (size_t)id[i]), undo(linear, off)), q);
+        found f = look(j, s, smr_add(smr_get3(j->c->rest, id[i]), undo(linear, off)), q);
         descend(j, s, q, &f);
         if (f.miss < best.miss)
             best = f;
@@ -192,13 +190,13 @@ static void run_map(void *arg, uint32_t task, uint32_t worker)
     smr_carry_site *s = smr_carry_site_of(j->c, worker);
     const uint32_t first = task * SMR_CARRY_CHUNK, end = smr_min_u32(j->n, first + SMR_CARRY_CHUNK);
     for (uint32_t i = first; i < end && s != NULL; i++) {
-        const smr_vec p = smr_load(j->xyz + 3u * (size_t)i);
+        const smr_vec p = smr_get3(j->xyz, i);
         found f;
         if (j->inverse)
             f = invert(j, s, p);
         else
             f = look(j, s, smr_sub(p, j->c->centre), smr_v(0, 0, 0));
-        smr_store(j->out + 3u * (size_t)i, j->inverse ? smr_add(f.p, j->c->centre) : f.v.at);
+        smr_put3(j->out, i, j->inverse ? smr_add(f.p, j->c->centre) : f.v.at);
         if (j->facts == NULL)
             continue;
         j->facts[i].miss_mm = j->inverse ? f.miss : 0.0f;
@@ -212,11 +210,8 @@ smr_status smr_carry_map(smr_carry *carry, const float *now, uint32_t inverse, c
     const smr_status status = (xyz == NULL || out == NULL) && n > 0u ? SMR_E_NULL : smr_carry_check(carry, now);
     if (status != SMR_OK)
         return status;
-    if (inverse > 1u || n > SMR_VERTICES_MAX)
+    if (inverse > 1u || n > SMR_VERTICES_MAX || !smr_all_within(xyz, 3u * (size_t)n, SMR_COORD_MAX))
         return SMR_E_INPUT;
-    for (size_t i = 0; i < 3u * (size_t)n; i++)
-        if (!smr_within(xyz[i], SMR_COORD_MAX))
-            return SMR_E_INPUT;
     job j = {carry, now, smr_carry_trend(carry, now), xyz, n, inverse, out, facts};
     return smr_carry_run(carry, run_map, &j, n);
 }

@@ -89,8 +89,7 @@ smr_peak smr_profile_edge(const smr_profile *reference, uint32_t zero, const flo
         return (smr_peak){0.0f, 0.0f};
     const float *const l = line + at;
     const float part = smr_parabola_peak((l[0] - l[-2]) * scale, (l[1] - l[-1]) * scale, (l[2] - l[0]) * scale);
-    const smr_peak peak = {(float)at + part - own.beyond, smr_min(best, 1.0f)};
-    return peak;
+    return (smr_peak){(float)at + part - own.beyond, smr_min(best, 1.0f)};
 }
 
 smr_peak smr_steepest(const float *line, const unsigned char *inside, uint32_t m, uint32_t centre, uint32_t reach)

@@ -2,8 +2,7 @@
  * which a line of image samples is most similar to the reference profile, between samples, and its confidence.
  * Similarity measures: normalised cross-correlation (paper 3; Lewis 1995, with running sums), sum of squared
  * differences, and concordance, 2 s_xy / (s_x^2 + s_y^2 + SMR_LEVEL (mean_x - mean_y)^2). Lin 1989 has 1 for
- * SMR_LEVEL; it is less here because brightness differs between images of one kind, though not as much as between
- * tissues.
+ * SMR_LEVEL; it is less here: brightness differs between images of one kind, though not as much as between tissues.
  * The peak is refined by a parabola through its neighbours.
  * Bounds: (m - n + 1) * n multiply-adds.
  * SPDX-License-Identifier: MIT */

@@ -1,5 +1,4 @@
-/* tangential_shift.h: the displacement along the surface after which the image agrees better with an intensity
- * profile.
+/* tangential_shift.h: the displacement along the surface after which an image agrees better with a reference profile.
  * SPDX-License-Identifier: MIT */
 #ifndef SMR_TANGENTIAL_SHIFT_H
 #define SMR_TANGENTIAL_SHIFT_H
@@ -22,8 +21,7 @@ typedef struct smr_place {
  * found: [reference->n] intensities. */
 float smr_contrast(const smr_profile *reference, const float *found);
 
-/* The shift perpendicular to the normal, mm, at most reach_mm long, after which the image agrees best with the
- * reference.
+/* The shift perpendicular to the normal, mm, at most reach_mm, after which the image agrees best with the reference.
  * Zero where the image does not change along the surface, or where samples lie outside the image. */
 smr_vec smr_tangential_shift(const smr_grid *image, const smr_place *at);
 

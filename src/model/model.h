@@ -148,15 +148,38 @@ static inline const void *smr_at(const smr_model *m, uint32_t stored_offset)
 smr_lists smr_model_lists(const smr_model *m, uint32_t radius);
 int smr_model_separate(const smr_model *m, uint32_t radius); /* 1: clusters contain vertices of one structure only */
 
-static inline uint32_t smr_list_count(const smr_lists *l, uint32_t vertex)
+/* Number i of a list of indexes that are `width` bytes wide, 2 or 4. */
+static inline uint32_t smr_index_at(const void *list, uint32_t width, size_t i)
 {
-    return l->index_bytes == 2u ? smr_le16(((const uint16_t *)l->count)[vertex])
-                                : smr_le32(((const uint32_t *)l->count)[vertex]);
+    return width == 2u ? smr_le16(((const uint16_t *)list)[i]) : smr_le32(((const uint32_t *)list)[i]);
 }
 
-static inline uint32_t smr_model_owner(const smr_model *m, uint32_t vertex)
+/* |zeta| of a stored vertex. */
+static inline uint32_t smr_list_count(const smr_lists *l, uint32_t v)
 {
-    return smr_le16(((const uint16_t *)smr_at(m, m->at_owner))[vertex]);
+    return smr_index_at(l->count, l->index_bytes, v);
+}
+
+/* The structure of a stored vertex. */
+static inline uint32_t smr_model_owner(const smr_model *m, uint32_t v)
+{
+    return smr_index_at(smr_at(m, m->at_owner), 2, v);
+}
+
+/* A stored vertex' position along the curve. */
+static inline uint32_t smr_model_along(const smr_model *m, uint32_t v)
+{
+    return smr_index_at(smr_at(m, m->at_along), 4, v);
+}
+
+/* The stored vertex of a caller's vertex, and the caller's vertex of a stored vertex. */
+static inline uint32_t smr_model_position(const smr_model *m, uint32_t callers)
+{
+    return smr_index_at(smr_at(m, m->at_position), 4, callers);
+}
+static inline uint32_t smr_model_original(const smr_model *m, uint32_t v)
+{
+    return smr_index_at(smr_at(m, m->at_original), 4, v);
 }
 
 static inline const smr_stored_structure *smr_model_record(const smr_model *m, uint32_t structure)
@@ -164,28 +187,15 @@ static inline const smr_stored_structure *smr_model_record(const smr_model *m, u
     return (const smr_stored_structure *)smr_at(m, m->at_structures) + structure;
 }
 
-/* A stored vertex' position along the curve. */
-static inline uint32_t smr_model_along(const smr_model *m, uint32_t vertex)
+static inline const smr_stored_radius *smr_model_radius(const smr_model *m, uint32_t radius)
 {
-    return smr_le32(((const uint32_t *)smr_at(m, m->at_along))[vertex]);
+    return (const smr_stored_radius *)smr_at(m, m->at_radii) + radius;
 }
 
 /* The origin of rest positions, mm. */
 static inline smr_vec smr_model_centre(const smr_model *m)
 {
     return smr_v(smr_le_float(m->centre[0]), smr_le_float(m->centre[1]), smr_le_float(m->centre[2]));
-}
-
-/* The stored vertex of a caller's vertex. */
-static inline uint32_t smr_model_position(const smr_model *m, uint32_t callers)
-{
-    return smr_le32(((const uint32_t *)smr_at(m, m->at_position))[callers]);
-}
-
-/* The caller's vertex of a stored vertex. */
-static inline uint32_t smr_model_original(const smr_model *m, uint32_t vertex)
-{
-    return smr_le32(((const uint32_t *)smr_at(m, m->at_original))[vertex]);
 }
 
 #endif

@@ -32,31 +32,19 @@ static int check_structures(const smr_model *m)
     return vertices == smr_le32(m->n_vertices) && triangles == smr_le32(m->n_triangles);
 }
 
-static int floats_within(const void *data, size_t n, float lo, float hi)
+static int floats_within(const uint32_t *stored, size_t n, float lo, float hi)
 {
-    const uint32_t *v = data;
-    for (size_t i = 0; i < n; i++) {
-        float f = smr_le_float(v[i]);
-        if (!(f >= lo && f <= hi))
-            return 0;
-    }
-    return 1;
-}
-
-static int below_u32(const void *data, size_t n, uint32_t limit)
-{
-    const uint32_t *v = data;
     for (size_t i = 0; i < n; i++)
-        if (smr_le32(v[i]) >= limit)
+        if (!(smr_le_float(stored[i]) >= lo && smr_le_float(stored[i]) <= hi))
             return 0;
     return 1;
 }
 
-static int below_u16(const void *data, size_t n, uint32_t limit)
+/* Checks indexes that are `width` bytes wide. */
+static int all_below(const void *list, uint32_t width, size_t n, uint32_t limit)
 {
-    const uint16_t *v = data;
     for (size_t i = 0; i < n; i++)
-        if (smr_le16(v[i]) >= limit)
+        if (smr_index_at(list, width, i) >= limit)
             return 0;
     return 1;
 }
@@ -104,7 +92,6 @@ static int check_levels(const smr_model *m)
     return 1;
 }
 
-/* Checks that rest positions are legal coordinates. */
 static int rest_within(const smr_model *m)
 {
     const uint32_t *rest = smr_at(m, m->at_rest);
@@ -124,7 +111,7 @@ static int check_vertices(const smr_model *m)
            floats_within(&m->edge_mm, 1, 0.0f, 4.0f * SMR_COORD_MAX) &&
            floats_within(smr_at(m, m->at_rest), 3u * (size_t)n, -2.0f * SMR_COORD_MAX, 2.0f * SMR_COORD_MAX) &&
            rest_within(m) && floats_within(smr_at(m, m->at_mass), n, 1.0f / SMR_MASS_UNITS, SMR_MASS_MAX) &&
-           below_u32(smr_at(m, m->at_triangles), 3u * (size_t)nt, n);
+           all_below(smr_at(m, m->at_triangles), 4, 3u * (size_t)nt, n);
 }
 
 static int check_dihedrals(const smr_model *m)
@@ -157,7 +144,7 @@ static int check_triangle_indexes(const smr_model *m)
     for (uint32_t s = 0; s < smr_le32(m->n_structures); s++) {
         const uint32_t first = smr_le32(smr_model_record(m, s)->first_triangle);
         const uint32_t n = smr_le32(smr_model_record(m, s)->n_triangles);
-        if (!below_u32(triangle_index + first, n, n))
+        if (!all_below(triangle_index + first, 4, n, n))
             return 0;
         for (size_t i = 3u * (size_t)first; i < 3u * ((size_t)first + n); i++)
             if (smr_model_owner(m, smr_le32(corner[i])) != s)
@@ -168,15 +155,10 @@ static int check_triangle_indexes(const smr_model *m)
 
 static smr_entry32 entry_at(const smr_lists *l, uint32_t i)
 {
-    smr_entry32 e;
-    if (l->index_bytes == 2u) {
-        const smr_entry16 *p = (const smr_entry16 *)l->entry + i;
-        e = (smr_entry32){smr_le16(p->vertex), smr_le16(p->parent), smr_le16(p->n_plus), smr_le16(p->n_minus)};
-    } else {
-        const smr_entry32 *p = (const smr_entry32 *)l->entry + i;
-        e = (smr_entry32){smr_le32(p->vertex), smr_le32(p->parent), smr_le32(p->n_plus), smr_le32(p->n_minus)};
-    }
-    return e;
+    const uint32_t width = l->index_bytes;
+    const size_t at = 4u * (size_t)i;
+    return (smr_entry32){smr_index_at(l->entry, width, at), smr_index_at(l->entry, width, at + 1u),
+                         smr_index_at(l->entry, width, at + 2u), smr_index_at(l->entry, width, at + 3u)};
 }
 
 /* Checks that each vertex of the block first..last-1 along the curve has exactly one entry. */
@@ -259,7 +241,7 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
         if (count == 0u || count > smr_le32(r->largest))
             return 0;
     }
-    if (!(width == 2u ? below_u16(l.index, n_indexes, n) : below_u32(l.index, n_indexes, n)))
+    if (!all_below(l.index, width, n_indexes, n))
         return 0;
     if (smr_le32(l.block[0].first) != 0u || smr_le32(l.block[0].first_index) != 0u ||
         smr_le32(l.block[n_blocks].first) != n || smr_le32(l.block[n_blocks].first_index) != n_indexes)
@@ -273,7 +255,6 @@ static int check_radius(const smr_model *m, const smr_stored_radius *r, uint32_t
     return 1;
 }
 
-/* Returns 1 when an earlier section is of the same kind. */
 static int repeated(const smr_stored_section *s, uint32_t i)
 {
     for (uint32_t k = 0; k < i; k++)
@@ -297,10 +278,8 @@ static int check_sections(const smr_model *m)
         return 0;
     const smr_stored_section *s = smr_at(m, m->at_sections);
     for (uint32_t i = 0; i < n; i++) {
-        if (s[i].kind == 0u || smr_le32(s[i].flags) > SMR_SECTION_REQUIRED || repeated(s, i) ||
-            !section(m, s[i].at, smr_le32(s[i].bytes), 1) || smr_le32(s[i].at) < end)
-            return 0;
-        if (smr_le32(s[i].flags) == SMR_SECTION_REQUIRED)
+        if (s[i].kind == 0u || s[i].flags != 0u || repeated(s, i) || !section(m, s[i].at, smr_le32(s[i].bytes), 1) ||
+            smr_le32(s[i].at) < end)
             return 0;
         end = (uint64_t)smr_le32(s[i].at) + smr_le32(s[i].bytes);
     }
@@ -333,10 +312,9 @@ smr_status smr_model_open(const void *memory, size_t bytes, const smr_model **mo
         return SMR_E_MODEL;
     if (!section(m, m->at_radii, smr_le32(m->n_radii), sizeof(smr_stored_radius)))
         return SMR_E_MODEL;
-    const smr_stored_radius *r = smr_at(m, m->at_radii);
     uint64_t end = sizeof *m;
     for (uint32_t i = 0; i < smr_le32(m->n_radii); i++)
-        if (!sections_in_order(m, &r[i], &end) || !check_radius(m, &r[i], i))
+        if (!sections_in_order(m, smr_model_radius(m, i), &end) || !check_radius(m, smr_model_radius(m, i), i))
             return SMR_E_MODEL;
     *model = m;
     return SMR_OK;

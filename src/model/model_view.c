@@ -4,22 +4,20 @@
 
 smr_lists smr_model_lists(const smr_model *m, uint32_t radius)
 {
-    const smr_stored_radius *r = (const smr_stored_radius *)smr_at(m, m->at_radii) + radius;
-    smr_lists l;
-    l.block = smr_at(m, r->at_blocks);
-    l.entry = smr_at(m, r->at_entries);
-    l.count = smr_at(m, r->at_count);
-    l.index = smr_at(m, r->at_indexes);
-    l.boundary = smr_at(m, r->at_boundary);
-    l.n_boundary = smr_le32(r->n_boundary);
-    l.index_bytes = smr_le32(m->index_bytes);
-    l.n_blocks = smr_le32(r->n_blocks);
-    l.largest = smr_le32(r->largest);
-    l.smallest = smr_le32(r->smallest);
-    l.active_min = smr_le32(r->active_min);
-    l.radius = smr_le_float(r->radius);
-    l.reach = smr_le_float(r->reach);
-    return l;
+    const smr_stored_radius *r = smr_model_radius(m, radius);
+    return (smr_lists){.block = smr_at(m, r->at_blocks),
+                       .entry = smr_at(m, r->at_entries),
+                       .count = smr_at(m, r->at_count),
+                       .index = smr_at(m, r->at_indexes),
+                       .boundary = smr_at(m, r->at_boundary),
+                       .n_boundary = smr_le32(r->n_boundary),
+                       .index_bytes = smr_le32(m->index_bytes),
+                       .n_blocks = smr_le32(r->n_blocks),
+                       .largest = smr_le32(r->largest),
+                       .smallest = smr_le32(r->smallest),
+                       .active_min = smr_le32(r->active_min),
+                       .radius = smr_le_float(r->radius),
+                       .reach = smr_le_float(r->reach)};
 }
 
 smr_status smr_model_get_info(const smr_model *model, smr_model_info *info)
@@ -43,7 +41,7 @@ smr_status smr_model_get_info(const smr_model *model, smr_model_info *info)
     for (uint32_t i = 0; i < info->n_levels; i++)
         info->level_end[i] = smr_le32(model->level_end[i]);
     for (uint32_t i = 0; i < info->n_radii; i++) {
-        const smr_stored_radius *r = (const smr_stored_radius *)smr_at(model, model->at_radii) + i;
+        const smr_stored_radius *r = smr_model_radius(model, i);
         info->radius_mm[i] = smr_le_float(r->radius);
         info->indexes_per_cluster[i] = (float)smr_le32(r->n_indexes) / (float)info->n_vertices;
         info->direct_per_cluster[i] = smr_le_float(r->mean);
@@ -58,7 +56,7 @@ smr_status smr_model_get_info(const smr_model *model, smr_model_info *info)
 
 int smr_model_separate(const smr_model *m, uint32_t radius)
 {
-    return smr_le32(((const smr_stored_radius *)smr_at(m, m->at_radii))[radius].separate) != 0u;
+    return smr_le32(smr_model_radius(m, radius)->separate) != 0u;
 }
 
 smr_status smr_model_structure(const smr_model *model, uint32_t structure, smr_structure_info *info)

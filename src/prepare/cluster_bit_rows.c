@@ -6,7 +6,6 @@
 
 #define SMR_TOGETHER 31u /* words whose counts a byte can sum: 8 bits a word, 255 at most */
 
-/* The number of bits set in each byte of x. */
 static uint64_t bits_per_byte(uint64_t x)
 {
     x = x - (x >> 1 & 0x5555555555555555u);

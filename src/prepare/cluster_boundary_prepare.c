@@ -11,7 +11,6 @@
 #define SMR_BOUNDARY_SHARE (1.0f / 256.0f) /* largest half width relative to the radius */
 #define SMR_BOUNDARY_ROUNDING 1.0e-6f      /* relative rounding of squared distances to boxes */
 
-/* Returns 1 when `other` is a mesh neighbour of v. */
 static int mesh_neighbour(const smr_plan *p, uint32_t v, uint32_t other)
 {
     for (uint32_t i = p->neighbour_start[v]; i < p->neighbour_start[v + 1u]; i++)
@@ -20,18 +19,12 @@ static int mesh_neighbour(const smr_plan *p, uint32_t v, uint32_t other)
     return 0;
 }
 
-/* Squared distance between two vertices, mm^2. */
-static float distance2(const smr_plan *p, uint32_t a, uint32_t b)
-{
-    const smr_vec d = smr_sub(smr_load(p->xyz + 3u * (size_t)a), smr_load(p->xyz + 3u * (size_t)b));
-    return smr_dot(d, d);
-}
-
 /* Writes the pair a, b if its share differs from the lists, and counts vertices that the lists do not hold. half: half
  * the boundary's width, mm. */
 static void write_pair(smr_plan *p, smr_list_writer *l, uint32_t a, uint32_t b, float radius, float half)
 {
-    const float d2 = distance2(p, a, b);
+    const smr_vec d = smr_sub(smr_get3(p->xyz, a), smr_get3(p->xyz, b));
+    const float d2 = smr_dot(d, d);
     const float share = smr_clamp(0.5f + (radius - SMR_SQRT(d2)) / (2.0f * half), 0.0f, 1.0f);
     const int inside = d2 <= radius * radius, units = (int)(share * (float)SMR_BOUNDARY_UNITS + 0.5f);
     const int add = units - (inside ? SMR_BOUNDARY_UNITS : 0);
@@ -70,32 +63,26 @@ __attribute__((noinline)) static uint32_t crossing_leaf(const smr_node *leaf, sm
     return crossed;
 }
 
-/* A node to be opened: its level and its index there. */
-typedef struct visit {
-    uint32_t level, index;
-} visit;
-
 /* Writes the boundary pairs of v and vertices with larger numbers. */
 static void find_pairs(smr_plan *p, smr_list_writer *l, uint32_t v, float radius, float half)
 {
-    const smr_vec at = smr_load(p->xyz + 3u * (size_t)v);
+    const smr_vec at = smr_get3(p->xyz, v);
     const float near2 = (radius - half) * (radius - half) * (1.0f - SMR_BOUNDARY_ROUNDING);
     const float far2 = (radius + half) * (radius + half) * (1.0f + SMR_BOUNDARY_ROUNDING);
-    visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
+    smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0;
-    stack[top++] = (visit){p->points.n_levels - 1u, 0u};
+    stack[top++] = (smr_visit){p->points.n_levels - 1u, 0u, 0.0f};
     while (top > 0u) {
-        const visit node = stack[--top];
+        const smr_visit node = stack[--top];
         const smr_node *boxes = &p->points.node[p->points.level[node.level] + node.index];
         uint32_t in = node.level > 0u ? crossing(boxes, at, near2, far2) : crossing_leaf(boxes, at, near2, far2);
         for (; in != 0u; in &= in - 1u) {
             const uint32_t child = node.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(in);
-            const uint64_t first = (uint64_t)child << (3u * node.level), last = (uint64_t)(child + 1u)
-                                                                                << (3u * node.level);
-            if (last <= (uint64_t)v + 1u || first >= p->n)
-                continue;
+            if ((uint64_t)(child + 1u) << (3u * node.level) <= (uint64_t)v + 1u ||
+                (uint64_t)child << (3u * node.level) >= p->n)
+                continue; /* vertices up to v, or behind the last one */
             if (node.level > 0u)
-                stack[top++] = (visit){node.level - 1u, child};
+                stack[top++] = (smr_visit){node.level - 1u, child, 0.0f};
             else
                 write_pair(p, l, v, child, radius, half);
         }

@@ -60,21 +60,16 @@ static void set_leaf(const smr_plan *p, uint32_t leaf, smr_vec centre, float r2,
     smr_row_cover(row, p->words, first / 64u, first / 64u + 1u);
 }
 
-/* A node to be opened: its level and its index there. */
-typedef struct visit {
-    uint32_t level, index;
-} visit;
-
 void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
 {
-    const smr_vec centre = smr_load(p->xyz + 3u * (size_t)v);
+    const smr_vec centre = smr_get3(p->xyz, v);
     const float r2 = radius * radius, inside = SMR_INSIDE * r2, outside = SMR_OUTSIDE * r2;
-    visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
+    smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0;
     smr_row_clear(row, p->words);
-    stack[top++] = (visit){p->points.n_levels - 1u, 0u};
+    stack[top++] = (smr_visit){p->points.n_levels - 1u, 0u, 0.0f};
     while (top > 0u) {
-        const visit at = stack[--top];
+        const smr_visit at = stack[--top];
         if (at.level == 0u) {
             set_leaf(p, at.index, centre, r2, row);
             continue;
@@ -87,7 +82,8 @@ void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row)
             set_run(row, p->words, child << (3u * at.level), last < p->n ? (uint32_t)last : p->n);
         }
         for (; reaching != 0u; reaching &= reaching - 1u)
-            stack[top++] = (visit){at.level - 1u, at.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(reaching)};
+            stack[top++] =
+                (smr_visit){at.level - 1u, at.index * SMR_TREE_WIDTH + (uint32_t)__builtin_ctz(reaching), 0.0f};
     }
 }
 

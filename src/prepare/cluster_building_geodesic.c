@@ -6,53 +6,39 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/prepare_plan.h"
 
-/* A binary heap of vertices with the smallest distance first. */
+/* A binary heap, smallest item first. An item is a distance in micrometres << 32 | a vertex. */
 typedef struct heap {
-    uint32_t *pair; /* [2 n] distance (micrometres) and vertex of each item */
+    uint64_t *item; /* [n] */
     uint32_t n;
 } heap;
 
 static void push(heap *h, uint32_t distance, uint32_t vertex)
 {
+    const uint64_t item = (uint64_t)distance << 32 | vertex;
     uint32_t i = h->n++;
-    while (i > 0u) {
-        uint32_t up = (i - 1u) / 2u;
-        if (h->pair[2u * (size_t)up] <= distance)
-            break;
-        memcpy(h->pair + 2u * (size_t)i, h->pair + 2u * (size_t)up, 2u * sizeof(uint32_t));
-        i = up;
-    }
-    h->pair[2u * (size_t)i] = distance;
-    h->pair[2u * (size_t)i + 1u] = vertex;
+    for (; i > 0u && h->item[(i - 1u) / 2u] > item; i = (i - 1u) / 2u)
+        h->item[i] = h->item[(i - 1u) / 2u];
+    h->item[i] = item;
 }
 
-/* Removes the item with the smallest distance. */
-static void pop(heap *h, uint32_t *distance, uint32_t *vertex)
+static uint64_t pop(heap *h)
 {
-    *distance = h->pair[0];
-    *vertex = h->pair[1];
-    const uint32_t d = h->pair[2u * (size_t)(h->n - 1u)], v = h->pair[2u * (size_t)(h->n - 1u) + 1u];
-    h->n--;
+    const uint64_t first = h->item[0], last = h->item[--h->n];
     uint32_t i = 0;
-    for (;;) {
-        uint32_t child = 2u * i + 1u;
-        if (child >= h->n)
+    for (uint32_t child = 1; child < h->n; child = 2u * i + 1u) {
+        child += child + 1u < h->n && h->item[child + 1u] < h->item[child];
+        if (h->item[child] >= last)
             break;
-        if (child + 1u < h->n && h->pair[2u * (size_t)(child + 1u)] < h->pair[2u * (size_t)child])
-            child++;
-        if (h->pair[2u * (size_t)child] >= d)
-            break;
-        memcpy(h->pair + 2u * (size_t)i, h->pair + 2u * (size_t)child, 2u * sizeof(uint32_t));
+        h->item[i] = h->item[child];
         i = child;
     }
-    h->pair[2u * (size_t)i] = d;
-    h->pair[2u * (size_t)i + 1u] = v;
+    h->item[i] = last;
+    return first;
 }
 
-/* Length of the edge between a and b. */
 static uint32_t micrometres(const smr_plan *p, uint32_t a, uint32_t b)
 {
-    float mm = smr_length(smr_sub(smr_load(p->xyz + 3u * (size_t)a), smr_load(p->xyz + 3u * (size_t)b)));
+    float mm = smr_length(smr_sub(smr_get3(p->xyz, a), smr_get3(p->xyz, b)));
     return (uint32_t)(mm * 1000.0f + 0.5f);
 }
 
@@ -65,8 +51,8 @@ void smr_geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row)
     smr_row_set(row, p->words, v);
     push(&h, 0, v);
     while (h.n > 0u) {
-        uint32_t distance, from;
-        pop(&h, &distance, &from);
+        const uint64_t item = pop(&h);
+        const uint32_t distance = (uint32_t)(item >> 32), from = (uint32_t)item;
         if (distance > p->geo_distance[from])
             continue; /* a shorter path was found after this item was pushed */
         for (uint32_t i = p->neighbour_start[from]; i < p->neighbour_start[from + 1u]; i++) {

@@ -4,7 +4,6 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/model_write.h"
 
-/* Writes an index of 2 or 4 bytes. */
 static void put_index(smr_list_writer *l, size_t at, uint32_t value)
 {
     if (l->index_bytes == 2u)

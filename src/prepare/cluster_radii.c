@@ -27,17 +27,16 @@ static uint32_t mean_members(smr_plan *p, float radius)
     return (uint32_t)(sum / probes);
 }
 
-/* The model's length, mm: that of a thin rod with the same variance of points. It does not depend on the model's
- * pose. */
+/* The model's length, mm: that of a thin rod with the same variance of points, whatever the model's pose. */
 static float rod_length(const smr_plan *p)
 {
     smr_vec mean = smr_v(0, 0, 0);
     const float share = 1.0f / (float)p->n;
     for (uint32_t v = 0; v < p->n; v++)
-        mean = smr_add(mean, smr_scale(smr_load(p->xyz + 3u * (size_t)v), share));
+        mean = smr_add(mean, smr_scale(smr_get3(p->xyz, v), share));
     float spread = 0.0f;
     for (uint32_t v = 0; v < p->n; v++) {
-        const smr_vec d = smr_sub(smr_load(p->xyz + 3u * (size_t)v), mean);
+        const smr_vec d = smr_sub(smr_get3(p->xyz, v), mean);
         spread += share * smr_dot(d, d);
     }
     return SMR_SQRT(12.0f * spread);
@@ -52,7 +51,6 @@ static float rounded(float radius)
     return radius;
 }
 
-/* The radii for images; returns their number. */
 static uint32_t image_radii(const smr_plan *p, float radius[SMR_RADII_MAX])
 {
     static const float local[] = {60.0f, 40.0f, 25.0f, 15.0f}; /* mm: radii that follow those of the whole */

@@ -11,14 +11,12 @@ static const float *callers_vertex(const smr_plan *p, uint32_t structure, uint32
     return p->structures[structure].mesh.xyz + 3u * (size_t)i;
 }
 
-/* The bounding box of all structures. */
 static smr_box whole_box(const smr_plan *p)
 {
     smr_box box = smr_box_of(p->structures[0].mesh.xyz, p->structures[0].mesh.n_vertices);
     for (uint32_t s = 1; s < p->n_structures; s++) {
         smr_box b = smr_box_of(p->structures[s].mesh.xyz, p->structures[s].mesh.n_vertices);
-        box.lo = smr_v(smr_min(box.lo.x, b.lo.x), smr_min(box.lo.y, b.lo.y), smr_min(box.lo.z, b.lo.z));
-        box.hi = smr_v(smr_max(box.hi.x, b.hi.x), smr_max(box.hi.y, b.hi.y), smr_max(box.hi.z, b.hi.z));
+        box = (smr_box){smr_low(box.lo, b.lo), smr_high(box.hi, b.hi)};
     }
     return box;
 }
@@ -50,7 +48,7 @@ static void order_vertices(smr_plan *p)
     }
 }
 
-/* Writes facet and triangle. */
+/* Writes triangle_index and triangle. */
 static void order_triangles(smr_plan *p)
 {
     uint32_t first_vertex = 0, first = 0;

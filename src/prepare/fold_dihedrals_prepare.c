@@ -25,12 +25,9 @@ static void edge_of(const smr_plan *p, uint32_t i, uint32_t *low, uint32_t *high
 
 static smr_vec unit_normal(const smr_plan *p, uint32_t triangle)
 {
-    const uint32_t *t = p->triangle + 3u * (size_t)triangle;
-    return smr_unit(smr_triangle_cross(smr_load(p->xyz + 3u * (size_t)t[0]), smr_load(p->xyz + 3u * (size_t)t[1]),
-                                       smr_load(p->xyz + 3u * (size_t)t[2])));
+    return smr_unit(smr_corners_cross(p->xyz, p->triangle + 3u * (size_t)triangle));
 }
 
-/* Adds the dihedral edge between the triangles a and b. */
 static void add_dihedral(smr_plan *p, uint32_t a, uint32_t b)
 {
     const float rest = smr_dot(unit_normal(p, a), unit_normal(p, b));

@@ -35,8 +35,8 @@ smr_status smr_plan_profiles(smr_plan *p)
     for (uint32_t v = 0; v < p->n; v++) {
         float value[SMR_PROFILE_MAX];
         unsigned char inside[SMR_PROFILE_MAX];
-        const smr_vec step = smr_scale(smr_load(p->normal + 3u * (size_t)v), c->profile_step_mm);
-        const smr_vec at = smr_add(smr_load(p->xyz + 3u * (size_t)v), smr_load(p->centre));
+        const smr_vec step = smr_scale(smr_get3(p->normal, v), c->profile_step_mm);
+        const smr_vec at = smr_add(smr_get3(p->xyz, v), smr_load(p->centre));
         (void)smr_grid_line(&grid, smr_sub(at, smr_scale(step, (float)inward)), step, n, value, inside);
         smr_profile_pack(value, inside, n, p->profile + (size_t)v * n, &p->range[2u * (size_t)v],
                          &p->range[2u * (size_t)v + 1u]);

@@ -4,7 +4,6 @@
 #include "geometry/box_tree/hilbert_curve.h"
 #include "prepare/prepare_plan.h"
 
-/* Sorts the n keys of one vertex' neighbours. */
 static void sort_keys(smr_plan *p, uint32_t n)
 {
     if (n > 24u) {
@@ -58,7 +57,6 @@ static void find_neighbours(smr_plan *p)
     start[p->n] = out;
 }
 
-/* Writes edge_mm and edge_max. */
 static void measure_edges(smr_plan *p)
 {
     float sum = 0.0f;

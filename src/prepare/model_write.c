@@ -1,4 +1,4 @@
-/* model_write.c: lays the model out, section by section (docs/SPEC.md has the table).
+/* model_write.c: writes the model section by section, little-endian (docs/SPEC.md has the table).
  * SPDX-License-Identifier: MIT */
 #include "prepare/model_write.h"
 
@@ -32,10 +32,7 @@ static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radiu
 {
     const int forest = p->config->order == SMR_ORDER_FOREST;
     const uint32_t n_blocks = forest ? smr_ceil_div(p->n, p->block_size) : 1u;
-    smr_list_writer l;
-    memset(&l, 0, sizeof l);
-    l.w = w;
-    l.index_bytes = p->n <= 65535u ? 2u : 4u;
+    smr_list_writer l = {.w = w, .index_bytes = p->n <= 65535u ? 2u : 4u};
     l.at_blocks = smr_put_section(w, ((size_t)n_blocks + 1u) * sizeof(smr_stored_block));
     l.at_entries = smr_put_section(w, (size_t)p->n * 4u * l.index_bytes);
     l.at_count = smr_put_section(w, (size_t)p->n * l.index_bytes);
@@ -57,9 +54,8 @@ static smr_status write_lists(smr_plan *p, smr_writer *w, size_t at, float radiu
         if (status != SMR_OK)
             return status;
     }
-    const uint32_t n_written = l.n_blocks;
-    smr_list_block(&l);
-    l.n_blocks = n_written;
+    smr_list_block(&l); /* the end of the last block */
+    l.n_blocks = n_blocks;
     smr_write_boundary(p, &l, radius);
     write_radius(w, at, &l, p, radius, p->active_min[radius_index]);
     return w->used > UINT32_MAX ? SMR_E_INPUT : SMR_OK;
@@ -75,30 +71,22 @@ static size_t write_structures(const smr_plan *p, smr_writer *w)
         for (size_t i = 0; i + 1u < SMR_NAME_BYTES && name[i] != '\0'; i++)
             if (w->model != NULL && to + i < w->capacity)
                 w->model[to + i] = (unsigned char)name[i];
-        smr_put32(w, to + SMR_NAME_BYTES, vertices);
-        smr_put32(w, to + SMR_NAME_BYTES + 4u, p->structures[s].mesh.n_vertices);
-        smr_put32(w, to + SMR_NAME_BYTES + 8u, triangles);
-        smr_put32(w, to + SMR_NAME_BYTES + 12u, p->structures[s].mesh.n_triangles);
-        vertices += p->structures[s].mesh.n_vertices;
-        triangles += p->structures[s].mesh.n_triangles;
+        const smr_mesh *mesh = &p->structures[s].mesh;
+        const uint32_t field[4] = {vertices, mesh->n_vertices, triangles, mesh->n_triangles};
+        for (uint32_t i = 0; i < 4u; i++)
+            smr_put32(w, to + SMR_NAME_BYTES + 4u * i, field[i]);
+        vertices += mesh->n_vertices;
+        triangles += mesh->n_triangles;
     }
     return at;
 }
 
-static uint32_t write_u32(smr_writer *w, const uint32_t *value, size_t n)
-{
-    const size_t at = smr_put_section(w, n * sizeof *value);
-    for (size_t i = 0; i < n; i++)
-        smr_put32(w, at + 4u * i, value[i]);
-    return (uint32_t)at;
-}
-
-/* Writes value[table[i]] for i < n. Returns the section's offset. */
+/* Writes value[table[i]] for i < n; table NULL: value[i]. Returns the section's offset. */
 static uint32_t write_through(smr_writer *w, const uint32_t *value, const uint32_t *table, size_t n)
 {
     const size_t at = smr_put_section(w, n * sizeof *value);
     for (size_t i = 0; i < n; i++)
-        smr_put32(w, at + 4u * i, value[table[i]]);
+        smr_put32(w, at + 4u * i, value[table == NULL ? i : table[i]]);
     return (uint32_t)at;
 }
 
@@ -121,25 +109,19 @@ static uint32_t write_bytes(smr_writer *w, const smr_plan *p, const uint8_t *val
     return (uint32_t)at;
 }
 
-static uint32_t write_owner(smr_writer *w, const smr_plan *p)
-{
-    const size_t at = smr_put_section(w, p->n * sizeof(uint16_t));
-    for (uint32_t v = 0; v < p->n; v++)
-        smr_put16(w, at + 2u * (size_t)v, p->owner[p->along[v]]);
-    return (uint32_t)at;
-}
-
 /* Writes the sections with values for each vertex, triangle or dihedral edge. */
 static void write_mesh(smr_plan *p, smr_writer *w, struct smr_model *head)
 {
     head->at_position = write_through(w, p->stored, p->position, p->n);
     head->at_original = write_through(w, p->original, p->along, p->n);
-    head->at_along = write_u32(w, p->along, p->n);
-    head->at_owner = write_owner(w, p);
+    head->at_along = write_through(w, p->along, NULL, p->n);
+    head->at_owner = (uint32_t)smr_put_section(w, p->n * sizeof(uint16_t));
+    for (uint32_t v = 0; v < p->n; v++)
+        smr_put16(w, head->at_owner + 2u * (size_t)v, p->owner[p->along[v]]);
     head->at_rest = write_floats(w, p, p->xyz, 3);
     head->at_mass = write_floats(w, p, p->mass, 1);
     head->at_triangles = write_through(w, p->stored, p->triangle, 3u * (size_t)p->nt);
-    head->at_triangle_index = write_u32(w, p->triangle_index, p->nt);
+    head->at_triangle_index = write_through(w, p->triangle_index, NULL, p->nt);
     if (p->profile != NULL) {
         const uint32_t samples = p->config->profile_samples;
         head->profile_samples = samples;
@@ -149,24 +131,23 @@ static void write_mesh(smr_plan *p, smr_writer *w, struct smr_model *head)
         head->at_ranges = write_floats(w, p, p->range, 2);
     }
     head->n_dihedrals = p->n_dihedrals;
-    head->at_dihedrals = write_u32(w, &p->dihedral[0].first, 2u * (size_t)p->n_dihedrals);
+    head->at_dihedrals = write_through(w, &p->dihedral[0].first, NULL, 2u * (size_t)p->n_dihedrals);
 }
 
 smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint32_t n_radii, float separate_below)
 {
-    struct smr_model head;
-    memset(&head, 0, sizeof head);
+    struct smr_model head = {.magic = SMR_MODEL_MAGIC,
+                             .version = SMR_MODEL_VERSION,
+                             .n_vertices = p->n,
+                             .n_triangles = p->nt,
+                             .n_structures = p->n_structures,
+                             .n_radii = n_radii,
+                             .index_bytes = p->n <= 65535u ? 2u : 4u,
+                             .order = p->config->order,
+                             .edge_mm = smr_float_bits(p->edge_mm),
+                             .n_levels = p->n_levels};
     smr_put_section(w, sizeof head);
-    head.n_vertices = p->n;
-    head.n_triangles = p->nt;
-    head.n_structures = p->n_structures;
-    head.n_radii = n_radii;
-    head.index_bytes = p->n <= 65535u ? 2u : 4u;
-    head.order = p->config->order;
-    for (uint32_t c = 0; c < 3u; c++)
-        head.centre[c] = smr_float_bits(p->centre[c]);
-    head.edge_mm = smr_float_bits(p->edge_mm);
-    head.n_levels = p->n_levels;
+    memcpy(head.centre, p->centre, sizeof head.centre);
     memcpy(head.level_end, p->level_end, p->n_levels * sizeof head.level_end[0]);
     head.at_structures = (uint32_t)write_structures(p, w);
     write_mesh(p, w, &head);
@@ -181,8 +162,6 @@ smr_status smr_write_model(smr_plan *p, smr_writer *w, const float *radius, uint
     w->used = (w->used + SMR_ALIGN - 1u) / SMR_ALIGN * SMR_ALIGN;
     if (w->used > UINT32_MAX)
         return SMR_E_INPUT;
-    head.magic = SMR_MODEL_MAGIC;
-    head.version = SMR_MODEL_VERSION;
     head.bytes = (uint32_t)w->used;
     uint32_t words[sizeof head / 4u];
     memcpy(words, &head, sizeof words);

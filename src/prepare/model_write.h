@@ -49,8 +49,7 @@ void smr_write_boundary(smr_plan *p, smr_list_writer *l, float radius);
 /* Writes the clusters of the vertices first .. last-1 along the curve as one block: a minimum spanning forest. */
 void smr_forest_block(smr_plan *p, smr_list_writer *l, uint32_t first, uint32_t last, float radius);
 
-/* Writes all clusters as one block in the paper's breadth-first order. radius_index of n_radii: for the progress
- * callback.
+/* Writes all clusters as one block in the paper's breadth-first order. radius_index, n_radii: for the callback.
  * Errors: E_ABORTED. */
 smr_status smr_breadth_first(smr_plan *p, smr_list_writer *l, float radius, uint32_t radius_index, uint32_t n_radii);
 

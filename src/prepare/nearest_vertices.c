@@ -4,12 +4,6 @@
  * SPDX-License-Identifier: MIT */
 #include "prepare/prepare_plan.h"
 
-/* A node to be opened: its level, its index there, and the squared distance to its box. */
-typedef struct visit {
-    uint32_t level, index;
-    float d2;
-} visit;
-
 /* The nearest vertices so far, nearest first. */
 typedef struct candidates {
     float d2[SMR_NEAREST];
@@ -35,17 +29,14 @@ static void insert(candidates *c, uint32_t vertex, float d2)
 uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t last, uint32_t k, uint32_t *found,
                      float *distance2)
 {
-    const smr_vec centre = smr_load(p->xyz + 3u * (size_t)v);
-    candidates best;
+    const smr_vec centre = smr_get3(p->xyz, v);
+    candidates best = {.found = found, .k = k};
     float d2[SMR_TREE_WIDTH];
-    visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
+    smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0;
-    best.found = found;
-    best.n = 0;
-    best.k = k;
-    stack[top++] = (visit){p->points.n_levels - 1u, 0u, 0.0f};
+    stack[top++] = (smr_visit){p->points.n_levels - 1u, 0u, 0.0f};
     while (top > 0u) {
-        const visit at = stack[--top];
+        const smr_visit at = stack[--top];
         if (too_far(&best, at.d2))
             continue;
         const smr_node *node = &p->points.node[p->points.level[at.level] + at.index];
@@ -59,7 +50,7 @@ uint32_t smr_nearest(const smr_plan *p, uint32_t v, uint32_t first, uint32_t las
             if (from >= last || to <= first || from >= p->n || too_far(&best, child2))
                 continue;
             if (at.level > 0u)
-                stack[top++] = (visit){at.level - 1u, child, child2};
+                stack[top++] = (smr_visit){at.level - 1u, child, child2};
             else if (child != v && !smr_kept_apart(p, child, v))
                 insert(&best, child, child2);
         }

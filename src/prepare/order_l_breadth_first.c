@@ -22,7 +22,6 @@ static float one_ring_radius(smr_plan *p)
     return SMR_SQRT(largest) * 1.000001f;
 }
 
-/* Fills the row with the one-ring cluster xi_v. */
 static void one_ring(smr_plan *p, uint32_t v, float s_min, uint64_t *row)
 {
     smr_ball_row(p, v, s_min, row);

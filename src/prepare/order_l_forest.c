@@ -31,7 +31,6 @@ typedef struct block {
 #define SMR_VERTEX_CHUNK 32u /* vertices that a task handles */
 #define SMR_EDGE_CHUNK 512u  /* edges that a task handles */
 
-/* Task: the cluster rows of a chunk of vertices. */
 static void fill_rows(void *arg, uint32_t task, uint32_t worker)
 {
     const block *b = arg;
@@ -45,7 +44,6 @@ static void fill_rows(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-/* Task: the nearest vertices of a chunk of vertices. */
 static void fill_nearest(void *arg, uint32_t task, uint32_t worker)
 {
     const block *b = arg;
@@ -60,7 +58,6 @@ static void fill_nearest(void *arg, uint32_t task, uint32_t worker)
     }
 }
 
-/* Task: the weights of a chunk of candidate edges. */
 static void weigh_edges(void *arg, uint32_t task, uint32_t worker)
 {
     const block *b = arg;
@@ -106,8 +103,7 @@ static uint32_t candidates(smr_plan *p, uint32_t first, uint32_t last)
     return unique;
 }
 
-/* Finds the minimum spanning tree over the block's vertices and the root, which has the number `size`. p->tmp: its
- * edges.
+/* Finds the minimum spanning tree over the block's vertices and the root, whose number is `size`. p->tmp: its edges.
  * Returns their number. */
 static uint32_t spanning_tree(smr_plan *p, uint32_t first, uint32_t size, uint32_t n_edges)
 {

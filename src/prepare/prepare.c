@@ -40,24 +40,16 @@ smr_prepare_config smr_prepare_config_paper(void)
     return config;
 }
 
-/* Returns 1 when each field is in the range of the table of settings. */
-static int ranges_legal(const smr_prepare_config *c)
+/* Returns 1 for a cookie of this version, values in the ranges of the table of settings, and legal radii. */
+static int is_legal(const smr_prepare_config *c)
 {
-    int legal = 1;
+    int legal = c->cookie == SMR_COOKIE('P', smr_prepare_config);
 #define SMR_GROUP(title)
 #define SMR_SETTING SMR_ROW_LEGAL
 #include "base/settings_prepare.def"
+    for (uint32_t i = 0; legal && i < c->n_radii; i++)
+        legal = c->radius_mm[i] >= 1.0e-6f && c->radius_mm[i] <= SMR_COORD_MAX;
     return legal;
-}
-
-static smr_status check_config(const smr_prepare_config *c)
-{
-    if (c->cookie != SMR_COOKIE('P', smr_prepare_config) || !ranges_legal(c))
-        return SMR_E_CONFIG;
-    for (uint32_t i = 0; i < c->n_radii; i++)
-        if (!(c->radius_mm[i] >= 1.0e-6f && c->radius_mm[i] <= SMR_COORD_MAX))
-            return SMR_E_CONFIG;
-    return SMR_OK;
 }
 
 smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t n, const smr_prepare_config *config)
@@ -87,7 +79,58 @@ smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t
     block = smr_max_u32(block, SMR_BLOCK_MIN);
     p->block_size = smr_min_u32(config->block_vertices != 0u ? config->block_vertices : block, p->n);
     p->n_rows = smr_max_u32(p->block_size + 1u, 3u);
-    return check_config(config);
+    return is_legal(config) ? SMR_OK : SMR_E_CONFIG;
+}
+
+void smr_plan_layout(smr_arena *a, smr_plan *p)
+{
+    const size_t n = p->n, nt = p->nt, u = sizeof(uint32_t);
+    const size_t pairs = (size_t)p->block_size * (SMR_NEAREST + SMR_NEIGHBOURS_TRIED + 1u);
+    size_t most = n > 6u * nt ? n : 6u * nt; /* neighbours of all vertices before duplicates are removed */
+    most = most > pairs ? most : pairs;
+    const int geodesic = p->config->distance == SMR_DISTANCE_GEODESIC;
+    p->xyz = smr_arena_take(a, n, 3u * sizeof(float));
+    p->mass = smr_arena_take(a, n, sizeof(float));
+    p->owner = smr_arena_take(a, n, sizeof(uint16_t));
+    p->position = smr_arena_take(a, n, u);
+    p->original = smr_arena_take(a, n, u);
+    p->triangle = smr_arena_take(a, nt, 3u * u);
+    p->triangle_index = smr_arena_take(a, nt, u);
+    p->neighbour_start = smr_arena_take(a, n + 1u, u);
+    p->neighbour = smr_arena_take(a, nt, 6u * u);
+    p->dihedral = smr_arena_take(a, nt + (nt + 1u) / 2u, sizeof(smr_stored_dihedral));
+    const int image = p->config->reference != NULL;
+    p->profile = image ? smr_arena_take(a, n, p->config->profile_samples) : NULL;
+    p->range = image ? smr_arena_take(a, n, 2u * sizeof(float)) : NULL;
+    p->normal = image ? smr_arena_take(a, n, 3u * sizeof(float)) : NULL;
+    smr_tree_shape(&p->points, p->n);
+    p->points.node = smr_arena_take(a, smr_tree_nodes(p->n), sizeof(smr_node));
+    p->priority.list = smr_arena_take(a, n, u);
+    p->priority.place = smr_arena_take(a, n, u);
+    p->priority.witness = smr_arena_take(a, n, u);
+    p->priority.next = smr_arena_take(a, n, u);
+    p->member = p->priority.witness;
+    p->level = p->priority.next;
+    p->priority.bucket = smr_arena_take(a, n + 1u, u);
+    p->stored = smr_arena_take(a, n, u);
+    p->along = smr_arena_take(a, n, u);
+    p->row = smr_arena_take(a, p->n_rows, (p->words + (size_t)1u) * sizeof(uint64_t));
+    p->count = smr_arena_take(a, n, u);
+    p->entry = smr_arena_take(a, n, u);
+    p->n_outside = p->entry;
+    p->triangle_centre = smr_arena_take(a, nt, 3u * sizeof(float));
+    p->key = smr_arena_take(a, most, u);
+    p->item = smr_arena_take(a, most, u);
+    p->tmp = smr_arena_take(a, most, 2u * u);
+    p->forest.nearest = smr_arena_take(a, n, SMR_NEAREST * u);
+    p->forest.edge_a = smr_arena_take(a, pairs, u);
+    p->forest.edge_b = smr_arena_take(a, pairs, u);
+    p->forest.parent = smr_arena_take(a, (size_t)p->block_size + 1u, u);
+    p->forest.link_start = smr_arena_take(a, (size_t)p->block_size + 2u, u);
+    p->forest.link = smr_arena_take(a, (size_t)p->block_size + 1u, 2u * u);
+    p->queue = smr_arena_take(a, n + 1u, u);
+    p->geo_distance = geodesic ? smr_arena_take(a, n, u) : NULL;
+    p->geo_heap = geodesic ? smr_arena_take(a, 6u * nt + 1u, sizeof(uint64_t)) : NULL;
 }
 
 smr_status smr_prepare_bytes(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
@@ -121,21 +164,6 @@ static float separate_below(const smr_prepare_config *config, const float *radiu
     return finest < largest ? 1.01f * finest : 0.0f;
 }
 
-/* Computes the priority list and the stored order. The model's size does not depend on them: `wanted` is 0 when only
- * the size is asked for. */
-static smr_status put_in_order(smr_plan *p, const float *radius, uint32_t n_radii, float below, int wanted)
-{
-    const int forest = p->config->order == SMR_ORDER_FOREST;
-    p->progress_total = n_radii * (forest ? smr_ceil_div(p->n, p->block_size) : 1u);
-    smr_plan_one_level(p, n_radii);
-    if (!wanted || !p->config->priority)
-        return SMR_OK;
-    const smr_status status = smr_plan_priority(p, radius, n_radii, below);
-    if (status == SMR_OK)
-        smr_plan_levels(p, n_radii);
-    return status;
-}
-
 /* Checks everything that the caller hands over, and starts the arena on the scratch memory. */
 static smr_status check_inputs(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
                                void *scratch, size_t scratch_bytes, const void *model, smr_arena *a)
@@ -154,26 +182,6 @@ static smr_status check_inputs(const smr_structure *structures, uint32_t n_struc
     return status;
 }
 
-/* Places the plan's arrays and clears its rows of bits. */
-static void place_plan(smr_arena *a, smr_plan *p)
-{
-    smr_plan_layout(a, p);
-    for (uint32_t i = 0; i < p->n_rows; i++) {
-        memset(smr_plan_row(p, i), 0, p->words * sizeof(uint64_t));
-        smr_plan_row(p, i)[p->words] = p->words;
-    }
-}
-
-/* Computes what does not depend on radii: the numbering, mesh neighbours, masses, dihedral edges and profiles. */
-static smr_status prepare_meshes(smr_plan *p)
-{
-    smr_plan_order(p);
-    smr_plan_neighbours(p);
-    smr_plan_mass(p);
-    smr_plan_dihedrals(p);
-    return smr_plan_profiles(p);
-}
-
 /* Computes radii, the stored order and the clusters, and writes the model. */
 static smr_status prepare_clusters(smr_plan *p, smr_writer *w)
 {
@@ -183,8 +191,15 @@ static smr_status prepare_clusters(smr_plan *p, smr_writer *w)
     if (n_radii == 0u)
         n_radii = smr_choose_radii(p, radius);
     const float below = separate_below(p->config, radius, n_radii);
-    const smr_status status = put_in_order(p, radius, n_radii, below, w->model != NULL);
-    return status == SMR_OK ? smr_write_model(p, w, radius, n_radii, below) : status;
+    p->progress_total = n_radii * (p->config->order == SMR_ORDER_FOREST ? smr_ceil_div(p->n, p->block_size) : 1u);
+    smr_plan_one_level(p, n_radii);
+    if (w->model != NULL && p->config->priority) { /* the model's size does not depend on the order */
+        const smr_status status = smr_plan_priority(p, radius, n_radii, below);
+        if (status != SMR_OK)
+            return status;
+        smr_plan_levels(p, n_radii);
+    }
+    return smr_write_model(p, w, radius, n_radii, below);
 }
 
 smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, const smr_prepare_config *config,
@@ -200,8 +215,16 @@ smr_status smr_prepare(const smr_structure *structures, uint32_t n_structures, c
         return status;
     (void)smr_plan_start(&p, structures, n_structures, config);
     smr_arena_release(scratch, scratch_bytes);
-    place_plan(&a, &p);
-    status = prepare_meshes(&p);
+    smr_plan_layout(&a, &p);
+    for (uint32_t i = 0; i < p.n_rows; i++) {
+        memset(smr_plan_row(&p, i), 0, p.words * sizeof(uint64_t));
+        smr_plan_row(&p, i)[p.words] = p.words;
+    }
+    smr_plan_order(&p);
+    smr_plan_neighbours(&p);
+    smr_plan_mass(&p);
+    smr_plan_dihedrals(&p);
+    status = smr_plan_profiles(&p);
     if (status == SMR_OK)
         status = prepare_clusters(&p, &w);
     smr_arena_release(scratch, scratch_bytes);

@@ -53,7 +53,7 @@ typedef struct smr_plan {
     float edge_mm;       /* mean edge length */
     float edge_max;      /* longest edge, mm */
 
-    /* written by smr_plan_order() and smr_plan_mass(): the model along the curve */
+    /* written by smr_plan_order(), smr_plan_neighbours() and smr_plan_mass(): the model along the curve */
     float *xyz;                /* [n][3] rest positions, mm from centre */
     float *mass;               /* [n] masses m_i, 1 on average */
     uint16_t *owner;           /* [n] structure of each vertex */
@@ -99,7 +99,7 @@ typedef struct smr_plan {
     uint32_t *tmp;          /* [2 max(n, 6 nt, pairs)] for smr_curve_sort() */
     uint32_t *queue;        /* [n + 1] vertices still to visit */
     uint32_t *geo_distance; /* [n] micrometres, UINT32_MAX between calls; NULL unless distances are geodesic */
-    uint32_t *geo_heap;     /* [2 (6 nt + 1)] distance and vertex; NULL unless distances are geodesic */
+    uint64_t *geo_heap;     /* [6 nt + 1] distance and vertex; NULL unless distances are geodesic */
 } smr_plan;
 
 /* Sets counts and sizes; reads no mesh. Errors: E_NULL, E_INPUT, E_CONFIG. */
@@ -108,23 +108,15 @@ smr_status smr_plan_start(smr_plan *p, const smr_structure *structures, uint32_t
 /* Takes all arrays from the arena, or measures them. Needs smr_plan_start(). */
 void smr_plan_layout(smr_arena *a, smr_plan *p);
 
-/* Numbers vertices and triangles, and builds the tree over the vertices (curve_numbering.c). */
-void smr_plan_order(smr_plan *p);
-
-/* Finds mesh neighbours and edge lengths (mesh_neighbours.c). */
-void smr_plan_neighbours(smr_plan *p);
-
-/* Sets the masses m_i (vertex_mass.c). */
-void smr_plan_mass(smr_plan *p);
-
-/* Samples the reference image along the normals (intensity_profiles_prepare.c). Errors: as smr_grid_open. */
-smr_status smr_plan_profiles(smr_plan *p);
+/* The stages, in this order; each writes what smr_plan says. Errors of smr_plan_profiles(): as smr_grid_open. */
+void smr_plan_order(smr_plan *p);          /* curve_numbering.c */
+void smr_plan_neighbours(smr_plan *p);     /* mesh_neighbours.c */
+void smr_plan_mass(smr_plan *p);           /* vertex_mass.c */
+void smr_plan_dihedrals(smr_plan *p);      /* fold_dihedrals_prepare.c */
+smr_status smr_plan_profiles(smr_plan *p); /* intensity_profiles_prepare.c */
 
 /* Samples of a profile on the inner side of the vertex. Needs a reference image. */
 uint32_t smr_profile_inward(const smr_prepare_config *c);
-
-/* Finds the edges with exactly two triangles (fold_dihedrals_prepare.c). */
-void smr_plan_dihedrals(smr_plan *p);
 
 /* Chooses radii from coarse to fine when the configuration names none (cluster_radii.c). Returns their number. */
 uint32_t smr_choose_radii(smr_plan *p, float radius[SMR_RADII_MAX]);
@@ -145,13 +137,10 @@ static inline int smr_holds_neighbours(const smr_plan *p, float radius)
     return p->config->ring && radius >= p->edge_mm;
 }
 
-/* Fills the row with the cluster zeta_v at this radius. */
+/* Fill the row with the cluster zeta_v at this radius; with all vertices within `radius` of v, of all structures, by
+ * Euclidean distance; and along mesh edges (geodesic distance). */
 void smr_cluster_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
-
-/* Fills the row with all vertices within `radius` of v, of all structures (Euclidean distance). */
 void smr_ball_row(const smr_plan *p, uint32_t v, float radius, uint64_t *row);
-
-/* Fills the row with all vertices within `radius` of v along mesh edges (geodesic distance). */
 void smr_geodesic_row(smr_plan *p, uint32_t v, float radius, uint64_t *row);
 
 /* Returns 1 when two vertices are never in each other's cluster at the present radius: separate clusters do not

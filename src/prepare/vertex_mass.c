@@ -2,6 +2,7 @@
  * triangles, scaled to a mean of 1 and rounded to multiples of 1 / SMR_MASS_UNITS. Vertices without triangles (nodes
  * inside a volume mesh, landmarks) get no forces: they have the least mass, so that they hardly hold back the others.
  * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree/triangle.h"
 #include "prepare/prepare_plan.h"
 
 static void unit_masses(smr_plan *p)
@@ -23,10 +24,7 @@ void smr_plan_mass(smr_plan *p)
         p->mass[v] = 0.0f;
     for (uint32_t k = 0; k < p->nt; k++) {
         const uint32_t *t = p->triangle + 3u * (size_t)k;
-        const smr_vec a = smr_load(p->xyz + 3u * (size_t)t[0]);
-        const smr_vec ab = smr_sub(smr_load(p->xyz + 3u * (size_t)t[1]), a);
-        const smr_vec ac = smr_sub(smr_load(p->xyz + 3u * (size_t)t[2]), a);
-        const float third = smr_length(smr_cross(ab, ac)) * (1.0f / 6.0f);
+        const float third = smr_length(smr_corners_cross(p->xyz, t)) * (1.0f / 6.0f);
         for (uint32_t c = 0; c < 3u; c++)
             p->mass[t[c]] += third;
         total += 3.0f * third;

@@ -110,27 +110,4 @@ TEST(vertices_without_area)
     smr_mesh_normals(&m, normal, NULL);
 }
 
-TEST(around_lists_every_corner)
-{
-    oracle_random r = oracle_seed(81);
-    for (uint32_t round = 0; round < 20u; round++) {
-        unit_mesh m = unit_soup(&r, 1u + oracle_below(&r, 300u), 10.0f, 1);
-        const smr_mesh v = unit_view(&m);
-        uint32_t *start = rig_rough(4u * ((size_t)m.nv + 1u)), *around = rig_rough(12u * (size_t)m.nt);
-        smr_mesh_around(&v, start, around);
-        assert_int_equal(start[0], 0);
-        assert_int_equal(start[m.nv], 3u * m.nt);
-        for (uint32_t i = 0; i < m.nv; i++) {
-            uint32_t at = start[i];
-            for (uint32_t k = 0; k < 3u * m.nt; k++) /* ascending, with repeats */
-                if (m.triangles[k] == i)
-                    assert_int_equal(around[at++], k / 3u);
-            assert_int_equal(at, start[i + 1u]);
-        }
-        rig_free(start);
-        rig_free(around);
-        unit_mesh_free(&m);
-    }
-}
-
 int main(void) { return suite_run(NULL, NULL); }

@@ -2,19 +2,14 @@
  * positions changed; the tree's shape follows from the number of triangles alone.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/box_tree.h"
-
+#include "geometry/box_tree/hilbert_curve.h"
 #include "geometry/box_tree/triangle.h"
 
 uint32_t smr_tree_nodes(uint32_t n_triangles)
 {
-    uint32_t total = 0;
-    for (uint32_t n = n_triangles; n > 0u;) {
-        n = smr_ceil_div(n, SMR_TREE_WIDTH);
-        total += n;
-        if (n == 1u)
-            break;
-    }
-    return total;
+    smr_box_tree f;
+    smr_tree_shape(&f, n_triangles);
+    return f.n_levels > 0u ? f.level[f.n_levels - 1u] + 1u : 0u; /* the highest level is one node */
 }
 
 void smr_tree_shape(smr_box_tree *f, uint32_t n_triangles)
@@ -22,12 +17,9 @@ void smr_tree_shape(smr_box_tree *f, uint32_t n_triangles)
     f->n_triangles = n_triangles;
     f->n_levels = 0;
     uint32_t first = 0;
-    for (uint32_t n = n_triangles; n > 0u;) {
+    for (uint32_t n = n_triangles; n > 1u || (n == 1u && f->n_levels == 0u); first += n) {
         n = smr_ceil_div(n, SMR_TREE_WIDTH);
         f->level[f->n_levels++] = first;
-        first += n;
-        if (n == 1u)
-            break;
     }
 }
 
@@ -37,16 +29,6 @@ static void clear_node(smr_node *node)
     for (uint32_t axis = 0; axis < 3u; axis++)
         for (uint32_t k = 0; k < SMR_TREE_WIDTH; k++)
             node->lo[axis][k] = node->hi[axis][k] = SMR_FAR;
-}
-
-static void set_child(smr_node *node, uint32_t k, smr_vec lo, smr_vec hi)
-{
-    node->lo[0][k] = lo.x;
-    node->lo[1][k] = lo.y;
-    node->lo[2][k] = lo.z;
-    node->hi[0][k] = hi.x;
-    node->hi[1][k] = hi.y;
-    node->hi[2][k] = hi.z;
 }
 
 void smr_tree_refit_leaves(const smr_box_tree *f, uint32_t first, uint32_t last)
@@ -59,17 +41,15 @@ void smr_tree_refit_leaves(const smr_box_tree *f, uint32_t first, uint32_t last)
             clear_node(node);
         for (uint32_t k = 0; k < n; k++) {
             const uint32_t *t = f->triangle + 3u * (size_t)(base + k);
-            smr_vec a = smr_load(f->xyz + 3u * (size_t)t[0]);
-            smr_vec b = smr_load(f->xyz + 3u * (size_t)t[1]);
-            smr_vec c = smr_load(f->xyz + 3u * (size_t)t[2]);
-            smr_store(f->normal + 3u * (size_t)(base + k), smr_unit(smr_triangle_cross(a, b, c)));
-            if (node == NULL)
-                continue;
-            set_child(node, k,
-                      smr_v(smr_min(a.x, smr_min(b.x, c.x)), smr_min(a.y, smr_min(b.y, c.y)),
-                            smr_min(a.z, smr_min(b.z, c.z))),
-                      smr_v(smr_max(a.x, smr_max(b.x, c.x)), smr_max(a.y, smr_max(b.y, c.y)),
-                            smr_max(a.z, smr_max(b.z, c.z))));
+            const smr_corner_values v = smr_corners_of(f->xyz, t);
+            float lo[3], hi[3];
+            smr_put3(f->normal, base + k, smr_unit(smr_triangle_cross(v.a, v.b, v.c)));
+            smr_store(lo, smr_low(v.a, smr_low(v.b, v.c)));
+            smr_store(hi, smr_high(v.a, smr_high(v.b, v.c)));
+            for (uint32_t axis = 0; node != NULL && axis < 3u; axis++) {
+                node->lo[axis][k] = lo[axis];
+                node->hi[axis][k] = hi[axis];
+            }
         }
     }
 }

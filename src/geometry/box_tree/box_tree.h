@@ -84,6 +84,30 @@ static inline void smr_box_near_far(const smr_node *node, uint32_t k, smr_vec p,
     *far2 = farthest;
 }
 
+/* A node to be opened by a search. */
+typedef struct smr_visit {
+    uint32_t level, index; /* its level, and its index there */
+    float d2;              /* squared distance to its box, mm^2, where the search needs it */
+} smr_visit;
+
+/* Pushes the children `near` of a node (a bit each, squared distances d2) that are not empty, the nearest last. first:
+ * the node's first child. Returns the new height of the stack. */
+static inline uint32_t smr_push_near(uint32_t near, const float d2[SMR_TREE_WIDTH], smr_visit first, smr_visit *stack,
+                                     uint32_t height)
+{
+    const uint32_t bottom = height;
+    for (; near != 0u; near &= near - 1u) {
+        const uint32_t k = (uint32_t)__builtin_ctz(near);
+        if (d2[k] >= SMR_FAR)
+            continue;
+        uint32_t at = height++;
+        for (; at > bottom && stack[at - 1u].d2 < d2[k]; at--)
+            stack[at] = stack[at - 1u];
+        stack[at] = (smr_visit){first.level, first.index + k, d2[k]};
+    }
+    return height;
+}
+
 /* A search for the closest triangle. */
 typedef struct smr_query {
     smr_vec point;        /* position, mm */

@@ -33,15 +33,9 @@ static void insertion_sort(uint32_t *key, uint32_t *item, uint32_t n)
 void smr_order_start(smr_order *o, uint32_t n, const float *centre, uint32_t *order, uint32_t *key, uint32_t *tmp,
                      uint32_t *count)
 {
-    memset(o, 0, sizeof *o);
-    o->n = n;
-    o->centre = centre;
-    o->order = order;
-    o->key = key;
-    o->tmp = tmp;
-    o->count = count;
-    o->stack[o->top++] = 0;
-    o->stack[o->top++] = n;
+    *o = (smr_order){.centre = centre, .order = order, .key = key, .tmp = tmp, .count = count, .n = n};
+    o->stack[1] = n; /* the first range: 0 .. n - 1 */
+    o->top = 2;
 }
 
 /* Takes the next range to be split from the stack. Returns 0 when there is none. */
@@ -176,9 +170,8 @@ void smr_mesh_centres(const smr_mesh *mesh, float *centre, uint32_t *order, uint
     for (uint32_t k = first; k < last; k++) {
         const uint32_t *t = mesh->triangles + 3u * (size_t)k;
         const smr_vec sum =
-            smr_add(smr_load(mesh->xyz + 3u * (size_t)t[0]),
-                    smr_add(smr_load(mesh->xyz + 3u * (size_t)t[1]), smr_load(mesh->xyz + 3u * (size_t)t[2])));
-        smr_store(centre + 3u * (size_t)k, sum);
+            smr_add(smr_get3(mesh->xyz, t[0]), smr_add(smr_get3(mesh->xyz, t[1]), smr_get3(mesh->xyz, t[2])));
+        smr_put3(centre, k, sum);
         order[k] = k;
     }
 }

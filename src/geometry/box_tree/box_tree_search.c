@@ -6,16 +6,11 @@
  * level and 8 at the bottom. At most SMR_TIES nodes that can only tie with the best distance.
  * SPDX-License-Identifier: MIT */
 #include "geometry/box_tree/box_tree.h"
-
 #include "geometry/box_tree/triangle.h"
 
 smr_vec smr_triangle_point(const smr_box_tree *f, uint32_t triangle, const float weight[3])
 {
-    const uint32_t *t = f->triangle + 3u * (size_t)triangle;
-    smr_vec a = smr_load(f->xyz + 3u * (size_t)t[0]);
-    smr_vec b = smr_load(f->xyz + 3u * (size_t)t[1]);
-    smr_vec c = smr_load(f->xyz + 3u * (size_t)t[2]);
-    return smr_add(smr_add(smr_scale(a, weight[0]), smr_scale(b, weight[1])), smr_scale(c, weight[2]));
+    return smr_corners_mean(smr_corners_of(f->xyz, f->triangle + 3u * (size_t)triangle), weight);
 }
 
 /* 1 when triangle i wins a tie against the triangle found so far. */
@@ -51,13 +46,12 @@ static void add_near(smr_near_list *list, uint32_t triangle, float d2, const flo
 static void try_triangle(const smr_box_tree *f, const unsigned char *skip, const smr_query *q, uint32_t i, smr_hit *hit,
                          float widen, smr_near_list *list)
 {
-    smr_vec n = smr_load(f->normal + 3u * (size_t)i);
+    smr_vec n = smr_get3(f->normal, i);
     if (smr_dot(n, q->normal) < q->min_cos || (skip != NULL && (skip[i] & SMR_SKIPPED) != 0u))
         return;
-    const uint32_t *t = f->triangle + 3u * (size_t)i;
+    const smr_corner_values v = smr_corners_of(f->xyz, f->triangle + 3u * (size_t)i);
     float weight[3];
-    float d2 = smr_triangle_closest(q->point, smr_load(f->xyz + 3u * (size_t)t[0]),
-                                    smr_load(f->xyz + 3u * (size_t)t[1]), smr_load(f->xyz + 3u * (size_t)t[2]), weight);
+    float d2 = smr_triangle_closest(q->point, v.a, v.b, v.c, weight);
     if (list != NULL && d2 < hit->d2 * widen)
         add_near(list, i, d2, weight);
     if (d2 < hit->d2 || (d2 == hit->d2 && comes_first(f, i, hit->triangle))) {
@@ -69,26 +63,20 @@ static void try_triangle(const smr_box_tree *f, const unsigned char *skip, const
 
 #define SMR_TIES 64u /* nodes opened at most whose boxes are exactly as far as the best triangle */
 
-/* A node to be opened: its level, its index there, and the squared distance to its box. */
-typedef struct visit {
-    float d2;
-    uint32_t level, index;
-} visit;
-
 /* Finds the closest triangle for *hit. Boxes and triangles within `widen` times its squared distance are tested,
  * too, and enter the list. widen: 1 or more; list: NULL for the closest triangle alone. */
 static void search(const smr_box_tree *f, const unsigned char *skip, const smr_query *q, smr_hit *hit, float widen,
                    smr_near_list *list)
 {
-    visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
+    smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     uint32_t top = 0, opened = 0, ties = 0;
     if (f->n_levels == 0u || !(smr_dot(q->point, q->point) < SMR_FAR))
         return; /* NaN, or as far as empty boxes: positions of a forged model */
     if (q->warm < f->n_triangles)
         try_triangle(f, skip, q, q->warm, hit, widen, NULL);
-    stack[top++] = (visit){0.0f, f->n_levels - 1u, 0u};
+    stack[top++] = (smr_visit){f->n_levels - 1u, 0u, 0.0f};
     while (top > 0u && opened < q->node_budget) {
-        const visit v = stack[--top];
+        const smr_visit v = stack[--top];
         if (v.d2 > hit->d2 * widen || (v.d2 == hit->d2 && hit->triangle != SMR_NONE && ++ties > SMR_TIES))
             continue;
         opened++;
@@ -103,17 +91,7 @@ static void search(const smr_box_tree *f, const unsigned char *skip, const smr_q
             }
             continue;
         }
-        /* push the near children, nearest on top */
-        const uint32_t bottom = top;
-        for (; near != 0u; near &= near - 1u) {
-            const uint32_t k = (uint32_t)__builtin_ctz(near);
-            if (d2[k] >= SMR_FAR)
-                continue;
-            uint32_t at = top++;
-            for (; at > bottom && stack[at - 1u].d2 < d2[k]; at--)
-                stack[at] = stack[at - 1u];
-            stack[at] = (visit){d2[k], v.level - 1u, base + k};
-        }
+        top = smr_push_near(near, d2, (smr_visit){v.level - 1u, base, 0.0f}, stack, top);
     }
     while (list != NULL && top > 0u) /* node budget used up: triangles beyond the nearest unopened box are not near */
         list->cut2 = smr_min(list->cut2, stack[--top].d2);
@@ -138,7 +116,7 @@ void smr_tree_near(const smr_box_tree *f, const smr_query *q, smr_hit *hit, smr_
     for (uint32_t i = 0; i < list->n; i++) {
         smr_near *near = &list->item[i];
         const float beyond = width > 0.0f ? (SMR_SQRT(near->d2) - distance) / width : 1.0f;
-        const float above = smr_dot(smr_load(f->normal + 3u * (size_t)near->triangle), q->normal) - q->min_cos;
+        const float above = smr_dot(smr_get3(f->normal, near->triangle), q->normal) - q->min_cos;
         near->share = smr_clamp(1.0f - beyond, 0.0f, 1.0f) * smr_clamp(above / SMR_NORMAL_RAMP, 0.0f, 1.0f);
         total += near->share;
     }

@@ -10,9 +10,9 @@ smr_box smr_box_of(const float *xyz, uint32_t n)
 {
     smr_box b = {smr_load(xyz), smr_load(xyz)};
     for (uint32_t i = 1; i < n; i++) {
-        smr_vec p = smr_load(xyz + 3u * (size_t)i);
-        b.lo = smr_v(smr_min(b.lo.x, p.x), smr_min(b.lo.y, p.y), smr_min(b.lo.z, p.z));
-        b.hi = smr_v(smr_max(b.hi.x, p.x), smr_max(b.hi.y, p.y), smr_max(b.hi.z, p.z));
+        smr_vec p = smr_get3(xyz, i);
+        b.lo = smr_low(b.lo, p);
+        b.hi = smr_high(b.hi, p);
     }
     return b;
 }

@@ -5,8 +5,7 @@
 
 #include "base/vec.h"
 
-/* Returns the squared distance from p to the triangle a b c, mm^2; weight[3]: barycentric weights of the closest
- * point.
+/* Returns the squared distance from p to the triangle a b c, mm^2; weight[3]: barycentric weights of the closest point.
  * Zero-area triangles count as line segments or points. */
 float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float weight[3]);
 
@@ -14,6 +13,30 @@ float smr_triangle_closest(smr_vec p, smr_vec a, smr_vec b, smr_vec c, float wei
 static inline smr_vec smr_triangle_cross(smr_vec a, smr_vec b, smr_vec c)
 {
     return smr_cross(smr_sub(b, a), smr_sub(c, a));
+}
+
+/* Values at the three corners of a triangle. */
+typedef struct smr_corner_values {
+    smr_vec a, b, c;
+} smr_corner_values;
+
+/* The values, [number of vertices][3], at the triangle's vertices t[3]. */
+static inline smr_corner_values smr_corners_of(const float *value, const uint32_t *t)
+{
+    return (smr_corner_values){smr_get3(value, t[0]), smr_get3(value, t[1]), smr_get3(value, t[2])};
+}
+
+/* The value at the point with these barycentric weights. */
+static inline smr_vec smr_corners_mean(smr_corner_values v, const float weight[3])
+{
+    return smr_add(smr_add(smr_scale(v.a, weight[0]), smr_scale(v.b, weight[1])), smr_scale(v.c, weight[2]));
+}
+
+/* smr_triangle_cross() of the triangle with the vertices t[3]. */
+static inline smr_vec smr_corners_cross(const float *xyz, const uint32_t *t)
+{
+    const smr_corner_values v = smr_corners_of(xyz, t);
+    return smr_triangle_cross(v.a, v.b, v.c);
 }
 
 #endif

@@ -23,7 +23,7 @@ float smr_solve_row(const float *row, uint32_t i, const float *known, float valu
 smr_vec smr_solve_row3(const float *row, uint32_t i, float *known, smr_vec value)
 {
     for (uint32_t k = 0; k < i; k++)
-        value = smr_sub(value, smr_scale(smr_load(known + 3u * (size_t)k), row[k]));
+        value = smr_sub(value, smr_scale(smr_get3(known, k), row[k]));
     return smr_scale(value, 1.0f / row[i]);
 }
 
@@ -57,7 +57,7 @@ void smr_solve_back3(float *lower, uint32_t n, float *y)
         float *const at = y + 3u * (size_t)i;
         smr_vec left = smr_load(at);
         for (uint32_t k = i + 1u; k < n; k++)
-            left = smr_sub(left, smr_scale(smr_load(y + 3u * (size_t)k), smr_factor_row(lower, k)[i]));
+            left = smr_sub(left, smr_scale(smr_get3(y, k), smr_factor_row(lower, k)[i]));
         smr_store(at, smr_scale(left, 1.0f / smr_factor_row(lower, i)[i]));
     }
 }

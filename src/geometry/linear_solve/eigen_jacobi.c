@@ -48,7 +48,7 @@ void smr_jacobi(float s[6], float v[9], uint32_t sweeps)
 void smr_congruence(const float s[6], const float v[9], float out[6])
 {
     const float full[9] = {s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5]};
-    smr_vec c0 = smr_v(v[0], v[3], v[6]), c1 = smr_v(v[1], v[4], v[7]), c2 = smr_v(v[2], v[5], v[8]);
+    smr_vec c0 = smr_axis(v, 0), c1 = smr_axis(v, 1), c2 = smr_axis(v, 2);
     smr_vec s0 = smr_mul(full, c0), s1 = smr_mul(full, c1), s2 = smr_mul(full, c2);
     out[SMR_XX] = smr_dot(c0, s0);
     out[SMR_XY] = smr_dot(c0, s1);
@@ -60,10 +60,8 @@ void smr_congruence(const float s[6], const float v[9], float out[6])
 
 void smr_eigen(const float s[6], float value[3], float v[9])
 {
-    static const float identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    float d[6], e[9];
+    float d[6], e[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     memcpy(d, s, sizeof d);
-    memcpy(e, identity, sizeof e);
     smr_jacobi(d, e, SMR_SWEEPS_COLD);
     const float diagonal[3] = {d[SMR_XX], d[SMR_YY], d[SMR_ZZ]};
     int first = 0, last = 0;
@@ -75,15 +73,14 @@ void smr_eigen(const float s[6], float value[3], float v[9])
     }
     if (first == last)
         last = (first + 2) % 3;
-    const int middle = 3 - first - last;
-    const int order[3] = {first, middle, last};
+    const int order[3] = {first, 3 - first - last, last};
     for (int k = 0; k < 3; k++) {
         value[k] = diagonal[order[k]];
         for (int row = 0; row < 3; row++)
             v[3 * row + k] = e[3 * row + order[k]];
     }
     /* the third axis is the cross product of the first two, so that v is a proper rotation */
-    smr_vec third = smr_cross(smr_v(v[0], v[3], v[6]), smr_v(v[1], v[4], v[7]));
+    smr_vec third = smr_cross(smr_axis(v, 0), smr_axis(v, 1));
     v[2] = third.x;
     v[5] = third.y;
     v[8] = third.z;

@@ -8,6 +8,20 @@
 /* A symmetric matrix as its six upper entries, in the order xx xy xz yy yz zz. */
 enum { SMR_XX, SMR_XY, SMR_XZ, SMR_YY, SMR_YZ, SMR_ZZ };
 
+/* s += w d d^T. */
+static inline void smr_add_square(float s[6], float w, smr_vec d)
+{
+    s[SMR_XX] += w * d.x * d.x;
+    s[SMR_XY] += w * d.x * d.y;
+    s[SMR_XZ] += w * d.x * d.z;
+    s[SMR_YY] += w * d.y * d.y;
+    s[SMR_YZ] += w * d.y * d.z;
+    s[SMR_ZZ] += w * d.z * d.z;
+}
+
+/* Column k of a matrix. */
+static inline smr_vec smr_axis(const float m[9], int k) { return smr_v(m[k], m[3 + k], m[6 + k]); }
+
 /* Diagonalises a symmetric matrix A in place by `sweeps` cyclic Jacobi sweeps with a warm start.
  * s: in V^T A V (smr_congruence); out the eigenvalues in s[XX], s[YY], s[ZZ], unsorted.
  * v: in the start V, orthonormal, row-major; out the eigenvectors as columns. */

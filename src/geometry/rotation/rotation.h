@@ -7,9 +7,6 @@
 
 #define SMR_ANGLE_MAX 1.5f /* rad: longer rotation vectors are shortened to this */
 
-/* *sine = sin(a) / a and *cosine = (1 - cos(a)) / a^2; a2 is a^2 in rad^2, 0 .. SMR_ANGLE_MAX^2. */
-void smr_sinc(float a2, float *sine, float *cosine);
-
 /* The cosine of an angle in degrees, 0 .. 180. */
 float smr_cos_degrees(float degrees);
 

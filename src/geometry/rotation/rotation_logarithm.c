@@ -4,25 +4,26 @@
  * Accuracy against double precision: rotation vectors 6e-7 rad, places 2e-6 of |turn| |p| + |shift|.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation_logarithm.h"
-
 #include "geometry/rotation/rotation.h"
 
 #define SMR_TERMS 10u
 
-/* Coefficients of (-a^2)^k, k = 0, 1, ... */
-static const float sine_terms[SMR_TERMS] = {/* sin(a) / a: 1 / (2k + 1)! */
-                                            1.0f,
-                                            1.0f / 6.0f,
-                                            1.0f / 120.0f,
-                                            1.0f / 5040.0f,
-                                            1.0f / 362880.0f,
-                                            1.0f / 39916800.0f,
-                                            1.0f / 6227020800.0f,
-                                            1.0f / 1307674368000.0f,
-                                            1.0f / 355687428096000.0f,
-                                            1.0f / 121645100408832000.0f};
-static const float cosine_terms[SMR_TERMS] = {/* (1 - cos(a)) / a^2: 1 / (2k + 2)! */
-                                              1.0f / 2.0f,
+/* Coefficients of (-a^2)^k, k = 0, 1, ... of sin(a) / a: 1 / (2k + 1)!; from the second on those of
+ * (a - sin(a)) / a^3: 1 / (2k + 3)!. */
+static const float odd_terms[SMR_TERMS + 1u] = {1.0f,
+                                                1.0f / 6.0f,
+                                                1.0f / 120.0f,
+                                                1.0f / 5040.0f,
+                                                1.0f / 362880.0f,
+                                                1.0f / 39916800.0f,
+                                                1.0f / 6227020800.0f,
+                                                1.0f / 1307674368000.0f,
+                                                1.0f / 355687428096000.0f,
+                                                1.0f / 121645100408832000.0f,
+                                                0.0f};
+
+/* The same of (1 - cos(a)) / a^2: 1 / (2k + 2)! */
+static const float cosine_terms[SMR_TERMS] = {1.0f / 2.0f,
                                               1.0f / 24.0f,
                                               1.0f / 720.0f,
                                               1.0f / 40320.0f,
@@ -32,29 +33,18 @@ static const float cosine_terms[SMR_TERMS] = {/* (1 - cos(a)) / a^2: 1 / (2k + 2
                                               1.0f / 20922789888000.0f,
                                               1.0f / 6402373705728000.0f,
                                               1.0f / 2432902008176640000.0f};
-static const float rest_terms[SMR_TERMS] = {/* (a - sin(a)) / a^3: 1 / (2k + 3)! */
-                                            1.0f / 6.0f,
-                                            1.0f / 120.0f,
-                                            1.0f / 5040.0f,
-                                            1.0f / 362880.0f,
-                                            1.0f / 39916800.0f,
-                                            1.0f / 6227020800.0f,
-                                            1.0f / 1307674368000.0f,
-                                            1.0f / 355687428096000.0f,
-                                            1.0f / 121645100408832000.0f,
-                                            0.0f};
-static const float inverse_terms[SMR_TERMS] =
-    {/* (2 (1 - cos(a)) / a^2 - sin(a) / a) / a^2: (k + 1) / (k + 2) / (2k + 3)! */
-     1.0f / 2.0f / 6.0f,
-     2.0f / 3.0f / 120.0f,
-     3.0f / 4.0f / 5040.0f,
-     4.0f / 5.0f / 362880.0f,
-     5.0f / 6.0f / 39916800.0f,
-     6.0f / 7.0f / 6227020800.0f,
-     7.0f / 8.0f / 1307674368000.0f,
-     8.0f / 9.0f / 355687428096000.0f,
-     9.0f / 10.0f / 121645100408832000.0f,
-     0.0f};
+
+/* The same of (2 (1 - cos(a)) / a^2 - sin(a) / a) / a^2: (k + 1) / (k + 2) / (2k + 3)! */
+static const float inverse_terms[SMR_TERMS] = {1.0f / 2.0f / 6.0f,
+                                               2.0f / 3.0f / 120.0f,
+                                               3.0f / 4.0f / 5040.0f,
+                                               4.0f / 5.0f / 362880.0f,
+                                               5.0f / 6.0f / 39916800.0f,
+                                               6.0f / 7.0f / 6227020800.0f,
+                                               7.0f / 8.0f / 1307674368000.0f,
+                                               8.0f / 9.0f / 355687428096000.0f,
+                                               9.0f / 10.0f / 121645100408832000.0f,
+                                               0.0f};
 
 static inline float series(const float terms[SMR_TERMS], float a2)
 {
@@ -111,8 +101,7 @@ smr_twist smr_twist_about(smr_vec turn, smr_vec centre, smr_vec shift)
     /* about the centre the rate is V^-1 shift, V^-1 = I - [turn] / 2 + k [turn]^2 */
     const smr_vec across = smr_cross(turn, shift);
     const smr_vec bent = smr_sub(smr_scale(smr_cross(turn, across), k), smr_scale(across, 0.5f));
-    const smr_twist twist = {turn, smr_sub(smr_add(shift, bent), smr_cross(turn, centre))};
-    return twist;
+    return (smr_twist){turn, smr_sub(smr_add(shift, bent), smr_cross(turn, centre))};
 }
 
 /* V = I + (1 - cos a) / a^2 [turn] + (a - sin a) / a^3 [turn]^2, applied to the point's velocity: so small motions keep
@@ -122,8 +111,8 @@ smr_vec smr_twist_move(smr_twist twist, smr_vec p, smr_vec *normal)
     const smr_vec turn = smr_turn_within(twist.turn, SMR_HALF_TURN);
     const float a2 = smr_dot(turn, turn), c = series(cosine_terms, a2);
     const smr_vec rate = smr_add(smr_cross(turn, p), twist.rate), across = smr_cross(turn, rate);
-    const smr_vec bent = smr_add(smr_scale(across, c), smr_scale(smr_cross(turn, across), series(rest_terms, a2)));
+    const smr_vec bent = smr_add(smr_scale(across, c), smr_scale(smr_cross(turn, across), series(odd_terms + 1, a2)));
     const smr_vec aside = smr_cross(turn, *normal);
-    *normal = smr_add(*normal, smr_add(smr_scale(aside, series(sine_terms, a2)), smr_scale(smr_cross(turn, aside), c)));
+    *normal = smr_add(*normal, smr_add(smr_scale(aside, series(odd_terms, a2)), smr_scale(smr_cross(turn, aside), c)));
     return smr_add(rate, bent);
 }

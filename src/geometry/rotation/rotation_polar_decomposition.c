@@ -1,7 +1,6 @@
 /* rotation_polar_decomposition.c: the rotation nearest to a 3x3 matrix (paper 2.3, "polar decomposition"; Mueller et
  * al., "Meshless deformations based on shape matching", 2005).
- * Method: A^T A = V lambda V^T by cyclic Jacobi, warm-started from the last V; then R = U V^T with U = A V
- * lambda^-1/2.
+ * Method: A^T A = V lambda V^T by cyclic Jacobi, warm-started from the last V; then R = U V^T with U = A V lambda^-1/2.
  * That equals the paper's A (A^T A)^-1/2 and stays defined when A is singular.
  * Bounds: 4 sweeps, always. Accuracy against double precision in each entry: 2e-6 for condition numbers up to 10, 2e-5
  * to 30, 2e-4 to 100.
@@ -11,10 +10,6 @@
 
 #define SMR_SWEEPS_WARM 4u
 #define SMR_RANK_FLOOR 1.0e-3f /* smaller singular values, relative to the largest, count as 0 */
-
-static const float no_rotation[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
-
-static smr_vec column(const float m[9], int k) { return smr_v(m[k], m[3 + k], m[6 + k]); }
 
 /* A unit vector perpendicular to the unit vector a, always the same one for the same a. */
 static smr_vec any_normal(smr_vec a)
@@ -27,16 +22,15 @@ static smr_vec any_normal(smr_vec a)
 /* Makes v a rotation again (Gram-Schmidt), since rounding errors add up over warm starts. */
 static void orthonormalise(float v[9])
 {
-    smr_vec a = smr_unit(column(v, 0));
-    smr_vec b = column(v, 1);
+    smr_vec a = smr_unit(smr_axis(v, 0));
+    smr_vec b = smr_axis(v, 1);
     b = smr_unit(smr_sub(b, smr_scale(a, smr_dot(a, b))));
     smr_vec c = smr_cross(a, b);
     const float m[9] = {a.x, b.x, c.x, a.y, b.y, c.y, a.z, b.z, c.z};
     memcpy(v, m, sizeof m);
 }
 
-/* m = R - I for the shortest rotation R that takes the unit vector a to the unit vector b, at most 90 degrees
- * apart. */
+/* m = R - I for the shortest rotation R that takes the unit vector a to the unit vector b, at most 90 degrees apart. */
 static void shortest_near(smr_vec a, smr_vec b, float m[9])
 {
     const smr_vec w = smr_cross(a, b);
@@ -69,7 +63,7 @@ static void shortest(smr_vec a, smr_vec b, float m[9])
 /* s = A^T A. */
 static void squared(const float a[9], float s[6])
 {
-    smr_vec c0 = column(a, 0), c1 = column(a, 1), c2 = column(a, 2);
+    smr_vec c0 = smr_axis(a, 0), c1 = smr_axis(a, 1), c2 = smr_axis(a, 2);
     s[SMR_XX] = smr_dot(c0, c0);
     s[SMR_XY] = smr_dot(c0, c1);
     s[SMR_XZ] = smr_dot(c0, c2);
@@ -83,7 +77,7 @@ void smr_polar(const float a[9], float v[9], float m[9])
     float largest = 0.0f;
     for (int i = 0; i < 9; i++)
         largest = smr_max(largest, smr_abs(a[i]));
-    memcpy(m, no_rotation, sizeof no_rotation);
+    memset(m, 0, 9u * sizeof *m);
     if (!(largest > 1.0e-20f))
         return;
     float n[9], s[6], d[6];
@@ -97,7 +91,7 @@ void smr_polar(const float a[9], float v[9], float m[9])
      * two larger directions determine R; the third one follows by a cross product. */
     int k = d[SMR_XX] <= d[SMR_YY] && d[SMR_XX] <= d[SMR_ZZ] ? 0 : (d[SMR_YY] <= d[SMR_ZZ] ? 1 : 2);
     int i = (k + 1) % 3, j = (k + 2) % 3;
-    smr_vec vi = column(v, i), vj = column(v, j), vk = column(v, k);
+    smr_vec vi = smr_axis(v, i), vj = smr_axis(v, j), vk = smr_axis(v, k);
     smr_vec ui = smr_mul(n, vi), uj = smr_mul(n, vj);
     if (smr_dot(uj, uj) > smr_dot(ui, ui)) {
         smr_vec t = ui;

@@ -4,7 +4,8 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/rotation.h"
 
-void smr_sinc(float a2, float *sine, float *cosine)
+/* *sine = sin(a) / a and *cosine = (1 - cos(a)) / a^2; a2 is a^2 in rad^2, 0 .. SMR_ANGLE_MAX^2. */
+static void sinc(float a2, float *sine, float *cosine)
 {
     float s = 1.0f / 6227020800.0f;
     s = s * a2 - 1.0f / 39916800.0f;
@@ -28,7 +29,7 @@ float smr_cos_degrees(float degrees)
     const float away = degrees > 90.0f ? degrees - 90.0f : 90.0f - degrees; /* cos(degrees) = +-sin(away) */
     const float half = away * 0.0087266463f;
     float s, c;
-    smr_sinc(half * half, &s, &c);
+    sinc(half * half, &s, &c);
     const float sine = 2.0f * half * s * (1.0f - c * half * half); /* sin 2h = 2 sin h cos h */
     return degrees > 90.0f ? -sine : sine;
 }
@@ -51,7 +52,7 @@ void smr_rodrigues(smr_vec w, float m[9])
         a2 = SMR_ANGLE_MAX * SMR_ANGLE_MAX;
     }
     float s, c;
-    smr_sinc(a2, &s, &c);
+    sinc(a2, &s, &c);
     /* R - I = s [w]x + c (w w^T - a^2 I) */
     m[0] = c * (w.x * w.x - a2);
     m[1] = c * w.x * w.y - s * w.z;

@@ -2,7 +2,6 @@
  * Source: Horn, Hilden, Negahdaripour 1988; the rotation by polar decomposition and two Newton steps.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/similarity_fit.h"
-
 #include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/rotation/rotation.h"
 
@@ -11,9 +10,7 @@
 
 void smr_fit_start(smr_fit *f, smr_vec origin_from, smr_vec origin_to)
 {
-    memset(f, 0, sizeof *f);
-    f->origin_from = origin_from;
-    f->origin_to = origin_to;
+    *f = (smr_fit){.origin_from = origin_from, .origin_to = origin_to};
 }
 
 /* Adds a term to sum i with compensation (Neumaier 1974). Plain sums of a thousand products would move the end of a
@@ -100,14 +97,9 @@ smr_pose smr_fit_solve(const smr_fit *f, int scaled)
         from = smr_add(from, smr_scale(smr_load(f->sum + SMR_FIT_FROM), 1.0f / f->weight));
         to = smr_add(to, smr_scale(smr_load(f->sum + SMR_FIT_TO), 1.0f / f->weight));
     }
-    smr_pose pose;
-    for (int i = 0; i < 3; i++)
-        for (int c = 0; c < 3; c++)
-            pose.m[i][c] = r[3 * i + c] * scale;
-    pose.m[0][3] = pose.m[1][3] = pose.m[2][3] = 0.0f;
-    const smr_vec moved = smr_pose_apply(&pose, from);
-    pose.m[0][3] = to.x - moved.x;
-    pose.m[1][3] = to.y - moved.y;
-    pose.m[2][3] = to.z - moved.z;
+    smr_pose pose = {{{0.0f}}};
+    for (uint32_t i = 0; i < 9u; i++)
+        pose.m[i / 3u][i % 3u] = r[i] * scale;
+    smr_pose_onto(&pose, from, to);
     return pose;
 }

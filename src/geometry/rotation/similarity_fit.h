@@ -5,6 +5,23 @@
 
 #include "base/vec.h"
 
+/* a rotated and scaled by the pose, without its translation. */
+static inline smr_vec smr_pose_turn(const smr_pose *p, smr_vec a)
+{
+    return smr_v(p->m[0][0] * a.x + p->m[0][1] * a.y + p->m[0][2] * a.z,
+                 p->m[1][0] * a.x + p->m[1][1] * a.y + p->m[1][2] * a.z,
+                 p->m[2][0] * a.x + p->m[2][1] * a.y + p->m[2][2] * a.z);
+}
+
+/* Adds a translation to a pose that has none, so that it maps `from` onto `to`. */
+static inline void smr_pose_onto(smr_pose *p, smr_vec from, smr_vec to)
+{
+    const smr_vec shift = smr_sub(to, smr_pose_apply(p, from));
+    p->m[0][3] = shift.x;
+    p->m[1][3] = shift.y;
+    p->m[2][3] = shift.z;
+}
+
 /* Indexes of the sums in smr_fit. */
 enum { SMR_FIT_FROM = 0, SMR_FIT_TO = 3, SMR_FIT_CROSS = 6, SMR_FIT_FROM2 = 15, SMR_FIT_TO2, SMR_FIT_SUMS };
 

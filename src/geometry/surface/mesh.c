@@ -1,7 +1,6 @@
-/* mesh.c: validation of triangle meshes, vertex normals and areas, and the triangles around each vertex.
+/* mesh.c: validation of triangle meshes, and vertex normals and areas.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/mesh.h"
-
 #include "base/bytes.h"
 #include "geometry/box_tree/triangle.h"
 
@@ -11,13 +10,28 @@ smr_status smr_mesh_check(const smr_mesh *mesh)
         return SMR_E_NULL;
     if (mesh->n_vertices == 0u || mesh->n_vertices > SMR_VERTICES_MAX || mesh->n_triangles > SMR_TRIANGLES_MAX)
         return SMR_E_INPUT;
-    for (size_t i = 0; i < 3u * (size_t)mesh->n_vertices; i++)
-        if (!smr_within(mesh->xyz[i], SMR_COORD_MAX))
-            return SMR_E_INPUT;
+    if (!smr_all_within(mesh->xyz, 3u * (size_t)mesh->n_vertices, SMR_COORD_MAX))
+        return SMR_E_INPUT;
     for (size_t i = 0; i < 3u * (size_t)mesh->n_triangles; i++)
         if (mesh->triangles[i] >= mesh->n_vertices)
             return SMR_E_INPUT;
     return SMR_OK;
+}
+
+void smr_mesh_add_normals(const float *xyz, const uint32_t *triangle, uint32_t first, uint32_t last, float *normal,
+                          float *area)
+{
+    for (uint32_t k = first; k < last; k++) {
+        const uint32_t *t = triangle + 3u * (size_t)k;
+        const smr_vec n = smr_corners_cross(xyz, t);
+        const float third = smr_length(n) * (1.0f / 6.0f);
+        for (uint32_t c = 0; c < 3u; c++) {
+            float *at = normal + 3u * (size_t)t[c];
+            smr_store(at, smr_add(smr_load(at), n));
+            if (area != NULL)
+                area[t[c]] += third;
+        }
+    }
 }
 
 void smr_mesh_normals(const smr_mesh *mesh, float *normal, float *area)
@@ -26,36 +40,9 @@ void smr_mesh_normals(const smr_mesh *mesh, float *normal, float *area)
         normal[i] = 0.0f;
     for (uint32_t i = 0; area != NULL && i < mesh->n_vertices; i++)
         area[i] = 0.0f;
-    for (uint32_t k = 0; k < mesh->n_triangles; k++) {
-        const uint32_t *t = mesh->triangles + 3u * (size_t)k;
-        smr_vec n = smr_triangle_cross(smr_load(mesh->xyz + 3u * (size_t)t[0]), smr_load(mesh->xyz + 3u * (size_t)t[1]),
-                                       smr_load(mesh->xyz + 3u * (size_t)t[2]));
-        float third = smr_length(n) * (1.0f / 6.0f);
-        for (uint32_t c = 0; c < 3u; c++) {
-            float *at = normal + 3u * (size_t)t[c];
-            smr_store(at, smr_add(smr_load(at), n));
-            if (area != NULL)
-                area[t[c]] += third;
-        }
-    }
+    smr_mesh_add_normals(mesh->xyz, mesh->triangles, 0, mesh->n_triangles, normal, area);
     for (uint32_t i = 0; i < mesh->n_vertices; i++)
-        smr_store(normal + 3u * (size_t)i, smr_unit(smr_load(normal + 3u * (size_t)i)));
-}
-
-void smr_mesh_around(const smr_mesh *mesh, uint32_t *start, uint32_t *around)
-{
-    for (uint32_t v = 0; v <= mesh->n_vertices; v++)
-        start[v] = 0;
-    for (size_t i = 0; i < 3u * (size_t)mesh->n_triangles; i++)
-        start[mesh->triangles[i]]++;
-    uint32_t sum = 0;
-    for (uint32_t v = 0; v <= mesh->n_vertices; v++) {
-        sum += start[v];
-        start[v] = sum;
-    }
-    /* start[v] is the end of v's range; filling from the back moves it to the beginning */
-    for (size_t i = 3u * (size_t)mesh->n_triangles; i-- > 0u;)
-        around[--start[mesh->triangles[i]]] = (uint32_t)(i / 3u);
+        smr_put3(normal, i, smr_unit(smr_get3(normal, i)));
 }
 
 /* An edge's share of the sum: opposite for the two ways along it. */

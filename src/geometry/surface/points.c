@@ -1,9 +1,10 @@
 /* points.c: a cloud of points as a ring: in a full cloud new points replace the oldest ones. Clouds have no search
  * tree, so adding a point has constant cost.
- * Bounds: one pass over the added points.
+ * For start poses and measures a cloud becomes a surface with a search tree: each point is a triangle without area and
+ * has the point's normal. Forces need no search in a cloud.
+ * Bounds: one pass over the added points; those of a surface with as many triangles as points.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/points.h"
-
 #include "base/arena.h"
 
 #define SMR_NORMAL_LEAST 1.0e-3f /* a shorter normal counts as none */
@@ -38,7 +39,9 @@ smr_status smr_points_bytes(uint32_t capacity, size_t *bytes)
 smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_points **points)
 {
     smr_arena a;
-    smr_points p, *self;
+    smr_points p = {.magic = SMR_POINTS_MAGIC,
+                    .surface = {.magic = SMR_SURFACE_MAGIC, .capacity = capacity, .open = 1, .area_mean = 1.0f}};
+    smr_points *self;
     size_t needed;
     if (points == NULL)
         return SMR_E_NULL;
@@ -50,13 +53,7 @@ smr_status smr_points_open(uint32_t capacity, void *memory, size_t bytes, smr_po
     if (needed > bytes)
         return SMR_E_ARENA;
     smr_arena_release(memory, bytes);
-    memset(&p, 0, sizeof p);
     layout(&a, capacity, &self, &p.surface);
-    p.magic = SMR_POINTS_MAGIC;
-    p.surface.magic = SMR_SURFACE_MAGIC;
-    p.surface.capacity = capacity;
-    p.surface.open = 1;
-    p.surface.area_mean = 1.0f;
     *self = p;
     *points = self;
     return SMR_OK;
@@ -68,9 +65,8 @@ static int take_normal(const float *normal, smr_vec *unit)
     *unit = smr_v(0, 0, 0);
     if (normal == NULL)
         return 1;
-    for (uint32_t i = 0; i < 3u; i++)
-        if (!smr_within(normal[i], SMR_NORMAL_MOST))
-            return 0;
+    if (!smr_all_within(normal, 3, SMR_NORMAL_MOST))
+        return 0;
     const smr_vec n = smr_load(normal);
     if (smr_dot(n, n) >= SMR_NORMAL_LEAST * SMR_NORMAL_LEAST)
         *unit = smr_unit(n);
@@ -82,15 +78,11 @@ static int legal_weight(float weight) { return weight >= 0.0f && weight <= SMR_W
 static int can_add(const float *xyz, const float *normals, const float *weights, uint32_t n)
 {
     smr_vec unit;
-    for (size_t i = 0; i < n; i++) {
-        for (uint32_t c = 0; c < 3u; c++)
-            if (!smr_within(xyz[3u * i + c], SMR_COORD_MAX))
-                return 0;
-        if (!take_normal(normals == NULL ? NULL : normals + 3u * i, &unit))
+    for (size_t i = 0; i < n; i++)
+        if (!smr_all_within(xyz + 3u * i, 3, SMR_COORD_MAX) ||
+            !take_normal(normals == NULL ? NULL : normals + 3u * i, &unit) ||
+            (weights != NULL && !legal_weight(weights[i])))
             return 0;
-        if (weights != NULL && !legal_weight(weights[i]))
-            return 0;
-    }
     return 1;
 }
 
@@ -149,4 +141,51 @@ smr_status smr_points_count(const smr_points *points, uint32_t *n)
         return SMR_E_STATE;
     *n = points->surface.n_vertices;
     return SMR_OK;
+}
+
+static size_t index_bytes(uint32_t n) { return 3u * (size_t)n * sizeof(uint32_t); }
+
+smr_status smr_points_surface_bytes(uint32_t n, size_t *bytes)
+{
+    const smr_status status = smr_surface_bytes(n, n, bytes);
+    if (status != SMR_OK)
+        return status;
+    if (*bytes > SIZE_MAX - index_bytes(n))
+        return SMR_E_INPUT;
+    *bytes += index_bytes(n);
+    return SMR_OK;
+}
+
+smr_status smr_points_surface_begin(const smr_points *points, void *memory, size_t bytes, smr_surface **surface)
+{
+    size_t needed;
+    if (points == NULL || memory == NULL || surface == NULL)
+        return SMR_E_NULL;
+    if (!smr_points_valid(points))
+        return SMR_E_STATE;
+    const smr_surface *cloud = &points->surface;
+    const uint32_t n = cloud->n_vertices;
+    smr_status status = smr_points_surface_bytes(n, &needed);
+    if (status != SMR_OK)
+        return status;
+    if ((uintptr_t)memory % SMR_ALIGN != 0u)
+        return SMR_E_ALIGN;
+    if (bytes < needed)
+        return SMR_E_ARENA;
+    uint32_t *index = (void *)((unsigned char *)memory + needed - index_bytes(n));
+    const smr_mesh mesh = {cloud->xyz, index, n, n};
+    status = smr_surface_begin(&mesh, memory, needed - index_bytes(n), surface);
+    if (status == SMR_OK) {
+        smr_arena_release(index, index_bytes(n));
+        (*surface)->work.index = index;
+        (*surface)->work.cloud = cloud;
+        (*surface)->work.changes = cloud->changes;
+    }
+    return status;
+}
+
+smr_status smr_points_surface(const smr_points *points, void *memory, size_t bytes, smr_surface **surface)
+{
+    const smr_status status = smr_points_surface_begin(points, memory, bytes, surface);
+    return status == SMR_OK ? smr_surface_step(*surface, 0, NULL, 0) : status;
 }

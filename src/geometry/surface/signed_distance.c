@@ -6,6 +6,7 @@
  * Bounds: those of smr_tree_near.
  * SPDX-License-Identifier: MIT */
 #include "geometry/surface/signed_distance.h"
+#include "geometry/box_tree/triangle.h"
 
 #define SMR_SIDE_NEAR 0.1f     /* mm: below about this distance the direction is that of the vertices' normals */
 #define SMR_SIDE_TIE 1.00001f  /* squared distances within this factor belong to the same edge or corner */
@@ -26,9 +27,9 @@ static float angle_at(const smr_box_tree *f, const smr_near *near)
     const uint32_t *t = f->triangle + 3u * (size_t)near->triangle;
     const float *w = near->weight;
     const uint32_t c = w[0] >= w[1] && w[0] >= w[2] ? 0u : w[1] >= w[2] ? 1u : 2u;
-    const smr_vec at = smr_load(f->xyz + 3u * (size_t)t[c]);
-    const smr_vec a = smr_unit(smr_sub(smr_load(f->xyz + 3u * (size_t)t[(c + 1u) % 3u]), at)),
-                  b = smr_unit(smr_sub(smr_load(f->xyz + 3u * (size_t)t[(c + 2u) % 3u]), at));
+    const smr_vec at = smr_get3(f->xyz, t[c]);
+    const smr_vec a = smr_unit(smr_sub(smr_get3(f->xyz, t[(c + 1u) % 3u]), at)),
+                  b = smr_unit(smr_sub(smr_get3(f->xyz, t[(c + 2u) % 3u]), at));
     return angle_of(smr_dot(a, b));
 }
 
@@ -45,19 +46,9 @@ static float height_of(const smr_box_tree *f, smr_vec p, const smr_near_list *li
         const smr_near *near = &list->item[i];
         const smr_vec r = smr_sub(p, smr_triangle_point(f, near->triangle, near->weight));
         if (near->d2 <= tie)
-            height +=
-                smr_dot(r, smr_load(f->normal + 3u * (size_t)near->triangle)) * (n > 2u ? angle_at(f, near) : 1.0f);
+            height += smr_dot(r, smr_get3(f->normal, near->triangle)) * (n > 2u ? angle_at(f, near) : 1.0f);
     }
     return height;
-}
-
-static smr_vec vertex_normal(const smr_box_tree *f, const float *normal, const smr_near *near)
-{
-    const uint32_t *t = f->triangle + 3u * (size_t)near->triangle;
-    const smr_vec a = smr_load(normal + 3u * (size_t)t[0]), b = smr_load(normal + 3u * (size_t)t[1]),
-                  c = smr_load(normal + 3u * (size_t)t[2]);
-    return smr_add(smr_add(smr_scale(a, near->weight[0]), smr_scale(b, near->weight[1])),
-                   smr_scale(c, near->weight[2]));
 }
 
 int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_query *q, float most, smr_side *side)
@@ -72,7 +63,8 @@ int smr_signed_distance(const smr_box_tree *f, const float *normal, const smr_qu
         const smr_near *near = &list.item[i];
         const smr_vec r = smr_sub(q->point, smr_triangle_point(f, near->triangle, near->weight));
         from = smr_add(from, smr_scale(r, near->share));
-        along = smr_add(along, smr_scale(vertex_normal(f, normal, near), near->share));
+        const smr_corner_values at = smr_corners_of(normal, f->triangle + 3u * (size_t)near->triangle);
+        along = smr_add(along, smr_scale(smr_corners_mean(at, near->weight), near->share));
     }
     const float sign = height_of(f, q->point, &list, hit.d2) < 0.0f ? -1.0f : 1.0f, distance = SMR_SQRT(hit.d2);
     const smr_vec direction = smr_add(smr_scale(from, sign), smr_scale(along, SMR_SIDE_NEAR));

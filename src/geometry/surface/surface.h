@@ -53,10 +53,6 @@ struct smr_surface {
 /* Returns 1 for a cloud of points, which has no triangles. */
 static inline int smr_is_cloud(const smr_surface *s) { return s->capacity > 0u; }
 
-/* Stages of building a cloud's copy. */
-int smr_cloud_index(smr_surface *s, uint32_t first, uint32_t last);
-int smr_cloud_copy(smr_surface *s, uint32_t first, uint32_t last);
-
 /* Returns 1 for a complete surface. */
 static inline int smr_surface_valid(const smr_surface *s) { return s != NULL && s->magic == SMR_SURFACE_MAGIC; }
 

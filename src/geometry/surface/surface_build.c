@@ -6,14 +6,12 @@
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
 #include "geometry/surface/surface.h"
-#include "geometry/box_tree/triangle.h"
 
 #define SMR_SURFACE_ITEMS 256u /* items of a unit of work */
 #define SMR_SURFACE_EDGES 4u   /* items that counting a triangle's edges is worth */
 #define SMR_SURFACE_LEAF 16u   /* items that a leaf of the tree is worth */
 #define SMR_SURFACE_NODE 32u   /* items that a node above the leaves is worth */
 
-/* Takes all slots from the arena, or measures them. */
 static smr_surface *layout(smr_arena *a, uint32_t nv, uint32_t nt, smr_surface *s)
 {
     smr_surface *self = smr_arena_take(a, 1, sizeof *self);
@@ -56,14 +54,11 @@ static uint32_t edge_count(const smr_surface *s, uint32_t v, uint32_t w)
 {
     const uint32_t *const start = s->work.start;
     uint32_t count = 0;
-    if (start[w + 1u] - start[w] < start[v + 1u] - start[v]) {
-        const uint32_t swap = v;
-        v = w;
-        w = swap;
-    }
-    for (uint32_t i = start[v]; i < start[v + 1u] && count < 2u; i++) {
+    const int fewer = start[w + 1u] - start[w] < start[v + 1u] - start[v];
+    const uint32_t one = fewer ? w : v, other = fewer ? v : w;
+    for (uint32_t i = start[one]; i < start[one + 1u] && count < 2u; i++) {
         const uint32_t *t = s->triangle + 3u * (size_t)s->work.around[i];
-        count += t[0] == w || t[1] == w || t[2] == w;
+        count += t[0] == other || t[1] == other || t[2] == other;
     }
     return count;
 }
@@ -76,13 +71,13 @@ static int check_vertices(smr_surface *s, uint32_t first, uint32_t last)
 {
     smr_box *const box = &s->work.box;
     for (uint32_t i = first; i < last; i++) {
-        const smr_vec p = smr_load(s->work.mesh.xyz + 3u * (size_t)i);
-        if (!smr_within(p.x, SMR_COORD_MAX) || !smr_within(p.y, SMR_COORD_MAX) || !smr_within(p.z, SMR_COORD_MAX))
+        const smr_vec p = smr_get3(s->work.mesh.xyz, i);
+        if (!smr_within3(p, SMR_COORD_MAX))
             return 0;
         if (i == 0u)
             box->lo = box->hi = p;
-        box->lo = smr_v(smr_min(box->lo.x, p.x), smr_min(box->lo.y, p.y), smr_min(box->lo.z, p.z));
-        box->hi = smr_v(smr_max(box->hi.x, p.x), smr_max(box->hi.y, p.y), smr_max(box->hi.z, p.z));
+        box->lo = smr_low(box->lo, p);
+        box->hi = smr_high(box->hi, p);
     }
     return 1;
 }
@@ -101,8 +96,8 @@ static int copy_vertices(smr_surface *s, uint32_t first, uint32_t last)
     s->changes += first == 0u ? s->work.refit : 0u;
     s->origin = smr_whole(smr_scale(smr_add(s->work.box.lo, s->work.box.hi), 0.5f));
     for (uint32_t i = first; i < last; i++) {
-        smr_store(s->xyz + 3u * (size_t)i, smr_sub(smr_load(s->work.mesh.xyz + 3u * (size_t)i), s->origin));
-        smr_store(s->normal + 3u * (size_t)i, smr_v(0, 0, 0));
+        smr_put3(s->xyz, i, smr_sub(smr_get3(s->work.mesh.xyz, i), s->origin));
+        smr_put3(s->normal, i, smr_v(0, 0, 0));
         s->area[i] = 0.0f;
     }
     return 1;
@@ -133,20 +128,9 @@ static int copy_triangles(smr_surface *s, uint32_t first, uint32_t last)
     return 1;
 }
 
-/* As smr_mesh_normals(): area-weighted sums, then unit normals. */
 static int add_normals(smr_surface *s, uint32_t first, uint32_t last)
 {
-    for (uint32_t k = first; k < last; k++) {
-        const uint32_t *t = s->triangle + 3u * (size_t)k;
-        const smr_vec n = smr_triangle_cross(smr_load(s->xyz + 3u * (size_t)t[0]), smr_load(s->xyz + 3u * (size_t)t[1]),
-                                             smr_load(s->xyz + 3u * (size_t)t[2]));
-        const float third = smr_length(n) * (1.0f / 6.0f);
-        for (uint32_t c = 0; c < 3u; c++) {
-            float *at = s->normal + 3u * (size_t)t[c];
-            smr_store(at, smr_add(smr_load(at), n));
-            s->area[t[c]] += third;
-        }
-    }
+    smr_mesh_add_normals(s->xyz, s->triangle, first, last, s->normal, s->area);
     return 1;
 }
 
@@ -156,13 +140,13 @@ static int unit_normals(smr_surface *s, uint32_t first, uint32_t last)
     if (first == 0u)
         s->work.area = 0.0f;
     for (uint32_t i = first; i < last; i++) {
-        smr_store(s->normal + 3u * (size_t)i, smr_unit(smr_load(s->normal + 3u * (size_t)i)));
+        smr_put3(s->normal, i, smr_unit(smr_get3(s->normal, i)));
         s->work.area += s->area[i];
     }
     return 1;
 }
 
-/* Prepares the triangles around vertices, as smr_mesh_around(). */
+/* Prepares the triangles around vertices: counts, then ends of ranges, then from the back the ranges. */
 static int clear_counts(smr_surface *s, uint32_t first, uint32_t last)
 {
     for (uint32_t v = first; v < last; v++)
@@ -229,6 +213,29 @@ static int find_corners(smr_surface *s, uint32_t first, uint32_t last)
     return 1;
 }
 
+/* A cloud's copy: each point is a triangle without an area. */
+static int index_points(smr_surface *s, uint32_t first, uint32_t last)
+{
+    for (size_t i = 3u * (size_t)first; i < 3u * (size_t)last; i++)
+        s->work.index[i] = (uint32_t)(i / 3u);
+    return 1;
+}
+
+/* Copies the cloud's normals and weights. Refused when the cloud has changed since the build began. */
+static int copy_cloud(smr_surface *s, uint32_t first, uint32_t last)
+{
+    const smr_surface *cloud = s->work.cloud;
+    const size_t at = first, n = last - first;
+    if (cloud->changes != s->work.changes)
+        return 0;
+    memcpy(s->normal + 3u * at, cloud->normal + 3u * at, 3u * n * sizeof(float));
+    memcpy(s->area + at, cloud->area + at, n * sizeof(float));
+    memset(s->border + at, 0, n);
+    for (size_t k = at; k < last; k++)
+        memcpy(s->tree.normal + 3u * k, cloud->normal + 3u * (size_t)s->original[k], 3u * sizeof(float));
+    return 1;
+}
+
 static int refit_leaves(smr_surface *s, uint32_t first, uint32_t last)
 {
     smr_tree_refit_leaves(&s->tree, first, last);
@@ -251,7 +258,7 @@ static const struct {
     uint16_t of, when; /* when: 1: also for a refit; 2: only for a cloud's copy */
     uint32_t cost;     /* cost of an item */
 } stages[] = {
-    {smr_cloud_index, OF_TRIANGLES, 2, 1},
+    {index_points, OF_TRIANGLES, 2, 1},
     {check_vertices, OF_VERTICES, 1, 1},
     {check_triangles, OF_TRIANGLES, 0, 1},
     {copy_vertices, OF_VERTICES, 1, 1},
@@ -275,7 +282,7 @@ static const struct {
     {smr_fragments_release, OF_VERTICES, 1, 1},
     {refit_leaves, OF_LEAVES, 1, SMR_SURFACE_LEAF},
     {refit_nodes, OF_NODES, 1, SMR_SURFACE_NODE},
-    {smr_cloud_copy, OF_TRIANGLES, 2, 1},
+    {copy_cloud, OF_TRIANGLES, 2, 1},
 };
 
 #define SMR_SURFACE_STAGES ((uint32_t)(sizeof stages / sizeof stages[0]))
@@ -324,13 +331,6 @@ static smr_status run_unit(smr_surface *s)
     return SMR_OK;
 }
 
-/* Ends refused work: a build leaves nothing, a refit leaves the old surface. */
-static void give_up(smr_surface *s)
-{
-    s->work.stage = SMR_SURFACE_STAGES;
-    s->magic = s->work.refit ? SMR_SURFACE_MAGIC : 0u;
-}
-
 smr_status smr_surface_step(smr_surface *surface, uint32_t units, const smr_port *port, uint64_t budget_ns)
 {
     if (surface == NULL)
@@ -342,14 +342,14 @@ smr_status smr_surface_step(smr_surface *surface, uint32_t units, const smr_port
     skip_stages(&surface->work);
     const int timed = budget_ns > 0u && port != NULL && port->now_ns != NULL;
     const uint64_t begin = timed ? port->now_ns(port->ctx) : 0u;
-    uint32_t done = 0;
-    for (;;) {
+    for (uint32_t done = 1;; done++) {
         const smr_status status = run_unit(surface);
-        if (status < 0)
-            give_up(surface);
+        if (status < 0) { /* refused: a build leaves nothing, a refit leaves the old surface */
+            surface->work.stage = SMR_SURFACE_STAGES;
+            surface->magic = surface->work.refit ? SMR_SURFACE_MAGIC : 0u;
+        }
         if (status != SMR_PARTIAL)
             return status;
-        done++;
         if ((units > 0u && done >= units) || (timed && port->now_ns(port->ctx) - begin >= budget_ns))
             return SMR_PARTIAL;
     }
@@ -358,7 +358,7 @@ smr_status smr_surface_step(smr_surface *surface, uint32_t units, const smr_port
 smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, smr_surface **surface)
 {
     smr_arena a;
-    smr_surface s;
+    smr_surface s = {.magic = SMR_SURFACE_BUSY};
     size_t needed;
     if (surface == NULL || mesh == NULL)
         return SMR_E_NULL;
@@ -373,9 +373,7 @@ smr_status smr_surface_begin(const smr_mesh *mesh, void *memory, size_t bytes, s
     if (needed > bytes)
         return SMR_E_ARENA;
     smr_arena_release(memory, bytes);
-    memset(&s, 0, sizeof s);
     smr_surface *const self = layout(&a, nv, nt, &s);
-    s.magic = SMR_SURFACE_BUSY;
     s.n_vertices = nv;
     s.work.mesh = *mesh;
     smr_tree_shape(&s.tree, nt);

@@ -43,8 +43,7 @@ static float axis_of(smr_vec p, uint32_t axis) { return axis == 0u ? p.x : axis 
 static int beside(const smr_surface *s, const line *l, smr_vec shift, uint32_t i, uint32_t k)
 {
     const uint32_t lo = smr_min_u32(i, k), hi = smr_max_u32(i, k);
-    const smr_vec a = smr_add(smr_load(s->xyz + 3u * (size_t)lo), shift),
-                  b = smr_add(smr_load(s->xyz + 3u * (size_t)hi), shift);
+    const smr_vec a = smr_add(smr_get3(s->xyz, lo), shift), b = smr_add(smr_get3(s->xyz, hi), shift);
     const float au = axis_of(a, l->u) - l->pu, av = axis_of(a, l->v) - l->pv, bu = axis_of(b, l->u) - l->pu,
                 bv = axis_of(b, l->v) - l->pv;
     return (au * bv - av * bu >= 0.0f) == (i == lo) ? 1 : -1;
@@ -66,9 +65,8 @@ static void cross_triangle(const smr_surface *s, line *l, smr_vec shift, uint32_
     const int turn = beside(s, l, shift, t[0], t[1]);
     if (beside(s, l, shift, t[1], t[2]) != turn || beside(s, l, shift, t[2], t[0]) != turn)
         return;
-    const smr_vec a = smr_add(smr_load(s->xyz + 3u * (size_t)t[0]), shift),
-                  b = smr_add(smr_load(s->xyz + 3u * (size_t)t[1]), shift),
-                  c = smr_add(smr_load(s->xyz + 3u * (size_t)t[2]), shift);
+    const smr_vec a = smr_add(smr_get3(s->xyz, t[0]), shift), b = smr_add(smr_get3(s->xyz, t[1]), shift),
+                  c = smr_add(smr_get3(s->xyz, t[2]), shift);
     const smr_vec n = smr_triangle_cross(a, b, c);
     const float along = axis_of(n, l->w);
     const float low = smr_min(axis_of(a, l->w), smr_min(axis_of(b, l->w), axis_of(c, l->w))),
@@ -83,14 +81,11 @@ static void cross_triangle(const smr_surface *s, line *l, smr_vec shift, uint32_
 /* All crossings of a line with a surface, moved by shift. */
 static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
 {
-    struct {
-        uint32_t level, index;
-    } stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
+    smr_visit stack[SMR_TREE_LEVELS * SMR_TREE_WIDTH];
     const smr_box_tree *f = &s->tree;
     const float u = l->pu - axis_of(shift, l->u), v = l->pv - axis_of(shift, l->v);
-    uint32_t top = 1;
-    stack[0].level = f->n_levels - 1u;
-    stack[0].index = 0;
+    uint32_t top = 0;
+    stack[top++] = (smr_visit){f->n_levels - 1u, 0u, 0.0f};
     while (top > 0u) {
         const uint32_t level = stack[--top].level, index = stack[top].index;
         const smr_node *node = &f->node[f->level[level] + index];
@@ -98,12 +93,10 @@ static void cross(const smr_surface *s, line *l, smr_vec shift, int weight)
             const uint32_t child = index * SMR_TREE_WIDTH + k;
             if (!(node->lo[l->u][k] <= u && node->lo[l->v][k] <= v && node->hi[l->u][k] >= u && node->hi[l->v][k] >= v))
                 continue;
-            if (level == 0u && child < f->n_triangles) {
+            if (level > 0u)
+                stack[top++] = (smr_visit){level - 1u, child, 0.0f};
+            else if (child < f->n_triangles)
                 cross_triangle(s, l, shift, child, weight);
-            } else if (level > 0u) {
-                stack[top].level = level - 1u;
-                stack[top++].index = child;
-            }
         }
     }
 }
@@ -135,16 +128,13 @@ static float side_of(const sweep *s, smr_vec p, float most)
     return side.mm < 0.0f && !is_inside(s->b, p) ? -side.mm : side.mm;
 }
 
-static smr_vec least(smr_vec a, smr_vec b) { return smr_v(smr_min(a.x, b.x), smr_min(a.y, b.y), smr_min(a.z, b.z)); }
-static smr_vec most_of(smr_vec a, smr_vec b) { return smr_v(smr_max(a.x, b.x), smr_max(a.y, b.y), smr_max(a.z, b.z)); }
-
 static void sample_triangle(sweep *s, uint32_t k)
 {
     const uint32_t *t = s->a->triangle + 3u * (size_t)k;
     smr_vec corner[3];
     float round2 = 0.0f;
     for (uint32_t i = 0; i < 3u; i++)
-        corner[i] = smr_sub(smr_load(s->a->xyz + 3u * (size_t)t[i]), s->shift);
+        corner[i] = smr_sub(smr_get3(s->a->xyz, t[i]), s->shift);
     const smr_vec middle = smr_scale(smr_add(corner[0], smr_add(corner[1], corner[2])), 1.0f / 3.0f);
     for (uint32_t i = 0; i < 3u; i++) {
         const smr_vec r = smr_sub(corner[i], middle);
@@ -159,37 +149,32 @@ static void sample_triangle(sweep *s, uint32_t k)
         const smr_vec p = smr_add(corner[i], s->shift);
         s->deepest = smr_max(s->deepest, -at);
         s->area += at <= s->within ? third : 0.0f;
-        s->near.lo = least(s->near.lo, p);
-        s->near.hi = most_of(s->near.hi, p);
+        s->near.lo = smr_low(s->near.lo, p);
+        s->near.hi = smr_high(s->near.hi, p);
     }
 }
 
+static const smr_box no_box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
+
 static smr_box used_box(const smr_surface *s)
 {
-    smr_box box = {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}};
+    smr_box box = no_box;
     for (size_t i = 0; i < 3u * (size_t)s->tree.n_triangles; i++) {
-        const smr_vec p = smr_load(s->xyz + 3u * (size_t)s->triangle[i]);
-        box.lo = least(box.lo, p);
-        box.hi = most_of(box.hi, p);
+        const smr_vec p = smr_get3(s->xyz, s->triangle[i]);
+        box.lo = smr_low(box.lo, p);
+        box.hi = smr_high(box.hi, p);
     }
     return box;
 }
 
 static sweep sweep_of(const smr_surface *a, const smr_surface *b, float within)
 {
-    sweep s = {a,
-               b,
-               smr_sub(b->origin, a->origin),
-               {{SMR_FAR, SMR_FAR, SMR_FAR}, {-SMR_FAR, -SMR_FAR, -SMR_FAR}},
-               used_box(b),
-               within,
-               0,
-               0};
+    sweep s = {a, b, smr_sub(b->origin, a->origin), no_box, used_box(b), within, 0.0f, 0.0f};
     for (uint32_t k = 0; k < a->tree.n_triangles; k++)
         sample_triangle(&s, k);
     for (uint32_t v = 0; v < a->n_vertices; v++) /* vertices without triangles have no normal */
         if (a->area[v] > 0.0f)
-            s.deepest = smr_max(s.deepest, -side_of(&s, smr_sub(smr_load(a->xyz + 3u * (size_t)v), s.shift), 0.0f));
+            s.deepest = smr_max(s.deepest, -side_of(&s, smr_sub(smr_get3(a->xyz, v), s.shift), 0.0f));
     return s;
 }
 
@@ -246,10 +231,10 @@ smr_status smr_surface_contact(const smr_surface *a, const smr_surface *b, float
         return SMR_OK;
     const sweep one = sweep_of(a, b, within_mm), other = sweep_of(b, a, within_mm);
     const smr_box all_a = used_box(a);
-    smr_box box = {least(one.near.lo, smr_add(other.near.lo, one.shift)),
-                   most_of(one.near.hi, smr_add(other.near.hi, one.shift))};
-    box.lo = most_of(box.lo, most_of(all_a.lo, smr_add(one.around.lo, one.shift)));
-    box.hi = least(box.hi, least(all_a.hi, smr_add(one.around.hi, one.shift)));
+    smr_box box = {smr_low(one.near.lo, smr_add(other.near.lo, one.shift)),
+                   smr_high(one.near.hi, smr_add(other.near.hi, one.shift))};
+    box.lo = smr_high(box.lo, smr_high(all_a.lo, smr_add(one.around.lo, one.shift)));
+    box.hi = smr_low(box.hi, smr_low(all_a.hi, smr_add(one.around.hi, one.shift)));
     report->deepest_mm = smr_max(one.deepest, other.deepest);
     report->a_in_b_mm = one.deepest;
     report->area_mm2 = 0.5f * (one.area + other.area);

@@ -26,7 +26,6 @@ static uint32_t root(const smr_surface *s, uint32_t k)
     return k;
 }
 
-/* Unites two components. */
 static void unite(smr_surface *s, uint32_t a, uint32_t b)
 {
     const uint32_t more = count(s)[a] < count(s)[b] ? b : a, fewer = more == a ? b : a;

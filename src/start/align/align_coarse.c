@@ -3,9 +3,7 @@
  * normals add to it. Without normals it has full weight. Each sample takes its best partner.
  * Bounds: SMR_COARSE squared pairs.
  * SPDX-License-Identifier: MIT */
-#include "start/align/align_coarse.h"
-
-#include "start/align/align_pose.h"
+#include "start/align/align.h"
 
 #define SMR_ALONG 0.3f /* weight of the squared distance along the surface */
 /* limit of distances over the smaller spread: a little more than the spacing of samples */

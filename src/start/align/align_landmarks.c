@@ -4,6 +4,7 @@
  * Bounds: two passes over at most SMR_LANDMARKS_MAX pairs.
  * SPDX-License-Identifier: MIT */
 #include "geometry/rotation/similarity_fit.h"
+#include "geometry/surface/mesh.h"
 
 smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, uint32_t scaled, smr_pose *pose,
                                float *rms_mm)
@@ -14,9 +15,8 @@ smr_status smr_align_landmarks(const float *from, const float *to, uint32_t n, u
         return SMR_E_NULL;
     if (n == 0u || n > SMR_LANDMARKS_MAX || scaled > 1u)
         return SMR_E_INPUT;
-    for (size_t i = 0; i < 3u * (size_t)n; i++)
-        if (!smr_within(from[i], SMR_COORD_MAX) || !smr_within(to[i], SMR_COORD_MAX))
-            return SMR_E_INPUT;
+    if (!smr_all_within(from, 3u * (size_t)n, SMR_COORD_MAX) || !smr_all_within(to, 3u * (size_t)n, SMR_COORD_MAX))
+        return SMR_E_INPUT;
     smr_fit_start(&fit, smr_load(from), smr_load(to));
     for (size_t i = 0; i < n; i++)
         smr_fit_add(&fit, smr_load(from + 3u * i), smr_load(to + 3u * i), 1.0f);

@@ -1,9 +1,7 @@
 /* align_pairs.c: closest points in both directions under a pose: search, quantiles, shares and costs.
  * Bounds: 2 * samples searches; a quantile is 4 passes over a side's samples.
  * SPDX-License-Identifier: MIT */
-#include "start/align/align_pairs.h"
-
-#include "start/align/align_pose.h"
+#include "start/align/align.h"
 
 #define SMR_AGREE 0.1f  /* least cosine between the normals of a pair */
 #define SMR_MOSTLY 0.4f /* share of a side's samples that is assumed to match */

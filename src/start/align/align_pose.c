@@ -12,6 +12,6 @@ smr_pose smr_pose_invert(const smr_pose *p)
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 3; c++)
             q.m[r][c] = p->m[c][r] * inverse;
-    smr_pose_through(&q, smr_v(p->m[0][3], p->m[1][3], p->m[2][3]), smr_v(0, 0, 0));
+    smr_pose_through(&q, smr_column(p, 3), smr_v(0, 0, 0));
     return q;
 }

@@ -2,14 +2,11 @@
  * Outlier pairs lose their weight (Tukey's); the limit follows from the distances.
  * Bounds: `rounds` rounds over 2 * samples points.
  * SPDX-License-Identifier: MIT */
-#include "start/align/align_refine.h"
-
-#define SMR_UNTRIMMED 1.0e15f /* mm: no pair is an outlier; the square still fits a float */
-
-#include "start/align/align_pose.h"
+#include "start/align/align.h"
 #include "geometry/rotation/similarity_fit.h"
 
-#define SMR_STEADY 16u /* rounds before a refinement may end early: the end depends on rounding */
+#define SMR_UNTRIMMED 1.0e15f /* mm: no pair is an outlier; the square still fits a float */
+#define SMR_STEADY 16u        /* rounds before a refinement may end early: the end depends on rounding */
 /* convergence: the refinement ends when a round leaves more than this share of the mean square distance */
 #define SMR_STAGNANT 0.9995f
 

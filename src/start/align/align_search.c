@@ -4,9 +4,7 @@
  * shorter surface. Parts of a surface have other axes and centroids than the whole, but often share an end.
  * Bounds: 192 * 7 poses of smr_coarse_cost().
  * SPDX-License-Identifier: MIT */
-#include "start/align/align_search.h"
-
-#include "start/align/align_pose.h"
+#include "start/align/align.h"
 #include "geometry/rotation/rotation.h"
 
 #define SMR_CUBE 24u          /* rotations of a cube */
@@ -42,19 +40,16 @@ static void multiply(const float a[9], const float b[9], float out[9])
  * further rotation, which for the mirror image also reflects the model's longest axis. */
 static void set_rotation(const smr_aligner *a, uint32_t k, float scale, int mirrored, smr_pose *pose)
 {
-    static const float turn[SMR_TURNS][3] = {{0, 0, 0},
-                                             {SMR_EDGE, 0, 0},
-                                             {0, SMR_EDGE, 0},
-                                             {0, 0, SMR_EDGE},
-                                             {SMR_DIAG, SMR_DIAG, SMR_DIAG},
-                                             {-SMR_DIAG, SMR_DIAG, SMR_DIAG},
-                                             {SMR_DIAG, -SMR_DIAG, SMR_DIAG},
-                                             {SMR_DIAG, SMR_DIAG, -SMR_DIAG}};
+    static const float turn[3][SMR_TURNS] = {
+        {0, SMR_EDGE, 0, 0, SMR_DIAG, -SMR_DIAG, SMR_DIAG, SMR_DIAG},
+        {0, 0, SMR_EDGE, 0, SMR_DIAG, SMR_DIAG, -SMR_DIAG, SMR_DIAG},
+        {0, 0, 0, SMR_EDGE, SMR_DIAG, SMR_DIAG, SMR_DIAG, -SMR_DIAG}}; /* x, y and z of rotation vectors */
     const float *from = a->side[SMR_MODEL].axes;
     const float back[9] = {from[0], from[3], from[6], from[1], from[4], from[7], from[2], from[5], from[8]};
     float c[9], t[9], ct[9], bct[9], r[9];
     cube_rotation(k % SMR_CUBE, c);
-    smr_rodrigues(smr_load(turn[k / SMR_CUBE]), t); /* T - I */
+    const uint32_t further = k / SMR_CUBE;
+    smr_rodrigues(smr_v(turn[0][further], turn[1][further], turn[2][further]), t); /* T - I */
     for (uint32_t i = 0; i < 3u; i++) {
         t[4u * i] += 1.0f;
         t[3u * i] = mirrored ? -t[3u * i] : t[3u * i];

@@ -1,7 +1,7 @@
 /* align_side.c: samples of a surface, its principal axes, and the sign of its volume.
  * SPDX-License-Identifier: MIT */
 #include "start/align/align_side.h"
-
+#include "geometry/box_tree/triangle.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
 
 /* Chooses the axes' signs so that the surface's third moments along the first two are positive. Eigenvectors have no
@@ -10,7 +10,7 @@ static void turn_axes(smr_align_side *side, const smr_surface *s)
 {
     float *a = side->axes, skew[2] = {0.0f, 0.0f};
     for (uint32_t i = 0; i < s->n_vertices; i++) {
-        const smr_vec d = smr_sub(smr_load(s->xyz + 3u * (size_t)i), side->centre);
+        const smr_vec d = smr_sub(smr_get3(s->xyz, i), side->centre);
         for (uint32_t k = 0; k < 2u; k++) {
             const float along = d.x * a[k] + d.y * a[3u + k] + d.z * a[6u + k];
             skew[k] += s->area[i] * along * along * along;
@@ -30,21 +30,16 @@ static void describe(smr_align_side *side, const smr_surface *s)
     float weight = 0.0f;
     const smr_vec origin = smr_load(s->xyz);
     for (uint32_t i = 0; i < s->n_vertices; i++) {
-        sum = smr_add(sum, smr_scale(smr_sub(smr_load(s->xyz + 3u * (size_t)i), origin), s->area[i]));
+        sum = smr_add(sum, smr_scale(smr_sub(smr_get3(s->xyz, i), origin), s->area[i]));
         weight += s->area[i];
     }
     const float inverse = weight > 0.0f ? 1.0f / weight : 0.0f;
     side->centre = smr_add(origin, smr_scale(sum, inverse));
     float c[6] = {0}, value[3];
     for (uint32_t i = 0; i < s->n_vertices; i++) {
-        const smr_vec d = smr_sub(smr_load(s->xyz + 3u * (size_t)i), side->centre);
+        const smr_vec d = smr_sub(smr_get3(s->xyz, i), side->centre);
         const float w = s->area[i] * inverse;
-        c[SMR_XX] += w * d.x * d.x;
-        c[SMR_XY] += w * d.x * d.y;
-        c[SMR_XZ] += w * d.x * d.z;
-        c[SMR_YY] += w * d.y * d.y;
-        c[SMR_YZ] += w * d.y * d.z;
-        c[SMR_ZZ] += w * d.z * d.z;
+        smr_add_square(c, w, d);
     }
     side->spread = SMR_SQRT(c[SMR_XX] + c[SMR_YY] + c[SMR_ZZ]);
     smr_eigen(c, value, side->axes);
@@ -61,22 +56,10 @@ static int inside_out(const smr_surface *s, smr_vec centre)
         const uint32_t *t = s->triangle + 3u * (size_t)i;
         if (smr_surface_fragment(s, t[0]))
             continue;
-        const smr_vec a = smr_sub(smr_load(s->xyz + 3u * (size_t)t[0]), centre);
-        const smr_vec b = smr_sub(smr_load(s->xyz + 3u * (size_t)t[1]), centre);
-        const smr_vec c = smr_sub(smr_load(s->xyz + 3u * (size_t)t[2]), centre);
-        volume += smr_dot(a, smr_cross(b, c));
+        const smr_corner_values v = smr_corners_of(s->xyz, t);
+        volume += smr_dot(smr_sub(v.a, centre), smr_cross(smr_sub(v.b, centre), smr_sub(v.c, centre)));
     }
     return volume < 0.0f;
-}
-
-static int is_bare(const smr_surface *s)
-{
-    if (!smr_is_cloud(s))
-        return 0;
-    for (size_t i = 0; i < 3u * (size_t)s->n_vertices; i++)
-        if (s->normal[i] != 0.0f)
-            return 0;
-    return 1;
 }
 
 /* The vertex that has `wanted` vertices before it, without small components. at: the last vertex found, and its
@@ -95,13 +78,13 @@ void smr_align_side_make(smr_align_side *side, const smr_surface *s, uint32_t n)
     uint32_t at[2] = {0, 0};
     side->surface = s;
     side->n = n;
-    side->bare = (uint32_t)is_bare(s);
+    side->bare = smr_is_cloud(s) && smr_all_within(s->normal, 3u * (size_t)s->n_vertices, 0.0f);
     describe(side, s);
     side->outward = inside_out(s, side->centre) ? -1.0f : 1.0f;
     for (uint32_t k = 0; k < n; k++) {
         const uint32_t i = vertex_of(s, (uint32_t)(((uint64_t)2u * k + 1u) * kept / (2u * (uint64_t)n)), at);
-        side->point[k] = smr_load(s->xyz + 3u * (size_t)i);
-        side->normal[k] = smr_scale(smr_load(s->normal + 3u * (size_t)i), side->outward);
+        side->point[k] = smr_get3(s->xyz, i);
+        side->normal[k] = smr_scale(smr_get3(s->normal, i), side->outward);
         side->weight[k] = s->area[i] * inverse;
         side->pair[k].triangle = SMR_NONE;
     }

@@ -4,9 +4,7 @@
  * Bounds: those of align_find.c, and two refinements of config.basic.iterations rounds.
  * SPDX-License-Identifier: MIT */
 #include "base/arena.h"
-#include "start/align/align_find.h"
-#include "start/align/align_pose.h"
-#include "start/align/align_refine.h"
+#include "start/align/align.h"
 
 #define SMR_FAR_SHARE 0.75f       /* search limit over the larger spread */
 #define SMR_EXPLAINED_SHARE 0.08f /* matching limit, when poses are compared, over the smaller spread */
@@ -23,21 +21,14 @@
 
 smr_align_config smr_align_config_default(void)
 {
-    smr_align_config c;
-    memset(&c, 0, sizeof c);
-    c.cookie = SMR_COOKIE('A', smr_align_config);
-    c.scaled = 1;
-    c.iterations = 60;
-    c.samples = 600;
-    return c;
+    return (smr_align_config){
+        .cookie = SMR_COOKIE('A', smr_align_config), .scaled = 1, .iterations = 60, .samples = 600};
 }
 
-static smr_status check_config(const smr_align_config *config)
+static int is_legal(const smr_align_config *c)
 {
-    if (config->cookie != SMR_COOKIE('A', smr_align_config) || config->scaled > 1u || config->iterations < 1u ||
-        config->iterations > 1000u || config->samples < 16u || config->samples > 100000u)
-        return SMR_E_CONFIG;
-    return SMR_OK;
+    return c->cookie == SMR_COOKIE('A', smr_align_config) && c->scaled <= 1u && c->iterations >= 1u &&
+           c->iterations <= 1000u && c->samples >= 16u && c->samples <= 100000u;
 }
 
 /* Returns 1 for a rotation with one scale and a translation within the limits. */
@@ -49,11 +40,10 @@ static int is_pose(const smr_pose *p)
     for (uint32_t i = 0; i < 3u; i++) {
         if (!smr_within(p->m[i][3], SMR_POSE_SCALE_MAX * SMR_COORD_MAX))
             return 0;
-        for (uint32_t k = 0; k <= i; k++) {
-            const smr_vec a = smr_v(p->m[0][i], p->m[1][i], p->m[2][i]), b = smr_v(p->m[0][k], p->m[1][k], p->m[2][k]);
-            if (!smr_within(smr_dot(a, b) / (scale * scale) - (i == k ? 1.0f : 0.0f), SMR_POSE_ROUNDING))
+        for (uint32_t k = 0; k <= i; k++)
+            if (!smr_within(smr_dot(smr_column(p, i), smr_column(p, k)) / (scale * scale) - (i == k ? 1.0f : 0.0f),
+                            SMR_POSE_ROUNDING))
                 return 0;
-        }
     }
     return 1;
 }
@@ -76,7 +66,7 @@ smr_status smr_align_bytes(const smr_align_config *config, size_t *bytes)
     smr_aligner a;
     if (config == NULL || bytes == NULL)
         return SMR_E_NULL;
-    if (check_config(config) != SMR_OK)
+    if (!is_legal(config))
         return SMR_E_CONFIG;
     smr_arena arena = smr_arena_measure();
     layout(&arena, config->samples, &work, &a);
@@ -128,7 +118,6 @@ static float rms_of(smr_aligner *a, const smr_pose *pose, uint32_t samples, cons
     return smr_pairs_rms(a, share);
 }
 
-/* Compares the other poses with the best one. */
 static void compare_others(smr_align_work *w, const float share[SMR_SIDES], smr_align_report *r)
 {
     const smr_pose_list *best = &w->best;
@@ -173,19 +162,6 @@ static void report_pose(smr_align_work *w, int whole, int scaled, const smr_pose
     r->target_inside_out = a->side[SMR_TARGET].outward < 0.0f;
 }
 
-/* Finds the pose between coordinates relative to the surfaces' origins; *given is in the same coordinates. */
-static smr_status find_pose(smr_align_work *w, const smr_align_config *config, const smr_pose *given, smr_pose *pose,
-                            smr_align_report *report)
-{
-    smr_align_find(w, given);
-    if (w->best.n == 0u)
-        return SMR_E_INPUT;
-    *pose = w->best.pose[0];
-    const int whole = refine_best(w, config, pose);
-    report_pose(w, whole, config->scaled != 0u, given, pose, report);
-    return SMR_OK;
-}
-
 smr_status smr_align(const smr_surface *model, const smr_surface *target, const smr_align_config *config, void *memory,
                      size_t bytes, smr_pose *pose, smr_align_report *report)
 {
@@ -198,12 +174,12 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
         return SMR_E_NULL;
     if (!smr_surface_valid(model) || !smr_surface_valid(target))
         return SMR_E_STATE;
-    if (check_config(config) != SMR_OK)
+    if (!is_legal(config))
         return SMR_E_CONFIG;
     const smr_pose as_given = config->given == NULL ? identity : *config->given;
     if (!is_pose(&as_given))
         return SMR_E_INPUT;
-    smr_status status = smr_arena_start(&arena, memory, bytes);
+    const smr_status status = smr_arena_start(&arena, memory, bytes);
     if (status != SMR_OK)
         return status;
     memset(&parts, 0, sizeof parts);
@@ -214,11 +190,13 @@ smr_status smr_align(const smr_surface *model, const smr_surface *target, const 
     prepare(work, model, target, config->samples);
     smr_pose given = as_given, found;
     smr_pose_through(&given, smr_v(0, 0, 0), smr_sub(smr_pose_apply(&as_given, model->origin), target->origin));
-    status = find_pose(work, config, &given, &found, &said);
-    if (status != SMR_OK)
-        return status;
-    smr_pose_through(&found, model->origin,
-                     smr_add(target->origin, smr_v(found.m[0][3], found.m[1][3], found.m[2][3])));
+    smr_align_find(work, &given); /* from here on in coordinates relative to the surfaces' origins */
+    if (work->best.n == 0u)
+        return SMR_E_INPUT;
+    found = work->best.pose[0];
+    const int whole = refine_best(work, config, &found);
+    report_pose(work, whole, config->scaled != 0u, &given, &found, &said);
+    smr_pose_through(&found, model->origin, smr_add(target->origin, smr_column(&found, 3)));
     *pose = said.given ? as_given : found;
     if (report != NULL)
         *report = said;

@@ -16,6 +16,7 @@
 #include "geometry/rotation/similarity_fit.h"
 #include "geometry/linear_solve/eigen_jacobi.h"
 #include "geometry/linear_solve/thin_plate_solve.h"
+#include "geometry/surface/mesh.h"
 
 #define SMR_WARP_MAGIC 0x736d7257u
 #define SMR_WARP_AFFINE 4u /* columns of P */
@@ -50,7 +51,6 @@ typedef struct job {
     uint32_t n;        /* distinct landmarks */
 } job;
 
-/* Takes all slots from the arena, or measures them. */
 static void layout(smr_arena *a, uint32_t n, job *j, smr_warp *w)
 {
     const size_t m = (size_t)n + SMR_WARP_AFFINE;
@@ -89,50 +89,43 @@ static float extent(const float *xyz, uint32_t n)
 {
     float most = 0.0f;
     for (uint32_t i = 1; i < n; i++)
-        most = smr_max(most, smr_length(smr_sub(smr_load(xyz + 3u * (size_t)i), smr_load(xyz))));
+        most = smr_max(most, smr_length(smr_sub(smr_get3(xyz, i), smr_load(xyz))));
     return most;
 }
 
-/* The mean of n points with weights `count` (NULL: 1 each), summed relative to the first point to keep digits. */
-static smr_vec mean(const float *xyz, const float *count, uint32_t n)
+/* The mean of n points, summed relative to the first point to keep digits. */
+static smr_vec mean(const float *xyz, uint32_t n)
 {
     const smr_vec first = smr_load(xyz);
     smr_vec sum = smr_v(0, 0, 0);
-    float weight = 0.0f;
-    for (uint32_t i = 0; i < n; i++) {
-        const float c = count != NULL ? count[i] : 1.0f;
-        sum = smr_add(sum, smr_scale(smr_sub(smr_load(xyz + 3u * (size_t)i), first), c));
-        weight += c;
-    }
-    return smr_add(first, smr_scale(sum, 1.0f / weight));
+    for (uint32_t i = 0; i < n; i++)
+        sum = smr_add(sum, smr_sub(smr_get3(xyz, i), first));
+    return smr_add(first, smr_scale(sum, 1.0f / (float)n));
 }
 
 /* Merges duplicates: fills w->centre (still in mm), goal and count with the distinct landmarks. */
 static void merge(job *j, smr_warp *w, const float *from, const float *to, uint32_t n)
 {
     const float same = smr_max(SMR_SAME_MM, SMR_SAME_SHARE * extent(from, n));
-    w->from = mean(from, NULL, n);
-    w->to = mean(to, NULL, n);
+    w->from = mean(from, n);
+    w->to = mean(to, n);
     j->n = 0;
     for (uint32_t i = 0; i < n; i++) {
-        const smr_vec p = smr_sub(smr_load(from + 3u * (size_t)i), w->from);
-        const smr_vec goal = smr_sub(smr_load(to + 3u * (size_t)i), w->to);
+        const smr_vec p = smr_sub(smr_get3(from, i), w->from);
+        const smr_vec goal = smr_sub(smr_get3(to, i), w->to);
         uint32_t k = 0;
-        while (k < j->n && smr_length(smr_sub(p, smr_load(w->centre + 3u * (size_t)k))) > same)
+        while (k < j->n && smr_length(smr_sub(p, smr_get3(w->centre, k))) > same)
             k++;
         float *sum = j->goal + 3u * (size_t)k;
-        if (k == j->n) {
-            smr_store(w->centre + 3u * (size_t)k, p);
-            smr_store(sum, goal);
-            j->count[k] = 1.0f;
-            j->n++;
-        } else {
-            smr_store(sum, smr_add(smr_load(sum), goal));
-            j->count[k] += 1.0f;
-        }
+        const int known = k < j->n;
+        if (!known)
+            smr_put3(w->centre, k, p);
+        smr_store(sum, known ? smr_add(smr_load(sum), goal) : goal);
+        j->count[k] = known ? j->count[k] + 1.0f : 1.0f;
+        j->n += !known;
     }
     for (uint32_t k = 0; k < j->n; k++)
-        smr_store(j->goal + 3u * (size_t)k, smr_scale(smr_load(j->goal + 3u * (size_t)k), 1.0f / j->count[k]));
+        smr_put3(j->goal, k, smr_scale(smr_get3(j->goal, k), 1.0f / j->count[k]));
 }
 
 /* Scales w->centre to units of u and finds its principal directions and variances. */
@@ -140,7 +133,7 @@ static void normalise(job *j, smr_warp *w)
 {
     float unit = 1.0f, c[6] = {0}, v[9], most = 0.0f;
     for (uint32_t k = 0; k < j->n; k++)
-        most = smr_max(most, smr_length(smr_load(w->centre + 3u * (size_t)k)));
+        most = smr_max(most, smr_length(smr_get3(w->centre, k)));
     most = smr_max(most, SMR_SAME_MM);
     while (unit < most) /* terminates: SMR_SAME_MM <= most < 8 SMR_COORD_MAX */
         unit *= 2.0f;
@@ -149,22 +142,17 @@ static void normalise(job *j, smr_warp *w)
     w->per_mm = 1.0f / unit;
     for (size_t i = 0; i < 3u * (size_t)j->n; i++)
         w->centre[i] *= w->per_mm;
-    const smr_vec middle = mean(w->centre, NULL, j->n);
+    const smr_vec middle = mean(w->centre, j->n);
     for (uint32_t k = 0; k < j->n; k++) {
-        const smr_vec d = smr_sub(smr_load(w->centre + 3u * (size_t)k), middle);
-        c[SMR_XX] += d.x * d.x;
-        c[SMR_XY] += d.x * d.y;
-        c[SMR_XZ] += d.x * d.z;
-        c[SMR_YY] += d.y * d.y;
-        c[SMR_YZ] += d.y * d.z;
-        c[SMR_ZZ] += d.z * d.z;
+        const smr_vec d = smr_sub(smr_get3(w->centre, k), middle);
+        smr_add_square(c, 1.0f, d);
     }
     for (int i = 0; i < 6; i++)
         c[i] /= (float)j->n;
     smr_eigen(c, j->variance, v);
     for (int k = 0; k < 3; k++) {
         const float spread = SMR_SQRT(smr_max(j->variance[k], 1.0e-12f));
-        j->axis[k] = smr_scale(smr_v(v[k], v[3 + k], v[6 + k]), 1.0f / spread);
+        j->axis[k] = smr_scale(smr_axis(v, k), 1.0f / spread);
     }
 }
 
@@ -216,10 +204,8 @@ static int fit_spline(job *j, smr_warp *w)
     for (size_t i = 0; i < 3u * (size_t)j->n; i++)
         w->weight[i] = x[i] / unit;
     for (int r = 0; r < 3; r++) {
-        const float c0 = affine[3 + r], c1 = affine[6 + r], c2 = affine[9 + r];
-        w->affine.m[r][0] = c0 * j->axis[0].x + c1 * j->axis[1].x + c2 * j->axis[2].x;
-        w->affine.m[r][1] = c0 * j->axis[0].y + c1 * j->axis[1].y + c2 * j->axis[2].y;
-        w->affine.m[r][2] = c0 * j->axis[0].z + c1 * j->axis[1].z + c2 * j->axis[2].z;
+        const smr_vec one = smr_scale(j->axis[0], affine[3 + r]), two = smr_scale(j->axis[1], affine[6 + r]);
+        smr_store(w->affine.m[r], smr_add(smr_add(one, two), smr_scale(j->axis[2], affine[9 + r])));
         w->affine.m[r][3] = affine[r];
     }
     return 1;
@@ -234,13 +220,11 @@ static void fit_pose(const job *j, smr_warp *w, uint32_t kind)
         smr_fit fit;
         smr_fit_start(&fit, smr_v(0, 0, 0), smr_v(0, 0, 0));
         for (uint32_t k = 0; k < j->n; k++)
-            smr_fit_add(&fit, smr_scale(smr_load(w->centre + 3u * (size_t)k), unit), smr_load(j->goal + 3u * (size_t)k),
-                        j->count[k]);
+            smr_fit_add(&fit, smr_scale(smr_get3(w->centre, k), unit), smr_get3(j->goal, k), j->count[k]);
         p = smr_fit_solve(&fit, kind == SMR_WARP_SCALED);
     }
-    for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 3; c++)
-            p.m[r][c] *= unit;
+    for (uint32_t i = 0; i < 9u; i++)
+        p.m[i / 3u][i % 3u] *= unit;
     w->affine = p;
     w->n = 0;
 }
@@ -249,8 +233,8 @@ smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float sm
                         smr_warp **warp, uint32_t *kind)
 {
     smr_arena a;
-    job j;
-    smr_warp w;
+    job j = {0};
+    smr_warp w = {0};
     size_t needed;
     if (from == NULL || to == NULL || warp == NULL || kind == NULL)
         return SMR_E_NULL;
@@ -259,14 +243,11 @@ smr_status smr_warp_fit(const float *from, const float *to, uint32_t n, float sm
         return status;
     if (n == 0u || n > SMR_LANDMARKS_MAX || !(smoothing >= 0.0f && smoothing <= FLT_MAX))
         return SMR_E_INPUT;
-    for (size_t i = 0; i < 3u * (size_t)n; i++)
-        if (!smr_within(from[i], SMR_COORD_MAX) || !smr_within(to[i], SMR_COORD_MAX))
-            return SMR_E_INPUT;
+    if (!smr_all_within(from, 3u * (size_t)n, SMR_COORD_MAX) || !smr_all_within(to, 3u * (size_t)n, SMR_COORD_MAX))
+        return SMR_E_INPUT;
     if (smr_warp_bytes(n, &needed) != SMR_OK || needed > bytes)
         return SMR_E_ARENA;
     smr_arena_release(memory, bytes);
-    memset(&j, 0, sizeof j);
-    memset(&w, 0, sizeof w);
     layout(&a, n, &j, &w);
     merge(&j, &w, from, to, n);
     normalise(&j, &w);
@@ -291,7 +272,7 @@ static void warp_point(const smr_warp *w, float *p)
     smr_vec bend = smr_v(0, 0, 0), error = bend;
     for (uint32_t k = 0; k < w->n; k++) {
         const float *weight = w->weight + 3u * (size_t)k;
-        const float r = smr_length(smr_sub(u, smr_load(w->centre + 3u * (size_t)k)));
+        const float r = smr_length(smr_sub(u, smr_get3(w->centre, k)));
         smr_add_exact(-weight[0] * r, &bend.x, &error.x);
         smr_add_exact(-weight[1] * r, &bend.y, &error.y);
         smr_add_exact(-weight[2] * r, &bend.z, &error.z);
@@ -305,9 +286,8 @@ smr_status smr_warp_apply(const smr_warp *warp, float *xyz, uint32_t n)
         return SMR_E_NULL;
     if (warp->magic != SMR_WARP_MAGIC)
         return SMR_E_STATE;
-    for (size_t i = 0; i < 3u * (size_t)n; i++)
-        if (!smr_within(xyz[i], SMR_COORD_MAX))
-            return SMR_E_INPUT;
+    if (!smr_all_within(xyz, 3u * (size_t)n, SMR_COORD_MAX))
+        return SMR_E_INPUT;
     for (uint32_t i = 0; i < n; i++)
         warp_point(warp, xyz + 3u * (size_t)i);
     return SMR_OK;
