@@ -14,8 +14,8 @@
 
 static int refuse(host_error *error, const char *place, smr_status status)
 {
-    error->file = "bench";
-    return host_fail(error, place, "input and options within the library's limits (%s)", smr_status_name(status));
+    return host_fail_of(error, "bench", place, "input and options within the library's limits (%s)",
+                        smr_status_name(status));
 }
 
 /* Moves the surfaces of a part of the thigh into the job, as structure i. The thigh keeps its images and landmarks. */

@@ -53,8 +53,7 @@ void host_report_free(host_report_head *head);
 /* "0.1.0": the version of this program. */
 const char *host_report_version(void);
 
-/* Reads a whole number of 0 to 2^53, and a number or null (NaN). 0, or -1 with the error filled. */
+/* Reads a whole number of 0 to 2^53. 0, or -1 with the error filled. */
 int host_scan_count(host_scan *scan, uint64_t *value);
-int host_scan_number_or_null(host_scan *scan, double *value);
 
 #endif

@@ -77,21 +77,17 @@ static int write_set(const phantom *ph, int set, host_output *output, host_error
     int result = 0;
     for (uint32_t i = 0; result == 0 && i < FIXTURE_THIGH_PARTS; i++) {
         (void)snprintf(name, sizeof name, "%s/%s.ply", set_names[set], ph->thigh.thigh.part[i].name);
-        buffer.size = 0;
         host_mesh_write(&ph->thigh.mesh[set][i], HOST_FORMAT_PLY, &buffer);
-        result = host_output_add(output, name, &buffer, error);
+        result = host_output_take(output, name, &buffer, 0, error);
     }
     if (result == 0) {
-        buffer.size = 0;
         put_image(ph, set, &buffer);
-        result = host_output_add(output, image_names[set], &buffer, error);
+        result = host_output_take(output, image_names[set], &buffer, 0, error);
     }
     if (result == 0) {
-        buffer.size = 0;
         put_landmarks(ph, set, &buffer);
-        result = host_output_add(output, landmark_names[set], &buffer, error);
+        result = host_output_take(output, landmark_names[set], &buffer, 0, error);
     }
-    host_buffer_free(&buffer);
     return result;
 }
 

@@ -81,20 +81,17 @@ static int write_surfaces(const host_label_map *map, const host_label_surface *s
     int result = 0;
     for (uint32_t i = 0; result == 0 && i < map->n_labels; i++) {
         (void)snprintf(name, sizeof name, "%s.ply", map->label[i].name);
-        buffer.size = 0;
         colour_of(&map->label[i], i, colour);
         if (map->label[i].coloured)
             host_mesh_write_coloured(&surface[i].mesh, colour, &buffer);
         else
             host_mesh_write(&surface[i].mesh, HOST_FORMAT_PLY, &buffer);
-        result = host_output_add(output, name, &buffer, error);
+        result = host_output_take(output, name, &buffer, 0, error);
     }
     if (result == 0) {
-        buffer.size = 0;
         put_table(map, &buffer);
-        result = host_output_add(output, TABLE, &buffer, error);
+        result = host_output_take(output, TABLE, &buffer, 0, error);
     }
-    host_buffer_free(&buffer);
     return result;
 }
 

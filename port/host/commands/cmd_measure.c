@@ -103,8 +103,8 @@ static int load(measured *m, const host_options *options, const smr_port *port, 
     if (host_load_all(port, m->load, m->n, error) != 0)
         return -1;
     if (m->load[0].mesh.n_triangles == 0 && m->load[1].mesh.n_triangles == 0) {
-        error->file = m->load[1].path;
-        return host_fail(error, "faces", "at least one triangle, for one of the two must be a surface");
+        return host_fail_of(error, m->load[1].path, "faces",
+                            "at least one triangle, for one of the two must be a surface");
     }
     return 0;
 }

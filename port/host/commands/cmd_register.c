@@ -21,11 +21,9 @@ static int write_surfaces(const host_job *job, host_output *output, host_error *
         char name[SMR_NAME_BYTES + 4u];
         (void)snprintf(name, sizeof name, "%s%s", job->model.part[i].name,
                        host_format_extension((int)job->options->format));
-        buffer.size = 0;
         host_job_surface(job, i, &buffer);
-        result = host_output_add(output, name, &buffer, error);
+        result = host_output_take(output, name, &buffer, 0, error);
     }
-    host_buffer_free(&buffer);
     return result;
 }
 
@@ -34,9 +32,7 @@ static int write_carry(const host_job *job, host_output *output, host_error *err
 {
     host_buffer buffer = {0};
     host_job_carry(job, &buffer);
-    int result = host_output_add(output, HOST_CARRY_NAME, &buffer, error);
-    host_buffer_free(&buffer);
-    return result;
+    return host_output_take(output, HOST_CARRY_NAME, &buffer, 0, error);
 }
 
 /* The log, or the save. */

@@ -50,6 +50,14 @@ void host_file_keep_checksums(void);
  * of memory; free(*inputs). */
 int host_file_list(size_t first, size_t end, host_input **inputs);
 
+/* Calls take(context, block, n) for the blocks of an open file, of a multiple of 8 bytes but for the last one. 0, or -1
+ * with the error filled. */
+int host_file_blocks(int fd, void (*take)(void *context, const unsigned char *block, size_t n), void *context,
+                     host_error *error);
+
+/* Finds the size and the checksum of the rest of an open file. 0, or -1 with the error filled. */
+int host_file_sum(int fd, uint64_t *bytes, uint32_t *crc32, host_error *error);
+
 void host_file_free(host_bytes *bytes);
 
 #endif

@@ -278,6 +278,14 @@ int host_output_add(host_output *output, const char *name, const host_buffer *co
                           : add(output, output->directory, name, content, error);
 }
 
+int host_output_take(host_output *output, const char *name, host_buffer *content, int result, host_error *error)
+{
+    if (result == 0)
+        result = host_output_add(output, name, content, error);
+    host_buffer_free(content);
+    return result;
+}
+
 int host_output_add_path(host_output *output, const char *path, const host_buffer *content, host_error *error)
 {
     return output == NULL ? host_fail(error, "output", "free memory") : add(output, NULL, path, content, error);
@@ -354,8 +362,5 @@ int host_output_end(host_output *output, int result, host_error *error)
 int host_output_file(const char *directory, const char *name, host_buffer *content, int result, host_error *error)
 {
     host_output *const output = result == 0 ? host_output_begin(directory) : NULL;
-    if (result == 0)
-        result = host_output_add(output, name, content, error);
-    host_buffer_free(content);
-    return host_output_end(output, result, error);
+    return host_output_end(output, host_output_take(output, name, content, result, error), error);
 }

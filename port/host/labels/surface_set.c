@@ -296,9 +296,8 @@ static int give_value(const host_surface_set *set, uint32_t i, const host_names 
         host_label_colour(i, label->colour);
     for (uint32_t k = 0; k < i; k++)
         if (set->label[k].value == label->value) {
-            error->file = set->load[i].path;
-            return host_fail(error, "names", "a label of its own, %u is also that of '%s'", label->value,
-                             set->label[k].name);
+            return host_fail_of(error, set->load[i].path, "names", "a label of its own, %u is also that of '%s'",
+                                label->value, set->label[k].name);
         }
     return 0;
 }
@@ -342,10 +341,8 @@ static int load_surfaces(host_surface_set *set, const smr_port *port, host_error
         return -1;
     set->n = frame.files.n;
     for (uint32_t i = 0; i < set->n; i++)
-        if (set->load[i].mesh.n_triangles == 0) {
-            error->file = set->load[i].path;
-            return host_fail(error, "faces", "at least one triangle");
-        }
+        if (set->load[i].mesh.n_triangles == 0)
+            return host_fail_of(error, set->load[i].path, "faces", "at least one triangle");
     return 0;
 }
 

@@ -383,10 +383,8 @@ static int all_in(const host_landmarks *a, const host_landmarks *b, const char *
                   host_error *error)
 {
     for (uint32_t i = 0; i < a->n; i++)
-        if (find(b, a->label[i]) == b->n) {
-            error->file = b_path;
-            return host_fail(error, "landmarks", "one labelled \"%s\" as in %s", a->label[i], a_path);
-        }
+        if (find(b, a->label[i]) == b->n)
+            return host_fail_of(error, b_path, "landmarks", "one labelled \"%s\" as in %s", a->label[i], a_path);
     return 0;
 }
 

@@ -233,8 +233,7 @@ int host_model_prepare(host_model *model, const smr_prepare_config *config, host
 
 static int refuse_prepared(const host_options *options, host_error *error)
 {
-    error->file = options->prepare_option;
-    return host_fail(error, "option", "a model of surfaces: a .smr is prepared already");
+    return host_fail_of(error, options->prepare_option, "option", "a model of surfaces: a .smr is prepared already");
 }
 
 /* An image beside the model is legal, but no profile comes of it. */

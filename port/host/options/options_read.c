@@ -3,19 +3,16 @@
 #include "options/options.h"
 
 #include <float.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text_scan.h"
 #include "options/options_table.h"
 
-static host_word word_of(const char *text)
-{
-    host_word word;
-    word.start = text;
-    word.n = strlen(text);
-    return word;
-}
+#define OF(field) offsetof(host_options, field)
+
+static host_word word_of(const char *text) { return (host_word){text, strlen(text)}; }
 
 static int refuse_number(const host_option *o, host_word value, host_error *error)
 {
@@ -192,6 +189,16 @@ static uint32_t operands_most(int command, int argc)
     return command == HOST_SUMMARY ? (uint32_t)argc : SMR_STRUCTURES_MAX;
 }
 
+static const size_t lists[] = {OF(model),  OF(target),       OF(operands),       OF(landmarks),
+                               OF(frames), OF(volume_ratio), OF(landmark_goals), OF(contact_with)};
+
+#define N_LISTS (sizeof lists / sizeof lists[0])
+
+static host_files *list_at(host_options *options, size_t i)
+{
+    return (host_files *)(void *)((unsigned char *)options + lists[i]);
+}
+
 static int set_defaults(int command, int argc, int paper, host_options *options)
 {
     memset(options, 0, sizeof *options);
@@ -206,21 +213,15 @@ static int set_defaults(int command, int argc, int paper, host_options *options)
     options->mirror_target = HOST_MIRROR_NONE;
     options->prepare = paper ? smr_prepare_config_paper() : smr_prepare_config_default();
     options->config = paper ? smr_config_paper() : smr_config_default();
-    options->model.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
-    options->target.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
-    options->operands.path = calloc(operands_most(command, argc), sizeof(char *));
-    options->landmarks.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
-    options->landmark_goals.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
-    options->frames.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
-    options->volume_ratio.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
-    options->contact_with.path = calloc(SMR_STRUCTURES_MAX, sizeof(char *));
     options->goal_weight = 1.0f;
-    return options->model.path == NULL || options->target.path == NULL || options->operands.path == NULL ||
-                   options->landmarks.path == NULL || options->landmark_goals.path == NULL ||
-                   options->frames.path == NULL || options->volume_ratio.path == NULL ||
-                   options->contact_with.path == NULL
-               ? -1
-               : 0;
+    for (size_t i = 0; i < N_LISTS; i++) {
+        host_files *const files = list_at(options, i);
+        files->path = calloc(files == &options->operands ? operands_most(command, argc) : SMR_STRUCTURES_MAX,
+                             sizeof *files->path);
+        if (files->path == NULL)
+            return -1;
+    }
+    return 0;
 }
 
 int host_options_read(int command, int argc, char **argv, host_options *options, host_error *error)
@@ -254,13 +255,7 @@ int host_options_read(int command, int argc, char **argv, host_options *options,
 
 void host_options_free(host_options *options)
 {
-    free(options->model.path);
-    free(options->target.path);
-    free(options->operands.path);
-    free(options->landmarks.path);
-    free(options->frames.path);
-    free(options->volume_ratio.path);
-    free(options->landmark_goals.path);
-    free(options->contact_with.path);
+    for (size_t i = 0; i < N_LISTS; i++)
+        free(list_at(options, i)->path);
     memset(options, 0, sizeof *options);
 }

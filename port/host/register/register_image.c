@@ -143,8 +143,8 @@ int host_job_load_images(host_job *job, host_error *error)
 {
     volumes v = {0};
     if (job->model_is_prepared && job->model.info.profile_samples == 0) {
-        error->file = job->options->model.path[0];
-        return host_fail(error, "profiles", "a model built with --reference, for the target is a volume");
+        return host_fail_of(error, job->options->model.path[0], "profiles",
+                            "a model built with --reference, for the target is a volume");
     }
     v.job = job;
     host_parallel(&job->port.port, read_volume, &v, 2);

@@ -157,9 +157,8 @@ int host_job_check_format(const host_job *job, host_error *error)
 {
     for (uint32_t i = 0; i < job->model.n_parts && job->options->format == HOST_FORMAT_STL; i++)
         if (job->model.part[i].mesh.n_triangles == 0) {
-            error->file = "--format";
-            return host_fail(error, "stl", "triangles in each structure, %.100s has points only",
-                             job->model.part[i].name);
+            return host_fail_of(error, "--format", "stl", "triangles in each structure, %.100s has points only",
+                                job->model.part[i].name);
         }
     return 0;
 }

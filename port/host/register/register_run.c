@@ -43,8 +43,8 @@ static int host_volume_ratios_set(const host_job *job, host_error *error)
 
 static int refuse(host_error *error, const char *place, smr_status status)
 {
-    error->file = "register";
-    return host_fail(error, place, "input and options within the library's limits (%s)", smr_status_name(status));
+    return host_fail_of(error, "register", place, "input and options within the library's limits (%s)",
+                        smr_status_name(status));
 }
 
 /* Sets every structure's start positions from the landmarks. */

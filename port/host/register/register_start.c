@@ -220,8 +220,8 @@ int host_job_make_surfaces(host_job *job, host_error *error)
         build_target(job->target, i, 0);
     for (uint32_t i = 0; i < job->n_targets; i++)
         if (job->target[i].users > 0 && job->target[i].surface == NULL && job->target[i].points == NULL) {
-            error->file = job->target[i].path;
-            return host_fail(error, "surface", "a surface within the library's limits and free memory for it");
+            return host_fail_of(error, job->target[i].path, "surface",
+                                "a surface within the library's limits and free memory for it");
         }
     return 0;
 }

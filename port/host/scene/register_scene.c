@@ -176,11 +176,10 @@ static int add_points(making *m, const host_landmarks *set, float xyz[HOST_LANDM
         buffer.failed = 1;
     else
         host_points_write(&points, file, &buffer);
-    result = host_output_add(m->output, file, &buffer, error);
+    result = host_output_take(m->output, file, &buffer, 0, error);
     if (result == 0)
         host_scene_points(&m->scene, name, path, color);
     host_points_free(&points);
-    host_buffer_free(&buffer);
     free(path);
     return result;
 }

@@ -123,9 +123,7 @@ int host_track_points_add(const host_track_points *t, const char *frame, host_ou
         return 0;
     (void)snprintf(name, sizeof name, "%s/%s", frame, t->file);
     host_points_write(&t->points, t->file, &buffer);
-    int result = host_output_add(output, name, &buffer, error);
-    host_buffer_free(&buffer);
-    return result;
+    return host_output_take(output, name, &buffer, 0, error);
 }
 
 void host_track_points_free(host_track_points *t)
